@@ -1,0 +1,93 @@
+// One dynamic mesh: features in, differences out.
+//
+// Invariants, at every revision:
+//   1. the mesh is a function of options and feature set, bit for bit;
+//   2. a batch that is refused, cancelled or over a limit changes nothing;
+//   3. every simplex is Delaunay, every input point a vertex, every input segment
+//      a chain of edges, every simplex within the quality asked for.
+//
+// Thread-safety: thread-compatible. One thread may change a mesh while none reads.
+#ifndef DYNMESH_DYNAMIC_MESH_H_
+#define DYNMESH_DYNAMIC_MESH_H_
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/mesh.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh {
+
+struct ApplyOptions {
+  // Polled between operations; when it turns true the batch is undone: CANCELLED.
+  const std::atomic<bool>* cancelled = nullptr;
+};
+
+struct MeshStats {
+  std::uint64_t revision = 0;
+  std::uint64_t features = 0;
+  std::uint64_t vertices = 0;     // those of the domain box included
+  std::uint64_t simplices = 0;
+  std::uint64_t subsegments = 0;
+  std::uint64_t operations = 0;   // in the trace
+  std::uint64_t trace_bytes = 0;  // operations, registrations, requests, order
+  std::uint64_t mesh_bytes = 0;   // vertices, triangulation, indices
+};
+
+// What an audit found. `trace` hashes the complete trace: equal to a from-scratch
+// run's exactly if the two computations are the same.
+struct AuditReport {
+  std::vector<std::string> problems;  // empty: every invariant holds
+  MeshHash trace;
+};
+
+class DynamicMesh {
+ public:
+  // A mesh of the bare domain box, revision 0. INVALID_ARGUMENT for bad options.
+  static absl::StatusOr<std::unique_ptr<DynamicMesh>> Create(const MeshOptions& options);
+
+  virtual ~DynamicMesh() = default;
+
+  // Makes the next revision from `batch`; an empty batch makes none (the diff is
+  // then empty, from = to). Expected time O(m_f lg L/s) for the m_f vertices that
+  // the features of the batch carry. Errors name the features (error.h).
+  virtual absl::StatusOr<MeshDiff> Apply(const EditBatch& batch,
+                                         const ApplyOptions& apply_options = {}) = 0;
+
+  // Would Apply accept the features of `batch`? (Limits are not tried.) No change.
+  virtual absl::Status Validate(const EditBatch& batch) const = 0;
+
+  // The whole mesh, O(size).
+  virtual Mesh Snapshot() const = 0;
+
+  // For each of n points (n x dimension coordinates), the canonical ids of a simplex
+  // that holds it: n x (dimension + 1) ids, all 0 where a point is outside the domain.
+  virtual SimplexColumn Locate(std::span<const double> points) const = 0;
+
+  // The features present, by id.
+  virtual std::vector<Feature> Features() const = 0;
+
+  virtual const MeshOptions& options() const = 0;
+  virtual std::uint64_t revision() const = 0;
+  virtual MeshHash hash() const = 0;
+  virtual MeshStats Stats() const = 0;
+
+  // Checks every invariant of trace and mesh, O(size). For tests and support.
+  virtual AuditReport Audit() const = 0;
+};
+
+// The static path: the same mesh as a DynamicMesh with these features, without a
+// trace, hence faster. Revision 1 (0 if there is no feature).
+absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options);
+
+}  // namespace dynmesh
+
+#endif  // DYNMESH_DYNAMIC_MESH_H_

@@ -1,0 +1,53 @@
+// Machine-readable detail of an error status: which features, and why.
+#ifndef DYNMESH_ERROR_H_
+#define DYNMESH_ERROR_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh {
+
+// Reasons, as they stand in google.rpc.ErrorInfo. UPPER_SNAKE, stable.
+namespace reason {
+inline constexpr char kNotFinite[] = "NOT_FINITE";
+inline constexpr char kOutsideBox[] = "OUTSIDE_BOX";
+inline constexpr char kBadId[] = "BAD_ID";                    // 0, reserved
+inline constexpr char kIdInUse[] = "ID_IN_USE";               // add of a present id
+inline constexpr char kUnknownFeature[] = "UNKNOWN_FEATURE";  // set, remove, move of an absent id
+inline constexpr char kUnknownEnd[] = "UNKNOWN_END";          // a segment's end is no point present
+inline constexpr char kDegenerateSegment[] = "DEGENERATE_SEGMENT";  // both ends the same point
+inline constexpr char kPointInUse[] = "POINT_IN_USE";               // removed, a segment still needs it
+inline constexpr char kDuplicatePoint[] = "DUPLICATE_POINT";
+inline constexpr char kDuplicateSegment[] = "DUPLICATE_SEGMENT";
+inline constexpr char kPointOnSegment[] = "POINT_ON_SEGMENT";
+inline constexpr char kSegmentsCross[] = "SEGMENTS_CROSS";
+inline constexpr char kSegmentsOverlap[] = "SEGMENTS_OVERLAP";
+inline constexpr char kSmallAngle[] = "SMALL_INPUT_ANGLE";
+inline constexpr char kTooClose[] = "TOO_CLOSE";
+inline constexpr char kWrongKind[] = "WRONG_KIND";  // move of a segment, unknown kind
+inline constexpr char kVertexLimit[] = "VERTEX_LIMIT";
+inline constexpr char kDepthLimit[] = "DEPTH_LIMIT";
+inline constexpr char kCancelled[] = "CANCELLED";
+inline constexpr char kBadOption[] = "BAD_OPTION";
+}  // namespace reason
+
+struct ErrorDetail {
+  std::string reason;                // one of reason::k*
+  std::vector<FeatureId> features;   // those involved, the offender first
+  std::optional<std::size_t> edit;   // index in the batch of the edit to blame, if one is
+  friend bool operator==(const ErrorDetail&, const ErrorDetail&) = default;
+};
+
+// A status with `detail` attached. The message says what to do.
+absl::Status MakeError(absl::StatusCode code, std::string message, ErrorDetail detail);
+
+// The detail of a status made by MakeError, else nothing.
+std::optional<ErrorDetail> GetErrorDetail(const absl::Status& status);
+
+}  // namespace dynmesh
+
+#endif  // DYNMESH_ERROR_H_

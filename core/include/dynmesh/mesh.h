@@ -1,0 +1,122 @@
+// Results as plain data: a whole mesh, the difference of two, and the hashes
+// that name and prove them. All ids are functions of coordinates alone, so that
+// a restarted server, a replica and a file speak of the same vertices.
+#ifndef DYNMESH_MESH_H_
+#define DYNMESH_MESH_H_
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh {
+
+// A fixed hash of a vertex's coordinates, never 0.
+using VertexId = std::uint64_t;
+
+// The id of the vertex at `coordinates` (dimension of them; -0 counts as +0).
+// `salt` is 0 but for the coordinate-greater of two vertices that collide.
+VertexId VertexIdAt(const double* coordinates, int dimension, std::uint64_t salt = 0);
+
+// 128 bits, added and subtracted per word modulo 2^64: the hash of a mesh is the
+// sum over its vertices, simplices and subsegments, hence updated by a diff.
+struct MeshHash {
+  std::uint64_t hi = 0;
+  std::uint64_t lo = 0;
+  MeshHash& operator+=(const MeshHash& o) { hi += o.hi, lo += o.lo; return *this; }
+  MeshHash& operator-=(const MeshHash& o) { hi -= o.hi, lo -= o.lo; return *this; }
+  friend bool operator==(const MeshHash&, const MeshHash&) = default;
+  std::string ToHex() const;  // 32 lower-case hex digits, hi first
+  static absl::StatusOr<MeshHash> FromHex(std::string_view hex);
+};
+
+MeshHash HashVertex(const double* coordinates, int dimension, int containing_dimension,
+                    FeatureId owner);
+// `ids` in canonical order (below).
+MeshHash HashSimplex(const VertexId* ids, int count);
+MeshHash HashSubsegment(VertexId a, VertexId b, FeatureId owner);
+
+// Columns of n vertices.
+struct VertexColumns {
+  std::vector<VertexId> ids;
+  std::vector<double> coordinates;  // n x dimension, vertex by vertex
+  // 0: an input point or a corner of the domain grid, 1: on a segment,
+  // dimension of the mesh: free.
+  std::vector<std::uint8_t> containing_dimensions;
+  std::vector<FeatureId> owners;  // the feature it lies on; kNoFeature if free
+  std::size_t size() const { return ids.size(); }
+  friend bool operator==(const VertexColumns&, const VertexColumns&) = default;
+};
+
+// n simplices, dimension + 1 vertex ids each, positively oriented (in the plane:
+// counter-clockwise), the least id first: its *canonical order*.
+using SimplexColumn = std::vector<VertexId>;
+
+// The pieces into which vertices cut the input segments and the box's sides.
+struct SubsegmentColumns {
+  std::vector<VertexId> ends;     // n x 2, the lesser id first
+  std::vector<FeatureId> owners;  // n
+  std::size_t size() const { return owners.size(); }
+  friend bool operator==(const SubsegmentColumns&, const SubsegmentColumns&) = default;
+};
+
+// What a propagation did.
+struct WorkCounters {
+  std::uint64_t executed = 0;  // operation bodies run, new operations included
+  std::uint64_t created = 0;   // operations that are new
+  std::uint64_t dropped = 0;   // operations that are gone
+  double microseconds = 0;     // whole Apply: validation, propagation, diff, hash
+};
+
+// A whole mesh at one revision. Rows are in no particular order unless
+// Canonicalize was called.
+struct Mesh {
+  int dimension = 2;
+  std::uint64_t revision = 0;
+  VertexColumns vertices;
+  SimplexColumn simplices;
+  SubsegmentColumns subsegments;
+  MeshHash hash;
+
+  std::size_t simplex_count() const { return simplices.size() / (dimension + 1); }
+};
+
+// Mesh at `to_revision` less the mesh at `from_revision`. A vertex that keeps its
+// place but changes owner or containing dimension stands in both vertex lists.
+struct MeshDiff {
+  int dimension = 2;
+  std::uint64_t from_revision = 0;
+  std::uint64_t to_revision = 0;
+  std::vector<VertexId> removed_vertices;
+  SimplexColumn removed_simplices;
+  SubsegmentColumns removed_subsegments;
+  VertexColumns added_vertices;
+  SimplexColumn added_simplices;
+  SubsegmentColumns added_subsegments;
+  WorkCounters work;
+  MeshHash hash;  // of the mesh at to_revision
+
+  std::size_t added_simplex_count() const { return added_simplices.size() / (dimension + 1); }
+  std::size_t removed_simplex_count() const { return removed_simplices.size() / (dimension + 1); }
+};
+
+// The sum of the hashes of all parts, from nothing.
+MeshHash ComputeHash(const Mesh& mesh);
+
+// Sorts every column: vertices by id, simplices and subsegments lexicographically.
+void Canonicalize(Mesh& mesh);
+void Canonicalize(MeshDiff& diff);
+
+// Applies `diff` to `mesh` (revision must be from_revision) and checks the hash.
+// FAILED_PRECONDITION on a gap, DATA_LOSS if a part to remove is missing or the
+// hash disagrees; `mesh` is then unspecified. O(mesh); see mesh/mesh_store.h for O(diff).
+absl::Status ApplyDiff(Mesh& mesh, const MeshDiff& diff);
+
+}  // namespace dynmesh
+
+#endif  // DYNMESH_MESH_H_

@@ -1,0 +1,58 @@
+// What a mesh is asked to be. Fixed when the mesh is created.
+#ifndef DYNMESH_OPTIONS_H_
+#define DYNMESH_OPTIONS_H_
+
+#include <array>
+#include <cstdint>
+
+#include "absl/status/status.h"
+
+namespace dynmesh {
+
+// An axis-parallel box, closed. Entries past the dimension are ignored.
+struct Box {
+  std::array<double, 3> lo = {0, 0, 0};
+  std::array<double, 3> hi = {1, 1, 1};
+  friend bool operator==(const Box&, const Box&) = default;
+};
+
+// When is refinement done? kEdge: every simplex has circumradius / shortest
+// edge <= quality. kThesis: every vertex's Voronoi cell lies within quality
+// times its nearest-neighbour distance (stronger, 1.6 to 2.2 times the vertices).
+enum class Criterion : std::uint8_t { kEdge = 1, kThesis = 2 };
+
+struct Limits {
+  // Most vertices a mesh may have, those of the domain box included. An edit
+  // that would pass it is undone and refused with RESOURCE_EXHAUSTED.
+  std::uint64_t max_vertices = 50'000'000;
+  // Most halvings of an input segment; a fuse, far above what valid input needs.
+  int max_depth = 60;
+  friend bool operator==(const Limits&, const Limits&) = default;
+};
+
+inline constexpr double kMinQuality2D = 1.0;
+inline constexpr double kMaxQuality = 100.0;
+inline constexpr double kDefaultQuality2D = 1.4142135623730951;
+
+struct MeshOptions {
+  int dimension = 2;  // 2; 3 is to come
+  Box box;            // where features may lie
+  // rho, the largest circumradius / shortest edge: 1 to 100 in the plane, where
+  // the least angle is arcsin(1 / (2 rho)): 20.7 degrees at the default, 30 at 1.
+  double quality = kDefaultQuality2D;
+  Criterion criterion = Criterion::kEdge;
+  Limits limits;
+  friend bool operator==(const MeshOptions&, const MeshOptions&) = default;
+};
+
+// INVALID_ARGUMENT, naming the field, unless a mesh can be made with `options`.
+absl::Status ValidateOptions(const MeshOptions& options);
+
+// The square or cube that is meshed: the user's box in its middle (algorithm:
+// Sec. 4.4 of the thesis). Vertices and segments of its border belong to
+// kBoxFeature.
+Box DomainBox(const MeshOptions& options);
+
+}  // namespace dynmesh
+
+#endif  // DYNMESH_OPTIONS_H_
