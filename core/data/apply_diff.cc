@@ -1,0 +1,19 @@
+// ApplyDiff of dynmesh/mesh.h: the convenient way, for a mesh held as columns.
+#include <utility>
+
+#include "absl/status/status.h"
+#include "core/data/mesh_store.h"
+#include "dynmesh/mesh.h"
+
+namespace dynmesh {
+
+// Better than promised: `mesh` is unchanged on failure.
+absl::Status ApplyDiff(Mesh& mesh, const MeshDiff& diff) {
+  absl::StatusOr<data::MeshStore> store = data::MeshStore::FromMesh(mesh);
+  if (!store.ok()) return store.status();
+  if (auto status = store->Apply(diff); !status.ok()) return status;
+  mesh = store->ToMesh();
+  return absl::OkStatus();
+}
+
+}  // namespace dynmesh

@@ -1,0 +1,259 @@
+#include "core/data/mesh_store.h"
+
+#include <string>
+#include <utility>
+
+#include "core/data/text.h"
+
+namespace dynmesh::data {
+namespace {
+
+bool Agree(int dimension, const VertexColumns& v) {
+  const std::size_t n = v.ids.size();
+  return v.coordinates.size() == n * static_cast<std::size_t>(dimension) &&
+         v.containing_dimensions.size() == n && v.owners.size() == n;
+}
+
+bool Agree(int dimension, const SimplexColumn& s) {
+  return s.size() % (static_cast<std::size_t>(dimension) + 1) == 0;
+}
+
+bool Agree(const SubsegmentColumns& s) { return s.ends.size() == 2 * s.owners.size(); }
+
+absl::Status BadColumns(std::string_view what) {
+  return absl::InvalidArgumentError(Concat("the columns of ", what, " disagree in length"));
+}
+
+absl::Status CheckDimension(int dimension) {
+  if (dimension == 2 || dimension == 3) return absl::OkStatus();
+  return absl::InvalidArgumentError(Concat("dimension ", dimension, " is neither 2 nor 3"));
+}
+
+absl::Status Lost(std::string_view what, std::string_view trouble) {
+  return absl::DataLossError(Concat(what, " ", trouble, ": take a new snapshot"));
+}
+
+std::string VertexName(VertexId id) { return Concat("vertex ", Hex(id)); }
+
+}  // namespace
+
+absl::Status CheckColumns(const Mesh& mesh) {
+  if (auto status = CheckDimension(mesh.dimension); !status.ok()) return status;
+  if (!Agree(mesh.dimension, mesh.vertices)) return BadColumns("vertices");
+  if (!Agree(mesh.dimension, mesh.simplices)) return BadColumns("simplices");
+  if (!Agree(mesh.subsegments)) return BadColumns("subsegments");
+  return absl::OkStatus();
+}
+
+absl::Status CheckColumns(const MeshDiff& diff) {
+  if (auto status = CheckDimension(diff.dimension); !status.ok()) return status;
+  if (!Agree(diff.dimension, diff.added_vertices)) return BadColumns("added vertices");
+  if (!Agree(diff.dimension, diff.added_simplices)) return BadColumns("added simplices");
+  if (!Agree(diff.dimension, diff.removed_simplices)) return BadColumns("removed simplices");
+  if (!Agree(diff.added_subsegments)) return BadColumns("added subsegments");
+  if (!Agree(diff.removed_subsegments)) return BadColumns("removed subsegments");
+  return absl::OkStatus();
+}
+
+// What has been seen of a diff while nothing has been changed yet.
+struct MeshStore::Netting {
+  MeshHash hash;
+  absl::flat_hash_set<VertexId> removed_vertices, added_vertices;
+  absl::flat_hash_set<SimplexKey> removed_simplices, added_simplices;
+  absl::flat_hash_set<SubsegmentKey> removed_subsegments, added_subsegments;
+};
+
+MeshStore::SimplexKey MeshStore::MakeSimplexKey(const VertexId* ids, int count) {
+  SimplexKey key = {0, 0, 0, 0};
+  for (int i = 0; i < count; ++i) key[static_cast<std::size_t>(i)] = ids[i];
+  return key;
+}
+
+MeshStore::SubsegmentKey MeshStore::MakeSubsegmentKey(VertexId a, VertexId b, FeatureId owner) {
+  if (b < a) std::swap(a, b);
+  return {a, b, owner};
+}
+
+absl::Status MeshStore::NetVertices(const MeshDiff& diff, Netting& netting) const {
+  for (const VertexId id : diff.removed_vertices) {
+    const auto it = vertices_.find(id);
+    if (it == vertices_.end()) return Lost(VertexName(id), "is to go but is absent");
+    if (!netting.removed_vertices.insert(id).second) return Lost(VertexName(id), "goes twice");
+    const Vertex& v = it->second;
+    netting.hash -= HashVertex(v.coordinates.data(), dimension_, v.containing_dimension, v.owner);
+  }
+  const VertexColumns& added = diff.added_vertices;
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    const VertexId id = added.ids[i];
+    if (vertices_.contains(id) && !netting.removed_vertices.contains(id)) {
+      return Lost(VertexName(id), "is to come but is present");
+    }
+    if (!netting.added_vertices.insert(id).second) return Lost(VertexName(id), "comes twice");
+    netting.hash += HashVertex(&added.coordinates[i * static_cast<std::size_t>(dimension_)],
+                               dimension_, added.containing_dimensions[i], added.owners[i]);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status MeshStore::NetSimplices(const MeshDiff& diff, Netting& netting) const {
+  const int count = dimension_ + 1;
+  const std::size_t width = static_cast<std::size_t>(count);
+  for (std::size_t i = 0; i < diff.removed_simplex_count(); ++i) {
+    const VertexId* ids = &diff.removed_simplices[i * width];
+    const SimplexKey key = MakeSimplexKey(ids, count);
+    if (!simplices_.contains(key)) return Lost("a simplex", "is to go but is absent");
+    if (!netting.removed_simplices.insert(key).second) return Lost("a simplex", "goes twice");
+    netting.hash -= HashSimplex(ids, count);
+  }
+  for (std::size_t i = 0; i < diff.added_simplex_count(); ++i) {
+    const VertexId* ids = &diff.added_simplices[i * width];
+    const SimplexKey key = MakeSimplexKey(ids, count);
+    if (simplices_.contains(key) && !netting.removed_simplices.contains(key)) {
+      return Lost("a simplex", "is to come but is present");
+    }
+    if (!netting.added_simplices.insert(key).second) return Lost("a simplex", "comes twice");
+    netting.hash += HashSimplex(ids, count);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status MeshStore::NetSubsegments(const MeshDiff& diff, Netting& netting) const {
+  const SubsegmentColumns& removed = diff.removed_subsegments;
+  for (std::size_t i = 0; i < removed.size(); ++i) {
+    const auto key =
+        MakeSubsegmentKey(removed.ends[2 * i], removed.ends[2 * i + 1], removed.owners[i]);
+    if (!subsegments_.contains(key)) return Lost("a subsegment", "is to go but is absent");
+    if (!netting.removed_subsegments.insert(key).second) {
+      return Lost("a subsegment", "goes twice");
+    }
+    netting.hash -= HashSubsegment(key[0], key[1], key[2]);
+  }
+  const SubsegmentColumns& added = diff.added_subsegments;
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    const auto key = MakeSubsegmentKey(added.ends[2 * i], added.ends[2 * i + 1], added.owners[i]);
+    if (subsegments_.contains(key) && !netting.removed_subsegments.contains(key)) {
+      return Lost("a subsegment", "is to come but is present");
+    }
+    if (!netting.added_subsegments.insert(key).second) return Lost("a subsegment", "comes twice");
+    netting.hash += HashSubsegment(key[0], key[1], key[2]);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status MeshStore::Apply(const MeshDiff& diff) {
+  if (auto status = CheckColumns(diff); !status.ok()) return status;
+  if (diff.dimension != dimension_) {
+    return absl::InvalidArgumentError(
+        Concat("a diff of dimension ", diff.dimension, " for a mesh of dimension ", dimension_));
+  }
+  if (diff.from_revision != revision_) {
+    return absl::FailedPreconditionError(Concat("the diff starts at revision ", diff.from_revision,
+                                                ", the mesh is at ", revision_,
+                                                ": fetch what lies between, or a new snapshot"));
+  }
+  Netting netting;
+  netting.hash = hash_;
+  if (auto status = NetVertices(diff, netting); !status.ok()) return status;
+  if (auto status = NetSimplices(diff, netting); !status.ok()) return status;
+  if (auto status = NetSubsegments(diff, netting); !status.ok()) return status;
+  if (netting.hash != diff.hash) {
+    return Lost("the mesh", Concat("has hash ", netting.hash.ToHex(), " where ", diff.hash.ToHex(),
+                                   " was promised"));
+  }
+  Commit(diff);
+  return absl::OkStatus();
+}
+
+void MeshStore::Commit(const MeshDiff& diff) {
+  const std::size_t d = static_cast<std::size_t>(dimension_);
+  for (const VertexId id : diff.removed_vertices) vertices_.erase(id);
+  for (std::size_t i = 0; i < diff.removed_simplex_count(); ++i) {
+    simplices_.erase(MakeSimplexKey(&diff.removed_simplices[i * (d + 1)], dimension_ + 1));
+  }
+  const SubsegmentColumns& gone = diff.removed_subsegments;
+  for (std::size_t i = 0; i < gone.size(); ++i) {
+    subsegments_.erase(MakeSubsegmentKey(gone.ends[2 * i], gone.ends[2 * i + 1], gone.owners[i]));
+  }
+  const VertexColumns& added = diff.added_vertices;
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    Vertex vertex;
+    for (std::size_t k = 0; k < d; ++k) vertex.coordinates[k] = added.coordinates[i * d + k];
+    vertex.containing_dimension = added.containing_dimensions[i];
+    vertex.owner = added.owners[i];
+    vertices_.emplace(added.ids[i], vertex);
+  }
+  for (std::size_t i = 0; i < diff.added_simplex_count(); ++i) {
+    simplices_.insert(MakeSimplexKey(&diff.added_simplices[i * (d + 1)], dimension_ + 1));
+  }
+  const SubsegmentColumns& come = diff.added_subsegments;
+  for (std::size_t i = 0; i < come.size(); ++i) {
+    subsegments_.insert(MakeSubsegmentKey(come.ends[2 * i], come.ends[2 * i + 1], come.owners[i]));
+  }
+  revision_ = diff.to_revision;
+  hash_ = diff.hash;
+}
+
+absl::StatusOr<MeshStore> MeshStore::FromMesh(const Mesh& mesh) {
+  if (auto status = CheckColumns(mesh); !status.ok()) return status;
+  // A mesh is the diff from nothing: the same checks, the same hash.
+  MeshDiff diff;
+  diff.dimension = mesh.dimension;
+  diff.to_revision = mesh.revision;
+  diff.added_vertices = mesh.vertices;
+  diff.added_simplices = mesh.simplices;
+  diff.added_subsegments = mesh.subsegments;
+  diff.hash = mesh.hash;
+  MeshStore store(mesh.dimension);
+  store.vertices_.reserve(mesh.vertices.size());
+  store.simplices_.reserve(mesh.simplex_count());
+  if (auto status = store.Apply(diff); !status.ok()) return status;
+  return store;
+}
+
+Mesh MeshStore::ToMesh() const {
+  Mesh mesh;
+  const std::size_t d = static_cast<std::size_t>(dimension_);
+  mesh.dimension = dimension_;
+  mesh.revision = revision_;
+  mesh.hash = hash_;
+  mesh.vertices.ids.reserve(vertices_.size());
+  mesh.vertices.coordinates.reserve(vertices_.size() * d);
+  mesh.vertices.containing_dimensions.reserve(vertices_.size());
+  mesh.vertices.owners.reserve(vertices_.size());
+  for (const auto& [id, vertex] : vertices_) {
+    mesh.vertices.ids.push_back(id);
+    for (std::size_t k = 0; k < d; ++k) {
+      mesh.vertices.coordinates.push_back(vertex.coordinates[k]);
+    }
+    mesh.vertices.containing_dimensions.push_back(
+        static_cast<std::uint8_t>(vertex.containing_dimension));
+    mesh.vertices.owners.push_back(vertex.owner);
+  }
+  mesh.simplices.reserve(simplices_.size() * (d + 1));
+  for (const SimplexKey& key : simplices_) {
+    mesh.simplices.insert(mesh.simplices.end(), key.begin(),
+                          key.begin() + static_cast<std::ptrdiff_t>(d) + 1);
+  }
+  for (const SubsegmentKey& key : subsegments_) {
+    mesh.subsegments.ends.insert(mesh.subsegments.ends.end(), {key[0], key[1]});
+    mesh.subsegments.owners.push_back(key[2]);
+  }
+  return mesh;
+}
+
+std::optional<MeshStore::Vertex> MeshStore::FindVertex(VertexId id) const {
+  const auto it = vertices_.find(id);
+  if (it == vertices_.end()) return std::nullopt;
+  return it->second;
+}
+
+bool MeshStore::HasSimplex(std::span<const VertexId> ids) const {
+  if (ids.size() != static_cast<std::size_t>(dimension_) + 1) return false;
+  return simplices_.contains(MakeSimplexKey(ids.data(), dimension_ + 1));
+}
+
+bool MeshStore::HasSubsegment(VertexId a, VertexId b, FeatureId owner) const {
+  return subsegments_.contains(MakeSubsegmentKey(a, b, owner));
+}
+
+}  // namespace dynmesh::data

@@ -1,0 +1,85 @@
+// The input as the mesher knows it: client ids on one side, vertices, subsegments and
+// small slots on the other. Thread-compatible.
+#ifndef DYNMESH_CORE_DYNAMIC_MESH_FEATURE_TABLE_H_
+#define DYNMESH_CORE_DYNAMIC_MESH_FEATURE_TABLE_H_
+
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "core/mesh/delaunay_insert_order.h"
+#include "core/meshing/elements.h"
+#include "core/plc/delta.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh {
+
+class FeatureTable {
+ public:
+  // Slot 0 is the domain box.
+  FeatureTable() : ids_{kBoxFeature} {}
+
+  FeatureId IdOf(meshing::FeatureSlot slot) const {
+    return slot == meshing::kNil ? kNoFeature : ids_[slot];
+  }
+
+  // Hands a change of input to the refinement. Many points go in an order that suits
+  // a triangulation that grows along.
+  template <class Refinement>
+  void Apply(const plc::Delta& delta, Refinement& refinement) {
+    for (const plc::SegmentFeature& s : delta.removed_segments) {
+      const auto it = segments_.find(s.id);
+      FreeSlot(refinement.subsegment(it->second).feature);
+      refinement.RemoveSegment(it->second);
+      segments_.erase(it);
+    }
+    for (const plc::PointFeature& p : delta.removed_points) {
+      const auto it = points_.find(p.id);
+      FreeSlot(refinement.vertex(it->second).feature);
+      refinement.RemovePoint(it->second);
+      points_.erase(it);
+    }
+    std::vector<geometry::Point2> positions;
+    positions.reserve(delta.added_points.size());
+    for (const plc::PointFeature& p : delta.added_points) positions.push_back(p.p);
+    for (const std::uint32_t i : mesh::InsertOrder(positions)) {
+      const plc::PointFeature& p = delta.added_points[i];
+      points_[p.id] = refinement.AddPoint(p.p, NewSlot(p.id));
+    }
+    for (const plc::SegmentFeature& s : delta.added_segments) {
+      segments_[s.id] =
+          refinement.AddSegment(points_.at(s.p_id), points_.at(s.q_id), NewSlot(s.id));
+    }
+  }
+
+  // Slots of removed features keep their ids until here.
+  void Collect() {
+    free_.insert(free_.end(), freed_.begin(), freed_.end());
+    freed_.clear();
+  }
+
+  std::size_t bytes() const {
+    return (points_.capacity() + segments_.capacity()) * 17 + ids_.capacity() * sizeof(FeatureId);
+  }
+
+ private:
+  meshing::FeatureSlot NewSlot(FeatureId id) {
+    if (free_.empty()) {
+      ids_.push_back(id);
+      return static_cast<meshing::FeatureSlot>(ids_.size() - 1);
+    }
+    const meshing::FeatureSlot slot = free_.back();
+    free_.pop_back();
+    ids_[slot] = id;
+    return slot;
+  }
+  void FreeSlot(meshing::FeatureSlot slot) { freed_.push_back(slot); }
+
+  std::vector<FeatureId> ids_;  // by slot
+  std::vector<meshing::FeatureSlot> free_, freed_;
+  absl::flat_hash_map<FeatureId, meshing::VertexIndex> points_;
+  absl::flat_hash_map<FeatureId, meshing::SubsegmentIndex> segments_;
+};
+
+}  // namespace dynmesh
+
+#endif  // DYNMESH_CORE_DYNAMIC_MESH_FEATURE_TABLE_H_

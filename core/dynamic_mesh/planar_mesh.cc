@@ -1,0 +1,228 @@
+#include "core/dynamic_mesh/planar_mesh.h"
+
+#include <chrono>
+#include <utility>
+
+#include "core/data/diff_meshes.h"
+#include "dynmesh/error.h"
+
+namespace dynmesh {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double MicrosecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<DynamicMesh>> DynamicMesh::Create(const MeshOptions& options) {
+  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
+  return std::unique_ptr<DynamicMesh>(std::make_unique<PlanarMesh>(options));
+}
+
+PlanarMesh::PlanarMesh(const MeshOptions& options, const PlanarMeshTuning& tuning)
+    : options_(options),
+      tuning_(tuning),
+      plc_(options),
+      state_(std::make_unique<State>(options, tuning)) {
+  // The bare box is within any limit that ValidateOptions accepts.
+  state_->refinement.Propagate([] { return false; });
+  state_->refinement.DetachTriangulation();
+  state_->diffs.Update(state_->refinement, state_->features);
+}
+
+absl::StatusOr<MeshDiff> PlanarMesh::Apply(const EditBatch& batch, const ApplyOptions& apply) {
+  if (apply.cancelled == nullptr) {
+    return ApplyWith(batch, [] { return false; });
+  }
+  return ApplyWith(batch,
+                   [&] { return apply.cancelled->load(std::memory_order_relaxed); });
+}
+
+absl::StatusOr<MeshDiff> PlanarMesh::Apply(const EditBatch& batch,
+                                           const std::function<bool()>& cancelled) {
+  return ApplyWith(batch, [&] { return cancelled(); });
+}
+
+absl::Status PlanarMesh::Validate(const EditBatch& batch) const {
+  return plc_.Check(batch).status();
+}
+
+template <class Interrupt>
+absl::StatusOr<MeshDiff> PlanarMesh::ApplyWith(const EditBatch& batch, Interrupt cancelled) {
+  const auto start = Clock::now();
+  if (batch.empty()) {
+    MeshDiff nothing;
+    nothing.from_revision = nothing.to_revision = revision_;
+    nothing.hash = hash();
+    return nothing;
+  }
+  const absl::StatusOr<plc::Delta> delta = plc_.Check(batch);
+  if (!delta.ok()) return delta.status();
+  absl::StatusOr<MeshDiff> diff =
+      IsLarge(*delta) ? Rebuild(*delta, cancelled) : Propagate(*delta, cancelled);
+  if (!diff.ok()) return diff;
+  diff->from_revision = revision_;
+  diff->to_revision = ++revision_;
+  diff->work.microseconds = MicrosecondsSince(start);
+  return diff;
+}
+
+bool PlanarMesh::IsLarge(const plc::Delta& delta) const {
+  const std::size_t changes = delta.added_points.size() + delta.added_segments.size() +
+                              delta.removed_points.size() + delta.removed_segments.size();
+  return changes >= tuning_.rebuild_at_least &&
+         static_cast<double>(changes) > tuning_.rebuild_fraction * static_cast<double>(plc_.size());
+}
+
+// Runs what is stale; a limit that is hit stops it.
+template <class Interrupt>
+absl::Status PlanarMesh::Run(State& state, Interrupt cancelled) {
+  Refinement& refinement = state.refinement;
+  const std::uint64_t most = options_.limits.max_vertices;
+  bool was_cancelled = false;
+  const bool done = refinement.Propagate([&] {
+    was_cancelled = cancelled();
+    return was_cancelled || refinement.vertex_count() > most || refinement.hit_depth_limit();
+  });
+  if (was_cancelled) {
+    return MakeError(absl::StatusCode::kCancelled,
+                     "the batch was cancelled; the mesh is as it was before",
+                     {reason::kCancelled, {}, {}});
+  }
+  if (refinement.hit_depth_limit()) {
+    return MakeError(absl::StatusCode::kResourceExhausted,
+                     "a segment would have to be halved more often than max_depth = " +
+                         std::to_string(options_.limits.max_depth) +
+                         " allows; move the features that lie so close to it apart",
+                     {reason::kDepthLimit, {}, {}});
+  }
+  if (!done || refinement.vertex_count() > most) {
+    return MakeError(absl::StatusCode::kResourceExhausted,
+                     "the mesh would have more than max_vertices = " + std::to_string(most) +
+                         " vertices; add fewer features or create the mesh with a higher limit",
+                     {reason::kVertexLimit, {}, {}});
+  }
+  return absl::OkStatus();
+}
+
+template <class Interrupt>
+absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, Interrupt cancelled) {
+  State& state = *state_;
+  state.refinement.engine().ResetCounters();
+  state.refinement.ForgetDepthLimit();
+  state.features.Apply(delta, state.refinement);
+  const absl::Status status = Run(state, cancelled);
+  if (!status.ok()) {
+    // The inverse edit brings the former trace back, bit for bit.
+    state.features.Apply(delta.Inverse(), state.refinement);
+    state.refinement.Propagate([] { return false; });
+    state.refinement.ForgetDepthLimit();
+    state.diffs.Update(state.refinement, state.features);
+    state.features.Collect();
+    return status;
+  }
+  plc_.Commit(delta);
+  MeshDiff diff = state.diffs.Update(state.refinement, state.features);
+  state.features.Collect();
+  const sac::Counters& counters = state.refinement.engine().counters();
+  diff.work.executed = counters.executed;
+  diff.work.created = counters.created;
+  diff.work.dropped = counters.dropped;
+  return diff;
+}
+
+template <class Interrupt>
+absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, Interrupt cancelled) {
+  plc_.Commit(delta);
+  auto fresh = std::make_unique<State>(options_, tuning_);
+  fresh->features.Apply(FromNothing(plc_), fresh->refinement);
+  if (absl::Status status = Run(*fresh, cancelled); !status.ok()) {
+    plc_.Commit(delta.Inverse());
+    return status;
+  }
+  fresh->refinement.DetachTriangulation();
+  fresh->diffs.Update(fresh->refinement, fresh->features);
+  MeshDiff diff =
+      data::DiffMeshes(Snapshot(), fresh->diffs.Snapshot(fresh->refinement, fresh->features));
+  const sac::Counters& counters = fresh->refinement.engine().counters();
+  diff.work.executed = counters.executed;
+  diff.work.created = counters.created;
+  diff.work.dropped = state_->refinement.engine().operation_count();
+  state_ = std::move(fresh);
+  return diff;
+}
+
+Mesh PlanarMesh::Snapshot() const {
+  Mesh mesh = state_->diffs.Snapshot(state_->refinement, state_->features);
+  mesh.revision = revision_;
+  return mesh;
+}
+
+SimplexColumn PlanarMesh::Locate(std::span<const double> points) const {
+  SimplexColumn result;
+  result.reserve(points.size() / 2 * 3);
+  const mesh::DelaunayTriangulation& triangulation = state_->diffs.triangulation();
+  meshing::VertexIndex near = 0;
+  for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
+    const geometry::Point2 p = {{points[i], points[i + 1]}};
+    std::array<VertexId, 3> ids = {0, 0, 0};
+    const meshing::Rules& rules = state_->refinement.rules();
+    if (rules.lo()[0] <= p[0] && p[0] <= rules.hi()[0] && rules.lo()[1] <= p[1] &&
+        p[1] <= rules.hi()[1]) {
+      const auto t = triangulation.Locate(p, near);
+      if (!triangulation.IsInfinite(t)) {
+        near = triangulation.vertices(t)[0];
+        ids = state_->diffs.CanonicalIds(t);
+      }
+    }
+    result.insert(result.end(), ids.begin(), ids.end());
+  }
+  return result;
+}
+
+MeshStats PlanarMesh::Stats() const {
+  const State& s = *state_;
+  MeshStats stats;
+  stats.revision = revision_;
+  stats.features = plc_.size();
+  stats.vertices = s.refinement.vertex_count();
+  stats.simplices = s.diffs.triangulation().triangle_count();
+  stats.subsegments = s.diffs.subsegment_count();
+  stats.operations = s.refinement.engine().operation_count();
+  stats.trace_bytes = s.refinement.trace_bytes();
+  stats.mesh_bytes = s.refinement.bytes() + s.diffs.bytes() + s.features.bytes();
+  return stats;
+}
+
+AuditReport PlanarMesh::Audit() const {
+  AuditReport report;
+  const std::uint64_t trace = state_->refinement.Audit(&report.problems);
+  report.trace = {trace, state_->refinement.engine().operation_count()};
+  std::string why;
+  if (!state_->diffs.triangulation().Check(&why)) report.problems.push_back("mesh: " + why);
+  const Mesh mesh = Snapshot();
+  if (!(ComputeHash(mesh) == mesh.hash)) {
+    report.problems.push_back("the hash kept is not that of the mesh");
+  }
+  if (mesh.vertices.size() != state_->diffs.triangulation().vertex_count()) {
+    report.problems.push_back("the triangulation's vertices are not those present");
+  }
+  return report;
+}
+
+plc::Delta FromNothing(const plc::Plc2& plc) {
+  plc::Delta all;
+  for (const Feature& f : plc.Features()) {
+    if (f.kind == FeatureKind::kPoint) {
+      all.added_points.push_back(*plc.FindPoint(f.id));
+    } else {
+      all.added_segments.push_back(*plc.FindSegment(f.id));
+    }
+  }
+  return all;
+}
+
+}  // namespace dynmesh

@@ -1,0 +1,86 @@
+// DynamicMesh in the plane. One edit, walked: Plc2 validates the batch, FeatureTable
+// hands the change to Refinement, the engine propagates it, DiffBuilder nets what came
+// and went. The only place that picks an engine.
+#ifndef DYNMESH_CORE_DYNAMIC_MESH_PLANAR_MESH_H_
+#define DYNMESH_CORE_DYNAMIC_MESH_PLANAR_MESH_H_
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/dynamic_mesh/diff_builder.h"
+#include "core/dynamic_mesh/feature_table.h"
+#include "core/meshing/refinement.h"
+#include "core/plc/plc.h"
+#include "dynmesh/dynamic_mesh.h"
+
+namespace dynmesh {
+
+// How a PlanarMesh goes about its work; none of it changes a bit of any result.
+struct PlanarMeshTuning {
+  // A batch that changes more than this part of the features, and more than
+  // `rebuild_at_least`, is built from scratch.
+  double rebuild_fraction = 0.25;
+  std::size_t rebuild_at_least = 64;
+  // From scratch: read neighbourhoods off the growing triangulation.
+  bool global_neighbourhoods = true;
+  VertexNames::Hash vertex_hash = &VertexIdAt;
+};
+
+class PlanarMesh final : public DynamicMesh {
+ public:
+  // REQUIRES: ValidateOptions(options) is OK, the dimension is 2.
+  explicit PlanarMesh(const MeshOptions& options, const PlanarMeshTuning& tuning = {});
+
+  absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const ApplyOptions& apply) override;
+  // The same, asked whether to go on before each operation.
+  absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const std::function<bool()>& cancelled);
+
+  absl::Status Validate(const EditBatch& batch) const override;
+  Mesh Snapshot() const override;
+  SimplexColumn Locate(std::span<const double> points) const override;
+  std::vector<Feature> Features() const override { return plc_.Features(); }
+  const MeshOptions& options() const override { return options_; }
+  std::uint64_t revision() const override { return revision_; }
+  MeshHash hash() const override { return state_->diffs.hash(); }
+  MeshStats Stats() const override;
+  AuditReport Audit() const override;
+
+ private:
+  using Refinement = meshing::Refinement<sac::Engine>;
+
+  // All that is computed from the features.
+  struct State {
+    State(const MeshOptions& options, const PlanarMeshTuning& tuning)
+        : diffs(tuning.vertex_hash),
+          refinement(options, tuning.global_neighbourhoods ? &diffs.triangulation() : nullptr) {
+      if (!tuning.global_neighbourhoods) diffs.ResetTriangulation(refinement.rules());
+    }
+    DiffBuilder diffs;
+    FeatureTable features;
+    Refinement refinement;
+  };
+
+  template <class Interrupt>
+  absl::StatusOr<MeshDiff> ApplyWith(const EditBatch& batch, Interrupt cancelled);
+  template <class Interrupt>
+  absl::Status Run(State& state, Interrupt cancelled);
+  template <class Interrupt>
+  absl::StatusOr<MeshDiff> Propagate(const plc::Delta& delta, Interrupt cancelled);
+  template <class Interrupt>
+  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta& delta, Interrupt cancelled);
+  bool IsLarge(const plc::Delta& delta) const;
+
+  const MeshOptions options_;
+  const PlanarMeshTuning tuning_;
+  plc::Plc2 plc_;
+  std::unique_ptr<State> state_;
+  std::uint64_t revision_ = 0;
+};
+
+// A change of input that makes all of `features`, from nothing.
+plc::Delta FromNothing(const plc::Plc2& plc);
+
+}  // namespace dynmesh
+
+#endif  // DYNMESH_CORE_DYNAMIC_MESH_PLANAR_MESH_H_

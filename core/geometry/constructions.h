@@ -1,0 +1,38 @@
+// Inexact constructions in doubles: new coordinates from old ones. Each is one fixed
+// sequence of roundings, and symmetric to the bit where its comment says so; a caller
+// that must not depend on history passes the points in a canonical order.
+// Pure functions, thread-safe. Coordinates as in predicates.h.
+#ifndef DYNMESH_CORE_GEOMETRY_CONSTRUCTIONS_H_
+#define DYNMESH_CORE_GEOMETRY_CONSTRUCTIONS_H_
+
+#include "core/geometry/point.h"
+
+namespace dynmesh::geometry {
+
+// Twice the signed area of (a, b, c), computed about c: swapping a and b negates it to
+// the bit, other permutations may round otherwise.
+inline double Cross(const Point2& a, const Point2& b, const Point2& c) {
+  return (a[0] - c[0]) * (b[1] - c[1]) - (a[1] - c[1]) * (b[0] - c[0]);
+}
+
+// The middle of ab; symmetric to the bit.
+template <int D>
+inline Point<D> Midpoint(const Point<D>& a, const Point<D>& b) {
+  Point<D> m;
+  for (int i = 0; i < D; ++i) m[i] = 0.5 * (a[i] + b[i]);
+  return m;
+}
+
+// The circumcenter of (p, q, c), computed about c; symmetric in p and q to the bit. Not
+// finite if the three are collinear in doubles.
+inline Point2 Circumcenter(const Point2& p, const Point2& q, const Point2& c) {
+  const double px = p[0] - c[0], py = p[1] - c[1];
+  const double qx = q[0] - c[0], qy = q[1] - c[1];
+  const double p2 = px * px + py * py, q2 = qx * qx + qy * qy;
+  const double scale = 0.5 / (px * qy - py * qx);
+  return {{c[0] + (qy * p2 - py * q2) * scale, c[1] + (px * q2 - qx * p2) * scale}};
+}
+
+}  // namespace dynmesh::geometry
+
+#endif  // DYNMESH_CORE_GEOMETRY_CONSTRUCTIONS_H_

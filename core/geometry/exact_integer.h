@@ -1,0 +1,138 @@
+// Exact signed integers of a fixed number of 64-bit limbs, and the way from doubles
+// to them: any handful of doubles are integers in a common power-of-two unit, so a
+// polynomial predicate is an integer polynomial whose sign is plain to see.
+//
+// Why integers and not floating-point expansions: the domain of the predicates
+// (magnitudes 2^-250 .. 2^250, hence units down to 2^-302) makes products of four
+// differences multiples of 2^-1208, below the least double; expansions would lose
+// them. Integers know no underflow, the number of limbs follows from the inputs
+// (one for anything like an ordinary mesh), and each bound is one line.
+//
+// Pure values, thread-safe. Multiplication is O(N M).
+#ifndef DYNMESH_CORE_GEOMETRY_EXACT_INTEGER_H_
+#define DYNMESH_CORE_GEOMETRY_EXACT_INTEGER_H_
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <initializer_list>
+
+namespace dynmesh::geometry {
+
+__extension__ using Uint128 = unsigned __int128;
+
+// Two's complement, least limb first: values in [-2^(64N-1), 2^(64N-1)). Sums and
+// differences wrap; the caller's bounds say that they do not.
+template <int N>
+struct WideInt {
+  std::array<std::uint64_t, N> limb;
+
+  bool negative() const { return (limb[N - 1] >> 63) != 0; }
+  int Sign() const {
+    if (negative()) return -1;
+    for (std::uint64_t l : limb) {
+      if (l != 0) return 1;
+    }
+    return 0;
+  }
+
+  friend WideInt operator+(const WideInt& a, const WideInt& b) {
+    WideInt r;
+    Uint128 carry = 0;
+    for (int i = 0; i < N; ++i) {
+      carry += static_cast<Uint128>(a.limb[i]) + b.limb[i];
+      r.limb[i] = static_cast<std::uint64_t>(carry);
+      carry >>= 64;
+    }
+    return r;
+  }
+
+  friend WideInt operator-(const WideInt& a, const WideInt& b) {
+    WideInt r;
+    std::uint64_t borrow = 0;
+    for (int i = 0; i < N; ++i) {
+      const Uint128 d = static_cast<Uint128>(a.limb[i]) - b.limb[i] - borrow;
+      r.limb[i] = static_cast<std::uint64_t>(d);
+      borrow = static_cast<std::uint64_t>(d >> 64) & 1;
+    }
+    return r;
+  }
+};
+
+// The whole product; never wraps.
+template <int N, int M>
+inline WideInt<N + M> operator*(const WideInt<N>& a, const WideInt<M>& b) {
+  WideInt<N + M> r{};
+  for (int i = 0; i < N; ++i) {
+    std::uint64_t carry = 0;
+    for (int j = 0; j < M; ++j) {
+      const Uint128 t = static_cast<Uint128>(a.limb[i]) * b.limb[j] + r.limb[i + j] + carry;
+      r.limb[i + j] = static_cast<std::uint64_t>(t);
+      carry = static_cast<std::uint64_t>(t >> 64);
+    }
+    r.limb[i + M] = carry;
+  }
+  // So far the patterns were multiplied as unsigned: a pattern of a negative value is
+  // too great by 2^(64N), so the product is too great by 2^(64N) b (and alike for b).
+  const auto subtract_at = [&r](int at, const auto& x) {
+    std::uint64_t borrow = 0;
+    for (std::uint64_t l : x.limb) {
+      const Uint128 d = static_cast<Uint128>(r.limb[at]) - l - borrow;
+      r.limb[at++] = static_cast<std::uint64_t>(d);
+      borrow = static_cast<std::uint64_t>(d >> 64) & 1;
+    }
+  };
+  if (a.negative()) subtract_at(N, b);
+  if (b.negative()) subtract_at(M, a);
+  return r;
+}
+
+// A unit 2^exponent in which some finite doubles are integers of less than `width`
+// bits: |x| < 2^(exponent + width).
+struct CommonUnit {
+  int exponent;
+  int width;
+};
+
+inline CommonUnit FindCommonUnit(std::initializer_list<double> values) {
+  int low = 1 << 20;
+  int high = -(1 << 20);
+  for (double x : values) {
+    const std::uint64_t bits = std::bit_cast<std::uint64_t>(x) & ~(std::uint64_t{1} << 63);
+    if (bits == 0) continue;
+    const int biased = static_cast<int>(bits >> 52);
+    const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
+    // x = mantissa * 2^(e - 1075) with the hidden bit; subnormals share e = 1.
+    const std::uint64_t mantissa = biased ? fraction | (std::uint64_t{1} << 52) : fraction;
+    const int e = biased ? biased : 1;
+    low = std::min(low, e - 1075 + std::countr_zero(mantissa));
+    high = std::max(high, e - 1075 + 53);
+  }
+  if (low > high) return {0, 0};  // all zero
+  return {low, high - low};
+}
+
+// x in the unit 2^exponent, of which it is a multiple; |x| < 2^(exponent + 64N - 1).
+template <int N>
+inline WideInt<N> ToInteger(double x, int exponent) {
+  WideInt<N> r{};
+  const std::uint64_t bits = std::bit_cast<std::uint64_t>(x);
+  const int biased = static_cast<int>(bits >> 52) & 2047;
+  std::uint64_t mantissa = bits & ((std::uint64_t{1} << 52) - 1);
+  if (biased != 0) mantissa |= std::uint64_t{1} << 52;
+  if (mantissa == 0) return r;
+  const int shift = (biased ? biased : 1) - 1075 - exponent;
+  if (shift <= 0) {
+    r.limb[0] = mantissa >> -shift;  // the bits that fall out are zeros
+  } else {
+    const int at = shift / 64;
+    r.limb[at] = mantissa << (shift % 64);
+    if (shift % 64 != 0 && at + 1 < N) r.limb[at + 1] = mantissa >> (64 - shift % 64);
+  }
+  return (bits >> 63) != 0 ? WideInt<N>{} - r : r;
+}
+
+}  // namespace dynmesh::geometry
+
+#endif  // DYNMESH_CORE_GEOMETRY_EXACT_INTEGER_H_

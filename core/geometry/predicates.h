@@ -1,0 +1,127 @@
+// Exact predicates of the plane. Each is a ladder: a filter in doubles that may
+// not know (inline, here), exact integer arithmetic (exact_integer.h), and, where a
+// tie has to be broken, a symbolic perturbation that depends on the coordinates alone
+// (never on ids, addresses or order of arrival), so that the Delaunay triangulation of
+// a set of points is one and the same whoever computes it.
+//
+// Coordinates: finite, magnitude 0 or in [2^-250, 2^250]; the caller has checked it.
+// So differences are 0 or in [2^-302, 2^251]: products of two are normal numbers,
+// products of four cannot overflow (below 2^1008), and where they underflow the
+// filters say that they do not know.
+// Pure functions, thread-safe. Built without contraction into FMA.
+#ifndef DYNMESH_CORE_GEOMETRY_PREDICATES_H_
+#define DYNMESH_CORE_GEOMETRY_PREDICATES_H_
+
+#include <cmath>
+
+#include "core/geometry/point.h"
+
+namespace dynmesh::geometry {
+
+// The rungs; the public ladders follow. Filters return kUnsure or the exact sign.
+namespace internal {
+
+inline constexpr int kUnsure = 2;
+inline constexpr double kRoundoff = 0x1p-53;
+
+int OrientationExact(const Point2& a, const Point2& b, const Point2& c);
+int InCircleExact(const Point2& a, const Point2& b, const Point2& c, const Point2& d);
+int InDiametralBallExact(const Point2& a, const Point2& b, const Point2& x);
+int CompareDistanceExact(const Point2& p, const Point2& a, const Point2& b);
+// What InCircle says of four points on one circle.
+bool InCircleTie(const Point2& a, const Point2& b, const Point2& c, const Point2& d);
+// InCircle where the filter does not know.
+bool InCircleSlow(const Point2& a, const Point2& b, const Point2& c, const Point2& d);
+
+// The sign of `value` if it exceeds `bound`, the greatest possible error.
+inline int FilteredSign(double value, double bound) {
+  if (value > bound) return 1;
+  if (value < -bound) return -1;
+  return kUnsure;
+}
+
+// How the bounds below come about, u = 2^-53: a sum of products is computed from
+// differences of coordinates, each operation with a relative error of at most u. If
+// every product (one term of the expanded polynomial) passes through at most n
+// roundings on its way to the result, the result errs by at most
+// ((1+u)^n - 1) sum|terms|; the computed sum of |terms| (its own roundings at most n)
+// is at least (1-u)^n of the true one. Thus (n + 1) u times the computed sum bounds
+// the error, for n < 100, with room for the roundings of the bound itself.
+
+inline int OrientationFilter(const Point2& a, const Point2& b, const Point2& c) {
+  const double left = (a[0] - c[0]) * (b[1] - c[1]);
+  const double right = (a[1] - c[1]) * (b[0] - c[0]);
+  // Per term 2 differences, 1 product, 1 last difference: n = 4.
+  return FilteredSign(left - right, 5 * kRoundoff * (std::fabs(left) + std::fabs(right)));
+}
+
+inline int InCircleFilter(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
+  const double ax = a[0] - d[0], ay = a[1] - d[1];
+  const double bx = b[0] - d[0], by = b[1] - d[1];
+  const double cx = c[0] - d[0], cy = c[1] - d[1];
+  const double bxcy = bx * cy, cxby = cx * by;
+  const double cxay = cx * ay, axcy = ax * cy;
+  const double axby = ax * by, bxay = bx * ay;
+  const double a2 = ax * ax + ay * ay, b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
+  const double det = a2 * (bxcy - cxby) + b2 * (cxay - axcy) + c2 * (axby - bxay);
+  const double sum = a2 * (std::fabs(bxcy) + std::fabs(cxby)) +
+                     b2 * (std::fabs(cxay) + std::fabs(axcy)) +
+                     c2 * (std::fabs(axby) + std::fabs(bxay));
+  // Per term: square 3, sum of squares 1; cross product 3, difference 1; product 1,
+  // sum of three 2: n = 11. The products of four may underflow, an absolute error of
+  // 2^-1074 each; 2^-1000 covers these and what `sum` lost by them.
+  return FilteredSign(det, 12 * kRoundoff * sum + 0x1p-1000);
+}
+
+inline int InDiametralBallFilter(const Point2& a, const Point2& b, const Point2& x) {
+  const double h = (a[0] - x[0]) * (b[0] - x[0]);
+  const double v = (a[1] - x[1]) * (b[1] - x[1]);
+  return FilteredSign(h + v, 5 * kRoundoff * (std::fabs(h) + std::fabs(v)));  // n = 4
+}
+
+inline int CompareDistanceFilter(const Point2& p, const Point2& a, const Point2& b) {
+  const double to_a = SquaredDistance(p, a), to_b = SquaredDistance(p, b);
+  // Squares 3, sum of squares 1, difference 1 (the sum with 0 is exact): n = 5.
+  return FilteredSign(to_a - to_b, 6 * kRoundoff * (to_a + to_b));
+}
+
+}  // namespace internal
+
+// Sign of the signed area of (a, b, c): > 0 counter-clockwise, 0 collinear.
+// Laws: cyclic shifts keep it, swaps negate it. Exact.
+inline int Orientation(const Point2& a, const Point2& b, const Point2& c) {
+  const int sign = internal::OrientationFilter(a, b, c);
+  return sign != internal::kUnsure ? sign : internal::OrientationExact(a, b, c);
+}
+
+// Sign of the in-circle determinant of counter-clockwise (a, b, c) and d: > 0
+// inside the open circumdisc, 0 on the circle. Exact, no perturbation.
+inline int InCircleSign(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
+  const int sign = internal::InCircleFilter(a, b, c, d);
+  return sign != internal::kUnsure ? sign : internal::InCircleExact(a, b, c, d);
+}
+
+// Is d inside the circumdisc of counter-clockwise (a, b, c), ties broken by the
+// lexicographic perturbation? Never "on": four distinct points always get an
+// answer, consistent over any set of points, so Delaunay is unique.
+// Precondition: a, b, c not collinear, counter-clockwise; d distinct from them.
+inline bool InCircle(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
+  const int sign = internal::InCircleFilter(a, b, c, d);
+  return sign != internal::kUnsure ? sign > 0 : internal::InCircleSlow(a, b, c, d);
+}
+
+// Is x strictly inside the ball whose diameter is ab, (a - x).(b - x) < 0? Exact.
+inline bool InDiametralBall(const Point2& a, const Point2& b, const Point2& x) {
+  const int sign = internal::InDiametralBallFilter(a, b, x);
+  return (sign != internal::kUnsure ? sign : internal::InDiametralBallExact(a, b, x)) < 0;
+}
+
+// Sign of |pa|^2 - |pb|^2: < 0 if a is nearer to p than b. Exact.
+inline int CompareDistance(const Point2& p, const Point2& a, const Point2& b) {
+  const int sign = internal::CompareDistanceFilter(p, a, b);
+  return sign != internal::kUnsure ? sign : internal::CompareDistanceExact(p, a, b);
+}
+
+}  // namespace dynmesh::geometry
+
+#endif  // DYNMESH_CORE_GEOMETRY_PREDICATES_H_

@@ -1,0 +1,322 @@
+#include "core/io/edit_script.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "core/data/text.h"
+#include "core/io/file_writer.h"
+
+namespace dynmesh::io {
+
+using data::Concat;
+using data::Quoted;
+using data::Split;
+using data::View;
+
+namespace {
+
+// Grows a box point by point.
+class BoxBuilder {
+ public:
+  void Add(double x, double y) {
+    const double p[2] = {x, y};
+    for (std::size_t i = 0; i < 2; ++i) {
+      lo_[i] = std::min(lo_[i], p[i]);
+      hi_[i] = std::max(hi_[i], p[i]);
+    }
+  }
+  Box Get() const {
+    Box box;
+    if (lo_[0] > hi_[0]) return box;
+    for (std::size_t i = 0; i < 2; ++i) {
+      box.lo[i] = lo_[i];
+      box.hi[i] = hi_[i];
+    }
+    return box;
+  }
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double lo_[2] = {kInfinity, kInfinity};
+  double hi_[2] = {-kInfinity, -kInfinity};
+};
+
+class ScriptParser {
+ public:
+  ScriptParser(TextReader reader, const ScriptParseOptions& options)
+      : reader_(std::move(reader)), options_(options) {
+    script_.name = reader_.name();
+  }
+
+  absl::StatusOr<EditScript> Parse() {
+    bool first = true;
+    while (reader_.Next()) {
+      if (auto status = ParseLine(first); !status.ok()) return status;
+      first = false;
+    }
+    if (first && options_.require_header) return MissingHeader();
+    EndBatch();
+    return std::move(script_);
+  }
+
+ private:
+  absl::Status Error(std::string_view message) const { return reader_.Error(message); }
+
+  absl::Status NotYet(std::string_view what) const {
+    return absl::UnimplementedError(Concat(reader_.name(), ":", reader_.line(), ": ", what,
+                                           " not supported yet in this version"));
+  }
+
+  absl::Status MissingHeader() const {
+    return Error("the script must start with a line like: mesh dim=2 box=0,0,1,1 rho=1.4142");
+  }
+
+  absl::Status ParseLine(bool first) {
+    const std::string_view verb = reader_.token(0);
+    if (verb == "mesh") {
+      return first ? ParseHeader() : Error("the mesh line must be the first of the script");
+    }
+    if (first && options_.require_header) return MissingHeader();
+    if (verb == "commit") return ParseCommit();
+    if (verb == "remove") return ParseRemove();
+    if (verb == "add") return ParseFeature(Edit::Action::kAdd);
+    if (verb == "set") return ParseFeature(Edit::Action::kSet);
+    if (verb == "move") return ParseFeature(Edit::Action::kMove);
+    return Error(
+        Concat("unknown command ", Quoted(verb), ": expected add, set, move, remove or commit"));
+  }
+
+  absl::Status ParseHeader() {
+    script_.has_header = true;
+    std::set<std::string_view> seen;
+    for (std::size_t i = 1; i < reader_.size(); ++i) {
+      const std::string_view token = reader_.token(i);
+      const std::size_t equals = token.find('=');
+      if (equals == std::string_view::npos) {
+        return Error(Concat("expected key=value, found ", Quoted(token)));
+      }
+      const std::string_view key = token.substr(0, equals);
+      if (!seen.insert(key).second) return Error(Concat("key ", key, " stands twice"));
+      if (auto s = ParseOption(key, token.substr(equals + 1)); !s.ok()) return s;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status ParseOption(std::string_view key, std::string_view value) {
+    if (key == "dim") {
+      if (value == "2") return absl::OkStatus();
+      if (value == "3") return NotYet("dim=3 is");
+      return Error(Concat("dim must be 2, found ", Quoted(value)));
+    }
+    if (key == "box") {
+      absl::StatusOr<Box> box = ParseBox(value);
+      if (!box.ok()) return Error(View(box.status().message()));
+      script_.box = *box;
+      return absl::OkStatus();
+    }
+    if (key == "rho") {
+      double rho = 0;
+      if (!ParseDouble(value, &rho)) {
+        return Error(Concat("rho is not a finite number: ", Quoted(value)));
+      }
+      script_.quality = rho;
+      return absl::OkStatus();
+    }
+    if (key == "criterion") {
+      absl::StatusOr<Criterion> criterion = ParseCriterion(value);
+      if (!criterion.ok()) return Error(View(criterion.status().message()));
+      script_.criterion = *criterion;
+      return absl::OkStatus();
+    }
+    if (key == "hmax") return NotYet("hmax is");
+    return Error(
+        Concat("unknown key ", Quoted(key), ": expected dim, box, rho, criterion or hmax"));
+  }
+
+  absl::Status ParseCommit() {
+    if (reader_.size() > 1) return TooMany(1);
+    EndBatch();
+    return absl::OkStatus();
+  }
+
+  absl::Status ParseRemove() {
+    const absl::StatusOr<FeatureId> id = Id(1, "the feature to remove");
+    if (!id.ok()) return id.status();
+    if (reader_.size() > 2) return TooMany(2);
+    Add(Edit::Remove(*id));
+    return absl::OkStatus();
+  }
+
+  // "add|set|move KIND ID ...".
+  absl::Status ParseFeature(Edit::Action action) {
+    if (reader_.size() < 2) {
+      return Error(Concat(reader_.token(0), " what? Expected point or segment"));
+    }
+    const std::string_view kind = reader_.token(1);
+    if (action == Edit::Action::kMove && kind != "point") {
+      return Error(Concat("only points move: expected move point ID X Y, found ", Quoted(kind)));
+    }
+    if (kind == "point") return ParsePoint(action);
+    if (kind == "segment") return ParseSegment(action);
+    if (kind == "polygon") return NotYet("polygons are");
+    if (kind == "size") return NotYet("sizes are");
+    return Error(Concat("unknown kind of feature ", Quoted(kind), ": expected point or segment"));
+  }
+
+  absl::Status ParsePoint(Edit::Action action) {
+    const absl::StatusOr<FeatureId> id = Id(2, "the point's id");
+    if (!id.ok()) return id.status();
+    const absl::StatusOr<double> x = reader_.Double(3, "x");
+    if (!x.ok()) return x.status();
+    const absl::StatusOr<double> y = reader_.Double(4, "y");
+    if (!y.ok()) return y.status();
+    if (reader_.size() > 5) return TooMany(5);
+    Add({action, Feature::Point(*id, *x, *y)});
+    return absl::OkStatus();
+  }
+
+  absl::Status ParseSegment(Edit::Action action) {
+    const absl::StatusOr<FeatureId> id = Id(2, "the segment's id");
+    if (!id.ok()) return id.status();
+    const absl::StatusOr<FeatureId> p = Id(3, "the first end's id");
+    if (!p.ok()) return p.status();
+    const absl::StatusOr<FeatureId> q = Id(4, "the second end's id");
+    if (!q.ok()) return q.status();
+    if (reader_.size() > 5) return TooMany(5);
+    Add({action, Feature::Segment(*id, *p, *q)});
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<FeatureId> Id(std::size_t i, std::string_view what) const {
+    const absl::StatusOr<std::uint64_t> id = reader_.Uint64(i, what);
+    if (!id.ok()) return id.status();
+    if (*id == kNoFeature || *id == kBoxFeature) {
+      return Error(Concat(what, " is reserved: ids run from 1 to 2^64 - 2"));
+    }
+    return *id;
+  }
+
+  absl::Status TooMany(std::size_t expected) const {
+    return Error(Concat("unexpected ", Quoted(reader_.token(expected)), " at the end of the line"));
+  }
+
+  void Add(const Edit& edit) {
+    batch_.edits.push_back(edit);
+    batch_.lines.push_back(reader_.line());
+  }
+
+  void EndBatch() {
+    if (!batch_.edits.empty()) script_.batches.push_back(std::move(batch_));
+    batch_ = {};
+  }
+
+  TextReader reader_;
+  const ScriptParseOptions options_;
+  EditScript script_;
+  ScriptBatch batch_;
+};
+
+bool HasPosition(const Edit& edit) {
+  return edit.action == Edit::Action::kMove ||
+         (edit.action != Edit::Action::kRemove && edit.feature.kind == FeatureKind::kPoint);
+}
+
+std::string FormatPosition(const Feature& f) {
+  return Concat(f.id, " ", FormatDouble(f.position[0]), " ", FormatDouble(f.position[1]));
+}
+
+}  // namespace
+
+MeshOptions EditScript::Options() const {
+  MeshOptions options;
+  if (quality) options.quality = *quality;
+  if (criterion) options.criterion = *criterion;
+  if (box) {
+    options.box = *box;
+    return options;
+  }
+  BoxBuilder builder;
+  for (const ScriptBatch& batch : batches) {
+    for (const Edit& edit : batch.edits) {
+      if (HasPosition(edit)) builder.Add(edit.feature.position[0], edit.feature.position[1]);
+    }
+  }
+  options.box = builder.Get();
+  return options;
+}
+
+std::string EditScript::Where(std::size_t batch, std::optional<std::size_t> edit) const {
+  if (batch >= batches.size() || batches[batch].lines.empty()) return name;
+  const std::vector<int>& lines = batches[batch].lines;
+  const std::size_t row = edit && *edit < lines.size() ? *edit : 0;
+  return Concat(name, ":", lines[row]);
+}
+
+absl::StatusOr<EditScript> ParseEditScript(TextReader reader, const ScriptParseOptions& options) {
+  return ScriptParser(std::move(reader), options).Parse();
+}
+
+absl::StatusOr<EditScript> ReadEditScript(const std::string& path,
+                                          const ScriptParseOptions& options) {
+  absl::StatusOr<TextReader> reader = TextReader::Open(path);
+  if (!reader.ok()) return reader.status();
+  return ParseEditScript(*std::move(reader), options);
+}
+
+std::string FormatMeshLine(const MeshOptions& options) {
+  const Box& box = options.box;
+  return Concat("mesh dim=2 box=", FormatDouble(box.lo[0]), ",", FormatDouble(box.lo[1]), ",",
+                FormatDouble(box.hi[0]), ",", FormatDouble(box.hi[1]),
+                " rho=", FormatDouble(options.quality),
+                " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge");
+}
+
+std::string FormatEdit(const Edit& edit) {
+  const Feature& f = edit.feature;
+  if (edit.action == Edit::Action::kRemove) return Concat("remove ", f.id);
+  if (edit.action == Edit::Action::kMove) return Concat("move point ", FormatPosition(f));
+  const std::string_view verb = edit.action == Edit::Action::kAdd ? "add" : "set";
+  if (f.kind == FeatureKind::kPoint) return Concat(verb, " point ", FormatPosition(f));
+  return Concat(verb, " segment ", f.id, " ", f.ends[0], " ", f.ends[1]);
+}
+
+absl::StatusOr<Box> ParseBox(std::string_view text) {
+  const std::vector<std::string_view> parts = Split(text, ',');
+  double value[4];
+  bool good = parts.size() == 4;
+  for (std::size_t i = 0; good && i < 4; ++i) good = ParseDouble(parts[i], &value[i]);
+  if (!good) {
+    return absl::InvalidArgumentError(
+        Concat("a box is x0,y0,x1,y1 (no blanks), found ", Quoted(text)));
+  }
+  if (value[0] > value[2] || value[1] > value[3]) {
+    return absl::InvalidArgumentError(
+        Concat("a box needs x0 <= x1 and y0 <= y1, found ", Quoted(text)));
+  }
+  Box box;
+  box.lo = {value[0], value[1], 0};
+  box.hi = {value[2], value[3], 1};
+  return box;
+}
+
+absl::StatusOr<Criterion> ParseCriterion(std::string_view text) {
+  if (text == "edge") return Criterion::kEdge;
+  if (text == "thesis") return Criterion::kThesis;
+  return absl::InvalidArgumentError(Concat("a criterion is edge or thesis, found ", Quoted(text)));
+}
+
+Box BoundingBox(const std::vector<Feature>& features) {
+  BoxBuilder builder;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPoint) builder.Add(f.position[0], f.position[1]);
+  }
+  return builder.Get();
+}
+
+}  // namespace dynmesh::io

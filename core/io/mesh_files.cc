@@ -1,0 +1,183 @@
+#include "core/io/mesh_files.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "core/data/text.h"
+#include "core/io/file_writer.h"
+#include "core/io/text_reader.h"
+#include "core/io/triangle_sections.h"
+
+namespace dynmesh::io {
+
+using data::Concat;
+using data::Split;
+using data::View;
+namespace {
+
+constexpr std::string_view kHashNote = "hash ";
+constexpr std::string_view kSidesNote = "box-side-vertices ";
+constexpr std::size_t kNumbersPerNote = 16;
+
+std::string Stem(const std::string& path) {
+  const std::filesystem::path p(path);
+  const std::string extension = p.extension().string();
+  if (extension != ".node" && extension != ".ele" && extension != ".edge") return path;
+  return (p.parent_path() / p.stem()).string();
+}
+
+// The box prints as -1, which is its id in two's complement.
+void WriteMarker(FeatureId owner, FileWriter& out) {
+  if (owner == kBoxFeature) {
+    out << -1;
+  } else {
+    out << owner;
+  }
+}
+
+FeatureId VertexMarker(const IndexedMesh::Vertex& v) {
+  return v.containing_dimension == 0 || v.owner == kBoxFeature ? v.owner : kNoFeature;
+}
+
+bool OnBoxSide(const IndexedMesh::Vertex& v) {
+  return v.owner == kBoxFeature && v.containing_dimension != 0;
+}
+
+void WriteNodes(const IndexedMesh& mesh, FileWriter& out) {
+  out << mesh.vertices.size() << " 2 0 1\n";
+  std::vector<std::size_t> sides;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const IndexedMesh::Vertex& v = mesh.vertices[i];
+    out << i + 1 << ' ' << v.x << ' ' << v.y << ' ';
+    WriteMarker(VertexMarker(v), out);
+    out << '\n';
+    if (OnBoxSide(v)) sides.push_back(i + 1);
+  }
+  for (std::size_t i = 0; i < sides.size(); i += kNumbersPerNote) {
+    out << "# dynmesh box-side-vertices";
+    for (std::size_t k = i; k < std::min(i + kNumbersPerNote, sides.size()); ++k) {
+      out << ' ' << sides[k];
+    }
+    out << '\n';
+  }
+  out << "# dynmesh hash " << ToMesh(mesh).hash.ToHex() << '\n';
+}
+
+void WriteTriangles(const IndexedMesh& mesh, FileWriter& out) {
+  out << mesh.triangles.size() << " 3 0\n";
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const IndexedMesh::Triangle& t = mesh.triangles[i];
+    out << i + 1 << ' ' << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+  }
+}
+
+void WriteEdges(const IndexedMesh& mesh, FileWriter& out) {
+  out << mesh.edges.size() << " 1\n";
+  for (std::size_t i = 0; i < mesh.edges.size(); ++i) {
+    const IndexedMesh::Edge& e = mesh.edges[i];
+    out << i + 1 << ' ' << e.a + 1 << ' ' << e.b + 1 << ' ';
+    WriteMarker(e.owner, out);
+    out << '\n';
+  }
+}
+
+// Owner and containing dimension from the markers: input points and the box say so;
+// of the rest, those at a subsegment's end lie on that segment.
+void InferOwners(const NodeSection& nodes, IndexedMesh& mesh) {
+  for (std::size_t i = 0; i < nodes.positions.size(); ++i) {
+    const FeatureId marker = nodes.markers[i];
+    mesh.vertices.push_back(
+        {nodes.positions[i][0], nodes.positions[i][1], marker == kNoFeature ? 2 : 0, marker});
+  }
+  for (const IndexedMesh::Edge& e : mesh.edges) {
+    if (e.owner == kNoFeature) continue;
+    for (const std::uint32_t end : {e.a, e.b}) {
+      IndexedMesh::Vertex& v = mesh.vertices[end];
+      if (v.containing_dimension == 0) continue;
+      // The least id, whatever the order of edges; a valid mesh leaves no choice.
+      v.owner = v.containing_dimension == 1 ? std::min(v.owner, e.owner) : e.owner;
+      v.containing_dimension = 1;
+    }
+  }
+}
+
+absl::Status ReadNotes(const TextReader& reader, MeshFiles& files) {
+  for (const std::string_view note : reader.notes()) {
+    if (note.starts_with(kHashNote)) {
+      absl::StatusOr<MeshHash> hash = MeshHash::FromHex(note.substr(kHashNote.size()));
+      if (!hash.ok()) return reader.Error(View(hash.status().message()));
+      files.recorded_hash = *hash;
+    } else if (note.starts_with(kSidesNote)) {
+      for (const std::string_view number : Split(note.substr(kSidesNote.size()), ' ')) {
+        std::uint64_t vertex = 0;
+        if (!ParseUint64(number, &vertex) || vertex < 1 || vertex > files.mesh.vertices.size()) {
+          return reader.Error(Concat("box-side-vertices names no vertex: ", number));
+        }
+        files.mesh.vertices[vertex - 1].containing_dimension = 1;
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReadEdges(const std::string& path, const NodeSection& nodes, MeshFiles& files) {
+  absl::StatusOr<TextReader> reader = TextReader::Open(path);
+  if (absl::IsNotFound(reader.status())) {
+    files.has_edges = false;
+    return absl::OkStatus();
+  }
+  if (!reader.ok()) return reader.status();
+  const absl::StatusOr<PairSection> edges = ReadPairSection(*reader, "edge", nodes);
+  if (!edges.ok()) return edges.status();
+  files.mesh.edges.reserve(edges->ends.size());
+  for (std::size_t i = 0; i < edges->ends.size(); ++i) {
+    const auto [a, b] = std::minmax(edges->ends[i][0], edges->ends[i][1]);
+    files.mesh.edges.push_back({a, b, edges->markers[i]});
+  }
+  return ExpectEnd(*reader);
+}
+
+}  // namespace
+
+absl::Status WriteMeshFiles(const IndexedMesh& mesh, const std::string& path) {
+  const std::string stem = Stem(path);
+  FileWriter nodes(stem + ".node");
+  FileWriter triangles(stem + ".ele");
+  FileWriter edges(stem + ".edge");
+  WriteNodes(mesh, nodes);
+  WriteTriangles(mesh, triangles);
+  WriteEdges(mesh, edges);
+  for (FileWriter* file : {&nodes, &triangles, &edges}) {
+    if (auto status = file->Finish(); !status.ok()) return status;
+  }
+  for (FileWriter* file : {&nodes, &triangles, &edges}) {
+    if (auto status = file->Close(); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<MeshFiles> ReadMeshFiles(const std::string& path) {
+  const std::string stem = Stem(path);
+  absl::StatusOr<TextReader> node_reader = TextReader::Open(stem + ".node");
+  if (!node_reader.ok()) return node_reader.status();
+  const absl::StatusOr<NodeSection> nodes = ReadNodeSection(*node_reader);
+  if (!nodes.ok()) return nodes.status();
+  if (auto status = ExpectEnd(*node_reader); !status.ok()) return status;
+
+  MeshFiles files;
+  if (auto status = ReadEdges(stem + ".edge", *nodes, files); !status.ok()) return status;
+  InferOwners(*nodes, files.mesh);
+  if (auto status = ReadNotes(*node_reader, files); !status.ok()) return status;
+
+  absl::StatusOr<TextReader> triangle_reader = TextReader::Open(stem + ".ele");
+  if (!triangle_reader.ok()) return triangle_reader.status();
+  absl::StatusOr<TriangleSection> triangles = ReadTriangleSection(*triangle_reader, *nodes);
+  if (!triangles.ok()) return triangles.status();
+  if (auto status = ExpectEnd(*triangle_reader); !status.ok()) return status;
+  files.mesh.triangles = std::move(triangles->corners);
+  return files;
+}
+
+}  // namespace dynmesh::io

@@ -1,0 +1,40 @@
+// Triangle's `.node` and `.poly` files as features: the points of the file become
+// 1..n and its segments n+1..n+m, in file order.
+#ifndef DYNMESH_CORE_IO_PLANAR_INPUT_H_
+#define DYNMESH_CORE_IO_PLANAR_INPUT_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh::io {
+
+struct PlanarInput {
+  std::vector<Feature> features;  // points, then segments
+  std::size_t point_count = 0;
+  std::size_t segment_count = 0;
+  // What the file has and the mesh will not show.
+  std::uint64_t holes = 0;
+  std::uint64_t regions = 0;
+  std::uint64_t attributes = 0;  // a vertex
+
+  // Where a feature stands: "file:line". Empty for an id that it does not have.
+  std::string Where(FeatureId id) const;
+
+  std::string point_file;    // not `file` if a .poly names an external .node
+  std::string segment_file;  // empty for a .node
+  std::vector<int> lines;    // of features[i]
+};
+
+// INVALID_ARGUMENT as `file:line: what is wrong`, UNIMPLEMENTED for 3 dimensions,
+// NOT_FOUND and the like if a file cannot be read. Geometry is not judged here.
+absl::StatusOr<PlanarInput> ReadNodeFile(const std::string& path);
+// With no vertices of its own the file takes those of the `.node` beside it.
+absl::StatusOr<PlanarInput> ReadPolyFile(const std::string& path);
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_PLANAR_INPUT_H_

@@ -1,0 +1,44 @@
+// Pictures of meshes, to look at and to put into documents.
+#ifndef DYNMESH_CORE_IO_SVG_WRITER_H_
+#define DYNMESH_CORE_IO_SVG_WRITER_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/io/indexed_mesh.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::io {
+
+struct SvgOptions {
+  enum class Fill {
+    kQuality,  // by smallest angle: the worse, the warmer
+    kSize,     // by shortest edge, logarithmically: the finer, the darker
+    kPlain,    // one pale colour
+    kNone,     // lines only
+  };
+  Fill fill = Fill::kQuality;
+  std::optional<Box> crop;  // what is shown; default: everything
+  double width = 1000;      // pixels; the height follows
+  bool points = true;       // dots at input points, if they are few enough to tell apart
+  // Triangles to stand out (indices), as those that an edit added.
+  std::vector<std::uint32_t> highlight;
+};
+
+// INVALID_ARGUMENT for bad options, UNAVAILABLE, naming the path, if it cannot be
+// written. O(size). The same mesh and options make the same bytes.
+absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const std::string& path);
+
+// "quality", "size", "plain" or "none".
+absl::StatusOr<SvgOptions::Fill> ParseFill(std::string_view text);
+
+// The indices in `mesh` of those of `simplices` that it has.
+std::vector<std::uint32_t> FindTriangles(const IndexedMesh& mesh, const SimplexColumn& simplices);
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_SVG_WRITER_H_

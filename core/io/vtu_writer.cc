@@ -1,0 +1,109 @@
+#include "core/io/vtu_writer.h"
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "absl/strings/escaping.h"
+#include "core/io/file_writer.h"
+#include "dynmesh/quality.h"
+
+namespace dynmesh::io {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the file says LittleEndian");
+
+// One <DataArray>: the byte count, then the values, as one base64 text.
+template <class T>
+void WriteArray(std::string_view type, std::string_view name, int components,
+                const std::vector<T>& values, FileWriter& out) {
+  const std::uint64_t bytes = values.size() * sizeof(T);
+  std::string raw(sizeof(bytes) + bytes, '\0');
+  std::memcpy(raw.data(), &bytes, sizeof(bytes));
+  if (bytes != 0) std::memcpy(raw.data() + sizeof(bytes), values.data(), bytes);
+  out << "        <DataArray type=\"" << type << "\" Name=\"" << name << "\" NumberOfComponents=\""
+      << components << "\" format=\"binary\">\n          " << absl::Base64Escape(raw)
+      << "\n        </DataArray>\n";
+}
+
+void WritePoints(const IndexedMesh& mesh, FileWriter& out) {
+  std::vector<double> positions;
+  positions.reserve(3 * mesh.vertices.size());
+  for (const auto& v : mesh.vertices) positions.insert(positions.end(), {v.x, v.y, 0.0});
+  out << "      <Points>\n";
+  WriteArray("Float64", "Points", 3, positions, out);
+  out << "      </Points>\n";
+}
+
+void WriteCells(const IndexedMesh& mesh, FileWriter& out) {
+  constexpr std::uint8_t kVtkTriangle = 5;
+  std::vector<std::int64_t> connectivity;
+  std::vector<std::int64_t> offsets;
+  connectivity.reserve(3 * mesh.triangles.size());
+  offsets.reserve(mesh.triangles.size());
+  for (const auto& t : mesh.triangles) {
+    connectivity.insert(connectivity.end(), t.begin(), t.end());
+    offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
+  }
+  out << "      <Cells>\n";
+  WriteArray("Int64", "connectivity", 1, connectivity, out);
+  WriteArray("Int64", "offsets", 1, offsets, out);
+  WriteArray("UInt8", "types", 1, std::vector<std::uint8_t>(mesh.triangles.size(), kVtkTriangle),
+             out);
+  out << "      </Cells>\n";
+}
+
+void WritePointData(const IndexedMesh& mesh, FileWriter& out) {
+  std::vector<std::uint8_t> dimensions;
+  std::vector<std::int64_t> owners;
+  for (const auto& v : mesh.vertices) {
+    dimensions.push_back(static_cast<std::uint8_t>(v.containing_dimension));
+    owners.push_back(static_cast<std::int64_t>(v.owner));
+  }
+  out << "      <PointData Scalars=\"containing_dimension\">\n";
+  WriteArray("UInt8", "containing_dimension", 1, dimensions, out);
+  WriteArray("Int64", "owner", 1, owners, out);
+  out << "      </PointData>\n";
+}
+
+void WriteCellData(const IndexedMesh& mesh, FileWriter& out) {
+  std::vector<double> ratios;
+  std::vector<double> angles;
+  for (const auto& t : mesh.triangles) {
+    double corner[3][2];
+    for (std::size_t k = 0; k < 3; ++k) {
+      corner[k][0] = mesh.vertices[t[k]].x;
+      corner[k][1] = mesh.vertices[t[k]].y;
+    }
+    const TriangleQuality q = MeasureTriangle(corner[0], corner[1], corner[2]);
+    ratios.push_back(q.radius_edge);
+    angles.push_back(q.min_angle_deg);
+  }
+  out << "      <CellData Scalars=\"min_angle_deg\">\n";
+  WriteArray("Float64", "radius_edge", 1, ratios, out);
+  WriteArray("Float64", "min_angle_deg", 1, angles, out);
+  out << "      </CellData>\n";
+}
+
+}  // namespace
+
+absl::Status WriteVtu(const IndexedMesh& mesh, const std::string& path) {
+  FileWriter out(path);
+  out << "<?xml version=\"1.0\"?>\n"
+         "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+         "header_type=\"UInt64\">\n"
+         "  <UnstructuredGrid>\n"
+         "    <Piece NumberOfPoints=\""
+      << mesh.vertices.size() << "\" NumberOfCells=\"" << mesh.triangles.size() << "\">\n";
+  WritePoints(mesh, out);
+  WriteCells(mesh, out);
+  WritePointData(mesh, out);
+  WriteCellData(mesh, out);
+  out << "    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
+  return out.Close();
+}
+
+}  // namespace dynmesh::io

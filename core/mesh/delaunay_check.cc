@@ -1,0 +1,117 @@
+// The checker of DelaunayTriangulation: every invariant by its definition, for tests.
+#include <algorithm>
+#include <sstream>
+
+#include "core/geometry/predicates.h"
+#include "core/mesh/delaunay_triangulation.h"
+
+namespace dynmesh::mesh {
+
+using geometry::Point2;
+
+namespace {
+
+template <class... Parts>
+bool Fail(std::string* why, const Parts&... parts) {
+  std::ostringstream text;
+  (text << ... << parts);
+  *why = text.str();
+  return false;
+}
+
+}  // namespace
+
+bool DelaunayTriangulation::Check(std::string* why) const {
+  std::size_t infinite = 0, unused = 0;
+  for (TriangleIndex t = 0; t < triangle_limit(); ++t) {
+    if (triangles_[t].IsUnused()) {
+      ++unused;
+      continue;
+    }
+    infinite += IsInfinite(t);
+    if (!CheckTriangle(t, why)) return false;
+  }
+  if (infinite != hull_count_) {
+    return Fail(why, infinite, " infinite triangles, counted ", hull_count_);
+  }
+  if (unused != free_count_) return Fail(why, unused, " unused triangles, counted ", free_count_);
+  std::size_t listed = 0;
+  for (TriangleIndex t = free_; t != kNone && listed <= unused; t = triangles_[t].opposite[0]) {
+    ++listed;
+    if (!triangles_[t].IsUnused()) return Fail(why, "triangle ", t, " is in use and free");
+  }
+  if (listed != unused) return Fail(why, "free list has ", listed, " of ", unused);
+  // The sphere: n + 1 vertices, infinity being one, make 2(n + 1) - 4 triangles.
+  const std::size_t used = triangles_.size() - unused;
+  if (used != 2 * vertex_count_ - 2 || used - infinite != triangle_count()) {
+    return Fail(why, "Euler: ", vertex_count_, " vertices, ", used, " triangles");
+  }
+  return CheckVertices(why);
+}
+
+bool DelaunayTriangulation::CheckTriangle(TriangleIndex t, std::string* why) const {
+  const Triangle& triangle = triangles_[t];
+  for (int i = 0; i < 3; ++i) {
+    const VertexIndex v = triangle.v[i];
+    if (v != kInfinite && !Contains(v)) return Fail(why, "triangle ", t, " has no vertex ", v);
+    const Corner across = Opposite({t, i});
+    if (across.triangle >= triangle_limit() || across.index > 2 ||
+        triangles_[across.triangle].IsUnused() || Opposite(across) != Corner{t, i}) {
+      return Fail(why, "triangle ", t, " and its neighbour at ", i, " disagree");
+    }
+    const auto& other = vertices(across.triangle);
+    if (triangle.v[NextIndex(i)] != other[PreviousIndex(across.index)] ||
+        triangle.v[PreviousIndex(i)] != other[NextIndex(across.index)]) {
+      return Fail(why, "triangles ", t, " and ", across.triangle, " share no edge");
+    }
+    // Locally Delaunay everywhere is Delaunay; for infinite triangles it says that the
+    // hull is convex. The cached circle must agree with the exact test.
+    const VertexIndex apex = other[across.index];
+    if (apex == kInfinite) continue;
+    const Point2& p = points_[apex];
+    if (ConflictsExactly(triangle, p) || Conflicts(t, p)) {
+      return Fail(why, "triangle ", t, " has vertex ", apex, " inside its circle");
+    }
+  }
+  if (!triangle.HasInfinite() &&
+      Orientation(points_[triangle.v[0]], points_[triangle.v[1]], points_[triangle.v[2]]) <= 0) {
+    return Fail(why, "triangle ", t, " is not counter-clockwise");
+  }
+  return true;
+}
+
+bool DelaunayTriangulation::CheckVertices(std::string* why) const {
+  std::size_t count = 0;
+  const auto check_corner = [&](VertexIndex v) {
+    const Corner c = Around(v);
+    return c.triangle < triangle_limit() && c.index < 3 && !triangles_[c.triangle].IsUnused() &&
+           vertices(c.triangle)[c.index] == v;
+  };
+  if (!check_corner(kInfinite)) return Fail(why, "no corner at infinity");
+  for (VertexIndex v = 0; v < incident_.size(); ++v) {
+    if (!Contains(v)) continue;
+    ++count;
+    if (!check_corner(v)) return Fail(why, "vertex ", v, " points at a wrong corner");
+  }
+  if (count != vertex_count_) return Fail(why, count, " vertices, counted ", vertex_count_);
+  // Degrees sum to three times the triangles only if each star is one cycle.
+  std::size_t corners = 0;
+  const auto add_degree = [&](VertexIndex v) {
+    const Corner start = Around(v);
+    Corner c = start;
+    do {
+      ++corners;
+      c = NextAround(c);
+    } while (c != start && corners <= 3 * triangles_.size());
+  };
+  add_degree(kInfinite);
+  for (VertexIndex v = 0; v < incident_.size(); ++v) {
+    if (Contains(v)) add_degree(v);
+  }
+  if (corners != 3 * (triangles_.size() - free_count_)) {
+    return Fail(why, "the stars have ", corners, " corners");
+  }
+  return true;
+}
+
+}  // namespace dynmesh::mesh

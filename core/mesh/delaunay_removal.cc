@@ -1,0 +1,185 @@
+// Removal of a vertex. The triangles around it make way, and the hole they leave is
+// filled by the Delaunay triangulation of the vertices on its rim: in the triangulation
+// without the vertex only triangles whose circle it lies in are new, these lie in the
+// hole, and so have their corners on the rim.
+#include <algorithm>
+#include <cassert>
+#include <numeric>
+
+#include "core/geometry/predicates.h"
+#include "core/mesh/delaunay_triangulation.h"
+
+namespace dynmesh::mesh {
+
+using geometry::Point2;
+
+namespace {
+
+// Up to this degree apexes are found by scanning the rim, O(degree^2) tests; above it a
+// triangulation of the rim is made, O(degree log degree) expected.
+constexpr std::size_t kMaxScannedRim = 48;
+
+}  // namespace
+
+void DelaunayTriangulation::Remove(VertexIndex v) {
+  assert(Contains(v));
+  assert(std::find(corners_.begin(), corners_.end(), v) == corners_.end());
+  OpenHole(v);
+  const Point2 p = points_[v];
+  incident_[v] = kNone;
+  --vertex_count_;
+  created_.clear();
+  if (rim_.size() > kMaxScannedRim) {
+    FillHoleByTriangulating(p);
+  } else {
+    CloseHullGap();
+    FillHoleByScanning();
+  }
+  assert(cavity_.size() == 2);  // one vertex less, two triangles less
+  for (TriangleIndex t : cavity_) FreeTriangle(t);
+}
+
+// Collects the star of v in cavity_ and deleted_, its rim counter-clockwise in rim_.
+void DelaunayTriangulation::OpenHole(VertexIndex v) {
+  cavity_.clear();
+  rim_.clear();
+  deleted_.clear();
+  const Corner start = Around(v);
+  Corner c = start;
+  do {
+    const Triangle& t = triangles_[c.triangle];
+    const auto next = NextIndex(c.index);
+    const auto previous = PreviousIndex(c.index);
+    rim_.push_back({t.v[next], t.v[previous], t.opposite[c.index]});
+    // Wanted soon: the neighbour to link to, the place of the rim vertex.
+    __builtin_prefetch(&triangles_[rim_.back().outside >> 2]);
+    if (t.v[next] != kInfinite) __builtin_prefetch(&points_[t.v[next]]);
+    cavity_.push_back(c.triangle);
+    deleted_.push_back(t.v);
+    if (t.v[next] == kInfinite) --hull_count_;  // v had one edge to infinity
+    c = NextAround(c);
+  } while (c != start);
+}
+
+// A triangle of the hole for reuse.
+DelaunayTriangulation::TriangleIndex DelaunayTriangulation::TakeSlot() {
+  const TriangleIndex t = cavity_.back();
+  cavity_.pop_back();
+  created_.push_back(t);
+  return t;
+}
+
+// If v lay on the hull, between x and y say, the hull edge is now xy, since v lay on the
+// side of the box. Makes its infinite triangle, and leaves a rim of finite vertices that
+// ends with the edge x->y.
+void DelaunayTriangulation::CloseHullGap() {
+  const auto from_infinity =
+      std::find_if(rim_.begin(), rim_.end(), [](const RimEdge& e) { return e.a == kInfinite; });
+  if (from_infinity == rim_.end()) return;
+  std::rotate(rim_.begin(), from_infinity + 1, rim_.end());
+  const RimEdge leave = rim_.back();  // infinity -> y
+  rim_.pop_back();
+  const RimEdge enter = rim_.back();  // x -> infinity
+  rim_.pop_back();
+  const TriangleIndex t = TakeSlot();
+  MakeTriangle(t, enter.a, kInfinite, leave.b);
+  Link(ToCode(t, 2), enter.outside);
+  Link(ToCode(t, 0), leave.outside);
+  rim_.push_back({enter.a, leave.b, ToCode(t, 1)});
+}
+
+// Triangle by triangle: the one on the closing edge of a chain cuts it into two.
+void DelaunayTriangulation::FillHoleByScanning() {
+  gaps_.clear();
+  gaps_.push_back({0, rim_.size() - 1, rim_.back().outside});
+  while (!gaps_.empty()) {
+    const Gap gap = gaps_.back();
+    gaps_.pop_back();
+    const std::size_t apex = FindApex(gap);
+    const TriangleIndex t = TakeSlot();
+    MakeTriangle(t, rim_[gap.last].a, rim_[gap.first].a, rim_[apex].a);
+    Link(ToCode(t, 2), gap.outside);
+    const auto fill = [&](std::size_t first, std::size_t last, Code code) {
+      if (first + 1 == last) {
+        Link(code, rim_[first].outside);
+      } else {
+        gaps_.push_back({first, last, code});
+      }
+    };
+    fill(gap.first, apex, ToCode(t, 0));
+    fill(apex, gap.last, ToCode(t, 1));
+  }
+}
+
+// Which vertex of the chain makes the Delaunay triangle with its closing edge. Of two
+// points left of an edge exactly one lies inside the circle through the edge and the
+// other, and this orders them all (a pencil of circles); so one pass finds the least. In
+// the circle of the true apex there is no vertex: it is the least, though the pass may
+// look at vertices that the edge does not see.
+std::size_t DelaunayTriangulation::FindApex(const Gap& gap) const {
+  std::size_t best = gap.first + 1;
+  if (gap.last - gap.first == 2) return best;  // no choice
+  const Point2& a = points_[rim_[gap.last].a];
+  const Point2& b = points_[rim_[gap.first].a];
+  const auto left = [&](std::size_t i) { return Orientation(a, b, points_[rim_[i].a]) > 0; };
+  while (!left(best)) ++best;
+  for (std::size_t i = best + 1; i < gap.last; ++i) {
+    const Point2& p = points_[rim_[i].a];
+    if (left(i) && InCircle(a, b, points_[rim_[best].a], p)) best = i;
+  }
+  assert(best < gap.last);
+  return best;
+}
+
+// For great degrees: triangulate the rim in the same box, insertion in random order. What
+// the removed point conflicts with there is just what fills the hole here: the triangles
+// that fill the hole are empty of all vertices, so they occur there too, and either set
+// is bounded by the rim.
+void DelaunayTriangulation::FillHoleByTriangulating(const Point2& removed) {
+  DelaunayTriangulation local;
+  local.Reset(points_[corners_[0]], points_[corners_[2]], {0, 1, 2, 3});
+  // Local vertex 4 + i is where rim edge i starts, unless that is a corner or infinite.
+  std::vector<std::uint32_t> rim_index(rim_.size() + 4, kNone);  // by local vertex
+  std::uint32_t rim_index_of_infinity = kNone;
+  std::vector<VertexIndex> indices;
+  std::vector<Point2> points;
+  for (std::uint32_t i = 0; i < rim_.size(); ++i) {
+    const VertexIndex v = rim_[i].a;
+    const auto corner = std::find(corners_.begin(), corners_.end(), v);
+    if (v == kInfinite) {
+      rim_index_of_infinity = i;
+    } else if (corner != corners_.end()) {
+      rim_index[corner - corners_.begin()] = i;
+    } else {
+      rim_index[4 + i] = i;
+      indices.push_back(4 + i);
+      points.push_back(points_[v]);
+    }
+  }
+  local.InsertAll(indices, points);
+  const auto to_rim = [&](VertexIndex v) {
+    return v == kInfinite ? rim_index_of_infinity : rim_index[v];
+  };
+  local.FindCavity(removed, local.Locate(removed, 0));
+
+  // Local triangle -> its copy here, remembered in the tag; 0 is "none".
+  for (TriangleIndex t : local.cavity_) local.set_tag(t, TakeSlot() + std::uint64_t{1});
+  for (TriangleIndex from : local.cavity_) {
+    const Triangle& source = local.triangles_[from];
+    const auto t = static_cast<TriangleIndex>(source.tag - 1);
+    MakeTriangle(t, rim_[to_rim(source.v[0])].a, rim_[to_rim(source.v[1])].a,
+                 rim_[to_rim(source.v[2])].a);
+    for (int i = 0; i < 3; ++i) {
+      const Corner across = local.Opposite({from, i});
+      const std::uint64_t tag = local.tag(across.triangle);
+      if (tag != 0) {
+        triangles_[t].opposite[i] = ToCode(static_cast<TriangleIndex>(tag - 1), across.index);
+      } else {
+        const VertexIndex edge_start = source.v[NextIndex(i)];
+        Link(ToCode(t, i), rim_[to_rim(edge_start)].outside);
+      }
+    }
+  }
+}
+
+}  // namespace dynmesh::mesh

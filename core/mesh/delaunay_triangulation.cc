@@ -1,0 +1,303 @@
+// Construction, point location and insertion; removal and checks have files of their own.
+#include "core/mesh/delaunay_triangulation.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "core/geometry/predicates.h"
+#include "core/mesh/delaunay_insert_order.h"
+
+namespace dynmesh::mesh {
+
+using geometry::Point2;
+
+namespace {
+
+constexpr std::size_t kInitialStack = 64;
+
+}  // namespace
+
+void DelaunayTriangulation::Reset(const Point2& lo, const Point2& hi,
+                                  const std::array<VertexIndex, 4>& corners) {
+  assert(lo[0] < hi[0] && lo[1] < hi[1]);
+  triangles_.clear();
+  points_.clear();
+  incident_.clear();
+  created_.clear();
+  deleted_.clear();
+  free_ = kNone;
+  free_count_ = 0;
+  vertex_count_ = 0;
+  hull_count_ = 4;
+  corners_ = corners;
+
+  const auto [a, b, c, d] = corners;
+  AddVertex(a, lo);
+  AddVertex(b, {{hi[0], lo[1]}});
+  AddVertex(c, hi);
+  AddVertex(d, {{lo[0], hi[1]}});
+  // The four are cocircular, and c, the greatest, is the one cut off.
+  triangles_.resize(6);
+  MakeTriangle(0, a, b, d);
+  MakeTriangle(1, c, d, b);
+  MakeTriangle(2, b, a, kInfinite);
+  MakeTriangle(3, c, b, kInfinite);
+  MakeTriangle(4, d, c, kInfinite);
+  MakeTriangle(5, a, d, kInfinite);
+  Link(ToCode(0, 0), ToCode(1, 0));  // bd
+  Link(ToCode(0, 2), ToCode(2, 2));  // ab
+  Link(ToCode(1, 1), ToCode(3, 2));  // bc
+  Link(ToCode(1, 2), ToCode(4, 2));  // cd
+  Link(ToCode(0, 1), ToCode(5, 2));  // da
+  Link(ToCode(2, 0), ToCode(5, 1));  // a
+  Link(ToCode(2, 1), ToCode(3, 0));  // b
+  Link(ToCode(3, 1), ToCode(4, 0));  // c
+  Link(ToCode(4, 1), ToCode(5, 0));  // d
+}
+
+void DelaunayTriangulation::Reserve(std::size_t vertices) {
+  points_.reserve(vertices);
+  incident_.reserve(vertices);
+  triangles_.reserve(2 * vertices + 2);
+}
+
+std::size_t DelaunayTriangulation::bytes() const {
+  return triangles_.capacity() * sizeof(Triangle) + points_.capacity() * sizeof(Point2) +
+         incident_.capacity() * sizeof(Code) + created_.capacity() * sizeof(TriangleIndex) +
+         deleted_.capacity() * sizeof(deleted_[0]) + cavity_.capacity() * sizeof(TriangleIndex) +
+         rim_.capacity() * sizeof(RimEdge) + stack_.capacity() * sizeof(Code) +
+         gaps_.capacity() * sizeof(Gap);
+}
+
+void DelaunayTriangulation::AddVertex(VertexIndex v, const Point2& p) {
+  if (v >= points_.size()) {
+    points_.resize(v + std::size_t{1});
+    incident_.resize(v + std::size_t{1}, kNone);
+  }
+  points_[v] = p;
+  ++vertex_count_;
+}
+
+DelaunayTriangulation::TriangleIndex DelaunayTriangulation::AllocateTriangle() {
+  if (free_ == kNone) {
+    triangles_.emplace_back();
+    return triangle_limit() - 1;
+  }
+  const TriangleIndex t = free_;
+  free_ = triangles_[t].opposite[0];
+  --free_count_;
+  return t;
+}
+
+void DelaunayTriangulation::FreeTriangle(TriangleIndex t) {
+  triangles_[t].v = {kInfinite, kInfinite, kInfinite};
+  triangles_[t].opposite[0] = free_;
+  free_ = t;
+  ++free_count_;
+}
+
+void DelaunayTriangulation::MakeTriangle(TriangleIndex t, VertexIndex a, VertexIndex b,
+                                         VertexIndex c) {
+  Triangle& triangle = triangles_[t];
+  triangle.v = {a, b, c};
+  triangle.tag = 0;
+  for (int i = 0; i < 3; ++i) {
+    const VertexIndex v = triangle.v[i];
+    (v == kInfinite ? infinite_incident_ : incident_[v]) = ToCode(t, i);
+  }
+  if (triangle.HasInfinite()) {
+    SetNoCircle(&triangle);
+  } else {
+    SetCircle(&triangle, points_[a], points_[b], points_[c]);
+  }
+}
+
+void DelaunayTriangulation::SetNoCircle(Triangle* t) {
+  t->center_x = t->center_y = t->squared_radius = 0;
+  t->power_error = std::numeric_limits<double>::infinity();
+}
+
+// The error of the cached circle, u = 2^-53, to first order in u. About c, with
+// p = a - c, q = b - c, r = p x q, the center is w = (q_y p^2 - p_y q^2, ...) / 2r, its
+// length the radius R; k = |p||q|/r >= 1.
+//   Coordinates of p, q: u. p^2: 4u. So each product of the numerator errs by 7u of
+// itself, the vector by 7u |p||q|(|p|+|q|) / 2r <= 14 u k R since |p|, |q| <= 2R. r errs
+// by 4u |p||q|, 4 u k of itself; scaling adds 2u. In all |dw| <= 20 u k R. Adding c
+// rounds by m u, m = |center_x| + |center_y|; so the center errs by at most
+// e = 20 u k R + m u. The squared radius errs by 40 u k R^2 + 2 u R^2.
+//   For x within 2R of the true center the test errs by 4 R e for the center, the error
+// of the squared radius, 16 u R^2 for the squares and 3 u R^2 for the last difference:
+// below 141 u k R^2 + 4 u R m. Taken are 176 and 5: the quarter more covers the terms of
+// second order as long as the whole is below R^2 / 4 (then u k < 2^-9); beyond, the
+// circle is declared useless. R is bounded by |w_x| + |w_y|, k by (p^2 + q^2) / 2r.
+//   For x farther away, s > 2R, the true value exceeds 3/4 s^2, and the same terms come
+// to less than s^2/10: what is computed exceeds 2 R^2 > R^2 / 4, and rightly says outside.
+//   Overflow, underflow and cancelled r end as infinities or NaNs: useless as well.
+void DelaunayTriangulation::SetCircle(Triangle* t, const Point2& a, const Point2& b,
+                                      const Point2& c) {
+  constexpr double kRoundoff = 0x1p-53;
+  const double px = a[0] - c[0], py = a[1] - c[1];
+  const double qx = b[0] - c[0], qy = b[1] - c[1];
+  const double p2 = px * px + py * py, q2 = qx * qx + qy * qy;
+  const double scale = 0.5 / (px * qy - py * qx);
+  const double wx = (qy * p2 - py * q2) * scale, wy = (px * q2 - qx * p2) * scale;
+  const double r2 = wx * wx + wy * wy;
+  t->center_x = c[0] + wx;
+  t->center_y = c[1] + wy;
+  t->squared_radius = r2;
+  const double m = std::fabs(t->center_x) + std::fabs(t->center_y);
+  const double error = 176 * kRoundoff * ((p2 + q2) * scale) * r2 +
+                       5 * kRoundoff * (std::fabs(wx) + std::fabs(wy)) * m;
+  // A negative scale makes the first term negative; it must not pass either.
+  const bool useful = scale > 0 && error < 0.25 * r2;
+  t->power_error = useful ? error : std::numeric_limits<double>::infinity();
+}
+
+bool DelaunayTriangulation::ConflictsExactly(const Triangle& t, const Point2& p) const {
+  if (!t.HasInfinite()) return InCircle(points_[t.v[0]], points_[t.v[1]], points_[t.v[2]], p);
+  // The "circle" of an infinite triangle is the open half-plane beyond its edge and the
+  // edge itself, whose ends p is not.
+  const std::size_t i = t.v[0] == kInfinite ? 0 : t.v[1] == kInfinite ? 1 : 2;
+  const Point2& a = points_[t.v[(i + 1) % 3]];
+  const Point2& b = points_[t.v[(i + 2) % 3]];
+  const int side = Orientation(a, b, p);
+  return side > 0 || (side == 0 && (a < p) == (p < b));
+}
+
+DelaunayTriangulation::TriangleIndex DelaunayTriangulation::Locate(const Point2& p,
+                                                                   VertexIndex near) const {
+  return LocateFrom(p, (Contains(near) ? incident_[near] : infinite_incident_) >> 2);
+}
+
+// The visibility walk: over any edge that has p strictly beyond. In a Delaunay
+// triangulation (of a lifted set, so with ties broken too) it cannot cycle: the power of
+// p falls with each step.
+DelaunayTriangulation::TriangleIndex DelaunayTriangulation::LocateFrom(const Point2& p,
+                                                                       TriangleIndex start) const {
+  const Triangle* t = &triangles_[start];
+  if (t->HasInfinite()) {
+    const std::size_t i = t->v[0] == kInfinite ? 0 : t->v[1] == kInfinite ? 1 : 2;
+    t = &triangles_[t->opposite[i] >> 2];
+  }
+  const auto beyond = [&](int i) {
+    return Orientation(points_[t->v[NextIndex(i)]], points_[t->v[PreviousIndex(i)]], p) < 0;
+  };
+  int i = beyond(0) ? 0 : beyond(1) ? 1 : beyond(2) ? 2 : -1;
+  while (i >= 0) {
+    const Corner entry = ToCorner(t->opposite[i]);
+    t = &triangles_[entry.triangle];
+    if (t->HasInfinite()) break;
+    // p is on the near side of the edge just crossed.
+    const int next = NextIndex(entry.index), previous = PreviousIndex(entry.index);
+    i = beyond(next) ? next : beyond(previous) ? previous : -1;
+  }
+  return static_cast<TriangleIndex>(t - triangles_.data());
+}
+
+void DelaunayTriangulation::InsertAt(VertexIndex v, const Point2& p, TriangleIndex conflicting) {
+  assert(!Contains(v) && v < kInfinite / 2);
+  assert(Conflicts(conflicting, p));
+  AddVertex(v, p);
+  FindCavity(p, conflicting);
+  FillCavityFrom(v, p);
+}
+
+// Depth first, each triangle's edges in counter-clockwise order, so that the rim comes
+// out in that order too. The triangles in conflict form a tree: together they are a disc
+// with no vertex inside. So none is met twice and none needs a mark.
+void DelaunayTriangulation::FindCavity(const Point2& p, TriangleIndex start) {
+  cavity_.clear();
+  rim_.clear();
+  cavity_.push_back(start);
+  const Triangle* const triangles = triangles_.data();
+  if (stack_.size() < kInitialStack) stack_.resize(kInitialStack);
+  Code* stack = stack_.data();
+  std::size_t depth = 0;
+  for (int i : {2, 1, 0}) stack[depth++] = ToCode(start, i);
+  while (depth != 0) {
+    const Corner inside = ToCorner(stack[--depth]);
+    const Triangle& t = triangles[inside.triangle];
+    const Code code = t.opposite[inside.index];
+    const Corner outside = ToCorner(code);
+    if (Conflicts(outside.triangle, p)) {
+      cavity_.push_back(outside.triangle);
+      const int next = NextIndex(outside.index), previous = PreviousIndex(outside.index);
+      stack[depth++] = ToCode(outside.triangle, previous);
+      stack[depth++] = ToCode(outside.triangle, next);
+      __builtin_prefetch(&triangles[triangles[outside.triangle].opposite[previous] >> 2]);
+      __builtin_prefetch(&triangles[triangles[outside.triangle].opposite[next] >> 2]);
+      if (depth + 2 > stack_.size()) {
+        stack_.resize(2 * stack_.size());
+        stack = stack_.data();
+      }
+    } else {
+      const VertexIndex a = t.v[NextIndex(inside.index)];
+      rim_.push_back({a, t.v[PreviousIndex(inside.index)], code});
+      if (a != kInfinite) __builtin_prefetch(&points_[a]);  // wanted by the filling
+    }
+  }
+}
+
+// One triangle per rim edge. Corner 2 is v, corner 0 the start of the edge.
+void DelaunayTriangulation::FillCavityFrom(VertexIndex v, const Point2& p) {
+  const std::size_t count = rim_.size();
+  assert(count == cavity_.size() + 2);
+  deleted_.resize(cavity_.size());
+  for (std::size_t i = 0; i < cavity_.size(); ++i) deleted_[i] = triangles_[cavity_[i]].v;
+  created_.swap(cavity_);
+  created_.push_back(AllocateTriangle());
+  created_.push_back(AllocateTriangle());
+
+  Triangle* const triangles = triangles_.data();
+  const Point2* const points = points_.data();
+  Code* const incident = incident_.data();
+  const TriangleIndex* const created = created_.data();
+  const RimEdge* const rim = rim_.data();
+  TriangleIndex previous = created[count - 1];
+  for (std::size_t i = 0; i < count; ++i) {
+    const TriangleIndex t = created[i];
+    const TriangleIndex next = created[i + 1 == count ? 0 : i + 1];
+    const RimEdge edge = rim[i];
+    Triangle& triangle = triangles[t];
+    triangle.v = {edge.a, edge.b, v};
+    triangle.opposite = {ToCode(next, 1), ToCode(previous, 0), edge.outside};
+    triangle.tag = 0;
+    triangles[edge.outside >> 2].opposite[edge.outside & 3] = ToCode(t, 2);
+    if (!triangle.HasInfinite()) {
+      SetCircle(&triangle, points[edge.a], points[edge.b], p);
+      incident[edge.a] = ToCode(t, 0);
+    } else {
+      SetNoCircle(&triangle);
+      if (edge.a == kInfinite) {
+        infinite_incident_ = ToCode(t, 0);
+        ++hull_count_;  // v has this one edge to infinity
+      } else {
+        incident[edge.a] = ToCode(t, 0);
+      }
+    }
+    previous = t;
+  }
+  incident[v] = ToCode(created[0], 2);
+}
+
+void DelaunayTriangulation::InsertAll(std::span<const VertexIndex> indices,
+                                      std::span<const Point2> points) {
+  assert(indices.size() == points.size());
+  triangles_.reserve(triangles_.size() + 2 * points.size());
+  if (!indices.empty()) {
+    const std::size_t limit = *std::max_element(indices.begin(), indices.end()) + std::size_t{1};
+    points_.reserve(limit);
+    incident_.reserve(limit);
+  }
+  TriangleIndex near = infinite_incident_ >> 2;
+  for (const std::uint32_t i : InsertOrder(points)) {
+    InsertAt(indices[i], points[i], LocateFrom(points[i], near));
+    near = created_[0];
+  }
+  created_.clear();
+  deleted_.clear();
+}
+
+}  // namespace dynmesh::mesh

@@ -1,0 +1,230 @@
+// The Delaunay triangulation of a changing set of points in the plane: exact, and
+// unique because ties are broken by coordinates (geometry/predicates.h). It is a
+// function of the point set alone, whatever order points came and went in.
+//
+// The first four points are the corners of a box that holds all others in its closed
+// inside. Further points may lie on the box's sides; these may be removed like any
+// other, only the corners stay. Beyond the hull there is one symbolic vertex,
+// kInfinite, so that every edge has two triangles.
+//
+// Topology stands apart from meaning: vertices are the caller's indices.
+// Thread-compatible. Insert and Remove cost O(degree) with a good hint; memory is 64
+// bytes per triangle, 20 per vertex index.
+#ifndef DYNMESH_CORE_MESH_DELAUNAY_TRIANGULATION_H_
+#define DYNMESH_CORE_MESH_DELAUNAY_TRIANGULATION_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/geometry/point.h"
+
+namespace dynmesh::mesh {
+
+class DelaunayTriangulation {
+ public:
+  using VertexIndex = std::uint32_t;    // chosen by the caller, dense, below 2^31
+  using TriangleIndex = std::uint32_t;  // below 2^30
+  static constexpr VertexIndex kInfinite = ~VertexIndex{0};
+  static constexpr TriangleIndex kNone = ~TriangleIndex{0};
+
+  // Where a walk turns counter-clockwise around a vertex.
+  struct Corner {
+    TriangleIndex triangle;
+    int index;  // the vertex is triangle's corner `index`
+    friend bool operator==(const Corner&, const Corner&) = default;
+  };
+
+  // Starts over with the box whose corners are lo and hi; they become vertices
+  // `corners` in the order (lo,lo) (hi,lo) (hi,hi) (lo,hi). lo < hi in both coordinates.
+  void Reset(const geometry::Point2& lo, const geometry::Point2& hi,
+             const std::array<VertexIndex, 4>& corners);
+
+  // Makes p, distinct from all points present, vertex v (an index not in use).
+  // `near` is any present vertex; the nearer, the faster. Returns nothing; see
+  // created() and deleted().
+  void Insert(VertexIndex v, const geometry::Point2& p, VertexIndex near) {
+    InsertAt(v, p, Locate(p, near));
+  }
+
+  // Insert that saves the walk: `conflicting` is any triangle with Conflicts(it, p).
+  void InsertAt(VertexIndex v, const geometry::Point2& p, TriangleIndex conflicting);
+
+  // Removes vertex v, none of the four corners. O(degree log degree) expected.
+  void Remove(VertexIndex v);
+
+  // Inserts many in an order that is fast whatever the input (rounds of random
+  // priority, Hilbert order within a round). indices.size() == points.size(). Leaves
+  // created() and deleted() empty.
+  void InsertAll(std::span<const VertexIndex> indices, std::span<const geometry::Point2> points);
+
+  bool Contains(VertexIndex v) const { return v < incident_.size() && incident_[v] != kNone; }
+  const geometry::Point2& position(VertexIndex v) const { return points_[v]; }
+  std::size_t vertex_count() const { return vertex_count_; }  // without kInfinite
+  std::size_t triangle_count() const {                        // finite ones, by Euler
+    return vertex_count_ == 0 ? 0 : 2 * vertex_count_ - 2 - hull_count_;
+  }
+
+  // Triangles that the last Insert or Remove made / unmade, infinite ones included.
+  // Indices of deleted triangles may be reused by created ones: deleted ones are
+  // given by their vertices. Valid until the next change. Created ones of an Insert have
+  // the new vertex as corner 2 and stand in counter-clockwise order around it.
+  std::span<const TriangleIndex> created() const { return created_; }
+  std::span<const std::array<VertexIndex, 3>> deleted() const { return deleted_; }
+
+  // Some corner at v (kInfinite too); NextAround turns counter-clockwise about the vertex.
+  Corner Around(VertexIndex v) const {
+    return ToCorner(v == kInfinite ? infinite_incident_ : incident_[v]);
+  }
+  Corner NextAround(Corner c) const {
+    const Corner across = Opposite({c.triangle, NextIndex(c.index)});
+    return {across.triangle, NextIndex(across.index)};
+  }
+  // The corner that faces c across the edge opposite to c.
+  Corner Opposite(Corner c) const { return ToCorner(triangles_[c.triangle].opposite[c.index]); }
+  // Corner indices counter-clockwise in a triangle: 0 1 2 0 and back.
+  static constexpr int NextIndex(int i) { return (0b00'10'01 >> (2 * i)) & 3; }
+  static constexpr int PreviousIndex(int i) { return (0b01'00'10 >> (2 * i)) & 3; }
+
+  // Vertices of a triangle, counter-clockwise; one may be kInfinite.
+  const std::array<VertexIndex, 3>& vertices(TriangleIndex t) const { return triangles_[t].v; }
+  // True of unused indices too, so a loop below triangle_limit() needs no other test.
+  bool IsInfinite(TriangleIndex t) const { return triangles_[t].HasInfinite(); }
+  TriangleIndex triangle_limit() const { return static_cast<TriangleIndex>(triangles_.size()); }
+
+  // Would p, distinct from all vertices, unmake triangle t? Exact, ties by coordinates.
+  bool Conflicts(TriangleIndex t, const geometry::Point2& p) const {
+    const Triangle& triangle = triangles_[t];
+    const double dx = p[0] - triangle.center_x;
+    const double dy = p[1] - triangle.center_y;
+    const double power = dx * dx + dy * dy - triangle.squared_radius;
+    if (power > triangle.power_error) return false;
+    if (power < -triangle.power_error) return true;
+    return ConflictsExactly(triangle, p);
+  }
+
+  // The circumscribed circle as rounded once when t was made. Not canonical: its last
+  // bits depend on which corner came first. circle_error(t) bounds the error of
+  // |x - center|^2 - squared_radius for any x not far outside; it is infinite where the
+  // circle is useless (infinite or needle-like triangles).
+  geometry::Point2 circumcenter(TriangleIndex t) const {
+    return {{triangles_[t].center_x, triangles_[t].center_y}};
+  }
+  double squared_circumradius(TriangleIndex t) const { return triangles_[t].squared_radius; }
+  double circle_error(TriangleIndex t) const { return triangles_[t].power_error; }
+
+  // Eight bytes of each triangle for the caller; zero in a triangle just made.
+  std::uint64_t tag(TriangleIndex t) const { return triangles_[t].tag; }
+  void set_tag(TriangleIndex t, std::uint64_t tag) { triangles_[t].tag = tag; }
+
+  // A triangle that holds p (closed; infinite only if p is outside the box), from `near`.
+  // If p is no vertex, the triangle conflicts with p.
+  TriangleIndex Locate(const geometry::Point2& p, VertexIndex near) const;
+
+  // Calls f(t) for each finite triangle.
+  template <class F>
+  void ForEachTriangle(F f) const {
+    for (TriangleIndex t = 0; t < triangle_limit(); ++t) {
+      if (!IsInfinite(t)) f(t);
+    }
+  }
+
+  // Room for that many vertices (indices below it) without further allocation.
+  void Reserve(std::size_t vertices);
+
+  // Every topological and Delaunay invariant, O(size); false with `*why` set.
+  bool Check(std::string* why) const;
+  std::size_t bytes() const;
+
+ private:
+  // A corner packed: triangle * 4 + index.
+  using Code = std::uint32_t;
+  static constexpr Code ToCode(TriangleIndex t, int index) {
+    return t << 2 | static_cast<Code>(index);
+  }
+  static constexpr Corner ToCorner(Code c) { return {c >> 2, static_cast<int>(c & 3)}; }
+
+  // One cache line. The circle answers most conflict tests with four operations; see
+  // SetCircle for its error. Unused triangles have only kInfinite as vertices.
+  struct alignas(64) Triangle {
+    std::array<VertexIndex, 3> v;
+    std::array<Code, 3> opposite;  // the corner that faces corner i across its edge
+    double center_x, center_y, squared_radius, power_error;
+    std::uint64_t tag;
+
+    bool HasInfinite() const { return static_cast<std::int32_t>(v[0] | v[1] | v[2]) < 0; }
+    bool IsUnused() const { return (v[0] & v[1]) == kInfinite; }
+  };
+
+  // An edge a->b of the rim of a hole, the hole on its left, and the corner that faces
+  // it from outside.
+  struct RimEdge {
+    VertexIndex a, b;
+    Code outside;
+  };
+
+  // A chain rim_[first..last] (by its vertices a) that waits to be filled, together with
+  // the corner that faces its closing edge last->first.
+  struct Gap {
+    std::size_t first, last;
+    Code outside;
+  };
+
+  TriangleIndex LocateFrom(const geometry::Point2& p, TriangleIndex start) const;
+  bool ConflictsExactly(const Triangle& t, const geometry::Point2& p) const;
+  static void SetCircle(Triangle* t, const geometry::Point2& a, const geometry::Point2& b,
+                        const geometry::Point2& c);
+  static void SetNoCircle(Triangle* t);
+  void Link(Code a, Code b) {
+    triangles_[a >> 2].opposite[a & 3] = b;
+    triangles_[b >> 2].opposite[b & 3] = a;
+  }
+
+  void AddVertex(VertexIndex v, const geometry::Point2& p);
+  // Sets vertices, circle and the incidences; links remain to be set.
+  void MakeTriangle(TriangleIndex t, VertexIndex a, VertexIndex b, VertexIndex c);
+  TriangleIndex AllocateTriangle();
+  void FreeTriangle(TriangleIndex t);
+
+  // Fills cavity_ with the triangles in conflict with p and rim_ with the edges around.
+  void FindCavity(const geometry::Point2& p, TriangleIndex start);
+  void FillCavityFrom(VertexIndex v, const geometry::Point2& p);
+
+  // Removal, in delaunay_removal.cc.
+  void OpenHole(VertexIndex v);
+  void CloseHullGap();
+  void FillHoleByScanning();
+  std::size_t FindApex(const Gap& gap) const;
+  void FillHoleByTriangulating(const geometry::Point2& removed);
+  TriangleIndex TakeSlot();
+
+  // Checks, in delaunay_check.cc.
+  bool CheckTriangle(TriangleIndex t, std::string* why) const;
+  bool CheckVertices(std::string* why) const;
+
+  std::vector<Triangle> triangles_;
+  std::vector<geometry::Point2> points_;  // by vertex
+  std::vector<Code> incident_;            // by vertex: some corner, or kNone
+  Code infinite_incident_ = kNone;
+  TriangleIndex free_ = kNone;  // unused triangles, linked by opposite[0]
+  std::size_t free_count_ = 0;
+  std::size_t vertex_count_ = 0;
+  std::size_t hull_count_ = 0;  // vertices on the hull = infinite triangles
+  std::array<VertexIndex, 4> corners_ = {};
+
+  std::vector<TriangleIndex> created_;
+  std::vector<std::array<VertexIndex, 3>> deleted_;
+
+  // Kept from call to call so that none allocates.
+  std::vector<TriangleIndex> cavity_;
+  std::vector<RimEdge> rim_;
+  std::vector<Code> stack_;
+  std::vector<Gap> gaps_;
+};
+
+}  // namespace dynmesh::mesh
+
+#endif  // DYNMESH_CORE_MESH_DELAUNAY_TRIANGULATION_H_

@@ -1,0 +1,298 @@
+// What changes, and who has to be told. A vertex appears or vanishes at its creator's
+// time; a subsegment is visible between its exposure and its death. Operations with a
+// later time whose reads are touched become stale; the filters here say which.
+#ifndef DYNMESH_CORE_MESHING_CHANGES_H_
+#define DYNMESH_CORE_MESHING_CHANGES_H_
+
+#include <algorithm>
+
+#include "core/meshing/filter_terms.h"
+#include "core/meshing/neighbourhood.h"
+#include "core/meshing/refinement.h"
+
+namespace dynmesh::meshing {
+
+// --- Engine hooks -------------------------------------------------------------------
+
+template <template <class> class E>
+void Refinement<E>::Publish(sac::Output output, sac::Stamp at) {
+  const std::uint32_t i = IndexOf(output);
+  switch (WhatOf(output)) {
+    case Made::kVertex:
+      PublishVertex(i, at);
+      break;
+    case Made::kSubsegment:
+      break;  // visible when its Check exposes it
+    case Made::kExposure:
+      SetExposed(i, at);
+      break;
+    case Made::kDeath: {
+      Subsegment& s = subsegments_[i];
+      const sac::Stamp old = s.death;
+      if (old != sac::kNoStamp && !engine_.Precedes(at, old)) break;
+      s.death = at;
+      MarkSubsegmentChanged(i);
+      NotifyOfSubsegment(i, at, old);
+      if constexpr (kTraced) {
+        if (Counts(Term::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
+      }
+      break;
+    }
+  }
+}
+
+template <template <class> class E>
+void Refinement<E>::Withdraw(sac::Output output, sac::Stamp at) {
+  const std::uint32_t i = IndexOf(output);
+  switch (WhatOf(output)) {
+    case Made::kVertex:
+      WithdrawVertex(i, at);
+      break;
+    case Made::kSubsegment:
+      break;
+    case Made::kExposure: {
+      Subsegment& s = subsegments_[i];
+      NotifyOfSubsegment(i, at, s.death);
+      for (int k = 0; k < s.place_count; ++k) exposures_.Remove(s.places[k], i);
+      s.place_count = 0;
+      s.exposed = sac::kNoStamp;
+      MarkSubsegmentChanged(i);
+      break;
+    }
+    case Made::kDeath: {
+      Subsegment& s = subsegments_[i];
+      if (s.death != at) break;  // an earlier split has taken over
+      s.death = sac::kNoStamp;
+      MarkSubsegmentChanged(i);
+      NotifyOfSubsegment(i, at, sac::kNoStamp);
+      if constexpr (kTraced) {
+        if (Counts(Term::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
+      }
+      break;
+    }
+  }
+}
+
+template <template <class> class E>
+void Refinement<E>::Release(sac::Output output) {
+  if (WhatOf(output) == Made::kVertex) released_vertices_.push_back(IndexOf(output));
+  if (WhatOf(output) == Made::kSubsegment) released_subsegments_.push_back(IndexOf(output));
+}
+
+// --- Vertices -----------------------------------------------------------------------
+
+template <template <class> class E>
+void Refinement<E>::PublishVertex(VertexIndex v, sac::Stamp at) {
+  Vertex& vertex = vertices_[v];
+  vertex.present = true;
+  ++vertex_count_;
+  // Without a trace, a triangulation answers everything but what a point encroaches
+  // on; for that the tree need only be as fine as the input.
+  if (kTraced || triangulation_ == nullptr) tree_.Insert(v, vertex.p);
+  if (triangulation_ != nullptr) triangulation_->Insert(v, vertex.p, near_);
+  MarkChanged(v);
+  NotifyOfVertex(v, true, at);
+  if constexpr (!kTraced) {
+    if (triangulation_ != nullptr && IsQualityEpoch(vertex.epoch)) RequestFirstGap(v);
+  }
+}
+
+template <template <class> class E>
+void Refinement<E>::WithdrawVertex(VertexIndex v, sac::Stamp at) {
+  Vertex& vertex = vertices_[v];
+  vertex.present = false;
+  --vertex_count_;
+  MarkChanged(v);
+  NotifyOfVertex(v, false, at);
+  if constexpr (kTraced) {
+    tree_.Remove(v, vertex.p, [this](std::uint32_t first_child, std::uint32_t parent) {
+      MovePlaces(first_child, parent);
+    });
+  }
+}
+
+// Four leaves become their parent's: who subscribed there now does so at the parent.
+template <template <class> class E>
+void Refinement<E>::MovePlaces(std::uint32_t first_child, std::uint32_t parent) {
+  if constexpr (kTraced) {
+    for (std::uint32_t child = first_child; child < first_child + 4; ++child) {
+      for (const sac::OpId op : engine_.subscriptions().Take(child)) {
+        engine_.ReplacePlace(op, child, parent);
+      }
+      for (const SubsegmentIndex i : exposures_.Take(child)) {
+        Subsegment& s = subsegments_[i];
+        auto* const end = s.places.begin() + s.place_count;
+        auto* const at = std::find(s.places.begin(), end, child);
+        if (std::find(s.places.begin(), end, parent) == end) {
+          *at = parent;
+          exposures_.Add(parent, i);
+        } else {
+          *at = *(end - 1);
+          --s.place_count;
+        }
+      }
+    }
+  }
+}
+
+template <template <class> class E>
+void Refinement<E>::NotifyOfVertex(VertexIndex v, bool appears, sac::Stamp at) {
+  if constexpr (kTraced) {
+    if (!engine_.AnyAfter(at)) return;
+    tree_.VisitPath(vertices_[v].p, [&](sac::Place place) {
+      engine_.Notify(place, at, sac::kNoStamp,
+                     [&](sac::OpId op) { return VertexMatters(op, v, appears); });
+    });
+  }
+}
+
+template <template <class> class E>
+bool Refinement<E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) const {
+  if constexpr (kTraced) {
+    const Point2& y = vertices_[v].p;
+    const Payload& payload = engine_.payload(op);
+    const sac::Item item = engine_.item(op);
+    const auto is_read = [&] {
+      const auto reads = engine_.reads(op);
+      return std::find(reads.begin(), reads.end(), v) != reads.end();
+    };
+    switch (engine_.kind(op)) {
+      case kComplete:
+        if (item == v || geometry::SquaredDistance(vertices_[item].p, y) > payload.radius2) {
+          return false;
+        }
+        return appears ? Counts(Term::kAppearsInCorner) && ConflictsWithRing(op, y)
+                       : Counts(Term::kVanishesFromRing) && is_read();
+      case kNearest:
+        if (item == v || geometry::SquaredDistance(vertices_[item].p, y) > payload.radius2) {
+          return false;
+        }
+        return Counts(appears ? Term::kAppearsNearer : Term::kNearestVanishes);
+      case kCheck:
+      case kRecheck: {
+        if (payload.flag) return !appears && Counts(Term::kWitnessVanishes) && is_read();
+        const Subsegment& s = subsegments_[item];
+        return appears && Counts(Term::kAppearsInBall) && v != s.a && v != s.b &&
+               DiametralBallSign(vertices_[s.a].p, vertices_[s.b].p, y) <= 0;
+      }
+      default:
+        return false;
+    }
+  }
+  return false;
+}
+
+// Would y be a neighbour in the star that `op` read?
+template <template <class> class E>
+bool Refinement<E>::ConflictsWithRing(sac::OpId op, const Point2& y) const {
+  if constexpr (kTraced) {
+    const Point2& p = vertices_[engine_.item(op)].p;
+    const double reach = rules_.Reach(BucketOfEpoch(engine_.epoch(op)));
+    const auto ring = engine_.reads(op);
+    const auto place = [&](std::uint32_t id) {
+      return Star::IsGhost(id) ? Star::Ghost(p, reach, static_cast<int>(id - Star::kFirstGhost))
+                               : vertices_[id].p;
+    };
+    if (y == p || ring.empty()) return true;
+    Point2 a = place(ring.back());
+    for (const std::uint32_t id : ring) {
+      const Point2 b = place(id);
+      if (y == b || geometry::InCircle(p, a, b, y)) return true;
+      a = b;
+    }
+  }
+  return false;
+}
+
+// --- Subsegments --------------------------------------------------------------------
+
+template <template <class> class E>
+void Refinement<E>::SetExposed(SubsegmentIndex i, sac::Stamp at) {
+  Subsegment& s = subsegments_[i];
+  s.exposed = at;
+  s.place_count = 0;
+  tree_.Cover(BallOf(s), [&](sac::Place place) {
+    subsegments_[i].places[subsegments_[i].place_count++] = place;
+    exposures_.Add(place, i);
+  });
+  MarkSubsegmentChanged(i);
+  NotifyOfSubsegment(i, at, s.death);
+}
+
+// Tells those who read as of a time in (after, until], if s is exposed at all.
+template <template <class> class E>
+void Refinement<E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, sac::Stamp until) {
+  if constexpr (kTraced) {
+    const Subsegment& s = subsegments_[i];
+    if (s.exposed == sac::kNoStamp || !engine_.AnyAfter(after)) return;
+    tree_.VisitBox(BallOf(s), [&](sac::Place place) {
+      engine_.Notify(place, after, until, [&](sac::OpId op) { return SubsegmentMatters(op, s); });
+    });
+  }
+}
+
+template <template <class> class E>
+bool Refinement<E>::SubsegmentMatters(sac::OpId op, const Subsegment& s) const {
+  if constexpr (kTraced) {
+    const Point2 &a = vertices_[s.a].p, &b = vertices_[s.b].p;
+    const bool complete = engine_.kind(op) == kComplete;
+    if (engine_.kind(op) == kNearest) return false;
+    for (const sac::Output o : engine_.outputs(op)) {
+      if (WhatOf(o) != Made::kVertex) continue;
+      const VertexIndex x = IndexOf(o);
+      if (x == s.a || x == s.b) continue;
+      if (DiametralBallSign(a, b, vertices_[x].p) > 0) continue;
+      if (Counts(complete ? Term::kOverSteinerPoint : Term::kOverMidpoint)) return true;
+    }
+    if (!complete || !engine_.payload(op).flag || !Counts(Term::kOverYieldedCandidate)) return false;
+    // Where the candidate was is not kept; it was in one of the balls read.
+    const double far = std::sqrt(engine_.payload(op).radius2) +
+                       std::sqrt(geometry::SquaredDistance(a, b));
+    return geometry::SquaredDistance(vertices_[engine_.item(op)].p, a) <= far * far;
+  }
+  return false;
+}
+
+// --- Book-keeping ---------------------------------------------------------------------
+
+template <template <class> class E>
+void Refinement<E>::MarkChanged(VertexIndex v) {
+  if (vertices_[v].changed) return;
+  vertices_[v].changed = true;
+  changed_vertices_.push_back(v);
+}
+
+template <template <class> class E>
+void Refinement<E>::MarkSubsegmentChanged(SubsegmentIndex s) {
+  if (subsegments_[s].changed) return;
+  subsegments_[s].changed = true;
+  changed_subsegments_.push_back(s);
+}
+
+template <template <class> class E>
+VertexIndex Refinement<E>::NewVertex() {
+  if (free_vertices_.empty()) {
+    vertices_.emplace_back();
+    return static_cast<VertexIndex>(vertices_.size() - 1);
+  }
+  const VertexIndex v = free_vertices_.back();
+  free_vertices_.pop_back();
+  vertices_[v] = {};
+  return v;
+}
+
+template <template <class> class E>
+SubsegmentIndex Refinement<E>::NewSubsegment() {
+  if (free_subsegments_.empty()) {
+    subsegments_.emplace_back();
+    return static_cast<SubsegmentIndex>(subsegments_.size() - 1);
+  }
+  const SubsegmentIndex s = free_subsegments_.back();
+  free_subsegments_.pop_back();
+  subsegments_[s] = {};
+  return s;
+}
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_CHANGES_H_

@@ -1,0 +1,205 @@
+// Complete, by the edge criterion (rule a of Sec. 5, ours): insert Steiner points
+// until no edge that v owns has a gap in this bucket or an earlier one.
+//
+// An edge is owned by its younger end: born in a later epoch or by a later operation;
+// of two born together in segment work or with the input, the one of greater hash.
+// New edges always have the newborn at an end, and Voronoi edges only shrink: an edge
+// done once is done for good, so only newborns ever have to be queued.
+//
+//   v       the vertex          b       the bucket of its epoch
+//   u       a neighbour         c, d    apexes of the triangles left and right of vu
+#ifndef DYNMESH_CORE_MESHING_COMPLETE_H_
+#define DYNMESH_CORE_MESHING_COMPLETE_H_
+
+#include <algorithm>
+#include <cassert>
+
+#include "core/geometry/constructions.h"
+#include "core/meshing/refinement.h"
+
+namespace dynmesh::meshing {
+
+// ComputeNN. Edges of v are at least NN(v) long: nothing to do in earlier buckets.
+template <template <class> class E>
+void Refinement<E>::Nearest(Context& context) {
+  const VertexIndex v = context.item;
+  const double d2 = NearestDistance2(context, v);
+  context.payload().radius2 = d2;
+  context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
+  if constexpr (kTraced) {
+    Extent<2> box = Extent<2>::Nothing();
+    box.AddBall(vertices_[v].p, std::sqrt(d2) * (1 + 1e-9));
+    SubscribeBox(context, box);
+  }
+}
+
+template <template <class> class E>
+void Refinement<E>::Complete(Context& context) {
+  const VertexIndex v = context.item;
+  const int bucket = BucketOfEpoch(context.epoch);
+  const std::uint64_t next_round = RoundOfEpoch(context.epoch) + 1;
+  FindStar(context, v, rules_.Reach(bucket));
+
+  skipped_.clear();
+  Candidate gap;
+  int ordinal = 0;
+  bool yielded = false;
+  while (ShortestGap(bucket, &gap)) {
+    FindEncroached(context, gap.x);
+    if (!encroached_.empty()) {
+      // Yield: the subsegments first; then v looks again. One that cannot be split
+      // any more keeps the point out for good.
+      const bool can = std::ranges::all_of(
+          encroached_, [&](SubsegmentIndex s) { return CanSplit(subsegments_[s]); });
+      if (!can) {
+        skipped_.push_back({gap.neighbour, gap.left});
+        hit_depth_limit_ = true;
+        continue;
+      }
+      for (const SubsegmentIndex s : encroached_) {
+        context.Request(kSplit, s, MakeEpoch(bucket, next_round, 0));
+      }
+      context.Request(kComplete, v, MakeEpoch(bucket, next_round, kQualityStep));
+      yielded = true;
+      break;
+    }
+    const VertexIndex x = EmitVertex(context, gap.x, ordinal++, 2, kNil);
+    RequestFirstComplete(context, x, gap.e2);
+    star_.Insert(x, gap.x);
+  }
+  context.payload().flag = yielded;
+  if (!yielded) {
+    const int next = NextBucket(bucket);
+    if (next < kBuckets - 1) context.Request(kComplete, v, MakeEpoch(next, 0, kQualityStep));
+  }
+}
+
+// When does x, at squared distance d2 from its nearest neighbours, first have
+// something to do? In its own bucket, or if that has come, now: later in this round
+// if its turn is still to come, else in the next.
+template <template <class> class E>
+void Refinement<E>::RequestFirstComplete(Context& context, VertexIndex x, double d2) {
+  if (!kTraced && triangulation_ != nullptr) return;  // asked when x is published
+  const int now = BucketOfEpoch(context.epoch), own = BucketOf(d2);
+  if (own > now) {
+    context.Request(kComplete, x, MakeEpoch(own, 0, kQualityStep));
+  } else if (geometry::HashOf(vertices_[x].p) != geometry::HashOf(vertices_[context.item].p)
+                 ? Priority(kComplete, context.item) < Priority(kComplete, x)
+                 : Before(kComplete, context.item, kComplete, x)) {
+    context.Request(kComplete, x, context.epoch);
+  } else {
+    context.Request(kComplete, x, MakeEpoch(now, RoundOfEpoch(context.epoch) + 1, kQualityStep));
+  }
+}
+
+template <template <class> class E>
+bool Refinement<E>::ShortestGap(int bucket, Candidate* best) const {
+  bool found = false;
+  Candidate gap;
+  for (int i = 0; i < star_.size(); ++i) {
+    const Star::Neighbour& u = star_[i];
+    if (Star::IsGhost(u.id) || BucketOf(u.d2) > bucket) continue;
+    if (found && u.d2 > best->e2) continue;
+    if (!Owns(i)) continue;
+    for (const bool left_of_star : {true, false}) {
+      if (!GapOfEdge(i, left_of_star, &gap)) continue;
+      if (!found || gap.e2 < best->e2 ||
+          (gap.e2 == best->e2 && (gap.neighbour < best->neighbour ||
+                                  (gap.neighbour == best->neighbour && gap.left && !best->left)))) {
+        *best = gap;
+        found = true;
+      }
+    }
+  }
+  if (!found) return false;
+  best->e2 = std::min(geometry::SquaredDistance(best->x, star_.position()),
+                      geometry::SquaredDistance(best->x, best->neighbour));
+  return true;
+}
+
+// Has the i-th edge of the star a gap on that side which a point may be put into?
+template <template <class> class E>
+bool Refinement<E>::GapOfEdge(int i, bool left_of_star, Candidate* gap) const {
+  const Star::Neighbour& u = star_[i];
+  const Star::Neighbour& c = star_[left_of_star ? star_.Next(i) : star_.Prev(i)];
+  const Star::Neighbour& d = star_[left_of_star ? star_.Prev(i) : star_.Next(i)];
+  // (p, q, c) is counter-clockwise.
+  const Point2& p = left_of_star ? star_.position() : u.p;
+  const Point2& q = left_of_star ? u.p : star_.position();
+  if (u.d2 < rules_.least_squared_length()) return false;
+  Gap what = Gap::kOffCenter;
+  if (Star::IsGhost(c.id)) {
+    if (OnOutside(p, q)) return false;
+  } else {
+    what = rules_.GapAt(p, q, c.p, BucketOf(u.d2));
+    if (what == Gap::kNone) return false;
+  }
+  if (!Star::IsGhost(d.id) && rules_.BeginsBeyond(p, q, d.p)) return false;
+  gap->e2 = u.d2;
+  gap->neighbour = u.p;
+  gap->left = p < q;
+  for (const Skipped& s : skipped_) {
+    if (s.left == gap->left && s.neighbour == gap->neighbour) return false;
+  }
+  gap->x = what == Gap::kOffCenter ? rules_.OffCenter(p, q) : geometry::Circumcenter(p, q, c.p);
+  return true;
+}
+
+// The next bucket in which v may have something to do; kBuckets if none.
+template <template <class> class E>
+int Refinement<E>::NextBucket(int bucket) const {
+  bool open = false;  // does the view end within the domain?
+  for (int i = 0; i < star_.size(); ++i) {
+    const Star::Neighbour& n = star_[i];
+    if (!Star::IsGhost(n.id) && !Star::IsGhost(star_[star_.Next(i)].id)) continue;
+    const Point2& p = star_.position();
+    if (InDomain({{p[0] + n.wx, p[1] + n.wy}})) open = true;
+  }
+  const int last_known = open ? rules_.LastKnownBucket(bucket) : kBuckets - 2;
+  int next = open ? last_known + 1 : kBuckets;
+  Candidate gap;
+  for (int i = 0; i < star_.size(); ++i) {
+    const Star::Neighbour& u = star_[i];
+    if (Star::IsGhost(u.id)) continue;
+    const int own = BucketOf(u.d2);
+    if (own <= bucket || own > last_known || own >= next || !Owns(i)) continue;
+    if (GapOfEdge(i, true, &gap) || GapOfEdge(i, false, &gap)) next = own;
+  }
+  return next;
+}
+
+template <template <class> class E>
+bool Refinement<E>::Owns(int i) const {
+  return IsOlder(vertices_[star_[i].id], vertices_[star_.vertex()]);
+}
+
+template <template <class> class E>
+bool Refinement<E>::IsOlder(const Vertex& u, const Vertex& v) const {
+  if (u.epoch != v.epoch) return u.epoch < v.epoch;
+  if (u.epoch != kBirthOfInput && IsQualityEpoch(u.epoch)) {
+    if (u.birth != v.birth) return engine_.Precedes(u.birth, v.birth);
+    return u.ordinal < v.ordinal;
+  }
+  const std::uint64_t hu = geometry::HashOf(u.p), hv = geometry::HashOf(v.p);
+  return hu != hv ? hu < hv : u.p < v.p;
+}
+
+// Is the left side of pq outside of the domain?
+template <template <class> class E>
+bool Refinement<E>::OnOutside(const Point2& p, const Point2& q) const {
+  const Point2 &lo = rules_.lo(), &hi = rules_.hi();
+  return (p[1] == lo[1] && q[1] == lo[1] && q[0] < p[0]) ||
+         (p[1] == hi[1] && q[1] == hi[1] && q[0] > p[0]) ||
+         (p[0] == lo[0] && q[0] == lo[0] && q[1] > p[1]) ||
+         (p[0] == hi[0] && q[0] == hi[0] && q[1] < p[1]);
+}
+
+template <template <class> class E>
+bool Refinement<E>::InDomain(const Point2& p) const {
+  const Point2 &lo = rules_.lo(), &hi = rules_.hi();
+  return lo[0] <= p[0] && p[0] <= hi[0] && lo[1] <= p[1] && p[1] <= hi[1];
+}
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_COMPLETE_H_

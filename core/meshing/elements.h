@@ -1,0 +1,98 @@
+// What refinement makes and works on: vertices and subsegments, and how its time is
+// divided into epochs.
+#ifndef DYNMESH_CORE_MESHING_ELEMENTS_H_
+#define DYNMESH_CORE_MESHING_ELEMENTS_H_
+
+#include <array>
+#include <cstdint>
+
+#include "core/geometry/point.h"
+#include "core/sac/engine.h"
+
+namespace dynmesh::meshing {
+
+using geometry::Point2;
+using VertexIndex = std::uint32_t;
+using SubsegmentIndex = std::uint32_t;
+using FeatureSlot = std::uint32_t;  // an input feature; the box's own are slot 0
+inline constexpr std::uint32_t kNil = ~std::uint32_t{0};
+
+// Procedures. kNearest and kComplete work on vertices, the others on subsegments.
+enum Procedure : sac::Kind {
+  kNearest,   // ComputeNN: when does the vertex's first Complete come?
+  kComplete,  // insert Steiner points until no edge that it owns has a gap
+  kCheck,     // a new subsegment: split it if it is encroached, else expose it
+  kSplit,     // split it: somebody encroaches on it
+  kRecheck,   // split it if it is encroached by now
+};
+
+// Time. Epochs run through buckets, in each through rounds, in each through steps of
+// segment work and then the quality work. Bucket 0 is the input's: segments are
+// split until none is encroached, then every vertex asks for its nearest neighbour.
+inline constexpr int kSubBits = 24, kRoundBits = 24;
+inline constexpr std::uint64_t kQualityStep = (std::uint64_t{1} << kSubBits) - 1;
+
+inline sac::Epoch MakeEpoch(std::uint64_t bucket, std::uint64_t round, std::uint64_t step) {
+  return bucket << (kSubBits + kRoundBits) | round << kSubBits | step;
+}
+inline int BucketOfEpoch(sac::Epoch e) { return static_cast<int>(e >> (kSubBits + kRoundBits)); }
+inline std::uint64_t RoundOfEpoch(sac::Epoch e) {
+  return e >> kSubBits & ((std::uint64_t{1} << kRoundBits) - 1);
+}
+inline std::uint64_t StepOfEpoch(sac::Epoch e) { return e & kQualityStep; }
+inline bool IsQualityEpoch(sac::Epoch e) { return StepOfEpoch(e) == kQualityStep; }
+
+inline constexpr sac::Epoch kBirthOfInput = 0;
+inline sac::Epoch FirstCheckEpoch() { return MakeEpoch(0, 1, 0); }
+inline sac::Epoch NearestEpoch() { return MakeEpoch(0, 1, kQualityStep); }
+
+struct Vertex {
+  Point2 p = {};
+  sac::Epoch epoch = kBirthOfInput;  // of its creator
+  sac::Stamp birth = 0;              // its creator's time, or the beginning
+  sac::OpId operations = sac::kNoOp;
+  sac::OpId creator = sac::kNoOp;
+  FeatureSlot feature = kNil;   // what it lies on
+  std::uint8_t dimension = 2;   // containing dimension: 0, 1 or 2
+  std::uint8_t ordinal = 0;     // which of its creator's outputs
+  bool present = false;         // published, not withdrawn
+  bool in_mesh = false;         // part of the last reported mesh
+  bool changed = false;         // stands in the list of changes
+};
+
+struct Subsegment {
+  VertexIndex a = kNil, b = kNil;  // in the direction of the segment
+  FeatureSlot feature = kNil;
+  // Visible to quality work from its exposure on (a Check found it clean) until its
+  // death (a split).
+  sac::Stamp exposed = sac::kNoStamp;
+  sac::Stamp death = sac::kNoStamp;
+  sac::OpId operations = sac::kNoOp;
+  std::array<sac::Place, 4> places = {};
+  std::uint8_t place_count = 0;
+  std::uint8_t depth = 0;  // halvings since the input segment
+  bool in_mesh = false;
+  bool changed = false;
+};
+
+// What an operation keeps beside its reads.
+struct Payload {
+  // kComplete: squared distance beyond which no vertex can be in a ball that was
+  // read; kNearest: squared distance of the nearest.
+  double radius2 = 0;
+  // kComplete: the last candidate yielded to encroached subsegments.
+  // Checks: encroached (then the reads are the witnesses).
+  bool flag = false;
+};
+
+// Outputs are tagged words.
+enum class Made : std::uint32_t { kVertex, kSubsegment, kExposure, kDeath };
+inline sac::Output MakeOutput(Made what, std::uint32_t index) {
+  return index << 2 | static_cast<std::uint32_t>(what);
+}
+inline Made WhatOf(sac::Output o) { return static_cast<Made>(o & 3); }
+inline std::uint32_t IndexOf(sac::Output o) { return o >> 2; }
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_ELEMENTS_H_

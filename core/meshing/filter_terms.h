@@ -1,0 +1,32 @@
+// The terms of the notification filters: each a reason why a change makes an
+// operation stale. A test build (DYNMESH_MUTATE_FILTERS) can switch any one of them
+// off, and the differential tests must then fail; elsewhere they cost nothing.
+#ifndef DYNMESH_CORE_MESHING_FILTER_TERMS_H_
+#define DYNMESH_CORE_MESHING_FILTER_TERMS_H_
+
+namespace dynmesh::meshing {
+
+enum class Term {
+  kAppearsInCorner,       // a vertex appears inside a ball that a Complete read
+  kVanishesFromRing,      // a neighbour that a Complete read vanishes
+  kAppearsNearer,         // a vertex appears nearer than the nearest
+  kNearestVanishes,       // the nearest vertex vanishes
+  kAppearsInBall,         // a vertex appears in a clean subsegment's ball
+  kWitnessVanishes,       // the vertex that encroached vanishes
+  kOverSteinerPoint,      // a subsegment changes whose ball holds an inserted point
+  kOverYieldedCandidate,  // ... or may hold a candidate that yielded
+  kOverMidpoint,          // ... or holds the midpoint that a split made
+  kDeathOfSubsegment,     // a subsegment dies earlier or later than before
+  kCount,
+};
+
+#ifdef DYNMESH_MUTATE_FILTERS
+extern Term switched_off;  // kCount: none
+inline bool Counts(Term term) { return term != switched_off; }
+#else
+constexpr bool Counts(Term) { return true; }
+#endif
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_FILTER_TERMS_H_

@@ -1,0 +1,315 @@
+// What refinement reads: the star of a vertex, who lies in a ball, whom a point
+// encroaches on. Two providers, one result: *local*, by gap-ball queries in the spatial
+// tree, seeded with whatever ring is at hand and verified; and *global*, read off a
+// triangulation of all vertices present, where the run is from scratch.
+//
+// All reads are as of the operation's time, and all are recorded as a region.
+#ifndef DYNMESH_CORE_MESHING_NEIGHBOURHOOD_H_
+#define DYNMESH_CORE_MESHING_NEIGHBOURHOOD_H_
+
+#include <cmath>
+
+#include "core/geometry/constructions.h"
+#include "core/meshing/refinement.h"
+
+namespace dynmesh::meshing {
+
+// (a - x).(b - x): < 0 inside the ball with diameter ab, 0 on its surface. Exact.
+inline int DiametralBallSign(const Point2& a, const Point2& b, const Point2& x) {
+  const int sign = geometry::internal::InDiametralBallFilter(a, b, x);
+  return sign != geometry::internal::kUnsure ? sign
+                                             : geometry::internal::InDiametralBallExact(a, b, x);
+}
+
+// --- The star -----------------------------------------------------------------------
+
+template <template <class> class E>
+void Refinement<E>::FindStar(Context& context, VertexIndex v, double reach) {
+  if (triangulation_ != nullptr) {
+    StarFromTriangulation(v, reach);
+  } else {
+    star_.Begin(v, vertices_[v].p, reach);
+    SeedStar(context, v);
+    VerifyStar(context);
+  }
+  if constexpr (kTraced) {
+    const double farthest2 = 8 * reach * reach * (1 + 1e-6);
+    Extent<2> box = Extent<2>::Nothing();
+    double r2 = 0;
+    for (int i = 0; i < star_.size(); ++i) {
+      const Star::Neighbour& n = star_[i];
+      context.Read(n.id);
+      const double margin = n.centre_error + 1e-9 * reach;
+      if (margin < reach) {
+        box.AddBall({{star_.position()[0] + n.wx, star_.position()[1] + n.wy}},
+                    std::sqrt(n.r2) + 2 * margin);
+        r2 = std::max(r2, 4 * (std::sqrt(n.r2) + margin) * (std::sqrt(n.r2) + margin));
+      } else {
+        box.AddBall(star_.position(), std::sqrt(farthest2));
+        r2 = farthest2;
+      }
+    }
+    context.payload().radius2 = r2;
+    SubscribeBox(context, box);
+  }
+}
+
+template <template <class> class E>
+void Refinement<E>::StarFromTriangulation(VertexIndex v, double reach) {
+  const Point2& p = vertices_[v].p;
+  const auto first = triangulation_->Around(v);
+  star_.BeginWhole(v, p, reach);
+  auto corner = first;
+  do {
+    const auto& tri = triangulation_->vertices(corner.triangle);
+    const VertexIndex u = tri[corner.index == 2 ? 0 : corner.index + 1];
+    if (u != mesh::DelaunayTriangulation::kInfinite) {
+      star_.AppendWhole(u, vertices_[u].p);
+    } else if (!kTraced) {
+      // On the border: something beyond it, in the outward direction.
+      const Point2 &lo = rules_.lo(), &hi = rules_.hi();
+      const int k = p[0] == hi[0] ? 0 : p[1] == hi[1] ? 1 : p[0] == lo[0] ? 2 : 3;
+      star_.AppendWhole(Star::kFirstGhost + k, Star::Ghost(p, reach, k));
+    }
+    corner = triangulation_->NextAround(corner);
+  } while (corner.triangle != first.triangle);
+  // No decision depends on the reach, so without a trace the whole star will do.
+  if (star_.FinishWhole() || !kTraced) return;
+  offers_.clear();
+  for (int i = 0; i < star_.size(); ++i) offers_.push_back(star_[i].id);
+  star_.Begin(v, p, reach);
+  for (const std::uint32_t u : offers_) star_.Insert(u, vertices_[u].p);
+}
+
+// Whatever is likely to be in the star makes verifying it quick; what is offered
+// has no influence on the outcome.
+template <template <class> class E>
+void Refinement<E>::SeedStar(Context& context, VertexIndex v) {
+  offers_.clear();
+  auto offer_all = [&](std::span<const std::uint32_t> ids) {
+    offers_.insert(offers_.end(), ids.begin(), ids.end());
+  };
+  if constexpr (kTraced) {
+    if (!context.first_time()) {
+      offer_all(context.old_reads());
+    } else {
+      for (sac::OpId o = vertices_[v].operations; o != sac::kNoOp; o = engine_.next_of_item(o)) {
+        if (engine_.kind(o) == kComplete && engine_.executed(o)) offer_all(engine_.reads(o));
+      }
+      const sac::OpId creator = vertices_[v].creator;
+      if (offers_.empty() && creator != sac::kNoOp && engine_.kind(creator) == kComplete) {
+        offer_all(engine_.reads(creator));
+        offers_.push_back(engine_.item(creator));
+        for (const sac::Output o : engine_.outputs(creator)) offers_.push_back(IndexOf(o));
+      }
+    }
+  }
+  if (offers_.empty()) {
+    // A little more than the lengths of this bucket.
+    double r2 = std::ldexp(2.25, BucketOfEpoch(context.epoch) + 1 - 1023);
+    tree_.VisitBall(vertices_[v].p, r2, [&](std::uint32_t id, const Point2&, double) {
+      offers_.push_back(id);
+    });
+  }
+  for (const std::uint32_t id : offers_) Offer(context, id);
+}
+
+template <template <class> class E>
+void Refinement<E>::Offer(Context& context, std::uint32_t id) {
+  if (Star::IsGhost(id) || id == star_.vertex()) return;
+  const Vertex& u = vertices_[id];
+  if (!u.present || !context.Sees(u.birth) || star_.Has(id)) return;
+  star_.Insert(id, u.p);
+}
+
+template <template <class> class E>
+void Refinement<E>::VerifyStar(Context& context) {
+  for (int i = 0; i < star_.size();) {
+    // An insertion moves corners about; the verified ones are marked.
+    i = star_[i].verified || !VerifyCorner(context, i) ? i + 1 : 0;
+  }
+}
+
+// Looks for a vertex in the ball of corner i. True if one was found and inserted.
+template <template <class> class E>
+bool Refinement<E>::VerifyCorner(Context& context, int i) {
+  const Star::Neighbour& n = star_[i];
+  const Star::Id a = n.id, b = star_[star_.Next(i)].id;
+  const Point2& p = star_.position();
+  std::uint32_t found = kNil;
+  Point2 found_p = {};
+  auto search = [&](const Point2& centre, double radius2) {
+    tree_.VisitBall(centre, radius2, [&](std::uint32_t id, const Point2& q, double d2) {
+      if (id == star_.vertex() || id == a || id == b || !context.Sees(vertices_[id].birth)) return;
+      if (!star_.Conflicts(i, q)) return;
+      found = id;
+      found_p = q;
+      radius2 = d2;
+    });
+    return found != kNil;
+  };
+  const double margin = n.centre_error + 1e-9 * star_.reach();
+  if (margin < 1e-3 * star_.reach()) {
+    // A tentative ball may be huge and full: balls inside it that touch it at v come
+    // first, growing from the scale of what is known.
+    const double r = std::sqrt(n.r2);
+    const double nearest = std::sqrt(std::min(n.d2, star_[star_.Next(i)].d2));
+    for (double s = nearest; s < r / 2; s *= 2.5) {
+      if (search({{p[0] + n.wx * (s / r), p[1] + n.wy * (s / r)}}, s * s)) break;
+    }
+    if (found == kNil) {
+      search({{p[0] + n.wx, p[1] + n.wy}}, (r + 2 * margin) * (r + 2 * margin));
+    }
+  } else {
+    // The centre is not known: any ball through v within the ghosts is in this one.
+    search(p, 8 * star_.reach() * star_.reach() * (1 + 1e-6));
+  }
+  if (found == kNil) {
+    star_.MarkVerified(i);
+    return false;
+  }
+  star_.Insert(found, found_p);
+  return true;
+}
+
+// --- Balls --------------------------------------------------------------------------
+
+template <template <class> class E>
+double Refinement<E>::NearestDistance2(Context& context, VertexIndex v) {
+  const Point2& p = vertices_[v].p;
+  double best = INFINITY;
+  if (triangulation_ != nullptr) {  // the nearest neighbour is a Delaunay neighbour
+    const auto first = triangulation_->Around(v);
+    auto corner = first;
+    do {
+      const auto& tri = triangulation_->vertices(corner.triangle);
+      const VertexIndex u = tri[corner.index == 2 ? 0 : corner.index + 1];
+      if (u != mesh::DelaunayTriangulation::kInfinite) {
+        best = std::min(best, geometry::SquaredDistance(p, vertices_[u].p));
+      }
+      corner = triangulation_->NextAround(corner);
+    } while (corner.triangle != first.triangle);
+    return best;
+  }
+  double r2 = INFINITY;
+  tree_.VisitBall(p, r2, [&](std::uint32_t id, const Point2& q, double) {
+    if (id == v || !context.Sees(vertices_[id].birth)) return;
+    best = std::min(best, geometry::SquaredDistance(p, q));
+    r2 = best;
+  });
+  return best;
+}
+
+// Is subsegment s encroached as of now? Then witnesses_ says by whom: any one vertex
+// in the open ball, or two on its surface of whom one hides the subsegment from the
+// other (see segments.h).
+template <template <class> class E>
+bool Refinement<E>::FindEncroaching(Context& context, SubsegmentIndex s) {
+  if (!kTraced && triangulation_ != nullptr) return FindEncroachingInTriangulation(s);
+  const Subsegment& sub = subsegments_[s];
+  const Point2 &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
+  witnesses_.clear();
+  on_left_.clear();
+  on_right_.clear();
+  double r2 = geometry::SquaredDistance(a, b) / 4 * (1 + 1e-6);
+  tree_.VisitBall(geometry::Midpoint(a, b), r2, [&](std::uint32_t id, const Point2& q, double) {
+    if (id == sub.a || id == sub.b || !context.Sees(vertices_[id].birth)) return;
+    const int sign = DiametralBallSign(a, b, q);
+    if (sign < 0) {
+      witnesses_.assign(1, id);
+      r2 = -1;  // one is enough
+    } else if (sign == 0) {
+      (geometry::Orientation(a, b, q) > 0 ? on_left_ : on_right_).push_back(id);
+    }
+  });
+  if (!witnesses_.empty()) return true;
+  for (const VertexIndex c : on_left_) {
+    for (const VertexIndex d : on_right_) {
+      if (geometry::InCircle(a, b, vertices_[c].p, vertices_[d].p)) {
+        witnesses_ = {c, d};
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+template <template <class> class E>
+bool Refinement<E>::FindEncroachingInTriangulation(SubsegmentIndex s) const {
+  const Subsegment& sub = subsegments_[s];
+  const Point2 &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
+  const auto first = triangulation_->Around(sub.a);
+  auto corner = first;
+  bool is_edge = false;
+  auto in_ball = [&](VertexIndex c) {
+    return c != mesh::DelaunayTriangulation::kInfinite &&
+           geometry::InDiametralBall(a, b, vertices_[c].p);
+  };
+  do {
+    const auto& tri = triangulation_->vertices(corner.triangle);
+    const VertexIndex right = tri[corner.index == 2 ? 0 : corner.index + 1];
+    const VertexIndex left = tri[corner.index == 0 ? 2 : corner.index - 1];
+    if (right == sub.b) is_edge = true;
+    if ((right == sub.b && in_ball(left)) || (left == sub.b && in_ball(right))) return true;
+    corner = triangulation_->NextAround(corner);
+  } while (corner.triangle != first.triangle);
+  return !is_edge;
+}
+
+template <template <class> class E>
+bool Refinement<E>::IsVisible(const Context& context, const Subsegment& s) const {
+  return s.exposed != sac::kNoStamp && context.Sees(s.exposed) &&
+         !(s.death != sac::kNoStamp && context.Sees(s.death));
+}
+
+// The visible subsegments whose closed diametral ball holds x.
+template <template <class> class E>
+void Refinement<E>::FindEncroached(Context& context, const Point2& x) {
+  encroached_.clear();
+  encroached_strictly_.clear();
+  if (box_only_) {
+    // The balls of the domain's sides reach half a grid spacing inwards.
+    const double margin = 0.501 * rules_.grid_spacing();
+    if (rules_.lo()[0] + margin < x[0] && x[0] < rules_.hi()[0] - margin &&
+        rules_.lo()[1] + margin < x[1] && x[1] < rules_.hi()[1] - margin) {
+      return;
+    }
+  }
+  tree_.VisitPath(x, [&](sac::Place place) {
+    for (const SubsegmentIndex s : exposures_.at(place)) {
+      const Subsegment& sub = subsegments_[s];
+      if (!IsVisible(context, sub)) continue;
+      const int sign = DiametralBallSign(vertices_[sub.a].p, vertices_[sub.b].p, x);
+      if (sign > 0) continue;
+      encroached_.push_back(s);
+      encroached_strictly_.push_back(sign < 0);
+    }
+  });
+}
+
+// --- Regions ------------------------------------------------------------------------
+
+template <template <class> class E>
+void Refinement<E>::SubscribeBox(Context& context, const Extent<2>& box) {
+  if constexpr (kTraced) {
+    tree_.Cover(box, [&](sac::Place place) { context.Subscribe(place); });
+  }
+}
+
+template <template <class> class E>
+void Refinement<E>::SubscribePoint(Context& context, const Point2& p) {
+  SubscribeBox(context, {p.c, p.c});
+}
+
+template <template <class> class E>
+Extent<2> Refinement<E>::BallOf(const Subsegment& s) const {
+  const Point2 &a = vertices_[s.a].p, &b = vertices_[s.b].p;
+  Extent<2> box = Extent<2>::Nothing();
+  box.AddBall(geometry::Midpoint(a, b),
+              std::sqrt(geometry::SquaredDistance(a, b)) / 2 * (1 + 1e-6));
+  return box;
+}
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_NEIGHBOURHOOD_H_

@@ -1,0 +1,280 @@
+// Refinement: the program that the self-adjusting engine runs. From input points and
+// segments it makes the vertices and subsegments of a quality mesh, bottom up
+// (ChooseSteiners, Figs. 4.10, 5.6, 6.2), and keeps them when the input changes.
+//
+//   segments.h    Check, Split: no subsegment is encroached (rule b)
+//   complete.h    Complete: no edge has a gap (rule a, edge criterion), yielding (c)
+//   neighbourhood.h  the star of a vertex, what is in a ball, what a point encroaches on
+//   changes.h     publishing and withdrawing, and who has to be told
+//
+// Invariants of quality work, at its every operation: no subsegment is encroached,
+// hence each is an edge of the Delaunay triangulation; a gap's Steiner point that
+// would encroach is not inserted, the subsegments are split in the next round.
+//
+// The same code runs traced (sac::Engine) and untraced (sac::UntracedEngine), with
+// neighbourhoods found locally, in the spatial tree, or read off a triangulation of
+// all vertices present, where the run is from scratch. All four give the same bits.
+//
+// Thread-compatible.
+#ifndef DYNMESH_CORE_MESHING_REFINEMENT_H_
+#define DYNMESH_CORE_MESHING_REFINEMENT_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/meshing/elements.h"
+#include "core/meshing/rules.h"
+#include "core/meshing/spatial_tree.h"
+#include "core/meshing/star.h"
+#include "core/mesh/delaunay_triangulation.h"
+#include "core/sac/engine.h"
+#include "core/sac/subscriptions.h"
+#include "core/sac/untraced_engine.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::meshing {
+template <template <class> class EngineTemplate>
+class Refinement;
+}
+
+template <template <class> class EngineTemplate>
+struct dynmesh::sac::PayloadOf<dynmesh::meshing::Refinement<EngineTemplate>> {
+  using Type = meshing::Payload;
+};
+
+namespace dynmesh::meshing {
+
+template <template <class> class EngineTemplate>
+class Refinement {
+ public:
+  using Engine = EngineTemplate<Refinement>;
+  using Context = typename Engine::Context;
+  static constexpr bool kTraced = Engine::kTraced;
+
+  // If `triangulation` is given, neighbourhoods are read off it, and every published
+  // vertex is inserted into it: for runs from scratch only, until DetachTriangulation.
+  // It must hold nothing yet.
+  Refinement(const MeshOptions& options, mesh::DelaunayTriangulation* triangulation);
+
+  // --- Input: call between propagations. --------------------------------------------
+
+  // The border of the domain: a grid of points and the segments between them.
+  void AddBox();
+  VertexIndex AddPoint(const Point2& p, FeatureSlot feature);
+  void RemovePoint(VertexIndex v);
+  SubsegmentIndex AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature);
+  void RemoveSegment(SubsegmentIndex s);
+
+  // Runs or re-runs what is to be done. `interrupt()` is asked before each operation;
+  // if it says true, false is returned. See sac::Engine::Propagate.
+  template <class Interrupt>
+  bool Propagate(Interrupt interrupt) {
+    if constexpr (!kTraced) BeginUntraced();
+    return engine_.Propagate(interrupt);
+  }
+
+  // From now on neighbourhoods are found in the spatial tree.
+  void DetachTriangulation() { triangulation_ = nullptr; }
+
+  // --- Results ---------------------------------------------------------------------
+
+  const Vertex& vertex(VertexIndex v) const { return vertices_[v]; }
+  const Subsegment& subsegment(SubsegmentIndex s) const { return subsegments_[s]; }
+  std::size_t vertex_count() const { return vertex_count_; }
+  bool InMesh(const Subsegment& s) const {
+    return s.exposed != sac::kNoStamp && s.death == sac::kNoStamp;
+  }
+
+  // Calls on_vertex(index, is, was) and on_subsegment(index, is, was) for whatever
+  // came or went since the last call, then forgets what is gone.
+  template <class OnVertex, class OnSubsegment>
+  void TakeChanges(OnVertex on_vertex, OnSubsegment on_subsegment);
+
+  // Calls f(vertex index, vertex) / f(subsegment) for whatever is in the mesh.
+  template <class F>
+  void ForEachVertex(F f) const {
+    for (VertexIndex v = 0; v < vertices_.size(); ++v) {
+      if (vertices_[v].present) f(v, vertices_[v]);
+    }
+  }
+  template <class F>
+  void ForEachSubsegment(F f) const {
+    for (const Subsegment& s : subsegments_) {
+      if (InMesh(s)) f(s);
+    }
+  }
+  template <class F>
+  void ForSubsegmentsAt(VertexIndex v, F f) const {  // O(all)
+    ForEachSubsegment([&](const Subsegment& s) {
+      if (s.a == v || s.b == v) f(s);
+    });
+  }
+  // Calls f(u) for vertices u near v, until it says true.
+  template <class F>
+  void ForSomeNeighbours(VertexIndex v, F f) const {
+    if constexpr (kTraced) {
+      for (sac::OpId o = vertices_[v].operations; o != sac::kNoOp; o = engine_.next_of_item(o)) {
+        for (const std::uint32_t u : engine_.reads(o)) {
+          if (!Star::IsGhost(u) && f(u)) return;
+        }
+      }
+    }
+  }
+
+  // Was an insertion or a split refused because it would be finer than limits allow?
+  bool hit_depth_limit() const { return hit_depth_limit_; }
+  void ForgetDepthLimit() { hit_depth_limit_ = false; }
+
+  const Rules& rules() const { return rules_; }
+  Engine& engine() { return engine_; }
+  const Engine& engine() const { return engine_; }
+  std::size_t trace_bytes() const;
+  std::size_t bytes() const;
+
+  // Checks the invariants of engine and program; returns the hash of the whole trace.
+  std::uint64_t Audit(std::vector<std::string>* problems) const;
+
+  // --- For the engine (engine.h says what these are) --------------------------------
+
+  std::uint64_t Priority(sac::Kind kind, sac::Item item) const;
+  bool Before(sac::Kind kind_a, sac::Item a, sac::Kind kind_b, sac::Item b) const;
+  sac::OpId& OperationsOf(sac::Kind kind, sac::Item item) {
+    return kind <= kComplete ? vertices_[item].operations : subsegments_[item].operations;
+  }
+  const sac::OpId& OperationsOf(sac::Kind kind, sac::Item item) const {
+    return const_cast<Refinement*>(this)->OperationsOf(kind, item);
+  }
+  void Execute(Context& context);
+  void Publish(sac::Output output, sac::Stamp at);
+  void Withdraw(sac::Output output, sac::Stamp at);
+  void Release(sac::Output output);
+
+ private:
+  // An edge with a gap, and the point to put there.
+  struct Candidate {
+    double e2 = 0;
+    Point2 neighbour = {};
+    bool left = false;  // the side of the gap, from the lesser end of the edge
+    Point2 x = {};
+  };
+  struct Skipped {
+    Point2 neighbour;
+    bool left;
+  };
+
+  // segments.h
+  void Check(Context& context);
+  void Split(Context& context);
+  void SplitInto(Context& context, SubsegmentIndex s);
+  bool CanSplit(const Subsegment& s) const;
+  VertexIndex EmitVertex(Context& context, const Point2& p, int ordinal, int dimension,
+                         FeatureSlot feature);
+  SubsegmentIndex EmitSubsegment(Context& context, VertexIndex a, VertexIndex b,
+                                 FeatureSlot feature, int depth);
+
+  // complete.h
+  void Nearest(Context& context);
+  void Complete(Context& context);
+  bool ShortestGap(int bucket, Candidate* candidate) const;
+  bool GapOfEdge(int i, bool left_of_star, Candidate* candidate) const;
+  bool Owns(int i) const;
+  bool IsOlder(const Vertex& u, const Vertex& v) const;
+  int NextBucket(int bucket) const;
+  void RequestFirstComplete(Context& context, VertexIndex x, double d2);
+  bool OnOutside(const Point2& p, const Point2& q) const;
+  bool InDomain(const Point2& p) const;
+
+  // neighbourhood.h
+  void FindStar(Context& context, VertexIndex v, double reach);
+  void StarFromTriangulation(VertexIndex v, double reach);
+  void SeedStar(Context& context, VertexIndex v);
+  void Offer(Context& context, std::uint32_t id);
+  void VerifyStar(Context& context);
+  bool VerifyCorner(Context& context, int i);
+  double NearestDistance2(Context& context, VertexIndex v);
+  bool FindEncroaching(Context& context, SubsegmentIndex s);
+  bool FindEncroachingInTriangulation(SubsegmentIndex s) const;
+  void FindEncroached(Context& context, const Point2& x);
+  bool IsVisible(const Context& context, const Subsegment& s) const;
+  void SubscribeBox(Context& context, const Extent<2>& box);
+  void SubscribePoint(Context& context, const Point2& p);
+  Extent<2> BallOf(const Subsegment& s) const;
+
+  // changes.h
+  VertexIndex NewVertex();
+  SubsegmentIndex NewSubsegment();
+  void PublishVertex(VertexIndex v, sac::Stamp at);
+  void WithdrawVertex(VertexIndex v, sac::Stamp at);
+  void MovePlaces(std::uint32_t first_child, std::uint32_t parent);
+  void NotifyOfVertex(VertexIndex v, bool appears, sac::Stamp at);
+  bool VertexMatters(sac::OpId op, VertexIndex v, bool appears) const;
+  bool ConflictsWithRing(sac::OpId op, const Point2& y) const;
+  void NotifyOfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
+  bool SubsegmentMatters(sac::OpId op, const Subsegment& s) const;
+  void SetExposed(SubsegmentIndex s, sac::Stamp at);
+  void MarkChanged(VertexIndex v);
+  void MarkSubsegmentChanged(SubsegmentIndex s);
+  void BeginUntraced();
+  void RequestFirstGap(VertexIndex v);
+  std::uint64_t HashOfSubsegment(const Subsegment& s) const;
+
+  Rules rules_;
+  Limits limits_;
+  mesh::DelaunayTriangulation* triangulation_;
+  SpatialTree<2> tree_;
+  std::vector<Vertex> vertices_;
+  std::vector<Subsegment> subsegments_;
+  std::vector<VertexIndex> free_vertices_;
+  std::vector<SubsegmentIndex> free_subsegments_;
+  std::size_t vertex_count_ = 0;
+  bool box_only_ = true;  // no client segment has ever been added
+  bool hit_depth_limit_ = false;
+  VertexIndex near_ = 0;  // a vertex near where things are published
+  sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
+
+  std::vector<VertexIndex> changed_vertices_, released_vertices_;
+  std::vector<SubsegmentIndex> changed_subsegments_, released_subsegments_;
+
+  // Scratch of the operation being executed.
+  Star star_;
+  std::vector<Skipped> skipped_;
+  std::vector<SubsegmentIndex> encroached_;
+  std::vector<bool> encroached_strictly_;
+  std::vector<VertexIndex> witnesses_, on_left_, on_right_;
+  std::vector<std::uint32_t> offers_;
+
+  Engine engine_;
+};
+
+extern template class Refinement<sac::Engine>;
+extern template class Refinement<sac::UntracedEngine>;
+
+template <template <class> class EngineTemplate>
+template <class OnVertex, class OnSubsegment>
+void Refinement<EngineTemplate>::TakeChanges(OnVertex on_vertex, OnSubsegment on_subsegment) {
+  for (const VertexIndex v : changed_vertices_) {
+    Vertex& vertex = vertices_[v];
+    vertex.changed = false;
+    on_vertex(v, vertex.present, vertex.in_mesh);
+    vertex.in_mesh = vertex.present;
+  }
+  for (const SubsegmentIndex s : changed_subsegments_) {
+    Subsegment& sub = subsegments_[s];
+    sub.changed = false;
+    const bool is = InMesh(sub);
+    on_subsegment(s, is, sub.in_mesh);
+    sub.in_mesh = is;
+  }
+  changed_vertices_.clear();
+  changed_subsegments_.clear();
+  free_vertices_.insert(free_vertices_.end(), released_vertices_.begin(), released_vertices_.end());
+  free_subsegments_.insert(free_subsegments_.end(), released_subsegments_.begin(),
+                           released_subsegments_.end());
+  released_vertices_.clear();
+  released_subsegments_.clear();
+}
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_REFINEMENT_H_

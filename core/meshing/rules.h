@@ -1,0 +1,106 @@
+// The numbers of refinement in the plane: buckets, the quality test, the Steiner
+// point of a gap. Everything here is a function of coordinates to the bit, so that
+// whoever computes it, from whichever view of the neighbourhood, gets the same.
+//
+//   rho     quality asked for: circumradius / shortest edge
+//   e       length of the edge in question
+//   B       the off-center's triangle has longer sides of squared length B e^2
+//   h       slack of the quality test: coordinates are rounded
+//   H       reach: how far a neighbourhood is looked at
+// Immutable once made; thread-safe.
+#ifndef DYNMESH_CORE_MESHING_RULES_H_
+#define DYNMESH_CORE_MESHING_RULES_H_
+
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "core/geometry/point.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::meshing {
+
+// Bucket of a squared length: its binary exponent, so lengths double every second
+// bucket (beta = sqrt 2) and no logarithm, hence no libm, has a say. 1 to 2046.
+inline int BucketOf(double squared_length) {
+  return static_cast<int>(std::bit_cast<std::uint64_t>(squared_length) >> 52);
+}
+inline constexpr int kBuckets = 2048;
+
+enum class Gap : std::uint8_t { kNone, kCircumcenter, kOffCenter };
+
+class Rules {
+ public:
+  explicit Rules(const MeshOptions& options);
+
+  // What is beyond edge pq on the side of c, (p, q, c) counter-clockwise: no gap,
+  // or one too large for the edge, r > rho (1+h) e (edge criterion), and whether
+  // its circumcenter is nearer than the off-center. Symmetric in p and q to the bit.
+  Gap GapAt(const geometry::Point2& p, const geometry::Point2& q, const geometry::Point2& c,
+            int bucket) const {
+    const double px = p[0] - c[0], py = p[1] - c[1], qx = q[0] - c[0], qy = q[1] - c[1];
+    const double cross = px * qy - py * qx;
+    const double product = (px * px + py * py) * (qx * qx + qy * qy);
+    if (!(product > skinny_[bucket] * cross * cross)) return Gap::kNone;
+    if (!(px * qx + py * qy > 0)) return Gap::kNone;  // the centre lies beyond pq
+    return product > off_center_ * cross * cross ? Gap::kOffCenter : Gap::kCircumcenter;
+  }
+
+  // Does the Voronoi edge of pq begin so far out on the *other* side of the edge,
+  // seen from d, (q, p, d) counter-clockwise, that the gap's Steiner point would not
+  // lie on it? Then shorter edges, to d, have the same gap, and pq is left alone for
+  // good: Voronoi edges only shrink.
+  bool BeginsBeyond(const geometry::Point2& p, const geometry::Point2& q,
+                    const geometry::Point2& d) const {
+    const double px = p[0] - d[0], py = p[1] - d[1], qx = q[0] - d[0], qy = q[1] - d[1];
+    if (!(px * qx + py * qy < 0)) return false;
+    const double cross = px * qy - py * qx;
+    return (px * px + py * py) * (qx * qx + qy * qy) > off_center_ * cross * cross;
+  }
+
+  // The off-center of pq to its left: on the bisector, at sqrt(B) e from both ends.
+  geometry::Point2 OffCenter(const geometry::Point2& p, const geometry::Point2& q) const {
+    return {{0.5 * (p[0] + q[0]) - kappa_ * (q[1] - p[1]),
+             0.5 * (p[1] + q[1]) + kappa_ * (q[0] - p[0])}};
+  }
+
+  // H for work in `bucket`: more than sqrt(B) times any length in the bucket, so that
+  // no decision about an edge of that bucket depends on what lies farther away.
+  double Reach(int bucket) const { return reach_[bucket]; }
+  // Every edge of a bucket up to this one is judged rightly by a view of Reach(bucket).
+  int LastKnownBucket(int bucket) const { return bucket + kReachBuckets; }
+
+  // Shortest squared length at which anything is inserted or split: below, rounding
+  // of coordinates would decide. A fuse; valid input stays far above.
+  double least_squared_length() const { return least_squared_length_; }
+
+  double quality() const { return quality_; }
+  const geometry::Point2& lo() const { return lo_; }
+  const geometry::Point2& hi() const { return hi_; }
+  double grid_spacing() const { return spacing_; }  // of the domain's border vertices
+
+ private:
+  static constexpr int kReachBuckets = 3;
+
+  double quality_;
+  double off_center_;  // 4 B
+  double kappa_;       // height of the off-center over the edge, in units of e
+  double least_squared_length_;
+  geometry::Point2 lo_, hi_;
+  double spacing_;
+  std::array<double, kBuckets> skinny_;  // 4 rho^2 (1+h)^2 by bucket
+  std::array<double, kBuckets> reach_;
+};
+
+// The relative slack h of the quality test for edges of squared length `e2`:
+// 2e-9 + 8 u / e', u the ulp of the largest coordinate in the domain, e'^2 the
+// largest power of two <= e2. A coordinate is rounded by u/2 and R/e changes by at
+// most (1/2 + small) |dx| / e; 8 leaves room for the roundings of constructions.
+double QualitySlack(double e2, double u);
+
+// The spacing of doubles at the largest coordinate of the domain box.
+double UlpOfDomain(const Box& domain, int dimension);
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_RULES_H_

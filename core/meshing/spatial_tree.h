@@ -1,0 +1,342 @@
+// A bucket quadtree / octree over points: where are the vertices near here, and
+// who is interested in what happens here. Its nodes are the *places* of the
+// self-adjusting engine.
+//
+// It is the thesis's quadtree with relaxed crowding (a leaf holds up to kCapacity
+// points instead of one): the same queries, an order of magnitude fewer cells. It
+// is a plain function of the present points, outside the time of the trace;
+// who asks filters by birth. Nothing an operation outputs may depend on its shape.
+//
+// Thread-compatible. Node 0 is the root. Removing merges leaves; on_merge tells.
+#ifndef DYNMESH_CORE_MESHING_SPATIAL_TREE_H_
+#define DYNMESH_CORE_MESHING_SPATIAL_TREE_H_
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/point.h"
+
+namespace dynmesh::meshing {
+
+// An axis-parallel box, closed.
+template <int D>
+struct Extent {
+  std::array<double, D> lo, hi;
+
+  static Extent Nothing() {
+    Extent e;
+    e.lo.fill(INFINITY);
+    e.hi.fill(-INFINITY);
+    return e;
+  }
+  void AddBall(const geometry::Point<D>& centre, double radius) {
+    for (int i = 0; i < D; ++i) {
+      lo[i] = std::min(lo[i], centre[i] - radius);
+      hi[i] = std::max(hi[i], centre[i] + radius);
+    }
+  }
+  bool Contains(const geometry::Point<D>& p) const {
+    for (int i = 0; i < D; ++i) {
+      if (!(lo[i] <= p[i] && p[i] <= hi[i])) return false;
+    }
+    return true;
+  }
+};
+
+template <int D>
+class SpatialTree {
+ public:
+  using Point = geometry::Point<D>;
+  using NodeIndex = std::uint32_t;
+  static constexpr int kChildren = 1 << D;
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  static constexpr int kCapacity = 8;
+
+  // Covers the box [lo, hi] by a cube whose side is a power of two and whose centre is
+  // a round number, so that the borders of cells are exact. Cells are half-open: a
+  // point on a border belongs to the upper one.
+  SpatialTree(const Point& lo, const Point& hi) {
+    double side = 0, largest = 0;
+    for (int i = 0; i < D; ++i) {
+      side = std::max(side, hi[i] - lo[i]);
+      largest = std::max({largest, std::fabs(lo[i]), std::fabs(hi[i])});
+    }
+    const double grain = std::ldexp(1.0, std::ilogb(side) - 2);
+    half_ = 8 * grain;
+    least_half_ = std::ldexp(1.0, std::ilogb(largest) - 48);
+    for (int i = 0; i < D; ++i) centre_[i] = grain * std::nearbyint((lo[i] + hi[i]) / 2 / grain);
+    nodes_.push_back({kNone, NewLeaf(), kNone});
+  }
+
+  void Insert(std::uint32_t id, const Point& p) {
+    Cell cell = Root();
+    Descend(p, cell);
+    while (leaves_[nodes_[cell.node].leaf].count == kCapacity && cell.half > least_half_) {
+      Split(cell.node, cell);
+      Descend(p, cell);
+    }
+    Append(nodes_[cell.node].leaf, id, p);
+  }
+
+  // REQUIRES: inserted with that id and point. on_merge(children's first node,
+  // parent) is called for each merge, before the children's nodes are freed.
+  template <class OnMerge>
+  void Remove(std::uint32_t id, const Point& p, OnMerge on_merge) {
+    Cell cell = Root();
+    Descend(p, cell);
+    RemoveFromLeaf(nodes_[cell.node].leaf, id);
+    for (NodeIndex n = nodes_[cell.node].parent; n != kNone; n = nodes_[n].parent) {
+      if (!TryMerge(n, on_merge)) break;
+    }
+  }
+
+  // Calls visit(id, point) for each point in a leaf whose cell meets the ball; visit
+  // may shrink `radius2`.
+  template <class Visit>
+  void VisitBall(const Point& centre, double& radius2, Visit visit) const {
+    Cell stack[kStack];
+    int top = 0;
+    stack[top++] = Root();
+    while (top > 0) {
+      Cell cell = stack[--top];
+      if (DistanceToCell2(centre, cell) > radius2) continue;
+      const Node& node = nodes_[cell.node];
+      if (node.child == kNone) {
+        for (std::uint32_t l = node.leaf; l != kNone; l = leaves_[l].next) {
+          const Leaf& leaf = leaves_[l];
+          for (std::uint32_t i = 0; i < leaf.count; ++i) {
+            Point p;
+            double d2 = 0;
+            for (int k = 0; k < D; ++k) {
+              p[k] = leaf.x[k][i];
+              d2 += (p[k] - centre[k]) * (p[k] - centre[k]);
+            }
+            if (d2 <= radius2) visit(leaf.id[i], p, d2);
+          }
+        }
+        continue;
+      }
+      // Nearest child on top.
+      const int near = Quadrant(centre, cell);
+      for (int k = kChildren - 1; k >= 0; --k) stack[top++] = Child(cell, near ^ k);
+    }
+  }
+
+  // The nodes on the way from the root to the leaf of p.
+  template <class Visit>
+  void VisitPath(const Point& p, Visit visit) const {
+    Cell cell = Root();
+    visit(cell.node);
+    while (nodes_[cell.node].child != kNone) {
+      cell = Child(cell, Quadrant(p, cell));
+      visit(cell.node);
+    }
+  }
+
+  // Every node whose cell meets the box, ancestors included.
+  template <class Visit>
+  void VisitBox(const Extent<D>& box, Visit visit) const {
+    Cell stack[kStack];
+    int top = 0;
+    stack[top++] = Root();
+    while (top > 0) {
+      const Cell cell = stack[--top];
+      if (!Meets(box, cell)) continue;
+      visit(cell.node);
+      if (nodes_[cell.node].child == kNone) continue;
+      for (int k = 0; k < kChildren; ++k) stack[top++] = Child(cell, k);
+    }
+  }
+
+  // Few nodes (2^D unless the box pokes out) whose cells together cover the part of
+  // the box inside the tree, each no smaller than the box or a leaf: any point of
+  // the box has one of them on its path.
+  template <class Visit>
+  void Cover(const Extent<D>& box, Visit visit) const {
+    double side = 0;
+    for (int i = 0; i < D; ++i) side = std::max(side, box.hi[i] - box.lo[i]);
+    Cell stack[kStack];
+    int top = 0;
+    stack[top++] = Root();
+    while (top > 0) {
+      const Cell cell = stack[--top];
+      if (cell.node != 0 && !Meets(box, cell)) continue;
+      if (nodes_[cell.node].child == kNone || cell.half < side) {
+        visit(cell.node);
+        continue;
+      }
+      for (int k = 0; k < kChildren; ++k) stack[top++] = Child(cell, k);
+    }
+  }
+
+  std::size_t node_count() const { return nodes_.size(); }
+  std::size_t bytes() const {
+    return nodes_.capacity() * sizeof(Node) + leaves_.capacity() * sizeof(Leaf);
+  }
+
+ private:
+  static constexpr int kStack = 16 + 64 * (kChildren - 1) * 2;
+
+  struct Node {
+    std::uint32_t child;  // first of kChildren consecutive nodes, or kNone
+    std::uint32_t leaf;   // or kNone
+    NodeIndex parent;
+  };
+  struct Leaf {
+    double x[D][kCapacity];
+    std::uint32_t id[kCapacity];
+    std::uint32_t count = 0;
+    std::uint32_t next = kNone;  // overflow, only where points coincide
+  };
+  struct Cell {
+    NodeIndex node;
+    Point centre;
+    double half;
+  };
+
+  Cell Root() const { return {0, centre_, half_}; }
+
+  static int Quadrant(const Point& p, const Cell& cell) {
+    int q = 0;
+    for (int i = 0; i < D; ++i) q |= (p[i] >= cell.centre[i] ? 1 : 0) << i;
+    return q;
+  }
+  Cell Child(const Cell& cell, int q) const {
+    Cell c{nodes_[cell.node].child + static_cast<NodeIndex>(q), cell.centre, cell.half / 2};
+    for (int i = 0; i < D; ++i) c.centre[i] += (q >> i & 1) ? c.half : -c.half;
+    return c;
+  }
+  void Descend(const Point& p, Cell& cell) const {
+    while (nodes_[cell.node].child != kNone) cell = Child(cell, Quadrant(p, cell));
+  }
+  // Squared distance from p to the closed cell. Points beyond the root's border
+  // belong to its outermost cells, but no point lies there.
+  static double DistanceToCell2(const Point& p, const Cell& cell) {
+    double d2 = 0;
+    for (int i = 0; i < D; ++i) {
+      const double d = std::max(0.0, std::fabs(p[i] - cell.centre[i]) - cell.half);
+      d2 += d * d;
+    }
+    return d2;
+  }
+  static bool Meets(const Extent<D>& box, const Cell& cell) {
+    for (int i = 0; i < D; ++i) {
+      if (box.lo[i] >= cell.centre[i] + cell.half || box.hi[i] < cell.centre[i] - cell.half) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  std::uint32_t NewLeaf() {
+    if (!free_leaves_.empty()) {
+      const std::uint32_t l = free_leaves_.back();
+      free_leaves_.pop_back();
+      leaves_[l].count = 0;
+      leaves_[l].next = kNone;
+      return l;
+    }
+    leaves_.emplace_back();
+    return static_cast<std::uint32_t>(leaves_.size() - 1);
+  }
+
+  void Append(std::uint32_t l, std::uint32_t id, const Point& p) {
+    while (leaves_[l].count == kCapacity) {
+      if (leaves_[l].next == kNone) {
+        const std::uint32_t fresh = NewLeaf();
+        leaves_[l].next = fresh;
+      }
+      l = leaves_[l].next;
+    }
+    Leaf& leaf = leaves_[l];
+    for (int k = 0; k < D; ++k) leaf.x[k][leaf.count] = p[k];
+    leaf.id[leaf.count++] = id;
+  }
+
+  void RemoveFromLeaf(std::uint32_t first, std::uint32_t id) {
+    std::uint32_t l = first, i = 0;
+    while (leaves_[l].id[i] != id) {
+      if (++i == leaves_[l].count) {
+        l = leaves_[l].next;
+        i = 0;
+      }
+    }
+    // The last point of the chain takes the place.
+    std::uint32_t last = first, before_last = kNone;
+    while (leaves_[last].next != kNone) {
+      before_last = last;
+      last = leaves_[last].next;
+    }
+    Leaf& tail = leaves_[last];
+    const std::uint32_t j = --tail.count;
+    for (int k = 0; k < D; ++k) leaves_[l].x[k][i] = tail.x[k][j];
+    leaves_[l].id[i] = tail.id[j];
+    if (tail.count == 0 && before_last != kNone) {
+      leaves_[before_last].next = kNone;
+      free_leaves_.push_back(last);
+    }
+  }
+
+  void Split(NodeIndex n, const Cell& cell) {
+    NodeIndex first;
+    if (free_nodes_.empty()) {
+      first = static_cast<NodeIndex>(nodes_.size());
+      nodes_.resize(nodes_.size() + kChildren);
+    } else {
+      first = free_nodes_.back();
+      free_nodes_.pop_back();
+    }
+    const std::uint32_t old = nodes_[n].leaf;
+    nodes_[n].child = first;
+    nodes_[n].leaf = kNone;
+    for (int k = 0; k < kChildren; ++k) nodes_[first + k] = {kNone, NewLeaf(), n};
+    for (std::uint32_t i = 0; i < leaves_[old].count; ++i) {
+      Point p;
+      for (int k = 0; k < D; ++k) p[k] = leaves_[old].x[k][i];
+      Append(nodes_[first + Quadrant(p, cell)].leaf, leaves_[old].id[i], p);
+    }
+    free_leaves_.push_back(old);
+  }
+
+  template <class OnMerge>
+  bool TryMerge(NodeIndex n, OnMerge on_merge) {
+    const NodeIndex first = nodes_[n].child;
+    std::uint32_t sum = 0;
+    for (int k = 0; k < kChildren; ++k) {
+      const Node& c = nodes_[first + k];
+      if (c.child != kNone || leaves_[c.leaf].next != kNone) return false;
+      sum += leaves_[c.leaf].count;
+    }
+    if (sum > kCapacity / 2) return false;
+    on_merge(first, n);
+    const std::uint32_t leaf = NewLeaf();
+    for (int k = 0; k < kChildren; ++k) {
+      const std::uint32_t old = nodes_[first + k].leaf;
+      for (std::uint32_t i = 0; i < leaves_[old].count; ++i) {
+        Point p;
+        for (int d = 0; d < D; ++d) p[d] = leaves_[old].x[d][i];
+        Append(leaf, leaves_[old].id[i], p);
+      }
+      free_leaves_.push_back(old);
+    }
+    nodes_[n].child = kNone;
+    nodes_[n].leaf = leaf;
+    free_nodes_.push_back(first);
+    return true;
+  }
+
+  Point centre_;
+  double half_;
+  double least_half_;  // smaller cells would not have exact borders
+  std::vector<Node> nodes_;
+  std::vector<Leaf> leaves_;
+  std::vector<std::uint32_t> free_leaves_;
+  std::vector<NodeIndex> free_nodes_;
+};
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_SPATIAL_TREE_H_

@@ -1,0 +1,63 @@
+#include "core/meshing/star.h"
+
+namespace dynmesh::meshing {
+
+// w = (|b|^2 a^perp - |a|^2 b^perp) / (2 a x b), as seen from v. Each product is right
+// to 2 ulps; relative to S = (|b||a|^2 + |a||b|^2) / (2 a x b), which bounds |w|, the
+// sums add 4 and the quotient as many as a x b has lost: T = |a||b| / (a x b).
+void Star::ComputeCorner(int i) {
+  Neighbour& a = ring_[i];
+  const Neighbour& b = ring_[Next(i)];
+  a.verified = false;
+  const double cross = a.dx * b.dy - a.dy * b.dx;
+  if (!(cross > 0)) {
+    a.wx = a.wy = 0;
+    a.r2 = INFINITY;
+    a.centre_error = INFINITY;
+    return;
+  }
+  const double scale = 0.5 / cross;
+  a.wx = (b.dy * a.d2 - a.dy * b.d2) * scale;
+  a.wy = (a.dx * b.d2 - b.dx * a.d2) * scale;
+  a.r2 = a.wx * a.wx + a.wy * a.wy;
+  const double la = std::fabs(a.dx) + std::fabs(a.dy), lb = std::fabs(b.dx) + std::fabs(b.dy);
+  const double s = (lb * a.d2 + la * b.d2) * scale;
+  a.centre_error = 2e-15 * s * (1 + 2 * la * lb * scale);
+}
+
+bool Star::Insert(Id u, const Point2& q) {
+  // The corners in conflict are consecutive. Find one, then both ends of the run.
+  int first = -1;
+  for (int i = 0; i < size(); ++i) {
+    if (Conflicts(i, q)) {
+      first = i;
+      break;
+    }
+  }
+  if (first < 0) return false;
+  int last = first;
+  if (first == 0) {
+    while (Conflicts(Prev(first), q) && Prev(first) != last) first = Prev(first);
+  }
+  while (Next(last) != first && Conflicts(Next(last), q)) last = Next(last);
+  // Neighbours strictly inside the run go; u comes between its two ends.
+  const int k = size();
+  const int gone = (last - first + k) % k;
+  if (gone == 0) {
+    ring_.insert(ring_.begin() + first + 1, Neighbour{});
+    const double dx = q[0] - p_[0], dy = q[1] - p_[1];
+    ring_[first + 1] = {u, q, dx, dy, dx * dx + dy * dy, 0, 0, 0, 0, false};
+    ComputeCorner(first);
+    ComputeCorner(first + 1);
+    return true;
+  }
+  kept_.clear();
+  for (int i = Next(last), n = k - gone; n > 0; --n, i = Next(i)) kept_.push_back(ring_[i]);
+  ring_.swap(kept_);  // now the run's ends are the last and the first
+  Push(u, q);
+  ComputeCorner(size() - 2);
+  ComputeCorner(size() - 1);
+  return true;
+}
+
+}  // namespace dynmesh::meshing

@@ -1,0 +1,122 @@
+// The star of a vertex: its neighbours in the Delaunay triangulation of a set of
+// points, counter-clockwise, built one point at a time and looked at no farther
+// than a reach H.
+//
+// Four *ghosts* at distance 2H stand for everything beyond: the star is that of v
+// in the triangulation of the set and the ghosts. So a corner of v's Voronoi cell
+// within the square of half-width H is a true one, and nothing outside matters
+// (Lemma 4.3.3: at its time, that is O(1) vertices). Exact; unique for a set.
+//
+// One object is used for many vertices: no allocation once warm. Thread-compatible.
+#ifndef DYNMESH_CORE_MESHING_STAR_H_
+#define DYNMESH_CORE_MESHING_STAR_H_
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/point.h"
+#include "core/geometry/predicates.h"
+
+namespace dynmesh::meshing {
+
+class Star {
+ public:
+  using Point2 = geometry::Point2;
+  using Id = std::uint32_t;
+  static constexpr Id kFirstGhost = ~Id{0} - 3;
+  static bool IsGhost(Id id) { return id >= kFirstGhost; }
+
+  struct Neighbour {
+    Id id;
+    Point2 p;
+    double dx, dy, d2;  // from v
+    // The corner between this neighbour and the next: a vertex of v's Voronoi cell.
+    double wx, wy, r2;   // its centre, from v, and squared radius
+    double centre_error;  // bounds the error of wx, wy; infinite if nothing is known
+    bool verified;       // nobody else conflicts with it
+  };
+
+  void Begin(Id v, const Point2& p, double reach) {
+    v_ = v;
+    p_ = p;
+    reach_ = reach;
+    ring_.clear();
+    for (int k = 0; k < 4; ++k) Push(kFirstGhost + k, Ghost(p, reach, k));
+    for (int i = 0; i < 4; ++i) ComputeCorner(i);
+  }
+  // The k-th ghost of a vertex at p: east, north, west, south.
+  static Point2 Ghost(const Point2& p, double reach, int k) {
+    const double d = k < 2 ? 2 * reach : -2 * reach;
+    return k % 2 == 0 ? Point2{{p[0] + d, p[1]}} : Point2{{p[0], p[1] + d}};
+  }
+  // Takes over a ring known to be v's true star within reach, counter-clockwise.
+  void BeginWhole(Id v, const Point2& p, double reach) {
+    v_ = v;
+    p_ = p;
+    reach_ = reach;
+    ring_.clear();
+  }
+  void AppendWhole(Id u, const Point2& q) { Push(u, q); }
+  // Are the appended ones all of the star, with no corner beyond the square? Else
+  // begin anew with ghosts and insert them.
+  bool FinishWhole() {
+    bool within = true;
+    for (int i = 0; i < size(); ++i) {
+      ComputeCorner(i);
+      Neighbour& n = ring_[i];
+      n.verified = true;
+      const double e = n.centre_error + 1e-9 * reach_;
+      if (!(std::fabs(n.wx) + e < reach_ && std::fabs(n.wy) + e < reach_)) within = false;
+    }
+    return within;
+  }
+
+  // Adds u at q, if the star of the enlarged set has it. REQUIRES: not present.
+  bool Insert(Id u, const Point2& q);
+
+  // Is q inside the circumdisc of corner i?
+  bool Conflicts(int i, const Point2& q) const {
+    const Neighbour& n = ring_[i];
+    const double x = q[0] - p_[0], y = q[1] - p_[1];
+    const double q2 = x * x + y * y;
+    const double power = q2 - 2 * (x * n.wx + y * n.wy);
+    const double error = 4e-15 * q2 + 4 * n.centre_error * (std::fabs(x) + std::fabs(y));
+    if (power > error) return false;
+    if (power < -error) return true;
+    return geometry::InCircle(p_, n.p, ring_[Next(i)].p, q);
+  }
+
+  bool Has(Id u) const {
+    for (const Neighbour& n : ring_) {
+      if (n.id == u) return true;
+    }
+    return false;
+  }
+
+  int size() const { return static_cast<int>(ring_.size()); }
+  int Next(int i) const { return i + 1 == size() ? 0 : i + 1; }
+  int Prev(int i) const { return i == 0 ? size() - 1 : i - 1; }
+  const Neighbour& operator[](int i) const { return ring_[i]; }
+  void MarkVerified(int i) { ring_[i].verified = true; }
+
+  Id vertex() const { return v_; }
+  const Point2& position() const { return p_; }
+  double reach() const { return reach_; }
+
+ private:
+  void Push(Id u, const Point2& q) {
+    const double dx = q[0] - p_[0], dy = q[1] - p_[1];
+    ring_.push_back({u, q, dx, dy, dx * dx + dy * dy, 0, 0, 0, 0, false});
+  }
+  void ComputeCorner(int i);
+
+  Id v_ = 0;
+  Point2 p_ = {};
+  double reach_ = 0;
+  std::vector<Neighbour> ring_, kept_;
+};
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_STAR_H_

@@ -1,0 +1,102 @@
+// Validates one batch against the features present.
+//
+// Every problem has an edit to blame: the last one that names a feature involved, an
+// end of a segment counting as involved in it. That is the edit at which an editor who
+// enters the batch's *result* in this order would be stopped, so the check does just
+// that: features that change are entered one by one in order of their edit into an
+// index of their own, each checked against the features that stay and those entered
+// before. The first problem met is the earliest, whatever the index's shape.
+//
+// A batch with an edit that cannot act (draft.h) is refused for it, unless the edits
+// before it already are to blame for another problem that no later edit bears on.
+//
+// Expected time O(b lg b) for a batch that touches b features and segments' ends, times
+// the depth of their neighbourhood in the index.
+// One object, one run, one thread. Plc2 and its store are only read.
+#ifndef DYNMESH_CORE_PLC_BATCH_CHECK_H_
+#define DYNMESH_CORE_PLC_BATCH_CHECK_H_
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/plc/delta.h"
+#include "core/plc/draft.h"
+#include "core/plc/feature_store.h"
+#include "core/plc/rules.h"
+#include "core/plc/spatial_index.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::plc {
+
+class BatchCheck {
+ public:
+  // All arguments must outlive the object and not change.
+  BatchCheck(const MeshOptions& options, double limit, const CellGrid& grid,
+             const FeatureStore& store, const SpatialIndex& index, const EditBatch& batch);
+
+  absl::StatusOr<Delta> Run();
+  // Index cells and features looked at.
+  std::uint64_t cost() const { return cost_; }
+
+ private:
+  // Something to look at, in order of (edit, rank, id).
+  struct Event {
+    enum class Kind : std::uint8_t {
+      kPoint,       // a point comes or moves: `at` in delta_.added_points
+      kPointGone,   // users_of_missing_[id] need it
+      kSegment,     // a segment comes or changes: `at` in delta_.added_segments
+      kDegenerate,  // both ends the same point
+      kUnknownEnd,
+    };
+    EditIndex edit;
+    FeatureId id;
+    Kind kind;
+    std::uint32_t at = 0;
+    int rank() const { return kind == Kind::kPoint || kind == Kind::kPointGone ? 0 : 1; }
+  };
+
+  // What stands in the way of a feature: the least conflict, of the least id.
+  struct Obstacle {
+    Conflict conflict = Conflict::kNone;
+    PointFeature point;  // one of the two, by is_point
+    SegmentFeature segment;
+    bool is_point = true;
+  };
+
+  void CollectPoint(const Draft::Entry& entry);
+  void CollectSegment(FeatureId id);
+  bool CheckEnds(FeatureId id, const std::array<FeatureId, 2>& ends, EditIndex own);
+  void Schedule(const Event& event);
+  void ChooseIndex();
+  absl::Status Handle(const Event& event);
+  absl::Status EnterPoint(const PointFeature& point, EditIndex edit);
+  absl::Status EnterSegment(const SegmentFeature& segment, EditIndex edit);
+  absl::Status UnknownEnd(FeatureId segment, EditIndex edit) const;
+  template <typename F>
+  Obstacle FindObstacle(const F& feature);
+  Delta TakeDelta();
+
+  const MeshOptions& options_;
+  const double limit_;
+  const FeatureStore& store_;
+  const SpatialIndex* present_;  // null if entered_ holds the features that stay, too
+  const Draft draft_;
+  Delta delta_;
+  std::vector<Event> events_;
+  // Features of the store that the result does not have as they are.
+  absl::flat_hash_set<FeatureId> hidden_;
+  std::vector<FeatureId> affected_segments_;
+  absl::flat_hash_map<FeatureId, std::vector<FeatureId>> users_of_missing_;
+  SpatialIndex entered_;
+  std::uint64_t cost_ = 0;
+};
+
+}  // namespace dynmesh::plc
+
+#endif  // DYNMESH_CORE_PLC_BATCH_CHECK_H_

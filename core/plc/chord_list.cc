@@ -1,0 +1,53 @@
+#include "core/plc/chord_list.h"
+
+#include <vector>
+
+#include "core/geometry/predicates.h"
+
+namespace dynmesh::plc {
+
+using geometry::Orientation;
+using geometry::Point2;
+
+bool ChordBefore::operator()(Slot i, Slot j) const {
+  if (i == j) return false;
+  const GridSegment& s = (*table)[i];
+  const GridSegment& t = (*table)[j];
+  const int axis = s.major();
+  // Left of a chord taken from lo to hi is above a flat one, but before a steep one.
+  const int sign = s.flat ? 1 : -1;
+  const Point2 &s_lo = s.lo_point(), &s_hi = s.hi_point();
+  const Point2 &t_lo = t.lo_point(), &t_hi = t.hi_point();
+  // An end of one within the range of the other says which side it is on, unless
+  // they share it; then the other ends say.
+  const int at_lo =
+      s_lo[axis] <= t_lo[axis] ? Orientation(s_lo, s_hi, t_lo) : -Orientation(t_lo, t_hi, s_lo);
+  if (at_lo != 0) return sign * at_lo > 0;
+  const int at_hi =
+      t_hi[axis] <= s_hi[axis] ? Orientation(s_lo, s_hi, t_hi) : -Orientation(t_lo, t_hi, s_hi);
+  return sign * at_hi > 0;
+}
+
+void ChordList::AppendTo(std::vector<Slot>& slots) const {
+  for (const Set& set : sets_) slots.insert(slots.end(), set.begin(), set.end());
+}
+
+void ChordList::Visit(int major, const ChordProbe& places, double margin,
+                      absl::FunctionRef<void(const GridSegment&)> visit) const {
+  const Set& set = sets_[major];
+  // MinorAt errs by less than 1/16 unit, so bisection may stop that far from the true
+  // place, not farther; the margin has room for it.
+  ChordProbe below = places;
+  below.minor_a -= margin;
+  below.minor_b -= margin;
+  for (auto it = set.lower_bound(below); it != set.end(); ++it) {
+    const GridSegment& chord = (*table_)[*it];
+    if (chord.MinorAt(places.major_a) > places.minor_a + margin &&
+        chord.MinorAt(places.major_b) > places.minor_b + margin) {
+      break;
+    }
+    visit(chord);
+  }
+}
+
+}  // namespace dynmesh::plc

@@ -1,0 +1,50 @@
+// The net change of a feature set, as plain data: what a validated batch of edits
+// comes to. A value; no invariants beyond those below.
+#ifndef DYNMESH_CORE_PLC_DELTA_H_
+#define DYNMESH_CORE_PLC_DELTA_H_
+
+#include <vector>
+
+#include "core/geometry/point.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh::plc {
+
+struct PointFeature {
+  FeatureId id = kNoFeature;
+  geometry::Point2 p{};
+  friend bool operator==(const PointFeature&, const PointFeature&) = default;
+};
+
+// A segment with the ids of its ends, in the client's order, and where they lie.
+struct SegmentFeature {
+  FeatureId id = kNoFeature;
+  FeatureId p_id = kNoFeature;
+  FeatureId q_id = kNoFeature;
+  geometry::Point2 p{};
+  geometry::Point2 q{};
+  friend bool operator==(const SegmentFeature&, const SegmentFeature&) = default;
+};
+
+// Each list is sorted by id. No element stands in both the removed and the added
+// list of its kind; an id may, when its feature changed (a point that moved, and
+// the segments that it took along). An id that changed kind stands in the removed
+// list of one kind and the added list of the other.
+struct Delta {
+  std::vector<PointFeature> removed_points;
+  std::vector<SegmentFeature> removed_segments;
+  std::vector<PointFeature> added_points;
+  std::vector<SegmentFeature> added_segments;
+
+  bool empty() const {
+    return removed_points.empty() && removed_segments.empty() && added_points.empty() &&
+           added_segments.empty();
+  }
+  // The change that undoes this one.
+  Delta Inverse() const { return {added_points, added_segments, removed_points, removed_segments}; }
+  friend bool operator==(const Delta&, const Delta&) = default;
+};
+
+}  // namespace dynmesh::plc
+
+#endif  // DYNMESH_CORE_PLC_DELTA_H_

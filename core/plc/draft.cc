@@ -1,0 +1,142 @@
+#include "core/plc/draft.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "dynmesh/error.h"
+
+namespace dynmesh::plc {
+namespace {
+
+using State = Draft::State;
+
+absl::Status Refuse(absl::StatusCode code, const char* reason, FeatureId id, EditIndex edit,
+                    std::string message) {
+  return MakeError(code, std::move(message), {reason, {id}, static_cast<std::size_t>(edit)});
+}
+
+const char* NameOf(State state) { return state == State::kPoint ? "point" : "segment"; }
+
+absl::Status CheckId(FeatureId id, EditIndex edit) {
+  if (id != kNoFeature && id < kFirstReservedId) return absl::OkStatus();
+  return Refuse(absl::StatusCode::kInvalidArgument, reason::kBadId, id, edit,
+                absl::StrCat("feature id ", id, id == 0 ? " means none" : " is reserved",
+                             "; choose one from 1 to ", kFirstReservedId - 1));
+}
+
+absl::Status CheckPresent(const Draft::Entry& entry, const char* verb) {
+  if (entry.state != State::kAbsent) return absl::OkStatus();
+  return Refuse(absl::StatusCode::kNotFound, reason::kUnknownFeature, entry.id, entry.edit,
+                absl::StrCat("cannot ", verb, " feature ", entry.id,
+                             ": there is none with that id; add it first"));
+}
+
+void Place(const Feature& feature, Draft::Entry& entry) {
+  entry.state = State::kPoint;
+  entry.p = {{feature.position[0] + 0.0, feature.position[1] + 0.0}};  // -0 becomes +0
+}
+
+// `entry` becomes `feature`, whatever it was.
+absl::Status Become(const Feature& feature, Draft::Entry& entry) {
+  switch (feature.kind) {
+    case FeatureKind::kPoint:
+      Place(feature, entry);
+      return absl::OkStatus();
+    case FeatureKind::kSegment:
+      entry.state = State::kSegment;
+      entry.ends = feature.ends;
+      return absl::OkStatus();
+  }
+  return Refuse(absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
+                absl::StrCat("feature ", entry.id, " is of unknown kind ",
+                             static_cast<int>(feature.kind), "; only points and segments are"));
+}
+
+}  // namespace
+
+Draft::Draft(const FeatureStore& base, const EditBatch& batch) : base_(base) {
+  entries_.reserve(batch.size());
+  positions_.reserve(batch.size());
+  for (EditIndex i = 0; i < static_cast<EditIndex>(batch.size()); ++i) {
+    const Edit& edit = batch[i];
+    absl::Status status = CheckId(edit.feature.id, i);
+    if (status.ok()) {
+      Entry& entry = Touch(edit.feature.id, i);
+      if (error_edit_ == kNever) status = Act(edit, entry);
+    }
+    if (!status.ok() && error_edit_ == kNever) {
+      error_edit_ = i;
+      error_ = std::move(status);
+    }
+  }
+}
+
+const Draft::Entry* Draft::Find(FeatureId id) const {
+  const auto it = positions_.find(id);
+  return it == positions_.end() ? nullptr : &entries_[it->second];
+}
+
+EditIndex Draft::LastEdit(FeatureId id) const {
+  const Entry* entry = Find(id);
+  return entry == nullptr ? kUntouched : entry->edit;
+}
+
+const geometry::Point2* Draft::FindPoint(FeatureId id) const {
+  if (const Entry* entry = Find(id)) {
+    return entry->state == State::kPoint ? &entry->p : nullptr;
+  }
+  const PointRecord* record = base_.FindPoint(id);
+  return record == nullptr ? nullptr : &record->p;
+}
+
+Draft::Entry& Draft::Touch(FeatureId id, EditIndex edit) {
+  const auto [it, is_new] = positions_.try_emplace(id, entries_.size());
+  if (is_new) {
+    Entry entry;
+    entry.id = id;
+    if (const PointRecord* point = base_.FindPoint(id)) {
+      entry.state = State::kPoint;
+      entry.p = point->p;
+    } else if (const SegmentRecord* segment = base_.FindSegment(id)) {
+      entry.state = State::kSegment;
+      entry.ends = segment->ends;
+    }
+    entries_.push_back(entry);
+  }
+  Entry& entry = entries_[it->second];
+  entry.edit = edit;
+  return entry;
+}
+
+absl::Status Draft::Act(const Edit& edit, Entry& entry) const {
+  switch (edit.action) {
+    case Edit::Action::kAdd:
+      if (entry.state != State::kAbsent) {
+        return Refuse(absl::StatusCode::kAlreadyExists, reason::kIdInUse, entry.id, entry.edit,
+                      absl::StrCat("cannot add feature ", entry.id, ": a ", NameOf(entry.state),
+                                   " has that id; choose another id, or set to replace it"));
+      }
+      return Become(edit.feature, entry);
+    case Edit::Action::kSet:
+      if (absl::Status status = CheckPresent(entry, "set"); !status.ok()) return status;
+      return Become(edit.feature, entry);
+    case Edit::Action::kRemove:
+      if (absl::Status status = CheckPresent(entry, "remove"); !status.ok()) return status;
+      entry.state = State::kAbsent;
+      return absl::OkStatus();
+    case Edit::Action::kMove:
+      if (absl::Status status = CheckPresent(entry, "move"); !status.ok()) return status;
+      if (entry.state != State::kPoint) {
+        return Refuse(absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
+                      absl::StrCat("cannot move feature ", entry.id, ": it is a segment; move ",
+                                   "points ", entry.ends[0], " and ", entry.ends[1], " instead"));
+      }
+      Place(edit.feature, entry);
+      return absl::OkStatus();
+  }
+  return Refuse(absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
+                absl::StrCat("unknown action ", static_cast<int>(edit.action), " on feature ",
+                             entry.id, "; only add, set, remove and move are"));
+}
+
+}  // namespace dynmesh::plc

@@ -1,0 +1,74 @@
+// The feature set that a batch of edits asks for, as a difference to the one present.
+//
+// Edits act in order; an edit that cannot (bad id, wrong kind, id in use, unknown
+// feature) is the draft's error. Nothing else is validated here. What the batch says
+// after its error is not acted, only noted as touched.
+// Thread-safe once made. O(batch).
+#ifndef DYNMESH_CORE_PLC_DRAFT_H_
+#define DYNMESH_CORE_PLC_DRAFT_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/status/status.h"
+#include "core/geometry/point.h"
+#include "core/plc/feature_store.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh::plc {
+
+// Ids from here up are reserved, kBoxFeature among them.
+inline constexpr FeatureId kFirstReservedId = FeatureId{0} - (FeatureId{1} << 16);
+
+// Index of an edit in its batch; kUntouched: no edit, the feature is as it was.
+using EditIndex = std::int64_t;
+inline constexpr EditIndex kUntouched = -1;
+inline constexpr EditIndex kNever = std::numeric_limits<EditIndex>::max();
+
+class Draft {
+ public:
+  enum class State : std::uint8_t { kAbsent, kPoint, kSegment };
+
+  // A feature that the batch names, as the batch leaves it.
+  struct Entry {
+    FeatureId id = kNoFeature;
+    EditIndex edit = kUntouched;  // the last that names it
+    State state = State::kAbsent;
+    geometry::Point2 p{};             // kPoint; -0 is +0
+    std::array<FeatureId, 2> ends{};  // kSegment
+  };
+
+  // `base` must outlive the draft and not change.
+  Draft(const FeatureStore& base, const EditBatch& batch);
+
+  // The first edit that could not act, kNever if all could; why.
+  EditIndex error_edit() const { return error_edit_; }
+  const absl::Status& error() const { return error_; }
+
+  // In the order in which the batch first names them.
+  const std::vector<Entry>& entries() const { return entries_; }
+  const Entry* Find(FeatureId id) const;
+  EditIndex LastEdit(FeatureId id) const;
+
+  // The point with that id in the resulting set, else null.
+  const geometry::Point2* FindPoint(FeatureId id) const;
+
+ private:
+  Entry& Touch(FeatureId id, EditIndex edit);
+  absl::Status Act(const Edit& edit, Entry& entry) const;
+
+  const FeatureStore& base_;
+  std::vector<Entry> entries_;
+  absl::flat_hash_map<FeatureId, std::size_t> positions_;  // in entries_
+  EditIndex error_edit_ = kNever;
+  absl::Status error_;
+};
+
+}  // namespace dynmesh::plc
+
+#endif  // DYNMESH_CORE_PLC_DRAFT_H_

@@ -1,0 +1,176 @@
+#include "core/plc/messages.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "dynmesh/error.h"
+
+namespace dynmesh::plc {
+namespace {
+
+using geometry::Point2;
+
+// As many features as an error names; a client needs no longer list to act on.
+constexpr std::size_t kMostNamed = 16;
+
+std::string Shortest(double x) {
+  std::array<char, 32> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
+}
+
+std::string Text(const Point2& p) {
+  return absl::StrCat("(", Shortest(p[0]), ", ", Shortest(p[1]), ")");
+}
+
+std::string Text(const PointFeature& f) { return absl::StrCat("point ", f.id, " ", Text(f.p)); }
+
+std::string Text(const SegmentFeature& f) {
+  return absl::StrCat("segment ", f.id, " from point ", f.p_id, " ", Text(f.p), " to point ",
+                      f.q_id, " ", Text(f.q));
+}
+
+std::string Text(const AnyFeature& f) {
+  return std::visit([](const auto& x) { return Text(x); }, f);
+}
+
+FeatureId IdOf(const AnyFeature& f) {
+  return std::visit([](const auto& x) { return x.id; }, f);
+}
+
+absl::Status Error(absl::StatusCode code, const char* reason, std::vector<FeatureId> features,
+                   EditIndex edit, std::string message) {
+  ErrorDetail detail{reason, std::move(features), std::nullopt};
+  if (edit != kUntouched) detail.edit = static_cast<std::size_t>(edit);
+  return MakeError(code, std::move(message), std::move(detail));
+}
+
+// The angle between two segments that share an end, for a person to read.
+std::string AngleText(const SegmentFeature& s, const SegmentFeature& t) {
+  const bool s_from_p = s.p_id == t.p_id || s.p_id == t.q_id;
+  const FeatureId apex = s_from_p ? s.p_id : s.q_id;
+  const Point2& at = s_from_p ? s.p : s.q;
+  const Point2& a = s_from_p ? s.q : s.p;
+  const Point2& b = t.p_id == apex ? t.q : t.p;
+  const double ux = a[0] - at[0], uy = a[1] - at[1], wx = b[0] - at[0], wy = b[1] - at[1];
+  const double angle = std::atan2(std::abs(ux * wy - uy * wx), ux * wx + uy * wy);
+  return absl::StrFormat("%.6g degrees at point %d %s", angle * 180 / std::numbers::pi, apex,
+                         Text(at));
+}
+
+struct Verdict {
+  const char* reason;
+  std::string message;
+};
+
+Verdict Explain(Conflict conflict, const AnyFeature& a, const AnyFeature& b, double limit) {
+  const FeatureId b_id = IdOf(b);
+  const std::string pair = absl::StrCat(Text(a), " and ", Text(b));
+  switch (conflict) {
+    case Conflict::kDuplicatePoint:
+      return {reason::kDuplicatePoint,
+              absl::StrCat(pair, " have the same coordinates; use point ", b_id,
+                           " instead, or remove it in the same batch")};
+    case Conflict::kDuplicateSegment:
+      return {reason::kDuplicateSegment,
+              absl::StrCat(pair, " join the same points; leave one of them out")};
+    case Conflict::kSegmentsOverlap:
+      return {reason::kSegmentsOverlap,
+              absl::StrCat(pair, " overlap; end them where they part and add what they share as a ",
+                           "segment of its own, once")};
+    case Conflict::kPointOnSegment:
+      return {
+          reason::kPointOnSegment,
+          absl::StrCat(pair, " touch: the point lies in the inside of the segment; replace the ",
+                       "segment by two that end at the point")};
+    case Conflict::kSegmentsCross:
+      return {reason::kSegmentsCross,
+              absl::StrCat(pair, " cross; add a point where they do and split both there, or ",
+                           "remove segment ", b_id, " in the same batch")};
+    case Conflict::kSmallAngle:
+      return {reason::kSmallAngle,
+              absl::StrCat(pair, " meet in an angle of ",
+                           AngleText(std::get<SegmentFeature>(a), std::get<SegmentFeature>(b)),
+                           "; at least 45 are needed: move an end, or remove one of them")};
+    default:
+      return {reason::kTooClose,
+              absl::StrCat(pair, " are nearer than ", Shortest(limit),
+                           ", the least distance in this mesh; move them apart or make them one")};
+  }
+}
+
+}  // namespace
+
+absl::Status ConflictError(Conflict conflict, const AnyFeature& offender, const AnyFeature& other,
+                           double limit, EditIndex edit) {
+  Verdict verdict = Explain(conflict, offender, other, limit);
+  return Error(absl::StatusCode::kFailedPrecondition, verdict.reason, {IdOf(offender), IdOf(other)},
+               edit, std::move(verdict.message));
+}
+
+absl::Status CheckPlace(const PointFeature& point, const Box& box, EditIndex edit) {
+  const auto refuse = [&](const char* reason, const std::string& what) {
+    return Error(absl::StatusCode::kInvalidArgument, reason, {point.id}, edit,
+                 absl::StrCat(Text(point), " ", what));
+  };
+  if (!std::isfinite(point.p[0]) || !std::isfinite(point.p[1])) {
+    return refuse(reason::kNotFinite, "is not finite; give finite coordinates");
+  }
+  for (int i = 0; i < 2; ++i) {
+    const double x = point.p[i];
+    if (x < box.lo[i] || x > box.hi[i]) {
+      return refuse(
+          reason::kOutsideBox,
+          absl::StrCat("is outside the mesh's box from ", Text(Point2{{box.lo[0], box.lo[1]}}),
+                       " to ", Text(Point2{{box.hi[0], box.hi[1]}}),
+                       "; move it inside, or create a mesh with a larger box"));
+    }
+  }
+  for (int i = 0; i < 2; ++i) {
+    const double x = point.p[i];
+    if (x != 0 && std::abs(x) < kMinCoordinate) {
+      return refuse(reason::kTooClose,
+                    "has a coordinate nearer to 0 than 2^-200, too small to compute with; make "
+                    "it 0");
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status DegenerateSegmentError(FeatureId segment, FeatureId end, EditIndex edit) {
+  return Error(
+      absl::StatusCode::kInvalidArgument, reason::kDegenerateSegment, {segment, end}, edit,
+      absl::StrCat("segment ", segment, " has point ", end, " at both ends; give it two points"));
+}
+
+absl::Status UnknownEndError(FeatureId segment, std::span<const FeatureId> missing,
+                             EditIndex edit) {
+  std::vector<FeatureId> features = {segment};
+  features.insert(features.end(), missing.begin(), missing.end());
+  return Error(absl::StatusCode::kFailedPrecondition, reason::kUnknownEnd, std::move(features),
+               edit,
+               absl::StrCat("segment ", segment, " should end at ", absl::StrJoin(missing, " and "),
+                            ", but there is no such point; add it in the same batch"));
+}
+
+absl::Status PointInUseError(FeatureId id, std::span<const FeatureId> users, EditIndex edit) {
+  const std::span<const FeatureId> named = users.first(std::min(users.size(), kMostNamed));
+  std::vector<FeatureId> features = {id};
+  features.insert(features.end(), named.begin(), named.end());
+  return Error(absl::StatusCode::kFailedPrecondition, reason::kPointInUse, std::move(features),
+               edit,
+               absl::StrCat("point ", id, " is used by ", users.size(), " segment(s): remove ",
+                            absl::StrJoin(named, ", "), named.size() < users.size() ? ", ..." : "",
+                            " first or in the same batch"));
+}
+
+}  // namespace dynmesh::plc

@@ -1,0 +1,37 @@
+// The errors that relations between features and places of points cause, as
+// statuses: code, reason, features (the offender first), and what to do.
+// Pure functions.
+#ifndef DYNMESH_CORE_PLC_MESSAGES_H_
+#define DYNMESH_CORE_PLC_MESSAGES_H_
+
+#include <span>
+#include <variant>
+
+#include "absl/status/status.h"
+#include "core/plc/delta.h"
+#include "core/plc/draft.h"
+#include "core/plc/rules.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::plc {
+
+using AnyFeature = std::variant<PointFeature, SegmentFeature>;
+
+// `conflict` is not kNone; it is between `offender`, blamed on `edit`, and `other`.
+absl::Status ConflictError(Conflict conflict, const AnyFeature& offender, const AnyFeature& other,
+                           double limit, EditIndex edit);
+
+// OK if the point is finite, in the closed box, and no coordinate is too near to 0.
+absl::Status CheckPlace(const PointFeature& point, const Box& box, EditIndex edit);
+
+absl::Status DegenerateSegmentError(FeatureId segment, FeatureId end, EditIndex edit);
+
+// The ids in `missing` (at least one) are ends of `segment` and are no points.
+absl::Status UnknownEndError(FeatureId segment, std::span<const FeatureId> missing, EditIndex edit);
+
+// Point `id` is gone, but `users` (at least one) end there.
+absl::Status PointInUseError(FeatureId id, std::span<const FeatureId> users, EditIndex edit);
+
+}  // namespace dynmesh::plc
+
+#endif  // DYNMESH_CORE_PLC_MESSAGES_H_

@@ -1,0 +1,66 @@
+#include "core/plc/plc.h"
+
+#include <algorithm>
+
+#include "core/plc/batch_check.h"
+
+namespace dynmesh::plc {
+
+Plc2::Plc2(const MeshOptions& options)
+    : options_(options), limit_(CloseLimit(options)), grid_(options.box, limit_), index_(grid_) {}
+
+absl::StatusOr<Delta> Plc2::Check(const EditBatch& batch, std::uint64_t* cost) const {
+  BatchCheck check(options_, limit_, grid_, store_, index_, batch);
+  absl::StatusOr<Delta> delta = check.Run();
+  if (cost != nullptr) *cost += check.cost();
+  return delta;
+}
+
+void Plc2::Commit(const Delta& delta) {
+  for (const SegmentFeature& f : delta.removed_segments) {
+    index_.EraseSegment(store_.FindSegment(f.id)->slot);
+    store_.RemoveSegment(f.id);
+  }
+  for (const PointFeature& f : delta.removed_points) {
+    index_.ErasePoint(store_.FindPoint(f.id)->slot);
+    store_.RemovePoint(f.id);
+  }
+  for (const PointFeature& f : delta.added_points) store_.Add(f, index_.Insert(f));
+  for (const SegmentFeature& f : delta.added_segments) store_.Add(f, index_.Insert(f));
+}
+
+std::vector<Feature> Plc2::Features() const {
+  std::vector<Feature> features;
+  features.reserve(size());
+  for (const auto& [id, record] : store_.points()) {
+    features.push_back(Feature::Point(id, record.p[0], record.p[1]));
+  }
+  for (const auto& [id, record] : store_.segments()) {
+    features.push_back(Feature::Segment(id, record.ends[0], record.ends[1]));
+  }
+  std::sort(features.begin(), features.end(),
+            [](const Feature& a, const Feature& b) { return a.id < b.id; });
+  return features;
+}
+
+std::optional<PointFeature> Plc2::FindPoint(FeatureId id) const {
+  const PointRecord* record = store_.FindPoint(id);
+  if (record == nullptr) return std::nullopt;
+  return PointFeature{id, record->p};
+}
+
+std::optional<SegmentFeature> Plc2::FindSegment(FeatureId id) const {
+  const SegmentRecord* record = store_.FindSegment(id);
+  if (record == nullptr) return std::nullopt;
+  return store_.Expand(id, *record);
+}
+
+std::vector<FeatureId> Plc2::SegmentsAt(FeatureId point) const {
+  const PointRecord* record = store_.FindPoint(point);
+  if (record == nullptr) return {};
+  std::vector<FeatureId> segments(record->segments.begin(), record->segments.end());
+  std::sort(segments.begin(), segments.end());
+  return segments;
+}
+
+}  // namespace dynmesh::plc

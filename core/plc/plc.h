@@ -1,0 +1,89 @@
+// The piecewise linear complex: the point and segment features of a planar mesh, by
+// id, and what is legal input.
+//
+// Invariants, after every Commit of a Delta that Check returned:
+//   1. every point is finite, in the user's closed box, its coordinates 0 or of
+//      magnitude at least 2^-200, never -0;
+//   2. every segment joins two points present, different ones;
+//   3. no two features are too close, cross, overlap or coincide, no point is in the
+//      inside of a segment, no two segments that share an end are acute (rules.h).
+// Whether a batch is accepted, its Delta and its error are functions of the feature
+// set and the batch, never of history.
+//
+// Thread-compatible: one thread may Commit while none reads; const members may run
+// at the same time.
+#ifndef DYNMESH_CORE_PLC_PLC_H_
+#define DYNMESH_CORE_PLC_PLC_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/plc/delta.h"
+#include "core/plc/feature_store.h"
+#include "core/plc/rules.h"
+#include "core/plc/spatial_index.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::plc {
+
+class Plc2 {
+ public:
+  // REQUIRES: ValidateOptions(options) is OK.
+  explicit Plc2(const MeshOptions& options);
+  Plc2(const Plc2&) = delete;
+  Plc2& operator=(const Plc2&) = delete;
+
+  // Acts the batch on a draft, validates the result, returns the net change. No change
+  // here. If the result is illegal: the problem of the earliest edit to blame, with
+  // ErrorDetail (error.h); which edit that is stands in batch_check.h.
+  //   INVALID_ARGUMENT     BAD_ID, WRONG_KIND, NOT_FINITE, OUTSIDE_BOX, DEGENERATE_SEGMENT,
+  //                        TOO_CLOSE (a coordinate to 0)
+  //   NOT_FOUND            UNKNOWN_FEATURE
+  //   ALREADY_EXISTS       ID_IN_USE
+  //   FAILED_PRECONDITION  UNKNOWN_END, POINT_IN_USE, DUPLICATE_POINT, DUPLICATE_SEGMENT,
+  //                        POINT_ON_SEGMENT, SEGMENTS_CROSS, SEGMENTS_OVERLAP,
+  //                        SMALL_INPUT_ANGLE, TOO_CLOSE
+  // Cost: of the batch and its neighbourhood (batch_check.h, spatial_index.h). If `cost`
+  // is not null, adds to it the number of index cells and features looked at.
+  absl::StatusOr<Delta> Check(const EditBatch& batch, std::uint64_t* cost = nullptr) const;
+
+  // Applies a change. REQUIRES: `delta` is Check's on the features present, or the
+  // inverse of the last one committed. O(delta) insertions and removals in the index.
+  void Commit(const Delta& delta);
+
+  // All features, sorted by id; entries that do not matter are 0. O(n lg n).
+  std::vector<Feature> Features() const;
+
+  std::size_t size() const { return store_.size(); }
+  std::size_t point_count() const { return store_.points().size(); }
+  std::size_t segment_count() const { return store_.segments().size(); }
+
+  // O(1).
+  std::optional<PointFeature> FindPoint(FeatureId id) const;
+  std::optional<SegmentFeature> FindSegment(FeatureId id) const;
+  bool HasPoint(FeatureId id) const { return store_.FindPoint(id) != nullptr; }
+  bool HasSegment(FeatureId id) const { return store_.FindSegment(id) != nullptr; }
+  // The segments that end at a point, sorted; none if there is no such point.
+  std::vector<FeatureId> SegmentsAt(FeatureId point) const;
+
+  const MeshOptions& options() const { return options_; }
+  // Features nearer than this are too close (a power of two).
+  double close_limit() const { return limit_; }
+  // Nodes of the spatial index, for tests of its size.
+  std::size_t index_nodes() const { return index_.node_count(); }
+
+ private:
+  const MeshOptions options_;
+  const double limit_;
+  const CellGrid grid_;
+  FeatureStore store_;
+  SpatialIndex index_;
+};
+
+}  // namespace dynmesh::plc
+
+#endif  // DYNMESH_CORE_PLC_PLC_H_

@@ -1,0 +1,57 @@
+// The rules between features, pair by pair: what may not be near, on or across
+// what. Pure functions of coordinates and ids, thread-safe, O(1).
+//
+// What touches is decided exactly (geometry/predicates.h); what is *too close* and
+// what is *too acute* in doubles, by formulas whose bits do not depend on the order
+// of their arguments, so that a verdict is a function of the two features alone.
+#ifndef DYNMESH_CORE_PLC_RULES_H_
+#define DYNMESH_CORE_PLC_RULES_H_
+
+#include <cstdint>
+
+#include "core/geometry/point.h"
+#include "core/plc/delta.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::plc {
+
+// Coordinates are 0 or at least this in magnitude: products of four of their
+// differences are then exact multiples of 2^-1008 and cannot underflow.
+inline constexpr double kMinCoordinate = 0x1p-200;
+
+// The distance below which two features are too close: 2^10 ulps of the domain's
+// largest coordinate, a power of two (2^-41 in the unit square).
+double CloseLimit(const MeshOptions& options);
+
+// What is wrong between two features; of several, the least is reported.
+enum class Conflict : std::uint8_t {
+  kDuplicatePoint,
+  kDuplicateSegment,
+  kSegmentsOverlap,
+  kPointOnSegment,
+  kSegmentsCross,
+  kSmallAngle,
+  kTooClose,
+  kNone,
+};
+
+// Same coordinates: kDuplicatePoint; nearer than `limit`: kTooClose.
+Conflict Between(const PointFeature& p, const PointFeature& q, double limit);
+
+// A point and a segment. None if the point is an end of it (by id).
+Conflict Between(const PointFeature& p, const SegmentFeature& s, double limit);
+
+// Two segments. An end of one *in* the other is left to the rule for point and
+// segment. Segments that share an end must not be acute: with u, w the vectors from
+// the shared point, d = u.w > 0 and d*d > (1/2)(1 + 4e-6)|u|^2|w|^2, that is an angle
+// below 45 degrees (less 1e-4), is kSmallAngle.
+Conflict Between(const SegmentFeature& s, const SegmentFeature& t);
+
+// Is the distance of p to segment ab below `limit`? In doubles, error of an ulp of
+// the domain, to the bit the same for ba.
+bool IsNear(const geometry::Point2& p, const geometry::Point2& a, const geometry::Point2& b,
+            double limit);
+
+}  // namespace dynmesh::plc
+
+#endif  // DYNMESH_CORE_PLC_RULES_H_

@@ -1,0 +1,277 @@
+#include "core/plc/spatial_index.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace dynmesh::plc {
+namespace {
+
+// Room for the error of positions in units, and for closed cells.
+constexpr double kCellReach = 0.25;
+constexpr double kQueryReach = kCloseUnits + 1;
+
+void EraseValue(std::vector<Slot>& slots, Slot slot) {
+  const auto it = std::find(slots.begin(), slots.end(), slot);
+  if (it == slots.end()) return;
+  *it = slots.back();
+  slots.pop_back();
+}
+
+template <typename T>
+Slot Put(std::vector<T>& table, std::vector<Slot>& free_slots, const T& value) {
+  if (free_slots.empty()) {
+    table.push_back(value);
+    return static_cast<Slot>(table.size() - 1);
+  }
+  const Slot slot = free_slots.back();
+  free_slots.pop_back();
+  table[slot] = value;
+  return slot;
+}
+
+}  // namespace
+
+SpatialIndex::SpatialIndex(const CellGrid& grid) : grid_(grid), nodes_(4) {}
+
+int SpatialIndex::QuadrantOf(const Cell& cell, const UnitPoint& at) {
+  const std::int64_t half = cell.side / 2;
+  const int right = CellGrid::Quantise(at[0]) >= cell.at[0] + half ? 1 : 0;
+  const int upper = CellGrid::Quantise(at[1]) >= cell.at[1] + half ? 1 : 0;
+  return right + 2 * upper;
+}
+
+Slot SpatialIndex::Insert(const PointFeature& point) {
+  const Slot slot = Put(points_, free_points_, point);
+  InsertPointAt(0, grid_.root(), slot, grid_.ToUnits(point.p));
+  return slot;
+}
+
+Slot SpatialIndex::Insert(const SegmentFeature& segment) {
+  const Slot slot = Put(segments_, free_segments_, GridSegment(segment, grid_));
+  InsertSegmentAt(0, grid_.root(), slot);
+  return slot;
+}
+
+void SpatialIndex::ErasePoint(Slot slot) {
+  ErasePointAt(0, grid_.root(), slot, grid_.ToUnits(points_[slot].p));
+  free_points_.push_back(slot);
+}
+
+void SpatialIndex::EraseSegment(Slot slot) {
+  EraseSegmentAt(0, grid_.root(), slot);
+  free_segments_.push_back(slot);
+}
+
+void SpatialIndex::InsertPointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint& at) {
+  if (nodes_[n].children == 0) {
+    nodes_[n].points.push_back(slot);
+    SplitIfCrowded(n, cell);
+    return;
+  }
+  const int quadrant = QuadrantOf(cell, at);
+  InsertPointAt(nodes_[n].children + quadrant, cell.Child(quadrant), slot, at);
+}
+
+// The decisions (meets, spans, leaf) are functions of segment, cell and the tree, and
+// EraseSegmentAt repeats them.
+void SpatialIndex::InsertSegmentAt(NodeIndex n, const Cell& cell, Slot slot) {
+  const GridSegment& segment = segments_[slot];
+  if (!segment.Meets(cell, kCellReach)) return;
+  if (segment.Spans(cell)) {
+    std::unique_ptr<ChordList>& chords = nodes_[n].chords;
+    if (chords == nullptr) chords = std::make_unique<ChordList>(&segments_);
+    chords->Insert(slot);
+  } else if (nodes_[n].children == 0) {
+    nodes_[n].loose.push_back(slot);
+    SplitIfCrowded(n, cell);
+  } else {
+    for (int i = 0; i < 4; ++i) {
+      InsertSegmentAt(nodes_[n].children + i, cell.Child(i), slot);
+    }
+  }
+}
+
+void SpatialIndex::ErasePointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint& at) {
+  if (nodes_[n].children == 0) {
+    EraseValue(nodes_[n].points, slot);
+    return;
+  }
+  const int quadrant = QuadrantOf(cell, at);
+  ErasePointAt(nodes_[n].children + quadrant, cell.Child(quadrant), slot, at);
+  MergeIfSparse(n);
+}
+
+void SpatialIndex::EraseSegmentAt(NodeIndex n, const Cell& cell, Slot slot) {
+  const GridSegment& segment = segments_[slot];
+  if (!segment.Meets(cell, kCellReach)) return;
+  if (segment.Spans(cell)) {
+    std::unique_ptr<ChordList>& chords = nodes_[n].chords;
+    if (chords == nullptr) return;
+    chords->Erase(slot);
+    if (chords->size() == 0) chords.reset();
+  } else if (nodes_[n].children == 0) {
+    EraseValue(nodes_[n].loose, slot);
+  } else {
+    for (int i = 0; i < 4; ++i) {
+      EraseSegmentAt(nodes_[n].children + i, cell.Child(i), slot);
+    }
+    MergeIfSparse(n);
+  }
+}
+
+SpatialIndex::NodeIndex SpatialIndex::AllocateChildren() {
+  if (free_blocks_.empty()) {
+    nodes_.resize(nodes_.size() + 4);
+    return static_cast<NodeIndex>(nodes_.size() - 4);
+  }
+  const NodeIndex block = free_blocks_.back();
+  free_blocks_.pop_back();
+  return block;
+}
+
+void SpatialIndex::SplitIfCrowded(NodeIndex n, const Cell& cell) {
+  if (cell.side == 1 || nodes_[n].points.size() + nodes_[n].loose.size() <= kCapacity) return;
+  const NodeIndex children = AllocateChildren();
+  nodes_[n].children = children;
+  const std::vector<Slot> points = std::exchange(nodes_[n].points, {});
+  const std::vector<Slot> loose = std::exchange(nodes_[n].loose, {});
+  for (const Slot slot : points) {
+    nodes_[children + QuadrantOf(cell, grid_.ToUnits(points_[slot].p))].points.push_back(slot);
+  }
+  for (int i = 0; i < 4; ++i) {
+    for (const Slot slot : loose) InsertSegmentAt(children + i, cell.Child(i), slot);
+    SplitIfCrowded(children + i, cell.Child(i));
+  }
+}
+
+// What children hold of a segment, chord or loose, is loose in the parent: there it
+// spans nothing, or it would not have got below.
+void SpatialIndex::MergeIfSparse(NodeIndex n) {
+  const NodeIndex children = nodes_[n].children;
+  std::size_t held = 0;
+  for (NodeIndex c = children; c < children + 4; ++c) {
+    const Node& child = nodes_[c];
+    if (child.children != 0) return;
+    held += child.points.size() + child.loose.size();
+    if (child.chords != nullptr) held += child.chords->size();
+  }
+  if (held > kMergeBelow) return;
+  Node& node = nodes_[n];
+  for (NodeIndex c = children; c < children + 4; ++c) {
+    Node& child = nodes_[c];
+    node.points.insert(node.points.end(), child.points.begin(), child.points.end());
+    node.loose.insert(node.loose.end(), child.loose.begin(), child.loose.end());
+    if (child.chords != nullptr) child.chords->AppendTo(node.loose);
+    child = Node();
+  }
+  std::sort(node.loose.begin(), node.loose.end());
+  node.loose.erase(std::unique(node.loose.begin(), node.loose.end()), node.loose.end());
+  node.children = 0;
+  free_blocks_.push_back(children);
+}
+
+// A query says which cells it enters and which chords of them it wants to see.
+template <typename Query>
+void SpatialIndex::Visit(NodeIndex n, const Cell& cell, const Query& query) const {
+  if (!query.Enters(cell)) return;
+  ++*query.cost;
+  const Node& node = nodes_[n];
+  if (node.chords != nullptr) query.VisitChords(*node.chords, cell);
+  *query.cost += node.points.size() + node.loose.size();
+  for (const Slot slot : node.points) query.visit_point(points_[slot]);
+  for (const Slot slot : node.loose) query.visit_segment(segments_[slot].feature);
+  if (node.children == 0) return;
+  for (int i = 0; i < 4; ++i) Visit(node.children + i, cell.Child(i), query);
+}
+
+struct SpatialIndex::PointQuery {
+  UnitPoint at;
+  VisitPoint visit_point;
+  VisitSegment visit_segment;
+  std::uint64_t* cost;
+
+  bool Enters(const Cell& cell) const {
+    for (int axis = 0; axis < 2; ++axis) {
+      if (at[axis] < cell.Lo(axis) - kQueryReach || at[axis] > cell.Hi(axis) + kQueryReach) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  // A chord whose nearest point, in this cell, is at most r away passes, at the cell's
+  // coordinate nearest to `at`, at most 2 r from it: slopes are at most 1.
+  void VisitChords(const ChordList& chords, const Cell& cell) const {
+    for (int major = 0; major < 2; ++major) {
+      const double along = std::clamp(at[major], cell.Lo(major), cell.Hi(major));
+      const double across = at[1 - major];
+      chords.Visit(major, {along, across, along, across}, 2 * kQueryReach,
+                   [this](const GridSegment& chord) {
+                     ++*cost;
+                     visit_segment(chord.feature);
+                   });
+    }
+  }
+};
+
+struct SpatialIndex::SegmentQuery {
+  const GridSegment* segment;
+  VisitPoint visit_point;
+  VisitSegment visit_segment;
+  std::uint64_t* cost;
+
+  bool Enters(const Cell& cell) const { return segment->Meets(cell, kQueryReach); }
+
+  // The piece of the segment in the cell grown by a unit, to well below a unit: false
+  // if there is none (another cell then has whatever the segment meets).
+  bool Clip(const Cell& cell, UnitPoint& a, UnitPoint& b) const {
+    const UnitPoint &lo = segment->lo, &hi = segment->hi;
+    double from = 0, to = 1;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double d = hi[axis] - lo[axis];
+      const double first = cell.Lo(axis) - 1 - lo[axis], last = cell.Hi(axis) + 1 - lo[axis];
+      if (d == 0) {
+        if (first > 0 || last < 0) return false;
+        continue;
+      }
+      from = std::max(from, (d > 0 ? first : last) / d);
+      to = std::min(to, (d > 0 ? last : first) / d);
+    }
+    if (from > to) return false;
+    for (int axis = 0; axis < 2; ++axis) {
+      a[axis] = lo[axis] + (hi[axis] - lo[axis]) * from;
+      b[axis] = lo[axis] + (hi[axis] - lo[axis]) * to;
+    }
+    return true;
+  }
+
+  // A chord that meets the piece ab in the cell passes on one side of a and on the other
+  // of b. Its places are taken in the cell's own range, at most a unit from a and b.
+  void VisitChords(const ChordList& chords, const Cell& cell) const {
+    UnitPoint a, b;
+    if (!Clip(cell, a, b)) return;
+    for (int major = 0; major < 2; ++major) {
+      const double lo = cell.Lo(major), hi = cell.Hi(major);
+      const ChordProbe places = {std::clamp(a[major], lo, hi), a[1 - major],
+                                 std::clamp(b[major], lo, hi), b[1 - major]};
+      chords.Visit(major, places, 4, [this](const GridSegment& chord) {
+        ++*cost;
+        visit_segment(chord.feature);
+      });
+    }
+  }
+};
+
+void SpatialIndex::QueryNear(const geometry::Point2& p, VisitPoint visit_point,
+                             VisitSegment visit_segment, std::uint64_t* cost) const {
+  Visit(0, grid_.root(), PointQuery{grid_.ToUnits(p), visit_point, visit_segment, cost});
+}
+
+void SpatialIndex::QueryNear(const SegmentFeature& s, VisitPoint visit_point,
+                             VisitSegment visit_segment, std::uint64_t* cost) const {
+  const GridSegment segment(s, grid_);
+  Visit(0, grid_.root(), SegmentQuery{&segment, visit_point, visit_segment, cost});
+}
+
+}  // namespace dynmesh::plc

@@ -1,0 +1,543 @@
+// The self-adjusting engine: runs a program, remembers what it did, and after a
+// change of input re-runs just the operations whose reads changed.
+//
+// A *program* is a set of procedures over *items* (opaque indices). An operation is
+// (kind, item, epoch); its place in time is (epoch, priority, tie-break of the
+// program), a function of the three, so that neither who asked for it nor when can
+// move it. It reads the state as of its time, emits *outputs* (opaque words: objects
+// it makes, states it sets) and requests later operations. Operations exist while
+// something requests them.
+//
+// What an operation depends on is a *region*, not a list of reads: it subscribes to
+// a few places; whoever changes something at a place notifies those subscribed there
+// whose time is later and who pass the program's own filter.
+//
+// A run from scratch is change propagation from the empty trace. Invariants, all
+// checked by Audit():
+//   1. requests and notifications go only to later times;
+//   2. refs(o) = number of requests for o by live operations and the environment;
+//      o exists iff refs(o) > 0, or it is queued to be dropped;
+//   3. the subscribers of a place are the operations that name it, once each;
+//   4. after Propagate nothing is queued, everything alive has been executed.
+// Why the result equals a from-scratch run: by induction over time. When o is popped
+// everything earlier is final; either its region changed, and it was notified, or
+// its stored outputs are what it would compute again.
+//
+// The engine knows no geometry. Thread-compatible. REQUIRES of a program, see
+// tests/core/sac/ for a small one:
+//   PayloadOf<Program>::Type                  what it keeps per operation (trivially copyable)
+//   Priority(kind, item) -> uint64            uniform; a function of what the item *is*
+//   Before(kind, item, kind, item) -> bool    strict order among equal priorities
+//   OperationsOf(kind, item) -> OpId&         head of the item's chain, initially kNoOp
+//   Execute(Context&)                         the procedures, the same for every engine
+//   Publish(output, Stamp) Withdraw(output, Stamp)   make an output visible / invisible
+//                                             from that time on, and Notify
+//   Release(output)                           it stays withdrawn: forget it
+#ifndef DYNMESH_CORE_SAC_ENGINE_H_
+#define DYNMESH_CORE_SAC_ENGINE_H_
+
+#include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/sac/block_pool.h"
+#include "core/sac/epoch_order.h"
+#include "core/sac/order_list.h"
+#include "core/sac/subscriptions.h"
+#include "core/sac/work_queue.h"
+
+namespace dynmesh::sac {
+
+// Specialised for each program before the program's class is complete.
+template <class Program>
+struct PayloadOf;
+
+using Kind = std::uint8_t;
+using Item = std::uint32_t;
+using Output = std::uint32_t;
+
+struct Counters {
+  std::uint64_t executed = 0;   // bodies run
+  std::uint64_t created = 0;    // operations that are new
+  std::uint64_t dropped = 0;    // operations that are gone
+  std::uint64_t unchanged = 0;  // re-executed to the same outputs and requests
+  std::uint64_t notified = 0;   // subscribers looked at by Notify
+};
+
+template <class Program>
+class Engine {
+ public:
+  static constexpr bool kTraced = true;
+  class Context;
+
+  explicit Engine(Program& program)
+      : program_(program),
+        time_(ops_, BeforeInEpoch{this}),
+        queue_(BeforeInQueue{this}) {}
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  // The time before every operation: that of the input.
+  Stamp beginning() const { return time_.order().first(); }
+  bool Precedes(Stamp a, Stamp b) const { return time_.order().Precedes(a, b); }
+
+  // The environment's own requests: what the input asks to be done.
+  void Request(Kind kind, Item item, Epoch epoch) { ++ops_[FindOrCreate(kind, item, epoch)].refs; }
+  void Unrequest(Kind kind, Item item, Epoch epoch) { DropReference(Find(kind, item, epoch)); }
+
+  // Re-runs what is stale until nothing is. `interrupt()` is asked before each
+  // operation; when it says true the propagation stops (false is returned) in a
+  // state from which another Propagate, after further changes of input, goes on.
+  template <class Interrupt>
+  bool Propagate(Interrupt interrupt) {
+    queue_.Rewind();
+    while (!queue_.empty()) {
+      if (interrupt()) return false;
+      const auto [epoch, entry] = queue_.Pop();
+      Operation& op = ops_[entry.op];
+      const bool stale = op.flags & kStale;
+      op.flags &= ~(kQueued | kStale);
+      if (op.refs == 0) {
+        Drop(entry.op);
+      } else if (stale) {
+        Execute(entry.op);
+      }
+    }
+    ReleaseWithdrawn();
+    return true;
+  }
+  void Propagate() {
+    Propagate([] { return false; });
+  }
+
+  // --- Notification -------------------------------------------------------------
+
+  // Marks stale each subscriber of `place` with a time in (after, until] for which
+  // affected(op) holds. `until` is kNoStamp for ever.
+  template <class Affected>
+  void Notify(Place place, Stamp after, Stamp until, Affected affected) {
+    for (const OpId id : subscriptions_.at(place)) {
+      ++counters_.notified;
+      const Operation& op = ops_[id];
+      if (op.flags & kStale) continue;
+      if (!Precedes(after, op.stamp)) continue;
+      if (until != kNoStamp && Precedes(until, op.stamp)) continue;
+      if (affected(id)) MarkStale(id);
+    }
+  }
+  // Is there anything that a change at time `after` could make stale?
+  bool AnyAfter(Stamp after) const { return Precedes(after, frontier_); }
+  // Marks stale every executed operation of the chain at `head` later than `after`.
+  void NotifyChain(OpId head, Stamp after) {
+    for (OpId id = head; id != kNoOp; id = ops_[id].next_of_item) {
+      const Operation& op = ops_[id];
+      if (!(op.flags & kStale) && Precedes(after, op.stamp)) MarkStale(id);
+    }
+  }
+  // Moves subscriptions when the program's places are rebuilt.
+  Subscriptions& subscriptions() { return subscriptions_; }
+  // Operation `id` now names `to` where it named `from`, and subscribes there. (Its
+  // subscription at `from` is the caller's to take.)
+  void ReplacePlace(OpId id, Place from, Place to);
+
+  // --- What an operation remembers ------------------------------------------------
+
+  Kind kind(OpId id) const { return ops_[id].kind; }
+  Item item(OpId id) const { return ops_[id].item; }
+  Epoch epoch(OpId id) const { return ops_[id].epoch; }
+  Stamp stamp(OpId id) const { return ops_[id].stamp; }
+  OpId next_of_item(OpId id) const { return ops_[id].next_of_item; }
+  bool executed(OpId id) const { return ops_[id].flags & kExecuted; }
+  bool stale(OpId id) const { return ops_[id].flags & kStale; }
+  const typename PayloadOf<Program>::Type& payload(OpId id) const { return ops_[id].payload; }
+  std::span<const Output> outputs(OpId id) const { return Part(ops_[id], 0, ops_[id].outputs); }
+  std::span<const std::uint32_t> reads(OpId id) const {
+    const Operation& op = ops_[id];
+    return Part(op, op.outputs + op.requests + op.places, op.reads);
+  }
+  std::span<const Place> places(OpId id) const {
+    const Operation& op = ops_[id];
+    return Part(op, op.outputs + op.requests, op.places);
+  }
+
+  std::size_t operation_count() const { return ops_.size() - free_ops_.size(); }
+  const Counters& counters() const { return counters_; }
+  void ResetCounters() { counters_ = {}; }
+  std::size_t bytes() const {
+    return ops_.capacity() * sizeof(Operation) + time_.bytes() + pool_.bytes() +
+           subscriptions_.bytes() + queue_.bytes() + free_ops_.capacity() * sizeof(OpId);
+  }
+
+  // Checks every invariant. `hash(op) -> uint64` must hash what the operation is and
+  // remembers (item, payload, outputs, reads) by value; the sum over all operations,
+  // with epochs, references and requests mixed in, is the hash of the trace.
+  template <class HashItem, class HashOp>
+  std::uint64_t Audit(HashItem hash_item, HashOp hash_op, std::vector<std::string>* problems) const;
+
+ private:
+  enum : std::uint8_t { kQueued = 1, kExecuted = 2, kStale = 4 };
+
+  struct Operation {
+    std::uint64_t priority = 0;
+    Epoch epoch = 0;
+    Stamp stamp = kNoStamp;  // from its first execution on
+    Item item = 0;
+    OpId next_of_item = kNoOp;
+    OpId next_in_epoch = kNoOp;
+    BlockPool::Block links;  // outputs, requests, places, reads, one after the other
+    std::uint32_t refs = 0;
+    std::uint32_t reads = 0;
+    std::uint16_t outputs = 0, requests = 0, places = 0;
+    Kind kind = 0;
+    std::uint8_t flags = 0;
+    typename PayloadOf<Program>::Type payload = {};
+  };
+  struct QueueEntry {
+    std::uint64_t priority;
+    OpId op;
+  };
+  struct BeforeInQueue {
+    const Engine* engine;
+    bool operator()(const QueueEntry& a, const QueueEntry& b) const {
+      const Operation &x = engine->ops_[a.op], &y = engine->ops_[b.op];
+      return engine->program_.Before(x.kind, x.item, y.kind, y.item);
+    }
+  };
+  struct BeforeInEpoch {
+    const Engine* engine;
+    bool operator()(OpId a, OpId b) const {
+      const Operation &x = engine->ops_[a], &y = engine->ops_[b];
+      if (x.priority != y.priority) return x.priority < y.priority;
+      return engine->program_.Before(x.kind, x.item, y.kind, y.item);
+    }
+  };
+
+  std::span<const std::uint32_t> Part(const Operation& op, std::uint32_t from,
+                                      std::uint32_t count) const {
+    return {pool_.data(op.links) + from, count};
+  }
+
+  OpId Find(Kind kind, Item item, Epoch epoch) const {
+    OpId id = program_.OperationsOf(kind, item);
+    while (id != kNoOp && (ops_[id].kind != kind || ops_[id].epoch != epoch)) {
+      id = ops_[id].next_of_item;
+    }
+    return id;
+  }
+
+  OpId FindOrCreate(Kind kind, Item item, Epoch epoch) {
+    OpId id = Find(kind, item, epoch);
+    if (id != kNoOp) return id;
+    if (free_ops_.empty()) {
+      id = static_cast<OpId>(ops_.size());
+      ops_.emplace_back();
+    } else {
+      id = free_ops_.back();
+      free_ops_.pop_back();
+      ops_[id] = {};
+    }
+    Operation& op = ops_[id];
+    op.priority = program_.Priority(kind, item);
+    op.epoch = epoch;
+    op.item = item;
+    op.kind = kind;
+    OpId& head = program_.OperationsOf(kind, item);
+    op.next_of_item = head;
+    head = id;
+    ++counters_.created;
+    MarkStale(id);
+    return id;
+  }
+
+  void Enqueue(OpId id) {
+    Operation& op = ops_[id];
+    if (op.flags & kQueued) return;
+    op.flags |= kQueued;
+    queue_.Push(op.epoch, {op.priority, id});
+  }
+  void MarkStale(OpId id) {
+    ops_[id].flags |= kStale;
+    Enqueue(id);
+  }
+
+  void DropReference(OpId id) {
+    assert(id != kNoOp && ops_[id].refs > 0);
+    if (--ops_[id].refs == 0) Enqueue(id);
+  }
+
+  void Execute(OpId id);
+  void Commit(OpId id);
+  void Drop(OpId id);
+  void ReleaseWithdrawn();
+  bool IsLater(OpId id, OpId than) const;
+
+  Program& program_;
+  std::vector<Operation> ops_;
+  std::vector<OpId> free_ops_;
+  EpochOrder<std::vector<Operation>, BeforeInEpoch> time_;
+  WorkQueue<QueueEntry, BeforeInQueue> queue_;
+  BlockPool pool_;
+  Subscriptions subscriptions_;
+  Stamp frontier_ = 0;  // no executed operation is later
+  Counters counters_;
+
+  // What the operation being executed has said so far.
+  struct Requested {
+    Item item;
+    Epoch epoch;
+    Kind kind;
+  };
+  std::vector<Output> new_outputs_;
+  std::vector<Requested> new_requests_;
+  std::vector<Place> new_places_;
+  std::vector<std::uint32_t> new_reads_;
+  std::vector<OpId> new_ops_;
+  std::vector<std::uint32_t> scratch_;
+
+  // Nothing is freed or reused before the end of a propagation.
+  std::vector<Output> withdrawn_;
+  std::vector<OpId> dropped_;
+};
+
+// What an operation sees of the engine while it runs.
+template <class Program>
+class Engine<Program>::Context {
+ public:
+  Context(Engine& engine, OpId id)
+      : kind(engine.ops_[id].kind),
+        item(engine.ops_[id].item),
+        epoch(engine.ops_[id].epoch),
+        now(engine.ops_[id].stamp),
+        engine_(engine),
+        id_(id) {}
+
+  const Kind kind;
+  const Item item;
+  const Epoch epoch;
+  const Stamp now;
+
+  // Did what was born at `birth` exist when this operation runs?
+  bool Sees(Stamp birth) const { return engine_.Precedes(birth, now); }
+
+  void Emit(Output output) { engine_.new_outputs_.push_back(output); }
+  void Request(Kind k, Item i, Epoch e) { engine_.new_requests_.push_back({i, e, k}); }
+  void Subscribe(Place place) { engine_.new_places_.push_back(place); }
+  void Read(std::uint32_t word) { engine_.new_reads_.push_back(word); }
+
+  // What the previous execution emitted and read: keep an output by emitting the
+  // same word, else make a new object. Both empty the first time.
+  std::span<const Output> old_outputs() const { return engine_.outputs(id_); }
+  std::span<const std::uint32_t> old_reads() const { return engine_.reads(id_); }
+  typename PayloadOf<Program>::Type& payload() { return engine_.ops_[id_].payload; }
+  bool first_time() const { return !engine_.executed(id_); }
+  OpId id() const { return id_; }
+
+ private:
+  Engine& engine_;
+  OpId id_;
+};
+
+template <class Program>
+void Engine<Program>::Execute(OpId id) {
+  ++counters_.executed;
+  if (ops_[id].stamp == kNoStamp) time_.Insert(ops_[id].epoch, id);
+  new_outputs_.clear();
+  new_requests_.clear();
+  new_places_.clear();
+  new_reads_.clear();
+  Context context(*this, id);
+  program_.Execute(context);
+  Commit(id);
+  if (Precedes(frontier_, ops_[id].stamp)) frontier_ = ops_[id].stamp;
+}
+
+// New requests and outputs are acquired before the old ones are released, or whole
+// sub-traces that both share would be dropped and made again.
+template <class Program>
+void Engine<Program>::Commit(OpId id) {
+  new_ops_.clear();
+  for (const Requested& r : new_requests_) {
+    const OpId requested = FindOrCreate(r.kind, r.item, r.epoch);
+    assert(IsLater(requested, id));
+    ++ops_[requested].refs;
+    new_ops_.push_back(requested);
+  }
+  std::sort(new_places_.begin(), new_places_.end());
+  new_places_.erase(std::unique(new_places_.begin(), new_places_.end()), new_places_.end());
+
+  Operation& op = ops_[id];
+  op.flags |= kExecuted;
+  const std::uint32_t old_outputs = op.outputs, old_requests = op.requests, old_places = op.places;
+  const auto old = Part(op, 0, old_outputs + old_requests + old_places);
+  scratch_.assign(old.begin(), old.end());
+
+  op.outputs = static_cast<std::uint16_t>(new_outputs_.size());
+  op.requests = static_cast<std::uint16_t>(new_ops_.size());
+  op.places = static_cast<std::uint16_t>(new_places_.size());
+  op.reads = static_cast<std::uint32_t>(new_reads_.size());
+  pool_.Resize(op.links, op.outputs + op.requests + op.places + op.reads);
+  std::uint32_t* to = pool_.data(op.links);
+  to = std::copy(new_outputs_.begin(), new_outputs_.end(), to);
+  to = std::copy(new_ops_.begin(), new_ops_.end(), to);
+  to = std::copy(new_places_.begin(), new_places_.end(), to);
+  std::copy(new_reads_.begin(), new_reads_.end(), to);
+
+  const auto was_outputs = std::span(scratch_).subspan(0, old_outputs);
+  const auto was_requests = std::span(scratch_).subspan(old_outputs, old_requests);
+  const auto was_places = std::span(scratch_).subspan(old_outputs + old_requests, old_places);
+  const Stamp at = op.stamp;
+  if (std::ranges::equal(was_outputs, new_outputs_) && std::ranges::equal(was_requests, new_ops_)) {
+    ++counters_.unchanged;
+  }
+  if (!std::ranges::equal(was_places, new_places_)) {
+    for (const Place p : was_places) {
+      if (!std::ranges::binary_search(new_places_, p)) subscriptions_.Remove(p, id);
+    }
+    for (const Place p : new_places_) {
+      if (!std::ranges::binary_search(was_places, p)) subscriptions_.Add(p, id);
+    }
+  }
+  for (const Output o : new_outputs_) {
+    if (std::ranges::find(was_outputs, o) == was_outputs.end()) program_.Publish(o, at);
+  }
+  for (const Output o : was_outputs) {
+    if (std::ranges::find(new_outputs_, o) != new_outputs_.end()) continue;
+    program_.Withdraw(o, at);
+    withdrawn_.push_back(o);
+  }
+  for (const OpId r : was_requests) DropReference(r);
+}
+
+template <class Program>
+void Engine<Program>::Drop(OpId id) {
+  ++counters_.dropped;
+  const auto out = outputs(id);
+  scratch_.assign(out.begin(), out.end());
+  const Stamp at = ops_[id].stamp;
+  for (const Output o : scratch_) {
+    program_.Withdraw(o, at);
+    withdrawn_.push_back(o);
+  }
+  Operation& op = ops_[id];
+  for (const OpId r : Part(op, op.outputs, op.requests)) DropReference(r);
+  for (const Place p : places(id)) subscriptions_.Remove(p, id);
+  OpId* link = &program_.OperationsOf(op.kind, op.item);
+  while (*link != id) link = &ops_[*link].next_of_item;
+  *link = op.next_of_item;
+  if (op.stamp != kNoStamp) time_.Remove(op.epoch, id);
+  op.outputs = op.requests = op.places = op.reads = 0;
+  pool_.Free(op.links);
+  dropped_.push_back(id);
+}
+
+template <class Program>
+void Engine<Program>::ReleaseWithdrawn() {
+  for (const Output o : withdrawn_) program_.Release(o);
+  withdrawn_.clear();
+  for (const OpId id : dropped_) {
+    if (ops_[id].stamp != kNoStamp) {
+      // Conservative: whatever the frontier was, nothing is later than the end.
+      if (ops_[id].stamp == frontier_) frontier_ = time_.order().last();
+      time_.EraseStamp(ops_[id].stamp);
+    }
+    ops_[id].stamp = kNoStamp;
+    free_ops_.push_back(id);
+  }
+  dropped_.clear();
+}
+
+template <class Program>
+bool Engine<Program>::IsLater(OpId id, OpId than) const {
+  const Operation &a = ops_[id], &b = ops_[than];
+  if (a.epoch != b.epoch) return a.epoch > b.epoch;
+  return BeforeInEpoch{this}(than, id);
+}
+
+// May be called while an operation is being committed: uses no shared scratch.
+template <class Program>
+void Engine<Program>::ReplacePlace(OpId id, Place from, Place to) {
+  Operation& op = ops_[id];
+  std::uint32_t* const begin = pool_.data(op.links) + op.outputs + op.requests;
+  std::uint32_t* const end = begin + op.places;
+  std::uint32_t* const at = std::find(begin, end, from);
+  if (std::find(begin, end, to) == end) {
+    *at = to;
+    subscriptions_.Add(to, id);
+  } else {
+    std::copy(at + 1, end + op.reads, at);  // one place less, the reads move up
+    --op.places;
+  }
+  std::sort(begin, begin + op.places);
+}
+
+template <class Program>
+template <class HashItem, class HashOp>
+std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op,
+                                     std::vector<std::string>* problems) const {
+  auto mix = [](std::uint64_t h, std::uint64_t x) {
+    h = (h ^ x) * 0x9e3779b97f4a7c15ULL;
+    return h ^ (h >> 29);
+  };
+  auto complain = [&](OpId id, const char* what) {
+    if (problems->size() < 20) {
+      problems->push_back("operation " + std::to_string(id) + " (kind " +
+                          std::to_string(ops_[id].kind) + ", epoch " +
+                          std::to_string(ops_[id].epoch) + "): " + what);
+    }
+  };
+  std::string why;
+  if (!time_.order().Check(&why)) problems->push_back("order list: " + why);
+  if (!queue_.empty()) problems->push_back("the queue is not empty");
+
+  std::vector<std::uint32_t> refs(ops_.size(), 0);
+  std::vector<std::uint64_t> subscribed(subscriptions_.places(), 0);
+  std::uint64_t sum = 0;
+  std::size_t count = 0;
+  OpId last = kNoOp;
+  time_.ForEach([&](Epoch epoch, OpId id) {
+    ++count;
+    const Operation& op = ops_[id];
+    if (op.epoch != epoch) complain(id, "stands in another epoch's table");
+    if (!(op.flags & kExecuted)) complain(id, "was never executed");
+    if (op.flags & (kQueued | kStale)) complain(id, "is still queued");
+    if (Find(op.kind, op.item, op.epoch) != id) complain(id, "is not found by its identity");
+    if (last != kNoOp && !Precedes(ops_[last].stamp, op.stamp)) complain(id, "stamp out of order");
+    if (last != kNoOp && !IsLater(id, last)) complain(id, "place in time is out of order");
+    last = id;
+    std::uint64_t h = mix(mix(hash_item(op.kind, op.item), op.epoch), hash_op(id));
+    std::uint64_t requests = 0;
+    for (const OpId r : Part(op, op.outputs, op.requests)) {
+      ++refs[r];
+      if (!IsLater(r, id)) complain(r, "is not later than its requester");
+      requests += mix(mix(hash_item(ops_[r].kind, ops_[r].item), ops_[r].epoch), ops_[r].kind);
+    }
+    sum += mix(mix(h, requests), mix(op.refs, op.kind));
+    for (const Place p : places(id)) {
+      if (p >= subscribed.size()) {
+        complain(id, "names a place where nobody subscribes");
+      } else {
+        subscribed[p] += mix(1, id);
+      }
+    }
+  });
+  if (count != operation_count()) problems->push_back("an operation is in no epoch's table");
+  time_.ForEach([&](Epoch, OpId id) {
+    if (refs[id] > ops_[id].refs) complain(id, "has fewer references than requesters");
+    if (ops_[id].refs == 0) complain(id, "lives without a request");
+  });
+  for (Place p = 0; p < subscribed.size(); ++p) {
+    std::uint64_t listed = 0;
+    for (const OpId id : subscriptions_.at(p)) listed += mix(1, id);
+    if (listed != subscribed[p]) {
+      problems->push_back("place " + std::to_string(p) + ": subscribers are not those that name it");
+    }
+  }
+  return sum;
+}
+
+}  // namespace dynmesh::sac
+
+#endif  // DYNMESH_CORE_SAC_ENGINE_H_

@@ -1,0 +1,89 @@
+// An order-maintenance list: a total order in which a new element can be placed
+// right after any other, and any two be compared, at any time.
+//
+// Two levels (after Dietz and Sleator): elements live in groups of at most
+// kGroupSize; a group has a 40-bit label, an element the 24 bits below it. The
+// whole 64-bit label stands with the element, so that comparing two costs one
+// load each and no more. Inserting is O(1) amortised while groups are sparse in
+// their label space, as they are for any list that fits in memory.
+//
+// Thread-compatible. Elements are dense indices, reused after Erase.
+#ifndef DYNMESH_CORE_SAC_ORDER_LIST_H_
+#define DYNMESH_CORE_SAC_ORDER_LIST_H_
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace dynmesh::sac {
+
+using Stamp = std::uint32_t;
+inline constexpr Stamp kNoStamp = ~Stamp{0};
+
+class OrderList {
+ public:
+  static constexpr int kGroupSize = 64;
+
+  // A list with two elements, first() and last(), which are never erased.
+  OrderList();
+
+  Stamp first() const { return 0; }
+  Stamp last() const { return 1; }
+
+  // A new element right after / before `s`. REQUIRES: s is present, and not
+  // last() / first() respectively.
+  Stamp InsertAfter(Stamp s);
+  Stamp InsertBefore(Stamp s);
+
+  // REQUIRES: s is present, neither first() nor last().
+  void Erase(Stamp s);
+
+  // Does a stand before b? False if a == b.
+  bool Precedes(Stamp a, Stamp b) const { return labels_[a] < labels_[b]; }
+
+  // Neighbours in the order; kNoStamp past the ends. O(kGroupSize).
+  Stamp Next(Stamp s) const;
+  Stamp Prev(Stamp s) const;
+
+  std::size_t size() const { return size_; }
+  std::uint64_t relabelled_groups() const { return relabelled_groups_; }
+  std::size_t bytes() const;
+
+  // Every invariant, O(size); false with `*why` set.
+  bool Check(std::string* why) const;
+
+ private:
+  using GroupIndex = std::uint32_t;
+  static constexpr GroupIndex kNoGroup = ~GroupIndex{0};
+  static constexpr int kLowBits = 24;
+  static constexpr std::uint64_t kGroupSpace = std::uint64_t{1} << (64 - kLowBits);
+  static constexpr std::uint64_t kAppendGap = std::uint64_t{1} << 14;
+
+  struct Group {
+    std::uint64_t label;  // < kGroupSpace
+    GroupIndex prev, next;
+    std::uint32_t count;
+    std::array<Stamp, kGroupSize> items;
+  };
+
+  Stamp InsertAt(GroupIndex g, std::uint32_t position);
+  std::uint32_t PositionInGroup(Stamp s) const;
+  void SplitGroup(GroupIndex g);
+  GroupIndex NewGroupAfter(GroupIndex g);
+  void SpreadGroups(GroupIndex around);
+  void SpreadItems(GroupIndex g);
+  Stamp NewStamp();
+
+  std::vector<std::uint64_t> labels_;   // by stamp: group label, low bits
+  std::vector<GroupIndex> group_of_;    // by stamp
+  std::vector<Group> groups_;
+  std::vector<Stamp> free_stamps_;
+  std::vector<GroupIndex> free_groups_;
+  std::size_t size_ = 0;
+  std::uint64_t relabelled_groups_ = 0;
+};
+
+}  // namespace dynmesh::sac
+
+#endif  // DYNMESH_CORE_SAC_ORDER_LIST_H_

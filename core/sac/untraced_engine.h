@@ -1,0 +1,106 @@
+// The same programs without a trace: operations run once, in the same order, and
+// nothing is remembered but what is still to be done. See engine.h for what a
+// program is. Thread-compatible.
+#ifndef DYNMESH_CORE_SAC_UNTRACED_ENGINE_H_
+#define DYNMESH_CORE_SAC_UNTRACED_ENGINE_H_
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/sac/engine.h"
+#include "core/sac/work_queue.h"
+
+namespace dynmesh::sac {
+
+template <class Program>
+class UntracedEngine {
+ public:
+  static constexpr bool kTraced = false;
+  class Context;
+
+  explicit UntracedEngine(Program& program) : program_(program), queue_(BeforeInQueue{&program}) {}
+  UntracedEngine(const UntracedEngine&) = delete;
+  UntracedEngine& operator=(const UntracedEngine&) = delete;
+
+  Stamp beginning() const { return 0; }
+  bool Precedes(Stamp a, Stamp b) const { return a < b; }
+  bool AnyAfter(Stamp) const { return false; }
+
+  void Request(Kind kind, Item item, Epoch epoch) {
+    queue_.Push(epoch, {program_.Priority(kind, item), item, kind});
+  }
+
+  // False if `interrupt` stopped it.
+  template <class Interrupt>
+  bool Propagate(Interrupt interrupt) {
+    Entry last{0, ~Item{0}, 0};
+    Epoch last_epoch = ~Epoch{0};
+    while (!queue_.empty()) {
+      if (interrupt()) return false;
+      const auto [epoch, entry] = queue_.Pop();
+      // Several requests for one operation are one operation.
+      if (epoch == last_epoch && entry.item == last.item && entry.kind == last.kind) continue;
+      last_epoch = epoch;
+      last = entry;
+      ++executed_;
+      ++now_;
+      outputs_.clear();
+      Context context(*this, entry.kind, entry.item, epoch, now_);
+      program_.Execute(context);
+      for (const Output o : outputs_) program_.Publish(o, now_);
+    }
+    return true;
+  }
+
+  std::uint64_t executed() const { return executed_; }
+
+ private:
+  struct Entry {
+    std::uint64_t priority;
+    Item item;
+    Kind kind;
+  };
+  struct BeforeInQueue {
+    const Program* program;
+    bool operator()(const Entry& a, const Entry& b) const {
+      return program->Before(a.kind, a.item, b.kind, b.item);
+    }
+  };
+
+  Program& program_;
+  WorkQueue<Entry, BeforeInQueue> queue_;
+  std::vector<Output> outputs_;
+  Stamp now_ = 0;
+  std::uint64_t executed_ = 0;
+};
+
+template <class Program>
+class UntracedEngine<Program>::Context {
+ public:
+  Context(UntracedEngine& engine, Kind k, Item i, Epoch e, Stamp n)
+      : kind(k), item(i), epoch(e), now(n), engine_(engine) {}
+
+  const Kind kind;
+  const Item item;
+  const Epoch epoch;
+  const Stamp now;
+
+  bool Sees(Stamp) const { return true; }
+  void Emit(Output output) { engine_.outputs_.push_back(output); }
+  void Request(Kind k, Item i, Epoch e) { engine_.Request(k, i, e); }
+  void Subscribe(Place) {}
+  void Read(std::uint32_t) {}
+  std::span<const Output> old_outputs() const { return {}; }
+  std::span<const std::uint32_t> old_reads() const { return {}; }
+  typename PayloadOf<Program>::Type& payload() { return payload_; }
+  bool first_time() const { return true; }
+
+ private:
+  UntracedEngine& engine_;
+  typename PayloadOf<Program>::Type payload_ = {};
+};
+
+}  // namespace dynmesh::sac
+
+#endif  // DYNMESH_CORE_SAC_UNTRACED_ENGINE_H_

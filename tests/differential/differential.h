@@ -1,0 +1,144 @@
+// Drives a dynamic mesh by a script and compares it, after every revision and to the
+// bit, with a run from scratch: mesh hash, the hash of the complete trace, the static
+// path's hash, and every invariant.
+#ifndef DYNMESH_TESTS_DIFFERENTIAL_DIFFERENTIAL_H_
+#define DYNMESH_TESTS_DIFFERENTIAL_DIFFERENTIAL_H_
+
+#include <string>
+#include <vector>
+
+#include "core/dynamic_mesh/planar_mesh.h"
+#include "tests/support/workload.h"
+
+namespace dynmesh::test {
+
+struct Difference {
+  bool found = false;
+  std::string what;  // empty if there is none
+};
+
+// Tuning under which every batch is propagated, however large.
+inline PlanarMeshTuning AlwaysPropagate() {
+  PlanarMeshTuning tuning;
+  tuning.rebuild_at_least = ~std::size_t{0};
+  return tuning;
+}
+
+// Is `mesh` what its features make from scratch? `local` picks the provider of
+// neighbourhoods of the fresh run.
+inline Difference CompareWithScratch(const DynamicMesh& mesh, bool local) {
+  PlanarMeshTuning tuning;
+  tuning.rebuild_at_least = 0;
+  tuning.rebuild_fraction = -1;  // always from scratch
+  tuning.global_neighbourhoods = !local;
+  PlanarMesh fresh(mesh.options(), tuning);
+  const std::vector<Feature> features = mesh.Features();
+  if (!features.empty()) {
+    EditBatch all;
+    for (const Feature& f : features) all.push_back(Edit::Add(f));
+    if (const auto diff = fresh.Apply(all, ApplyOptions{}); !diff.ok()) {
+      return {true, "from scratch: " + diff.status().ToString()};
+    }
+  }
+  if (!(fresh.hash() == mesh.hash())) {
+    return {true, "mesh differs: " + mesh.hash().ToHex() + " but from scratch " +
+                      fresh.hash().ToHex()};
+  }
+  const AuditReport ours = mesh.Audit(), theirs = fresh.Audit();
+  if (!ours.problems.empty()) return {true, "dynamic: " + ours.problems.front()};
+  if (!theirs.problems.empty()) return {true, "from scratch: " + theirs.problems.front()};
+  if (!(ours.trace == theirs.trace)) {
+    return {true, "trace differs: " + ours.trace.ToHex() + " but from scratch " +
+                      theirs.trace.ToHex()};
+  }
+  const auto built = BuildMesh(features, mesh.options());
+  if (!built.ok()) return {true, "static: " + built.status().ToString()};
+  if (!(built->hash == mesh.hash())) return {true, "static mesh differs"};
+  return {};
+}
+
+struct RunReport {
+  int revisions = 0;
+  int refused = 0;
+  Difference difference;
+  std::vector<EditBatch> script;  // up to the difference
+};
+
+// A random script of `revisions` applied batches, compared after each `every`.
+inline RunReport RunScript(Distribution d, int n, double quality, std::uint64_t seed,
+                           int revisions, int every = 1) {
+  MeshOptions options;
+  options.quality = quality;
+  PlanarMesh mesh(options, AlwaysPropagate());
+  ScriptGenerator generator(d, n, seed);
+  RunReport report;
+  while (report.revisions < revisions && report.refused < 50 * revisions) {
+    const EditBatch batch = generator.Next(mesh.Features());
+    if (batch.empty()) continue;
+    const MeshHash before = mesh.hash();
+    const auto diff = mesh.Apply(batch, ApplyOptions{});
+    if (!diff.ok()) {
+      ++report.refused;
+      if (!(mesh.hash() == before)) {
+        report.difference = {true, "a refused batch changed the mesh"};
+        return report;
+      }
+      continue;
+    }
+    ++report.revisions;
+    report.script.push_back(batch);
+    if (report.revisions % every != 0) continue;
+    report.difference = CompareWithScratch(mesh, report.revisions % 2 == 0);
+    if (report.difference.found) return report;
+  }
+  return report;
+}
+
+// Does the script, batch by batch, lead to a difference at its end or before?
+inline Difference Replay(const std::vector<EditBatch>& script, double quality) {
+  MeshOptions options;
+  options.quality = quality;
+  PlanarMesh mesh(options, AlwaysPropagate());
+  for (const EditBatch& batch : script) {
+    if (!mesh.Apply(batch, ApplyOptions{}).ok()) continue;
+    for (const bool local : {false, true}) {
+      if (const Difference d = CompareWithScratch(mesh, local); d.found) return d;
+    }
+  }
+  return {};
+}
+
+// Leaves out batches and edits as long as a difference stays.
+inline std::vector<EditBatch> Shrink(std::vector<EditBatch> script, double quality) {
+  for (bool smaller = true; smaller;) {
+    smaller = false;
+    for (std::size_t i = script.size(); i-- > 0;) {
+      std::vector<EditBatch> less = script;
+      less.erase(less.begin() + static_cast<std::ptrdiff_t>(i));
+      if (Replay(less, quality).found) {
+        script = std::move(less);
+        smaller = true;
+      }
+    }
+    for (std::size_t i = 0; i < script.size(); ++i) {
+      for (std::size_t chunk = script[i].size() / 2; chunk > 0; chunk /= 2) {
+        for (std::size_t j = 0; j + chunk <= script[i].size() && script[i].size() > chunk;) {
+          std::vector<EditBatch> less = script;
+          less[i].erase(less[i].begin() + static_cast<std::ptrdiff_t>(j),
+                        less[i].begin() + static_cast<std::ptrdiff_t>(j + chunk));
+          if (Replay(less, quality).found) {
+            script = std::move(less);
+            smaller = true;
+          } else {
+            j += chunk;
+          }
+        }
+      }
+    }
+  }
+  return script;
+}
+
+}  // namespace dynmesh::test
+
+#endif  // DYNMESH_TESTS_DIFFERENTIAL_DIFFERENTIAL_H_

@@ -1,0 +1,262 @@
+#include "tests/support/workload.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+namespace dynmesh::test {
+namespace {
+
+// A lattice of cells with a cross, an L or a single segment in some: segments that
+// meet at right angles only.
+std::vector<Feature> SegmentsOnLattice(int n, double turn, Random& random) {
+  std::vector<Feature> features;
+  const int side = std::max(1, static_cast<int>(std::sqrt(n / 3.0)));
+  const double c = std::cos(turn), s = std::sin(turn);
+  FeatureId id = 0;
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) {
+      const double x = (i + 0.5) / side - 0.5, y = (j + 0.5) / side - 0.5;
+      const double reach = (0.05 + 0.4 * random.Unit()) / side;
+      const auto at = [&](double dx, double dy) {
+        const double u = 0.7 * (x + dx), v = 0.7 * (y + dy);
+        features.push_back(Feature::Point(++id, 0.5 + c * u - s * v, 0.5 + s * u + c * v));
+        return id;
+      };
+      const FeatureId middle = at(0, 0);
+      if (random.OneIn(4)) continue;
+      const FeatureId east = at(reach, 0);
+      const bool corner = random.OneIn(2);
+      const FeatureId north = corner ? at(0, reach * (0.3 + random.Unit())) : kNoFeature;
+      const bool across = random.OneIn(3);
+      const FeatureId west = across ? at(-reach, 0) : kNoFeature;
+      features.push_back(Feature::Segment(++id, middle, east));
+      if (corner) features.push_back(Feature::Segment(++id, north, middle));
+      if (across) features.push_back(Feature::Segment(++id, west, middle));
+    }
+  }
+  return features;
+}
+
+std::vector<Feature> Diagonals(int n, Random& random) {
+  std::vector<Feature> features;
+  const int side = std::max(1, static_cast<int>(std::sqrt(n)) - 1);
+  const auto id_at = [&](int i, int j) { return static_cast<FeatureId>(1 + i * (side + 1) + j); };
+  for (int i = 0; i <= side; ++i) {
+    for (int j = 0; j <= side; ++j) {
+      features.push_back(Feature::Point(id_at(i, j), i / 8.0, j / 8.0));
+    }
+  }
+  FeatureId id = id_at(side, side) + 1;
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) {
+      if (random.OneIn(2)) features.push_back(Feature::Segment(id++, id_at(i, j), id_at(i + 1, j)));
+      if (random.OneIn(2)) features.push_back(Feature::Segment(id++, id_at(i, j), id_at(i, j + 1)));
+      if (random.OneIn(3)) continue;
+      features.push_back(random.OneIn(2)
+                             ? Feature::Segment(id++, id_at(i, j), id_at(i + 1, j + 1))
+                             : Feature::Segment(id++, id_at(i + 1, j), id_at(i, j + 1)));
+    }
+  }
+  return features;
+}
+
+std::string Number(double x) {
+  char digits[32];
+  return {digits, std::to_chars(digits, digits + sizeof(digits), x).ptr};
+}
+
+}  // namespace
+
+std::string NameOf(Distribution d) {
+  switch (d) {
+    case Distribution::kUniform: return "Uniform";
+    case Distribution::kClustered: return "Clustered";
+    case Distribution::kCircle: return "Circle";
+    case Distribution::kGrid: return "Grid";
+    case Distribution::kLine: return "Line";
+    case Distribution::kDyadicLine: return "DyadicLine";
+    case Distribution::kTwoScale: return "TwoScale";
+    case Distribution::kSegmentsAxis: return "SegmentsAxis";
+    case Distribution::kSegmentsTurned: return "SegmentsTurned";
+    case Distribution::kDiagonals: return "Diagonals";
+  }
+  return "?";
+}
+
+bool HasSegments(Distribution d) {
+  return d == Distribution::kSegmentsAxis || d == Distribution::kSegmentsTurned ||
+         d == Distribution::kDiagonals;
+}
+
+std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Feature> features;
+  const auto add = [&](double x, double y) {
+    features.push_back(Feature::Point(features.size() + 1, x, y));
+  };
+  switch (d) {
+    case Distribution::kUniform:
+      for (int i = 0; i < n; ++i) {
+        const double x = random.Unit();
+        add(x, random.Unit());
+      }
+      break;
+    case Distribution::kClustered: {
+      double cx = 0.5, cy = 0.5, spread = 0.1;
+      for (int i = 0; i < n; ++i) {
+        if (i % 20 == 0) {
+          cx = 0.1 + 0.8 * random.Unit();
+          cy = 0.1 + 0.8 * random.Unit();
+          spread = 0.1 * std::ldexp(1.0, -random.Below(14));
+        }
+        const double x = cx + spread * (random.Unit() - 0.5);
+        add(x, cy + spread * (random.Unit() - 0.5));
+      }
+      break;
+    }
+    case Distribution::kCircle:
+      for (int i = 0; i < n; ++i) {
+        const double a = 2 * std::numbers::pi * i / n;
+        add(0.5 + 0.4 * std::cos(a), 0.5 + 0.4 * std::sin(a));
+      }
+      break;
+    case Distribution::kGrid: {
+      const int side = std::max(1, static_cast<int>(std::sqrt(n)));
+      const double step = std::ldexp(1.0, -static_cast<int>(std::ceil(std::log2(side))));
+      for (int i = 0; i < side; ++i) {
+        for (int j = 0; j < side; ++j) add(i * step, j * step);
+      }
+      break;
+    }
+    case Distribution::kLine:
+      for (int i = 0; i < n; ++i) add((i + 0.5) / n, 0.5);
+      break;
+    case Distribution::kDyadicLine: {
+      const double step = std::ldexp(1.0, -static_cast<int>(std::ceil(std::log2(n))));
+      for (int i = 0; i < n; ++i) add(i * step, 0.5);
+      break;
+    }
+    case Distribution::kTwoScale:
+      for (int i = 0; i < (n + 1) / 2; ++i) {
+        const double x = random.Unit() * 0.9, y = random.Unit();
+        add(x, y);
+        if (i % 3 == 0) add(x + 0x1p-40, y);
+      }
+      break;
+    case Distribution::kSegmentsAxis:
+      return SegmentsOnLattice(n, 0, random);
+    case Distribution::kSegmentsTurned:
+      return SegmentsOnLattice(n, 0.3, random);
+    case Distribution::kDiagonals:
+      return Diagonals(std::min(n, 64), random);
+  }
+  return features;
+}
+
+ScriptGenerator::ScriptGenerator(Distribution d, int n, std::uint64_t seed)
+    : distribution_(d), n_(n), random_(seed), pool_(MakeFeatures(d, n, seed)) {}
+
+Feature ScriptGenerator::FreshPoint() {
+  const double x = random_.Unit(), y = random_.Unit();
+  return Feature::Point(next_id_++, x, y);
+}
+
+Edit ScriptGenerator::RandomEdit(const std::vector<Feature>& present, EditBatch& batch) {
+  const auto is_present = [&](FeatureId id) {
+    return std::any_of(present.begin(), present.end(),
+                       [&](const Feature& f) { return f.id == id; });
+  };
+  const auto in_batch = [&](FeatureId id) {
+    return std::any_of(batch.begin(), batch.end(),
+                       [&](const Edit& e) { return e.feature.id == id; });
+  };
+  const bool few = static_cast<int>(present.size()) < n_;
+  const int dice = random_.Below(10);
+  if (dice < (few ? 5 : 3)) {
+    // Something of the distribution that is not there; a segment brings its ends.
+    for (int tries = 0; tries < 20; ++tries) {
+      const Feature& f = pool_[static_cast<std::size_t>(random_.Below(static_cast<int>(pool_.size())))];
+      if (is_present(f.id) || in_batch(f.id)) continue;
+      if (f.kind == FeatureKind::kSegment) {
+        for (const FeatureId end : f.ends) {
+          if (is_present(end) || in_batch(end)) continue;
+          const auto it = std::find_if(pool_.begin(), pool_.end(),
+                                       [&](const Feature& g) { return g.id == end; });
+          batch.push_back(Edit::Add(*it));
+        }
+      }
+      return Edit::Add(f);
+    }
+  }
+  if (dice < 5 || present.empty()) return Edit::Add(FreshPoint());
+  const Feature& f =
+      present[static_cast<std::size_t>(random_.Below(static_cast<int>(present.size())))];
+  if (dice < 7 && f.kind == FeatureKind::kPoint) {
+    const double step = std::ldexp(1.0, -random_.Below(20));
+    return Edit::Move(f.id, f.position[0] + step * (random_.Unit() - 0.5),
+                      f.position[1] + step * (random_.Unit() - 0.5));
+  }
+  for (const Feature& g : present) {
+    if (g.kind == FeatureKind::kSegment && f.kind == FeatureKind::kPoint && !in_batch(g.id) &&
+        (g.ends[0] == f.id || g.ends[1] == f.id)) {
+      batch.push_back(Edit::Remove(g.id));
+    }
+  }
+  return Edit::Remove(f.id);
+}
+
+EditBatch ScriptGenerator::Next(const std::vector<Feature>& present) {
+  EditBatch batch;
+  if (present.empty() && !random_.OneIn(3)) {
+    for (const Feature& f : pool_) batch.push_back(Edit::Add(f));
+    return batch;
+  }
+  if (random_.OneIn(60)) {  // everything goes, segments first
+    for (const Feature& f : present) {
+      if (f.kind == FeatureKind::kSegment) batch.push_back(Edit::Remove(f.id));
+    }
+    for (const Feature& f : present) {
+      if (f.kind == FeatureKind::kPoint) batch.push_back(Edit::Remove(f.id));
+    }
+    return batch;
+  }
+  const int count = random_.OneIn(5) ? 2 + random_.Below(5) : 1;
+  for (int i = 0; i < count; ++i) {
+    const Edit edit = RandomEdit(present, batch);
+    const bool again = std::any_of(batch.begin(), batch.end(), [&](const Edit& e) {
+      return e.feature.id == edit.feature.id;
+    });
+    if (!again) batch.push_back(edit);
+  }
+  return batch;
+}
+
+std::string ToScript(const MeshOptions& options, const std::vector<EditBatch>& batches) {
+  std::string text = "mesh dim=2 box=" + Number(options.box.lo[0]) + "," +
+                     Number(options.box.lo[1]) + "," + Number(options.box.hi[0]) + "," +
+                     Number(options.box.hi[1]) + " rho=" + Number(options.quality) + "\n";
+  for (const EditBatch& batch : batches) {
+    for (const Edit& e : batch) {
+      const Feature& f = e.feature;
+      const std::string id = std::to_string(f.id);
+      const std::string place = " " + Number(f.position[0]) + " " + Number(f.position[1]);
+      if (e.action == Edit::Action::kRemove) {
+        text += "remove " + id + "\n";
+      } else if (e.action == Edit::Action::kMove) {
+        text += "move point " + id + place + "\n";
+      } else {
+        text += e.action == Edit::Action::kAdd ? "add " : "set ";
+        text += f.kind == FeatureKind::kPoint
+                    ? "point " + id + place + "\n"
+                    : "segment " + id + " " + std::to_string(f.ends[0]) + " " +
+                          std::to_string(f.ends[1]) + "\n";
+      }
+    }
+    text += "commit\n";
+  }
+  return text;
+}
+
+}  // namespace dynmesh::test

@@ -1,0 +1,78 @@
+// Random inputs and edit scripts for tests: every distribution on which the promises
+// are tested. Deterministic for a seed, on every machine (own mapping from random bits
+// to numbers; no libm but sqrt and the trigonometric functions, whose last bits do not
+// matter to a test).
+#ifndef DYNMESH_TESTS_SUPPORT_WORKLOAD_H_
+#define DYNMESH_TESTS_SUPPORT_WORKLOAD_H_
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "dynmesh/feature.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::test {
+
+enum class Distribution {
+  kUniform,
+  kClustered,
+  kCircle,
+  kGrid,          // an integer grid, cocircular everywhere
+  kLine,          // equally spaced on a line, spacing not exact
+  kDyadicLine,    // the same with exact spacing
+  kTwoScale,      // pairs at 2^-40
+  kSegmentsAxis,  // segments at right angles, axis-parallel, on a grid
+  kSegmentsTurned,  // the same, turned
+  kDiagonals,     // squares and their diagonals: 45 degrees, cocircular
+};
+inline constexpr Distribution kAllDistributions[] = {
+    Distribution::kUniform,      Distribution::kClustered,      Distribution::kCircle,
+    Distribution::kGrid,         Distribution::kLine,           Distribution::kDyadicLine,
+    Distribution::kTwoScale,     Distribution::kSegmentsAxis,   Distribution::kSegmentsTurned,
+    Distribution::kDiagonals};
+std::string NameOf(Distribution d);
+bool HasSegments(Distribution d);
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : bits_(seed) {}
+  double Unit() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
+  int Below(int n) { return static_cast<int>(bits_() % static_cast<std::uint64_t>(n)); }
+  bool OneIn(int n) { return Below(n) == 0; }
+
+ private:
+  std::mt19937_64 bits_;
+};
+
+// Features in the unit square, about `n` points of a distribution; ids from 1. Valid
+// input, unless two random points happen to coincide.
+std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed);
+
+// Makes random batches around the features present: adds, removals, moves, several at
+// once, now and then all features at once. What it proposes may be refused.
+class ScriptGenerator {
+ public:
+  // `n`: about how many points there should be.
+  ScriptGenerator(Distribution d, int n, std::uint64_t seed);
+
+  EditBatch Next(const std::vector<Feature>& present);
+
+ private:
+  Edit RandomEdit(const std::vector<Feature>& present, EditBatch& batch);
+  Feature FreshPoint();
+
+  Distribution distribution_;
+  int n_;
+  Random random_;
+  std::vector<Feature> pool_;  // what there might be
+  FeatureId next_id_ = 1'000'000;
+};
+
+// One script, as text that the edit-script reader takes: for shrunk cases.
+std::string ToScript(const MeshOptions& options, const std::vector<EditBatch>& batches);
+
+}  // namespace dynmesh::test
+
+#endif  // DYNMESH_TESTS_SUPPORT_WORKLOAD_H_
