@@ -1,9 +1,10 @@
 // The exact and the symbolic rungs of predicates.h.
 #include "core/geometry/predicates.h"
 
-#include <algorithm>
 #include <array>
 #include <cassert>
+#include <initializer_list>
+#include <type_traits>
 #include <utility>
 
 #include "core/geometry/exact_integer.h"

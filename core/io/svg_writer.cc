@@ -35,9 +35,16 @@ constexpr std::array<Rgb, 6> kSizeRamp = {{{44, 62, 112},
 constexpr int kFillSteps = 24;
 constexpr std::string_view kPlainFill = "#eaf1f6";
 constexpr std::string_view kHighlightFill = "#f6a821";
-constexpr std::string_view kLine = "#38495c";
-constexpr std::string_view kSegment = "#14213d";
-constexpr std::string_view kBoxLine = "#7a8794";
+
+// Lines over a fill: dark on the pale ones, light on the dark one.
+struct LineStyle {
+  std::string_view edge;
+  double edge_opacity;
+  std::string_view segment;
+  std::string_view box;
+};
+constexpr LineStyle kDarkLines = {"#38495c", 0.75, "#14213d", "#7a8794"};
+constexpr LineStyle kLightLines = {"#ffffff", 0.35, "#ffb703", "#dfe7ea"};
 
 template <std::size_t N>
 std::string ColourAt(const std::array<Rgb, N>& ramp, double t) {
@@ -256,21 +263,21 @@ class SvgDrawing {
   }
 
   void DrawLines() {
-    DrawEdges(kLine, std::clamp(0.03 * typical_, 0.1, 0.8), 0.75,
+    DrawEdges(style_.edge, std::clamp(0.03 * typical_, 0.1, 0.8), style_.edge_opacity,
               [](FeatureId owner) { return owner == kNoFeature; });
   }
 
   void DrawSubsegments() {
-    DrawEdges(kBoxLine, std::clamp(0.06 * typical_, 0.5, 1.5), 1,
+    DrawEdges(style_.box, std::clamp(0.06 * typical_, 0.5, 1.5), 1,
               [](FeatureId owner) { return owner == kBoxFeature; });
-    DrawEdges(kSegment, std::clamp(0.12 * typical_, 0.9, 2.6), 1,
+    DrawEdges(style_.segment, std::clamp(0.12 * typical_, 0.9, 2.6), 1,
               [](FeatureId owner) { return owner != kNoFeature && owner != kBoxFeature; });
   }
 
   void DrawPoints() {
     const double radius = std::clamp(0.1 * typical_, 0.0, 3.0);
     if (radius < 0.6) return;
-    out_ << "<g fill=\"" << kSegment << "\">\n";
+    out_ << "<g fill=\"" << style_.segment << "\">\n";
     for (const auto& v : mesh_.vertices) {
       if (v.containing_dimension != 0 || v.owner == kBoxFeature || v.owner == kNoFeature) continue;
       if (!Overlaps(v.x, v.y, v.x, v.y)) continue;
@@ -287,6 +294,7 @@ class SvgDrawing {
   const IndexedMesh& mesh_;
   const SvgOptions& options_;
   FileWriter& out_;
+  const LineStyle& style_ = options_.fill == SvgOptions::Fill::kSize ? kLightLines : kDarkLines;
   double lo_[2] = {0, 0};
   double hi_[2] = {1, 1};
   double scale_ = 1;                      // pixels a unit

@@ -4,7 +4,8 @@
 // hole, and so have their corners on the rim.
 #include <algorithm>
 #include <cassert>
-#include <numeric>
+#include <cstdint>
+#include <vector>
 
 #include "core/geometry/predicates.h"
 #include "core/mesh/delaunay_triangulation.h"

@@ -91,6 +91,7 @@ void Refinement<E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   if (kTraced || triangulation_ == nullptr) tree_.Insert(v, vertex.p);
   if (triangulation_ != nullptr) triangulation_->Insert(v, vertex.p, near_);
   MarkChanged(v);
+  if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
   NotifyOfVertex(v, true, at);
   if constexpr (!kTraced) {
     if (triangulation_ != nullptr && IsQualityEpoch(vertex.epoch)) RequestFirstGap(v);

@@ -29,7 +29,7 @@ enum Procedure : sac::Kind {
 // Time. Epochs run through buckets, in each through rounds, in each through steps of
 // segment work and then the quality work. Bucket 0 is the input's: segments are
 // split until none is encroached, then every vertex asks for its nearest neighbour.
-inline constexpr int kSubBits = 24, kRoundBits = 24;
+inline constexpr int kSubBits = 24, kRoundBits = 24;  // the bucket has 16
 inline constexpr std::uint64_t kQualityStep = (std::uint64_t{1} << kSubBits) - 1;
 
 inline sac::Epoch MakeEpoch(std::uint64_t bucket, std::uint64_t round, std::uint64_t step) {

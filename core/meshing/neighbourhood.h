@@ -7,6 +7,7 @@
 #ifndef DYNMESH_CORE_MESHING_NEIGHBOURHOOD_H_
 #define DYNMESH_CORE_MESHING_NEIGHBOURHOOD_H_
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/geometry/constructions.h"
@@ -29,7 +30,7 @@ void Refinement<E>::FindStar(Context& context, VertexIndex v, double reach) {
     StarFromTriangulation(v, reach);
   } else {
     star_.Begin(v, vertices_[v].p, reach);
-    SeedStar(context, v);
+    if (context.first_time() || !UpdateStar(context)) SeedStar(context, v);
     VerifyStar(context);
   }
   if constexpr (kTraced) {
@@ -81,6 +82,34 @@ void Refinement<E>::StarFromTriangulation(VertexIndex v, double reach) {
   for (const std::uint32_t u : offers_) star_.Insert(u, vertices_[u].p);
 }
 
+// From the star that the previous execution read. Whoever conflicted with one of its
+// corners since then has appeared in this propagation (or the operation would have been
+// re-run in an earlier one): so if none of its neighbours has gone, inserting those that
+// appeared makes it exact; else the corners whose two neighbours are still there are.
+template <template <class> class E>
+bool Refinement<E>::UpdateStar(Context& context) {
+  constexpr std::size_t kFew = 200;
+  const auto ring = context.old_reads();
+  if (ring.empty() || appeared_.size() > kFew) return false;
+  const auto stays = [&](std::uint32_t id) {
+    return Star::IsGhost(id) || (vertices_[id].present && context.Sees(vertices_[id].birth));
+  };
+  const bool all_stay = std::all_of(ring.begin(), ring.end(), stays);
+  for (const std::uint32_t id : ring) Offer(context, id);
+  for (const VertexIndex v : appeared_) Offer(context, v);
+  for (int i = 0; i < star_.size(); ++i) {
+    if (all_stay) {
+      star_.MarkVerified(i);
+      continue;
+    }
+    const auto a = std::find(ring.begin(), ring.end(), star_[i].id);
+    if (a == ring.end()) continue;
+    const std::uint32_t b = a + 1 == ring.end() ? ring.front() : *(a + 1);
+    if (b == star_[star_.Next(i)].id) star_.MarkVerified(i);
+  }
+  return true;
+}
+
 // Whatever is likely to be in the star makes verifying it quick; what is offered
 // has no influence on the outcome.
 template <template <class> class E>
@@ -106,7 +135,7 @@ void Refinement<E>::SeedStar(Context& context, VertexIndex v) {
   }
   if (offers_.empty()) {
     // A little more than the lengths of this bucket.
-    double r2 = std::ldexp(2.25, BucketOfEpoch(context.epoch) + 1 - 1023);
+    double r2 = 2.25 * LeastOfBucket(BucketOfEpoch(context.epoch) + 1);
     tree_.VisitBall(vertices_[v].p, r2, [&](std::uint32_t id, const Point2&, double) {
       offers_.push_back(id);
     });

@@ -64,6 +64,7 @@ VertexIndex Refinement<E>::AddPoint(const Point2& p, FeatureSlot feature) {
   vertex.present = true;
   ++vertex_count_;
   MarkChanged(v);
+  if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
   if (kTraced || triangulation_ == nullptr || !box_only_) tree_.Insert(v, p);
   if (triangulation_ != nullptr && !triangulation_->Contains(v)) {
     triangulation_->Insert(v, p, near_);

@@ -71,7 +71,9 @@ class Refinement {
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
     if constexpr (!kTraced) BeginUntraced();
-    return engine_.Propagate(interrupt);
+    const bool done = engine_.Propagate(interrupt);
+    if (done) appeared_.clear();
+    return done;
   }
 
   // From now on neighbourhoods are found in the spatial tree.
@@ -189,6 +191,7 @@ class Refinement {
   void FindStar(Context& context, VertexIndex v, double reach);
   void StarFromTriangulation(VertexIndex v, double reach);
   void SeedStar(Context& context, VertexIndex v);
+  bool UpdateStar(Context& context);
   void Offer(Context& context, std::uint32_t id);
   void VerifyStar(Context& context);
   bool VerifyCorner(Context& context, int i);
@@ -233,6 +236,8 @@ class Refinement {
   VertexIndex near_ = 0;  // a vertex near where things are published
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
 
+  // Published since the last propagation that was completed.
+  std::vector<VertexIndex> appeared_;
   std::vector<VertexIndex> changed_vertices_, released_vertices_;
   std::vector<SubsegmentIndex> changed_subsegments_, released_subsegments_;
 

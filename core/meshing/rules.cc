@@ -29,13 +29,17 @@ Rules::Rules(const MeshOptions& options) : quality_(options.quality) {
   off_center_ = 4 * b;
   kappa_ = std::sqrt(b - 0.25);
   least_squared_length_ = std::ldexp(u * u, 12);  // 64 ulps
+  // Lengths whose squares are no normal doubles keep the nearest legal bucket.
+  constexpr int kLeast = 1 << kBucketFractionBits;
+  constexpr int kGreatest = (2047 << kBucketFractionBits) - 1;
+  skinny_.resize(kBuckets);
+  reach_.resize(kBuckets);
   for (int bucket = 0; bucket < kBuckets; ++bucket) {
-    // Lengths that no double's square falls in keep the nearest legal exponent.
-    const int exponent = std::clamp(bucket, 1, 2046) - 1023;
-    const double slack = 1 + QualitySlack(std::ldexp(1.0, exponent), u);
+    const double slack =
+        1 + QualitySlack(LeastOfBucket(std::clamp(bucket, kLeast, kGreatest)), u);
     skinny_[bucket] = 4 * rho2 * slack * slack;
-    const double longest = std::sqrt(std::ldexp(1.0, std::min(exponent + 1 + kReachBuckets, 1023)));
-    reach_[bucket] = 1.001 * std::sqrt(b) * longest;
+    const int beyond = std::clamp(bucket + kReachBuckets + 1, kLeast, kGreatest);
+    reach_[bucket] = 1.001 * std::sqrt(b) * std::sqrt(LeastOfBucket(beyond));
   }
 }
 

@@ -11,21 +11,29 @@
 #ifndef DYNMESH_CORE_MESHING_RULES_H_
 #define DYNMESH_CORE_MESHING_RULES_H_
 
-#include <array>
 #include <bit>
 #include <cstdint>
+#include <vector>
 
 #include "core/geometry/point.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::meshing {
 
-// Bucket of a squared length: its binary exponent, so lengths double every second
-// bucket (beta = sqrt 2) and no logarithm, hence no libm, has a say. 1 to 2046.
+// Bucket of a squared length: its binary exponent and the first bits of its mantissa,
+// so four buckets to a binade, each a factor of at most sqrt(1.25) in length, and no
+// logarithm, hence no libm, has a say. Finer than the thesis asks (beta = rho / 2^(d-1))
+// because shorter edges first makes smaller meshes (ARCHITECTURE.md).
+inline constexpr int kBucketFractionBits = 2;
+inline constexpr int kBuckets = 2048 << kBucketFractionBits;
 inline int BucketOf(double squared_length) {
-  return static_cast<int>(std::bit_cast<std::uint64_t>(squared_length) >> 52);
+  return static_cast<int>(std::bit_cast<std::uint64_t>(squared_length) >>
+                          (52 - kBucketFractionBits));
 }
-inline constexpr int kBuckets = 2048;
+// The least squared length of a bucket.
+inline double LeastOfBucket(int bucket) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(bucket) << (52 - kBucketFractionBits));
+}
 
 enum class Gap : std::uint8_t { kNone, kCircumcenter, kOffCenter };
 
@@ -80,7 +88,7 @@ class Rules {
   double grid_spacing() const { return spacing_; }  // of the domain's border vertices
 
  private:
-  static constexpr int kReachBuckets = 3;
+  static constexpr int kReachBuckets = 2 << kBucketFractionBits;
 
   double quality_;
   double off_center_;  // 4 B
@@ -88,8 +96,8 @@ class Rules {
   double least_squared_length_;
   geometry::Point2 lo_, hi_;
   double spacing_;
-  std::array<double, kBuckets> skinny_;  // 4 rho^2 (1+h)^2 by bucket
-  std::array<double, kBuckets> reach_;
+  std::vector<double> skinny_;  // 4 rho^2 (1+h)^2 by bucket
+  std::vector<double> reach_;   // H by bucket
 };
 
 // The relative slack h of the quality test for edges of squared length `e2`:

@@ -99,9 +99,9 @@ class SpatialTree {
   void VisitBall(const Point& centre, double& radius2, Visit visit) const {
     Cell stack[kStack];
     int top = 0;
-    stack[top++] = Root();
+    stack[top++] = SmallestAround(centre, radius2);
     while (top > 0) {
-      Cell cell = stack[--top];
+      const Cell cell = stack[--top];
       if (DistanceToCell2(centre, cell) > radius2) continue;
       const Node& node = nodes_[cell.node];
       if (node.child == kNone) {
@@ -211,6 +211,23 @@ class SpatialTree {
   }
   void Descend(const Point& p, Cell& cell) const {
     while (nodes_[cell.node].child != kNone) cell = Child(cell, Quadrant(p, cell));
+  }
+  // The smallest cell that holds the part of the ball inside the tree.
+  Cell SmallestAround(const Point& centre, double radius2) const {
+    Cell cell = Root();
+    if (!(radius2 < half_ * half_)) return cell;
+    const double r = std::sqrt(radius2) * (1 + 1e-15);
+    Point lo = centre, hi = centre;
+    for (int i = 0; i < D; ++i) {
+      lo[i] -= r;
+      hi[i] += r;
+    }
+    while (nodes_[cell.node].child != kNone) {
+      const int q = Quadrant(lo, cell);
+      if (q != Quadrant(hi, cell)) break;
+      cell = Child(cell, q);
+    }
+    return cell;
   }
   // Squared distance from p to the closed cell. Points beyond the root's border
   // belong to its outermost cells, but no point lies there.

@@ -52,10 +52,9 @@ void BatchCheck::Schedule(const Event& event) {
 
 // The point that `entry` was and is, if it was or is one.
 void BatchCheck::CollectPoint(const Draft::Entry& entry) {
-  const bool known = entry.edit < draft_.error_edit();
   const bool is_point = entry.state == Draft::State::kPoint;
   const PointRecord* was = store_.FindPoint(entry.id);
-  if (is_point && was != nullptr && was->p == entry.p && known) return;
+  if (is_point && draft_.BlameOf(entry.id) == kUntouched) return;
   if (was != nullptr) {
     hidden_.insert(entry.id);
     delta_.removed_points.push_back({entry.id, was->p});
@@ -75,7 +74,7 @@ void BatchCheck::CollectPoint(const Draft::Entry& entry) {
 void BatchCheck::CollectSegment(FeatureId id) {
   const SegmentRecord* was = store_.FindSegment(id);
   const Draft::Entry* entry = draft_.Find(id);
-  const EditIndex own = entry == nullptr ? kUntouched : entry->edit;
+  const EditIndex own = draft_.BlameOf(id);
   const bool is_segment = entry == nullptr || entry->state == Draft::State::kSegment;
   const std::array<FeatureId, 2> ends = entry == nullptr ? was->ends : entry->ends;
 
@@ -83,7 +82,7 @@ void BatchCheck::CollectSegment(FeatureId id) {
   SegmentFeature now;
   const bool whole = is_segment && CheckEnds(id, ends, own);
   if (whole) {
-    for (const FeatureId end : ends) edit = std::max(edit, draft_.LastEdit(end));
+    for (const FeatureId end : ends) edit = std::max(edit, draft_.BlameOf(end));
     now = {id, ends[0], ends[1], *draft_.FindPoint(ends[0]), *draft_.FindPoint(ends[1])};
   }
   if (was != nullptr) {
@@ -110,8 +109,8 @@ bool BatchCheck::CheckEnds(FeatureId id, const std::array<FeatureId, 2>& ends, E
   for (const FeatureId end : ends) {
     if (draft_.FindPoint(end) != nullptr) continue;
     whole = false;
-    const EditIndex edit = draft_.LastEdit(end);
-    if (edit < own) {
+    const EditIndex edit = draft_.BlameOf(end);
+    if (edit <= own) {
       own_fault = true;
       continue;
     }
@@ -156,7 +155,7 @@ absl::Status BatchCheck::Handle(const Event& event) {
 absl::Status BatchCheck::UnknownEnd(FeatureId segment, EditIndex edit) const {
   std::vector<FeatureId> missing;
   for (const FeatureId end : draft_.Find(segment)->ends) {
-    if (draft_.FindPoint(end) == nullptr && draft_.LastEdit(end) < edit) missing.push_back(end);
+    if (draft_.FindPoint(end) == nullptr && draft_.BlameOf(end) <= edit) missing.push_back(end);
   }
   return UnknownEndError(segment, missing, edit);
 }

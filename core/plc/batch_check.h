@@ -1,9 +1,9 @@
 // Validates one batch against the features present.
 //
-// Every problem has an edit to blame: the last one that names a feature involved, an
-// end of a segment counting as involved in it. That is the edit at which an editor who
-// enters the batch's *result* in this order would be stopped, so the check does just
-// that: features that change are entered one by one in order of their edit into an
+// Every problem has an edit to blame: the last one that names a feature involved and
+// in the end changed; a segment's ends are involved in whatever it is. That is the edit
+// at which one who enters the batch's *result* in this order would be stopped, so the
+// check does just that: features that change are entered one by one in order of their edit into an
 // index of their own, each checked against the features that stay and those entered
 // before. The first problem met is the earliest, whatever the index's shape.
 //

@@ -76,9 +76,23 @@ const Draft::Entry* Draft::Find(FeatureId id) const {
   return it == positions_.end() ? nullptr : &entries_[it->second];
 }
 
-EditIndex Draft::LastEdit(FeatureId id) const {
+// Of what is named after the error nothing is known.
+bool Draft::IsAsBefore(const Entry& entry) const {
+  if (entry.edit >= error_edit_) return false;
+  if (entry.state == State::kPoint) {
+    const PointRecord* was = base_.FindPoint(entry.id);
+    return was != nullptr && was->p == entry.p;
+  }
+  if (entry.state == State::kSegment) {
+    const SegmentRecord* was = base_.FindSegment(entry.id);
+    return was != nullptr && was->ends == entry.ends;
+  }
+  return false;
+}
+
+EditIndex Draft::BlameOf(FeatureId id) const {
   const Entry* entry = Find(id);
-  return entry == nullptr ? kUntouched : entry->edit;
+  return entry == nullptr || IsAsBefore(*entry) ? kUntouched : entry->edit;
 }
 
 const geometry::Point2* Draft::FindPoint(FeatureId id) const {

@@ -53,13 +53,16 @@ class Draft {
   // In the order in which the batch first names them.
   const std::vector<Entry>& entries() const { return entries_; }
   const Entry* Find(FeatureId id) const;
-  EditIndex LastEdit(FeatureId id) const;
+  // The edit to blame for the feature as it is in the result: the last that names it;
+  // kUntouched if that is how it was before the batch.
+  EditIndex BlameOf(FeatureId id) const;
 
   // The point with that id in the resulting set, else null.
   const geometry::Point2* FindPoint(FeatureId id) const;
 
  private:
   Entry& Touch(FeatureId id, EditIndex edit);
+  bool IsAsBefore(const Entry& entry) const;
   absl::Status Act(const Edit& edit, Entry& entry) const;
 
   const FeatureStore& base_;

@@ -1,0 +1,90 @@
+// History independence: after every revision of random scripts the dynamic mesh is, in
+// mesh and complete trace, what its features make from scratch.
+//
+// DYNMESH_NIGHTLY=1 runs the long setting (over 100,000 revisions).
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <tuple>
+
+#include "tests/differential/differential.h"
+
+namespace dynmesh::test {
+namespace {
+
+bool IsNightly() {
+  const char* set = std::getenv("DYNMESH_NIGHTLY");
+  return set != nullptr && *set != '\0' && *set != '0';
+}
+
+constexpr double kQualities[] = {2.0, kDefaultQuality2D, 1.2, 1.0};
+
+class History : public testing::TestWithParam<std::tuple<Distribution, int>> {};
+
+TEST_P(History, DynamicIsFromScratchAfterEveryRevision) {
+  const auto [distribution, quality] = GetParam();
+  // Many tiny scripts, where everything interacts, and a few larger ones.
+  struct Setting {
+    int points, revisions, scripts;
+  };
+  const std::vector<Setting> settings =
+      IsNightly() ? std::vector<Setting>{{6, 100, 8}, {12, 150, 8}, {40, 200, 2}, {150, 200, 1}}
+                  : std::vector<Setting>{{6, 25, 1}, {14, 25, 1}, {60, 8, 1}};
+  const std::uint64_t base = IsNightly() ? 77'000 : 1'000;
+  for (const Setting& s : settings) {
+    for (int k = 0; k < s.scripts; ++k) {
+      const std::uint64_t seed = base + 100 * static_cast<std::uint64_t>(s.points) + k;
+      SCOPED_TRACE(NameOf(distribution) + " points " + std::to_string(s.points) + " seed " +
+                   std::to_string(seed));
+      const RunReport run = RunScript(distribution, s.points, kQualities[quality], seed,
+                                      s.revisions);
+      EXPECT_EQ(run.revisions, s.revisions) << "too many proposals were refused";
+      if (run.difference.found) {
+        MeshOptions options;
+        options.quality = kQualities[quality];
+        FAIL() << run.difference.what << "\nshrunk script:\n"
+               << ToScript(options, Shrink(run.script, kQualities[quality]));
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, History,
+    testing::Combine(testing::ValuesIn(kAllDistributions), testing::Range(0, 4)),
+    [](const auto& param) {
+      constexpr const char* kNames[] = {"Rho2", "RhoSqrt2", "Rho1p2", "Rho1"};
+      return NameOf(std::get<0>(param.param)) + kNames[std::get<1>(param.param)];
+    });
+
+// What is large is rebuilt, what is small propagated: nobody can tell.
+TEST(Rebuild, GivesTheSameMeshAndTraceAsPropagation) {
+  for (const Distribution d : {Distribution::kUniform, Distribution::kSegmentsTurned}) {
+    const std::vector<Feature> features = MakeFeatures(d, 200, 5);
+    EditBatch all;
+    for (const Feature& f : features) all.push_back(Edit::Add(f));
+    PlanarMesh rebuilt({}), propagated({}, AlwaysPropagate());
+    const auto a = rebuilt.Apply(all, ApplyOptions{});
+    const auto b = propagated.Apply(all, ApplyOptions{});
+    ASSERT_TRUE(a.ok() && b.ok());
+    EXPECT_EQ(a->hash, b->hash);
+    EXPECT_EQ(rebuilt.Audit().trace, propagated.Audit().trace);
+    EXPECT_EQ(a->added_vertices.size(), b->added_vertices.size());
+    EXPECT_EQ(a->added_simplices.size(), b->added_simplices.size());
+    EXPECT_EQ(a->removed_simplices.size(), b->removed_simplices.size());
+  }
+}
+
+// Clients' order, ids and directions are not geometry.
+TEST(Order, OfFeaturesAndEndsDoesNotMatter) {
+  std::vector<Feature> features = MakeFeatures(Distribution::kSegmentsTurned, 60, 9);
+  const auto straight = BuildMesh(features, {});
+  std::reverse(features.begin(), features.end());
+  for (Feature& f : features) std::swap(f.ends[0], f.ends[1]);
+  const auto turned = BuildMesh(features, {});
+  ASSERT_TRUE(straight.ok() && turned.ok());
+  EXPECT_EQ(straight->hash, turned->hash);
+}
+
+}  // namespace
+}  // namespace dynmesh::test
