@@ -28,7 +28,7 @@ void Refinement<E>::Nearest(Context& context) {
   context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
   if constexpr (kTraced) {
     Extent<2> box = Extent<2>::Nothing();
-    box.AddBall(vertices_[v].p, std::sqrt(d2) * (1 + 1e-9));
+    box.AddBall(vertices_[v].p, std::sqrt(d2) * (1 + 1e-9) + 2 * rules_.ulp());
     SubscribeBox(context, box);
   }
 }

@@ -40,7 +40,7 @@ void Refinement<E>::FindStar(Context& context, VertexIndex v, double reach) {
     for (int i = 0; i < star_.size(); ++i) {
       const Star::Neighbour& n = star_[i];
       context.Read(n.id);
-      const double margin = n.centre_error + 1e-9 * reach;
+      const double margin = n.centre_error + 1e-9 * reach + 2 * rules_.ulp();
       if (margin < reach) {
         box.AddBall({{star_.position()[0] + n.wx, star_.position()[1] + n.wy}},
                     std::sqrt(n.r2) + 2 * margin);
@@ -177,7 +177,7 @@ bool Refinement<E>::VerifyCorner(Context& context, int i) {
     });
     return found != kNil;
   };
-  const double margin = n.centre_error + 1e-9 * star_.reach();
+  const double margin = n.centre_error + 1e-9 * star_.reach() + 2 * rules_.ulp();
   if (margin < 1e-3 * star_.reach()) {
     // A tentative ball may be huge and full: balls inside it that touch it at v come
     // first, growing from the scale of what is known.
@@ -240,7 +240,8 @@ bool Refinement<E>::FindEncroaching(Context& context, SubsegmentIndex s) {
   witnesses_.clear();
   on_left_.clear();
   on_right_.clear();
-  double r2 = geometry::SquaredDistance(a, b) / 4 * (1 + 1e-6);
+  const double radius = RadiusOf(sub);
+  double r2 = radius * radius;
   tree_.VisitBall(geometry::Midpoint(a, b), r2, [&](std::uint32_t id, const Point2& q, double) {
     if (id == sub.a || id == sub.b || !context.Sees(vertices_[id].birth)) return;
     const int sign = DiametralBallSign(a, b, q);
@@ -334,9 +335,15 @@ template <template <class> class E>
 Extent<2> Refinement<E>::BallOf(const Subsegment& s) const {
   const Point2 &a = vertices_[s.a].p, &b = vertices_[s.b].p;
   Extent<2> box = Extent<2>::Nothing();
-  box.AddBall(geometry::Midpoint(a, b),
-              std::sqrt(geometry::SquaredDistance(a, b)) / 2 * (1 + 1e-6));
+  box.AddBall(geometry::Midpoint(a, b), RadiusOf(s));
   return box;
+}
+
+// A little more than the radius of the diametral ball: its centre is rounded.
+template <template <class> class E>
+double Refinement<E>::RadiusOf(const Subsegment& s) const {
+  return std::sqrt(geometry::SquaredDistance(vertices_[s.a].p, vertices_[s.b].p)) / 2 * (1 + 1e-6) +
+         2 * rules_.ulp();
 }
 
 }  // namespace dynmesh::meshing

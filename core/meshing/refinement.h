@@ -203,6 +203,7 @@ class Refinement {
   void SubscribeBox(Context& context, const Extent<2>& box);
   void SubscribePoint(Context& context, const Point2& p);
   Extent<2> BallOf(const Subsegment& s) const;
+  double RadiusOf(const Subsegment& s) const;
 
   // changes.h
   VertexIndex NewVertex();

@@ -24,6 +24,7 @@ Rules::Rules(const MeshOptions& options) : quality_(options.quality) {
   hi_ = {{domain.hi[0], domain.hi[1]}};
   spacing_ = (hi_[0] - lo_[0]) / 6;
   const double u = UlpOfDomain(domain, 2);
+  ulp_ = u;
   const double rho2 = quality_ * quality_;
   const double b = 2 * rho2 + std::sqrt(4 * rho2 * rho2 - rho2);
   off_center_ = 4 * b;

@@ -82,6 +82,8 @@ class Rules {
   // of coordinates would decide. A fuse; valid input stays far above.
   double least_squared_length() const { return least_squared_length_; }
 
+  // Spacing of doubles at the largest coordinates: what a centre may be off by rounding.
+  double ulp() const { return ulp_; }
   double quality() const { return quality_; }
   const geometry::Point2& lo() const { return lo_; }
   const geometry::Point2& hi() const { return hi_; }
@@ -96,6 +98,7 @@ class Rules {
   double least_squared_length_;
   geometry::Point2 lo_, hi_;
   double spacing_;
+  double ulp_;
   std::vector<double> skinny_;  // 4 rho^2 (1+h)^2 by bucket
   std::vector<double> reach_;   // H by bucket
 };

@@ -219,8 +219,9 @@ class SpatialTree {
     const double r = std::sqrt(radius2) * (1 + 1e-15);
     Point lo = centre, hi = centre;
     for (int i = 0; i < D; ++i) {
-      lo[i] -= r;
-      hi[i] += r;
+      const double rounding = std::fabs(centre[i]) * 0x1p-52;
+      lo[i] -= r + rounding;
+      hi[i] += r + rounding;
     }
     while (nodes_[cell.node].child != kNone) {
       const int q = Quadrant(lo, cell);

@@ -43,7 +43,7 @@ TEST_P(Abandon, AtEveryOperationBringsTheFormerTraceBack) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Abandon, testing::ValuesIn(kAllDistributions),
-                         [](const auto& param) { return NameOf(param.param); });
+                         [](const auto& given) { return NameOf(given.param); });
 
 TEST(Limit, OfVerticesRefusesTheBatchAndChangesNothing) {
   MeshOptions options;

@@ -49,13 +49,15 @@ TEST_P(History, DynamicIsFromScratchAfterEveryRevision) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, History,
-    testing::Combine(testing::ValuesIn(kAllDistributions), testing::Range(0, 4)),
-    [](const auto& param) {
-      constexpr const char* kNames[] = {"Rho2", "RhoSqrt2", "Rho1p2", "Rho1"};
-      return NameOf(std::get<0>(param.param)) + kNames[std::get<1>(param.param)];
-    });
+std::string NameOfCase(const testing::TestParamInfo<std::tuple<Distribution, int>>& info) {
+  constexpr const char* kNames[] = {"Rho2", "RhoSqrt2", "Rho1p2", "Rho1"};
+  return NameOf(std::get<0>(info.param)) + kNames[std::get<1>(info.param)];
+}
+
+INSTANTIATE_TEST_SUITE_P(All, History,
+                         testing::Combine(testing::ValuesIn(kAllDistributions),
+                                          testing::Range(0, 4)),
+                         NameOfCase);
 
 // What is large is rebuilt, what is small propagated: nobody can tell.
 TEST(Rebuild, GivesTheSameMeshAndTraceAsPropagation) {
