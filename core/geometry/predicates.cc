@@ -1,11 +1,9 @@
 // The exact and the symbolic rungs of predicates.h.
 #include "core/geometry/predicates.h"
 
-#include <array>
 #include <cassert>
 #include <initializer_list>
 #include <type_traits>
-#include <utility>
 
 #include "core/geometry/exact_integer.h"
 
@@ -105,22 +103,16 @@ int CompareDistanceExact(const Point2& p, const Point2& a, const Point2& b) {
 // What happens to d: it counts as inside if it lies below the plane of a, b, c. The
 // in-circle determinant is linear in the four heights, with the coefficients
 //   of z_a: |d b c|,  of z_b: |a d c|,  of z_c: |a b d|,  of z_d: -|a b c|,
-// |...| being signed areas. At a tie only the e count, and of these the greatest with a
-// coefficient that is not zero, for it outweighs the sum of all lesser. The coefficient
-// of d is negative, so the search ends there at the latest, with "outside".
+// |...| being signed areas. At a tie only the e count, and the greatest outweighs the sum
+// of the others unless its coefficient is zero. It never is: at a tie the four lie on one
+// circle, and no three points of a circle are collinear. So the greatest point decides
+// alone: if it is d, its negative coefficient says "outside".
 bool InCircleTie(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
-  std::array<const Point2*, 4> order = {&a, &b, &c, &d};
-  const auto sort2 = [&order](int i, int j) {
-    if (*order[i] < *order[j]) std::swap(order[i], order[j]);
-  };
-  sort2(0, 1), sort2(2, 3), sort2(0, 2), sort2(1, 3), sort2(1, 2);  // greatest first
-  for (const Point2* top : order) {
-    if (top == &d) break;
-    const int sign = top == &a   ? Orientation(d, b, c)
-                     : top == &b ? Orientation(a, d, c)
-                                 : Orientation(a, b, d);
-    if (sign != 0) return sign > 0;
-  }
+  const auto later = [](const Point2* p, const Point2* q) { return *p < *q ? q : p; };
+  const Point2* const top = later(later(&a, &b), later(&c, &d));
+  if (top == &a) return Orientation(d, b, c) > 0;
+  if (top == &b) return Orientation(a, d, c) > 0;
+  if (top == &c) return Orientation(a, b, d) > 0;
   return false;
 }
 

@@ -112,21 +112,21 @@ void DelaunayTriangulation::FillHoleByScanning() {
   }
 }
 
-// Which vertex of the chain makes the Delaunay triangle with its closing edge. Of two
-// points left of an edge exactly one lies inside the circle through the edge and the
-// other, and this orders them all (a pencil of circles); so one pass finds the least. In
-// the circle of the true apex there is no vertex: it is the least, though the pass may
-// look at vertices that the edge does not see.
+// Which vertex of the chain makes the Delaunay triangle with its closing edge. The circles
+// through the ends of an edge are a pencil: of two points left of the edge exactly one
+// lies inside the circle through the other, and this orders them all, so one pass finds
+// the least. In the circle of the true apex there is no vertex: it is the least, though
+// the pass may look at vertices that the edge does not see. Vertices right of the edge
+// never win: right of it, circles shrink as their third point recedes, so that part of
+// any candidate's circle is within the true apex's. On the edge there is none.
 std::size_t DelaunayTriangulation::FindApex(const Gap& gap) const {
   std::size_t best = gap.first + 1;
   if (gap.last - gap.first == 2) return best;  // no choice
   const Point2& a = points_[rim_[gap.last].a];
   const Point2& b = points_[rim_[gap.first].a];
-  const auto left = [&](std::size_t i) { return Orientation(a, b, points_[rim_[i].a]) > 0; };
-  while (!left(best)) ++best;
+  while (Orientation(a, b, points_[rim_[best].a]) <= 0) ++best;
   for (std::size_t i = best + 1; i < gap.last; ++i) {
-    const Point2& p = points_[rim_[i].a];
-    if (left(i) && InCircle(a, b, points_[rim_[best].a], p)) best = i;
+    if (InCircle(a, b, points_[rim_[best].a], points_[rim_[i].a])) best = i;
   }
   assert(best < gap.last);
   return best;

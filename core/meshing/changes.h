@@ -94,7 +94,7 @@ void Refinement<E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
   NotifyOfVertex(v, true, at);
   if constexpr (!kTraced) {
-    if (triangulation_ != nullptr && IsQualityEpoch(vertex.epoch)) RequestFirstGap(v);
+    if (triangulation_ != nullptr && by_edge() && IsQualityEpoch(vertex.epoch)) RequestFirstGap(v);
   }
 }
 

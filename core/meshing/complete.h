@@ -1,10 +1,15 @@
-// Complete, by the edge criterion (rule a of Sec. 5, ours): insert Steiner points
-// until no edge that v owns has a gap in this bucket or an earlier one.
+// Complete (rule a): insert Steiner points until there is no gap in this bucket or an
+// earlier one. Two criteria of what a gap is:
 //
-// An edge is owned by its younger end: born in a later epoch or by a later operation;
+// *By edges* (ours, the default): no edge that v owns has a gap on either side, that
+// is, a corner of its Voronoi edge farther than rho times its own length. An edge is owned by its younger end: born in a later epoch or by a later operation;
 // of two born together in segment work or with the input, the one of greater hash.
 // New edges always have the newborn at an end, and Voronoi edges only shrink: an edge
 // done once is done for good, so only newborns ever have to be queued.
+//
+// *The thesis's* (Def. 4.2.3): no corner of v's Voronoi cell is farther than
+// rho NN(v). Every vertex sees to its own cell; a newborn queues those whose NN it may
+// have lowered (Fig. 5.6, INSERT).
 //
 //   v       the vertex          b       the bucket of its epoch
 //   u       a neighbour         c, d    apexes of the triangles left and right of vu
@@ -44,7 +49,7 @@ void Refinement<E>::Complete(Context& context) {
   Candidate gap;
   int ordinal = 0;
   bool yielded = false;
-  while (ShortestGap(bucket, &gap)) {
+  while (FindGap(bucket, &gap)) {
     FindEncroached(context, gap.x);
     if (!encroached_.empty()) {
       // Yield: the subsegments first; then v looks again. One that cannot be split
@@ -68,9 +73,14 @@ void Refinement<E>::Complete(Context& context) {
     star_.Insert(x, gap.x);
   }
   context.payload().flag = yielded;
-  if (!yielded) {
+  if (yielded) return;
+  if (by_edge()) {
     const int next = NextBucket(bucket);
     if (next < kBuckets - 1) context.Request(kComplete, v, MakeEpoch(next, 0, kQualityStep));
+  } else {
+    const int own = BucketOf(NearestInStar());
+    if (own > bucket) context.Request(kComplete, v, MakeEpoch(own, 0, kQualityStep));
+    RequestNeighbours(context);
   }
 }
 
@@ -79,8 +89,13 @@ void Refinement<E>::Complete(Context& context) {
 // if its turn is still to come, else in the next.
 template <template <class> class E>
 void Refinement<E>::RequestFirstComplete(Context& context, VertexIndex x, double d2) {
-  if (!kTraced && triangulation_ != nullptr) return;  // asked when x is published
-  const int now = BucketOfEpoch(context.epoch), own = BucketOf(d2);
+  if (!kTraced && triangulation_ != nullptr && by_edge()) return;  // done when x is published
+  RequestNoEarlierThanNow(context, x, BucketOf(d2));
+}
+
+template <template <class> class E>
+void Refinement<E>::RequestNoEarlierThanNow(Context& context, VertexIndex x, int own) {
+  const int now = BucketOfEpoch(context.epoch);
   if (own > now) {
     context.Request(kComplete, x, MakeEpoch(own, 0, kQualityStep));
   } else if (geometry::HashOf(vertices_[x].p) != geometry::HashOf(vertices_[context.item].p)
@@ -116,6 +131,76 @@ bool Refinement<E>::ShortestGap(int bucket, Candidate* best) const {
                       geometry::SquaredDistance(best->x, best->neighbour));
   return true;
 }
+
+// --- The thesis's criterion -----------------------------------------------------------
+
+// NN(v)^2. Features need no mention: no subsegment is encroached, so one that v is not
+// on is at least NN(v) / sqrt 2 away.
+template <template <class> class E>
+double Refinement<E>::NearestInStar() const {
+  double nn2 = INFINITY;
+  for (int i = 0; i < star_.size(); ++i) {
+    if (!Star::IsGhost(star_[i].id)) nn2 = std::min(nn2, star_[i].d2);
+  }
+  return nn2;
+}
+
+template <template <class> class E>
+bool Refinement<E>::FarthestCorner(int bucket, Candidate* best) const {
+  const double nn2 = NearestInStar();
+  if (!(nn2 < INFINITY) || BucketOf(nn2) > bucket || nn2 < rules_.least_squared_length()) {
+    return false;
+  }
+  const Point2& p = star_.position();
+  bool found = false;
+  double farthest = 0;
+  for (int i = 0; i < star_.size(); ++i) {
+    const Star::Neighbour& n = star_[i];
+    if (!rules_.IsTooFar(n.r2, nn2) || n.r2 < farthest || !(n.centre_error < star_.reach())) continue;
+    if (!InDomain({{p[0] + n.wx, p[1] + n.wy}}) && IsBeyondBorder(i)) continue;
+    const double out = std::min(1.0, rules_.gamma() * std::sqrt(nn2) / std::sqrt(n.r2));
+    const Point2 x = {{p[0] + n.wx * out, p[1] + n.wy * out}};
+    if (std::ranges::any_of(skipped_, [&](const Skipped& s) { return s.neighbour == x; })) continue;
+    if (found && n.r2 == farthest && best->x < x) continue;
+    found = true;
+    farthest = n.r2;
+    best->x = best->neighbour = x;
+    best->left = false;
+    best->e2 = geometry::SquaredDistance(x, p);
+  }
+  return found;
+}
+
+// Is corner i between neighbours, or ghosts, of which none is inside the domain's side
+// that v lies on?
+template <template <class> class E>
+bool Refinement<E>::IsBeyondBorder(int i) const {
+  const Star::Neighbour& n = star_[i];
+  const Point2& p = star_.position();
+  const Point2 &lo = rules_.lo(), &hi = rules_.hi();
+  return (p[1] == lo[1] && n.wy < 0) || (p[1] == hi[1] && n.wy > 0) ||
+         (p[0] == lo[0] && n.wx < 0) || (p[0] == hi[0] && n.wx > 0);
+}
+
+// v, a newborn at its first Complete, may be nearer to a neighbour u than anyone was:
+// then u has to look again, in the bucket of that distance.
+template <template <class> class E>
+void Refinement<E>::RequestNeighbours(Context& context) {
+  const Vertex& v = vertices_[star_.vertex()];
+  if (v.epoch == kBirthOfInput) return;
+  for (int i = 0; i < star_.size(); ++i) {
+    const Star::Neighbour& u = star_[i];
+    if (Star::IsGhost(u.id) || !IsOlder(vertices_[u.id], v)) continue;
+    bool nearest = true;
+    for (int j = 0; j < star_.size() && nearest; ++j) {
+      nearest = j == i || Star::IsGhost(star_[j].id) ||
+                geometry::SquaredDistance(u.p, star_[j].p) >= u.d2;
+    }
+    if (nearest) RequestNoEarlierThanNow(context, u.id, BucketOf(u.d2));
+  }
+}
+
+// --- The edge criterion ---------------------------------------------------------------
 
 // Has the i-th edge of the star a gap on that side which a point may be put into?
 template <template <class> class E>

@@ -74,12 +74,14 @@ void Refinement<E>::StarFromTriangulation(VertexIndex v, double reach) {
     }
     corner = triangulation_->NextAround(corner);
   } while (corner.triangle != first.triangle);
-  // No decision depends on the reach, so without a trace the whole star will do.
-  if (star_.FinishWhole() || !kTraced) return;
+  // By edges no decision depends on the reach: without a trace the whole star will do.
+  if (star_.FinishWhole() || (!kTraced && by_edge())) return;
   offers_.clear();
   for (int i = 0; i < star_.size(); ++i) offers_.push_back(star_[i].id);
   star_.Begin(v, p, reach);
-  for (const std::uint32_t u : offers_) star_.Insert(u, vertices_[u].p);
+  for (const std::uint32_t u : offers_) {
+    if (!Star::IsGhost(u)) star_.Insert(u, vertices_[u].p);
+  }
 }
 
 // From the star that the previous execution read. Whoever conflicted with one of its

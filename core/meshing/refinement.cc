@@ -140,7 +140,7 @@ template <template <class> class E>
 void Refinement<E>::Execute(Context& context) {
   switch (context.kind) {
     case kNearest:
-      if (!kTraced && triangulation_ != nullptr) return RequestFirstGap(context.item);
+      if (!kTraced && triangulation_ != nullptr && by_edge()) return RequestFirstGap(context.item);
       return Nearest(context);
     case kComplete:
       near_ = context.item;

@@ -3,7 +3,7 @@
 // (ChooseSteiners, Figs. 4.10, 5.6, 6.2), and keeps them when the input changes.
 //
 //   segments.h    Check, Split: no subsegment is encroached (rule b)
-//   complete.h    Complete: no edge has a gap (rule a, edge criterion), yielding (c)
+//   complete.h    Complete: no edge has a gap (rule a, either criterion), yielding (c)
 //   neighbourhood.h  the star of a vertex, what is in a ball, what a point encroaches on
 //   changes.h     publishing and withdrawing, and who has to be told
 //
@@ -178,12 +178,21 @@ class Refinement {
   // complete.h
   void Nearest(Context& context);
   void Complete(Context& context);
+  bool FindGap(int bucket, Candidate* candidate) const {
+    return by_edge() ? ShortestGap(bucket, candidate) : FarthestCorner(bucket, candidate);
+  }
+  bool by_edge() const { return rules_.criterion() == Criterion::kEdge; }
   bool ShortestGap(int bucket, Candidate* candidate) const;
+  bool FarthestCorner(int bucket, Candidate* candidate) const;
+  double NearestInStar() const;
+  bool IsBeyondBorder(int i) const;
+  void RequestNeighbours(Context& context);
   bool GapOfEdge(int i, bool left_of_star, Candidate* candidate) const;
   bool Owns(int i) const;
   bool IsOlder(const Vertex& u, const Vertex& v) const;
   int NextBucket(int bucket) const;
   void RequestFirstComplete(Context& context, VertexIndex x, double d2);
+  void RequestNoEarlierThanNow(Context& context, VertexIndex x, int bucket);
   bool OnOutside(const Point2& p, const Point2& q) const;
   bool InDomain(const Point2& p) const;
 

@@ -72,6 +72,12 @@ class Rules {
              0.5 * (p[1] + q[1]) + kappa_ * (q[0] - p[0])}};
   }
 
+  // Thesis criterion: is a corner of v's Voronoi cell at squared distance r2 too far for
+  // a vertex whose nearest neighbour is at squared distance nn2 (Def. 4.2.3)?
+  bool IsTooFar(double r2, double nn2) const { return r2 > too_far_[BucketOf(nn2)] * nn2; }
+  // gamma / NN: from how far out a Steiner point is taken at most.
+  double gamma() const { return 1.5 * quality_; }
+
   // H for work in `bucket`: more than sqrt(B) times any length in the bucket, so that
   // no decision about an edge of that bucket depends on what lies farther away.
   double Reach(int bucket) const { return reach_[bucket]; }
@@ -85,6 +91,7 @@ class Rules {
   // Spacing of doubles at the largest coordinates: what a centre may be off by rounding.
   double ulp() const { return ulp_; }
   double quality() const { return quality_; }
+  Criterion criterion() const { return criterion_; }
   const geometry::Point2& lo() const { return lo_; }
   const geometry::Point2& hi() const { return hi_; }
   double grid_spacing() const { return spacing_; }  // of the domain's border vertices
@@ -93,14 +100,16 @@ class Rules {
   static constexpr int kReachBuckets = 2 << kBucketFractionBits;
 
   double quality_;
+  Criterion criterion_;
   double off_center_;  // 4 B
   double kappa_;       // height of the off-center over the edge, in units of e
   double least_squared_length_;
   geometry::Point2 lo_, hi_;
   double spacing_;
   double ulp_;
-  std::vector<double> skinny_;  // 4 rho^2 (1+h)^2 by bucket
-  std::vector<double> reach_;   // H by bucket
+  std::vector<double> skinny_;   // 4 rho^2 (1+h)^2 by bucket
+  std::vector<double> too_far_;  // rho^2 (1+h)^2 by bucket
+  std::vector<double> reach_;    // H by bucket
 };
 
 // The relative slack h of the quality test for edges of squared length `e2`:

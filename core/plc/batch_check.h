@@ -3,15 +3,15 @@
 // Every problem has an edit to blame: the last one that names a feature involved and
 // in the end changed; a segment's ends are involved in whatever it is. That is the edit
 // at which one who enters the batch's *result* in this order would be stopped, so the
-// check does just that: features that change are entered one by one in order of their edit into an
-// index of their own, each checked against the features that stay and those entered
-// before. The first problem met is the earliest, whatever the index's shape.
+// check does just that: features that change are entered one by one, in order of their
+// edit, into an index of their own, each checked against the features that stay and
+// those entered before. The first problem met is the earliest, whatever the index's shape.
 //
 // A batch with an edit that cannot act (draft.h) is refused for it, unless the edits
 // before it already are to blame for another problem that no later edit bears on.
 //
-// Expected time O(b lg b) for a batch that touches b features and segments' ends, times
-// the depth of their neighbourhood in the index.
+// Expected time O(b lg b) for a batch that changes b features (segments that a moved
+// point takes along included), plus their queries of the index.
 // One object, one run, one thread. Plc2 and its store are only read.
 #ifndef DYNMESH_CORE_PLC_BATCH_CHECK_H_
 #define DYNMESH_CORE_PLC_BATCH_CHECK_H_

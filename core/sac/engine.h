@@ -188,9 +188,10 @@ class Engine {
     OpId next_of_item = kNoOp;
     OpId next_in_epoch = kNoOp;
     BlockPool::Block links;  // outputs, requests, places, reads, one after the other
+    // Few outputs and places, but a point may encroach on very many segments at once.
+    std::uint64_t reads : 24 = 0, requests : 24 = 0, outputs : 16 = 0;
     std::uint32_t refs = 0;
-    std::uint32_t reads = 0;
-    std::uint16_t outputs = 0, requests = 0, places = 0;
+    std::uint16_t places = 0;
     Kind kind = 0;
     std::uint8_t flags = 0;
     typename PayloadOf<Program>::Type payload = {};
@@ -369,15 +370,18 @@ void Engine<Program>::Commit(OpId id) {
   new_places_.erase(std::unique(new_places_.begin(), new_places_.end()), new_places_.end());
 
   Operation& op = ops_[id];
+  const bool again = op.flags & kExecuted;
   op.flags |= kExecuted;
   const std::uint32_t old_outputs = op.outputs, old_requests = op.requests, old_places = op.places;
   const auto old = Part(op, 0, old_outputs + old_requests + old_places);
   scratch_.assign(old.begin(), old.end());
 
-  op.outputs = static_cast<std::uint16_t>(new_outputs_.size());
-  op.requests = static_cast<std::uint16_t>(new_ops_.size());
+  op.outputs = new_outputs_.size();
+  op.requests = new_ops_.size();
   op.places = static_cast<std::uint16_t>(new_places_.size());
-  op.reads = static_cast<std::uint32_t>(new_reads_.size());
+  op.reads = new_reads_.size();
+  assert(op.outputs == new_outputs_.size() && op.requests == new_ops_.size() &&
+         op.places == new_places_.size() && op.reads == new_reads_.size());
   pool_.Resize(op.links, op.outputs + op.requests + op.places + op.reads);
   std::uint32_t* to = pool_.data(op.links);
   to = std::copy(new_outputs_.begin(), new_outputs_.end(), to);
@@ -389,7 +393,8 @@ void Engine<Program>::Commit(OpId id) {
   const auto was_requests = std::span(scratch_).subspan(old_outputs, old_requests);
   const auto was_places = std::span(scratch_).subspan(old_outputs + old_requests, old_places);
   const Stamp at = op.stamp;
-  if (std::ranges::equal(was_outputs, new_outputs_) && std::ranges::equal(was_requests, new_ops_)) {
+  if (again && std::ranges::equal(was_outputs, new_outputs_) &&
+      std::ranges::equal(was_requests, new_ops_)) {
     ++counters_.unchanged;
   }
   if (!std::ranges::equal(was_places, new_places_)) {

@@ -27,7 +27,7 @@ class EpochOrder {
   // Gives ops[id] its stamp. REQUIRES: it has none.
   void Insert(Epoch epoch, OpId id) {
     Table& table = TableOf(epoch);
-    if (table.count >= table.slots.size()) Grow(table);
+    if (table.count >= table.slots.size()) Rehash(table, table.slots.size() * 4);
     const std::uint64_t slot = SlotOf(table, ops_[id].priority);
     OpId before = kNoOp, after = table.slots[slot];
     while (after != kNoOp && before_(after, id)) {
@@ -48,6 +48,9 @@ class EpochOrder {
     while (*link != id) link = &ops_[*link].next_in_epoch;
     *link = ops_[id].next_in_epoch;
     --table.count;
+    // Insert walks past empty slots: few there must be.
+    const std::size_t slots = table.slots.size();
+    if (slots > 64 && table.count < slots / 16) Rehash(table, slots / 4);
   }
   void EraseStamp(Stamp s) { order_.Erase(s); }
 
@@ -102,8 +105,8 @@ class EpochOrder {
     }
     return table.head;
   }
-  void Grow(Table& table) {
-    std::vector<OpId> old(table.slots.size() * 4, kNoOp);
+  void Rehash(Table& table, std::size_t slots) {
+    std::vector<OpId> old(slots, kNoOp);
     old.swap(table.slots);
     OpId* tail = nullptr;
     std::uint64_t tail_slot = 0;

@@ -34,15 +34,13 @@ class UntracedEngine {
   // False if `interrupt` stopped it.
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
-    Entry last{0, ~Item{0}, 0};
-    Epoch last_epoch = ~Epoch{0};
     while (!queue_.empty()) {
       if (interrupt()) return false;
       const auto [epoch, entry] = queue_.Pop();
       // Several requests for one operation are one operation.
-      if (epoch == last_epoch && entry.item == last.item && entry.kind == last.kind) continue;
-      last_epoch = epoch;
-      last = entry;
+      if (epoch == last_epoch_ && entry.item == last_.item && entry.kind == last_.kind) continue;
+      last_epoch_ = epoch;
+      last_ = entry;
       ++executed_;
       ++now_;
       outputs_.clear();
@@ -71,6 +69,8 @@ class UntracedEngine {
   Program& program_;
   WorkQueue<Entry, BeforeInQueue> queue_;
   std::vector<Output> outputs_;
+  Entry last_{0, ~Item{0}, 0};  // what ran last, if it did
+  Epoch last_epoch_ = ~Epoch{0};
   Stamp now_ = 0;
   std::uint64_t executed_ = 0;
 };

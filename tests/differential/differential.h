@@ -65,10 +65,8 @@ struct RunReport {
 };
 
 // A random script of `revisions` applied batches, compared after each `every`.
-inline RunReport RunScript(Distribution d, int n, double quality, std::uint64_t seed,
+inline RunReport RunScript(Distribution d, int n, const MeshOptions& options, std::uint64_t seed,
                            int revisions, int every = 1) {
-  MeshOptions options;
-  options.quality = quality;
   PlanarMesh mesh(options, AlwaysPropagate());
   ScriptGenerator generator(d, n, seed);
   RunReport report;
@@ -94,10 +92,15 @@ inline RunReport RunScript(Distribution d, int n, double quality, std::uint64_t 
   return report;
 }
 
-// Does the script, batch by batch, lead to a difference at its end or before?
-inline Difference Replay(const std::vector<EditBatch>& script, double quality) {
+inline RunReport RunScript(Distribution d, int n, double quality, std::uint64_t seed,
+                           int revisions, int every = 1) {
   MeshOptions options;
   options.quality = quality;
+  return RunScript(d, n, options, seed, revisions, every);
+}
+
+// Does the script, batch by batch, lead to a difference at its end or before?
+inline Difference Replay(const std::vector<EditBatch>& script, const MeshOptions& options) {
   PlanarMesh mesh(options, AlwaysPropagate());
   for (const EditBatch& batch : script) {
     if (!mesh.Apply(batch, ApplyOptions{}).ok()) continue;
@@ -109,13 +112,14 @@ inline Difference Replay(const std::vector<EditBatch>& script, double quality) {
 }
 
 // Leaves out batches and edits as long as a difference stays.
-inline std::vector<EditBatch> Shrink(std::vector<EditBatch> script, double quality) {
+inline std::vector<EditBatch> Shrink(std::vector<EditBatch> script,
+                                     const MeshOptions& options) {
   for (bool smaller = true; smaller;) {
     smaller = false;
     for (std::size_t i = script.size(); i-- > 0;) {
       std::vector<EditBatch> less = script;
       less.erase(less.begin() + static_cast<std::ptrdiff_t>(i));
-      if (Replay(less, quality).found) {
+      if (Replay(less, options).found) {
         script = std::move(less);
         smaller = true;
       }
@@ -126,7 +130,7 @@ inline std::vector<EditBatch> Shrink(std::vector<EditBatch> script, double quali
           std::vector<EditBatch> less = script;
           less[i].erase(less[i].begin() + static_cast<std::ptrdiff_t>(j),
                         less[i].begin() + static_cast<std::ptrdiff_t>(j + chunk));
-          if (Replay(less, quality).found) {
+          if (Replay(less, options).found) {
             script = std::move(less);
             smaller = true;
           } else {

@@ -17,46 +17,56 @@ bool IsNightly() {
   return set != nullptr && *set != '\0' && *set != '0';
 }
 
-constexpr double kQualities[] = {2.0, kDefaultQuality2D, 1.2, 1.0};
+struct Asked {
+  const char* name;
+  double quality;
+  Criterion criterion;
+};
+constexpr Asked kAsked[] = {{"Rho2", 2.0, Criterion::kEdge},
+                            {"RhoSqrt2", kDefaultQuality2D, Criterion::kEdge},
+                            {"Rho1p2", 1.2, Criterion::kEdge},
+                            {"Rho1", 1.0, Criterion::kEdge},
+                            {"ThesisRho2", 2.0, Criterion::kThesis},
+                            {"ThesisRhoSqrt2", kDefaultQuality2D, Criterion::kThesis}};
 
 class History : public testing::TestWithParam<std::tuple<Distribution, int>> {};
 
 TEST_P(History, DynamicIsFromScratchAfterEveryRevision) {
-  const auto [distribution, quality] = GetParam();
+  const auto [distribution, asked] = GetParam();
+  MeshOptions options;
+  options.quality = kAsked[asked].quality;
+  options.criterion = kAsked[asked].criterion;
   // Many tiny scripts, where everything interacts, and a few larger ones.
   struct Setting {
     int points, revisions, scripts;
   };
   const std::vector<Setting> settings =
-      IsNightly() ? std::vector<Setting>{{6, 100, 8}, {12, 150, 8}, {40, 200, 2}, {150, 200, 1}}
-                  : std::vector<Setting>{{6, 25, 1}, {14, 25, 1}, {60, 8, 1}};
+      IsNightly() ? std::vector<Setting>{{6, 100, 6}, {12, 150, 4}, {40, 200, 2}, {150, 100, 1}}
+                  : std::vector<Setting>{{6, 20, 1}, {14, 15, 1}, {60, 5, 1}};
   const std::uint64_t base = IsNightly() ? 77'000 : 1'000;
   for (const Setting& s : settings) {
     for (int k = 0; k < s.scripts; ++k) {
-      const std::uint64_t seed = base + 100 * static_cast<std::uint64_t>(s.points) + k;
+      const std::uint64_t seed = base + 100 * static_cast<std::uint64_t>(s.points) +
+                                 static_cast<std::uint64_t>(k);
       SCOPED_TRACE(NameOf(distribution) + " points " + std::to_string(s.points) + " seed " +
                    std::to_string(seed));
-      const RunReport run = RunScript(distribution, s.points, kQualities[quality], seed,
-                                      s.revisions);
-      EXPECT_EQ(run.revisions, s.revisions) << "too many proposals were refused";
+      const RunReport run = RunScript(distribution, s.points, options, seed, s.revisions);
       if (run.difference.found) {
-        MeshOptions options;
-        options.quality = kQualities[quality];
         FAIL() << run.difference.what << "\nshrunk script:\n"
-               << ToScript(options, Shrink(run.script, kQualities[quality]));
+               << ToScript(options, Shrink(run.script, options));
       }
+      EXPECT_EQ(run.revisions, s.revisions) << "too many proposals were refused";
     }
   }
 }
 
 std::string NameOfCase(const testing::TestParamInfo<std::tuple<Distribution, int>>& info) {
-  constexpr const char* kNames[] = {"Rho2", "RhoSqrt2", "Rho1p2", "Rho1"};
-  return NameOf(std::get<0>(info.param)) + kNames[std::get<1>(info.param)];
+  return NameOf(std::get<0>(info.param)) + kAsked[std::get<1>(info.param)].name;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, History,
                          testing::Combine(testing::ValuesIn(kAllDistributions),
-                                          testing::Range(0, 4)),
+                                          testing::Range(0, 6)),
                          NameOfCase);
 
 // What is large is rebuilt, what is small propagated: nobody can tell.

@@ -62,6 +62,28 @@ std::vector<Feature> Diagonals(int n, Random& random) {
   return features;
 }
 
+// A bundle of segments side by side, gaps much narrower than they are long, and points
+// just off them: midpoints of one encroach on the others, in long cascades.
+std::vector<Feature> Parallel(int n, Random& random) {
+  std::vector<Feature> features;
+  FeatureId id = 0;
+  double y = 0.3;
+  while (static_cast<int>(features.size()) < n && y < 0.95) {
+    const double left = 0.1 + 0.3 * random.Unit();
+    const double right = left + 0.1 + 0.5 * random.Unit();
+    features.push_back(Feature::Point(++id, left, y));
+    features.push_back(Feature::Point(++id, right, y + 0.01 * (random.Unit() - 0.5)));
+    features.push_back(Feature::Segment(id + 1, id - 1, id));
+    ++id;
+    if (random.OneIn(2)) {
+      const double x = left + (right - left) * random.Unit();
+      features.push_back(Feature::Point(++id, x, y + 0.01 + 0.01 * random.Unit()));
+    }
+    y += 0.025 + 0.05 * random.Unit();
+  }
+  return features;
+}
+
 std::string Number(double x) {
   char digits[32];
   return {digits, std::to_chars(digits, digits + sizeof(digits), x).ptr};
@@ -81,13 +103,14 @@ std::string NameOf(Distribution d) {
     case Distribution::kSegmentsAxis: return "SegmentsAxis";
     case Distribution::kSegmentsTurned: return "SegmentsTurned";
     case Distribution::kDiagonals: return "Diagonals";
+    case Distribution::kParallel: return "Parallel";
   }
   return "?";
 }
 
 bool HasSegments(Distribution d) {
   return d == Distribution::kSegmentsAxis || d == Distribution::kSegmentsTurned ||
-         d == Distribution::kDiagonals;
+         d == Distribution::kDiagonals || d == Distribution::kParallel;
 }
 
 std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
@@ -151,6 +174,8 @@ std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
       return SegmentsOnLattice(n, 0.3, random);
     case Distribution::kDiagonals:
       return Diagonals(std::min(n, 64), random);
+    case Distribution::kParallel:
+      return Parallel(n, random);
   }
   return features;
 }

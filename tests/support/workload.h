@@ -26,12 +26,13 @@ enum class Distribution {
   kSegmentsAxis,  // segments at right angles, axis-parallel, on a grid
   kSegmentsTurned,  // the same, turned
   kDiagonals,     // squares and their diagonals: 45 degrees, cocircular
+  kParallel,      // segments close to each other and points close to them: cascades of splits
 };
 inline constexpr Distribution kAllDistributions[] = {
     Distribution::kUniform,      Distribution::kClustered,      Distribution::kCircle,
     Distribution::kGrid,         Distribution::kLine,           Distribution::kDyadicLine,
     Distribution::kTwoScale,     Distribution::kSegmentsAxis,   Distribution::kSegmentsTurned,
-    Distribution::kDiagonals};
+    Distribution::kDiagonals,    Distribution::kParallel};
 std::string NameOf(Distribution d);
 bool HasSegments(Distribution d);
 

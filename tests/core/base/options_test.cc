@@ -1,0 +1,156 @@
+#include "dynmesh/options.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "absl/status/status.h"
+#include "dynmesh/error.h"
+
+namespace dynmesh {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+MeshOptions InBox(double x0, double y0, double x1, double y1) {
+  MeshOptions options;
+  options.box.lo = {x0, y0, 0};
+  options.box.hi = {x1, y1, 0};
+  return options;
+}
+
+void ExpectRefused(const MeshOptions& options, const std::string& field) {
+  const absl::Status status = ValidateOptions(options);
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << field;
+  EXPECT_EQ(status.message().substr(0, field.size()), field) << status;
+  ASSERT_TRUE(GetErrorDetail(status).has_value());
+  EXPECT_EQ(GetErrorDetail(status)->reason, reason::kBadOption);
+  EXPECT_EQ(GetErrorDetail(status)->edit, std::nullopt);
+}
+
+TEST(Options, DefaultsAreValid) { EXPECT_EQ(ValidateOptions(MeshOptions()), absl::OkStatus()); }
+
+TEST(Options, BoxesOfEveryShapeAreValid) {
+  EXPECT_TRUE(ValidateOptions(InBox(-1, -2, 3, 4)).ok());
+  EXPECT_TRUE(ValidateOptions(InBox(0.5, 0, 0.5, 1)).ok());  // no width
+  EXPECT_TRUE(ValidateOptions(InBox(7, 7, 7, 7)).ok());      // no extent
+  EXPECT_TRUE(ValidateOptions(InBox(0, 0, 0, 0)).ok());
+  EXPECT_TRUE(ValidateOptions(InBox(0x1p200, 0, 0x1p200, 0x1p200)).ok());
+  EXPECT_TRUE(ValidateOptions(InBox(0, 0, 0x1p-140, 0)).ok());
+  EXPECT_TRUE(ValidateOptions(InBox(-0.0, -0.0, 1, 1)).ok());
+  EXPECT_TRUE(ValidateOptions(InBox(0x1p31, 0, 0x1p31, 0)).ok());  // l = 1 is 2^21 ulps
+}
+
+TEST(Options, EntriesPastTheDimensionAreIgnored) {
+  MeshOptions options;
+  options.box.lo[2] = kNan;
+  options.box.hi[2] = -kInf;
+  EXPECT_TRUE(ValidateOptions(options).ok());
+}
+
+TEST(Options, BadBoxesAreRefused) {
+  ExpectRefused(InBox(kNan, 0, 1, 1), "box: x");
+  ExpectRefused(InBox(0, 0, 1, kInf), "box: y");
+  ExpectRefused(InBox(0, -kInf, 1, 1), "box: y");
+  ExpectRefused(InBox(1, 0, 0, 1), "box: lo 1 is above hi 0 in x");
+  ExpectRefused(InBox(0, 1, 1, 0), "box: lo 1 is above hi 0 in y");
+  ExpectRefused(InBox(0, 0, 0x1.8p200, 1), "box: coordinate");
+  ExpectRefused(InBox(0, -0x1p201, 1, 1), "box: coordinate");
+  ExpectRefused(InBox(0, 0, 0x1p-141, 0), "box: longest side");
+  ExpectRefused(InBox(0, 0, 0, std::numeric_limits<double>::denorm_min()), "box: longest side");
+  ExpectRefused(InBox(1, 0, 1 + 0x1p-33, 0), "box: longest side");  // 2^19 ulps
+  ExpectRefused(InBox(0x1p60, 0, 0x1p60, 0), "box: longest side");  // no extent: l = 1
+}
+
+TEST(Options, OtherBadFieldsAreRefused) {
+  const auto with = [](const std::function<void(MeshOptions&)>& change) {
+    MeshOptions options;
+    change(options);
+    return options;
+  };
+  for (const int dimension : {-1, 0, 1, 4}) {
+    ExpectRefused(with([&](MeshOptions& o) { o.dimension = dimension; }), "dimension");
+  }
+  ExpectRefused(with([](MeshOptions& o) { o.dimension = 3; }), "dimension: 3 is to come");
+  for (const double quality : {0.0, 0.999, -2.0, 100.5, kInf, kNan}) {
+    ExpectRefused(with([&](MeshOptions& o) { o.quality = quality; }), "quality");
+  }
+  ExpectRefused(with([](MeshOptions& o) { o.criterion = static_cast<Criterion>(0); }), "criterion");
+  ExpectRefused(with([](MeshOptions& o) { o.limits.max_vertices = 23; }), "limits.max_vertices");
+  ExpectRefused(with([](MeshOptions& o) { o.limits.max_depth = 0; }), "limits.max_depth");
+  ExpectRefused(with([](MeshOptions& o) { o.limits.max_depth = -5; }), "limits.max_depth");
+  for (const double quality : {1.0, 2.0, 100.0}) {
+    EXPECT_TRUE(ValidateOptions(with([&](MeshOptions& o) { o.quality = quality; })).ok());
+  }
+}
+
+TEST(DomainBox, IsSixTimesTheUnitSquare) {
+  const Box domain = DomainBox(InBox(0, 0, 1, 1));
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(domain.lo[i], -2.5);
+    EXPECT_EQ(domain.hi[i], 3.5);
+  }
+}
+
+TEST(DomainBox, TakesTheLongestSide) {
+  const Box domain = DomainBox(InBox(0, 0, 4, 1));
+  EXPECT_EQ(domain.lo[0], -10);
+  EXPECT_EQ(domain.hi[0], 14);
+  EXPECT_EQ(domain.lo[1], -11.5);
+  EXPECT_EQ(domain.hi[1], 12.5);
+}
+
+TEST(DomainBox, OfABoxWithoutExtentHasUnitLength) {
+  const Box domain = DomainBox(InBox(7, -1, 7, -1));
+  EXPECT_EQ(domain.lo[0], 4);
+  EXPECT_EQ(domain.hi[0], 10);
+  EXPECT_EQ(domain.lo[1], -4);
+  EXPECT_EQ(domain.hi[1], 2);
+}
+
+// Whatever the box: the domain is a square to the bit, its border points are exact,
+// and the user's box lies inside, at least two sides from the border.
+TEST(DomainBox, IsAnExactSquareAroundAnyBox) {
+  const unsigned seed = 20240611;
+  std::mt19937_64 random(seed);
+  const auto real = [&](double lo, double hi) {
+    return std::uniform_real_distribution<double>(lo, hi)(random);
+  };
+  int tried = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const double size = std::ldexp(real(0.5, 1), static_cast<int>(real(-130, 190)));
+    const double offset = size * std::ldexp(real(-1, 1), static_cast<int>(real(-5, 34)));
+    const double x = offset + size * real(-1, 1), y = offset * real(-1, 1);
+    const MeshOptions options = InBox(x, y, x + size * real(0, 1), y + size * real(0, 1));
+    if (!ValidateOptions(options).ok()) continue;
+    ++tried;
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", try " << i);
+    const Box domain = DomainBox(options);
+    const double l = (domain.hi[0] - domain.lo[0]) / 6;
+    const double wanted =
+        std::max(options.box.hi[0] - options.box.lo[0], options.box.hi[1] - options.box.lo[1]);
+    ASSERT_GE(l, wanted);
+    ASSERT_LE(l, wanted * (1 + 0x1p-15));
+    for (int axis = 0; axis < 2; ++axis) {
+      ASSERT_EQ(domain.hi[axis] - domain.lo[axis], 6 * l);
+      for (int k = 1; k <= 6; ++k) {
+        // Exact: adding and taking away again loses nothing.
+        const double border = domain.lo[axis] + k * l;
+        ASSERT_EQ(border - domain.lo[axis], k * l);
+        ASSERT_EQ(border, domain.hi[axis] - (6 - k) * l);
+      }
+      ASSERT_LE(domain.lo[axis] + 2 * l, options.box.lo[axis]);
+      ASSERT_GE(domain.hi[axis] - 2 * l, options.box.hi[axis]);
+    }
+  }
+  EXPECT_GT(tried, 10000);
+}
+
+}  // namespace
+}  // namespace dynmesh

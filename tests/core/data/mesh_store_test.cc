@@ -1,0 +1,199 @@
+#include "core/data/mesh_store.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/data/diff_meshes.h"
+#include "gtest/gtest.h"
+#include "tests/core/data/made_up_mesh.h"
+
+namespace dynmesh::data {
+namespace {
+
+using testing::Identical;
+using testing::MakeRandom;
+using testing::MakeUpMesh;
+
+Mesh Sorted(Mesh mesh) {
+  Canonicalize(mesh);
+  return mesh;
+}
+
+TEST(MeshStore, TakesDiffAfterDiffAsTheModelDoes) {
+  auto random = MakeRandom();
+  MeshStore store;
+  Mesh model;
+  model.hash = ComputeHash(model);
+  for (std::uint64_t revision = 1; revision <= 60; ++revision) {
+    const Mesh next = MakeUpMesh(random, 20 + static_cast<int>(random() % 60), revision);
+    const MeshDiff diff = DiffMeshes(model, next);
+    ASSERT_TRUE(store.Apply(diff).ok());
+    ASSERT_TRUE(Identical(Sorted(store.ToMesh()), Sorted(next)));
+    ASSERT_EQ(store.hash(), ComputeHash(store.ToMesh()));
+    ASSERT_EQ(store.vertex_count(), next.vertices.size());
+    ASSERT_EQ(store.simplex_count(), next.simplex_count());
+    ASSERT_EQ(store.subsegment_count(), next.subsegments.size());
+    model = next;
+  }
+}
+
+TEST(MeshStore, FindsWhatItHoldsAndNothingElse) {
+  auto random = MakeRandom();
+  const Mesh mesh = MakeUpMesh(random, 30, 5);
+  const auto store = MeshStore::FromMesh(mesh);
+  ASSERT_TRUE(store.ok());
+  EXPECT_EQ(store->revision(), 5U);
+  const auto vertex = store->FindVertex(mesh.vertices.ids[4]);
+  ASSERT_TRUE(vertex.has_value());
+  EXPECT_EQ(vertex->coordinates[0], mesh.vertices.coordinates[8]);
+  EXPECT_EQ(vertex->coordinates[1], mesh.vertices.coordinates[9]);
+  EXPECT_EQ(vertex->owner, mesh.vertices.owners[4]);
+  EXPECT_EQ(vertex->containing_dimension, mesh.vertices.containing_dimensions[4]);
+  EXPECT_FALSE(store->FindVertex(12345).has_value());
+  EXPECT_TRUE(store->HasSimplex({&mesh.simplices[3], 3}));
+  EXPECT_FALSE(store->HasSimplex({&mesh.simplices[3], 2}));
+  const VertexId none[3] = {1, 2, 3};
+  EXPECT_FALSE(store->HasSimplex(none));
+  const SubsegmentColumns& s = mesh.subsegments;
+  EXPECT_TRUE(store->HasSubsegment(s.ends[1], s.ends[0], s.owners[0]));
+  EXPECT_FALSE(store->HasSubsegment(s.ends[1], s.ends[0], s.owners[0] + 1));
+}
+
+// Every way in which a diff or a mesh can be wrong, and what is said to it.
+struct Refusal {
+  const char* name;
+  absl::StatusCode code;
+  std::function<void(MeshDiff&)> damage;
+};
+
+std::vector<Refusal> Refusals() {
+  using absl::StatusCode;
+  return {
+      {"gap", StatusCode::kFailedPrecondition, [](MeshDiff& d) { d.from_revision += 1; }},
+      {"replay", StatusCode::kFailedPrecondition, [](MeshDiff& d) { d.from_revision -= 1; }},
+      {"wrong hash", StatusCode::kDataLoss, [](MeshDiff& d) { d.hash.lo ^= 1; }},
+      {"vertex to remove is absent", StatusCode::kDataLoss,
+       [](MeshDiff& d) { d.removed_vertices[0] = 99; }},
+      {"vertex removed twice", StatusCode::kDataLoss,
+       [](MeshDiff& d) { d.removed_vertices.push_back(d.removed_vertices[0]); }},
+      {"vertex not removed", StatusCode::kDataLoss,
+       [](MeshDiff& d) { d.removed_vertices.pop_back(); }},
+      {"vertex added twice", StatusCode::kDataLoss,
+       [](MeshDiff& d) { d.added_vertices.ids[0] = d.added_vertices.ids[1]; }},
+      {"simplex to remove is absent", StatusCode::kDataLoss,
+       [](MeshDiff& d) { d.removed_simplices[0] = 99; }},
+      {"simplex removed twice", StatusCode::kDataLoss,
+       [](MeshDiff& d) {
+         const SimplexColumn row(d.removed_simplices.begin(), d.removed_simplices.begin() + 3);
+         d.removed_simplices.insert(d.removed_simplices.end(), row.begin(), row.end());
+       }},
+      {"simplex added twice", StatusCode::kDataLoss,
+       [](MeshDiff& d) {
+         const SimplexColumn row(d.added_simplices.begin(), d.added_simplices.begin() + 3);
+         d.added_simplices.insert(d.added_simplices.end(), row.begin(), row.end());
+       }},
+      {"subsegment to remove is absent", StatusCode::kDataLoss,
+       [](MeshDiff& d) { d.removed_subsegments.owners[0] = 99; }},
+      {"subsegment added twice", StatusCode::kDataLoss,
+       [](MeshDiff& d) {
+         d.added_subsegments.ends.insert(
+             d.added_subsegments.ends.end(),
+             {d.added_subsegments.ends[0], d.added_subsegments.ends[1]});
+         d.added_subsegments.owners.push_back(d.added_subsegments.owners[0]);
+       }},
+      {"coordinate changed", StatusCode::kDataLoss,
+       [](MeshDiff& d) { d.added_vertices.coordinates[0] += 1; }},
+      {"owner changed", StatusCode::kDataLoss,
+       [](MeshDiff& d) { d.added_vertices.owners[0] += 1; }},
+      {"coordinates too few", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.added_vertices.coordinates.pop_back(); }},
+      {"owners too few", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.added_vertices.owners.pop_back(); }},
+      {"half a simplex added", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.added_simplices.pop_back(); }},
+      {"half a simplex removed", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.removed_simplices.pop_back(); }},
+      {"half a subsegment added", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.added_subsegments.ends.pop_back(); }},
+      {"half a subsegment removed", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.removed_subsegments.ends.pop_back(); }},
+      {"another dimension", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) {
+         d = MeshDiff();
+         d.dimension = 3;
+       }},
+      {"no dimension", StatusCode::kInvalidArgument, [](MeshDiff& d) { d.dimension = -1; }},
+  };
+}
+
+TEST(MeshStore, RefusesAWrongDiffAndStaysAsItWas) {
+  auto random = MakeRandom();
+  const Mesh mesh = MakeUpMesh(random, 40, 7);
+  const Mesh next = MakeUpMesh(random, 40, 8);
+  const MeshDiff good = DiffMeshes(mesh, next);
+  ASSERT_GE(good.removed_vertices.size(), 1U);
+  auto store = MeshStore::FromMesh(mesh);
+  ASSERT_TRUE(store.ok());
+  for (const Refusal& refusal : Refusals()) {
+    MeshDiff bad = good;
+    refusal.damage(bad);
+    EXPECT_EQ(store->Apply(bad).code(), refusal.code) << refusal.name;
+    EXPECT_TRUE(Identical(Sorted(store->ToMesh()), Sorted(mesh))) << refusal.name;
+  }
+  EXPECT_TRUE(store->Apply(good).ok());
+  EXPECT_TRUE(Identical(Sorted(store->ToMesh()), Sorted(next)));
+}
+
+TEST(MeshStore, RefusesToAddWhatIsPresent) {
+  auto random = MakeRandom();
+  const Mesh mesh = MakeUpMesh(random, 20, 1);
+  auto store = MeshStore::FromMesh(mesh);
+  ASSERT_TRUE(store.ok());
+  MeshDiff again;
+  again.from_revision = 1;
+  again.to_revision = 2;
+  again.hash = mesh.hash;
+  again.hash += mesh.hash;  // even where the sum would be right
+  again.added_vertices = mesh.vertices;
+  again.added_simplices = mesh.simplices;
+  again.added_subsegments = mesh.subsegments;
+  EXPECT_EQ(store->Apply(again).code(), absl::StatusCode::kDataLoss);
+  again.added_vertices = {};
+  EXPECT_EQ(store->Apply(again).code(), absl::StatusCode::kDataLoss);
+  again.added_simplices = {};
+  EXPECT_EQ(store->Apply(again).code(), absl::StatusCode::kDataLoss);
+}
+
+TEST(MeshStore, RefusesASnapshotThatIsNotWhatItsHashSays) {
+  auto random = MakeRandom();
+  Mesh mesh = MakeUpMesh(random, 20, 1);
+  mesh.hash.hi ^= 4;
+  EXPECT_EQ(MeshStore::FromMesh(mesh).status().code(), absl::StatusCode::kDataLoss);
+  mesh.hash = ComputeHash(mesh);
+  mesh.vertices.owners.pop_back();
+  EXPECT_EQ(MeshStore::FromMesh(mesh).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(MeshStore, TakesAnEmptyDiffInPlace) {
+  MeshStore store;
+  MeshDiff diff;
+  EXPECT_TRUE(store.Apply(diff).ok());
+  EXPECT_EQ(store.revision(), 0U);
+}
+
+TEST(ApplyDiff, LeavesTheMeshAloneOnRefusal) {
+  auto random = MakeRandom();
+  const Mesh before = MakeUpMesh(random, 40, 7);
+  const MeshDiff good = DiffMeshes(before, MakeUpMesh(random, 40, 8));
+  for (const Refusal& refusal : Refusals()) {
+    MeshDiff bad = good;
+    refusal.damage(bad);
+    Mesh mesh = before;
+    EXPECT_EQ(ApplyDiff(mesh, bad).code(), refusal.code) << refusal.name;
+    EXPECT_TRUE(Identical(mesh, before)) << refusal.name;
+  }
+}
+
+}  // namespace
+}  // namespace dynmesh::data

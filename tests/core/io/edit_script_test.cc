@@ -1,0 +1,207 @@
+#include "core/io/edit_script.h"
+
+#include <bit>
+#include <iostream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "tests/core/io/temp_folder.h"
+
+namespace dynmesh::io {
+namespace {
+
+absl::StatusOr<EditScript> Parse(std::string text, bool require_header = true) {
+  return ParseEditScript(TextReader("s.txt", std::move(text)), {require_header});
+}
+
+TEST(EditScript, IsReadLineByLine) {
+  const auto script = Parse(
+      "# a script\n"
+      "mesh dim=2 box=-1,-2,3,4.5 rho=1.25 criterion=thesis\n"
+      "add segment 3 1 2   # before its points\n"
+      "add point 1 0.5 -0\n"
+      "add point 2 1 1e-3\n"
+      "commit\n"
+      "commit\n"
+      "move point 1 2 2\n"
+      "set point 2 3 3\n"
+      "set segment 3 2 1\n"
+      "commit\n"
+      "remove 3\n");
+  ASSERT_TRUE(script.ok()) << script.status();
+  EXPECT_TRUE(script->has_header);
+  const MeshOptions options = script->Options();
+  EXPECT_EQ(options.box.lo[0], -1);
+  EXPECT_EQ(options.box.lo[1], -2);
+  EXPECT_EQ(options.box.hi[0], 3);
+  EXPECT_EQ(options.box.hi[1], 4.5);
+  EXPECT_EQ(options.quality, 1.25);
+  EXPECT_EQ(options.criterion, Criterion::kThesis);
+  ASSERT_EQ(script->batches.size(), 3U);  // the empty one is none
+  EXPECT_EQ(script->batches[0].edits, (EditBatch{Edit::Add(Feature::Segment(3, 1, 2)),
+                                                 Edit::Add(Feature::Point(1, 0.5, -0.0)),
+                                                 Edit::Add(Feature::Point(2, 1, 1e-3))}));
+  EXPECT_EQ(script->batches[0].lines, (std::vector<int>{3, 4, 5}));
+  EXPECT_EQ(script->batches[1].edits,
+            (EditBatch{Edit::Move(1, 2, 2), Edit::Set(Feature::Point(2, 3, 3)),
+                       Edit::Set(Feature::Segment(3, 2, 1))}));
+  EXPECT_EQ(script->batches[2].edits, (EditBatch{Edit::Remove(3)}));
+  EXPECT_EQ(script->Where(1, 2), "s.txt:10");
+  EXPECT_EQ(script->Where(1, std::nullopt), "s.txt:8");
+  EXPECT_EQ(script->Where(9, 0), "s.txt");
+}
+
+TEST(EditScript, WithoutABoxTakesThatOfItsPoints) {
+  const auto script =
+      Parse("mesh\nadd point 1 3 4\nset point 1 -1 5\nmove point 1 0 9\nremove 1\n");
+  ASSERT_TRUE(script.ok()) << script.status();
+  const MeshOptions options = script->Options();
+  EXPECT_EQ(options.box.lo[0], -1);
+  EXPECT_EQ(options.box.lo[1], 4);
+  EXPECT_EQ(options.box.hi[0], 3);
+  EXPECT_EQ(options.box.hi[1], 9);
+  EXPECT_EQ(options.quality, kDefaultQuality2D);
+  EXPECT_EQ(options.criterion, Criterion::kEdge);
+  EXPECT_EQ(Parse("mesh\n")->Options().box, Box());
+}
+
+TEST(EditScript, NeedsNoHeaderWhereAMeshIsThere) {
+  const auto script = Parse("add point 1 3 4\n", false);
+  ASSERT_TRUE(script.ok()) << script.status();
+  EXPECT_FALSE(script->has_header);
+  EXPECT_EQ(script->batches.size(), 1U);
+  EXPECT_TRUE(Parse("", false).ok());
+}
+
+struct BadScript {
+  const char* text;
+  int line;
+  const char* message;
+  absl::StatusCode code = absl::StatusCode::kInvalidArgument;
+};
+
+const BadScript kBadScripts[] = {
+    {"", 0, "must start with"},
+    {"# only\n", 1, "must start with"},
+    {"add point 1 0 0\n", 1, "must start with"},
+    {"mesh dim=2\nmesh dim=2\n", 2, "must be the first"},
+    {"mesh dim\n", 1, "expected key=value"},
+    {"mesh dim=2 dim=2\n", 1, "stands twice"},
+    {"mesh dim=4\n", 1, "dim must be 2"},
+    {"mesh size=4\n", 1, "unknown key 'size'"},
+    {"mesh box=0,0,1\n", 1, "a box is x0,y0,x1,y1"},
+    {"mesh box=0,0,1,1,1\n", 1, "a box is x0,y0,x1,y1"},
+    {"mesh box=0,0,1,x\n", 1, "a box is x0,y0,x1,y1"},
+    {"mesh box=0,0,1,inf\n", 1, "a box is x0,y0,x1,y1"},
+    {"mesh box=0,0,-1,1\n", 1, "x0 <= x1"},
+    {"mesh rho=big\n", 1, "rho is not"},
+    {"mesh criterion=best\n", 1, "edge or thesis"},
+    {"mesh\njump 1\n", 2, "unknown command 'jump'"},
+    {"mesh\nadd\n", 2, "add what?"},
+    {"mesh\nadd circle 1 2 3\n", 2, "unknown kind of feature 'circle'"},
+    {"mesh\nadd point\n", 2, "the point's id is missing"},
+    {"mesh\nadd point 1\n", 2, "x is missing"},
+    {"mesh\nadd point 1 0\n", 2, "y is missing"},
+    {"mesh\nadd point 1 0 nan\n", 2, "y is not a finite number"},
+    {"mesh\nadd point 1 0 0 0\n", 2, "unexpected '0'"},
+    {"mesh\nadd point 0 0 0\n", 2, "reserved"},
+    {"mesh\nadd point 18446744073709551615 0 0\n", 2, "reserved"},
+    {"mesh\nadd point -5 0 0\n", 2, "the point's id is not"},
+    {"mesh\nadd point 1.5 0 0\n", 2, "the point's id is not"},
+    {"mesh\nadd segment 1 2\n", 2, "second end's id is missing"},
+    {"mesh\nadd segment 1 2 0\n", 2, "reserved"},
+    {"mesh\nadd segment 1 2 3 4\n", 2, "unexpected '4'"},
+    {"mesh\nmove segment 1 2 3\n", 2, "only points move"},
+    {"mesh\nmove point 1 2\n", 2, "y is missing"},
+    {"mesh\nremove\n", 2, "is missing"},
+    {"mesh\nremove one\n", 2, "is not a whole number"},
+    {"mesh\nremove 1 2\n", 2, "unexpected '2'"},
+    {"mesh\ncommit now\n", 2, "unexpected 'now'"},
+    {"mesh dim=3\n", 1, "not supported yet in this version", absl::StatusCode::kUnimplemented},
+    {"mesh hmax=0.1\n", 1, "not supported yet in this version", absl::StatusCode::kUnimplemented},
+    {"mesh\nadd polygon 5 1 2 3\n", 2, "not supported yet in this version",
+     absl::StatusCode::kUnimplemented},
+    {"mesh\nset size 5 point 0 0 0.1\n", 2, "not supported yet in this version",
+     absl::StatusCode::kUnimplemented},
+};
+
+TEST(MalformedScript, IsRefusedWithFileAndLine) {
+  for (const BadScript& bad : kBadScripts) {
+    const absl::Status status = Parse(bad.text).status();
+    EXPECT_EQ(status.code(), bad.code) << bad.text;
+    const std::string message(status.message());
+    EXPECT_TRUE(message.starts_with("s.txt:" + std::to_string(bad.line) + ": ")) << bad.text << "\n"
+                                                                                 << message;
+    EXPECT_NE(message.find(bad.message), std::string::npos) << bad.text << "\n" << message;
+  }
+}
+
+bool SameBits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+TEST(EditScript, FormattedReadsBackBitForBit) {
+  const std::uint64_t seed = std::random_device{}();
+  std::cout << "seed " << seed << "\n";
+  std::mt19937_64 random(seed);
+  const auto coordinate = [&] {
+    if (random() % 8 == 0) return random() % 2 == 0 ? -0.0 : std::bit_cast<double>(random() >> 12);
+    return std::bit_cast<double>((random() >> 2) | 0x2000000000000000ULL) *
+           (random() % 2 == 0 ? -1 : 1);
+  };
+  const auto id = [&] { return std::max<FeatureId>(1, random() >> (random() % 64) >> 1); };
+  MeshOptions options;
+  options.box.lo = {-0.1, 1e-300, 0};
+  options.box.hi = {1.0 / 3, 5e200, 1};
+  options.criterion = Criterion::kThesis;
+  std::string text = FormatMeshLine(options) + "\n";
+  EditBatch edits;
+  for (int i = 0; i < 2000; ++i) {
+    switch (random() % 6) {
+      case 0:
+        edits.push_back(Edit::Add(Feature::Point(id(), coordinate(), coordinate())));
+        break;
+      case 1:
+        edits.push_back(Edit::Set(Feature::Point(id(), coordinate(), coordinate())));
+        break;
+      case 2:
+        edits.push_back(Edit::Move(id(), coordinate(), coordinate()));
+        break;
+      case 3:
+        edits.push_back(Edit::Add(Feature::Segment(id(), id(), id())));
+        break;
+      case 4:
+        edits.push_back(Edit::Set(Feature::Segment(id(), id(), id())));
+        break;
+      default:
+        edits.push_back(Edit::Remove(id()));
+    }
+    text += FormatEdit(edits.back()) + "\n";
+  }
+  const auto script = Parse(text);
+  ASSERT_TRUE(script.ok()) << script.status();
+  EXPECT_EQ(script->Options(), options);
+  ASSERT_EQ(script->batches.size(), 1U);
+  ASSERT_EQ(script->batches[0].edits.size(), edits.size());
+  for (std::size_t i = 0; i < edits.size(); ++i) {
+    const Edit& e = script->batches[0].edits[i];
+    EXPECT_EQ(e, edits[i]);
+    EXPECT_TRUE(SameBits(e.feature.position[0], edits[i].feature.position[0]));
+    EXPECT_TRUE(SameBits(e.feature.position[1], edits[i].feature.position[1]));
+  }
+}
+
+TEST(BoundingBox, HoldsThePointsAndNothingMore) {
+  const Box box =
+      BoundingBox({Feature::Point(1, 3, -4), Feature::Segment(2, 1, 1), Feature::Point(3, -1, 7)});
+  EXPECT_EQ(box.lo[0], -1);
+  EXPECT_EQ(box.lo[1], -4);
+  EXPECT_EQ(box.hi[0], 3);
+  EXPECT_EQ(box.hi[1], 7);
+  EXPECT_EQ(BoundingBox({}), Box());
+}
+
+}  // namespace
+}  // namespace dynmesh::io

@@ -1,0 +1,146 @@
+// .vtu and .svg.
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "absl/strings/escaping.h"
+#include "core/io/svg_writer.h"
+#include "core/io/vtu_writer.h"
+#include "gtest/gtest.h"
+#include "tests/core/io/sample_mesh.h"
+#include "tests/core/io/temp_folder.h"
+
+namespace dynmesh::io {
+namespace {
+
+using testing::SampleMesh;
+using testing::TempFolder;
+
+// The values of every DataArray, by name.
+std::map<std::string, std::string> ReadArrays(const std::string& xml) {
+  std::map<std::string, std::string> arrays;
+  const std::regex array(
+      "<DataArray[^>]*Name=\"([^\"]*)\"[^>]*>\\s*([A-Za-z0-9+/=]*)\\s*</DataArray>");
+  for (auto it = std::sregex_iterator(xml.begin(), xml.end(), array); it != std::sregex_iterator();
+       ++it) {
+    std::string raw;
+    EXPECT_TRUE(absl::Base64Unescape((*it)[2].str(), &raw));
+    std::uint64_t bytes = 0;
+    std::memcpy(&bytes, raw.data(), 8);
+    EXPECT_EQ(bytes, raw.size() - 8);
+    arrays[(*it)[1].str()] = raw.substr(8);
+  }
+  return arrays;
+}
+
+template <class T>
+std::vector<T> As(const std::string& raw) {
+  std::vector<T> values(raw.size() / sizeof(T));
+  std::memcpy(values.data(), raw.data(), raw.size());
+  return values;
+}
+
+TEST(Vtu, HoldsTheMeshExactly) {
+  const TempFolder folder;
+  const IndexedMesh mesh = IndexMesh(SampleMesh()).value();
+  ASSERT_TRUE(WriteVtu(mesh, folder.Path("m.vtu")).ok());
+  const std::string xml = folder.Read("m.vtu");
+  EXPECT_NE(xml.find("NumberOfPoints=\"9\" NumberOfCells=\"11\""), std::string::npos);
+  auto arrays = ReadArrays(xml);
+  const auto points = As<double>(arrays["Points"]);
+  ASSERT_EQ(points.size(), 27U);
+  const auto owners = As<std::int64_t>(arrays["owner"]);
+  const auto dimensions = As<std::uint8_t>(arrays["containing_dimension"]);
+  for (std::size_t i = 0; i < 9; ++i) {
+    EXPECT_EQ(points[3 * i], mesh.vertices[i].x);
+    EXPECT_EQ(points[3 * i + 1], mesh.vertices[i].y);
+    EXPECT_EQ(points[3 * i + 2], 0);
+    EXPECT_EQ(dimensions[i], mesh.vertices[i].containing_dimension);
+    EXPECT_EQ(owners[i], mesh.vertices[i].owner == kBoxFeature
+                             ? -1
+                             : static_cast<std::int64_t>(mesh.vertices[i].owner));
+  }
+  const auto corners = As<std::int64_t>(arrays["connectivity"]);
+  ASSERT_EQ(corners.size(), 33U);
+  for (std::size_t i = 0; i < 33; ++i) EXPECT_EQ(corners[i], mesh.triangles[i / 3][i % 3]);
+  EXPECT_EQ(As<std::int64_t>(arrays["offsets"])[10], 33);
+  EXPECT_EQ(As<std::uint8_t>(arrays["types"]), std::vector<std::uint8_t>(11, 5));
+  EXPECT_EQ(As<double>(arrays["min_angle_deg"]).size(), 11U);
+  for (const double ratio : As<double>(arrays["radius_edge"])) EXPECT_GE(ratio, 0.577);
+}
+
+TEST(Vtu, OfNothingIsStillAFile) {
+  const TempFolder folder;
+  ASSERT_TRUE(WriteVtu(IndexedMesh(), folder.Path("m.vtu")).ok());
+  EXPECT_EQ(ReadArrays(folder.Read("m.vtu")).at("Points"), "");
+}
+
+std::size_t CountOf(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++count;
+  return count;
+}
+
+TEST(Svg, DrawsEveryTriangleOnceAndSegmentsOnTop) {
+  const TempFolder folder;
+  const IndexedMesh mesh = IndexMesh(SampleMesh()).value();
+  SvgOptions options;
+  options.width = 640;
+  ASSERT_TRUE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+  const std::string svg = folder.Read("m.svg");
+  EXPECT_NE(svg.find("viewBox=\"0 0 640 "), std::string::npos);
+  EXPECT_EQ(CountOf(svg, "z"), 11U);             // one closed path a triangle
+  EXPECT_EQ(CountOf(svg, "fill=\"none\""), 3U);  // edges, box, segments
+  EXPECT_EQ(CountOf(svg, "<circle"), 2U);
+  EXPECT_LT(svg.find("#7a8794"), svg.find("stroke=\"#14213d\""));
+}
+
+TEST(Svg, LeavesOutWhatIsFarFromTheCrop) {
+  const TempFolder folder;
+  const IndexedMesh mesh = IndexMesh(SampleMesh()).value();
+  SvgOptions options;
+  options.fill = SvgOptions::Fill::kPlain;
+  options.crop = Box{{0, 4, 0}, {0.1, 4.1, 1}};  // inside the triangle at the left side
+  ASSERT_TRUE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+  // That one and the two whose bounding boxes reach there, of eleven.
+  EXPECT_EQ(CountOf(folder.Read("m.svg"), "z"), 3U);
+}
+
+TEST(Svg, HighlightsWhatIsAsked) {
+  const TempFolder folder;
+  const Mesh mesh = SampleMesh();
+  const IndexedMesh indexed = IndexMesh(mesh).value();
+  SvgOptions options;
+  options.fill = SvgOptions::Fill::kNone;
+  options.highlight =
+      FindTriangles(indexed, {mesh.simplices[0], mesh.simplices[1], mesh.simplices[2], 1, 2, 3});
+  ASSERT_EQ(options.highlight.size(), 1U);
+  options.highlight.push_back(999);  // nothing there: nothing drawn
+  ASSERT_TRUE(WriteSvg(indexed, options, folder.Path("m.svg")).ok());
+  EXPECT_EQ(CountOf(folder.Read("m.svg"), "z"), 1U);
+}
+
+TEST(Svg, TakesOddOptionsWithoutHarm) {
+  const TempFolder folder;
+  const IndexedMesh mesh = IndexMesh(SampleMesh()).value();
+  SvgOptions options;
+  options.crop = Box{{5, 2, 0}, {5, 2, 1}};  // no extent
+  EXPECT_TRUE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+  options.crop = Box{{5, 2, 0}, {5 + 1e-15, 2 + 1e-15, 1}};
+  EXPECT_TRUE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+  EXPECT_EQ(CountOf(folder.Read("m.svg"), "nan"), 0U);
+  options = {};
+  options.fill = SvgOptions::Fill::kSize;
+  EXPECT_TRUE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+  EXPECT_TRUE(WriteSvg(IndexedMesh(), options, folder.Path("m.svg")).ok());
+  options.width = std::nan("");
+  EXPECT_FALSE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+  EXPECT_TRUE(ParseFill("quality").ok() && ParseFill("none").ok());
+  EXPECT_FALSE(ParseFill("blue").ok());
+}
+
+}  // namespace
+}  // namespace dynmesh::io

@@ -1,0 +1,53 @@
+// A folder of its own for each test, gone afterwards.
+#ifndef DYNMESH_TESTS_CORE_IO_TEMP_FOLDER_H_
+#define DYNMESH_TESTS_CORE_IO_TEMP_FOLDER_H_
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+
+namespace dynmesh::testing {
+
+class TempFolder {
+ public:
+  TempFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "dynmesh-test-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr) std::abort();
+    path_ = pattern;
+  }
+  ~TempFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+
+  std::string Path(const std::string& name) const { return (path_ / name).string(); }
+
+  std::string Write(const std::string& name, std::string_view text) const {
+    std::ofstream out(path_ / name, std::ios::binary);
+    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    return Path(name);
+  }
+
+  std::string Read(const std::string& name) const {
+    std::ifstream in(path_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+
+  std::size_t FileCount() const {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace dynmesh::testing
+
+#endif  // DYNMESH_TESTS_CORE_IO_TEMP_FOLDER_H_

@@ -1,0 +1,148 @@
+// What Check returns and Commit does: the net change, no more, no less.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "core/plc/plc.h"
+#include "tests/core/plc/plc_test_util.h"
+
+namespace dynmesh::plc {
+namespace {
+
+const geometry::Point2 kA{{0.25, 0.25}}, kB{{0.75, 0.25}}, kC{{0.5, 0.75}};
+
+// Triangle 1, 2, 3 with sides 11 = (1, 2) and 12 = (2, 3).
+class PlcDelta : public testing::Test {
+ protected:
+  PlcDelta() : plc_(Square(0, 1)) {
+    Apply(plc_, {AddPoint(1, kA[0], kA[1]), AddPoint(2, kB[0], kB[1]), AddPoint(3, kC[0], kC[1]),
+                 AddSegment(11, 1, 2), AddSegment(12, 2, 3)});
+  }
+  Plc2 plc_;
+};
+
+TEST_F(PlcDelta, FirstBatchAddsEverythingSortedById) {
+  Plc2 fresh(Square(0, 1));
+  const Delta delta =
+      Apply(fresh, {AddSegment(9, 7, 3), AddPoint(7, 0.5, 0.5), AddPoint(3, 0.25, 0.5)});
+  EXPECT_EQ(delta.added_points, (std::vector<PointFeature>{{3, {{0.25, 0.5}}}, {7, {{0.5, 0.5}}}}));
+  EXPECT_EQ(delta.added_segments,
+            (std::vector<SegmentFeature>{{9, 7, 3, {{0.5, 0.5}}, {{0.25, 0.5}}}}));
+  EXPECT_TRUE(delta.removed_points.empty());
+  EXPECT_TRUE(delta.removed_segments.empty());
+}
+
+TEST_F(PlcDelta, NothingChangesUntilCommit) {
+  const absl::StatusOr<Delta> delta = plc_.Check({AddPoint(4, 0.1, 0.1)});
+  ASSERT_TRUE(delta.ok());
+  EXPECT_FALSE(plc_.HasPoint(4));
+  EXPECT_EQ(plc_.size(), 5u);
+  plc_.Commit(*delta);
+  EXPECT_TRUE(plc_.HasPoint(4));
+  EXPECT_EQ(plc_.size(), 6u);
+}
+
+TEST_F(PlcDelta, EmptyBatchAndBatchesWithoutNetChangeAreEmpty) {
+  for (const EditBatch& batch : std::vector<EditBatch>{
+           {},
+           {AddPoint(4, 0.1, 0.1), Edit::Remove(4)},
+           {Edit::Move(2, 0.8, 0.2), Edit::Move(2, kB[0], kB[1])},
+           {SetPoint(2, kB[0], kB[1])},
+           {SetSegment(11, 1, 2)},
+           {Edit::Remove(12), AddSegment(12, 2, 3)},
+           {Edit::Remove(2), AddPoint(2, kB[0], kB[1])},
+       }) {
+    const absl::StatusOr<Delta> delta = plc_.Check(batch);
+    ASSERT_TRUE(delta.ok()) << delta.status();
+    EXPECT_TRUE(delta->empty()) << ScriptOf(batch);
+  }
+}
+
+TEST_F(PlcDelta, AMovedPointTakesItsSegmentsAlong) {
+  const geometry::Point2 to{{0.8, 0.2}};
+  const Delta delta = Apply(plc_, {Edit::Move(2, to[0], to[1])});
+  EXPECT_EQ(delta.removed_points, (std::vector<PointFeature>{{2, kB}}));
+  EXPECT_EQ(delta.added_points, (std::vector<PointFeature>{{2, to}}));
+  EXPECT_EQ(delta.removed_segments,
+            (std::vector<SegmentFeature>{{11, 1, 2, kA, kB}, {12, 2, 3, kB, kC}}));
+  EXPECT_EQ(delta.added_segments,
+            (std::vector<SegmentFeature>{{11, 1, 2, kA, to}, {12, 2, 3, to, kC}}));
+  EXPECT_EQ(plc_.FindSegment(12)->p, to);
+}
+
+TEST_F(PlcDelta, AReplacedSegmentAppearsInBothLists) {
+  const Delta delta = Apply(plc_, {SetSegment(12, 1, 3)});
+  EXPECT_TRUE(delta.removed_points.empty());
+  EXPECT_TRUE(delta.added_points.empty());
+  EXPECT_EQ(delta.removed_segments, (std::vector<SegmentFeature>{{12, 2, 3, kB, kC}}));
+  EXPECT_EQ(delta.added_segments, (std::vector<SegmentFeature>{{12, 1, 3, kA, kC}}));
+}
+
+TEST_F(PlcDelta, AFeatureMayChangeItsKind) {
+  const Delta delta = Apply(plc_, {SetPoint(12, 0.1, 0.1), Edit::Remove(3)});
+  EXPECT_EQ(delta.removed_segments, (std::vector<SegmentFeature>{{12, 2, 3, kB, kC}}));
+  EXPECT_EQ(delta.removed_points, (std::vector<PointFeature>{{3, kC}}));
+  EXPECT_EQ(delta.added_points, (std::vector<PointFeature>{{12, {{0.1, 0.1}}}}));
+  Apply(plc_, {SetSegment(12, 1, 5), AddPoint(5, 0.1, 0.3)});
+  EXPECT_TRUE(plc_.HasSegment(12));
+  EXPECT_FALSE(plc_.HasPoint(12));
+}
+
+TEST_F(PlcDelta, InverseOfACommitRestoresTheFeatures) {
+  const std::vector<Feature> before = plc_.Features();
+  const Delta delta = Apply(plc_, {Edit::Move(2, 0.8, 0.2), Edit::Remove(11), Edit::Remove(1),
+                                   AddPoint(20, 0.1, 0.9), AddSegment(21, 20, 3)});
+  EXPECT_NE(plc_.Features(), before);
+  EXPECT_EQ(delta.Inverse().Inverse(), delta);
+  plc_.Commit(delta.Inverse());
+  EXPECT_EQ(plc_.Features(), before);
+  EXPECT_EQ(plc_.SegmentsAt(2), (std::vector<FeatureId>{11, 12}));
+  // The index is back, too.
+  EXPECT_FALSE(plc_.Check({AddPoint(30, 0.5, 0.25)}).ok());
+  EXPECT_TRUE(plc_.Check({AddPoint(30, 0.1, 0.9)}).ok());
+}
+
+TEST_F(PlcDelta, MinusZeroIsStoredAsZero) {
+  Apply(plc_, {AddPoint(4, -0.0, -0.0)});
+  EXPECT_FALSE(std::signbit(plc_.FindPoint(4)->p[0]));
+  EXPECT_FALSE(std::signbit(plc_.FindPoint(4)->p[1]));
+  EXPECT_TRUE(plc_.Check({Edit::Move(4, 0, -0.0)})->empty());
+}
+
+TEST_F(PlcDelta, FeaturesAreSortedAndLookedUpById) {
+  EXPECT_EQ(plc_.Features(),
+            (std::vector<Feature>{Feature::Point(1, kA[0], kA[1]), Feature::Point(2, kB[0], kB[1]),
+                                  Feature::Point(3, kC[0], kC[1]), Feature::Segment(11, 1, 2),
+                                  Feature::Segment(12, 2, 3)}));
+  EXPECT_EQ(plc_.FindPoint(2), (PointFeature{2, kB}));
+  EXPECT_EQ(plc_.FindPoint(11), std::nullopt);
+  EXPECT_EQ(plc_.FindSegment(11), (SegmentFeature{11, 1, 2, kA, kB}));
+  EXPECT_EQ(plc_.FindSegment(2), std::nullopt);
+  EXPECT_EQ(plc_.SegmentsAt(2), (std::vector<FeatureId>{11, 12}));
+  EXPECT_TRUE(plc_.SegmentsAt(77).empty());
+  EXPECT_EQ(plc_.point_count(), 3u);
+  EXPECT_EQ(plc_.segment_count(), 2u);
+}
+
+TEST_F(PlcDelta, ABoxWithoutExtentTakesItsOnePoint) {
+  Plc2 plc(Square(5, 5));
+  Apply(plc, {AddPoint(1, 5, 5)});
+  EXPECT_EQ(plc.Check({AddPoint(2, 5, 5 + 0x1p-50)}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(plc.Check({AddPoint(2, 5, 5)}).status().code(), absl::StatusCode::kFailedPrecondition);
+}
+
+TEST_F(PlcDelta, AFlatBoxTakesPointsOnALine) {
+  MeshOptions options;
+  options.box.lo = {-1, 3, 0};
+  options.box.hi = {1, 3, 0};
+  Plc2 plc(options);
+  Apply(plc, {AddPoint(1, -1, 3), AddPoint(2, 1, 3), AddPoint(3, 0.5, 3), AddSegment(4, 1, 3)});
+  EXPECT_FALSE(plc.Check({AddSegment(5, 1, 2)}).ok());
+  EXPECT_TRUE(plc.Check({AddSegment(5, 2, 3)}).ok());
+}
+
+}  // namespace
+}  // namespace dynmesh::plc

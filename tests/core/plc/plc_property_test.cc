@@ -1,0 +1,356 @@
+// Random scripts against the oracle: verdict, blame, net change, state.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iostream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/plc/plc.h"
+#include "dynmesh/error.h"
+#include "tests/core/plc/naive_plc.h"
+#include "tests/core/plc/plc_test_util.h"
+
+namespace dynmesh::plc {
+namespace {
+
+using geometry::Point2;
+
+// Makes batches that are likely to hit a rule, and as likely not to.
+class Generator {
+ public:
+  enum class Style { kGrid, kFineGrid, kReal, kHatch, kClusters, kNearMisses };
+
+  Generator(std::uint64_t seed, Style style) : random_(seed), style_(style) {}
+
+  EditBatch Batch(const FeatureMap& present, int most) {
+    EditBatch batch;
+    FeatureMap draft = present;
+    const int n = Int(1, most);
+    while (static_cast<int>(batch.size()) < n) Append(draft, batch);
+    if (Chance(0.1)) std::shuffle(batch.begin(), batch.end(), random_);
+    return batch;
+  }
+
+  int Int(int lo, int hi) { return std::uniform_int_distribution<int>(lo, hi)(random_); }
+  bool Chance(double p) { return std::bernoulli_distribution(p)(random_); }
+
+ private:
+  static double Round(double x) {
+    return std::clamp(std::nearbyint(std::ldexp(x, 52)), 0.0, 0x1p52) * 0x1p-52;
+  }
+  double Real() { return Round(std::uniform_real_distribution<double>(0, 1)(random_)); }
+  double Steps(double step, int most) { return step * Int(-most, most); }
+
+  std::optional<Feature> Pick(const FeatureMap& draft, FeatureKind kind) {
+    std::vector<Feature> choice;
+    for (const auto& [id, f] : draft) {
+      if (f.kind == kind) choice.push_back(f);
+    }
+    if (choice.empty()) return std::nullopt;
+    return choice[Int(0, static_cast<int>(choice.size()) - 1)];
+  }
+
+  // A place on or next to something that is there.
+  Point2 NearSomething(const FeatureMap& draft) {
+    const double steps[] = {0, 0x1p-52, 0x1p-44, 0x1p-42, 0x1p-41, 0x1p-40, 0x1p-38};
+    const double step = steps[Int(0, 6)];
+    Point2 at{{Real(), Real()}};
+    if (const auto point = Pick(draft, FeatureKind::kPoint)) {
+      at = {{point->position[0], point->position[1]}};
+    }
+    if (const auto segment = Pick(draft, FeatureKind::kSegment); segment && Chance(0.6)) {
+      const auto p = draft.find(segment->ends[0]), q = draft.find(segment->ends[1]);
+      if (p != draft.end() && q != draft.end()) {
+        const double t = Int(1, 3) / 4.0;
+        for (int i = 0; i < 2; ++i) {
+          at[i] = p->second.position[i] + t * (q->second.position[i] - p->second.position[i]);
+        }
+      }
+    }
+    return {{Round(at[0] + Steps(step, 2)), Round(at[1] + Steps(step, 2))}};
+  }
+
+  Point2 NewPlace(const FeatureMap& draft) {
+    if (Chance(0.01)) {
+      const double bad[] = {std::numeric_limits<double>::quiet_NaN(),
+                            std::numeric_limits<double>::infinity(), -0x1p-52, 1.5};
+      return {{bad[Int(0, 3)], 0.5}};
+    }
+    switch (style_) {
+      case Style::kGrid:
+        return {{Int(0, 8) / 8.0, Int(0, 8) / 8.0}};
+      case Style::kFineGrid:
+        return {{Int(0, 64) / 64.0, Int(0, 64) / 64.0}};
+      case Style::kReal:
+        return {{Real(), Real()}};
+      case Style::kHatch:  // near the left and right, or lower and upper, border
+        if (Chance(0.5)) return {{Int(0, 1) ? Int(0, 3) / 256.0 : 1 - Int(0, 3) / 256.0, Real()}};
+        return {{Real(), Int(0, 1) ? Int(0, 3) / 256.0 : 1 - Int(0, 3) / 256.0}};
+      case Style::kClusters: {
+        const double scale = std::ldexp(1.0, -Int(0, 4) * 9);
+        const double at = Int(1, 3) / 4.0;
+        return {{Round(at + Steps(scale / 32, 8)), Round(0.5 + Steps(scale / 32, 8))}};
+      }
+      case Style::kNearMisses:
+        return Chance(0.4) ? Point2{{Real(), Real()}} : NearSomething(draft);
+    }
+    return {};
+  }
+
+  FeatureId FreeId(const FeatureMap& draft) {
+    if (Chance(0.01)) return Chance(0.5) ? 0 : FeatureId{0} - Int(1, 70000);
+    FeatureId id = Int(1, 400);
+    while (draft.contains(id) && !Chance(0.02)) id = Int(1, 400);
+    return id;
+  }
+
+  Feature NewPoint(FeatureId id, const FeatureMap& draft) {
+    const Point2 at = NewPlace(draft);
+    return Feature::Point(id, at[0] == 0 && Chance(0.5) ? -0.0 : at[0], at[1]);
+  }
+
+  // Between two points, mostly to one of the nearest of a few: fewer crossings.
+  Feature NewSegment(FeatureId id, const FeatureMap& draft) {
+    const auto p = Pick(draft, FeatureKind::kPoint);
+    if (!p || Chance(0.02)) return Feature::Segment(id, Int(0, 400), Int(1, 400));
+    Feature q = *Pick(draft, FeatureKind::kPoint);
+    const auto distance = [&](const Feature& f) {
+      // In a hatch: long ones are wanted, but parallel.
+      const double dx = f.position[0] - p->position[0], dy = f.position[1] - p->position[1];
+      if (style_ == Style::kHatch) return std::min(std::abs(dx), std::abs(dy)) + (f.id == p->id);
+      return f.id == p->id ? 9 : dx * dx + dy * dy;
+    };
+    for (int i = Int(0, 30); i > 0; --i) {
+      const Feature r = *Pick(draft, FeatureKind::kPoint);
+      if (distance(r) < distance(q)) q = r;
+    }
+    return Feature::Segment(id, p->id, q.id);
+  }
+
+  void Append(FeatureMap& draft, EditBatch& batch) {
+    const int dice = Int(0, 99);
+    Edit edit;
+    if (dice < 38) {
+      edit = Edit::Add(NewPoint(FreeId(draft), draft));
+    } else if (dice < 70) {
+      edit = Edit::Add(NewSegment(FreeId(draft), draft));
+    } else if (dice < 80) {
+      const auto point = Pick(draft, FeatureKind::kPoint);
+      if (!point) return;
+      const Point2 at = NewPlace(draft);
+      edit = Edit::Move(point->id, at[0], at[1]);
+    } else if (dice < 86) {
+      const auto old = Pick(draft, Chance(0.5) ? FeatureKind::kPoint : FeatureKind::kSegment);
+      if (!old) return;
+      edit = Edit::Set(Chance(0.5) ? NewPoint(old->id, draft) : NewSegment(old->id, draft));
+    } else if (dice < 99) {
+      RemoveSomething(draft, batch);
+      return;
+    } else {
+      edit = Chance(0.5) ? Edit::Remove(Int(1, 400)) : Edit::Move(Int(1, 400), Real(), Real());
+    }
+    draft[edit.feature.id] = edit.feature;
+    batch.push_back(edit);
+  }
+
+  // A point goes with its segments, mostly.
+  void RemoveSomething(FeatureMap& draft, EditBatch& batch) {
+    const auto f = Pick(draft, Chance(0.5) ? FeatureKind::kPoint : FeatureKind::kSegment);
+    if (!f) return;
+    const FeatureId gone = f->id;
+    batch.push_back(Edit::Remove(gone));
+    draft.erase(gone);
+    if (f->kind == FeatureKind::kSegment || Chance(0.2)) return;
+    for (auto it = draft.begin(); it != draft.end();) {
+      const bool uses = it->second.kind == FeatureKind::kSegment &&
+                        (it->second.ends[0] == gone || it->second.ends[1] == gone);
+      if (uses) batch.push_back(Edit::Remove(it->first));
+      it = uses ? draft.erase(it) : std::next(it);
+    }
+  }
+
+  std::mt19937_64 random_;
+  Style style_;
+};
+
+// As Plc2 stores them.
+std::vector<Feature> Normalized(const FeatureMap& features) {
+  std::vector<Feature> result;
+  for (const auto& [id, f] : features) {
+    result.push_back(f.kind == FeatureKind::kPoint
+                         ? Feature::Point(id, f.position[0] + 0.0, f.position[1] + 0.0)
+                         : Feature::Segment(id, f.ends[0], f.ends[1]));
+  }
+  return result;
+}
+
+// The net change from one feature set to another, from their definition.
+Delta NaiveDelta(const FeatureMap& before, const FeatureMap& after) {
+  const auto points = [](const FeatureMap& all) {
+    std::map<FeatureId, PointFeature> result;
+    for (const Feature& f : Normalized(all)) {
+      if (f.kind == FeatureKind::kPoint) {
+        result[f.id] = {f.id, {{f.position[0], f.position[1]}}};
+      }
+    }
+    return result;
+  };
+  const auto segments = [&](const FeatureMap& all) {
+    const auto at = points(all);
+    std::map<FeatureId, SegmentFeature> result;
+    for (const auto& [id, f] : all) {
+      if (f.kind == FeatureKind::kPoint) continue;
+      result[id] = {id, f.ends[0], f.ends[1], at.at(f.ends[0]).p, at.at(f.ends[1]).p};
+    }
+    return result;
+  };
+  const auto less = [](const auto& a, const auto& b, auto& out) {
+    for (const auto& [id, f] : a) {
+      if (!b.contains(id) || !(b.at(id) == f)) out.push_back(f);
+    }
+  };
+  Delta delta;
+  less(points(before), points(after), delta.removed_points);
+  less(points(after), points(before), delta.added_points);
+  less(segments(before), segments(after), delta.removed_segments);
+  less(segments(after), segments(before), delta.added_segments);
+  return delta;
+}
+
+struct Tally {
+  int accepted = 0, refused = 0, ambiguous = 0;
+  std::map<std::string, int> reasons;
+};
+
+// One script from empty. Every batch is judged by both; legal ones are committed,
+// undone and committed again.
+void RunScript(std::uint64_t seed, Generator::Style style, int batches, int most, Tally& tally) {
+  Generator generator(seed, style);
+  Plc2 plc(Square(0, 1));
+  FeatureMap present;
+  std::string script = "mesh dim=2 box=0,0,1,1\n";
+  for (int i = 0; i < batches; ++i) {
+    const EditBatch batch = generator.Batch(present, most);
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", style " << static_cast<int>(style)
+                                    << ", batch " << i << "\n"
+                                    << script << "# this one:\n"
+                                    << ScriptOf(batch));
+    const NaiveResult wanted = NaiveCheck(present, batch);
+    const absl::StatusOr<Delta> delta = plc.Check(batch);
+    if (wanted.ambiguous) {
+      ++tally.ambiguous;
+      continue;
+    }
+    if (wanted.problem) {
+      ++tally.refused;
+      ++tally.reasons[wanted.problem->reason];
+      ASSERT_FALSE(delta.ok()) << wanted.problem->reason;
+      const std::optional<ErrorDetail> detail = GetErrorDetail(delta.status());
+      ASSERT_TRUE(detail.has_value());
+      ASSERT_EQ(detail->reason, wanted.problem->reason) << delta.status();
+      ASSERT_EQ(detail->features, wanted.problem->features) << delta.status();
+      ASSERT_EQ(detail->edit, static_cast<std::size_t>(wanted.problem->edit)) << delta.status();
+      continue;
+    }
+    ++tally.accepted;
+    ASSERT_TRUE(delta.ok()) << delta.status();
+    ASSERT_EQ(*delta, NaiveDelta(present, wanted.features));
+    plc.Commit(*delta);
+    ASSERT_EQ(plc.Features(), Normalized(wanted.features));
+    plc.Commit(delta->Inverse());
+    ASSERT_EQ(plc.Features(), Normalized(present));
+    const absl::StatusOr<Delta> again = plc.Check(batch);
+    ASSERT_TRUE(again.ok()) << again.status();
+    ASSERT_EQ(*again, *delta);
+    plc.Commit(*delta);
+    present = wanted.features;
+    script += ScriptOf(batch);
+  }
+}
+
+void RunScripts(std::uint64_t first_seed, int scripts, Generator::Style style, int batches,
+                int most) {
+  Tally tally;
+  for (int i = 0; i < scripts; ++i) {
+    RunScript(first_seed + i, style, batches, most, tally);
+    if (testing::Test::HasFatalFailure()) return;
+  }
+  std::string reasons;
+  for (const auto& [reason, count] : tally.reasons) {
+    reasons += " " + reason + "=" + std::to_string(count);
+  }
+  std::cout << "seeds from " << first_seed << ": " << tally.accepted << " accepted, "
+            << tally.refused << " refused, " << tally.ambiguous << " ambiguous;" << reasons << "\n";
+  // Else the scripts test nothing.
+  EXPECT_GT(tally.accepted, scripts / 2);
+  EXPECT_GT(tally.refused, scripts / 2);
+  EXPECT_LT(tally.ambiguous, (tally.accepted + tally.refused) / 10);
+}
+
+using Style = Generator::Style;
+
+TEST(PlcProperty, CoarseGridScriptsAgreeWithTheOracle) {
+  RunScripts(1000, 800, Style::kGrid, 40, 8);
+}
+TEST(PlcProperty, FineGridScriptsAgreeWithTheOracle) {
+  RunScripts(20000, 400, Style::kFineGrid, 60, 10);
+}
+TEST(PlcProperty, ScriptsOfRandomPlacesAgreeWithTheOracle) {
+  RunScripts(30000, 400, Style::kReal, 60, 10);
+}
+TEST(PlcProperty, ScriptsOfLongSegmentsAgreeWithTheOracle) {
+  RunScripts(40000, 400, Style::kHatch, 80, 6);
+}
+TEST(PlcProperty, ScriptsOfClustersAgreeWithTheOracle) {
+  RunScripts(50000, 300, Style::kClusters, 80, 6);
+}
+TEST(PlcProperty, ScriptsOfNearMissesAgreeWithTheOracle) {
+  RunScripts(60000, 800, Style::kNearMisses, 60, 5);
+}
+// One batch, everything at once: the order of blame matters most.
+TEST(PlcProperty, LargeBatchesAgreeWithTheOracle) {
+  RunScripts(70000, 300, Style::kGrid, 8, 40);
+  RunScripts(71000, 300, Style::kReal, 8, 60);
+}
+
+// A set that grew by many batches and the same set entered at once judge alike.
+TEST(PlcProperty, AnswersDoNotDependOnHistory) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const Style style = static_cast<Style>(seed % 6);
+    Generator generator(seed, style);
+    Plc2 grown(Square(0, 1));
+    FeatureMap present;
+    for (int i = 0; i < 150; ++i) {
+      const absl::StatusOr<Delta> delta = grown.Check(generator.Batch(present, 6));
+      if (!delta.ok()) continue;
+      grown.Commit(*delta);
+      present.clear();
+      for (const Feature& f : grown.Features()) present[f.id] = f;
+    }
+    EditBatch all;
+    for (const auto& [id, f] : present) all.push_back(Edit::Add(f));
+    std::reverse(all.begin(), all.end());
+    Plc2 fresh(Square(0, 1));
+    Apply(fresh, all);
+    ASSERT_EQ(fresh.Features(), grown.Features()) << "seed " << seed;
+    for (int i = 0; i < 100; ++i) {
+      const EditBatch batch = generator.Batch(present, 4);
+      const absl::StatusOr<Delta> a = grown.Check(batch), b = fresh.Check(batch);
+      ASSERT_EQ(a.status(), b.status()) << "seed " << seed << "\n" << ScriptOf(batch);
+      if (a.ok()) {
+        ASSERT_EQ(*a, *b) << "seed " << seed << "\n" << ScriptOf(batch);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dynmesh::plc

@@ -1,0 +1,551 @@
+// The promises of the engine, one by one: order, reference counts, cut-off, windows of
+// notification, deferred release.
+#include "core/sac/engine.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "tests/core/sac/scripted_program.h"
+
+namespace dynmesh::sac {
+namespace {
+
+using Program = testing::ScriptedProgram<Engine>;
+using Context = Program::Context;
+
+constexpr Kind kOnly = 0;
+
+std::vector<std::string> Problems(Program& p) {
+  std::vector<std::string> problems;
+  p.engine().Audit([](Kind, Item item) { return std::uint64_t{item}; },
+                   [](OpId) { return std::uint64_t{0}; }, &problems);
+  return problems;
+}
+
+class EngineTest : public ::testing::Test {
+ protected:
+  ~EngineTest() override {
+    const std::vector<std::string> problems = Problems(p_);
+    EXPECT_TRUE(problems.empty()) << problems.front();
+  }
+  void Request(Item item, Epoch epoch = 0) { e_.Request(kOnly, item, epoch); }
+  void Unrequest(Item item, Epoch epoch = 0) { e_.Unrequest(kOnly, item, epoch); }
+  // Makes the operations of an item stale, as a change of input does.
+  void Touch(Item item) { e_.NotifyChain(p_.OperationOf(item), e_.beginning()); }
+  // Propagates, and tells what happened.
+  std::string Run() {
+    EXPECT_TRUE(e_.Propagate([] { return false; }));
+    return p_.TakeLog();
+  }
+  std::string RunUntil(int operations) {
+    EXPECT_FALSE(e_.Propagate([&] { return operations-- == 0; }));
+    return p_.TakeLog();
+  }
+  static Program::Body Requests(std::vector<Item> items, Epoch epoch) {
+    return [=](Context& c) {
+      for (const Item i : items) c.Request(kOnly, i, epoch);
+    };
+  }
+  static Program::Body Emits(std::vector<Output> outputs) {
+    return [=](Context& c) {
+      for (const Output o : outputs) c.Emit(o);
+    };
+  }
+
+  Program p_;
+  Engine<Program>& e_ = p_.engine();
+};
+
+// --- Order ----------------------------------------------------------------------------
+
+TEST_F(EngineTest, NothingRequestedNothingDone) { EXPECT_EQ(Run(), ""); }
+
+TEST_F(EngineTest, OperationsRunInTheOrderOfTime) {
+  Request(5, 2);
+  Request(3, 2);
+  Request(9, 1);
+  Request(4, 3);
+  EXPECT_EQ(Run(), "run 9@1, run 3@2, run 5@2, run 4@3");
+}
+
+TEST_F(EngineTest, TiesOfPriorityAreBrokenByTheProgram) {
+  p_.one_priority = true;
+  for (const Item i : {4, 2, 5, 1, 3}) Request(i, 7);
+  EXPECT_EQ(Run(), "run 1@7, run 2@7, run 3@7, run 4@7, run 5@7");
+}
+
+TEST_F(EngineTest, ARequestForTheSameEpochComesInItsTurn) {
+  p_[1] = [](Context& c) { c.Request(kOnly, 3, c.epoch); };
+  p_[3] = [](Context& c) { c.Request(kOnly, 5, c.epoch); };
+  for (const Item i : {1, 2, 4, 6}) Request(i);
+  EXPECT_EQ(Run(), "run 1@0, run 2@0, run 3@0, run 4@0, run 5@0, run 6@0");
+}
+
+TEST_F(EngineTest, WhatIsRequestedLaterStandsWhereItBelongs) {
+  for (const Item i : {1, 3, 5}) Request(i, 4);
+  Run();
+  for (const Item i : {0, 2, 4, 6}) Request(i, 4);
+  Request(9, 3);
+  EXPECT_EQ(Run(), "run 9@3, run 0@4, run 2@4, run 4@4, run 6@4");
+  std::vector<Stamp> stamps = {e_.stamp(p_.OperationOf(9))};
+  for (Item i = 0; i <= 6; ++i) stamps.push_back(e_.stamp(p_.OperationOf(i)));
+  for (std::size_t i = 1; i < stamps.size(); ++i) {
+    EXPECT_TRUE(e_.Precedes(stamps[i - 1], stamps[i]));
+    EXPECT_TRUE(e_.Precedes(e_.beginning(), stamps[i]));
+  }
+}
+
+TEST_F(EngineTest, AnItemMayHaveOperationsInManyEpochs) {
+  for (const Epoch epoch : {8, 1, 5}) Request(2, epoch);
+  EXPECT_EQ(Run(), "run 2@1, run 2@5, run 2@8");
+  EXPECT_EQ(e_.operation_count(), 3u);
+  Unrequest(2, 5);
+  EXPECT_EQ(Run(), "");
+  EXPECT_EQ(e_.operation_count(), 2u);
+}
+
+TEST_F(EngineTest, AnOperationSeesWhatIsEarlierThanItself) {
+  Stamp birth = kNoStamp;
+  bool sees = false;
+  p_.on_publish = [&](Output, Stamp at) { birth = at; };
+  p_[2] = Emits({7});
+  Request(2);
+  Run();
+  for (const Item i : {1, 2, 3}) {
+    p_[i] = [&](Context& c) { sees = c.Sees(birth) && c.Sees(e_.beginning()); };
+    if (i == 2) {
+      Touch(2);
+    } else {
+      Request(i);
+    }
+    Run();
+    EXPECT_EQ(sees, i == 3) << i;
+  }
+}
+
+#ifndef NDEBUG
+TEST(EngineDeathTest, ARequestForAnEarlierEpochDies) {
+  Program p;
+  p[1] = [](Context& c) { c.Request(kOnly, 2, c.epoch - 1); };
+  p.engine().Request(kOnly, 1, 5);
+  EXPECT_DEATH(p.engine().Propagate(), "IsLater");
+}
+TEST(EngineDeathTest, ARequestForALesserPriorityInTheSameEpochDies) {
+  Program p;
+  p[2] = [](Context& c) { c.Request(kOnly, 1, c.epoch); };
+  p.engine().Request(kOnly, 2, 5);
+  EXPECT_DEATH(p.engine().Propagate(), "IsLater");
+}
+TEST(EngineDeathTest, ARequestForOneselfDies) {
+  Program p;
+  p[2] = [](Context& c) { c.Request(kOnly, 2, c.epoch); };
+  p.engine().Request(kOnly, 2, 5);
+  EXPECT_DEATH(p.engine().Propagate(), "IsLater");
+}
+TEST(EngineDeathTest, UnrequestingWhatWasNeverRequestedDies) {
+  Program p;
+  EXPECT_DEATH(p.engine().Unrequest(kOnly, 1, 0), "refs");
+}
+#endif
+
+// --- Reference counts ---------------------------------------------------------------------
+
+TEST_F(EngineTest, AnOperationLivesWhileSomeoneRequestsIt) {
+  p_[1] = p_[2] = Requests({9}, 1);
+  p_[9] = Emits({90});
+  Request(1);
+  Request(2);
+  Request(9, 1);
+  EXPECT_EQ(Run(), "run 1@0, run 2@0, run 9@1, +90");
+  Unrequest(1);
+  EXPECT_EQ(Run(), "");
+  Unrequest(9, 1);
+  EXPECT_EQ(Run(), "");
+  Unrequest(2);
+  EXPECT_EQ(Run(), "-90, free 90");
+  EXPECT_EQ(e_.operation_count(), 0u);
+  EXPECT_EQ(e_.counters().dropped, 3u);
+}
+
+TEST_F(EngineTest, TwoRequestsOfOneOperationCountTwice) {
+  p_[1] = Requests({9, 9}, 1);
+  Request(1);
+  Run();
+  p_[1] = Requests({9}, 1);
+  Touch(1);
+  EXPECT_EQ(Run(), "run 1@0");
+  EXPECT_EQ(e_.operation_count(), 2u);
+  p_[1] = {};
+  Touch(1);
+  Run();
+  EXPECT_EQ(e_.operation_count(), 1u);
+}
+
+TEST_F(EngineTest, WhatIsRequestedAgainIsNotMadeAgain) {
+  p_[1] = Requests({8}, 1);
+  p_[8] = Requests({9}, 2);
+  p_[9] = Emits({90});
+  Request(1);
+  Run();
+  e_.ResetCounters();
+  p_[1] = Requests({7, 8}, 1);
+  Touch(1);
+  EXPECT_EQ(Run(), "run 1@0, run 7@1");
+  EXPECT_EQ(e_.counters().created, 1u);
+  EXPECT_EQ(e_.counters().dropped, 0u);
+}
+
+// In either direction: the one who lets go may come before the one who takes over.
+TEST_F(EngineTest, ASharedSubTraceIsHandedOver) {
+  p_[8] = Requests({9}, 2);
+  p_[9] = Emits({90});
+  p_[1] = Requests({8}, 1);
+  Request(1);
+  Request(2);
+  Run();
+  for (const Item from : {1, 2, 1}) {
+    const Item to = 3 - from;
+    p_[from] = {};
+    p_[to] = Requests({8}, 1);
+    Touch(1);
+    Touch(2);
+    EXPECT_EQ(Run(), "run 1@0, run 2@0");
+  }
+  EXPECT_EQ(e_.counters().dropped, 0u);
+}
+
+TEST_F(EngineTest, UnrequestAndRequestInOneBatchIsNothing) {
+  p_[1] = Emits({10});
+  Request(1);
+  Run();
+  Unrequest(1);
+  Request(1);
+  EXPECT_EQ(Run(), "");
+  EXPECT_EQ(e_.counters().dropped, 0u);
+}
+
+TEST_F(EngineTest, WhatWasNeverRunIsDroppedWithoutBeingRun) {
+  Request(1);
+  Unrequest(1);
+  EXPECT_EQ(Run(), "");
+  EXPECT_EQ(e_.operation_count(), 0u);
+  Request(1);
+  EXPECT_EQ(Run(), "run 1@0");
+}
+
+TEST_F(EngineTest, ALongChainIsDroppedWithoutRecursion) {
+  const Item length = 50'000;
+  for (Item i = 0; i + 1 < length; ++i) p_[i] = Requests({i + 1}, i + 1);
+  Request(0);
+  Run();
+  EXPECT_EQ(e_.operation_count(), length);
+  Unrequest(0);
+  Run();
+  EXPECT_EQ(e_.operation_count(), 0u);
+}
+
+// A point that encroaches on a whole bundle of segments asks for every one of them.
+TEST_F(EngineTest, AnOperationMayRequestAndReadVeryMany) {
+  const Item many = 70'000;
+  p_[0] = [&](Context& c) {
+    for (Item i = 1; i <= many; ++i) c.Request(kOnly, i, 1);
+    for (std::uint32_t i = 0; i < 3 * many; ++i) c.Read(i);
+  };
+  Request(0);
+  Run();
+  EXPECT_EQ(e_.operation_count(), many + 1u);
+  EXPECT_EQ(e_.reads(p_.OperationOf(0)).size(), 3 * many);
+  EXPECT_EQ(e_.reads(p_.OperationOf(0)).back(), 3 * many - 1);
+  p_[0] = Requests({1}, 1);
+  Touch(0);
+  Run();
+  EXPECT_EQ(e_.operation_count(), 2u);
+}
+
+// --- What is remembered, and cut-off --------------------------------------------------------
+
+TEST_F(EngineTest, ARerunFindsWhatTheLastRunLeft) {
+  int runs = 0;
+  p_[1] = [&](Context& c) {
+    const std::vector<Output> outputs(c.old_outputs().begin(), c.old_outputs().end());
+    const std::vector<std::uint32_t> reads(c.old_reads().begin(), c.old_reads().end());
+    if (runs++ == 0) {
+      EXPECT_TRUE(c.first_time());
+      EXPECT_TRUE(outputs.empty() && reads.empty());
+      EXPECT_EQ(c.payload(), 0);
+    } else {
+      EXPECT_FALSE(c.first_time());
+      EXPECT_EQ(outputs, (std::vector<Output>{11, 12}));
+      EXPECT_EQ(reads, (std::vector<std::uint32_t>{21, 22, 21}));
+      EXPECT_EQ(c.payload(), 5);
+    }
+    c.payload() = 5;
+    for (const Output o : {11, 12}) c.Emit(o);
+    for (const std::uint32_t r : {21, 22, 21}) c.Read(r);
+    for (const Place place : {4, 3, 4}) c.Subscribe(place);
+  };
+  Request(1);
+  Run();
+  Touch(1);
+  EXPECT_EQ(Run(), "run 1@0");
+  EXPECT_EQ(runs, 2);
+  const OpId op = p_.OperationOf(1);
+  EXPECT_EQ(std::vector<Place>(e_.places(op).begin(), e_.places(op).end()),
+            (std::vector<Place>{3, 4}));
+  EXPECT_EQ(e_.subscriptions().at(4).size(), 1u);
+  // Dropped and requested again it remembers nothing.
+  Unrequest(1);
+  Run();
+  runs = 0;
+  Request(1);
+  Run();
+}
+
+TEST_F(EngineTest, OnlyWhatChangedIsPublishedAndWithdrawn) {
+  p_[1] = Emits({1, 2, 3});
+  Request(1);
+  EXPECT_EQ(Run(), "run 1@0, +1, +2, +3");
+  p_[1] = Emits({4, 3, 2, 5});
+  Touch(1);
+  EXPECT_EQ(Run(), "run 1@0, +4, +5, -1, free 1");
+}
+
+TEST_F(EngineTest, CountersTellWhatWasDone) {
+  p_[1] = Requests({2}, 1);
+  p_[2] = Emits({20});
+  Request(1);
+  Request(3);
+  Run();
+  EXPECT_EQ(e_.counters().executed, 3u);
+  EXPECT_EQ(e_.counters().created, 3u);
+  EXPECT_EQ(e_.counters().unchanged, 0u) << "nothing was run again";
+  e_.ResetCounters();
+  for (const Item i : {1, 2, 3}) Touch(i);
+  Run();
+  EXPECT_EQ(e_.counters().executed, 3u);
+  EXPECT_EQ(e_.counters().created, 0u);
+  EXPECT_EQ(e_.counters().unchanged, 3u);
+  p_[2] = Emits({21});
+  Touch(2);
+  Run();
+  EXPECT_EQ(e_.counters().executed, 4u);
+  EXPECT_EQ(e_.counters().unchanged, 3u);
+}
+
+// --- Notification -------------------------------------------------------------------------
+
+class EngineNotifyTest : public EngineTest {
+ protected:
+  // Operations 0 to 9 subscribe to place 1.
+  EngineNotifyTest() {
+    for (Item i = 0; i < 10; ++i) {
+      p_[i] = [](Context& c) { c.Subscribe(1); };
+      Request(i);
+    }
+    Run();
+  }
+  Stamp At(Item i) { return e_.stamp(p_.OperationOf(i)); }
+  static bool All(OpId) { return true; }
+};
+
+TEST_F(EngineNotifyTest, ReachesThoseAfterAndUpToTheEnd) {
+  e_.Notify(1, At(3), At(6), All);
+  EXPECT_EQ(Run(), "run 4@0, run 5@0, run 6@0");
+  e_.Notify(1, At(7), kNoStamp, All);
+  EXPECT_EQ(Run(), "run 8@0, run 9@0");
+  e_.Notify(1, e_.beginning(), At(1), All);
+  EXPECT_EQ(Run(), "run 0@0, run 1@0");
+  e_.Notify(1, At(9), kNoStamp, All);
+  e_.Notify(2, e_.beginning(), kNoStamp, All);
+  EXPECT_EQ(Run(), "");
+}
+
+TEST_F(EngineNotifyTest, TheFilterIsAskedOnceAboutThoseInTime) {
+  std::vector<Item> asked;
+  const auto odd = [&](OpId op) {
+    asked.push_back(e_.item(op));
+    return e_.item(op) % 2 == 1;
+  };
+  e_.Notify(1, At(3), At(7), odd);
+  e_.Notify(1, At(3), At(7), odd);  // not about those that are stale already
+  std::sort(asked.begin(), asked.end());
+  EXPECT_EQ(asked, (std::vector<Item>{4, 4, 5, 6, 6, 7}));
+  EXPECT_EQ(Run(), "run 5@0, run 7@0");
+}
+
+TEST_F(EngineNotifyTest, SeveralNotificationsMakeOneRun) {
+  e_.Notify(1, At(4), At(5), All);
+  e_.Notify(1, At(3), At(5), All);
+  Touch(5);
+  EXPECT_EQ(Run(), "run 4@0, run 5@0");
+}
+
+TEST_F(EngineNotifyTest, WhoUnsubscribedIsNotReached) {
+  p_[4] = [](Context& c) { c.Subscribe(2); };
+  Touch(4);
+  Run();
+  e_.Notify(1, At(3), At(5), All);
+  EXPECT_EQ(Run(), "run 5@0");
+  e_.Notify(2, e_.beginning(), kNoStamp, All);
+  EXPECT_EQ(Run(), "run 4@0");
+  Unrequest(4);
+  Run();
+  e_.Notify(2, e_.beginning(), kNoStamp, All);
+  EXPECT_EQ(Run(), "");
+}
+
+TEST_F(EngineNotifyTest, AChangeAtOnesOwnTimeReachesTheLaterOnly) {
+  p_[4] = [](Context& c) {
+    c.Subscribe(1);
+    c.Emit(40);
+  };
+  p_.on_publish = p_.on_withdraw = [&](Output, Stamp at) { e_.Notify(1, at, kNoStamp, All); };
+  Touch(4);
+  EXPECT_EQ(Run(), "run 4@0, +40, run 5@0, run 6@0, run 7@0, run 8@0, run 9@0");
+  Touch(4);
+  EXPECT_EQ(Run(), "run 4@0") << "equal outputs stop the propagation";
+  Unrequest(4);
+  EXPECT_EQ(Run(), "-40, run 5@0, run 6@0, run 7@0, run 8@0, run 9@0, free 40");
+}
+
+TEST_F(EngineNotifyTest, AChainIsNotifiedFromATimeOn) {
+  for (const Epoch epoch : {1, 2, 3}) Request(4, epoch);
+  Run();
+  Stamp second = kNoStamp;
+  for (OpId op = p_.OperationOf(4); op != kNoOp; op = e_.next_of_item(op)) {
+    if (e_.epoch(op) == 1) second = e_.stamp(op);
+  }
+  e_.NotifyChain(p_.OperationOf(4), second);
+  EXPECT_EQ(Run(), "run 4@2, run 4@3");
+}
+
+TEST_F(EngineNotifyTest, NothingCanBeStaleAfterTheLastOperation) {
+  EXPECT_TRUE(e_.AnyAfter(e_.beginning()));
+  EXPECT_TRUE(e_.AnyAfter(At(8)));
+  EXPECT_FALSE(e_.AnyAfter(At(9)));
+  Request(3, 5);
+  Run();
+  EXPECT_TRUE(e_.AnyAfter(At(9)));
+  // Whatever is dropped, no one who is there is forgotten.
+  Unrequest(3, 5);
+  Run();
+  for (Item i = 0; i < 9; ++i) EXPECT_TRUE(e_.AnyAfter(At(i)));
+}
+
+TEST(EngineAnyAfter, NothingCanBeStaleBeforeTheFirstRun) {
+  Program p;
+  EXPECT_FALSE(p.engine().AnyAfter(p.engine().beginning()));
+}
+
+TEST_F(EngineNotifyTest, PlacesThatBecomeOneKeepTheirSubscribers) {
+  p_[4] = [](Context& c) {
+    for (const Place place : {1, 2, 5}) c.Subscribe(place);
+    for (const std::uint32_t r : {77, 78, 79}) c.Read(r);
+  };
+  Touch(4);
+  Run();
+  for (const Place from : {1, 2}) {
+    for (const OpId op : e_.subscriptions().Take(from)) e_.ReplacePlace(op, from, 9);
+  }
+  const OpId four = p_.OperationOf(4);
+  EXPECT_EQ(std::vector<Place>(e_.places(four).begin(), e_.places(four).end()),
+            (std::vector<Place>{5, 9}));
+  EXPECT_EQ(std::vector<Place>(e_.reads(four).begin(), e_.reads(four).end()),
+            (std::vector<Place>{77, 78, 79}));
+  EXPECT_TRUE(Problems(p_).empty());
+  e_.Notify(9, At(2), At(5), All);
+  EXPECT_EQ(Run(), "run 3@0, run 4@0, run 5@0");  // and they subscribe to 1 again
+  e_.Notify(9, e_.beginning(), kNoStamp, All);
+  EXPECT_EQ(Run(), "run 0@0, run 1@0, run 2@0, run 6@0, run 7@0, run 8@0, run 9@0");
+}
+
+// --- Deferred release and interruption --------------------------------------------------------
+
+TEST_F(EngineTest, NothingIsReleasedBeforeTheEndOfAPropagation) {
+  p_[1] = Emits({10});
+  p_[2] = Emits({20});
+  Request(1);
+  Request(2);
+  Request(3);
+  Run();
+  p_[1] = Emits({11});
+  for (const Item i : {1, 3}) Touch(i);
+  Unrequest(2);
+  EXPECT_EQ(RunUntil(2), "run 1@0, +11, -10, -20");
+  EXPECT_EQ(RunUntil(0), "");
+  EXPECT_EQ(Run(), "run 3@0, free 10, free 20");
+}
+
+TEST_F(EngineTest, StampsAndOperationsAreReusedOnlyAfterTheEnd) {
+  for (const Item i : {1, 2}) Request(i);
+  Run();
+  const OpId one = p_.OperationOf(1);
+  const Stamp stamp = e_.stamp(one);
+  Unrequest(1);
+  Touch(2);
+  RunUntil(1);  // dropped
+  Request(3);
+  EXPECT_NE(p_.OperationOf(3), one);
+  EXPECT_EQ(Run(), "run 2@0, run 3@0");
+  EXPECT_NE(e_.stamp(p_.OperationOf(3)), stamp);
+  Request(4);
+  Run();
+  EXPECT_EQ(p_.OperationOf(4), one);
+}
+
+// The inverse of an edit after a drop: the operation is made again beside its former self.
+TEST_F(EngineTest, WhatWasDroppedMayComeBackBeforeTheEnd) {
+  p_[1] = [](Context& c) {
+    c.Emit(10);
+    c.Subscribe(4);
+  };
+  Request(1);
+  Request(2);
+  Run();
+  Unrequest(1);
+  Touch(2);
+  EXPECT_EQ(RunUntil(1), "-10");
+  Request(1);
+  // The word is published again before it is released: a program must not take a
+  // release of a word that it has published again for its end.
+  EXPECT_EQ(Run(), "run 1@0, +10, run 2@0, free 10");
+  EXPECT_EQ(e_.operation_count(), 2u);
+  EXPECT_EQ(e_.subscriptions().at(4).size(), 1u);
+}
+
+TEST_F(EngineTest, InterruptionIsAskedBeforeEachOperation) {
+  for (Item i = 0; i < 5; ++i) Request(i);
+  int asked = 0;
+  EXPECT_TRUE(e_.Propagate([&] {
+    ++asked;
+    return false;
+  }));
+  EXPECT_EQ(asked, 5);
+  EXPECT_TRUE(e_.Propagate([] { return true; })) << "nothing to be interrupted";
+}
+
+TEST_F(EngineTest, MemoryIsReusedFromEditToEdit) {
+  std::size_t bytes = 0;
+  for (int round = 0; round < 200; ++round) {
+    for (Item i = 0; i < 300; ++i) {
+      p_[i] = [=](Context& c) {
+        for (Item k = 0; k < (i + round) % 40; ++k) c.Read(k);
+        c.Subscribe(i % 7);
+        c.Request(kOnly, 1000 + i % 20, 1);
+      };
+      Request(i);
+    }
+    Run();
+    for (Item i = 0; i < 300; ++i) Unrequest(i);
+    Run();
+    ASSERT_EQ(e_.operation_count(), 0u);
+    if (round == 50) bytes = e_.bytes();
+  }
+  EXPECT_EQ(e_.bytes(), bytes);
+}
+
+}  // namespace
+}  // namespace dynmesh::sac

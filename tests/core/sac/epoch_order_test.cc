@@ -1,0 +1,170 @@
+// EpochOrder against a std::set sorted by (epoch, priority, tie-break).
+#include "core/sac/epoch_order.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "tests/core/sac/random_script.h"
+
+namespace dynmesh::sac {
+namespace {
+
+using testing::NewSeed;
+using testing::Random;
+
+struct Operation {
+  std::uint64_t priority = 0;
+  std::uint32_t name = 0;
+  Epoch epoch = 0;
+  Stamp stamp = kNoStamp;
+  OpId next_in_epoch = kNoOp;
+};
+using Operations = std::vector<Operation>;
+
+struct Before {
+  const Operations* ops;
+  bool operator()(OpId a, OpId b) const {
+    const Operation &x = (*ops)[a], &y = (*ops)[b];
+    return x.priority != y.priority ? x.priority < y.priority : x.name < y.name;
+  }
+};
+
+class Mirrored {
+ public:
+  OpId Insert(Epoch epoch, std::uint64_t priority) {
+    const OpId id = static_cast<OpId>(ops_.size());
+    ops_.push_back({priority, id, epoch});
+    time_.Insert(epoch, id);
+    told_.emplace(epoch, priority, id);
+    return id;
+  }
+  void Remove(OpId id) {
+    time_.Remove(ops_[id].epoch, id);
+    told_.erase({ops_[id].epoch, ops_[id].priority, id});
+  }
+  void EraseStamp(OpId id) {
+    time_.EraseStamp(ops_[id].stamp);
+    ops_[id].stamp = kNoStamp;
+  }
+  OpId Any(Random& random) const {
+    auto it = told_.lower_bound({0, random.Word(), random.Below(ops_.size())});
+    // Epochs are few: begin anywhere among them.
+    for (std::uint32_t skip = random.Below(20); skip > 0 && it != told_.end(); --skip) ++it;
+    if (it == told_.end()) it = told_.begin();
+    return std::get<2>(*it);
+  }
+  std::size_t size() const { return told_.size(); }
+  std::size_t table_bytes() const { return time_.bytes() - time_.order().bytes(); }
+  const OrderList& order() const { return time_.order(); }
+  Stamp stamp(OpId id) const { return ops_[id].stamp; }
+
+  void ExpectSame() const {
+    std::string why;
+    ASSERT_TRUE(time_.order().Check(&why)) << why;
+    auto it = told_.begin();
+    Stamp last = time_.order().first();
+    time_.ForEach([&](Epoch epoch, OpId id) {
+      ASSERT_NE(it, told_.end());
+      ASSERT_EQ(std::tuple(epoch, ops_[id].priority, id), *it);
+      ASSERT_TRUE(time_.order().Precedes(last, ops_[id].stamp));
+      last = ops_[id].stamp;
+      ++it;
+    });
+    ASSERT_EQ(it, told_.end());
+    ASSERT_TRUE(time_.order().Precedes(last, time_.order().last()));
+  }
+
+ private:
+  Operations ops_;
+  EpochOrder<Operations, Before> time_{ops_, Before{&ops_}};
+  std::set<std::tuple<Epoch, std::uint64_t, OpId>> told_;
+};
+
+TEST(EpochOrder, StampsStandInTheOrderOfTime) {
+  Mirrored m;
+  const OpId late = m.Insert(7, 1);
+  const OpId early = m.Insert(3, ~std::uint64_t{0});
+  const OpId between = m.Insert(5, 12);
+  const OpId first = m.Insert(3, 0);
+  EXPECT_TRUE(m.order().Precedes(m.stamp(first), m.stamp(early)));
+  EXPECT_TRUE(m.order().Precedes(m.stamp(early), m.stamp(between)));
+  EXPECT_TRUE(m.order().Precedes(m.stamp(between), m.stamp(late)));
+  m.ExpectSame();
+}
+
+TEST(EpochOrder, OrderEqualsSortedOrderUnderRandomScripts) {
+  const std::uint64_t seed = NewSeed();
+  for (int script = 0; script < 12; ++script) {
+    Random random(seed + script);
+    const std::uint64_t epochs = script % 3 == 0 ? 1 : script % 3 == 1 ? 5 : 300;
+    const bool ties = script % 4 == 3;  // few distinct priorities
+    Mirrored m;
+    std::vector<OpId> removed;  // their stamps are still in the order
+    for (int step = 0; step < 8000; ++step) {
+      const bool shrinking = step % 4000 > 2800;
+      if (m.size() > 0 && random.Below(10) < (shrinking ? 9 : 3)) {
+        const OpId id = m.Any(random);
+        m.Remove(id);
+        removed.push_back(id);
+      } else {
+        m.Insert(random.Below(epochs) * 1000,
+                 ties ? std::uint64_t{random.Below(6)} << 61 : random.Word());
+      }
+      if (random.OneIn(50)) {
+        for (const OpId id : removed) m.EraseStamp(id);
+        removed.clear();
+      }
+      if (step % 400 == 0) m.ExpectSame();
+      if (::testing::Test::HasFatalFailure()) FAIL() << "script " << script << " step " << step;
+    }
+    m.ExpectSame();
+  }
+}
+
+// As when an item goes and an equal one comes in one batch of edits.
+TEST(EpochOrder, EqualOperationsMayStandSideBySide) {
+  struct Equal {
+    const Operations* ops;
+    bool operator()(OpId a, OpId b) const { return (*ops)[a].priority < (*ops)[b].priority; }
+  };
+  Operations ops(30);
+  EpochOrder<Operations, Equal> time(ops, Equal{&ops});
+  for (OpId id = 0; id < 30; ++id) {
+    ops[id].priority = std::uint64_t{id % 3} << 62;
+    time.Insert(1, id);
+  }
+  for (OpId id = 0; id < 30; id += 2) time.Remove(1, id);
+  std::set<OpId> left;
+  std::uint64_t last = 0;
+  time.ForEach([&](Epoch, OpId id) {
+    EXPECT_LE(last, ops[id].priority);
+    last = ops[id].priority;
+    left.insert(id);
+  });
+  EXPECT_EQ(left.size(), 15u);
+  for (const OpId id : left) EXPECT_EQ(id % 2, 1u);
+}
+
+// Else whoever comes to a deserted epoch would walk past the slots of all that left.
+TEST(EpochOrder, AnEpochThatEmptiesGivesItsTableBack) {
+  Random random(NewSeed());
+  Mirrored m;
+  std::vector<OpId> ids;
+  for (int i = 0; i < 50'000; ++i) ids.push_back(m.Insert(4, random.Word()));
+  EXPECT_GE(m.table_bytes(), 50'000 * sizeof(OpId));
+  while (ids.size() > 10) {
+    m.Remove(ids.back());
+    m.EraseStamp(ids.back());
+    ids.pop_back();
+  }
+  EXPECT_LT(m.table_bytes(), 1000u);
+  for (int i = 0; i < 1000; ++i) m.Insert(4, random.Word());
+  m.ExpectSame();
+}
+
+}  // namespace
+}  // namespace dynmesh::sac

@@ -1,0 +1,86 @@
+// Subscriptions against a map of multisets.
+#include "core/sac/subscriptions.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "tests/core/sac/random_script.h"
+
+namespace dynmesh::sac {
+namespace {
+
+using testing::NewSeed;
+using testing::Random;
+
+std::vector<std::uint32_t> Sorted(std::span<const std::uint32_t> ops) {
+  std::vector<std::uint32_t> result(ops.begin(), ops.end());
+  std::sort(result.begin(), result.end());
+  return result;
+}
+std::vector<std::uint32_t> Sorted(const std::multiset<std::uint32_t>& ops) {
+  return {ops.begin(), ops.end()};
+}
+
+TEST(Subscriptions, NobodyIsAtAPlaceNeverNamed) {
+  Subscriptions s;
+  EXPECT_TRUE(s.at(0).empty());
+  EXPECT_TRUE(s.at(1'000'000'000).empty());
+  EXPECT_TRUE(s.Take(7).empty());
+  s.Add(3, 1);
+  EXPECT_TRUE(s.at(2).empty());
+  EXPECT_TRUE(s.at(4).empty());
+}
+
+TEST(Subscriptions, TakeEmptiesThePlaceAndOnlyThat) {
+  Subscriptions s;
+  for (std::uint32_t op = 0; op < 50; ++op) s.Add(op % 2, op);
+  EXPECT_EQ(s.Take(0).size(), 25u);
+  EXPECT_TRUE(s.at(0).empty());
+  EXPECT_EQ(s.at(1).size(), 25u);
+  s.Add(0, 99);
+  EXPECT_EQ(Sorted(s.at(0)), std::vector<std::uint32_t>{99});
+}
+
+TEST(Subscriptions, AgreesWithSetsUnderRandomScripts) {
+  const std::uint64_t seed = NewSeed();
+  for (int script = 0; script < 6; ++script) {
+    Random random(seed + script);
+    // Crowds at few places, or a few at many.
+    const std::uint32_t places = script % 2 == 0 ? 8 : 5000;
+    Subscriptions s;
+    std::map<Place, std::multiset<std::uint32_t>> told;
+    std::vector<std::pair<Place, std::uint32_t>> all;
+    for (int step = 0; step < 30'000; ++step) {
+      const bool shrinking = step % 10'000 > 7000;
+      if (!all.empty() && random.Below(10) < (shrinking ? 8 : 3)) {
+        std::swap(all[random.Below(all.size())], all.back());
+        const auto [place, op] = all.back();
+        all.pop_back();
+        s.Remove(place, op);
+        told[place].erase(told[place].find(op));
+      } else {
+        const Place place = random.Below(places);
+        const std::uint32_t op = random.Below(1000);
+        s.Add(place, op);
+        told[place].insert(op);
+        all.emplace_back(place, op);
+      }
+      if (step % 2000 == 0) {
+        const Place place = random.Below(places);
+        ASSERT_EQ(Sorted(s.Take(place)), Sorted(told[place]));
+        told.erase(place);
+        std::erase_if(all, [&](const auto& a) { return a.first == place; });
+      }
+      if (step % 1000 == 0) {
+        for (Place p = 0; p < places; ++p) ASSERT_EQ(Sorted(s.at(p)), Sorted(told[p]));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dynmesh::sac
