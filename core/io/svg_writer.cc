@@ -22,9 +22,15 @@ struct Rgb {
   double r, g, b;
 };
 
-// Bad to good: warm to a calm pale blue.
-constexpr std::array<Rgb, 5> kQualityRamp = {
-    {{214, 96, 77}, {244, 178, 131}, {252, 232, 205}, {214, 230, 240}, {158, 199, 222}}};
+// By smallest angle, 0 to 60 degrees: what no mesh of ours should have is red, what
+// is usual is pale.
+constexpr std::array<Rgb, 7> kQualityRamp = {{{178, 24, 43},
+                                              {214, 96, 77},
+                                              {249, 214, 178},
+                                              {246, 238, 226},
+                                              {221, 234, 242},
+                                              {180, 211, 230},
+                                              {130, 178, 210}}};
 // Fine to coarse: deep blue over green to pale yellow.
 constexpr std::array<Rgb, 6> kSizeRamp = {{{44, 62, 112},
                                            {44, 112, 142},
@@ -32,7 +38,7 @@ constexpr std::array<Rgb, 6> kSizeRamp = {{{44, 62, 112},
                                            {124, 196, 154},
                                            {200, 224, 170},
                                            {248, 244, 214}}};
-constexpr int kFillSteps = 24;
+constexpr int kFillSteps = 31;
 constexpr std::string_view kPlainFill = "#eaf1f6";
 constexpr std::string_view kHighlightFill = "#f6a821";
 
@@ -212,7 +218,7 @@ class SvgDrawing {
       const TriangleQuality q = Quality(i);
       values.push_back(by_size ? std::log2(std::max(q.shortest_edge, 1e-300)) : q.min_angle_deg);
     }
-    double lo = 15;
+    double lo = 0;
     double hi = 60;
     if (by_size) {
       const auto [least, greatest] = std::minmax_element(values.begin(), values.end());

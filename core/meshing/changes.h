@@ -62,15 +62,34 @@ void Refinement<E>::Withdraw(sac::Output output, sac::Stamp at) {
     case Made::kDeath: {
       Subsegment& s = subsegments_[i];
       if (s.death != at) break;  // an earlier split has taken over
-      s.death = sac::kNoStamp;
+      // A later one may be waiting, if a propagation was abandoned between the two.
+      s.death = NextDeath(s, at);
       MarkSubsegmentChanged(i);
-      NotifyOfSubsegment(i, at, sac::kNoStamp);
+      NotifyOfSubsegment(i, at, s.death);
       if constexpr (kTraced) {
         if (Counts(Term::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
       }
       break;
     }
   }
+}
+
+// The earliest split of s, but for that at time `except`.
+template <template <class> class E>
+sac::Stamp Refinement<E>::NextDeath(const Subsegment& s, sac::Stamp except) const {
+  sac::Stamp earliest = sac::kNoStamp;
+  if constexpr (kTraced) {
+    for (sac::OpId o = s.operations; o != sac::kNoOp; o = engine_.next_of_item(o)) {
+      if (!engine_.executed(o) || engine_.stamp(o) == except) continue;
+      const auto made = engine_.outputs(o);
+      const bool split = std::any_of(made.begin(), made.end(),
+                                     [](sac::Output m) { return WhatOf(m) == Made::kDeath; });
+      if (split && (earliest == sac::kNoStamp || engine_.Precedes(engine_.stamp(o), earliest))) {
+        earliest = engine_.stamp(o);
+      }
+    }
+  }
+  return earliest;
 }
 
 template <template <class> class E>

@@ -226,6 +226,7 @@ class Refinement {
   void NotifyOfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
   bool SubsegmentMatters(sac::OpId op, const Subsegment& s) const;
   void SetExposed(SubsegmentIndex s, sac::Stamp at);
+  sac::Stamp NextDeath(const Subsegment& s, sac::Stamp except) const;
   void MarkChanged(VertexIndex v);
   void MarkSubsegmentChanged(SubsegmentIndex s);
   void BeginUntraced();

@@ -22,8 +22,8 @@ struct Setting {
   std::size_t fold_at = ~std::size_t{0} >> 32;
 };
 const Setting kSettings[] = {
-    {"small", {5, 4}, 10, 100},       {"dense", {4, 3}, 12, 100},
-    {"two weights", {5, 4}, 14, 2},   {"ties of priority", {5, 4, 2}, 12, 20},
+    {"small", {5, 4}, 10, 100},      {"dense", {4, 3}, 12, 100},
+    {"two weights", {5, 4}, 14, 2},  {"ties of priority", {5, 4, 2}, 12, 20},
     {"folding", {7, 4}, 20, 100, 8},
 };
 

@@ -402,8 +402,7 @@ template <template <class> class E>
 void LeaderProgram<E>::DeposedChanged(std::uint32_t link, Stamp before, Stamp now) {
   const Record& r = records_[link];
   if (before == now || !r.present) return;
-  const bool longer =
-      now == kNoStamp || (before != kNoStamp && engine_.Precedes(before, now));
+  const bool longer = now == kNoStamp || (before != kNoStamp && engine_.Precedes(before, now));
   NotifyJoins(link, longer, longer ? before : now, longer ? now : before);
   if constexpr (kTraced) {
     engine_.NotifyChain(points_[r.point].operations, longer ? before : now);

@@ -39,7 +39,8 @@ TEST(LeaderProgram, FromScratchEqualsTheDefinition) {
     SCOPED_TRACE(shape.name);
     for (int run = 0; run < 60; ++run) {
       Random random(seed + run);
-      const std::size_t n = random.Below(std::min<std::size_t>(2 * shape.points, shape.line.side()));
+      const std::size_t n =
+          random.Below(std::min<std::size_t>(2 * shape.points, shape.line.side()));
       const Input input = RandomInput(shape.line, n, shape.weights, random);
       const auto expected = LeadersByDefinition(input, shape.line);
       Traced traced(shape.line, shape.fold_at);
@@ -176,7 +177,7 @@ Work WorkPerEdit(int log_side, std::uint64_t seed) {
 
 TEST(LeaderProgram, TheWorkOfAnEditDoesNotGrowWithTheInput) {
   const std::uint64_t seed = NewSeed();
-  const Work small = WorkPerEdit(9, seed);    // 128 points
+  const Work small = WorkPerEdit(9, seed);   // 128 points
   const Work large = WorkPerEdit(15, seed);  // 8,192
   std::printf("executed per edit %.1f and %.1f, at most %llu and %llu; looked at %.1f and %.1f\n",
               small.executed, large.executed, static_cast<unsigned long long>(small.most),
@@ -257,9 +258,8 @@ class LeaderAudit : public ::testing::Test {
     return program_.Audit(&problems_);
   }
   bool Complains(const std::string& about) const {
-    return std::any_of(problems_.begin(), problems_.end(), [&](const std::string& p) {
-      return p.find(about) != std::string::npos;
-    });
+    return std::any_of(problems_.begin(), problems_.end(),
+                       [&](const std::string& p) { return p.find(about) != std::string::npos; });
   }
   // Some executed operation that subscribes somewhere.
   OpId AnyOperation() { return program_.OperationsAt(1); }
