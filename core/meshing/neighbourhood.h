@@ -155,9 +155,16 @@ void Refinement<E>::Offer(Context& context, std::uint32_t id) {
 
 template <template <class> class E>
 void Refinement<E>::VerifyStar(Context& context) {
-  for (int i = 0; i < star_.size();) {
-    // An insertion moves corners about; the verified ones are marked.
-    i = star_[i].verified || !VerifyCorner(context, i) ? i + 1 : 0;
+  // Each vertex is inserted once at most, unless two are seen at one place, which would
+  // be an error elsewhere: it must not become an endless loop here.
+  std::size_t insertions_left = vertex_count_;
+  for (int i = 0; i < star_.size() && insertions_left > 0;) {
+    if (star_[i].verified || !VerifyCorner(context, i)) {
+      ++i;
+    } else {
+      i = 0;  // corners have moved about; the verified ones are marked
+      --insertions_left;
+    }
   }
 }
 

@@ -32,7 +32,8 @@
 //   Execute(Context&)                         the procedures, the same for every engine
 //   Publish(output, Stamp) Withdraw(output, Stamp)   make an output visible / invisible
 //                                             from that time on, and Notify
-//   Release(output)                           it stays withdrawn: forget it
+//   Release(output)                           after the propagation, once for each Withdraw:
+//                                             forget it, unless it was published again
 #ifndef DYNMESH_CORE_SAC_ENGINE_H_
 #define DYNMESH_CORE_SAC_ENGINE_H_
 

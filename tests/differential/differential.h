@@ -66,7 +66,7 @@ struct RunReport {
 
 // A random script of `revisions` applied batches, compared after each `every`.
 inline RunReport RunScript(Distribution d, int n, const MeshOptions& options, std::uint64_t seed,
-                           int revisions, int every = 1) {
+                           int revisions, int every = 1, int most_operations = 1'000'000) {
   PlanarMesh mesh(options, AlwaysPropagate());
   ScriptGenerator generator(d, n, seed);
   RunReport report;
@@ -74,8 +74,23 @@ inline RunReport RunScript(Distribution d, int n, const MeshOptions& options, st
     const EditBatch batch = generator.Next(mesh.Features());
     if (batch.empty()) continue;
     const MeshHash before = mesh.hash();
-    const auto diff = mesh.Apply(batch, ApplyOptions{});
+    report.script.push_back(batch);
+    // A propagation that goes on for ever is a difference as well (the mesh is given up
+    // as it is, so the exception may pass through it).
+    struct NeverEnds {};
+    int operations = 0;
+    absl::StatusOr<MeshDiff> diff;
+    try {
+      diff = mesh.Apply(batch, [&] {
+        if (++operations > most_operations) throw NeverEnds{};
+        return false;
+      });
+    } catch (NeverEnds) {
+      report.difference = {true, "the propagation does not end"};
+      return report;
+    }
     if (!diff.ok()) {
+      report.script.pop_back();
       ++report.refused;
       if (!(mesh.hash() == before)) {
         report.difference = {true, "a refused batch changed the mesh"};
@@ -84,7 +99,6 @@ inline RunReport RunScript(Distribution d, int n, const MeshOptions& options, st
       continue;
     }
     ++report.revisions;
-    report.script.push_back(batch);
     if (report.revisions % every != 0) continue;
     report.difference = CompareWithScratch(mesh, report.revisions % 2 == 0);
     if (report.difference.found) return report;
@@ -93,10 +107,10 @@ inline RunReport RunScript(Distribution d, int n, const MeshOptions& options, st
 }
 
 inline RunReport RunScript(Distribution d, int n, double quality, std::uint64_t seed,
-                           int revisions, int every = 1) {
+                           int revisions, int every = 1, int most_operations = 1'000'000) {
   MeshOptions options;
   options.quality = quality;
-  return RunScript(d, n, options, seed, revisions, every);
+  return RunScript(d, n, options, seed, revisions, every, most_operations);
 }
 
 // Does the script, batch by batch, lead to a difference at its end or before?

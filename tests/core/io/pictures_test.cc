@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <regex>
 #include <string>
 #include <vector>
 
@@ -22,16 +21,17 @@ using testing::TempFolder;
 // The values of every DataArray, by name.
 std::map<std::string, std::string> ReadArrays(const std::string& xml) {
   std::map<std::string, std::string> arrays;
-  const std::regex array(
-      "<DataArray[^>]*Name=\"([^\"]*)\"[^>]*>\\s*([A-Za-z0-9+/=]*)\\s*</DataArray>");
-  for (auto it = std::sregex_iterator(xml.begin(), xml.end(), array); it != std::sregex_iterator();
-       ++it) {
+  for (std::size_t at = 0; (at = xml.find("<DataArray", at)) != std::string::npos; ++at) {
+    const std::size_t name = xml.find("Name=\"", at) + 6;
+    const std::size_t text = xml.find('>', at) + 1;
+    std::string base64 = xml.substr(text, xml.find('<', text) - text);
+    std::erase_if(base64, [](char c) { return c == ' ' || c == '\n'; });
     std::string raw;
-    EXPECT_TRUE(absl::Base64Unescape((*it)[2].str(), &raw));
+    EXPECT_TRUE(absl::Base64Unescape(base64, &raw));
     std::uint64_t bytes = 0;
     std::memcpy(&bytes, raw.data(), 8);
     EXPECT_EQ(bytes, raw.size() - 8);
-    arrays[(*it)[1].str()] = raw.substr(8);
+    arrays[xml.substr(name, xml.find('"', name) - name)] = raw.substr(8);
   }
   return arrays;
 }

@@ -107,6 +107,21 @@ TEST_F(EngineTest, AnItemMayHaveOperationsInManyEpochs) {
   EXPECT_EQ(e_.operation_count(), 2u);
 }
 
+TEST_F(EngineTest, KindsOfOneItemInOneEpochAreOperationsOfTheirOwn) {
+  std::vector<int> kinds;
+  p_[2] = [&](Context& c) { kinds.push_back(c.kind); };
+  for (const Kind kind : {3, 1, 2}) e_.Request(kind, 2, 5);
+  Run();
+  EXPECT_EQ(kinds, (std::vector<int>{1, 2, 3})) << "Before breaks the tie";
+  EXPECT_EQ(e_.operation_count(), 3u);
+  e_.Unrequest(2, 2, 5);
+  Run();
+  EXPECT_EQ(e_.operation_count(), 2u);
+  for (OpId op = p_.OperationOf(2); op != kNoOp; op = e_.next_of_item(op)) {
+    EXPECT_NE(e_.kind(op), 2);
+  }
+}
+
 TEST_F(EngineTest, AnOperationSeesWhatIsEarlierThanItself) {
   Stamp birth = kNoStamp;
   bool sees = false;

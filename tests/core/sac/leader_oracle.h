@@ -78,12 +78,12 @@ inline std::vector<LeaderRow> LeadersByDefinition(const std::map<Position, Weigh
     present.clear();
     for (const LeaderRow& q : order) {
       if (q.leader != q.x) continue;
-      Weight value = 0;
+      Weight greatest = 0;
       for (const LeaderRow& r : order) {
-        if (r.leader == q.x) value = std::max(value, r.value);
+        if (r.leader == q.x && r.x != q.x) greatest = std::max(greatest, r.value);
       }
-      rows.push_back({level + 1, false, q.x, q.x, value, false});
-      if (!q.deposed) present[q.x] = value;
+      rows.push_back({level + 1, false, q.x, q.x, q.value + greatest, false});
+      if (!q.deposed) present[q.x] = q.value + greatest;
     }
     rows.insert(rows.end(), order.begin(), order.end());
   }

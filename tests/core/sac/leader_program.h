@@ -4,8 +4,9 @@
 // At level l points speak in a random order that is theirs for good. A point looks at the
 // leaders not deposed so far within 2^l of it, and of those at the nearest (ties: the left
 // one). If there is none, it becomes a leader; if it has a greater value, it deposes that
-// leader and becomes one; else it follows it. When all have spoken, each leader's value is
-// the greatest of its followers', and leaders not deposed go on to level l+1.
+// leader and becomes one; else it follows it. When all have spoken, the greatest value
+// among a leader's followers is added to its own, and leaders not deposed go on to level
+// l+1.
 // leader_oracle.h says the same in forty lines of plain loops.
 //
 // HOW TO WRITE A PROGRAM
@@ -55,7 +56,7 @@ template <template <class> class EngineTemplate>
 class LeaderProgram;
 
 struct LeaderPayload {
-  Weight value = 0;  // Gather: the greatest value it found
+  Weight greatest = 0;  // Gather: of the followers' values
 };
 }  // namespace testing
 
@@ -309,13 +310,19 @@ void LeaderProgram<E>::Gather(Context& context) {
   summit.level = level + 1;
   summit.point = summit.leader = q;
   bool deposed = false;
+  Weight own = 0, greatest = 0;
   ForLinksNear(level, points_[q].x, [&](std::uint32_t i) {
     const Record& r = records_[i];
     if (r.leader != q) return;
-    summit.value = std::max(summit.value, r.value);
-    if (r.point == q) deposed = !r.deposed.empty();
+    if (r.point == q) {
+      own = r.value;
+      deposed = !r.deposed.empty();
+    } else {
+      greatest = std::max(greatest, r.value);
+    }
   });
-  context.payload().value = summit.value;
+  context.payload().greatest = greatest;
+  summit.value = own + greatest;
   EmitRecord(context, summit);
   if (!deposed && level + 1 < line_.levels) context.Request(kJoin, q, EpochOf(kJoin, level + 1));
   ForPlacesNear(level, points_[q].x, [&](Place place) { context.Subscribe(place); });
@@ -384,9 +391,9 @@ void LeaderProgram<E>::Withdraw(Output output, Stamp at) {
     NotifyJoins(i, false, at, EndOf(r));
     NotifyGathers(i, false, at);
   } else {
+    // Nobody to be told: a new one has been published, or its reader goes as well.
     std::uint32_t& summit = points_[r.point].summit[r.level];
-    if (summit == i) summit = kNone;  // else the new one is there already
-    if constexpr (kTraced) engine_.NotifyChain(points_[r.point].operations, at);
+    if (summit == i) summit = kNone;
   }
 }
 
@@ -447,7 +454,8 @@ bool LeaderProgram<E>::MattersToGather(OpId op, std::uint32_t link, bool appears
     const Record& r = records_[link];
     if (engine_.epoch(op) != EpochOf(kGather, r.level)) return false;
     if (engine_.item(op) != r.leader) return false;
-    const Weight known = engine_.payload(op).value;
+    if (r.point == r.leader) return true;
+    const Weight known = engine_.payload(op).greatest;
     return appears ? r.value > known : r.value == known;
   }
   return false;
@@ -465,7 +473,7 @@ std::uint64_t LeaderProgram<E>::Audit(std::vector<std::string>* problems) const 
   };
   std::size_t made = 0, present = 0;
   const auto hash_op = [&](OpId op) {
-    std::uint64_t h = engine_.payload(op).value;
+    std::uint64_t h = engine_.payload(op).greatest;
     for (const std::uint32_t i : engine_.reads(op)) h = Line::Mix(h, hash_record(i));
     for (const Output o : engine_.outputs(op)) {
       const Record& r = records_[RecordOf(o)];

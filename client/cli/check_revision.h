@@ -1,0 +1,21 @@
+// Is a dynamic mesh what a from-scratch run makes of its features? For --check.
+#ifndef DYNMESH_CLIENT_CLI_CHECK_REVISION_H_
+#define DYNMESH_CLIENT_CLI_CHECK_REVISION_H_
+
+#include "absl/status/status.h"
+#include "core/data/mesh_store.h"
+#include "dynmesh/dynamic_mesh.h"
+
+namespace dynmesh::cli {
+
+// INTERNAL, saying what differs, unless
+//   the audit of `mesh` finds nothing,
+//   its hash is that of its snapshot and of `replica`, which took all its diffs,
+//   a fresh dynamic mesh with the same features has the same mesh and the same trace,
+//   the static path makes the same mesh.
+// O(size), several times over.
+absl::Status CheckRevision(const DynamicMesh& mesh, const data::MeshStore& replica);
+
+}  // namespace dynmesh::cli
+
+#endif  // DYNMESH_CLIENT_CLI_CHECK_REVISION_H_

@@ -1,0 +1,44 @@
+#include "client/cli/compare_meshes.h"
+
+#include <algorithm>
+
+#include "core/data/diff_meshes.h"
+
+namespace dynmesh::cli {
+namespace {
+
+MeshComparison::Part Count(std::uint64_t in_a, std::uint64_t only_a, std::uint64_t only_b) {
+  return {in_a - only_a, only_a, only_b};
+}
+
+}  // namespace
+
+bool MeshComparison::Same() const {
+  const auto same = [](const Part& part) { return part.only_a == 0 && part.only_b == 0; };
+  return same(vertices) && same(simplices) && same(subsegments) && remarked_vertices == 0;
+}
+
+MeshComparison CompareMeshes(const Mesh& a, const Mesh& b) {
+  const MeshDiff diff = data::DiffMeshes(a, b);
+  MeshComparison result;
+  // A vertex in both lists kept its place. Both are sorted by id.
+  std::size_t next = 0;
+  for (const VertexId id : diff.removed_vertices) {
+    while (next < diff.added_vertices.size() && diff.added_vertices.ids[next] < id) ++next;
+    if (next < diff.added_vertices.size() && diff.added_vertices.ids[next] == id) {
+      ++result.remarked_vertices;
+    }
+  }
+  result.vertices =
+      Count(a.vertices.size(), diff.removed_vertices.size() - result.remarked_vertices,
+            diff.added_vertices.size() - result.remarked_vertices);
+  result.simplices =
+      Count(a.simplex_count(), diff.removed_simplex_count(), diff.added_simplex_count());
+  result.subsegments =
+      Count(a.subsegments.size(), diff.removed_subsegments.size(), diff.added_subsegments.size());
+  result.hash_a = a.hash;
+  result.hash_b = b.hash;
+  return result;
+}
+
+}  // namespace dynmesh::cli

@@ -1,0 +1,75 @@
+// dynmesh diff A B: what two mesh files share and what they do not.
+#include <memory>
+
+#include "absl/strings/str_format.h"
+#include "client/cli/command.h"
+#include "client/cli/compare_meshes.h"
+#include "client/cli/json.h"
+#include "core/io/mesh_files.h"
+
+namespace dynmesh::cli {
+namespace {
+
+struct DiffCommand {
+  std::string a;
+  std::string b;
+  bool json = false;
+};
+
+std::string FormatJson(const MeshComparison& c) {
+  JsonObject object;
+  object.Add("same", c.Same());
+  const auto add = [&object](const std::string& kind, const MeshComparison::Part& part) {
+    object.Add(kind + "_shared", part.shared)
+        .Add(kind + "_only_a", part.only_a)
+        .Add(kind + "_only_b", part.only_b);
+  };
+  add("vertices", c.vertices);
+  object.Add("vertices_remarked", c.remarked_vertices);
+  add("simplices", c.simplices);
+  add("subsegments", c.subsegments);
+  object.AddText("hash_a", c.hash_a.ToHex()).AddText("hash_b", c.hash_b.ToHex());
+  return object.ToLine();
+}
+
+std::string FormatText(const MeshComparison& c) {
+  std::string text;
+  const auto add = [&text](const char* kind, const MeshComparison::Part& part) {
+    text += absl::StrFormat("%-12s  %10d shared  %10d only in A  %10d only in B\n", kind,
+                            part.shared, part.only_a, part.only_b);
+  };
+  add("vertices", c.vertices);
+  add("triangles", c.simplices);
+  add("subsegments", c.subsegments);
+  if (c.remarked_vertices != 0) {
+    text += absl::StrFormat("%d shared vertices differ in owner or containing dimension\n",
+                            c.remarked_vertices);
+  }
+  return text + (c.Same() ? "the meshes are the same\n" : "the meshes differ\n");
+}
+
+int Run(const DiffCommand& command) {
+  const absl::StatusOr<io::MeshFiles> a = io::ReadMeshFiles(command.a);
+  if (!a.ok()) return ReportError(a.status());
+  const absl::StatusOr<io::MeshFiles> b = io::ReadMeshFiles(command.b);
+  if (!b.ok()) return ReportError(b.status());
+  const MeshComparison comparison = CompareMeshes(io::ToMesh(a->mesh), io::ToMesh(b->mesh));
+  if (!PrintOut(command.json ? FormatJson(comparison) : FormatText(comparison))) {
+    return kExitFailed;
+  }
+  return comparison.Same() ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void RegisterDiffCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<DiffCommand>();
+  CLI::App* const sub = AddCommand(
+      app, slot, "diff", "Compare two mesh files: exit code 0 if they are the same, 1 if not",
+      [command] { return Run(*command); });
+  sub->add_option("A", command->a, "A mesh as .node, .ele and .edge")->required();
+  sub->add_option("B", command->b, "Another")->required();
+  sub->add_flag("--json", command->json, "Print one JSON object");
+}
+
+}  // namespace dynmesh::cli

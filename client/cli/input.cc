@@ -1,0 +1,134 @@
+#include "client/cli/input.h"
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "core/data/text.h"
+#include "core/io/edit_script.h"
+#include "core/io/planar_input.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using data::Concat;
+
+Input FromPlanar(io::PlanarInput planar, const std::string& path) {
+  Input input;
+  input.options.box = io::BoundingBox(planar.features);
+  const auto ignored = [&](std::uint64_t count, const char* what) {
+    if (count != 0) input.warnings.push_back(Concat(path, ": ", count, " ", what, " ignored"));
+  };
+  ignored(planar.holes, "hole(s)");
+  ignored(planar.regions, "region(s)");
+  ignored(planar.attributes, "attribute(s) a vertex");
+  input.features = std::move(planar.features);
+  planar.features.clear();
+  auto source = std::make_shared<const io::PlanarInput>(std::move(planar));
+  input.where = [source](FeatureId id) { return source->Where(id); };
+  return input;
+}
+
+// The features that are there after the last line of a script, and where each was
+// last spoken of.
+class ScriptState {
+ public:
+  absl::Status Apply(const Edit& edit, const std::string& where) {
+    const FeatureId id = edit.feature.id;
+    const auto it = features_.find(id);
+    const bool present = it != features_.end();
+    if (edit.action == Edit::Action::kAdd) {
+      if (present) return Error(where, Concat("feature ", id, " is there already: use set"));
+      features_[id] = {edit.feature, where};
+      return absl::OkStatus();
+    }
+    if (!present) return Error(where, Concat("there is no feature ", id));
+    if (edit.action == Edit::Action::kRemove) {
+      features_.erase(it);
+      return absl::OkStatus();
+    }
+    if (edit.action == Edit::Action::kMove && it->second.first.kind != FeatureKind::kPoint) {
+      return Error(where, Concat("feature ", id, " is no point: it cannot be moved"));
+    }
+    it->second = {edit.feature, where};
+    return absl::OkStatus();
+  }
+
+  Input Finish(const MeshOptions& options) const {
+    Input input;
+    input.options = options;
+    auto places = std::make_shared<std::map<FeatureId, std::string>>();
+    for (const auto& [id, entry] : features_) {
+      input.features.push_back(entry.first);
+      places->emplace(id, entry.second);
+    }
+    input.where = [places](FeatureId id) {
+      const auto it = places->find(id);
+      return it == places->end() ? std::string() : it->second;
+    };
+    return input;
+  }
+
+ private:
+  static absl::Status Error(const std::string& where, const std::string& message) {
+    return absl::InvalidArgumentError(Concat(where, ": ", message));
+  }
+
+  std::map<FeatureId, std::pair<Feature, std::string>> features_;
+};
+
+absl::StatusOr<Input> FromScript(const io::EditScript& script) {
+  ScriptState state;
+  for (std::size_t b = 0; b < script.batches.size(); ++b) {
+    const io::ScriptBatch& batch = script.batches[b];
+    for (std::size_t e = 0; e < batch.edits.size(); ++e) {
+      if (auto s = state.Apply(batch.edits[e], script.Where(b, e)); !s.ok()) return s;
+    }
+  }
+  return state.Finish(script.Options());
+}
+
+}  // namespace
+
+absl::StatusOr<Input> LoadInput(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".node" || extension == ".poly") {
+    absl::StatusOr<io::PlanarInput> planar =
+        extension == ".node" ? io::ReadNodeFile(path) : io::ReadPolyFile(path);
+    if (!planar.ok()) return planar.status();
+    return FromPlanar(*std::move(planar), path);
+  }
+  for (const char* later : {".smesh", ".off", ".stl", ".obj", ".msh", ".mesh", ".vtu"}) {
+    if (extension == later) {
+      return absl::UnimplementedError(
+          Concat(path, ": ", later,
+                 " files as input are not supported yet in this version; "
+                 "use .node, .poly or an edit script"));
+    }
+  }
+  const absl::StatusOr<io::EditScript> script = io::ReadEditScript(path);
+  if (!script.ok()) return script.status();
+  return FromScript(*script);
+}
+
+absl::Status Locate(const absl::Status& status,
+                    const std::function<std::string(FeatureId)>& where) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(status);
+  if (status.ok() || !detail) return status;
+  std::string before;
+  std::string after;
+  for (const FeatureId id : detail->features) {
+    const std::string place = where(id);
+    if (place.empty()) continue;
+    if (before.empty()) {
+      before = place + ": ";
+    } else {
+      after += Concat(after.empty() ? " (" : ", ", id, " at ", place);
+    }
+  }
+  if (!after.empty()) after += ")";
+  return absl::Status(status.code(), Concat(before, data::View(status.message()), after));
+}
+
+}  // namespace dynmesh::cli

@@ -1,0 +1,35 @@
+// Input files of any kind as one set of features.
+#ifndef DYNMESH_CLIENT_CLI_INPUT_H_
+#define DYNMESH_CLIENT_CLI_INPUT_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "dynmesh/error.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::cli {
+
+struct Input {
+  std::vector<Feature> features;
+  MeshOptions options;                // the box: the input's own, or its bounding box
+  std::vector<std::string> warnings;  // what was read and left out
+  // "file:line" of a feature, empty if unknown.
+  std::function<std::string(FeatureId)> where;
+};
+
+// By extension: .node, .poly; any other that is no known kind of geometry is an edit
+// script, whose last revision counts. Errors as `file:line: ...`.
+absl::StatusOr<Input> LoadInput(const std::string& path);
+
+// `status` with its message preceded by where the first feature to blame stands, and
+// followed by where the others do.
+absl::Status Locate(const absl::Status& status, const std::function<std::string(FeatureId)>& where);
+
+}  // namespace dynmesh::cli
+
+#endif  // DYNMESH_CLIENT_CLI_INPUT_H_

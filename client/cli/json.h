@@ -1,0 +1,45 @@
+// One JSON object on one line: what --json prints. Keys are literals of ours and in
+// the order added; doubles are the shortest that read back exactly, null if not finite.
+#ifndef DYNMESH_CLIENT_CLI_JSON_H_
+#define DYNMESH_CLIENT_CLI_JSON_H_
+
+#include <concepts>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace dynmesh::cli {
+
+class JsonObject {
+ public:
+  // Counts and measures. 64-bit ids and hashes are strings in JSON: use AddText.
+  template <std::integral T>
+  requires(!std::same_as<T, bool>) JsonObject& Add(std::string_view key, T value) {
+    return AddRaw(key, std::to_string(value));
+  }
+  JsonObject& Add(std::string_view key, double value);
+  template <std::same_as<bool> T>
+  JsonObject& Add(std::string_view key, T value) {
+    return AddRaw(key, value ? "true" : "false");
+  }
+  JsonObject& AddText(std::string_view key, std::string_view value);
+  JsonObject& AddTexts(std::string_view key, const std::vector<std::string>& values);
+  JsonObject& AddObject(std::string_view key, const JsonObject& value);
+  JsonObject& AddObjects(std::string_view key, const std::vector<JsonObject>& values);
+
+  std::string ToString() const { return "{" + members_ + "}"; }
+  std::string ToLine() const { return ToString() + "\n"; }
+
+ private:
+  JsonObject& AddRaw(std::string_view key, std::string_view value);
+
+  std::string members_;
+};
+
+// A JSON string, quotes included. Bytes that are no valid UTF-8 become U+FFFD.
+std::string JsonQuote(std::string_view text);
+
+}  // namespace dynmesh::cli
+
+#endif  // DYNMESH_CLIENT_CLI_JSON_H_

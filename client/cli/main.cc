@@ -1,0 +1,54 @@
+// The `dynmesh` command. Adding a command: a file with Register*Command (command.h),
+// one line below.
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "CLI/CLI.hpp"
+#include "client/cli/command.h"
+
+namespace dynmesh::cli {
+namespace {
+
+int Main(int argc, char** argv) {
+  CLI::App app("Dynamic Delaunay meshes: from scratch, edit by edit, and proof of both.",
+               "dynmesh");
+  app.set_version_flag("--version", VersionText());
+  app.require_subcommand(0, 1);
+  app.failure_message(CLI::FailureMessage::simple);
+  CommandSlot slot;
+  RegisterMeshCommand(app, slot);
+  RegisterReplayCommand(app, slot);
+  RegisterVerifyCommand(app, slot);
+  RegisterDiffCommand(app, slot);
+#ifdef DYNMESH_CLI_REMOTE
+  RegisterRemoteCommands(app, slot);
+#endif
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // Help and version are "errors" too, with code 0; for CLI11 every kind of bad
+    // usage has a code of its own, for us there is one.
+    return app.exit(error) == 0 ? kExitDone : kExitBadInput;
+  }
+  if (slot.run) return slot.run();
+  std::fputs(app.help().c_str(), stderr);
+  return kExitBadInput;
+}
+
+}  // namespace
+}  // namespace dynmesh::cli
+
+int main(int argc, char** argv) {
+  // A reader that went away shows as a failed write, not as a silent death.
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    return dynmesh::cli::Main(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("dynmesh: out of memory\n", stderr);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "dynmesh: internal error: %s\n", error.what());
+  }
+  return dynmesh::cli::kExitFailed;
+}

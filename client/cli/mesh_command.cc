@@ -1,0 +1,86 @@
+// dynmesh mesh INPUT [-o OUT]: a mesh from scratch, in process.
+#include <chrono>
+#include <memory>
+
+#include "absl/strings/str_format.h"
+#include "client/cli/command.h"
+#include "client/cli/input.h"
+#include "client/cli/json.h"
+#include "client/cli/mesh_flags.h"
+#include "client/cli/output.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/quality.h"
+
+namespace dynmesh::cli {
+namespace {
+
+struct MeshCommand {
+  std::string input;
+  MeshFlags mesh;
+  OutputFlags output;
+  bool json = false;
+};
+
+std::string Summarise(const Mesh& mesh, const QualityReport& quality, double build_seconds,
+                      bool json) {
+  if (json) {
+    return JsonObject()
+        .Add("vertices", mesh.vertices.size())
+        .Add("simplices", mesh.simplex_count())
+        .Add("subsegments", mesh.subsegments.size())
+        .Add("worst_radius_edge", quality.worst_radius_edge)
+        .Add("min_angle_deg", quality.min_angle_deg)
+        .Add("max_angle_deg", quality.max_angle_deg)
+        .Add("over_rho", quality.over_rho)
+        .Add("exempt", quality.exempt)
+        .Add("build_seconds", build_seconds)
+        .AddText("hash", mesh.hash.ToHex())
+        .ToLine();
+  }
+  return absl::StrFormat(
+      "vertices           %d\n"
+      "triangles          %d\n"
+      "subsegments        %d\n"
+      "angles             %.2f to %.2f degrees\n"
+      "worst radius-edge  %.6g\n"
+      "over rho           %d (%d exempt)\n"
+      "built in           %.3f s\n"
+      "hash               %s\n",
+      mesh.vertices.size(), mesh.simplex_count(), mesh.subsegments.size(), quality.min_angle_deg,
+      quality.max_angle_deg, quality.worst_radius_edge, quality.over_rho, quality.exempt,
+      build_seconds, mesh.hash.ToHex());
+}
+
+int Run(const MeshCommand& command) {
+  if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+  absl::StatusOr<Input> input = LoadInput(command.input);
+  if (!input.ok()) return ReportError(input.status());
+  for (const std::string& warning : input->warnings) PrintWarning(warning);
+  MeshOptions options = input->options;
+  if (auto status = ApplyMeshFlags(command.mesh, options); !status.ok()) {
+    return ReportError(status);
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const absl::StatusOr<Mesh> mesh = BuildMesh(input->features, options);
+  const std::chrono::duration<double> build = std::chrono::steady_clock::now() - start;
+  if (!mesh.ok()) return ReportError(Locate(mesh.status(), input->where));
+  const QualityReport quality = MeasureQuality(*mesh, options);
+  if (auto status = WriteOutputs(*mesh, options, command.output); !status.ok()) {
+    return ReportError(status);
+  }
+  return PrintOut(Summarise(*mesh, quality, build.count(), command.json)) ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void RegisterMeshCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<MeshCommand>();
+  CLI::App* const sub = AddCommand(app, slot, "mesh", "Make a mesh from scratch",
+                                   [command] { return Run(*command); });
+  sub->add_option("INPUT", command->input, ".node, .poly or an edit script")->required();
+  AddMeshFlags(*sub, command->mesh);
+  AddOutputFlags(*sub, command->output);
+  sub->add_flag("--json", command->json, "Print one JSON object");
+}
+
+}  // namespace dynmesh::cli

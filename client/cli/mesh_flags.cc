@@ -1,0 +1,57 @@
+#include "client/cli/mesh_flags.h"
+
+#include "core/data/text.h"
+#include "core/io/edit_script.h"
+
+namespace dynmesh::cli {
+namespace {
+
+absl::Status Flag(const char* flag, const absl::Status& status) {
+  return absl::InvalidArgumentError(data::Concat(flag, ": ", data::View(status.message())));
+}
+
+}  // namespace
+
+void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
+  command
+      .add_option("--rho", flags.rho,
+                  "Largest circumradius / shortest edge, 1 to 100 (default: sqrt 2, no angle "
+                  "below 20.7 degrees)")
+      ->type_name("R");
+  command.add_option("--criterion", flags.criterion, "When refinement is done (default: edge)")
+      ->type_name("edge|thesis");
+  command.add_option("--engine", flags.engine, "Which mesher (default: dynamic)")
+      ->type_name("dynamic|svr");
+  command
+      .add_option("--box", flags.box, "Where features may lie (default: the input's bounding box)")
+      ->type_name("X0,Y0,X1,Y1");
+  command
+      .add_option("--max-vertices", flags.max_vertices,
+                  "Give up when the mesh would have more vertices")
+      ->type_name("N");
+}
+
+absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options) {
+  if (flags.engine == "svr") {
+    return absl::UnimplementedError("--engine: svr is not supported yet in this version");
+  }
+  if (flags.engine != "dynamic") {
+    return absl::InvalidArgumentError(
+        data::Concat("--engine: expected dynamic or svr, found ", data::Quoted(flags.engine)));
+  }
+  if (flags.rho) options.quality = *flags.rho;
+  if (flags.max_vertices) options.limits.max_vertices = *flags.max_vertices;
+  if (!flags.criterion.empty()) {
+    const absl::StatusOr<Criterion> criterion = io::ParseCriterion(flags.criterion);
+    if (!criterion.ok()) return Flag("--criterion", criterion.status());
+    options.criterion = *criterion;
+  }
+  if (!flags.box.empty()) {
+    const absl::StatusOr<Box> box = io::ParseBox(flags.box);
+    if (!box.ok()) return Flag("--box", box.status());
+    options.box = *box;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace dynmesh::cli

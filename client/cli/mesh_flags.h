@@ -1,0 +1,31 @@
+// The flags that say what a mesh is to be, shared by the commands that make one.
+#ifndef DYNMESH_CLIENT_CLI_MESH_FLAGS_H_
+#define DYNMESH_CLIENT_CLI_MESH_FLAGS_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/status/status.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::cli {
+
+struct MeshFlags {
+  std::optional<double> rho;
+  std::string criterion;
+  std::string engine = "dynamic";
+  std::string box;
+  std::optional<std::uint64_t> max_vertices;
+};
+
+// --rho --criterion --engine --box --max-vertices
+void AddMeshFlags(CLI::App& command, MeshFlags& flags);
+
+// Flags that were given override `options`.
+absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options);
+
+}  // namespace dynmesh::cli
+
+#endif  // DYNMESH_CLIENT_CLI_MESH_FLAGS_H_

@@ -1,0 +1,104 @@
+#include "client/cli/output.h"
+
+#include <filesystem>
+
+#include "core/data/text.h"
+#include "core/io/edit_script.h"
+#include "core/io/indexed_mesh.h"
+#include "core/io/mesh_files.h"
+#include "core/io/svg_writer.h"
+#include "core/io/vtu_writer.h"
+
+namespace dynmesh::cli {
+namespace {
+
+std::string ExtensionOf(const std::string& path) {
+  return std::filesystem::path(path).extension().string();
+}
+
+bool IsTriangles(const std::string& extension) {
+  return extension == ".node" || extension == ".ele" || extension == ".edge";
+}
+
+absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Box& box,
+                                              bool highlighting) {
+  io::SvgOptions svg;
+  // What stands out needs a quiet ground.
+  const std::string chosen = flags.fill.empty() ? (highlighting ? "plain" : "quality") : flags.fill;
+  const absl::StatusOr<io::SvgOptions::Fill> fill = io::ParseFill(chosen);
+  if (!fill.ok()) return fill.status();
+  svg.fill = *fill;
+  svg.width = flags.width;
+  svg.crop = box;
+  if (flags.crop == "all") {
+    svg.crop.reset();
+  } else if (!flags.crop.empty()) {
+    const absl::StatusOr<Box> crop = io::ParseBox(flags.crop);
+    if (!crop.ok()) return crop.status();
+    svg.crop = *crop;
+  }
+  return svg;
+}
+
+}  // namespace
+
+void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
+  command
+      .add_option("-o,--output", flags.paths,
+                  "Where to write the mesh: .node (with .ele and .edge beside it), .vtu or .svg; "
+                  "may be given several times")
+      ->type_name("OUT")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      .add_option("--fill", flags.fill,
+                  "Colours of a picture (default: quality; plain with --highlight)")
+      ->type_name("quality|size|plain|none");
+  command
+      .add_option("--crop", flags.crop,
+                  "What a picture shows (default: the box of the features); `all`: with the "
+                  "surroundings")
+      ->type_name("X0,Y0,X1,Y1");
+  command.add_option("--width", flags.width, "Width of a picture in pixels (default: 1000)")
+      ->type_name("PX")
+      ->check(CLI::Range(1.0, 1e5));
+}
+
+absl::Status CheckOutputs(const OutputFlags& flags) {
+  for (const std::string& path : flags.paths) {
+    const std::string extension = ExtensionOf(path);
+    if (IsTriangles(extension) || extension == ".vtu" || extension == ".svg") continue;
+    if (extension == ".msh" || extension == ".mesh" || extension == ".png") {
+      return absl::UnimplementedError(data::Concat(
+          path, ": ", extension, " files as output are not supported yet in this version"));
+    }
+    return absl::InvalidArgumentError(
+        data::Concat(path, ": the extension must tell what to write: .node, .vtu or .svg"));
+  }
+  return MakeSvgOptions(flags, Box(), false).status();
+}
+
+absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const OutputFlags& flags,
+                          const SimplexColumn& highlight) {
+  if (flags.paths.empty()) return absl::OkStatus();
+  const absl::StatusOr<io::IndexedMesh> indexed = io::IndexMesh(mesh);
+  if (!indexed.ok()) return absl::InternalError(indexed.status().message());
+  for (const std::string& path : flags.paths) {
+    const std::string extension = ExtensionOf(path);
+    absl::Status status;
+    if (extension == ".vtu") {
+      status = io::WriteVtu(*indexed, path);
+    } else if (extension == ".svg") {
+      absl::StatusOr<io::SvgOptions> svg = MakeSvgOptions(flags, options.box, !highlight.empty());
+      if (!svg.ok()) return svg.status();
+      if (!highlight.empty()) svg->highlight = io::FindTriangles(*indexed, highlight);
+      status = io::WriteSvg(*indexed, *svg, path);
+    } else {
+      status = io::WriteMeshFiles(*indexed, path);
+    }
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace dynmesh::cli

@@ -1,0 +1,246 @@
+// dynmesh apply MESH SCRIPT --server ADDR: an edit script to a server, one revision a
+// batch. Batches are pipelined and their diffs stream back; with --one-by-one each
+// waits for the one before, and the time it takes is that of a whole round trip.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/cli/remote/connection.h"
+#include "client/cli/remote/remote_commands.h"
+#include "core/data/text.h"
+#include "core/io/edit_script.h"
+#include "proto/codec/status_codec.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct ApplyCommand {
+  ServerFlags server;
+  std::string id;
+  std::string script;
+  std::string request_prefix;
+  bool create = false;
+  bool one_by_one = false;
+  bool quiet = false;
+};
+
+double Microseconds(Clock::duration d) {
+  return std::chrono::duration<double, std::micro>(d).count();
+}
+
+// The least sample that at least `part` of all samples do not exceed.
+double Percentile(std::vector<double>& samples, double part) {
+  if (samples.empty()) return std::nan("");
+  const auto rank = static_cast<std::size_t>(
+      std::max(1.0, std::ceil(part * static_cast<double>(samples.size()))));
+  const auto at = samples.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+  std::nth_element(samples.begin(), at, samples.end());
+  return *at;
+}
+
+// What a script's first line can say of a mesh.
+bool SameMesh(const MeshOptions& a, const MeshOptions& b) {
+  return io::FormatMeshLine(a) == io::FormatMeshLine(b);
+}
+
+class Application {
+ public:
+  Application(const ApplyCommand& command, const io::EditScript& script)
+      : command_(command), script_(script), client_(Connect(command.server)) {}
+
+  absl::Status Run() {
+    if (absl::Status status = PrepareMesh(); !status.ok()) return status;
+    const Clock::time_point start = Clock::now();
+    const absl::Status status = command_.one_by_one ? OneByOne() : Pipelined();
+    EndProgress();
+    return status.ok() ? Summarise(Clock::now() - start) : status;
+  }
+
+ private:
+  absl::Status PrepareMesh() {
+    const MeshOptions wanted = script_.Options();
+    if (command_.create) {
+      const auto made = client_->CreateMesh(command_.id, wanted);
+      if (made.ok() || made.status().code() != absl::StatusCode::kAlreadyExists) {
+        return made.status();
+      }
+    }
+    const auto mesh = client_->GetMesh(command_.id);
+    if (!mesh.ok()) return mesh.status();
+    if (script_.has_header && !SameMesh(mesh->options, wanted)) {
+      PrintWarning(data::Concat("the mesh is not the one of the script's first line, but: ",
+                                io::FormatMeshLine(mesh->options)));
+    }
+    return absl::OkStatus();
+  }
+
+  client::EditParams Params(std::size_t batch) const {
+    client::EditParams params;
+    if (!command_.request_prefix.empty()) {
+      params.request_id = absl::StrCat(command_.request_prefix, "-", batch + 1);
+    }
+    return params;
+  }
+
+  absl::Status OneByOne() {
+    for (std::size_t b = 0; b < script_.batches.size(); ++b) {
+      const Clock::time_point start = Clock::now();
+      const auto result = client_->Apply(command_.id, script_.batches[b].edits, Params(b));
+      latencies_.push_back(Microseconds(Clock::now() - start));
+      if (absl::Status status = Take(b, result); !status.ok()) return status;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Pipelined() {
+    const auto session = client_->OpenEdits(command_.id, /*stop_on_error=*/true);
+    std::thread sender([&] {
+      for (std::size_t b = 0; b < script_.batches.size(); ++b) {
+        if (!session->Send(script_.batches[b].edits, Params(b)).ok()) return;  // Receive tells
+      }
+      // If that fails, Finish tells why.
+      static_cast<void>(session->DoneSending());
+    });
+    absl::Status status;
+    std::size_t answered = 0;
+    while (auto answer = session->Receive()) {
+      status = Take(answered++, answer->result);
+      if (!status.ok()) break;
+    }
+    if (!status.ok()) session->Cancel();
+    sender.join();
+    while (session->Receive().has_value()) {
+    }
+    const absl::Status end = session->Finish();
+    if (!status.ok()) return status;
+    if (!end.ok()) return end;
+    if (answered == script_.batches.size()) return absl::OkStatus();
+    return absl::DataLossError("the server did not answer every batch");
+  }
+
+  absl::Status Take(std::size_t batch, const absl::StatusOr<client::EditResult>& result) {
+    if (!result.ok()) return AtLine(batch, result.status());
+    ++revisions_;
+    edits_ += script_.batches[batch].edits.size();
+    replayed_ += result->replayed ? 1 : 0;
+    hash_ = result->diff.hash;
+    ShowProgress(batch + 1);
+    if (command_.quiet) return absl::OkStatus();
+    if (PrintOut(DiffLine(result->diff, result->replayed ? "replayed" : "applied",
+                          command_.server.json))) {
+      return absl::OkStatus();
+    }
+    return absl::UnavailableError("cannot write to standard output");
+  }
+
+  // A refused batch, at the line of the edit to blame.
+  absl::Status AtLine(std::size_t batch, const absl::Status& status) const {
+    const auto error = codec::GetServiceError(status);
+    std::optional<std::size_t> edit;
+    std::uint64_t index = 0;
+    if (error.has_value() && error->metadata.contains("edit") &&
+        absl::SimpleAtoi(error->metadata.at("edit"), &index)) {
+      edit = index;
+    }
+    return absl::Status(status.code(), data::Concat(script_.Where(batch, edit), ": ",
+                                                    data::View(status.message())));
+  }
+
+  absl::Status Summarise(Clock::duration took) {
+    const double seconds = std::chrono::duration<double>(took).count();
+    const double p50 = Percentile(latencies_, 0.50);
+    const double p99 = Percentile(latencies_, 0.99);
+    std::string line;
+    if (command_.server.json) {
+      JsonObject object;
+      object.Add("summary", true)
+          .Add("revisions", revisions_)
+          .Add("edits", edits_)
+          .Add("replayed", replayed_)
+          .Add("seconds", seconds);
+      if (command_.one_by_one) {
+        object.Add("p50_microseconds", p50).Add("p99_microseconds", p99);
+      }
+      line = object.AddText("hash", hash_.ToHex()).ToLine();
+    } else {
+      line = absl::StrFormat("%d revisions, %d edits in %.3f s", revisions_, edits_, seconds);
+      if (command_.one_by_one) {
+        absl::StrAppendFormat(&line, "; %.0f us typical, %.0f us at the 99th percentile", p50, p99);
+      }
+      absl::StrAppendFormat(&line, "\nhash %s\n", hash_.ToHex());
+    }
+    if (PrintOut(line)) return absl::OkStatus();
+    return absl::UnavailableError("cannot write to standard output");
+  }
+
+  // Where results go to the same terminal, their lines are progress enough.
+  void ShowProgress(std::size_t done) {
+    if (!show_progress_) return;
+    const Clock::time_point now = Clock::now();
+    const std::size_t all = script_.batches.size();
+    if (done < all && now - progress_shown_ < std::chrono::milliseconds(100)) return;
+    progress_shown_ = now;
+    constexpr std::size_t kWidth = 40;
+    const std::size_t filled = all == 0 ? kWidth : done * kWidth / all;
+    const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
+    std::fprintf(stderr, "\r[%s] %zu/%zu", bar.c_str(), done, all);
+    progress_open_ = true;
+  }
+  void EndProgress() {
+    if (progress_open_) std::fputc('\n', stderr);
+  }
+
+  const ApplyCommand& command_;
+  const io::EditScript& script_;
+  const std::unique_ptr<client::MeshClient> client_;
+  std::vector<double> latencies_;
+  std::uint64_t revisions_ = 0;
+  std::uint64_t edits_ = 0;
+  std::uint64_t replayed_ = 0;
+  MeshHash hash_;
+  const bool show_progress_ = ErrorIsTerminal() && (command_.quiet || !OutIsTerminal());
+  bool progress_open_ = false;
+  Clock::time_point progress_shown_;
+};
+
+int Run(const ApplyCommand& command) {
+  io::ScriptParseOptions parse;
+  parse.require_header = command.create;
+  const absl::StatusOr<io::EditScript> script = io::ReadEditScript(command.script, parse);
+  if (!script.ok()) return ReportError(script.status());
+  const absl::Status status = Application(command, *script).Run();
+  return status.ok() ? kExitDone : ReportError(status);
+}
+
+}  // namespace
+
+void RegisterApplyCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<ApplyCommand>();
+  CLI::App* const sub = AddCommand(app, slot, "apply", "Apply an edit script to a server's mesh",
+                                   [command] { return Run(*command); });
+  sub->add_option("MESH", command->id, "Its id")->required();
+  sub->add_option("SCRIPT", command->script, "The edit script")->required();
+  sub->add_flag("--create", command->create,
+                "Create the mesh by the script's first line unless it exists");
+  sub->add_option("--request-prefix", command->request_prefix,
+                  "Give batch N the request id PREFIX-N: applying again, after a broken "
+                  "connection, repeats nothing")
+      ->type_name("PREFIX");
+  sub->add_flag("--one-by-one", command->one_by_one,
+                "Wait for each answer, and tell how long they took");
+  sub->add_flag("-q,--quiet", command->quiet, "No line for each revision");
+  AddServerFlags(*sub, command->server);
+}
+
+}  // namespace dynmesh::cli

@@ -1,0 +1,36 @@
+// What the remote commands share: where the server is, how meshes are shown.
+#ifndef DYNMESH_CLIENT_CLI_REMOTE_CONNECTION_H_
+#define DYNMESH_CLIENT_CLI_REMOTE_CONNECTION_H_
+
+#include <memory>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/status/status.h"
+#include "client/cli/json.h"
+#include "client/mesh_client.h"
+
+namespace dynmesh::cli {
+
+struct ServerFlags {
+  std::string address = "127.0.0.1:7878";
+  double timeout_seconds = 0;  // none
+  bool json = false;
+};
+
+// --server --timeout --json
+void AddServerFlags(CLI::App& command, ServerFlags& flags);
+
+std::unique_ptr<client::MeshClient> Connect(const ServerFlags& flags);
+
+// One line for a mesh, as text or JSON.
+std::string MeshLine(const client::MeshInfo& mesh, bool json);
+// One line for a revision.
+std::string DiffLine(const MeshDiff& diff, const char* event, bool json);
+
+// Prints, or says that standard output is gone. The exit code.
+int Print(const std::string& text);
+
+}  // namespace dynmesh::cli
+
+#endif  // DYNMESH_CLIENT_CLI_REMOTE_CONNECTION_H_

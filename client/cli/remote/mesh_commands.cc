@@ -1,0 +1,212 @@
+// dynmesh create|list|delete|stats|export --server ADDR: the meshes of a server.
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "absl/strings/str_format.h"
+#include "client/cli/mesh_flags.h"
+#include "client/cli/output.h"
+#include "client/cli/remote/connection.h"
+#include "client/cli/remote/remote_commands.h"
+#include "core/io/edit_script.h"
+
+namespace dynmesh::cli {
+namespace {
+
+struct CreateCommand {
+  ServerFlags server;
+  std::string id;
+  std::string script;
+  MeshFlags mesh;
+  std::string request_id;
+};
+
+int RunCreate(const CreateCommand& command) {
+  MeshOptions options;
+  if (!command.script.empty()) {
+    const absl::StatusOr<io::EditScript> script = io::ReadEditScript(command.script);
+    if (!script.ok()) return ReportError(script.status());
+    options = script->Options();
+  } else if (command.mesh.box.empty()) {
+    return ReportError(
+        absl::InvalidArgumentError("where may features lie? give --box or --like SCRIPT"));
+  }
+  if (auto status = ApplyMeshFlags(command.mesh, options); !status.ok()) {
+    return ReportError(status);
+  }
+  const auto mesh = Connect(command.server)->CreateMesh(command.id, options, command.request_id);
+  return mesh.ok() ? Print(MeshLine(*mesh, command.server.json)) : ReportError(mesh.status());
+}
+
+int RunList(const ServerFlags& flags) {
+  const auto meshes = Connect(flags)->ListMeshes();
+  if (!meshes.ok()) return ReportError(meshes.status());
+  std::string text;
+  for (const client::MeshInfo& mesh : *meshes) text += MeshLine(mesh, flags.json);
+  return Print(text);
+}
+
+struct NamedCommand {
+  ServerFlags server;
+  std::string id;
+  OutputFlags output;
+};
+
+int RunDelete(const NamedCommand& command) {
+  const absl::Status status = Connect(command.server)->DeleteMesh(command.id);
+  if (!status.ok()) return ReportError(status);
+  return command.server.json ? Print(JsonObject().AddText("deleted", command.id).ToLine())
+                             : Print(command.id + " deleted\n");
+}
+
+std::string StatsText(const client::ServerStatus& s) {
+  std::string text = absl::StrFormat(
+      "server version     %s\n"
+      "uptime             %s\n"
+      "meshes             %d\n"
+      "watchers           %d\n",
+      s.version, absl::FormatDuration(absl::Trunc(s.uptime, absl::Seconds(1))), s.meshes,
+      s.watchers);
+  if (!s.mesh.has_value()) return text;
+  const client::MeshStatus& m = *s.mesh;
+  absl::StrAppendFormat(&text,
+                        "revision           %d\n"
+                        "oldest revision    %d\n"
+                        "hash               %s\n"
+                        "features           %d\n"
+                        "vertices           %d\n"
+                        "triangles          %d\n"
+                        "subsegments        %d\n"
+                        "operations         %d\n"
+                        "trace              %.1f MB\n"
+                        "mesh               %.1f MB\n"
+                        "watchers of it     %d\n"
+                        "waiting edits      %d\n",
+                        m.stats.revision, m.oldest_revision, m.hash.ToHex(), m.stats.features,
+                        m.stats.vertices, m.stats.simplices, m.stats.subsegments,
+                        m.stats.operations, static_cast<double>(m.stats.trace_bytes) / 1e6,
+                        static_cast<double>(m.stats.mesh_bytes) / 1e6, m.watchers, m.waiting_edits);
+  return text;
+}
+
+std::string StatsJson(const std::string& id, const client::ServerStatus& s) {
+  JsonObject object;
+  object.AddText("server_version", s.version)
+      .Add("uptime_seconds", absl::ToDoubleSeconds(s.uptime))
+      .Add("meshes", s.meshes)
+      .Add("watchers", s.watchers);
+  if (s.mesh.has_value()) {
+    const client::MeshStatus& m = *s.mesh;
+    object.AddText("mesh", id)
+        .Add("revision", m.stats.revision)
+        .Add("oldest_revision", m.oldest_revision)
+        .AddText("hash", m.hash.ToHex())
+        .Add("features", m.stats.features)
+        .Add("vertices", m.stats.vertices)
+        .Add("simplices", m.stats.simplices)
+        .Add("subsegments", m.stats.subsegments)
+        .Add("operations", m.stats.operations)
+        .Add("trace_bytes", m.stats.trace_bytes)
+        .Add("mesh_bytes", m.stats.mesh_bytes)
+        .Add("mesh_watchers", m.watchers)
+        .Add("waiting_edits", m.waiting_edits);
+  }
+  return object.ToLine();
+}
+
+int RunStats(const NamedCommand& command) {
+  const auto status = Connect(command.server)->GetStats(command.id);
+  if (!status.ok()) return ReportError(status.status());
+  return Print(command.server.json ? StatsJson(command.id, *status) : StatsText(*status));
+}
+
+int RunExport(const NamedCommand& command) {
+  if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+  const auto client = Connect(command.server);
+  const auto info = client->GetMesh(command.id);
+  if (!info.ok()) return ReportError(info.status());
+  const auto mesh = client->GetSnapshot(command.id);
+  if (!mesh.ok()) return ReportError(mesh.status());
+  if (auto status = WriteOutputs(*mesh, info->options, command.output); !status.ok()) {
+    return ReportError(status);
+  }
+  if (!command.server.json) {
+    return Print(absl::StrFormat("revision %d: %d vertices, %d triangles, hash %s\n",
+                                 mesh->revision, mesh->vertices.size(), mesh->simplex_count(),
+                                 mesh->hash.ToHex()));
+  }
+  return Print(JsonObject()
+                   .AddText("mesh", command.id)
+                   .Add("revision", mesh->revision)
+                   .Add("vertices", mesh->vertices.size())
+                   .Add("simplices", mesh->simplex_count())
+                   .Add("subsegments", mesh->subsegments.size())
+                   .AddText("hash", mesh->hash.ToHex())
+                   .ToLine());
+}
+
+}  // namespace
+
+void RegisterCreateCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<CreateCommand>();
+  CLI::App* const sub = AddCommand(app, slot, "create", "Create a mesh on a server",
+                                   [command] { return RunCreate(*command); });
+  sub->add_option("MESH", command->id,
+                  "Its id, [a-z][a-z0-9-]{0,62} (default: the server's choice)");
+  sub->add_option("--like", command->script, "Take the options of this edit script's mesh line")
+      ->type_name("SCRIPT");
+  sub->add_option("--box", command->mesh.box, "Where features may lie")->type_name("X0,Y0,X1,Y1");
+  sub->add_option("--rho", command->mesh.rho,
+                  "Largest circumradius / shortest edge (default: sqrt 2)");
+  sub->add_option("--criterion", command->mesh.criterion, "What rho bounds (default: edge)")
+      ->type_name("edge|thesis");
+  sub->add_option("--max-vertices", command->mesh.max_vertices,
+                  "Refuse to make more (default: the server's limit)");
+  sub->add_option("--request-id", command->request_id, "Makes a retry safe");
+  AddServerFlags(*sub, command->server);
+}
+
+void RegisterListCommand(CLI::App& app, CommandSlot& slot) {
+  auto flags = std::make_shared<ServerFlags>();
+  CLI::App* const sub =
+      AddCommand(app, slot, "list", "List a server's meshes", [flags] { return RunList(*flags); });
+  AddServerFlags(*sub, *flags);
+}
+
+void RegisterDeleteCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<NamedCommand>();
+  CLI::App* const sub = AddCommand(app, slot, "delete", "Delete a mesh of a server",
+                                   [command] { return RunDelete(*command); });
+  sub->add_option("MESH", command->id, "Its id")->required();
+  AddServerFlags(*sub, command->server);
+}
+
+void RegisterStatsCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<NamedCommand>();
+  CLI::App* const sub = AddCommand(app, slot, "stats", "Figures of a server and of a mesh",
+                                   [command] { return RunStats(*command); });
+  sub->add_option("MESH", command->id, "Its id (default: of the server only)");
+  AddServerFlags(*sub, command->server);
+}
+
+void RegisterExportCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<NamedCommand>();
+  CLI::App* const sub = AddCommand(app, slot, "export", "Write a server's mesh to files",
+                                   [command] { return RunExport(*command); });
+  sub->add_option("MESH", command->id, "Its id")->required();
+  AddOutputFlags(*sub, command->output);
+  sub->get_option("--output")->required();
+  AddServerFlags(*sub, command->server);
+}
+
+void RegisterRemoteCommands(CLI::App& app, CommandSlot& slot) {
+  RegisterCreateCommand(app, slot);
+  RegisterListCommand(app, slot);
+  RegisterDeleteCommand(app, slot);
+  RegisterApplyCommand(app, slot);
+  RegisterWatchCommand(app, slot);
+  RegisterExportCommand(app, slot);
+  RegisterStatsCommand(app, slot);
+}
+
+}  // namespace dynmesh::cli

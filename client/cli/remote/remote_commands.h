@@ -1,0 +1,24 @@
+// The commands of `dynmesh` that talk to a server: create, list, delete, apply, watch,
+// export, stats. Each is registered as those of command.h are.
+#ifndef DYNMESH_CLIENT_CLI_REMOTE_REMOTE_COMMANDS_H_
+#define DYNMESH_CLIENT_CLI_REMOTE_REMOTE_COMMANDS_H_
+
+#include "CLI/CLI.hpp"
+#include "client/cli/command.h"
+
+namespace dynmesh::cli {
+
+void RegisterCreateCommand(CLI::App& app, CommandSlot& slot);
+void RegisterListCommand(CLI::App& app, CommandSlot& slot);
+void RegisterDeleteCommand(CLI::App& app, CommandSlot& slot);
+void RegisterApplyCommand(CLI::App& app, CommandSlot& slot);
+void RegisterWatchCommand(CLI::App& app, CommandSlot& slot);
+void RegisterExportCommand(CLI::App& app, CommandSlot& slot);
+void RegisterStatsCommand(CLI::App& app, CommandSlot& slot);
+
+// All of them.
+void RegisterRemoteCommands(CLI::App& app, CommandSlot& slot);
+
+}  // namespace dynmesh::cli
+
+#endif  // DYNMESH_CLIENT_CLI_REMOTE_REMOTE_COMMANDS_H_

@@ -1,0 +1,130 @@
+// dynmesh watch MESH --server ADDR: follows a mesh in a replica that checks every step,
+// one line an event, until a revision or for ever.
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "absl/strings/str_format.h"
+#include "client/cli/output.h"
+#include "client/cli/remote/connection.h"
+#include "client/cli/remote/remote_commands.h"
+#include "core/data/text.h"
+
+namespace dynmesh::cli {
+namespace {
+
+struct WatchCommand {
+  ServerFlags server;
+  std::string id;
+  std::optional<std::uint64_t> until;
+  OutputFlags output;
+  bool progress = false;
+};
+
+// Prints what happens; done when the revision asked for is there, when nothing can be
+// printed, or when the watch ends.
+class Printer final : public client::WatchListener {
+ public:
+  explicit Printer(const WatchCommand& command) : command_(command) {}
+
+  void OnSnapshot(const client::MeshReplica& replica) override {
+    Write(State("snapshot", replica), replica);
+  }
+  void OnDiff(const client::MeshReplica& replica, const MeshDiff& diff) override {
+    Write(DiffLine(diff, "diff", command_.server.json), replica);
+  }
+  void OnProgress(const client::MeshReplica& replica) override {
+    if (command_.progress) Write(State("progress", replica), replica);
+  }
+  void OnTrouble(const absl::Status& status) override {
+    PrintWarning(data::Concat(data::View(status.message()), " (the watch goes on)"));
+  }
+  void OnEnd(const absl::Status& status) override { Finish(status); }
+
+  const Mesh& mesh() const { return mesh_; }  // after Wait returned OK
+
+  // How it ended: OK if the revision was reached.
+  absl::Status Wait() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return result_.has_value(); });
+    return *result_;
+  }
+
+ private:
+  std::string State(const char* event, const client::MeshReplica& replica) const {
+    if (command_.server.json) {
+      return JsonObject()
+          .AddText("event", event)
+          .Add("revision", replica.revision())
+          .Add("vertices", replica.store().vertex_count())
+          .Add("simplices", replica.store().simplex_count())
+          .Add("subsegments", replica.store().subsegment_count())
+          .AddText("hash", replica.hash().ToHex())
+          .ToLine();
+    }
+    return absl::StrFormat("%s at revision %d: %d vertices, %d triangles, hash %s\n", event,
+                           replica.revision(), replica.store().vertex_count(),
+                           replica.store().simplex_count(), replica.hash().ToHex());
+  }
+
+  void Write(const std::string& line, const client::MeshReplica& replica) {
+    if (finished()) return;
+    if (!PrintOut(line)) Finish(absl::UnavailableError("cannot write to standard output"));
+    if (command_.until.has_value() && replica.revision() >= *command_.until) {
+      // The mesh goes on; what is written is what was asked for.
+      if (!command_.output.paths.empty()) mesh_ = replica.ToMesh();
+      Finish(absl::OkStatus());
+    }
+  }
+
+  void Finish(const absl::Status& status) {
+    const std::lock_guard lock(mutex_);
+    if (!result_.has_value()) result_ = status;
+    changed_.notify_all();
+  }
+  bool finished() {
+    const std::lock_guard lock(mutex_);
+    return result_.has_value();
+  }
+
+  const WatchCommand& command_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<absl::Status> result_;
+  Mesh mesh_;
+};
+
+int Run(const WatchCommand& command) {
+  if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+  if (!command.output.paths.empty() && !command.until.has_value()) {
+    return ReportError(absl::InvalidArgumentError("-o needs --until: of which revision?"));
+  }
+  const auto client = Connect(command.server);
+  // Asked first, so that a wrong address or name is an error and not waited for.
+  const auto info = client->GetMesh(command.id);
+  if (!info.ok()) return ReportError(info.status());
+  Printer printer(command);
+  const auto session = client->Watch(command.id, {}, &printer);
+  absl::Status status = printer.Wait();
+  session->Stop();
+  if (status.ok()) status = WriteOutputs(printer.mesh(), info->options, command.output);
+  return status.ok() ? kExitDone : ReportError(status);
+}
+
+}  // namespace
+
+void RegisterWatchCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<WatchCommand>();
+  CLI::App* const sub =
+      AddCommand(app, slot, "watch", "Follow a server's mesh", [command] { return Run(*command); });
+  sub->add_option("MESH", command->id, "Its id")->required();
+  sub->add_option("--until", command->until, "End when this revision is there")
+      ->type_name("REVISION");
+  sub->add_flag("--progress", command->progress, "Show signs of life of the server, too");
+  AddOutputFlags(*sub, command->output);
+  AddServerFlags(*sub, command->server);
+}
+
+}  // namespace dynmesh::cli

@@ -1,0 +1,253 @@
+// dynmesh replay SCRIPT [--check N] [-o OUT]: an edit script in process, one revision
+// a batch. With --check the mesh and its trace are compared with a from-scratch run.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "absl/strings/str_format.h"
+#include "client/cli/check_revision.h"
+#include "client/cli/command.h"
+#include "client/cli/input.h"
+#include "client/cli/json.h"
+#include "client/cli/mesh_flags.h"
+#include "client/cli/output.h"
+#include "core/data/mesh_store.h"
+#include "core/data/text.h"
+#include "core/io/edit_script.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/error.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct ReplayCommand {
+  std::string script;
+  std::uint64_t check = 0;  // every so many revisions; 0: never
+  MeshFlags mesh;
+  OutputFlags output;
+  bool json = false;
+  bool highlight = false;
+};
+
+std::uint64_t PeakResidentBytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in kilobytes
+}
+
+// The least sample that at least `part` of all samples do not exceed.
+double Percentile(std::vector<double> samples, double part) {
+  if (samples.empty()) return std::nan("");
+  const auto rank = static_cast<std::size_t>(
+      std::max(1.0, std::ceil(part * static_cast<double>(samples.size()))));
+  const auto at = samples.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+  std::nth_element(samples.begin(), at, samples.end());
+  return *at;
+}
+
+class Replay {
+ public:
+  Replay(const ReplayCommand& command, const io::EditScript& script)
+      : command_(command), script_(script) {}
+
+  absl::Status Run() {
+    MeshOptions options = script_.Options();
+    if (auto status = ApplyMeshFlags(command_.mesh, options); !status.ok()) return status;
+    absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(options);
+    if (!mesh.ok()) return mesh.status();
+    mesh_ = *std::move(mesh);
+    const MeshStats start = mesh_->Stats();
+    vertices_ = start.vertices;
+    simplices_ = start.simplices;
+    if (command_.check != 0) {
+      absl::StatusOr<data::MeshStore> replica = data::MeshStore::FromMesh(mesh_->Snapshot());
+      if (!replica.ok()) return replica.status();
+      replica_ = std::make_unique<data::MeshStore>(*std::move(replica));
+    }
+    for (std::size_t b = 0; b < script_.batches.size(); ++b) {
+      if (auto status = ApplyBatch(b); !status.ok()) return status;
+    }
+    return Finish(options);
+  }
+
+ private:
+  absl::Status ApplyBatch(std::size_t b) {
+    const EditBatch& batch = script_.batches[b].edits;
+    const Clock::time_point start = Clock::now();
+    absl::StatusOr<MeshDiff> diff = mesh_->Apply(batch);
+    const std::chrono::duration<double, std::micro> elapsed = Clock::now() - start;
+    if (!diff.ok()) return AtLine(b, diff.status());
+    Count(batch, *diff);
+    if (b > 0) microseconds_.push_back(elapsed.count());
+    // The last revision is always among those checked.
+    const bool checked = command_.check != 0 && (diff->to_revision % command_.check == 0 ||
+                                                 b + 1 == script_.batches.size());
+    if (auto status = Check(*diff, checked); !status.ok()) {
+      return absl::Status(status.code(),
+                          data::Concat(script_.Where(b, std::nullopt), ": revision ",
+                                       diff->to_revision, ": ", data::View(status.message())));
+    }
+    ShowProgress(b + 1);
+    last_added_ = std::move(diff->added_simplices);
+    diff->added_simplices = {};
+    return PrintRevision(*diff, elapsed.count(), checked);
+  }
+
+  // An error of a batch, at the line of the edit that it names.
+  absl::Status AtLine(std::size_t b, const absl::Status& status) const {
+    const std::optional<ErrorDetail> detail = GetErrorDetail(status);
+    std::optional<std::size_t> edit;
+    if (detail) edit = detail->edit ? detail->edit : LastEditOf(b, *detail);
+    return absl::Status(status.code(),
+                        data::Concat(script_.Where(b, edit), ": ", data::View(status.message())));
+  }
+
+  // Where in the batch the first feature to blame that occurs in it was last touched.
+  std::optional<std::size_t> LastEditOf(std::size_t b, const ErrorDetail& detail) const {
+    const EditBatch& batch = script_.batches[b].edits;
+    for (const FeatureId id : detail.features) {
+      for (std::size_t e = batch.size(); e-- > 0;) {
+        if (batch[e].feature.id == id) return e;
+      }
+    }
+    return std::nullopt;
+  }
+
+  void Count(const EditBatch& batch, const MeshDiff& diff) {
+    for (const Edit& edit : batch) {
+      if (edit.action == Edit::Action::kAdd) ++features_;
+      if (edit.action == Edit::Action::kRemove) --features_;
+    }
+    edits_ += batch.size();
+    added_simplices_ = diff.added_simplex_count();
+    vertices_ += diff.added_vertices.size() - diff.removed_vertices.size();
+    simplices_ += diff.added_simplex_count() - diff.removed_simplex_count();
+  }
+
+  absl::Status Check(const MeshDiff& diff, bool now) {
+    if (replica_ == nullptr) return absl::OkStatus();
+    if (auto status = replica_->Apply(diff); !status.ok()) {
+      return absl::InternalError(
+          data::Concat("a replica refuses the diff: ", data::View(status.message())));
+    }
+    return now ? CheckRevision(*mesh_, *replica_) : absl::OkStatus();
+  }
+
+  absl::Status PrintRevision(const MeshDiff& diff, double microseconds, bool checked) const {
+    std::string line;
+    if (command_.json) {
+      JsonObject object;
+      object.Add("revision", diff.to_revision)
+          .Add("features", features_)
+          .Add("vertices", vertices_)
+          .Add("simplices", simplices_)
+          .Add("added_vertices", diff.added_vertices.size())
+          .Add("removed_vertices", diff.removed_vertices.size())
+          .Add("added_simplices", added_simplices_)
+          .Add("removed_simplices", diff.removed_simplex_count())
+          .Add("operations", diff.work.executed)
+          .Add("created", diff.work.created)
+          .Add("dropped", diff.work.dropped)
+          .Add("microseconds", microseconds)
+          .AddText("hash", diff.hash.ToHex());
+      if (command_.check != 0) object.Add("checked", checked);
+      line = object.ToLine();
+    } else {
+      line = absl::StrFormat(
+          "revision %d: %d features, %d vertices (+%d -%d), %d triangles (+%d -%d), "
+          "%d operations, %.0f us%s\n",
+          diff.to_revision, features_, vertices_, diff.added_vertices.size(),
+          diff.removed_vertices.size(), simplices_, added_simplices_, diff.removed_simplex_count(),
+          diff.work.executed, microseconds, checked ? ", checked" : "");
+    }
+    if (PrintOut(line)) return absl::OkStatus();
+    return absl::UnavailableError("cannot write to standard output");
+  }
+
+  absl::Status Finish(const MeshOptions& options) {
+    const MeshStats stats = mesh_->Stats();
+    const double p50 = Percentile(microseconds_, 0.50);
+    const double p99 = Percentile(microseconds_, 0.99);
+    std::string line;
+    if (command_.json) {
+      line = JsonObject()
+                 .Add("summary", true)
+                 .Add("revisions", script_.batches.size())
+                 .Add("edits", edits_)
+                 .Add("p50_microseconds", p50)
+                 .Add("p99_microseconds", p99)
+                 .Add("trace_bytes", stats.trace_bytes)
+                 .Add("peak_rss_bytes", PeakResidentBytes())
+                 .ToLine();
+    } else {
+      line = absl::StrFormat(
+          "%d revisions, %d edits; after the first: %.0f us typical, %.0f us at the 99th "
+          "percentile; trace %.1f MB, peak memory %.1f MB\nhash %s\n",
+          script_.batches.size(), edits_, p50, p99, static_cast<double>(stats.trace_bytes) / 1e6,
+          static_cast<double>(PeakResidentBytes()) / 1e6, mesh_->hash().ToHex());
+    }
+    if (!PrintOut(line)) return absl::UnavailableError("cannot write to standard output");
+    if (command_.output.paths.empty()) return absl::OkStatus();
+    return WriteOutputs(mesh_->Snapshot(), options, command_.output,
+                        command_.highlight ? last_added_ : SimplexColumn());
+  }
+
+  // Where results go to the same terminal, their lines are progress enough.
+  void ShowProgress(std::size_t done) {
+    if (!show_progress_) return;
+    const Clock::time_point now = Clock::now();
+    const bool last = done == script_.batches.size();
+    if (!last && now - progress_shown_ < std::chrono::milliseconds(100)) return;
+    progress_shown_ = now;
+    absl::FPrintF(stderr, "\rrevision %d of %d%s", done, script_.batches.size(), last ? "\n" : "");
+  }
+
+  const ReplayCommand& command_;
+  const io::EditScript& script_;
+  std::unique_ptr<DynamicMesh> mesh_;
+  std::unique_ptr<data::MeshStore> replica_;  // with --check
+  std::vector<double> microseconds_;          // of all revisions but the first
+  std::uint64_t features_ = 0;
+  std::uint64_t vertices_ = 0;
+  std::uint64_t simplices_ = 0;
+  std::uint64_t added_simplices_ = 0;
+  std::uint64_t edits_ = 0;
+  SimplexColumn last_added_;
+  const bool show_progress_ = ErrorIsTerminal() && !OutIsTerminal();
+  Clock::time_point progress_shown_;
+};
+
+int Run(const ReplayCommand& command) {
+  if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+  const absl::StatusOr<io::EditScript> script = io::ReadEditScript(command.script);
+  if (!script.ok()) return ReportError(script.status());
+  const absl::Status status = Replay(command, *script).Run();
+  return status.ok() ? kExitDone : ReportError(status);
+}
+
+}  // namespace
+
+void RegisterReplayCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<ReplayCommand>();
+  CLI::App* const sub = AddCommand(app, slot, "replay", "Apply an edit script in process",
+                                   [command] { return Run(*command); });
+  sub->add_option("SCRIPT", command->script, "The edit script")->required();
+  sub->add_option("--check", command->check,
+                  "Every N revisions and at the end: compare mesh and trace with a "
+                  "from-scratch run, audit both")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  AddMeshFlags(*sub, command->mesh);
+  AddOutputFlags(*sub, command->output);
+  sub->add_flag("--highlight", command->highlight,
+                "In pictures: show what the last revision added");
+  sub->add_flag("--json", command->json, "Print one JSON object a revision, then a summary");
+}
+
+}  // namespace dynmesh::cli

@@ -1,0 +1,124 @@
+#include "client/cli/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "client/cli/verify_internal.h"
+#include "core/data/text.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using data::Concat;
+
+VerifyCheck CheckHash(const io::MeshFiles& files, const MeshHash& hash) {
+  Findings findings("hash");
+  if (*files.recorded_hash != hash) {
+    findings.Add(Concat("the file records ", files.recorded_hash->ToHex(), ", its content has ",
+                        hash.ToHex()));
+  }
+  return findings.Take();
+}
+
+bool AllFinite(const io::IndexedMesh& mesh) {
+  return std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                     [](const auto& v) { return std::isfinite(v.x) && std::isfinite(v.y); });
+}
+
+}  // namespace
+
+std::string VertexName(std::uint32_t vertex) { return Concat("vertex ", vertex + 1); }
+
+std::string EdgeName(std::uint32_t a, std::uint32_t b) {
+  return Concat("edge ", a + 1, "-", b + 1);
+}
+
+std::string TriangleName(std::uint32_t triangle) { return Concat("triangle ", triangle + 1); }
+
+double LargestUlp(const io::IndexedMesh& mesh) {
+  double largest = 0;
+  for (const auto& v : mesh.vertices) largest = std::max({largest, std::abs(v.x), std::abs(v.y)});
+  return std::nextafter(largest, HUGE_VAL) - largest;
+}
+
+std::vector<Side> CollectSides(const io::IndexedMesh& mesh) {
+  std::vector<Side> sides;
+  sides.reserve(3 * mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (std::uint8_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = mesh.triangles[t][k];
+      const std::uint32_t to = mesh.triangles[t][(k + 1U) % 3];
+      sides.push_back({std::min(from, to), std::max(from, to), t, k, from < to});
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& s, const Side& t) {
+    return std::tie(s.a, s.b, s.triangle, s.k) < std::tie(t.a, t.b, t.triangle, t.k);
+  });
+  return sides;
+}
+
+VerifyCheck CheckVertices(const io::IndexedMesh& mesh) {
+  Findings findings("vertices");
+  const auto n = static_cast<std::uint32_t>(mesh.vertices.size());
+  if (n == 0) findings.Add("there is none");
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (!std::isfinite(mesh.vertices[i].x) || !std::isfinite(mesh.vertices[i].y)) {
+      findings.Add(VertexName(i) + " is not finite");
+    }
+  }
+  std::vector<std::uint32_t> order(n);
+  std::iota(order.begin(), order.end(), 0U);
+  const auto place = [&](std::uint32_t i) {
+    return std::tuple(mesh.vertices[i].x, mesh.vertices[i].y);
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+    return std::tuple(place(i), i) < std::tuple(place(j), j);
+  });
+  for (std::uint32_t i = 1; i < n; ++i) {
+    if (place(order[i - 1]) == place(order[i])) {
+      findings.Add(VertexName(order[i]) + " is in the place of " + VertexName(order[i - 1]));
+    }
+  }
+  std::vector<bool> used(n, false);
+  for (const auto& t : mesh.triangles) {
+    for (const std::uint32_t v : t) used[v] = true;
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (!used[i]) findings.Add(VertexName(i) + " is in no triangle");
+  }
+  return findings.Take();
+}
+
+bool VerifyReport::Passed() const {
+  return std::all_of(checks.begin(), checks.end(),
+                     [](const VerifyCheck& check) { return check.failures == 0; });
+}
+
+VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
+                        const std::vector<Feature>* features) {
+  const io::IndexedMesh& mesh = files.mesh;
+  VerifyReport report;
+  report.vertices = mesh.vertices.size();
+  report.simplices = mesh.triangles.size();
+  report.subsegments = static_cast<std::uint64_t>(
+      std::count_if(mesh.edges.begin(), mesh.edges.end(),
+                    [](const io::IndexedMesh::Edge& e) { return e.owner != kNoFeature; }));
+  report.hash = io::ToMesh(mesh).hash;
+  const std::vector<Side> sides = CollectSides(mesh);
+  report.checks.push_back(CheckVertices(mesh));
+  // Exact predicates know no NaN; no file holds one, but callers might.
+  if (!AllFinite(mesh)) return report;
+  report.checks.push_back(CheckOrientation(mesh));
+  report.checks.push_back(CheckManifold(mesh, sides));
+  report.checks.push_back(CheckBox(mesh, sides));
+  report.checks.push_back(CheckDelaunay(mesh, sides));
+  report.checks.push_back(CheckEdges(files, sides));
+  report.checks.push_back(CheckQuality(mesh, rho, report));
+  if (files.recorded_hash) report.checks.push_back(CheckHash(files, report.hash));
+  if (features != nullptr) report.checks.push_back(CheckInput(mesh, *features));
+  return report;
+}
+
+}  // namespace dynmesh::cli

@@ -1,0 +1,61 @@
+// Checks of a mesh file, made without the mesher: only core/io is shared with it.
+// Predicates are exact (CGAL's kernel), everything else is written anew here, so that
+// an error of the mesher is not repeated by its judge.
+//
+// Checks, by name:
+//   vertices     finite (else nothing more is checked), no two in one place, each a
+//                corner of a triangle
+//   orientation  every triangle is counter-clockwise, exactly
+//   manifold     every edge has one or two triangles, one on each side; around every
+//                vertex they form one fan; all hang together; V - E + T = 1
+//   box          the border is a rectangle, run round once. With the two above: the
+//                triangles cover it once, without gap or overlap
+//   delaunay     no vertex inside the circle of a triangle beyond one of its edges,
+//                exactly; by Delaunay's lemma then none inside any circle
+//   edges        the .edge file has every edge once and no other; -1 marks the
+//                border's edges and vertices and none else
+//   quality      no triangle over rho, but exempt ones
+//   hash         the one recorded in the file is that of its content
+//   input        (if given) every input point is a vertex with its id as marker, every
+//                segment a straight chain of edges with its id, and no id more
+#ifndef DYNMESH_CLIENT_CLI_VERIFY_H_
+#define DYNMESH_CLIENT_CLI_VERIFY_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/io/mesh_files.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/mesh.h"
+
+namespace dynmesh::cli {
+
+struct VerifyCheck {
+  std::string name;
+  std::uint64_t failures = 0;
+  std::vector<std::string> examples;  // of the failures, the first few
+};
+
+struct VerifyReport {
+  std::vector<VerifyCheck> checks;  // those made, in the order above
+  std::uint64_t vertices = 0;
+  std::uint64_t simplices = 0;
+  std::uint64_t subsegments = 0;
+  double worst_radius_edge = 0;
+  double min_angle_deg = 0;
+  double max_angle_deg = 0;
+  std::uint64_t over_rho = 0;
+  std::uint64_t exempt = 0;
+  MeshHash hash;
+
+  bool Passed() const;
+};
+
+// `features`: what the mesh was made of; null: unknown. O(n lg n).
+VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
+                        const std::vector<Feature>* features);
+
+}  // namespace dynmesh::cli
+
+#endif  // DYNMESH_CLIENT_CLI_VERIFY_H_

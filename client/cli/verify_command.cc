@@ -1,0 +1,101 @@
+// dynmesh verify MESH [--input INPUT] [--rho R]: is this file a mesh as it should be?
+#include <memory>
+
+#include "absl/strings/str_format.h"
+#include "client/cli/command.h"
+#include "client/cli/input.h"
+#include "client/cli/json.h"
+#include "client/cli/verify.h"
+#include "core/io/mesh_files.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::cli {
+namespace {
+
+struct VerifyCommand {
+  std::string mesh;
+  std::string input;
+  double rho = kDefaultQuality2D;
+  bool json = false;
+};
+
+std::string FormatJson(const VerifyReport& report, double rho) {
+  JsonObject checks;
+  std::vector<std::string> problems;
+  for (const VerifyCheck& check : report.checks) {
+    checks.Add(check.name, check.failures == 0);
+    for (const std::string& example : check.examples) {
+      problems.push_back(check.name + ": " + example);
+    }
+  }
+  return JsonObject()
+      .Add("ok", report.Passed())
+      .Add("vertices", report.vertices)
+      .Add("simplices", report.simplices)
+      .Add("subsegments", report.subsegments)
+      .Add("rho", rho)
+      .Add("worst_radius_edge", report.worst_radius_edge)
+      .Add("min_angle_deg", report.min_angle_deg)
+      .Add("max_angle_deg", report.max_angle_deg)
+      .Add("over_rho", report.over_rho)
+      .Add("exempt", report.exempt)
+      .AddText("hash", report.hash.ToHex())
+      .AddObject("checks", checks)
+      .AddTexts("problems", problems)
+      .ToLine();
+}
+
+std::string FormatText(const VerifyReport& report, double rho) {
+  std::string text = absl::StrFormat(
+      "%d vertices, %d triangles, %d subsegments, angles %.2f to %.2f degrees\n"
+      "worst circumradius / shortest edge %.6g, %d over %.6g (%d exempt)\n",
+      report.vertices, report.simplices, report.subsegments, report.min_angle_deg,
+      report.max_angle_deg, report.worst_radius_edge, report.over_rho, rho, report.exempt);
+  for (const VerifyCheck& check : report.checks) {
+    if (check.failures == 0) {
+      text += absl::StrFormat("  %-12s ok\n", check.name);
+      continue;
+    }
+    text += absl::StrFormat("  %-12s FAILED, %d\n", check.name, check.failures);
+    for (const std::string& example : check.examples) text += "      " + example + "\n";
+    if (check.failures > check.examples.size()) text += "      ...\n";
+  }
+  return text + (report.Passed() ? "good\n" : "not good\n");
+}
+
+int Run(const VerifyCommand& command) {
+  if (!(command.rho >= kMinQuality2D) || !(command.rho <= kMaxQuality)) {
+    return ReportError(absl::InvalidArgumentError("--rho must be 1 to 100"));
+  }
+  const absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(command.mesh);
+  if (!files.ok()) return ReportError(files.status());
+  Input input;
+  if (!command.input.empty()) {
+    absl::StatusOr<Input> loaded = LoadInput(command.input);
+    if (!loaded.ok()) return ReportError(loaded.status());
+    input = *std::move(loaded);
+  }
+  const VerifyReport report =
+      VerifyMesh(*files, command.rho, command.input.empty() ? nullptr : &input.features);
+  if (!PrintOut(command.json ? FormatJson(report, command.rho) : FormatText(report, command.rho))) {
+    return kExitFailed;
+  }
+  return report.Passed() ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<VerifyCommand>();
+  CLI::App* const sub =
+      AddCommand(app, slot, "verify",
+                 "Check a mesh file with exact predicates: exit code 0 if it is good, 1 if not",
+                 [command] { return Run(*command); });
+  sub->add_option("MESH", command->mesh, "A mesh as .node, .ele and .edge")->required();
+  sub->add_option("--input", command->input, "What it was made of: .node, .poly or an edit script")
+      ->type_name("INPUT");
+  sub->add_option("--rho", command->rho, "The quality asked for (default: sqrt 2)")->type_name("R");
+  sub->add_flag("--json", command->json, "Print one JSON object");
+}
+
+}  // namespace dynmesh::cli

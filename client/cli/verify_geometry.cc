@@ -1,0 +1,50 @@
+// The checks that need exact predicates: CGAL's kernel decides.
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include "client/cli/verify_internal.h"
+#include "core/data/text.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_2;
+
+Point At(const io::IndexedMesh& mesh, std::uint32_t v) {
+  return Point(mesh.vertices[v].x, mesh.vertices[v].y);
+}
+
+bool IsCounterClockwise(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
+  return CGAL::orientation(At(mesh, t[0]), At(mesh, t[1]), At(mesh, t[2])) == CGAL::LEFT_TURN;
+}
+
+}  // namespace
+
+VerifyCheck CheckOrientation(const io::IndexedMesh& mesh) {
+  Findings findings("orientation");
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!IsCounterClockwise(mesh, mesh.triangles[t])) {
+      findings.Add(TriangleName(t) + " is flat or clockwise");
+    }
+  }
+  return findings.Take();
+}
+
+VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& sides) {
+  Findings findings("delaunay");
+  ForEachEdge(sides, [&](const Side* side, std::size_t count) {
+    if (count != 2) return;
+    const auto& t = mesh.triangles[side[0].triangle];
+    const std::uint32_t across = mesh.triangles[side[1].triangle][(side[1].k + 2U) % 3];
+    if (!IsCounterClockwise(mesh, t)) return;  // has no circle, and is reported elsewhere
+    if (CGAL::side_of_oriented_circle(At(mesh, t[0]), At(mesh, t[1]), At(mesh, t[2]),
+                                      At(mesh, across)) == CGAL::ON_POSITIVE_SIDE) {
+      findings.Add(data::Concat(VertexName(across), " is inside the circle of ",
+                                TriangleName(side[0].triangle), " beyond ",
+                                EdgeName(side->a, side->b)));
+    }
+  });
+  return findings.Take();
+}
+
+}  // namespace dynmesh::cli

@@ -1,0 +1,109 @@
+#include "client/edit_session.h"
+
+#include <utility>
+
+#include "client/channel_internal.h"
+#include "proto/codec/edit_codec.h"
+#include "proto/codec/grpc_status.h"
+#include "proto/codec/status_codec.h"
+
+namespace dynmesh::client {
+namespace {
+
+class GrpcEditSession final : public EditSession {
+ public:
+  GrpcEditSession(std::shared_ptr<Stub> stub, std::string mesh, bool stop_on_error,
+                  absl::Duration timeout)
+      : stub_(std::move(stub)), mesh_(std::move(mesh)), stop_on_error_(stop_on_error) {
+    if (timeout < absl::InfiniteDuration()) {
+      context_.set_deadline(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(timeout));
+    }
+    stream_ = stub_->EditStream(&context_);
+  }
+
+  ~GrpcEditSession() override {
+    if (finished_) return;
+    context_.TryCancel();
+    v1::MeshDiff message;
+    while (stream_->Read(&message)) {
+    }
+    stream_->Finish();
+  }
+
+  absl::Status Send(const EditBatch& edits, const EditParams& params) override {
+    std::size_t next = 0;
+    do {
+      const std::size_t end = std::min(edits.size(), next + kEditsPerMessage);
+      message_.Clear();
+      if (next == 0) BeginMessage(params);
+      for (; next < end; ++next) {
+        codec::EncodeEdit(edits[next], kDimension, message_.add_edits());
+      }
+      message_.set_more(next < edits.size());
+      if (!stream_->Write(message_)) {
+        return absl::UnavailableError("the stream has ended: receive what is left, then finish");
+      }
+    } while (next < edits.size());
+    return absl::OkStatus();
+  }
+
+  absl::Status DoneSending() override {
+    if (stream_->WritesDone()) return absl::OkStatus();
+    return absl::UnavailableError("the stream has ended");
+  }
+
+  std::optional<Answer> Receive() override {
+    while (stream_->Read(&answer_)) {
+      if (answer_.status().code() != 0) {
+        results_.assembler.Reset();
+        return Answer{answer_.request_id(), codec::StatusFromProto(answer_.status())};
+      }
+      auto result = results_.Add(answer_);
+      if (!result.ok()) return Answer{answer_.request_id(), result.status()};
+      if (result->has_value()) return Answer{answer_.request_id(), **std::move(result)};
+    }
+    return std::nullopt;
+  }
+
+  absl::Status Finish() override {
+    finished_ = true;
+    return codec::FromGrpcStatus(stream_->Finish());
+  }
+
+  void Cancel() override { context_.TryCancel(); }
+
+ private:
+  void BeginMessage(const EditParams& params) {
+    if (!named_) {
+      message_.set_mesh(FullName(mesh_));
+      message_.set_stop_on_error(stop_on_error_);
+      named_ = true;
+    }
+    message_.set_request_id(params.request_id);
+    if (params.expected_revision.has_value()) {
+      message_.set_expected_revision(*params.expected_revision);
+    }
+    message_.set_validate_only(params.validate_only);
+    message_.set_omit_columns(params.omit_columns);
+  }
+
+  const std::shared_ptr<Stub> stub_;
+  const std::string mesh_;
+  const bool stop_on_error_;
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReaderWriter<v1::EditBatch, v1::MeshDiff>> stream_;
+  bool named_ = false;
+  bool finished_ = false;
+  v1::EditBatch message_;  // the sender's
+  v1::MeshDiff answer_;    // the receiver's
+  ResultAssembler results_;
+};
+
+}  // namespace
+
+std::unique_ptr<EditSession> StartEditSession(std::shared_ptr<Stub> stub, const std::string& mesh,
+                                              bool stop_on_error, absl::Duration timeout) {
+  return std::make_unique<GrpcEditSession>(std::move(stub), mesh, stop_on_error, timeout);
+}
+
+}  // namespace dynmesh::client

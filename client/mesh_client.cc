@@ -1,0 +1,298 @@
+#include "client/mesh_client.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "client/channel_internal.h"
+#include "proto/codec/edit_codec.h"
+#include "proto/codec/grpc_status.h"
+#include "proto/codec/status_codec.h"
+
+namespace dynmesh::client {
+namespace {
+
+constexpr int kPageSize = 1000;
+constexpr std::size_t kLocatePoints = 30'000;  // of one request
+
+absl::StatusOr<MeshInfo> DecodeMesh(const v1::Mesh& proto) {
+  MeshInfo info;
+  info.id = proto.name().substr(proto.name().find('/') + 1);
+  auto options = codec::DecodeOptions(proto.options(), std::numeric_limits<std::uint64_t>::max());
+  if (!options.ok()) return options.status();
+  info.options = *options;
+  info.create_time = absl::FromUnixSeconds(proto.create_time().seconds()) +
+                     absl::Nanoseconds(proto.create_time().nanos());
+  info.revision = proto.revision();
+  auto hash = MeshHash::FromHex(proto.hash());
+  if (!hash.ok()) return absl::DataLossError("the server sent a hash that is none");
+  info.hash = *hash;
+  return info;
+}
+
+absl::StatusOr<MeshStatus> DecodeStats(const v1::MeshStats& proto) {
+  MeshStatus status;
+  status.stats.revision = proto.revision();
+  status.stats.features = proto.features();
+  status.stats.vertices = proto.vertices();
+  status.stats.simplices = proto.simplices();
+  status.stats.subsegments = proto.subsegments();
+  status.stats.operations = proto.operations();
+  status.stats.trace_bytes = proto.trace_bytes();
+  status.stats.mesh_bytes = proto.mesh_bytes();
+  status.oldest_revision = proto.oldest_revision();
+  status.watchers = proto.watchers();
+  status.waiting_edits = proto.waiting_edits();
+  auto hash = MeshHash::FromHex(proto.hash());
+  if (!hash.ok()) return absl::DataLossError("the server sent a hash that is none");
+  status.hash = *hash;
+  return status;
+}
+
+template <typename Request>
+void EncodeParams(const std::string& mesh, const EditParams& params, Request* request) {
+  request->set_mesh(FullName(mesh));
+  request->set_request_id(params.request_id);
+  if (params.expected_revision.has_value()) {
+    request->set_expected_revision(*params.expected_revision);
+  }
+  request->set_validate_only(params.validate_only);
+  request->set_omit_columns(params.omit_columns);
+}
+
+// Reads the diff of a call to its end.
+absl::StatusOr<EditResult> ReadResult(grpc::ClientReader<v1::MeshDiff>& reader) {
+  std::optional<EditResult> result;
+  absl::Status broken;
+  ResultAssembler assembler;
+  v1::MeshDiff fragment;
+  while (reader.Read(&fragment)) {
+    auto added = assembler.Add(fragment);
+    broken.Update(added.status());
+    if (added.ok() && added->has_value()) result = **std::move(added);
+  }
+  const grpc::Status status = reader.Finish();
+  if (!status.ok()) return codec::FromGrpcStatus(status);
+  if (!broken.ok()) return broken;
+  if (!result.has_value()) return absl::DataLossError("the server sent no whole diff");
+  return *std::move(result);
+}
+
+}  // namespace
+
+struct MeshClient::Impl {
+  std::shared_ptr<Stub> stub;
+  absl::Duration timeout;
+
+  void SetDeadline(grpc::ClientContext& context) const {
+    if (timeout == absl::InfiniteDuration()) return;
+    context.set_deadline(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(timeout));
+  }
+
+  // A unary call: `method` of the stub.
+  template <typename Method, typename Request, typename Response>
+  absl::Status Call(Method method, const Request& request, Response* response) const {
+    grpc::ClientContext context;
+    SetDeadline(context);
+    return codec::FromGrpcStatus((stub.get()->*method)(&context, request, response));
+  }
+
+  absl::StatusOr<EditResult> ApplyInPieces(const std::string& mesh, const EditBatch& edits,
+                                           const EditParams& params) const {
+    auto session = StartEditSession(stub, mesh, /*stop_on_error=*/true, timeout);
+    absl::Status sent = session->Send(edits, params);
+    if (sent.ok()) sent = session->DoneSending();
+    std::optional<EditSession::Answer> answer = session->Receive();
+    while (session->Receive().has_value()) {
+    }
+    const absl::Status finish = session->Finish();
+    if (answer.has_value()) return std::move(answer->result);
+    if (!finish.ok()) return finish;
+    return sent.ok() ? absl::DataLossError("the server sent no answer") : sent;
+  }
+};
+
+MeshClient::MeshClient(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+MeshClient::~MeshClient() = default;
+
+std::unique_ptr<MeshClient> MeshClient::Connect(const std::string& address,
+                                                const ClientOptions& options) {
+  grpc::ChannelArguments arguments;
+  if (options.own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
+  auto impl = std::make_unique<Impl>();
+  impl->stub = v1::MeshService::NewStub(
+      grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
+  impl->timeout = options.timeout;
+  return std::unique_ptr<MeshClient>(new MeshClient(std::move(impl)));
+}
+
+absl::StatusOr<MeshInfo> MeshClient::CreateMesh(const std::string& id, const MeshOptions& options,
+                                                const std::string& request_id) {
+  v1::CreateMeshRequest request;
+  request.set_mesh_id(id);
+  request.set_request_id(request_id);
+  codec::EncodeOptions(options, request.mutable_options());
+  if (options.limits.max_vertices == Limits().max_vertices) {
+    request.mutable_options()->clear_max_vertices();
+  }
+  v1::Mesh response;
+  if (auto s = impl_->Call(&Stub::CreateMesh, request, &response); !s.ok()) return s;
+  return DecodeMesh(response);
+}
+
+absl::StatusOr<MeshInfo> MeshClient::GetMesh(const std::string& mesh) {
+  v1::GetMeshRequest request;
+  request.set_mesh(FullName(mesh));
+  v1::Mesh response;
+  if (auto s = impl_->Call(&Stub::GetMesh, request, &response); !s.ok()) return s;
+  return DecodeMesh(response);
+}
+
+absl::StatusOr<std::vector<MeshInfo>> MeshClient::ListMeshes() {
+  std::vector<MeshInfo> meshes;
+  v1::ListMeshesRequest request;
+  request.set_page_size(kPageSize);
+  do {
+    v1::ListMeshesResponse response;
+    if (auto s = impl_->Call(&Stub::ListMeshes, request, &response); !s.ok()) return s;
+    for (const v1::Mesh& proto : response.meshes()) {
+      auto mesh = DecodeMesh(proto);
+      if (!mesh.ok()) return mesh.status();
+      meshes.push_back(*std::move(mesh));
+    }
+    request.set_page_token(response.next_page_token());
+  } while (!request.page_token().empty());
+  return meshes;
+}
+
+absl::Status MeshClient::DeleteMesh(const std::string& mesh) {
+  v1::DeleteMeshRequest request;
+  request.set_mesh(FullName(mesh));
+  v1::DeleteMeshResponse response;
+  return impl_->Call(&Stub::DeleteMesh, request, &response);
+}
+
+absl::StatusOr<EditResult> MeshClient::Apply(const std::string& mesh, const EditBatch& edits,
+                                             const EditParams& params) {
+  if (edits.size() > kEditsPerMessage) return impl_->ApplyInPieces(mesh, edits, params);
+  v1::ApplyEditsRequest request;
+  EncodeParams(mesh, params, &request);
+  for (const Edit& edit : edits) codec::EncodeEdit(edit, kDimension, request.add_edits());
+  grpc::ClientContext context;
+  impl_->SetDeadline(context);
+  return ReadResult(*impl_->stub->ApplyEdits(&context, request));
+}
+
+absl::StatusOr<EditResult> MeshClient::AddFeatures(const std::string& mesh,
+                                                   std::span<const Feature> features,
+                                                   const EditParams& params) {
+  if (features.size() > kEditsPerMessage) {
+    EditBatch edits;
+    for (const Feature& f : features) edits.push_back(Edit::Add(f));
+    return impl_->ApplyInPieces(mesh, edits, params);
+  }
+  v1::AddFeaturesRequest request;
+  EncodeParams(mesh, params, &request);
+  for (const Feature& f : features) codec::EncodeFeature(f, kDimension, request.add_features());
+  grpc::ClientContext context;
+  impl_->SetDeadline(context);
+  return ReadResult(*impl_->stub->AddFeatures(&context, request));
+}
+
+absl::StatusOr<EditResult> MeshClient::RemoveFeatures(const std::string& mesh,
+                                                      std::span<const FeatureId> ids,
+                                                      const EditParams& params) {
+  if (ids.size() > kEditsPerMessage) {
+    EditBatch edits;
+    for (const FeatureId id : ids) edits.push_back(Edit::Remove(id));
+    return impl_->ApplyInPieces(mesh, edits, params);
+  }
+  v1::RemoveFeaturesRequest request;
+  EncodeParams(mesh, params, &request);
+  request.mutable_ids()->Add(ids.begin(), ids.end());
+  grpc::ClientContext context;
+  impl_->SetDeadline(context);
+  return ReadResult(*impl_->stub->RemoveFeatures(&context, request));
+}
+
+std::unique_ptr<EditSession> MeshClient::OpenEdits(const std::string& mesh, bool stop_on_error) {
+  return StartEditSession(impl_->stub, mesh, stop_on_error, absl::InfiniteDuration());
+}
+
+std::unique_ptr<WatchSession> MeshClient::Watch(const std::string& mesh,
+                                                const WatchOptions& options,
+                                                WatchListener* listener) {
+  return StartWatchSession(impl_->stub, mesh, options, listener);
+}
+
+absl::StatusOr<Mesh> MeshClient::GetSnapshot(const std::string& mesh) {
+  v1::GetSnapshotRequest request;
+  request.set_mesh(FullName(mesh));
+  grpc::ClientContext context;
+  impl_->SetDeadline(context);
+  const auto reader = impl_->stub->GetSnapshot(&context, request);
+  codec::SnapshotAssembler assembler;
+  std::optional<Mesh> result;
+  absl::Status broken;
+  v1::SnapshotChunk chunk;
+  while (reader->Read(&chunk)) {
+    auto added = assembler.Add(chunk);
+    broken.Update(added.status());
+    if (added.ok() && added->has_value()) result = **std::move(added);
+  }
+  const grpc::Status status = reader->Finish();
+  if (!status.ok()) return codec::FromGrpcStatus(status);
+  if (!broken.ok()) return broken;
+  if (!result.has_value()) return absl::DataLossError("the server sent no whole snapshot");
+  // The rows must be those that the hash tells of.
+  if (ComputeHash(*result) != result->hash) {
+    return absl::DataLossError("the snapshot's rows do not have its hash");
+  }
+  return *std::move(result);
+}
+
+absl::StatusOr<ServerStatus> MeshClient::GetStats(const std::string& mesh) {
+  v1::GetStatsRequest request;
+  if (!mesh.empty()) request.set_mesh(FullName(mesh));
+  v1::GetStatsResponse response;
+  if (auto s = impl_->Call(&Stub::GetStats, request, &response); !s.ok()) return s;
+  ServerStatus status;
+  status.version = response.server_version();
+  status.uptime =
+      absl::Seconds(response.uptime().seconds()) + absl::Nanoseconds(response.uptime().nanos());
+  status.meshes = response.meshes();
+  status.watchers = response.watchers();
+  if (response.has_mesh()) {
+    auto stats = DecodeStats(response.mesh());
+    if (!stats.ok()) return stats.status();
+    status.mesh = *std::move(stats);
+  }
+  return status;
+}
+
+absl::StatusOr<Located> MeshClient::Locate(const std::string& mesh, int dimension,
+                                           std::span<const double> points) {
+  if (dimension < 2 || dimension > 3) return absl::InvalidArgumentError("dimension is not 2 or 3");
+  Located located;
+  const std::size_t step = kLocatePoints * static_cast<std::size_t>(dimension);
+  std::size_t begin = 0;
+  do {
+    const auto part = points.subspan(begin, std::min(step, points.size() - begin));
+    v1::LocatePointsRequest request;
+    request.set_mesh(FullName(mesh));
+    request.mutable_coordinates()->Add(part.begin(), part.end());
+    v1::LocatePointsResponse response;
+    if (auto s = impl_->Call(&Stub::LocatePoints, request, &response); !s.ok()) return s;
+    if (begin > 0 && response.revision() != located.revision) {
+      return absl::AbortedError("the mesh changed between two parts of the question: ask again");
+    }
+    located.revision = response.revision();
+    const auto& ids = response.simplices().vertex_ids();
+    located.simplices.insert(located.simplices.end(), ids.begin(), ids.end());
+    begin += step;
+  } while (begin < points.size());
+  return located;
+}
+
+}  // namespace dynmesh::client

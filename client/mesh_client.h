@@ -1,0 +1,116 @@
+// The client library: a server's meshes as typed calls. Errors are absl::Status with a
+// machine-readable detail: codec::GetServiceError(status) has reason, features, field.
+//
+//   auto client = MeshClient::Connect("127.0.0.1:7878");
+//   auto mesh = client->CreateMesh("plate", options);
+//   auto result = client->Apply("plate", {Edit::Add(Feature::Point(1, 0.5, 0.5))});
+//   auto replica = client->Watch("plate", {}, nullptr);   // follows the mesh
+//
+// Meshes are named by id ("plate") or by resource name ("meshes/plate"). Thread-safe.
+#ifndef DYNMESH_CLIENT_MESH_CLIENT_H_
+#define DYNMESH_CLIENT_MESH_CLIENT_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "client/edit_session.h"
+#include "client/watch_session.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/mesh.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::client {
+
+// A mesh as the server tells of it.
+struct MeshInfo {
+  std::string id;
+  MeshOptions options;
+  absl::Time create_time;
+  std::uint64_t revision = 0;
+  MeshHash hash;
+};
+
+struct MeshStatus {
+  MeshStats stats;
+  MeshHash hash;
+  std::uint64_t oldest_revision = 0;  // the earliest a watch may start from
+  std::uint64_t watchers = 0;
+  std::uint64_t waiting_edits = 0;
+};
+
+struct ServerStatus {
+  std::string version;
+  absl::Duration uptime;
+  std::uint64_t meshes = 0;
+  std::uint64_t watchers = 0;
+  std::optional<MeshStatus> mesh;  // if one was asked for
+};
+
+struct Located {
+  std::uint64_t revision = 0;
+  // dimension + 1 vertex ids for each point, all 0 outside the domain.
+  SimplexColumn simplices;
+};
+
+struct ClientOptions {
+  // For each call that is not a stream of unknown length.
+  absl::Duration timeout = absl::InfiniteDuration();
+  // A connection of its own, not shared with other clients of this process.
+  bool own_connection = false;
+};
+
+class MeshClient {
+ public:
+  // Never fails: the first call tells whether the server is there.
+  static std::unique_ptr<MeshClient> Connect(const std::string& address,
+                                             const ClientOptions& options = {});
+  ~MeshClient();
+
+  // An empty id lets the server choose. limits.max_vertices at its default takes the
+  // server's limit.
+  absl::StatusOr<MeshInfo> CreateMesh(const std::string& id, const MeshOptions& options,
+                                      const std::string& request_id = "");
+  absl::StatusOr<MeshInfo> GetMesh(const std::string& mesh);
+  absl::StatusOr<std::vector<MeshInfo>> ListMeshes();
+  absl::Status DeleteMesh(const std::string& mesh);
+
+  // One atomic batch. Batches too large for a message go in pieces.
+  absl::StatusOr<EditResult> Apply(const std::string& mesh, const EditBatch& edits,
+                                   const EditParams& params = {});
+  absl::StatusOr<EditResult> AddFeatures(const std::string& mesh, std::span<const Feature> features,
+                                         const EditParams& params = {});
+  absl::StatusOr<EditResult> RemoveFeatures(const std::string& mesh, std::span<const FeatureId> ids,
+                                            const EditParams& params = {});
+
+  // A pipeline of batches.
+  std::unique_ptr<EditSession> OpenEdits(const std::string& mesh, bool stop_on_error = false);
+
+  // Follows the mesh in a replica, until the session is destroyed. `listener` may be
+  // null; else it outlives the session.
+  std::unique_ptr<WatchSession> Watch(const std::string& mesh, const WatchOptions& options,
+                                      WatchListener* listener);
+
+  absl::StatusOr<Mesh> GetSnapshot(const std::string& mesh);
+  // An empty name asks for the server only.
+  absl::StatusOr<ServerStatus> GetStats(const std::string& mesh = "");
+  // n x dimension coordinates, any n.
+  absl::StatusOr<Located> Locate(const std::string& mesh, int dimension,
+                                 std::span<const double> points);
+
+ private:
+  struct Impl;
+  explicit MeshClient(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dynmesh::client
+
+#endif  // DYNMESH_CLIENT_MESH_CLIENT_H_

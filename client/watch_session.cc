@@ -1,0 +1,271 @@
+#include "client/watch_session.h"
+
+#include <grpcpp/alarm.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "client/channel_internal.h"
+#include "proto/codec/grpc_status.h"
+
+namespace dynmesh::client {
+namespace {
+
+class Follower;
+
+// One Watch stream. Frees itself when gRPC is done with it.
+class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
+ public:
+  Stream(std::shared_ptr<Follower> follower, v1::WatchRequest request)
+      : follower_(std::move(follower)), request_(std::move(request)) {}
+
+  void Start(Stub& stub) {
+    stub.async()->Watch(&context_, &request_, this);
+    StartRead(&event_);
+    StartCall();
+  }
+  void Cancel() { context_.TryCancel(); }
+
+  void OnReadDone(bool ok) override;
+  void OnDone(const grpc::Status& status) override;
+
+ private:
+  const std::shared_ptr<Follower> follower_;
+  const v1::WatchRequest request_;
+  grpc::ClientContext context_;
+  v1::WatchEvent event_;
+};
+
+// What outlives the streams: the replica, and what to do when one ends. Either a
+// stream is open (stream_), or an alarm is set (alarm_), or it has ended.
+class Follower : public std::enable_shared_from_this<Follower> {
+ public:
+  // The stub outlives Stop.
+  Follower(Stub* stub, std::string mesh, const WatchOptions& options, WatchListener* listener)
+      : stub_(stub),
+        mesh_(std::move(mesh)),
+        options_(options),
+        listener_(listener != nullptr ? listener : &silent_),
+        pause_(options.first_pause) {}
+
+  void Open() {
+    const std::lock_guard lock(mutex_);
+    OpenLocked();
+  }
+
+  // False: the stream is of no more use.
+  bool Take(const v1::WatchEvent& event) {
+    const std::lock_guard lock(mutex_);
+    if (stopping_) return false;
+    auto change = replica_.Take(event);
+    if (!change.ok()) {
+      trouble_ = change.status();
+      changed_.notify_all();
+      return false;
+    }
+    attempts_ = 0;
+    pause_ = options_.first_pause;
+    Tell(*change);
+    changed_.notify_all();
+    return true;
+  }
+
+  void StreamEnded(const absl::Status& status) {
+    const std::lock_guard lock(mutex_);
+    stream_ = nullptr;
+    replica_.EndOfStream();
+    const bool gave_up = !trouble_.ok();
+    const absl::Status why = gave_up ? trouble_ : status;
+    trouble_ = absl::OkStatus();
+    if (stopping_) return EndLocked(absl::CancelledError("the watch was stopped"));
+    const bool from_snapshot = gave_up || status.code() == absl::StatusCode::kOutOfRange;
+    if (!from_snapshot && !IsPassing(status)) return EndLocked(status);
+    if (++attempts_ > options_.max_attempts) return EndLocked(why);
+    listener_->OnTrouble(why);
+    ++reconnects_;
+    if (from_snapshot) {
+      from_snapshot_ = true;
+      if (attempts_ == 1) return OpenLocked();  // the server is there
+    }
+    SetAlarmLocked();
+  }
+
+  void Stop() {
+    std::unique_lock lock(mutex_);
+    stopping_ = true;
+    if (stream_ != nullptr) stream_->Cancel();
+    if (alarm_ != nullptr) alarm_->Cancel();
+    changed_.wait(lock, [this] { return ended_.has_value(); });
+    listener_ = &silent_;
+  }
+
+  bool WaitFor(const std::function<bool(const MeshReplica&)>& condition, absl::Duration limit) {
+    std::unique_lock lock(mutex_);
+    bool met = false;
+    changed_.wait_for(lock, absl::ToChronoNanoseconds(limit), [&] {
+      met = condition(replica_);
+      return met || ended_.has_value();
+    });
+    return met;
+  }
+
+  void Read(const std::function<void(const MeshReplica&)>& reader) const {
+    const std::lock_guard lock(mutex_);
+    reader(replica_);
+  }
+
+  std::optional<absl::Status> ended() const {
+    const std::lock_guard lock(mutex_);
+    return ended_;
+  }
+  int resyncs() const {
+    const std::lock_guard lock(mutex_);
+    return std::max(0, snapshots_ - 1);
+  }
+  int reconnects() const {
+    const std::lock_guard lock(mutex_);
+    return reconnects_;
+  }
+
+ private:
+  static bool IsPassing(const absl::Status& status) {
+    switch (status.code()) {
+      case absl::StatusCode::kOk:  // a watch has no end of its own
+      case absl::StatusCode::kUnavailable:
+      case absl::StatusCode::kCancelled:
+      case absl::StatusCode::kUnknown:
+      case absl::StatusCode::kInternal:
+      case absl::StatusCode::kResourceExhausted:
+      case absl::StatusCode::kDeadlineExceeded:
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  void Tell(const MeshReplica::Change& change) {
+    if (std::holds_alternative<MeshReplica::NewSnapshot>(change)) {
+      ++snapshots_;
+      listener_->OnSnapshot(replica_);
+    } else if (const auto* diff = std::get_if<MeshDiff>(&change)) {
+      listener_->OnDiff(replica_, *diff);
+    } else if (std::holds_alternative<MeshReplica::Progress>(change)) {
+      listener_->OnProgress(replica_);
+    }
+  }
+
+  void OpenLocked() {
+    v1::WatchRequest request;
+    request.set_mesh(FullName(mesh_));
+    if (replica_.state() == MeshReplica::State::kLive && !from_snapshot_) {
+      request.set_start_revision(replica_.revision());
+      request.set_start_hash(replica_.hash().ToHex());
+    }
+    from_snapshot_ = false;
+    const std::int64_t nanos = absl::ToInt64Nanoseconds(options_.progress_interval);
+    request.mutable_progress_interval()->set_seconds(nanos / 1'000'000'000);
+    request.mutable_progress_interval()->set_nanos(
+        static_cast<std::int32_t>(nanos % 1'000'000'000));
+    stream_ = new Stream(shared_from_this(), std::move(request));
+    stream_->Start(*stub_);
+  }
+
+  void SetAlarmLocked() {
+    // A fresh one each time: the one that fired may still be in its callback.
+    alarm_ = std::make_unique<grpc::Alarm>();
+    alarm_->Set(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(pause_),
+                [self = shared_from_this()](bool) { self->AlarmFired(); });
+    pause_ = std::min(pause_ * 2, options_.longest_pause);
+  }
+
+  void AlarmFired() {
+    const std::lock_guard lock(mutex_);
+    alarm_.reset();
+    if (stopping_) return EndLocked(absl::CancelledError("the watch was stopped"));
+    OpenLocked();
+  }
+
+  void EndLocked(const absl::Status& status) {
+    ended_ = status;
+    listener_->OnEnd(status);
+    changed_.notify_all();
+  }
+
+  Stub* const stub_;
+  const std::string mesh_;
+  const WatchOptions options_;
+  WatchListener silent_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  WatchListener* listener_;
+  MeshReplica replica_;
+  Stream* stream_ = nullptr;
+  std::unique_ptr<grpc::Alarm> alarm_;
+  absl::Duration pause_;
+  int attempts_ = 0;  // streams that ended since the last event
+  bool from_snapshot_ = false;
+  bool stopping_ = false;
+  absl::Status trouble_;  // why the replica gave the stream up
+  std::optional<absl::Status> ended_;
+  int snapshots_ = 0;
+  int reconnects_ = 0;
+};
+
+void Stream::OnReadDone(bool ok) {
+  if (!ok) return;  // OnDone follows
+  if (follower_->Take(event_)) {
+    StartRead(&event_);
+  } else {
+    context_.TryCancel();
+  }
+}
+
+void Stream::OnDone(const grpc::Status& status) {
+  const std::shared_ptr<Follower> follower = follower_;
+  const absl::Status ended = codec::FromGrpcStatus(status);
+  // First the stream goes, then its end is told: who hears of it may drop the channel,
+  // and gRPC does not bear the last reference to go in a thread of its own.
+  delete this;
+  follower->StreamEnded(ended);
+}
+
+class GrpcWatchSession final : public WatchSession {
+ public:
+  GrpcWatchSession(std::shared_ptr<Stub> stub, const std::string& mesh, const WatchOptions& options,
+                   WatchListener* listener)
+      : stub_(std::move(stub)),
+        follower_(std::make_shared<Follower>(stub_.get(), mesh, options, listener)) {
+    follower_->Open();
+  }
+  ~GrpcWatchSession() override { follower_->Stop(); }
+
+  void Stop() override { follower_->Stop(); }
+  bool WaitFor(const std::function<bool(const MeshReplica&)>& condition,
+               absl::Duration limit) override {
+    return follower_->WaitFor(condition, limit);
+  }
+  void Read(const std::function<void(const MeshReplica&)>& reader) const override {
+    follower_->Read(reader);
+  }
+  std::optional<absl::Status> ended() const override { return follower_->ended(); }
+  int resyncs() const override { return follower_->resyncs(); }
+  int reconnects() const override { return follower_->reconnects(); }
+
+ private:
+  const std::shared_ptr<Stub> stub_;
+  const std::shared_ptr<Follower> follower_;
+};
+
+}  // namespace
+
+std::unique_ptr<WatchSession> StartWatchSession(std::shared_ptr<Stub> stub, const std::string& mesh,
+                                                const WatchOptions& options,
+                                                WatchListener* listener) {
+  return std::make_unique<GrpcWatchSession>(std::move(stub), mesh, options, listener);
+}
+
+}  // namespace dynmesh::client

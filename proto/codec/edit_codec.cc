@@ -1,0 +1,192 @@
+#include "proto/codec/edit_codec.h"
+
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "dynmesh/error.h"
+#include "proto/codec/status_codec.h"
+
+namespace dynmesh::codec {
+namespace {
+
+absl::Status EditError(std::size_t index, FeatureId id, const char* reason_text,
+                       absl::string_view what) {
+  ErrorDetail detail;
+  detail.reason = reason_text;
+  if (id != kNoFeature) detail.features.push_back(id);
+  detail.edit = index;
+  return MakeError(absl::StatusCode::kInvalidArgument,
+                   absl::StrCat("edit ", index, " (feature ", id, "): ", what), std::move(detail));
+}
+
+absl::Status OptionError(absl::string_view field, absl::string_view message) {
+  ServiceError error;
+  error.reason = dynmesh::reason::kBadOption;
+  error.field = absl::StrCat("options.", field);
+  return MakeServiceError(absl::StatusCode::kInvalidArgument,
+                          absl::StrCat("options.", field, ": ", message), error);
+}
+
+absl::Status DecodePoint(const v1::Point& proto, int dimension, std::size_t index, FeatureId id,
+                         std::array<double, 3>* out) {
+  if (proto.has_z() != (dimension == 3)) {
+    return EditError(index, id, reason::kWrongDimension,
+                     dimension == 3 ? "the mesh is three-dimensional: set z"
+                                    : "the mesh is planar: leave z unset");
+  }
+  *out = {proto.x(), proto.y(), dimension == 3 ? proto.z() : 0.0};
+  return absl::OkStatus();
+}
+
+absl::Status DecodeFeature(const v1::Feature& proto, int dimension, std::size_t index,
+                           Feature* out) {
+  out->id = proto.id();
+  switch (proto.geometry_case()) {
+    case v1::Feature::kPoint:
+      out->kind = FeatureKind::kPoint;
+      return DecodePoint(proto.point(), dimension, index, proto.id(), &out->position);
+    case v1::Feature::kSegment:
+      out->kind = FeatureKind::kSegment;
+      out->ends = {proto.segment().p(), proto.segment().q()};
+      return absl::OkStatus();
+    case v1::Feature::GEOMETRY_NOT_SET:
+      break;
+  }
+  return EditError(index, proto.id(), dynmesh::reason::kWrongKind,
+                   "it has no geometry that this server knows: set point or segment");
+}
+
+absl::Status DecodeEdit(const v1::Edit& proto, int dimension, std::size_t index, Edit* out) {
+  switch (proto.action_case()) {
+    case v1::Edit::kAdd:
+      out->action = Edit::Action::kAdd;
+      return DecodeFeature(proto.add(), dimension, index, &out->feature);
+    case v1::Edit::kSet:
+      out->action = Edit::Action::kSet;
+      return DecodeFeature(proto.set(), dimension, index, &out->feature);
+    case v1::Edit::kRemove:
+      *out = Edit::Remove(proto.remove());
+      return absl::OkStatus();
+    case v1::Edit::kMove:
+      *out = Edit::Move(proto.move().id(), 0, 0);
+      return DecodePoint(proto.move().to(), dimension, index, proto.move().id(),
+                         &out->feature.position);
+    case v1::Edit::ACTION_NOT_SET:
+      break;
+  }
+  return EditError(index, kNoFeature, reason::kBadRequest,
+                   "it has no action that this server knows: set add, set, remove or move");
+}
+
+void EncodePoint(const std::array<double, 3>& position, int dimension, v1::Point* out) {
+  out->set_x(position[0]);
+  out->set_y(position[1]);
+  if (dimension == 3) out->set_z(position[2]);
+}
+
+// Entries past the dimension keep their defaults, so that equal options compare equal.
+void DecodeCorner(const v1::Point& p, std::array<double, 3>* out) {
+  (*out)[0] = p.x();
+  (*out)[1] = p.y();
+  if (p.has_z()) (*out)[2] = p.z();
+}
+
+}  // namespace
+
+absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
+                                          std::uint64_t max_vertices) {
+  MeshOptions options;
+  if (proto.dimension() != 0) options.dimension = proto.dimension();
+  if (!proto.has_box()) return OptionError("box", "is missing: say where features may lie");
+  for (const v1::Point* corner : {&proto.box().lo(), &proto.box().hi()}) {
+    if (corner->has_z() != (options.dimension == 3)) {
+      return OptionError("box", options.dimension == 3 ? "its corners need a z"
+                                                       : "its corners have a z in the plane");
+    }
+  }
+  DecodeCorner(proto.box().lo(), &options.box.lo);
+  DecodeCorner(proto.box().hi(), &options.box.hi);
+  if (proto.quality() != 0) options.quality = proto.quality();
+  switch (proto.criterion()) {
+    case v1::CRITERION_UNSPECIFIED:
+    case v1::CRITERION_EDGE:
+      options.criterion = Criterion::kEdge;
+      break;
+    case v1::CRITERION_THESIS:
+      options.criterion = Criterion::kThesis;
+      break;
+    default:
+      return OptionError("criterion", "is unknown: EDGE or THESIS");
+  }
+  if (proto.max_vertices() > max_vertices) {
+    return OptionError("max_vertices", absl::StrCat("is above this server's ", max_vertices));
+  }
+  options.limits.max_vertices = proto.max_vertices() != 0 ? proto.max_vertices() : max_vertices;
+  if (proto.max_depth() != 0) options.limits.max_depth = proto.max_depth();
+  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
+  return options;
+}
+
+void EncodeOptions(const MeshOptions& options, v1::MeshOptions* out) {
+  out->set_dimension(options.dimension);
+  EncodePoint(options.box.lo, options.dimension, out->mutable_box()->mutable_lo());
+  EncodePoint(options.box.hi, options.dimension, out->mutable_box()->mutable_hi());
+  out->set_quality(options.quality);
+  out->set_criterion(options.criterion == Criterion::kThesis ? v1::CRITERION_THESIS
+                                                             : v1::CRITERION_EDGE);
+  out->set_max_vertices(options.limits.max_vertices);
+  out->set_max_depth(options.limits.max_depth);
+}
+
+absl::Status DecodeEdits(const google::protobuf::RepeatedPtrField<v1::Edit>& proto, int dimension,
+                         EditBatch* out) {
+  for (const v1::Edit& p : proto) {
+    const std::size_t index = out->size();
+    if (absl::Status s = DecodeEdit(p, dimension, index, &out->emplace_back()); !s.ok()) return s;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status DecodeAdds(const google::protobuf::RepeatedPtrField<v1::Feature>& proto, int dimension,
+                        EditBatch* out) {
+  for (const v1::Feature& p : proto) {
+    const std::size_t index = out->size();
+    Edit& edit = out->emplace_back();
+    if (absl::Status s = DecodeFeature(p, dimension, index, &edit.feature); !s.ok()) return s;
+  }
+  return absl::OkStatus();
+}
+
+void EncodeFeature(const Feature& feature, int dimension, v1::Feature* out) {
+  out->set_id(feature.id);
+  switch (feature.kind) {
+    case FeatureKind::kPoint:
+      EncodePoint(feature.position, dimension, out->mutable_point());
+      break;
+    case FeatureKind::kSegment:
+      out->mutable_segment()->set_p(feature.ends[0]);
+      out->mutable_segment()->set_q(feature.ends[1]);
+      break;
+  }
+}
+
+void EncodeEdit(const Edit& edit, int dimension, v1::Edit* out) {
+  switch (edit.action) {
+    case Edit::Action::kAdd:
+      EncodeFeature(edit.feature, dimension, out->mutable_add());
+      break;
+    case Edit::Action::kSet:
+      EncodeFeature(edit.feature, dimension, out->mutable_set());
+      break;
+    case Edit::Action::kRemove:
+      out->set_remove(edit.feature.id);
+      break;
+    case Edit::Action::kMove:
+      out->mutable_move()->set_id(edit.feature.id);
+      EncodePoint(edit.feature.position, dimension, out->mutable_move()->mutable_to());
+      break;
+  }
+}
+
+}  // namespace dynmesh::codec

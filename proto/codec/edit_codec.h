@@ -1,0 +1,38 @@
+// Options, features and edits between wire and library. Pure, thread-safe.
+//
+// Decoding checks only what the wire form can get wrong (a missing geometry, a z in
+// the plane); whether features are legal is the library's business. Errors name the
+// feature and the edit's index.
+#ifndef DYNMESH_PROTO_CODEC_EDIT_CODEC_H_
+#define DYNMESH_PROTO_CODEC_EDIT_CODEC_H_
+
+#include <cstddef>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/options.h"
+#include "dynmesh/v1/geometry.pb.h"
+#include "dynmesh/v1/mesh.pb.h"
+
+namespace dynmesh::codec {
+
+// Zeros become defaults; `max_vertices` is the default and the most of that limit.
+// INVALID_ARGUMENT naming the field if no mesh can be made with them.
+absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto, std::uint64_t max_vertices);
+void EncodeOptions(const MeshOptions& options, v1::MeshOptions* out);
+
+// Appends the decoded edits to `out`, whose size is the index of the first in its
+// batch. On an error `out` is unspecified.
+absl::Status DecodeEdits(const google::protobuf::RepeatedPtrField<v1::Edit>& proto, int dimension,
+                         EditBatch* out);
+// Features to add, as edits.
+absl::Status DecodeAdds(const google::protobuf::RepeatedPtrField<v1::Feature>& proto, int dimension,
+                        EditBatch* out);
+
+void EncodeFeature(const Feature& feature, int dimension, v1::Feature* out);
+void EncodeEdit(const Edit& edit, int dimension, v1::Edit* out);
+
+}  // namespace dynmesh::codec
+
+#endif  // DYNMESH_PROTO_CODEC_EDIT_CODEC_H_

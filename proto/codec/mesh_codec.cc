@@ -1,0 +1,277 @@
+#include "proto/codec/mesh_codec.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace dynmesh::codec {
+namespace {
+
+constexpr std::size_t kIdBytes = 8;
+constexpr std::size_t kOwnerBytes = 10;  // the longest varint
+
+// One pass over the columns in a fixed order, stopped when the budget of a message
+// is used up and taken up again at (section, row).
+class Cutter {
+ public:
+  Cutter(std::size_t budget, std::size_t* section, std::size_t* row)
+      : budget_(budget), section_(section), row_(row) {}
+
+  // Offers the next column to the pass, `size` rows of `row_bytes`; copy(begin, end)
+  // takes those rows. At least one row goes into a message, whatever the budget.
+  template <typename Copy>
+  void Column(std::size_t size, std::size_t row_bytes, Copy copy) {
+    const std::size_t self = seen_++;
+    if (full_ || self != *section_) return;
+    const std::size_t room = std::max<std::size_t>(budget_ / row_bytes, used_ ? 0 : 1);
+    const std::size_t count = std::min(size - *row_, room);
+    if (count > 0) {
+      copy(*row_, *row_ + count);
+      used_ = true;
+      budget_ -= std::min(budget_, count * row_bytes);
+      *row_ += count;
+    }
+    if (*row_ < size) {
+      full_ = true;
+    } else {
+      ++*section_;
+      *row_ = 0;
+    }
+  }
+
+  bool AtEnd() const { return *section_ == seen_; }
+
+ private:
+  std::size_t budget_;
+  std::size_t* section_;
+  std::size_t* row_;
+  std::size_t seen_ = 0;
+  bool used_ = false;
+  bool full_ = false;
+};
+
+template <typename Field, typename T>
+void AddRange(Field* field, const std::vector<T>& from, std::size_t begin, std::size_t end) {
+  field->Add(from.data() + begin, from.data() + end);
+}
+
+template <typename Message, typename Get>
+void CutVertices(Cutter& cutter, const VertexColumns& v, std::size_t dimension, Message* out,
+                 Get get) {
+  cutter.Column(
+      v.size(), kIdBytes + 8 * dimension + 1 + kOwnerBytes,
+      [&](std::size_t begin, std::size_t end) {
+        v1::VertexColumns* to = get(out);
+        AddRange(to->mutable_ids(), v.ids, begin, end);
+        AddRange(to->mutable_coordinates(), v.coordinates, begin * dimension, end * dimension);
+        to->mutable_containing_dimensions()->assign(
+            reinterpret_cast<const char*>(v.containing_dimensions.data()) + begin, end - begin);
+        AddRange(to->mutable_owners(), v.owners, begin, end);
+      });
+}
+
+template <typename Message, typename Get>
+void CutSimplices(Cutter& cutter, const SimplexColumn& s, std::size_t dimension, Message* out,
+                  Get get) {
+  const std::size_t corners = dimension + 1;
+  cutter.Column(s.size() / corners, kIdBytes * corners, [&](std::size_t begin, std::size_t end) {
+    AddRange(get(out)->mutable_vertex_ids(), s, begin * corners, end * corners);
+  });
+}
+
+template <typename Message, typename Get>
+void CutSubsegments(Cutter& cutter, const SubsegmentColumns& s, Message* out, Get get) {
+  cutter.Column(s.size(), 2 * kIdBytes + kOwnerBytes, [&](std::size_t begin, std::size_t end) {
+    v1::SubsegmentColumns* to = get(out);
+    AddRange(to->mutable_ends(), s.ends, 2 * begin, 2 * end);
+    AddRange(to->mutable_owners(), s.owners, begin, end);
+  });
+}
+
+void CutDiff(Cutter& cutter, const MeshDiff& diff, v1::MeshDiff* out) {
+  const auto dimension = static_cast<std::size_t>(diff.dimension);
+  using D = v1::MeshDiff;
+  CutSimplices(cutter, diff.removed_simplices, dimension, out,
+               [](D* d) { return d->mutable_removed_simplices(); });
+  CutSubsegments(cutter, diff.removed_subsegments, out,
+                 [](D* d) { return d->mutable_removed_subsegments(); });
+  cutter.Column(diff.removed_vertices.size(), kIdBytes, [&](std::size_t begin, std::size_t end) {
+    AddRange(out->mutable_removed_vertices(), diff.removed_vertices, begin, end);
+  });
+  CutVertices(cutter, diff.added_vertices, dimension, out,
+              [](D* d) { return d->mutable_added_vertices(); });
+  CutSubsegments(cutter, diff.added_subsegments, out,
+                 [](D* d) { return d->mutable_added_subsegments(); });
+  CutSimplices(cutter, diff.added_simplices, dimension, out,
+               [](D* d) { return d->mutable_added_simplices(); });
+}
+
+void EncodeWork(const WorkCounters& work, v1::WorkCounters* out) {
+  out->set_executed(work.executed);
+  out->set_created(work.created);
+  out->set_dropped(work.dropped);
+  out->set_microseconds(work.microseconds);
+}
+
+// ---------------------------------------------------------------- assembling
+
+absl::Status Broken(absl::string_view what) {
+  return absl::DataLossError(absl::StrCat("broken message from the server: ", what));
+}
+
+template <typename T, typename Field>
+void Append(std::vector<T>& to, const Field& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+bool AppendVertices(VertexColumns& to, const v1::VertexColumns& from, int dimension) {
+  const int n = from.ids_size();
+  if (static_cast<std::int64_t>(from.coordinates_size()) != std::int64_t{n} * dimension ||
+      static_cast<int>(from.containing_dimensions().size()) != n || from.owners_size() != n) {
+    return false;
+  }
+  Append(to.ids, from.ids());
+  Append(to.coordinates, from.coordinates());
+  Append(to.containing_dimensions, from.containing_dimensions());
+  Append(to.owners, from.owners());
+  return true;
+}
+
+bool AppendSimplices(SimplexColumn& to, const v1::SimplexColumn& from, int dimension) {
+  if (from.vertex_ids_size() % (dimension + 1) != 0) return false;
+  Append(to, from.vertex_ids());
+  return true;
+}
+
+bool AppendSubsegments(SubsegmentColumns& to, const v1::SubsegmentColumns& from) {
+  if (from.ends_size() != 2 * from.owners_size()) return false;
+  Append(to.ends, from.ends());
+  Append(to.owners, from.owners());
+  return true;
+}
+
+bool IsDimension(int dimension) { return dimension == 2 || dimension == 3; }
+
+}  // namespace
+
+DiffFragmenter::DiffFragmenter(std::shared_ptr<const MeshDiff> diff, bool omit_columns,
+                               std::size_t fragment_bytes)
+    : diff_(std::move(diff)), fragment_bytes_(fragment_bytes), omit_columns_(omit_columns) {}
+
+bool DiffFragmenter::Next(v1::MeshDiff* out) {
+  out->Clear();
+  if (done_) return false;
+  out->set_dimension(diff_->dimension);
+  out->set_from_revision(diff_->from_revision);
+  out->set_to_revision(diff_->to_revision);
+  out->set_columns_omitted(omit_columns_);
+  if (!omit_columns_) {
+    Cutter cutter(fragment_bytes_, &section_, &row_);
+    CutDiff(cutter, *diff_, out);
+    out->set_more(!cutter.AtEnd());
+  }
+  if (!out->more()) {
+    done_ = true;
+    EncodeWork(diff_->work, out->mutable_work());
+    out->set_hash(diff_->hash.ToHex());
+  }
+  return true;
+}
+
+SnapshotFragmenter::SnapshotFragmenter(std::shared_ptr<const Mesh> mesh, std::size_t fragment_bytes)
+    : mesh_(std::move(mesh)), fragment_bytes_(fragment_bytes) {}
+
+bool SnapshotFragmenter::Next(v1::SnapshotChunk* out) {
+  out->Clear();
+  if (done_) return false;
+  const auto dimension = static_cast<std::size_t>(mesh_->dimension);
+  using C = v1::SnapshotChunk;
+  out->set_dimension(mesh_->dimension);
+  out->set_revision(mesh_->revision);
+  out->set_index(index_);
+  if (index_ == 0) {
+    out->set_vertex_count(mesh_->vertices.size());
+    out->set_simplex_count(mesh_->simplex_count());
+    out->set_subsegment_count(mesh_->subsegments.size());
+  }
+  Cutter cutter(fragment_bytes_, &section_, &row_);
+  CutVertices(cutter, mesh_->vertices, dimension, out, [](C* c) { return c->mutable_vertices(); });
+  CutSubsegments(cutter, mesh_->subsegments, out, [](C* c) { return c->mutable_subsegments(); });
+  CutSimplices(cutter, mesh_->simplices, dimension, out,
+               [](C* c) { return c->mutable_simplices(); });
+  ++index_;
+  done_ = cutter.AtEnd();
+  out->set_more(!done_);
+  if (done_) out->set_hash(mesh_->hash.ToHex());
+  return true;
+}
+
+absl::StatusOr<std::optional<MeshDiff>> DiffAssembler::Add(const v1::MeshDiff& f) {
+  const bool first = !diff_.has_value();
+  MeshDiff diff = first ? MeshDiff{} : std::move(*diff_);
+  diff_.reset();
+  if (first) {
+    if (!IsDimension(f.dimension())) return Broken("bad dimension");
+    diff.dimension = f.dimension();
+    diff.from_revision = f.from_revision();
+    diff.to_revision = f.to_revision();
+  } else if (diff.dimension != f.dimension() || diff.from_revision != f.from_revision() ||
+             diff.to_revision != f.to_revision()) {
+    return Broken("a diff's fragments belong to different diffs");
+  }
+  if (!AppendSimplices(diff.removed_simplices, f.removed_simplices(), diff.dimension) ||
+      !AppendSubsegments(diff.removed_subsegments, f.removed_subsegments()) ||
+      !AppendVertices(diff.added_vertices, f.added_vertices(), diff.dimension) ||
+      !AppendSubsegments(diff.added_subsegments, f.added_subsegments()) ||
+      !AppendSimplices(diff.added_simplices, f.added_simplices(), diff.dimension)) {
+    return Broken("a diff's columns disagree in length");
+  }
+  Append(diff.removed_vertices, f.removed_vertices());
+  if (f.more()) {
+    diff_ = std::move(diff);
+    return std::optional<MeshDiff>();
+  }
+  absl::StatusOr<MeshHash> hash = MeshHash::FromHex(f.hash());
+  if (!hash.ok()) return Broken("a diff's hash is not 32 hex digits");
+  diff.hash = *hash;
+  diff.work = {f.work().executed(), f.work().created(), f.work().dropped(),
+               f.work().microseconds()};
+  return std::optional<MeshDiff>(std::move(diff));
+}
+
+absl::StatusOr<std::optional<Mesh>> SnapshotAssembler::Add(const v1::SnapshotChunk& c) {
+  Mesh mesh;
+  if (c.index() == 0) {
+    if (!IsDimension(c.dimension())) return Broken("bad dimension");
+    mesh.dimension = c.dimension();
+    mesh.revision = c.revision();
+    mesh_.reset();
+    next_index_ = 0;
+  } else {
+    if (!mesh_.has_value()) return Broken("a snapshot's first chunk is lost");
+    mesh = std::move(*mesh_);
+    mesh_.reset();
+    if (c.index() != next_index_) return Broken("a snapshot's chunk is lost");
+    if (c.dimension() != mesh.dimension || c.revision() != mesh.revision) {
+      return Broken("a snapshot's chunks belong to different snapshots");
+    }
+  }
+  if (!AppendVertices(mesh.vertices, c.vertices(), mesh.dimension) ||
+      !AppendSubsegments(mesh.subsegments, c.subsegments()) ||
+      !AppendSimplices(mesh.simplices, c.simplices(), mesh.dimension)) {
+    return Broken("a snapshot's columns disagree in length");
+  }
+  if (c.more()) {
+    mesh_ = std::move(mesh);
+    ++next_index_;
+    return std::optional<Mesh>();
+  }
+  absl::StatusOr<MeshHash> hash = MeshHash::FromHex(c.hash());
+  if (!hash.ok()) return Broken("a snapshot's hash is not 32 hex digits");
+  mesh.hash = *hash;
+  return std::optional<Mesh>(std::move(mesh));
+}
+
+}  // namespace dynmesh::codec

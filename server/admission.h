@@ -1,0 +1,67 @@
+// What every call passes before it may work: the drain, the limits, the names. Knows
+// no gRPC. Thread-safe.
+#ifndef DYNMESH_SERVER_ADMISSION_H_
+#define DYNMESH_SERVER_ADMISSION_H_
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "absl/time/time.h"
+#include "server/config.h"
+#include "server/mesh_registry.h"
+#include "server/quota.h"
+#include "server/work_gate.h"
+#include "server/worker_pool.h"
+
+namespace dynmesh::server {
+
+// What the calls of a service share.
+struct ServiceContext {
+  ServiceContext(const ServerConfig& c, MeshRegistry* r, WorkerPool* w, WorkerPool* rd,
+                 absl::Time now)
+      : config(c),
+        registry(r),
+        writers(w),
+        readers(rd),
+        start_time(now),
+        watchers(c.max_watchers),
+        edit_streams(c.max_edit_streams),
+        snapshot_streams(c.max_snapshot_streams),
+        pending_edits(c.max_pending_edits) {}
+
+  const ServerConfig config;
+  MeshRegistry* const registry;
+  WorkerPool* const writers;
+  WorkerPool* const readers;
+  const absl::Time start_time;
+  WorkGate gate;
+  Quota watchers;
+  Quota edit_streams;
+  Quota snapshot_streams;
+  Quota pending_edits;
+};
+
+// UNAVAILABLE (DRAINING), with the time after which another server should be there.
+absl::Status DrainingError();
+
+// A ticket, or DrainingError.
+absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context);
+
+// RESOURCE_EXHAUSTED (STREAM_LIMIT). `what`: "watches", ...
+absl::StatusOr<Lease> TakeStream(Quota& quota, absl::string_view what);
+
+// Room for `count` more edits in a batch that has `before`: INVALID_ARGUMENT
+// (BATCH_TOO_LARGE) or RESOURCE_EXHAUSTED (PENDING_LIMIT).
+absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std::size_t count);
+
+absl::Status CheckRequestId(absl::string_view request_id);
+
+absl::Status BadRequest(absl::string_view field, absl::string_view message);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_ADMISSION_H_

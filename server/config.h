@@ -1,0 +1,52 @@
+// What a server is told: where to listen, and limits with safe defaults. Plain data.
+#ifndef DYNMESH_SERVER_CONFIG_H_
+#define DYNMESH_SERVER_CONFIG_H_
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+
+namespace dynmesh::server {
+
+struct ServerConfig {
+  // host:port; loopback unless told otherwise. Port 0 takes any free one.
+  std::string listen = "127.0.0.1:7878";
+
+  // Threads that apply edits (meshes run in parallel, one mesh never) and threads that
+  // serve readers. 0: one for each core, at least 2.
+  int writer_threads = 0;
+  int reader_threads = 0;
+
+  std::uint64_t max_meshes = 1'000;
+  std::uint64_t max_vertices = 50'000'000;  // of one mesh
+  // Edits in one batch: 64 bytes each until applied.
+  std::uint64_t max_batch_edits = 2'000'000;
+  // Edits of all batches that are being received or wait for their turn.
+  std::uint64_t max_pending_edits = 8'000'000;
+  int max_message_bytes = 4 << 20;  // received in one message
+  std::uint64_t max_watchers = 10'000;
+  std::uint64_t max_edit_streams = 1'000;
+  std::uint64_t max_snapshot_streams = 64;  // each may hold an old copy of a mesh
+  std::uint64_t max_waiting_edits = 1'000;  // unary batches that wait for one mesh
+  // Batches of one EditStream that are received and not fully answered.
+  int edit_window = 64;
+
+  // Diffs kept of each mesh for watchers that come back. The newest is always kept.
+  std::uint64_t history_revisions = 10'000;
+  std::uint64_t history_bytes = 64 << 20;
+  std::uint64_t remembered_requests = 10'000;  // request_ids of a mesh
+  // Revisions a watcher may lag before it is sent coalesced diffs.
+  std::uint64_t watch_queue = 64;
+  absl::Duration progress_interval = absl::Seconds(10);  // default, for idle watchers
+
+  absl::Duration drain_timeout = absl::Seconds(20);
+};
+
+// INVALID_ARGUMENT, naming the field, if a limit makes no sense.
+absl::Status ValidateConfig(const ServerConfig& config);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_CONFIG_H_

@@ -1,0 +1,131 @@
+// One mesh of the server: its single writer, its past for readers, its watchers.
+//
+// Edits and queries of the DynamicMesh run one at a time on a strand, in the order
+// they were handed in; everything else is answered from immutable snapshots and never
+// waits for them. A batch that is refused, cancelled or stopped changes nothing.
+// Thread-safe.
+#ifndef DYNMESH_SERVER_MESH_HOST_H_
+#define DYNMESH_SERVER_MESH_HOST_H_
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "server/request_memory.h"
+#include "server/revision_store.h"
+#include "server/watch_hub.h"
+#include "server/worker_pool.h"
+
+namespace dynmesh::server {
+
+// Makes the mesh that a host drives; DynamicMesh::Create but for tests.
+using MeshFactory = std::function<absl::StatusOr<std::unique_ptr<DynamicMesh>>(const MeshOptions&)>;
+
+// What became of a batch.
+struct EditOutcome {
+  std::shared_ptr<const MeshDiff> diff;
+  bool replayed = false;         // it had been applied before
+  bool columns_omitted = false;  // of such a one the diff is no longer held
+};
+
+struct EditJob {
+  EditBatch edits;
+  std::string request_id;
+  std::optional<std::uint64_t> expected_revision;
+  bool validate_only = false;
+  // Not OK: known to be bad; answered with this in its turn and not applied.
+  absl::Status refused;
+  // Turns true when the call is cancelled or its deadline passes. May be null.
+  std::shared_ptr<const std::atomic<bool>> cancelled;
+  // Shared by the batches of a stream that ends at the first refused one; may be null.
+  std::shared_ptr<std::atomic<bool>> stop;
+  // Called once, on the strand.
+  std::function<void(absl::StatusOr<EditOutcome>)> done;
+};
+
+class MeshHost : public std::enable_shared_from_this<MeshHost> {
+ public:
+  struct Options {
+    RevisionStore::Limits history;
+    WatchHub::Options watch;
+    std::size_t max_waiting = 1'000;
+    std::size_t remembered_requests = 10'000;
+  };
+  struct LocateAnswer {
+    std::uint64_t revision = 0;
+    SimplexColumn simplices;
+  };
+
+  // Takes `mesh`, O(its size). The pools outlive the host.
+  static std::shared_ptr<MeshHost> Create(std::string id, std::unique_ptr<DynamicMesh> mesh,
+                                          absl::Time now, WorkerPool* writers, WorkerPool* readers,
+                                          const Options& options);
+  ~MeshHost();
+
+  // Hands in a batch. RESOURCE_EXHAUSTED (QUEUE_FULL), and `done` is not called, if
+  // too many wait.
+  absl::Status Apply(EditJob job);
+  // The same without that limit, for callers that bound themselves.
+  void ApplyUnbounded(EditJob job);
+
+  // As DynamicMesh::Locate, in turn with the edits. `done` is called on the strand.
+  absl::Status Locate(std::vector<double> points,
+                      std::function<void(absl::StatusOr<LocateAnswer>)> done);
+
+  // Refuses and ends all that waits or watches with `status`.
+  void Close(const absl::Status& status);
+
+  const std::string& id() const { return id_; }
+  const MeshOptions& mesh_options() const { return mesh_options_; }
+  absl::Time create_time() const { return create_time_; }
+  Head head() const { return store_->head(); }
+  const std::shared_ptr<RevisionStore>& store() const { return store_; }
+  const std::shared_ptr<WatchHub>& hub() const { return hub_; }
+  MeshStats stats() const;  // at the head or the revision before
+  std::size_t waiting() const { return queue_->waiting(); }
+
+ private:
+  MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time now, WorkerPool* writers,
+           WorkerPool* readers, const Options& options);
+
+  // On the strand.
+  void Run(EditJob& job);
+  absl::StatusOr<EditOutcome> Answer(EditJob& job);
+  absl::StatusOr<EditOutcome> Replay(const RequestMemory::Entry& entry) const;
+  absl::StatusOr<EditOutcome> Change(EditJob& job, const Fingerprint& content);
+  absl::StatusOr<EditOutcome> CheckOnly(const EditJob& job) const;
+  void RebaseIfDue();
+
+  absl::Status closed() const;
+
+  const std::string id_;
+  const MeshOptions mesh_options_;
+  const absl::Time create_time_;
+  WorkerPool* const readers_;
+  const std::size_t max_waiting_;
+  const std::shared_ptr<SerialQueue> queue_;
+  const std::shared_ptr<RevisionStore> store_;
+  const std::shared_ptr<WatchHub> hub_;
+
+  // Belong to the strand.
+  const std::unique_ptr<DynamicMesh> mesh_;
+  RequestMemory requests_;
+
+  std::atomic<bool> rebasing_{false};
+  mutable std::mutex mutex_;
+  MeshStats stats_;
+  absl::Status closed_;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_MESH_HOST_H_

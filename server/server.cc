@@ -1,0 +1,172 @@
+#include "server/server.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "absl/time/clock.h"
+#include "server/admission.h"
+#include "server/log.h"
+#include "server/mesh_service.h"
+#include "server/version.h"
+
+namespace dynmesh::server {
+namespace {
+
+constexpr char kServiceName[] = "dynmesh.v1.MeshService";
+// How finely idle watchers' progress is timed.
+constexpr std::chrono::milliseconds kTick{100};
+// After a drain that did not end by itself: for cancelled calls to unwind.
+constexpr std::chrono::seconds kCancelGrace{5};
+
+int Threads(int configured) {
+  if (configured > 0) return configured;
+  return std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+bool IsLoopback(absl::string_view listen) {
+  return absl::StartsWith(listen, "127.") || absl::StartsWith(listen, "localhost:") ||
+         absl::StartsWith(listen, "[::1]:") || absl::StartsWith(listen, "unix:");
+}
+
+// Calls a function every kTick until destroyed.
+class Ticker {
+ public:
+  explicit Ticker(std::function<void()> tick)
+      : thread_([this, run = std::move(tick)] {
+          std::unique_lock lock(mutex_);
+          while (!stop_.wait_for(lock, kTick, [this] { return stopped_; })) run();
+        }) {}
+  ~Ticker() {
+    {
+      const std::lock_guard lock(mutex_);
+      stopped_ = true;
+    }
+    stop_.notify_all();
+    thread_.join();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable stop_;
+  bool stopped_ = false;
+  std::thread thread_;
+};
+
+}  // namespace
+
+struct Server::Impl {
+  Impl(const ServerConfig& c, MeshFactory factory)
+      : config(c),
+        writers(Threads(c.writer_threads)),
+        readers(Threads(c.reader_threads)),
+        registry(c, std::move(factory), &writers, &readers),
+        context(c, &registry, &writers, &readers, absl::Now()),
+        service(&context) {}
+
+  void SetHealth(bool serving) {
+    if (auto* health = server->GetHealthCheckService()) {
+      health->SetServingStatus(serving);
+      health->SetServingStatus(kServiceName, serving);
+    }
+  }
+
+  // Destroyed in reverse: first the calls end (Stop), then the tasks, then the meshes.
+  const ServerConfig config;
+  WorkerPool writers;
+  WorkerPool readers;
+  MeshRegistry registry;
+  ServiceContext context;
+  MeshServiceImpl service;
+  std::unique_ptr<grpc::Server> server;
+  int port = 0;
+  std::unique_ptr<Ticker> ticker;
+  std::mutex drain_mutex;
+  bool drained = false;
+};
+
+Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config,
+                                                      MeshFactory factory) {
+  if (absl::Status status = ValidateConfig(config); !status.ok()) return status;
+  auto impl = std::make_unique<Impl>(config, std::move(factory));
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort(config.listen, grpc::InsecureServerCredentials(), &impl->port);
+  builder.RegisterService(&impl->service);
+  builder.SetMaxReceiveMessageSize(config.max_message_bytes);
+  // Two servers on one port would share its clients and not their meshes.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // Finds out about clients that vanished without a word.
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20'000);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  impl->server = builder.BuildAndStart();
+  if (impl->server == nullptr || impl->port == 0) {
+    return absl::UnavailableError(
+        absl::StrCat("cannot listen on ", config.listen, ": is the port taken?"));
+  }
+  impl->SetHealth(true);
+  impl->ticker =
+      std::make_unique<Ticker>([registry = &impl->registry] { registry->Tick(absl::Now()); });
+  std::unique_ptr<Server> server(new Server(std::move(impl)));
+  Log(LogLevel::kInfo, "listening", {{"address", server->address()}, {"version", kVersion}});
+  Log(LogLevel::kWarning, "in_memory",
+      {{"durability", "none"},
+       {"message", "meshes live in memory only: they are gone when this process ends"}});
+  if (!IsLoopback(config.listen)) {
+    Log(LogLevel::kWarning, "exposed",
+        {{"address", config.listen},
+         {"message", "no encryption and no authentication: whoever can connect can edit"}});
+  }
+  return server;
+}
+
+Server::~Server() {
+  if (impl_ != nullptr && impl_->server != nullptr) Drain(absl::ZeroDuration());
+}
+
+int Server::port() const { return impl_->port; }
+
+std::string Server::address() const {
+  const absl::string_view listen = impl_->config.listen;
+  return absl::StrCat(listen.substr(0, listen.rfind(':')), ":", impl_->port);
+}
+
+MeshRegistry& Server::registry() { return impl_->registry; }
+
+bool Server::Drain(absl::Duration limit) {
+  const std::lock_guard lock(impl_->drain_mutex);
+  if (impl_->drained) return true;
+  impl_->drained = true;
+  const absl::Time start = absl::Now();
+  Log(LogLevel::kInfo, "draining", {{"limit", absl::FormatDuration(limit)}});
+  impl_->SetHealth(false);
+  impl_->service.BeginDrain();
+  const bool done = impl_->context.gate.WaitEmpty(limit);
+  // Calls that are still there are cancelled at the deadline, and their edits undone.
+  const auto deadline = std::chrono::system_clock::now() +
+                        (done ? std::chrono::duration_cast<std::chrono::milliseconds>(kCancelGrace)
+                              : std::chrono::milliseconds(0));
+  impl_->server->Shutdown(deadline);
+  impl_->ticker.reset();
+  impl_->writers.Stop();
+  impl_->readers.Stop();
+  Log(LogLevel::kInfo, "drained",
+      {{"complete", done}, {"took", absl::FormatDuration(absl::Now() - start)}});
+  return done;
+}
+
+}  // namespace dynmesh::server

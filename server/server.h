@@ -1,0 +1,42 @@
+// A whole server: listens, serves, drains. Thread-safe but for destruction.
+#ifndef DYNMESH_SERVER_SERVER_H_
+#define DYNMESH_SERVER_SERVER_H_
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "server/config.h"
+#include "server/mesh_host.h"
+#include "server/mesh_registry.h"
+
+namespace dynmesh::server {
+
+class Server {
+ public:
+  // Listens when it returns. INVALID_ARGUMENT for a bad config, UNAVAILABLE if the
+  // address cannot be had. Meshes are made by `factory`.
+  static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config,
+                                                       MeshFactory factory);
+  // Cuts off what is still under way; call Drain first to be polite.
+  ~Server();
+
+  int port() const;
+  std::string address() const;  // host:port with the port chosen
+
+  // Health says NOT_SERVING, new work is refused (UNAVAILABLE), watches end, what is
+  // under way ends, at most for `limit`; what is not done by then is cancelled, and
+  // changes nothing. True if all ended by itself. Returns when nothing runs any more.
+  bool Drain(absl::Duration limit);
+
+  MeshRegistry& registry();
+
+ private:
+  struct Impl;
+  explicit Server(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_SERVER_H_

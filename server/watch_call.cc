@@ -1,0 +1,214 @@
+#include "server/watch_call.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "proto/codec/grpc_status.h"
+#include "proto/codec/mesh_codec.h"
+#include "server/log.h"
+
+namespace dynmesh::server {
+namespace {
+
+grpc::Status ClientGone() { return {grpc::StatusCode::CANCELLED, "the client is gone"}; }
+
+absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request) {
+  WatchHub::Start start;
+  if (request.has_start_revision()) start.revision = request.start_revision();
+  if (!request.start_hash().empty()) {
+    const absl::StatusOr<MeshHash> hash = MeshHash::FromHex(request.start_hash());
+    if (!hash.ok()) return BadRequest("start_hash", "must be 32 hex digits");
+    start.hash = *hash;
+  }
+  const auto& interval = request.progress_interval();
+  if (interval.seconds() < 0 || interval.nanos() < 0) {
+    return BadRequest("progress_interval", "must not be negative");
+  }
+  start.progress_interval = absl::Seconds(interval.seconds()) + absl::Nanoseconds(interval.nanos());
+  return start;
+}
+
+// Exactly one party drives the call at a time, handing it on: Pump hands it to the
+// hub (idle), to the pool (work) or to gRPC (a write). So nothing here needs a lock.
+class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
+ public:
+  static WatchCall* Start(ServiceContext& context, const v1::WatchRequest& request) {
+    auto call = std::make_shared<WatchCall>();
+    call->self_ = call;
+    const absl::Status status = call->Begin(context, request);
+    if (!status.ok()) {
+      call->Finish(codec::ToGrpcStatus(status));
+    } else {
+      // Tells the client that it is being listened to, though nothing may come for long.
+      call->StartSendInitialMetadata();
+    }
+    return call.get();
+  }
+
+  void OnSendInitialMetadataDone(bool ok) override { Continue(ok); }
+  void OnWriteDone(bool ok) override { Continue(ok); }
+  void OnCancel() override {
+    if (subscription_ != nullptr && subscription_->Cancel()) Finish(ClientGone());
+  }
+  void OnDone() override {
+    if (subscription_ != nullptr) {
+      subscription_->Cancel();
+      Log(LogLevel::kDebug, "watch_closed", {{"mesh", mesh_}});
+    }
+    self_.reset();
+  }
+
+ private:
+  absl::Status Begin(ServiceContext& context, const v1::WatchRequest& request) {
+    if (context.gate.closed()) return DrainingError();
+    readers_ = context.readers;
+    absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
+    if (!host.ok()) return host.status();
+    absl::StatusOr<WatchHub::Start> start = DecodeStart(request);
+    if (!start.ok()) return start.status();
+    absl::StatusOr<Lease> lease = TakeStream(context.watchers, "watches");
+    if (!lease.ok()) return lease.status();
+    lease_ = *std::move(lease);
+    // The hub outlives a wake-up that is under way, this call may not.
+    const auto wake = [weak = std::weak_ptr<WatchCall>(self_)] {
+      if (const auto call = weak.lock()) call->Pump();
+    };
+    auto subscription = (*host)->hub()->Subscribe(*start, wake);
+    if (!subscription.ok()) return subscription.status();
+    subscription_ = *std::move(subscription);
+    mesh_ = (*host)->id();
+    Log(LogLevel::kDebug, "watch_opened", {{"mesh", mesh_}, {"watchers", (*host)->hub()->size()}});
+    return absl::OkStatus();
+  }
+
+  void Continue(bool ok) {
+    if (ok) {
+      Pump();
+    } else {
+      Finish(ClientGone());
+    }
+  }
+
+  void Pump() {
+    if (SendFragment()) return;
+    WatchItem item;
+    switch (subscription_->Next(&item)) {
+      case Subscription::Step::kItem:
+        return Send(std::move(item));
+      case Subscription::Step::kIdle:
+        return;  // another thread may drive already: touch nothing
+      case Subscription::Step::kWork:
+        readers_->Post([call = self_] { call->Send(call->subscription_->Work()); });
+        return;
+    }
+  }
+
+  void Send(WatchItem item) {
+    if (auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&item)) {
+      snapshot_.emplace(std::move(*mesh));
+    } else if (auto* diff = std::get_if<std::shared_ptr<const MeshDiff>>(&item)) {
+      diff_.emplace(std::move(*diff));
+    } else if (const auto* head = std::get_if<Head>(&item)) {
+      event_.mutable_progress()->set_revision(head->revision);
+      event_.mutable_progress()->set_hash(head->hash.ToHex());
+      StartWrite(&event_);
+      return;
+    } else {
+      Finish(codec::ToGrpcStatus(std::get<absl::Status>(item)));
+      return;
+    }
+    SendFragment();
+  }
+
+  // False if no mesh or diff is under way.
+  bool SendFragment() {
+    if (snapshot_.has_value() && snapshot_->Next(event_.mutable_snapshot())) {
+      if (snapshot_->done()) snapshot_.reset();  // the mesh is not held while waiting
+    } else if (diff_.has_value() && diff_->Next(event_.mutable_diff())) {
+      if (diff_->done()) diff_.reset();
+    } else {
+      return false;
+    }
+    StartWrite(&event_);
+    return true;
+  }
+
+  std::shared_ptr<WatchCall> self_;  // until OnDone
+  WorkerPool* readers_ = nullptr;
+  Lease lease_;
+  std::string mesh_;  // for the log
+  std::shared_ptr<Subscription> subscription_;
+  std::optional<codec::SnapshotFragmenter> snapshot_;
+  std::optional<codec::DiffFragmenter> diff_;
+  v1::WatchEvent event_;
+};
+
+class SnapshotCall final : public grpc::ServerWriteReactor<v1::SnapshotChunk> {
+ public:
+  static SnapshotCall* Start(ServiceContext& context, const v1::GetSnapshotRequest& request) {
+    auto call = std::make_shared<SnapshotCall>();
+    call->self_ = call;
+    const absl::Status status = call->Begin(context, request);
+    if (!status.ok()) call->Finish(codec::ToGrpcStatus(status));
+    return call.get();
+  }
+
+  void OnWriteDone(bool ok) override {
+    if (ok) {
+      Send();
+    } else {
+      Finish(ClientGone());
+    }
+  }
+  void OnDone() override { self_.reset(); }
+
+ private:
+  absl::Status Begin(ServiceContext& context, const v1::GetSnapshotRequest& request) {
+    absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context);
+    if (!ticket.ok()) return ticket.status();
+    ticket_ = *std::move(ticket);
+    absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
+    if (!host.ok()) return host.status();
+    absl::StatusOr<Lease> lease = TakeStream(context.snapshot_streams, "snapshots under way");
+    if (!lease.ok()) return lease.status();
+    lease_ = *std::move(lease);
+    context.readers->Post([call = self_, host = *host] {
+      auto mesh = host->store()->Latest();
+      if (!mesh.ok()) return call->Finish(codec::ToGrpcStatus(mesh.status()));
+      call->fragmenter_.emplace(*std::move(mesh));
+      call->Send();
+    });
+    return absl::OkStatus();
+  }
+
+  void Send() {
+    fragmenter_->Next(&chunk_);
+    if (fragmenter_->done()) {
+      StartWriteAndFinish(&chunk_, grpc::WriteOptions(), grpc::Status::OK);
+    } else {
+      StartWrite(&chunk_);
+    }
+  }
+
+  std::shared_ptr<SnapshotCall> self_;  // until OnDone
+  WorkGate::Ticket ticket_;
+  Lease lease_;
+  std::optional<codec::SnapshotFragmenter> fragmenter_;
+  v1::SnapshotChunk chunk_;
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::WatchEvent>* StartWatchCall(ServiceContext& context,
+                                                         const v1::WatchRequest& request) {
+  return WatchCall::Start(context, request);
+}
+
+grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
+    ServiceContext& context, const v1::GetSnapshotRequest& request) {
+  return SnapshotCall::Start(context, request);
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,24 @@
+// One Watch: a stream that is driven by whoever has the next thing to do - the hub
+// that wakes it, the pool that prepares a snapshot, gRPC when a message is out. No
+// thread belongs to it.
+#ifndef DYNMESH_SERVER_WATCH_CALL_H_
+#define DYNMESH_SERVER_WATCH_CALL_H_
+
+#include <grpcpp/support/server_callback.h>
+
+#include "dynmesh/v1/mesh_service.pb.h"
+#include "server/admission.h"
+
+namespace dynmesh::server {
+
+// Starts a call that frees itself. `request` is not used after the return.
+grpc::ServerWriteReactor<v1::WatchEvent>* StartWatchCall(ServiceContext& context,
+                                                         const v1::WatchRequest& request);
+
+// The same for GetSnapshot: the mesh at its present revision, chunk by chunk.
+grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
+    ServiceContext& context, const v1::GetSnapshotRequest& request);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_WATCH_CALL_H_

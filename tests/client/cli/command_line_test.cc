@@ -1,0 +1,267 @@
+// The `dynmesh` program as its users meet it: arguments, output, exit codes.
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "tests/core/io/temp_folder.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using testing::TempFolder;
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+class CommandLine : public ::testing::Test {
+ protected:
+  // Runs `dynmesh` with arguments as a shell would split them, in the test's folder.
+  Outcome Run(const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.Path("") + "' && '" DYNMESH_BINARY "' " +
+                                arguments + " > out.txt 2> err.txt < /dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder_.Read("out.txt"),
+            folder_.Read("err.txt")};
+  }
+
+  static std::vector<std::string> Lines(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+  }
+
+  // The value of a key of a flat JSON object, as text; fails the test if it is not there.
+  static std::string Value(const std::string& json, const std::string& key) {
+    const std::string start = "\"" + key + "\": ";
+    const std::size_t at = json.find(start);
+    if (at == std::string::npos) {
+      ADD_FAILURE() << "no key " << key << " in " << json;
+      return "";
+    }
+    const std::size_t begin = at + start.size();
+    return json.substr(begin, json.find_first_of(",}", begin) - begin);
+  }
+
+  void WriteInputs() const {
+    folder_.Write("square.poly",
+                  "5 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n5 0.3 0.4\n"
+                  "4 0\n1 1 2\n2 2 3\n3 3 4\n4 4 1\n0\n");
+    folder_.Write("edits.txt",
+                  "mesh dim=2 box=0,0,1,1 rho=1.4142135623730951\n"
+                  "add point 1 0 0\nadd point 2 1 0\nadd point 3 1 1\nadd point 4 0 1\n"
+                  "commit\n"
+                  "add point 5 0.7 0.8\nadd segment 6 1 2\nadd segment 7 2 3\n"
+                  "commit\n"
+                  "move point 5 0.3 0.4\nadd segment 8 3 4\nadd segment 9 4 1\nremove 7\n"
+                  "commit\n"
+                  "add segment 7 2 3\n");
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(CommandLine, VersionEverywhere) {
+  for (const char* arguments :
+       {"--version", "mesh --version", "replay --version", "verify --version", "diff --version"}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.code, 0) << arguments;
+    EXPECT_TRUE(outcome.out.starts_with("dynmesh ")) << outcome.out;
+  }
+}
+
+TEST_F(CommandLine, HelpNamesTheCommands) {
+  const Outcome outcome = Run("--help");
+  EXPECT_EQ(outcome.code, 0);
+  for (const char* command : {"mesh", "replay", "verify", "diff"}) {
+    EXPECT_NE(outcome.out.find(command), std::string::npos);
+  }
+}
+
+TEST_F(CommandLine, BadUsageAndBadInputAreTwo) {
+  WriteInputs();
+  folder_.Write("bad.node", "1 2 0 0\n1 0 zero\n");
+  folder_.Write("bad.txt", "mesh dim=2 box=0,0,1,1\nadd point 1 2\n");
+  folder_.Write("flat.poly", "2 2 0 0\n1 0 0\n2 1 0\n1 0\n1 1 1\n0\n");
+  for (const char* arguments : {"",
+                                "frob",
+                                "mesh",
+                                "mesh --frob square.poly",
+                                "mesh none.node",
+                                "mesh bad.node",
+                                "mesh flat.poly",
+                                "mesh square.poly --rho 0.5",
+                                "mesh square.poly --rho x",
+                                "mesh square.poly --criterion best",
+                                "mesh square.poly --engine svr",
+                                "mesh square.poly --engine steam",
+                                "mesh square.poly --box 0,0,1",
+                                "mesh square.poly --box 0,0,0.5,0.5",
+                                "mesh square.poly -o mesh",
+                                "mesh square.poly -o m.png",
+                                "mesh square.poly -o m.svg --fill blue",
+                                "mesh square.poly -o m.svg --crop 1",
+                                "mesh square.stl",
+                                "replay",
+                                "replay none.txt",
+                                "replay bad.txt",
+                                "replay square.poly",
+                                "replay edits.txt --check -1",
+                                "replay edits.txt --check x",
+                                "verify",
+                                "verify none",
+                                "verify none --rho 0",
+                                "diff none",
+                                "diff none none"}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.err;
+    EXPECT_NE(outcome.err, "") << arguments;
+    EXPECT_EQ(outcome.out, "") << arguments;
+  }
+}
+
+TEST_F(CommandLine, ErrorsNameFileAndLine) {
+  WriteInputs();
+  folder_.Write("bad.node", "1 2 0 0\n1 0 zero\n");
+  EXPECT_NE(Run("mesh bad.node").err.find("bad.node:2: "), std::string::npos);
+  folder_.Write("twice.txt", "mesh box=0,0,1,1\nadd point 1 .5 .5\ncommit\n\nadd point 1 .6 .6\n");
+  EXPECT_NE(Run("replay twice.txt").err.find("twice.txt:5: "), std::string::npos);
+  EXPECT_NE(Run("mesh twice.txt").err.find("twice.txt:5: "), std::string::npos);
+  folder_.Write("cross.poly", "4 2 0 0\n1 0 0\n2 1 1\n3 1 0\n4 0 1\n2 0\n1 1 2\n2 3 4\n0\n");
+  const Outcome cross = Run("mesh cross.poly");
+  EXPECT_EQ(cross.code, 2);
+  EXPECT_TRUE(cross.err.find("cross.poly:7") != std::string::npos ||
+              cross.err.find("cross.poly:8") != std::string::npos)
+      << cross.err;
+}
+
+TEST_F(CommandLine, MeshPrintsItsMeasures) {
+  WriteInputs();
+  const Outcome outcome = Run("mesh square.poly --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ASSERT_EQ(Lines(outcome.out).size(), 1U);
+  for (const char* key : {"vertices", "simplices", "worst_radius_edge", "min_angle_deg", "over_rho",
+                          "exempt", "build_seconds", "hash"}) {
+    EXPECT_NE(Value(outcome.out, key), "") << key;
+  }
+  EXPECT_EQ(Value(outcome.out, "over_rho"), "0");
+  EXPECT_GE(std::stod(Value(outcome.out, "min_angle_deg")), 20.7);
+  EXPECT_EQ(Value(outcome.out, "hash").size(), 34U);  // with its quotes
+}
+
+TEST_F(CommandLine, MeshFilesPassVerification) {
+  WriteInputs();
+  ASSERT_EQ(Run("mesh square.poly -o m.node -o m.vtu -o m.svg").code, 0);
+  const Outcome good = Run("verify m.node --input square.poly");
+  EXPECT_EQ(good.code, 0) << good.out;
+  const Outcome json = Run("verify m --input square.poly --json");
+  EXPECT_EQ(json.code, 0);
+  EXPECT_EQ(Value(json.out, "ok"), "true");
+  EXPECT_EQ(Value(json.out, "input"), "true");
+  EXPECT_TRUE(folder_.Read("m.vtu").starts_with("<?xml"));
+  EXPECT_TRUE(folder_.Read("m.svg").starts_with("<svg"));
+}
+
+TEST_F(CommandLine, VerifyFailsOnADamagedFile) {
+  WriteInputs();
+  ASSERT_EQ(Run("mesh square.poly -o m.node").code, 0);
+  std::string edges = folder_.Read("m.edge");
+  const std::size_t at = edges.find(" 6\n");  // a piece of segment 6
+  ASSERT_NE(at, std::string::npos);
+  folder_.Write("m.edge", edges.replace(at, 3, " 0\n"));
+  const Outcome bad = Run("verify m.node --input square.poly --json");
+  EXPECT_EQ(bad.code, 1);
+  EXPECT_EQ(Value(bad.out, "ok"), "false");
+  EXPECT_EQ(Value(bad.out, "input"), "false");
+  EXPECT_EQ(Value(bad.out, "delaunay"), "true");
+}
+
+TEST_F(CommandLine, TheOrderOfLinesInAScriptDoesNotShowInTheMesh) {
+  WriteInputs();
+  folder_.Write("a.txt",
+                "mesh box=0,0,1,1\nadd segment 3 1 2\nadd point 2 .9 .8\nadd point 1 .1 .2\n");
+  folder_.Write("b.txt",
+                "mesh box=0,0,1,1\nadd point 1 .1 .2\nadd point 2 .9 .8\nadd segment 3 1 2\n");
+  const Outcome a = Run("mesh a.txt --json -o a.node");
+  const Outcome b = Run("mesh b.txt --json -o b.node");
+  ASSERT_EQ(a.code, 0) << a.err;
+  EXPECT_EQ(Value(a.out, "hash"), Value(b.out, "hash"));
+  for (const std::string extension : {".node", ".ele", ".edge"}) {
+    EXPECT_EQ(folder_.Read("a" + extension), folder_.Read("b" + extension));
+  }
+}
+
+TEST_F(CommandLine, ReplayPrintsEveryRevisionAndASummary) {
+  WriteInputs();
+  const Outcome outcome = Run("replay edits.txt --check 1 --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::vector<std::string> lines = Lines(outcome.out);
+  ASSERT_EQ(lines.size(), 5U);
+  const char* features[] = {"4", "7", "8", "9"};
+  long vertices = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(Value(lines[i], "revision"), std::to_string(i + 1));
+    EXPECT_EQ(Value(lines[i], "features"), features[i]);
+    for (const char* key : {"simplices", "added_simplices", "removed_simplices", "operations",
+                            "created", "dropped", "microseconds", "hash"}) {
+      EXPECT_NE(Value(lines[i], key), "") << key;
+    }
+    const long now = std::stol(Value(lines[i], "vertices"));
+    if (i > 0) {
+      EXPECT_EQ(now, vertices + std::stol(Value(lines[i], "added_vertices")) -
+                         std::stol(Value(lines[i], "removed_vertices")));
+    }
+    vertices = now;
+  }
+  EXPECT_EQ(Value(lines[4], "summary"), "true");
+  EXPECT_EQ(Value(lines[4], "edits"), "12");
+  EXPECT_EQ(Value(lines[4], "revisions"), "4");
+  for (const char* key :
+       {"p50_microseconds", "p99_microseconds", "trace_bytes", "peak_rss_bytes"}) {
+    EXPECT_GT(std::stod(Value(lines[4], key)), 0) << key;
+  }
+}
+
+TEST_F(CommandLine, ReplayEndsInTheMeshOfTheStaticRun) {
+  WriteInputs();
+  ASSERT_EQ(Run("replay edits.txt -o dynamic.node").code, 0);
+  ASSERT_EQ(Run("mesh edits.txt -o static.node").code, 0);
+  const Outcome same = Run("diff dynamic.node static.node --json");
+  EXPECT_EQ(same.code, 0) << same.out;
+  EXPECT_EQ(Value(same.out, "same"), "true");
+  for (const std::string extension : {".node", ".ele", ".edge"}) {
+    EXPECT_EQ(folder_.Read("dynamic" + extension), folder_.Read("static" + extension));
+  }
+  EXPECT_EQ(Run("verify dynamic.node --input edits.txt").code, 0);
+}
+
+TEST_F(CommandLine, DiffTellsMeshesApart) {
+  WriteInputs();
+  ASSERT_EQ(Run("mesh square.poly -o a.node").code, 0);
+  ASSERT_EQ(Run("mesh square.poly --box -1,-1,2,2 -o b.node").code, 0);
+  const Outcome outcome = Run("diff a b --json");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(Value(outcome.out, "same"), "false");
+  EXPECT_GE(std::stol(Value(outcome.out, "vertices_shared")), 5);
+  EXPECT_GT(std::stol(Value(outcome.out, "vertices_only_a")), 0);
+}
+
+TEST_F(CommandLine, AFullOutputIsAFailure) {
+  WriteInputs();
+  EXPECT_EQ(Run("mesh square.poly -o no/such/folder/m.node").code, 1);
+  const std::string command =
+      "'" DYNMESH_BINARY "' mesh '" + folder_.Path("square.poly") + "' > /dev/full 2> /dev/null";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+}
+
+}  // namespace
+}  // namespace dynmesh::cli

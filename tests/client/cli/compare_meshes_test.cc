@@ -1,0 +1,47 @@
+#include "client/cli/compare_meshes.h"
+
+#include "gtest/gtest.h"
+#include "tests/core/io/sample_mesh.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using testing::SampleMesh;
+
+TEST(CompareMeshes, AMeshIsTheSameAsItself) {
+  Mesh other = SampleMesh();
+  Canonicalize(other);
+  const MeshComparison c = CompareMeshes(SampleMesh(), other);
+  EXPECT_TRUE(c.Same());
+  EXPECT_EQ(c.vertices.shared, 9U);
+  EXPECT_EQ(c.simplices.shared, 11U);
+  EXPECT_EQ(c.subsegments.shared, 7U);
+}
+
+TEST(CompareMeshes, CountsWhatIsInOneOnly) {
+  Mesh other = SampleMesh();
+  other.simplices.resize(30);  // one triangle fewer
+  MeshComparison c = CompareMeshes(SampleMesh(), other);
+  EXPECT_FALSE(c.Same());
+  EXPECT_EQ(c.simplices.shared, 10U);
+  EXPECT_EQ(c.simplices.only_a, 1U);
+  EXPECT_EQ(c.simplices.only_b, 0U);
+  c = CompareMeshes(other, SampleMesh());
+  EXPECT_EQ(c.simplices.only_b, 1U);
+
+  other = SampleMesh();
+  other.vertices.owners[5] = 11;  // input point 10 has become 11
+  c = CompareMeshes(SampleMesh(), other);
+  EXPECT_FALSE(c.Same());
+  EXPECT_EQ(c.remarked_vertices, 1U);
+  EXPECT_EQ(c.vertices.shared, 9U);
+
+  other = SampleMesh();
+  other.subsegments.owners[0] = 31;
+  c = CompareMeshes(SampleMesh(), other);
+  EXPECT_EQ(c.subsegments.only_a, 1U);
+  EXPECT_EQ(c.subsegments.only_b, 1U);
+}
+
+}  // namespace
+}  // namespace dynmesh::cli

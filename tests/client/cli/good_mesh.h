@@ -1,0 +1,28 @@
+// Meshes that `verify` must accept, made by another code than the mesher: CGAL's
+// Delaunay triangulation of random points in a box, with some segments.
+#ifndef DYNMESH_TESTS_CLIENT_CLI_GOOD_MESH_H_
+#define DYNMESH_TESTS_CLIENT_CLI_GOOD_MESH_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "core/io/mesh_files.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh::testing {
+
+struct GoodMesh {
+  io::MeshFiles files;
+  std::vector<Feature> features;
+};
+
+// `count` input points in [1, 5]^2 of the box [0, 6]^2, a few free vertices, and two
+// segments of several pieces each. Edge lengths are no smaller than about 1e-3.
+GoodMesh MakeGoodMesh(std::uint64_t seed, int count);
+
+// The points of an n x n integer grid: every circle has four points on it.
+GoodMesh MakeGridMesh(int n);
+
+}  // namespace dynmesh::testing
+
+#endif  // DYNMESH_TESTS_CLIENT_CLI_GOOD_MESH_H_

@@ -1,0 +1,245 @@
+// The commands of `dynmesh` against a `dynmeshd` process: output, exit codes, the drain.
+#include "client/cli/remote/remote_commands.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+#include <vector>
+
+namespace dynmesh::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Ran {
+  int code = 0;
+  std::string out, err;
+};
+
+// Runs `dynmesh ARGUMENTS` in this process.
+Ran RunDynmesh(std::vector<std::string> arguments) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Ran ran;
+  CLI::App app("", "dynmesh");
+  app.require_subcommand(1);
+  CommandSlot slot;
+  RegisterRemoteCommands(app, slot);
+  std::reverse(arguments.begin(), arguments.end());
+  try {
+    app.parse(arguments);
+    ran.code = slot.run();
+  } catch (const CLI::ParseError& error) {
+    ran.code = app.exit(error) == 0 ? kExitDone : kExitBadInput;
+  }
+  std::fflush(stdout);
+  ran.out = testing::internal::GetCapturedStdout();
+  ran.err = testing::internal::GetCapturedStderr();
+  return ran;
+}
+
+std::size_t Lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+// The text of `key` in the last line of JSON that has it.
+std::string Value(const std::string& json, const std::string& key) {
+  const std::string mark = "\"" + key + "\":";
+  const std::size_t at = json.rfind(mark);
+  if (at == std::string::npos) return "";
+  std::size_t begin = at + mark.size();
+  while (json[begin] == ' ' || json[begin] == '"') ++begin;
+  return json.substr(begin, json.find_first_of(",}\"", begin) - begin);
+}
+
+// A dynmeshd of its own, in a folder of its own.
+class DaemonFixture : public ::testing::Test {
+ protected:
+  DaemonFixture() {
+    std::string pattern = (fs::temp_directory_path() / "dynmesh-e2e-XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~DaemonFixture() override {
+    if (child_ > 0) {
+      kill(child_, SIGKILL);
+      waitpid(child_, nullptr, 0);
+    }
+    fs::remove_all(folder_);
+  }
+
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string Write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return Path(name);
+  }
+
+  void StartDaemon() {
+    const std::string port_file = Path("port");
+    child_ = fork();
+    ASSERT_GE(child_, 0);
+    if (child_ == 0) {
+      const std::string log = Path("log");
+      if (std::freopen(log.c_str(), "w", stderr) == nullptr) _exit(126);
+      if (std::freopen("/dev/null", "w", stdout) == nullptr) _exit(126);
+      execl(DYNMESHD_BINARY, "dynmeshd", "--listen", "127.0.0.1:0", "--port-file",
+            port_file.c_str(), static_cast<char*>(nullptr));
+      _exit(127);
+    }
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (!fs::exists(port_file) && std::chrono::steady_clock::now() < deadline) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    std::string port;
+    std::ifstream(port_file) >> port;
+    ASSERT_FALSE(port.empty()) << "dynmeshd did not start";
+    address_ = "127.0.0.1:" + port;
+  }
+  Ran Remote(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.end(), {"--server", address_});
+    return RunDynmesh(std::move(arguments));
+  }
+  // The exit code after a SIGTERM.
+  int Terminate() {
+    kill(child_, SIGTERM);
+    int status = 0;
+    waitpid(child_, &status, 0);
+    child_ = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  std::string Log() const {
+    std::ostringstream text;
+    text << std::ifstream(folder_ / "log").rdbuf();
+    return text.str();
+  }
+
+  fs::path folder_;
+  pid_t child_ = 0;
+  std::string address_;
+};
+
+using RemoteCommandsTest = DaemonFixture;
+
+constexpr char kScript[] =
+    "mesh dim=2 box=0,0,1,1 rho=1.4142135623730951\n"
+    "add point 1 0.2 0.2\nadd point 2 0.8 0.2\nadd segment 3 1 2\ncommit\n"
+    "add point 4 0.5 0.7  # above\ncommit\n"
+    "move point 4 0.5 0.8\nremove 3\n";
+
+TEST_F(RemoteCommandsTest, AMeshFromCreationToExport) {
+  StartDaemon();
+  const std::string script = Write("s.txt", kScript);
+  const Ran created = Remote({"create", "plate", "--like", script, "--json"});
+  ASSERT_EQ(created.code, kExitDone) << created.err;
+  EXPECT_EQ(Value(created.out, "mesh"), "plate");
+  EXPECT_EQ(Value(created.out, "revision"), "0");
+  EXPECT_EQ(Value(created.out, "hash").size(), 32u);
+
+  const Ran applied = Remote({"apply", "plate", script, "--json"});
+  ASSERT_EQ(applied.code, kExitDone) << applied.err;
+  EXPECT_EQ(Lines(applied.out), 4u) << applied.out;
+  EXPECT_EQ(Value(applied.out, "revisions"), "3");
+  EXPECT_EQ(applied.err, "") << "progress on something that is no terminal";
+  const std::string hash = Value(applied.out, "hash");
+
+  const Ran listed = Remote({"list", "--json"});
+  EXPECT_EQ(Lines(listed.out), 1u);
+  EXPECT_EQ(Value(listed.out, "hash"), hash);
+  const Ran stats = Remote({"stats", "plate", "--json"});
+  EXPECT_EQ(Value(stats.out, "revision"), "3");
+  EXPECT_EQ(Value(stats.out, "features"), "3");
+  EXPECT_EQ(Value(stats.out, "hash"), hash);
+  const Ran watched = Remote({"watch", "plate", "--until", "3", "--json"});
+  EXPECT_EQ(watched.code, kExitDone) << watched.err;
+  EXPECT_EQ(Value(watched.out, "hash"), hash);
+  const Ran exported = Remote({"export", "plate", "-o", Path("out.node"), "--json"});
+  ASSERT_EQ(exported.code, kExitDone) << exported.err;
+  EXPECT_EQ(Value(exported.out, "hash"), hash);
+  EXPECT_TRUE(fs::exists(Path("out.node")));
+  EXPECT_TRUE(fs::exists(Path("out.ele")));
+  EXPECT_EQ(Remote({"delete", "plate"}).code, kExitDone);
+  EXPECT_EQ(Remote({"list"}).out, "");
+}
+
+TEST_F(RemoteCommandsTest, ApplyingAgainWithTheSamePrefixRepeatsNothing) {
+  StartDaemon();
+  const std::string script = Write("s.txt", kScript);
+  const Ran first =
+      Remote({"apply", "plate", script, "--create", "--request-prefix", "p", "--json"});
+  ASSERT_EQ(first.code, kExitDone) << first.err;
+  const Ran again =
+      Remote({"apply", "plate", script, "--request-prefix", "p", "--one-by-one", "--json"});
+  ASSERT_EQ(again.code, kExitDone) << again.err;
+  EXPECT_EQ(Value(again.out, "replayed"), "3");
+  EXPECT_EQ(Value(again.out, "hash"), Value(first.out, "hash"));
+  EXPECT_NE(Value(again.out, "p50_microseconds"), "");
+  EXPECT_EQ(Value(Remote({"stats", "plate", "--json"}).out, "revision"), "3");
+}
+
+TEST_F(RemoteCommandsTest, ErrorsNameTheLineAndHaveTheirExitCodes) {
+  StartDaemon();
+  const std::string bad = Write("bad.txt",
+                                "mesh dim=2 box=0,0,1,1 rho=1.5\n"
+                                "add point 1 0.2 0.2\ncommit\n"
+                                "add point 2 0.3 0.3\nremove 77\ncommit\n"
+                                "add point 5 0.4 0.4\n");
+  for (const char* way : {"--quiet", "--one-by-one"}) {
+    const Ran ran = Remote({"apply", way[2] == 'q' ? "q" : "o", bad, "--create", way});
+    EXPECT_EQ(ran.code, kExitBadInput);
+    EXPECT_NE(ran.err.find("bad.txt:5: "), std::string::npos) << ran.err;
+    EXPECT_NE(ran.err.find("77"), std::string::npos) << ran.err;
+    EXPECT_EQ(Value(Remote({"stats", way[2] == 'q' ? "q" : "o", "--json"}).out, "revision"), "1");
+  }
+  EXPECT_EQ(Remote({"delete", "none"}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"stats", "none"}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"watch", "none"}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"create", "Plate", "--box", "0,0,1,1"}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"create", "plate"}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"export", "q", "-o", Path("out.xyz")}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"apply", "q", Path("absent.txt")}).code, kExitBadInput);
+  EXPECT_EQ(RunDynmesh({"list", "--nonsense"}).code, kExitBadInput);
+  EXPECT_EQ(RunDynmesh({}).code, kExitBadInput);
+  const std::string live = address_;
+  EXPECT_EQ(Terminate(), 0);
+  const Ran nobody = RunDynmesh({"list", "--server", live});
+  EXPECT_EQ(nobody.code, kExitFailed);
+  EXPECT_NE(nobody.err, "");
+}
+
+TEST_F(RemoteCommandsTest, TheDaemonSaysThatItsMeshesAreInMemoryAndDrainsOnSigterm) {
+  StartDaemon();
+  const std::string script = Write("s.txt", kScript);
+  ASSERT_EQ(Remote({"apply", "plate", script, "--create"}).code, kExitDone);
+  EXPECT_EQ(Terminate(), 0);
+  const std::string log = Log();
+  EXPECT_NE(log.find("meshes live in memory only"), std::string::npos) << log;
+  EXPECT_NE(log.find("event=mesh_created mesh=plate"), std::string::npos) << log;
+  EXPECT_NE(log.find("event=drained complete=1"), std::string::npos) << log;
+}
+
+TEST_F(RemoteCommandsTest, TheDaemonRefusesBadFlags) {
+  const auto exit_code = [](const char* flag, const char* value) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+      if (std::freopen("/dev/null", "w", stderr) == nullptr) _exit(126);
+      execl(DYNMESHD_BINARY, "dynmeshd", flag, value, static_cast<char*>(nullptr));
+      _exit(127);
+    }
+    int status = 0;
+    waitpid(pid, &status, 0);
+    return WEXITSTATUS(status);
+  };
+  EXPECT_EQ(exit_code("--no-such-flag", "1"), 2);
+  EXPECT_EQ(exit_code("--max-meshes", "0"), 2);
+  EXPECT_EQ(exit_code("--log-level", "loud"), 2);
+}
+
+}  // namespace
+}  // namespace dynmesh::cli

@@ -1,0 +1,228 @@
+// Figures of the service over loopback, with real meshes: a tool, not a test.
+//   service_load [POINTS]      size of the mesh to work on (default 20000)
+// An edit adds a point anywhere or removes one added before; one a batch.
+#include <grpcpp/grpcpp.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "client/mesh_client.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/v1/mesh_service.grpc.pb.h"
+#include "server/log.h"
+#include "server/server.h"
+
+namespace dynmesh {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double Microseconds(Clock::duration d) {
+  return std::chrono::duration<double, std::micro>(d).count();
+}
+
+void Check(const absl::Status& status) {
+  if (status.ok()) return;
+  std::fprintf(stderr, "%s\n", std::string(status.ToString()).c_str());
+  std::exit(1);
+}
+
+double Percentile(std::vector<double> samples, double part) {
+  std::sort(samples.begin(), samples.end());
+  return samples[static_cast<std::size_t>(part * static_cast<double>(samples.size() - 1))];
+}
+
+class Load {
+ public:
+  explicit Load(std::size_t points) : points_(points) {
+    server::ServerConfig config;
+    config.listen = "127.0.0.1:0";
+    auto server = server::Server::Start(config, &DynamicMesh::Create);
+    Check(server.status());
+    server_ = *std::move(server);
+    client_ = client::MeshClient::Connect(server_->address());
+    Check(client_->CreateMesh("m", MeshOptions()).status());
+  }
+
+  void Run() {
+    Fill();
+    Overhead();
+    SingleEdits();
+    Stream();
+    StreamWithWatchers(1);
+    // A replica takes about 300 bytes a vertex; all are in this process.
+    StreamWithWatchers(static_cast<int>(std::clamp<std::size_t>(6'000'000 / points_, 2, 200)));
+    SilentWatcher();
+    Snapshot();
+  }
+
+ private:
+  // Adds a new point or removes one of those added so far.
+  Edit RandomEdit() {
+    if (extra_.empty() || random_() % 2 == 0) {
+      extra_.push_back(next_id_++);
+      return Edit::Add(Feature::Point(extra_.back(), unit_(random_), unit_(random_)));
+    }
+    std::swap(extra_[random_() % extra_.size()], extra_.back());
+    const FeatureId id = extra_.back();
+    extra_.pop_back();
+    return Edit::Remove(id);
+  }
+
+  void Fill() {
+    EditBatch batch;
+    for (FeatureId id = 1; id <= points_; ++id) {
+      batch.push_back(Edit::Add(Feature::Point(id, unit_(random_), unit_(random_))));
+    }
+    client::EditParams params;
+    params.omit_columns = true;
+    const auto start = Clock::now();
+    Check(client_->Apply("m", batch, params).status());
+    const auto stats = client_->GetStats("m");
+    std::printf("%zu points, %llu vertices: filled in %.0f ms\n", points_,
+                static_cast<unsigned long long>(stats->mesh->stats.vertices),
+                Microseconds(Clock::now() - start) / 1000);
+  }
+
+  // Of batches without an edit: what the service costs beside the library.
+  void Overhead() {
+    std::vector<double> trips;
+    for (int i = 0; i < 1000; ++i) {
+      const auto start = Clock::now();
+      Check(client_->Apply("m", {}).status());
+      trips.push_back(Microseconds(Clock::now() - start));
+    }
+    const double rate = StreamBatches(std::vector<EditBatch>(10'000));
+    std::printf("empty batches: ApplyEdits p50 %.0f us, p99 %.0f us; EditStream %.0f/s\n",
+                Percentile(trips, 0.5), Percentile(trips, 0.99), rate);
+  }
+
+  void SingleEdits() {
+    std::vector<double> trips, applies;
+    for (int i = 0; i < 1000; ++i) {
+      const auto start = Clock::now();
+      const auto result = client_->Apply("m", {RandomEdit()});
+      trips.push_back(Microseconds(Clock::now() - start));
+      Check(result.status());
+      applies.push_back(result->diff.work.microseconds);
+    }
+    std::printf(
+        "1000 single ApplyEdits: p50 %.0f us, p99 %.0f us; in the library p50 %.0f us, "
+        "p99 %.0f us\n",
+        Percentile(trips, 0.5), Percentile(trips, 0.99), Percentile(applies, 0.5),
+        Percentile(applies, 0.99));
+  }
+
+  double StreamEdits(int count) {
+    std::vector<EditBatch> batches;
+    for (int i = 0; i < count; ++i) batches.push_back({RandomEdit()});
+    return StreamBatches(batches);
+  }
+
+  double StreamBatches(const std::vector<EditBatch>& batches) {
+    const auto session = client_->OpenEdits("m");
+    const auto start = Clock::now();
+    std::thread sender([&] {
+      for (const EditBatch& batch : batches) Check(session->Send(batch));
+      Check(session->DoneSending());
+    });
+    while (const auto answer = session->Receive()) Check(answer->result.status());
+    sender.join();
+    Check(session->Finish());
+    return static_cast<double>(batches.size()) / (Microseconds(Clock::now() - start) * 1e-6);
+  }
+
+  void Stream() { std::printf("EditStream: %.0f single edits/s\n", StreamEdits(10'000)); }
+
+  void StreamWithWatchers(int count) {
+    std::vector<std::unique_ptr<client::WatchSession>> watches;
+    for (int i = 0; i < count; ++i) watches.push_back(client_->Watch("m", {}, nullptr));
+    for (const auto& w : watches)
+      w->WaitFor([](const auto& r) { return r.has_mesh(); }, absl::Seconds(100));
+    const double rate = StreamEdits(2'000);
+    const auto start = Clock::now();
+    const auto info = client_->GetMesh("m");
+    int equal = 0;
+    int resyncs = 0;
+    for (const auto& w : watches) {
+      w->WaitForRevision(info->revision, absl::Seconds(100));
+      w->Read([&](const auto& r) { equal += r.hash() == info->hash ? 1 : 0; });
+      resyncs += w->resyncs();
+    }
+    std::printf(
+        "EditStream with %d watchers: %.0f edits/s; all caught up %.0f ms after the last; "
+        "%d of %d end with the server's hash, %d snapshots after the first\n",
+        count, rate, Microseconds(Clock::now() - start) / 1000, equal, count, resyncs);
+  }
+
+  // A watcher that takes a message, then none for 10 s, then the rest.
+  void SilentWatcher() {
+    const auto stub = v1::MeshService::NewStub(
+        grpc::CreateChannel(server_->address(), grpc::InsecureChannelCredentials()));
+    grpc::ClientContext context;
+    v1::WatchRequest request;
+    request.set_mesh("meshes/m");
+    const auto reader = stub->Watch(&context, request);
+    client::MeshReplica replica;
+    v1::WatchEvent event;
+    reader->Read(&event);
+    Check(replica.Take(event).status());
+    const auto start = Clock::now();
+    double rate = 0;
+    std::uint64_t edits = 0;
+    while (Clock::now() - start < std::chrono::seconds(10)) {
+      rate += StreamEdits(5'000);
+      ++edits;
+    }
+    const auto info = client_->GetMesh("m");
+    int messages = 0;
+    int snapshots = 0;
+    const auto resumed = Clock::now();
+    while (replica.revision() < info->revision ||
+           replica.state() != client::MeshReplica::State::kLive) {
+      if (!reader->Read(&event)) break;
+      const auto change = replica.Take(event);
+      Check(change.status());
+      ++messages;
+      snapshots += std::holds_alternative<client::MeshReplica::NewSnapshot>(*change) ? 1 : 0;
+    }
+    std::printf(
+        "a watcher silent for 10 s: %.0f edits/s beside it; then %d messages and %.0f ms "
+        "(%d snapshots) to the end: %s\n",
+        rate / static_cast<double>(edits), messages, Microseconds(Clock::now() - resumed) / 1000,
+        snapshots, replica.hash() == info->hash ? "equal" : "DIFFERENT");
+    context.TryCancel();
+    reader->Finish();
+  }
+
+  void Snapshot() {
+    const auto start = Clock::now();
+    const auto mesh = client_->GetSnapshot("m");
+    Check(mesh.status());
+    std::printf("snapshot of %zu vertices: %.0f ms\n", mesh->vertices.size(),
+                Microseconds(Clock::now() - start) / 1000);
+  }
+
+  const std::size_t points_;
+  FeatureId next_id_ = 1'000'000'000;
+  std::vector<FeatureId> extra_;
+  std::mt19937_64 random_{1};
+  std::uniform_real_distribution<double> unit_{0, 1};
+  std::unique_ptr<server::Server> server_;
+  std::unique_ptr<client::MeshClient> client_;
+};
+
+}  // namespace
+}  // namespace dynmesh
+
+int main(int argc, char** argv) {
+  if (!dynmesh::server::SetLogLevel("error").ok()) return 1;
+  dynmesh::Load(argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 20'000).Run();
+}

@@ -1,0 +1,316 @@
+// The codec: what goes out comes back, in pieces below 1 MB, and nothing else gets in.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "dynmesh/error.h"
+#include "dynmesh/v1/status_details.pb.h"
+#include "proto/codec/edit_codec.h"
+#include "proto/codec/grpc_status.h"
+#include "proto/codec/mesh_codec.h"
+#include "proto/codec/status_codec.h"
+#include "tests/server/test_support.h"
+
+namespace dynmesh::codec {
+namespace {
+
+using server::ReasonOf;
+
+VertexColumns RandomVertices(std::mt19937_64& random, std::size_t n, int dimension) {
+  VertexColumns v;
+  for (std::size_t i = 0; i < n; ++i) {
+    v.ids.push_back(random() | 1);
+    for (int k = 0; k < dimension; ++k) v.coordinates.push_back(static_cast<double>(random()));
+    v.containing_dimensions.push_back(static_cast<std::uint8_t>(random() % 4));
+    v.owners.push_back(i % 3 == 0 ? kBoxFeature : random() % 5);
+  }
+  return v;
+}
+
+SimplexColumn RandomIds(std::mt19937_64& random, std::size_t n) {
+  SimplexColumn ids(n);
+  for (auto& id : ids) id = random();
+  return ids;
+}
+
+SubsegmentColumns RandomSubsegments(std::mt19937_64& random, std::size_t n) {
+  SubsegmentColumns s;
+  s.ends = RandomIds(random, 2 * n);
+  s.owners = RandomIds(random, n);
+  return s;
+}
+
+MeshDiff RandomDiff(std::uint64_t seed, std::size_t n, int dimension) {
+  std::mt19937_64 random(seed);
+  const auto corners = static_cast<std::size_t>(dimension) + 1;
+  MeshDiff d;
+  d.dimension = dimension;
+  d.from_revision = 41;
+  d.to_revision = 42;
+  d.removed_vertices = RandomIds(random, n / 2);
+  d.removed_simplices = RandomIds(random, corners * n);
+  d.removed_subsegments = RandomSubsegments(random, n / 5);
+  d.added_vertices = RandomVertices(random, n, dimension);
+  d.added_simplices = RandomIds(random, corners * 2 * n);
+  d.added_subsegments = RandomSubsegments(random, n / 3);
+  d.work = {1, 2, 3, 4.5};
+  d.hash = {random(), random()};
+  return d;
+}
+
+void ExpectEqual(const MeshDiff& a, const MeshDiff& b) {
+  EXPECT_EQ(a.dimension, b.dimension);
+  EXPECT_EQ(a.from_revision, b.from_revision);
+  EXPECT_EQ(a.to_revision, b.to_revision);
+  EXPECT_EQ(a.removed_vertices, b.removed_vertices);
+  EXPECT_EQ(a.removed_simplices, b.removed_simplices);
+  EXPECT_EQ(a.removed_subsegments, b.removed_subsegments);
+  EXPECT_EQ(a.added_vertices, b.added_vertices);
+  EXPECT_EQ(a.added_simplices, b.added_simplices);
+  EXPECT_EQ(a.added_subsegments, b.added_subsegments);
+  EXPECT_EQ(a.work.executed, b.work.executed);
+  EXPECT_EQ(a.work.microseconds, b.work.microseconds);
+  EXPECT_EQ(a.hash, b.hash);
+}
+
+struct Pieces {
+  std::vector<v1::MeshDiff> fragments;
+  std::size_t largest = 0;
+};
+
+Pieces Cut(const MeshDiff& diff, std::size_t bytes) {
+  Pieces pieces;
+  DiffFragmenter fragmenter(std::make_shared<MeshDiff>(diff), false, bytes);
+  v1::MeshDiff fragment;
+  while (fragmenter.Next(&fragment)) {
+    pieces.largest = std::max(pieces.largest, fragment.ByteSizeLong());
+    pieces.fragments.push_back(fragment);
+  }
+  return pieces;
+}
+
+TEST(DiffCodec, ComesBackWholeWhateverTheFragmentSize) {
+  for (int dimension : {2, 3}) {
+    for (std::size_t n : {0, 1, 2, 100}) {
+      const MeshDiff diff = RandomDiff(n + 1, n, dimension);
+      for (std::size_t bytes : {1, 100, 1000, 1 << 20}) {
+        const Pieces pieces = Cut(diff, bytes);
+        DiffAssembler assembler;
+        for (std::size_t i = 0; i < pieces.fragments.size(); ++i) {
+          const auto back = assembler.Add(pieces.fragments[i]);
+          ASSERT_TRUE(back.ok());
+          ASSERT_EQ(back->has_value(), i + 1 == pieces.fragments.size());
+          EXPECT_EQ(pieces.fragments[i].more(), !back->has_value());
+          if (back->has_value()) ExpectEqual(**back, diff);
+        }
+      }
+    }
+  }
+}
+
+TEST(DiffCodec, LargeDiffsGoInFullMessagesBelowOneMegabyte) {
+  const Pieces pieces = Cut(RandomDiff(5, 60'000, 2), kFragmentBytes);
+  EXPECT_LT(pieces.largest, std::size_t{1'000'000});
+  ASSERT_GT(pieces.fragments.size(), 4u);
+  for (std::size_t i = 0; i + 1 < pieces.fragments.size(); ++i) {
+    EXPECT_GT(pieces.fragments[i].ByteSizeLong(), std::size_t{256'000});
+  }
+}
+
+TEST(DiffCodec, WithoutColumnsThereIsOneSmallMessage) {
+  DiffFragmenter fragmenter(std::make_shared<MeshDiff>(RandomDiff(6, 1000, 2)), true);
+  v1::MeshDiff fragment;
+  ASSERT_TRUE(fragmenter.Next(&fragment));
+  EXPECT_TRUE(fragment.columns_omitted());
+  EXPECT_LT(fragment.ByteSizeLong(), 200u);
+  EXPECT_FALSE(fragmenter.Next(&fragment));
+}
+
+TEST(DiffCodec, FragmentsThatDoNotFitAreRefused) {
+  const auto fragments = Cut(RandomDiff(7, 100, 2), 1000).fragments;
+  ASSERT_GT(fragments.size(), 2u);
+  const auto refuse = [&](auto change) {
+    DiffAssembler assembler;
+    ASSERT_TRUE(assembler.Add(fragments[0]).ok());
+    v1::MeshDiff bad = fragments[1];
+    change(bad);
+    EXPECT_EQ(assembler.Add(bad).status().code(), absl::StatusCode::kDataLoss);
+    EXPECT_TRUE(assembler.empty());
+  };
+  refuse([](v1::MeshDiff& d) { d.set_to_revision(43); });
+  refuse([](v1::MeshDiff& d) { d.set_dimension(3); });
+  refuse([](v1::MeshDiff& d) { d.mutable_added_vertices()->add_ids(1); });
+  refuse([](v1::MeshDiff& d) { d.mutable_added_simplices()->add_vertex_ids(1); });
+  refuse([](v1::MeshDiff& d) { d.mutable_removed_subsegments()->add_ends(1); });
+  refuse([](v1::MeshDiff& d) {
+    d.set_more(false);
+    d.set_hash("nonsense");
+  });
+  DiffAssembler assembler;
+  v1::MeshDiff bad = fragments[0];
+  bad.set_dimension(-1);
+  EXPECT_FALSE(assembler.Add(bad).ok());
+}
+
+TEST(SnapshotCodec, ComesBackWholeAndALostChunkIsNoticed) {
+  std::mt19937_64 random(8);
+  auto mesh = std::make_shared<Mesh>();
+  mesh->revision = 9;
+  mesh->vertices = RandomVertices(random, 500, 2);
+  mesh->simplices = RandomIds(random, 3 * 900);
+  mesh->subsegments = RandomSubsegments(random, 50);
+  mesh->hash = {random(), random()};
+  std::vector<v1::SnapshotChunk> chunks;
+  SnapshotFragmenter fragmenter(mesh, 5000);
+  v1::SnapshotChunk chunk;
+  while (fragmenter.Next(&chunk)) chunks.push_back(chunk);
+  ASSERT_GT(chunks.size(), 4u);
+  EXPECT_EQ(chunks[0].vertex_count(), 500u);
+  EXPECT_EQ(chunks[0].simplex_count(), 900u);
+
+  SnapshotAssembler assembler;
+  for (const auto& c : chunks) {
+    const auto back = assembler.Add(c);
+    ASSERT_TRUE(back.ok());
+    if (!back->has_value()) continue;
+    EXPECT_EQ((*back)->vertices, mesh->vertices);
+    EXPECT_EQ((*back)->simplices, mesh->simplices);
+    EXPECT_EQ((*back)->subsegments, mesh->subsegments);
+    EXPECT_EQ((*back)->hash, mesh->hash);
+    EXPECT_EQ((*back)->revision, 9u);
+  }
+  EXPECT_TRUE(assembler.empty());
+  ASSERT_TRUE(assembler.Add(chunks[0]).ok());
+  EXPECT_EQ(assembler.Add(chunks[2]).status().code(), absl::StatusCode::kDataLoss);
+  EXPECT_EQ(assembler.Add(chunks[1]).status().code(), absl::StatusCode::kDataLoss);
+}
+
+TEST(EditCodec, EveryKindOfEditComesBack) {
+  const EditBatch batch = {
+      Edit::Add(Feature::Point(1, 0.1, -0.0)),
+      Edit::Add(Feature::Segment(2, 1, 3)),
+      Edit::Set(Feature::Point(3, 1e-300, 5)),
+      Edit::Remove(4),
+      Edit::Move(5, 0.25, 0.75),
+      Edit::Add(Feature::Point(6, std::numeric_limits<double>::infinity(), 0))};
+  google::protobuf::RepeatedPtrField<v1::Edit> wire;
+  for (const Edit& edit : batch) EncodeEdit(edit, 2, wire.Add());
+  EditBatch back;
+  ASSERT_TRUE(DecodeEdits(wire, 2, &back).ok());
+  EXPECT_EQ(back, batch);
+}
+
+TEST(EditCodec, WhatTheWireFormGetsWrongIsNamed) {
+  google::protobuf::RepeatedPtrField<v1::Edit> wire;
+  EncodeEdit(Edit::Remove(4), 2, wire.Add());
+  v1::Edit* edit = wire.Add();
+  EditBatch out;
+  const auto check = [&](const char* expected_reason, const std::string& features) {
+    out.clear();
+    const absl::Status status = DecodeEdits(wire, 2, &out);
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    const auto error = GetServiceError(status);
+    ASSERT_TRUE(error.has_value());
+    EXPECT_EQ(error->reason, expected_reason);
+    EXPECT_EQ(error->field, "edits[1]");
+    EXPECT_EQ(error->metadata.at("edit"), "1");
+    if (!features.empty()) {
+      EXPECT_EQ(error->metadata.at("features"), features);
+    }
+  };
+  check(reason::kBadRequest, "");
+  edit->mutable_add()->set_id(17);
+  check(dynmesh::reason::kWrongKind, "17");
+  edit->mutable_add()->mutable_point()->set_z(1);
+  check(reason::kWrongDimension, "17");
+  edit->mutable_move()->set_id(18);
+  edit->mutable_move()->mutable_to()->set_z(0);
+  check(reason::kWrongDimension, "18");
+}
+
+TEST(OptionsCodec, ZerosAreDefaultsAndLimitsHold) {
+  v1::MeshOptions proto;
+  EXPECT_EQ(GetServiceError(DecodeOptions(proto, 100).status())->field, "options.box");
+  proto.mutable_box()->mutable_lo();
+  proto.mutable_box()->mutable_hi()->set_x(2);
+  proto.mutable_box()->mutable_hi()->set_y(1);
+  auto options = DecodeOptions(proto, 100);
+  ASSERT_TRUE(options.ok()) << options.status();
+  EXPECT_EQ(options->quality, kDefaultQuality2D);
+  EXPECT_EQ(options->limits.max_vertices, 100u);
+  v1::MeshOptions back;
+  EncodeOptions(*options, &back);
+  EXPECT_EQ(*DecodeOptions(back, 100), *options);
+  proto.set_max_vertices(101);
+  EXPECT_EQ(GetServiceError(DecodeOptions(proto, 100).status())->field, "options.max_vertices");
+  proto.set_max_vertices(0);
+  proto.set_quality(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(DecodeOptions(proto, 100).status().code(), absl::StatusCode::kInvalidArgument);
+  proto.set_quality(2);
+  proto.set_dimension(7);
+  EXPECT_EQ(DecodeOptions(proto, 100).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(StatusCodec, ALibraryErrorArrivesAsGoogleRpcDetails) {
+  const absl::Status status = MakeError(absl::StatusCode::kFailedPrecondition, "7 crosses 8",
+                                        {dynmesh::reason::kSegmentsCross, {7, 8}, 3});
+  const grpc::Status wire = ToGrpcStatus(status, "features");
+  EXPECT_EQ(wire.error_code(), grpc::StatusCode::FAILED_PRECONDITION);
+  v1::Status proto;
+  ASSERT_TRUE(proto.ParseFromString(wire.error_details()));
+  ASSERT_EQ(proto.details_size(), 2);
+  EXPECT_EQ(proto.details(0).type_url(), "type.googleapis.com/google.rpc.ErrorInfo");
+  EXPECT_EQ(proto.details(1).type_url(), "type.googleapis.com/google.rpc.BadRequest");
+  v1::ErrorInfo info;
+  ASSERT_TRUE(info.ParseFromString(proto.details(0).value()));
+  EXPECT_EQ(info.domain(), "dynmesh");
+  const absl::Status back = FromGrpcStatus(wire);
+  EXPECT_EQ(back.code(), status.code());
+  EXPECT_EQ(back.message(), status.message());
+  const auto error = GetServiceError(back);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->reason, dynmesh::reason::kSegmentsCross);
+  EXPECT_EQ(error->Features(), (std::vector<FeatureId>{7, 8}));
+  EXPECT_EQ(error->field, "features[3]");
+}
+
+TEST(StatusCodec, RetryInfoComesBack) {
+  ServiceError error;
+  error.reason = reason::kQueueFull;
+  error.retry_after = absl::Milliseconds(1500);
+  const absl::Status status =
+      MakeServiceError(absl::StatusCode::kResourceExhausted, "later", error);
+  const auto back = GetServiceError(FromGrpcStatus(ToGrpcStatus(status)));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->retry_after, absl::Milliseconds(1500));
+}
+
+TEST(StatusCodec, LongErrorsFitIntoHeadersAndStayText) {
+  std::vector<FeatureId> many(10'000);
+  for (std::size_t i = 0; i < many.size(); ++i) many[i] = ~std::uint64_t{0} - i;
+  std::string message;
+  while (message.size() < 5000) message += "\u00e9\u2026";
+  const grpc::Status wire = ToGrpcStatus(
+      MakeError(absl::StatusCode::kInvalidArgument, message, {"BAD_ID", many, std::nullopt}));
+  EXPECT_LE(wire.error_message().size(), 1024u);
+  EXPECT_LE(wire.error_details().size(), 3000u);
+  v1::Status proto;  // parsing refuses text that is no UTF-8
+  ASSERT_TRUE(proto.ParseFromString(wire.error_details()));
+  EXPECT_EQ(GetServiceError(FromGrpcStatus(wire))->Features().size(), 32u);
+}
+
+TEST(StatusCodec, AStatusFromElsewhereKeepsCodeAndMessage) {
+  const absl::Status plain =
+      FromGrpcStatus(grpc::Status(grpc::StatusCode::UNAVAILABLE, "no route", "not a proto \xff"));
+  EXPECT_EQ(plain.code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(plain.message(), "no route");
+  EXPECT_FALSE(GetServiceError(plain).has_value());
+  v1::Status odd;
+  odd.set_code(99);
+  EXPECT_EQ(StatusFromProto(odd).code(), absl::StatusCode::kUnknown);
+  EXPECT_TRUE(ToGrpcStatus(absl::OkStatus()).ok());
+}
+
+}  // namespace
+}  // namespace dynmesh::codec

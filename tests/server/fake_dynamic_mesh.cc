@@ -1,0 +1,181 @@
+#include "tests/server/fake_dynamic_mesh.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/data/diff_meshes.h"
+#include "dynmesh/error.h"
+
+namespace dynmesh::server {
+namespace {
+
+absl::Status EditError(absl::StatusCode code, const char* reason_text, std::size_t edit,
+                       FeatureId id) {
+  return MakeError(code, absl::StrCat("feature ", id, ": ", reason_text),
+                   {reason_text, {id}, edit});
+}
+
+}  // namespace
+
+void FakeGate::Hold() {
+  const std::lock_guard lock(mutex_);
+  held_ = true;
+}
+
+void FakeGate::Release() {
+  const std::lock_guard lock(mutex_);
+  held_ = false;
+  changed_.notify_all();
+}
+
+void FakeGate::WaitForArrivals(int count) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return arrivals_ >= count; });
+}
+
+bool FakeGate::Pass(const std::atomic<bool>* cancelled) {
+  const auto is_cancelled = [cancelled] { return cancelled != nullptr && cancelled->load(); };
+  std::unique_lock lock(mutex_);
+  ++arrivals_;
+  changed_.notify_all();
+  // Polled, as the real one does between operations.
+  while (held_ && !is_cancelled()) changed_.wait_for(lock, std::chrono::milliseconds(1));
+  return !is_cancelled();
+}
+
+FakeDynamicMesh::FakeDynamicMesh(const MeshOptions& options, std::shared_ptr<FakeGate> gate)
+    : options_(options), gate_(std::move(gate)), mesh_(Build({})) {}
+
+absl::StatusOr<FakeDynamicMesh::FeatureMap> FakeDynamicMesh::Draft(const EditBatch& batch) const {
+  FeatureMap draft = features_;
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    const Feature& f = batch[i].feature;
+    const bool present = draft.contains(f.id);
+    const bool add = batch[i].action == Edit::Action::kAdd;
+    if (f.id == kNoFeature || f.id == kBoxFeature) {
+      return EditError(absl::StatusCode::kInvalidArgument, reason::kBadId, i, f.id);
+    }
+    if (add && present) {
+      return EditError(absl::StatusCode::kAlreadyExists, reason::kIdInUse, i, f.id);
+    }
+    if (!add && !present) {
+      return EditError(absl::StatusCode::kNotFound, reason::kUnknownFeature, i, f.id);
+    }
+    if (batch[i].action == Edit::Action::kRemove) {
+      draft.erase(f.id);
+      continue;
+    }
+    for (int k = 0; k < 2 && f.kind == FeatureKind::kPoint; ++k) {
+      if (!std::isfinite(f.position[k])) {
+        return EditError(absl::StatusCode::kInvalidArgument, reason::kNotFinite, i, f.id);
+      }
+      if (f.position[k] < options_.box.lo[k] || f.position[k] > options_.box.hi[k]) {
+        return EditError(absl::StatusCode::kInvalidArgument, reason::kOutsideBox, i, f.id);
+      }
+    }
+    draft[f.id] = f;
+  }
+  std::set<std::array<double, 3>> places;
+  for (const auto& [id, f] : draft) {
+    if (f.kind == FeatureKind::kPoint && !places.insert(f.position).second) {
+      return MakeError(absl::StatusCode::kFailedPrecondition, "two points in one place",
+                       {reason::kDuplicatePoint, {id}, std::nullopt});
+    }
+    for (const FeatureId end : f.ends) {
+      if (f.kind == FeatureKind::kSegment && !draft.contains(end)) {
+        return MakeError(absl::StatusCode::kNotFound, absl::StrCat("segment ", id, " needs ", end),
+                         {reason::kUnknownEnd, {id, end}, std::nullopt});
+      }
+    }
+  }
+  if (places.size() > options_.limits.max_vertices) {
+    return MakeError(absl::StatusCode::kResourceExhausted, "too many vertices",
+                     {reason::kVertexLimit, {}, std::nullopt});
+  }
+  return draft;
+}
+
+Mesh FakeDynamicMesh::Build(const FeatureMap& features) const {
+  Mesh mesh;
+  for (const auto& [id, f] : features) {
+    if (f.kind == FeatureKind::kPoint) {
+      mesh.vertices.ids.push_back(VertexIdAt(f.position.data(), 2));
+      mesh.vertices.coordinates.insert(mesh.vertices.coordinates.end(),
+                                       {f.position[0], f.position[1]});
+      mesh.vertices.containing_dimensions.push_back(0);
+      mesh.vertices.owners.push_back(id);
+    } else {
+      VertexId a = VertexIdAt(features.at(f.ends[0]).position.data(), 2);
+      VertexId b = VertexIdAt(features.at(f.ends[1]).position.data(), 2);
+      mesh.subsegments.ends.insert(mesh.subsegments.ends.end(), {std::min(a, b), std::max(a, b)});
+      mesh.subsegments.owners.push_back(id);
+    }
+  }
+  const std::vector<VertexId>& v = mesh.vertices.ids;
+  for (std::size_t i = 0; i + 2 < v.size(); ++i) {
+    std::array<VertexId, 3> corners = {v[i], v[i + 1], v[i + 2]};
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    mesh.simplices.insert(mesh.simplices.end(), corners.begin(), corners.end());
+  }
+  mesh.hash = ComputeHash(mesh);
+  return mesh;
+}
+
+absl::StatusOr<MeshDiff> FakeDynamicMesh::Apply(const EditBatch& batch,
+                                                const ApplyOptions& apply_options) {
+  absl::StatusOr<FeatureMap> draft = Draft(batch);
+  if (!draft.ok()) return draft.status();
+  if (gate_ != nullptr && !gate_->Pass(apply_options.cancelled)) {
+    return MakeError(absl::StatusCode::kCancelled, "cancelled",
+                     {reason::kCancelled, {}, std::nullopt});
+  }
+  Mesh next = Build(*draft);
+  next.revision = batch.empty() ? mesh_.revision : mesh_.revision + 1;
+  MeshDiff diff = data::DiffMeshes(mesh_, next);
+  diff.work.executed = batch.size();
+  features_ = *std::move(draft);
+  mesh_ = std::move(next);
+  return diff;
+}
+
+absl::Status FakeDynamicMesh::Validate(const EditBatch& batch) const {
+  return Draft(batch).status();
+}
+
+SimplexColumn FakeDynamicMesh::Locate(std::span<const double> points) const {
+  SimplexColumn found;
+  for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
+    const bool inside = points[i] >= options_.box.lo[0] && points[i] <= options_.box.hi[0] &&
+                        points[i + 1] >= options_.box.lo[1] &&
+                        points[i + 1] <= options_.box.hi[1] && !mesh_.simplices.empty();
+    for (std::size_t k = 0; k < 3; ++k) found.push_back(inside ? mesh_.simplices[k] : 0);
+  }
+  return found;
+}
+
+std::vector<Feature> FakeDynamicMesh::Features() const {
+  std::vector<Feature> all;
+  for (const auto& [id, f] : features_) all.push_back(f);
+  return all;
+}
+
+MeshStats FakeDynamicMesh::Stats() const {
+  MeshStats stats;
+  stats.revision = mesh_.revision;
+  stats.features = features_.size();
+  stats.vertices = mesh_.vertices.size();
+  stats.simplices = mesh_.simplex_count();
+  stats.subsegments = mesh_.subsegments.size();
+  return stats;
+}
+
+absl::StatusOr<std::unique_ptr<DynamicMesh>> MakeFake(const MeshOptions& options,
+                                                      std::shared_ptr<FakeGate> gate) {
+  return std::make_unique<FakeDynamicMesh>(options, std::move(gate));
+}
+
+}  // namespace dynmesh::server

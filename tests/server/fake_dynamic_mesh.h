@@ -1,0 +1,70 @@
+// A DynamicMesh without geometry, so that server and client can be tested without a
+// mesher: vertices are the points, subsegments the segments, and three points next to
+// each other by id make a "triangle". Its ids and hashes are the real ones.
+#ifndef DYNMESH_TESTS_SERVER_FAKE_DYNAMIC_MESH_H_
+#define DYNMESH_TESTS_SERVER_FAKE_DYNAMIC_MESH_H_
+
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "dynmesh/dynamic_mesh.h"
+
+namespace dynmesh::server {
+
+// Holds a fake's Apply between validation and change, to put a test's steps in order.
+// Thread-safe.
+class FakeGate {
+ public:
+  void Hold();
+  void Release();
+  // Waits until `count` calls of Apply have reached the gate since its making.
+  void WaitForArrivals(int count);
+
+  // Of the fake: false if `cancelled` turned true meanwhile.
+  bool Pass(const std::atomic<bool>* cancelled);
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool held_ = false;
+  int arrivals_ = 0;
+};
+
+class FakeDynamicMesh final : public DynamicMesh {
+ public:
+  FakeDynamicMesh(const MeshOptions& options, std::shared_ptr<FakeGate> gate);
+
+  absl::StatusOr<MeshDiff> Apply(const EditBatch& batch,
+                                 const ApplyOptions& apply_options) override;
+  absl::Status Validate(const EditBatch& batch) const override;
+  Mesh Snapshot() const override { return mesh_; }
+  // All that lies in the box is in the first triangle, if there is one.
+  SimplexColumn Locate(std::span<const double> points) const override;
+  std::vector<Feature> Features() const override;
+  const MeshOptions& options() const override { return options_; }
+  std::uint64_t revision() const override { return mesh_.revision; }
+  MeshHash hash() const override { return mesh_.hash; }
+  MeshStats Stats() const override;
+  AuditReport Audit() const override { return {}; }
+
+ private:
+  using FeatureMap = std::map<FeatureId, Feature>;
+  absl::StatusOr<FeatureMap> Draft(const EditBatch& batch) const;
+  Mesh Build(const FeatureMap& features) const;
+
+  const MeshOptions options_;
+  const std::shared_ptr<FakeGate> gate_;
+  FeatureMap features_;
+  Mesh mesh_;
+};
+
+// A MeshFactory; without a gate nothing is ever held.
+absl::StatusOr<std::unique_ptr<DynamicMesh>> MakeFake(const MeshOptions& options,
+                                                      std::shared_ptr<FakeGate> gate = nullptr);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_TESTS_SERVER_FAKE_DYNAMIC_MESH_H_

@@ -1,0 +1,142 @@
+// Small parts of the server: pools, queues, quotas, the gate, request ids, names, config.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "server/admission.h"
+#include "server/config.h"
+#include "server/log.h"
+#include "server/mesh_registry.h"
+#include "server/quota.h"
+#include "server/request_memory.h"
+#include "server/work_gate.h"
+#include "server/worker_pool.h"
+#include "tests/server/test_support.h"
+
+namespace dynmesh::server {
+namespace {
+
+TEST(WorkerPool, StopRunsWhatIsQueuedAndWhatThatPosts) {
+  std::atomic<int> ran{0};
+  WorkerPool pool(3);
+  for (int i = 0; i < 50; ++i) {
+    pool.Post([&] {
+      ++ran;
+      pool.Post([&] { ++ran; });
+    });
+  }
+  pool.Stop();
+  EXPECT_EQ(ran, 100);
+  pool.Post([&] { ++ran; });
+  EXPECT_EQ(ran, 100);
+}
+
+TEST(SerialQueue, TasksRunInOrderAndNeverTwoAtATime) {
+  WorkerPool pool(4);
+  const auto queue = SerialQueue::Create(&pool);
+  std::vector<int> order;  // unguarded on purpose: the queue is the guard
+  for (int i = 0; i < 1000; ++i) queue->Post([&order, i] { order.push_back(i); });
+  pool.Stop();
+  ASSERT_EQ(order.size(), 1000u);
+  EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+}
+
+TEST(Quota, GivesNoMoreThanItsLimitAndTakesBack) {
+  Quota quota(10);
+  Lease a = quota.Take(6);
+  EXPECT_TRUE(a);
+  EXPECT_FALSE(quota.Take(5));
+  EXPECT_FALSE(quota.Take(~std::uint64_t{0}));
+  {
+    const Lease b = quota.Take(4);
+    EXPECT_TRUE(b);
+    EXPECT_EQ(quota.used(), 10u);
+  }
+  EXPECT_EQ(quota.used(), 6u);
+  Lease c = std::move(a);
+  a.Release();
+  EXPECT_EQ(quota.used(), 6u);
+  c = Lease();
+  EXPECT_EQ(quota.used(), 0u);
+}
+
+TEST(WorkGate, ADrainWaitsForTicketsAndAdmitsNoMore) {
+  WorkGate gate;
+  WorkGate::Ticket ticket = gate.Enter();
+  ASSERT_NE(ticket, nullptr);
+  gate.Close();
+  EXPECT_EQ(gate.Enter(), nullptr);
+  EXPECT_FALSE(gate.WaitEmpty(absl::ZeroDuration()));
+  std::thread leaver([&] { ticket.reset(); });
+  EXPECT_TRUE(gate.WaitEmpty(absl::Seconds(60)));
+  leaver.join();
+}
+
+TEST(RequestMemory, FingerprintsTellBatchesApart) {
+  const std::vector<EditBatch> batches = {
+      {},
+      {AddPoint(1)},
+      {AddPoint(2)},
+      {AddPoint(1), AddPoint(2)},
+      {AddPoint(2), AddPoint(1)},
+      {Edit::Remove(1)},
+      {Edit::Set(AddPoint(1).feature)},
+      {Edit::Add(Feature::Point(1, 0.0, 0.5))},
+      {Edit::Add(Feature::Point(1, 0.5, 0.0))},
+      {Edit::Add(Feature::Segment(1, 2, 3))},
+      {Edit::Add(Feature::Segment(1, 3, 2))},
+  };
+  for (std::size_t i = 0; i < batches.size(); ++i) {
+    EXPECT_EQ(FingerprintOf(batches[i]), FingerprintOf(EditBatch(batches[i])));
+    for (std::size_t k = 0; k < i; ++k) {
+      EXPECT_NE(FingerprintOf(batches[i]), FingerprintOf(batches[k])) << i << " " << k;
+    }
+  }
+}
+
+TEST(MeshName, IsCheckedToTheLetter) {
+  for (const char* good : {"meshes/a", "meshes/plate-2", "meshes/a0-"}) {
+    EXPECT_TRUE(ParseMeshName(good).ok()) << good;
+  }
+  const std::string longest = "meshes/a" + std::string(62, 'b');
+  EXPECT_TRUE(ParseMeshName(longest).ok());
+  for (const std::string& bad :
+       {std::string(""), std::string("a"), std::string("meshes/"), std::string("meshes/A"),
+        std::string("meshes/1a"), std::string("meshes/-a"), std::string("meshes/a/b"),
+        std::string("meshes/a_b"), std::string("Meshes/a"), longest + "b"}) {
+    EXPECT_EQ(ReasonOf(ParseMeshName(bad).status()), codec::reason::kBadName) << bad;
+  }
+}
+
+TEST(Config, DefaultsAreValidAndOnLoopback) {
+  EXPECT_TRUE(ValidateConfig(ServerConfig()).ok());
+  EXPECT_EQ(ServerConfig().listen.rfind("127.0.0.1:", 0), 0u);
+  ServerConfig bad;
+  bad.max_pending_edits = bad.max_batch_edits - 1;
+  EXPECT_FALSE(ValidateConfig(bad).ok());
+  bad = ServerConfig();
+  bad.max_meshes = 0;
+  EXPECT_FALSE(ValidateConfig(bad).ok());
+}
+
+TEST(LogLevel, IsNamed) {
+  EXPECT_FALSE(SetLogLevel("loud").ok());
+  EXPECT_TRUE(SetLogLevel("error").ok());
+  EXPECT_FALSE(LogEnabled(LogLevel::kInfo));
+  EXPECT_TRUE(LogEnabled(LogLevel::kError));
+}
+
+TEST(Log, AClientCannotForgeALine) {
+  ASSERT_TRUE(SetLogLevel("info").ok());
+  testing::internal::CaptureStderr();
+  Log(LogLevel::kInfo, "test", {{"request_id", "a\nlevel=error event=\"forged\" {}"}, {"n", 7}});
+  const std::string line = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1);
+  EXPECT_NE(line.find("event=test request_id=\"a\\nlevel=error event=\\\"forged\\\" {}\" n=7"),
+            std::string::npos)
+      << line;
+}
+
+}  // namespace
+}  // namespace dynmesh::server

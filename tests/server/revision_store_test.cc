@@ -1,0 +1,182 @@
+// Snapshots and history of one mesh, and the algebra of diffs they rest on.
+#include "server/revision_store.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "server/diff_algebra.h"
+#include "tests/server/test_support.h"
+
+namespace dynmesh::server {
+namespace {
+
+// A random walk of a fake mesh: the mesh and the diff of every revision.
+struct Walk {
+  std::vector<std::shared_ptr<const Mesh>> meshes;  // by revision
+  std::vector<std::shared_ptr<const MeshDiff>> diffs;
+};
+
+Walk MakeWalk(std::uint64_t seed, int length) {
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937_64 random(seed);
+  FakeDynamicMesh fake(MeshOptions(), nullptr);
+  Walk walk;
+  walk.meshes.push_back(std::make_shared<Mesh>(fake.Snapshot()));
+  std::set<FeatureId> points, segments;
+  FeatureId next_segment = 1000;
+  for (int i = 0; i < length; ++i) {
+    EditBatch batch;
+    for (std::uint64_t k = random() % 4 + 1; k > 0; --k) {
+      const FeatureId id = random() % 20 + 1;
+      if (points.size() > 2 && random() % 4 == 0) {
+        const FeatureId p = *points.begin(), q = *points.rbegin();
+        batch.push_back(Edit::Add(Feature::Segment(next_segment, p, q)));
+        segments.insert(next_segment++);
+      } else if (!points.contains(id)) {
+        batch.push_back(AddPoint(id));
+        points.insert(id);
+      } else if (segments.empty()) {
+        batch.push_back(Edit::Remove(id));
+        points.erase(id);
+      } else {
+        batch.push_back(Edit::Remove(*segments.begin()));
+        segments.erase(segments.begin());
+      }
+    }
+    auto diff = fake.Apply(batch, {});
+    EXPECT_TRUE(diff.ok()) << Text(diff.status());
+    if (!diff.ok()) break;
+    walk.diffs.push_back(std::make_shared<MeshDiff>(*std::move(diff)));
+    walk.meshes.push_back(std::make_shared<Mesh>(fake.Snapshot()));
+  }
+  return walk;
+}
+
+void ExpectSameMesh(Mesh a, Mesh b) {
+  Canonicalize(a);
+  Canonicalize(b);
+  EXPECT_EQ(a.revision, b.revision);
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.simplices, b.simplices);
+  EXPECT_EQ(a.subsegments, b.subsegments);
+  EXPECT_EQ(a.hash, b.hash);
+}
+
+TEST(DiffAlgebra, AnySpanOfDiffsComposesToTheDifferenceOfItsEnds) {
+  const Walk walk = MakeWalk(1, 40);
+  for (std::size_t from = 0; from < walk.diffs.size(); from += 3) {
+    for (std::size_t to = from + 1; to <= walk.diffs.size(); to += 5) {
+      const MeshDiff diff = Compose({walk.diffs.begin() + static_cast<std::ptrdiff_t>(from),
+                                     walk.diffs.begin() + static_cast<std::ptrdiff_t>(to)});
+      // The library's own ApplyDiff is the judge: it checks every row and the hash.
+      Mesh mesh = *walk.meshes[from];
+      const absl::Status status = ApplyDiff(mesh, diff);
+      ASSERT_TRUE(status.ok()) << from << ".." << to << ": " << Text(status);
+      ExpectSameMesh(mesh, *walk.meshes[to]);
+      const auto patched = Patched(*walk.meshes[from], diff);
+      ASSERT_TRUE(patched.ok());
+      ExpectSameMesh(*patched, *walk.meshes[to]);
+    }
+  }
+}
+
+TEST(DiffAlgebra, AVertexThatChangesOwnerTwiceEndsWithTheLast) {
+  // Point 1 is replaced by point 2 in the same place, then by point 3.
+  FakeDynamicMesh fake(MeshOptions(), nullptr);
+  ASSERT_TRUE(fake.Apply({Edit::Add(Feature::Point(1, 0.5, 0.5))}, {}).ok());
+  Mesh mesh = fake.Snapshot();
+  std::vector<std::shared_ptr<const MeshDiff>> diffs;
+  for (FeatureId id = 2; id <= 3; ++id) {
+    auto diff = fake.Apply({Edit::Remove(id - 1), Edit::Add(Feature::Point(id, 0.5, 0.5))}, {});
+    ASSERT_TRUE(diff.ok());
+    ASSERT_EQ(diff->removed_vertices.size(), 1u);
+    diffs.push_back(std::make_shared<MeshDiff>(*diff));
+  }
+  const MeshDiff both = Compose(diffs);
+  EXPECT_EQ(both.removed_vertices.size(), 1u);
+  ASSERT_EQ(both.added_vertices.size(), 1u);
+  EXPECT_EQ(both.added_vertices.owners[0], 3u);
+  EXPECT_TRUE(ApplyDiff(mesh, both).ok());
+}
+
+TEST(DiffAlgebra, PatchingAnotherMeshIsRefused) {
+  const Walk walk = MakeWalk(2, 5);
+  EXPECT_EQ(Patched(*walk.meshes[0], *walk.diffs[1]).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+  MeshDiff stray = *walk.diffs[0];
+  stray.removed_vertices.push_back(12345);
+  EXPECT_EQ(Patched(*walk.meshes[0], stray).status().code(), absl::StatusCode::kDataLoss);
+}
+
+TEST(RevisionStore, TheLatestMeshIsThatOfTheHeadAfterEveryRevision) {
+  const Walk walk = MakeWalk(3, 30);
+  RevisionStore store(walk.meshes[0], {});
+  for (std::size_t i = 0; i < walk.diffs.size(); ++i) {
+    ASSERT_TRUE(store.Append(walk.diffs[i]).ok());
+    EXPECT_EQ(store.head().revision, i + 1);
+    EXPECT_EQ(store.head().hash, walk.meshes[i + 1]->hash);
+    if (i % 4 == 3) {
+      const auto mesh = store.Latest();
+      ASSERT_TRUE(mesh.ok());
+      ExpectSameMesh(**mesh, *walk.meshes[i + 1]);
+      EXPECT_EQ(store.base(), *mesh);
+      // Nothing came since: the same object, no work.
+      EXPECT_EQ(*store.Latest(), *mesh);
+    }
+  }
+}
+
+TEST(RevisionStore, ASnapshotThatIsReadDoesNotChange) {
+  const Walk walk = MakeWalk(4, 10);
+  RevisionStore store(walk.meshes[0], {});
+  ASSERT_TRUE(store.Append(walk.diffs[0]).ok());
+  const auto early = *store.Latest();
+  for (std::size_t i = 1; i < walk.diffs.size(); ++i) ASSERT_TRUE(store.Append(walk.diffs[i]).ok());
+  ASSERT_TRUE(store.Latest().ok());
+  ExpectSameMesh(*early, *walk.meshes[1]);
+}
+
+TEST(RevisionStore, AGapIsRefused) {
+  const Walk walk = MakeWalk(5, 3);
+  RevisionStore store(walk.meshes[0], {});
+  EXPECT_EQ(store.Append(walk.diffs[1]).code(), absl::StatusCode::kFailedPrecondition);
+  ASSERT_TRUE(store.Append(walk.diffs[0]).ok());
+  EXPECT_EQ(store.Append(walk.diffs[0]).code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(store.head().revision, 1u);
+}
+
+TEST(RevisionStore, HistoryIsBoundedButReachesBackToTheBase) {
+  const Walk walk = MakeWalk(6, 50);
+  RevisionStore store(walk.meshes[0], {5, 1 << 30});
+  for (const auto& diff : walk.diffs) ASSERT_TRUE(store.Append(diff).ok());
+  // The base is at 0, so all that leads from it is held, and a new base is wanted.
+  EXPECT_EQ(store.oldest(), 0u);
+  EXPECT_TRUE(store.wants_rebase());
+  ASSERT_TRUE(store.Latest().ok());
+  EXPECT_FALSE(store.wants_rebase());
+  EXPECT_EQ(store.oldest(), 45u);
+  EXPECT_EQ(store.DiffFrom(44), nullptr);
+  EXPECT_EQ(store.DiffFrom(45), walk.diffs[45]);
+  EXPECT_EQ(store.DiffFrom(50), nullptr);
+  EXPECT_FALSE(store.DiffsFrom(44).has_value());
+  EXPECT_EQ(store.DiffsFrom(45)->size(), 5u);
+  EXPECT_TRUE(store.DiffsFrom(50)->empty());
+  EXPECT_FALSE(store.DiffsFrom(51).has_value());
+  EXPECT_FALSE(store.HashAt(44).has_value());
+  for (std::size_t r = 45; r <= 50; ++r) EXPECT_EQ(store.HashAt(r), walk.meshes[r]->hash);
+}
+
+TEST(RevisionStore, TheNewestDiffIsKeptHoweverLarge) {
+  const Walk walk = MakeWalk(7, 3);
+  RevisionStore store(walk.meshes[0], {100, 1});
+  for (const auto& diff : walk.diffs) {
+    ASSERT_TRUE(store.Append(diff).ok());
+    ASSERT_TRUE(store.Latest().ok());
+  }
+  EXPECT_EQ(store.oldest(), 2u);
+  EXPECT_NE(store.DiffFrom(2), nullptr);
+}
+
+}  // namespace
+}  // namespace dynmesh::server
