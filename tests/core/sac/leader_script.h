@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/core/sac/leader_changes.h"
 #include "tests/core/sac/leader_oracle.h"
 #include "tests/core/sac/leader_program.h"
 #include "tests/core/sac/random_script.h"
