@@ -1,0 +1,97 @@
+// The end of a server: polite, impatient, sudden.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "tests/server/server_fixture.h"
+
+namespace dynmesh::server {
+namespace {
+
+using DrainTest = ServerFixture;
+using absl::StatusCode;
+
+client::EditParams Id(const std::string& id) {
+  client::EditParams params;
+  params.request_id = id;
+  return params;
+}
+TEST_F(DrainTest, ADrainEndsWhatRunsAndRefusesWhatIsNew) {
+  StartWithMesh();
+  const auto watch = client_->Watch("m", {.max_attempts = 0}, nullptr);
+  ASSERT_TRUE(watch->WaitFor([](const auto& r) { return r.has_mesh(); }, kLong));
+  const auto stream = client_->OpenEdits("m");
+  ASSERT_TRUE(stream->Send({AddPoint(10)}, Id("s1")).ok());
+  ASSERT_TRUE(stream->Receive()->result.ok());
+
+  gate_->Hold();
+  Mailbox<absl::StatusOr<client::EditResult>> running;
+  std::thread editor([&] { running.Put(client_->Apply("m", {AddPoint(1)})); });
+  gate_->WaitForArrivals(2);
+  ASSERT_TRUE(stream->Send({AddPoint(11)}, Id("s2")).ok());
+  while (Host()->waiting() < 1) std::this_thread::yield();
+
+  Mailbox<bool> drained;
+  std::thread drainer([&] { drained.Put(server_->Drain(kLong)); });
+  while (Health("") != 2) std::this_thread::yield();
+  EXPECT_EQ(Health("dynmesh.v1.MeshService"), 2);
+  EXPECT_FALSE(watch->WaitForRevision(99, kLong));
+  EXPECT_EQ(ReasonOf(*watch->ended()), codec::reason::kDraining);
+  // The gate closes a moment after the health says so.
+  absl::Status refused;
+  do {
+    refused = client_->CreateMesh("", {}).status();
+  } while (refused.ok());
+  EXPECT_EQ(refused.code(), StatusCode::kUnavailable);
+  EXPECT_EQ(ReasonOf(refused), codec::reason::kDraining);
+  EXPECT_TRUE(codec::GetServiceError(refused)->retry_after.has_value());
+  EXPECT_EQ(ReasonOf(client_->Apply("m", {AddPoint(2)}).status()), codec::reason::kDraining);
+
+  gate_->Release();
+  const auto result = running.Take();
+  ASSERT_TRUE(result.ok()) << Text(result.status());
+  EXPECT_EQ(result->diff.to_revision, 2u);
+  // What the stream had handed in is answered, then the stream ends.
+  const auto answer = stream->Receive();
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_EQ(answer->request_id, "s2");
+  EXPECT_TRUE(answer->result.ok());
+  EXPECT_FALSE(stream->Receive().has_value());
+  EXPECT_EQ(ReasonOf(stream->Finish()), codec::reason::kDraining);
+  EXPECT_TRUE(drained.Take());
+  editor.join();
+  drainer.join();
+}
+
+TEST_F(DrainTest, ADrainThatTakesTooLongCancels) {
+  StartWithMesh();
+  gate_->Hold();
+  const auto host = Host();
+  Mailbox<absl::StatusOr<client::EditResult>> running;
+  std::thread editor([&] { running.Put(client_->Apply("m", {AddPoint(1)})); });
+  gate_->WaitForArrivals(1);
+  EXPECT_FALSE(server_->Drain(absl::Milliseconds(20)));
+  EXPECT_FALSE(running.Take().ok());
+  EXPECT_EQ(host->head().revision, 0u);
+  editor.join();
+}
+
+TEST_F(DrainTest, AServerEndsWithAllKindsOfStreamsOpen) {
+  StartWithMesh();
+  std::vector<std::unique_ptr<client::WatchSession>> watches;
+  std::vector<std::unique_ptr<client::EditSession>> streams;
+  for (int i = 0; i < 10; ++i) {
+    watches.push_back(client_->Watch("m", {}, nullptr));
+    streams.push_back(client_->OpenEdits("m"));
+    ASSERT_TRUE(streams.back()->Send({AddPoint(static_cast<FeatureId>(i) + 1)}).ok());
+  }
+  server_.reset();
+  for (const auto& stream : streams) {
+    while (stream->Receive().has_value()) {
+    }
+    EXPECT_FALSE(stream->Finish().ok());
+  }
+}
+
+}  // namespace
+}  // namespace dynmesh::server

@@ -1,0 +1,244 @@
+// EditStream over loopback, with fake meshes: order, refusals, pieces, back-pressure.
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <thread>
+
+#include "dynmesh/error.h"
+#include "proto/codec/edit_codec.h"
+#include "proto/codec/grpc_status.h"
+#include "tests/server/server_fixture.h"
+
+namespace dynmesh::server {
+namespace {
+
+using EditStreamTest = ServerFixture;
+using absl::StatusCode;
+
+client::EditParams Id(const std::string& id) {
+  client::EditParams params;
+  params.request_id = id;
+  return params;
+}
+TEST_F(EditStreamTest, PipelinedBatchesAreAnsweredInOrder) {
+  StartWithMesh();
+  const auto session = client_->OpenEdits("m");
+  constexpr int kCount = 500;
+  std::thread sender([&] {
+    for (int i = 1; i <= kCount; ++i) {
+      const auto id = static_cast<FeatureId>(i);
+      ASSERT_TRUE(session->Send({AddPoint(id)}, Id(std::to_string(i))).ok());
+    }
+    ASSERT_TRUE(session->DoneSending().ok());
+  });
+  for (int i = 1; i <= kCount; ++i) {
+    const auto answer = session->Receive();
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_EQ(answer->request_id, std::to_string(i));
+    ASSERT_TRUE(answer->result.ok());
+    EXPECT_EQ(answer->result->diff.to_revision, static_cast<std::uint64_t>(i));
+  }
+  sender.join();
+  EXPECT_FALSE(session->Receive().has_value());
+  EXPECT_TRUE(session->Finish().ok());
+  EXPECT_EQ(HeadOf().revision, static_cast<std::uint64_t>(kCount));
+}
+
+TEST_F(EditStreamTest, ARefusedBatchDoesNotEndTheStream) {
+  StartWithMesh();
+  const auto session = client_->OpenEdits("m");
+  ASSERT_TRUE(session->Send({AddPoint(1)}, Id("a")).ok());
+  ASSERT_TRUE(session->Send({Edit::Remove(9)}, Id("b")).ok());
+  ASSERT_TRUE(session->Send({AddPoint(2)}, Id("c")).ok());
+  ASSERT_TRUE(session->Send({AddPoint(3)}, Id(std::string(200, 'd'))).ok());
+  ASSERT_TRUE(session->DoneSending().ok());
+  EXPECT_TRUE(session->Receive()->result.ok());
+  const auto refused = session->Receive();
+  EXPECT_EQ(refused->request_id, "b");
+  EXPECT_EQ(ReasonOf(refused->result.status()), reason::kUnknownFeature);
+  EXPECT_EQ(session->Receive()->result->diff.to_revision, 2u);
+  EXPECT_EQ(ReasonOf(session->Receive()->result.status()), codec::reason::kBadRequestId);
+  EXPECT_FALSE(session->Receive().has_value());
+  EXPECT_TRUE(session->Finish().ok());
+}
+
+TEST_F(EditStreamTest, StopOnErrorEndsTheStreamAndWhatFollowsIsNotApplied) {
+  StartWithMesh();
+  const auto session = client_->OpenEdits("m", /*stop_on_error=*/true);
+  gate_->Hold();
+  ASSERT_TRUE(session->Send({AddPoint(1)}, Id("a")).ok());
+  ASSERT_TRUE(session->Send({Edit::Remove(9)}, Id("b")).ok());
+  ASSERT_TRUE(session->Send({AddPoint(2)}, Id("c")).ok());
+  gate_->WaitForArrivals(1);
+  gate_->Release();
+  EXPECT_TRUE(session->Receive()->result.ok());
+  EXPECT_EQ(ReasonOf(session->Receive()->result.status()), reason::kUnknownFeature);
+  EXPECT_FALSE(session->Receive().has_value());
+  EXPECT_EQ(ReasonOf(session->Finish()), reason::kUnknownFeature);
+  EXPECT_EQ(HeadOf().revision, 1u);
+}
+
+// Raw, to send what the client library would not.
+class RawEditStream {
+ public:
+  explicit RawEditStream(v1::MeshService::Stub& stub) : stream_(stub.EditStream(&context_)) {}
+  v1::EditBatch& message() { return message_; }
+  bool Send() {
+    const bool ok = stream_->Write(message_);
+    message_.Clear();
+    return ok;
+  }
+  void Add(const Edit& edit) { codec::EncodeEdit(edit, 2, message_.add_edits()); }
+  std::optional<v1::MeshDiff> Receive() {
+    v1::MeshDiff answer;
+    if (!stream_->Read(&answer)) return std::nullopt;
+    return answer;
+  }
+  absl::Status Finish() {
+    stream_->WritesDone();
+    while (Receive().has_value()) {
+    }
+    return codec::FromGrpcStatus(stream_->Finish());
+  }
+  grpc::ClientContext& context() { return context_; }
+
+ private:
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReaderWriter<v1::EditBatch, v1::MeshDiff>> stream_;
+  v1::EditBatch message_;
+};
+
+TEST_F(EditStreamTest, ABatchInPiecesIsAppliedWhenComplete) {
+  StartWithMesh();
+  RawEditStream stream(*stub_);
+  stream.message().set_mesh("meshes/m");
+  stream.message().set_request_id("a");
+  stream.message().set_more(true);
+  stream.Add(AddPoint(1));
+  ASSERT_TRUE(stream.Send());
+  stream.message().set_more(true);
+  stream.Add(AddPoint(2));
+  ASSERT_TRUE(stream.Send());
+  ASSERT_TRUE(stream.Send());  // the last piece may be empty
+  const auto answer = stream.Receive();
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_EQ(answer->request_id(), "a");
+  EXPECT_EQ(answer->added_vertices().ids_size(), 2);
+  EXPECT_EQ(answer->to_revision(), 1u);
+  EXPECT_TRUE(stream.Finish().ok());
+}
+
+TEST_F(EditStreamTest, AnUnfinishedBatchIsNotApplied) {
+  StartWithMesh();
+  RawEditStream stream(*stub_);
+  stream.message().set_mesh("meshes/m");
+  stream.message().set_more(true);
+  stream.Add(AddPoint(1));
+  ASSERT_TRUE(stream.Send());
+  EXPECT_EQ(ReasonOf(stream.Finish()), codec::reason::kBatchIncomplete);
+  EXPECT_EQ(HeadOf().revision, 0u);
+}
+
+TEST_F(EditStreamTest, AStreamNamesOneMeshThatExists) {
+  StartWithMesh();
+  {
+    RawEditStream stream(*stub_);
+    stream.message().set_mesh("meshes/none");
+    ASSERT_TRUE(stream.Send());
+    EXPECT_EQ(ReasonOf(stream.Finish()), codec::reason::kMeshNotFound);
+  }
+  {
+    RawEditStream stream(*stub_);
+    stream.Add(AddPoint(1));
+    ASSERT_TRUE(stream.Send());
+    EXPECT_EQ(ReasonOf(stream.Finish()), codec::reason::kBadName);
+  }
+  RawEditStream stream(*stub_);
+  stream.message().set_mesh("meshes/m");
+  ASSERT_TRUE(stream.Send());
+  stream.message().set_mesh("meshes/n");
+  stream.Add(AddPoint(1));
+  stream.Send();
+  EXPECT_EQ(stream.Finish().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(HeadOf().revision, 0u);
+}
+
+TEST_F(EditStreamTest, TheRestOfABadBatchIsSkipped) {
+  ServerConfig config;
+  config.max_batch_edits = 3;
+  config.max_pending_edits = 3;
+  StartWithMesh(config);
+  RawEditStream stream(*stub_);
+  stream.message().set_mesh("meshes/m");
+  for (int piece = 0; piece < 5; ++piece) {
+    stream.message().set_request_id("large");
+    stream.message().set_more(piece < 4);
+    stream.Add(AddPoint(static_cast<FeatureId>(piece) + 1));
+    ASSERT_TRUE(stream.Send());
+  }
+  stream.message().set_request_id("bare");
+  stream.message().add_edits()->mutable_add()->set_id(7);  // no geometry
+  ASSERT_TRUE(stream.Send());
+  stream.message().set_request_id("good");
+  stream.Add(AddPoint(1));
+  ASSERT_TRUE(stream.Send());
+  const auto large = stream.Receive();
+  EXPECT_EQ(large->request_id(), "large");
+  EXPECT_EQ(ReasonOf(codec::StatusFromProto(large->status())), codec::reason::kBatchTooLarge);
+  const auto bare = stream.Receive();
+  EXPECT_EQ(ReasonOf(codec::StatusFromProto(bare->status())), reason::kWrongKind);
+  const auto good = stream.Receive();
+  EXPECT_EQ(good->request_id(), "good");
+  EXPECT_EQ(good->status().code(), 0);
+  EXPECT_TRUE(stream.Finish().ok());
+}
+
+TEST_F(EditStreamTest, TheServerReadsNoMoreThanItsWindow) {
+  ServerConfig config;
+  config.edit_window = 4;
+  StartWithMesh(config);
+  gate_->Hold();
+  RawEditStream stream(*stub_);
+  constexpr int kCount = 50;
+  for (int i = 1; i <= kCount; ++i) {
+    stream.message().set_mesh("meshes/m");
+    stream.Add(AddPoint(static_cast<FeatureId>(i)));
+    ASSERT_TRUE(stream.Send());  // gRPC's buffers hold these
+  }
+  gate_->WaitForArrivals(1);
+  // One runs; three can be waiting, and never more.
+  for (int look = 0; look < 50; ++look) {
+    EXPECT_LE(Host()->waiting(), 3u);
+    std::this_thread::yield();
+  }
+  gate_->Release();
+  for (int i = 1; i <= kCount; ++i) {
+    const auto answer = stream.Receive();
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_EQ(answer->to_revision(), static_cast<std::uint64_t>(i));
+  }
+  EXPECT_TRUE(stream.Finish().ok());
+}
+
+TEST_F(EditStreamTest, ACancelledStreamLeavesTheMeshUsable) {
+  StartWithMesh();
+  gate_->Hold();
+  {
+    RawEditStream stream(*stub_);
+    for (FeatureId id = 1; id <= 100; ++id) {
+      stream.message().set_mesh("meshes/m");
+      stream.Add(AddPoint(id));
+      ASSERT_TRUE(stream.Send());
+    }
+    gate_->WaitForArrivals(1);
+    stream.context().TryCancel();
+    EXPECT_EQ(stream.Finish().code(), StatusCode::kCancelled);
+  }
+  gate_->Release();
+  EXPECT_TRUE(client_->Apply("m", {AddPoint(1000)}).ok());
+  // The stream gave back its place and its edits.
+  EXPECT_TRUE(client_->OpenEdits("m")->Send({AddPoint(1001)}).ok());
+}
+
+}  // namespace
+}  // namespace dynmesh::server
