@@ -40,7 +40,8 @@ class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
 };
 
 // What outlives the streams: the replica, and what to do when one ends. Either a
-// stream is open (stream_), or an alarm is set (alarm_), or it has ended.
+// stream is open (stream_) or about to tell its end, or an alarm is set (alarm_), or it
+// has ended.
 class Follower : public std::enable_shared_from_this<Follower> {
  public:
   // The stub outlives Stop.
@@ -73,9 +74,14 @@ class Follower : public std::enable_shared_from_this<Follower> {
     return true;
   }
 
-  void StreamEnded(const absl::Status& status) {
+  // The stream is about to go: it must not be cancelled any more. StreamEnded follows.
+  void StreamGoes() {
     const std::lock_guard lock(mutex_);
     stream_ = nullptr;
+  }
+
+  void StreamEnded(const absl::Status& status) {
+    const std::lock_guard lock(mutex_);
     replica_.EndOfStream();
     const bool gave_up = !trouble_.ok();
     const absl::Status why = gave_up ? trouble_ : status;
@@ -229,6 +235,7 @@ void Stream::OnDone(const grpc::Status& status) {
   const absl::Status ended = codec::FromGrpcStatus(status);
   // First the stream goes, then its end is told: who hears of it may drop the channel,
   // and gRPC does not bear the last reference to go in a thread of its own.
+  follower->StreamGoes();
   delete this;
   follower->StreamEnded(ended);
 }
