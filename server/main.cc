@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "core/base/process_memory.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/log.h"
 #include "server/server.h"
@@ -103,6 +104,7 @@ int Serve(const Flags& flags, const sigset_t& signals) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  dynmesh::ReturnLargeBlocks();
   // Before any thread is made, so that all inherit the mask and only sigwait sees them.
   sigset_t signals;
   sigemptyset(&signals);

@@ -7,6 +7,7 @@
 
 #include "CLI/CLI.hpp"
 #include "client/cli/command.h"
+#include "core/base/process_memory.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -41,6 +42,7 @@ int Main(int argc, char** argv) {
 }  // namespace dynmesh::cli
 
 int main(int argc, char** argv) {
+  dynmesh::ReturnLargeBlocks();
   // A reader that went away shows as a failed write, not as a silent death.
   std::signal(SIGPIPE, SIG_IGN);
   try {

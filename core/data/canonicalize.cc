@@ -1,6 +1,8 @@
 // The canonical order of rows: what makes two equal meshes equal byte by byte.
 // O(n lg n) in the number of rows.
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <numeric>
 #include <vector>
@@ -10,18 +12,9 @@
 namespace dynmesh {
 namespace {
 
-// The order of n rows under `less`, as indices.
-template <class Less>
-std::vector<std::size_t> SortedRows(std::size_t n, Less less) {
-  std::vector<std::size_t> order(n);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), less);
-  return order;
-}
-
 // Rows of `width` entries, rearranged so that row i is the former row order[i].
 template <class T>
-void Permute(const std::vector<std::size_t>& order, std::size_t width, std::vector<T>& column) {
+void Permute(const std::vector<std::uint32_t>& order, std::size_t width, std::vector<T>& column) {
   std::vector<T> sorted;
   sorted.reserve(column.size());
   for (const std::size_t row : order) {
@@ -32,32 +25,44 @@ void Permute(const std::vector<std::size_t>& order, std::size_t width, std::vect
 }
 
 void SortVertices(int dimension, VertexColumns& v) {
-  const auto order =
-      SortedRows(v.size(), [&](std::size_t i, std::size_t j) { return v.ids[i] < v.ids[j]; });
+  std::vector<std::uint32_t> order(v.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t i, std::uint32_t j) { return v.ids[i] < v.ids[j]; });
   Permute(order, 1, v.ids);
   Permute(order, static_cast<std::size_t>(dimension), v.coordinates);
   Permute(order, 1, v.containing_dimensions);
   Permute(order, 1, v.owners);
 }
 
+// Whole rows are sorted, not indices: no cache miss per comparison.
+template <std::size_t kWidth>
+void SortRows(SimplexColumn& simplices) {
+  std::vector<std::array<VertexId, kWidth>> rows(simplices.size() / kWidth);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::copy_n(simplices.data() + i * kWidth, kWidth, rows[i].begin());
+  }
+  std::sort(rows.begin(), rows.end());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::copy_n(rows[i].begin(), kWidth, simplices.data() + i * kWidth);
+  }
+}
+
 void SortSimplices(int dimension, SimplexColumn& simplices) {
-  const std::size_t width = static_cast<std::size_t>(dimension) + 1;
-  const auto order = SortedRows(simplices.size() / width, [&](std::size_t i, std::size_t j) {
-    const VertexId* a = &simplices[i * width];
-    const VertexId* b = &simplices[j * width];
-    return std::lexicographical_compare(a, a + width, b, b + width);
-  });
-  Permute(order, width, simplices);
+  dimension == 2 ? SortRows<3>(simplices) : SortRows<4>(simplices);
 }
 
 void SortSubsegments(SubsegmentColumns& s) {
-  const auto order = SortedRows(s.size(), [&](std::size_t i, std::size_t j) {
-    if (s.ends[2 * i] != s.ends[2 * j]) return s.ends[2 * i] < s.ends[2 * j];
-    if (s.ends[2 * i + 1] != s.ends[2 * j + 1]) return s.ends[2 * i + 1] < s.ends[2 * j + 1];
-    return s.owners[i] < s.owners[j];
-  });
-  Permute(order, 2, s.ends);
-  Permute(order, 1, s.owners);
+  std::vector<std::array<std::uint64_t, 3>> rows(s.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i] = {s.ends[2 * i], s.ends[2 * i + 1], s.owners[i]};
+  }
+  std::sort(rows.begin(), rows.end());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    s.ends[2 * i] = rows[i][0];
+    s.ends[2 * i + 1] = rows[i][1];
+    s.owners[i] = rows[i][2];
+  }
 }
 
 }  // namespace

@@ -1,15 +1,54 @@
 #include "core/data/diff_meshes.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 namespace dynmesh::data {
 namespace {
 
-struct VertexRow {
-  const VertexColumns* columns;
-  std::size_t row;
+// Walks two sorted sequences of rows. `order(i, j)` is negative if row i of the old ones
+// comes before row j of the new ones, 0 if they stand for the same thing, and so on.
+// Calls gone(i), both(i, j), come(j).
+template <class Order, class Gone, class Both, class Come>
+void Merge(std::size_t old_rows, std::size_t new_rows, Order order, Gone gone, Both both,
+           Come come) {
+  std::size_t i = 0;
+  std::size_t j = 0;
+  while (i < old_rows || j < new_rows) {
+    const int sign = i == old_rows ? 1 : j == new_rows ? -1 : order(i, j);
+    if (sign < 0) {
+      gone(i++);
+    } else if (sign > 0) {
+      come(j++);
+    } else {
+      both(i++, j++);
+    }
+  }
+}
+
+// Keeps some rows of a column, in their order, where they are: no second copy.
+template <class T>
+class RowKeeper {
+ public:
+  RowKeeper(std::vector<T>* column, std::size_t width) : column_(*column), width_(width) {}
+  void Keep(std::size_t row) {
+    const auto from = column_.begin() + static_cast<std::ptrdiff_t>(row * width_);
+    std::copy(from, from + static_cast<std::ptrdiff_t>(width_),
+              column_.begin() + static_cast<std::ptrdiff_t>(kept_++ * width_));
+  }
+  std::vector<T> Take() {
+    column_.resize(kept_ * width_);
+    return std::move(column_);
+  }
+
+ private:
+  std::vector<T>& column_;
+  const std::size_t width_;
+  std::size_t kept_ = 0;
 };
 
 // Same place, containing dimension and owner (-0 is +0, as in ids and hashes).
@@ -23,97 +62,92 @@ bool SameVertex(std::size_t d, const VertexColumns& a, std::size_t i, const Vert
   return a.containing_dimensions[i] == b.containing_dimensions[j] && a.owners[i] == b.owners[j];
 }
 
-void AppendVertex(std::size_t d, const VertexColumns& from, std::size_t row, VertexColumns& to) {
-  to.ids.push_back(from.ids[row]);
-  for (std::size_t k = 0; k < d; ++k) to.coordinates.push_back(from.coordinates[row * d + k]);
-  to.containing_dimensions.push_back(from.containing_dimensions[row]);
-  to.owners.push_back(from.owners[row]);
-}
-
-// Both sorted by id: one merge.
-void DiffVertices(std::size_t d, const VertexColumns& from, const VertexColumns& to,
-                  MeshDiff& diff) {
-  std::size_t i = 0;
-  std::size_t j = 0;
-  while (i < from.size() || j < to.size()) {
-    if (j == to.size() || (i < from.size() && from.ids[i] < to.ids[j])) {
-      diff.removed_vertices.push_back(from.ids[i++]);
-    } else if (i == from.size() || to.ids[j] < from.ids[i]) {
-      AppendVertex(d, to, j++, diff.added_vertices);
-    } else {
-      if (!SameVertex(d, from, i, to, j)) {
+void DiffVertices(std::size_t d, const VertexColumns& from, VertexColumns& to, MeshDiff& diff) {
+  std::vector<std::size_t> added;
+  const auto order = [&](std::size_t i, std::size_t j) {
+    return from.ids[i] < to.ids[j] ? -1 : from.ids[i] > to.ids[j] ? 1 : 0;
+  };
+  Merge(
+      from.size(), to.size(), order,
+      [&](std::size_t i) { diff.removed_vertices.push_back(from.ids[i]); },
+      [&](std::size_t i, std::size_t j) {
+        if (SameVertex(d, from, i, to, j)) return;
         diff.removed_vertices.push_back(from.ids[i]);
-        AppendVertex(d, to, j, diff.added_vertices);
-      }
-      ++i;
-      ++j;
-    }
-  }
+        added.push_back(j);
+      },
+      [&](std::size_t j) { added.push_back(j); });
+  const auto keep = [&](auto& column, std::size_t width) {
+    RowKeeper keeper(&column, width);
+    for (const std::size_t row : added) keeper.Keep(row);
+    return keeper.Take();
+  };
+  diff.added_vertices.ids = keep(to.ids, 1);
+  diff.added_vertices.coordinates = keep(to.coordinates, d);
+  diff.added_vertices.containing_dimensions = keep(to.containing_dimensions, 1);
+  diff.added_vertices.owners = keep(to.owners, 1);
 }
 
-void DiffSimplices(std::size_t width, const SimplexColumn& from, const SimplexColumn& to,
+void DiffSimplices(std::size_t width, const SimplexColumn& from, SimplexColumn& to,
                    MeshDiff& diff) {
-  const VertexId* a = from.data();
-  const VertexId* b = to.data();
-  const VertexId* const a_end = a + from.size();
-  const VertexId* const b_end = b + to.size();
-  while (a != a_end || b != b_end) {
-    const bool a_first =
-        b == b_end || (a != a_end && std::lexicographical_compare(a, a + width, b, b + width));
-    const bool b_first =
-        a == a_end || (b != b_end && std::lexicographical_compare(b, b + width, a, a + width));
-    if (a_first) {
-      diff.removed_simplices.insert(diff.removed_simplices.end(), a, a + width);
-    } else if (b_first) {
-      diff.added_simplices.insert(diff.added_simplices.end(), b, b + width);
+  RowKeeper added(&to, width);
+  const auto order = [&](std::size_t i, std::size_t j) {
+    for (std::size_t k = 0; k < width; ++k) {
+      const VertexId a = from[i * width + k], b = to[j * width + k];
+      if (a != b) return a < b ? -1 : 1;
     }
-    if (!b_first) a += width;
-    if (!a_first) b += width;
-  }
+    return 0;
+  };
+  Merge(
+      from.size() / width, to.size() / width, order,
+      [&](std::size_t i) {
+        const auto row = from.begin() + static_cast<std::ptrdiff_t>(i * width);
+        diff.removed_simplices.insert(diff.removed_simplices.end(), row,
+                                      row + static_cast<std::ptrdiff_t>(width));
+      },
+      [](std::size_t, std::size_t) {}, [&](std::size_t j) { added.Keep(j); });
+  diff.added_simplices = added.Take();
 }
 
-using SubsegmentKey = std::array<std::uint64_t, 3>;
-
-SubsegmentKey KeyOf(const SubsegmentColumns& s, std::size_t row) {
-  return {s.ends[2 * row], s.ends[2 * row + 1], s.owners[row]};
-}
-
-void AppendSubsegment(const SubsegmentKey& key, SubsegmentColumns& to) {
-  to.ends.insert(to.ends.end(), {key[0], key[1]});
-  to.owners.push_back(key[2]);
-}
-
-void DiffSubsegments(const SubsegmentColumns& from, const SubsegmentColumns& to, MeshDiff& diff) {
-  std::size_t i = 0;
-  std::size_t j = 0;
-  while (i < from.size() || j < to.size()) {
-    if (j == to.size() || (i < from.size() && KeyOf(from, i) < KeyOf(to, j))) {
-      AppendSubsegment(KeyOf(from, i++), diff.removed_subsegments);
-    } else if (i == from.size() || KeyOf(to, j) < KeyOf(from, i)) {
-      AppendSubsegment(KeyOf(to, j++), diff.added_subsegments);
-    } else {
-      ++i;
-      ++j;
-    }
-  }
+void DiffSubsegments(const SubsegmentColumns& from, SubsegmentColumns& to, MeshDiff& diff) {
+  RowKeeper ends(&to.ends, 2);
+  RowKeeper owners(&to.owners, 1);
+  const auto key = [](const SubsegmentColumns& s, std::size_t row) {
+    return std::array<std::uint64_t, 3>{s.ends[2 * row], s.ends[2 * row + 1], s.owners[row]};
+  };
+  const auto order = [&](std::size_t i, std::size_t j) {
+    const auto a = key(from, i), b = key(to, j);
+    return a < b ? -1 : b < a ? 1 : 0;
+  };
+  Merge(
+      from.size(), to.size(), order,
+      [&](std::size_t i) {
+        diff.removed_subsegments.ends.insert(diff.removed_subsegments.ends.end(),
+                                             {from.ends[2 * i], from.ends[2 * i + 1]});
+        diff.removed_subsegments.owners.push_back(from.owners[i]);
+      },
+      [](std::size_t, std::size_t) {},
+      [&](std::size_t j) {
+        ends.Keep(j);
+        owners.Keep(j);
+      });
+  diff.added_subsegments.ends = ends.Take();
+  diff.added_subsegments.owners = owners.Take();
 }
 
 }  // namespace
 
-MeshDiff DiffMeshes(const Mesh& from, const Mesh& to) {
-  Mesh a = from;
-  Mesh b = to;
-  Canonicalize(a);
-  Canonicalize(b);
+MeshDiff DiffMeshes(Mesh from, Mesh to) {
+  Canonicalize(from);
+  Canonicalize(to);
   const std::size_t d = static_cast<std::size_t>(to.dimension);
   MeshDiff diff;
   diff.dimension = to.dimension;
   diff.from_revision = from.revision;
   diff.to_revision = to.revision;
   diff.hash = to.hash;
-  DiffVertices(d, a.vertices, b.vertices, diff);
-  DiffSimplices(d + 1, a.simplices, b.simplices, diff);
-  DiffSubsegments(a.subsegments, b.subsegments, diff);
+  DiffVertices(d, from.vertices, to.vertices, diff);
+  DiffSimplices(d + 1, from.simplices, to.simplices, diff);
+  DiffSubsegments(from.subsegments, to.subsegments, diff);
   return diff;
 }
 

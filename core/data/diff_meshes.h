@@ -1,4 +1,4 @@
-// The difference of two whole meshes. Pure function, thread-safe.
+// The difference of two whole meshes. Thread-safe.
 #ifndef DYNMESH_CORE_DATA_DIFF_MESHES_H_
 #define DYNMESH_CORE_DATA_DIFF_MESHES_H_
 
@@ -7,9 +7,10 @@
 namespace dynmesh::data {
 
 // What Apply would have to return to get from `from` to `to`: canonical, netted, no
-// work counted. O(size of both). Both must have the same dimension and agreeing
-// columns; to.hash is taken as given.
-MeshDiff DiffMeshes(const Mesh& from, const Mesh& to);
+// work counted. O(n lg n), n the size of both. Both must have the same dimension and
+// agreeing columns; to.hash is taken as given. Taken by value: hand over what is not
+// needed any more, its columns become the diff's.
+MeshDiff DiffMeshes(Mesh from, Mesh to);
 
 }  // namespace dynmesh::data
 

@@ -33,8 +33,7 @@ absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOpti
                          " vertices",
                      {reason::kVertexLimit, {}, {}});
   }
-  diffs.Update(refinement, table);
-  Mesh mesh = diffs.Snapshot(refinement, table);
+  Mesh mesh = diffs.Begin(refinement, table);
   mesh.revision = features.empty() ? 0 : 1;
   return mesh;
 }

@@ -92,6 +92,25 @@ void DiffBuilder::InsertVertex(const Refinement& refinement, VertexIndex v) {
 }
 
 template <class Refinement>
+Mesh DiffBuilder::Begin(Refinement& refinement, const FeatureTable& features) {
+  refinement.TakeChanges([](VertexIndex, bool, bool) {}, [](SubsegmentIndex, bool, bool) {});
+  const auto position = [&](VertexIndex v) -> const geometry::Point2& {
+    return refinement.vertex(v).p;
+  };
+  names_.Reserve(refinement.vertex_count());
+  refinement.ForEachVertex([&](VertexIndex v, const Vertex&) {
+    names_.Add(v, position, [](VertexIndex) {});
+    if (!triangulation_.Contains(v)) InsertVertex(refinement, v);
+  });
+  removed_.clear();
+  added_.clear();
+  Mesh mesh = Snapshot(refinement, features);
+  subsegment_count_ = mesh.subsegments.size();
+  hash_ = mesh.hash = ComputeHash(mesh);
+  return mesh;
+}
+
+template <class Refinement>
 MeshDiff DiffBuilder::Update(Refinement& refinement, const FeatureTable& features) {
   MeshDiff diff;
   removed_.clear();
@@ -99,7 +118,6 @@ MeshDiff DiffBuilder::Update(Refinement& refinement, const FeatureTable& feature
   const auto position = [&](VertexIndex v) -> const geometry::Point2& {
     return refinement.vertex(v).p;
   };
-  const bool from_scratch = hash_ == MeshHash{};
 
   std::vector<VertexIndex> come, gone;
   std::vector<SubsegmentIndex> pieces_come, pieces_gone;
@@ -155,10 +173,7 @@ MeshDiff DiffBuilder::Update(Refinement& refinement, const FeatureTable& feature
       RecordCreated();
     }
   }
-  for (const VertexIndex v : come) {
-    if (triangulation_.Contains(v)) continue;  // a run from scratch has inserted it
-    InsertVertex(refinement, v);
-  }
+  for (const VertexIndex v : come) InsertVertex(refinement, v);
   for (const VertexIndex v : gone) {
     if (std::find(same_place.begin(), same_place.end(), v) != same_place.end()) continue;
     triangulation_.Remove(v);
@@ -177,13 +192,7 @@ MeshDiff DiffBuilder::Update(Refinement& refinement, const FeatureTable& feature
       corner = triangulation_.NextAround(corner);
     } while (corner.triangle != first.triangle);
   }
-  if (from_scratch) {
-    removed_.clear();
-    added_.clear();
-    triangulation_.ForEachTriangle([&](auto t) { added_.push_back(CanonicalIds(t)); });
-  } else {
-    Net(removed_, added_);
-  }
+  Net(removed_, added_);
 
   // Vertices: those that look the same before and after are not reported.
   struct NamedVertex {
@@ -279,6 +288,10 @@ void DiffBuilder::Net(std::vector<Simplex>& removed, std::vector<Simplex>& added
 template <class Refinement>
 Mesh DiffBuilder::Snapshot(const Refinement& refinement, const FeatureTable& features) const {
   Mesh mesh;
+  mesh.vertices.ids.reserve(refinement.vertex_count());
+  mesh.vertices.coordinates.reserve(2 * refinement.vertex_count());
+  mesh.vertices.containing_dimensions.reserve(refinement.vertex_count());
+  mesh.vertices.owners.reserve(refinement.vertex_count());
   refinement.ForEachVertex([&](VertexIndex v, const Vertex& vertex) {
     Append(mesh.vertices, names_.at(v), AppearanceOf(vertex, features));
   });
@@ -294,11 +307,11 @@ Mesh DiffBuilder::Snapshot(const Refinement& refinement, const FeatureTable& fea
   return mesh;
 }
 
+template Mesh DiffBuilder::Begin(meshing::Refinement<sac::Engine>&, const FeatureTable&);
 template MeshDiff DiffBuilder::Update(meshing::Refinement<sac::Engine>&, const FeatureTable&);
 template Mesh DiffBuilder::Snapshot(const meshing::Refinement<sac::Engine>&,
                                     const FeatureTable&) const;
-template MeshDiff DiffBuilder::Update(meshing::Refinement<sac::UntracedEngine>&,
-                                      const FeatureTable&);
+template Mesh DiffBuilder::Begin(meshing::Refinement<sac::UntracedEngine>&, const FeatureTable&);
 template Mesh DiffBuilder::Snapshot(const meshing::Refinement<sac::UntracedEngine>&,
                                     const FeatureTable&) const;
 

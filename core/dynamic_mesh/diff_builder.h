@@ -33,11 +33,15 @@ class DiffBuilder {
     triangulation_.Reset(rules.lo(), rules.hi(), {0, 1, 2, 3});
   }
 
+  // The first time: the whole mesh, of a run from scratch. Rows in no order, see mesh.h.
+  template <class Refinement>
+  Mesh Begin(Refinement& refinement, const FeatureTable& features);
+
   // What has changed since the last call. Work counters are the caller's.
   template <class Refinement>
   MeshDiff Update(Refinement& refinement, const FeatureTable& features);
 
-  // The whole mesh as it stood at the last Update. Uncollected rows, see mesh.h.
+  // The whole mesh as it stood at the last Update. Rows in no order, see mesh.h.
   template <class Refinement>
   Mesh Snapshot(const Refinement& refinement, const FeatureTable& features) const;
 

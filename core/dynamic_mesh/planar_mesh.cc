@@ -30,7 +30,7 @@ PlanarMesh::PlanarMesh(const MeshOptions& options, const PlanarMeshTuning& tunin
   // The bare box is within any limit that ValidateOptions accepts.
   state_->refinement.Propagate([] { return false; });
   state_->refinement.DetachTriangulation();
-  state_->diffs.Update(state_->refinement, state_->features);
+  state_->diffs.Begin(state_->refinement, state_->features);
 }
 
 absl::StatusOr<MeshDiff> PlanarMesh::Apply(const EditBatch& batch, const ApplyOptions& apply) {
@@ -144,9 +144,8 @@ absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, Interrupt 
     return status;
   }
   fresh->refinement.DetachTriangulation();
-  fresh->diffs.Update(fresh->refinement, fresh->features);
   MeshDiff diff =
-      data::DiffMeshes(Snapshot(), fresh->diffs.Snapshot(fresh->refinement, fresh->features));
+      data::DiffMeshes(Snapshot(), fresh->diffs.Begin(fresh->refinement, fresh->features));
   const sac::Counters& counters = fresh->refinement.engine().counters();
   diff.work.executed = counters.executed;
   diff.work.created = counters.created;

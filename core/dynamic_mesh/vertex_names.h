@@ -30,6 +30,11 @@ class VertexNames {
 
   VertexId at(Index v) const { return ids_[v]; }
 
+  void Reserve(std::size_t vertices) {
+    ids_.reserve(vertices);
+    groups_.reserve(vertices);
+  }
+
   // Vertex v at p comes. Calls renamed(w) for each other vertex *before* its id
   // changes on that account.
   template <class Position, class Renamed>

@@ -29,7 +29,7 @@ template <template <class> class E>
 void Refinement<E>::Nearest(Context& context) {
   const VertexIndex v = context.item;
   const double d2 = NearestDistance2(context, v);
-  context.payload().radius2 = d2;
+  context.payload().radius2 = RoundedUp(d2);
   context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
   if constexpr (kTraced) {
     Extent<2> box = Extent<2>::Nothing();

@@ -4,6 +4,7 @@
 #define DYNMESH_CORE_MESHING_ELEMENTS_H_
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "core/geometry/point.h"
@@ -75,15 +76,19 @@ struct Subsegment {
   bool changed = false;
 };
 
-// What an operation keeps beside its reads.
+// What an operation keeps beside its reads. Small: there is one of each operation.
 struct Payload {
   // kComplete: squared distance beyond which no vertex can be in a ball that was
-  // read; kNearest: squared distance of the nearest.
-  double radius2 = 0;
+  // read; kNearest: squared distance of the nearest. Rounded up.
+  float radius2 = 0;
   // kComplete: the last candidate yielded to encroached subsegments.
   // Checks: encroached (then the reads are the witnesses).
   bool flag = false;
 };
+inline float RoundedUp(double x) {
+  const float f = static_cast<float>(x);
+  return f < x ? std::nextafter(f, INFINITY) : f;
+}
 
 // Outputs are tagged words.
 enum class Made : std::uint32_t { kVertex, kSubsegment, kExposure, kDeath };

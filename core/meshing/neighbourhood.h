@@ -50,7 +50,7 @@ void Refinement<E>::FindStar(Context& context, VertexIndex v, double reach) {
         r2 = farthest2;
       }
     }
-    context.payload().radius2 = r2;
+    context.payload().radius2 = RoundedUp(r2);
     SubscribeBox(context, box);
   }
 }

@@ -58,7 +58,8 @@ void BatchCheck::CollectPoint(const Draft::Entry& entry) {
   if (was != nullptr) {
     hidden_.insert(entry.id);
     delta_.removed_points.push_back({entry.id, was->p});
-    affected_segments_.insert(affected_segments_.end(), was->segments.begin(), was->segments.end());
+    const auto users = store_.SegmentsAt(entry.id);
+    affected_segments_.insert(affected_segments_.end(), users.begin(), users.end());
   }
   if (is_point) {
     const auto at = static_cast<std::uint32_t>(delta_.added_points.size());

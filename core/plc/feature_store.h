@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
@@ -18,8 +19,7 @@ namespace dynmesh::plc {
 
 struct PointRecord {
   geometry::Point2 p{};
-  Slot slot = 0;                                 // in the spatial index
-  absl::InlinedVector<FeatureId, 2> segments{};  // that end here, in no order
+  Slot slot = 0;  // in the spatial index
 };
 
 struct SegmentRecord {
@@ -34,6 +34,11 @@ class FeatureStore {
 
   const PointRecord* FindPoint(FeatureId id) const { return Find(points_, id); }
   const SegmentRecord* FindSegment(FeatureId id) const { return Find(segments_, id); }
+  // The segments that end at a point, in no order.
+  std::span<const FeatureId> SegmentsAt(FeatureId point) const {
+    const auto it = segments_at_.find(point);
+    return it == segments_at_.end() ? std::span<const FeatureId>() : it->second;
+  }
   std::size_t size() const { return points_.size() + segments_.size(); }
   const Points& points() const { return points_; }
   const Segments& segments() const { return segments_; }
@@ -52,15 +57,17 @@ class FeatureStore {
   }
   void Add(const SegmentFeature& f, Slot slot) {
     segments_[f.id] = {{f.p_id, f.q_id}, slot};
-    points_[f.p_id].segments.push_back(f.id);
-    points_[f.q_id].segments.push_back(f.id);
+    segments_at_[f.p_id].push_back(f.id);
+    segments_at_[f.q_id].push_back(f.id);
   }
   // REQUIRES: present; no segment ends at a removed point.
   void RemovePoint(FeatureId id) { points_.erase(id); }
   void RemoveSegment(FeatureId id) {
     for (const FeatureId end : segments_.at(id).ends) {
-      auto& users = points_.at(end).segments;
+      const auto at = segments_at_.find(end);
+      auto& users = at->second;
       users.erase(std::remove(users.begin(), users.end(), id), users.end());
+      if (users.empty()) segments_at_.erase(at);
     }
     segments_.erase(id);
   }
@@ -74,6 +81,8 @@ class FeatureStore {
 
   Points points_;
   Segments segments_;
+  // Apart from the points: most have none.
+  absl::flat_hash_map<FeatureId, absl::InlinedVector<FeatureId, 2>> segments_at_;
 };
 
 }  // namespace dynmesh::plc

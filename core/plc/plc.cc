@@ -56,9 +56,8 @@ std::optional<SegmentFeature> Plc2::FindSegment(FeatureId id) const {
 }
 
 std::vector<FeatureId> Plc2::SegmentsAt(FeatureId point) const {
-  const PointRecord* record = store_.FindPoint(point);
-  if (record == nullptr) return {};
-  std::vector<FeatureId> segments(record->segments.begin(), record->segments.end());
+  const auto at = store_.SegmentsAt(point);
+  std::vector<FeatureId> segments(at.begin(), at.end());
   std::sort(segments.begin(), segments.end());
   return segments;
 }

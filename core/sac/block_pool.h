@@ -49,16 +49,12 @@ class BlockPool {
   }
 
  private:
-  // Capacities: 0, 2, 4, 8, 12, ... 64 in steps of 4, then powers of two.
+  // Capacities: 0, 2, 4, 6, ... 64, then powers of two.
   static std::uint32_t RoundUp(std::uint32_t size) {
-    if (size <= 2) return size == 0 ? 0 : 2;
-    if (size <= 64) return (size + 3) & ~std::uint32_t{3};
-    return std::bit_ceil(size);
+    return size <= 64 ? (size + 1) & ~std::uint32_t{1} : std::bit_ceil(size);
   }
   static int ClassOf(std::uint32_t capacity) {
-    if (capacity == 2) return 0;
-    if (capacity <= 64) return static_cast<int>(capacity / 4);
-    return 17 + std::bit_width(capacity) - 8;
+    return capacity <= 64 ? static_cast<int>(capacity / 2) : 33 + std::bit_width(capacity) - 8;
   }
   Block Allocate(std::uint32_t capacity) {
     if (capacity == 0) return {};
@@ -74,7 +70,7 @@ class BlockPool {
   }
 
   std::vector<std::uint32_t> words_;
-  std::array<std::vector<std::uint32_t>, 44> free_;
+  std::array<std::vector<std::uint32_t>, 33 + 25> free_;
 };
 
 }  // namespace dynmesh::sac

@@ -5,6 +5,7 @@
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <random>
+#include <set>
 #include <utility>
 
 namespace dynmesh::testing {
@@ -108,8 +109,22 @@ GoodMesh MakeGoodMesh(std::uint64_t seed, int count) {
   const Handle a = builder.AddInput(1, 1.5);
   const Handle b = builder.AddInput(5, 3.25);
   const Handle c = builder.AddInput(2, 5);
-  for (int i = 0; i < count; ++i) builder.AddInput(coordinate(0), coordinate(1));
-  for (int i = 0; i < count / 2; ++i) builder.Add(coordinate(1), coordinate(0), 2, kNoFeature);
+  std::set<std::pair<double, double>> taken;
+  const auto fresh_place = [&](std::uint64_t parity_x) {
+    std::pair<double, double> place;
+    do {
+      place = {coordinate(parity_x), coordinate(1 - parity_x)};
+    } while (!taken.insert(place).second);
+    return place;
+  };
+  for (int i = 0; i < count; ++i) {
+    const auto [x, y] = fresh_place(0);
+    builder.AddInput(x, y);
+  }
+  for (int i = 0; i < count / 2; ++i) {
+    const auto [x, y] = fresh_place(1);
+    builder.Add(x, y, 2, kNoFeature);
+  }
   builder.AddSegment(1, 2, a, b);
   builder.AddSegment(3, 2, c, b);
   return builder.Finish();
