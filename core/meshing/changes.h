@@ -213,12 +213,20 @@ bool Refinement<E>::ConflictsWithRing(sac::OpId op, const Point2& y) const {
       return Star::IsGhost(id) ? Star::Ghost(p, reach, static_cast<int>(id - Star::kFirstGhost))
                                : vertices_[id].p;
     };
-    if (y == p || ring.empty()) return true;
-    Point2 a = place(ring.back());
-    for (const std::uint32_t id : ring) {
-      const Point2 b = place(id);
-      if (y == b || geometry::InCircle(p, a, b, y)) return true;
-      a = b;
+    const int count = static_cast<int>(ring.size());
+    if (y == p || count == 0) return true;
+    const auto direction = [&](int i) {
+      const Point2 q = place(ring[i]);
+      return std::pair(q[0] - p[0], q[1] - p[1]);
+    };
+    const auto conflicts = [&](int i) {
+      const Point2 a = place(ring[i]), b = place(ring[i + 1 == count ? 0 : i + 1]);
+      return y == a || y == b || geometry::InCircle(p, a, b, y);
+    };
+    const int sector = Star::SectorOf(count, direction, y[0] - p[0], y[1] - p[1]);
+    if (sector >= 0) return conflicts(sector);
+    for (int i = 0; i < count; ++i) {
+      if (conflicts(i)) return true;
     }
   }
   return false;

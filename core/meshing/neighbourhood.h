@@ -59,23 +59,24 @@ template <template <class> class E>
 void Refinement<E>::StarFromTriangulation(VertexIndex v, double reach) {
   const Point2& p = vertices_[v].p;
   const auto first = triangulation_->Around(v);
-  star_.BeginWhole(v, p, reach);
+  star_.BeginRing(v, p, reach);
   auto corner = first;
   do {
     const auto& tri = triangulation_->vertices(corner.triangle);
     const VertexIndex u = tri[corner.index == 2 ? 0 : corner.index + 1];
     if (u != mesh::DelaunayTriangulation::kInfinite) {
-      star_.AppendWhole(u, vertices_[u].p);
+      star_.Append(u, vertices_[u].p);
     } else if (!kTraced) {
       // On the border: something beyond it, in the outward direction.
       const Point2 &lo = rules_.lo(), &hi = rules_.hi();
       const int k = p[0] == hi[0] ? 0 : p[1] == hi[1] ? 1 : p[0] == lo[0] ? 2 : 3;
-      star_.AppendWhole(Star::kFirstGhost + k, Star::Ghost(p, reach, k));
+      star_.AppendGhost(Star::kFirstGhost + k);
     }
     corner = triangulation_->NextAround(corner);
   } while (corner.triangle != first.triangle);
   // By edges no decision depends on the reach: without a trace the whole star will do.
-  if (star_.FinishWhole() || (!kTraced && by_edge())) return;
+  star_.Close();
+  if ((!kTraced && by_edge()) || star_.IsWithinReach()) return;
   offers_.clear();
   for (int i = 0; i < star_.size(); ++i) offers_.push_back(star_[i].id);
   star_.Begin(v, p, reach);
@@ -88,6 +89,7 @@ void Refinement<E>::StarFromTriangulation(VertexIndex v, double reach) {
 // corners since then has appeared in this propagation (or the operation would have been
 // re-run in an earlier one): so if none of its neighbours has gone, inserting those that
 // appeared makes it exact; else the corners whose two neighbours are still there are.
+// False, with nothing done, if that is not worth trying.
 template <template <class> class E>
 bool Refinement<E>::UpdateStar(Context& context) {
   constexpr std::size_t kFew = 200;
@@ -96,9 +98,24 @@ bool Refinement<E>::UpdateStar(Context& context) {
   const auto stays = [&](std::uint32_t id) {
     return Star::IsGhost(id) || (vertices_[id].present && context.Sees(vertices_[id].birth));
   };
-  const bool all_stay = std::all_of(ring.begin(), ring.end(), stays);
-  for (const std::uint32_t id : ring) Offer(context, id);
-  for (const VertexIndex v : appeared_) Offer(context, v);
+  const VertexIndex v = star_.vertex();
+  const double reach = star_.reach();
+  star_.BeginRing(v, vertices_[v].p, reach);
+  for (const std::uint32_t id : ring) {
+    if (Star::IsGhost(id)) {
+      star_.AppendGhost(id);
+    } else if (stays(id)) {
+      star_.Append(id, vertices_[id].p);
+    }
+  }
+  const bool all_stay = star_.size() == static_cast<int>(ring.size());
+  if (star_.Close()) {
+    if (!all_stay) star_.InsertGhosts();
+  } else {
+    star_.Begin(v, vertices_[v].p, reach);
+    for (const std::uint32_t id : ring) Offer(context, id);
+  }
+  for (const VertexIndex u : appeared_) Offer(context, u);
   for (int i = 0; i < star_.size(); ++i) {
     if (all_stay) {
       star_.MarkVerified(i);
@@ -155,6 +172,7 @@ void Refinement<E>::Offer(Context& context, std::uint32_t id) {
 
 template <template <class> class E>
 void Refinement<E>::VerifyStar(Context& context) {
+  if (InsertAllInCorners(context)) return;
   // Each vertex is inserted once at most, unless two are seen at one place, which would
   // be an error elsewhere: it must not become an endless loop here.
   std::size_t insertions_left = vertex_count_;
@@ -166,6 +184,30 @@ void Refinement<E>::VerifyStar(Context& context) {
       --insertions_left;
     }
   }
+}
+
+// Where the corners not yet verified are near what they will be, few vertices lie about
+// their balls: one query finds them all. Inserting makes no ball that reaches out of
+// those it replaces and their neighbours', so each vertex need be looked at but once.
+// False if there is more to look at than that is worth: balls may be huge and full.
+template <template <class> class E>
+bool Refinement<E>::InsertAllInCorners(Context& context) {
+  constexpr int kFew = 40;
+  Extent<2> box = Extent<2>::Nothing();
+  bool any = false;
+  for (int i = 0; i < star_.size(); ++i) {
+    const Star::Neighbour& n = star_[i];
+    if (n.verified) continue;
+    const double margin = n.centre_error + 1e-9 * star_.reach() + 2 * rules_.ulp();
+    if (!(margin < 1e-3 * star_.reach())) return false;
+    any = true;
+    box.AddBall({{star_.position()[0] + n.wx, star_.position()[1] + n.wy}},
+                std::sqrt(n.r2) + 2 * margin);
+  }
+  return !any || tree_.VisitPointsIn(box, kFew, [&](std::uint32_t id, const Point2& q) {
+    if (id == star_.vertex() || !context.Sees(vertices_[id].birth) || star_.Has(id)) return;
+    star_.Insert(id, q);
+  });
 }
 
 // Looks for a vertex in the ball of corner i. True if one was found and inserted.

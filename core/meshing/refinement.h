@@ -203,6 +203,7 @@ class Refinement {
   bool UpdateStar(Context& context);
   void Offer(Context& context, std::uint32_t id);
   void VerifyStar(Context& context);
+  bool InsertAllInCorners(Context& context);
   bool VerifyCorner(Context& context, int i);
   double NearestDistance2(Context& context, VertexIndex v);
   bool FindEncroaching(Context& context, SubsegmentIndex s);

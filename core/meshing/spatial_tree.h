@@ -125,6 +125,37 @@ class SpatialTree {
     }
   }
 
+  // Calls visit(id, point) for each point in the box. Stops and returns false when it
+  // has looked at more than `most` points.
+  template <class Visit>
+  bool VisitPointsIn(const Extent<D>& box, int most, Visit visit) const {
+    Cell stack[kStack];
+    int top = 0;
+    stack[top++] = SmallestAround(box);
+    while (top > 0) {
+      const Cell cell = stack[--top];
+      const Node& node = nodes_[cell.node];
+      if (node.child != kNone) {
+        for (int k = 0; k < kChildren; ++k) {
+          const Cell child = Child(cell, k);
+          if (Meets(box, child)) stack[top++] = child;
+        }
+        continue;
+      }
+      for (std::uint32_t l = node.leaf; l != kNone; l = leaves_[l].next) {
+        const Leaf& leaf = leaves_[l];
+        most -= static_cast<int>(leaf.count);
+        if (most < 0) return false;
+        for (std::uint32_t i = 0; i < leaf.count; ++i) {
+          Point p;
+          for (int k = 0; k < D; ++k) p[k] = leaf.x[k][i];
+          if (box.Contains(p)) visit(leaf.id[i], p);
+        }
+      }
+    }
+    return true;
+  }
+
   // The nodes on the way from the root to the leaf of p.
   template <class Visit>
   void VisitPath(const Point& p, Visit visit) const {
@@ -160,15 +191,17 @@ class SpatialTree {
     for (int i = 0; i < D; ++i) side = std::max(side, box.hi[i] - box.lo[i]);
     Cell stack[kStack];
     int top = 0;
-    stack[top++] = Root();
+    stack[top++] = SmallestAround(box, side);
     while (top > 0) {
       const Cell cell = stack[--top];
-      if (cell.node != 0 && !Meets(box, cell)) continue;
       if (nodes_[cell.node].child == kNone || cell.half < side) {
         visit(cell.node);
         continue;
       }
-      for (int k = 0; k < kChildren; ++k) stack[top++] = Child(cell, k);
+      for (int k = 0; k < kChildren; ++k) {
+        const Cell child = Child(cell, k);
+        if (Meets(box, child)) stack[top++] = child;
+      }
     }
   }
 
@@ -224,6 +257,18 @@ class SpatialTree {
       hi[i] += r + rounding;
     }
     while (nodes_[cell.node].child != kNone) {
+      const int q = Quadrant(lo, cell);
+      if (q != Quadrant(hi, cell)) break;
+      cell = Child(cell, q);
+    }
+    return cell;
+  }
+  // The smallest cell that holds the part of the box inside the tree, of those with
+  // half >= least_half or none smaller.
+  Cell SmallestAround(const Extent<D>& box, double least_half = 0) const {
+    const Point lo{box.lo}, hi{box.hi};
+    Cell cell = Root();
+    while (nodes_[cell.node].child != kNone && cell.half >= least_half) {
       const int q = Quadrant(lo, cell);
       if (q != Quadrant(hi, cell)) break;
       cell = Child(cell, q);

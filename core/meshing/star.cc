@@ -1,5 +1,7 @@
 #include "core/meshing/star.h"
 
+#include <utility>
+
 namespace dynmesh::meshing {
 
 // w = (|b|^2 a^perp - |a|^2 b^perp) / (2 a x b), as seen from v. Each product is right
@@ -25,20 +27,24 @@ void Star::ComputeCorner(int i) {
   a.centre_error = 2e-15 * s * (1 + 2 * la * lb * scale);
 }
 
+// A corner in conflict with q, or -1.
+int Star::FirstConflict(const Point2& q) const {
+  const int sector = SectorOf(
+      size(), [this](int i) { return std::pair(ring_[i].dx, ring_[i].dy); }, q[0] - p_[0],
+      q[1] - p_[1]);
+  if (sector >= 0) return Conflicts(sector, q) ? sector : -1;
+  for (int i = 0; i < size(); ++i) {
+    if (Conflicts(i, q)) return i;
+  }
+  return -1;
+}
+
 bool Star::Insert(Id u, const Point2& q) {
   // The corners in conflict are consecutive. Find one, then both ends of the run.
-  int first = -1;
-  for (int i = 0; i < size(); ++i) {
-    if (Conflicts(i, q)) {
-      first = i;
-      break;
-    }
-  }
+  int first = FirstConflict(q);
   if (first < 0) return false;
   int last = first;
-  if (first == 0) {
-    while (Conflicts(Prev(first), q) && Prev(first) != last) first = Prev(first);
-  }
+  while (Prev(first) != last && Conflicts(Prev(first), q)) first = Prev(first);
   while (Next(last) != first && Conflicts(Next(last), q)) last = Next(last);
   // Neighbours strictly inside the run go; u comes between its two ends.
   const int k = size();

@@ -50,30 +50,67 @@ class Star {
     const double d = k < 2 ? 2 * reach : -2 * reach;
     return k % 2 == 0 ? Point2{{p[0] + d, p[1]}} : Point2{{p[0], p[1] + d}};
   }
-  // Takes over a ring known to be v's true star within reach, counter-clockwise.
-  void BeginWhole(Id v, const Point2& p, double reach) {
+  // A ring given at once: begin, append its members counter-clockwise, close. They must
+  // be the star of some set of points (and maybe ghosts).
+  void BeginRing(Id v, const Point2& p, double reach) {
     v_ = v;
     p_ = p;
     reach_ = reach;
     ring_.clear();
   }
-  void AppendWhole(Id u, const Point2& q) { Push(u, q); }
-  // Are the appended ones all of the star, with no corner beyond the square? Else
-  // begin anew with ghosts and insert them.
-  bool FinishWhole() {
-    bool within = true;
+  void Append(Id u, const Point2& q) { Push(u, q); }
+  void AppendGhost(Id ghost) { Push(ghost, Ghost(p_, reach_, static_cast<int>(ghost - kFirstGhost))); }
+  // False if two neighbours in a row are half a turn or more apart: this is no star yet.
+  bool Close() {
+    bool proper = size() >= 3;
     for (int i = 0; i < size(); ++i) {
       ComputeCorner(i);
-      Neighbour& n = ring_[i];
-      n.verified = true;
-      const double e = n.centre_error + 1e-9 * reach_;
-      if (!(std::fabs(n.wx) + e < reach_ && std::fabs(n.wy) + e < reach_)) within = false;
+      if (!(ring_[i].r2 < INFINITY)) proper = false;
     }
-    return within;
+    return proper;
+  }
+  // Those of the four that are not in the ring.
+  void InsertGhosts() {
+    for (Id ghost = kFirstGhost; ghost != 0; ++ghost) {  // the last one is the last Id
+      if (!Has(ghost)) Insert(ghost, Ghost(p_, reach_, static_cast<int>(ghost - kFirstGhost)));
+    }
+  }
+  // Are all corners within the square? Then no ghost would have a part in the star.
+  bool IsWithinReach() const {
+    for (const Neighbour& n : ring_) {
+      const double e = n.centre_error + 1e-9 * reach_;
+      if (!(std::fabs(n.wx) + e < reach_ && std::fabs(n.wy) + e < reach_)) return false;
+    }
+    return true;
   }
 
   // Adds u at q, if the star of the enlarged set has it. REQUIRES: not present.
   bool Insert(Id u, const Point2& q);
+
+  // Of the sectors between consecutive directions, count of them given by
+  // direction(i) = (dx, dy), counter-clockwise, none of pi or more: the one that holds
+  // (x, y). -1 where rounding could decide.
+  //
+  // A new point takes away from a Voronoi cell first the corner that is extreme in its
+  // direction, which is the one whose two neighbours have the point between them. So if
+  // the corner of its sector does not conflict with it, none does.
+  template <class Direction>
+  static int SectorOf(int count, Direction direction, double x, double y) {
+    const auto side = [&](int i) {
+      const auto [dx, dy] = direction(i);
+      const double left = dx * y, right = dy * x;
+      const double cross = left - right;
+      return std::fabs(cross) > 1e-15 * (std::fabs(left) + std::fabs(right)) ? cross : 0;
+    };
+    double at = side(0);
+    for (int i = 0; i < count; ++i) {
+      const double next = side(i + 1 == count ? 0 : i + 1);
+      if (at == 0) return -1;
+      if (at > 0 && next < 0) return i;
+      at = next;
+    }
+    return -1;
+  }
 
   // Is q inside the circumdisc of corner i?
   bool Conflicts(int i, const Point2& q) const {
@@ -110,6 +147,7 @@ class Star {
     ring_.push_back({u, q, dx, dy, dx * dx + dy * dy, 0, 0, 0, 0, false});
   }
   void ComputeCorner(int i);
+  int FirstConflict(const Point2& q) const;
 
   Id v_ = 0;
   Point2 p_ = {};
