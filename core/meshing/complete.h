@@ -115,9 +115,8 @@ bool Refinement<E>::ShortestGap(int bucket, Candidate* best) const {
     const Star::Neighbour& u = star_[i];
     if (Star::IsGhost(u.id) || BucketOf(u.d2) > bucket) continue;
     if (found && u.d2 > best->e2) continue;
-    if (!Owns(i)) continue;
     for (const bool left_of_star : {true, false}) {
-      if (!GapOfEdge(i, left_of_star, &gap)) continue;
+      if (!GapOfEdge(i, left_of_star, &gap) || !Owns(i)) continue;
       if (!found || gap.e2 < best->e2 ||
           (gap.e2 == best->e2 && (gap.neighbour < best->neighbour ||
                                   (gap.neighbour == best->neighbour && gap.left && !best->left)))) {
@@ -234,7 +233,8 @@ bool Refinement<E>::GapOfEdge(int i, bool left_of_star, Candidate* gap) const {
 template <template <class> class E>
 int Refinement<E>::NextBucket(int bucket) const {
   bool open = false;  // does the view end within the domain?
-  for (int i = 0; i < star_.size(); ++i) {
+  const bool is_whole = !kTraced && triangulation_ != nullptr;
+  for (int i = 0; i < star_.size() && !is_whole; ++i) {
     const Star::Neighbour& n = star_[i];
     if (!Star::IsGhost(n.id) && !Star::IsGhost(star_[star_.Next(i)].id)) continue;
     const Point2& p = star_.position();
@@ -247,8 +247,8 @@ int Refinement<E>::NextBucket(int bucket) const {
     const Star::Neighbour& u = star_[i];
     if (Star::IsGhost(u.id)) continue;
     const int own = BucketOf(u.d2);
-    if (own <= bucket || own > last_known || own >= next || !Owns(i)) continue;
-    if (GapOfEdge(i, true, &gap) || GapOfEdge(i, false, &gap)) next = own;
+    if (own <= bucket || own > last_known || own >= next) continue;
+    if ((GapOfEdge(i, true, &gap) || GapOfEdge(i, false, &gap)) && Owns(i)) next = own;
   }
   return next;
 }

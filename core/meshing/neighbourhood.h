@@ -65,7 +65,7 @@ void Refinement<E>::StarFromTriangulation(VertexIndex v, double reach) {
     const auto& tri = triangulation_->vertices(corner.triangle);
     const VertexIndex u = tri[corner.index == 2 ? 0 : corner.index + 1];
     if (u != mesh::DelaunayTriangulation::kInfinite) {
-      star_.Append(u, vertices_[u].p);
+      star_.Append(u, triangulation_->position(u));
     } else if (!kTraced) {
       // On the border: something beyond it, in the outward direction.
       const Point2 &lo = rules_.lo(), &hi = rules_.hi();
@@ -74,9 +74,11 @@ void Refinement<E>::StarFromTriangulation(VertexIndex v, double reach) {
     }
     corner = triangulation_->NextAround(corner);
   } while (corner.triangle != first.triangle);
-  // By edges no decision depends on the reach: without a trace the whole star will do.
+  // By edges no decision depends on corners or on the reach: without a trace the ring is
+  // enough.
+  if (!kTraced && by_edge()) return;
   star_.Close();
-  if ((!kTraced && by_edge()) || star_.IsWithinReach()) return;
+  if (star_.IsWithinReach()) return;
   offers_.clear();
   for (int i = 0; i < star_.size(); ++i) offers_.push_back(star_[i].id);
   star_.Begin(v, p, reach);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "core/meshing/changes.h"
 #include "core/meshing/complete.h"
@@ -140,7 +141,7 @@ template <template <class> class E>
 void Refinement<E>::Execute(Context& context) {
   switch (context.kind) {
     case kNearest:
-      if (!kTraced && triangulation_ != nullptr && by_edge()) return RequestFirstGap(context.item);
+      if (!kTraced && triangulation_ != nullptr && by_edge()) return RequestFirstGaps();
       return Nearest(context);
     case kComplete:
       near_ = context.item;
@@ -157,25 +158,72 @@ void Refinement<E>::Execute(Context& context) {
 
 // --- Untraced and global: only vertices that own a gap are ever queued ------------------
 
-// Once the input's subsegments are settled every vertex present looks for its gaps;
-// those that come later do so when they are published. Segment work of bucket 0 comes
-// first: this is asked for through Nearest, the last step of that bucket.
+// Once the input's subsegments are settled all gaps there are get looked for at once,
+// triangle by triangle; later ones when their owner, the newborn, is published. Segment
+// work of bucket 0 comes first: this is asked for through Nearest, the last step of that
+// bucket.
 template <template <class> class E>
 void Refinement<E>::BeginUntraced() {
-  if (triangulation_ == nullptr) return;
-  for (VertexIndex v = 0; v < vertices_.size(); ++v) engine_.Request(kNearest, v, NearestEpoch());
+  if (triangulation_ != nullptr && by_edge()) {
+    engine_.Request(kNearest, 0, NearestEpoch());
+  } else if (triangulation_ != nullptr) {
+    for (VertexIndex v = 0; v < vertices_.size(); ++v) engine_.Request(kNearest, v, NearestEpoch());
+  }
+}
+
+// The bucket of edge pq if it has a gap on the side of c, (p, q, c) counter-clockwise, else
+// kBuckets. d, if there is one, is the apex on the other side. As GapOfEdge has it.
+template <template <class> class E>
+int Refinement<E>::BucketOfGap(VertexIndex p, VertexIndex q, VertexIndex c, VertexIndex d) const {
+  constexpr VertexIndex kInfinite = mesh::DelaunayTriangulation::kInfinite;
+  if (c == kInfinite) return kBuckets;  // beyond the border
+  const Point2 &at_p = triangulation_->position(p), &at_q = triangulation_->position(q);
+  const double e2 = geometry::SquaredDistance(at_p, at_q);
+  const int bucket = BucketOf(e2);
+  if (rules_.GapAt(at_p, at_q, triangulation_->position(c), bucket) == Gap::kNone ||
+      e2 < rules_.least_squared_length() ||
+      (d != kInfinite && rules_.BeginsBeyond(at_p, at_q, triangulation_->position(d)))) {
+    return kBuckets;
+  }
+  return bucket;
 }
 
 template <template <class> class E>
+void Refinement<E>::RequestFirstGaps() {
+  if (std::exchange(looked_for_gaps_, true)) return;
+  std::vector<std::uint16_t> first(vertices_.size(), kBuckets);
+  triangulation_->ForEachTriangle([&](auto t) {
+    const auto& v = triangulation_->vertices(t);
+    for (int i = 0; i < 3; ++i) {
+      const VertexIndex p = v[triangulation_->NextIndex(i)], q = v[triangulation_->PreviousIndex(i)];
+      // Whether something is beyond the edge's other side is seldom asked for.
+      if (BucketOfGap(p, q, v[i], mesh::DelaunayTriangulation::kInfinite) == kBuckets) continue;
+      const auto across = triangulation_->Opposite({t, i});
+      const int bucket =
+          BucketOfGap(p, q, v[i], triangulation_->vertices(across.triangle)[across.index]);
+      auto& owners = first[IsOlder(vertices_[p], vertices_[q]) ? q : p];
+      owners = std::min(owners, static_cast<std::uint16_t>(bucket));
+    }
+  });
+  for (VertexIndex v = 0; v < first.size(); ++v) {
+    if (first[v] < kBuckets) {
+      engine_.Request(kComplete, v, MakeEpoch(first[v], 0, kQualityStep));
+    }
+  }
+}
+
+// v was inserted just now, and so owns all its edges.
+template <template <class> class E>
 void Refinement<E>::RequestFirstGap(VertexIndex v) {
-  StarFromTriangulation(v, rules_.Reach(kBuckets / 2));
-  skipped_.clear();
-  Candidate gap;
+  const auto fan = triangulation_->created();
   int first = kBuckets;
-  for (int i = 0; i < star_.size(); ++i) {
-    const Star::Neighbour& u = star_[i];
-    if (Star::IsGhost(u.id) || BucketOf(u.d2) >= first || !Owns(i)) continue;
-    if (GapOfEdge(i, true, &gap) || GapOfEdge(i, false, &gap)) first = BucketOf(u.d2);
+  VertexIndex right = triangulation_->vertices(fan.back())[0];
+  for (const auto t : fan) {
+    const VertexIndex u = triangulation_->vertices(t)[0], left = triangulation_->vertices(t)[1];
+    if (u != mesh::DelaunayTriangulation::kInfinite) {
+      first = std::min({first, BucketOfGap(v, u, left, right), BucketOfGap(u, v, right, left)});
+    }
+    right = u;
   }
   if (first == kBuckets) return;
   const Vertex& x = vertices_[v];

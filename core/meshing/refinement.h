@@ -231,7 +231,9 @@ class Refinement {
   void MarkChanged(VertexIndex v);
   void MarkSubsegmentChanged(SubsegmentIndex s);
   void BeginUntraced();
+  void RequestFirstGaps();
   void RequestFirstGap(VertexIndex v);
+  int BucketOfGap(VertexIndex p, VertexIndex q, VertexIndex c, VertexIndex d) const;
   std::uint64_t HashOfSubsegment(const Subsegment& s) const;
 
   Rules rules_;
@@ -245,6 +247,7 @@ class Refinement {
   std::size_t vertex_count_ = 0;
   bool box_only_ = true;  // no client segment has ever been added
   bool hit_depth_limit_ = false;
+  bool looked_for_gaps_ = false;
   VertexIndex near_ = 0;  // a vertex near where things are published
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
 

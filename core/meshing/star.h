@@ -51,7 +51,8 @@ class Star {
     return k % 2 == 0 ? Point2{{p[0] + d, p[1]}} : Point2{{p[0], p[1] + d}};
   }
   // A ring given at once: begin, append its members counter-clockwise, close. They must
-  // be the star of some set of points (and maybe ghosts).
+  // be the star of some set of points (and maybe ghosts). Not closed, its corners are
+  // not known, but members may be inserted: every test is then an exact one.
   void BeginRing(Id v, const Point2& p, double reach) {
     v_ = v;
     p_ = p;
@@ -144,7 +145,7 @@ class Star {
  private:
   void Push(Id u, const Point2& q) {
     const double dx = q[0] - p_[0], dy = q[1] - p_[1];
-    ring_.push_back({u, q, dx, dy, dx * dx + dy * dy, 0, 0, 0, 0, false});
+    ring_.push_back({u, q, dx, dy, dx * dx + dy * dy, 0, 0, INFINITY, INFINITY, false});
   }
   void ComputeCorner(int i);
   int FirstConflict(const Point2& q) const;

@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/plc/far_apart.h"
 #include "core/plc/messages.h"
 
 namespace dynmesh::plc {
@@ -34,6 +35,7 @@ absl::StatusOr<Delta> BatchCheck::Run() {
   affected_segments_.erase(std::unique(affected_segments_.begin(), affected_segments_.end()),
                            affected_segments_.end());
   for (const FeatureId id : affected_segments_) CollectSegment(id);
+  if (IsCertainlyGood()) return TakeDelta();
   ChooseIndex();
   std::sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) {
     return std::tuple(a.edit, a.rank(), a.id) < std::tuple(b.edit, b.rank(), b.id);
@@ -45,6 +47,18 @@ absl::StatusOr<Delta> BatchCheck::Run() {
   return TakeDelta();
 }
 
+// A first load of points, all far apart: nothing to find fault with, no need of an order.
+bool BatchCheck::IsCertainlyGood() const {
+  if (store_.size() > 0 || draft_.error_edit() != kNever || !affected_segments_.empty()) {
+    return false;
+  }
+  const auto is_in_place = [&](const PointFeature& p) {
+    return CheckPlace(p, options_.box, 0).ok();
+  };
+  return std::all_of(delta_.added_points.begin(), delta_.added_points.end(), is_in_place) &&
+         AreFarApart(delta_.added_points, options_.box, limit_);
+}
+
 // Events from the draft's error on mean nothing: their features are unknown.
 void BatchCheck::Schedule(const Event& event) {
   if (event.edit < draft_.error_edit()) events_.push_back(event);
@@ -54,7 +68,7 @@ void BatchCheck::Schedule(const Event& event) {
 void BatchCheck::CollectPoint(const Draft::Entry& entry) {
   const bool is_point = entry.state == Draft::State::kPoint;
   const PointRecord* was = store_.FindPoint(entry.id);
-  if (is_point && draft_.BlameOf(entry.id) == kUntouched) return;
+  if (is_point && draft_.IsAsBefore(entry)) return;
   if (was != nullptr) {
     hidden_.insert(entry.id);
     delta_.removed_points.push_back({entry.id, was->p});

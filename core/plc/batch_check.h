@@ -72,6 +72,7 @@ class BatchCheck {
   void CollectPoint(const Draft::Entry& entry);
   void CollectSegment(FeatureId id);
   bool CheckEnds(FeatureId id, const std::array<FeatureId, 2>& ends, EditIndex own);
+  bool IsCertainlyGood() const;
   void Schedule(const Event& event);
   void ChooseIndex();
   absl::Status Handle(const Event& event);

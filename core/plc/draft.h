@@ -56,13 +56,14 @@ class Draft {
   // The edit to blame for the feature as it is in the result: the last that names it;
   // kUntouched if that is how it was before the batch.
   EditIndex BlameOf(FeatureId id) const;
+  // Is that feature in the result what it was before the batch?
+  bool IsAsBefore(const Entry& entry) const;
 
   // The point with that id in the resulting set, else null.
   const geometry::Point2* FindPoint(FeatureId id) const;
 
  private:
   Entry& Touch(FeatureId id, EditIndex edit);
-  bool IsAsBefore(const Entry& entry) const;
   absl::Status Act(const Edit& edit, Entry& entry) const;
 
   const FeatureStore& base_;
