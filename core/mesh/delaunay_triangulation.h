@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/huge_pages.h"
 #include "core/geometry/point.h"
 
 namespace dynmesh::mesh {
@@ -205,8 +206,8 @@ class DelaunayTriangulation {
   bool CheckTriangle(TriangleIndex t, std::string* why) const;
   bool CheckVertices(std::string* why) const;
 
-  std::vector<Triangle> triangles_;
-  std::vector<geometry::Point2> points_;  // by vertex
+  LargeVector<Triangle> triangles_;
+  LargeVector<geometry::Point2> points_;  // by vertex
   std::vector<Code> incident_;            // by vertex: some corner, or kNone
   Code infinite_incident_ = kNone;
   TriangleIndex free_ = kNone;  // unused triangles, linked by opposite[0]

@@ -23,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/huge_pages.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/rules.h"
 #include "core/meshing/spatial_tree.h"
@@ -240,7 +241,7 @@ class Refinement {
   Limits limits_;
   mesh::DelaunayTriangulation* triangulation_;
   SpatialTree<2> tree_;
-  std::vector<Vertex> vertices_;
+  LargeVector<Vertex> vertices_;
   std::vector<Subsegment> subsegments_;
   std::vector<VertexIndex> free_vertices_;
   std::vector<SubsegmentIndex> free_subsegments_;
