@@ -22,11 +22,12 @@ namespace dynmesh::server {
 // What the calls of a service share.
 struct ServiceContext {
   ServiceContext(const ServerConfig& c, MeshRegistry* r, WorkerPool* w, WorkerPool* rd,
-                 absl::Time now)
+                 WorkerPool* a, absl::Time now)
       : config(c),
         registry(r),
         writers(w),
         readers(rd),
+        answers(a),
         start_time(now),
         watchers(c.max_watchers),
         edit_streams(c.max_edit_streams),
@@ -37,6 +38,7 @@ struct ServiceContext {
   MeshRegistry* const registry;
   WorkerPool* const writers;
   WorkerPool* const readers;
+  WorkerPool* const answers;  // starts writes that a mesh's writer has no time for; never blocks
   const absl::Time start_time;
   WorkGate gate;
   Quota watchers;

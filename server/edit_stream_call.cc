@@ -73,7 +73,10 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     bool read = false;
     {
       const std::lock_guard lock(mutex_);
-      if (!ok) broken_ = true;
+      if (!ok) {
+        broken_ = true;
+        EndLocked(absl::CancelledError("the client is gone"));
+      }
       if (broken_ || current_->finished()) {
         current_.reset();
         --in_flight_;
@@ -230,11 +233,12 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
 
   // ------------------------------------------------------------------ answering
 
-  // On the strand.
+  // On the strand. Starts no read: unlike a write that is decided on, and unlike gRPC's
+  // own calls of this object, a read does not keep the stream from ending meanwhile.
   void Deliver(Answer answer) {
     bool write = false;
+    bool hand_on = false;
     bool finish = false;
-    bool read = false;
     {
       const std::lock_guard lock(mutex_);
       if (broken_ || stopped_) {
@@ -250,10 +254,15 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
         write = TakeAnswerLocked();
         writing_ = write;
       }
+      // The mesh's next batch waits, and a write costs up to half of what an edit does.
+      hand_on = write && in_flight_ > 1;
       finish = !write && FinishLocked();
-      read = !finish && ResumeReadLocked();
     }
-    Continue(write, read, finish);
+    if (hand_on) {
+      context_.answers->Post([call = self_] { call->WriteNext(); });
+    } else {
+      Continue(write, /*read=*/false, finish);
+    }
   }
 
   void WriteNext() {

@@ -69,8 +69,9 @@ struct Server::Impl {
       : config(c),
         writers(Threads(c.writer_threads)),
         readers(Threads(c.reader_threads)),
+        answers(Threads(c.writer_threads) / 2),
         registry(c, std::move(factory), &writers, &readers),
-        context(c, &registry, &writers, &readers, absl::Now()),
+        context(c, &registry, &writers, &readers, &answers, absl::Now()),
         service(&context) {}
 
   void SetHealth(bool serving) {
@@ -84,6 +85,7 @@ struct Server::Impl {
   const ServerConfig config;
   WorkerPool writers;
   WorkerPool readers;
+  WorkerPool answers;  // not shared with readers, whose tasks may be as long as a mesh
   MeshRegistry registry;
   ServiceContext context;
   MeshServiceImpl service;
@@ -164,6 +166,7 @@ bool Server::Drain(absl::Duration limit) {
   impl_->ticker.reset();
   impl_->writers.Stop();
   impl_->readers.Stop();
+  impl_->answers.Stop();
   Log(LogLevel::kInfo, "drained",
       {{"complete", done}, {"took", absl::FormatDuration(absl::Now() - start)}});
   return done;

@@ -59,7 +59,7 @@ absl::StatusOr<MeshDiff> PlanarMesh::ApplyWith(const EditBatch& batch, Interrupt
     nothing.hash = hash();
     return nothing;
   }
-  const absl::StatusOr<plc::Delta> delta = plc_.Check(batch);
+  const absl::StatusOr<plc::Delta> delta = plc_.Check(batch, nullptr, cancelled);
   if (!delta.ok()) return delta.status();
   absl::StatusOr<MeshDiff> diff =
       IsLarge(*delta) ? Rebuild(*delta, cancelled) : Propagate(*delta, cancelled);

@@ -29,7 +29,7 @@ BatchCheck::BatchCheck(const MeshOptions& options, double limit, const CellGrid&
       draft_(store, batch),
       entered_(grid) {}
 
-absl::StatusOr<Delta> BatchCheck::Run() {
+absl::StatusOr<Delta> BatchCheck::Run(absl::FunctionRef<bool()> interrupted) {
   for (const Draft::Entry& entry : draft_.entries()) CollectPoint(entry);
   std::sort(affected_segments_.begin(), affected_segments_.end());
   affected_segments_.erase(std::unique(affected_segments_.begin(), affected_segments_.end()),
@@ -41,6 +41,7 @@ absl::StatusOr<Delta> BatchCheck::Run() {
     return std::tuple(a.edit, a.rank(), a.id) < std::tuple(b.edit, b.rank(), b.id);
   });
   for (const Event& event : events_) {
+    if (interrupted()) return InterruptedError();
     if (absl::Status status = Handle(event); !status.ok()) return status;
   }
   if (!draft_.error().ok()) return draft_.error();

@@ -22,6 +22,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/plc/delta.h"
@@ -40,7 +41,7 @@ class BatchCheck {
   BatchCheck(const MeshOptions& options, double limit, const CellGrid& grid,
              const FeatureStore& store, const SpatialIndex& index, const EditBatch& batch);
 
-  absl::StatusOr<Delta> Run();
+  absl::StatusOr<Delta> Run(absl::FunctionRef<bool()> interrupted);
   // Index cells and features looked at.
   std::uint64_t cost() const { return cost_; }
 

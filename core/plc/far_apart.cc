@@ -21,7 +21,7 @@ class Strips {
     const double width = box.hi[0] - box.lo[0];
     const double wanted = std::floor(std::sqrt(static_cast<double>(points.size())));
     const double count = std::clamp(std::floor(width / (4 * limit)), 1.0, std::max(wanted, 1.0));
-    const double per_length = count / width;
+    const double per_length = width > 0 ? count / width : 0;  // a box may be a line
     const auto strip_of = [&](const Point2& p) {
       return static_cast<std::size_t>(
           std::clamp((p[0] - box.lo[0]) * per_length, 0.0, count - 1));

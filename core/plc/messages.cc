@@ -173,4 +173,10 @@ absl::Status PointInUseError(FeatureId id, std::span<const FeatureId> users, Edi
                             " first or in the same batch"));
 }
 
+absl::Status InterruptedError() {
+  return MakeError(absl::StatusCode::kCancelled,
+                   "the batch was cancelled; the mesh is as it was before",
+                   {reason::kCancelled, {}, {}});
+}
+
 }  // namespace dynmesh::plc

@@ -32,6 +32,9 @@ absl::Status UnknownEndError(FeatureId segment, std::span<const FeatureId> missi
 // Point `id` is gone, but `users` (at least one) end there.
 absl::Status PointInUseError(FeatureId id, std::span<const FeatureId> users, EditIndex edit);
 
+// Not the batch's fault: it was not looked at to the end.
+absl::Status InterruptedError();
+
 }  // namespace dynmesh::plc
 
 #endif  // DYNMESH_CORE_PLC_MESSAGES_H_

@@ -20,6 +20,7 @@
 #include <optional>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
 #include "core/plc/delta.h"
 #include "core/plc/feature_store.h"
@@ -48,8 +49,12 @@ class Plc2 {
   //                        POINT_ON_SEGMENT, SEGMENTS_CROSS, SEGMENTS_OVERLAP,
   //                        SMALL_INPUT_ANGLE, TOO_CLOSE
   // Cost: of the batch and its neighbourhood (batch_check.h, spatial_index.h). If `cost`
-  // is not null, adds to it the number of index cells and features looked at.
-  absl::StatusOr<Delta> Check(const EditBatch& batch, std::uint64_t* cost = nullptr) const;
+  // is not null, adds to it the number of index cells and features looked at. Large batches
+  // of long segments take minutes, so `interrupted` is asked for each feature that changes:
+  // once it says yes, the answer is CANCELLED (reason CANCELLED).
+  absl::StatusOr<Delta> Check(
+      const EditBatch& batch, std::uint64_t* cost = nullptr,
+      absl::FunctionRef<bool()> interrupted = [] { return false; }) const;
 
   // Applies a change. REQUIRES: `delta` is Check's on the features present, or the
   // inverse of the last one committed. O(delta) insertions and removals in the index.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/plc/plc.h"
+#include "dynmesh/error.h"
 #include "tests/core/plc/plc_test_util.h"
 
 namespace dynmesh::plc {
@@ -124,6 +125,23 @@ TEST_F(PlcDelta, FeaturesAreSortedAndLookedUpById) {
   EXPECT_TRUE(plc_.SegmentsAt(77).empty());
   EXPECT_EQ(plc_.point_count(), 3u);
   EXPECT_EQ(plc_.segment_count(), 2u);
+}
+
+TEST_F(PlcDelta, ACheckMayBeInterruptedAtEveryFeature) {
+  Plc2 plc(Square(0, 1));
+  const EditBatch batch = {AddPoint(1, 0.25, 0.25), AddPoint(2, 0.75, 0.25), AddSegment(3, 1, 2)};
+  for (std::size_t stop = 0; stop <= batch.size(); ++stop) {
+    std::size_t asked = 0;
+    const auto delta = plc.Check(batch, nullptr, [&] { return asked++ == stop; });
+    if (stop < batch.size()) {
+      EXPECT_EQ(delta.status().code(), absl::StatusCode::kCancelled);
+      ASSERT_TRUE(GetErrorDetail(delta.status()).has_value());
+      EXPECT_EQ(GetErrorDetail(delta.status())->reason, reason::kCancelled);
+      EXPECT_EQ(asked, stop + 1);
+    } else {
+      EXPECT_TRUE(delta.ok()) << delta.status();
+    }
+  }
 }
 
 TEST_F(PlcDelta, ABoxWithoutExtentTakesItsOnePoint) {
