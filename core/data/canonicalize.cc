@@ -2,9 +2,11 @@
 // O(n lg n) in the number of rows.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "dynmesh/mesh.h"
@@ -24,11 +26,38 @@ void Permute(const std::vector<std::uint32_t>& order, std::size_t width, std::ve
   column = std::move(sorted);
 }
 
+// Sorts items by their first key, an id and so a uniform hash, and then by `less`: dealt
+// out to as many slots as there are items, by leading bits, they stand nearly in order.
+template <class Item, class KeyOf, class Less>
+void SortByHash(std::vector<Item>& items, KeyOf key_of, Less less) {
+  const int bits = std::bit_width(items.size() / 2);
+  if (bits < 4) return std::sort(items.begin(), items.end(), less);
+  const auto slot_of = [&](const Item& item) { return key_of(item) >> (64 - bits); };
+  std::vector<std::uint32_t> ends(std::size_t{1} << bits, 0);
+  for (const Item& item : items) ++ends[slot_of(item)];
+  std::uint32_t sum = 0;
+  for (std::uint32_t& end : ends) sum = end += sum;
+  std::vector<Item> dealt(items.size());
+  for (const Item& item : items) dealt[--ends[slot_of(item)]] = item;
+  items = std::move(dealt);
+  for (std::size_t slot = 0; slot < ends.size(); ++slot) {
+    const auto end = slot + 1 < ends.size() ? ends[slot + 1] : items.size();
+    std::sort(items.begin() + ends[slot], items.begin() + static_cast<std::ptrdiff_t>(end), less);
+  }
+}
+
 void SortVertices(int dimension, VertexColumns& v) {
-  std::vector<std::uint32_t> order(v.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t i, std::uint32_t j) { return v.ids[i] < v.ids[j]; });
+  struct Row {
+    VertexId id;
+    std::uint32_t at;
+  };
+  std::vector<Row> rows(v.size());
+  for (std::uint32_t i = 0; i < rows.size(); ++i) rows[i] = {v.ids[i], i};
+  SortByHash(
+      rows, [](const Row& r) { return r.id; },
+      [](const Row& a, const Row& b) { return a.id < b.id; });
+  std::vector<std::uint32_t> order(rows.size());
+  std::transform(rows.begin(), rows.end(), order.begin(), [](const Row& r) { return r.at; });
   Permute(order, 1, v.ids);
   Permute(order, static_cast<std::size_t>(dimension), v.coordinates);
   Permute(order, 1, v.containing_dimensions);
@@ -38,14 +67,16 @@ void SortVertices(int dimension, VertexColumns& v) {
 // Whole rows are sorted, not indices: no cache miss per comparison.
 template <std::size_t kWidth>
 void SortRows(SimplexColumn& simplices) {
-  std::vector<std::array<VertexId, kWidth>> rows(simplices.size() / kWidth);
+  using Row = std::array<VertexId, kWidth>;
+  std::vector<Row> rows(simplices.size() / kWidth);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::copy_n(simplices.data() + i * kWidth, kWidth, rows[i].begin());
   }
-  std::sort(rows.begin(), rows.end());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    std::copy_n(rows[i].begin(), kWidth, simplices.data() + i * kWidth);
-  }
+  const std::size_t entries = simplices.size();
+  simplices = {};  // its room is needed for sorting
+  SortByHash(rows, [](const Row& r) { return r[0]; }, std::less<Row>());
+  simplices.reserve(entries);
+  for (const Row& row : rows) simplices.insert(simplices.end(), row.begin(), row.end());
 }
 
 void SortSimplices(int dimension, SimplexColumn& simplices) {

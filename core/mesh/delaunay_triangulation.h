@@ -84,6 +84,29 @@ class DelaunayTriangulation {
     const Corner across = Opposite({c.triangle, NextIndex(c.index)});
     return {across.triangle, NextIndex(across.index)};
   }
+  Corner PreviousAround(Corner c) const {
+    const Corner across = Opposite({c.triangle, PreviousIndex(c.index)});
+    return {across.triangle, PreviousIndex(across.index)};
+  }
+  // All corners at v, counter-clockwise. Walks both ways at once: each step waits for the
+  // memory read in the one before, but not for the other way's.
+  void CornersAround(VertexIndex v, std::vector<Corner>* corners) const {
+    corners->clear();
+    std::array<Corner, 16> behind;
+    std::size_t count = 0;
+    Corner ahead = Around(v), back = ahead;
+    corners->push_back(ahead);
+    while (true) {
+      ahead = NextAround(ahead);
+      if (ahead.triangle == back.triangle) break;
+      corners->push_back(ahead);
+      if (count == behind.size()) continue;
+      back = PreviousAround(back);
+      if (ahead.triangle == back.triangle) break;
+      behind[count++] = back;
+    }
+    while (count > 0) corners->push_back(behind[--count]);
+  }
   // The corner that faces c across the edge opposite to c.
   Corner Opposite(Corner c) const { return ToCorner(triangles_[c.triangle].opposite[c.index]); }
   // Corner indices counter-clockwise in a triangle: 0 1 2 0 and back.

@@ -74,6 +74,7 @@ class Refinement {
     if constexpr (!kTraced) BeginUntraced();
     const bool done = engine_.Propagate(interrupt);
     if (done) appeared_.clear();
+    nearest2_ = {};
     return done;
   }
 
@@ -207,6 +208,7 @@ class Refinement {
   bool InsertAllInCorners(Context& context);
   bool VerifyCorner(Context& context, int i);
   double NearestDistance2(Context& context, VertexIndex v);
+  void FindAllNearest();
   bool FindEncroaching(Context& context, SubsegmentIndex s);
   bool FindEncroachingInTriangulation(SubsegmentIndex s) const;
   void FindEncroached(Context& context, const Point2& x);
@@ -252,6 +254,8 @@ class Refinement {
   VertexIndex near_ = 0;  // a vertex near where things are published
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
 
+  std::vector<double> nearest2_;  // in a run from scratch: by vertex, when first asked for
+
   // Published since the last propagation that was completed.
   std::vector<VertexIndex> appeared_;
   std::vector<VertexIndex> changed_vertices_, released_vertices_;
@@ -264,6 +268,7 @@ class Refinement {
   std::vector<bool> encroached_strictly_;
   std::vector<VertexIndex> witnesses_, on_left_, on_right_;
   std::vector<std::uint32_t> offers_;
+  std::vector<mesh::DelaunayTriangulation::Corner> corners_;
 
   Engine engine_;
 };

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/huge_pages.h"
 #include "core/geometry/point.h"
 
 namespace dynmesh::meshing {
@@ -395,7 +396,7 @@ class SpatialTree {
   double half_;
   double least_half_;  // smaller cells would not have exact borders
   std::vector<Node> nodes_;
-  std::vector<Leaf> leaves_;
+  LargeVector<Leaf> leaves_;
   std::vector<std::uint32_t> free_leaves_;
   std::vector<NodeIndex> free_nodes_;
 };

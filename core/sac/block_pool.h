@@ -14,6 +14,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/huge_pages.h"
+
 namespace dynmesh::sac {
 
 class BlockPool {
@@ -69,7 +71,7 @@ class BlockPool {
     return {offset, capacity};
   }
 
-  std::vector<std::uint32_t> words_;
+  LargeVector<std::uint32_t> words_;
   std::array<std::vector<std::uint32_t>, 33 + 25> free_;
 };
 

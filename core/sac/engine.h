@@ -44,6 +44,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/huge_pages.h"
 #include "core/sac/block_pool.h"
 #include "core/sac/epoch_order.h"
 #include "core/sac/order_list.h"
@@ -277,9 +278,9 @@ class Engine {
   bool IsLater(OpId id, OpId than) const;
 
   Program& program_;
-  std::vector<Operation> ops_;
+  LargeVector<Operation> ops_;
   std::vector<OpId> free_ops_;
-  EpochOrder<std::vector<Operation>, BeforeInEpoch> time_;
+  EpochOrder<LargeVector<Operation>, BeforeInEpoch> time_;
   WorkQueue<QueueEntry, BeforeInQueue> queue_;
   BlockPool pool_;
   Subscriptions subscriptions_;
