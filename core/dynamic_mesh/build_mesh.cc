@@ -18,6 +18,7 @@ absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOpti
   DiffBuilder diffs;
   FeatureTable table;
   meshing::Refinement<sac::UntracedEngine> refinement(options, &diffs.triangulation());
+  refinement.Reserve(delta->added_points.size());
   table.Apply(*delta, refinement);
   const std::uint64_t most = options.limits.max_vertices;
   refinement.Propagate(

@@ -138,6 +138,7 @@ template <class Interrupt>
 absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, Interrupt cancelled) {
   plc_.Commit(delta);
   auto fresh = std::make_unique<State>(options_, tuning_);
+  fresh->refinement.Reserve(plc_.size());
   fresh->features.Apply(FromNothing(plc_), fresh->refinement);
   if (absl::Status status = Run(*fresh, cancelled); !status.ok()) {
     plc_.Commit(delta.Inverse());

@@ -64,8 +64,8 @@ void DelaunayTriangulation::Reserve(std::size_t vertices) {
 }
 
 std::size_t DelaunayTriangulation::bytes() const {
-  return triangles_.capacity() * sizeof(Triangle) + points_.capacity() * sizeof(Point2) +
-         incident_.capacity() * sizeof(Code) + created_.capacity() * sizeof(TriangleIndex) +
+  return triangles_.size() * sizeof(Triangle) + points_.size() * sizeof(Point2) +
+         incident_.size() * sizeof(Code) + created_.capacity() * sizeof(TriangleIndex) +
          deleted_.capacity() * sizeof(deleted_[0]) + cavity_.capacity() * sizeof(TriangleIndex) +
          rim_.capacity() * sizeof(RimEdge) + stack_.capacity() * sizeof(Code) +
          gaps_.capacity() * sizeof(Gap);

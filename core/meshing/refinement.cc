@@ -55,6 +55,17 @@ void Refinement<E>::AddBox() {
 }
 
 template <template <class> class E>
+void Refinement<E>::Reserve(std::size_t points) {
+  const std::size_t vertices = 2 * points;
+  vertices_.reserve(vertices);
+  if (triangulation_ != nullptr) triangulation_->Reserve(vertices);
+  if constexpr (kTraced) {
+    tree_.Reserve(vertices);
+    engine_.Reserve(2 * vertices);
+  }
+}
+
+template <template <class> class E>
 VertexIndex Refinement<E>::AddPoint(const Point2& p, FeatureSlot feature) {
   const VertexIndex v = NewVertex();
   Vertex& vertex = vertices_[v];
@@ -250,7 +261,7 @@ std::size_t Refinement<E>::trace_bytes() const {
 
 template <template <class> class E>
 std::size_t Refinement<E>::bytes() const {
-  return vertices_.capacity() * sizeof(Vertex) + subsegments_.capacity() * sizeof(Subsegment) +
+  return vertices_.size() * sizeof(Vertex) + subsegments_.capacity() * sizeof(Subsegment) +
          tree_.bytes();
 }
 

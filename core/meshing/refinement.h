@@ -60,6 +60,9 @@ class Refinement {
 
   // --- Input: call between propagations. --------------------------------------------
 
+  // Room for a mesh of that many input points and as many Steiner points: a guess that
+  // saves copying, and costs no memory where it is too high.
+  void Reserve(std::size_t points);
   // The border of the domain: a grid of points and the segments between them.
   void AddBox();
   VertexIndex AddPoint(const Point2& p, FeatureSlot feature);

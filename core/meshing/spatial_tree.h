@@ -206,9 +206,13 @@ class SpatialTree {
     }
   }
 
+  void Reserve(std::size_t points) {
+    nodes_.reserve(points);
+    leaves_.reserve(points / 2);
+  }
   std::size_t node_count() const { return nodes_.size(); }
   std::size_t bytes() const {
-    return nodes_.capacity() * sizeof(Node) + leaves_.capacity() * sizeof(Leaf);
+    return nodes_.size() * sizeof(Node) + leaves_.size() * sizeof(Leaf);
   }
 
  private:

@@ -44,8 +44,9 @@ class BlockPool {
     b = {};
   }
 
+  void Reserve(std::size_t words) { words_.reserve(words); }
   std::size_t bytes() const {
-    std::size_t sum = words_.capacity() * sizeof(std::uint32_t);
+    std::size_t sum = words_.size() * sizeof(std::uint32_t);
     for (const auto& list : free_) sum += list.capacity() * sizeof(std::uint32_t);
     return sum;
   }

@@ -168,8 +168,13 @@ class Engine {
   std::size_t operation_count() const { return ops_.size() - free_ops_.size(); }
   const Counters& counters() const { return counters_; }
   void ResetCounters() { counters_ = {}; }
+  // Room for that many operations of a usual size. What is not used costs no memory.
+  void Reserve(std::size_t operations) {
+    ops_.reserve(operations);
+    pool_.Reserve(16 * operations);
+  }
   std::size_t bytes() const {
-    return ops_.capacity() * sizeof(Operation) + time_.bytes() + pool_.bytes() +
+    return ops_.size() * sizeof(Operation) + time_.bytes() + pool_.bytes() +
            subscriptions_.bytes() + queue_.bytes() + free_ops_.capacity() * sizeof(OpId);
   }
 
