@@ -17,6 +17,13 @@ std::array<T, 3> LeastFirst(const std::array<T, 3>& a) {
   return a[1] < a[2] ? std::array<T, 3>{a[1], a[2], a[0]} : std::array<T, 3>{a[2], a[0], a[1]};
 }
 
+void Reserve(VertexColumns& columns, std::size_t rows) {
+  columns.ids.reserve(rows);
+  columns.coordinates.reserve(2 * rows);
+  columns.containing_dimensions.reserve(rows);
+  columns.owners.reserve(rows);
+}
+
 bool IsFinite(const std::array<VertexIndex, 3>& v) {
   return v[0] != Triangulation::kInfinite && v[1] != Triangulation::kInfinite &&
          v[2] != Triangulation::kInfinite;
@@ -106,6 +113,7 @@ Mesh DiffBuilder::Begin(Refinement& refinement, const FeatureTable& features) {
 template <class Refinement>
 Mesh DiffBuilder::Snapshot(const Refinement& refinement, const FeatureTable& features) const {
   Mesh mesh;
+  Reserve(mesh.vertices, refinement.vertex_count());
   refinement.ForEachVertex([&](VertexIndex v, const Vertex& vertex) {
     Append(mesh.vertices, RowOf(names_.at(v), vertex, features));
   });
@@ -183,7 +191,6 @@ void DiffBuilder::UpdateTriangulation(const Refinement& refinement) {
     InsertVertex(refinement, v);
     RecordTriangles();
   }
-  triangles_.Net();
   if (!renamed_.empty()) AddTrianglesOfRenamed();
 }
 
@@ -212,6 +219,7 @@ void DiffBuilder::RecordTriangles() {
 
 // Triangles that stay, under other names.
 void DiffBuilder::AddTrianglesOfRenamed() {
+  triangles_.Net();
   stay_.clear();
   for (const Renamed& r : renamed_) {
     if (!triangulation_.Contains(r.v)) continue;
@@ -260,6 +268,8 @@ void DiffBuilder::ReportVertices(const Refinement& refinement, const FeatureTabl
     vertex_rows_.come.push_back(RowOf(names_.at(r.v), refinement.vertex(r.v), features));
   }
   vertex_rows_.Net();
+  diff->removed_vertices.reserve(vertex_rows_.gone.size());
+  Reserve(diff->added_vertices, vertex_rows_.come.size());
   for (const VertexRow& row : vertex_rows_.gone) {
     diff->removed_vertices.push_back(row.id);
     hash_ -= HashOf(row);
