@@ -16,6 +16,7 @@
 #include "core/meshing/rules.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/core/mesh/delaunay_oracle.h"
+#include "tests/support/asked.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh {
@@ -26,19 +27,7 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using CgalPoint = Kernel::Point_2;
 using geometry::Point2;
 using test::Distribution;
-
-struct Asked {
-  const char* name;
-  double quality;
-  Criterion criterion;
-};
-constexpr Asked kAsked[] = {{"Rho2", 2.0, Criterion::kEdge},
-                            {"RhoSqrt2", kDefaultQuality2D, Criterion::kEdge},
-                            {"Rho1p2", 1.2, Criterion::kEdge},
-                            {"Rho1", 1.0, Criterion::kEdge},
-                            {"ThesisRho2", 2.0, Criterion::kThesis},
-                            {"ThesisRhoSqrt2", kDefaultQuality2D, Criterion::kThesis},
-                            {"ThesisRho1p2", 1.2, Criterion::kThesis}};
+using test::kAsked;
 
 CgalPoint ToCgal(const Point2& p) { return {p[0], p[1]}; }
 
@@ -241,7 +230,7 @@ std::string NameOfCase(const testing::TestParamInfo<std::tuple<Distribution, int
 
 INSTANTIATE_TEST_SUITE_P(All, MeshQuality,
                          testing::Combine(testing::ValuesIn(test::kAllDistributions),
-                                          testing::Range(0, static_cast<int>(std::size(kAsked)))),
+                                          testing::Range(0, test::kAskedCount)),
                          NameOfCase);
 
 }  // namespace

@@ -63,7 +63,8 @@ double RandomReach(const std::vector<Point2>& points, const Point2& v, std::mt19
     if (p != v) least2 = std::min(least2, geometry::SquaredDistance(p, v));
   }
   const int steps = static_cast<int>(std::log2(16 / std::sqrt(least2))) + 1;
-  const double reach = std::sqrt(least2) * 0.37 * std::exp2(static_cast<double>(random() % steps));
+  const double drawn = std::sqrt(least2) * 0.37 * std::exp2(static_cast<double>(random() % steps));
+  const double reach = std::max(drawn, 0x1p-44);  // refinement looks no nearer
   for (int k = 0; k < 4; ++k) {
     const Point2 ghost = Star::Ghost(v, reach, k);
     if (std::find(points.begin(), points.end(), ghost) != points.end()) return reach * 1.01;
