@@ -104,6 +104,12 @@ absl::Status ValidateOptions(const MeshOptions& options) {
     return BadOption(absl::StrCat("criterion: ", static_cast<int>(options.criterion),
                                   " is neither edge nor thesis"));
   }
+  if (options.criterion == Criterion::kThesis && options.quality < kMinThesisQuality2D) {
+    return BadOption(absl::StrCat(
+        "quality: ", Shortest(options.quality), " is below ", Shortest(kMinThesisQuality2D),
+        ", the least for criterion thesis, which may refine without end nearer to 1; raise it or "
+        "choose criterion edge"));
+  }
   if (options.limits.max_vertices < kMinVertices) {
     return BadOption(absl::StrCat("limits.max_vertices: ", options.limits.max_vertices,
                                   " is below the ", kMinVertices, " of the bare domain box"));

@@ -1,7 +1,6 @@
 #include "core/dynamic_mesh/diff_builder.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace dynmesh {
 namespace {
@@ -12,69 +11,187 @@ using meshing::Vertex;
 using meshing::VertexIndex;
 using Triangulation = mesh::DelaunayTriangulation;
 
-// How a vertex counts in the hash and looks to a client.
-struct Appearance {
-  const double* coordinates;
-  int dimension;
-  FeatureId owner;
-};
-
-Appearance AppearanceOf(const Vertex& v, const FeatureTable& features) {
-  return {v.p.c.data(), v.dimension, features.IdOf(v.feature)};
+template <class T>
+std::array<T, 3> LeastFirst(const std::array<T, 3>& a) {
+  if (a[0] < a[1]) return a[0] < a[2] ? a : std::array<T, 3>{a[2], a[0], a[1]};
+  return a[1] < a[2] ? std::array<T, 3>{a[1], a[2], a[0]} : std::array<T, 3>{a[2], a[0], a[1]};
 }
 
-MeshHash HashOf(const Appearance& a) { return HashVertex(a.coordinates, 2, a.dimension, a.owner); }
-
-void Append(VertexColumns& to, VertexId id, const Appearance& a) {
-  to.ids.push_back(id);
-  to.coordinates.insert(to.coordinates.end(), a.coordinates, a.coordinates + 2);
-  to.containing_dimensions.push_back(static_cast<std::uint8_t>(a.dimension));
-  to.owners.push_back(a.owner);
+void Reserve(VertexColumns& columns, std::size_t rows) {
+  columns.ids.reserve(rows);
+  columns.coordinates.reserve(2 * rows);
+  columns.containing_dimensions.reserve(rows);
+  columns.owners.reserve(rows);
 }
 
-void Append(SubsegmentColumns& to, std::array<VertexId, 2> ends, FeatureId owner) {
-  to.ends.insert(to.ends.end(), {std::min(ends[0], ends[1]), std::max(ends[0], ends[1])});
-  to.owners.push_back(owner);
+bool IsFinite(const std::array<VertexIndex, 3>& v) {
+  return v[0] != Triangulation::kInfinite && v[1] != Triangulation::kInfinite &&
+         v[2] != Triangulation::kInfinite;
 }
 
-struct NamedSubsegment {
-  std::array<VertexId, 2> ends;
-  FeatureId owner;
-  friend auto operator<=>(const NamedSubsegment&, const NamedSubsegment&) = default;
-};
-
-// Takes away what stands in both sorted lists.
+// Takes away what stands in both, and leaves the rest sorted.
 template <class T>
 void Cancel(std::vector<T>& a, std::vector<T>& b) {
   std::sort(a.begin(), a.end());
   std::sort(b.begin(), b.end());
-  std::vector<T> only_a, only_b;
-  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(only_a));
-  std::set_difference(b.begin(), b.end(), a.begin(), a.end(), std::back_inserter(only_b));
-  a.swap(only_a);
-  b.swap(only_b);
+  auto i = a.begin(), j = b.begin(), only_a = a.begin(), only_b = b.begin();
+  while (i != a.end() && j != b.end()) {
+    if (*i < *j) {
+      *only_a++ = *i++;
+    } else if (*j < *i) {
+      *only_b++ = *j++;
+    } else {
+      ++i, ++j;
+    }
+  }
+  a.erase(std::copy(i, a.end(), only_a), a.end());
+  b.erase(std::copy(j, b.end(), only_b), b.end());
 }
 
 }  // namespace
 
-DiffBuilder::Simplex DiffBuilder::CanonicalIds(const std::array<VertexIndex, 3>& v) const {
-  const Simplex ids = {names_.at(v[0]), names_.at(v[1]), names_.at(v[2])};
-  const auto least = std::min_element(ids.begin(), ids.end()) - ids.begin();
-  return {ids[least], ids[(least + 1) % 3], ids[(least + 2) % 3]};
+template <class Row>
+void DiffBuilder::Rows<Row>::Net() {
+  Cancel(gone, come);
 }
 
-void DiffBuilder::RecordCreated() {
-  for (const auto t : triangulation_.created()) {
-    if (!triangulation_.IsInfinite(t)) added_.push_back(CanonicalIds(t));
-  }
+// --- Rows -----------------------------------------------------------------------------
+
+DiffBuilder::VertexRow DiffBuilder::RowOf(VertexId id, const Vertex& v,
+                                          const FeatureTable& features) {
+  return {id, v.p.c, v.dimension, features.IdOf(v.feature)};
 }
 
-void DiffBuilder::RecordDeleted() {
-  for (const auto& v : triangulation_.deleted()) {
-    if (std::find(v.begin(), v.end(), Triangulation::kInfinite) == v.end()) {
-      removed_.push_back(CanonicalIds(v));
-    }
+DiffBuilder::SubsegmentRow DiffBuilder::RowOf(VertexId a, VertexId b, FeatureId owner) {
+  return {{std::min(a, b), std::max(a, b)}, owner};
+}
+
+void DiffBuilder::Append(VertexColumns& to, const VertexRow& row) {
+  to.ids.push_back(row.id);
+  to.coordinates.insert(to.coordinates.end(), row.coordinates.begin(), row.coordinates.end());
+  to.containing_dimensions.push_back(static_cast<std::uint8_t>(row.dimension));
+  to.owners.push_back(row.owner);
+}
+
+void DiffBuilder::Append(SubsegmentColumns& to, const SubsegmentRow& row) {
+  to.ends.insert(to.ends.end(), row.ends.begin(), row.ends.end());
+  to.owners.push_back(row.owner);
+}
+
+MeshHash DiffBuilder::HashOf(const VertexRow& row) {
+  return HashVertex(row.coordinates.data(), 2, row.dimension, row.owner);
+}
+
+MeshHash DiffBuilder::HashOf(const SubsegmentRow& row) {
+  return HashSubsegment(row.ends[0], row.ends[1], row.owner);
+}
+
+std::array<VertexId, 3> DiffBuilder::CanonicalIds(Triangulation::TriangleIndex t) const {
+  const Triangle& v = triangulation_.vertices(t);
+  return LeastFirst<VertexId>({names_.at(v[0]), names_.at(v[1]), names_.at(v[2])});
+}
+
+// --- The whole mesh -------------------------------------------------------------------
+
+template <class Refinement>
+Mesh DiffBuilder::Begin(Refinement& refinement, const FeatureTable& features) {
+  refinement.TakeChanges([](VertexIndex, bool, bool) {}, [](SubsegmentIndex, bool, bool) {});
+  names_.Reserve(refinement.vertex_count());
+  const auto position = [&](VertexIndex v) -> const geometry::Point2& {
+    return refinement.vertex(v).p;
+  };
+  refinement.ForEachVertex([&](VertexIndex v, const Vertex&) {
+    names_.Add(v, position, [](VertexIndex) {});
+    if (!triangulation_.Contains(v)) InsertVertex(refinement, v);  // else it has grown along
+  });
+  Mesh mesh = Snapshot(refinement, features);
+  subsegment_count_ = mesh.subsegments.size();
+  hash_ = mesh.hash = ComputeHash(mesh);
+  return mesh;
+}
+
+template <class Refinement>
+Mesh DiffBuilder::Snapshot(const Refinement& refinement, const FeatureTable& features) const {
+  Mesh mesh;
+  Reserve(mesh.vertices, refinement.vertex_count());
+  refinement.ForEachVertex([&](VertexIndex v, const Vertex& vertex) {
+    Append(mesh.vertices, RowOf(names_.at(v), vertex, features));
+  });
+  mesh.simplices.reserve(3 * triangulation_.triangle_count());
+  triangulation_.ForEachTriangle([&](auto t) {
+    const SimplexRow ids = CanonicalIds(t);
+    mesh.simplices.insert(mesh.simplices.end(), ids.begin(), ids.end());
+  });
+  refinement.ForEachSubsegment([&](const Subsegment& s) {
+    Append(mesh.subsegments, RowOf(names_.at(s.a), names_.at(s.b), features.IdOf(s.feature)));
+  });
+  mesh.hash = hash_;
+  return mesh;
+}
+
+// --- What has changed -----------------------------------------------------------------
+
+template <class Refinement>
+MeshDiff DiffBuilder::Update(Refinement& refinement, const FeatureTable& features) {
+  TakeChanges(refinement);
+  UpdateNames(refinement);
+  UpdateTriangulation(refinement);
+  MeshDiff diff;
+  ReportVertices(refinement, features, &diff);
+  ReportSubsegments(refinement, features, &diff);
+  ReportSimplices(&diff);
+  diff.hash = hash_;
+  return diff;
+}
+
+template <class Refinement>
+void DiffBuilder::TakeChanges(Refinement& refinement) {
+  vertices_.Clear();
+  subsegments_.Clear();
+  refinement.TakeChanges(
+      [&](VertexIndex v, bool is, bool was) {
+        if (is != was) (is ? vertices_.come : vertices_.gone).push_back(v);
+      },
+      [&](SubsegmentIndex s, bool is, bool was) {
+        if (is != was) (is ? subsegments_.come : subsegments_.gone).push_back(s);
+      });
+}
+
+// Names of what goes stay readable: by OldId, like those of the renamed.
+template <class Refinement>
+void DiffBuilder::UpdateNames(const Refinement& refinement) {
+  renamed_.clear();
+  const auto position = [&](VertexIndex v) -> const geometry::Point2& {
+    return refinement.vertex(v).p;
+  };
+  const auto keep_old = [&](VertexIndex v) {
+    if (triangulation_.Contains(v)) renamed_.push_back({v, names_.at(v)});  // was in the mesh
+  };
+  for (const VertexIndex v : vertices_.gone) names_.Remove(v, position, keep_old);
+  for (const VertexIndex v : vertices_.come) names_.Add(v, position, keep_old);
+  if (renamed_.empty()) return;
+  // Of one renamed several times, the first entry counts.
+  std::stable_sort(renamed_.begin(), renamed_.end(),
+                   [](const Renamed& a, const Renamed& b) { return a.v < b.v; });
+  const auto again = std::unique(renamed_.begin(), renamed_.end(),
+                                 [](const Renamed& a, const Renamed& b) { return a.v == b.v; });
+  renamed_.erase(again, renamed_.end());
+  std::erase_if(renamed_, [&](const Renamed& r) { return names_.at(r.v) == r.old_id; });
+}
+
+// First what goes: what comes may lie at the same place.
+template <class Refinement>
+void DiffBuilder::UpdateTriangulation(const Refinement& refinement) {
+  triangles_.Clear();
+  for (const VertexIndex v : vertices_.gone) {
+    triangulation_.Remove(v);
+    RecordTriangles();
   }
+  for (const VertexIndex v : vertices_.come) {
+    InsertVertex(refinement, v);
+    RecordTriangles();
+  }
+  if (!renamed_.empty()) AddTrianglesOfRenamed();
 }
 
 // A neighbour that refinement saw is a good place to start looking from.
@@ -87,232 +204,147 @@ void DiffBuilder::InsertVertex(const Refinement& refinement, VertexIndex v) {
     return true;
   });
   triangulation_.Insert(v, refinement.vertex(v).p, near);
-  RecordDeleted();
-  RecordCreated();
 }
 
-template <class Refinement>
-Mesh DiffBuilder::Begin(Refinement& refinement, const FeatureTable& features) {
-  refinement.TakeChanges([](VertexIndex, bool, bool) {}, [](SubsegmentIndex, bool, bool) {});
-  const auto position = [&](VertexIndex v) -> const geometry::Point2& {
-    return refinement.vertex(v).p;
-  };
-  names_.Reserve(refinement.vertex_count());
-  refinement.ForEachVertex([&](VertexIndex v, const Vertex&) {
-    names_.Add(v, position, [](VertexIndex) {});
-    if (!triangulation_.Contains(v)) InsertVertex(refinement, v);
-  });
-  removed_.clear();
-  added_.clear();
-  Mesh mesh = Snapshot(refinement, features);
-  subsegment_count_ = mesh.subsegments.size();
-  hash_ = mesh.hash = ComputeHash(mesh);
-  return mesh;
-}
-
-template <class Refinement>
-MeshDiff DiffBuilder::Update(Refinement& refinement, const FeatureTable& features) {
-  MeshDiff diff;
-  removed_.clear();
-  added_.clear();
-  const auto position = [&](VertexIndex v) -> const geometry::Point2& {
-    return refinement.vertex(v).p;
-  };
-
-  std::vector<VertexIndex> come, gone;
-  std::vector<SubsegmentIndex> pieces_come, pieces_gone;
-  refinement.TakeChanges(
-      [&](VertexIndex v, bool is, bool was) {
-        if (is != was) (is ? come : gone).push_back(v);
-      },
-      [&](SubsegmentIndex s, bool is, bool was) {
-        if (is != was) (is ? pieces_come : pieces_gone).push_back(s);
-      });
-
-  // Names of what goes, before any is given away.
-  std::vector<NamedSubsegment> removed_pieces, added_pieces;
-  for (const SubsegmentIndex s : pieces_gone) {
-    const Subsegment& sub = refinement.subsegment(s);
-    std::array<VertexId, 2> ends = {names_.at(sub.a), names_.at(sub.b)};
-    std::sort(ends.begin(), ends.end());
-    removed_pieces.push_back({ends, features.IdOf(sub.feature)});
+void DiffBuilder::RecordTriangles() {
+  for (const Triangle& v : triangulation_.deleted()) {
+    if (IsFinite(v)) triangles_.gone.push_back(LeastFirst(v));
   }
-  std::vector<std::pair<VertexId, VertexIndex>> gone_named;
-  for (const VertexIndex v : gone) gone_named.push_back({names_.at(v), v});
-
-  // A vertex whose id changes because one that collides came or went leaves under
-  // the old name and comes back under the new; so does all that it is part of.
-  std::vector<std::pair<VertexId, VertexIndex>> renamed;
-  const auto rename = [&](VertexIndex v) {
-    for (const auto& [id, w] : renamed) {
-      if (w == v) return;
+  for (const auto t : triangulation_.created()) {
+    if (!triangulation_.IsInfinite(t)) {
+      triangles_.come.push_back(LeastFirst(triangulation_.vertices(t)));
     }
-    if (!triangulation_.Contains(v)) return;
-    renamed.push_back({names_.at(v), v});
-    const auto first = triangulation_.Around(v);
+  }
+}
+
+// Triangles that stay, under other names.
+void DiffBuilder::AddTrianglesOfRenamed() {
+  triangles_.Net();
+  stay_.clear();
+  for (const Renamed& r : renamed_) {
+    if (!triangulation_.Contains(r.v)) continue;
+    const auto first = triangulation_.Around(r.v);
     auto corner = first;
     do {
-      if (!triangulation_.IsInfinite(corner.triangle)) {
-        removed_.push_back(CanonicalIds(corner.triangle));
+      const Triangle& v = triangulation_.vertices(corner.triangle);
+      if (IsFinite(v)) stay_.push_back(LeastFirst(v));
+      corner = triangulation_.NextAround(corner);
+    } while (corner.triangle != first.triangle);
+  }
+  std::sort(stay_.begin(), stay_.end());
+  stay_.erase(std::unique(stay_.begin(), stay_.end()), stay_.end());
+  std::erase_if(stay_, [&](const Triangle& t) {
+    return std::binary_search(triangles_.come.begin(), triangles_.come.end(), t);
+  });
+  triangles_.gone.insert(triangles_.gone.end(), stay_.begin(), stay_.end());
+  triangles_.come.insert(triangles_.come.end(), stay_.begin(), stay_.end());
+}
+
+bool DiffBuilder::IsRenamed(VertexIndex v) const {
+  return std::binary_search(renamed_.begin(), renamed_.end(), Renamed{v, 0},
+                            [](const Renamed& a, const Renamed& b) { return a.v < b.v; });
+}
+
+VertexId DiffBuilder::OldIdOfRenamed(VertexIndex v) const {
+  const auto it = std::lower_bound(renamed_.begin(), renamed_.end(), v,
+                                   [](const Renamed& r, VertexIndex w) { return r.v < w; });
+  return it != renamed_.end() && it->v == v ? it->old_id : names_.at(v);
+}
+
+// Those that look the same before and after are not reported.
+template <class Refinement>
+void DiffBuilder::ReportVertices(const Refinement& refinement, const FeatureTable& features,
+                                 MeshDiff* diff) {
+  vertex_rows_.Clear();
+  for (const VertexIndex v : vertices_.gone) {
+    vertex_rows_.gone.push_back(RowOf(OldId(v), refinement.vertex(v), features));
+  }
+  for (const VertexIndex v : vertices_.come) {
+    vertex_rows_.come.push_back(RowOf(names_.at(v), refinement.vertex(v), features));
+  }
+  for (const Renamed& r : renamed_) {
+    if (!triangulation_.Contains(r.v)) continue;
+    vertex_rows_.gone.push_back(RowOf(r.old_id, refinement.vertex(r.v), features));
+    vertex_rows_.come.push_back(RowOf(names_.at(r.v), refinement.vertex(r.v), features));
+  }
+  vertex_rows_.Net();
+  diff->removed_vertices.reserve(vertex_rows_.gone.size());
+  Reserve(diff->added_vertices, vertex_rows_.come.size());
+  for (const VertexRow& row : vertex_rows_.gone) {
+    diff->removed_vertices.push_back(row.id);
+    hash_ -= HashOf(row);
+  }
+  for (const VertexRow& row : vertex_rows_.come) {
+    Append(diff->added_vertices, row);
+    hash_ += HashOf(row);
+  }
+}
+
+template <class Refinement>
+void DiffBuilder::ReportSubsegments(const Refinement& refinement, const FeatureTable& features,
+                                    MeshDiff* diff) {
+  subsegment_rows_.Clear();
+  const auto goes = [&](const Subsegment& s) {
+    subsegment_rows_.gone.push_back(RowOf(OldId(s.a), OldId(s.b), features.IdOf(s.feature)));
+  };
+  const auto comes = [&](const Subsegment& s) {
+    subsegment_rows_.come.push_back(
+        RowOf(names_.at(s.a), names_.at(s.b), features.IdOf(s.feature)));
+  };
+  for (const SubsegmentIndex s : subsegments_.gone) goes(refinement.subsegment(s));
+  for (const SubsegmentIndex s : subsegments_.come) comes(refinement.subsegment(s));
+  if (!renamed_.empty()) {
+    refinement.ForEachSubsegment([&](const Subsegment& s) {
+      if (!IsRenamed(s.a) && !IsRenamed(s.b)) return;
+      for (const SubsegmentIndex i : subsegments_.come) {
+        if (&refinement.subsegment(i) == &s) return;
       }
-      corner = triangulation_.NextAround(corner);
-    } while (corner.triangle != first.triangle);
-  };
-
-  std::vector<VertexIndex> same_place;
-  for (const VertexIndex v : come) {
-    const VertexIndex w = names_.Find(position(v), position);
-    if (w == meshing::kNil) {
-      names_.Add(v, position, rename);
-    } else {
-      // Another vertex at the place of one that goes.
-      names_.Replace(w, v, position(v));
-      same_place.push_back(w);
-      triangulation_.Remove(w);
-      RecordDeleted();
-      RecordCreated();
-    }
+      goes(s);
+      comes(s);
+    });
   }
-  for (const VertexIndex v : come) InsertVertex(refinement, v);
-  for (const VertexIndex v : gone) {
-    if (std::find(same_place.begin(), same_place.end(), v) != same_place.end()) continue;
-    triangulation_.Remove(v);
-    RecordDeleted();
-    RecordCreated();
+  subsegment_rows_.Net();
+  for (const SubsegmentRow& row : subsegment_rows_.gone) {
+    Append(diff->removed_subsegments, row);
+    hash_ -= HashOf(row);
   }
-  for (const VertexIndex v : gone) {
-    if (std::find(same_place.begin(), same_place.end(), v) != same_place.end()) continue;
-    names_.Remove(v, position, rename);
+  for (const SubsegmentRow& row : subsegment_rows_.come) {
+    Append(diff->added_subsegments, row);
+    hash_ += HashOf(row);
   }
-  for (const auto& [id, v] : renamed) {
-    const auto first = triangulation_.Around(v);
-    auto corner = first;
-    do {
-      if (!triangulation_.IsInfinite(corner.triangle)) added_.push_back(CanonicalIds(corner.triangle));
-      corner = triangulation_.NextAround(corner);
-    } while (corner.triangle != first.triangle);
-  }
-  Net(removed_, added_);
-
-  // Vertices: those that look the same before and after are not reported.
-  struct NamedVertex {
-    VertexId id;
-    Appearance look;
-  };
-  std::vector<NamedVertex> was, is;
-  for (const auto& [id, v] : gone_named) {
-    was.push_back({id, AppearanceOf(refinement.vertex(v), features)});
-  }
-  for (const VertexIndex v : come) {
-    is.push_back({names_.at(v), AppearanceOf(refinement.vertex(v), features)});
-  }
-  for (const auto& [id, v] : renamed) {
-    was.push_back({id, AppearanceOf(refinement.vertex(v), features)});
-    is.push_back({names_.at(v), AppearanceOf(refinement.vertex(v), features)});
-  }
-  const auto by_id = [](const NamedVertex& a, const NamedVertex& b) { return a.id < b.id; };
-  std::sort(was.begin(), was.end(), by_id);
-  std::sort(is.begin(), is.end(), by_id);
-  const auto same = [](const NamedVertex& a, const NamedVertex& b) {
-    return a.id == b.id && a.look.dimension == b.look.dimension && a.look.owner == b.look.owner &&
-           a.look.coordinates[0] == b.look.coordinates[0] &&
-           a.look.coordinates[1] == b.look.coordinates[1];
-  };
-  const auto find_same = [&](const std::vector<NamedVertex>& in, const NamedVertex& x) {
-    const auto [lo, hi] = std::equal_range(in.begin(), in.end(), x, by_id);
-    return std::any_of(lo, hi, [&](const NamedVertex& y) { return same(x, y); });
-  };
-  for (const NamedVertex& v : was) {
-    if (find_same(is, v)) continue;
-    diff.removed_vertices.push_back(v.id);
-    hash_ -= HashOf(v.look);
-  }
-  for (const NamedVertex& v : is) {
-    if (find_same(was, v)) continue;
-    Append(diff.added_vertices, v.id, v.look);
-    hash_ += HashOf(v.look);
-  }
-
-  for (const SubsegmentIndex s : pieces_come) {
-    const Subsegment& sub = refinement.subsegment(s);
-    std::array<VertexId, 2> ends = {names_.at(sub.a), names_.at(sub.b)};
-    std::sort(ends.begin(), ends.end());
-    added_pieces.push_back({ends, features.IdOf(sub.feature)});
-  }
-  if (!renamed.empty()) {
-    for (const auto& [id, v] : renamed) {
-      refinement.ForSubsegmentsAt(v, [&](const Subsegment& sub) {
-        if (!sub.in_mesh) return;
-        const auto name = [&](VertexIndex w, bool before) {
-          for (const auto& [old_id, r] : renamed) {
-            if (before && r == w) return old_id;
-          }
-          return names_.at(w);
-        };
-        for (const bool before : {true, false}) {
-          std::array<VertexId, 2> ends = {name(sub.a, before), name(sub.b, before)};
-          std::sort(ends.begin(), ends.end());
-          (before ? removed_pieces : added_pieces).push_back({ends, features.IdOf(sub.feature)});
-        }
-      });
-    }
-  }
-  Cancel(removed_pieces, added_pieces);
-  for (const NamedSubsegment& s : removed_pieces) {
-    Append(diff.removed_subsegments, s.ends, s.owner);
-    hash_ -= HashSubsegment(s.ends[0], s.ends[1], s.owner);
-  }
-  for (const NamedSubsegment& s : added_pieces) {
-    Append(diff.added_subsegments, s.ends, s.owner);
-    hash_ += HashSubsegment(s.ends[0], s.ends[1], s.owner);
-  }
-  subsegment_count_ += added_pieces.size();
-  subsegment_count_ -= removed_pieces.size();
-
-  const auto append_simplices = [](SimplexColumn& to, const std::vector<Simplex>& from) {
-    to.reserve(3 * from.size());
-    for (const Simplex& s : from) to.insert(to.end(), s.begin(), s.end());
-  };
-  append_simplices(diff.removed_simplices, removed_);
-  append_simplices(diff.added_simplices, added_);
-  for (const Simplex& s : removed_) hash_ -= HashSimplex(s.data(), 3);
-  for (const Simplex& s : added_) hash_ += HashSimplex(s.data(), 3);
-  diff.hash = hash_;
-  return diff;
+  subsegment_count_ += subsegment_rows_.come.size();
+  subsegment_count_ -= subsegment_rows_.gone.size();
 }
 
-void DiffBuilder::Net(std::vector<Simplex>& removed, std::vector<Simplex>& added) {
-  Cancel(removed, added);
+// Once more netted, as the client sees them: a vertex may have come where one has gone.
+void DiffBuilder::ReportSimplices(MeshDiff* diff) {
+  simplex_rows_.Clear();
+  for (const Triangle& v : triangles_.gone) {
+    simplex_rows_.gone.push_back(LeastFirst<VertexId>({OldId(v[0]), OldId(v[1]), OldId(v[2])}));
+  }
+  for (const Triangle& v : triangles_.come) {
+    simplex_rows_.come.push_back(
+        LeastFirst<VertexId>({names_.at(v[0]), names_.at(v[1]), names_.at(v[2])}));
+  }
+  simplex_rows_.Net();
+  diff->removed_simplices.reserve(3 * simplex_rows_.gone.size());
+  diff->added_simplices.reserve(3 * simplex_rows_.come.size());
+  for (const SimplexRow& row : simplex_rows_.gone) {
+    diff->removed_simplices.insert(diff->removed_simplices.end(), row.begin(), row.end());
+    hash_ -= HashSimplex(row.data(), 3);
+  }
+  for (const SimplexRow& row : simplex_rows_.come) {
+    diff->added_simplices.insert(diff->added_simplices.end(), row.begin(), row.end());
+    hash_ += HashSimplex(row.data(), 3);
+  }
 }
 
-template <class Refinement>
-Mesh DiffBuilder::Snapshot(const Refinement& refinement, const FeatureTable& features) const {
-  Mesh mesh;
-  mesh.vertices.ids.reserve(refinement.vertex_count());
-  mesh.vertices.coordinates.reserve(2 * refinement.vertex_count());
-  mesh.vertices.containing_dimensions.reserve(refinement.vertex_count());
-  mesh.vertices.owners.reserve(refinement.vertex_count());
-  refinement.ForEachVertex([&](VertexIndex v, const Vertex& vertex) {
-    Append(mesh.vertices, names_.at(v), AppearanceOf(vertex, features));
-  });
-  mesh.simplices.reserve(3 * triangulation_.triangle_count());
-  triangulation_.ForEachTriangle([&](auto t) {
-    const Simplex ids = CanonicalIds(t);
-    mesh.simplices.insert(mesh.simplices.end(), ids.begin(), ids.end());
-  });
-  refinement.ForEachSubsegment([&](const Subsegment& s) {
-    Append(mesh.subsegments, {names_.at(s.a), names_.at(s.b)}, features.IdOf(s.feature));
-  });
-  mesh.hash = hash_;
-  return mesh;
-}
-
-template Mesh DiffBuilder::Begin(meshing::Refinement<sac::Engine>&, const FeatureTable&);
-template MeshDiff DiffBuilder::Update(meshing::Refinement<sac::Engine>&, const FeatureTable&);
-template Mesh DiffBuilder::Snapshot(const meshing::Refinement<sac::Engine>&,
-                                    const FeatureTable&) const;
-template Mesh DiffBuilder::Begin(meshing::Refinement<sac::UntracedEngine>&, const FeatureTable&);
-template Mesh DiffBuilder::Snapshot(const meshing::Refinement<sac::UntracedEngine>&,
-                                    const FeatureTable&) const;
+using Traced = meshing::Refinement<sac::Engine>;
+using Untraced = meshing::Refinement<sac::UntracedEngine>;
+template Mesh DiffBuilder::Begin(Traced&, const FeatureTable&);
+template Mesh DiffBuilder::Begin(Untraced&, const FeatureTable&);
+template MeshDiff DiffBuilder::Update(Traced&, const FeatureTable&);
+template Mesh DiffBuilder::Snapshot(const Traced&, const FeatureTable&) const;
+template Mesh DiffBuilder::Snapshot(const Untraced&, const FeatureTable&) const;
 
 }  // namespace dynmesh

@@ -5,11 +5,19 @@
 // The triangulation is a function of the vertex set, so it stands outside the trace:
 // a propagation's few vertices are inserted and removed, O(degree) each. Cheaper by an
 // order of magnitude than a star operation per vertex, and what a run from scratch
-// reads its neighbourhoods off. Thread-compatible.
+// reads its neighbourhoods off.
+//
+// An id may change while its vertex stays, if one that collides comes or goes
+// (vertex_names.h). Such a vertex leaves under the old name and comes back under the
+// new, and so does all that it is part of.
+//
+// Thread-compatible. Keeps its lists from call to call: an update allocates little but
+// the diff.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_DIFF_BUILDER_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_DIFF_BUILDER_H_
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <vector>
 
@@ -37,7 +45,8 @@ class DiffBuilder {
   template <class Refinement>
   Mesh Begin(Refinement& refinement, const FeatureTable& features);
 
-  // What has changed since the last call. Work counters are the caller's.
+  // What has changed since the last call. Rows sorted as Canonicalize does it. Work
+  // counters are the caller's.
   template <class Refinement>
   MeshDiff Update(Refinement& refinement, const FeatureTable& features);
 
@@ -46,30 +55,87 @@ class DiffBuilder {
   Mesh Snapshot(const Refinement& refinement, const FeatureTable& features) const;
 
   VertexId IdOf(meshing::VertexIndex v) const { return names_.at(v); }
-  std::array<VertexId, 3> CanonicalIds(mesh::DelaunayTriangulation::TriangleIndex t) const {
-    return CanonicalIds(triangulation_.vertices(t));
-  }
+  std::array<VertexId, 3> CanonicalIds(mesh::DelaunayTriangulation::TriangleIndex t) const;
 
   const MeshHash& hash() const { return hash_; }
   std::size_t subsegment_count() const { return subsegment_count_; }
   std::size_t bytes() const { return triangulation_.bytes() + names_.bytes(); }
 
  private:
-  using Simplex = std::array<VertexId, 3>;
+  // Rows of the diff, as the client sees them.
+  struct VertexRow {
+    VertexId id;
+    std::array<double, 2> coordinates;
+    int dimension;
+    FeatureId owner;
+    friend auto operator<=>(const VertexRow&, const VertexRow&) = default;
+  };
+  struct SubsegmentRow {
+    std::array<VertexId, 2> ends;  // the lesser first
+    FeatureId owner;
+    friend auto operator<=>(const SubsegmentRow&, const SubsegmentRow&) = default;
+  };
+  using SimplexRow = std::array<VertexId, 3>;  // canonical order
+  using Triangle = std::array<meshing::VertexIndex, 3>;
+  // What leaves the mesh and what comes.
+  template <class Row>
+  struct Rows {
+    std::vector<Row> gone, come;
+    void Clear() { gone.clear(), come.clear(); }
+    void Net();
+  };
+  struct Renamed {
+    meshing::VertexIndex v;
+    VertexId old_id;
+  };
 
-  Simplex CanonicalIds(const std::array<meshing::VertexIndex, 3>& v) const;
-  void RecordCreated();
-  void RecordDeleted();
+  // The steps of an update, in this order.
+  template <class Refinement>
+  void TakeChanges(Refinement& refinement);
+  template <class Refinement>
+  void UpdateNames(const Refinement& refinement);
+  template <class Refinement>
+  void UpdateTriangulation(const Refinement& refinement);
+  template <class Refinement>
+  void ReportVertices(const Refinement& refinement, const FeatureTable& features, MeshDiff* diff);
+  template <class Refinement>
+  void ReportSubsegments(const Refinement& refinement, const FeatureTable& features,
+                         MeshDiff* diff);
+  void ReportSimplices(MeshDiff* diff);
+
   template <class Refinement>
   void InsertVertex(const Refinement& refinement, meshing::VertexIndex v);
-  static void Net(std::vector<Simplex>& removed, std::vector<Simplex>& added);
+  void RecordTriangles();
+  void AddTrianglesOfRenamed();
+
+  // The id at the last call of a vertex that was in the mesh then.
+  VertexId OldId(meshing::VertexIndex v) const {
+    return renamed_.empty() ? names_.at(v) : OldIdOfRenamed(v);
+  }
+  VertexId OldIdOfRenamed(meshing::VertexIndex v) const;
+  bool IsRenamed(meshing::VertexIndex v) const;
+  static VertexRow RowOf(VertexId id, const meshing::Vertex& v, const FeatureTable& features);
+  static SubsegmentRow RowOf(VertexId a, VertexId b, FeatureId owner);
+  // Appends a row to a mesh's or diff's columns, or gives its hash.
+  static void Append(VertexColumns& to, const VertexRow& row);
+  static void Append(SubsegmentColumns& to, const SubsegmentRow& row);
+  static MeshHash HashOf(const VertexRow& row);
+  static MeshHash HashOf(const SubsegmentRow& row);
 
   mesh::DelaunayTriangulation triangulation_;
   VertexNames names_;
   MeshHash hash_;
   std::size_t subsegment_count_ = 0;
 
-  std::vector<Simplex> removed_, added_;
+  // Of the update under way.
+  Rows<meshing::VertexIndex> vertices_;
+  Rows<meshing::SubsegmentIndex> subsegments_;
+  std::vector<Renamed> renamed_;  // were in the mesh; by index
+  Rows<Triangle> triangles_;      // finite ones, the least index first
+  std::vector<Triangle> stay_;
+  Rows<VertexRow> vertex_rows_;
+  Rows<SubsegmentRow> subsegment_rows_;
+  Rows<SimplexRow> simplex_rows_;
 };
 
 }  // namespace dynmesh

@@ -22,6 +22,9 @@ class FeatureTable {
     return slot == meshing::kNil ? kNoFeature : ids_[slot];
   }
 
+  // For so few, finding an order costs more than it saves.
+  static constexpr std::size_t kFewPoints = 16;
+
   // Hands a change of input to the refinement. Many points go in an order that suits
   // a triangulation that grows along.
   template <class Refinement>
@@ -38,12 +41,16 @@ class FeatureTable {
       refinement.RemovePoint(it->second);
       points_.erase(it);
     }
-    std::vector<geometry::Point2> positions;
-    positions.reserve(delta.added_points.size());
-    for (const plc::PointFeature& p : delta.added_points) positions.push_back(p.p);
-    for (const std::uint32_t i : mesh::InsertOrder(positions)) {
-      const plc::PointFeature& p = delta.added_points[i];
+    const auto add = [&](const plc::PointFeature& p) {
       points_[p.id] = refinement.AddPoint(p.p, NewSlot(p.id));
+    };
+    if (delta.added_points.size() <= kFewPoints) {
+      for (const plc::PointFeature& p : delta.added_points) add(p);
+    } else {
+      std::vector<geometry::Point2> positions;
+      positions.reserve(delta.added_points.size());
+      for (const plc::PointFeature& p : delta.added_points) positions.push_back(p.p);
+      for (const std::uint32_t i : mesh::InsertOrder(positions)) add(delta.added_points[i]);
     }
     for (const plc::SegmentFeature& s : delta.added_segments) {
       segments_[s.id] =

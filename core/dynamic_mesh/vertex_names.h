@@ -9,8 +9,6 @@
 #define DYNMESH_CORE_DYNAMIC_MESH_VERTEX_NAMES_H_
 
 #include <algorithm>
-#include <functional>
-#include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -65,32 +63,6 @@ class VertexNames {
     if (crowd->second.size() == 1) crowded_.erase(crowd);
   }
 
-  // The vertex at the place of w is now called by index v.
-  void Replace(Index w, Index v, const geometry::Point2& p) {
-    if (v >= ids_.size()) ids_.resize(v + v / 4 + 16);
-    ids_[v] = ids_[w];
-    const VertexId name = Unsalted(p);
-    if (Index& first = groups_[name]; first == w) first = v;
-    if (const auto crowd = crowded_.find(name); crowd != crowded_.end()) {
-      std::replace(crowd->second.begin(), crowd->second.end(), w, v);
-    }
-  }
-
-  // The vertex at p, if there is one.
-  template <class Position>
-  Index Find(const geometry::Point2& p, Position position) const {
-    const VertexId name = Unsalted(p);
-    const auto it = groups_.find(name);
-    if (it == groups_.end()) return meshing::kNil;
-    if (position(it->second) == p) return it->second;
-    if (const auto crowd = crowded_.find(name); crowd != crowded_.end()) {
-      for (const Index v : crowd->second) {
-        if (position(v) == p) return v;
-      }
-    }
-    return meshing::kNil;
-  }
-
   std::size_t bytes() const { return groups_.capacity() * 17 + ids_.capacity() * sizeof(VertexId); }
 
  private:
@@ -109,7 +81,7 @@ class VertexNames {
   }
 
   Hash hash_;
-  std::vector<VertexId> ids_;  // by index
+  std::vector<VertexId> ids_;                                  // by index
   absl::flat_hash_map<VertexId, Index> groups_;                // by unsalted id: one member
   absl::flat_hash_map<VertexId, std::vector<Index>> crowded_;  // those with more than one
 };

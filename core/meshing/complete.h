@@ -49,7 +49,9 @@ void Refinement<E>::Complete(Context& context) {
   Candidate gap;
   int ordinal = 0;
   bool yielded = false;
-  while (FindGap(bucket, &gap)) {
+  // Each point fills its gap, and there is room for a few only. Should a view be wrong, so
+  // that neither is true, the loop ends all the same.
+  while (ordinal < kMostOutputs && FindGap(bucket, &gap)) {
     FindEncroached(context, gap.x);
     if (!encroached_.empty()) {
       // Yield: the subsegments first; then v looks again. One that cannot be split
@@ -70,7 +72,7 @@ void Refinement<E>::Complete(Context& context) {
     }
     const VertexIndex x = EmitVertex(context, gap.x, ordinal++, 2, kNil);
     RequestFirstComplete(context, x, gap.e2);
-    star_.Insert(x, gap.x);
+    if (!star_.Insert(x, gap.x)) skipped_.push_back({gap.neighbour, gap.left});
   }
   context.payload().flag = yielded;
   if (yielded) return;

@@ -17,6 +17,7 @@ using VertexIndex = std::uint32_t;
 using SubsegmentIndex = std::uint32_t;
 using FeatureSlot = std::uint32_t;  // an input feature; the box's own are slot 0
 inline constexpr std::uint32_t kNil = ~std::uint32_t{0};
+inline constexpr int kMostOutputs = 255;  // vertices that one operation may make
 
 // Procedures. kNearest and kComplete work on vertices, the others on subsegments.
 enum Procedure : sac::Kind {

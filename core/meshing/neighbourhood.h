@@ -221,7 +221,7 @@ bool Refinement<E>::VerifyCorner(Context& context, int i) {
   auto search = [&](const Point2& centre, double radius2) {
     tree_.VisitBall(centre, radius2, [&](std::uint32_t id, const Point2& q, double d2) {
       if (id == star_.vertex() || id == a || id == b || !context.Sees(vertices_[id].birth)) return;
-      if (!star_.Conflicts(i, q)) return;
+      if (!star_.Conflicts(i, q) || star_.Has(id)) return;
       found = id;
       found_p = q;
       radius2 = d2;
@@ -234,7 +234,7 @@ bool Refinement<E>::VerifyCorner(Context& context, int i) {
     // first, growing from the scale of what is known.
     const double r = std::sqrt(n.r2);
     const double nearest = std::sqrt(std::min(n.d2, star_[star_.Next(i)].d2));
-    for (double s = nearest; s < r / 2; s *= 2.5) {
+    for (double s = nearest; 0 < s && s < r / 2; s *= 2.5) {
       if (search({{p[0] + n.wx * (s / r), p[1] + n.wy * (s / r)}}, s * s)) break;
     }
     if (found == kNil) {

@@ -111,12 +111,6 @@ class Refinement {
       if (InMesh(s)) f(s);
     }
   }
-  template <class F>
-  void ForSubsegmentsAt(VertexIndex v, F f) const {  // O(all)
-    ForEachSubsegment([&](const Subsegment& s) {
-      if (s.a == v || s.b == v) f(s);
-    });
-  }
   // Calls f(u) for vertices u near v, until it says true.
   template <class F>
   void ForSomeNeighbours(VertexIndex v, F f) const {

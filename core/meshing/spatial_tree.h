@@ -280,15 +280,17 @@ class SpatialTree {
     }
     return cell;
   }
-  // Squared distance from p to the closed cell. Points beyond the root's border
-  // belong to its outermost cells, but no point lies there.
+  // Squared distance from p to the closed cell, rounded down: to no more than what is
+  // computed for any point in it. Points beyond the root's border belong to its outermost
+  // cells, but no point lies there.
   static double DistanceToCell2(const Point& p, const Cell& cell) {
     double d2 = 0;
     for (int i = 0; i < D; ++i) {
-      const double d = std::max(0.0, std::fabs(p[i] - cell.centre[i]) - cell.half);
+      const double to_centre = std::fabs(p[i] - cell.centre[i]) * (1 - 0x1p-51);
+      const double d = std::max(0.0, to_centre - cell.half);
       d2 += d * d;
     }
-    return d2;
+    return d2 * (1 - 0x1p-50);
   }
   static bool Meets(const Extent<D>& box, const Cell& cell) {
     for (int i = 0; i < D; ++i) {

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "tests/differential/differential.h"
+#include "tests/support/asked.h"
 
 namespace dynmesh::test {
 namespace {
@@ -16,18 +17,6 @@ bool IsNightly() {
   const char* set = std::getenv("DYNMESH_NIGHTLY");
   return set != nullptr && *set != '\0' && *set != '0';
 }
-
-struct Asked {
-  const char* name;
-  double quality;
-  Criterion criterion;
-};
-constexpr Asked kAsked[] = {{"Rho2", 2.0, Criterion::kEdge},
-                            {"RhoSqrt2", kDefaultQuality2D, Criterion::kEdge},
-                            {"Rho1p2", 1.2, Criterion::kEdge},
-                            {"Rho1", 1.0, Criterion::kEdge},
-                            {"ThesisRho2", 2.0, Criterion::kThesis},
-                            {"ThesisRhoSqrt2", kDefaultQuality2D, Criterion::kThesis}};
 
 class History : public testing::TestWithParam<std::tuple<Distribution, int>> {};
 
@@ -66,7 +55,7 @@ std::string NameOfCase(const testing::TestParamInfo<std::tuple<Distribution, int
 
 INSTANTIATE_TEST_SUITE_P(All, History,
                          testing::Combine(testing::ValuesIn(kAllDistributions),
-                                          testing::Range(0, 6)),
+                                          testing::Range(0, kAskedCount)),
                          NameOfCase);
 
 // What is large is rebuilt, what is small propagated: nobody can tell.

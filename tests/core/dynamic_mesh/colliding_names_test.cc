@@ -1,0 +1,173 @@
+// Ids of vertices that collide, which a hash of 64 bits never shows: with a poor hash in
+// its place an edit renames vertices all over the mesh. After every revision the diff
+// takes a replica to the snapshot, and everything is as from scratch, ids included.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <tuple>
+
+#include "core/data/mesh_store.h"
+#include "core/dynamic_mesh/planar_mesh.h"
+#include "tests/support/workload.h"
+
+namespace dynmesh {
+namespace {
+
+using test::Distribution;
+
+// Unlike for each class and salt, and in no order.
+VertexId IdOfClass(double name, std::uint64_t salt) {
+  const double place[] = {name, static_cast<double>(salt)};
+  return VertexIdAt(place, 2);
+}
+
+template <int kClasses>
+VertexId OfFewClasses(const double* c, int dimension, std::uint64_t salt) {
+  return IdOfClass(static_cast<double>(VertexIdAt(c, dimension) % kClasses), salt);
+}
+
+// Neighbours collide: all corners of most triangles are renamed at once.
+VertexId OfSquare(const double* c, int, std::uint64_t salt) {
+  return IdOfClass(std::floor(4 * c[0]) + 100 * std::floor(4 * c[1]), salt);
+}
+
+struct PoorHash {
+  const char* name;
+  VertexNames::Hash hash;
+};
+constexpr PoorHash kPoorHashes[] = {{"SixtyFourClasses", &OfFewClasses<64>},
+                                    {"SixteenClasses", &OfFewClasses<16>},
+                                    {"OneClass", &OfFewClasses<1>},
+                                    {"Squares", &OfSquare}};
+
+Mesh Canonical(Mesh mesh) {
+  Canonicalize(mesh);
+  return mesh;
+}
+
+// Empty if all parts and ids are the same.
+std::string Differs(const Mesh& a, const Mesh& b) {
+  if (!(a.vertices == b.vertices)) return "vertices differ";
+  if (a.simplices != b.simplices) return "simplices differ";
+  if (!(a.subsegments == b.subsegments)) return "subsegments differ";
+  if (!(a.hash == b.hash)) return "hashes differ";
+  return "";
+}
+
+// A mesh and a replica that follows it by diffs alone.
+class Followed {
+ public:
+  Followed(const MeshOptions& options, const PlanarMeshTuning& tuning)
+      : tuning_(tuning),
+        mesh_(options, tuning),
+        replica_(*data::MeshStore::FromMesh(mesh_.Snapshot())) {}
+
+  PlanarMesh& mesh() { return mesh_; }
+
+  // Empty if the replica follows `diff` and is what the features make from scratch.
+  std::string Follow(const MeshDiff& diff) {
+    if (const absl::Status s = replica_.Apply(diff); !s.ok()) return s.ToString();
+    return Check();
+  }
+  std::string Check() {
+    const Mesh snapshot = Canonical(mesh_.Snapshot());
+    if (!(ComputeHash(snapshot) == snapshot.hash)) return "the hash is not the snapshot's";
+    if (const auto d = Differs(Canonical(replica_.ToMesh()), snapshot); !d.empty()) {
+      return "replica: " + d;
+    }
+    const Mesh fresh = Canonical(FromScratch());
+    if (const auto d = Differs(fresh, snapshot); !d.empty()) return "from scratch: " + d;
+    const AuditReport audit = mesh_.Audit();
+    return audit.problems.empty() ? "" : audit.problems.front();
+  }
+
+ private:
+  Mesh FromScratch() const {
+    PlanarMeshTuning tuning = tuning_;
+    tuning.rebuild_at_least = 0;
+    tuning.rebuild_fraction = -1;
+    PlanarMesh fresh(mesh_.options(), tuning);
+    EditBatch all;
+    for (const Feature& f : mesh_.Features()) all.push_back(Edit::Add(f));
+    EXPECT_TRUE(fresh.Apply(all, ApplyOptions{}).ok());
+    return fresh.Snapshot();
+  }
+
+  PlanarMeshTuning tuning_;
+  PlanarMesh mesh_;
+  data::MeshStore replica_;
+};
+
+class CollidingNames : public testing::TestWithParam<std::tuple<int, Distribution>> {
+ protected:
+  const PoorHash& poor() const { return kPoorHashes[std::get<0>(GetParam())]; }
+  Distribution distribution() const { return std::get<1>(GetParam()); }
+
+  void Run(const PlanarMeshTuning& tuning, int points, std::uint64_t seed, int revisions) {
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", points " + std::to_string(points));
+    Followed followed({}, tuning);
+    test::ScriptGenerator generator(distribution(), points, seed);
+    int tries = 0;
+    for (int r = 0; r < revisions; ++tries) {
+      ASSERT_LT(tries, 50 * revisions) << "too many proposals were refused";
+      const auto diff =
+          followed.mesh().Apply(generator.Next(followed.mesh().Features()), ApplyOptions{});
+      if (!diff.ok()) continue;
+      ASSERT_EQ(followed.Follow(*diff), "") << "revision " << r + 1;
+      ++r;
+    }
+  }
+};
+
+TEST_P(CollidingNames, DiffLeadsToTheSnapshotAfterEveryRevision) {
+  PlanarMeshTuning tuning;
+  tuning.vertex_hash = poor().hash;
+  tuning.rebuild_at_least = ~std::size_t{0};
+  Run(tuning, 6, 11, 25);
+  Run(tuning, 30, 12, 15);
+  tuning.global_neighbourhoods = false;
+  Run(tuning, 30, 13, 10);
+  tuning.rebuild_at_least = 8;
+  Run(tuning, 12, 14, 15);
+}
+
+// A batch that is cancelled gives back every name.
+TEST_P(CollidingNames, ACancelledBatchLeavesThemAsTheyWere) {
+  PlanarMeshTuning tuning;
+  tuning.vertex_hash = poor().hash;
+  tuning.rebuild_at_least = ~std::size_t{0};
+  const std::uint64_t seed = 21;
+  Followed followed({}, tuning);
+  test::ScriptGenerator generator(distribution(), 15, seed);
+  test::Random random(seed);
+  int cancelled = 0, applied = 0;
+  for (int i = 0; i < 40; ++i) {
+    int left = random.OneIn(2) ? random.Below(40) : 1'000'000;
+    const auto diff = followed.mesh().Apply(generator.Next(followed.mesh().Features()),
+                                            [&] { return --left < 0; });
+    if (diff.ok()) {
+      ++applied;
+      ASSERT_EQ(followed.Follow(*diff), "") << "seed " << seed << ", batch " << i;
+    } else if (absl::IsCancelled(diff.status())) {
+      ++cancelled;
+      ASSERT_EQ(followed.Check(), "") << "seed " << seed << ", batch " << i;
+    }
+  }
+  EXPECT_GT(applied, 3);
+  EXPECT_GT(cancelled, 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, CollidingNames,
+    testing::Combine(testing::Range(0, static_cast<int>(std::size(kPoorHashes))),
+                     testing::Values(Distribution::kUniform, Distribution::kClustered,
+                                     Distribution::kGrid, Distribution::kSegmentsTurned,
+                                     Distribution::kDiagonals, Distribution::kParallel)),
+    [](const auto& its) {
+      return std::string(kPoorHashes[std::get<0>(its.param)].name) + NameOf(std::get<1>(its.param));
+    });
+
+}  // namespace
+}  // namespace dynmesh

@@ -1,0 +1,237 @@
+// Whole meshes, judged by exact arithmetic: every kind of input, every quality.
+// Delaunay, cover of the domain, input kept, circumradius to shortest edge. CGAL is the
+// oracle: predicates, rationals and its own triangulation of the vertices.
+#include <CGAL/Exact_rational.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/meshing/rules.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "tests/core/mesh/delaunay_oracle.h"
+#include "tests/support/asked.h"
+#include "tests/support/workload.h"
+
+namespace dynmesh {
+namespace {
+
+using Exact = CGAL::Exact_rational;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using CgalPoint = Kernel::Point_2;
+using geometry::Point2;
+using test::Distribution;
+using test::kAsked;
+
+CgalPoint ToCgal(const Point2& p) { return {p[0], p[1]}; }
+
+// Twice the signed area.
+Exact Cross(const Point2& a, const Point2& b, const Point2& c) {
+  return (Exact(b[0]) - a[0]) * (Exact(c[1]) - a[1]) - (Exact(b[1]) - a[1]) * (Exact(c[0]) - a[0]);
+}
+
+Exact Squared(const Point2& a, const Point2& b) {
+  const Exact x = Exact(a[0]) - b[0], y = Exact(a[1]) - b[1];
+  return x * x + y * y;
+}
+
+using Edge = std::pair<VertexId, VertexId>;  // the lesser first
+Edge EdgeOf(VertexId a, VertexId b) { return {std::min(a, b), std::max(a, b)}; }
+
+// A mesh by ids.
+struct Judged {
+  Judged(const Mesh& m, const MeshOptions& o) : mesh(m), options(o), domain(DomainBox(o)) {
+    for (std::size_t i = 0; i < m.vertices.size(); ++i) {
+      at[m.vertices.ids[i]] = {{m.vertices.coordinates[2 * i], m.vertices.coordinates[2 * i + 1]}};
+    }
+    for (std::size_t i = 0; i < m.simplices.size(); i += 3) {
+      triangles.push_back({m.simplices[i], m.simplices[i + 1], m.simplices[i + 2]});
+      for (int k = 0; k < 3; ++k) {
+        const auto& t = triangles.back();
+        apexes[EdgeOf(t[k], t[(k + 1) % 3])].push_back(t[(k + 2) % 3]);
+      }
+    }
+  }
+  double slack(double e2) const {
+    return meshing::QualitySlack(e2, meshing::UlpOfDomain(domain, 2));
+  }
+  bool OnOneSideOfTheDomain(const Point2& a, const Point2& b) const {
+    for (int k = 0; k < 2; ++k) {
+      if (a[k] == b[k] && (a[k] == domain.lo[k] || a[k] == domain.hi[k])) return true;
+    }
+    return false;
+  }
+
+  const Mesh& mesh;
+  const MeshOptions& options;
+  Box domain;
+  std::map<VertexId, Point2> at;
+  std::vector<std::array<VertexId, 3>> triangles;
+  std::map<Edge, std::vector<VertexId>> apexes;
+};
+
+// Each edge is locally Delaunay, inner ones have two triangles; together with the area
+// that is the Delaunay triangulation. And CGAL makes as many triangles of the vertices.
+void CheckDelaunay(const Judged& j) {
+  std::set<Point2> places;
+  std::vector<Point2> points;
+  for (const auto& [id, p] : j.at) {
+    ASSERT_TRUE(places.insert(p).second) << "two vertices at one place";
+    points.push_back(p);
+  }
+  ASSERT_EQ(places.size(), j.mesh.vertices.size()) << "an id stands twice";
+  Exact area = 0;
+  for (const auto& t : j.triangles) {
+    const Exact cross = Cross(j.at.at(t[0]), j.at.at(t[1]), j.at.at(t[2]));
+    ASSERT_GT(cross, 0) << "not counter-clockwise";
+    area += cross;
+  }
+  const auto& [lo, hi] = j.domain;
+  ASSERT_EQ(area, 2 * (Exact(hi[0]) - lo[0]) * (Exact(hi[1]) - lo[1])) << "covers the domain";
+  for (const auto& [edge, apexes] : j.apexes) {
+    const Point2 &a = j.at.at(edge.first), &b = j.at.at(edge.second);
+    ASSERT_LE(apexes.size(), 2u);
+    if (apexes.size() == 1) {
+      ASSERT_TRUE(j.OnOneSideOfTheDomain(a, b)) << "a border inside the domain";
+      continue;
+    }
+    Point2 p = j.at.at(apexes[0]), q = j.at.at(apexes[1]);
+    if (CGAL::orientation(ToCgal(a), ToCgal(b), ToCgal(p)) != CGAL::LEFT_TURN) std::swap(p, q);
+    ASSERT_NE(CGAL::side_of_oriented_circle(ToCgal(a), ToCgal(b), ToCgal(p), ToCgal(q)),
+              CGAL::ON_POSITIVE_SIDE)
+        << "a vertex in a circumcircle";
+  }
+  const mesh::testing::TriangleSet by_cgal = mesh::testing::CgalDelaunay(points);
+  ASSERT_EQ(by_cgal.size(), j.triangles.size());
+}
+
+// Points are vertices of their own; a segment is a chain of subsegments, each an edge,
+// from end to end, off the line by rounding only.
+void CheckInputIsKept(const Judged& j, const std::vector<Feature>& features) {
+  std::map<Point2, std::size_t> row_at;
+  for (std::size_t i = 0; i < j.mesh.vertices.size(); ++i) {
+    row_at[j.at.at(j.mesh.vertices.ids[i])] = i;
+  }
+  std::map<FeatureId, std::vector<Edge>> pieces;
+  for (std::size_t i = 0; i < j.mesh.subsegments.size(); ++i) {
+    const Edge e = {j.mesh.subsegments.ends[2 * i], j.mesh.subsegments.ends[2 * i + 1]};
+    ASSERT_TRUE(j.apexes.contains(e)) << "a subsegment is no edge";
+    pieces[j.mesh.subsegments.owners[i]].push_back(e);
+  }
+  std::map<FeatureId, Point2> place;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kPoint) continue;
+    place[f.id] = {{f.position[0], f.position[1]}};
+    const auto row = row_at.find(place[f.id]);
+    ASSERT_NE(row, row_at.end()) << "point " << f.id << " is no vertex";
+    ASSERT_EQ(j.mesh.vertices.owners[row->second], f.id);
+    ASSERT_EQ(j.mesh.vertices.containing_dimensions[row->second], 0);
+  }
+  const double ulp = meshing::UlpOfDomain(j.domain, 2);
+  std::size_t segments = 0;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kSegment) continue;
+    ++segments;
+    const Point2 &p = place.at(f.ends[0]), &q = place.at(f.ends[1]);
+    std::map<VertexId, std::vector<VertexId>> beside;
+    for (const auto& [a, b] : pieces[f.id]) beside[a].push_back(b), beside[b].push_back(a);
+    // Walk from p: every piece once, ever nearer to q, which is the end.
+    VertexId v = j.mesh.vertices.ids[row_at.at(p)], before = 0;
+    const VertexId end = j.mesh.vertices.ids[row_at.at(q)];
+    std::size_t steps = 0;
+    while (v != end) {
+      const std::vector<VertexId>& next = beside[v];
+      ASSERT_EQ(next.size(), before == 0 ? 1u : 2u) << "segment " << f.id << " is no chain";
+      const VertexId w = next[0] == before ? next.back() : next[0];
+      ASSERT_LT(Squared(j.at.at(w), q), Squared(j.at.at(v), q)) << "goes back";
+      before = std::exchange(v, w);
+      ++steps;
+      const double off =
+          CGAL::to_double(Cross(p, q, j.at.at(v))) / std::sqrt(CGAL::to_double(Squared(p, q)));
+      ASSERT_LE(std::fabs(off), 8 * ulp) << "segment " << f.id << " bends";
+    }
+    ASSERT_EQ(steps, pieces[f.id].size()) << "segment " << f.id << " has other pieces";
+  }
+  ASSERT_EQ(pieces.size(), segments + 1) << "those of the features and of the box";
+}
+
+// No triangle over rho (1+h), exactly.
+void CheckRadiusEdge(const Judged& j) {
+  for (const auto& t : j.triangles) {
+    std::array<Exact, 3> e2;
+    for (int k = 0; k < 3; ++k) e2[k] = Squared(j.at.at(t[k]), j.at.at(t[(k + 1) % 3]));
+    std::sort(e2.begin(), e2.end());
+    const Exact cross = Cross(j.at.at(t[0]), j.at.at(t[1]), j.at.at(t[2]));
+    // (R/e)^2 = e1^2 e2^2 / (2 cross)^2.
+    const Exact bound = Exact(j.options.quality) * (1 + Exact(j.slack(CGAL::to_double(e2[0]))));
+    // The test itself rounds: some 2^-50, far below h.
+    ASSERT_LE(e2[1] * e2[2], bound * bound * 4 * cross * cross * (1 + Exact(0x1p-48)))
+        << "rho " << std::sqrt(CGAL::to_double(e2[1] * e2[2] / (4 * cross * cross)));
+  }
+}
+
+// The thesis's: no corner of a vertex's Voronoi cell farther than rho (1+h) NN. The
+// centre that refinement tests is rounded, so that flat triangles have more slack.
+void CheckVoronoiAspect(const Judged& j) {
+  std::map<VertexId, Exact> nn2, far2;
+  for (const auto& [edge, apexes] : j.apexes) {
+    const Exact e2 = Squared(j.at.at(edge.first), j.at.at(edge.second));
+    for (const VertexId v : {edge.first, edge.second}) {
+      const auto [it, fresh] = nn2.try_emplace(v, e2);
+      if (!fresh) it->second = std::min(it->second, e2);
+    }
+  }
+  for (const auto& t : j.triangles) {
+    const Point2 &a = j.at.at(t[0]), &b = j.at.at(t[1]), &c = j.at.at(t[2]);
+    const Exact cross = Cross(a, b, c);
+    const Exact r2 = Squared(a, b) * Squared(b, c) * Squared(c, a) / (4 * cross * cross);
+    for (const VertexId v : t) {
+      const Exact bound =
+          Exact(j.options.quality) * (1 + Exact(j.slack(CGAL::to_double(nn2.at(v)))) + Exact(1e-9));
+      ASSERT_LE(r2, bound * bound * nn2.at(v))
+          << "at " << j.at.at(v)[0] << " " << j.at.at(v)[1] << ": "
+          << std::sqrt(CGAL::to_double(r2 / nn2.at(v)));
+    }
+  }
+}
+
+class MeshQuality : public testing::TestWithParam<std::tuple<Distribution, int>> {};
+
+TEST_P(MeshQuality, IsADelaunayMeshOfTheInputWithTheQualityAskedFor) {
+  const auto [distribution, asked] = GetParam();
+  MeshOptions options;
+  options.quality = kAsked[asked].quality;
+  options.criterion = kAsked[asked].criterion;
+  options.limits.max_vertices = 100'000;
+  const std::uint64_t seed = 300;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  const std::vector<Feature> features = test::MakeFeatures(distribution, 300, seed);
+  const absl::StatusOr<Mesh> mesh = BuildMesh(features, options);
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ(ComputeHash(*mesh), mesh->hash);
+  const Judged judged(*mesh, options);
+  ASSERT_NO_FATAL_FAILURE(CheckDelaunay(judged));
+  ASSERT_NO_FATAL_FAILURE(CheckInputIsKept(judged, features));
+  ASSERT_NO_FATAL_FAILURE(CheckRadiusEdge(judged));
+  if (options.criterion == Criterion::kThesis) {
+    ASSERT_NO_FATAL_FAILURE(CheckVoronoiAspect(judged));
+  }
+}
+
+std::string NameOfCase(const testing::TestParamInfo<std::tuple<Distribution, int>>& its) {
+  return NameOf(std::get<0>(its.param)) + kAsked[std::get<1>(its.param)].name;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, MeshQuality,
+                         testing::Combine(testing::ValuesIn(test::kAllDistributions),
+                                          testing::Range(0, test::kAskedCount)),
+                         NameOfCase);
+
+}  // namespace
+}  // namespace dynmesh

@@ -1,0 +1,286 @@
+// The bucket quadtree against a plain list of points. Cells are not visible from
+// outside, but on a lattice the paths of all lattice points tell everything of them.
+#include "core/meshing/spatial_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/support/workload.h"
+
+namespace dynmesh::meshing {
+namespace {
+
+using Tree = SpatialTree<2>;
+using Point2 = geometry::Point2;
+using Nodes = std::set<Tree::NodeIndex>;
+
+constexpr Point2 kLo = {{0, 0}}, kHi = {{1, 1}};
+constexpr int kLattice = 64;
+// The tree's root for the unit square: its cells' borders are lattice lines.
+constexpr double kRootLo = -1.5, kRootHi = 2.5;
+
+enum class Layout { kUniform, kOnLattice, kClusters, kCoincident };
+constexpr Layout kAllLayouts[] = {Layout::kUniform, Layout::kOnLattice, Layout::kClusters,
+                                  Layout::kCoincident};
+
+Point2 RandomPoint(Layout layout, test::Random& random) {
+  const auto lattice = [&] { return random.Below(kLattice + 1) / double{kLattice}; };
+  switch (layout) {
+    case Layout::kUniform:
+      return {{random.Unit(), random.Unit()}};
+    case Layout::kOnLattice:
+      return {{lattice(), lattice()}};  // borders of cells, and of the box
+    case Layout::kClusters: {
+      const double spread = std::ldexp(random.Unit(), -random.Below(50));
+      return {{std::clamp(0.25 * random.Below(5) + spread * (random.Unit() - 0.5), 0.0, 1.0),
+               std::clamp(0.25 * random.Below(5) + spread * (random.Unit() - 0.5), 0.0, 1.0)}};
+    }
+    case Layout::kCoincident:
+      return {{0.5 * random.Below(3), 0.3}};
+  }
+  return {};
+}
+
+// A tree and the list that it stands for; and who has subscribed where, as the engine
+// keeps them.
+class Pair {
+ public:
+  Pair() : tree(kLo, kHi) {}
+
+  void Insert(std::uint32_t id, const Point2& p) {
+    tree.Insert(id, p);
+    points[id] = p;
+  }
+  void Remove(std::uint32_t id) {
+    tree.Remove(id, points.at(id), [&](Tree::NodeIndex first, Tree::NodeIndex parent) {
+      ++merges;
+      for (auto& [box, places] : subscribed) {
+        for (int k = 0; k < Tree::kChildren; ++k) {
+          if (places.erase(first + static_cast<Tree::NodeIndex>(k)) > 0) places.insert(parent);
+        }
+      }
+    });
+    points.erase(id);
+  }
+  std::uint32_t AnyId(test::Random& random) const {
+    auto it = points.begin();
+    std::advance(it, random.Below(static_cast<int>(points.size())));
+    return it->first;
+  }
+
+  std::set<std::uint32_t> InBall(const Point2& centre, double radius2) const {
+    std::set<std::uint32_t> ids;
+    double r2 = radius2;
+    tree.VisitBall(centre, r2, [&](std::uint32_t id, const Point2& p, double d2) {
+      EXPECT_EQ(p, points.at(id));
+      EXPECT_EQ(d2, geometry::SquaredDistance(p, centre));
+      EXPECT_TRUE(ids.insert(id).second) << "visited twice";
+    });
+    return ids;
+  }
+  Nodes Path(const Point2& p) const {
+    Nodes nodes;
+    tree.VisitPath(p, [&](Tree::NodeIndex n) { nodes.insert(n); });
+    return nodes;
+  }
+  Nodes Cover(const Extent<2>& box) const {
+    Nodes nodes;
+    tree.Cover(box, [&](Tree::NodeIndex n) { EXPECT_TRUE(nodes.insert(n).second); });
+    return nodes;
+  }
+
+  Tree tree;
+  std::map<std::uint32_t, Point2> points;
+  std::vector<std::pair<Extent<2>, Nodes>> subscribed;
+  int merges = 0;
+};
+
+Extent<2> RandomBox(test::Random& random) {
+  const double side = std::ldexp(random.Unit(), -random.Below(8));
+  Extent<2> box = Extent<2>::Nothing();
+  box.AddBall({{random.Unit(), random.Unit()}}, side);
+  return box;
+}
+
+Point2 RandomPointIn(const Extent<2>& box, test::Random& random) {
+  Point2 p;
+  for (int i = 0; i < 2; ++i) {
+    const double lo = std::max(box.lo[i], kRootLo);
+    const double hi = std::min(box.hi[i], std::nextafter(kRootHi, 0));
+    const int how = random.Below(4);
+    p[i] = how == 0 ? lo : how == 1 ? hi : std::min(hi, lo + random.Unit() * (hi - lo));
+  }
+  return p;
+}
+
+class SpatialTreeTest : public testing::TestWithParam<Layout> {};
+
+void CheckBalls(const Pair& pair, test::Random& random) {
+  for (int k = 0; k < 4; ++k) {
+    // A centre anywhere, or at a point; a radius of any size, or to some point exactly.
+    Point2 centre = {{1.4 * random.Unit() - 0.2, 1.4 * random.Unit() - 0.2}};
+    if (random.OneIn(2)) centre = pair.points.at(pair.AnyId(random));
+    double radius2 = std::ldexp(random.Unit(), -random.Below(60));
+    if (random.OneIn(3)) {
+      radius2 = geometry::SquaredDistance(centre, pair.points.at(pair.AnyId(random)));
+    }
+    std::set<std::uint32_t> wanted;
+    double nearest2 = INFINITY;
+    for (const auto& [id, p] : pair.points) {
+      const double d2 = geometry::SquaredDistance(p, centre);
+      nearest2 = std::min(nearest2, d2);
+      if (d2 <= radius2) wanted.insert(id);
+    }
+    ASSERT_EQ(pair.InBall(centre, radius2), wanted);
+    double shrinking = INFINITY;
+    pair.tree.VisitBall(centre, shrinking,
+                        [&](std::uint32_t, const Point2&, double d2) { shrinking = d2; });
+    ASSERT_EQ(shrinking, nearest2);
+  }
+}
+
+void CheckBoxes(const Pair& pair, test::Random& random) {
+  const Extent<2> box = RandomBox(random);
+  std::set<std::uint32_t> wanted, visited;
+  for (const auto& [id, p] : pair.points) {
+    if (box.Contains(p)) wanted.insert(id);
+  }
+  const auto visit = [&](std::uint32_t id, const Point2& p) {
+    EXPECT_EQ(p, pair.points.at(id));
+    EXPECT_TRUE(visited.insert(id).second) << "visited twice";
+  };
+  ASSERT_TRUE(pair.tree.VisitPointsIn(box, 1'000'000, visit));
+  ASSERT_EQ(visited, wanted);
+  if (wanted.empty()) return;
+  visited.clear();
+  const int few = random.Below(static_cast<int>(wanted.size()));
+  ASSERT_FALSE(pair.tree.VisitPointsIn(box, few, visit)) << "there are more";
+  ASSERT_LE(static_cast<int>(visited.size()), few);
+}
+
+// Whoever subscribed to a cover of a box is on the path of all points in it, whatever
+// has been split and merged since.
+void CheckSubscriptions(Pair& pair, test::Random& random) {
+  for (const auto& [box, places] : pair.subscribed) {
+    const Nodes path = pair.Path(RandomPointIn(box, random));
+    ASSERT_TRUE(std::any_of(path.begin(), path.end(),
+                            [&](Tree::NodeIndex n) { return places.contains(n); }));
+  }
+  if (pair.subscribed.size() >= 60) {
+    pair.subscribed.erase(pair.subscribed.begin() + random.Below(60));
+  }
+  const Extent<2> box = RandomBox(random);
+  const Nodes cover = pair.Cover(box);
+  ASSERT_LE(cover.size(), 4u);
+  for (int k = 0; k < 8; ++k) {
+    const Nodes path = pair.Path(RandomPointIn(box, random));
+    ASSERT_EQ(std::count_if(path.begin(), path.end(),
+                            [&](Tree::NodeIndex n) { return cover.contains(n); }),
+              1);
+  }
+  pair.subscribed.emplace_back(box, cover);
+}
+
+TEST_P(SpatialTreeTest, IsAListOfPointsAfterAnyInsertionsAndRemovals) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    test::Random random(seed);
+    Pair pair;
+    std::uint32_t next = 0;
+    int most = 200;
+    for (int step = 0; step < 3000; ++step) {
+      if (step % 500 == 0) most = most == 200 ? 5 : 200;  // grow, then shrink: merges
+      const int size = static_cast<int>(pair.points.size());
+      if (size == 0 || (size < most && !random.OneIn(4))) {
+        pair.Insert(next++, RandomPoint(GetParam(), random));
+      } else {
+        pair.Remove(pair.AnyId(random));
+      }
+      if (!pair.points.empty() && step % 3 == 0) {
+        ASSERT_NO_FATAL_FAILURE(CheckBalls(pair, random));
+        ASSERT_NO_FATAL_FAILURE(CheckBoxes(pair, random));
+      }
+      ASSERT_NO_FATAL_FAILURE(CheckSubscriptions(pair, random));
+    }
+    EXPECT_GT(pair.merges, 10);
+    while (!pair.points.empty()) pair.Remove(pair.points.begin()->first);
+    EXPECT_EQ(pair.Path({{0.5, 0.5}}), Nodes{0}) << "nothing but the root is left";
+  }
+}
+
+std::string NameOfLayout(const testing::TestParamInfo<Layout>& its) {
+  static constexpr const char* kNames[] = {"Uniform", "Lattice", "Clusters", "Coincident"};
+  return kNames[static_cast<int>(its.param)];
+}
+INSTANTIATE_TEST_SUITE_P(All, SpatialTreeTest, testing::ValuesIn(kAllLayouts), NameOfLayout);
+
+// With points on a lattice, no more than fit a leaf at each, no cell is smaller than the
+// lattice's: each that meets a box of lattice corners holds a lattice point of it.
+TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABox) {
+  const std::uint64_t seed = 9;
+  test::Random random(seed);
+  Pair pair;
+  std::map<std::pair<double, double>, int> copies;
+  for (std::uint32_t id = 0; id < 1500; ++id) {
+    const Point2 p = RandomPoint(Layout::kOnLattice, random);
+    const Point2 q = random.OneIn(3) ? p : Point2{{p[0] / 4 + 0.25, p[1] / 4 + 0.5}};
+    const Point2 r = {
+        {std::floor(q[0] * kLattice) / kLattice, std::floor(q[1] * kLattice) / kLattice}};
+    if (++copies[{r[0], r[1]}] <= Tree::kCapacity) pair.Insert(id, r);
+  }
+  for (int i = 0; i < 300; ++i) {
+    const int most = random.OneIn(20) ? 4 * kLattice : random.Below(20);
+    Extent<2> box;
+    for (int k = 0; k < 2; ++k) {
+      const int lo = random.Below(3 * kLattice) - kLattice;
+      box.lo[k] = lo / double{kLattice};
+      box.hi[k] = (lo + random.Below(most + 1)) / double{kLattice};
+    }
+    Nodes wanted;
+    for (double x = std::max(box.lo[0], kRootLo); x <= box.hi[0] && x < kRootHi;
+         x += 1.0 / kLattice) {
+      for (double y = std::max(box.lo[1], kRootLo); y <= box.hi[1] && y < kRootHi;
+           y += 1.0 / kLattice) {
+        wanted.merge(pair.Path({{x, y}}));
+      }
+    }
+    Nodes visited;
+    pair.tree.VisitBox(
+        box, [&](Tree::NodeIndex n) { EXPECT_TRUE(visited.insert(n).second) << "visited twice"; });
+    ASSERT_EQ(visited, wanted) << "seed " << seed << " box " << i;
+  }
+}
+
+TEST(SpatialTree, PathsBeginAtTheRootAndEndWhereThePointIs) {
+  test::Random random(10);
+  Pair pair;
+  for (std::uint32_t id = 0; id < 500; ++id) {
+    pair.Insert(id, RandomPoint(Layout::kOnLattice, random));
+    const Point2 p = pair.points.at(id);
+    std::vector<Tree::NodeIndex> path;
+    pair.tree.VisitPath(p, [&](Tree::NodeIndex n) { path.push_back(n); });
+    ASSERT_EQ(path.front(), 0u);
+    // The leaf alone covers the point.
+    ASSERT_EQ(pair.Cover({p.c, p.c}), Nodes{path.back()});
+  }
+}
+
+TEST(Extent, HoldsTheBallsAddedWithTheirBorders) {
+  Extent<2> box = Extent<2>::Nothing();
+  EXPECT_FALSE(box.Contains({{0, 0}}));
+  box.AddBall({{1, 2}}, 0.5);
+  EXPECT_TRUE(box.Contains({{0.5, 2.5}}));
+  EXPECT_FALSE(box.Contains({{0.4, 2}}));
+  box.AddBall({{-1, 2}}, 0);
+  EXPECT_TRUE(box.Contains({{-1, 1.5}}));
+  EXPECT_FALSE(box.Contains({{-1, 1.4}}));
+}
+
+}  // namespace
+}  // namespace dynmesh::meshing

@@ -1,0 +1,28 @@
+// The qualities and criteria that every kind of input is meshed with.
+#ifndef DYNMESH_TESTS_SUPPORT_ASKED_H_
+#define DYNMESH_TESTS_SUPPORT_ASKED_H_
+
+#include <iterator>
+
+#include "dynmesh/options.h"
+
+namespace dynmesh::test {
+
+struct Asked {
+  const char* name;
+  double quality;
+  Criterion criterion;
+};
+
+inline constexpr Asked kAsked[] = {{"Rho2", 2.0, Criterion::kEdge},
+                                   {"RhoSqrt2", kDefaultQuality2D, Criterion::kEdge},
+                                   {"Rho1p2", 1.2, Criterion::kEdge},
+                                   {"Rho1", 1.0, Criterion::kEdge},
+                                   {"ThesisRho2", 2.0, Criterion::kThesis},
+                                   {"ThesisRhoSqrt2", kDefaultQuality2D, Criterion::kThesis},
+                                   {"ThesisRho1p2", kMinThesisQuality2D, Criterion::kThesis}};
+inline constexpr int kAskedCount = static_cast<int>(std::size(kAsked));
+
+}  // namespace dynmesh::test
+
+#endif  // DYNMESH_TESTS_SUPPORT_ASKED_H_
