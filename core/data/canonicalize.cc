@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -26,10 +27,11 @@ void Permute(const std::vector<std::uint32_t>& order, std::size_t width, std::ve
   column = std::move(sorted);
 }
 
-// Sorts items by their first key, an id and so a uniform hash, and then by `less`: dealt
-// out to as many slots as there are items, by leading bits, they stand nearly in order.
+// Sorts items by a leading key that is an id, hence a uniform hash, and what `less` adds to
+// it: dealt out, in place, to about as many slots as there are items, by leading bits, they
+// stand nearly in order.
 template <class Item, class KeyOf, class Less>
-void SortByHash(std::vector<Item>& items, KeyOf key_of, Less less) {
+void SortByHash(std::span<Item> items, KeyOf key_of, Less less) {
   const int bits = std::bit_width(items.size() / 2);
   if (bits < 4) return std::sort(items.begin(), items.end(), less);
   const auto slot_of = [&](const Item& item) { return key_of(item) >> (64 - bits); };
@@ -37,12 +39,19 @@ void SortByHash(std::vector<Item>& items, KeyOf key_of, Less less) {
   for (const Item& item : items) ++ends[slot_of(item)];
   std::uint32_t sum = 0;
   for (std::uint32_t& end : ends) sum = end += sum;
-  std::vector<Item> dealt(items.size());
-  for (const Item& item : items) dealt[--ends[slot_of(item)]] = item;
-  items = std::move(dealt);
-  for (std::size_t slot = 0; slot < ends.size(); ++slot) {
-    const auto end = slot + 1 < ends.size() ? ends[slot + 1] : items.size();
-    std::sort(items.begin() + ends[slot], items.begin() + static_cast<std::ptrdiff_t>(end), less);
+  std::vector<std::uint32_t> next(ends.size(), 0);
+  std::copy(ends.begin(), ends.end() - 1, next.begin() + 1);
+  for (std::size_t slot = 0, begin = 0; slot < ends.size(); begin = ends[slot++]) {
+    while (next[slot] < ends[slot]) {
+      Item& item = items[next[slot]];
+      const std::size_t home = slot_of(item);
+      if (home == slot) {
+        ++next[slot];
+      } else {
+        std::swap(item, items[next[home]++]);
+      }
+    }
+    std::sort(&items[begin], items.data() + ends[slot], less);
   }
 }
 
@@ -54,7 +63,7 @@ void SortVertices(int dimension, VertexColumns& v) {
   std::vector<Row> rows(v.size());
   for (std::uint32_t i = 0; i < rows.size(); ++i) rows[i] = {v.ids[i], i};
   SortByHash(
-      rows, [](const Row& r) { return r.id; },
+      std::span(rows), [](const Row& r) { return r.id; },
       [](const Row& a, const Row& b) { return a.id < b.id; });
   std::vector<std::uint32_t> order(rows.size());
   std::transform(rows.begin(), rows.end(), order.begin(), [](const Row& r) { return r.at; });
@@ -64,19 +73,14 @@ void SortVertices(int dimension, VertexColumns& v) {
   Permute(order, 1, v.owners);
 }
 
-// Whole rows are sorted, not indices: no cache miss per comparison.
+// Whole rows are sorted, where they are: no cache miss per comparison, no copy of the
+// largest column.
 template <std::size_t kWidth>
 void SortRows(SimplexColumn& simplices) {
   using Row = std::array<VertexId, kWidth>;
-  std::vector<Row> rows(simplices.size() / kWidth);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    std::copy_n(simplices.data() + i * kWidth, kWidth, rows[i].begin());
-  }
-  const std::size_t entries = simplices.size();
-  simplices = {};  // its room is needed for sorting
+  static_assert(sizeof(Row) == kWidth * sizeof(VertexId));
+  const std::span rows(reinterpret_cast<Row*>(simplices.data()), simplices.size() / kWidth);
   SortByHash(rows, [](const Row& r) { return r[0]; }, std::less<Row>());
-  simplices.reserve(entries);
-  for (const Row& row : rows) simplices.insert(simplices.end(), row.begin(), row.end());
 }
 
 void SortSimplices(int dimension, SimplexColumn& simplices) {

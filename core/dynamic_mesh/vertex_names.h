@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "absl/hash/hash.h"
 #include "core/geometry/point.h"
 #include "core/meshing/elements.h"
 #include "dynmesh/mesh.h"
@@ -24,13 +26,16 @@ class VertexNames {
   // Tests put a poor hash here, to make collisions.
   using Hash = VertexId (*)(const double* coordinates, int dimension, std::uint64_t salt);
 
-  explicit VertexNames(Hash hash = &VertexIdAt) : hash_(hash) {}
+  explicit VertexNames(Hash hash = &VertexIdAt)
+      : hash_(hash), alone_(0, HashOfName{&ids_}, SameName{&ids_}) {}
+  VertexNames(const VertexNames&) = delete;
+  VertexNames& operator=(const VertexNames&) = delete;
 
   VertexId at(Index v) const { return ids_[v]; }
 
   void Reserve(std::size_t vertices) {
     ids_.reserve(vertices);
-    groups_.reserve(vertices);
+    alone_.reserve(vertices);
   }
 
   // Vertex v at p comes. Calls renamed(w) for each other vertex *before* its id
@@ -40,12 +45,15 @@ class VertexNames {
     if (v >= ids_.size()) ids_.resize(v + v / 4 + 16);
     const VertexId name = Unsalted(position(v));
     ids_[v] = name;
-    const auto [it, alone] = groups_.try_emplace(name, v);
-    if (alone) return;
-    std::vector<Index>& members = crowded_[name];
-    if (members.empty()) members.push_back(it->second);
-    members.push_back(v);
-    Rename(members, v, position, renamed);
+    auto crowd = crowded_.find(name);
+    if (crowd == crowded_.end()) {
+      const auto [it, is_alone] = alone_.insert(v);
+      if (is_alone) return;
+      crowd = crowded_.try_emplace(name, std::vector<Index>{*it}).first;
+      alone_.erase(it);
+    }
+    crowd->second.push_back(v);
+    Rename(crowd->second, v, position, renamed);
   }
 
   // Vertex v goes; its id stays readable until the index is added again.
@@ -54,18 +62,32 @@ class VertexNames {
     const VertexId name = Unsalted(position(v));
     const auto crowd = crowded_.find(name);
     if (crowd == crowded_.end()) {
-      groups_.erase(name);
+      alone_.erase(v);
       return;
     }
     std::erase(crowd->second, v);
     Rename(crowd->second, v, position, renamed);
-    groups_[name] = crowd->second.front();
-    if (crowd->second.size() == 1) crowded_.erase(crowd);
+    if (crowd->second.size() > 1) return;
+    alone_.insert(crowd->second.front());
+    crowded_.erase(crowd);
   }
 
-  std::size_t bytes() const { return groups_.capacity() * 17 + ids_.capacity() * sizeof(VertexId); }
+  std::size_t bytes() const {
+    return alone_.capacity() * (sizeof(Index) + 1) + ids_.size() * sizeof(VertexId);
+  }
 
  private:
+  // Vertices that are alone in their group are known by their ids, which need not be kept
+  // twice.
+  struct HashOfName {
+    const std::vector<VertexId>* ids;
+    std::size_t operator()(Index v) const { return absl::Hash<VertexId>()((*ids)[v]); }
+  };
+  struct SameName {
+    const std::vector<VertexId>* ids;
+    bool operator()(Index v, Index w) const { return (*ids)[v] == (*ids)[w]; }
+  };
+
   VertexId Unsalted(const geometry::Point2& p) const { return hash_(p.c.data(), 2, 0); }
 
   template <class Position, class Renamed>
@@ -80,10 +102,10 @@ class VertexNames {
     }
   }
 
-  Hash hash_;
+  const Hash hash_;
   std::vector<VertexId> ids_;                                  // by index
-  absl::flat_hash_map<VertexId, Index> groups_;                // by unsalted id: one member
-  absl::flat_hash_map<VertexId, std::vector<Index>> crowded_;  // those with more than one
+  absl::flat_hash_set<Index, HashOfName, SameName> alone_;     // with salt 0
+  absl::flat_hash_map<VertexId, std::vector<Index>> crowded_;  // the others, by unsalted id
 };
 
 }  // namespace dynmesh

@@ -77,7 +77,7 @@ class Refinement {
     if constexpr (!kTraced) BeginUntraced();
     const bool done = engine_.Propagate(interrupt);
     if (done) appeared_.clear();
-    nearest2_ = {};
+    nearest2_ = std::vector<double>();
     return done;
   }
 
