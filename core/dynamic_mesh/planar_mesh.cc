@@ -136,10 +136,11 @@ absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, Interrup
 
 template <class Interrupt>
 absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, Interrupt cancelled) {
+  const bool is_first = plc_.size() == 0;
   plc_.Commit(delta);
   auto fresh = std::make_unique<State>(options_, tuning_);
   fresh->refinement.Reserve(plc_.size());
-  fresh->features.Apply(FromNothing(plc_), fresh->refinement);
+  fresh->features.Apply(is_first ? delta : FromNothing(plc_), fresh->refinement);
   if (absl::Status status = Run(*fresh, cancelled); !status.ok()) {
     plc_.Commit(delta.Inverse());
     return status;

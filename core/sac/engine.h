@@ -172,6 +172,8 @@ class Engine {
   void Reserve(std::size_t operations) {
     ops_.reserve(operations);
     pool_.Reserve(16 * operations);
+    subscriptions_.Reserve(4 * operations);
+    time_.Reserve(operations);
   }
   std::size_t bytes() const {
     return ops_.size() * sizeof(Operation) + time_.bytes() + pool_.bytes() +

@@ -54,6 +54,7 @@ class EpochOrder {
   }
   void EraseStamp(Stamp s) { order_.Erase(s); }
 
+  void Reserve(std::size_t operations) { order_.Reserve(operations); }
   const OrderList& order() const { return order_; }
   std::size_t epochs() const { return tables_.size(); }
 

@@ -186,9 +186,15 @@ Stamp OrderList::Prev(Stamp s) const {
   return p.items[p.count - 1];
 }
 
+void OrderList::Reserve(std::size_t elements) {
+  labels_.reserve(elements);
+  group_of_.reserve(elements);
+  groups_.reserve(elements / (kGroupSize / 2));
+}
+
 std::size_t OrderList::bytes() const {
-  return labels_.capacity() * sizeof(labels_[0]) + group_of_.capacity() * sizeof(group_of_[0]) +
-         groups_.capacity() * sizeof(Group) + free_stamps_.capacity() * sizeof(Stamp) +
+  return labels_.size() * sizeof(labels_[0]) + group_of_.size() * sizeof(group_of_[0]) +
+         groups_.size() * sizeof(Group) + free_stamps_.capacity() * sizeof(Stamp) +
          free_groups_.capacity() * sizeof(GroupIndex);
 }
 

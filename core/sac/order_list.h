@@ -46,6 +46,7 @@ class OrderList {
   Stamp Next(Stamp s) const;
   Stamp Prev(Stamp s) const;
 
+  void Reserve(std::size_t elements);
   std::size_t size() const { return size_; }
   std::uint64_t relabelled_groups() const { return relabelled_groups_; }
   std::size_t bytes() const;

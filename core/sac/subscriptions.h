@@ -50,8 +50,13 @@ class Subscriptions {
     return result;
   }
 
+  // Room for so many subscriptions.
+  void Reserve(std::size_t count) {
+    lists_.reserve(count / 4);
+    pool_.Reserve(count * 5 / 4);
+  }
   std::size_t places() const { return lists_.size(); }
-  std::size_t bytes() const { return lists_.capacity() * sizeof(List) + pool_.bytes(); }
+  std::size_t bytes() const { return lists_.size() * sizeof(List) + pool_.bytes(); }
 
  private:
   struct List {
