@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -54,7 +55,7 @@ class SpatialTree {
   using NodeIndex = std::uint32_t;
   static constexpr int kChildren = 1 << D;
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  static constexpr int kCapacity = 8;
+  static constexpr int kCapacity = 16;
 
   // Covers the box [lo, hi] by a cube whose side is a power of two and whose centre is
   // a round number, so that the borders of cells are exact. Cells are half-open: a
@@ -73,8 +74,7 @@ class SpatialTree {
   }
 
   void Insert(std::uint32_t id, const Point& p) {
-    Cell cell = Root();
-    Descend(p, cell);
+    Cell cell = LeafOf(p);
     while (leaves_[nodes_[cell.node].leaf].count == kCapacity && cell.half > least_half_) {
       Split(cell.node, cell);
       Descend(p, cell);
@@ -86,8 +86,7 @@ class SpatialTree {
   // parent) is called for each merge, before the children's nodes are freed.
   template <class OnMerge>
   void Remove(std::uint32_t id, const Point& p, OnMerge on_merge) {
-    Cell cell = Root();
-    Descend(p, cell);
+    Cell cell = LeafOf(p);
     RemoveFromLeaf(nodes_[cell.node].leaf, id);
     for (NodeIndex n = nodes_[cell.node].parent; n != kNone; n = nodes_[n].parent) {
       if (!TryMerge(n, on_merge)) break;
@@ -247,36 +246,66 @@ class SpatialTree {
     for (int i = 0; i < D; ++i) c.centre[i] += (q >> i & 1) ? c.half : -c.half;
     return c;
   }
+  Cell LeafOf(const Point& p) const {
+    Cell cell = SharedByPrefix(p, p, 0);
+    Descend(p, cell);
+    return cell;
+  }
   void Descend(const Point& p, Cell& cell) const {
     while (nodes_[cell.node].child != kNone) cell = Child(cell, Quadrant(p, cell));
   }
   // The smallest cell that holds the part of the ball inside the tree.
   Cell SmallestAround(const Point& centre, double radius2) const {
-    Cell cell = Root();
-    if (!(radius2 < half_ * half_)) return cell;
+    if (!(radius2 < half_ * half_)) return Root();
     const double r = std::sqrt(radius2) * (1 + 1e-15);
-    Point lo = centre, hi = centre;
+    Extent<D> box{centre.c, centre.c};
     for (int i = 0; i < D; ++i) {
       const double rounding = std::fabs(centre[i]) * 0x1p-52;
-      lo[i] -= r + rounding;
-      hi[i] += r + rounding;
+      box.lo[i] -= r + rounding;
+      box.hi[i] += r + rounding;
     }
-    while (nodes_[cell.node].child != kNone) {
+    return SmallestAround(box);
+  }
+  // The smallest cell that holds the part of the box inside the tree, of those with
+  // half >= least_half or none smaller.
+  Cell SmallestAround(const Extent<D>& box, double least_half = 0) const {
+    const Point lo{box.lo}, hi{box.hi};
+    Cell cell = SharedByPrefix(lo, hi, least_half);
+    while (nodes_[cell.node].child != kNone && cell.half >= least_half) {
       const int q = Quadrant(lo, cell);
       if (q != Quadrant(hi, cell)) break;
       cell = Child(cell, q);
     }
     return cell;
   }
-  // The smallest cell that holds the part of the box inside the tree, of those with
-  // half >= least_half or none smaller.
-  Cell SmallestAround(const Extent<D>& box, double least_half = 0) const {
-    const Point lo{box.lo}, hi{box.hi};
+  // A cell that holds what lies between lo and hi, and nearly the smallest: that of the
+  // leading bits which their coordinates share, counted in 2^-30 of the root. Rounding
+  // moves a count by less than one, so counts are taken one farther out.
+  Cell SharedByPrefix(const Point& lo, const Point& hi, double least_half) const {
+    constexpr int kLevels = 30;
+    constexpr double kMost = (1 << kLevels) - 1;
+    const double per_length = (1 << (kLevels - 1)) / half_;
+    std::array<std::uint32_t, D> at;
+    std::uint32_t differ = 0;
+    for (int i = 0; i < D; ++i) {
+      const double from = centre_[i] - half_;
+      at[i] = static_cast<std::uint32_t>(std::clamp((lo[i] - from) * per_length - 1, 0.0, kMost));
+      differ |= at[i] ^
+                static_cast<std::uint32_t>(std::clamp((hi[i] - from) * per_length + 1, 0.0, kMost));
+    }
+    const int shared = kLevels - std::bit_width(differ);
     Cell cell = Root();
-    while (nodes_[cell.node].child != kNone && cell.half >= least_half) {
-      const int q = Quadrant(lo, cell);
-      if (q != Quadrant(hi, cell)) break;
-      cell = Child(cell, q);
+    int depth = 0;
+    while (depth < shared && nodes_[cell.node].child != kNone && cell.half >= least_half) {
+      ++depth;
+      std::uint32_t q = 0;
+      for (int i = 0; i < D; ++i) q |= (at[i] >> (kLevels - depth) & 1) << i;
+      cell.node = nodes_[cell.node].child + q;
+      cell.half /= 2;
+    }
+    for (int i = 0; i < D; ++i) {
+      const double cells = at[i] >> (kLevels - depth);
+      cell.centre[i] = (centre_[i] - half_) + (2 * cells + 1) * cell.half;
     }
     return cell;
   }
