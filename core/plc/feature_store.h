@@ -49,6 +49,11 @@ class FeatureStore {
     return {id, p, q, points_.at(p).p, points_.at(q).p};
   }
 
+  // Room for that many more.
+  void Reserve(std::size_t points, std::size_t segments) {
+    points_.reserve(points_.size() + points);
+    segments_.reserve(segments_.size() + segments);
+  }
   // REQUIRES: the id is free; a segment's ends are points present.
   void Add(const PointFeature& f, Slot slot) {
     PointRecord& record = points_[f.id];

@@ -26,6 +26,7 @@ void Plc2::Commit(const Delta& delta) {
     index_.ErasePoint(store_.FindPoint(f.id)->slot);
     store_.RemovePoint(f.id);
   }
+  store_.Reserve(delta.added_points.size(), delta.added_segments.size());
   for (const PointFeature& f : delta.added_points) store_.Add(f, index_.Insert(f));
   for (const SegmentFeature& f : delta.added_segments) store_.Add(f, index_.Insert(f));
 }
