@@ -26,7 +26,8 @@ class HugePageAllocator {
 
   T* allocate(std::size_t count) {
     const std::size_t bytes = count * sizeof(T);
-    if (!IsLarge(bytes)) return static_cast<T*>(::operator new(bytes, std::align_val_t(alignof(T))));
+    if (!IsLarge(bytes))
+      return static_cast<T*>(::operator new(bytes, std::align_val_t(alignof(T))));
     return static_cast<T*>(Map(RoundedUp(bytes)));
   }
   void deallocate(T* block, std::size_t count) {
@@ -47,8 +48,8 @@ class HugePageAllocator {
   static bool IsLarge(std::size_t bytes) { return bytes >= 2 * kPage; }
   // A page more than needed is mapped, for what is not aligned at both ends to go again.
   static void* Map(std::size_t bytes) {
-    void* const all = mmap(nullptr, bytes + kPage, PROT_READ | PROT_WRITE,
-                           MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    void* const all =
+        mmap(nullptr, bytes + kPage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (all == MAP_FAILED) throw std::bad_alloc();
     char* const begin = static_cast<char*>(all);
     const std::size_t before = (kPage - reinterpret_cast<std::size_t>(begin) % kPage) % kPage;

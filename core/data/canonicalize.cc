@@ -80,7 +80,8 @@ void SortRows(SimplexColumn& simplices) {
   using Row = std::array<VertexId, kWidth>;
   static_assert(sizeof(Row) == kWidth * sizeof(VertexId));
   const std::span rows(reinterpret_cast<Row*>(simplices.data()), simplices.size() / kWidth);
-  SortByHash(rows, [](const Row& r) { return r[0]; }, std::less<Row>());
+  SortByHash(
+      rows, [](const Row& r) { return r[0]; }, std::less<Row>());
 }
 
 void SortSimplices(int dimension, SimplexColumn& simplices) {

@@ -29,10 +29,10 @@ absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOpti
                      {reason::kDepthLimit, {}, {}});
   }
   if (refinement.vertex_count() > most) {
-    return MakeError(absl::StatusCode::kResourceExhausted,
-                     "the mesh would have more than max_vertices = " + std::to_string(most) +
-                         " vertices",
-                     {reason::kVertexLimit, {}, {}});
+    return MakeError(
+        absl::StatusCode::kResourceExhausted,
+        "the mesh would have more than max_vertices = " + std::to_string(most) + " vertices",
+        {reason::kVertexLimit, {}, {}});
   }
   Mesh mesh = diffs.Begin(refinement, table);
   mesh.revision = features.empty() ? 0 : 1;

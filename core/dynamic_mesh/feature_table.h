@@ -48,8 +48,8 @@ class FeatureTable {
       for (const plc::PointFeature& p : delta.added_points) add(p);
     } else {
       points_.reserve(points_.size() + delta.added_points.size());
-    segments_.reserve(segments_.size() + delta.added_segments.size());
-    std::vector<geometry::Point2> positions;
+      segments_.reserve(segments_.size() + delta.added_segments.size());
+      std::vector<geometry::Point2> positions;
       positions.reserve(delta.added_points.size());
       for (const plc::PointFeature& p : delta.added_points) positions.push_back(p.p);
       for (const std::uint32_t i : mesh::InsertOrder(positions)) add(delta.added_points[i]);

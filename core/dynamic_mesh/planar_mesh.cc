@@ -37,8 +37,7 @@ absl::StatusOr<MeshDiff> PlanarMesh::Apply(const EditBatch& batch, const ApplyOp
   if (apply.cancelled == nullptr) {
     return ApplyWith(batch, [] { return false; });
   }
-  return ApplyWith(batch,
-                   [&] { return apply.cancelled->load(std::memory_order_relaxed); });
+  return ApplyWith(batch, [&] { return apply.cancelled->load(std::memory_order_relaxed); });
 }
 
 absl::StatusOr<MeshDiff> PlanarMesh::Apply(const EditBatch& batch,

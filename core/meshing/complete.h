@@ -2,10 +2,11 @@
 // earlier one. Two criteria of what a gap is:
 //
 // *By edges* (ours, the default): no edge that v owns has a gap on either side, that
-// is, a corner of its Voronoi edge farther than rho times its own length. An edge is owned by its younger end: born in a later epoch or by a later operation;
-// of two born together in segment work or with the input, the one of greater hash.
-// New edges always have the newborn at an end, and Voronoi edges only shrink: an edge
-// done once is done for good, so only newborns ever have to be queued.
+// is, a corner of its Voronoi edge farther than rho times its own length. An edge is owned by its
+// younger end: born in a later epoch or by a later operation; of two born together in segment work
+// or with the input, the one of greater hash. New edges always have the newborn at an end, and
+// Voronoi edges only shrink: an edge done once is done for good, so only newborns ever have to be
+// queued.
 //
 // *The thesis's* (Def. 4.2.3): no corner of v's Voronoi cell is farther than
 // rho NN(v). Every vertex sees to its own cell; a newborn queues those whose NN it may
@@ -157,7 +158,8 @@ bool Refinement<E>::FarthestCorner(int bucket, Candidate* best) const {
   double farthest = 0;
   for (int i = 0; i < star_.size(); ++i) {
     const Star::Neighbour& n = star_[i];
-    if (!rules_.IsTooFar(n.r2, nn2) || n.r2 < farthest || !(n.centre_error < star_.reach())) continue;
+    if (!rules_.IsTooFar(n.r2, nn2) || n.r2 < farthest || !(n.centre_error < star_.reach()))
+      continue;
     if (!InDomain({{p[0] + n.wx, p[1] + n.wy}}) && IsBeyondBorder(i)) continue;
     const double out = std::min(1.0, rules_.gamma() * std::sqrt(nn2) / std::sqrt(n.r2));
     const Point2 x = {{p[0] + n.wx * out, p[1] + n.wy * out}};

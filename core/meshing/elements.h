@@ -54,12 +54,12 @@ struct Vertex {
   sac::Stamp birth = 0;              // its creator's time, or the beginning
   sac::OpId operations = sac::kNoOp;
   sac::OpId creator = sac::kNoOp;
-  FeatureSlot feature = kNil;   // what it lies on
-  std::uint8_t dimension = 2;   // containing dimension: 0, 1 or 2
-  std::uint8_t ordinal = 0;     // which of its creator's outputs
-  bool present = false;         // published, not withdrawn
-  bool in_mesh = false;         // part of the last reported mesh
-  bool changed = false;         // stands in the list of changes
+  FeatureSlot feature = kNil;  // what it lies on
+  std::uint8_t dimension = 2;  // containing dimension: 0, 1 or 2
+  std::uint8_t ordinal = 0;    // which of its creator's outputs
+  bool present = false;        // published, not withdrawn
+  bool in_mesh = false;        // part of the last reported mesh
+  bool changed = false;        // stands in the list of changes
 };
 
 struct Subsegment {

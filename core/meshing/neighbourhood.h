@@ -155,9 +155,8 @@ void Refinement<E>::SeedStar(Context& context, VertexIndex v) {
   if (offers_.empty()) {
     // A little more than the lengths of this bucket.
     double r2 = 2.25 * LeastOfBucket(BucketOfEpoch(context.epoch) + 1);
-    tree_.VisitBall(vertices_[v].p, r2, [&](std::uint32_t id, const Point2&, double) {
-      offers_.push_back(id);
-    });
+    tree_.VisitBall(vertices_[v].p, r2,
+                    [&](std::uint32_t id, const Point2&, double) { offers_.push_back(id); });
   }
   for (const std::uint32_t id : offers_) Offer(context, id);
 }

@@ -38,10 +38,14 @@ void Refinement<E>::AddBox() {
     const auto along = [&](int axis) { return i == 0 ? lo[axis] : lo[axis] + i * step; };
     const auto back = [&](int axis) { return i == 0 ? hi[axis] : lo[axis] + (kSide - i) * step; };
     switch (side) {
-      case 0: return {{along(0), lo[1]}};
-      case 1: return {{hi[0], along(1)}};
-      case 2: return {{back(0), hi[1]}};
-      default: return {{lo[0], back(1)}};
+      case 0:
+        return {{along(0), lo[1]}};
+      case 1:
+        return {{hi[0], along(1)}};
+      case 2:
+        return {{back(0), hi[1]}};
+      default:
+        return {{lo[0], back(1)}};
     }
   };
   if (triangulation_ != nullptr) triangulation_->Reset(lo, hi, {0, 1, 2, 3});
@@ -206,7 +210,8 @@ void Refinement<E>::RequestFirstGaps() {
   triangulation_->ForEachTriangle([&](auto t) {
     const auto& v = triangulation_->vertices(t);
     for (int i = 0; i < 3; ++i) {
-      const VertexIndex p = v[triangulation_->NextIndex(i)], q = v[triangulation_->PreviousIndex(i)];
+      const VertexIndex p = v[triangulation_->NextIndex(i)],
+                        q = v[triangulation_->PreviousIndex(i)];
       // Whether something is beyond the edge's other side is seldom asked for.
       if (BucketOfGap(p, q, v[i], mesh::DelaunayTriangulation::kInfinite) == kBuckets) continue;
       const auto across = triangulation_->Opposite({t, i});

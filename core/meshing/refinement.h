@@ -24,11 +24,11 @@
 #include <vector>
 
 #include "core/base/huge_pages.h"
+#include "core/mesh/delaunay_triangulation.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/rules.h"
 #include "core/meshing/spatial_tree.h"
 #include "core/meshing/star.h"
-#include "core/mesh/delaunay_triangulation.h"
 #include "core/sac/engine.h"
 #include "core/sac/subscriptions.h"
 #include "core/sac/untraced_engine.h"
@@ -248,7 +248,7 @@ class Refinement {
   bool box_only_ = true;  // no client segment has ever been added
   bool hit_depth_limit_ = false;
   bool looked_for_gaps_ = false;
-  VertexIndex near_ = 0;  // a vertex near where things are published
+  VertexIndex near_ = 0;          // a vertex near where things are published
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
 
   std::vector<double> nearest2_;  // in a run from scratch: by vertex, when first asked for

@@ -18,7 +18,8 @@ double QualitySlack(double e2, double u) {
   return 2e-9 + 8 * u / e;
 }
 
-Rules::Rules(const MeshOptions& options) : quality_(options.quality), criterion_(options.criterion) {
+Rules::Rules(const MeshOptions& options)
+    : quality_(options.quality), criterion_(options.criterion) {
   const Box domain = DomainBox(options);
   lo_ = {{domain.lo[0], domain.lo[1]}};
   hi_ = {{domain.hi[0], domain.hi[1]}};
@@ -37,8 +38,7 @@ Rules::Rules(const MeshOptions& options) : quality_(options.quality), criterion_
   too_far_.resize(kBuckets);
   reach_.resize(kBuckets);
   for (int bucket = 0; bucket < kBuckets; ++bucket) {
-    const double slack =
-        1 + QualitySlack(LeastOfBucket(std::clamp(bucket, kLeast, kGreatest)), u);
+    const double slack = 1 + QualitySlack(LeastOfBucket(std::clamp(bucket, kLeast, kGreatest)), u);
     skinny_[bucket] = 4 * rho2 * slack * slack;
     too_far_[bucket] = rho2 * slack * slack;
     const int beyond = std::clamp(bucket + kReachBuckets + 1, kLeast, kGreatest);

@@ -57,9 +57,8 @@ void Refinement<E>::SplitInto(Context& context, SubsegmentIndex s) {
   const Subsegment sub = subsegments_[s];
   const Point2 m = geometry::Midpoint(vertices_[sub.a].p, vertices_[sub.b].p);
   const VertexIndex v = EmitVertex(context, m, 0, 1, sub.feature);
-  const SubsegmentIndex halves[2] = {
-      EmitSubsegment(context, sub.a, v, sub.feature, sub.depth + 1),
-      EmitSubsegment(context, v, sub.b, sub.feature, sub.depth + 1)};
+  const SubsegmentIndex halves[2] = {EmitSubsegment(context, sub.a, v, sub.feature, sub.depth + 1),
+                                     EmitSubsegment(context, v, sub.b, sub.feature, sub.depth + 1)};
   context.Emit(MakeOutput(Made::kDeath, s));
 
   const int bucket = BucketOfEpoch(context.epoch);

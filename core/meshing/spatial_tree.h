@@ -210,9 +210,7 @@ class SpatialTree {
     leaves_.reserve(points / 2);
   }
   std::size_t node_count() const { return nodes_.size(); }
-  std::size_t bytes() const {
-    return nodes_.size() * sizeof(Node) + leaves_.size() * sizeof(Leaf);
-  }
+  std::size_t bytes() const { return nodes_.size() * sizeof(Node) + leaves_.size() * sizeof(Leaf); }
 
  private:
   static constexpr int kStack = 16 + 64 * (kChildren - 1) * 2;

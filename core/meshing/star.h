@@ -32,9 +32,9 @@ class Star {
     Point2 p;
     double dx, dy, d2;  // from v
     // The corner between this neighbour and the next: a vertex of v's Voronoi cell.
-    double wx, wy, r2;   // its centre, from v, and squared radius
+    double wx, wy, r2;    // its centre, from v, and squared radius
     double centre_error;  // bounds the error of wx, wy; infinite if nothing is known
-    bool verified;       // nobody else conflicts with it
+    bool verified;        // nobody else conflicts with it
   };
 
   void Begin(Id v, const Point2& p, double reach) {
@@ -60,7 +60,9 @@ class Star {
     ring_.clear();
   }
   void Append(Id u, const Point2& q) { Push(u, q); }
-  void AppendGhost(Id ghost) { Push(ghost, Ghost(p_, reach_, static_cast<int>(ghost - kFirstGhost))); }
+  void AppendGhost(Id ghost) {
+    Push(ghost, Ghost(p_, reach_, static_cast<int>(ghost - kFirstGhost)));
+  }
   // False if two neighbours in a row are half a turn or more apart: this is no star yet.
   bool Close() {
     bool proper = size() >= 3;

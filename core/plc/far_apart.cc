@@ -23,8 +23,7 @@ class Strips {
     const double count = std::clamp(std::floor(width / (4 * limit)), 1.0, std::max(wanted, 1.0));
     const double per_length = width > 0 ? count / width : 0;  // a box may be a line
     const auto strip_of = [&](const Point2& p) {
-      return static_cast<std::size_t>(
-          std::clamp((p[0] - box.lo[0]) * per_length, 0.0, count - 1));
+      return static_cast<std::size_t>(std::clamp((p[0] - box.lo[0]) * per_length, 0.0, count - 1));
     };
     begins_.assign(static_cast<std::size_t>(count) + 1, 0);
     for (const PointFeature& f : points) ++begins_[strip_of(f.p) + 1];

@@ -76,9 +76,7 @@ class Engine {
   class Context;
 
   explicit Engine(Program& program)
-      : program_(program),
-        time_(ops_, BeforeInEpoch{this}),
-        queue_(BeforeInQueue{this}) {}
+      : program_(program), time_(ops_, BeforeInEpoch{this}), queue_(BeforeInQueue{this}) {}
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
@@ -99,6 +97,8 @@ class Engine {
     while (!queue_.empty()) {
       if (interrupt()) return false;
       const auto [epoch, entry] = queue_.Pop();
+      // Random order is hard on caches: what is taken soon is asked for now.
+      if (const QueueEntry* soon = queue_.Ahead(6)) __builtin_prefetch(&ops_[soon->op], 1);
       Operation& op = ops_[entry.op];
       const bool stale = op.flags & kStale;
       op.flags &= ~(kQueued | kStale);
@@ -546,7 +546,8 @@ std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op,
     std::uint64_t listed = 0;
     for (const OpId id : subscriptions_.at(p)) listed += mix(1, id);
     if (listed != subscribed[p]) {
-      problems->push_back("place " + std::to_string(p) + ": subscribers are not those that name it");
+      problems->push_back("place " + std::to_string(p) +
+                          ": subscribers are not those that name it");
     }
   }
   return sum;

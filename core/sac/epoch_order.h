@@ -87,7 +87,8 @@ class EpochOrder {
     if (fresh) {
       it->second.slots.assign(1, kNoOp);
       const auto next = std::next(it);
-      it->second.head = order_.InsertBefore(next == tables_.end() ? order_.last() : next->second.head);
+      it->second.head =
+          order_.InsertBefore(next == tables_.end() ? order_.last() : next->second.head);
     }
     last_epoch_ = epoch;
     last_ = &it->second;

@@ -76,8 +76,8 @@ class OrderList {
   void SpreadItems(GroupIndex g);
   Stamp NewStamp();
 
-  std::vector<std::uint64_t> labels_;   // by stamp: group label, low bits
-  std::vector<GroupIndex> group_of_;    // by stamp
+  std::vector<std::uint64_t> labels_;  // by stamp: group label, low bits
+  std::vector<GroupIndex> group_of_;   // by stamp
   std::vector<Group> groups_;
   std::vector<Stamp> free_stamps_;
   std::vector<GroupIndex> free_groups_;

@@ -24,7 +24,8 @@ class Subscriptions {
   void Add(Place place, std::uint32_t op) {
     if (place >= lists_.size()) lists_.resize(place + place / 4 + 16);
     List& list = lists_[place];
-    if (list.count == list.block.capacity) pool_.Resize(list.block, list.count + 1 + list.count / 4);
+    if (list.count == list.block.capacity)
+      pool_.Resize(list.block, list.count + 1 + list.count / 4);
     pool_.data(list.block)[list.count++] = op;
   }
 

@@ -64,6 +64,12 @@ class WorkQueue {
     return {open_epoch_, entry};
   }
 
+  // The entry that will be taken after `ahead` others, if nothing else comes; null if there
+  // is none in this epoch.
+  const Entry* Ahead(std::size_t ahead) const {
+    return ahead < sorted_.size() ? &sorted_[sorted_.size() - 1 - ahead] : nullptr;
+  }
+
   // Work for times already passed may arrive now (a new propagation begins).
   void Rewind() {
     if (!open_) return;

@@ -42,9 +42,9 @@ EditBatch AddAll(const std::vector<Feature>& features) {
 
 void CountVertices(benchmark::State& state, std::size_t vertices) {
   state.counters["vertices"] = static_cast<double>(vertices);
-  state.counters["vertices/s"] = benchmark::Counter(
-      static_cast<double>(vertices) * static_cast<double>(state.iterations()),
-      benchmark::Counter::kIsRate);
+  state.counters["vertices/s"] =
+      benchmark::Counter(static_cast<double>(vertices) * static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate);
 }
 
 // --- From scratch -----------------------------------------------------------------------
@@ -80,9 +80,8 @@ void Traced(benchmark::State& state, Distribution distribution, double quality) 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Vertices = CGAL::Delaunay_mesh_vertex_base_2<Kernel>;
 using Faces = CGAL::Delaunay_mesh_face_base_2<Kernel>;
-using Cdt =
-    CGAL::Constrained_Delaunay_triangulation_2<Kernel,
-                                               CGAL::Triangulation_data_structure_2<Vertices, Faces>>;
+using Cdt = CGAL::Constrained_Delaunay_triangulation_2<
+    Kernel, CGAL::Triangulation_data_structure_2<Vertices, Faces>>;
 using Criteria = CGAL::Delaunay_mesh_size_criteria_2<Cdt>;
 
 // radius / edge <= quality is sin(least angle) >= 1 / (2 quality).
@@ -122,8 +121,8 @@ void EditOnePoint(benchmark::State& state, Distribution distribution, double qua
   double executed = 0, changed = 0;
   for (auto _ : state) {
     const FeatureId id = FeatureId{1} << 40;
-    for (const Edit& edit : {Edit::Add(Feature::Point(id, random.Unit(), random.Unit())),
-                             Edit::Remove(id)}) {
+    for (const Edit& edit :
+         {Edit::Add(Feature::Point(id, random.Unit(), random.Unit())), Edit::Remove(id)}) {
       const auto diff = mesh.Apply({edit});
       if (!diff.ok()) return state.SkipWithError("refused");
       times.push_back(diff->work.microseconds);
@@ -144,8 +143,8 @@ constexpr double kRoot2 = 1.4142135623730951;
 void Register() {
   using benchmark::RegisterBenchmark;
   for (const auto& [name, distribution] :
-       {std::pair("uniform", Distribution::kUniform), std::pair("cluster", Distribution::kClustered),
-        std::pair("grid", Distribution::kGrid)}) {
+       {std::pair("uniform", Distribution::kUniform),
+        std::pair("cluster", Distribution::kClustered), std::pair("grid", Distribution::kGrid)}) {
     for (const double quality : {kRoot2, 1.0}) {
       const std::string suffix = std::string("/") + name + "/rho=" + (quality == 1 ? "1" : "sqrt2");
       const auto with = [&](const char* what, auto function) {

@@ -41,15 +41,15 @@ inline Difference CompareWithScratch(const DynamicMesh& mesh, bool local) {
     }
   }
   if (!(fresh.hash() == mesh.hash())) {
-    return {true, "mesh differs: " + mesh.hash().ToHex() + " but from scratch " +
-                      fresh.hash().ToHex()};
+    return {true,
+            "mesh differs: " + mesh.hash().ToHex() + " but from scratch " + fresh.hash().ToHex()};
   }
   const AuditReport ours = mesh.Audit(), theirs = fresh.Audit();
   if (!ours.problems.empty()) return {true, "dynamic: " + ours.problems.front()};
   if (!theirs.problems.empty()) return {true, "from scratch: " + theirs.problems.front()};
   if (!(ours.trace == theirs.trace)) {
-    return {true, "trace differs: " + ours.trace.ToHex() + " but from scratch " +
-                      theirs.trace.ToHex()};
+    return {true,
+            "trace differs: " + ours.trace.ToHex() + " but from scratch " + theirs.trace.ToHex()};
   }
   const auto built = BuildMesh(features, mesh.options());
   if (!built.ok()) return {true, "static: " + built.status().ToString()};
@@ -106,8 +106,8 @@ inline RunReport RunScript(Distribution d, int n, const MeshOptions& options, st
   return report;
 }
 
-inline RunReport RunScript(Distribution d, int n, double quality, std::uint64_t seed,
-                           int revisions, int every = 1, int most_operations = 1'000'000) {
+inline RunReport RunScript(Distribution d, int n, double quality, std::uint64_t seed, int revisions,
+                           int every = 1, int most_operations = 1'000'000) {
   MeshOptions options;
   options.quality = quality;
   return RunScript(d, n, options, seed, revisions, every, most_operations);
@@ -126,8 +126,7 @@ inline Difference Replay(const std::vector<EditBatch>& script, const MeshOptions
 }
 
 // Leaves out batches and edits as long as a difference stays.
-inline std::vector<EditBatch> Shrink(std::vector<EditBatch> script,
-                                     const MeshOptions& options) {
+inline std::vector<EditBatch> Shrink(std::vector<EditBatch> script, const MeshOptions& options) {
   for (bool smaller = true; smaller;) {
     smaller = false;
     for (std::size_t i = script.size(); i-- > 0;) {

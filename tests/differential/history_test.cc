@@ -35,8 +35,8 @@ TEST_P(History, DynamicIsFromScratchAfterEveryRevision) {
   const std::uint64_t base = IsNightly() ? 77'000 : 1'000;
   for (const Setting& s : settings) {
     for (int k = 0; k < s.scripts; ++k) {
-      const std::uint64_t seed = base + 100 * static_cast<std::uint64_t>(s.points) +
-                                 static_cast<std::uint64_t>(k);
+      const std::uint64_t seed =
+          base + 100 * static_cast<std::uint64_t>(s.points) + static_cast<std::uint64_t>(k);
       SCOPED_TRACE(NameOf(distribution) + " points " + std::to_string(s.points) + " seed " +
                    std::to_string(seed));
       const RunReport run = RunScript(distribution, s.points, options, seed, s.revisions);

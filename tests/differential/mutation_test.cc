@@ -16,7 +16,8 @@ bool SuiteFails() {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     for (const Distribution d : kAllDistributions) {
       if (d == Distribution::kParallel) continue;
-      if (RunScript(d, 12, kQualities[seed % 4], seed, 15, 1, kEnough).difference.found) return true;
+      if (RunScript(d, 12, kQualities[seed % 4], seed, 15, 1, kEnough).difference.found)
+        return true;
     }
     // Cascades of splits, the only place where this term counts. (With other terms off
     // they may not end.)

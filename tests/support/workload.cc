@@ -93,17 +93,28 @@ std::string Number(double x) {
 
 std::string NameOf(Distribution d) {
   switch (d) {
-    case Distribution::kUniform: return "Uniform";
-    case Distribution::kClustered: return "Clustered";
-    case Distribution::kCircle: return "Circle";
-    case Distribution::kGrid: return "Grid";
-    case Distribution::kLine: return "Line";
-    case Distribution::kDyadicLine: return "DyadicLine";
-    case Distribution::kTwoScale: return "TwoScale";
-    case Distribution::kSegmentsAxis: return "SegmentsAxis";
-    case Distribution::kSegmentsTurned: return "SegmentsTurned";
-    case Distribution::kDiagonals: return "Diagonals";
-    case Distribution::kParallel: return "Parallel";
+    case Distribution::kUniform:
+      return "Uniform";
+    case Distribution::kClustered:
+      return "Clustered";
+    case Distribution::kCircle:
+      return "Circle";
+    case Distribution::kGrid:
+      return "Grid";
+    case Distribution::kLine:
+      return "Line";
+    case Distribution::kDyadicLine:
+      return "DyadicLine";
+    case Distribution::kTwoScale:
+      return "TwoScale";
+    case Distribution::kSegmentsAxis:
+      return "SegmentsAxis";
+    case Distribution::kSegmentsTurned:
+      return "SegmentsTurned";
+    case Distribution::kDiagonals:
+      return "Diagonals";
+    case Distribution::kParallel:
+      return "Parallel";
   }
   return "?";
 }
@@ -202,7 +213,8 @@ Edit ScriptGenerator::RandomEdit(const std::vector<Feature>& present, EditBatch&
   if (dice < (few ? 5 : 3)) {
     // Something of the distribution that is not there; a segment brings its ends.
     for (int tries = 0; tries < 20; ++tries) {
-      const Feature& f = pool_[static_cast<std::size_t>(random_.Below(static_cast<int>(pool_.size())))];
+      const Feature& f =
+          pool_[static_cast<std::size_t>(random_.Below(static_cast<int>(pool_.size())))];
       if (is_present(f.id) || in_batch(f.id)) continue;
       if (f.kind == FeatureKind::kSegment) {
         for (const FeatureId end : f.ends) {
@@ -250,9 +262,8 @@ EditBatch ScriptGenerator::Next(const std::vector<Feature>& present) {
   const int count = random_.OneIn(5) ? 2 + random_.Below(5) : 1;
   for (int i = 0; i < count; ++i) {
     const Edit edit = RandomEdit(present, batch);
-    const bool again = std::any_of(batch.begin(), batch.end(), [&](const Edit& e) {
-      return e.feature.id == edit.feature.id;
-    });
+    const bool again = std::any_of(batch.begin(), batch.end(),
+                                   [&](const Edit& e) { return e.feature.id == edit.feature.id; });
     if (!again) batch.push_back(edit);
   }
   return batch;
@@ -273,10 +284,9 @@ std::string ToScript(const MeshOptions& options, const std::vector<EditBatch>& b
         text += "move point " + id + place + "\n";
       } else {
         text += e.action == Edit::Action::kAdd ? "add " : "set ";
-        text += f.kind == FeatureKind::kPoint
-                    ? "point " + id + place + "\n"
-                    : "segment " + id + " " + std::to_string(f.ends[0]) + " " +
-                          std::to_string(f.ends[1]) + "\n";
+        text += f.kind == FeatureKind::kPoint ? "point " + id + place + "\n"
+                                              : "segment " + id + " " + std::to_string(f.ends[0]) +
+                                                    " " + std::to_string(f.ends[1]) + "\n";
       }
     }
     text += "commit\n";

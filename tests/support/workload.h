@@ -19,20 +19,20 @@ enum class Distribution {
   kUniform,
   kClustered,
   kCircle,
-  kGrid,          // an integer grid, cocircular everywhere
-  kLine,          // equally spaced on a line, spacing not exact
-  kDyadicLine,    // the same with exact spacing
-  kTwoScale,      // pairs at 2^-40
-  kSegmentsAxis,  // segments at right angles, axis-parallel, on a grid
+  kGrid,            // an integer grid, cocircular everywhere
+  kLine,            // equally spaced on a line, spacing not exact
+  kDyadicLine,      // the same with exact spacing
+  kTwoScale,        // pairs at 2^-40
+  kSegmentsAxis,    // segments at right angles, axis-parallel, on a grid
   kSegmentsTurned,  // the same, turned
-  kDiagonals,     // squares and their diagonals: 45 degrees, cocircular
-  kParallel,      // segments close to each other and points close to them: cascades of splits
+  kDiagonals,       // squares and their diagonals: 45 degrees, cocircular
+  kParallel,        // segments close to each other and points close to them: cascades of splits
 };
 inline constexpr Distribution kAllDistributions[] = {
-    Distribution::kUniform,      Distribution::kClustered,      Distribution::kCircle,
-    Distribution::kGrid,         Distribution::kLine,           Distribution::kDyadicLine,
-    Distribution::kTwoScale,     Distribution::kSegmentsAxis,   Distribution::kSegmentsTurned,
-    Distribution::kDiagonals,    Distribution::kParallel};
+    Distribution::kUniform,   Distribution::kClustered,    Distribution::kCircle,
+    Distribution::kGrid,      Distribution::kLine,         Distribution::kDyadicLine,
+    Distribution::kTwoScale,  Distribution::kSegmentsAxis, Distribution::kSegmentsTurned,
+    Distribution::kDiagonals, Distribution::kParallel};
 std::string NameOf(Distribution d);
 bool HasSegments(Distribution d);
 

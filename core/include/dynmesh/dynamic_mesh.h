@@ -34,7 +34,7 @@ struct ApplyOptions {
 struct MeshStats {
   std::uint64_t revision = 0;
   std::uint64_t features = 0;
-  std::uint64_t vertices = 0;     // those of the domain box included
+  std::uint64_t vertices = 0;  // those of the domain box included
   std::uint64_t simplices = 0;
   std::uint64_t subsegments = 0;
   std::uint64_t operations = 0;   // in the trace

@@ -20,7 +20,7 @@ inline constexpr char kIdInUse[] = "ID_IN_USE";               // add of a presen
 inline constexpr char kUnknownFeature[] = "UNKNOWN_FEATURE";  // set, remove, move of an absent id
 inline constexpr char kUnknownEnd[] = "UNKNOWN_END";          // a segment's end is no point present
 inline constexpr char kDegenerateSegment[] = "DEGENERATE_SEGMENT";  // both ends the same point
-inline constexpr char kPointInUse[] = "POINT_IN_USE";               // removed, a segment still needs it
+inline constexpr char kPointInUse[] = "POINT_IN_USE";  // removed, a segment still needs it
 inline constexpr char kDuplicatePoint[] = "DUPLICATE_POINT";
 inline constexpr char kDuplicateSegment[] = "DUPLICATE_SEGMENT";
 inline constexpr char kPointOnSegment[] = "POINT_ON_SEGMENT";
@@ -36,9 +36,9 @@ inline constexpr char kBadOption[] = "BAD_OPTION";
 }  // namespace reason
 
 struct ErrorDetail {
-  std::string reason;                // one of reason::k*
-  std::vector<FeatureId> features;   // those involved, the offender first
-  std::optional<std::size_t> edit;   // index in the batch of the edit to blame, if one is
+  std::string reason;               // one of reason::k*
+  std::vector<FeatureId> features;  // those involved, the offender first
+  std::optional<std::size_t> edit;  // index in the batch of the edit to blame, if one is
   friend bool operator==(const ErrorDetail&, const ErrorDetail&) = default;
 };
 

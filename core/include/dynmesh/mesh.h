@@ -28,8 +28,14 @@ VertexId VertexIdAt(const double* coordinates, int dimension, std::uint64_t salt
 struct MeshHash {
   std::uint64_t hi = 0;
   std::uint64_t lo = 0;
-  MeshHash& operator+=(const MeshHash& o) { hi += o.hi, lo += o.lo; return *this; }
-  MeshHash& operator-=(const MeshHash& o) { hi -= o.hi, lo -= o.lo; return *this; }
+  MeshHash& operator+=(const MeshHash& o) {
+    hi += o.hi, lo += o.lo;
+    return *this;
+  }
+  MeshHash& operator-=(const MeshHash& o) {
+    hi -= o.hi, lo -= o.lo;
+    return *this;
+  }
   friend bool operator==(const MeshHash&, const MeshHash&) = default;
   std::string ToHex() const;  // 32 lower-case hex digits, hi first
   static absl::StatusOr<MeshHash> FromHex(std::string_view hex);

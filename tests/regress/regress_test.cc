@@ -1,0 +1,54 @@
+// Every script in this folder is replayed, and each revision compared with a run from
+// scratch. A script's first lines say what it shows.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/io/edit_script.h"
+#include "tests/differential/differential.h"
+
+namespace dynmesh::test {
+namespace {
+
+std::vector<std::string> Scripts() {
+  std::vector<std::string> names;
+  const std::filesystem::path folder = DYNMESH_SOURCE_DIR "/tests/regress";
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".dynmesh") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+class Regress : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Regress, EveryRevisionIsThatOfARunFromScratch) {
+  const auto script =
+      io::ReadEditScript(DYNMESH_SOURCE_DIR "/tests/regress/" + GetParam() + ".dynmesh");
+  ASSERT_TRUE(script.ok()) << script.status().ToString();
+  for (const double quality : {2.0, script->Options().quality, 1.0}) {
+    MeshOptions options = script->Options();
+    options.quality = quality;
+    PlanarMesh mesh(options, AlwaysPropagate());
+    for (std::size_t b = 0; b < script->batches.size(); ++b) {
+      const auto diff = mesh.Apply(script->batches[b].edits, ApplyOptions{});
+      ASSERT_TRUE(diff.ok()) << script->Where(b, std::nullopt) << diff.status().ToString();
+      for (const bool local : {false, true}) {
+        EXPECT_EQ(CompareWithScratch(mesh, local).what, "")
+            << script->Where(b, std::nullopt) << ", rho " << quality;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scripts, Regress, ::testing::ValuesIn(Scripts()), [](const auto& script) {
+  std::string name = script.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+}  // namespace
+}  // namespace dynmesh::test
