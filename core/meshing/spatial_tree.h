@@ -136,10 +136,7 @@ class SpatialTree {
       const Cell cell = stack[--top];
       const Node& node = nodes_[cell.node];
       if (node.child != kNone) {
-        for (int k = 0; k < kChildren; ++k) {
-          const Cell child = Child(cell, k);
-          if (Meets(box, child)) stack[top++] = child;
-        }
+        PushChildrenIn(box, cell, stack, top);
         continue;
       }
       for (std::uint32_t l = node.leaf; l != kNone; l = leaves_[l].next) {
@@ -172,13 +169,11 @@ class SpatialTree {
   void VisitBox(const Extent<D>& box, Visit visit) const {
     Cell stack[kStack];
     int top = 0;
-    stack[top++] = Root();
+    if (Meets(box, Root())) stack[top++] = Root();
     while (top > 0) {
       const Cell cell = stack[--top];
-      if (!Meets(box, cell)) continue;
       visit(cell.node);
-      if (nodes_[cell.node].child == kNone) continue;
-      for (int k = 0; k < kChildren; ++k) stack[top++] = Child(cell, k);
+      if (nodes_[cell.node].child != kNone) PushChildrenIn(box, cell, stack, top);
     }
   }
 
@@ -198,10 +193,7 @@ class SpatialTree {
         visit(cell.node);
         continue;
       }
-      for (int k = 0; k < kChildren; ++k) {
-        const Cell child = Child(cell, k);
-        if (Meets(box, child)) stack[top++] = child;
-      }
+      PushChildrenIn(box, cell, stack, top);
     }
   }
 
@@ -318,6 +310,17 @@ class SpatialTree {
       d2 += d * d;
     }
     return d2 * (1 - 0x1p-50);
+  }
+  // Of a cell that meets the box: those of its children that do.
+  void PushChildrenIn(const Extent<D>& box, const Cell& cell, Cell* stack, int& top) const {
+    int low = 0, high = 0;  // axes along which the lower or upper half does
+    for (int i = 0; i < D; ++i) {
+      low |= (box.lo[i] < cell.centre[i]) << i;
+      high |= (box.hi[i] >= cell.centre[i]) << i;
+    }
+    for (int k = 0; k < kChildren; ++k) {
+      if (((k & high) | (~k & low)) == kChildren - 1) stack[top++] = Child(cell, k);
+    }
   }
   static bool Meets(const Extent<D>& box, const Cell& cell) {
     for (int i = 0; i < D; ++i) {
