@@ -115,7 +115,11 @@ bool Refinement<E>::UpdateStar(Context& context) {
     star_.Begin(v, vertices_[v].p, reach);
     for (const std::uint32_t id : ring) Offer(context, id);
   }
-  for (const VertexIndex u : appeared_) Offer(context, u);
+  // Beyond this nobody was in a ball that was read.
+  const double far2 = context.payload().radius2;
+  for (const VertexIndex u : appeared_) {
+    if (geometry::SquaredDistance(vertices_[u].p, star_.position()) <= far2) Offer(context, u);
+  }
   for (int i = 0; i < star_.size(); ++i) {
     if (all_stay) {
       star_.MarkVerified(i);
@@ -191,7 +195,7 @@ void Refinement<E>::VerifyStar(Context& context) {
 // False if there is more to look at than that is worth: balls may be huge and full.
 template <template <class> class E>
 bool Refinement<E>::InsertAllInCorners(Context& context) {
-  constexpr int kFew = 40;
+  constexpr int kFew = 64;
   Extent<2> box = Extent<2>::Nothing();
   bool any = false;
   for (int i = 0; i < star_.size(); ++i) {
