@@ -97,7 +97,7 @@ class Rules {
   double grid_spacing() const { return spacing_; }  // of the domain's border vertices
 
  private:
-  static constexpr int kReachBuckets = 3 << (kBucketFractionBits - 1);
+  static constexpr int kReachBuckets = 2 << kBucketFractionBits;
 
   double quality_;
   Criterion criterion_;
