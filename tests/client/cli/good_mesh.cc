@@ -100,7 +100,7 @@ class Builder {
 
 GoodMesh MakeGoodMesh(std::uint64_t seed, int count) {
   std::mt19937_64 random(seed);
-  // On a grid of 2^-10, but not on the diagonals that the segments follow.
+  // On a grid of 2^-10; where x is odd there, no point is on one of the segments.
   const auto coordinate = [&](std::uint64_t parity) {
     return 1 + static_cast<double>(random() % 2048 * 2 + parity) / 1024;
   };
@@ -110,10 +110,10 @@ GoodMesh MakeGoodMesh(std::uint64_t seed, int count) {
   const Handle b = builder.AddInput(5, 3.25);
   const Handle c = builder.AddInput(2, 5);
   std::set<std::pair<double, double>> taken;
-  const auto fresh_place = [&](std::uint64_t parity_x) {
+  const auto fresh_place = [&](std::uint64_t parity_y) {
     std::pair<double, double> place;
     do {
-      place = {coordinate(parity_x), coordinate(1 - parity_x)};
+      place = {coordinate(1), coordinate(parity_y)};
     } while (!taken.insert(place).second);
     return place;
   };
