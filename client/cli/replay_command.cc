@@ -2,9 +2,7 @@
 // a batch. With --check the mesh and its trace are compared with a from-scratch run.
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -15,6 +13,7 @@
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
+#include "client/cli/percentile.h"
 #include "core/data/mesh_store.h"
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
@@ -39,16 +38,6 @@ std::uint64_t PeakResidentBytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in kilobytes
-}
-
-// The least sample that at least `part` of all samples do not exceed.
-double Percentile(std::vector<double> samples, double part) {
-  if (samples.empty()) return std::nan("");
-  const auto rank = static_cast<std::size_t>(
-      std::max(1.0, std::ceil(part * static_cast<double>(samples.size()))));
-  const auto at = samples.begin() + static_cast<std::ptrdiff_t>(rank - 1);
-  std::nth_element(samples.begin(), at, samples.end());
-  return *at;
 }
 
 class Replay {

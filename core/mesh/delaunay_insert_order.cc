@@ -115,7 +115,6 @@ void RefineRuns(std::span<const Point2> points, std::span<Keyed> sorted) {
 }  // namespace
 
 std::vector<std::uint32_t> InsertOrder(std::span<const Point2> points) {
-  if (points.size() == 1) return {0};
   std::vector<Keyed> keyed(points.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) keyed[i].index = i;
   const Frame frame(points, keyed);

@@ -87,9 +87,20 @@ void Refinement<E>::Complete(Context& context) {
   }
 }
 
-// When does x, at squared distance d2 from its nearest neighbours, first have
-// something to do? In its own bucket, or if that has come, now: later in this round
-// if its turn is still to come, else in the next.
+// When is x, asked for at epoch `now` by v's Complete, to do what belongs to bucket `own`?
+// Then, or if that has come, now: later in this round if its turn is still to come, else in
+// the next.
+template <template <class> class E>
+sac::Epoch Refinement<E>::NoEarlierThan(sac::Epoch now, VertexIndex v, VertexIndex x,
+                                        int own) const {
+  const int bucket = BucketOfEpoch(now);
+  if (own > bucket) return MakeEpoch(own, 0, kQualityStep);
+  const std::uint64_t of_v = Priority(kComplete, v), of_x = Priority(kComplete, x);
+  const bool later = of_v != of_x ? of_v < of_x : Before(kComplete, v, kComplete, x);
+  return later ? now : MakeEpoch(bucket, RoundOfEpoch(now) + 1, kQualityStep);
+}
+
+// x, at squared distance d2 from its nearest neighbours, has something to do.
 template <template <class> class E>
 void Refinement<E>::RequestFirstComplete(Context& context, VertexIndex x, double d2) {
   if (!kTraced && triangulation_ != nullptr && by_edge()) return;  // done when x is published
@@ -98,16 +109,7 @@ void Refinement<E>::RequestFirstComplete(Context& context, VertexIndex x, double
 
 template <template <class> class E>
 void Refinement<E>::RequestNoEarlierThanNow(Context& context, VertexIndex x, int own) {
-  const int now = BucketOfEpoch(context.epoch);
-  if (own > now) {
-    context.Request(kComplete, x, MakeEpoch(own, 0, kQualityStep));
-  } else if (geometry::HashOf(vertices_[x].p) != geometry::HashOf(vertices_[context.item].p)
-                 ? Priority(kComplete, context.item) < Priority(kComplete, x)
-                 : Before(kComplete, context.item, kComplete, x)) {
-    context.Request(kComplete, x, context.epoch);
-  } else {
-    context.Request(kComplete, x, MakeEpoch(now, RoundOfEpoch(context.epoch) + 1, kQualityStep));
-  }
+  context.Request(kComplete, x, NoEarlierThan(context.epoch, context.item, x, own));
 }
 
 template <template <class> class E>
@@ -214,15 +216,10 @@ bool Refinement<E>::GapOfEdge(int i, bool left_of_star, Candidate* gap) const {
   // (p, q, c) is counter-clockwise.
   const Point2& p = left_of_star ? star_.position() : u.p;
   const Point2& q = left_of_star ? u.p : star_.position();
-  if (u.d2 < rules_.least_squared_length()) return false;
-  Gap what = Gap::kOffCenter;
-  if (Star::IsGhost(c.id)) {
-    if (OnOutside(p, q)) return false;
-  } else {
-    what = rules_.GapAt(p, q, c.p, BucketOf(u.d2));
-    if (what == Gap::kNone) return false;
-  }
-  if (!Star::IsGhost(d.id) && rules_.BeginsBeyond(p, q, d.p)) return false;
+  if (Star::IsGhost(c.id) && OnOutside(p, q)) return false;
+  const Gap what = rules_.GapOfEdge(p, q, u.d2, Star::IsGhost(c.id) ? nullptr : &c.p,
+                                    Star::IsGhost(d.id) ? nullptr : &d.p);
+  if (what == Gap::kNone) return false;
   gap->e2 = u.d2;
   gap->neighbour = u.p;
   gap->left = p < q;

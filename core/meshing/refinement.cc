@@ -187,20 +187,15 @@ void Refinement<E>::BeginUntraced() {
 }
 
 // The bucket of edge pq if it has a gap on the side of c, (p, q, c) counter-clockwise, else
-// kBuckets. d, if there is one, is the apex on the other side. As GapOfEdge has it.
+// kBuckets. d, if there is one, is the apex on the other side.
 template <template <class> class E>
 int Refinement<E>::BucketOfGap(VertexIndex p, VertexIndex q, VertexIndex c, VertexIndex d) const {
   constexpr VertexIndex kInfinite = mesh::DelaunayTriangulation::kInfinite;
   if (c == kInfinite) return kBuckets;  // beyond the border
-  const Point2 &at_p = triangulation_->position(p), &at_q = triangulation_->position(q);
-  const double e2 = geometry::SquaredDistance(at_p, at_q);
-  const int bucket = BucketOf(e2);
-  if (rules_.GapAt(at_p, at_q, triangulation_->position(c), bucket) == Gap::kNone ||
-      e2 < rules_.least_squared_length() ||
-      (d != kInfinite && rules_.BeginsBeyond(at_p, at_q, triangulation_->position(d)))) {
-    return kBuckets;
-  }
-  return bucket;
+  const auto at = [&](VertexIndex v) { return &triangulation_->position(v); };
+  const double e2 = geometry::SquaredDistance(*at(p), *at(q));
+  const Gap gap = rules_.GapOfEdge(*at(p), *at(q), e2, at(c), d == kInfinite ? nullptr : at(d));
+  return gap == Gap::kNone ? kBuckets : BucketOf(e2);
 }
 
 template <template <class> class E>
@@ -228,7 +223,7 @@ void Refinement<E>::RequestFirstGaps() {
   }
 }
 
-// v was inserted just now, and so owns all its edges.
+// v was inserted just now, by the Complete of near_, and so owns all its edges.
 template <template <class> class E>
 void Refinement<E>::RequestFirstGap(VertexIndex v) {
   const auto fan = triangulation_->created();
@@ -242,18 +237,7 @@ void Refinement<E>::RequestFirstGap(VertexIndex v) {
     right = u;
   }
   if (first == kBuckets) return;
-  const Vertex& x = vertices_[v];
-  const int now = BucketOfEpoch(x.epoch);
-  if (first > now) {
-    engine_.Request(kComplete, v, MakeEpoch(first, 0, kQualityStep));
-    return;
-  }
-  // As RequestFirstComplete has it.
-  const bool later = Priority(kComplete, near_) != Priority(kComplete, v)
-                         ? Priority(kComplete, near_) < Priority(kComplete, v)
-                         : Before(kComplete, near_, kComplete, v);
-  engine_.Request(kComplete, v,
-                  MakeEpoch(now, RoundOfEpoch(x.epoch) + (later ? 0 : 1), kQualityStep));
+  engine_.Request(kComplete, v, NoEarlierThan(vertices_[v].epoch, near_, v, first));
 }
 
 // --- Memory and audit ---------------------------------------------------------------------

@@ -191,6 +191,7 @@ class Refinement {
   bool IsOlder(const Vertex& u, const Vertex& v) const;
   int NextBucket(int bucket) const;
   void RequestFirstComplete(Context& context, VertexIndex x, double d2);
+  sac::Epoch NoEarlierThan(sac::Epoch now, VertexIndex v, VertexIndex x, int own) const;
   void RequestNoEarlierThanNow(Context& context, VertexIndex x, int bucket);
   bool OnOutside(const Point2& p, const Point2& q) const;
   bool InDomain(const Point2& p) const;

@@ -66,6 +66,16 @@ class Rules {
     return (px * px + py * py) * (qx * qx + qy * qy) > off_center_ * cross * cross;
   }
 
+  // The gap of edge pq, of squared length e2, that a point may be put into on the side of
+  // c, (p, q, c) counter-clockwise; without a c the view ends there, and the off-center
+  // fits. d, if there is one, is the apex on the other side.
+  Gap GapOfEdge(const geometry::Point2& p, const geometry::Point2& q, double e2,
+                const geometry::Point2* c, const geometry::Point2* d) const {
+    if (e2 < least_squared_length_) return Gap::kNone;
+    const Gap gap = c == nullptr ? Gap::kOffCenter : GapAt(p, q, *c, BucketOf(e2));
+    return gap != Gap::kNone && d != nullptr && BeginsBeyond(p, q, *d) ? Gap::kNone : gap;
+  }
+
   // The off-center of pq to its left: on the bisector, at sqrt(B) e from both ends.
   geometry::Point2 OffCenter(const geometry::Point2& p, const geometry::Point2& q) const {
     return {{0.5 * (p[0] + q[0]) - kappa_ * (q[1] - p[1]),

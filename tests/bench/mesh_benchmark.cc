@@ -13,13 +13,13 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "client/cli/percentile.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/support/workload.h"
 
@@ -130,10 +130,9 @@ void EditOnePoint(benchmark::State& state, Distribution distribution, double qua
       changed += static_cast<double>(diff->added_vertices.size() + diff->removed_vertices.size());
     }
   }
-  std::sort(times.begin(), times.end());
   const double n = static_cast<double>(times.size());
-  state.counters["p50"] = times[times.size() / 2];
-  state.counters["p99"] = times[times.size() * 99 / 100];
+  state.counters["p50"] = cli::Percentile(times, 0.5);
+  state.counters["p99"] = cli::Percentile(times, 0.99);
   state.counters["executed"] = executed / n;
   state.counters["vertices_changed"] = changed / n;
 }

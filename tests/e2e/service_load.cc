@@ -17,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "client/cli/percentile.h"
 #include "client/mesh_client.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
@@ -38,10 +39,7 @@ void Check(const absl::Status& status) {
   std::exit(1);
 }
 
-double Percentile(std::vector<double> samples, double part) {
-  std::sort(samples.begin(), samples.end());
-  return samples[static_cast<std::size_t>(part * static_cast<double>(samples.size() - 1))];
-}
+using cli::Percentile;
 
 class Load {
  public:

@@ -11,6 +11,7 @@
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
 #include "tests/server/test_support.h"
+#include "tests/support/same_diff.h"
 
 namespace dynmesh::codec {
 namespace {
@@ -63,12 +64,7 @@ void ExpectEqual(const MeshDiff& a, const MeshDiff& b) {
   EXPECT_EQ(a.dimension, b.dimension);
   EXPECT_EQ(a.from_revision, b.from_revision);
   EXPECT_EQ(a.to_revision, b.to_revision);
-  EXPECT_EQ(a.removed_vertices, b.removed_vertices);
-  EXPECT_EQ(a.removed_simplices, b.removed_simplices);
-  EXPECT_EQ(a.removed_subsegments, b.removed_subsegments);
-  EXPECT_EQ(a.added_vertices, b.added_vertices);
-  EXPECT_EQ(a.added_simplices, b.added_simplices);
-  EXPECT_EQ(a.added_subsegments, b.added_subsegments);
+  test::ExpectSameRows(a, b);
   EXPECT_EQ(a.work.executed, b.work.executed);
   EXPECT_EQ(a.work.microseconds, b.work.microseconds);
   EXPECT_EQ(a.hash, b.hash);

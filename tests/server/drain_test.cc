@@ -11,11 +11,6 @@ namespace {
 using DrainTest = ServerFixture;
 using absl::StatusCode;
 
-client::EditParams Id(const std::string& id) {
-  client::EditParams params;
-  params.request_id = id;
-  return params;
-}
 TEST_F(DrainTest, ADrainEndsWhatRunsAndRefusesWhatIsNew) {
   StartWithMesh();
   const auto watch = client_->Watch("m", {.max_attempts = 0}, nullptr);

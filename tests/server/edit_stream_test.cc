@@ -15,11 +15,6 @@ namespace {
 using EditStreamTest = ServerFixture;
 using absl::StatusCode;
 
-client::EditParams Id(const std::string& id) {
-  client::EditParams params;
-  params.request_id = id;
-  return params;
-}
 TEST_F(EditStreamTest, PipelinedBatchesAreAnsweredInOrder) {
   StartWithMesh();
   const auto session = client_->OpenEdits("m");

@@ -20,6 +20,13 @@ namespace dynmesh::server {
 
 inline constexpr absl::Duration kLong = absl::Seconds(30);
 
+// Of a batch that has that request id.
+inline client::EditParams Id(const std::string& id) {
+  client::EditParams params;
+  params.request_id = id;
+  return params;
+}
+
 class ServerFixture : public ::testing::Test {
  protected:
   ServerFixture() { EXPECT_TRUE(SetLogLevel("error").ok()); }

@@ -1,9 +1,7 @@
 // dynmesh apply MESH SCRIPT --server ADDR: an edit script to a server, one revision a
 // batch. Batches are pipelined and their diffs stream back; with --one-by-one each
 // waits for the one before, and the time it takes is that of a whole round trip.
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -14,6 +12,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/percentile.h"
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
 #include "core/data/text.h"
@@ -37,16 +36,6 @@ struct ApplyCommand {
 
 double Microseconds(Clock::duration d) {
   return std::chrono::duration<double, std::micro>(d).count();
-}
-
-// The least sample that at least `part` of all samples do not exceed.
-double Percentile(std::vector<double>& samples, double part) {
-  if (samples.empty()) return std::nan("");
-  const auto rank = static_cast<std::size_t>(
-      std::max(1.0, std::ceil(part * static_cast<double>(samples.size()))));
-  const auto at = samples.begin() + static_cast<std::ptrdiff_t>(rank - 1);
-  std::nth_element(samples.begin(), at, samples.end());
-  return *at;
 }
 
 // What a script's first line can say of a mesh.

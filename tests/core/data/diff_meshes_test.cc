@@ -5,6 +5,7 @@
 #include "dynmesh/mesh.h"
 #include "gtest/gtest.h"
 #include "tests/core/data/made_up_mesh.h"
+#include "tests/support/same_diff.h"
 
 namespace dynmesh {
 namespace {
@@ -77,12 +78,7 @@ TEST(Canonicalize, OrdersEveryColumnOfADiff) {
   reverse_rows(diff.removed_subsegments.owners, 1);
   ASSERT_NE(diff.added_simplices, sorted.added_simplices);
   Canonicalize(diff);
-  EXPECT_EQ(diff.removed_vertices, sorted.removed_vertices);
-  EXPECT_EQ(diff.removed_simplices, sorted.removed_simplices);
-  EXPECT_EQ(diff.removed_subsegments, sorted.removed_subsegments);
-  EXPECT_EQ(diff.added_vertices, sorted.added_vertices);
-  EXPECT_EQ(diff.added_simplices, sorted.added_simplices);
-  EXPECT_EQ(diff.added_subsegments, sorted.added_subsegments);
+  test::ExpectSameRows(diff, sorted);
 }
 
 }  // namespace

@@ -1,0 +1,22 @@
+// Expects two diffs to be the same rows in the same order, column by column.
+#ifndef DYNMESH_TESTS_SUPPORT_SAME_DIFF_H_
+#define DYNMESH_TESTS_SUPPORT_SAME_DIFF_H_
+
+#include <gtest/gtest.h>
+
+#include "dynmesh/mesh.h"
+
+namespace dynmesh::test {
+
+inline void ExpectSameRows(const MeshDiff& a, const MeshDiff& b) {
+  EXPECT_EQ(a.removed_vertices, b.removed_vertices);
+  EXPECT_EQ(a.removed_simplices, b.removed_simplices);
+  EXPECT_EQ(a.removed_subsegments, b.removed_subsegments);
+  EXPECT_EQ(a.added_vertices, b.added_vertices);
+  EXPECT_EQ(a.added_simplices, b.added_simplices);
+  EXPECT_EQ(a.added_subsegments, b.added_subsegments);
+}
+
+}  // namespace dynmesh::test
+
+#endif  // DYNMESH_TESTS_SUPPORT_SAME_DIFF_H_
