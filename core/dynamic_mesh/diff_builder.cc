@@ -68,13 +68,13 @@ DiffBuilder::SubsegmentRow DiffBuilder::RowOf(VertexId a, VertexId b, FeatureId 
 
 void DiffBuilder::Append(VertexColumns& to, const VertexRow& row) {
   to.ids.push_back(row.id);
-  to.coordinates.insert(to.coordinates.end(), row.coordinates.begin(), row.coordinates.end());
+  for (const double c : row.coordinates) to.coordinates.push_back(c);
   to.containing_dimensions.push_back(static_cast<std::uint8_t>(row.dimension));
   to.owners.push_back(row.owner);
 }
 
 void DiffBuilder::Append(SubsegmentColumns& to, const SubsegmentRow& row) {
-  to.ends.insert(to.ends.end(), row.ends.begin(), row.ends.end());
+  for (const VertexId end : row.ends) to.ends.push_back(end);
   to.owners.push_back(row.owner);
 }
 
@@ -100,10 +100,13 @@ Mesh DiffBuilder::Begin(Refinement& refinement, const FeatureTable& features) {
   const auto position = [&](VertexIndex v) -> const geometry::Point2& {
     return refinement.vertex(v).p;
   };
+  std::vector<VertexIndex> all;
+  all.reserve(refinement.vertex_count());
   refinement.ForEachVertex([&](VertexIndex v, const Vertex&) {
-    names_.Add(v, position, [](VertexIndex) {});
+    all.push_back(v);
     if (!triangulation_.Contains(v)) InsertVertex(refinement, v);  // else it has grown along
   });
+  names_.AddAll(all, position);
   Mesh mesh = Snapshot(refinement, features);
   subsegment_count_ = mesh.subsegments.size();
   hash_ = mesh.hash = ComputeHash(mesh);
@@ -119,8 +122,7 @@ Mesh DiffBuilder::Snapshot(const Refinement& refinement, const FeatureTable& fea
   });
   mesh.simplices.reserve(3 * triangulation_.triangle_count());
   triangulation_.ForEachTriangle([&](auto t) {
-    const SimplexRow ids = CanonicalIds(t);
-    mesh.simplices.insert(mesh.simplices.end(), ids.begin(), ids.end());
+    for (const VertexId id : CanonicalIds(t)) mesh.simplices.push_back(id);
   });
   refinement.ForEachSubsegment([&](const Subsegment& s) {
     Append(mesh.subsegments, RowOf(names_.at(s.a), names_.at(s.b), features.IdOf(s.feature)));

@@ -52,7 +52,15 @@ class FeatureTable {
       std::vector<geometry::Point2> positions;
       positions.reserve(delta.added_points.size());
       for (const plc::PointFeature& p : delta.added_points) positions.push_back(p.p);
-      for (const std::uint32_t i : mesh::InsertOrder(positions)) add(delta.added_points[i]);
+      const std::vector<std::uint32_t> order = mesh::InsertOrder(positions);
+      constexpr std::size_t kAhead = 8;  // asked of memory so much before it is wanted
+      for (std::size_t i = 0; i < order.size(); ++i) {
+        if (i + 2 * kAhead < order.size()) {
+          __builtin_prefetch(&delta.added_points[order[i + 2 * kAhead]]);
+        }
+        if (i + kAhead < order.size()) points_.prefetch(delta.added_points[order[i + kAhead]].id);
+        add(delta.added_points[order[i]]);
+      }
     }
     for (const plc::SegmentFeature& s : delta.added_segments) {
       segments_[s.id] =

@@ -9,6 +9,8 @@
 #define DYNMESH_CORE_DYNAMIC_MESH_VERTEX_NAMES_H_
 
 #include <algorithm>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -38,22 +40,26 @@ class VertexNames {
     alone_.reserve(vertices);
   }
 
-  // Vertex v at p comes. Calls renamed(w) for each other vertex *before* its id
-  // changes on that account.
+  // Vertex v comes. Calls renamed(w) for each other vertex *before* its id changes on that
+  // account.
   template <class Position, class Renamed>
   void Add(Index v, Position position, Renamed renamed) {
-    if (v >= ids_.size()) ids_.resize(v + v / 4 + 16);
-    const VertexId name = Unsalted(position(v));
-    ids_[v] = name;
-    auto crowd = crowded_.find(name);
-    if (crowd == crowded_.end()) {
-      const auto [it, is_alone] = alone_.insert(v);
-      if (is_alone) return;
-      crowd = crowded_.try_emplace(name, std::vector<Index>{*it}).first;
-      alone_.erase(it);
+    Name(v, position);
+    Enter(v, position, renamed);
+  }
+
+  // Many come, one after the other.
+  template <class Position>
+  void AddAll(std::span<const Index> vertices, Position position) {
+    constexpr std::size_t kBlock = 16;  // asked of memory together
+    for (; !vertices.empty(); vertices = vertices.subspan(std::min(kBlock, vertices.size()))) {
+      const auto block = vertices.first(std::min(kBlock, vertices.size()));
+      for (const Index v : block) {
+        Name(v, position);
+        alone_.prefetch(v);
+      }
+      for (const Index v : block) Enter(v, position, [](Index) {});
     }
-    crowd->second.push_back(v);
-    Rename(crowd->second, v, position, renamed);
   }
 
   // Vertex v goes; its id stays readable until the index is added again.
@@ -89,6 +95,26 @@ class VertexNames {
   };
 
   VertexId Unsalted(const geometry::Point2& p) const { return hash_(p.c.data(), 2, 0); }
+
+  template <class Position>
+  void Name(Index v, Position position) {
+    if (v >= ids_.size()) ids_.resize(v + v / 4 + 16);
+    ids_[v] = Unsalted(position(v));
+  }
+
+  template <class Position, class Renamed>
+  void Enter(Index v, Position position, Renamed renamed) {
+    const VertexId name = ids_[v];
+    auto crowd = crowded_.empty() ? crowded_.end() : crowded_.find(name);
+    if (crowd == crowded_.end()) {
+      const auto [it, is_alone] = alone_.insert(v);
+      if (is_alone) return;
+      crowd = crowded_.try_emplace(name, std::vector<Index>{*it}).first;
+      alone_.erase(it);
+    }
+    crowd->second.push_back(v);
+    Rename(crowd->second, v, position, renamed);
+  }
 
   template <class Position, class Renamed>
   void Rename(std::vector<Index>& members, Index except, Position position, Renamed renamed) {

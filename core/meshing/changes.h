@@ -5,6 +5,7 @@
 #define DYNMESH_CORE_MESHING_CHANGES_H_
 
 #include <algorithm>
+#include <utility>
 
 #include "core/meshing/filter_terms.h"
 #include "core/meshing/neighbourhood.h"
@@ -107,13 +108,19 @@ void Refinement<E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   ++vertex_count_;
   // Without a trace, a triangulation answers everything but what a point encroaches
   // on; for that the tree need only be as fine as the input.
-  if (kTraced || triangulation_ == nullptr) tree_.Insert(v, vertex.p);
-  if (triangulation_ != nullptr) triangulation_->Insert(v, vertex.p, near_);
+  if (!is_global()) tree_.Insert(v, vertex.p);
+  if (triangulation_ != nullptr) {
+    const auto known = std::exchange(gap_triangle_, mesh::DelaunayTriangulation::kNone);
+    triangulation_->InsertAt(v, vertex.p,
+                             known != mesh::DelaunayTriangulation::kNone
+                                 ? known
+                                 : triangulation_->Locate(vertex.p, near_));
+  }
   MarkChanged(v);
   if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
   NotifyOfVertex(v, true, at);
   if constexpr (!kTraced) {
-    if (triangulation_ != nullptr && by_edge() && IsQualityEpoch(vertex.epoch)) RequestFirstGap(v);
+    if (is_global() && by_edge() && IsQualityEpoch(vertex.epoch)) RequestFirstGap(v);
   }
 }
 

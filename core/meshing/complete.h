@@ -71,6 +71,7 @@ void Refinement<E>::Complete(Context& context) {
       yielded = true;
       break;
     }
+    if (is_global() && by_edge() && ordinal == 0) gap_triangle_ = corners_[gap.corner].triangle;
     const VertexIndex x = EmitVertex(context, gap.x, ordinal++, 2, kNil);
     RequestFirstComplete(context, x, gap.e2);
     if (!star_.Insert(x, gap.x)) skipped_.push_back({gap.neighbour, gap.left});
@@ -103,7 +104,7 @@ sac::Epoch Refinement<E>::NoEarlierThan(sac::Epoch now, VertexIndex v, VertexInd
 // x, at squared distance d2 from its nearest neighbours, has something to do.
 template <template <class> class E>
 void Refinement<E>::RequestFirstComplete(Context& context, VertexIndex x, double d2) {
-  if (!kTraced && triangulation_ != nullptr && by_edge()) return;  // done when x is published
+  if (is_global() && by_edge()) return;  // done when x is published
   RequestNoEarlierThanNow(context, x, BucketOf(d2));
 }
 
@@ -223,6 +224,7 @@ bool Refinement<E>::GapOfEdge(int i, bool left_of_star, Candidate* gap) const {
   gap->e2 = u.d2;
   gap->neighbour = u.p;
   gap->left = p < q;
+  gap->corner = left_of_star ? i : star_.Prev(i);
   for (const Skipped& s : skipped_) {
     if (s.left == gap->left && s.neighbour == gap->neighbour) return false;
   }
@@ -234,8 +236,7 @@ bool Refinement<E>::GapOfEdge(int i, bool left_of_star, Candidate* gap) const {
 template <template <class> class E>
 int Refinement<E>::NextBucket(int bucket) const {
   bool open = false;  // does the view end within the domain?
-  const bool is_whole = !kTraced && triangulation_ != nullptr;
-  for (int i = 0; i < star_.size() && !is_whole; ++i) {
+  for (int i = 0; i < star_.size() && !is_global(); ++i) {
     const Star::Neighbour& n = star_[i];
     if (!Star::IsGhost(n.id) && !Star::IsGhost(star_[star_.Next(i)].id)) continue;
     const Point2& p = star_.position();

@@ -296,7 +296,7 @@ void Refinement<E>::FindAllNearest() {
 // other (see segments.h).
 template <template <class> class E>
 bool Refinement<E>::FindEncroaching(Context& context, SubsegmentIndex s) {
-  if (!kTraced && triangulation_ != nullptr) return FindEncroachingInTriangulation(s);
+  if (is_global()) return FindEncroachingInTriangulation(s);
   const Subsegment& sub = subsegments_[s];
   const Point2 &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
   witnesses_.clear();

@@ -81,7 +81,7 @@ VertexIndex Refinement<E>::AddPoint(const Point2& p, FeatureSlot feature) {
   ++vertex_count_;
   MarkChanged(v);
   if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
-  if (kTraced || triangulation_ == nullptr || !box_only_) tree_.Insert(v, p);
+  if (!is_global() || !box_only_) tree_.Insert(v, p);
   if (triangulation_ != nullptr && !triangulation_->Contains(v)) {
     triangulation_->Insert(v, p, near_);
     near_ = v;
@@ -106,7 +106,7 @@ void Refinement<E>::RemovePoint(VertexIndex v) {
 
 template <template <class> class E>
 SubsegmentIndex Refinement<E>::AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature) {
-  if (!kTraced && triangulation_ != nullptr && box_only_ && feature != 0) {
+  if (is_global() && box_only_ && feature != 0) {
     // The tree was not needed so far; subsegments are found through it.
     for (VertexIndex v = 0; v < vertices_.size(); ++v) tree_.Insert(v, vertices_[v].p);
   }
@@ -156,7 +156,7 @@ template <template <class> class E>
 void Refinement<E>::Execute(Context& context) {
   switch (context.kind) {
     case kNearest:
-      if (!kTraced && triangulation_ != nullptr && by_edge()) return RequestFirstGaps();
+      if (is_global() && by_edge()) return RequestFirstGaps();
       return Nearest(context);
     case kComplete:
       near_ = context.item;
@@ -169,6 +169,13 @@ void Refinement<E>::Execute(Context& context) {
       near_ = subsegments_[context.item].a;
       return Split(context);
   }
+}
+
+template <template <class> class E>
+void Refinement<E>::Prefetch(sac::Kind kind, sac::Item item, int step) const {
+  if (kind != kComplete) return;
+  if (step == 0) __builtin_prefetch(&vertices_[item]);
+  if (triangulation_ != nullptr) triangulation_->PrefetchAround(item, step);
 }
 
 // --- Untraced and global: only vertices that own a gap are ever queued ------------------

@@ -50,6 +50,7 @@ template <template <class> class EngineTemplate>
 class Refinement {
  public:
   using Engine = EngineTemplate<Refinement>;
+  using TriangleIndex = mesh::DelaunayTriangulation::TriangleIndex;
   using Context = typename Engine::Context;
   static constexpr bool kTraced = Engine::kTraced;
 
@@ -147,6 +148,8 @@ class Refinement {
     return const_cast<Refinement*>(this)->OperationsOf(kind, item);
   }
   void Execute(Context& context);
+  static constexpr int kPrefetchSteps = mesh::DelaunayTriangulation::kPrefetchSteps;
+  void Prefetch(sac::Kind kind, sac::Item item, int step) const;
   void Publish(sac::Output output, sac::Stamp at);
   void Withdraw(sac::Output output, sac::Stamp at);
   void Release(sac::Output output);
@@ -157,6 +160,7 @@ class Refinement {
     double e2 = 0;
     Point2 neighbour = {};
     bool left = false;  // the side of the gap, from the lesser end of the edge
+    int corner = 0;     // of the star: the one in the gap
     Point2 x = {};
   };
   struct Skipped {
@@ -181,6 +185,8 @@ class Refinement {
     return by_edge() ? ShortestGap(bucket, candidate) : FarthestCorner(bucket, candidate);
   }
   bool by_edge() const { return rules_.criterion() == Criterion::kEdge; }
+  // Are whole stars read off a triangulation, for nobody to trace?
+  bool is_global() const { return !kTraced && triangulation_ != nullptr; }
   bool ShortestGap(int bucket, Candidate* candidate) const;
   bool FarthestCorner(int bucket, Candidate* candidate) const;
   double NearestInStar() const;
@@ -250,6 +256,8 @@ class Refinement {
   bool hit_depth_limit_ = false;
   bool looked_for_gaps_ = false;
   VertexIndex near_ = 0;          // a vertex near where things are published
+  // The triangle with the gap that the first vertex to be published fills, if it is known.
+  TriangleIndex gap_triangle_ = mesh::DelaunayTriangulation::kNone;
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
 
   std::vector<double> nearest2_;  // in a run from scratch: by vertex, when first asked for

@@ -1,5 +1,6 @@
 #include "core/plc/draft.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -56,7 +57,6 @@ absl::Status Become(const Feature& feature, Draft::Entry& entry) {
 
 Draft::Draft(const FeatureStore& base, const EditBatch& batch) : base_(base) {
   entries_.reserve(batch.size());
-  positions_.reserve(batch.size());
   for (EditIndex i = 0; i < static_cast<EditIndex>(batch.size()); ++i) {
     const Edit& edit = batch[i];
     absl::Status status = CheckId(edit.feature.id, i);
@@ -71,9 +71,21 @@ Draft::Draft(const FeatureStore& base, const EditBatch& batch) : base_(base) {
   }
 }
 
-const Draft::Entry* Draft::Find(FeatureId id) const {
+// entries_.size() if no entry has that id.
+std::size_t Draft::PositionOf(FeatureId id) const {
+  if (ascending_) {
+    if (entries_.empty() || entries_.back().id < id) return entries_.size();
+    const auto it = std::lower_bound(entries_.begin(), entries_.end(), id,
+                                     [](const Entry& e, FeatureId wanted) { return e.id < wanted; });
+    return it->id == id ? static_cast<std::size_t>(it - entries_.begin()) : entries_.size();
+  }
   const auto it = positions_.find(id);
-  return it == positions_.end() ? nullptr : &entries_[it->second];
+  return it == positions_.end() ? entries_.size() : it->second;
+}
+
+const Draft::Entry* Draft::Find(FeatureId id) const {
+  const std::size_t at = PositionOf(id);
+  return at == entries_.size() ? nullptr : &entries_[at];
 }
 
 // Of what is named after the error nothing is known.
@@ -104,9 +116,15 @@ const geometry::Point2* Draft::FindPoint(FeatureId id) const {
 }
 
 Draft::Entry& Draft::Touch(FeatureId id, EditIndex edit) {
-  const auto [it, is_new] = positions_.try_emplace(id, entries_.size());
-  if (is_new) {
-    Entry entry;
+  const std::size_t at = PositionOf(id);
+  if (at == entries_.size()) {
+    if (ascending_ && !entries_.empty() && id < entries_.back().id) {
+      ascending_ = false;
+      positions_.reserve(entries_.capacity());
+      for (std::size_t i = 0; i < entries_.size(); ++i) positions_.emplace(entries_[i].id, i);
+    }
+    if (!ascending_) positions_.emplace(id, at);
+    Entry& entry = entries_.emplace_back();
     entry.id = id;
     if (const PointRecord* point = base_.FindPoint(id)) {
       entry.state = State::kPoint;
@@ -115,11 +133,9 @@ Draft::Entry& Draft::Touch(FeatureId id, EditIndex edit) {
       entry.state = State::kSegment;
       entry.ends = segment->ends;
     }
-    entries_.push_back(entry);
   }
-  Entry& entry = entries_[it->second];
-  entry.edit = edit;
-  return entry;
+  entries_[at].edit = edit;
+  return entries_[at];
 }
 
 absl::Status Draft::Act(const Edit& edit, Entry& entry) const {

@@ -64,11 +64,14 @@ class Draft {
 
  private:
   Entry& Touch(FeatureId id, EditIndex edit);
+  std::size_t PositionOf(FeatureId id) const;
   absl::Status Act(const Edit& edit, Entry& entry) const;
 
   const FeatureStore& base_;
   std::vector<Entry> entries_;
-  absl::flat_hash_map<FeatureId, std::size_t> positions_;  // in entries_
+  // Ids that come in ascending order, as in most large batches, need no index.
+  bool ascending_ = true;
+  absl::flat_hash_map<FeatureId, std::size_t> positions_;  // in entries_; else empty
   EditIndex error_edit_ = kNever;
   absl::Status error_;
 };
