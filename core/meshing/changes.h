@@ -185,9 +185,7 @@ bool Refinement<E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) con
     };
     switch (engine_.kind(op)) {
       case kComplete:
-        if (item == v || geometry::SquaredDistance(vertices_[item].p, y) > payload.radius2) {
-          return false;
-        }
+        if (item == v || !payload.RegionMayHold(vertices_[item].p, y)) return false;
         return appears ? Counts(Term::kAppearsInCorner) && ConflictsWithRing(op, y)
                        : Counts(Term::kVanishesFromRing) && is_read();
       case kNearest:

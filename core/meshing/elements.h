@@ -84,11 +84,39 @@ struct Payload {
   float radius2 = 0;
   // kComplete: the last candidate yielded to encroached subsegments.
   // Checks: encroached (then the reads are the witnesses).
-  bool flag = false;
+  std::uint32_t flag : 1 = 0;
+  // kComplete: how far the balls read extend from the vertex, in each direction of the
+  // axes; in 63rds of the radius, rounded up.
+  std::uint32_t west : 6 = 0, east : 6 = 0, south : 6 = 0, north : 6 = 0;
+
+  // The balls read, about p, lie within `radius2` and between lo and hi.
+  void SetRegion(const Point2& p, const Point2& lo, const Point2& hi, double squared_radius);
+  // May y be in one of them? Never no if it is.
+  bool RegionMayHold(const Point2& p, const Point2& y) const {
+    const double dx = y[0] - p[0], dy = y[1] - p[1];
+    const double x = dx < 0 ? west : east, unit2 = radius2 * (1.0 / (kUnits * kUnits));
+    const double y2 = dy < 0 ? south : north;
+    return dx * dx <= x * x * unit2 && dy * dy <= y2 * y2 * unit2 && dx * dx + dy * dy <= radius2;
+  }
+
+ private:
+  static constexpr int kUnits = 63;
 };
 inline float RoundedUp(double x) {
   const float f = static_cast<float>(x);
   return f < x ? std::nextafter(f, INFINITY) : f;
+}
+inline void Payload::SetRegion(const Point2& p, const Point2& lo, const Point2& hi,
+                               double squared_radius) {
+  radius2 = RoundedUp(squared_radius);
+  const double units = kUnits / std::sqrt(radius2) * (1 + 1e-6);
+  const auto extent = [units](double distance) {
+    return static_cast<std::uint32_t>(std::fmin(std::ceil(distance * units), kUnits));
+  };
+  west = extent(p[0] - lo[0]);
+  east = extent(hi[0] - p[0]);
+  south = extent(p[1] - lo[1]);
+  north = extent(hi[1] - p[1]);
 }
 
 // Outputs are tagged words.

@@ -50,7 +50,7 @@ void Refinement<E>::FindStar(Context& context, VertexIndex v, double reach) {
         r2 = farthest2;
       }
     }
-    context.payload().radius2 = RoundedUp(r2);
+    context.payload().SetRegion(star_.position(), {box.lo}, {box.hi}, r2);
     SubscribeBox(context, box);
   }
 }
@@ -137,6 +137,7 @@ bool Refinement<E>::UpdateStar(Context& context) {
 // has no influence on the outcome.
 template <template <class> class E>
 void Refinement<E>::SeedStar(Context& context, VertexIndex v) {
+  bool newborn = false;
   offers_.clear();
   auto offer_all = [&](std::span<const std::uint32_t> ids) {
     offers_.insert(offers_.end(), ids.begin(), ids.end());
@@ -150,6 +151,7 @@ void Refinement<E>::SeedStar(Context& context, VertexIndex v) {
       }
       const sac::OpId creator = vertices_[v].creator;
       if (offers_.empty() && creator != sac::kNoOp && engine_.kind(creator) == kComplete) {
+        newborn = true;
         offer_all(engine_.reads(creator));
         offers_.push_back(engine_.item(creator));
         for (const sac::Output o : engine_.outputs(creator)) offers_.push_back(IndexOf(o));
@@ -163,6 +165,28 @@ void Refinement<E>::SeedStar(Context& context, VertexIndex v) {
                     [&](std::uint32_t id, const Point2&, double) { offers_.push_back(id); });
   }
   for (const std::uint32_t id : offers_) Offer(context, id);
+  if (newborn) OfferBeyondNeighbours(context);
+}
+
+// The creator of a newborn has seen one side of it only. What lies on the other, the rings
+// of its neighbours there know: those that have a large corner still.
+template <template <class> class E>
+void Refinement<E>::OfferBeyondNeighbours(Context& context) {
+  if constexpr (kTraced) {
+    offers_.clear();
+    for (int i = 0; i < star_.size(); ++i) {
+      const Star::Neighbour &n = star_[i], &previous = star_[star_.Prev(i)];
+      if (Star::IsGhost(n.id) || std::max(n.r2, previous.r2) < 4 * n.d2) continue;
+      sac::OpId o = vertices_[n.id].operations;
+      while (o != sac::kNoOp && !(engine_.kind(o) == kComplete && engine_.executed(o))) {
+        o = engine_.next_of_item(o);
+      }
+      if (o == sac::kNoOp) continue;
+      const auto ring = engine_.reads(o);
+      offers_.insert(offers_.end(), ring.begin(), ring.end());
+    }
+    for (const std::uint32_t id : offers_) Offer(context, id);
+  }
 }
 
 template <template <class> class E>
@@ -195,20 +219,26 @@ void Refinement<E>::VerifyStar(Context& context) {
 // False if there is more to look at than that is worth: balls may be huge and full.
 template <template <class> class E>
 bool Refinement<E>::InsertAllInCorners(Context& context) {
-  constexpr int kFew = 64;
+  constexpr int kFew = 96;
   Extent<2> box = Extent<2>::Nothing();
-  bool any = false;
+  balls_.clear();
   for (int i = 0; i < star_.size(); ++i) {
     const Star::Neighbour& n = star_[i];
     if (n.verified) continue;
     const double margin = n.centre_error + 1e-9 * star_.reach() + 2 * rules_.ulp();
     if (!(margin < 1e-3 * star_.reach())) return false;
-    any = true;
-    box.AddBall({{star_.position()[0] + n.wx, star_.position()[1] + n.wy}},
-                std::sqrt(n.r2) + 2 * margin);
+    const double radius = std::sqrt(n.r2) + 2 * margin;
+    balls_.push_back({{{star_.position()[0] + n.wx, star_.position()[1] + n.wy}}, radius * radius});
+    box.AddBall(balls_.back().centre, radius);
   }
-  return !any || tree_.VisitPointsIn(box, kFew, [&](std::uint32_t id, const Point2& q) {
-    if (id == star_.vertex() || !context.Sees(vertices_[id].birth) || star_.Has(id)) return;
+  if (balls_.empty()) return true;
+  return tree_.VisitPointsIn(box, kFew, [&](std::uint32_t id, const Point2& q) {
+    const bool is_near = std::ranges::any_of(balls_, [&](const Ball& ball) {
+      return geometry::SquaredDistance(q, ball.centre) <= ball.radius2;
+    });
+    if (!is_near || id == star_.vertex() || !context.Sees(vertices_[id].birth) || star_.Has(id)) {
+      return;
+    }
     star_.Insert(id, q);
   });
 }

@@ -279,6 +279,7 @@ std::uint64_t Refinement<E>::Audit(std::vector<std::string>* problems) const {
     const auto hash_op = [&](sac::OpId op) {
       const Payload& payload = engine_.payload(op);
       std::uint64_t h = mix(std::bit_cast<std::uint32_t>(payload.radius2), payload.flag);
+      h = mix(mix(mix(mix(h, payload.west), payload.east), payload.south), payload.north);
       std::uint64_t sum = 0;
       for (const sac::Output o : engine_.outputs(op)) {
         const std::uint32_t i = IndexOf(o);

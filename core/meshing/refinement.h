@@ -163,6 +163,10 @@ class Refinement {
     int corner = 0;     // of the star: the one in the gap
     Point2 x = {};
   };
+  struct Ball {
+    Point2 centre;
+    double radius2;
+  };
   struct Skipped {
     Point2 neighbour;
     bool left;
@@ -206,6 +210,7 @@ class Refinement {
   void FindStar(Context& context, VertexIndex v, double reach);
   void StarFromTriangulation(VertexIndex v, double reach);
   void SeedStar(Context& context, VertexIndex v);
+  void OfferBeyondNeighbours(Context& context);
   bool UpdateStar(Context& context);
   void Offer(Context& context, std::uint32_t id);
   void VerifyStar(Context& context);
@@ -255,7 +260,7 @@ class Refinement {
   bool box_only_ = true;  // no client segment has ever been added
   bool hit_depth_limit_ = false;
   bool looked_for_gaps_ = false;
-  VertexIndex near_ = 0;          // a vertex near where things are published
+  VertexIndex near_ = 0;  // a vertex near where things are published
   // The triangle with the gap that the first vertex to be published fills, if it is known.
   TriangleIndex gap_triangle_ = mesh::DelaunayTriangulation::kNone;
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
@@ -274,6 +279,7 @@ class Refinement {
   std::vector<bool> encroached_strictly_;
   std::vector<VertexIndex> witnesses_, on_left_, on_right_;
   std::vector<std::uint32_t> offers_;
+  std::vector<Ball> balls_;
   std::vector<mesh::DelaunayTriangulation::Corner> corners_;
 
   Engine engine_;

@@ -75,8 +75,9 @@ Draft::Draft(const FeatureStore& base, const EditBatch& batch) : base_(base) {
 std::size_t Draft::PositionOf(FeatureId id) const {
   if (ascending_) {
     if (entries_.empty() || entries_.back().id < id) return entries_.size();
-    const auto it = std::lower_bound(entries_.begin(), entries_.end(), id,
-                                     [](const Entry& e, FeatureId wanted) { return e.id < wanted; });
+    const auto it =
+        std::lower_bound(entries_.begin(), entries_.end(), id,
+                         [](const Entry& e, FeatureId wanted) { return e.id < wanted; });
     return it->id == id ? static_cast<std::size_t>(it - entries_.begin()) : entries_.size();
   }
   const auto it = positions_.find(id);
