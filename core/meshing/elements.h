@@ -109,7 +109,9 @@ inline float RoundedUp(double x) {
 inline void Payload::SetRegion(const Point2& p, const Point2& lo, const Point2& hi,
                                double squared_radius) {
   radius2 = RoundedUp(squared_radius);
-  const double units = kUnits / std::sqrt(radius2) * (1 + 1e-6);
+  // The radius may have overflowed: then nothing is known of the extents either.
+  const double units =
+      radius2 < INFINITY ? kUnits / std::sqrt(radius2) * (1 + 1e-6) : double{INFINITY};
   const auto extent = [units](double distance) {
     return static_cast<std::uint32_t>(std::fmin(std::ceil(distance * units), kUnits));
   };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/io/edit_script.h"
@@ -29,16 +30,21 @@ TEST_P(Regress, EveryRevisionIsThatOfARunFromScratch) {
   const auto script =
       io::ReadEditScript(DYNMESH_SOURCE_DIR "/tests/regress/" + GetParam() + ".dynmesh");
   ASSERT_TRUE(script.ok()) << script.status().ToString();
-  for (const double quality : {2.0, script->Options().quality, 1.0}) {
+  for (const auto& [quality, criterion] :
+       {std::pair(2.0, Criterion::kEdge), std::pair(script->Options().quality, Criterion::kEdge),
+        std::pair(1.0, Criterion::kEdge),
+        std::pair(script->Options().quality, Criterion::kThesis)}) {
     MeshOptions options = script->Options();
     options.quality = quality;
+    options.criterion = criterion;
     PlanarMesh mesh(options, AlwaysPropagate());
     for (std::size_t b = 0; b < script->batches.size(); ++b) {
       const auto diff = mesh.Apply(script->batches[b].edits, ApplyOptions{});
       ASSERT_TRUE(diff.ok()) << script->Where(b, std::nullopt) << diff.status().ToString();
       for (const bool local : {false, true}) {
         EXPECT_EQ(CompareWithScratch(mesh, local).what, "")
-            << script->Where(b, std::nullopt) << ", rho " << quality;
+            << script->Where(b, std::nullopt) << ", rho " << quality
+            << (criterion == Criterion::kEdge ? "" : ", thesis's criterion");
       }
     }
   }

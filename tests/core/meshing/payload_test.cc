@@ -82,6 +82,13 @@ TEST(Payload, RegionMayBeUnbounded) {
   EXPECT_TRUE(payload.RegionMayHold({{1, 2}}, {{2.9, 2}}));
   EXPECT_TRUE(payload.RegionMayHold({{1, 2}}, {{1, 0.1}}));
   EXPECT_FALSE(payload.RegionMayHold({{1, 2}}, {{3.1, 2}}));
+  // A squared radius beyond what a float holds.
+  payload.SetRegion({{1, 2}}, {{-1e20, -1e20}}, {{1e20, 1e20}}, 1e40);
+  for (const Point2& y : {Point2{{1e19, 2}}, Point2{{-1e19, 1e19}}, Point2{{1, 2}}}) {
+    EXPECT_TRUE(payload.RegionMayHold({{1, 2}}, y));
+  }
+  payload.SetRegion({{1, 2}}, {{1, 2}}, {{3, 2}}, INFINITY);
+  EXPECT_TRUE(payload.RegionMayHold({{1, 2}}, {{0.5, 1}}));
 }
 
 // There is one of these for each operation, and that is to be a cache line.
