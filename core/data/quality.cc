@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/data/seditious_edges.h"
 
 namespace dynmesh {
 namespace {
@@ -26,6 +27,13 @@ double Cross(const Vector& u, const Vector& v) {
 double Dot(const Vector& u, const Vector& v) { return u.x * v.x + u.y * v.y; }
 
 double Degrees(double radians) { return radians * (180 / std::numbers::pi); }
+
+absl::flat_hash_map<VertexId, std::size_t> RowsById(const Mesh& mesh) {
+  absl::flat_hash_map<VertexId, std::size_t> row_of;
+  row_of.reserve(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) row_of.emplace(mesh.vertices.ids[i], i);
+  return row_of;
+}
 
 TriangleQuality Flat() {
   TriangleQuality flat;
@@ -90,32 +98,76 @@ bool IsOverRho(const TriangleQuality& triangle, double rho, double unit) {
   return triangle.radius_edge > rho * (1 + QualitySlack(triangle.shortest_edge, unit));
 }
 
-QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options) {
-  QualityReport report;
-  const std::size_t n = mesh.vertices.size();
+namespace {
+
+// Calls f(triangle's index, its quality, verdict) for each.
+template <class F>
+void ForEachTriangle(const Mesh& mesh, const MeshOptions& options, F f) {
+  const auto row_of = RowsById(mesh);
+  const data::SeditiousEdges seditious(mesh, row_of);
   const std::vector<double>& coordinates = mesh.vertices.coordinates;
-  if (mesh.dimension != 2 || mesh.simplex_count() == 0) return report;
-  absl::flat_hash_map<VertexId, std::size_t> row_of;
-  row_of.reserve(n);
-  for (std::size_t i = 0; i < n; ++i) row_of.emplace(mesh.vertices.ids[i], i);
   const double unit = CoordinateUnit(coordinates);
-  report.min_angle_deg = 180;
+  const auto judge = [&](const std::array<std::size_t, 3>& rows, const TriangleQuality& q) {
+    using enum SimplexVerdict;
+    if (!IsOverRho(q, options.quality, unit)) return kGood;
+    double shortest = std::numeric_limits<double>::infinity();  // of the others
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t p = rows[k], r = rows[(k + 1) % 3];
+      if (seditious.Has(p, r)) continue;
+      const double dx = coordinates[2 * p] - coordinates[2 * r];
+      const double dy = coordinates[2 * p + 1] - coordinates[2 * r + 1];
+      shortest = std::min(shortest, std::sqrt(dx * dx + dy * dy));
+    }
+    if (!(shortest > q.shortest_edge)) return kOverRho;
+    const double circumradius = q.radius_edge * q.shortest_edge;
+    const double most = options.quality * (1 + QualitySlack(shortest, unit)) * shortest;
+    return circumradius <= most || std::isinf(shortest) ? kSmallInputAngle : kOverRho;
+  };
   for (std::size_t t = 0; t < mesh.simplex_count(); ++t) {
-    const double* corner[3] = {nullptr, nullptr, nullptr};
+    std::array<std::size_t, 3> rows = {};
+    bool known = true;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto it = row_of.find(mesh.simplices[3 * t + k]);
-      if (it != row_of.end()) corner[k] = &coordinates[2 * it->second];
+      known = known && it != row_of.end();
+      if (known) rows[k] = it->second;
     }
-    const bool known = corner[0] && corner[1] && corner[2];
-    const TriangleQuality q = known ? MeasureTriangle(corner[0], corner[1], corner[2]) : Flat();
-    report.worst_radius_edge = std::max(report.worst_radius_edge, q.radius_edge);
-    report.min_angle_deg = std::min(report.min_angle_deg, q.min_angle_deg);
-    report.max_angle_deg = std::max(report.max_angle_deg, q.max_angle_deg);
-    if (IsOverRho(q, options.quality, unit)) ++report.over_rho;
-    for (const double angle : q.angles_deg) {
-      ++report.angle_histogram[std::min<std::size_t>(17, static_cast<std::size_t>(angle / 10))];
+    if (!known) {
+      f(t, Flat(), SimplexVerdict::kOverRho);
+      continue;
     }
+    const TriangleQuality q = MeasureTriangle(&coordinates[2 * rows[0]], &coordinates[2 * rows[1]],
+                                              &coordinates[2 * rows[2]]);
+    f(t, q, judge(rows, q));
   }
+}
+
+}  // namespace
+
+std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options) {
+  std::vector<SimplexVerdict> verdicts;
+  if (mesh.dimension != 2) return verdicts;
+  verdicts.resize(mesh.simplex_count());
+  ForEachTriangle(mesh, options, [&](std::size_t t, const TriangleQuality&, SimplexVerdict v) {
+    verdicts[t] = v;
+  });
+  return verdicts;
+}
+
+QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options) {
+  QualityReport report;
+  if (mesh.dimension != 2 || mesh.simplex_count() == 0) return report;
+  report.min_angle_deg = 180;
+  ForEachTriangle(
+      mesh, options, [&](std::size_t, const TriangleQuality& q, SimplexVerdict verdict) {
+        report.worst_radius_edge = std::max(report.worst_radius_edge, q.radius_edge);
+        report.min_angle_deg = std::min(report.min_angle_deg, q.min_angle_deg);
+        report.max_angle_deg = std::max(report.max_angle_deg, q.max_angle_deg);
+        if (verdict != SimplexVerdict::kGood) ++report.over_rho;
+        if (verdict == SimplexVerdict::kSmallInputAngle) ++report.exempt;
+        for (const double angle : q.angles_deg) {
+          ++report.angle_histogram[std::min<std::size_t>(17, static_cast<std::size_t>(angle / 10))];
+        }
+      });
   return report;
 }
 

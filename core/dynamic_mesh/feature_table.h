@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/dynamic_mesh/wedge_table.h"
 #include "core/mesh/delaunay_insert_order.h"
 #include "core/meshing/elements.h"
 #include "core/plc/delta.h"
@@ -33,6 +34,7 @@ class FeatureTable {
       const auto it = segments_.find(s.id);
       FreeSlot(refinement.subsegment(it->second).feature);
       refinement.RemoveSegment(it->second);
+      wedges_.Remove(s.id);
       segments_.erase(it);
     }
     for (const plc::PointFeature& p : delta.removed_points) {
@@ -49,6 +51,7 @@ class FeatureTable {
     } else {
       points_.reserve(points_.size() + delta.added_points.size());
       segments_.reserve(segments_.size() + delta.added_segments.size());
+      wedges_.Reserve(delta.added_segments.size());
       std::vector<geometry::Point2> positions;
       positions.reserve(delta.added_points.size());
       for (const plc::PointFeature& p : delta.added_points) positions.push_back(p.p);
@@ -63,9 +66,18 @@ class FeatureTable {
       }
     }
     for (const plc::SegmentFeature& s : delta.added_segments) {
-      segments_[s.id] =
-          refinement.AddSegment(points_.at(s.p_id), points_.at(s.q_id), NewSlot(s.id));
+      const bool forward = s.p < s.q;
+      wedges_.Add(s.id, points_.at(forward ? s.p_id : s.q_id),
+                  points_.at(forward ? s.q_id : s.p_id));
     }
+    wedges_.Update([&](meshing::VertexIndex v) { return refinement.vertex(v).p; },
+                   [&](FeatureId id, const WedgeTable::Segment& s) {
+                     meshing::SubsegmentIndex& root = segments_[id];
+                     const meshing::FeatureSlot slot =
+                         s.is_new ? NewSlot(id) : refinement.subsegment(root).feature;
+                     if (!s.is_new) refinement.RemoveSegment(root);
+                     root = refinement.AddSegment(s.ends[0], s.ends[1], slot, s.shape);
+                   });
   }
 
   // Slots of removed features keep their ids until here.
@@ -75,7 +87,8 @@ class FeatureTable {
   }
 
   std::size_t bytes() const {
-    return (points_.capacity() + segments_.capacity()) * 17 + ids_.capacity() * sizeof(FeatureId);
+    return (points_.capacity() + segments_.capacity()) * 17 + ids_.capacity() * sizeof(FeatureId) +
+           wedges_.bytes();
   }
 
  private:
@@ -95,6 +108,7 @@ class FeatureTable {
   std::vector<meshing::FeatureSlot> free_, freed_;
   absl::flat_hash_map<FeatureId, meshing::VertexIndex> points_;
   absl::flat_hash_map<FeatureId, meshing::SubsegmentIndex> segments_;
+  WedgeTable wedges_;
 };
 
 }  // namespace dynmesh

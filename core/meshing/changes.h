@@ -34,6 +34,7 @@ void Refinement<E>::Publish(sac::Output output, sac::Stamp at) {
       s.death = at;
       MarkSubsegmentChanged(i);
       NotifyOfSubsegment(i, at, old);
+      if constexpr (!kTraced) HideSubsegment(i);  // nobody looks back
       if constexpr (kTraced) {
         if (Counts(Term::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
       }
@@ -54,8 +55,7 @@ void Refinement<E>::Withdraw(sac::Output output, sac::Stamp at) {
     case Made::kExposure: {
       Subsegment& s = subsegments_[i];
       NotifyOfSubsegment(i, at, s.death);
-      for (int k = 0; k < s.place_count; ++k) exposures_.Remove(s.places[k], i);
-      s.place_count = 0;
+      HideSubsegment(i);
       s.exposed = sac::kNoStamp;
       MarkSubsegmentChanged(i);
       break;
@@ -106,9 +106,9 @@ void Refinement<E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   Vertex& vertex = vertices_[v];
   vertex.present = true;
   ++vertex_count_;
-  // Without a trace, a triangulation answers everything but what a point encroaches
-  // on; for that the tree need only be as fine as the input.
-  if (!is_global()) tree_.Insert(v, vertex.p);
+  // Where a triangulation answers everything but what a point encroaches on, the tree need
+  // only be as fine as the subsegments.
+  if (!is_global() || (vertex.dimension < 2 && !box_only_)) tree_.Insert(v, vertex.p);
   if (triangulation_ != nullptr) {
     const auto known = std::exchange(gap_triangle_, mesh::DelaunayTriangulation::kNone);
     triangulation_->InsertAt(v, vertex.p,
@@ -250,6 +250,13 @@ void Refinement<E>::SetExposed(SubsegmentIndex i, sac::Stamp at) {
   });
   MarkSubsegmentChanged(i);
   NotifyOfSubsegment(i, at, s.death);
+}
+
+template <template <class> class E>
+void Refinement<E>::HideSubsegment(SubsegmentIndex i) {
+  Subsegment& s = subsegments_[i];
+  for (int k = 0; k < s.place_count; ++k) exposures_.Remove(s.places[k], i);
+  s.place_count = 0;
 }
 
 // Tells those who read as of a time in (after, until], if s is exposed at all.

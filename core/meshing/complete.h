@@ -139,13 +139,16 @@ bool Refinement<E>::ShortestGap(int bucket, Candidate* best) const {
 
 // --- The thesis's criterion -----------------------------------------------------------
 
-// NN(v)^2. Features need no mention: no subsegment is encroached, so one that v is not
-// on is at least NN(v) / sqrt 2 away.
+// NN(v)^2, seditious edges left out. Features need no mention: no subsegment is encroached, so one
+// that v is not on is at least NN(v) / sqrt 2 away.
 template <template <class> class E>
 double Refinement<E>::NearestInStar() const {
   double nn2 = INFINITY;
   for (int i = 0; i < star_.size(); ++i) {
-    if (!Star::IsGhost(star_[i].id)) nn2 = std::min(nn2, star_[i].d2);
+    const VertexIndex u = star_[i].id;
+    if (!Star::IsGhost(u) && star_[i].d2 < nn2 && !IsSeditious(star_.vertex(), u)) {
+      nn2 = star_[i].d2;
+    }
   }
   return nn2;
 }
@@ -200,7 +203,8 @@ void Refinement<E>::RequestNeighbours(Context& context) {
     bool nearest = true;
     for (int j = 0; j < star_.size() && nearest; ++j) {
       nearest = j == i || Star::IsGhost(star_[j].id) ||
-                geometry::SquaredDistance(u.p, star_[j].p) >= u.d2;
+                geometry::SquaredDistance(u.p, star_[j].p) >= u.d2 ||
+                IsSeditious(u.id, star_[j].id);
     }
     if (nearest) RequestNoEarlierThanNow(context, u.id, BucketOf(u.d2));
   }
@@ -220,7 +224,7 @@ bool Refinement<E>::GapOfEdge(int i, bool left_of_star, Candidate* gap) const {
   if (Star::IsGhost(c.id) && OnOutside(p, q)) return false;
   const Gap what = rules_.GapOfEdge(p, q, u.d2, Star::IsGhost(c.id) ? nullptr : &c.p,
                                     Star::IsGhost(d.id) ? nullptr : &d.p);
-  if (what == Gap::kNone) return false;
+  if (what == Gap::kNone || IsSeditious(star_.vertex(), u.id)) return false;
   gap->e2 = u.d2;
   gap->neighbour = u.p;
   gap->left = p < q;

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "core/geometry/point.h"
+#include "core/meshing/shells.h"
 #include "core/sac/engine.h"
 
 namespace dynmesh::meshing {
@@ -53,18 +54,20 @@ struct Vertex {
   sac::Epoch epoch = kBirthOfInput;  // of its creator
   sac::Stamp birth = 0;              // its creator's time, or the beginning
   sac::OpId operations = sac::kNoOp;
-  sac::OpId creator = sac::kNoOp;
-  FeatureSlot feature = kNil;  // what it lies on
-  std::uint8_t dimension = 2;  // containing dimension: 0, 1 or 2
-  std::uint8_t ordinal = 0;    // which of its creator's outputs
-  bool present = false;        // published, not withdrawn
-  bool in_mesh = false;        // part of the last reported mesh
-  bool changed = false;        // stands in the list of changes
+  sac::OpId creator = sac::kNoOp;  // untraced: its item
+  FeatureSlot feature = kNil;      // what it lies on
+  std::uint8_t dimension = 2;      // containing dimension: 0, 1 or 2
+  std::uint8_t ordinal = 0;        // which of its creator's outputs
+  bool present = false;            // published, not withdrawn
+  bool in_mesh = false;            // part of the last reported mesh
+  bool changed = false;            // stands in the list of changes
 };
 
 struct Subsegment {
-  VertexIndex a = kNil, b = kNil;  // in the direction of the segment
+  VertexIndex a = kNil, b = kNil;              // the lesser end of the segment first
+  VertexIndex whole_a = kNil, whole_b = kNil;  // ends of the segment
   FeatureSlot feature = kNil;
+  Piece piece;  // how it is to be split
   // Visible to quality work from its exposure on (a Check found it clean) until its
   // death (a split).
   sac::Stamp exposed = sac::kNoStamp;

@@ -105,7 +105,8 @@ void Refinement<E>::RemovePoint(VertexIndex v) {
 }
 
 template <template <class> class E>
-SubsegmentIndex Refinement<E>::AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature) {
+SubsegmentIndex Refinement<E>::AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
+                                          const SegmentShape& shape) {
   if (is_global() && box_only_ && feature != 0) {
     // The tree was not needed so far; subsegments are found through it.
     for (VertexIndex v = 0; v < vertices_.size(); ++v) tree_.Insert(v, vertices_[v].p);
@@ -115,8 +116,9 @@ SubsegmentIndex Refinement<E>::AddSegment(VertexIndex a, VertexIndex b, FeatureS
   Subsegment& sub = subsegments_[s];
   // One direction whatever the client's, so that rounding and hashes agree.
   const bool forward = vertices_[a].p < vertices_[b].p;
-  sub.a = forward ? a : b;
-  sub.b = forward ? b : a;
+  sub.a = sub.whole_a = forward ? a : b;
+  sub.b = sub.whole_b = forward ? b : a;
+  sub.piece = Piece::Whole(shape, LengthOf(vertices_[a].p, vertices_[b].p));
   sub.feature = feature;
   engine_.Request(kCheck, s, FirstCheckEpoch());
   return s;
@@ -202,7 +204,7 @@ int Refinement<E>::BucketOfGap(VertexIndex p, VertexIndex q, VertexIndex c, Vert
   const auto at = [&](VertexIndex v) { return &triangulation_->position(v); };
   const double e2 = geometry::SquaredDistance(*at(p), *at(q));
   const Gap gap = rules_.GapOfEdge(*at(p), *at(q), e2, at(c), d == kInfinite ? nullptr : at(d));
-  return gap == Gap::kNone ? kBuckets : BucketOf(e2);
+  return gap == Gap::kNone || IsSeditious(p, q) ? kBuckets : BucketOf(e2);
 }
 
 template <template <class> class E>

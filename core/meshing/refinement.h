@@ -19,8 +19,11 @@
 #ifndef DYNMESH_CORE_MESHING_REFINEMENT_H_
 #define DYNMESH_CORE_MESHING_REFINEMENT_H_
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/huge_pages.h"
@@ -68,7 +71,9 @@ class Refinement {
   void AddBox();
   VertexIndex AddPoint(const Point2& p, FeatureSlot feature);
   void RemovePoint(VertexIndex v);
-  SubsegmentIndex AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature);
+  // `shape`: of the segment from the lesser of the two to the greater.
+  SubsegmentIndex AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
+                             const SegmentShape& shape = {});
   void RemoveSegment(SubsegmentIndex s);
 
   // Runs or re-runs what is to be done. `interrupt()` is asked before each operation;
@@ -179,8 +184,14 @@ class Refinement {
   bool CanSplit(const Subsegment& s) const;
   VertexIndex EmitVertex(Context& context, const Point2& p, int ordinal, int dimension,
                          FeatureSlot feature);
-  SubsegmentIndex EmitSubsegment(Context& context, VertexIndex a, VertexIndex b,
-                                 FeatureSlot feature, int depth);
+  SubsegmentIndex EmitSubsegment(Context& context, const Subsegment& subsegment);
+  struct Shell {
+    VertexIndex apex, other;  // of the segment that it is on
+    double distance;          // from the apex
+  };
+  std::pair<Point2, std::array<Piece, 2>> SplitOf(const Subsegment& s) const;
+  std::optional<Shell> ShellOf(VertexIndex v) const;
+  bool IsSeditious(VertexIndex v, VertexIndex u) const;
 
   // complete.h
   void Nearest(Context& context);
@@ -239,6 +250,7 @@ class Refinement {
   void NotifyOfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
   bool SubsegmentMatters(sac::OpId op, const Subsegment& s) const;
   void SetExposed(SubsegmentIndex s, sac::Stamp at);
+  void HideSubsegment(SubsegmentIndex s);
   sac::Stamp NextDeath(const Subsegment& s, sac::Stamp except) const;
   void MarkChanged(VertexIndex v);
   void MarkSubsegmentChanged(SubsegmentIndex s);

@@ -1,14 +1,17 @@
 // Segment work: rule (b) as a fixed point. A subsegment is *encroached* when its open
 // diametral ball holds a vertex, or when a tie on the ball's surface keeps it out of
-// the Delaunay triangulation; it is then split in the middle.
+// the Delaunay triangulation; it is then split, in the middle if nothing speaks against it.
 //
 // Encroached once, encroached until split, whatever else is inserted: so the set of
 // splits is the least fixed point of a monotone rule, the same in whatever order
-// subsegments are looked at. At input angles of 45 degrees and more it is finite.
-//
-//   s, a, b    subsegment and its ends      m    its midpoint
+// subsegments are looked at. It is finite: pieces of segments that meet at a small angle are
+// split on shells (shells.h).
 #ifndef DYNMESH_CORE_MESHING_SEGMENTS_H_
 #define DYNMESH_CORE_MESHING_SEGMENTS_H_
+
+#include <array>
+#include <optional>
+#include <utility>
 
 #include "core/geometry/constructions.h"
 #include "core/meshing/refinement.h"
@@ -55,10 +58,20 @@ void Refinement<E>::Split(Context& context) {
 template <template <class> class E>
 void Refinement<E>::SplitInto(Context& context, SubsegmentIndex s) {
   const Subsegment sub = subsegments_[s];
-  const Point2 m = geometry::Midpoint(vertices_[sub.a].p, vertices_[sub.b].p);
-  const VertexIndex v = EmitVertex(context, m, 0, 1, sub.feature);
-  const SubsegmentIndex halves[2] = {EmitSubsegment(context, sub.a, v, sub.feature, sub.depth + 1),
-                                     EmitSubsegment(context, v, sub.b, sub.feature, sub.depth + 1)};
+  const auto [p, pieces] = SplitOf(sub);
+  const VertexIndex v = EmitVertex(context, p, 0, 1, sub.feature);
+  std::array<SubsegmentIndex, 2> halves;
+  for (int i = 0; i < 2; ++i) {
+    Subsegment half;
+    half.a = i == 0 ? sub.a : v;
+    half.b = i == 0 ? v : sub.b;
+    half.whole_a = sub.whole_a;
+    half.whole_b = sub.whole_b;
+    half.feature = sub.feature;
+    half.piece = pieces[i];
+    half.depth = sub.depth + 1;
+    halves[i] = EmitSubsegment(context, half);
+  }
   context.Emit(MakeOutput(Made::kDeath, s));
 
   const int bucket = BucketOfEpoch(context.epoch);
@@ -70,14 +83,14 @@ void Refinement<E>::SplitInto(Context& context, SubsegmentIndex s) {
   } else {
     context.Request(kComplete, v, MakeEpoch(bucket, round, kQualityStep));
   }
-  // Whom does m encroach on? Those not yet exposed will look for themselves.
-  FindEncroached(context, m);
+  // Whom does v encroach on? Those not yet exposed will look for themselves.
+  FindEncroached(context, p);
   for (std::size_t i = 0; i < encroached_.size(); ++i) {
     const Subsegment& other = subsegments_[encroached_[i]];
     if (encroached_[i] == s || other.a == v || other.b == v) continue;
     context.Request(encroached_strictly_[i] ? kSplit : kRecheck, encroached_[i], next);
   }
-  SubscribePoint(context, m);
+  SubscribePoint(context, p);
 }
 
 template <template <class> class E>
@@ -104,7 +117,11 @@ VertexIndex Refinement<E>::EmitVertex(Context& context, const Point2& p, int ord
   vertex.p = p;
   vertex.epoch = context.epoch;
   vertex.birth = context.now;
-  if constexpr (kTraced) vertex.creator = context.id();
+  if constexpr (kTraced) {
+    vertex.creator = context.id();
+  } else {
+    vertex.creator = context.item;
+  }
   vertex.feature = feature;
   vertex.dimension = static_cast<std::uint8_t>(dimension);
   vertex.ordinal = static_cast<std::uint8_t>(ordinal);
@@ -113,24 +130,56 @@ VertexIndex Refinement<E>::EmitVertex(Context& context, const Point2& p, int ord
 }
 
 template <template <class> class E>
-SubsegmentIndex Refinement<E>::EmitSubsegment(Context& context, VertexIndex a, VertexIndex b,
-                                              FeatureSlot feature, int depth) {
+SubsegmentIndex Refinement<E>::EmitSubsegment(Context& context, const Subsegment& subsegment) {
   for (const sac::Output o : context.old_outputs()) {
     if (WhatOf(o) != Made::kSubsegment) continue;
     const Subsegment& old = subsegments_[IndexOf(o)];
-    if (old.a == a && old.b == b) {
+    if (old.a == subsegment.a && old.b == subsegment.b) {
       context.Emit(o);
       return IndexOf(o);
     }
   }
   const SubsegmentIndex s = NewSubsegment();
-  Subsegment& sub = subsegments_[s];
-  sub.a = a;
-  sub.b = b;
-  sub.feature = feature;
-  sub.depth = static_cast<std::uint8_t>(depth);
+  subsegments_[s] = subsegment;
   context.Emit(MakeOutput(Made::kSubsegment, s));
   return s;
+}
+
+// --- Small angles -----------------------------------------------------------------------
+
+// Where s is split, and into what.
+template <template <class> class E>
+std::pair<Point2, std::array<Piece, 2>> Refinement<E>::SplitOf(const Subsegment& s) const {
+  if (s.piece.rule == Piece::Rule::kHalve) {
+    return {geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p), {}};
+  }
+  const Point2 &a = vertices_[s.whole_a].p, &b = vertices_[s.whole_b].p;
+  const double length = LengthOf(a, b), at = SplitDistance(s.piece);
+  return {s.piece.from_b ? PointAt(b, a, length, at) : PointAt(a, b, length, at),
+          SplitPiece(s.piece, length)};
+}
+
+// The shell that v lies on, if it was put there by a split.
+template <template <class> class E>
+std::optional<typename Refinement<E>::Shell> Refinement<E>::ShellOf(VertexIndex v) const {
+  const Vertex& vertex = vertices_[v];
+  if (vertex.dimension != 1) return std::nullopt;
+  SubsegmentIndex parent = vertex.creator;
+  if constexpr (kTraced) parent = engine_.item(vertex.creator);
+  const Subsegment& s = subsegments_[parent];
+  if (s.piece.rule != Piece::Rule::kShells) return std::nullopt;
+  const bool from_b = s.piece.from_b;
+  return Shell{from_b ? s.whole_b : s.whole_a, from_b ? s.whole_a : s.whole_b,
+               SplitDistance(s.piece)};
+}
+
+template <template <class> class E>
+bool Refinement<E>::IsSeditious(VertexIndex v, VertexIndex u) const {
+  if (vertices_[v].dimension != 1 || vertices_[u].dimension != 1) return false;
+  const auto of_v = ShellOf(v), of_u = ShellOf(u);
+  return of_v && of_u && of_v->apex == of_u->apex && of_v->distance == of_u->distance &&
+         of_v->other != of_u->other &&
+         IsSmallAngle(vertices_[of_v->apex].p, vertices_[of_v->other].p, vertices_[of_u->other].p);
 }
 
 }  // namespace dynmesh::meshing

@@ -100,7 +100,7 @@ Verdict Explain(Conflict conflict, const AnyFeature& a, const AnyFeature& b, dou
       return {reason::kSmallAngle,
               absl::StrCat(pair, " meet in an angle of ",
                            AngleText(std::get<SegmentFeature>(a), std::get<SegmentFeature>(b)),
-                           "; at least 45 are needed: move an end, or remove one of them")};
+                           "; at least 0.001 are needed: move an end, or remove one of them")};
     default:
       return {reason::kTooClose,
               absl::StrCat(pair, " are nearer than ", Shortest(limit),

@@ -6,7 +6,7 @@
 //      magnitude at least 2^-200, never -0;
 //   2. every segment joins two points present, different ones;
 //   3. no two features are too close, cross, overlap or coincide, no point is in the
-//      inside of a segment, no two segments that share an end are acute (rules.h).
+//      inside of a segment, no two segments that share an end are nearly one (rules.h).
 // Whether a batch is accepted, its Delta and its error are functions of the feature
 // set and the batch, never of history.
 //

@@ -14,9 +14,8 @@ using geometry::Point2;
 using geometry::SquaredDistance;
 
 constexpr double kCloseLimitUlps = 0x1p10;
-// cos^2 of the least angle between segments, with a hair so that exactly 45 degrees,
-// as rounded on entry, is legal.
-constexpr double kAngleBound = 0.5 * (1 + 4e-6);
+// sin^2 of the least angle between segments, 0.001 degrees, less a hair.
+constexpr double kAngleBound = 3.046174197557781e-10 * (1 - 1e-6);
 
 // Of collinear a, b, x: is x on the closed segment ab? Exact.
 bool InRange(const Point2& a, const Point2& b, const Point2& x) {
@@ -34,7 +33,8 @@ Conflict AtSharedEnd(const Point2& apex, const Point2& a, const Point2& b) {
   // Collinear vectors are opposite or parallel, far from d = 0: its sign is right.
   if (d > 0 && Orientation(apex, a, b) == 0) return Conflict::kSegmentsOverlap;
   const double squares = (ux * ux + uy * uy) * (wx * wx + wy * wy);
-  if (d > 0 && d * d > kAngleBound * squares) return Conflict::kSmallAngle;
+  const double cross = ux * wy - uy * wx;
+  if (d > 0 && cross * cross < kAngleBound * squares) return Conflict::kSmallAngle;
   return Conflict::kNone;
 }
 

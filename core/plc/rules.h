@@ -42,9 +42,9 @@ Conflict Between(const PointFeature& p, const PointFeature& q, double limit);
 Conflict Between(const PointFeature& p, const SegmentFeature& s, double limit);
 
 // Two segments. An end of one *in* the other is left to the rule for point and
-// segment. Segments that share an end must not be acute: with u, w the vectors from
-// the shared point, d = u.w > 0 and d*d > (1/2)(1 + 4e-6)|u|^2|w|^2, that is an angle
-// below 45 degrees (less 1e-4), is kSmallAngle.
+// segment. Segments that share an end must not be nearly one: with u, w the vectors from
+// the shared point, u.w > 0 and (u x w)^2 < sin^2(0.001 degrees) (1 - 1e-6)|u|^2|w|^2 is
+// kSmallAngle.
 Conflict Between(const SegmentFeature& s, const SegmentFeature& t);
 
 // Is the distance of p to segment ab below `limit`? In doubles, error of an ulp of

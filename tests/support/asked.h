@@ -20,7 +20,7 @@ inline constexpr Asked kAsked[] = {{"Rho2", 2.0, Criterion::kEdge},
                                    {"Rho1", 1.0, Criterion::kEdge},
                                    {"ThesisRho2", 2.0, Criterion::kThesis},
                                    {"ThesisRhoSqrt2", kDefaultQuality2D, Criterion::kThesis},
-                                   {"ThesisRho1p2", kMinThesisQuality2D, Criterion::kThesis}};
+                                   {"ThesisRho1p6", 1.6, Criterion::kThesis}};
 inline constexpr int kAskedCount = static_cast<int>(std::size(kAsked));
 
 }  // namespace dynmesh::test

@@ -84,6 +84,40 @@ std::vector<Feature> Parallel(int n, Random& random) {
   return features;
 }
 
+// On a lattice of cells: a fan of two to six segments, the angle from one to the next
+// anything from 0.002 to 120 degrees, some of equal length; now and then two ends next to
+// each other are joined, which makes two more sharp angles.
+std::vector<Feature> Wedges(int n, Random& random) {
+  std::vector<Feature> features;
+  const int side = std::max(1, static_cast<int>(std::sqrt(n / 8.0)));
+  FeatureId id = 0;
+  const auto point = [&](double x, double y) {
+    features.push_back(Feature::Point(++id, x, y));
+    return id;
+  };
+  for (int cell = 0; cell < side * side; ++cell) {
+    const double x = (cell / side + 0.5) / side, y = (cell % side + 0.5) / side;
+    const FeatureId apex = point(x, y);
+    const double length = 0.45 / side;
+    double angle = 2 * std::numbers::pi * random.Unit();
+    const double end = angle + 1.9 * std::numbers::pi;
+    FeatureId last = kNoFeature;  // the tip of the segment before, if as long as can be
+    for (int spokes = 2 + random.Below(5); spokes > 0 && angle < end; --spokes) {
+      const double r = random.OneIn(2) ? length
+                                       : length * std::ldexp(1.0, -random.Below(6)) *
+                                             (0.5 + 0.5 * random.Unit());
+      const FeatureId tip = point(x + r * std::cos(angle), y + r * std::sin(angle));
+      features.push_back(Feature::Segment(++id, apex, tip));
+      if (r == length && last != kNoFeature && random.OneIn(3)) {
+        features.push_back(Feature::Segment(++id, last, tip));
+      }
+      last = r == length ? tip : kNoFeature;
+      angle += (random.OneIn(2) ? 2.1 : 0.3) * std::ldexp(random.Unit(), -random.Below(16)) + 4e-5;
+    }
+  }
+  return features;
+}
+
 std::string Number(double x) {
   char digits[32];
   return {digits, std::to_chars(digits, digits + sizeof(digits), x).ptr};
@@ -115,13 +149,16 @@ std::string NameOf(Distribution d) {
       return "Diagonals";
     case Distribution::kParallel:
       return "Parallel";
+    case Distribution::kWedges:
+      return "Wedges";
   }
   return "?";
 }
 
 bool HasSegments(Distribution d) {
   return d == Distribution::kSegmentsAxis || d == Distribution::kSegmentsTurned ||
-         d == Distribution::kDiagonals || d == Distribution::kParallel;
+         d == Distribution::kDiagonals || d == Distribution::kParallel ||
+         d == Distribution::kWedges;
 }
 
 std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
@@ -187,6 +224,8 @@ std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
       return Diagonals(std::min(n, 64), random);
     case Distribution::kParallel:
       return Parallel(n, random);
+    case Distribution::kWedges:
+      return Wedges(n, random);
   }
   return features;
 }

@@ -27,12 +27,13 @@ enum class Distribution {
   kSegmentsTurned,  // the same, turned
   kDiagonals,       // squares and their diagonals: 45 degrees, cocircular
   kParallel,        // segments close to each other and points close to them: cascades of splits
+  kWedges,          // fans of segments at angles down to 0.002 degrees, some acute at both ends
 };
 inline constexpr Distribution kAllDistributions[] = {
     Distribution::kUniform,   Distribution::kClustered,    Distribution::kCircle,
     Distribution::kGrid,      Distribution::kLine,         Distribution::kDyadicLine,
     Distribution::kTwoScale,  Distribution::kSegmentsAxis, Distribution::kSegmentsTurned,
-    Distribution::kDiagonals, Distribution::kParallel};
+    Distribution::kDiagonals, Distribution::kParallel,     Distribution::kWedges};
 std::string NameOf(Distribution d);
 bool HasSegments(Distribution d);
 

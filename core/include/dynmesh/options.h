@@ -31,7 +31,7 @@ struct Limits {
 };
 
 inline constexpr double kMinQuality2D = 1.0;
-inline constexpr double kMinThesisQuality2D = 1.2;  // below, kThesis need not end
+inline constexpr double kMinThesisQuality2D = 1.4142;  // below, kThesis need not end
 inline constexpr double kMaxQuality = 100.0;
 inline constexpr double kDefaultQuality2D = 1.4142135623730951;
 
@@ -40,7 +40,7 @@ struct MeshOptions {
   Box box;            // where features may lie
   // rho, the largest circumradius / shortest edge: 1 to 100 in the plane, where
   // the least angle is arcsin(1 / (2 rho)): 20.7 degrees at the default, 30 at 1.
-  // From 1.2 for kThesis.
+  // From 1.4142 for kThesis.
   double quality = kDefaultQuality2D;
   Criterion criterion = Criterion::kEdge;
   Limits limits;

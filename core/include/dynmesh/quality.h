@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "dynmesh/mesh.h"
 #include "dynmesh/options.h"
@@ -37,6 +38,18 @@ double QualitySlack(double shortest_edge, double unit);
 
 // radius_edge > rho (1 + QualitySlack).
 bool IsOverRho(const TriangleQuality& triangle, double rho, double unit);
+
+// What is to be said of a simplex.
+enum class SimplexVerdict : std::uint8_t {
+  kGood = 0,             // within rho
+  kSmallInputAngle = 1,  // over rho, for the sake of an edge that is as short as an angle of the
+                         // input makes it; within rho of its shortest other edge
+  kOverRho = 2,          // over rho without excuse
+};
+
+// Of each simplex of `mesh` (of dimension 2), in its order. A function of the mesh and of
+// options.quality. O(size).
+std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options);
 
 struct QualityReport {
   double worst_radius_edge = 0;

@@ -93,16 +93,16 @@ TEST(Options, OtherBadFieldsAreRefused) {
 TEST(Options, TheThesisCriterionWantsMoreRoom) {
   MeshOptions options;
   options.criterion = Criterion::kThesis;
-  for (const double quality : {1.0, 1.1, std::nextafter(1.2, 0.0)}) {
+  for (const double quality : {1.0, 1.1, std::nextafter(1.4142, 0.0)}) {
     options.quality = quality;
     ExpectRefused(options, "quality");
-    EXPECT_NE(ValidateOptions(options).message().find("below 1.2, the least for criterion thesis"),
+    EXPECT_NE(ValidateOptions(options).message().find("below 1.4142, the least for criterion thesis"),
               std::string::npos);
     options.criterion = Criterion::kEdge;
     EXPECT_TRUE(ValidateOptions(options).ok());
     options.criterion = Criterion::kThesis;
   }
-  for (const double quality : {1.2, kDefaultQuality2D, 100.0}) {
+  for (const double quality : {1.4142, kDefaultQuality2D, 100.0}) {
     options.quality = quality;
     EXPECT_TRUE(ValidateOptions(options).ok()) << quality;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <tuple>
 
 #include "dynmesh/error.h"
@@ -250,12 +251,13 @@ class Checker {
     const Wide dot = Dot(apex, a, b);
     if (dot <= 0) return "";
     if (Cross(apex, a, b) == 0) return reason::kSegmentsOverlap;
-    const long double d = static_cast<long double>(dot);
     const long double squares =
         static_cast<long double>(Dot(apex, a, a)) * static_cast<long double>(Dot(apex, b, b));
-    const long double bound = 0.5L * (1 + 4e-6L) * squares;
-    if (std::abs(d * d - bound) < 1e-9L * bound) ambiguous_ = true;
-    return d * d > bound ? reason::kSmallAngle : "";
+    const long double sine = std::sin(std::numbers::pi_v<long double> / 180'000);
+    const long double bound = sine * sine * (1 - 1e-6L) * squares;
+    const long double c = static_cast<long double>(Cross(apex, a, b));
+    if (std::abs(c * c - bound) < 1e-9L * bound) ambiguous_ = true;
+    return c * c < bound ? reason::kSmallAngle : "";
   }
 
   const FeatureMap& before_;

@@ -294,17 +294,19 @@ TEST_F(PlcRefusals, OverlappingSegments) {
 }
 
 TEST_F(PlcRefusals, SmallAngles) {
-  // At 45 degrees: legal. Below, by more than the hair: not.
+  // At 0.0011 degrees: legal. At 0.0009: not.
   ExpectAccepted({AddSegment(30, 1, 5)});
-  ExpectRefused({AddPoint(30, 0.5, 0.49), AddSegment(31, 1, 30)}, Code::kFailedPrecondition,
-                reason::kSmallAngle, {31, 11}, 1);
-  ExpectRefused({AddPoint(30, 0.5, 0.49), AddSegment(31, 30, 1)}, Code::kFailedPrecondition,
-                reason::kSmallAngle, {31, 11}, 1);
+  ExpectAccepted({AddPoint(30, 0.5, 0.25 + 4.8e-6), AddSegment(31, 1, 30)});
+  const Edit sharp = AddPoint(30, 0.5, 0.25 + 3.9e-6);
+  ExpectRefused({sharp, AddSegment(31, 1, 30)}, Code::kFailedPrecondition, reason::kSmallAngle,
+                {31, 11}, 1);
+  ExpectRefused({sharp, AddSegment(31, 30, 1)}, Code::kFailedPrecondition, reason::kSmallAngle,
+                {31, 11}, 1);
   // A moved point may turn two segments to each other.
-  ExpectRefused({Edit::Move(3, 0.5, 0.375)}, Code::kFailedPrecondition, reason::kSmallAngle,
+  ExpectRefused({Edit::Move(3, 0.5, 0.25 + 3.9e-6)}, Code::kFailedPrecondition, reason::kSmallAngle,
                 {12, 11}, 0);
-  const absl::Status status = plc_.Check({AddPoint(30, 0.5, 0.49), AddSegment(31, 1, 30)}).status();
-  EXPECT_NE(status.message().find("43.8"), std::string::npos) << status;
+  const absl::Status status = plc_.Check({sharp, AddSegment(31, 1, 30)}).status();
+  EXPECT_NE(status.message().find("0.00089"), std::string::npos) << status;
   EXPECT_NE(status.message().find("point 1"), std::string::npos) << status;
   // More than 90 degrees.
   ExpectAccepted({AddPoint(30, 0.0625, 0.25), AddSegment(31, 1, 30)});

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "tests/core/plc/plc_test_util.h"
@@ -56,11 +57,13 @@ TEST(Rules, SegmentsApart) {
 TEST(Rules, SegmentsThatShareAnEnd) {
   const SegmentFeature s = Segment(9, 1, 2, {{0, 0}}, {{1, 0}});
   const auto with = [&](Point2 d) { return Ask(s, Segment(10, 1, 3, {{0, 0}}, d)); };
-  EXPECT_EQ(with({{1, 1}}), Conflict::kNone);  // 45 degrees
-  EXPECT_EQ(with({{1, -1}}), Conflict::kNone);
-  EXPECT_EQ(with({{1, 1 - 1e-6}}), Conflict::kNone);        // within the hair
-  EXPECT_EQ(with({{1, 1 - 5e-6}}), Conflict::kSmallAngle);  // outside it
-  EXPECT_EQ(with({{1, -1 + 5e-6}}), Conflict::kSmallAngle);
+  const double least = std::tan(std::numbers::pi / 180'000);  // 0.001 degrees
+  EXPECT_EQ(with({{1, 1}}), Conflict::kNone);
+  EXPECT_EQ(with({{1, least}}), Conflict::kNone);
+  EXPECT_EQ(with({{1, -least}}), Conflict::kNone);
+  EXPECT_EQ(with({{1, least * (1 - 1e-7)}}), Conflict::kNone);        // within the hair
+  EXPECT_EQ(with({{1, least * (1 - 2e-6)}}), Conflict::kSmallAngle);  // outside it
+  EXPECT_EQ(with({{1, -least * (1 - 2e-6)}}), Conflict::kSmallAngle);
   EXPECT_EQ(with({{1, 0x1p-52}}), Conflict::kSmallAngle);
   EXPECT_EQ(with({{2, 0}}), Conflict::kSegmentsOverlap);
   EXPECT_EQ(with({{0.5, 0}}), Conflict::kSegmentsOverlap);

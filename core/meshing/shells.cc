@@ -1,0 +1,140 @@
+#include "core/meshing/shells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/geometry/predicates.h"
+
+namespace dynmesh::meshing {
+namespace {
+
+using geometry::Point2;
+
+constexpr double kSquaredCosine = 0.25 * (1 + 4e-6);
+
+struct Vector {
+  double x, y;
+  double squared() const { return x * x + y * y; }
+};
+Vector Minus(const Point2& p, const Point2& q) { return {p[0] - q[0], p[1] - q[1]}; }
+double Dot(const Vector& u, const Vector& w) { return u.x * w.x + u.y * w.y; }
+
+bool IsSmall(const Vector& u, const Vector& w) {
+  const double d = Dot(u, w);
+  return d > 0 && d * d > kSquaredCosine * (u.squared() * w.squared());
+}
+
+// Directions by angle, counter-clockwise from the negative x-axis. Exact.
+class ByAngle {
+ public:
+  ByAngle(const Point2& apex, std::span<const Point2> ends) : apex_(apex), ends_(ends) {}
+  bool operator()(std::uint32_t i, std::uint32_t j) const {
+    const Point2 &p = ends_[i], &q = ends_[j];
+    const bool p_above = apex_ < p, q_above = apex_ < q;
+    if (p_above != q_above) return q_above;
+    return geometry::Orientation(apex_, p, q) > 0;
+  }
+
+ private:
+  const Point2& apex_;
+  std::span<const Point2> ends_;
+};
+
+}  // namespace
+
+bool IsSmallAngle(const Point2& apex, const Point2& p, const Point2& q) {
+  return IsSmall(Minus(p, apex), Minus(q, apex));
+}
+
+std::vector<WedgeEnd> FindWedges(const Point2& apex, std::span<const Point2> others) {
+  const std::size_t n = others.size();
+  std::vector<WedgeEnd> ends(n);
+  if (n < 2) return ends;
+  std::vector<std::uint32_t> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), ByAngle(apex, others));
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t s = order[i], t = order[i + 1 == n ? 0 : i + 1];
+    const Vector u = Minus(others[s], apex), w = Minus(others[t], apex);
+    if (!IsSmall(u, w)) continue;
+    const double dot = Dot(u, w);
+    const double lu = std::sqrt(u.squared()), lw = std::sqrt(w.squared());
+    const double sine = std::fabs(u.x * w.y - u.y * w.x) / (lu * lw);
+    const auto meet = [sine](WedgeEnd& end, double reach) {
+      end.acute = true;
+      end.sine = std::min(end.sine, sine);
+      end.reach = std::max(end.reach, reach);
+    };
+    meet(ends[s], std::min(lu, dot / lu));
+    meet(ends[t], std::min(lw, dot / lw));
+  }
+  return ends;
+}
+
+// Where both wedges are equally wide, if that is beyond the shadows of the neighbours, or
+// in between them; else the end of the nearer shadow. A little off that one, to the side:
+// at its very foot the neighbour's end would lie on the balls of both parts.
+SegmentShape ShapeOf(double length, const WedgeEnd& a, const WedgeEnd& b) {
+  SegmentShape shape{a.acute, b.acute, 0};
+  if (!a.acute || !b.acute) return shape;
+  const double balance = length * b.sine / (a.sine + b.sine);
+  const double from_a = a.reach, to_b = length - b.reach;
+  const double ideal = std::max(std::min(from_a, to_b), std::min(std::max(from_a, to_b), balance));
+  if (from_a < ideal && ideal < to_b) {
+    const double width = std::min(ideal, length - ideal) / 4;
+    shape.handover = Coarsest(std::max(from_a, ideal - width), std::min(to_b, ideal + width));
+  } else {
+    shape.handover =
+        ideal - std::min(ideal * (a.sine * a.sine), (length - ideal) * (b.sine * b.sine)) / 16;
+  }
+  return shape;
+}
+
+double Coarsest(double lo, double hi) {
+  int exponent = 0;
+  std::frexp(hi, &exponent);  // hi < 2^exponent
+  for (; exponent > -1070; --exponent) {
+    const double unit = std::ldexp(1.0, exponent);
+    const double multiple = std::ceil(lo / unit) * unit;
+    if (multiple <= hi) return multiple;
+  }
+  return hi;
+}
+
+Piece Piece::Whole(const SegmentShape& shape, double length) {
+  if (shape.acute_at_a && shape.acute_at_b) return {Rule::kHandOver, false, 0, shape.handover};
+  if (shape.acute_at_a) return {Rule::kShells, false, 0, length};
+  if (shape.acute_at_b) return {Rule::kShells, true, length, 0};
+  return {};
+}
+
+double SplitDistance(const Piece& piece) {
+  if (piece.rule == Piece::Rule::kHandOver) return piece.at_b;
+  const double near = std::min(piece.at_a, piece.at_b), far = std::max(piece.at_a, piece.at_b);
+  const double quarter = (far - near) / 4;
+  return Coarsest(near + quarter, far - quarter);
+}
+
+std::array<Piece, 2> SplitPiece(const Piece& piece, double length) {
+  using Rule = Piece::Rule;
+  const double at = SplitDistance(piece);
+  if (piece.rule == Rule::kHandOver) {
+    return {Piece{Rule::kShells, false, 0, at}, Piece{Rule::kShells, true, length - at, 0}};
+  }
+  return {Piece{Rule::kShells, piece.from_b, piece.at_a, at},
+          Piece{Rule::kShells, piece.from_b, at, piece.at_b}};
+}
+
+Point2 PointAt(const Point2& a, const Point2& b, double length, double distance) {
+  const double fraction = distance / length;
+  Point2 p;
+  for (int i = 0; i < 2; ++i) p[i] = a[i] == b[i] ? a[i] : a[i] + fraction * (b[i] - a[i]);
+  return p;
+}
+
+double LengthOf(const Point2& a, const Point2& b) {
+  return std::sqrt(geometry::SquaredDistance(a, b));
+}
+
+}  // namespace dynmesh::meshing

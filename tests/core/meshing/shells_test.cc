@@ -1,0 +1,162 @@
+// Small angles: which ends are sharp, where a segment changes its apex, and that shells of
+// two segments come to agree.
+#include "core/meshing/shells.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <vector>
+
+#include "tests/support/workload.h"
+
+namespace dynmesh::meshing {
+namespace {
+
+using geometry::Point2;
+
+constexpr std::uint64_t kSeed = 20261121;
+
+Point2 Polar(const Point2& apex, double degrees, double r) {
+  const double a = degrees * std::numbers::pi / 180;
+  return {{apex[0] + r * std::cos(a), apex[1] + r * std::sin(a)}};
+}
+
+TEST(Coarsest, IsTheRoundestNumberInARange) {
+  EXPECT_EQ(Coarsest(0.3, 0.6), 0.5);
+  EXPECT_EQ(Coarsest(0.5, 0.5), 0.5);
+  EXPECT_EQ(Coarsest(0.3, 0.45), 0.375);
+  EXPECT_EQ(Coarsest(5, 7), 6);
+  EXPECT_EQ(Coarsest(0.1, 0.1), 0.1);
+  test::Random random(kSeed);
+  for (int i = 0; i < 20000; ++i) {
+    const double lo = std::ldexp(0.5 + random.Unit(), random.Below(80) - 40);
+    const double hi = lo * (1 + std::ldexp(random.Unit(), -random.Below(20)));
+    const double c = Coarsest(lo, hi);
+    ASSERT_TRUE(lo <= c && c <= hi) << lo << " " << hi;
+    // Nothing in the range is a multiple of a greater power of two.
+    double unit = 1;
+    while (std::fmod(c, unit) != 0) unit /= 2;
+    while (std::fmod(c, 2 * unit) == 0) unit *= 2;
+    ASSERT_GT(std::ceil(lo / (2 * unit)) * (2 * unit), hi) << lo << " " << hi;
+  }
+}
+
+TEST(IsSmallAngle, DrawsTheLineAt60DegreesLessAHair) {
+  const Point2 o{{0.3, 0.7}};
+  for (const double turn : {0.0, 13.0, 90.0, 271.0}) {
+    const auto small = [&](double degrees) {
+      const Point2 p = Polar(o, turn, 0.25), q = Polar(o, turn + degrees, 0.5);
+      EXPECT_EQ(IsSmallAngle(o, p, q), IsSmallAngle(o, q, p));
+      return IsSmallAngle(o, p, q);
+    };
+    for (const double degrees : {0.001, 1.0, 30.0, 45.0, 59.0, 59.99, -59.0, -0.001}) {
+      EXPECT_TRUE(small(degrees)) << degrees;
+    }
+    for (const double degrees : {60.0, 60.01, 90.0, 120.0, 180.0, -60.0, -100.0}) {
+      EXPECT_FALSE(small(degrees)) << degrees;
+    }
+  }
+}
+
+// Against all pairs: a slow, obvious search for the least angle.
+TEST(FindWedges, LooksAtTheNeighboursInAngle) {
+  test::Random random(kSeed);
+  for (int round = 0; round < 300; ++round) {
+    const Point2 o{{random.Unit(), random.Unit()}};
+    std::vector<double> angles;
+    std::vector<Point2> others;
+    const int n = 1 + random.Below(12);
+    for (int i = 0; i < n; ++i) {
+      angles.push_back(360 * random.Unit());
+      others.push_back(Polar(o, angles.back(), 0.1 + random.Unit()));
+    }
+    const auto ends = FindWedges(o, others);
+    ASSERT_EQ(ends.size(), others.size());
+    for (int i = 0; i < n; ++i) {
+      double least = 360;
+      for (int j = 0; j < n; ++j) {
+        if (j == i) continue;
+        const double d = std::fabs(angles[i] - angles[j]);
+        least = std::min({least, d, 360 - d});
+      }
+      if (std::fabs(least - 60) < 1e-3) continue;
+      EXPECT_EQ(ends[i].acute, least < 60) << "seed " << kSeed << ", round " << round;
+      if (least < 60) {
+        EXPECT_NEAR(ends[i].sine, std::sin(least * std::numbers::pi / 180), 1e-9);
+        EXPECT_GT(ends[i].reach, 0);
+        EXPECT_LE(ends[i].reach, LengthOf(o, others[i]));
+      }
+    }
+    // Whatever order they come in.
+    std::vector<Point2> turned(others.rbegin(), others.rend());
+    auto again = FindWedges(o, turned);
+    std::reverse(again.begin(), again.end());
+    EXPECT_EQ(again, ends);
+  }
+}
+
+TEST(ShapeOf, HandsOverInTheInside) {
+  test::Random random(kSeed);
+  for (int i = 0; i < 20000; ++i) {
+    const double length = std::ldexp(1 + random.Unit(), random.Below(20) - 10);
+    const auto end = [&] {
+      const double sine = std::sin(std::numbers::pi / 3 * std::ldexp(1.0, -random.Below(15)));
+      return WedgeEnd{true, sine, random.OneIn(3) ? length : length * random.Unit()};
+    };
+    const SegmentShape shape = ShapeOf(length, end(), end());
+    ASSERT_GT(shape.handover, 0);
+    ASSERT_LT(shape.handover, length);
+  }
+  EXPECT_EQ(ShapeOf(1, {true, 0.5, 0.5}, {}), (SegmentShape{true, false, 0}));
+}
+
+// Split at random until pieces are short: the shells of the shorter one are among those of
+// the longer, and none is finer than the pieces ask for.
+TEST(SplitPiece, ShellsAgreeAndStayCoarse) {
+  test::Random random(kSeed);
+  for (int round = 0; round < 200; ++round) {
+    const double length = 0.2 + random.Unit();
+    std::vector<Piece> pieces = {Piece::Whole({true, false, 0}, length)};
+    const double least = std::ldexp(length, -random.Below(8) - 1);
+    double finest = length;
+    for (std::size_t i = 0; i < pieces.size();) {
+      const Piece piece = pieces[i];
+      const double size = piece.at_b - piece.at_a;
+      ASSERT_GT(size, 0);
+      if (size <= least) {
+        finest = std::min(finest, size);
+        ++i;
+        continue;
+      }
+      const auto [left, right] = SplitPiece(piece, length);
+      EXPECT_EQ(left.at_a, piece.at_a);
+      EXPECT_EQ(left.at_b, right.at_a);
+      EXPECT_EQ(right.at_b, piece.at_b);
+      EXPECT_EQ(left.at_b, SplitDistance(piece));
+      EXPECT_GE(left.at_b - left.at_a, size / 4);
+      EXPECT_GE(right.at_b - right.at_a, size / 4);
+      pieces[i] = left;
+      pieces.push_back(right);
+    }
+    EXPECT_GE(finest, least / 4);
+  }
+}
+
+TEST(Piece, OfASegmentSharpAtBothEndsIsHandedOverFirst) {
+  const Piece whole = Piece::Whole({true, true, 0.375}, 1.0);
+  EXPECT_EQ(SplitDistance(whole), 0.375);
+  const auto [a, b] = SplitPiece(whole, 1.0);
+  EXPECT_EQ(a.rule, Piece::Rule::kShells);
+  EXPECT_FALSE(a.from_b);
+  EXPECT_EQ(a.at_b, 0.375);
+  EXPECT_TRUE(b.from_b);
+  EXPECT_EQ(b.at_a, 0.625);
+  EXPECT_EQ(b.at_b, 0);
+  EXPECT_EQ(Piece::Whole({}, 1.0).rule, Piece::Rule::kHalve);
+}
+
+}  // namespace
+}  // namespace dynmesh::meshing
