@@ -1,7 +1,8 @@
 // A real map under random edits: pieces of coast go and come back, points move, storms come
 // and go. After every revision mesh and complete trace are those of a run from scratch.
 //
-// DYNMESH_NIGHTLY=1 runs 1,000 revisions. DYNMESH_MAP=FILE.poly takes another map.
+// DYNMESH_NIGHTLY=1 runs 1,000 revisions, DYNMESH_REVISIONS=N so many; DYNMESH_MAP=FILE.poly
+// takes another map.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -107,7 +108,10 @@ class MapEdits {
 TEST(Map, IsFromScratchAfterEveryRevision) {
   const char* nightly = std::getenv("DYNMESH_NIGHTLY");
   const char* other = std::getenv("DYNMESH_MAP");
-  const int revisions = nightly != nullptr && *nightly != '0' ? 1000 : 25;
+  const char* asked = std::getenv("DYNMESH_REVISIONS");
+  const int revisions = asked != nullptr                        ? std::atoi(asked)
+                        : nightly != nullptr && *nightly != '0' ? 1000
+                                                                : 25;
   const auto map = io::ReadPolyFile(
       other != nullptr ? other : DYNMESH_SOURCE_DIR "/deploy/data/coastline-110m.poly");
   ASSERT_TRUE(map.ok()) << map.status();

@@ -162,7 +162,7 @@ TEST_F(PlcDelta, AFlatBoxTakesPointsOnALine) {
   EXPECT_TRUE(plc.Check({AddSegment(5, 2, 3)}).ok());
 }
 
-TEST(PlcDelta, OfSizes) {
+TEST_F(PlcDelta, OfSizes) {
   Plc2 plc(Square(0, 1));
   const Feature disc = Feature::SizeDisc(7, 0.5, -0.0, 0.25, 0.125);
   Apply(plc, {AddPoint(1, 0.5, 0.5), Edit::Add(disc)});
