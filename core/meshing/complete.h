@@ -241,18 +241,27 @@ bool Refinement<E>::GapOfEdge(int i, bool left_of_star, Candidate* gap) const {
 }
 
 // The gap of edge vu as the rules see it, or that its triangle with w is too large for a
-// sizing feature; p, q, c: the ends and w's place as for the rules. A triangle stays as large
-// as it is: the last of its corners to come deals with it, at one of its own two edges that
-// have the circumcenter on w's side. So here, too, newborns only need be queued.
+// sizing feature; p, q, c: the ends and w's place as for the rules.
 template <template <class> class E>
-Gap Refinement<E>::GapOf(VertexIndex v, const Point2& p, VertexIndex u, const Point2& q, double e2,
-                         VertexIndex w, const Point2* c, const Point2* d) const {
-  Gap gap = rules_.GapOfEdge(p, q, e2, c, d);
-  if (gap == Gap::kNone && !sizing_.empty() && c != nullptr && IsTooLarge(p, q, *c, e2)) {
-    const bool v_is_older = IsOlder(vertices_[v], vertices_[u]);
-    if (IsOlder(vertices_[w], vertices_[v_is_older ? u : v])) gap = Gap::kCircumcenter;
-  }
-  return gap != Gap::kNone && IsSeditious(v, u) ? Gap::kNone : gap;
+[[gnu::always_inline]] inline Gap Refinement<E>::GapOf(VertexIndex v, const Point2& p,
+                                                       VertexIndex u, const Point2& q, double e2,
+                                                       VertexIndex w, const Point2* c,
+                                                       const Point2* d) const {
+  const Gap gap = rules_.GapOfEdge(p, q, e2, c, d);
+  if (gap != Gap::kNone) return IsSeditious(v, u) ? Gap::kNone : gap;
+  return !sizing_.empty() && c != nullptr ? SizeGap(v, p, u, q, e2, w, *c) : Gap::kNone;
+}
+
+// A triangle stays as large as it is: the last of its corners to come deals with it, at one of
+// its own two edges that have the circumcenter on the third corner's side. So here, too,
+// newborns only need be queued.
+template <template <class> class E>
+Gap Refinement<E>::SizeGap(VertexIndex v, const Point2& p, VertexIndex u, const Point2& q,
+                           double e2, VertexIndex w, const Point2& c) const {
+  if (!IsTooLarge(p, q, c, e2)) return Gap::kNone;
+  const VertexIndex younger = IsOlder(vertices_[v], vertices_[u]) ? u : v;
+  const bool owned = IsOlder(vertices_[w], vertices_[younger]);
+  return owned && !IsSeditious(v, u) ? Gap::kCircumcenter : Gap::kNone;
 }
 
 template <template <class> class E>

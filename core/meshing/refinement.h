@@ -213,6 +213,8 @@ class Refinement {
   bool GapOfEdge(int i, bool left_of_star, Candidate* candidate) const;
   Gap GapOf(VertexIndex v, const Point2& p, VertexIndex u, const Point2& q, double e2,
             VertexIndex w, const Point2* c, const Point2* d) const;
+  Gap SizeGap(VertexIndex v, const Point2& p, VertexIndex u, const Point2& q, double e2,
+              VertexIndex w, const Point2& c) const;
   bool IsTooLarge(const Point2& p, const Point2& q, const Point2& c, double e2) const;
   bool Owns(int i) const;
   bool IsOlder(const Vertex& u, const Vertex& v) const;
