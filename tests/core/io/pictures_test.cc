@@ -46,7 +46,7 @@ std::vector<T> As(const std::string& raw) {
 TEST(Vtu, HoldsTheMeshExactly) {
   const TempFolder folder;
   const IndexedMesh mesh = IndexMesh(SampleMesh()).value();
-  ASSERT_TRUE(WriteVtu(mesh, folder.Path("m.vtu")).ok());
+  ASSERT_TRUE(WriteVtu(mesh, kDefaultQuality2D, folder.Path("m.vtu")).ok());
   const std::string xml = folder.Read("m.vtu");
   EXPECT_NE(xml.find("NumberOfPoints=\"9\" NumberOfCells=\"11\""), std::string::npos);
   auto arrays = ReadArrays(xml);
@@ -74,7 +74,7 @@ TEST(Vtu, HoldsTheMeshExactly) {
 
 TEST(Vtu, OfNothingIsStillAFile) {
   const TempFolder folder;
-  ASSERT_TRUE(WriteVtu(IndexedMesh(), folder.Path("m.vtu")).ok());
+  ASSERT_TRUE(WriteVtu(IndexedMesh(), kDefaultQuality2D, folder.Path("m.vtu")).ok());
   EXPECT_EQ(ReadArrays(folder.Read("m.vtu")).at("Points"), "");
 }
 
