@@ -22,8 +22,7 @@ inline io::IndexedMesh AnyMesh(std::uint64_t seed, std::uint32_t vertices) {
       0.1, 1.0 / 3};
   const auto coordinate = [&] {
     for (;;) {
-      const double c =
-          random() % 4 == 0 ? special[random() % 8] : std::bit_cast<double>(random());
+      const double c = random() % 4 == 0 ? special[random() % 8] : std::bit_cast<double>(random());
       if (std::isfinite(c)) return c;
     }
   };
