@@ -27,12 +27,12 @@ class Unpacker {
   bool AtEnd() const { return bytes_.empty(); }
 
   MeshOptions Options() {
-    const std::uint8_t byte = Byte();
+    first_ = Byte();
     MeshOptions options;
-    const test::Asked& asked = test::kAsked[byte % test::kAskedCount];
+    const test::Asked& asked = test::kAsked[first_ % test::kAskedCount];
     options.quality = asked.quality;
     options.criterion = asked.criterion;
-    switch (byte / test::kAskedCount % 4) {
+    switch (first_ / test::kAskedCount % 4) {
       case 0:
       case 1:
         break;  // the unit square
@@ -45,6 +45,14 @@ class Unpacker {
     options.limits.max_vertices = kMostVertices;
     box_ = options.box;
     return options;
+  }
+
+  // How the mesh goes about it, which must not show: edit by edit, or often from scratch.
+  PlanarMeshTuning Tuning() const {
+    PlanarMeshTuning tuning = test::AlwaysPropagate();
+    if (first_ / (4 * test::kAskedCount) % 2 == 1) tuning.rebuild_at_least = 3;
+    tuning.global_neighbourhoods = first_ / (8 * test::kAskedCount) % 2 == 0;
+    return tuning;
   }
 
   // What is left when there are no more bytes is empty.
@@ -122,15 +130,15 @@ class Unpacker {
   }
 
   std::string_view bytes_;
+  int first_ = 0;  // the byte of options
   Box box_;
   std::vector<std::array<double, 2>> places_;  // all so far
 };
 
 class Run {
  public:
-  explicit Run(const MeshOptions& options)
-      : mesh_(options, test::AlwaysPropagate()),
-        replica_(data::MeshStore::FromMesh(mesh_.Snapshot()).value()) {}
+  Run(const MeshOptions& options, const PlanarMeshTuning& tuning)
+      : mesh_(options, tuning), replica_(data::MeshStore::FromMesh(mesh_.Snapshot()).value()) {}
 
   // Empty, or what is wrong.
   std::string Apply(const EditBatch& batch) {
@@ -172,7 +180,7 @@ std::string FuzzBatches(std::string_view bytes) {
   Unpacker unpacker(bytes);
   const MeshOptions options = unpacker.Options();
   std::vector<EditBatch> batches;
-  Run run(options);
+  Run run(options, unpacker.Tuning());
   std::string problem;
   while (problem.empty() && !unpacker.AtEnd() && batches.size() < kMostBatches) {
     batches.push_back(unpacker.Batch());

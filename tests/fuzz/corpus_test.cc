@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace {
 struct Target {
   const char* name;
   std::string (*run)(std::string_view);
+  friend std::ostream& operator<<(std::ostream& out, const Target& t) { return out << t.name; }
 };
 
 constexpr Target kTargets[] = {
