@@ -140,7 +140,7 @@ class Plot {
            absl::StrFormat("stroke=\"%s\" stroke-dasharray=\"5 3\"", std::string(kMark)));
       // Towards the middle, where there is room.
       const bool right = mark.value * 2 > h_.hi;
-      Text(right ? x - 4 : x + 4, top_ + 6, right ? "end" : "start", mark.label,
+      Text(right ? x - 4 : x + 4, top_ - 8, right ? "end" : "start", mark.label,
            absl::StrFormat("fill=\"%s\"", std::string(kMark)));
     }
   }

@@ -245,17 +245,20 @@ class SvgDrawing {
 
   // Of each triangle shown, 0 (bad) to 1 (equilateral).
   std::vector<double> GoodnessOnRamp() const {
+    const bool by_angle = options_.fill == SvgOptions::Fill::kAngle;
     const double best = 1 / std::sqrt(3.0);
+    std::vector<SimplexVerdict> verdicts;
+    if (!by_angle) verdicts = JudgeTriangles(mesh_, options_.rho);
     std::vector<double> values;
     for (const std::uint32_t i : triangles_) {
       const TriangleQuality q = MeasureTriangle(mesh_, i);
-      if (options_.fill == SvgOptions::Fill::kAngle) {
+      if (by_angle) {
         values.push_back(q.min_angle_deg / 60);
-      } else if (q.radius_edge > options_.rho) {
+      } else if (verdicts[i] != SimplexVerdict::kGood) {
         values.push_back(0);
       } else {
         const double part = (options_.rho - q.radius_edge) / (options_.rho - best);
-        values.push_back(kAtRho + (1 - kAtRho) * part);
+        values.push_back(kAtRho + (1 - kAtRho) * std::max(part, 0.0));
       }
     }
     return values;
