@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_format.h"
 #include "core/data/text.h"
+#include "core/io/colour_ramp.h"
 #include "core/io/file_writer.h"
 #include "dynmesh/quality.h"
 
@@ -19,25 +20,6 @@ namespace dynmesh::io {
 using data::Concat;
 namespace {
 
-struct Rgb {
-  double r, g, b;
-};
-
-// Bad to good: what no mesh of ours should have is red, what is usual is pale.
-constexpr std::array<Rgb, 7> kQualityRamp = {{{178, 24, 43},
-                                              {214, 96, 77},
-                                              {249, 214, 178},
-                                              {246, 238, 226},
-                                              {221, 234, 242},
-                                              {180, 211, 230},
-                                              {130, 178, 210}}};
-// Fine to coarse: deep blue over green to pale yellow.
-constexpr std::array<Rgb, 6> kSizeRamp = {{{44, 62, 112},
-                                           {44, 112, 142},
-                                           {58, 158, 150},
-                                           {124, 196, 154},
-                                           {200, 224, 170},
-                                           {248, 244, 214}}};
 constexpr int kFillSteps = 31;
 constexpr std::string_view kPlainFill = "#eaf1f6";
 constexpr std::string_view kHighlightFill = "#f6a821";
@@ -55,18 +37,6 @@ struct LineStyle {
 };
 constexpr LineStyle kDarkLines = {"#38495c", 0.75, "#14213d", "#7a8794"};
 constexpr LineStyle kLightLines = {"#ffffff", 0.35, "#ffb703", "#dfe7ea"};
-
-template <std::size_t N>
-std::string ColourAt(const std::array<Rgb, N>& ramp, double t) {
-  const double at = std::clamp(t, 0.0, 1.0) * (N - 1);
-  const std::size_t i = std::min(static_cast<std::size_t>(at), N - 2);
-  const double f = at - static_cast<double>(i);
-  const auto blend = [f](double a, double b) {
-    return static_cast<unsigned>(std::lround(a + (b - a) * f));
-  };
-  return absl::StrFormat("#%02x%02x%02x", blend(ramp[i].r, ramp[i + 1].r),
-                         blend(ramp[i].g, ramp[i + 1].g), blend(ramp[i].b, ramp[i + 1].b));
-}
 
 // Hundredths of a pixel: small files, and relative moves without drift.
 struct Pixel {
@@ -266,7 +236,7 @@ class SvgDrawing {
 
   // Groups the triangles by colour: one path each keeps the file small.
   template <std::size_t N>
-  void FillByValue(const std::array<Rgb, N>& ramp, const std::vector<double>& values) {
+  void FillByValue(const ColourRamp<N>& ramp, const std::vector<double>& values) {
     std::map<int, std::vector<std::uint32_t>> groups;
     for (std::size_t i = 0; i < values.size(); ++i) {
       const double t = std::clamp(values[i], 0.0, 1.0);
