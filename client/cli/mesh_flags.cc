@@ -26,6 +26,10 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
       .add_option("--box", flags.box, "Where features may lie (default: the input's bounding box)")
       ->type_name("X0,Y0,X1,Y1");
   command
+      .add_option("--hmax", flags.max_edge,
+                  "No edge in the box longer than sqrt 2 times this (default: any)")
+      ->type_name("H");
+  command
       .add_option("--max-vertices", flags.max_vertices,
                   "Give up when the mesh would have more vertices")
       ->type_name("N");
@@ -40,6 +44,7 @@ absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options) {
         data::Concat("--engine: expected dynamic or svr, found ", data::Quoted(flags.engine)));
   }
   if (flags.rho) options.quality = *flags.rho;
+  if (flags.max_edge) options.max_edge = *flags.max_edge;
   if (flags.max_vertices) options.limits.max_vertices = *flags.max_vertices;
   if (!flags.criterion.empty()) {
     const absl::StatusOr<Criterion> criterion = io::ParseCriterion(flags.criterion);

@@ -17,10 +17,11 @@ struct MeshFlags {
   std::string criterion;
   std::string engine = "dynamic";
   std::string box;
+  std::optional<double> max_edge;
   std::optional<std::uint64_t> max_vertices;
 };
 
-// --rho --criterion --engine --box --max-vertices
+// --rho --criterion --engine --box --hmax --max-vertices
 void AddMeshFlags(CLI::App& command, MeshFlags& flags);
 
 // Flags that were given override `options`.

@@ -110,6 +110,10 @@ absl::Status ValidateOptions(const MeshOptions& options) {
         ", the least for criterion thesis, which may refine without end nearer to 1; raise it or "
         "choose criterion edge"));
   }
+  if (options.max_edge != 0 && !(options.max_edge > 0 && std::isfinite(options.max_edge))) {
+    return BadOption(absl::StrCat("max_edge: ", Shortest(options.max_edge),
+                                  " is no length; leave it 0 for none"));
+  }
   if (options.limits.max_vertices < kMinVertices) {
     return BadOption(absl::StrCat("limits.max_vertices: ", options.limits.max_vertices,
                                   " is below the ", kMinVertices, " of the bare domain box"));

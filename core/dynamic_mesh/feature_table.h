@@ -9,6 +9,7 @@
 #include "core/dynamic_mesh/wedge_table.h"
 #include "core/mesh/delaunay_insert_order.h"
 #include "core/meshing/elements.h"
+#include "core/meshing/sizing_field.h"
 #include "core/plc/delta.h"
 #include "dynmesh/feature.h"
 
@@ -30,6 +31,14 @@ class FeatureTable {
   // a triangulation that grows along.
   template <class Refinement>
   void Apply(const plc::Delta& delta, Refinement& refinement) {
+    for (const plc::SizeFeature& f : delta.removed_sizes) {
+      const auto it = sizes_.find(f.id);
+      refinement.RemoveSizing(it->second);
+      sizes_.erase(it);
+    }
+    for (const plc::SizeFeature& f : delta.added_sizes) {
+      sizes_[f.id] = refinement.AddSizing(RegionOf(f));
+    }
     for (const plc::SegmentFeature& s : delta.removed_segments) {
       const auto it = segments_.find(s.id);
       FreeSlot(refinement.subsegment(it->second).feature);
@@ -92,6 +101,12 @@ class FeatureTable {
   }
 
  private:
+  static meshing::SizingRegion RegionOf(const plc::SizeFeature& f) {
+    const Sizing& s = f.sizing;
+    const geometry::Point2 hi =
+        s.shape == SizeShape::kBox ? geometry::Point2{{s.hi[0], s.hi[1]}} : f.at;
+    return {f.at, hi, s.shape == SizeShape::kDisc ? s.radius : 0, s.target};
+  }
   meshing::FeatureSlot NewSlot(FeatureId id) {
     if (free_.empty()) {
       ids_.push_back(id);
@@ -108,6 +123,7 @@ class FeatureTable {
   std::vector<meshing::FeatureSlot> free_, freed_;
   absl::flat_hash_map<FeatureId, meshing::VertexIndex> points_;
   absl::flat_hash_map<FeatureId, meshing::SubsegmentIndex> segments_;
+  absl::flat_hash_map<FeatureId, meshing::SizingField::Index> sizes_;
   WedgeTable wedges_;
 };
 

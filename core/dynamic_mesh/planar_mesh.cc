@@ -70,8 +70,7 @@ absl::StatusOr<MeshDiff> PlanarMesh::ApplyWith(const EditBatch& batch, Interrupt
 }
 
 bool PlanarMesh::IsLarge(const plc::Delta& delta) const {
-  const std::size_t changes = delta.added_points.size() + delta.added_segments.size() +
-                              delta.removed_points.size() + delta.removed_segments.size();
+  const std::size_t changes = delta.size();
   return changes >= tuning_.rebuild_at_least &&
          static_cast<double>(changes) > tuning_.rebuild_fraction * static_cast<double>(plc_.size());
 }
@@ -218,8 +217,10 @@ plc::Delta FromNothing(const plc::Plc2& plc) {
   for (const Feature& f : plc.Features()) {
     if (f.kind == FeatureKind::kPoint) {
       all.added_points.push_back(*plc.FindPoint(f.id));
-    } else {
+    } else if (f.kind == FeatureKind::kSegment) {
       all.added_segments.push_back(*plc.FindSegment(f.id));
+    } else {
+      all.added_sizes.push_back(*plc.FindSize(f.id));
     }
   }
   return all;

@@ -1,9 +1,11 @@
 #include "core/io/edit_script.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -134,7 +136,14 @@ class ScriptParser {
       script_.criterion = *criterion;
       return absl::OkStatus();
     }
-    if (key == "hmax") return NotYet("hmax is");
+    if (key == "hmax") {
+      double hmax = 0;
+      if (!ParseDouble(value, &hmax) || !(hmax > 0)) {
+        return Error(Concat("hmax is not a length above 0: ", Quoted(value)));
+      }
+      script_.max_edge = hmax;
+      return absl::OkStatus();
+    }
     return Error(
         Concat("unknown key ", Quoted(key), ": expected dim, box, rho, criterion or hmax"));
   }
@@ -156,7 +165,7 @@ class ScriptParser {
   // "add|set|move KIND ID ...".
   absl::Status ParseFeature(Edit::Action action) {
     if (reader_.size() < 2) {
-      return Error(Concat(reader_.token(0), " what? Expected point or segment"));
+      return Error(Concat(reader_.token(0), " what? Expected point, segment or size"));
     }
     const std::string_view kind = reader_.token(1);
     if (action == Edit::Action::kMove && kind != "point") {
@@ -165,8 +174,9 @@ class ScriptParser {
     if (kind == "point") return ParsePoint(action);
     if (kind == "segment") return ParseSegment(action);
     if (kind == "polygon") return NotYet("polygons are");
-    if (kind == "size") return NotYet("sizes are");
-    return Error(Concat("unknown kind of feature ", Quoted(kind), ": expected point or segment"));
+    if (kind == "size") return ParseSize(action);
+    return Error(
+        Concat("unknown kind of feature ", Quoted(kind), ": expected point, segment or size"));
   }
 
   absl::Status ParsePoint(Edit::Action action) {
@@ -190,6 +200,36 @@ class ScriptParser {
     if (!q.ok()) return q.status();
     if (reader_.size() > 5) return TooMany(5);
     Add({action, Feature::Segment(*id, *p, *q)});
+    return absl::OkStatus();
+  }
+
+  // "add|set size ID point X Y H", "... disc X Y RADIUS H", "... box X0 Y0 X1 Y1 H".
+  absl::Status ParseSize(Edit::Action action) {
+    const absl::StatusOr<FeatureId> id = Id(2, "the sizing feature's id");
+    if (!id.ok()) return id.status();
+    const std::string_view shape = reader_.size() > 3 ? reader_.token(3) : std::string_view();
+    static constexpr std::string_view kPoint[] = {"x", "y", "the target length"};
+    static constexpr std::string_view kDisc[] = {"x", "y", "the radius", "the target length"};
+    static constexpr std::string_view kBox[] = {"x0", "y0", "x1", "y1", "the target length"};
+    std::span<const std::string_view> names;
+    if (shape == "point") names = kPoint;
+    if (shape == "disc") names = kDisc;
+    if (shape == "box") names = kBox;
+    if (shape == "polygon") return NotYet("polygons are");
+    if (names.empty()) {
+      return Error(
+          Concat("what size? Expected point, disc or box after the id, found ", Quoted(shape)));
+    }
+    std::array<double, 5> v = {};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const absl::StatusOr<double> value = reader_.Double(4 + i, names[i]);
+      if (!value.ok()) return value.status();
+      v[i] = *value;
+    }
+    if (reader_.size() > 4 + names.size()) return TooMany(4 + names.size());
+    Add({action, shape == "point"  ? Feature::SizeAt(*id, v[0], v[1], v[2])
+                 : shape == "disc" ? Feature::SizeDisc(*id, v[0], v[1], v[2], v[3])
+                                   : Feature::SizeBox(*id, v[0], v[1], v[2], v[3], v[4])});
     return absl::OkStatus();
   }
 
@@ -222,9 +262,28 @@ class ScriptParser {
   ScriptBatch batch_;
 };
 
+// Does it name a place that must lie in the mesh's box?
+bool HasPosition(const Feature& f) {
+  return f.kind == FeatureKind::kPoint ||
+         (f.kind == FeatureKind::kSize && f.sizing.shape != SizeShape::kBox);
+}
 bool HasPosition(const Edit& edit) {
   return edit.action == Edit::Action::kMove ||
-         (edit.action != Edit::Action::kRemove && edit.feature.kind == FeatureKind::kPoint);
+         (edit.action != Edit::Action::kRemove && HasPosition(edit.feature));
+}
+
+std::string FormatSize(const Feature& f) {
+  const Sizing& s = f.sizing;
+  const std::string at = Concat(FormatDouble(f.position[0]), " ", FormatDouble(f.position[1]));
+  const std::string target = Concat(" ", FormatDouble(s.target));
+  switch (s.shape) {
+    case SizeShape::kPoint:
+      return Concat("point ", at, target);
+    case SizeShape::kDisc:
+      return Concat("disc ", at, " ", FormatDouble(s.radius), target);
+    default:
+      return Concat("box ", at, " ", FormatDouble(s.hi[0]), " ", FormatDouble(s.hi[1]), target);
+  }
 }
 
 std::string FormatPosition(const Feature& f) {
@@ -237,6 +296,7 @@ MeshOptions EditScript::Options() const {
   MeshOptions options;
   if (quality) options.quality = *quality;
   if (criterion) options.criterion = *criterion;
+  if (max_edge) options.max_edge = *max_edge;
   if (box) {
     options.box = *box;
     return options;
@@ -274,7 +334,8 @@ std::string FormatMeshLine(const MeshOptions& options) {
   return Concat("mesh dim=2 box=", FormatDouble(box.lo[0]), ",", FormatDouble(box.lo[1]), ",",
                 FormatDouble(box.hi[0]), ",", FormatDouble(box.hi[1]),
                 " rho=", FormatDouble(options.quality),
-                " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge");
+                " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge",
+                options.max_edge > 0 ? Concat(" hmax=", FormatDouble(options.max_edge)) : "");
 }
 
 std::string FormatEdit(const Edit& edit) {
@@ -283,6 +344,7 @@ std::string FormatEdit(const Edit& edit) {
   if (edit.action == Edit::Action::kMove) return Concat("move point ", FormatPosition(f));
   const std::string_view verb = edit.action == Edit::Action::kAdd ? "add" : "set";
   if (f.kind == FeatureKind::kPoint) return Concat(verb, " point ", FormatPosition(f));
+  if (f.kind == FeatureKind::kSize) return Concat(verb, " size ", f.id, " ", FormatSize(f));
   return Concat(verb, " segment ", f.id, " ", f.ends[0], " ", f.ends[1]);
 }
 
@@ -314,7 +376,7 @@ absl::StatusOr<Criterion> ParseCriterion(std::string_view text) {
 Box BoundingBox(const std::vector<Feature>& features) {
   BoxBuilder builder;
   for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) builder.Add(f.position[0], f.position[1]);
+    if (HasPosition(f)) builder.Add(f.position[0], f.position[1]);
   }
   return builder.Get();
 }

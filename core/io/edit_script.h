@@ -1,13 +1,14 @@
 // Edit scripts: one edit a line, `#` comments.
 //
-//   mesh dim=2 box=x0,y0,x1,y1 rho=1.4142 [criterion=edge|thesis]    first
+//   mesh dim=2 box=x0,y0,x1,y1 rho=1.4142 [criterion=edge|thesis] [hmax=H]    first
 //   add point ID X Y              set point ID X Y       move point ID X Y
 //   add segment ID P Q            set segment ID P Q     remove ID
+//   add size ID point X Y H       ... disc X Y RADIUS H  ... box X0 Y0 X1 Y1 H   (or set)
 //   commit                        ends a batch = one revision
 //
 // What follows the last commit is a batch too; a batch without an edit is none.
-// Polygons, sizes and hmax are part of the grammar and refused with UNIMPLEMENTED
-// until meshes have them, as is dim=3.
+// Polygons are part of the grammar and refused with UNIMPLEMENTED until meshes have them,
+// as is dim=3.
 #ifndef DYNMESH_CORE_IO_EDIT_SCRIPT_H_
 #define DYNMESH_CORE_IO_EDIT_SCRIPT_H_
 
@@ -33,10 +34,11 @@ struct EditScript {
   std::optional<Box> box;   // if the header gives one
   std::optional<double> quality;
   std::optional<Criterion> criterion;
+  std::optional<double> max_edge;  // hmax
   std::vector<ScriptBatch> batches;
 
   // The header's options; what it leaves out has its default. Without a box: that
-  // of all points the script mentions.
+  // of all points the script mentions, those of sizing features included.
   MeshOptions Options() const;
   // "name:line" of an edit; of the batch's first line if there is no such edit.
   std::string Where(std::size_t batch, std::optional<std::size_t> edit) const;

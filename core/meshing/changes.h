@@ -237,6 +237,56 @@ bool Refinement<E>::ConflictsWithRing(sac::OpId op, const Point2& y) const {
   return false;
 }
 
+// --- Sizing ---------------------------------------------------------------------------
+
+// Sizing features are there from the beginning or not at all.
+template <template <class> class E>
+void Refinement<E>::NotifyOfSizing(const SizingRegion& region) {
+  if constexpr (kTraced) {
+    if (!engine_.AnyAfter(engine_.beginning())) return;
+    Extent<2> box = Extent<2>::Nothing();
+    box.AddBall(region.lo, region.radius);
+    box.AddBall(region.hi, region.radius);
+    tree_.VisitBox(box, [&](sac::Place place) {
+      engine_.Notify(place, engine_.beginning(), sac::kNoStamp,
+                     [&](sac::OpId op) { return SizingMatters(op, region); });
+    });
+  }
+}
+
+// May a ball that `op` looked at be too large for the region? As it made points, it looked
+// at smaller balls too: none has a larger radius than the largest that it read, and none
+// reaches out of those. Rather yes than no.
+template <template <class> class E>
+bool Refinement<E>::SizingMatters(sac::OpId op, const SizingRegion& region) const {
+  if constexpr (kTraced) {
+    if (engine_.kind(op) != kComplete || !Counts(Term::kOverSize)) return false;
+    const Point2& p = vertices_[engine_.item(op)].p;
+    const auto ring = engine_.reads(op);
+    bool meets = false, too_large = false;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const std::uint32_t a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
+      if (Star::IsGhost(a) || Star::IsGhost(b)) {
+        // The view ends here: whatever is within.
+        const double reach = std::sqrt(engine_.payload(op).radius2);
+        meets = meets || region.Meets(p, reach);
+        too_large = true;
+        continue;
+      }
+      const Point2 x = geometry::Circumcenter(vertices_[a].p, vertices_[b].p, p);
+      const double r2 = geometry::SquaredDistance(x, p);
+      const double shorter = std::min(geometry::SquaredDistance(vertices_[a].p, p),
+                                      geometry::SquaredDistance(vertices_[b].p, p));
+      if (!(r2 < 1e6 * shorter)) return true;  // not well known
+      const double r = std::sqrt(r2) * (1 + 1e-6) + rules_.ulp();
+      meets = meets || region.Meets(x, r);
+      too_large = too_large || region.most_radius() < r;
+    }
+    return meets && too_large;
+  }
+  return false;
+}
+
 // --- Subsegments --------------------------------------------------------------------
 
 template <template <class> class E>

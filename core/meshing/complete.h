@@ -164,8 +164,11 @@ bool Refinement<E>::FarthestCorner(int bucket, Candidate* best) const {
   double farthest = 0;
   for (int i = 0; i < star_.size(); ++i) {
     const Star::Neighbour& n = star_[i];
-    if (!rules_.IsTooFar(n.r2, nn2) || n.r2 < farthest || !(n.centre_error < star_.reach()))
-      continue;
+    if (n.r2 < farthest || !(n.centre_error < star_.reach())) continue;
+    const bool too_far = rules_.IsTooFar(n.r2, nn2) ||
+                         (!sizing_.empty() && n.r2 > rules_.least_squared_length() &&
+                          sizing_.IsTooLarge({{p[0] + n.wx, p[1] + n.wy}}, std::sqrt(n.r2)));
+    if (!too_far) continue;
     if (!InDomain({{p[0] + n.wx, p[1] + n.wy}}) && IsBeyondBorder(i)) continue;
     const double out = std::min(1.0, rules_.gamma() * std::sqrt(nn2) / std::sqrt(n.r2));
     const Point2 x = {{p[0] + n.wx * out, p[1] + n.wy * out}};
@@ -222,9 +225,10 @@ bool Refinement<E>::GapOfEdge(int i, bool left_of_star, Candidate* gap) const {
   const Point2& p = left_of_star ? star_.position() : u.p;
   const Point2& q = left_of_star ? u.p : star_.position();
   if (Star::IsGhost(c.id) && OnOutside(p, q)) return false;
-  const Gap what = rules_.GapOfEdge(p, q, u.d2, Star::IsGhost(c.id) ? nullptr : &c.p,
-                                    Star::IsGhost(d.id) ? nullptr : &d.p);
-  if (what == Gap::kNone || IsSeditious(star_.vertex(), u.id)) return false;
+  const Gap what =
+      GapOf(star_.vertex(), p, u.id, q, u.d2, c.id, Star::IsGhost(c.id) ? nullptr : &c.p,
+            Star::IsGhost(d.id) ? nullptr : &d.p);
+  if (what == Gap::kNone) return false;
   gap->e2 = u.d2;
   gap->neighbour = u.p;
   gap->left = p < q;
@@ -234,6 +238,30 @@ bool Refinement<E>::GapOfEdge(int i, bool left_of_star, Candidate* gap) const {
   }
   gap->x = what == Gap::kOffCenter ? rules_.OffCenter(p, q) : geometry::Circumcenter(p, q, c.p);
   return true;
+}
+
+// The gap of edge vu as the rules see it, or that its triangle with w is too large for a
+// sizing feature; p, q, c: the ends and w's place as for the rules. A triangle stays as large
+// as it is: the last of its corners to come deals with it, at one of its own two edges that
+// have the circumcenter on w's side. So here, too, newborns only need be queued.
+template <template <class> class E>
+Gap Refinement<E>::GapOf(VertexIndex v, const Point2& p, VertexIndex u, const Point2& q, double e2,
+                         VertexIndex w, const Point2* c, const Point2* d) const {
+  Gap gap = rules_.GapOfEdge(p, q, e2, c, d);
+  if (gap == Gap::kNone && !sizing_.empty() && c != nullptr && IsTooLarge(p, q, *c, e2)) {
+    const bool v_is_older = IsOlder(vertices_[v], vertices_[u]);
+    if (IsOlder(vertices_[w], vertices_[v_is_older ? u : v])) gap = Gap::kCircumcenter;
+  }
+  return gap != Gap::kNone && IsSeditious(v, u) ? Gap::kNone : gap;
+}
+
+template <template <class> class E>
+bool Refinement<E>::IsTooLarge(const Point2& p, const Point2& q, const Point2& c, double e2) const {
+  const double px = p[0] - c[0], py = p[1] - c[1], qx = q[0] - c[0], qy = q[1] - c[1];
+  if (e2 < rules_.least_squared_length() || !(px * qx + py * qy > 0)) return false;
+  const Point2 x = geometry::Circumcenter(p, q, c);
+  const double r2 = std::max(geometry::SquaredDistance(x, p), geometry::SquaredDistance(x, q));
+  return r2 > rules_.least_squared_length() && sizing_.IsTooLarge(x, std::sqrt(r2));
 }
 
 // The next bucket in which v may have something to do; kBuckets if none.

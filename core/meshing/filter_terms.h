@@ -17,6 +17,7 @@ enum class Term {
   kOverYieldedCandidate,  // ... or may hold a candidate that yielded
   kOverMidpoint,          // ... or holds the midpoint that a split made
   kDeathOfSubsegment,     // a subsegment dies earlier or later than before
+  kOverSize,              // a sizing feature comes or goes that a ball read is too large for
   kCount,
 };
 

@@ -21,8 +21,13 @@ Refinement<E>::Refinement(const MeshOptions& options, mesh::DelaunayTriangulatio
       limits_(options.limits),
       triangulation_(triangulation),
       tree_(rules_.lo(), rules_.hi()),
+      sizing_(rules_.lo(), rules_.hi()),
       engine_(*this) {
   AddBox();
+  if (options.max_edge > 0) {
+    const Box& box = options.box;
+    sizing_.Add({{{box.lo[0], box.lo[1]}}, {{box.hi[0], box.hi[1]}}, 0, options.max_edge});
+  }
 }
 
 // --- Input ----------------------------------------------------------------------------
@@ -132,6 +137,19 @@ void Refinement<E>::RemoveSegment(SubsegmentIndex s) {
   }
 }
 
+template <template <class> class E>
+SizingField::Index Refinement<E>::AddSizing(const SizingRegion& region) {
+  const SizingField::Index index = sizing_.Add(region);
+  NotifyOfSizing(region);
+  return index;
+}
+
+template <template <class> class E>
+void Refinement<E>::RemoveSizing(SizingField::Index index) {
+  NotifyOfSizing(sizing_[index]);
+  sizing_.Remove(index);
+}
+
 // --- For the engine ---------------------------------------------------------------------
 
 template <template <class> class E>
@@ -203,8 +221,8 @@ int Refinement<E>::BucketOfGap(VertexIndex p, VertexIndex q, VertexIndex c, Vert
   if (c == kInfinite) return kBuckets;  // beyond the border
   const auto at = [&](VertexIndex v) { return &triangulation_->position(v); };
   const double e2 = geometry::SquaredDistance(*at(p), *at(q));
-  const Gap gap = rules_.GapOfEdge(*at(p), *at(q), e2, at(c), d == kInfinite ? nullptr : at(d));
-  return gap == Gap::kNone || IsSeditious(p, q) ? kBuckets : BucketOf(e2);
+  const Gap gap = GapOf(p, *at(p), q, *at(q), e2, c, at(c), d == kInfinite ? nullptr : at(d));
+  return gap == Gap::kNone ? kBuckets : BucketOf(e2);
 }
 
 template <template <class> class E>
@@ -260,7 +278,7 @@ std::size_t Refinement<E>::trace_bytes() const {
 template <template <class> class E>
 std::size_t Refinement<E>::bytes() const {
   return vertices_.size() * sizeof(Vertex) + subsegments_.capacity() * sizeof(Subsegment) +
-         tree_.bytes();
+         tree_.bytes() + sizing_.bytes();
 }
 
 template <template <class> class E>

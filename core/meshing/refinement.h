@@ -30,6 +30,7 @@
 #include "core/mesh/delaunay_triangulation.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/rules.h"
+#include "core/meshing/sizing_field.h"
 #include "core/meshing/spatial_tree.h"
 #include "core/meshing/star.h"
 #include "core/sac/engine.h"
@@ -75,6 +76,8 @@ class Refinement {
   SubsegmentIndex AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
                              const SegmentShape& shape = {});
   void RemoveSegment(SubsegmentIndex s);
+  SizingField::Index AddSizing(const SizingRegion& region);
+  void RemoveSizing(SizingField::Index index);
 
   // Runs or re-runs what is to be done. `interrupt()` is asked before each operation;
   // if it says true, false is returned. See sac::Engine::Propagate.
@@ -208,6 +211,9 @@ class Refinement {
   bool IsBeyondBorder(int i) const;
   void RequestNeighbours(Context& context);
   bool GapOfEdge(int i, bool left_of_star, Candidate* candidate) const;
+  Gap GapOf(VertexIndex v, const Point2& p, VertexIndex u, const Point2& q, double e2,
+            VertexIndex w, const Point2* c, const Point2* d) const;
+  bool IsTooLarge(const Point2& p, const Point2& q, const Point2& c, double e2) const;
   bool Owns(int i) const;
   bool IsOlder(const Vertex& u, const Vertex& v) const;
   int NextBucket(int bucket) const;
@@ -249,6 +255,8 @@ class Refinement {
   bool ConflictsWithRing(sac::OpId op, const Point2& y) const;
   void NotifyOfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
   bool SubsegmentMatters(sac::OpId op, const Subsegment& s) const;
+  void NotifyOfSizing(const SizingRegion& region);
+  bool SizingMatters(sac::OpId op, const SizingRegion& region) const;
   void SetExposed(SubsegmentIndex s, sac::Stamp at);
   void HideSubsegment(SubsegmentIndex s);
   sac::Stamp NextDeath(const Subsegment& s, sac::Stamp except) const;
@@ -264,6 +272,7 @@ class Refinement {
   Limits limits_;
   mesh::DelaunayTriangulation* triangulation_;
   SpatialTree<2> tree_;
+  SizingField sizing_;
   LargeVector<Vertex> vertices_;
   std::vector<Subsegment> subsegments_;
   std::vector<VertexIndex> free_vertices_;

@@ -30,7 +30,10 @@ BatchCheck::BatchCheck(const MeshOptions& options, double limit, const CellGrid&
       entered_(grid) {}
 
 absl::StatusOr<Delta> BatchCheck::Run(absl::FunctionRef<bool()> interrupted) {
-  for (const Draft::Entry& entry : draft_.entries()) CollectPoint(entry);
+  for (const Draft::Entry& entry : draft_.entries()) {
+    CollectPoint(entry);
+    CollectSize(entry);
+  }
   std::sort(affected_segments_.begin(), affected_segments_.end());
   affected_segments_.erase(std::unique(affected_segments_.begin(), affected_segments_.end()),
                            affected_segments_.end());
@@ -50,7 +53,8 @@ absl::StatusOr<Delta> BatchCheck::Run(absl::FunctionRef<bool()> interrupted) {
 
 // A first load of points, all far apart: nothing to find fault with, no need of an order.
 bool BatchCheck::IsCertainlyGood() const {
-  if (store_.size() > 0 || draft_.error_edit() != kNever || !affected_segments_.empty()) {
+  if (store_.size() > 0 || draft_.error_edit() != kNever || !affected_segments_.empty() ||
+      !delta_.added_sizes.empty()) {
     return false;
   }
   const auto is_in_place = [&](const PointFeature& p) {
@@ -84,6 +88,17 @@ void BatchCheck::CollectPoint(const Draft::Entry& entry) {
   if (entry.state == Draft::State::kSegment || store_.FindSegment(entry.id) != nullptr) {
     affected_segments_.push_back(entry.id);
   }
+}
+
+void BatchCheck::CollectSize(const Draft::Entry& entry) {
+  const bool is_size = entry.state == Draft::State::kSize;
+  if (is_size && draft_.IsAsBefore(entry)) return;
+  if (const SizeFeature* was = store_.FindSize(entry.id)) delta_.removed_sizes.push_back(*was);
+  // Without a text of its own it is named after the draft's error only.
+  if (!is_size || entry.size == nullptr) return;
+  const auto at = static_cast<std::uint32_t>(delta_.added_sizes.size());
+  delta_.added_sizes.push_back(SizeOf(*entry.size));
+  Schedule({entry.edit, entry.id, Event::Kind::kSize, at});
 }
 
 // A segment that the batch names, or that ends at a point that changed.
@@ -164,6 +179,8 @@ absl::Status BatchCheck::Handle(const Event& event) {
       return DegenerateSegmentError(event.id, draft_.Find(event.id)->ends[0], event.edit);
     case Event::Kind::kUnknownEnd:
       return UnknownEnd(event.id, event.edit);
+    case Event::Kind::kSize:
+      return CheckSize(delta_.added_sizes[event.at], options_.box, limit_, event.edit);
   }
   return absl::OkStatus();
 }
@@ -262,6 +279,8 @@ Delta BatchCheck::TakeDelta() {
   SortById(delta_.added_points);
   SortById(delta_.removed_segments);
   SortById(delta_.added_segments);
+  SortById(delta_.removed_sizes);
+  SortById(delta_.added_sizes);
   return std::move(delta_);
 }
 

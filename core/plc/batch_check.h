@@ -54,6 +54,7 @@ class BatchCheck {
       kSegment,     // a segment comes or changes: `at` in delta_.added_segments
       kDegenerate,  // both ends the same point
       kUnknownEnd,
+      kSize,  // a sizing feature comes or changes: `at` in delta_.added_sizes
     };
     EditIndex edit;
     FeatureId id;
@@ -71,6 +72,7 @@ class BatchCheck {
   };
 
   void CollectPoint(const Draft::Entry& entry);
+  void CollectSize(const Draft::Entry& entry);
   void CollectSegment(FeatureId id);
   bool CheckEnds(FeatureId id, const std::array<FeatureId, 2>& ends, EditIndex own);
   bool IsCertainlyGood() const;

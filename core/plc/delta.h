@@ -3,6 +3,7 @@
 #ifndef DYNMESH_CORE_PLC_DELTA_H_
 #define DYNMESH_CORE_PLC_DELTA_H_
 
+#include <cstddef>
 #include <vector>
 
 #include "core/geometry/point.h"
@@ -26,6 +27,14 @@ struct SegmentFeature {
   friend bool operator==(const SegmentFeature&, const SegmentFeature&) = default;
 };
 
+// A sizing feature: its point, centre or lower corner, and the rest.
+struct SizeFeature {
+  FeatureId id = kNoFeature;
+  geometry::Point2 at{};
+  Sizing sizing;
+  friend bool operator==(const SizeFeature&, const SizeFeature&) = default;
+};
+
 // Each list is sorted by id. No element stands in both the removed and the added
 // list of its kind; an id may, when its feature changed (a point that moved, and
 // the segments that it took along). An id that changed kind stands in the removed
@@ -35,13 +44,19 @@ struct Delta {
   std::vector<SegmentFeature> removed_segments;
   std::vector<PointFeature> added_points;
   std::vector<SegmentFeature> added_segments;
+  std::vector<SizeFeature> removed_sizes;
+  std::vector<SizeFeature> added_sizes;
 
-  bool empty() const {
-    return removed_points.empty() && removed_segments.empty() && added_points.empty() &&
-           added_segments.empty();
+  std::size_t size() const {
+    return removed_points.size() + removed_segments.size() + added_points.size() +
+           added_segments.size() + removed_sizes.size() + added_sizes.size();
   }
+  bool empty() const { return size() == 0; }
   // The change that undoes this one.
-  Delta Inverse() const { return {added_points, added_segments, removed_points, removed_segments}; }
+  Delta Inverse() const {
+    return {added_points,     added_segments, removed_points,
+            removed_segments, added_sizes,    removed_sizes};
+  }
   friend bool operator==(const Delta&, const Delta&) = default;
 };
 

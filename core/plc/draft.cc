@@ -16,7 +16,16 @@ absl::Status Refuse(absl::StatusCode code, const char* reason, FeatureId id, Edi
   return MakeError(code, std::move(message), {reason, {id}, static_cast<std::size_t>(edit)});
 }
 
-const char* NameOf(State state) { return state == State::kPoint ? "point" : "segment"; }
+const char* NameOf(State state) {
+  switch (state) {
+    case State::kPoint:
+      return "point";
+    case State::kSegment:
+      return "segment";
+    default:
+      return "sizing feature";
+  }
+}
 
 absl::Status CheckId(FeatureId id, EditIndex edit) {
   if (id != kNoFeature && id < kFirstReservedId) return absl::OkStatus();
@@ -47,13 +56,28 @@ absl::Status Become(const Feature& feature, Draft::Entry& entry) {
       entry.state = State::kSegment;
       entry.ends = feature.ends;
       return absl::OkStatus();
+    case FeatureKind::kSize:
+      entry.state = State::kSize;
+      entry.size = &feature;
+      return absl::OkStatus();
   }
-  return Refuse(absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
-                absl::StrCat("feature ", entry.id, " is of unknown kind ",
-                             static_cast<int>(feature.kind), "; only points and segments are"));
+  return Refuse(
+      absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
+      absl::StrCat("feature ", entry.id, " is of unknown kind ", static_cast<int>(feature.kind),
+                   "; only points, segments and sizes are"));
 }
 
 }  // namespace
+
+SizeFeature SizeOf(const Feature& feature) {
+  SizeFeature size{feature.id, {{feature.position[0] + 0.0, feature.position[1] + 0.0}}, {}};
+  const Sizing& given = feature.sizing;
+  size.sizing.shape = given.shape;
+  size.sizing.target = given.target;
+  if (given.shape == SizeShape::kDisc) size.sizing.radius = given.radius;
+  if (given.shape == SizeShape::kBox) size.sizing.hi = {given.hi[0] + 0.0, given.hi[1] + 0.0, 0};
+  return size;
+}
 
 Draft::Draft(const FeatureStore& base, const EditBatch& batch) : base_(base) {
   entries_.reserve(batch.size());
@@ -100,6 +124,10 @@ bool Draft::IsAsBefore(const Entry& entry) const {
     const SegmentRecord* was = base_.FindSegment(entry.id);
     return was != nullptr && was->ends == entry.ends;
   }
+  if (entry.state == State::kSize) {
+    const SizeFeature* was = base_.FindSize(entry.id);
+    return was != nullptr && (entry.size == nullptr || *was == SizeOf(*entry.size));
+  }
   return false;
 }
 
@@ -133,6 +161,8 @@ Draft::Entry& Draft::Touch(FeatureId id, EditIndex edit) {
     } else if (const SegmentRecord* segment = base_.FindSegment(id)) {
       entry.state = State::kSegment;
       entry.ends = segment->ends;
+    } else if (base_.FindSize(id) != nullptr) {
+      entry.state = State::kSize;
     }
   }
   entries_[at].edit = edit;
@@ -158,9 +188,13 @@ absl::Status Draft::Act(const Edit& edit, Entry& entry) const {
     case Edit::Action::kMove:
       if (absl::Status status = CheckPresent(entry, "move"); !status.ok()) return status;
       if (entry.state != State::kPoint) {
-        return Refuse(absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
-                      absl::StrCat("cannot move feature ", entry.id, ": it is a segment; move ",
-                                   "points ", entry.ends[0], " and ", entry.ends[1], " instead"));
+        return Refuse(
+            absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
+            entry.state == State::kSegment
+                ? absl::StrCat("cannot move feature ", entry.id, ": it is a segment; ",
+                               "move points ", entry.ends[0], " and ", entry.ends[1], " instead")
+                : absl::StrCat("cannot move feature ", entry.id, ": it is a sizing ",
+                               "feature; set it anew where it is to be"));
       }
       Place(edit.feature, entry);
       return absl::OkStatus();

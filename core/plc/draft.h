@@ -30,9 +30,12 @@ using EditIndex = std::int64_t;
 inline constexpr EditIndex kUntouched = -1;
 inline constexpr EditIndex kNever = std::numeric_limits<EditIndex>::max();
 
+// A feature of kind kSize without what does not matter to its shape; -0 is +0.
+SizeFeature SizeOf(const Feature& feature);
+
 class Draft {
  public:
-  enum class State : std::uint8_t { kAbsent, kPoint, kSegment };
+  enum class State : std::uint8_t { kAbsent, kPoint, kSegment, kSize };
 
   // A feature that the batch names, as the batch leaves it.
   struct Entry {
@@ -41,9 +44,10 @@ class Draft {
     State state = State::kAbsent;
     geometry::Point2 p{};             // kPoint; -0 is +0
     std::array<FeatureId, 2> ends{};  // kSegment
+    const Feature* size = nullptr;    // kSize, as the batch has it; null: as before it
   };
 
-  // `base` must outlive the draft and not change.
+  // `base` and `batch` must outlive the draft and not change.
   Draft(const FeatureStore& base, const EditBatch& batch);
 
   // The first edit that could not act, kNever if all could; why.

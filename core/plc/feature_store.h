@@ -31,17 +31,20 @@ class FeatureStore {
  public:
   using Points = absl::flat_hash_map<FeatureId, PointRecord>;
   using Segments = absl::flat_hash_map<FeatureId, SegmentRecord>;
+  using Sizes = absl::flat_hash_map<FeatureId, SizeFeature>;
 
   const PointRecord* FindPoint(FeatureId id) const { return Find(points_, id); }
   const SegmentRecord* FindSegment(FeatureId id) const { return Find(segments_, id); }
+  const SizeFeature* FindSize(FeatureId id) const { return Find(sizes_, id); }
   // The segments that end at a point, in no order.
   std::span<const FeatureId> SegmentsAt(FeatureId point) const {
     const auto it = segments_at_.find(point);
     return it == segments_at_.end() ? std::span<const FeatureId>() : it->second;
   }
-  std::size_t size() const { return points_.size() + segments_.size(); }
+  std::size_t size() const { return points_.size() + segments_.size() + sizes_.size(); }
   const Points& points() const { return points_; }
   const Segments& segments() const { return segments_; }
+  const Sizes& sizes() const { return sizes_; }
 
   // The segment with its ends' places. REQUIRES: `record` is of segment `id` here.
   SegmentFeature Expand(FeatureId id, const SegmentRecord& record) const {
@@ -67,6 +70,8 @@ class FeatureStore {
   }
   // REQUIRES: present; no segment ends at a removed point.
   void RemovePoint(FeatureId id) { points_.erase(id); }
+  void Add(const SizeFeature& f) { sizes_[f.id] = f; }
+  void RemoveSize(FeatureId id) { sizes_.erase(id); }
   void RemoveSegment(FeatureId id) {
     for (const FeatureId end : segments_.at(id).ends) {
       const auto at = segments_at_.find(end);
@@ -86,6 +91,7 @@ class FeatureStore {
 
   Points points_;
   Segments segments_;
+  Sizes sizes_;
   // Apart from the points: most have none.
   absl::flat_hash_map<FeatureId, absl::InlinedVector<FeatureId, 2>> segments_at_;
 };

@@ -22,6 +22,8 @@ using geometry::Point2;
 
 // As many features as an error names; a client needs no longer list to act on.
 constexpr std::size_t kMostNamed = 16;
+// Targets of sizing features, in units of the least distance between features.
+constexpr double kLeastTargetLimits = 64;
 
 std::string Shortest(double x) {
   std::array<char, 32> text;
@@ -115,6 +117,45 @@ absl::Status ConflictError(Conflict conflict, const AnyFeature& offender, const 
   Verdict verdict = Explain(conflict, offender, other, limit);
   return Error(absl::StatusCode::kFailedPrecondition, verdict.reason, {IdOf(offender), IdOf(other)},
                edit, std::move(verdict.message));
+}
+
+absl::Status CheckSize(const SizeFeature& size, const Box& box, double limit, EditIndex edit) {
+  const Sizing& s = size.sizing;
+  const auto refuse = [&](const char* reason, const std::string& what) {
+    return Error(absl::StatusCode::kInvalidArgument, reason, {size.id}, edit,
+                 absl::StrCat("sizing feature ", size.id, " at ", Text(size.at), " ", what));
+  };
+  for (const double x : {size.at[0], size.at[1], s.target, s.radius, s.hi[0], s.hi[1]}) {
+    if (!std::isfinite(x)) return refuse(reason::kNotFinite, "is not finite; give finite numbers");
+  }
+  if (s.shape != SizeShape::kPoint && s.shape != SizeShape::kDisc && s.shape != SizeShape::kBox) {
+    return refuse(reason::kBadSize, absl::StrCat("is of unknown shape ", static_cast<int>(s.shape),
+                                                 "; give a point, a disc or a box"));
+  }
+  if (s.shape != SizeShape::kBox && (size.at[0] < box.lo[0] || size.at[0] > box.hi[0] ||
+                                     size.at[1] < box.lo[1] || size.at[1] > box.hi[1])) {
+    return refuse(
+        reason::kOutsideBox,
+        absl::StrCat("is outside the mesh's box from ", Text(Point2{{box.lo[0], box.lo[1]}}),
+                     " to ", Text(Point2{{box.hi[0], box.hi[1]}}), "; move it inside"));
+  }
+  if (s.shape == SizeShape::kBox) {
+    if (s.hi[0] < size.at[0] || s.hi[1] < size.at[1]) {
+      return refuse(reason::kBadSize, "has its upper corner below the lower; swap them");
+    }
+    if (s.hi[0] < box.lo[0] || size.at[0] > box.hi[0] || s.hi[1] < box.lo[1] ||
+        size.at[1] > box.hi[1]) {
+      return refuse(reason::kOutsideBox, "does not meet the mesh's box; move it there");
+    }
+  }
+  if (s.radius < 0) return refuse(reason::kBadSize, "has a negative radius; give 0 or more");
+  const double least = kLeastTargetLimits * limit;
+  if (!(s.target >= least)) {
+    return refuse(reason::kBadSize,
+                  absl::StrCat("has target length ", Shortest(s.target), "; at least ",
+                               Shortest(least), " can be kept in this mesh"));
+  }
+  return absl::OkStatus();
 }
 
 absl::Status CheckPlace(const PointFeature& point, const Box& box, EditIndex edit) {

@@ -21,6 +21,10 @@ using AnyFeature = std::variant<PointFeature, SegmentFeature>;
 absl::Status ConflictError(Conflict conflict, const AnyFeature& offender, const AnyFeature& other,
                            double limit, EditIndex edit);
 
+// A sizing feature by itself: numbers finite, a region that meets the box (a point or
+// centre in it), a target that distances of `limit` leave room for.
+absl::Status CheckSize(const SizeFeature& size, const Box& box, double limit, EditIndex edit);
+
 // OK if the point is finite, in the closed box, and no coordinate is too near to 0.
 absl::Status CheckPlace(const PointFeature& point, const Box& box, EditIndex edit);
 

@@ -26,9 +26,11 @@ void Plc2::Commit(const Delta& delta) {
     index_.ErasePoint(store_.FindPoint(f.id)->slot);
     store_.RemovePoint(f.id);
   }
+  for (const SizeFeature& f : delta.removed_sizes) store_.RemoveSize(f.id);
   store_.Reserve(delta.added_points.size(), delta.added_segments.size());
   for (const PointFeature& f : delta.added_points) store_.Add(f, index_.Insert(f));
   for (const SegmentFeature& f : delta.added_segments) store_.Add(f, index_.Insert(f));
+  for (const SizeFeature& f : delta.added_sizes) store_.Add(f);
 }
 
 std::vector<Feature> Plc2::Features() const {
@@ -39,6 +41,9 @@ std::vector<Feature> Plc2::Features() const {
   }
   for (const auto& [id, record] : store_.segments()) {
     features.push_back(Feature::Segment(id, record.ends[0], record.ends[1]));
+  }
+  for (const auto& [id, size] : store_.sizes()) {
+    features.push_back(Feature::Size(id, {size.at[0], size.at[1], 0}, size.sizing));
   }
   std::sort(features.begin(), features.end(),
             [](const Feature& a, const Feature& b) { return a.id < b.id; });
@@ -55,6 +60,12 @@ std::optional<SegmentFeature> Plc2::FindSegment(FeatureId id) const {
   const SegmentRecord* record = store_.FindSegment(id);
   if (record == nullptr) return std::nullopt;
   return store_.Expand(id, *record);
+}
+
+std::optional<SizeFeature> Plc2::FindSize(FeatureId id) const {
+  const SizeFeature* size = store_.FindSize(id);
+  if (size == nullptr) return std::nullopt;
+  return *size;
 }
 
 std::vector<FeatureId> Plc2::SegmentsAt(FeatureId point) const {

@@ -2,6 +2,7 @@
 // id, and what is legal input.
 //
 // Invariants, after every Commit of a Delta that Check returned:
+//   0. sizing features are legal by themselves (messages.h, CheckSize);
 //   1. every point is finite, in the user's closed box, its coordinates 0 or of
 //      magnitude at least 2^-200, never -0;
 //   2. every segment joins two points present, different ones;
@@ -42,7 +43,7 @@ class Plc2 {
   // here. If the result is illegal: the problem of the earliest edit to blame, with
   // ErrorDetail (error.h); which edit that is stands in batch_check.h.
   //   INVALID_ARGUMENT     BAD_ID, WRONG_KIND, NOT_FINITE, OUTSIDE_BOX, DEGENERATE_SEGMENT,
-  //                        TOO_CLOSE (a coordinate to 0)
+  //                        TOO_CLOSE (a coordinate to 0), BAD_SIZE
   //   NOT_FOUND            UNKNOWN_FEATURE
   //   ALREADY_EXISTS       ID_IN_USE
   //   FAILED_PRECONDITION  UNKNOWN_END, POINT_IN_USE, DUPLICATE_POINT, DUPLICATE_SEGMENT,
@@ -70,6 +71,7 @@ class Plc2 {
   // O(1).
   std::optional<PointFeature> FindPoint(FeatureId id) const;
   std::optional<SegmentFeature> FindSegment(FeatureId id) const;
+  std::optional<SizeFeature> FindSize(FeatureId id) const;
   bool HasPoint(FeatureId id) const { return store_.FindPoint(id) != nullptr; }
   bool HasSegment(FeatureId id) const { return store_.FindSegment(id) != nullptr; }
   // The segments that end at a point, sorted; none if there is no such point.

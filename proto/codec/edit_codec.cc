@@ -39,6 +39,31 @@ absl::Status DecodePoint(const v1::Point& proto, int dimension, std::size_t inde
   return absl::OkStatus();
 }
 
+absl::Status DecodeSizing(const v1::Sizing& proto, int dimension, std::size_t index, FeatureId id,
+                          Feature* out) {
+  const auto point = [&](const v1::Point& p, std::array<double, 3>* to) {
+    return DecodePoint(p, dimension, index, id, to);
+  };
+  out->sizing.target = proto.target();
+  switch (proto.region_case()) {
+    case v1::Sizing::kPoint:
+      out->sizing.shape = SizeShape::kPoint;
+      return point(proto.point(), &out->position);
+    case v1::Sizing::kDisc:
+      out->sizing.shape = SizeShape::kDisc;
+      out->sizing.radius = proto.disc().radius();
+      return point(proto.disc().centre(), &out->position);
+    case v1::Sizing::kBox:
+      out->sizing.shape = SizeShape::kBox;
+      if (absl::Status s = point(proto.box().lo(), &out->position); !s.ok()) return s;
+      return point(proto.box().hi(), &out->sizing.hi);
+    case v1::Sizing::REGION_NOT_SET:
+      break;
+  }
+  return EditError(index, id, dynmesh::reason::kBadSize,
+                   "it has no region that this server knows: set point, disc or box");
+}
+
 absl::Status DecodeFeature(const v1::Feature& proto, int dimension, std::size_t index,
                            Feature* out) {
   out->id = proto.id();
@@ -50,11 +75,14 @@ absl::Status DecodeFeature(const v1::Feature& proto, int dimension, std::size_t 
       out->kind = FeatureKind::kSegment;
       out->ends = {proto.segment().p(), proto.segment().q()};
       return absl::OkStatus();
+    case v1::Feature::kSize:
+      out->kind = FeatureKind::kSize;
+      return DecodeSizing(proto.size(), dimension, index, proto.id(), out);
     case v1::Feature::GEOMETRY_NOT_SET:
       break;
   }
   return EditError(index, proto.id(), dynmesh::reason::kWrongKind,
-                   "it has no geometry that this server knows: set point or segment");
+                   "it has no geometry that this server knows: set point, segment or size");
 }
 
 absl::Status DecodeEdit(const v1::Edit& proto, int dimension, std::size_t index, Edit* out) {
@@ -83,6 +111,21 @@ void EncodePoint(const std::array<double, 3>& position, int dimension, v1::Point
   out->set_x(position[0]);
   out->set_y(position[1]);
   if (dimension == 3) out->set_z(position[2]);
+}
+
+void EncodeSizing(const Feature& feature, int dimension, v1::Sizing* out) {
+  const Sizing& sizing = feature.sizing;
+  out->set_target(sizing.target);
+  switch (sizing.shape) {
+    case SizeShape::kPoint:
+      return EncodePoint(feature.position, dimension, out->mutable_point());
+    case SizeShape::kDisc:
+      out->mutable_disc()->set_radius(sizing.radius);
+      return EncodePoint(feature.position, dimension, out->mutable_disc()->mutable_centre());
+    case SizeShape::kBox:
+      EncodePoint(feature.position, dimension, out->mutable_box()->mutable_lo());
+      return EncodePoint(sizing.hi, dimension, out->mutable_box()->mutable_hi());
+  }
 }
 
 // Entries past the dimension keep their defaults, so that equal options compare equal.
@@ -124,6 +167,7 @@ absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
   }
   options.limits.max_vertices = proto.max_vertices() != 0 ? proto.max_vertices() : max_vertices;
   if (proto.max_depth() != 0) options.limits.max_depth = proto.max_depth();
+  options.max_edge = proto.max_edge();
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
   return options;
 }
@@ -137,6 +181,7 @@ void EncodeOptions(const MeshOptions& options, v1::MeshOptions* out) {
                                                              : v1::CRITERION_EDGE);
   out->set_max_vertices(options.limits.max_vertices);
   out->set_max_depth(options.limits.max_depth);
+  out->set_max_edge(options.max_edge);
 }
 
 absl::Status DecodeEdits(const google::protobuf::RepeatedPtrField<v1::Edit>& proto, int dimension,
@@ -167,6 +212,9 @@ void EncodeFeature(const Feature& feature, int dimension, v1::Feature* out) {
     case FeatureKind::kSegment:
       out->mutable_segment()->set_p(feature.ends[0]);
       out->mutable_segment()->set_q(feature.ends[1]);
+      break;
+    case FeatureKind::kSize:
+      EncodeSizing(feature, dimension, out->mutable_size());
       break;
   }
 }

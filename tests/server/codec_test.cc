@@ -186,6 +186,9 @@ TEST(EditCodec, EveryKindOfEditComesBack) {
   const EditBatch batch = {
       Edit::Add(Feature::Point(1, 0.1, -0.0)),
       Edit::Add(Feature::Segment(2, 1, 3)),
+      Edit::Add(Feature::SizeAt(20, 0.1, 0.2, 0.3)),
+      Edit::Set(Feature::SizeDisc(21, 0.1, 0.2, 0.4, 0.3)),
+      Edit::Set(Feature::SizeBox(22, 0.1, 0.2, 0.4, 0.5, 0.3)),
       Edit::Set(Feature::Point(3, 1e-300, 5)),
       Edit::Remove(4),
       Edit::Move(5, 0.25, 0.75),

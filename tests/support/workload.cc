@@ -1,9 +1,10 @@
 #include "tests/support/workload.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
+
+#include "core/io/edit_script.h"
 
 namespace dynmesh::test {
 namespace {
@@ -118,9 +119,41 @@ std::vector<Feature> Wedges(int n, Random& random) {
   return features;
 }
 
-std::string Number(double x) {
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof(digits), x).ptr};
+// Points, a few segments, and regions that ask for lengths between the features' and far
+// below; some overlap, some poke out of the box.
+std::vector<Feature> Sized(int n, Random& random) {
+  std::vector<Feature> features;
+  FeatureId id = 0;
+  const int points = std::max(2, n / 2);
+  for (int i = 0; i < points; ++i) {
+    const double x = random.Unit();
+    features.push_back(Feature::Point(++id, x, random.Unit()));
+  }
+  const int rows = std::max(1, n / 8);
+  for (int i = 0; i < rows; ++i) {
+    const double y = (i + 0.5) / rows;
+    features.push_back(Feature::Point(++id, 0.3 + 0.1 * random.Unit(), y));
+    features.push_back(Feature::Point(++id, 0.6 + 0.1 * random.Unit(), y));
+    features.push_back(Feature::Segment(id + 1, id - 1, id));
+    ++id;
+  }
+  for (int i = 0; i < std::max(2, n / 6); ++i) {
+    const double x = random.Unit(), y = random.Unit();
+    const double size = std::ldexp(0.5 + random.Unit(), -2 - random.Below(4));
+    const double target = size * std::ldexp(0.5 + random.Unit(), -random.Below(3));
+    switch (random.Below(3)) {
+      case 0:
+        features.push_back(Feature::SizeAt(++id, x, y, 0.1 * target));
+        break;
+      case 1:
+        features.push_back(Feature::SizeDisc(++id, x, y, 0.5 * size, target));
+        break;
+      default:
+        features.push_back(
+            Feature::SizeBox(++id, x, y, x + size, y + size * random.Unit(), target));
+    }
+  }
+  return features;
 }
 
 }  // namespace
@@ -151,6 +184,8 @@ std::string NameOf(Distribution d) {
       return "Parallel";
     case Distribution::kWedges:
       return "Wedges";
+    case Distribution::kSized:
+      return "Sized";
   }
   return "?";
 }
@@ -158,7 +193,7 @@ std::string NameOf(Distribution d) {
 bool HasSegments(Distribution d) {
   return d == Distribution::kSegmentsAxis || d == Distribution::kSegmentsTurned ||
          d == Distribution::kDiagonals || d == Distribution::kParallel ||
-         d == Distribution::kWedges;
+         d == Distribution::kWedges || d == Distribution::kSized;
 }
 
 std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
@@ -226,6 +261,8 @@ std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
       return Parallel(n, random);
     case Distribution::kWedges:
       return Wedges(n, random);
+    case Distribution::kSized:
+      return Sized(n, random);
   }
   return features;
 }
@@ -274,6 +311,12 @@ Edit ScriptGenerator::RandomEdit(const std::vector<Feature>& present, EditBatch&
     return Edit::Move(f.id, f.position[0] + step * (random_.Unit() - 0.5),
                       f.position[1] + step * (random_.Unit() - 0.5));
   }
+  if (dice < 8 && f.kind == FeatureKind::kSize) {
+    Feature other = f;
+    other.sizing.target *= random_.OneIn(2) ? 0.7 : 1.6;
+    if (random_.OneIn(2)) other.position[0] *= 0.97;
+    return Edit::Set(other);
+  }
   for (const Feature& g : present) {
     if (g.kind == FeatureKind::kSegment && f.kind == FeatureKind::kPoint && !in_batch(g.id) &&
         (g.ends[0] == f.id || g.ends[1] == f.id)) {
@@ -309,25 +352,9 @@ EditBatch ScriptGenerator::Next(const std::vector<Feature>& present) {
 }
 
 std::string ToScript(const MeshOptions& options, const std::vector<EditBatch>& batches) {
-  std::string text = "mesh dim=2 box=" + Number(options.box.lo[0]) + "," +
-                     Number(options.box.lo[1]) + "," + Number(options.box.hi[0]) + "," +
-                     Number(options.box.hi[1]) + " rho=" + Number(options.quality) + "\n";
+  std::string text = io::FormatMeshLine(options) + "\n";
   for (const EditBatch& batch : batches) {
-    for (const Edit& e : batch) {
-      const Feature& f = e.feature;
-      const std::string id = std::to_string(f.id);
-      const std::string place = " " + Number(f.position[0]) + " " + Number(f.position[1]);
-      if (e.action == Edit::Action::kRemove) {
-        text += "remove " + id + "\n";
-      } else if (e.action == Edit::Action::kMove) {
-        text += "move point " + id + place + "\n";
-      } else {
-        text += e.action == Edit::Action::kAdd ? "add " : "set ";
-        text += f.kind == FeatureKind::kPoint ? "point " + id + place + "\n"
-                                              : "segment " + id + " " + std::to_string(f.ends[0]) +
-                                                    " " + std::to_string(f.ends[1]) + "\n";
-      }
-    }
+    for (const Edit& edit : batch) text += io::FormatEdit(edit) + "\n";
     text += "commit\n";
   }
   return text;

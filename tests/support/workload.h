@@ -28,12 +28,14 @@ enum class Distribution {
   kDiagonals,       // squares and their diagonals: 45 degrees, cocircular
   kParallel,        // segments close to each other and points close to them: cascades of splits
   kWedges,          // fans of segments at angles down to 0.002 degrees, some acute at both ends
+  kSized,           // a few points and segments among sizing features of all shapes
 };
 inline constexpr Distribution kAllDistributions[] = {
     Distribution::kUniform,   Distribution::kClustered,    Distribution::kCircle,
     Distribution::kGrid,      Distribution::kLine,         Distribution::kDyadicLine,
     Distribution::kTwoScale,  Distribution::kSegmentsAxis, Distribution::kSegmentsTurned,
-    Distribution::kDiagonals, Distribution::kParallel,     Distribution::kWedges};
+    Distribution::kDiagonals, Distribution::kParallel,     Distribution::kWedges,
+    Distribution::kSized};
 std::string NameOf(Distribution d);
 bool HasSegments(Distribution d);
 

@@ -28,6 +28,7 @@ inline constexpr char kSegmentsCross[] = "SEGMENTS_CROSS";
 inline constexpr char kSegmentsOverlap[] = "SEGMENTS_OVERLAP";
 inline constexpr char kSmallAngle[] = "SMALL_INPUT_ANGLE";
 inline constexpr char kTooClose[] = "TOO_CLOSE";
+inline constexpr char kBadSize[] = "BAD_SIZE";      // a sizing feature's shape or target
 inline constexpr char kWrongKind[] = "WRONG_KIND";  // move of a segment, unknown kind
 inline constexpr char kVertexLimit[] = "VERTEX_LIMIT";
 inline constexpr char kDepthLimit[] = "DEPTH_LIMIT";

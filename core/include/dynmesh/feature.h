@@ -18,22 +18,48 @@ inline constexpr FeatureId kNoFeature = 0;
 // Owns the vertices and segments of the domain box. No client may use it.
 inline constexpr FeatureId kBoxFeature = ~FeatureId{0};
 
-enum class FeatureKind : std::uint8_t { kPoint = 1, kSegment = 2 };
+enum class FeatureKind : std::uint8_t { kPoint = 1, kSegment = 2, kSize = 4 };  // 3: polygons
+
+// Where the mesh is to be finer than its geometry asks, and how fine. No edge of a simplex
+// that meets the region is longer than sqrt(2) times the target (as far as limits allow);
+// around it sizes grow as fast as the quality asked for lets them, and no faster.
+enum class SizeShape : std::uint8_t { kPoint = 1, kDisc = 2, kBox = 3 };
+struct Sizing {
+  SizeShape shape = SizeShape::kPoint;
+  double target = 0;                     // > 0, in the units of the mesh's box
+  double radius = 0;                     // kDisc, >= 0
+  std::array<double, 3> hi = {0, 0, 0};  // kBox: the upper corner
+  friend bool operator==(const Sizing&, const Sizing&) = default;
+};
 
 struct Feature {
   FeatureId id = kNoFeature;
   FeatureKind kind = FeatureKind::kPoint;
   // kPoint: the coordinates, in the units of the mesh's box; entries past the
-  // dimension of the mesh are ignored.
+  // dimension of the mesh are ignored. kSize: the point, the disc's centre or the box's
+  // lower corner; the region may poke out of the mesh's box, this place may not.
   std::array<double, 3> position = {0, 0, 0};
   // kSegment: the two point features at its ends.
   std::array<FeatureId, 2> ends = {kNoFeature, kNoFeature};
+  Sizing sizing = {};  // kSize
 
   static Feature Point(FeatureId id, double x, double y, double z = 0) {
-    return {id, FeatureKind::kPoint, {x, y, z}, {kNoFeature, kNoFeature}};
+    return {id, FeatureKind::kPoint, {x, y, z}, {kNoFeature, kNoFeature}, {}};
   }
   static Feature Segment(FeatureId id, FeatureId p, FeatureId q) {
-    return {id, FeatureKind::kSegment, {0, 0, 0}, {p, q}};
+    return {id, FeatureKind::kSegment, {0, 0, 0}, {p, q}, {}};
+  }
+  static Feature SizeAt(FeatureId id, double x, double y, double target) {
+    return Size(id, {x, y, 0}, {SizeShape::kPoint, target, 0, {}});
+  }
+  static Feature SizeDisc(FeatureId id, double x, double y, double radius, double target) {
+    return Size(id, {x, y, 0}, {SizeShape::kDisc, target, radius, {}});
+  }
+  static Feature SizeBox(FeatureId id, double x0, double y0, double x1, double y1, double target) {
+    return Size(id, {x0, y0, 0}, {SizeShape::kBox, target, 0, {x1, y1, 0}});
+  }
+  static Feature Size(FeatureId id, const std::array<double, 3>& position, const Sizing& sizing) {
+    return {id, FeatureKind::kSize, position, {kNoFeature, kNoFeature}, sizing};
   }
   friend bool operator==(const Feature&, const Feature&) = default;
 };

@@ -43,6 +43,8 @@ struct MeshOptions {
   // From 1.4142 for kThesis.
   double quality = kDefaultQuality2D;
   Criterion criterion = Criterion::kEdge;
+  // No edge of a simplex that meets `box` is longer than sqrt(2) times this; 0: any may be.
+  double max_edge = 0;
   Limits limits;
   friend bool operator==(const MeshOptions&, const MeshOptions&) = default;
 };

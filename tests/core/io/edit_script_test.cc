@@ -120,11 +120,19 @@ const BadScript kBadScripts[] = {
     {"mesh\nremove 1 2\n", 2, "unexpected '2'"},
     {"mesh\ncommit now\n", 2, "unexpected 'now'"},
     {"mesh dim=3\n", 1, "not supported yet in this version", absl::StatusCode::kUnimplemented},
-    {"mesh hmax=0.1\n", 1, "not supported yet in this version", absl::StatusCode::kUnimplemented},
+    {"mesh hmax=0\n", 1, "hmax is not a length above 0"},
+    {"mesh hmax=much\n", 1, "hmax is not a length above 0"},
     {"mesh\nadd polygon 5 1 2 3\n", 2, "not supported yet in this version",
      absl::StatusCode::kUnimplemented},
-    {"mesh\nset size 5 point 0 0 0.1\n", 2, "not supported yet in this version",
+    {"mesh\nset size 5 polygon 1 2 3 0.1\n", 2, "not supported yet in this version",
      absl::StatusCode::kUnimplemented},
+    {"mesh\nset size 5 point 0 0\n", 2, "the target length is missing"},
+    {"mesh\nadd size 5 disc 0 0 0.1\n", 2, "the target length is missing"},
+    {"mesh\nadd size 5 disc 0 0 0.1 0.1 0.1\n", 2, "unexpected '0.1'"},
+    {"mesh\nadd size 5 box 0 0 1 0.1\n", 2, "the target length is missing"},
+    {"mesh\nadd size 5 0 0 1\n", 2, "Expected point, disc or box"},
+    {"mesh\nadd size 5\n", 2, "Expected point, disc or box"},
+    {"mesh\nmove size 5 0 0\n", 2, "only points move"},
 };
 
 TEST(MalformedScript, IsRefusedWithFileAndLine) {

@@ -243,6 +243,54 @@ void CheckVoronoiAspect(const Judged& j, const std::set<Edge>& seditious) {
   }
 }
 
+// Does the triangle meet the region of a sizing feature, by more than rounding?
+bool Meets(const std::array<Point2, 3>& t, const Feature& size) {
+  const Point2 lo{{size.position[0], size.position[1]}};
+  const bool is_box = size.sizing.shape == SizeShape::kBox;
+  const Point2 hi = is_box ? Point2{{size.sizing.hi[0], size.sizing.hi[1]}} : lo;
+  // Discs and points: the distance from their centre.
+  const double radius = size.sizing.shape == SizeShape::kDisc ? size.sizing.radius : 0;
+  bool inside = true;
+  double distance = INFINITY;
+  // Boxes: no line through an edge or along an axis parts the two.
+  bool parted = false;
+  for (int k = 0; k < 2; ++k) {
+    parted |= std::max({t[0][k], t[1][k], t[2][k]}) < lo[k] ||
+              std::min({t[0][k], t[1][k], t[2][k]}) > hi[k];
+  }
+  for (int i = 0; i < 3; ++i) {
+    const Point2 &a = t[i], &b = t[(i + 1) % 3];
+    const double ex = b[0] - a[0], ey = b[1] - a[1];
+    const auto side = [&](double x, double y) { return ex * (y - a[1]) - ey * (x - a[0]); };
+    parted |= std::max({side(lo[0], lo[1]), side(hi[0], lo[1]), side(lo[0], hi[1]),
+                        side(hi[0], hi[1])}) < 1e-15;
+    inside &= side(lo[0], lo[1]) > 1e-15;
+    const double along = ((lo[0] - a[0]) * ex + (lo[1] - a[1]) * ey) / (ex * ex + ey * ey);
+    const double s = std::clamp(along, 0.0, 1.0);
+    distance = std::min(distance, std::hypot(a[0] + s * ex - lo[0], a[1] + s * ey - lo[1]));
+  }
+  return is_box ? !parted : inside || distance < radius * (1 - 1e-9);
+}
+
+// No edge of a triangle that meets a region is longer than sqrt 2 times its target.
+void CheckSizes(const Judged& j, const std::vector<Feature>& features) {
+  for (const Feature& size : features) {
+    if (size.kind != FeatureKind::kSize) continue;
+    std::size_t met = 0;
+    for (const auto& t : j.triangles) {
+      const std::array<Point2, 3> corners = {j.at.at(t[0]), j.at.at(t[1]), j.at.at(t[2])};
+      if (!Meets(corners, size)) continue;
+      ++met;
+      for (int i = 0; i < 3; ++i) {
+        const double length = std::sqrt(CGAL::to_double(Squared(corners[i], corners[(i + 1) % 3])));
+        ASSERT_LE(length, std::numbers::sqrt2 * size.sizing.target * (1 + 1e-9))
+            << "size " << size.id;
+      }
+    }
+    ASSERT_GT(met, 0u) << "size " << size.id;
+  }
+}
+
 class MeshQuality : public testing::TestWithParam<std::tuple<Distribution, int>> {};
 
 TEST_P(MeshQuality, IsADelaunayMeshOfTheInputWithTheQualityAskedFor) {
@@ -263,6 +311,7 @@ TEST_P(MeshQuality, IsADelaunayMeshOfTheInputWithTheQualityAskedFor) {
   const std::set<Edge> seditious = FindSeditious(judged, features);
   EXPECT_TRUE(HasSegments(distribution) || seditious.empty());
   ASSERT_NO_FATAL_FAILURE(CheckRadiusEdge(judged, seditious));
+  ASSERT_NO_FATAL_FAILURE(CheckSizes(judged, features));
   if (options.criterion == Criterion::kThesis) {
     ASSERT_NO_FATAL_FAILURE(CheckVoronoiAspect(judged, seditious));
   }

@@ -162,5 +162,46 @@ TEST_F(PlcDelta, AFlatBoxTakesPointsOnALine) {
   EXPECT_TRUE(plc.Check({AddSegment(5, 2, 3)}).ok());
 }
 
+TEST(PlcDelta, OfSizes) {
+  Plc2 plc(Square(0, 1));
+  const Feature disc = Feature::SizeDisc(7, 0.5, -0.0, 0.25, 0.125);
+  Apply(plc, {AddPoint(1, 0.5, 0.5), Edit::Add(disc)});
+  EXPECT_EQ(plc.size(), 2u);
+  // -0 is +0; what a disc has no use for is forgotten.
+  Feature untidy = Feature::SizeDisc(7, 0.5, 0.0, 0.25, 0.125);
+  untidy.sizing.hi = {4, 4, 4};
+  EXPECT_TRUE(plc.Check({Edit::Set(untidy)})->empty());
+  EXPECT_TRUE(plc.Check({Edit::Remove(7), Edit::Add(disc)})->empty());
+  EXPECT_EQ(plc.Features().size(), 2u);
+  EXPECT_EQ(plc.Features()[1], Feature::SizeDisc(7, 0.5, 0.0, 0.25, 0.125));
+
+  const auto finer = plc.Check({Edit::Set(Feature::SizeDisc(7, 0.5, 0, 0.25, 0.0625))});
+  ASSERT_TRUE(finer.ok());
+  ASSERT_EQ(finer->removed_sizes.size(), 1u);
+  ASSERT_EQ(finer->added_sizes.size(), 1u);
+  EXPECT_EQ(finer->size(), 2u);
+  EXPECT_EQ(finer->added_sizes[0].sizing.target, 0.0625);
+  EXPECT_EQ(finer->Inverse().Inverse(), *finer);
+  plc.Commit(*finer);
+  plc.Commit(finer->Inverse());
+  EXPECT_EQ(plc.FindSize(7)->sizing.target, 0.125);
+
+  // Kinds change in place.
+  const auto point = plc.Check({Edit::Set(Feature::Point(7, 0.25, 0.25))});
+  ASSERT_TRUE(point.ok());
+  EXPECT_EQ(point->removed_sizes.size(), 1u);
+  EXPECT_EQ(point->added_points.size(), 1u);
+  plc.Commit(*point);
+  EXPECT_FALSE(plc.FindSize(7).has_value());
+  const auto back = plc.Check({Edit::Set(disc)});
+  ASSERT_TRUE(back.ok());
+  EXPECT_EQ(back->removed_points.size(), 1u);
+  EXPECT_EQ(back->added_sizes.size(), 1u);
+  plc.Commit(*back);
+  EXPECT_FALSE(plc.HasPoint(7));
+  Apply(plc, {Edit::Remove(7)});
+  EXPECT_EQ(plc.size(), 1u);
+}
+
 }  // namespace
 }  // namespace dynmesh::plc

@@ -312,6 +312,42 @@ TEST_F(PlcRefusals, SmallAngles) {
   ExpectAccepted({AddPoint(30, 0.0625, 0.25), AddSegment(31, 1, 30)});
 }
 
+TEST_F(PlcRefusals, Sizes) {
+  const auto refused = [&](const Feature& size, const char* reason) {
+    ExpectRefused({AddPoint(40, 0.1, 0.1), Edit::Add(size)}, Code::kInvalidArgument, reason, {30},
+                  1);
+  };
+  ExpectAccepted({Edit::Add(Feature::SizeAt(30, 0, 1, 0.1))});
+  ExpectAccepted({Edit::Add(Feature::SizeDisc(30, 0.5, 0.5, 10, 100))});
+  ExpectAccepted({Edit::Add(Feature::SizeDisc(30, 0.5, 0.5, 0, 0x1p-35))});
+  ExpectAccepted({Edit::Add(Feature::SizeBox(30, -5, -5, 0, 0, 0.5))});
+  ExpectAccepted({Edit::Add(Feature::SizeBox(30, 0.5, 0.5, 0.5, 7, 0.5))});
+  for (const double bad : {kInf, -kInf, kNan}) {
+    refused(Feature::SizeAt(30, bad, 0.5, 0.1), reason::kNotFinite);
+    refused(Feature::SizeAt(30, 0.5, bad, 0.1), reason::kNotFinite);
+    refused(Feature::SizeAt(30, 0.5, 0.5, bad), reason::kNotFinite);
+    refused(Feature::SizeDisc(30, 0.5, 0.5, bad, 0.1), reason::kNotFinite);
+    refused(Feature::SizeBox(30, 0.5, 0.5, bad, 1, 0.1), reason::kNotFinite);
+    refused(Feature::SizeBox(30, 0.5, 0.5, 1, bad, 0.1), reason::kNotFinite);
+  }
+  refused(Feature::SizeAt(30, 1 + kUlp, 0.5, 0.1), reason::kOutsideBox);
+  refused(Feature::SizeDisc(30, 0.5, -0.1, 0.5, 0.1), reason::kOutsideBox);
+  refused(Feature::SizeBox(30, 1.5, 0, 2, 1, 0.1), reason::kOutsideBox);
+  refused(Feature::SizeBox(30, 0.5, 0.5, 0.4, 1, 0.1), reason::kBadSize);
+  refused(Feature::SizeDisc(30, 0.5, 0.5, -0.1, 0.1), reason::kBadSize);
+  refused(Feature::SizeAt(30, 0.5, 0.5, 0), reason::kBadSize);
+  refused(Feature::SizeAt(30, 0.5, 0.5, -1), reason::kBadSize);
+  refused(Feature::SizeAt(30, 0.5, 0.5, 0x1p-36), reason::kBadSize);
+  Feature odd = Feature::SizeAt(30, 0.5, 0.5, 0.1);
+  odd.sizing.shape = static_cast<SizeShape>(9);
+  refused(odd, reason::kBadSize);
+  // What is no point cannot move, nor be an end.
+  ExpectRefused({Edit::Add(Feature::SizeAt(30, 0.5, 0.5, 0.1)), Edit::Move(30, 0.1, 0.1)},
+                Code::kInvalidArgument, reason::kWrongKind, {30}, 1);
+  ExpectRefused({Edit::Add(Feature::SizeAt(30, 0.5, 0.5, 0.1)), AddSegment(31, 5, 30)},
+                Code::kFailedPrecondition, reason::kUnknownEnd, {31, 30}, 1);
+}
+
 TEST_F(PlcRefusals, TheEarliestEditToBlameIsReported) {
   const Edit dup = AddPoint(30, 0.5, 0.5), nan = AddPoint(31, kNan, 0), unknown = Edit::Remove(77);
   const Edit ok = AddPoint(40, 0.1, 0.1), use = Edit::Remove(2), end = AddSegment(32, 5, 50);

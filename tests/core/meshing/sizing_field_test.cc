@@ -1,0 +1,87 @@
+// The sizing field against a look at every region.
+#include "core/meshing/sizing_field.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "tests/support/workload.h"
+
+namespace dynmesh::meshing {
+namespace {
+
+using geometry::Point2;
+
+constexpr std::uint64_t kSeed = 20261121;
+
+SizingRegion RandomRegion(test::Random& random) {
+  const auto length = [&] { return std::ldexp(0.5 + random.Unit(), -random.Below(20)); };
+  SizingRegion region;
+  region.lo = region.hi = {{3 * random.Unit() - 1, 3 * random.Unit() - 1}};
+  if (random.OneIn(3)) region.hi = {{region.lo[0] + length(), region.lo[1] + length()}};
+  if (random.OneIn(2)) region.radius = length();
+  region.target = length();
+  return region;
+}
+
+TEST(SizingField, SaysWhatALookAtEveryRegionSays) {
+  test::Random random(kSeed);
+  for (int round = 0; round < 20; ++round) {
+    SizingField field({{-2.5, -2.5}}, {{3.5, 3.5}});
+    std::map<SizingField::Index, SizingRegion> present;
+    for (int step = 0; step < 300; ++step) {
+      if (present.empty() || random.Below(5) < 3) {
+        const SizingRegion region = RandomRegion(random);
+        const auto [it, is_new] = present.emplace(field.Add(region), region);
+        ASSERT_TRUE(is_new);
+      } else {
+        auto it = present.begin();
+        std::advance(it, random.Below(static_cast<int>(present.size())));
+        ASSERT_EQ(field[it->first], it->second);
+        field.Remove(it->first);
+        present.erase(it);
+      }
+      ASSERT_EQ(field.empty(), present.empty());
+      for (int ask = 0; ask < 10; ++ask) {
+        const Point2 centre{{4 * random.Unit() - 1.5, 4 * random.Unit() - 1.5}};
+        const double radius = std::ldexp(random.Unit(), 1 - random.Below(24));
+        const bool wanted = std::any_of(present.begin(), present.end(), [&](const auto& entry) {
+          return entry.second.most_radius() < radius && entry.second.Meets(centre, radius);
+        });
+        ASSERT_EQ(field.IsTooLarge(centre, radius), wanted)
+            << "seed " << kSeed << ", round " << round << ", step " << step;
+      }
+    }
+  }
+}
+
+TEST(SizingRegion, MeetsWhatIsWithinItsRadius) {
+  const SizingRegion disc{{{0, 0}}, {{0, 0}}, 1, 1};
+  EXPECT_TRUE(disc.Meets({{2, 0}}, 1));
+  EXPECT_FALSE(disc.Meets({{2, 0}}, 0.99));
+  const SizingRegion box{{{0, 0}}, {{2, 1}}, 0, 1};
+  EXPECT_TRUE(box.Meets({{1, 0.5}}, 0));
+  EXPECT_TRUE(box.Meets({{5, 5}}, 5));
+  EXPECT_FALSE(box.Meets({{5, 5}}, 4.9));
+  const SizingRegion point{{{0, 0}}, {{0, 0}}, 0, 1};
+  EXPECT_TRUE(point.Meets({{3, 4}}, 5));
+  EXPECT_FALSE(point.Meets({{3, 4}}, 4.9));
+}
+
+// Cells that are no longer needed are given back.
+TEST(SizingField, DoesNotGrowAsARegionTravels) {
+  SizingField field({{0, 0}}, {{1, 1}});
+  std::size_t most = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double x = i / 2000.0;
+    const auto index = field.Add({{{x, 0.3}}, {{x, 0.3}}, 0.01, 0.001});
+    field.Remove(index);
+    if (i == 100) most = field.bytes();
+  }
+  EXPECT_EQ(field.bytes(), most);
+}
+
+}  // namespace
+}  // namespace dynmesh::meshing
