@@ -72,6 +72,14 @@ JsonObject& JsonObject::AddTexts(std::string_view key, const std::vector<std::st
   return AddRaw(key, "[" + list + "]");
 }
 
+JsonObject& JsonObject::AddCounts(std::string_view key, const std::vector<std::uint64_t>& values) {
+  std::string list;
+  for (const std::uint64_t value : values) {
+    list += (list.empty() ? "" : ", ") + std::to_string(value);
+  }
+  return AddRaw(key, "[" + list + "]");
+}
+
 JsonObject& JsonObject::AddObject(std::string_view key, const JsonObject& value) {
   return AddRaw(key, value.ToString());
 }

@@ -5,7 +5,9 @@
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
 #include "core/io/indexed_mesh.h"
+#include "core/io/medit_writer.h"
 #include "core/io/mesh_files.h"
+#include "core/io/msh_writer.h"
 #include "core/io/svg_writer.h"
 #include "core/io/vtu_writer.h"
 
@@ -20,16 +22,22 @@ bool IsTriangles(const std::string& extension) {
   return extension == ".node" || extension == ".ele" || extension == ".edge";
 }
 
-absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Box& box,
+bool IsKnown(const std::string& extension) {
+  return IsTriangles(extension) || extension == ".vtu" || extension == ".msh" ||
+         extension == ".mesh" || extension == ".svg";
+}
+
+absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const MeshOptions& options,
                                               bool highlighting) {
   io::SvgOptions svg;
   // What stands out needs a quiet ground.
-  const std::string chosen = flags.fill.empty() ? (highlighting ? "plain" : "quality") : flags.fill;
+  const std::string chosen = flags.fill.empty() ? (highlighting ? "plain" : "angle") : flags.fill;
   const absl::StatusOr<io::SvgOptions::Fill> fill = io::ParseFill(chosen);
   if (!fill.ok()) return fill.status();
   svg.fill = *fill;
   svg.width = flags.width;
-  svg.crop = box;
+  svg.rho = options.quality;
+  svg.crop = options.box;
   if (flags.crop == "all") {
     svg.crop.reset();
   } else if (!flags.crop.empty()) {
@@ -45,15 +53,17 @@ absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Bo
 void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
   command
       .add_option("-o,--output", flags.paths,
-                  "Where to write the mesh: .node (with .ele and .edge beside it), .vtu or .svg; "
-                  "may be given several times")
+                  "Where to write the mesh: .node (with .ele and .edge beside it), .vtu, .msh "
+                  "(Gmsh 4.1), .mesh (Medit) or .svg; may be given several times")
       ->type_name("OUT")
       ->take_all()
       ->allow_extra_args(false);
   command
       .add_option("--fill", flags.fill,
-                  "Colours of a picture (default: quality; plain with --highlight)")
-      ->type_name("quality|size|plain|none");
+                  "Colours of a picture (default: angle; plain with --highlight): by least angle, "
+                  "by circumradius / shortest edge, by shortest edge, by whether a small input "
+                  "angle excuses a triangle over rho")
+      ->type_name("angle|quality|size|exempt|plain|none");
   command
       .add_option("--crop", flags.crop,
                   "What a picture shows (default: the box of the features); `all`: with the "
@@ -67,15 +77,15 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
 absl::Status CheckOutputs(const OutputFlags& flags) {
   for (const std::string& path : flags.paths) {
     const std::string extension = ExtensionOf(path);
-    if (IsTriangles(extension) || extension == ".vtu" || extension == ".svg") continue;
-    if (extension == ".msh" || extension == ".mesh" || extension == ".png") {
+    if (IsKnown(extension)) continue;
+    if (extension == ".png") {
       return absl::UnimplementedError(data::Concat(
           path, ": ", extension, " files as output are not supported yet in this version"));
     }
-    return absl::InvalidArgumentError(
-        data::Concat(path, ": the extension must tell what to write: .node, .vtu or .svg"));
+    return absl::InvalidArgumentError(data::Concat(
+        path, ": the extension must tell what to write: .node, .vtu, .msh, .mesh or .svg"));
   }
-  return MakeSvgOptions(flags, Box(), false).status();
+  return MakeSvgOptions(flags, MeshOptions(), false).status();
 }
 
 absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const OutputFlags& flags,
@@ -87,9 +97,13 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
     const std::string extension = ExtensionOf(path);
     absl::Status status;
     if (extension == ".vtu") {
-      status = io::WriteVtu(*indexed, path);
+      status = io::WriteVtu(*indexed, options.quality, path);
+    } else if (extension == ".msh") {
+      status = io::WriteMsh(*indexed, path);
+    } else if (extension == ".mesh") {
+      status = io::WriteMedit(*indexed, path);
     } else if (extension == ".svg") {
-      absl::StatusOr<io::SvgOptions> svg = MakeSvgOptions(flags, options.box, !highlight.empty());
+      absl::StatusOr<io::SvgOptions> svg = MakeSvgOptions(flags, options, !highlight.empty());
       if (!svg.ok()) return svg.status();
       if (!highlight.empty()) svg->highlight = io::FindTriangles(*indexed, highlight);
       status = io::WriteSvg(*indexed, *svg, path);

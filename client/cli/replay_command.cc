@@ -212,7 +212,11 @@ class Replay {
   Clock::time_point progress_shown_;
 };
 
-int Run(const ReplayCommand& command) {
+int Run(ReplayCommand command) {
+  if (command.output.fill == "change") {
+    command.highlight = true;
+    command.output.fill.clear();
+  }
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
   const absl::StatusOr<io::EditScript> script = io::ReadEditScript(command.script);
   if (!script.ok()) return ReportError(script.status());
@@ -235,7 +239,8 @@ void RegisterReplayCommand(CLI::App& app, CommandSlot& slot) {
   AddMeshFlags(*sub, command->mesh);
   AddOutputFlags(*sub, command->output);
   sub->add_flag("--highlight", command->highlight,
-                "In pictures: show what the last revision added");
+                "In pictures: show what the last revision added; without --fill the same as "
+                "--fill change");
   sub->add_flag("--json", command->json, "Print one JSON object a revision, then a summary");
 }
 

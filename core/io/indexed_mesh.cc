@@ -166,4 +166,20 @@ Mesh ToMesh(const IndexedMesh& indexed) {
   return mesh;
 }
 
+TriangleQuality MeasureTriangle(const IndexedMesh& mesh, std::size_t i) {
+  double corner[3][2];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const IndexedMesh::Vertex& v = mesh.vertices[mesh.triangles[i][k]];
+    corner[k][0] = v.x;
+    corner[k][1] = v.y;
+  }
+  return dynmesh::MeasureTriangle(corner[0], corner[1], corner[2]);
+}
+
+std::vector<SimplexVerdict> JudgeTriangles(const IndexedMesh& mesh, double rho) {
+  MeshOptions options;
+  options.quality = rho;
+  return JudgeSimplices(ToMesh(mesh), options);
+}
+
 }  // namespace dynmesh::io

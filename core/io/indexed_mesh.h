@@ -15,6 +15,7 @@
 
 #include "absl/status/statusor.h"
 #include "dynmesh/mesh.h"
+#include "dynmesh/quality.h"
 
 namespace dynmesh::io {
 
@@ -47,6 +48,11 @@ absl::StatusOr<IndexedMesh> IndexMesh(const Mesh& mesh);
 // Takes any content, valid mesh or not; of several vertices in one place all but the
 // first get other salts. Numbers must be in range.
 Mesh ToMesh(const IndexedMesh& indexed);
+
+// How good triangle i is. A number out of range is not allowed.
+TriangleQuality MeasureTriangle(const IndexedMesh& mesh, std::size_t i);
+// What JudgeSimplices says of each triangle, in the order of rows. O(size).
+std::vector<SimplexVerdict> JudgeTriangles(const IndexedMesh& mesh, double rho);
 
 }  // namespace dynmesh::io
 

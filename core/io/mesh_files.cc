@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <utility>
 #include <vector>
 
 #include "core/data/text.h"
@@ -122,21 +123,15 @@ absl::Status ReadNotes(const TextReader& reader, MeshFiles& files) {
   return absl::OkStatus();
 }
 
-absl::Status ReadEdges(const std::string& path, const NodeSection& nodes, MeshFiles& files) {
-  absl::StatusOr<TextReader> reader = TextReader::Open(path);
-  if (absl::IsNotFound(reader.status())) {
-    files.has_edges = false;
-    return absl::OkStatus();
-  }
-  if (!reader.ok()) return reader.status();
-  const absl::StatusOr<PairSection> edges = ReadPairSection(*reader, "edge", nodes);
+absl::Status ParseEdges(TextReader& reader, const NodeSection& nodes, MeshFiles& files) {
+  const absl::StatusOr<PairSection> edges = ReadPairSection(reader, "edge", nodes);
   if (!edges.ok()) return edges.status();
   files.mesh.edges.reserve(edges->ends.size());
   for (std::size_t i = 0; i < edges->ends.size(); ++i) {
     const auto [a, b] = std::minmax(edges->ends[i][0], edges->ends[i][1]);
     files.mesh.edges.push_back({a, b, edges->markers[i]});
   }
-  return ExpectEnd(*reader);
+  return ExpectEnd(reader);
 }
 
 }  // namespace
@@ -158,26 +153,41 @@ absl::Status WriteMeshFiles(const IndexedMesh& mesh, const std::string& path) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<MeshFiles> ReadMeshFiles(const std::string& path) {
-  const std::string stem = Stem(path);
-  absl::StatusOr<TextReader> node_reader = TextReader::Open(stem + ".node");
-  if (!node_reader.ok()) return node_reader.status();
-  const absl::StatusOr<NodeSection> nodes = ReadNodeSection(*node_reader);
-  if (!nodes.ok()) return nodes.status();
-  if (auto status = ExpectEnd(*node_reader); !status.ok()) return status;
+absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader triangles,
+                                         std::optional<TextReader> edges) {
+  const absl::StatusOr<NodeSection> section = ReadNodeSection(nodes);
+  if (!section.ok()) return section.status();
+  if (auto status = ExpectEnd(nodes); !status.ok()) return status;
 
   MeshFiles files;
-  if (auto status = ReadEdges(stem + ".edge", *nodes, files); !status.ok()) return status;
-  InferOwners(*nodes, files.mesh);
-  if (auto status = ReadNotes(*node_reader, files); !status.ok()) return status;
+  files.has_edges = edges.has_value();
+  if (edges) {
+    if (auto status = ParseEdges(*edges, *section, files); !status.ok()) return status;
+  }
+  InferOwners(*section, files.mesh);
+  if (auto status = ReadNotes(nodes, files); !status.ok()) return status;
 
-  absl::StatusOr<TextReader> triangle_reader = TextReader::Open(stem + ".ele");
-  if (!triangle_reader.ok()) return triangle_reader.status();
-  absl::StatusOr<TriangleSection> triangles = ReadTriangleSection(*triangle_reader, *nodes);
-  if (!triangles.ok()) return triangles.status();
-  if (auto status = ExpectEnd(*triangle_reader); !status.ok()) return status;
-  files.mesh.triangles = std::move(triangles->corners);
+  absl::StatusOr<TriangleSection> rows = ReadTriangleSection(triangles, *section);
+  if (!rows.ok()) return rows.status();
+  if (auto status = ExpectEnd(triangles); !status.ok()) return status;
+  files.mesh.triangles = std::move(rows->corners);
   return files;
+}
+
+absl::StatusOr<MeshFiles> ReadMeshFiles(const std::string& path) {
+  const std::string stem = Stem(path);
+  absl::StatusOr<TextReader> nodes = TextReader::Open(stem + ".node");
+  if (!nodes.ok()) return nodes.status();
+  absl::StatusOr<TextReader> edge_file = TextReader::Open(stem + ".edge");
+  std::optional<TextReader> edges;
+  if (edge_file.ok()) {
+    edges = *std::move(edge_file);
+  } else if (!absl::IsNotFound(edge_file.status())) {
+    return edge_file.status();
+  }
+  absl::StatusOr<TextReader> triangles = TextReader::Open(stem + ".ele");
+  if (!triangles.ok()) return triangles.status();
+  return ParseMeshFiles(*std::move(nodes), *std::move(triangles), std::move(edges));
 }
 
 }  // namespace dynmesh::io

@@ -17,6 +17,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/io/indexed_mesh.h"
+#include "core/io/text_reader.h"
 
 namespace dynmesh::io {
 
@@ -34,6 +35,9 @@ struct MeshFiles {
 // and vertex numbers are checked, INVALID_ARGUMENT as `file:line: ...`. A missing
 // .edge file is none; a missing .node or .ele is NOT_FOUND.
 absl::StatusOr<MeshFiles> ReadMeshFiles(const std::string& path);
+// The same of text that is there already.
+absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader triangles,
+                                         std::optional<TextReader> edges);
 
 }  // namespace dynmesh::io
 

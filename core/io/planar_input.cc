@@ -1,6 +1,7 @@
 #include "core/io/planar_input.h"
 
 #include <filesystem>
+#include <utility>
 
 #include "core/data/text.h"
 #include "core/io/text_reader.h"
@@ -32,13 +33,16 @@ void AddSegments(const PairSection& segments, const std::string& file, PlanarInp
   }
 }
 
-absl::StatusOr<NodeSection> ReadNodesOf(const std::string& path) {
-  absl::StatusOr<TextReader> reader = TextReader::Open(path);
-  if (!reader.ok()) return reader.status();
-  absl::StatusOr<NodeSection> nodes = ReadNodeSection(*reader);
+// All of a `.node` file.
+absl::StatusOr<NodeSection> ParseNodes(TextReader& reader) {
+  absl::StatusOr<NodeSection> nodes = ReadNodeSection(reader);
   if (!nodes.ok()) return nodes.status();
-  if (auto status = ExpectEnd(*reader); !status.ok()) return status;
+  if (auto status = ExpectEnd(reader); !status.ok()) return status;
   return nodes;
+}
+
+std::string NodeFileBeside(const std::string& path) {
+  return std::filesystem::path(path).replace_extension(".node").string();
 }
 
 }  // namespace
@@ -48,45 +52,55 @@ std::string PlanarInput::Where(FeatureId id) const {
   return Concat(id <= point_count ? point_file : segment_file, ":", lines[id - 1]);
 }
 
-absl::StatusOr<PlanarInput> ReadNodeFile(const std::string& path) {
-  const absl::StatusOr<NodeSection> nodes = ReadNodesOf(path);
+absl::StatusOr<PlanarInput> ParseNodeText(TextReader nodes) {
+  const absl::StatusOr<NodeSection> section = ParseNodes(nodes);
+  if (!section.ok()) return section.status();
+  PlanarInput input;
+  AddPoints(*section, nodes.name(), input);
+  return input;
+}
+
+absl::StatusOr<PlanarInput> ParsePolyText(TextReader poly, const OpenNodes& open_nodes) {
+  absl::StatusOr<NodeSection> nodes = ReadNodeSection(poly);
   if (!nodes.ok()) return nodes.status();
   PlanarInput input;
-  AddPoints(*nodes, path, input);
+  if (nodes->positions.empty()) {
+    absl::StatusOr<TextReader> external = open_nodes();
+    if (absl::IsNotFound(external.status())) {
+      return poly.Error(Concat("the file has no vertices, and there is no ",
+                               NodeFileBeside(poly.name()), " to have them"));
+    }
+    if (!external.ok()) return external.status();
+    nodes = ParseNodes(*external);
+    if (!nodes.ok()) return nodes.status();
+    AddPoints(*nodes, external->name(), input);
+  } else {
+    AddPoints(*nodes, poly.name(), input);
+  }
+  const absl::StatusOr<PairSection> segments = ReadPairSection(poly, "segment", *nodes);
+  if (!segments.ok()) return segments.status();
+  AddSegments(*segments, poly.name(), input);
+  const absl::StatusOr<std::uint64_t> holes = ReadHoleSection(poly);
+  if (!holes.ok()) return holes.status();
+  input.holes = *holes;
+  const absl::StatusOr<std::uint64_t> regions = ReadRegionSection(poly);
+  if (!regions.ok()) return regions.status();
+  input.regions = *regions;
+  if (auto status = ExpectEnd(poly); !status.ok()) return status;
   return input;
+}
+
+absl::StatusOr<PlanarInput> ReadNodeFile(const std::string& path) {
+  absl::StatusOr<TextReader> reader = TextReader::Open(path);
+  if (!reader.ok()) return reader.status();
+  return ParseNodeText(*std::move(reader));
 }
 
 absl::StatusOr<PlanarInput> ReadPolyFile(const std::string& path) {
   absl::StatusOr<TextReader> reader = TextReader::Open(path);
   if (!reader.ok()) return reader.status();
-  absl::StatusOr<NodeSection> nodes = ReadNodeSection(*reader);
-  if (!nodes.ok()) return nodes.status();
-  PlanarInput input;
-  if (nodes->positions.empty()) {
-    const std::string node_path = std::filesystem::path(path).replace_extension(".node").string();
-    absl::StatusOr<NodeSection> external = ReadNodesOf(node_path);
-    if (!external.ok()) {
-      if (!absl::IsNotFound(external.status())) return external.status();
-      return TextReader::ErrorAt(
-          path, reader->line(),
-          Concat("the file has no vertices, and there is no ", node_path, " to have them"));
-    }
-    nodes = *std::move(external);
-    AddPoints(*nodes, node_path, input);
-  } else {
-    AddPoints(*nodes, path, input);
-  }
-  const absl::StatusOr<PairSection> segments = ReadPairSection(*reader, "segment", *nodes);
-  if (!segments.ok()) return segments.status();
-  AddSegments(*segments, path, input);
-  const absl::StatusOr<std::uint64_t> holes = ReadHoleSection(*reader);
-  if (!holes.ok()) return holes.status();
-  input.holes = *holes;
-  const absl::StatusOr<std::uint64_t> regions = ReadRegionSection(*reader);
-  if (!regions.ok()) return regions.status();
-  input.regions = *regions;
-  if (auto status = ExpectEnd(*reader); !status.ok()) return status;
-  return input;
+  return ParsePolyText(*std::move(reader),
+                       [&path] { return TextReader::Open(NodeFileBeside(path)); });
 }
 
 }  // namespace dynmesh::io

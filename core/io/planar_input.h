@@ -4,10 +4,12 @@
 #define DYNMESH_CORE_IO_PLANAR_INPUT_H_
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/io/text_reader.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::io {
@@ -34,6 +36,12 @@ struct PlanarInput {
 absl::StatusOr<PlanarInput> ReadNodeFile(const std::string& path);
 // With no vertices of its own the file takes those of the `.node` beside it.
 absl::StatusOr<PlanarInput> ReadPolyFile(const std::string& path);
+
+// The same of text that is there already. `open_nodes` is called for the vertices of a
+// .poly that has none of its own; NOT_FOUND from it becomes an error of the .poly.
+absl::StatusOr<PlanarInput> ParseNodeText(TextReader nodes);
+using OpenNodes = std::function<absl::StatusOr<TextReader>()>;
+absl::StatusOr<PlanarInput> ParsePolyText(TextReader poly, const OpenNodes& open_nodes);
 
 }  // namespace dynmesh::io
 

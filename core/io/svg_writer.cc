@@ -7,9 +7,11 @@
 #include <map>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 #include "core/data/text.h"
+#include "core/io/colour_ramp.h"
 #include "core/io/file_writer.h"
 #include "dynmesh/quality.h"
 
@@ -18,29 +20,13 @@ namespace dynmesh::io {
 using data::Concat;
 namespace {
 
-struct Rgb {
-  double r, g, b;
-};
-
-// By smallest angle, 0 to 60 degrees: what no mesh of ours should have is red, what
-// is usual is pale.
-constexpr std::array<Rgb, 7> kQualityRamp = {{{178, 24, 43},
-                                              {214, 96, 77},
-                                              {249, 214, 178},
-                                              {246, 238, 226},
-                                              {221, 234, 242},
-                                              {180, 211, 230},
-                                              {130, 178, 210}}};
-// Fine to coarse: deep blue over green to pale yellow.
-constexpr std::array<Rgb, 6> kSizeRamp = {{{44, 62, 112},
-                                           {44, 112, 142},
-                                           {58, 158, 150},
-                                           {124, 196, 154},
-                                           {200, 224, 170},
-                                           {248, 244, 214}}};
 constexpr int kFillSteps = 31;
 constexpr std::string_view kPlainFill = "#eaf1f6";
 constexpr std::string_view kHighlightFill = "#f6a821";
+constexpr std::string_view kExemptFill = "#f6a821";
+constexpr std::string_view kOverRhoFill = "#b2182b";
+// Where on the ramp a triangle stands that is just within rho.
+constexpr double kAtRho = 0.15;
 
 // Lines over a fill: dark on the pale ones, light on the dark one.
 struct LineStyle {
@@ -51,18 +37,6 @@ struct LineStyle {
 };
 constexpr LineStyle kDarkLines = {"#38495c", 0.75, "#14213d", "#7a8794"};
 constexpr LineStyle kLightLines = {"#ffffff", 0.35, "#ffb703", "#dfe7ea"};
-
-template <std::size_t N>
-std::string ColourAt(const std::array<Rgb, N>& ramp, double t) {
-  const double at = std::clamp(t, 0.0, 1.0) * (N - 1);
-  const std::size_t i = std::min(static_cast<std::size_t>(at), N - 2);
-  const double f = at - static_cast<double>(i);
-  const auto blend = [f](double a, double b) {
-    return static_cast<unsigned>(std::lround(a + (b - a) * f));
-  };
-  return absl::StrFormat("#%02x%02x%02x", blend(ramp[i].r, ramp[i + 1].r),
-                         blend(ramp[i].g, ramp[i + 1].g), blend(ramp[i].b, ramp[i + 1].b));
-}
 
 // Hundredths of a pixel: small files, and relative moves without drift.
 struct Pixel {
@@ -199,40 +173,77 @@ class SvgDrawing {
     out_ << "\"/>\n";
   }
 
-  TriangleQuality Quality(std::uint32_t i) const {
-    double corner[3][2];
-    for (std::size_t k = 0; k < 3; ++k) {
-      corner[k][0] = Corner(i, k).x;
-      corner[k][1] = Corner(i, k).y;
+  void DrawFills() {
+    if (triangles_.empty()) return;
+    switch (options_.fill) {
+      case SvgOptions::Fill::kNone:
+        return;
+      case SvgOptions::Fill::kPlain:
+        return FillTriangles(triangles_, kPlainFill);
+      case SvgOptions::Fill::kExempt:
+        return FillByVerdict();
+      case SvgOptions::Fill::kSize:
+        return FillByValue(kSizeRamp, SizesOnRamp());
+      case SvgOptions::Fill::kAngle:
+      case SvgOptions::Fill::kQuality:
+        return FillByValue(kQualityRamp, GoodnessOnRamp());
     }
-    return MeasureTriangle(corner[0], corner[1], corner[2]);
+  }
+
+  void FillByVerdict() {
+    const std::vector<SimplexVerdict> verdicts = JudgeTriangles(mesh_, options_.rho);
+    std::vector<std::uint32_t> of[3];
+    for (const std::uint32_t i : triangles_) of[static_cast<std::size_t>(verdicts[i])].push_back(i);
+    constexpr std::string_view kFills[] = {kPlainFill, kExemptFill, kOverRhoFill};
+    for (std::size_t v = 0; v < 3; ++v) {
+      if (!of[v].empty()) FillTriangles(of[v], kFills[v]);
+    }
+  }
+
+  // Of each triangle shown, 0 (finest) to 1.
+  std::vector<double> SizesOnRamp() const {
+    std::vector<double> values;
+    for (const std::uint32_t i : triangles_) {
+      values.push_back(std::log2(std::max(MeasureTriangle(mesh_, i).shortest_edge, 1e-300)));
+    }
+    const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+    const double lo = *least;
+    const double extent = std::max(*greatest - lo, 1.0);
+    for (double& value : values) value = (value - lo) / extent;
+    return values;
+  }
+
+  // Of each triangle shown, 0 (bad) to 1 (equilateral).
+  std::vector<double> GoodnessOnRamp() const {
+    const bool by_angle = options_.fill == SvgOptions::Fill::kAngle;
+    const double best = 1 / std::sqrt(3.0);
+    std::vector<SimplexVerdict> verdicts;
+    if (!by_angle) verdicts = JudgeTriangles(mesh_, options_.rho);
+    std::vector<double> values;
+    for (const std::uint32_t i : triangles_) {
+      const TriangleQuality q = MeasureTriangle(mesh_, i);
+      if (by_angle) {
+        values.push_back(q.min_angle_deg / 60);
+      } else if (verdicts[i] != SimplexVerdict::kGood) {
+        values.push_back(0);
+      } else {
+        const double part = (options_.rho - q.radius_edge) / (options_.rho - best);
+        values.push_back(kAtRho + (1 - kAtRho) * std::max(part, 0.0));
+      }
+    }
+    return values;
   }
 
   // Groups the triangles by colour: one path each keeps the file small.
-  void DrawFills() {
-    if (options_.fill == SvgOptions::Fill::kNone || triangles_.empty()) return;
-    if (options_.fill == SvgOptions::Fill::kPlain) return FillTriangles(triangles_, kPlainFill);
-    const bool by_size = options_.fill == SvgOptions::Fill::kSize;
-    std::vector<double> values;
-    for (const std::uint32_t i : triangles_) {
-      const TriangleQuality q = Quality(i);
-      values.push_back(by_size ? std::log2(std::max(q.shortest_edge, 1e-300)) : q.min_angle_deg);
-    }
-    double lo = 0;
-    double hi = 60;
-    if (by_size) {
-      const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
-      lo = *least;
-      hi = std::max(*greatest, lo + 1);
-    }
+  template <std::size_t N>
+  void FillByValue(const ColourRamp<N>& ramp, const std::vector<double>& values) {
     std::map<int, std::vector<std::uint32_t>> groups;
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const double t = std::clamp((values[i] - lo) / (hi - lo), 0.0, 1.0);
+      const double t = std::clamp(values[i], 0.0, 1.0);
       groups[static_cast<int>(t * (kFillSteps - 1))].push_back(triangles_[i]);
     }
     for (const auto& [step, triangles] : groups) {
-      const double t = static_cast<double>(step) / (kFillSteps - 1);
-      FillTriangles(triangles, by_size ? ColourAt(kSizeRamp, t) : ColourAt(kQualityRamp, t));
+      FillTriangles(triangles, ColourAt(ramp, static_cast<double>(step) / (kFillSteps - 1)));
     }
   }
 
@@ -313,6 +324,9 @@ class SvgDrawing {
 }  // namespace
 
 absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const std::string& path) {
+  if (!(options.rho >= kMinQuality2D) || !(options.rho <= kMaxQuality)) {
+    return absl::InvalidArgumentError("the rho of a picture must be 1 to 100");
+  }
   if (!(options.width >= 1) || !(options.width <= 1e5)) {
     return absl::InvalidArgumentError("the width of a picture must be 1 to 100000 pixels");
   }
@@ -322,12 +336,15 @@ absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const 
 }
 
 absl::StatusOr<SvgOptions::Fill> ParseFill(std::string_view text) {
-  if (text == "quality") return SvgOptions::Fill::kQuality;
-  if (text == "size") return SvgOptions::Fill::kSize;
-  if (text == "plain") return SvgOptions::Fill::kPlain;
-  if (text == "none") return SvgOptions::Fill::kNone;
+  using Fill = SvgOptions::Fill;
+  constexpr std::pair<std::string_view, Fill> kNames[] = {
+      {"angle", Fill::kAngle},   {"quality", Fill::kQuality}, {"size", Fill::kSize},
+      {"exempt", Fill::kExempt}, {"plain", Fill::kPlain},     {"none", Fill::kNone}};
+  for (const auto& [name, fill] : kNames) {
+    if (text == name) return fill;
+  }
   return absl::InvalidArgumentError(
-      Concat("a fill is quality, size, plain or none, found '", text, "'"));
+      Concat("a fill is angle, quality, size, exempt, plain or none, found ", data::Quoted(text)));
 }
 
 std::vector<std::uint32_t> FindTriangles(const IndexedMesh& mesh, const SimplexColumn& simplices) {

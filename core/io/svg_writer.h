@@ -16,15 +16,18 @@ namespace dynmesh::io {
 
 struct SvgOptions {
   enum class Fill {
-    kQuality,  // by smallest angle: the worse, the warmer
+    kAngle,    // by smallest angle: the smaller, the warmer
+    kQuality,  // by circumradius / shortest edge: the nearer to rho, the warmer; over it red
     kSize,     // by shortest edge, logarithmically: the finer, the darker
+    kExempt,   // pale within rho, orange if a small input angle excuses more, else red
     kPlain,    // one pale colour
     kNone,     // lines only
   };
-  Fill fill = Fill::kQuality;
-  std::optional<Box> crop;  // what is shown; default: everything
-  double width = 1000;      // pixels; the height follows
-  bool points = true;       // dots at input points, if they are few enough to tell apart
+  Fill fill = Fill::kAngle;
+  double rho = kDefaultQuality2D;  // what kQuality and kExempt judge by
+  std::optional<Box> crop;         // what is shown; default: everything
+  double width = 1000;             // pixels; the height follows
+  bool points = true;              // dots at input points, if they are few enough to tell apart
   // Triangles to stand out (indices), as those that an edit added.
   std::vector<std::uint32_t> highlight;
 };
@@ -33,7 +36,7 @@ struct SvgOptions {
 // written. O(size). The same mesh and options make the same bytes.
 absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const std::string& path);
 
-// "quality", "size", "plain" or "none".
+// "angle", "quality", "size", "exempt", "plain" or "none".
 absl::StatusOr<SvgOptions::Fill> ParseFill(std::string_view text);
 
 // The indices in `mesh` of those of `simplices` that it has.

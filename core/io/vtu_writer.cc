@@ -69,20 +69,22 @@ void WritePointData(const IndexedMesh& mesh, FileWriter& out) {
   out << "      </PointData>\n";
 }
 
-void WriteCellData(const IndexedMesh& mesh, FileWriter& out) {
+void WriteCellData(const IndexedMesh& mesh, double rho, FileWriter& out) {
   std::vector<double> ratios;
   std::vector<double> angles;
-  for (const auto& t : mesh.triangles) {
-    double corner[3][2];
-    for (std::size_t k = 0; k < 3; ++k) {
-      corner[k][0] = mesh.vertices[t[k]].x;
-      corner[k][1] = mesh.vertices[t[k]].y;
-    }
-    const TriangleQuality q = MeasureTriangle(corner[0], corner[1], corner[2]);
+  std::vector<std::uint8_t> exempt;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const TriangleQuality q = MeasureTriangle(mesh, i);
     ratios.push_back(q.radius_edge);
     angles.push_back(q.min_angle_deg);
   }
-  out << "      <CellData Scalars=\"min_angle_deg\">\n";
+  for (const SimplexVerdict verdict : JudgeTriangles(mesh, rho)) {
+    exempt.push_back(verdict == SimplexVerdict::kSmallInputAngle ? 1 : 0);
+  }
+  out << "      <CellData Scalars=\"min_angle\">\n";
+  WriteArray("Float64", "quality", 1, ratios, out);
+  WriteArray("Float64", "min_angle", 1, angles, out);
+  WriteArray("UInt8", "exempt", 1, exempt, out);
   WriteArray("Float64", "radius_edge", 1, ratios, out);
   WriteArray("Float64", "min_angle_deg", 1, angles, out);
   out << "      </CellData>\n";
@@ -90,7 +92,7 @@ void WriteCellData(const IndexedMesh& mesh, FileWriter& out) {
 
 }  // namespace
 
-absl::Status WriteVtu(const IndexedMesh& mesh, const std::string& path) {
+absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& path) {
   FileWriter out(path);
   out << "<?xml version=\"1.0\"?>\n"
          "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
@@ -101,7 +103,7 @@ absl::Status WriteVtu(const IndexedMesh& mesh, const std::string& path) {
   WritePoints(mesh, out);
   WriteCells(mesh, out);
   WritePointData(mesh, out);
-  WriteCellData(mesh, out);
+  WriteCellData(mesh, rho, out);
   out << "    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
   return out.Close();
 }

@@ -9,10 +9,13 @@
 
 namespace dynmesh::io {
 
-// Triangles with point data `containing_dimension` and `owner` (the feature's id, -1
-// for the domain box, 0 for none), cell data `radius_edge` and `min_angle_deg`. Values
-// are exact: inline base64, little-endian. UNAVAILABLE, naming the path, on trouble.
-absl::Status WriteVtu(const IndexedMesh& mesh, const std::string& path);
+// Triangles, values exact: inline base64, little-endian.
+//   point data  containing_dimension; owner: the feature's id, -1 on the domain box, 0 if none
+//   cell data   quality: circumradius / shortest edge; min_angle: degrees; exempt: 1 where an
+//               input angle too small for `rho` excuses a triangle over it, else 0;
+//               radius_edge and min_angle_deg: the first two by their older names
+// UNAVAILABLE, naming the path, on trouble.
+absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& path);
 
 }  // namespace dynmesh::io
 

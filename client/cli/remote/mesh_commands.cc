@@ -1,4 +1,4 @@
-// dynmesh create|list|delete|stats|export --server ADDR: the meshes of a server.
+// dynmesh create|list|delete|export --server ADDR: the meshes of a server.
 #include <memory>
 #include <optional>
 #include <string>
@@ -57,67 +57,6 @@ int RunDelete(const NamedCommand& command) {
   if (!status.ok()) return ReportError(status);
   return command.server.json ? Print(JsonObject().AddText("deleted", command.id).ToLine())
                              : Print(command.id + " deleted\n");
-}
-
-std::string StatsText(const client::ServerStatus& s) {
-  std::string text = absl::StrFormat(
-      "server version     %s\n"
-      "uptime             %s\n"
-      "meshes             %d\n"
-      "watchers           %d\n",
-      s.version, absl::FormatDuration(absl::Trunc(s.uptime, absl::Seconds(1))), s.meshes,
-      s.watchers);
-  if (!s.mesh.has_value()) return text;
-  const client::MeshStatus& m = *s.mesh;
-  absl::StrAppendFormat(&text,
-                        "revision           %d\n"
-                        "oldest revision    %d\n"
-                        "hash               %s\n"
-                        "features           %d\n"
-                        "vertices           %d\n"
-                        "triangles          %d\n"
-                        "subsegments        %d\n"
-                        "operations         %d\n"
-                        "trace              %.1f MB\n"
-                        "mesh               %.1f MB\n"
-                        "watchers of it     %d\n"
-                        "waiting edits      %d\n",
-                        m.stats.revision, m.oldest_revision, m.hash.ToHex(), m.stats.features,
-                        m.stats.vertices, m.stats.simplices, m.stats.subsegments,
-                        m.stats.operations, static_cast<double>(m.stats.trace_bytes) / 1e6,
-                        static_cast<double>(m.stats.mesh_bytes) / 1e6, m.watchers, m.waiting_edits);
-  return text;
-}
-
-std::string StatsJson(const std::string& id, const client::ServerStatus& s) {
-  JsonObject object;
-  object.AddText("server_version", s.version)
-      .Add("uptime_seconds", absl::ToDoubleSeconds(s.uptime))
-      .Add("meshes", s.meshes)
-      .Add("watchers", s.watchers);
-  if (s.mesh.has_value()) {
-    const client::MeshStatus& m = *s.mesh;
-    object.AddText("mesh", id)
-        .Add("revision", m.stats.revision)
-        .Add("oldest_revision", m.oldest_revision)
-        .AddText("hash", m.hash.ToHex())
-        .Add("features", m.stats.features)
-        .Add("vertices", m.stats.vertices)
-        .Add("simplices", m.stats.simplices)
-        .Add("subsegments", m.stats.subsegments)
-        .Add("operations", m.stats.operations)
-        .Add("trace_bytes", m.stats.trace_bytes)
-        .Add("mesh_bytes", m.stats.mesh_bytes)
-        .Add("mesh_watchers", m.watchers)
-        .Add("waiting_edits", m.waiting_edits);
-  }
-  return object.ToLine();
-}
-
-int RunStats(const NamedCommand& command) {
-  const auto status = Connect(command.server)->GetStats(command.id);
-  if (!status.ok()) return ReportError(status.status());
-  return Print(command.server.json ? StatsJson(command.id, *status) : StatsText(*status));
 }
 
 int RunExport(const NamedCommand& command) {
@@ -179,14 +118,6 @@ void RegisterDeleteCommand(CLI::App& app, CommandSlot& slot) {
   CLI::App* const sub = AddCommand(app, slot, "delete", "Delete a mesh of a server",
                                    [command] { return RunDelete(*command); });
   sub->add_option("MESH", command->id, "Its id")->required();
-  AddServerFlags(*sub, command->server);
-}
-
-void RegisterStatsCommand(CLI::App& app, CommandSlot& slot) {
-  auto command = std::make_shared<NamedCommand>();
-  CLI::App* const sub = AddCommand(app, slot, "stats", "Figures of a server and of a mesh",
-                                   [command] { return RunStats(*command); });
-  sub->add_option("MESH", command->id, "Its id (default: of the server only)");
   AddServerFlags(*sub, command->server);
 }
 

@@ -1,6 +1,7 @@
 // The `dynmesh` program as its users meet it: arguments, output, exit codes.
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
@@ -108,7 +109,15 @@ TEST_F(CommandLine, BadUsageAndBadInputAreTwo) {
                                 "mesh square.poly -o mesh",
                                 "mesh square.poly -o m.png",
                                 "mesh square.poly -o m.svg --fill blue",
+                                "mesh square.poly -o m.svg --fill change",
                                 "mesh square.poly -o m.svg --crop 1",
+                                "stats none.node",
+                                "stats bad.node",
+                                "stats square.poly",
+                                "stats none.node --rho 0",
+                                "stats none.node --svg picture.png",
+                                "stats none.node --width 10",
+                                "stats plate --svg plate.svg",
                                 "mesh square.stl",
                                 "replay",
                                 "replay none.txt",
@@ -168,6 +177,58 @@ TEST_F(CommandLine, MeshFilesPassVerification) {
   EXPECT_EQ(Value(json.out, "input"), "true");
   EXPECT_TRUE(folder_.Read("m.vtu").starts_with("<?xml"));
   EXPECT_TRUE(folder_.Read("m.svg").starts_with("<svg"));
+}
+
+TEST_F(CommandLine, WritesEveryFormatByExtension) {
+  WriteInputs();
+  ASSERT_EQ(Run("mesh square.poly -o m.msh -o m.mesh -o m.vtu").code, 0);
+  EXPECT_TRUE(folder_.Read("m.msh").starts_with("$MeshFormat\n4.1 0 8\n"));
+  EXPECT_TRUE(folder_.Read("m.mesh").starts_with("MeshVersionFormatted 2\n"));
+  for (const char* name : {"quality", "min_angle", "exempt"}) {
+    EXPECT_NE(folder_.Read("m.vtu").find(std::string("Name=\"") + name + "\""), std::string::npos);
+  }
+  // The last batch of the script adds a segment; by then all else is as in the static run.
+  ASSERT_EQ(Run("replay edits.txt -o dynamic.msh -o dynamic.mesh").code, 0);
+  ASSERT_EQ(Run("mesh edits.txt -o static.msh -o static.mesh").code, 0);
+  EXPECT_EQ(folder_.Read("dynamic.msh"), folder_.Read("static.msh"));
+  EXPECT_EQ(folder_.Read("dynamic.mesh"), folder_.Read("static.mesh"));
+}
+
+TEST_F(CommandLine, PicturesShowWhatTheLastEditChanged) {
+  WriteInputs();
+  folder_.Write("far.txt",
+                "mesh box=0,0,1,1\nadd point 1 .1 .1\nadd point 2 .11 .1\ncommit\n"
+                "add point 3 .9 .9\nadd point 4 .91 .9\n");
+  const Outcome outcome = Run("replay far.txt --json -o a.svg --fill change");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ASSERT_EQ(Run("replay far.txt -o b.svg --highlight").code, 0);
+  EXPECT_EQ(folder_.Read("a.svg"), folder_.Read("b.svg"));
+  const std::string svg = folder_.Read("a.svg");
+  const std::size_t at = svg.find("<path fill=\"#f6a821\"");
+  ASSERT_NE(at, std::string::npos);
+  const std::string drawn = svg.substr(at, svg.find("/>", at) - at);
+  EXPECT_EQ(std::to_string(std::count(drawn.begin(), drawn.end(), 'z')),
+            Value(Lines(outcome.out)[1], "added_simplices"));
+  for (const char* fill : {"angle", "quality", "size", "exempt", "plain", "none"}) {
+    EXPECT_EQ(Run(std::string("replay far.txt -o c.svg --fill ") + fill).code, 0) << fill;
+  }
+}
+
+TEST_F(CommandLine, StatsOfAFileNeedNoServer) {
+  WriteInputs();
+  const Outcome made = Run("mesh square.poly --json -o m.node");
+  ASSERT_EQ(made.code, 0);
+  const Outcome json = Run("stats m.node --json --svg h.svg");
+  ASSERT_EQ(json.code, 0) << json.err;
+  for (const char* key : {"vertices", "simplices", "subsegments", "worst_radius_edge",
+                          "min_angle_deg", "max_angle_deg", "over_rho", "exempt"}) {
+    EXPECT_EQ(Value(json.out, key), Value(made.out, key)) << key;
+  }
+  EXPECT_NE(json.out.find("\"least_angle_histogram\": ["), std::string::npos);
+  EXPECT_TRUE(folder_.Read("h.svg").starts_with("<svg "));
+  ASSERT_EQ(Run("stats ./m --svg log.svg --log --rho 2").code, 0);
+  EXPECT_NE(folder_.Read("log.svg"), folder_.Read("h.svg"));
+  EXPECT_NE(Run("stats m.node").out.find("degrees"), std::string::npos);
 }
 
 TEST_F(CommandLine, VerifyFailsOnADamagedFile) {

@@ -8,18 +8,20 @@ namespace dynmesh::cli {
 namespace {
 
 TEST(Json, ObjectsKeepTheOrderOfTheirKeys) {
-  EXPECT_EQ(JsonObject()
-                .Add("z", 1)
-                .Add("a", ~std::uint64_t{0})
-                .Add("f", 0.1)
-                .Add("t", true)
-                .AddText("s", "x")
-                .AddTexts("l", {"p", "q"})
-                .AddObject("o", JsonObject().Add("k", -1))
-                .AddObjects("e", {})
-                .ToLine(),
-            "{\"z\": 1, \"a\": 18446744073709551615, \"f\": 0.1, \"t\": true, \"s\": \"x\", "
-            "\"l\": [\"p\", \"q\"], \"o\": {\"k\": -1}, \"e\": []}\n");
+  EXPECT_EQ(
+      JsonObject()
+          .Add("z", 1)
+          .Add("a", ~std::uint64_t{0})
+          .Add("f", 0.1)
+          .Add("t", true)
+          .AddText("s", "x")
+          .AddTexts("l", {"p", "q"})
+          .AddCounts("c", {0, ~std::uint64_t{0}})
+          .AddObject("o", JsonObject().Add("k", -1))
+          .AddObjects("e", {})
+          .ToLine(),
+      "{\"z\": 1, \"a\": 18446744073709551615, \"f\": 0.1, \"t\": true, \"s\": \"x\", "
+      "\"l\": [\"p\", \"q\"], \"c\": [0, 18446744073709551615], \"o\": {\"k\": -1}, \"e\": []}\n");
 }
 
 TEST(Json, HasNoNumberThatIsNotFinite) {

@@ -1,4 +1,5 @@
 // .vtu and .svg.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -46,7 +47,7 @@ std::vector<T> As(const std::string& raw) {
 TEST(Vtu, HoldsTheMeshExactly) {
   const TempFolder folder;
   const IndexedMesh mesh = IndexMesh(SampleMesh()).value();
-  ASSERT_TRUE(WriteVtu(mesh, folder.Path("m.vtu")).ok());
+  ASSERT_TRUE(WriteVtu(mesh, kDefaultQuality2D, folder.Path("m.vtu")).ok());
   const std::string xml = folder.Read("m.vtu");
   EXPECT_NE(xml.find("NumberOfPoints=\"9\" NumberOfCells=\"11\""), std::string::npos);
   auto arrays = ReadArrays(xml);
@@ -68,13 +69,53 @@ TEST(Vtu, HoldsTheMeshExactly) {
   for (std::size_t i = 0; i < 33; ++i) EXPECT_EQ(corners[i], mesh.triangles[i / 3][i % 3]);
   EXPECT_EQ(As<std::int64_t>(arrays["offsets"])[10], 33);
   EXPECT_EQ(As<std::uint8_t>(arrays["types"]), std::vector<std::uint8_t>(11, 5));
-  EXPECT_EQ(As<double>(arrays["min_angle_deg"]).size(), 11U);
-  for (const double ratio : As<double>(arrays["radius_edge"])) EXPECT_GE(ratio, 0.577);
+  const auto ratios = As<double>(arrays["quality"]);
+  const auto angles = As<double>(arrays["min_angle"]);
+  ASSERT_EQ(ratios.size(), 11U);
+  ASSERT_EQ(angles.size(), 11U);
+  for (std::size_t i = 0; i < 11; ++i) {
+    const TriangleQuality q = MeasureTriangle(mesh, i);
+    EXPECT_EQ(ratios[i], q.radius_edge);
+    EXPECT_EQ(angles[i], q.min_angle_deg);
+  }
+  EXPECT_EQ(arrays["radius_edge"], arrays["quality"]);
+  EXPECT_EQ(arrays["min_angle_deg"], arrays["min_angle"]);
+  EXPECT_EQ(As<std::uint8_t>(arrays["exempt"]), std::vector<std::uint8_t>(11, 0));
+}
+
+// Two segments from the origin, an angle of a few degrees apart, each cut at distance 4: the
+// edge between the cuts is as short as the angle makes it.
+IndexedMesh Wedge() {
+  IndexedMesh mesh;
+  const double c = std::cos(0.05), s = std::sin(0.05);
+  mesh.vertices = {{0, 0, 0, 1},           {8, 0, 0, 2},         {8 * c, 8 * s, 0, 3},
+                   {4, 0, 1, 4},           {4 * c, 4 * s, 1, 5}, {4, -4, 2, kNoFeature},
+                   {12, -4, 2, kNoFeature}};
+  mesh.triangles = {{0, 3, 4}, {0, 5, 3}, {1, 3, 6}, {3, 1, 2}};
+  mesh.edges = {{0, 3, 4}, {1, 3, 4}, {0, 4, 5}, {2, 4, 5}};
+  return mesh;
+}
+
+TEST(Vtu, TellsWhatASmallInputAngleExcuses) {
+  const TempFolder folder;
+  const IndexedMesh mesh = Wedge();
+  const std::vector<SimplexVerdict> verdicts = JudgeTriangles(mesh, 1.0);
+  ASSERT_EQ(verdicts.size(), 4U);
+  // 0-3-4 has the short edge; 3-1-2 is as bad, but its short edge joins input points.
+  EXPECT_EQ(verdicts[0], SimplexVerdict::kSmallInputAngle);
+  EXPECT_EQ(verdicts[3], SimplexVerdict::kOverRho);
+  ASSERT_TRUE(WriteVtu(mesh, 1.0, folder.Path("m.vtu")).ok());
+  const std::vector<std::uint8_t> expected = {1, 0, 0, 0};
+  EXPECT_EQ(As<std::uint8_t>(ReadArrays(folder.Read("m.vtu")).at("exempt")), expected);
+  // Within a generous rho nothing needs an excuse.
+  ASSERT_TRUE(WriteVtu(mesh, 100.0, folder.Path("m.vtu")).ok());
+  EXPECT_EQ(As<std::uint8_t>(ReadArrays(folder.Read("m.vtu")).at("exempt")),
+            std::vector<std::uint8_t>(4, 0));
 }
 
 TEST(Vtu, OfNothingIsStillAFile) {
   const TempFolder folder;
-  ASSERT_TRUE(WriteVtu(IndexedMesh(), folder.Path("m.vtu")).ok());
+  ASSERT_TRUE(WriteVtu(IndexedMesh(), kDefaultQuality2D, folder.Path("m.vtu")).ok());
   EXPECT_EQ(ReadArrays(folder.Read("m.vtu")).at("Points"), "");
 }
 
@@ -96,6 +137,44 @@ TEST(Svg, DrawsEveryTriangleOnceAndSegmentsOnTop) {
   EXPECT_EQ(CountOf(svg, "fill=\"none\""), 3U);  // edges, box, segments
   EXPECT_EQ(CountOf(svg, "<circle"), 2U);
   EXPECT_LT(svg.find("#7a8794"), svg.find("stroke=\"#14213d\""));
+}
+
+// How many triangles are drawn in a colour.
+std::size_t Filled(const std::string& svg, const std::string& colour) {
+  const std::size_t at = svg.find("<path fill=\"" + colour + "\"");
+  return at == std::string::npos ? 0 : CountOf(svg.substr(at, svg.find("/>", at) - at), "z");
+}
+
+TEST(Svg, ShowsWhatIsExempt) {
+  const TempFolder folder;
+  SvgOptions options;
+  options.fill = SvgOptions::Fill::kExempt;
+  options.rho = 1;
+  const std::vector<SimplexVerdict> verdicts = JudgeTriangles(Wedge(), 1);
+  ASSERT_TRUE(WriteSvg(Wedge(), options, folder.Path("m.svg")).ok());
+  const std::string svg = folder.Read("m.svg");
+  const auto count = [&](SimplexVerdict verdict) {
+    return static_cast<std::size_t>(std::count(verdicts.begin(), verdicts.end(), verdict));
+  };
+  EXPECT_EQ(Filled(svg, "#f6a821"), 1U);
+  EXPECT_EQ(Filled(svg, "#b2182b"), count(SimplexVerdict::kOverRho));
+  EXPECT_EQ(Filled(svg, "#eaf1f6"), count(SimplexVerdict::kGood));
+}
+
+TEST(Svg, QualityIsRedOverRhoOnly) {
+  const TempFolder folder;
+  const IndexedMesh mesh = IndexMesh(SampleMesh()).value();
+  for (const double rho : {1.0, 2.0, 100.0}) {
+    SvgOptions options;
+    options.fill = SvgOptions::Fill::kQuality;
+    options.rho = rho;
+    ASSERT_TRUE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+    std::size_t over = 0;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      over += MeasureTriangle(mesh, i).radius_edge > rho ? 1 : 0;
+    }
+    EXPECT_EQ(Filled(folder.Read("m.svg"), "#b2182b"), over) << rho;
+  }
 }
 
 TEST(Svg, LeavesOutWhatIsFarFromTheCrop) {
@@ -138,7 +217,12 @@ TEST(Svg, TakesOddOptionsWithoutHarm) {
   EXPECT_TRUE(WriteSvg(IndexedMesh(), options, folder.Path("m.svg")).ok());
   options.width = std::nan("");
   EXPECT_FALSE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
-  EXPECT_TRUE(ParseFill("quality").ok() && ParseFill("none").ok());
+  options.width = 100;
+  options.rho = std::nan("");
+  EXPECT_FALSE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+  for (const char* fill : {"angle", "quality", "size", "exempt", "plain", "none"}) {
+    EXPECT_TRUE(ParseFill(fill).ok()) << fill;
+  }
   EXPECT_FALSE(ParseFill("blue").ok());
 }
 

@@ -1,0 +1,70 @@
+#include "client/cli/file_stats.h"
+
+#include <filesystem>
+
+#include "absl/strings/str_format.h"
+#include "client/cli/command.h"
+#include "client/cli/mesh_statistics.h"
+#include "core/data/text.h"
+#include "core/io/mesh_files.h"
+
+namespace dynmesh::cli {
+namespace {
+
+absl::Status CheckFlags(const std::string& path, const FileStatsFlags& flags) {
+  if (!(flags.rho >= kMinQuality2D) || !(flags.rho <= kMaxQuality)) {
+    return absl::InvalidArgumentError("--rho must be 1 to 100");
+  }
+  if (!flags.svg.empty() && std::filesystem::path(flags.svg).extension() != ".svg") {
+    return absl::InvalidArgumentError(data::Concat("--svg ", flags.svg, ": must end in .svg"));
+  }
+  const std::string extension = std::filesystem::path(path).extension().string();
+  for (const char* other : {".poly", ".vtu", ".msh", ".mesh", ".svg"}) {
+    if (extension == other) {
+      return absl::InvalidArgumentError(data::Concat(
+          path, ": no mesh that can be read: give the .node file that `dynmesh mesh -o` writes"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags) {
+  command.add_option("--svg", flags.svg, "Of a file: draw histograms of its angles")
+      ->type_name("OUT.svg");
+  command.add_flag("--log", flags.log_scale, "Bars of the histograms by logarithm");
+  command
+      .add_option("--width", flags.width,
+                  "Width of the histograms in pixels, 200 to 100000 (default: 1000)")
+      ->type_name("PX")
+      ->check(CLI::Range(200.0, 1e5));
+  command
+      .add_option("--rho", flags.rho, "Of a file: the quality it is judged by (default: sqrt 2)")
+      ->type_name("R");
+}
+
+bool IsMeshFile(const std::string& name) { return name.find_first_of("./") != std::string::npos; }
+
+int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json) {
+  if (auto status = CheckFlags(path, flags); !status.ok()) return ReportError(status);
+  const absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(path);
+  if (!files.ok()) return ReportError(files.status());
+  const MeshStatistics statistics = ComputeStatistics(files->mesh, flags.rho);
+  if (!flags.svg.empty()) {
+    io::HistogramOptions options;
+    options.width = flags.width;
+    options.log_scale = flags.log_scale;
+    const std::string name = std::filesystem::path(path).filename().string();
+    const std::string title =
+        absl::StrFormat("%s: %d triangles, angles %.2f to %.2f degrees", name, statistics.simplices,
+                        statistics.quality.min_angle_deg, statistics.quality.max_angle_deg);
+    const absl::Status status =
+        io::WriteHistogramSvg(title, StatisticsHistograms(statistics), options, flags.svg);
+    if (!status.ok()) return ReportError(status);
+  }
+  return PrintOut(json ? StatisticsJson(statistics) : StatisticsText(statistics)) ? kExitDone
+                                                                                  : kExitFailed;
+}
+
+}  // namespace dynmesh::cli

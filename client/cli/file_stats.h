@@ -1,0 +1,30 @@
+// dynmesh stats MESHFILE: figures of a mesh file, in process.
+#ifndef DYNMESH_CLIENT_CLI_FILE_STATS_H_
+#define DYNMESH_CLIENT_CLI_FILE_STATS_H_
+
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "dynmesh/options.h"
+
+namespace dynmesh::cli {
+
+struct FileStatsFlags {
+  double rho = kDefaultQuality2D;
+  std::string svg;
+  bool log_scale = false;
+  double width = 1000;
+};
+
+// --rho, --svg, --log, --width
+void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags);
+
+// Is `name` a file's? No id of a mesh has a dot or a slash.
+bool IsMeshFile(const std::string& name);
+
+// Prints the figures and writes the picture, if one is asked for. The exit code.
+int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json);
+
+}  // namespace dynmesh::cli
+
+#endif  // DYNMESH_CLIENT_CLI_FILE_STATS_H_

@@ -1,0 +1,118 @@
+#include "client/cli/mesh_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "absl/strings/str_format.h"
+#include "client/cli/json.h"
+#include "client/cli/percentile.h"
+
+namespace dynmesh::cli {
+namespace {
+
+// Rounding may put the least angle of an equilateral triangle above 60.
+template <std::size_t N>
+void Count(double angle, std::array<std::uint64_t, N>& counts) {
+  const auto degree = static_cast<std::size_t>(std::max(angle, 0.0));
+  ++counts[std::min(degree, N - 1)];
+}
+
+template <std::size_t N>
+std::vector<std::uint64_t> ToVector(const std::array<std::uint64_t, N>& counts) {
+  return {counts.begin(), counts.end()};
+}
+
+}  // namespace
+
+double LeastAngle(double rho) { return std::asin(1 / (2 * rho)) * (180 / std::numbers::pi); }
+
+MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho) {
+  MeshStatistics s;
+  s.rho = rho;
+  s.vertices = mesh.vertices.size();
+  s.simplices = mesh.triangles.size();
+  s.subsegments = static_cast<std::uint64_t>(
+      std::count_if(mesh.edges.begin(), mesh.edges.end(),
+                    [](const io::IndexedMesh::Edge& e) { return e.owner != kNoFeature; }));
+  MeshOptions options;
+  options.quality = rho;
+  s.quality = MeasureQuality(io::ToMesh(mesh), options);
+  std::vector<double> least;
+  least.reserve(mesh.triangles.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const TriangleQuality q = io::MeasureTriangle(mesh, i);
+    Count(q.min_angle_deg, s.least_angles);
+    for (const double angle : q.angles_deg) Count(angle, s.angles);
+    least.push_back(q.min_angle_deg);
+  }
+  if (!least.empty()) s.median_min_angle_deg = Percentile(std::move(least), 0.5);
+  return s;
+}
+
+std::string StatisticsText(const MeshStatistics& s) {
+  std::string text = absl::StrFormat(
+      "vertices           %d\n"
+      "triangles          %d\n"
+      "subsegments        %d\n"
+      "angles             %.2f to %.2f degrees\n"
+      "least angle        %.2f degrees in the median triangle\n"
+      "worst radius-edge  %.6g\n"
+      "over rho           %d of rho %.6g (%d exempt)\n"
+      "rho allows         %.2f to %.2f degrees\n",
+      s.vertices, s.simplices, s.subsegments, s.quality.min_angle_deg, s.quality.max_angle_deg,
+      s.median_min_angle_deg, s.quality.worst_radius_edge, s.quality.over_rho, s.rho,
+      s.quality.exempt, LeastAngle(s.rho), 180 - 2 * LeastAngle(s.rho));
+  absl::StrAppendFormat(&text, "\n%7s  %12s  %12s\n", "degrees", "least angles", "all angles");
+  for (std::size_t i = 0; i < s.angles.size(); ++i) {
+    const std::uint64_t least = i < s.least_angles.size() ? s.least_angles[i] : 0;
+    if (s.angles[i] == 0 && least == 0) continue;
+    absl::StrAppendFormat(&text, "%3d-%-3d  %12d  %12d\n", i, i + 1, least, s.angles[i]);
+  }
+  return text;
+}
+
+std::string StatisticsJson(const MeshStatistics& s) {
+  return JsonObject()
+      .Add("vertices", s.vertices)
+      .Add("simplices", s.simplices)
+      .Add("subsegments", s.subsegments)
+      .Add("rho", s.rho)
+      .Add("worst_radius_edge", s.quality.worst_radius_edge)
+      .Add("min_angle_deg", s.quality.min_angle_deg)
+      .Add("max_angle_deg", s.quality.max_angle_deg)
+      .Add("median_min_angle_deg", s.median_min_angle_deg)
+      .Add("over_rho", s.quality.over_rho)
+      .Add("exempt", s.quality.exempt)
+      .Add("rho_min_angle_deg", LeastAngle(s.rho))
+      .Add("rho_max_angle_deg", 180 - 2 * LeastAngle(s.rho))
+      .Add("histogram_step_deg", 1)
+      .AddCounts("least_angle_histogram", ToVector(s.least_angles))
+      .AddCounts("angle_histogram", ToVector(s.angles))
+      .ToLine();
+}
+
+std::vector<io::Histogram> StatisticsHistograms(const MeshStatistics& s) {
+  const double bound = LeastAngle(s.rho);
+  const auto mark = [&](double angle) {
+    return io::Histogram::Mark{angle, absl::StrFormat("rho %.4g: %.1f", s.rho, angle)};
+  };
+  io::Histogram least;
+  least.title = "Least angle of each triangle";
+  least.unit = "degrees";
+  least.hi = 60;
+  least.tick = 5;
+  least.counts = ToVector(s.least_angles);
+  least.marks = {mark(bound)};
+  io::Histogram all;
+  all.title = "All angles";
+  all.unit = "degrees";
+  all.hi = 180;
+  all.tick = 10;
+  all.counts = ToVector(s.angles);
+  all.marks = {mark(bound), mark(180 - 2 * bound)};
+  return {least, all};
+}
+
+}  // namespace dynmesh::cli

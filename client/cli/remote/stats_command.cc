@@ -1,0 +1,100 @@
+// dynmesh stats [MESH] --server ADDR: figures of a server and of a mesh; dynmesh stats
+// MESHFILE: of a file, in process.
+#include <memory>
+#include <string>
+
+#include "absl/strings/str_format.h"
+#include "client/cli/file_stats.h"
+#include "client/cli/remote/connection.h"
+#include "client/cli/remote/remote_commands.h"
+
+namespace dynmesh::cli {
+namespace {
+
+struct StatsCommand {
+  std::string mesh;  // an id or a file
+  ServerFlags server;
+  FileStatsFlags file;
+};
+
+std::string StatsText(const client::ServerStatus& s) {
+  std::string text = absl::StrFormat(
+      "server version     %s\n"
+      "uptime             %s\n"
+      "meshes             %d\n"
+      "watchers           %d\n",
+      s.version, absl::FormatDuration(absl::Trunc(s.uptime, absl::Seconds(1))), s.meshes,
+      s.watchers);
+  if (!s.mesh.has_value()) return text;
+  const client::MeshStatus& m = *s.mesh;
+  absl::StrAppendFormat(&text,
+                        "revision           %d\n"
+                        "oldest revision    %d\n"
+                        "hash               %s\n"
+                        "features           %d\n"
+                        "vertices           %d\n"
+                        "triangles          %d\n"
+                        "subsegments        %d\n"
+                        "operations         %d\n"
+                        "trace              %.1f MB\n"
+                        "mesh               %.1f MB\n"
+                        "watchers of it     %d\n"
+                        "waiting edits      %d\n",
+                        m.stats.revision, m.oldest_revision, m.hash.ToHex(), m.stats.features,
+                        m.stats.vertices, m.stats.simplices, m.stats.subsegments,
+                        m.stats.operations, static_cast<double>(m.stats.trace_bytes) / 1e6,
+                        static_cast<double>(m.stats.mesh_bytes) / 1e6, m.watchers, m.waiting_edits);
+  return text;
+}
+
+std::string StatsJson(const std::string& id, const client::ServerStatus& s) {
+  JsonObject object;
+  object.AddText("server_version", s.version)
+      .Add("uptime_seconds", absl::ToDoubleSeconds(s.uptime))
+      .Add("meshes", s.meshes)
+      .Add("watchers", s.watchers);
+  if (s.mesh.has_value()) {
+    const client::MeshStatus& m = *s.mesh;
+    object.AddText("mesh", id)
+        .Add("revision", m.stats.revision)
+        .Add("oldest_revision", m.oldest_revision)
+        .AddText("hash", m.hash.ToHex())
+        .Add("features", m.stats.features)
+        .Add("vertices", m.stats.vertices)
+        .Add("simplices", m.stats.simplices)
+        .Add("subsegments", m.stats.subsegments)
+        .Add("operations", m.stats.operations)
+        .Add("trace_bytes", m.stats.trace_bytes)
+        .Add("mesh_bytes", m.stats.mesh_bytes)
+        .Add("mesh_watchers", m.watchers)
+        .Add("waiting_edits", m.waiting_edits);
+  }
+  return object.ToLine();
+}
+
+int Run(const StatsCommand& command) {
+  if (IsMeshFile(command.mesh))
+    return RunFileStats(command.mesh, command.file, command.server.json);
+  if (!command.file.svg.empty()) {
+    return ReportError(absl::InvalidArgumentError(
+        "--svg draws a mesh file's angles: export the mesh (-o MESH.node) and give that file"));
+  }
+  const auto status = Connect(command.server)->GetStats(command.mesh);
+  if (!status.ok()) return ReportError(status.status());
+  return Print(command.server.json ? StatsJson(command.mesh, *status) : StatsText(*status));
+}
+
+}  // namespace
+
+void RegisterStatsCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<StatsCommand>();
+  CLI::App* const sub =
+      AddCommand(app, slot, "stats", "Figures of a server and of a mesh, or of a mesh file",
+                 [command] { return Run(*command); });
+  sub->add_option("MESH", command->mesh,
+                  "Its id (default: of the server only), or a .node file, which needs no server");
+  AddFileStatsFlags(*sub, command->file);
+  AddServerFlags(*sub, command->server);
+}
+
+}  // namespace dynmesh::cli

@@ -1,0 +1,52 @@
+// Colours by value, for pictures. Pure functions.
+#ifndef DYNMESH_CORE_IO_COLOUR_RAMP_H_
+#define DYNMESH_CORE_IO_COLOUR_RAMP_H_
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+
+#include "absl/strings/str_format.h"
+
+namespace dynmesh::io {
+
+struct Rgb {
+  double r, g, b;  // 0 to 255
+};
+template <std::size_t N>
+using ColourRamp = std::array<Rgb, N>;
+
+// Bad to good: what no mesh of ours should have is red, what is usual is pale.
+inline constexpr ColourRamp<7> kQualityRamp = {{{178, 24, 43},
+                                                {214, 96, 77},
+                                                {249, 214, 178},
+                                                {246, 238, 226},
+                                                {221, 234, 242},
+                                                {180, 211, 230},
+                                                {130, 178, 210}}};
+// Fine to coarse: deep blue over green to pale yellow.
+inline constexpr ColourRamp<6> kSizeRamp = {{{44, 62, 112},
+                                             {44, 112, 142},
+                                             {58, 158, 150},
+                                             {124, 196, 154},
+                                             {200, 224, 170},
+                                             {248, 244, 214}}};
+
+// "#rrggbb" at t, 0 (start of the ramp) to 1.
+template <std::size_t N>
+std::string ColourAt(const ColourRamp<N>& ramp, double t) {
+  const double at = std::clamp(t, 0.0, 1.0) * (N - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(at), N - 2);
+  const double f = at - static_cast<double>(i);
+  const auto blend = [f](double a, double b) {
+    return static_cast<unsigned>(std::lround(a + (b - a) * f));
+  };
+  return absl::StrFormat("#%02x%02x%02x", blend(ramp[i].r, ramp[i + 1].r),
+                         blend(ramp[i].g, ramp[i + 1].g), blend(ramp[i].b, ramp[i + 1].b));
+}
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_COLOUR_RAMP_H_

@@ -1,0 +1,25 @@
+// Meshes as Gmsh's `.msh` 4.1 (ASCII), for Gmsh, DOLFINx, deal.II, Elmer and meshio.
+#ifndef DYNMESH_CORE_IO_MSH_WRITER_H_
+#define DYNMESH_CORE_IO_MSH_WRITER_H_
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "core/io/indexed_mesh.h"
+
+namespace dynmesh::io {
+
+// Node tags are rows of the canonical order of IndexedMesh, from 1; coordinates read back bit
+// for bit. What is made of what:
+//   input point               a point with one element
+//   segment, the box's border a curve with the subsegments as elements
+//   everything else           surface 1, counter-clockwise triangles
+// Feature ids, which have 64 bits, stand in the names of physical groups: "feature 30",
+// "box", and "domain" for the surface. The groups' tags are the references of references.h,
+// the domain's is 1; points and curves of features have the same numbers as their group.
+// INVALID_ARGUMENT if there are too many rows, UNAVAILABLE, naming the path, on trouble.
+absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path);
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_MSH_WRITER_H_

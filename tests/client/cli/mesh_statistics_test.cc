@@ -1,0 +1,57 @@
+#include "client/cli/mesh_statistics.h"
+
+#include <numeric>
+
+#include "gtest/gtest.h"
+
+namespace dynmesh::cli {
+namespace {
+
+// A right isosceles triangle, one with angles 30, 60 and 90 degrees, a flat one.
+io::IndexedMesh ThreeTriangles() {
+  io::IndexedMesh mesh;
+  mesh.vertices = {{0, 0, 0, 1}, {1, 0, 0, 2}, {0, 1, 0, 3}, {0, 1.8, 2, 0}, {2, 0, 2, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
+  mesh.edges = {{0, 1, 7}, {1, 2, kNoFeature}};
+  return mesh;
+}
+
+TEST(MeshStatistics, CountAnglesByDegree) {
+  const MeshStatistics s = ComputeStatistics(ThreeTriangles(), 1.2);
+  EXPECT_EQ(s.vertices, 5U);
+  EXPECT_EQ(s.simplices, 3U);
+  EXPECT_EQ(s.subsegments, 1U);
+  // atan(1 / 1.8) is 29.05 degrees.
+  EXPECT_EQ(s.least_angles[0], 1U);
+  EXPECT_EQ(s.least_angles[29], 1U);
+  EXPECT_EQ(s.least_angles[44] + s.least_angles[45], 1U);
+  EXPECT_EQ(std::accumulate(s.least_angles.begin(), s.least_angles.end(), 0U), 3U);
+  EXPECT_EQ(s.angles[0], 2U);
+  EXPECT_EQ(s.angles[60], 1U);
+  EXPECT_EQ(s.angles[89] + s.angles[90], 2U);
+  EXPECT_EQ(s.angles[179], 1U);
+  EXPECT_EQ(std::accumulate(s.angles.begin(), s.angles.end(), 0U), 9U);
+  EXPECT_NEAR(s.median_min_angle_deg, 29.05, 0.01);
+}
+
+TEST(MeshStatistics, OfNothingAreZero) {
+  const MeshStatistics s = ComputeStatistics({}, 1.0);
+  EXPECT_EQ(s.simplices, 0U);
+  EXPECT_EQ(s.median_min_angle_deg, 0);
+  EXPECT_EQ(StatisticsHistograms(s).size(), 2U);
+  EXPECT_NE(StatisticsText(s).find("triangles"), std::string::npos);
+}
+
+TEST(MeshStatistics, MarkTheBoundsOfRho) {
+  EXPECT_NEAR(LeastAngle(1), 30, 1e-12);
+  EXPECT_NEAR(LeastAngle(kDefaultQuality2D), 20.705, 1e-3);
+  const auto histograms = StatisticsHistograms(ComputeStatistics(ThreeTriangles(), 1));
+  ASSERT_EQ(histograms.size(), 2U);
+  EXPECT_EQ(histograms[0].counts.size(), 60U);
+  EXPECT_EQ(histograms[1].counts.size(), 180U);
+  ASSERT_EQ(histograms[1].marks.size(), 2U);
+  EXPECT_NEAR(histograms[1].marks[1].value, 120, 1e-9);
+}
+
+}  // namespace
+}  // namespace dynmesh::cli

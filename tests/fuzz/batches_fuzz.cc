@@ -1,0 +1,193 @@
+// Batches, packed: a byte of options, then edits. An edit is a byte (its low bits the
+// action, or the end of the batch), an id, and what it needs: a position or two ends.
+// Positions are mostly on a coarse grid of the box, so that points coincide and segments
+// meet; some are near others, some are any double.
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "core/data/mesh_store.h"
+#include "core/dynamic_mesh/planar_mesh.h"
+#include "tests/differential/differential.h"
+#include "tests/fuzz/small_mesh.h"
+#include "tests/fuzz/targets.h"
+#include "tests/support/asked.h"
+#include "tests/support/workload.h"
+
+namespace dynmesh::fuzz {
+namespace {
+
+constexpr std::size_t kMostBatches = 24;
+
+class Unpacker {
+ public:
+  explicit Unpacker(std::string_view bytes) : bytes_(bytes) {}
+
+  bool AtEnd() const { return bytes_.empty(); }
+
+  MeshOptions Options() {
+    first_ = Byte();
+    MeshOptions options;
+    const test::Asked& asked = test::kAsked[first_ % test::kAskedCount];
+    options.quality = asked.quality;
+    options.criterion = asked.criterion;
+    switch (first_ / test::kAskedCount % 4) {
+      case 0:
+      case 1:
+        break;  // the unit square
+      case 2:
+        options.box = {{1e6, -1e6}, {1e6 + 1, -1e6 + 3}};
+        break;
+      default:
+        options.box = {{-3e-9, 5e-10}, {1e-9, 6e-10}};
+    }
+    options.limits.max_vertices = kMostVertices;
+    box_ = options.box;
+    return options;
+  }
+
+  // How the mesh goes about it, which must not show: edit by edit, or often from scratch.
+  PlanarMeshTuning Tuning() const {
+    PlanarMeshTuning tuning = test::AlwaysPropagate();
+    if (first_ / (4 * test::kAskedCount) % 2 == 1) tuning.rebuild_at_least = 3;
+    tuning.global_neighbourhoods = first_ / (8 * test::kAskedCount) % 2 == 0;
+    return tuning;
+  }
+
+  // What is left when there are no more bytes is empty.
+  EditBatch Batch() {
+    EditBatch batch;
+    while (!AtEnd() && batch.size() < kMostFeatures) {
+      const std::uint8_t action = Byte() % 16;
+      if (action == 0) break;
+      if (action <= 2) {
+        batch.push_back(Edit::Remove(Id()));
+      } else if (action <= 4) {
+        const FeatureId id = Id();
+        const auto [x, y] = Position();
+        batch.push_back(Edit::Move(id, x, y));
+      } else {
+        const Feature feature = action % 2 == 0 ? Segment() : Point();
+        batch.push_back(action == 5 || action == 6 ? Edit::Set(feature) : Edit::Add(feature));
+      }
+    }
+    return batch;
+  }
+
+ private:
+  std::uint8_t Byte() {
+    if (bytes_.empty()) return 0;
+    const auto byte = static_cast<std::uint8_t>(bytes_.front());
+    bytes_.remove_prefix(1);
+    return byte;
+  }
+
+  FeatureId Id() {
+    const std::uint8_t byte = Byte();
+    return byte == 255 ? kBoxFeature : byte;
+  }
+
+  Feature Point() {
+    const FeatureId id = Id();
+    const auto [x, y] = Position();
+    return Feature::Point(id, x, y);
+  }
+
+  Feature Segment() {
+    const FeatureId id = Id();
+    const FeatureId p = Id();
+    return Feature::Segment(id, p, Id());
+  }
+
+  std::array<double, 2> Position() {
+    const std::uint8_t mode = Byte() % 8;
+    std::array<double, 2> place = {0, 0};
+    if (mode == 7) {
+      for (double& c : place) c = AnyDouble();
+    } else if (mode == 6 && !places_.empty()) {
+      place = places_[Byte() % places_.size()];
+      for (std::size_t i = 0; i < 2; ++i) {
+        const auto step = static_cast<std::int8_t>(Byte());
+        place[i] += std::ldexp(box_.hi[i] - box_.lo[i], -(Byte() % 64)) * (step / 16.0);
+      }
+    } else {
+      for (std::size_t i = 0; i < 2; ++i) {
+        const double part = mode == 5 ? (Byte() * 256 + Byte()) / 65535.0 : Byte() % 33 / 32.0;
+        place[i] = box_.lo[i] + part * (box_.hi[i] - box_.lo[i]);
+      }
+    }
+    places_.push_back(place);
+    return place;
+  }
+
+  double AnyDouble() {
+    std::array<std::uint8_t, sizeof(double)> raw;
+    for (std::uint8_t& byte : raw) byte = Byte();
+    double value = 0;
+    std::memcpy(&value, raw.data(), sizeof(value));
+    return value;
+  }
+
+  std::string_view bytes_;
+  int first_ = 0;  // the byte of options
+  Box box_;
+  std::vector<std::array<double, 2>> places_;  // all so far
+};
+
+class Run {
+ public:
+  Run(const MeshOptions& options, const PlanarMeshTuning& tuning)
+      : mesh_(options, tuning), replica_(data::MeshStore::FromMesh(mesh_.Snapshot()).value()) {}
+
+  // Empty, or what is wrong.
+  std::string Apply(const EditBatch& batch) {
+    const std::vector<Feature> before = mesh_.Features();
+    const MeshHash hash = mesh_.hash();
+    const std::uint64_t revision = mesh_.revision();
+    const bool valid = mesh_.Validate(batch).ok();
+    const absl::StatusOr<MeshDiff> diff = mesh_.Apply(batch, ApplyOptions{});
+    if (!diff.ok()) {
+      if (diff.status().message().empty()) return "a refusal without a message";
+      if (valid && !absl::IsResourceExhausted(diff.status())) {
+        return "valid, but refused: " + diff.status().ToString();
+      }
+      const bool same =
+          mesh_.hash() == hash && mesh_.revision() == revision && mesh_.Features() == before;
+      return same ? "" : "a refused batch changed the mesh";
+    }
+    if (!valid) return "accepted, but not valid";
+    if (const absl::Status status = replica_.Apply(*diff); !status.ok()) {
+      return "a replica refuses the diff: " + status.ToString();
+    }
+    return ++accepted_ % 4 == 0 ? Compare() : "";
+  }
+
+  std::string Compare() const {
+    if (!(ComputeHash(mesh_.Snapshot()) == mesh_.hash())) return "the snapshot has another hash";
+    return test::CompareWithScratch(mesh_, accepted_ % 2 == 0).what;
+  }
+
+ private:
+  PlanarMesh mesh_;
+  data::MeshStore replica_;
+  std::uint64_t accepted_ = 0;
+};
+
+}  // namespace
+
+std::string FuzzBatches(std::string_view bytes) {
+  Unpacker unpacker(bytes);
+  const MeshOptions options = unpacker.Options();
+  std::vector<EditBatch> batches;
+  Run run(options, unpacker.Tuning());
+  std::string problem;
+  while (problem.empty() && !unpacker.AtEnd() && batches.size() < kMostBatches) {
+    batches.push_back(unpacker.Batch());
+    problem = run.Apply(batches.back());
+  }
+  if (problem.empty()) problem = run.Compare();
+  return problem.empty() ? "" : problem + "\n" + test::ToScript(options, batches);
+}
+
+}  // namespace dynmesh::fuzz

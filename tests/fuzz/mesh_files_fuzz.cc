@@ -1,0 +1,54 @@
+#include <optional>
+
+#include "client/cli/verify.h"
+#include "core/io/mesh_files.h"
+#include "dynmesh/quality.h"
+#include "tests/fuzz/small_mesh.h"
+#include "tests/fuzz/targets.h"
+
+namespace dynmesh::fuzz {
+namespace {
+
+std::string Measure(const io::MeshFiles& files) {
+  const Mesh mesh = io::ToMesh(files.mesh);
+  if (mesh.vertices.size() != files.mesh.vertices.size()) return "a vertex was lost";
+  if (!(ComputeHash(mesh) == mesh.hash)) return "the hash is not that of the parts";
+  MeshOptions options;
+  const std::vector<SimplexVerdict> verdicts = JudgeSimplices(mesh, options);
+  const QualityReport quality = MeasureQuality(mesh, options);
+  std::uint64_t exempt = 0, over = 0;
+  for (const SimplexVerdict verdict : verdicts) {
+    exempt += verdict == SimplexVerdict::kSmallInputAngle ? 1 : 0;
+    over += verdict != SimplexVerdict::kGood ? 1 : 0;
+  }
+  if (exempt != quality.exempt || over != quality.over_rho) return "two verdicts disagree";
+  // A file may repeat what a mesh has once; then there is no index, but an error.
+  const absl::StatusOr<io::IndexedMesh> indexed = io::IndexMesh(mesh);
+  if (indexed.ok() && indexed->triangles.size() != files.mesh.triangles.size()) {
+    return "a triangle was lost";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string FuzzMeshFiles(std::string_view bytes) {
+  const std::vector<std::string_view> parts = SplitFiles(bytes);
+  const auto part = [&](std::size_t i, const char* name) {
+    return io::TextReader(name, std::string(i < parts.size() ? parts[i] : std::string_view()));
+  };
+  std::optional<io::TextReader> edges;
+  if (parts.size() > 2) edges = part(2, "fuzz.edge");
+  const absl::StatusOr<io::MeshFiles> files =
+      io::ParseMeshFiles(part(0, "fuzz.node"), part(1, "fuzz.ele"), std::move(edges));
+  if (!files.ok()) {
+    const bool placed = files.status().message().substr(0, 5) == "fuzz.";
+    return placed ? "" : "an error without a file: " + files.status().ToString();
+  }
+  if (files->has_edges != (parts.size() > 2)) return "edges from nowhere";
+  if (const std::string problem = Measure(*files); !problem.empty()) return problem;
+  const cli::VerifyReport report = cli::VerifyMesh(*files, kDefaultQuality2D, nullptr);
+  return report.checks.empty() ? "the judge made no check" : "";
+}
+
+}  // namespace dynmesh::fuzz

@@ -1,0 +1,30 @@
+// What is fuzzed. A target takes any bytes, uses the product as a stranger would, and
+// returns what is wrong: nothing, but for a bug. (A crash, a hang or a sanitizer's report
+// is one as well.) Deterministic, thread-compatible.
+#ifndef DYNMESH_TESTS_FUZZ_TARGETS_H_
+#define DYNMESH_TESTS_FUZZ_TARGETS_H_
+
+#include <string>
+#include <string_view>
+
+namespace dynmesh::fuzz {
+
+// An edit script. What parses must come back from its printed form, and must mesh or be
+// refused.
+std::string FuzzEditScript(std::string_view bytes);
+
+// A `.poly` file, and after a line `---` the `.node` file beside it; the whole is tried as a
+// `.node` file too. What parses must mesh or be refused.
+std::string FuzzPlanarInput(std::string_view bytes);
+
+// A mesh as `.node`, `.ele` and `.edge` files with lines `---` between them. What parses must
+// survive conversion, measuring and the judge.
+std::string FuzzMeshFiles(std::string_view bytes);
+
+// Batches of edits, packed (batches_fuzz.cc). A refused one must change nothing; after the
+// others mesh and trace must be those of a run from scratch.
+std::string FuzzBatches(std::string_view bytes);
+
+}  // namespace dynmesh::fuzz
+
+#endif  // DYNMESH_TESTS_FUZZ_TARGETS_H_
