@@ -47,6 +47,7 @@ bool OutIsTerminal();
 
 void RegisterMeshCommand(CLI::App& app, CommandSlot& slot);
 void RegisterReplayCommand(CLI::App& app, CommandSlot& slot);
+void RegisterImportCommand(CLI::App& app, CommandSlot& slot);
 void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot);
 void RegisterDiffCommand(CLI::App& app, CommandSlot& slot);
 // All commands that talk to a server; only where remote/ is built, whose CMakeLists

@@ -7,6 +7,7 @@
 
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
+#include "core/io/map_files.h"
 #include "core/io/planar_input.h"
 
 namespace dynmesh::cli {
@@ -23,6 +24,12 @@ Input FromPlanar(io::PlanarInput planar, const std::string& path) {
   ignored(planar.holes, "hole(s)");
   ignored(planar.regions, "region(s)");
   ignored(planar.attributes, "attribute(s) a vertex");
+  ignored(planar.heights, "height(s)");
+  if (planar.wraps != 0) {
+    input.warnings.push_back(Concat(path, ": ", planar.wraps,
+                                    " segment(s) span more than 180 degrees and are drawn right "
+                                    "across the map; cut lines at the antimeridian"));
+  }
   input.features = std::move(planar.features);
   planar.features.clear();
   auto source = std::make_shared<const io::PlanarInput>(std::move(planar));
@@ -99,12 +106,17 @@ absl::StatusOr<Input> LoadInput(const std::string& path) {
     if (!planar.ok()) return planar.status();
     return FromPlanar(*std::move(planar), path);
   }
+  if (extension == ".geojson" || extension == ".topojson" || extension == ".json") {
+    absl::StatusOr<io::PlanarInput> map = io::ReadMapFile(path);
+    if (!map.ok()) return map.status();
+    return FromPlanar(*std::move(map), path);
+  }
   for (const char* later : {".smesh", ".off", ".stl", ".obj", ".msh", ".mesh", ".vtu"}) {
     if (extension == later) {
       return absl::UnimplementedError(
           Concat(path, ": ", later,
                  " files as input are not supported yet in this version; "
-                 "use .node, .poly or an edit script"));
+                 "use .node, .poly, .geojson, .topojson or an edit script"));
     }
   }
   const absl::StatusOr<io::EditScript> script = io::ReadEditScript(path);

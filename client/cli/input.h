@@ -22,8 +22,10 @@ struct Input {
   std::function<std::string(FeatureId)> where;
 };
 
-// By extension: .node, .poly; any other that is no known kind of geometry is an edit
-// script, whose last revision counts. Errors as `file:line: ...`.
+// By extension: .node, .poly; .geojson, .topojson, .json (whichever of the two it holds);
+// any other that is no known kind of geometry is an edit script, whose last revision
+// counts. Errors as `file:line: ...`.
+inline constexpr char kInputKinds[] = ".node, .poly, .geojson, .topojson or an edit script";
 absl::StatusOr<Input> LoadInput(const std::string& path);
 
 // `status` with its message preceded by where the first feature to blame stands, and

@@ -21,6 +21,7 @@ int Main(int argc, char** argv) {
   CommandSlot slot;
   RegisterMeshCommand(app, slot);
   RegisterReplayCommand(app, slot);
+  RegisterImportCommand(app, slot);
   RegisterVerifyCommand(app, slot);
   RegisterDiffCommand(app, slot);
 #ifdef DYNMESH_CLI_REMOTE

@@ -77,7 +77,7 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot) {
   auto command = std::make_shared<MeshCommand>();
   CLI::App* const sub = AddCommand(app, slot, "mesh", "Make a mesh from scratch",
                                    [command] { return Run(*command); });
-  sub->add_option("INPUT", command->input, ".node, .poly or an edit script")->required();
+  sub->add_option("INPUT", command->input, kInputKinds)->required();
   AddMeshFlags(*sub, command->mesh);
   AddOutputFlags(*sub, command->output);
   sub->add_flag("--json", command->json, "Print one JSON object");

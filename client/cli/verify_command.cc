@@ -92,7 +92,7 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
                  "Check a mesh file with exact predicates: exit code 0 if it is good, 1 if not",
                  [command] { return Run(*command); });
   sub->add_option("MESH", command->mesh, "A mesh as .node, .ele and .edge")->required();
-  sub->add_option("--input", command->input, "What it was made of: .node, .poly or an edit script")
+  sub->add_option("--input", command->input, std::string("What it was made of: ") + kInputKinds)
       ->type_name("INPUT");
   sub->add_option("--rho", command->rho, "The quality asked for (default: sqrt 2)")->type_name("R");
   sub->add_flag("--json", command->json, "Print one JSON object");

@@ -1,4 +1,4 @@
-// Triangle's `.node` and `.poly` files as features: the points of the file become
+// Plane input as features, and Triangle's `.node` and `.poly` files: points of the file become
 // 1..n and its segments n+1..n+m, in file order.
 #ifndef DYNMESH_CORE_IO_PLANAR_INPUT_H_
 #define DYNMESH_CORE_IO_PLANAR_INPUT_H_
@@ -22,6 +22,10 @@ struct PlanarInput {
   std::uint64_t holes = 0;
   std::uint64_t regions = 0;
   std::uint64_t attributes = 0;  // a vertex
+  std::uint64_t heights = 0;     // positions with more than x and y
+  // Edges that span more than half of the way round in a map that seems to be in degrees:
+  // they were meant to go the other way round.
+  std::uint64_t wraps = 0;
 
   // Where a feature stands: "file:line". Empty for an id that it does not have.
   std::string Where(FeatureId id) const;

@@ -1,57 +1,21 @@
 // The `dynmesh` program as its users meet it: arguments, output, exit codes.
+#include "tests/client/cli/command_line.h"
+
 #include <sys/wait.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "tests/core/io/temp_folder.h"
 
 namespace dynmesh::cli {
 namespace {
 
-using testing::TempFolder;
-
-struct Outcome {
-  int code = -1;
-  std::string out;
-  std::string err;
-};
-
-class CommandLine : public ::testing::Test {
+class CommandLine : public CommandLineFixture {
  protected:
-  // Runs `dynmesh` with arguments as a shell would split them, in the test's folder.
-  Outcome Run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.Path("") + "' && '" DYNMESH_BINARY "' " +
-                                arguments + " > out.txt 2> err.txt < /dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder_.Read("out.txt"),
-            folder_.Read("err.txt")};
-  }
-
-  static std::vector<std::string> Lines(const std::string& text) {
-    std::vector<std::string> lines;
-    std::istringstream in(text);
-    for (std::string line; std::getline(in, line);) lines.push_back(line);
-    return lines;
-  }
-
-  // The value of a key of a flat JSON object, as text; fails the test if it is not there.
-  static std::string Value(const std::string& json, const std::string& key) {
-    const std::string start = "\"" + key + "\": ";
-    const std::size_t at = json.find(start);
-    if (at == std::string::npos) {
-      ADD_FAILURE() << "no key " << key << " in " << json;
-      return "";
-    }
-    const std::size_t begin = at + start.size();
-    return json.substr(begin, json.find_first_of(",}", begin) - begin);
-  }
-
   void WriteInputs() const {
     folder_.Write("square.poly",
                   "5 2 0 0\n1 0 0\n2 1 0\n3 1 1\n4 0 1\n5 0.3 0.4\n"
@@ -66,13 +30,11 @@ class CommandLine : public ::testing::Test {
                   "commit\n"
                   "add segment 7 2 3\n");
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(CommandLine, VersionEverywhere) {
-  for (const char* arguments :
-       {"--version", "mesh --version", "replay --version", "verify --version", "diff --version"}) {
+  for (const char* arguments : {"--version", "mesh --version", "replay --version",
+                                "import --version", "verify --version", "diff --version"}) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.code, 0) << arguments;
     EXPECT_TRUE(outcome.out.starts_with("dynmesh ")) << outcome.out;
@@ -82,7 +44,7 @@ TEST_F(CommandLine, VersionEverywhere) {
 TEST_F(CommandLine, HelpNamesTheCommands) {
   const Outcome outcome = Run("--help");
   EXPECT_EQ(outcome.code, 0);
-  for (const char* command : {"mesh", "replay", "verify", "diff"}) {
+  for (const char* command : {"mesh", "replay", "import", "verify", "diff"}) {
     EXPECT_NE(outcome.out.find(command), std::string::npos);
   }
 }

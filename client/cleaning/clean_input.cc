@@ -1,0 +1,233 @@
+#include "client/cleaning/clean_input.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "client/cleaning/line_graph.h"
+#include "client/cleaning/round.h"
+#include "core/data/text.h"
+#include "dynmesh/error.h"
+
+namespace dynmesh::cleaning {
+namespace {
+
+using data::Concat;
+
+constexpr double kMaxMagnitude = 0x1p200;
+constexpr double kMinCoordinate = 0x1p-200;       // nearer to 0 nothing can be computed with
+constexpr double kMinTolerance = 0x1p-41;         // of the largest coordinate: 2^11 ulps
+constexpr FeatureId kMaxId = ~FeatureId{0} >> 1;  // leaves room for new ones
+
+absl::Status Refuse(const char* reason, std::vector<FeatureId> ids, std::string message) {
+  return MakeError(absl::StatusCode::kInvalidArgument, std::move(message),
+                   {reason, std::move(ids), std::nullopt});
+}
+
+class Cleaner {
+ public:
+  Cleaner(const std::vector<Feature>& features, const CleanOptions& options)
+      : features_(features), options_(options), graph_(options.tolerance) {}
+
+  absl::StatusOr<CleanResult> Run() {
+    if (auto status = Enter(); !status.ok()) return status;
+    AddPlaces();
+    for (const Feature& f : features_) {
+      if (f.kind != FeatureKind::kSegment) continue;
+      const Place a = place_of_[f.ends[0]], b = place_of_[f.ends[1]];
+      if (a == b) {
+        graph_.changes.push_back(
+            {ChangeKind::kZeroLength, {f.id}, graph_.places.at(a), graph_.places.at(a)});
+      }
+      graph_.Connect(a, b, f.id);
+    }
+    graph_.Settle();
+    Rounds rounds(graph_, max_id_ + 1, options_.max_crossings);
+    for (;;) {
+      if (graph_.round >= options_.max_rounds) return NotDone(rounds);
+      const absl::StatusOr<bool> more = rounds.Run();
+      if (!more.ok()) return more.status();
+      if (!*more) break;
+    }
+    next_id_ = rounds.next_id();
+    return Finish();
+  }
+
+ private:
+  // Checks the features, and finds the points.
+  absl::Status Enter() {
+    absl::flat_hash_map<FeatureId, const Feature*> known;
+    double magnitude = 0;
+    for (const Feature& f : features_) {
+      if (f.id == kNoFeature || f.id > kMaxId) {
+        return Refuse(reason::kBadId, {f.id},
+                      Concat("feature ", f.id, ": ids run from 1 to ", kMaxId, " here"));
+      }
+      if (!known.emplace(f.id, &f).second) {
+        return Refuse(reason::kIdInUse, {f.id}, Concat("feature ", f.id, " stands twice"));
+      }
+      max_id_ = std::max(max_id_, f.id);
+      if (f.kind != FeatureKind::kPoint) continue;
+      for (std::size_t i = 0; i < 2; ++i) {
+        const double x = std::abs(f.position[i]);
+        if (!(x <= kMaxMagnitude)) {
+          return Refuse(
+              reason::kNotFinite, {f.id},
+              Concat("point ", f.id, " has a coordinate that is not finite or above 2^200"));
+        }
+        magnitude = std::max(magnitude, x);
+      }
+    }
+    for (const Feature& f : features_) {
+      if (f.kind != FeatureKind::kSegment) continue;
+      for (const FeatureId end : f.ends) {
+        const auto it = known.find(end);
+        if (it != known.end() && it->second->kind == FeatureKind::kPoint) continue;
+        return Refuse(reason::kUnknownEnd, {f.id, end},
+                      Concat("segment ", f.id, " ends at ", end, ", which is no point; add it"));
+      }
+    }
+    const double tolerance = options_.tolerance;
+    if (!(tolerance > 0 && tolerance <= kMaxMagnitude && tolerance >= kMinTolerance * magnitude)) {
+      return absl::InvalidArgumentError(Concat("the tolerance ", tolerance, " is not between ",
+                                               kMinTolerance * magnitude,
+                                               " (2^-41 of the largest coordinate) and 2^200"));
+    }
+    return absl::OkStatus();
+  }
+
+  void AddPlaces() {
+    struct Entry {
+      Point at;
+      FeatureId id;
+    };
+    std::vector<Entry> entries;
+    for (const Feature& f : features_) {
+      if (f.kind != FeatureKind::kPoint) continue;
+      const Point given = {f.position[0] + 0.0, f.position[1] + 0.0};  // -0 is 0
+      Point at = given;
+      for (double& x : at) {
+        if (std::abs(x) < kMinCoordinate) x = 0;
+      }
+      if (at != given) graph_.changes.push_back({ChangeKind::kPointRounded, {f.id}, given, at});
+      entries.push_back({at, f.id});
+    }
+    std::sort(entries.begin(), entries.end(), [](const Entry& s, const Entry& t) {
+      return std::tie(s.at, s.id) < std::tie(t.at, t.id);
+    });
+    for (const Entry& entry : entries) {
+      const std::optional<Place> near = graph_.places.Near(entry.at);
+      place_of_[entry.id] = near ? *near : graph_.AddPlace(entry.at, entry.id);
+      if (!near) continue;
+      graph_.changes.push_back({ChangeKind::kPointMerged,
+                                {entry.id, graph_.point_ids[*near]},
+                                entry.at,
+                                graph_.places.at(*near)});
+    }
+  }
+
+  absl::Status NotDone(const Rounds& rounds) const {
+    return absl::ResourceExhaustedError(
+        Concat("after ", graph_.round, " rounds ", rounds.found(),
+               " segments still touch or cross, one at (", rounds.where()[0], ", ",
+               rounds.where()[1], "); choose another tolerance than ", options_.tolerance));
+  }
+
+  CleanResult Finish() {
+    CleanResult result;
+    result.changes = std::move(graph_.changes);
+    result.rounds = graph_.round;
+    if (result.changes.empty()) {
+      result.features = features_;
+      return result;
+    }
+    FinishPoints(result.features);
+    FinishSegments(result.features);
+    for (const Feature& f : features_) {
+      if (f.kind != FeatureKind::kPoint && f.kind != FeatureKind::kSegment) {
+        result.features.push_back(f);
+      }
+    }
+    return result;
+  }
+
+  void FinishPoints(std::vector<Feature>& features) const {
+    const auto add = [&](Place v) {
+      const Point& p = graph_.places.at(v);
+      features.push_back(Feature::Point(graph_.point_ids[v], p[0], p[1]));
+    };
+    for (const Feature& f : features_) {
+      if (f.kind != FeatureKind::kPoint) continue;
+      const Place v = place_of_.at(f.id);
+      if (graph_.point_ids[v] == f.id) add(v);
+    }
+    for (Place v = 0; v < graph_.places.size(); ++v) {
+      if (graph_.point_ids[v] > max_id_) add(v);
+    }
+  }
+
+  // The pieces of each segment, from its first end to its last.
+  void FinishSegments(std::vector<Feature>& features) {
+    absl::flat_hash_map<FeatureId, std::vector<const Edge*>> pieces;
+    for (const Edge& e : graph_.edges) pieces[e.owner].push_back(&e);
+    for (const Feature& f : features_) {
+      const auto it = f.kind == FeatureKind::kSegment ? pieces.find(f.id) : pieces.end();
+      if (it == pieces.end()) continue;
+      const Point &from = graph_.places.at(place_of_[f.ends[0]]),
+                  &to = graph_.places.at(place_of_[f.ends[1]]);
+      const auto along = [&](Place v) {
+        const Point& p = graph_.places.at(v);
+        return (p[0] - from[0]) * (to[0] - from[0]) + (p[1] - from[1]) * (to[1] - from[1]);
+      };
+      const auto middle = [&](const Edge* e) { return along(e->a) / 2 + along(e->b) / 2; };
+      std::vector<const Edge*>& own = it->second;
+      std::sort(own.begin(), own.end(), [&](const Edge* s, const Edge* t) {
+        return std::tuple(middle(s), s->a, s->b) < std::tuple(middle(t), t->a, t->b);
+      });
+      for (const Edge* e : own) {
+        const bool forward = along(e->a) <= along(e->b);
+        features.push_back(Feature::Segment(e == own.front() ? f.id : next_id_++,
+                                            graph_.point_ids[forward ? e->a : e->b],
+                                            graph_.point_ids[forward ? e->b : e->a]));
+      }
+    }
+  }
+
+  const std::vector<Feature>& features_;
+  const CleanOptions& options_;
+  LineGraph graph_;
+  absl::flat_hash_map<FeatureId, Place> place_of_;
+  FeatureId max_id_ = 0;
+  FeatureId next_id_ = 0;
+};
+
+}  // namespace
+
+const char* NameOf(ChangeKind kind) {
+  switch (kind) {
+    case ChangeKind::kPointMerged:
+      return "point merged";
+    case ChangeKind::kPointRounded:
+      return "point rounded";
+    case ChangeKind::kSegmentSplit:
+      return "segment split";
+    case ChangeKind::kSegmentsCrossed:
+      return "segments crossed";
+    case ChangeKind::kSmallAngle:
+      return "small angle";
+    case ChangeKind::kZeroLength:
+      return "zero length";
+    case ChangeKind::kDoubled:
+      return "doubled";
+  }
+  return "";
+}
+
+absl::StatusOr<CleanResult> CleanInput(const std::vector<Feature>& features,
+                                       const CleanOptions& options) {
+  return Cleaner(features, options).Run();
+}
+
+}  // namespace dynmesh::cleaning

@@ -1,0 +1,193 @@
+#include "client/cleaning/meeting_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+namespace dynmesh::cleaning {
+namespace {
+
+// A square, by its middle.
+struct Cell {
+  double x = 0;
+  double y = 0;
+  double half = 0;
+
+  Cell Quarter(int q) const {
+    const double h = half / 2;
+    return {x + ((q & 1) != 0 ? h : -h), y + ((q & 2) != 0 ? h : -h), h};
+  }
+};
+
+// Does segment pq come nearer than `reach` to the cell? Or nearly so: separating axes, in
+// doubles; callers' reach has room for their error.
+bool Meets(const Point& p, const Point& q, const Cell& cell, double reach) {
+  const double half = cell.half + reach;
+  const double cx = cell.x - p[0], cy = cell.y - p[1];
+  const double dx = q[0] - p[0], dy = q[1] - p[1];
+  if (cx + half < std::min(0.0, dx) || cx - half > std::max(0.0, dx)) return false;
+  if (cy + half < std::min(0.0, dy) || cy - half > std::max(0.0, dy)) return false;
+  return std::abs(dx * cy - dy * cx) <= (std::abs(dx) + std::abs(dy)) * half;
+}
+
+class Walk {
+ public:
+  // Cells overlap by `reach` as edges see them.
+  Walk(const LineGraph& graph, double reach, int since)
+      : graph_(graph), reach_(reach), since_(since) {}
+
+  void Places(absl::FunctionRef<void(EdgeIndex, Place)> visit) {
+    std::vector<Place> places(graph_.places.size());
+    std::iota(places.begin(), places.end(), Place{0});
+    WalkPlaces(Root(), places, AllEdges(), visit);
+  }
+
+  void Edges(absl::FunctionRef<bool(EdgeIndex, EdgeIndex)> visit) {
+    WalkEdges(Root(), AllEdges(), 0, visit);
+  }
+
+ private:
+  using EdgeList = std::vector<EdgeIndex>;
+  using PlaceList = std::vector<Place>;
+
+  Cell Root() const {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    Point lo = {kInfinity, kInfinity}, hi = {-kInfinity, -kInfinity};
+    for (Place v = 0; v < graph_.places.size(); ++v) {
+      for (std::size_t i = 0; i < 2; ++i) {
+        lo[i] = std::min(lo[i], graph_.places.at(v)[i]);
+        hi[i] = std::max(hi[i], graph_.places.at(v)[i]);
+      }
+    }
+    if (lo[0] > hi[0]) return {};
+    return {lo[0] + (hi[0] - lo[0]) / 2, lo[1] + (hi[1] - lo[1]) / 2,
+            std::max(hi[0] - lo[0], hi[1] - lo[1])};  // twice as large as need be
+  }
+
+  EdgeList AllEdges() const {
+    EdgeList all(graph_.edges.size());
+    for (EdgeIndex e = 0; e < all.size(); ++e) all[e] = e;
+    return all;
+  }
+
+  EdgeList EdgesIn(const Cell& cell, const EdgeList& edges) const {
+    EdgeList in;
+    for (const EdgeIndex e : edges) {
+      const Edge& edge = graph_.edges[e];
+      if (Meets(graph_.places.at(edge.a), graph_.places.at(edge.b), cell, reach_)) in.push_back(e);
+    }
+    return in;
+  }
+
+  bool IsFresh(EdgeIndex e) const { return graph_.edges[e].born >= since_; }
+  bool IsFreshPlace(Place v) const { return graph_.place_born[v] >= since_; }
+  bool AnyFresh(const EdgeList& edges) const {
+    return std::any_of(edges.begin(), edges.end(), [this](EdgeIndex e) { return IsFresh(e); });
+  }
+  // Places are a tolerance apart, so a cell of a few holds few.
+  bool IsSmall(const Cell& cell) const { return cell.half <= 2 * graph_.places.tolerance(); }
+
+  void WalkPlaces(const Cell& cell, const PlaceList& places, const EdgeList& edges,
+                  absl::FunctionRef<void(EdgeIndex, Place)> visit) {
+    constexpr std::size_t kFewPairs = 64;
+    if (places.empty() || edges.empty()) return;
+    const bool any_fresh_place =
+        std::any_of(places.begin(), places.end(), [this](Place v) { return IsFreshPlace(v); });
+    if (!any_fresh_place && !AnyFresh(edges)) return;
+    if (places.size() == 1 || places.size() * edges.size() <= kFewPairs || IsSmall(cell)) {
+      for (const EdgeIndex e : edges) {
+        for (const Place v : places) {
+          if (IsFresh(e) || IsFreshPlace(v)) visit(e, v);
+        }
+      }
+      return;
+    }
+    std::array<PlaceList, 4> quarters;
+    for (const Place v : places) {
+      const Point& p = graph_.places.at(v);
+      quarters[(p[0] >= cell.x ? 1U : 0U) + (p[1] >= cell.y ? 2U : 0U)].push_back(v);
+    }
+    for (int q = 0; q < 4; ++q) {
+      const PlaceList& in = quarters[static_cast<std::size_t>(q)];
+      if (in.empty()) continue;
+      const Cell quarter = cell.Quarter(q);
+      WalkPlaces(quarter, in, EdgesIn(quarter, edges), visit);
+    }
+  }
+
+  // All end at one place: they meet there and nowhere else.
+  bool AreAStar(const EdgeList& edges) const {
+    const Edge& first = graph_.edges[edges[0]];
+    for (const Place hub : {first.a, first.b}) {
+      if (std::all_of(edges.begin(), edges.end(), [&](EdgeIndex e) {
+            return graph_.edges[e].a == hub || graph_.edges[e].b == hub;
+          })) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  bool VisitPairs(const EdgeList& edges, absl::FunctionRef<bool(EdgeIndex, EdgeIndex)> visit) {
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      for (std::size_t k = i + 1; k < edges.size(); ++k) {
+        if (!IsFresh(edges[i]) && !IsFresh(edges[k])) continue;
+        if (!visit(edges[i], edges[k])) return false;
+      }
+    }
+    return true;
+  }
+
+  // Segments that pass right through a cell are in about half of its quarters each: four
+  // times the pairs of half as many, no gain. `futile`: levels like that, one after the other.
+  bool WalkEdges(const Cell& cell, const EdgeList& edges, int futile,
+                 absl::FunctionRef<bool(EdgeIndex, EdgeIndex)> visit) {
+    constexpr std::size_t kFewEdges = 12;
+    constexpr int kMaxFutile = 3;
+    if (edges.size() < 2 || !AnyFresh(edges) || AreAStar(edges)) return true;
+    if (edges.size() <= kFewEdges || futile == kMaxFutile || IsSmall(cell)) {
+      return VisitPairs(edges, visit);
+    }
+    std::array<EdgeList, 4> quarters;
+    double pairs = 0;
+    std::size_t most = 0;
+    for (int q = 0; q < 4; ++q) {
+      EdgeList& in = quarters[static_cast<std::size_t>(q)];
+      in = EdgesIn(cell.Quarter(q), edges);
+      pairs += static_cast<double>(in.size()) * static_cast<double>(in.size());
+      most = std::max(most, in.size());
+    }
+    const double size = static_cast<double>(edges.size());
+    // Nearly all in one quarter: there may be a dense corner to find.
+    const bool zooms = static_cast<double>(most) > 0.9 * size;
+    if (!zooms) futile = pairs > 0.75 * size * size ? futile + 1 : 0;
+    for (int q = 0; q < 4; ++q) {
+      if (!WalkEdges(cell.Quarter(q), quarters[static_cast<std::size_t>(q)], futile, visit)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  const LineGraph& graph_;
+  const double reach_;
+  const int since_;
+};
+
+}  // namespace
+
+void VisitPlacesNearEdges(const LineGraph& graph, double reach, int since,
+                          absl::FunctionRef<void(EdgeIndex, Place)> visit) {
+  // The tolerance is 2^11 ulps of the coordinates or more: an eighth covers all rounding.
+  Walk(graph, reach + graph.places.tolerance() / 8, since).Places(visit);
+}
+
+void VisitEdgesThatMeet(const LineGraph& graph, int since,
+                        absl::FunctionRef<bool(EdgeIndex, EdgeIndex)> visit) {
+  Walk(graph, graph.places.tolerance() / 8, since).Edges(visit);
+}
+
+}  // namespace dynmesh::cleaning

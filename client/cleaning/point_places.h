@@ -1,0 +1,52 @@
+// The places that points of the cleaned input may have: no two nearer than the tolerance.
+// Places are only ever added, and there can never be more of them than fit into the input's
+// box.
+//
+// Thread-compatible. Expected O(1) an operation.
+#ifndef DYNMESH_CLIENT_CLEANING_POINT_PLACES_H_
+#define DYNMESH_CLIENT_CLEANING_POINT_PLACES_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+
+namespace dynmesh::cleaning {
+
+using Point = std::array<double, 2>;  // < is lexicographic
+using Place = std::uint32_t;
+
+// To the bit the same both ways round.
+double SquaredDistance(const Point& a, const Point& b);
+
+class PointPlaces {
+ public:
+  explicit PointPlaces(double tolerance) : tolerance_(tolerance) {}
+
+  // The place nearest to p within the tolerance, of several the oldest.
+  std::optional<Place> Near(const Point& p) const;
+  // REQUIRES: there is no place near.
+  Place Add(const Point& p);
+
+  const Point& at(Place v) const { return points_[v]; }
+  std::size_t size() const { return points_.size(); }
+  double tolerance() const { return tolerance_; }
+
+ private:
+  using Cell = std::pair<std::int64_t, std::int64_t>;  // squares of the tolerance's size
+  Cell CellOf(const Point& p) const;
+  static constexpr Place kNone = ~Place{0};
+
+  double tolerance_;
+  std::vector<Point> points_;
+  std::vector<Place> next_;  // in the same cell
+  absl::flat_hash_map<Cell, Place> first_;
+};
+
+}  // namespace dynmesh::cleaning
+
+#endif  // DYNMESH_CLIENT_CLEANING_POINT_PLACES_H_

@@ -1,0 +1,264 @@
+// dynmesh import INPUT -o OUT: any input as .poly or edit script, cleaned if asked.
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "absl/strings/str_format.h"
+#include "client/cleaning/clean_input.h"
+#include "client/cli/command.h"
+#include "client/cli/input.h"
+#include "client/cli/json.h"
+#include "core/data/text.h"
+#include "core/io/edit_script.h"
+#include "core/io/file_writer.h"
+#include "core/io/planar_output.h"
+#include "core/plc/rules.h"
+#include "dynmesh/dynamic_mesh.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using cleaning::Change;
+using cleaning::ChangeKind;
+using cleaning::CleanResult;
+using data::Concat;
+
+// The default tolerance, in distances below which a mesh refuses features as too close. At
+// half the tolerance from a segment nothing is left, so 4 leaves a factor of 2 for what
+// rounding and a box that shrank can do; 2 leaves none.
+constexpr double kDefaultCloseLimits = 4;
+constexpr double kLeastCloseLimits = 2.5;
+
+struct ImportCommand {
+  std::string input;
+  std::string output;
+  std::string box;
+  std::optional<double> tolerance;
+  bool clean = false;
+  bool json = false;
+};
+
+enum class OutputKind { kPoly, kScript };
+
+absl::StatusOr<OutputKind> OutputKindOf(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (extension == ".poly") return OutputKind::kPoly;
+  if (extension == ".dynmesh") return OutputKind::kScript;
+  return absl::InvalidArgumentError(
+      Concat("-o: ", path, " is neither a .poly nor a .dynmesh (an edit script)"));
+}
+
+std::size_t CountOf(const std::vector<Feature>& features, FeatureKind kind) {
+  std::size_t count = 0;
+  for (const Feature& f : features) count += f.kind == kind ? 1 : 0;
+  return count;
+}
+
+double DistanceOf(const Change& change) {
+  // The two ends of what stood twice are no way that anything went.
+  if (change.kind == ChangeKind::kDoubled) return 0;
+  return std::hypot(change.from[0] - change.to[0], change.from[1] - change.to[1]);
+}
+
+std::string ToJson(const Change& change) {
+  std::vector<std::string> ids;
+  for (const FeatureId id : change.ids) ids.push_back(Concat(id));
+  return JsonObject()
+      .AddText("change", cleaning::NameOf(change.kind))
+      .AddTexts("ids", ids)
+      .Add("x", change.from[0])
+      .Add("y", change.from[1])
+      .Add("to_x", change.to[0])
+      .Add("to_y", change.to[1])
+      .ToLine();
+}
+
+struct Summary {
+  std::array<std::size_t, 2> points{};  // before, after
+  std::array<std::size_t, 2> segments{};
+  std::array<std::size_t, cleaning::kChangeKinds> changes{};
+  double largest_step = 0;
+  int rounds = 0;
+  double tolerance = 0;
+  double clean_seconds = 0;
+  bool cleaned = false;
+};
+
+std::string ToText(const Summary& s, bool json) {
+  if (json) {
+    JsonObject object;
+    object.Add("summary", true)
+        .Add("points_read", s.points[0])
+        .Add("segments_read", s.segments[0])
+        .Add("points", s.points[1])
+        .Add("segments", s.segments[1])
+        .Add("cleaned", s.cleaned);
+    if (!s.cleaned) return object.ToLine();
+    std::size_t all = 0;
+    for (std::size_t k = 0; k < s.changes.size(); ++k) {
+      std::string key = cleaning::NameOf(static_cast<ChangeKind>(k));
+      for (char& c : key) c = c == ' ' ? '_' : c;
+      object.Add(key, s.changes[k]);
+      all += s.changes[k];
+    }
+    return object.Add("changes", all)
+        .Add("largest_step", s.largest_step)
+        .Add("tolerance", s.tolerance)
+        .Add("rounds", s.rounds)
+        .Add("clean_seconds", s.clean_seconds)
+        .ToLine();
+  }
+  std::string text = absl::StrFormat(
+      "points             %d (%d read)\n"
+      "segments           %d (%d read)\n",
+      s.points[1], s.points[0], s.segments[1], s.segments[0]);
+  if (!s.cleaned) return text;
+  for (std::size_t k = 0; k < s.changes.size(); ++k) {
+    text +=
+        absl::StrFormat("%-18s %d\n", cleaning::NameOf(static_cast<ChangeKind>(k)), s.changes[k]);
+  }
+  return text + absl::StrFormat(
+                    "largest step       %.6g\n"
+                    "tolerance          %.6g\n"
+                    "cleaned in         %.3f s, %d rounds\n",
+                    s.largest_step, s.tolerance, s.clean_seconds, s.rounds);
+}
+
+// Would a mesh take these? What was cleaned is not believed but checked.
+absl::Status ValidateFeatures(const std::vector<Feature>& features, const MeshOptions& options) {
+  const auto mesh = DynamicMesh::Create(options);
+  if (!mesh.ok()) return mesh.status();
+  EditBatch batch;
+  batch.reserve(features.size());
+  for (const Feature& f : features) batch.push_back(Edit::Add(f));
+  return (*mesh)->Validate(batch);
+}
+
+// An input's own box holds it; one that was given need not.
+absl::Status CheckInside(const Input& input) {
+  const Box& box = input.options.box;
+  for (const Feature& f : input.features) {
+    if (f.kind != FeatureKind::kPoint) continue;
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (f.position[i] >= box.lo[i] && f.position[i] <= box.hi[i]) continue;
+      const std::string place = input.where(f.id);
+      return absl::InvalidArgumentError(Concat(place, place.empty() ? "" : ": ", "point ", f.id,
+                                               " at (", f.position[0], ", ", f.position[1],
+                                               ") is outside --box; give a larger box"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<double> ToleranceOf(const ImportCommand& command, const MeshOptions& options) {
+  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
+  const double limit = plc::CloseLimit(options);
+  if (!command.tolerance) return kDefaultCloseLimits * limit;
+  if (!std::isfinite(*command.tolerance) || *command.tolerance < kLeastCloseLimits * limit) {
+    return absl::InvalidArgumentError(Concat("--tolerance: in this box it must be at least ",
+                                             io::FormatDouble(kLeastCloseLimits * limit),
+                                             ", found ", io::FormatDouble(*command.tolerance)));
+  }
+  return *command.tolerance;
+}
+
+absl::Status Clean(const ImportCommand& command, const Input& input, CleanResult& result,
+                   Summary& summary) {
+  const absl::StatusOr<double> tolerance = ToleranceOf(command, input.options);
+  if (!tolerance.ok()) return tolerance.status();
+  cleaning::CleanOptions options;
+  options.tolerance = *tolerance;
+  const auto start = std::chrono::steady_clock::now();
+  absl::StatusOr<CleanResult> cleaned = cleaning::CleanInput(input.features, options);
+  if (!cleaned.ok()) return Locate(cleaned.status(), input.where);
+  result = *std::move(cleaned);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  if (absl::Status status = ValidateFeatures(result.features, input.options); !status.ok()) {
+    return Locate(status, input.where);
+  }
+  summary.cleaned = true;
+  summary.tolerance = *tolerance;
+  summary.rounds = result.rounds;
+  summary.clean_seconds = seconds.count();
+  for (const Change& change : result.changes) {
+    ++summary.changes[static_cast<std::size_t>(change.kind)];
+    summary.largest_step = std::max(summary.largest_step, DistanceOf(change));
+  }
+  return absl::OkStatus();
+}
+
+int Run(const ImportCommand& command) {
+  const absl::StatusOr<OutputKind> kind = OutputKindOf(command.output);
+  if (!kind.ok()) return ReportError(kind.status());
+  if (command.tolerance && !command.clean) {
+    return ReportError(absl::InvalidArgumentError("--tolerance needs --clean"));
+  }
+  absl::StatusOr<Input> input = LoadInput(command.input);
+  if (!input.ok()) return ReportError(input.status());
+  for (const std::string& warning : input->warnings) PrintWarning(warning);
+  if (!command.box.empty()) {
+    const absl::StatusOr<Box> box = io::ParseBox(command.box);
+    if (!box.ok()) {
+      return ReportError(
+          absl::InvalidArgumentError(Concat("--box: ", data::View(box.status().message()))));
+    }
+    input->options.box = *box;
+    if (const absl::Status status = CheckInside(*input); !status.ok()) return ReportError(status);
+  }
+  Summary summary;
+  CleanResult result;
+  if (command.clean) {
+    const absl::Status status = Clean(command, *input, result, summary);
+    if (!status.ok()) return ReportError(status);
+  } else {
+    result.features = input->features;
+  }
+  const std::array<const std::vector<Feature>*, 2> sides = {&input->features, &result.features};
+  for (std::size_t i = 0; i < 2; ++i) {
+    summary.points[i] = CountOf(*sides[i], FeatureKind::kPoint);
+    summary.segments[i] = CountOf(*sides[i], FeatureKind::kSegment);
+  }
+  const std::size_t others = result.features.size() - summary.points[1] - summary.segments[1];
+  if (*kind == OutputKind::kPoly && others != 0) {
+    PrintWarning(Concat(command.output, ": ", others,
+                        " sizing feature(s) left out; a .dynmesh has place for them"));
+  }
+  const absl::Status written =
+      *kind == OutputKind::kPoly
+          ? io::WritePolyFile(command.output, result.features)
+          : io::WriteFeatureScript(command.output, input->options, result.features);
+  if (!written.ok()) return ReportError(written);
+  std::string report;
+  if (command.json) {
+    for (const Change& change : result.changes) report += ToJson(change);
+  }
+  return PrintOut(report + ToText(summary, command.json)) ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<ImportCommand>();
+  CLI::App* const sub =
+      AddCommand(app, slot, "import", "Read a map or other input, clean it, write it",
+                 [command] { return Run(*command); });
+  sub->add_option("INPUT", command->input, kInputKinds)->required();
+  sub->add_option("-o,--output", command->output, "Where to: .poly, or .dynmesh (an edit script)")
+      ->required()
+      ->type_name("OUT");
+  sub->add_flag("--clean", command->clean,
+                "Mend what a mesh refuses: merge, split, drop (all is reported)");
+  sub->add_option("--tolerance", command->tolerance,
+                  "What is nearer than this is one (default: 4 times what a mesh refuses as too "
+                  "close)")
+      ->type_name("T");
+  sub->add_option("--box", command->box,
+                  "Where features may lie (default: the input's bounding box)")
+      ->type_name("X0,Y0,X1,Y1");
+  sub->add_flag("--json", command->json, "Print every change and a summary, one object a line");
+}
+
+}  // namespace dynmesh::cli

@@ -1,0 +1,55 @@
+#include "core/io/planar_output.h"
+
+#include <array>
+#include <cstddef>
+
+#include "absl/container/flat_hash_map.h"
+#include "core/data/text.h"
+#include "core/io/edit_script.h"
+#include "core/io/file_writer.h"
+
+namespace dynmesh::io {
+
+absl::Status WritePolyFile(const std::string& path, const std::vector<Feature>& features) {
+  absl::flat_hash_map<FeatureId, std::size_t> number;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPoint) number.emplace(f.id, number.size() + 1);
+  }
+  std::vector<std::array<std::size_t, 2>> segments;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kSegment) continue;
+    std::array<std::size_t, 2> ends{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto it = number.find(f.ends[i]);
+      if (it == number.end()) {
+        return absl::InvalidArgumentError(
+            data::Concat("segment ", f.id, " ends at ", f.ends[i], ", which is no point; add it"));
+      }
+      ends[i] = it->second;
+    }
+    segments.push_back(ends);
+  }
+  FileWriter out(path);
+  out << number.size() << " 2 0 0\n";
+  std::size_t n = 0;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kPoint) continue;
+    out << ++n << ' ' << f.position[0] << ' ' << f.position[1] << '\n';
+  }
+  out << segments.size() << " 0\n";
+  n = 0;
+  for (const auto& ends : segments) out << ++n << ' ' << ends[0] << ' ' << ends[1] << '\n';
+  out << "0\n";
+  return out.Close();
+}
+
+absl::Status WriteFeatureScript(const std::string& path, const MeshOptions& options,
+                                const std::vector<Feature>& features) {
+  FileWriter out(path);
+  out << FormatMeshLine(options) << '\n';
+  for (const Feature& f : features) out << FormatEdit(Edit::Add(f)) << '\n';
+  out << "commit\n";
+  return out.Close();
+}
+
+}  // namespace dynmesh::io

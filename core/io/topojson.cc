@@ -1,0 +1,179 @@
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/data/text.h"
+#include "core/io/file_writer.h"
+#include "core/io/json_fields.h"
+#include "core/io/line_work.h"
+#include "core/io/map_files.h"
+
+namespace dynmesh::io {
+namespace {
+
+using data::Concat;
+using data::Quoted;
+using Index = JsonDocument::Index;
+using Kind = JsonDocument::Kind;
+using Pair = std::array<double, 2>;
+
+class TopoJsonReader {
+ public:
+  explicit TopoJsonReader(const JsonDocument& json) : json_(json) {}
+
+  absl::StatusOr<PlanarInput> Read() {
+    const auto arcs = Member(json_, 0, "arcs", Kind::kArray, "a Topology");
+    if (!arcs.ok()) return arcs.status();
+    const auto objects = Member(json_, 0, "objects", Kind::kObject, "a Topology");
+    if (!objects.ok()) return objects.status();
+    if (auto status = ReadTransform(); !status.ok()) return status;
+    used_.assign(Count(json_, *arcs), false);
+    // First which arcs are used and which points there are, then the arcs.
+    const absl::Status status =
+        json_.ForEach(*objects, [this](Index g) { return ReadGeometry(g); });
+    if (!status.ok()) return status;
+    std::size_t n = 0;
+    const absl::Status drawn = json_.ForEach(
+        *arcs, [&](Index arc) { return used_[n++] ? ReadArc(arc) : absl::OkStatus(); });
+    if (!drawn.ok()) return drawn;
+    for (const Index v : points_) {
+      if (auto added = AddPoint(v); !added.ok()) return added;
+    }
+    PlanarInput input = work_.Take(json_.name());
+    input.heights = heights_;
+    return input;
+  }
+
+ private:
+  absl::Status ReadTransform() {
+    if (!json_.Find(0, "transform")) return absl::OkStatus();
+    const auto transform = Member(json_, 0, "transform", Kind::kObject, "a Topology");
+    if (!transform.ok()) return transform.status();
+    for (const auto& [key, value] : {std::pair("scale", &scale_), {"translate", &translate_}}) {
+      const auto member = Member(json_, *transform, key, Kind::kArray, "the transform");
+      if (!member.ok()) return member.status();
+      const absl::StatusOr<Position> pair = ReadPosition(json_, *member);
+      if (!pair.ok()) return pair.status();
+      *value = pair->at;
+    }
+    quantised_ = true;
+    return absl::OkStatus();
+  }
+
+  absl::Status ReadGeometry(Index v) {
+    if (json_.kind(v) == Kind::kNull) return absl::OkStatus();
+    // An object without a geometry has type null.
+    if (json_.kind(v) == Kind::kObject) {
+      const std::optional<Index> type = json_.Find(v, "type");
+      if (type && json_.kind(*type) == Kind::kNull) return absl::OkStatus();
+    }
+    const absl::StatusOr<std::string_view> type = TypeOf(json_, v, "a geometry");
+    if (!type.ok()) return type.status();
+    if (*type == "GeometryCollection") {
+      const auto members = Member(json_, v, "geometries", Kind::kArray, *type);
+      if (!members.ok()) return members.status();
+      return json_.ForEach(*members, [this](Index g) { return ReadGeometry(g); });
+    }
+    if (*type == "Point" || *type == "MultiPoint") return ReadPoints(v, *type);
+    constexpr struct {
+      std::string_view type;
+      int arrays;  // around the numbers of arcs
+    } kOfArcs[] = {{"LineString", 1}, {"MultiLineString", 2}, {"Polygon", 2}, {"MultiPolygon", 3}};
+    for (const auto& kind : kOfArcs) {
+      if (*type != kind.type) continue;
+      const auto arcs = Member(json_, v, "arcs", Kind::kArray, *type);
+      if (!arcs.ok()) return arcs.status();
+      return UseArcs(*arcs, kind.arrays);
+    }
+    return json_.Error(v, Concat("unknown type ", Quoted(*type),
+                                 ": expected Point, MultiPoint, LineString, MultiLineString, "
+                                 "Polygon, MultiPolygon or GeometryCollection"));
+  }
+
+  absl::Status ReadPoints(Index v, std::string_view type) {
+    const auto coordinates = Member(json_, v, "coordinates", Kind::kArray, type);
+    if (!coordinates.ok()) return coordinates.status();
+    if (type == "Point") {
+      points_.push_back(*coordinates);
+      return absl::OkStatus();
+    }
+    return json_.ForEach(*coordinates, [this](Index i) {
+      points_.push_back(i);
+      return absl::OkStatus();
+    });
+  }
+
+  // Arc n backwards is ~n, that is -1 - n.
+  absl::Status UseArcs(Index v, int arrays) {
+    if (arrays > 0) {
+      if (auto status = ExpectArray(json_, v, "a list of arcs"); !status.ok()) return status;
+      return json_.ForEach(v, [&](Index i) { return UseArcs(i, arrays - 1); });
+    }
+    if (json_.kind(v) != Kind::kNumber) return json_.Error(v, "the number of an arc is no number");
+    const double number = json_.number(v);
+    const double arc = number < 0 ? -1 - number : number;
+    if (!(arc < static_cast<double>(used_.size())) || arc != std::floor(arc)) {
+      return json_.Error(
+          v, Concat("there is no arc ", FormatDouble(number), ": the topology has ", used_.size()));
+    }
+    used_[static_cast<std::size_t>(arc)] = true;
+    return absl::OkStatus();
+  }
+
+  Pair Place(const Pair& q) const {
+    if (!quantised_) return q;
+    return {q[0] * scale_[0] + translate_[0], q[1] * scale_[1] + translate_[1]};
+  }
+
+  absl::Status ReadArc(Index arc) {
+    if (auto status = ExpectArray(json_, arc, "an arc"); !status.ok()) return status;
+    if (Count(json_, arc) < 2) return json_.Error(arc, "an arc needs 2 positions");
+    std::optional<LineWork::Place> last;
+    Pair sum = {0, 0};
+    return json_.ForEach(arc, [&](Index i) {
+      const absl::StatusOr<Position> position = ReadPosition(json_, i);
+      if (!position.ok()) return position.status();
+      heights_ += position->has_more ? 1 : 0;
+      for (std::size_t k = 0; k < 2; ++k) {
+        // A quantised arc is a first position and steps from it.
+        sum[k] = quantised_ ? sum[k] + position->at[k] : position->at[k];
+      }
+      const Pair at = Place(sum);
+      if (auto status = CheckMagnitude(json_, i, at); !status.ok()) return status;
+      const LineWork::Place here = work_.Add(at, json_.line(i));
+      if (last) work_.Connect(*last, here, json_.line(i));
+      last = here;
+      return absl::OkStatus();
+    });
+  }
+
+  absl::Status AddPoint(Index v) {
+    const absl::StatusOr<Position> position = ReadPosition(json_, v);
+    if (!position.ok()) return position.status();
+    heights_ += position->has_more ? 1 : 0;
+    const Pair at = Place(position->at);
+    if (auto status = CheckMagnitude(json_, v, at); !status.ok()) return status;
+    work_.Add(at, json_.line(v));
+    return absl::OkStatus();
+  }
+
+  const JsonDocument& json_;
+  bool quantised_ = false;
+  Pair scale_ = {1, 1};
+  Pair translate_ = {0, 0};
+  std::vector<bool> used_;     // by arc
+  std::vector<Index> points_;  // positions of the objects' own
+  LineWork work_;
+  std::uint64_t heights_ = 0;
+};
+
+}  // namespace
+
+absl::StatusOr<PlanarInput> ReadTopoJson(const JsonDocument& json) {
+  return TopoJsonReader(json).Read();
+}
+
+}  // namespace dynmesh::io

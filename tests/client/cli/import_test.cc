@@ -1,0 +1,155 @@
+// `dynmesh import`, and maps as input of the other commands.
+#include <string>
+
+#include "gtest/gtest.h"
+#include "tests/client/cli/command_line.h"
+
+namespace dynmesh::cli {
+namespace {
+
+class Import : public CommandLineFixture {
+ protected:
+  void WriteInputs() const {
+    folder_.Write("square.geojson",
+                  "{\"type\": \"Polygon\", \"coordinates\":\n"
+                  "[[[0, 0], [1, 0], [1, 0.1], [0, 1], [0, 0]]]}");
+    // Two bars that cross, a third that ends on the first, one point twice.
+    folder_.Write("messy.poly",
+                  "8 2 0 0\n1 0 0\n2 1 1\n3 0 1\n4 1 0\n5 0.25 0.25\n6 0.25 0\n7 1 0\n8 .9 .1\n"
+                  "3 0\n1 1 2\n2 3 4\n3 6 5\n0\n");
+    folder_.Write("squares.topojson",
+                  "{\"type\": \"Topology\", \"transform\": {\"scale\": [0.1, 0.1], "
+                  "\"translate\": [-1, 5]},\n"
+                  "\"objects\": {\"a\": {\"type\": \"Polygon\", \"arcs\": [[0]]}},\n"
+                  "\"arcs\": [[[0, 0], [9, 0], [0, 3], [-9, -3]]]}");
+  }
+};
+
+TEST_F(Import, MapsAreInputOfEveryCommand) {
+  WriteInputs();
+  for (const std::string name : {"square.geojson", "squares.topojson"}) {
+    ASSERT_EQ(Run("mesh " + name + " -o m.node").code, 0) << name;
+    EXPECT_EQ(Run("verify m.node --input " + name).code, 0) << name;
+  }
+  folder_.Write("map.json", folder_.Read("squares.topojson"));
+  EXPECT_EQ(Value(Run("mesh map.json --json").out, "hash"),
+            Value(Run("mesh squares.topojson --json").out, "hash"));
+}
+
+TEST_F(Import, APolyOfAMapMeshesLikeTheMap) {
+  WriteInputs();
+  for (const std::string out : {"m.poly", "m.dynmesh"}) {
+    const Outcome outcome = Run("import squares.topojson --json -o " + out);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(Value(outcome.out, "points"), "3");
+    EXPECT_EQ(Value(outcome.out, "segments"), "3");
+    EXPECT_EQ(Value(outcome.out, "cleaned"), "false");
+    EXPECT_EQ(Value(Run("mesh --json " + out).out, "hash"),
+              Value(Run("mesh squares.topojson --json").out, "hash"));
+  }
+  EXPECT_TRUE(folder_.Read("m.dynmesh").starts_with("mesh dim=2 box=-1,5,"));
+  EXPECT_EQ(Run("replay m.dynmesh --check 1").code, 0);
+}
+
+TEST_F(Import, WhatIsCleanedMeshes) {
+  WriteInputs();
+  EXPECT_EQ(Run("mesh messy.poly").code, 2);
+  const Outcome outcome = Run("import messy.poly --clean -o clean.poly --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::vector<std::string> lines = Lines(outcome.out);
+  ASSERT_EQ(lines.size(), 5U) << outcome.out;
+  // Point 7 is point 4; 5 is on segment 9, 8 on segment 10; these two cross.
+  EXPECT_EQ(lines[0],
+            "{\"change\": \"point merged\", \"ids\": [\"7\", \"4\"], \"x\": 1, \"y\": 0, "
+            "\"to_x\": 1, \"to_y\": 0}");
+  EXPECT_NE(lines[1].find("\"segment split\", \"ids\": [\"9\", \"5\"]"), std::string::npos);
+  EXPECT_NE(lines[2].find("\"segment split\", \"ids\": [\"10\", \"8\"]"), std::string::npos);
+  EXPECT_NE(lines[3].find("\"segments crossed\""), std::string::npos);
+  const std::string& summary = lines[4];
+  EXPECT_EQ(Value(summary, "summary"), "true");
+  EXPECT_EQ(Value(summary, "points_read"), "8");
+  EXPECT_EQ(Value(summary, "points"), "8");
+  EXPECT_EQ(Value(summary, "segments_read"), "3");
+  EXPECT_EQ(Value(summary, "segments"), "7");
+  EXPECT_EQ(Value(summary, "point_merged"), "1");
+  EXPECT_EQ(Value(summary, "segment_split"), "2");
+  EXPECT_EQ(Value(summary, "segments_crossed"), "1");
+  EXPECT_EQ(Value(summary, "changes"), "4");
+  ASSERT_EQ(Run("mesh clean.poly -o m.node").code, 0);
+  EXPECT_EQ(Run("verify m.node --input clean.poly").code, 0);
+  // As text, and as a script, which keeps ids.
+  const Outcome text = Run("import messy.poly --clean -o clean.dynmesh");
+  ASSERT_EQ(text.code, 0);
+  EXPECT_NE(text.out.find("segments crossed   1\n"), std::string::npos) << text.out;
+  EXPECT_NE(folder_.Read("clean.dynmesh").find("add point 8 0.9 0.1\n"), std::string::npos);
+  EXPECT_EQ(folder_.Read("clean.dynmesh").find("add point 7 "), std::string::npos);
+}
+
+TEST_F(Import, CleaningCleanInputGivesTheSameFile) {
+  WriteInputs();
+  ASSERT_EQ(Run("import squares.topojson -o a.poly").code, 0);
+  ASSERT_EQ(Run("import a.poly --clean -o b.poly").code, 0);
+  EXPECT_EQ(folder_.Read("a.poly"), folder_.Read("b.poly"));
+}
+
+TEST_F(Import, TheToleranceSaysWhatIsOne) {
+  folder_.Write("near.poly", "3 2 0 0\n1 0 0\n2 1 0\n3 0.5 0.01\n1 0\n1 1 2\n0\n");
+  EXPECT_EQ(Value(Run("import near.poly --clean --json -o c.poly").out, "changes"), "0");
+  EXPECT_EQ(
+      Value(Lines(Run("import near.poly --clean --tolerance 0.1 --json -o c.poly").out).back(),
+            "segment_split"),
+      "1");
+}
+
+TEST_F(Import, TheBoxIsTheMeshLines) {
+  WriteInputs();
+  ASSERT_EQ(Run("import square.geojson --box=-1,-1,2,2 -o a.dynmesh").code, 0);
+  EXPECT_TRUE(folder_.Read("a.dynmesh").starts_with("mesh dim=2 box=-1,-1,2,2 "));
+  const Outcome outside = Run("import square.geojson --box 0,0,0.5,2 -o b.dynmesh");
+  EXPECT_EQ(outside.code, 2);
+  EXPECT_NE(outside.err.find("square.geojson:2: point 2 "), std::string::npos) << outside.err;
+}
+
+TEST_F(Import, SizingFeaturesStayInScripts) {
+  folder_.Write("a.txt", "mesh box=0,0,1,1\nadd point 1 .1 .2\nadd size 2 point .5 .5 .01\n");
+  const Outcome script = Run("import a.txt --clean -o a.dynmesh");
+  ASSERT_EQ(script.code, 0) << script.err;
+  EXPECT_EQ(Value(Run("mesh a.dynmesh --json").out, "hash"),
+            Value(Run("mesh a.txt --json").out, "hash"));
+  const Outcome poly = Run("import a.txt -o a.poly");
+  EXPECT_EQ(poly.code, 0);
+  EXPECT_NE(poly.err.find("1 sizing feature(s) left out"), std::string::npos) << poly.err;
+}
+
+TEST_F(Import, BadUsageAndBadInputAreTwo) {
+  WriteInputs();
+  folder_.Write("bad.geojson", "{\"type\": \"Point\",\n\"coordinates\": [1]}");
+  folder_.Write("bad.json", "{\"type\":\n");
+  folder_.Write("flat.node", "1 2 0 0\n1 1e300 0\n");
+  for (const char* arguments :
+       {"import", "import messy.poly", "import -o a.poly", "import none.json -o a.poly",
+        "import bad.geojson -o a.poly", "import bad.json -o a.poly", "import messy.poly -o a.node",
+        "import messy.poly -o a", "import messy.poly -o a.poly --tolerance 1",
+        "import messy.poly -o a.poly --clean --tolerance 0",
+        "import messy.poly -o a.poly --clean --tolerance 1e-15",
+        "import messy.poly -o a.poly --clean --tolerance nan",
+        "import messy.poly -o a.poly --box 1", "import flat.node -o a.poly --clean"}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.err;
+    EXPECT_NE(outcome.err, "") << arguments;
+    EXPECT_EQ(outcome.out, "") << arguments;
+  }
+  EXPECT_NE(Run("mesh bad.geojson").err.find("bad.geojson:2: "), std::string::npos);
+}
+
+TEST_F(Import, WarnsOfEdgesAcrossTheAntimeridianAndOfHeights) {
+  folder_.Write("a.geojson",
+                R"({"type": "LineString", "coordinates": [[179, 5, 1], [-179, 6, 1]]})");
+  const Outcome outcome = Run("import a.geojson -o a.poly");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.err.find("antimeridian"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("2 height(s) ignored"), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace dynmesh::cli
