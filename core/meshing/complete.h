@@ -82,8 +82,11 @@ void Refinement<E>::Complete(Context& context) {
     const int next = NextBucket(bucket);
     if (next < kBuckets - 1) context.Request(kComplete, v, MakeEpoch(next, 0, kQualityStep));
   } else {
-    const int own = BucketOf(NearestInStar());
-    if (own > bucket) context.Request(kComplete, v, MakeEpoch(own, 0, kQualityStep));
+    // With nobody in view that counts, v looks again when views are wider.
+    const double nn2 = NearestInStar();
+    const int own = nn2 < INFINITY ? BucketOf(nn2) : rules_.LastKnownBucket(bucket) + 1;
+    if (own > bucket && own < kBuckets - 1)
+      context.Request(kComplete, v, MakeEpoch(own, 0, kQualityStep));
     RequestNeighbours(context);
   }
 }
