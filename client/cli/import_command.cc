@@ -11,8 +11,8 @@
 #include "client/cli/command.h"
 #include "client/cli/input.h"
 #include "client/cli/json.h"
+#include "client/cli/mesh_flags.h"
 #include "core/data/text.h"
-#include "core/io/edit_script.h"
 #include "core/io/file_writer.h"
 #include "core/io/planar_output.h"
 #include "core/plc/rules.h"
@@ -131,10 +131,7 @@ std::string ToText(const Summary& s, bool json) {
 absl::Status ValidateFeatures(const std::vector<Feature>& features, const MeshOptions& options) {
   const auto mesh = DynamicMesh::Create(options);
   if (!mesh.ok()) return mesh.status();
-  EditBatch batch;
-  batch.reserve(features.size());
-  for (const Feature& f : features) batch.push_back(Edit::Add(f));
-  return (*mesh)->Validate(batch);
+  return (*mesh)->Validate(AddAll(features));
 }
 
 // An input's own box holds it; one that was given need not.
@@ -200,12 +197,8 @@ int Run(const ImportCommand& command) {
   if (!input.ok()) return ReportError(input.status());
   for (const std::string& warning : input->warnings) PrintWarning(warning);
   if (!command.box.empty()) {
-    const absl::StatusOr<Box> box = io::ParseBox(command.box);
-    if (!box.ok()) {
-      return ReportError(
-          absl::InvalidArgumentError(Concat("--box: ", data::View(box.status().message()))));
-    }
-    input->options.box = *box;
+    const absl::Status given = ApplyBoxFlag(command.box, input->options);
+    if (!given.ok()) return ReportError(given);
     if (const absl::Status status = CheckInside(*input); !status.ok()) return ReportError(status);
   }
   Summary summary;
@@ -255,9 +248,7 @@ void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
                   "What is nearer than this is one (default: 4 times what a mesh refuses as too "
                   "close)")
       ->type_name("T");
-  sub->add_option("--box", command->box,
-                  "Where features may lie (default: the input's bounding box)")
-      ->type_name("X0,Y0,X1,Y1");
+  AddBoxFlag(*sub, command->box);
   sub->add_flag("--json", command->json, "Print every change and a summary, one object a line");
 }
 

@@ -12,6 +12,19 @@ absl::Status Flag(const char* flag, const absl::Status& status) {
 
 }  // namespace
 
+void AddBoxFlag(CLI::App& command, std::string& text) {
+  command.add_option("--box", text, "Where features may lie (default: the input's bounding box)")
+      ->type_name("X0,Y0,X1,Y1");
+}
+
+absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options) {
+  if (text.empty()) return absl::OkStatus();
+  const absl::StatusOr<Box> box = io::ParseBox(text);
+  if (!box.ok()) return Flag("--box", box.status());
+  options.box = *box;
+  return absl::OkStatus();
+}
+
 void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
   command
       .add_option("--rho", flags.rho,
@@ -22,9 +35,7 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
       ->type_name("edge|thesis");
   command.add_option("--engine", flags.engine, "Which mesher (default: dynamic)")
       ->type_name("dynamic|svr");
-  command
-      .add_option("--box", flags.box, "Where features may lie (default: the input's bounding box)")
-      ->type_name("X0,Y0,X1,Y1");
+  AddBoxFlag(command, flags.box);
   command
       .add_option("--hmax", flags.max_edge,
                   "No edge in the box longer than sqrt 2 times this (default: any)")
@@ -51,12 +62,7 @@ absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options) {
     if (!criterion.ok()) return Flag("--criterion", criterion.status());
     options.criterion = *criterion;
   }
-  if (!flags.box.empty()) {
-    const absl::StatusOr<Box> box = io::ParseBox(flags.box);
-    if (!box.ok()) return Flag("--box", box.status());
-    options.box = *box;
-  }
-  return absl::OkStatus();
+  return ApplyBoxFlag(flags.box, options);
 }
 
 }  // namespace dynmesh::cli

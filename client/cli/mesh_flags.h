@@ -24,6 +24,10 @@ struct MeshFlags {
 // --rho --criterion --engine --box --hmax --max-vertices
 void AddMeshFlags(CLI::App& command, MeshFlags& flags);
 
+// --box alone, and what it says if it was given.
+void AddBoxFlag(CLI::App& command, std::string& text);
+absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options);
+
 // Flags that were given override `options`.
 absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options);
 

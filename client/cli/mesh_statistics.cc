@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_format.h"
@@ -98,21 +99,19 @@ std::vector<io::Histogram> StatisticsHistograms(const MeshStatistics& s) {
   const auto mark = [&](double angle) {
     return io::Histogram::Mark{angle, absl::StrFormat("rho %.4g: %.1f", s.rho, angle)};
   };
-  io::Histogram least;
-  least.title = "Least angle of each triangle";
-  least.unit = "degrees";
-  least.hi = 60;
-  least.tick = 5;
-  least.counts = ToVector(s.least_angles);
-  least.marks = {mark(bound)};
-  io::Histogram all;
-  all.title = "All angles";
-  all.unit = "degrees";
-  all.hi = 180;
-  all.tick = 10;
-  all.counts = ToVector(s.angles);
-  all.marks = {mark(bound), mark(180 - 2 * bound)};
-  return {least, all};
+  const auto histogram = [](const char* title, double hi, double tick, const auto& counts,
+                            std::vector<io::Histogram::Mark> marks) {
+    io::Histogram h;
+    h.title = title;
+    h.unit = "degrees";
+    h.hi = hi;
+    h.tick = tick;
+    h.counts = ToVector(counts);
+    h.marks = std::move(marks);
+    return h;
+  };
+  return {histogram("Least angle of each triangle", 60, 5, s.least_angles, {mark(bound)}),
+          histogram("All angles", 180, 10, s.angles, {mark(bound), mark(180 - 2 * bound)})};
 }
 
 }  // namespace dynmesh::cli

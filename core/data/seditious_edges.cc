@@ -1,8 +1,9 @@
 #include "core/data/seditious_edges.h"
 
 #include <cmath>
-#include <utility>
 
+#include "core/geometry/angles.h"
+#include "core/geometry/point.h"
 #include "dynmesh/quality.h"
 
 namespace dynmesh::data {
@@ -11,8 +12,6 @@ namespace {
 constexpr std::size_t kNoRow = ~std::size_t{0};
 // Coordinates of vertices on segments are off by a few spacings of doubles.
 constexpr double kToleranceUnits = 16;
-// cos^2 of 60 degrees, as the mesher draws the line.
-constexpr double kSquaredCosine = 0.25 * (1 + 4e-6);
 
 }  // namespace
 
@@ -36,8 +35,11 @@ bool SeditiousEdges::Has(std::size_t p, std::size_t q) const {
   if (v.containing_dimensions[p] != 1 || v.containing_dimensions[q] != 1) return false;
   const auto s = ends_.find(v.owners[p]), t = ends_.find(v.owners[q]);
   if (s == t || s == ends_.end() || t == ends_.end()) return false;
-  const auto distance = [](const double* a, const double* b) {
-    return std::sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]));
+  const auto at = [&](std::size_t row) {
+    return geometry::Point2{{v.coordinates[2 * row], v.coordinates[2 * row + 1]}};
+  };
+  const auto distance = [&](std::size_t a, std::size_t b) {
+    return std::sqrt(geometry::SquaredDistance(at(a), at(b)));
   };
   for (const std::size_t i : {0, 1}) {
     for (const std::size_t j : {0, 1}) {
@@ -45,12 +47,10 @@ bool SeditiousEdges::Has(std::size_t p, std::size_t q) const {
       if (apex == kNoRow || apex != t->second[j] || other_s == kNoRow || other_t == kNoRow) {
         continue;
       }
-      const double *a = At(apex), *b = At(other_s), *c = At(other_t);
-      const double ux = b[0] - a[0], uy = b[1] - a[1], wx = c[0] - a[0], wy = c[1] - a[1];
-      const double dot = ux * wx + uy * wy;
-      const bool is_small =
-          dot > 0 && dot * dot > kSquaredCosine * ((ux * ux + uy * uy) * (wx * wx + wy * wy));
-      if (is_small && std::fabs(distance(a, At(p)) - distance(a, At(q))) <= tolerance_) return true;
+      if (geometry::IsSmallAngle(at(apex), at(other_s), at(other_t)) &&
+          std::fabs(distance(apex, p) - distance(apex, q)) <= tolerance_) {
+        return true;
+      }
     }
   }
   return false;

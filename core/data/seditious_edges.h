@@ -23,8 +23,6 @@ class SeditiousEdges {
   bool Has(std::size_t p, std::size_t q) const;
 
  private:
-  const double* At(std::size_t row) const { return &mesh_.vertices.coordinates[2 * row]; }
-
   const Mesh& mesh_;
   double tolerance_;  // of equal distances
   // Rows of both ends of a segment that has been split.

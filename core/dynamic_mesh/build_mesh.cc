@@ -9,9 +9,7 @@ namespace dynmesh {
 absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
   plc::Plc2 plc(options);
-  EditBatch batch;
-  batch.reserve(features.size());
-  for (const Feature& f : features) batch.push_back(Edit::Add(f));
+  const EditBatch batch = AddAll(features);
   const absl::StatusOr<plc::Delta> delta = plc.Check(batch);
   if (!delta.ok()) return delta.status();
 

@@ -40,11 +40,10 @@ class FeatureTable {
       sizes_[f.id] = refinement.AddSizing(RegionOf(f));
     }
     for (const plc::SegmentFeature& s : delta.removed_segments) {
-      const auto it = segments_.find(s.id);
-      FreeSlot(refinement.subsegment(it->second).feature);
-      refinement.RemoveSegment(it->second);
-      wedges_.Remove(s.id);
-      segments_.erase(it);
+      const meshing::SubsegmentIndex root = segments_.at(s.id).root;
+      FreeSlot(refinement.subsegment(root).feature);
+      refinement.RemoveSegment(root);
+      segments_.Remove(s.id);
     }
     for (const plc::PointFeature& p : delta.removed_points) {
       const auto it = points_.find(p.id);
@@ -59,8 +58,7 @@ class FeatureTable {
       for (const plc::PointFeature& p : delta.added_points) add(p);
     } else {
       points_.reserve(points_.size() + delta.added_points.size());
-      segments_.reserve(segments_.size() + delta.added_segments.size());
-      wedges_.Reserve(delta.added_segments.size());
+      segments_.Reserve(delta.added_segments.size());
       std::vector<geometry::Point2> positions;
       positions.reserve(delta.added_points.size());
       for (const plc::PointFeature& p : delta.added_points) positions.push_back(p.p);
@@ -76,17 +74,17 @@ class FeatureTable {
     }
     for (const plc::SegmentFeature& s : delta.added_segments) {
       const bool forward = s.p < s.q;
-      wedges_.Add(s.id, points_.at(forward ? s.p_id : s.q_id),
-                  points_.at(forward ? s.q_id : s.p_id));
+      segments_.Add(s.id, points_.at(forward ? s.p_id : s.q_id),
+                    points_.at(forward ? s.q_id : s.p_id));
     }
-    wedges_.Update([&](meshing::VertexIndex v) { return refinement.vertex(v).p; },
-                   [&](FeatureId id, const WedgeTable::Segment& s) {
-                     meshing::SubsegmentIndex& root = segments_[id];
-                     const meshing::FeatureSlot slot =
-                         s.is_new ? NewSlot(id) : refinement.subsegment(root).feature;
-                     if (!s.is_new) refinement.RemoveSegment(root);
-                     root = refinement.AddSegment(s.ends[0], s.ends[1], slot, s.shape);
-                   });
+    segments_.Update([&](meshing::VertexIndex v) { return refinement.vertex(v).p; },
+                     [&](FeatureId id, WedgeTable::Segment* s) {
+                       const bool is_new = s->root == meshing::kNil;
+                       const meshing::FeatureSlot slot =
+                           is_new ? NewSlot(id) : refinement.subsegment(s->root).feature;
+                       if (!is_new) refinement.RemoveSegment(s->root);
+                       s->root = refinement.AddSegment(s->ends[0], s->ends[1], slot, s->shape);
+                     });
   }
 
   // Slots of removed features keep their ids until here.
@@ -96,8 +94,7 @@ class FeatureTable {
   }
 
   std::size_t bytes() const {
-    return (points_.capacity() + segments_.capacity()) * 17 + ids_.capacity() * sizeof(FeatureId) +
-           wedges_.bytes();
+    return points_.capacity() * 17 + ids_.capacity() * sizeof(FeatureId) + segments_.bytes();
   }
 
  private:
@@ -122,9 +119,8 @@ class FeatureTable {
   std::vector<FeatureId> ids_;  // by slot
   std::vector<meshing::FeatureSlot> free_, freed_;
   absl::flat_hash_map<FeatureId, meshing::VertexIndex> points_;
-  absl::flat_hash_map<FeatureId, meshing::SubsegmentIndex> segments_;
   absl::flat_hash_map<FeatureId, meshing::SizingField::Index> sizes_;
-  WedgeTable wedges_;
+  WedgeTable segments_;
 };
 
 }  // namespace dynmesh

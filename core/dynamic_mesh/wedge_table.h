@@ -1,6 +1,7 @@
 // Which segments meet at which points, and at what angles: the shape of a segment, by which
 // it is split (meshing/shells.h), depends on its neighbours in angle at both ends. Tells
-// whose shape has changed after some have come or gone. Thread-compatible.
+// whose shape has changed after some have come or gone, and keeps what stands for each in the
+// mesher. Thread-compatible.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_WEDGE_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_WEDGE_TABLE_H_
 
@@ -24,7 +25,7 @@ class WedgeTable {
     std::array<Vertex, 2> ends;  // the lesser point first
     std::array<meshing::WedgeEnd, 2> wedges = {};
     meshing::SegmentShape shape = {};
-    bool is_new = true;
+    meshing::SubsegmentIndex root = meshing::kNil;  // the caller's; kNil: not made yet
   };
 
   void Reserve(std::size_t segments) { segments_.reserve(segments_.size() + segments); }
@@ -36,6 +37,7 @@ class WedgeTable {
       touched_.push_back(end);
     }
   }
+  const Segment& at(FeatureId id) const { return segments_.at(id); }
   void Remove(FeatureId id) {
     const auto segment = segments_.find(id);
     for (const Vertex end : segment->second.ends) {
@@ -47,8 +49,9 @@ class WedgeTable {
     segments_.erase(segment);
   }
 
-  // Calls changed(id, segment) for each segment that is new or has another shape since the
-  // last call. position(v) is v's point. O(k log k) for a point where k segments meet.
+  // Calls changed(id, &segment) for each segment that is new or has another shape since the
+  // last call; changed sets its root. position(v) is v's point. O(k log k) for a point where k
+  // segments meet.
   template <class Position, class Changed>
   void Update(Position position, Changed changed) {
     std::vector<FeatureId> affected;
@@ -75,10 +78,9 @@ class WedgeTable {
       Segment& s = segments_.find(id)->second;
       const double length = meshing::LengthOf(position(s.ends[0]), position(s.ends[1]));
       const auto shape = meshing::ShapeOf(length, s.wedges[0], s.wedges[1]);
-      if (!s.is_new && shape == s.shape) continue;
+      if (s.root != meshing::kNil && shape == s.shape) continue;
       s.shape = shape;
-      changed(id, s);
-      s.is_new = false;
+      changed(id, &s);
     }
   }
 

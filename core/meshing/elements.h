@@ -80,6 +80,11 @@ struct Subsegment {
   bool changed = false;
 };
 
+inline float RoundedUp(double x) {
+  const float f = static_cast<float>(x);
+  return f < x ? std::nextafter(f, INFINITY) : f;
+}
+
 // What an operation keeps beside its reads. Small: there is one of each operation.
 struct Payload {
   // kComplete: squared distance beyond which no vertex can be in a ball that was
@@ -93,7 +98,19 @@ struct Payload {
   std::uint32_t west : 6 = 0, east : 6 = 0, south : 6 = 0, north : 6 = 0;
 
   // The balls read, about p, lie within `radius2` and between lo and hi.
-  void SetRegion(const Point2& p, const Point2& lo, const Point2& hi, double squared_radius);
+  void SetRegion(const Point2& p, const Point2& lo, const Point2& hi, double squared_radius) {
+    radius2 = RoundedUp(squared_radius);
+    // The radius may have overflowed: then nothing is known of the extents either.
+    const double units =
+        radius2 < INFINITY ? kUnits / std::sqrt(radius2) * (1 + 1e-6) : double{INFINITY};
+    const auto extent = [units](double distance) {
+      return static_cast<std::uint32_t>(std::fmin(std::ceil(distance * units), kUnits));
+    };
+    west = extent(p[0] - lo[0]);
+    east = extent(hi[0] - p[0]);
+    south = extent(p[1] - lo[1]);
+    north = extent(hi[1] - p[1]);
+  }
   // May y be in one of them? Never no if it is.
   bool RegionMayHold(const Point2& p, const Point2& y) const {
     const double dx = y[0] - p[0], dy = y[1] - p[1];
@@ -105,24 +122,6 @@ struct Payload {
  private:
   static constexpr int kUnits = 63;
 };
-inline float RoundedUp(double x) {
-  const float f = static_cast<float>(x);
-  return f < x ? std::nextafter(f, INFINITY) : f;
-}
-inline void Payload::SetRegion(const Point2& p, const Point2& lo, const Point2& hi,
-                               double squared_radius) {
-  radius2 = RoundedUp(squared_radius);
-  // The radius may have overflowed: then nothing is known of the extents either.
-  const double units =
-      radius2 < INFINITY ? kUnits / std::sqrt(radius2) * (1 + 1e-6) : double{INFINITY};
-  const auto extent = [units](double distance) {
-    return static_cast<std::uint32_t>(std::fmin(std::ceil(distance * units), kUnits));
-  };
-  west = extent(p[0] - lo[0]);
-  east = extent(hi[0] - p[0]);
-  south = extent(p[1] - lo[1]);
-  north = extent(hi[1] - p[1]);
-}
 
 // Outputs are tagged words.
 enum class Made : std::uint32_t { kVertex, kSubsegment, kExposure, kDeath };

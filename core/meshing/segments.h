@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/geometry/angles.h"
 #include "core/geometry/constructions.h"
 #include "core/meshing/refinement.h"
 
@@ -179,7 +180,8 @@ bool Refinement<E>::IsSeditious(VertexIndex v, VertexIndex u) const {
   const auto of_v = ShellOf(v), of_u = ShellOf(u);
   return of_v && of_u && of_v->apex == of_u->apex && of_v->distance == of_u->distance &&
          of_v->other != of_u->other &&
-         IsSmallAngle(vertices_[of_v->apex].p, vertices_[of_v->other].p, vertices_[of_u->other].p);
+         geometry::IsSmallAngle(vertices_[of_v->apex].p, vertices_[of_v->other].p,
+                                vertices_[of_u->other].p);
 }
 
 }  // namespace dynmesh::meshing

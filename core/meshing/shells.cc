@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/geometry/angles.h"
 #include "core/geometry/predicates.h"
 
 namespace dynmesh::meshing {
@@ -11,19 +12,12 @@ namespace {
 
 using geometry::Point2;
 
-constexpr double kSquaredCosine = 0.25 * (1 + 4e-6);
-
 struct Vector {
   double x, y;
   double squared() const { return x * x + y * y; }
 };
 Vector Minus(const Point2& p, const Point2& q) { return {p[0] - q[0], p[1] - q[1]}; }
 double Dot(const Vector& u, const Vector& w) { return u.x * w.x + u.y * w.y; }
-
-bool IsSmall(const Vector& u, const Vector& w) {
-  const double d = Dot(u, w);
-  return d > 0 && d * d > kSquaredCosine * (u.squared() * w.squared());
-}
 
 // Directions by angle, counter-clockwise from the negative x-axis. Exact.
 class ByAngle {
@@ -43,10 +37,6 @@ class ByAngle {
 
 }  // namespace
 
-bool IsSmallAngle(const Point2& apex, const Point2& p, const Point2& q) {
-  return IsSmall(Minus(p, apex), Minus(q, apex));
-}
-
 std::vector<WedgeEnd> FindWedges(const Point2& apex, std::span<const Point2> others) {
   const std::size_t n = others.size();
   std::vector<WedgeEnd> ends(n);
@@ -56,8 +46,8 @@ std::vector<WedgeEnd> FindWedges(const Point2& apex, std::span<const Point2> oth
   std::sort(order.begin(), order.end(), ByAngle(apex, others));
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t s = order[i], t = order[i + 1 == n ? 0 : i + 1];
+    if (!geometry::IsSmallAngle(apex, others[s], others[t])) continue;
     const Vector u = Minus(others[s], apex), w = Minus(others[t], apex);
-    if (!IsSmall(u, w)) continue;
     const double dot = Dot(u, w);
     const double lu = std::sqrt(u.squared()), lw = std::sqrt(w.squared());
     const double sine = std::fabs(u.x * w.y - u.y * w.x) / (lu * lw);
@@ -80,7 +70,8 @@ SegmentShape ShapeOf(double length, const WedgeEnd& a, const WedgeEnd& b) {
   if (!a.acute || !b.acute) return shape;
   const double balance = length * b.sine / (a.sine + b.sine);
   const double from_a = a.reach, to_b = length - b.reach;
-  const double ideal = std::max(std::min(from_a, to_b), std::min(std::max(from_a, to_b), balance));
+  const auto [lo, hi] = std::minmax(from_a, to_b);
+  const double ideal = std::clamp(balance, lo, hi);
   if (from_a < ideal && ideal < to_b) {
     const double width = std::min(ideal, length - ideal) / 4;
     shape.handover = Coarsest(std::max(from_a, ideal - width), std::min(to_b, ideal + width));

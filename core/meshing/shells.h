@@ -24,14 +24,9 @@
 
 namespace dynmesh::meshing {
 
-// Do apex-p and apex-q make an angle below 60 degrees? Less a hair, so that a lattice of
-// regular triangles as rounded on entry is none. Symmetric in p and q to the bit.
-bool IsSmallAngle(const geometry::Point2& apex, const geometry::Point2& p,
-                  const geometry::Point2& q);
-
 // One end of a segment, among the segments that meet there.
 struct WedgeEnd {
-  bool acute = false;  // a neighbour in angle is less than 60 degrees away
+  bool acute = false;  // a neighbour in angle makes a small one with it (geometry/angles.h)
   double sine = 1;     // of the least such angle
   double reach = 0;    // how far the shadows of such neighbours fall on the segment
   friend bool operator==(const WedgeEnd&, const WedgeEnd&) = default;

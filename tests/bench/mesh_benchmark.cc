@@ -34,12 +34,6 @@ MeshOptions WithQuality(double quality) {
   return options;
 }
 
-EditBatch AddAll(const std::vector<Feature>& features) {
-  EditBatch batch;
-  for (const Feature& f : features) batch.push_back(Edit::Add(f));
-  return batch;
-}
-
 void CountVertices(benchmark::State& state, std::size_t vertices) {
   state.counters["vertices"] = static_cast<double>(vertices);
   state.counters["vertices/s"] =

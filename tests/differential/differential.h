@@ -34,9 +34,7 @@ inline Difference CompareWithScratch(const DynamicMesh& mesh, bool local) {
   PlanarMesh fresh(mesh.options(), tuning);
   const std::vector<Feature> features = mesh.Features();
   if (!features.empty()) {
-    EditBatch all;
-    for (const Feature& f : features) all.push_back(Edit::Add(f));
-    if (const auto diff = fresh.Apply(all, ApplyOptions{}); !diff.ok()) {
+    if (const auto diff = fresh.Apply(AddAll(features), ApplyOptions{}); !diff.ok()) {
       return {true, "from scratch: " + diff.status().ToString()};
     }
   }

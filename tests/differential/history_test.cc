@@ -62,8 +62,7 @@ INSTANTIATE_TEST_SUITE_P(All, History,
 TEST(Rebuild, GivesTheSameMeshAndTraceAsPropagation) {
   for (const Distribution d : {Distribution::kUniform, Distribution::kSegmentsTurned}) {
     const std::vector<Feature> features = MakeFeatures(d, 200, 5);
-    EditBatch all;
-    for (const Feature& f : features) all.push_back(Edit::Add(f));
+    const EditBatch all = AddAll(features);
     PlanarMesh rebuilt({}), propagated({}, AlwaysPropagate());
     const auto a = rebuilt.Apply(all, ApplyOptions{});
     const auto b = propagated.Apply(all, ApplyOptions{});

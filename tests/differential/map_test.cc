@@ -117,10 +117,8 @@ TEST(Map, IsFromScratchAfterEveryRevision) {
   ASSERT_TRUE(map.ok()) << map.status();
   MeshOptions options;
   options.box = io::BoundingBox(map->features);
-  EditBatch all;
-  for (const Feature& f : map->features) all.push_back(Edit::Add(f));
   PlanarMesh mesh(options, {});
-  ASSERT_TRUE(mesh.Apply(all, ApplyOptions{}).ok());
+  ASSERT_TRUE(mesh.Apply(AddAll(map->features), ApplyOptions{}).ok());
   const std::uint64_t seed = 110;
   SCOPED_TRACE("seed " + std::to_string(seed));
   MapEdits edits(map->features, options.box, seed);

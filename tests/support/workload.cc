@@ -329,8 +329,7 @@ Edit ScriptGenerator::RandomEdit(const std::vector<Feature>& present, EditBatch&
 EditBatch ScriptGenerator::Next(const std::vector<Feature>& present) {
   EditBatch batch;
   if (present.empty() && !random_.OneIn(3)) {
-    for (const Feature& f : pool_) batch.push_back(Edit::Add(f));
-    return batch;
+    return AddAll(pool_);
   }
   if (random_.OneIn(60)) {  // everything goes, segments first
     for (const Feature& f : present) {

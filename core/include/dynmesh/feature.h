@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace dynmesh {
@@ -90,6 +91,13 @@ struct Edit {
 };
 
 using EditBatch = std::vector<Edit>;
+
+inline EditBatch AddAll(std::span<const Feature> features) {
+  EditBatch batch;
+  batch.reserve(features.size());
+  for (const Feature& f : features) batch.push_back(Edit::Add(f));
+  return batch;
+}
 
 }  // namespace dynmesh
 

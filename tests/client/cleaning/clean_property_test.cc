@@ -83,9 +83,7 @@ double Deviation(const Pieces& of, const Pieces& from) {
 
 absl::Status CoreAccepts(const std::vector<Feature>& features) {
   const MeshOptions options;  // the unit square
-  EditBatch batch;
-  for (const Feature& f : features) batch.push_back(Edit::Add(f));
-  return plc::Plc2(options).Check(batch).status();
+  return plc::Plc2(options).Check(AddAll(features)).status();
 }
 
 class CleanMessyInput : public ::testing::TestWithParam<double> {

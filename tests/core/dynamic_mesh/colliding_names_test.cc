@@ -89,9 +89,7 @@ class Followed {
     tuning.rebuild_at_least = 0;
     tuning.rebuild_fraction = -1;
     PlanarMesh fresh(mesh_.options(), tuning);
-    EditBatch all;
-    for (const Feature& f : mesh_.Features()) all.push_back(Edit::Add(f));
-    EXPECT_TRUE(fresh.Apply(all, ApplyOptions{}).ok());
+    EXPECT_TRUE(fresh.Apply(AddAll(mesh_.Features()), ApplyOptions{}).ok());
     return fresh.Snapshot();
   }
 

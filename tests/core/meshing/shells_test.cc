@@ -10,6 +10,7 @@
 #include <set>
 #include <vector>
 
+#include "core/geometry/angles.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::meshing {
