@@ -16,17 +16,23 @@
 //                       lo = 589965cc75374cc3; lo = MixB(lo ^ w_i) for i = 1..n
 //
 //   vertex:     hash(1, d, bits(c_1)..bits(c_d), containing dimension, owner)
-//   simplex:    hash(2, number of ids, ids in canonical order)
+//   simplex:    hash(2, number of ids, ids in canonical order), in a region other than 0
+//               hash(2, number of ids, ids in canonical order, region)
 //   subsegment: hash(3, lesser end's id, greater end's id, owner)
+//   region:     the id of a polygon if there is one, for several in ascending order
+//               h = MixA(e7037ed1a0b428db); h = MixA(h ^ id_i) for i = 1..n; with the top
+//               bit set
 //   mesh:       the sum of all of these, hi and lo each modulo 2^64
 //
 // Two unlike bijective mixes under unlike keys: a collision must happen in both
 // words at once. Good against accidents; not meant against an adversary.
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "core/data/text.h"
@@ -50,6 +56,7 @@ constexpr std::uint64_t MixB(std::uint64_t z) {
 }
 
 constexpr std::uint64_t kIdKey = 0xa0761d6478bd642fULL;
+constexpr std::uint64_t kRegionKey = 0xe7037ed1a0b428dbULL;
 constexpr std::uint64_t kHiKey = 0x8ebc6af09c88c6e3ULL;
 constexpr std::uint64_t kLoKey = 0x589965cc75374cc3ULL;
 
@@ -88,10 +95,25 @@ MeshHash HashVertex(const double* coordinates, int dimension, int containing_dim
   return hasher.Get();
 }
 
-MeshHash HashSimplex(const VertexId* ids, int count) {
+RegionId RegionIdOf(std::span<const FeatureId> polygons) {
+  if (polygons.size() < 2) return polygons.empty() ? kNoRegion : polygons.front();
+  std::uint64_t h = MixA(kRegionKey);
+  for (const FeatureId id : polygons) h = MixA(h ^ id);
+  return h | std::uint64_t{1} << 63;
+}
+
+std::vector<FeatureId> PolygonsOf(RegionId region, std::span<const RegionSet> sets) {
+  if (region == kNoRegion) return {};
+  const auto it = std::lower_bound(sets.begin(), sets.end(), region,
+                                   [](const RegionSet& s, RegionId id) { return s.id < id; });
+  return it != sets.end() && it->id == region ? it->polygons : std::vector<FeatureId>{region};
+}
+
+MeshHash HashSimplex(const VertexId* ids, int count, RegionId region) {
   WordHasher hasher(kSimplexTag);
   hasher.Add(static_cast<std::uint64_t>(count));
   for (int i = 0; i < count; ++i) hasher.Add(ids[i]);
+  if (region != kNoRegion) hasher.Add(region);
   return hasher.Get();
 }
 
@@ -112,7 +134,7 @@ MeshHash ComputeHash(const Mesh& mesh) {
                       mesh.vertices.owners[i]);
   }
   for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
-    sum += HashSimplex(&mesh.simplices[i * (d + 1)], d + 1);
+    sum += HashSimplex(&mesh.simplices[i * (d + 1)], d + 1, mesh.region(i));
   }
   for (std::size_t i = 0; i < mesh.subsegments.size(); ++i) {
     sum += HashSubsegment(mesh.subsegments.ends[2 * i], mesh.subsegments.ends[2 * i + 1],

@@ -60,6 +60,8 @@ absl::Status Become(const Feature& feature, Draft::Entry& entry) {
       entry.state = State::kSize;
       entry.size = &feature;
       return absl::OkStatus();
+    case FeatureKind::kPolygon:
+      break;
   }
   return Refuse(
       absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,

@@ -39,6 +39,15 @@ absl::Status DecodePoint(const v1::Point& proto, int dimension, std::size_t inde
   return absl::OkStatus();
 }
 
+Rings DecodeRings(const v1::Polygon& proto) {
+  Rings rings;
+  rings.reserve(static_cast<std::size_t>(proto.rings_size()));
+  for (const v1::Polygon::Ring& ring : proto.rings()) {
+    rings.emplace_back(ring.points().begin(), ring.points().end());
+  }
+  return rings;
+}
+
 absl::Status DecodeSizing(const v1::Sizing& proto, int dimension, std::size_t index, FeatureId id,
                           Feature* out) {
   const auto point = [&](const v1::Point& p, std::array<double, 3>* to) {
@@ -57,11 +66,15 @@ absl::Status DecodeSizing(const v1::Sizing& proto, int dimension, std::size_t in
       out->sizing.shape = SizeShape::kBox;
       if (absl::Status s = point(proto.box().lo(), &out->position); !s.ok()) return s;
       return point(proto.box().hi(), &out->sizing.hi);
+    case v1::Sizing::kPolygon:
+      out->sizing.shape = SizeShape::kPolygon;
+      out->rings = DecodeRings(proto.polygon());
+      return absl::OkStatus();
     case v1::Sizing::REGION_NOT_SET:
       break;
   }
   return EditError(index, id, dynmesh::reason::kBadSize,
-                   "it has no region that this server knows: set point, disc or box");
+                   "it has no region that this server knows: set point, disc, box or polygon");
 }
 
 absl::Status DecodeFeature(const v1::Feature& proto, int dimension, std::size_t index,
@@ -75,6 +88,10 @@ absl::Status DecodeFeature(const v1::Feature& proto, int dimension, std::size_t 
       out->kind = FeatureKind::kSegment;
       out->ends = {proto.segment().p(), proto.segment().q()};
       return absl::OkStatus();
+    case v1::Feature::kPolygon:
+      out->kind = FeatureKind::kPolygon;
+      out->rings = DecodeRings(proto.polygon());
+      return absl::OkStatus();
     case v1::Feature::kSize:
       out->kind = FeatureKind::kSize;
       return DecodeSizing(proto.size(), dimension, index, proto.id(), out);
@@ -82,7 +99,7 @@ absl::Status DecodeFeature(const v1::Feature& proto, int dimension, std::size_t 
       break;
   }
   return EditError(index, proto.id(), dynmesh::reason::kWrongKind,
-                   "it has no geometry that this server knows: set point, segment or size");
+                   "it has no geometry that this server knows: set point, segment, polygon or size");
 }
 
 absl::Status DecodeEdit(const v1::Edit& proto, int dimension, std::size_t index, Edit* out) {
@@ -113,6 +130,12 @@ void EncodePoint(const std::array<double, 3>& position, int dimension, v1::Point
   if (dimension == 3) out->set_z(position[2]);
 }
 
+void EncodeRings(const Rings& rings, v1::Polygon* out) {
+  for (const std::vector<FeatureId>& ring : rings) {
+    out->add_rings()->mutable_points()->Add(ring.begin(), ring.end());
+  }
+}
+
 void EncodeSizing(const Feature& feature, int dimension, v1::Sizing* out) {
   const Sizing& sizing = feature.sizing;
   out->set_target(sizing.target);
@@ -125,6 +148,8 @@ void EncodeSizing(const Feature& feature, int dimension, v1::Sizing* out) {
     case SizeShape::kBox:
       EncodePoint(feature.position, dimension, out->mutable_box()->mutable_lo());
       return EncodePoint(sizing.hi, dimension, out->mutable_box()->mutable_hi());
+    case SizeShape::kPolygon:
+      return EncodeRings(feature.rings, out->mutable_polygon());
   }
 }
 
@@ -212,6 +237,9 @@ void EncodeFeature(const Feature& feature, int dimension, v1::Feature* out) {
     case FeatureKind::kSegment:
       out->mutable_segment()->set_p(feature.ends[0]);
       out->mutable_segment()->set_q(feature.ends[1]);
+      break;
+    case FeatureKind::kPolygon:
+      EncodeRings(feature.rings, out->mutable_polygon());
       break;
     case FeatureKind::kSize:
       EncodeSizing(feature, dimension, out->mutable_size());

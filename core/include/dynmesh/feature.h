@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace dynmesh {
@@ -19,12 +20,17 @@ inline constexpr FeatureId kNoFeature = 0;
 // Owns the vertices and segments of the domain box. No client may use it.
 inline constexpr FeatureId kBoxFeature = ~FeatureId{0};
 
-enum class FeatureKind : std::uint8_t { kPoint = 1, kSegment = 2, kSize = 4 };  // 3: polygons
+enum class FeatureKind : std::uint8_t { kPoint = 1, kSegment = 2, kPolygon = 3, kSize = 4 };
+
+// Closed chains of point features, by their ids: each ring's last point is joined to its
+// first. A place is inside what an odd number of the rings goes around: one ring and holes
+// in it, islands in the holes, or several parts side by side.
+using Rings = std::vector<std::vector<FeatureId>>;
 
 // Where the mesh is to be finer than its geometry asks, and how fine. No edge of a simplex
 // that meets the region is longer than sqrt(2) times the target (as far as limits allow);
 // around it sizes grow as fast as the quality asked for lets them, and no faster.
-enum class SizeShape : std::uint8_t { kPoint = 1, kDisc = 2, kBox = 3 };
+enum class SizeShape : std::uint8_t { kPoint = 1, kDisc = 2, kBox = 3, kPolygon = 4 };
 struct Sizing {
   SizeShape shape = SizeShape::kPoint;
   double target = 0;                     // > 0, in the units of the mesh's box
@@ -38,17 +44,25 @@ struct Feature {
   FeatureKind kind = FeatureKind::kPoint;
   // kPoint: the coordinates, in the units of the mesh's box; entries past the
   // dimension of the mesh are ignored. kSize: the point, the disc's centre or the box's
-  // lower corner; the region may poke out of the mesh's box, this place may not.
+  // lower corner; the region may poke out of the mesh's box, this place may not. Not of a
+  // sizing polygon.
   std::array<double, 3> position = {0, 0, 0};
   // kSegment: the two point features at its ends.
   std::array<FeatureId, 2> ends = {kNoFeature, kNoFeature};
   Sizing sizing = {};  // kSize
+  // kPolygon: its edges become segments, shared with segment features and other polygons
+  // that have the same ends; what lies inside is labelled (mesh.h, RegionId). Sizing
+  // polygon: only where it is; its edges are not kept.
+  Rings rings = {};
 
   static Feature Point(FeatureId id, double x, double y, double z = 0) {
-    return {id, FeatureKind::kPoint, {x, y, z}, {kNoFeature, kNoFeature}, {}};
+    return {id, FeatureKind::kPoint, {x, y, z}, {kNoFeature, kNoFeature}, {}, {}};
   }
   static Feature Segment(FeatureId id, FeatureId p, FeatureId q) {
-    return {id, FeatureKind::kSegment, {0, 0, 0}, {p, q}, {}};
+    return {id, FeatureKind::kSegment, {0, 0, 0}, {p, q}, {}, {}};
+  }
+  static Feature Polygon(FeatureId id, Rings rings) {
+    return {id, FeatureKind::kPolygon, {0, 0, 0}, {kNoFeature, kNoFeature}, {}, std::move(rings)};
   }
   static Feature SizeAt(FeatureId id, double x, double y, double target) {
     return Size(id, {x, y, 0}, {SizeShape::kPoint, target, 0, {}});
@@ -59,8 +73,13 @@ struct Feature {
   static Feature SizeBox(FeatureId id, double x0, double y0, double x1, double y1, double target) {
     return Size(id, {x0, y0, 0}, {SizeShape::kBox, target, 0, {x1, y1, 0}});
   }
+  static Feature SizePolygon(FeatureId id, Rings rings, double target) {
+    Feature size = Size(id, {0, 0, 0}, {SizeShape::kPolygon, target, 0, {}});
+    size.rings = std::move(rings);
+    return size;
+  }
   static Feature Size(FeatureId id, const std::array<double, 3>& position, const Sizing& sizing) {
-    return {id, FeatureKind::kSize, position, {kNoFeature, kNoFeature}, sizing};
+    return {id, FeatureKind::kSize, position, {kNoFeature, kNoFeature}, sizing, {}};
   }
   friend bool operator==(const Feature&, const Feature&) = default;
 };

@@ -5,6 +5,7 @@
 #define DYNMESH_MESH_H_
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,8 +44,25 @@ struct MeshHash {
 
 MeshHash HashVertex(const double* coordinates, int dimension, int containing_dimension,
                     FeatureId owner);
+// Which polygon features a simplex lies in: 0 for none, the polygon's id for one alone,
+// else RegionIdOf the several. A function of the set of polygons.
+using RegionId = std::uint64_t;
+inline constexpr RegionId kNoRegion = 0;
+
+// A region that lies in several polygons.
+struct RegionSet {
+  RegionId id = kNoRegion;
+  std::vector<FeatureId> polygons;  // at least two, ascending
+  friend bool operator==(const RegionSet&, const RegionSet&) = default;
+};
+// `polygons` ascending, none twice. A fixed hash if there are several.
+RegionId RegionIdOf(std::span<const FeatureId> polygons);
+// The polygons of a region, ascending. `sets` by ascending id; an id that is not there is
+// that of a polygon.
+std::vector<FeatureId> PolygonsOf(RegionId region, std::span<const RegionSet> sets);
+
 // `ids` in canonical order (below).
-MeshHash HashSimplex(const VertexId* ids, int count);
+MeshHash HashSimplex(const VertexId* ids, int count, RegionId region = kNoRegion);
 MeshHash HashSubsegment(VertexId a, VertexId b, FeatureId owner);
 
 // Columns of n vertices.
@@ -54,7 +72,9 @@ struct VertexColumns {
   // 0: an input point or a corner of the domain grid, 1: on a segment,
   // dimension of the mesh: free.
   std::vector<std::uint8_t> containing_dimensions;
-  std::vector<FeatureId> owners;  // the feature it lies on; kNoFeature if free
+  // The feature it lies on; kNoFeature if free. On an edge of polygons: the segment feature
+  // with the same ends if there is one, else the polygon of least id.
+  std::vector<FeatureId> owners;
   std::size_t size() const { return ids.size(); }
   friend bool operator==(const VertexColumns&, const VertexColumns&) = default;
 };
@@ -66,10 +86,13 @@ using SimplexColumn = std::vector<VertexId>;
 // The pieces into which vertices cut the input segments and the box's sides.
 struct SubsegmentColumns {
   std::vector<VertexId> ends;     // n x 2, the lesser id first
-  std::vector<FeatureId> owners;  // n
+  std::vector<FeatureId> owners;  // n; as of vertices
   std::size_t size() const { return owners.size(); }
   friend bool operator==(const SubsegmentColumns&, const SubsegmentColumns&) = default;
 };
+
+// The region of each of n simplices; empty if none lies in a polygon.
+using RegionColumn = std::vector<RegionId>;
 
 // What a propagation did.
 struct WorkCounters {
@@ -86,23 +109,32 @@ struct Mesh {
   std::uint64_t revision = 0;
   VertexColumns vertices;
   SimplexColumn simplices;
+  RegionColumn regions;                // of the simplices
+  std::vector<RegionSet> region_sets;  // those of `regions` with several polygons, by id
   SubsegmentColumns subsegments;
   MeshHash hash;
 
   std::size_t simplex_count() const { return simplices.size() / (dimension + 1); }
+  RegionId region(std::size_t simplex) const {
+    return regions.empty() ? kNoRegion : regions[simplex];
+  }
 };
 
 // Mesh at `to_revision` less the mesh at `from_revision`. A vertex that keeps its
-// place but changes owner or containing dimension stands in both vertex lists.
+// place but changes owner or containing dimension stands in both vertex lists; a simplex
+// that keeps its vertices but changes region, in both simplex lists.
 struct MeshDiff {
   int dimension = 2;
   std::uint64_t from_revision = 0;
   std::uint64_t to_revision = 0;
   std::vector<VertexId> removed_vertices;
   SimplexColumn removed_simplices;
+  RegionColumn removed_regions;  // of the removed simplices
   SubsegmentColumns removed_subsegments;
   VertexColumns added_vertices;
   SimplexColumn added_simplices;
+  RegionColumn added_regions;          // of the added simplices
+  std::vector<RegionSet> region_sets;  // those of both with several polygons, by id
   SubsegmentColumns added_subsegments;
   WorkCounters work;
   MeshHash hash;  // of the mesh at to_revision
@@ -114,7 +146,8 @@ struct MeshDiff {
 // The sum of the hashes of all parts, from nothing.
 MeshHash ComputeHash(const Mesh& mesh);
 
-// Sorts every column: vertices by id, simplices and subsegments lexicographically.
+// Sorts every column: vertices by id, simplices and subsegments lexicographically. Drops a
+// column of regions that says nothing, and region sets that no simplex names.
 void Canonicalize(Mesh& mesh);
 void Canonicalize(MeshDiff& diff);
 
