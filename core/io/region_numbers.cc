@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/data/regions.h"
 #include "core/data/text.h"
 
 namespace dynmesh::io {
@@ -48,18 +49,13 @@ void SetRegions(const RegionNumbers& regions, Mesh& mesh) {
   for (const std::vector<FeatureId>& row : regions.polygons) {
     id_of.push_back(row.size() == 1 ? row.front() : RegionIdOf(row));
   }
-  std::vector<bool> used(id_of.size(), false);
-  for (const std::uint32_t number : regions.numbers) {
-    mesh.regions.push_back(id_of[number]);
-    used[number] = true;
-  }
-  if (std::find(used.begin() + 1, used.end(), true) == used.end()) mesh.regions.clear();
+  for (const std::uint32_t number : regions.numbers) mesh.regions.push_back(id_of[number]);
   for (std::size_t k = 1; k < id_of.size(); ++k) {
     const std::vector<FeatureId>& row = regions.polygons[k - 1];
-    if (used[k] && row.size() > 1) mesh.region_sets.push_back({id_of[k], row});
+    if (row.size() > 1) mesh.region_sets.push_back({id_of[k], row});
   }
-  std::sort(mesh.region_sets.begin(), mesh.region_sets.end(),
-            [](const RegionSet& a, const RegionSet& b) { return a.id < b.id; });
+  data::DropIfIdle(mesh.regions);
+  data::KeepNamed(mesh.region_sets, {&mesh.regions});
 }
 
 std::string FormatPolygons(std::span<const FeatureId> polygons) {

@@ -8,7 +8,6 @@ namespace {
 
 using testing::SampleMesh;
 using testing::SampleMeshWithRegions;
-using testing::SampleMeshWithRegions;
 
 TEST(CompareMeshes, AMeshIsTheSameAsItself) {
   Mesh other = SampleMesh();
