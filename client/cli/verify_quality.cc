@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -66,26 +67,30 @@ double Slack(double shortest, double ulp) {
 class Excuses {
  public:
   using Real = long double;
-  Excuses(const io::IndexedMesh& mesh, double ulp) : mesh_(mesh), tolerance_(16 * ulp) {
-    // The ends of a chain of edges are in one of them each.
-    absl::flat_hash_map<FeatureId, absl::flat_hash_map<std::uint32_t, int>> uses;
+  Excuses(const io::IndexedMesh& mesh, double ulp)
+      : mesh_(mesh), tolerance_(16 * ulp), segment_(mesh.vertices.size()) {
+    // Pieces that share a vertex inside a segment are of one segment.
+    std::iota(segment_.begin(), segment_.end(), 0u);
+    const auto is_inner = [&](std::uint32_t v) {
+      return mesh.vertices[v].containing_dimension == 1;
+    };
+    const auto is_input = [](const auto& e) {
+      return e.owner != kNoFeature && e.owner != kBoxFeature;
+    };
     for (const auto& e : mesh.edges) {
-      if (e.owner == kNoFeature || e.owner == kBoxFeature) continue;
-      ++uses[e.owner][e.a];
-      ++uses[e.owner][e.b];
+      if (is_input(e) && is_inner(e.a) && is_inner(e.b)) segment_[SegmentOf(e.a)] = SegmentOf(e.b);
     }
-    for (const auto& [owner, vertices] : uses) {
-      for (const auto& [v, times] : vertices) {
-        if (times == 1) ends_[owner].push_back(v);
-      }
+    for (const auto& e : mesh.edges) {
+      if (!is_input(e) || is_inner(e.a) == is_inner(e.b)) continue;
+      ends_[SegmentOf(is_inner(e.a) ? e.a : e.b)].push_back(is_inner(e.a) ? e.b : e.a);
     }
   }
 
   bool Excused(std::uint32_t p, std::uint32_t q) const {
     const auto &vp = mesh_.vertices[p], &vq = mesh_.vertices[q];
     if (vp.containing_dimension != 1 || vq.containing_dimension != 1) return false;
-    const auto s = ends_.find(vp.owner), t = ends_.find(vq.owner);
-    if (vp.owner == vq.owner || s == ends_.end() || t == ends_.end()) return false;
+    const auto s = ends_.find(SegmentOf(p)), t = ends_.find(SegmentOf(q));
+    if (s == t || s == ends_.end() || t == ends_.end()) return false;
     for (const std::uint32_t apex : s->second) {
       if (std::ranges::find(t->second, apex) == t->second.end()) continue;
       const Real to_p = Distance(apex, p), to_q = Distance(apex, q), across = Distance(p, q);
@@ -117,9 +122,16 @@ class Excuses {
     return std::hypot(Real{a.x} - b.x, Real{a.y} - b.y);
   }
 
+  // A vertex that stands for the segment in whose inside v lies.
+  std::uint32_t SegmentOf(std::uint32_t v) const {
+    while (segment_[v] != v) v = segment_[v] = segment_[segment_[v]];
+    return v;
+  }
+
   const io::IndexedMesh& mesh_;
   const Real tolerance_;
-  absl::flat_hash_map<FeatureId, std::vector<std::uint32_t>> ends_;
+  mutable std::vector<std::uint32_t> segment_;  // by vertex; as a forest of disjoint sets
+  absl::flat_hash_map<std::uint32_t, std::vector<std::uint32_t>> ends_;  // of a segment
 };
 
 }  // namespace

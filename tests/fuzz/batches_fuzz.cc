@@ -1,5 +1,6 @@
 // Batches, packed: a byte of options, then edits. An edit is a byte (its low bits the
-// action, or the end of the batch), an id, and what it needs: a position or two ends.
+// action, or the end of the batch), an id, and what it needs: a position, two ends, rings or
+// a region with its target.
 // Positions are mostly on a coarse grid of the box, so that points coincide and segments
 // meet; some are near others, some are any double.
 #include <array>
@@ -68,7 +69,10 @@ class Unpacker {
         const auto [x, y] = Position();
         batch.push_back(Edit::Move(id, x, y));
       } else {
-        const Feature feature = action % 2 == 0 ? Segment() : Point();
+        const Feature feature = action == 11      ? Polygon()
+                                : action == 13    ? Size()
+                                : action % 2 == 0 ? Segment()
+                                                  : Point();
         batch.push_back(action == 5 || action == 6 ? Edit::Set(feature) : Edit::Add(feature));
       }
     }
@@ -98,6 +102,36 @@ class Unpacker {
     const FeatureId id = Id();
     const FeatureId p = Id();
     return Feature::Segment(id, p, Id());
+  }
+
+  Rings SomeRings() {
+    Rings rings;
+    std::uint8_t shape = 0;
+    do {
+      shape = Byte();
+      rings.emplace_back();
+      for (int corners = 2 + shape % 6; corners > 0; --corners) rings.back().push_back(Id());
+    } while (shape >= 192 && rings.size() < 4);
+    return rings;
+  }
+
+  Feature Polygon() {
+    const FeatureId id = Id();
+    return Feature::Polygon(id, SomeRings());
+  }
+
+  Feature Size() {
+    const FeatureId id = Id();
+    const std::uint8_t shape = Byte();
+    // Mostly as fine as a small mesh can be.
+    const double extent = box_.hi[0] - box_.lo[0];
+    const double target = shape >= 240 ? AnyDouble() : extent / (2 + Byte() % 30);
+    if (shape % 4 == 3) return Feature::SizePolygon(id, SomeRings(), target);
+    const auto [x, y] = Position();
+    if (shape % 4 == 0) return Feature::SizeAt(id, x, y, target);
+    const double reach = shape >= 248 ? AnyDouble() : extent * Byte() / 512.0;
+    return shape % 4 == 1 ? Feature::SizeDisc(id, x, y, reach, target)
+                          : Feature::SizeBox(id, x, y, x + reach, y + reach / 2, target);
   }
 
   std::array<double, 2> Position() {
