@@ -302,6 +302,22 @@ TEST(EditCodec, EveryKindOfEditComesBack) {
   EXPECT_EQ(back, batch);
 }
 
+TEST(EditCodec, PolygonsWeighByTheirPoints) {
+  const Rings rings = {std::vector<FeatureId>(75, 1), std::vector<FeatureId>(5, 2)};
+  google::protobuf::RepeatedPtrField<v1::Edit> edits;
+  google::protobuf::RepeatedPtrField<v1::Feature> features;
+  EXPECT_EQ(Weight(edits) + Weight(features), 0u);
+  for (const Feature& f : {Feature::Point(1, 0, 0), Feature::Polygon(2, rings),
+                           Feature::SizePolygon(3, rings, 1), Feature::SizeAt(4, 0, 0, 1)}) {
+    EncodeEdit(Edit::Add(f), 2, edits.Add());
+    EncodeEdit(Edit::Set(f), 2, edits.Add());
+    EncodeFeature(f, 2, features.Add());
+  }
+  EncodeEdit(Edit::Remove(4), 2, edits.Add());
+  EXPECT_EQ(Weight(edits), 9u + 4 * 10);
+  EXPECT_EQ(Weight(features), 4u + 2 * 10);
+}
+
 TEST(EditCodec, WhatTheWireFormGetsWrongIsNamed) {
   google::protobuf::RepeatedPtrField<v1::Edit> wire;
   EncodeEdit(Edit::Remove(4), 2, wire.Add());

@@ -20,16 +20,15 @@ absl::Status EditError(absl::StatusCode code, const char* reason_text, std::size
 }
 
 // The polygons that name all of these points.
-std::vector<FeatureId> PolygonsAround(const std::map<FeatureId, Feature>& features,
+std::vector<FeatureId> PolygonsAround(const std::vector<const Feature*>& all,
                                       std::span<const FeatureId> points) {
   std::vector<FeatureId> polygons;
-  for (const auto& [id, f] : features) {
+  for (const Feature* f : all) {
     const auto names = [&](FeatureId point) {
-      return std::ranges::any_of(f.rings,
+      return std::ranges::any_of(f->rings,
                                  [&](const auto& ring) { return std::ranges::count(ring, point); });
     };
-    if (f.kind == FeatureKind::kPolygon && std::ranges::all_of(points, names))
-      polygons.push_back(id);
+    if (std::ranges::all_of(points, names)) polygons.push_back(f->id);
   }
   return polygons;
 }
@@ -125,9 +124,11 @@ absl::StatusOr<FakeDynamicMesh::FeatureMap> FakeDynamicMesh::Draft(const EditBat
 Mesh FakeDynamicMesh::Build(const FeatureMap& features) const {
   Mesh mesh;
   std::vector<FeatureId> points;
+  std::vector<const Feature*> all_polygons;
   for (const auto& [id, f] : features) {
-    if (f.kind == FeatureKind::kPolygon) continue;
-    if (f.kind == FeatureKind::kPoint) {
+    if (f.kind == FeatureKind::kPolygon) {
+      all_polygons.push_back(&f);
+    } else if (f.kind == FeatureKind::kPoint) {
       points.push_back(id);
       mesh.vertices.ids.push_back(VertexIdAt(f.position.data(), 2));
       mesh.vertices.coordinates.insert(mesh.vertices.coordinates.end(),
@@ -146,7 +147,7 @@ Mesh FakeDynamicMesh::Build(const FeatureMap& features) const {
     std::array<VertexId, 3> corners = {v[i], v[i + 1], v[i + 2]};
     std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     mesh.simplices.insert(mesh.simplices.end(), corners.begin(), corners.end());
-    const std::vector<FeatureId> polygons = PolygonsAround(features, {&points[i], 3});
+    const std::vector<FeatureId> polygons = PolygonsAround(all_polygons, {&points[i], 3});
     mesh.regions.push_back(RegionIdOf(polygons));
     if (polygons.size() > 1) mesh.region_sets.push_back({mesh.regions.back(), polygons});
   }
