@@ -168,6 +168,39 @@ TEST_F(RemoteCommandsTest, AMeshFromCreationToExport) {
   EXPECT_EQ(Remote({"list"}).out, "");
 }
 
+TEST_F(RemoteCommandsTest, ExportAndWatchTakePolygonsOnly) {
+  StartDaemon();
+  const std::string script = Write("p.txt",
+                                   "mesh dim=2 box=0,0,1,1 rho=1.4142\n"
+                                   "add point 1 0.2 0.2\nadd point 2 0.7 0.2\n"
+                                   "add point 3 0.7 0.7\nadd point 4 0.2 0.7\n"
+                                   "add polygon 9 1 2 3 4\ncommit\n");
+  ASSERT_EQ(Remote({"apply", "plate", script, "--create"}).code, kExitDone);
+  const auto count = [&](const std::vector<std::string>& flags) {
+    std::vector<std::string> arguments = {"export", "plate", "-o", Path("part.node"), "--json"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const Ran ran = Remote(arguments);
+    EXPECT_EQ(ran.code, kExitDone) << ran.err;
+    return std::stoi(Value(ran.out, "simplices"));
+  };
+  const int inside = count({"--region", "7,9"});
+  EXPECT_GT(inside, 1);
+  EXPECT_LT(inside, count({}));
+  EXPECT_EQ(count({"--region", "7"}), 0);
+  const Ran watched = Remote(
+      {"watch", "plate", "--region", "9", "--until", "1", "--json", "-o", Path("watched.node")});
+  EXPECT_EQ(watched.code, kExitDone) << watched.err;
+  EXPECT_EQ(Value(watched.out, "simplices"), std::to_string(inside));
+  count({"--region", "9"});
+  std::ostringstream part, replica;
+  part << std::ifstream(Path("part.ele")).rdbuf();
+  replica << std::ifstream(Path("watched.ele")).rdbuf();
+  EXPECT_EQ(replica.str(), part.str());
+  for (const char* bad : {"any", "0", "9,", "x", "18446744073709551615"}) {
+    EXPECT_EQ(Remote({"watch", "plate", "--region", bad}).code, kExitBadInput) << bad;
+  }
+}
+
 TEST_F(RemoteCommandsTest, ApplyingAgainWithTheSamePrefixRepeatsNothing) {
   StartDaemon();
   const std::string script = Write("s.txt", kScript);
