@@ -99,7 +99,7 @@ void RegisterCreateCommand(CLI::App& app, CommandSlot& slot) {
       ->type_name("SCRIPT");
   sub->add_option("--box", command->mesh.box, "Where features may lie")->type_name("X0,Y0,X1,Y1");
   sub->add_option("--rho", command->mesh.rho,
-                  "Largest circumradius / shortest edge, 1 to 100, from 1.2 with criterion thesis "
+                  "Largest circumradius / shortest edge, 1 to 100, from 1.4142 with criterion thesis "
                   "(default: sqrt 2)");
   sub->add_option("--criterion", command->mesh.criterion, "What rho bounds (default: edge)")
       ->type_name("edge|thesis");
