@@ -129,6 +129,30 @@ TEST(SeedFaces, OfNothingAreOutside) {
           .rings.empty());
 }
 
+// Whatever crosses or overlaps: some rings along the segments, and an end.
+TEST(SeedFaces, TakeAnySegments) {
+  const std::uint64_t seed = std::random_device{}();
+  std::cout << "seed " << seed << "\n";
+  std::mt19937_64 random(seed);
+  for (int round = 0; round < 500; ++round) {
+    Drawing drawing;
+    Edges segments;
+    const FeatureId n = 3 + random() % 12;
+    for (FeatureId i = 0; i < n; ++i) {
+      drawing.Point(static_cast<double>(random() % 6), static_cast<double>(random() % 6));
+    }
+    for (std::uint64_t i = random() % (3 * n); i > 0; --i) {
+      const FeatureId p = 1 + random() % n, q = 1 + random() % n;
+      drawing.Segment(p, q);
+      segments.insert(std::minmax(p, q));
+    }
+    const auto faces = drawing.Find({{2.5, 2.25}, {1.25, 3.5}, {4.75, 4.5}});
+    for (const SeedFace& face : faces) {
+      for (const auto& edge : EdgesOf(face.rings)) EXPECT_TRUE(segments.contains(edge));
+    }
+  }
+}
+
 // A grid with random edges left out. The oracle floods cells: a face is what hangs together, and
 // its boundary the edges with it on one side.
 TEST(SeedFaces, EqualFloodedCells) {
