@@ -5,8 +5,11 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "client/edit_session.h"
 #include "client/watch_session.h"
@@ -24,8 +27,31 @@ inline std::string FullName(const std::string& mesh) {
 // Meshes are planar as yet: features have no z on the wire.
 inline constexpr int kDimension = 2;
 
-// Edits of one message: below 1 MB, whatever they are.
-inline constexpr std::size_t kEditsPerMessage = 16'384;
+// Features and ids of one message.
+inline constexpr std::size_t kMessageBytes = 1 << 20;
+inline constexpr std::size_t kFeatureBytes = 64;  // at most, without rings
+inline constexpr std::size_t kIdsPerMessage = kMessageBytes / kFeatureBytes;
+
+// At most.
+inline std::size_t WireBytes(const Feature& feature) {
+  std::size_t bytes = kFeatureBytes;
+  for (const std::vector<FeatureId>& ring : feature.rings) bytes += 10 * ring.size() + 8;
+  return bytes;
+}
+inline std::size_t WireBytes(const Edit& edit) { return WireBytes(edit.feature); }
+
+// The end of as many edits or features from `begin` on as fit into a message; of one at least.
+template <typename Item>
+std::size_t PieceEnd(std::span<const Item> items, std::size_t begin) {
+  std::size_t bytes = 0;
+  std::size_t end = begin;
+  while (end < items.size()) {
+    bytes += WireBytes(items[end]);
+    if (bytes > kMessageBytes && end > begin) break;
+    ++end;
+  }
+  return end;
+}
 
 std::unique_ptr<EditSession> StartEditSession(std::shared_ptr<Stub> stub, const std::string& mesh,
                                               bool stop_on_error, absl::Duration timeout);

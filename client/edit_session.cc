@@ -33,7 +33,7 @@ class GrpcEditSession final : public EditSession {
   absl::Status Send(const EditBatch& edits, const EditParams& params) override {
     std::size_t next = 0;
     do {
-      const std::size_t end = std::min(edits.size(), next + kEditsPerMessage);
+      const std::size_t end = PieceEnd<Edit>(edits, next);
       message_.Clear();
       if (next == 0) BeginMessage(params);
       for (; next < end; ++next) {

@@ -175,7 +175,7 @@ absl::Status MeshClient::DeleteMesh(const std::string& mesh) {
 
 absl::StatusOr<EditResult> MeshClient::Apply(const std::string& mesh, const EditBatch& edits,
                                              const EditParams& params) {
-  if (edits.size() > kEditsPerMessage) return impl_->ApplyInPieces(mesh, edits, params);
+  if (PieceEnd<Edit>(edits, 0) < edits.size()) return impl_->ApplyInPieces(mesh, edits, params);
   v1::ApplyEditsRequest request;
   EncodeParams(mesh, params, &request);
   for (const Edit& edit : edits) codec::EncodeEdit(edit, kDimension, request.add_edits());
@@ -187,7 +187,7 @@ absl::StatusOr<EditResult> MeshClient::Apply(const std::string& mesh, const Edit
 absl::StatusOr<EditResult> MeshClient::AddFeatures(const std::string& mesh,
                                                    std::span<const Feature> features,
                                                    const EditParams& params) {
-  if (features.size() > kEditsPerMessage) {
+  if (PieceEnd(features, 0) < features.size()) {
     EditBatch edits;
     for (const Feature& f : features) edits.push_back(Edit::Add(f));
     return impl_->ApplyInPieces(mesh, edits, params);
@@ -203,7 +203,7 @@ absl::StatusOr<EditResult> MeshClient::AddFeatures(const std::string& mesh,
 absl::StatusOr<EditResult> MeshClient::RemoveFeatures(const std::string& mesh,
                                                       std::span<const FeatureId> ids,
                                                       const EditParams& params) {
-  if (ids.size() > kEditsPerMessage) {
+  if (ids.size() > kIdsPerMessage) {
     EditBatch edits;
     for (const FeatureId id : ids) edits.push_back(Edit::Remove(id));
     return impl_->ApplyInPieces(mesh, edits, params);
@@ -226,9 +226,11 @@ std::unique_ptr<WatchSession> MeshClient::Watch(const std::string& mesh,
   return StartWatchSession(impl_->stub, mesh, options, listener);
 }
 
-absl::StatusOr<Mesh> MeshClient::GetSnapshot(const std::string& mesh) {
+absl::StatusOr<Mesh> MeshClient::GetSnapshot(const std::string& mesh,
+                                             std::span<const FeatureId> regions) {
   v1::GetSnapshotRequest request;
   request.set_mesh(FullName(mesh));
+  request.mutable_regions()->Add(regions.begin(), regions.end());
   grpc::ClientContext context;
   impl_->SetDeadline(context);
   const auto reader = impl_->stub->GetSnapshot(&context, request);

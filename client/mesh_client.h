@@ -98,7 +98,10 @@ class MeshClient {
   std::unique_ptr<WatchSession> Watch(const std::string& mesh, const WatchOptions& options,
                                       WatchListener* listener);
 
-  absl::StatusOr<Mesh> GetSnapshot(const std::string& mesh);
+  // With `regions`, ids of polygons: the simplices inside at least one of them, and what
+  // these need.
+  absl::StatusOr<Mesh> GetSnapshot(const std::string& mesh,
+                                   std::span<const FeatureId> regions = {});
   // An empty name asks for the server only.
   absl::StatusOr<ServerStatus> GetStats(const std::string& mesh = "");
   // n x dimension coordinates, any n.

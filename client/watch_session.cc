@@ -166,7 +166,10 @@ class Follower : public std::enable_shared_from_this<Follower> {
   void OpenLocked() {
     v1::WatchRequest request;
     request.set_mesh(FullName(mesh_));
-    if (replica_.state() == MeshReplica::State::kLive && !from_snapshot_) {
+    request.mutable_regions()->Add(options_.regions.begin(), options_.regions.end());
+    // A filtered watch begins with a snapshot each time.
+    if (replica_.state() == MeshReplica::State::kLive && !from_snapshot_ &&
+        options_.regions.empty()) {
       request.set_start_revision(replica_.revision());
       request.set_start_hash(replica_.hash().ToHex());
     }

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
@@ -18,6 +19,9 @@
 namespace dynmesh::client {
 
 struct WatchOptions {
+  // Polygons: of the simplices, only those inside at least one of them. Empty: all. The
+  // replica's vertices, subsegments and hash: see MeshReplica.
+  std::vector<FeatureId> regions = {};
   // Longest silence of the server; zero: its default.
   absl::Duration progress_interval = absl::ZeroDuration();
   // Pauses before reconnecting: the first, doubled each time up to the longest.

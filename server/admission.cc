@@ -43,10 +43,11 @@ absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std
   if (before + count > context.config.max_batch_edits) {
     error.reason = codec::reason::kBatchTooLarge;
     error.field = "edits";
-    return codec::MakeServiceError(absl::StatusCode::kInvalidArgument,
-                                   absl::StrCat("a batch may have ", context.config.max_batch_edits,
-                                                " edits at most: split it"),
-                                   error);
+    return codec::MakeServiceError(
+        absl::StatusCode::kInvalidArgument,
+        absl::StrCat("a batch may have ", context.config.max_batch_edits,
+                     " edits at most, 8 points of a polygon count as one: split it"),
+        error);
   }
   Lease lease = context.pending_edits.Take(count);
   if (lease) return lease;

@@ -56,7 +56,7 @@ absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context);
 // RESOURCE_EXHAUSTED (STREAM_LIMIT). `what`: "watches", ...
 absl::StatusOr<Lease> TakeStream(Quota& quota, absl::string_view what);
 
-// Room for `count` more edits in a batch that has `before`: INVALID_ARGUMENT
+// Room for edits that weigh `count` more in a batch that weighs `before`: INVALID_ARGUMENT
 // (BATCH_TOO_LARGE) or RESOURCE_EXHAUSTED (PENDING_LIMIT).
 absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std::size_t count);
 

@@ -6,16 +6,19 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
+#include "core/data/regions.h"
 
 namespace dynmesh::server {
 namespace {
 
-using SimplexKey = std::array<VertexId, 4>;          // unused entries 0, which no id is
+using SimplexKey = std::array<std::uint64_t, 5>;     // ids, unused ones 0, and region
 using SubsegmentKey = std::array<std::uint64_t, 3>;  // ends, owner
 
-SimplexKey KeyOfSimplex(const SimplexColumn& column, std::size_t row, std::size_t corners) {
-  SimplexKey key = {0, 0, 0, 0};
+SimplexKey KeyOfSimplex(const SimplexColumn& column, const RegionColumn& regions, std::size_t row,
+                        std::size_t corners) {
+  SimplexKey key = {0, 0, 0, 0, kNoRegion};
   for (std::size_t i = 0; i < corners; ++i) key[i] = column[row * corners + i];
+  if (!regions.empty()) key.back() = regions[row];
   return key;
 }
 
@@ -28,8 +31,10 @@ void AddSubsegment(SubsegmentColumns& to, const SubsegmentKey& key) {
   to.owners.push_back(key[2]);
 }
 
-void AddSimplex(SimplexColumn& to, const SimplexKey& key, std::size_t corners) {
+void AddSimplex(SimplexColumn& to, RegionColumn& regions, const SimplexKey& key,
+                std::size_t corners) {
   to.insert(to.end(), key.begin(), key.begin() + static_cast<std::ptrdiff_t>(corners));
+  regions.push_back(key.back());
 }
 
 void AddVertex(VertexColumns& to, const VertexColumns& from, std::size_t row,
@@ -105,21 +110,33 @@ absl::Status PatchVertices(const Mesh& mesh, const MeshDiff& diff, VertexColumns
   return absl::OkStatus();
 }
 
-absl::Status PatchSimplices(const Mesh& mesh, const MeshDiff& diff, SimplexColumn& out) {
+absl::Status PatchSimplices(const Mesh& mesh, const MeshDiff& diff, Mesh& out) {
   const auto corners = static_cast<std::size_t>(mesh.dimension) + 1;
+  const bool labelled = !mesh.regions.empty() || !diff.added_regions.empty();
   absl::flat_hash_set<SimplexKey> gone;
   for (std::size_t i = 0; i < diff.removed_simplex_count(); ++i) {
-    gone.insert(KeyOfSimplex(diff.removed_simplices, i, corners));
+    gone.insert(KeyOfSimplex(diff.removed_simplices, diff.removed_regions, i, corners));
   }
-  out.reserve(mesh.simplices.size() + diff.added_simplices.size());
+  const std::size_t room = mesh.simplex_count() + diff.added_simplex_count();
+  out.simplices.reserve(room * corners);
+  if (labelled) out.regions.reserve(room);
   for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
-    const SimplexKey key = KeyOfSimplex(mesh.simplices, i, corners);
-    if (!gone.contains(key)) AddSimplex(out, key, corners);
+    const SimplexKey key = KeyOfSimplex(mesh.simplices, mesh.regions, i, corners);
+    if (gone.contains(key)) continue;
+    const VertexId* const ids = &mesh.simplices[i * corners];
+    out.simplices.insert(out.simplices.end(), ids, ids + corners);
+    if (labelled) out.regions.push_back(key.back());
   }
-  if (out.size() / corners + gone.size() != mesh.simplex_count()) {
-    return Missing("a simplex", diff);
-  }
-  out.insert(out.end(), diff.added_simplices.begin(), diff.added_simplices.end());
+  if (out.simplex_count() + gone.size() != mesh.simplex_count()) return Missing("a simplex", diff);
+  out.simplices.insert(out.simplices.end(), diff.added_simplices.begin(),
+                       diff.added_simplices.end());
+  if (!labelled) return absl::OkStatus();
+  out.regions.insert(out.regions.end(), diff.added_regions.begin(), diff.added_regions.end());
+  out.regions.resize(out.simplex_count(), kNoRegion);
+  data::DropIfIdle(out.regions);
+  out.region_sets = mesh.region_sets;
+  data::AppendSets(out.region_sets, diff.region_sets);
+  data::KeepNamed(out.region_sets, {&out.regions});
   return absl::OkStatus();
 }
 
@@ -150,11 +167,14 @@ std::size_t Bytes(const SubsegmentColumns& s) { return s.size() * 24; }
 std::size_t ByteSize(const MeshDiff& d) {
   return sizeof(MeshDiff) + Bytes(d.added_vertices) + Bytes(d.added_subsegments) +
          Bytes(d.removed_subsegments) +
-         8 * (d.removed_vertices.size() + d.removed_simplices.size() + d.added_simplices.size());
+         8 * (d.removed_vertices.size() + d.removed_simplices.size() + d.removed_regions.size() +
+              d.added_simplices.size() + d.added_regions.size()) +
+         data::ByteSize(d.region_sets);
 }
 
 std::size_t ByteSize(const Mesh& m) {
-  return sizeof(Mesh) + Bytes(m.vertices) + Bytes(m.subsegments) + 8 * m.simplices.size();
+  return sizeof(Mesh) + Bytes(m.vertices) + Bytes(m.subsegments) +
+         8 * (m.simplices.size() + m.regions.size()) + data::ByteSize(m.region_sets);
 }
 
 MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
@@ -174,10 +194,10 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
       vertices.Add(d.added_vertices.ids[i], &d.added_vertices, i);
     }
     for (std::size_t i = 0; i < d.removed_simplex_count(); ++i) {
-      simplices.Remove(KeyOfSimplex(d.removed_simplices, i, corners));
+      simplices.Remove(KeyOfSimplex(d.removed_simplices, d.removed_regions, i, corners));
     }
     for (std::size_t i = 0; i < d.added_simplex_count(); ++i) {
-      simplices.Add(KeyOfSimplex(d.added_simplices, i, corners));
+      simplices.Add(KeyOfSimplex(d.added_simplices, d.added_regions, i, corners));
     }
     for (std::size_t i = 0; i < d.removed_subsegments.size(); ++i) {
       subsegments.Remove(KeyOfSubsegment(d.removed_subsegments, i));
@@ -185,17 +205,23 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
     for (std::size_t i = 0; i < d.added_subsegments.size(); ++i) {
       subsegments.Add(KeyOfSubsegment(d.added_subsegments, i));
     }
+    data::AppendSets(out.region_sets, d.region_sets);
     out.work.executed += d.work.executed;
     out.work.created += d.work.created;
     out.work.dropped += d.work.dropped;
     out.work.microseconds += d.work.microseconds;
   }
   vertices.Write(out);
-  for (const auto& key : simplices.removed()) AddSimplex(out.removed_simplices, key, corners);
-  for (const auto& key : simplices.added()) AddSimplex(out.added_simplices, key, corners);
+  for (const auto& key : simplices.removed()) {
+    AddSimplex(out.removed_simplices, out.removed_regions, key, corners);
+  }
+  for (const auto& key : simplices.added()) {
+    AddSimplex(out.added_simplices, out.added_regions, key, corners);
+  }
   for (const auto& key : subsegments.removed()) AddSubsegment(out.removed_subsegments, key);
   for (const auto& key : subsegments.added()) AddSubsegment(out.added_subsegments, key);
-  // The order of hash sets differs between runs; what is sent must not.
+  // The order of hash sets differs between runs; what is sent must not. Drops regions that
+  // say nothing, too.
   Canonicalize(out);
   return out;
 }
@@ -209,7 +235,7 @@ absl::StatusOr<Mesh> Patched(const Mesh& mesh, const MeshDiff& diff) {
   out.revision = diff.to_revision;
   out.hash = diff.hash;
   if (absl::Status s = PatchVertices(mesh, diff, out.vertices); !s.ok()) return s;
-  if (absl::Status s = PatchSimplices(mesh, diff, out.simplices); !s.ok()) return s;
+  if (absl::Status s = PatchSimplices(mesh, diff, out); !s.ok()) return s;
   if (absl::Status s = PatchSubsegments(mesh, diff, out.subsegments); !s.ok()) return s;
   return out;
 }

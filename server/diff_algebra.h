@@ -17,8 +17,8 @@ std::size_t ByteSize(const MeshDiff& diff);
 std::size_t ByteSize(const Mesh& mesh);
 
 // One diff that does what `diffs`, at least one and each continuing the one before,
-// do in turn. Simplices and subsegments that come and go again cancel; a vertex that
-// goes and comes again stands in both lists, as a diff may say. Work is added up.
+// do in turn. Simplices (in the same region) and subsegments that come and go again cancel;
+// a vertex that goes and comes again stands in both lists, as a diff may say. Work is added up.
 // Expected time linear in the rows of all.
 MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs);
 

@@ -27,15 +27,11 @@ const char* EditsField(const v1::AddFeaturesRequest&) { return "features"; }
 const char* EditsField(const v1::RemoveFeaturesRequest&) { return "ids"; }
 const char* EditsField(const v1::ApplyEditsRequest&) { return "edits"; }
 
-std::size_t EditCount(const v1::AddFeaturesRequest& r) {
-  return static_cast<std::size_t>(r.features_size());
-}
-std::size_t EditCount(const v1::RemoveFeaturesRequest& r) {
+std::size_t Weight(const v1::AddFeaturesRequest& r) { return codec::Weight(r.features()); }
+std::size_t Weight(const v1::RemoveFeaturesRequest& r) {
   return static_cast<std::size_t>(r.ids_size());
 }
-std::size_t EditCount(const v1::ApplyEditsRequest& r) {
-  return static_cast<std::size_t>(r.edits_size());
-}
+std::size_t Weight(const v1::ApplyEditsRequest& r) { return codec::Weight(r.edits()); }
 
 class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
  public:
@@ -70,12 +66,11 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     if (absl::Status s = CheckRequestId(request.request_id()); !s.ok()) return s;
     absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
     if (!host.ok()) return host.status();
-    absl::StatusOr<Lease> lease = TakeEdits(context, 0, EditCount(request));
+    absl::StatusOr<Lease> lease = TakeEdits(context, 0, Weight(request));
     if (!lease.ok()) return lease.status();
     lease_ = *std::move(lease);
 
     EditJob job;
-    job.edits.reserve(EditCount(request));
     const int dimension = (*host)->mesh_options().dimension;
     if (absl::Status s = Decode(request, dimension, &job.edits); !s.ok()) return s;
     job.request_id = request.request_id();

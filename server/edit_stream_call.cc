@@ -108,6 +108,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   struct Partial {
     EditJob job;
     bool omit_columns = false;
+    std::size_t weight = 0;  // of the pieces so far
     std::vector<Lease> leases;
     WorkGate::Ticket ticket;
   };
@@ -168,9 +169,10 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   void AddPiece() {
     EditJob& job = partial_->job;
     if (!job.refused.ok()) return;  // the rest of a bad batch is skipped
-    absl::StatusOr<Lease> lease =
-        TakeEdits(context_, job.edits.size(), static_cast<std::size_t>(request_.edits_size()));
+    const std::size_t weight = codec::Weight(request_.edits());
+    absl::StatusOr<Lease> lease = TakeEdits(context_, partial_->weight, weight);
     if (lease.ok()) {
+      partial_->weight += weight;
       partial_->leases.push_back(*std::move(lease));
       job.refused =
           codec::DecodeEdits(request_.edits(), host_->mesh_options().dimension, &job.edits);

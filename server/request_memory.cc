@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <utility>
+#include <vector>
 
 namespace dynmesh::server {
 namespace {
@@ -28,6 +29,17 @@ Fingerprint FingerprintOf(const EditBatch& batch) {
     add(static_cast<std::uint64_t>(edit.feature.kind));
     for (const double x : edit.feature.position) add(std::bit_cast<std::uint64_t>(x));
     for (const FeatureId end : edit.feature.ends) add(end);
+    const Sizing& sizing = edit.feature.sizing;
+    add(static_cast<std::uint64_t>(sizing.shape));
+    for (const double x :
+         {sizing.target, sizing.radius, sizing.hi[0], sizing.hi[1], sizing.hi[2]}) {
+      add(std::bit_cast<std::uint64_t>(x));
+    }
+    add(edit.feature.rings.size());
+    for (const std::vector<FeatureId>& ring : edit.feature.rings) {
+      add(ring.size());
+      for (const FeatureId id : ring) add(id);
+    }
   }
   return f;
 }

@@ -5,17 +5,35 @@
 #include <string>
 #include <utility>
 
+#include "core/data/region_filter.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "server/log.h"
+#include "server/watch_filter.h"
 
 namespace dynmesh::server {
 namespace {
 
 grpc::Status ClientGone() { return {grpc::StatusCode::CANCELLED, "the client is gone"}; }
 
+absl::StatusOr<data::RegionChoice> DecodeRegions(
+    const google::protobuf::RepeatedField<std::uint64_t>& regions) {
+  data::RegionChoice choice;
+  choice.in.assign(regions.begin(), regions.end());
+  data::Normalize(choice);
+  if (!choice.in.empty() && (choice.in.front() == kNoFeature || choice.in.back() == kBoxFeature)) {
+    return BadRequest("regions", "must be ids of polygons, 1 to 2^64 - 2");
+  }
+  return choice;
+}
+
 absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request) {
   WatchHub::Start start;
+  if (request.has_start_revision() && request.regions_size() > 0) {
+    return BadRequest("start_revision",
+                      "is not possible with regions: watch without it, from a "
+                      "snapshot");
+  }
   if (request.has_start_revision()) start.revision = request.start_revision();
   if (!request.start_hash().empty()) {
     const absl::StatusOr<MeshHash> hash = MeshHash::FromHex(request.start_hash());
@@ -68,6 +86,10 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     if (!host.ok()) return host.status();
     absl::StatusOr<WatchHub::Start> start = DecodeStart(request);
     if (!start.ok()) return start.status();
+    absl::StatusOr<data::RegionChoice> regions = DecodeRegions(request.regions());
+    if (!regions.ok()) return regions.status();
+    if (!regions->IsEverything()) filter_.emplace(*std::move(regions));
+    snapshot_streams_ = &context.snapshot_streams;
     absl::StatusOr<Lease> lease = TakeStream(context.watchers, "watches");
     if (!lease.ok()) return lease.status();
     lease_ = *std::move(lease);
@@ -106,6 +128,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   }
 
   void Send(WatchItem item) {
+    if (filter_.has_value() && !Filter(item)) return;
     if (auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&item)) {
       snapshot_.emplace(std::move(*mesh));
     } else if (auto* diff = std::get_if<std::shared_ptr<const MeshDiff>>(&item)) {
@@ -122,10 +145,28 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     SendFragment();
   }
 
+  // False if the watch ends. A part of a mesh is a copy of its own, unlike whole meshes, of
+  // which all watchers share one: there are no more of them than of other snapshots.
+  bool Filter(WatchItem& item) {
+    if (std::holds_alternative<std::shared_ptr<const Mesh>>(item)) {
+      absl::StatusOr<Lease> lease = TakeStream(*snapshot_streams_, "snapshots under way");
+      if (!lease.ok()) {
+        Finish(codec::ToGrpcStatus(lease.status()));
+        return false;
+      }
+      snapshot_lease_ = *std::move(lease);
+    }
+    item = filter_->Apply(item);
+    return true;
+  }
+
   // False if no mesh or diff is under way.
   bool SendFragment() {
     if (snapshot_.has_value() && snapshot_->Next(event_.mutable_snapshot())) {
-      if (snapshot_->done()) snapshot_.reset();  // the mesh is not held while waiting
+      if (snapshot_->done()) {
+        snapshot_.reset();  // the mesh is not held while waiting
+        snapshot_lease_.Release();
+      }
     } else if (diff_.has_value() && diff_->Next(event_.mutable_diff())) {
       if (diff_->done()) diff_.reset();
     } else {
@@ -140,6 +181,9 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   Lease lease_;
   std::string mesh_;  // for the log
   std::shared_ptr<Subscription> subscription_;
+  std::optional<WatchFilter> filter_;
+  Quota* snapshot_streams_ = nullptr;
+  Lease snapshot_lease_;  // of a filtered snapshot under way
   std::optional<codec::SnapshotFragmenter> snapshot_;
   std::optional<codec::DiffFragmenter> diff_;
   v1::WatchEvent event_;
@@ -174,9 +218,14 @@ class SnapshotCall final : public grpc::ServerWriteReactor<v1::SnapshotChunk> {
     absl::StatusOr<Lease> lease = TakeStream(context.snapshot_streams, "snapshots under way");
     if (!lease.ok()) return lease.status();
     lease_ = *std::move(lease);
-    context.readers->Post([call = self_, host = *host] {
+    absl::StatusOr<data::RegionChoice> regions = DecodeRegions(request.regions());
+    if (!regions.ok()) return regions.status();
+    context.readers->Post([call = self_, host = *host, regions = *std::move(regions)] {
       auto mesh = host->store()->Latest();
       if (!mesh.ok()) return call->Finish(codec::ToGrpcStatus(mesh.status()));
+      if (!regions.IsEverything()) {
+        mesh = std::make_shared<const Mesh>(data::OnlyInside(**mesh, regions));
+      }
       call->fragmenter_.emplace(*std::move(mesh));
       call->Send();
     });

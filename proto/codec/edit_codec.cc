@@ -98,8 +98,9 @@ absl::Status DecodeFeature(const v1::Feature& proto, int dimension, std::size_t 
     case v1::Feature::GEOMETRY_NOT_SET:
       break;
   }
-  return EditError(index, proto.id(), dynmesh::reason::kWrongKind,
-                   "it has no geometry that this server knows: set point, segment, polygon or size");
+  return EditError(
+      index, proto.id(), dynmesh::reason::kWrongKind,
+      "it has no geometry that this server knows: set point, segment, polygon or size");
 }
 
 absl::Status DecodeEdit(const v1::Edit& proto, int dimension, std::size_t index, Edit* out) {
@@ -226,6 +227,43 @@ absl::Status DecodeAdds(const google::protobuf::RepeatedPtrField<v1::Feature>& p
     if (absl::Status s = DecodeFeature(p, dimension, index, &edit.feature); !s.ok()) return s;
   }
   return absl::OkStatus();
+}
+
+namespace {
+
+std::size_t Points(const v1::Polygon& polygon) {
+  std::size_t points = 0;
+  for (const v1::Polygon::Ring& ring : polygon.rings()) {
+    points += static_cast<std::size_t>(ring.points_size());
+  }
+  return points;
+}
+
+std::size_t Points(const v1::Feature& feature) {
+  if (feature.has_polygon()) return Points(feature.polygon());
+  return feature.size().has_polygon() ? Points(feature.size().polygon()) : 0;
+}
+
+std::size_t Points(const v1::Edit& edit) {
+  return edit.has_set() ? Points(edit.set()) : Points(edit.add());
+}
+
+template <typename Items>
+std::size_t WeightOf(const Items& items) {
+  constexpr std::size_t kPointsOfOne = 8;  // bytes as of an edit without a polygon
+  std::size_t points = 0;
+  for (const auto& item : items) points += Points(item);
+  return static_cast<std::size_t>(items.size()) + points / kPointsOfOne;
+}
+
+}  // namespace
+
+std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Edit>& proto) {
+  return WeightOf(proto);
+}
+
+std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Feature>& proto) {
+  return WeightOf(proto);
 }
 
 void EncodeFeature(const Feature& feature, int dimension, v1::Feature* out) {

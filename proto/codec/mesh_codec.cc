@@ -1,16 +1,20 @@
 #include "proto/codec/mesh_codec.h"
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
+#include "core/data/regions.h"
 
 namespace dynmesh::codec {
 namespace {
 
 constexpr std::size_t kIdBytes = 8;
 constexpr std::size_t kOwnerBytes = 10;  // the longest varint
+constexpr std::size_t kSetBytes = 24;    // of a region set but for its polygons
 
 // One pass over the columns in a fixed order, stopped when the budget of a message
 // is used up and taken up again at (section, row).
@@ -23,16 +27,46 @@ class Cutter {
   // takes those rows. At least one row goes into a message, whatever the budget.
   template <typename Copy>
   void Column(std::size_t size, std::size_t row_bytes, Copy copy) {
-    const std::size_t self = seen_++;
-    if (full_ || self != *section_) return;
+    if (!Begin()) return;
     const std::size_t room = std::max<std::size_t>(budget_ / row_bytes, used_ ? 0 : 1);
     const std::size_t count = std::min(size - *row_, room);
-    if (count > 0) {
-      copy(*row_, *row_ + count);
-      used_ = true;
-      budget_ -= std::min(budget_, count * row_bytes);
-      *row_ += count;
+    Take(count, count * row_bytes, copy);
+    End(size);
+  }
+
+  // The same with rows that differ: bytes(row) is asked of each in turn, until one does not
+  // fit, which may be asked of again in another message.
+  template <typename Bytes, typename Copy>
+  void UnevenColumn(std::size_t size, Bytes bytes, Copy copy) {
+    if (!Begin()) return;
+    std::size_t count = 0;
+    std::size_t sum = 0;
+    for (; *row_ + count < size; ++count) {
+      const std::size_t more = bytes(*row_ + count);
+      if (sum + more > budget_ && (used_ || count > 0)) break;
+      sum += more;
     }
+    Take(count, sum, copy);
+    End(size);
+  }
+
+  bool AtEnd() const { return *section_ == seen_; }
+
+ private:
+  // Is it this column's turn?
+  bool Begin() {
+    const std::size_t self = seen_++;
+    return !full_ && self == *section_;
+  }
+  template <typename Copy>
+  void Take(std::size_t count, std::size_t bytes, Copy copy) {
+    if (count == 0) return;
+    copy(*row_, *row_ + count);
+    used_ = true;
+    budget_ -= std::min(budget_, bytes);
+    *row_ += count;
+  }
+  void End(std::size_t size) {
     if (*row_ < size) {
       full_ = true;
     } else {
@@ -41,9 +75,6 @@ class Cutter {
     }
   }
 
-  bool AtEnd() const { return *section_ == seen_; }
-
- private:
   std::size_t budget_;
   std::size_t* section_;
   std::size_t* row_;
@@ -72,13 +103,59 @@ void CutVertices(Cutter& cutter, const VertexColumns& v, std::size_t dimension, 
       });
 }
 
+// Simplices and what says where they lie.
+struct LabelledSimplices {
+  const SimplexColumn& simplices;
+  const RegionColumn& regions;
+  const std::vector<RegionSet>& sets;  // by id
+};
+
+const RegionSet* FindSet(const std::vector<RegionSet>& sets, RegionId region) {
+  const auto it = std::ranges::lower_bound(sets, region, {}, &RegionSet::id);
+  return it != sets.end() && it->id == region ? &*it : nullptr;
+}
+
+// Regions of rows, and the sets that these rows need. None if they say nothing.
+void AddRegions(const LabelledSimplices& s, std::size_t begin, std::size_t end,
+                v1::SimplexColumn* to) {
+  const auto first = s.regions.begin() + static_cast<std::ptrdiff_t>(begin);
+  const RegionColumn regions(first, first + static_cast<std::ptrdiff_t>(end - begin));
+  if (std::ranges::count(regions, kNoRegion) == std::ssize(regions)) return;
+  AddRange(to->mutable_regions(), regions, 0, regions.size());
+  std::vector<RegionId> ids = regions;
+  std::ranges::sort(ids);
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  for (const RegionId id : ids) {
+    const RegionSet* const set = FindSet(s.sets, id);
+    if (set == nullptr) continue;
+    v1::RegionSet* const out = to->add_region_sets();
+    out->set_id(id);
+    AddRange(out->mutable_polygons(), set->polygons, 0, set->polygons.size());
+  }
+}
+
 template <typename Message, typename Get>
-void CutSimplices(Cutter& cutter, const SimplexColumn& s, std::size_t dimension, Message* out,
+void CutSimplices(Cutter& cutter, const LabelledSimplices& s, std::size_t dimension, Message* out,
                   Get get) {
   const std::size_t corners = dimension + 1;
-  cutter.Column(s.size() / corners, kIdBytes * corners, [&](std::size_t begin, std::size_t end) {
-    AddRange(get(out)->mutable_vertex_ids(), s, begin * corners, end * corners);
-  });
+  const std::size_t size = s.simplices.size() / corners;
+  const auto copy = [&](std::size_t begin, std::size_t end) {
+    v1::SimplexColumn* to = get(out);
+    AddRange(to->mutable_vertex_ids(), s.simplices, begin * corners, end * corners);
+    if (!s.regions.empty()) AddRegions(s, begin, end, to);
+  };
+  if (s.regions.empty()) return cutter.Column(size, kIdBytes * corners, copy);
+  absl::flat_hash_set<RegionId> brought;
+  RegionId last = kNoRegion;
+  const auto bytes = [&](std::size_t row) {
+    const std::size_t own = kIdBytes * (corners + 1);
+    const RegionId region = s.regions[row];
+    if (region == last || !brought.insert(region).second) return own;
+    last = region;
+    const RegionSet* const set = FindSet(s.sets, region);
+    return set == nullptr ? own : own + kSetBytes + kOwnerBytes * set->polygons.size();
+  };
+  cutter.UnevenColumn(size, bytes, copy);
 }
 
 template <typename Message, typename Get>
@@ -93,8 +170,8 @@ void CutSubsegments(Cutter& cutter, const SubsegmentColumns& s, Message* out, Ge
 void CutDiff(Cutter& cutter, const MeshDiff& diff, v1::MeshDiff* out) {
   const auto dimension = static_cast<std::size_t>(diff.dimension);
   using D = v1::MeshDiff;
-  CutSimplices(cutter, diff.removed_simplices, dimension, out,
-               [](D* d) { return d->mutable_removed_simplices(); });
+  CutSimplices(cutter, {diff.removed_simplices, diff.removed_regions, diff.region_sets}, dimension,
+               out, [](D* d) { return d->mutable_removed_simplices(); });
   CutSubsegments(cutter, diff.removed_subsegments, out,
                  [](D* d) { return d->mutable_removed_subsegments(); });
   cutter.Column(diff.removed_vertices.size(), kIdBytes, [&](std::size_t begin, std::size_t end) {
@@ -104,7 +181,7 @@ void CutDiff(Cutter& cutter, const MeshDiff& diff, v1::MeshDiff* out) {
               [](D* d) { return d->mutable_added_vertices(); });
   CutSubsegments(cutter, diff.added_subsegments, out,
                  [](D* d) { return d->mutable_added_subsegments(); });
-  CutSimplices(cutter, diff.added_simplices, dimension, out,
+  CutSimplices(cutter, {diff.added_simplices, diff.added_regions, diff.region_sets}, dimension, out,
                [](D* d) { return d->mutable_added_simplices(); });
 }
 
@@ -139,8 +216,29 @@ bool AppendVertices(VertexColumns& to, const v1::VertexColumns& from, int dimens
   return true;
 }
 
-bool AppendSimplices(SimplexColumn& to, const v1::SimplexColumn& from, int dimension) {
-  if (from.vertex_ids_size() % (dimension + 1) != 0) return false;
+// Sets that came before may come again: KeepNamed makes one list of them.
+bool AppendSets(std::vector<RegionSet>& to, const v1::SimplexColumn& from) {
+  std::vector<RegionSet> sets;
+  for (const v1::RegionSet& set : from.region_sets()) {
+    sets.push_back({set.id(), {set.polygons().begin(), set.polygons().end()}});
+  }
+  if (!data::AreRegionSets(sets)) return false;
+  std::ranges::move(sets, std::back_inserter(to));
+  return true;
+}
+
+bool AppendSimplices(SimplexColumn& to, RegionColumn& regions, const v1::SimplexColumn& from,
+                     int dimension) {
+  const auto corners = static_cast<std::size_t>(dimension) + 1;
+  const auto size = static_cast<std::size_t>(from.vertex_ids_size());
+  if (size % corners != 0) return false;
+  if (from.regions_size() > 0) {
+    if (static_cast<std::size_t>(from.regions_size()) != size / corners) return false;
+    regions.resize(to.size() / corners, kNoRegion);  // of messages that had none to tell
+    Append(regions, from.regions());
+  } else if (!regions.empty()) {
+    regions.resize((to.size() + size) / corners, kNoRegion);
+  }
   Append(to, from.vertex_ids());
   return true;
 }
@@ -199,7 +297,7 @@ bool SnapshotFragmenter::Next(v1::SnapshotChunk* out) {
   Cutter cutter(fragment_bytes_, &section_, &row_);
   CutVertices(cutter, mesh_->vertices, dimension, out, [](C* c) { return c->mutable_vertices(); });
   CutSubsegments(cutter, mesh_->subsegments, out, [](C* c) { return c->mutable_subsegments(); });
-  CutSimplices(cutter, mesh_->simplices, dimension, out,
+  CutSimplices(cutter, {mesh_->simplices, mesh_->regions, mesh_->region_sets}, dimension, out,
                [](C* c) { return c->mutable_simplices(); });
   ++index_;
   done_ = cutter.AtEnd();
@@ -221,12 +319,18 @@ absl::StatusOr<std::optional<MeshDiff>> DiffAssembler::Add(const v1::MeshDiff& f
              diff.to_revision != f.to_revision()) {
     return Broken("a diff's fragments belong to different diffs");
   }
-  if (!AppendSimplices(diff.removed_simplices, f.removed_simplices(), diff.dimension) ||
+  if (!AppendSimplices(diff.removed_simplices, diff.removed_regions, f.removed_simplices(),
+                       diff.dimension) ||
       !AppendSubsegments(diff.removed_subsegments, f.removed_subsegments()) ||
       !AppendVertices(diff.added_vertices, f.added_vertices(), diff.dimension) ||
       !AppendSubsegments(diff.added_subsegments, f.added_subsegments()) ||
-      !AppendSimplices(diff.added_simplices, f.added_simplices(), diff.dimension)) {
+      !AppendSimplices(diff.added_simplices, diff.added_regions, f.added_simplices(),
+                       diff.dimension)) {
     return Broken("a diff's columns disagree in length");
+  }
+  if (!AppendSets(diff.region_sets, f.removed_simplices()) ||
+      !AppendSets(diff.region_sets, f.added_simplices())) {
+    return Broken("a diff has a region set that is none");
   }
   Append(diff.removed_vertices, f.removed_vertices());
   if (f.more()) {
@@ -236,6 +340,7 @@ absl::StatusOr<std::optional<MeshDiff>> DiffAssembler::Add(const v1::MeshDiff& f
   absl::StatusOr<MeshHash> hash = MeshHash::FromHex(f.hash());
   if (!hash.ok()) return Broken("a diff's hash is not 32 hex digits");
   diff.hash = *hash;
+  data::KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
   diff.work = {f.work().executed(), f.work().created(), f.work().dropped(),
                f.work().microseconds()};
   return std::optional<MeshDiff>(std::move(diff));
@@ -260,8 +365,11 @@ absl::StatusOr<std::optional<Mesh>> SnapshotAssembler::Add(const v1::SnapshotChu
   }
   if (!AppendVertices(mesh.vertices, c.vertices(), mesh.dimension) ||
       !AppendSubsegments(mesh.subsegments, c.subsegments()) ||
-      !AppendSimplices(mesh.simplices, c.simplices(), mesh.dimension)) {
+      !AppendSimplices(mesh.simplices, mesh.regions, c.simplices(), mesh.dimension)) {
     return Broken("a snapshot's columns disagree in length");
+  }
+  if (!AppendSets(mesh.region_sets, c.simplices())) {
+    return Broken("a snapshot has a region set that is none");
   }
   if (c.more()) {
     mesh_ = std::move(mesh);
@@ -271,6 +379,7 @@ absl::StatusOr<std::optional<Mesh>> SnapshotAssembler::Add(const v1::SnapshotChu
   absl::StatusOr<MeshHash> hash = MeshHash::FromHex(c.hash());
   if (!hash.ok()) return Broken("a snapshot's hash is not 32 hex digits");
   mesh.hash = *hash;
+  data::KeepNamed(mesh.region_sets, {&mesh.regions});
   return std::optional<Mesh>(std::move(mesh));
 }
 

@@ -1,9 +1,13 @@
 // The codec: what goes out comes back, in pieces below 1 MB, and nothing else gets in.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <random>
+#include <set>
+#include <vector>
 
+#include "core/data/regions.h"
 #include "dynmesh/error.h"
 #include "dynmesh/v1/status_details.pb.h"
 #include "proto/codec/edit_codec.h"
@@ -42,6 +46,27 @@ SubsegmentColumns RandomSubsegments(std::mt19937_64& random, std::size_t n) {
   return s;
 }
 
+const std::vector<std::vector<FeatureId>> kPolygons = {{}, {5}, {5, 6}, {5, 6, 7}, {1, 8, 9, 10}};
+
+// Mostly in none, so that some messages have nothing to tell.
+RegionColumn RandomRegions(std::mt19937_64& random, std::size_t n) {
+  RegionColumn regions;
+  for (std::size_t i = 0; i < n; ++i) {
+    regions.push_back(RegionIdOf(kPolygons[random() % 3 == 0 ? random() % kPolygons.size() : 0]));
+  }
+  if (n > 0) regions.back() = RegionIdOf(kPolygons[4]);  // not a column that says nothing
+  return regions;
+}
+
+std::vector<RegionSet> SetsOf(std::initializer_list<const RegionColumn*> columns) {
+  std::vector<RegionSet> sets;
+  for (const auto& p : kPolygons) {
+    if (p.size() > 1) sets.push_back({RegionIdOf(p), p});
+  }
+  data::KeepNamed(sets, columns);
+  return sets;
+}
+
 MeshDiff RandomDiff(std::uint64_t seed, std::size_t n, int dimension) {
   std::mt19937_64 random(seed);
   const auto corners = static_cast<std::size_t>(dimension) + 1;
@@ -55,6 +80,11 @@ MeshDiff RandomDiff(std::uint64_t seed, std::size_t n, int dimension) {
   d.added_vertices = RandomVertices(random, n, dimension);
   d.added_simplices = RandomIds(random, corners * 2 * n);
   d.added_subsegments = RandomSubsegments(random, n / 3);
+  if (seed % 2 == 0) {
+    d.removed_regions = RandomRegions(random, n);
+    d.added_regions = RandomRegions(random, 2 * n);
+    d.region_sets = SetsOf({&d.removed_regions, &d.added_regions});
+  }
   d.work = {1, 2, 3, 4.5};
   d.hash = {random(), random()};
   return d;
@@ -88,7 +118,7 @@ Pieces Cut(const MeshDiff& diff, std::size_t bytes) {
 
 TEST(DiffCodec, ComesBackWholeWhateverTheFragmentSize) {
   for (int dimension : {2, 3}) {
-    for (std::size_t n : {0, 1, 2, 100}) {
+    for (std::size_t n : {0, 1, 2, 3, 100, 101}) {
       const MeshDiff diff = RandomDiff(n + 1, n, dimension);
       for (std::size_t bytes : {1, 100, 1000, 1 << 20}) {
         const Pieces pieces = Cut(diff, bytes);
@@ -106,12 +136,76 @@ TEST(DiffCodec, ComesBackWholeWhateverTheFragmentSize) {
 }
 
 TEST(DiffCodec, LargeDiffsGoInFullMessagesBelowOneMegabyte) {
-  const Pieces pieces = Cut(RandomDiff(5, 60'000, 2), kFragmentBytes);
-  EXPECT_LT(pieces.largest, std::size_t{1'000'000});
-  ASSERT_GT(pieces.fragments.size(), 4u);
-  for (std::size_t i = 0; i + 1 < pieces.fragments.size(); ++i) {
-    EXPECT_GT(pieces.fragments[i].ByteSizeLong(), std::size_t{256'000});
+  for (const std::uint64_t seed : {5, 6}) {
+    const Pieces pieces = Cut(RandomDiff(seed, 60'000, 2), kFragmentBytes);
+    EXPECT_LT(pieces.largest, std::size_t{1'000'000});
+    ASSERT_GT(pieces.fragments.size(), 4u);
+    for (std::size_t i = 0; i + 1 < pieces.fragments.size(); ++i) {
+      EXPECT_GT(pieces.fragments[i].ByteSizeLong(), std::size_t{256'000});
+    }
   }
+}
+
+// Regions that many polygons overlap in weigh more than the simplices in them.
+TEST(DiffCodec, RegionSetsCountWhereMessagesAreCut) {
+  MeshDiff diff;
+  diff.to_revision = 1;
+  constexpr std::size_t kRows = 2000;
+  for (std::size_t i = 0; i < kRows; ++i) {
+    std::vector<FeatureId> polygons;
+    for (std::size_t k = 0; k < 300; ++k) polygons.push_back((FeatureId{1} << 63) + i * 1000 + k);
+    diff.added_simplices.insert(diff.added_simplices.end(), {3 * i + 1, 3 * i + 2, 3 * i + 3});
+    diff.added_regions.push_back(RegionIdOf(polygons));
+    diff.region_sets.push_back({diff.added_regions.back(), polygons});
+  }
+  std::ranges::sort(diff.region_sets, {}, &RegionSet::id);
+  for (const std::size_t budget : {std::size_t{50'000}, kFragmentBytes}) {
+    const Pieces pieces = Cut(diff, budget);
+    EXPECT_LE(pieces.largest, budget + 1000);
+    EXPECT_LE(pieces.fragments.size(), 2 * kRows * 3100 / budget + 1);
+    DiffAssembler assembler;
+    for (const v1::MeshDiff& fragment : pieces.fragments) {
+      std::set<RegionId> needed(fragment.added_simplices().regions().begin(),
+                                fragment.added_simplices().regions().end());
+      EXPECT_EQ(needed.size(), fragment.added_simplices().region_sets_size());
+      const auto back = assembler.Add(fragment);
+      ASSERT_TRUE(back.ok()) << back.status();
+      if (back->has_value()) ExpectEqual(**back, diff);
+    }
+  }
+}
+
+TEST(DiffCodec, MessagesWithoutPolygonsTellOfNoRegions) {
+  MeshDiff diff = RandomDiff(6, 50, 2);
+  diff.removed_regions.assign(50, kNoRegion);
+  for (const v1::MeshDiff& fragment : Cut(diff, 400).fragments) {
+    EXPECT_EQ(fragment.removed_simplices().regions_size(), 0);
+    EXPECT_EQ(fragment.removed_simplices().region_sets_size(), 0);
+  }
+}
+
+TEST(DiffCodec, RegionsThatMakeNoSenseAreRefused) {
+  const auto refuse = [](auto change) {
+    v1::MeshDiff bad = Cut(RandomDiff(6, 10, 2), 1 << 20).fragments.at(0);
+    ASSERT_TRUE(DiffAssembler().Add(bad).ok());
+    ASSERT_GT(bad.added_simplices().region_sets_size(), 0);
+    v1::SimplexColumn& column = *bad.mutable_added_simplices();
+    change(column, *column.mutable_region_sets(0));
+    EXPECT_EQ(DiffAssembler().Add(bad).status().code(), absl::StatusCode::kDataLoss);
+  };
+  refuse([](v1::SimplexColumn& s, v1::RegionSet&) { s.add_regions(1); });
+  refuse([](v1::SimplexColumn& s, v1::RegionSet&) { s.mutable_regions()->RemoveLast(); });
+  refuse([](v1::SimplexColumn&, v1::RegionSet& set) { set.set_id(set.id() + 1); });
+  refuse([](v1::SimplexColumn&, v1::RegionSet& set) { set.clear_polygons(); });
+  refuse([](v1::SimplexColumn&, v1::RegionSet& set) {
+    set.mutable_polygons()->Truncate(1);
+    set.set_id(set.polygons(0));
+  });
+  refuse([](v1::SimplexColumn&, v1::RegionSet& set) {
+    set.mutable_polygons()->SwapElements(0, 1);
+    set.set_id(RegionIdOf(std::vector<FeatureId>(set.polygons().begin(), set.polygons().end())));
+  });
+  refuse([](v1::SimplexColumn& s, v1::RegionSet& set) { *s.add_region_sets() = set; });
 }
 
 TEST(DiffCodec, WithoutColumnsThereIsOneSmallMessage) {
@@ -155,6 +249,8 @@ TEST(SnapshotCodec, ComesBackWholeAndALostChunkIsNoticed) {
   mesh->revision = 9;
   mesh->vertices = RandomVertices(random, 500, 2);
   mesh->simplices = RandomIds(random, 3 * 900);
+  mesh->regions = RandomRegions(random, 900);
+  mesh->region_sets = SetsOf({&mesh->regions});
   mesh->subsegments = RandomSubsegments(random, 50);
   mesh->hash = {random(), random()};
   std::vector<v1::SnapshotChunk> chunks;
@@ -172,6 +268,8 @@ TEST(SnapshotCodec, ComesBackWholeAndALostChunkIsNoticed) {
     if (!back->has_value()) continue;
     EXPECT_EQ((*back)->vertices, mesh->vertices);
     EXPECT_EQ((*back)->simplices, mesh->simplices);
+    EXPECT_EQ((*back)->regions, mesh->regions);
+    EXPECT_EQ((*back)->region_sets, mesh->region_sets);
     EXPECT_EQ((*back)->subsegments, mesh->subsegments);
     EXPECT_EQ((*back)->hash, mesh->hash);
     EXPECT_EQ((*back)->revision, 9u);
@@ -189,6 +287,10 @@ TEST(EditCodec, EveryKindOfEditComesBack) {
       Edit::Add(Feature::SizeAt(20, 0.1, 0.2, 0.3)),
       Edit::Set(Feature::SizeDisc(21, 0.1, 0.2, 0.4, 0.3)),
       Edit::Set(Feature::SizeBox(22, 0.1, 0.2, 0.4, 0.5, 0.3)),
+      Edit::Add(Feature::Polygon(23, {{1, 3, 5}})),
+      Edit::Set(Feature::Polygon(24, {{1, 3, 5, 7}, {2, 4, 6}, {}})),
+      Edit::Add(Feature::Polygon(25, {})),
+      Edit::Set(Feature::SizePolygon(26, {{1, 3, 5}, {~FeatureId{0}, 1, 1}}, 0.3)),
       Edit::Set(Feature::Point(3, 1e-300, 5)),
       Edit::Remove(4),
       Edit::Move(5, 0.25, 0.75),
@@ -198,6 +300,22 @@ TEST(EditCodec, EveryKindOfEditComesBack) {
   EditBatch back;
   ASSERT_TRUE(DecodeEdits(wire, 2, &back).ok());
   EXPECT_EQ(back, batch);
+}
+
+TEST(EditCodec, PolygonsWeighByTheirPoints) {
+  const Rings rings = {std::vector<FeatureId>(75, 1), std::vector<FeatureId>(5, 2)};
+  google::protobuf::RepeatedPtrField<v1::Edit> edits;
+  google::protobuf::RepeatedPtrField<v1::Feature> features;
+  EXPECT_EQ(Weight(edits) + Weight(features), 0u);
+  for (const Feature& f : {Feature::Point(1, 0, 0), Feature::Polygon(2, rings),
+                           Feature::SizePolygon(3, rings, 1), Feature::SizeAt(4, 0, 0, 1)}) {
+    EncodeEdit(Edit::Add(f), 2, edits.Add());
+    EncodeEdit(Edit::Set(f), 2, edits.Add());
+    EncodeFeature(f, 2, features.Add());
+  }
+  EncodeEdit(Edit::Remove(4), 2, edits.Add());
+  EXPECT_EQ(Weight(edits), 9u + 4 * 10);
+  EXPECT_EQ(Weight(features), 4u + 2 * 10);
 }
 
 TEST(EditCodec, WhatTheWireFormGetsWrongIsNamed) {

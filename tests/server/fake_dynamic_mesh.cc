@@ -19,6 +19,20 @@ absl::Status EditError(absl::StatusCode code, const char* reason_text, std::size
                    {reason_text, {id}, edit});
 }
 
+// The polygons that name all of these points.
+std::vector<FeatureId> PolygonsAround(const std::vector<const Feature*>& all,
+                                      std::span<const FeatureId> points) {
+  std::vector<FeatureId> polygons;
+  for (const Feature* f : all) {
+    const auto names = [&](FeatureId point) {
+      return std::ranges::any_of(f->rings,
+                                 [&](const auto& ring) { return std::ranges::count(ring, point); });
+    };
+    if (std::ranges::all_of(points, names)) polygons.push_back(f->id);
+  }
+  return polygons;
+}
+
 }  // namespace
 
 void FakeGate::Hold() {
@@ -85,6 +99,14 @@ absl::StatusOr<FakeDynamicMesh::FeatureMap> FakeDynamicMesh::Draft(const EditBat
       return MakeError(absl::StatusCode::kFailedPrecondition, "two points in one place",
                        {reason::kDuplicatePoint, {id}, std::nullopt});
     }
+    for (const auto& ring : f.rings) {
+      for (const FeatureId point : ring) {
+        if (draft.contains(point)) continue;
+        return MakeError(absl::StatusCode::kNotFound,
+                         absl::StrCat("polygon ", id, " needs ", point),
+                         {reason::kUnknownEnd, {id, point}, std::nullopt});
+      }
+    }
     for (const FeatureId end : f.ends) {
       if (f.kind == FeatureKind::kSegment && !draft.contains(end)) {
         return MakeError(absl::StatusCode::kNotFound, absl::StrCat("segment ", id, " needs ", end),
@@ -101,8 +123,13 @@ absl::StatusOr<FakeDynamicMesh::FeatureMap> FakeDynamicMesh::Draft(const EditBat
 
 Mesh FakeDynamicMesh::Build(const FeatureMap& features) const {
   Mesh mesh;
+  std::vector<FeatureId> points;
+  std::vector<const Feature*> all_polygons;
   for (const auto& [id, f] : features) {
-    if (f.kind == FeatureKind::kPoint) {
+    if (f.kind == FeatureKind::kPolygon) {
+      all_polygons.push_back(&f);
+    } else if (f.kind == FeatureKind::kPoint) {
+      points.push_back(id);
       mesh.vertices.ids.push_back(VertexIdAt(f.position.data(), 2));
       mesh.vertices.coordinates.insert(mesh.vertices.coordinates.end(),
                                        {f.position[0], f.position[1]});
@@ -120,7 +147,13 @@ Mesh FakeDynamicMesh::Build(const FeatureMap& features) const {
     std::array<VertexId, 3> corners = {v[i], v[i + 1], v[i + 2]};
     std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     mesh.simplices.insert(mesh.simplices.end(), corners.begin(), corners.end());
+    const std::vector<FeatureId> polygons = PolygonsAround(all_polygons, {&points[i], 3});
+    mesh.regions.push_back(RegionIdOf(polygons));
+    if (polygons.size() > 1) mesh.region_sets.push_back({mesh.regions.back(), polygons});
   }
+  std::ranges::sort(mesh.region_sets, {}, &RegionSet::id);
+  const auto twice = std::ranges::unique(mesh.region_sets, {}, &RegionSet::id);
+  mesh.region_sets.erase(twice.begin(), twice.end());
   mesh.hash = ComputeHash(mesh);
   return mesh;
 }

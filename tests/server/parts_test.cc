@@ -86,6 +86,17 @@ TEST(RequestMemory, FingerprintsTellBatchesApart) {
       {Edit::Add(Feature::Point(1, 0.5, 0.0))},
       {Edit::Add(Feature::Segment(1, 2, 3))},
       {Edit::Add(Feature::Segment(1, 3, 2))},
+      {Edit::Add(Feature::SizeAt(1, 0, 0, 0.5))},
+      {Edit::Add(Feature::SizeAt(1, 0, 0, 0.25))},
+      {Edit::Add(Feature::SizeDisc(1, 0, 0, 0, 0.5))},
+      {Edit::Add(Feature::SizeDisc(1, 0, 0, 1, 0.5))},
+      {Edit::Add(Feature::SizeBox(1, 0, 0, 1, 1, 0.5))},
+      {Edit::Add(Feature::SizeBox(1, 0, 0, 1, 2, 0.5))},
+      {Edit::Add(Feature::Polygon(1, {{2, 3, 4}}))},
+      {Edit::Add(Feature::Polygon(1, {{2, 3, 5}}))},
+      {Edit::Add(Feature::Polygon(1, {{2, 3, 4, 5, 6, 7}}))},
+      {Edit::Add(Feature::Polygon(1, {{2, 3, 4}, {5, 6, 7}}))},
+      {Edit::Add(Feature::SizePolygon(1, {{2, 3, 4}}, 0.5))},
   };
   for (std::size_t i = 0; i < batches.size(); ++i) {
     EXPECT_EQ(FingerprintOf(batches[i]), FingerprintOf(EditBatch(batches[i])));

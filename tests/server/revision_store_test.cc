@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "server/diff_algebra.h"
@@ -23,12 +24,21 @@ Walk MakeWalk(std::uint64_t seed, int length) {
   FakeDynamicMesh fake(MeshOptions(), nullptr);
   Walk walk;
   walk.meshes.push_back(std::make_shared<Mesh>(fake.Snapshot()));
-  std::set<FeatureId> points, segments;
+  std::set<FeatureId> points, segments, polygons;
   FeatureId next_segment = 1000;
   for (int i = 0; i < length; ++i) {
     EditBatch batch;
     for (std::uint64_t k = random() % 4 + 1; k > 0; --k) {
       const FeatureId id = random() % 20 + 1;
+      const FeatureId polygon = 2001 + random() % 4;
+      if (points.size() > 5 && random() % 3 == 0) {
+        // Relabels the triangles between two points, or more, or fewer.
+        const auto first = std::next(points.begin(), static_cast<int>(random() % 3));
+        const Feature feature = Feature::Polygon(polygon, {{first, points.end()}});
+        const bool present = !polygons.insert(polygon).second;
+        batch.push_back(present ? Edit::Set(feature) : Edit::Add(feature));
+        continue;
+      }
       if (points.size() > 2 && random() % 4 == 0) {
         const FeatureId p = *points.begin(), q = *points.rbegin();
         batch.push_back(Edit::Add(Feature::Segment(next_segment, p, q)));
@@ -37,6 +47,8 @@ Walk MakeWalk(std::uint64_t seed, int length) {
         batch.push_back(AddPoint(id));
         points.insert(id);
       } else if (segments.empty()) {
+        for (const FeatureId p : polygons) batch.push_back(Edit::Remove(p));
+        polygons.clear();
         batch.push_back(Edit::Remove(id));
         points.erase(id);
       } else {
@@ -59,8 +71,60 @@ void ExpectSameMesh(Mesh a, Mesh b) {
   EXPECT_EQ(a.revision, b.revision);
   EXPECT_EQ(a.vertices, b.vertices);
   EXPECT_EQ(a.simplices, b.simplices);
+  EXPECT_EQ(a.regions, b.regions);
+  EXPECT_EQ(a.region_sets, b.region_sets);
   EXPECT_EQ(a.subsegments, b.subsegments);
   EXPECT_EQ(a.hash, b.hash);
+}
+
+TEST(DiffAlgebra, TheWalkGoesThroughRegions) {
+  const Walk walk = MakeWalk(1, 40);
+  int relabelled = 0, sets = 0, idle = 0;
+  for (const auto& diff : walk.diffs) {
+    for (std::size_t i = 0; i < diff->removed_simplex_count(); ++i) {
+      const auto row = diff->removed_simplices.begin() + static_cast<std::ptrdiff_t>(3 * i);
+      const auto& added = diff->added_simplices;
+      relabelled += std::search(added.begin(), added.end(), row, row + 3) != added.end();
+    }
+    sets += !diff->region_sets.empty();
+  }
+  for (const auto& mesh : walk.meshes) idle += mesh->regions.empty();
+  EXPECT_GT(relabelled, 10);
+  EXPECT_GT(sets, 2);
+  EXPECT_GT(idle, 0);
+}
+
+TEST(DiffAlgebra, ASimplexThatComesBackToItsRegionCancels) {
+  FakeDynamicMesh fake(MeshOptions(), nullptr);
+  ASSERT_TRUE(fake.Apply({AddPoint(1), AddPoint(2), AddPoint(3)}, {}).ok());
+  std::vector<std::shared_ptr<const MeshDiff>> diffs;
+  const Feature polygon = Feature::Polygon(9, {{1, 2, 3}});
+  for (const Edit& edit : {Edit::Add(polygon), Edit::Remove(9)}) {
+    auto diff = fake.Apply({edit}, {});
+    ASSERT_TRUE(diff.ok());
+    EXPECT_EQ(diff->added_simplex_count(), 1u);
+    diffs.push_back(std::make_shared<MeshDiff>(*diff));
+  }
+  const MeshDiff both = Compose(diffs);
+  EXPECT_EQ(both.added_simplex_count() + both.removed_simplex_count(), 0u);
+  EXPECT_TRUE(both.added_regions.empty() && both.removed_regions.empty());
+}
+
+TEST(DiffAlgebra, SizesCountRegionsAndTheirSets) {
+  Mesh mesh;
+  mesh.simplices = {1, 2, 3, 1, 3, 4};
+  const std::size_t bare = ByteSize(mesh);
+  mesh.regions = {7, 8};
+  EXPECT_EQ(ByteSize(mesh), bare + 16);
+  mesh.region_sets = {{5, {1, 2, 3}}};
+  EXPECT_GE(ByteSize(mesh), bare + 16 + 32);
+  MeshDiff diff;
+  const std::size_t empty = ByteSize(diff);
+  diff.removed_regions = {7};
+  diff.added_regions = {7, 8};
+  EXPECT_EQ(ByteSize(diff), empty + 24);
+  diff.region_sets = mesh.region_sets;
+  EXPECT_GE(ByteSize(diff), empty + 24 + 32);
 }
 
 TEST(DiffAlgebra, AnySpanOfDiffsComposesToTheDifferenceOfItsEnds) {

@@ -208,6 +208,22 @@ TEST_F(ServiceTest, ABatchTooLargeForAMessageIsAppliedWhole) {
   EXPECT_EQ(mesh->revision, 1u);
 }
 
+TEST_F(ServiceTest, PolygonsTooLargeForAMessageTogetherGoInPieces) {
+  StartWithMesh();
+  constexpr FeatureId kPoint = FeatureId{1} << 62;
+  std::vector<Feature> features = {AddPoint(kPoint).feature};
+  for (FeatureId id = 1; id <= 12; ++id) {
+    features.push_back(Feature::Polygon(id, {std::vector<FeatureId>(50'000, kPoint)}));
+  }
+  const auto added = client_->AddFeatures("m", features);
+  ASSERT_TRUE(added.ok()) << Text(added.status());
+  EXPECT_EQ(added->diff.to_revision, 1u);
+  EditBatch edits;
+  for (FeatureId id = 1; id <= 12; ++id) edits.push_back(Edit::Set(features[id]));
+  EXPECT_TRUE(client_->Apply("m", edits).ok());
+  EXPECT_EQ(client_->GetStats("m")->mesh->stats.features, 13u);
+}
+
 TEST_F(ServiceTest, OneBadEditInALargeBatchIsFoundAndNothingChanges) {
   StartWithMesh();
   const Head before = HeadOf();

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "client/mesh_replica.h"
+#include "core/data/region_filter.h"
 #include "proto/codec/grpc_status.h"
 #include "tests/server/server_fixture.h"
 
@@ -62,8 +63,70 @@ TEST_F(WatchTest, WatchesRefuseBadStarts) {
   EXPECT_EQ(ReasonOf(finish([](auto& r) { r.set_start_hash("xyz"); })), codec::reason::kBadRequest);
   EXPECT_EQ(ReasonOf(finish([](auto& r) { r.mutable_progress_interval()->set_seconds(-1); })),
             codec::reason::kBadRequest);
+  EXPECT_EQ(ReasonOf(finish([](auto& r) {
+              r.add_regions(7);
+              r.set_start_revision(1);
+            })),
+            codec::reason::kBadRequest);
+  for (const FeatureId none : {kNoFeature, kBoxFeature}) {
+    EXPECT_EQ(ReasonOf(finish([&](auto& r) { r.add_regions(none); })), codec::reason::kBadRequest);
+  }
   EXPECT_EQ(ReasonOf(finish([](auto& r) { r.set_mesh("meshes/none"); })),
             codec::reason::kMeshNotFound);
+}
+
+Mesh Sorted(Mesh mesh) {
+  Canonicalize(mesh);
+  return mesh;
+}
+
+// Points 1 to 60, and polygons around some that come, change and go.
+TEST_F(WatchTest, AWatchOfRegionsEndsEqualToAnExportOfThem) {
+  StartWithMesh();
+  EditBatch points;
+  for (FeatureId id = 1; id <= 60; ++id) points.push_back(AddPoint(id));
+  ASSERT_TRUE(client_->Apply("m", points).ok());
+  const std::vector<FeatureId> regions = {501, 503};
+  client::WatchOptions options;
+  options.regions = {503, 501, 501};
+  const auto watch = client_->Watch("m", options, nullptr);
+  const auto ring = [](FeatureId from, FeatureId to) {
+    std::vector<FeatureId> ids;
+    for (FeatureId id = from; id < to; ++id) ids.push_back(id);
+    return Rings{ids};
+  };
+  const std::vector<Edit> edits = {Edit::Add(Feature::Polygon(501, ring(1, 30))),
+                                   Edit::Add(Feature::Polygon(502, ring(20, 50))),
+                                   Edit::Add(Feature::Polygon(503, ring(25, 45))),
+                                   Edit::Set(Feature::Polygon(501, ring(1, 10))),
+                                   Edit::Set(Feature::Polygon(502, ring(1, 20))),
+                                   Edit::Remove(503),
+                                   Edit::Add(Feature::Polygon(503, ring(5, 40)))};
+  for (const Edit& edit : edits) {
+    const auto applied = client_->Apply("m", {edit});
+    ASSERT_TRUE(applied.ok()) << Text(applied.status());
+    ASSERT_TRUE(watch->WaitForRevision(applied->diff.to_revision, kLong));
+    const auto part = client_->GetSnapshot("m", regions);
+    ASSERT_TRUE(part.ok()) << Text(part.status());
+    EXPECT_LT(part->simplex_count(), 58u);
+    watch->Read([&](const client::MeshReplica& r) {
+      data::RegionChoice choice;
+      choice.in = regions;
+      const Mesh inside = Sorted(data::OnlyInside(r.ToMesh(), choice)), got = Sorted(*part);
+      EXPECT_EQ(inside.vertices, got.vertices);
+      EXPECT_EQ(inside.simplices, got.simplices);
+      EXPECT_EQ(inside.regions, got.regions);
+      EXPECT_EQ(inside.region_sets, got.region_sets);
+      EXPECT_EQ(inside.hash, got.hash);
+      EXPECT_EQ(r.store().simplex_count(), got.simplex_count());
+      EXPECT_EQ(r.store().vertex_count(), 60u);
+    });
+  }
+  EXPECT_EQ(client_->GetSnapshot("m", regions)->simplex_count(), 37u);  // from 1 to 37
+  EXPECT_EQ(client_->GetSnapshot("m", std::vector<FeatureId>{777})->vertices.size(), 0u);
+  EXPECT_EQ(client_->GetSnapshot("m", std::vector<FeatureId>{0}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(watch->resyncs(), 0);
 }
 
 // The watcher takes one message and then none while the writer makes hundreds of large

@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_format.h"
 #include "client/cli/command.h"
+#include "client/cli/mesh_flags.h"
 #include "core/io/edit_script.h"
 
 namespace dynmesh::cli {
@@ -14,6 +15,12 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags) {
       ->type_name("S")
       ->check(CLI::PositiveNumber);
   command.add_flag("--json", flags.json, "Print one JSON object a line");
+}
+
+absl::StatusOr<data::RegionChoice> ParseServerRegionFlag(const std::string& text) {
+  absl::StatusOr<data::RegionChoice> choice = ParseRegionFlag(text);
+  if (!choice.ok() || !choice->in_any) return choice;
+  return absl::InvalidArgumentError("--region: a server has to be told which polygons, not any");
 }
 
 std::unique_ptr<client::MeshClient> Connect(const ServerFlags& flags) {

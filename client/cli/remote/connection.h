@@ -7,8 +7,10 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "client/cli/json.h"
 #include "client/mesh_client.h"
+#include "core/data/region_filter.h"
 
 namespace dynmesh::cli {
 
@@ -20,6 +22,9 @@ struct ServerFlags {
 
 // --server --timeout --json
 void AddServerFlags(CLI::App& command, ServerFlags& flags);
+
+// --region, as ParseRegionFlag reads it. A server wants to know the polygons, not `any`.
+absl::StatusOr<data::RegionChoice> ParseServerRegionFlag(const std::string& text);
 
 std::unique_ptr<client::MeshClient> Connect(const ServerFlags& flags);
 

@@ -49,6 +49,7 @@ int RunList(const ServerFlags& flags) {
 struct NamedCommand {
   ServerFlags server;
   std::string id;
+  std::string region;
   OutputFlags output;
 };
 
@@ -61,10 +62,12 @@ int RunDelete(const NamedCommand& command) {
 
 int RunExport(const NamedCommand& command) {
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+  const auto region = ParseServerRegionFlag(command.region);
+  if (!region.ok()) return ReportError(region.status());
   const auto client = Connect(command.server);
   const auto info = client->GetMesh(command.id);
   if (!info.ok()) return ReportError(info.status());
-  const auto mesh = client->GetSnapshot(command.id);
+  const auto mesh = client->GetSnapshot(command.id, region->in);
   if (!mesh.ok()) return ReportError(mesh.status());
   if (auto status = WriteOutputs(*mesh, info->options, command.output); !status.ok()) {
     return ReportError(status);
@@ -126,6 +129,7 @@ void RegisterExportCommand(CLI::App& app, CommandSlot& slot) {
   CLI::App* const sub = AddCommand(app, slot, "export", "Write a server's mesh to files",
                                    [command] { return RunExport(*command); });
   sub->add_option("MESH", command->id, "Its id")->required();
+  AddRegionFlag(*sub, command->region);
   AddOutputFlags(*sub, command->output);
   sub->get_option("--output")->required();
   AddServerFlags(*sub, command->server);

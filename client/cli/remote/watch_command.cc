@@ -7,9 +7,11 @@
 #include <string>
 
 #include "absl/strings/str_format.h"
+#include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
+#include "core/data/region_filter.h"
 #include "core/data/text.h"
 
 namespace dynmesh::cli {
@@ -19,6 +21,7 @@ struct WatchCommand {
   ServerFlags server;
   std::string id;
   std::optional<std::uint64_t> until;
+  std::string region;
   OutputFlags output;
   bool progress = false;
 };
@@ -27,7 +30,8 @@ struct WatchCommand {
 // printed, or when the watch ends.
 class Printer final : public client::WatchListener {
  public:
-  explicit Printer(const WatchCommand& command) : command_(command) {}
+  Printer(const WatchCommand& command, const data::RegionChoice& region)
+      : command_(command), region_(region) {}
 
   void OnSnapshot(const client::MeshReplica& replica) override {
     Write(State("snapshot", replica), replica);
@@ -74,7 +78,7 @@ class Printer final : public client::WatchListener {
     if (!PrintOut(line)) Finish(absl::UnavailableError("cannot write to standard output"));
     if (command_.until.has_value() && replica.revision() >= *command_.until) {
       // The mesh goes on; what is written is what was asked for.
-      if (!command_.output.paths.empty()) mesh_ = replica.ToMesh();
+      if (!command_.output.paths.empty()) mesh_ = data::OnlyInside(replica.ToMesh(), region_);
       Finish(absl::OkStatus());
     }
   }
@@ -90,6 +94,7 @@ class Printer final : public client::WatchListener {
   }
 
   const WatchCommand& command_;
+  const data::RegionChoice& region_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<absl::Status> result_;
@@ -101,12 +106,16 @@ int Run(const WatchCommand& command) {
   if (!command.output.paths.empty() && !command.until.has_value()) {
     return ReportError(absl::InvalidArgumentError("-o needs --until: of which revision?"));
   }
+  const auto region = ParseServerRegionFlag(command.region);
+  if (!region.ok()) return ReportError(region.status());
   const auto client = Connect(command.server);
   // Asked first, so that a wrong address or name is an error and not waited for.
   const auto info = client->GetMesh(command.id);
   if (!info.ok()) return ReportError(info.status());
-  Printer printer(command);
-  const auto session = client->Watch(command.id, {}, &printer);
+  Printer printer(command, *region);
+  client::WatchOptions options;
+  options.regions = region->in;
+  const auto session = client->Watch(command.id, options, &printer);
   absl::Status status = printer.Wait();
   session->Stop();
   if (status.ok()) status = WriteOutputs(printer.mesh(), info->options, command.output);
@@ -123,6 +132,7 @@ void RegisterWatchCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_option("--until", command->until, "End when this revision is there")
       ->type_name("REVISION");
   sub->add_flag("--progress", command->progress, "Show signs of life of the server, too");
+  AddRegionFlag(*sub, command->region);
   AddOutputFlags(*sub, command->output);
   AddServerFlags(*sub, command->server);
 }
