@@ -220,8 +220,11 @@ class Faces {
           path.push_back(next);
           continue;
         }
+        const auto begin = path.begin() + static_cast<std::ptrdiff_t>(it->second);
+        std::vector<Vertex> loop(begin, path.end());
+        std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
         std::vector<FeatureId>& ring = rings.emplace_back();
-        for (std::size_t i = it->second; i < path.size(); ++i) ring.push_back(ids_[path[i]]);
+        for (const Vertex v : loop) ring.push_back(ids_[v]);
         const std::size_t keep = it->second + 1;
         while (path.size() > keep) {
           place.erase(path.back());

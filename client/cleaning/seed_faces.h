@@ -19,8 +19,8 @@ namespace dynmesh::cleaning {
 
 struct SeedFace {
   // The boundary: edges that have the face on one side only, cut into rings that go through no
-  // point twice. Empty if the seed is in the unbounded face, in that of a seed before it, or on
-  // a segment.
+  // point twice; each starts at the point that a segment of the input names first. Empty if the
+  // seed is in the unbounded face, in that of a seed before it, or on a segment.
   Rings rings;
   std::optional<std::size_t> same_as;  // the first seed in this face, if it is another
   FeatureId on = kNoFeature;           // the segment that the seed is on
