@@ -111,6 +111,23 @@ TEST_F(SeedPolygons, AreMarkedAfterCleaning) {
   EXPECT_EQ(std::count(line.begin(), line.end(), ' '), 6) << line;  // four corners
 }
 
+TEST_F(SeedPolygons, MeshAndAreJudged) {
+  folder_.Write("p.poly", std::string(kPlate) + "2\n1 2 2\n2 6.5 6.5\n1\n1 .5 .5\n");
+  folder_.Write("other.poly", std::string(kPlate) + "2\n1 2 2\n2 6.5 6.5\n0\n");
+  ASSERT_EQ(Run("mesh p.poly -o m.node").code, 0);
+  const Outcome good = Run("verify m.node --input p.poly");
+  EXPECT_EQ(good.code, 0) << good.out;
+  const Outcome bad = Run("verify m.node --input other.poly");
+  EXPECT_EQ(bad.code, 1);
+  EXPECT_NE(bad.out.find("regions      FAILED"), std::string::npos) << bad.out;
+  const Outcome stats = Run("stats m.node --json");
+  EXPECT_NE(stats.out.find("{\"polygons\": [\"33\"], \"simplices\": "), std::string::npos);
+  ASSERT_EQ(Run("mesh p.poly --outside holes -o h.node").code, 0);
+  EXPECT_EQ(folder_.Read("h.ele").find("# dynmesh region 1 33\n"), std::string::npos);
+  EXPECT_NE(folder_.Read("h.ele").find("# dynmesh region 1 35\n"), std::string::npos);
+  EXPECT_EQ(Run("diff m.node h.node").code, 1);
+}
+
 TEST(OutsideFlag, TakesIdsOrHoles) {
   const std::vector<FeatureId> holes = {7, 9};
   data::RegionChoice choice;
