@@ -187,6 +187,36 @@ absl::Status Clean(const ImportCommand& command, const Input& input, CleanResult
   return absl::OkStatus();
 }
 
+// What a .poly has no place for.
+absl::Status CheckForPoly(const std::string& path, const std::vector<Feature>& features) {
+  if (const std::size_t polygons = CountOf(features, FeatureKind::kPolygon); polygons != 0) {
+    return absl::InvalidArgumentError(Concat("-o: ", path, ": a .poly has no place for the ",
+                                             polygons, " polygon(s); write a .dynmesh"));
+  }
+  if (const std::size_t sizes = CountOf(features, FeatureKind::kSize); sizes != 0) {
+    PrintWarning(
+        Concat(path, ": ", sizes, " sizing feature(s) left out; a .dynmesh has place for them"));
+  }
+  return absl::OkStatus();
+}
+
+// Polygons for the holes and regions of `input`, by the segments that are now in `features`.
+absl::Status MarkSeeds(bool cleaned, Input& input, std::vector<Feature>& features) {
+  if (input.holes.empty() && input.regions.empty()) return absl::OkStatus();
+  if (!cleaned && !ValidateFeatures(features, input.options).ok()) {
+    PrintWarning(Concat(input.seed_file,
+                        ": holes and regions left out, as the segments are not "
+                        "what a mesh accepts; --clean mends that"));
+    return absl::OkStatus();
+  }
+  const std::size_t told = input.warnings.size();
+  input.features.swap(features);
+  const absl::Status status = AddSeedPolygons(input);
+  input.features.swap(features);
+  for (std::size_t i = told; i < input.warnings.size(); ++i) PrintWarning(input.warnings[i]);
+  return status;
+}
+
 int Run(const ImportCommand& command) {
   const absl::StatusOr<OutputKind> kind = OutputKindOf(command.output);
   if (!kind.ok()) return ReportError(kind.status());
@@ -214,14 +244,16 @@ int Run(const ImportCommand& command) {
     summary.points[i] = CountOf(*sides[i], FeatureKind::kPoint);
     summary.segments[i] = CountOf(*sides[i], FeatureKind::kSegment);
   }
-  const std::size_t others = result.features.size() - summary.points[1] - summary.segments[1];
-  if (*kind == OutputKind::kPoly && others != 0) {
-    PrintWarning(Concat(command.output, ": ", others,
-                        " sizing feature(s) left out; a .dynmesh has place for them"));
+  if (*kind == OutputKind::kPoly) {
+    if (auto status = CheckForPoly(command.output, result.features); !status.ok()) {
+      return ReportError(status);
+    }
+  } else if (auto status = MarkSeeds(command.clean, *input, result.features); !status.ok()) {
+    return ReportError(status);
   }
   const absl::Status written =
       *kind == OutputKind::kPoly
-          ? io::WritePolyFile(command.output, result.features)
+          ? io::WritePolyFile(command.output, result.features, input->holes, input->regions)
           : io::WriteFeatureScript(command.output, input->options, result.features);
   if (!written.ok()) return ReportError(written);
   std::string report;

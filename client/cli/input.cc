@@ -21,8 +21,6 @@ Input FromPlanar(io::PlanarInput planar, const std::string& path) {
   const auto ignored = [&](std::uint64_t count, const char* what) {
     if (count != 0) input.warnings.push_back(Concat(path, ": ", count, " ", what, " ignored"));
   };
-  ignored(planar.holes, "hole(s)");
-  ignored(planar.regions, "region(s)");
   ignored(planar.attributes, "attribute(s) a vertex");
   ignored(planar.heights, "height(s)");
   if (planar.wraps != 0) {
@@ -31,6 +29,9 @@ Input FromPlanar(io::PlanarInput planar, const std::string& path) {
                                     "across the map; cut lines at the antimeridian"));
   }
   input.features = std::move(planar.features);
+  input.holes = std::move(planar.holes);
+  input.regions = std::move(planar.regions);
+  input.seed_file = path;
   planar.features.clear();
   auto source = std::make_shared<const io::PlanarInput>(std::move(planar));
   input.where = [source](FeatureId id) { return source->Where(id); };

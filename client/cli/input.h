@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/io/planar_input.h"
 #include "dynmesh/error.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
@@ -18,6 +19,11 @@ struct Input {
   std::vector<Feature> features;
   MeshOptions options;                // the box: the input's own, or its bounding box
   std::vector<std::string> warnings;  // what was read and left out
+  // Places of a .poly that mark holes and regions: AddSeedPolygons makes polygons of them.
+  std::vector<io::SeedRow> holes;
+  std::vector<io::SeedRow> regions;
+  std::string seed_file;
+  std::vector<FeatureId> hole_polygons;  // those of holes, ascending
   // "file:line" of a feature, empty if unknown.
   std::function<std::string(FeatureId)> where;
 };
@@ -27,6 +33,13 @@ struct Input {
 // counts. Errors as `file:line: ...`.
 inline constexpr char kInputKinds[] = ".node, .poly, .geojson, .topojson or an edit script";
 absl::StatusOr<Input> LoadInput(const std::string& path);
+
+// Appends a polygon for each hole, then for each region: the face of the segments in which its
+// seed lies, with the ids after the greatest one, one for each seed. As in Triangle, a seed
+// outside everything marks nothing, and of several in one face the first one counts: those
+// are left out, with a warning each. INVALID_ARGUMENT as `file:line: ...` for a seed on a
+// segment. Segments must not cross; the mesh will tell if they do.
+absl::Status AddSeedPolygons(Input& input);
 
 // `status` with its message preceded by where the first feature to blame stands, and
 // followed by where the others do.

@@ -18,6 +18,8 @@ struct MeshCommand {
   std::string input;
   MeshFlags mesh;
   OutputFlags output;
+  std::string region;
+  std::string outside;
   bool json = false;
 };
 
@@ -53,17 +55,25 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double bui
 
 int Run(const MeshCommand& command) {
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
+  absl::StatusOr<data::RegionChoice> choice = ParseRegionFlag(command.region);
+  if (!choice.ok()) return ReportError(choice.status());
   absl::StatusOr<Input> input = LoadInput(command.input);
   if (!input.ok()) return ReportError(input.status());
+  if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
+  if (auto status = ApplyOutsideFlag(command.outside, &input->hole_polygons, *choice);
+      !status.ok()) {
+    return ReportError(status);
+  }
   for (const std::string& warning : input->warnings) PrintWarning(warning);
   MeshOptions options = input->options;
   if (auto status = ApplyMeshFlags(command.mesh, options); !status.ok()) {
     return ReportError(status);
   }
   const auto start = std::chrono::steady_clock::now();
-  const absl::StatusOr<Mesh> mesh = BuildMesh(input->features, options);
+  absl::StatusOr<Mesh> mesh = BuildMesh(input->features, options);
   const std::chrono::duration<double> build = std::chrono::steady_clock::now() - start;
   if (!mesh.ok()) return ReportError(Locate(mesh.status(), input->where));
+  if (!choice->IsEverything()) *mesh = data::OnlyInside(*mesh, *choice);
   const QualityReport quality = MeasureQuality(*mesh, options);
   if (auto status = WriteOutputs(*mesh, options, command.output); !status.ok()) {
     return ReportError(status);
@@ -80,6 +90,8 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_option("INPUT", command->input, kInputKinds)->required();
   AddMeshFlags(*sub, command->mesh);
   AddOutputFlags(*sub, command->output);
+  AddRegionFlag(*sub, command->region);
+  AddOutsideFlag(*sub, command->outside);
   sub->add_flag("--json", command->json, "Print one JSON object");
 }
 

@@ -13,6 +13,24 @@ absl::Status Flag(const char* flag, const absl::Status& status) {
   return absl::InvalidArgumentError(data::Concat(flag, ": ", data::View(status.message())));
 }
 
+// "ID,ID,...". `word` is what else the flag takes.
+absl::StatusOr<std::vector<FeatureId>> ParseIds(const char* flag, const std::string& text,
+                                                const char* word) {
+  std::vector<FeatureId> ids;
+  for (const std::string_view part : data::Split(text, ',')) {
+    FeatureId id = kNoFeature;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), id);
+    if (error != std::errc() || end != part.data() + part.size() || id == kNoFeature ||
+        id == kBoxFeature) {
+      return Flag(flag, absl::InvalidArgumentError(
+                            data::Concat("expected ids of polygons, separated by commas, or ", word,
+                                         ", found ", data::Quoted(part))));
+    }
+    ids.push_back(id);
+  }
+  return ids;
+}
+
 }  // namespace
 
 void AddBoxFlag(CLI::App& command, std::string& text) {
@@ -42,20 +60,34 @@ absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text) {
     choice.in_any = true;
     return choice;
   }
-  for (const std::string_view part : data::Split(text, ',')) {
-    FeatureId id = kNoFeature;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), id);
-    if (error != std::errc() || end != part.data() + part.size() || id == kNoFeature ||
-        id == kBoxFeature) {
-      return Flag("--region", absl::InvalidArgumentError(
-                                  data::Concat("expected ids of polygons, separated by commas, "
-                                               "or any, found ",
-                                               data::Quoted(part))));
-    }
-    choice.in.push_back(id);
-  }
+  absl::StatusOr<std::vector<FeatureId>> ids = ParseIds("--region", text, "any");
+  if (!ids.ok()) return ids.status();
+  choice.in = *std::move(ids);
   data::Normalize(choice);
   return choice;
+}
+
+void AddOutsideFlag(CLI::App& command, std::string& text) {
+  command
+      .add_option("--outside", text,
+                  "Nothing that lies in one of these polygons (holes: in one that a .poly marks "
+                  "as a hole)")
+      ->type_name("ID[,ID...]|holes");
+}
+
+absl::Status ApplyOutsideFlag(const std::string& text, const std::vector<FeatureId>* holes,
+                              data::RegionChoice& choice) {
+  if (text.empty()) return absl::OkStatus();
+  if (text == "holes" && holes != nullptr) {
+    choice.out = *holes;
+  } else {
+    absl::StatusOr<std::vector<FeatureId>> ids =
+        ParseIds("--outside", text, "the word holes for a .poly");
+    if (!ids.ok()) return ids.status();
+    choice.out = *std::move(ids);
+  }
+  data::Normalize(choice);
+  return absl::OkStatus();
 }
 
 void AddMeshFlags(CLI::App& command, MeshFlags& flags) {

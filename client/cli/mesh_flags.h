@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
@@ -33,6 +34,12 @@ absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options);
 // --region: of the mesh, only what lies in these polygons. Everything if it was not given.
 void AddRegionFlag(CLI::App& command, std::string& text);
 absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text);
+
+// --outside: of the mesh, nothing that lies in one of these polygons. `holes` stands for
+// those of a file's holes; null if the input is of a kind that has none.
+void AddOutsideFlag(CLI::App& command, std::string& text);
+absl::Status ApplyOutsideFlag(const std::string& text, const std::vector<FeatureId>* holes,
+                              data::RegionChoice& choice);
 
 // Flags that were given override `options`.
 absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options);

@@ -30,6 +30,8 @@ struct ReplayCommand {
   std::uint64_t check = 0;  // every so many revisions; 0: never
   MeshFlags mesh;
   OutputFlags output;
+  std::string region;
+  std::string outside;
   bool json = false;
   bool highlight = false;
 };
@@ -46,6 +48,10 @@ class Replay {
       : command_(command), script_(script) {}
 
   absl::Status Run() {
+    absl::StatusOr<data::RegionChoice> choice = ParseRegionFlag(command_.region);
+    if (!choice.ok()) return choice.status();
+    choice_ = *std::move(choice);
+    if (auto s = ApplyOutsideFlag(command_.outside, nullptr, choice_); !s.ok()) return s;
     MeshOptions options = script_.Options();
     if (auto status = ApplyMeshFlags(command_.mesh, options); !status.ok()) return status;
     absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(options);
@@ -183,7 +189,9 @@ class Replay {
     }
     if (!PrintOut(line)) return absl::UnavailableError("cannot write to standard output");
     if (command_.output.paths.empty()) return absl::OkStatus();
-    return WriteOutputs(mesh_->Snapshot(), options, command_.output,
+    Mesh mesh = mesh_->Snapshot();
+    if (!choice_.IsEverything()) mesh = data::OnlyInside(mesh, choice_);
+    return WriteOutputs(mesh, options, command_.output,
                         command_.highlight ? last_added_ : SimplexColumn());
   }
 
@@ -207,6 +215,7 @@ class Replay {
   std::uint64_t simplices_ = 0;
   std::uint64_t added_simplices_ = 0;
   std::uint64_t edits_ = 0;
+  data::RegionChoice choice_;  // what of the last mesh is written
   SimplexColumn last_added_;
   const bool show_progress_ = ErrorIsTerminal() && !OutIsTerminal();
   Clock::time_point progress_shown_;
@@ -238,6 +247,8 @@ void RegisterReplayCommand(CLI::App& app, CommandSlot& slot) {
       ->check(CLI::PositiveNumber);
   AddMeshFlags(*sub, command->mesh);
   AddOutputFlags(*sub, command->output);
+  AddRegionFlag(*sub, command->region);
+  AddOutsideFlag(*sub, command->outside);
   sub->add_flag("--highlight", command->highlight,
                 "In pictures: show what the last revision added; without --fill the same as "
                 "--fill change");

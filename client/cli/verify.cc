@@ -117,7 +117,10 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
   report.checks.push_back(CheckEdges(files, sides));
   report.checks.push_back(CheckQuality(mesh, rho, report));
   if (files.recorded_hash) report.checks.push_back(CheckHash(files, report.hash));
-  if (features != nullptr) report.checks.push_back(CheckInput(mesh, *features));
+  if (features != nullptr) {
+    report.checks.push_back(CheckInput(mesh, *features));
+    report.checks.push_back(CheckRegions(mesh, *features));
+  }
   return report;
 }
 

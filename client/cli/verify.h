@@ -17,7 +17,11 @@
 //   quality      no triangle over rho, but exempt ones
 //   hash         the one recorded in the file is that of its content
 //   input        (if given) every input point is a vertex with its id as marker, every
-//                segment a straight chain of edges with its id, and no id more
+//                segment a straight chain of edges with its id; every edge of a polygon
+//                too, with the id of the segment that has the same ends, else of the first
+//                polygon that has it; and no id more
+//   regions      (if the input is given) every triangle is in the polygons that it says, by
+//                a place inside it, exactly
 #ifndef DYNMESH_CLIENT_CLI_VERIFY_H_
 #define DYNMESH_CLIENT_CLI_VERIFY_H_
 

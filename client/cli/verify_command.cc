@@ -74,6 +74,7 @@ int Run(const VerifyCommand& command) {
     absl::StatusOr<Input> loaded = LoadInput(command.input);
     if (!loaded.ok()) return ReportError(loaded.status());
     input = *std::move(loaded);
+    if (auto status = AddSeedPolygons(input); !status.ok()) return ReportError(status);
   }
   const VerifyReport report =
       VerifyMesh(*files, command.rho, command.input.empty() ? nullptr : &input.features);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "client/cli/verify_internal.h"
@@ -28,6 +29,15 @@ Place PlaceOf(double x, double y) {
   return {std::bit_cast<std::uint64_t>(x + 0.0), std::bit_cast<std::uint64_t>(y + 0.0)};
 }
 
+using Ends = std::pair<std::uint32_t, std::uint32_t>;
+
+// Two points that a segment or an edge of a polygon joins.
+struct Joint {
+  const Feature* feature;
+  FeatureId from;
+  FeatureId to;
+};
+
 class InputCheck {
  public:
   InputCheck(const io::IndexedMesh& mesh, const std::vector<Feature>& features)
@@ -47,9 +57,8 @@ class InputCheck {
     for (const Feature& f : features_) {
       if (f.kind == FeatureKind::kPoint) CheckPoint(f);
     }
-    for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kSegment) CheckSegment(f);
-    }
+    FindOwners();
+    for (const auto& [owner, wanted] : wanted_) CheckOwner(owner, wanted);
     CheckNoOther();
     return findings_.Take();
   }
@@ -74,51 +83,113 @@ class InputCheck {
     }
   }
 
-  void CheckSegment(const Feature& f) {
-    const auto p = points_.find(f.ends[0]);
-    const auto q = points_.find(f.ends[1]);
-    if (p == points_.end() || q == points_.end()) {
-      findings_.Add(Concat("input segment ", f.id, " has an end that is no input point"));
-      return;
+  // Every pair of points that a segment or a polygon joins has an owner: the segment, else the
+  // first polygon.
+  void FindOwners() {
+    for (const Feature& f : features_) {
+      if (f.kind == FeatureKind::kSegment) Join(f, f.ends[0], f.ends[1]);
     }
-    const std::optional<std::uint32_t> from = VertexOf(*p->second);
-    const std::optional<std::uint32_t> to = VertexOf(*q->second);
-    if (!from || !to) return;  // said already
-    const std::vector<std::uint32_t> chain = FollowChain(f.id, *from, *to);
-    if (chain.empty()) {
-      findings_.Add(Concat("input segment ", f.id, " is no chain of edges with its marker"));
-    } else if (!IsStraight(chain)) {
-      findings_.Add(Concat("input segment ", f.id, " is a chain that is not straight"));
+    std::vector<const Feature*> polygons;
+    for (const Feature& f : features_) {
+      if (f.kind == FeatureKind::kPolygon) polygons.push_back(&f);
+    }
+    std::sort(polygons.begin(), polygons.end(),
+              [](const Feature* f, const Feature* g) { return f->id < g->id; });
+    for (const Feature* f : polygons) {
+      for (const auto& ring : f->rings) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+          Join(*f, ring[i], ring[(i + 1) % ring.size()]);
+        }
+      }
     }
   }
 
-  // The vertices from one end to the other, through every edge with the marker; empty
-  // if they do not form such a path.
-  std::vector<std::uint32_t> FollowChain(FeatureId id, std::uint32_t from, std::uint32_t to) {
-    used_.insert(id);
-    const auto it = edges_of_.find(id);
-    if (it == edges_of_.end()) return {};
-    const std::vector<io::IndexedMesh::Edge>& edges = it->second;
-    std::multimap<std::uint32_t, std::uint32_t> next;
-    for (const auto& e : edges) {
-      next.emplace(e.a, e.b);
-      next.emplace(e.b, e.a);
-    }
-    std::vector<std::uint32_t> chain = {from};
-    while (chain.back() != to && chain.size() <= edges.size()) {
-      const std::uint32_t here = chain.back();
-      const auto [begin, end] = next.equal_range(here);
-      std::optional<std::uint32_t> step;
-      for (auto n = begin; n != end; ++n) {
-        if (chain.size() > 1 && n->second == chain[chain.size() - 2]) continue;
-        if (step) return {};  // branches
-        step = n->second;
+  void Join(const Feature& f, FeatureId from, FeatureId to) {
+    const bool is_segment = f.kind == FeatureKind::kSegment;
+    if (!joined_.insert(std::minmax(from, to)).second && !is_segment) return;
+    wanted_[f.id].push_back({&f, from, to});
+  }
+
+  // All that an owner joins, and that it owns nothing else.
+  void CheckOwner(FeatureId owner, const std::vector<Joint>& wanted) {
+    std::map<Ends, const Joint*> at;  // by vertices
+    const std::size_t failures = findings_.count();
+    for (const Joint& joint : wanted) {
+      const auto p = points_.find(joint.from);
+      const auto q = points_.find(joint.to);
+      if (p == points_.end() || q == points_.end()) {
+        findings_.Add(Concat(NameOf(joint), " has an end that is no input point"));
+        continue;
       }
-      if (!step) return {};
-      chain.push_back(*step);
+      const std::optional<std::uint32_t> from = VertexOf(*p->second);
+      const std::optional<std::uint32_t> to = VertexOf(*q->second);
+      if (from && to) at.emplace(std::minmax(*from, *to), &joint);  // else said already
     }
-    if (chain.back() != to || chain.size() != edges.size() + 1) return {};
-    return chain;
+    std::set<std::uint32_t> stops;
+    for (const auto& [ends, joint] : at) stops.insert({ends.first, ends.second});
+    std::vector<std::vector<std::uint32_t>> others;
+    for (auto& chain : Chains(edges_of_[owner], stops)) {
+      const auto it = at.find(std::minmax(chain.front(), chain.back()));
+      if (it == at.end()) {
+        others.push_back(std::move(chain));
+        continue;
+      }
+      if (!IsStraight(chain)) {
+        findings_.Add(Concat(NameOf(*it->second), " is a chain that is not straight"));
+      }
+      at.erase(it);
+    }
+    for (const auto& [ends, joint] : at) {
+      findings_.Add(Concat(NameOf(*joint), " is no chain of edges with its marker, ", owner));
+    }
+    if (findings_.count() != failures) return;  // what else there is follows from that
+    for (const auto& chain : others) {
+      findings_.Add(Concat(EdgeName(chain[0], chain[1]), " has the marker ", owner,
+                           ", but is on nothing that this feature joins"));
+    }
+  }
+
+  static std::string NameOf(const Joint& joint) {
+    if (joint.feature->kind == FeatureKind::kSegment) {
+      return Concat("input segment ", joint.feature->id);
+    }
+    return Concat("edge ", joint.from, " - ", joint.to, " of input polygon ", joint.feature->id);
+  }
+
+  // Cuts what the edges form into paths that end at `stops` and where the edges end or
+  // branch; a ring without any of these is left as it is.
+  static std::vector<std::vector<std::uint32_t>> Chains(
+      const std::vector<io::IndexedMesh::Edge>& edges, const std::set<std::uint32_t>& stops) {
+    std::map<std::uint32_t, std::vector<std::pair<std::uint32_t, std::size_t>>> around;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      around[edges[i].a].emplace_back(edges[i].b, i);
+      around[edges[i].b].emplace_back(edges[i].a, i);
+    }
+    std::vector<bool> used(edges.size(), false);
+    std::vector<std::vector<std::uint32_t>> chains;
+    const auto is_stop = [&](std::uint32_t v) {
+      return stops.contains(v) || around.at(v).size() != 2;
+    };
+    const auto follow = [&](std::uint32_t start) {
+      for (const auto& [first, edge] : around.at(start)) {
+        if (used[edge]) continue;
+        used[edge] = true;
+        std::vector<std::uint32_t> chain = {start, first};
+        while (!is_stop(chain.back()) && chain.back() != start) {
+          const auto& two = around.at(chain.back());
+          const auto& [next, along] = used[two[0].second] ? two[1] : two[0];
+          if (used[along]) break;  // an edge that stands twice
+          used[along] = true;
+          chain.push_back(next);
+        }
+        chains.push_back(std::move(chain));
+      }
+    };
+    for (const auto& [v, ends] : around) {
+      if (is_stop(v)) follow(v);
+    }
+    for (const auto& [v, ends] : around) follow(v);
+    return chains;
   }
 
   Kernel::Point_2 At(std::uint32_t v) const { return {mesh_.vertices[v].x, mesh_.vertices[v].y}; }
@@ -158,9 +229,9 @@ class InputCheck {
       }
     }
     for (const auto& [id, edges] : edges_of_) {
-      if (used_.contains(id)) continue;
+      if (edges.empty() || wanted_.contains(id)) continue;
       findings_.Add(Concat(EdgeName(edges.front().a, edges.front().b), " has the marker ", id,
-                           ", which is no input segment"));
+                           ", which is no input segment and no polygon's"));
     }
   }
 
@@ -169,7 +240,8 @@ class InputCheck {
   const double tolerance_;
   absl::flat_hash_map<Place, std::uint32_t> vertex_at_;
   std::map<FeatureId, std::vector<io::IndexedMesh::Edge>> edges_of_;
-  std::set<FeatureId> used_;
+  std::set<std::pair<FeatureId, FeatureId>> joined_;
+  std::map<FeatureId, std::vector<Joint>> wanted_;  // by owner
   absl::flat_hash_map<FeatureId, const Feature*> points_;
   Findings findings_{"input"};
 };

@@ -18,6 +18,7 @@ class Findings {
   void Add(std::string what) {
     if (++check_.failures <= kMostExamples) check_.examples.push_back(std::move(what));
   }
+  std::uint64_t count() const { return check_.failures; }
   VerifyCheck Take() { return std::move(check_); }
 
  private:
@@ -61,6 +62,9 @@ VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<Side>& side
 // Fills the measures of `report` too.
 VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report);
 VerifyCheck CheckInput(const io::IndexedMesh& mesh, const std::vector<Feature>& features);
+// Expected O((n + m) lg m + k) for n triangles, m edges of polygons and k crossings of these
+// with horizontal lines through the triangles.
+VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Feature>& features);
 
 // The spacing of doubles at the largest coordinate of the mesh.
 double LargestUlp(const io::IndexedMesh& mesh);

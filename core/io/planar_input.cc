@@ -80,12 +80,12 @@ absl::StatusOr<PlanarInput> ParsePolyText(TextReader poly, const OpenNodes& open
   const absl::StatusOr<PairSection> segments = ReadPairSection(poly, "segment", *nodes);
   if (!segments.ok()) return segments.status();
   AddSegments(*segments, poly.name(), input);
-  const absl::StatusOr<std::uint64_t> holes = ReadHoleSection(poly);
+  absl::StatusOr<std::vector<SeedRow>> holes = ReadHoleSection(poly);
   if (!holes.ok()) return holes.status();
-  input.holes = *holes;
-  const absl::StatusOr<std::uint64_t> regions = ReadRegionSection(poly);
+  input.holes = *std::move(holes);
+  absl::StatusOr<std::vector<SeedRow>> regions = ReadRegionSection(poly);
   if (!regions.ok()) return regions.status();
-  input.regions = *regions;
+  input.regions = *std::move(regions);
   if (auto status = ExpectEnd(poly); !status.ok()) return status;
   return input;
 }

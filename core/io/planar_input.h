@@ -10,6 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/io/text_reader.h"
+#include "core/io/triangle_sections.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::io {
@@ -18,9 +19,10 @@ struct PlanarInput {
   std::vector<Feature> features;  // points, then segments
   std::size_t point_count = 0;
   std::size_t segment_count = 0;
+  // Of a .poly: places whose faces are holes or regions. Which face that is, is not for here.
+  std::vector<SeedRow> holes;
+  std::vector<SeedRow> regions;
   // What the file has and the mesh will not show.
-  std::uint64_t holes = 0;
-  std::uint64_t regions = 0;
   std::uint64_t attributes = 0;  // a vertex
   std::uint64_t heights = 0;     // positions with more than x and y
   // Edges that span more than half of the way round in a map that seems to be in degrees:

@@ -10,7 +10,21 @@
 
 namespace dynmesh::io {
 
-absl::Status WritePolyFile(const std::string& path, const std::vector<Feature>& features) {
+namespace {
+
+void WriteSeeds(const std::vector<SeedRow>& seeds, FileWriter& out) {
+  out << seeds.size() << '\n';
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    out << i + 1 << ' ' << seeds[i].position[0] << ' ' << seeds[i].position[1];
+    for (const double value : seeds[i].more) out << ' ' << value;
+    out << '\n';
+  }
+}
+
+}  // namespace
+
+absl::Status WritePolyFile(const std::string& path, const std::vector<Feature>& features,
+                           const std::vector<SeedRow>& holes, const std::vector<SeedRow>& regions) {
   absl::flat_hash_map<FeatureId, std::size_t> number;
   for (const Feature& f : features) {
     if (f.kind == FeatureKind::kPoint) number.emplace(f.id, number.size() + 1);
@@ -39,7 +53,8 @@ absl::Status WritePolyFile(const std::string& path, const std::vector<Feature>& 
   out << segments.size() << " 0\n";
   n = 0;
   for (const auto& ends : segments) out << ++n << ' ' << ends[0] << ' ' << ends[1] << '\n';
-  out << "0\n";
+  WriteSeeds(holes, out);
+  if (!regions.empty()) WriteSeeds(regions, out);
   return out.Close();
 }
 

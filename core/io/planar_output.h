@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/io/triangle_sections.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
 
@@ -15,7 +16,9 @@ namespace dynmesh::io {
 // segments 1..m as they follow each other in `features`, so ids are kept exactly where they
 // are 1..n and n+1..n+m already. INVALID_ARGUMENT if a segment's end is no point among them,
 // UNAVAILABLE if writing fails.
-absl::Status WritePolyFile(const std::string& path, const std::vector<Feature>& features);
+absl::Status WritePolyFile(const std::string& path, const std::vector<Feature>& features,
+                           const std::vector<SeedRow>& holes = {},
+                           const std::vector<SeedRow>& regions = {});
 
 // An edit script of one batch, which adds every feature under its id.
 absl::Status WriteFeatureScript(const std::string& path, const MeshOptions& options,

@@ -113,12 +113,14 @@ absl::StatusOr<std::uint64_t> ReadCount(TextReader& reader, const char* what,
   return count;
 }
 
-// Rows that are checked and then not used.
-absl::StatusOr<std::uint64_t> SkipSection(TextReader& reader, const char* what, std::size_t least,
-                                          std::size_t most) {
-  if (!reader.Next()) return 0;
+// "number x y", and more.
+absl::StatusOr<std::vector<SeedRow>> ReadSeeds(TextReader& reader, const char* what,
+                                               std::size_t least, std::size_t most) {
+  std::vector<SeedRow> seeds;
+  if (!reader.Next()) return seeds;
   absl::StatusOr<std::uint64_t> count = ReadCount(reader, what, 1);
   if (!count.ok()) return count.status();
+  seeds.reserve(Reserve(*count, reader));
   for (std::uint64_t i = 0; i < *count; ++i) {
     if (auto s = NextRow(reader, what, i, *count); !s.ok()) return s;
     if (auto number = reader.Uint64(0, Concat(what, " number")); !number.ok()) {
@@ -129,13 +131,19 @@ absl::StatusOr<std::uint64_t> SkipSection(TextReader& reader, const char* what, 
                                  least == most ? "" : Concat(" to ", most), " values, this one ",
                                  reader.size()));
     }
+    SeedRow& seed = seeds.emplace_back();
+    seed.line = reader.line();
     for (std::size_t k = 1; k < reader.size(); ++k) {
-      if (auto value = reader.Double(k, Concat("value ", k + 1, " of a ", what)); !value.ok()) {
-        return value.status();
+      const auto value = reader.Double(k, Concat("value ", k + 1, " of a ", what));
+      if (!value.ok()) return value.status();
+      if (k <= 2) {
+        seed.position[k - 1] = *value;
+      } else {
+        seed.more.push_back(*value);
       }
     }
   }
-  return *count;
+  return seeds;
 }
 
 }  // namespace
@@ -246,12 +254,12 @@ absl::StatusOr<TriangleSection> ReadTriangleSection(TextReader& reader, const No
   return triangles;
 }
 
-absl::StatusOr<std::uint64_t> ReadHoleSection(TextReader& reader) {
-  return SkipSection(reader, "hole", 3, 3);
+absl::StatusOr<std::vector<SeedRow>> ReadHoleSection(TextReader& reader) {
+  return ReadSeeds(reader, "hole", 3, 3);
 }
 
-absl::StatusOr<std::uint64_t> ReadRegionSection(TextReader& reader) {
-  return SkipSection(reader, "region", 3, 5);
+absl::StatusOr<std::vector<SeedRow>> ReadRegionSection(TextReader& reader) {
+  return ReadSeeds(reader, "region", 3, 5);
 }
 
 absl::Status ExpectEnd(TextReader& reader) {

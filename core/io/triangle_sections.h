@@ -39,16 +39,23 @@ struct TriangleSection {
   std::vector<int> lines;
 };
 
+// A place in a hole or in a region.
+struct SeedRow {
+  std::array<double, 2> position{};
+  std::vector<double> more;  // of a region: an attribute and a largest area, if they are there
+  int line = 0;
+  friend bool operator==(const SeedRow&, const SeedRow&) = default;
+};
+
 // All start at the next line of `reader`; what follows their last row is not touched.
 absl::StatusOr<NodeSection> ReadNodeSection(TextReader& reader);
 // `what`: "segment" or "edge".
 absl::StatusOr<PairSection> ReadPairSection(TextReader& reader, const char* what,
                                             const NodeSection& nodes);
 absl::StatusOr<TriangleSection> ReadTriangleSection(TextReader& reader, const NodeSection& nodes);
-// Checks the form of hole and region rows and returns their number; a section that
-// the file does not have counts 0.
-absl::StatusOr<std::uint64_t> ReadHoleSection(TextReader& reader);
-absl::StatusOr<std::uint64_t> ReadRegionSection(TextReader& reader);
+// None for a section that the file does not have.
+absl::StatusOr<std::vector<SeedRow>> ReadHoleSection(TextReader& reader);
+absl::StatusOr<std::vector<SeedRow>> ReadRegionSection(TextReader& reader);
 
 // OK if nothing but comments is left.
 absl::Status ExpectEnd(TextReader& reader);

@@ -20,6 +20,14 @@ struct GoodMesh {
 // segments of several pieces each. Edge lengths are no smaller than about 1e-3.
 GoodMesh MakeGoodMesh(std::uint64_t seed, int count);
 
+// Six polygons among free vertices, by their ids below: a square ring, in its hole a square that
+// shares the hole's edges, one inside that, a triangle on the right side of the ring, one polygon
+// of two parts that lies in the ring below and above, and one in the innermost square with its
+// three corners. One edge of the hole is a segment too (20).
+inline constexpr FeatureId kRing = 9, kFilling = 5, kNested = 7, kRoof = 3, kParts = 12, kTip = 40;
+inline constexpr FeatureId kHoleSegment = 20;
+GoodMesh MakePolygonMesh(std::uint64_t seed, int count);
+
 // The points of an n x n integer grid: every circle has four points on it.
 GoodMesh MakeGridMesh(int n);
 

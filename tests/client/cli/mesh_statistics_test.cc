@@ -52,11 +52,12 @@ TEST(MeshStatistics, CountTrianglesAndAreaByRegion) {
   EXPECT_DOUBLE_EQ(s.regions[2].area, 0.5);
   EXPECT_NE(StatisticsText(s).find("0.5  4 18446744073709551614\n"), std::string::npos);
   EXPECT_NE(StatisticsText(s).find("0.9  no polygon\n"), std::string::npos);
-  EXPECT_NE(StatisticsJson(s).find("\"regions\":[{\"polygons\":[],\"simplices\":1,\"area\":0.9},"
-                                   "{\"polygons\":[\"4\"],\"simplices\":0,\"area\":0},"
-                                   "{\"polygons\":[\"4\",\"18446744073709551614\"],"
-                                   "\"simplices\":2,\"area\":0.5}]"),
-            std::string::npos)
+  EXPECT_NE(
+      StatisticsJson(s).find("\"regions\": [{\"polygons\": [], \"simplices\": 1, \"area\": 0.9}, "
+                             "{\"polygons\": [\"4\"], \"simplices\": 0, \"area\": 0}, "
+                             "{\"polygons\": [\"4\", \"18446744073709551614\"], "
+                             "\"simplices\": 2, \"area\": 0.5}]"),
+      std::string::npos)
       << StatisticsJson(s);
 }
 

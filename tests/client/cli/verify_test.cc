@@ -50,7 +50,7 @@ TEST(Verify, AcceptsGoodMeshes) {
     const GoodMesh good = MakeGoodMesh(seed + i, 10 + static_cast<int>(10 * i));
     const VerifyReport report = VerifyMesh(good.files, kAnyQuality, &good.features);
     EXPECT_TRUE(report.Passed()) << Describe(report);
-    EXPECT_EQ(report.checks.size(), 9U);
+    EXPECT_EQ(report.checks.size(), 10U);
   }
 }
 

@@ -59,8 +59,9 @@ TEST(PolyFile, SegmentsFollowThePoints) {
   EXPECT_EQ(input->segment_count, 2U);
   EXPECT_EQ(input->features[3], Feature::Segment(4, 1, 2));
   EXPECT_EQ(input->features[4], Feature::Segment(5, 3, 1));
-  EXPECT_EQ(input->holes, 1U);
-  EXPECT_EQ(input->regions, 2U);
+  EXPECT_EQ(input->holes, (std::vector<SeedRow>{{{0.2, 0.2}, {}, 9}}));
+  EXPECT_EQ(input->regions,
+            (std::vector<SeedRow>{{{0.1, 0.1}, {3}, 11}, {{0.1, 0.1}, {3, 0.5}, 12}}));
   EXPECT_EQ(input->Where(5), folder.Path("a.poly") + ":7");
 }
 

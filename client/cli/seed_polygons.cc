@@ -1,0 +1,71 @@
+// Holes and regions of a .poly as polygons: the core knows no seeds.
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "client/cleaning/seed_faces.h"
+#include "client/cli/input.h"
+#include "core/data/text.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using data::Concat;
+
+struct Seed {
+  const char* kind;
+  const io::SeedRow* row;
+};
+
+std::string WhereOf(const Input& input, const Seed& seed) {
+  return Concat(input.seed_file, ":", seed.row->line);
+}
+
+}  // namespace
+
+absl::Status AddSeedPolygons(Input& input) {
+  std::vector<Seed> seeds;
+  for (const io::SeedRow& row : input.holes) seeds.push_back({"hole", &row});
+  for (const io::SeedRow& row : input.regions) seeds.push_back({"region", &row});
+  if (seeds.empty()) return absl::OkStatus();
+  const auto says_more = [](const io::SeedRow& row) { return !row.more.empty(); };
+  if (std::any_of(input.regions.begin(), input.regions.end(), says_more)) {
+    input.warnings.push_back(Concat(input.seed_file,
+                                    ": attributes and largest areas of regions ignored; polygons "
+                                    "are told apart by id"));
+  }
+  std::vector<cleaning::Point> places;
+  for (const Seed& seed : seeds) places.push_back(seed.row->position);
+  const std::vector<cleaning::SeedFace> faces = cleaning::FindSeedFaces(input.features, places);
+  FeatureId next_id = 0;
+  for (const Feature& f : input.features) next_id = std::max(next_id, f.id);
+  auto lines = std::make_shared<std::map<FeatureId, std::string>>();
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    ++next_id;
+    const std::string where = WhereOf(input, seeds[i]);
+    const std::string start = Concat(where, ": the place of a ", seeds[i].kind);
+    if (faces[i].on != kNoFeature) {
+      return absl::InvalidArgumentError(
+          Concat(start, " is on segment ", faces[i].on, ": move it to one side"));
+    }
+    if (faces[i].same_as) {
+      const Seed& first = seeds[*faces[i].same_as];
+      input.warnings.push_back(Concat(start, " is in the same face as the ", first.kind, " at ",
+                                      WhereOf(input, first), ", and is ignored"));
+    } else if (faces[i].rings.empty()) {
+      input.warnings.push_back(Concat(start, " is outside everything, and is ignored"));
+    } else {
+      input.features.push_back(Feature::Polygon(next_id, faces[i].rings));
+      if (i < input.holes.size()) input.hole_polygons.push_back(next_id);
+      lines->emplace(next_id, where);
+    }
+  }
+  input.where = [lines, others = std::move(input.where)](FeatureId id) {
+    const auto it = lines->find(id);
+    return it == lines->end() ? others(id) : it->second;
+  };
+  return absl::OkStatus();
+}
+
+}  // namespace dynmesh::cli
