@@ -18,7 +18,8 @@ struct MeshComparison {
   Part vertices;
   Part simplices;
   Part subsegments;
-  std::uint64_t remarked_vertices = 0;  // shared, but with other owner or containing dimension
+  std::uint64_t remarked_vertices = 0;     // shared, but with other owner or containing dimension
+  std::uint64_t relabelled_simplices = 0;  // shared, but in other polygons
   MeshHash hash_a;
   MeshHash hash_b;
 

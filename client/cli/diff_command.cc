@@ -27,6 +27,7 @@ std::string FormatJson(const MeshComparison& c) {
   add("vertices", c.vertices);
   object.Add("vertices_remarked", c.remarked_vertices);
   add("simplices", c.simplices);
+  object.Add("simplices_relabelled", c.relabelled_simplices);
   add("subsegments", c.subsegments);
   object.AddText("hash_a", c.hash_a.ToHex()).AddText("hash_b", c.hash_b.ToHex());
   return object.ToLine();
@@ -44,6 +45,9 @@ std::string FormatText(const MeshComparison& c) {
   if (c.remarked_vertices != 0) {
     text += absl::StrFormat("%d shared vertices differ in owner or containing dimension\n",
                             c.remarked_vertices);
+  }
+  if (c.relabelled_simplices != 0) {
+    text += absl::StrFormat("%d shared triangles lie in other polygons\n", c.relabelled_simplices);
   }
   return text + (c.Same() ? "the meshes are the same\n" : "the meshes differ\n");
 }

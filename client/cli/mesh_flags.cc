@@ -1,5 +1,8 @@
 #include "client/cli/mesh_flags.h"
 
+#include <charconv>
+#include <string_view>
+
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
 
@@ -23,6 +26,36 @@ absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options) {
   if (!box.ok()) return Flag("--box", box.status());
   options.box = *box;
   return absl::OkStatus();
+}
+
+void AddRegionFlag(CLI::App& command, std::string& text) {
+  command
+      .add_option("--region", text,
+                  "Only what lies in at least one of these polygons (any: in any at all)")
+      ->type_name("ID[,ID...]|any");
+}
+
+absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text) {
+  data::RegionChoice choice;
+  if (text.empty()) return choice;
+  if (text == "any") {
+    choice.in_any = true;
+    return choice;
+  }
+  for (const std::string_view part : data::Split(text, ',')) {
+    FeatureId id = kNoFeature;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), id);
+    if (error != std::errc() || end != part.data() + part.size() || id == kNoFeature ||
+        id == kBoxFeature) {
+      return Flag("--region", absl::InvalidArgumentError(
+                                  data::Concat("expected ids of polygons, separated by commas, "
+                                               "or any, found ",
+                                               data::Quoted(part))));
+    }
+    choice.in.push_back(id);
+  }
+  data::Normalize(choice);
+  return choice;
 }
 
 void AddMeshFlags(CLI::App& command, MeshFlags& flags) {

@@ -8,6 +8,8 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/data/region_filter.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::cli {
@@ -27,6 +29,10 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags);
 // --box alone, and what it says if it was given.
 void AddBoxFlag(CLI::App& command, std::string& text);
 absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options);
+
+// --region: of the mesh, only what lies in these polygons. Everything if it was not given.
+void AddRegionFlag(CLI::App& command, std::string& text);
+absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text);
 
 // Flags that were given override `options`.
 absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options);

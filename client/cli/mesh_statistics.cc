@@ -25,6 +25,26 @@ std::vector<std::uint64_t> ToVector(const std::array<std::uint64_t, N>& counts) 
   return {counts.begin(), counts.end()};
 }
 
+double AreaOf(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
+  const auto& a = mesh.vertices[t[0]];
+  const auto& b = mesh.vertices[t[1]];
+  const auto& c = mesh.vertices[t[2]];
+  return ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
+}
+
+std::vector<RegionStatistics> CountRegions(const io::IndexedMesh& mesh) {
+  std::vector<RegionStatistics> regions(mesh.regions.count() + 1);
+  for (std::size_t k = 1; k < regions.size(); ++k) {
+    regions[k].polygons = mesh.regions.polygons[k - 1];
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    RegionStatistics& region = regions[mesh.regions.Of(i)];
+    ++region.simplices;
+    region.area += AreaOf(mesh, mesh.triangles[i]);
+  }
+  return regions;
+}
+
 }  // namespace
 
 double LeastAngle(double rho) { return std::asin(1 / (2 * rho)) * (180 / std::numbers::pi); }
@@ -48,6 +68,7 @@ MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho) {
     for (const double angle : q.angles_deg) Count(angle, s.angles);
     least.push_back(q.min_angle_deg);
   }
+  s.regions = CountRegions(mesh);
   if (!least.empty()) s.median_min_angle_deg = Percentile(std::move(least), 0.5);
   return s;
 }
@@ -65,6 +86,14 @@ std::string StatisticsText(const MeshStatistics& s) {
       s.vertices, s.simplices, s.subsegments, s.quality.min_angle_deg, s.quality.max_angle_deg,
       s.median_min_angle_deg, s.quality.worst_radius_edge, s.quality.over_rho, s.rho,
       s.quality.exempt, s.quality.exempt_by_guard, LeastAngle(s.rho), 180 - 2 * LeastAngle(s.rho));
+  if (s.regions.size() > 1) {
+    absl::StrAppendFormat(&text, "\n%12s  %12s  %s\n", "triangles", "area", "inside");
+    for (const RegionStatistics& region : s.regions) {
+      const std::string polygons = io::FormatPolygons(region.polygons);
+      absl::StrAppendFormat(&text, "%12d  %12.6g  %s\n", region.simplices, region.area,
+                            polygons.empty() ? "no polygon" : polygons);
+    }
+  }
   absl::StrAppendFormat(&text, "\n%7s  %12s  %12s\n", "degrees", "least angles", "all angles");
   for (std::size_t i = 0; i < s.angles.size(); ++i) {
     const std::uint64_t least = i < s.least_angles.size() ? s.least_angles[i] : 0;
@@ -75,6 +104,15 @@ std::string StatisticsText(const MeshStatistics& s) {
 }
 
 std::string StatisticsJson(const MeshStatistics& s) {
+  std::vector<JsonObject> regions;
+  for (const RegionStatistics& region : s.regions) {
+    std::vector<std::string> polygons;
+    for (const FeatureId id : region.polygons) polygons.push_back(std::to_string(id));
+    regions.push_back(JsonObject()
+                          .AddTexts("polygons", polygons)
+                          .Add("simplices", region.simplices)
+                          .Add("area", region.area));
+  }
   return JsonObject()
       .Add("vertices", s.vertices)
       .Add("simplices", s.simplices)
@@ -92,6 +130,7 @@ std::string StatisticsJson(const MeshStatistics& s) {
       .Add("histogram_step_deg", 1)
       .AddCounts("least_angle_histogram", ToVector(s.least_angles))
       .AddCounts("angle_histogram", ToVector(s.angles))
+      .AddObjects("regions", regions)
       .ToLine();
 }
 

@@ -13,6 +13,13 @@
 
 namespace dynmesh::cli {
 
+// What lies in one set of polygons, or in none.
+struct RegionStatistics {
+  std::vector<FeatureId> polygons;
+  std::uint64_t simplices = 0;
+  double area = 0;
+};
+
 struct MeshStatistics {
   double rho = kDefaultQuality2D;
   std::uint64_t vertices = 0;
@@ -23,6 +30,7 @@ struct MeshStatistics {
   // By degrees: [i, i + 1), the last one with its end.
   std::array<std::uint64_t, 60> least_angles = {};  // one a triangle
   std::array<std::uint64_t, 180> angles = {};       // three a triangle
+  std::vector<RegionStatistics> regions;            // by number, that of no polygon first
 };
 
 // The least angle that a triangle within rho may have, in degrees.

@@ -62,8 +62,8 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
       .add_option("--fill", flags.fill,
                   "Colours of a picture (default: angle; plain with --highlight): by least angle, "
                   "by circumradius / shortest edge, by shortest edge, by whether a small input "
-                  "angle excuses a triangle over rho")
-      ->type_name("angle|quality|size|exempt|plain|none");
+                  "angle excuses a triangle over rho, by the polygons it lies in")
+      ->type_name("angle|quality|size|exempt|region|plain|none");
   command
       .add_option("--crop", flags.crop,
                   "What a picture shows (default: the box of the features); `all`: with the "

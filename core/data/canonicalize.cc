@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/data/regions.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh {
@@ -84,8 +85,25 @@ void SortRows(SimplexColumn& simplices) {
       rows, [](const Row& r) { return r[0]; }, std::less<Row>());
 }
 
-void SortSimplices(int dimension, SimplexColumn& simplices) {
-  dimension == 2 ? SortRows<3>(simplices) : SortRows<4>(simplices);
+// The same with a region at the end of each row.
+template <std::size_t kWidth>
+void SortRows(SimplexColumn& simplices, RegionColumn& regions) {
+  SimplexColumn rows(regions.size() * (kWidth + 1));
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    std::copy_n(&simplices[i * kWidth], kWidth, &rows[i * (kWidth + 1)]);
+    rows[i * (kWidth + 1) + kWidth] = regions[i];
+  }
+  SortRows<kWidth + 1>(rows);
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    std::copy_n(&rows[i * (kWidth + 1)], kWidth, &simplices[i * kWidth]);
+    regions[i] = rows[i * (kWidth + 1) + kWidth];
+  }
+}
+
+void SortSimplices(int dimension, SimplexColumn& simplices, RegionColumn& regions) {
+  data::DropIfIdle(regions);
+  if (regions.empty()) return dimension == 2 ? SortRows<3>(simplices) : SortRows<4>(simplices);
+  dimension == 2 ? SortRows<3>(simplices, regions) : SortRows<4>(simplices, regions);
 }
 
 void SortSubsegments(SubsegmentColumns& s) {
@@ -105,16 +123,18 @@ void SortSubsegments(SubsegmentColumns& s) {
 
 void Canonicalize(Mesh& mesh) {
   SortVertices(mesh.dimension, mesh.vertices);
-  SortSimplices(mesh.dimension, mesh.simplices);
+  SortSimplices(mesh.dimension, mesh.simplices, mesh.regions);
+  data::KeepNamed(mesh.region_sets, {&mesh.regions});
   SortSubsegments(mesh.subsegments);
 }
 
 void Canonicalize(MeshDiff& diff) {
   std::sort(diff.removed_vertices.begin(), diff.removed_vertices.end());
-  SortSimplices(diff.dimension, diff.removed_simplices);
+  SortSimplices(diff.dimension, diff.removed_simplices, diff.removed_regions);
   SortSubsegments(diff.removed_subsegments);
   SortVertices(diff.dimension, diff.added_vertices);
-  SortSimplices(diff.dimension, diff.added_simplices);
+  SortSimplices(diff.dimension, diff.added_simplices, diff.added_regions);
+  data::KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
   SortSubsegments(diff.added_subsegments);
 }
 

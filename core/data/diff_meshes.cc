@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/data/regions.h"
+
 namespace dynmesh::data {
 namespace {
 
@@ -87,25 +89,42 @@ void DiffVertices(std::size_t d, const VertexColumns& from, VertexColumns& to, M
   diff.added_vertices.owners = keep(to.owners, 1);
 }
 
-void DiffSimplices(std::size_t width, const SimplexColumn& from, SimplexColumn& to,
-                   MeshDiff& diff) {
-  RowKeeper added(&to, width);
+// A simplex with the same corners in another region goes and comes.
+void DiffSimplices(std::size_t width, const Mesh& from, Mesh& to, MeshDiff& diff) {
+  const bool labelled = !from.regions.empty() || !to.regions.empty();
+  RowKeeper added(&to.simplices, width);
+  RowKeeper added_regions(&to.regions, 1);
   const auto order = [&](std::size_t i, std::size_t j) {
     for (std::size_t k = 0; k < width; ++k) {
-      const VertexId a = from[i * width + k], b = to[j * width + k];
+      const VertexId a = from.simplices[i * width + k], b = to.simplices[j * width + k];
       if (a != b) return a < b ? -1 : 1;
     }
     return 0;
   };
-  Merge(
-      from.size() / width, to.size() / width, order,
-      [&](std::size_t i) {
-        const auto row = from.begin() + static_cast<std::ptrdiff_t>(i * width);
-        diff.removed_simplices.insert(diff.removed_simplices.end(), row,
-                                      row + static_cast<std::ptrdiff_t>(width));
-      },
-      [](std::size_t, std::size_t) {}, [&](std::size_t j) { added.Keep(j); });
+  const auto gone = [&](std::size_t i) {
+    const auto row = from.simplices.begin() + static_cast<std::ptrdiff_t>(i * width);
+    diff.removed_simplices.insert(diff.removed_simplices.end(), row,
+                                  row + static_cast<std::ptrdiff_t>(width));
+    if (!from.regions.empty()) diff.removed_regions.push_back(from.regions[i]);
+  };
+  const auto come = [&](std::size_t j) {
+    added.Keep(j);
+    if (!to.regions.empty()) added_regions.Keep(j);
+  };
+  const auto both = [&](std::size_t i, std::size_t j) {
+    if (!labelled || from.region(i) == to.region(j)) return;
+    gone(i);
+    come(j);
+  };
+  Merge(from.simplex_count(), to.simplex_count(), order, gone, both, come);
   diff.added_simplices = added.Take();
+  if (!labelled) return;
+  diff.added_regions = added_regions.Take();
+  DropIfIdle(diff.removed_regions);
+  DropIfIdle(diff.added_regions);
+  diff.region_sets = std::move(to.region_sets);
+  AppendSets(diff.region_sets, from.region_sets);
+  KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
 }
 
 void DiffSubsegments(const SubsegmentColumns& from, SubsegmentColumns& to, MeshDiff& diff) {
@@ -146,7 +165,7 @@ MeshDiff DiffMeshes(Mesh from, Mesh to) {
   diff.to_revision = to.revision;
   diff.hash = to.hash;
   DiffVertices(d, from.vertices, to.vertices, diff);
-  DiffSimplices(d + 1, from.simplices, to.simplices, diff);
+  DiffSimplices(d + 1, from, to, diff);
   DiffSubsegments(from.subsegments, to.subsegments, diff);
   return diff;
 }

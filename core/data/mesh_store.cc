@@ -1,8 +1,10 @@
 #include "core/data/mesh_store.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
+#include "core/data/regions.h"
 #include "core/data/text.h"
 
 namespace dynmesh::data {
@@ -14,14 +16,20 @@ bool Agree(int dimension, const VertexColumns& v) {
          v.containing_dimensions.size() == n && v.owners.size() == n;
 }
 
-bool Agree(int dimension, const SimplexColumn& s) {
-  return s.size() % (static_cast<std::size_t>(dimension) + 1) == 0;
+bool Agree(int dimension, const SimplexColumn& s, const RegionColumn& regions) {
+  const std::size_t corners = static_cast<std::size_t>(dimension) + 1;
+  return s.size() % corners == 0 && (regions.empty() || regions.size() == s.size() / corners);
 }
 
 bool Agree(const SubsegmentColumns& s) { return s.ends.size() == 2 * s.owners.size(); }
 
 absl::Status BadColumns(std::string_view what) {
   return absl::InvalidArgumentError(Concat("the columns of ", what, " disagree in length"));
+}
+
+absl::Status CheckSets(const std::vector<RegionSet>& sets) {
+  if (AreRegionSets(sets)) return absl::OkStatus();
+  return absl::InvalidArgumentError("a region set is not what its id says, or out of order");
 }
 
 absl::Status CheckDimension(int dimension) {
@@ -33,6 +41,10 @@ absl::Status Lost(std::string_view what, std::string_view trouble) {
   return absl::DataLossError(Concat(what, " ", trouble, ": take a new snapshot"));
 }
 
+RegionId RegionOfRow(const RegionColumn& regions, std::size_t row) {
+  return regions.empty() ? kNoRegion : regions[row];
+}
+
 std::string VertexName(VertexId id) { return Concat("vertex ", Hex(id)); }
 
 }  // namespace
@@ -40,19 +52,23 @@ std::string VertexName(VertexId id) { return Concat("vertex ", Hex(id)); }
 absl::Status CheckColumns(const Mesh& mesh) {
   if (auto status = CheckDimension(mesh.dimension); !status.ok()) return status;
   if (!Agree(mesh.dimension, mesh.vertices)) return BadColumns("vertices");
-  if (!Agree(mesh.dimension, mesh.simplices)) return BadColumns("simplices");
+  if (!Agree(mesh.dimension, mesh.simplices, mesh.regions)) return BadColumns("simplices");
   if (!Agree(mesh.subsegments)) return BadColumns("subsegments");
-  return absl::OkStatus();
+  return CheckSets(mesh.region_sets);
 }
 
 absl::Status CheckColumns(const MeshDiff& diff) {
   if (auto status = CheckDimension(diff.dimension); !status.ok()) return status;
   if (!Agree(diff.dimension, diff.added_vertices)) return BadColumns("added vertices");
-  if (!Agree(diff.dimension, diff.added_simplices)) return BadColumns("added simplices");
-  if (!Agree(diff.dimension, diff.removed_simplices)) return BadColumns("removed simplices");
+  if (!Agree(diff.dimension, diff.added_simplices, diff.added_regions)) {
+    return BadColumns("added simplices");
+  }
+  if (!Agree(diff.dimension, diff.removed_simplices, diff.removed_regions)) {
+    return BadColumns("removed simplices");
+  }
   if (!Agree(diff.added_subsegments)) return BadColumns("added subsegments");
   if (!Agree(diff.removed_subsegments)) return BadColumns("removed subsegments");
-  return absl::OkStatus();
+  return CheckSets(diff.region_sets);
 }
 
 // What has been seen of a diff while nothing has been changed yet.
@@ -101,9 +117,15 @@ absl::Status MeshStore::NetSimplices(const MeshDiff& diff, Netting& netting) con
   for (std::size_t i = 0; i < diff.removed_simplex_count(); ++i) {
     const VertexId* ids = &diff.removed_simplices[i * width];
     const SimplexKey key = MakeSimplexKey(ids, count);
-    if (!simplices_.contains(key)) return Lost("a simplex", "is to go but is absent");
+    const RegionId region = RegionOfRow(diff.removed_regions, i);
+    // In another region it is another simplex, as a subsegment is with another owner. Not
+    // left to the hash: who filters or adds up diffs believes their regions.
+    const auto it = simplices_.find(key);
+    if (it == simplices_.end() || it->second != region) {
+      return Lost("a simplex", "is to go but is absent");
+    }
     if (!netting.removed_simplices.insert(key).second) return Lost("a simplex", "goes twice");
-    netting.hash -= HashSimplex(ids, count);
+    netting.hash -= HashSimplex(ids, count, region);
   }
   for (std::size_t i = 0; i < diff.added_simplex_count(); ++i) {
     const VertexId* ids = &diff.added_simplices[i * width];
@@ -112,7 +134,7 @@ absl::Status MeshStore::NetSimplices(const MeshDiff& diff, Netting& netting) con
       return Lost("a simplex", "is to come but is present");
     }
     if (!netting.added_simplices.insert(key).second) return Lost("a simplex", "comes twice");
-    netting.hash += HashSimplex(ids, count);
+    netting.hash += HashSimplex(ids, count, RegionOfRow(diff.added_regions, i));
   }
   return absl::OkStatus();
 }
@@ -170,6 +192,7 @@ void MeshStore::Commit(const MeshDiff& diff) {
   for (std::size_t i = 0; i < diff.removed_simplex_count(); ++i) {
     simplices_.erase(MakeSimplexKey(&diff.removed_simplices[i * (d + 1)], dimension_ + 1));
   }
+  CommitSets(diff);
   const SubsegmentColumns& gone = diff.removed_subsegments;
   for (std::size_t i = 0; i < gone.size(); ++i) {
     subsegments_.erase(MakeSubsegmentKey(gone.ends[2 * i], gone.ends[2 * i + 1], gone.owners[i]));
@@ -183,7 +206,8 @@ void MeshStore::Commit(const MeshDiff& diff) {
     vertices_.emplace(added.ids[i], vertex);
   }
   for (std::size_t i = 0; i < diff.added_simplex_count(); ++i) {
-    simplices_.insert(MakeSimplexKey(&diff.added_simplices[i * (d + 1)], dimension_ + 1));
+    simplices_.emplace(MakeSimplexKey(&diff.added_simplices[i * (d + 1)], dimension_ + 1),
+                       RegionOfRow(diff.added_regions, i));
   }
   const SubsegmentColumns& come = diff.added_subsegments;
   for (std::size_t i = 0; i < come.size(); ++i) {
@@ -191,6 +215,21 @@ void MeshStore::Commit(const MeshDiff& diff) {
   }
   revision_ = diff.to_revision;
   hash_ = diff.hash;
+}
+
+// Additions first, so that a set which stays in use is not dropped in between.
+void MeshStore::CommitSets(const MeshDiff& diff) {
+  for (const RegionSet& set : diff.region_sets) sets_.try_emplace(set.id, set.polygons, 0);
+  if (sets_.empty()) return;
+  for (const RegionId region : diff.added_regions) {
+    if (const auto it = sets_.find(region); it != sets_.end()) ++it->second.second;
+  }
+  for (const RegionId region : diff.removed_regions) {
+    if (const auto it = sets_.find(region); it != sets_.end()) --it->second.second;
+  }
+  for (const RegionSet& set : diff.region_sets) {
+    if (sets_.at(set.id).second == 0) sets_.erase(set.id);
+  }
 }
 
 absl::StatusOr<MeshStore> MeshStore::FromMesh(const Mesh& mesh) {
@@ -201,6 +240,8 @@ absl::StatusOr<MeshStore> MeshStore::FromMesh(const Mesh& mesh) {
   diff.to_revision = mesh.revision;
   diff.added_vertices = mesh.vertices;
   diff.added_simplices = mesh.simplices;
+  diff.added_regions = mesh.regions;
+  diff.region_sets = mesh.region_sets;
   diff.added_subsegments = mesh.subsegments;
   diff.hash = mesh.hash;
   MeshStore store(mesh.dimension);
@@ -230,15 +271,25 @@ Mesh MeshStore::ToMesh() const {
     mesh.vertices.owners.push_back(vertex.owner);
   }
   mesh.simplices.reserve(simplices_.size() * (d + 1));
-  for (const SimplexKey& key : simplices_) {
+  for (const auto& [key, region] : simplices_) {
     mesh.simplices.insert(mesh.simplices.end(), key.begin(),
                           key.begin() + static_cast<std::ptrdiff_t>(d) + 1);
   }
+  AppendRegions(mesh);
   for (const SubsegmentKey& key : subsegments_) {
     mesh.subsegments.ends.insert(mesh.subsegments.ends.end(), {key[0], key[1]});
     mesh.subsegments.owners.push_back(key[2]);
   }
   return mesh;
+}
+
+void MeshStore::AppendRegions(Mesh& mesh) const {
+  const auto is_labelled = [](const auto& entry) { return entry.second != kNoRegion; };
+  if (std::none_of(simplices_.begin(), simplices_.end(), is_labelled)) return;
+  mesh.regions.reserve(simplices_.size());
+  for (const auto& [key, region] : simplices_) mesh.regions.push_back(region);
+  for (const auto& [id, set] : sets_) mesh.region_sets.push_back({id, set.first});
+  KeepNamed(mesh.region_sets, {&mesh.regions});
 }
 
 std::optional<MeshStore::Vertex> MeshStore::FindVertex(VertexId id) const {
@@ -248,8 +299,14 @@ std::optional<MeshStore::Vertex> MeshStore::FindVertex(VertexId id) const {
 }
 
 bool MeshStore::HasSimplex(std::span<const VertexId> ids) const {
-  if (ids.size() != static_cast<std::size_t>(dimension_) + 1) return false;
-  return simplices_.contains(MakeSimplexKey(ids.data(), dimension_ + 1));
+  return FindRegion(ids).has_value();
+}
+
+std::optional<RegionId> MeshStore::FindRegion(std::span<const VertexId> ids) const {
+  if (ids.size() != static_cast<std::size_t>(dimension_) + 1) return std::nullopt;
+  const auto it = simplices_.find(MakeSimplexKey(ids.data(), dimension_ + 1));
+  if (it == simplices_.end()) return std::nullopt;
+  return it->second;
 }
 
 bool MeshStore::HasSubsegment(VertexId a, VertexId b, FeatureId owner) const {

@@ -3,7 +3,7 @@
 //
 // Invariants:
 //   1. hash() is the sum of the hashes of the rows held (ComputeHash);
-//   2. ids, simplices and subsegments are each held once;
+//   2. ids, simplices and subsegments are each held once, region sets while in use;
 //   3. a call that returns an error has changed nothing.
 // Thread-compatible. Copies are deep; readers that must not wait want their own.
 #ifndef DYNMESH_CORE_DATA_MESH_STORE_H_
@@ -13,6 +13,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
@@ -33,14 +35,14 @@ class MeshStore {
   // No part at all, revision 0, hash 0: what the diff from nothing applies to.
   explicit MeshStore(int dimension = 2) : dimension_(dimension) {}
 
-  // Takes over a whole mesh (a snapshot). INVALID_ARGUMENT if columns disagree in
-  // length; DATA_LOSS if a part stands twice or mesh.hash is not that of the parts.
+  // Takes over a whole mesh (a snapshot). INVALID_ARGUMENT if CheckColumns says so;
+  // DATA_LOSS if a part stands twice or mesh.hash is not that of the parts.
   static absl::StatusOr<MeshStore> FromMesh(const Mesh& mesh);
 
-  // Becomes diff.to_revision, in O(diff). INVALID_ARGUMENT if columns disagree in
-  // length or the dimension differs; FAILED_PRECONDITION unless diff.from_revision is
-  // revision(); DATA_LOSS if a part to remove is absent, one to add is present, or
-  // the hash does not come out as diff.hash.
+  // Becomes diff.to_revision, in O(diff). INVALID_ARGUMENT if
+  // CheckColumns says so or the dimension differs; FAILED_PRECONDITION unless
+  // diff.from_revision is revision(); DATA_LOSS if a part to remove is absent (a simplex:
+  // in that region), one to add is present, or the hash does not come out as diff.hash.
   absl::Status Apply(const MeshDiff& diff);
 
   // The whole mesh, O(size). Rows in no particular order.
@@ -56,6 +58,8 @@ class MeshStore {
   std::optional<Vertex> FindVertex(VertexId id) const;
   // `ids` in canonical order, dimension + 1 of them.
   bool HasSimplex(std::span<const VertexId> ids) const;
+  // Of such a simplex.
+  std::optional<RegionId> FindRegion(std::span<const VertexId> ids) const;
   bool HasSubsegment(VertexId a, VertexId b, FeatureId owner) const;
 
  private:
@@ -71,16 +75,21 @@ class MeshStore {
   absl::Status NetSimplices(const MeshDiff& diff, Netting& netting) const;
   absl::Status NetSubsegments(const MeshDiff& diff, Netting& netting) const;
   void Commit(const MeshDiff& diff);
+  void CommitSets(const MeshDiff& diff);
+  void AppendRegions(Mesh& mesh) const;  // of the simplices, in their order here
 
   int dimension_;
   std::uint64_t revision_ = 0;
   MeshHash hash_;
   absl::flat_hash_map<VertexId, Vertex> vertices_;
-  absl::flat_hash_set<SimplexKey> simplices_;
+  absl::flat_hash_map<SimplexKey, RegionId> simplices_;
+  // Polygons and number of simplices, of regions in several polygons.
+  absl::flat_hash_map<RegionId, std::pair<std::vector<FeatureId>, std::size_t>> sets_;
   absl::flat_hash_set<SubsegmentKey> subsegments_;
 };
 
-// INVALID_ARGUMENT unless the columns of the mesh or diff agree in length.
+// INVALID_ARGUMENT unless the columns of the mesh or diff agree in length and the region
+// sets are such, by ascending id.
 absl::Status CheckColumns(const Mesh& mesh);
 absl::Status CheckColumns(const MeshDiff& diff);
 

@@ -82,12 +82,41 @@ MeshHash DiffBuilder::HashOf(const VertexRow& row) {
   return HashVertex(row.coordinates.data(), 2, row.dimension, row.owner);
 }
 
+void DiffBuilder::Append(const std::vector<SimplexRow>& rows, SimplexColumn* simplices,
+                         RegionColumn* regions) {
+  simplices->reserve(3 * rows.size());
+  if (!labels_.empty()) regions->reserve(rows.size());
+  for (const SimplexRow& row : rows) {
+    simplices->insert(simplices->end(), row.ids.begin(), row.ids.end());
+    if (!labels_.empty()) regions->push_back(row.region);
+  }
+}
+
+// Drops columns that say nothing; lists the sets of polygons that the others name.
+void DiffBuilder::NameRegions(std::initializer_list<RegionColumn*> columns,
+                              std::vector<RegionSet>* sets) const {
+  std::vector<RegionId> ids;
+  for (RegionColumn* column : columns) {
+    const bool says_nothing =
+        std::all_of(column->begin(), column->end(), [](RegionId id) { return id == kNoRegion; });
+    if (says_nothing) column->clear();
+    for (const RegionId id : *column) {
+      if (ids.empty() || ids.back() != id) ids.push_back(id);
+    }
+  }
+  if (!ids.empty()) *sets = labels_.sets().SetsOf(&ids);
+}
+
+MeshHash DiffBuilder::HashOf(const SimplexRow& row) {
+  return HashSimplex(row.ids.data(), 3, row.region);
+}
+
 MeshHash DiffBuilder::HashOf(const SubsegmentRow& row) {
   return HashSubsegment(row.ends[0], row.ends[1], row.owner);
 }
 
 std::array<VertexId, 3> DiffBuilder::CanonicalIds(Triangulation::TriangleIndex t) const {
-  const Triangle& v = triangulation_.vertices(t);
+  const Corners& v = triangulation_.vertices(t);
   return LeastFirst<VertexId>({names_.at(v[0]), names_.at(v[1]), names_.at(v[2])});
 }
 
@@ -96,6 +125,10 @@ std::array<VertexId, 3> DiffBuilder::CanonicalIds(Triangulation::TriangleIndex t
 template <class Refinement>
 Mesh DiffBuilder::Begin(Refinement& refinement, const FeatureTable& features) {
   refinement.TakeChanges([](VertexIndex, bool, bool) {}, [](SubsegmentIndex, bool, bool) {});
+  refinement.ForEachSubsegment([&](const Subsegment& s) {
+    const auto polygons = features.PolygonsOf(s.feature);
+    if (!polygons.empty()) labels_.AddWall(s.a, s.b, polygons);
+  });
   names_.Reserve(refinement.vertex_count());
   const auto position = [&](VertexIndex v) -> const geometry::Point2& {
     return refinement.vertex(v).p;
@@ -107,6 +140,7 @@ Mesh DiffBuilder::Begin(Refinement& refinement, const FeatureTable& features) {
     if (!triangulation_.Contains(v)) InsertVertex(refinement, v);  // else it has grown along
   });
   names_.AddAll(all, position);
+  labels_.LabelAll();
   Mesh mesh = Snapshot(refinement, features);
   subsegment_count_ = mesh.subsegments.size();
   hash_ = mesh.hash = ComputeHash(mesh);
@@ -124,6 +158,11 @@ Mesh DiffBuilder::Snapshot(const Refinement& refinement, const FeatureTable& fea
   triangulation_.ForEachTriangle([&](auto t) {
     for (const VertexId id : CanonicalIds(t)) mesh.simplices.push_back(id);
   });
+  if (!labels_.empty()) {
+    mesh.regions.reserve(triangulation_.triangle_count());
+    triangulation_.ForEachTriangle([&](auto t) { mesh.regions.push_back(labels_.at(t)); });
+    NameRegions({&mesh.regions}, &mesh.region_sets);
+  }
   refinement.ForEachSubsegment([&](const Subsegment& s) {
     Append(mesh.subsegments, RowOf(names_.at(s.a), names_.at(s.b), features.IdOf(s.feature)));
   });
@@ -138,11 +177,14 @@ MeshDiff DiffBuilder::Update(Refinement& refinement, const FeatureTable& feature
   TakeChanges(refinement);
   UpdateNames(refinement);
   UpdateTriangulation(refinement);
+  UpdateLabels(refinement, features);
+  if (!renamed_.empty()) AddTrianglesOfRenamed();
   MeshDiff diff;
   ReportVertices(refinement, features, &diff);
   ReportSubsegments(refinement, features, &diff);
   ReportSimplices(&diff);
   diff.hash = hash_;
+  labels_.Collect();
   return diff;
 }
 
@@ -185,6 +227,7 @@ void DiffBuilder::UpdateNames(const Refinement& refinement) {
 template <class Refinement>
 void DiffBuilder::UpdateTriangulation(const Refinement& refinement) {
   triangles_.Clear();
+  fresh_.clear();
   for (const VertexIndex v : vertices_.gone) {
     triangulation_.Remove(v);
     RecordTriangles();
@@ -193,7 +236,6 @@ void DiffBuilder::UpdateTriangulation(const Refinement& refinement) {
     InsertVertex(refinement, v);
     RecordTriangles();
   }
-  if (!renamed_.empty()) AddTrianglesOfRenamed();
 }
 
 // A neighbour that refinement saw is a good place to start looking from.
@@ -208,14 +250,47 @@ void DiffBuilder::InsertVertex(const Refinement& refinement, VertexIndex v) {
   triangulation_.Insert(v, refinement.vertex(v).p, near);
 }
 
+// What is made and unmade again in the same update never shows.
 void DiffBuilder::RecordTriangles() {
-  for (const Triangle& v : triangulation_.deleted()) {
-    if (IsFinite(v)) triangles_.gone.push_back(LeastFirst(v));
+  const auto deleted = triangulation_.deleted();
+  const auto labels = triangulation_.deleted_tags();
+  for (std::size_t i = 0; i < deleted.size(); ++i) {
+    if (!IsFinite(deleted[i]) || labels[i] == RegionLabels::kPending) continue;
+    triangles_.gone.push_back({LeastFirst(deleted[i]), labels[i]});
   }
   for (const auto t : triangulation_.created()) {
-    if (!triangulation_.IsInfinite(t)) {
-      triangles_.come.push_back(LeastFirst(triangulation_.vertices(t)));
-    }
+    if (triangulation_.IsInfinite(t)) continue;
+    triangulation_.set_tag(t, RegionLabels::kPending);
+    fresh_.push_back(t);
+  }
+}
+
+DiffBuilder::TriangleRow DiffBuilder::RowOf(Triangulation::TriangleIndex t) const {
+  return {LeastFirst(triangulation_.vertices(t)), labels_.at(t)};
+}
+
+template <class Refinement>
+void DiffBuilder::UpdateLabels(const Refinement& refinement, const FeatureTable& features) {
+  for (const SubsegmentIndex i : subsegments_.gone) {
+    const Subsegment& s = refinement.subsegment(i);
+    labels_.RemoveWall(s.a, s.b);
+  }
+  for (const SubsegmentIndex i : subsegments_.come) {
+    const Subsegment& s = refinement.subsegment(i);
+    const auto polygons = features.PolygonsOf(s.feature);
+    if (!polygons.empty()) labels_.AddWall(s.a, s.b, polygons);
+  }
+  // Some were unmade again, some indices used twice.
+  std::erase_if(fresh_, [&](auto t) { return triangulation_.IsInfinite(t); });
+  std::sort(fresh_.begin(), fresh_.end());
+  fresh_.erase(std::unique(fresh_.begin(), fresh_.end()), fresh_.end());
+  const auto& relabelled = labels_.Update(fresh_, features.toggled_walls(), [&](VertexIndex v) {
+    return refinement.vertex(v).dimension == 1;
+  });
+  for (const auto t : fresh_) triangles_.come.push_back(RowOf(t));
+  for (const auto& [t, before] : relabelled) {
+    triangles_.come.push_back(RowOf(t));
+    triangles_.gone.push_back({triangles_.come.back().v, before});
   }
 }
 
@@ -228,15 +303,14 @@ void DiffBuilder::AddTrianglesOfRenamed() {
     const auto first = triangulation_.Around(r.v);
     auto corner = first;
     do {
-      const Triangle& v = triangulation_.vertices(corner.triangle);
-      if (IsFinite(v)) stay_.push_back(LeastFirst(v));
+      if (!triangulation_.IsInfinite(corner.triangle)) stay_.push_back(RowOf(corner.triangle));
       corner = triangulation_.NextAround(corner);
     } while (corner.triangle != first.triangle);
   }
   std::sort(stay_.begin(), stay_.end());
   stay_.erase(std::unique(stay_.begin(), stay_.end()), stay_.end());
-  std::erase_if(stay_, [&](const Triangle& t) {
-    return std::binary_search(triangles_.come.begin(), triangles_.come.end(), t);
+  std::erase_if(stay_, [&](const TriangleRow& row) {
+    return std::binary_search(triangles_.come.begin(), triangles_.come.end(), row);
   });
   triangles_.gone.insert(triangles_.gone.end(), stay_.begin(), stay_.end());
   triangles_.come.insert(triangles_.come.end(), stay_.begin(), stay_.end());
@@ -321,24 +395,20 @@ void DiffBuilder::ReportSubsegments(const Refinement& refinement, const FeatureT
 // Once more netted, as the client sees them: a vertex may have come where one has gone.
 void DiffBuilder::ReportSimplices(MeshDiff* diff) {
   simplex_rows_.Clear();
-  for (const Triangle& v : triangles_.gone) {
-    simplex_rows_.gone.push_back(LeastFirst<VertexId>({OldId(v[0]), OldId(v[1]), OldId(v[2])}));
+  for (const auto& [v, region] : triangles_.gone) {
+    simplex_rows_.gone.push_back(
+        {LeastFirst<VertexId>({OldId(v[0]), OldId(v[1]), OldId(v[2])}), region});
   }
-  for (const Triangle& v : triangles_.come) {
+  for (const auto& [v, region] : triangles_.come) {
     simplex_rows_.come.push_back(
-        LeastFirst<VertexId>({names_.at(v[0]), names_.at(v[1]), names_.at(v[2])}));
+        {LeastFirst<VertexId>({names_.at(v[0]), names_.at(v[1]), names_.at(v[2])}), region});
   }
   simplex_rows_.Net();
-  diff->removed_simplices.reserve(3 * simplex_rows_.gone.size());
-  diff->added_simplices.reserve(3 * simplex_rows_.come.size());
-  for (const SimplexRow& row : simplex_rows_.gone) {
-    diff->removed_simplices.insert(diff->removed_simplices.end(), row.begin(), row.end());
-    hash_ -= HashSimplex(row.data(), 3);
-  }
-  for (const SimplexRow& row : simplex_rows_.come) {
-    diff->added_simplices.insert(diff->added_simplices.end(), row.begin(), row.end());
-    hash_ += HashSimplex(row.data(), 3);
-  }
+  Append(simplex_rows_.gone, &diff->removed_simplices, &diff->removed_regions);
+  Append(simplex_rows_.come, &diff->added_simplices, &diff->added_regions);
+  NameRegions({&diff->removed_regions, &diff->added_regions}, &diff->region_sets);
+  for (const SimplexRow& row : simplex_rows_.gone) hash_ -= HashOf(row);
+  for (const SimplexRow& row : simplex_rows_.come) hash_ += HashOf(row);
 }
 
 using Traced = meshing::Refinement<sac::Engine>;

@@ -11,6 +11,8 @@
 // (vertex_names.h). Such a vertex leaves under the old name and comes back under the
 // new, and so does all that it is part of.
 //
+// Triangles carry the polygons that they lie in as labels (region_labels.h).
+//
 // Thread-compatible. Keeps its lists from call to call: an update allocates little but
 // the diff.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_DIFF_BUILDER_H_
@@ -19,9 +21,11 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <initializer_list>
 #include <vector>
 
 #include "core/dynamic_mesh/feature_table.h"
+#include "core/dynamic_mesh/region_labels.h"
 #include "core/dynamic_mesh/vertex_names.h"
 #include "core/mesh/delaunay_triangulation.h"
 #include "core/meshing/refinement.h"
@@ -31,7 +35,10 @@ namespace dynmesh {
 
 class DiffBuilder {
  public:
-  explicit DiffBuilder(VertexNames::Hash vertex_hash = &VertexIdAt) : names_(vertex_hash) {}
+  explicit DiffBuilder(VertexNames::Hash vertex_hash = &VertexIdAt)
+      : names_(vertex_hash), labels_(&triangulation_) {}
+  DiffBuilder(const DiffBuilder&) = delete;
+  DiffBuilder& operator=(const DiffBuilder&) = delete;
 
   mesh::DelaunayTriangulation& triangulation() { return triangulation_; }
   const mesh::DelaunayTriangulation& triangulation() const { return triangulation_; }
@@ -59,7 +66,9 @@ class DiffBuilder {
 
   const MeshHash& hash() const { return hash_; }
   std::size_t subsegment_count() const { return subsegment_count_; }
-  std::size_t bytes() const { return triangulation_.bytes() + names_.bytes(); }
+  std::size_t bytes() const { return triangulation_.bytes() + names_.bytes() + labels_.bytes(); }
+  // Do the labels agree with the walls? O(mesh).
+  bool CheckLabels() { return labels_.Check(); }
 
  private:
   // Rows of the diff, as the client sees them.
@@ -75,8 +84,17 @@ class DiffBuilder {
     FeatureId owner;
     friend auto operator<=>(const SubsegmentRow&, const SubsegmentRow&) = default;
   };
-  using SimplexRow = std::array<VertexId, 3>;  // canonical order
-  using Triangle = std::array<meshing::VertexIndex, 3>;
+  struct SimplexRow {
+    std::array<VertexId, 3> ids;  // canonical order
+    RegionId region;
+    friend auto operator<=>(const SimplexRow&, const SimplexRow&) = default;
+  };
+  using Corners = std::array<meshing::VertexIndex, 3>;
+  struct TriangleRow {
+    Corners v;  // the least first
+    RegionId region;
+    friend auto operator<=>(const TriangleRow&, const TriangleRow&) = default;
+  };
   // What leaves the mesh and what comes.
   template <class Row>
   struct Rows {
@@ -97,6 +115,8 @@ class DiffBuilder {
   template <class Refinement>
   void UpdateTriangulation(const Refinement& refinement);
   template <class Refinement>
+  void UpdateLabels(const Refinement& refinement, const FeatureTable& features);
+  template <class Refinement>
   void ReportVertices(const Refinement& refinement, const FeatureTable& features, MeshDiff* diff);
   template <class Refinement>
   void ReportSubsegments(const Refinement& refinement, const FeatureTable& features,
@@ -107,6 +127,7 @@ class DiffBuilder {
   void InsertVertex(const Refinement& refinement, meshing::VertexIndex v);
   void RecordTriangles();
   void AddTrianglesOfRenamed();
+  TriangleRow RowOf(mesh::DelaunayTriangulation::TriangleIndex t) const;
 
   // The id at the last call of a vertex that was in the mesh then.
   VertexId OldId(meshing::VertexIndex v) const {
@@ -119,11 +140,17 @@ class DiffBuilder {
   // Appends a row to a mesh's or diff's columns, or gives its hash.
   static void Append(VertexColumns& to, const VertexRow& row);
   static void Append(SubsegmentColumns& to, const SubsegmentRow& row);
+  void Append(const std::vector<SimplexRow>& rows, SimplexColumn* simplices,
+              RegionColumn* regions);
+  void NameRegions(std::initializer_list<RegionColumn*> columns,
+                   std::vector<RegionSet>* sets) const;
   static MeshHash HashOf(const VertexRow& row);
+  static MeshHash HashOf(const SimplexRow& row);
   static MeshHash HashOf(const SubsegmentRow& row);
 
   mesh::DelaunayTriangulation triangulation_;
   VertexNames names_;
+  RegionLabels labels_;
   MeshHash hash_;
   std::size_t subsegment_count_ = 0;
 
@@ -131,8 +158,9 @@ class DiffBuilder {
   Rows<meshing::VertexIndex> vertices_;
   Rows<meshing::SubsegmentIndex> subsegments_;
   std::vector<Renamed> renamed_;  // were in the mesh; by index
-  Rows<Triangle> triangles_;      // finite ones, the least index first
-  std::vector<Triangle> stay_;
+  std::vector<mesh::DelaunayTriangulation::TriangleIndex> fresh_;  // finite ones just made
+  Rows<TriangleRow> triangles_;                                    // finite ones
+  std::vector<TriangleRow> stay_;
   Rows<VertexRow> vertex_rows_;
   Rows<SubsegmentRow> subsegment_rows_;
   Rows<SimplexRow> simplex_rows_;

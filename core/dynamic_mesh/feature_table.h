@@ -3,6 +3,8 @@
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_FEATURE_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_FEATURE_TABLE_H_
 
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -40,10 +42,11 @@ class FeatureTable {
       sizes_[f.id] = refinement.AddSizing(RegionOf(f));
     }
     for (const plc::SegmentFeature& s : delta.removed_segments) {
-      const meshing::SubsegmentIndex root = segments_.at(s.id).root;
-      FreeSlot(refinement.subsegment(root).feature);
-      refinement.RemoveSegment(root);
-      segments_.Remove(s.id);
+      const WedgeTable::Index index = segments_.Find(points_.at(s.p_id), points_.at(s.q_id));
+      FreeSlot(segments_[index].slot);
+      refinement.RemoveSegment(segments_[index].root);
+      segments_.Remove(index);
+      if (!s.polygons.empty()) toggled_walls_.push_back({s.p, s.q, s.polygons});
     }
     for (const plc::PointFeature& p : delta.removed_points) {
       const auto it = points_.find(p.id);
@@ -74,21 +77,40 @@ class FeatureTable {
     }
     for (const plc::SegmentFeature& s : delta.added_segments) {
       const bool forward = s.p < s.q;
-      segments_.Add(s.id, points_.at(forward ? s.p_id : s.q_id),
-                    points_.at(forward ? s.q_id : s.p_id));
+      const meshing::FeatureSlot slot = NewSlot(s.id);
+      segments_.Add(points_.at(forward ? s.p_id : s.q_id), points_.at(forward ? s.q_id : s.p_id),
+                    slot);
+      if (s.polygons.empty()) continue;
+      walls_[slot] = s.polygons;
+      toggled_walls_.push_back({s.p, s.q, s.polygons});
     }
     segments_.Update([&](meshing::VertexIndex v) { return refinement.vertex(v).p; },
-                     [&](FeatureId id, WedgeTable::Segment* s) {
-                       const bool is_new = s->root == meshing::kNil;
-                       const meshing::FeatureSlot slot =
-                           is_new ? NewSlot(id) : refinement.subsegment(s->root).feature;
-                       if (!is_new) refinement.RemoveSegment(s->root);
-                       s->root = refinement.AddSegment(s->ends[0], s->ends[1], slot, s->shape);
+                     [&](WedgeTable::Segment* s) {
+                       if (s->root != meshing::kNil) refinement.RemoveSegment(s->root);
+                       s->root = refinement.AddSegment(s->ends[0], s->ends[1], s->slot, s->shape);
                      });
+  }
+
+  // An edge of polygons that came or went since Collect. Of one that only changed owner or
+  // polygons, what went and what came.
+  struct Wall {
+    geometry::Point2 p, q;
+    std::vector<FeatureId> polygons;  // ascending
+  };
+  const std::vector<Wall>& toggled_walls() const { return toggled_walls_; }
+  // The polygons that have an edge where the segment in that slot lies, ascending.
+  std::span<const FeatureId> PolygonsOf(meshing::FeatureSlot slot) const {
+    if (walls_.empty()) return {};
+    const auto it = walls_.find(slot);
+    return it == walls_.end() ? std::span<const FeatureId>() : it->second;
   }
 
   // Slots of removed features keep their ids until here.
   void Collect() {
+    if (!walls_.empty()) {
+      for (const meshing::FeatureSlot slot : freed_) walls_.erase(slot);
+    }
+    toggled_walls_.clear();
     free_.insert(free_.end(), freed_.begin(), freed_.end());
     freed_.clear();
   }
@@ -100,9 +122,13 @@ class FeatureTable {
  private:
   static meshing::SizingRegion RegionOf(const plc::SizeFeature& f) {
     const Sizing& s = f.sizing;
+    if (s.shape == SizeShape::kPolygon) {
+      const auto area = std::make_shared<const meshing::PolygonArea>(f.places);
+      return {area->lo(), area->hi(), 0, s.target, area};
+    }
     const geometry::Point2 hi =
         s.shape == SizeShape::kBox ? geometry::Point2{{s.hi[0], s.hi[1]}} : f.at;
-    return {f.at, hi, s.shape == SizeShape::kDisc ? s.radius : 0, s.target};
+    return {f.at, hi, s.shape == SizeShape::kDisc ? s.radius : 0, s.target, nullptr};
   }
   meshing::FeatureSlot NewSlot(FeatureId id) {
     if (free_.empty()) {
@@ -121,6 +147,8 @@ class FeatureTable {
   absl::flat_hash_map<FeatureId, meshing::VertexIndex> points_;
   absl::flat_hash_map<FeatureId, meshing::SizingField::Index> sizes_;
   WedgeTable segments_;
+  absl::flat_hash_map<meshing::FeatureSlot, std::vector<FeatureId>> walls_;
+  std::vector<Wall> toggled_walls_;
 };
 
 }  // namespace dynmesh

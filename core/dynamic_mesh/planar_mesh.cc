@@ -138,7 +138,7 @@ absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, Interrupt 
   plc_.Commit(delta);
   auto fresh = std::make_unique<State>(options_, tuning_);
   fresh->refinement.Reserve(plc_.size());
-  fresh->features.Apply(is_first ? delta : FromNothing(plc_), fresh->refinement);
+  fresh->features.Apply(is_first ? delta : plc_.FromNothing(), fresh->refinement);
   if (absl::Status status = Run(*fresh, cancelled); !status.ok()) {
     plc_.Commit(delta.Inverse());
     return status;
@@ -146,6 +146,7 @@ absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, Interrupt 
   fresh->refinement.DetachTriangulation();
   MeshDiff diff =
       data::DiffMeshes(Snapshot(), fresh->diffs.Begin(fresh->refinement, fresh->features));
+  fresh->features.Collect();
   const sac::Counters& counters = fresh->refinement.engine().counters();
   diff.work.executed = counters.executed;
   diff.work.created = counters.created;
@@ -202,6 +203,9 @@ AuditReport PlanarMesh::Audit() const {
   report.trace = {trace, state_->refinement.engine().operation_count()};
   std::string why;
   if (!state_->diffs.triangulation().Check(&why)) report.problems.push_back("mesh: " + why);
+  if (!state_->diffs.CheckLabels()) {
+    report.problems.push_back("regions of neighbours do not agree with the edges between them");
+  }
   const Mesh mesh = Snapshot();
   if (!(ComputeHash(mesh) == mesh.hash)) {
     report.problems.push_back("the hash kept is not that of the mesh");
@@ -210,20 +214,6 @@ AuditReport PlanarMesh::Audit() const {
     report.problems.push_back("the triangulation's vertices are not those present");
   }
   return report;
-}
-
-plc::Delta FromNothing(const plc::Plc2& plc) {
-  plc::Delta all;
-  for (const Feature& f : plc.Features()) {
-    if (f.kind == FeatureKind::kPoint) {
-      all.added_points.push_back(*plc.FindPoint(f.id));
-    } else if (f.kind == FeatureKind::kSegment) {
-      all.added_segments.push_back(*plc.FindSegment(f.id));
-    } else {
-      all.added_sizes.push_back(*plc.FindSize(f.id));
-    }
-  }
-  return all;
 }
 
 }  // namespace dynmesh

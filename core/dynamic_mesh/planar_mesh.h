@@ -78,9 +78,6 @@ class PlanarMesh final : public DynamicMesh {
   std::uint64_t revision_ = 0;
 };
 
-// A change of input that makes all of `features`, from nothing.
-plc::Delta FromNothing(const plc::Plc2& plc);
-
 }  // namespace dynmesh
 
 #endif  // DYNMESH_CORE_DYNAMIC_MESH_PLANAR_MESH_H_

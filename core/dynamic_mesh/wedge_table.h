@@ -1,4 +1,4 @@
-// Which segments meet at which points, and at what angles: the shape of a segment, by which
+// The segments, by their two ends, and which meet at a point, at what angles: the shape of a segment, by which
 // it is split (meshing/shells.h), depends on its neighbours in angle at both ends. Tells
 // whose shape has changed after some have come or gone, and keeps what stands for each in the
 // mesher. Thread-compatible.
@@ -7,13 +7,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/shells.h"
-#include "dynmesh/feature.h"
 
 namespace dynmesh {
 
@@ -25,79 +25,102 @@ class WedgeTable {
     std::array<Vertex, 2> ends;  // the lesser point first
     std::array<meshing::WedgeEnd, 2> wedges = {};
     meshing::SegmentShape shape = {};
+    meshing::FeatureSlot slot = meshing::kNil;       // the caller's
     meshing::SubsegmentIndex root = meshing::kNil;  // the caller's; kNil: not made yet
   };
 
+  using Index = std::uint32_t;  // of a segment; may be reused after it is removed
+
   void Reserve(std::size_t segments) { segments_.reserve(segments_.size() + segments); }
 
-  void Add(FeatureId id, Vertex lesser, Vertex greater) {
-    segments_[id] = Segment{{lesser, greater}};
+  // REQUIRES: no segment joins the two yet.
+  Index Add(Vertex lesser, Vertex greater, meshing::FeatureSlot slot) {
+    Index index = static_cast<Index>(segments_.size());
+    if (free_.empty()) {
+      segments_.emplace_back();
+    } else {
+      index = free_.back();
+      free_.pop_back();
+    }
+    segments_[index] = Segment{{lesser, greater}};
+    segments_[index].slot = slot;
     for (const Vertex end : {lesser, greater}) {
-      at_[end].push_back(id);
+      at_[end].push_back(index);
       touched_.push_back(end);
     }
+    return index;
   }
-  const Segment& at(FeatureId id) const { return segments_.at(id); }
-  void Remove(FeatureId id) {
-    const auto segment = segments_.find(id);
-    for (const Vertex end : segment->second.ends) {
+  const Segment& operator[](Index index) const { return segments_[index]; }
+  // The segment between two points, which must be there. O(segments at one of them).
+  Index Find(Vertex a, Vertex b) const {
+    const Users& at_a = at_.at(a);
+    const Users& at_b = at_.at(b);
+    for (const Index index : at_a.size() < at_b.size() ? at_a : at_b) {
+      const auto& [p, q] = segments_[index].ends;
+      if ((p == a && q == b) || (p == b && q == a)) return index;
+    }
+    return meshing::kNil;
+  }
+  void Remove(Index index) {
+    for (const Vertex end : segments_[index].ends) {
       const auto at = at_.find(end);
-      at->second.erase(std::find(at->second.begin(), at->second.end(), id));
+      at->second.erase(std::find(at->second.begin(), at->second.end(), index));
       if (at->second.empty()) at_.erase(at);
       touched_.push_back(end);
     }
-    segments_.erase(segment);
+    free_.push_back(index);
   }
 
-  // Calls changed(id, &segment) for each segment that is new or has another shape since the
+  // Calls changed(&segment) for each segment that is new or has another shape since the
   // last call; changed sets its root. position(v) is v's point. O(k log k) for a point where k
   // segments meet.
   template <class Position, class Changed>
   void Update(Position position, Changed changed) {
-    std::vector<FeatureId> affected;
+    std::vector<Index> affected;
     std::vector<geometry::Point2> others;
     SortUnique(touched_);
     for (const Vertex apex : touched_) {
       const auto at = at_.find(apex);
       if (at == at_.end()) continue;
       others.clear();
-      for (const FeatureId id : at->second) {
-        const Segment& s = segments_.find(id)->second;
+      for (const Index index : at->second) {
+        const Segment& s = segments_[index];
         others.push_back(position(s.ends[s.ends[0] == apex ? 1 : 0]));
       }
       const auto wedges = meshing::FindWedges(position(apex), others);
       for (std::size_t i = 0; i < others.size(); ++i) {
-        Segment& s = segments_.find(at->second[i])->second;
+        Segment& s = segments_[at->second[i]];
         s.wedges[s.ends[0] == apex ? 0 : 1] = wedges[i];
       }
       affected.insert(affected.end(), at->second.begin(), at->second.end());
     }
     touched_.clear();
     SortUnique(affected);
-    for (const FeatureId id : affected) {
-      Segment& s = segments_.find(id)->second;
+    for (const Index index : affected) {
+      Segment& s = segments_[index];
       const double length = meshing::LengthOf(position(s.ends[0]), position(s.ends[1]));
       const auto shape = meshing::ShapeOf(length, s.wedges[0], s.wedges[1]);
       if (s.root != meshing::kNil && shape == s.shape) continue;
       s.shape = shape;
-      changed(id, &s);
+      changed(&s);
     }
   }
 
   std::size_t bytes() const {
-    return segments_.capacity() * (sizeof(FeatureId) + sizeof(Segment) + 1) +
+    return segments_.capacity() * sizeof(Segment) + free_.capacity() * sizeof(Index) +
            at_.capacity() * (sizeof(Vertex) + sizeof(Users) + 1);
   }
 
  private:
-  using Users = absl::InlinedVector<FeatureId, 2>;
+  using Users = absl::InlinedVector<Index, 4>;
   template <class T>
   static void SortUnique(std::vector<T>& values) {
     std::sort(values.begin(), values.end());
     values.erase(std::unique(values.begin(), values.end()), values.end());
   }
 
-  absl::flat_hash_map<FeatureId, Segment> segments_;
+  std::vector<Segment> segments_;
+  std::vector<Index> free_;
   absl::flat_hash_map<Vertex, Users> at_;
   std::vector<Vertex> touched_;
 };

@@ -12,7 +12,6 @@
 
 #include "absl/status/status.h"
 #include "core/data/text.h"
-#include "core/io/file_writer.h"
 
 namespace dynmesh::io {
 
@@ -165,7 +164,7 @@ class ScriptParser {
   // "add|set|move KIND ID ...".
   absl::Status ParseFeature(Edit::Action action) {
     if (reader_.size() < 2) {
-      return Error(Concat(reader_.token(0), " what? Expected point, segment or size"));
+      return Error(Concat(reader_.token(0), " what? Expected point, segment, polygon or size"));
     }
     const std::string_view kind = reader_.token(1);
     if (action == Edit::Action::kMove && kind != "point") {
@@ -173,10 +172,10 @@ class ScriptParser {
     }
     if (kind == "point") return ParsePoint(action);
     if (kind == "segment") return ParseSegment(action);
-    if (kind == "polygon") return NotYet("polygons are");
+    if (kind == "polygon") return ParsePolygon(action);
     if (kind == "size") return ParseSize(action);
-    return Error(
-        Concat("unknown kind of feature ", Quoted(kind), ": expected point, segment or size"));
+    return Error(Concat("unknown kind of feature ", Quoted(kind),
+                        ": expected point, segment, polygon or size"));
   }
 
   absl::Status ParsePoint(Edit::Action action) {
@@ -203,7 +202,48 @@ class ScriptParser {
     return absl::OkStatus();
   }
 
-  // "add|set size ID point X Y H", "... disc X Y RADIUS H", "... box X0 Y0 X1 Y1 H".
+  // "add|set polygon ID P1 P2 P3 ... [/ Q1 Q2 Q3 ...]".
+  absl::Status ParsePolygon(Edit::Action action) {
+    const absl::StatusOr<FeatureId> id = Id(2, "the polygon's id");
+    if (!id.ok()) return id.status();
+    absl::StatusOr<Rings> rings = ParseRings(3, reader_.size());
+    if (!rings.ok()) return rings.status();
+    Add({action, Feature::Polygon(*id, *std::move(rings))});
+    return absl::OkStatus();
+  }
+
+  // "add|set size ID polygon P1 P2 P3 ... [/ Q1 Q2 Q3 ...] H".
+  absl::Status ParseSizePolygon(Edit::Action action, FeatureId id) {
+    if (reader_.size() < 5) return Error("a point's id is missing");
+    const std::size_t last = reader_.size() - 1;
+    absl::StatusOr<Rings> rings = ParseRings(4, last);
+    if (!rings.ok()) return rings.status();
+    const absl::StatusOr<double> target = reader_.Double(last, "the target length");
+    if (!target.ok()) return target.status();
+    Add({action, Feature::SizePolygon(id, *std::move(rings), *target)});
+    return absl::OkStatus();
+  }
+
+  // Tokens begin, ..., end - 1: ids of points, a lone / between rings. How many points a ring
+  // needs is for validation to say; one without any has no way to be written.
+  absl::StatusOr<Rings> ParseRings(std::size_t begin, std::size_t end) const {
+    Rings rings(1);
+    for (std::size_t i = begin; i < end; ++i) {
+      if (reader_.token(i) == "/") {
+        if (rings.back().empty()) return Error("no point stands before this /");
+        rings.emplace_back();
+        continue;
+      }
+      const absl::StatusOr<FeatureId> point = Id(i, "a point's id");
+      if (!point.ok()) return point.status();
+      rings.back().push_back(*point);
+    }
+    if (!rings.back().empty()) return rings;
+    return Error(rings.size() > 1 ? "no point stands after the last /" : "a point's id is missing");
+  }
+
+  // "add|set size ID point X Y H", "... disc X Y RADIUS H", "... box X0 Y0 X1 Y1 H",
+  // "... polygon P1 P2 P3 ... H".
   absl::Status ParseSize(Edit::Action action) {
     const absl::StatusOr<FeatureId> id = Id(2, "the sizing feature's id");
     if (!id.ok()) return id.status();
@@ -215,10 +255,10 @@ class ScriptParser {
     if (shape == "point") names = kPoint;
     if (shape == "disc") names = kDisc;
     if (shape == "box") names = kBox;
-    if (shape == "polygon") return NotYet("polygons are");
+    if (shape == "polygon") return ParseSizePolygon(action, *id);
     if (names.empty()) {
-      return Error(
-          Concat("what size? Expected point, disc or box after the id, found ", Quoted(shape)));
+      return Error(Concat("what size? Expected point, disc, box or polygon after the id, found ",
+                          Quoted(shape)));
     }
     std::array<double, 5> v = {};
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -265,29 +305,12 @@ class ScriptParser {
 // Does it name a place that must lie in the mesh's box?
 bool HasPosition(const Feature& f) {
   return f.kind == FeatureKind::kPoint ||
-         (f.kind == FeatureKind::kSize && f.sizing.shape != SizeShape::kBox);
+         (f.kind == FeatureKind::kSize &&
+          (f.sizing.shape == SizeShape::kPoint || f.sizing.shape == SizeShape::kDisc));
 }
 bool HasPosition(const Edit& edit) {
   return edit.action == Edit::Action::kMove ||
          (edit.action != Edit::Action::kRemove && HasPosition(edit.feature));
-}
-
-std::string FormatSize(const Feature& f) {
-  const Sizing& s = f.sizing;
-  const std::string at = Concat(FormatDouble(f.position[0]), " ", FormatDouble(f.position[1]));
-  const std::string target = Concat(" ", FormatDouble(s.target));
-  switch (s.shape) {
-    case SizeShape::kPoint:
-      return Concat("point ", at, target);
-    case SizeShape::kDisc:
-      return Concat("disc ", at, " ", FormatDouble(s.radius), target);
-    default:
-      return Concat("box ", at, " ", FormatDouble(s.hi[0]), " ", FormatDouble(s.hi[1]), target);
-  }
-}
-
-std::string FormatPosition(const Feature& f) {
-  return Concat(f.id, " ", FormatDouble(f.position[0]), " ", FormatDouble(f.position[1]));
 }
 
 }  // namespace
@@ -327,25 +350,6 @@ absl::StatusOr<EditScript> ReadEditScript(const std::string& path,
   absl::StatusOr<TextReader> reader = TextReader::Open(path);
   if (!reader.ok()) return reader.status();
   return ParseEditScript(*std::move(reader), options);
-}
-
-std::string FormatMeshLine(const MeshOptions& options) {
-  const Box& box = options.box;
-  return Concat("mesh dim=2 box=", FormatDouble(box.lo[0]), ",", FormatDouble(box.lo[1]), ",",
-                FormatDouble(box.hi[0]), ",", FormatDouble(box.hi[1]),
-                " rho=", FormatDouble(options.quality),
-                " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge",
-                options.max_edge > 0 ? Concat(" hmax=", FormatDouble(options.max_edge)) : "");
-}
-
-std::string FormatEdit(const Edit& edit) {
-  const Feature& f = edit.feature;
-  if (edit.action == Edit::Action::kRemove) return Concat("remove ", f.id);
-  if (edit.action == Edit::Action::kMove) return Concat("move point ", FormatPosition(f));
-  const std::string_view verb = edit.action == Edit::Action::kAdd ? "add" : "set";
-  if (f.kind == FeatureKind::kPoint) return Concat(verb, " point ", FormatPosition(f));
-  if (f.kind == FeatureKind::kSize) return Concat(verb, " size ", f.id, " ", FormatSize(f));
-  return Concat(verb, " segment ", f.id, " ", f.ends[0], " ", f.ends[1]);
 }
 
 absl::StatusOr<Box> ParseBox(std::string_view text) {

@@ -3,12 +3,13 @@
 //   mesh dim=2 box=x0,y0,x1,y1 rho=1.4142 [criterion=edge|thesis] [hmax=H]    first
 //   add point ID X Y              set point ID X Y       move point ID X Y
 //   add segment ID P Q            set segment ID P Q     remove ID
+//   add polygon ID P1 P2 P3 ... [/ Q1 Q2 Q3 ...]         its rings, with a lone / between (or set)
 //   add size ID point X Y H       ... disc X Y RADIUS H  ... box X0 Y0 X1 Y1 H   (or set)
+//                                 ... polygon P1 P2 P3 ... [/ Q1 Q2 Q3 ...] H
 //   commit                        ends a batch = one revision
 //
 // What follows the last commit is a batch too; a batch without an edit is none.
-// Polygons are part of the grammar and refused with UNIMPLEMENTED until meshes have them,
-// as is dim=3.
+// dim=3 is part of the grammar and refused with UNIMPLEMENTED until there are such meshes.
 #ifndef DYNMESH_CORE_IO_EDIT_SCRIPT_H_
 #define DYNMESH_CORE_IO_EDIT_SCRIPT_H_
 
@@ -63,7 +64,8 @@ absl::StatusOr<Box> ParseBox(std::string_view text);
 // "edge" or "thesis".
 absl::StatusOr<Criterion> ParseCriterion(std::string_view text);
 
-// The least box around all points among `features`; the unit box if there is none.
+// The least box around all points among `features` and places of sizing features; the unit
+// box if there is none.
 Box BoundingBox(const std::vector<Feature>& features);
 
 }  // namespace dynmesh::io

@@ -65,6 +65,20 @@ absl::StatusOr<NumberOf> IndexVertices(const VertexColumns& columns, IndexedMesh
   return number_of;
 }
 
+// Sorts the triangles, and the regions' numbers with them.
+void SortTriangles(IndexedMesh& indexed) {
+  std::vector<IndexedMesh::Triangle>& triangles = indexed.triangles;
+  std::vector<std::uint32_t>& numbers = indexed.regions.numbers;
+  if (numbers.empty()) {
+    std::sort(triangles.begin(), triangles.end());
+    return;
+  }
+  std::vector<std::pair<IndexedMesh::Triangle, std::uint32_t>> rows(triangles.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = {triangles[i], numbers[i]};
+  std::sort(rows.begin(), rows.end());
+  for (std::size_t i = 0; i < rows.size(); ++i) std::tie(triangles[i], numbers[i]) = rows[i];
+}
+
 absl::Status IndexTriangles(const SimplexColumn& simplices, const NumberOf& number_of,
                             IndexedMesh& indexed) {
   indexed.triangles.reserve(simplices.size() / 3);
@@ -77,7 +91,7 @@ absl::Status IndexTriangles(const SimplexColumn& simplices, const NumberOf& numb
     }
     indexed.triangles.push_back(LeastFirst(t));
   }
-  std::sort(indexed.triangles.begin(), indexed.triangles.end());
+  SortTriangles(indexed);
   return absl::OkStatus();
 }
 
@@ -124,6 +138,7 @@ absl::StatusOr<IndexedMesh> IndexMesh(const Mesh& mesh) {
   IndexedMesh indexed;
   absl::StatusOr<NumberOf> number_of = IndexVertices(mesh.vertices, indexed);
   if (!number_of.ok()) return number_of.status();
+  indexed.regions = NumberRegions(mesh);
   if (auto s = IndexTriangles(mesh.simplices, *number_of, indexed); !s.ok()) return s;
   if (auto s = IndexEdges(mesh.subsegments, *number_of, indexed); !s.ok()) return s;
   return indexed;
@@ -156,6 +171,7 @@ Mesh ToMesh(const IndexedMesh& indexed) {
     std::rotate(s.begin(), std::min_element(s.begin(), s.end()), s.end());
     mesh.simplices.insert(mesh.simplices.end(), s.begin(), s.end());
   }
+  SetRegions(indexed.regions, mesh);
   for (const auto& e : indexed.edges) {
     if (e.owner == kNoFeature) continue;
     const auto [a, b] = std::minmax(ids[e.a], ids[e.b]);

@@ -3,7 +3,8 @@
 //   vertices:  input points by feature id (a `.node` file's points 1..n keep their
 //              numbers), then the domain box's, those on segments, free ones; each
 //              of these by coordinates, lexicographically
-//   triangles: counter-clockwise from the least number; lexicographically
+//   triangles: counter-clockwise from the least number; lexicographically; with the
+//              number of the region that each lies in
 //   edges:     lesser number first; lexicographically
 // Plain data; dimension 2 only.
 #ifndef DYNMESH_CORE_IO_INDEXED_MESH_H_
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/io/region_numbers.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/quality.h"
 
@@ -37,6 +39,7 @@ struct IndexedMesh {
 
   std::vector<Vertex> vertices;
   std::vector<Triangle> triangles;
+  RegionNumbers regions;    // of the triangles
   std::vector<Edge> edges;  // all of them
 };
 

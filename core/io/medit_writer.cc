@@ -16,6 +16,11 @@ absl::Status WriteMedit(const IndexedMesh& mesh, const std::string& path) {
   for (int r = 1; r <= references->box(); ++r) {
     out << "# reference " << r << ": " << references->Name(r) << '\n';
   }
+  if (mesh.regions.count() != 0) {
+    for (std::uint32_t k = 0; k <= mesh.regions.count(); ++k) {
+      out << "# triangle reference " << k + 1 << ": " << mesh.regions.Name(k) << '\n';
+    }
+  }
   out << "\nVertices\n" << mesh.vertices.size() << '\n';
   for (const IndexedMesh::Vertex& v : mesh.vertices) {
     out << v.x << ' ' << v.y << ' ' << references->Find(v.owner) << '\n';
@@ -28,9 +33,9 @@ absl::Status WriteMedit(const IndexedMesh& mesh, const std::string& path) {
         << references->Find(e.owner) << '\n';
   }
   out << "\nTriangles\n" << mesh.triangles.size() << '\n';
-  for (const IndexedMesh::Triangle& t : mesh.triangles) {
-    for (const std::uint32_t corner : t) out << std::uint64_t{corner} + 1 << ' ';
-    out << "1\n";
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const std::uint32_t corner : mesh.triangles[i]) out << std::uint64_t{corner} + 1 << ' ';
+    out << mesh.regions.Of(i) + 1 << '\n';
   }
   out << "\nEnd\n";
   return out.Close();

@@ -13,8 +13,10 @@ namespace dynmesh::io {
 // numbered from 1:
 //   Vertices   x y reference of the owner, 0 if free; coordinates read back bit for bit
 //   Edges      the subsegments, with the reference of the owner
-//   Triangles  counter-clockwise, reference 1
-// References are those of references.h; comments after the dimension list which is which.
+//   Triangles  counter-clockwise, reference 1; in polygons 1 + the number of the region
+//              (region_numbers.h)
+// The other references are those of references.h; comments after the dimension list which is
+// which.
 // INVALID_ARGUMENT if there are too many rows, UNAVAILABLE, naming the path, on trouble.
 absl::Status WriteMedit(const IndexedMesh& mesh, const std::string& path);
 

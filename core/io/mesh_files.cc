@@ -1,6 +1,7 @@
 #include "core/io/mesh_files.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <utility>
@@ -20,6 +21,7 @@ namespace {
 
 constexpr std::string_view kHashNote = "hash ";
 constexpr std::string_view kSidesNote = "box-side-vertices ";
+constexpr std::string_view kRegionNote = "region ";
 constexpr std::size_t kNumbersPerNote = 16;
 
 std::string Stem(const std::string& path) {
@@ -67,10 +69,16 @@ void WriteNodes(const IndexedMesh& mesh, FileWriter& out) {
 }
 
 void WriteTriangles(const IndexedMesh& mesh, FileWriter& out) {
-  out << mesh.triangles.size() << " 3 0\n";
+  const bool has_regions = mesh.regions.count() != 0;
+  out << mesh.triangles.size() << " 3 " << (has_regions ? 1 : 0) << '\n';
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const IndexedMesh::Triangle& t = mesh.triangles[i];
-    out << i + 1 << ' ' << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+    out << i + 1 << ' ' << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1;
+    if (has_regions) out << ' ' << mesh.regions.Of(i);
+    out << '\n';
+  }
+  for (std::size_t k = 0; k < mesh.regions.count(); ++k) {
+    out << "# dynmesh region " << k + 1 << ' ' << FormatPolygons(mesh.regions.polygons[k]) << '\n';
   }
 }
 
@@ -123,6 +131,55 @@ absl::Status ReadNotes(const TextReader& reader, MeshFiles& files) {
   return absl::OkStatus();
 }
 
+// "K P1 P2 ...": the polygons of region K.
+absl::Status ReadRegionNote(const TextReader& reader, std::string_view text,
+                            RegionNumbers& regions) {
+  const std::vector<std::string_view> parts = Split(text, ' ');
+  std::uint64_t number = 0;
+  if (!ParseUint64(parts[0], &number) || number != regions.count() + 1) {
+    return reader.Error(
+        Concat("region ", regions.count() + 1, " expected, found ", data::Quoted(parts[0])));
+  }
+  std::vector<FeatureId>& polygons = regions.polygons.emplace_back();
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    std::uint64_t id = 0;
+    if (!ParseUint64(parts[i], &id) || id == kNoFeature || id == kBoxFeature) {
+      return reader.Error(Concat("region ", number, " names no polygon: ", data::Quoted(parts[i])));
+    }
+    if (!polygons.empty() && id <= polygons.back()) {
+      return reader.Error(Concat("the polygons of region ", number, " are not in ascending order"));
+    }
+    polygons.push_back(id);
+  }
+  if (polygons.empty()) return reader.Error(Concat("region ", number, " has no polygon"));
+  return absl::OkStatus();
+}
+
+absl::Status ReadRegions(const TextReader& reader, const TriangleSection& rows,
+                         RegionNumbers& regions) {
+  for (const std::string_view note : reader.notes()) {
+    if (!note.starts_with(kRegionNote)) continue;
+    if (auto s = ReadRegionNote(reader, note.substr(kRegionNote.size()), regions); !s.ok()) {
+      return s;
+    }
+  }
+  if (regions.count() == 0) return absl::OkStatus();
+  if (rows.attributes.empty() && !rows.corners.empty()) {
+    return reader.Error("regions are named, but triangles have no attribute to say which");
+  }
+  for (std::size_t i = 0; i < rows.attributes.size(); ++i) {
+    const double number = rows.attributes[i];
+    if (!(number >= 0 && number <= static_cast<double>(regions.count())) ||
+        number != std::floor(number)) {
+      return TextReader::ErrorAt(
+          reader.name(), rows.lines[i],
+          Concat("the attribute is no region: they run from 0 to ", regions.count()));
+    }
+    regions.numbers.push_back(static_cast<std::uint32_t>(number));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status ParseEdges(TextReader& reader, const NodeSection& nodes, MeshFiles& files) {
   const absl::StatusOr<PairSection> edges = ReadPairSection(reader, "edge", nodes);
   if (!edges.ok()) return edges.status();
@@ -170,6 +227,7 @@ absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader triangles,
   absl::StatusOr<TriangleSection> rows = ReadTriangleSection(triangles, *section);
   if (!rows.ok()) return rows.status();
   if (auto status = ExpectEnd(triangles); !status.ok()) return status;
+  if (auto s = ReadRegions(triangles, *rows, files.mesh.regions); !s.ok()) return s;
   files.mesh.triangles = std::move(rows->corners);
   return files;
 }

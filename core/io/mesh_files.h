@@ -2,12 +2,14 @@
 // numbered from 1, in the canonical order of IndexedMesh.
 //   .node  number x y marker         feature id on input points, -1 on the domain
 //                                    box, else 0
-//   .ele   number corner corner corner    counter-clockwise
+//   .ele   number corner corner corner [region]    counter-clockwise; if there are
+//                                    polygons, the number of the region (region_numbers.h)
 //   .edge  number end end marker     all edges; feature id on subsegments, -1 on the
 //                                    box's sides, else 0
 // Coordinates read back bit for bit. What markers cannot tell follows the rows, as
-// comments that others skip: the mesh hash, and which vertices of the box were put
-// on its sides by refinement (containing dimension 1, not 0).
+// comments that others skip: the mesh hash, which vertices of the box were put
+// on its sides by refinement (containing dimension 1, not 0), and in the .ele the polygons
+// of each region. Attributes of triangles without such comments are skipped.
 #ifndef DYNMESH_CORE_IO_MESH_FILES_H_
 #define DYNMESH_CORE_IO_MESH_FILES_H_
 

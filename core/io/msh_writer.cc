@@ -6,16 +6,17 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "core/io/file_writer.h"
 #include "core/io/references.h"
 
 namespace dynmesh::io {
 namespace {
 
-constexpr int kSurface = 1;
 constexpr int kLineElement = 1;
 constexpr int kTriangleElement = 2;
 constexpr int kPointElement = 15;
@@ -30,6 +31,13 @@ struct PointEntity {
 struct CurveEntity {
   std::vector<std::uint32_t> edges;
   std::vector<std::uint32_t> inner;  // vertices that are no points
+};
+
+// One region, or what lies in no polygon.
+struct SurfaceEntity {
+  std::vector<std::uint32_t> triangles;
+  std::vector<std::uint32_t> inner;  // free vertices
+  std::set<int> border;              // curves
 };
 
 class BoundingRange {
@@ -69,11 +77,12 @@ class MshFile {
   void Classify() {
     int next = references_.box() + 1;
     std::set<int> used;
+    const std::vector<std::uint32_t> region_of = RegionsOfVertices();
     for (std::uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
       const IndexedMesh::Vertex& v = mesh_.vertices[i];
       const int reference = references_.Find(v.owner);
       if (reference == 0 || v.containing_dimension > 1) {
-        free_.push_back(i);
+        surfaces_[SurfaceTag(region_of[i])].inner.push_back(i);
       } else if (v.containing_dimension == 1 || reference == references_.box()) {
         curves_[reference].inner.push_back(i);
       } else {
@@ -89,31 +98,69 @@ class MshFile {
       const int reference = references_.Find(mesh_.edges[i].owner);
       if (reference != 0) curves_[reference].edges.push_back(i);
     }
+    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
+      surfaces_[SurfaceTag(mesh_.regions.Of(i))].triangles.push_back(i);
+    }
+    FindBorders();
   }
 
-  bool HasSurface() const { return !mesh_.triangles.empty() || !free_.empty(); }
+  static int SurfaceTag(std::uint32_t region) { return static_cast<int>(region) + 1; }
+
+  // That of a triangle around it. Where these differ, the vertex is on a curve.
+  std::vector<std::uint32_t> RegionsOfVertices() const {
+    std::vector<std::uint32_t> region_of(mesh_.vertices.size(), 0);
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+      for (const std::uint32_t v : mesh_.triangles[i]) region_of[v] = mesh_.regions.Of(i);
+    }
+    return region_of;
+  }
+
+  // A curve borders a surface that has one of its edges on one side only.
+  void FindBorders() {
+    absl::flat_hash_map<std::pair<std::uint32_t, std::uint32_t>, int> curve_of;
+    for (const auto& [tag, curve] : curves_) {
+      for (const std::uint32_t i : curve.edges) {
+        curve_of.emplace(std::minmax(mesh_.edges[i].a, mesh_.edges[i].b), tag);
+      }
+    }
+    for (auto& [tag, surface] : surfaces_) {
+      std::map<std::pair<std::uint32_t, std::uint32_t>, int> one_sided;
+      for (const std::uint32_t i : surface.triangles) {
+        const IndexedMesh::Triangle& t = mesh_.triangles[i];
+        for (std::size_t k = 0; k < 3; ++k) {
+          const auto curve = curve_of.find(std::minmax(t[k], t[(k + 1) % 3]));
+          if (curve == curve_of.end()) continue;
+          if (!one_sided.insert(*curve).second) one_sided.erase(curve->first);
+        }
+      }
+      for (const auto& [edge, curve] : one_sided) surface.border.insert(curve);
+    }
+  }
 
   void WritePhysicalNames() {
     std::set<std::pair<int, int>> groups;  // dimension, tag
     for (const PointEntity& p : points_) groups.emplace(0, p.physical);
     for (const auto& [tag, curve] : curves_) groups.emplace(1, tag);
-    out_ << "$PhysicalNames\n" << groups.size() + (HasSurface() ? 1 : 0) << '\n';
+    out_ << "$PhysicalNames\n" << groups.size() + surfaces_.size() << '\n';
     for (const auto& [dimension, tag] : groups) {
       out_ << dimension << ' ' << tag << " \"" << references_.Name(tag) << "\"\n";
     }
-    if (HasSurface()) out_ << "2 " << kSurface << " \"domain\"\n";
+    for (const auto& [tag, surface] : surfaces_) {
+      const std::string name = mesh_.regions.Name(static_cast<std::uint32_t>(tag - 1));
+      out_ << "2 " << tag << " \"" << name << "\"\n";
+    }
     out_ << "$EndPhysicalNames\n";
   }
 
   void WriteEntities() {
     out_ << "$Entities\n"
-         << points_.size() << ' ' << curves_.size() << ' ' << (HasSurface() ? 1 : 0) << " 0\n";
+         << points_.size() << ' ' << curves_.size() << ' ' << surfaces_.size() << " 0\n";
     for (const PointEntity& p : points_) {
       const IndexedMesh::Vertex& v = mesh_.vertices[p.vertex];
       out_ << p.tag << ' ' << v.x << ' ' << v.y << " 0 1 " << p.physical << '\n';
     }
     for (const auto& [tag, curve] : curves_) WriteCurve(tag, curve);
-    if (HasSurface()) WriteSurface();
+    for (const auto& [tag, surface] : surfaces_) WriteSurface(tag, surface);
     out_ << "$EndEntities\n";
   }
 
@@ -139,27 +186,28 @@ class MshFile {
     }
   }
 
-  void WriteSurface() {
+  void WriteSurface(int tag, const SurfaceEntity& surface) {
     BoundingRange range;
-    for (const IndexedMesh::Vertex& v : mesh_.vertices) range.Add(v);
-    out_ << kSurface << ' ';
-    range.Write(out_);
-    out_ << "1 " << kSurface << ' ';
-    if (curves_.contains(references_.box())) {
-      out_ << "1 " << references_.box() << '\n';
-    } else {
-      out_ << "0\n";
+    for (const std::uint32_t i : surface.triangles) {
+      for (const std::uint32_t v : mesh_.triangles[i]) range.Add(mesh_.vertices[v]);
     }
+    for (const std::uint32_t i : surface.inner) range.Add(mesh_.vertices[i]);
+    out_ << tag << ' ';
+    range.Write(out_);
+    out_ << "1 " << tag << ' ' << surface.border.size();
+    for (const int curve : surface.border) out_ << ' ' << curve;
+    out_ << '\n';
   }
 
   void WriteNodes() {
-    std::size_t blocks = points_.size() + (free_.empty() ? 0 : 1);
+    std::size_t blocks = points_.size();
     for (const auto& [tag, curve] : curves_) blocks += curve.inner.empty() ? 0 : 1;
+    for (const auto& [tag, surface] : surfaces_) blocks += surface.inner.empty() ? 0 : 1;
     const std::size_t n = mesh_.vertices.size();
     out_ << "$Nodes\n" << blocks << ' ' << n << ' ' << (n == 0 ? 0 : 1) << ' ' << n << '\n';
     for (const PointEntity& p : points_) WriteNodeBlock(0, p.tag, {p.vertex});
     for (const auto& [tag, curve] : curves_) WriteNodeBlock(1, tag, curve.inner);
-    WriteNodeBlock(2, kSurface, free_);
+    for (const auto& [tag, surface] : surfaces_) WriteNodeBlock(2, tag, surface.inner);
     out_ << "$EndNodes\n";
   }
 
@@ -173,12 +221,13 @@ class MshFile {
   }
 
   void WriteElements() {
-    std::size_t blocks = points_.size() + (mesh_.triangles.empty() ? 0 : 1);
+    std::size_t blocks = points_.size();
     std::size_t elements = points_.size() + mesh_.triangles.size();
     for (const auto& [tag, curve] : curves_) {
       blocks += curve.edges.empty() ? 0 : 1;
       elements += curve.edges.size();
     }
+    for (const auto& [tag, surface] : surfaces_) blocks += surface.triangles.empty() ? 0 : 1;
     out_ << "$Elements\n"
          << blocks << ' ' << elements << ' ' << (elements == 0 ? 0 : 1) << ' ' << elements << '\n';
     for (const PointEntity& p : points_) {
@@ -190,9 +239,13 @@ class MshFile {
       out_ << "1 " << tag << ' ' << kLineElement << ' ' << curve.edges.size() << '\n';
       for (const std::uint32_t i : curve.edges) WriteElement({mesh_.edges[i].a, mesh_.edges[i].b});
     }
-    if (!mesh_.triangles.empty()) {
-      out_ << "2 " << kSurface << ' ' << kTriangleElement << ' ' << mesh_.triangles.size() << '\n';
-      for (const IndexedMesh::Triangle& t : mesh_.triangles) WriteElement({t[0], t[1], t[2]});
+    for (const auto& [tag, surface] : surfaces_) {
+      if (surface.triangles.empty()) continue;
+      out_ << "2 " << tag << ' ' << kTriangleElement << ' ' << surface.triangles.size() << '\n';
+      for (const std::uint32_t i : surface.triangles) {
+        const IndexedMesh::Triangle& t = mesh_.triangles[i];
+        WriteElement({t[0], t[1], t[2]});
+      }
     }
     out_ << "$EndElements\n";
   }
@@ -206,11 +259,11 @@ class MshFile {
   const IndexedMesh& mesh_;
   const References& references_;
   FileWriter& out_;
-  std::vector<PointEntity> points_;    // by tag
-  std::vector<int> point_of_;          // the point that a vertex is, 0 if none
-  std::map<int, CurveEntity> curves_;  // by tag, which is the owner's reference
-  std::vector<std::uint32_t> free_;    // vertices of the surface
-  std::uint64_t element_ = 0;          // the last one's tag
+  std::vector<PointEntity> points_;        // by tag
+  std::vector<int> point_of_;              // the point that a vertex is, 0 if none
+  std::map<int, CurveEntity> curves_;      // by tag, which is the owner's reference
+  std::map<int, SurfaceEntity> surfaces_;  // by tag: 1 + the region's number
+  std::uint64_t element_ = 0;              // the last one's tag
 };
 
 }  // namespace

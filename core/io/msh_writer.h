@@ -13,10 +13,12 @@ namespace dynmesh::io {
 // for bit. What is made of what:
 //   input point               a point with one element
 //   segment, the box's border a curve with the subsegments as elements
-//   everything else           surface 1, counter-clockwise triangles
+//   everything else           surface 1, counter-clockwise triangles; in polygons, surface
+//                             1 + the number of the region (region_numbers.h)
 // Feature ids, which have 64 bits, stand in the names of physical groups: "feature 30",
-// "box", and "domain" for the surface. The groups' tags are the references of references.h,
-// the domain's is 1; points and curves of features have the same numbers as their group.
+// "box"; "domain", "polygon 12" and "polygons 12 40" for surfaces, each of which is a group of
+// its own. The other groups' tags are the references of references.h; points and curves of
+// features have the same numbers as their group, surfaces too.
 // INVALID_ARGUMENT if there are too many rows, UNAVAILABLE, naming the path, on trouble.
 absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path);
 

@@ -182,6 +182,8 @@ class SvgDrawing {
         return FillTriangles(triangles_, kPlainFill);
       case SvgOptions::Fill::kExempt:
         return FillByVerdict();
+      case SvgOptions::Fill::kRegion:
+        return FillByRegion();
       case SvgOptions::Fill::kSize:
         return FillByValue(kSizeRamp, SizesOnRamp());
       case SvgOptions::Fill::kAngle:
@@ -199,6 +201,14 @@ class SvgDrawing {
     constexpr std::string_view kFills[] = {kPlainFill, kExemptFill, kOverRhoFill};
     for (std::size_t v = 0; v < 3; ++v) {
       if (!of[v].empty()) FillTriangles(of[v], kFills[v]);
+    }
+  }
+
+  void FillByRegion() {
+    std::map<std::uint32_t, std::vector<std::uint32_t>> of;  // by number
+    for (const std::uint32_t i : triangles_) of[mesh_.regions.Of(i)].push_back(i);
+    for (const auto& [number, triangles] : of) {
+      FillTriangles(triangles, number == 0 ? std::string(kPlainFill) : DistinctColour(number));
     }
   }
 
@@ -341,12 +351,13 @@ absl::StatusOr<SvgOptions::Fill> ParseFill(std::string_view text) {
   using Fill = SvgOptions::Fill;
   constexpr std::pair<std::string_view, Fill> kNames[] = {
       {"angle", Fill::kAngle},   {"quality", Fill::kQuality}, {"size", Fill::kSize},
-      {"exempt", Fill::kExempt}, {"plain", Fill::kPlain},     {"none", Fill::kNone}};
+      {"exempt", Fill::kExempt}, {"region", Fill::kRegion},   {"plain", Fill::kPlain},
+      {"none", Fill::kNone}};
   for (const auto& [name, fill] : kNames) {
     if (text == name) return fill;
   }
-  return absl::InvalidArgumentError(
-      Concat("a fill is angle, quality, size, exempt, plain or none, found ", data::Quoted(text)));
+  return absl::InvalidArgumentError(Concat(
+      "a fill is angle, quality, size, exempt, region, plain or none, found ", data::Quoted(text)));
 }
 
 std::vector<std::uint32_t> FindTriangles(const IndexedMesh& mesh, const SimplexColumn& simplices) {

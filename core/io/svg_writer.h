@@ -20,6 +20,7 @@ struct SvgOptions {
     kQuality,  // by circumradius / shortest edge: the nearer to rho, the warmer; over it red
     kSize,     // by shortest edge, logarithmically: the finer, the darker
     kExempt,   // pale within rho, orange if a small input angle excuses more, else red
+    kRegion,   // a colour for each set of polygons, what lies in none is pale
     kPlain,    // one pale colour
     kNone,     // lines only
   };
@@ -36,7 +37,7 @@ struct SvgOptions {
 // written. O(size). The same mesh and options make the same bytes.
 absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const std::string& path);
 
-// "angle", "quality", "size", "exempt", "plain" or "none".
+// "angle", "quality", "size", "exempt", "region", "plain" or "none".
 absl::StatusOr<SvgOptions::Fill> ParseFill(std::string_view text);
 
 // The indices in `mesh` of those of `simplices` that it has.

@@ -236,6 +236,11 @@ absl::StatusOr<TriangleSection> ReadTriangleSection(TextReader& reader, const No
       t[k] = *v;
     }
     triangles.corners.push_back(t);
+    if (*attributes != 0) {
+      double first = 0;
+      if (!ParseDouble(reader.token(4), &first)) first = std::numeric_limits<double>::quiet_NaN();
+      triangles.attributes.push_back(first);
+    }
     triangles.lines.push_back(reader.line());
   }
   return triangles;

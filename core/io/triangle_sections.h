@@ -35,6 +35,7 @@ struct PairSection {
 
 struct TriangleSection {
   std::vector<std::array<std::uint32_t, 3>> corners;
+  std::vector<double> attributes;  // the first one of each row, NaN if it is no number; or none
   std::vector<int> lines;
 };
 

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/strings/escaping.h"
+#include "core/data/text.h"
 #include "core/io/file_writer.h"
 #include "dynmesh/quality.h"
 
@@ -16,17 +18,43 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the file says LittleEndian");
 
-// One <DataArray>: the byte count, then the values, as one base64 text.
+// One <DataArray>: the byte count, then the values, as one base64 text. `shape` are the
+// attributes that say how many values there are.
 template <class T>
-void WriteArray(std::string_view type, std::string_view name, int components,
-                const std::vector<T>& values, FileWriter& out) {
+void WriteShapedArray(std::string_view type, std::string_view name, std::string_view shape,
+                      const std::vector<T>& values, FileWriter& out) {
   const std::uint64_t bytes = values.size() * sizeof(T);
   std::string raw(sizeof(bytes) + bytes, '\0');
   std::memcpy(raw.data(), &bytes, sizeof(bytes));
   if (bytes != 0) std::memcpy(raw.data() + sizeof(bytes), values.data(), bytes);
-  out << "        <DataArray type=\"" << type << "\" Name=\"" << name << "\" NumberOfComponents=\""
-      << components << "\" format=\"binary\">\n          " << absl::Base64Escape(raw)
-      << "\n        </DataArray>\n";
+  out << "        <DataArray type=\"" << type << "\" Name=\"" << name << "\" " << shape
+      << " format=\"binary\">\n          " << absl::Base64Escape(raw) << "\n        </DataArray>\n";
+}
+
+template <class T>
+void WriteArray(std::string_view type, std::string_view name, int components,
+                const std::vector<T>& values, FileWriter& out) {
+  const std::string shape = data::Concat("NumberOfComponents=\"", components, "\"");
+  WriteShapedArray(type, name, shape, values, out);
+}
+
+// Which polygons a region's number means.
+void WriteRegionTable(const RegionNumbers& regions, FileWriter& out) {
+  if (regions.count() == 0) return;
+  std::vector<std::int64_t> polygons;
+  std::vector<std::int64_t> ends;
+  for (const std::vector<FeatureId>& row : regions.polygons) {
+    for (const FeatureId id : row) polygons.push_back(static_cast<std::int64_t>(id));
+    ends.push_back(static_cast<std::int64_t>(polygons.size()));
+  }
+  const auto write = [&out](std::string_view name, const std::vector<std::int64_t>& values) {
+    const std::string shape = data::Concat("NumberOfTuples=\"", values.size(), "\"");
+    WriteShapedArray("Int64", name, shape, values, out);
+  };
+  out << "    <FieldData>\n";
+  write("region_polygons", polygons);
+  write("region_ends", ends);
+  out << "    </FieldData>\n";
 }
 
 void WritePoints(const IndexedMesh& mesh, FileWriter& out) {
@@ -89,6 +117,9 @@ void WriteCellData(const IndexedMesh& mesh, double rho, FileWriter& out) {
   WriteArray("UInt8", "exempt", 1, exempt, out);
   WriteArray("Float64", "radius_edge", 1, ratios, out);
   WriteArray("Float64", "min_angle_deg", 1, angles, out);
+  if (mesh.regions.count() != 0) {
+    WriteArray("UInt32", "region", 1, mesh.regions.numbers, out);
+  }
   out << "      </CellData>\n";
 }
 
@@ -99,9 +130,10 @@ absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& pa
   out << "<?xml version=\"1.0\"?>\n"
          "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
          "header_type=\"UInt64\">\n"
-         "  <UnstructuredGrid>\n"
-         "    <Piece NumberOfPoints=\""
-      << mesh.vertices.size() << "\" NumberOfCells=\"" << mesh.triangles.size() << "\">\n";
+         "  <UnstructuredGrid>\n";
+  WriteRegionTable(mesh.regions, out);
+  out << "    <Piece NumberOfPoints=\"" << mesh.vertices.size() << "\" NumberOfCells=\""
+      << mesh.triangles.size() << "\">\n";
   WritePoints(mesh, out);
   WriteCells(mesh, out);
   WritePointData(mesh, out);

@@ -14,6 +14,10 @@ namespace dynmesh::io {
 //   cell data   quality: circumradius / shortest edge; min_angle: degrees; exempt: 1 where an
 //               input angle too small for `rho` excuses a triangle over it, 2 where the termination guard does, else 0;
 //               radius_edge and min_angle_deg: the first two by their older names
+// If there are polygons, also, with the numbers of region_numbers.h:
+//   cell data   region: its number, 0 in no polygon
+//   field data  region_polygons: the polygons' ids, region after region; region_ends: how many
+//               of them there are up to and with region 1, 2, ...
 // UNAVAILABLE, naming the path, on trouble.
 absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& path);
 

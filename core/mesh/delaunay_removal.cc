@@ -45,6 +45,7 @@ void DelaunayTriangulation::OpenHole(VertexIndex v) {
   cavity_.clear();
   rim_.clear();
   deleted_.clear();
+  deleted_tags_.clear();
   const Corner start = Around(v);
   Corner c = start;
   do {
@@ -57,6 +58,7 @@ void DelaunayTriangulation::OpenHole(VertexIndex v) {
     if (t.v[next] != kInfinite) __builtin_prefetch(&points_[t.v[next]]);
     cavity_.push_back(c.triangle);
     deleted_.push_back(t.v);
+    deleted_tags_.push_back(t.tag);
     if (t.v[next] == kInfinite) --hull_count_;  // v had one edge to infinity
     c = NextAround(c);
   } while (c != start);

@@ -27,6 +27,7 @@ void DelaunayTriangulation::Reset(const Point2& lo, const Point2& hi,
   incident_.clear();
   created_.clear();
   deleted_.clear();
+  deleted_tags_.clear();
   free_ = kNone;
   free_count_ = 0;
   vertex_count_ = 0;
@@ -66,7 +67,7 @@ void DelaunayTriangulation::Reserve(std::size_t vertices) {
 std::size_t DelaunayTriangulation::bytes() const {
   return triangles_.size() * sizeof(Triangle) + points_.size() * sizeof(Point2) +
          incident_.size() * sizeof(Code) + created_.capacity() * sizeof(TriangleIndex) +
-         deleted_.capacity() * sizeof(deleted_[0]) + cavity_.capacity() * sizeof(TriangleIndex) +
+         deleted_.capacity() * (sizeof(deleted_[0]) + sizeof(deleted_tags_[0])) + cavity_.capacity() * sizeof(TriangleIndex) +
          rim_.capacity() * sizeof(RimEdge) + stack_.capacity() * sizeof(Code) +
          gaps_.capacity() * sizeof(Gap);
 }
@@ -245,7 +246,11 @@ void DelaunayTriangulation::FillCavityFrom(VertexIndex v, const Point2& p) {
   const std::size_t count = rim_.size();
   assert(count == cavity_.size() + 2);
   deleted_.resize(cavity_.size());
-  for (std::size_t i = 0; i < cavity_.size(); ++i) deleted_[i] = triangles_[cavity_[i]].v;
+  deleted_tags_.resize(cavity_.size());
+  for (std::size_t i = 0; i < cavity_.size(); ++i) {
+    deleted_[i] = triangles_[cavity_[i]].v;
+    deleted_tags_[i] = triangles_[cavity_[i]].tag;
+  }
   created_.swap(cavity_);
   created_.push_back(AllocateTriangle());
   created_.push_back(AllocateTriangle());
@@ -298,6 +303,7 @@ void DelaunayTriangulation::InsertAll(std::span<const VertexIndex> indices,
   }
   created_.clear();
   deleted_.clear();
+  deleted_tags_.clear();
 }
 
 }  // namespace dynmesh::mesh

@@ -75,6 +75,8 @@ class DelaunayTriangulation {
   // the new vertex as corner 2 and stand in counter-clockwise order around it.
   std::span<const TriangleIndex> created() const { return created_; }
   std::span<const std::array<VertexIndex, 3>> deleted() const { return deleted_; }
+  // Their tags.
+  std::span<const std::uint64_t> deleted_tags() const { return deleted_tags_; }
 
   // Some corner at v (kInfinite too); NextAround turns counter-clockwise about the vertex.
   Corner Around(VertexIndex v) const {
@@ -261,6 +263,7 @@ class DelaunayTriangulation {
 
   std::vector<TriangleIndex> created_;
   std::vector<std::array<VertexIndex, 3>> deleted_;
+  std::vector<std::uint64_t> deleted_tags_;
 
   // Kept from call to call so that none allocates.
   std::vector<TriangleIndex> cavity_;

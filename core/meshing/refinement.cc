@@ -26,7 +26,7 @@ Refinement<E>::Refinement(const MeshOptions& options, mesh::DelaunayTriangulatio
   AddBox();
   if (options.max_edge > 0) {
     const Box& box = options.box;
-    sizing_.Add({{{box.lo[0], box.lo[1]}}, {{box.hi[0], box.hi[1]}}, 0, options.max_edge});
+    sizing_.Add({{{box.lo[0], box.lo[1]}}, {{box.hi[0], box.hi[1]}}, 0, options.max_edge, nullptr});
   }
 }
 

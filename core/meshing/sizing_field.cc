@@ -13,7 +13,7 @@ bool SizingRegion::Meets(const Point2& centre, double ball_radius) const {
     d2 += d * d;
   }
   const double reach = ball_radius + radius;
-  return d2 <= reach * reach;
+  return d2 <= reach * reach && (area == nullptr || area->Meets(centre, ball_radius));
 }
 
 SizingField::SizingField(const Point2& lo, const Point2& hi)

@@ -14,17 +14,20 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/geometry/point.h"
+#include "core/meshing/polygon_area.h"
 
 namespace dynmesh::meshing {
 
-// All places within `radius` of a box: a point, a disc, a box.
+// All places within `radius` of a box: a point, a disc, a box; or what is inside some rings.
 struct SizingRegion {
   geometry::Point2 lo = {}, hi = {};
   double radius = 0;
   double target = 0;  // h
+  std::shared_ptr<const PolygonArea> area = nullptr;  // between lo and hi; radius 0
   double most_radius() const { return target * 0.70710678118654752; }
   bool Meets(const geometry::Point2& centre, double ball_radius) const;
   friend bool operator==(const SizingRegion&, const SizingRegion&) = default;

@@ -13,9 +13,16 @@ namespace {
 
 using geometry::Point2;
 
-template <typename F>
-void SortById(std::vector<F>& features) {
-  std::sort(features.begin(), features.end(), [](const F& a, const F& b) { return a.id < b.id; });
+template <typename T>
+void SortUnique(std::vector<T>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+std::vector<FeatureId> PointsOf(const Rings& rings) {
+  std::vector<FeatureId> points;
+  for (const auto& ring : rings) points.insert(points.end(), ring.begin(), ring.end());
+  return points;
 }
 
 }  // namespace
@@ -30,18 +37,22 @@ BatchCheck::BatchCheck(const MeshOptions& options, double limit, const CellGrid&
       entered_(grid) {}
 
 absl::StatusOr<Delta> BatchCheck::Run(absl::FunctionRef<bool()> interrupted) {
-  for (const Draft::Entry& entry : draft_.entries()) {
-    CollectPoint(entry);
-    CollectSize(entry);
+  for (const Draft::Entry& entry : draft_.entries()) CollectPoint(entry);
+  SortUnique(affected_sizes_);
+  for (const FeatureId id : affected_sizes_) CollectSize(id);
+  if (knows_polygons()) {
+    SortUnique(affected_polygons_);
+    for (const FeatureId id : affected_polygons_) CollectPolygon(id);
+    FindAffectedEdges();
   }
-  std::sort(affected_segments_.begin(), affected_segments_.end());
-  affected_segments_.erase(std::unique(affected_segments_.begin(), affected_segments_.end()),
-                           affected_segments_.end());
+  SortUnique(affected_segments_);
   for (const FeatureId id : affected_segments_) CollectSegment(id);
+  for (const EdgeKey& key : affected_edges_) CollectEdge(key);
   if (IsCertainlyGood()) return TakeDelta();
   ChooseIndex();
   std::sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) {
-    return std::tuple(a.edit, a.rank(), a.id) < std::tuple(b.edit, b.rank(), b.id);
+    return std::tuple(a.edit, a.rank(), a.id, a.kind, a.at) <
+           std::tuple(b.edit, b.rank(), b.id, b.kind, b.at);
   });
   for (const Event& event : events_) {
     if (interrupted()) return InterruptedError();
@@ -54,7 +65,7 @@ absl::StatusOr<Delta> BatchCheck::Run(absl::FunctionRef<bool()> interrupted) {
 // A first load of points, all far apart: nothing to find fault with, no need of an order.
 bool BatchCheck::IsCertainlyGood() const {
   if (store_.size() > 0 || draft_.error_edit() != kNever || !affected_segments_.empty() ||
-      !delta_.added_sizes.empty()) {
+      !affected_sizes_.empty() || draft_.has_polygons()) {
     return false;
   }
   const auto is_in_place = [&](const PointFeature& p) {
@@ -69,36 +80,182 @@ void BatchCheck::Schedule(const Event& event) {
   if (event.edit < draft_.error_edit()) events_.push_back(event);
 }
 
-// The point that `entry` was and is, if it was or is one.
+// What `entry` was and is, as far as it is a point; the other kinds are noted for later.
 void BatchCheck::CollectPoint(const Draft::Entry& entry) {
+  const auto is_or_was = [&](Draft::State state, bool was) { return entry.state == state || was; };
+  if (is_or_was(Draft::State::kSegment, store_.FindSegment(entry.id) != nullptr)) {
+    affected_segments_.push_back(entry.id);
+  }
+  if (is_or_was(Draft::State::kSize, store_.FindSize(entry.id) != nullptr)) {
+    affected_sizes_.push_back(entry.id);
+  }
+  if (is_or_was(Draft::State::kPolygon, store_.FindPolygon(entry.id) != nullptr)) {
+    affected_polygons_.push_back(entry.id);
+  }
   const bool is_point = entry.state == Draft::State::kPoint;
   const PointRecord* was = store_.FindPoint(entry.id);
   if (is_point && draft_.IsAsBefore(entry)) return;
   if (was != nullptr) {
     hidden_.insert(entry.id);
     delta_.removed_points.push_back({entry.id, was->p});
-    const auto users = store_.SegmentsAt(entry.id);
-    affected_segments_.insert(affected_segments_.end(), users.begin(), users.end());
+    CollectUsers(entry.id, is_point);
   }
   if (is_point) {
     const auto at = static_cast<std::uint32_t>(delta_.added_points.size());
     delta_.added_points.push_back({entry.id, entry.p});
     Schedule({entry.edit, entry.id, Event::Kind::kPoint, at});
   }
-  if (entry.state == Draft::State::kSegment || store_.FindSegment(entry.id) != nullptr) {
-    affected_segments_.push_back(entry.id);
+}
+
+// A point of the store moves, or is none any more. Rings of a polygon stay what they are
+// if a point moves.
+void BatchCheck::CollectUsers(FeatureId point, bool is_point) {
+  const auto segments = store_.SegmentsAt(point);
+  affected_segments_.insert(affected_segments_.end(), segments.begin(), segments.end());
+  for (const FeatureId id : store_.PolygonsAt(point)) {
+    if (store_.FindSize(id) != nullptr) {
+      affected_sizes_.push_back(id);
+    } else if (!is_point) {
+      affected_polygons_.push_back(id);
+    }
+  }
+  for (const FeatureId end : store_.EdgesAt(point)) affected_edges_.push_back(KeyOf(point, end));
+}
+
+// A sizing feature that the batch names, or a polygon that follows a point that changed.
+void BatchCheck::CollectSize(FeatureId id) {
+  const SizeFeature* was = store_.FindSize(id);
+  const Draft::Entry* entry = draft_.Find(id);
+  const bool is_size = entry == nullptr || entry->state == Draft::State::kSize;
+  EditIndex edit = draft_.BlameOf(id);
+  SizeFeature now;
+  bool whole = false;
+  if (is_size) {
+    now = entry == nullptr ? *was : draft_.SizeFeatureOf(*entry);
+    whole = CheckPoints(id, PointsOf(now.rings), edit);
+    now.places.clear();
+    for (const auto& ring : now.rings) {
+      std::vector<Point2>& places = now.places.emplace_back();
+      for (const FeatureId point : ring) {
+        if (!whole) break;
+        places.push_back(*draft_.FindPoint(point));
+        edit = std::max(edit, draft_.BlameOf(point));
+      }
+    }
+  }
+  if (was != nullptr) {
+    if (whole && *was == now && edit < draft_.error_edit()) return;
+    delta_.removed_sizes.push_back(*was);
+  }
+  if (!whole) return;
+  const auto at = static_cast<std::uint32_t>(delta_.added_sizes.size());
+  delta_.added_sizes.push_back(std::move(now));
+  Schedule({edit, id, Event::Kind::kSize, at});
+}
+
+// A polygon that the batch names, or that loses a point: its rings. Where its points lie
+// is a matter of its edges.
+void BatchCheck::CollectPolygon(FeatureId id) {
+  const Rings* was = store_.FindPolygon(id);
+  const Draft::Entry* entry = draft_.Find(id);
+  const EditIndex own = draft_.BlameOf(id);
+  bool whole = false;
+  PolygonFeature now;
+  if (entry == nullptr || entry->state == Draft::State::kPolygon) {
+    now = entry == nullptr ? PolygonFeature{id, *was} : draft_.PolygonOf(*entry);
+    whole = CheckRings(id, now.rings, own).ok();
+    if (!whole) Schedule({own, id, Event::Kind::kPolygon});
+    whole = whole && CheckPoints(id, PointsOf(now.rings), own);
+  }
+  const auto note = [&](FeatureId p, FeatureId q) { affected_edges_.push_back(KeyOf(p, q)); };
+  if (was != nullptr) {
+    if (whole && own == kUntouched) return;
+    changed_polygons_.insert(id);
+    ForEachEdge(*was, note);
+    delta_.removed_polygons.push_back({id, *was});
+  }
+  if (!whole) return;
+  ForEachEdge(now.rings, note);
+  ForEachEdge(now.rings,
+              [&](FeatureId p, FeatureId q) { new_users_[KeyOf(p, q)].push_back(id); });
+  delta_.added_polygons.push_back(std::move(now));
+}
+
+// Where polygons have edges, and segment features come, go or change there, both are
+// affected: who comes later finds what is in `affected_edges_` and `affected_segments_`.
+void BatchCheck::FindAffectedEdges() {
+  for (const Draft::Entry& entry : draft_.entries()) {
+    if (entry.state != Draft::State::kSegment) continue;
+    drafted_segments_[KeyOf(entry.ends[0], entry.ends[1])] = entry.id;
+  }
+  for (const FeatureId id : affected_segments_) {
+    if (const SegmentRecord* was = store_.FindSegment(id)) {
+      affected_edges_.push_back(KeyOf(was->ends[0], was->ends[1]));
+    }
+    const Draft::Entry* entry = draft_.Find(id);
+    if (entry != nullptr && entry->state == Draft::State::kSegment) {
+      affected_edges_.push_back(KeyOf(entry->ends[0], entry->ends[1]));
+    }
+  }
+  SortUnique(affected_edges_);
+  for (const EdgeKey& key : affected_edges_) {
+    const FeatureId segment = store_.SegmentBetween(key);
+    if (segment != kNoFeature) affected_segments_.push_back(segment);
   }
 }
 
-void BatchCheck::CollectSize(const Draft::Entry& entry) {
-  const bool is_size = entry.state == Draft::State::kSize;
-  if (is_size && draft_.IsAsBefore(entry)) return;
-  if (const SizeFeature* was = store_.FindSize(entry.id)) delta_.removed_sizes.push_back(*was);
-  // Without a text of its own it is named after the draft's error only.
-  if (!is_size || entry.size == nullptr) return;
-  const auto at = static_cast<std::uint32_t>(delta_.added_sizes.size());
-  delta_.added_sizes.push_back(SizeOf(*entry.size));
-  Schedule({entry.edit, entry.id, Event::Kind::kSize, at});
+std::vector<FeatureId> BatchCheck::PolygonsAfter(const EdgeKey& key) const {
+  std::vector<FeatureId> polygons;
+  if (const EdgeRecord* record = store_.FindEdge(key)) polygons = record->polygons;
+  std::erase_if(polygons, [&](FeatureId id) { return changed_polygons_.contains(id); });
+  if (const auto it = new_users_.find(key); it != new_users_.end()) {
+    polygons.insert(polygons.end(), it->second.begin(), it->second.end());
+    std::sort(polygons.begin(), polygons.end());
+  }
+  return polygons;
+}
+
+// A segment feature of the result between the two points, if there is one.
+FeatureId BatchCheck::SegmentAfter(const EdgeKey& key) const {
+  const FeatureId was = store_.SegmentBetween(key);
+  if (was != kNoFeature && draft_.Find(was) == nullptr) return was;
+  const auto it = drafted_segments_.find(key);
+  return it == drafted_segments_.end() ? kNoFeature : it->second;
+}
+
+EditIndex BatchCheck::BlameOfEdge(FeatureId feature, const EdgeKey& key) const {
+  return std::max(
+      {draft_.BlameOf(feature), draft_.BlameOf(key.first), draft_.BlameOf(key.second)});
+}
+
+// An edge where polygons are or were, and no segment feature is or was.
+void BatchCheck::CollectEdge(const EdgeKey& key) {
+  const std::vector<FeatureId> polygons = PolygonsAfter(key);
+  const FeatureId segment = SegmentAfter(key);
+  const Point2* p = draft_.FindPoint(key.first);
+  const Point2* q = draft_.FindPoint(key.second);
+  const bool is_edge = !polygons.empty() && p != nullptr && q != nullptr;
+  SegmentFeature now;
+  if (is_edge) now = {polygons.front(), key.first, key.second, *p, *q, polygons};
+  const EdgeRecord* record = store_.FindEdge(key);
+  if (record != nullptr && record->segment == kNoFeature) {
+    SegmentFeature before = store_.Expand(key, *record);
+    if (is_edge && segment == kNoFeature && before == now) return;
+    hidden_edges_.insert(key);
+    delta_.removed_segments.push_back(std::move(before));
+  }
+  if (!is_edge) return;
+  if (segment == kNoFeature) delta_.added_segments.push_back(now);
+  // The first polygon to have it is to blame for it, unless a segment feature was there.
+  for (const FeatureId id : polygons) {
+    if (BlameOfEdge(id, key) < BlameOfEdge(now.id, key)) now.id = id;
+  }
+  const EditIndex edit = BlameOfEdge(now.id, key);
+  if (segment != kNoFeature && BlameOfEdge(segment, key) <= edit) return;
+  now.polygons = {now.id};
+  edges_.push_back(std::move(now));
+  Schedule({edit, edges_.back().id, Event::Kind::kEdge,
+            static_cast<std::uint32_t>(edges_.size() - 1)});
 }
 
 // A segment that the batch names, or that ends at a point that changed.
@@ -111,10 +268,13 @@ void BatchCheck::CollectSegment(FeatureId id) {
 
   EditIndex edit = own;
   SegmentFeature now;
-  const bool whole = is_segment && CheckEnds(id, ends, own);
+  if (is_segment && ends[0] == ends[1]) Schedule({own, id, Event::Kind::kDegenerate});
+  const bool whole =
+      is_segment && ends[0] != ends[1] && CheckPoints(id, {ends.begin(), ends.end()}, own);
   if (whole) {
     for (const FeatureId end : ends) edit = std::max(edit, draft_.BlameOf(end));
     now = {id, ends[0], ends[1], *draft_.FindPoint(ends[0]), *draft_.FindPoint(ends[1])};
+    if (knows_polygons()) now.polygons = PolygonsAfter(KeyOf(now));
   }
   if (was != nullptr) {
     const SegmentFeature before = store_.Expand(id, *was);
@@ -128,26 +288,23 @@ void BatchCheck::CollectSegment(FeatureId id) {
   Schedule({edit, id, Event::Kind::kSegment, at});
 }
 
-// Are both ends points, two of them? If not, schedules the problem: an end that is
-// missing because of a later edit than the segment's is a point in use, else the
-// segment's fault.
-bool BatchCheck::CheckEnds(FeatureId id, const std::array<FeatureId, 2>& ends, EditIndex own) {
-  if (ends[0] == ends[1]) {
-    Schedule({own, id, Event::Kind::kDegenerate});
-    return false;
-  }
+// Are all of `points`, which feature `id` needs, points? If not, schedules the problem: one
+// that is missing because of a later edit than the feature's is a point in use, else the
+// feature's fault.
+bool BatchCheck::CheckPoints(FeatureId id, std::vector<FeatureId> points, EditIndex own) {
   bool whole = true, own_fault = false;
-  for (const FeatureId end : ends) {
-    if (draft_.FindPoint(end) != nullptr) continue;
+  SortUnique(points);
+  for (const FeatureId point : points) {
+    if (draft_.FindPoint(point) != nullptr) continue;
     whole = false;
-    const EditIndex edit = draft_.BlameOf(end);
+    const EditIndex edit = draft_.BlameOf(point);
     if (edit <= own) {
       own_fault = true;
       continue;
     }
-    std::vector<FeatureId>& users = users_of_missing_[end];
+    std::vector<FeatureId>& users = users_of_missing_[point];
     users.push_back(id);
-    if (users.size() == 1) Schedule({edit, end, Event::Kind::kPointGone});
+    if (users.size() == 1) Schedule({edit, point, Event::Kind::kPointGone});
   }
   if (own_fault) Schedule({own, id, Event::Kind::kUnknownEnd});
   return whole;
@@ -157,13 +314,17 @@ bool BatchCheck::CheckEnds(FeatureId id, const std::array<FeatureId, 2>& ends, E
 // and again; it then pays for an index of those that stay.
 void BatchCheck::ChooseIndex() {
   constexpr std::size_t kWorthwhile = 8;
-  if (hidden_.size() * kWorthwhile < store_.size()) return;
+  if ((hidden_.size() + hidden_edges_.size()) * kWorthwhile < store_.size()) return;
   present_ = nullptr;
   for (const auto& [id, record] : store_.points()) {
     if (!hidden_.contains(id)) entered_.Insert(PointFeature{id, record.p});
   }
   for (const auto& [id, record] : store_.segments()) {
     if (!hidden_.contains(id)) entered_.Insert(store_.Expand(id, record));
+  }
+  for (const auto& [key, record] : store_.edges()) {
+    if (record.segment != kNoFeature || hidden_edges_.contains(key)) continue;
+    entered_.Insert(store_.Expand(key, record));
   }
 }
 
@@ -173,8 +334,15 @@ absl::Status BatchCheck::Handle(const Event& event) {
       return EnterPoint(delta_.added_points[event.at], event.edit);
     case Event::Kind::kSegment:
       return EnterSegment(delta_.added_segments[event.at], event.edit);
-    case Event::Kind::kPointGone:
-      return PointInUseError(event.id, users_of_missing_[event.id], event.edit);
+    case Event::Kind::kEdge:
+      return EnterSegment(edges_[event.at], event.edit);
+    case Event::Kind::kPointGone: {
+      std::vector<FeatureId>& users = users_of_missing_[event.id];
+      std::sort(users.begin(), users.end());
+      return PointInUseError(event.id, users, event.edit);
+    }
+    case Event::Kind::kPolygon:
+      return CheckRings(event.id, draft_.PolygonOf(*draft_.Find(event.id)).rings, event.edit);
     case Event::Kind::kDegenerate:
       return DegenerateSegmentError(event.id, draft_.Find(event.id)->ends[0], event.edit);
     case Event::Kind::kUnknownEnd:
@@ -185,12 +353,20 @@ absl::Status BatchCheck::Handle(const Event& event) {
   return absl::OkStatus();
 }
 
-absl::Status BatchCheck::UnknownEnd(FeatureId segment, EditIndex edit) const {
-  std::vector<FeatureId> missing;
-  for (const FeatureId end : draft_.Find(segment)->ends) {
-    if (draft_.FindPoint(end) == nullptr && draft_.BlameOf(end) <= edit) missing.push_back(end);
+absl::Status BatchCheck::UnknownEnd(FeatureId feature, EditIndex edit) const {
+  const Draft::Entry& entry = *draft_.Find(feature);
+  std::vector<FeatureId> points;
+  if (entry.state == Draft::State::kSegment) {
+    points = {entry.ends[0], entry.ends[1]};
+  } else {
+    points = PointsOf(entry.state == Draft::State::kPolygon ? draft_.PolygonOf(entry).rings
+                                                            : draft_.SizeFeatureOf(entry).rings);
+    SortUnique(points);
   }
-  return UnknownEndError(segment, missing, edit);
+  std::erase_if(points, [&](FeatureId point) {
+    return draft_.FindPoint(point) != nullptr || draft_.BlameOf(point) > edit;
+  });
+  return UnknownEndError(feature, points, edit);
 }
 
 absl::Status BatchCheck::EnterPoint(const PointFeature& point, EditIndex edit) {
@@ -266,7 +442,7 @@ BatchCheck::Obstacle BatchCheck::FindObstacle(const F& feature) {
           if (!hidden_.contains(other.id)) see_point(other);
         },
         [&](const SegmentFeature& other) {
-          if (!hidden_.contains(other.id)) see_segment(other);
+          if (!IsHidden(other)) see_segment(other);
         },
         &cost_);
   }
@@ -275,12 +451,7 @@ BatchCheck::Obstacle BatchCheck::FindObstacle(const F& feature) {
 }
 
 Delta BatchCheck::TakeDelta() {
-  SortById(delta_.removed_points);
-  SortById(delta_.added_points);
-  SortById(delta_.removed_segments);
-  SortById(delta_.added_segments);
-  SortById(delta_.removed_sizes);
-  SortById(delta_.added_sizes);
+  delta_.Sort();
   return std::move(delta_);
 }
 

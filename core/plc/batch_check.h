@@ -5,7 +5,7 @@
 // at which one who enters the batch's *result* in this order would be stopped, so the
 // check does just that: features that change are entered one by one, in order of their
 // edit, into an index of their own, each checked against the features that stay and
-// those entered before. The first problem met is the earliest, whatever the index's shape.
+// those entered before; an edge of polygons with the first of them. The first problem met is the earliest, whatever the index's shape.
 //
 // A batch with an edit that cannot act (draft.h) is refused for it, unless the edits
 // before it already are to blame for another problem that no later edit bears on.
@@ -46,7 +46,7 @@ class BatchCheck {
   std::uint64_t cost() const { return cost_; }
 
  private:
-  // Something to look at, in order of (edit, rank, id).
+  // Something to look at, in order of (edit, rank, id, kind, at).
   struct Event {
     enum class Kind : std::uint8_t {
       kPoint,       // a point comes or moves: `at` in delta_.added_points
@@ -54,7 +54,9 @@ class BatchCheck {
       kSegment,     // a segment comes or changes: `at` in delta_.added_segments
       kDegenerate,  // both ends the same point
       kUnknownEnd,
-      kSize,  // a sizing feature comes or changes: `at` in delta_.added_sizes
+      kPolygon,  // its rings are no polygon
+      kEdge,     // of a polygon, comes or changes: `at` in edges_
+      kSize,     // a sizing feature comes or changes: `at` in delta_.added_sizes
     };
     EditIndex edit;
     FeatureId id;
@@ -72,16 +74,27 @@ class BatchCheck {
   };
 
   void CollectPoint(const Draft::Entry& entry);
-  void CollectSize(const Draft::Entry& entry);
+  void CollectUsers(FeatureId point, bool is_point);
+  void CollectSize(FeatureId id);
+  void CollectPolygon(FeatureId id);
+  void FindAffectedEdges();
   void CollectSegment(FeatureId id);
-  bool CheckEnds(FeatureId id, const std::array<FeatureId, 2>& ends, EditIndex own);
+  void CollectEdge(const EdgeKey& key);
+  bool CheckPoints(FeatureId id, std::vector<FeatureId> points, EditIndex own);
+  EditIndex BlameOfEdge(FeatureId feature, const EdgeKey& key) const;
+  std::vector<FeatureId> PolygonsAfter(const EdgeKey& key) const;
+  FeatureId SegmentAfter(const EdgeKey& key) const;
+  bool knows_polygons() const { return !store_.polygons().empty() || draft_.has_polygons(); }
+  bool IsHidden(const SegmentFeature& f) const {
+    return f.IsOfPolygon() ? hidden_edges_.contains(KeyOf(f)) : hidden_.contains(f.id);
+  }
   bool IsCertainlyGood() const;
   void Schedule(const Event& event);
   void ChooseIndex();
   absl::Status Handle(const Event& event);
   absl::Status EnterPoint(const PointFeature& point, EditIndex edit);
   absl::Status EnterSegment(const SegmentFeature& segment, EditIndex edit);
-  absl::Status UnknownEnd(FeatureId segment, EditIndex edit) const;
+  absl::Status UnknownEnd(FeatureId feature, EditIndex edit) const;
   template <typename F>
   Obstacle FindObstacle(const F& feature);
   Delta TakeDelta();
@@ -95,7 +108,15 @@ class BatchCheck {
   std::vector<Event> events_;
   // Features of the store that the result does not have as they are.
   absl::flat_hash_set<FeatureId> hidden_;
-  std::vector<FeatureId> affected_segments_;
+  absl::flat_hash_set<EdgeKey> hidden_edges_;
+  std::vector<FeatureId> affected_segments_, affected_sizes_, affected_polygons_;
+  std::vector<EdgeKey> affected_edges_;
+  // Polygons of the store whose rings the result does not have; edges of those that come;
+  // segment features that the batch names, by their ends.
+  absl::flat_hash_set<FeatureId> changed_polygons_;
+  absl::flat_hash_map<EdgeKey, std::vector<FeatureId>> new_users_;
+  absl::flat_hash_map<EdgeKey, FeatureId> drafted_segments_;
+  std::vector<SegmentFeature> edges_;  // each with the polygon to blame, and that alone
   absl::flat_hash_map<FeatureId, std::vector<FeatureId>> users_of_missing_;
   SpatialIndex entered_;
   std::uint64_t cost_ = 0;

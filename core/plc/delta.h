@@ -3,7 +3,9 @@
 #ifndef DYNMESH_CORE_PLC_DELTA_H_
 #define DYNMESH_CORE_PLC_DELTA_H_
 
+#include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/point.h"
@@ -17,14 +19,31 @@ struct PointFeature {
   friend bool operator==(const PointFeature&, const PointFeature&) = default;
 };
 
-// A segment with the ids of its ends, in the client's order, and where they lie.
+// A segment with the ids of its ends, in the client's order, and where they lie. An edge of
+// polygons is one as well: with the id of the segment feature that joins the same points
+// (there is one at most), else of the polygon of least id, the end of lesser id first.
 struct SegmentFeature {
   FeatureId id = kNoFeature;
   FeatureId p_id = kNoFeature;
   FeatureId q_id = kNoFeature;
   geometry::Point2 p{};
   geometry::Point2 q{};
+  std::vector<FeatureId> polygons = {};  // whose edge it is, ascending
+
+  bool IsOfPolygon() const { return !polygons.empty() && polygons.front() == id; }
   friend bool operator==(const SegmentFeature&, const SegmentFeature&) = default;
+};
+
+// Two points, whatever joins them: the lesser id first.
+using EdgeKey = std::pair<FeatureId, FeatureId>;
+inline EdgeKey KeyOf(FeatureId p, FeatureId q) { return std::minmax(p, q); }
+inline EdgeKey KeyOf(const SegmentFeature& f) { return KeyOf(f.p_id, f.q_id); }
+
+// A polygon as the client gave it; its edges are segments (above).
+struct PolygonFeature {
+  FeatureId id = kNoFeature;
+  Rings rings;
+  friend bool operator==(const PolygonFeature&, const PolygonFeature&) = default;
 };
 
 // A sizing feature: its point, centre or lower corner, and the rest.
@@ -32,10 +51,12 @@ struct SizeFeature {
   FeatureId id = kNoFeature;
   geometry::Point2 at{};
   Sizing sizing;
+  Rings rings = {};                                       // of a polygon
+  std::vector<std::vector<geometry::Point2>> places = {};  // of the points of its rings
   friend bool operator==(const SizeFeature&, const SizeFeature&) = default;
 };
 
-// Each list is sorted by id. No element stands in both the removed and the added
+// Each list is sorted by id, segments of one id by their ends. No element stands in both the removed and the added
 // list of its kind; an id may, when its feature changed (a point that moved, and
 // the segments that it took along). An id that changed kind stands in the removed
 // list of one kind and the added list of the other.
@@ -46,16 +67,20 @@ struct Delta {
   std::vector<SegmentFeature> added_segments;
   std::vector<SizeFeature> removed_sizes;
   std::vector<SizeFeature> added_sizes;
+  std::vector<PolygonFeature> removed_polygons;
+  std::vector<PolygonFeature> added_polygons;
 
   std::size_t size() const {
     return removed_points.size() + removed_segments.size() + added_points.size() +
-           added_segments.size() + removed_sizes.size() + added_sizes.size();
+           added_segments.size() + removed_sizes.size() + added_sizes.size() +
+           removed_polygons.size() + added_polygons.size();
   }
   bool empty() const { return size() == 0; }
+  void Sort();
   // The change that undoes this one.
   Delta Inverse() const {
-    return {added_points,     added_segments, removed_points,
-            removed_segments, added_sizes,    removed_sizes};
+    return {added_points, added_segments, removed_points, removed_segments,
+            added_sizes,  removed_sizes,  added_polygons, removed_polygons};
   }
   friend bool operator==(const Delta&, const Delta&) = default;
 };

@@ -22,6 +22,8 @@ const char* NameOf(State state) {
       return "point";
     case State::kSegment:
       return "segment";
+    case State::kPolygon:
+      return "polygon";
     default:
       return "sizing feature";
   }
@@ -58,26 +60,34 @@ absl::Status Become(const Feature& feature, Draft::Entry& entry) {
       return absl::OkStatus();
     case FeatureKind::kSize:
       entry.state = State::kSize;
-      entry.size = &feature;
+      entry.given = &feature;
       return absl::OkStatus();
     case FeatureKind::kPolygon:
-      break;
+      entry.state = State::kPolygon;
+      entry.given = &feature;
+      return absl::OkStatus();
   }
   return Refuse(
       absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
       absl::StrCat("feature ", entry.id, " is of unknown kind ", static_cast<int>(feature.kind),
-                   "; only points, segments and sizes are"));
+                   "; only points, segments, polygons and sizes are"));
 }
 
 }  // namespace
 
 SizeFeature SizeOf(const Feature& feature) {
-  SizeFeature size{feature.id, {{feature.position[0] + 0.0, feature.position[1] + 0.0}}, {}};
+  SizeFeature size;
+  size.id = feature.id;
   const Sizing& given = feature.sizing;
   size.sizing.shape = given.shape;
   size.sizing.target = given.target;
   if (given.shape == SizeShape::kDisc) size.sizing.radius = given.radius;
   if (given.shape == SizeShape::kBox) size.sizing.hi = {given.hi[0] + 0.0, given.hi[1] + 0.0, 0};
+  if (given.shape == SizeShape::kPolygon) {
+    size.rings = feature.rings;
+  } else {
+    size.at = {{feature.position[0] + 0.0, feature.position[1] + 0.0}};
+  }
   return size;
 }
 
@@ -89,6 +99,7 @@ Draft::Draft(const FeatureStore& base, const EditBatch& batch) : base_(base) {
     if (status.ok()) {
       Entry& entry = Touch(edit.feature.id, i);
       if (error_edit_ == kNever) status = Act(edit, entry);
+      has_polygons_ |= entry.state == State::kPolygon;
     }
     if (!status.ok() && error_edit_ == kNever) {
       error_edit_ = i;
@@ -128,7 +139,13 @@ bool Draft::IsAsBefore(const Entry& entry) const {
   }
   if (entry.state == State::kSize) {
     const SizeFeature* was = base_.FindSize(entry.id);
-    return was != nullptr && (entry.size == nullptr || *was == SizeOf(*entry.size));
+    if (was == nullptr || entry.given == nullptr) return was != nullptr;
+    const SizeFeature now = SizeOf(*entry.given);
+    return was->at == now.at && was->sizing == now.sizing && was->rings == now.rings;
+  }
+  if (entry.state == State::kPolygon) {
+    const Rings* was = base_.FindPolygon(entry.id);
+    return was != nullptr && (entry.given == nullptr || *was == entry.given->rings);
   }
   return false;
 }
@@ -136,6 +153,14 @@ bool Draft::IsAsBefore(const Entry& entry) const {
 EditIndex Draft::BlameOf(FeatureId id) const {
   const Entry* entry = Find(id);
   return entry == nullptr || IsAsBefore(*entry) ? kUntouched : entry->edit;
+}
+
+PolygonFeature Draft::PolygonOf(const Entry& entry) const {
+  return {entry.id, entry.given != nullptr ? entry.given->rings : *base_.FindPolygon(entry.id)};
+}
+
+SizeFeature Draft::SizeFeatureOf(const Entry& entry) const {
+  return entry.given != nullptr ? SizeOf(*entry.given) : *base_.FindSize(entry.id);
 }
 
 const geometry::Point2* Draft::FindPoint(FeatureId id) const {
@@ -165,6 +190,9 @@ Draft::Entry& Draft::Touch(FeatureId id, EditIndex edit) {
       entry.ends = segment->ends;
     } else if (base_.FindSize(id) != nullptr) {
       entry.state = State::kSize;
+    } else if (base_.FindPolygon(id) != nullptr) {
+      entry.state = State::kPolygon;
+      has_polygons_ = true;
     }
   }
   entries_[at].edit = edit;
@@ -192,11 +220,12 @@ absl::Status Draft::Act(const Edit& edit, Entry& entry) const {
       if (entry.state != State::kPoint) {
         return Refuse(
             absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
-            entry.state == State::kSegment
-                ? absl::StrCat("cannot move feature ", entry.id, ": it is a segment; ",
-                               "move points ", entry.ends[0], " and ", entry.ends[1], " instead")
-                : absl::StrCat("cannot move feature ", entry.id, ": it is a sizing ",
-                               "feature; set it anew where it is to be"));
+            absl::StrCat("cannot move feature ", entry.id, ": it is a ", NameOf(entry.state), "; ",
+                         entry.state == State::kSegment
+                             ? absl::StrCat("move points ", entry.ends[0], " and ", entry.ends[1],
+                                            " instead")
+                         : entry.state == State::kPolygon ? "move its points instead"
+                                                          : "set it anew where it is to be"));
       }
       Place(edit.feature, entry);
       return absl::OkStatus();

@@ -30,12 +30,13 @@ using EditIndex = std::int64_t;
 inline constexpr EditIndex kUntouched = -1;
 inline constexpr EditIndex kNever = std::numeric_limits<EditIndex>::max();
 
-// A feature of kind kSize without what does not matter to its shape; -0 is +0.
+// A feature of kind kSize without what does not matter to its shape; -0 is +0. A polygon's
+// places are left open.
 SizeFeature SizeOf(const Feature& feature);
 
 class Draft {
  public:
-  enum class State : std::uint8_t { kAbsent, kPoint, kSegment, kSize };
+  enum class State : std::uint8_t { kAbsent, kPoint, kSegment, kPolygon, kSize };
 
   // A feature that the batch names, as the batch leaves it.
   struct Entry {
@@ -44,7 +45,8 @@ class Draft {
     State state = State::kAbsent;
     geometry::Point2 p{};             // kPoint; -0 is +0
     std::array<FeatureId, 2> ends{};  // kSegment
-    const Feature* size = nullptr;    // kSize, as the batch has it; null: as before it
+    // kPolygon, kSize: as the batch has it; null: as before it.
+    const Feature* given = nullptr;
   };
 
   // `base` and `batch` must outlive the draft and not change.
@@ -63,6 +65,12 @@ class Draft {
   // Is that feature in the result what it was before the batch?
   bool IsAsBefore(const Entry& entry) const;
 
+  // Does the batch name a polygon?
+  bool has_polygons() const { return has_polygons_; }
+  // A polygon or sizing feature of the resulting set that the batch names.
+  PolygonFeature PolygonOf(const Entry& entry) const;
+  SizeFeature SizeFeatureOf(const Entry& entry) const;
+
   // The point with that id in the resulting set, else null.
   const geometry::Point2* FindPoint(FeatureId id) const;
 
@@ -75,6 +83,7 @@ class Draft {
   std::vector<Entry> entries_;
   // Ids that come in ascending order, as in most large batches, need no index.
   bool ascending_ = true;
+  bool has_polygons_ = false;
   absl::flat_hash_map<FeatureId, std::size_t> positions_;  // in entries_; else empty
   EditIndex error_edit_ = kNever;
   absl::Status error_;

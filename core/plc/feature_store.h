@@ -1,4 +1,4 @@
-// The features present, by id, and which segments use a point. No geometry.
+// The features present, by id, and what uses a point or joins two. No geometry.
 // Not thread-safe; const members may run at the same time. Lookups O(1).
 #ifndef DYNMESH_CORE_PLC_FEATURE_STORE_H_
 #define DYNMESH_CORE_PLC_FEATURE_STORE_H_
@@ -7,6 +7,8 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
@@ -27,29 +29,79 @@ struct SegmentRecord {
   Slot slot = 0;  // in the spatial index
 };
 
+// What joins two points, if polygons have an edge there.
+struct EdgeRecord {
+  std::vector<FeatureId> polygons;  // ascending, at least one
+  FeatureId segment = kNoFeature;   // the segment feature that joins them, too
+  Slot slot = 0;                    // in the spatial index, if there is no segment feature
+};
+
+// Calls f(p, q) for each edge of the rings.
+template <class F>
+void ForEachEdge(const Rings& rings, F f) {
+  for (const std::vector<FeatureId>& ring : rings) {
+    for (std::size_t i = 0; i < ring.size(); ++i) f(ring[i], ring[(i + 1) % ring.size()]);
+  }
+}
+
 class FeatureStore {
  public:
   using Points = absl::flat_hash_map<FeatureId, PointRecord>;
   using Segments = absl::flat_hash_map<FeatureId, SegmentRecord>;
   using Sizes = absl::flat_hash_map<FeatureId, SizeFeature>;
+  using Polygons = absl::flat_hash_map<FeatureId, Rings>;
+  using Edges = absl::flat_hash_map<EdgeKey, EdgeRecord>;
 
   const PointRecord* FindPoint(FeatureId id) const { return Find(points_, id); }
   const SegmentRecord* FindSegment(FeatureId id) const { return Find(segments_, id); }
   const SizeFeature* FindSize(FeatureId id) const { return Find(sizes_, id); }
+  const Rings* FindPolygon(FeatureId id) const { return Find(polygons_, id); }
+  const EdgeRecord* FindEdge(const EdgeKey& key) const { return Find(edges_, key); }
+  // The segment feature between two points, kNoFeature if there is none. O(segments at one).
+  FeatureId SegmentBetween(const EdgeKey& key) const {
+    const auto at_p = SegmentsAt(key.first), at_q = SegmentsAt(key.second);
+    for (const FeatureId id : at_p.size() < at_q.size() ? at_p : at_q) {
+      const auto& ends = segments_.at(id).ends;
+      if (KeyOf(ends[0], ends[1]) == key) return id;
+    }
+    return kNoFeature;
+  }
   // The segments that end at a point, in no order.
   std::span<const FeatureId> SegmentsAt(FeatureId point) const {
     const auto it = segments_at_.find(point);
     return it == segments_at_.end() ? std::span<const FeatureId>() : it->second;
   }
-  std::size_t size() const { return points_.size() + segments_.size() + sizes_.size(); }
+  // The polygons and sizing polygons with a corner at a point, in no order, maybe twice.
+  std::span<const FeatureId> PolygonsAt(FeatureId point) const {
+    const auto it = corners_.find(point);
+    return it == corners_.end() ? std::span<const FeatureId>() : it->second.users;
+  }
+  // Where the edges of polygons at a point lead, in no order.
+  std::span<const FeatureId> EdgesAt(FeatureId point) const {
+    const auto it = corners_.find(point);
+    return it == corners_.end() ? std::span<const FeatureId>() : it->second.ends;
+  }
+  std::size_t size() const {
+    return points_.size() + segments_.size() + sizes_.size() + polygons_.size();
+  }
   const Points& points() const { return points_; }
   const Segments& segments() const { return segments_; }
   const Sizes& sizes() const { return sizes_; }
+  const Polygons& polygons() const { return polygons_; }
+  const Edges& edges() const { return edges_; }
 
   // The segment with its ends' places. REQUIRES: `record` is of segment `id` here.
   SegmentFeature Expand(FeatureId id, const SegmentRecord& record) const {
     const auto [p, q] = record.ends;
-    return {id, p, q, points_.at(p).p, points_.at(q).p};
+    SegmentFeature f = {id, p, q, points_.at(p).p, points_.at(q).p};
+    if (edges_.empty()) return f;
+    if (const EdgeRecord* edge = FindEdge(KeyOf(p, q))) f.polygons = edge->polygons;
+    return f;
+  }
+  // An edge of polygons where there is no segment feature.
+  SegmentFeature Expand(const EdgeKey& key, const EdgeRecord& record) const {
+    const auto [p, q] = key;
+    return {record.polygons.front(), p, q, points_.at(p).p, points_.at(q).p, record.polygons};
   }
 
   // Room for that many more.
@@ -64,36 +116,96 @@ class FeatureStore {
     record.slot = slot;
   }
   void Add(const SegmentFeature& f, Slot slot) {
+    if (!f.polygons.empty()) {
+      const bool of_polygon = f.IsOfPolygon();
+      edges_[KeyOf(f)] = {f.polygons, of_polygon ? kNoFeature : f.id, slot};
+      corners_[f.p_id].ends.push_back(f.q_id);
+      corners_[f.q_id].ends.push_back(f.p_id);
+      if (of_polygon) return;
+    }
     segments_[f.id] = {{f.p_id, f.q_id}, slot};
     segments_at_[f.p_id].push_back(f.id);
     segments_at_[f.q_id].push_back(f.id);
   }
-  // REQUIRES: present; no segment ends at a removed point.
+  void Add(const SizeFeature& f) {
+    sizes_[f.id] = f;
+    AddCorners(f.id, f.rings);
+  }
+  void Add(const PolygonFeature& f) {
+    polygons_[f.id] = f.rings;
+    AddCorners(f.id, f.rings);
+  }
+  // REQUIRES: present; nothing needs a removed point.
   void RemovePoint(FeatureId id) { points_.erase(id); }
-  void Add(const SizeFeature& f) { sizes_[f.id] = f; }
-  void RemoveSize(FeatureId id) { sizes_.erase(id); }
-  void RemoveSegment(FeatureId id) {
-    for (const FeatureId end : segments_.at(id).ends) {
-      const auto at = segments_at_.find(end);
-      auto& users = at->second;
-      users.erase(std::remove(users.begin(), users.end(), id), users.end());
-      if (users.empty()) segments_at_.erase(at);
+  void RemoveSize(FeatureId id) {
+    RemoveCorners(id, sizes_.at(id).rings);
+    sizes_.erase(id);
+  }
+  void RemovePolygon(FeatureId id) {
+    RemoveCorners(id, polygons_.at(id));
+    polygons_.erase(id);
+  }
+  // Returns its slot in the spatial index.
+  Slot Remove(const SegmentFeature& f) {
+    Slot slot = 0;
+    if (!f.polygons.empty()) {
+      const auto edge = edges_.find(KeyOf(f));
+      slot = edge->second.slot;
+      edges_.erase(edge);
+      EraseOne(corners_, f.p_id, &Corner::ends, f.q_id);
+      EraseOne(corners_, f.q_id, &Corner::ends, f.p_id);
+      if (f.IsOfPolygon()) return slot;
     }
-    segments_.erase(id);
+    const auto segment = segments_.find(f.id);
+    slot = segment->second.slot;
+    segments_.erase(segment);
+    for (const FeatureId end : {f.p_id, f.q_id}) {
+      const auto at = segments_at_.find(end);
+      at->second.erase(std::find(at->second.begin(), at->second.end(), f.id));
+      if (at->second.empty()) segments_at_.erase(at);
+    }
+    return slot;
   }
 
  private:
+  // What polygons do at a point.
+  struct Corner {
+    std::vector<FeatureId> users, ends;
+  };
+  using Corners = absl::flat_hash_map<FeatureId, Corner>;
+
   template <typename Map>
-  static const typename Map::mapped_type* Find(const Map& map, FeatureId id) {
-    const auto it = map.find(id);
+  static const typename Map::mapped_type* Find(const Map& map, const typename Map::key_type& key) {
+    if (map.empty()) return nullptr;
+    const auto it = map.find(key);
     return it == map.end() ? nullptr : &it->second;
+  }
+  static void EraseOne(Corners& corners, FeatureId point, std::vector<FeatureId> Corner::*list,
+                       FeatureId id) {
+    const auto it = corners.find(point);
+    std::vector<FeatureId>& ids = it->second.*list;
+    ids.erase(std::find(ids.begin(), ids.end(), id));
+    if (it->second.users.empty() && it->second.ends.empty()) corners.erase(it);
+  }
+  void AddCorners(FeatureId id, const Rings& rings) {
+    for (const auto& ring : rings) {
+      for (const FeatureId point : ring) corners_[point].users.push_back(id);
+    }
+  }
+  void RemoveCorners(FeatureId id, const Rings& rings) {
+    for (const auto& ring : rings) {
+      for (const FeatureId point : ring) EraseOne(corners_, point, &Corner::users, id);
+    }
   }
 
   Points points_;
   Segments segments_;
   Sizes sizes_;
+  Polygons polygons_;
+  Edges edges_;
   // Apart from the points: most have none.
   absl::flat_hash_map<FeatureId, absl::InlinedVector<FeatureId, 2>> segments_at_;
+  Corners corners_;
 };
 
 }  // namespace dynmesh::plc

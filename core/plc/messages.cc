@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "core/plc/feature_store.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh::plc {
@@ -37,7 +38,7 @@ std::string Text(const Point2& p) {
 std::string Text(const PointFeature& f) { return absl::StrCat("point ", f.id, " ", Text(f.p)); }
 
 std::string Text(const SegmentFeature& f) {
-  return absl::StrCat("segment ", f.id, " from point ", f.p_id, " ", Text(f.p), " to point ",
+  return absl::StrCat(f.IsOfPolygon() ? "the edge of polygon " : "segment ", f.id, " from point ", f.p_id, " ", Text(f.p), " to point ",
                       f.q_id, " ", Text(f.q));
 }
 
@@ -97,7 +98,7 @@ Verdict Explain(Conflict conflict, const AnyFeature& a, const AnyFeature& b, dou
     case Conflict::kSegmentsCross:
       return {reason::kSegmentsCross,
               absl::StrCat(pair, " cross; add a point where they do and split both there, or ",
-                           "remove segment ", b_id, " in the same batch")};
+                           "remove feature ", b_id, " in the same batch")};
     case Conflict::kSmallAngle:
       return {reason::kSmallAngle,
               absl::StrCat(pair, " meet in an angle of ",
@@ -119,20 +120,54 @@ absl::Status ConflictError(Conflict conflict, const AnyFeature& offender, const 
                edit, std::move(verdict.message));
 }
 
+absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
+  const auto refuse = [&](std::vector<FeatureId> features, const std::string& what) {
+    features.insert(features.begin(), id);
+    return Error(absl::StatusCode::kInvalidArgument, reason::kBadPolygon, std::move(features), edit,
+                 absl::StrCat("polygon ", id, " ", what));
+  };
+  if (rings.empty()) return refuse({}, "has no ring; give it at least one");
+  std::vector<EdgeKey> edges;
+  for (const std::vector<FeatureId>& ring : rings) {
+    if (ring.size() < 3) {
+      return refuse({}, absl::StrCat("has a ring of ", ring.size(),
+                                     " points; a ring has at least 3, the first not repeated"));
+    }
+    std::vector<FeatureId> points = ring;
+    std::sort(points.begin(), points.end());
+    const auto twice = std::adjacent_find(points.begin(), points.end());
+    if (twice != points.end()) {
+      return refuse({*twice}, absl::StrCat("has a ring that visits point ", *twice,
+                                           " twice; make it two rings that touch there"));
+    }
+  }
+  ForEachEdge(rings, [&](FeatureId p, FeatureId q) { edges.push_back(KeyOf(p, q)); });
+  std::sort(edges.begin(), edges.end());
+  const auto twice = std::adjacent_find(edges.begin(), edges.end());
+  if (twice == edges.end()) return absl::OkStatus();
+  return refuse({twice->first, twice->second},
+                absl::StrCat("has the edge between points ", twice->first, " and ", twice->second,
+                             " twice; leave both out"));
+}
+
 absl::Status CheckSize(const SizeFeature& size, const Box& box, double limit, EditIndex edit) {
   const Sizing& s = size.sizing;
   const auto refuse = [&](const char* reason, const std::string& what) {
     return Error(absl::StatusCode::kInvalidArgument, reason, {size.id}, edit,
                  absl::StrCat("sizing feature ", size.id, " at ", Text(size.at), " ", what));
   };
+  if (s.shape == SizeShape::kPolygon) {
+    if (absl::Status status = CheckRings(size.id, size.rings, edit); !status.ok()) return status;
+  }
   for (const double x : {size.at[0], size.at[1], s.target, s.radius, s.hi[0], s.hi[1]}) {
     if (!std::isfinite(x)) return refuse(reason::kNotFinite, "is not finite; give finite numbers");
   }
-  if (s.shape != SizeShape::kPoint && s.shape != SizeShape::kDisc && s.shape != SizeShape::kBox) {
+  if (s.shape < SizeShape::kPoint || s.shape > SizeShape::kPolygon) {
     return refuse(reason::kBadSize, absl::StrCat("is of unknown shape ", static_cast<int>(s.shape),
-                                                 "; give a point, a disc or a box"));
+                                                 "; give a point, a disc, a box or a polygon"));
   }
-  if (s.shape != SizeShape::kBox && (size.at[0] < box.lo[0] || size.at[0] > box.hi[0] ||
+  const bool has_place = s.shape == SizeShape::kPoint || s.shape == SizeShape::kDisc;
+  if (has_place && (size.at[0] < box.lo[0] || size.at[0] > box.hi[0] ||
                                      size.at[1] < box.lo[1] || size.at[1] > box.hi[1])) {
     return refuse(
         reason::kOutsideBox,
@@ -193,13 +228,14 @@ absl::Status DegenerateSegmentError(FeatureId segment, FeatureId end, EditIndex 
       absl::StrCat("segment ", segment, " has point ", end, " at both ends; give it two points"));
 }
 
-absl::Status UnknownEndError(FeatureId segment, std::span<const FeatureId> missing,
+absl::Status UnknownEndError(FeatureId feature, std::span<const FeatureId> missing,
                              EditIndex edit) {
-  std::vector<FeatureId> features = {segment};
+  missing = missing.first(std::min(missing.size(), kMostNamed));
+  std::vector<FeatureId> features = {feature};
   features.insert(features.end(), missing.begin(), missing.end());
   return Error(absl::StatusCode::kFailedPrecondition, reason::kUnknownEnd, std::move(features),
                edit,
-               absl::StrCat("segment ", segment, " should end at ", absl::StrJoin(missing, " and "),
+               absl::StrCat("feature ", feature, " needs point ", absl::StrJoin(missing, " and "),
                             ", but there is no such point; add it in the same batch"));
 }
 
@@ -209,7 +245,7 @@ absl::Status PointInUseError(FeatureId id, std::span<const FeatureId> users, Edi
   features.insert(features.end(), named.begin(), named.end());
   return Error(absl::StatusCode::kFailedPrecondition, reason::kPointInUse, std::move(features),
                edit,
-               absl::StrCat("point ", id, " is used by ", users.size(), " segment(s): remove ",
+               absl::StrCat("point ", id, " is used by ", users.size(), " feature(s): remove ",
                             absl::StrJoin(named, ", "), named.size() < users.size() ? ", ..." : "",
                             " first or in the same batch"));
 }

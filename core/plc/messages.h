@@ -21,6 +21,10 @@ using AnyFeature = std::variant<PointFeature, SegmentFeature>;
 absl::Status ConflictError(Conflict conflict, const AnyFeature& offender, const AnyFeature& other,
                            double limit, EditIndex edit);
 
+// The rings of polygon or sizing polygon `id` by themselves, combinatorially: at least one,
+// each of three points or more, none twice; no edge twice. BAD_POLYGON.
+absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit);
+
 // A sizing feature by itself: numbers finite, a region that meets the box (a point or
 // centre in it), a target that distances of `limit` leave room for.
 absl::Status CheckSize(const SizeFeature& size, const Box& box, double limit, EditIndex edit);
@@ -30,8 +34,9 @@ absl::Status CheckPlace(const PointFeature& point, const Box& box, EditIndex edi
 
 absl::Status DegenerateSegmentError(FeatureId segment, FeatureId end, EditIndex edit);
 
-// The ids in `missing` (at least one) are ends of `segment` and are no points.
-absl::Status UnknownEndError(FeatureId segment, std::span<const FeatureId> missing, EditIndex edit);
+// The ids in `missing` (at least one) are ends of a segment or corners of a polygon and are no
+// points.
+absl::Status UnknownEndError(FeatureId feature, std::span<const FeatureId> missing, EditIndex edit);
 
 // Point `id` is gone, but `users` (at least one) end there.
 absl::Status PointInUseError(FeatureId id, std::span<const FeatureId> users, EditIndex edit);

@@ -18,10 +18,8 @@ absl::StatusOr<Delta> Plc2::Check(const EditBatch& batch, std::uint64_t* cost,
 }
 
 void Plc2::Commit(const Delta& delta) {
-  for (const SegmentFeature& f : delta.removed_segments) {
-    index_.EraseSegment(store_.FindSegment(f.id)->slot);
-    store_.RemoveSegment(f.id);
-  }
+  for (const SegmentFeature& f : delta.removed_segments) index_.EraseSegment(store_.Remove(f));
+  for (const PolygonFeature& f : delta.removed_polygons) store_.RemovePolygon(f.id);
   for (const PointFeature& f : delta.removed_points) {
     index_.ErasePoint(store_.FindPoint(f.id)->slot);
     store_.RemovePoint(f.id);
@@ -31,6 +29,7 @@ void Plc2::Commit(const Delta& delta) {
   for (const PointFeature& f : delta.added_points) store_.Add(f, index_.Insert(f));
   for (const SegmentFeature& f : delta.added_segments) store_.Add(f, index_.Insert(f));
   for (const SizeFeature& f : delta.added_sizes) store_.Add(f);
+  for (const PolygonFeature& f : delta.added_polygons) store_.Add(f);
 }
 
 std::vector<Feature> Plc2::Features() const {
@@ -44,10 +43,30 @@ std::vector<Feature> Plc2::Features() const {
   }
   for (const auto& [id, size] : store_.sizes()) {
     features.push_back(Feature::Size(id, {size.at[0], size.at[1], 0}, size.sizing));
+    features.back().rings = size.rings;
+  }
+  for (const auto& [id, rings] : store_.polygons()) {
+    features.push_back(Feature::Polygon(id, rings));
   }
   std::sort(features.begin(), features.end(),
             [](const Feature& a, const Feature& b) { return a.id < b.id; });
   return features;
+}
+
+Delta Plc2::FromNothing() const {
+  Delta all;
+  for (const auto& [id, record] : store_.points()) all.added_points.push_back({id, record.p});
+  for (const auto& [id, record] : store_.segments()) {
+    all.added_segments.push_back(store_.Expand(id, record));
+  }
+  for (const auto& [key, record] : store_.edges()) {
+    if (record.segment != kNoFeature) continue;
+    all.added_segments.push_back(store_.Expand(key, record));
+  }
+  for (const auto& [id, size] : store_.sizes()) all.added_sizes.push_back(size);
+  for (const auto& [id, rings] : store_.polygons()) all.added_polygons.push_back({id, rings});
+  all.Sort();
+  return all;
 }
 
 std::optional<PointFeature> Plc2::FindPoint(FeatureId id) const {

@@ -1,13 +1,15 @@
-// The piecewise linear complex: the point and segment features of a planar mesh, by
-// id, and what is legal input.
+// The piecewise linear complex: the features of a planar mesh, by id, and what is legal
+// input.
 //
 // Invariants, after every Commit of a Delta that Check returned:
 //   0. sizing features are legal by themselves (messages.h, CheckSize);
 //   1. every point is finite, in the user's closed box, its coordinates 0 or of
 //      magnitude at least 2^-200, never -0;
-//   2. every segment joins two points present, different ones;
+//   2. every segment joins two points present, different ones; rings of polygons are of
+//      points present, and as messages.h, CheckRings, wants them;
 //   3. no two features are too close, cross, overlap or coincide, no point is in the
 //      inside of a segment, no two segments that share an end are nearly one (rules.h).
+//      Edges of polygons are segments in this, once where several join the same points.
 // Whether a batch is accepted, its Delta and its error are functions of the feature
 // set and the batch, never of history.
 //
@@ -43,7 +45,7 @@ class Plc2 {
   // here. If the result is illegal: the problem of the earliest edit to blame, with
   // ErrorDetail (error.h); which edit that is stands in batch_check.h.
   //   INVALID_ARGUMENT     BAD_ID, WRONG_KIND, NOT_FINITE, OUTSIDE_BOX, DEGENERATE_SEGMENT,
-  //                        TOO_CLOSE (a coordinate to 0), BAD_SIZE
+  //                        TOO_CLOSE (a coordinate to 0), BAD_SIZE, BAD_POLYGON
   //   NOT_FOUND            UNKNOWN_FEATURE
   //   ALREADY_EXISTS       ID_IN_USE
   //   FAILED_PRECONDITION  UNKNOWN_END, POINT_IN_USE, DUPLICATE_POINT, DUPLICATE_SEGMENT,
@@ -63,6 +65,9 @@ class Plc2 {
 
   // All features, sorted by id; entries that do not matter are 0. O(n lg n).
   std::vector<Feature> Features() const;
+
+  // The change that makes all of it from nothing. O(n lg n).
+  Delta FromNothing() const;
 
   std::size_t size() const { return store_.size(); }
   std::size_t point_count() const { return store_.points().size(); }

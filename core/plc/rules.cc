@@ -95,7 +95,9 @@ Conflict Between(const PointFeature& p, const SegmentFeature& s, double limit) {
 Conflict Between(const SegmentFeature& s, const SegmentFeature& t) {
   const bool pp = s.p_id == t.p_id, qq = s.q_id == t.q_id;
   const bool pq = s.p_id == t.q_id, qp = s.q_id == t.p_id;
-  if ((pp && qq) || (pq && qp)) return Conflict::kDuplicateSegment;
+  if ((pp && qq) || (pq && qp)) {
+    return s.IsOfPolygon() || t.IsOfPolygon() ? Conflict::kNone : Conflict::kDuplicateSegment;
+  }
   if (pp) return AtSharedEnd(s.p, s.q, t.q);
   if (qq) return AtSharedEnd(s.q, s.p, t.p);
   if (pq) return AtSharedEnd(s.p, s.q, t.p);

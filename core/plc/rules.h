@@ -41,7 +41,8 @@ Conflict Between(const PointFeature& p, const PointFeature& q, double limit);
 // A point and a segment. None if the point is an end of it (by id).
 Conflict Between(const PointFeature& p, const SegmentFeature& s, double limit);
 
-// Two segments. An end of one *in* the other is left to the rule for point and
+// Two segments. Polygons share their edges with each other and with segment features: no
+// conflict. An end of one *in* the other is left to the rule for point and
 // segment. Segments that share an end must not be nearly one: with u, w the vectors from
 // the shared point, u.w > 0 and (u x w)^2 < sin^2(0.001 degrees) (1 - 1e-6)|u|^2|w|^2 is
 // kSmallAngle.

@@ -11,9 +11,12 @@ namespace dynmesh::test {
 inline void ExpectSameRows(const MeshDiff& a, const MeshDiff& b) {
   EXPECT_EQ(a.removed_vertices, b.removed_vertices);
   EXPECT_EQ(a.removed_simplices, b.removed_simplices);
+  EXPECT_EQ(a.removed_regions, b.removed_regions);
   EXPECT_EQ(a.removed_subsegments, b.removed_subsegments);
   EXPECT_EQ(a.added_vertices, b.added_vertices);
   EXPECT_EQ(a.added_simplices, b.added_simplices);
+  EXPECT_EQ(a.added_regions, b.added_regions);
+  EXPECT_EQ(a.region_sets, b.region_sets);
   EXPECT_EQ(a.added_subsegments, b.added_subsegments);
 }
 

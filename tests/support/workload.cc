@@ -156,7 +156,62 @@ std::vector<Feature> Sized(int n, Random& random) {
   return features;
 }
 
+// Rectangles of cells of a crooked grid, whose edges are those of the grid: they share
+// some, lie in each other, touch; some have a hole, some a second part. Segment features on
+// some edges of the grid, and regions of such rings that are to be finer.
+std::vector<Feature> Polygons(int n, Random& random) {
+  std::vector<Feature> features;
+  const int side = std::max(3, static_cast<int>(std::sqrt(n)) - 1);
+  const auto id_at = [&](int i, int j) { return static_cast<FeatureId>(1 + i * (side + 1) + j); };
+  for (int i = 0; i <= side; ++i) {
+    for (int j = 0; j <= side; ++j) {
+      const double x = (i + 0.5 + 0.3 * (random.Unit() - 0.5)) / (side + 1);
+      const double y = (j + 0.5 + 0.3 * (random.Unit() - 0.5)) / (side + 1);
+      features.push_back(Feature::Point(id_at(i, j), x, y));
+    }
+  }
+  FeatureId id = id_at(side, side);
+  const auto ring = [&](int i0, int j0, int i1, int j1) {
+    std::vector<FeatureId> points;
+    for (int i = i0; i < i1; ++i) points.push_back(id_at(i, j0));
+    for (int j = j0; j < j1; ++j) points.push_back(id_at(i1, j));
+    for (int i = i1; i > i0; --i) points.push_back(id_at(i, j1));
+    for (int j = j1; j > j0; --j) points.push_back(id_at(i0, j));
+    std::rotate(points.begin(),
+                points.begin() + random.Below(static_cast<int>(points.size())), points.end());
+    if (random.OneIn(2)) std::reverse(points.begin(), points.end());
+    return points;
+  };
+  for (int k = 0; k < std::max(2, n / 5); ++k) {
+    const int i0 = random.Below(side), j0 = random.Below(side);
+    const int i1 = i0 + 1 + random.Below(side - i0), j1 = j0 + 1 + random.Below(side - j0);
+    Rings rings = {ring(i0, j0, i1, j1)};
+    if (i1 - i0 > 2 && j1 - j0 > 2) rings.push_back(ring(i0 + 1, j0 + 1, i1 - 1, j1 - 1));
+    if (i1 + 1 < side && random.OneIn(2)) rings.push_back(ring(i1 + 1, 0, side, side));
+    const double target = std::ldexp(0.5 + random.Unit(), -4 - random.Below(2));
+    features.push_back(random.OneIn(8) ? Feature::SizePolygon(++id, std::move(rings), target)
+                                       : Feature::Polygon(++id, std::move(rings)));
+  }
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) {
+      if (random.OneIn(6)) {
+        features.push_back(Feature::Segment(++id, id_at(i, j), id_at(i + 1, j)));
+      }
+    }
+  }
+  return features;
+}
+
 }  // namespace
+
+std::vector<FeatureId> PointsOf(const Feature& feature) {
+  std::vector<FeatureId> points;
+  if (feature.kind == FeatureKind::kSegment) points = {feature.ends[0], feature.ends[1]};
+  for (const auto& ring : feature.rings) points.insert(points.end(), ring.begin(), ring.end());
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
 
 std::string NameOf(Distribution d) {
   switch (d) {
@@ -186,6 +241,8 @@ std::string NameOf(Distribution d) {
       return "Wedges";
     case Distribution::kSized:
       return "Sized";
+    case Distribution::kPolygons:
+      return "Polygons";
   }
   return "?";
 }
@@ -193,7 +250,7 @@ std::string NameOf(Distribution d) {
 bool HasSegments(Distribution d) {
   return d == Distribution::kSegmentsAxis || d == Distribution::kSegmentsTurned ||
          d == Distribution::kDiagonals || d == Distribution::kParallel ||
-         d == Distribution::kWedges || d == Distribution::kSized;
+         d == Distribution::kWedges || d == Distribution::kSized || d == Distribution::kPolygons;
 }
 
 std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
@@ -263,6 +320,8 @@ std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
       return Wedges(n, random);
     case Distribution::kSized:
       return Sized(n, random);
+    case Distribution::kPolygons:
+      return Polygons(n, random);
   }
   return features;
 }
@@ -292,13 +351,11 @@ Edit ScriptGenerator::RandomEdit(const std::vector<Feature>& present, EditBatch&
       const Feature& f =
           pool_[static_cast<std::size_t>(random_.Below(static_cast<int>(pool_.size())))];
       if (is_present(f.id) || in_batch(f.id)) continue;
-      if (f.kind == FeatureKind::kSegment) {
-        for (const FeatureId end : f.ends) {
-          if (is_present(end) || in_batch(end)) continue;
-          const auto it = std::find_if(pool_.begin(), pool_.end(),
-                                       [&](const Feature& g) { return g.id == end; });
-          batch.push_back(Edit::Add(*it));
-        }
+      for (const FeatureId point : PointsOf(f)) {
+        if (is_present(point) || in_batch(point)) continue;
+        const auto it = std::find_if(pool_.begin(), pool_.end(),
+                                     [&](const Feature& g) { return g.id == point; });
+        batch.push_back(Edit::Add(*it));
       }
       return Edit::Add(f);
     }
@@ -317,9 +374,18 @@ Edit ScriptGenerator::RandomEdit(const std::vector<Feature>& present, EditBatch&
     if (random_.OneIn(2)) other.position[0] *= 0.97;
     return Edit::Set(other);
   }
+  if (dice < 8 && f.kind == FeatureKind::kPolygon) {
+    // Other rings of the pool, or its own from another corner.
+    const Feature& g = pool_[pool_.size() - 1 - static_cast<std::size_t>(random_.Below(n_))];
+    Feature other = f;
+    if (g.kind == FeatureKind::kPolygon) other.rings = g.rings;
+    std::rotate(other.rings[0].begin(), other.rings[0].begin() + 1, other.rings[0].end());
+    return Edit::Set(other);
+  }
   for (const Feature& g : present) {
-    if (g.kind == FeatureKind::kSegment && f.kind == FeatureKind::kPoint && !in_batch(g.id) &&
-        (g.ends[0] == f.id || g.ends[1] == f.id)) {
+    if (g.kind == FeatureKind::kPoint || f.kind != FeatureKind::kPoint || in_batch(g.id)) continue;
+    const std::vector<FeatureId> points = PointsOf(g);
+    if (std::binary_search(points.begin(), points.end(), f.id)) {
       batch.push_back(Edit::Remove(g.id));
     }
   }
@@ -331,12 +397,11 @@ EditBatch ScriptGenerator::Next(const std::vector<Feature>& present) {
   if (present.empty() && !random_.OneIn(3)) {
     return AddAll(pool_);
   }
-  if (random_.OneIn(60)) {  // everything goes, segments first
-    for (const Feature& f : present) {
-      if (f.kind == FeatureKind::kSegment) batch.push_back(Edit::Remove(f.id));
-    }
-    for (const Feature& f : present) {
-      if (f.kind == FeatureKind::kPoint) batch.push_back(Edit::Remove(f.id));
+  if (random_.OneIn(60)) {  // everything goes, points last
+    for (const bool points : {false, true}) {
+      for (const Feature& f : present) {
+        if ((f.kind == FeatureKind::kPoint) == points) batch.push_back(Edit::Remove(f.id));
+      }
     }
     return batch;
   }

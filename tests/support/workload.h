@@ -29,15 +29,18 @@ enum class Distribution {
   kParallel,        // segments close to each other and points close to them: cascades of splits
   kWedges,          // fans of segments at angles down to 0.002 degrees, some acute at both ends
   kSized,           // a few points and segments among sizing features of all shapes
+  kPolygons,        // polygons that share edges, lie in each other, have holes; some sizing
 };
 inline constexpr Distribution kAllDistributions[] = {
     Distribution::kUniform,   Distribution::kClustered,    Distribution::kCircle,
     Distribution::kGrid,      Distribution::kLine,         Distribution::kDyadicLine,
     Distribution::kTwoScale,  Distribution::kSegmentsAxis, Distribution::kSegmentsTurned,
     Distribution::kDiagonals, Distribution::kParallel,     Distribution::kWedges,
-    Distribution::kSized};
+    Distribution::kSized,     Distribution::kPolygons};
 std::string NameOf(Distribution d);
 bool HasSegments(Distribution d);
+// The points that a feature needs: ends or corners.
+std::vector<FeatureId> PointsOf(const Feature& feature);
 
 class Random {
  public:

@@ -7,6 +7,7 @@ namespace dynmesh::cli {
 namespace {
 
 using testing::SampleMesh;
+using testing::SampleMeshWithRegions;
 
 TEST(CompareMeshes, AMeshIsTheSameAsItself) {
   Mesh other = SampleMesh();
@@ -41,6 +42,20 @@ TEST(CompareMeshes, CountsWhatIsInOneOnly) {
   c = CompareMeshes(SampleMesh(), other);
   EXPECT_EQ(c.subsegments.only_a, 1U);
   EXPECT_EQ(c.subsegments.only_b, 1U);
+}
+
+TEST(CompareMeshes, CountsTrianglesThatLieInOtherPolygons) {
+  const Mesh labelled = SampleMeshWithRegions();
+  EXPECT_TRUE(CompareMeshes(labelled, labelled).Same());
+  MeshComparison c = CompareMeshes(SampleMesh(), labelled);
+  EXPECT_FALSE(c.Same());
+  EXPECT_EQ(c.simplices.shared, 11U);
+  EXPECT_EQ(c.simplices.only_a, 0U);
+  EXPECT_EQ(c.simplices.only_b, 0U);
+  EXPECT_EQ(c.relabelled_simplices, 7U);
+  Mesh other = labelled;
+  other.regions[2] = 40;
+  EXPECT_EQ(CompareMeshes(other, labelled).relabelled_simplices, 1U);
 }
 
 }  // namespace

@@ -34,6 +34,32 @@ TEST(MeshStatistics, CountAnglesByDegree) {
   EXPECT_NEAR(s.median_min_angle_deg, 29.05, 0.01);
 }
 
+TEST(MeshStatistics, CountTrianglesAndAreaByRegion) {
+  io::IndexedMesh mesh = ThreeTriangles();
+  MeshStatistics s = ComputeStatistics(mesh, 1.2);
+  ASSERT_EQ(s.regions.size(), 1U);
+  EXPECT_EQ(s.regions[0].simplices, 3U);
+  EXPECT_DOUBLE_EQ(s.regions[0].area, 1.4);
+  EXPECT_EQ(StatisticsText(s).find("no polygon"), std::string::npos);
+  mesh.regions.polygons = {{4}, {4, 18446744073709551614ULL}};
+  mesh.regions.numbers = {2, 0, 2};
+  s = ComputeStatistics(mesh, 1.2);
+  ASSERT_EQ(s.regions.size(), 3U);
+  EXPECT_EQ(s.regions[0].simplices, 1U);
+  EXPECT_DOUBLE_EQ(s.regions[0].area, 0.9);
+  EXPECT_EQ(s.regions[1].simplices, 0U);
+  EXPECT_EQ(s.regions[2].simplices, 2U);
+  EXPECT_DOUBLE_EQ(s.regions[2].area, 0.5);
+  EXPECT_NE(StatisticsText(s).find("0.5  4 18446744073709551614\n"), std::string::npos);
+  EXPECT_NE(StatisticsText(s).find("0.9  no polygon\n"), std::string::npos);
+  EXPECT_NE(StatisticsJson(s).find("\"regions\":[{\"polygons\":[],\"simplices\":1,\"area\":0.9},"
+                                   "{\"polygons\":[\"4\"],\"simplices\":0,\"area\":0},"
+                                   "{\"polygons\":[\"4\",\"18446744073709551614\"],"
+                                   "\"simplices\":2,\"area\":0.5}]"),
+            std::string::npos)
+      << StatisticsJson(s);
+}
+
 TEST(MeshStatistics, OfNothingAreZero) {
   const MeshStatistics s = ComputeStatistics({}, 1.0);
   EXPECT_EQ(s.simplices, 0U);

@@ -55,7 +55,28 @@ TEST(Hash, IsTheSpecifiedFunctionOfThePart) {
   const VertexId ids[4] = {11, 22, 33, 44};
   EXPECT_EQ(HashSimplex(ids, 3).ToHex(), "8fbdcb673d29a3033a4ba2e01b47f7c2");
   EXPECT_EQ(HashSimplex(ids, 4).ToHex(), "c39d05d9fffdd969d710bcce06e84d10");
+  EXPECT_EQ(HashSimplex(ids, 3, 7).ToHex(), "0a53fac13bbd22ab6568984334ad242c");
+  EXPECT_EQ(HashSimplex(ids, 4, 0xf889be9516f31dceULL).ToHex(), "70f1ac0a72fe1ad0f554d1d57f23aade");
   EXPECT_EQ(HashSubsegment(5, 9, 42).ToHex(), "0903ae292cb5db6f4c997770ec225837");
+}
+
+TEST(RegionId, IsTheSpecifiedFunctionOfThePolygons) {
+  const auto id = [](std::vector<FeatureId> polygons) { return RegionIdOf(polygons); };
+  EXPECT_EQ(id({}), kNoRegion);
+  EXPECT_EQ(id({7}), 7U);
+  EXPECT_EQ(id({7, 9}), 0xf889be9516f31dceULL);
+  EXPECT_EQ(id({7, 9, 12}), 0xd68bb193bd4ef481ULL);
+  EXPECT_EQ(id({1, kBoxFeature - 1}), 0xa0afad8fd57d2741ULL);
+}
+
+TEST(RegionId, LeadsToItsPolygons) {
+  const std::vector<FeatureId> one = {7, 9}, other = {7, 9, 12};
+  std::vector<RegionSet> sets = {{RegionIdOf(other), other}, {RegionIdOf(one), one}};
+  ASSERT_LT(sets[0].id, sets[1].id);
+  EXPECT_EQ(PolygonsOf(RegionIdOf(one), sets), one);
+  EXPECT_EQ(PolygonsOf(RegionIdOf(other), sets), other);
+  EXPECT_EQ(PolygonsOf(7, sets), std::vector<FeatureId>{7});
+  EXPECT_EQ(PolygonsOf(kNoRegion, sets), std::vector<FeatureId>{});
 }
 
 TEST(Hash, OfASubsegmentDoesNotDependOnItsDirection) {
@@ -123,6 +144,11 @@ TEST(Hash, OfAMeshChangesWithEveryPart) {
   EXPECT_NE(ComputeHash(other), mesh.hash);
   other = mesh;
   other.subsegments.owners[0] += 1;
+  EXPECT_NE(ComputeHash(other), mesh.hash);
+  other = mesh;
+  other.regions.assign(other.simplex_count(), kNoRegion);  // says nothing
+  EXPECT_EQ(ComputeHash(other), mesh.hash);
+  other.regions[5] = 3;
   EXPECT_NE(ComputeHash(other), mesh.hash);
   other = mesh;
   other.revision = 77;  // no part of the mesh

@@ -7,8 +7,10 @@
 #include <array>
 #include <cstdint>
 #include <iostream>
+#include <map>
 #include <random>
 #include <set>
+#include <vector>
 
 #include "dynmesh/mesh.h"
 
@@ -64,10 +66,33 @@ inline Mesh MakeUpMesh(Random& random, int count, std::uint64_t revision) {
   return mesh;
 }
 
+// Puts each simplex into none to three of the polygons 101 to 104.
+inline void Label(Random& random, Mesh& mesh) {
+  std::map<RegionId, std::vector<FeatureId>> sets;
+  mesh.regions.clear();
+  for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
+    std::set<FeatureId> in;
+    for (auto n = random() % 4; n > 0; --n) in.insert(101 + random() % 4);
+    const std::vector<FeatureId> polygons(in.begin(), in.end());
+    mesh.regions.push_back(RegionIdOf(polygons));
+    if (polygons.size() > 1) sets[mesh.regions.back()] = polygons;
+  }
+  mesh.region_sets.clear();
+  for (const auto& [id, polygons] : sets) mesh.region_sets.push_back({id, polygons});
+  mesh.hash = ComputeHash(mesh);
+}
+
+inline Mesh MakeUpLabelledMesh(Random& random, int count, std::uint64_t revision) {
+  Mesh mesh = MakeUpMesh(random, count, revision);
+  Label(random, mesh);
+  return mesh;
+}
+
 // Same rows in the same order, revision and hash.
 inline bool Identical(const Mesh& a, const Mesh& b) {
   return a.dimension == b.dimension && a.revision == b.revision && a.vertices == b.vertices &&
-         a.simplices == b.simplices && a.subsegments == b.subsegments && a.hash == b.hash;
+         a.simplices == b.simplices && a.regions == b.regions && a.region_sets == b.region_sets &&
+         a.subsegments == b.subsegments && a.hash == b.hash;
 }
 
 }  // namespace dynmesh::testing

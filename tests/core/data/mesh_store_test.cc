@@ -1,5 +1,6 @@
 #include "core/data/mesh_store.h"
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@ namespace {
 
 using testing::Identical;
 using testing::MakeRandom;
+using testing::MakeUpLabelledMesh;
 using testing::MakeUpMesh;
 
 Mesh Sorted(Mesh mesh) {
@@ -26,7 +28,8 @@ TEST(MeshStore, TakesDiffAfterDiffAsTheModelDoes) {
   Mesh model;
   model.hash = ComputeHash(model);
   for (std::uint64_t revision = 1; revision <= 60; ++revision) {
-    const Mesh next = MakeUpMesh(random, 20 + static_cast<int>(random() % 60), revision);
+    Mesh next = MakeUpMesh(random, 20 + static_cast<int>(random() % 60), revision);
+    if (revision % 3 != 0) testing::Label(random, next);
     const MeshDiff diff = DiffMeshes(model, next);
     ASSERT_TRUE(store.Apply(diff).ok());
     ASSERT_TRUE(Identical(Sorted(store.ToMesh()), Sorted(next)));
@@ -38,9 +41,36 @@ TEST(MeshStore, TakesDiffAfterDiffAsTheModelDoes) {
   }
 }
 
+TEST(MeshStore, KeepsARegionSetAsLongAsASimplexIsInIt) {
+  auto random = MakeRandom();
+  Mesh mesh = MakeUpMesh(random, 10, 1);
+  const std::vector<FeatureId> both = {3, 4};
+  const std::vector<RegionSet> sets = {{RegionIdOf(both), both}};
+  Mesh labelled = mesh;
+  labelled.regions.assign(labelled.simplex_count(), kNoRegion);
+  labelled.regions[1] = labelled.regions[2] = RegionIdOf(both);
+  labelled.region_sets = sets;
+  Mesh less = labelled;
+  less.regions[1] = 3;
+  auto store = MeshStore::FromMesh(mesh);
+  ASSERT_TRUE(store.ok());
+  const auto step = [&](Mesh to) {
+    to.hash = ComputeHash(to);
+    to.revision = store->revision() + 1;
+    return store->Apply(DiffMeshes(store->ToMesh(), to));
+  };
+  ASSERT_TRUE(step(labelled).ok());
+  EXPECT_EQ(store->ToMesh().region_sets, sets);
+  ASSERT_TRUE(step(less).ok());
+  EXPECT_EQ(store->ToMesh().region_sets, sets);
+  ASSERT_TRUE(step(mesh).ok());
+  EXPECT_TRUE(store->ToMesh().region_sets.empty());
+  EXPECT_TRUE(store->ToMesh().regions.empty());
+}
+
 TEST(MeshStore, FindsWhatItHoldsAndNothingElse) {
   auto random = MakeRandom();
-  const Mesh mesh = MakeUpMesh(random, 30, 5);
+  const Mesh mesh = MakeUpLabelledMesh(random, 30, 5);
   const auto store = MeshStore::FromMesh(mesh);
   ASSERT_TRUE(store.ok());
   EXPECT_EQ(store->revision(), 5U);
@@ -53,8 +83,10 @@ TEST(MeshStore, FindsWhatItHoldsAndNothingElse) {
   EXPECT_FALSE(store->FindVertex(12345).has_value());
   EXPECT_TRUE(store->HasSimplex({&mesh.simplices[3], 3}));
   EXPECT_FALSE(store->HasSimplex({&mesh.simplices[3], 2}));
+  EXPECT_EQ(store->FindRegion({&mesh.simplices[3], 3}), mesh.regions[1]);
   const VertexId none[3] = {1, 2, 3};
   EXPECT_FALSE(store->HasSimplex(none));
+  EXPECT_FALSE(store->FindRegion(none).has_value());
   const SubsegmentColumns& s = mesh.subsegments;
   EXPECT_TRUE(store->HasSubsegment(s.ends[1], s.ends[0], s.owners[0]));
   EXPECT_FALSE(store->HasSubsegment(s.ends[1], s.ends[0], s.owners[0] + 1));
@@ -86,13 +118,41 @@ std::vector<Refusal> Refusals() {
       {"simplex removed twice", StatusCode::kDataLoss,
        [](MeshDiff& d) {
          const SimplexColumn row(d.removed_simplices.begin(), d.removed_simplices.begin() + 3);
+         d.removed_regions.push_back(d.removed_regions[0]);
          d.removed_simplices.insert(d.removed_simplices.end(), row.begin(), row.end());
        }},
       {"simplex added twice", StatusCode::kDataLoss,
        [](MeshDiff& d) {
          const SimplexColumn row(d.added_simplices.begin(), d.added_simplices.begin() + 3);
+         d.added_regions.push_back(d.added_regions[0]);
          d.added_simplices.insert(d.added_simplices.end(), row.begin(), row.end());
        }},
+      {"simplex to remove is in another region", StatusCode::kDataLoss,
+       [](MeshDiff& d) {
+         // Even where the sum would be right.
+         d.hash += HashSimplex(&d.removed_simplices[0], 3, d.removed_regions[0]);
+         d.removed_regions[0] ^= 1;
+         d.hash -= HashSimplex(&d.removed_simplices[0], 3, d.removed_regions[0]);
+       }},
+      {"simplex added in another region", StatusCode::kDataLoss,
+       [](MeshDiff& d) { d.added_regions[0] ^= 1; }},
+      {"regions too few", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.added_regions.pop_back(); }},
+      {"removed regions too few", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.removed_regions.pop_back(); }},
+      {"region set with another id", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.region_sets[0].id += 1; }},
+      {"region set of one polygon", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) {
+         d.region_sets[0] = {7, {7}};
+       }},
+      {"region set out of order", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) {
+         std::ranges::reverse(d.region_sets[0].polygons);
+         d.region_sets[0].id = RegionIdOf(d.region_sets[0].polygons);
+       }},
+      {"region set twice", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.region_sets.insert(d.region_sets.begin(), d.region_sets[0]); }},
       {"subsegment to remove is absent", StatusCode::kDataLoss,
        [](MeshDiff& d) { d.removed_subsegments.owners[0] = 99; }},
       {"subsegment added twice", StatusCode::kDataLoss,
@@ -129,8 +189,8 @@ std::vector<Refusal> Refusals() {
 
 TEST(MeshStore, RefusesAWrongDiffAndStaysAsItWas) {
   auto random = MakeRandom();
-  const Mesh mesh = MakeUpMesh(random, 40, 7);
-  const Mesh next = MakeUpMesh(random, 40, 8);
+  const Mesh mesh = MakeUpLabelledMesh(random, 40, 7);
+  const Mesh next = MakeUpLabelledMesh(random, 40, 8);
   const MeshDiff good = DiffMeshes(mesh, next);
   ASSERT_GE(good.removed_vertices.size(), 1U);
   auto store = MeshStore::FromMesh(mesh);
@@ -184,8 +244,8 @@ TEST(MeshStore, TakesAnEmptyDiffInPlace) {
 
 TEST(ApplyDiff, LeavesTheMeshAloneOnRefusal) {
   auto random = MakeRandom();
-  const Mesh before = MakeUpMesh(random, 40, 7);
-  const MeshDiff good = DiffMeshes(before, MakeUpMesh(random, 40, 8));
+  const Mesh before = MakeUpLabelledMesh(random, 40, 7);
+  const MeshDiff good = DiffMeshes(before, MakeUpLabelledMesh(random, 40, 8));
   for (const Refusal& refusal : Refusals()) {
     MeshDiff bad = good;
     refusal.damage(bad);

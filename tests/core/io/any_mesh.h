@@ -1,5 +1,5 @@
 // Rows with any content, for writers: every kind of double, owners from 1 to 2^64 - 2 and the
-// box. No valid mesh.
+// box, regions. No valid mesh.
 #ifndef DYNMESH_TESTS_CORE_IO_ANY_MESH_H_
 #define DYNMESH_TESTS_CORE_IO_ANY_MESH_H_
 
@@ -42,7 +42,10 @@ inline io::IndexedMesh AnyMesh(std::uint64_t seed, std::uint32_t vertices) {
     const double x = coordinate();
     mesh.vertices.push_back({x, coordinate(), dimension, dimension == 2 ? kNoFeature : owner()});
   }
+  mesh.regions.polygons = {{1}, {1, 7, kBoxFeature - 1}, {7}};
   for (std::uint32_t i = 0; i + 2 < vertices; ++i) {
+    // In runs, as no triangle of a real mesh has a neighbour across a free vertex elsewhere.
+    mesh.regions.numbers.push_back(i / 50 % 4);
     mesh.triangles.push_back({i, i + 2, i + 1});
     mesh.edges.push_back({i, i + 1, random() % 2 == 0 ? kNoFeature : owner()});
   }

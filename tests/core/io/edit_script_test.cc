@@ -67,6 +67,30 @@ TEST(EditScript, WithoutABoxTakesThatOfItsPoints) {
   EXPECT_EQ(Parse("mesh\n")->Options().box, Box());
 }
 
+TEST(EditScript, HasPolygonsOfAnyNumberOfRings) {
+  const auto script = Parse(
+      "mesh\n"
+      "add polygon 9 1 2 3\n"
+      "set polygon 9 1 2 3 4 / 5 6 7 / 3 2 1\n"
+      "add size 10 polygon 1 2 3 0.5\n"
+      "set size 10 polygon 1 2 3 / 4 5 6 7\n");  // the last number is always the length
+  ASSERT_TRUE(script.ok()) << script.status();
+  ASSERT_EQ(script->batches.size(), 1U);
+  EXPECT_EQ(script->batches[0].edits,
+            (EditBatch{Edit::Add(Feature::Polygon(9, {{1, 2, 3}})),
+                       Edit::Set(Feature::Polygon(9, {{1, 2, 3, 4}, {5, 6, 7}, {3, 2, 1}})),
+                       Edit::Add(Feature::SizePolygon(10, {{1, 2, 3}}, 0.5)),
+                       Edit::Set(Feature::SizePolygon(10, {{1, 2, 3}, {4, 5, 6}}, 7))}));
+}
+
+TEST(EditScript, PolygonsHaveNoPlaceOfTheirOwn) {
+  const auto script =
+      Parse("mesh\nadd point 1 3 4\nadd polygon 2 1 1 1\nadd size 3 polygon 1 1 1 0.5\n");
+  ASSERT_TRUE(script.ok()) << script.status();
+  EXPECT_EQ(script->Options().box.lo[0], 3);
+  EXPECT_EQ(script->Options().box.lo[1], 4);
+}
+
 TEST(EditScript, NeedsNoHeaderWhereAMeshIsThere) {
   const auto script = Parse("add point 1 3 4\n", false);
   ASSERT_TRUE(script.ok()) << script.status();
@@ -122,16 +146,26 @@ const BadScript kBadScripts[] = {
     {"mesh dim=3\n", 1, "not supported yet in this version", absl::StatusCode::kUnimplemented},
     {"mesh hmax=0\n", 1, "hmax is not a length above 0"},
     {"mesh hmax=much\n", 1, "hmax is not a length above 0"},
-    {"mesh\nadd polygon 5 1 2 3\n", 2, "not supported yet in this version",
-     absl::StatusCode::kUnimplemented},
-    {"mesh\nset size 5 polygon 1 2 3 0.1\n", 2, "not supported yet in this version",
-     absl::StatusCode::kUnimplemented},
+    {"mesh\nadd polygon\n", 2, "the polygon's id is missing"},
+    {"mesh\nadd polygon 5\n", 2, "a point's id is missing"},
+    {"mesh\nadd polygon 5 1 2 x\n", 2, "a point's id is not a whole number"},
+    {"mesh\nadd polygon 5 1 2 0\n", 2, "reserved"},
+    {"mesh\nadd polygon 5 1 2 3/ 4 5 6\n", 2, "a point's id is not a whole number"},
+    {"mesh\nadd polygon 5 / 4 5 6\n", 2, "no point stands before this /"},
+    {"mesh\nadd polygon 5 1 2 3 / / 4 5 6\n", 2, "no point stands before this /"},
+    {"mesh\nadd polygon 5 1 2 3 /\n", 2, "no point stands after the last /"},
+    {"mesh\nmove polygon 5 1 2\n", 2, "only points move"},
+    {"mesh\nset size 5 polygon\n", 2, "a point's id is missing"},
+    {"mesh\nset size 5 polygon 0.1\n", 2, "a point's id is missing"},
+    {"mesh\nset size 5 polygon 1 2 3 / 0.1\n", 2, "no point stands after the last /"},
+    {"mesh\nset size 5 polygon 1 2 3 /\n", 2, "the target length is not"},
+    {"mesh\nset size 5 polygon 1 2 3 far\n", 2, "the target length is not"},
     {"mesh\nset size 5 point 0 0\n", 2, "the target length is missing"},
     {"mesh\nadd size 5 disc 0 0 0.1\n", 2, "the target length is missing"},
     {"mesh\nadd size 5 disc 0 0 0.1 0.1 0.1\n", 2, "unexpected '0.1'"},
     {"mesh\nadd size 5 box 0 0 1 0.1\n", 2, "the target length is missing"},
-    {"mesh\nadd size 5 0 0 1\n", 2, "Expected point, disc or box"},
-    {"mesh\nadd size 5\n", 2, "Expected point, disc or box"},
+    {"mesh\nadd size 5 0 0 1\n", 2, "Expected point, disc, box or polygon"},
+    {"mesh\nadd size 5\n", 2, "Expected point, disc, box or polygon"},
     {"mesh\nmove size 5 0 0\n", 2, "only points move"},
 };
 
@@ -160,6 +194,13 @@ TEST(EditScript, FormattedReadsBackBitForBit) {
            (random() % 2 == 0 ? -1 : 1);
   };
   const auto id = [&] { return std::max<FeatureId>(1, random() >> (random() % 64) >> 1); };
+  const auto rings = [&] {
+    Rings made(1 + random() % 4);
+    for (auto& ring : made) {
+      for (std::size_t n = 1 + random() % 5; n > 0; --n) ring.push_back(id());
+    }
+    return made;
+  };
   MeshOptions options;
   options.box.lo = {-0.1, 1e-300, 0};
   options.box.hi = {1.0 / 3, 5e200, 1};
@@ -167,7 +208,7 @@ TEST(EditScript, FormattedReadsBackBitForBit) {
   std::string text = FormatMeshLine(options) + "\n";
   EditBatch edits;
   for (int i = 0; i < 2000; ++i) {
-    switch (random() % 6) {
+    switch (random() % 9) {
       case 0:
         edits.push_back(Edit::Add(Feature::Point(id(), coordinate(), coordinate())));
         break;
@@ -182,6 +223,15 @@ TEST(EditScript, FormattedReadsBackBitForBit) {
         break;
       case 4:
         edits.push_back(Edit::Set(Feature::Segment(id(), id(), id())));
+        break;
+      case 5:
+        edits.push_back(Edit::Add(Feature::Polygon(id(), rings())));
+        break;
+      case 6:
+        edits.push_back(Edit::Set(Feature::Polygon(id(), rings())));
+        break;
+      case 7:
+        edits.push_back(Edit::Add(Feature::SizePolygon(id(), rings(), coordinate())));
         break;
       default:
         edits.push_back(Edit::Remove(id()));

@@ -9,6 +9,7 @@ namespace dynmesh::io {
 namespace {
 
 using testing::SampleMesh;
+using testing::SampleMeshWithRegions;
 
 TEST(IndexMesh, NumbersInputPointsFirstThenBoxSegmentsFree) {
   const auto indexed = IndexMesh(SampleMesh());
@@ -52,6 +53,18 @@ TEST(IndexMesh, AndBackIsTheSameMesh) {
   EXPECT_EQ(back.vertices, mesh.vertices);
   EXPECT_EQ(back.simplices, mesh.simplices);
   EXPECT_EQ(back.subsegments, mesh.subsegments);
+  EXPECT_EQ(back.hash, mesh.hash);
+}
+
+TEST(IndexMesh, AndBackHasTheSameRegions) {
+  Mesh mesh = SampleMeshWithRegions();
+  Mesh back = ToMesh(IndexMesh(mesh).value());
+  Canonicalize(mesh);
+  EXPECT_EQ(IndexMesh(mesh)->regions, IndexMesh(back)->regions);
+  Canonicalize(back);
+  EXPECT_EQ(back.simplices, mesh.simplices);
+  EXPECT_EQ(back.regions, mesh.regions);
+  EXPECT_EQ(back.region_sets, mesh.region_sets);
   EXPECT_EQ(back.hash, mesh.hash);
 }
 

@@ -20,10 +20,12 @@ namespace dynmesh::io {
 namespace {
 
 using testing::SampleMesh;
+using testing::SampleMeshWithRegions;
 using testing::TempFolder;
 
 struct MeditContent {
   std::map<int, std::string> names;  // of references, from the comments
+  std::map<int, std::string> triangle_names;
   struct Vertex {
     double x, y;
     int reference;
@@ -33,7 +35,8 @@ struct MeditContent {
   std::vector<std::vector<int>> triangles;
 };
 
-// Reads words, knowing the table of references from "# reference N: NAME".
+// Reads words, knowing the tables of references from "# reference N: NAME" and
+// "# triangle reference N: NAME".
 class MeditReader {
  public:
   explicit MeditReader(const std::string& text) {
@@ -43,9 +46,9 @@ class MeditReader {
       const std::string line = text.substr(begin, end - begin);
       begin = end + 1;
       if (line.starts_with("# reference ")) {
-        std::size_t digits = 0;
-        const int reference = std::stoi(line.substr(12), &digits);
-        content_.names[reference] = line.substr(12 + digits + 2);
+        ReadName(line.substr(12), content_.names);
+      } else if (line.starts_with("# triangle reference ")) {
+        ReadName(line.substr(21), content_.triangle_names);
       } else if (!line.starts_with("#")) {
         body_ += line + "\n";
       }
@@ -82,6 +85,11 @@ class MeditReader {
   }
 
  private:
+  static void ReadName(const std::string& text, std::map<int, std::string>& names) {
+    std::size_t digits = 0;
+    const int reference = std::stoi(text, &digits);
+    names[reference] = text.substr(digits + 2);
+  }
   std::string Word() { return next_ < words_.size() ? words_[next_++] : "End"; }
   int Int() {
     std::int64_t value = 0;
@@ -142,8 +150,14 @@ void ExpectHolds(const MeditContent& content, const IndexedMesh& mesh) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const auto& t = mesh.triangles[i];
     const std::vector<int> expected = {static_cast<int>(t[0]) + 1, static_cast<int>(t[1]) + 1,
-                                       static_cast<int>(t[2]) + 1, 1};
+                                       static_cast<int>(t[2]) + 1, content.triangles[i][3]};
     EXPECT_EQ(content.triangles[i], expected);
+    if (mesh.regions.count() == 0) {
+      EXPECT_EQ(content.triangles[i][3], 1);
+    } else {
+      EXPECT_EQ(content.triangle_names.at(content.triangles[i][3]),
+                mesh.regions.Name(mesh.regions.Of(i)));
+    }
   }
 }
 
@@ -175,6 +189,20 @@ TEST(Medit, OfTheSampleIsThisFile) {
                        "3 4 4\n"))
       << text;
   EXPECT_TRUE(text.ends_with("\nEnd\n"));
+}
+
+TEST(Medit, SaysWhichRegionATriangleIsIn) {
+  const TempFolder folder;
+  const IndexedMesh mesh = IndexMesh(SampleMeshWithRegions()).value();
+  ASSERT_TRUE(WriteMedit(mesh, folder.Path("m.mesh")).ok());
+  const MeditContent content = MeditReader(folder.Read("m.mesh")).Read();
+  ExpectHolds(content, mesh);
+  EXPECT_EQ(content.triangle_names,
+            (std::map<int, std::string>{{1, "domain"},
+                                        {2, "polygon 12"},
+                                        {3, "polygons 12 40"},
+                                        {4, "polygon 40"},
+                                        {5, "polygons 40 18446744073709551614"}}));
 }
 
 TEST(Medit, KeepsEveryBitAndEveryOwnerOfAnyMesh) {

@@ -15,6 +15,7 @@ namespace dynmesh::io {
 namespace {
 
 using testing::SampleMesh;
+using testing::SampleMeshWithRegions;
 using testing::TempFolder;
 
 std::string FirstLines(const std::string& text, int count) {
@@ -63,6 +64,72 @@ TEST(MeshFiles, ReadBackAreTheSameMesh) {
     EXPECT_EQ(*files->recorded_hash, mesh.hash);
     EXPECT_EQ(ToMesh(files->mesh).hash, mesh.hash);
     EXPECT_TRUE(files->has_edges);
+  }
+}
+
+TEST(MeshFiles, SayWhichRegionATriangleIsIn) {
+  const TempFolder folder;
+  ASSERT_TRUE(WriteMeshFiles(IndexMesh(SampleMeshWithRegions()).value(), folder.Path("m")).ok());
+  const std::string triangles = folder.Read("m.ele");
+  EXPECT_EQ(FirstLines(triangles, 2),
+            "11 3 1\n"
+            "1 1 3 5 0\n");
+  EXPECT_TRUE(
+      triangles.ends_with("\n# dynmesh region 1 12\n"
+                          "# dynmesh region 2 12 40\n"
+                          "# dynmesh region 3 40\n"
+                          "# dynmesh region 4 40 18446744073709551614\n"))
+      << triangles;
+}
+
+TEST(MeshFiles, ReadBackHaveTheSameRegions) {
+  const TempFolder folder;
+  Mesh mesh = SampleMeshWithRegions();
+  ASSERT_TRUE(WriteMeshFiles(IndexMesh(mesh).value(), folder.Path("m")).ok());
+  const auto files = ReadMeshFiles(folder.Path("m"));
+  ASSERT_TRUE(files.ok()) << files.status();
+  Mesh back = ToMesh(files->mesh);
+  EXPECT_EQ(back.hash, mesh.hash);
+  EXPECT_EQ(files->recorded_hash, mesh.hash);
+  Canonicalize(mesh);
+  Canonicalize(back);
+  EXPECT_EQ(back.simplices, mesh.simplices);
+  EXPECT_EQ(back.regions, mesh.regions);
+  EXPECT_EQ(back.region_sets, mesh.region_sets);
+}
+
+absl::StatusOr<MeshFiles> ParseTriangles(const std::string& triangles) {
+  return ParseMeshFiles(TextReader("m.node", "3 2 0 0\n1 0 0\n2 1 0\n3 0 1\n"),
+                        TextReader("m.ele", triangles), std::nullopt);
+}
+
+TEST(MeshFiles, SkipAttributesThatAreNoRegions) {
+  const auto files = ParseTriangles("1 3 2\n1 1 2 3 0.25 x\n");
+  ASSERT_TRUE(files.ok()) << files.status();
+  EXPECT_EQ(files->mesh.regions, RegionNumbers());
+}
+
+TEST(MeshFiles, RefuseRegionsThatMakeNoSense) {
+  const auto expect_refused = [](const std::string& text, const std::string& message) {
+    const absl::Status status = ParseTriangles(text).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;
+    EXPECT_TRUE(std::string(status.message()).starts_with("m.ele:")) << status;
+    EXPECT_NE(std::string(status.message()).find(message), std::string::npos) << status;
+  };
+  const std::string rows = "1 3 1\n1 1 2 3 1\n";
+  EXPECT_TRUE(ParseTriangles(rows + "# dynmesh region 1 4 5\n").ok());
+  expect_refused(rows + "# dynmesh region 2 4\n", "region 1 expected, found '2'");
+  expect_refused(rows + "# dynmesh region 1 4\n# dynmesh region 1 5\n", "region 2 expected");
+  expect_refused(rows + "# dynmesh region x 4\n", "region 1 expected, found 'x'");
+  expect_refused(rows + "# dynmesh region 1\n", "has no polygon");
+  expect_refused(rows + "# dynmesh region 1 0\n", "names no polygon: '0'");
+  expect_refused(rows + "# dynmesh region 1 18446744073709551615\n", "names no polygon");
+  expect_refused(rows + "# dynmesh region 1 5 4\n", "not in ascending order");
+  expect_refused(rows + "# dynmesh region 1 5 5\n", "not in ascending order");
+  expect_refused("1 3 0\n1 1 2 3\n# dynmesh region 1 5\n", "no attribute");
+  for (const char* bad : {"2", "-1", "0.5", "nan", "x"}) {
+    const std::string row = std::string("1 3 1\n1 1 2 3 ") + bad + "\n# dynmesh region 1 5\n";
+    expect_refused(row, ":2: the attribute is no region");
   }
 }
 

@@ -24,6 +24,7 @@ namespace dynmesh::io {
 namespace {
 
 using testing::SampleMesh;
+using testing::SampleMeshWithRegions;
 using testing::TempFolder;
 
 using Entity = std::pair<int, int>;  // dimension, tag
@@ -32,6 +33,7 @@ struct MshContent {
   std::map<Entity, std::string> physical_names;
   std::map<Entity, std::vector<int>> physical_of;  // of entities
   std::map<int, std::vector<int>> curve_points;
+  std::map<int, std::vector<int>> surface_curves;
   std::map<std::uint64_t, std::array<double, 3>> nodes;
   std::map<std::uint64_t, Entity> entity_of_node;
   struct Element {
@@ -104,6 +106,7 @@ void ReadEntities(const std::string& text, MshContent& content) {
         const int below = static_cast<int>(s.Int());
         EXPECT_TRUE(content.physical_of.contains({dimension - 1, std::abs(below)}));
         if (dimension == 1) content.curve_points[tag].push_back(below);
+        if (dimension == 2) content.surface_curves[tag].push_back(below);
       }
     }
   }
@@ -193,6 +196,13 @@ std::string NameOf(FeatureId owner) {
 // Everything that the mesh has stands in the file, and nothing else.
 void ExpectHolds(const MshContent& content, const IndexedMesh& mesh) {
   ASSERT_EQ(content.nodes.size(), mesh.vertices.size());
+  // A free vertex is part of the region of some triangle around it.
+  std::map<std::uint64_t, std::set<std::string>> regions_at;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const auto v : mesh.triangles[i]) {
+      regions_at[v + 1ULL].insert(mesh.regions.Name(mesh.regions.Of(i)));
+    }
+  }
   std::multiset<std::pair<std::uint64_t, std::string>> points, found_points;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const auto& v = mesh.vertices[i];
@@ -202,7 +212,11 @@ void ExpectHolds(const MshContent& content, const IndexedMesh& mesh) {
     EXPECT_EQ(node[2], 0);
     const Entity entity = content.entity_of_node.at(i + 1);
     const bool free = v.containing_dimension == 2 || v.owner == kNoFeature;
-    EXPECT_EQ(NameOf(content, entity), free ? "domain" : NameOf(v.owner));
+    if (free && regions_at.contains(i + 1)) {
+      EXPECT_TRUE(regions_at.at(i + 1).contains(NameOf(content, entity)));
+    } else {
+      EXPECT_EQ(NameOf(content, entity), free ? "domain" : NameOf(v.owner));
+    }
     const bool point = !free && v.containing_dimension == 0 && v.owner != kBoxFeature;
     EXPECT_EQ(entity.first, free ? 2 : point ? 0 : 1);
     if (point) points.emplace(i + 1, NameOf(v.owner));
@@ -212,13 +226,18 @@ void ExpectHolds(const MshContent& content, const IndexedMesh& mesh) {
   for (const auto& e : mesh.edges) {
     if (e.owner != kNoFeature) edges.insert({{e.a + 1ULL, e.b + 1ULL}, NameOf(e.owner)});
   }
-  std::multiset<std::vector<std::uint64_t>> triangles, found_triangles;
-  for (const auto& t : mesh.triangles) triangles.insert({t[0] + 1ULL, t[1] + 1ULL, t[2] + 1ULL});
+  using Triangle = std::pair<std::vector<std::uint64_t>, std::string>;
+  std::multiset<Triangle> triangles, found_triangles;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto& t = mesh.triangles[i];
+    triangles.insert(
+        {{t[0] + 1ULL, t[1] + 1ULL, t[2] + 1ULL}, mesh.regions.Name(mesh.regions.Of(i))});
+  }
   for (const auto& [tag, element] : content.elements) {
     const std::string name = NameOf(content, element.entity);
     if (element.type == 15) found_points.emplace(element.nodes[0], name);
     if (element.type == 1) found_edges.insert({{element.nodes.begin(), element.nodes.end()}, name});
-    if (element.type == 2) found_triangles.insert(element.nodes);
+    if (element.type == 2) found_triangles.insert({element.nodes, name});
   }
   EXPECT_EQ(points, found_points);
   EXPECT_EQ(edges, found_edges);
@@ -236,6 +255,26 @@ TEST(Msh, HoldsTheMeshExactly) {
   EXPECT_EQ(content.curve_points.at(3), (std::vector<int>{1, -2}));
   EXPECT_EQ(content.physical_names.at({1, 4}), "box");
   EXPECT_FALSE(content.curve_points.contains(4));
+}
+
+TEST(Msh, HasASurfaceForEachRegion) {
+  const TempFolder folder;
+  const IndexedMesh mesh = IndexMesh(SampleMeshWithRegions()).value();
+  ASSERT_TRUE(WriteMsh(mesh, folder.Path("m.msh")).ok());
+  const MshContent content = ReadMsh(folder.Read("m.msh"));
+  ExpectHolds(content, mesh);
+  EXPECT_EQ(content.physical_names.at({2, 1}), "domain");
+  EXPECT_EQ(content.physical_names.at({2, 2}), "polygon 12");
+  EXPECT_EQ(content.physical_names.at({2, 3}), "polygons 12 40");
+  EXPECT_EQ(content.physical_names.at({2, 4}), "polygon 40");
+  EXPECT_EQ(content.physical_names.at({2, 5}), "polygons 40 18446744073709551614");
+  EXPECT_EQ(content.entity_of_node.at(9), Entity(2, 3));  // the free vertex
+  // Segment 30 is reference 3, the box 4. Each triangle is in one group.
+  EXPECT_EQ(content.surface_curves.at(1), (std::vector<int>{3, 4}));
+  EXPECT_EQ(content.surface_curves.at(2), (std::vector<int>{3}));
+  EXPECT_EQ(content.surface_curves.at(3), (std::vector<int>{3, 4}));
+  EXPECT_EQ(content.surface_curves.at(4), (std::vector<int>{4}));
+  EXPECT_EQ(content.surface_curves.at(5), (std::vector<int>{3}));
 }
 
 TEST(Msh, OfATriangleIsThisFile) {

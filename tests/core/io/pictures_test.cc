@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/strings/escaping.h"
+#include "core/io/colour_ramp.h"
 #include "core/io/svg_writer.h"
 #include "core/io/vtu_writer.h"
 #include "gtest/gtest.h"
@@ -17,6 +18,7 @@ namespace dynmesh::io {
 namespace {
 
 using testing::SampleMesh;
+using testing::SampleMeshWithRegions;
 using testing::TempFolder;
 
 // The values of every DataArray, by name.
@@ -113,6 +115,23 @@ TEST(Vtu, TellsWhatASmallInputAngleExcuses) {
             std::vector<std::uint8_t>(4, 0));
 }
 
+TEST(Vtu, SaysWhichRegionATriangleIsInAndWhatThatMeans) {
+  const TempFolder folder;
+  const IndexedMesh mesh = IndexMesh(SampleMeshWithRegions()).value();
+  ASSERT_TRUE(WriteVtu(mesh, kDefaultQuality2D, folder.Path("m.vtu")).ok());
+  const std::string xml = folder.Read("m.vtu");
+  auto arrays = ReadArrays(xml);
+  EXPECT_EQ(As<std::uint32_t>(arrays.at("region")), mesh.regions.numbers);
+  EXPECT_EQ(As<std::int64_t>(arrays.at("region_polygons")),
+            (std::vector<std::int64_t>{12, 12, 40, 40, 40, -2}));
+  EXPECT_EQ(As<std::int64_t>(arrays.at("region_ends")), (std::vector<std::int64_t>{1, 3, 4, 6}));
+  EXPECT_NE(xml.find("Name=\"region_polygons\" NumberOfTuples=\"6\""), std::string::npos);
+  EXPECT_LT(xml.find("</FieldData>"), xml.find("<Piece"));
+  // Without polygons the file is what it was before there were any.
+  ASSERT_TRUE(WriteVtu(IndexMesh(SampleMesh()).value(), 2, folder.Path("m.vtu")).ok());
+  EXPECT_EQ(folder.Read("m.vtu").find("region"), std::string::npos);
+}
+
 TEST(Vtu, OfNothingIsStillAFile) {
   const TempFolder folder;
   ASSERT_TRUE(WriteVtu(IndexedMesh(), kDefaultQuality2D, folder.Path("m.vtu")).ok());
@@ -159,6 +178,20 @@ TEST(Svg, ShowsWhatIsExempt) {
   EXPECT_EQ(Filled(svg, "#f6a821"), 1U);
   EXPECT_EQ(Filled(svg, "#b2182b"), count(SimplexVerdict::kOverRho));
   EXPECT_EQ(Filled(svg, "#eaf1f6"), count(SimplexVerdict::kGood));
+}
+
+TEST(Svg, RegionsHaveColoursOfTheirOwn) {
+  const TempFolder folder;
+  SvgOptions options;
+  options.fill = SvgOptions::Fill::kRegion;
+  const IndexedMesh mesh = IndexMesh(SampleMeshWithRegions()).value();
+  ASSERT_TRUE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+  const std::string svg = folder.Read("m.svg");
+  EXPECT_EQ(Filled(svg, "#eaf1f6"), 4U);
+  const std::size_t expected[] = {0, 1, 4, 1, 1};
+  for (std::size_t k = 1; k <= 4; ++k) EXPECT_EQ(Filled(svg, DistinctColour(k)), expected[k]) << k;
+  ASSERT_TRUE(WriteSvg(IndexMesh(SampleMesh()).value(), options, folder.Path("m.svg")).ok());
+  EXPECT_EQ(Filled(folder.Read("m.svg"), "#eaf1f6"), 11U);
 }
 
 TEST(Svg, QualityIsRedOverRhoOnly) {
@@ -220,7 +253,7 @@ TEST(Svg, TakesOddOptionsWithoutHarm) {
   options.width = 100;
   options.rho = std::nan("");
   EXPECT_FALSE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
-  for (const char* fill : {"angle", "quality", "size", "exempt", "plain", "none"}) {
+  for (const char* fill : {"angle", "quality", "size", "exempt", "region", "plain", "none"}) {
     EXPECT_TRUE(ParseFill(fill).ok()) << fill;
   }
   EXPECT_FALSE(ParseFill("blue").ok());

@@ -69,6 +69,24 @@ inline Mesh SampleMesh() {
   return mesh;
 }
 
+inline constexpr FeatureId kLargePolygon = kBoxFeature - 1;
+
+// The same with labels: the triangles around vertex 9 are in polygons 12 and 40, that left of
+// them in 12, that right of them in 40, that on top of vertex 8 between 3 and 7 in 40 and
+// kLargePolygon; the rest in none.
+inline Mesh SampleMeshWithRegions() {
+  Mesh mesh = SampleMesh();
+  const std::vector<FeatureId> both = {12, 40};
+  const std::vector<FeatureId> large = {40, kLargePolygon};
+  mesh.region_sets = {{RegionIdOf(both), both}, {RegionIdOf(large), large}};
+  std::sort(mesh.region_sets.begin(), mesh.region_sets.end(),
+            [](const RegionSet& a, const RegionSet& b) { return a.id < b.id; });
+  const RegionId in_both = RegionIdOf(both);
+  mesh.regions = {0, 0, 12, in_both, in_both, in_both, in_both, 40, RegionIdOf(large), 0, 0};
+  mesh.hash = ComputeHash(mesh);
+  return mesh;
+}
+
 }  // namespace dynmesh::testing
 
 #endif  // DYNMESH_TESTS_CORE_IO_SAMPLE_MESH_H_

@@ -58,14 +58,14 @@ TEST(SizingField, SaysWhatALookAtEveryRegionSays) {
 }
 
 TEST(SizingRegion, MeetsWhatIsWithinItsRadius) {
-  const SizingRegion disc{{{0, 0}}, {{0, 0}}, 1, 1};
+  const SizingRegion disc{{{0, 0}}, {{0, 0}}, 1, 1, nullptr};
   EXPECT_TRUE(disc.Meets({{2, 0}}, 1));
   EXPECT_FALSE(disc.Meets({{2, 0}}, 0.99));
-  const SizingRegion box{{{0, 0}}, {{2, 1}}, 0, 1};
+  const SizingRegion box{{{0, 0}}, {{2, 1}}, 0, 1, nullptr};
   EXPECT_TRUE(box.Meets({{1, 0.5}}, 0));
   EXPECT_TRUE(box.Meets({{5, 5}}, 5));
   EXPECT_FALSE(box.Meets({{5, 5}}, 4.9));
-  const SizingRegion point{{{0, 0}}, {{0, 0}}, 0, 1};
+  const SizingRegion point{{{0, 0}}, {{0, 0}}, 0, 1, nullptr};
   EXPECT_TRUE(point.Meets({{3, 4}}, 5));
   EXPECT_FALSE(point.Meets({{3, 4}}, 4.9));
 }
@@ -76,7 +76,7 @@ TEST(SizingField, DoesNotGrowAsARegionTravels) {
   std::size_t most = 0;
   for (int i = 0; i < 2000; ++i) {
     const double x = i / 2000.0;
-    const auto index = field.Add({{{x, 0.3}}, {{x, 0.3}}, 0.01, 0.001});
+    const auto index = field.Add({{{x, 0.3}}, {{x, 0.3}}, 0.01, 0.001, nullptr});
     field.Remove(index);
     if (i == 100) most = field.bytes();
   }

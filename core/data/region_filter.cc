@@ -1,0 +1,170 @@
+#include "core/data/region_filter.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "absl/container/flat_hash_set.h"
+#include "core/data/regions.h"
+
+namespace dynmesh::data {
+namespace {
+
+// `ids` and `polygons` ascend.
+bool Meet(const std::vector<FeatureId>& ids, std::span<const FeatureId> polygons) {
+  auto i = ids.begin();
+  auto p = polygons.begin();
+  while (i != ids.end() && p != polygons.end()) {
+    if (*i == *p) return true;
+    *i < *p ? static_cast<void>(++i) : static_cast<void>(++p);
+  }
+  return false;
+}
+
+void Normalize(std::vector<FeatureId>& ids) {
+  std::ranges::sort(ids);
+  const auto twice = std::ranges::unique(ids);
+  ids.erase(twice.begin(), twice.end());
+}
+
+// Copies the chosen rows; returns the sum of the hashes of the others.
+MeshHash Choose(int dimension, const SimplexColumn& simplices, const RegionColumn& regions,
+                RegionFilter& filter, SimplexColumn& chosen, RegionColumn& chosen_regions) {
+  const auto width = static_cast<std::size_t>(dimension) + 1;
+  MeshHash hidden;
+  for (std::size_t i = 0; i < simplices.size() / width; ++i) {
+    const RegionId region = regions.empty() ? kNoRegion : regions[i];
+    const VertexId* const ids = &simplices[i * width];
+    if (filter.Has(region)) {
+      chosen.insert(chosen.end(), ids, ids + width);
+      if (!regions.empty()) chosen_regions.push_back(region);
+    } else {
+      hidden += HashSimplex(ids, dimension + 1, region);
+    }
+  }
+  DropIfIdle(chosen_regions);
+  return hidden;
+}
+
+VertexColumns RowsOf(const absl::flat_hash_set<VertexId>& ids, std::size_t dimension,
+                     const VertexColumns& from) {
+  VertexColumns to;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (!ids.contains(from.ids[i])) continue;
+    to.ids.push_back(from.ids[i]);
+    const double* const x = &from.coordinates[i * dimension];
+    to.coordinates.insert(to.coordinates.end(), x, x + dimension);
+    to.containing_dimensions.push_back(from.containing_dimensions[i]);
+    to.owners.push_back(from.owners[i]);
+  }
+  return to;
+}
+
+using Ends = std::pair<VertexId, VertexId>;
+
+// Those subsegments that are an edge of a simplex.
+SubsegmentColumns EdgesOf(const SimplexColumn& simplices, std::size_t width,
+                          const SubsegmentColumns& from) {
+  // Of subsegments, not of edges, which are many more.
+  absl::flat_hash_set<Ends> open;
+  for (std::size_t i = 0; i < from.size(); ++i)
+    open.emplace(from.ends[2 * i], from.ends[2 * i + 1]);
+  absl::flat_hash_set<Ends> edges;
+  for (std::size_t row = 0; row < simplices.size(); row += width) {
+    for (std::size_t i = 0; i < width; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const Ends ends = std::minmax(simplices[row + i], simplices[row + j]);
+        if (open.contains(ends)) edges.insert(ends);
+      }
+    }
+  }
+  SubsegmentColumns to;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (!edges.contains(Ends(from.ends[2 * i], from.ends[2 * i + 1]))) continue;
+    to.ends.insert(to.ends.end(), {from.ends[2 * i], from.ends[2 * i + 1]});
+    to.owners.push_back(from.owners[i]);
+  }
+  return to;
+}
+
+}  // namespace
+
+bool RegionChoice::Has(std::span<const FeatureId> polygons) const {
+  if (Meet(out, polygons)) return false;
+  if (in_any) return !polygons.empty();
+  return in.empty() || Meet(in, polygons);
+}
+
+void Normalize(RegionChoice& choice) {
+  Normalize(choice.in);
+  Normalize(choice.out);
+}
+
+RegionFilter::RegionFilter(const RegionChoice& choice, std::span<const RegionSet> sets)
+    : choice_(choice), sets_(sets), has_last_(choice.Has({})) {}
+
+bool RegionFilter::Has(RegionId region) {
+  if (region == last_) return has_last_;
+  const auto [it, is_new] = known_.try_emplace(region, false);
+  if (is_new) it->second = choice_.Has(PolygonsOf(region, sets_));
+  last_ = region;
+  return has_last_ = it->second;
+}
+
+Mesh OnlyInside(const Mesh& mesh, const RegionChoice& choice) {
+  if (choice.IsEverything()) return mesh;
+  const auto dimension = static_cast<std::size_t>(mesh.dimension);
+  Mesh part;
+  part.dimension = mesh.dimension;
+  part.revision = mesh.revision;
+  RegionFilter filter(choice, mesh.region_sets);
+  Choose(mesh.dimension, mesh.simplices, mesh.regions, filter, part.simplices, part.regions);
+  part.region_sets = mesh.region_sets;
+  KeepNamed(part.region_sets, {&part.regions});
+  const absl::flat_hash_set<VertexId> used(part.simplices.begin(), part.simplices.end());
+  part.vertices = RowsOf(used, dimension, mesh.vertices);
+  part.subsegments = EdgesOf(part.simplices, dimension + 1, mesh.subsegments);
+  part.hash = ComputeHash(part);
+  return part;
+}
+
+Mesh SimplicesInside(const Mesh& mesh, const RegionChoice& choice) {
+  if (choice.IsEverything()) return mesh;
+  Mesh part;
+  part.dimension = mesh.dimension;
+  part.revision = mesh.revision;
+  part.vertices = mesh.vertices;
+  part.subsegments = mesh.subsegments;
+  part.region_sets = mesh.region_sets;
+  part.hash = mesh.hash;
+  RegionFilter filter(choice, mesh.region_sets);
+  part.hash -=
+      Choose(mesh.dimension, mesh.simplices, mesh.regions, filter, part.simplices, part.regions);
+  KeepNamed(part.region_sets, {&part.regions});
+  return part;
+}
+
+MeshDiff SimplicesInside(const MeshDiff& diff, const RegionChoice& choice, MeshHash& hidden) {
+  if (choice.IsEverything()) return diff;
+  MeshDiff part;
+  part.dimension = diff.dimension;
+  part.from_revision = diff.from_revision;
+  part.to_revision = diff.to_revision;
+  part.removed_vertices = diff.removed_vertices;
+  part.removed_subsegments = diff.removed_subsegments;
+  part.added_vertices = diff.added_vertices;
+  part.added_subsegments = diff.added_subsegments;
+  part.work = diff.work;
+  part.region_sets = diff.region_sets;
+  RegionFilter filter(choice, diff.region_sets);
+  hidden -= Choose(diff.dimension, diff.removed_simplices, diff.removed_regions, filter,
+                   part.removed_simplices, part.removed_regions);
+  hidden += Choose(diff.dimension, diff.added_simplices, diff.added_regions, filter,
+                   part.added_simplices, part.added_regions);
+  KeepNamed(part.region_sets, {&part.removed_regions, &part.added_regions});
+  part.hash = diff.hash;
+  part.hash -= hidden;
+  return part;
+}
+
+}  // namespace dynmesh::data

@@ -1,0 +1,72 @@
+// Sets of polygons by their ids (mesh.h, RegionId): what a triangle lies in, and what changes
+// from one side of an edge to the other.
+// Thread-compatible; even const members may not run at the same time. O(1) expected.
+#ifndef DYNMESH_CORE_DYNAMIC_MESH_REGION_SETS_H_
+#define DYNMESH_CORE_DYNAMIC_MESH_REGION_SETS_H_
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "dynmesh/mesh.h"
+
+namespace dynmesh {
+
+class RegionSets {
+ public:
+  // `polygons` ascending.
+  RegionId Add(std::span<const FeatureId> polygons) {
+    const RegionId id = RegionIdOf(polygons);
+    if (polygons.size() > 1) sets_.try_emplace(id, polygons.begin(), polygons.end());
+    return id;
+  }
+  // The polygons in one of the two and not in the other.
+  RegionId Toggle(RegionId a, RegionId b) {
+    if (a == kNoRegion) return b;
+    if (b == kNoRegion) return a;
+    if (a == b) return kNoRegion;
+    const std::pair<RegionId, RegionId> key = std::minmax(a, b);
+    const auto known = toggles_.find(key);
+    if (known != toggles_.end()) return known->second;
+    std::vector<FeatureId> polygons;
+    const std::vector<FeatureId> of_a = PolygonsOf(a), of_b = PolygonsOf(b);
+    std::set_symmetric_difference(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(),
+                                  std::back_inserter(polygons));
+    return toggles_[key] = Add(polygons);
+  }
+  std::vector<FeatureId> PolygonsOf(RegionId id) const {
+    const auto it = sets_.find(id);
+    return it != sets_.end() ? it->second : std::vector<FeatureId>{id};
+  }
+  // Those of `ids` with several polygons, by ascending id. `ids` is sorted by this.
+  std::vector<RegionSet> SetsOf(std::vector<RegionId>* ids) const {
+    std::sort(ids->begin(), ids->end());
+    ids->erase(std::unique(ids->begin(), ids->end()), ids->end());
+    std::vector<RegionSet> sets;
+    for (const RegionId id : *ids) {
+      const auto it = sets_.find(id);
+      if (it != sets_.end()) sets.push_back({id, it->second});
+    }
+    return sets;
+  }
+
+  // Forgets the sets whose ids are not among `used`.
+  template <class Ids>
+  void Keep(const Ids& used) {
+    toggles_.clear();
+    absl::erase_if(sets_, [&](const auto& set) { return !used.contains(set.first); });
+  }
+  std::size_t size() const { return sets_.size() + toggles_.size(); }
+
+ private:
+  absl::flat_hash_map<RegionId, std::vector<FeatureId>> sets_;  // of several polygons
+  absl::flat_hash_map<std::pair<RegionId, RegionId>, RegionId> toggles_;
+};
+
+}  // namespace dynmesh
+
+#endif  // DYNMESH_CORE_DYNAMIC_MESH_REGION_SETS_H_

@@ -1,0 +1,33 @@
+#include "core/plc/delta.h"
+
+#include <tuple>
+
+namespace dynmesh::plc {
+namespace {
+
+template <typename F>
+void SortById(std::vector<F>& features) {
+  std::sort(features.begin(), features.end(), [](const F& a, const F& b) { return a.id < b.id; });
+}
+
+// Edges of a polygon have its id.
+void SortById(std::vector<SegmentFeature>& segments) {
+  std::sort(segments.begin(), segments.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.id, a.p_id, a.q_id) < std::tie(b.id, b.p_id, b.q_id);
+  });
+}
+
+}  // namespace
+
+void Delta::Sort() {
+  SortById(removed_points);
+  SortById(added_points);
+  SortById(removed_segments);
+  SortById(added_segments);
+  SortById(removed_sizes);
+  SortById(added_sizes);
+  SortById(removed_polygons);
+  SortById(added_polygons);
+}
+
+}  // namespace dynmesh::plc

@@ -1,0 +1,147 @@
+#include "core/data/region_filter.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/data/diff_meshes.h"
+#include "core/data/mesh_store.h"
+#include "gtest/gtest.h"
+#include "tests/core/data/made_up_mesh.h"
+
+namespace dynmesh::data {
+namespace {
+
+using testing::Identical;
+using testing::MakeRandom;
+using testing::MakeUpLabelledMesh;
+
+Mesh Sorted(Mesh mesh) {
+  Canonicalize(mesh);
+  return mesh;
+}
+
+// Word for word what a choice says.
+bool NaiveHas(const RegionChoice& choice, const std::vector<FeatureId>& polygons) {
+  const auto inside = [&](FeatureId id) { return std::ranges::count(polygons, id) > 0; };
+  if (std::ranges::any_of(choice.out, inside)) return false;
+  if (choice.in_any) return !polygons.empty();
+  if (!choice.in.empty()) return std::ranges::any_of(choice.in, inside);
+  return true;
+}
+
+Mesh NaiveSimplicesInside(const Mesh& mesh, const RegionChoice& choice) {
+  Mesh part = mesh;
+  part.simplices.clear();
+  part.regions.clear();
+  for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
+    if (!NaiveHas(choice, PolygonsOf(mesh.region(i), mesh.region_sets))) continue;
+    for (std::size_t k = 0; k < 3; ++k) part.simplices.push_back(mesh.simplices[3 * i + k]);
+    part.regions.push_back(mesh.region(i));
+  }
+  part.hash = ComputeHash(part);
+  return Sorted(part);
+}
+
+Mesh NaiveOnlyInside(const Mesh& mesh, const RegionChoice& choice) {
+  Mesh part = NaiveSimplicesInside(mesh, choice);
+  std::set<VertexId> used(part.simplices.begin(), part.simplices.end());
+  std::set<std::pair<VertexId, VertexId>> edges;
+  for (std::size_t i = 0; i < part.simplices.size(); i += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId a = part.simplices[i + k], b = part.simplices[i + (k + 1) % 3];
+      edges.insert({std::min(a, b), std::max(a, b)});
+    }
+  }
+  const VertexColumns all = std::exchange(part.vertices, {});
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!used.contains(all.ids[i])) continue;
+    part.vertices.ids.push_back(all.ids[i]);
+    part.vertices.coordinates.push_back(all.coordinates[2 * i]);
+    part.vertices.coordinates.push_back(all.coordinates[2 * i + 1]);
+    part.vertices.containing_dimensions.push_back(all.containing_dimensions[i]);
+    part.vertices.owners.push_back(all.owners[i]);
+  }
+  const SubsegmentColumns pieces = std::exchange(part.subsegments, {});
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    if (!edges.contains({pieces.ends[2 * i], pieces.ends[2 * i + 1]})) continue;
+    part.subsegments.ends.push_back(pieces.ends[2 * i]);
+    part.subsegments.ends.push_back(pieces.ends[2 * i + 1]);
+    part.subsegments.owners.push_back(pieces.owners[i]);
+  }
+  part.hash = ComputeHash(part);
+  return Sorted(part);
+}
+
+const std::vector<RegionChoice> kChoices = {
+    {},
+    {{101}, false, {}},
+    {{102, 104}, false, {}},
+    {{101, 102, 103, 104}, false, {}},
+    {{999}, false, {}},
+    {{}, true, {}},
+    {{}, true, {103}},
+    {{101, 103}, false, {102}},
+    {{}, false, {101, 104}},
+};
+
+TEST(OnlyInside, KeepsWhatTheChoiceSaysAndWhatThatNeeds) {
+  auto random = MakeRandom();
+  for (int round = 0; round < 20; ++round) {
+    const Mesh mesh = MakeUpLabelledMesh(random, 60, 3);
+    for (const RegionChoice& choice : kChoices) {
+      const Mesh part = OnlyInside(mesh, choice);
+      if (choice.IsEverything()) {
+        EXPECT_TRUE(Identical(part, mesh));
+        continue;
+      }
+      EXPECT_EQ(part.hash, ComputeHash(part));
+      EXPECT_TRUE(Identical(Sorted(part), NaiveOnlyInside(mesh, choice)));
+      EXPECT_TRUE(
+          Identical(Sorted(SimplicesInside(mesh, choice)), NaiveSimplicesInside(mesh, choice)));
+    }
+  }
+}
+
+TEST(OnlyInside, OfAMeshWithoutPolygonsIsNothingOrAllOfItsSimplices) {
+  auto random = MakeRandom();
+  const Mesh mesh = testing::MakeUpMesh(random, 30, 3);
+  EXPECT_EQ(OnlyInside(mesh, {{101}, false, {}}).simplex_count(), 0U);
+  EXPECT_EQ(OnlyInside(mesh, {{101}, false, {}}).vertices.size(), 0U);
+  EXPECT_EQ(OnlyInside(mesh, {{101}, false, {}}).hash, MeshHash());
+  EXPECT_EQ(OnlyInside(mesh, {{}, false, {101}}).simplices, mesh.simplices);
+}
+
+// A replica of the part, fed by filtered diffs only, is at any time the part.
+TEST(SimplicesInside, OfDiffsKeepAReplicaOfThePart) {
+  auto random = MakeRandom();
+  for (const RegionChoice& choice : kChoices) {
+    Mesh mesh = MakeUpLabelledMesh(random, 60, 0);
+    const Mesh part = SimplicesInside(mesh, choice);
+    MeshHash hidden = mesh.hash;
+    hidden -= part.hash;
+    auto store = MeshStore::FromMesh(part);
+    ASSERT_TRUE(store.ok()) << store.status();
+    for (std::uint64_t revision = 1; revision <= 10; ++revision) {
+      // Every other one changes labels only.
+      Mesh next = revision % 2 == 0 ? mesh : testing::MakeUpMesh(random, 60, revision);
+      next.revision = revision;
+      testing::Label(random, next);
+      const MeshDiff diff = SimplicesInside(DiffMeshes(mesh, next), choice, hidden);
+      const absl::Status status = store->Apply(diff);
+      ASSERT_TRUE(status.ok()) << status;
+      EXPECT_TRUE(Identical(Sorted(store->ToMesh()), NaiveSimplicesInside(next, choice)));
+      mesh = next;
+    }
+  }
+}
+
+TEST(RegionChoice, IsPutInOrder) {
+  RegionChoice choice = {{3, 1, 3}, false, {5, 5, 4}};
+  Normalize(choice);
+  EXPECT_EQ(choice, (RegionChoice{{1, 3}, false, {4, 5}}));
+}
+
+}  // namespace
+}  // namespace dynmesh::data
