@@ -309,8 +309,8 @@ void PrintBatches(const Input& input, double rho) {
 
 PlanarMeshTuning Always(bool rebuild) {
   PlanarMeshTuning tuning;
-  tuning.rebuild_at_least = rebuild ? 0 : ~std::size_t{0};
-  tuning.rebuild_fraction = rebuild ? -1 : 1;
+  tuning.rebuild.at_least = rebuild ? 0 : ~std::size_t{0};
+  tuning.rebuild.features = rebuild ? -1 : 1;
   return tuning;
 }
 
@@ -335,7 +335,7 @@ Change LargeChange(const Input& input, double part, bool in_one_place, bool move
     Random random(5);
     for (const std::size_t i : chosen) {
       const Feature& p = input.features[i];
-      const double step = 0.02 * input.ScaleAt(p);
+      const double step = 0.002 * input.ScaleAt(p);
       change.edits.push_back(
           MoveBy(p, step * (2 * random.Unit() - 1), step * (2 * random.Unit() - 1)));
       back.push_back(MoveBy(p, 0, 0));
@@ -359,23 +359,28 @@ Change LargeChange(const Input& input, double part, bool in_one_place, bool move
 }
 
 void PrintRebuild(const Input& input, double rho) {
-  const auto propagated = Make(input, rho, Always(false)), rebuilt = Make(input, rho, Always(true));
-  if (propagated == nullptr || rebuilt == nullptr) return;
+  const auto propagated = Make(input, rho, Always(false)), rebuilt = Make(input, rho, Always(true)),
+             chosen = Make(input, rho, {});
+  if (propagated == nullptr || rebuilt == nullptr || chosen == nullptr) return;
   const std::size_t n = input.features.size();
   std::printf(
-      "\n%s, rho %.4g, %zu features: propagated / rebuilt, seconds, and its ratio; there and back\n",
+      "\n%s, rho %.4g, %zu features: propagated, rebuilt, what is chosen, seconds; there and back\n",
       input.name.c_str(), rho, n);
   const auto row = [&](const std::string& name, const Change& change) {
     Cost a[2], b[2];
     if (!AtOnce(*propagated, change, &a[0], &a[1])) return std::printf("%s refused\n", name.c_str());
     const double vertices = static_cast<double>(propagated->Stats().vertices);
-    if (!AtOnce(*rebuilt, change, &b[0], &b[1])) return 0;
-    return std::printf(
-        "%-34s %6.3f of n %6.3f of V | %8.4f / %8.4f = %5.2f | %8.4f / %8.4f = %5.2f\n",
-        name.c_str(), static_cast<double>(change.edits.size()) / static_cast<double>(n),
-        a[0].changed / vertices, a[0].microseconds * 1e-6, b[0].microseconds * 1e-6,
-        a[0].microseconds / b[0].microseconds, a[1].microseconds * 1e-6, b[1].microseconds * 1e-6,
-        a[1].microseconds / b[1].microseconds);
+    Cost c[2];
+    if (!AtOnce(*rebuilt, change, &b[0], &b[1]) || !AtOnce(*chosen, change, &c[0], &c[1])) return 0;
+    std::printf("%-28s %5.3f of n %5.3f of V", name.c_str(),
+                static_cast<double>(change.edits.size()) / static_cast<double>(n),
+                a[0].changed / vertices);
+    for (int i = 0; i < 2; ++i) {
+      std::printf(" | %8.4f %8.4f %8.4f, ratio %5.2f", a[i].microseconds * 1e-6,
+                  b[i].microseconds * 1e-6, c[i].microseconds * 1e-6,
+                  a[i].microseconds / b[i].microseconds);
+    }
+    return std::printf("\n");
   };
   for (const bool moves : {false, true}) {
     for (const bool in_one_place : {false, true}) {
