@@ -19,8 +19,7 @@ void GuardedGaps::FindBalls() {
     const auto b = row_of_.find(mesh_.subsegments.ends[2 * s + 1]);
     if (a == row_of_.end() || b == row_of_.end()) continue;
     const geometry::Point2 p = At(a->second), q = At(b->second);
-    balls_.push_back(
-        {geometry::Midpoint(p, q), kTolerance * geometry::SquaredDistance(p, q) / 4});
+    balls_.push_back({geometry::Midpoint(p, q), kTolerance * geometry::SquaredDistance(p, q) / 4});
   }
 }
 

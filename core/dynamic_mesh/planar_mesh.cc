@@ -160,8 +160,7 @@ absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, const Mesh
     return status;
   }
   fresh->refinement.DetachTriangulation();
-  MeshDiff diff =
-      data::DiffMeshes(before, fresh->diffs.Begin(fresh->refinement, fresh->features));
+  MeshDiff diff = data::DiffMeshes(before, fresh->diffs.Begin(fresh->refinement, fresh->features));
   fresh->features.Collect();
   const sac::Counters& counters = fresh->refinement.engine().counters();
   diff.work.executed = counters.executed;

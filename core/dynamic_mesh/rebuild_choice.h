@@ -11,9 +11,9 @@
 // change is made known does: an operation costs about twice as much to run again as to run
 // from scratch, and those stale at the beginning make others stale. Scattered changes are at
 // par at 13 % stale (3 % of the points moved: 0.12 stale, 0.8; 10 % removed: 0.29, 2.2), those
-// in one place at 35 % (removing) and 10 % (adding). Looking costs a snapshot. One sizing feature may be
-// worth any number of vertices: about its area over the square of its target, of which adding
-// (dropping) 0.2, 0.7, 2.4 and 8 times the vertices present came to 0.5 (0.5), 1.5 (2), 2.8
+// in one place at 35 % (removing) and 10 % (adding). Looking costs a snapshot. One sizing feature
+// may be worth any number of vertices: about its area over the square of its target, of which
+// adding (dropping) 0.2, 0.7, 2.4 and 8 times the vertices present came to 0.5 (0.5), 1.5 (2), 2.8
 // (3.5), 3.5 (5 to 10).
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_REBUILD_CHOICE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_REBUILD_CHOICE_H_
@@ -72,8 +72,8 @@ inline double VerticesCarried(const std::vector<plc::SizeFeature>& sizes, const 
 inline Plan PlanFor(const plc::Delta& delta, std::size_t features, std::size_t vertices,
                     const Box& box, const RebuildThresholds& thresholds) {
   const auto changes = static_cast<double>(delta.size());
-  const double carried = std::max(VerticesCarried(delta.added_sizes, box),
-                                  VerticesCarried(delta.removed_sizes, box));
+  const double carried =
+      std::max(VerticesCarried(delta.added_sizes, box), VerticesCarried(delta.removed_sizes, box));
   if (changes + carried < static_cast<double>(thresholds.at_least)) return Plan::kPropagate;
   const auto n = static_cast<double>(features), v = static_cast<double>(vertices);
   if (changes > thresholds.features * n || carried > thresholds.carried * v) return Plan::kRebuild;

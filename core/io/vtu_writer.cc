@@ -107,7 +107,7 @@ void WriteCellData(const IndexedMesh& mesh, double rho, FileWriter& out) {
     angles.push_back(q.min_angle_deg);
   }
   for (const SimplexVerdict verdict : JudgeTriangles(mesh, rho)) {
-    exempt.push_back(verdict == SimplexVerdict::kSmallInputAngle  ? 1
+    exempt.push_back(verdict == SimplexVerdict::kSmallInputAngle    ? 1
                      : verdict == SimplexVerdict::kTerminationGuard ? 2
                                                                     : 0);
   }

@@ -277,8 +277,8 @@ void PrintBatches(const Input& input, double rho) {
   if (mesh == nullptr) return;
   std::printf("\n%s, rho %.4g: k nearby edits at once, as a part of the same one by one; medians\n",
               input.name.c_str(), rho);
-  std::printf("%-22s %4s | %10s %10s %6s | %10s %10s %6s\n", "edit", "k", "us", "one by one", "part",
-              "operations", "one by one", "part");
+  std::printf("%-22s %4s | %10s %10s %6s | %10s %10s %6s\n", "edit", "k", "us", "one by one",
+              "part", "operations", "one by one", "part");
   for (const auto& [kind, name] : kKinds) {
     for (int k = 2; k <= 64; k *= 2) {
       Random random(11);
@@ -288,10 +288,10 @@ void PrintBatches(const Input& input, double rho) {
         if (change.edits.empty()) break;
         Cost once, single;
         // Which comes first takes turns: the second finds warm caches.
-        const bool ok = i % 2 == 0 ? AtOnce(*mesh, change, &once, &once) &&
-                                         OneByOne(*mesh, change, &single, &single)
-                                   : OneByOne(*mesh, change, &single, &single) &&
-                                         AtOnce(*mesh, change, &once, &once);
+        const bool ok =
+            i % 2 == 0
+                ? AtOnce(*mesh, change, &once, &once) && OneByOne(*mesh, change, &single, &single)
+                : OneByOne(*mesh, change, &single, &single) && AtOnce(*mesh, change, &once, &once);
         if (!ok) continue;
         times.push_back(once.microseconds);
         executed.push_back(once.executed);
@@ -364,11 +364,13 @@ void PrintRebuild(const Input& input, double rho) {
   if (propagated == nullptr || rebuilt == nullptr || chosen == nullptr) return;
   const std::size_t n = input.features.size();
   std::printf(
-      "\n%s, rho %.4g, %zu features: propagated, rebuilt, what is chosen, seconds; there and back\n",
+      "\n%s, rho %.4g, %zu features: propagated, rebuilt, what is chosen, seconds; there and "
+      "back\n",
       input.name.c_str(), rho, n);
   const auto row = [&](const std::string& name, const Change& change) {
     Cost a[2], b[2];
-    if (!AtOnce(*propagated, change, &a[0], &a[1])) return std::printf("%s refused\n", name.c_str());
+    if (!AtOnce(*propagated, change, &a[0], &a[1]))
+      return std::printf("%s refused\n", name.c_str());
     const double vertices = static_cast<double>(propagated->Stats().vertices);
     Cost c[2];
     if (!AtOnce(*rebuilt, change, &b[0], &b[1]) || !AtOnce(*chosen, change, &c[0], &c[1])) return 0;
@@ -396,9 +398,9 @@ void PrintRebuild(const Input& input, double rho) {
     const double area = input.width() * input.width() * 0.25;  // of a disc of this size below
     const double target = std::sqrt(area / (fraction * static_cast<double>(n)));
     Change change;
-    change.edits = {Edit::Add(Feature::SizeDisc(
-        FreshId(0), (input.box.lo[0] + input.box.hi[0]) / 2,
-        (input.box.lo[1] + input.box.hi[1]) / 2, 0.28 * input.width(), target))};
+    change.edits = {Edit::Add(Feature::SizeDisc(FreshId(0), (input.box.lo[0] + input.box.hi[0]) / 2,
+                                                (input.box.lo[1] + input.box.hi[1]) / 2,
+                                                0.28 * input.width(), target))};
     change.inverse = {Edit::Remove(FreshId(0))};
     row("add, drop one disc", change);
   }

@@ -81,17 +81,15 @@ TEST(Rebuild, AfterALookIsPropagation) {
   looking.rebuild = {0, -1, 1e9, -1, 1e9};
   for (const Distribution d : kAllDistributions) {
     SCOPED_TRACE(NameOf(d));
-    MeshOptions options;
-    options.limits.max_vertices = 400;
-    PlanarMesh looked(options, looking), propagated(options, AlwaysPropagate());
+    PlanarMesh looked({}, looking), propagated({}, AlwaysPropagate());
     ScriptGenerator generator(d, 40, 8);
-    int refused = 0;
+    int applied = 0;
     for (int i = 0; i < 15; ++i) {
       const EditBatch batch = generator.Next(propagated.Features());
       const auto a = looked.Apply(batch, ApplyOptions{});
       const auto b = propagated.Apply(batch, ApplyOptions{});
       ASSERT_EQ(a.status().code(), b.status().code());
-      refused += !a.ok();
+      applied += a.ok();
       ASSERT_EQ(looked.hash(), propagated.hash());
       ASSERT_EQ(looked.Audit().problems, std::vector<std::string>());
       ASSERT_EQ(looked.Audit().trace, propagated.Audit().trace);
@@ -101,7 +99,7 @@ TEST(Rebuild, AfterALookIsPropagation) {
       EXPECT_EQ(a->added_simplices, b->added_simplices);
       EXPECT_EQ(a->removed_simplices, b->removed_simplices);
     }
-    EXPECT_LT(refused, 15);
+    EXPECT_GT(applied, 0);
   }
   // Too many vertices: found out while building anew.
   MeshOptions options;

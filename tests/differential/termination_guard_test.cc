@@ -27,8 +27,8 @@ std::vector<Feature> MakeStar(std::uint64_t seed) {
     angle += i == 0 ? small : (360 * kDegree - small) / 3 + (2 * random.Unit() - 1) * 4 * kDegree;
     const double length = 0.4 * std::exp2(-10 * random.Unit());
     const auto id = static_cast<FeatureId>(2 + 2 * i);
-    features.push_back(Feature::Point(id, 0.5 + length * std::cos(angle),
-                                      0.5 + length * std::sin(angle)));
+    features.push_back(
+        Feature::Point(id, 0.5 + length * std::cos(angle), 0.5 + length * std::sin(angle)));
     features.push_back(Feature::Segment(id + 1, 1, id));
   }
   return features;
