@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "dynmesh/mesh.h"
@@ -24,9 +25,9 @@ class SeditiousEdges {
 
  private:
   const Mesh& mesh_;
-  double tolerance_;  // of equal distances
-  // Rows of both ends of a segment that has been split.
-  absl::flat_hash_map<FeatureId, std::array<std::size_t, 2>> ends_;
+  double tolerance_;                                            // of equal distances
+  absl::flat_hash_map<std::size_t, std::uint32_t> segment_of_;  // by row of a vertex inside it
+  std::vector<std::array<std::size_t, 2>> ends_;                // rows of both ends of a segment
 };
 
 }  // namespace dynmesh::data

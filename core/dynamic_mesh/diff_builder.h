@@ -140,8 +140,7 @@ class DiffBuilder {
   // Appends a row to a mesh's or diff's columns, or gives its hash.
   static void Append(VertexColumns& to, const VertexRow& row);
   static void Append(SubsegmentColumns& to, const SubsegmentRow& row);
-  void Append(const std::vector<SimplexRow>& rows, SimplexColumn* simplices,
-              RegionColumn* regions);
+  void Append(const std::vector<SimplexRow>& rows, SimplexColumn* simplices, RegionColumn* regions);
   void NameRegions(std::initializer_list<RegionColumn*> columns,
                    std::vector<RegionSet>* sets) const;
   static MeshHash HashOf(const VertexRow& row);
@@ -157,7 +156,7 @@ class DiffBuilder {
   // Of the update under way.
   Rows<meshing::VertexIndex> vertices_;
   Rows<meshing::SubsegmentIndex> subsegments_;
-  std::vector<Renamed> renamed_;  // were in the mesh; by index
+  std::vector<Renamed> renamed_;                                   // were in the mesh; by index
   std::vector<mesh::DelaunayTriangulation::TriangleIndex> fresh_;  // finite ones just made
   Rows<TriangleRow> triangles_;                                    // finite ones
   std::vector<TriangleRow> stay_;

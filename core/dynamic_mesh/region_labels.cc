@@ -145,8 +145,7 @@ void RegionLabels::Spread(Triangle from) {
       const Triangle next = triangulation_.Opposite({t, c}).triangle;
       if (triangulation_.IsInfinite(next)) continue;
       const RegionId label = sets_.Toggle(
-          at(t),
-          WallBetween(v[Triangulation::NextIndex(c)], v[Triangulation::PreviousIndex(c)]));
+          at(t), WallBetween(v[Triangulation::NextIndex(c)], v[Triangulation::PreviousIndex(c)]));
       if (settled_.contains(next)) {
         assert(at(next) == label);
         continue;

@@ -1,7 +1,7 @@
-// The segments, by their two ends, and which meet at a point, at what angles: the shape of a segment, by which
-// it is split (meshing/shells.h), depends on its neighbours in angle at both ends. Tells
-// whose shape has changed after some have come or gone, and keeps what stands for each in the
-// mesher. Thread-compatible.
+// The segments, by their two ends, and which meet at a point, at what angles: the shape of a
+// segment, by which it is split (meshing/shells.h), depends on its neighbours in angle at both
+// ends. Tells whose shape has changed after some have come or gone, and keeps what stands for each
+// in the mesher. Thread-compatible.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_WEDGE_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_WEDGE_TABLE_H_
 
@@ -25,7 +25,7 @@ class WedgeTable {
     std::array<Vertex, 2> ends;  // the lesser point first
     std::array<meshing::WedgeEnd, 2> wedges = {};
     meshing::SegmentShape shape = {};
-    meshing::FeatureSlot slot = meshing::kNil;       // the caller's
+    meshing::FeatureSlot slot = meshing::kNil;      // the caller's
     meshing::SubsegmentIndex root = meshing::kNil;  // the caller's; kNil: not made yet
   };
 

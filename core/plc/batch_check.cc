@@ -176,8 +176,7 @@ void BatchCheck::CollectPolygon(FeatureId id) {
   }
   if (!whole) return;
   ForEachEdge(now.rings, note);
-  ForEachEdge(now.rings,
-              [&](FeatureId p, FeatureId q) { new_users_[KeyOf(p, q)].push_back(id); });
+  ForEachEdge(now.rings, [&](FeatureId p, FeatureId q) { new_users_[KeyOf(p, q)].push_back(id); });
   delta_.added_polygons.push_back(std::move(now));
 }
 
@@ -186,7 +185,9 @@ void BatchCheck::CollectPolygon(FeatureId id) {
 void BatchCheck::FindAffectedEdges() {
   for (const Draft::Entry& entry : draft_.entries()) {
     if (entry.state != Draft::State::kSegment) continue;
-    drafted_segments_[KeyOf(entry.ends[0], entry.ends[1])] = entry.id;
+    const EdgeKey key = KeyOf(entry.ends[0], entry.ends[1]);
+    FeatureId& first = drafted_segments_.try_emplace(key, entry.id).first->second;
+    if (BlameOfEdge(entry.id, key) < BlameOfEdge(first, key)) first = entry.id;
   }
   for (const FeatureId id : affected_segments_) {
     if (const SegmentRecord* was = store_.FindSegment(id)) {
@@ -223,9 +224,14 @@ FeatureId BatchCheck::SegmentAfter(const EdgeKey& key) const {
   return it == drafted_segments_.end() ? kNoFeature : it->second;
 }
 
+// Of a segment feature, or an edge of a polygon. One that the polygon had before is not the
+// fault of who changed its other edges.
 EditIndex BatchCheck::BlameOfEdge(FeatureId feature, const EdgeKey& key) const {
-  return std::max(
-      {draft_.BlameOf(feature), draft_.BlameOf(key.first), draft_.BlameOf(key.second)});
+  const EdgeRecord* record = store_.FindEdge(key);
+  const bool had = record != nullptr &&
+                   std::binary_search(record->polygons.begin(), record->polygons.end(), feature);
+  return std::max({had ? kUntouched : draft_.BlameOf(feature), draft_.BlameOf(key.first),
+                   draft_.BlameOf(key.second)});
 }
 
 // An edge where polygons are or were, and no segment feature is or was.
@@ -236,26 +242,32 @@ void BatchCheck::CollectEdge(const EdgeKey& key) {
   const Point2* q = draft_.FindPoint(key.second);
   const bool is_edge = !polygons.empty() && p != nullptr && q != nullptr;
   SegmentFeature now;
-  if (is_edge) now = {polygons.front(), key.first, key.second, *p, *q, polygons};
+  FeatureId first = kNoFeature;  // of the polygons to have it
+  EditIndex edit = kUntouched;
+  if (is_edge) {
+    now = {polygons.front(), key.first, key.second, *p, *q, polygons};
+    first = *std::min_element(polygons.begin(), polygons.end(), [&](FeatureId a, FeatureId b) {
+      return BlameOfEdge(a, key) < BlameOfEdge(b, key);
+    });
+    edit = BlameOfEdge(first, key);
+  }
   const EdgeRecord* record = store_.FindEdge(key);
   if (record != nullptr && record->segment == kNoFeature) {
     SegmentFeature before = store_.Expand(key, *record);
-    if (is_edge && segment == kNoFeature && before == now) return;
+    const bool stays = is_edge && segment == kNoFeature && before == now;
+    if (stays && edit < draft_.error_edit()) return;
     hidden_edges_.insert(key);
     delta_.removed_segments.push_back(std::move(before));
   }
   if (!is_edge) return;
   if (segment == kNoFeature) delta_.added_segments.push_back(now);
-  // The first polygon to have it is to blame for it, unless a segment feature was there.
-  for (const FeatureId id : polygons) {
-    if (BlameOfEdge(id, key) < BlameOfEdge(now.id, key)) now.id = id;
-  }
-  const EditIndex edit = BlameOfEdge(now.id, key);
+  // A segment feature that is there as early stands for it.
   if (segment != kNoFeature && BlameOfEdge(segment, key) <= edit) return;
+  now.id = first;
   now.polygons = {now.id};
   edges_.push_back(std::move(now));
-  Schedule({edit, edges_.back().id, Event::Kind::kEdge,
-            static_cast<std::uint32_t>(edges_.size() - 1)});
+  Schedule(
+      {edit, edges_.back().id, Event::Kind::kEdge, static_cast<std::uint32_t>(edges_.size() - 1)});
 }
 
 // A segment that the batch names, or that ends at a point that changed.
@@ -415,23 +427,26 @@ Conflict Judge(const SegmentFeature& f, const SegmentFeature& other, double) {
 template <typename F>
 BatchCheck::Obstacle BatchCheck::FindObstacle(const F& feature) {
   Obstacle least;
+  // Edges of a polygon have one id: then their ends decide.
+  EdgeKey least_ends;
   FeatureId least_id = kNoFeature;
-  const auto better = [&](Conflict conflict, FeatureId id) {
+  const auto better = [&](Conflict conflict, FeatureId id, const EdgeKey& ends) {
     if (conflict == Conflict::kNone ||
-        std::tie(conflict, id) >= std::tie(least.conflict, least_id)) {
+        std::tie(conflict, id, ends) >= std::tie(least.conflict, least_id, least_ends)) {
       return false;
     }
     least.conflict = conflict;
     least_id = id;
+    least_ends = ends;
     return true;
   };
   const auto see_point = [&](const PointFeature& other) {
-    if (!better(Judge(feature, other, limit_), other.id)) return;
+    if (!better(Judge(feature, other, limit_), other.id, {})) return;
     least.is_point = true;
     least.point = other;
   };
   const auto see_segment = [&](const SegmentFeature& other) {
-    if (!better(Judge(feature, other, limit_), other.id)) return;
+    if (!better(Judge(feature, other, limit_), other.id, KeyOf(other))) return;
     least.is_point = false;
     least.segment = other;
   };

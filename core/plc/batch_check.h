@@ -5,7 +5,8 @@
 // at which one who enters the batch's *result* in this order would be stopped, so the
 // check does just that: features that change are entered one by one, in order of their
 // edit, into an index of their own, each checked against the features that stay and
-// those entered before; an edge of polygons with the first of them. The first problem met is the earliest, whatever the index's shape.
+// those entered before; an edge of polygons with the first of them. The first problem met is the
+// earliest, whatever the index's shape.
 //
 // A batch with an edit that cannot act (draft.h) is refused for it, unless the edits
 // before it already are to blame for another problem that no later edit bears on.

@@ -51,15 +51,15 @@ struct SizeFeature {
   FeatureId id = kNoFeature;
   geometry::Point2 at{};
   Sizing sizing;
-  Rings rings = {};                                       // of a polygon
+  Rings rings = {};                                        // of a polygon
   std::vector<std::vector<geometry::Point2>> places = {};  // of the points of its rings
   friend bool operator==(const SizeFeature&, const SizeFeature&) = default;
 };
 
-// Each list is sorted by id, segments of one id by their ends. No element stands in both the removed and the added
-// list of its kind; an id may, when its feature changed (a point that moved, and
-// the segments that it took along). An id that changed kind stands in the removed
-// list of one kind and the added list of the other.
+// Each list is sorted by id, segments of one id by their ends. No element stands in both the
+// removed and the added list of its kind; an id may, when its feature changed (a point that moved,
+// and the segments that it took along). An id that changed kind stands in the removed list of one
+// kind and the added list of the other.
 struct Delta {
   std::vector<PointFeature> removed_points;
   std::vector<SegmentFeature> removed_segments;

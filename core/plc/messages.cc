@@ -38,8 +38,8 @@ std::string Text(const Point2& p) {
 std::string Text(const PointFeature& f) { return absl::StrCat("point ", f.id, " ", Text(f.p)); }
 
 std::string Text(const SegmentFeature& f) {
-  return absl::StrCat(f.IsOfPolygon() ? "the edge of polygon " : "segment ", f.id, " from point ", f.p_id, " ", Text(f.p), " to point ",
-                      f.q_id, " ", Text(f.q));
+  return absl::StrCat(f.IsOfPolygon() ? "the edge of polygon " : "segment ", f.id, " from point ",
+                      f.p_id, " ", Text(f.p), " to point ", f.q_id, " ", Text(f.q));
 }
 
 std::string Text(const AnyFeature& f) {
@@ -167,8 +167,8 @@ absl::Status CheckSize(const SizeFeature& size, const Box& box, double limit, Ed
                                                  "; give a point, a disc, a box or a polygon"));
   }
   const bool has_place = s.shape == SizeShape::kPoint || s.shape == SizeShape::kDisc;
-  if (has_place && (size.at[0] < box.lo[0] || size.at[0] > box.hi[0] ||
-                                     size.at[1] < box.lo[1] || size.at[1] > box.hi[1])) {
+  if (has_place && (size.at[0] < box.lo[0] || size.at[0] > box.hi[0] || size.at[1] < box.lo[1] ||
+                    size.at[1] > box.hi[1])) {
     return refuse(
         reason::kOutsideBox,
         absl::StrCat("is outside the mesh's box from ", Text(Point2{{box.lo[0], box.lo[1]}}),

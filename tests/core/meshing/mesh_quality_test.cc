@@ -111,6 +111,36 @@ void CheckDelaunay(const Judged& j) {
   ASSERT_EQ(by_cgal.size(), j.triangles.size());
 }
 
+// A segment that the mesh has to keep: a feature, or an edge of polygons.
+struct Joint {
+  FeatureId owner;
+  std::array<FeatureId, 2> ends;
+};
+
+// An edge of several polygons belongs to the one of least id, unless a segment feature has
+// the same ends.
+std::vector<Joint> JointsOf(const std::vector<Feature>& features) {
+  std::map<std::pair<FeatureId, FeatureId>, FeatureId> owners;
+  for (const FeatureKind kind : {FeatureKind::kSegment, FeatureKind::kPolygon}) {
+    std::map<std::pair<FeatureId, FeatureId>, FeatureId> these;
+    for (const Feature& f : features) {
+      if (f.kind != kind) continue;
+      const auto join = [&](FeatureId p, FeatureId q) {
+        const auto [it, is_new] = these.try_emplace(std::minmax(p, q), f.id);
+        it->second = std::min(it->second, f.id);
+      };
+      if (kind == FeatureKind::kSegment) join(f.ends[0], f.ends[1]);
+      for (const auto& ring : f.rings) {
+        for (std::size_t i = 0; i < ring.size(); ++i) join(ring[i], ring[(i + 1) % ring.size()]);
+      }
+    }
+    owners.insert(these.begin(), these.end());
+  }
+  std::vector<Joint> joints;
+  for (const auto& [ends, owner] : owners) joints.push_back({owner, {ends.first, ends.second}});
+  return joints;
+}
+
 // Points are vertices of their own; a segment is a chain of subsegments, each an edge,
 // from end to end, off the line by rounding only.
 void CheckInputIsKept(const Judged& j, const std::vector<Feature>& features) {
@@ -134,47 +164,72 @@ void CheckInputIsKept(const Judged& j, const std::vector<Feature>& features) {
     ASSERT_EQ(j.mesh.vertices.containing_dimensions[row->second], 0);
   }
   const double ulp = meshing::UlpOfDomain(j.domain, 2);
-  std::size_t segments = 0;
-  for (const Feature& f : features) {
-    if (f.kind != FeatureKind::kSegment) continue;
-    ++segments;
+  std::map<FeatureId, std::size_t> pieces_met;
+  for (const Joint& f : JointsOf(features)) {
     const Point2 &p = place.at(f.ends[0]), &q = place.at(f.ends[1]);
     std::map<VertexId, std::vector<VertexId>> beside;
-    for (const auto& [a, b] : pieces[f.id]) beside[a].push_back(b), beside[b].push_back(a);
+    for (const auto& [a, b] : pieces[f.owner]) {
+      // A polygon has other edges: only what lies along this one.
+      const auto is_along = [&](VertexId v) {
+        const Point2& x = j.at.at(v);
+        const double cross = CGAL::to_double(Cross(p, q, x));
+        return std::fabs(cross) <= 8 * ulp * std::sqrt(CGAL::to_double(Squared(p, q))) &&
+               Squared(x, p) <= Squared(p, q) && Squared(x, q) <= Squared(p, q);
+      };
+      if (is_along(a) && is_along(b)) beside[a].push_back(b), beside[b].push_back(a);
+    }
     // Walk from p: every piece once, ever nearer to q, which is the end.
     VertexId v = j.mesh.vertices.ids[row_at.at(p)], before = 0;
     const VertexId end = j.mesh.vertices.ids[row_at.at(q)];
     std::size_t steps = 0;
     while (v != end) {
       const std::vector<VertexId>& next = beside[v];
-      ASSERT_EQ(next.size(), before == 0 ? 1u : 2u) << "segment " << f.id << " is no chain";
+      ASSERT_EQ(next.size(), before == 0 ? 1u : 2u) << "segment of " << f.owner << " is no chain";
       const VertexId w = next[0] == before ? next.back() : next[0];
       ASSERT_LT(Squared(j.at.at(w), q), Squared(j.at.at(v), q)) << "goes back";
       before = std::exchange(v, w);
       ++steps;
       const double off =
           CGAL::to_double(Cross(p, q, j.at.at(v))) / std::sqrt(CGAL::to_double(Squared(p, q)));
-      ASSERT_LE(std::fabs(off), 8 * ulp) << "segment " << f.id << " bends";
+      ASSERT_LE(std::fabs(off), 8 * ulp) << "segment of " << f.owner << " bends";
     }
-    ASSERT_EQ(steps, pieces[f.id].size()) << "segment " << f.id << " has other pieces";
+    pieces_met[f.owner] += steps;
   }
-  ASSERT_EQ(pieces.size(), segments + 1) << "those of the features and of the box";
+  for (const auto& [owner, edges] : pieces) {
+    if (owner == kBoxFeature) continue;
+    ASSERT_EQ(pieces_met[owner], edges.size()) << "feature " << owner << " has other pieces";
+  }
+  ASSERT_EQ(pieces.size(), pieces_met.size() + 1) << "those of the features and of the box";
 }
 
 // Edges as short as a small angle of the input makes them: between two segments that leave
 // a common point less than 60 degrees apart, their ends equally far from it.
 std::set<Edge> FindSeditious(const Judged& j, const std::vector<Feature>& features) {
   std::map<FeatureId, Point2> place;
-  std::map<FeatureId, std::array<FeatureId, 2>> ends;
   for (const Feature& f : features) {
     if (f.kind == FeatureKind::kPoint) place[f.id] = {{f.position[0], f.position[1]}};
-    if (f.kind == FeatureKind::kSegment) ends[f.id] = f.ends;
   }
-  std::map<VertexId, FeatureId> segment_of;
+  const std::vector<Joint> joints = JointsOf(features);
+  std::map<FeatureId, std::vector<std::size_t>> joints_of;
+  for (std::size_t i = 0; i < joints.size(); ++i) joints_of[joints[i].owner].push_back(i);
+  // Of an owner's segments, that on whose line the vertex lies.
+  const auto joint_at = [&](FeatureId owner, const Point2& x) {
+    const auto off = [&](std::size_t i) {
+      const Point2 &p = place[joints[i].ends[0]], &q = place[joints[i].ends[1]];
+      const double length2 = CGAL::to_double(Squared(p, q));
+      const double t = std::clamp(
+          ((x[0] - p[0]) * (q[0] - p[0]) + (x[1] - p[1]) * (q[1] - p[1])) / length2, 0.0, 1.0);
+      return std::hypot(p[0] + t * (q[0] - p[0]) - x[0], p[1] + t * (q[1] - p[1]) - x[1]);
+    };
+    const auto& its = joints_of[owner];
+    return *std::min_element(its.begin(), its.end(),
+                             [&](std::size_t a, std::size_t b) { return off(a) < off(b); });
+  };
+  std::map<VertexId, std::size_t> segment_of;
   for (std::size_t i = 0; i < j.mesh.vertices.size(); ++i) {
     const FeatureId owner = j.mesh.vertices.owners[i];
-    if (j.mesh.vertices.containing_dimensions[i] == 1 && ends.contains(owner)) {
-      segment_of[j.mesh.vertices.ids[i]] = owner;
+    if (j.mesh.vertices.containing_dimensions[i] == 1 && joints_of.contains(owner)) {
+      segment_of[j.mesh.vertices.ids[i]] = joint_at(owner, j.at.at(j.mesh.vertices.ids[i]));
     }
   }
   const double ulp = meshing::UlpOfDomain(j.domain, 2);
@@ -186,8 +241,9 @@ std::set<Edge> FindSeditious(const Judged& j, const std::vector<Feature>& featur
     const auto s = segment_of.find(edge.first), t = segment_of.find(edge.second);
     if (s == segment_of.end() || t == segment_of.end() || s->second == t->second) continue;
     const Point2 &p = j.at.at(edge.first), &q = j.at.at(edge.second);
-    for (const FeatureId apex : ends[s->second]) {
-      if (apex != ends[t->second][0] && apex != ends[t->second][1]) continue;
+    const auto &of_s = joints[s->second].ends, &of_t = joints[t->second].ends;
+    for (const FeatureId apex : of_s) {
+      if (apex != of_t[0] && apex != of_t[1]) continue;
       const double dp = distance(place[apex], p), dq = distance(place[apex], q);
       const double chord = distance(p, q) / std::max(dp, dq);
       if (std::fabs(dp - dq) <= 8 * ulp && chord < 1) seditious.insert(edge);
@@ -272,14 +328,51 @@ bool Meets(const std::array<Point2, 3>& t, const Feature& size) {
   return is_box ? !parted : inside || distance < radius * (1 - 1e-9);
 }
 
+// The same for a polygon given by its rings.
+bool MeetsPolygon(const std::array<Point2, 3>& t, const std::vector<std::vector<Point2>>& rings) {
+  const auto turn = [](const Point2& a, const Point2& b, const Point2& c) {
+    const double x = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    return std::fabs(x) < 1e-14 ? 0 : x > 0 ? 1 : -1;
+  };
+  bool corner_inside = false, crosses = false, holds_corner = false;
+  std::array<int, 3> crossed = {0, 0, 0};  // edges to the right of each corner
+  std::array<bool, 3> near = {};
+  for (const auto& ring : rings) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Point2 &a = ring[i], &b = ring[(i + 1) % ring.size()];
+      bool inside = true;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Point2 &p = t[k], &q = t[(k + 1) % 3];
+        crosses |= turn(p, q, a) * turn(p, q, b) < 0 && turn(a, b, p) * turn(a, b, q) < 0;
+        inside &= turn(p, q, a) > 0;
+        if ((a[1] > p[1]) == (b[1] > p[1])) continue;
+        near[k] = near[k] || turn(a, b, p) == 0;
+        crossed[k] += a[0] + (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1]) > p[0];
+      }
+      holds_corner |= inside;
+    }
+  }
+  for (std::size_t k = 0; k < 3; ++k) corner_inside |= !near[k] && crossed[k] % 2 == 1;
+  return crosses || holds_corner || corner_inside;
+}
+
 // No edge of a triangle that meets a region is longer than sqrt 2 times its target.
 void CheckSizes(const Judged& j, const std::vector<Feature>& features) {
+  std::map<FeatureId, Point2> place;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPoint) place[f.id] = {{f.position[0], f.position[1]}};
+  }
   for (const Feature& size : features) {
     if (size.kind != FeatureKind::kSize) continue;
+    std::vector<std::vector<Point2>> rings;
+    for (const auto& ring : size.rings) {
+      rings.emplace_back();
+      for (const FeatureId point : ring) rings.back().push_back(place.at(point));
+    }
     std::size_t met = 0;
     for (const auto& t : j.triangles) {
       const std::array<Point2, 3> corners = {j.at.at(t[0]), j.at.at(t[1]), j.at.at(t[2])};
-      if (!Meets(corners, size)) continue;
+      if (rings.empty() ? !Meets(corners, size) : !MeetsPolygon(corners, rings)) continue;
       ++met;
       for (int i = 0; i < 3; ++i) {
         const double length = std::sqrt(CGAL::to_double(Squared(corners[i], corners[(i + 1) % 3])));

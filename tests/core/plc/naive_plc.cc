@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <set>
 #include <tuple>
 
 #include "dynmesh/error.h"
@@ -60,10 +61,9 @@ class Checker {
     }
     for (const auto& [id, f] : now_) CheckAlone(f);
     for (const auto& [id, last] : last_) CheckUsers(id, last);
-    for (const auto& [id, f] : now_) {
-      for (const auto& [id2, f2] : now_) {
-        if (id < id2) CheckPair(f, f2);
-      }
+    CollectThings();
+    for (std::size_t i = 0; i < things_.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) CheckPair(things_[j], things_[i]);
     }
   }
 
@@ -82,9 +82,10 @@ class Checker {
   }
 
  private:
+  using Pair = std::pair<FeatureId, FeatureId>;
   struct Found {
-    // edit, segments after points, offender, kind of problem, the other
-    std::tuple<long, int, FeatureId, int, FeatureId> key;
+    // edit, segments after points, offender, which edge of a polygon, kind of problem, other
+    std::tuple<long, int, FeatureId, Pair, int, FeatureId> key;
     NaiveProblem problem;
   };
 
@@ -126,6 +127,7 @@ class Checker {
     const auto it = before_.find(f.id);
     if (it == before_.end() || it->second.kind != f.kind) return false;
     if (f.kind == FeatureKind::kSegment) return it->second.ends == f.ends;
+    if (f.kind == FeatureKind::kPolygon) return it->second.rings == f.rings;
     return it->second.position[0] == f.position[0] && it->second.position[1] == f.position[1];
   }
   long Last(FeatureId id) const { return last_.contains(id) ? last_.at(id) : -1; }
@@ -148,12 +150,13 @@ class Checker {
     return blame;
   }
 
-  void Report(long edit, int rank, const std::string& reason, std::vector<FeatureId> features) {
+  void Report(long edit, int rank, const std::string& reason, std::vector<FeatureId> features,
+              Pair ends = {}) {
     const auto at = std::find(kOrder.begin(), kOrder.end(), reason);
     // What is wrong with a feature by itself comes first.
     const int order = at == kOrder.end() ? -1 : static_cast<int>(at - kOrder.begin());
     const FeatureId other = features.size() > 1 ? features[1] : 0;
-    found_.push_back({{edit, rank, features[0], order, other}, {edit, reason, features}});
+    found_.push_back({{edit, rank, features[0], ends, order, other}, {edit, reason, features}});
   }
 
   void CheckAlone(const Feature& f) {
@@ -164,6 +167,18 @@ class Checker {
       } else if (x < 0 || x > 1 || y < 0 || y > 1) {
         Report(Last(f.id), 0, reason::kOutsideBox, {f.id});
       }
+      return;
+    }
+    if (f.kind == FeatureKind::kPolygon) {
+      if (const auto fault = FindRingFault(f); !fault.empty()) {
+        Report(Last(f.id), 1, reason::kBadPolygon, fault);
+        return;
+      }
+      std::vector<FeatureId> features = {f.id};
+      for (const FeatureId corner : Corners(f)) {
+        if (!IsPoint(corner) && Last(corner) <= Last(f.id)) features.push_back(corner);
+      }
+      if (features.size() > 1) Report(Last(f.id), 1, reason::kUnknownEnd, features);
       return;
     }
     if (f.ends[0] == f.ends[1]) {
@@ -182,27 +197,107 @@ class Checker {
     if (IsPoint(id)) return;
     std::vector<FeatureId> features = {id};
     for (const auto& [user, f] : now_) {
-      if (f.kind != FeatureKind::kSegment || Last(user) >= last || f.ends[0] == f.ends[1]) continue;
-      if ((f.ends[0] == id || f.ends[1] == id)) features.push_back(user);
+      if (Last(user) >= last) continue;
+      const bool uses = f.kind == FeatureKind::kSegment
+                            ? f.ends[0] != f.ends[1] && (f.ends[0] == id || f.ends[1] == id)
+                            : FindRingFault(f).empty() && Corners(f).contains(id);
+      if (f.kind != FeatureKind::kPoint && uses) features.push_back(user);
     }
     if (features.size() > 1) Report(last, 0, reason::kPointInUse, features);
   }
 
-  void CheckPair(const Feature& f, const Feature& g) {
+  // What lies in the plane: points, segments, and edges of polygons, each once.
+  struct Thing {
+    Feature f;
+    long blame = 0;
+    bool is_edge = false;
+  };
+
+  void CollectThings() {
+    std::map<Pair, long> segments;  // the least blame
+    for (const auto& [id, f] : now_) {
+      if (f.kind == FeatureKind::kPoint && HasPlace(id)) things_.push_back({f, Blame(f)});
+      if (f.kind != FeatureKind::kSegment || !Whole(f)) continue;
+      things_.push_back({f, Blame(f)});
+      const auto [it, is_new] = segments.try_emplace(std::minmax(f.ends[0], f.ends[1]), Blame(f));
+      it->second = std::min(it->second, Blame(f));
+    }
+    std::map<Pair, Thing> edges;
+    for (const auto& [id, f] : now_) {
+      if (f.kind != FeatureKind::kPolygon || !FindRingFault(f).empty()) continue;
+      const std::set<FeatureId> corners = Corners(f);
+      const auto is_point = [&](FeatureId corner) { return IsPoint(corner); };
+      if (!std::all_of(corners.begin(), corners.end(), is_point)) continue;
+      for (const auto& [p, q] : Edges(f)) {
+        const Feature edge = Feature::Segment(id, p, q);
+        if (!Whole(edge)) continue;
+        // An edge that the polygon had before is as before, whatever else it became.
+        const auto was = before_.find(id);
+        const std::vector<Pair> had =
+            was != before_.end() && was->second.kind == FeatureKind::kPolygon ? Edges(was->second)
+                                                                              : std::vector<Pair>();
+        const bool is_old = std::find(had.begin(), had.end(), Pair(p, q)) != had.end();
+        const long blame = std::max({is_old ? -1 : Last(id), Last(p), Last(q)});
+        const auto [it, is_new] = edges.try_emplace({p, q}, Thing{edge, blame, true});
+        if (!is_new && blame < it->second.blame) it->second = {edge, blame, true};
+      }
+    }
+    for (const auto& [pair, edge] : edges) {
+      if (!segments.contains(pair) || segments[pair] > edge.blame) things_.push_back(edge);
+    }
+  }
+
+  static std::vector<Pair> Edges(const Feature& polygon) {
+    std::vector<Pair> edges;
+    for (const auto& ring : polygon.rings) {
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        edges.push_back(std::minmax(ring[i], ring[(i + 1) % ring.size()]));
+      }
+    }
+    return edges;
+  }
+  static std::set<FeatureId> Corners(const Feature& polygon) {
+    std::set<FeatureId> corners;
+    for (const auto& ring : polygon.rings) corners.insert(ring.begin(), ring.end());
+    return corners;
+  }
+  // The features to name if the rings are no polygon's, else none.
+  static std::vector<FeatureId> FindRingFault(const Feature& polygon) {
+    if (polygon.rings.empty()) return {polygon.id};
+    for (const auto& ring : polygon.rings) {
+      if (ring.size() < 3) return {polygon.id};
+      std::map<FeatureId, int> visits;
+      for (const FeatureId point : ring) ++visits[point];
+      for (const auto& [point, count] : visits) {
+        if (count > 1) return {polygon.id, point};
+      }
+    }
+    std::map<Pair, int> uses;
+    for (const Pair& edge : Edges(polygon)) ++uses[edge];
+    for (const auto& [edge, count] : uses) {
+      if (count > 1) return {polygon.id, edge.first, edge.second};
+    }
+    return {};
+  }
+
+  void CheckPair(const Thing& s, const Thing& t) {
+    const Feature &f = s.f, &g = t.f;
     const bool f_point = f.kind == FeatureKind::kPoint, g_point = g.kind == FeatureKind::kPoint;
-    if (f_point ? !HasPlace(f.id) : !Whole(f)) return;
-    if (g_point ? !HasPlace(g.id) : !Whole(g)) return;
-    const std::string reason = f_point && g_point ? PointPoint(f, g)
-                               : f_point          ? PointSegment(f, g)
-                               : g_point          ? PointSegment(g, f)
-                                                  : SegmentSegment(f, g);
+    std::string reason = f_point && g_point ? PointPoint(f, g)
+                         : f_point          ? PointSegment(f, g)
+                         : g_point          ? PointSegment(g, f)
+                                            : SegmentSegment(f, g);
+    if (reason == reason::kDuplicateSegment && (s.is_edge || t.is_edge)) reason = "";
     if (reason.empty()) return;
     // The later is the offender.
-    const auto f_key = std::tuple(Blame(f), f_point ? 0 : 1, f.id);
-    const auto g_key = std::tuple(Blame(g), g_point ? 0 : 1, g.id);
+    const auto ends = [](const Thing& thing) {
+      return thing.is_edge ? Pair(std::minmax(thing.f.ends[0], thing.f.ends[1])) : Pair();
+    };
+    const auto f_key = std::tuple(s.blame, f_point ? 0 : 1, f.id, ends(s));
+    const auto g_key = std::tuple(t.blame, g_point ? 0 : 1, g.id, ends(t));
     const auto& key = std::max(f_key, g_key);
     const FeatureId offender = std::get<2>(key), other = offender == f.id ? g.id : f.id;
-    Report(std::get<0>(key), std::get<1>(key), reason, {offender, other});
+    Report(std::get<0>(key), std::get<1>(key), reason, {offender, other}, std::get<3>(key));
   }
 
   bool TooClose(long double distance) {
@@ -265,6 +360,7 @@ class Checker {
   std::map<FeatureId, long> last_;
   std::optional<NaiveProblem> error_;
   long error_at_ = kNever;
+  std::vector<Thing> things_;
   std::vector<Found> found_;
   bool ambiguous_ = false;
 };

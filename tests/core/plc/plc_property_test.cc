@@ -11,6 +11,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/plc/plc.h"
@@ -28,7 +29,8 @@ class Generator {
  public:
   enum class Style { kGrid, kFineGrid, kReal, kHatch, kClusters, kNearMisses };
 
-  Generator(std::uint64_t seed, Style style) : random_(seed), style_(style) {}
+  Generator(std::uint64_t seed, Style style, bool polygons = false)
+      : random_(seed), style_(style), polygons_(polygons) {}
 
   EditBatch Batch(const FeatureMap& present, int most) {
     EditBatch batch;
@@ -135,7 +137,44 @@ class Generator {
     return Feature::Segment(id, p->id, q.id);
   }
 
+  // Around a point by some of its nearest, in order of angle; some are no polygons.
+  Feature NewPolygon(FeatureId id, const FeatureMap& draft) {
+    const auto middle = Pick(draft, FeatureKind::kPoint);
+    if (!middle || Chance(0.03)) return Feature::Polygon(id, {{1, 2, 3}});
+    const auto offset = [&](const Feature& f, int i) {
+      return f.position[i] - middle->position[i];
+    };
+    std::vector<Feature> corners;
+    for (const auto& [other, f] : draft) {
+      if (f.kind == FeatureKind::kPoint && std::isfinite(f.position[0])) corners.push_back(f);
+    }
+    std::sort(corners.begin(), corners.end(), [&](const Feature& a, const Feature& b) {
+      return std::hypot(offset(a, 0), offset(a, 1)) < std::hypot(offset(b, 0), offset(b, 1));
+    });
+    if (Chance(0.7) && !corners.empty()) corners.erase(corners.begin());
+    corners.resize(std::min<std::size_t>(corners.size(), static_cast<std::size_t>(Int(3, 6))));
+    std::sort(corners.begin(), corners.end(), [&](const Feature& a, const Feature& b) {
+      return std::atan2(offset(a, 1), offset(a, 0)) < std::atan2(offset(b, 1), offset(b, 0));
+    });
+    Rings rings(1);
+    for (const Feature& f : corners) rings[0].push_back(f.id);
+    if (Chance(0.03)) rings.push_back(rings[0]);
+    if (Chance(0.02) && !corners.empty()) rings[0].push_back(corners[0].id);
+    if (const auto other = Pick(draft, FeatureKind::kPolygon); other && Chance(0.2)) {
+      rings.push_back(other->rings[0]);
+    }
+    return Feature::Polygon(id, rings);
+  }
+
   void Append(FeatureMap& draft, EditBatch& batch) {
+    if (polygons_ && Chance(0.2)) {
+      const auto old = Pick(draft, FeatureKind::kPolygon);
+      const Edit edit = old && Chance(0.3) ? Edit::Set(NewPolygon(old->id, draft))
+                                           : Edit::Add(NewPolygon(FreeId(draft), draft));
+      draft[edit.feature.id] = edit.feature;
+      batch.push_back(edit);
+      return;
+    }
     const int dice = Int(0, 99);
     Edit edit;
     if (dice < 38) {
@@ -163,15 +202,20 @@ class Generator {
 
   // A point goes with its segments, mostly.
   void RemoveSomething(FeatureMap& draft, EditBatch& batch) {
-    const auto f = Pick(draft, Chance(0.5) ? FeatureKind::kPoint : FeatureKind::kSegment);
+    const auto f = Pick(draft, polygons_ && Chance(0.4) ? FeatureKind::kPolygon
+                               : Chance(0.5)            ? FeatureKind::kPoint
+                                                        : FeatureKind::kSegment);
     if (!f) return;
     const FeatureId gone = f->id;
     batch.push_back(Edit::Remove(gone));
     draft.erase(gone);
-    if (f->kind == FeatureKind::kSegment || Chance(0.2)) return;
+    if (f->kind != FeatureKind::kPoint || Chance(0.2)) return;
     for (auto it = draft.begin(); it != draft.end();) {
-      const bool uses = it->second.kind == FeatureKind::kSegment &&
-                        (it->second.ends[0] == gone || it->second.ends[1] == gone);
+      bool uses = it->second.kind == FeatureKind::kSegment &&
+                  (it->second.ends[0] == gone || it->second.ends[1] == gone);
+      for (const auto& ring : it->second.rings) {
+        uses = uses || std::find(ring.begin(), ring.end(), gone) != ring.end();
+      }
       if (uses) batch.push_back(Edit::Remove(it->first));
       it = uses ? draft.erase(it) : std::next(it);
     }
@@ -179,6 +223,7 @@ class Generator {
 
   std::mt19937_64 random_;
   Style style_;
+  bool polygons_;
 };
 
 // As Plc2 stores them.
@@ -187,7 +232,8 @@ std::vector<Feature> Normalized(const FeatureMap& features) {
   for (const auto& [id, f] : features) {
     result.push_back(f.kind == FeatureKind::kPoint
                          ? Feature::Point(id, f.position[0] + 0.0, f.position[1] + 0.0)
-                         : Feature::Segment(id, f.ends[0], f.ends[1]));
+                     : f.kind == FeatureKind::kSegment ? Feature::Segment(id, f.ends[0], f.ends[1])
+                                                       : Feature::Polygon(id, f.rings));
   }
   return result;
 }
@@ -203,13 +249,36 @@ Delta NaiveDelta(const FeatureMap& before, const FeatureMap& after) {
     }
     return result;
   };
+  const auto polygons = [](const FeatureMap& all) {
+    std::map<FeatureId, PolygonFeature> result;
+    for (const auto& [id, f] : all) {
+      if (f.kind == FeatureKind::kPolygon) result[id] = {id, f.rings};
+    }
+    return result;
+  };
+  // Segment features and edges of polygons, by owner and ends.
   const auto segments = [&](const FeatureMap& all) {
     const auto at = points(all);
-    std::map<FeatureId, SegmentFeature> result;
+    std::map<EdgeKey, SegmentFeature> by_ends;
     for (const auto& [id, f] : all) {
-      if (f.kind == FeatureKind::kPoint) continue;
-      result[id] = {id, f.ends[0], f.ends[1], at.at(f.ends[0]).p, at.at(f.ends[1]).p};
+      if (f.kind != FeatureKind::kPolygon) continue;
+      for (const auto& ring : f.rings) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+          const auto [p, q] = KeyOf(ring[i], ring[(i + 1) % ring.size()]);
+          SegmentFeature& edge = by_ends[{p, q}];
+          if (edge.id == kNoFeature) edge = {id, p, q, at.at(p).p, at.at(q).p};
+          edge.polygons.push_back(id);
+        }
+      }
     }
+    for (const auto& [id, f] : all) {
+      if (f.kind != FeatureKind::kSegment) continue;
+      SegmentFeature& edge = by_ends[KeyOf(f.ends[0], f.ends[1])];
+      const std::vector<FeatureId> users = edge.polygons;
+      edge = {id, f.ends[0], f.ends[1], at.at(f.ends[0]).p, at.at(f.ends[1]).p, users};
+    }
+    std::map<std::tuple<FeatureId, FeatureId, FeatureId>, SegmentFeature> result;
+    for (const auto& [ends, edge] : by_ends) result[{edge.id, edge.p_id, edge.q_id}] = edge;
     return result;
   };
   const auto less = [](const auto& a, const auto& b, auto& out) {
@@ -222,6 +291,8 @@ Delta NaiveDelta(const FeatureMap& before, const FeatureMap& after) {
   less(points(after), points(before), delta.added_points);
   less(segments(before), segments(after), delta.removed_segments);
   less(segments(after), segments(before), delta.added_segments);
+  less(polygons(before), polygons(after), delta.removed_polygons);
+  less(polygons(after), polygons(before), delta.added_polygons);
   return delta;
 }
 
@@ -232,8 +303,9 @@ struct Tally {
 
 // One script from empty. Every batch is judged by both; legal ones are committed,
 // undone and committed again.
-void RunScript(std::uint64_t seed, Generator::Style style, int batches, int most, Tally& tally) {
-  Generator generator(seed, style);
+void RunScript(std::uint64_t seed, Generator::Style style, int batches, int most, bool polygons,
+               Tally& tally) {
+  Generator generator(seed, style, polygons);
   Plc2 plc(Square(0, 1));
   FeatureMap present;
   std::string script = "mesh dim=2 box=0,0,1,1\n";
@@ -277,10 +349,10 @@ void RunScript(std::uint64_t seed, Generator::Style style, int batches, int most
 }
 
 void RunScripts(std::uint64_t first_seed, int scripts, Generator::Style style, int batches,
-                int most) {
+                int most, bool polygons = false) {
   Tally tally;
   for (int i = 0; i < scripts; ++i) {
-    RunScript(first_seed + i, style, batches, most, tally);
+    RunScript(first_seed + i, style, batches, most, polygons, tally);
     if (testing::Test::HasFatalFailure()) return;
   }
   std::string reasons;
@@ -321,11 +393,18 @@ TEST(PlcProperty, LargeBatchesAgreeWithTheOracle) {
   RunScripts(71000, 300, Style::kReal, 8, 60);
 }
 
+TEST(PlcProperty, ScriptsWithPolygonsAgreeWithTheOracle) {
+  RunScripts(80000, 400, Style::kGrid, 40, 8, true);
+  RunScripts(81000, 400, Style::kReal, 60, 8, true);
+  RunScripts(82000, 300, Style::kNearMisses, 50, 6, true);
+  RunScripts(83000, 300, Style::kFineGrid, 12, 25, true);
+}
+
 // A set that grew by many batches and the same set entered at once judge alike.
 TEST(PlcProperty, AnswersDoNotDependOnHistory) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     const Style style = static_cast<Style>(seed % 6);
-    Generator generator(seed, style);
+    Generator generator(seed, style, seed % 2 == 0);
     Plc2 grown(Square(0, 1));
     FeatureMap present;
     for (int i = 0; i < 150; ++i) {

@@ -348,6 +348,51 @@ TEST_F(PlcRefusals, Sizes) {
                 Code::kFailedPrecondition, reason::kUnknownEnd, {31, 30}, 1);
 }
 
+TEST_F(PlcRefusals, Polygons) {
+  const auto polygon = [](FeatureId id, Rings rings) {
+    return Edit::Add(Feature::Polygon(id, std::move(rings)));
+  };
+  const auto bad = [&](Rings rings, const std::vector<FeatureId>& features) {
+    ExpectRefused({polygon(30, std::move(rings))}, Code::kInvalidArgument, reason::kBadPolygon,
+                  features, 0);
+  };
+  bad({}, {30});
+  bad({{}}, {30});
+  bad({{1, 2}}, {30});
+  bad({{1, 2, 3}, {5, 6}}, {30});
+  bad({{1, 2, 3, 1}}, {30, 1});
+  bad({{1, 2, 3}, {2, 6, 3}}, {30, 2, 3});
+  ExpectRefused({polygon(30, {{1, 2, 77}})}, Code::kFailedPrecondition, reason::kUnknownEnd,
+                {30, 77}, 0);
+  ExpectRefused({polygon(30, {{1, 2, 3}}), Edit::Remove(2)}, Code::kFailedPrecondition,
+                reason::kPointInUse, {2, 11, 12, 30}, 1);
+  ExpectRefused({polygon(30, {{5, 6, 7}})}, Code::kFailedPrecondition, reason::kSegmentsCross,
+                {30, 12}, 0);
+  ExpectRefused({polygon(30, {{1, 2, 3}})}, Code::kFailedPrecondition, reason::kPointOnSegment,
+                {30, 5}, 0);
+  ExpectRefused({polygon(30, {{1, 2, 3, 4}}), Edit::Move(30, 0, 0)}, Code::kInvalidArgument,
+                reason::kWrongKind, {30}, 1);
+  ExpectRefused({polygon(30, {{1, 2, 3, 4}}), polygon(30, {{1, 2, 3, 4}})}, Code::kAlreadyExists,
+                reason::kIdInUse, {30}, 1);
+  // On the square, and inside on its centre; a second one beside it; with the side closed.
+  ExpectAccepted({polygon(30, {{1, 2, 3, 4}}), polygon(31, {{1, 2, 5}, {4, 5, 3}}),
+                  polygon(32, {{2, 6, 3}}), AddSegment(33, 4, 1)});
+}
+
+TEST_F(PlcRefusals, SizingPolygons) {
+  const auto size = [](Rings rings, double target) {
+    return Edit::Add(Feature::SizePolygon(30, std::move(rings), target));
+  };
+  ExpectRefused({size({{1, 2}}, 0.1)}, Code::kInvalidArgument, reason::kBadPolygon, {30}, 0);
+  ExpectRefused({size({{1, 2, 77}}, 0.1)}, Code::kFailedPrecondition, reason::kUnknownEnd, {30, 77},
+                0);
+  ExpectRefused({size({{1, 2, 3}}, 0)}, Code::kInvalidArgument, reason::kBadSize, {30}, 0);
+  ExpectRefused({size({{1, 5, 3}}, 0.1), Edit::Remove(5)}, Code::kFailedPrecondition,
+                reason::kPointInUse, {5, 30}, 1);
+  // It has no edges: it may cross what it likes, itself too.
+  ExpectAccepted({size({{1, 3, 2, 4}, {6, 5, 1}}, 0.1)});
+}
+
 TEST_F(PlcRefusals, TheEarliestEditToBlameIsReported) {
   const Edit dup = AddPoint(30, 0.5, 0.5), nan = AddPoint(31, kNan, 0), unknown = Edit::Remove(77);
   const Edit ok = AddPoint(40, 0.1, 0.1), use = Edit::Remove(2), end = AddSegment(32, 5, 50);

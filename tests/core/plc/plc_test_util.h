@@ -55,6 +55,13 @@ inline std::string ScriptOf(const EditBatch& batch) {
     }
     if (edit.action == Edit::Action::kMove || f.kind == FeatureKind::kPoint) {
       out << "point " << f.id << " " << f.position[0] << " " << f.position[1] << "\n";
+    } else if (f.kind == FeatureKind::kPolygon) {
+      out << "polygon " << f.id;
+      for (const auto& ring : f.rings) {
+        if (&ring != &f.rings.front()) out << " /";
+        for (const FeatureId point : ring) out << " " << point;
+      }
+      out << "\n";
     } else {
       out << "segment " << f.id << " " << f.ends[0] << " " << f.ends[1] << "\n";
     }
