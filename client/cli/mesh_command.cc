@@ -35,6 +35,7 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double bui
         .Add("max_angle_deg", quality.max_angle_deg)
         .Add("over_rho", quality.over_rho)
         .Add("exempt", quality.exempt)
+        .Add("exempt_by_guard", quality.exempt_by_guard)
         .Add("build_seconds", build_seconds)
         .AddText("hash", mesh.hash.ToHex())
         .ToLine();
@@ -45,12 +46,12 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double bui
       "subsegments        %d\n"
       "angles             %.2f to %.2f degrees\n"
       "worst radius-edge  %.6g\n"
-      "over rho           %d (%d exempt)\n"
+      "over rho           %d (%d exempt, %d of them by the termination guard)\n"
       "built in           %.3f s\n"
       "hash               %s\n",
       mesh.vertices.size(), mesh.simplex_count(), mesh.subsegments.size(), quality.min_angle_deg,
       quality.max_angle_deg, quality.worst_radius_edge, quality.over_rho, quality.exempt,
-      build_seconds, mesh.hash.ToHex());
+      quality.exempt_by_guard, build_seconds, mesh.hash.ToHex());
 }
 
 int Run(const MeshCommand& command) {

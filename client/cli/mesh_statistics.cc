@@ -81,11 +81,11 @@ std::string StatisticsText(const MeshStatistics& s) {
       "angles             %.2f to %.2f degrees\n"
       "least angle        %.2f degrees in the median triangle\n"
       "worst radius-edge  %.6g\n"
-      "over rho           %d of rho %.6g (%d exempt)\n"
+      "over rho           %d of rho %.6g (%d exempt, %d of them by the termination guard)\n"
       "rho allows         %.2f to %.2f degrees\n",
       s.vertices, s.simplices, s.subsegments, s.quality.min_angle_deg, s.quality.max_angle_deg,
       s.median_min_angle_deg, s.quality.worst_radius_edge, s.quality.over_rho, s.rho,
-      s.quality.exempt, LeastAngle(s.rho), 180 - 2 * LeastAngle(s.rho));
+      s.quality.exempt, s.quality.exempt_by_guard, LeastAngle(s.rho), 180 - 2 * LeastAngle(s.rho));
   if (s.regions.size() > 1) {
     absl::StrAppendFormat(&text, "\n%12s  %12s  %s\n", "triangles", "area", "inside");
     for (const RegionStatistics& region : s.regions) {
@@ -124,6 +124,7 @@ std::string StatisticsJson(const MeshStatistics& s) {
       .Add("median_min_angle_deg", s.median_min_angle_deg)
       .Add("over_rho", s.quality.over_rho)
       .Add("exempt", s.quality.exempt)
+      .Add("exempt_by_guard", s.quality.exempt_by_guard)
       .Add("rho_min_angle_deg", LeastAngle(s.rho))
       .Add("rho_max_angle_deg", 180 - 2 * LeastAngle(s.rho))
       .Add("histogram_step_deg", 1)

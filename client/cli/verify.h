@@ -50,7 +50,8 @@ struct VerifyReport {
   double min_angle_deg = 0;
   double max_angle_deg = 0;
   std::uint64_t over_rho = 0;
-  std::uint64_t exempt = 0;
+  std::uint64_t exempt = 0;           // of those over rho
+  std::uint64_t exempt_by_guard = 0;  // of the exempt: mending would split a subsegment
   MeshHash hash;
 
   bool Passed() const;

@@ -39,6 +39,7 @@ std::string FormatJson(const VerifyReport& report, double rho) {
       .Add("max_angle_deg", report.max_angle_deg)
       .Add("over_rho", report.over_rho)
       .Add("exempt", report.exempt)
+      .Add("exempt_by_guard", report.exempt_by_guard)
       .AddText("hash", report.hash.ToHex())
       .AddObject("checks", checks)
       .AddTexts("problems", problems)
@@ -48,9 +49,11 @@ std::string FormatJson(const VerifyReport& report, double rho) {
 std::string FormatText(const VerifyReport& report, double rho) {
   std::string text = absl::StrFormat(
       "%d vertices, %d triangles, %d subsegments, angles %.2f to %.2f degrees\n"
-      "worst circumradius / shortest edge %.6g, %d over %.6g (%d exempt)\n",
+      "worst circumradius / shortest edge %.6g, %d over %.6g (%d exempt, %d of them by the "
+      "termination guard)\n",
       report.vertices, report.simplices, report.subsegments, report.min_angle_deg,
-      report.max_angle_deg, report.worst_radius_edge, report.over_rho, rho, report.exempt);
+      report.max_angle_deg, report.worst_radius_edge, report.over_rho, rho, report.exempt,
+      report.exempt_by_guard);
   for (const VerifyCheck& check : report.checks) {
     if (check.failures == 0) {
       text += absl::StrFormat("  %-12s ok\n", check.name);

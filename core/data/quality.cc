@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/data/guarded_gaps.h"
 #include "core/data/seditious_edges.h"
 
 namespace dynmesh {
@@ -105,6 +106,7 @@ template <class F>
 void ForEachTriangle(const Mesh& mesh, const MeshOptions& options, F f) {
   const auto row_of = RowsById(mesh);
   const data::SeditiousEdges seditious(mesh, row_of);
+  data::GuardedGaps guarded(mesh, row_of, options.quality);
   const std::vector<double>& coordinates = mesh.vertices.coordinates;
   const double unit = CoordinateUnit(coordinates);
   const auto judge = [&](const std::array<std::size_t, 3>& rows, const TriangleQuality& q) {
@@ -118,10 +120,12 @@ void ForEachTriangle(const Mesh& mesh, const MeshOptions& options, F f) {
       const double dy = coordinates[2 * p + 1] - coordinates[2 * r + 1];
       shortest = std::min(shortest, std::sqrt(dx * dx + dy * dy));
     }
-    if (!(shortest > q.shortest_edge)) return kOverRho;
     const double circumradius = q.radius_edge * q.shortest_edge;
     const double most = options.quality * (1 + QualitySlack(shortest, unit)) * shortest;
-    return circumradius <= most || std::isinf(shortest) ? kSmallInputAngle : kOverRho;
+    if (shortest > q.shortest_edge && (circumradius <= most || std::isinf(shortest))) {
+      return kSmallInputAngle;
+    }
+    return guarded.Has(rows) ? kTerminationGuard : kOverRho;
   };
   for (std::size_t t = 0; t < mesh.simplex_count(); ++t) {
     std::array<std::size_t, 3> rows = {};
@@ -163,7 +167,8 @@ QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options) {
         report.min_angle_deg = std::min(report.min_angle_deg, q.min_angle_deg);
         report.max_angle_deg = std::max(report.max_angle_deg, q.max_angle_deg);
         if (verdict != SimplexVerdict::kGood) ++report.over_rho;
-        if (verdict == SimplexVerdict::kSmallInputAngle) ++report.exempt;
+        if (IsExempt(verdict)) ++report.exempt;
+        if (verdict == SimplexVerdict::kTerminationGuard) ++report.exempt_by_guard;
         for (const double angle : q.angles_deg) {
           ++report.angle_histogram[std::min<std::size_t>(17, static_cast<std::size_t>(angle / 10))];
         }

@@ -60,8 +60,11 @@ absl::StatusOr<MeshDiff> PlanarMesh::ApplyWith(const EditBatch& batch, Interrupt
   }
   const absl::StatusOr<plc::Delta> delta = plc_.Check(batch, nullptr, cancelled);
   if (!delta.ok()) return delta.status();
-  absl::StatusOr<MeshDiff> diff =
-      IsLarge(*delta) ? Rebuild(*delta, cancelled) : Propagate(*delta, cancelled);
+  const Plan plan = PlanFor(*delta, plc_.size(), state_->refinement.vertex_count(), options_.box,
+                            tuning_.rebuild);
+  absl::StatusOr<MeshDiff> diff = plan == Plan::kRebuild
+                                      ? Rebuild(*delta, Snapshot(), cancelled)
+                                      : Propagate(*delta, plan == Plan::kLook, cancelled);
   if (!diff.ok()) return diff;
   diff->from_revision = revision_;
   diff->to_revision = ++revision_;
@@ -69,10 +72,10 @@ absl::StatusOr<MeshDiff> PlanarMesh::ApplyWith(const EditBatch& batch, Interrupt
   return diff;
 }
 
-bool PlanarMesh::IsLarge(const plc::Delta& delta) const {
-  const std::size_t changes = delta.size();
-  return changes >= tuning_.rebuild_at_least &&
-         static_cast<double>(changes) > tuning_.rebuild_fraction * static_cast<double>(plc_.size());
+bool PlanarMesh::IsMostlyStale() const {
+  const auto& engine = state_->refinement.engine();
+  return static_cast<double>(engine.waiting()) >
+         tuning_.rebuild.stale * static_cast<double>(engine.operation_count());
 }
 
 // Runs what is stale; a limit that is hit stops it.
@@ -106,20 +109,32 @@ absl::Status PlanarMesh::Run(State& state, Interrupt cancelled) {
   return absl::OkStatus();
 }
 
+// The inverse edit brings the former trace back, bit for bit.
+void PlanarMesh::Undo(const plc::Delta& delta) {
+  State& state = *state_;
+  state.features.Apply(delta.Inverse(), state.refinement);
+  state.refinement.Propagate([] { return false; });
+  state.refinement.ForgetDepthLimit();
+  state.diffs.Update(state.refinement, state.features);
+  state.features.Collect();
+}
+
+// `look`: it may turn out to be cheaper to build anew.
 template <class Interrupt>
-absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, Interrupt cancelled) {
+absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, bool look,
+                                               Interrupt cancelled) {
   State& state = *state_;
   state.refinement.engine().ResetCounters();
   state.refinement.ForgetDepthLimit();
+  const Mesh before = look ? Snapshot() : Mesh();
   state.features.Apply(delta, state.refinement);
-  const absl::Status status = Run(state, cancelled);
-  if (!status.ok()) {
-    // The inverse edit brings the former trace back, bit for bit.
-    state.features.Apply(delta.Inverse(), state.refinement);
-    state.refinement.Propagate([] { return false; });
-    state.refinement.ForgetDepthLimit();
-    state.diffs.Update(state.refinement, state.features);
-    state.features.Collect();
+  if (look && IsMostlyStale()) {
+    absl::StatusOr<MeshDiff> diff = Rebuild(delta, before, cancelled);
+    if (!diff.ok()) Undo(delta);
+    return diff;
+  }
+  if (const absl::Status status = Run(state, cancelled); !status.ok()) {
+    Undo(delta);
     return status;
   }
   plc_.Commit(delta);
@@ -133,7 +148,8 @@ absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, Interrup
 }
 
 template <class Interrupt>
-absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, Interrupt cancelled) {
+absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, const Mesh& before,
+                                             Interrupt cancelled) {
   const bool is_first = plc_.size() == 0;
   plc_.Commit(delta);
   auto fresh = std::make_unique<State>(options_, tuning_);
@@ -144,8 +160,7 @@ absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, Interrupt 
     return status;
   }
   fresh->refinement.DetachTriangulation();
-  MeshDiff diff =
-      data::DiffMeshes(Snapshot(), fresh->diffs.Begin(fresh->refinement, fresh->features));
+  MeshDiff diff = data::DiffMeshes(before, fresh->diffs.Begin(fresh->refinement, fresh->features));
   fresh->features.Collect();
   const sac::Counters& counters = fresh->refinement.engine().counters();
   diff.work.executed = counters.executed;

@@ -10,6 +10,7 @@
 
 #include "core/dynamic_mesh/diff_builder.h"
 #include "core/dynamic_mesh/feature_table.h"
+#include "core/dynamic_mesh/rebuild_choice.h"
 #include "core/meshing/refinement.h"
 #include "core/plc/plc.h"
 #include "dynmesh/dynamic_mesh.h"
@@ -18,10 +19,7 @@ namespace dynmesh {
 
 // How a PlanarMesh goes about its work; none of it changes a bit of any result.
 struct PlanarMeshTuning {
-  // A batch that changes more than this part of the features, and more than
-  // `rebuild_at_least`, is built from scratch.
-  double rebuild_fraction = 0.25;
-  std::size_t rebuild_at_least = 64;
+  RebuildThresholds rebuild;
   // From scratch: read neighbourhoods off the growing triangulation.
   bool global_neighbourhoods = true;
   VertexNames::Hash vertex_hash = &VertexIdAt;
@@ -66,10 +64,12 @@ class PlanarMesh final : public DynamicMesh {
   template <class Interrupt>
   absl::Status Run(State& state, Interrupt cancelled);
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> Propagate(const plc::Delta& delta, Interrupt cancelled);
+  absl::StatusOr<MeshDiff> Propagate(const plc::Delta& delta, bool look, Interrupt cancelled);
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta& delta, Interrupt cancelled);
-  bool IsLarge(const plc::Delta& delta) const;
+  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta& delta, const Mesh& before,
+                                   Interrupt cancelled);
+  void Undo(const plc::Delta& delta);
+  bool IsMostlyStale() const;
 
   const MeshOptions options_;
   const PlanarMeshTuning tuning_;

@@ -195,7 +195,9 @@ class SvgDrawing {
   void FillByVerdict() {
     const std::vector<SimplexVerdict> verdicts = JudgeTriangles(mesh_, options_.rho);
     std::vector<std::uint32_t> of[3];
-    for (const std::uint32_t i : triangles_) of[static_cast<std::size_t>(verdicts[i])].push_back(i);
+    for (const std::uint32_t i : triangles_) {
+      of[verdicts[i] == SimplexVerdict::kGood ? 0 : IsExempt(verdicts[i]) ? 1 : 2].push_back(i);
+    }
     constexpr std::string_view kFills[] = {kPlainFill, kExemptFill, kOverRhoFill};
     for (std::size_t v = 0; v < 3; ++v) {
       if (!of[v].empty()) FillTriangles(of[v], kFills[v]);

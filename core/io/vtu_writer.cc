@@ -107,7 +107,9 @@ void WriteCellData(const IndexedMesh& mesh, double rho, FileWriter& out) {
     angles.push_back(q.min_angle_deg);
   }
   for (const SimplexVerdict verdict : JudgeTriangles(mesh, rho)) {
-    exempt.push_back(verdict == SimplexVerdict::kSmallInputAngle ? 1 : 0);
+    exempt.push_back(verdict == SimplexVerdict::kSmallInputAngle    ? 1
+                     : verdict == SimplexVerdict::kTerminationGuard ? 2
+                                                                    : 0);
   }
   out << "      <CellData Scalars=\"min_angle\">\n";
   WriteArray("Float64", "quality", 1, ratios, out);

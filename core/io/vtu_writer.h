@@ -12,7 +12,7 @@ namespace dynmesh::io {
 // Triangles, values exact: inline base64, little-endian.
 //   point data  containing_dimension; owner: the feature's id, -1 on the domain box, 0 if none
 //   cell data   quality: circumradius / shortest edge; min_angle: degrees; exempt: 1 where an
-//               input angle too small for `rho` excuses a triangle over it, else 0;
+//               input angle too small for `rho` excuses a triangle over it, 2 where the termination guard does, else 0;
 //               radius_edge and min_angle_deg: the first two by their older names
 // If there are polygons, also, with the numbers of region_numbers.h:
 //   cell data   region: its number, 0 in no polygon

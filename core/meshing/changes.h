@@ -336,7 +336,7 @@ bool Refinement<E>::SubsegmentMatters(sac::OpId op, const Subsegment& s) const {
     }
     if (!complete || !engine_.payload(op).flag || !Counts(Term::kOverYieldedCandidate))
       return false;
-    // Where the candidate was is not kept; it was in one of the balls read.
+    // Where candidates were is not kept; it was in one of the balls read.
     const double far =
         std::sqrt(engine_.payload(op).radius2) + std::sqrt(geometry::SquaredDistance(a, b));
     return geometry::SquaredDistance(vertices_[engine_.item(op)].p, a) <= far * far;

@@ -49,19 +49,22 @@ void Refinement<E>::Complete(Context& context) {
   skipped_.clear();
   Candidate gap;
   int ordinal = 0;
-  bool yielded = false;
+  bool yielded = false, kept_out = false;
   // Each point fills its gap, and there is room for a few only. Should a view be wrong, so
   // that neither is true, the loop ends all the same.
   while (ordinal < kMostOutputs && FindGap(bucket, &gap)) {
     FindEncroached(context, gap.x);
     if (!encroached_.empty()) {
-      // Yield: the subsegments first; then v looks again. One that cannot be split
-      // any more keeps the point out for good.
+      // Yield: the subsegments first; then v looks again. One that is not to be split any
+      // more keeps the point out for good.
+      const bool is_guarded = std::ranges::any_of(
+          encroached_, [&](SubsegmentIndex s) { return IsGuarded(subsegments_[s], bucket); });
       const bool can = std::ranges::all_of(
           encroached_, [&](SubsegmentIndex s) { return CanSplit(subsegments_[s]); });
-      if (!can) {
+      if (is_guarded || !can) {
         skipped_.push_back({gap.neighbour, gap.left});
-        hit_depth_limit_ = true;
+        if (is_guarded) kept_out = true;
+        if (!is_guarded) hit_depth_limit_ = true;
         continue;
       }
       for (const SubsegmentIndex s : encroached_) {
@@ -76,7 +79,7 @@ void Refinement<E>::Complete(Context& context) {
     RequestFirstComplete(context, x, gap.e2);
     if (!star_.Insert(x, gap.x)) skipped_.push_back({gap.neighbour, gap.left});
   }
-  context.payload().flag = yielded;
+  context.payload().flag = yielded || kept_out;
   if (yielded) return;
   if (by_edge()) {
     const int next = NextBucket(bucket);

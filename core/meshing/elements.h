@@ -90,7 +90,7 @@ struct Payload {
   // kComplete: squared distance beyond which no vertex can be in a ball that was
   // read; kNearest: squared distance of the nearest. Rounded up.
   float radius2 = 0;
-  // kComplete: the last candidate yielded to encroached subsegments.
+  // kComplete: a candidate yielded to encroached subsegments, or was kept out by them.
   // Checks: encroached (then the reads are the witnesses).
   std::uint32_t flag : 1 = 0;
   // kComplete: how far the balls read extend from the vertex, in each direction of the

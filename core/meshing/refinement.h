@@ -185,6 +185,7 @@ class Refinement {
   void Split(Context& context);
   void SplitInto(Context& context, SubsegmentIndex s);
   bool CanSplit(const Subsegment& s) const;
+  bool IsGuarded(const Subsegment& s, int bucket) const;
   VertexIndex EmitVertex(Context& context, const Point2& p, int ordinal, int dimension,
                          FeatureSlot feature);
   SubsegmentIndex EmitSubsegment(Context& context, const Subsegment& subsegment);

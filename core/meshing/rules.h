@@ -98,6 +98,13 @@ class Rules {
   // of coordinates would decide. A fuse; valid input stays far above.
   double least_squared_length() const { return least_squared_length_; }
 
+  // Termination guard: is a subsegment of squared length s2 too short to be split for the
+  // sake of a gap in `bucket`? Work of a bucket of edges of length l makes nothing much
+  // shorter than l (Lemmas 4.3.1, 5.3.4); where segments meet at angles that rho is too near
+  // to 1 for, each split can ask for a shorter one, round after round of one bucket. Halves
+  // shorter than l/64 end that. A function of the place in time, which is one of the input.
+  static bool IsGuarded(double s2, int bucket) { return s2 < 0x1p-10 * LeastOfBucket(bucket); }
+
   // Spacing of doubles at the largest coordinates: what a centre may be off by rounding.
   double ulp() const { return ulp_; }
   double quality() const { return quality_; }

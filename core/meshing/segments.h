@@ -101,6 +101,11 @@ bool Refinement<E>::CanSplit(const Subsegment& s) const {
              4 * rules_.least_squared_length();
 }
 
+template <template <class> class E>
+bool Refinement<E>::IsGuarded(const Subsegment& s, int bucket) const {
+  return Rules::IsGuarded(geometry::SquaredDistance(vertices_[s.a].p, vertices_[s.b].p), bucket);
+}
+
 // An output of the previous execution is kept if it is the same thing.
 template <template <class> class E>
 VertexIndex Refinement<E>::EmitVertex(Context& context, const Point2& p, int ordinal, int dimension,

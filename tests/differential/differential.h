@@ -20,7 +20,7 @@ struct Difference {
 // Tuning under which every batch is propagated, however large.
 inline PlanarMeshTuning AlwaysPropagate() {
   PlanarMeshTuning tuning;
-  tuning.rebuild_at_least = ~std::size_t{0};
+  tuning.rebuild.at_least = ~std::size_t{0};
   return tuning;
 }
 
@@ -28,8 +28,8 @@ inline PlanarMeshTuning AlwaysPropagate() {
 // neighbourhoods of the fresh run.
 inline Difference CompareWithScratch(const DynamicMesh& mesh, bool local) {
   PlanarMeshTuning tuning;
-  tuning.rebuild_at_least = 0;
-  tuning.rebuild_fraction = -1;  // always from scratch
+  tuning.rebuild.at_least = 0;
+  tuning.rebuild.features = -1;  // always from scratch
   tuning.global_neighbourhoods = !local;
   PlanarMesh fresh(mesh.options(), tuning);
   const std::vector<Feature> features = mesh.Features();

@@ -75,6 +75,59 @@ TEST(Rebuild, GivesTheSameMeshAndTraceAsPropagation) {
   }
 }
 
+// Looked at, found large and built anew: the same diffs, and undone when that fails.
+TEST(Rebuild, AfterALookIsPropagation) {
+  PlanarMeshTuning looking;
+  looking.rebuild = {0, -1, 1e9, -1, 1e9};
+  for (const Distribution d : kAllDistributions) {
+    SCOPED_TRACE(NameOf(d));
+    PlanarMesh looked({}, looking), propagated({}, AlwaysPropagate());
+    ScriptGenerator generator(d, 40, 8);
+    int applied = 0;
+    for (int i = 0; i < 15; ++i) {
+      const EditBatch batch = generator.Next(propagated.Features());
+      const auto a = looked.Apply(batch, ApplyOptions{});
+      const auto b = propagated.Apply(batch, ApplyOptions{});
+      ASSERT_EQ(a.status().code(), b.status().code());
+      applied += a.ok();
+      ASSERT_EQ(looked.hash(), propagated.hash());
+      ASSERT_EQ(looked.Audit().problems, std::vector<std::string>());
+      ASSERT_EQ(looked.Audit().trace, propagated.Audit().trace);
+      if (!a.ok()) continue;
+      EXPECT_EQ(a->added_vertices, b->added_vertices);
+      EXPECT_EQ(a->removed_vertices, b->removed_vertices);
+      EXPECT_EQ(a->added_simplices, b->added_simplices);
+      EXPECT_EQ(a->removed_simplices, b->removed_simplices);
+    }
+    EXPECT_GT(applied, 0);
+  }
+  // Too many vertices: found out while building anew.
+  MeshOptions options;
+  options.limits.max_vertices = 60;
+  PlanarMesh mesh(options, looking);
+  ASSERT_TRUE(mesh.Apply({Edit::Add(Feature::Point(1, 0.5, 0.5))}, ApplyOptions{}).ok());
+  const MeshHash hash = mesh.hash(), trace = mesh.Audit().trace;
+  EXPECT_FALSE(
+      mesh.Apply({Edit::Add(Feature::SizeDisc(2, 0.5, 0.5, 0.3, 0.01))}, ApplyOptions{}).ok());
+  EXPECT_EQ(mesh.hash(), hash);
+  EXPECT_EQ(mesh.Audit().trace, trace);
+}
+
+// What one sizing feature carries decides, not that it is one.
+TEST(Rebuild, IsPlannedByWhatABatchIsWorth) {
+  const Box box;
+  plc::Delta one, many;
+  one.added_sizes.resize(1);
+  one.added_sizes[0].sizing = {SizeShape::kDisc, 0.01, 0.3, {}};
+  EXPECT_EQ(PlanFor(one, 100, 200, box, {}), Plan::kRebuild);
+  EXPECT_EQ(PlanFor(one, 100'000, 200'000, box, {}), Plan::kPropagate);
+  many.added_points.resize(100);
+  EXPECT_EQ(PlanFor(many, 0, 24, box, {}), Plan::kRebuild);
+  EXPECT_EQ(PlanFor(many, 1000, 2000, box, {}), Plan::kLook);
+  EXPECT_EQ(PlanFor(many, 10'000, 20'000, box, {}), Plan::kPropagate);
+  EXPECT_EQ(PlanFor(plc::Delta{}, 0, 24, box, {}), Plan::kPropagate);
+}
+
 // Clients' order, ids and directions are not geometry.
 TEST(Order, OfFeaturesAndEndsDoesNotMatter) {
   std::vector<Feature> features = MakeFeatures(Distribution::kSegmentsTurned, 60, 9);

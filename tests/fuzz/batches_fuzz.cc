@@ -51,7 +51,7 @@ class Unpacker {
   // How the mesh goes about it, which must not show: edit by edit, or often from scratch.
   PlanarMeshTuning Tuning() const {
     PlanarMeshTuning tuning = test::AlwaysPropagate();
-    if (first_ / (4 * test::kAskedCount) % 2 == 1) tuning.rebuild_at_least = 3;
+    if (first_ / (4 * test::kAskedCount) % 2 == 1) tuning.rebuild.at_least = 3;
     tuning.global_neighbourhoods = first_ / (8 * test::kAskedCount) % 2 == 0;
     return tuning;
   }

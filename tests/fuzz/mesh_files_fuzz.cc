@@ -18,7 +18,7 @@ std::string Measure(const io::MeshFiles& files) {
   const QualityReport quality = MeasureQuality(mesh, options);
   std::uint64_t exempt = 0, over = 0;
   for (const SimplexVerdict verdict : verdicts) {
-    exempt += verdict == SimplexVerdict::kSmallInputAngle ? 1 : 0;
+    exempt += IsExempt(verdict) ? 1 : 0;
     over += verdict != SimplexVerdict::kGood ? 1 : 0;
   }
   if (exempt != quality.exempt || over != quality.over_rho) return "two verdicts disagree";

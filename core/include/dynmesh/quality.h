@@ -41,22 +41,31 @@ bool IsOverRho(const TriangleQuality& triangle, double rho, double unit);
 
 // What is to be said of a simplex.
 enum class SimplexVerdict : std::uint8_t {
-  kGood = 0,             // within rho
-  kSmallInputAngle = 1,  // over rho, for the sake of an edge that is as short as an angle of the
-                         // input makes it; within rho of its shortest other edge
-  kOverRho = 2,          // over rho without excuse
+  kGood = 0,              // within rho
+  kSmallInputAngle = 1,   // over rho, for the sake of an edge that is as short as an angle of the
+                          // input makes it; within rho of its shortest other edge
+  kOverRho = 2,           // over rho without excuse
+  kTerminationGuard = 3,  // over rho, because mending it would split a subsegment that is too
+                          // short for its surroundings already: that might never end
 };
 
+// Is a simplex over rho excused?
+inline bool IsExempt(SimplexVerdict v) {
+  return v == SimplexVerdict::kSmallInputAngle || v == SimplexVerdict::kTerminationGuard;
+}
+
 // Of each simplex of `mesh` (of dimension 2), in its order. A function of the mesh and of
-// options.quality. O(size).
+// options.quality. O(size). The guard leaves single triangles: of a mesh with more than 1,000
+// that no angle excuses, the others are kOverRho.
 std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options);
 
 struct QualityReport {
   double worst_radius_edge = 0;
   double min_angle_deg = 0;
   double max_angle_deg = 0;
-  std::uint64_t over_rho = 0;  // simplices over rho, exempt ones included
-  std::uint64_t exempt = 0;    // of these, how many are allowed to be
+  std::uint64_t over_rho = 0;         // simplices over rho, exempt ones included
+  std::uint64_t exempt = 0;           // of these, how many are allowed to be
+  std::uint64_t exempt_by_guard = 0;  // of these, how many by kTerminationGuard
   // Angles of all simplices, in steps of 10 degrees: [0, 10), [10, 20), ... [170, 180].
   std::array<std::uint64_t, 18> angle_histogram = {};
 };

@@ -86,8 +86,8 @@ class Followed {
  private:
   Mesh FromScratch() const {
     PlanarMeshTuning tuning = tuning_;
-    tuning.rebuild_at_least = 0;
-    tuning.rebuild_fraction = -1;
+    tuning.rebuild.at_least = 0;
+    tuning.rebuild.features = -1;
     PlanarMesh fresh(mesh_.options(), tuning);
     EXPECT_TRUE(fresh.Apply(AddAll(mesh_.Features()), ApplyOptions{}).ok());
     return fresh.Snapshot();
@@ -122,12 +122,12 @@ class CollidingNames : public testing::TestWithParam<std::tuple<int, Distributio
 TEST_P(CollidingNames, DiffLeadsToTheSnapshotAfterEveryRevision) {
   PlanarMeshTuning tuning;
   tuning.vertex_hash = poor().hash;
-  tuning.rebuild_at_least = ~std::size_t{0};
+  tuning.rebuild.at_least = ~std::size_t{0};
   Run(tuning, 6, 11, 25);
   Run(tuning, 30, 12, 15);
   tuning.global_neighbourhoods = false;
   Run(tuning, 30, 13, 10);
-  tuning.rebuild_at_least = 8;
+  tuning.rebuild.at_least = 8;
   Run(tuning, 12, 14, 15);
 }
 
@@ -135,7 +135,7 @@ TEST_P(CollidingNames, DiffLeadsToTheSnapshotAfterEveryRevision) {
 TEST_P(CollidingNames, ACancelledBatchLeavesThemAsTheyWere) {
   PlanarMeshTuning tuning;
   tuning.vertex_hash = poor().hash;
-  tuning.rebuild_at_least = ~std::size_t{0};
+  tuning.rebuild.at_least = ~std::size_t{0};
   const std::uint64_t seed = 21;
   Followed followed({}, tuning);
   test::ScriptGenerator generator(distribution(), 15, seed);
