@@ -136,7 +136,8 @@ class Excuses {
 
 // The termination guard lets a triangle be bad when what would mend it, its circumcenter or a
 // point nearer to one of its edges at which that edge's triangle would just do, lies in the
-// circle that has a subsegment for its diameter. By the angle there: at least a right one.
+// circle that has a subsegment for its diameter, one of at most four times the edge's length:
+// what it leaves is about as fine as where it stopped. By the angle there: at least a right one.
 class Guarded {
  public:
   using Real = long double;
@@ -151,15 +152,17 @@ class Guarded {
     if (!(twice > 0)) return false;
     const Real b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
     const Point centre = {a.x + (cy * b2 - by * c2) / twice, a.y + (bx * c2 - cx * b2) / twice};
-    if (IsSeenAtRightAngle(centre)) return true;
     const Real radius = std::hypot(centre.x - a.x, centre.y - a.y);
     for (int i = 0; i < 3; ++i) {
       const Point p = At(t[i]), q = At(t[(i + 1) % 3]);
+      const Real edge = std::hypot(q.x - p.x, q.y - p.y);
+      if (radius <= rho_ * edge) continue;  // nothing to mend here
+      if (IsSeenAtRightAngle(centre, edge)) return true;
       // The apex of the isosceles triangle over pq of circumradius rho |pq|, the far one.
       const Real height = rho_ + std::sqrt(rho_ * rho_ - Real{0.25});
       const Point x = {(p.x + q.x) / 2 - height * (q.y - p.y),
                        (p.y + q.y) / 2 + height * (q.x - p.x)};
-      if (std::hypot(x.x - p.x, x.y - p.y) < radius && IsSeenAtRightAngle(x)) return true;
+      if (std::hypot(x.x - p.x, x.y - p.y) < radius && IsSeenAtRightAngle(x, edge)) return true;
     }
     return false;
   }
@@ -169,11 +172,12 @@ class Guarded {
     Real x, y;
   };
   Point At(std::uint32_t v) const { return {mesh_.vertices[v].x, mesh_.vertices[v].y}; }
-  bool IsSeenAtRightAngle(const Point& x) const {
+  bool IsSeenAtRightAngle(const Point& x, Real edge) const {
     return std::ranges::any_of(mesh_.edges, [&](const auto& e) {
       if (e.owner == kNoFeature) return false;
       const Point a = At(e.a), b = At(e.b);
       const Real length2 = (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
+      if (std::sqrt(length2) > 4 * edge) return false;
       const Real dot = (a.x - x.x) * (b.x - x.x) + (a.y - x.y) * (b.y - x.y);
       return dot <= 1e-6L * length2;
     });

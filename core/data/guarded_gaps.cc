@@ -10,6 +10,9 @@ namespace {
 
 // Of squared radii: points are rounded.
 constexpr double kTolerance = 1 + 1e-6;
+// A chain of splits that the guard ended is about as fine as the edges that it left: the
+// subsegment kept whole is at most so many times as long (seen: 1.4 to 1.8).
+constexpr double kMostTimesEdge = 4;
 
 }  // namespace
 
@@ -26,22 +29,28 @@ void GuardedGaps::FindBalls() {
 bool GuardedGaps::Has(const std::array<std::size_t, 3>& rows) {
   if (++questions_ > kMostQuestions) return false;
   if (questions_ == 1) FindBalls();
-  const auto holds = [&](const geometry::Point2& x) {
+  // Does x, which would mend an edge of that squared length, lie in the circle of such a
+  // subsegment?
+  const auto is_kept_out = [&](const geometry::Point2& x, double e2) {
     return std::ranges::any_of(balls_, [&](const Ball& ball) {
-      return geometry::SquaredDistance(ball.centre, x) <= ball.radius2;
+      return ball.radius2 <= kMostTimesEdge * kMostTimesEdge / 4 * e2 &&
+             geometry::SquaredDistance(ball.centre, x) <= ball.radius2;
     });
   };
-  // Any edge may have been the one with the gap, and its point the circumcenter or, nearer,
-  // the off-center (Rules::OffCenter).
+  // Any edge that the circumcenter is too far from may have been the one with the gap, and the
+  // point to mend it the circumcenter or, nearer, the off-center (Rules::OffCenter).
   const double rho2 = rho_ * rho_;
   const double height = std::sqrt(2 * rho2 + std::sqrt(4 * rho2 * rho2 - rho2) - 0.25);
+  const geometry::Point2 centre = geometry::Circumcenter(At(rows[0]), At(rows[1]), At(rows[2]));
+  const double r2 = geometry::SquaredDistance(centre, At(rows[0]));
   for (std::size_t i = 0; i < 3; ++i) {
-    const geometry::Point2 p = At(rows[i]), q = At(rows[(i + 1) % 3]), c = At(rows[(i + 2) % 3]);
-    if (i == 0 && holds(geometry::Circumcenter(p, q, c))) return true;
+    const geometry::Point2 p = At(rows[i]), q = At(rows[(i + 1) % 3]);
+    const double e2 = geometry::SquaredDistance(p, q);
+    if (r2 <= rho2 * e2) continue;
+    if (is_kept_out(centre, e2)) return true;
     const geometry::Point2 off_center = {{0.5 * (p[0] + q[0]) - height * (q[1] - p[1]),
                                           0.5 * (p[1] + q[1]) + height * (q[0] - p[0])}};
-    const double most = geometry::SquaredDistance(geometry::Circumcenter(p, q, c), p);
-    if (geometry::SquaredDistance(off_center, p) < most && holds(off_center)) return true;
+    if (geometry::SquaredDistance(off_center, p) < r2 && is_kept_out(off_center, e2)) return true;
   }
   return false;
 }

@@ -1,6 +1,7 @@
 // Which triangles over rho are so because the point that would mend them would lie in the
-// diametral circle of a subsegment: a finished mesh has such ones only where the termination
-// guard kept that subsegment from being split (meshing/rules.h). Found from the mesh alone.
+// diametral circle of a subsegment as fine as the triangle: a finished mesh has such ones only
+// where the termination guard kept that subsegment from being split (meshing/rules.h). Found
+// from the mesh alone.
 // Thread-compatible.
 #ifndef DYNMESH_CORE_DATA_GUARDED_GAPS_H_
 #define DYNMESH_CORE_DATA_GUARDED_GAPS_H_

@@ -65,6 +65,11 @@ absl::StatusOr<MeshDiff> PlanarMesh::ApplyWith(const EditBatch& batch, Interrupt
   absl::StatusOr<MeshDiff> diff = plan == Plan::kRebuild
                                       ? Rebuild(*delta, Snapshot(), cancelled)
                                       : Propagate(*delta, plan == Plan::kLook, cancelled);
+  // On its way a propagation holds what is new and what is about to go: whether a limit is
+  // passed only a run from scratch can say, lest the answer depend on history.
+  if (plan != Plan::kRebuild && absl::IsResourceExhausted(diff.status())) {
+    diff = Rebuild(*delta, Snapshot(), cancelled);
+  }
   if (!diff.ok()) return diff;
   diff->from_revision = revision_;
   diff->to_revision = ++revision_;
@@ -126,10 +131,10 @@ absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, bool loo
   State& state = *state_;
   state.refinement.engine().ResetCounters();
   state.refinement.ForgetDepthLimit();
-  const Mesh before = look ? Snapshot() : Mesh();
+  Mesh before = look ? Snapshot() : Mesh();
   state.features.Apply(delta, state.refinement);
   if (look && IsMostlyStale()) {
-    absl::StatusOr<MeshDiff> diff = Rebuild(delta, before, cancelled);
+    absl::StatusOr<MeshDiff> diff = Rebuild(delta, std::move(before), cancelled);
     if (!diff.ok()) Undo(delta);
     return diff;
   }
@@ -148,7 +153,7 @@ absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, bool loo
 }
 
 template <class Interrupt>
-absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, const Mesh& before,
+absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, Mesh before,
                                              Interrupt cancelled) {
   const bool is_first = plc_.size() == 0;
   plc_.Commit(delta);
@@ -160,7 +165,8 @@ absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, const Mesh
     return status;
   }
   fresh->refinement.DetachTriangulation();
-  MeshDiff diff = data::DiffMeshes(before, fresh->diffs.Begin(fresh->refinement, fresh->features));
+  MeshDiff diff =
+      data::DiffMeshes(std::move(before), fresh->diffs.Begin(fresh->refinement, fresh->features));
   fresh->features.Collect();
   const sac::Counters& counters = fresh->refinement.engine().counters();
   diff.work.executed = counters.executed;

@@ -66,8 +66,7 @@ class PlanarMesh final : public DynamicMesh {
   template <class Interrupt>
   absl::StatusOr<MeshDiff> Propagate(const plc::Delta& delta, bool look, Interrupt cancelled);
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta& delta, const Mesh& before,
-                                   Interrupt cancelled);
+  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta& delta, Mesh before, Interrupt cancelled);
   void Undo(const plc::Delta& delta);
   bool IsMostlyStale() const;
 
