@@ -181,10 +181,14 @@ class Replay {
                  .Add("peak_rss_bytes", PeakResidentBytes())
                  .ToLine();
     } else {
+      const std::string times =
+          microseconds_.empty()
+              ? ""
+              : absl::StrFormat(
+                    "; after the first: %.0f us typical, %.0f us at the 99th percentile", p50, p99);
       line = absl::StrFormat(
-          "%d revisions, %d edits; after the first: %.0f us typical, %.0f us at the 99th "
-          "percentile; trace %.1f MB, peak memory %.1f MB\nhash %s\n",
-          script_.batches.size(), edits_, p50, p99, static_cast<double>(stats.trace_bytes) / 1e6,
+          "%d revisions, %d edits%s; trace %.1f MB, peak memory %.1f MB\nhash %s\n",
+          script_.batches.size(), edits_, times, static_cast<double>(stats.trace_bytes) / 1e6,
           static_cast<double>(PeakResidentBytes()) / 1e6, mesh_->hash().ToHex());
     }
     if (!PrintOut(line)) return absl::UnavailableError("cannot write to standard output");

@@ -201,6 +201,7 @@ void RegionLabels::LabelAll() {
 }
 
 bool RegionLabels::Check() {
+  if (empty()) return true;  // nobody has ever set one
   bool good = true;
   triangulation_.ForEachTriangle([&](Triangle t) {
     const std::array<Vertex, 3>& v = triangulation_.vertices(t);

@@ -16,7 +16,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <initializer_list>
+#include <span>
 
 namespace dynmesh::geometry {
 
@@ -95,7 +95,7 @@ struct CommonUnit {
   int width;
 };
 
-inline CommonUnit FindCommonUnit(std::initializer_list<double> values) {
+inline CommonUnit FindCommonUnit(std::span<const double> values) {
   int low = 1 << 20;
   int high = -(1 << 20);
   for (double x : values) {

@@ -19,6 +19,7 @@ struct Point {
 };
 
 using Point2 = Point<2>;
+using Point3 = Point<3>;
 
 // (a - b)^2 as computed in doubles: relative error below 4 * 2^-53, symmetric in
 // a and b to the bit.

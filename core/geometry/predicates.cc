@@ -1,73 +1,20 @@
 // The exact and the symbolic rungs of predicates.h.
 #include "core/geometry/predicates.h"
 
-#include <cassert>
-#include <initializer_list>
-#include <type_traits>
-
-#include "core/geometry/exact_integer.h"
+#include "core/geometry/exact_vector.h"
 
 namespace dynmesh::geometry::internal {
-namespace {
-
-// Sizes. With coordinates of `width` bits in their common unit, differences stay below
-// 2^(width+1). For N limbs we ask width + 1 <= 64N - 2, so differences d < 2^(64N-2);
-// d*d < 2^(128N-4), sums of up to four of these < 2^(128N-2): 2N limbs with sign.
-// In the in-circle polynomial, squares and cross products are sums of two, below
-// 2^(128N-3); their products below 2^(256N-6), three of them below 2^(256N-4): 4N limbs.
-constexpr int MaxWidth(int limbs) { return 64 * limbs - 3; }
-
-// The whole domain: below 2^251 in units of 2^-302, width 553 <= MaxWidth(9) = 573.
-constexpr int kMaxLimbs = 9;
-static_assert(MaxWidth(kMaxLimbs) >= 251 + 302);
-
-// Calls polynomial(integral<N>, exponent) with the least N of 1, 2, kMaxLimbs that the
-// coordinates need.
-template <class Polynomial>
-int SignOf(std::initializer_list<double> coordinates, Polynomial polynomial) {
-  const CommonUnit unit = FindCommonUnit(coordinates);
-  if (unit.width <= MaxWidth(1)) {
-    return polynomial(std::integral_constant<int, 1>{}, unit.exponent);
-  }
-  if (unit.width <= MaxWidth(2)) {
-    return polynomial(std::integral_constant<int, 2>{}, unit.exponent);
-  }
-  assert(unit.width <= MaxWidth(kMaxLimbs));
-  return polynomial(std::integral_constant<int, kMaxLimbs>{}, unit.exponent);
-}
-
-template <int N>
-struct Vector {
-  WideInt<N> x, y;
-
-  // to - from, in units of 2^exponent.
-  Vector(const Point2& from, const Point2& to, int exponent)
-      : x(ToInteger<N>(to[0], exponent) - ToInteger<N>(from[0], exponent)),
-        y(ToInteger<N>(to[1], exponent) - ToInteger<N>(from[1], exponent)) {}
-};
-
-template <int N>
-WideInt<2 * N> CrossProduct(const Vector<N>& a, const Vector<N>& b) {
-  return a.x * b.y - a.y * b.x;
-}
-
-template <int N>
-WideInt<2 * N> DotProduct(const Vector<N>& a, const Vector<N>& b) {
-  return a.x * b.x + a.y * b.y;
-}
-
-}  // namespace
 
 int OrientationExact(const Point2& a, const Point2& b, const Point2& c) {
-  return SignOf({a[0], a[1], b[0], b[1], c[0], c[1]}, [&](auto n, int exponent) {
-    using V = Vector<n()>;
+  return SignOf({&a, &b, &c}, [&](auto n, int exponent) {
+    using V = Vector<n(), 2>;
     return CrossProduct(V(c, a, exponent), V(c, b, exponent)).Sign();
   });
 }
 
 int InCircleExact(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
-  return SignOf({a[0], a[1], b[0], b[1], c[0], c[1], d[0], d[1]}, [&](auto n, int exponent) {
-    using V = Vector<n()>;
+  return SignOf({&a, &b, &c, &d}, [&](auto n, int exponent) {
+    using V = Vector<n(), 2>;
     const V da(d, a, exponent), db(d, b, exponent), dc(d, c, exponent);
     const auto det = DotProduct(da, da) * CrossProduct(db, dc) +
                      DotProduct(db, db) * CrossProduct(dc, da) +
@@ -76,20 +23,27 @@ int InCircleExact(const Point2& a, const Point2& b, const Point2& c, const Point
   });
 }
 
-int InDiametralBallExact(const Point2& a, const Point2& b, const Point2& x) {
-  return SignOf({a[0], a[1], b[0], b[1], x[0], x[1]}, [&](auto n, int exponent) {
-    using V = Vector<n()>;
+template <int D>
+int InDiametralBallExact(const Point<D>& a, const Point<D>& b, const Point<D>& x) {
+  return SignOf({&a, &b, &x}, [&](auto n, int exponent) {
+    using V = Vector<n(), D>;
     return DotProduct(V(x, a, exponent), V(x, b, exponent)).Sign();
   });
 }
 
-int CompareDistanceExact(const Point2& p, const Point2& a, const Point2& b) {
-  return SignOf({p[0], p[1], a[0], a[1], b[0], b[1]}, [&](auto n, int exponent) {
-    using V = Vector<n()>;
+template <int D>
+int CompareDistanceExact(const Point<D>& p, const Point<D>& a, const Point<D>& b) {
+  return SignOf({&p, &a, &b}, [&](auto n, int exponent) {
+    using V = Vector<n(), D>;
     const V pa(p, a, exponent), pb(p, b, exponent);
     return (DotProduct(pa, pa) - DotProduct(pb, pb)).Sign();
   });
 }
+
+template int InDiametralBallExact(const Point2&, const Point2&, const Point2&);
+template int InDiametralBallExact(const Point3&, const Point3&, const Point3&);
+template int CompareDistanceExact(const Point2&, const Point2&, const Point2&);
+template int CompareDistanceExact(const Point3&, const Point3&, const Point3&);
 
 // The Delaunay triangulation is the lower hull of the points lifted to z = x^2 + y^2.
 // Perturb the lifting: let every point q of the plane rise by an infinitesimal e(q) > 0,

@@ -1,4 +1,5 @@
-// Exact predicates of the plane. Each is a ladder: a filter in doubles that may
+// Exact predicates of the plane, and those that are alike in all dimensions; those of space
+// are in space_predicates.h. Each is a ladder: a filter in doubles that may
 // not know (inline, here), exact integer arithmetic (exact_integer.h), and, where a
 // tie has to be broken, a symbolic perturbation that depends on the coordinates alone
 // (never on ids, addresses or order of arrival), so that the Delaunay triangulation of
@@ -26,8 +27,10 @@ inline constexpr double kRoundoff = 0x1p-53;
 
 int OrientationExact(const Point2& a, const Point2& b, const Point2& c);
 int InCircleExact(const Point2& a, const Point2& b, const Point2& c, const Point2& d);
-int InDiametralBallExact(const Point2& a, const Point2& b, const Point2& x);
-int CompareDistanceExact(const Point2& p, const Point2& a, const Point2& b);
+template <int D>
+int InDiametralBallExact(const Point<D>& a, const Point<D>& b, const Point<D>& x);
+template <int D>
+int CompareDistanceExact(const Point<D>& p, const Point<D>& a, const Point<D>& b);
 // What InCircle says of four points on one circle.
 bool InCircleTie(const Point2& a, const Point2& b, const Point2& c, const Point2& d);
 // InCircle where the filter does not know.
@@ -73,16 +76,23 @@ inline int InCircleFilter(const Point2& a, const Point2& b, const Point2& c, con
   return FilteredSign(det, 12 * kRoundoff * sum + 0x1p-1000);
 }
 
-inline int InDiametralBallFilter(const Point2& a, const Point2& b, const Point2& x) {
-  const double h = (a[0] - x[0]) * (b[0] - x[0]);
-  const double v = (a[1] - x[1]) * (b[1] - x[1]);
-  return FilteredSign(h + v, 5 * kRoundoff * (std::fabs(h) + std::fabs(v)));  // n = 4
+template <int D>
+inline int InDiametralBallFilter(const Point<D>& a, const Point<D>& b, const Point<D>& x) {
+  double dot = (a[0] - x[0]) * (b[0] - x[0]), sum = std::fabs(dot);
+  for (int i = 1; i < D; ++i) {
+    const double product = (a[i] - x[i]) * (b[i] - x[i]);
+    dot += product;
+    sum += std::fabs(product);
+  }
+  // Differences 2, product 1, sum of D terms D - 1: n = D + 2.
+  return FilteredSign(dot, (D + 3) * kRoundoff * sum);
 }
 
-inline int CompareDistanceFilter(const Point2& p, const Point2& a, const Point2& b) {
+template <int D>
+inline int CompareDistanceFilter(const Point<D>& p, const Point<D>& a, const Point<D>& b) {
   const double to_a = SquaredDistance(p, a), to_b = SquaredDistance(p, b);
-  // Squares 3, sum of squares 1, difference 1 (the sum with 0 is exact): n = 5.
-  return FilteredSign(to_a - to_b, 6 * kRoundoff * (to_a + to_b));
+  // Squares 3, sum of squares D - 1 (that with 0 is exact), difference 1: n = D + 3.
+  return FilteredSign(to_a - to_b, (D + 4) * kRoundoff * (to_a + to_b));
 }
 
 }  // namespace internal
@@ -111,13 +121,15 @@ inline bool InCircle(const Point2& a, const Point2& b, const Point2& c, const Po
 }
 
 // Is x strictly inside the ball whose diameter is ab, (a - x).(b - x) < 0? Exact.
-inline bool InDiametralBall(const Point2& a, const Point2& b, const Point2& x) {
+template <int D>
+inline bool InDiametralBall(const Point<D>& a, const Point<D>& b, const Point<D>& x) {
   const int sign = internal::InDiametralBallFilter(a, b, x);
   return (sign != internal::kUnsure ? sign : internal::InDiametralBallExact(a, b, x)) < 0;
 }
 
 // Sign of |pa|^2 - |pb|^2: < 0 if a is nearer to p than b. Exact.
-inline int CompareDistance(const Point2& p, const Point2& a, const Point2& b) {
+template <int D>
+inline int CompareDistance(const Point<D>& p, const Point<D>& a, const Point<D>& b) {
   const int sign = internal::CompareDistanceFilter(p, a, b);
   return sign != internal::kUnsure ? sign : internal::CompareDistanceExact(p, a, b);
 }

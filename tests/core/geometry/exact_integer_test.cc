@@ -4,6 +4,7 @@
 #include <CGAL/Exact_rational.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -75,7 +76,7 @@ TEST(ExactInteger, CommonUnitHoldsEveryDoubleExactly) {
   testing::PointSource source(testing::Kind::kWildExponents, seed);
   for (int i = 0; i < 5000; ++i) {
     const Point2 p = source.Next();
-    const CommonUnit unit = FindCommonUnit({p[0], p[1]});
+    const CommonUnit unit = FindCommonUnit(p.c);
     ASSERT_LE(unit.width, 553);
     for (const double x : p.c) {
       const auto integer = ToInteger<9>(x, unit.exponent);
@@ -88,7 +89,7 @@ TEST(ExactInteger, CommonUnitHoldsEveryDoubleExactly) {
 }
 
 TEST(ExactInteger, SmallWidthsFitOneLimb) {
-  const CommonUnit unit = FindCommonUnit({0.75, -3.0, 0.0, 8.0});
+  const CommonUnit unit = FindCommonUnit(std::array{0.75, -3.0, 0.0, 8.0});
   EXPECT_EQ(unit.exponent, -2);
   EXPECT_LE(unit.width, 60);
   EXPECT_EQ(ToRational(ToInteger<1>(-3.0, unit.exponent)), Q(-12));

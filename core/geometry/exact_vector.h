@@ -1,0 +1,85 @@
+// Differences of points as exact integers, and the sign of a polynomial of them: the exact
+// rung of the predicates. Pure, thread-safe.
+#ifndef DYNMESH_CORE_GEOMETRY_EXACT_VECTOR_H_
+#define DYNMESH_CORE_GEOMETRY_EXACT_VECTOR_H_
+
+#include <array>
+#include <cassert>
+#include <initializer_list>
+#include <span>
+#include <type_traits>
+
+#include "core/geometry/exact_integer.h"
+#include "core/geometry/point.h"
+
+namespace dynmesh::geometry::internal {
+
+// Sizes. With coordinates of `width` bits in their common unit, differences stay below
+// 2^(width+1). For N limbs we ask width + 1 <= 64N - 2, so differences d < 2^(64N-2);
+// d*d < 2^(128N-4), sums of up to four of these < 2^(128N-2): 2N limbs with sign.
+// In the in-circle polynomial, squares and cross products are sums of two, below
+// 2^(128N-3); their products below 2^(256N-6), three of them below 2^(256N-4): 4N limbs.
+// In space a triple product is a sum of six, below 2^(192N-3): 3N limbs. In the in-sphere
+// polynomial it is multiplied by a sum of three squares, below 2^(128N-2); four of those
+// products are below 2^(320N-3): 5N limbs.
+constexpr int MaxWidth(int limbs) { return 64 * limbs - 3; }
+
+// The whole domain: below 2^251 in units of 2^-302, width 553 <= MaxWidth(9) = 573.
+inline constexpr int kMaxLimbs = 9;
+static_assert(MaxWidth(kMaxLimbs) >= 251 + 302);
+
+// Calls polynomial(integral<N>, exponent) with the least N of 1, 2, kMaxLimbs that the
+// coordinates need.
+template <int D, class Polynomial>
+int SignOf(std::initializer_list<const Point<D>*> points, Polynomial polynomial) {
+  std::array<double, 5 * D> coordinates;
+  assert(points.size() <= 5);
+  std::size_t count = 0;
+  for (const Point<D>* p : points) {
+    for (const double x : p->c) coordinates[count++] = x;
+  }
+  const CommonUnit unit = FindCommonUnit(std::span<const double>(coordinates.data(), count));
+  if (unit.width <= MaxWidth(1)) {
+    return polynomial(std::integral_constant<int, 1>{}, unit.exponent);
+  }
+  if (unit.width <= MaxWidth(2)) {
+    return polynomial(std::integral_constant<int, 2>{}, unit.exponent);
+  }
+  assert(unit.width <= MaxWidth(kMaxLimbs));
+  return polynomial(std::integral_constant<int, kMaxLimbs>{}, unit.exponent);
+}
+
+template <int N, int D>
+struct Vector {
+  std::array<WideInt<N>, D> c;
+
+  // to - from, in units of 2^exponent.
+  Vector(const Point<D>& from, const Point<D>& to, int exponent) {
+    for (int i = 0; i < D; ++i) {
+      c[i] = ToInteger<N>(to[i], exponent) - ToInteger<N>(from[i], exponent);
+    }
+  }
+};
+
+template <int N>
+WideInt<2 * N> CrossProduct(const Vector<N, 2>& a, const Vector<N, 2>& b) {
+  return a.c[0] * b.c[1] - a.c[1] * b.c[0];
+}
+
+template <int N, int D>
+WideInt<2 * N> DotProduct(const Vector<N, D>& a, const Vector<N, D>& b) {
+  WideInt<2 * N> sum = a.c[0] * b.c[0];
+  for (int i = 1; i < D; ++i) sum = sum + a.c[i] * b.c[i];
+  return sum;
+}
+
+// a . (b x c): the determinant of the three.
+template <int N>
+WideInt<3 * N> TripleProduct(const Vector<N, 3>& a, const Vector<N, 3>& b, const Vector<N, 3>& c) {
+  const auto minor = [&](int i, int j) { return b.c[i] * c.c[j] - b.c[j] * c.c[i]; };
+  return a.c[0] * minor(1, 2) + a.c[1] * minor(2, 0) + a.c[2] * minor(0, 1);
+}
+
+}  // namespace dynmesh::geometry::internal
+
+#endif  // DYNMESH_CORE_GEOMETRY_EXACT_VECTOR_H_

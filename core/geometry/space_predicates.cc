@@ -1,0 +1,59 @@
+// The exact and the symbolic rungs of space_predicates.h.
+#include "core/geometry/space_predicates.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/geometry/exact_vector.h"
+
+namespace dynmesh::geometry::internal {
+
+int OrientationExact(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
+  return SignOf({&a, &b, &c, &d}, [&](auto n, int exponent) {
+    using V = Vector<n(), 3>;
+    return TripleProduct(V(a, b, exponent), V(a, c, exponent), V(a, d, exponent)).Sign();
+  });
+}
+
+int InSphereExact(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
+                  const Point3& e) {
+  return SignOf({&a, &b, &c, &d, &e}, [&](auto n, int exponent) {
+    using V = Vector<n(), 3>;
+    const V ea(e, a, exponent), eb(e, b, exponent), ec(e, c, exponent), ed(e, d, exponent);
+    const auto det = DotProduct(ea, ea) * TripleProduct(eb, ec, ed) -
+                     DotProduct(eb, eb) * TripleProduct(ea, ec, ed) +
+                     DotProduct(ec, ec) * TripleProduct(ea, eb, ed) -
+                     DotProduct(ed, ed) * TripleProduct(ea, eb, ec);
+    return det.Sign();
+  });
+}
+
+// As in the plane (predicates.cc, InCircleTie) every place rises by an infinitesimal, one
+// infinitely greater than that of any place before it in lexicographic order. The
+// determinant is linear in the heights. The coefficient of one of a, b, c, d is the volume
+// of the four with e in its place, that of e minus the volume of the four. At a tie the
+// greatest place decides whose coefficient is not zero. Here a coefficient may be: that of
+// a point whose four others lie on one circle. Not all are, since e's is not.
+bool InSphereTie(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
+                 const Point3& e) {
+  std::array<const Point3*, 5> by_place = {&a, &b, &c, &d, &e};
+  std::sort(by_place.begin(), by_place.end(),
+            [](const Point3* p, const Point3* q) { return *q < *p; });
+  for (const Point3* p : by_place) {
+    const int sign = p == &a   ? Orientation(e, b, c, d)
+                     : p == &b ? Orientation(a, e, c, d)
+                     : p == &c ? Orientation(a, b, e, d)
+                     : p == &d ? Orientation(a, b, c, e)
+                               : -1;
+    if (sign != 0) return sign > 0;
+  }
+  return false;
+}
+
+bool InSphereSlow(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
+                  const Point3& e) {
+  const int sign = InSphereExact(a, b, c, d, e);
+  return sign != 0 ? sign > 0 : InSphereTie(a, b, c, d, e);
+}
+
+}  // namespace dynmesh::geometry::internal
