@@ -28,7 +28,7 @@ std::vector<FeatureId> PointsOf(const Rings& rings) {
 }  // namespace
 
 BatchCheck::BatchCheck(const MeshOptions& options, double limit, const CellGrid& grid,
-                       const FeatureStore& store, const SpatialIndex& index, const EditBatch& batch)
+                       const FeatureStore& store, const SpatialIndex& index, const Edits& batch)
     : options_(options),
       limit_(limit),
       store_(store),

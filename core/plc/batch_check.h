@@ -28,6 +28,7 @@
 #include "absl/status/statusor.h"
 #include "core/plc/delta.h"
 #include "core/plc/draft.h"
+#include "core/plc/edits.h"
 #include "core/plc/feature_store.h"
 #include "core/plc/rules.h"
 #include "core/plc/spatial_index.h"
@@ -40,7 +41,7 @@ class BatchCheck {
  public:
   // All arguments must outlive the object and not change.
   BatchCheck(const MeshOptions& options, double limit, const CellGrid& grid,
-             const FeatureStore& store, const SpatialIndex& index, const EditBatch& batch);
+             const FeatureStore& store, const SpatialIndex& index, const Edits& batch);
 
   absl::StatusOr<Delta> Run(absl::FunctionRef<bool()> interrupted);
   // Index cells and features looked at.

@@ -26,6 +26,7 @@
 #include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
 #include "core/plc/delta.h"
+#include "core/plc/edits.h"
 #include "core/plc/feature_store.h"
 #include "core/plc/rules.h"
 #include "core/plc/spatial_index.h"
@@ -56,8 +57,13 @@ class Plc2 {
   // of long segments take minutes, so `interrupted` is asked for each feature that changes:
   // once it says yes, the answer is CANCELLED (reason CANCELLED).
   absl::StatusOr<Delta> Check(
-      const EditBatch& batch, std::uint64_t* cost = nullptr,
+      const Edits& batch, std::uint64_t* cost = nullptr,
       absl::FunctionRef<bool()> interrupted = [] { return false; }) const;
+  absl::StatusOr<Delta> Check(
+      const EditBatch& batch, std::uint64_t* cost = nullptr,
+      absl::FunctionRef<bool()> interrupted = [] { return false; }) const {
+    return Check(Edits(batch), cost, interrupted);
+  }
 
   // Applies a change. REQUIRES: `delta` is Check's on the features present, or the
   // inverse of the last one committed. O(delta) insertions and removals in the index.
