@@ -231,8 +231,8 @@ absl::Status Draft::Act(Edit::Action action, const Feature& feature, Entry& entr
       return absl::OkStatus();
   }
   return Refuse(absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
-                absl::StrCat("unknown action ", static_cast<int>(action), " on feature ",
-                             entry.id, "; only add, set, remove and move are"));
+                absl::StrCat("unknown action ", static_cast<int>(action), " on feature ", entry.id,
+                             "; only add, set, remove and move are"));
 }
 
 }  // namespace dynmesh::plc
