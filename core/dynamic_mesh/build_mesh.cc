@@ -32,6 +32,7 @@ absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOpti
         {reason::kVertexLimit, {}, {}});
   }
   Mesh mesh = diffs.Begin(refinement, table);
+  if (absl::Status status = diffs.RegionStatus(); !status.ok()) return status;
   mesh.revision = features.empty() ? 0 : 1;
   return mesh;
 }
