@@ -188,24 +188,30 @@ TEST_P(PolygonLimit, OfOnesThatMoveOverEachOtherRefusesTheBatchAndChangesNothing
   ExpectLikeScratch();
 }
 
-// One in the other, so that every label on the way in is another.
+// One in the other, 32 at a time, so that there are many labels on the way in.
 TEST_P(PolygonLimit, OfOnesInEachOtherRefusesTheBatchAndChangesNothing) {
+  constexpr FeatureId kLots = 32, kInALot = kMostPolygonsAtAPlace / kLots;
   std::vector<Feature> all;
-  const auto add = [&](FeatureId i) {
-    const double half = 0.45 * std::pow(0.99, static_cast<double>(i));
-    for (const Feature& f : Square(10'000 + 4 * i, 0.5, 0.5, half)) all.push_back(f);
-    all.push_back(SquarePolygon(1 + i, 10'000 + 4 * i));
+  const auto add = [&](FeatureId lot, FeatureId count) {
+    const double half = 0.45 * std::pow(0.8, static_cast<double>(lot));
+    for (const Feature& f : Square(10'000 + 4 * lot, 0.5, 0.5, half)) all.push_back(f);
+    for (FeatureId i = 0; i < count; ++i) {
+      all.push_back(SquarePolygon(1 + lot * kInALot + i, 10'000 + 4 * lot));
+    }
   };
-  for (FeatureId i = 0; i < kMostPolygonsAtAPlace; ++i) add(i);
+  for (FeatureId lot = 0; lot < kLots; ++lot) add(lot, kInALot);
   Accept(AddAll(all));
+  ExpectLikeScratch();
   const std::size_t before = all.size();
-  add(kMostPolygonsAtAPlace);
+  add(kLots, 2);
   const EditBatch innermost = AddAll(std::span(all).subspan(before));
-  Refuse(innermost, 1 + kMostPolygonsAtAPlace, all);
+  Refuse(innermost, 2 + kMostPolygonsAtAPlace, all);
   // The same place, reached from outside.
-  Accept({Edit::Remove(1)});
+  Accept({Edit::Remove(1), Edit::Remove(2)});
   Accept(innermost);
-  Refuse({Edit::Add(SquarePolygon(1, 10'000))}, 1 + kMostPolygonsAtAPlace, all);
+  ExpectLikeScratch();
+  Refuse({Edit::Add(SquarePolygon(1, 10'000)), Edit::Add(SquarePolygon(2, 10'000))},
+         2 + kMostPolygonsAtAPlace, all);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PolygonLimit, testing::Bool(), [](const auto& given) {
