@@ -6,8 +6,8 @@
 // that come to a point where many end already are kept apart: in an index of that hub's own,
 // for all others to ask, and in order of angle, for those that end there.
 //
-// Which segments are a hub's depends on history, the features worth a look do not: *answers*
-// are supersets, as those of SpatialIndex.
+// Which segments are a hub's depends on history. No verdict does: *answers* are supersets, as
+// those of SpatialIndex, hence filter by exact rules and pick by id.
 //
 // Cost: as SpatialIndex, and O(1) for each hub there is; of a segment at a hub of k
 // O(depth log k), whatever the index of places would have to visit there.
