@@ -9,8 +9,7 @@ namespace dynmesh {
 absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
   plc::Plc2 plc(options);
-  const EditBatch batch = AddAll(features);
-  const absl::StatusOr<plc::Delta> delta = plc.Check(batch);
+  const absl::StatusOr<plc::Delta> delta = plc.Check(plc::Edits::Adding(features));
   if (!delta.ok()) return delta.status();
 
   DiffBuilder diffs;
@@ -33,6 +32,7 @@ absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOpti
         {reason::kVertexLimit, {}, {}});
   }
   Mesh mesh = diffs.Begin(refinement, table);
+  if (absl::Status status = diffs.RegionStatus(); !status.ok()) return status;
   mesh.revision = features.empty() ? 0 : 1;
   return mesh;
 }

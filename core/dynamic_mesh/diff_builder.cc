@@ -1,6 +1,9 @@
 #include "core/dynamic_mesh/diff_builder.h"
 
 #include <algorithm>
+#include <string>
+
+#include "dynmesh/error.h"
 
 namespace dynmesh {
 namespace {
@@ -120,6 +123,19 @@ std::array<VertexId, 3> DiffBuilder::CanonicalIds(Triangulation::TriangleIndex t
   return LeastFirst<VertexId>({names_.at(v[0]), names_.at(v[1]), names_.at(v[2])});
 }
 
+absl::Status DiffBuilder::RegionStatus() const {
+  const auto polygons = labels_.overfull();
+  if (polygons.empty()) return absl::OkStatus();
+  const FeatureId last = polygons.back();
+  return MakeError(
+      absl::StatusCode::kResourceExhausted,
+      "polygon " + std::to_string(last) + " lies over " + std::to_string(polygons.size() - 1) +
+          " others, " + std::to_string(polygons[0]) + " and " + std::to_string(polygons[1]) +
+          " among them, and no place may lie in more than " +
+          std::to_string(kMostPolygonsAtAPlace) + " polygons; move or remove some of them",
+      {reason::kPolygonLimit, {last}, {}});
+}
+
 // --- The whole mesh -------------------------------------------------------------------
 
 template <class Refinement>
@@ -141,6 +157,7 @@ Mesh DiffBuilder::Begin(Refinement& refinement, const FeatureTable& features) {
   });
   names_.AddAll(all, position);
   labels_.LabelAll();
+  if (!labels_.overfull().empty()) return {};
   Mesh mesh = Snapshot(refinement, features);
   subsegment_count_ = mesh.subsegments.size();
   hash_ = mesh.hash = ComputeHash(mesh);
@@ -178,6 +195,7 @@ MeshDiff DiffBuilder::Update(Refinement& refinement, const FeatureTable& feature
   UpdateNames(refinement);
   UpdateTriangulation(refinement);
   UpdateLabels(refinement, features);
+  if (!labels_.overfull().empty()) return {};
   if (!renamed_.empty()) AddTrianglesOfRenamed();
   MeshDiff diff;
   ReportVertices(refinement, features, &diff);

@@ -24,6 +24,7 @@
 #include <initializer_list>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "core/dynamic_mesh/feature_table.h"
 #include "core/dynamic_mesh/region_labels.h"
 #include "core/dynamic_mesh/vertex_names.h"
@@ -63,6 +64,10 @@ class DiffBuilder {
 
   VertexId IdOf(meshing::VertexIndex v) const { return names_.at(v); }
   std::array<VertexId, 3> CanonicalIds(mesh::DelaunayTriangulation::TriangleIndex t) const;
+
+  // RESOURCE_EXHAUSTED (POLYGON_LIMIT) if the last Begin or Update found a place in too many
+  // polygons. What it returned is nothing then, and no more may be done with the builder.
+  absl::Status RegionStatus() const;
 
   const MeshHash& hash() const { return hash_; }
   std::size_t subsegment_count() const { return subsegment_count_; }

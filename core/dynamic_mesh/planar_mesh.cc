@@ -142,8 +142,13 @@ absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, bool loo
     Undo(delta);
     return status;
   }
-  plc_.Commit(delta);
   MeshDiff diff = state.diffs.Update(state.refinement, state.features);
+  if (absl::Status status = state.diffs.RegionStatus(); !status.ok()) {
+    // Labels are left half made, so that there is nothing to undo.
+    state_ = (*Build(plc_.FromNothing(), plc_.size(), [] { return false; })).state;
+    return status;
+  }
+  plc_.Commit(delta);
   state.features.Collect();
   const sac::Counters& counters = state.refinement.engine().counters();
   diff.work.executed = counters.executed;
@@ -153,26 +158,37 @@ absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, bool loo
 }
 
 template <class Interrupt>
+absl::StatusOr<PlanarMesh::Built> PlanarMesh::Build(const plc::Delta& all, std::size_t features,
+                                                    Interrupt cancelled) {
+  Built built{std::make_unique<State>(options_, tuning_), {}};
+  State& fresh = *built.state;
+  fresh.refinement.Reserve(features);
+  fresh.features.Apply(all, fresh.refinement);
+  if (absl::Status status = Run(fresh, cancelled); !status.ok()) return status;
+  fresh.refinement.DetachTriangulation();
+  built.mesh = fresh.diffs.Begin(fresh.refinement, fresh.features);
+  if (absl::Status status = fresh.diffs.RegionStatus(); !status.ok()) return status;
+  fresh.features.Collect();
+  return built;
+}
+
+template <class Interrupt>
 absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, Mesh before,
                                              Interrupt cancelled) {
   const bool is_first = plc_.size() == 0;
   plc_.Commit(delta);
-  auto fresh = std::make_unique<State>(options_, tuning_);
-  fresh->refinement.Reserve(plc_.size());
-  fresh->features.Apply(is_first ? delta : plc_.FromNothing(), fresh->refinement);
-  if (absl::Status status = Run(*fresh, cancelled); !status.ok()) {
+  absl::StatusOr<Built> built =
+      Build(is_first ? delta : plc_.FromNothing(), plc_.size(), cancelled);
+  if (!built.ok()) {
     plc_.Commit(delta.Inverse());
-    return status;
+    return built.status();
   }
-  fresh->refinement.DetachTriangulation();
-  MeshDiff diff =
-      data::DiffMeshes(std::move(before), fresh->diffs.Begin(fresh->refinement, fresh->features));
-  fresh->features.Collect();
-  const sac::Counters& counters = fresh->refinement.engine().counters();
+  MeshDiff diff = data::DiffMeshes(std::move(before), std::move(built->mesh));
+  const sac::Counters& counters = built->state->refinement.engine().counters();
   diff.work.executed = counters.executed;
   diff.work.created = counters.created;
   diff.work.dropped = state_->refinement.engine().operation_count();
-  state_ = std::move(fresh);
+  state_ = std::move(built->state);
   return diff;
 }
 

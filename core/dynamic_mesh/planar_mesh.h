@@ -61,6 +61,13 @@ class PlanarMesh final : public DynamicMesh {
 
   template <class Interrupt>
   absl::StatusOr<MeshDiff> ApplyWith(const EditBatch& batch, Interrupt cancelled);
+  // A state of the features that `all` adds, and its mesh.
+  struct Built {
+    std::unique_ptr<State> state;
+    Mesh mesh;
+  };
+  template <class Interrupt>
+  absl::StatusOr<Built> Build(const plc::Delta& all, std::size_t features, Interrupt cancelled);
   template <class Interrupt>
   absl::Status Run(State& state, Interrupt cancelled);
   template <class Interrupt>

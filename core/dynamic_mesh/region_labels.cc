@@ -54,10 +54,7 @@ const std::vector<RegionLabels::Relabelled>& RegionLabels::Update(
   }
   labelled_ = true;
   settled_.clear();
-  toggled_.clear();
-  for (const FeatureTable::Wall& wall : toggled) {
-    toggled_.push_back({&wall, sets_.Add(wall.polygons)});
-  }
+  toggled_ = toggled;
   for (const Triangle t : fresh) SettleFrom(t, on_segment);
   if (!toggled_.empty()) {
     for (const Vertex v : wall_ends_) {
@@ -76,7 +73,7 @@ const std::vector<RegionLabels::Relabelled>& RegionLabels::Update(
 
 // Settles `start` and all that is touched and connected with it.
 void RegionLabels::SettleFrom(Triangle start, absl::FunctionRef<bool(Vertex)> on_segment) {
-  if (settled_.contains(start)) return;
+  if (settled_.contains(start) || !overfull().empty()) return;
   // The nearest triangle whose true label can be told.
   looked_at_.clear();
   looked_at_.insert(start);
@@ -84,9 +81,10 @@ void RegionLabels::SettleFrom(Triangle start, absl::FunctionRef<bool(Vertex)> on
   for (std::size_t i = 0; i < queue_.size(); ++i) {
     const Triangle t = queue_[i];
     if (const std::optional<RegionId> truth = TruthAt(t, on_segment)) {
+      if (*truth == RegionSets::kTooMany) return;
       Settle(t, *truth);
       Spread(t);
-      assert(settled_.contains(start));
+      assert(settled_.contains(start) || !overfull().empty());
       return;
     }
     for (int c = 0; c < 3; ++c) {
@@ -117,13 +115,23 @@ std::optional<RegionId> RegionLabels::TruthAt(Triangle t,
 
 // How the changed walls change the label of a place; nothing on such a wall.
 std::optional<RegionId> RegionLabels::ChangeAt(const Point2& p) {
-  RegionId change = kNoRegion;
-  for (const Toggled& toggled : toggled_) {
-    const std::optional<bool> crosses = RayCrosses(p, toggled.wall->p, toggled.wall->q);
+  std::vector<FeatureId> crossed;
+  for (const FeatureTable::Wall& wall : toggled_) {
+    const std::optional<bool> crosses = RayCrosses(p, wall.p, wall.q);
     if (!crosses) return std::nullopt;
-    if (*crosses) change = sets_.Toggle(change, toggled.region);
+    if (*crosses) crossed.insert(crossed.end(), wall.polygons.begin(), wall.polygons.end());
   }
-  return change;
+  std::sort(crossed.begin(), crossed.end());
+  // Those crossed an odd number of times.
+  std::vector<FeatureId> change;
+  for (const FeatureId id : crossed) {
+    if (change.empty() || change.back() != id) {
+      change.push_back(id);
+    } else {
+      change.pop_back();
+    }
+  }
+  return sets_.Add(change);
 }
 
 void RegionLabels::Settle(Triangle t, RegionId label) {
@@ -146,6 +154,7 @@ void RegionLabels::Spread(Triangle from) {
       if (triangulation_.IsInfinite(next)) continue;
       const RegionId label = sets_.Toggle(
           at(t), WallBetween(v[Triangulation::NextIndex(c)], v[Triangulation::PreviousIndex(c)]));
+      if (label == RegionSets::kTooMany) return;
       if (settled_.contains(next)) {
         assert(at(next) == label);
         continue;
@@ -194,7 +203,9 @@ void RegionLabels::LabelAll() {
       if (triangulation_.IsInfinite(next) || at(next) != kPending) continue;
       const Vertex a = v[Triangulation::NextIndex(c)], b = v[Triangulation::PreviousIndex(c)];
       const bool may = may_have_wall(a) && may_have_wall(b);
-      triangulation_.set_tag(next, may ? sets_.Toggle(at(t), WallBetween(a, b)) : at(t));
+      const RegionId label = may ? sets_.Toggle(at(t), WallBetween(a, b)) : at(t);
+      if (label == RegionSets::kTooMany) continue;
+      triangulation_.set_tag(next, label);
       stack_.push_back(next);
     }
   }

@@ -11,6 +11,9 @@
 // it: O(changed walls + triangles touched or relabelled), for each connected part of what
 // was touched.
 //
+// No label stands for more than kMostPolygonsAtAPlace polygons: then labels are left half made,
+// and what is there has to be thrown away.
+//
 // Thread-compatible.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_REGION_LABELS_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_REGION_LABELS_H_
@@ -62,6 +65,10 @@ class RegionLabels {
                                         absl::FunctionRef<bool(Vertex)> on_segment);
   // Labels every triangle. O(mesh).
   void LabelAll();
+  // The polygons that a place lies in that lies in too many; empty if there is none. After
+  // LabelAll, of the places where there are too many for those who come from outside and pass
+  // none such: the first by its polygons. A function of the input.
+  std::span<const FeatureId> overfull() const { return sets_.overfull(); }
   // Forgets sets of polygons that were here once, if there are many. Call when no label
   // from before an update is of interest any more. O(mesh), amortised O(1) a new set.
   void Collect();
@@ -74,11 +81,6 @@ class RegionLabels {
 
  private:
   using Edge = std::pair<Vertex, Vertex>;  // the lesser first
-  struct Toggled {
-    const FeatureTable::Wall* wall;
-    RegionId region;
-  };
-
   RegionId WallBetween(Vertex a, Vertex b) const;
   bool IsAtHull(Triangle t) const;
   bool IsTouched(Triangle t) const;
@@ -96,7 +98,7 @@ class RegionLabels {
   std::size_t collect_at_ = 1024;          // sets known
 
   // Of the update under way.
-  std::vector<Toggled> toggled_;
+  std::span<const FeatureTable::Wall> toggled_;
   absl::flat_hash_set<Triangle> settled_, looked_at_;
   std::vector<Triangle> queue_, stack_;
   std::vector<Relabelled> relabelled_;

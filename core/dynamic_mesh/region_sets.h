@@ -18,16 +18,20 @@ namespace dynmesh {
 
 class RegionSets {
  public:
+  // What Toggle gives for more than kMostPolygonsAtAPlace; no region's id.
+  static constexpr RegionId kTooMany = ~RegionId{0} - 1;
+
   // `polygons` ascending.
   RegionId Add(std::span<const FeatureId> polygons) {
     const RegionId id = RegionIdOf(polygons);
     if (polygons.size() > 1) sets_.try_emplace(id, polygons.begin(), polygons.end());
     return id;
   }
-  // The polygons in one of the two and not in the other.
+  // The polygons in one of the two and not in the other. If these are too many, they are not
+  // kept, but for the first by order of such sets (`overfull`). `a` is not too large.
   RegionId Toggle(RegionId a, RegionId b) {
-    if (a == kNoRegion) return b;
     if (b == kNoRegion) return a;
+    if (a == kNoRegion) return Checked(b);
     if (a == b) return kNoRegion;
     const std::pair<RegionId, RegionId> key = std::minmax(a, b);
     const auto known = toggles_.find(key);
@@ -36,8 +40,11 @@ class RegionSets {
     const std::vector<FeatureId> of_a = PolygonsOf(a), of_b = PolygonsOf(b);
     std::set_symmetric_difference(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(),
                                   std::back_inserter(polygons));
-    return toggles_[key] = Add(polygons);
+    if (polygons.size() <= kMostPolygonsAtAPlace) return toggles_[key] = Add(polygons);
+    return toggles_[key] = Refuse(polygons);
   }
+  // Empty if no set was too large.
+  std::span<const FeatureId> overfull() const { return overfull_; }
   std::vector<FeatureId> PolygonsOf(RegionId id) const {
     const auto it = sets_.find(id);
     return it != sets_.end() ? it->second : std::vector<FeatureId>{id};
@@ -63,8 +70,19 @@ class RegionSets {
   std::size_t size() const { return sets_.size() + toggles_.size(); }
 
  private:
+  RegionId Checked(RegionId id) {
+    const auto it = sets_.find(id);
+    return it == sets_.end() || it->second.size() <= kMostPolygonsAtAPlace ? id
+                                                                           : Refuse(it->second);
+  }
+  RegionId Refuse(const std::vector<FeatureId>& polygons) {
+    if (overfull_.empty() || polygons < overfull_) overfull_ = polygons;
+    return kTooMany;
+  }
+
   absl::flat_hash_map<RegionId, std::vector<FeatureId>> sets_;  // of several polygons
   absl::flat_hash_map<std::pair<RegionId, RegionId>, RegionId> toggles_;
+  std::vector<FeatureId> overfull_;
 };
 
 }  // namespace dynmesh

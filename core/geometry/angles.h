@@ -3,6 +3,7 @@
 #define DYNMESH_CORE_GEOMETRY_ANGLES_H_
 
 #include "core/geometry/point.h"
+#include "core/geometry/predicates.h"
 
 namespace dynmesh::geometry {
 
@@ -14,6 +15,14 @@ inline bool IsSmallAngle(const Point2& apex, const Point2& p, const Point2& q) {
   const double wx = q[0] - apex[0], wy = q[1] - apex[1];
   const double dot = ux * wx + uy * wy;
   return dot > 0 && dot * dot > kSquaredCosine * ((ux * ux + uy * uy) * (wx * wx + wy * wy));
+}
+
+// Does the direction apex-p come before apex-q, counter-clockwise from straight up? Exact.
+// REQUIRES: neither is the apex.
+inline bool PrecedesInAngle(const Point2& apex, const Point2& p, const Point2& q) {
+  const bool p_right = apex < p, q_right = apex < q;
+  if (p_right != q_right) return q_right;
+  return Orientation(apex, p, q) > 0;
 }
 
 }  // namespace dynmesh::geometry

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "core/geometry/angles.h"
-#include "core/geometry/predicates.h"
 
 namespace dynmesh::meshing {
 namespace {
@@ -19,22 +18,6 @@ struct Vector {
 Vector Minus(const Point2& p, const Point2& q) { return {p[0] - q[0], p[1] - q[1]}; }
 double Dot(const Vector& u, const Vector& w) { return u.x * w.x + u.y * w.y; }
 
-// Directions by angle, counter-clockwise from the negative x-axis. Exact.
-class ByAngle {
- public:
-  ByAngle(const Point2& apex, std::span<const Point2> ends) : apex_(apex), ends_(ends) {}
-  bool operator()(std::uint32_t i, std::uint32_t j) const {
-    const Point2 &p = ends_[i], &q = ends_[j];
-    const bool p_above = apex_ < p, q_above = apex_ < q;
-    if (p_above != q_above) return q_above;
-    return geometry::Orientation(apex_, p, q) > 0;
-  }
-
- private:
-  const Point2& apex_;
-  std::span<const Point2> ends_;
-};
-
 }  // namespace
 
 std::vector<WedgeEnd> FindWedges(const Point2& apex, std::span<const Point2> others) {
@@ -43,7 +26,9 @@ std::vector<WedgeEnd> FindWedges(const Point2& apex, std::span<const Point2> oth
   if (n < 2) return ends;
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), ByAngle(apex, others));
+  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+    return geometry::PrecedesInAngle(apex, others[i], others[j]);
+  });
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t s = order[i], t = order[i + 1 == n ? 0 : i + 1];
     if (!geometry::IsSmallAngle(apex, others[s], others[t])) continue;

@@ -28,13 +28,13 @@ std::vector<FeatureId> PointsOf(const Rings& rings) {
 }  // namespace
 
 BatchCheck::BatchCheck(const MeshOptions& options, double limit, const CellGrid& grid,
-                       const FeatureStore& store, const SpatialIndex& index, const EditBatch& batch)
+                       const FeatureStore& store, const FeatureIndex& index, const Edits& batch)
     : options_(options),
       limit_(limit),
       store_(store),
       present_(&index),
       draft_(store, batch),
-      entered_(grid) {}
+      entered_(grid, index.hub_degree()) {}
 
 absl::StatusOr<Delta> BatchCheck::Run(absl::FunctionRef<bool()> interrupted) {
   for (const Draft::Entry& entry : draft_.entries()) CollectPoint(entry);

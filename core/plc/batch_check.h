@@ -28,9 +28,10 @@
 #include "absl/status/statusor.h"
 #include "core/plc/delta.h"
 #include "core/plc/draft.h"
+#include "core/plc/edits.h"
+#include "core/plc/feature_index.h"
 #include "core/plc/feature_store.h"
 #include "core/plc/rules.h"
-#include "core/plc/spatial_index.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
 
@@ -40,7 +41,7 @@ class BatchCheck {
  public:
   // All arguments must outlive the object and not change.
   BatchCheck(const MeshOptions& options, double limit, const CellGrid& grid,
-             const FeatureStore& store, const SpatialIndex& index, const EditBatch& batch);
+             const FeatureStore& store, const FeatureIndex& index, const Edits& batch);
 
   absl::StatusOr<Delta> Run(absl::FunctionRef<bool()> interrupted);
   // Index cells and features looked at.
@@ -103,7 +104,7 @@ class BatchCheck {
   const MeshOptions& options_;
   const double limit_;
   const FeatureStore& store_;
-  const SpatialIndex* present_;  // null if entered_ holds the features that stay, too
+  const FeatureIndex* present_;  // null if entered_ holds the features that stay, too
   const Draft draft_;
   Delta delta_;
   std::vector<Event> events_;
@@ -119,7 +120,7 @@ class BatchCheck {
   absl::flat_hash_map<EdgeKey, FeatureId> drafted_segments_;
   std::vector<SegmentFeature> edges_;  // each with the polygon to blame, and that alone
   absl::flat_hash_map<FeatureId, std::vector<FeatureId>> users_of_missing_;
-  SpatialIndex entered_;
+  FeatureIndex entered_;
   std::uint64_t cost_ = 0;
 };
 

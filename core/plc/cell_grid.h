@@ -51,6 +51,7 @@ class CellGrid {
   // Holds every point of the box.
   const Cell& root() const { return root_; }
 
+  double LengthOf(double units) const { return units / per_length_; }
   UnitPoint ToUnits(const geometry::Point2& p) const {
     return {(p[0] - origin_[0]) * per_length_, (p[1] - origin_[1]) * per_length_};
   }

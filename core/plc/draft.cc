@@ -91,14 +91,14 @@ SizeFeature SizeOf(const Feature& feature) {
   return size;
 }
 
-Draft::Draft(const FeatureStore& base, const EditBatch& batch) : base_(base) {
+Draft::Draft(const FeatureStore& base, const Edits& batch) : base_(base) {
   entries_.reserve(batch.size());
   for (EditIndex i = 0; i < static_cast<EditIndex>(batch.size()); ++i) {
-    const Edit& edit = batch[i];
-    absl::Status status = CheckId(edit.feature.id, i);
+    const Feature& feature = batch.feature(i);
+    absl::Status status = CheckId(feature.id, i);
     if (status.ok()) {
-      Entry& entry = Touch(edit.feature.id, i);
-      if (error_edit_ == kNever) status = Act(edit, entry);
+      Entry& entry = Touch(feature.id, i);
+      if (error_edit_ == kNever) status = Act(batch.action(i), feature, entry);
       has_polygons_ |= entry.state == State::kPolygon;
     }
     if (!status.ok() && error_edit_ == kNever) {
@@ -199,18 +199,18 @@ Draft::Entry& Draft::Touch(FeatureId id, EditIndex edit) {
   return entries_[at];
 }
 
-absl::Status Draft::Act(const Edit& edit, Entry& entry) const {
-  switch (edit.action) {
+absl::Status Draft::Act(Edit::Action action, const Feature& feature, Entry& entry) const {
+  switch (action) {
     case Edit::Action::kAdd:
       if (entry.state != State::kAbsent) {
         return Refuse(absl::StatusCode::kAlreadyExists, reason::kIdInUse, entry.id, entry.edit,
                       absl::StrCat("cannot add feature ", entry.id, ": a ", NameOf(entry.state),
                                    " has that id; choose another id, or set to replace it"));
       }
-      return Become(edit.feature, entry);
+      return Become(feature, entry);
     case Edit::Action::kSet:
       if (absl::Status status = CheckPresent(entry, "set"); !status.ok()) return status;
-      return Become(edit.feature, entry);
+      return Become(feature, entry);
     case Edit::Action::kRemove:
       if (absl::Status status = CheckPresent(entry, "remove"); !status.ok()) return status;
       entry.state = State::kAbsent;
@@ -227,12 +227,12 @@ absl::Status Draft::Act(const Edit& edit, Entry& entry) const {
                          : entry.state == State::kPolygon ? "move its points instead"
                                                           : "set it anew where it is to be"));
       }
-      Place(edit.feature, entry);
+      Place(feature, entry);
       return absl::OkStatus();
   }
   return Refuse(absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
-                absl::StrCat("unknown action ", static_cast<int>(edit.action), " on feature ",
-                             entry.id, "; only add, set, remove and move are"));
+                absl::StrCat("unknown action ", static_cast<int>(action), " on feature ", entry.id,
+                             "; only add, set, remove and move are"));
 }
 
 }  // namespace dynmesh::plc

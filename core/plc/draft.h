@@ -17,6 +17,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
 #include "core/geometry/point.h"
+#include "core/plc/edits.h"
 #include "core/plc/feature_store.h"
 #include "dynmesh/feature.h"
 
@@ -49,8 +50,8 @@ class Draft {
     const Feature* given = nullptr;
   };
 
-  // `base` and `batch` must outlive the draft and not change.
-  Draft(const FeatureStore& base, const EditBatch& batch);
+  // `base` and what `batch` views must outlive the draft and not change.
+  Draft(const FeatureStore& base, const Edits& batch);
 
   // The first edit that could not act, kNever if all could; why.
   EditIndex error_edit() const { return error_edit_; }
@@ -77,7 +78,7 @@ class Draft {
  private:
   Entry& Touch(FeatureId id, EditIndex edit);
   std::size_t PositionOf(FeatureId id) const;
-  absl::Status Act(const Edit& edit, Entry& entry) const;
+  absl::Status Act(Edit::Action action, const Feature& feature, Entry& entry) const;
 
   const FeatureStore& base_;
   std::vector<Entry> entries_;

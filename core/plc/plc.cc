@@ -6,10 +6,13 @@
 
 namespace dynmesh::plc {
 
-Plc2::Plc2(const MeshOptions& options)
-    : options_(options), limit_(CloseLimit(options)), grid_(options.box, limit_), index_(grid_) {}
+Plc2::Plc2(const MeshOptions& options, std::uint32_t hub_degree)
+    : options_(options),
+      limit_(CloseLimit(options)),
+      grid_(options.box, limit_),
+      index_(grid_, hub_degree) {}
 
-absl::StatusOr<Delta> Plc2::Check(const EditBatch& batch, std::uint64_t* cost,
+absl::StatusOr<Delta> Plc2::Check(const Edits& batch, std::uint64_t* cost,
                                   absl::FunctionRef<bool()> interrupted) const {
   BatchCheck check(options_, limit_, grid_, store_, index_, batch);
   absl::StatusOr<Delta> delta = check.Run(interrupted);

@@ -26,9 +26,10 @@
 #include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
 #include "core/plc/delta.h"
+#include "core/plc/edits.h"
+#include "core/plc/feature_index.h"
 #include "core/plc/feature_store.h"
 #include "core/plc/rules.h"
-#include "core/plc/spatial_index.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
 
@@ -37,7 +38,8 @@ namespace dynmesh::plc {
 class Plc2 {
  public:
   // REQUIRES: ValidateOptions(options) is OK.
-  explicit Plc2(const MeshOptions& options);
+  // `hub_degree` decides how features are kept (feature_index.h), no answer depends on it.
+  explicit Plc2(const MeshOptions& options, std::uint32_t hub_degree = FeatureIndex::kHubDegree);
   Plc2(const Plc2&) = delete;
   Plc2& operator=(const Plc2&) = delete;
 
@@ -51,13 +53,18 @@ class Plc2 {
   //   FAILED_PRECONDITION  UNKNOWN_END, POINT_IN_USE, DUPLICATE_POINT, DUPLICATE_SEGMENT,
   //                        POINT_ON_SEGMENT, SEGMENTS_CROSS, SEGMENTS_OVERLAP,
   //                        SMALL_INPUT_ANGLE, TOO_CLOSE
-  // Cost: of the batch and its neighbourhood (batch_check.h, spatial_index.h). If `cost`
+  // Cost: of the batch and its neighbourhood (batch_check.h, feature_index.h). If `cost`
   // is not null, adds to it the number of index cells and features looked at. Large batches
   // of long segments take minutes, so `interrupted` is asked for each feature that changes:
   // once it says yes, the answer is CANCELLED (reason CANCELLED).
   absl::StatusOr<Delta> Check(
-      const EditBatch& batch, std::uint64_t* cost = nullptr,
+      const Edits& batch, std::uint64_t* cost = nullptr,
       absl::FunctionRef<bool()> interrupted = [] { return false; }) const;
+  absl::StatusOr<Delta> Check(
+      const EditBatch& batch, std::uint64_t* cost = nullptr,
+      absl::FunctionRef<bool()> interrupted = [] { return false; }) const {
+    return Check(Edits(batch), cost, interrupted);
+  }
 
   // Applies a change. REQUIRES: `delta` is Check's on the features present, or the
   // inverse of the last one committed. O(delta) insertions and removals in the index.
@@ -93,7 +100,7 @@ class Plc2 {
   const double limit_;
   const CellGrid grid_;
   FeatureStore store_;
-  SpatialIndex index_;
+  FeatureIndex index_;
 };
 
 }  // namespace dynmesh::plc

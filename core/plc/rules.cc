@@ -58,6 +58,15 @@ Conflict Disjoint(const Point2& a, const Point2& b, const Point2& c, const Point
 
 }  // namespace
 
+bool AreAtClearAngle(const Point2& apex, const Point2& a, const Point2& b) {
+  const double ux = a[0] - apex[0], uy = a[1] - apex[1];
+  const double wx = b[0] - apex[0], wy = b[1] - apex[1];
+  const double squares = (ux * ux + uy * uy) * (wx * wx + wy * wy);
+  const double cross = ux * wy - uy * wx;
+  // Far beyond all rounding.
+  return ux * wx + uy * wy <= 0 || cross * cross > 4 * kAngleBound * squares;
+}
+
 double CloseLimit(const MeshOptions& options) {
   const Box domain = DomainBox(options);
   double magnitude = 0;

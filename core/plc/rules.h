@@ -48,6 +48,11 @@ Conflict Between(const PointFeature& p, const SegmentFeature& s, double limit);
 // kSmallAngle.
 Conflict Between(const SegmentFeature& s, const SegmentFeature& t);
 
+// Is the angle between apex-a and apex-b, and any larger one up to 180 degrees, certainly no
+// kSmallAngle? In doubles.
+bool AreAtClearAngle(const geometry::Point2& apex, const geometry::Point2& a,
+                     const geometry::Point2& b);
+
 // Is the distance of p to segment ab below `limit`? In doubles, error of an ulp of
 // the domain, to the bit the same for ba.
 bool IsNear(const geometry::Point2& p, const geometry::Point2& a, const geometry::Point2& b,

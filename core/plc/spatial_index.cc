@@ -11,6 +11,15 @@ namespace {
 constexpr double kCellReach = 0.25;
 constexpr double kQueryReach = kCloseUnits + 1;
 
+void InsertInOrder(std::vector<Slot>& slots, Slot slot) {
+  slots.insert(std::lower_bound(slots.begin(), slots.end(), slot), slot);
+}
+
+void EraseInOrder(std::vector<Slot>& slots, Slot slot) {
+  const auto it = std::lower_bound(slots.begin(), slots.end(), slot);
+  if (it != slots.end() && *it == slot) slots.erase(it);
+}
+
 void EraseValue(std::vector<Slot>& slots, Slot slot) {
   const auto it = std::find(slots.begin(), slots.end(), slot);
   if (it == slots.end()) return;
@@ -83,7 +92,7 @@ void SpatialIndex::InsertSegmentAt(NodeIndex n, const Cell& cell, Slot slot) {
     if (chords == nullptr) chords = std::make_unique<ChordList>(&segments_);
     chords->Insert(slot);
   } else if (nodes_[n].children == 0) {
-    nodes_[n].loose.push_back(slot);
+    InsertInOrder(nodes_[n].loose, slot);
     SplitIfCrowded(n, cell);
   } else {
     for (int i = 0; i < 4; ++i) {
@@ -111,7 +120,7 @@ void SpatialIndex::EraseSegmentAt(NodeIndex n, const Cell& cell, Slot slot) {
     chords->Erase(slot);
     if (chords->size() == 0) chords.reset();
   } else if (nodes_[n].children == 0) {
-    EraseValue(nodes_[n].loose, slot);
+    EraseInOrder(nodes_[n].loose, slot);
   } else {
     for (int i = 0; i < 4; ++i) {
       EraseSegmentAt(nodes_[n].children + i, cell.Child(i), slot);

@@ -5,8 +5,9 @@
 // *loose* in a leaf. A leaf with more than kCapacity points and loose segments is
 // split. So a long segment has O(1) chords per level near its ends and none in the
 // small cells that it passes far from its ends, many long parallel segments cost a
-// bisection, and no cell of unit size is ever over capacity (valid features are 16
-// units apart, and at most 8 segments share an end).
+// bisection. A cell of unit size meets one point or the segments of one end at most, since
+// features are 16 units apart, and is not split (of ends of very many segments feature_index.h
+// takes care).
 //
 // Invariant: the segments present do not cross (ChordBefore needs it), so a feature
 // is checked before it is inserted. The *answers* are supersets: every feature that
@@ -56,6 +57,8 @@ class SpatialIndex {
   void QueryNear(const SegmentFeature& s, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
 
+  // A segment that has been inserted.
+  const SegmentFeature& segment(Slot slot) const { return segments_[slot].feature; }
   std::size_t node_count() const { return nodes_.size() - 4 * free_blocks_.size(); }
 
  private:
@@ -66,7 +69,7 @@ class SpatialIndex {
   struct Node {
     NodeIndex children = 0;  // the first of four in a row; 0: a leaf
     std::vector<Slot> points;
-    std::vector<Slot> loose;
+    std::vector<Slot> loose;            // ascending
     std::unique_ptr<ChordList> chords;  // maybe none
   };
   struct PointQuery;

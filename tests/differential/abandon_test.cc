@@ -2,6 +2,9 @@
 // mesh, bit for bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "dynmesh/error.h"
 #include "tests/differential/differential.h"
 
@@ -85,6 +88,135 @@ TEST(Limit, OfDepthRefusesTheBatchAndChangesNothing) {
   EXPECT_EQ(mesh.hash(), hash);
   EXPECT_EQ(mesh.Audit().trace, trace);
 }
+
+// A square around (x, y); its points have the ids from `first` on, in order.
+std::vector<Feature> Square(FeatureId first, double x, double y, double half) {
+  return {Feature::Point(first, x - half, y - half), Feature::Point(first + 1, x + half, y - half),
+          Feature::Point(first + 2, x + half, y + half),
+          Feature::Point(first + 3, x - half, y + half)};
+}
+Feature SquarePolygon(FeatureId id, FeatureId first) {
+  return Feature::Polygon(id, {{first, first + 1, first + 2, first + 3}});
+}
+
+class PolygonLimit : public testing::TestWithParam<bool> {
+ protected:
+  PolygonLimit() : mesh_({}, GetParam() ? PlanarMeshTuning{} : AlwaysPropagate()) {}
+
+  void Accept(const EditBatch& batch) {
+    const auto diff = mesh_.Apply(batch, ApplyOptions{});
+    ASSERT_TRUE(diff.ok()) << diff.status();
+  }
+  // Refused for `polygon`, as from scratch, and nothing has changed.
+  void Refuse(const EditBatch& batch, FeatureId polygon, std::vector<Feature> result) {
+    const std::uint64_t revision = mesh_.revision();
+    const MeshHash hash = mesh_.hash(), trace = mesh_.Audit().trace;
+    const std::vector<Feature> features = mesh_.Features();
+    const absl::Status status = mesh_.Apply(batch, ApplyOptions{}).status();
+    ASSERT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
+    EXPECT_EQ(*GetErrorDetail(status), (ErrorDetail{reason::kPolygonLimit, {polygon}, {}}));
+    EXPECT_EQ(mesh_.revision(), revision);
+    EXPECT_EQ(mesh_.hash(), hash);
+    EXPECT_EQ(mesh_.Features(), features);
+    const AuditReport audit = mesh_.Audit();
+    EXPECT_TRUE(audit.problems.empty()) << audit.problems.front();
+    EXPECT_EQ(audit.trace, trace);
+    EXPECT_EQ(BuildMesh(result, {}).status(), status);
+    std::reverse(result.begin(), result.end());
+    EXPECT_EQ(BuildMesh(result, {}).status(), status);
+  }
+  void ExpectLikeScratch() {
+    const Difference d = CompareWithScratch(mesh_, true);
+    EXPECT_FALSE(d.found) << d.what;
+  }
+
+  PlanarMesh mesh_;
+};
+
+// Polygons 1001, 1002, ... on the same four points.
+TEST_P(PolygonLimit, OfOnesThatAreAlikeRefusesTheBatchAndChangesNothing) {
+  std::vector<Feature> all = Square(1, 0.5, 0.5, 0.25);
+  for (FeatureId i = 0; i < kMostPolygonsAtAPlace; ++i) all.push_back(SquarePolygon(1001 + i, 1));
+  Accept(AddAll(all));
+  ExpectLikeScratch();
+  all.push_back(SquarePolygon(500, 1));
+  Refuse({Edit::Add(all.back())}, 1000 + kMostPolygonsAtAPlace, all);
+  Accept({Edit::Remove(1500), Edit::Add(all.back())});
+  ExpectLikeScratch();
+  // Very many at once.
+  for (FeatureId i = 0; i < 5000; ++i) all.push_back(SquarePolygon(10'000 + i, 1));
+  EditBatch many = {Edit::Add(Feature::Point(600, 0.1, 0.1))};
+  for (FeatureId i = 0; i < 5000; ++i) many.push_back(Edit::Add(SquarePolygon(10'000 + i, 1)));
+  std::erase_if(all, [](const Feature& f) { return f.id == 1500; });
+  all.push_back(Feature::Point(600, 0.1, 0.1));
+  Refuse(many, 14'999, all);
+  Accept({Edit::Remove(2000), Edit::Add(Feature::Point(600, 0.1, 0.1))});
+  ExpectLikeScratch();
+}
+
+// Two lots of polygons, each below the limit, that a move puts over each other: it changes
+// labels of triangles that it leaves alone.
+TEST_P(PolygonLimit, OfOnesThatMoveOverEachOtherRefusesTheBatchAndChangesNothing) {
+  std::vector<Feature> all = Square(1, 0.25, 0.5, 0.0625);
+  const std::vector<Feature> other = Square(11, 0.75, 0.5, 0.03125);
+  all.insert(all.end(), other.begin(), other.end());
+  for (FeatureId i = 0; i < 600; ++i) {
+    all.push_back(SquarePolygon(1000 + i, 1));
+    all.push_back(SquarePolygon(2000 + i, 11));
+  }
+  Accept(AddAll(all));
+  const auto move = [&](double x, double y) {
+    EditBatch batch;
+    for (const Feature& f : Square(1, x, y, 0.0625)) {
+      batch.push_back(Edit::Move(f.id, f.position[0], f.position[1]));
+      all[f.id - 1] = f;
+    }
+    return batch;
+  };
+  const EditBatch over = move(0.75, 0.5);
+  Refuse(over, 2599, all);
+  Accept(move(0.75, 0.75));
+  ExpectLikeScratch();
+  // Within the holes of the others there is room.
+  EditBatch holes = move(0.75, 0.5);
+  const std::vector<Feature> hole = Square(21, 0.75, 0.5, 0.015625);
+  for (const Feature& f : hole) holes.push_back(Edit::Add(f));
+  for (FeatureId i = 0; i < 600; ++i) {
+    holes.push_back(Edit::Set(Feature::Polygon(1000 + i, {{1, 2, 3, 4}, {11, 12, 13, 14}})));
+  }
+  Accept(holes);
+  ExpectLikeScratch();
+}
+
+// One in the other, 32 at a time, so that there are many labels on the way in.
+TEST_P(PolygonLimit, OfOnesInEachOtherRefusesTheBatchAndChangesNothing) {
+  constexpr FeatureId kLots = 32, kInALot = kMostPolygonsAtAPlace / kLots;
+  std::vector<Feature> all;
+  const auto add = [&](FeatureId lot, FeatureId count) {
+    const double half = 0.45 * std::pow(0.8, static_cast<double>(lot));
+    for (const Feature& f : Square(10'000 + 4 * lot, 0.5, 0.5, half)) all.push_back(f);
+    for (FeatureId i = 0; i < count; ++i) {
+      all.push_back(SquarePolygon(1 + lot * kInALot + i, 10'000 + 4 * lot));
+    }
+  };
+  for (FeatureId lot = 0; lot < kLots; ++lot) add(lot, kInALot);
+  Accept(AddAll(all));
+  ExpectLikeScratch();
+  const std::size_t before = all.size();
+  add(kLots, 2);
+  const EditBatch innermost = AddAll(std::span(all).subspan(before));
+  Refuse(innermost, 2 + kMostPolygonsAtAPlace, all);
+  // The same place, reached from outside.
+  Accept({Edit::Remove(1), Edit::Remove(2)});
+  Accept(innermost);
+  ExpectLikeScratch();
+  Refuse({Edit::Add(SquarePolygon(1, 10'000)), Edit::Add(SquarePolygon(2, 10'000))},
+         2 + kMostPolygonsAtAPlace, all);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PolygonLimit, testing::Bool(), [](const auto& given) {
+  return given.param ? "BuiltAnewIfLarge" : "Propagated";
+});
 
 }  // namespace
 }  // namespace dynmesh::test

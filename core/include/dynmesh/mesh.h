@@ -49,6 +49,11 @@ MeshHash HashVertex(const double* coordinates, int dimension, int containing_dim
 using RegionId = std::uint64_t;
 inline constexpr RegionId kNoRegion = 0;
 
+// In more polygons no place may lie: a batch after which one would is undone and refused with
+// RESOURCE_EXHAUSTED (POLYGON_LIMIT). Regions of several polygons list them, so that without
+// a limit n polygons in each other would take n^2 numbers to tell.
+inline constexpr std::size_t kMostPolygonsAtAPlace = 1024;
+
 // A region that lies in several polygons.
 struct RegionSet {
   RegionId id = kNoRegion;

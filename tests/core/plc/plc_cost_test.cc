@@ -127,6 +127,33 @@ TEST(PlcCost, LongParallelSegmentsCostABisection) {
 }
 
 // All is replaced again and again: the index neither grows nor slows.
+// `count` spokes from the middle to a circle, of different lengths.
+EditBatch Wheel(int count) {
+  EditBatch batch = {AddPoint(1, 0.5, 0.5)};
+  for (int i = 0; i < count; ++i) {
+    const double angle = 6.283185307179586 * i / count, r = 0.25 + 0.1 * (i % 3);
+    batch.push_back(AddPoint(2 + i, 0.5 + r * std::cos(angle), 0.5 + r * std::sin(angle)));
+  }
+  for (int i = 0; i < count; ++i) batch.push_back(AddSegment(2 + count + i, 1, 2 + i));
+  return batch;
+}
+
+TEST(PlcCost, OfASegmentDoesNotGrowWithThoseThatMeetAtItsEnd) {
+  std::vector<double> per_segment, of_another;
+  for (const int count : {1000, 8000}) {
+    Plc2 plc(Square(0, 1));
+    const EditBatch wheel = Wheel(count);
+    per_segment.push_back(static_cast<double>(CostOf(plc, wheel)) / count);
+    Apply(plc, wheel);
+    const EditBatch again = {Edit::Remove(2 + count), AddSegment(2 + count, 2, 1)};
+    of_another.push_back(static_cast<double>(CostOf(plc, again)));
+  }
+  std::cout << "cost of a spoke: " << per_segment[0] << ", " << per_segment[1]
+            << "; of one more: " << of_another[0] << ", " << of_another[1] << "\n";
+  EXPECT_LT(per_segment[1], 1.5 * per_segment[0]);
+  EXPECT_LT(of_another[1], 1.5 * of_another[0]);
+}
+
 TEST(PlcCost, TheIndexDoesNotAge) {
   Plc2 plc(Square(0, 1));
   Apply(plc, Streets(20, 0, 1, 1));

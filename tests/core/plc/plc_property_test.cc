@@ -306,7 +306,9 @@ struct Tally {
 void RunScript(std::uint64_t seed, Generator::Style style, int batches, int most, bool polygons,
                Tally& tally) {
   Generator generator(seed, style, polygons);
-  Plc2 plc(Square(0, 1));
+  // So that few segments make a hub, too.
+  constexpr std::uint32_t kHubDegrees[] = {FeatureIndex::kHubDegree, 1, 2, 4};
+  Plc2 plc(Square(0, 1), kHubDegrees[seed % 4]);
   FeatureMap present;
   std::string script = "mesh dim=2 box=0,0,1,1\n";
   for (int i = 0; i < batches; ++i) {

@@ -1,0 +1,36 @@
+// The edits of a batch, in order, wherever they stand: a view, so that a first load need not
+// copy its features into a batch. A value; what it looks at must outlive it and not change.
+#ifndef DYNMESH_CORE_PLC_EDITS_H_
+#define DYNMESH_CORE_PLC_EDITS_H_
+
+#include <cstddef>
+#include <span>
+
+#include "dynmesh/feature.h"
+
+namespace dynmesh::plc {
+
+class Edits {
+ public:
+  explicit Edits(const EditBatch& batch) : edits_(batch) {}
+  // All of them are to be added.
+  static Edits Adding(std::span<const Feature> features) { return Edits(features); }
+
+  std::size_t size() const { return edits_.size() + added_.size(); }
+  Edit::Action action(std::size_t i) const {
+    return added_.empty() ? edits_[i].action : Edit::Action::kAdd;
+  }
+  const Feature& feature(std::size_t i) const {
+    return added_.empty() ? edits_[i].feature : added_[i];
+  }
+
+ private:
+  explicit Edits(std::span<const Feature> added) : added_(added) {}
+
+  std::span<const Edit> edits_;  // one of the two is empty
+  std::span<const Feature> added_;
+};
+
+}  // namespace dynmesh::plc
+
+#endif  // DYNMESH_CORE_PLC_EDITS_H_

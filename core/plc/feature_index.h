@@ -1,0 +1,114 @@
+// What SpatialIndex does, for any number of segments that meet at a point.
+//
+// Near a *hub*, a point where many segments meet, all of them are near each other, so an
+// index of places tells nothing. But a segment that ends there can be in conflict with its
+// neighbours in angle only (those present make no small angles with each other). So segments
+// that come to a point where many end already are kept apart: in an index of that hub's own,
+// for all others to ask, and in order of angle, for those that end there.
+//
+// Which segments are a hub's depends on history. No verdict does: *answers* are supersets, as
+// those of SpatialIndex, hence filter by exact rules and pick by id.
+//
+// Cost: as SpatialIndex, and O(1) for each hub there is; of a segment at a hub of k
+// O(depth log k), whatever the index of places would have to visit there.
+// Thread-compatible: const members may run at the same time.
+#ifndef DYNMESH_CORE_PLC_FEATURE_INDEX_H_
+#define DYNMESH_CORE_PLC_FEATURE_INDEX_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "absl/container/btree_set.h"
+#include "absl/container/flat_hash_map.h"
+#include "core/geometry/angles.h"
+#include "core/geometry/point.h"
+#include "core/plc/spatial_index.h"
+
+namespace dynmesh::plc {
+
+class FeatureIndex {
+ public:
+  using VisitPoint = SpatialIndex::VisitPoint;
+  using VisitSegment = SpatialIndex::VisitSegment;
+
+  // A point where so many segments end is a hub for those that come later. Fewer would make
+  // hubs of ordinary points, more would cost each segment there that many looks.
+  static constexpr std::uint32_t kHubDegree = 64;
+
+  explicit FeatureIndex(const CellGrid& grid, std::uint32_t hub_degree = kHubDegree)
+      : grid_(grid), hub_degree_(hub_degree), general_(grid) {}
+  FeatureIndex(const FeatureIndex&) = delete;
+  FeatureIndex& operator=(const FeatureIndex&) = delete;
+
+  // The slot is what Erase takes; it may be reused after that.
+  Slot Insert(const PointFeature& point) { return general_.Insert(point); }
+  Slot Insert(const SegmentFeature& segment);
+  void ErasePoint(Slot slot) { general_.ErasePoint(slot); }
+  void EraseSegment(Slot slot);
+
+  // Visits every feature less than 16 units (CloseLimit) away from `p`, and maybe
+  // others. Adds the number of cells and features looked at to *cost.
+  void QueryNear(const geometry::Point2& p, VisitPoint visit_point, VisitSegment visit_segment,
+                 std::uint64_t* cost) const;
+
+  // Visits every point less than 16 units away from segment `s`; every segment that meets
+  // it elsewhere than at an end that they share, or at too small an angle there; and maybe
+  // others.
+  void QueryNear(const SegmentFeature& s, VisitPoint visit_point, VisitSegment visit_segment,
+                 std::uint64_t* cost) const;
+
+  std::size_t node_count() const;
+  std::uint32_t hub_degree() const { return hub_degree_; }
+
+ private:
+  // A segment at a hub: where it leads, and its slot in the hub's own index.
+  struct Spoke {
+    geometry::Point2 end;
+    Slot slot;
+  };
+  struct ByAngle {
+    using is_transparent = void;
+    geometry::Point2 apex;
+    bool operator()(const Spoke& s, const Spoke& t) const {
+      if (geometry::PrecedesInAngle(apex, s.end, t.end)) return true;
+      return !geometry::PrecedesInAngle(apex, t.end, s.end) && s.slot < t.slot;
+    }
+    bool operator()(const Spoke& s, const geometry::Point2& end) const {
+      return geometry::PrecedesInAngle(apex, s.end, end);
+    }
+  };
+  struct Hub {
+    Hub(const CellGrid& grid, const geometry::Point2& at)
+        : apex(at), lo(at), hi(at), segments(grid), by_angle(ByAngle{at}) {}
+    geometry::Point2 apex;
+    geometry::Point2 lo, hi;  // what its segments have spanned
+    SpatialIndex segments;
+    absl::btree_set<Spoke, ByAngle> by_angle;
+  };
+  // Where a segment is kept.
+  struct Placement {
+    FeatureId hub = kNoFeature;  // none: in general_
+    Slot slot = 0;               // there
+  };
+
+  void CountAt(const SegmentFeature& segment, int change);
+  FeatureId HubFor(const SegmentFeature& segment) const;
+  static void VisitNeighbours(const Hub& hub, const geometry::Point2& end,
+                              VisitSegment visit_segment, std::uint64_t* cost);
+  bool IsNear(const Hub& hub, const geometry::Point2& lo, const geometry::Point2& hi) const;
+
+  CellGrid grid_;
+  std::uint32_t hub_degree_;
+  SpatialIndex general_;
+  absl::flat_hash_map<FeatureId, std::unique_ptr<Hub>> hubs_;
+  absl::flat_hash_map<FeatureId, std::uint32_t> degrees_;  // of points with segments
+  std::vector<Placement> placements_;                      // by slot
+  std::vector<Slot> free_;
+};
+
+}  // namespace dynmesh::plc
+
+#endif  // DYNMESH_CORE_PLC_FEATURE_INDEX_H_
