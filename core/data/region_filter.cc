@@ -23,8 +23,7 @@ bool Meet(const std::vector<FeatureId>& ids, std::span<const FeatureId> polygons
 
 void Normalize(std::vector<FeatureId>& ids) {
   std::ranges::sort(ids);
-  const auto twice = std::ranges::unique(ids);
-  ids.erase(twice.begin(), twice.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
 // Copies the chosen rows; returns the sum of the hashes of the others.

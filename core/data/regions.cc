@@ -13,8 +13,8 @@ void DropIfIdle(RegionColumn& regions) {
 void KeepNamed(std::vector<RegionSet>& sets, std::initializer_list<const RegionColumn*> columns) {
   if (sets.empty()) return;
   std::ranges::sort(sets, {}, &RegionSet::id);
-  const auto twice = std::ranges::unique(sets, {}, &RegionSet::id);
-  sets.erase(twice.begin(), twice.end());
+  const auto same_id = [](const RegionSet& a, const RegionSet& b) { return a.id == b.id; };
+  sets.erase(std::unique(sets.begin(), sets.end(), same_id), sets.end());
   std::vector<bool> named(sets.size());
   for (const RegionColumn* column : columns) {
     RegionId last = kNoRegion;  // neighbours in a mesh often share theirs

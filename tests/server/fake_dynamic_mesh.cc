@@ -152,8 +152,10 @@ Mesh FakeDynamicMesh::Build(const FeatureMap& features) const {
     if (polygons.size() > 1) mesh.region_sets.push_back({mesh.regions.back(), polygons});
   }
   std::ranges::sort(mesh.region_sets, {}, &RegionSet::id);
-  const auto twice = std::ranges::unique(mesh.region_sets, {}, &RegionSet::id);
-  mesh.region_sets.erase(twice.begin(), twice.end());
+  const auto same_id = [](const RegionSet& a, const RegionSet& b) { return a.id == b.id; };
+  mesh.region_sets.erase(
+      std::unique(mesh.region_sets.begin(), mesh.region_sets.end(), same_id),
+      mesh.region_sets.end());
   mesh.hash = ComputeHash(mesh);
   return mesh;
 }

@@ -327,7 +327,7 @@ std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
 }
 
 ScriptGenerator::ScriptGenerator(Distribution d, int n, std::uint64_t seed)
-    : distribution_(d), n_(n), random_(seed), pool_(MakeFeatures(d, n, seed)) {}
+    : n_(n), random_(seed), pool_(MakeFeatures(d, n, seed)) {}
 
 Feature ScriptGenerator::FreshPoint() {
   const double x = random_.Unit(), y = random_.Unit();

@@ -70,7 +70,6 @@ class ScriptGenerator {
   Edit RandomEdit(const std::vector<Feature>& present, EditBatch& batch);
   Feature FreshPoint();
 
-  Distribution distribution_;
   int n_;
   Random random_;
   std::vector<Feature> pool_;  // what there might be
