@@ -63,7 +63,6 @@ class TopoJsonReader {
     Path path = {};
   };
   struct ArcUse {
-    Index at;  // where it is named
     std::size_t arc;
     bool backwards;
   };
@@ -146,7 +145,7 @@ class TopoJsonReader {
       return json_.Error(
           v, Concat("there is no arc ", FormatDouble(number), ": the topology has ", arcs_.size()));
     }
-    return visit(ArcUse{v, static_cast<std::size_t>(arc), number < 0});
+    return visit(ArcUse{static_cast<std::size_t>(arc), number < 0});
   }
 
   // Its arcs are read and good by now. Where one does not begin where the one before it ends, or
