@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
 #include "client/cleaning/line_graph.h"
+#include "client/cleaning/polygon_rings.h"
 #include "client/cleaning/round.h"
 #include "core/data/text.h"
 #include "dynmesh/error.h"
@@ -35,13 +37,15 @@ class Cleaner {
     if (auto status = Enter(); !status.ok()) return status;
     AddPlaces();
     for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kSegment) continue;
-      const Place a = place_of_[f.ends[0]], b = place_of_[f.ends[1]];
-      if (a == b) {
-        graph_.changes.push_back(
-            {ChangeKind::kZeroLength, {f.id}, graph_.places.at(a), graph_.places.at(a)});
+      if (f.kind == FeatureKind::kSegment) {
+        const Place a = place_of_[f.ends[0]], b = place_of_[f.ends[1]];
+        if (a == b) Report(ChangeKind::kZeroLength, {f.id}, a, a);
+        graph_.Connect(a, b, f.id);
+      } else if (f.kind == FeatureKind::kPolygon) {
+        for (const PlacePair& edge : EdgesOf(f)) {
+          graph_.Connect(edge.first, edge.second, kNoFeature, {f.id});
+        }
       }
-      graph_.Connect(a, b, f.id);
     }
     graph_.Settle();
     Rounds rounds(graph_, max_id_ + 1, options_.max_crossings);
@@ -87,6 +91,17 @@ class Cleaner {
         if (it != known.end() && it->second->kind == FeatureKind::kPoint) continue;
         return Refuse(reason::kUnknownEnd, {f.id, end},
                       Concat("segment ", f.id, " ends at ", end, ", which is no point; add it"));
+      }
+    }
+    for (const Feature& f : features_) {
+      for (const auto& ring : f.rings) {
+        for (const FeatureId corner : ring) {
+          const auto it = known.find(corner);
+          if (it != known.end() && it->second->kind == FeatureKind::kPoint) continue;
+          return Refuse(
+              reason::kUnknownEnd, {f.id, corner},
+              Concat("polygon ", f.id, " has the corner ", corner, ", which is no point; add it"));
+        }
       }
     }
     const double tolerance = options_.tolerance;
@@ -135,8 +150,40 @@ class Cleaner {
                rounds.where()[1], "); choose another tolerance than ", options_.tolerance));
   }
 
+  void Report(ChangeKind kind, std::vector<FeatureId> ids, Place from, Place to) {
+    graph_.changes.push_back({kind, std::move(ids), graph_.places.at(from), graph_.places.at(to)});
+  }
+
+  std::vector<PlaceRing> PlacesOf(const Rings& rings) const {
+    std::vector<PlaceRing> places;
+    for (const auto& ring : rings) {
+      PlaceRing& at = places.emplace_back();
+      for (const FeatureId corner : ring) at.push_back(place_of_.at(corner));
+    }
+    return places;
+  }
+
+  // Of a polygon's rings as they come, sorted, one that stands twice twice; reports those of no
+  // length.
+  std::vector<PlacePair> EdgesOf(const Feature& polygon) {
+    std::vector<PlacePair> edges;
+    for (const PlaceRing& ring : PlacesOf(polygon.rings)) {
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const PlacePair edge = std::minmax(ring[i], ring[(i + 1) % ring.size()]);
+        if (edge.first != edge.second) {
+          edges.push_back(edge);
+        } else {
+          Report(ChangeKind::kZeroLength, {polygon.id}, edge.first, edge.first);
+        }
+      }
+    }
+    std::sort(edges.begin(), edges.end());
+    return edges;
+  }
+
   CleanResult Finish() {
     CleanResult result;
+    std::vector<Feature> others = FinishOthers();
     result.changes = std::move(graph_.changes);
     result.rounds = graph_.round;
     if (result.changes.empty()) {
@@ -145,12 +192,62 @@ class Cleaner {
     }
     FinishPoints(result.features);
     FinishSegments(result.features);
+    std::move(others.begin(), others.end(), std::back_inserter(result.features));
+    return result;
+  }
+
+  // What is neither point nor segment.
+  std::vector<Feature> FinishOthers() {
+    absl::flat_hash_map<FeatureId, std::vector<PlacePair>> edges;
+    for (const Edge& e : graph_.edges) {
+      for (const FeatureId polygon : e.polygons) edges[polygon].emplace_back(e.a, e.b);
+    }
+    std::vector<Feature> others;
     for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kPoint && f.kind != FeatureKind::kSegment) {
-        result.features.push_back(f);
+      if (f.kind == FeatureKind::kPoint || f.kind == FeatureKind::kSegment) continue;
+      const bool is_size = f.kind == FeatureKind::kSize;
+      if (is_size && f.sizing.shape != SizeShape::kPolygon) {
+        others.push_back(f);
+        continue;
+      }
+      Feature& polygon = others.emplace_back(f);
+      polygon.rings = FinishRings(f, is_size ? OddEdgesOf(f) : edges[f.id]);
+      if (polygon.rings.empty()) others.pop_back();
+    }
+    return others;
+  }
+
+  // Of a sizing polygon, whose edges are not in the graph.
+  std::vector<PlacePair> OddEdgesOf(const Feature& size) {
+    std::vector<PlacePair> odd;
+    for (const PlacePair& edge : EdgesOf(size)) {
+      if (odd.empty() || odd.back() != edge) {
+        odd.push_back(edge);
+      } else {
+        odd.pop_back();
+        Report(ChangeKind::kCancelled, {size.id}, edge.first, edge.second);
       }
     }
-    return result;
+    return odd;
+  }
+
+  Rings FinishRings(const Feature& polygon, const std::vector<PlacePair>& edges) {
+    const std::vector<PlaceRing> were = PlacesOf(polygon.rings);
+    const RemadeRings remade = RemakeRings(were, edges);
+    for (const Place v : remade.cuts) {
+      Report(ChangeKind::kRingCut, {polygon.id, graph_.point_ids[v]}, v, v);
+    }
+    if (remade.rings.empty()) {
+      const bool has_corner = !were.empty() && !were.front().empty();
+      const Point from = has_corner ? graph_.places.at(were.front().front()) : Point{};
+      graph_.changes.push_back({ChangeKind::kPolygonDropped, {polygon.id}, from, from});
+    }
+    Rings rings;
+    for (const PlaceRing& ring : remade.rings) {
+      std::vector<FeatureId>& ids = rings.emplace_back();
+      for (const Place v : ring) ids.push_back(graph_.point_ids[v]);
+    }
+    return rings;
   }
 
   void FinishPoints(std::vector<Feature>& features) const {
@@ -171,7 +268,9 @@ class Cleaner {
   // The pieces of each segment, from its first end to its last.
   void FinishSegments(std::vector<Feature>& features) {
     absl::flat_hash_map<FeatureId, std::vector<const Edge*>> pieces;
-    for (const Edge& e : graph_.edges) pieces[e.owner].push_back(&e);
+    for (const Edge& e : graph_.edges) {
+      if (e.owner != kNoFeature) pieces[e.owner].push_back(&e);
+    }
     for (const Feature& f : features_) {
       const auto it = f.kind == FeatureKind::kSegment ? pieces.find(f.id) : pieces.end();
       if (it == pieces.end()) continue;
@@ -221,6 +320,12 @@ const char* NameOf(ChangeKind kind) {
       return "zero length";
     case ChangeKind::kDoubled:
       return "doubled";
+    case ChangeKind::kCancelled:
+      return "edge cancelled";
+    case ChangeKind::kRingCut:
+      return "ring cut";
+    case ChangeKind::kPolygonDropped:
+      return "polygon dropped";
   }
   return "";
 }

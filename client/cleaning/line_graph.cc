@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace dynmesh::cleaning {
 
@@ -11,30 +12,49 @@ Place LineGraph::AddPlace(const Point& p, FeatureId id) {
   return places.Add(p);
 }
 
-void LineGraph::Connect(Place a, Place b, FeatureId owner) {
+void LineGraph::Connect(Place a, Place b, FeatureId owner, const EdgePolygons& polygons) {
   if (a == b) return;
-  edges.push_back({std::min(a, b), std::max(a, b), owner, round});
+  edges.push_back({std::min(a, b), std::max(a, b), owner, round, polygons});
 }
 
 void LineGraph::Settle() {
+  std::erase_if(edges, [](const Edge& e) { return e.IsDead(); });
+  std::sort(edges.begin(), edges.end(), [](const Edge& e, const Edge& f) {
+    return std::tie(e.a, e.b, e.owner, e.polygons) < std::tie(f.a, f.b, f.owner, f.polygons);
+  });
   std::vector<Edge> kept;
   kept.reserve(edges.size());
-  for (const Edge& e : edges) {
-    if (e.owner != kNoFeature) kept.push_back(e);
+  for (Edge& e : edges) {
+    if (kept.empty() || kept.back().a != e.a || kept.back().b != e.b) {
+      if (!kept.empty() && kept.back().IsDead()) kept.pop_back();
+      kept.push_back(std::move(e));
+    } else {
+      Lay(e, kept.back());
+    }
   }
-  std::sort(kept.begin(), kept.end(), [](const Edge& e, const Edge& f) {
-    return std::tie(e.a, e.b, e.owner) < std::tie(f.a, f.b, f.owner);
-  });
-  edges.clear();
-  for (const Edge& e : kept) {
-    if (edges.empty() || edges.back().a != e.a || edges.back().b != e.b) {
-      edges.push_back(e);
+  if (!kept.empty() && kept.back().IsDead()) kept.pop_back();
+  edges = std::move(kept);
+}
+
+// Two edges with the same ends become one; of the owners the one that is there is the least.
+void LineGraph::Lay(const Edge& e, Edge& on) {
+  const auto report = [&](ChangeKind kind, std::vector<FeatureId> ids) {
+    changes.push_back({kind, std::move(ids), places.at(e.a), places.at(e.b)});
+  };
+  on.born = std::max(on.born, e.born);
+  if (on.owner == kNoFeature) {
+    on.owner = e.owner;
+  } else if (e.owner != on.owner && e.owner != kNoFeature) {  // or it met itself again
+    report(ChangeKind::kDoubled, {e.owner, on.owner});
+  }
+  for (const FeatureId polygon : e.polygons) {
+    const auto it = std::lower_bound(on.polygons.begin(), on.polygons.end(), polygon);
+    if (it == on.polygons.end() || *it != polygon) {
+      on.polygons.insert(it, polygon);
       continue;
     }
-    edges.back().born = std::max(edges.back().born, e.born);
-    if (edges.back().owner == e.owner) continue;  // it met itself again
-    changes.push_back(
-        {ChangeKind::kDoubled, {e.owner, edges.back().owner}, places.at(e.a), places.at(e.b)});
+    on.polygons.erase(it);
+    report(ChangeKind::kCancelled, {polygon});
   }
 }
 

@@ -139,7 +139,7 @@ void Rounds::FindSmallAngles(std::vector<Split>& splits) const {
     const EdgeIndex longer = a_is_shorter ? t.edge : s.edge;
     const EdgeIndex shorter = a_is_shorter ? s.edge : t.edge;
     splits.push_back(
-        {longer, a_is_shorter ? a : b, ChangeKind::kSmallAngle, graph_.edges[shorter].owner});
+        {longer, a_is_shorter ? a : b, ChangeKind::kSmallAngle, graph_.edges[shorter].name()});
   };
   for (std::size_t begin = 0, end = 0; begin < spokes.size(); begin = end) {
     while (end < spokes.size() && spokes[end].hub == spokes[begin].hub) ++end;
@@ -195,7 +195,7 @@ std::vector<Rounds::Split> Rounds::JoinCrossings(const std::vector<Crossing>& cr
     }
     graph_.changes.push_back(
         {ChangeKind::kSegmentsCrossed,
-         {graph_.edges[c.e].owner, graph_.edges[c.f].owner, graph_.point_ids[v]},
+         {graph_.edges[c.e].name(), graph_.edges[c.f].name(), graph_.point_ids[v]},
          c.at,
          graph_.places.at(v)});
   }
@@ -247,7 +247,7 @@ bool Rounds::TryChain(EdgeIndex edge, const std::vector<Split>& splits) {
   for (const Split& s : splits) Report(e, s);
   graph_.Kill(edge);
   for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
-    graph_.Connect(chain[i], chain[i + 1], e.owner);
+    graph_.Connect(chain[i], chain[i + 1], e.owner, e.polygons);
   }
   return true;
 }
@@ -256,7 +256,7 @@ void Rounds::Report(const Edge& e, const Split& split) {
   if (split.kind == ChangeKind::kSegmentsCrossed) return;  // told when it was found
   const auto [lo, hi] = graph_.Ordered(e);
   const Point& to = graph_.places.at(split.at);
-  Change change = {split.kind, {e.owner}, {}, to};
+  Change change = {split.kind, {e.name()}, {}, to};
   change.from = Projection(to, graph_.places.at(lo), graph_.places.at(hi));
   if (split.kind == ChangeKind::kSmallAngle) change.ids.push_back(split.other);
   change.ids.push_back(graph_.point_ids[split.at]);

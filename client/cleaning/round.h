@@ -9,7 +9,8 @@
 // box, so only finitely many rounds make one. Between these the places are a fixed set, and
 // every change replaces an edge pq by edges that come before it in one strict order of all
 // pairs of places, by length: the list of edges, sorted downwards, comes down
-// lexicographically, in a finite set of such lists. For a split of pq at v:
+// lexicographically, in a finite set of such lists; where edges cancel, it gets shorter. For a
+// split of pq at v:
 //  * v touches: it is at least T from both ends and less than T/2 off the segment, hence the
 //    top of a triangle whose other sides are shorter than its base;
 //  * v is the far end of a segment pv at a small angle to the longer pq: pv comes before pq
@@ -56,7 +57,7 @@ class Rounds {
     EdgeIndex edge = 0;
     Place at = 0;
     ChangeKind kind = ChangeKind::kSegmentSplit;
-    FeatureId other = kNoFeature;  // kSmallAngle: the segment that ends at `at`
+    FeatureId other = kNoFeature;  // kSmallAngle: whose edge ends at `at`
   };
   struct Crossing {
     EdgeIndex e = 0;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "client/cleaning/polygon_rings.h"
 
 namespace dynmesh::cleaning {
 namespace {
@@ -201,36 +202,25 @@ class Faces {
     return sides;
   }
 
-  // As many of them end as begin in each point, so a walk along them comes round; where it
-  // comes to a point again it has closed a ring.
+  // As many of them end as begin in each point, so a walk along them comes round.
   Rings CutIntoRings(std::vector<Half> sides) const {
     std::sort(sides.begin(), sides.end());
     absl::flat_hash_map<Vertex, std::vector<Half>> leaving;
     for (auto h = sides.rbegin(); h != sides.rend(); ++h) leaving[from_[*h]].push_back(*h);
+    const auto step = [&](Vertex v) -> std::optional<Vertex> {
+      std::vector<Half>& halves = leaving[v];
+      if (halves.empty()) return std::nullopt;
+      const Half h = halves.back();
+      halves.pop_back();
+      return from_[Twin(h)];
+    };
+    std::vector<std::vector<Vertex>> loops;
+    for (const Half start : sides) WalkRings(from_[start], step, loops);
     Rings rings;
-    for (const Half start : sides) {
-      std::vector<Vertex> path = {from_[start]};
-      absl::flat_hash_map<Vertex, std::size_t> place = {{from_[start], 0}};
-      while (!leaving[path.back()].empty()) {
-        const Half h = leaving[path.back()].back();
-        leaving[path.back()].pop_back();
-        const Vertex next = from_[Twin(h)];
-        const auto [it, fresh] = place.emplace(next, path.size());
-        if (fresh) {
-          path.push_back(next);
-          continue;
-        }
-        const auto begin = path.begin() + static_cast<std::ptrdiff_t>(it->second);
-        std::vector<Vertex> loop(begin, path.end());
-        std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
-        std::vector<FeatureId>& ring = rings.emplace_back();
-        for (const Vertex v : loop) ring.push_back(ids_[v]);
-        const std::size_t keep = it->second + 1;
-        while (path.size() > keep) {
-          place.erase(path.back());
-          path.pop_back();
-        }
-      }
+    for (std::vector<Vertex>& loop : loops) {
+      std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+      std::vector<FeatureId>& ring = rings.emplace_back();
+      for (const Vertex v : loop) ring.push_back(ids_[v]);
     }
     return rings;
   }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "absl/strings/str_format.h"
 #include "client/cleaning/clean_input.h"
@@ -38,6 +39,7 @@ struct ImportCommand {
   std::string box;
   std::optional<double> tolerance;
   bool clean = false;
+  bool polygons = false;
   bool json = false;
 };
 
@@ -59,7 +61,7 @@ std::size_t CountOf(const std::vector<Feature>& features, FeatureKind kind) {
 
 double DistanceOf(const Change& change) {
   // The two ends of what stood twice are no way that anything went.
-  if (change.kind == ChangeKind::kDoubled) return 0;
+  if (change.kind == ChangeKind::kDoubled || change.kind == ChangeKind::kCancelled) return 0;
   return std::hypot(change.from[0] - change.to[0], change.from[1] - change.to[1]);
 }
 
@@ -76,9 +78,29 @@ std::string ToJson(const Change& change) {
       .ToLine();
 }
 
+// Which is which: a map's own words for the polygons that are left.
+std::string ToJson(const std::vector<io::PolygonName>& names,
+                   const std::vector<Feature>& features) {
+  std::set<FeatureId> left;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPolygon) left.insert(f.id);
+  }
+  std::string lines;
+  for (const io::PolygonName& polygon : names) {
+    if (!left.contains(polygon.id)) continue;
+    JsonObject object;
+    object.AddText("polygon", Concat(polygon.id));
+    if (!polygon.key.empty()) object.AddText("id", polygon.key);
+    if (!polygon.name.empty()) object.AddText("name", polygon.name);
+    lines += object.ToLine();
+  }
+  return lines;
+}
+
 struct Summary {
   std::array<std::size_t, 2> points{};  // before, after
   std::array<std::size_t, 2> segments{};
+  std::array<std::size_t, 2> polygons{};
   std::array<std::size_t, cleaning::kChangeKinds> changes{};
   double largest_step = 0;
   int rounds = 0;
@@ -93,8 +115,10 @@ std::string ToText(const Summary& s, bool json) {
     object.Add("summary", true)
         .Add("points_read", s.points[0])
         .Add("segments_read", s.segments[0])
+        .Add("polygons_read", s.polygons[0])
         .Add("points", s.points[1])
         .Add("segments", s.segments[1])
+        .Add("polygons", s.polygons[1])
         .Add("cleaned", s.cleaned);
     if (!s.cleaned) return object.ToLine();
     std::size_t all = 0;
@@ -113,8 +137,9 @@ std::string ToText(const Summary& s, bool json) {
   }
   std::string text = absl::StrFormat(
       "points             %d (%d read)\n"
-      "segments           %d (%d read)\n",
-      s.points[1], s.points[0], s.segments[1], s.segments[0]);
+      "segments           %d (%d read)\n"
+      "polygons           %d (%d read)\n",
+      s.points[1], s.points[0], s.segments[1], s.segments[0], s.polygons[1], s.polygons[0]);
   if (!s.cleaned) return text;
   for (std::size_t k = 0; k < s.changes.size(); ++k) {
     text +=
@@ -223,7 +248,8 @@ int Run(const ImportCommand& command) {
   if (command.tolerance && !command.clean) {
     return ReportError(absl::InvalidArgumentError("--tolerance needs --clean"));
   }
-  absl::StatusOr<Input> input = LoadInput(command.input);
+  absl::StatusOr<Input> input =
+      command.polygons ? LoadMapWithPolygons(command.input) : LoadInput(command.input);
   if (!input.ok()) return ReportError(input.status());
   for (const std::string& warning : input->warnings) PrintWarning(warning);
   if (!command.box.empty()) {
@@ -243,6 +269,7 @@ int Run(const ImportCommand& command) {
   for (std::size_t i = 0; i < 2; ++i) {
     summary.points[i] = CountOf(*sides[i], FeatureKind::kPoint);
     summary.segments[i] = CountOf(*sides[i], FeatureKind::kSegment);
+    summary.polygons[i] = CountOf(*sides[i], FeatureKind::kPolygon);
   }
   if (*kind == OutputKind::kPoly) {
     if (auto status = CheckForPoly(command.output, result.features); !status.ok()) {
@@ -259,6 +286,7 @@ int Run(const ImportCommand& command) {
   std::string report;
   if (command.json) {
     for (const Change& change : result.changes) report += ToJson(change);
+    report += ToJson(input->polygon_names, result.features);
   }
   return PrintOut(report + ToText(summary, command.json)) ? kExitDone : kExitFailed;
 }
@@ -276,12 +304,16 @@ void RegisterImportCommand(CLI::App& app, CommandSlot& slot) {
       ->type_name("OUT");
   sub->add_flag("--clean", command->clean,
                 "Mend what a mesh refuses: merge, split, drop (all is reported)");
+  sub->add_flag("--polygons", command->polygons,
+                "Polygons of a map become polygon features, not segments");
   sub->add_option("--tolerance", command->tolerance,
                   "What is nearer than this is one (default: 4 times what a mesh refuses as too "
                   "close)")
       ->type_name("T");
   AddBoxFlag(*sub, command->box);
-  sub->add_flag("--json", command->json, "Print every change and a summary, one object a line");
+  sub->add_flag("--json", command->json,
+                "Print every change, a map's polygons with their names, and a summary, one object "
+                "a line");
 }
 
 }  // namespace dynmesh::cli

@@ -28,10 +28,15 @@ Input FromPlanar(io::PlanarInput planar, const std::string& path) {
                                     " segment(s) span more than 180 degrees and are drawn right "
                                     "across the map; cut lines at the antimeridian"));
   }
+  if (planar.gaps != 0) {
+    input.warnings.push_back(
+        Concat(path, ": ", planar.gaps, " gap(s) in rings closed with an edge"));
+  }
   input.features = std::move(planar.features);
   input.holes = std::move(planar.holes);
   input.regions = std::move(planar.regions);
   input.seed_file = path;
+  input.polygon_names = std::move(planar.polygons);
   planar.features.clear();
   auto source = std::make_shared<const io::PlanarInput>(std::move(planar));
   input.where = [source](FeatureId id) { return source->Where(id); };
@@ -97,7 +102,26 @@ absl::StatusOr<Input> FromScript(const io::EditScript& script) {
   return state.Finish(script.Options());
 }
 
+bool IsMap(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension().string();
+  return extension == ".geojson" || extension == ".topojson" || extension == ".json";
+}
+
+absl::StatusOr<Input> LoadMap(const std::string& path, bool polygons) {
+  io::MapOptions options;
+  options.polygons = polygons;
+  absl::StatusOr<io::PlanarInput> map = io::ReadMapFile(path, options);
+  if (!map.ok()) return map.status();
+  return FromPlanar(*std::move(map), path);
+}
+
 }  // namespace
+
+absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path) {
+  if (IsMap(path)) return LoadMap(path, true);
+  return absl::InvalidArgumentError(
+      Concat("--polygons: ", path, " is no map; give a .geojson, .topojson or .json"));
+}
 
 absl::StatusOr<Input> LoadInput(const std::string& path) {
   const std::string extension = std::filesystem::path(path).extension().string();
@@ -107,11 +131,7 @@ absl::StatusOr<Input> LoadInput(const std::string& path) {
     if (!planar.ok()) return planar.status();
     return FromPlanar(*std::move(planar), path);
   }
-  if (extension == ".geojson" || extension == ".topojson" || extension == ".json") {
-    absl::StatusOr<io::PlanarInput> map = io::ReadMapFile(path);
-    if (!map.ok()) return map.status();
-    return FromPlanar(*std::move(map), path);
-  }
+  if (IsMap(path)) return LoadMap(path, false);
   for (const char* later : {".smesh", ".off", ".stl", ".obj", ".msh", ".mesh", ".vtu"}) {
     if (extension == later) {
       return absl::UnimplementedError(

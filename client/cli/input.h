@@ -23,7 +23,8 @@ struct Input {
   std::vector<io::SeedRow> holes;
   std::vector<io::SeedRow> regions;
   std::string seed_file;
-  std::vector<FeatureId> hole_polygons;  // those of holes, ascending
+  std::vector<FeatureId> hole_polygons;        // those of holes, ascending
+  std::vector<io::PolygonName> polygon_names;  // of a map's polygons
   // "file:line" of a feature, empty if unknown.
   std::function<std::string(FeatureId)> where;
 };
@@ -33,6 +34,8 @@ struct Input {
 // counts. Errors as `file:line: ...`.
 inline constexpr char kInputKinds[] = ".node, .poly, .geojson, .topojson or an edit script";
 absl::StatusOr<Input> LoadInput(const std::string& path);
+// A map whose polygons stay polygons (io/map_files.h). INVALID_ARGUMENT for any other file.
+absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path);
 
 // Appends a polygon for each hole, then for each region: the face of the segments in which its
 // seed lies, with the ids after the greatest one, one for each seed. As in Triangle, a seed

@@ -2,6 +2,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/data/text.h"
 #include "core/io/json_fields.h"
@@ -19,7 +20,7 @@ using Kind = JsonDocument::Kind;
 // Recursion goes no deeper than the document does, which is limited.
 class GeoJsonReader {
  public:
-  explicit GeoJsonReader(const JsonDocument& json) : json_(json) {}
+  GeoJsonReader(const JsonDocument& json, bool polygons) : json_(json), polygons_(polygons) {}
 
   absl::StatusOr<PlanarInput> Read() {
     if (auto status = ReadObject(0); !status.ok()) return status;
@@ -29,6 +30,8 @@ class GeoJsonReader {
   }
 
  private:
+  using Path = std::vector<LineWork::Place>;
+
   absl::Status ReadObject(Index v) {
     const absl::StatusOr<std::string_view> type = TypeOf(json_, v, "a GeoJSON object");
     if (!type.ok()) return type.status();
@@ -50,6 +53,7 @@ class GeoJsonReader {
     const std::optional<Index> geometry = json_.Find(v, "geometry");
     if (!geometry) return json_.Error(v, "a Feature has no member \"geometry\"; null is allowed");
     if (json_.kind(*geometry) == Kind::kNull) return absl::OkStatus();
+    if (polygons_) names_ = NamesOf(json_, v);
     return ReadGeometry(*geometry);
   }
 
@@ -80,7 +84,11 @@ class GeoJsonReader {
       if (!coordinates.ok()) return coordinates.status();
       // Without coordinates it is a geometry of nothing (RFC 7946, section 3.1).
       if (json_.First(*coordinates) == json_.End(*coordinates)) return absl::OkStatus();
-      return ReadNested(*coordinates, geometry.arrays, geometry.read);
+      absl::Status status = ReadNested(*coordinates, geometry.arrays, geometry.read);
+      if (status.ok() && !rings_.empty()) {
+        work_.AddPolygon(std::exchange(rings_, {}), names_, json_.line(v));
+      }
+      return status;
     }
     return json_.Error(v, Concat("unknown type ", Quoted(*type),
                                  ": expected FeatureCollection, Feature, Point, MultiPoint, "
@@ -104,58 +112,58 @@ class GeoJsonReader {
 
   absl::Status ReadPoint(Index v) { return AddPosition(v).status(); }
 
-  absl::Status ReadLine(Index v) { return ReadPath(v, "a line", 2).status(); }
+  absl::Status ReadLine(Index v) { return ReadPath(v, "a line", 2, true).status(); }
 
   absl::Status ReadRing(Index v) {
-    const auto ends = ReadPath(v, "a polygon's ring", 4);
-    if (!ends.ok()) return ends.status();
-    if (ends->first == ends->second) return absl::OkStatus();
-    return json_.Error(v, "a polygon's ring must end where it starts; repeat its first position");
+    absl::StatusOr<Path> path = ReadPath(v, "a polygon's ring", 4, !polygons_);
+    if (!path.ok()) return path.status();
+    if (path->front() != path->back()) {
+      return json_.Error(v, "a polygon's ring must end where it starts; repeat its first position");
+    }
+    if (polygons_) rings_.push_back(*std::move(path));
+    return absl::OkStatus();
   }
 
-  // The first and last place of the path.
-  absl::StatusOr<std::pair<LineWork::Place, LineWork::Place>> ReadPath(Index v,
-                                                                       std::string_view what,
-                                                                       std::size_t least) {
+  absl::StatusOr<Path> ReadPath(Index v, std::string_view what, std::size_t least, bool connect) {
     if (auto status = ExpectArray(json_, v, what); !status.ok()) return status;
     const std::size_t count = Count(json_, v);
     if (count < least) {
       return json_.Error(v, Concat(what, " needs ", least, " positions, found ", count));
     }
-    std::optional<LineWork::Place> first;
-    LineWork::Place last = 0;
+    Path path;
+    path.reserve(count);
     const absl::Status status = json_.ForEach(v, [&](Index i) {
       const absl::StatusOr<LineWork::Place> place = AddPosition(i);
       if (!place.ok()) return place.status();
-      if (first) {
-        work_.Connect(last, *place, json_.line(i));
-      } else {
-        first = *place;
-      }
-      last = *place;
+      if (connect && !path.empty()) work_.Connect(path.back(), *place, json_.line(i));
+      path.push_back(*place);
       return absl::OkStatus();
     });
     if (!status.ok()) return status;
-    return std::pair(*first, last);
+    return path;
   }
 
   const JsonDocument& json_;
+  const bool polygons_;
   LineWork work_;
+  PolygonName names_;        // of the feature that is being read
+  std::vector<Path> rings_;  // of the geometry that is being read, if they are to be a polygon
   std::uint64_t heights_ = 0;
 };
 
 }  // namespace
 
-absl::StatusOr<PlanarInput> ReadGeoJson(const JsonDocument& json) {
-  return GeoJsonReader(json).Read();
+absl::StatusOr<PlanarInput> ReadGeoJson(const JsonDocument& json, bool polygons) {
+  return GeoJsonReader(json, polygons).Read();
 }
 
-absl::StatusOr<PlanarInput> ReadMapFile(const std::string& path, const JsonLimits& limits) {
-  const absl::StatusOr<JsonDocument> json = JsonDocument::Read(path, limits);
+absl::StatusOr<PlanarInput> ReadMapFile(const std::string& path, const MapOptions& options) {
+  const absl::StatusOr<JsonDocument> json = JsonDocument::Read(path, options.limits);
   if (!json.ok()) return json.status();
   const absl::StatusOr<std::string_view> type = TypeOf(*json, 0, "a map");
   if (!type.ok()) return type.status();
-  return *type == "Topology" ? ReadTopoJson(*json) : ReadGeoJson(*json);
+  return *type == "Topology" ? ReadTopoJson(*json, options.polygons)
+                             : ReadGeoJson(*json, options.polygons);
 }
 
 }  // namespace dynmesh::io

@@ -62,6 +62,22 @@ absl::Status ExpectArray(const JsonDocument& json, Index v, std::string_view wha
   return json.Error(v, Concat(what, " must be an array, found ", NameOf(json.kind(v))));
 }
 
+PolygonName NamesOf(const JsonDocument& json, Index object) {
+  const auto text = [&](Index of, std::string_view key) -> std::string {
+    const std::optional<Index> member = json.Find(of, key);
+    if (member && json.kind(*member) == Kind::kString) return json.text(*member);
+    if (member && json.kind(*member) == Kind::kNumber) return FormatDouble(json.number(*member));
+    return "";
+  };
+  PolygonName names;
+  names.key = text(object, "id");
+  const std::optional<Index> properties = json.Find(object, "properties");
+  if (properties && json.kind(*properties) == Kind::kObject) {
+    names.name = text(*properties, "name");
+  }
+  return names;
+}
+
 std::size_t Count(const JsonDocument& json, Index v) {
   std::size_t count = 0;
   for (Index i = json.First(v); i < json.End(v); i = json.Next(v, i)) ++count;

@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/io/json_document.h"
+#include "core/io/planar_input.h"
 
 namespace dynmesh::io {
 
@@ -23,6 +24,10 @@ absl::StatusOr<std::string_view> TypeOf(const JsonDocument& json, JsonDocument::
 
 absl::Status ExpectArray(const JsonDocument& json, JsonDocument::Index v, std::string_view what);
 std::size_t Count(const JsonDocument& json, JsonDocument::Index v);
+
+// The member `id` and, in `properties`, the member `name` of an object: texts as they are, numbers
+// as text, empty where there is none.
+PolygonName NamesOf(const JsonDocument& json, JsonDocument::Index object);
 
 struct Position {
   std::array<double, 2> at{};

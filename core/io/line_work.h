@@ -1,5 +1,5 @@
-// Points and lines of a map as features: equal coordinates are one point, an edge that
-// stands twice is one segment, an edge of no length is none. Thread-compatible.
+// Points, lines and polygons of a map as features: equal coordinates are one point, an edge
+// that stands twice is one segment, an edge of no length is none. Thread-compatible.
 #ifndef DYNMESH_CORE_IO_LINE_WORK_H_
 #define DYNMESH_CORE_IO_LINE_WORK_H_
 
@@ -22,10 +22,22 @@ class LineWork {
   Place Add(const std::array<double, 2>& position, int line);
   void Connect(Place from, Place to, int line);
 
-  // Points 1..n in the order in which they were first added, segments n+1..n+m likewise.
+  // A polygon of closed chains of places, the last of each joined to the first. Without a chain
+  // there is none. `names` need no id.
+  void AddPolygon(std::vector<std::vector<Place>> rings, PolygonName names, int line);
+
+  // Points 1..n in the order in which they were first added, segments n+1..n+m likewise, then
+  // polygons.
   PlanarInput Take(const std::string& file);
 
  private:
+  struct Polygon {
+    std::vector<std::vector<Place>> rings;
+    PolygonName names;
+    int line;
+  };
+  bool IsAcross(Place from, Place to) const;
+
   using Bits = std::pair<std::uint64_t, std::uint64_t>;
   absl::flat_hash_map<Bits, Place> place_at_;
   absl::flat_hash_set<std::pair<Place, Place>> joined_;
@@ -33,6 +45,7 @@ class LineWork {
   std::vector<int> point_lines_;
   std::vector<std::pair<Place, Place>> edges_;
   std::vector<int> edge_lines_;
+  std::vector<Polygon> polygons_;
 };
 
 }  // namespace dynmesh::io

@@ -15,19 +15,30 @@
 
 namespace dynmesh::io {
 
+// What a map calls a polygon: empty where it says nothing.
+struct PolygonName {
+  FeatureId id = kNoFeature;
+  std::string key;   // its "id"
+  std::string name;  // the "name" of its properties
+};
+
 struct PlanarInput {
-  std::vector<Feature> features;  // points, then segments
+  std::vector<Feature> features;  // points, then segments, then polygons
   std::size_t point_count = 0;
   std::size_t segment_count = 0;
+  std::vector<PolygonName> polygons;  // of a map, one for each polygon
   // Of a .poly: places whose faces are holes or regions. Which face that is, is not for here.
   std::vector<SeedRow> holes;
   std::vector<SeedRow> regions;
   // What the file has and the mesh will not show.
   std::uint64_t attributes = 0;  // a vertex
   std::uint64_t heights = 0;     // positions with more than x and y
-  // Edges that span more than half of the way round in a map that seems to be in degrees:
-  // they were meant to go the other way round.
+  // Edges, those of polygons included, that span more than half of the way round in a map that
+  // seems to be in degrees: they were meant to go the other way round.
   std::uint64_t wraps = 0;
+
+  // Places where rings of a topology's polygons were closed with an edge.
+  std::uint64_t gaps = 0;
 
   // Where a feature stands: "file:line". Empty for an id that it does not have.
   std::string Where(FeatureId id) const;

@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/data/text.h"
@@ -22,7 +24,7 @@ using Pair = std::array<double, 2>;
 
 class TopoJsonReader {
  public:
-  explicit TopoJsonReader(const JsonDocument& json) : json_(json) {}
+  TopoJsonReader(const JsonDocument& json, bool polygons) : json_(json), polygons_(polygons) {}
 
   absl::StatusOr<PlanarInput> Read() {
     const auto arcs = Member(json_, 0, "arcs", Kind::kArray, "a Topology");
@@ -30,24 +32,41 @@ class TopoJsonReader {
     const auto objects = Member(json_, 0, "objects", Kind::kObject, "a Topology");
     if (!objects.ok()) return objects.status();
     if (auto status = ReadTransform(); !status.ok()) return status;
-    used_.assign(Count(json_, *arcs), false);
+    arcs_.resize(Count(json_, *arcs));
     // First which arcs are used and which points there are, then the arcs.
     const absl::Status status =
         json_.ForEach(*objects, [this](Index g) { return ReadGeometry(g); });
     if (!status.ok()) return status;
     std::size_t n = 0;
-    const absl::Status drawn = json_.ForEach(
-        *arcs, [&](Index arc) { return used_[n++] ? ReadArc(arc) : absl::OkStatus(); });
+    const absl::Status drawn = json_.ForEach(*arcs, [&](Index v) {
+      Arc& arc = arcs_[n++];
+      return arc.is_line || arc.is_border ? ReadArc(v, arc) : absl::OkStatus();
+    });
     if (!drawn.ok()) return drawn;
     for (const Index v : points_) {
       if (auto added = AddPoint(v); !added.ok()) return added;
     }
+    for (const Index v : areas_) {
+      if (auto added = AddPolygon(v); !added.ok()) return added;
+    }
     PlanarInput input = work_.Take(json_.name());
     input.heights = heights_;
+    input.gaps = gaps_;
     return input;
   }
 
  private:
+  using Path = std::vector<LineWork::Place>;
+  struct Arc {
+    bool is_line = false;    // its edges are to be segments
+    bool is_border = false;  // a polygon has it
+    Path path = {};
+  };
+  struct ArcUse {
+    std::size_t arc;
+    bool backwards;
+  };
+
   absl::Status ReadTransform() {
     if (!json_.Find(0, "transform")) return absl::OkStatus();
     const auto transform = Member(json_, 0, "transform", Kind::kObject, "a Topology");
@@ -86,7 +105,13 @@ class TopoJsonReader {
       if (*type != kind.type) continue;
       const auto arcs = Member(json_, v, "arcs", Kind::kArray, *type);
       if (!arcs.ok()) return arcs.status();
-      return UseArcs(*arcs, kind.arrays);
+      const bool is_area = polygons_ && kind.type.ends_with("Polygon");
+      if (is_area) areas_.push_back(v);
+      return ForEachArc(*arcs, kind.arrays, [&](ArcUse use) {
+        Arc& arc = arcs_[use.arc];
+        (is_area ? arc.is_border : arc.is_line) = true;
+        return absl::OkStatus();
+      });
     }
     return json_.Error(v, Concat("unknown type ", Quoted(*type),
                                  ": expected Point, MultiPoint, LineString, MultiLineString, "
@@ -106,21 +131,47 @@ class TopoJsonReader {
     });
   }
 
-  // Arc n backwards is ~n, that is -1 - n.
-  absl::Status UseArcs(Index v, int arrays) {
+  // Of arrays of arrays of ... numbers of arcs. Arc n backwards is ~n, that is -1 - n.
+  template <class Visit>
+  absl::Status ForEachArc(Index v, int arrays, const Visit& visit) {
     if (arrays > 0) {
       if (auto status = ExpectArray(json_, v, "a list of arcs"); !status.ok()) return status;
-      return json_.ForEach(v, [&](Index i) { return UseArcs(i, arrays - 1); });
+      return json_.ForEach(v, [&](Index i) { return ForEachArc(i, arrays - 1, visit); });
     }
     if (json_.kind(v) != Kind::kNumber) return json_.Error(v, "the number of an arc is no number");
     const double number = json_.number(v);
     const double arc = number < 0 ? -1 - number : number;
-    if (!(arc < static_cast<double>(used_.size())) || arc != std::floor(arc)) {
+    if (!(arc < static_cast<double>(arcs_.size())) || arc != std::floor(arc)) {
       return json_.Error(
-          v, Concat("there is no arc ", FormatDouble(number), ": the topology has ", used_.size()));
+          v, Concat("there is no arc ", FormatDouble(number), ": the topology has ", arcs_.size()));
     }
-    used_[static_cast<std::size_t>(arc)] = true;
-    return absl::OkStatus();
+    return visit(ArcUse{static_cast<std::size_t>(arc), number < 0});
+  }
+
+  // Its arcs are read and good by now. Where one does not begin where the one before it ends, or
+  // the last does not end where the first begins (it occurs: us-atlas), an edge closes the gap.
+  absl::Status AddPolygon(Index v) {
+    std::vector<Path> rings;
+    const auto add_ring = [&](Index ring) {
+      Path path;
+      const absl::Status status = ForEachArc(ring, 1, [&](ArcUse use) {
+        Path next = arcs_[use.arc].path;
+        if (use.backwards) std::reverse(next.begin(), next.end());
+        gaps_ += !path.empty() && path.back() != next.front() ? 1 : 0;
+        path.insert(path.end(), next.begin(), next.end());
+        return absl::OkStatus();
+      });
+      if (path.empty()) return status;
+      gaps_ += path.front() != path.back() ? 1 : 0;
+      rings.push_back(std::move(path));
+      return status;
+    };
+    const Index arcs = *json_.Find(v, "arcs");
+    const bool is_multiple = json_.text(*json_.Find(v, "type")) == "MultiPolygon";
+    const absl::Status status = json_.ForEach(
+        arcs, [&](Index i) { return is_multiple ? json_.ForEach(i, add_ring) : add_ring(i); });
+    if (status.ok()) work_.AddPolygon(std::move(rings), NamesOf(json_, v), json_.line(v));
+    return status;
   }
 
   Pair Place(const Pair& q) const {
@@ -128,10 +179,9 @@ class TopoJsonReader {
     return {q[0] * scale_[0] + translate_[0], q[1] * scale_[1] + translate_[1]};
   }
 
-  absl::Status ReadArc(Index arc) {
+  absl::Status ReadArc(Index arc, Arc& read) {
     if (auto status = ExpectArray(json_, arc, "an arc"); !status.ok()) return status;
     if (Count(json_, arc) < 2) return json_.Error(arc, "an arc needs 2 positions");
-    std::optional<LineWork::Place> last;
     Pair sum = {0, 0};
     return json_.ForEach(arc, [&](Index i) {
       const absl::StatusOr<Position> position = ReadPosition(json_, i);
@@ -144,8 +194,8 @@ class TopoJsonReader {
       const Pair at = Place(sum);
       if (auto status = CheckMagnitude(json_, i, at); !status.ok()) return status;
       const LineWork::Place here = work_.Add(at, json_.line(i));
-      if (last) work_.Connect(*last, here, json_.line(i));
-      last = here;
+      if (read.is_line && !read.path.empty()) work_.Connect(read.path.back(), here, json_.line(i));
+      read.path.push_back(here);
       return absl::OkStatus();
     });
   }
@@ -161,19 +211,22 @@ class TopoJsonReader {
   }
 
   const JsonDocument& json_;
+  const bool polygons_;
   bool quantised_ = false;
   Pair scale_ = {1, 1};
   Pair translate_ = {0, 0};
-  std::vector<bool> used_;     // by arc
+  std::vector<Arc> arcs_;
   std::vector<Index> points_;  // positions of the objects' own
+  std::vector<Index> areas_;   // geometries that are to be polygons
   LineWork work_;
   std::uint64_t heights_ = 0;
+  std::uint64_t gaps_ = 0;
 };
 
 }  // namespace
 
-absl::StatusOr<PlanarInput> ReadTopoJson(const JsonDocument& json) {
-  return TopoJsonReader(json).Read();
+absl::StatusOr<PlanarInput> ReadTopoJson(const JsonDocument& json, bool polygons) {
+  return TopoJsonReader(json, polygons).Read();
 }
 
 }  // namespace dynmesh::io

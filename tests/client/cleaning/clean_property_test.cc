@@ -8,12 +8,12 @@
 #include <numeric>
 #include <random>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "client/cleaning/clean_input.h"
 #include "core/plc/plc.h"
 #include "gtest/gtest.h"
+#include "tests/client/cleaning/input_script.h"
 #include "tests/client/cleaning/messy_input.h"
 
 namespace dynmesh::cleaning {
@@ -21,21 +21,6 @@ namespace {
 
 using Place = std::array<double, 2>;
 using Pieces = std::vector<std::pair<Place, Place>>;
-
-// As an edit script, to repeat a failure with.
-std::string ScriptOf(const std::vector<Feature>& features) {
-  std::ostringstream out;
-  out.precision(17);
-  out << "mesh box=0,0,1,1\n";
-  for (const Feature& f : features) {
-    if (f.kind == FeatureKind::kPoint) {
-      out << "add point " << f.id << " " << f.position[0] << " " << f.position[1] << "\n";
-    } else {
-      out << "add segment " << f.id << " " << f.ends[0] << " " << f.ends[1] << "\n";
-    }
-  }
-  return out.str();
-}
 
 Pieces PiecesOf(const std::vector<Feature>& features, bool ordered) {
   std::map<FeatureId, Place> at;

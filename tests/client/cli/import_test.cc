@@ -92,6 +92,46 @@ TEST_F(Import, CleaningCleanInputGivesTheSameFile) {
   EXPECT_EQ(folder_.Read("a.poly"), folder_.Read("b.poly"));
 }
 
+TEST_F(Import, PolygonsOfAMapStayPolygons) {
+  // Two overlapping squares and a line that ends on a border.
+  folder_.Write("m.geojson", R"({"type": "FeatureCollection", "features": [
+{"type": "Feature", "id": "a7", "properties": {"name": "Left"}, "geometry":
+ {"type": "Polygon", "coordinates": [[[0, 0], [2, 0], [2, 2], [0, 2], [0, 0]]]}},
+{"type": "Feature", "properties": {}, "geometry":
+ {"type": "Polygon", "coordinates": [[[1, 1], [3, 1], [3, 3], [1, 3], [1, 1]]]}},
+{"type": "Feature", "properties": {}, "geometry":
+ {"type": "Polygon", "coordinates": [[[5, 5], [6, 6], [5, 5], [5, 5]]]}},
+{"type": "Feature", "properties": {}, "geometry":
+ {"type": "LineString", "coordinates": [[0, 1], [0.5, 1]]}}]})");
+  const Outcome outcome = Run("import m.geojson --clean --polygons --json -o m.dynmesh");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::vector<std::string> lines = Lines(outcome.out);
+  ASSERT_GE(lines.size(), 3U);
+  // Points 1 to 12, segment 13.
+  EXPECT_EQ(lines[lines.size() - 3], "{\"polygon\": \"14\", \"id\": \"a7\", \"name\": \"Left\"}");
+  EXPECT_EQ(lines[lines.size() - 2], "{\"polygon\": \"15\"}");
+  const std::string& summary = lines.back();
+  EXPECT_EQ(Value(summary, "polygons_read"), "3");
+  EXPECT_EQ(Value(summary, "polygons"), "2");
+  EXPECT_EQ(Value(summary, "segments"), "1");
+  EXPECT_EQ(Value(summary, "polygon_dropped"), "1");
+  EXPECT_EQ(Value(summary, "segments_crossed"), "2");
+  ASSERT_EQ(Run("mesh m.dynmesh -o m.node").code, 0);
+  const Outcome verified = Run("verify m.node --input m.dynmesh");
+  EXPECT_EQ(verified.code, 0) << verified.out;
+  // Left alone, right alone and both.
+  const std::string stats = Run("stats m.node").out;
+  for (const char* region : {"3  14\n", "3  15\n", "1  14 15\n"}) {
+    EXPECT_NE(stats.find(region), std::string::npos) << region << stats;
+  }
+  // As it is: polygons, which a .poly has no place for.
+  ASSERT_EQ(Run("import m.geojson --polygons -o raw.dynmesh").code, 0);
+  EXPECT_NE(folder_.Read("raw.dynmesh").find("add polygon 14 1 2 3 4\n"), std::string::npos);
+  EXPECT_EQ(Run("import m.geojson --polygons -o raw.poly").code, 2);
+  // And segments as ever.
+  EXPECT_EQ(Value(Run("import m.geojson --json -o raw.poly").out, "polygons"), "0");
+}
+
 TEST_F(Import, TheToleranceSaysWhatIsOne) {
   folder_.Write("near.poly", "3 2 0 0\n1 0 0\n2 1 0\n3 0.5 0.01\n1 0\n1 1 2\n0\n");
   EXPECT_EQ(Value(Run("import near.poly --clean --json -o c.poly").out, "changes"), "0");
@@ -133,7 +173,8 @@ TEST_F(Import, BadUsageAndBadInputAreTwo) {
         "import messy.poly -o a.poly --clean --tolerance 0",
         "import messy.poly -o a.poly --clean --tolerance 1e-15",
         "import messy.poly -o a.poly --clean --tolerance nan",
-        "import messy.poly -o a.poly --box 1", "import flat.node -o a.poly --clean"}) {
+        "import messy.poly -o a.dynmesh --polygons", "import messy.poly -o a.poly --box 1",
+        "import flat.node -o a.poly --clean"}) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.err;
     EXPECT_NE(outcome.err, "") << arguments;

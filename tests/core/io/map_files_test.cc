@@ -14,11 +14,14 @@ using testing::TempFolder;
 
 Feature P(FeatureId id, double x, double y) { return Feature::Point(id, x, y); }
 Feature S(FeatureId id, FeatureId p, FeatureId q) { return Feature::Segment(id, p, q); }
+Feature G(FeatureId id, Rings rings) { return Feature::Polygon(id, std::move(rings)); }
 
 class MapFiles : public ::testing::Test {
  protected:
-  absl::StatusOr<PlanarInput> Read(const std::string& text) const {
-    return ReadMapFile(folder_.Write("m.json", text));
+  absl::StatusOr<PlanarInput> Read(const std::string& text, bool polygons = false) const {
+    MapOptions options;
+    options.polygons = polygons;
+    return ReadMapFile(folder_.Write("m.json", text), options);
   }
   std::vector<Feature> Features(const std::string& text) const {
     const auto input = Read(text);
@@ -89,6 +92,33 @@ TEST_F(MapFiles, FeaturesOfACollectionAreReadInTheirOrder) {
       (std::vector<Feature>{P(1, 1, 1)}));
 }
 
+TEST_F(MapFiles, PolygonsOfGeoJsonStayPolygons) {
+  const auto input = Read(
+      R"({"type": "FeatureCollection", "features": [
+{"type": "Feature", "id": 30, "properties": {"name": "two \"parts\""}, "geometry":
+ {"type": "MultiPolygon", "coordinates": [[[[0, 0], [4, 0], [0, 4], [0, 0]],
+                                           [[1, 1], [2, 1], [2, 1], [1, 2], [1, 1]]],
+                                          [[[5, 5], [6, 5], [6, 6], [5, 5]]]]}},
+{"type": "Feature", "properties": null, "geometry": {"type": "GeometryCollection", "geometries": [
+  {"type": "LineString", "coordinates": [[4, 0], [0, 4]]},
+  {"type": "Polygon", "coordinates": [[[0, 4], [4, 0], [4, 4], [0, 4]]]},
+  {"type": "Polygon", "coordinates": []}]}}]})",
+      true);
+  ASSERT_TRUE(input.ok()) << input.status();
+  EXPECT_EQ(
+      input->features,
+      (std::vector<Feature>{P(1, 0, 0), P(2, 4, 0), P(3, 0, 4), P(4, 1, 1), P(5, 2, 1), P(6, 1, 2),
+                            P(7, 5, 5), P(8, 6, 5), P(9, 6, 6), P(10, 4, 4), S(11, 2, 3),
+                            G(12, {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}), G(13, {{3, 2, 10}})}));
+  ASSERT_EQ(input->polygons.size(), 2U);
+  EXPECT_EQ(input->polygons[0].id, 12U);
+  EXPECT_EQ(input->polygons[0].key, "30");
+  EXPECT_EQ(input->polygons[0].name, "two \"parts\"");
+  EXPECT_EQ(input->polygons[1].id, 13U);
+  EXPECT_EQ(input->polygons[1].key, "");
+  EXPECT_EQ(input->Where(12), folder_.Path("m.json") + ":3");
+}
+
 TEST_F(MapFiles, MalformedGeoJsonIsRefusedWithItsLine) {
   const std::pair<const char*, const char*> kCases[] = {
       {"[1]", "m.json:1: a map must be an object, found an array"},
@@ -145,7 +175,7 @@ constexpr char kSquares[] = R"({
   "objects": {
     "squares": {"type": "GeometryCollection", "geometries": [
       {"type": "Polygon", "arcs": [[0, 1]]},
-      {"type": "MultiPolygon", "arcs": [[[2, -2]]]},
+      {"type": "MultiPolygon", "arcs": [[[-3, -2]]]},
       {"type": null}]},
     "places": {"type": "MultiPoint", "coordinates": [[0.5, 0.5], [1, 1]]},
     "line": {"type": "LineString", "arcs": [-2]}}})";
@@ -159,6 +189,43 @@ TEST_F(MapFiles, ArcsOfATopologyAreTakenOnceIfUsed) {
                                   S(11, 4, 1), S(12, 1, 5), S(13, 5, 6), S(14, 6, 4)}));
   EXPECT_EQ(input->Where(8), folder_.Path("m.json") + ":4");
   EXPECT_EQ(input->Where(7), folder_.Path("m.json") + ":13");
+}
+
+TEST_F(MapFiles, PolygonsOfATopologySharePoints) {
+  const auto input = Read(kSquares, true);
+  ASSERT_TRUE(input.ok()) << input.status();
+  EXPECT_EQ(input->features,
+            (std::vector<Feature>{P(1, 1, 0), P(2, 0, 0), P(3, 0, 1), P(4, 1, 1), P(5, 2, 0),
+                                  P(6, 2, 1), P(7, 0.5, 0.5), S(8, 4, 1), G(9, {{1, 2, 3, 4}}),
+                                  G(10, {{4, 6, 5, 1}})}));
+  EXPECT_EQ(input->segment_count, 1U);
+  EXPECT_EQ(input->gaps, 0U);
+  EXPECT_EQ(input->Where(10), folder_.Path("m.json") + ":11");
+}
+
+TEST_F(MapFiles, PolygonsOfATopologyHaveHolesPartsAndNames) {
+  const auto input = Read(
+      R"({"type": "Topology", "objects": {"a": {"type": "GeometryCollection", "geometries": [
+            {"type": "MultiPolygon", "id": "840", "properties": {"name": "Usa", "id": 3},
+             "arcs": [[[0], [-2]], [[2, 3]]]},
+            {"type": "Polygon", "id": 7.5, "arcs": []},
+            {"type": "Polygon", "id": 7, "properties": {"name": null}, "arcs": [[1, 1, -2]]}]}},
+          "arcs": [[[0, 0], [9, 0], [9, 9], [0, 0]], [[3, 2], [4, 2], [4, 3], [3, 2]],
+                   [[20, 0], [21, 0]], [[21, 0], [21, 1], [21, 1]]]})",
+      true);
+  ASSERT_TRUE(input.ok()) << input.status();
+  ASSERT_EQ(input->point_count, 9U);
+  EXPECT_EQ(input->segment_count, 0U);
+  ASSERT_EQ(input->features.size(), 11U);
+  EXPECT_EQ(input->features[9], G(10, {{1, 2, 3}, {4, 6, 5}, {7, 8, 9}}));
+  EXPECT_EQ(input->features[10], G(11, {{4, 5, 6, 4, 5, 6, 4, 6, 5}}));  // as it is in the file
+  ASSERT_EQ(input->polygons.size(), 2U);
+  EXPECT_EQ(input->polygons[0].id, 10U);
+  EXPECT_EQ(input->polygons[0].key, "840");
+  EXPECT_EQ(input->polygons[0].name, "Usa");
+  EXPECT_EQ(input->polygons[1].key, "7");
+  EXPECT_EQ(input->polygons[1].name, "");
+  EXPECT_EQ(input->gaps, 1U);  // from (21, 1) to (20, 0)
 }
 
 TEST_F(MapFiles, QuantisedTopologiesAreScaled) {
@@ -211,6 +278,13 @@ TEST_F(MapFiles, EdgesAcrossTheAntimeridianAreCounted) {
       Read(R"({"type": "LineString", "coordinates": [[179, 5], [-179, 6], [-170, 6]]})");
   ASSERT_TRUE(input.ok());
   EXPECT_EQ(input->wraps, 1U);
+  // Twice the same one, and the way back.
+  const auto polygon = Read(
+      R"({"type": "Polygon", "coordinates": [[[179, 5], [-179, 5], [-179, 6], [179, 6], [179, 5]],
+                                             [[-179, 5], [179, 5], [0, 0], [-179, 5]]]})",
+      true);
+  ASSERT_TRUE(polygon.ok()) << polygon.status();
+  EXPECT_EQ(polygon->wraps, 2U);
   const auto metres = Read(R"({"type": "LineString", "coordinates": [[179, 5], [-179, 600]]})");
   ASSERT_TRUE(metres.ok());
   EXPECT_EQ(metres->wraps, 0U);

@@ -1,0 +1,84 @@
+#include "client/cleaning/polygon_rings.h"
+
+#include <algorithm>
+
+namespace dynmesh::cleaning {
+namespace {
+
+class Remaker {
+ public:
+  explicit Remaker(const std::vector<PlacePair>& edges) : edges_(edges), taken_(edges.size()) {}
+
+  // Takes the ring's edges if they make a ring of a polygon and nobody has one of them.
+  bool Keep(const PlaceRing& ring) {
+    PlaceRing sorted = ring;
+    std::sort(sorted.begin(), sorted.end());
+    if (ring.size() < 3 || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
+      return false;
+    }
+    std::vector<std::size_t> own;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const PlacePair pair = std::minmax(ring[i], ring[(i + 1) % ring.size()]);
+      const auto it = std::lower_bound(edges_.begin(), edges_.end(), pair);
+      if (it == edges_.end() || *it != pair) return false;
+      own.push_back(static_cast<std::size_t>(it - edges_.begin()));
+      if (taken_[own.back()]) return false;
+    }
+    for (const std::size_t edge : own) taken_[edge] = true;
+    return true;
+  }
+
+  // All that is not taken: what is at each place, and where that is more than one ring.
+  void Open(std::vector<Place>& cuts) {
+    for (std::size_t e = edges_.size(); e-- > 0;) {
+      if (taken_[e]) continue;
+      open_[edges_[e].first].push_back(e);
+      open_[edges_[e].second].push_back(e);
+    }
+    for (const auto& [place, edges] : open_) {
+      if (edges.size() > 2) cuts.push_back(place);
+    }
+    std::sort(cuts.begin(), cuts.end());
+  }
+
+  // Rings that can be walked from `start`: the least edge first.
+  void WalkFrom(Place start, std::vector<PlaceRing>& rings) {
+    const auto step = [this](Place v) -> std::optional<Place> {
+      const auto it = open_.find(v);
+      if (it == open_.end()) return std::nullopt;
+      std::vector<std::size_t>& edges = it->second;
+      while (!edges.empty() && taken_[edges.back()]) edges.pop_back();
+      if (edges.empty()) return std::nullopt;
+      const std::size_t edge = edges.back();
+      taken_[edge] = true;
+      return edges_[edge].first == v ? edges_[edge].second : edges_[edge].first;
+    };
+    WalkRings(start, step, rings);
+  }
+
+ private:
+  const std::vector<PlacePair>& edges_;
+  std::vector<bool> taken_;  // by edge
+  absl::flat_hash_map<Place, std::vector<std::size_t>> open_;
+};
+
+}  // namespace
+
+RemadeRings RemakeRings(const std::vector<PlaceRing>& were, const std::vector<PlacePair>& edges) {
+  RemadeRings result;
+  Remaker remaker(edges);
+  std::vector<bool> kept;
+  for (const PlaceRing& ring : were) kept.push_back(remaker.Keep(ring));
+  remaker.Open(result.cuts);
+  for (std::size_t i = 0; i < were.size(); ++i) {
+    if (kept[i]) {
+      result.rings.push_back(were[i]);
+      continue;
+    }
+    for (const Place corner : were[i]) remaker.WalkFrom(corner, result.rings);
+  }
+  for (const PlacePair& edge : edges) remaker.WalkFrom(edge.first, result.rings);
+  return result;
+}
+
+}  // namespace dynmesh::cleaning

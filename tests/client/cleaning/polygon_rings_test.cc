@@ -1,0 +1,46 @@
+#include "client/cleaning/polygon_rings.h"
+
+#include "gtest/gtest.h"
+
+namespace dynmesh::cleaning {
+namespace {
+
+using Edges = std::vector<PlacePair>;
+using PlaceRings = std::vector<PlaceRing>;
+
+TEST(PolygonRings, RingsWhoseEdgesAreAllThereStayAsTheyAre) {
+  const PlaceRings were = {{5, 3, 4}, {2, 0, 1}};
+  const RemadeRings remade = RemakeRings(were, {{0, 1}, {0, 2}, {1, 2}, {3, 4}, {3, 5}, {4, 5}});
+  EXPECT_EQ(remade.rings, were);
+  EXPECT_TRUE(remade.cuts.empty());
+}
+
+TEST(PolygonRings, ASplitEdgeIsTheChainOfItsPieces) {
+  // 0-1 goes through 7 now; the other ring does not notice.
+  const RemadeRings remade =
+      RemakeRings({{0, 1, 2}, {5, 3, 4}}, {{0, 2}, {0, 7}, {1, 2}, {1, 7}, {3, 4}, {3, 5}, {4, 5}});
+  EXPECT_EQ(remade.rings, (PlaceRings{{0, 2, 1, 7}, {5, 3, 4}}));
+  EXPECT_TRUE(remade.cuts.empty());
+}
+
+TEST(PolygonRings, ARingThatComesToAPlaceTwiceIsCutThere) {
+  const RemadeRings remade =
+      RemakeRings({{0, 1, 2, 3, 4, 2}}, {{0, 1}, {0, 2}, {1, 2}, {2, 3}, {2, 4}, {3, 4}});
+  EXPECT_EQ(remade.rings, (PlaceRings{{0, 1, 2}, {2, 3, 4}}));
+  EXPECT_EQ(remade.cuts, (PlaceRing{2}));
+}
+
+TEST(PolygonRings, WithoutEdgesThereAreNoRings) {
+  EXPECT_TRUE(RemakeRings({{0, 1, 2}}, {}).rings.empty());
+  EXPECT_TRUE(RemakeRings({}, {}).rings.empty());
+  EXPECT_TRUE(RemakeRings({{}}, {}).rings.empty());
+}
+
+TEST(PolygonRings, ARingThatStandsThriceIsThereOnce) {
+  const RemadeRings remade =
+      RemakeRings({{0, 1, 2}, {1, 2, 0}, {0, 2, 1}}, {{0, 1}, {0, 2}, {1, 2}});
+  EXPECT_EQ(remade.rings, (PlaceRings{{0, 1, 2}}));
+}
+
+}  // namespace
+}  // namespace dynmesh::cleaning
