@@ -123,9 +123,9 @@ class Unpacker {
   Feature Size() {
     const FeatureId id = Id();
     const std::uint8_t shape = Byte();
-    // Mostly as fine as a small mesh can be.
+    // Mostly coarse: a run from scratch follows every few batches.
     const double extent = box_.hi[0] - box_.lo[0];
-    const double target = shape >= 240 ? AnyDouble() : extent / (2 + Byte() % 30);
+    const double target = shape >= 240 ? AnyDouble() : extent / (1 + Byte() % 8);
     if (shape % 4 == 3) return Feature::SizePolygon(id, SomeRings(), target);
     const auto [x, y] = Position();
     if (shape % 4 == 0) return Feature::SizeAt(id, x, y, target);
