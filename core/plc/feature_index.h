@@ -79,6 +79,9 @@ class FeatureIndex {
     bool operator()(const Spoke& s, const geometry::Point2& end) const {
       return geometry::PrecedesInAngle(apex, s.end, end);
     }
+    bool operator()(const geometry::Point2& end, const Spoke& s) const {
+      return geometry::PrecedesInAngle(apex, end, s.end);
+    }
   };
   struct Hub {
     Hub(const CellGrid& grid, const geometry::Point2& at)
