@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/data/regions.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
@@ -100,9 +101,7 @@ void DiffBuilder::NameRegions(std::initializer_list<RegionColumn*> columns,
                               std::vector<RegionSet>* sets) const {
   std::vector<RegionId> ids;
   for (RegionColumn* column : columns) {
-    const bool says_nothing =
-        std::all_of(column->begin(), column->end(), [](RegionId id) { return id == kNoRegion; });
-    if (says_nothing) column->clear();
+    data::DropIfIdle(*column);
     for (const RegionId id : *column) {
       if (ids.empty() || ids.back() != id) ids.push_back(id);
     }

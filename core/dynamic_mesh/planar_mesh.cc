@@ -65,11 +65,6 @@ absl::StatusOr<MeshDiff> PlanarMesh::ApplyWith(const EditBatch& batch, Interrupt
   absl::StatusOr<MeshDiff> diff = plan == Plan::kRebuild
                                       ? Rebuild(*delta, Snapshot(), cancelled)
                                       : Propagate(*delta, plan == Plan::kLook, cancelled);
-  // On its way a propagation holds what is new and what is about to go: whether a limit is
-  // passed only a run from scratch can say, lest the answer depend on history.
-  if (plan != Plan::kRebuild && absl::IsResourceExhausted(diff.status())) {
-    diff = Rebuild(*delta, Snapshot(), cancelled);
-  }
   if (!diff.ok()) return diff;
   diff->from_revision = revision_;
   diff->to_revision = ++revision_;
@@ -140,13 +135,17 @@ absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, bool loo
   }
   if (const absl::Status status = Run(state, cancelled); !status.ok()) {
     Undo(delta);
+    // On its way a propagation holds what is new and what is about to go: whether a limit is
+    // passed only a run from scratch can say, lest the answer depend on history.
+    if (absl::IsResourceExhausted(status)) return Rebuild(delta, Snapshot(), cancelled);
     return status;
   }
   MeshDiff diff = state.diffs.Update(state.refinement, state.features);
-  if (absl::Status status = state.diffs.RegionStatus(); !status.ok()) {
-    // Labels are left half made, so that there is nothing to undo.
+  if (!state.diffs.RegionStatus().ok()) {
+    // Labels are left half made, so that there is nothing to undo; and which polygon is to be
+    // named, too, only a run from scratch can say.
     state_ = (*Build(plc_.FromNothing(), plc_.size(), [] { return false; })).state;
-    return status;
+    return Rebuild(delta, Snapshot(), cancelled);
   }
   plc_.Commit(delta);
   state.features.Collect();

@@ -44,6 +44,12 @@ RegionId RegionLabels::WallBetween(Vertex a, Vertex b) const {
   return it == walls_.end() ? kNoRegion : it->second;
 }
 
+// On the edge of t opposite to its corner `corner`.
+RegionId RegionLabels::WallAcross(Triangle t, int corner) const {
+  const std::array<Vertex, 3>& v = triangulation_.vertices(t);
+  return WallBetween(v[Triangulation::NextIndex(corner)], v[Triangulation::PreviousIndex(corner)]);
+}
+
 const std::vector<RegionLabels::Relabelled>& RegionLabels::Update(
     std::span<const Triangle> fresh, std::span<const FeatureTable::Wall> toggled,
     absl::FunctionRef<bool(Vertex)> on_segment) {
@@ -148,12 +154,10 @@ void RegionLabels::Spread(Triangle from) {
   while (!stack_.empty()) {
     const Triangle t = stack_.back();
     stack_.pop_back();
-    const std::array<Vertex, 3> v = triangulation_.vertices(t);
     for (int c = 0; c < 3; ++c) {
       const Triangle next = triangulation_.Opposite({t, c}).triangle;
       if (triangulation_.IsInfinite(next)) continue;
-      const RegionId label = sets_.Toggle(
-          at(t), WallBetween(v[Triangulation::NextIndex(c)], v[Triangulation::PreviousIndex(c)]));
+      const RegionId label = sets_.Toggle(at(t), WallAcross(t, c));
       if (label == RegionSets::kTooMany) return;
       if (settled_.contains(next)) {
         assert(at(next) == label);
@@ -215,13 +219,10 @@ bool RegionLabels::Check() {
   if (empty()) return true;  // nobody has ever set one
   bool good = true;
   triangulation_.ForEachTriangle([&](Triangle t) {
-    const std::array<Vertex, 3>& v = triangulation_.vertices(t);
     for (int c = 0; c < 3; ++c) {
       const Triangle next = triangulation_.Opposite({t, c}).triangle;
       const RegionId beyond = triangulation_.IsInfinite(next) ? kNoRegion : at(next);
-      const RegionId wall =
-          WallBetween(v[Triangulation::NextIndex(c)], v[Triangulation::PreviousIndex(c)]);
-      good = good && sets_.Toggle(at(t), wall) == beyond;
+      good = good && sets_.Toggle(at(t), WallAcross(t, c)) == beyond;
     }
   });
   return good;

@@ -82,6 +82,7 @@ class RegionLabels {
  private:
   using Edge = std::pair<Vertex, Vertex>;  // the lesser first
   RegionId WallBetween(Vertex a, Vertex b) const;
+  RegionId WallAcross(Triangle t, int corner) const;
   bool IsAtHull(Triangle t) const;
   bool IsTouched(Triangle t) const;
   std::optional<RegionId> ChangeAt(const geometry::Point2& p);

@@ -19,9 +19,11 @@ void SortUnique(std::vector<T>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
+// Each once, ascending.
 std::vector<FeatureId> PointsOf(const Rings& rings) {
   std::vector<FeatureId> points;
   for (const auto& ring : rings) points.insert(points.end(), ring.begin(), ring.end());
+  SortUnique(points);
   return points;
 }
 
@@ -281,8 +283,7 @@ void BatchCheck::CollectSegment(FeatureId id) {
   EditIndex edit = own;
   SegmentFeature now;
   if (is_segment && ends[0] == ends[1]) Schedule({own, id, Event::Kind::kDegenerate});
-  const bool whole =
-      is_segment && ends[0] != ends[1] && CheckPoints(id, {ends.begin(), ends.end()}, own);
+  const bool whole = is_segment && ends[0] != ends[1] && CheckPoints(id, ends, own);
   if (whole) {
     for (const FeatureId end : ends) edit = std::max(edit, draft_.BlameOf(end));
     now = {id, ends[0], ends[1], *draft_.FindPoint(ends[0]), *draft_.FindPoint(ends[1])};
@@ -300,12 +301,11 @@ void BatchCheck::CollectSegment(FeatureId id) {
   Schedule({edit, id, Event::Kind::kSegment, at});
 }
 
-// Are all of `points`, which feature `id` needs, points? If not, schedules the problem: one
-// that is missing because of a later edit than the feature's is a point in use, else the
+// Are all of `points`, none twice, which feature `id` needs, points? If not, schedules the problem:
+// one that is missing because of a later edit than the feature's is a point in use, else the
 // feature's fault.
-bool BatchCheck::CheckPoints(FeatureId id, std::vector<FeatureId> points, EditIndex own) {
+bool BatchCheck::CheckPoints(FeatureId id, std::span<const FeatureId> points, EditIndex own) {
   bool whole = true, own_fault = false;
-  SortUnique(points);
   for (const FeatureId point : points) {
     if (draft_.FindPoint(point) != nullptr) continue;
     whole = false;
@@ -373,7 +373,6 @@ absl::Status BatchCheck::UnknownEnd(FeatureId feature, EditIndex edit) const {
   } else {
     points = PointsOf(entry.state == Draft::State::kPolygon ? draft_.PolygonOf(entry).rings
                                                             : draft_.SizeFeatureOf(entry).rings);
-    SortUnique(points);
   }
   std::erase_if(points, [&](FeatureId point) {
     return draft_.FindPoint(point) != nullptr || draft_.BlameOf(point) > edit;

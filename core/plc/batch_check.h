@@ -19,6 +19,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -82,7 +83,7 @@ class BatchCheck {
   void FindAffectedEdges();
   void CollectSegment(FeatureId id);
   void CollectEdge(const EdgeKey& key);
-  bool CheckPoints(FeatureId id, std::vector<FeatureId> points, EditIndex own);
+  bool CheckPoints(FeatureId id, std::span<const FeatureId> points, EditIndex own);
   EditIndex BlameOfEdge(FeatureId feature, const EdgeKey& key) const;
   std::vector<FeatureId> PolygonsAfter(const EdgeKey& key) const;
   FeatureId SegmentAfter(const EdgeKey& key) const;
