@@ -197,11 +197,12 @@ GoodMesh MakePolygonMesh(std::uint64_t seed, int count) {
     builder.AddPoint(first + 2, 4, y + 0.5);
     builder.AddPoint(first + 3, 2, y + 0.5);
   }
-  // Off all edges: no coordinate is a multiple of 2^-9, and none is near the roof's slopes.
+  // Off all edges: no coordinate is a multiple of 2^-9, none is near the roof's slopes, and
+  // no x is a y, as on the diagonal of the tip.
   std::set<std::pair<double, double>> taken;
   for (int i = 0; i < count; ++i) {
     const double x = static_cast<double>(random() % 5000 * 2 + 1) / 1024 + 0.1;
-    const double y = static_cast<double>(random() % 5000 * 2 + 1) / 1024 + 0.1;
+    const double y = static_cast<double>(random() % 5000 * 2 + 1) / 1024 + 0.2;
     if (x < 4.9 && y < 5.9 && taken.emplace(x, y).second) builder.Add(x, y, 2, kNoFeature);
   }
   // By precedence: the segment, then polygons by id.
