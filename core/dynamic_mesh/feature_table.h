@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/huge_pages.h"
 #include "core/dynamic_mesh/wedge_table.h"
 #include "core/mesh/delaunay_insert_order.h"
 #include "core/meshing/elements.h"
@@ -142,7 +143,7 @@ class FeatureTable {
   }
   void FreeSlot(meshing::FeatureSlot slot) { freed_.push_back(slot); }
 
-  std::vector<FeatureId> ids_;  // by slot
+  LargeVector<FeatureId> ids_;  // by slot
   std::vector<meshing::FeatureSlot> free_, freed_;
   absl::flat_hash_map<FeatureId, meshing::VertexIndex> points_;
   absl::flat_hash_map<FeatureId, meshing::SizingField::Index> sizes_;

@@ -16,6 +16,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/hash/hash.h"
+#include "core/base/huge_pages.h"
 #include "core/geometry/point.h"
 #include "core/meshing/elements.h"
 #include "dynmesh/mesh.h"
@@ -86,11 +87,11 @@ class VertexNames {
   // Vertices that are alone in their group are known by their ids, which need not be kept
   // twice.
   struct HashOfName {
-    const std::vector<VertexId>* ids;
+    const LargeVector<VertexId>* ids;
     std::size_t operator()(Index v) const { return absl::Hash<VertexId>()((*ids)[v]); }
   };
   struct SameName {
-    const std::vector<VertexId>* ids;
+    const LargeVector<VertexId>* ids;
     bool operator()(Index v, Index w) const { return (*ids)[v] == (*ids)[w]; }
   };
 
@@ -129,7 +130,7 @@ class VertexNames {
   }
 
   const Hash hash_;
-  std::vector<VertexId> ids_;                                  // by index
+  LargeVector<VertexId> ids_;                                  // by index
   absl::flat_hash_set<Index, HashOfName, SameName> alone_;     // with salt 0
   absl::flat_hash_map<VertexId, std::vector<Index>> crowded_;  // the others, by unsalted id
 };

@@ -12,6 +12,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
+#include "core/base/huge_pages.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/shells.h"
 
@@ -119,7 +120,7 @@ class WedgeTable {
     values.erase(std::unique(values.begin(), values.end()), values.end());
   }
 
-  std::vector<Segment> segments_;
+  LargeVector<Segment> segments_;
   std::vector<Index> free_;
   absl::flat_hash_map<Vertex, Users> at_;
   std::vector<Vertex> touched_;

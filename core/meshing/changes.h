@@ -316,9 +316,21 @@ void Refinement<E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, sac:
     const Subsegment& s = subsegments_[i];
     if (s.exposed == sac::kNoStamp || !engine_.AnyAfter(after)) return;
     tree_.VisitBox(BallOf(s), [&](sac::Place place) {
-      engine_.Notify(place, after, until, [&](sac::OpId op) { return SubsegmentMatters(op, s); });
+      engine_.Notify(
+          place, after, until, [this](sac::OpId op) { return AsksForSubsegments(op); },
+          [&](sac::OpId op) { return SubsegmentMatters(op, s); });
     });
   }
+}
+
+// Had it anything to insert? Most had not.
+template <template <class> class E>
+bool Refinement<E>::AsksForSubsegments(sac::OpId op) const {
+  if constexpr (kTraced) {
+    return !engine_.outputs(op).empty() ||
+           (engine_.kind(op) == kComplete && engine_.payload(op).flag);
+  }
+  return false;
 }
 
 template <template <class> class E>

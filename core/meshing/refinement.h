@@ -257,6 +257,7 @@ class Refinement {
   bool VertexMatters(sac::OpId op, VertexIndex v, bool appears) const;
   bool ConflictsWithRing(sac::OpId op, const Point2& y) const;
   void NotifyOfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
+  bool AsksForSubsegments(sac::OpId op) const;
   bool SubsegmentMatters(sac::OpId op, const Subsegment& s) const;
   void NotifyOfSizing(const SizingRegion& region);
   bool SizingMatters(sac::OpId op, const SizingRegion& region) const;
@@ -277,7 +278,7 @@ class Refinement {
   SpatialTree<2> tree_;
   SizingField sizing_;
   LargeVector<Vertex> vertices_;
-  std::vector<Subsegment> subsegments_;
+  LargeVector<Subsegment> subsegments_;
   std::vector<VertexIndex> free_vertices_;
   std::vector<SubsegmentIndex> free_subsegments_;
   std::size_t vertex_count_ = 0;

@@ -431,7 +431,7 @@ class SpatialTree {
   Point centre_;
   double half_;
   double least_half_;  // smaller cells would not have exact borders
-  std::vector<Node> nodes_;
+  LargeVector<Node> nodes_;
   LargeVector<Leaf> leaves_;
   std::vector<std::uint32_t> free_leaves_;
   std::vector<NodeIndex> free_nodes_;

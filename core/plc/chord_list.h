@@ -13,13 +13,14 @@
 
 #include "absl/container/btree_set.h"
 #include "absl/functional/function_ref.h"
+#include "core/base/huge_pages.h"
 #include "core/plc/cell_grid.h"
 
 namespace dynmesh::plc {
 
 // Index of a segment in the table of its SpatialIndex.
 using Slot = std::uint32_t;
-using SegmentTable = std::vector<GridSegment>;
+using SegmentTable = LargeVector<GridSegment>;
 
 // Two places (major coordinate, minor coordinate), maybe the same.
 struct ChordProbe {

@@ -23,6 +23,7 @@
 
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
+#include "core/base/huge_pages.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/point.h"
 #include "core/plc/spatial_index.h"
@@ -108,7 +109,7 @@ class FeatureIndex {
   SpatialIndex general_;
   absl::flat_hash_map<FeatureId, std::unique_ptr<Hub>> hubs_;
   absl::flat_hash_map<FeatureId, std::uint32_t> degrees_;  // of points with segments
-  std::vector<Placement> placements_;                      // by slot
+  LargeVector<Placement> placements_;                      // by slot
   std::vector<Slot> free_;
 };
 

@@ -28,7 +28,7 @@ void EraseValue(std::vector<Slot>& slots, Slot slot) {
 }
 
 template <typename T>
-Slot Put(std::vector<T>& table, std::vector<Slot>& free_slots, const T& value) {
+Slot Put(LargeVector<T>& table, std::vector<Slot>& free_slots, const T& value) {
   if (free_slots.empty()) {
     table.push_back(value);
     return static_cast<Slot>(table.size() - 1);

@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "absl/functional/function_ref.h"
+#include "core/base/huge_pages.h"
 #include "core/plc/cell_grid.h"
 #include "core/plc/chord_list.h"
 #include "core/plc/delta.h"
@@ -88,9 +89,9 @@ class SpatialIndex {
   static int QuadrantOf(const Cell& cell, const UnitPoint& at);
 
   CellGrid grid_;
-  std::vector<Node> nodes_;  // [0] is the root; children in blocks of four
+  LargeVector<Node> nodes_;  // [0] is the root; children in blocks of four
   std::vector<NodeIndex> free_blocks_;
-  std::vector<PointFeature> points_;
+  LargeVector<PointFeature> points_;
   std::vector<Slot> free_points_;
   SegmentTable segments_;
   std::vector<Slot> free_segments_;

@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/huge_pages.h"
+
 namespace dynmesh::sac {
 
 using Stamp = std::uint32_t;
@@ -76,9 +78,9 @@ class OrderList {
   void SpreadItems(GroupIndex g);
   Stamp NewStamp();
 
-  std::vector<std::uint64_t> labels_;  // by stamp: group label, low bits
-  std::vector<GroupIndex> group_of_;   // by stamp
-  std::vector<Group> groups_;
+  LargeVector<std::uint64_t> labels_;  // by stamp: group label, low bits
+  LargeVector<GroupIndex> group_of_;   // by stamp
+  LargeVector<Group> groups_;
   std::vector<Stamp> free_stamps_;
   std::vector<GroupIndex> free_groups_;
   std::size_t size_ = 0;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/huge_pages.h"
 #include "core/sac/block_pool.h"
 
 namespace dynmesh::sac {
@@ -64,7 +65,7 @@ class Subscriptions {
     BlockPool::Block block;
     std::uint32_t count = 0;
   };
-  std::vector<List> lists_;
+  LargeVector<List> lists_;
   BlockPool pool_;
 };
 

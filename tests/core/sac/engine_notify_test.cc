@@ -52,6 +52,19 @@ TEST_F(EngineNotifyTest, TheFilterIsAskedOnceAboutThoseInTime) {
   EXPECT_EQ(Run(), "run 5@0, run 7@0");
 }
 
+TEST_F(EngineNotifyTest, TheUninterestedAreNotAsked) {
+  std::vector<Item> asked;
+  e_.Notify(
+      1, At(3), At(7), [&](OpId op) { return e_.item(op) < 6; },
+      [&](OpId op) {
+        asked.push_back(e_.item(op));
+        return true;
+      });
+  std::sort(asked.begin(), asked.end());
+  EXPECT_EQ(asked, (std::vector<Item>{4, 5}));
+  EXPECT_EQ(Run(), "run 4@0, run 5@0");
+}
+
 TEST_F(EngineNotifyTest, SeveralNotificationsMakeOneRun) {
   e_.Notify(1, At(4), At(5), All);
   e_.Notify(1, At(3), At(5), All);
