@@ -10,6 +10,7 @@
 #include "client/cleaning/line_graph.h"
 #include "client/cleaning/polygon_rings.h"
 #include "client/cleaning/round.h"
+#include "core/base/rings.h"
 #include "core/data/text.h"
 #include "dynmesh/error.h"
 
@@ -167,16 +168,13 @@ class Cleaner {
   // length.
   std::vector<PlacePair> EdgesOf(const Feature& polygon) {
     std::vector<PlacePair> edges;
-    for (const PlaceRing& ring : PlacesOf(polygon.rings)) {
-      for (std::size_t i = 0; i < ring.size(); ++i) {
-        const PlacePair edge = std::minmax(ring[i], ring[(i + 1) % ring.size()]);
-        if (edge.first != edge.second) {
-          edges.push_back(edge);
-        } else {
-          Report(ChangeKind::kZeroLength, {polygon.id}, edge.first, edge.first);
-        }
+    ForEachEdgeOf(PlacesOf(polygon.rings), [&](Place p, Place q) {
+      if (p != q) {
+        edges.push_back(std::minmax(p, q));
+      } else {
+        Report(ChangeKind::kZeroLength, {polygon.id}, p, p);
       }
-    }
+    });
     std::sort(edges.begin(), edges.end());
     return edges;
   }

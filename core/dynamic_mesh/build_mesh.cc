@@ -1,8 +1,8 @@
 // The static path: no trace, neighbourhoods read off one growing triangulation.
 #include <memory>
 
+#include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/planar_mesh.h"
-#include "dynmesh/error.h"
 
 namespace dynmesh {
 
@@ -17,20 +17,8 @@ absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOpti
   meshing::Refinement<sac::UntracedEngine> refinement(options, &diffs.triangulation());
   refinement.Reserve(delta->added_points.size());
   table.Apply(*delta, refinement);
-  const std::uint64_t most = options.limits.max_vertices;
-  refinement.Propagate(
-      [&] { return refinement.vertex_count() > most || refinement.hit_depth_limit(); });
-  if (refinement.hit_depth_limit()) {
-    return MakeError(absl::StatusCode::kResourceExhausted,
-                     "a segment would have to be halved more often than max_depth allows",
-                     {reason::kDepthLimit, {}, {}});
-  }
-  if (refinement.vertex_count() > most) {
-    return MakeError(
-        absl::StatusCode::kResourceExhausted,
-        "the mesh would have more than max_vertices = " + std::to_string(most) + " vertices",
-        {reason::kVertexLimit, {}, {}});
-  }
+  refinement.Propagate([&] { return IsOverLimits(refinement, options.limits); });
+  if (absl::Status status = LimitsStatus(refinement, options.limits); !status.ok()) return status;
   Mesh mesh = diffs.Begin(refinement, table);
   if (absl::Status status = diffs.RegionStatus(); !status.ok()) return status;
   mesh.revision = features.empty() ? 0 : 1;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/data/diff_meshes.h"
+#include "core/dynamic_mesh/limits.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
@@ -82,31 +83,17 @@ bool PlanarMesh::IsMostlyStale() const {
 template <class Interrupt>
 absl::Status PlanarMesh::Run(State& state, Interrupt cancelled) {
   Refinement& refinement = state.refinement;
-  const std::uint64_t most = options_.limits.max_vertices;
   bool was_cancelled = false;
-  const bool done = refinement.Propagate([&] {
+  refinement.Propagate([&] {
     was_cancelled = cancelled();
-    return was_cancelled || refinement.vertex_count() > most || refinement.hit_depth_limit();
+    return was_cancelled || IsOverLimits(refinement, options_.limits);
   });
   if (was_cancelled) {
     return MakeError(absl::StatusCode::kCancelled,
                      "the batch was cancelled; the mesh is as it was before",
                      {reason::kCancelled, {}, {}});
   }
-  if (refinement.hit_depth_limit()) {
-    return MakeError(absl::StatusCode::kResourceExhausted,
-                     "a segment would have to be halved more often than max_depth = " +
-                         std::to_string(options_.limits.max_depth) +
-                         " allows; move the features that lie so close to it apart",
-                     {reason::kDepthLimit, {}, {}});
-  }
-  if (!done || refinement.vertex_count() > most) {
-    return MakeError(absl::StatusCode::kResourceExhausted,
-                     "the mesh would have more than max_vertices = " + std::to_string(most) +
-                         " vertices; add fewer features or create the mesh with a higher limit",
-                     {reason::kVertexLimit, {}, {}});
-  }
-  return absl::OkStatus();
+  return LimitsStatus(refinement, options_.limits);
 }
 
 // The inverse edit brings the former trace back, bit for bit.

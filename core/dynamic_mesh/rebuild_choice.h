@@ -24,6 +24,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/base/rings.h"
 #include "core/plc/delta.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
@@ -55,14 +56,11 @@ inline double VerticesCarried(const std::vector<plc::SizeFeature>& sizes, const 
       area = std::numbers::pi * f.sizing.radius * f.sizing.radius;
     } else if (f.sizing.shape == SizeShape::kBox) {
       area = (f.sizing.hi[0] - f.at[0]) * (f.sizing.hi[1] - f.at[1]);
-    } else {
-      for (const auto& ring : f.places) {
-        for (std::size_t i = 0; i < ring.size(); ++i) {
-          const auto &p = ring[i], &q = ring[i + 1 == ring.size() ? 0 : i + 1];
-          const auto& o = ring.front();
-          area += 0.5 * ((p[0] - o[0]) * (q[1] - o[1]) - (q[0] - o[0]) * (p[1] - o[1]));
-        }
-      }
+    } else if (f.sizing.shape == SizeShape::kPolygon) {
+      const auto& o = f.places.front().front();  // near all: little is lost to rounding
+      ForEachEdgeOf(f.places, [&](const auto& p, const auto& q) {
+        area += 0.5 * ((p[0] - o[0]) * (q[1] - o[1]) - (q[0] - o[0]) * (p[1] - o[1]));
+      });
     }
     sum += std::min(std::abs(area), whole) / (f.sizing.target * f.sizing.target);
   }

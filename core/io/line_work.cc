@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/rings.h"
+
 namespace dynmesh::io {
 
 namespace {
@@ -67,11 +69,9 @@ PlanarInput LineWork::Take(const std::string& file) {
     Rings rings;
     for (const std::vector<Place>& ring : polygon.rings) {
       std::vector<FeatureId>& corners = rings.emplace_back();
-      for (std::size_t i = 0; i < ring.size(); ++i) {
-        corners.push_back(FeatureId{ring[i]} + 1);
-        note(ring[i], ring[(i + 1) % ring.size()]);
-      }
+      for (const Place corner : ring) corners.push_back(FeatureId{corner} + 1);
     }
+    ForEachEdgeOf(polygon.rings, note);
     input.features.push_back(Feature::Polygon(++id, std::move(rings)));
     polygon.names.id = id;
     input.polygons.push_back(std::move(polygon.names));

@@ -3,19 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/rings.h"
+
 namespace dynmesh::meshing {
 
 using geometry::Point2;
 
 PolygonArea::PolygonArea(std::span<const std::vector<Point2>> rings) {
-  for (const std::vector<Point2>& ring : rings) {
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Point2& p = ring[i];
-      const Point2& q = ring[(i + 1) % ring.size()];
-      const bool p_lower = p[1] < q[1] || (p[1] == q[1] && p[0] < q[0]);
-      edges_.push_back(p_lower ? Edge{p, q} : Edge{q, p});
-    }
-  }
+  ForEachEdgeOf(rings, [this](const Point2& p, const Point2& q) {
+    const bool p_lower = p[1] < q[1] || (p[1] == q[1] && p[0] < q[0]);
+    edges_.push_back(p_lower ? Edge{p, q} : Edge{q, p});
+  });
   Build(0, static_cast<std::uint32_t>(edges_.size()));
 }
 
@@ -77,8 +75,8 @@ bool PolygonArea::Meets(const Point2& centre, double radius) const {
       const Edge& e = edges_[i];
       if (may_be_near && SquaredDistance(e, centre) <= radius2) return true;
       if ((e.a[1] <= centre[1]) == (e.b[1] <= centre[1])) continue;
-      const double side = (e.b[0] - e.a[0]) * (centre[1] - e.a[1]) -
-                          (e.b[1] - e.a[1]) * (centre[0] - e.a[0]);
+      const double side =
+          (e.b[0] - e.a[0]) * (centre[1] - e.a[1]) - (e.b[1] - e.a[1]) * (centre[0] - e.a[0]);
       inside ^= side > 0;
     }
   }

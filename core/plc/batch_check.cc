@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/rings.h"
 #include "core/plc/far_apart.h"
 #include "core/plc/messages.h"
 
@@ -173,12 +174,13 @@ void BatchCheck::CollectPolygon(FeatureId id) {
   if (was != nullptr) {
     if (whole && own == kUntouched) return;
     changed_polygons_.insert(id);
-    ForEachEdge(*was, note);
+    ForEachEdgeOf(*was, note);
     delta_.removed_polygons.push_back({id, *was});
   }
   if (!whole) return;
-  ForEachEdge(now.rings, note);
-  ForEachEdge(now.rings, [&](FeatureId p, FeatureId q) { new_users_[KeyOf(p, q)].push_back(id); });
+  ForEachEdgeOf(now.rings, note);
+  ForEachEdgeOf(now.rings,
+                [&](FeatureId p, FeatureId q) { new_users_[KeyOf(p, q)].push_back(id); });
   delta_.added_polygons.push_back(std::move(now));
 }
 

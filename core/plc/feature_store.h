@@ -36,14 +36,6 @@ struct EdgeRecord {
   Slot slot = 0;                    // in the spatial index, if there is no segment feature
 };
 
-// Calls f(p, q) for each edge of the rings.
-template <class F>
-void ForEachEdge(const Rings& rings, F f) {
-  for (const std::vector<FeatureId>& ring : rings) {
-    for (std::size_t i = 0; i < ring.size(); ++i) f(ring[i], ring[(i + 1) % ring.size()]);
-  }
-}
-
 class FeatureStore {
  public:
   using Points = absl::flat_hash_map<FeatureId, PointRecord>;

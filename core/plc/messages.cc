@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "core/base/rings.h"
 #include "core/plc/feature_store.h"
 #include "dynmesh/error.h"
 
@@ -141,7 +142,7 @@ absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
                                            " twice; make it two rings that touch there"));
     }
   }
-  ForEachEdge(rings, [&](FeatureId p, FeatureId q) { edges.push_back(KeyOf(p, q)); });
+  ForEachEdgeOf(rings, [&](FeatureId p, FeatureId q) { edges.push_back(KeyOf(p, q)); });
   std::sort(edges.begin(), edges.end());
   const auto twice = std::adjacent_find(edges.begin(), edges.end());
   if (twice == edges.end()) return absl::OkStatus();
