@@ -1,0 +1,174 @@
+#include "core/meshing/space_star.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace dynmesh::meshing {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+Vector Cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+double Dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double Sum(const Vector& a) { return std::fabs(a[0]) + std::fabs(a[1]) + std::fabs(a[2]); }
+
+}  // namespace
+
+void SpaceStar::Begin(Id v, const Point3& p, double reach) {
+  v_ = v;
+  p_ = p;
+  reach_ = reach;
+  neighbours_.clear();
+  free_neighbours_.clear();
+  corners_.resize(8);
+  for (int k = 0; k < 6; ++k) NewNeighbour(kFirstGhost + k, Ghost(p, reach, k));
+  // Corner m is in the octant that is negative along axis k where bit k of m is set.
+  for (int m = 0; m < 8; ++m) {
+    Corner& c = corners_[m];
+    for (int k = 0; k < 3; ++k) {
+      c.n[k] = 2 * k + (m >> k & 1);
+      c.across[k] = m ^ (1 << k);
+      ++neighbours_[c.n[k]].degree;
+    }
+    if ((0b10010110 >> m & 1) != 0) {  // an odd number of axes turned round
+      std::swap(c.n[1], c.n[2]);
+      std::swap(c.across[1], c.across[2]);
+    }
+    ComputeCorner(m);
+  }
+}
+
+int SpaceStar::NewNeighbour(Id u, const Point3& q) {
+  int slot = static_cast<int>(neighbours_.size());
+  if (free_neighbours_.empty()) {
+    neighbours_.emplace_back();
+  } else {
+    slot = free_neighbours_.back();
+    free_neighbours_.pop_back();
+  }
+  Neighbour& n = neighbours_[slot];
+  n.id = u;
+  n.p = q;
+  n.d = {q[0] - p_[0], q[1] - p_[1], q[2] - p_[2]};
+  n.d2 = Dot(n.d, n.d);
+  n.degree = 0;
+  return slot;
+}
+
+// w = (a^2 b x c + b^2 c x a + c^2 a x b) / (2 a . b x c), as seen from v, a < b < c: the same
+// bits whatever the link's triangle begins with. Relative to S = (a^2 |b||c| + ...) / (2 det),
+// which bounds |w|, sums and products are right to 12 roundings and the quotient to as many as
+// the determinant has lost: |a||b||c| / det.
+void SpaceStar::ComputeCorner(int i) {
+  Corner& corner = corners_[i];
+  corner.verified = false;
+  std::array<int, 3> s = corner.n;
+  const auto less = [&](int x, int y) { return neighbours_[x].p < neighbours_[y].p; };
+  bool odd = false;
+  if (less(s[1], s[0])) std::swap(s[0], s[1]), odd = !odd;
+  if (less(s[2], s[1])) std::swap(s[1], s[2]), odd = !odd;
+  if (less(s[1], s[0])) std::swap(s[0], s[1]), odd = !odd;
+  const Neighbour &a = neighbours_[s[0]], &b = neighbours_[s[1]], &c = neighbours_[s[2]];
+  const Vector bc = Cross(b.d, c.d), ca = Cross(c.d, a.d), ab = Cross(a.d, b.d);
+  const double signed_det = Dot(a.d, bc);
+  const double det = odd ? -signed_det : signed_det;
+  if (!(det > 0)) {
+    corner.w = {0, 0, 0};
+    corner.r2 = corner.error = INFINITY;
+    return;
+  }
+  const double scale = 0.5 / signed_det;
+  for (int k = 0; k < 3; ++k) {
+    corner.w[k] = (a.d2 * bc[k] + b.d2 * ca[k] + c.d2 * ab[k]) * scale;
+  }
+  corner.r2 = Dot(corner.w, corner.w);
+  const double la = Sum(a.d), lb = Sum(b.d), lc = Sum(c.d);
+  const double half = 0.5 / det;
+  const double sum = (a.d2 * lb * lc + b.d2 * lc * la + c.d2 * la * lb) * half;
+  corner.error = 4e-15 * sum * (1 + 2 * la * lb * lc * half);
+}
+
+bool SpaceStar::Insert(Id u, const Point3& q) {
+  const Vector x = {q[0] - p_[0], q[1] - p_[1], q[2] - p_[2]};
+  const double x2 = Dot(x, x);
+  conflicts_.clear();
+  in_conflict_.assign(corners_.size(), 0);
+  for (int i = 0; i < static_cast<int>(corners_.size()); ++i) {
+    if (ConflictsAt(i, x, x2, q)) {
+      conflicts_.push_back(i);
+      in_conflict_[i] = 1;
+    }
+  }
+  if (conflicts_.empty()) return false;
+  border_.clear();
+  for (const int i : conflicts_) {
+    const Corner& c = corners_[i];
+    for (int k = 0; k < 3; ++k) {
+      --neighbours_[c.n[k]].degree;
+      const int outside = c.across[k];
+      if (in_conflict_[outside]) continue;
+      const auto& back = corners_[outside].across;
+      border_.push_back({c.n[(k + 1) % 3], c.n[(k + 2) % 3], outside,
+                         back[0] == i   ? 0
+                         : back[1] == i ? 1
+                                        : 2});
+    }
+  }
+  const int slot = NewNeighbour(u, q);
+  starts_.resize(neighbours_.size());
+  // New corners take the places of those in conflict.
+  const std::size_t reused = std::min(border_.size(), conflicts_.size());
+  for (std::size_t j = 0; j < border_.size(); ++j) {
+    const BorderEdge& e = border_[j];
+    int i;
+    if (j < reused) {
+      i = conflicts_[j];
+    } else {
+      i = static_cast<int>(corners_.size());
+      corners_.emplace_back();
+    }
+    Corner& c = corners_[i];
+    c.n = {e.a, e.b, slot};
+    c.across[2] = e.outside;
+    corners_[e.outside].across[e.index] = i;
+    starts_[e.a] = i;
+    for (const int k : c.n) ++neighbours_[k].degree;
+  }
+  for (std::size_t j = 0; j < border_.size(); ++j) {
+    const int i = starts_[border_[j].a], next = starts_[border_[j].b];
+    corners_[i].across[0] = next;
+    corners_[next].across[1] = i;
+    ComputeCorner(i);
+  }
+  for (int k = 0; k < static_cast<int>(neighbours_.size()); ++k) {
+    if (neighbours_[k].degree == 0 && neighbours_[k].id != kNobody) {
+      neighbours_[k].id = kNobody;
+      free_neighbours_.push_back(k);
+    }
+  }
+  // What is left over, the last ones first: they move into no gap that is still to be closed.
+  std::sort(conflicts_.begin() + static_cast<std::ptrdiff_t>(reused), conflicts_.end());
+  while (conflicts_.size() > reused) {
+    Drop(conflicts_.back());
+    conflicts_.pop_back();
+  }
+  return true;
+}
+
+// The last corner takes its place.
+void SpaceStar::Drop(int i) {
+  const int last = static_cast<int>(corners_.size()) - 1;
+  if (i != last) {
+    corners_[i] = corners_[last];
+    for (const int across : corners_[i].across) {
+      for (int& back : corners_[across].across) {
+        if (back == last) back = i;
+      }
+    }
+  }
+  corners_.pop_back();
+}
+
+}  // namespace dynmesh::meshing
