@@ -14,7 +14,7 @@ absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOpti
 
   DiffBuilder diffs;
   FeatureTable table;
-  meshing::Refinement<sac::UntracedEngine> refinement(options, &diffs.triangulation());
+  meshing::Refinement<2, sac::UntracedEngine> refinement(options, &diffs.triangulation());
   refinement.Reserve(delta->added_points.size());
   table.Apply(*delta, refinement);
   refinement.Propagate([&] { return IsOverLimits(refinement, options.limits); });

@@ -9,9 +9,9 @@
 namespace dynmesh {
 namespace {
 
-using meshing::Subsegment;
+using Subsegment = meshing::Subsegment<2>;
 using meshing::SubsegmentIndex;
-using meshing::Vertex;
+using Vertex = meshing::Vertex<2>;
 using meshing::VertexIndex;
 using Triangulation = mesh::DelaunayTriangulation;
 
@@ -428,8 +428,8 @@ void DiffBuilder::ReportSimplices(MeshDiff* diff) {
   for (const SimplexRow& row : simplex_rows_.come) hash_ += HashOf(row);
 }
 
-using Traced = meshing::Refinement<sac::Engine>;
-using Untraced = meshing::Refinement<sac::UntracedEngine>;
+using Traced = meshing::Refinement<2, sac::Engine>;
+using Untraced = meshing::Refinement<2, sac::UntracedEngine>;
 template Mesh DiffBuilder::Begin(Traced&, const FeatureTable&);
 template Mesh DiffBuilder::Begin(Untraced&, const FeatureTable&);
 template MeshDiff DiffBuilder::Update(Traced&, const FeatureTable&);

@@ -45,7 +45,7 @@ class DiffBuilder {
   const mesh::DelaunayTriangulation& triangulation() const { return triangulation_; }
   // The bare domain, where refinement does not fill the triangulation itself. Its
   // first four vertices are the domain's corners.
-  void ResetTriangulation(const meshing::Rules& rules) {
+  void ResetTriangulation(const meshing::PlanarRules& rules) {
     triangulation_.Reset(rules.lo(), rules.hi(), {0, 1, 2, 3});
   }
 
@@ -140,7 +140,7 @@ class DiffBuilder {
   }
   VertexId OldIdOfRenamed(meshing::VertexIndex v) const;
   bool IsRenamed(meshing::VertexIndex v) const;
-  static VertexRow RowOf(VertexId id, const meshing::Vertex& v, const FeatureTable& features);
+  static VertexRow RowOf(VertexId id, const meshing::Vertex<2>& v, const FeatureTable& features);
   static SubsegmentRow RowOf(VertexId a, VertexId b, FeatureId owner);
   // Appends a row to a mesh's or diff's columns, or gives its hash.
   static void Append(VertexColumns& to, const VertexRow& row);

@@ -121,7 +121,7 @@ class FeatureTable {
   }
 
  private:
-  static meshing::SizingRegion RegionOf(const plc::SizeFeature& f) {
+  static meshing::SizingRegion<2> RegionOf(const plc::SizeFeature& f) {
     const Sizing& s = f.sizing;
     if (s.shape == SizeShape::kPolygon) {
       const auto area = std::make_shared<const meshing::PolygonArea>(f.places);
@@ -146,7 +146,7 @@ class FeatureTable {
   LargeVector<FeatureId> ids_;  // by slot
   std::vector<meshing::FeatureSlot> free_, freed_;
   absl::flat_hash_map<FeatureId, meshing::VertexIndex> points_;
-  absl::flat_hash_map<FeatureId, meshing::SizingField::Index> sizes_;
+  absl::flat_hash_map<FeatureId, meshing::SizingField<2>::Index> sizes_;
   WedgeTable segments_;
   absl::flat_hash_map<meshing::FeatureSlot, std::vector<FeatureId>> walls_;
   std::vector<Wall> toggled_walls_;

@@ -192,7 +192,7 @@ SimplexColumn PlanarMesh::Locate(std::span<const double> points) const {
   for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
     const geometry::Point2 p = {{points[i], points[i + 1]}};
     std::array<VertexId, 3> ids = {0, 0, 0};
-    const meshing::Rules& rules = state_->refinement.rules();
+    const meshing::PlanarRules& rules = state_->refinement.rules();
     if (rules.lo()[0] <= p[0] && p[0] <= rules.hi()[0] && rules.lo()[1] <= p[1] &&
         p[1] <= rules.hi()[1]) {
       const auto t = triangulation.Locate(p, near);

@@ -45,7 +45,7 @@ class PlanarMesh final : public DynamicMesh {
   AuditReport Audit() const override;
 
  private:
-  using Refinement = meshing::Refinement<sac::Engine>;
+  using Refinement = meshing::Refinement<2, sac::Engine>;
 
   // All that is computed from the features.
   struct State {

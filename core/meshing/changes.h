@@ -15,8 +15,8 @@ namespace dynmesh::meshing {
 
 // --- Engine hooks -------------------------------------------------------------------
 
-template <template <class> class E>
-void Refinement<E>::Publish(sac::Output output, sac::Stamp at) {
+template <int D, template <class> class E>
+void Refinement<D, E>::Publish(sac::Output output, sac::Stamp at) {
   const std::uint32_t i = IndexOf(output);
   switch (WhatOf(output)) {
     case Made::kVertex:
@@ -43,8 +43,8 @@ void Refinement<E>::Publish(sac::Output output, sac::Stamp at) {
   }
 }
 
-template <template <class> class E>
-void Refinement<E>::Withdraw(sac::Output output, sac::Stamp at) {
+template <int D, template <class> class E>
+void Refinement<D, E>::Withdraw(sac::Output output, sac::Stamp at) {
   const std::uint32_t i = IndexOf(output);
   switch (WhatOf(output)) {
     case Made::kVertex:
@@ -76,8 +76,8 @@ void Refinement<E>::Withdraw(sac::Output output, sac::Stamp at) {
 }
 
 // The earliest split of s, but for that at time `except`.
-template <template <class> class E>
-sac::Stamp Refinement<E>::NextDeath(const Subsegment& s, sac::Stamp except) const {
+template <int D, template <class> class E>
+sac::Stamp Refinement<D, E>::NextDeath(const Subsegment& s, sac::Stamp except) const {
   sac::Stamp earliest = sac::kNoStamp;
   if constexpr (kTraced) {
     for (sac::OpId o = s.operations; o != sac::kNoOp; o = engine_.next_of_item(o)) {
@@ -93,29 +93,23 @@ sac::Stamp Refinement<E>::NextDeath(const Subsegment& s, sac::Stamp except) cons
   return earliest;
 }
 
-template <template <class> class E>
-void Refinement<E>::Release(sac::Output output) {
+template <int D, template <class> class E>
+void Refinement<D, E>::Release(sac::Output output) {
   if (WhatOf(output) == Made::kVertex) released_vertices_.push_back(IndexOf(output));
   if (WhatOf(output) == Made::kSubsegment) released_subsegments_.push_back(IndexOf(output));
 }
 
 // --- Vertices -----------------------------------------------------------------------
 
-template <template <class> class E>
-void Refinement<E>::PublishVertex(VertexIndex v, sac::Stamp at) {
+template <int D, template <class> class E>
+void Refinement<D, E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   Vertex& vertex = vertices_[v];
   vertex.present = true;
   ++vertex_count_;
   // Where a triangulation answers everything but what a point encroaches on, the tree need
   // only be as fine as the subsegments.
-  if (!is_global() || (vertex.dimension < 2 && !box_only_)) tree_.Insert(v, vertex.p);
-  if (triangulation_ != nullptr) {
-    const auto known = std::exchange(gap_triangle_, mesh::DelaunayTriangulation::kNone);
-    triangulation_->InsertAt(v, vertex.p,
-                             known != mesh::DelaunayTriangulation::kNone
-                                 ? known
-                                 : triangulation_->Locate(vertex.p, near_));
-  }
+  if (!is_global() || (vertex.dimension < D && !box_only_)) tree_.Insert(v, vertex.p);
+  if constexpr (D == 2) InsertIntoTriangulation(v);
   MarkChanged(v);
   if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
   NotifyOfVertex(v, true, at);
@@ -124,8 +118,19 @@ void Refinement<E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   }
 }
 
-template <template <class> class E>
-void Refinement<E>::WithdrawVertex(VertexIndex v, sac::Stamp at) {
+template <int D, template <class> class E>
+void Refinement<D, E>::InsertIntoTriangulation(VertexIndex v) {
+  if constexpr (D == 2) {
+    if (triangulation_ == nullptr) return;
+    const Point& p = vertices_[v].p;
+    const auto known = std::exchange(gap_triangle_, Triangulation::kNone);
+    triangulation_->InsertAt(
+        v, p, known != Triangulation::kNone ? known : triangulation_->Locate(p, near_));
+  }
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::WithdrawVertex(VertexIndex v, sac::Stamp at) {
   Vertex& vertex = vertices_[v];
   vertex.present = false;
   --vertex_count_;
@@ -138,11 +143,11 @@ void Refinement<E>::WithdrawVertex(VertexIndex v, sac::Stamp at) {
   }
 }
 
-// Four leaves become their parent's: who subscribed there now does so at the parent.
-template <template <class> class E>
-void Refinement<E>::MovePlaces(std::uint32_t first_child, std::uint32_t parent) {
+// Leaves become their parent's: who subscribed there now does so at the parent.
+template <int D, template <class> class E>
+void Refinement<D, E>::MovePlaces(std::uint32_t first_child, std::uint32_t parent) {
   if constexpr (kTraced) {
-    for (std::uint32_t child = first_child; child < first_child + 4; ++child) {
+    for (std::uint32_t child = first_child; child < first_child + (1u << D); ++child) {
       for (const sac::OpId op : engine_.subscriptions().Take(child)) {
         engine_.ReplacePlace(op, child, parent);
       }
@@ -162,8 +167,8 @@ void Refinement<E>::MovePlaces(std::uint32_t first_child, std::uint32_t parent) 
   }
 }
 
-template <template <class> class E>
-void Refinement<E>::NotifyOfVertex(VertexIndex v, bool appears, sac::Stamp at) {
+template <int D, template <class> class E>
+void Refinement<D, E>::NotifyOfVertex(VertexIndex v, bool appears, sac::Stamp at) {
   if constexpr (kTraced) {
     if (!engine_.AnyAfter(at)) return;
     tree_.VisitPath(vertices_[v].p, [&](sac::Place place) {
@@ -173,10 +178,10 @@ void Refinement<E>::NotifyOfVertex(VertexIndex v, bool appears, sac::Stamp at) {
   }
 }
 
-template <template <class> class E>
-bool Refinement<E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) const {
   if constexpr (kTraced) {
-    const Point2& y = vertices_[v].p;
+    const Point& y = vertices_[v].p;
     const Payload& payload = engine_.payload(op);
     const sac::Item item = engine_.item(op);
     const auto is_read = [&] {
@@ -186,7 +191,7 @@ bool Refinement<E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) con
     switch (engine_.kind(op)) {
       case kComplete:
         if (item == v || !payload.RegionMayHold(vertices_[item].p, y)) return false;
-        return appears ? Counts(Term::kAppearsInCorner) && ConflictsWithRing(op, y)
+        return appears ? Counts(Term::kAppearsInCorner) && ConflictsWithStar(op, y)
                        : Counts(Term::kVanishesFromRing) && is_read();
       case kNearest:
         if (item == v || geometry::SquaredDistance(vertices_[item].p, y) > payload.radius2) {
@@ -208,24 +213,45 @@ bool Refinement<E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) con
 }
 
 // Would y be a neighbour in the star that `op` read?
-template <template <class> class E>
-bool Refinement<E>::ConflictsWithRing(sac::OpId op, const Point2& y) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::ConflictsWithStar(sac::OpId op, const Point& y) const {
   if constexpr (kTraced) {
-    const Point2& p = vertices_[engine_.item(op)].p;
+    const Point& p = vertices_[engine_.item(op)].p;
     const double reach = rules_.Reach(BucketOfEpoch(engine_.epoch(op)));
-    const auto ring = engine_.reads(op);
-    const auto place = [&](std::uint32_t id) {
-      return Star::IsGhost(id) ? Star::Ghost(p, reach, static_cast<int>(id - Star::kFirstGhost))
-                               : vertices_[id].p;
-    };
+    const auto words = engine_.reads(op);
+    if (y == p || words.empty()) return true;
+    if constexpr (D == 2) {
+      return ConflictsWithRing(words, p, reach, y);
+    } else {
+      const auto place = [&](std::uint32_t id) { return PlaceOf(id, p, reach); };
+      return !ForEachCornerIn<D>(words, [&](const Corner& ids) {
+        const Point a = place(ids[0]), b = place(ids[1]), c = place(ids[2]);
+        return y != a && y != b && y != c && !geometry::InSphere(p, a, b, c, y);
+      });
+    }
+  }
+  return false;
+}
+
+// Of a vertex or a ghost of the star at p.
+template <int D, template <class> class E>
+geometry::Point<D> Refinement<D, E>::PlaceOf(std::uint32_t id, const Point& p, double reach) const {
+  return Star::IsGhost(id) ? Star::Ghost(p, reach, static_cast<int>(id - Star::kFirstGhost))
+                           : vertices_[id].p;
+}
+
+template <int D, template <class> class E>
+bool Refinement<D, E>::ConflictsWithRing(std::span<const std::uint32_t> ring, const Point& p,
+                                         double reach, const Point& y) const {
+  if constexpr (D == 2) {
     const int count = static_cast<int>(ring.size());
-    if (y == p || count == 0) return true;
     const auto direction = [&](int i) {
-      const Point2 q = place(ring[i]);
+      const Point q = PlaceOf(ring[i], p, reach);
       return std::pair(q[0] - p[0], q[1] - p[1]);
     };
     const auto conflicts = [&](int i) {
-      const Point2 a = place(ring[i]), b = place(ring[i + 1 == count ? 0 : i + 1]);
+      const Point a = PlaceOf(ring[i], p, reach),
+                  b = PlaceOf(ring[i + 1 == count ? 0 : i + 1], p, reach);
       return y == a || y == b || geometry::InCircle(p, a, b, y);
     };
     const int sector = Star::SectorOf(count, direction, y[0] - p[0], y[1] - p[1]);
@@ -240,11 +266,11 @@ bool Refinement<E>::ConflictsWithRing(sac::OpId op, const Point2& y) const {
 // --- Sizing ---------------------------------------------------------------------------
 
 // Sizing features are there from the beginning or not at all.
-template <template <class> class E>
-void Refinement<E>::NotifyOfSizing(const SizingRegion& region) {
+template <int D, template <class> class E>
+void Refinement<D, E>::NotifyOfSizing(const SizingRegion<D>& region) {
   if constexpr (kTraced) {
     if (!engine_.AnyAfter(engine_.beginning())) return;
-    Extent<2> box = Extent<2>::Nothing();
+    Extent<D> box = Extent<D>::Nothing();
     box.AddBall(region.lo, region.radius);
     box.AddBall(region.hi, region.radius);
     tree_.VisitBox(box, [&](sac::Place place) {
@@ -257,31 +283,38 @@ void Refinement<E>::NotifyOfSizing(const SizingRegion& region) {
 // May a ball that `op` looked at be too large for the region? As it made points, it looked
 // at smaller balls too: none has a larger radius than the largest that it read, and none
 // reaches out of those. Rather yes than no.
-template <template <class> class E>
-bool Refinement<E>::SizingMatters(sac::OpId op, const SizingRegion& region) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region) const {
   if constexpr (kTraced) {
     if (engine_.kind(op) != kComplete || !Counts(Term::kOverSize)) return false;
-    const Point2& p = vertices_[engine_.item(op)].p;
-    const auto ring = engine_.reads(op);
-    bool meets = false, too_large = false;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const std::uint32_t a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
-      if (Star::IsGhost(a) || Star::IsGhost(b)) {
+    const Point& p = vertices_[engine_.item(op)].p;
+    bool meets = false, too_large = false, unsure = false;
+    const bool kept = ForEachCornerIn<D>(engine_.reads(op), [&](const Corner& ids) {
+      if (std::ranges::any_of(ids, Star::IsGhost)) {
         // The view ends here: whatever is within.
         const double reach = std::sqrt(engine_.payload(op).radius2);
         meets = meets || region.Meets(p, reach);
         too_large = true;
-        continue;
+        return true;
       }
-      const Point2 x = geometry::Circumcenter(vertices_[a].p, vertices_[b].p, p);
+      std::array<Point, D> places;
+      double shortest = INFINITY;
+      for (int k = 0; k < D; ++k) {
+        places[k] = vertices_[ids[k]].p;
+        shortest = std::min(shortest, geometry::SquaredDistance(places[k], p));
+      }
+      const Point x = geometry::Circumcenter(places, p);
       const double r2 = geometry::SquaredDistance(x, p);
-      const double shorter = std::min(geometry::SquaredDistance(vertices_[a].p, p),
-                                      geometry::SquaredDistance(vertices_[b].p, p));
-      if (!(r2 < 1e6 * shorter)) return true;  // not well known
+      if (!(r2 < 1e6 * shortest)) {
+        unsure = true;  // not well known
+        return false;
+      }
       const double r = std::sqrt(r2) * (1 + 1e-6) + rules_.ulp();
       meets = meets || region.Meets(x, r);
       too_large = too_large || region.most_radius() < r;
-    }
+      return true;
+    });
+    if (unsure || !kept) return true;
     return meets && too_large;
   }
   return false;
@@ -289,8 +322,8 @@ bool Refinement<E>::SizingMatters(sac::OpId op, const SizingRegion& region) cons
 
 // --- Subsegments --------------------------------------------------------------------
 
-template <template <class> class E>
-void Refinement<E>::SetExposed(SubsegmentIndex i, sac::Stamp at) {
+template <int D, template <class> class E>
+void Refinement<D, E>::SetExposed(SubsegmentIndex i, sac::Stamp at) {
   Subsegment& s = subsegments_[i];
   s.exposed = at;
   s.place_count = 0;
@@ -302,16 +335,16 @@ void Refinement<E>::SetExposed(SubsegmentIndex i, sac::Stamp at) {
   NotifyOfSubsegment(i, at, s.death);
 }
 
-template <template <class> class E>
-void Refinement<E>::HideSubsegment(SubsegmentIndex i) {
+template <int D, template <class> class E>
+void Refinement<D, E>::HideSubsegment(SubsegmentIndex i) {
   Subsegment& s = subsegments_[i];
   for (int k = 0; k < s.place_count; ++k) exposures_.Remove(s.places[k], i);
   s.place_count = 0;
 }
 
 // Tells those who read as of a time in (after, until], if s is exposed at all.
-template <template <class> class E>
-void Refinement<E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, sac::Stamp until) {
+template <int D, template <class> class E>
+void Refinement<D, E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, sac::Stamp until) {
   if constexpr (kTraced) {
     const Subsegment& s = subsegments_[i];
     if (s.exposed == sac::kNoStamp || !engine_.AnyAfter(after)) return;
@@ -324,8 +357,8 @@ void Refinement<E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, sac:
 }
 
 // Had it anything to insert? Most had not.
-template <template <class> class E>
-bool Refinement<E>::AsksForSubsegments(sac::OpId op) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::AsksForSubsegments(sac::OpId op) const {
   if constexpr (kTraced) {
     return !engine_.outputs(op).empty() ||
            (engine_.kind(op) == kComplete && engine_.payload(op).flag);
@@ -333,10 +366,10 @@ bool Refinement<E>::AsksForSubsegments(sac::OpId op) const {
   return false;
 }
 
-template <template <class> class E>
-bool Refinement<E>::SubsegmentMatters(sac::OpId op, const Subsegment& s) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::SubsegmentMatters(sac::OpId op, const Subsegment& s) const {
   if constexpr (kTraced) {
-    const Point2 &a = vertices_[s.a].p, &b = vertices_[s.b].p;
+    const Point &a = vertices_[s.a].p, &b = vertices_[s.b].p;
     const bool complete = engine_.kind(op) == kComplete;
     if (engine_.kind(op) == kNearest) return false;
     for (const sac::Output o : engine_.outputs(op)) {
@@ -358,22 +391,22 @@ bool Refinement<E>::SubsegmentMatters(sac::OpId op, const Subsegment& s) const {
 
 // --- Book-keeping ---------------------------------------------------------------------
 
-template <template <class> class E>
-void Refinement<E>::MarkChanged(VertexIndex v) {
+template <int D, template <class> class E>
+void Refinement<D, E>::MarkChanged(VertexIndex v) {
   if (vertices_[v].changed) return;
   vertices_[v].changed = true;
   changed_vertices_.push_back(v);
 }
 
-template <template <class> class E>
-void Refinement<E>::MarkSubsegmentChanged(SubsegmentIndex s) {
+template <int D, template <class> class E>
+void Refinement<D, E>::MarkSubsegmentChanged(SubsegmentIndex s) {
   if (subsegments_[s].changed) return;
   subsegments_[s].changed = true;
   changed_subsegments_.push_back(s);
 }
 
-template <template <class> class E>
-VertexIndex Refinement<E>::NewVertex() {
+template <int D, template <class> class E>
+VertexIndex Refinement<D, E>::NewVertex() {
   if (free_vertices_.empty()) {
     vertices_.emplace_back();
     return static_cast<VertexIndex>(vertices_.size() - 1);
@@ -384,8 +417,8 @@ VertexIndex Refinement<E>::NewVertex() {
   return v;
 }
 
-template <template <class> class E>
-SubsegmentIndex Refinement<E>::NewSubsegment() {
+template <int D, template <class> class E>
+SubsegmentIndex Refinement<D, E>::NewSubsegment() {
   if (free_subsegments_.empty()) {
     subsegments_.emplace_back();
     return static_cast<SubsegmentIndex>(subsegments_.size() - 1);

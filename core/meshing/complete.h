@@ -26,21 +26,21 @@
 namespace dynmesh::meshing {
 
 // ComputeNN. Edges of v are at least NN(v) long: nothing to do in earlier buckets.
-template <template <class> class E>
-void Refinement<E>::Nearest(Context& context) {
+template <int D, template <class> class E>
+void Refinement<D, E>::Nearest(Context& context) {
   const VertexIndex v = context.item;
   const double d2 = NearestDistance2(context, v);
   context.payload().radius2 = RoundedUp(d2);
   context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
   if constexpr (kTraced) {
-    Extent<2> box = Extent<2>::Nothing();
+    Extent<D> box = Extent<D>::Nothing();
     box.AddBall(vertices_[v].p, std::sqrt(d2) * (1 + 1e-9) + 2 * rules_.ulp());
     SubscribeBox(context, box);
   }
 }
 
-template <template <class> class E>
-void Refinement<E>::Complete(Context& context) {
+template <int D, template <class> class E>
+void Refinement<D, E>::Complete(Context& context) {
   const VertexIndex v = context.item;
   const int bucket = BucketOfEpoch(context.epoch);
   const std::uint64_t next_round = RoundOfEpoch(context.epoch) + 1;
@@ -75,7 +75,7 @@ void Refinement<E>::Complete(Context& context) {
       break;
     }
     if (is_global() && by_edge() && ordinal == 0) gap_triangle_ = corners_[gap.corner].triangle;
-    const VertexIndex x = EmitVertex(context, gap.x, ordinal++, 2, kNil);
+    const VertexIndex x = EmitVertex(context, gap.x, ordinal++, D, kNil);
     RequestFirstComplete(context, x, gap.e2);
     if (!star_.Insert(x, gap.x)) skipped_.push_back({gap.neighbour, gap.left});
   }
@@ -97,9 +97,9 @@ void Refinement<E>::Complete(Context& context) {
 // When is x, asked for at epoch `now` by v's Complete, to do what belongs to bucket `own`?
 // Then, or if that has come, now: later in this round if its turn is still to come, else in
 // the next.
-template <template <class> class E>
-sac::Epoch Refinement<E>::NoEarlierThan(sac::Epoch now, VertexIndex v, VertexIndex x,
-                                        int own) const {
+template <int D, template <class> class E>
+sac::Epoch Refinement<D, E>::NoEarlierThan(sac::Epoch now, VertexIndex v, VertexIndex x,
+                                           int own) const {
   const int bucket = BucketOfEpoch(now);
   if (own > bucket) return MakeEpoch(own, 0, kQualityStep);
   const std::uint64_t of_v = Priority(kComplete, v), of_x = Priority(kComplete, x);
@@ -108,34 +108,29 @@ sac::Epoch Refinement<E>::NoEarlierThan(sac::Epoch now, VertexIndex v, VertexInd
 }
 
 // x, at squared distance d2 from its nearest neighbours, has something to do.
-template <template <class> class E>
-void Refinement<E>::RequestFirstComplete(Context& context, VertexIndex x, double d2) {
+template <int D, template <class> class E>
+void Refinement<D, E>::RequestFirstComplete(Context& context, VertexIndex x, double d2) {
   if (is_global() && by_edge()) return;  // done when x is published
   RequestNoEarlierThanNow(context, x, BucketOf(d2));
 }
 
-template <template <class> class E>
-void Refinement<E>::RequestNoEarlierThanNow(Context& context, VertexIndex x, int own) {
+template <int D, template <class> class E>
+void Refinement<D, E>::RequestNoEarlierThanNow(Context& context, VertexIndex x, int own) {
   context.Request(kComplete, x, NoEarlierThan(context.epoch, context.item, x, own));
 }
 
-template <template <class> class E>
-bool Refinement<E>::ShortestGap(int bucket, Candidate* best) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::ShortestGap(int bucket, Candidate* best) const {
   bool found = false;
   Candidate gap;
-  for (int i = 0; i < star_.size(); ++i) {
-    const Star::Neighbour& u = star_[i];
-    if (Star::IsGhost(u.id) || BucketOf(u.d2) > bucket) continue;
+  for (int i = 0; i < star_.slot_count(); ++i) {
+    const auto& u = star_[i];
+    if (!IsInView(u) || BucketOf(u.d2) > bucket) continue;
     if (found && u.d2 > best->e2) continue;
-    for (const bool left_of_star : {true, false}) {
-      if (!GapOfEdge(i, left_of_star, &gap) || !Owns(i)) continue;
-      if (!found || gap.e2 < best->e2 ||
-          (gap.e2 == best->e2 && (gap.neighbour < best->neighbour ||
-                                  (gap.neighbour == best->neighbour && gap.left && !best->left)))) {
-        *best = gap;
-        found = true;
-      }
-    }
+    if (!Gaps(*this).OfNeighbour(i, &gap) || !Owns(u.id)) continue;
+    if (found && gap.e2 == best->e2 && best->neighbour < gap.neighbour) continue;
+    *best = gap;
+    found = true;
   }
   if (!found) return false;
   best->e2 = std::min(geometry::SquaredDistance(best->x, star_.position()),
@@ -143,42 +138,46 @@ bool Refinement<E>::ShortestGap(int bucket, Candidate* best) const {
   return true;
 }
 
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsSkipped(const Point& neighbour, bool left) const {
+  for (const Skipped& s : skipped_) {
+    if (s.left == left && s.neighbour == neighbour) return true;
+  }
+  return false;
+}
+
 // --- The thesis's criterion -----------------------------------------------------------
 
 // NN(v)^2, seditious edges left out. Features need no mention: no subsegment is encroached, so one
 // that v is not on is at least NN(v) / sqrt 2 away.
-template <template <class> class E>
-double Refinement<E>::NearestInStar() const {
+template <int D, template <class> class E>
+double Refinement<D, E>::NearestInStar() const {
   double nn2 = INFINITY;
-  for (int i = 0; i < star_.size(); ++i) {
-    const VertexIndex u = star_[i].id;
-    if (!Star::IsGhost(u) && star_[i].d2 < nn2 && !IsSeditious(star_.vertex(), u)) {
-      nn2 = star_[i].d2;
-    }
-  }
+  star_.ForEachNeighbour([&](const auto& u) {
+    if (!Star::IsGhost(u.id) && u.d2 < nn2 && !IsSeditious(star_.vertex(), u.id)) nn2 = u.d2;
+  });
   return nn2;
 }
 
-template <template <class> class E>
-bool Refinement<E>::FarthestCorner(int bucket, Candidate* best) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::FarthestCorner(int bucket, Candidate* best) const {
   const double nn2 = NearestInStar();
   if (!(nn2 < INFINITY) || BucketOf(nn2) > bucket || nn2 < rules_.least_squared_length()) {
     return false;
   }
-  const Point2& p = star_.position();
+  const Point& p = star_.position();
   bool found = false;
   double farthest = 0;
-  for (int i = 0; i < star_.size(); ++i) {
-    const Star::Neighbour& n = star_[i];
-    if (n.r2 < farthest || !(n.centre_error < star_.reach())) continue;
-    const bool too_far = rules_.IsTooFar(n.r2, nn2) ||
-                         (!sizing_.empty() && n.r2 > rules_.least_squared_length() &&
-                          sizing_.IsTooLarge({{p[0] + n.wx, p[1] + n.wy}}, std::sqrt(n.r2)));
+  for (int i = 0; i < star_.corner_count(); ++i) {
+    const auto& n = star_.corner(i);
+    if (n.r2 < farthest || !(n.error < star_.reach())) continue;
+    const bool too_far = rules_.IsTooFar(n.r2, nn2) || IsTooLargeCorner(i);
     if (!too_far) continue;
-    if (!InDomain({{p[0] + n.wx, p[1] + n.wy}}) && IsBeyondBorder(i)) continue;
+    if (!InDomain(CentreOf(i)) && IsBeyondBorder(i)) continue;
     const double out = std::min(1.0, rules_.gamma() * std::sqrt(nn2) / std::sqrt(n.r2));
-    const Point2 x = {{p[0] + n.wx * out, p[1] + n.wy * out}};
-    if (std::ranges::any_of(skipped_, [&](const Skipped& s) { return s.neighbour == x; })) continue;
+    Point x;
+    for (int k = 0; k < D; ++k) x[k] = p[k] + n.w[k] * out;
+    if (IsSkipped(x, false)) continue;
     if (found && n.r2 == farthest && best->x < x) continue;
     found = true;
     farthest = n.r2;
@@ -189,126 +188,87 @@ bool Refinement<E>::FarthestCorner(int bucket, Candidate* best) const {
   return found;
 }
 
+// Is the ball about corner i too large for a sizing feature?
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsTooLargeCorner(int i) const {
+  const auto& n = star_.corner(i);
+  return !sizing_.empty() && n.r2 > rules_.least_squared_length() &&
+         sizing_.IsTooLarge(CentreOf(i), std::sqrt(n.r2));
+}
+
 // Is corner i between neighbours, or ghosts, of which none is inside the domain's side
 // that v lies on?
-template <template <class> class E>
-bool Refinement<E>::IsBeyondBorder(int i) const {
-  const Star::Neighbour& n = star_[i];
-  const Point2& p = star_.position();
-  const Point2 &lo = rules_.lo(), &hi = rules_.hi();
-  return (p[1] == lo[1] && n.wy < 0) || (p[1] == hi[1] && n.wy > 0) ||
-         (p[0] == lo[0] && n.wx < 0) || (p[0] == hi[0] && n.wx > 0);
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsBeyondBorder(int i) const {
+  const auto& n = star_.corner(i);
+  const Point &p = star_.position(), &lo = rules_.lo(), &hi = rules_.hi();
+  for (int k = 0; k < D; ++k) {
+    if ((p[k] == lo[k] && n.w[k] < 0) || (p[k] == hi[k] && n.w[k] > 0)) return true;
+  }
+  return false;
 }
 
 // v, a newborn at its first Complete, may be nearer to a neighbour u than anyone was:
 // then u has to look again, in the bucket of that distance.
-template <template <class> class E>
-void Refinement<E>::RequestNeighbours(Context& context) {
+template <int D, template <class> class E>
+void Refinement<D, E>::RequestNeighbours(Context& context) {
   const Vertex& v = vertices_[star_.vertex()];
   if (v.epoch == kBirthOfInput) return;
-  for (int i = 0; i < star_.size(); ++i) {
-    const Star::Neighbour& u = star_[i];
-    if (Star::IsGhost(u.id) || !IsOlder(vertices_[u.id], v)) continue;
+  star_.ForEachNeighbour([&](const auto& u) {
+    if (Star::IsGhost(u.id) || !IsOlder(vertices_[u.id], v)) return;
     bool nearest = true;
-    for (int j = 0; j < star_.size() && nearest; ++j) {
-      nearest = j == i || Star::IsGhost(star_[j].id) ||
-                geometry::SquaredDistance(u.p, star_[j].p) >= u.d2 ||
-                IsSeditious(u.id, star_[j].id);
-    }
+    star_.ForEachNeighbour([&](const auto& w) {
+      nearest = nearest && (w.id == u.id || Star::IsGhost(w.id) ||
+                            geometry::SquaredDistance(u.p, w.p) >= u.d2 || IsSeditious(u.id, w.id));
+    });
     if (nearest) RequestNoEarlierThanNow(context, u.id, BucketOf(u.d2));
-  }
+  });
 }
 
-// --- The edge criterion ---------------------------------------------------------------
-
-// Has the i-th edge of the star a gap on that side which a point may be put into?
-template <template <class> class E>
-bool Refinement<E>::GapOfEdge(int i, bool left_of_star, Candidate* gap) const {
-  const Star::Neighbour& u = star_[i];
-  const Star::Neighbour& c = star_[left_of_star ? star_.Next(i) : star_.Prev(i)];
-  const Star::Neighbour& d = star_[left_of_star ? star_.Prev(i) : star_.Next(i)];
-  // (p, q, c) is counter-clockwise.
-  const Point2& p = left_of_star ? star_.position() : u.p;
-  const Point2& q = left_of_star ? u.p : star_.position();
-  if (Star::IsGhost(c.id) && OnOutside(p, q)) return false;
-  const Gap what =
-      GapOf(star_.vertex(), p, u.id, q, u.d2, c.id, Star::IsGhost(c.id) ? nullptr : &c.p,
-            Star::IsGhost(d.id) ? nullptr : &d.p);
-  if (what == Gap::kNone) return false;
-  gap->e2 = u.d2;
-  gap->neighbour = u.p;
-  gap->left = p < q;
-  gap->corner = left_of_star ? i : star_.Prev(i);
-  for (const Skipped& s : skipped_) {
-    if (s.left == gap->left && s.neighbour == gap->neighbour) return false;
-  }
-  gap->x = what == Gap::kOffCenter ? rules_.OffCenter(p, q) : geometry::Circumcenter(p, q, c.p);
-  return true;
-}
-
-// The gap of edge vu as the rules see it, or that its triangle with w is too large for a
-// sizing feature; p, q, c: the ends and w's place as for the rules.
-template <template <class> class E>
-[[gnu::always_inline]] inline Gap Refinement<E>::GapOf(VertexIndex v, const Point2& p,
-                                                       VertexIndex u, const Point2& q, double e2,
-                                                       VertexIndex w, const Point2* c,
-                                                       const Point2* d) const {
-  const Gap gap = rules_.GapOfEdge(p, q, e2, c, d);
-  if (gap != Gap::kNone) return IsSeditious(v, u) ? Gap::kNone : gap;
-  return !sizing_.empty() && c != nullptr ? SizeGap(v, p, u, q, e2, w, *c) : Gap::kNone;
-}
-
-// A triangle stays as large as it is: the last of its corners to come deals with it, at one of
-// its own two edges that have the circumcenter on the third corner's side. So here, too,
-// newborns only need be queued.
-template <template <class> class E>
-Gap Refinement<E>::SizeGap(VertexIndex v, const Point2& p, VertexIndex u, const Point2& q,
-                           double e2, VertexIndex w, const Point2& c) const {
-  if (!IsTooLarge(p, q, c, e2)) return Gap::kNone;
-  const VertexIndex younger = IsOlder(vertices_[v], vertices_[u]) ? u : v;
-  const bool owned = IsOlder(vertices_[w], vertices_[younger]);
-  return owned && !IsSeditious(v, u) ? Gap::kCircumcenter : Gap::kNone;
-}
-
-template <template <class> class E>
-bool Refinement<E>::IsTooLarge(const Point2& p, const Point2& q, const Point2& c, double e2) const {
-  const double px = p[0] - c[0], py = p[1] - c[1], qx = q[0] - c[0], qy = q[1] - c[1];
-  if (e2 < rules_.least_squared_length() || !(px * qx + py * qy > 0)) return false;
-  const Point2 x = geometry::Circumcenter(p, q, c);
-  const double r2 = std::max(geometry::SquaredDistance(x, p), geometry::SquaredDistance(x, q));
-  return r2 > rules_.least_squared_length() && sizing_.IsTooLarge(x, std::sqrt(r2));
-}
+// --- What comes later ---------------------------------------------------------------
 
 // The next bucket in which v may have something to do; kBuckets if none.
-template <template <class> class E>
-int Refinement<E>::NextBucket(int bucket) const {
-  bool open = false;  // does the view end within the domain?
-  for (int i = 0; i < star_.size() && !is_global(); ++i) {
-    const Star::Neighbour& n = star_[i];
-    if (!Star::IsGhost(n.id) && !Star::IsGhost(star_[star_.Next(i)].id)) continue;
-    const Point2& p = star_.position();
-    if (InDomain({{p[0] + n.wx, p[1] + n.wy}})) open = true;
-  }
+template <int D, template <class> class E>
+int Refinement<D, E>::NextBucket(int bucket) const {
+  const bool open = !is_global() && IsOpen();
   const int last_known = open ? rules_.LastKnownBucket(bucket) : kBuckets - 2;
   int next = open ? last_known + 1 : kBuckets;
   Candidate gap;
-  for (int i = 0; i < star_.size(); ++i) {
-    const Star::Neighbour& u = star_[i];
-    if (Star::IsGhost(u.id)) continue;
+  for (int i = 0; i < star_.slot_count(); ++i) {
+    const auto& u = star_[i];
+    if (!IsInView(u)) continue;
     const int own = BucketOf(u.d2);
     if (own <= bucket || own > last_known || own >= next) continue;
-    if ((GapOfEdge(i, true, &gap) || GapOfEdge(i, false, &gap)) && Owns(i)) next = own;
+    if (Gaps(*this).OfNeighbour(i, &gap) && Owns(u.id)) next = own;
   }
   return next;
 }
 
-template <template <class> class E>
-bool Refinement<E>::Owns(int i) const {
-  return IsOlder(vertices_[star_[i].id], vertices_[star_.vertex()]);
+// Does the view end within the domain? Told from the boxes around what each ghost cuts off.
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsOpen() const {
+  std::array<Extent<D>, 2 * D> ends;
+  ends.fill(Extent<D>::Nothing());
+  for (int i = 0; i < star_.corner_count(); ++i) {
+    for (const auto id : star_.IdsOf(i)) {
+      if (Star::IsGhost(id)) ends[id - Star::kFirstGhost].AddBall(CentreOf(i), 0);
+    }
+  }
+  return std::ranges::any_of(ends, [this](const Extent<D>& end) {
+    for (int k = 0; k < D; ++k) {
+      if (!(end.lo[k] <= rules_.hi()[k] && rules_.lo()[k] <= end.hi[k])) return false;
+    }
+    return true;
+  });
 }
 
-template <template <class> class E>
-bool Refinement<E>::IsOlder(const Vertex& u, const Vertex& v) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::Owns(VertexIndex u) const {
+  return IsOlder(vertices_[u], vertices_[star_.vertex()]);
+}
+
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsOlder(const Vertex& u, const Vertex& v) const {
   if (u.epoch != v.epoch) return u.epoch < v.epoch;
   if (u.epoch != kBirthOfInput && IsQualityEpoch(u.epoch)) {
     if (u.birth != v.birth) return engine_.Precedes(u.birth, v.birth);
@@ -318,20 +278,21 @@ bool Refinement<E>::IsOlder(const Vertex& u, const Vertex& v) const {
   return hu != hv ? hu < hv : u.p < v.p;
 }
 
-// Is the left side of pq outside of the domain?
-template <template <class> class E>
-bool Refinement<E>::OnOutside(const Point2& p, const Point2& q) const {
-  const Point2 &lo = rules_.lo(), &hi = rules_.hi();
-  return (p[1] == lo[1] && q[1] == lo[1] && q[0] < p[0]) ||
-         (p[1] == hi[1] && q[1] == hi[1] && q[0] > p[0]) ||
-         (p[0] == lo[0] && q[0] == lo[0] && q[1] > p[1]) ||
-         (p[0] == hi[0] && q[0] == hi[0] && q[1] < p[1]);
+template <int D, template <class> class E>
+bool Refinement<D, E>::InDomain(const Point& p) const {
+  const Point &lo = rules_.lo(), &hi = rules_.hi();
+  for (int k = 0; k < D; ++k) {
+    if (!(lo[k] <= p[k] && p[k] <= hi[k])) return false;
+  }
+  return true;
 }
 
-template <template <class> class E>
-bool Refinement<E>::InDomain(const Point2& p) const {
-  const Point2 &lo = rules_.lo(), &hi = rules_.hi();
-  return lo[0] <= p[0] && p[0] <= hi[0] && lo[1] <= p[1] && p[1] <= hi[1];
+// Of corner i of the star.
+template <int D, template <class> class E>
+geometry::Point<D> Refinement<D, E>::CentreOf(int i) const {
+  Point centre = star_.position();
+  for (int k = 0; k < D; ++k) centre[k] += star_.corner(i).w[k];
+  return centre;
 }
 
 }  // namespace dynmesh::meshing

@@ -13,7 +13,6 @@
 
 namespace dynmesh::meshing {
 
-using geometry::Point2;
 using VertexIndex = std::uint32_t;
 using SubsegmentIndex = std::uint32_t;
 using FeatureSlot = std::uint32_t;  // an input feature; the box's own are slot 0
@@ -49,20 +48,22 @@ inline constexpr sac::Epoch kBirthOfInput = 0;
 inline sac::Epoch FirstCheckEpoch() { return MakeEpoch(0, 1, 0); }
 inline sac::Epoch NearestEpoch() { return MakeEpoch(0, 1, kQualityStep); }
 
+template <int D>
 struct Vertex {
-  Point2 p = {};
+  geometry::Point<D> p = {};
   sac::Epoch epoch = kBirthOfInput;  // of its creator
   sac::Stamp birth = 0;              // its creator's time, or the beginning
   sac::OpId operations = sac::kNoOp;
   sac::OpId creator = sac::kNoOp;  // untraced: its item
   FeatureSlot feature = kNil;      // what it lies on
-  std::uint8_t dimension = 2;      // containing dimension: 0, 1 or 2
+  std::uint8_t dimension = D;      // containing dimension, 0 to D
   std::uint8_t ordinal = 0;        // which of its creator's outputs
   bool present = false;            // published, not withdrawn
   bool in_mesh = false;            // part of the last reported mesh
   bool changed = false;            // stands in the list of changes
 };
 
+template <int D>
 struct Subsegment {
   VertexIndex a = kNil, b = kNil;              // the lesser end of the segment first
   VertexIndex whole_a = kNil, whole_b = kNil;  // ends of the segment
@@ -73,7 +74,7 @@ struct Subsegment {
   sac::Stamp exposed = sac::kNoStamp;
   sac::Stamp death = sac::kNoStamp;
   sac::OpId operations = sac::kNoOp;
-  std::array<sac::Place, 4> places = {};
+  std::array<sac::Place, 1 << D> places = {};
   std::uint8_t place_count = 0;
   std::uint8_t depth = 0;  // halvings since the input segment
   bool in_mesh = false;
@@ -86,19 +87,20 @@ inline float RoundedUp(double x) {
 }
 
 // What an operation keeps beside its reads. Small: there is one of each operation.
-struct Payload {
+template <int D>
+class Payload {
+ public:
+  using Point = geometry::Point<D>;
+
   // kComplete: squared distance beyond which no vertex can be in a ball that was
   // read; kNearest: squared distance of the nearest. Rounded up.
   float radius2 = 0;
   // kComplete: a candidate yielded to encroached subsegments, or was kept out by them.
   // Checks: encroached (then the reads are the witnesses).
   std::uint32_t flag : 1 = 0;
-  // kComplete: how far the balls read extend from the vertex, in each direction of the
-  // axes; in 63rds of the radius, rounded up.
-  std::uint32_t west : 6 = 0, east : 6 = 0, south : 6 = 0, north : 6 = 0;
 
   // The balls read, about p, lie within `radius2` and between lo and hi.
-  void SetRegion(const Point2& p, const Point2& lo, const Point2& hi, double squared_radius) {
+  void SetRegion(const Point& p, const Point& lo, const Point& hi, double squared_radius) {
     radius2 = RoundedUp(squared_radius);
     // The radius may have overflowed: then nothing is known of the extents either.
     const double units =
@@ -106,21 +108,32 @@ struct Payload {
     const auto extent = [units](double distance) {
       return static_cast<std::uint32_t>(std::fmin(std::ceil(distance * units), kUnits));
     };
-    west = extent(p[0] - lo[0]);
-    east = extent(hi[0] - p[0]);
-    south = extent(p[1] - lo[1]);
-    north = extent(hi[1] - p[1]);
+    std::uint32_t all = 0;
+    for (int k = 0; k < D; ++k) {
+      all |= extent(p[k] - lo[k]) << (2 * k * kBits) | extent(hi[k] - p[k])
+                                                           << ((2 * k + 1) * kBits);
+    }
+    extents = all;
   }
   // May y be in one of them? Never no if it is.
-  bool RegionMayHold(const Point2& p, const Point2& y) const {
-    const double dx = y[0] - p[0], dy = y[1] - p[1];
-    const double x = dx < 0 ? west : east, unit2 = radius2 * (1.0 / (kUnits * kUnits));
-    const double y2 = dy < 0 ? south : north;
-    return dx * dx <= x * x * unit2 && dy * dy <= y2 * y2 * unit2 && dx * dx + dy * dy <= radius2;
+  bool RegionMayHold(const Point& p, const Point& y) const {
+    const double unit2 = radius2 * (1.0 / (kUnits * kUnits));
+    double sum = 0;
+    for (int k = 0; k < D; ++k) {
+      const double d = y[k] - p[k], d2 = d * d, extent = Extent(d < 0 ? 2 * k : 2 * k + 1);
+      if (!(d2 <= extent * extent * unit2)) return false;
+      sum += d2;
+    }
+    return sum <= radius2;
   }
+  // kComplete: how far the balls read extend from the vertex along axis i / 2, downwards for
+  // even i, else upwards; in fractions of the radius, rounded up.
+  int Extent(int i) const { return static_cast<int>(extents >> (i * kBits)) & kUnits; }
 
  private:
-  static constexpr int kUnits = 63;
+  static constexpr int kBits = D == 2 ? 6 : 5;
+  static constexpr int kUnits = (1 << kBits) - 1;
+  std::uint32_t extents : 2 * D* kBits = 0;
 };
 
 // Outputs are tagged words.

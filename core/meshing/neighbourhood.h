@@ -12,11 +12,14 @@
 
 #include "core/geometry/constructions.h"
 #include "core/meshing/refinement.h"
+#include "core/meshing/star_reads.h"
 
 namespace dynmesh::meshing {
 
 // (a - x).(b - x): < 0 inside the ball with diameter ab, 0 on its surface. Exact.
-inline int DiametralBallSign(const Point2& a, const Point2& b, const Point2& x) {
+template <int D>
+inline int DiametralBallSign(const geometry::Point<D>& a, const geometry::Point<D>& b,
+                             const geometry::Point<D>& x) {
   const int sign = geometry::internal::InDiametralBallFilter(a, b, x);
   return sign != geometry::internal::kUnsure ? sign
                                              : geometry::internal::InDiametralBallExact(a, b, x);
@@ -24,8 +27,8 @@ inline int DiametralBallSign(const Point2& a, const Point2& b, const Point2& x) 
 
 // --- The star -----------------------------------------------------------------------
 
-template <template <class> class E>
-void Refinement<E>::FindStar(Context& context, VertexIndex v, double reach) {
+template <int D, template <class> class E>
+void Refinement<D, E>::FindStar(Context& context, VertexIndex v, double reach) {
   if (triangulation_ != nullptr) {
     StarFromTriangulation(v, reach);
   } else {
@@ -34,16 +37,15 @@ void Refinement<E>::FindStar(Context& context, VertexIndex v, double reach) {
     VerifyStar(context);
   }
   if constexpr (kTraced) {
-    const double farthest2 = 8 * reach * reach * (1 + 1e-6);
-    Extent<2> box = Extent<2>::Nothing();
+    const double farthest2 = FarthestInView2(reach);
+    WriteStar(star_, [&](std::uint32_t word) { context.Read(word); });
+    Extent<D> box = Extent<D>::Nothing();
     double r2 = 0;
-    for (int i = 0; i < star_.size(); ++i) {
-      const Star::Neighbour& n = star_[i];
-      context.Read(n.id);
-      const double margin = n.centre_error + 1e-9 * reach + 2 * rules_.ulp();
+    for (int i = 0; i < star_.corner_count(); ++i) {
+      const auto& n = star_.corner(i);
+      const double margin = MarginOf(n.error);
       if (margin < reach) {
-        box.AddBall({{star_.position()[0] + n.wx, star_.position()[1] + n.wy}},
-                    std::sqrt(n.r2) + 2 * margin);
+        box.AddBall(CentreOf(i), std::sqrt(n.r2) + 2 * margin);
         r2 = std::max(r2, 4 * (std::sqrt(n.r2) + margin) * (std::sqrt(n.r2) + margin));
       } else {
         box.AddBall(star_.position(), std::sqrt(farthest2));
@@ -55,88 +57,124 @@ void Refinement<E>::FindStar(Context& context, VertexIndex v, double reach) {
   }
 }
 
-template <template <class> class E>
-void Refinement<E>::StarFromTriangulation(VertexIndex v, double reach) {
-  const Point2& p = vertices_[v].p;
-  star_.BeginRing(v, p, reach);
-  triangulation_->CornersAround(v, &corners_);
-  for (const auto corner : corners_) {
-    const VertexIndex u =
-        triangulation_->vertices(corner.triangle)[triangulation_->NextIndex(corner.index)];
-    if (u != mesh::DelaunayTriangulation::kInfinite) {
-      star_.Append(u, triangulation_->position(u));
-    } else if (!kTraced) {
-      // On the border: something beyond it, in the outward direction.
-      const Point2 &lo = rules_.lo(), &hi = rules_.hi();
-      const int k = p[0] == hi[0] ? 0 : p[1] == hi[1] ? 1 : p[0] == lo[0] ? 2 : 3;
-      star_.AppendGhost(Star::kFirstGhost + k);
+// Any ball through v within the ghosts is within this squared distance of v.
+template <int D, template <class> class E>
+double Refinement<D, E>::FarthestInView2(double reach) const {
+  return 4 * D * reach * reach * (1 + 1e-6);
+}
+
+// How far a corner's centre may be from where it is computed to be.
+template <int D, template <class> class E>
+double Refinement<D, E>::MarginOf(double error) const {
+  return error + 1e-9 * star_.reach() + 2 * rules_.ulp();
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
+  if constexpr (D == 2) {
+    const Point& p = vertices_[v].p;
+    star_.BeginRing(v, p, reach);
+    triangulation_->CornersAround(v, &corners_);
+    for (const auto corner : corners_) {
+      const VertexIndex u =
+          triangulation_->vertices(corner.triangle)[triangulation_->NextIndex(corner.index)];
+      if (u != Triangulation::kInfinite) {
+        star_.Append(u, triangulation_->position(u));
+      } else if (!kTraced) {
+        // On the border: something beyond it, in the outward direction.
+        const Point &lo = rules_.lo(), &hi = rules_.hi();
+        const int k = p[0] == hi[0] ? 0 : p[1] == hi[1] ? 1 : p[0] == lo[0] ? 2 : 3;
+        star_.AppendGhost(Star::kFirstGhost + k);
+      }
     }
-  }
-  // By edges no decision depends on corners or on the reach: without a trace the ring is
-  // enough.
-  if (!kTraced && by_edge()) return;
-  star_.Close();
-  if (star_.IsWithinReach()) return;
-  offers_.clear();
-  for (int i = 0; i < star_.size(); ++i) offers_.push_back(star_[i].id);
-  star_.Begin(v, p, reach);
-  for (const std::uint32_t u : offers_) {
-    if (!Star::IsGhost(u)) star_.Insert(u, vertices_[u].p);
+    // By edges no decision depends on corners or on the reach: without a trace the ring is
+    // enough.
+    if (!kTraced && by_edge()) return;
+    star_.Close();
+    if (star_.IsWithinReach()) return;
+    offers_.clear();
+    for (int i = 0; i < star_.size(); ++i) offers_.push_back(star_[i].id);
+    star_.Begin(v, p, reach);
+    for (const std::uint32_t u : offers_) {
+      if (!Star::IsGhost(u)) star_.Insert(u, vertices_[u].p);
+    }
   }
 }
 
 // From the star that the previous execution read. Whoever conflicted with one of its
 // corners since then has appeared in this propagation (or the operation would have been
 // re-run in an earlier one): so if none of its neighbours has gone, inserting those that
-// appeared makes it exact; else the corners whose two neighbours are still there are.
+// appeared makes it exact; else the corners whose neighbours are still there are.
 // False, with nothing done, if that is not worth trying.
-template <template <class> class E>
-bool Refinement<E>::UpdateStar(Context& context) {
+template <int D, template <class> class E>
+bool Refinement<D, E>::UpdateStar(Context& context) {
   constexpr std::size_t kFew = 200;
-  const auto ring = context.old_reads();
-  if (ring.empty() || appeared_.size() > kFew) return false;
-  const auto stays = [&](std::uint32_t id) {
-    return Star::IsGhost(id) || (vertices_[id].present && context.Sees(vertices_[id].birth));
-  };
-  const VertexIndex v = star_.vertex();
-  const double reach = star_.reach();
-  star_.BeginRing(v, vertices_[v].p, reach);
-  for (const std::uint32_t id : ring) {
-    if (Star::IsGhost(id)) {
-      star_.AppendGhost(id);
-    } else if (stays(id)) {
-      star_.Append(id, vertices_[id].p);
-    }
-  }
-  const bool all_stay = star_.size() == static_cast<int>(ring.size());
-  if (star_.Close()) {
-    if (!all_stay) star_.InsertGhosts();
-  } else {
-    star_.Begin(v, vertices_[v].p, reach);
-    for (const std::uint32_t id : ring) Offer(context, id);
-  }
+  const auto words = context.old_reads();
+  if (words.empty() || appeared_.size() > kFew) return false;
+  const bool all_stay = RebuildStar(context, NeighboursIn<D>(words));
   // Beyond this nobody was in a ball that was read.
   const double far2 = context.payload().radius2;
   for (const VertexIndex u : appeared_) {
     if (geometry::SquaredDistance(vertices_[u].p, star_.position()) <= far2) Offer(context, u);
   }
-  for (int i = 0; i < star_.size(); ++i) {
-    if (all_stay) {
+  if (all_stay) {
+    for (int i = 0; i < star_.corner_count(); ++i) star_.MarkVerified(i);
+    return true;
+  }
+  old_corners_.clear();
+  ForEachCornerIn<D>(words, [this](const Corner& ids) {
+    old_corners_.push_back(Turned(ids));
+    return true;
+  });
+  std::sort(old_corners_.begin(), old_corners_.end());
+  for (int i = 0; i < star_.corner_count(); ++i) {
+    if (std::binary_search(old_corners_.begin(), old_corners_.end(), Turned(star_.IdsOf(i)))) {
       star_.MarkVerified(i);
-      continue;
     }
-    const auto a = std::find(ring.begin(), ring.end(), star_[i].id);
-    if (a == ring.end()) continue;
-    const std::uint32_t b = a + 1 == ring.end() ? ring.front() : *(a + 1);
-    if (b == star_[star_.Next(i)].id) star_.MarkVerified(i);
   }
   return true;
 }
 
+// In space as it is; begun with the least there, as a corner may be given by any of its turns.
+template <int D, template <class> class E>
+typename Refinement<D, E>::Corner Refinement<D, E>::Turned(Corner ids) {
+  if constexpr (D == 3)
+    std::rotate(ids.begin(), std::min_element(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+// The star of those of `ids` that are there still. Are all?
+template <int D, template <class> class E>
+bool Refinement<D, E>::RebuildStar(Context& context, std::span<const std::uint32_t> ids) {
+  const auto stays = [&](std::uint32_t id) {
+    return Star::IsGhost(id) || (vertices_[id].present && context.Sees(vertices_[id].birth));
+  };
+  const VertexIndex v = star_.vertex();
+  const double reach = star_.reach();
+  if constexpr (D == 2) {
+    star_.BeginRing(v, vertices_[v].p, reach);
+    for (const std::uint32_t id : ids) {
+      if (Star::IsGhost(id)) {
+        star_.AppendGhost(id);
+      } else if (stays(id)) {
+        star_.Append(id, vertices_[id].p);
+      }
+    }
+    const bool all_stay = star_.size() == static_cast<int>(ids.size());
+    if (star_.Close()) {
+      if (!all_stay) star_.InsertGhosts();
+      return all_stay;
+    }
+  }
+  star_.Begin(v, vertices_[v].p, reach);
+  for (const std::uint32_t id : ids) Offer(context, id);
+  return std::all_of(ids.begin(), ids.end(), stays);
+}
+
 // Whatever is likely to be in the star makes verifying it quick; what is offered
 // has no influence on the outcome.
-template <template <class> class E>
-void Refinement<E>::SeedStar(Context& context, VertexIndex v) {
+template <int D, template <class> class E>
+void Refinement<D, E>::SeedStar(Context& context, VertexIndex v) {
   bool newborn = false;
   offers_.clear();
   auto offer_all = [&](std::span<const std::uint32_t> ids) {
@@ -144,15 +182,16 @@ void Refinement<E>::SeedStar(Context& context, VertexIndex v) {
   };
   if constexpr (kTraced) {
     if (!context.first_time()) {
-      offer_all(context.old_reads());
+      offer_all(NeighboursIn<D>(context.old_reads()));
     } else {
       for (sac::OpId o = vertices_[v].operations; o != sac::kNoOp; o = engine_.next_of_item(o)) {
-        if (engine_.kind(o) == kComplete && engine_.executed(o)) offer_all(engine_.reads(o));
+        if (engine_.kind(o) == kComplete && engine_.executed(o))
+          offer_all(NeighboursIn<D>(engine_.reads(o)));
       }
       const sac::OpId creator = vertices_[v].creator;
       if (offers_.empty() && creator != sac::kNoOp && engine_.kind(creator) == kComplete) {
         newborn = true;
-        offer_all(engine_.reads(creator));
+        offer_all(NeighboursIn<D>(engine_.reads(creator)));
         offers_.push_back(engine_.item(creator));
         for (const sac::Output o : engine_.outputs(creator)) offers_.push_back(IndexOf(o));
       }
@@ -162,7 +201,7 @@ void Refinement<E>::SeedStar(Context& context, VertexIndex v) {
     // A little more than the lengths of this bucket.
     double r2 = 2.25 * LeastOfBucket(BucketOfEpoch(context.epoch) + 1);
     tree_.VisitBall(vertices_[v].p, r2,
-                    [&](std::uint32_t id, const Point2&, double) { offers_.push_back(id); });
+                    [&](std::uint32_t id, const Point&, double) { offers_.push_back(id); });
   }
   for (const std::uint32_t id : offers_) Offer(context, id);
   if (newborn) OfferBeyondNeighbours(context);
@@ -170,41 +209,47 @@ void Refinement<E>::SeedStar(Context& context, VertexIndex v) {
 
 // The creator of a newborn has seen one side of it only. What lies on the other, the rings
 // of its neighbours there know: those that have a large corner still.
-template <template <class> class E>
-void Refinement<E>::OfferBeyondNeighbours(Context& context) {
+template <int D, template <class> class E>
+void Refinement<D, E>::OfferBeyondNeighbours(Context& context) {
   if constexpr (kTraced) {
+    far_.clear();
+    for (int i = 0; i < star_.corner_count(); ++i) {
+      for (const auto id : star_.IdsOf(i)) {
+        if (!Star::IsGhost(id) && star_.corner(i).r2 >= 4 * DistanceInStar2(id)) far_.push_back(id);
+      }
+    }
+    std::sort(far_.begin(), far_.end());
+    far_.erase(std::unique(far_.begin(), far_.end()), far_.end());
     offers_.clear();
-    for (int i = 0; i < star_.size(); ++i) {
-      const Star::Neighbour &n = star_[i], &previous = star_[star_.Prev(i)];
-      if (Star::IsGhost(n.id) || std::max(n.r2, previous.r2) < 4 * n.d2) continue;
-      sac::OpId o = vertices_[n.id].operations;
+    for (const VertexIndex u : far_) {
+      sac::OpId o = vertices_[u].operations;
       while (o != sac::kNoOp && !(engine_.kind(o) == kComplete && engine_.executed(o))) {
         o = engine_.next_of_item(o);
       }
       if (o == sac::kNoOp) continue;
-      const auto ring = engine_.reads(o);
+      const auto ring = NeighboursIn<D>(engine_.reads(o));
       offers_.insert(offers_.end(), ring.begin(), ring.end());
     }
     for (const std::uint32_t id : offers_) Offer(context, id);
   }
 }
 
-template <template <class> class E>
-void Refinement<E>::Offer(Context& context, std::uint32_t id) {
-  if (Star::IsGhost(id) || id == star_.vertex()) return;
+template <int D, template <class> class E>
+void Refinement<D, E>::Offer(Context& context, std::uint32_t id) {
+  if (!IsVertexWord(id) || id == star_.vertex()) return;
   const Vertex& u = vertices_[id];
   if (!u.present || !context.Sees(u.birth) || star_.Has(id)) return;
   star_.Insert(id, u.p);
 }
 
-template <template <class> class E>
-void Refinement<E>::VerifyStar(Context& context) {
+template <int D, template <class> class E>
+void Refinement<D, E>::VerifyStar(Context& context) {
   if (InsertAllInCorners(context)) return;
   // Each vertex is inserted once at most, unless two are seen at one place, which would
   // be an error elsewhere: it must not become an endless loop here.
   std::size_t insertions_left = vertex_count_;
-  for (int i = 0; i < star_.size() && insertions_left > 0;) {
-    if (star_[i].verified || !VerifyCorner(context, i)) {
+  for (int i = 0; i < star_.corner_count() && insertions_left > 0;) {
+    if (star_.corner(i).verified || !VerifyCorner(context, i)) {
       ++i;
     } else {
       i = 0;  // corners have moved about; the verified ones are marked
@@ -217,22 +262,22 @@ void Refinement<E>::VerifyStar(Context& context) {
 // their balls: one query finds them all. Inserting makes no ball that reaches out of
 // those it replaces and their neighbours', so each vertex need be looked at but once.
 // False if there is more to look at than that is worth: balls may be huge and full.
-template <template <class> class E>
-bool Refinement<E>::InsertAllInCorners(Context& context) {
-  constexpr int kFew = 96;
-  Extent<2> box = Extent<2>::Nothing();
+template <int D, template <class> class E>
+bool Refinement<D, E>::InsertAllInCorners(Context& context) {
+  constexpr int kFew = D == 2 ? 96 : 400;
+  Extent<D> box = Extent<D>::Nothing();
   balls_.clear();
-  for (int i = 0; i < star_.size(); ++i) {
-    const Star::Neighbour& n = star_[i];
+  for (int i = 0; i < star_.corner_count(); ++i) {
+    const auto& n = star_.corner(i);
     if (n.verified) continue;
-    const double margin = n.centre_error + 1e-9 * star_.reach() + 2 * rules_.ulp();
+    const double margin = MarginOf(n.error);
     if (!(margin < 1e-3 * star_.reach())) return false;
     const double radius = std::sqrt(n.r2) + 2 * margin;
-    balls_.push_back({{{star_.position()[0] + n.wx, star_.position()[1] + n.wy}}, radius * radius});
+    balls_.push_back({CentreOf(i), radius * radius});
     box.AddBall(balls_.back().centre, radius);
   }
   if (balls_.empty()) return true;
-  return tree_.VisitPointsIn(box, kFew, [&](std::uint32_t id, const Point2& q) {
+  return tree_.VisitPointsIn(box, kFew, [&](std::uint32_t id, const Point& q) {
     const bool is_near = std::ranges::any_of(balls_, [&](const Ball& ball) {
       return geometry::SquaredDistance(q, ball.centre) <= ball.radius2;
     });
@@ -244,16 +289,19 @@ bool Refinement<E>::InsertAllInCorners(Context& context) {
 }
 
 // Looks for a vertex in the ball of corner i. True if one was found and inserted.
-template <template <class> class E>
-bool Refinement<E>::VerifyCorner(Context& context, int i) {
-  const Star::Neighbour& n = star_[i];
-  const Star::Id a = n.id, b = star_[star_.Next(i)].id;
-  const Point2& p = star_.position();
+template <int D, template <class> class E>
+bool Refinement<D, E>::VerifyCorner(Context& context, int i) {
+  const auto& n = star_.corner(i);
+  const auto ids = star_.IdsOf(i);
+  const Point& p = star_.position();
   std::uint32_t found = kNil;
-  Point2 found_p = {};
-  auto search = [&](const Point2& centre, double radius2) {
-    tree_.VisitBall(centre, radius2, [&](std::uint32_t id, const Point2& q, double d2) {
-      if (id == star_.vertex() || id == a || id == b || !context.Sees(vertices_[id].birth)) return;
+  Point found_p = {};
+  auto search = [&](const Point& centre, double radius2) {
+    tree_.VisitBall(centre, radius2, [&](std::uint32_t id, const Point& q, double d2) {
+      if (id == star_.vertex() || std::ranges::find(ids, id) != ids.end() ||
+          !context.Sees(vertices_[id].birth)) {
+        return;
+      }
       if (!star_.Conflicts(i, q) || star_.Has(id)) return;
       found = id;
       found_p = q;
@@ -261,21 +309,21 @@ bool Refinement<E>::VerifyCorner(Context& context, int i) {
     });
     return found != kNil;
   };
-  const double margin = n.centre_error + 1e-9 * star_.reach() + 2 * rules_.ulp();
+  const double margin = MarginOf(n.error);
   if (margin < 1e-3 * star_.reach()) {
     // A tentative ball may be huge and full: balls inside it that touch it at v come
     // first, growing from the scale of what is known.
     const double r = std::sqrt(n.r2);
-    const double nearest = std::sqrt(std::min(n.d2, star_[star_.Next(i)].d2));
+    const double nearest = std::sqrt(star_.LeastDistance2(i));
     for (double s = nearest; 0 < s && s < r / 2; s *= 2.5) {
-      if (search({{p[0] + n.wx * (s / r), p[1] + n.wy * (s / r)}}, s * s)) break;
+      Point centre = p;
+      for (int k = 0; k < D; ++k) centre[k] += n.w[k] * (s / r);
+      if (search(centre, s * s)) break;
     }
-    if (found == kNil) {
-      search({{p[0] + n.wx, p[1] + n.wy}}, (r + 2 * margin) * (r + 2 * margin));
-    }
+    if (found == kNil) search(CentreOf(i), (r + 2 * margin) * (r + 2 * margin));
   } else {
-    // The centre is not known: any ball through v within the ghosts is in this one.
-    search(p, 8 * star_.reach() * star_.reach() * (1 + 1e-6));
+    // The centre is not known.
+    search(p, FarthestInView2(star_.reach()));
   }
   if (found == kNil) {
     star_.MarkVerified(i);
@@ -287,16 +335,16 @@ bool Refinement<E>::VerifyCorner(Context& context, int i) {
 
 // --- Balls --------------------------------------------------------------------------
 
-template <template <class> class E>
-double Refinement<E>::NearestDistance2(Context& context, VertexIndex v) {
-  const Point2& p = vertices_[v].p;
+template <int D, template <class> class E>
+double Refinement<D, E>::NearestDistance2(Context& context, VertexIndex v) {
+  const Point& p = vertices_[v].p;
   double best = INFINITY;
   if (triangulation_ != nullptr) {
     if (nearest2_.empty()) FindAllNearest();
     return nearest2_[v];
   }
   double r2 = INFINITY;
-  tree_.VisitBall(p, r2, [&](std::uint32_t id, const Point2& q, double) {
+  tree_.VisitBall(p, r2, [&](std::uint32_t id, const Point& q, double) {
     if (id == v || !context.Sees(vertices_[id].birth)) return;
     best = std::min(best, geometry::SquaredDistance(p, q));
     r2 = best;
@@ -306,8 +354,8 @@ double Refinement<E>::NearestDistance2(Context& context, VertexIndex v) {
 
 // The nearest neighbour is a Delaunay neighbour. All at once, triangle by triangle, is
 // quicker than vertex by vertex in random order; nothing is inserted in that epoch.
-template <template <class> class E>
-void Refinement<E>::FindAllNearest() {
+template <int D, template <class> class E>
+void Refinement<D, E>::FindAllNearest() {
   nearest2_.assign(vertices_.size(), INFINITY);
   triangulation_->ForEachTriangle([&](auto t) {
     const auto& v = triangulation_->vertices(t);
@@ -324,48 +372,65 @@ void Refinement<E>::FindAllNearest() {
 // Is subsegment s encroached as of now? Then witnesses_ says by whom: any one vertex
 // in the open ball, or two on its surface of whom one hides the subsegment from the
 // other (see segments.h).
-template <template <class> class E>
-bool Refinement<E>::FindEncroaching(Context& context, SubsegmentIndex s) {
+template <int D, template <class> class E>
+bool Refinement<D, E>::FindEncroaching(Context& context, SubsegmentIndex s) {
   if (is_global()) return FindEncroachingInTriangulation(s);
   const Subsegment& sub = subsegments_[s];
-  const Point2 &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
+  const Point &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
   witnesses_.clear();
-  on_left_.clear();
-  on_right_.clear();
+  on_surface_.clear();
   const double radius = RadiusOf(sub);
   double r2 = radius * radius;
-  tree_.VisitBall(geometry::Midpoint(a, b), r2, [&](std::uint32_t id, const Point2& q, double) {
+  tree_.VisitBall(geometry::Midpoint(a, b), r2, [&](std::uint32_t id, const Point& q, double) {
     if (id == sub.a || id == sub.b || !context.Sees(vertices_[id].birth)) return;
     const int sign = DiametralBallSign(a, b, q);
     if (sign < 0) {
       witnesses_.assign(1, id);
       r2 = -1;  // one is enough
     } else if (sign == 0) {
-      (geometry::Orientation(a, b, q) > 0 ? on_left_ : on_right_).push_back(id);
+      on_surface_.push_back(id);
     }
   });
-  if (!witnesses_.empty()) return true;
-  for (const VertexIndex c : on_left_) {
-    for (const VertexIndex d : on_right_) {
-      if (geometry::InCircle(a, b, vertices_[c].p, vertices_[d].p)) {
-        witnesses_ = {c, d};
-        return true;
-      }
-    }
-  }
-  return false;
+  return !witnesses_.empty() || FindHiding(sub);
 }
 
-template <template <class> class E>
-bool Refinement<E>::FindEncroachingInTriangulation(SubsegmentIndex s) const {
+// Do some of those on the surface of the subsegment's ball keep it out of the triangulation?
+template <int D, template <class> class E>
+bool Refinement<D, E>::FindHiding(const Subsegment& sub) {
+  if (on_surface_.size() < 2) return false;
+  const Point &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
+  if constexpr (D == 2) {
+    for (const VertexIndex c : on_surface_) {
+      if (geometry::Orientation(a, b, vertices_[c].p) <= 0) continue;
+      for (const VertexIndex d : on_surface_) {
+        if (geometry::Orientation(a, b, vertices_[d].p) >= 0) continue;
+        if (geometry::InCircle(a, b, vertices_[c].p, vertices_[d].p)) {
+          witnesses_ = {c, d};
+          return true;
+        }
+      }
+    }
+    return false;
+  } else {
+    // b is a neighbour of a among these alone, and the ghosts do not reach so far, or it is none.
+    star_.Begin(sub.a, a, 4 * RadiusOf(sub));
+    star_.Insert(sub.b, b);
+    for (const VertexIndex c : on_surface_) star_.Insert(c, vertices_[c].p);
+    if (star_.Has(sub.b)) return false;
+    witnesses_ = on_surface_;
+    return true;
+  }
+}
+
+template <int D, template <class> class E>
+bool Refinement<D, E>::FindEncroachingInTriangulation(SubsegmentIndex s) const {
   const Subsegment& sub = subsegments_[s];
-  const Point2 &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
+  const Point &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
   const auto first = triangulation_->Around(sub.a);
   auto corner = first;
   bool is_edge = false;
   auto in_ball = [&](VertexIndex c) {
-    return c != mesh::DelaunayTriangulation::kInfinite &&
-           geometry::InDiametralBall(a, b, vertices_[c].p);
+    return c != Triangulation::kInfinite && geometry::InDiametralBall(a, b, vertices_[c].p);
   };
   do {
     const auto& tri = triangulation_->vertices(corner.triangle);
@@ -378,24 +443,25 @@ bool Refinement<E>::FindEncroachingInTriangulation(SubsegmentIndex s) const {
   return !is_edge;
 }
 
-template <template <class> class E>
-bool Refinement<E>::IsVisible(const Context& context, const Subsegment& s) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsVisible(const Context& context, const Subsegment& s) const {
   return s.exposed != sac::kNoStamp && context.Sees(s.exposed) &&
          !(s.death != sac::kNoStamp && context.Sees(s.death));
 }
 
 // The visible subsegments whose closed diametral ball holds x.
-template <template <class> class E>
-void Refinement<E>::FindEncroached(Context& context, const Point2& x) {
+template <int D, template <class> class E>
+void Refinement<D, E>::FindEncroached(Context& context, const Point& x) {
   encroached_.clear();
   encroached_strictly_.clear();
   if (box_only_) {
     // The balls of the domain's sides reach half a grid spacing inwards.
     const double margin = 0.501 * rules_.grid_spacing();
-    if (rules_.lo()[0] + margin < x[0] && x[0] < rules_.hi()[0] - margin &&
-        rules_.lo()[1] + margin < x[1] && x[1] < rules_.hi()[1] - margin) {
-      return;
+    bool inside = true;
+    for (int k = 0; k < D; ++k) {
+      inside = inside && rules_.lo()[k] + margin < x[k] && x[k] < rules_.hi()[k] - margin;
     }
+    if (inside) return;
   }
   tree_.VisitPath(x, [&](sac::Place place) {
     for (const SubsegmentIndex s : exposures_.at(place)) {
@@ -411,29 +477,29 @@ void Refinement<E>::FindEncroached(Context& context, const Point2& x) {
 
 // --- Regions ------------------------------------------------------------------------
 
-template <template <class> class E>
-void Refinement<E>::SubscribeBox(Context& context, const Extent<2>& box) {
+template <int D, template <class> class E>
+void Refinement<D, E>::SubscribeBox(Context& context, const Extent<D>& box) {
   if constexpr (kTraced) {
     tree_.Cover(box, [&](sac::Place place) { context.Subscribe(place); });
   }
 }
 
-template <template <class> class E>
-void Refinement<E>::SubscribePoint(Context& context, const Point2& p) {
+template <int D, template <class> class E>
+void Refinement<D, E>::SubscribePoint(Context& context, const Point& p) {
   SubscribeBox(context, {p.c, p.c});
 }
 
-template <template <class> class E>
-Extent<2> Refinement<E>::BallOf(const Subsegment& s) const {
-  const Point2 &a = vertices_[s.a].p, &b = vertices_[s.b].p;
-  Extent<2> box = Extent<2>::Nothing();
+template <int D, template <class> class E>
+Extent<D> Refinement<D, E>::BallOf(const Subsegment& s) const {
+  const Point &a = vertices_[s.a].p, &b = vertices_[s.b].p;
+  Extent<D> box = Extent<D>::Nothing();
   box.AddBall(geometry::Midpoint(a, b), RadiusOf(s));
   return box;
 }
 
 // A little more than the radius of the diametral ball: its centre is rounded.
-template <template <class> class E>
-double Refinement<E>::RadiusOf(const Subsegment& s) const {
+template <int D, template <class> class E>
+double Refinement<D, E>::RadiusOf(const Subsegment& s) const {
   return std::sqrt(geometry::SquaredDistance(vertices_[s.a].p, vertices_[s.b].p)) / 2 * (1 + 1e-6) +
          2 * rules_.ulp();
 }

@@ -7,7 +7,9 @@
 #include "core/meshing/changes.h"
 #include "core/meshing/complete.h"
 #include "core/meshing/neighbourhood.h"
+#include "core/meshing/planar_gaps.h"
 #include "core/meshing/segments.h"
+#include "core/meshing/space_gaps.h"
 
 namespace dynmesh::meshing {
 
@@ -15,8 +17,8 @@ namespace dynmesh::meshing {
 Term switched_off = Term::kCount;
 #endif
 
-template <template <class> class E>
-Refinement<E>::Refinement(const MeshOptions& options, mesh::DelaunayTriangulation* triangulation)
+template <int D, template <class> class E>
+Refinement<D, E>::Refinement(const MeshOptions& options, Triangulation* triangulation)
     : rules_(options),
       limits_(options.limits),
       triangulation_(triangulation),
@@ -25,46 +27,79 @@ Refinement<E>::Refinement(const MeshOptions& options, mesh::DelaunayTriangulatio
       engine_(*this) {
   AddBox();
   if (options.max_edge > 0) {
-    const Box& box = options.box;
-    sizing_.Add({{{box.lo[0], box.lo[1]}}, {{box.hi[0], box.hi[1]}}, 0, options.max_edge, nullptr});
+    SizingRegion<D> box;
+    for (int k = 0; k < D; ++k) box.lo[k] = options.box.lo[k], box.hi[k] = options.box.hi[k];
+    box.target = options.max_edge;
+    sizing_.Add(box);
   }
 }
 
 // --- Input ----------------------------------------------------------------------------
 
-// 24 points, counter-clockwise, the corners first (a triangulation begins with them).
-template <template <class> class E>
-void Refinement<E>::AddBox() {
-  constexpr int kSide = 6;
-  const Point2 &lo = rules_.lo(), &hi = rules_.hi();
-  const double step = rules_.grid_spacing();
-  std::array<VertexIndex, 4 * kSide> border;
-  const auto at = [&](int side, int i) -> Point2 {
-    const auto along = [&](int axis) { return i == 0 ? lo[axis] : lo[axis] + i * step; };
-    const auto back = [&](int axis) { return i == 0 ? hi[axis] : lo[axis] + (kSide - i) * step; };
-    switch (side) {
-      case 0:
-        return {{along(0), lo[1]}};
-      case 1:
-        return {{hi[0], along(1)}};
-      case 2:
-        return {{back(0), hi[1]}};
-      default:
-        return {{lo[0], back(1)}};
-    }
-  };
-  if (triangulation_ != nullptr) triangulation_->Reset(lo, hi, {0, 1, 2, 3});
-  for (int side = 0; side < 4; ++side) border[side * kSide] = AddPoint(at(side, 0), 0);
-  for (int side = 0; side < 4; ++side) {
-    near_ = border[side * kSide];
-    for (int i = 1; i < kSide; ++i) border[side * kSide + i] = AddPoint(at(side, i), 0);
+template <int D, template <class> class E>
+void Refinement<D, E>::AddBox() {
+  if constexpr (D == 2) {
+    AddSquare();
+  } else {
+    AddCube();
   }
-  for (int i = 0; i < 4 * kSide; ++i) AddSegment(border[i], border[(i + 1) % (4 * kSide)], 0);
   box_only_ = true;
 }
 
-template <template <class> class E>
-void Refinement<E>::Reserve(std::size_t points) {
+// 24 points, counter-clockwise, the corners first (a triangulation begins with them).
+template <int D, template <class> class E>
+void Refinement<D, E>::AddSquare() {
+  if constexpr (D == 2) {
+    constexpr int kSide = 6;
+    const Point &lo = rules_.lo(), &hi = rules_.hi();
+    const double step = rules_.grid_spacing();
+    std::array<VertexIndex, 4 * kSide> border;
+    const auto at = [&](int side, int i) -> Point {
+      const auto along = [&](int axis) { return i == 0 ? lo[axis] : lo[axis] + i * step; };
+      const auto back = [&](int axis) { return i == 0 ? hi[axis] : lo[axis] + (kSide - i) * step; };
+      switch (side) {
+        case 0:
+          return {{along(0), lo[1]}};
+        case 1:
+          return {{hi[0], along(1)}};
+        case 2:
+          return {{back(0), hi[1]}};
+        default:
+          return {{lo[0], back(1)}};
+      }
+    };
+    if (triangulation_ != nullptr) triangulation_->Reset(lo, hi, {0, 1, 2, 3});
+    for (int side = 0; side < 4; ++side) border[side * kSide] = AddPoint(at(side, 0), 0);
+    for (int side = 0; side < 4; ++side) {
+      near_ = border[side * kSide];
+      for (int i = 1; i < kSide; ++i) border[side * kSide + i] = AddPoint(at(side, i), 0);
+    }
+    for (int i = 0; i < 4 * kSide; ++i) AddSegment(border[i], border[(i + 1) % (4 * kSide)], 0);
+  }
+}
+
+// A grid of points on the six sides.
+template <int D, template <class> class E>
+void Refinement<D, E>::AddCube() {
+  if constexpr (D == 3) {
+    const int cells = rules_.grid_cells();
+    const double step = rules_.grid_spacing();
+    const auto at = [&](int axis, int i) {
+      return i == cells ? rules_.hi()[axis] : rules_.lo()[axis] + i * step;
+    };
+    for (int i = 0; i <= cells; ++i) {
+      for (int j = 0; j <= cells; ++j) {
+        for (int k = 0; k <= cells; ++k) {
+          const bool border = i % cells == 0 || j % cells == 0 || k % cells == 0;
+          if (border) AddPoint({{at(0, i), at(1, j), at(2, k)}}, 0);
+        }
+      }
+    }
+  }
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::Reserve(std::size_t points) {
   const std::size_t vertices = 2 * points;
   vertices_.reserve(vertices);
   if (triangulation_ != nullptr) triangulation_->Reserve(vertices);
@@ -74,8 +109,8 @@ void Refinement<E>::Reserve(std::size_t points) {
   }
 }
 
-template <template <class> class E>
-VertexIndex Refinement<E>::AddPoint(const Point2& p, FeatureSlot feature) {
+template <int D, template <class> class E>
+VertexIndex Refinement<D, E>::AddPoint(const Point& p, FeatureSlot feature) {
   const VertexIndex v = NewVertex();
   Vertex& vertex = vertices_[v];
   vertex.p = p;
@@ -87,9 +122,11 @@ VertexIndex Refinement<E>::AddPoint(const Point2& p, FeatureSlot feature) {
   MarkChanged(v);
   if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
   if (!is_global() || !box_only_) tree_.Insert(v, p);
-  if (triangulation_ != nullptr && !triangulation_->Contains(v)) {
-    triangulation_->Insert(v, p, near_);
-    near_ = v;
+  if constexpr (D == 2) {
+    if (triangulation_ != nullptr && !triangulation_->Contains(v)) {
+      triangulation_->Insert(v, p, near_);
+      near_ = v;
+    }
   }
   if constexpr (kTraced) {
     NotifyOfVertex(v, true, engine_.beginning());
@@ -100,8 +137,8 @@ VertexIndex Refinement<E>::AddPoint(const Point2& p, FeatureSlot feature) {
   return v;
 }
 
-template <template <class> class E>
-void Refinement<E>::RemovePoint(VertexIndex v) {
+template <int D, template <class> class E>
+void Refinement<D, E>::RemovePoint(VertexIndex v) {
   if constexpr (kTraced) {
     engine_.Unrequest(kNearest, v, NearestEpoch());
     WithdrawVertex(v, engine_.beginning());
@@ -109,9 +146,9 @@ void Refinement<E>::RemovePoint(VertexIndex v) {
   }
 }
 
-template <template <class> class E>
-SubsegmentIndex Refinement<E>::AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
-                                          const SegmentShape& shape) {
+template <int D, template <class> class E>
+SubsegmentIndex Refinement<D, E>::AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
+                                             const SegmentShape& shape) {
   if (is_global() && box_only_ && feature != 0) {
     // The tree was not needed so far; subsegments are found through it.
     for (VertexIndex v = 0; v < vertices_.size(); ++v) tree_.Insert(v, vertices_[v].p);
@@ -123,48 +160,50 @@ SubsegmentIndex Refinement<E>::AddSegment(VertexIndex a, VertexIndex b, FeatureS
   const bool forward = vertices_[a].p < vertices_[b].p;
   sub.a = sub.whole_a = forward ? a : b;
   sub.b = sub.whole_b = forward ? b : a;
-  sub.piece = Piece::Whole(shape, LengthOf(vertices_[a].p, vertices_[b].p));
+  if constexpr (D == 2) {
+    sub.piece = Piece::Whole(shape, LengthOf(vertices_[a].p, vertices_[b].p));
+  }
   sub.feature = feature;
   engine_.Request(kCheck, s, FirstCheckEpoch());
   return s;
 }
 
-template <template <class> class E>
-void Refinement<E>::RemoveSegment(SubsegmentIndex s) {
+template <int D, template <class> class E>
+void Refinement<D, E>::RemoveSegment(SubsegmentIndex s) {
   if constexpr (kTraced) {
     engine_.Unrequest(kCheck, s, FirstCheckEpoch());
     released_subsegments_.push_back(s);
   }
 }
 
-template <template <class> class E>
-SizingField::Index Refinement<E>::AddSizing(const SizingRegion& region) {
-  const SizingField::Index index = sizing_.Add(region);
+template <int D, template <class> class E>
+typename SizingField<D>::Index Refinement<D, E>::AddSizing(const SizingRegion<D>& region) {
+  const auto index = sizing_.Add(region);
   NotifyOfSizing(region);
   return index;
 }
 
-template <template <class> class E>
-void Refinement<E>::RemoveSizing(SizingField::Index index) {
+template <int D, template <class> class E>
+void Refinement<D, E>::RemoveSizing(typename SizingField<D>::Index index) {
   NotifyOfSizing(sizing_[index]);
   sizing_.Remove(index);
 }
 
 // --- For the engine ---------------------------------------------------------------------
 
-template <template <class> class E>
-std::uint64_t Refinement<E>::Priority(sac::Kind kind, sac::Item item) const {
+template <int D, template <class> class E>
+std::uint64_t Refinement<D, E>::Priority(sac::Kind kind, sac::Item item) const {
   if (kind <= kComplete) return geometry::HashOf(vertices_[item].p);
   return geometry::Mix(HashOfSubsegment(subsegments_[item]) + kind);
 }
 
-template <template <class> class E>
-std::uint64_t Refinement<E>::HashOfSubsegment(const Subsegment& s) const {
+template <int D, template <class> class E>
+std::uint64_t Refinement<D, E>::HashOfSubsegment(const Subsegment& s) const {
   return geometry::HashOf(vertices_[s.a].p) + 3 * geometry::HashOf(vertices_[s.b].p);
 }
 
-template <template <class> class E>
-bool Refinement<E>::Before(sac::Kind kind_a, sac::Item a, sac::Kind kind_b, sac::Item b) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::Before(sac::Kind kind_a, sac::Item a, sac::Kind kind_b, sac::Item b) const {
   if (kind_a != kind_b) return kind_a < kind_b;
   if (kind_a <= kComplete) return vertices_[a].p < vertices_[b].p;
   const Subsegment &s = subsegments_[a], &t = subsegments_[b];
@@ -172,8 +211,8 @@ bool Refinement<E>::Before(sac::Kind kind_a, sac::Item a, sac::Kind kind_b, sac:
   return vertices_[s.b].p < vertices_[t.b].p;
 }
 
-template <template <class> class E>
-void Refinement<E>::Execute(Context& context) {
+template <int D, template <class> class E>
+void Refinement<D, E>::Execute(Context& context) {
   switch (context.kind) {
     case kNearest:
       if (is_global() && by_edge()) return RequestFirstGaps();
@@ -191,8 +230,8 @@ void Refinement<E>::Execute(Context& context) {
   }
 }
 
-template <template <class> class E>
-void Refinement<E>::Prefetch(sac::Kind kind, sac::Item item, int step) const {
+template <int D, template <class> class E>
+void Refinement<D, E>::Prefetch(sac::Kind kind, sac::Item item, int step) const {
   if (kind != kComplete) return;
   if (step == 0) __builtin_prefetch(&vertices_[item]);
   if (triangulation_ != nullptr) triangulation_->PrefetchAround(item, step);
@@ -204,8 +243,8 @@ void Refinement<E>::Prefetch(sac::Kind kind, sac::Item item, int step) const {
 // triangle by triangle; later ones when their owner, the newborn, is published. Segment
 // work of bucket 0 comes first: this is asked for through Nearest, the last step of that
 // bucket.
-template <template <class> class E>
-void Refinement<E>::BeginUntraced() {
+template <int D, template <class> class E>
+void Refinement<D, E>::BeginUntraced() {
   if (triangulation_ != nullptr && by_edge()) {
     engine_.Request(kNearest, 0, NearestEpoch());
   } else if (triangulation_ != nullptr) {
@@ -213,36 +252,27 @@ void Refinement<E>::BeginUntraced() {
   }
 }
 
-// The bucket of edge pq if it has a gap on the side of c, (p, q, c) counter-clockwise, else
-// kBuckets. d, if there is one, is the apex on the other side.
-template <template <class> class E>
-int Refinement<E>::BucketOfGap(VertexIndex p, VertexIndex q, VertexIndex c, VertexIndex d) const {
-  constexpr VertexIndex kInfinite = mesh::DelaunayTriangulation::kInfinite;
-  if (c == kInfinite) return kBuckets;  // beyond the border
-  const auto at = [&](VertexIndex v) { return &triangulation_->position(v); };
-  const double e2 = geometry::SquaredDistance(*at(p), *at(q));
-  const Gap gap = GapOf(p, *at(p), q, *at(q), e2, c, at(c), d == kInfinite ? nullptr : at(d));
-  return gap == Gap::kNone ? kBuckets : BucketOf(e2);
-}
-
-template <template <class> class E>
-void Refinement<E>::RequestFirstGaps() {
+template <int D, template <class> class E>
+void Refinement<D, E>::RequestFirstGaps() {
   if (std::exchange(looked_for_gaps_, true)) return;
   std::vector<std::uint16_t> first(vertices_.size(), kBuckets);
-  triangulation_->ForEachTriangle([&](auto t) {
-    const auto& v = triangulation_->vertices(t);
-    for (int i = 0; i < 3; ++i) {
-      const VertexIndex p = v[triangulation_->NextIndex(i)],
-                        q = v[triangulation_->PreviousIndex(i)];
-      // Whether something is beyond the edge's other side is seldom asked for.
-      if (BucketOfGap(p, q, v[i], mesh::DelaunayTriangulation::kInfinite) == kBuckets) continue;
-      const auto across = triangulation_->Opposite({t, i});
-      const int bucket =
-          BucketOfGap(p, q, v[i], triangulation_->vertices(across.triangle)[across.index]);
-      auto& owners = first[IsOlder(vertices_[p], vertices_[q]) ? q : p];
-      owners = std::min(owners, static_cast<std::uint16_t>(bucket));
-    }
-  });
+  if constexpr (D == 2) {
+    const Gaps gaps(*this);
+    triangulation_->ForEachTriangle([&](auto t) {
+      const auto& v = triangulation_->vertices(t);
+      for (int i = 0; i < 3; ++i) {
+        const VertexIndex p = v[triangulation_->NextIndex(i)],
+                          q = v[triangulation_->PreviousIndex(i)];
+        // Whether something is beyond the edge's other side is seldom asked for.
+        if (gaps.BucketOf(p, q, v[i], Triangulation::kInfinite) == kBuckets) continue;
+        const auto across = triangulation_->Opposite({t, i});
+        const int bucket =
+            gaps.BucketOf(p, q, v[i], triangulation_->vertices(across.triangle)[across.index]);
+        auto& owners = first[IsOlder(vertices_[p], vertices_[q]) ? q : p];
+        owners = std::min(owners, static_cast<std::uint16_t>(bucket));
+      }
+    });
+  }
   for (VertexIndex v = 0; v < first.size(); ++v) {
     if (first[v] < kBuckets) {
       engine_.Request(kComplete, v, MakeEpoch(first[v], 0, kQualityStep));
@@ -251,38 +281,42 @@ void Refinement<E>::RequestFirstGaps() {
 }
 
 // v was inserted just now, by the Complete of near_, and so owns all its edges.
-template <template <class> class E>
-void Refinement<E>::RequestFirstGap(VertexIndex v) {
-  const auto fan = triangulation_->created();
-  int first = kBuckets;
-  VertexIndex right = triangulation_->vertices(fan.back())[0];
-  for (const auto t : fan) {
-    const VertexIndex u = triangulation_->vertices(t)[0], left = triangulation_->vertices(t)[1];
-    if (u != mesh::DelaunayTriangulation::kInfinite) {
-      first = std::min({first, BucketOfGap(v, u, left, right), BucketOfGap(u, v, right, left)});
+template <int D, template <class> class E>
+void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
+  if constexpr (D == 2) {
+    const Gaps gaps(*this);
+    const auto fan = triangulation_->created();
+    int first = kBuckets;
+    VertexIndex right = triangulation_->vertices(fan.back())[0];
+    for (const auto t : fan) {
+      const VertexIndex u = triangulation_->vertices(t)[0], left = triangulation_->vertices(t)[1];
+      if (u != Triangulation::kInfinite) {
+        first =
+            std::min({first, gaps.BucketOf(v, u, left, right), gaps.BucketOf(u, v, right, left)});
+      }
+      right = u;
     }
-    right = u;
+    if (first == kBuckets) return;
+    engine_.Request(kComplete, v, NoEarlierThan(vertices_[v].epoch, near_, v, first));
   }
-  if (first == kBuckets) return;
-  engine_.Request(kComplete, v, NoEarlierThan(vertices_[v].epoch, near_, v, first));
 }
 
 // --- Memory and audit ---------------------------------------------------------------------
 
-template <template <class> class E>
-std::size_t Refinement<E>::trace_bytes() const {
+template <int D, template <class> class E>
+std::size_t Refinement<D, E>::trace_bytes() const {
   if constexpr (kTraced) return engine_.bytes() + exposures_.bytes();
   return 0;
 }
 
-template <template <class> class E>
-std::size_t Refinement<E>::bytes() const {
+template <int D, template <class> class E>
+std::size_t Refinement<D, E>::bytes() const {
   return vertices_.size() * sizeof(Vertex) + subsegments_.capacity() * sizeof(Subsegment) +
          tree_.bytes() + sizing_.bytes();
 }
 
-template <template <class> class E>
-std::uint64_t Refinement<E>::Audit(std::vector<std::string>* problems) const {
+template <int D, template <class> class E>
+std::uint64_t Refinement<D, E>::Audit(std::vector<std::string>* problems) const {
   if constexpr (!kTraced) {
     return 0;
   } else {
@@ -299,7 +333,7 @@ std::uint64_t Refinement<E>::Audit(std::vector<std::string>* problems) const {
     const auto hash_op = [&](sac::OpId op) {
       const Payload& payload = engine_.payload(op);
       std::uint64_t h = mix(std::bit_cast<std::uint32_t>(payload.radius2), payload.flag);
-      h = mix(mix(mix(mix(h, payload.west), payload.east), payload.south), payload.north);
+      for (int i = 0; i < 2 * D; ++i) h = mix(h, static_cast<std::uint64_t>(payload.Extent(i)));
       std::uint64_t sum = 0;
       for (const sac::Output o : engine_.outputs(op)) {
         const std::uint32_t i = IndexOf(o);
@@ -315,15 +349,22 @@ std::uint64_t Refinement<E>::Audit(std::vector<std::string>* problems) const {
       }
       h = mix(h, sum);
       if (engine_.kind(op) != kComplete) return h;  // witnesses may be any
-      const auto ring = engine_.reads(op);
-      std::uint64_t cycle = 0;
-      for (std::size_t i = 0; i < ring.size(); ++i) {
-        cycle += mix(hash_vertex(ring[i]), hash_vertex(ring[(i + 1) % ring.size()]) * 3);
-        if (!Star::IsGhost(ring[i]) && !vertices_[ring[i]].present) {
+      // The sum over the corners, each the same whichever of its neighbours it begins with.
+      std::uint64_t corners = 0;
+      ForEachCornerIn<D>(engine_.reads(op), [&](const Corner& ids) {
+        for (int k = 0; k < (D == 2 ? 1 : D); ++k) {
+          std::uint64_t turned = 0;
+          for (int j = 0; j < D; ++j) turned = mix(turned, hash_vertex(ids[(k + j) % D]) * 3);
+          corners += turned;
+        }
+        return true;
+      });
+      for (const std::uint32_t id : NeighboursIn<D>(engine_.reads(op))) {
+        if (!Star::IsGhost(id) && !vertices_[id].present) {
           problems->push_back("an operation has read a vertex that is gone");
         }
       }
-      return mix(h, cycle);
+      return mix(h, corners);
     };
     const std::uint64_t hash = engine_.Audit(hash_item, hash_op, problems);
     std::size_t present = 0, inputs = 0;
@@ -337,7 +378,9 @@ std::uint64_t Refinement<E>::Audit(std::vector<std::string>* problems) const {
   }
 }
 
-template class Refinement<sac::Engine>;
-template class Refinement<sac::UntracedEngine>;
+template class Refinement<2, sac::Engine>;
+template class Refinement<2, sac::UntracedEngine>;
+template class Refinement<3, sac::Engine>;
+template class Refinement<3, sac::UntracedEngine>;
 
 }  // namespace dynmesh::meshing

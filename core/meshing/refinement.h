@@ -4,6 +4,7 @@
 //
 //   segments.h    Check, Split: no subsegment is encroached (rule b)
 //   complete.h    Complete: no edge has a gap (rule a, either criterion), yielding (c)
+//   planar_gaps.h, space_gaps.h   which gap an edge has
 //   neighbourhood.h  the star of a vertex, what is in a ball, what a point encroaches on
 //   changes.h     publishing and withdrawing, and who has to be told
 //
@@ -22,15 +23,18 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/base/huge_pages.h"
 #include "core/mesh/delaunay_triangulation.h"
 #include "core/meshing/elements.h"
-#include "core/meshing/rules.h"
+#include "core/meshing/planar_rules.h"
 #include "core/meshing/sizing_field.h"
+#include "core/meshing/space_rules.h"
 #include "core/meshing/spatial_tree.h"
 #include "core/meshing/star.h"
 #include "core/sac/engine.h"
@@ -39,45 +43,56 @@
 #include "dynmesh/options.h"
 
 namespace dynmesh::meshing {
-template <template <class> class EngineTemplate>
+// D: the dimension. E: the engine, traced or not.
+template <int D, template <class> class E>
 class Refinement;
-}
+template <class R>
+class PlanarGaps;
+template <class R>
+class SpaceGaps;
+}  // namespace dynmesh::meshing
 
-template <template <class> class EngineTemplate>
-struct dynmesh::sac::PayloadOf<dynmesh::meshing::Refinement<EngineTemplate>> {
-  using Type = meshing::Payload;
+template <int D, template <class> class E>
+struct dynmesh::sac::PayloadOf<dynmesh::meshing::Refinement<D, E>> {
+  using Type = meshing::Payload<D>;
 };
 
 namespace dynmesh::meshing {
 
-template <template <class> class EngineTemplate>
+template <int D, template <class> class E>
 class Refinement {
  public:
-  using Engine = EngineTemplate<Refinement>;
-  using TriangleIndex = mesh::DelaunayTriangulation::TriangleIndex;
+  using Engine = E<Refinement>;
   using Context = typename Engine::Context;
   static constexpr bool kTraced = Engine::kTraced;
+  static constexpr int kDimension = D;
+  using Point = geometry::Point<D>;
+  using Vertex = meshing::Vertex<D>;
+  using Subsegment = meshing::Subsegment<D>;
+  using Payload = meshing::Payload<D>;
+  using Star = meshing::Star<D>;
+  using Rules = std::conditional_t<D == 2, PlanarRules, SpaceRules>;
+  using Triangulation = mesh::DelaunayTriangulation;  // in the plane only
+  using TriangleIndex = Triangulation::TriangleIndex;
 
   // If `triangulation` is given, neighbourhoods are read off it, and every published
   // vertex is inserted into it: for runs from scratch only, until DetachTriangulation.
   // It must hold nothing yet.
-  Refinement(const MeshOptions& options, mesh::DelaunayTriangulation* triangulation);
+  Refinement(const MeshOptions& options, Triangulation* triangulation);
 
   // --- Input: call between propagations. --------------------------------------------
 
   // Room for a mesh of that many input points and as many Steiner points: a guess that
   // saves copying, and costs no memory where it is too high.
   void Reserve(std::size_t points);
-  // The border of the domain: a grid of points and the segments between them.
-  void AddBox();
-  VertexIndex AddPoint(const Point2& p, FeatureSlot feature);
+  VertexIndex AddPoint(const Point& p, FeatureSlot feature);
   void RemovePoint(VertexIndex v);
   // `shape`: of the segment from the lesser of the two to the greater.
   SubsegmentIndex AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
                              const SegmentShape& shape = {});
   void RemoveSegment(SubsegmentIndex s);
-  SizingField::Index AddSizing(const SizingRegion& region);
-  void RemoveSizing(SizingField::Index index);
+  typename SizingField<D>::Index AddSizing(const SizingRegion<D>& region);
+  void RemoveSizing(typename SizingField<D>::Index index);
 
   // Runs or re-runs what is to be done. `interrupt()` is asked before each operation;
   // if it says true, false is returned. See sac::Engine::Propagate.
@@ -156,29 +171,36 @@ class Refinement {
     return const_cast<Refinement*>(this)->OperationsOf(kind, item);
   }
   void Execute(Context& context);
-  static constexpr int kPrefetchSteps = mesh::DelaunayTriangulation::kPrefetchSteps;
+  static constexpr int kPrefetchSteps = Triangulation::kPrefetchSteps;
   void Prefetch(sac::Kind kind, sac::Item item, int step) const;
   void Publish(sac::Output output, sac::Stamp at);
   void Withdraw(sac::Output output, sac::Stamp at);
   void Release(sac::Output output);
 
  private:
+  using Gaps = std::conditional_t<D == 2, PlanarGaps<Refinement>, SpaceGaps<Refinement>>;
+  friend Gaps;
   // An edge with a gap, and the point to put there.
   struct Candidate {
     double e2 = 0;
-    Point2 neighbour = {};
-    bool left = false;  // the side of the gap, from the lesser end of the edge
-    int corner = 0;     // of the star: the one in the gap
-    Point2 x = {};
+    Point neighbour = {};
+    bool left = false;  // in the plane: the side of the gap, from the lesser end of the edge
+    int corner = 0;     // in the plane: of the star, the one in the gap
+    Point x = {};
   };
   struct Ball {
-    Point2 centre;
+    Point centre;
     double radius2;
   };
   struct Skipped {
-    Point2 neighbour;
+    Point neighbour;
     bool left;
   };
+
+  // The border of the domain: a grid of points; in the plane, the segments between them, too.
+  void AddBox();
+  void AddSquare();
+  void AddCube();
 
   // segments.h
   void Check(Context& context);
@@ -186,14 +208,14 @@ class Refinement {
   void SplitInto(Context& context, SubsegmentIndex s);
   bool CanSplit(const Subsegment& s) const;
   bool IsGuarded(const Subsegment& s, int bucket) const;
-  VertexIndex EmitVertex(Context& context, const Point2& p, int ordinal, int dimension,
+  VertexIndex EmitVertex(Context& context, const Point& p, int ordinal, int dimension,
                          FeatureSlot feature);
   SubsegmentIndex EmitSubsegment(Context& context, const Subsegment& subsegment);
   struct Shell {
     VertexIndex apex, other;  // of the segment that it is on
     double distance;          // from the apex
   };
-  std::pair<Point2, std::array<Piece, 2>> SplitOf(const Subsegment& s) const;
+  std::pair<Point, std::array<Piece, 2>> SplitOf(const Subsegment& s) const;
   std::optional<Shell> ShellOf(VertexIndex v) const;
   bool IsSeditious(VertexIndex v, VertexIndex u) const;
 
@@ -209,29 +231,37 @@ class Refinement {
   bool ShortestGap(int bucket, Candidate* candidate) const;
   bool FarthestCorner(int bucket, Candidate* candidate) const;
   double NearestInStar() const;
+  bool IsTooLargeCorner(int i) const;
   bool IsBeyondBorder(int i) const;
+  bool IsInView(const typename Star::Neighbour& u) const {
+    return Star::IsUsed(u) && !Star::IsGhost(u.id);
+  }
   void RequestNeighbours(Context& context);
-  bool GapOfEdge(int i, bool left_of_star, Candidate* candidate) const;
-  Gap GapOf(VertexIndex v, const Point2& p, VertexIndex u, const Point2& q, double e2,
-            VertexIndex w, const Point2* c, const Point2* d) const;
-  Gap SizeGap(VertexIndex v, const Point2& p, VertexIndex u, const Point2& q, double e2,
-              VertexIndex w, const Point2& c) const;
-  bool IsTooLarge(const Point2& p, const Point2& q, const Point2& c, double e2) const;
-  bool Owns(int i) const;
+  bool IsSkipped(const Point& neighbour, bool left) const;
+  bool Owns(VertexIndex u) const;
   bool IsOlder(const Vertex& u, const Vertex& v) const;
   int NextBucket(int bucket) const;
   void RequestFirstComplete(Context& context, VertexIndex x, double d2);
   sac::Epoch NoEarlierThan(sac::Epoch now, VertexIndex v, VertexIndex x, int own) const;
   void RequestNoEarlierThanNow(Context& context, VertexIndex x, int bucket);
-  bool OnOutside(const Point2& p, const Point2& q) const;
-  bool InDomain(const Point2& p) const;
+  bool IsOpen() const;
+  bool InDomain(const Point& p) const;
+  Point CentreOf(int i) const;
 
   // neighbourhood.h
   void FindStar(Context& context, VertexIndex v, double reach);
   void StarFromTriangulation(VertexIndex v, double reach);
   void SeedStar(Context& context, VertexIndex v);
   void OfferBeyondNeighbours(Context& context);
+  double FarthestInView2(double reach) const;
+  double MarginOf(double error) const;
+  double DistanceInStar2(VertexIndex u) const {
+    return geometry::SquaredDistance(vertices_[u].p, star_.position());
+  }
   bool UpdateStar(Context& context);
+  using Corner = std::array<std::uint32_t, D>;  // its neighbours
+  static Corner Turned(Corner ids);
+  bool RebuildStar(Context& context, std::span<const std::uint32_t> ids);
   void Offer(Context& context, std::uint32_t id);
   void VerifyStar(Context& context);
   bool InsertAllInCorners(Context& context);
@@ -239,28 +269,33 @@ class Refinement {
   double NearestDistance2(Context& context, VertexIndex v);
   void FindAllNearest();
   bool FindEncroaching(Context& context, SubsegmentIndex s);
+  bool FindHiding(const Subsegment& sub);
   bool FindEncroachingInTriangulation(SubsegmentIndex s) const;
-  void FindEncroached(Context& context, const Point2& x);
+  void FindEncroached(Context& context, const Point& x);
   bool IsVisible(const Context& context, const Subsegment& s) const;
-  void SubscribeBox(Context& context, const Extent<2>& box);
-  void SubscribePoint(Context& context, const Point2& p);
-  Extent<2> BallOf(const Subsegment& s) const;
+  void SubscribeBox(Context& context, const Extent<D>& box);
+  void SubscribePoint(Context& context, const Point& p);
+  Extent<D> BallOf(const Subsegment& s) const;
   double RadiusOf(const Subsegment& s) const;
 
   // changes.h
   VertexIndex NewVertex();
   SubsegmentIndex NewSubsegment();
   void PublishVertex(VertexIndex v, sac::Stamp at);
+  void InsertIntoTriangulation(VertexIndex v);
   void WithdrawVertex(VertexIndex v, sac::Stamp at);
   void MovePlaces(std::uint32_t first_child, std::uint32_t parent);
   void NotifyOfVertex(VertexIndex v, bool appears, sac::Stamp at);
   bool VertexMatters(sac::OpId op, VertexIndex v, bool appears) const;
-  bool ConflictsWithRing(sac::OpId op, const Point2& y) const;
+  bool ConflictsWithStar(sac::OpId op, const Point& y) const;
+  Point PlaceOf(std::uint32_t id, const Point& p, double reach) const;
+  bool ConflictsWithRing(std::span<const std::uint32_t> ring, const Point& p, double reach,
+                         const Point& y) const;
   void NotifyOfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
   bool AsksForSubsegments(sac::OpId op) const;
   bool SubsegmentMatters(sac::OpId op, const Subsegment& s) const;
-  void NotifyOfSizing(const SizingRegion& region);
-  bool SizingMatters(sac::OpId op, const SizingRegion& region) const;
+  void NotifyOfSizing(const SizingRegion<D>& region);
+  bool SizingMatters(sac::OpId op, const SizingRegion<D>& region) const;
   void SetExposed(SubsegmentIndex s, sac::Stamp at);
   void HideSubsegment(SubsegmentIndex s);
   sac::Stamp NextDeath(const Subsegment& s, sac::Stamp except) const;
@@ -269,14 +304,13 @@ class Refinement {
   void BeginUntraced();
   void RequestFirstGaps();
   void RequestFirstGap(VertexIndex v);
-  int BucketOfGap(VertexIndex p, VertexIndex q, VertexIndex c, VertexIndex d) const;
   std::uint64_t HashOfSubsegment(const Subsegment& s) const;
 
   Rules rules_;
   Limits limits_;
-  mesh::DelaunayTriangulation* triangulation_;
-  SpatialTree<2> tree_;
-  SizingField sizing_;
+  Triangulation* triangulation_;
+  SpatialTree<D> tree_;
+  SizingField<D> sizing_;
   LargeVector<Vertex> vertices_;
   LargeVector<Subsegment> subsegments_;
   std::vector<VertexIndex> free_vertices_;
@@ -287,7 +321,7 @@ class Refinement {
   bool looked_for_gaps_ = false;
   VertexIndex near_ = 0;  // a vertex near where things are published
   // The triangle with the gap that the first vertex to be published fills, if it is known.
-  TriangleIndex gap_triangle_ = mesh::DelaunayTriangulation::kNone;
+  TriangleIndex gap_triangle_ = Triangulation::kNone;
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
 
   std::vector<double> nearest2_;  // in a run from scratch: by vertex, when first asked for
@@ -302,20 +336,23 @@ class Refinement {
   std::vector<Skipped> skipped_;
   std::vector<SubsegmentIndex> encroached_;
   std::vector<bool> encroached_strictly_;
-  std::vector<VertexIndex> witnesses_, on_left_, on_right_;
+  std::vector<VertexIndex> witnesses_, on_surface_, far_;
+  std::vector<Corner> old_corners_;
   std::vector<std::uint32_t> offers_;
   std::vector<Ball> balls_;
-  std::vector<mesh::DelaunayTriangulation::Corner> corners_;
+  std::vector<Triangulation::Corner> corners_;
 
   Engine engine_;
 };
 
-extern template class Refinement<sac::Engine>;
-extern template class Refinement<sac::UntracedEngine>;
+extern template class Refinement<2, sac::Engine>;
+extern template class Refinement<2, sac::UntracedEngine>;
+extern template class Refinement<3, sac::Engine>;
+extern template class Refinement<3, sac::UntracedEngine>;
 
-template <template <class> class EngineTemplate>
+template <int D, template <class> class E>
 template <class OnVertex, class OnSubsegment>
-void Refinement<EngineTemplate>::TakeChanges(OnVertex on_vertex, OnSubsegment on_subsegment) {
+void Refinement<D, E>::TakeChanges(OnVertex on_vertex, OnSubsegment on_subsegment) {
   for (const VertexIndex v : changed_vertices_) {
     Vertex& vertex = vertices_[v];
     vertex.changed = false;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/meshing/planar_rules.h"
+
 namespace dynmesh::meshing {
 
 double UlpOfDomain(const Box& domain, int dimension) {
@@ -18,32 +20,48 @@ double QualitySlack(double e2, double u) {
   return 2e-9 + 8 * u / e;
 }
 
-Rules::Rules(const MeshOptions& options)
-    : quality_(options.quality), criterion_(options.criterion) {
+template <int D>
+CommonRules<D>::CommonRules(const MeshOptions& options, double farthest)
+    : quality_(options.quality),
+      criterion_(options.criterion),
+      grid_cells_(BorderVertices(options) - 1) {
   const Box domain = DomainBox(options);
-  lo_ = {{domain.lo[0], domain.lo[1]}};
-  hi_ = {{domain.hi[0], domain.hi[1]}};
-  spacing_ = (hi_[0] - lo_[0]) / 6;
-  const double u = UlpOfDomain(domain, 2);
-  ulp_ = u;
-  const double rho2 = quality_ * quality_;
-  const double b = 2 * rho2 + std::sqrt(4 * rho2 * rho2 - rho2);
-  off_center_ = 4 * b;
-  kappa_ = std::sqrt(b - 0.25);
-  least_squared_length_ = std::ldexp(u * u, 12);  // 64 ulps
+  for (int i = 0; i < D; ++i) lo_[i] = domain.lo[i], hi_[i] = domain.hi[i];
+  ulp_ = UlpOfDomain(domain, D);
+  least_squared_length_ = std::ldexp(ulp_ * ulp_, 12);  // 64 ulps
   // Lengths whose squares are no normal doubles keep the nearest legal bucket.
   constexpr int kLeast = 1 << kBucketFractionBits;
   constexpr int kGreatest = (2047 << kBucketFractionBits) - 1;
-  skinny_.resize(kBuckets);
   too_far_.resize(kBuckets);
   reach_.resize(kBuckets);
   for (int bucket = 0; bucket < kBuckets; ++bucket) {
-    const double slack = 1 + QualitySlack(LeastOfBucket(std::clamp(bucket, kLeast, kGreatest)), u);
-    skinny_[bucket] = 4 * rho2 * slack * slack;
-    too_far_[bucket] = rho2 * slack * slack;
+    const double slack =
+        1 + QualitySlack(LeastOfBucket(std::clamp(bucket, kLeast, kGreatest)), ulp_);
+    too_far_[bucket] = quality_ * quality_ * slack * slack;
     const int beyond = std::clamp(bucket + kReachBuckets + 1, kLeast, kGreatest);
-    reach_[bucket] = 1.001 * std::sqrt(b) * std::sqrt(LeastOfBucket(beyond));
+    reach_[bucket] = 1.001 * farthest * std::sqrt(LeastOfBucket(beyond));
   }
+}
+
+template class CommonRules<2>;
+template class CommonRules<3>;
+
+namespace {
+
+double OffCenterB(double rho) {
+  const double rho2 = rho * rho;
+  return 2 * rho2 + std::sqrt(4 * rho2 * rho2 - rho2);
+}
+
+}  // namespace
+
+PlanarRules::PlanarRules(const MeshOptions& options)
+    : CommonRules(options, std::sqrt(OffCenterB(options.quality))) {
+  const double b = OffCenterB(quality_);
+  off_center_ = 4 * b;
+  kappa_ = std::sqrt(b - 0.25);
+  skinny_.resize(kBuckets);
+  for (int bucket = 0; bucket < kBuckets; ++bucket) skinny_[bucket] = 4 * too_far_[bucket];
 }
 
 }  // namespace dynmesh::meshing

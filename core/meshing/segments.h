@@ -19,8 +19,8 @@
 
 namespace dynmesh::meshing {
 
-template <template <class> class E>
-void Refinement<E>::Check(Context& context) {
+template <int D, template <class> class E>
+void Refinement<D, E>::Check(Context& context) {
   const SubsegmentIndex s = context.item;
   if (context.kind == kRecheck && subsegments_[s].death != sac::kNoStamp &&
       context.Sees(subsegments_[s].death)) {
@@ -44,8 +44,8 @@ void Refinement<E>::Check(Context& context) {
   }
 }
 
-template <template <class> class E>
-void Refinement<E>::Split(Context& context) {
+template <int D, template <class> class E>
+void Refinement<D, E>::Split(Context& context) {
   const SubsegmentIndex s = context.item;
   context.payload().flag = true;
   if (subsegments_[s].death != sac::kNoStamp && context.Sees(subsegments_[s].death)) return;
@@ -56,8 +56,8 @@ void Refinement<E>::Split(Context& context) {
   }
 }
 
-template <template <class> class E>
-void Refinement<E>::SplitInto(Context& context, SubsegmentIndex s) {
+template <int D, template <class> class E>
+void Refinement<D, E>::SplitInto(Context& context, SubsegmentIndex s) {
   const Subsegment sub = subsegments_[s];
   const auto [p, pieces] = SplitOf(sub);
   const VertexIndex v = EmitVertex(context, p, 0, 1, sub.feature);
@@ -94,22 +94,22 @@ void Refinement<E>::SplitInto(Context& context, SubsegmentIndex s) {
   SubscribePoint(context, p);
 }
 
-template <template <class> class E>
-bool Refinement<E>::CanSplit(const Subsegment& s) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::CanSplit(const Subsegment& s) const {
   return s.depth < limits_.max_depth &&
          geometry::SquaredDistance(vertices_[s.a].p, vertices_[s.b].p) >
              4 * rules_.least_squared_length();
 }
 
-template <template <class> class E>
-bool Refinement<E>::IsGuarded(const Subsegment& s, int bucket) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsGuarded(const Subsegment& s, int bucket) const {
   return Rules::IsGuarded(geometry::SquaredDistance(vertices_[s.a].p, vertices_[s.b].p), bucket);
 }
 
 // An output of the previous execution is kept if it is the same thing.
-template <template <class> class E>
-VertexIndex Refinement<E>::EmitVertex(Context& context, const Point2& p, int ordinal, int dimension,
-                                      FeatureSlot feature) {
+template <int D, template <class> class E>
+VertexIndex Refinement<D, E>::EmitVertex(Context& context, const Point& p, int ordinal,
+                                         int dimension, FeatureSlot feature) {
   for (const sac::Output o : context.old_outputs()) {
     if (WhatOf(o) != Made::kVertex) continue;
     const Vertex& old = vertices_[IndexOf(o)];
@@ -135,8 +135,8 @@ VertexIndex Refinement<E>::EmitVertex(Context& context, const Point2& p, int ord
   return v;
 }
 
-template <template <class> class E>
-SubsegmentIndex Refinement<E>::EmitSubsegment(Context& context, const Subsegment& subsegment) {
+template <int D, template <class> class E>
+SubsegmentIndex Refinement<D, E>::EmitSubsegment(Context& context, const Subsegment& subsegment) {
   for (const sac::Output o : context.old_outputs()) {
     if (WhatOf(o) != Made::kSubsegment) continue;
     const Subsegment& old = subsegments_[IndexOf(o)];
@@ -154,20 +154,23 @@ SubsegmentIndex Refinement<E>::EmitSubsegment(Context& context, const Subsegment
 // --- Small angles -----------------------------------------------------------------------
 
 // Where s is split, and into what.
-template <template <class> class E>
-std::pair<Point2, std::array<Piece, 2>> Refinement<E>::SplitOf(const Subsegment& s) const {
-  if (s.piece.rule == Piece::Rule::kHalve) {
-    return {geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p), {}};
+template <int D, template <class> class E>
+std::pair<geometry::Point<D>, std::array<Piece, 2>> Refinement<D, E>::SplitOf(
+    const Subsegment& s) const {
+  if constexpr (D == 2) {
+    if (s.piece.rule != Piece::Rule::kHalve) {
+      const Point &a = vertices_[s.whole_a].p, &b = vertices_[s.whole_b].p;
+      const double length = LengthOf(a, b), at = SplitDistance(s.piece);
+      return {s.piece.from_b ? PointAt(b, a, length, at) : PointAt(a, b, length, at),
+              SplitPiece(s.piece, length)};
+    }
   }
-  const Point2 &a = vertices_[s.whole_a].p, &b = vertices_[s.whole_b].p;
-  const double length = LengthOf(a, b), at = SplitDistance(s.piece);
-  return {s.piece.from_b ? PointAt(b, a, length, at) : PointAt(a, b, length, at),
-          SplitPiece(s.piece, length)};
+  return {geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p), {}};
 }
 
 // The shell that v lies on, if it was put there by a split.
-template <template <class> class E>
-std::optional<typename Refinement<E>::Shell> Refinement<E>::ShellOf(VertexIndex v) const {
+template <int D, template <class> class E>
+std::optional<typename Refinement<D, E>::Shell> Refinement<D, E>::ShellOf(VertexIndex v) const {
   const Vertex& vertex = vertices_[v];
   if (vertex.dimension != 1) return std::nullopt;
   SubsegmentIndex parent = vertex.creator;
@@ -179,14 +182,17 @@ std::optional<typename Refinement<E>::Shell> Refinement<E>::ShellOf(VertexIndex 
                SplitDistance(s.piece)};
 }
 
-template <template <class> class E>
-bool Refinement<E>::IsSeditious(VertexIndex v, VertexIndex u) const {
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsSeditious(VertexIndex v, VertexIndex u) const {
   if (vertices_[v].dimension != 1 || vertices_[u].dimension != 1) return false;
-  const auto of_v = ShellOf(v), of_u = ShellOf(u);
-  return of_v && of_u && of_v->apex == of_u->apex && of_v->distance == of_u->distance &&
-         of_v->other != of_u->other &&
-         geometry::IsSmallAngle(vertices_[of_v->apex].p, vertices_[of_v->other].p,
-                                vertices_[of_u->other].p);
+  if constexpr (D == 2) {
+    const auto of_v = ShellOf(v), of_u = ShellOf(u);
+    return of_v && of_u && of_v->apex == of_u->apex && of_v->distance == of_u->distance &&
+           of_v->other != of_u->other &&
+           geometry::IsSmallAngle(vertices_[of_v->apex].p, vertices_[of_v->other].p,
+                                  vertices_[of_u->other].p);
+  }
+  return false;
 }
 
 }  // namespace dynmesh::meshing

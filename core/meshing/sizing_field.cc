@@ -4,37 +4,46 @@
 
 namespace dynmesh::meshing {
 
-using geometry::Point2;
-
-bool SizingRegion::Meets(const Point2& centre, double ball_radius) const {
+template <int D>
+bool SizingRegion<D>::Meets(const geometry::Point<D>& centre, double ball_radius) const {
   double d2 = 0;
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < D; ++i) {
     const double d = std::max({lo[i] - centre[i], centre[i] - hi[i], 0.0});
     d2 += d * d;
   }
   const double reach = ball_radius + radius;
-  return d2 <= reach * reach && (area == nullptr || area->Meets(centre, ball_radius));
+  if (d2 > reach * reach) return false;
+  if constexpr (D == 2) return area == nullptr || area->Meets(centre, ball_radius);
+  return true;
 }
 
-SizingField::SizingField(const Point2& lo, const Point2& hi)
-    : root_{0,
-            {{0.5 * (lo[0] + hi[0]), 0.5 * (lo[1] + hi[1])}},
-            std::max(hi[0] - lo[0], hi[1] - lo[1])} {
+template <int D>
+SizingField<D>::SizingField(const Point& lo, const Point& hi) : root_{0, {}, 0} {
+  for (int k = 0; k < D; ++k) {
+    root_.centre[k] = 0.5 * (lo[k] + hi[k]);
+    root_.half = std::max(root_.half, hi[k] - lo[k]);
+  }
   nodes_.emplace_back();
 }
 
-SizingField::Cell SizingField::Child(const Cell& cell, int quadrant, std::uint32_t node) {
-  const double half = cell.half / 2;
-  return {node,
-          {{cell.centre[0] + (quadrant & 1 ? half : -half),
-            cell.centre[1] + (quadrant & 2 ? half : -half)}},
-          half};
+template <int D>
+typename SizingField<D>::Cell SizingField<D>::Child(const Cell& cell, int quadrant,
+                                                    std::uint32_t node) {
+  Cell child{node, cell.centre, cell.half / 2};
+  for (int k = 0; k < D; ++k)
+    child.centre[k] += (quadrant >> k & 1) != 0 ? child.half : -child.half;
+  return child;
 }
 
-SizingField::Index SizingField::Add(const SizingRegion& region) {
-  const Point2 centre{{0.5 * (region.lo[0] + region.hi[0]), 0.5 * (region.lo[1] + region.hi[1])}};
-  const double extent =
-      0.5 * std::max(region.hi[0] - region.lo[0], region.hi[1] - region.lo[1]) + region.radius;
+template <int D>
+typename SizingField<D>::Index SizingField<D>::Add(const Region& region) {
+  Point centre;
+  double widest = 0;
+  for (int k = 0; k < D; ++k) {
+    centre[k] = 0.5 * (region.lo[k] + region.hi[k]);
+    widest = std::max(widest, region.hi[k] - region.lo[k]);
+  }
+  const double extent = 0.5 * widest + region.radius;
   const double size = std::max(extent, region.target);
   Cell cell = root_;
   for (int depth = 0; depth < kMostDepth && cell.half / 2 >= size; ++depth) {
@@ -61,7 +70,8 @@ SizingField::Index SizingField::Add(const SizingRegion& region) {
   return index;
 }
 
-void SizingField::Remove(Index index) {
+template <int D>
+void SizingField<D>::Remove(Index index) {
   const std::uint32_t node = items_[index].node;
   std::uint32_t* link = &nodes_[node].first;
   while (*link != index) link = &items_[*link].next;
@@ -71,7 +81,8 @@ void SizingField::Remove(Index index) {
   UpdateLeast(node);
 }
 
-std::uint32_t SizingField::NewNode(std::uint32_t parent) {
+template <int D>
+std::uint32_t SizingField<D>::NewNode(std::uint32_t parent) {
   std::uint32_t n;
   if (free_nodes_.empty()) {
     n = static_cast<std::uint32_t>(nodes_.size());
@@ -86,7 +97,8 @@ std::uint32_t SizingField::NewNode(std::uint32_t parent) {
 }
 
 // From a node whose items have changed up to the root; cells left empty go.
-void SizingField::UpdateLeast(std::uint32_t n) {
+template <int D>
+void SizingField<D>::UpdateLeast(std::uint32_t n) {
   while (n != kNone) {
     Node& node = nodes_[n];
     node.least = INFINITY;
@@ -105,8 +117,9 @@ void SizingField::UpdateLeast(std::uint32_t n) {
   }
 }
 
-bool SizingField::IsTooLarge(const Point2& centre, double radius) const {
-  std::array<Cell, 4 * kMostDepth> stack;
+template <int D>
+bool SizingField<D>::IsTooLarge(const Point& centre, double radius) const {
+  std::array<Cell, (1 << D) * kMostDepth> stack;
   std::size_t top = 0;
   stack[top++] = root_;
   while (top > 0) {
@@ -116,19 +129,23 @@ bool SizingField::IsTooLarge(const Point2& centre, double radius) const {
     // What hangs in a cell reaches its side's length from its centre, and no farther; but
     // the root takes whatever is larger.
     const double reach = 2 * cell.half * (1 + 1e-9) + radius;
-    if (cell.node != 0 && (std::fabs(centre[0] - cell.centre[0]) > reach ||
-                           std::fabs(centre[1] - cell.centre[1]) > reach)) {
-      continue;
-    }
+    bool beyond = false;
+    for (int k = 0; k < D; ++k) beyond |= std::fabs(centre[k] - cell.centre[k]) > reach;
+    if (cell.node != 0 && beyond) continue;
     for (std::uint32_t i = node.first; i != kNone; i = items_[i].next) {
-      const SizingRegion& region = items_[i].region;
+      const Region& region = items_[i].region;
       if (region.most_radius() < radius && region.Meets(centre, radius)) return true;
     }
-    for (int q = 0; q < 4; ++q) {
+    for (int q = 0; q < 1 << D; ++q) {
       if (node.child[q] != kNone) stack[top++] = Child(cell, q, node.child[q]);
     }
   }
   return false;
 }
+
+template struct SizingRegion<2>;
+template struct SizingRegion<3>;
+template class SizingField<2>;
+template class SizingField<3>;
 
 }  // namespace dynmesh::meshing

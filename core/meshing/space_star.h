@@ -10,9 +10,11 @@
 #ifndef DYNMESH_CORE_MESHING_SPACE_STAR_H_
 #define DYNMESH_CORE_MESHING_SPACE_STAR_H_
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/point.h"
@@ -68,6 +70,26 @@ class SpaceStar {
     return false;
   }
 
+  int corner_count() const { return static_cast<int>(corners_.size()); }
+  const Corner& corner(int i) const { return corners_[i]; }
+  std::array<Id, 3> IdsOf(int i) const {
+    const auto& n = corners_[i].n;
+    return {neighbours_[n[0]].id, neighbours_[n[1]].id, neighbours_[n[2]].id};
+  }
+  // Of the corner's neighbours from v.
+  double LeastDistance2(int i) const {
+    const auto& n = corners_[i].n;
+    return std::min({neighbours_[n[0]].d2, neighbours_[n[1]].d2, neighbours_[n[2]].d2});
+  }
+  template <class F>
+  void ForEachNeighbour(F f) const {
+    for (const Neighbour& n : neighbours_) {
+      if (n.degree > 0) f(n);
+    }
+  }
+  int slot_count() const { return static_cast<int>(neighbours_.size()); }
+  static bool IsUsed(const Neighbour& n) { return n.degree > 0; }
+  const Neighbour& operator[](int slot) const { return neighbours_[slot]; }
   const std::vector<Corner>& corners() const { return corners_; }
   // By slot; free ones have degree 0.
   const std::vector<Neighbour>& neighbours() const { return neighbours_; }

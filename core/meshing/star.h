@@ -1,162 +1,16 @@
-// The star of a vertex: its neighbours in the Delaunay triangulation of a set of
-// points, counter-clockwise, built one point at a time and looked at no farther
-// than a reach H.
-//
-// Four *ghosts* at distance 2H stand for everything beyond: the star is that of v
-// in the triangulation of the set and the ghosts. So a corner of v's Voronoi cell
-// within the square of half-width H is a true one, and nothing outside matters
-// (Lemma 4.3.3: at its time, that is O(1) vertices). Exact; unique for a set.
-//
-// One object is used for many vertices: no allocation once warm. Thread-compatible.
+// The star of a vertex, in the plane or in space.
 #ifndef DYNMESH_CORE_MESHING_STAR_H_
 #define DYNMESH_CORE_MESHING_STAR_H_
 
-#include <cmath>
-#include <cstdint>
-#include <vector>
+#include <type_traits>
 
-#include "core/geometry/point.h"
-#include "core/geometry/predicates.h"
+#include "core/meshing/planar_star.h"
+#include "core/meshing/space_star.h"
 
 namespace dynmesh::meshing {
 
-class Star {
- public:
-  using Point2 = geometry::Point2;
-  using Id = std::uint32_t;
-  static constexpr Id kFirstGhost = ~Id{0} - 3;
-  static bool IsGhost(Id id) { return id >= kFirstGhost; }
-
-  struct Neighbour {
-    Id id;
-    Point2 p;
-    double dx, dy, d2;  // from v
-    // The corner between this neighbour and the next: a vertex of v's Voronoi cell.
-    double wx, wy, r2;    // its centre, from v, and squared radius
-    double centre_error;  // bounds the error of wx, wy; infinite if nothing is known
-    bool verified;        // nobody else conflicts with it
-  };
-
-  void Begin(Id v, const Point2& p, double reach) {
-    v_ = v;
-    p_ = p;
-    reach_ = reach;
-    ring_.clear();
-    for (int k = 0; k < 4; ++k) Push(kFirstGhost + k, Ghost(p, reach, k));
-    for (int i = 0; i < 4; ++i) ComputeCorner(i);
-  }
-  // The k-th ghost of a vertex at p: east, north, west, south.
-  static Point2 Ghost(const Point2& p, double reach, int k) {
-    const double d = k < 2 ? 2 * reach : -2 * reach;
-    return k % 2 == 0 ? Point2{{p[0] + d, p[1]}} : Point2{{p[0], p[1] + d}};
-  }
-  // A ring given at once: begin, append its members counter-clockwise, close. They must
-  // be the star of some set of points (and maybe ghosts). Not closed, its corners are
-  // not known, but members may be inserted: every test is then an exact one.
-  void BeginRing(Id v, const Point2& p, double reach) {
-    v_ = v;
-    p_ = p;
-    reach_ = reach;
-    ring_.clear();
-  }
-  void Append(Id u, const Point2& q) { Push(u, q); }
-  void AppendGhost(Id ghost) {
-    Push(ghost, Ghost(p_, reach_, static_cast<int>(ghost - kFirstGhost)));
-  }
-  // False if two neighbours in a row are half a turn or more apart: this is no star yet.
-  bool Close() {
-    bool proper = size() >= 3;
-    for (int i = 0; i < size(); ++i) {
-      ComputeCorner(i);
-      if (!(ring_[i].r2 < INFINITY)) proper = false;
-    }
-    return proper;
-  }
-  // Those of the four that are not in the ring.
-  void InsertGhosts() {
-    for (Id ghost = kFirstGhost; ghost != 0; ++ghost) {  // the last one is the last Id
-      if (!Has(ghost)) Insert(ghost, Ghost(p_, reach_, static_cast<int>(ghost - kFirstGhost)));
-    }
-  }
-  // Are all corners within the square? Then no ghost would have a part in the star.
-  bool IsWithinReach() const {
-    for (const Neighbour& n : ring_) {
-      const double e = n.centre_error + 1e-9 * reach_;
-      if (!(std::fabs(n.wx) + e < reach_ && std::fabs(n.wy) + e < reach_)) return false;
-    }
-    return true;
-  }
-
-  // Adds u at q, if the star of the enlarged set has it. REQUIRES: not present.
-  bool Insert(Id u, const Point2& q);
-
-  // Of the sectors between consecutive directions, count of them given by
-  // direction(i) = (dx, dy), counter-clockwise, none of pi or more: the one that holds
-  // (x, y). -1 where rounding could decide.
-  //
-  // A new point takes away from a Voronoi cell first the corner that is extreme in its
-  // direction, which is the one whose two neighbours have the point between them. So if
-  // the corner of its sector does not conflict with it, none does.
-  template <class Direction>
-  static int SectorOf(int count, Direction direction, double x, double y) {
-    const auto side = [&](int i) {
-      const auto [dx, dy] = direction(i);
-      const double left = dx * y, right = dy * x;
-      const double cross = left - right;
-      return std::fabs(cross) > 1e-15 * (std::fabs(left) + std::fabs(right)) ? cross : 0;
-    };
-    double at = side(0);
-    for (int i = 0; i < count; ++i) {
-      const double next = side(i + 1 == count ? 0 : i + 1);
-      if (at == 0) return -1;
-      if (at > 0 && next < 0) return i;
-      at = next;
-    }
-    return -1;
-  }
-
-  // Is q inside the circumdisc of corner i?
-  bool Conflicts(int i, const Point2& q) const {
-    const Neighbour& n = ring_[i];
-    const double x = q[0] - p_[0], y = q[1] - p_[1];
-    const double q2 = x * x + y * y;
-    const double power = q2 - 2 * (x * n.wx + y * n.wy);
-    const double error = 4e-15 * q2 + 4 * n.centre_error * (std::fabs(x) + std::fabs(y));
-    if (power > error) return false;
-    if (power < -error) return true;
-    return geometry::InCircle(p_, n.p, ring_[Next(i)].p, q);
-  }
-
-  bool Has(Id u) const {
-    for (const Neighbour& n : ring_) {
-      if (n.id == u) return true;
-    }
-    return false;
-  }
-
-  int size() const { return static_cast<int>(ring_.size()); }
-  int Next(int i) const { return i + 1 == size() ? 0 : i + 1; }
-  int Prev(int i) const { return i == 0 ? size() - 1 : i - 1; }
-  const Neighbour& operator[](int i) const { return ring_[i]; }
-  void MarkVerified(int i) { ring_[i].verified = true; }
-
-  Id vertex() const { return v_; }
-  const Point2& position() const { return p_; }
-  double reach() const { return reach_; }
-
- private:
-  void Push(Id u, const Point2& q) {
-    const double dx = q[0] - p_[0], dy = q[1] - p_[1];
-    ring_.push_back({u, q, dx, dy, dx * dx + dy * dy, 0, 0, INFINITY, INFINITY, false});
-  }
-  void ComputeCorner(int i);
-  int FirstConflict(const Point2& q) const;
-
-  Id v_ = 0;
-  Point2 p_ = {};
-  double reach_ = 0;
-  std::vector<Neighbour> ring_, kept_;
-};
+template <int D>
+using Star = std::conditional_t<D == 2, PlanarStar, SpaceStar>;
 
 }  // namespace dynmesh::meshing
 

@@ -56,6 +56,8 @@ absl::Status ValidateOptions(const MeshOptions& options);
 // Sec. 4.4 of the thesis). Vertices and segments of its border belong to
 // kBoxFeature.
 Box DomainBox(const MeshOptions& options);
+// Vertices along each side of its border, corners included: N of Sec. 4.4.
+int BorderVertices(const MeshOptions& options);
 
 }  // namespace dynmesh
 

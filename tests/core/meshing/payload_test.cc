@@ -14,6 +14,8 @@
 namespace dynmesh::meshing {
 namespace {
 
+using geometry::Point2;
+
 constexpr std::uint64_t kSeed = 20261121;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -37,8 +39,8 @@ struct Balls {
       radius2 = std::max(radius2, 4 * r * r);
     }
   }
-  Payload Region() const {
-    Payload payload;
+  Payload<2> Region() const {
+    Payload<2> payload;
     payload.SetRegion(p, {box.lo}, {box.hi}, radius2);
     return payload;
   }
@@ -48,7 +50,7 @@ TEST(Payload, RegionHoldsEveryPointOfItsBalls) {
   test::Random random(kSeed);
   for (int round = 0; round < 20000; ++round) {
     const Balls balls(random, std::ldexp(1.0, random.Below(60) - 30));
-    const Payload payload = balls.Region();
+    const Payload<2> payload = balls.Region();
     for (std::size_t i = 0; i < balls.centres.size(); ++i) {
       // Nearly out on the ball, in the directions where boxes end and in any other.
       const int turn = random.Below(8);
@@ -65,7 +67,7 @@ TEST(Payload, RegionIsHardlyLargerThanItsBox) {
   test::Random random(kSeed);
   for (int round = 0; round < 20000; ++round) {
     const Balls balls(random, 1);
-    const Payload payload = balls.Region();
+    const Payload<2> payload = balls.Region();
     const double slack = std::sqrt(balls.radius2) * (1.0 / 63 + 1e-5);
     const Extent<2>& box = balls.box;
     for (const Point2& y :
@@ -77,7 +79,7 @@ TEST(Payload, RegionIsHardlyLargerThanItsBox) {
 }
 
 TEST(Payload, RegionMayBeUnbounded) {
-  Payload payload;
+  Payload<2> payload;
   payload.SetRegion({{1, 2}}, {{-kInfinity, -kInfinity}}, {{kInfinity, kInfinity}}, 4);
   EXPECT_TRUE(payload.RegionMayHold({{1, 2}}, {{2.9, 2}}));
   EXPECT_TRUE(payload.RegionMayHold({{1, 2}}, {{1, 0.1}}));
@@ -92,7 +94,7 @@ TEST(Payload, RegionMayBeUnbounded) {
 }
 
 // There is one of these for each operation, and that is to be a cache line.
-static_assert(sizeof(Payload) == 8);
+static_assert(sizeof(Payload<2>) == 8);
 
 }  // namespace
 }  // namespace dynmesh::meshing

@@ -1,5 +1,5 @@
 // The numbers of refinement, against exact rationals and against what they are for.
-#include "core/meshing/rules.h"
+#include "core/meshing/planar_rules.h"
 
 #include <CGAL/Exact_rational.h>
 #include <gtest/gtest.h>
@@ -76,7 +76,7 @@ TEST(Rules, GapAtIsTheExactTestOfTheTriangleBeyondTheEdge) {
   std::map<Gap, int> seen;
   int close = 0;
   for (const double quality : kQualities) {
-    const Rules rules(WithQuality(quality));
+    const PlanarRules rules(WithQuality(quality));
     const Exact b = OffCenterB(quality);
     for (int i = 0; i < 4000; ++i) {
       // Around the two thresholds, near and far, and anything.
@@ -124,7 +124,7 @@ TEST(Rules, AreSymmetricInTheEndsOfTheEdgeToTheBit) {
   const std::uint64_t seed = 32;
   test::Random random(seed);
   for (const double quality : kQualities) {
-    const Rules rules(WithQuality(quality));
+    const PlanarRules rules(WithQuality(quality));
     const double off = std::sqrt(CGAL::to_double(OffCenterB(quality)));
     for (int i = 0; i < 20000; ++i) {
       const double nearness = std::ldexp(random.Unit() - 0.5, -20 - random.Below(33));
@@ -145,7 +145,7 @@ TEST(Rules, BeginsBeyondIsExactAwayFromTheThreshold) {
   test::Random random(seed);
   int yes = 0, no = 0;
   for (const double quality : kQualities) {
-    const Rules rules(WithQuality(quality));
+    const PlanarRules rules(WithQuality(quality));
     const Exact b = OffCenterB(quality);
     for (int i = 0; i < 4000; ++i) {
       // d sees pq at an obtuse angle, or nearly.
@@ -171,7 +171,7 @@ TEST(Rules, OffCenterMakesATriangleOfTheQualityAskedFor) {
   const std::uint64_t seed = 34;
   test::Random random(seed);
   for (const double quality : kQualities) {
-    const Rules rules(WithQuality(quality));
+    const PlanarRules rules(WithQuality(quality));
     const double far = std::sqrt(CGAL::to_double(OffCenterB(quality)));
     for (int i = 0; i < 1000; ++i) {
       const auto [p, q, unused] = RandomCorner(random, 1);
@@ -211,7 +211,7 @@ TEST(Buckets, AreMonotoneAndNarrow) {
 // What is decided of an edge depends on nothing farther than its off-center.
 TEST(Rules, ReachIsBeyondTheOffCenterOfEveryEdgeThatIsJudgedWithIt) {
   for (const double quality : kQualities) {
-    const Rules rules(WithQuality(quality));
+    const PlanarRules rules(WithQuality(quality));
     const double far = std::sqrt(CGAL::to_double(OffCenterB(quality)));
     for (int b = BucketOf(0x1p-200); b < BucketOf(0x1p200); ++b) {
       const double longest =

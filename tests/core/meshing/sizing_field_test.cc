@@ -16,9 +16,9 @@ using geometry::Point2;
 
 constexpr std::uint64_t kSeed = 20261121;
 
-SizingRegion RandomRegion(test::Random& random) {
+SizingRegion<2> RandomRegion(test::Random& random) {
   const auto length = [&] { return std::ldexp(0.5 + random.Unit(), -random.Below(20)); };
-  SizingRegion region;
+  SizingRegion<2> region;
   region.lo = region.hi = {{3 * random.Unit() - 1, 3 * random.Unit() - 1}};
   if (random.OneIn(3)) region.hi = {{region.lo[0] + length(), region.lo[1] + length()}};
   if (random.OneIn(2)) region.radius = length();
@@ -29,11 +29,11 @@ SizingRegion RandomRegion(test::Random& random) {
 TEST(SizingField, SaysWhatALookAtEveryRegionSays) {
   test::Random random(kSeed);
   for (int round = 0; round < 20; ++round) {
-    SizingField field({{-2.5, -2.5}}, {{3.5, 3.5}});
-    std::map<SizingField::Index, SizingRegion> present;
+    SizingField<2> field({{-2.5, -2.5}}, {{3.5, 3.5}});
+    std::map<SizingField<2>::Index, SizingRegion<2>> present;
     for (int step = 0; step < 300; ++step) {
       if (present.empty() || random.Below(5) < 3) {
-        const SizingRegion region = RandomRegion(random);
+        const SizingRegion<2> region = RandomRegion(random);
         const auto [it, is_new] = present.emplace(field.Add(region), region);
         ASSERT_TRUE(is_new);
       } else {
@@ -58,21 +58,21 @@ TEST(SizingField, SaysWhatALookAtEveryRegionSays) {
 }
 
 TEST(SizingRegion, MeetsWhatIsWithinItsRadius) {
-  const SizingRegion disc{{{0, 0}}, {{0, 0}}, 1, 1, nullptr};
+  const SizingRegion<2> disc{{{0, 0}}, {{0, 0}}, 1, 1, nullptr};
   EXPECT_TRUE(disc.Meets({{2, 0}}, 1));
   EXPECT_FALSE(disc.Meets({{2, 0}}, 0.99));
-  const SizingRegion box{{{0, 0}}, {{2, 1}}, 0, 1, nullptr};
+  const SizingRegion<2> box{{{0, 0}}, {{2, 1}}, 0, 1, nullptr};
   EXPECT_TRUE(box.Meets({{1, 0.5}}, 0));
   EXPECT_TRUE(box.Meets({{5, 5}}, 5));
   EXPECT_FALSE(box.Meets({{5, 5}}, 4.9));
-  const SizingRegion point{{{0, 0}}, {{0, 0}}, 0, 1, nullptr};
+  const SizingRegion<2> point{{{0, 0}}, {{0, 0}}, 0, 1, nullptr};
   EXPECT_TRUE(point.Meets({{3, 4}}, 5));
   EXPECT_FALSE(point.Meets({{3, 4}}, 4.9));
 }
 
 // Cells that are no longer needed are given back.
 TEST(SizingField, DoesNotGrowAsARegionTravels) {
-  SizingField field({{0, 0}}, {{1, 1}});
+  SizingField<2> field({{0, 0}}, {{1, 1}});
   std::size_t most = 0;
   for (int i = 0; i < 2000; ++i) {
     const double x = i / 2000.0;

@@ -1,6 +1,6 @@
 // The star of a vertex against the whole triangulation of the same points, and the four
 // ghosts, by CGAL (which breaks ties by coordinates too).
-#include "core/meshing/star.h"
+#include "core/meshing/planar_star.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ std::vector<Point2> Turned(std::vector<Point2> ring) {
   return ring;
 }
 
-std::vector<Point2> RingOf(const Star& star) {
+std::vector<Point2> RingOf(const PlanarStar& star) {
   std::vector<Point2> ring;
   for (int i = 0; i < star.size(); ++i) ring.push_back(star[i].p);
   return Turned(ring);
@@ -51,7 +51,7 @@ std::vector<Point2> RingByCgal(const std::vector<Point2>& others, const Point2& 
 }
 
 std::vector<Point2> WithGhosts(std::vector<Point2> points, const Point2& v, double reach) {
-  for (int k = 0; k < 4; ++k) points.push_back(Star::Ghost(v, reach, k));
+  for (int k = 0; k < 4; ++k) points.push_back(PlanarStar::Ghost(v, reach, k));
   return points;
 }
 
@@ -66,7 +66,7 @@ double RandomReach(const std::vector<Point2>& points, const Point2& v, std::mt19
   const double drawn = std::sqrt(least2) * 0.37 * std::exp2(static_cast<double>(random() % steps));
   const double reach = std::max(drawn, 0x1p-44);  // refinement looks no nearer
   for (int k = 0; k < 4; ++k) {
-    const Point2 ghost = Star::Ghost(v, reach, k);
+    const Point2 ghost = PlanarStar::Ghost(v, reach, k);
     if (std::find(points.begin(), points.end(), ghost) != points.end()) return reach * 1.01;
   }
   return reach;
@@ -81,13 +81,13 @@ TEST_P(StarTest, IsThatOfTheTriangulationOfPointsAndGhosts) {
     std::mt19937_64 random(seed);
     std::vector<Point2> points =
         mesh::testing::DistinctPoints(GetParam(), seed, 4 + static_cast<int>(random() % 120));
-    Star star;
+    PlanarStar star;
     for (int k = 0; k < 12; ++k) {
       std::shuffle(points.begin(), points.end(), random);
-      const Star::Id v = static_cast<Star::Id>(random() % points.size());
+      const PlanarStar::Id v = static_cast<PlanarStar::Id>(random() % points.size());
       const double reach = RandomReach(points, points[v], random);
       star.Begin(v, points[v], reach);
-      for (Star::Id u = 0; u < points.size(); ++u) {
+      for (PlanarStar::Id u = 0; u < points.size(); ++u) {
         if (u == v) continue;
         const int size = star.size();
         bool conflicts = false;
@@ -99,7 +99,7 @@ TEST_P(StarTest, IsThatOfTheTriangulationOfPointsAndGhosts) {
           << "vertex " << points[v][0] << " " << points[v][1] << " reach " << reach;
       int ghosts = 0;
       for (int i = 0; i < star.size(); ++i) {
-        if (Star::IsGhost(star[i].id)) {
+        if (PlanarStar::IsGhost(star[i].id)) {
           ++ghosts;
         } else {
           ASSERT_EQ(star[i].p, points[star[i].id]);
@@ -120,20 +120,20 @@ TEST_P(StarTest, CornersWithinReachAreThoseOfTheTriangulationWithoutGhosts) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
     const std::vector<Point2> points = mesh::testing::DistinctPoints(GetParam(), seed, 80);
-    Star star;
-    for (Star::Id v = 0; v < points.size(); ++v) {
+    PlanarStar star;
+    for (PlanarStar::Id v = 0; v < points.size(); ++v) {
       const std::vector<Point2> ring = RingByCgal(points, points[v]);
       if (ring.empty()) continue;
       const double reach = RandomReach(points, points[v], random);
       if (reach < 0x1p-40) continue;  // so near, the places of the ghosts are rounded
       star.Begin(v, points[v], reach);
-      for (Star::Id u = 0; u < points.size(); ++u) {
+      for (PlanarStar::Id u = 0; u < points.size(); ++u) {
         if (u != v) star.Insert(u, points[u]);
       }
       for (int i = 0; i < star.size(); ++i) {
-        const Star::Neighbour& n = star[i];
-        if (!(std::fabs(n.wx) + n.centre_error < 0.999 * reach &&
-              std::fabs(n.wy) + n.centre_error < 0.999 * reach)) {
+        const PlanarStar::Neighbour& n = star[i];
+        if (!(std::fabs(n.w[0]) + n.error < 0.999 * reach &&
+              std::fabs(n.w[1]) + n.error < 0.999 * reach)) {
           continue;
         }
         ++within;
@@ -154,10 +154,10 @@ TEST_P(StarTest, OfARingGivenAtOnceIsTheSame) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
     const std::vector<Point2> points = mesh::testing::DistinctPoints(GetParam(), seed, 80);
-    std::map<Point2, Star::Id> id_at;
-    for (Star::Id u = 0; u < points.size(); ++u) id_at[points[u]] = u;
-    Star star;
-    for (Star::Id v = 0; v < points.size(); ++v) {
+    std::map<Point2, PlanarStar::Id> id_at;
+    for (PlanarStar::Id u = 0; u < points.size(); ++u) id_at[points[u]] = u;
+    PlanarStar star;
+    for (PlanarStar::Id v = 0; v < points.size(); ++v) {
       const std::vector<Point2> ring = RingByCgal(points, points[v]);
       if (ring.empty()) continue;
       const double reach = RandomReach(points, points[v], random);

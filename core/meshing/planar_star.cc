@@ -1,4 +1,4 @@
-#include "core/meshing/star.h"
+#include "core/meshing/planar_star.h"
 
 #include <utility>
 
@@ -7,30 +7,31 @@ namespace dynmesh::meshing {
 // w = (|b|^2 a^perp - |a|^2 b^perp) / (2 a x b), as seen from v. Each product is right
 // to 2 ulps; relative to S = (|b||a|^2 + |a||b|^2) / (2 a x b), which bounds |w|, the
 // sums add 4 and the quotient as many as a x b has lost: T = |a||b| / (a x b).
-void Star::ComputeCorner(int i) {
+void PlanarStar::ComputeCorner(int i) {
   Neighbour& a = ring_[i];
   const Neighbour& b = ring_[Next(i)];
   a.verified = false;
-  const double cross = a.dx * b.dy - a.dy * b.dx;
+  const double cross = a.d[0] * b.d[1] - a.d[1] * b.d[0];
   if (!(cross > 0)) {
-    a.wx = a.wy = 0;
+    a.w = {0, 0};
     a.r2 = INFINITY;
-    a.centre_error = INFINITY;
+    a.error = INFINITY;
     return;
   }
   const double scale = 0.5 / cross;
-  a.wx = (b.dy * a.d2 - a.dy * b.d2) * scale;
-  a.wy = (a.dx * b.d2 - b.dx * a.d2) * scale;
-  a.r2 = a.wx * a.wx + a.wy * a.wy;
-  const double la = std::fabs(a.dx) + std::fabs(a.dy), lb = std::fabs(b.dx) + std::fabs(b.dy);
+  a.w[0] = (b.d[1] * a.d2 - a.d[1] * b.d2) * scale;
+  a.w[1] = (a.d[0] * b.d2 - b.d[0] * a.d2) * scale;
+  a.r2 = a.w[0] * a.w[0] + a.w[1] * a.w[1];
+  const double la = std::fabs(a.d[0]) + std::fabs(a.d[1]),
+               lb = std::fabs(b.d[0]) + std::fabs(b.d[1]);
   const double s = (lb * a.d2 + la * b.d2) * scale;
-  a.centre_error = 2e-15 * s * (1 + 2 * la * lb * scale);
+  a.error = 2e-15 * s * (1 + 2 * la * lb * scale);
 }
 
 // A corner in conflict with q, or -1.
-int Star::FirstConflict(const Point2& q) const {
+int PlanarStar::FirstConflict(const Point2& q) const {
   const int sector = SectorOf(
-      size(), [this](int i) { return std::pair(ring_[i].dx, ring_[i].dy); }, q[0] - p_[0],
+      size(), [this](int i) { return std::pair(ring_[i].d[0], ring_[i].d[1]); }, q[0] - p_[0],
       q[1] - p_[1]);
   if (sector >= 0) return Conflicts(sector, q) ? sector : -1;
   for (int i = 0; i < size(); ++i) {
@@ -39,7 +40,7 @@ int Star::FirstConflict(const Point2& q) const {
   return -1;
 }
 
-bool Star::Insert(Id u, const Point2& q) {
+bool PlanarStar::Insert(Id u, const Point2& q) {
   // The corners in conflict are consecutive. Find one, then both ends of the run.
   int first = FirstConflict(q);
   if (first < 0) return false;
@@ -52,7 +53,7 @@ bool Star::Insert(Id u, const Point2& q) {
   if (gone == 0) {
     ring_.insert(ring_.begin() + first + 1, Neighbour{});
     const double dx = q[0] - p_[0], dy = q[1] - p_[1];
-    ring_[first + 1] = {u, q, dx, dy, dx * dx + dy * dy, 0, 0, 0, 0, false};
+    ring_[first + 1] = {u, q, {dx, dy}, dx * dx + dy * dy, {0, 0}, 0, 0, false};
     ComputeCorner(first);
     ComputeCorner(first + 1);
     return true;

@@ -1,0 +1,70 @@
+// The gap of an edge in the plane, and its Steiner point.
+//
+//   B       the off-center's triangle has longer sides of squared length B e^2
+// Immutable once made; thread-safe.
+#ifndef DYNMESH_CORE_MESHING_PLANAR_RULES_H_
+#define DYNMESH_CORE_MESHING_PLANAR_RULES_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "core/meshing/rules.h"
+
+namespace dynmesh::meshing {
+
+enum class Gap : std::uint8_t { kNone, kCircumcenter, kOffCenter };
+
+class PlanarRules : public CommonRules<2> {
+ public:
+  explicit PlanarRules(const MeshOptions& options);
+
+  // What is beyond edge pq on the side of c, (p, q, c) counter-clockwise: no gap,
+  // or one too large for the edge, r > rho (1+h) e (edge criterion), and whether
+  // its circumcenter is nearer than the off-center. Symmetric in p and q to the bit.
+  Gap GapAt(const geometry::Point2& p, const geometry::Point2& q, const geometry::Point2& c,
+            int bucket) const {
+    const double px = p[0] - c[0], py = p[1] - c[1], qx = q[0] - c[0], qy = q[1] - c[1];
+    const double cross = px * qy - py * qx;
+    const double product = (px * px + py * py) * (qx * qx + qy * qy);
+    if (!(product > skinny_[bucket] * cross * cross)) return Gap::kNone;
+    if (!(px * qx + py * qy > 0)) return Gap::kNone;  // the centre lies beyond pq
+    return product > off_center_ * cross * cross ? Gap::kOffCenter : Gap::kCircumcenter;
+  }
+
+  // Does the Voronoi edge of pq begin so far out on the *other* side of the edge,
+  // seen from d, (q, p, d) counter-clockwise, that the gap's Steiner point would not
+  // lie on it? Then shorter edges, to d, have the same gap, and pq is left alone for
+  // good: Voronoi edges only shrink.
+  bool BeginsBeyond(const geometry::Point2& p, const geometry::Point2& q,
+                    const geometry::Point2& d) const {
+    const double px = p[0] - d[0], py = p[1] - d[1], qx = q[0] - d[0], qy = q[1] - d[1];
+    if (!(px * qx + py * qy < 0)) return false;
+    const double cross = px * qy - py * qx;
+    return (px * px + py * py) * (qx * qx + qy * qy) > off_center_ * cross * cross;
+  }
+
+  // The gap of edge pq, of squared length e2, that a point may be put into on the side of
+  // c, (p, q, c) counter-clockwise; without a c the view ends there, and the off-center
+  // fits. d, if there is one, is the apex on the other side.
+  Gap GapOfEdge(const geometry::Point2& p, const geometry::Point2& q, double e2,
+                const geometry::Point2* c, const geometry::Point2* d) const {
+    if (e2 < least_squared_length_) return Gap::kNone;
+    const Gap gap = c == nullptr ? Gap::kOffCenter : GapAt(p, q, *c, BucketOf(e2));
+    return gap != Gap::kNone && d != nullptr && BeginsBeyond(p, q, *d) ? Gap::kNone : gap;
+  }
+
+  // The off-center of pq to its left: on the bisector, at sqrt(B) e from both ends.
+  geometry::Point2 OffCenter(const geometry::Point2& p, const geometry::Point2& q) const {
+    return {{0.5 * (p[0] + q[0]) - kappa_ * (q[1] - p[1]),
+             0.5 * (p[1] + q[1]) + kappa_ * (q[0] - p[0])}};
+  }
+
+ private:
+  double off_center_;           // 4 B
+  double kappa_;                // height of the off-center over the edge, in units of e
+  std::vector<double> skinny_;  // 4 rho^2 (1+h)^2 by bucket
+};
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_PLANAR_RULES_H_
