@@ -1,0 +1,216 @@
+// Refinement in space, points only: after every edit it is what a run from scratch makes, in
+// vertices and complete trace, and no tetrahedron is over rho.
+//
+// DYNMESH_NIGHTLY=1 runs long scripts.
+#include <CGAL/Delaunay_triangulation_3.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Exact_rational.h>
+#include <CGAL/Simple_cartesian.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/constructions.h"
+#include "core/meshing/refinement.h"
+#include "tests/support/workload.h"
+
+namespace dynmesh::meshing {
+namespace {
+
+using geometry::Point3;
+using Traced = Refinement<3, sac::Engine>;
+using Untraced = Refinement<3, sac::UntracedEngine>;
+using test::Random;
+
+enum class Kind { kUniform, kClustered, kGrid, kTurnedGrid, kSphere, kLineAndCircle, kTwoScale };
+constexpr const char* kNames[] = {"Uniform", "Clustered",     "Grid",    "TurnedGrid",
+                                  "Sphere",  "LineAndCircle", "TwoScale"};
+
+MeshOptions Options(double rho) {
+  MeshOptions options;
+  options.dimension = 3;
+  options.quality = rho;
+  return options;
+}
+
+Point3 RandomPoint(Kind kind, Random& random) {
+  const auto unit = [&] { return random.Unit(); };
+  switch (kind) {
+    case Kind::kUniform:
+      return {{unit(), unit(), unit()}};
+    case Kind::kClustered: {
+      const double scale = std::ldexp(1.0, -random.Below(12));
+      return {{0.3 + 0.5 * scale * unit(), 0.6 - 0.5 * scale * unit(), 0.2 + 0.5 * scale * unit()}};
+    }
+    case Kind::kGrid:
+      return {{random.Below(5) * 0.25, random.Below(5) * 0.25, random.Below(5) * 0.25}};
+    case Kind::kTurnedGrid: {
+      const double x = random.Below(4) * 0.2, y = random.Below(4) * 0.2, z = random.Below(4) * 0.2;
+      return {{0.1 + 0.6 * x + 0.48 * y, 0.4 - 0.8 * x / 2 + 0.6 * y, 0.1 + z}};
+    }
+    case Kind::kSphere: {
+      Point3 p;
+      double length = 0;
+      do {
+        length = 0;
+        for (int k = 0; k < 3; ++k) p[k] = unit() - 0.5, length += p[k] * p[k];
+      } while (length > 0.25 || length < 0.01);
+      for (int k = 0; k < 3; ++k) p[k] = 0.5 + 0.5 * p[k] / std::sqrt(length);
+      return p;
+    }
+    case Kind::kLineAndCircle: {
+      if (random.OneIn(2)) return {{0.5, 0.5, random.Below(40) / 40.0}};
+      const double turn = random.Below(40) * 0.15707963267948966;
+      return {{0.5 + 0.5 * std::cos(turn), 0.5 + 0.5 * std::sin(turn), 0.5}};
+    }
+    default: {
+      const double grain = random.OneIn(2) ? 0x1p-30 : 0;
+      return {{random.Below(4) * 0.25 + grain, random.Below(4) * 0.25, random.Below(4) * 0.25}};
+    }
+  }
+}
+
+// Circumradius over the shortest edge, by rationals: of the nearly flat doubles know nothing.
+double Ratio(const std::array<Point3, 4>& p, double shortest2) {
+  using Exact = CGAL::Simple_cartesian<CGAL::Exact_rational>;
+  const auto at = [&](int i) { return Exact::Point_3(p[i][0], p[i][1], p[i][2]); };
+  const Exact::Point_3 x = CGAL::circumcenter(at(0), at(1), at(2), at(3));
+  return std::sqrt(CGAL::to_double(CGAL::squared_distance(x, at(0))) / shortest2);
+}
+
+template <class R>
+std::set<Point3> VerticesOf(const R& refinement) {
+  std::set<Point3> vertices;
+  refinement.ForEachVertex([&](VertexIndex, const auto& v) { vertices.insert(v.p); });
+  return vertices;
+}
+
+template <class R>
+void Fill(R& refinement, const std::set<Point3>& points) {
+  for (const Point3& p : points) refinement.AddPoint(p, 1);
+  refinement.Propagate([] { return false; });
+}
+
+class SpaceRefinement : public testing::TestWithParam<std::tuple<Kind, double>> {};
+
+TEST_P(SpaceRefinement, IsFromScratchAfterEveryEdit) {
+  const auto [kind, rho] = GetParam();
+  const char* nightly = std::getenv("DYNMESH_NIGHTLY");
+  const int revisions = nightly != nullptr && *nightly != '0' ? 1500 : 12;
+  const std::uint64_t seed = 3'000;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Random random(seed);
+  const MeshOptions options = Options(rho);
+  Traced dynamic(options, nullptr);
+  dynamic.Propagate([] { return false; });
+  std::set<Point3> points;
+  std::vector<std::pair<Point3, VertexIndex>> present;
+  for (int revision = 0; revision < revisions; ++revision) {
+    // Several at once, so that edits meet.
+    for (int i = 1 + random.Below(6); i > 0; --i) {
+      if (present.size() > 5 && random.OneIn(present.size() < 60 ? 3 : 2)) {
+        const auto at = static_cast<std::size_t>(random.Below(static_cast<int>(present.size())));
+        dynamic.RemovePoint(present[at].second);
+        points.erase(present[at].first);
+        present[at] = present.back();
+        present.pop_back();
+      } else {
+        const Point3 p = RandomPoint(kind, random);
+        if (points.insert(p).second) present.emplace_back(p, dynamic.AddPoint(p, 1));
+      }
+    }
+    dynamic.Propagate([] { return false; });
+    dynamic.TakeChanges([](auto...) {}, [](auto...) {});
+    Traced fresh(options, nullptr);
+    Fill(fresh, points);
+    std::vector<std::string> problems;
+    ASSERT_EQ(VerticesOf(dynamic), VerticesOf(fresh)) << "revision " << revision;
+    const std::uint64_t ours = dynamic.Audit(&problems), theirs = fresh.Audit(&problems);
+    ASSERT_TRUE(problems.empty()) << "revision " << revision << ": " << problems[0];
+    ASSERT_EQ(ours, theirs) << "revision " << revision;
+    if (revision % 4 == 0) {
+      Untraced untraced(options, nullptr);
+      Fill(untraced, points);
+      ASSERT_EQ(VerticesOf(untraced), VerticesOf(fresh)) << "revision " << revision;
+    }
+  }
+}
+
+TEST_P(SpaceRefinement, NoTetrahedronIsOverRho) {
+  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+  const auto [kind, rho] = GetParam();
+  Random random(77);
+  std::set<Point3> points;
+  for (int i = 0; i < 300; ++i) points.insert(RandomPoint(kind, random));
+  Untraced refinement(Options(rho), nullptr);
+  Fill(refinement, points);
+  std::vector<Kernel::Point_3> vertices;
+  for (const Point3& p : VerticesOf(refinement)) vertices.emplace_back(p[0], p[1], p[2]);
+  const CGAL::Delaunay_triangulation_3<Kernel> triangulation(vertices.begin(), vertices.end());
+  const double ulp = refinement.rules().ulp();
+  int over = 0, all = 0;
+  for (auto t = triangulation.finite_cells_begin(); t != triangulation.finite_cells_end(); ++t) {
+    std::array<Point3, 4> p;
+    double shortest2 = INFINITY;
+    for (int i = 0; i < 4; ++i) {
+      const auto& q = t->vertex(i)->point();
+      p[i] = {{q.x(), q.y(), q.z()}};
+      for (int j = 0; j < i; ++j) {
+        shortest2 = std::min(shortest2, geometry::SquaredDistance(p[i], p[j]));
+      }
+    }
+    // CGAL breaks ties its own way: tetrahedra of cospherical points may be flat.
+    if (geometry::Orientation(p[0], p[1], p[2], p[3]) == 0) continue;
+    const double most = rho * (1 + 1e-6 + 100 * ulp / std::sqrt(shortest2));
+    const Point3 x = geometry::Circumcenter({p[0], p[1], p[2]}, p[3]);
+    const double r2 = geometry::SquaredDistance(x, p[3]);
+    over += !(r2 <= most * most * shortest2) && Ratio(p, shortest2) > most;
+    ++all;
+  }
+  EXPECT_EQ(over, 0) << "of " << all;
+  EXPECT_GT(all, 1000);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Points, SpaceRefinement,
+    testing::Combine(testing::Values(Kind::kUniform, Kind::kClustered, Kind::kGrid,
+                                     Kind::kTurnedGrid, Kind::kSphere, Kind::kLineAndCircle,
+                                     Kind::kTwoScale),
+                     testing::Values(2.0, 1.4)),
+    [](const auto& parameter) {
+      return std::string(kNames[static_cast<int>(std::get<0>(parameter.param))]) + "Rho" +
+             std::to_string(static_cast<int>(100 * std::get<1>(parameter.param)));
+    });
+
+// An edit of one point costs what it costs, however many there are.
+TEST(SpaceRefinementWork, AnEditDoesNotGrowWithTheInput) {
+  std::vector<double> executed;
+  for (const int n : {300, 3000}) {
+    Random random(5);
+    Traced refinement(Options(2), nullptr);
+    std::set<Point3> points;
+    while (static_cast<int>(points.size()) < n) points.insert(RandomPoint(Kind::kUniform, random));
+    Fill(refinement, points);
+    refinement.engine().ResetCounters();
+    for (int i = 0; i < 20; ++i) {
+      const VertexIndex v = refinement.AddPoint(RandomPoint(Kind::kUniform, random), 1);
+      refinement.Propagate([] { return false; });
+      refinement.RemovePoint(v);
+      refinement.Propagate([] { return false; });
+      refinement.TakeChanges([](auto...) {}, [](auto...) {});
+    }
+    executed.push_back(static_cast<double>(refinement.engine().counters().executed) / 40);
+  }
+  EXPECT_LT(executed[0], 250);
+  EXPECT_LT(executed[1], 250);
+  EXPECT_LT(executed[1], 1.5 * executed[0]);
+}
+
+}  // namespace
+}  // namespace dynmesh::meshing
