@@ -354,7 +354,7 @@ TEST(DelaunayInsertOrder, IsAPermutationThatIgnoresTheOrderOfTheList) {
     for (std::uint32_t i = 0; i < points.size(); ++i) ASSERT_EQ(sorted[i], i);
     ASSERT_EQ(sorted.size(), points.size());
   }
-  EXPECT_TRUE(InsertOrder({}).empty());
+  EXPECT_TRUE(InsertOrder(std::span<const Point2>{}).empty());
   EXPECT_EQ(InsertOrder(std::vector<Point2>(50, Point2{{1, 1}})).size(), 50u);
 }
 
