@@ -104,8 +104,7 @@ DelaunayTetrahedralization::TetrahedronIndex DelaunayTetrahedralization::Allocat
   return t;
 }
 
-inline void DelaunayTetrahedralization::Make(TetrahedronIndex t,
-                                             const std::array<VertexIndex, 4>& v) {
+void DelaunayTetrahedralization::Make(TetrahedronIndex t, const std::array<VertexIndex, 4>& v) {
   Tetrahedron& tetrahedron = tetrahedra_[t];
   tetrahedron.v = v;
   tags_[t] = 0;
@@ -122,7 +121,7 @@ inline void DelaunayTetrahedralization::Make(TetrahedronIndex t,
   }
 }
 
-inline void DelaunayTetrahedralization::Delete(TetrahedronIndex t) {
+void DelaunayTetrahedralization::Delete(TetrahedronIndex t) {
   Tetrahedron& tetrahedron = tetrahedra_[t];
   deleted_.push_back(tetrahedron.v);
   deleted_tags_.push_back(tags_[t]);
@@ -137,8 +136,8 @@ void DelaunayTetrahedralization::SetNoSphere(Tetrahedron* t) {
   t->high = kNoHigh;
 }
 
-// The error of the cached sphere, u = 2^-53, to first order in u. About d, with p = a - d,
-// q = b - d, s = c - d, volume v = p.(q x s), N = p^2 (q x s) + q^2 (s x p) + s^2 (p x q),
+// The error of the cached sphere, u = 2^-53, to first order in u. About d, with p = b - d,
+// q = a - d, s = c - d, volume v = p.(q x s), N = p^2 (q x s) + q^2 (s x p) + s^2 (p x q),
 // the center is w = N / 2v, its length the radius R; k = |p||q||s| / v >= 1.
 //   |q_i s_j| + |q_j s_i| over the three i, j is a vector no longer than sqrt 2 |q||s|. So v
 // errs by 8u of its terms, 11.4 u k of itself; N by 12u of its terms, that is by
@@ -157,8 +156,8 @@ void DelaunayTetrahedralization::SetSphere(Tetrahedron* t, const Point3& a, cons
                                            const Point3& c, const Point3& d) {
   constexpr double kRoundoff = 0x1p-53;
   constexpr double kLeast = 0x1p-100, kMost = 0x1p100;
-  const double px = a[0] - d[0], py = a[1] - d[1], pz = a[2] - d[2];
-  const double qx = b[0] - d[0], qy = b[1] - d[1], qz = b[2] - d[2];
+  const double px = b[0] - d[0], py = b[1] - d[1], pz = b[2] - d[2];
+  const double qx = a[0] - d[0], qy = a[1] - d[1], qz = a[2] - d[2];
   const double sx = c[0] - d[0], sy = c[1] - d[1], sz = c[2] - d[2];
   const double p2 = px * px + py * py + pz * pz;
   const double q2 = qx * qx + qy * qy + qz * qz;
@@ -246,7 +245,7 @@ void DelaunayTetrahedralization::FindCavity(const Point3& p, TetrahedronIndex st
       const Code code = tetrahedra[from].opposite[i];
       Tetrahedron& t = tetrahedra[code >> 2];
       const double distance = t.SquaredDistance(p);
-      if (distance <= t.high) {
+      if (!(distance > t.high)) {  // or not a number
         if (t.IsMarked()) continue;
         if (distance < t.low || ConflictsExactly(t, p)) {
           t.Mark();

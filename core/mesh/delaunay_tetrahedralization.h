@@ -116,6 +116,10 @@ class DelaunayTetrahedralization {
     return ConflictsExactly(tetrahedron, p);
   }
 
+  // Does t keep its circumscribed sphere in doubles, so that conflicts rarely need more? Not
+  // if it is infinite or flat as far as doubles tell.
+  bool HasSphere(TetrahedronIndex t) const { return tetrahedra_[t].low >= 0; }
+
   // Eight bytes of each tetrahedron for the caller; zero in one just made.
   std::uint64_t tag(TetrahedronIndex t) const { return tags_[t]; }
   void set_tag(TetrahedronIndex t, std::uint64_t tag) { tags_[t] = tag; }
