@@ -25,6 +25,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "core/geometry/space_predicates.h"
 #include "core/mesh/delaunay_insert_order.h"
@@ -58,7 +59,7 @@ void DelaunayTetrahedralization::StartFrom(const std::array<VertexIndex, 4>& v,
   vertex_count_ = 0;
   infinite_count_ = 0;
   for (std::size_t i = 0; i < 4; ++i) AddVertex(v[i], p[i]);
-  for (int i = 0; i < 5; ++i) Allocate();
+  Allocate(5);
   Make(0, v);
   // Across facet i is tetrahedron i + 1: the same corners, two of them exchanged to turn it
   // round, with kInfinite in place of corner i.
@@ -93,15 +94,16 @@ void DelaunayTetrahedralization::AddVertex(VertexIndex v, const Point3& p) {
   ++vertex_count_;
 }
 
-DelaunayTetrahedralization::TetrahedronIndex DelaunayTetrahedralization::Allocate() {
-  if (free_.empty()) {
-    tetrahedra_.emplace_back();
-    tags_.push_back(0);
-    return tetrahedron_limit() - 1;
-  }
-  const TetrahedronIndex t = free_.back();
-  free_.pop_back();
-  return t;
+void DelaunayTetrahedralization::Allocate(std::size_t count) {
+  created_.resize(count);
+  const std::size_t reused = std::min(count, free_.size());
+  std::copy(free_.end() - static_cast<std::ptrdiff_t>(reused), free_.end(), created_.begin());
+  free_.resize(free_.size() - reused);
+  if (reused == count) return;
+  std::iota(created_.begin() + static_cast<std::ptrdiff_t>(reused), created_.end(),
+            tetrahedron_limit());
+  tetrahedra_.resize(tetrahedra_.size() + count - reused);
+  tags_.resize(tetrahedra_.size());
 }
 
 void DelaunayTetrahedralization::Make(TetrahedronIndex t, const std::array<VertexIndex, 4>& v) {
@@ -121,13 +123,17 @@ void DelaunayTetrahedralization::Make(TetrahedronIndex t, const std::array<Verte
   }
 }
 
-void DelaunayTetrahedralization::Delete(TetrahedronIndex t) {
-  Tetrahedron& tetrahedron = tetrahedra_[t];
-  deleted_.push_back(tetrahedron.v);
-  deleted_tags_.push_back(tags_[t]);
-  infinite_count_ -= tetrahedron.HasInfinite();
-  tetrahedron.v.fill(kInfinite);
-  free_.push_back(t);
+void DelaunayTetrahedralization::Delete(std::span<const TetrahedronIndex> all) {
+  deleted_.resize(all.size());
+  deleted_tags_.resize(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    Tetrahedron& t = tetrahedra_[all[i]];
+    deleted_[i] = t.v;
+    deleted_tags_[i] = tags_[all[i]];
+    infinite_count_ -= t.HasInfinite();
+    t.v.fill(kInfinite);
+  }
+  free_.insert(free_.end(), all.begin(), all.end());
 }
 
 void DelaunayTetrahedralization::SetNoSphere(Tetrahedron* t) {
@@ -262,23 +268,67 @@ void DelaunayTetrahedralization::FindCavity(const Point3& p, TetrahedronIndex st
 
 // One tetrahedron per facet of the rim. Corner 3 is v, the others are those of the facet.
 void DelaunayTetrahedralization::FillCavityFrom(VertexIndex v) {
-  created_.clear();
-  deleted_.clear();
-  deleted_tags_.clear();
-  for (std::size_t i = 0; i < rim_.size(); ++i) created_.push_back(Allocate());
-  for (std::size_t i = 0; i < rim_.size(); ++i) {
+  const std::size_t count = rim_.size();
+  Allocate(count);
+  for (std::size_t i = 0; i < count; ++i) {
     const auto [inside, outside] = rim_[i];
     const auto& corners = tetrahedra_[inside >> 2].v;
     const auto& [a, b, c] = kFacet[inside & 3];
     Make(created_[i], {corners[a], corners[b], corners[c], v});
-    tetrahedra_[created_[i]].opposite = {kNone, kNone, kNone, kNone};
     Link(ToCode(created_[i], 3), outside);
   }
-  for (std::uint32_t i = 0; i < rim_.size(); ++i) LinkAroundRim(i);
-  for (const TetrahedronIndex t : cavity_) Delete(t);
+  // The rim is a sphere of triangles.
+  if (count / 2 + 2 <= kMaxTableVertices) {
+    LinkByTable();
+  } else {
+    for (const TetrahedronIndex t : created_) {
+      for (std::size_t i = 0; i < 3; ++i) tetrahedra_[t].opposite[i] = kNone;
+    }
+    for (std::uint32_t i = 0; i < count; ++i) LinkAroundRim(i);
+  }
+  Delete(cavity_);
 }
 
-// Links the new tetrahedron on a facet of the rim with its neighbours: turns inside the
+// Links the new tetrahedra with each other: their facets on v stand in a table by the
+// directed edge that they have on the rim. Each edge is there in both directions, so
+// everything that is read has just been written.
+void DelaunayTetrahedralization::LinkByTable() {
+  const std::size_t count = created_.size();
+  edge_entries_.resize(count);
+  Tetrahedron* const tetrahedra = tetrahedra_.data();
+  Place* const places = places_.data();
+  const TetrahedronIndex* const created = created_.data();
+  std::array<std::uint32_t, 3>* const entries = edge_entries_.data();
+  Code* const edges = edges_.data();
+  std::array<VertexIndex, kMaxTableVertices> numbered;
+  std::uint32_t vertices = 0, infinite_number = kNone;
+  const auto number = [&](VertexIndex u) {
+    std::uint32_t& n = u == kInfinite ? infinite_number : places[u].number;
+    if (n == kNone) {
+      numbered[vertices] = u;
+      n = vertices++;
+    }
+    return n;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const TetrahedronIndex t = created[i];
+    const std::array<VertexIndex, 4>& v = tetrahedra[t].v;
+    const std::uint32_t a = number(v[0]), b = number(v[1]), c = number(v[2]);
+    edges[b * kMaxTableVertices + c] = ToCode(t, 0);
+    edges[c * kMaxTableVertices + a] = ToCode(t, 1);
+    edges[a * kMaxTableVertices + b] = ToCode(t, 2);
+    entries[i] = {c * kMaxTableVertices + b, a * kMaxTableVertices + c, b * kMaxTableVertices + a};
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    Code* const opposite = tetrahedra[created[i]].opposite.data();
+    for (std::size_t k = 0; k < 3; ++k) opposite[k] = edges[entries[i][k]];
+  }
+  for (std::uint32_t i = 0; i < vertices; ++i) {
+    if (numbered[i] != kInfinite) places[numbered[i]].number = kNone;
+  }
+}
+
+// The same for one of them on a rim of any size, 7 % of an insertion slower: turns inside the
 // cavity about each edge of the facet, until the next facet of the rim. All turns together
 // are at most six for each tetrahedron of the cavity.
 void DelaunayTetrahedralization::LinkAroundRim(std::uint32_t number) {

@@ -184,7 +184,8 @@ class DelaunayTetrahedralization {
 
   struct Place {
     geometry::Point3 point;
-    Code incident = kNone;  // some corner
+    Code incident = kNone;         // some corner
+    std::uint32_t number = kNone;  // of the vertex on the rim, while that is linked
   };
 
   // A facet of a cavity's surface, by the corners on both sides.
@@ -204,15 +205,17 @@ class DelaunayTetrahedralization {
   // Starts over with one positively oriented tetrahedron.
   void StartFrom(const std::array<VertexIndex, 4>& v, const std::array<geometry::Point3, 4>& p);
   void AddVertex(VertexIndex v, const geometry::Point3& p);
-  TetrahedronIndex Allocate();
+  // Makes created_ so many unused tetrahedra.
+  void Allocate(std::size_t count);
   // Sets vertices, sphere, tag, incidences and counts; links remain to be set.
   void Make(TetrahedronIndex t, const std::array<VertexIndex, 4>& v);
-  // Reports t as deleted and frees it.
-  void Delete(TetrahedronIndex t);
+  // Reports them as deleted and frees them.
+  void Delete(std::span<const TetrahedronIndex> all);
 
   // Fills cavity_ with the tetrahedra in conflict with p and rim_ with the facets around.
   void FindCavity(const geometry::Point3& p, TetrahedronIndex start);
   void FillCavityFrom(VertexIndex v);
+  void LinkByTable();
   void LinkAroundRim(std::uint32_t number);
 
   // Removal, in delaunay_tetrahedralization_removal.cc.
@@ -239,6 +242,9 @@ class DelaunayTetrahedralization {
   // Kept from call to call so that none allocates.
   std::vector<TetrahedronIndex> cavity_;
   std::vector<RimFacet> rim_;
+  static constexpr std::uint32_t kMaxTableVertices = 32;
+  std::array<Code, kMaxTableVertices * kMaxTableVertices> edges_;
+  std::vector<std::array<std::uint32_t, 3>> edge_entries_;
   struct Hole;  // what removals keep
   struct DeleteHole {
     void operator()(Hole* hole) const;

@@ -62,10 +62,9 @@ void DelaunayTetrahedralization::Remove(VertexIndex v) {
     }
   }
   TriangulateLink(v);
-  created_.clear();
-  deleted_.clear();
-  deleted_tags_.clear();
-  for (const auto [t] : hole.star.keys()) Delete(t);
+  cavity_.clear();
+  for (const auto [t] : hole.star.keys()) cavity_.push_back(t);
+  Delete(cavity_);
   places_[v].incident = kNone;
   --vertex_count_;
   FillHole();
@@ -120,10 +119,8 @@ void DelaunayTetrahedralization::FillHole() {
     return u == kInfinite ? kInfinite : hole_->vertices.keys()[u][0];
   };
   // Number in link.cavity_, then in created_, remembered in the tag.
-  for (std::uint32_t n = 0; n < link.cavity_.size(); ++n) {
-    hole_->link.set_tag(link.cavity_[n], n);
-    created_.push_back(Allocate());
-  }
+  Allocate(link.cavity_.size());
+  for (std::uint32_t n = 0; n < created_.size(); ++n) hole_->link.set_tag(link.cavity_[n], n);
   assert(link.rim_.size() == hole_->outside.size());
   for (std::size_t n = 0; n < link.cavity_.size(); ++n) {
     const Tetrahedron& source = link.tetrahedra_[link.cavity_[n]];
