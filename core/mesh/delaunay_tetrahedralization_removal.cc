@@ -144,8 +144,8 @@ void DelaunayTetrahedralization::FillHole() {
 
 std::size_t DelaunayTetrahedralization::bytes() const {
   std::size_t sum =
-      tetrahedra_.size() * sizeof(Tetrahedron) + tags_.size() * sizeof(std::uint64_t) +
-      places_.size() * sizeof(Place) + free_.capacity() * sizeof(TetrahedronIndex) +
+      tetrahedra_.capacity() * sizeof(Tetrahedron) + tags_.capacity() * sizeof(std::uint64_t) +
+      places_.capacity() * sizeof(Place) + free_.capacity() * sizeof(TetrahedronIndex) +
       created_.capacity() * sizeof(TetrahedronIndex) +
       deleted_.capacity() * (sizeof(deleted_[0]) + sizeof(deleted_tags_[0])) +
       cavity_.capacity() * sizeof(TetrahedronIndex) + rim_.capacity() * sizeof(RimFacet);

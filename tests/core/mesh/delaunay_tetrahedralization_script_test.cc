@@ -129,7 +129,7 @@ class TetrahedralizationScript : public ::testing::TestWithParam<Layout> {};
 
 TEST_P(TetrahedralizationScript, SmallSetsAreDelaunayByDefinitionAfterEveryOperation) {
   const std::uint64_t seed = NewSeed();
-  for (std::uint64_t round = 0; round < 30; ++round) {
+  for (std::uint64_t round = 0; round < 20; ++round) {
     SCOPED_TRACE("seed " + std::to_string(seed) + " round " + std::to_string(round));
     Script script(seed + round);
     LayoutSource source(GetParam(), seed + round);
@@ -145,7 +145,7 @@ TEST_P(TetrahedralizationScript, SmallSetsAreDelaunayByDefinitionAfterEveryOpera
 TEST_P(TetrahedralizationScript, MediumSetsEqualThoseFromScratchAfterEveryOperation) {
   const std::uint64_t seed = NewSeed();
   SCOPED_TRACE("seed " + std::to_string(seed));
-  for (std::uint64_t round = 0; round < 5; ++round) {
+  for (std::uint64_t round = 0; round < 3; ++round) {
     Script script(seed + round);
     LayoutSource source(GetParam(), seed + round);
     for (int step = 0; step < 240; ++step) {

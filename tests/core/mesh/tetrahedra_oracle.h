@@ -92,8 +92,8 @@ inline constexpr Point3 kHigh{{2, 5, 2}};
 inline std::vector<Point3> Corners() {
   std::vector<Point3> corners;
   for (unsigned i = 0; i < 8; ++i) {
-    corners.push_back({{(i & 1 ? kHigh : kLow)[0], (i & 2 ? kHigh : kLow)[1],
-                        (i & 4 ? kHigh : kLow)[2]}});
+    corners.push_back(
+        {{(i & 1 ? kHigh : kLow)[0], (i & 2 ? kHigh : kLow)[1], (i & 4 ? kHigh : kLow)[2]}});
   }
   return corners;
 }
