@@ -328,9 +328,9 @@ void DelaunayTetrahedralization::LinkByTable() {
   }
 }
 
-// The same for one of them on a rim of any size, 7 % of an insertion slower: turns inside the
-// cavity about each edge of the facet, until the next facet of the rim. All turns together
-// are at most six for each tetrahedron of the cavity.
+// The same for one of them on a rim of any size; an insertion would take a third longer: turns
+// inside the cavity about each edge of the facet, until the next facet of the rim. All turns
+// together are at most six for each tetrahedron of the cavity.
 void DelaunayTetrahedralization::LinkAroundRim(std::uint32_t number) {
   const TetrahedronIndex made = created_[number];
   const Corner start = ToCorner(rim_[number].inside);

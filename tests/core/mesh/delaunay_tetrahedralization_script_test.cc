@@ -73,8 +73,7 @@ class Script {
   }
 
   void ExpectSound() const {
-    std::string why;
-    ASSERT_TRUE(dt_.Check(&why)) << why;
+    ASSERT_NO_FATAL_FAILURE(testing::ExpectSound(dt_));
     ASSERT_EQ(dt_.vertex_count(), present_.size());
     std::set<IndexTetrahedron> actual;
     std::size_t finite = 0;
@@ -86,7 +85,7 @@ class Script {
     ASSERT_EQ(actual, told_);
   }
 
-  // The same points from scratch, each near a random other, in another order.
+  // The same points from scratch, in another order.
   void ExpectEqualsScratch() {
     auto points = this->points();
     std::shuffle(points.begin(), points.end(), random_);

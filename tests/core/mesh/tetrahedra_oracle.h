@@ -3,6 +3,8 @@
 #ifndef DYNMESH_TESTS_CORE_MESH_TETRAHEDRA_ORACLE_H_
 #define DYNMESH_TESTS_CORE_MESH_TETRAHEDRA_ORACLE_H_
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -209,6 +211,11 @@ inline DelaunayTetrahedralization Tetrahedralize(const std::vector<Point3>& poin
   DelaunayTetrahedralization dt = EmptyBox();
   dt.InsertAll(IndicesFrom8(points.size()), points);
   return dt;
+}
+
+inline void ExpectSound(const DelaunayTetrahedralization& dt) {
+  std::string why;
+  ASSERT_TRUE(dt.Check(&why)) << why;
 }
 
 }  // namespace dynmesh::mesh::testing
