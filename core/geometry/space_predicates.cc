@@ -9,6 +9,9 @@
 namespace dynmesh::geometry::internal {
 
 int OrientationExact(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
+  for (int i = 0; i < 3; ++i) {
+    if (a[i] == b[i] && a[i] == c[i] && a[i] == d[i]) return 0;  // as on a face of a box
+  }
   return SignOf({&a, &b, &c, &d}, [&](auto n, int exponent) {
     using V = Vector<n(), 3>;
     return TripleProduct(V(a, b, exponent), V(a, c, exponent), V(a, d, exponent)).Sign();

@@ -1,25 +1,11 @@
 // The checker of DelaunayTriangulation: every invariant by its definition, for tests.
-#include <algorithm>
-#include <sstream>
-
 #include "core/geometry/predicates.h"
+#include "core/mesh/check_failure.h"
 #include "core/mesh/delaunay_triangulation.h"
 
 namespace dynmesh::mesh {
 
 using geometry::Point2;
-
-namespace {
-
-template <class... Parts>
-bool Fail(std::string* why, const Parts&... parts) {
-  std::ostringstream text;
-  (text << ... << parts);
-  *why = text.str();
-  return false;
-}
-
-}  // namespace
 
 bool DelaunayTriangulation::Check(std::string* why) const {
   std::size_t infinite = 0, unused = 0;

@@ -8,15 +8,17 @@
 #include <limits>
 #include <utility>
 
+#include "core/mesh/hilbert_curve.h"
+
 namespace dynmesh::mesh {
 namespace {
 
-using geometry::Point2;
+using geometry::Point;
 
 // A point belongs to one of the earlier rounds with probability 2^-kRoundBits.
 constexpr int kRoundBits = 4;
 constexpr int kMaxRounds = 15;
-constexpr int kMaxLevels = 14;  // 28 bits of key, and 4 for the round
+constexpr int kKeyBits = 28;  // and 4 for the round
 constexpr std::size_t kSmallRun = 8;
 
 struct Keyed {
@@ -40,61 +42,50 @@ void RadixSort(std::vector<Keyed>* keyed, int key_bits) {
   }
 }
 
-// How far along the Hilbert curve through a square of 2^levels cells a side (x, y) is.
-std::uint32_t HilbertKey(std::uint32_t x, std::uint32_t y, int levels) {
-  std::uint32_t key = 0;
-  for (int s = levels - 1; s >= 0; --s) {
-    const std::uint32_t in_x = (x >> s) & 1;
-    const std::uint32_t in_y = (y >> s) & 1;
-    key = key << 2 | ((3 * in_x) ^ in_y);
-    // In the lower quadrants the curve is the whole curve with x and y exchanged, on the
-    // right also turned round; change the coordinates instead of the curve.
-    const std::uint32_t exchange = in_y == 0 ? x ^ y : 0;
-    const std::uint32_t turn = in_y == 0 ? 0 - in_x : 0;
-    x ^= exchange ^ turn;
-    y ^= exchange ^ turn;
-  }
-  return key;
-}
-
 // Round 0 is inserted first.
-std::uint32_t RoundOf(const Point2& p) {
+template <int D>
+std::uint32_t RoundOf(const Point<D>& p) {
   const int zeros = std::countr_zero(geometry::HashOf(p));
   return static_cast<std::uint32_t>(kMaxRounds - std::min(kMaxRounds, zeros / kRoundBits));
 }
 
-// The square around some points, with about as many cells as there are points.
+// The square (cube) around some points, with at least as many cells as there are points.
+template <int D>
 struct Frame {
-  Point2 low;
+  Point<D> low;
   double scale;  // 0 if they have no extent
   int levels;
 
-  Frame(std::span<const Point2> points, std::span<const Keyed> run) {
+  Frame(std::span<const Point<D>> points, std::span<const Keyed> run) {
     constexpr double kHuge = std::numeric_limits<double>::infinity();
-    low = {{kHuge, kHuge}};
-    Point2 high{{-kHuge, -kHuge}};
+    Point<D> high;
+    low.c.fill(kHuge);
+    high.c.fill(-kHuge);
     for (const Keyed& k : run) {
-      const Point2& p = points[k.index];
-      for (int i = 0; i < 2; ++i) {
+      const Point<D>& p = points[k.index];
+      for (int i = 0; i < D; ++i) {
         low[i] = std::min(low[i], p[i]);
         high[i] = std::max(high[i], p[i]);
       }
     }
-    levels = std::min(kMaxLevels, static_cast<int>(std::bit_width(run.size())) / 2 + 2);
-    const double side = std::max(high[0] - low[0], high[1] - low[1]);
+    levels = std::min(kKeyBits / D, static_cast<int>(std::bit_width(run.size())) / D + 2);
+    double side = 0;
+    for (int i = 0; i < D; ++i) side = std::max(side, high[i] - low[i]);
     scale = side > 0 ? std::ldexp(1, levels) * (1 - 0x1p-40) / side : 0;
   }
 
-  std::uint32_t Key(const Point2& p) const {
-    return HilbertKey(static_cast<std::uint32_t>((p[0] - low[0]) * scale),
-                      static_cast<std::uint32_t>((p[1] - low[1]) * scale), levels);
+  std::uint32_t Key(const Point<D>& p) const {
+    std::array<std::uint32_t, D> cell;
+    for (int i = 0; i < D; ++i) cell[i] = static_cast<std::uint32_t>((p[i] - low[i]) * scale);
+    return HilbertCurve<D>::Key(cell, levels);
   }
 };
 
 // Orders every long run of equal keys along a curve of its own frame, and so on. The two
 // extreme points of a run fall into different cells, so runs get shorter; as each frame
 // is a fraction of the one before, the depth is bounded by the exponents of doubles.
-void RefineRuns(std::span<const Point2> points, std::span<Keyed> sorted) {
+template <int D>
+void RefineRuns(std::span<const Point<D>> points, std::span<Keyed> sorted) {
   std::vector<std::span<Keyed>> pending = {sorted};
   while (!pending.empty()) {
     const std::span<Keyed> part = pending.back();
@@ -103,7 +94,7 @@ void RefineRuns(std::span<const Point2> points, std::span<Keyed> sorted) {
       while (j < part.size() && part[j].key == part[i].key) ++j;
       const std::span<Keyed> run = part.subspan(i, j - i);
       if (run.size() <= kSmallRun) continue;
-      const Frame frame(points, run);
+      const Frame<D> frame(points, run);
       if (frame.scale == 0) continue;
       for (Keyed& k : run) k.key = frame.Key(points[k.index]);
       std::sort(run.begin(), run.end());
@@ -112,22 +103,30 @@ void RefineRuns(std::span<const Point2> points, std::span<Keyed> sorted) {
   }
 }
 
-}  // namespace
-
-std::vector<std::uint32_t> InsertOrder(std::span<const Point2> points) {
+template <int D>
+std::vector<std::uint32_t> OrderOf(std::span<const Point<D>> points) {
   std::vector<Keyed> keyed(points.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) keyed[i].index = i;
-  const Frame frame(points, keyed);
+  const Frame<D> frame(points, keyed);
   for (Keyed& k : keyed) {
-    const Point2& p = points[k.index];
-    k.key = RoundOf(p) << (2 * frame.levels) | frame.Key(p);
+    const Point<D>& p = points[k.index];
+    k.key = RoundOf(p) << (D * frame.levels) | frame.Key(p);
   }
-  RadixSort(&keyed, 2 * frame.levels + 4);
-  RefineRuns(points, keyed);
+  RadixSort(&keyed, D * frame.levels + 4);
+  RefineRuns(points, std::span(keyed));
   std::vector<std::uint32_t> order;
   order.reserve(keyed.size());
   for (const Keyed& k : keyed) order.push_back(k.index);
   return order;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point2> points) {
+  return OrderOf(points);
+}
+std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point3> points) {
+  return OrderOf(points);
 }
 
 }  // namespace dynmesh::mesh

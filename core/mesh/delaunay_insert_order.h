@@ -17,6 +17,7 @@ namespace dynmesh::mesh {
 // included. Within a round they go along a Hilbert curve, so that each is near the one
 // before; where many share one of the curve's cells, along a finer curve of their own.
 std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point2> points);
+std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point3> points);
 
 }  // namespace dynmesh::mesh
 

@@ -354,8 +354,23 @@ TEST(DelaunayInsertOrder, IsAPermutationThatIgnoresTheOrderOfTheList) {
     for (std::uint32_t i = 0; i < points.size(); ++i) ASSERT_EQ(sorted[i], i);
     ASSERT_EQ(sorted.size(), points.size());
   }
-  EXPECT_TRUE(InsertOrder({}).empty());
+  EXPECT_TRUE(InsertOrder(std::span<const Point2>{}).empty());
   EXPECT_EQ(InsertOrder(std::vector<Point2>(50, Point2{{1, 1}})).size(), 50u);
+}
+
+TEST(DelaunayInsertOrder, IsAPermutationInSpaceToo) {
+  std::mt19937_64 random(NewSeed());
+  std::vector<geometry::Point3> points;
+  for (int i = 0; i < 3000; ++i) {
+    const double scale = i % 3 == 0 ? 1 : 0x1p-60;
+    geometry::Point3 p;
+    for (double& x : p.c) x = scale * static_cast<double>(random() % 1000);
+    points.push_back(p);
+  }
+  auto order = InsertOrder(points);
+  std::sort(order.begin(), order.end());
+  ASSERT_EQ(order.size(), points.size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) ASSERT_EQ(order[i], i);
 }
 
 // Successive points are near each other, in clusters within clusters far below the first

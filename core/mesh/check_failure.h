@@ -1,0 +1,21 @@
+// How the checkers of triangulations say what is wrong. For core/mesh only.
+#ifndef DYNMESH_CORE_MESH_CHECK_FAILURE_H_
+#define DYNMESH_CORE_MESH_CHECK_FAILURE_H_
+
+#include <sstream>
+#include <string>
+
+namespace dynmesh::mesh {
+
+// Sets *why to the parts, one after the other; false.
+template <class... Parts>
+bool Fail(std::string* why, const Parts&... parts) {
+  std::ostringstream text;
+  (text << ... << parts);
+  *why = text.str();
+  return false;
+}
+
+}  // namespace dynmesh::mesh
+
+#endif  // DYNMESH_CORE_MESH_CHECK_FAILURE_H_

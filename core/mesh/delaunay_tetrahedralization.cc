@@ -1,0 +1,384 @@
+// Construction, point location and insertion; removal and checks have files of their own.
+//
+// Why insertion is right whatever the degeneracy. InSphere decides as if each place had,
+// besides |x|^2, a fixed infinitesimal height of its own. So the finite tetrahedra are the
+// regular triangulation T(S) of the set S with generic heights: unique, without flat
+// tetrahedra, all of S being vertices since |x|^2 is strictly convex; in any plane that
+// supports the hull it is the regular triangulation of the points in that plane with the
+// same heights. Close T(S) to a triangulated 3-sphere with kInfinite. What p unmakes must
+// then be what T(S) has and T(S + p) has not:
+//  * A finite tetrahedron goes iff InSphere holds of it and p.
+//  * The infinite one on hull facet f goes iff f is no facet of the new hull. If p is
+//    strictly beyond f, it goes; if p is strictly on the inner side, it stays. If p is in the
+//    plane of f, this plane supports the new hull as well, and f stays iff it stays in the
+//    planar regular triangulation there. For any d off the plane, the in-sphere determinant
+//    of f, d and p is the in-circle determinant of f and p in the plane times the distance
+//    of d, and in its ties the coefficient of d is the volume of f and p, which is zero,
+//    the others' not all. So InSphere of f, d and p does not depend on d and is the planar
+//    decision: that of the finite tetrahedron on the other side of f.
+// Both spheres have the rest in common, so what goes is the inside of the star of p in the
+// new one: a ball without inner vertices, connected through its facets, whose surface is the
+// link of p. Joining p to its surface gives just T(S + p), where nothing is flat. p may be
+// outside the hull; so a box can start from any four of its corners.
+#include "core/mesh/delaunay_tetrahedralization.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+#include "core/geometry/space_predicates.h"
+#include "core/mesh/delaunay_insert_order.h"
+
+namespace dynmesh::mesh {
+
+using geometry::Point3;
+
+void DelaunayTetrahedralization::Reset(const Point3& lo, const Point3& hi,
+                                       const std::array<VertexIndex, 8>& corners) {
+  assert(lo[0] < hi[0] && lo[1] < hi[1] && lo[2] < hi[2]);
+  const auto place = [&](unsigned i) {
+    return Point3{{(i & 1 ? hi : lo)[0], (i & 2 ? hi : lo)[1], (i & 4 ? hi : lo)[2]}};
+  };
+  StartFrom({corners[0], corners[1], corners[2], corners[4]},
+            {place(0), place(1), place(2), place(4)});
+  for (const unsigned i : {3, 5, 6, 7}) Insert(corners[i], place(i), corners[0]);
+  corners_ = corners;
+  created_.clear();
+  deleted_.clear();
+  deleted_tags_.clear();
+}
+
+void DelaunayTetrahedralization::StartFrom(const std::array<VertexIndex, 4>& v,
+                                           const std::array<Point3, 4>& p) {
+  assert(geometry::Orientation(p[0], p[1], p[2], p[3]) > 0);
+  tetrahedra_.clear();
+  tags_.clear();
+  places_.clear();
+  free_.clear();
+  vertex_count_ = 0;
+  infinite_count_ = 0;
+  for (std::size_t i = 0; i < 4; ++i) AddVertex(v[i], p[i]);
+  Allocate(5);
+  Make(0, v);
+  // Across facet i is tetrahedron i + 1: the same corners, two of them exchanged to turn it
+  // round, with kInfinite in place of corner i.
+  for (int i = 0; i < 4; ++i) {
+    std::array<VertexIndex, 4> outside = v;
+    const int j = i ^ 1;
+    outside[j] = kInfinite;
+    outside[i] = v[j];
+    Make(static_cast<TetrahedronIndex>(i + 1), outside);
+  }
+  for (int i = 0; i < 4; ++i) {
+    const auto t = static_cast<TetrahedronIndex>(i + 1);
+    Link(ToCode(0, i), ToCode(t, i ^ 1));
+    // Two infinite ones share the facet of infinity and the edge of v without i and k.
+    for (int k = 0; k < i; ++k) {
+      const auto other = static_cast<TetrahedronIndex>(k + 1);
+      Link(ToCode(t, tetrahedra_[t].CornerOf(v[k])),
+           ToCode(other, tetrahedra_[other].CornerOf(v[i])));
+    }
+  }
+}
+
+void DelaunayTetrahedralization::Reserve(std::size_t vertices) {
+  places_.reserve(vertices);
+  tetrahedra_.reserve(7 * vertices);
+  tags_.reserve(7 * vertices);
+}
+
+void DelaunayTetrahedralization::AddVertex(VertexIndex v, const Point3& p) {
+  if (v >= places_.size()) places_.resize(v + std::size_t{1});
+  places_[v].point = p;
+  ++vertex_count_;
+}
+
+void DelaunayTetrahedralization::Allocate(std::size_t count) {
+  created_.resize(count);
+  const std::size_t reused = std::min(count, free_.size());
+  std::copy(free_.end() - static_cast<std::ptrdiff_t>(reused), free_.end(), created_.begin());
+  free_.resize(free_.size() - reused);
+  if (reused == count) return;
+  std::iota(created_.begin() + static_cast<std::ptrdiff_t>(reused), created_.end(),
+            tetrahedron_limit());
+  tetrahedra_.resize(tetrahedra_.size() + count - reused);
+  tags_.resize(tetrahedra_.size());
+}
+
+void DelaunayTetrahedralization::Make(TetrahedronIndex t, const std::array<VertexIndex, 4>& v) {
+  Tetrahedron& tetrahedron = tetrahedra_[t];
+  tetrahedron.v = v;
+  tags_[t] = 0;
+  if (tetrahedron.HasInfinite()) {
+    SetNoSphere(&tetrahedron);
+    ++infinite_count_;
+    for (int i = 0; i < 4; ++i) {
+      (v[i] == kInfinite ? infinite_incident_ : places_[v[i]].incident) = ToCode(t, i);
+    }
+  } else {
+    SetSphere(&tetrahedron, places_[v[0]].point, places_[v[1]].point, places_[v[2]].point,
+              places_[v[3]].point);
+    for (int i = 0; i < 4; ++i) places_[v[i]].incident = ToCode(t, i);
+  }
+}
+
+void DelaunayTetrahedralization::Delete(std::span<const TetrahedronIndex> all) {
+  deleted_.resize(all.size());
+  deleted_tags_.resize(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    Tetrahedron& t = tetrahedra_[all[i]];
+    deleted_[i] = t.v;
+    deleted_tags_[i] = tags_[all[i]];
+    infinite_count_ -= t.HasInfinite();
+    t.v.fill(kInfinite);
+  }
+  free_.insert(free_.end(), all.begin(), all.end());
+}
+
+void DelaunayTetrahedralization::SetNoSphere(Tetrahedron* t) {
+  t->center = {0, 0, 0};
+  t->low = kNoLow;
+  t->high = kNoHigh;
+}
+
+// The error of the cached sphere, u = 2^-53, to first order in u. About d, with p = b - d,
+// q = a - d, s = c - d, volume v = p.(q x s), N = p^2 (q x s) + q^2 (s x p) + s^2 (p x q),
+// the center is w = N / 2v, its length the radius R; k = |p||q||s| / v >= 1.
+//   |q_i s_j| + |q_j s_i| over the three i, j is a vector no longer than sqrt 2 |q||s|. So v
+// errs by 8u of its terms, 11.4 u k of itself; N by 12u of its terms, that is by
+// 17 u |p||q||s| (|p|+|q|+|s|), which in w is 8.5 u k (|p|+|q|+|s|) <= 51 u k R. Dividing adds
+// 2u. In all |dw| <= 65 u k R. Adding d rounds by m u, m the sum of |center|: the center
+// errs by at most e = 65 u k R + m u.
+//   A test compares the computed |x - center|^2, with a relative error of 5u, to a bound. It
+// grows with the true distance from the true center but for these errors: so an x outside
+// comes to at least R^2 - 2 R e - 5 u R^2, one inside to at most R^2 + 2 R e + e^2 + 5 u R^2.
+// The computed R^2 errs by 2 R (65 u k R) + 5 u R^2. Together 270 u k R^2 + 2 u R m. Taken are
+// 340 and 3: the quarter more covers the terms of second order as long as the whole is
+// below R^2 / 4; beyond, the sphere is declared useless. R is bounded by the sum of |w|.
+//   Bounds are kept as floats, moved outwards by more than their rounding, if far from
+// where floats end. Overflow, underflow and cancelled v end as NaNs or there: useless.
+void DelaunayTetrahedralization::SetSphere(Tetrahedron* t, const Point3& a, const Point3& b,
+                                           const Point3& c, const Point3& d) {
+  constexpr double kRoundoff = 0x1p-53;
+  constexpr double kLeast = 0x1p-100, kMost = 0x1p100;
+  const double px = b[0] - d[0], py = b[1] - d[1], pz = b[2] - d[2];
+  const double qx = a[0] - d[0], qy = a[1] - d[1], qz = a[2] - d[2];
+  const double sx = c[0] - d[0], sy = c[1] - d[1], sz = c[2] - d[2];
+  const double p2 = px * px + py * py + pz * pz;
+  const double q2 = qx * qx + qy * qy + qz * qz;
+  const double s2 = sx * sx + sy * sy + sz * sz;
+  const double ux = qy * sz - qz * sy, uy = qz * sx - qx * sz, uz = qx * sy - qy * sx;
+  const double volume = px * ux + py * uy + pz * uz;
+  const double scale = 0.5 / volume;
+  const double wx = (p2 * ux + q2 * (sy * pz - sz * py) + s2 * (py * qz - pz * qy)) * scale;
+  const double wy = (p2 * uy + q2 * (sz * px - sx * pz) + s2 * (pz * qx - px * qz)) * scale;
+  const double wz = (p2 * uz + q2 * (sx * py - sy * px) + s2 * (px * qy - py * qx)) * scale;
+  const double r2 = wx * wx + wy * wy + wz * wz;
+  t->center = {d[0] + wx, d[1] + wy, d[2] + wz};
+  const double m = std::fabs(t->center[0]) + std::fabs(t->center[1]) + std::fabs(t->center[2]);
+  const double radius = std::fabs(wx) + std::fabs(wy) + std::fabs(wz);
+  const double k = 2 * std::sqrt(p2 * q2 * s2) * scale;
+  const double error = kRoundoff * (340 * k * r2 + 3 * radius * m);
+  // A negative scale makes the first term negative; it must not pass either.
+  const bool useful = scale > 0 && error < 0.25 * r2 && r2 > kLeast && r2 < kMost;
+  constexpr double kOutwards = 0x1p-22;
+  t->low = useful ? static_cast<float>((r2 - error) * (1 - kOutwards)) : kNoLow;
+  t->high = useful ? static_cast<float>((r2 + error) * (1 + kOutwards)) : kNoHigh;
+}
+
+bool DelaunayTetrahedralization::ConflictsExactly(const Tetrahedron& t, const Point3& p) const {
+  const auto place = [&](int i) -> const Point3& { return places_[t.v[i]].point; };
+  if (!t.HasInfinite()) return geometry::InSphere(place(0), place(1), place(2), place(3), p);
+  const int infinite = t.InfiniteCorner();
+  const auto& [i, j, k] = kFacet[infinite];
+  const int side = geometry::Orientation(place(i), place(j), place(k), p);
+  if (side != 0) return side > 0;
+  const Tetrahedron& across = tetrahedra_[t.opposite[infinite] >> 2];
+  return across.IsMarked() || Conflicts(t.opposite[infinite] >> 2, p);
+}
+
+// The visibility walk: over any facet that has p strictly beyond. In a Delaunay
+// triangulation (of a lifted set, so with ties broken too) it cannot cycle: the power of
+// p falls with each step.
+DelaunayTetrahedralization::TetrahedronIndex DelaunayTetrahedralization::LocateFrom(
+    const Point3& p, TetrahedronIndex start) const {
+  TetrahedronIndex at = start;
+  int entry = -1;
+  if (const Tetrahedron& t = tetrahedra_[at]; t.HasInfinite()) {
+    const Corner across = ToCorner(t.opposite[t.InfiniteCorner()]);
+    at = across.tetrahedron;
+  }
+  while (true) {
+    const Tetrahedron& t = tetrahedra_[at];
+    int exit = -1;
+    for (int i = 0; i < 4 && exit < 0; ++i) {
+      if (i == entry) continue;
+      const auto& [a, b, c] = kFacet[i];
+      if (geometry::Orientation(places_[t.v[a]].point, places_[t.v[b]].point, places_[t.v[c]].point,
+                                p) < 0) {
+        exit = i;
+      }
+    }
+    if (exit < 0) return at;
+    const Corner across = ToCorner(t.opposite[exit]);
+    at = across.tetrahedron;
+    entry = across.index;
+    if (tetrahedra_[at].HasInfinite()) return at;
+  }
+}
+
+void DelaunayTetrahedralization::InsertAt(VertexIndex v, const Point3& p,
+                                          TetrahedronIndex conflicting) {
+  assert(!Contains(v) && v < kInfinite / 2);
+  assert(Conflicts(conflicting, p));
+  AddVertex(v, p);
+  FindCavity(p, conflicting);
+  FillCavityFrom(v);
+}
+
+// Breadth first; the cavity is its own queue. Afterwards its tetrahedra have numbers of rim
+// facets for neighbours outside.
+void DelaunayTetrahedralization::FindCavity(const Point3& p, TetrahedronIndex start) {
+  cavity_.clear();
+  rim_.clear();
+  cavity_.push_back(start);
+  Tetrahedron* const tetrahedra = tetrahedra_.data();
+  tetrahedra[start].Mark();
+  for (std::size_t next = 0; next < cavity_.size(); ++next) {
+    const TetrahedronIndex from = cavity_[next];
+    for (int i = 0; i < 4; ++i) {
+      const Code code = tetrahedra[from].opposite[i];
+      Tetrahedron& t = tetrahedra[code >> 2];
+      const double distance = t.SquaredDistance(p);
+      if (!(distance > t.high)) {  // or not a number
+        if (t.IsMarked()) continue;
+        if (distance < t.low || ConflictsExactly(t, p)) {
+          t.Mark();
+          cavity_.push_back(code >> 2);
+          for (const Code c : t.opposite) __builtin_prefetch(&tetrahedra[c >> 2]);
+          continue;
+        }
+      }
+      tetrahedra[from].opposite[i] = kRim | static_cast<Code>(rim_.size());
+      rim_.push_back({ToCode(from, i), code});
+    }
+  }
+}
+
+// One tetrahedron per facet of the rim. Corner 3 is v, the others are those of the facet.
+void DelaunayTetrahedralization::FillCavityFrom(VertexIndex v) {
+  const std::size_t count = rim_.size();
+  Allocate(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto [inside, outside] = rim_[i];
+    const auto& corners = tetrahedra_[inside >> 2].v;
+    const auto& [a, b, c] = kFacet[inside & 3];
+    Make(created_[i], {corners[a], corners[b], corners[c], v});
+    Link(ToCode(created_[i], 3), outside);
+  }
+  // The rim is a sphere of triangles.
+  if (count / 2 + 2 <= kMaxTableVertices) {
+    LinkByTable();
+  } else {
+    for (const TetrahedronIndex t : created_) {
+      for (std::size_t i = 0; i < 3; ++i) tetrahedra_[t].opposite[i] = kNone;
+    }
+    for (std::uint32_t i = 0; i < count; ++i) LinkAroundRim(i);
+  }
+  Delete(cavity_);
+}
+
+// Links the new tetrahedra with each other: their facets on v stand in a table by the
+// directed edge that they have on the rim. Each edge is there in both directions, so
+// everything that is read has just been written.
+void DelaunayTetrahedralization::LinkByTable() {
+  const std::size_t count = created_.size();
+  edge_entries_.resize(count);
+  Tetrahedron* const tetrahedra = tetrahedra_.data();
+  Place* const places = places_.data();
+  const TetrahedronIndex* const created = created_.data();
+  std::array<std::uint32_t, 3>* const entries = edge_entries_.data();
+  Code* const edges = edges_.data();
+  std::array<VertexIndex, kMaxTableVertices> numbered;
+  std::uint32_t vertices = 0, infinite_number = kNone;
+  const auto number = [&](VertexIndex u) {
+    std::uint32_t& n = u == kInfinite ? infinite_number : places[u].number;
+    if (n == kNone) {
+      numbered[vertices] = u;
+      n = vertices++;
+    }
+    return n;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const TetrahedronIndex t = created[i];
+    const std::array<VertexIndex, 4>& v = tetrahedra[t].v;
+    const std::uint32_t a = number(v[0]), b = number(v[1]), c = number(v[2]);
+    edges[b * kMaxTableVertices + c] = ToCode(t, 0);
+    edges[c * kMaxTableVertices + a] = ToCode(t, 1);
+    edges[a * kMaxTableVertices + b] = ToCode(t, 2);
+    entries[i] = {c * kMaxTableVertices + b, a * kMaxTableVertices + c, b * kMaxTableVertices + a};
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    Code* const opposite = tetrahedra[created[i]].opposite.data();
+    for (std::size_t k = 0; k < 3; ++k) opposite[k] = edges[entries[i][k]];
+  }
+  for (std::uint32_t i = 0; i < vertices; ++i) {
+    if (numbered[i] != kInfinite) places[numbered[i]].number = kNone;
+  }
+}
+
+// The same for one of them on a rim of any size; an insertion would take a third longer: turns
+// inside the cavity about each edge of the facet, until the next facet of the rim. All turns
+// together are at most six for each tetrahedron of the cavity.
+void DelaunayTetrahedralization::LinkAroundRim(std::uint32_t number) {
+  const TetrahedronIndex made = created_[number];
+  const Corner start = ToCorner(rim_[number].inside);
+  for (int i = 0; i < 3; ++i) {
+    if (tetrahedra_[made].opposite[i] != kNone) continue;
+    // `third` is the corner that the facet to be crossed has beside the edge.
+    const Tetrahedron* t = &tetrahedra_[start.tetrahedron];
+    VertexIndex third = t->v[start.index];
+    Code code = t->opposite[kFacet[start.index][i]];
+    while ((code & kRim) == 0) {
+      t = &tetrahedra_[code >> 2];
+      const int exit = t->CornerOf(third);
+      third = t->v[code & 3];
+      code = t->opposite[exit];
+    }
+    const TetrahedronIndex other = created_[code & ~kRim];
+    Link(ToCode(made, i), ToCode(other, tetrahedra_[other].CornerOf(third)));
+  }
+}
+
+void DelaunayTetrahedralization::InsertAll(std::span<const VertexIndex> indices,
+                                           std::span<const Point3> points) {
+  assert(indices.size() == points.size());
+  if (!indices.empty()) {
+    const std::size_t limit = *std::max_element(indices.begin(), indices.end()) + std::size_t{1};
+    places_.reserve(limit);
+  }
+  tetrahedra_.reserve(tetrahedra_.size() + 7 * points.size());
+  tags_.reserve(tetrahedra_.size() + 7 * points.size());
+  TetrahedronIndex near = infinite_incident_ >> 2;
+  for (const std::uint32_t i : InsertOrder(points)) {
+    InsertAt(indices[i], points[i], LocateFrom(points[i], near));
+    near = created_[0];
+  }
+  created_.clear();
+  deleted_.clear();
+  deleted_tags_.clear();
+}
+
+void DelaunayTetrahedralization::TetrahedraAround(VertexIndex v, Star* star) const {
+  star->Clear();
+  star->Number({Around(v).tetrahedron});
+  for (std::size_t next = 0; next < star->keys().size(); ++next) {
+    const Tetrahedron& t = tetrahedra_[star->keys()[next][0]];
+    for (int i = 0; i < 4; ++i) {
+      if (t.v[i] != v) star->Number({t.opposite[i] >> 2});
+    }
+  }
+}
+
+}  // namespace dynmesh::mesh

@@ -1,0 +1,257 @@
+// The Delaunay tetrahedralisation of a changing set of points in space: exact, and unique
+// because ties are broken by coordinates (geometry/space_predicates.h). It is a function
+// of the point set alone, whatever order points came and went in, and has no flat
+// tetrahedron. The sibling in space of DelaunayTriangulation.
+//
+// The first eight points are the corners of a box that holds all others in its closed
+// inside. Further points may lie on the box's faces and edges; these may be removed like
+// any other, only the corners stay. Beyond the hull there is one symbolic vertex,
+// kInfinite, so that every facet has two tetrahedra.
+//
+// Topology stands apart from meaning: vertices are the caller's indices.
+// Movable. Thread-compatible. Insert costs O(tetrahedra that come and go) with a good hint,
+// Remove about as much as inserting all neighbours of the vertex. Neither allocates once
+// warm, but Remove where there are more than 64 neighbours. Memory is 72 bytes per
+// tetrahedron, of which there are some 6.8 per vertex, and 32 per vertex index.
+#ifndef DYNMESH_CORE_MESH_DELAUNAY_TETRAHEDRALIZATION_H_
+#define DYNMESH_CORE_MESH_DELAUNAY_TETRAHEDRALIZATION_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/huge_pages.h"
+#include "core/geometry/point.h"
+#include "core/mesh/number_table.h"
+
+namespace dynmesh::mesh {
+
+class DelaunayTetrahedralization {
+ public:
+  using VertexIndex = std::uint32_t;       // chosen by the caller, dense, below 2^31
+  using TetrahedronIndex = std::uint32_t;  // below 2^29
+  static constexpr VertexIndex kInfinite = ~VertexIndex{0};
+  static constexpr TetrahedronIndex kNone = ~TetrahedronIndex{0};
+
+  struct Corner {
+    TetrahedronIndex tetrahedron;
+    int index;  // the tetrahedron's vertex `index`, and the facet opposite to it
+    friend bool operator==(const Corner&, const Corner&) = default;
+  };
+
+  // The corners of facet i, opposite to corner i: they and i, in this order, turn as
+  // 0 1 2 3 do. So of a finite tetrahedron Orientation(they, x) > 0 if x is on its side.
+  static constexpr std::array<std::array<std::uint8_t, 3>, 4> kFacet = {
+      {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
+
+  // Starts over with the box between lo and hi, lo < hi in all coordinates. Its corners
+  // become vertices `corners`: bit k of i is set if corner i is high in coordinate k.
+  void Reset(const geometry::Point3& lo, const geometry::Point3& hi,
+             const std::array<VertexIndex, 8>& corners);
+
+  // Makes p, distinct from all points present, vertex v (an index not in use).
+  // `near` is any present vertex; the nearer, the faster. Returns nothing; see
+  // created() and deleted().
+  void Insert(VertexIndex v, const geometry::Point3& p, VertexIndex near) {
+    InsertAt(v, p, Locate(p, near));
+  }
+
+  // Insert that saves the walk: `conflicting` is any tetrahedron with Conflicts(it, p).
+  void InsertAt(VertexIndex v, const geometry::Point3& p, TetrahedronIndex conflicting);
+
+  // Removes vertex v, none of the eight corners.
+  void Remove(VertexIndex v);
+
+  // Inserts many in an order that is fast whatever the input (rounds of random
+  // priority, Hilbert order within a round). indices.size() == points.size(). Leaves
+  // created() and deleted() empty.
+  void InsertAll(std::span<const VertexIndex> indices, std::span<const geometry::Point3> points);
+
+  bool Contains(VertexIndex v) const { return v < places_.size() && places_[v].incident != kNone; }
+  const geometry::Point3& position(VertexIndex v) const { return places_[v].point; }
+  std::size_t vertex_count() const { return vertex_count_; }  // without kInfinite
+  std::size_t tetrahedron_count() const {                     // finite ones
+    return tetrahedra_.size() - free_.size() - infinite_count_;
+  }
+
+  // Tetrahedra that the last Insert or Remove made / unmade, infinite ones included.
+  // Indices of deleted ones may be reused by created ones: deleted ones are given by their
+  // vertices. Valid until the next change. Created ones of an Insert have the new vertex
+  // as corner 3.
+  std::span<const TetrahedronIndex> created() const { return created_; }
+  std::span<const std::array<VertexIndex, 4>> deleted() const { return deleted_; }
+  // Their tags.
+  std::span<const std::uint64_t> deleted_tags() const { return deleted_tags_; }
+
+  // Some corner at v (kInfinite too).
+  Corner Around(VertexIndex v) const {
+    return ToCorner(v == kInfinite ? infinite_incident_ : places_[v].incident);
+  }
+  // All tetrahedra at v (kInfinite too), each as the key of one number. `star` is the
+  // caller's, to be kept from call to call.
+  using Star = NumberTable<1>;
+  void TetrahedraAround(VertexIndex v, Star* star) const;
+  // The corner that faces c across the facet opposite to c.
+  Corner Opposite(Corner c) const { return ToCorner(tetrahedra_[c.tetrahedron].opposite[c.index]); }
+
+  // Vertices of a tetrahedron, positively oriented; one may be kInfinite.
+  const std::array<VertexIndex, 4>& vertices(TetrahedronIndex t) const { return tetrahedra_[t].v; }
+  // True of unused indices too, so a loop below tetrahedron_limit() needs no other test.
+  bool IsInfinite(TetrahedronIndex t) const { return tetrahedra_[t].HasInfinite(); }
+  bool IsUnused(TetrahedronIndex t) const { return tetrahedra_[t].IsUnused(); }
+  TetrahedronIndex tetrahedron_limit() const {
+    return static_cast<TetrahedronIndex>(tetrahedra_.size());
+  }
+
+  // Would p, distinct from all vertices, unmake tetrahedron t? Exact, ties by coordinates.
+  bool Conflicts(TetrahedronIndex t, const geometry::Point3& p) const {
+    const Tetrahedron& tetrahedron = tetrahedra_[t];
+    const double distance = tetrahedron.SquaredDistance(p);
+    if (distance > tetrahedron.high) return false;
+    if (distance < tetrahedron.low) return true;
+    return ConflictsExactly(tetrahedron, p);
+  }
+
+  // Does t keep its circumscribed sphere in doubles, so that conflicts rarely need more? Not
+  // if it is infinite or flat as far as doubles tell.
+  bool HasSphere(TetrahedronIndex t) const { return tetrahedra_[t].low >= 0; }
+
+  // Eight bytes of each tetrahedron for the caller; zero in one just made.
+  std::uint64_t tag(TetrahedronIndex t) const { return tags_[t]; }
+  void set_tag(TetrahedronIndex t, std::uint64_t tag) { tags_[t] = tag; }
+
+  // A tetrahedron that holds p (closed; infinite only if p is outside the box), from
+  // `near`. If p is no vertex, the tetrahedron conflicts with p.
+  TetrahedronIndex Locate(const geometry::Point3& p, VertexIndex near) const {
+    return LocateFrom(p, (Contains(near) ? places_[near].incident : infinite_incident_) >> 2);
+  }
+  TetrahedronIndex LocateFrom(const geometry::Point3& p, TetrahedronIndex start) const;
+
+  // Calls f(t) for each finite tetrahedron.
+  template <class F>
+  void ForEachTetrahedron(F f) const {
+    for (TetrahedronIndex t = 0; t < tetrahedron_limit(); ++t) {
+      if (!IsInfinite(t)) f(t);
+    }
+  }
+
+  // Room for that many vertices (indices below it) without further allocation, unless they
+  // are placed so that there are more than 7 tetrahedra to each.
+  void Reserve(std::size_t vertices);
+
+  // Every topological and Delaunay invariant, O(size log size); false with `*why` set.
+  bool Check(std::string* why) const;
+  std::size_t bytes() const;
+
+ private:
+  // A corner packed: tetrahedron * 4 + index. During an insertion a facet of the cavity's
+  // surface has its number there instead, plus kRim.
+  using Code = std::uint32_t;
+  static constexpr Code kRim = Code{1} << 31;
+  static constexpr Code ToCode(TetrahedronIndex t, int index) {
+    return t << 2 | static_cast<Code>(index);
+  }
+  static constexpr Corner ToCorner(Code c) { return {c >> 2, static_cast<int>(c & 3)}; }
+
+  // One cache line. The sphere answers most conflict tests with a few operations; see
+  // SetSphere for its error. Unused ones have only kInfinite as vertices.
+  struct alignas(64) Tetrahedron {
+    std::array<VertexIndex, 4> v;
+    std::array<Code, 4> opposite;  // the corner that faces corner i across its facet
+    std::array<double, 3> center;
+    float low, high;  // inside if the squared distance is below low, outside if above high
+
+    bool HasInfinite() const { return static_cast<std::int32_t>(v[0] | v[1] | v[2] | v[3]) < 0; }
+    bool IsUnused() const { return (v[0] & v[1]) == kInfinite; }
+    int InfiniteCorner() const {
+      return v[0] == kInfinite ? 0 : v[1] == kInfinite ? 1 : v[2] == kInfinite ? 2 : 3;
+    }
+    int CornerOf(VertexIndex u) const { return v[0] == u ? 0 : v[1] == u ? 1 : v[2] == u ? 2 : 3; }
+    double SquaredDistance(const geometry::Point3& p) const {
+      const double x = p[0] - center[0], y = p[1] - center[1], z = p[2] - center[2];
+      return x * x + y * y + z * z;
+    }
+    // In the cavity that is just being collected.
+    bool IsMarked() const { return low == kMarkedLow; }
+    void Mark() { low = kMarkedLow, high = kNoHigh; }
+  };
+  static constexpr float kNoLow = -1, kMarkedLow = -2;
+  static constexpr float kNoHigh = __builtin_inff();
+
+  struct Place {
+    geometry::Point3 point;
+    Code incident = kNone;         // some corner
+    std::uint32_t number = kNone;  // of the vertex on the rim, while that is linked
+  };
+
+  // A facet of a cavity's surface, by the corners on both sides.
+  struct RimFacet {
+    Code inside, outside;
+  };
+
+  bool ConflictsExactly(const Tetrahedron& t, const geometry::Point3& p) const;
+  static void SetSphere(Tetrahedron* t, const geometry::Point3& a, const geometry::Point3& b,
+                        const geometry::Point3& c, const geometry::Point3& d);
+  static void SetNoSphere(Tetrahedron* t);
+  void Link(Code a, Code b) {
+    tetrahedra_[a >> 2].opposite[a & 3] = b;
+    tetrahedra_[b >> 2].opposite[b & 3] = a;
+  }
+
+  // Starts over with one positively oriented tetrahedron.
+  void StartFrom(const std::array<VertexIndex, 4>& v, const std::array<geometry::Point3, 4>& p);
+  void AddVertex(VertexIndex v, const geometry::Point3& p);
+  // Makes created_ so many unused tetrahedra.
+  void Allocate(std::size_t count);
+  // Sets vertices, sphere, tag, incidences and counts; links remain to be set.
+  void Make(TetrahedronIndex t, const std::array<VertexIndex, 4>& v);
+  // Reports them as deleted and frees them.
+  void Delete(std::span<const TetrahedronIndex> all);
+
+  // Fills cavity_ with the tetrahedra in conflict with p and rim_ with the facets around.
+  void FindCavity(const geometry::Point3& p, TetrahedronIndex start);
+  void FillCavityFrom(VertexIndex v);
+  void LinkByTable();
+  void LinkAroundRim(std::uint32_t number);
+
+  // Removal, in delaunay_tetrahedralization_removal.cc.
+  void TriangulateLink(VertexIndex v);
+  void FillHole();
+
+  // Checks, in delaunay_tetrahedralization_check.cc.
+  bool CheckTetrahedron(TetrahedronIndex t, std::string* why) const;
+  bool CheckStars(std::string* why) const;
+
+  LargeVector<Tetrahedron> tetrahedra_;
+  LargeVector<std::uint64_t> tags_;     // by tetrahedron
+  LargeVector<Place> places_;           // by vertex
+  std::vector<TetrahedronIndex> free_;  // unused tetrahedra, the last are reused first
+  Code infinite_incident_ = kNone;
+  std::size_t vertex_count_ = 0;
+  std::size_t infinite_count_ = 0;  // infinite tetrahedra
+  std::array<VertexIndex, 8> corners_ = {};
+
+  std::vector<TetrahedronIndex> created_;
+  std::vector<std::array<VertexIndex, 4>> deleted_;
+  std::vector<std::uint64_t> deleted_tags_;
+
+  // Kept from call to call so that none allocates.
+  std::vector<TetrahedronIndex> cavity_;
+  std::vector<RimFacet> rim_;
+  static constexpr std::uint32_t kMaxTableVertices = 32;
+  std::array<Code, kMaxTableVertices * kMaxTableVertices> edges_;
+  std::vector<std::array<std::uint32_t, 3>> edge_entries_;
+  struct Hole;  // what removals keep
+  struct DeleteHole {
+    void operator()(Hole* hole) const;
+  };
+  std::unique_ptr<Hole, DeleteHole> hole_;
+};
+
+}  // namespace dynmesh::mesh
+
+#endif  // DYNMESH_CORE_MESH_DELAUNAY_TETRAHEDRALIZATION_H_
