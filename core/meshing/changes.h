@@ -109,7 +109,7 @@ void Refinement<D, E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   // Where a triangulation answers everything but what a point encroaches on, the tree need
   // only be as fine as the subsegments.
   if (!is_global() || (vertex.dimension < D && !box_only_)) tree_.Insert(v, vertex.p);
-  if constexpr (D == 2) InsertIntoTriangulation(v);
+  InsertIntoTriangulation(v);
   MarkChanged(v);
   if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
   NotifyOfVertex(v, true, at);
@@ -120,13 +120,11 @@ void Refinement<D, E>::PublishVertex(VertexIndex v, sac::Stamp at) {
 
 template <int D, template <class> class E>
 void Refinement<D, E>::InsertIntoTriangulation(VertexIndex v) {
-  if constexpr (D == 2) {
-    if (triangulation_ == nullptr) return;
-    const Point& p = vertices_[v].p;
-    const auto known = std::exchange(gap_triangle_, Triangulation::kNone);
-    triangulation_->InsertAt(
-        v, p, known != Triangulation::kNone ? known : triangulation_->Locate(p, near_));
-  }
+  if (triangulation_ == nullptr) return;
+  const Point& p = vertices_[v].p;
+  const auto known = std::exchange(gap_triangle_, Triangulation::kNone);
+  triangulation_->InsertAt(
+      v, p, known != Triangulation::kNone ? known : triangulation_->Locate(p, near_));
 }
 
 template <int D, template <class> class E>

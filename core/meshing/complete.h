@@ -74,7 +74,9 @@ void Refinement<D, E>::Complete(Context& context) {
       yielded = true;
       break;
     }
-    if (is_global() && by_edge() && ordinal == 0) gap_triangle_ = corners_[gap.corner].triangle;
+    if constexpr (D == 2) {
+      if (is_global() && by_edge() && ordinal == 0) gap_triangle_ = corners_[gap.corner].triangle;
+    }
     const VertexIndex x = EmitVertex(context, gap.x, ordinal++, D, kNil);
     RequestFirstComplete(context, x, gap.e2);
     if (!star_.Insert(x, gap.x)) skipped_.push_back({gap.neighbour, gap.left});

@@ -98,7 +98,51 @@ void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
     for (const std::uint32_t u : offers_) {
       if (!Star::IsGhost(u)) star_.Insert(u, vertices_[u].p);
     }
+  } else {
+    // On the border the link is open, and ends in ghosts.
+    if (LinkFromTriangulation(v, reach)) {
+      // By edges no decision depends on the reach.
+      if ((!kTraced && by_edge()) || star_.IsWithinReach()) return;
+    }
+    star_.Begin(v, vertices_[v].p, reach);
+    for (const auto& [u] : slots_.keys()) star_.Insert(u, vertices_[u].p);
   }
+}
+
+// Closed? Either way slots_ are v's neighbours.
+template <int D, template <class> class E>
+bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
+  if constexpr (D == 3) {
+    triangulation_->TetrahedraAround(v, &around_);
+    slots_.Clear();
+    star_.BeginLink(v, vertices_[v].p, reach);
+    bool closed = true;
+    for (const auto& [t] : around_.keys()) {
+      const auto& corners = triangulation_->vertices(t);
+      int own = 0;
+      while (corners[own] != v) ++own;
+      // Seen from v the facet's corners turn the other way.
+      const auto& facet = Triangulation::kFacet[own];
+      const std::array<int, 3> turned = {facet[0], facet[2], facet[1]};
+      std::array<int, 3> slots, across;
+      for (int k = 0; k < 3; ++k) {
+        const VertexIndex u = corners[turned[k]];
+        if (u == Triangulation::kInfinite) {
+          closed = false;
+          continue;
+        }
+        const auto slot = static_cast<int>(slots_.Number({u}));
+        if (slot == star_.slot_count()) star_.AddNeighbour(u, vertices_[u].p);
+        slots[k] = slot;
+        across[k] =
+            static_cast<int>(around_.Find({triangulation_->Opposite({t, turned[k]}).tetrahedron}));
+      }
+      if (closed) star_.AddCorner(slots, across);
+    }
+    if (closed) star_.Close();
+    return closed;
+  }
+  return false;
 }
 
 // From the star that the previous execution read. Whoever conflicted with one of its
@@ -357,16 +401,28 @@ double Refinement<D, E>::NearestDistance2(Context& context, VertexIndex v) {
 template <int D, template <class> class E>
 void Refinement<D, E>::FindAllNearest() {
   nearest2_.assign(vertices_.size(), INFINITY);
-  triangulation_->ForEachTriangle([&](auto t) {
-    const auto& v = triangulation_->vertices(t);
-    for (int i = 0; i < 3; ++i) {
-      const VertexIndex p = v[i], q = v[triangulation_->NextIndex(i)];
-      const double d2 =
-          geometry::SquaredDistance(triangulation_->position(p), triangulation_->position(q));
-      nearest2_[p] = std::min(nearest2_[p], d2);
-      nearest2_[q] = std::min(nearest2_[q], d2);
+  const auto look_at = [this](const auto& corners) {
+    for (const VertexIndex p : corners) {
+      for (const VertexIndex q : corners) {
+        if (!(q < p)) continue;
+        const double d2 =
+            geometry::SquaredDistance(triangulation_->position(p), triangulation_->position(q));
+        nearest2_[p] = std::min(nearest2_[p], d2);
+        nearest2_[q] = std::min(nearest2_[q], d2);
+      }
     }
-  });
+  };
+  ForEachSimplex([&](auto t) { look_at(triangulation_->vertices(t)); });
+}
+
+template <int D, template <class> class E>
+template <class F>
+void Refinement<D, E>::ForEachSimplex(F f) const {
+  if constexpr (D == 2) {
+    triangulation_->ForEachTriangle(f);
+  } else {
+    triangulation_->ForEachTetrahedron(f);
+  }
 }
 
 // Is subsegment s encroached as of now? Then witnesses_ says by whom: any one vertex
@@ -374,7 +430,7 @@ void Refinement<D, E>::FindAllNearest() {
 // other (see segments.h).
 template <int D, template <class> class E>
 bool Refinement<D, E>::FindEncroaching(Context& context, SubsegmentIndex s) {
-  if (is_global()) return FindEncroachingInTriangulation(s);
+  if (D == 2 && is_global()) return FindEncroachingInTriangulation(s);
   const Subsegment& sub = subsegments_[s];
   const Point &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
   witnesses_.clear();
@@ -424,23 +480,26 @@ bool Refinement<D, E>::FindHiding(const Subsegment& sub) {
 
 template <int D, template <class> class E>
 bool Refinement<D, E>::FindEncroachingInTriangulation(SubsegmentIndex s) const {
-  const Subsegment& sub = subsegments_[s];
-  const Point &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
-  const auto first = triangulation_->Around(sub.a);
-  auto corner = first;
-  bool is_edge = false;
-  auto in_ball = [&](VertexIndex c) {
-    return c != Triangulation::kInfinite && geometry::InDiametralBall(a, b, vertices_[c].p);
-  };
-  do {
-    const auto& tri = triangulation_->vertices(corner.triangle);
-    const VertexIndex right = tri[corner.index == 2 ? 0 : corner.index + 1];
-    const VertexIndex left = tri[corner.index == 0 ? 2 : corner.index - 1];
-    if (right == sub.b) is_edge = true;
-    if ((right == sub.b && in_ball(left)) || (left == sub.b && in_ball(right))) return true;
-    corner = triangulation_->NextAround(corner);
-  } while (corner.triangle != first.triangle);
-  return !is_edge;
+  if constexpr (D == 2) {
+    const Subsegment& sub = subsegments_[s];
+    const Point &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
+    const auto first = triangulation_->Around(sub.a);
+    auto corner = first;
+    bool is_edge = false;
+    auto in_ball = [&](VertexIndex c) {
+      return c != Triangulation::kInfinite && geometry::InDiametralBall(a, b, vertices_[c].p);
+    };
+    do {
+      const auto& tri = triangulation_->vertices(corner.triangle);
+      const VertexIndex right = tri[corner.index == 2 ? 0 : corner.index + 1];
+      const VertexIndex left = tri[corner.index == 0 ? 2 : corner.index - 1];
+      if (right == sub.b) is_edge = true;
+      if ((right == sub.b && in_ball(left)) || (left == sub.b && in_ball(right))) return true;
+      corner = triangulation_->NextAround(corner);
+    } while (corner.triangle != first.triangle);
+    return !is_edge;
+  }
+  return false;
 }
 
 template <int D, template <class> class E>

@@ -78,7 +78,7 @@ void Refinement<D, E>::AddSquare() {
   }
 }
 
-// A grid of points on the six sides.
+// A grid of points on the six sides, the corners first.
 template <int D, template <class> class E>
 void Refinement<D, E>::AddCube() {
   if constexpr (D == 3) {
@@ -87,11 +87,16 @@ void Refinement<D, E>::AddCube() {
     const auto at = [&](int axis, int i) {
       return i == cells ? rules_.hi()[axis] : rules_.lo()[axis] + i * step;
     };
+    const auto add = [&](int i, int j, int k) { AddPoint({{at(0, i), at(1, j), at(2, k)}}, 0); };
+    if (triangulation_ != nullptr) {
+      triangulation_->Reset(rules_.lo(), rules_.hi(), {0, 1, 2, 3, 4, 5, 6, 7});
+    }
+    for (int m = 0; m < 8; ++m) add(m & 1 ? cells : 0, m & 2 ? cells : 0, m & 4 ? cells : 0);
     for (int i = 0; i <= cells; ++i) {
       for (int j = 0; j <= cells; ++j) {
         for (int k = 0; k <= cells; ++k) {
-          const bool border = i % cells == 0 || j % cells == 0 || k % cells == 0;
-          if (border) AddPoint({{at(0, i), at(1, j), at(2, k)}}, 0);
+          const int sides = (i % cells == 0) + (j % cells == 0) + (k % cells == 0);
+          if (sides == 1 || sides == 2) add(i, j, k);
         }
       }
     }
@@ -127,6 +132,8 @@ VertexIndex Refinement<D, E>::AddPoint(const Point& p, FeatureSlot feature) {
       triangulation_->Insert(v, p, near_);
       near_ = v;
     }
+  } else {
+    if (triangulation_ != nullptr && !triangulation_->Contains(v)) pending_.push_back(v);
   }
   if constexpr (kTraced) {
     NotifyOfVertex(v, true, engine_.beginning());
@@ -234,7 +241,9 @@ template <int D, template <class> class E>
 void Refinement<D, E>::Prefetch(sac::Kind kind, sac::Item item, int step) const {
   if (kind != kComplete) return;
   if (step == 0) __builtin_prefetch(&vertices_[item]);
-  if (triangulation_ != nullptr) triangulation_->PrefetchAround(item, step);
+  if constexpr (D == 2) {
+    if (triangulation_ != nullptr) triangulation_->PrefetchAround(item, step);
+  }
 }
 
 // --- Untraced and global: only vertices that own a gap are ever queued ------------------
@@ -272,6 +281,21 @@ void Refinement<D, E>::RequestFirstGaps() {
         owners = std::min(owners, static_cast<std::uint16_t>(bucket));
       }
     });
+  } else {
+    const Gaps gaps(*this);
+    triangulation_->ForEachTetrahedron([&](auto t) {
+      const auto& corners = triangulation_->vertices(t);
+      const double r2 = gaps.MostRadius2(corners);
+      for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < i; ++j) {
+          const int bucket = gaps.BucketOf(corners[i], corners[j], r2);
+          if (bucket == kBuckets) continue;
+          const bool older = IsOlder(vertices_[corners[i]], vertices_[corners[j]]);
+          auto& owners = first[corners[older ? j : i]];
+          owners = std::min(owners, static_cast<std::uint16_t>(bucket));
+        }
+      }
+    });
   }
   for (VertexIndex v = 0; v < first.size(); ++v) {
     if (first[v] < kBuckets) {
@@ -283,12 +307,12 @@ void Refinement<D, E>::RequestFirstGaps() {
 // v was inserted just now, by the Complete of near_, and so owns all its edges.
 template <int D, template <class> class E>
 void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
+  const Gaps gaps(*this);
+  int first = kBuckets;
+  const auto created = triangulation_->created();
   if constexpr (D == 2) {
-    const Gaps gaps(*this);
-    const auto fan = triangulation_->created();
-    int first = kBuckets;
-    VertexIndex right = triangulation_->vertices(fan.back())[0];
-    for (const auto t : fan) {
+    VertexIndex right = triangulation_->vertices(created.back())[0];
+    for (const auto t : created) {
       const VertexIndex u = triangulation_->vertices(t)[0], left = triangulation_->vertices(t)[1];
       if (u != Triangulation::kInfinite) {
         first =
@@ -296,8 +320,57 @@ void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
       }
       right = u;
     }
-    if (first == kBuckets) return;
-    engine_.Request(kComplete, v, NoEarlierThan(vertices_[v].epoch, near_, v, first));
+  } else {
+    for (const auto t : created) {
+      if (triangulation_->IsInfinite(t)) continue;
+      const auto& corners = triangulation_->vertices(t);
+      const double r2 = gaps.MostRadius2(corners);
+      for (int i = 0; i < 3; ++i) first = std::min(first, gaps.BucketOf(v, corners[i], r2));
+    }
+  }
+  if (first == kBuckets) return;
+  engine_.Request(kComplete, v, NoEarlierThan(vertices_[v].epoch, near_, v, first));
+}
+
+// --- In space: the triangulation of the input need not be small -------------------------
+
+// All that was added, in an order that is quick. Where there are many tetrahedra to a vertex,
+// as between curves, there would be more still: neighbourhoods are then found without.
+template <int D, template <class> class E>
+void Refinement<D, E>::FillTriangulation() {
+  if constexpr (D == 3) {
+    if (triangulation_ == nullptr || pending_.empty()) return;
+    constexpr std::size_t kMostPerVertex = 16;
+    std::vector<VertexIndex> part;
+    std::vector<Point> places;
+    // An eighth at random tells.
+    for (const bool sample : {true, false}) {
+      part.clear();
+      places.clear();
+      for (const VertexIndex v : pending_) {
+        if ((geometry::HashOf(vertices_[v].p) >> 61 == 0) != sample) continue;
+        part.push_back(v);
+        places.push_back(vertices_[v].p);
+      }
+      triangulation_->InsertAll(part, places);
+      if (triangulation_->tetrahedron_count() >
+          kMostPerVertex * triangulation_->vertex_count() + 10'000) {
+        return LeaveTriangulation();
+      }
+    }
+    pending_.clear();
+  }
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::LeaveTriangulation() {
+  triangulation_ = nullptr;
+  pending_.clear();
+  if constexpr (!kTraced) {
+    for (VertexIndex v = 0; v < vertices_.size(); ++v) {
+      if (box_only_) tree_.Insert(v, vertices_[v].p);
+      engine_.Request(kNearest, v, NearestEpoch());
+    }
   }
 }
 

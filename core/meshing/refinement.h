@@ -30,6 +30,7 @@
 #include <vector>
 
 #include "core/base/huge_pages.h"
+#include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/mesh/delaunay_triangulation.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/planar_rules.h"
@@ -72,8 +73,8 @@ class Refinement {
   using Payload = meshing::Payload<D>;
   using Star = meshing::Star<D>;
   using Rules = std::conditional_t<D == 2, PlanarRules, SpaceRules>;
-  using Triangulation = mesh::DelaunayTriangulation;  // in the plane only
-  using TriangleIndex = Triangulation::TriangleIndex;
+  using Triangulation =
+      std::conditional_t<D == 2, mesh::DelaunayTriangulation, mesh::DelaunayTetrahedralization>;
 
   // If `triangulation` is given, neighbourhoods are read off it, and every published
   // vertex is inserted into it: for runs from scratch only, until DetachTriangulation.
@@ -98,6 +99,7 @@ class Refinement {
   // if it says true, false is returned. See sac::Engine::Propagate.
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
+    if constexpr (D == 3) FillTriangulation();
     if constexpr (!kTraced) BeginUntraced();
     const bool done = engine_.Propagate(interrupt);
     if (done) appeared_.clear();
@@ -171,7 +173,7 @@ class Refinement {
     return const_cast<Refinement*>(this)->OperationsOf(kind, item);
   }
   void Execute(Context& context);
-  static constexpr int kPrefetchSteps = Triangulation::kPrefetchSteps;
+  static constexpr int kPrefetchSteps = mesh::DelaunayTriangulation::kPrefetchSteps;
   void Prefetch(sac::Kind kind, sac::Item item, int step) const;
   void Publish(sac::Output output, sac::Stamp at);
   void Withdraw(sac::Output output, sac::Stamp at);
@@ -251,6 +253,7 @@ class Refinement {
   // neighbourhood.h
   void FindStar(Context& context, VertexIndex v, double reach);
   void StarFromTriangulation(VertexIndex v, double reach);
+  bool LinkFromTriangulation(VertexIndex v, double reach);
   void SeedStar(Context& context, VertexIndex v);
   void OfferBeyondNeighbours(Context& context);
   double FarthestInView2(double reach) const;
@@ -268,6 +271,8 @@ class Refinement {
   bool VerifyCorner(Context& context, int i);
   double NearestDistance2(Context& context, VertexIndex v);
   void FindAllNearest();
+  template <class F>
+  void ForEachSimplex(F f) const;
   bool FindEncroaching(Context& context, SubsegmentIndex s);
   bool FindHiding(const Subsegment& sub);
   bool FindEncroachingInTriangulation(SubsegmentIndex s) const;
@@ -302,6 +307,8 @@ class Refinement {
   void MarkChanged(VertexIndex v);
   void MarkSubsegmentChanged(SubsegmentIndex s);
   void BeginUntraced();
+  void FillTriangulation();
+  void LeaveTriangulation();
   void RequestFirstGaps();
   void RequestFirstGap(VertexIndex v);
   std::uint64_t HashOfSubsegment(const Subsegment& s) const;
@@ -321,7 +328,7 @@ class Refinement {
   bool looked_for_gaps_ = false;
   VertexIndex near_ = 0;  // a vertex near where things are published
   // The triangle with the gap that the first vertex to be published fills, if it is known.
-  TriangleIndex gap_triangle_ = Triangulation::kNone;
+  std::uint32_t gap_triangle_ = Triangulation::kNone;
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
 
   std::vector<double> nearest2_;  // in a run from scratch: by vertex, when first asked for
@@ -340,7 +347,9 @@ class Refinement {
   std::vector<Corner> old_corners_;
   std::vector<std::uint32_t> offers_;
   std::vector<Ball> balls_;
-  std::vector<Triangulation::Corner> corners_;
+  std::vector<typename Triangulation::Corner> corners_;
+  std::vector<VertexIndex> pending_;  // in space: not yet in the triangulation
+  mesh::NumberTable<1> around_, slots_;
 
   Engine engine_;
 };

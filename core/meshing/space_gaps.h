@@ -2,6 +2,10 @@
 #ifndef DYNMESH_CORE_MESHING_SPACE_GAPS_H_
 #define DYNMESH_CORE_MESHING_SPACE_GAPS_H_
 
+#include <array>
+#include <cmath>
+
+#include "core/geometry/circumball.h"
 #include "core/meshing/refinement.h"
 
 namespace dynmesh::meshing {
@@ -25,6 +29,30 @@ class SpaceGaps {
     gap->left = false;
     gap->x = *x;
     return true;
+  }
+
+  // The circumradius, squared, at most.
+  double MostRadius2(const std::array<VertexIndex, 4>& corners) const {
+    std::array<geometry::Vector3, 3> d;
+    std::array<double, 3> d2;
+    const geometry::Point3& p = r_.vertices_[corners[3]].p;
+    for (int i = 0; i < 3; ++i) {
+      d[i] = geometry::Difference(r_.vertices_[corners[i]].p.c, p.c);
+      d2[i] = geometry::Dot(d[i], d[i]);
+    }
+    // (0 1 2 3) is positive, so seen from 3 the others turn the other way.
+    const geometry::Circumball ball(d[0], d2[0], d[1], d2[1], d[2], d2[2], true);
+    const double r = std::sqrt(ball.r2) * (1 + 1e-9) + 2 * ball.error;
+    return r * r;
+  }
+
+  // The bucket of edge pq of a tetrahedron of that circumradius if that may be a gap of it, rather
+  // yes than no, else kBuckets: whoever looks at a whole star decides.
+  int BucketOf(VertexIndex p, VertexIndex q, double most_radius2) const {
+    const double e2 = geometry::SquaredDistance(r_.vertices_[p].p, r_.vertices_[q].p);
+    const bool may_have =
+        e2 >= r_.rules_.least_squared_length() && r_.rules_.IsTooFar(most_radius2, e2);
+    return may_have ? meshing::BucketOf(e2) : kBuckets;
   }
 
  private:

@@ -4,19 +4,17 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry/circumball.h"
+
 namespace dynmesh::meshing {
 namespace {
 
+using geometry::Cross;
+using geometry::Difference;
+using geometry::Dot;
 using geometry::Point3;
-using Vector = std::array<double, 3>;
+using Vector = geometry::Vector3;
 
-double Dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vector Cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Vector Difference(const Vector& a, const Vector& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
 Vector Unit(const Vector& a) {
   const double length = std::sqrt(Dot(a, a));
   return {a[0] / length, a[1] / length, a[2] / length};

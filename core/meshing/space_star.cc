@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/geometry/circumball.h"
+
 namespace dynmesh::meshing {
 namespace {
 
-using Vector = std::array<double, 3>;
-
-Vector Cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double Dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double Sum(const Vector& a) { return std::fabs(a[0]) + std::fabs(a[1]) + std::fabs(a[2]); }
+using geometry::Cross;
+using geometry::Dot;
+using Vector = geometry::Vector3;
 
 }  // namespace
 
@@ -57,13 +55,36 @@ int SpaceStar::NewNeighbour(Id u, const Point3& q) {
   return slot;
 }
 
-// w = (a^2 b x c + b^2 c x a + c^2 a x b) / (2 a . b x c), as seen from v, a < b < c: the same
-// bits whatever the link's triangle begins with. Relative to S = (a^2 |b||c| + ...) / (2 det),
-// which bounds |w|, sums and products are right to 12 roundings and the quotient to as many as
-// the determinant has lost: |a||b||c| / det.
+void SpaceStar::BeginLink(Id v, const Point3& p, double reach) {
+  v_ = v;
+  p_ = p;
+  reach_ = reach;
+  neighbours_.clear();
+  free_neighbours_.clear();
+  corners_.clear();
+}
+
+void SpaceStar::AddCorner(const std::array<int, 3>& slots, const std::array<int, 3>& across) {
+  Corner& corner = corners_.emplace_back();
+  corner.n = slots;
+  corner.across = across;
+  for (const int slot : slots) ++neighbours_[slot].degree;
+}
+
+void SpaceStar::Close() {
+  for (int i = 0; i < corner_count(); ++i) ComputeCorner(i);
+}
+
+bool SpaceStar::IsWithinReach() const {
+  return std::ranges::all_of(corners_, [this](const Corner& c) {
+    const double e = c.error + 1e-9 * reach_;
+    return std::ranges::all_of(c.w, [&](double w) { return std::fabs(w) + e < reach_; });
+  });
+}
+
+// In the order of the points: the same bits whatever the link's triangle begins with.
 void SpaceStar::ComputeCorner(int i) {
   Corner& corner = corners_[i];
-  corner.verified = false;
   std::array<int, 3> s = corner.n;
   const auto less = [&](int x, int y) { return neighbours_[x].p < neighbours_[y].p; };
   bool odd = false;
@@ -71,23 +92,11 @@ void SpaceStar::ComputeCorner(int i) {
   if (less(s[2], s[1])) std::swap(s[1], s[2]), odd = !odd;
   if (less(s[1], s[0])) std::swap(s[0], s[1]), odd = !odd;
   const Neighbour &a = neighbours_[s[0]], &b = neighbours_[s[1]], &c = neighbours_[s[2]];
-  const Vector bc = Cross(b.d, c.d), ca = Cross(c.d, a.d), ab = Cross(a.d, b.d);
-  const double signed_det = Dot(a.d, bc);
-  const double det = odd ? -signed_det : signed_det;
-  if (!(det > 0)) {
-    corner.w = {0, 0, 0};
-    corner.r2 = corner.error = INFINITY;
-    return;
-  }
-  const double scale = 0.5 / signed_det;
-  for (int k = 0; k < 3; ++k) {
-    corner.w[k] = (a.d2 * bc[k] + b.d2 * ca[k] + c.d2 * ab[k]) * scale;
-  }
-  corner.r2 = Dot(corner.w, corner.w);
-  const double la = Sum(a.d), lb = Sum(b.d), lc = Sum(c.d);
-  const double half = 0.5 / det;
-  const double sum = (a.d2 * lb * lc + b.d2 * lc * la + c.d2 * la * lb) * half;
-  corner.error = 4e-15 * sum * (1 + 2 * la * lb * lc * half);
+  const geometry::Circumball ball(a.d, a.d2, b.d, b.d2, c.d, c.d2, odd);
+  corner.w = ball.w;
+  corner.r2 = ball.r2;
+  corner.error = ball.error;
+  corner.verified = false;
 }
 
 bool SpaceStar::Insert(Id u, const Point3& q) {

@@ -54,6 +54,16 @@ class SpaceStar {
     return ghost;
   }
 
+  // A link given at once: begin, add its members, then its corners as triples of their slots
+  // and the corners across, numbered in the order in which they come, close. It must be that
+  // of a star of some set of points.
+  void BeginLink(Id v, const Point3& p, double reach);
+  int AddNeighbour(Id u, const Point3& q) { return NewNeighbour(u, q); }
+  void AddCorner(const std::array<int, 3>& slots, const std::array<int, 3>& across);
+  void Close();
+  // Are all corners within the cube? Then no ghost would have a part in the star.
+  bool IsWithinReach() const;
+
   // Adds u at q, if the star of the enlarged set has it. REQUIRES: not present.
   bool Insert(Id u, const Point3& q);
 

@@ -1,0 +1,57 @@
+// Vectors of space in doubles, and the ball through the origin and three others with a bound
+// of its error. Pure, thread-safe.
+#ifndef DYNMESH_CORE_GEOMETRY_CIRCUMBALL_H_
+#define DYNMESH_CORE_GEOMETRY_CIRCUMBALL_H_
+
+#include <array>
+#include <cmath>
+
+namespace dynmesh::geometry {
+
+using Vector3 = std::array<double, 3>;
+
+inline double Dot(const Vector3& a, const Vector3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+inline Vector3 Cross(const Vector3& a, const Vector3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline Vector3 Difference(const Vector3& a, const Vector3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+// The ball whose surface holds 0, a, b and c; a2 is a . a, and so on. a . (b x c) must be
+// positive, negative if `odd`; where doubles do not tell, nothing is known of the ball.
+//
+// w = (a^2 b x c + b^2 c x a + c^2 a x b) / (2 a . b x c). Relative to
+// S = (a^2 |b||c| + ...) / (2 det), which bounds |w|, sums and products are right to 12 roundings
+// and the quotient to as many as the determinant has lost: |a||b||c| / det.
+struct Circumball {
+  Vector3 w = {0, 0, 0};    // the centre
+  double r2 = INFINITY;     // the squared radius
+  double error = INFINITY;  // bounds that of each of w
+
+  Circumball(const Vector3& a, double a2, const Vector3& b, double b2, const Vector3& c, double c2,
+             bool odd) {
+    const Vector3 bc = Cross(b, c), ca = Cross(c, a), ab = Cross(a, b);
+    const double signed_det = Dot(a, bc);
+    const double det = odd ? -signed_det : signed_det;
+    if (!(det > 0)) return;
+    const double scale = 0.5 / signed_det;
+    for (int k = 0; k < 3; ++k) w[k] = (a2 * bc[k] + b2 * ca[k] + c2 * ab[k]) * scale;
+    r2 = Dot(w, w);
+    const double la = Sum(a), lb = Sum(b), lc = Sum(c);
+    const double half = 0.5 / det;
+    const double sum = (a2 * lb * lc + b2 * lc * la + c2 * la * lb) * half;
+    error = 4e-15 * sum * (1 + 2 * la * lb * lc * half);
+  }
+
+ private:
+  static double Sum(const Vector3& a) {
+    return std::fabs(a[0]) + std::fabs(a[1]) + std::fabs(a[2]);
+  }
+};
+
+}  // namespace dynmesh::geometry
+
+#endif  // DYNMESH_CORE_GEOMETRY_CIRCUMBALL_H_
