@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/io/json_document.h"
-#include "core/io/planar_input.h"
+#include "core/io/file_features.h"
 
 namespace dynmesh::io {
 
