@@ -43,39 +43,13 @@ absl::StatusOr<NodeHeader> ReadNodeHeader(TextReader& reader, std::uint64_t dime
   return NodeHeader{*count, *attributes, *has_markers};
 }
 
-// "number x y", or "number x y z", and up to `more` other values.
-absl::StatusOr<std::vector<SeedRow>> ReadSeeds(TextReader& reader, const char* what,
-                                               std::size_t dimension, std::size_t more) {
-  const std::size_t least = 1 + dimension;
-  const std::size_t most = least + more;
-  std::vector<SeedRow> seeds;
-  if (!reader.Next()) return seeds;
-  absl::StatusOr<std::uint64_t> count = ReadCount(reader, what, 1);
+// None if there is no such section.
+absl::StatusOr<std::vector<SeedRow>> ReadSeeds(TextReader& reader, const char* what, int dimension,
+                                               std::size_t more) {
+  if (!reader.Next()) return std::vector<SeedRow>();
+  const absl::StatusOr<std::uint64_t> count = ReadCount(reader, what, 1);
   if (!count.ok()) return count.status();
-  seeds.reserve(Reserve(*count, reader));
-  for (std::uint64_t i = 0; i < *count; ++i) {
-    if (auto s = NextRow(reader, what, i, *count); !s.ok()) return s;
-    if (auto number = reader.Uint64(0, Concat(what, " number")); !number.ok()) {
-      return number.status();
-    }
-    if (reader.size() < least || reader.size() > most) {
-      return reader.Error(Concat("a ", what, " row has ", least,
-                                 least == most ? "" : Concat(" to ", most), " values, this one ",
-                                 reader.size()));
-    }
-    SeedRow& seed = seeds.emplace_back();
-    seed.line = reader.line();
-    for (std::size_t k = 1; k < reader.size(); ++k) {
-      const auto value = reader.Double(k, Concat("value ", k + 1, " of a ", what));
-      if (!value.ok()) return value.status();
-      if (k <= dimension) {
-        seed.position[k - 1] = *value;
-      } else {
-        seed.more.push_back(*value);
-      }
-    }
-  }
-  return seeds;
+  return ReadSeedRows(reader, what, *count, dimension, more);
 }
 
 }  // namespace
@@ -192,12 +166,45 @@ absl::StatusOr<TriangleSection> ReadTriangleSection(TextReader& reader, const No
   return triangles;
 }
 
+absl::StatusOr<std::vector<SeedRow>> ReadSeedRows(TextReader& reader, const char* what,
+                                                  std::uint64_t count, int dimension,
+                                                  std::size_t more) {
+  const auto d = static_cast<std::size_t>(dimension);
+  const std::size_t least = 1 + d;
+  const std::size_t most = least + more;
+  std::vector<SeedRow> seeds;
+  seeds.reserve(Reserve(count, reader));
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (auto s = NextRow(reader, what, i, count); !s.ok()) return s;
+    if (auto number = reader.Uint64(0, Concat(what, " number")); !number.ok()) {
+      return number.status();
+    }
+    if (reader.size() < least || reader.size() > most) {
+      return reader.Error(Concat("a ", what, " row has ", least,
+                                 least == most ? "" : Concat(" to ", most), " values, this one ",
+                                 reader.size()));
+    }
+    SeedRow& seed = seeds.emplace_back();
+    seed.line = reader.line();
+    for (std::size_t k = 1; k < reader.size(); ++k) {
+      const auto value = reader.Double(k, Concat("value ", k + 1, " of a ", what));
+      if (!value.ok()) return value.status();
+      if (k <= d) {
+        seed.position[k - 1] = *value;
+      } else {
+        seed.more.push_back(*value);
+      }
+    }
+  }
+  return seeds;
+}
+
 absl::StatusOr<std::vector<SeedRow>> ReadHoleSection(TextReader& reader, int dimension) {
-  return ReadSeeds(reader, "hole", static_cast<std::size_t>(dimension), 0);
+  return ReadSeeds(reader, "hole", dimension, 0);
 }
 
 absl::StatusOr<std::vector<SeedRow>> ReadRegionSection(TextReader& reader, int dimension) {
-  return ReadSeeds(reader, "region", static_cast<std::size_t>(dimension), 2);
+  return ReadSeeds(reader, "region", dimension, 2);
 }
 
 absl::Status ExpectEnd(TextReader& reader) {

@@ -16,7 +16,8 @@
 
 namespace dynmesh::io {
 
-// Vertices in file order; in the plane the third coordinate is 0. Markers are read as 64 bits, -1 as 2^64 - 1.
+// Vertices in file order; in the plane the third coordinate is 0. Markers are read as 64 bits, -1
+// as 2^64 - 1.
 struct NodeSection {
   std::uint64_t base = 1;  // the first vertex's number: 0 or 1
   std::uint64_t attributes = 0;
@@ -58,6 +59,10 @@ absl::StatusOr<TriangleSection> ReadTriangleSection(TextReader& reader, const No
 // None for a section that the file does not have.
 absl::StatusOr<std::vector<SeedRow>> ReadHoleSection(TextReader& reader, int dimension);
 absl::StatusOr<std::vector<SeedRow>> ReadRegionSection(TextReader& reader, int dimension);
+// `count` rows of such a section: "number x y" or "number x y z", and up to `more` other values.
+absl::StatusOr<std::vector<SeedRow>> ReadSeedRows(TextReader& reader, const char* what,
+                                                  std::uint64_t count, int dimension,
+                                                  std::size_t more);
 
 // OK if nothing but comments is left.
 absl::Status ExpectEnd(TextReader& reader);
