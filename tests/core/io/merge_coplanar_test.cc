@@ -403,29 +403,74 @@ TEST(MergeCoplanar, AWallAcrossTheFloorDividesIt) {
   EXPECT_EQ(Merged(f).size(), 5U + 1U + 1U);  // without the wall
   f.push_back(Feature::Polygon(9, {{1, 3, 6, 5}}));
   EXPECT_EQ(Merged(f), f);
+  std::rotate(f.end() - 3, f.end() - 1, f.end());  // the wall first
+  EXPECT_EQ(Merged(f), f);
 }
 
-TEST(MergeCoplanar, FacesThatOverlapAreLeftToValidation) {
-  std::vector<Feature> f = Points({{0, 0, 0}, {4, 0, 0}, {1, 4, 0}, {3, 4, 0}});
-  f.push_back(Feature::Polygon(5, {{1, 2, 3}}));
-  f.push_back(Feature::Polygon(6, {{1, 2, 4}}));
-  EXPECT_EQ(Merged(f), f);
-  // Around a corner by more than once: 5 triangles of 90 degrees.
-  f = Points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {2, 0, 0}, {0, 2, 0}});
-  for (const Rings& r : {Rings{{1, 2, 3}}, Rings{{1, 3, 4}}, Rings{{1, 4, 5}}, Rings{{1, 5, 6}}}) {
-    f.push_back(Feature::Polygon(f.size() + 1, r));
+std::vector<Feature> With(std::vector<Feature> features, const std::vector<Rings>& faces) {
+  for (const Rings& rings : faces) {
+    features.push_back(Feature::Polygon(features.size() + 1, rings));
   }
-  EXPECT_EQ(ShapesOf(Merged(f)).size(), 1U);
+  return features;
+}
+
+TEST(MergeCoplanar, AFaceFoldedOntoAnotherIsNotJoinedWithIt) {
+  const std::vector<Feature> points =
+      Points({{0, 0, 0}, {4, 0, 0}, {1, 4, 0}, {3, 4, 0}, {5, 5, 0}});
+  std::vector<Feature> f = With(points, {{{1, 2, 3}}, {{1, 2, 4}}});
+  EXPECT_EQ(Merged(f), f);
+  f = With(points, {{{1, 2, 3}}, {{1, 2, 4}}, {{2, 3, 5}}});
+  EXPECT_EQ(Merged(f), With(points, {{{1, 3, 5, 2}}, {{1, 2, 4}}}));
+}
+
+// An arch that stands with both of its feet on one edge, which they overlap at.
+TEST(MergeCoplanar, ARegionThatOverlapsItselfIsLeftToValidation) {
+  const std::vector<Feature> points = Points({{1, 0, 0},
+                                              {3, 0, 0},
+                                              {0, 3, 0},
+                                              {4, 3, 0},
+                                              {0, 6, 0},
+                                              {4, 6, 0},
+                                              {-3, 9, 0},
+                                              {2, 12, 0},
+                                              {7, 9, 0}});
+  std::vector<Rings> faces = {{{1, 2, 3}}, {{2, 3, 5}}, {{3, 5, 7}}, {{5, 7, 8}},
+                              {{5, 6, 8}}, {{6, 8, 9}}, {{4, 6, 9}}, {{1, 4, 6}}};
+  EXPECT_EQ(ShapesOf(Merged(With(points, faces))).size(), 1U);
+  faces.push_back({{1, 2, 4}});
+  const std::vector<Feature> f = With(points, faces);
+  EXPECT_EQ(Merged(f), f);
 }
 
 TEST(MergeCoplanar, ACornerWhereAnotherFaceTurnsStays) {
   std::vector<Feature> f =
-      Points({{0, 0, 0}, {2, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {2, 0, 3}});
-  f.push_back(Feature::Polygon(7, {{1, 2, 3, 4, 5}}));
-  f.push_back(Feature::Polygon(8, {{1, 2, 6}}));
+      With(Points({{0, 0, 0}, {2, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {2, 0, 3}, {0, 0, 3}}),
+           {{{1, 2, 3, 4, 5}}, {{1, 2, 6, 7}}});
   EXPECT_EQ(Merged(f), f);
-  f.pop_back();
-  EXPECT_EQ(Merged(f).back(), Feature::Polygon(7, {{1, 3, 4, 5}}));  // not joined, yet straight
+  std::swap(f[7], f[8]);
+  EXPECT_EQ(Merged(f), f);
+  f.erase(f.begin() + 7);
+  EXPECT_EQ(Merged(f).back(), Feature::Polygon(8, {{1, 3, 4, 5}}));  // not joined, yet straight
+}
+
+// One face has two corners on an edge, the other one of them: that is straight in both only when
+// the first has gone.
+TEST(MergeCoplanar, ACornerCanGoBecauseItsNeighbourWent) {
+  for (const double way : {1, -1}) {
+    const std::vector<Feature> f = With(Points({{0, 0, 0},
+                                                {way, 0, 0},
+                                                {2 * way, 0, 0},
+                                                {3 * way, 0, 0},
+                                                {3 * way, 1, 0},
+                                                {0, 1, 0},
+                                                {3 * way, 0, 1},
+                                                {0, 0, 1}}),
+                                        {{{1, 2, 3, 4, 5, 6}}, {{1, 3, 4, 7, 8}}});
+    std::vector<Feature> expected = Without(f, {2, 3});
+    expected[6] = Feature::Polygon(9, {{1, 4, 5, 6}});
+    expected[7] = Feature::Polygon(10, {{1, 4, 7, 8}});
+    EXPECT_EQ(Merged(f), expected);
+  }
 }
 
 TEST(MergeCoplanar, FacesWithHolesAreJoinedAndFilled) {
@@ -485,6 +530,25 @@ TEST(MergeCoplanar, WithAToleranceNoRegionIsThickerThanThatToEitherSide) {
     }
     soup.Shuffle(rng);
     EXPECT_EQ(ShapesOf(Merged(soup.Features(), tolerance)), shapes);
+  }
+}
+
+// A folding screen of equal panels: which of them begins decides what is joined.
+TEST(MergeCoplanar, AmongEqualFacesCoordinatesDecideWhoBegins) {
+  std::mt19937 rng = NewRandom();
+  FaceSoup soup;
+  for (std::size_t i = 0; i < 9; ++i) {
+    const double x = static_cast<double>(i), z = i % 2 == 0 ? 0 : 0.125;
+    soup.points.push_back({x, 0, z});
+    soup.points.push_back({x, 2, z});
+    if (i > 0) soup.faces.push_back({2 * i - 2, 2 * i, 2 * i + 1, 2 * i - 1});
+  }
+  const std::multiset<Shape> shapes = ShapesOf(Merged(soup.Features(), 0.26));
+  EXPECT_LT(shapes.size(), 8U);
+  EXPECT_GT(shapes.size(), 1U);
+  for (int round = 0; round < 20; ++round) {
+    soup.Shuffle(rng);
+    EXPECT_EQ(ShapesOf(Merged(soup.Features(), 0.26)), shapes);
   }
 }
 

@@ -95,6 +95,25 @@ TEST(SpacePolyFile, AnIslandInAHoleIsKeptWithoutAPlace) {
       << more.status();
 }
 
+TEST(SpacePolyFile, APlaceIsThatOfTheInnermostPolygonAroundIt) {
+  std::string points = "16 3\n", polygons = "1\n4 2\n";
+  for (int i = 0; i < 4; ++i) {
+    const int lo = i, hi = 20 - i, n = 4 * i;
+    const auto point = [&](int k, int x, int y) {
+      points += std::to_string(n + k) + " " + std::to_string(x) + " " + std::to_string(y) + " 0\n";
+    };
+    point(1, lo, lo), point(2, hi, lo), point(3, hi, hi), point(4, lo, hi);
+    polygons += "4 " + std::to_string(n + 1) + " " + std::to_string(n + 2) + " " +
+                std::to_string(n + 3) + " " + std::to_string(n + 4) + "\n";
+  }
+  const std::string in_both = points + polygons + "1 1.5 5 0\n2 10 10 0\n";
+  EXPECT_TRUE(Poly(in_both).ok()) << Poly(in_both).status();
+  const auto twice_in_one = Poly(points + polygons + "1 11 11 0\n2 10 10 0\n");
+  EXPECT_TRUE(std::string(twice_in_one.status().message())
+                  .starts_with("a.poly:21: a polygon inside its facet without the place"))
+      << twice_in_one.status();
+}
+
 TEST(SpacePolyFile, TakesItsPointsFromTheNodeFileBesideIt) {
   const TempFolder folder;
   folder.Write("a.node", "3 3 0 0\n0 5 6 7\n1 7 8 9\n2 1 1 1\n");
