@@ -1,5 +1,4 @@
-#include <array>
-#include <charconv>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string_view>

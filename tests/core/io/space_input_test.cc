@@ -6,11 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "tests/core/io/bad_text.h"
 #include "tests/core/io/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
+using testing::ExpectRefused;
 using testing::TempFolder;
 
 absl::StatusOr<TextReader> NoNodes() { return absl::NotFoundError("a.node: no such file"); }
@@ -127,25 +129,6 @@ TEST(SpacePolyFile, TakesItsPointsFromTheNodeFileBesideIt) {
     EXPECT_EQ(input->features[3], Feature::Polygon(4, {{1, 2, 3}}));
     EXPECT_EQ(input->Where(1), folder.Path("a.node") + ":2");
     EXPECT_EQ(input->Where(4), path + ":3");
-  }
-}
-
-struct BadText {
-  std::string text;
-  int line;             // where the message must point
-  const char* message;  // what it must contain
-};
-
-void ExpectRefused(const std::vector<BadText>& texts, const std::string& name,
-                   absl::StatusOr<FileFeatures> (*read)(const std::string&)) {
-  for (const BadText& bad : texts) {
-    const absl::Status status = read(bad.text).status();
-    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << bad.text;
-    const std::string message(status.message());
-    EXPECT_TRUE(message.starts_with(name + ":" + std::to_string(bad.line) + ": "))
-        << bad.text << "\n"
-        << message;
-    EXPECT_NE(message.find(bad.message), std::string::npos) << bad.text << "\n" << message;
   }
 }
 

@@ -13,12 +13,14 @@
 #include <vector>
 
 #include "core/data/text.h"
+#include "tests/core/io/bad_text.h"
 #include "tests/core/io/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
 using data::Concat;
+using testing::ExpectRefused;
 
 absl::StatusOr<FileFeatures> Off(const std::string& text) {
   return ParseOffText(TextReader("a.off", text));
@@ -165,24 +167,6 @@ TEST(ObjFile, FacesLinesAndPointsAreTaken) {
   }
   EXPECT_EQ(input->Where(6), "a.obj:15");
   EXPECT_EQ(input->Where(7), "a.obj:11");
-}
-
-struct BadText {
-  std::string text;
-  int line;             // where the message must point
-  const char* message;  // what it must contain
-};
-
-void ExpectRefused(const std::vector<BadText>& texts, const std::string& name,
-                   absl::StatusOr<FileFeatures> (*read)(const std::string&)) {
-  for (const BadText& bad : texts) {
-    const absl::Status status = read(bad.text).status();
-    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << bad.text;
-    const std::string message(status.message());
-    EXPECT_TRUE(message.starts_with(Concat(name, ":", bad.line, ": "))) << bad.text << "\n"
-                                                                        << message;
-    EXPECT_NE(message.find(bad.message), std::string::npos) << bad.text << "\n" << message;
-  }
 }
 
 TEST(MalformedSurface, OffIsRefusedWithFileAndLine) {
