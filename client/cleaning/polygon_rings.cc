@@ -1,6 +1,11 @@
 #include "client/cleaning/polygon_rings.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <optional>
+
+#include "absl/container/flat_hash_map.h"
+#include "core/base/ring_walk.h"
 
 namespace dynmesh::cleaning {
 namespace {

@@ -7,12 +7,9 @@
 #ifndef DYNMESH_CLIENT_CLEANING_POLYGON_RINGS_H_
 #define DYNMESH_CLIENT_CLEANING_POLYGON_RINGS_H_
 
-#include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
 
-#include "absl/container/flat_hash_map.h"
 #include "client/cleaning/point_places.h"
 
 namespace dynmesh::cleaning {
@@ -28,25 +25,6 @@ struct RemadeRings {
 
 // `edges` sorted, each once; `were` closed chains, whose corners need not be on them any more.
 RemadeRings RemakeRings(const std::vector<PlaceRing>& were, const std::vector<PlacePair>& edges);
-
-// Walks from `start` on: `step(v)` takes an edge away that leaves v and says where it ends, or
-// that there is none. Where the walk comes to a vertex again it has closed a ring: appended, as it
-// was walked. As many edges have to end in each vertex as leave it.
-template <class Step>
-void WalkRings(Place start, Step step, std::vector<PlaceRing>& rings) {
-  PlaceRing path = {start};
-  absl::flat_hash_map<Place, std::size_t> at = {{start, 0}};
-  while (const std::optional<Place> next = step(path.back())) {
-    const auto [it, fresh] = at.emplace(*next, path.size());
-    if (fresh) {
-      path.push_back(*next);
-      continue;
-    }
-    const std::size_t first = it->second;
-    rings.emplace_back(path.begin() + static_cast<std::ptrdiff_t>(first), path.end());
-    for (; path.size() > first + 1; path.pop_back()) at.erase(path.back());
-  }
-}
 
 }  // namespace dynmesh::cleaning
 

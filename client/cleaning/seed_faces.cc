@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
 #include "client/cleaning/polygon_rings.h"
+#include "core/base/ring_walk.h"
 
 namespace dynmesh::cleaning {
 namespace {

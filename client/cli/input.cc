@@ -15,7 +15,7 @@ namespace {
 
 using data::Concat;
 
-Input FromPlanar(io::PlanarInput planar, const std::string& path) {
+Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   Input input;
   input.options.box = io::BoundingBox(planar.features);
   const auto ignored = [&](std::uint64_t count, const char* what) {
@@ -38,7 +38,7 @@ Input FromPlanar(io::PlanarInput planar, const std::string& path) {
   input.seed_file = path;
   input.polygon_names = std::move(planar.polygons);
   planar.features.clear();
-  auto source = std::make_shared<const io::PlanarInput>(std::move(planar));
+  auto source = std::make_shared<const io::FileFeatures>(std::move(planar));
   input.where = [source](FeatureId id) { return source->Where(id); };
   return input;
 }
@@ -110,7 +110,7 @@ bool IsMap(const std::string& path) {
 absl::StatusOr<Input> LoadMap(const std::string& path, bool polygons) {
   io::MapOptions options;
   options.polygons = polygons;
-  absl::StatusOr<io::PlanarInput> map = io::ReadMapFile(path, options);
+  absl::StatusOr<io::FileFeatures> map = io::ReadMapFile(path, options);
   if (!map.ok()) return map.status();
   return FromPlanar(*std::move(map), path);
 }
@@ -126,7 +126,7 @@ absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path) {
 absl::StatusOr<Input> LoadInput(const std::string& path) {
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension == ".node" || extension == ".poly") {
-    absl::StatusOr<io::PlanarInput> planar =
+    absl::StatusOr<io::FileFeatures> planar =
         extension == ".node" ? io::ReadNodeFile(path) : io::ReadPolyFile(path);
     if (!planar.ok()) return planar.status();
     return FromPlanar(*std::move(planar), path);

@@ -8,7 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/io/planar_input.h"
+#include "core/io/file_features.h"
 #include "dynmesh/error.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"

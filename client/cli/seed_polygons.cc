@@ -36,7 +36,9 @@ absl::Status AddSeedPolygons(Input& input) {
                                     "are told apart by id"));
   }
   std::vector<cleaning::Point> places;
-  for (const Seed& seed : seeds) places.push_back(seed.row->position);
+  for (const Seed& seed : seeds) {
+    places.push_back({seed.row->position[0], seed.row->position[1]});
+  }
   const std::vector<cleaning::SeedFace> faces = cleaning::FindSeedFaces(input.features, places);
   FeatureId next_id = 0;
   for (const Feature& f : input.features) next_id = std::max(next_id, f.id);

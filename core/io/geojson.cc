@@ -22,9 +22,9 @@ class GeoJsonReader {
  public:
   GeoJsonReader(const JsonDocument& json, bool polygons) : json_(json), polygons_(polygons) {}
 
-  absl::StatusOr<PlanarInput> Read() {
+  absl::StatusOr<FileFeatures> Read() {
     if (auto status = ReadObject(0); !status.ok()) return status;
-    PlanarInput input = work_.Take(json_.name());
+    FileFeatures input = work_.Take(json_.name());
     input.heights = heights_;
     return input;
   }
@@ -153,11 +153,11 @@ class GeoJsonReader {
 
 }  // namespace
 
-absl::StatusOr<PlanarInput> ReadGeoJson(const JsonDocument& json, bool polygons) {
+absl::StatusOr<FileFeatures> ReadGeoJson(const JsonDocument& json, bool polygons) {
   return GeoJsonReader(json, polygons).Read();
 }
 
-absl::StatusOr<PlanarInput> ReadMapFile(const std::string& path, const MapOptions& options) {
+absl::StatusOr<FileFeatures> ReadMapFile(const std::string& path, const MapOptions& options) {
   const absl::StatusOr<JsonDocument> json = JsonDocument::Read(path, options.limits);
   if (!json.ok()) return json.status();
   const absl::StatusOr<std::string_view> type = TypeOf(*json, 0, "a map");

@@ -46,8 +46,8 @@ bool LineWork::IsAcross(Place from, Place to) const {
   return std::abs(positions_[from][0] - positions_[to][0]) > 180;
 }
 
-PlanarInput LineWork::Take(const std::string& file) {
-  PlanarInput input;
+FileFeatures LineWork::Take(const std::string& file) {
+  FileFeatures input;
   input.point_file = file;
   input.segment_file = file;
   input.point_count = positions_.size();

@@ -11,7 +11,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
-#include "core/io/planar_input.h"
+#include "core/io/file_features.h"
 
 namespace dynmesh::io {
 
@@ -28,7 +28,7 @@ class LineWork {
 
   // Points 1..n in the order in which they were first added, segments n+1..n+m likewise, then
   // polygons.
-  PlanarInput Take(const std::string& file);
+  FileFeatures Take(const std::string& file);
 
  private:
   struct Polygon {

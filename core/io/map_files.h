@@ -15,8 +15,8 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "core/io/file_features.h"
 #include "core/io/json_document.h"
-#include "core/io/planar_input.h"
 
 namespace dynmesh::io {
 
@@ -28,11 +28,11 @@ struct MapOptions {
 // Which of the two formats it is stands in the file ("type"). INVALID_ARGUMENT as
 // `file:line: what is wrong` for what is neither, and for a coordinate of magnitude above
 // 2^200; NOT_FOUND and the like if the file cannot be read. O(file) expected time.
-absl::StatusOr<PlanarInput> ReadMapFile(const std::string& path, const MapOptions& options = {});
+absl::StatusOr<FileFeatures> ReadMapFile(const std::string& path, const MapOptions& options = {});
 
 // Of a parsed file.
-absl::StatusOr<PlanarInput> ReadGeoJson(const JsonDocument& json, bool polygons = false);
-absl::StatusOr<PlanarInput> ReadTopoJson(const JsonDocument& json, bool polygons = false);
+absl::StatusOr<FileFeatures> ReadGeoJson(const JsonDocument& json, bool polygons = false);
+absl::StatusOr<FileFeatures> ReadTopoJson(const JsonDocument& json, bool polygons = false);
 
 }  // namespace dynmesh::io
 

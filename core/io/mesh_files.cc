@@ -212,7 +212,7 @@ absl::Status WriteMeshFiles(const IndexedMesh& mesh, const std::string& path) {
 
 absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader triangles,
                                          std::optional<TextReader> edges) {
-  const absl::StatusOr<NodeSection> section = ReadNodeSection(nodes);
+  const absl::StatusOr<NodeSection> section = ReadNodeSection(nodes, 2);
   if (!section.ok()) return section.status();
   if (auto status = ExpectEnd(nodes); !status.ok()) return status;
 

@@ -40,6 +40,7 @@ class TextReader {
   // Of the current line, from 1; after the end, of the last line.
   int line() const { return line_; }
   const std::string& name() const { return name_; }
+  const std::string& text() const { return *text_; }  // all of it, as it is
   std::size_t text_size() const { return text_->size(); }
 
   // Comments that start with "# dynmesh ", met so far, without that start.

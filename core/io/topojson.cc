@@ -26,7 +26,7 @@ class TopoJsonReader {
  public:
   TopoJsonReader(const JsonDocument& json, bool polygons) : json_(json), polygons_(polygons) {}
 
-  absl::StatusOr<PlanarInput> Read() {
+  absl::StatusOr<FileFeatures> Read() {
     const auto arcs = Member(json_, 0, "arcs", Kind::kArray, "a Topology");
     if (!arcs.ok()) return arcs.status();
     const auto objects = Member(json_, 0, "objects", Kind::kObject, "a Topology");
@@ -49,7 +49,7 @@ class TopoJsonReader {
     for (const Index v : areas_) {
       if (auto added = AddPolygon(v); !added.ok()) return added;
     }
-    PlanarInput input = work_.Take(json_.name());
+    FileFeatures input = work_.Take(json_.name());
     input.heights = heights_;
     input.gaps = gaps_;
     return input;
@@ -225,7 +225,7 @@ class TopoJsonReader {
 
 }  // namespace
 
-absl::StatusOr<PlanarInput> ReadTopoJson(const JsonDocument& json, bool polygons) {
+absl::StatusOr<FileFeatures> ReadTopoJson(const JsonDocument& json, bool polygons) {
   return TopoJsonReader(json, polygons).Read();
 }
 

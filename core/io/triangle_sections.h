@@ -1,5 +1,6 @@
 // The parts that Triangle's files are made of: vertices, segments or edges,
-// triangles, holes, regions. Each part is a header line with a count, then that many
+// triangles, holes, regions. Vertices, holes and regions are those of TetGen's as well, with
+// three coordinates. Each part is a header line with a count, then that many
 // rows, numbered from 0 or 1 as the vertices are.
 // Blank lines and `#` comments may stand anywhere.
 #ifndef DYNMESH_CORE_IO_TRIANGLE_SECTIONS_H_
@@ -15,12 +16,13 @@
 
 namespace dynmesh::io {
 
-// Vertices in file order. Markers are read as 64 bits, -1 as 2^64 - 1.
+// Vertices in file order; in the plane the third coordinate is 0. Markers are read as 64 bits, -1
+// as 2^64 - 1.
 struct NodeSection {
   std::uint64_t base = 1;  // the first vertex's number: 0 or 1
   std::uint64_t attributes = 0;
   bool has_markers = false;
-  std::vector<std::array<double, 2>> positions;
+  std::vector<std::array<double, 3>> positions;
   std::vector<std::uint64_t> markers;  // all 0 if there are none
   std::vector<int> lines;
 };
@@ -41,21 +43,26 @@ struct TriangleSection {
 
 // A place in a hole or in a region.
 struct SeedRow {
-  std::array<double, 2> position{};
+  std::array<double, 3> position{};  // in the plane the third is 0
   std::vector<double> more;  // of a region: an attribute and a largest area, if they are there
   int line = 0;
   friend bool operator==(const SeedRow&, const SeedRow&) = default;
 };
 
-// All start at the next line of `reader`; what follows their last row is not touched.
-absl::StatusOr<NodeSection> ReadNodeSection(TextReader& reader);
+// All start at the next line of `reader`; what follows their last row is not touched. The
+// `dimension` is 2 or 3.
+absl::StatusOr<NodeSection> ReadNodeSection(TextReader& reader, int dimension);
 // `what`: "segment" or "edge".
 absl::StatusOr<PairSection> ReadPairSection(TextReader& reader, const char* what,
                                             const NodeSection& nodes);
 absl::StatusOr<TriangleSection> ReadTriangleSection(TextReader& reader, const NodeSection& nodes);
 // None for a section that the file does not have.
-absl::StatusOr<std::vector<SeedRow>> ReadHoleSection(TextReader& reader);
-absl::StatusOr<std::vector<SeedRow>> ReadRegionSection(TextReader& reader);
+absl::StatusOr<std::vector<SeedRow>> ReadHoleSection(TextReader& reader, int dimension);
+absl::StatusOr<std::vector<SeedRow>> ReadRegionSection(TextReader& reader, int dimension);
+// `count` rows of such a section: "number x y" or "number x y z", and up to `more` other values.
+absl::StatusOr<std::vector<SeedRow>> ReadSeedRows(TextReader& reader, const char* what,
+                                                  std::uint64_t count, int dimension,
+                                                  std::size_t more);
 
 // OK if nothing but comments is left.
 absl::Status ExpectEnd(TextReader& reader);

@@ -24,6 +24,7 @@ struct Target {
 constexpr Target kTargets[] = {
     {"edit_script", &FuzzEditScript},
     {"planar_input", &FuzzPlanarInput},
+    {"space_input", &FuzzSpaceInput},
 #ifdef DYNMESH_FUZZ_MESH_FILES
     {"mesh_files", &FuzzMeshFiles},
 #endif

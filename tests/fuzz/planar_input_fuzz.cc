@@ -6,7 +6,7 @@
 namespace dynmesh::fuzz {
 namespace {
 
-std::string Check(const absl::StatusOr<io::PlanarInput>& input) {
+std::string Check(const absl::StatusOr<io::FileFeatures>& input) {
   if (!input.ok()) return input.status().message().empty() ? "an error without a message" : "";
   if (input->features.size() != input->point_count + input->segment_count ||
       input->lines.size() != input->features.size()) {

@@ -17,6 +17,11 @@ std::string FuzzEditScript(std::string_view bytes);
 // `.node` file too. What parses must mesh or be refused.
 std::string FuzzPlanarInput(std::string_view bytes);
 
+// A file of space, tried as every format that there is; for a `.poly` or `.smesh` there may be a
+// line `---` and the `.node` file beside it. What parses must have its features in order, and
+// joining its faces must not depend on theirs.
+std::string FuzzSpaceInput(std::string_view bytes);
+
 // A mesh as `.node`, `.ele` and `.edge` files with lines `---` between them. What parses must
 // survive conversion, measuring and the judge.
 std::string FuzzMeshFiles(std::string_view bytes);

@@ -18,7 +18,7 @@ Feature G(FeatureId id, Rings rings) { return Feature::Polygon(id, std::move(rin
 
 class MapFiles : public ::testing::Test {
  protected:
-  absl::StatusOr<PlanarInput> Read(const std::string& text, bool polygons = false) const {
+  absl::StatusOr<FileFeatures> Read(const std::string& text, bool polygons = false) const {
     MapOptions options;
     options.polygons = polygons;
     return ReadMapFile(folder_.Write("m.json", text), options);

@@ -1,0 +1,210 @@
+#include "core/io/merge_coplanar.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "core/base/rings.h"
+#include "core/data/text.h"
+#include "core/geometry/point.h"
+#include "core/io/coplanar_regions.h"
+#include "core/io/facet_rings.h"
+#include "core/io/straight_corners.h"
+
+namespace dynmesh::io {
+
+using data::Concat;
+using geometry::Point3;
+
+namespace {
+
+absl::Status Refuse(FeatureId polygon, const std::string& why) {
+  return absl::InvalidArgumentError(Concat("polygon ", polygon, " ", why));
+}
+
+class Merger {
+ public:
+  explicit Merger(const std::vector<Feature>& features) : features_(features) {
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      if (features[i].kind == FeatureKind::kPoint) points_.push_back(i);
+      last_id_ = std::max(last_id_, features[i].id);
+    }
+    std::sort(points_.begin(), points_.end(), [&](std::size_t a, std::size_t b) {
+      const Point3 p = {features[a].position}, q = {features[b].position};
+      return p == q ? features[a].id < features[b].id : p < q;
+    });
+    for (const std::size_t i : points_) {
+      corner_.emplace(features[i].id, static_cast<Corner>(places_.size()));
+      places_.push_back({features[i].position});
+    }
+  }
+
+  absl::Status ReadFaces() {
+    for (std::size_t i = 0; i < features_.size(); ++i) {
+      if (features_[i].kind != FeatureKind::kPolygon) continue;
+      absl::StatusOr<FaceRings> rings = RingsOf(features_[i]);
+      if (!rings.ok()) return rings.status();
+      polygons_.push_back(i);
+      faces_.push_back(*std::move(rings));
+    }
+    named_before_ = NamedByFaces();
+    return absl::OkStatus();
+  }
+
+  void Merge(double tolerance) {
+    std::vector<FaceRings> canonical;
+    for (const FaceRings& face : faces_) canonical.push_back(Canonical(face));
+    const absl::flat_hash_map<CornerPair, int> uses = CountUses();
+    for (FlatRegion& region : FindFlatRegions(places_, canonical, tolerance)) {
+      const auto by_id = [&](std::size_t f, std::size_t g) {
+        return features_[polygons_[f]].id < features_[polygons_[g]].id;
+      };
+      const std::size_t first = *std::min_element(region.faces.begin(), region.faces.end(), by_id);
+      for (const std::size_t f : region.faces) faces_[f].clear();
+      faces_[first] = std::move(region.rings);
+    }
+    FindLostEdges(uses);
+    named_else_ = NamedElsewhere();
+    DropStraightCorners(places_, named_else_, faces_);
+  }
+
+  absl::StatusOr<std::vector<Feature>> Write() const {
+    if (last_id_ >= kBoxFeature - 1 - lost_.size() && !lost_.empty()) {
+      return absl::InvalidArgumentError("no ids are left for new segments; use smaller ids");
+    }
+    const std::vector<bool> named = NamedByFaces();
+    std::vector<Feature> result;
+    std::size_t face = 0;
+    for (const Feature& f : features_) {
+      if (f.kind == FeatureKind::kPoint) {
+        const Corner c = corner_.at(f.id);
+        if (!named_before_[c] || named[c] || named_else_[c]) result.push_back(f);
+      } else if (f.kind == FeatureKind::kPolygon) {
+        const FaceRings& rings = faces_[face++];
+        if (!rings.empty()) result.push_back(Feature::Polygon(f.id, IdsOf(rings)));
+      } else {
+        result.push_back(f);
+      }
+    }
+    FeatureId id = last_id_;
+    for (const auto& [p, q] : lost_) result.push_back(Feature::Segment(++id, IdOf(p), IdOf(q)));
+    return result;
+  }
+
+ private:
+  absl::StatusOr<FaceRings> RingsOf(const Feature& polygon) const {
+    FaceRings rings;
+    for (const std::vector<FeatureId>& ids : polygon.rings) {
+      if (ids.size() < 3) return Refuse(polygon.id, "has a ring of fewer than 3 corners");
+      CornerRing& ring = rings.emplace_back();
+      for (const FeatureId id : ids) {
+        const auto it = corner_.find(id);
+        if (it == corner_.end()) {
+          return Refuse(polygon.id, Concat("has the corner ", id, ", which is no point; add it"));
+        }
+        if (!IsInDomain(places_[it->second].c)) {
+          return Refuse(polygon.id, Concat("has the corner ", id, ", which has a coordinate above ",
+                                           "2^200 or nearer to 0 than 2^-200; scale the input"));
+        }
+        ring.push_back(it->second);
+      }
+    }
+    if (rings.empty()) return Refuse(polygon.id, "has no ring");
+    return rings;
+  }
+
+  template <class F>
+  void ForEachEdge(F f) const {
+    for (const FaceRings& face : faces_) {
+      ForEachEdgeOf(face, [&](Corner p, Corner q) { f(CornerPair(std::minmax(p, q))); });
+    }
+  }
+
+  absl::flat_hash_map<CornerPair, int> CountUses() const {
+    absl::flat_hash_map<CornerPair, int> uses;
+    ForEachEdge([&](const CornerPair& edge) { ++uses[edge]; });
+    return uses;
+  }
+
+  // Edges where more than two faces met and no ring is now.
+  void FindLostEdges(const absl::flat_hash_map<CornerPair, int>& uses) {
+    absl::flat_hash_set<CornerPair> there;
+    ForEachEdge([&](const CornerPair& edge) { there.insert(edge); });
+    for (const Feature& f : features_) {
+      if (f.kind != FeatureKind::kSegment) continue;
+      const auto p = corner_.find(f.ends[0]), q = corner_.find(f.ends[1]);
+      if (p != corner_.end() && q != corner_.end()) {
+        there.insert(std::minmax(p->second, q->second));
+      }
+    }
+    for (const auto& [edge, count] : uses) {
+      if (count > 2 && !there.contains(edge)) lost_.push_back(edge);
+    }
+    std::sort(lost_.begin(), lost_.end());
+  }
+
+  std::vector<bool> NamedByFaces() const {
+    std::vector<bool> named(places_.size(), false);
+    ForEachEdge([&](const CornerPair& edge) { named[edge.first] = named[edge.second] = true; });
+    return named;
+  }
+
+  // By segments, new ones included, and by sizing polygons.
+  std::vector<bool> NamedElsewhere() const {
+    std::vector<bool> named(places_.size(), false);
+    const auto name = [&](FeatureId id) {
+      const auto it = corner_.find(id);
+      if (it != corner_.end()) named[it->second] = true;
+    };
+    for (const Feature& f : features_) {
+      if (f.kind == FeatureKind::kSegment) name(f.ends[0]), name(f.ends[1]);
+      if (f.kind != FeatureKind::kSize) continue;
+      for (const std::vector<FeatureId>& ring : f.rings) {
+        for (const FeatureId id : ring) name(id);
+      }
+    }
+    for (const auto& [p, q] : lost_) named[p] = named[q] = true;
+    return named;
+  }
+
+  FeatureId IdOf(Corner c) const { return features_[points_[c]].id; }
+
+  Rings IdsOf(const FaceRings& rings) const {
+    Rings ids;
+    for (const CornerRing& ring : rings) {
+      std::vector<FeatureId>& out = ids.emplace_back();
+      for (const Corner c : ring) out.push_back(IdOf(c));
+    }
+    return ids;
+  }
+
+  const std::vector<Feature>& features_;
+  FeatureId last_id_ = 0;
+  std::vector<std::size_t> points_;  // by coordinates; indices into features_
+  std::vector<Point3> places_;       // of points_
+  absl::flat_hash_map<FeatureId, Corner> corner_;
+  std::vector<std::size_t> polygons_;  // indices into features_
+  std::vector<FaceRings> faces_;       // of polygons_; empty if joined to another
+  std::vector<CornerPair> lost_;
+  std::vector<bool> named_before_;  // by faces
+  std::vector<bool> named_else_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::vector<Feature>> MergeCoplanar(const std::vector<Feature>& features,
+                                                   double tolerance) {
+  if (!(tolerance >= 0)) {
+    return absl::InvalidArgumentError("the tolerance of coplanar faces must be 0 or more");
+  }
+  Merger merger(features);
+  if (auto s = merger.ReadFaces(); !s.ok()) return s;
+  merger.Merge(tolerance);
+  return merger.Write();
+}
+
+}  // namespace dynmesh::io

@@ -1,0 +1,43 @@
+// Joins faces that lie in one plane and share edges into polygons with holes, so that the
+// triangles of a surface file become the faces that they were cut from.
+//
+// * Faces are joined across an edge that exactly two faces have, if they lie on either side of it
+//   and all their corners are in the plane of the region's largest face: exactly, or with a
+//   tolerance > 0 no farther from it than that.
+// * A region of several faces becomes one polygon, under the least of their ids. Its rings are its
+//   boundary, cut where it comes to a point again: rings touch there. Each starts at its least
+//   corner by coordinates and goes to the lesser neighbour; the one with the least corner of all
+//   comes first, which is the outer one unless a hole touches it there.
+// * A corner is dropped if all rings that have it go straight through it, from the same point to
+//   the same point (exactly straight, whatever the tolerance), and no segment or sizing polygon
+//   names it. Faces that were not joined lose such corners as well.
+// * A point that only polygons named and none names any more goes. Others stay, under their ids.
+// * An edge of three faces or more that would be on no ring any more, since each face that has it
+//   was joined with another around its ends, becomes a segment, with an id after all others, so
+//   that what meets there still does.
+// * Faces of a region that overlap, that are no planar rings, or of no area, stay as they are.
+//
+// The polygons are a function of the faces and their coordinates, whatever the order of faces,
+// corners and features, and the side from which a face is seen; only ids come from ids.
+//
+// Thread-safe. O(n lg n) for n corners, if faces have few rings; with a tolerance a little more.
+#ifndef DYNMESH_CORE_IO_MERGE_COPLANAR_H_
+#define DYNMESH_CORE_IO_MERGE_COPLANAR_H_
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh::io {
+
+// Features keep their order, new segments come last. INVALID_ARGUMENT if a polygon has a ring of
+// fewer than three corners, or a corner that is no point of `features` or that the predicates
+// cannot compute with (above 2^200, nearer to 0 than 2^-200); or a tolerance that is negative or no
+// number.
+absl::StatusOr<std::vector<Feature>> MergeCoplanar(const std::vector<Feature>& features,
+                                                   double tolerance = 0);
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_MERGE_COPLANAR_H_

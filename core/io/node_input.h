@@ -1,0 +1,34 @@
+// What the `.node`, `.poly` and `.smesh` files of plane and space have in common: vertices,
+// which become the points 1..n, in the file or in a `.node` beside it, and seeds at the end.
+#ifndef DYNMESH_CORE_IO_NODE_INPUT_H_
+#define DYNMESH_CORE_IO_NODE_INPUT_H_
+
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/io/file_features.h"
+#include "core/io/text_reader.h"
+#include "core/io/triangle_sections.h"
+
+namespace dynmesh::io {
+
+// All of a `.node` file.
+absl::StatusOr<FileFeatures> ParsePoints(TextReader& nodes, int dimension);
+
+// Opens the `.node` file that has the vertices of a file without any.
+using OpenNodes = std::function<absl::StatusOr<TextReader>()>;
+OpenNodes OpenNodesBeside(const std::string& path);
+
+// The vertices of a `.poly` or `.smesh`, its own or those of the external file; `input` gets
+// them as points. NOT_FOUND from `open_nodes` becomes an error of `poly`.
+absl::StatusOr<NodeSection> ReadPointsOfPoly(TextReader& poly, int dimension,
+                                             const OpenNodes& open_nodes, FileFeatures& input);
+
+// The last sections: holes, regions, and nothing behind them.
+absl::Status ReadSeedSections(TextReader& poly, int dimension, FileFeatures& input);
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_NODE_INPUT_H_

@@ -1,0 +1,36 @@
+// Files that have to be refused, with the line at which the message must point.
+#ifndef DYNMESH_TESTS_CORE_IO_BAD_TEXT_H_
+#define DYNMESH_TESTS_CORE_IO_BAD_TEXT_H_
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/data/text.h"
+#include "core/io/file_features.h"
+
+namespace dynmesh::testing {
+
+struct BadText {
+  std::string text;
+  int line;             // where the message must point
+  const char* message;  // what it must contain
+};
+
+inline void ExpectRefused(const std::vector<BadText>& texts, const std::string& name,
+                          absl::StatusOr<io::FileFeatures> (*read)(const std::string&)) {
+  for (const BadText& bad : texts) {
+    const absl::Status status = read(bad.text).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << bad.text;
+    const std::string message(status.message());
+    EXPECT_TRUE(message.starts_with(data::Concat(name, ":", bad.line, ": "))) << bad.text << "\n"
+                                                                              << message;
+    EXPECT_NE(message.find(bad.message), std::string::npos) << bad.text << "\n" << message;
+  }
+}
+
+}  // namespace dynmesh::testing
+
+#endif  // DYNMESH_TESTS_CORE_IO_BAD_TEXT_H_
