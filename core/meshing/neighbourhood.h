@@ -286,19 +286,27 @@ void Refinement<D, E>::Offer(Context& context, std::uint32_t id) {
   star_.Insert(id, u.p);
 }
 
+// The largest balls first, one by one, as they may be huge and full; the others together once
+// that is worth while.
 template <int D, template <class> class E>
 void Refinement<D, E>::VerifyStar(Context& context) {
-  if (InsertAllInCorners(context)) return;
+  double worth_a_look = INFINITY;
   // Each vertex is inserted once at most, unless two are seen at one place, which would
   // be an error elsewhere: it must not become an endless loop here.
   std::size_t insertions_left = vertex_count_;
-  for (int i = 0; i < star_.corner_count() && insertions_left > 0;) {
-    if (star_.corner(i).verified || !VerifyCorner(context, i)) {
-      ++i;
-    } else {
-      i = 0;  // corners have moved about; the verified ones are marked
-      --insertions_left;
+  while (insertions_left > 0) {
+    int largest = -1;
+    for (int i = 0; i < star_.corner_count(); ++i) {
+      const auto& n = star_.corner(i);
+      if (!n.verified && (largest < 0 || n.r2 > star_.corner(largest).r2)) largest = i;
     }
+    if (largest < 0) return;
+    const double r2 = star_.corner(largest).r2;
+    if (r2 <= worth_a_look) {
+      if (InsertAllInCorners(context)) return;
+      worth_a_look = r2 / 8;
+    }
+    if (VerifyCorner(context, largest)) --insertions_left;
   }
 }
 
