@@ -69,13 +69,14 @@ std::vector<FeatureId> PolygonsOf(RegionId region, std::span<const RegionSet> se
 // `ids` in canonical order (below).
 MeshHash HashSimplex(const VertexId* ids, int count, RegionId region = kNoRegion);
 MeshHash HashSubsegment(VertexId a, VertexId b, FeatureId owner);
+MeshHash HashSubfacet(const VertexId (&corners)[3], FeatureId owner);  // ascending
 
 // Columns of n vertices.
 struct VertexColumns {
   std::vector<VertexId> ids;
   std::vector<double> coordinates;  // n x dimension, vertex by vertex
-  // 0: an input point or a corner of the domain grid, 1: on a segment,
-  // dimension of the mesh: free.
+  // 0: an input point or a point of the domain's grid, 1: on a segment, 2 in space: on a
+  // polygon, dimension of the mesh: free.
   std::vector<std::uint8_t> containing_dimensions;
   // The feature it lies on; kNoFeature if free. On an edge of polygons: the segment feature
   // with the same ends if there is one, else the polygon of least id.
@@ -85,7 +86,8 @@ struct VertexColumns {
 };
 
 // n simplices, dimension + 1 vertex ids each, positively oriented (in the plane:
-// counter-clockwise), the least id first: its *canonical order*.
+// counter-clockwise; in space (b - a) . ((c - a) x (d - a)) > 0), the least id first and, in
+// space, the next least second: its *canonical order*.
 using SimplexColumn = std::vector<VertexId>;
 
 // The pieces into which vertices cut the input segments and the box's sides.
@@ -94,6 +96,14 @@ struct SubsegmentColumns {
   std::vector<FeatureId> owners;  // n; as of vertices
   std::size_t size() const { return owners.size(); }
   friend bool operator==(const SubsegmentColumns&, const SubsegmentColumns&) = default;
+};
+
+// In space: the triangles into which vertices cut the input polygons. Empty in the plane.
+struct SubfacetColumns {
+  std::vector<VertexId> corners;  // n x 3, ascending
+  std::vector<FeatureId> owners;  // n; as of vertices
+  std::size_t size() const { return owners.size(); }
+  friend bool operator==(const SubfacetColumns&, const SubfacetColumns&) = default;
 };
 
 // The region of each of n simplices; empty if none lies in a polygon.
@@ -117,6 +127,7 @@ struct Mesh {
   RegionColumn regions;                // of the simplices
   std::vector<RegionSet> region_sets;  // those of `regions` with several polygons, by id
   SubsegmentColumns subsegments;
+  SubfacetColumns subfacets;
   MeshHash hash;
 
   std::size_t simplex_count() const { return simplices.size() / (dimension + 1); }
@@ -136,11 +147,13 @@ struct MeshDiff {
   SimplexColumn removed_simplices;
   RegionColumn removed_regions;  // of the removed simplices
   SubsegmentColumns removed_subsegments;
+  SubfacetColumns removed_subfacets;
   VertexColumns added_vertices;
   SimplexColumn added_simplices;
   RegionColumn added_regions;          // of the added simplices
   std::vector<RegionSet> region_sets;  // those of both with several polygons, by id
   SubsegmentColumns added_subsegments;
+  SubfacetColumns added_subfacets;
   WorkCounters work;
   MeshHash hash;  // of the mesh at to_revision
 
