@@ -6,13 +6,13 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
+#include "core/data/pieces.h"
 #include "core/data/regions.h"
 
 namespace dynmesh::server {
 namespace {
 
-using SimplexKey = std::array<std::uint64_t, 5>;     // ids, unused ones 0, and region
-using SubsegmentKey = std::array<std::uint64_t, 3>;  // ends, owner
+using SimplexKey = std::array<std::uint64_t, 5>;  // ids, unused ones 0, and region
 
 SimplexKey KeyOfSimplex(const SimplexColumn& column, const RegionColumn& regions, std::size_t row,
                         std::size_t corners) {
@@ -20,15 +20,6 @@ SimplexKey KeyOfSimplex(const SimplexColumn& column, const RegionColumn& regions
   for (std::size_t i = 0; i < corners; ++i) key[i] = column[row * corners + i];
   if (!regions.empty()) key.back() = regions[row];
   return key;
-}
-
-SubsegmentKey KeyOfSubsegment(const SubsegmentColumns& column, std::size_t row) {
-  return {column.ends[2 * row], column.ends[2 * row + 1], column.owners[row]};
-}
-
-void AddSubsegment(SubsegmentColumns& to, const SubsegmentKey& key) {
-  to.ends.insert(to.ends.end(), {key[0], key[1]});
-  to.owners.push_back(key[2]);
 }
 
 void AddSimplex(SimplexColumn& to, RegionColumn& regions, const SimplexKey& key,
@@ -63,6 +54,22 @@ class NetRows {
   absl::flat_hash_set<Key> removed_, added_;
 };
 
+template <class Columns>
+class NetPieces {
+ public:
+  void Apply(const Columns& removed, const Columns& added) {
+    for (std::size_t i = 0; i < removed.size(); ++i) rows_.Remove(data::KeyOf(removed, i));
+    for (std::size_t i = 0; i < added.size(); ++i) rows_.Add(data::KeyOf(added, i));
+  }
+  void Write(Columns& removed, Columns& added) const {
+    for (const auto& key : rows_.removed()) data::Append(removed, key);
+    for (const auto& key : rows_.added()) data::Append(added, key);
+  }
+
+ private:
+  NetRows<data::PieceKey<Columns>> rows_;
+};
+
 // Vertices carry content: a removal says only the id, so it can cancel an addition
 // but no addition can cancel a removal.
 class NetVertices {
@@ -86,7 +93,7 @@ class NetVertices {
   absl::flat_hash_map<VertexId, std::pair<const VertexColumns*, std::size_t>> added_;
 };
 
-absl::Status Missing(const char* what, const MeshDiff& diff) {
+absl::Status Missing(absl::string_view what, const MeshDiff& diff) {
   return absl::DataLossError(absl::StrCat("the diff to revision ", diff.to_revision, " removes ",
                                           what, " that the mesh does not have"));
 }
@@ -140,19 +147,19 @@ absl::Status PatchSimplices(const Mesh& mesh, const MeshDiff& diff, Mesh& out) {
   return absl::OkStatus();
 }
 
-absl::Status PatchSubsegments(const Mesh& mesh, const MeshDiff& diff, SubsegmentColumns& out) {
-  absl::flat_hash_set<SubsegmentKey> gone;
-  for (std::size_t i = 0; i < diff.removed_subsegments.size(); ++i) {
-    gone.insert(KeyOfSubsegment(diff.removed_subsegments, i));
+template <class Columns>
+absl::Status PatchPieces(const Columns& held, const MeshDiff& diff, const Columns& removed,
+                         const Columns& added, Columns& out) {
+  absl::flat_hash_set<data::PieceKey<Columns>> gone;
+  for (std::size_t i = 0; i < removed.size(); ++i) gone.insert(data::KeyOf(removed, i));
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const auto key = data::KeyOf(held, i);
+    if (!gone.contains(key)) data::Append(out, key);
   }
-  for (std::size_t i = 0; i < mesh.subsegments.size(); ++i) {
-    const SubsegmentKey key = KeyOfSubsegment(mesh.subsegments, i);
-    if (!gone.contains(key)) AddSubsegment(out, key);
+  if (out.size() + gone.size() != held.size()) {
+    return Missing(absl::StrCat("a ", data::kPieceName<Columns>), diff);
   }
-  if (out.size() + gone.size() != mesh.subsegments.size()) return Missing("a subsegment", diff);
-  for (std::size_t i = 0; i < diff.added_subsegments.size(); ++i) {
-    AddSubsegment(out, KeyOfSubsegment(diff.added_subsegments, i));
-  }
+  for (std::size_t i = 0; i < added.size(); ++i) data::Append(out, data::KeyOf(added, i));
   return absl::OkStatus();
 }
 
@@ -160,21 +167,21 @@ std::size_t Bytes(const VertexColumns& v) {
   return v.ids.size() * 17 + v.coordinates.size() * sizeof(double);
 }
 
-std::size_t Bytes(const SubsegmentColumns& s) { return s.size() * 24; }
-
 }  // namespace
 
 std::size_t ByteSize(const MeshDiff& d) {
-  return sizeof(MeshDiff) + Bytes(d.added_vertices) + Bytes(d.added_subsegments) +
-         Bytes(d.removed_subsegments) +
+  return sizeof(MeshDiff) + Bytes(d.added_vertices) + data::ByteSize(d.added_subsegments) +
+         data::ByteSize(d.removed_subsegments) + data::ByteSize(d.added_subfacets) +
+         data::ByteSize(d.removed_subfacets) +
          8 * (d.removed_vertices.size() + d.removed_simplices.size() + d.removed_regions.size() +
               d.added_simplices.size() + d.added_regions.size()) +
          data::ByteSize(d.region_sets);
 }
 
 std::size_t ByteSize(const Mesh& m) {
-  return sizeof(Mesh) + Bytes(m.vertices) + Bytes(m.subsegments) +
-         8 * (m.simplices.size() + m.regions.size()) + data::ByteSize(m.region_sets);
+  return sizeof(Mesh) + Bytes(m.vertices) + data::ByteSize(m.subsegments) +
+         data::ByteSize(m.subfacets) + 8 * (m.simplices.size() + m.regions.size()) +
+         data::ByteSize(m.region_sets);
 }
 
 MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
@@ -186,7 +193,8 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
   const auto corners = static_cast<std::size_t>(out.dimension) + 1;
   NetVertices vertices;
   NetRows<SimplexKey> simplices;
-  NetRows<SubsegmentKey> subsegments;
+  NetPieces<SubsegmentColumns> subsegments;
+  NetPieces<SubfacetColumns> subfacets;
   for (const auto& diff : diffs) {
     const MeshDiff& d = *diff;
     for (const VertexId id : d.removed_vertices) vertices.Remove(id);
@@ -199,12 +207,8 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
     for (std::size_t i = 0; i < d.added_simplex_count(); ++i) {
       simplices.Add(KeyOfSimplex(d.added_simplices, d.added_regions, i, corners));
     }
-    for (std::size_t i = 0; i < d.removed_subsegments.size(); ++i) {
-      subsegments.Remove(KeyOfSubsegment(d.removed_subsegments, i));
-    }
-    for (std::size_t i = 0; i < d.added_subsegments.size(); ++i) {
-      subsegments.Add(KeyOfSubsegment(d.added_subsegments, i));
-    }
+    subsegments.Apply(d.removed_subsegments, d.added_subsegments);
+    subfacets.Apply(d.removed_subfacets, d.added_subfacets);
     data::AppendSets(out.region_sets, d.region_sets);
     out.work.executed += d.work.executed;
     out.work.created += d.work.created;
@@ -218,8 +222,8 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
   for (const auto& key : simplices.added()) {
     AddSimplex(out.added_simplices, out.added_regions, key, corners);
   }
-  for (const auto& key : subsegments.removed()) AddSubsegment(out.removed_subsegments, key);
-  for (const auto& key : subsegments.added()) AddSubsegment(out.added_subsegments, key);
+  subsegments.Write(out.removed_subsegments, out.added_subsegments);
+  subfacets.Write(out.removed_subfacets, out.added_subfacets);
   // The order of hash sets differs between runs; what is sent must not. Drops regions that
   // say nothing, too.
   Canonicalize(out);
@@ -236,7 +240,19 @@ absl::StatusOr<Mesh> Patched(const Mesh& mesh, const MeshDiff& diff) {
   out.hash = diff.hash;
   if (absl::Status s = PatchVertices(mesh, diff, out.vertices); !s.ok()) return s;
   if (absl::Status s = PatchSimplices(mesh, diff, out); !s.ok()) return s;
-  if (absl::Status s = PatchSubsegments(mesh, diff, out.subsegments); !s.ok()) return s;
+  const auto patch = [&](auto column, auto removed, auto added) {
+    return PatchPieces(mesh.*column, diff, diff.*removed, diff.*added, out.*column);
+  };
+  if (absl::Status s =
+          patch(&Mesh::subsegments, &MeshDiff::removed_subsegments, &MeshDiff::added_subsegments);
+      !s.ok()) {
+    return s;
+  }
+  if (absl::Status s =
+          patch(&Mesh::subfacets, &MeshDiff::removed_subfacets, &MeshDiff::added_subfacets);
+      !s.ok()) {
+    return s;
+  }
   return out;
 }
 

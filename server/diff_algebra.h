@@ -17,9 +17,9 @@ std::size_t ByteSize(const MeshDiff& diff);
 std::size_t ByteSize(const Mesh& mesh);
 
 // One diff that does what `diffs`, at least one and each continuing the one before,
-// do in turn. Simplices (in the same region) and subsegments that come and go again cancel;
-// a vertex that goes and comes again stands in both lists, as a diff may say. Work is added up.
-// Expected time linear in the rows of all.
+// do in turn. Simplices (in the same region), subsegments and subfacets that come and go again
+// cancel; a vertex that goes and comes again stands in both lists, as a diff may say. Work is added
+// up. Expected time linear in the rows of all.
 MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs);
 
 // `mesh` at diff.to_revision, in time linear in both. FAILED_PRECONDITION on a gap,

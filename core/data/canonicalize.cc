@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/data/pieces.h"
 #include "core/data/regions.h"
 #include "dynmesh/mesh.h"
 
@@ -106,16 +107,14 @@ void SortSimplices(int dimension, SimplexColumn& simplices, RegionColumn& region
   dimension == 2 ? SortRows<3>(simplices, regions) : SortRows<4>(simplices, regions);
 }
 
-void SortSubsegments(SubsegmentColumns& s) {
-  std::vector<std::array<std::uint64_t, 3>> rows(s.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i] = {s.ends[2 * i], s.ends[2 * i + 1], s.owners[i]};
-  }
+template <class Columns>
+void SortPieces(Columns& pieces) {
+  std::vector<data::PieceKey<Columns>> rows(pieces.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = data::KeyOf(pieces, i);
   std::sort(rows.begin(), rows.end());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    s.ends[2 * i] = rows[i][0];
-    s.ends[2 * i + 1] = rows[i][1];
-    s.owners[i] = rows[i][2];
+    std::copy(rows[i].begin(), rows[i].end() - 1, &data::IdsOf(pieces)[i * (rows[i].size() - 1)]);
+    pieces.owners[i] = rows[i].back();
   }
 }
 
@@ -125,17 +124,20 @@ void Canonicalize(Mesh& mesh) {
   SortVertices(mesh.dimension, mesh.vertices);
   SortSimplices(mesh.dimension, mesh.simplices, mesh.regions);
   data::KeepNamed(mesh.region_sets, {&mesh.regions});
-  SortSubsegments(mesh.subsegments);
+  SortPieces(mesh.subsegments);
+  SortPieces(mesh.subfacets);
 }
 
 void Canonicalize(MeshDiff& diff) {
   std::sort(diff.removed_vertices.begin(), diff.removed_vertices.end());
   SortSimplices(diff.dimension, diff.removed_simplices, diff.removed_regions);
-  SortSubsegments(diff.removed_subsegments);
+  SortPieces(diff.removed_subsegments);
+  SortPieces(diff.removed_subfacets);
   SortVertices(diff.dimension, diff.added_vertices);
   SortSimplices(diff.dimension, diff.added_simplices, diff.added_regions);
   data::KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
-  SortSubsegments(diff.added_subsegments);
+  SortPieces(diff.added_subsegments);
+  SortPieces(diff.added_subfacets);
 }
 
 }  // namespace dynmesh

@@ -1,12 +1,12 @@
 #include "core/data/diff_meshes.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "core/data/pieces.h"
 #include "core/data/regions.h"
 
 namespace dynmesh::data {
@@ -127,30 +127,23 @@ void DiffSimplices(std::size_t width, const Mesh& from, Mesh& to, MeshDiff& diff
   KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
 }
 
-void DiffSubsegments(const SubsegmentColumns& from, SubsegmentColumns& to, MeshDiff& diff) {
-  RowKeeper ends(&to.ends, 2);
+template <class Columns>
+void DiffPieces(const Columns& from, Columns& to, Columns& removed, Columns& added) {
+  RowKeeper ids(&IdsOf(to), kCorners<Columns>);
   RowKeeper owners(&to.owners, 1);
-  const auto key = [](const SubsegmentColumns& s, std::size_t row) {
-    return std::array<std::uint64_t, 3>{s.ends[2 * row], s.ends[2 * row + 1], s.owners[row]};
-  };
   const auto order = [&](std::size_t i, std::size_t j) {
-    const auto a = key(from, i), b = key(to, j);
+    const auto a = KeyOf(from, i), b = KeyOf(to, j);
     return a < b ? -1 : b < a ? 1 : 0;
   };
   Merge(
-      from.size(), to.size(), order,
-      [&](std::size_t i) {
-        diff.removed_subsegments.ends.insert(diff.removed_subsegments.ends.end(),
-                                             {from.ends[2 * i], from.ends[2 * i + 1]});
-        diff.removed_subsegments.owners.push_back(from.owners[i]);
-      },
+      from.size(), to.size(), order, [&](std::size_t i) { Append(removed, KeyOf(from, i)); },
       [](std::size_t, std::size_t) {},
       [&](std::size_t j) {
-        ends.Keep(j);
+        ids.Keep(j);
         owners.Keep(j);
       });
-  diff.added_subsegments.ends = ends.Take();
-  diff.added_subsegments.owners = owners.Take();
+  IdsOf(added) = ids.Take();
+  added.owners = owners.Take();
 }
 
 }  // namespace
@@ -166,7 +159,8 @@ MeshDiff DiffMeshes(Mesh from, Mesh to) {
   diff.hash = to.hash;
   DiffVertices(d, from.vertices, to.vertices, diff);
   DiffSimplices(d + 1, from, to, diff);
-  DiffSubsegments(from.subsegments, to.subsegments, diff);
+  DiffPieces(from.subsegments, to.subsegments, diff.removed_subsegments, diff.added_subsegments);
+  DiffPieces(from.subfacets, to.subfacets, diff.removed_subfacets, diff.added_subfacets);
   return diff;
 }
 

@@ -19,6 +19,7 @@
 //   simplex:    hash(2, number of ids, ids in canonical order), in a region other than 0
 //               hash(2, number of ids, ids in canonical order, region)
 //   subsegment: hash(3, lesser end's id, greater end's id, owner)
+//   subfacet:   hash(4, the three corners' ids in ascending order, owner)
 //   region:     the id of a polygon if there is one, for several in ascending order
 //               h = MixA(e7037ed1a0b428db); h = MixA(h ^ id_i) for i = 1..n; with the top
 //               bit set
@@ -27,14 +28,15 @@
 // Two unlike bijective mixes under unlike keys: a collision must happen in both
 // words at once. Good against accidents; not meant against an adversary.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/data/pieces.h"
 #include "core/data/text.h"
 #include "dynmesh/mesh.h"
 
@@ -60,7 +62,7 @@ constexpr std::uint64_t kRegionKey = 0xe7037ed1a0b428dbULL;
 constexpr std::uint64_t kHiKey = 0x8ebc6af09c88c6e3ULL;
 constexpr std::uint64_t kLoKey = 0x589965cc75374cc3ULL;
 
-enum Tag : std::uint64_t { kVertexTag = 1, kSimplexTag = 2, kSubsegmentTag = 3 };
+enum Tag : std::uint64_t { kVertexTag = 1, kSimplexTag = 2, kSubsegmentTag = 3, kSubfacetTag = 4 };
 
 std::uint64_t Bits(double c) { return std::bit_cast<std::uint64_t>(c + 0.0); }
 
@@ -76,6 +78,22 @@ class WordHasher {
  private:
   MeshHash hash_{kHiKey, kLoKey};
 };
+
+template <std::size_t kIds>
+MeshHash HashPiece(Tag tag, std::array<VertexId, kIds> ids, FeatureId owner) {
+  std::sort(ids.begin(), ids.end());
+  WordHasher hasher(tag);
+  for (const VertexId id : ids) hasher.Add(id);
+  hasher.Add(owner);
+  return hasher.Get();
+}
+
+template <class Columns>
+MeshHash HashOfPieces(const Columns& columns) {
+  MeshHash sum;
+  for (std::size_t i = 0; i < columns.size(); ++i) sum += data::HashOf(data::KeyOf(columns, i));
+  return sum;
+}
 
 }  // namespace
 
@@ -118,12 +136,11 @@ MeshHash HashSimplex(const VertexId* ids, int count, RegionId region) {
 }
 
 MeshHash HashSubsegment(VertexId a, VertexId b, FeatureId owner) {
-  if (b < a) std::swap(a, b);
-  WordHasher hasher(kSubsegmentTag);
-  hasher.Add(a);
-  hasher.Add(b);
-  hasher.Add(owner);
-  return hasher.Get();
+  return HashPiece(kSubsegmentTag, std::array{a, b}, owner);
+}
+
+MeshHash HashSubfacet(const VertexId (&corners)[3], FeatureId owner) {
+  return HashPiece(kSubfacetTag, std::to_array(corners), owner);
 }
 
 MeshHash ComputeHash(const Mesh& mesh) {
@@ -136,10 +153,8 @@ MeshHash ComputeHash(const Mesh& mesh) {
   for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
     sum += HashSimplex(&mesh.simplices[i * (d + 1)], d + 1, mesh.region(i));
   }
-  for (std::size_t i = 0; i < mesh.subsegments.size(); ++i) {
-    sum += HashSubsegment(mesh.subsegments.ends[2 * i], mesh.subsegments.ends[2 * i + 1],
-                          mesh.subsegments.owners[i]);
-  }
+  sum += HashOfPieces(mesh.subsegments);
+  sum += HashOfPieces(mesh.subfacets);
   return sum;
 }
 

@@ -21,8 +21,6 @@ bool Agree(int dimension, const SimplexColumn& s, const RegionColumn& regions) {
   return s.size() % corners == 0 && (regions.empty() || regions.size() == s.size() / corners);
 }
 
-bool Agree(const SubsegmentColumns& s) { return s.ends.size() == 2 * s.owners.size(); }
-
 absl::Status BadColumns(std::string_view what) {
   return absl::InvalidArgumentError(Concat("the columns of ", what, " disagree in length"));
 }
@@ -47,6 +45,42 @@ RegionId RegionOfRow(const RegionColumn& regions, std::size_t row) {
 
 std::string VertexName(VertexId id) { return Concat("vertex ", Hex(id)); }
 
+// Finds what a diff does to the pieces `held`, and adds to `hash`.
+template <class Columns, class Set>
+absl::Status NetPieces(const Set& held, const Columns& removed, const Columns& added,
+                       MeshHash& hash) {
+  const std::string what = Concat("a ", kPieceName<Columns>);
+  Set gone, come;
+  for (std::size_t i = 0; i < removed.size(); ++i) {
+    const auto key = KeyOf(removed, i);
+    if (!held.contains(key)) return Lost(what, "is to go but is absent");
+    if (!gone.insert(key).second) return Lost(what, "goes twice");
+    hash -= HashOf(key);
+  }
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    const auto key = KeyOf(added, i);
+    if (held.contains(key) && !gone.contains(key)) {
+      return Lost(what, "is to come but is present");
+    }
+    if (!come.insert(key).second) return Lost(what, "comes twice");
+    hash += HashOf(key);
+  }
+  return absl::OkStatus();
+}
+
+template <class Columns, class Set>
+void CommitPieces(const Columns& removed, const Columns& added, Set& held) {
+  for (std::size_t i = 0; i < removed.size(); ++i) held.erase(KeyOf(removed, i));
+  for (std::size_t i = 0; i < added.size(); ++i) held.insert(KeyOf(added, i));
+}
+
+template <class Columns, class Set>
+Columns ToColumns(const Set& held) {
+  Columns columns;
+  for (const auto& key : held) Append(columns, key);
+  return columns;
+}
+
 }  // namespace
 
 absl::Status CheckColumns(const Mesh& mesh) {
@@ -54,6 +88,7 @@ absl::Status CheckColumns(const Mesh& mesh) {
   if (!Agree(mesh.dimension, mesh.vertices)) return BadColumns("vertices");
   if (!Agree(mesh.dimension, mesh.simplices, mesh.regions)) return BadColumns("simplices");
   if (!Agree(mesh.subsegments)) return BadColumns("subsegments");
+  if (!Agree(mesh.subfacets)) return BadColumns("subfacets");
   return CheckSets(mesh.region_sets);
 }
 
@@ -68,6 +103,8 @@ absl::Status CheckColumns(const MeshDiff& diff) {
   }
   if (!Agree(diff.added_subsegments)) return BadColumns("added subsegments");
   if (!Agree(diff.removed_subsegments)) return BadColumns("removed subsegments");
+  if (!Agree(diff.added_subfacets)) return BadColumns("added subfacets");
+  if (!Agree(diff.removed_subfacets)) return BadColumns("removed subfacets");
   return CheckSets(diff.region_sets);
 }
 
@@ -76,18 +113,12 @@ struct MeshStore::Netting {
   MeshHash hash;
   absl::flat_hash_set<VertexId> removed_vertices, added_vertices;
   absl::flat_hash_set<SimplexKey> removed_simplices, added_simplices;
-  absl::flat_hash_set<SubsegmentKey> removed_subsegments, added_subsegments;
 };
 
 MeshStore::SimplexKey MeshStore::MakeSimplexKey(const VertexId* ids, int count) {
   SimplexKey key = {0, 0, 0, 0};
   for (int i = 0; i < count; ++i) key[static_cast<std::size_t>(i)] = ids[i];
   return key;
-}
-
-MeshStore::SubsegmentKey MeshStore::MakeSubsegmentKey(VertexId a, VertexId b, FeatureId owner) {
-  if (b < a) std::swap(a, b);
-  return {a, b, owner};
 }
 
 absl::Status MeshStore::NetVertices(const MeshDiff& diff, Netting& netting) const {
@@ -139,29 +170,6 @@ absl::Status MeshStore::NetSimplices(const MeshDiff& diff, Netting& netting) con
   return absl::OkStatus();
 }
 
-absl::Status MeshStore::NetSubsegments(const MeshDiff& diff, Netting& netting) const {
-  const SubsegmentColumns& removed = diff.removed_subsegments;
-  for (std::size_t i = 0; i < removed.size(); ++i) {
-    const auto key =
-        MakeSubsegmentKey(removed.ends[2 * i], removed.ends[2 * i + 1], removed.owners[i]);
-    if (!subsegments_.contains(key)) return Lost("a subsegment", "is to go but is absent");
-    if (!netting.removed_subsegments.insert(key).second) {
-      return Lost("a subsegment", "goes twice");
-    }
-    netting.hash -= HashSubsegment(key[0], key[1], key[2]);
-  }
-  const SubsegmentColumns& added = diff.added_subsegments;
-  for (std::size_t i = 0; i < added.size(); ++i) {
-    const auto key = MakeSubsegmentKey(added.ends[2 * i], added.ends[2 * i + 1], added.owners[i]);
-    if (subsegments_.contains(key) && !netting.removed_subsegments.contains(key)) {
-      return Lost("a subsegment", "is to come but is present");
-    }
-    if (!netting.added_subsegments.insert(key).second) return Lost("a subsegment", "comes twice");
-    netting.hash += HashSubsegment(key[0], key[1], key[2]);
-  }
-  return absl::OkStatus();
-}
-
 absl::Status MeshStore::Apply(const MeshDiff& diff) {
   if (auto status = CheckColumns(diff); !status.ok()) return status;
   if (diff.dimension != dimension_) {
@@ -177,7 +185,16 @@ absl::Status MeshStore::Apply(const MeshDiff& diff) {
   netting.hash = hash_;
   if (auto status = NetVertices(diff, netting); !status.ok()) return status;
   if (auto status = NetSimplices(diff, netting); !status.ok()) return status;
-  if (auto status = NetSubsegments(diff, netting); !status.ok()) return status;
+  if (auto status =
+          NetPieces(subsegments_, diff.removed_subsegments, diff.added_subsegments, netting.hash);
+      !status.ok()) {
+    return status;
+  }
+  if (auto status =
+          NetPieces(subfacets_, diff.removed_subfacets, diff.added_subfacets, netting.hash);
+      !status.ok()) {
+    return status;
+  }
   if (netting.hash != diff.hash) {
     return Lost("the mesh", Concat("has hash ", netting.hash.ToHex(), " where ", diff.hash.ToHex(),
                                    " was promised"));
@@ -193,10 +210,6 @@ void MeshStore::Commit(const MeshDiff& diff) {
     simplices_.erase(MakeSimplexKey(&diff.removed_simplices[i * (d + 1)], dimension_ + 1));
   }
   CommitSets(diff);
-  const SubsegmentColumns& gone = diff.removed_subsegments;
-  for (std::size_t i = 0; i < gone.size(); ++i) {
-    subsegments_.erase(MakeSubsegmentKey(gone.ends[2 * i], gone.ends[2 * i + 1], gone.owners[i]));
-  }
   const VertexColumns& added = diff.added_vertices;
   for (std::size_t i = 0; i < added.size(); ++i) {
     Vertex vertex;
@@ -209,10 +222,8 @@ void MeshStore::Commit(const MeshDiff& diff) {
     simplices_.emplace(MakeSimplexKey(&diff.added_simplices[i * (d + 1)], dimension_ + 1),
                        RegionOfRow(diff.added_regions, i));
   }
-  const SubsegmentColumns& come = diff.added_subsegments;
-  for (std::size_t i = 0; i < come.size(); ++i) {
-    subsegments_.insert(MakeSubsegmentKey(come.ends[2 * i], come.ends[2 * i + 1], come.owners[i]));
-  }
+  CommitPieces(diff.removed_subsegments, diff.added_subsegments, subsegments_);
+  CommitPieces(diff.removed_subfacets, diff.added_subfacets, subfacets_);
   revision_ = diff.to_revision;
   hash_ = diff.hash;
 }
@@ -243,6 +254,7 @@ absl::StatusOr<MeshStore> MeshStore::FromMesh(const Mesh& mesh) {
   diff.added_regions = mesh.regions;
   diff.region_sets = mesh.region_sets;
   diff.added_subsegments = mesh.subsegments;
+  diff.added_subfacets = mesh.subfacets;
   diff.hash = mesh.hash;
   MeshStore store(mesh.dimension);
   store.vertices_.reserve(mesh.vertices.size());
@@ -276,10 +288,8 @@ Mesh MeshStore::ToMesh() const {
                           key.begin() + static_cast<std::ptrdiff_t>(d) + 1);
   }
   AppendRegions(mesh);
-  for (const SubsegmentKey& key : subsegments_) {
-    mesh.subsegments.ends.insert(mesh.subsegments.ends.end(), {key[0], key[1]});
-    mesh.subsegments.owners.push_back(key[2]);
-  }
+  mesh.subsegments = ToColumns<SubsegmentColumns>(subsegments_);
+  mesh.subfacets = ToColumns<SubfacetColumns>(subfacets_);
   return mesh;
 }
 
@@ -310,7 +320,12 @@ std::optional<RegionId> MeshStore::FindRegion(std::span<const VertexId> ids) con
 }
 
 bool MeshStore::HasSubsegment(VertexId a, VertexId b, FeatureId owner) const {
-  return subsegments_.contains(MakeSubsegmentKey(a, b, owner));
+  return subsegments_.contains({std::min(a, b), std::max(a, b), owner});
+}
+
+bool MeshStore::HasSubfacet(const std::array<VertexId, 3>& corners, FeatureId owner) const {
+  const SubfacetColumns row = {{corners.begin(), corners.end()}, {owner}};
+  return subfacets_.contains(KeyOf(row, 0));
 }
 
 }  // namespace dynmesh::data

@@ -3,7 +3,7 @@
 //
 // Invariants:
 //   1. hash() is the sum of the hashes of the rows held (ComputeHash);
-//   2. ids, simplices and subsegments are each held once, region sets while in use;
+//   2. ids, simplices, subsegments and subfacets are each held once, region sets while in use;
 //   3. a call that returns an error has changed nothing.
 // Thread-compatible. Copies are deep; readers that must not wait want their own.
 #ifndef DYNMESH_CORE_DATA_MESH_STORE_H_
@@ -20,6 +20,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/data/pieces.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh::data {
@@ -54,6 +55,7 @@ class MeshStore {
   std::size_t vertex_count() const { return vertices_.size(); }
   std::size_t simplex_count() const { return simplices_.size(); }
   std::size_t subsegment_count() const { return subsegments_.size(); }
+  std::size_t subfacet_count() const { return subfacets_.size(); }
 
   std::optional<Vertex> FindVertex(VertexId id) const;
   // `ids` in canonical order, dimension + 1 of them.
@@ -61,19 +63,19 @@ class MeshStore {
   // Of such a simplex.
   std::optional<RegionId> FindRegion(std::span<const VertexId> ids) const;
   bool HasSubsegment(VertexId a, VertexId b, FeatureId owner) const;
+  bool HasSubfacet(const std::array<VertexId, 3>& corners, FeatureId owner) const;  // any order
 
  private:
-  using SimplexKey = std::array<VertexId, 4>;          // unused entries 0, which no id is
-  using SubsegmentKey = std::array<std::uint64_t, 3>;  // lesser end, greater end, owner
+  using SimplexKey = std::array<VertexId, 4>;  // unused entries 0, which no id is
+  template <class Columns>
+  using PieceSet = absl::flat_hash_set<PieceKey<Columns>>;
   struct Netting;
 
   static SimplexKey MakeSimplexKey(const VertexId* ids, int count);
-  static SubsegmentKey MakeSubsegmentKey(VertexId a, VertexId b, FeatureId owner);
 
   // Each finds what the diff does to one kind of row, and adds to netting.hash.
   absl::Status NetVertices(const MeshDiff& diff, Netting& netting) const;
   absl::Status NetSimplices(const MeshDiff& diff, Netting& netting) const;
-  absl::Status NetSubsegments(const MeshDiff& diff, Netting& netting) const;
   void Commit(const MeshDiff& diff);
   void CommitSets(const MeshDiff& diff);
   void AppendRegions(Mesh& mesh) const;  // of the simplices, in their order here
@@ -85,7 +87,8 @@ class MeshStore {
   absl::flat_hash_map<SimplexKey, RegionId> simplices_;
   // Polygons and number of simplices, of regions in several polygons.
   absl::flat_hash_map<RegionId, std::pair<std::vector<FeatureId>, std::size_t>> sets_;
-  absl::flat_hash_set<SubsegmentKey> subsegments_;
+  PieceSet<SubsegmentColumns> subsegments_;
+  PieceSet<SubfacetColumns> subfacets_;
 };
 
 // INVALID_ARGUMENT unless the columns of the mesh or diff agree in length and the region

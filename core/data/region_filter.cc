@@ -1,10 +1,12 @@
 #include "core/data/region_filter.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstddef>
-#include <utility>
 
 #include "absl/container/flat_hash_set.h"
+#include "core/data/pieces.h"
 #include "core/data/regions.h"
 
 namespace dynmesh::data {
@@ -59,29 +61,37 @@ VertexColumns RowsOf(const absl::flat_hash_set<VertexId>& ids, std::size_t dimen
   return to;
 }
 
-using Ends = std::pair<VertexId, VertexId>;
-
-// Those subsegments that are an edge of a simplex.
-SubsegmentColumns EdgesOf(const SimplexColumn& simplices, std::size_t width,
-                          const SubsegmentColumns& from) {
-  // Of subsegments, not of edges, which are many more.
-  absl::flat_hash_set<Ends> open;
-  for (std::size_t i = 0; i < from.size(); ++i)
-    open.emplace(from.ends[2 * i], from.ends[2 * i + 1]);
-  absl::flat_hash_set<Ends> edges;
+// Those pieces that are an edge, or a facet, of a simplex.
+template <class Columns>
+Columns PiecesOf(const SimplexColumn& simplices, std::size_t width, const Columns& from) {
+  constexpr std::size_t kIds = kCorners<Columns>;
+  using Corners = std::array<VertexId, kIds>;
+  const auto corners_of = [&](std::size_t piece) {
+    const auto key = KeyOf(from, piece);
+    Corners corners;
+    std::copy_n(key.begin(), kIds, corners.begin());
+    return corners;
+  };
+  // Of pieces, not of edges and facets, which are many more.
+  absl::flat_hash_set<Corners> open;
+  for (std::size_t i = 0; i < from.size(); ++i) open.insert(corners_of(i));
+  if (open.empty()) return {};
+  absl::flat_hash_set<Corners> found;
   for (std::size_t row = 0; row < simplices.size(); row += width) {
-    for (std::size_t i = 0; i < width; ++i) {
-      for (std::size_t j = 0; j < i; ++j) {
-        const Ends ends = std::minmax(simplices[row + i], simplices[row + j]);
-        if (open.contains(ends)) edges.insert(ends);
+    for (unsigned choice = 0; choice < 1U << width; ++choice) {
+      if (std::popcount(choice) != static_cast<int>(kIds)) continue;
+      Corners corners;
+      std::size_t k = 0;
+      for (std::size_t i = 0; i < width; ++i) {
+        if ((choice >> i & 1) != 0) corners[k++] = simplices[row + i];
       }
+      std::sort(corners.begin(), corners.end());
+      if (open.contains(corners)) found.insert(corners);
     }
   }
-  SubsegmentColumns to;
+  Columns to;
   for (std::size_t i = 0; i < from.size(); ++i) {
-    if (!edges.contains(Ends(from.ends[2 * i], from.ends[2 * i + 1]))) continue;
-    to.ends.insert(to.ends.end(), {from.ends[2 * i], from.ends[2 * i + 1]});
-    to.owners.push_back(from.owners[i]);
+    if (found.contains(corners_of(i))) Append(to, KeyOf(from, i));
   }
   return to;
 }
@@ -122,7 +132,8 @@ Mesh OnlyInside(const Mesh& mesh, const RegionChoice& choice) {
   KeepNamed(part.region_sets, {&part.regions});
   const absl::flat_hash_set<VertexId> used(part.simplices.begin(), part.simplices.end());
   part.vertices = RowsOf(used, dimension, mesh.vertices);
-  part.subsegments = EdgesOf(part.simplices, dimension + 1, mesh.subsegments);
+  part.subsegments = PiecesOf(part.simplices, dimension + 1, mesh.subsegments);
+  part.subfacets = PiecesOf(part.simplices, dimension + 1, mesh.subfacets);
   part.hash = ComputeHash(part);
   return part;
 }
@@ -134,6 +145,7 @@ Mesh SimplicesInside(const Mesh& mesh, const RegionChoice& choice) {
   part.revision = mesh.revision;
   part.vertices = mesh.vertices;
   part.subsegments = mesh.subsegments;
+  part.subfacets = mesh.subfacets;
   part.region_sets = mesh.region_sets;
   part.hash = mesh.hash;
   RegionFilter filter(choice, mesh.region_sets);
@@ -151,8 +163,10 @@ MeshDiff SimplicesInside(const MeshDiff& diff, const RegionChoice& choice, MeshH
   part.to_revision = diff.to_revision;
   part.removed_vertices = diff.removed_vertices;
   part.removed_subsegments = diff.removed_subsegments;
+  part.removed_subfacets = diff.removed_subfacets;
   part.added_vertices = diff.added_vertices;
   part.added_subsegments = diff.added_subsegments;
+  part.added_subfacets = diff.added_subfacets;
   part.work = diff.work;
   part.region_sets = diff.region_sets;
   RegionFilter filter(choice, diff.region_sets);

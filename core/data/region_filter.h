@@ -39,13 +39,13 @@ class RegionFilter {
   absl::flat_hash_map<RegionId, bool> known_;
 };
 
-// The chosen simplices with their vertices and those subsegments that are edges of them;
-// rows in the order that they have, revision as it was, the hash that of what is left.
-// O(mesh).
+// The chosen simplices with their vertices and those subsegments and subfacets that are edges
+// and facets of them; rows in the order that they have, revision as it was, the hash that of
+// what is left. O(mesh).
 Mesh OnlyInside(const Mesh& mesh, const RegionChoice& choice);
 
-// The chosen simplices with all vertices and subsegments, as a diff can keep up with: which
-// of them are in use it does not say. The hash is that of what is left.
+// The chosen simplices with all vertices, subsegments and subfacets, as a diff can keep up
+// with: which of them are in use it does not say. The hash is that of what is left.
 Mesh SimplicesInside(const Mesh& mesh, const RegionChoice& choice);
 
 // The same of a diff. `hidden` is the sum of the hashes of the simplices that were left out

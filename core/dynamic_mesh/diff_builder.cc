@@ -3,23 +3,19 @@
 #include <algorithm>
 #include <string>
 
+#include "core/data/canonical_order.h"
 #include "core/data/regions.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
 namespace {
 
+using data::InCanonicalOrder;
 using Subsegment = meshing::Subsegment<2>;
 using meshing::SubsegmentIndex;
 using Vertex = meshing::Vertex<2>;
 using meshing::VertexIndex;
 using Triangulation = mesh::DelaunayTriangulation;
-
-template <class T>
-std::array<T, 3> LeastFirst(const std::array<T, 3>& a) {
-  if (a[0] < a[1]) return a[0] < a[2] ? a : std::array<T, 3>{a[2], a[0], a[1]};
-  return a[1] < a[2] ? std::array<T, 3>{a[1], a[2], a[0]} : std::array<T, 3>{a[2], a[0], a[1]};
-}
 
 void Reserve(VertexColumns& columns, std::size_t rows) {
   columns.ids.reserve(rows);
@@ -119,7 +115,8 @@ MeshHash DiffBuilder::HashOf(const SubsegmentRow& row) {
 
 std::array<VertexId, 3> DiffBuilder::CanonicalIds(Triangulation::TriangleIndex t) const {
   const Corners& v = triangulation_.vertices(t);
-  return LeastFirst<VertexId>({names_.at(v[0]), names_.at(v[1]), names_.at(v[2])});
+  return InCanonicalOrder(
+      std::array<VertexId, 3>{names_.at(v[0]), names_.at(v[1]), names_.at(v[2])});
 }
 
 absl::Status DiffBuilder::RegionStatus() const {
@@ -273,7 +270,7 @@ void DiffBuilder::RecordTriangles() {
   const auto labels = triangulation_.deleted_tags();
   for (std::size_t i = 0; i < deleted.size(); ++i) {
     if (!IsFinite(deleted[i]) || labels[i] == RegionLabels::kPending) continue;
-    triangles_.gone.push_back({LeastFirst(deleted[i]), labels[i]});
+    triangles_.gone.push_back({InCanonicalOrder(deleted[i]), labels[i]});
   }
   for (const auto t : triangulation_.created()) {
     if (triangulation_.IsInfinite(t)) continue;
@@ -283,7 +280,7 @@ void DiffBuilder::RecordTriangles() {
 }
 
 DiffBuilder::TriangleRow DiffBuilder::RowOf(Triangulation::TriangleIndex t) const {
-  return {LeastFirst(triangulation_.vertices(t)), labels_.at(t)};
+  return {InCanonicalOrder(triangulation_.vertices(t)), labels_.at(t)};
 }
 
 template <class Refinement>
@@ -414,11 +411,12 @@ void DiffBuilder::ReportSimplices(MeshDiff* diff) {
   simplex_rows_.Clear();
   for (const auto& [v, region] : triangles_.gone) {
     simplex_rows_.gone.push_back(
-        {LeastFirst<VertexId>({OldId(v[0]), OldId(v[1]), OldId(v[2])}), region});
+        {InCanonicalOrder(std::array<VertexId, 3>{OldId(v[0]), OldId(v[1]), OldId(v[2])}), region});
   }
   for (const auto& [v, region] : triangles_.come) {
-    simplex_rows_.come.push_back(
-        {LeastFirst<VertexId>({names_.at(v[0]), names_.at(v[1]), names_.at(v[2])}), region});
+    simplex_rows_.come.push_back({InCanonicalOrder(std::array<VertexId, 3>{
+                                      names_.at(v[0]), names_.at(v[1]), names_.at(v[2])}),
+                                  region});
   }
   simplex_rows_.Net();
   Append(simplex_rows_.gone, &diff->removed_simplices, &diff->removed_regions);

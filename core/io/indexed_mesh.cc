@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/data/canonical_order.h"
 #include "core/data/mesh_store.h"
 #include "core/data/text.h"
 
@@ -24,11 +25,6 @@ auto VertexKey(const IndexedMesh::Vertex& v) {
   const bool input = v.containing_dimension == 0 && !on_box;
   const int rank = input ? 0 : on_box ? 1 : 1 + v.containing_dimension;
   return std::tuple(rank, input ? v.owner : kNoFeature, v.x, v.y);
-}
-
-IndexedMesh::Triangle LeastFirst(IndexedMesh::Triangle t) {
-  std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
-  return t;
 }
 
 absl::Status UnknownVertex(VertexId id) {
@@ -89,7 +85,7 @@ absl::Status IndexTriangles(const SimplexColumn& simplices, const NumberOf& numb
       if (it == number_of.end()) return UnknownVertex(simplices[i + k]);
       t[k] = it->second;
     }
-    indexed.triangles.push_back(LeastFirst(t));
+    indexed.triangles.push_back(data::InCanonicalOrder(t));
   }
   SortTriangles(indexed);
   return absl::OkStatus();
@@ -167,8 +163,7 @@ Mesh ToMesh(const IndexedMesh& indexed) {
   const std::vector<VertexId>& ids = mesh.vertices.ids;
   mesh.simplices.reserve(3 * indexed.triangles.size());
   for (const auto& t : indexed.triangles) {
-    std::array<VertexId, 3> s = {ids[t[0]], ids[t[1]], ids[t[2]]};
-    std::rotate(s.begin(), std::min_element(s.begin(), s.end()), s.end());
+    const auto s = data::InCanonicalOrder(std::array<VertexId, 3>{ids[t[0]], ids[t[1]], ids[t[2]]});
     mesh.simplices.insert(mesh.simplices.end(), s.begin(), s.end());
   }
   SetRegions(indexed.regions, mesh);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/data/canonical_order.h"
 #include "core/data/diff_meshes.h"
 #include "dynmesh/error.h"
 
@@ -144,8 +145,7 @@ Mesh FakeDynamicMesh::Build(const FeatureMap& features) const {
   }
   const std::vector<VertexId>& v = mesh.vertices.ids;
   for (std::size_t i = 0; i + 2 < v.size(); ++i) {
-    std::array<VertexId, 3> corners = {v[i], v[i + 1], v[i + 2]};
-    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    const auto corners = data::InCanonicalOrder(std::array<VertexId, 3>{v[i], v[i + 1], v[i + 2]});
     mesh.simplices.insert(mesh.simplices.end(), corners.begin(), corners.end());
     const std::vector<FeatureId> polygons = PolygonsAround(all_polygons, {&points[i], 3});
     mesh.regions.push_back(RegionIdOf(polygons));
@@ -153,9 +153,8 @@ Mesh FakeDynamicMesh::Build(const FeatureMap& features) const {
   }
   std::ranges::sort(mesh.region_sets, {}, &RegionSet::id);
   const auto same_id = [](const RegionSet& a, const RegionSet& b) { return a.id == b.id; };
-  mesh.region_sets.erase(
-      std::unique(mesh.region_sets.begin(), mesh.region_sets.end(), same_id),
-      mesh.region_sets.end());
+  mesh.region_sets.erase(std::unique(mesh.region_sets.begin(), mesh.region_sets.end(), same_id),
+                         mesh.region_sets.end());
   mesh.hash = ComputeHash(mesh);
   return mesh;
 }

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <random>
 
+#include "core/data/diff_meshes.h"
 #include "server/diff_algebra.h"
+#include "tests/core/data/made_up_mesh.h"
 #include "tests/server/test_support.h"
 
 namespace dynmesh::server {
@@ -19,7 +21,7 @@ struct Walk {
 };
 
 Walk MakeWalk(std::uint64_t seed, int length) {
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  SCOPED_TRACE(::testing::Message() << "seed " << seed);
   std::mt19937_64 random(seed);
   FakeDynamicMesh fake(MeshOptions(), nullptr);
   Walk walk;
@@ -65,6 +67,27 @@ Walk MakeWalk(std::uint64_t seed, int length) {
   return walk;
 }
 
+// A walk to and fro between a few made-up meshes, in which owners and regions change.
+Walk MakeUpWalk(std::uint64_t seed, int length, int dimension) {
+  std::mt19937_64 random(seed);
+  std::vector<Mesh> places;
+  for (int i = 0; i < 3; ++i) places.push_back(testing::MakeUpMesh(random, 30, 0, dimension));
+  Walk walk;
+  for (int i = 0; i <= length; ++i) {
+    Mesh mesh = places[random() % 3];
+    mesh.revision = static_cast<std::uint64_t>(i);
+    for (auto* owners : {&mesh.subsegments.owners, &mesh.subfacets.owners}) {
+      if (!owners->empty()) (*owners)[random() % 3] = 7 + random() % 2;
+    }
+    testing::Label(random, mesh);
+    if (i > 0) {
+      walk.diffs.push_back(std::make_shared<MeshDiff>(data::DiffMeshes(*walk.meshes.back(), mesh)));
+    }
+    walk.meshes.push_back(std::make_shared<Mesh>(mesh));
+  }
+  return walk;
+}
+
 void ExpectSameMesh(Mesh a, Mesh b) {
   Canonicalize(a);
   Canonicalize(b);
@@ -74,6 +97,7 @@ void ExpectSameMesh(Mesh a, Mesh b) {
   EXPECT_EQ(a.regions, b.regions);
   EXPECT_EQ(a.region_sets, b.region_sets);
   EXPECT_EQ(a.subsegments, b.subsegments);
+  EXPECT_EQ(a.subfacets, b.subfacets);
   EXPECT_EQ(a.hash, b.hash);
 }
 
@@ -125,10 +149,15 @@ TEST(DiffAlgebra, SizesCountRegionsAndTheirSets) {
   EXPECT_EQ(ByteSize(diff), empty + 24);
   diff.region_sets = mesh.region_sets;
   EXPECT_GE(ByteSize(diff), empty + 24 + 32);
+  mesh = Mesh();
+  mesh.subfacets = {{1, 2, 3}, {4}};
+  EXPECT_EQ(ByteSize(mesh), ByteSize(Mesh()) + 32);
+  diff = MeshDiff();
+  diff.added_subfacets = diff.removed_subfacets = mesh.subfacets;
+  EXPECT_EQ(ByteSize(diff), empty + 64);
 }
 
-TEST(DiffAlgebra, AnySpanOfDiffsComposesToTheDifferenceOfItsEnds) {
-  const Walk walk = MakeWalk(1, 40);
+void CheckComposition(const Walk& walk) {
   for (std::size_t from = 0; from < walk.diffs.size(); from += 3) {
     for (std::size_t to = from + 1; to <= walk.diffs.size(); to += 5) {
       const MeshDiff diff = Compose({walk.diffs.begin() + static_cast<std::ptrdiff_t>(from),
@@ -142,6 +171,20 @@ TEST(DiffAlgebra, AnySpanOfDiffsComposesToTheDifferenceOfItsEnds) {
       ASSERT_TRUE(patched.ok());
       ExpectSameMesh(*patched, *walk.meshes[to]);
     }
+  }
+}
+
+TEST(DiffAlgebra, AnySpanOfDiffsComposesToTheDifferenceOfItsEnds) {
+  CheckComposition(MakeWalk(1, 40));
+  for (const int dimension : testing::kDimensions) {
+    const Walk walk = MakeUpWalk(7, 30, dimension);
+    CheckComposition(walk);
+    // Subfacets that come and go again cancel.
+    if (dimension == 2) continue;
+    std::size_t rows = 0;
+    for (const auto& diff : walk.diffs) rows += diff->added_subfacets.size();
+    EXPECT_GT(rows, 200u);
+    EXPECT_LE(Compose(walk.diffs).added_subfacets.size(), 15u);
   }
 }
 
@@ -171,22 +214,28 @@ TEST(DiffAlgebra, PatchingAnotherMeshIsRefused) {
   MeshDiff stray = *walk.diffs[0];
   stray.removed_vertices.push_back(12345);
   EXPECT_EQ(Patched(*walk.meshes[0], stray).status().code(), absl::StatusCode::kDataLoss);
+  const Walk space = MakeUpWalk(2, 1, 3);
+  stray = *space.diffs[0];
+  ASSERT_TRUE(Patched(*space.meshes[0], stray).ok());
+  data::Append(stray.removed_subfacets, {1, 2, 3, 4});
+  EXPECT_EQ(Patched(*space.meshes[0], stray).status().code(), absl::StatusCode::kDataLoss);
 }
 
 TEST(RevisionStore, TheLatestMeshIsThatOfTheHeadAfterEveryRevision) {
-  const Walk walk = MakeWalk(3, 30);
-  RevisionStore store(walk.meshes[0], {});
-  for (std::size_t i = 0; i < walk.diffs.size(); ++i) {
-    ASSERT_TRUE(store.Append(walk.diffs[i]).ok());
-    EXPECT_EQ(store.head().revision, i + 1);
-    EXPECT_EQ(store.head().hash, walk.meshes[i + 1]->hash);
-    if (i % 4 == 3) {
-      const auto mesh = store.Latest();
-      ASSERT_TRUE(mesh.ok());
-      ExpectSameMesh(**mesh, *walk.meshes[i + 1]);
-      EXPECT_EQ(store.base(), *mesh);
-      // Nothing came since: the same object, no work.
-      EXPECT_EQ(*store.Latest(), *mesh);
+  for (const Walk& walk : {MakeWalk(3, 30), MakeUpWalk(3, 30, 3)}) {
+    RevisionStore store(walk.meshes[0], {});
+    for (std::size_t i = 0; i < walk.diffs.size(); ++i) {
+      ASSERT_TRUE(store.Append(walk.diffs[i]).ok());
+      EXPECT_EQ(store.head().revision, i + 1);
+      EXPECT_EQ(store.head().hash, walk.meshes[i + 1]->hash);
+      if (i % 4 == 3) {
+        const auto mesh = store.Latest();
+        ASSERT_TRUE(mesh.ok());
+        ExpectSameMesh(**mesh, *walk.meshes[i + 1]);
+        EXPECT_EQ(store.base(), *mesh);
+        // Nothing came since: the same object, no work.
+        EXPECT_EQ(*store.Latest(), *mesh);
+      }
     }
   }
 }

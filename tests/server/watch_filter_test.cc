@@ -71,6 +71,7 @@ class WatchFilterTest : public ::testing::Test {
     EXPECT_EQ(got.regions, part.regions);
     EXPECT_EQ(got.region_sets, part.region_sets);
     EXPECT_EQ(got.subsegments, part.subsegments);
+    EXPECT_EQ(got.subfacets, part.subfacets);
     EXPECT_EQ(got.hash, part.hash);
   }
   // Points 1 to 12 and polygons 101 to 103 around some of them.

@@ -13,11 +13,13 @@ inline void ExpectSameRows(const MeshDiff& a, const MeshDiff& b) {
   EXPECT_EQ(a.removed_simplices, b.removed_simplices);
   EXPECT_EQ(a.removed_regions, b.removed_regions);
   EXPECT_EQ(a.removed_subsegments, b.removed_subsegments);
+  EXPECT_EQ(a.removed_subfacets, b.removed_subfacets);
   EXPECT_EQ(a.added_vertices, b.added_vertices);
   EXPECT_EQ(a.added_simplices, b.added_simplices);
   EXPECT_EQ(a.added_regions, b.added_regions);
   EXPECT_EQ(a.region_sets, b.region_sets);
   EXPECT_EQ(a.added_subsegments, b.added_subsegments);
+  EXPECT_EQ(a.added_subfacets, b.added_subfacets);
 }
 
 }  // namespace dynmesh::test

@@ -25,7 +25,7 @@ using VertexId = std::uint64_t;
 VertexId VertexIdAt(const double* coordinates, int dimension, std::uint64_t salt = 0);
 
 // 128 bits, added and subtracted per word modulo 2^64: the hash of a mesh is the
-// sum over its vertices, simplices and subsegments, hence updated by a diff.
+// sum over its vertices, simplices, subsegments and subfacets, hence updated by a diff.
 struct MeshHash {
   std::uint64_t hi = 0;
   std::uint64_t lo = 0;
@@ -69,7 +69,7 @@ std::vector<FeatureId> PolygonsOf(RegionId region, std::span<const RegionSet> se
 // `ids` in canonical order (below).
 MeshHash HashSimplex(const VertexId* ids, int count, RegionId region = kNoRegion);
 MeshHash HashSubsegment(VertexId a, VertexId b, FeatureId owner);
-MeshHash HashSubfacet(const VertexId (&corners)[3], FeatureId owner);  // ascending
+MeshHash HashSubfacet(const VertexId (&corners)[3], FeatureId owner);  // in any order
 
 // Columns of n vertices.
 struct VertexColumns {
@@ -164,8 +164,8 @@ struct MeshDiff {
 // The sum of the hashes of all parts, from nothing.
 MeshHash ComputeHash(const Mesh& mesh);
 
-// Sorts every column: vertices by id, simplices and subsegments lexicographically. Drops a
-// column of regions that says nothing, and region sets that no simplex names.
+// Sorts every column: vertices by id, simplices, subsegments and subfacets lexicographically.
+// Drops a column of regions that says nothing, and region sets that no simplex names.
 void Canonicalize(Mesh& mesh);
 void Canonicalize(MeshDiff& diff);
 

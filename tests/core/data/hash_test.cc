@@ -1,6 +1,7 @@
 // Ids and hashes. The literal values come from a second implementation, in Python,
 // of the specification in core/data/hash.cc: they must never change.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <numeric>
@@ -58,6 +59,7 @@ TEST(Hash, IsTheSpecifiedFunctionOfThePart) {
   EXPECT_EQ(HashSimplex(ids, 3, 7).ToHex(), "0a53fac13bbd22ab6568984334ad242c");
   EXPECT_EQ(HashSimplex(ids, 4, 0xf889be9516f31dceULL).ToHex(), "70f1ac0a72fe1ad0f554d1d57f23aade");
   EXPECT_EQ(HashSubsegment(5, 9, 42).ToHex(), "0903ae292cb5db6f4c997770ec225837");
+  EXPECT_EQ(HashSubfacet({5, 9, 11}, 42).ToHex(), "b50c056f616fd1d3e947a271d23e1e7b");
 }
 
 TEST(RegionId, IsTheSpecifiedFunctionOfThePolygons) {
@@ -84,6 +86,22 @@ TEST(Hash, OfASubsegmentDoesNotDependOnItsDirection) {
   EXPECT_NE(HashSubsegment(9, 5, 42), HashSubsegment(5, 9, 43));
 }
 
+TEST(Hash, OfASubfacetDoesNotDependOnTheOrderOfItsCorners) {
+  const MeshHash hash = HashSubfacet({5, 9, 11}, 42);
+  std::array<VertexId, 3> ids = {5, 9, 11};
+  do {
+    EXPECT_EQ(HashSubfacet({ids[0], ids[1], ids[2]}, 42), hash);
+  } while (std::next_permutation(ids.begin(), ids.end()));
+  EXPECT_NE(HashSubfacet({5, 9, 11}, 43), hash);
+  EXPECT_NE(HashSubfacet({5, 9, 12}, 42), hash);
+}
+
+TEST(Hash, TellsASubfacetFromATriangleInARegionAndFromASubsegment) {
+  const VertexId ids[3] = {5, 9, 11};
+  EXPECT_NE(HashSubfacet({5, 9, 11}, 42), HashSimplex(ids, 3, 42));
+  EXPECT_NE(HashSubfacet({5, 9, 11}, 42), HashSubsegment(5, 9, 11));
+}
+
 TEST(Hash, ChangesInHalfOfItsBitsWhenOneBitOfAVertexChanges) {
   auto random = testing::MakeRandom();
   double flips[128] = {};
@@ -105,54 +123,71 @@ TEST(Hash, ChangesInHalfOfItsBitsWhenOneBitOfAVertexChanges) {
 
 TEST(Hash, OfAMeshDoesNotDependOnTheOrderOfItsRows) {
   auto random = testing::MakeRandom();
-  const Mesh mesh = testing::MakeUpMesh(random, 50, 1);
-  Mesh shuffled = mesh;
-  std::vector<std::size_t> order(mesh.vertices.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::shuffle(order.begin(), order.end(), random);
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const std::size_t from = order[i];
-    shuffled.vertices.ids[i] = mesh.vertices.ids[from];
-    shuffled.vertices.coordinates[2 * i] = mesh.vertices.coordinates[2 * from];
-    shuffled.vertices.coordinates[2 * i + 1] = mesh.vertices.coordinates[2 * from + 1];
-    shuffled.vertices.containing_dimensions[i] = mesh.vertices.containing_dimensions[from];
-    shuffled.vertices.owners[i] = mesh.vertices.owners[from];
+  for (const int dimension : testing::kDimensions) {
+    const Mesh mesh = testing::MakeUpMesh(random, 50, 1, dimension);
+    Mesh shuffled = mesh;
+    const auto d = static_cast<std::size_t>(dimension);
+    std::vector<std::size_t> order(mesh.vertices.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::shuffle(order.begin(), order.end(), random);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const std::size_t from = order[i];
+      shuffled.vertices.ids[i] = mesh.vertices.ids[from];
+      std::copy_n(&mesh.vertices.coordinates[d * from], d, &shuffled.vertices.coordinates[d * i]);
+      shuffled.vertices.containing_dimensions[i] = mesh.vertices.containing_dimensions[from];
+      shuffled.vertices.owners[i] = mesh.vertices.owners[from];
+    }
+    ASSERT_NE(shuffled.vertices.ids, mesh.vertices.ids);
+    // Rows and, in each, ids backwards.
+    for (auto* column : {&shuffled.subsegments.ends, &shuffled.subsegments.owners,
+                         &shuffled.subfacets.corners, &shuffled.subfacets.owners}) {
+      std::reverse(column->begin(), column->end());
+    }
+    EXPECT_EQ(ComputeHash(shuffled), mesh.hash);
+    shuffled.hash = mesh.hash;
+    Mesh a = mesh;
+    Canonicalize(a);
+    Canonicalize(shuffled);
+    EXPECT_TRUE(testing::Identical(a, shuffled));
   }
-  ASSERT_NE(shuffled.vertices.ids, mesh.vertices.ids);
-  EXPECT_EQ(ComputeHash(shuffled), mesh.hash);
-  shuffled.hash = mesh.hash;
-  Mesh a = mesh;
-  Canonicalize(a);
-  Canonicalize(shuffled);
-  EXPECT_TRUE(testing::Identical(a, shuffled));
 }
 
 TEST(Hash, OfAMeshChangesWithEveryPart) {
   auto random = testing::MakeRandom();
-  const Mesh mesh = testing::MakeUpMesh(random, 20, 1);
-  Mesh other = mesh;
-  other.vertices.owners[3] += 1;
-  EXPECT_NE(ComputeHash(other), mesh.hash);
-  other = mesh;
-  other.vertices.containing_dimensions[3] ^= 1;
-  EXPECT_NE(ComputeHash(other), mesh.hash);
-  other = mesh;
-  other.vertices.coordinates[5] = 0.123;
-  EXPECT_NE(ComputeHash(other), mesh.hash);
-  other = mesh;
-  std::swap(other.simplices[1], other.simplices[2]);
-  EXPECT_NE(ComputeHash(other), mesh.hash);
-  other = mesh;
-  other.subsegments.owners[0] += 1;
-  EXPECT_NE(ComputeHash(other), mesh.hash);
-  other = mesh;
-  other.regions.assign(other.simplex_count(), kNoRegion);  // says nothing
-  EXPECT_EQ(ComputeHash(other), mesh.hash);
-  other.regions[5] = 3;
-  EXPECT_NE(ComputeHash(other), mesh.hash);
-  other = mesh;
-  other.revision = 77;  // no part of the mesh
-  EXPECT_EQ(ComputeHash(other), mesh.hash);
+  for (const int dimension : testing::kDimensions) {
+    const Mesh mesh = testing::MakeUpMesh(random, 20, 1, dimension);
+    Mesh other = mesh;
+    other.vertices.owners[3] += 1;
+    EXPECT_NE(ComputeHash(other), mesh.hash);
+    other = mesh;
+    other.vertices.containing_dimensions[3] ^= 1;
+    EXPECT_NE(ComputeHash(other), mesh.hash);
+    other = mesh;
+    other.vertices.coordinates[5] = 0.123;
+    EXPECT_NE(ComputeHash(other), mesh.hash);
+    other = mesh;
+    std::swap(other.simplices[1], other.simplices[2]);
+    EXPECT_NE(ComputeHash(other), mesh.hash);
+    other = mesh;
+    other.subsegments.owners[0] += 1;
+    EXPECT_NE(ComputeHash(other), mesh.hash);
+    if (dimension == 3) {
+      other = mesh;
+      other.subfacets.owners[0] += 1;
+      EXPECT_NE(ComputeHash(other), mesh.hash);
+      other = mesh;
+      other.subfacets.corners[1] += 1;
+      EXPECT_NE(ComputeHash(other), mesh.hash);
+    }
+    other = mesh;
+    other.regions.assign(other.simplex_count(), kNoRegion);  // says nothing
+    EXPECT_EQ(ComputeHash(other), mesh.hash);
+    other.regions[5] = 3;
+    EXPECT_NE(ComputeHash(other), mesh.hash);
+    other = mesh;
+    other.revision = 77;  // no part of the mesh
+    EXPECT_EQ(ComputeHash(other), mesh.hash);
+  }
 }
 
 TEST(Hash, HexReadsBack) {

@@ -12,6 +12,7 @@
 #include <set>
 #include <vector>
 
+#include "core/data/pieces.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh::testing {
@@ -25,42 +26,76 @@ inline Random MakeRandom() {
   return Random(seed);
 }
 
-// `count` vertices on a grid of 40 x 40 places (so that two meshes share some), twice
-// as many simplices, half as many subsegments.
-inline Mesh MakeUpMesh(Random& random, int count, std::uint64_t revision) {
+inline constexpr int kDimensions[] = {2, 3};
+
+namespace internal {
+
+// `count` different rows of kIds of the vertices, ascending.
+template <std::size_t kIds>
+std::set<std::array<VertexId, kIds>> AnyRows(Random& random, const std::vector<VertexId>& ids,
+                                             std::size_t count) {
+  std::set<std::array<VertexId, kIds>> rows;
+  while (rows.size() < count) {
+    std::array<VertexId, kIds> row;
+    for (VertexId& id : row) id = ids[random() % ids.size()];
+    std::sort(row.begin(), row.end());
+    if (std::adjacent_find(row.begin(), row.end()) == row.end()) rows.insert(row);
+  }
+  return rows;
+}
+
+// Ascending is canonical; half of them are turned over.
+template <std::size_t kIds>
+SimplexColumn AnySimplices(Random& random, const std::vector<VertexId>& ids, std::size_t count) {
+  SimplexColumn simplices;
+  for (auto row : AnyRows<kIds>(random, ids, count)) {
+    if (random() % 2 == 0) std::swap(row[kIds - 1], row[kIds - 2]);
+    simplices.insert(simplices.end(), row.begin(), row.end());
+  }
+  return simplices;
+}
+
+template <class Columns>
+Columns AnyPieces(Random& random, const std::vector<VertexId>& ids, std::size_t count) {
+  constexpr std::size_t kIds = data::kCorners<Columns>;
+  Columns columns;
+  for (const auto& row : AnyRows<kIds>(random, ids, count)) {
+    data::IdsOf(columns).insert(data::IdsOf(columns).end(), row.begin(), row.end());
+    columns.owners.push_back(1 + random() % 3);
+  }
+  return columns;
+}
+
+}  // namespace internal
+
+// `count` vertices on a grid of some 1,600 places (so that two meshes share some), twice
+// as many simplices, half as many subsegments and, in space, subfacets.
+inline Mesh MakeUpMesh(Random& random, int count, std::uint64_t revision, int dimension = 2) {
   Mesh mesh;
+  mesh.dimension = dimension;
   mesh.revision = revision;
-  std::set<std::array<double, 2>> places;
+  const std::uint64_t side = dimension == 2 ? 40 : 12;
+  std::set<std::vector<double>> places;
   while (static_cast<int>(places.size()) < count) {
-    places.insert({static_cast<double>(random() % 40), static_cast<double>(random() % 40)});
+    std::vector<double> place;
+    for (int k = 0; k < dimension; ++k) place.push_back(static_cast<double>(random() % side));
+    places.insert(place);
   }
+  const auto free = static_cast<std::uint8_t>(dimension);
   for (const auto& place : places) {
-    mesh.vertices.ids.push_back(VertexIdAt(place.data(), 2));
+    mesh.vertices.ids.push_back(VertexIdAt(place.data(), dimension));
     mesh.vertices.coordinates.insert(mesh.vertices.coordinates.end(), place.begin(), place.end());
-    const auto dimension = static_cast<std::uint8_t>(random() % 3);
-    mesh.vertices.containing_dimensions.push_back(dimension);
-    mesh.vertices.owners.push_back(dimension == 2 ? kNoFeature : 1 + random() % 3);
+    const auto containing = static_cast<std::uint8_t>(random() % (free + 1U));
+    mesh.vertices.containing_dimensions.push_back(containing);
+    mesh.vertices.owners.push_back(containing == free ? kNoFeature : 1 + random() % 3);
   }
-  const auto any = [&] { return mesh.vertices.ids[random() % mesh.vertices.size()]; };
-  std::set<std::array<VertexId, 3>> simplices;
-  while (static_cast<int>(simplices.size()) < 2 * count) {
-    std::array<VertexId, 3> s = {any(), any(), any()};
-    if (s[0] == s[1] || s[1] == s[2] || s[2] == s[0]) continue;
-    std::rotate(s.begin(), std::min_element(s.begin(), s.end()), s.end());
-    simplices.insert(s);
-  }
-  for (const auto& s : simplices) {
-    mesh.simplices.insert(mesh.simplices.end(), s.begin(), s.end());
-  }
-  std::set<std::array<VertexId, 2>> subsegments;
-  while (static_cast<int>(subsegments.size()) < count / 2) {
-    const VertexId a = any();
-    const VertexId b = any();
-    if (a != b) subsegments.insert({std::min(a, b), std::max(a, b)});
-  }
-  for (const auto& s : subsegments) {
-    mesh.subsegments.ends.insert(mesh.subsegments.ends.end(), s.begin(), s.end());
-    mesh.subsegments.owners.push_back(1 + random() % 3);
+  const std::vector<VertexId>& ids = mesh.vertices.ids;
+  const auto n = static_cast<std::size_t>(count);
+  mesh.simplices = dimension == 2 ? internal::AnySimplices<3>(random, ids, 2 * n)
+                                  : internal::AnySimplices<4>(random, ids, 2 * n);
+  mesh.subsegments = internal::AnyPieces<SubsegmentColumns>(random, ids, n / 2);
+  if (dimension == 3) {
+    mesh.subfacets = internal::AnyPieces<SubfacetColumns>(random, ids, n / 2);
   }
   mesh.hash = ComputeHash(mesh);
   return mesh;
@@ -82,8 +117,9 @@ inline void Label(Random& random, Mesh& mesh) {
   mesh.hash = ComputeHash(mesh);
 }
 
-inline Mesh MakeUpLabelledMesh(Random& random, int count, std::uint64_t revision) {
-  Mesh mesh = MakeUpMesh(random, count, revision);
+inline Mesh MakeUpLabelledMesh(Random& random, int count, std::uint64_t revision,
+                               int dimension = 2) {
+  Mesh mesh = MakeUpMesh(random, count, revision, dimension);
   Label(random, mesh);
   return mesh;
 }
@@ -92,7 +128,7 @@ inline Mesh MakeUpLabelledMesh(Random& random, int count, std::uint64_t revision
 inline bool Identical(const Mesh& a, const Mesh& b) {
   return a.dimension == b.dimension && a.revision == b.revision && a.vertices == b.vertices &&
          a.simplices == b.simplices && a.regions == b.regions && a.region_sets == b.region_sets &&
-         a.subsegments == b.subsegments && a.hash == b.hash;
+         a.subsegments == b.subsegments && a.subfacets == b.subfacets && a.hash == b.hash;
 }
 
 }  // namespace dynmesh::testing

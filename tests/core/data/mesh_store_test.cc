@@ -24,72 +24,86 @@ Mesh Sorted(Mesh mesh) {
 
 TEST(MeshStore, TakesDiffAfterDiffAsTheModelDoes) {
   auto random = MakeRandom();
-  MeshStore store;
-  Mesh model;
-  model.hash = ComputeHash(model);
-  for (std::uint64_t revision = 1; revision <= 60; ++revision) {
-    Mesh next = MakeUpMesh(random, 20 + static_cast<int>(random() % 60), revision);
-    if (revision % 3 != 0) testing::Label(random, next);
-    const MeshDiff diff = DiffMeshes(model, next);
-    ASSERT_TRUE(store.Apply(diff).ok());
-    ASSERT_TRUE(Identical(Sorted(store.ToMesh()), Sorted(next)));
-    ASSERT_EQ(store.hash(), ComputeHash(store.ToMesh()));
-    ASSERT_EQ(store.vertex_count(), next.vertices.size());
-    ASSERT_EQ(store.simplex_count(), next.simplex_count());
-    ASSERT_EQ(store.subsegment_count(), next.subsegments.size());
-    model = next;
+  for (const int dimension : testing::kDimensions) {
+    MeshStore store(dimension);
+    Mesh model;
+    model.dimension = dimension;
+    model.hash = ComputeHash(model);
+    for (std::uint64_t revision = 1; revision <= 60; ++revision) {
+      Mesh next = MakeUpMesh(random, 20 + static_cast<int>(random() % 60), revision, dimension);
+      if (revision % 3 != 0) testing::Label(random, next);
+      const MeshDiff diff = DiffMeshes(model, next);
+      ASSERT_TRUE(store.Apply(diff).ok());
+      ASSERT_TRUE(Identical(Sorted(store.ToMesh()), Sorted(next)));
+      ASSERT_EQ(store.hash(), ComputeHash(store.ToMesh()));
+      ASSERT_EQ(store.vertex_count(), next.vertices.size());
+      ASSERT_EQ(store.simplex_count(), next.simplex_count());
+      ASSERT_EQ(store.subsegment_count(), next.subsegments.size());
+      ASSERT_EQ(store.subfacet_count(), next.subfacets.size());
+      model = next;
+    }
   }
 }
 
 TEST(MeshStore, KeepsARegionSetAsLongAsASimplexIsInIt) {
   auto random = MakeRandom();
-  Mesh mesh = MakeUpMesh(random, 10, 1);
-  const std::vector<FeatureId> both = {3, 4};
-  const std::vector<RegionSet> sets = {{RegionIdOf(both), both}};
-  Mesh labelled = mesh;
-  labelled.regions.assign(labelled.simplex_count(), kNoRegion);
-  labelled.regions[1] = labelled.regions[2] = RegionIdOf(both);
-  labelled.region_sets = sets;
-  Mesh less = labelled;
-  less.regions[1] = 3;
-  auto store = MeshStore::FromMesh(mesh);
-  ASSERT_TRUE(store.ok());
-  const auto step = [&](Mesh to) {
-    to.hash = ComputeHash(to);
-    to.revision = store->revision() + 1;
-    return store->Apply(DiffMeshes(store->ToMesh(), to));
-  };
-  ASSERT_TRUE(step(labelled).ok());
-  EXPECT_EQ(store->ToMesh().region_sets, sets);
-  ASSERT_TRUE(step(less).ok());
-  EXPECT_EQ(store->ToMesh().region_sets, sets);
-  ASSERT_TRUE(step(mesh).ok());
-  EXPECT_TRUE(store->ToMesh().region_sets.empty());
-  EXPECT_TRUE(store->ToMesh().regions.empty());
+  for (const int dimension : testing::kDimensions) {
+    Mesh mesh = MakeUpMesh(random, 10, 1, dimension);
+    const std::vector<FeatureId> both = {3, 4};
+    const std::vector<RegionSet> sets = {{RegionIdOf(both), both}};
+    Mesh labelled = mesh;
+    labelled.regions.assign(labelled.simplex_count(), kNoRegion);
+    labelled.regions[1] = labelled.regions[2] = RegionIdOf(both);
+    labelled.region_sets = sets;
+    Mesh less = labelled;
+    less.regions[1] = 3;
+    auto store = MeshStore::FromMesh(mesh);
+    ASSERT_TRUE(store.ok());
+    const auto step = [&](Mesh to) {
+      to.hash = ComputeHash(to);
+      to.revision = store->revision() + 1;
+      return store->Apply(DiffMeshes(store->ToMesh(), to));
+    };
+    ASSERT_TRUE(step(labelled).ok());
+    EXPECT_EQ(store->ToMesh().region_sets, sets);
+    ASSERT_TRUE(step(less).ok());
+    EXPECT_EQ(store->ToMesh().region_sets, sets);
+    ASSERT_TRUE(step(mesh).ok());
+    EXPECT_TRUE(store->ToMesh().region_sets.empty());
+    EXPECT_TRUE(store->ToMesh().regions.empty());
+  }
 }
 
 TEST(MeshStore, FindsWhatItHoldsAndNothingElse) {
   auto random = MakeRandom();
-  const Mesh mesh = MakeUpLabelledMesh(random, 30, 5);
-  const auto store = MeshStore::FromMesh(mesh);
-  ASSERT_TRUE(store.ok());
-  EXPECT_EQ(store->revision(), 5U);
-  const auto vertex = store->FindVertex(mesh.vertices.ids[4]);
-  ASSERT_TRUE(vertex.has_value());
-  EXPECT_EQ(vertex->coordinates[0], mesh.vertices.coordinates[8]);
-  EXPECT_EQ(vertex->coordinates[1], mesh.vertices.coordinates[9]);
-  EXPECT_EQ(vertex->owner, mesh.vertices.owners[4]);
-  EXPECT_EQ(vertex->containing_dimension, mesh.vertices.containing_dimensions[4]);
-  EXPECT_FALSE(store->FindVertex(12345).has_value());
-  EXPECT_TRUE(store->HasSimplex({&mesh.simplices[3], 3}));
-  EXPECT_FALSE(store->HasSimplex({&mesh.simplices[3], 2}));
-  EXPECT_EQ(store->FindRegion({&mesh.simplices[3], 3}), mesh.regions[1]);
-  const VertexId none[3] = {1, 2, 3};
-  EXPECT_FALSE(store->HasSimplex(none));
-  EXPECT_FALSE(store->FindRegion(none).has_value());
-  const SubsegmentColumns& s = mesh.subsegments;
-  EXPECT_TRUE(store->HasSubsegment(s.ends[1], s.ends[0], s.owners[0]));
-  EXPECT_FALSE(store->HasSubsegment(s.ends[1], s.ends[0], s.owners[0] + 1));
+  for (const int dimension : testing::kDimensions) {
+    const Mesh mesh = MakeUpLabelledMesh(random, 30, 5, dimension);
+    const auto store = MeshStore::FromMesh(mesh);
+    ASSERT_TRUE(store.ok());
+    EXPECT_EQ(store->revision(), 5U);
+    const auto vertex = store->FindVertex(mesh.vertices.ids[4]);
+    ASSERT_TRUE(vertex.has_value());
+    const auto d = static_cast<std::size_t>(dimension), corners = d + 1;
+    for (std::size_t k = 0; k < d; ++k) {
+      EXPECT_EQ(vertex->coordinates[k], mesh.vertices.coordinates[4 * d + k]);
+    }
+    EXPECT_EQ(vertex->owner, mesh.vertices.owners[4]);
+    EXPECT_EQ(vertex->containing_dimension, mesh.vertices.containing_dimensions[4]);
+    EXPECT_FALSE(store->FindVertex(12345).has_value());
+    EXPECT_TRUE(store->HasSimplex({&mesh.simplices[corners], corners}));
+    EXPECT_FALSE(store->HasSimplex({&mesh.simplices[corners], corners - 1}));
+    EXPECT_EQ(store->FindRegion({&mesh.simplices[corners], corners}), mesh.regions[1]);
+    const std::vector<VertexId> none(corners, 7);
+    EXPECT_FALSE(store->HasSimplex(none));
+    EXPECT_FALSE(store->FindRegion(none).has_value());
+    const SubsegmentColumns& s = mesh.subsegments;
+    EXPECT_TRUE(store->HasSubsegment(s.ends[1], s.ends[0], s.owners[0]));
+    EXPECT_FALSE(store->HasSubsegment(s.ends[1], s.ends[0], s.owners[0] + 1));
+    if (dimension == 2) continue;
+    const SubfacetColumns& f = mesh.subfacets;
+    EXPECT_TRUE(store->HasSubfacet({f.corners[1], f.corners[2], f.corners[0]}, f.owners[0]));
+    EXPECT_FALSE(store->HasSubfacet({f.corners[1], f.corners[2], f.corners[0]}, f.owners[0] + 1));
+  }
 }
 
 // Every way in which a diff or a mesh can be wrong, and what is said to it.
@@ -98,6 +112,17 @@ struct Refusal {
   absl::StatusCode code;
   std::function<void(MeshDiff&)> damage;
 };
+
+template <class Columns>
+void RepeatFirst(Columns& pieces) {
+  Append(pieces, KeyOf(pieces, 0));
+}
+
+// In the plane, where there are no subfacets to damage, another damage with the same code.
+template <class Damage>
+void InSpace(MeshDiff& d, Damage damage) {
+  d.dimension == 3 ? damage() : static_cast<void>(d.hash.lo ^= 1);
+}
 
 std::vector<Refusal> Refusals() {
   using absl::StatusCode;
@@ -117,22 +142,24 @@ std::vector<Refusal> Refusals() {
        [](MeshDiff& d) { d.removed_simplices[0] = 99; }},
       {"simplex removed twice", StatusCode::kDataLoss,
        [](MeshDiff& d) {
-         const SimplexColumn row(d.removed_simplices.begin(), d.removed_simplices.begin() + 3);
+         const SimplexColumn row(d.removed_simplices.begin(),
+                                 d.removed_simplices.begin() + d.dimension + 1);
          d.removed_regions.push_back(d.removed_regions[0]);
          d.removed_simplices.insert(d.removed_simplices.end(), row.begin(), row.end());
        }},
       {"simplex added twice", StatusCode::kDataLoss,
        [](MeshDiff& d) {
-         const SimplexColumn row(d.added_simplices.begin(), d.added_simplices.begin() + 3);
+         const SimplexColumn row(d.added_simplices.begin(),
+                                 d.added_simplices.begin() + d.dimension + 1);
          d.added_regions.push_back(d.added_regions[0]);
          d.added_simplices.insert(d.added_simplices.end(), row.begin(), row.end());
        }},
       {"simplex to remove is in another region", StatusCode::kDataLoss,
        [](MeshDiff& d) {
          // Even where the sum would be right.
-         d.hash += HashSimplex(&d.removed_simplices[0], 3, d.removed_regions[0]);
+         d.hash += HashSimplex(&d.removed_simplices[0], d.dimension + 1, d.removed_regions[0]);
          d.removed_regions[0] ^= 1;
-         d.hash -= HashSimplex(&d.removed_simplices[0], 3, d.removed_regions[0]);
+         d.hash -= HashSimplex(&d.removed_simplices[0], d.dimension + 1, d.removed_regions[0]);
        }},
       {"simplex added in another region", StatusCode::kDataLoss,
        [](MeshDiff& d) { d.added_regions[0] ^= 1; }},
@@ -156,12 +183,7 @@ std::vector<Refusal> Refusals() {
       {"subsegment to remove is absent", StatusCode::kDataLoss,
        [](MeshDiff& d) { d.removed_subsegments.owners[0] = 99; }},
       {"subsegment added twice", StatusCode::kDataLoss,
-       [](MeshDiff& d) {
-         d.added_subsegments.ends.insert(
-             d.added_subsegments.ends.end(),
-             {d.added_subsegments.ends[0], d.added_subsegments.ends[1]});
-         d.added_subsegments.owners.push_back(d.added_subsegments.owners[0]);
-       }},
+       [](MeshDiff& d) { RepeatFirst(d.added_subsegments); }},
       {"coordinate changed", StatusCode::kDataLoss,
        [](MeshDiff& d) { d.added_vertices.coordinates[0] += 1; }},
       {"owner changed", StatusCode::kDataLoss,
@@ -178,10 +200,23 @@ std::vector<Refusal> Refusals() {
        [](MeshDiff& d) { d.added_subsegments.ends.pop_back(); }},
       {"half a subsegment removed", StatusCode::kInvalidArgument,
        [](MeshDiff& d) { d.removed_subsegments.ends.pop_back(); }},
+      {"subfacet to remove is absent", StatusCode::kDataLoss,
+       [](MeshDiff& d) { InSpace(d, [&] { d.removed_subfacets.owners[0] = 99; }); }},
+      {"subfacet removed twice", StatusCode::kDataLoss,
+       [](MeshDiff& d) { InSpace(d, [&] { RepeatFirst(d.removed_subfacets); }); }},
+      {"subfacet added twice", StatusCode::kDataLoss,
+       [](MeshDiff& d) { InSpace(d, [&] { RepeatFirst(d.added_subfacets); }); }},
+      {"subfacet of another owner", StatusCode::kDataLoss,
+       [](MeshDiff& d) { InSpace(d, [&] { d.added_subfacets.owners[0] += 1; }); }},
+      {"part of a subfacet added", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.added_subfacets.corners.push_back(1); }},
+      {"part of a subfacet removed", StatusCode::kInvalidArgument,
+       [](MeshDiff& d) { d.removed_subfacets.corners.push_back(1); }},
       {"another dimension", StatusCode::kInvalidArgument,
        [](MeshDiff& d) {
+         const int other = 5 - d.dimension;
          d = MeshDiff();
-         d.dimension = 3;
+         d.dimension = other;
        }},
       {"no dimension", StatusCode::kInvalidArgument, [](MeshDiff& d) { d.dimension = -1; }},
   };
@@ -189,50 +224,66 @@ std::vector<Refusal> Refusals() {
 
 TEST(MeshStore, RefusesAWrongDiffAndStaysAsItWas) {
   auto random = MakeRandom();
-  const Mesh mesh = MakeUpLabelledMesh(random, 40, 7);
-  const Mesh next = MakeUpLabelledMesh(random, 40, 8);
-  const MeshDiff good = DiffMeshes(mesh, next);
-  ASSERT_GE(good.removed_vertices.size(), 1U);
-  auto store = MeshStore::FromMesh(mesh);
-  ASSERT_TRUE(store.ok());
-  for (const Refusal& refusal : Refusals()) {
-    MeshDiff bad = good;
-    refusal.damage(bad);
-    EXPECT_EQ(store->Apply(bad).code(), refusal.code) << refusal.name;
-    EXPECT_TRUE(Identical(Sorted(store->ToMesh()), Sorted(mesh))) << refusal.name;
+  for (const int dimension : testing::kDimensions) {
+    const Mesh mesh = MakeUpLabelledMesh(random, 40, 7, dimension);
+    const Mesh next = MakeUpLabelledMesh(random, 40, 8, dimension);
+    const MeshDiff good = DiffMeshes(mesh, next);
+    ASSERT_GE(good.removed_vertices.size(), 1U);
+    auto store = MeshStore::FromMesh(mesh);
+    ASSERT_TRUE(store.ok());
+    for (const Refusal& refusal : Refusals()) {
+      MeshDiff bad = good;
+      refusal.damage(bad);
+      EXPECT_EQ(store->Apply(bad).code(), refusal.code) << refusal.name;
+      EXPECT_TRUE(Identical(Sorted(store->ToMesh()), Sorted(mesh))) << refusal.name;
+    }
+    EXPECT_TRUE(store->Apply(good).ok());
+    EXPECT_TRUE(Identical(Sorted(store->ToMesh()), Sorted(next)));
   }
-  EXPECT_TRUE(store->Apply(good).ok());
-  EXPECT_TRUE(Identical(Sorted(store->ToMesh()), Sorted(next)));
 }
 
 TEST(MeshStore, RefusesToAddWhatIsPresent) {
   auto random = MakeRandom();
-  const Mesh mesh = MakeUpMesh(random, 20, 1);
-  auto store = MeshStore::FromMesh(mesh);
-  ASSERT_TRUE(store.ok());
-  MeshDiff again;
-  again.from_revision = 1;
-  again.to_revision = 2;
-  again.hash = mesh.hash;
-  again.hash += mesh.hash;  // even where the sum would be right
-  again.added_vertices = mesh.vertices;
-  again.added_simplices = mesh.simplices;
-  again.added_subsegments = mesh.subsegments;
-  EXPECT_EQ(store->Apply(again).code(), absl::StatusCode::kDataLoss);
-  again.added_vertices = {};
-  EXPECT_EQ(store->Apply(again).code(), absl::StatusCode::kDataLoss);
-  again.added_simplices = {};
-  EXPECT_EQ(store->Apply(again).code(), absl::StatusCode::kDataLoss);
+  for (const int dimension : testing::kDimensions) {
+    const Mesh mesh = MakeUpMesh(random, 20, 1, dimension);
+    auto store = MeshStore::FromMesh(mesh);
+    ASSERT_TRUE(store.ok());
+    // One kind of row at a time, even where the sum is right.
+    const auto add_again = [&](auto keep) {
+      Mesh part;
+      part.dimension = dimension;
+      keep(part);
+      MeshDiff again;
+      again.dimension = dimension;
+      again.from_revision = 1;
+      again.to_revision = 2;
+      again.hash = mesh.hash;
+      again.hash += ComputeHash(part);
+      again.added_vertices = part.vertices;
+      again.added_simplices = part.simplices;
+      again.added_subsegments = part.subsegments;
+      again.added_subfacets = part.subfacets;
+      return store->Apply(again).code();
+    };
+    constexpr auto kRefused = absl::StatusCode::kDataLoss;
+    EXPECT_EQ(add_again([&](Mesh& part) { part.vertices = mesh.vertices; }), kRefused);
+    EXPECT_EQ(add_again([&](Mesh& part) { part.simplices = mesh.simplices; }), kRefused);
+    EXPECT_EQ(add_again([&](Mesh& part) { part.subsegments = mesh.subsegments; }), kRefused);
+    if (dimension == 2) continue;
+    EXPECT_EQ(add_again([&](Mesh& part) { part.subfacets = mesh.subfacets; }), kRefused);
+  }
 }
 
 TEST(MeshStore, RefusesASnapshotThatIsNotWhatItsHashSays) {
   auto random = MakeRandom();
-  Mesh mesh = MakeUpMesh(random, 20, 1);
-  mesh.hash.hi ^= 4;
-  EXPECT_EQ(MeshStore::FromMesh(mesh).status().code(), absl::StatusCode::kDataLoss);
-  mesh.hash = ComputeHash(mesh);
-  mesh.vertices.owners.pop_back();
-  EXPECT_EQ(MeshStore::FromMesh(mesh).status().code(), absl::StatusCode::kInvalidArgument);
+  for (const int dimension : testing::kDimensions) {
+    Mesh mesh = MakeUpMesh(random, 20, 1, dimension);
+    mesh.hash.hi ^= 4;
+    EXPECT_EQ(MeshStore::FromMesh(mesh).status().code(), absl::StatusCode::kDataLoss);
+    mesh.hash = ComputeHash(mesh);
+    mesh.vertices.owners.pop_back();
+    EXPECT_EQ(MeshStore::FromMesh(mesh).status().code(), absl::StatusCode::kInvalidArgument);
+  }
 }
 
 TEST(MeshStore, TakesAnEmptyDiffInPlace) {
@@ -244,14 +295,16 @@ TEST(MeshStore, TakesAnEmptyDiffInPlace) {
 
 TEST(ApplyDiff, LeavesTheMeshAloneOnRefusal) {
   auto random = MakeRandom();
-  const Mesh before = MakeUpLabelledMesh(random, 40, 7);
-  const MeshDiff good = DiffMeshes(before, MakeUpLabelledMesh(random, 40, 8));
-  for (const Refusal& refusal : Refusals()) {
-    MeshDiff bad = good;
-    refusal.damage(bad);
-    Mesh mesh = before;
-    EXPECT_EQ(ApplyDiff(mesh, bad).code(), refusal.code) << refusal.name;
-    EXPECT_TRUE(Identical(mesh, before)) << refusal.name;
+  for (const int dimension : testing::kDimensions) {
+    const Mesh before = MakeUpLabelledMesh(random, 40, 7, dimension);
+    const MeshDiff good = DiffMeshes(before, MakeUpLabelledMesh(random, 40, 8, dimension));
+    for (const Refusal& refusal : Refusals()) {
+      MeshDiff bad = good;
+      refusal.damage(bad);
+      Mesh mesh = before;
+      EXPECT_EQ(ApplyDiff(mesh, bad).code(), refusal.code) << refusal.name;
+      EXPECT_TRUE(Identical(mesh, before)) << refusal.name;
+    }
   }
 }
 

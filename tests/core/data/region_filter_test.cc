@@ -33,43 +33,52 @@ bool NaiveHas(const RegionChoice& choice, const std::vector<FeatureId>& polygons
 
 Mesh NaiveSimplicesInside(const Mesh& mesh, const RegionChoice& choice) {
   Mesh part = mesh;
+  const int corners = mesh.dimension + 1;
   part.simplices.clear();
   part.regions.clear();
   for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
     if (!NaiveHas(choice, PolygonsOf(mesh.region(i), mesh.region_sets))) continue;
-    for (std::size_t k = 0; k < 3; ++k) part.simplices.push_back(mesh.simplices[3 * i + k]);
+    const auto row = mesh.simplices.begin() + static_cast<std::ptrdiff_t>(i) * corners;
+    part.simplices.insert(part.simplices.end(), row, row + corners);
     part.regions.push_back(mesh.region(i));
   }
   part.hash = ComputeHash(part);
   return Sorted(part);
 }
 
+// Those of whose ids all are corners of one simplex.
+template <class Columns>
+Columns NaivePiecesOf(const Mesh& mesh, const Columns& from) {
+  const auto corners = static_cast<std::ptrdiff_t>(mesh.dimension) + 1;
+  Columns to;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const auto key = KeyOf(from, i);
+    for (auto row = mesh.simplices.begin(); row != mesh.simplices.end(); row += corners) {
+      const auto is_corner = [&](VertexId id) { return std::count(row, row + corners, id) > 0; };
+      if (!std::all_of(key.begin(), key.end() - 1, is_corner)) continue;
+      Append(to, key);
+      break;
+    }
+  }
+  return to;
+}
+
 Mesh NaiveOnlyInside(const Mesh& mesh, const RegionChoice& choice) {
   Mesh part = NaiveSimplicesInside(mesh, choice);
   std::set<VertexId> used(part.simplices.begin(), part.simplices.end());
-  std::set<std::pair<VertexId, VertexId>> edges;
-  for (std::size_t i = 0; i < part.simplices.size(); i += 3) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const VertexId a = part.simplices[i + k], b = part.simplices[i + (k + 1) % 3];
-      edges.insert({std::min(a, b), std::max(a, b)});
-    }
-  }
   const VertexColumns all = std::exchange(part.vertices, {});
+  const auto d = static_cast<std::size_t>(mesh.dimension);
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!used.contains(all.ids[i])) continue;
     part.vertices.ids.push_back(all.ids[i]);
-    part.vertices.coordinates.push_back(all.coordinates[2 * i]);
-    part.vertices.coordinates.push_back(all.coordinates[2 * i + 1]);
+    for (std::size_t k = 0; k < d; ++k) {
+      part.vertices.coordinates.push_back(all.coordinates[d * i + k]);
+    }
     part.vertices.containing_dimensions.push_back(all.containing_dimensions[i]);
     part.vertices.owners.push_back(all.owners[i]);
   }
-  const SubsegmentColumns pieces = std::exchange(part.subsegments, {});
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    if (!edges.contains({pieces.ends[2 * i], pieces.ends[2 * i + 1]})) continue;
-    part.subsegments.ends.push_back(pieces.ends[2 * i]);
-    part.subsegments.ends.push_back(pieces.ends[2 * i + 1]);
-    part.subsegments.owners.push_back(pieces.owners[i]);
-  }
+  part.subsegments = NaivePiecesOf(part, mesh.subsegments);
+  part.subfacets = NaivePiecesOf(part, mesh.subfacets);
   part.hash = ComputeHash(part);
   return Sorted(part);
 }
@@ -88,51 +97,57 @@ const std::vector<RegionChoice> kChoices = {
 
 TEST(OnlyInside, KeepsWhatTheChoiceSaysAndWhatThatNeeds) {
   auto random = MakeRandom();
-  for (int round = 0; round < 20; ++round) {
-    const Mesh mesh = MakeUpLabelledMesh(random, 60, 3);
-    for (const RegionChoice& choice : kChoices) {
-      const Mesh part = OnlyInside(mesh, choice);
-      if (choice.IsEverything()) {
-        EXPECT_TRUE(Identical(part, mesh));
-        continue;
+  for (const int dimension : testing::kDimensions) {
+    for (int round = 0; round < 20; ++round) {
+      const Mesh mesh = MakeUpLabelledMesh(random, 60, 3, dimension);
+      for (const RegionChoice& choice : kChoices) {
+        const Mesh part = OnlyInside(mesh, choice);
+        if (choice.IsEverything()) {
+          EXPECT_TRUE(Identical(part, mesh));
+          continue;
+        }
+        EXPECT_EQ(part.hash, ComputeHash(part));
+        EXPECT_TRUE(Identical(Sorted(part), NaiveOnlyInside(mesh, choice)));
+        EXPECT_TRUE(
+            Identical(Sorted(SimplicesInside(mesh, choice)), NaiveSimplicesInside(mesh, choice)));
       }
-      EXPECT_EQ(part.hash, ComputeHash(part));
-      EXPECT_TRUE(Identical(Sorted(part), NaiveOnlyInside(mesh, choice)));
-      EXPECT_TRUE(
-          Identical(Sorted(SimplicesInside(mesh, choice)), NaiveSimplicesInside(mesh, choice)));
     }
   }
 }
 
 TEST(OnlyInside, OfAMeshWithoutPolygonsIsNothingOrAllOfItsSimplices) {
   auto random = MakeRandom();
-  const Mesh mesh = testing::MakeUpMesh(random, 30, 3);
-  EXPECT_EQ(OnlyInside(mesh, {{101}, false, {}}).simplex_count(), 0U);
-  EXPECT_EQ(OnlyInside(mesh, {{101}, false, {}}).vertices.size(), 0U);
-  EXPECT_EQ(OnlyInside(mesh, {{101}, false, {}}).hash, MeshHash());
-  EXPECT_EQ(OnlyInside(mesh, {{}, false, {101}}).simplices, mesh.simplices);
+  for (const int dimension : testing::kDimensions) {
+    const Mesh mesh = testing::MakeUpMesh(random, 30, 3, dimension);
+    EXPECT_EQ(OnlyInside(mesh, {{101}, false, {}}).simplex_count(), 0U);
+    EXPECT_EQ(OnlyInside(mesh, {{101}, false, {}}).vertices.size(), 0U);
+    EXPECT_EQ(OnlyInside(mesh, {{101}, false, {}}).hash, MeshHash());
+    EXPECT_EQ(OnlyInside(mesh, {{}, false, {101}}).simplices, mesh.simplices);
+  }
 }
 
 // A replica of the part, fed by filtered diffs only, is at any time the part.
 TEST(SimplicesInside, OfDiffsKeepAReplicaOfThePart) {
   auto random = MakeRandom();
-  for (const RegionChoice& choice : kChoices) {
-    Mesh mesh = MakeUpLabelledMesh(random, 60, 0);
-    const Mesh part = SimplicesInside(mesh, choice);
-    MeshHash hidden = mesh.hash;
-    hidden -= part.hash;
-    auto store = MeshStore::FromMesh(part);
-    ASSERT_TRUE(store.ok()) << store.status();
-    for (std::uint64_t revision = 1; revision <= 10; ++revision) {
-      // Every other one changes labels only.
-      Mesh next = revision % 2 == 0 ? mesh : testing::MakeUpMesh(random, 60, revision);
-      next.revision = revision;
-      testing::Label(random, next);
-      const MeshDiff diff = SimplicesInside(DiffMeshes(mesh, next), choice, hidden);
-      const absl::Status status = store->Apply(diff);
-      ASSERT_TRUE(status.ok()) << status;
-      EXPECT_TRUE(Identical(Sorted(store->ToMesh()), NaiveSimplicesInside(next, choice)));
-      mesh = next;
+  for (const int dimension : testing::kDimensions) {
+    for (const RegionChoice& choice : kChoices) {
+      Mesh mesh = MakeUpLabelledMesh(random, 60, 0, dimension);
+      const Mesh part = SimplicesInside(mesh, choice);
+      MeshHash hidden = mesh.hash;
+      hidden -= part.hash;
+      auto store = MeshStore::FromMesh(part);
+      ASSERT_TRUE(store.ok()) << store.status();
+      for (std::uint64_t revision = 1; revision <= 10; ++revision) {
+        // Every other one changes labels only.
+        Mesh next = revision % 2 == 0 ? mesh : testing::MakeUpMesh(random, 60, revision, dimension);
+        next.revision = revision;
+        testing::Label(random, next);
+        const MeshDiff diff = SimplicesInside(DiffMeshes(mesh, next), choice, hidden);
+        const absl::Status status = store->Apply(diff);
+        ASSERT_TRUE(status.ok()) << status;
+        EXPECT_TRUE(Identical(Sorted(store->ToMesh()), NaiveSimplicesInside(next, choice)));
+        mesh = next;
+      }
     }
   }
 }

@@ -1,0 +1,39 @@
+// The canonical order of a simplex's corners (dynmesh/mesh.h), of ids or of whatever else
+// names them. Pure functions, thread-safe, O(1).
+#ifndef DYNMESH_CORE_DATA_CANONICAL_ORDER_H_
+#define DYNMESH_CORE_DATA_CANONICAL_ORDER_H_
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <utility>
+
+namespace dynmesh::data {
+
+// The same corners with the least first and, of four, the next least second. Orientation
+// stays: of three corners this is a turn, of four an even permutation. So what is positively
+// oriented becomes canonical, whichever of its orders it came in. Of
+// equal corners, as a broken file may have, the first counts as the least.
+template <class T>
+constexpr std::array<T, 3> InCanonicalOrder(const std::array<T, 3>& corners) {
+  const auto& [a, b, c] = corners;
+  if (b < a) return c < b ? std::array<T, 3>{c, a, b} : std::array<T, 3>{b, c, a};
+  return c < a ? std::array<T, 3>{c, a, b} : corners;
+}
+
+template <class T>
+constexpr std::array<T, 4> InCanonicalOrder(std::array<T, 4> corners) {
+  const auto least =
+      static_cast<std::size_t>(std::min_element(corners.begin(), corners.end()) - corners.begin());
+  if (least != 0) {
+    const std::size_t second = least == 1 ? 2 : 1, third = 6 - least - second;
+    std::swap(corners[0], corners[least]);
+    std::swap(corners[second], corners[third]);  // two swaps are even
+  }
+  const auto rest = InCanonicalOrder(std::array<T, 3>{corners[1], corners[2], corners[3]});
+  return {corners[0], rest[0], rest[1], rest[2]};
+}
+
+}  // namespace dynmesh::data
+
+#endif  // DYNMESH_CORE_DATA_CANONICAL_ORDER_H_
