@@ -7,6 +7,7 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
+#include "core/data/pieces.h"
 #include "core/data/regions.h"
 
 namespace dynmesh::codec {
@@ -158,13 +159,19 @@ void CutSimplices(Cutter& cutter, const LabelledSimplices& s, std::size_t dimens
   cutter.UnevenColumn(size, bytes, copy);
 }
 
-template <typename Message, typename Get>
-void CutSubsegments(Cutter& cutter, const SubsegmentColumns& s, Message* out, Get get) {
-  cutter.Column(s.size(), 2 * kIdBytes + kOwnerBytes, [&](std::size_t begin, std::size_t end) {
-    v1::SubsegmentColumns* to = get(out);
-    AddRange(to->mutable_ends(), s.ends, 2 * begin, 2 * end);
-    AddRange(to->mutable_owners(), s.owners, begin, end);
-  });
+auto* MutableIds(v1::SubsegmentColumns* s) { return s->mutable_ends(); }
+auto* MutableIds(v1::SubfacetColumns* s) { return s->mutable_corners(); }
+
+// Subsegments or subfacets.
+template <typename Columns, typename Message, typename Get>
+void CutPieces(Cutter& cutter, const Columns& pieces, Message* out, Get get) {
+  constexpr std::size_t kIds = data::kCorners<Columns>;
+  cutter.Column(pieces.size(), kIds * kIdBytes + kOwnerBytes,
+                [&](std::size_t begin, std::size_t end) {
+                  auto* to = get(out);
+                  AddRange(MutableIds(to), data::IdsOf(pieces), kIds * begin, kIds * end);
+                  AddRange(to->mutable_owners(), pieces.owners, begin, end);
+                });
 }
 
 void CutDiff(Cutter& cutter, const MeshDiff& diff, v1::MeshDiff* out) {
@@ -172,15 +179,18 @@ void CutDiff(Cutter& cutter, const MeshDiff& diff, v1::MeshDiff* out) {
   using D = v1::MeshDiff;
   CutSimplices(cutter, {diff.removed_simplices, diff.removed_regions, diff.region_sets}, dimension,
                out, [](D* d) { return d->mutable_removed_simplices(); });
-  CutSubsegments(cutter, diff.removed_subsegments, out,
-                 [](D* d) { return d->mutable_removed_subsegments(); });
+  CutPieces(cutter, diff.removed_subfacets, out,
+            [](D* d) { return d->mutable_removed_subfacets(); });
+  CutPieces(cutter, diff.removed_subsegments, out,
+            [](D* d) { return d->mutable_removed_subsegments(); });
   cutter.Column(diff.removed_vertices.size(), kIdBytes, [&](std::size_t begin, std::size_t end) {
     AddRange(out->mutable_removed_vertices(), diff.removed_vertices, begin, end);
   });
   CutVertices(cutter, diff.added_vertices, dimension, out,
               [](D* d) { return d->mutable_added_vertices(); });
-  CutSubsegments(cutter, diff.added_subsegments, out,
-                 [](D* d) { return d->mutable_added_subsegments(); });
+  CutPieces(cutter, diff.added_subsegments, out,
+            [](D* d) { return d->mutable_added_subsegments(); });
+  CutPieces(cutter, diff.added_subfacets, out, [](D* d) { return d->mutable_added_subfacets(); });
   CutSimplices(cutter, {diff.added_simplices, diff.added_regions, diff.region_sets}, dimension, out,
                [](D* d) { return d->mutable_added_simplices(); });
 }
@@ -243,9 +253,14 @@ bool AppendSimplices(SimplexColumn& to, RegionColumn& regions, const v1::Simplex
   return true;
 }
 
-bool AppendSubsegments(SubsegmentColumns& to, const v1::SubsegmentColumns& from) {
-  if (from.ends_size() != 2 * from.owners_size()) return false;
-  Append(to.ends, from.ends());
+const auto& IdsOf(const v1::SubsegmentColumns& s) { return s.ends(); }
+const auto& IdsOf(const v1::SubfacetColumns& s) { return s.corners(); }
+
+template <typename Columns, typename Message>
+bool AppendPieces(Columns& to, const Message& from) {
+  constexpr std::int64_t kIds = data::kCorners<Columns>;
+  if (IdsOf(from).size() != kIds * from.owners_size()) return false;
+  Append(data::IdsOf(to), IdsOf(from));
   Append(to.owners, from.owners());
   return true;
 }
@@ -293,10 +308,12 @@ bool SnapshotFragmenter::Next(v1::SnapshotChunk* out) {
     out->set_vertex_count(mesh_->vertices.size());
     out->set_simplex_count(mesh_->simplex_count());
     out->set_subsegment_count(mesh_->subsegments.size());
+    out->set_subfacet_count(mesh_->subfacets.size());
   }
   Cutter cutter(fragment_bytes_, &section_, &row_);
   CutVertices(cutter, mesh_->vertices, dimension, out, [](C* c) { return c->mutable_vertices(); });
-  CutSubsegments(cutter, mesh_->subsegments, out, [](C* c) { return c->mutable_subsegments(); });
+  CutPieces(cutter, mesh_->subsegments, out, [](C* c) { return c->mutable_subsegments(); });
+  CutPieces(cutter, mesh_->subfacets, out, [](C* c) { return c->mutable_subfacets(); });
   CutSimplices(cutter, {mesh_->simplices, mesh_->regions, mesh_->region_sets}, dimension, out,
                [](C* c) { return c->mutable_simplices(); });
   ++index_;
@@ -321,9 +338,11 @@ absl::StatusOr<std::optional<MeshDiff>> DiffAssembler::Add(const v1::MeshDiff& f
   }
   if (!AppendSimplices(diff.removed_simplices, diff.removed_regions, f.removed_simplices(),
                        diff.dimension) ||
-      !AppendSubsegments(diff.removed_subsegments, f.removed_subsegments()) ||
+      !AppendPieces(diff.removed_subsegments, f.removed_subsegments()) ||
       !AppendVertices(diff.added_vertices, f.added_vertices(), diff.dimension) ||
-      !AppendSubsegments(diff.added_subsegments, f.added_subsegments()) ||
+      !AppendPieces(diff.added_subsegments, f.added_subsegments()) ||
+      !AppendPieces(diff.removed_subfacets, f.removed_subfacets()) ||
+      !AppendPieces(diff.added_subfacets, f.added_subfacets()) ||
       !AppendSimplices(diff.added_simplices, diff.added_regions, f.added_simplices(),
                        diff.dimension)) {
     return Broken("a diff's columns disagree in length");
@@ -364,7 +383,8 @@ absl::StatusOr<std::optional<Mesh>> SnapshotAssembler::Add(const v1::SnapshotChu
     }
   }
   if (!AppendVertices(mesh.vertices, c.vertices(), mesh.dimension) ||
-      !AppendSubsegments(mesh.subsegments, c.subsegments()) ||
+      !AppendPieces(mesh.subsegments, c.subsegments()) ||
+      !AppendPieces(mesh.subfacets, c.subfacets()) ||
       !AppendSimplices(mesh.simplices, mesh.regions, c.simplices(), mesh.dimension)) {
     return Broken("a snapshot's columns disagree in length");
   }

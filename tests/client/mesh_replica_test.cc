@@ -5,7 +5,9 @@
 
 #include <functional>
 
+#include "core/data/diff_meshes.h"
 #include "dynmesh/v1/mesh_service.pb.h"
+#include "tests/core/data/made_up_mesh.h"
 #include "tests/server/fake_dynamic_mesh.h"
 #include "tests/server/test_support.h"
 
@@ -87,6 +89,23 @@ TEST_F(MeshReplicaTest, FollowsSnapshotAndDiffsInFragments) {
   EXPECT_EQ(copy.vertices, original.vertices);
   EXPECT_EQ(copy.simplices, original.simplices);
   EXPECT_EQ(copy.subsegments, original.subsegments);
+  EXPECT_EQ(copy.subfacets, original.subfacets);
+}
+
+// Snapshot and diffs of meshes of space, in fragments, subfacets included.
+TEST_F(MeshReplicaTest, FollowsAMeshOfSpace) {
+  auto random = testing::MakeRandom();
+  Mesh mesh = testing::MakeUpLabelledMesh(random, 40, 3, 3);
+  const Mesh other = testing::MakeUpLabelledMesh(random, 50, 4, 3);
+  ASSERT_TRUE(Feed(SnapshotEvents(mesh)).ok());
+  EXPECT_EQ(replica_.store().subfacet_count(), 20u);
+  ASSERT_TRUE(Feed(DiffEvents(data::DiffMeshes(mesh, other))).ok());
+  EXPECT_EQ(replica_.store().subfacet_count(), 25u);
+  Mesh copy = replica_.ToMesh();
+  mesh = other;
+  Canonicalize(copy);
+  Canonicalize(mesh);
+  EXPECT_TRUE(testing::Identical(copy, mesh));
 }
 
 TEST_F(MeshReplicaTest, SaysWhatAnEventDid) {

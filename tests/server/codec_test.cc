@@ -46,6 +46,13 @@ SubsegmentColumns RandomSubsegments(std::mt19937_64& random, std::size_t n) {
   return s;
 }
 
+SubfacetColumns RandomSubfacets(std::mt19937_64& random, std::size_t n) {
+  SubfacetColumns s;
+  s.corners = RandomIds(random, 3 * n);
+  s.owners = RandomIds(random, n);
+  return s;
+}
+
 const std::vector<std::vector<FeatureId>> kPolygons = {{}, {5}, {5, 6}, {5, 6, 7}, {1, 8, 9, 10}};
 
 // Mostly in none, so that some messages have nothing to tell.
@@ -84,6 +91,10 @@ MeshDiff RandomDiff(std::uint64_t seed, std::size_t n, int dimension) {
     d.removed_regions = RandomRegions(random, n);
     d.added_regions = RandomRegions(random, 2 * n);
     d.region_sets = SetsOf({&d.removed_regions, &d.added_regions});
+  }
+  if (dimension == 3) {
+    d.removed_subfacets = RandomSubfacets(random, n / 2);
+    d.added_subfacets = RandomSubfacets(random, n);
   }
   d.work = {1, 2, 3, 4.5};
   d.hash = {random(), random()};
@@ -137,11 +148,13 @@ TEST(DiffCodec, ComesBackWholeWhateverTheFragmentSize) {
 
 TEST(DiffCodec, LargeDiffsGoInFullMessagesBelowOneMegabyte) {
   for (const std::uint64_t seed : {5, 6}) {
-    const Pieces pieces = Cut(RandomDiff(seed, 60'000, 2), kFragmentBytes);
-    EXPECT_LT(pieces.largest, std::size_t{1'000'000});
-    ASSERT_GT(pieces.fragments.size(), 4u);
-    for (std::size_t i = 0; i + 1 < pieces.fragments.size(); ++i) {
-      EXPECT_GT(pieces.fragments[i].ByteSizeLong(), std::size_t{256'000});
+    for (const int dimension : {2, 3}) {
+      const Pieces pieces = Cut(RandomDiff(seed, 60'000, dimension), kFragmentBytes);
+      EXPECT_LT(pieces.largest, std::size_t{1'000'000});
+      ASSERT_GT(pieces.fragments.size(), 4u);
+      for (std::size_t i = 0; i + 1 < pieces.fragments.size(); ++i) {
+        EXPECT_GT(pieces.fragments[i].ByteSizeLong(), std::size_t{256'000});
+      }
     }
   }
 }
@@ -218,7 +231,7 @@ TEST(DiffCodec, WithoutColumnsThereIsOneSmallMessage) {
 }
 
 TEST(DiffCodec, FragmentsThatDoNotFitAreRefused) {
-  const auto fragments = Cut(RandomDiff(7, 100, 2), 1000).fragments;
+  const auto fragments = Cut(RandomDiff(7, 100, 3), 1000).fragments;
   ASSERT_GT(fragments.size(), 2u);
   const auto refuse = [&](auto change) {
     DiffAssembler assembler;
@@ -229,10 +242,12 @@ TEST(DiffCodec, FragmentsThatDoNotFitAreRefused) {
     EXPECT_TRUE(assembler.empty());
   };
   refuse([](v1::MeshDiff& d) { d.set_to_revision(43); });
-  refuse([](v1::MeshDiff& d) { d.set_dimension(3); });
+  refuse([](v1::MeshDiff& d) { d.set_dimension(2); });
   refuse([](v1::MeshDiff& d) { d.mutable_added_vertices()->add_ids(1); });
   refuse([](v1::MeshDiff& d) { d.mutable_added_simplices()->add_vertex_ids(1); });
   refuse([](v1::MeshDiff& d) { d.mutable_removed_subsegments()->add_ends(1); });
+  refuse([](v1::MeshDiff& d) { d.mutable_removed_subfacets()->add_corners(1); });
+  refuse([](v1::MeshDiff& d) { d.mutable_added_subfacets()->add_owners(1); });
   refuse([](v1::MeshDiff& d) {
     d.set_more(false);
     d.set_hash("nonsense");
@@ -244,40 +259,60 @@ TEST(DiffCodec, FragmentsThatDoNotFitAreRefused) {
 }
 
 TEST(SnapshotCodec, ComesBackWholeAndALostChunkIsNoticed) {
-  std::mt19937_64 random(8);
-  auto mesh = std::make_shared<Mesh>();
-  mesh->revision = 9;
-  mesh->vertices = RandomVertices(random, 500, 2);
-  mesh->simplices = RandomIds(random, 3 * 900);
-  mesh->regions = RandomRegions(random, 900);
-  mesh->region_sets = SetsOf({&mesh->regions});
-  mesh->subsegments = RandomSubsegments(random, 50);
-  mesh->hash = {random(), random()};
-  std::vector<v1::SnapshotChunk> chunks;
-  SnapshotFragmenter fragmenter(mesh, 5000);
-  v1::SnapshotChunk chunk;
-  while (fragmenter.Next(&chunk)) chunks.push_back(chunk);
-  ASSERT_GT(chunks.size(), 4u);
-  EXPECT_EQ(chunks[0].vertex_count(), 500u);
-  EXPECT_EQ(chunks[0].simplex_count(), 900u);
+  for (const int dimension : {2, 3}) {
+    const auto corners = static_cast<std::size_t>(dimension) + 1;
+    std::mt19937_64 random(8);
+    auto mesh = std::make_shared<Mesh>();
+    mesh->dimension = dimension;
+    mesh->revision = 9;
+    mesh->vertices = RandomVertices(random, 500, dimension);
+    mesh->simplices = RandomIds(random, corners * 900);
+    mesh->regions = RandomRegions(random, 900);
+    mesh->region_sets = SetsOf({&mesh->regions});
+    mesh->subsegments = RandomSubsegments(random, 50);
+    if (dimension == 3) mesh->subfacets = RandomSubfacets(random, 70);
+    mesh->hash = {random(), random()};
+    std::vector<v1::SnapshotChunk> chunks;
+    SnapshotFragmenter fragmenter(mesh, 5000);
+    v1::SnapshotChunk chunk;
+    while (fragmenter.Next(&chunk)) chunks.push_back(chunk);
+    ASSERT_GT(chunks.size(), 4u);
+    EXPECT_EQ(chunks[0].vertex_count(), 500u);
+    EXPECT_EQ(chunks[0].simplex_count(), 900u);
+    EXPECT_EQ(chunks[0].subfacet_count(), mesh->subfacets.size());
 
-  SnapshotAssembler assembler;
-  for (const auto& c : chunks) {
-    const auto back = assembler.Add(c);
-    ASSERT_TRUE(back.ok());
-    if (!back->has_value()) continue;
-    EXPECT_EQ((*back)->vertices, mesh->vertices);
-    EXPECT_EQ((*back)->simplices, mesh->simplices);
-    EXPECT_EQ((*back)->regions, mesh->regions);
-    EXPECT_EQ((*back)->region_sets, mesh->region_sets);
-    EXPECT_EQ((*back)->subsegments, mesh->subsegments);
-    EXPECT_EQ((*back)->hash, mesh->hash);
-    EXPECT_EQ((*back)->revision, 9u);
+    SnapshotAssembler assembler;
+    for (const auto& c : chunks) {
+      const auto back = assembler.Add(c);
+      ASSERT_TRUE(back.ok());
+      if (!back->has_value()) continue;
+      EXPECT_EQ((*back)->vertices, mesh->vertices);
+      EXPECT_EQ((*back)->simplices, mesh->simplices);
+      EXPECT_EQ((*back)->regions, mesh->regions);
+      EXPECT_EQ((*back)->region_sets, mesh->region_sets);
+      EXPECT_EQ((*back)->dimension, dimension);
+      EXPECT_EQ((*back)->subsegments, mesh->subsegments);
+      EXPECT_EQ((*back)->subfacets, mesh->subfacets);
+      EXPECT_EQ((*back)->hash, mesh->hash);
+      EXPECT_EQ((*back)->revision, 9u);
+    }
+    EXPECT_TRUE(assembler.empty());
+    ASSERT_TRUE(assembler.Add(chunks[0]).ok());
+    EXPECT_EQ(assembler.Add(chunks[2]).status().code(), absl::StatusCode::kDataLoss);
+    EXPECT_EQ(assembler.Add(chunks[1]).status().code(), absl::StatusCode::kDataLoss);
   }
-  EXPECT_TRUE(assembler.empty());
-  ASSERT_TRUE(assembler.Add(chunks[0]).ok());
-  EXPECT_EQ(assembler.Add(chunks[2]).status().code(), absl::StatusCode::kDataLoss);
-  EXPECT_EQ(assembler.Add(chunks[1]).status().code(), absl::StatusCode::kDataLoss);
+}
+
+TEST(SnapshotCodec, SubfacetsThatMakeNoSenseAreRefused) {
+  auto mesh = std::make_shared<Mesh>();
+  mesh->dimension = 3;
+  std::mt19937_64 random(9);
+  mesh->subfacets = RandomSubfacets(random, 5);
+  v1::SnapshotChunk chunk;
+  ASSERT_TRUE(SnapshotFragmenter(mesh).Next(&chunk));
+  ASSERT_TRUE(SnapshotAssembler().Add(chunk).ok());
+  chunk.mutable_subfacets()->mutable_corners()->RemoveLast();
+  EXPECT_EQ(SnapshotAssembler().Add(chunk).status().code(), absl::StatusCode::kDataLoss);
 }
 
 TEST(EditCodec, EveryKindOfEditComesBack) {
