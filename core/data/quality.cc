@@ -7,8 +7,11 @@
 #include <numbers>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/data/degrees.h"
 #include "core/data/guarded_gaps.h"
 #include "core/data/seditious_edges.h"
+#include "core/data/tetrahedron_quality.h"
+#include "core/geometry/products.h"
 
 namespace dynmesh {
 namespace {
@@ -17,23 +20,24 @@ struct Vector {
   double x, y;
 };
 
-// u.x v.y - u.y v.x with two roundings in place of three and no cancellation
-// (Kahan): the error of the first product is added back.
 double Cross(const Vector& u, const Vector& v) {
-  const double p = u.y * v.x;
-  const double error = std::fma(-u.y, v.x, p);
-  return std::fma(u.x, v.y, -p) + error;
+  return geometry::DifferenceOfProducts(u.x, v.y, u.y, v.x);
 }
 
 double Dot(const Vector& u, const Vector& v) { return u.x * v.x + u.y * v.y; }
 
-double Degrees(double radians) { return radians * (180 / std::numbers::pi); }
+using RowOf = absl::flat_hash_map<VertexId, std::size_t>;
 
-absl::flat_hash_map<VertexId, std::size_t> RowsById(const Mesh& mesh) {
-  absl::flat_hash_map<VertexId, std::size_t> row_of;
+RowOf RowsById(const Mesh& mesh) {
+  RowOf row_of;
   row_of.reserve(mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) row_of.emplace(mesh.vertices.ids[i], i);
   return row_of;
+}
+
+// The most that a ratio may be.
+double Bound(double rho, double shortest_edge, double unit) {
+  return rho * (1 + QualitySlack(shortest_edge, unit));
 }
 
 TriangleQuality Flat() {
@@ -70,7 +74,7 @@ TriangleQuality MeasureTriangle(const double* a, const double* b, const double* 
   q.radius_edge = length[(shortest + 1) % 3] * length[(shortest + 2) % 3] / (2 * cross);
   for (int i = 0; i < 3; ++i) {
     const double dot = -Dot(edge[(i + 1) % 3], edge[(i + 2) % 3]);
-    q.angles_deg[static_cast<std::size_t>(i)] = Degrees(std::atan2(cross, dot));
+    q.angles_deg[static_cast<std::size_t>(i)] = data::Degrees(std::atan2(cross, dot));
   }
   q.min_angle_deg = *std::min_element(q.angles_deg.begin(), q.angles_deg.end());
   q.max_angle_deg = *std::max_element(q.angles_deg.begin(), q.angles_deg.end());
@@ -96,83 +100,161 @@ double QualitySlack(double shortest_edge, double unit) {
 
 bool IsOverRho(const TriangleQuality& triangle, double rho, double unit) {
   if (std::isinf(triangle.radius_edge)) return true;
-  return triangle.radius_edge > rho * (1 + QualitySlack(triangle.shortest_edge, unit));
+  return triangle.radius_edge > Bound(rho, triangle.shortest_edge, unit);
 }
 
 namespace {
 
-// Calls f(triangle's index, its quality, verdict) for each.
-template <class F>
-void ForEachTriangle(const Mesh& mesh, const MeshOptions& options, F f) {
-  const auto row_of = RowsById(mesh);
-  const data::SeditiousEdges seditious(mesh, row_of);
-  data::GuardedGaps guarded(mesh, row_of, options.quality);
-  const std::vector<double>& coordinates = mesh.vertices.coordinates;
-  const double unit = CoordinateUnit(coordinates);
-  const auto judge = [&](const std::array<std::size_t, 3>& rows, const TriangleQuality& q) {
+template <int D>
+using Rows = std::array<std::size_t, D + 1>;  // of a simplex's corners
+
+// What is to be said of a simplex, by its corners. Flat() stands for one that names an
+// unknown vertex.
+template <int D>
+class Judge;
+
+template <>
+class Judge<2> {
+ public:
+  using Quality = TriangleQuality;
+
+  Judge(const Mesh& mesh, const RowOf& row_of, double rho, double unit)
+      : coordinates_(mesh.vertices.coordinates),
+        rho_(rho),
+        unit_(unit),
+        seditious_(mesh, row_of),
+        guarded_(mesh, row_of, rho) {}
+
+  static Quality Flat() { return dynmesh::Flat(); }
+  Quality Measure(const Rows<2>& rows) const {
+    return MeasureTriangle(At(rows[0]), At(rows[1]), At(rows[2]));
+  }
+  SimplexVerdict operator()(const Rows<2>& rows, const Quality& q) {
     using enum SimplexVerdict;
-    if (!IsOverRho(q, options.quality, unit)) return kGood;
+    if (!IsOverRho(q, rho_, unit_)) return kGood;
     double shortest = std::numeric_limits<double>::infinity();  // of the others
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t p = rows[k], r = rows[(k + 1) % 3];
-      if (seditious.Has(p, r)) continue;
-      const double dx = coordinates[2 * p] - coordinates[2 * r];
-      const double dy = coordinates[2 * p + 1] - coordinates[2 * r + 1];
+      if (seditious_.Has(p, r)) continue;
+      const double dx = At(p)[0] - At(r)[0];
+      const double dy = At(p)[1] - At(r)[1];
       shortest = std::min(shortest, std::sqrt(dx * dx + dy * dy));
     }
     const double circumradius = q.radius_edge * q.shortest_edge;
-    const double most = options.quality * (1 + QualitySlack(shortest, unit)) * shortest;
+    const double most = Bound(rho_, shortest, unit_) * shortest;
     if (shortest > q.shortest_edge && (circumradius <= most || std::isinf(shortest))) {
       return kSmallInputAngle;
     }
-    return guarded.Has(rows) ? kTerminationGuard : kOverRho;
-  };
-  for (std::size_t t = 0; t < mesh.simplex_count(); ++t) {
-    std::array<std::size_t, 3> rows = {};
+    return guarded_.Has(rows) ? kTerminationGuard : kOverRho;
+  }
+
+ private:
+  const double* At(std::size_t row) const { return &coordinates_[2 * row]; }
+
+  const std::vector<double>& coordinates_;
+  const double rho_, unit_;
+  const data::SeditiousEdges seditious_;
+  data::GuardedGaps guarded_;
+};
+
+template <>
+class Judge<3> {
+ public:
+  using Quality = TetrahedronQuality;
+
+  Judge(const Mesh& mesh, const RowOf&, double rho, double unit)
+      : coordinates_(mesh.vertices.coordinates), rho_(rho), unit_(unit) {}
+
+  static Quality Flat() { return data::FlatTetrahedron(); }
+  Quality Measure(const Rows<3>& rows) const {
+    return MeasureTetrahedron(At(rows[0]), At(rows[1]), At(rows[2]), At(rows[3]));
+  }
+  SimplexVerdict operator()(const Rows<3>& rows, const Quality& q) const {
+    std::array<geometry::Point3, 4> corners;
+    for (std::size_t k = 0; k < 4; ++k) std::copy_n(At(rows[k]), 3, corners[k].c.begin());
+    const double bound = Bound(rho_, q.shortest_edge, unit_);
+    return data::IsOverBound(corners, q, bound) ? SimplexVerdict::kOverRho : SimplexVerdict::kGood;
+  }
+
+ private:
+  const double* At(std::size_t row) const { return &coordinates_[3 * row]; }
+
+  const std::vector<double>& coordinates_;
+  const double rho_, unit_;
+};
+
+// Calls f(quality, verdict) for each simplex, in order.
+template <int D, class F>
+void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, F f) {
+  const RowOf row_of = RowsById(mesh);
+  Judge<D> judge(mesh, row_of, options.quality, CoordinateUnit(mesh.vertices.coordinates));
+  for (std::size_t s = 0; s < mesh.simplex_count(); ++s) {
+    Rows<D> rows = {};
     bool known = true;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto it = row_of.find(mesh.simplices[3 * t + k]);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const auto it = row_of.find(mesh.simplices[rows.size() * s + k]);
       known = known && it != row_of.end();
       if (known) rows[k] = it->second;
     }
     if (!known) {
-      f(t, Flat(), SimplexVerdict::kOverRho);
+      f(Judge<D>::Flat(), SimplexVerdict::kOverRho);
       continue;
     }
-    const TriangleQuality q = MeasureTriangle(&coordinates[2 * rows[0]], &coordinates[2 * rows[1]],
-                                              &coordinates[2 * rows[2]]);
-    f(t, q, judge(rows, q));
+    const auto q = judge.Measure(rows);
+    f(q, judge(rows, q));
   }
+}
+
+template <class F>
+void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, F f) {
+  if (mesh.dimension == 2) return ForEachSimplex<2>(mesh, options, f);
+  if (mesh.dimension == 3) ForEachSimplex<3>(mesh, options, f);
+}
+
+// Steps of equal width up to 180 degrees.
+template <std::size_t kSteps>
+void Count(double angle_deg, std::array<std::uint64_t, kSteps>& histogram) {
+  const double width = 180.0 / kSteps;
+  ++histogram[std::min<std::size_t>(kSteps - 1, static_cast<std::size_t>(angle_deg / width))];
+}
+
+void CountAngles(const TriangleQuality& q, QualityReport& report) {
+  for (const double angle : q.angles_deg) Count(angle, report.angle_histogram);
+}
+
+// The shares are counts as yet.
+void CountAngles(const TetrahedronQuality& q, QualityReport& report) {
+  for (const double angle : q.angles_deg) Count(angle, report.dihedral_histogram);
+  report.share_below_5_deg += q.min_angle_deg < 5;
+  report.share_below_10_deg += q.min_angle_deg < 10;
 }
 
 }  // namespace
 
 std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options) {
   std::vector<SimplexVerdict> verdicts;
-  if (mesh.dimension != 2) return verdicts;
-  verdicts.resize(mesh.simplex_count());
-  ForEachTriangle(mesh, options, [&](std::size_t t, const TriangleQuality&, SimplexVerdict v) {
-    verdicts[t] = v;
-  });
+  verdicts.reserve(mesh.simplex_count());
+  ForEachSimplex(mesh, options, [&](const auto&, SimplexVerdict v) { verdicts.push_back(v); });
   return verdicts;
 }
 
 QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options) {
   QualityReport report;
-  if (mesh.dimension != 2 || mesh.simplex_count() == 0) return report;
   report.min_angle_deg = 180;
-  ForEachTriangle(
-      mesh, options, [&](std::size_t, const TriangleQuality& q, SimplexVerdict verdict) {
-        report.worst_radius_edge = std::max(report.worst_radius_edge, q.radius_edge);
-        report.min_angle_deg = std::min(report.min_angle_deg, q.min_angle_deg);
-        report.max_angle_deg = std::max(report.max_angle_deg, q.max_angle_deg);
-        if (verdict != SimplexVerdict::kGood) ++report.over_rho;
-        if (IsExempt(verdict)) ++report.exempt;
-        if (verdict == SimplexVerdict::kTerminationGuard) ++report.exempt_by_guard;
-        for (const double angle : q.angles_deg) {
-          ++report.angle_histogram[std::min<std::size_t>(17, static_cast<std::size_t>(angle / 10))];
-        }
-      });
+  std::uint64_t all = 0;
+  ForEachSimplex(mesh, options, [&](const auto& q, SimplexVerdict verdict) {
+    ++all;
+    report.worst_radius_edge = std::max(report.worst_radius_edge, q.radius_edge);
+    report.min_angle_deg = std::min(report.min_angle_deg, q.min_angle_deg);
+    report.max_angle_deg = std::max(report.max_angle_deg, q.max_angle_deg);
+    if (verdict != SimplexVerdict::kGood) ++report.over_rho;
+    if (IsExempt(verdict)) ++report.exempt;
+    if (verdict == SimplexVerdict::kTerminationGuard) ++report.exempt_by_guard;
+    CountAngles(q, report);
+  });
+  if (all == 0) return QualityReport();
+  report.share_below_5_deg /= static_cast<double>(all);
+  report.share_below_10_deg /= static_cast<double>(all);
   return report;
 }
 

@@ -88,6 +88,25 @@ inline WideInt<N + M> operator*(const WideInt<N>& a, const WideInt<M>& b) {
   return r;
 }
 
+// mantissa 2^exponent, for what may be beyond the range of doubles.
+struct ScaledDouble {
+  double mantissa;
+  int exponent;
+};
+
+// |x| to a relative error below 2^-52. The mantissa is 0 or in [2^63, 2^64].
+template <int N>
+inline ScaledDouble ToScaledDouble(const WideInt<N>& x) {
+  const WideInt<N> a = x.negative() ? WideInt<N>{} - x : x;
+  int top = N - 1;
+  while (top > 0 && a.limb[top] == 0) --top;
+  if (a.limb[top] == 0) return {0, 0};
+  const int shift = std::countl_zero(a.limb[top]);
+  std::uint64_t leading = a.limb[top] << shift;
+  if (shift > 0 && top > 0) leading |= a.limb[top - 1] >> (64 - shift);
+  return {static_cast<double>(leading), 64 * top - shift};
+}
+
 // A unit 2^exponent in which some finite doubles are integers of less than `width`
 // bits: |x| < 2^(exponent + width).
 struct CommonUnit {

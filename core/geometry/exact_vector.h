@@ -29,9 +29,9 @@ inline constexpr int kMaxLimbs = 9;
 static_assert(MaxWidth(kMaxLimbs) >= 251 + 302);
 
 // Calls polynomial(integral<N>, exponent) with the least N of 1, 2, kMaxLimbs that the
-// coordinates need.
+// coordinates need, and returns what that returns.
 template <int D, class Polynomial>
-int SignOf(std::initializer_list<const Point<D>*> points, Polynomial polynomial) {
+auto Evaluate(std::initializer_list<const Point<D>*> points, Polynomial polynomial) {
   std::array<double, 5 * D> coordinates;
   assert(points.size() <= 5);
   std::size_t count = 0;
@@ -47,6 +47,11 @@ int SignOf(std::initializer_list<const Point<D>*> points, Polynomial polynomial)
   }
   assert(unit.width <= MaxWidth(kMaxLimbs));
   return polynomial(std::integral_constant<int, kMaxLimbs>{}, unit.exponent);
+}
+
+template <int D, class Polynomial>
+int SignOf(std::initializer_list<const Point<D>*> points, Polynomial polynomial) {
+  return Evaluate<D>(points, polynomial);
 }
 
 template <int N, int D>
@@ -73,11 +78,17 @@ WideInt<2 * N> DotProduct(const Vector<N, D>& a, const Vector<N, D>& b) {
   return sum;
 }
 
+template <int N>
+std::array<WideInt<2 * N>, 3> CrossProduct(const Vector<N, 3>& a, const Vector<N, 3>& b) {
+  const auto minor = [&](int i, int j) { return a.c[i] * b.c[j] - a.c[j] * b.c[i]; };
+  return {minor(1, 2), minor(2, 0), minor(0, 1)};
+}
+
 // a . (b x c): the determinant of the three.
 template <int N>
 WideInt<3 * N> TripleProduct(const Vector<N, 3>& a, const Vector<N, 3>& b, const Vector<N, 3>& c) {
-  const auto minor = [&](int i, int j) { return b.c[i] * c.c[j] - b.c[j] * c.c[i]; };
-  return a.c[0] * minor(1, 2) + a.c[1] * minor(2, 0) + a.c[2] * minor(0, 1);
+  const auto bc = CrossProduct(b, c);
+  return a.c[0] * bc[0] + a.c[1] * bc[1] + a.c[2] * bc[2];
 }
 
 }  // namespace dynmesh::geometry::internal

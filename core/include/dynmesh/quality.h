@@ -1,4 +1,5 @@
-// How good a mesh is: radius-edge ratios and angles. Pure functions, thread-safe.
+// How good a mesh is: radius-edge ratios and angles, in space those between the faces of a
+// tetrahedron (dihedral). Pure functions, thread-safe.
 #ifndef DYNMESH_QUALITY_H_
 #define DYNMESH_QUALITY_H_
 
@@ -27,6 +28,22 @@ struct TriangleQuality {
 // differences are 0 or normal numbers.
 TriangleQuality MeasureTriangle(const double* a, const double* b, const double* c);
 
+// Of one tetrahedron. A flat or inverted one has ratio infinity.
+struct TetrahedronQuality {
+  double radius_edge = 0;    // circumradius / shortest edge, at least sqrt(3/8)
+  double shortest_edge = 0;  // in the units of the coordinates
+  double min_angle_deg = 0;  // dihedral, as the others
+  double max_angle_deg = 0;
+  std::array<double, 6> angles_deg = {0, 0, 0, 0, 0, 0};  // at ab, ac, ad, bc, bd, cd
+};
+
+// a, b, c, d: three coordinates each. However thin it is: where doubles do not tell, exact
+// integers do, so that the ratio has a relative error below 1e-10 (about 1e-15 if it is no
+// sliver) and "flat" is exact; angles are right to some 1e-9 degrees, in needles less. Only
+// beyond coordinates of 2^-250 to 2^250 one that doubles do not tell counts as flat.
+TetrahedronQuality MeasureTetrahedron(const double* a, const double* b, const double* c,
+                                      const double* d);
+
 // The spacing of doubles at the largest magnitude among `coordinates`; 0 if all are 0.
 double CoordinateUnit(std::span<const double> coordinates);
 
@@ -54,9 +71,10 @@ inline bool IsExempt(SimplexVerdict v) {
   return v == SimplexVerdict::kSmallInputAngle || v == SimplexVerdict::kTerminationGuard;
 }
 
-// Of each simplex of `mesh` (of dimension 2), in its order. A function of the mesh and of
-// options.quality. O(size). The guard leaves single triangles: of a mesh with more than 1,000
-// that no angle excuses, the others are kOverRho.
+// Of each simplex of `mesh`, in its order. A function of the mesh and of options.quality.
+// O(size). In space exact with the bound rho (1 + h) as rounded, and none is exempt. In the
+// plane the guard leaves single triangles: of a mesh with more than 1,000 that no angle
+// excuses, the others are kOverRho.
 std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options);
 
 struct QualityReport {
@@ -66,11 +84,17 @@ struct QualityReport {
   std::uint64_t over_rho = 0;         // simplices over rho, exempt ones included
   std::uint64_t exempt = 0;           // of these, how many are allowed to be
   std::uint64_t exempt_by_guard = 0;  // of these, how many by kTerminationGuard
-  // Angles of all simplices, in steps of 10 degrees: [0, 10), [10, 20), ... [170, 180].
+  // In the plane, angles of all simplices, in steps of 10 degrees: [0, 10), ... [170, 180].
   std::array<std::uint64_t, 18> angle_histogram = {};
+  // In space, dihedral angles of all, six each, in steps of 5 degrees: [0, 5), ... [175, 180].
+  std::array<std::uint64_t, 36> dihedral_histogram = {};
+  // In space, the share of tetrahedra with a dihedral angle below 5 and below 10 degrees. No
+  // bound on the ratio excludes these slivers.
+  double share_below_5_deg = 0;
+  double share_below_10_deg = 0;
 };
 
-// All simplices of `mesh` (of dimension 2), the domain's border included. rho is
+// All simplices of `mesh`, the domain's border included; angles are dihedral in space. rho is
 // options.quality. O(size). A simplex that names an unknown vertex counts as flat.
 QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options);
 

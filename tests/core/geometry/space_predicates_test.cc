@@ -2,7 +2,6 @@
 // the perturbation promises: one tetrahedralisation, whatever set.
 #include "core/geometry/space_predicates.h"
 
-#include <CGAL/Exact_rational.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,24 +14,19 @@
 #include <vector>
 
 #include "tests/core/geometry/random_points.h"
+#include "tests/core/geometry/random_space_points.h"
+#include "tests/core/geometry/rational_vectors.h"
 
 namespace dynmesh::geometry {
 namespace {
 
-using Q = CGAL::Exact_rational;
-using QVector = std::array<Q, 3>;
-
-int SignOf(const Q& q) { return q > 0 ? 1 : q < 0 ? -1 : 0; }
-
-QVector From(const Point3& p, const Point3& q) {
-  return {Q(q[0]) - Q(p[0]), Q(q[1]) - Q(p[1]), Q(q[2]) - Q(p[2])};
-}
-Q Dot(const QVector& a, const QVector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Q Det(const QVector& a, const QVector& b, const QVector& c) {
-  const QVector cross = {b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2],
-                         b[0] * c[1] - b[1] * c[0]};
-  return Dot(a, cross);
-}
+using testing::Det;
+using testing::Dot;
+using testing::From;
+using testing::Q;
+using testing::QVector;
+using testing::SignOf;
+using testing::Trouble;
 
 int SlowOrientation(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
   return SignOf(Det(From(a, b), From(a, c), From(a, d)));
@@ -57,75 +51,11 @@ int SlowInSphere(const Point3& a, const Point3& b, const Point3& c, const Point3
   return SignOf(Dot(x, x) - Dot(to_e, to_e));
 }
 
-enum class Trouble { kUniform, kGrid, kBigGrid, kCospherical, kUlps, kScales, kWild };
-constexpr Trouble kAll[] = {Trouble::kUniform,     Trouble::kGrid, Trouble::kBigGrid,
-                            Trouble::kCospherical, Trouble::kUlps, Trouble::kScales,
-                            Trouble::kWild};
-
-class Source {
- public:
-  Source(Trouble trouble, std::uint64_t seed) : trouble_(trouble), random_(seed) {}
-
-  Point3 Next() {
-    Point3 p{};
-    switch (trouble_) {
-      case Trouble::kUniform:
-        for (double& x : p.c) x = Unit();
-        break;
-      case Trouble::kGrid:
-        for (double& x : p.c) x = Int(-2, 2);
-        break;
-      case Trouble::kBigGrid:
-        for (double& x : p.c) x = (0x1p33 + 1) * Int(-2, 2);
-        break;
-      case Trouble::kCospherical: {
-        // x^2 + y^2 + z^2 = 15^2: many on common circles, too.
-        static constexpr int kTriples[][3] = {{15, 0, 0},  {9, 12, 0},  {2, 5, 14},
-                                              {2, 10, 11}, {5, 10, 10}, {2, 11, 10}};
-        const auto& t = kTriples[Int(0, 5)];
-        p = {{double(t[0]), double(t[1]), double(t[2])}};
-        std::shuffle(p.c.begin(), p.c.end(), random_);
-        for (double& x : p.c) x = (Int(0, 1) ? -x : x) + 0x1p20;
-        break;
-      }
-      case Trouble::kUlps: {
-        const double t = Int(0, 4) / 4.0;
-        p = Int(0, 1) ? Point3{{t + 0.1, 3 * t + 0.3, 1.6 - t}}
-                      : Point3{{0.1 + Int(0, 2), 0.7 + Int(0, 2), 0.3 + t}};
-        for (double& x : p.c) {
-          for (int k = Int(-2, 2); k != 0; k += k < 0 ? 1 : -1) {
-            x = std::nextafter(x, k < 0 ? -1e300 : 1e300);
-          }
-        }
-        break;
-      }
-      case Trouble::kScales:
-        for (double& x : p.c) x = Int(0, 2) / 3.0 + (Int(0, 1) ? 0x1p-40 : 0x1p-20) * Unit();
-        break;
-      case Trouble::kWild:
-        for (double& x : p.c) {
-          const int how = Int(0, 9);
-          const double m = 1 + (how < 4 ? 0 : Unit());
-          x = how == 0 ? 0 : (Int(0, 1) ? 1 : -1) * std::ldexp(m, Int(-250, 249));
-        }
-        break;
-    }
-    return p;
-  }
-
- private:
-  double Unit() { return std::uniform_real_distribution<double>(0, 1)(random_); }
-  int Int(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
-
-  Trouble trouble_;
-  std::mt19937_64 random_;
-};
-
 class SpacePredicatesOn : public ::testing::TestWithParam<Trouble> {
  protected:
   SpacePredicatesOn() : seed_(testing::NewSeed()), source_(GetParam(), seed_) {}
   std::uint64_t seed_;
-  Source source_;
+  testing::SpacePointSource source_;
 };
 
 TEST_P(SpacePredicatesOn, AllSignsAgreeWithRationals) {
@@ -176,7 +106,7 @@ TEST_P(SpacePredicatesOn, PermutationsOfThePointsGiveTheSameAnswers) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SpacePredicatesOn, ::testing::ValuesIn(kAll));
+INSTANTIATE_TEST_SUITE_P(All, SpacePredicatesOn, ::testing::ValuesIn(testing::kAllTroubles));
 
 using Face = std::array<Point3, 3>;
 
@@ -225,11 +155,11 @@ void ExpectOneTriangulation(const std::vector<Point3>& points) {
 TEST(SpacePerturbation, MakesDelaunayUniqueOnDegenerateSets) {
   const std::uint64_t seed = testing::NewSeed();
   int sets = 0;
-  for (const Trouble trouble : kAll) {
+  for (const Trouble trouble : testing::kAllTroubles) {
     for (std::uint64_t round = 0; round < 25; ++round) {
       SCOPED_TRACE("seed " + std::to_string(seed) + " trouble " +
                    std::to_string(static_cast<int>(trouble)) + " round " + std::to_string(round));
-      Source source(trouble, seed + round);
+      testing::SpacePointSource source(trouble, seed + round);
       std::set<Point3> distinct;
       for (std::uint64_t i = 0; i < 5 + round % 9; ++i) distinct.insert(source.Next());
       const std::vector<Point3> points(distinct.begin(), distinct.end());
