@@ -113,9 +113,18 @@ struct Refusal {
   std::function<void(MeshDiff&)> damage;
 };
 
+// Even where the sum would be right.
 template <class Columns>
-void RepeatFirst(Columns& pieces) {
-  Append(pieces, KeyOf(pieces, 0));
+void GoesTwice(MeshDiff& d, Columns& pieces) {
+  const auto key = KeyOf(pieces, 0);
+  Append(pieces, key);
+  d.hash -= HashOf(key);
+}
+template <class Columns>
+void ComesTwice(MeshDiff& d, Columns& pieces) {
+  const auto key = KeyOf(pieces, 0);
+  Append(pieces, key);
+  d.hash += HashOf(key);
 }
 
 // In the plane, where there are no subfacets to damage, another damage with the same code.
@@ -182,8 +191,10 @@ std::vector<Refusal> Refusals() {
        [](MeshDiff& d) { d.region_sets.insert(d.region_sets.begin(), d.region_sets[0]); }},
       {"subsegment to remove is absent", StatusCode::kDataLoss,
        [](MeshDiff& d) { d.removed_subsegments.owners[0] = 99; }},
+      {"subsegment removed twice", StatusCode::kDataLoss,
+       [](MeshDiff& d) { GoesTwice(d, d.removed_subsegments); }},
       {"subsegment added twice", StatusCode::kDataLoss,
-       [](MeshDiff& d) { RepeatFirst(d.added_subsegments); }},
+       [](MeshDiff& d) { ComesTwice(d, d.added_subsegments); }},
       {"coordinate changed", StatusCode::kDataLoss,
        [](MeshDiff& d) { d.added_vertices.coordinates[0] += 1; }},
       {"owner changed", StatusCode::kDataLoss,
@@ -203,9 +214,9 @@ std::vector<Refusal> Refusals() {
       {"subfacet to remove is absent", StatusCode::kDataLoss,
        [](MeshDiff& d) { InSpace(d, [&] { d.removed_subfacets.owners[0] = 99; }); }},
       {"subfacet removed twice", StatusCode::kDataLoss,
-       [](MeshDiff& d) { InSpace(d, [&] { RepeatFirst(d.removed_subfacets); }); }},
+       [](MeshDiff& d) { InSpace(d, [&] { GoesTwice(d, d.removed_subfacets); }); }},
       {"subfacet added twice", StatusCode::kDataLoss,
-       [](MeshDiff& d) { InSpace(d, [&] { RepeatFirst(d.added_subfacets); }); }},
+       [](MeshDiff& d) { InSpace(d, [&] { ComesTwice(d, d.added_subfacets); }); }},
       {"subfacet of another owner", StatusCode::kDataLoss,
        [](MeshDiff& d) { InSpace(d, [&] { d.added_subfacets.owners[0] += 1; }); }},
       {"part of a subfacet added", StatusCode::kInvalidArgument,

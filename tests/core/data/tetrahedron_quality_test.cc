@@ -146,6 +146,10 @@ Corners AnyCorners(testing::Random& random, int kind) {
   } else if (kind == 3) {  // a needle
     for (Point3& corner : p) corner[1] *= height, corner[2] *= height;
   }
+  if (random() % 2 == 0) {  // aslant, so that products cancel
+    for (Point3& corner : p) corner[2] += 0.3 * corner[0] + 0.7 * corner[1];
+    for (Point3& corner : p) corner[0] += 0.4 * corner[2];
+  }
   if (Determinant(p) < 0) std::swap(p[0], p[1]);
   return p;
 }
