@@ -5,8 +5,8 @@
 //      continued the one before, and the hash came out right after each;
 //   2. an event that does not fit makes the replica broken, with the mesh it had, until
 //      a snapshot begins: nothing is ever applied on doubt.
-// Of a watch of some regions it is a copy of the part that is sent: all vertices and
-// subsegments, the simplices inside, and the hash of these.
+// Of a watch of some regions it is a copy of the part that is sent: all vertices,
+// subsegments and subfacets, the simplices inside, and the hash of these.
 //
 // A diff takes time proportional to the diff. Thread-compatible.
 #ifndef DYNMESH_CLIENT_MESH_REPLICA_H_

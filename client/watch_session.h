@@ -20,7 +20,7 @@ namespace dynmesh::client {
 
 struct WatchOptions {
   // Polygons: of the simplices, only those inside at least one of them. Empty: all. The
-  // replica's vertices, subsegments and hash: see MeshReplica.
+  // replica's vertices, subsegments, subfacets and hash: see MeshReplica.
   std::vector<FeatureId> regions = {};
   // Longest silence of the server; zero: its default.
   absl::Duration progress_interval = absl::ZeroDuration();
