@@ -133,6 +133,26 @@ inline WideInt<N> ToInteger(double x, int exponent) {
   return (bits >> 63) != 0 ? WideInt<N>{} - r : r;
 }
 
+// mantissa * 2^exponent, 0 or 1 <= |mantissa| < 2.
+struct ScaledDouble {
+  double mantissa;
+  int exponent;
+};
+
+// As near to x as 2^-52 of it.
+template <int N>
+inline ScaledDouble ToScaledDouble(const WideInt<N>& x) {
+  if (x.Sign() == 0) return {0, 0};
+  const WideInt<N> magnitude = x.negative() ? WideInt<N>{} - x : x;
+  int top = N - 1;
+  while (magnitude.limb[top] == 0) --top;
+  const int zeros = std::countl_zero(magnitude.limb[top]);
+  std::uint64_t bits = magnitude.limb[top] << zeros;
+  if (zeros > 0 && top > 0) bits |= magnitude.limb[top - 1] >> (64 - zeros);
+  const double mantissa = static_cast<double>(bits >> 11) * 0x1p-52;
+  return {x.negative() ? -mantissa : mantissa, 64 * top + 63 - zeros};
+}
+
 }  // namespace dynmesh::geometry
 
 #endif  // DYNMESH_CORE_GEOMETRY_EXACT_INTEGER_H_
