@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/geometry/point.h"
+
 namespace dynmesh::geometry {
 
 using Vector3 = std::array<double, 3>;
@@ -31,6 +33,7 @@ struct Circumball {
   double r2 = INFINITY;     // the squared radius
   double error = INFINITY;  // bounds that of each of w
 
+  Circumball() = default;
   Circumball(const Vector3& a, double a2, const Vector3& b, double b2, const Vector3& c, double c2,
              bool odd) {
     const Vector3 bc = Cross(b, c), ca = Cross(c, a), ab = Cross(a, b);
@@ -51,6 +54,10 @@ struct Circumball {
     return std::fabs(a[0]) + std::fabs(a[1]) + std::fabs(a[2]);
   }
 };
+
+// The same of four points that are not coplanar, seen from the first: right to a few roundings
+// however flat they are. By long integers: slow.
+Circumball ExactCircumball(const Point3& p, const Point3& a, const Point3& b, const Point3& c);
 
 }  // namespace dynmesh::geometry
 

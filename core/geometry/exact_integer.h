@@ -88,25 +88,6 @@ inline WideInt<N + M> operator*(const WideInt<N>& a, const WideInt<M>& b) {
   return r;
 }
 
-// mantissa 2^exponent, for what may be beyond the range of doubles.
-struct ScaledDouble {
-  double mantissa;
-  int exponent;
-};
-
-// |x| to a relative error below 2^-52. The mantissa is 0 or in [2^63, 2^64].
-template <int N>
-inline ScaledDouble ToScaledDouble(const WideInt<N>& x) {
-  const WideInt<N> a = x.negative() ? WideInt<N>{} - x : x;
-  int top = N - 1;
-  while (top > 0 && a.limb[top] == 0) --top;
-  if (a.limb[top] == 0) return {0, 0};
-  const int shift = std::countl_zero(a.limb[top]);
-  std::uint64_t leading = a.limb[top] << shift;
-  if (shift > 0 && top > 0) leading |= a.limb[top - 1] >> (64 - shift);
-  return {static_cast<double>(leading), 64 * top - shift};
-}
-
 // A unit 2^exponent in which some finite doubles are integers of less than `width`
 // bits: |x| < 2^(exponent + width).
 struct CommonUnit {
@@ -150,6 +131,26 @@ inline WideInt<N> ToInteger(double x, int exponent) {
     if (shift % 64 != 0 && at + 1 < N) r.limb[at + 1] = mantissa >> (64 - shift % 64);
   }
   return (bits >> 63) != 0 ? WideInt<N>{} - r : r;
+}
+
+// mantissa * 2^exponent, 0 or 1 <= |mantissa| < 2.
+struct ScaledDouble {
+  double mantissa;
+  int exponent;
+};
+
+// As near to x as 2^-52 of it.
+template <int N>
+inline ScaledDouble ToScaledDouble(const WideInt<N>& x) {
+  if (x.Sign() == 0) return {0, 0};
+  const WideInt<N> magnitude = x.negative() ? WideInt<N>{} - x : x;
+  int top = N - 1;
+  while (magnitude.limb[top] == 0) --top;
+  const int zeros = std::countl_zero(magnitude.limb[top]);
+  std::uint64_t bits = magnitude.limb[top] << zeros;
+  if (zeros > 0 && top > 0) bits |= magnitude.limb[top - 1] >> (64 - zeros);
+  const double mantissa = static_cast<double>(bits >> 11) * 0x1p-52;
+  return {x.negative() ? -mantissa : mantissa, 64 * top + 63 - zeros};
 }
 
 }  // namespace dynmesh::geometry

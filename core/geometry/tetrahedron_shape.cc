@@ -44,7 +44,6 @@ struct ExactShape {
     if (det.Sign() == 0) return INFINITY;
     const ScaledDouble top = ToScaledDouble(n2), of_det = ToScaledDouble(det),
                        edge = ToScaledDouble(e2);
-    // Mantissas are about 2^64: the quotient is about 2^-128, far from both ends of the range.
     double square = top.mantissa / (4 * of_det.mantissa * of_det.mantissa * edge.mantissa);
     int power = top.exponent - 2 * of_det.exponent - edge.exponent;
     if (power % 2 != 0) square *= 2, --power;
@@ -65,8 +64,7 @@ TetrahedronShape ShapeOf(const Point3& a, const Point3& b, const Point3& c, cons
   return internal::Evaluate<3>({&a, &b, &c, &d}, [&](auto n, int exponent) -> TetrahedronShape {
     const ExactShape<n()> shape(a, b, c, d, exponent);
     const ScaledDouble det = ToScaledDouble(shape.det);
-    const double magnitude = std::scalbn(det.mantissa, det.exponent + 3 * exponent);
-    return {shape.det.negative() ? -magnitude : magnitude, shape.RadiusEdge()};
+    return {std::scalbn(det.mantissa, det.exponent + 3 * exponent), shape.RadiusEdge()};
   });
 }
 

@@ -92,7 +92,12 @@ void SpaceStar::ComputeCorner(int i) {
   if (less(s[2], s[1])) std::swap(s[1], s[2]), odd = !odd;
   if (less(s[1], s[0])) std::swap(s[0], s[1]), odd = !odd;
   const Neighbour &a = neighbours_[s[0]], &b = neighbours_[s[1]], &c = neighbours_[s[2]];
-  const geometry::Circumball ball(a.d, a.d2, b.d, b.d2, c.d, c.d2, odd);
+  geometry::Circumball ball(a.d, a.d2, b.d, b.d2, c.d, c.d2, odd);
+  // Of nearly flat tetrahedra doubles know nothing: what is decided by the centre must not be
+  // decided by noise. There are few.
+  if (!(ball.error <= 1e-9 * std::sqrt(std::min({a.d2, b.d2, c.d2})))) {
+    ball = geometry::ExactCircumball(p_, a.p, b.p, c.p);
+  }
   corner.w = ball.w;
   corner.r2 = ball.r2;
   corner.error = ball.error;

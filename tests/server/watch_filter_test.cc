@@ -19,6 +19,8 @@ Mesh Sorted(Mesh mesh) {
 
 class WatchFilterTest : public ::testing::Test {
  protected:
+  // Hub and subscription hold each other until then.
+  void TearDown() override { subscription_->Cancel(); }
   void Begin(const data::RegionChoice& choice, RevisionStore::Limits limits,
              WatchHub::Options options) {
     choice_ = choice;

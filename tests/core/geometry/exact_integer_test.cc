@@ -75,15 +75,14 @@ void ExpectScaledDoubleIsNear(std::mt19937_64& random) {
   for (int i = 0; i < 500; ++i) {
     auto a = RandomInt<N>(random);
     for (std::size_t k = random() % (N + 1); k < N; ++k) a.limb[k] = 0;  // small ones, too
-    Q value = ToRational(a);
-    if (value < 0) value = -value;
+    const Q value = ToRational(a);
     const ScaledDouble scaled = ToScaledDouble(a);
     Q unit = 1;
     for (int k = 0; k < std::abs(scaled.exponent); ++k) unit *= 2;
     const Q near =
         scaled.exponent < 0 ? Q(Q(scaled.mantissa) / unit) : Q(Q(scaled.mantissa) * unit);
     const Q error = near < value ? Q(value - near) : Q(near - value);
-    ASSERT_LE(error * Q(0x1p52), value);
+    ASSERT_LE(error * Q(0x1p52), value < 0 ? Q(-value) : value);
   }
 }
 

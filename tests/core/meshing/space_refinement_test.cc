@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -187,6 +188,156 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(kNames[static_cast<int>(std::get<0>(parameter.param))]) + "Rho" +
              std::to_string(static_cast<int>(100 * std::get<1>(parameter.param)));
     });
+
+// --- Segments -----------------------------------------------------------------------------
+
+// Edges of a grid, turned or not: at right angles, or in one line, where they meet.
+struct GridEdges {
+  static constexpr int kSide = 4;
+  bool turned = false;
+
+  Point3 Turned(double x, double y, double z) const {
+    if (!turned) return {{x, y, z}};
+    return {{0.1 + 0.8 * x - 0.6 * y, 0.1 + 0.6 * x + 0.8 * y, 0.3 + z}};
+  }
+  Point3 At(int i) const {
+    return Turned(0.25 * (i % kSide), 0.25 * (i / kSide % kSide), 0.25 * (i / 16));
+  }
+  // Off all edges.
+  Point3 AnyBetween(Random& random) const {
+    const auto odd = [&] { return (2 * random.Below(24) + 1) / 64.0; };
+    return Turned(odd(), odd(), odd());
+  }
+  // Ends of a random one.
+  static std::pair<int, int> Any(Random& random) {
+    constexpr int kSteps[] = {1, kSide, kSide * kSide};
+    for (;;) {
+      const int axis = random.Below(3), step = kSteps[axis];
+      const int from = random.Below(kSide * kSide * kSide);
+      if (from / step % kSide + 1 < kSide) return {from, from + step};
+    }
+  }
+};
+
+template <class R>
+class WithSegments {
+ public:
+  WithSegments(const MeshOptions& options, const GridEdges& grid,
+               typename R::Triangulation* triangulation = nullptr)
+      : grid_(grid), refinement_(options, triangulation) {}
+  // Those that were not there, and their ends, come; those that were there go.
+  void Toggle(const std::pair<int, int>& edge) {
+    const auto it = segments_.find(edge);
+    if (it != segments_.end()) {
+      refinement_.RemoveSegment(it->second);
+      segments_.erase(it);
+      Leave(edge.first);
+      Leave(edge.second);
+    } else {
+      const VertexIndex a = Use(edge.first), b = Use(edge.second);
+      segments_.emplace(edge, refinement_.AddSegment(a, b, 1));
+    }
+  }
+  void Toggle(const Point3& p) {
+    const auto it = free_.find(p);
+    if (it != free_.end()) {
+      refinement_.RemovePoint(it->second);
+      free_.erase(it);
+    } else {
+      free_.emplace(p, refinement_.AddPoint(p, 1));
+    }
+  }
+  void Run() {
+    refinement_.Propagate([] { return false; });
+    refinement_.TakeChanges([](auto...) {}, [](auto...) {});
+  }
+  R& refinement() { return refinement_; }
+  std::set<Point3> Points() const {
+    std::set<Point3> points;
+    for (const auto& [p, index] : free_) points.insert(p);
+    return points;
+  }
+  std::set<std::pair<int, int>> Edges() const {
+    std::set<std::pair<int, int>> edges;
+    for (const auto& [edge, index] : segments_) edges.insert(edge);
+    return edges;
+  }
+
+ private:
+  VertexIndex Use(int i) {
+    auto& [vertex, count] = points_[i];
+    if (count++ == 0) vertex = refinement_.AddPoint(grid_.At(i), 1);
+    return vertex;
+  }
+  void Leave(int i) {
+    auto& [vertex, count] = points_[i];
+    if (--count == 0) refinement_.RemovePoint(vertex);
+  }
+
+  GridEdges grid_;
+  R refinement_;
+  std::map<int, std::pair<VertexIndex, int>> points_;
+  std::map<std::pair<int, int>, SubsegmentIndex> segments_;
+  std::map<Point3, VertexIndex> free_;
+};
+
+template <class R>
+std::set<std::pair<Point3, Point3>> SubsegmentsOf(const R& refinement) {
+  std::set<std::pair<Point3, Point3>> all;
+  refinement.ForEachSubsegment(
+      [&](const auto& s) { all.emplace(refinement.vertex(s.a).p, refinement.vertex(s.b).p); });
+  return all;
+}
+
+class SpaceSegments : public testing::TestWithParam<bool> {};
+
+TEST_P(SpaceSegments, AreFromScratchAfterEveryEditAndInTheTriangulation) {
+  const char* nightly = std::getenv("DYNMESH_NIGHTLY");
+  const int revisions = nightly != nullptr && *nightly != '0' ? 1500 : 15;
+  Random random(9);
+  const GridEdges grid{GetParam()};
+  const MeshOptions options = Options(2);
+  WithSegments<Traced> dynamic(options, grid);
+  for (int revision = 0; revision < revisions; ++revision) {
+    for (int i = 1 + random.Below(4); i > 0; --i) {
+      dynamic.Toggle(GridEdges::Any(random));
+      const std::set<Point3> points = dynamic.Points();
+      dynamic.Toggle(points.size() > 12 && random.OneIn(2) ? *points.begin()
+                                                           : grid.AnyBetween(random));
+    }
+    dynamic.Run();
+    WithSegments<Traced> fresh(options, grid);
+    mesh::DelaunayTetrahedralization triangulation;
+    WithSegments<Untraced> untraced(options, grid, &triangulation);
+    for (const auto& edge : dynamic.Edges()) fresh.Toggle(edge), untraced.Toggle(edge);
+    for (const Point3& p : dynamic.Points()) fresh.Toggle(p), untraced.Toggle(p);
+    fresh.Run();
+    untraced.Run();
+    ASSERT_EQ(VerticesOf(dynamic.refinement()), VerticesOf(fresh.refinement())) << revision;
+    ASSERT_EQ(SubsegmentsOf(dynamic.refinement()), SubsegmentsOf(fresh.refinement()));
+    ASSERT_EQ(VerticesOf(dynamic.refinement()), VerticesOf(untraced.refinement())) << revision;
+    ASSERT_EQ(SubsegmentsOf(dynamic.refinement()), SubsegmentsOf(untraced.refinement()));
+    std::vector<std::string> problems;
+    ASSERT_EQ(dynamic.refinement().Audit(&problems), fresh.refinement().Audit(&problems));
+    ASSERT_TRUE(problems.empty()) << problems[0];
+    // Every subsegment is an edge of the triangulation.
+    std::set<std::pair<Point3, Point3>> edges;
+    triangulation.ForEachTetrahedron([&](auto t) {
+      for (const auto a : triangulation.vertices(t)) {
+        for (const auto b : triangulation.vertices(t)) {
+          const Point3 &p = triangulation.position(a), &q = triangulation.position(b);
+          if (p < q) edges.emplace(p, q);
+        }
+      }
+    });
+    for (const auto& s : SubsegmentsOf(dynamic.refinement())) {
+      ASSERT_TRUE(edges.contains(std::minmax(s.first, s.second))) << revision;
+    }
+  }
+  EXPECT_GT(SubsegmentsOf(dynamic.refinement()).size(), dynamic.Edges().size());
+}
+
+INSTANTIATE_TEST_SUITE_P(Grid, SpaceSegments, testing::Bool());
 
 // An edit of one point costs what it costs, however many there are.
 TEST(SpaceRefinementWork, AnEditDoesNotGrowWithTheInput) {
