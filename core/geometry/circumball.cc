@@ -8,18 +8,11 @@ namespace dynmesh::geometry {
 Circumball ExactCircumball(const Point3& p, const Point3& a, const Point3& b, const Point3& c) {
   Circumball ball;
   internal::SignOf({&p, &a, &b, &c}, [&](auto n, int exponent) {
-    using V = internal::Vector<n(), 3>;
-    const V u(p, a, exponent), v(p, b, exponent), w(p, c, exponent);
-    const auto u2 = DotProduct(u, u), v2 = DotProduct(v, v), w2 = DotProduct(w, w);
-    const ScaledDouble det = ToScaledDouble(TripleProduct(u, v, w));
+    const internal::ExactCentre<n()> centre(p, a, b, c, exponent);
+    const ScaledDouble det = ToScaledDouble(centre.det);
     if (det.mantissa == 0) return 0;
-    const auto cross = [](const V& x, const V& y, int k) {
-      const int i = (k + 1) % 3, j = (k + 2) % 3;
-      return x.c[i] * y.c[j] - x.c[j] * y.c[i];
-    };
-    for (int k = 0; k < 3; ++k) {
-      const ScaledDouble sum =
-          ToScaledDouble(u2 * cross(v, w, k) + v2 * cross(w, u, k) + w2 * cross(u, v, k));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const ScaledDouble sum = ToScaledDouble(centre.n[k]);
       ball.w[k] =
           std::ldexp(0.5 * sum.mantissa / det.mantissa, sum.exponent - det.exponent + exponent);
     }

@@ -91,6 +91,28 @@ WideInt<3 * N> TripleProduct(const Vector<N, 3>& a, const Vector<N, 3>& b, const
   return a.c[0] * bc[0] + a.c[1] * bc[1] + a.c[2] * bc[2];
 }
 
+// The centre of the ball through four points of space, seen from the first: n / (2 det) with
+// u, v, w from there to the others,
+//   n = u^2 v x w + v^2 w x u + w^2 u x v,  det = u . v x w.
+// A square is below 2^(128N-2), an entry of a cross product below 2^(128N-3), so those of n
+// are below 2^(256N-3): 4N limbs.
+template <int N>
+struct ExactCentre {
+  Vector<N, 3> u, v, w;
+  WideInt<2 * N> u2, v2, w2;
+  WideInt<3 * N> det;
+  std::array<WideInt<4 * N>, 3> n;
+
+  ExactCentre(const Point<3>& p, const Point<3>& a, const Point<3>& b, const Point<3>& c,
+              int exponent)
+      : u(p, a, exponent), v(p, b, exponent), w(p, c, exponent) {
+    u2 = DotProduct(u, u), v2 = DotProduct(v, v), w2 = DotProduct(w, w);
+    det = TripleProduct(u, v, w);
+    const auto vw = CrossProduct(v, w), wu = CrossProduct(w, u), uv = CrossProduct(u, v);
+    for (std::size_t k = 0; k < 3; ++k) n[k] = u2 * vw[k] + v2 * wu[k] + w2 * uv[k];
+  }
+};
+
 }  // namespace dynmesh::geometry::internal
 
 #endif  // DYNMESH_CORE_GEOMETRY_EXACT_VECTOR_H_

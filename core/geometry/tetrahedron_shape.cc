@@ -9,33 +9,25 @@
 namespace dynmesh::geometry {
 namespace {
 
-// With u, v, w from a to the others the centre less a is n / (2 det),
-//   n = u^2 v x w + v^2 w x u + w^2 u x v,  det = u . v x w,
-// so that (circumradius / shortest edge)^2 = n^2 / (4 det^2 e^2), all of them integers.
-//
-// Sizes, see exact_vector.h: a square is below 2^(128N-2), an entry of a cross product below
-// 2^(128N-3), so n's entries are below 2^(256N-3) and n^2 below 2^(512N-4), with sign 8N limbs.
+// (circumradius / shortest edge)^2 = n^2 / (4 det^2 e^2), with n and det of the centre, and all
+// of them integers. Sizes, see exact_vector.h: n^2 is below 2^(512N-4), with sign 8N limbs;
 // det^2 is below 2^(384N-6), times e^2 below 2^(512N-8).
 template <int N>
 struct ExactShape {
   WideInt<3 * N> det;
-  WideInt<8 * N> n2;
+  WideInt<8 * N> n2{};
   WideInt<2 * N> e2;  // the shortest edge's square
 
   ExactShape(const Point3& a, const Point3& b, const Point3& c, const Point3& d, int exponent) {
-    using V = internal::Vector<N, 3>;
-    const V u(a, b, exponent), v(a, c, exponent), w(a, d, exponent);
-    const WideInt<2 *N> u2 = DotProduct(u, u), v2 = DotProduct(v, v), w2 = DotProduct(w, w);
-    det = TripleProduct(u, v, w);
-    const auto vw = CrossProduct(v, w), wu = CrossProduct(w, u), uv = CrossProduct(u, v);
-    n2 = {};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const WideInt<4 * N> n = u2 * vw[k] + v2 * wu[k] + w2 * uv[k];
-      n2 = n2 + n * n;
-    }
-    e2 = u2;
-    const V bc(b, c, exponent), bd(b, d, exponent), cd(c, d, exponent);
-    for (const auto& other : {v2, w2, DotProduct(bc, bc), DotProduct(bd, bd), DotProduct(cd, cd)}) {
+    const internal::ExactCentre<N> centre(a, b, c, d, exponent);
+    det = centre.det;
+    for (const auto& n : centre.n) n2 = n2 + n * n;
+    e2 = centre.u2;
+    const auto square = [exponent](const Point3& p, const Point3& q) {
+      const internal::Vector<N, 3> edge(p, q, exponent);
+      return DotProduct(edge, edge);
+    };
+    for (const auto& other : {centre.v2, centre.w2, square(b, c), square(b, d), square(c, d)}) {
       if ((other - e2).negative()) e2 = other;
     }
   }
