@@ -1,5 +1,5 @@
-// What two meshes share. Vertices are the same if their coordinates are, simplices
-// and subsegments if their vertices (and feature) are.
+// What two meshes of one dimension share. Vertices are the same if their coordinates are,
+// simplices, subsegments and subfacets if their vertices (and feature) are.
 #ifndef DYNMESH_CLIENT_CLI_COMPARE_MESHES_H_
 #define DYNMESH_CLIENT_CLI_COMPARE_MESHES_H_
 
@@ -18,6 +18,7 @@ struct MeshComparison {
   Part vertices;
   Part simplices;
   Part subsegments;
+  Part subfacets;
   std::uint64_t remarked_vertices = 0;     // shared, but with other owner or containing dimension
   std::uint64_t relabelled_simplices = 0;  // shared, but in other polygons
   MeshHash hash_a;

@@ -1,6 +1,7 @@
 #include "client/cli/compare_meshes.h"
 
 #include "gtest/gtest.h"
+#include "tests/core/data/made_up_mesh.h"
 #include "tests/core/io/sample_mesh.h"
 
 namespace dynmesh::cli {
@@ -56,6 +57,28 @@ TEST(CompareMeshes, CountsTrianglesThatLieInOtherPolygons) {
   Mesh other = labelled;
   other.regions[2] = 40;
   EXPECT_EQ(CompareMeshes(other, labelled).relabelled_simplices, 1U);
+}
+
+TEST(CompareMeshes, CountsTetrahedraAndSubfacets) {
+  auto random = testing::MakeRandom();
+  const Mesh mesh = testing::MakeUpLabelledMesh(random, 30, 1, 3);
+  EXPECT_TRUE(CompareMeshes(mesh, mesh).Same());
+  Mesh other = mesh;
+  other.subfacets.owners[3] += 1;
+  MeshComparison c = CompareMeshes(mesh, other);
+  EXPECT_FALSE(c.Same());
+  EXPECT_EQ(c.subfacets.shared, 14U);
+  EXPECT_EQ(c.subfacets.only_a, 1U);
+  EXPECT_EQ(c.subfacets.only_b, 1U);
+  other = mesh;
+  other.regions[5] = 999;
+  other.regions[9] = 999;
+  other.simplices.resize(4 * 59);
+  other.regions.resize(59);
+  c = CompareMeshes(mesh, other);
+  EXPECT_EQ(c.simplices.shared, 59U);
+  EXPECT_EQ(c.simplices.only_a, 1U);
+  EXPECT_EQ(c.relabelled_simplices, 2U);
 }
 
 }  // namespace
