@@ -132,7 +132,7 @@ bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
           continue;
         }
         const auto slot = static_cast<int>(slots_.Number({u}));
-        if (slot == star_.slot_count()) star_.AddNeighbour(u, vertices_[u].p);
+        if (slot == star_.slot_count()) star_.AddNeighbour(u, triangulation_->position(u));
         slots[k] = slot;
         across[k] =
             static_cast<int>(around_.Find({triangulation_->Opposite({t, turned[k]}).tetrahedron}));

@@ -241,9 +241,7 @@ template <int D, template <class> class E>
 void Refinement<D, E>::Prefetch(sac::Kind kind, sac::Item item, int step) const {
   if (kind != kComplete) return;
   if (step == 0) __builtin_prefetch(&vertices_[item]);
-  if constexpr (D == 2) {
-    if (triangulation_ != nullptr) triangulation_->PrefetchAround(item, step);
-  }
+  if (triangulation_ != nullptr) triangulation_->PrefetchAround(item, step);
 }
 
 // --- Untraced and global: only vertices that own a gap are ever queued ------------------

@@ -173,7 +173,7 @@ class Refinement {
     return const_cast<Refinement*>(this)->OperationsOf(kind, item);
   }
   void Execute(Context& context);
-  static constexpr int kPrefetchSteps = mesh::DelaunayTriangulation::kPrefetchSteps;
+  static constexpr int kPrefetchSteps = Triangulation::kPrefetchSteps;
   void Prefetch(sac::Kind kind, sac::Item item, int step) const;
   void Publish(sac::Output output, sac::Stamp at);
   void Withdraw(sac::Output output, sac::Stamp at);
