@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/geometry/circumball.h"
 #include "core/meshing/filter_terms.h"
 #include "core/meshing/neighbourhood.h"
 #include "core/meshing/refinement.h"
@@ -221,11 +222,7 @@ bool Refinement<D, E>::ConflictsWithStar(sac::OpId op, const Point& y) const {
     if constexpr (D == 2) {
       return ConflictsWithRing(words, p, reach, y);
     } else {
-      const auto place = [&](std::uint32_t id) { return PlaceOf(id, p, reach); };
-      return !ForEachCornerIn<D>(words, [&](const Corner& ids) {
-        const Point a = place(ids[0]), b = place(ids[1]), c = place(ids[2]);
-        return y != a && y != b && y != c && !geometry::InSphere(p, a, b, c, y);
-      });
+      return ConflictsWithLink(words, p, reach, y);
     }
   }
   return false;
@@ -257,6 +254,37 @@ bool Refinement<D, E>::ConflictsWithRing(std::span<const std::uint32_t> ring, co
     for (int i = 0; i < count; ++i) {
       if (conflicts(i)) return true;
     }
+  }
+  return false;
+}
+
+// `words` as read: neighbours and triangles.
+template <int D, template <class> class E>
+bool Refinement<D, E>::ConflictsWithLink(std::span<const std::uint32_t> words, const Point& p,
+                                         double reach, const Point& y) const {
+  if constexpr (D == 3) {
+    const auto conflicts = [&](const Corner& ids) {
+      const Point a = PlaceOf(ids[0], p, reach), b = PlaceOf(ids[1], p, reach),
+                  c = PlaceOf(ids[2], p, reach);
+      return y == a || y == b || y == c || geometry::InSphere(p, a, b, c, y);
+    };
+    constexpr std::size_t kFew = 64;
+    const auto ids = NeighboursIn<D>(words);
+    if (ids.size() <= kFew) {
+      std::array<geometry::Vector3, kFew> directions;
+      for (std::size_t i = 0; i < ids.size(); ++i) {
+        directions[i] = geometry::Difference(PlaceOf(ids[i], p, reach).c, p.c);
+      }
+      const auto triangles = words.subspan(ids.size());
+      const int i = Star::CornerTowards(
+          std::span(directions).first(ids.size()), static_cast<int>(triangles.size()),
+          [&](int k) { return PlacesIn(triangles[k]); }, geometry::Difference(y.c, p.c));
+      if (i >= 0) {
+        const auto [a, b, c] = PlacesIn(triangles[i]);
+        return conflicts({ids[a], ids[b], ids[c]});
+      }
+    }
+    return !ForEachCornerIn<D>(words, [&](const Corner& corner) { return !conflicts(corner); });
   }
   return false;
 }

@@ -129,7 +129,7 @@ bool Refinement<D, E>::ShortestGap(int bucket, Candidate* best) const {
     const auto& u = star_[i];
     if (!IsInView(u) || BucketOf(u.d2) > bucket) continue;
     if (found && u.d2 > best->e2) continue;
-    if (!Gaps(*this).OfNeighbour(i, &gap) || !Owns(u.id)) continue;
+    if (!Owns(u.id) || !Gaps(*this).OfNeighbour(i, &gap)) continue;
     if (found && gap.e2 == best->e2 && best->neighbour < gap.neighbour) continue;
     *best = gap;
     found = true;
@@ -241,7 +241,7 @@ int Refinement<D, E>::NextBucket(int bucket) const {
     if (!IsInView(u)) continue;
     const int own = BucketOf(u.d2);
     if (own <= bucket || own > last_known || own >= next) continue;
-    if (Gaps(*this).OfNeighbour(i, &gap) && Owns(u.id)) next = own;
+    if (Owns(u.id) && Gaps(*this).OfNeighbour(i, &gap)) next = own;
   }
   return next;
 }

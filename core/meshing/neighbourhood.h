@@ -155,7 +155,9 @@ bool Refinement<D, E>::UpdateStar(Context& context) {
   constexpr std::size_t kFew = 200;
   const auto words = context.old_reads();
   if (words.empty() || appeared_.size() > kFew) return false;
-  const bool all_stay = RebuildStar(context, NeighboursIn<D>(words));
+  bool all_stay = true;
+  const bool is_joined = RejoinStar(context, words, &all_stay);
+  if (!is_joined) all_stay = RebuildStar(context, NeighboursIn<D>(words));
   // Beyond this nobody was in a ball that was read.
   const double far2 = context.payload().radius2;
   for (const VertexIndex u : appeared_) {
@@ -163,8 +165,15 @@ bool Refinement<D, E>::UpdateStar(Context& context) {
   }
   if (all_stay) {
     for (int i = 0; i < star_.corner_count(); ++i) star_.MarkVerified(i);
-    return true;
+  } else if (!is_joined) {
+    MarkOldCorners(words);
   }
+  return true;
+}
+
+// Those that were in the star read then.
+template <int D, template <class> class E>
+void Refinement<D, E>::MarkOldCorners(std::span<const std::uint32_t> words) {
   old_corners_.clear();
   ForEachCornerIn<D>(words, [this](const Corner& ids) {
     old_corners_.push_back(Turned(ids));
@@ -176,7 +185,6 @@ bool Refinement<D, E>::UpdateStar(Context& context) {
       star_.MarkVerified(i);
     }
   }
-  return true;
 }
 
 // In space as it is; begun with the least there, as a corner may be given by any of its turns.
@@ -187,12 +195,43 @@ typename Refinement<D, E>::Corner Refinement<D, E>::Turned(Corner ids) {
   return ids;
 }
 
+// Is it still there?
+template <int D, template <class> class E>
+bool Refinement<D, E>::Stays(const Context& context, std::uint32_t id) const {
+  return Star::IsGhost(id) || (vertices_[id].present && context.Sees(vertices_[id].birth));
+}
+
+// In space: the star that was read, but for the neighbours that have gone; the corners that it had
+// are verified. False if that cannot be done.
+template <int D, template <class> class E>
+bool Refinement<D, E>::RejoinStar(Context& context, std::span<const std::uint32_t> words,
+                                  bool* all_stay) {
+  if constexpr (D == 3) {
+    constexpr std::size_t kFew = 256;
+    const auto ids = NeighboursIn<D>(words), triangles = words.subspan(ids.size());
+    if (ids.size() > kFew || triangles.empty()) return false;
+    star_.BeginLink(star_.vertex(), star_.position(), star_.reach());
+    for (const std::uint32_t id : ids) {
+      star_.AddNeighbour(id, PlaceOf(id, star_.position(), star_.reach()));
+    }
+    for (const std::uint32_t triangle : triangles) star_.AddCorner(PlacesIn(triangle));
+    star_.JoinCorners();
+    star_.Close();
+    for (int i = 0; i < star_.corner_count(); ++i) star_.MarkVerified(i);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      if (Stays(context, ids[i])) continue;
+      *all_stay = false;
+      if (!star_.Remove(static_cast<int>(i))) return false;
+    }
+    if (!*all_stay) star_.InsertGhosts();
+    return true;
+  }
+  return false;
+}
+
 // The star of those of `ids` that are there still. Are all?
 template <int D, template <class> class E>
 bool Refinement<D, E>::RebuildStar(Context& context, std::span<const std::uint32_t> ids) {
-  const auto stays = [&](std::uint32_t id) {
-    return Star::IsGhost(id) || (vertices_[id].present && context.Sees(vertices_[id].birth));
-  };
   const VertexIndex v = star_.vertex();
   const double reach = star_.reach();
   if constexpr (D == 2) {
@@ -200,7 +239,7 @@ bool Refinement<D, E>::RebuildStar(Context& context, std::span<const std::uint32
     for (const std::uint32_t id : ids) {
       if (Star::IsGhost(id)) {
         star_.AppendGhost(id);
-      } else if (stays(id)) {
+      } else if (Stays(context, id)) {
         star_.Append(id, vertices_[id].p);
       }
     }
@@ -212,7 +251,7 @@ bool Refinement<D, E>::RebuildStar(Context& context, std::span<const std::uint32
   }
   star_.Begin(v, vertices_[v].p, reach);
   for (const std::uint32_t id : ids) Offer(context, id);
-  return std::all_of(ids.begin(), ids.end(), stays);
+  return std::ranges::all_of(ids, [&](std::uint32_t id) { return Stays(context, id); });
 }
 
 // Whatever is likely to be in the star makes verifying it quick; what is offered
@@ -242,13 +281,33 @@ void Refinement<D, E>::SeedStar(Context& context, VertexIndex v) {
     }
   }
   if (offers_.empty()) {
-    // A little more than the lengths of this bucket.
+    // A little more than the lengths of this bucket; in space, more if that is too few.
     double r2 = 2.25 * LeastOfBucket(BucketOfEpoch(context.epoch) + 1);
-    tree_.VisitBall(vertices_[v].p, r2,
-                    [&](std::uint32_t id, const Point&, double) { offers_.push_back(id); });
+    constexpr std::size_t kEnough = D == 2 ? 0 : 16;
+    const double most2 = 10 * r2;
+    do {
+      offers_.clear();
+      tree_.VisitBall(vertices_[v].p, r2,
+                      [&](std::uint32_t id, const Point&, double) { offers_.push_back(id); });
+      r2 *= 2;
+    } while (offers_.size() < kEnough && r2 < most2);
   }
+  if (D == 3) SortByDistance(&offers_);
   for (const std::uint32_t id : offers_) Offer(context, id);
   if (newborn) OfferBeyondNeighbours(context);
+}
+
+// The nearest first: fewer corners are made that do not last.
+template <int D, template <class> class E>
+void Refinement<D, E>::SortByDistance(std::vector<std::uint32_t>* ids) {
+  by_distance_.clear();
+  for (const std::uint32_t id : *ids) {
+    if (IsVertexWord(id)) by_distance_.emplace_back(DistanceInStar2(id), id);
+  }
+  std::sort(by_distance_.begin(), by_distance_.end());
+  by_distance_.erase(std::unique(by_distance_.begin(), by_distance_.end()), by_distance_.end());
+  ids->clear();
+  for (const auto& [d2, id] : by_distance_) ids->push_back(id);
 }
 
 // The creator of a newborn has seen one side of it only. What lies on the other, the rings
@@ -329,14 +388,9 @@ bool Refinement<D, E>::InsertAllInCorners(Context& context) {
     box.AddBall(balls_.back().centre, radius);
   }
   if (balls_.empty()) return true;
-  return tree_.VisitPointsIn(box, kFew, [&](std::uint32_t id, const Point& q) {
-    const bool is_near = std::ranges::any_of(balls_, [&](const Ball& ball) {
-      return geometry::SquaredDistance(q, ball.centre) <= ball.radius2;
-    });
-    if (!is_near || id == star_.vertex() || !context.Sees(vertices_[id].birth) || star_.Has(id)) {
-      return;
-    }
-    star_.Insert(id, q);
+  return tree_.VisitBalls(balls_, box, kFew, [&](std::uint32_t id, const Point& q) {
+    if (id == star_.vertex() || star_.Has(id)) return;
+    star_.InsertIf(id, q, [&] { return context.Sees(vertices_[id].birth); });
   });
 }
 
@@ -344,17 +398,15 @@ bool Refinement<D, E>::InsertAllInCorners(Context& context) {
 template <int D, template <class> class E>
 bool Refinement<D, E>::VerifyCorner(Context& context, int i) {
   const auto& n = star_.corner(i);
-  const auto ids = star_.IdsOf(i);
   const Point& p = star_.position();
   std::uint32_t found = kNil;
   Point found_p = {};
   auto search = [&](const Point& centre, double radius2) {
     tree_.VisitBall(centre, radius2, [&](std::uint32_t id, const Point& q, double d2) {
-      if (id == star_.vertex() || std::ranges::find(ids, id) != ids.end() ||
-          !context.Sees(vertices_[id].birth)) {
+      if (id == star_.vertex() || star_.Has(id) || !context.Sees(vertices_[id].birth) ||
+          !star_.Conflicts(i, q)) {
         return;
       }
-      if (!star_.Conflicts(i, q) || star_.Has(id)) return;
       found = id;
       found_p = q;
       radius2 = d2;

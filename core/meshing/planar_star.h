@@ -93,6 +93,11 @@ class PlanarStar {
 
   // Adds u at q, if the star of the enlarged set has it. REQUIRES: not present.
   bool Insert(Id u, const Point2& q);
+  // The same if `admits()`, where q conflicts with a corner.
+  template <class Admits>
+  bool InsertIf(Id u, const Point2& q, Admits admits) {
+    return admits() && Insert(u, q);
+  }
 
   // Of the sectors between consecutive directions, count of them given by
   // direction(i) = (dx, dy), counter-clockwise, none of pi or more: the one that holds

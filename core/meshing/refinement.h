@@ -190,10 +190,6 @@ class Refinement {
     int corner = 0;     // in the plane: of the star, the one in the gap
     Point x = {};
   };
-  struct Ball {
-    Point centre;
-    double radius2;
-  };
   struct Skipped {
     Point neighbour;
     bool left;
@@ -255,6 +251,7 @@ class Refinement {
   void StarFromTriangulation(VertexIndex v, double reach);
   bool LinkFromTriangulation(VertexIndex v, double reach);
   void SeedStar(Context& context, VertexIndex v);
+  void SortByDistance(std::vector<std::uint32_t>* ids);
   void OfferBeyondNeighbours(Context& context);
   double FarthestInView2(double reach) const;
   double MarginOf(double error) const;
@@ -265,6 +262,9 @@ class Refinement {
   using Corner = std::array<std::uint32_t, D>;  // its neighbours
   static Corner Turned(Corner ids);
   bool RebuildStar(Context& context, std::span<const std::uint32_t> ids);
+  bool RejoinStar(Context& context, std::span<const std::uint32_t> words, bool* all_stay);
+  void MarkOldCorners(std::span<const std::uint32_t> words);
+  bool Stays(const Context& context, std::uint32_t id) const;
   void Offer(Context& context, std::uint32_t id);
   void VerifyStar(Context& context);
   bool InsertAllInCorners(Context& context);
@@ -295,6 +295,8 @@ class Refinement {
   bool ConflictsWithStar(sac::OpId op, const Point& y) const;
   Point PlaceOf(std::uint32_t id, const Point& p, double reach) const;
   bool ConflictsWithRing(std::span<const std::uint32_t> ring, const Point& p, double reach,
+                         const Point& y) const;
+  bool ConflictsWithLink(std::span<const std::uint32_t> words, const Point& p, double reach,
                          const Point& y) const;
   void NotifyOfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
   bool AsksForSubsegments(sac::OpId op) const;
@@ -346,7 +348,8 @@ class Refinement {
   std::vector<VertexIndex> witnesses_, on_surface_, far_;
   std::vector<Corner> old_corners_;
   std::vector<std::uint32_t> offers_;
-  std::vector<Ball> balls_;
+  std::vector<std::pair<double, std::uint32_t>> by_distance_;
+  std::vector<typename SpatialTree<D>::Ball> balls_;
   std::vector<typename Triangulation::Corner> corners_;
   std::vector<VertexIndex> pending_;  // in space: not yet in the triangulation
   mesh::NumberTable<1> around_, slots_;

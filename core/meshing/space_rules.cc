@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "core/geometry/circumball.h"
 
@@ -78,6 +79,8 @@ class SpaceRules::Face {
     const Vector f = Unit(Cross(axis, unit)), g = Unit(Cross(axis, f));
     const double height = std::sqrt(std::max(0.0, cap_ * cap_ - 0.25 * u_.d2));
     const double enough = kEnough * std::sqrt(u_.d2);
+    const double slack = -1e-9 * enough;
+    const std::vector<Side> sides = Sides();
     std::optional<Point3> best;
     double best_clearance = 0;
     for (int step = kDirections / 8; step > 0; step /= 2) {
@@ -88,10 +91,12 @@ class SpaceRules::Face {
         }
         const Point3 x = At(c);
         if (!IsInDomain(x)) continue;
-        const double clearance = std::min(Clearance(c), enough);
-        if (clearance < -1e-9 * enough || (best && !(clearance > best_clearance))) continue;
+        const double clearance =
+            std::min(Clearance(sides, c, best ? best_clearance : slack), enough);
+        if (clearance < slack || (best && !(clearance > best_clearance))) continue;
         best = x;
         best_clearance = clearance;
+        if (clearance == enough) return best;  // none is better
       }
       if (best) break;
     }
@@ -129,19 +134,35 @@ class SpaceRules::Face {
     } while (i != first_);
   }
 
-  // How far c, in the plane of the face, is inside of its border; negative outside.
-  double Clearance(const Vector& c) const {
-    double least = INFINITY;
+  // A side of the face: on the plane midway to a third vertex.
+  struct Side {
+    Vector d;
+    double d2;
+    double twice_across;  // its distance from the edge's line, doubled; else 1
+  };
+  std::vector<Side> Sides() const {
+    std::vector<Side> sides;
+    sides.reserve(static_cast<std::size_t>(u_.degree));
     ForEachCorner([&](const SpaceStar::Corner& corner, int) {
       // Each side of the face once: the neighbour after u in the corner.
       const int k = corner.n[0] == slot_ ? 1 : corner.n[1] == slot_ ? 2 : 0;
       const SpaceStar::Neighbour& w = star_.neighbours()[corner.n[k]];
       if (SpaceStar::IsGhost(w.id)) return;
-      const double margin = w.d2 - 2 * Dot(c, w.d);
       const double along = Dot(w.d, u_.d);
       const double across2 = w.d2 - along * along / u_.d2;
-      least = std::min(least, across2 > 0 ? margin / (2 * std::sqrt(across2)) : margin);
+      sides.push_back({w.d, w.d2, across2 > 0 ? 2 * std::sqrt(across2) : 1});
     });
+    return sides;
+  }
+
+  // How far c, in the plane of the face, is inside of its border; negative outside. If that is
+  // less than `enough_less`, anything less.
+  static double Clearance(const std::vector<Side>& sides, const Vector& c, double enough_less) {
+    double least = INFINITY;
+    for (const Side& side : sides) {
+      least = std::min(least, (side.d2 - 2 * Dot(c, side.d)) / side.twice_across);
+      if (least < enough_less) break;
+    }
     return least;
   }
 

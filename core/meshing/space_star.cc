@@ -19,6 +19,7 @@ void SpaceStar::Begin(Id v, const Point3& p, double reach) {
   p_ = p;
   reach_ = reach;
   neighbours_.clear();
+  ids_.clear();
   free_neighbours_.clear();
   corners_.resize(8);
   for (int k = 0; k < 6; ++k) NewNeighbour(kFirstGhost + k, Ghost(p, reach, k));
@@ -42,12 +43,13 @@ int SpaceStar::NewNeighbour(Id u, const Point3& q) {
   int slot = static_cast<int>(neighbours_.size());
   if (free_neighbours_.empty()) {
     neighbours_.emplace_back();
+    ids_.push_back(u);
   } else {
     slot = free_neighbours_.back();
     free_neighbours_.pop_back();
   }
   Neighbour& n = neighbours_[slot];
-  n.id = u;
+  n.id = ids_[slot] = u;
   n.p = q;
   n.d = {q[0] - p_[0], q[1] - p_[1], q[2] - p_[2]};
   n.d2 = Dot(n.d, n.d);
@@ -60,6 +62,7 @@ void SpaceStar::BeginLink(Id v, const Point3& p, double reach) {
   p_ = p;
   reach_ = reach;
   neighbours_.clear();
+  ids_.clear();
   free_neighbours_.clear();
   corners_.clear();
 }
@@ -69,6 +72,30 @@ void SpaceStar::AddCorner(const std::array<int, 3>& slots, const std::array<int,
   corner.n = slots;
   corner.across = across;
   for (const int slot : slots) ++neighbours_[slot].degree;
+}
+
+void SpaceStar::JoinCorners() {
+  const std::size_t n = neighbours_.size();
+  if (corner_at_.size() < n * n) corner_at_.resize(n * n);
+  // By edge (a, b): whose it is. Each is one corner's, so that none is read that was not written.
+  const auto at = [&](int a, int b) -> int& {
+    return corner_at_[static_cast<std::size_t>(a) * n + static_cast<std::size_t>(b)];
+  };
+  for (int i = 0; i < corner_count(); ++i) {
+    const auto& [a, b, c] = corners_[i].n;
+    at(a, b) = at(b, c) = at(c, a) = i;
+  }
+  for (Corner& corner : corners_) {
+    const auto& [a, b, c] = corner.n;
+    corner.across = {at(c, b), at(a, c), at(b, a)};
+  }
+}
+
+void SpaceStar::InsertGhosts() {
+  for (int k = 0; k < 6; ++k) {
+    const Id ghost = kFirstGhost + static_cast<Id>(k);
+    if (!Has(ghost)) Insert(ghost, Ghost(p_, reach_, k));
+  }
 }
 
 void SpaceStar::Close() {
@@ -102,34 +129,42 @@ void SpaceStar::ComputeCorner(int i) {
   corner.r2 = ball.r2;
   corner.error = ball.error;
   corner.verified = false;
+  if (errors_.size() < corners_.size()) {
+    for (auto& row : centres_) row.resize(corners_.size());
+    errors_.resize(corners_.size());
+    margins_.resize(corners_.size());
+  }
+  for (int k = 0; k < 3; ++k) centres_[k][i] = ball.w[k];
+  errors_[i] = ball.error;
 }
 
-bool SpaceStar::Insert(Id u, const Point3& q) {
+// Sets margins_: as in ConflictsAt, for all corners at once.
+bool SpaceStar::MayConflict(const Point3& q) {
+  const double x = q[0] - p_[0], y = q[1] - p_[1], z = q[2] - p_[2];
+  const double x2 = x * x + y * y + z * z;
+  const double size = 4 * (std::fabs(x) + std::fabs(y) + std::fabs(z)), error = 4e-15 * x2;
+  const double *const wx = centres_[0].data(), *const wy = centres_[1].data(),
+                      *const wz = centres_[2].data(), *const errors = errors_.data();
+  double* const margins = margins_.data();
+  const int count = corner_count();
+  for (int i = 0; i < count; ++i) {
+    margins[i] = (x2 - 2 * (x * wx[i] + y * wy[i] + z * wz[i])) - (error + errors[i] * size);
+  }
+  int near = 0;
+  for (int i = 0; i < count; ++i) near += !(margins[i] > 0);
+  return near > 0;
+}
+
+// REQUIRES: margins_ is q's.
+bool SpaceStar::InsertNear(Id u, const Point3& q) {
   const Vector x = {q[0] - p_[0], q[1] - p_[1], q[2] - p_[2]};
   const double x2 = Dot(x, x);
   conflicts_.clear();
-  in_conflict_.assign(corners_.size(), 0);
-  for (int i = 0; i < static_cast<int>(corners_.size()); ++i) {
-    if (ConflictsAt(i, x, x2, q)) {
-      conflicts_.push_back(i);
-      in_conflict_[i] = 1;
-    }
+  for (int i = 0; i < corner_count(); ++i) {
+    if (!(margins_[i] > 0) && ConflictsAt(i, x, x2, q)) conflicts_.push_back(i);
   }
   if (conflicts_.empty()) return false;
-  border_.clear();
-  for (const int i : conflicts_) {
-    const Corner& c = corners_[i];
-    for (int k = 0; k < 3; ++k) {
-      --neighbours_[c.n[k]].degree;
-      const int outside = c.across[k];
-      if (in_conflict_[outside]) continue;
-      const auto& back = corners_[outside].across;
-      border_.push_back({c.n[(k + 1) % 3], c.n[(k + 2) % 3], outside,
-                         back[0] == i   ? 0
-                         : back[1] == i ? 1
-                                        : 2});
-    }
-  }
+  FindBorder();
   const int slot = NewNeighbour(u, q);
   starts_.resize(neighbours_.size());
   // New corners take the places of those in conflict.
@@ -156,19 +191,117 @@ bool SpaceStar::Insert(Id u, const Point3& q) {
     corners_[next].across[1] = i;
     ComputeCorner(i);
   }
-  for (int k = 0; k < static_cast<int>(neighbours_.size()); ++k) {
-    if (neighbours_[k].degree == 0 && neighbours_[k].id != kNobody) {
-      neighbours_[k].id = kNobody;
-      free_neighbours_.push_back(k);
+  FreeNeighbours();
+  DropLeftOver(reused);
+  return true;
+}
+
+// Takes the corners in conflicts_ off their neighbours; what is around them is border_.
+void SpaceStar::FindBorder() {
+  in_conflict_.assign(corners_.size(), 0);
+  for (const int i : conflicts_) in_conflict_[i] = 1;
+  border_.clear();
+  left_.clear();
+  for (const int i : conflicts_) {
+    const Corner& c = corners_[i];
+    for (int k = 0; k < 3; ++k) {
+      if (--neighbours_[c.n[k]].degree == 0) left_.push_back(c.n[k]);
+      const int outside = c.across[k];
+      if (in_conflict_[outside]) continue;
+      const auto& back = corners_[outside].across;
+      border_.push_back({c.n[(k + 1) % 3], c.n[(k + 2) % 3], outside,
+                         back[0] == i   ? 0
+                         : back[1] == i ? 1
+                                        : 2});
     }
   }
-  // What is left over, the last ones first: they move into no gap that is still to be closed.
+}
+
+// Those that FindBorder has left without a corner and that have got none since.
+void SpaceStar::FreeNeighbours() {
+  for (const int slot : left_) {
+    if (neighbours_[slot].degree > 0) continue;
+    neighbours_[slot].id = ids_[slot] = kNobody;
+    free_neighbours_.push_back(slot);
+  }
+}
+
+// Ear by ear: a corner of three that follow each other on the rim is one of the new star if none
+// of the rim conflicts with it, and the one removed does.
+//
+// For the cell grows beyond the facet of the one removed only. A facet of the larger cell that has
+// a part there, and of the cell before, crosses that facet's plane in it, so it is a neighbour
+// on the rim: nobody else has a part in what comes.
+bool SpaceStar::Remove(int slot) {
+  conflicts_.clear();
+  for (int i = 0; i < corner_count(); ++i) {
+    const auto& n = corners_[i].n;
+    if (n[0] == slot || n[1] == slot || n[2] == slot) conflicts_.push_back(i);
+  }
+  FindBorder();
+  // In the order of the rim.
+  for (std::size_t j = 0; j + 1 < border_.size(); ++j) {
+    const auto next =
+        std::find_if(border_.begin() + static_cast<std::ptrdiff_t>(j) + 1, border_.end(),
+                     [&](const BorderEdge& e) { return e.a == border_[j].b; });
+    if (next == border_.end()) return false;
+    std::swap(border_[j + 1], *next);
+  }
+  rim_.clear();
+  for (const BorderEdge& e : border_) rim_.push_back(e.a);
+  std::size_t made = 0;
+  for (std::size_t j = 0, in_vain = 0; border_.size() > 2;) {
+    if (in_vain == border_.size()) return false;
+    if (j >= border_.size()) j = 0;
+    if (CutEar(j, conflicts_[made], neighbours_[slot].p)) {
+      ++made;
+      in_vain = 0;
+    } else {
+      ++j, ++in_vain;
+    }
+  }
+  const BorderEdge &e = border_[0], &f = border_[1];
+  corners_[e.outside].across[e.index] = f.outside;
+  corners_[f.outside].across[f.index] = e.outside;
+  FreeNeighbours();
+  DropLeftOver(made);
+  return true;
+}
+
+// Makes the three on the rim from edge j on corner i, if that is right in place of `removed`.
+bool SpaceStar::CutEar(std::size_t j, int i, const Point3& removed) {
+  const std::size_t after = j + 1 == border_.size() ? 0 : j + 1;
+  const BorderEdge e = border_[j], f = border_[after];
+  const std::array<int, 3> n = {e.a, e.b, f.b};
+  if (geometry::Orientation(p_, neighbours_[n[0]].p, neighbours_[n[1]].p, neighbours_[n[2]].p) <=
+      0) {
+    return false;
+  }
+  Corner& corner = corners_[i];
+  corner.n = n;
+  ComputeCorner(i);
+  const bool is_empty = std::ranges::all_of(rim_, [&](int s) {
+    return s == n[0] || s == n[1] || s == n[2] || !Conflicts(i, neighbours_[s].p);
+  });
+  if (!is_empty || !Conflicts(i, removed)) return false;
+  corner.across[2] = e.outside;
+  corners_[e.outside].across[e.index] = i;
+  corner.across[0] = f.outside;
+  corners_[f.outside].across[f.index] = i;
+  for (const int s : n) ++neighbours_[s].degree;
+  border_[j] = {n[0], n[2], i, 1};
+  border_.erase(border_.begin() + static_cast<std::ptrdiff_t>(after));
+  return true;
+}
+
+// Drops the corners in conflicts_ but the first `reused`.
+void SpaceStar::DropLeftOver(std::size_t reused) {
+  // The last ones first: they move into no gap that is still to be closed.
   std::sort(conflicts_.begin() + static_cast<std::ptrdiff_t>(reused), conflicts_.end());
   while (conflicts_.size() > reused) {
     Drop(conflicts_.back());
     conflicts_.pop_back();
   }
-  return true;
 }
 
 // The last corner takes its place.
@@ -176,6 +309,8 @@ void SpaceStar::Drop(int i) {
   const int last = static_cast<int>(corners_.size()) - 1;
   if (i != last) {
     corners_[i] = corners_[last];
+    for (auto& row : centres_) row[i] = row[last];
+    errors_[i] = errors_[last];
     for (const int across : corners_[i].across) {
       for (int& back : corners_[across].across) {
         if (back == last) back = i;

@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -59,13 +60,38 @@ class SpaceStar {
   // of a star of some set of points.
   void BeginLink(Id v, const Point3& p, double reach);
   int AddNeighbour(Id u, const Point3& q) { return NewNeighbour(u, q); }
-  void AddCorner(const std::array<int, 3>& slots, const std::array<int, 3>& across);
+  void AddCorner(const std::array<int, 3>& slots, const std::array<int, 3>& across = {});
+  // Finds the corners across, if they were not given. O(square of the number of members) space.
+  void JoinCorners();
   void Close();
   // Are all corners within the cube? Then no ghost would have a part in the star.
   bool IsWithinReach() const;
 
   // Adds u at q, if the star of the enlarged set has it. REQUIRES: not present.
-  bool Insert(Id u, const Point3& q);
+  bool Insert(Id u, const Point3& q) {
+    return InsertIf(u, q, [] { return true; });
+  }
+  // The same if `admits()`, which is not asked about most that the star would not have.
+  template <class Admits>
+  bool InsertIf(Id u, const Point3& q, Admits admits) {
+    return MayConflict(q) && admits() && InsertNear(u, q);
+  }
+
+  // Makes it the star that v has among its other neighbours alone. False, and no star any more,
+  // if v is on their border.
+  bool Remove(int slot);
+  // Those of the six that are not in the star.
+  void InsertGhosts();
+
+  // Of the corners of a star, `count` triples corner(i) of places among the directions of the
+  // neighbours from v: the one whose cone holds x. -1 where rounding could decide.
+  //
+  // The cones are those of the outward normals at the corners of v's Voronoi cell. So the
+  // corner found is extreme in direction x, and is the first one that a new point there takes
+  // away (as in the plane: PlanarStar::SectorOf).
+  template <class Places>
+  static int CornerTowards(std::span<const std::array<double, 3>> directions, int count,
+                           Places corner, const std::array<double, 3>& x);
 
   // Is q inside the circumball of corner i?
   bool Conflicts(int i, const Point3& q) const {
@@ -74,10 +100,9 @@ class SpaceStar {
   }
 
   bool Has(Id u) const {
-    for (const Neighbour& n : neighbours_) {
-      if (n.degree > 0 && n.id == u) return true;
-    }
-    return false;
+    unsigned found = 0;
+    for (const Id id : ids_) found |= static_cast<unsigned>(id == u);
+    return found != 0;
   }
 
   int corner_count() const { return static_cast<int>(corners_.size()); }
@@ -130,6 +155,12 @@ class SpaceStar {
     const auto& n = corners_[i].n;
     return n[0] == slot ? 0 : n[1] == slot ? 1 : 2;
   }
+  bool MayConflict(const Point3& q);
+  bool InsertNear(Id u, const Point3& q);
+  void FindBorder();
+  void FreeNeighbours();
+  bool CutEar(std::size_t j, int i, const Point3& removed);
+  void DropLeftOver(std::size_t reused);
   int NewNeighbour(Id u, const Point3& q);
   void ComputeCorner(int i);
   void Drop(int i);
@@ -138,8 +169,14 @@ class SpaceStar {
   Point3 p_ = {};
   double reach_ = 0;
   std::vector<Neighbour> neighbours_;
+  std::vector<Id> ids_;  // the neighbours' by slot, kNobody in free ones
   std::vector<int> free_neighbours_;
   std::vector<Corner> corners_;
+  // Once more centres and errors of the corners, each in a row, to look at all at once; room for
+  // more than there are.
+  std::array<std::vector<double>, 3> centres_;
+  std::vector<double> errors_;
+  std::vector<double> margins_;  // by corner: if > 0, certainly no conflict
 
   struct BorderEdge {
     int a, b;     // slots: the edge as the corner inside has it
@@ -149,8 +186,53 @@ class SpaceStar {
   std::vector<int> conflicts_;
   std::vector<char> in_conflict_;  // by corner
   std::vector<BorderEdge> border_;
+  std::vector<int> left_, rim_;  // slots that may be free; those around a hole
+  std::vector<int> corner_at_;
   std::vector<int> starts_;  // by slot: the new corner whose border edge starts there
 };
+
+template <class Places>
+int SpaceStar::CornerTowards(std::span<const std::array<double, 3>> directions, int count,
+                             Places corner, const std::array<double, 3>& x) {
+  // Along x onto a plane between two axes: there, the cone's shadow is a triangle about 0.
+  int axis = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (std::fabs(x[k]) > std::fabs(x[axis])) axis = k;
+  }
+  const int first = (axis + 1) % 3, second = (axis + 2) % 3;
+  constexpr std::size_t kMost = 64;
+  if (directions.size() > kMost) return -1;
+  std::array<std::array<double, 2>, kMost> shadows;
+  const double turn = x[axis] < 0 ? -1 : 1;
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const auto& d = directions[i];
+    shadows[i] = {d[first] * x[axis] - d[axis] * x[first],
+                  turn * (d[second] * x[axis] - d[axis] * x[second])};
+  }
+  const auto side = [&](int a, int b) {
+    return shadows[a][0] * shadows[b][1] - shadows[a][1] * shadows[b][0];
+  };
+  for (int i = 0; i < count; ++i) {
+    const auto [a, b, c] = corner(i);
+    const double ab = side(a, b);
+    if (!(ab > 0)) continue;
+    const double bc = side(b, c);
+    if (!(bc > 0)) continue;
+    const double ca = side(c, a);
+    if (!(ca > 0)) continue;
+    // A shadow is right to four roundings of its terms, the cross product of two to ten.
+    // Products may underflow.
+    const auto size = [&](int j) {
+      const auto& d = directions[j];
+      return std::fabs(d[0]) + std::fabs(d[1]) + std::fabs(d[2]);
+    };
+    const double sa = size(a), sb = size(b), sc = size(c), bound = 1e-14 * x[axis] * x[axis];
+    const bool sure = ab > bound * sa * sb + 1e-290 && bc > bound * sb * sc + 1e-290 &&
+                      ca > bound * sc * sa + 1e-290;
+    return sure ? i : -1;
+  }
+  return -1;
+}
 
 }  // namespace dynmesh::meshing
 

@@ -125,28 +125,33 @@ class SpatialTree {
     }
   }
 
-  // Calls visit(id, point) for each point in the box. Stops and returns false when it
-  // has looked at more than `most` points.
+  struct Ball {
+    Point centre;
+    double radius2;
+  };
+  // Calls visit(id, point) for each point in one of the balls, which lie in the box. Stops and
+  // returns false when it has looked at more than `most` points.
   template <class Visit>
-  bool VisitPointsIn(const Extent<D>& box, int most, Visit visit) const {
+  bool VisitBalls(const std::vector<Ball>& balls, const Extent<D>& box, int most,
+                  Visit visit) const {
     Cell stack[kStack];
     int top = 0;
     stack[top++] = SmallestAround(box);
     while (top > 0) {
       const Cell cell = stack[--top];
       const Node& node = nodes_[cell.node];
+      if (D > 2 && !MeetsAny(balls, cell)) continue;
       if (node.child != kNone) {
         PushChildrenIn(box, cell, stack, top);
         continue;
       }
       for (std::uint32_t l = node.leaf; l != kNone; l = leaves_[l].next) {
-        const Leaf& leaf = leaves_[l];
-        most -= static_cast<int>(leaf.count);
+        most -= static_cast<int>(leaves_[l].count);
         if (most < 0) return false;
-        for (std::uint32_t i = 0; i < leaf.count; ++i) {
-          Point p;
-          for (int k = 0; k < D; ++k) p[k] = leaf.x[k][i];
-          if (box.Contains(p)) visit(leaf.id[i], p);
+        if constexpr (D == 2) {
+          VisitPointwise(leaves_[l], balls, box, visit);
+        } else {
+          VisitBallwise(leaves_[l], cell, balls, visit);
         }
       }
     }
@@ -310,6 +315,49 @@ class SpatialTree {
       d2 += d * d;
     }
     return d2 * (1 - 0x1p-50);
+  }
+  static bool MeetsAny(const std::vector<Ball>& balls, const Cell& cell) {
+    return std::any_of(balls.begin(), balls.end(), [&](const Ball& ball) {
+      return DistanceToCell2(ball.centre, cell) <= ball.radius2;
+    });
+  }
+  // For VisitBalls. In the plane balls are few, and to look at a cell costs as much as at its
+  // points.
+  template <class Visit>
+  static void VisitPointwise(const Leaf& leaf, const std::vector<Ball>& balls, const Extent<D>& box,
+                             Visit& visit) {
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      Point p;
+      for (int k = 0; k < D; ++k) p[k] = leaf.x[k][i];
+      if (!box.Contains(p)) continue;
+      const bool is_in = std::any_of(balls.begin(), balls.end(), [&](const Ball& ball) {
+        return geometry::SquaredDistance(p, ball.centre) <= ball.radius2;
+      });
+      if (is_in) visit(leaf.id[i], p);
+    }
+  }
+  template <class Visit>
+  static void VisitBallwise(const Leaf& leaf, const Cell& cell, const std::vector<Ball>& balls,
+                            Visit& visit) {
+    double beyond[kCapacity];  // by how much each is outside of all balls
+    std::fill_n(beyond, leaf.count, INFINITY);
+    for (const Ball& ball : balls) {
+      if (DistanceToCell2(ball.centre, cell) > ball.radius2) continue;
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        double d2 = 0;
+        for (int k = 0; k < D; ++k) {
+          const double d = leaf.x[k][i] - ball.centre[k];
+          d2 += d * d;
+        }
+        beyond[i] = std::min(beyond[i], d2 - ball.radius2);
+      }
+    }
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      if (!(beyond[i] <= 0)) continue;
+      Point p;
+      for (int k = 0; k < D; ++k) p[k] = leaf.x[k][i];
+      visit(leaf.id[i], p);
+    }
   }
   // Of a cell that meets the box: those of its children that do.
   void PushChildrenIn(const Extent<D>& box, const Cell& cell, Cell* stack, int& top) const {

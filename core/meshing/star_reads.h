@@ -34,6 +34,11 @@ std::span<const std::uint32_t> NeighboursIn(std::span<const std::uint32_t> words
 template <int D, class F>
 bool ForEachCornerIn(std::span<const std::uint32_t> words, F f);
 
+// In space: the words of the corners; none if they were not kept.
+inline std::span<const std::uint32_t> TrianglesIn(std::span<const std::uint32_t> words);
+// Of a triangle's three neighbours, the places in the list.
+inline std::array<int, 3> PlacesIn(std::uint32_t triangle_word);
+
 // --- Implementation ---------------------------------------------------------------------
 
 namespace internal {
@@ -77,6 +82,18 @@ inline std::span<const std::uint32_t> NeighboursIn<3>(std::span<const std::uint3
   return words.first(count);
 }
 
+inline std::span<const std::uint32_t> TrianglesIn(std::span<const std::uint32_t> words) {
+  return words.subspan(NeighboursIn<3>(words).size());
+}
+inline std::array<int, 3> PlacesIn(std::uint32_t triangle_word) {
+  std::array<int, 3> places;
+  for (int k = 0; k < 3; ++k) {
+    places[k] =
+        static_cast<int>(triangle_word >> (k * internal::kPlaceBits) & internal::kPlaceMask);
+  }
+  return places;
+}
+
 template <int D, class F>
 bool ForEachCornerIn(std::span<const std::uint32_t> words, F f) {
   if constexpr (D == 2) {
@@ -85,15 +102,12 @@ bool ForEachCornerIn(std::span<const std::uint32_t> words, F f) {
     }
     return !words.empty();
   } else {
-    const std::size_t count = NeighboursIn<3>(words).size();
-    for (std::size_t i = count; i < words.size(); ++i) {
-      std::array<std::uint32_t, 3> ids;
-      for (int k = 0; k < 3; ++k) {
-        ids[k] = words[words[i] >> (k * internal::kPlaceBits) & internal::kPlaceMask];
-      }
-      if (!f(ids)) return false;
+    const auto triangles = TrianglesIn(words);
+    for (const std::uint32_t triangle : triangles) {
+      const auto [a, b, c] = PlacesIn(triangle);
+      if (!f(std::array{words[a], words[b], words[c]})) return false;
     }
-    return count < words.size();
+    return !triangles.empty();
   }
 }
 

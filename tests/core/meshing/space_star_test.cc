@@ -198,6 +198,119 @@ TEST_P(SpaceStarTest, IsThatOfTheTetrahedralisationOfPointsAndGhosts) {
   EXPECT_GT(errors_known, 0);
 }
 
+// What it has read, an operation keeps as neighbours and triangles.
+SpaceStar Rejoined(const SpaceStar& star) {
+  SpaceStar joined;
+  joined.BeginLink(star.vertex(), star.position(), star.reach());
+  std::vector<int> slots(static_cast<std::size_t>(star.slot_count()), -1);
+  for (int slot = 0; slot < star.slot_count(); ++slot) {
+    if (SpaceStar::IsUsed(star[slot])) {
+      slots[slot] = joined.AddNeighbour(star[slot].id, star[slot].p);
+    }
+  }
+  for (const auto& c : star.corners()) {
+    joined.AddCorner({slots[c.n[0]], slots[c.n[1]], slots[c.n[2]]});
+  }
+  joined.JoinCorners();
+  joined.Close();
+  return joined;
+}
+
+// A few at a time, against a star of those that stay.
+TEST_P(SpaceStarTest, LosesNeighboursAsIfTheyHadNotBeenThere) {
+  const std::uint64_t base = std::random_device{}();
+  std::cout << "seed " << base << "\n";
+  int removed = 0, refused = 0;
+  for (std::uint64_t round = 0; round < 200; ++round) {
+    SCOPED_TRACE("seed " + std::to_string(base) + " round " + std::to_string(round));
+    Source source(GetParam(), base + round);
+    std::set<Point3> set;
+    const int count = 8 + source.Below(40);
+    for (int i = 0; i < count; ++i) set.insert(source.Next());
+    std::vector<Point3> points(set.begin(), set.end());
+    std::shuffle(points.begin(), points.end(), source.engine());
+    const Point3 v = points.back();
+    points.pop_back();
+    const double reach = 1.3 * std::exp2(source.Below(4));
+    SpaceStar whole;
+    whole.Begin(99, v, reach);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      whole.Insert(static_cast<SpaceStar::Id>(i), points[i]);
+    }
+    SpaceStar star = Rejoined(whole);
+    ExpectSound(star);
+    EXPECT_EQ(LinkOf(star), LinkOf(whole));
+    SpaceStar wanted;
+    wanted.Begin(99, v, reach);
+    bool done = true;
+    for (int slot = 0, slots = star.slot_count(); slot < slots && done; ++slot) {
+      if (SpaceStar::IsGhost(star[slot].id)) continue;
+      if (source.Below(4) == 0) {
+        done = star.Remove(slot);
+        ++(done ? removed : refused);
+      } else {
+        wanted.Insert(star[slot].id, star[slot].p);
+      }
+    }
+    if (!done) continue;
+    star.InsertGhosts();
+    ExpectSound(star);
+    EXPECT_EQ(LinkOf(star), LinkOf(wanted));
+    ExpectCentresRight(star);
+    // It is as good as any for what comes.
+    for (int i = 0; i < 5; ++i) {
+      const Point3 q = source.Next();
+      if (set.insert(q).second) {
+        EXPECT_EQ(star.Insert(1000 + i, q), wanted.Insert(1000 + i, q));
+        ExpectSound(star);
+      }
+    }
+    EXPECT_EQ(LinkOf(star), LinkOf(wanted));
+  }
+  EXPECT_GT(removed, 0);
+}
+
+TEST_P(SpaceStarTest, TheCornerTowardsAPointDecidesWhetherThePointIsANeighbour) {
+  const std::uint64_t base = std::random_device{}();
+  std::cout << "seed " << base << "\n";
+  int yes = 0, no = 0;
+  for (std::uint64_t round = 0; round < 100; ++round) {
+    SCOPED_TRACE("seed " + std::to_string(base) + " round " + std::to_string(round));
+    Source source(GetParam(), base + round);
+    std::set<Point3> set;
+    for (int i = 0; i < 20; ++i) set.insert(source.Next());
+    std::vector<Point3> points(set.begin(), set.end());
+    std::shuffle(points.begin(), points.end(), source.engine());
+    const Point3 v = points.back();
+    points.pop_back();
+    SpaceStar star;
+    star.Begin(99, v, 4);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      star.Insert(static_cast<SpaceStar::Id>(i), points[i]);
+    }
+    std::vector<std::array<double, 3>> directions;
+    for (const auto& n : star.neighbours()) directions.push_back(n.d);
+    for (int j = 0; j < 40; ++j) {
+      // Among them, around them, and beside one that is there.
+      Point3 q = source.Next();
+      if (j % 2 == 0) {
+        for (int k = 0; k < 3; ++k) q[k] += (source.Unit() - 0.5) * std::exp2(-source.Below(30));
+      }
+      if (set.contains(q)) continue;
+      const int i = SpaceStar::CornerTowards(directions, star.corner_count(),
+                                             [&](int c) { return star.corner(c).n; },
+                                             {q[0] - v[0], q[1] - v[1], q[2] - v[2]});
+      if (i < 0) continue;
+      bool any = false;
+      for (int c = 0; c < star.corner_count(); ++c) any = any || star.Conflicts(c, q);
+      EXPECT_EQ(star.Conflicts(i, q), any);
+      ++(any ? yes : no);
+    }
+  }
+  EXPECT_GT(yes, 0);
+  EXPECT_GT(no, 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, SpaceStarTest,
                          testing::Values(Kind::kUniform, Kind::kGrid, Kind::kCospherical,
                                          Kind::kFlat, Kind::kLineAndCircle, Kind::kScales));
