@@ -7,6 +7,7 @@
 
 #include <array>
 
+#include "core/geometry/circumball.h"
 #include "core/geometry/point.h"
 
 namespace dynmesh::geometry {
@@ -40,23 +41,12 @@ inline Point2 Circumcenter(const std::array<Point2, 2>& corners, const Point2& c
   return Circumcenter(corners[0], corners[1], c);
 }
 inline Point3 Circumcenter(const std::array<Point3, 3>& corners, const Point3& d) {
-  std::array<std::array<double, 3>, 3> x;
-  std::array<double, 3> x2;
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) x[i][k] = corners[i][k] - d[k];
-    x2[i] = x[i][0] * x[i][0] + x[i][1] * x[i][1] + x[i][2] * x[i][2];
-  }
-  const auto cross = [&](int i, int j, int k) {
-    const int l = (k + 1) % 3, m = (k + 2) % 3;
-    return x[i][l] * x[j][m] - x[i][m] * x[j][l];
-  };
-  const double det = x[0][0] * cross(1, 2, 0) + x[0][1] * cross(1, 2, 1) + x[0][2] * cross(1, 2, 2);
-  Point3 centre = d;
-  for (int k = 0; k < 3; ++k) {
-    centre[k] +=
-        (x2[0] * cross(1, 2, k) + x2[1] * cross(2, 0, k) + x2[2] * cross(0, 1, k)) * (0.5 / det);
-  }
-  return centre;
+  std::array<Vector3, 3> x;
+  for (int i = 0; i < 3; ++i) x[i] = Difference(corners[i].c, d.c);
+  const bool odd = Dot(x[0], Cross(x[1], x[2])) < 0;
+  const Circumball ball(x[0], Dot(x[0], x[0]), x[1], Dot(x[1], x[1]), x[2], Dot(x[2], x[2]), odd);
+  if (!(ball.r2 < INFINITY)) return {{INFINITY, INFINITY, INFINITY}};
+  return {{d[0] + ball.w[0], d[1] + ball.w[1], d[2] + ball.w[2]}};
 }
 
 }  // namespace dynmesh::geometry

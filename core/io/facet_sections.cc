@@ -59,9 +59,19 @@ absl::Status ReadRest(const TextReader& reader, std::size_t next, bool has_marke
              reader.token(next).substr(0, 20), "' on"));
 }
 
-}  // namespace
+// The polygon from the start of the current line on, and nothing behind it.
+absl::Status AddPolygon(TextReader& reader, const NodeSection& nodes, bool has_markers,
+                        Facet& facet) {
+  std::size_t next = 0;
+  absl::StatusOr<FacetPolygon> polygon = ReadPolygon(reader, nodes, next);
+  if (!polygon.ok()) return polygon.status();
+  facet.polygons.push_back(*std::move(polygon));
+  return ReadRest(reader, next, has_markers);
+}
 
-absl::StatusOr<std::vector<Facet>> ReadSmeshFacets(TextReader& reader, const NodeSection& nodes) {
+// Calls read(facet, has_markers) on the first line of each facet.
+template <class Read>
+absl::StatusOr<std::vector<Facet>> ReadFacets(TextReader& reader, Read read) {
   const absl::StatusOr<FacetHeader> header = ReadHeader(reader);
   if (!header.ok()) return header.status();
   std::vector<Facet> facets;
@@ -69,41 +79,35 @@ absl::StatusOr<std::vector<Facet>> ReadSmeshFacets(TextReader& reader, const Nod
     if (auto s = NextRow(reader, "facet", i, header->count); !s.ok()) return s;
     Facet& facet = facets.emplace_back();
     facet.line = reader.line();
-    std::size_t next = 0;
-    absl::StatusOr<FacetPolygon> polygon = ReadPolygon(reader, nodes, next);
-    if (!polygon.ok()) return polygon.status();
-    if (auto s = ReadRest(reader, next, header->has_markers); !s.ok()) return s;
-    facet.polygons.push_back(*std::move(polygon));
+    if (absl::Status s = read(facet, header->has_markers); !s.ok()) return s;
   }
   return facets;
 }
 
+}  // namespace
+
+absl::StatusOr<std::vector<Facet>> ReadSmeshFacets(TextReader& reader, const NodeSection& nodes) {
+  return ReadFacets(reader, [&](Facet& facet, bool has_markers) {
+    return AddPolygon(reader, nodes, has_markers, facet);
+  });
+}
+
 absl::StatusOr<std::vector<Facet>> ReadPolyFacets(TextReader& reader, const NodeSection& nodes) {
-  const absl::StatusOr<FacetHeader> header = ReadHeader(reader);
-  if (!header.ok()) return header.status();
-  std::vector<Facet> facets;
-  for (std::uint64_t i = 0; i < header->count; ++i) {
-    if (auto s = NextRow(reader, "facet", i, header->count); !s.ok()) return s;
-    Facet& facet = facets.emplace_back();
-    facet.line = reader.line();
+  return ReadFacets(reader, [&](Facet& facet, bool has_markers) -> absl::Status {
     const auto polygons = reader.Uint64(0, "the number of polygons");
     if (!polygons.ok()) return polygons.status();
     const auto holes = HeaderValue(reader, 1, "the number of holes", 0);
     if (!holes.ok()) return holes.status();
-    if (auto s = ReadRest(reader, 2, header->has_markers); !s.ok()) return s;
+    if (auto s = ReadRest(reader, 2, has_markers); !s.ok()) return s;
     for (std::uint64_t k = 0; k < *polygons; ++k) {
       if (auto s = NextRow(reader, "polygon", k, *polygons); !s.ok()) return s;
-      std::size_t next = 0;
-      absl::StatusOr<FacetPolygon> polygon = ReadPolygon(reader, nodes, next);
-      if (!polygon.ok()) return polygon.status();
-      if (auto s = ReadRest(reader, next, false); !s.ok()) return s;
-      facet.polygons.push_back(*std::move(polygon));
+      if (auto s = AddPolygon(reader, nodes, false, facet); !s.ok()) return s;
     }
     absl::StatusOr<std::vector<SeedRow>> places = ReadSeedRows(reader, "hole", *holes, 3, 0);
     if (!places.ok()) return places.status();
     facet.holes = *std::move(places);
-  }
-  return facets;
+    return absl::OkStatus();
+  });
 }
 
 }  // namespace dynmesh::io

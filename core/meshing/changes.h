@@ -11,6 +11,7 @@
 #include "core/meshing/filter_terms.h"
 #include "core/meshing/neighbourhood.h"
 #include "core/meshing/refinement.h"
+#include "core/meshing/star_reads.h"
 
 namespace dynmesh::meshing {
 

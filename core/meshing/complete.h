@@ -1,19 +1,18 @@
 // Complete (rule a): insert Steiner points until there is no gap in this bucket or an
 // earlier one. Two criteria of what a gap is:
 //
-// *By edges* (ours, the default): no edge that v owns has a gap on either side, that
-// is, a corner of its Voronoi edge farther than rho times its own length. An edge is owned by its
-// younger end: born in a later epoch or by a later operation; of two born together in segment work
-// or with the input, the one of greater hash. New edges always have the newborn at an end, and
-// Voronoi edges only shrink: an edge done once is done for good, so only newborns ever have to be
-// queued.
+// *By edges* (ours, the default): no edge that v owns has a gap, that is, a corner of its
+// Voronoi edge, in space its Voronoi face, farther than rho times its own length. An edge is owned
+// by its younger end: born in a later epoch or by a later operation; of two born together in
+// segment work or with the input, the one of greater hash. New edges always have the newborn at an
+// end, and Voronoi edges and faces only shrink: an edge done once is done for good, so only
+// newborns ever have to be queued.
 //
 // *The thesis's* (Def. 4.2.3): no corner of v's Voronoi cell is farther than
 // rho NN(v). Every vertex sees to its own cell; a newborn queues those whose NN it may
 // have lowered (Fig. 5.6, INSERT).
 //
-//   v       the vertex          b       the bucket of its epoch
-//   u       a neighbour         c, d    apexes of the triangles left and right of vu
+//   v       the vertex          u       a neighbour
 #ifndef DYNMESH_CORE_MESHING_COMPLETE_H_
 #define DYNMESH_CORE_MESHING_COMPLETE_H_
 

@@ -10,6 +10,7 @@
 #include "core/meshing/planar_gaps.h"
 #include "core/meshing/segments.h"
 #include "core/meshing/space_gaps.h"
+#include "core/meshing/star_search.h"
 
 namespace dynmesh::meshing {
 

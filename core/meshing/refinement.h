@@ -5,7 +5,8 @@
 //   segments.h    Check, Split: no subsegment is encroached (rule b)
 //   complete.h    Complete: no edge has a gap (rule a, either criterion), yielding (c)
 //   planar_gaps.h, space_gaps.h   which gap an edge has
-//   neighbourhood.h  the star of a vertex, what is in a ball, what a point encroaches on
+//   star_search.h  the star of a vertex, found locally or read off a triangulation
+//   neighbourhood.h  what is in a ball, what a point encroaches on
 //   changes.h     publishing and withdrawing, and who has to be told
 //
 // Invariants of quality work, at its every operation: no subsegment is encroached,
@@ -246,7 +247,7 @@ class Refinement {
   bool InDomain(const Point& p) const;
   Point CentreOf(int i) const;
 
-  // neighbourhood.h
+  // star_search.h
   void FindStar(Context& context, VertexIndex v, double reach);
   void StarFromTriangulation(VertexIndex v, double reach);
   bool LinkFromTriangulation(VertexIndex v, double reach);
@@ -258,17 +259,21 @@ class Refinement {
   double DistanceInStar2(VertexIndex u) const {
     return geometry::SquaredDistance(vertices_[u].p, star_.position());
   }
-  bool UpdateStar(Context& context);
+  bool UpdateStar(Context& context, VertexIndex v, double reach);
   using Corner = std::array<std::uint32_t, D>;  // its neighbours
   static Corner Turned(Corner ids);
-  bool RebuildStar(Context& context, std::span<const std::uint32_t> ids);
-  bool RejoinStar(Context& context, std::span<const std::uint32_t> words, bool* all_stay);
+  bool RebuildStar(Context& context, VertexIndex v, double reach,
+                   std::span<const std::uint32_t> ids);
+  bool RejoinStar(Context& context, VertexIndex v, double reach,
+                  std::span<const std::uint32_t> words, bool* all_stay);
   void MarkOldCorners(std::span<const std::uint32_t> words);
   bool Stays(const Context& context, std::uint32_t id) const;
   void Offer(Context& context, std::uint32_t id);
   void VerifyStar(Context& context);
   bool InsertAllInCorners(Context& context);
   bool VerifyCorner(Context& context, int i);
+
+  // neighbourhood.h
   double NearestDistance2(Context& context, VertexIndex v);
   void FindAllNearest();
   template <class F>

@@ -15,12 +15,7 @@ using Vector = geometry::Vector3;
 }  // namespace
 
 void SpaceStar::Begin(Id v, const Point3& p, double reach) {
-  v_ = v;
-  p_ = p;
-  reach_ = reach;
-  neighbours_.clear();
-  ids_.clear();
-  free_neighbours_.clear();
+  BeginLink(v, p, reach);
   corners_.resize(8);
   for (int k = 0; k < 6; ++k) NewNeighbour(kFirstGhost + k, Ghost(p, reach, k));
   // Corner m is in the octant that is negative along axis k where bit k of m is set.

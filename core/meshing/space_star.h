@@ -3,8 +3,8 @@
 //
 // The *link* is a triangulated sphere: a triangle of neighbours stands for a tetrahedron at v,
 // which is a *corner* of v's Voronoi cell. Six ghosts at distance 2H stand for everything
-// beyond, as the four do in the plane (star.h): a corner within the cube of half-width H is a
-// true one. Exact; unique for a set.
+// beyond, as the four do in the plane (planar_star.h): a corner within the cube of half-width H is
+// a true one. Exact; unique for a set.
 //
 // One object is used for many vertices: no allocation once warm. Thread-compatible.
 #ifndef DYNMESH_CORE_MESHING_SPACE_STAR_H_

@@ -1,0 +1,430 @@
+// The star of a vertex as of an operation's time. Two providers, one result: *local*, by
+// gap-ball queries in the spatial tree, seeded with whatever ring is at hand and verified; and
+// *global*, read off a triangulation of all vertices present, where the run is from scratch.
+// What was read is recorded as a region.
+#ifndef DYNMESH_CORE_MESHING_STAR_SEARCH_H_
+#define DYNMESH_CORE_MESHING_STAR_SEARCH_H_
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "core/meshing/refinement.h"
+#include "core/meshing/star_reads.h"
+
+namespace dynmesh::meshing {
+
+template <int D, template <class> class E>
+void Refinement<D, E>::FindStar(Context& context, VertexIndex v, double reach) {
+  if (triangulation_ != nullptr) {
+    StarFromTriangulation(v, reach);
+  } else {
+    if (context.first_time() || !UpdateStar(context, v, reach)) {
+      star_.Begin(v, vertices_[v].p, reach);
+      SeedStar(context, v);
+    }
+    VerifyStar(context);
+  }
+  if constexpr (kTraced) {
+    const double farthest2 = FarthestInView2(reach);
+    WriteStar(star_, [&](std::uint32_t word) { context.Read(word); });
+    Extent<D> box = Extent<D>::Nothing();
+    double r2 = 0;
+    for (int i = 0; i < star_.corner_count(); ++i) {
+      const auto& n = star_.corner(i);
+      const double margin = MarginOf(n.error);
+      if (margin < reach) {
+        box.AddBall(CentreOf(i), std::sqrt(n.r2) + 2 * margin);
+        r2 = std::max(r2, 4 * (std::sqrt(n.r2) + margin) * (std::sqrt(n.r2) + margin));
+      } else {
+        box.AddBall(star_.position(), std::sqrt(farthest2));
+        r2 = farthest2;
+      }
+    }
+    context.payload().SetRegion(star_.position(), {box.lo}, {box.hi}, r2);
+    SubscribeBox(context, box);
+  }
+}
+
+// Any ball through v within the ghosts is within this squared distance of v.
+template <int D, template <class> class E>
+double Refinement<D, E>::FarthestInView2(double reach) const {
+  return 4 * D * reach * reach * (1 + 1e-6);
+}
+
+// How far a corner's centre may be from where it is computed to be.
+template <int D, template <class> class E>
+double Refinement<D, E>::MarginOf(double error) const {
+  return error + 1e-9 * star_.reach() + 2 * rules_.ulp();
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
+  if constexpr (D == 2) {
+    const Point& p = vertices_[v].p;
+    star_.BeginRing(v, p, reach);
+    triangulation_->CornersAround(v, &corners_);
+    for (const auto corner : corners_) {
+      const VertexIndex u =
+          triangulation_->vertices(corner.triangle)[triangulation_->NextIndex(corner.index)];
+      if (u != Triangulation::kInfinite) {
+        star_.Append(u, triangulation_->position(u));
+      } else if (!kTraced) {
+        // On the border: something beyond it, in the outward direction.
+        const Point &lo = rules_.lo(), &hi = rules_.hi();
+        const int k = p[0] == hi[0] ? 0 : p[1] == hi[1] ? 1 : p[0] == lo[0] ? 2 : 3;
+        star_.AppendGhost(Star::kFirstGhost + k);
+      }
+    }
+    // By edges no decision depends on corners or on the reach: without a trace the ring is
+    // enough.
+    if (!kTraced && by_edge()) return;
+    star_.Close();
+    if (star_.IsWithinReach()) return;
+    offers_.clear();
+    for (int i = 0; i < star_.size(); ++i) offers_.push_back(star_[i].id);
+    star_.Begin(v, p, reach);
+    for (const std::uint32_t u : offers_) {
+      if (!Star::IsGhost(u)) star_.Insert(u, vertices_[u].p);
+    }
+  } else {
+    // On the border the link is open, and ends in ghosts.
+    if (LinkFromTriangulation(v, reach)) {
+      // By edges no decision depends on the reach.
+      if ((!kTraced && by_edge()) || star_.IsWithinReach()) return;
+    }
+    star_.Begin(v, vertices_[v].p, reach);
+    for (const auto& [u] : slots_.keys()) star_.Insert(u, vertices_[u].p);
+  }
+}
+
+// Closed? Either way slots_ are v's neighbours.
+template <int D, template <class> class E>
+bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
+  if constexpr (D == 3) {
+    triangulation_->TetrahedraAround(v, &around_);
+    slots_.Clear();
+    star_.BeginLink(v, vertices_[v].p, reach);
+    bool closed = true;
+    for (const auto& [t] : around_.keys()) {
+      const auto& corners = triangulation_->vertices(t);
+      int own = 0;
+      while (corners[own] != v) ++own;
+      // Seen from v the facet's corners turn the other way.
+      const auto& facet = Triangulation::kFacet[own];
+      const std::array<int, 3> turned = {facet[0], facet[2], facet[1]};
+      std::array<int, 3> slots, across;
+      for (int k = 0; k < 3; ++k) {
+        const VertexIndex u = corners[turned[k]];
+        if (u == Triangulation::kInfinite) {
+          closed = false;
+          continue;
+        }
+        const auto slot = static_cast<int>(slots_.Number({u}));
+        if (slot == star_.slot_count()) star_.AddNeighbour(u, triangulation_->position(u));
+        slots[k] = slot;
+        across[k] =
+            static_cast<int>(around_.Find({triangulation_->Opposite({t, turned[k]}).tetrahedron}));
+      }
+      if (closed) star_.AddCorner(slots, across);
+    }
+    if (closed) star_.Close();
+    return closed;
+  }
+  return false;
+}
+
+// From the star that the previous execution read. Whoever conflicted with one of its
+// corners since then has appeared in this propagation (or the operation would have been
+// re-run in an earlier one): so if none of its neighbours has gone, inserting those that
+// appeared makes it exact; else the corners whose neighbours are still there are.
+// False, with nothing done, if that is not worth trying.
+template <int D, template <class> class E>
+bool Refinement<D, E>::UpdateStar(Context& context, VertexIndex v, double reach) {
+  constexpr std::size_t kFew = 200;
+  const auto words = context.old_reads();
+  if (words.empty() || appeared_.size() > kFew) return false;
+  bool all_stay = true;
+  const bool is_joined = RejoinStar(context, v, reach, words, &all_stay);
+  if (!is_joined) all_stay = RebuildStar(context, v, reach, NeighboursIn<D>(words));
+  // Beyond this nobody was in a ball that was read.
+  const double far2 = context.payload().radius2;
+  for (const VertexIndex u : appeared_) {
+    if (geometry::SquaredDistance(vertices_[u].p, star_.position()) <= far2) Offer(context, u);
+  }
+  if (all_stay) {
+    for (int i = 0; i < star_.corner_count(); ++i) star_.MarkVerified(i);
+  } else if (!is_joined) {
+    MarkOldCorners(words);
+  }
+  return true;
+}
+
+// Those that were in the star read then.
+template <int D, template <class> class E>
+void Refinement<D, E>::MarkOldCorners(std::span<const std::uint32_t> words) {
+  old_corners_.clear();
+  ForEachCornerIn<D>(words, [this](const Corner& ids) {
+    old_corners_.push_back(Turned(ids));
+    return true;
+  });
+  std::sort(old_corners_.begin(), old_corners_.end());
+  for (int i = 0; i < star_.corner_count(); ++i) {
+    if (std::binary_search(old_corners_.begin(), old_corners_.end(), Turned(star_.IdsOf(i)))) {
+      star_.MarkVerified(i);
+    }
+  }
+}
+
+// In space as it is; begun with the least there, as a corner may be given by any of its turns.
+template <int D, template <class> class E>
+typename Refinement<D, E>::Corner Refinement<D, E>::Turned(Corner ids) {
+  if constexpr (D == 3)
+    std::rotate(ids.begin(), std::min_element(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+// Is it still there?
+template <int D, template <class> class E>
+bool Refinement<D, E>::Stays(const Context& context, std::uint32_t id) const {
+  return Star::IsGhost(id) || (vertices_[id].present && context.Sees(vertices_[id].birth));
+}
+
+// In space: the star that was read, but for the neighbours that have gone; the corners that it had
+// are verified. False if that cannot be done.
+template <int D, template <class> class E>
+bool Refinement<D, E>::RejoinStar(Context& context, VertexIndex v, double reach,
+                                  std::span<const std::uint32_t> words, bool* all_stay) {
+  if constexpr (D == 3) {
+    constexpr std::size_t kFew = 256;
+    const auto ids = NeighboursIn<D>(words), triangles = words.subspan(ids.size());
+    if (ids.size() > kFew || triangles.empty()) return false;
+    const Point& p = vertices_[v].p;
+    star_.BeginLink(v, p, reach);
+    for (const std::uint32_t id : ids) star_.AddNeighbour(id, PlaceOf(id, p, reach));
+    for (const std::uint32_t triangle : triangles) star_.AddCorner(PlacesIn(triangle));
+    star_.JoinCorners();
+    star_.Close();
+    for (int i = 0; i < star_.corner_count(); ++i) star_.MarkVerified(i);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      if (Stays(context, ids[i])) continue;
+      *all_stay = false;
+      if (!star_.Remove(static_cast<int>(i))) return false;
+    }
+    if (!*all_stay) star_.InsertGhosts();
+    return true;
+  }
+  return false;
+}
+
+// The star of those of `ids` that are there still. Are all?
+template <int D, template <class> class E>
+bool Refinement<D, E>::RebuildStar(Context& context, VertexIndex v, double reach,
+                                   std::span<const std::uint32_t> ids) {
+  if constexpr (D == 2) {
+    star_.BeginRing(v, vertices_[v].p, reach);
+    for (const std::uint32_t id : ids) {
+      if (Star::IsGhost(id)) {
+        star_.AppendGhost(id);
+      } else if (Stays(context, id)) {
+        star_.Append(id, vertices_[id].p);
+      }
+    }
+    const bool all_stay = star_.size() == static_cast<int>(ids.size());
+    if (star_.Close()) {
+      if (!all_stay) star_.InsertGhosts();
+      return all_stay;
+    }
+  }
+  star_.Begin(v, vertices_[v].p, reach);
+  for (const std::uint32_t id : ids) Offer(context, id);
+  return std::ranges::all_of(ids, [&](std::uint32_t id) { return Stays(context, id); });
+}
+
+// Whatever is likely to be in the star makes verifying it quick; what is offered
+// has no influence on the outcome.
+template <int D, template <class> class E>
+void Refinement<D, E>::SeedStar(Context& context, VertexIndex v) {
+  bool newborn = false;
+  offers_.clear();
+  auto offer_all = [&](std::span<const std::uint32_t> ids) {
+    offers_.insert(offers_.end(), ids.begin(), ids.end());
+  };
+  if constexpr (kTraced) {
+    if (!context.first_time()) {
+      offer_all(NeighboursIn<D>(context.old_reads()));
+    } else {
+      for (sac::OpId o = vertices_[v].operations; o != sac::kNoOp; o = engine_.next_of_item(o)) {
+        if (engine_.kind(o) == kComplete && engine_.executed(o))
+          offer_all(NeighboursIn<D>(engine_.reads(o)));
+      }
+      const sac::OpId creator = vertices_[v].creator;
+      if (offers_.empty() && creator != sac::kNoOp && engine_.kind(creator) == kComplete) {
+        newborn = true;
+        offer_all(NeighboursIn<D>(engine_.reads(creator)));
+        offers_.push_back(engine_.item(creator));
+        for (const sac::Output o : engine_.outputs(creator)) offers_.push_back(IndexOf(o));
+      }
+    }
+  }
+  if (offers_.empty()) {
+    // A little more than the lengths of this bucket; in space, more if that is too few.
+    double r2 = 2.25 * LeastOfBucket(BucketOfEpoch(context.epoch) + 1);
+    constexpr std::size_t kEnough = D == 2 ? 0 : 16;
+    const double most2 = 10 * r2;
+    do {
+      offers_.clear();
+      tree_.VisitBall(vertices_[v].p, r2,
+                      [&](std::uint32_t id, const Point&, double) { offers_.push_back(id); });
+      r2 *= 2;
+    } while (offers_.size() < kEnough && r2 < most2);
+  }
+  if (D == 3) SortByDistance(&offers_);
+  for (const std::uint32_t id : offers_) Offer(context, id);
+  if (newborn) OfferBeyondNeighbours(context);
+}
+
+// The nearest first: fewer corners are made that do not last.
+template <int D, template <class> class E>
+void Refinement<D, E>::SortByDistance(std::vector<std::uint32_t>* ids) {
+  by_distance_.clear();
+  for (const std::uint32_t id : *ids) {
+    if (IsVertexWord(id)) by_distance_.emplace_back(DistanceInStar2(id), id);
+  }
+  std::sort(by_distance_.begin(), by_distance_.end());
+  by_distance_.erase(std::unique(by_distance_.begin(), by_distance_.end()), by_distance_.end());
+  ids->clear();
+  for (const auto& [d2, id] : by_distance_) ids->push_back(id);
+}
+
+// The creator of a newborn has seen one side of it only. What lies on the other, the rings
+// of its neighbours there know: those that have a large corner still.
+template <int D, template <class> class E>
+void Refinement<D, E>::OfferBeyondNeighbours(Context& context) {
+  if constexpr (kTraced) {
+    far_.clear();
+    for (int i = 0; i < star_.corner_count(); ++i) {
+      for (const auto id : star_.IdsOf(i)) {
+        if (!Star::IsGhost(id) && star_.corner(i).r2 >= 4 * DistanceInStar2(id)) far_.push_back(id);
+      }
+    }
+    std::sort(far_.begin(), far_.end());
+    far_.erase(std::unique(far_.begin(), far_.end()), far_.end());
+    offers_.clear();
+    for (const VertexIndex u : far_) {
+      sac::OpId o = vertices_[u].operations;
+      while (o != sac::kNoOp && !(engine_.kind(o) == kComplete && engine_.executed(o))) {
+        o = engine_.next_of_item(o);
+      }
+      if (o == sac::kNoOp) continue;
+      const auto ring = NeighboursIn<D>(engine_.reads(o));
+      offers_.insert(offers_.end(), ring.begin(), ring.end());
+    }
+    for (const std::uint32_t id : offers_) Offer(context, id);
+  }
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::Offer(Context& context, std::uint32_t id) {
+  if (!IsVertexWord(id) || id == star_.vertex()) return;
+  const Vertex& u = vertices_[id];
+  if (!u.present || !context.Sees(u.birth) || star_.Has(id)) return;
+  star_.Insert(id, u.p);
+}
+
+// The largest balls first, one by one, as they may be huge and full; the others together once
+// that is worth while.
+template <int D, template <class> class E>
+void Refinement<D, E>::VerifyStar(Context& context) {
+  double worth_a_look = INFINITY;
+  // Each vertex is inserted once at most, unless two are seen at one place, which would
+  // be an error elsewhere: it must not become an endless loop here.
+  std::size_t insertions_left = vertex_count_;
+  while (insertions_left > 0) {
+    int largest = -1;
+    for (int i = 0; i < star_.corner_count(); ++i) {
+      const auto& n = star_.corner(i);
+      if (!n.verified && (largest < 0 || n.r2 > star_.corner(largest).r2)) largest = i;
+    }
+    if (largest < 0) return;
+    const double r2 = star_.corner(largest).r2;
+    if (r2 <= worth_a_look) {
+      if (InsertAllInCorners(context)) return;
+      worth_a_look = r2 / 8;
+    }
+    if (VerifyCorner(context, largest)) --insertions_left;
+  }
+}
+
+// Where the corners not yet verified are near what they will be, few vertices lie about
+// their balls: one query finds them all. Inserting makes no ball that reaches out of
+// those it replaces and their neighbours', so each vertex need be looked at but once.
+// False if there is more to look at than that is worth: balls may be huge and full.
+template <int D, template <class> class E>
+bool Refinement<D, E>::InsertAllInCorners(Context& context) {
+  constexpr int kFew = D == 2 ? 96 : 400;
+  Extent<D> box = Extent<D>::Nothing();
+  balls_.clear();
+  for (int i = 0; i < star_.corner_count(); ++i) {
+    const auto& n = star_.corner(i);
+    if (n.verified) continue;
+    const double margin = MarginOf(n.error);
+    if (!(margin < 1e-3 * star_.reach())) return false;
+    const double radius = std::sqrt(n.r2) + 2 * margin;
+    balls_.push_back({CentreOf(i), radius * radius});
+    box.AddBall(balls_.back().centre, radius);
+  }
+  if (balls_.empty()) return true;
+  return tree_.VisitBalls(balls_, box, kFew, [&](std::uint32_t id, const Point& q) {
+    if (id == star_.vertex() || star_.Has(id)) return;
+    star_.InsertIf(id, q, [&] { return context.Sees(vertices_[id].birth); });
+  });
+}
+
+// Looks for a vertex in the ball of corner i. True if one was found and inserted.
+template <int D, template <class> class E>
+bool Refinement<D, E>::VerifyCorner(Context& context, int i) {
+  const auto& n = star_.corner(i);
+  const Point& p = star_.position();
+  std::uint32_t found = kNil;
+  Point found_p = {};
+  auto search = [&](const Point& centre, double radius2) {
+    tree_.VisitBall(centre, radius2, [&](std::uint32_t id, const Point& q, double d2) {
+      if (id == star_.vertex() || star_.Has(id) || !context.Sees(vertices_[id].birth) ||
+          !star_.Conflicts(i, q)) {
+        return;
+      }
+      found = id;
+      found_p = q;
+      radius2 = d2;
+    });
+    return found != kNil;
+  };
+  const double margin = MarginOf(n.error);
+  if (margin < 1e-3 * star_.reach()) {
+    // A tentative ball may be huge and full: balls inside it that touch it at v come
+    // first, growing from the scale of what is known.
+    const double r = std::sqrt(n.r2);
+    const double nearest = std::sqrt(star_.LeastDistance2(i));
+    for (double s = nearest; 0 < s && s < r / 2; s *= 2.5) {
+      Point centre = p;
+      for (int k = 0; k < D; ++k) centre[k] += n.w[k] * (s / r);
+      if (search(centre, s * s)) break;
+    }
+    if (found == kNil) search(CentreOf(i), (r + 2 * margin) * (r + 2 * margin));
+  } else {
+    // The centre is not known.
+    search(p, FarthestInView2(star_.reach()));
+  }
+  if (found == kNil) {
+    star_.MarkVerified(i);
+    return false;
+  }
+  star_.Insert(found, found_p);
+  return true;
+}
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_STAR_SEARCH_H_
