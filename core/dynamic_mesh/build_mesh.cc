@@ -9,7 +9,7 @@ namespace dynmesh {
 absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
   plc::Plc2 plc(options);
-  const absl::StatusOr<plc::Delta> delta = plc.Check(plc::Edits::Adding(features));
+  const absl::StatusOr<plc::Delta<2>> delta = plc.Check(plc::Edits::Adding(features));
   if (!delta.ok()) return delta.status();
 
   DiffBuilder diffs;

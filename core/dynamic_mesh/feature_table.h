@@ -33,39 +33,39 @@ class FeatureTable {
   // Hands a change of input to the refinement. Many points go in an order that suits
   // a triangulation that grows along.
   template <class Refinement>
-  void Apply(const plc::Delta& delta, Refinement& refinement) {
-    for (const plc::SizeFeature& f : delta.removed_sizes) {
+  void Apply(const plc::Delta<2>& delta, Refinement& refinement) {
+    for (const plc::SizeFeature<2>& f : delta.removed_sizes) {
       const auto it = sizes_.find(f.id);
       refinement.RemoveSizing(it->second);
       sizes_.erase(it);
     }
-    for (const plc::SizeFeature& f : delta.added_sizes) {
+    for (const plc::SizeFeature<2>& f : delta.added_sizes) {
       sizes_[f.id] = refinement.AddSizing(RegionOf(f));
     }
-    for (const plc::SegmentFeature& s : delta.removed_segments) {
+    for (const plc::SegmentFeature<2>& s : delta.removed_segments) {
       const WedgeTable::Index index = segments_.Find(points_.at(s.p_id), points_.at(s.q_id));
       FreeSlot(segments_[index].slot);
       refinement.RemoveSegment(segments_[index].root);
       segments_.Remove(index);
       if (!s.polygons.empty()) toggled_walls_.push_back({s.p, s.q, s.polygons});
     }
-    for (const plc::PointFeature& p : delta.removed_points) {
+    for (const plc::PointFeature<2>& p : delta.removed_points) {
       const auto it = points_.find(p.id);
       FreeSlot(refinement.vertex(it->second).feature);
       refinement.RemovePoint(it->second);
       points_.erase(it);
     }
-    const auto add = [&](const plc::PointFeature& p) {
+    const auto add = [&](const plc::PointFeature<2>& p) {
       points_[p.id] = refinement.AddPoint(p.p, NewSlot(p.id));
     };
     if (delta.added_points.size() <= kFewPoints) {
-      for (const plc::PointFeature& p : delta.added_points) add(p);
+      for (const plc::PointFeature<2>& p : delta.added_points) add(p);
     } else {
       points_.reserve(points_.size() + delta.added_points.size());
       segments_.Reserve(delta.added_segments.size());
       std::vector<geometry::Point2> positions;
       positions.reserve(delta.added_points.size());
-      for (const plc::PointFeature& p : delta.added_points) positions.push_back(p.p);
+      for (const plc::PointFeature<2>& p : delta.added_points) positions.push_back(p.p);
       const std::vector<std::uint32_t> order = mesh::InsertOrder(positions);
       constexpr std::size_t kAhead = 8;  // asked of memory so much before it is wanted
       for (std::size_t i = 0; i < order.size(); ++i) {
@@ -76,7 +76,7 @@ class FeatureTable {
         add(delta.added_points[order[i]]);
       }
     }
-    for (const plc::SegmentFeature& s : delta.added_segments) {
+    for (const plc::SegmentFeature<2>& s : delta.added_segments) {
       const bool forward = s.p < s.q;
       const meshing::FeatureSlot slot = NewSlot(s.id);
       segments_.Add(points_.at(forward ? s.p_id : s.q_id), points_.at(forward ? s.q_id : s.p_id),
@@ -121,7 +121,7 @@ class FeatureTable {
   }
 
  private:
-  static meshing::SizingRegion<2> RegionOf(const plc::SizeFeature& f) {
+  static meshing::SizingRegion<2> RegionOf(const plc::SizeFeature<2>& f) {
     const Sizing& s = f.sizing;
     if (s.shape == SizeShape::kPolygon) {
       const auto area = std::make_shared<const meshing::PolygonArea>(f.places);

@@ -59,7 +59,7 @@ absl::StatusOr<MeshDiff> PlanarMesh::ApplyWith(const EditBatch& batch, Interrupt
     nothing.hash = hash();
     return nothing;
   }
-  const absl::StatusOr<plc::Delta> delta = plc_.Check(batch, nullptr, cancelled);
+  const absl::StatusOr<plc::Delta<2>> delta = plc_.Check(batch, nullptr, cancelled);
   if (!delta.ok()) return delta.status();
   const Plan plan = PlanFor(*delta, plc_.size(), state_->refinement.vertex_count(), options_.box,
                             tuning_.rebuild);
@@ -97,7 +97,7 @@ absl::Status PlanarMesh::Run(State& state, Interrupt cancelled) {
 }
 
 // The inverse edit brings the former trace back, bit for bit.
-void PlanarMesh::Undo(const plc::Delta& delta) {
+void PlanarMesh::Undo(const plc::Delta<2>& delta) {
   State& state = *state_;
   state.features.Apply(delta.Inverse(), state.refinement);
   state.refinement.Propagate([] { return false; });
@@ -108,7 +108,7 @@ void PlanarMesh::Undo(const plc::Delta& delta) {
 
 // `look`: it may turn out to be cheaper to build anew.
 template <class Interrupt>
-absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, bool look,
+absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta<2>& delta, bool look,
                                                Interrupt cancelled) {
   State& state = *state_;
   state.refinement.engine().ResetCounters();
@@ -144,7 +144,7 @@ absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta& delta, bool loo
 }
 
 template <class Interrupt>
-absl::StatusOr<PlanarMesh::Built> PlanarMesh::Build(const plc::Delta& all, std::size_t features,
+absl::StatusOr<PlanarMesh::Built> PlanarMesh::Build(const plc::Delta<2>& all, std::size_t features,
                                                     Interrupt cancelled) {
   Built built{std::make_unique<State>(options_, tuning_), {}};
   State& fresh = *built.state;
@@ -159,7 +159,7 @@ absl::StatusOr<PlanarMesh::Built> PlanarMesh::Build(const plc::Delta& all, std::
 }
 
 template <class Interrupt>
-absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta& delta, Mesh before,
+absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta<2>& delta, Mesh before,
                                              Interrupt cancelled) {
   const bool is_first = plc_.size() == 0;
   plc_.Commit(delta);

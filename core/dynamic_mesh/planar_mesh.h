@@ -67,14 +67,14 @@ class PlanarMesh final : public DynamicMesh {
     Mesh mesh;
   };
   template <class Interrupt>
-  absl::StatusOr<Built> Build(const plc::Delta& all, std::size_t features, Interrupt cancelled);
+  absl::StatusOr<Built> Build(const plc::Delta<2>& all, std::size_t features, Interrupt cancelled);
   template <class Interrupt>
   absl::Status Run(State& state, Interrupt cancelled);
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> Propagate(const plc::Delta& delta, bool look, Interrupt cancelled);
+  absl::StatusOr<MeshDiff> Propagate(const plc::Delta<2>& delta, bool look, Interrupt cancelled);
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta& delta, Mesh before, Interrupt cancelled);
-  void Undo(const plc::Delta& delta);
+  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta<2>& delta, Mesh before, Interrupt cancelled);
+  void Undo(const plc::Delta<2>& delta);
   bool IsMostlyStale() const;
 
   const MeshOptions options_;

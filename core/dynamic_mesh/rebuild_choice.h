@@ -47,10 +47,10 @@ struct RebuildThresholds {
 };
 
 // How many vertices sizing features may carry: an upper estimate.
-inline double VerticesCarried(const std::vector<plc::SizeFeature>& sizes, const Box& box) {
+inline double VerticesCarried(const std::vector<plc::SizeFeature<2>>& sizes, const Box& box) {
   const double whole = (box.hi[0] - box.lo[0]) * (box.hi[1] - box.lo[1]);
   double sum = 0;
-  for (const plc::SizeFeature& f : sizes) {
+  for (const plc::SizeFeature<2>& f : sizes) {
     double area = 0;
     if (f.sizing.shape == SizeShape::kDisc) {
       area = std::numbers::pi * f.sizing.radius * f.sizing.radius;
@@ -67,7 +67,7 @@ inline double VerticesCarried(const std::vector<plc::SizeFeature>& sizes, const 
   return sum;
 }
 
-inline Plan PlanFor(const plc::Delta& delta, std::size_t features, std::size_t vertices,
+inline Plan PlanFor(const plc::Delta<2>& delta, std::size_t features, std::size_t vertices,
                     const Box& box, const RebuildThresholds& thresholds) {
   const auto changes = static_cast<double>(delta.size());
   const double carried =

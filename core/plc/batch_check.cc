@@ -39,7 +39,7 @@ BatchCheck::BatchCheck(const MeshOptions& options, double limit, const CellGrid&
       draft_(store, batch),
       entered_(grid, index.hub_degree()) {}
 
-absl::StatusOr<Delta> BatchCheck::Run(absl::FunctionRef<bool()> interrupted) {
+absl::StatusOr<Delta<2>> BatchCheck::Run(absl::FunctionRef<bool()> interrupted) {
   for (const Draft::Entry& entry : draft_.entries()) CollectPoint(entry);
   SortUnique(affected_sizes_);
   for (const FeatureId id : affected_sizes_) CollectSize(id);
@@ -71,7 +71,7 @@ bool BatchCheck::IsCertainlyGood() const {
       !affected_sizes_.empty() || draft_.has_polygons()) {
     return false;
   }
-  const auto is_in_place = [&](const PointFeature& p) {
+  const auto is_in_place = [&](const PointFeature<2>& p) {
     return CheckPlace(p, options_.box, 0).ok();
   };
   return std::all_of(delta_.added_points.begin(), delta_.added_points.end(), is_in_place) &&
@@ -127,11 +127,11 @@ void BatchCheck::CollectUsers(FeatureId point, bool is_point) {
 
 // A sizing feature that the batch names, or a polygon that follows a point that changed.
 void BatchCheck::CollectSize(FeatureId id) {
-  const SizeFeature* was = store_.FindSize(id);
+  const SizeFeature<2>* was = store_.FindSize(id);
   const Draft::Entry* entry = draft_.Find(id);
   const bool is_size = entry == nullptr || entry->state == Draft::State::kSize;
   EditIndex edit = draft_.BlameOf(id);
-  SizeFeature now;
+  SizeFeature<2> now;
   bool whole = false;
   if (is_size) {
     now = entry == nullptr ? *was : draft_.SizeFeatureOf(*entry);
@@ -245,7 +245,7 @@ void BatchCheck::CollectEdge(const EdgeKey& key) {
   const Point2* p = draft_.FindPoint(key.first);
   const Point2* q = draft_.FindPoint(key.second);
   const bool is_edge = !polygons.empty() && p != nullptr && q != nullptr;
-  SegmentFeature now;
+  SegmentFeature<2> now;
   FeatureId first = kNoFeature;  // of the polygons to have it
   EditIndex edit = kUntouched;
   if (is_edge) {
@@ -257,7 +257,7 @@ void BatchCheck::CollectEdge(const EdgeKey& key) {
   }
   const EdgeRecord* record = store_.FindEdge(key);
   if (record != nullptr && record->segment == kNoFeature) {
-    SegmentFeature before = store_.Expand(key, *record);
+    SegmentFeature<2> before = store_.Expand(key, *record);
     const bool stays = is_edge && segment == kNoFeature && before == now;
     if (stays && edit < draft_.error_edit()) return;
     hidden_edges_.insert(key);
@@ -283,7 +283,7 @@ void BatchCheck::CollectSegment(FeatureId id) {
   const std::array<FeatureId, 2> ends = entry == nullptr ? was->ends : entry->ends;
 
   EditIndex edit = own;
-  SegmentFeature now;
+  SegmentFeature<2> now;
   if (is_segment && ends[0] == ends[1]) Schedule({own, id, Event::Kind::kDegenerate});
   const bool whole = is_segment && ends[0] != ends[1] && CheckPoints(id, ends, own);
   if (whole) {
@@ -292,7 +292,7 @@ void BatchCheck::CollectSegment(FeatureId id) {
     if (knows_polygons()) now.polygons = PolygonsAfter(KeyOf(now));
   }
   if (was != nullptr) {
-    const SegmentFeature before = store_.Expand(id, *was);
+    const SegmentFeature<2> before = store_.Expand(id, *was);
     if (whole && before == now && edit < draft_.error_edit()) return;
     hidden_.insert(id);
     delta_.removed_segments.push_back(before);
@@ -331,7 +331,7 @@ void BatchCheck::ChooseIndex() {
   if ((hidden_.size() + hidden_edges_.size()) * kWorthwhile < store_.size()) return;
   present_ = nullptr;
   for (const auto& [id, record] : store_.points()) {
-    if (!hidden_.contains(id)) entered_.Insert(PointFeature{id, record.p});
+    if (!hidden_.contains(id)) entered_.Insert(PointFeature<2>{id, record.p});
   }
   for (const auto& [id, record] : store_.segments()) {
     if (!hidden_.contains(id)) entered_.Insert(store_.Expand(id, record));
@@ -382,7 +382,7 @@ absl::Status BatchCheck::UnknownEnd(FeatureId feature, EditIndex edit) const {
   return UnknownEndError(feature, points, edit);
 }
 
-absl::Status BatchCheck::EnterPoint(const PointFeature& point, EditIndex edit) {
+absl::Status BatchCheck::EnterPoint(const PointFeature<2>& point, EditIndex edit) {
   if (absl::Status status = CheckPlace(point, options_.box, edit); !status.ok()) return status;
   const Obstacle found = FindObstacle(point);
   if (found.conflict != Conflict::kNone) {
@@ -393,7 +393,7 @@ absl::Status BatchCheck::EnterPoint(const PointFeature& point, EditIndex edit) {
   return absl::OkStatus();
 }
 
-absl::Status BatchCheck::EnterSegment(const SegmentFeature& segment, EditIndex edit) {
+absl::Status BatchCheck::EnterSegment(const SegmentFeature<2>& segment, EditIndex edit) {
   const Obstacle found = FindObstacle(segment);
   if (found.conflict != Conflict::kNone) {
     const AnyFeature other = found.is_point ? AnyFeature(found.point) : AnyFeature(found.segment);
@@ -406,20 +406,20 @@ absl::Status BatchCheck::EnterSegment(const SegmentFeature& segment, EditIndex e
 namespace {
 
 // What the index asks to be near to.
-const Point2& Place(const PointFeature& f) { return f.p; }
-const SegmentFeature& Place(const SegmentFeature& f) { return f; }
+const Point2& Place(const PointFeature<2>& f) { return f.p; }
+const SegmentFeature<2>& Place(const SegmentFeature<2>& f) { return f; }
 
 // The rules, whichever way round.
-Conflict Judge(const PointFeature& f, const PointFeature& other, double limit) {
+Conflict Judge(const PointFeature<2>& f, const PointFeature<2>& other, double limit) {
   return Between(f, other, limit);
 }
-Conflict Judge(const PointFeature& f, const SegmentFeature& other, double limit) {
+Conflict Judge(const PointFeature<2>& f, const SegmentFeature<2>& other, double limit) {
   return Between(f, other, limit);
 }
-Conflict Judge(const SegmentFeature& f, const PointFeature& other, double limit) {
+Conflict Judge(const SegmentFeature<2>& f, const PointFeature<2>& other, double limit) {
   return Between(other, f, limit);
 }
-Conflict Judge(const SegmentFeature& f, const SegmentFeature& other, double) {
+Conflict Judge(const SegmentFeature<2>& f, const SegmentFeature<2>& other, double) {
   return Between(f, other);
 }
 
@@ -441,12 +441,12 @@ BatchCheck::Obstacle BatchCheck::FindObstacle(const F& feature) {
     least_ends = ends;
     return true;
   };
-  const auto see_point = [&](const PointFeature& other) {
+  const auto see_point = [&](const PointFeature<2>& other) {
     if (!better(Judge(feature, other, limit_), other.id, {})) return;
     least.is_point = true;
     least.point = other;
   };
-  const auto see_segment = [&](const SegmentFeature& other) {
+  const auto see_segment = [&](const SegmentFeature<2>& other) {
     if (!better(Judge(feature, other, limit_), other.id, KeyOf(other))) return;
     least.is_point = false;
     least.segment = other;
@@ -454,10 +454,10 @@ BatchCheck::Obstacle BatchCheck::FindObstacle(const F& feature) {
   if (present_ != nullptr) {
     present_->QueryNear(
         Place(feature),
-        [&](const PointFeature& other) {
+        [&](const PointFeature<2>& other) {
           if (!hidden_.contains(other.id)) see_point(other);
         },
-        [&](const SegmentFeature& other) {
+        [&](const SegmentFeature<2>& other) {
           if (!IsHidden(other)) see_segment(other);
         },
         &cost_);
@@ -466,7 +466,7 @@ BatchCheck::Obstacle BatchCheck::FindObstacle(const F& feature) {
   return least;
 }
 
-Delta BatchCheck::TakeDelta() {
+Delta<2> BatchCheck::TakeDelta() {
   delta_.Sort();
   return std::move(delta_);
 }

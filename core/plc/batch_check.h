@@ -44,7 +44,7 @@ class BatchCheck {
   BatchCheck(const MeshOptions& options, double limit, const CellGrid& grid,
              const FeatureStore& store, const FeatureIndex& index, const Edits& batch);
 
-  absl::StatusOr<Delta> Run(absl::FunctionRef<bool()> interrupted);
+  absl::StatusOr<Delta<2>> Run(absl::FunctionRef<bool()> interrupted);
   // Index cells and features looked at.
   std::uint64_t cost() const { return cost_; }
 
@@ -71,8 +71,8 @@ class BatchCheck {
   // What stands in the way of a feature: the least conflict, of the least id.
   struct Obstacle {
     Conflict conflict = Conflict::kNone;
-    PointFeature point;  // one of the two, by is_point
-    SegmentFeature segment;
+    PointFeature<2> point;  // one of the two, by is_point
+    SegmentFeature<2> segment;
     bool is_point = true;
   };
 
@@ -88,26 +88,26 @@ class BatchCheck {
   std::vector<FeatureId> PolygonsAfter(const EdgeKey& key) const;
   FeatureId SegmentAfter(const EdgeKey& key) const;
   bool knows_polygons() const { return !store_.polygons().empty() || draft_.has_polygons(); }
-  bool IsHidden(const SegmentFeature& f) const {
+  bool IsHidden(const SegmentFeature<2>& f) const {
     return f.IsOfPolygon() ? hidden_edges_.contains(KeyOf(f)) : hidden_.contains(f.id);
   }
   bool IsCertainlyGood() const;
   void Schedule(const Event& event);
   void ChooseIndex();
   absl::Status Handle(const Event& event);
-  absl::Status EnterPoint(const PointFeature& point, EditIndex edit);
-  absl::Status EnterSegment(const SegmentFeature& segment, EditIndex edit);
+  absl::Status EnterPoint(const PointFeature<2>& point, EditIndex edit);
+  absl::Status EnterSegment(const SegmentFeature<2>& segment, EditIndex edit);
   absl::Status UnknownEnd(FeatureId feature, EditIndex edit) const;
   template <typename F>
   Obstacle FindObstacle(const F& feature);
-  Delta TakeDelta();
+  Delta<2> TakeDelta();
 
   const MeshOptions& options_;
   const double limit_;
   const FeatureStore& store_;
   const FeatureIndex* present_;  // null if entered_ holds the features that stay, too
   const Draft draft_;
-  Delta delta_;
+  Delta<2> delta_;
   std::vector<Event> events_;
   // Features of the store that the result does not have as they are.
   absl::flat_hash_set<FeatureId> hidden_;
@@ -119,7 +119,7 @@ class BatchCheck {
   absl::flat_hash_set<FeatureId> changed_polygons_;
   absl::flat_hash_map<EdgeKey, std::vector<FeatureId>> new_users_;
   absl::flat_hash_map<EdgeKey, FeatureId> drafted_segments_;
-  std::vector<SegmentFeature> edges_;  // each with the polygon to blame, and that alone
+  std::vector<SegmentFeature<2>> edges_;  // each with the polygon to blame, and that alone
   absl::flat_hash_map<FeatureId, std::vector<FeatureId>> users_of_missing_;
   FeatureIndex entered_;
   std::uint64_t cost_ = 0;

@@ -68,14 +68,14 @@ class CellGrid {
 // A segment in units. It is *flat* if |dy| <= |dx|, else *steep*; its major axis is x
 // if flat, else y; lo and hi are its ends by the coordinate of the major axis.
 struct GridSegment {
-  SegmentFeature feature;
+  SegmentFeature<2> feature;
   bool flat = true;
   bool reversed = false;  // lo is feature.q
   UnitPoint lo{};
   UnitPoint hi{};
 
   GridSegment() = default;
-  GridSegment(const SegmentFeature& f, const CellGrid& grid);
+  GridSegment(const SegmentFeature<2>& f, const CellGrid& grid);
 
   int major() const { return flat ? 0 : 1; }
   const geometry::Point2& lo_point() const { return reversed ? feature.q : feature.p; }
@@ -98,7 +98,7 @@ struct GridSegment {
   }
 };
 
-inline GridSegment::GridSegment(const SegmentFeature& f, const CellGrid& grid)
+inline GridSegment::GridSegment(const SegmentFeature<2>& f, const CellGrid& grid)
     : feature(f), lo(grid.ToUnits(f.p)), hi(grid.ToUnits(f.q)) {
   flat = std::abs(hi[1] - lo[1]) <= std::abs(hi[0] - lo[0]);
   reversed = hi[major()] < lo[major()];

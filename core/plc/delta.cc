@@ -11,7 +11,8 @@ void SortById(std::vector<F>& features) {
 }
 
 // Edges of a polygon have its id.
-void SortById(std::vector<SegmentFeature>& segments) {
+template <int D>
+void SortById(std::vector<SegmentFeature<D>>& segments) {
   std::sort(segments.begin(), segments.end(), [](const auto& a, const auto& b) {
     return std::tie(a.id, a.p_id, a.q_id) < std::tie(b.id, b.p_id, b.q_id);
   });
@@ -19,7 +20,8 @@ void SortById(std::vector<SegmentFeature>& segments) {
 
 }  // namespace
 
-void Delta::Sort() {
+template <int D>
+void Delta<D>::Sort() {
   SortById(removed_points);
   SortById(added_points);
   SortById(removed_segments);
@@ -28,6 +30,11 @@ void Delta::Sort() {
   SortById(added_sizes);
   SortById(removed_polygons);
   SortById(added_polygons);
+  SortById(removed_facets);
+  SortById(added_facets);
 }
+
+template struct Delta<2>;
+template struct Delta<3>;
 
 }  // namespace dynmesh::plc

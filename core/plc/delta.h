@@ -1,5 +1,5 @@
-// The net change of a feature set, as plain data: what a validated batch of edits
-// comes to. A value; no invariants beyond those below.
+// The net change of a feature set of the plane or of space, as plain data: what a validated
+// batch of edits comes to. A value; no invariants beyond those below.
 #ifndef DYNMESH_CORE_PLC_DELTA_H_
 #define DYNMESH_CORE_PLC_DELTA_H_
 
@@ -13,21 +13,23 @@
 
 namespace dynmesh::plc {
 
+template <int D>
 struct PointFeature {
   FeatureId id = kNoFeature;
-  geometry::Point2 p{};
+  geometry::Point<D> p{};
   friend bool operator==(const PointFeature&, const PointFeature&) = default;
 };
 
 // A segment with the ids of its ends, in the client's order, and where they lie. An edge of
 // polygons is one as well: with the id of the segment feature that joins the same points
 // (there is one at most), else of the polygon of least id, the end of lesser id first.
+template <int D>
 struct SegmentFeature {
   FeatureId id = kNoFeature;
   FeatureId p_id = kNoFeature;
   FeatureId q_id = kNoFeature;
-  geometry::Point2 p{};
-  geometry::Point2 q{};
+  geometry::Point<D> p{};
+  geometry::Point<D> q{};
   std::vector<FeatureId> polygons = {};  // whose edge it is, ascending
 
   bool IsOfPolygon() const { return !polygons.empty() && polygons.front() == id; }
@@ -37,7 +39,10 @@ struct SegmentFeature {
 // Two points, whatever joins them: the lesser id first.
 using EdgeKey = std::pair<FeatureId, FeatureId>;
 inline EdgeKey KeyOf(FeatureId p, FeatureId q) { return std::minmax(p, q); }
-inline EdgeKey KeyOf(const SegmentFeature& f) { return KeyOf(f.p_id, f.q_id); }
+template <int D>
+EdgeKey KeyOf(const SegmentFeature<D>& f) {
+  return KeyOf(f.p_id, f.q_id);
+}
 
 // A polygon as the client gave it; its edges are segments (above).
 struct PolygonFeature {
@@ -46,13 +51,23 @@ struct PolygonFeature {
   friend bool operator==(const PolygonFeature&, const PolygonFeature&) = default;
 };
 
+// A polygon of space as the mesher sees it: a planar facet, its rings by id and by place. Its edges
+// are segments as well.
+struct FacetFeature {
+  FeatureId id = kNoFeature;
+  Rings rings;
+  std::vector<std::vector<geometry::Point3>> places;  // of the points of its rings
+  friend bool operator==(const FacetFeature&, const FacetFeature&) = default;
+};
+
 // A sizing feature: its point, centre or lower corner, and the rest.
+template <int D>
 struct SizeFeature {
   FeatureId id = kNoFeature;
-  geometry::Point2 at{};
+  geometry::Point<D> at{};
   Sizing sizing;
-  Rings rings = {};                                        // of a polygon
-  std::vector<std::vector<geometry::Point2>> places = {};  // of the points of its rings
+  Rings rings = {};                                          // of a polygon
+  std::vector<std::vector<geometry::Point<D>>> places = {};  // of the points of its rings
   friend bool operator==(const SizeFeature&, const SizeFeature&) = default;
 };
 
@@ -60,27 +75,35 @@ struct SizeFeature {
 // removed and the added list of its kind; an id may, when its feature changed (a point that moved,
 // and the segments that it took along). An id that changed kind stands in the removed list of one
 // kind and the added list of the other.
+//
+// In space a polygon is a facet, too: a facet comes and goes with the polygon and its rings, and
+// changes when one of its corners moves, which is no change of the polygon. In the plane there are
+// no facets.
+template <int D>
 struct Delta {
-  std::vector<PointFeature> removed_points;
-  std::vector<SegmentFeature> removed_segments;
-  std::vector<PointFeature> added_points;
-  std::vector<SegmentFeature> added_segments;
-  std::vector<SizeFeature> removed_sizes;
-  std::vector<SizeFeature> added_sizes;
+  std::vector<PointFeature<D>> removed_points;
+  std::vector<SegmentFeature<D>> removed_segments;
+  std::vector<PointFeature<D>> added_points;
+  std::vector<SegmentFeature<D>> added_segments;
+  std::vector<SizeFeature<D>> removed_sizes;
+  std::vector<SizeFeature<D>> added_sizes;
   std::vector<PolygonFeature> removed_polygons;
   std::vector<PolygonFeature> added_polygons;
+  std::vector<FacetFeature> removed_facets;
+  std::vector<FacetFeature> added_facets;
 
   std::size_t size() const {
     return removed_points.size() + removed_segments.size() + added_points.size() +
            added_segments.size() + removed_sizes.size() + added_sizes.size() +
-           removed_polygons.size() + added_polygons.size();
+           removed_polygons.size() + added_polygons.size() + removed_facets.size() +
+           added_facets.size();
   }
   bool empty() const { return size() == 0; }
   void Sort();
   // The change that undoes this one.
   Delta Inverse() const {
-    return {added_points, added_segments, removed_points, removed_segments,
-            added_sizes,  removed_sizes,  added_polygons, removed_polygons};
+    return {added_points,  added_segments, removed_points,   removed_segments, added_sizes,
+            removed_sizes, added_polygons, removed_polygons, added_facets,     removed_facets};
   }
   friend bool operator==(const Delta&, const Delta&) = default;
 };

@@ -75,8 +75,8 @@ absl::Status Become(const Feature& feature, Draft::Entry& entry) {
 
 }  // namespace
 
-SizeFeature SizeOf(const Feature& feature) {
-  SizeFeature size;
+SizeFeature<2> SizeOf(const Feature& feature) {
+  SizeFeature<2> size;
   size.id = feature.id;
   const Sizing& given = feature.sizing;
   size.sizing.shape = given.shape;
@@ -138,9 +138,9 @@ bool Draft::IsAsBefore(const Entry& entry) const {
     return was != nullptr && was->ends == entry.ends;
   }
   if (entry.state == State::kSize) {
-    const SizeFeature* was = base_.FindSize(entry.id);
+    const SizeFeature<2>* was = base_.FindSize(entry.id);
     if (was == nullptr || entry.given == nullptr) return was != nullptr;
-    const SizeFeature now = SizeOf(*entry.given);
+    const SizeFeature<2> now = SizeOf(*entry.given);
     return was->at == now.at && was->sizing == now.sizing && was->rings == now.rings;
   }
   if (entry.state == State::kPolygon) {
@@ -159,7 +159,7 @@ PolygonFeature Draft::PolygonOf(const Entry& entry) const {
   return {entry.id, entry.given != nullptr ? entry.given->rings : *base_.FindPolygon(entry.id)};
 }
 
-SizeFeature Draft::SizeFeatureOf(const Entry& entry) const {
+SizeFeature<2> Draft::SizeFeatureOf(const Entry& entry) const {
   return entry.given != nullptr ? SizeOf(*entry.given) : *base_.FindSize(entry.id);
 }
 

@@ -33,7 +33,7 @@ inline constexpr EditIndex kNever = std::numeric_limits<EditIndex>::max();
 
 // A feature of kind kSize without what does not matter to its shape; -0 is +0. A polygon's
 // places are left open.
-SizeFeature SizeOf(const Feature& feature);
+SizeFeature<2> SizeOf(const Feature& feature);
 
 class Draft {
  public:
@@ -70,7 +70,7 @@ class Draft {
   bool has_polygons() const { return has_polygons_; }
   // A polygon or sizing feature of the resulting set that the batch names.
   PolygonFeature PolygonOf(const Entry& entry) const;
-  SizeFeature SizeFeatureOf(const Entry& entry) const;
+  SizeFeature<2> SizeFeatureOf(const Entry& entry) const;
 
   // The point with that id in the resulting set, else null.
   const geometry::Point2* FindPoint(FeatureId id) const;

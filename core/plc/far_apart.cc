@@ -17,7 +17,7 @@ using geometry::Point2;
 // the same strip or in neighbouring ones.
 class Strips {
  public:
-  Strips(std::span<const PointFeature> points, const Box& box, double limit) {
+  Strips(std::span<const PointFeature<2>> points, const Box& box, double limit) {
     const double width = box.hi[0] - box.lo[0];
     const double wanted = std::floor(std::sqrt(static_cast<double>(points.size())));
     const double count = std::clamp(std::floor(width / (4 * limit)), 1.0, std::max(wanted, 1.0));
@@ -26,11 +26,11 @@ class Strips {
       return static_cast<std::size_t>(std::clamp((p[0] - box.lo[0]) * per_length, 0.0, count - 1));
     };
     begins_.assign(static_cast<std::size_t>(count) + 1, 0);
-    for (const PointFeature& f : points) ++begins_[strip_of(f.p) + 1];
+    for (const PointFeature<2>& f : points) ++begins_[strip_of(f.p) + 1];
     for (std::size_t s = 1; s < begins_.size(); ++s) begins_[s] += begins_[s - 1];
     std::vector<std::size_t> next(begins_.begin(), begins_.end() - 1);
     points_.resize(points.size());
-    for (const PointFeature& f : points) points_[next[strip_of(f.p)]++] = f.p;
+    for (const PointFeature<2>& f : points) points_[next[strip_of(f.p)]++] = f.p;
     for (std::size_t s = 0; s < size(); ++s) {
       std::sort(points_.begin() + begins_[s], points_.begin() + begins_[s + 1],
                 [](const Point2& a, const Point2& b) { return a[1] < b[1]; });
@@ -48,7 +48,7 @@ class Strips {
 
 }  // namespace
 
-bool AreFarApart(std::span<const PointFeature> points, const Box& box, double limit) {
+bool AreFarApart(std::span<const PointFeature<2>> points, const Box& box, double limit) {
   const Strips strips(points, box, limit);
   const double limit2 = limit * limit * (1 + 1e-9);
   std::size_t looks_left = 16 * points.size();

@@ -9,7 +9,7 @@ namespace dynmesh::plc {
 
 using geometry::Point2;
 
-Slot FeatureIndex::Insert(const SegmentFeature& segment) {
+Slot FeatureIndex::Insert(const SegmentFeature<2>& segment) {
   Placement placement{HubFor(segment), 0};
   if (placement.hub == kNoFeature) {
     placement.slot = general_.Insert(segment);
@@ -47,14 +47,14 @@ void FeatureIndex::EraseSegment(Slot slot) {
   }
   const auto it = hubs_.find(placement.hub);
   Hub& hub = *it->second;
-  const SegmentFeature& segment = hub.segments.segment(placement.slot);
+  const SegmentFeature<2>& segment = hub.segments.segment(placement.slot);
   CountAt(segment, -1);
   hub.by_angle.erase({placement.hub == segment.p_id ? segment.q : segment.p, placement.slot});
   hub.segments.EraseSegment(placement.slot);
   if (hub.by_angle.empty()) hubs_.erase(it);
 }
 
-void FeatureIndex::CountAt(const SegmentFeature& segment, int change) {
+void FeatureIndex::CountAt(const SegmentFeature<2>& segment, int change) {
   for (const FeatureId end : {segment.p_id, segment.q_id}) {
     const auto it = degrees_.try_emplace(end, 0).first;
     it->second += static_cast<std::uint32_t>(change);
@@ -63,7 +63,7 @@ void FeatureIndex::CountAt(const SegmentFeature& segment, int change) {
 }
 
 // Of two hubs the greater.
-FeatureId FeatureIndex::HubFor(const SegmentFeature& segment) const {
+FeatureId FeatureIndex::HubFor(const SegmentFeature<2>& segment) const {
   FeatureId hub = kNoFeature;
   std::uint32_t most = 0;
   for (const FeatureId end : {segment.p_id, segment.q_id}) {
@@ -93,7 +93,7 @@ void FeatureIndex::QueryNear(const Point2& p, VisitPoint visit_point, VisitSegme
   }
 }
 
-void FeatureIndex::QueryNear(const SegmentFeature& s, VisitPoint visit_point,
+void FeatureIndex::QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point,
                              VisitSegment visit_segment, std::uint64_t* cost) const {
   general_.QueryNear(s, visit_point, visit_segment, cost);
   if (hubs_.empty()) return;

@@ -45,8 +45,8 @@ class FeatureIndex {
   FeatureIndex& operator=(const FeatureIndex&) = delete;
 
   // The slot is what Erase takes; it may be reused after that.
-  Slot Insert(const PointFeature& point) { return general_.Insert(point); }
-  Slot Insert(const SegmentFeature& segment);
+  Slot Insert(const PointFeature<2>& point) { return general_.Insert(point); }
+  Slot Insert(const SegmentFeature<2>& segment);
   void ErasePoint(Slot slot) { general_.ErasePoint(slot); }
   void EraseSegment(Slot slot);
 
@@ -58,7 +58,7 @@ class FeatureIndex {
   // Visits every point less than 16 units away from segment `s`; every segment that meets
   // it elsewhere than at an end that they share, or at too small an angle there; and maybe
   // others.
-  void QueryNear(const SegmentFeature& s, VisitPoint visit_point, VisitSegment visit_segment,
+  void QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
 
   std::size_t node_count() const;
@@ -98,8 +98,8 @@ class FeatureIndex {
     Slot slot = 0;               // there
   };
 
-  void CountAt(const SegmentFeature& segment, int change);
-  FeatureId HubFor(const SegmentFeature& segment) const;
+  void CountAt(const SegmentFeature<2>& segment, int change);
+  FeatureId HubFor(const SegmentFeature<2>& segment) const;
   static void VisitNeighbours(const Hub& hub, const geometry::Point2& end,
                               VisitSegment visit_segment, std::uint64_t* cost);
   bool IsNear(const Hub& hub, const geometry::Point2& lo, const geometry::Point2& hi) const;

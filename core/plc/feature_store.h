@@ -40,13 +40,13 @@ class FeatureStore {
  public:
   using Points = absl::flat_hash_map<FeatureId, PointRecord>;
   using Segments = absl::flat_hash_map<FeatureId, SegmentRecord>;
-  using Sizes = absl::flat_hash_map<FeatureId, SizeFeature>;
+  using Sizes = absl::flat_hash_map<FeatureId, SizeFeature<2>>;
   using Polygons = absl::flat_hash_map<FeatureId, Rings>;
   using Edges = absl::flat_hash_map<EdgeKey, EdgeRecord>;
 
   const PointRecord* FindPoint(FeatureId id) const { return Find(points_, id); }
   const SegmentRecord* FindSegment(FeatureId id) const { return Find(segments_, id); }
-  const SizeFeature* FindSize(FeatureId id) const { return Find(sizes_, id); }
+  const SizeFeature<2>* FindSize(FeatureId id) const { return Find(sizes_, id); }
   const Rings* FindPolygon(FeatureId id) const { return Find(polygons_, id); }
   const EdgeRecord* FindEdge(const EdgeKey& key) const { return Find(edges_, key); }
   // The segment feature between two points, kNoFeature if there is none. O(segments at one).
@@ -83,15 +83,15 @@ class FeatureStore {
   const Edges& edges() const { return edges_; }
 
   // The segment with its ends' places. REQUIRES: `record` is of segment `id` here.
-  SegmentFeature Expand(FeatureId id, const SegmentRecord& record) const {
+  SegmentFeature<2> Expand(FeatureId id, const SegmentRecord& record) const {
     const auto [p, q] = record.ends;
-    SegmentFeature f = {id, p, q, points_.at(p).p, points_.at(q).p};
+    SegmentFeature<2> f = {id, p, q, points_.at(p).p, points_.at(q).p};
     if (edges_.empty()) return f;
     if (const EdgeRecord* edge = FindEdge(KeyOf(p, q))) f.polygons = edge->polygons;
     return f;
   }
   // An edge of polygons where there is no segment feature.
-  SegmentFeature Expand(const EdgeKey& key, const EdgeRecord& record) const {
+  SegmentFeature<2> Expand(const EdgeKey& key, const EdgeRecord& record) const {
     const auto [p, q] = key;
     return {record.polygons.front(), p, q, points_.at(p).p, points_.at(q).p, record.polygons};
   }
@@ -102,12 +102,12 @@ class FeatureStore {
     segments_.reserve(segments_.size() + segments);
   }
   // REQUIRES: the id is free; a segment's ends are points present.
-  void Add(const PointFeature& f, Slot slot) {
+  void Add(const PointFeature<2>& f, Slot slot) {
     PointRecord& record = points_[f.id];
     record.p = f.p;
     record.slot = slot;
   }
-  void Add(const SegmentFeature& f, Slot slot) {
+  void Add(const SegmentFeature<2>& f, Slot slot) {
     if (!f.polygons.empty()) {
       const bool of_polygon = f.IsOfPolygon();
       edges_[KeyOf(f)] = {f.polygons, of_polygon ? kNoFeature : f.id, slot};
@@ -119,7 +119,7 @@ class FeatureStore {
     segments_at_[f.p_id].push_back(f.id);
     segments_at_[f.q_id].push_back(f.id);
   }
-  void Add(const SizeFeature& f) {
+  void Add(const SizeFeature<2>& f) {
     sizes_[f.id] = f;
     AddCorners(f.id, f.rings);
   }
@@ -138,7 +138,7 @@ class FeatureStore {
     polygons_.erase(id);
   }
   // Returns its slot in the spatial index.
-  Slot Remove(const SegmentFeature& f) {
+  Slot Remove(const SegmentFeature<2>& f) {
     Slot slot = 0;
     if (!f.polygons.empty()) {
       const auto edge = edges_.find(KeyOf(f));

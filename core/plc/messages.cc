@@ -36,9 +36,9 @@ std::string Text(const Point2& p) {
   return absl::StrCat("(", Shortest(p[0]), ", ", Shortest(p[1]), ")");
 }
 
-std::string Text(const PointFeature& f) { return absl::StrCat("point ", f.id, " ", Text(f.p)); }
+std::string Text(const PointFeature<2>& f) { return absl::StrCat("point ", f.id, " ", Text(f.p)); }
 
-std::string Text(const SegmentFeature& f) {
+std::string Text(const SegmentFeature<2>& f) {
   return absl::StrCat(f.IsOfPolygon() ? "the edge of polygon " : "segment ", f.id, " from point ",
                       f.p_id, " ", Text(f.p), " to point ", f.q_id, " ", Text(f.q));
 }
@@ -59,7 +59,7 @@ absl::Status Error(absl::StatusCode code, const char* reason, std::vector<Featur
 }
 
 // The angle between two segments that share an end, for a person to read.
-std::string AngleText(const SegmentFeature& s, const SegmentFeature& t) {
+std::string AngleText(const SegmentFeature<2>& s, const SegmentFeature<2>& t) {
   const bool s_from_p = s.p_id == t.p_id || s.p_id == t.q_id;
   const FeatureId apex = s_from_p ? s.p_id : s.q_id;
   const Point2& at = s_from_p ? s.p : s.q;
@@ -101,10 +101,11 @@ Verdict Explain(Conflict conflict, const AnyFeature& a, const AnyFeature& b, dou
               absl::StrCat(pair, " cross; add a point where they do and split both there, or ",
                            "remove feature ", b_id, " in the same batch")};
     case Conflict::kSmallAngle:
-      return {reason::kSmallAngle,
-              absl::StrCat(pair, " meet in an angle of ",
-                           AngleText(std::get<SegmentFeature>(a), std::get<SegmentFeature>(b)),
-                           "; at least 0.001 are needed: move an end, or remove one of them")};
+      return {
+          reason::kSmallAngle,
+          absl::StrCat(pair, " meet in an angle of ",
+                       AngleText(std::get<SegmentFeature<2>>(a), std::get<SegmentFeature<2>>(b)),
+                       "; at least 0.001 are needed: move an end, or remove one of them")};
     default:
       return {reason::kTooClose,
               absl::StrCat(pair, " are nearer than ", Shortest(limit),
@@ -151,7 +152,7 @@ absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
                              " twice; leave both out"));
 }
 
-absl::Status CheckSize(const SizeFeature& size, const Box& box, double limit, EditIndex edit) {
+absl::Status CheckSize(const SizeFeature<2>& size, const Box& box, double limit, EditIndex edit) {
   const Sizing& s = size.sizing;
   const auto refuse = [&](const char* reason, const std::string& what) {
     return Error(absl::StatusCode::kInvalidArgument, reason, {size.id}, edit,
@@ -194,7 +195,7 @@ absl::Status CheckSize(const SizeFeature& size, const Box& box, double limit, Ed
   return absl::OkStatus();
 }
 
-absl::Status CheckPlace(const PointFeature& point, const Box& box, EditIndex edit) {
+absl::Status CheckPlace(const PointFeature<2>& point, const Box& box, EditIndex edit) {
   const auto refuse = [&](const char* reason, const std::string& what) {
     return Error(absl::StatusCode::kInvalidArgument, reason, {point.id}, edit,
                  absl::StrCat(Text(point), " ", what));

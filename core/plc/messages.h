@@ -15,7 +15,7 @@
 
 namespace dynmesh::plc {
 
-using AnyFeature = std::variant<PointFeature, SegmentFeature>;
+using AnyFeature = std::variant<PointFeature<2>, SegmentFeature<2>>;
 
 // `conflict` is not kNone; it is between `offender`, blamed on `edit`, and `other`.
 absl::Status ConflictError(Conflict conflict, const AnyFeature& offender, const AnyFeature& other,
@@ -27,10 +27,10 @@ absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit);
 
 // A sizing feature by itself: numbers finite, a region that meets the box (a point or
 // centre in it), a target that distances of `limit` leave room for.
-absl::Status CheckSize(const SizeFeature& size, const Box& box, double limit, EditIndex edit);
+absl::Status CheckSize(const SizeFeature<2>& size, const Box& box, double limit, EditIndex edit);
 
 // OK if the point is finite, in the closed box, and no coordinate is too near to 0.
-absl::Status CheckPlace(const PointFeature& point, const Box& box, EditIndex edit);
+absl::Status CheckPlace(const PointFeature<2>& point, const Box& box, EditIndex edit);
 
 absl::Status DegenerateSegmentError(FeatureId segment, FeatureId end, EditIndex edit);
 

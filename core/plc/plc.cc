@@ -6,36 +6,40 @@
 
 namespace dynmesh::plc {
 
-Plc2::Plc2(const MeshOptions& options, std::uint32_t hub_degree)
+template <int D>
+Plc<D>::Plc(const MeshOptions& options, std::uint32_t hub_degree)
     : options_(options),
       limit_(CloseLimit(options)),
       grid_(options.box, limit_),
       index_(grid_, hub_degree) {}
 
-absl::StatusOr<Delta> Plc2::Check(const Edits& batch, std::uint64_t* cost,
-                                  absl::FunctionRef<bool()> interrupted) const {
+template <int D>
+absl::StatusOr<Delta<D>> Plc<D>::Check(const Edits& batch, std::uint64_t* cost,
+                                       absl::FunctionRef<bool()> interrupted) const {
   BatchCheck check(options_, limit_, grid_, store_, index_, batch);
-  absl::StatusOr<Delta> delta = check.Run(interrupted);
+  absl::StatusOr<Delta<D>> delta = check.Run(interrupted);
   if (cost != nullptr) *cost += check.cost();
   return delta;
 }
 
-void Plc2::Commit(const Delta& delta) {
-  for (const SegmentFeature& f : delta.removed_segments) index_.EraseSegment(store_.Remove(f));
+template <int D>
+void Plc<D>::Commit(const Delta<D>& delta) {
+  for (const SegmentFeature<D>& f : delta.removed_segments) index_.EraseSegment(store_.Remove(f));
   for (const PolygonFeature& f : delta.removed_polygons) store_.RemovePolygon(f.id);
-  for (const PointFeature& f : delta.removed_points) {
+  for (const PointFeature<D>& f : delta.removed_points) {
     index_.ErasePoint(store_.FindPoint(f.id)->slot);
     store_.RemovePoint(f.id);
   }
-  for (const SizeFeature& f : delta.removed_sizes) store_.RemoveSize(f.id);
+  for (const SizeFeature<D>& f : delta.removed_sizes) store_.RemoveSize(f.id);
   store_.Reserve(delta.added_points.size(), delta.added_segments.size());
-  for (const PointFeature& f : delta.added_points) store_.Add(f, index_.Insert(f));
-  for (const SegmentFeature& f : delta.added_segments) store_.Add(f, index_.Insert(f));
-  for (const SizeFeature& f : delta.added_sizes) store_.Add(f);
+  for (const PointFeature<D>& f : delta.added_points) store_.Add(f, index_.Insert(f));
+  for (const SegmentFeature<D>& f : delta.added_segments) store_.Add(f, index_.Insert(f));
+  for (const SizeFeature<D>& f : delta.added_sizes) store_.Add(f);
   for (const PolygonFeature& f : delta.added_polygons) store_.Add(f);
 }
 
-std::vector<Feature> Plc2::Features() const {
+template <int D>
+std::vector<Feature> Plc<D>::Features() const {
   std::vector<Feature> features;
   features.reserve(size());
   for (const auto& [id, record] : store_.points()) {
@@ -56,8 +60,9 @@ std::vector<Feature> Plc2::Features() const {
   return features;
 }
 
-Delta Plc2::FromNothing() const {
-  Delta all;
+template <int D>
+Delta<D> Plc<D>::FromNothing() const {
+  Delta<D> all;
   for (const auto& [id, record] : store_.points()) all.added_points.push_back({id, record.p});
   for (const auto& [id, record] : store_.segments()) {
     all.added_segments.push_back(store_.Expand(id, record));
@@ -72,29 +77,35 @@ Delta Plc2::FromNothing() const {
   return all;
 }
 
-std::optional<PointFeature> Plc2::FindPoint(FeatureId id) const {
+template <int D>
+std::optional<PointFeature<D>> Plc<D>::FindPoint(FeatureId id) const {
   const PointRecord* record = store_.FindPoint(id);
   if (record == nullptr) return std::nullopt;
-  return PointFeature{id, record->p};
+  return PointFeature<D>{id, record->p};
 }
 
-std::optional<SegmentFeature> Plc2::FindSegment(FeatureId id) const {
+template <int D>
+std::optional<SegmentFeature<D>> Plc<D>::FindSegment(FeatureId id) const {
   const SegmentRecord* record = store_.FindSegment(id);
   if (record == nullptr) return std::nullopt;
   return store_.Expand(id, *record);
 }
 
-std::optional<SizeFeature> Plc2::FindSize(FeatureId id) const {
-  const SizeFeature* size = store_.FindSize(id);
+template <int D>
+std::optional<SizeFeature<D>> Plc<D>::FindSize(FeatureId id) const {
+  const SizeFeature<D>* size = store_.FindSize(id);
   if (size == nullptr) return std::nullopt;
   return *size;
 }
 
-std::vector<FeatureId> Plc2::SegmentsAt(FeatureId point) const {
+template <int D>
+std::vector<FeatureId> Plc<D>::SegmentsAt(FeatureId point) const {
   const auto at = store_.SegmentsAt(point);
   std::vector<FeatureId> segments(at.begin(), at.end());
   std::sort(segments.begin(), segments.end());
   return segments;
 }
+
+template class Plc<2>;
 
 }  // namespace dynmesh::plc

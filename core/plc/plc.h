@@ -35,13 +35,14 @@
 
 namespace dynmesh::plc {
 
-class Plc2 {
+template <int D>
+class Plc {
  public:
   // REQUIRES: ValidateOptions(options) is OK.
   // `hub_degree` decides how features are kept (feature_index.h), no answer depends on it.
-  explicit Plc2(const MeshOptions& options, std::uint32_t hub_degree = FeatureIndex::kHubDegree);
-  Plc2(const Plc2&) = delete;
-  Plc2& operator=(const Plc2&) = delete;
+  explicit Plc(const MeshOptions& options, std::uint32_t hub_degree = FeatureIndex::kHubDegree);
+  Plc(const Plc&) = delete;
+  Plc& operator=(const Plc&) = delete;
 
   // Acts the batch on a draft, validates the result, returns the net change. No change
   // here. If the result is illegal: the problem of the earliest edit to blame, with
@@ -57,10 +58,10 @@ class Plc2 {
   // is not null, adds to it the number of index cells and features looked at. Large batches
   // of long segments take minutes, so `interrupted` is asked for each feature that changes:
   // once it says yes, the answer is CANCELLED (reason CANCELLED).
-  absl::StatusOr<Delta> Check(
+  absl::StatusOr<Delta<D>> Check(
       const Edits& batch, std::uint64_t* cost = nullptr,
       absl::FunctionRef<bool()> interrupted = [] { return false; }) const;
-  absl::StatusOr<Delta> Check(
+  absl::StatusOr<Delta<D>> Check(
       const EditBatch& batch, std::uint64_t* cost = nullptr,
       absl::FunctionRef<bool()> interrupted = [] { return false; }) const {
     return Check(Edits(batch), cost, interrupted);
@@ -68,22 +69,22 @@ class Plc2 {
 
   // Applies a change. REQUIRES: `delta` is Check's on the features present, or the
   // inverse of the last one committed. O(delta) insertions and removals in the index.
-  void Commit(const Delta& delta);
+  void Commit(const Delta<D>& delta);
 
   // All features, sorted by id; entries that do not matter are 0. O(n lg n).
   std::vector<Feature> Features() const;
 
   // The change that makes all of it from nothing. O(n lg n).
-  Delta FromNothing() const;
+  Delta<D> FromNothing() const;
 
   std::size_t size() const { return store_.size(); }
   std::size_t point_count() const { return store_.points().size(); }
   std::size_t segment_count() const { return store_.segments().size(); }
 
   // O(1).
-  std::optional<PointFeature> FindPoint(FeatureId id) const;
-  std::optional<SegmentFeature> FindSegment(FeatureId id) const;
-  std::optional<SizeFeature> FindSize(FeatureId id) const;
+  std::optional<PointFeature<D>> FindPoint(FeatureId id) const;
+  std::optional<SegmentFeature<D>> FindSegment(FeatureId id) const;
+  std::optional<SizeFeature<D>> FindSize(FeatureId id) const;
   bool HasPoint(FeatureId id) const { return store_.FindPoint(id) != nullptr; }
   bool HasSegment(FeatureId id) const { return store_.FindSegment(id) != nullptr; }
   // The segments that end at a point, sorted; none if there is no such point.
@@ -102,6 +103,8 @@ class Plc2 {
   FeatureStore store_;
   FeatureIndex index_;
 };
+
+using Plc2 = Plc<2>;
 
 }  // namespace dynmesh::plc
 

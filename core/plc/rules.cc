@@ -90,18 +90,18 @@ bool IsNear(const Point2& p, const Point2& a, const Point2& b, double limit) {
   return cross * cross < limit2 * length2;
 }
 
-Conflict Between(const PointFeature& p, const PointFeature& q, double limit) {
+Conflict Between(const PointFeature<2>& p, const PointFeature<2>& q, double limit) {
   if (p.p == q.p) return Conflict::kDuplicatePoint;
   return SquaredDistance(p.p, q.p) < limit * limit ? Conflict::kTooClose : Conflict::kNone;
 }
 
-Conflict Between(const PointFeature& p, const SegmentFeature& s, double limit) {
+Conflict Between(const PointFeature<2>& p, const SegmentFeature<2>& s, double limit) {
   if (p.id == s.p_id || p.id == s.q_id) return Conflict::kNone;
   if (InRange(s.p, s.q, p.p) && Orientation(s.p, s.q, p.p) == 0) return Conflict::kPointOnSegment;
   return IsNear(p.p, s.p, s.q, limit) ? Conflict::kTooClose : Conflict::kNone;
 }
 
-Conflict Between(const SegmentFeature& s, const SegmentFeature& t) {
+Conflict Between(const SegmentFeature<2>& s, const SegmentFeature<2>& t) {
   const bool pp = s.p_id == t.p_id, qq = s.q_id == t.q_id;
   const bool pq = s.p_id == t.q_id, qp = s.q_id == t.p_id;
   if ((pp && qq) || (pq && qp)) {

@@ -36,17 +36,17 @@ enum class Conflict : std::uint8_t {
 };
 
 // Same coordinates: kDuplicatePoint; nearer than `limit`: kTooClose.
-Conflict Between(const PointFeature& p, const PointFeature& q, double limit);
+Conflict Between(const PointFeature<2>& p, const PointFeature<2>& q, double limit);
 
 // A point and a segment. None if the point is an end of it (by id).
-Conflict Between(const PointFeature& p, const SegmentFeature& s, double limit);
+Conflict Between(const PointFeature<2>& p, const SegmentFeature<2>& s, double limit);
 
 // Two segments. Polygons share their edges with each other and with segment features: no
 // conflict. An end of one *in* the other is left to the rule for point and
 // segment. Segments that share an end must not be nearly one: with u, w the vectors from
 // the shared point, u.w > 0 and (u x w)^2 < sin^2(0.001 degrees) (1 - 1e-6)|u|^2|w|^2 is
 // kSmallAngle.
-Conflict Between(const SegmentFeature& s, const SegmentFeature& t);
+Conflict Between(const SegmentFeature<2>& s, const SegmentFeature<2>& t);
 
 // Is the angle between apex-a and apex-b, and any larger one up to 180 degrees, certainly no
 // kSmallAngle? In doubles.

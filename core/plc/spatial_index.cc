@@ -50,13 +50,13 @@ int SpatialIndex::QuadrantOf(const Cell& cell, const UnitPoint& at) {
   return right + 2 * upper;
 }
 
-Slot SpatialIndex::Insert(const PointFeature& point) {
+Slot SpatialIndex::Insert(const PointFeature<2>& point) {
   const Slot slot = Put(points_, free_points_, point);
   InsertPointAt(0, grid_.root(), slot, grid_.ToUnits(point.p));
   return slot;
 }
 
-Slot SpatialIndex::Insert(const SegmentFeature& segment) {
+Slot SpatialIndex::Insert(const SegmentFeature<2>& segment) {
   const Slot slot = Put(segments_, free_segments_, GridSegment(segment, grid_));
   InsertSegmentAt(0, grid_.root(), slot);
   return slot;
@@ -277,7 +277,7 @@ void SpatialIndex::QueryNear(const geometry::Point2& p, VisitPoint visit_point,
   Visit(0, grid_.root(), PointQuery{grid_.ToUnits(p), visit_point, visit_segment, cost});
 }
 
-void SpatialIndex::QueryNear(const SegmentFeature& s, VisitPoint visit_point,
+void SpatialIndex::QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point,
                              VisitSegment visit_segment, std::uint64_t* cost) const {
   const GridSegment segment(s, grid_);
   Visit(0, grid_.root(), SegmentQuery{&segment, visit_point, visit_segment, cost});

@@ -35,16 +35,16 @@ namespace dynmesh::plc {
 
 class SpatialIndex {
  public:
-  using VisitPoint = absl::FunctionRef<void(const PointFeature&)>;
-  using VisitSegment = absl::FunctionRef<void(const SegmentFeature&)>;
+  using VisitPoint = absl::FunctionRef<void(const PointFeature<2>&)>;
+  using VisitSegment = absl::FunctionRef<void(const SegmentFeature<2>&)>;
 
   explicit SpatialIndex(const CellGrid& grid);
   SpatialIndex(const SpatialIndex&) = delete;
   SpatialIndex& operator=(const SpatialIndex&) = delete;
 
   // The slot is what Erase takes; it may be reused after that.
-  Slot Insert(const PointFeature& point);
-  Slot Insert(const SegmentFeature& segment);
+  Slot Insert(const PointFeature<2>& point);
+  Slot Insert(const SegmentFeature<2>& segment);
   void ErasePoint(Slot slot);
   void EraseSegment(Slot slot);
 
@@ -55,11 +55,11 @@ class SpatialIndex {
 
   // Visits every point less than 16 units away from segment `s`, every segment that
   // meets it, and maybe others.
-  void QueryNear(const SegmentFeature& s, VisitPoint visit_point, VisitSegment visit_segment,
+  void QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
 
   // A segment that has been inserted.
-  const SegmentFeature& segment(Slot slot) const { return segments_[slot].feature; }
+  const SegmentFeature<2>& segment(Slot slot) const { return segments_[slot].feature; }
   std::size_t node_count() const { return nodes_.size() - 4 * free_blocks_.size(); }
 
  private:
@@ -91,7 +91,7 @@ class SpatialIndex {
   CellGrid grid_;
   LargeVector<Node> nodes_;  // [0] is the root; children in blocks of four
   std::vector<NodeIndex> free_blocks_;
-  LargeVector<PointFeature> points_;
+  LargeVector<PointFeature<2>> points_;
   std::vector<Slot> free_points_;
   SegmentTable segments_;
   std::vector<Slot> free_segments_;

@@ -116,7 +116,7 @@ TEST(Rebuild, AfterALookIsPropagation) {
 // What one sizing feature carries decides, not that it is one.
 TEST(Rebuild, IsPlannedByWhatABatchIsWorth) {
   const Box box;
-  plc::Delta one, many;
+  plc::Delta<2> one, many;
   one.added_sizes.resize(1);
   one.added_sizes[0].sizing = {SizeShape::kDisc, 0.01, 0.3, {}};
   EXPECT_EQ(PlanFor(one, 100, 200, box, {}), Plan::kRebuild);
@@ -125,7 +125,7 @@ TEST(Rebuild, IsPlannedByWhatABatchIsWorth) {
   EXPECT_EQ(PlanFor(many, 0, 24, box, {}), Plan::kRebuild);
   EXPECT_EQ(PlanFor(many, 1000, 2000, box, {}), Plan::kLook);
   EXPECT_EQ(PlanFor(many, 10'000, 20'000, box, {}), Plan::kPropagate);
-  EXPECT_EQ(PlanFor(plc::Delta{}, 0, 24, box, {}), Plan::kPropagate);
+  EXPECT_EQ(PlanFor(plc::Delta<2>{}, 0, 24, box, {}), Plan::kPropagate);
 }
 
 // Clients' order, ids and directions are not geometry.

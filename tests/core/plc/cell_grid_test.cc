@@ -52,7 +52,8 @@ TEST(CellGrid, ASegmentSpansACellIfBothItsEndsAreInOtherColumns) {
     const double u = 0x1p-45;
     const Point2 p{{from * u, 3 * u}}, q{{to * u, 4 * u}};
     const Point2 ps{{p[1], p[0]}}, qs{{q[1], q[0]}};
-    const SegmentFeature f = flat ? SegmentFeature{1, 2, 3, p, q} : SegmentFeature{1, 2, 3, ps, qs};
+    const SegmentFeature<2> f =
+        flat ? SegmentFeature<2>{1, 2, 3, p, q} : SegmentFeature<2>{1, 2, 3, ps, qs};
     const GridSegment forward(f, grid), backward({1, 3, 2, f.q, f.p}, grid);
     const Cell at = flat ? cell : Cell{{cell.at[1], cell.at[0]}, cell.side};
     EXPECT_EQ(forward.flat, flat);

@@ -102,7 +102,7 @@ TEST(PlcCost, LongParallelSegmentsCostABisection) {
         batch.push_back(AddSegment(id + 2, id, id + 1));
       }
       std::uint64_t build = 0;
-      const absl::StatusOr<Delta> delta = plc.Check(batch, &build);
+      const absl::StatusOr<Delta<2>> delta = plc.Check(batch, &build);
       ASSERT_TRUE(delta.ok()) << delta.status();
       plc.Commit(*delta);
       std::uint64_t cost = 0;

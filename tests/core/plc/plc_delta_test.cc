@@ -26,17 +26,18 @@ class PlcDelta : public testing::Test {
 
 TEST_F(PlcDelta, FirstBatchAddsEverythingSortedById) {
   Plc2 fresh(Square(0, 1));
-  const Delta delta =
+  const Delta<2> delta =
       Apply(fresh, {AddSegment(9, 7, 3), AddPoint(7, 0.5, 0.5), AddPoint(3, 0.25, 0.5)});
-  EXPECT_EQ(delta.added_points, (std::vector<PointFeature>{{3, {{0.25, 0.5}}}, {7, {{0.5, 0.5}}}}));
+  EXPECT_EQ(delta.added_points,
+            (std::vector<PointFeature<2>>{{3, {{0.25, 0.5}}}, {7, {{0.5, 0.5}}}}));
   EXPECT_EQ(delta.added_segments,
-            (std::vector<SegmentFeature>{{9, 7, 3, {{0.5, 0.5}}, {{0.25, 0.5}}}}));
+            (std::vector<SegmentFeature<2>>{{9, 7, 3, {{0.5, 0.5}}, {{0.25, 0.5}}}}));
   EXPECT_TRUE(delta.removed_points.empty());
   EXPECT_TRUE(delta.removed_segments.empty());
 }
 
 TEST_F(PlcDelta, NothingChangesUntilCommit) {
-  const absl::StatusOr<Delta> delta = plc_.Check({AddPoint(4, 0.1, 0.1)});
+  const absl::StatusOr<Delta<2>> delta = plc_.Check({AddPoint(4, 0.1, 0.1)});
   ASSERT_TRUE(delta.ok());
   EXPECT_FALSE(plc_.HasPoint(4));
   EXPECT_EQ(plc_.size(), 5u);
@@ -55,7 +56,7 @@ TEST_F(PlcDelta, EmptyBatchAndBatchesWithoutNetChangeAreEmpty) {
            {Edit::Remove(12), AddSegment(12, 2, 3)},
            {Edit::Remove(2), AddPoint(2, kB[0], kB[1])},
        }) {
-    const absl::StatusOr<Delta> delta = plc_.Check(batch);
+    const absl::StatusOr<Delta<2>> delta = plc_.Check(batch);
     ASSERT_TRUE(delta.ok()) << delta.status();
     EXPECT_TRUE(delta->empty()) << ScriptOf(batch);
   }
@@ -63,29 +64,29 @@ TEST_F(PlcDelta, EmptyBatchAndBatchesWithoutNetChangeAreEmpty) {
 
 TEST_F(PlcDelta, AMovedPointTakesItsSegmentsAlong) {
   const geometry::Point2 to{{0.8, 0.2}};
-  const Delta delta = Apply(plc_, {Edit::Move(2, to[0], to[1])});
-  EXPECT_EQ(delta.removed_points, (std::vector<PointFeature>{{2, kB}}));
-  EXPECT_EQ(delta.added_points, (std::vector<PointFeature>{{2, to}}));
+  const Delta<2> delta = Apply(plc_, {Edit::Move(2, to[0], to[1])});
+  EXPECT_EQ(delta.removed_points, (std::vector<PointFeature<2>>{{2, kB}}));
+  EXPECT_EQ(delta.added_points, (std::vector<PointFeature<2>>{{2, to}}));
   EXPECT_EQ(delta.removed_segments,
-            (std::vector<SegmentFeature>{{11, 1, 2, kA, kB}, {12, 2, 3, kB, kC}}));
+            (std::vector<SegmentFeature<2>>{{11, 1, 2, kA, kB}, {12, 2, 3, kB, kC}}));
   EXPECT_EQ(delta.added_segments,
-            (std::vector<SegmentFeature>{{11, 1, 2, kA, to}, {12, 2, 3, to, kC}}));
+            (std::vector<SegmentFeature<2>>{{11, 1, 2, kA, to}, {12, 2, 3, to, kC}}));
   EXPECT_EQ(plc_.FindSegment(12)->p, to);
 }
 
 TEST_F(PlcDelta, AReplacedSegmentAppearsInBothLists) {
-  const Delta delta = Apply(plc_, {SetSegment(12, 1, 3)});
+  const Delta<2> delta = Apply(plc_, {SetSegment(12, 1, 3)});
   EXPECT_TRUE(delta.removed_points.empty());
   EXPECT_TRUE(delta.added_points.empty());
-  EXPECT_EQ(delta.removed_segments, (std::vector<SegmentFeature>{{12, 2, 3, kB, kC}}));
-  EXPECT_EQ(delta.added_segments, (std::vector<SegmentFeature>{{12, 1, 3, kA, kC}}));
+  EXPECT_EQ(delta.removed_segments, (std::vector<SegmentFeature<2>>{{12, 2, 3, kB, kC}}));
+  EXPECT_EQ(delta.added_segments, (std::vector<SegmentFeature<2>>{{12, 1, 3, kA, kC}}));
 }
 
 TEST_F(PlcDelta, AFeatureMayChangeItsKind) {
-  const Delta delta = Apply(plc_, {SetPoint(12, 0.1, 0.1), Edit::Remove(3)});
-  EXPECT_EQ(delta.removed_segments, (std::vector<SegmentFeature>{{12, 2, 3, kB, kC}}));
-  EXPECT_EQ(delta.removed_points, (std::vector<PointFeature>{{3, kC}}));
-  EXPECT_EQ(delta.added_points, (std::vector<PointFeature>{{12, {{0.1, 0.1}}}}));
+  const Delta<2> delta = Apply(plc_, {SetPoint(12, 0.1, 0.1), Edit::Remove(3)});
+  EXPECT_EQ(delta.removed_segments, (std::vector<SegmentFeature<2>>{{12, 2, 3, kB, kC}}));
+  EXPECT_EQ(delta.removed_points, (std::vector<PointFeature<2>>{{3, kC}}));
+  EXPECT_EQ(delta.added_points, (std::vector<PointFeature<2>>{{12, {{0.1, 0.1}}}}));
   Apply(plc_, {SetSegment(12, 1, 5), AddPoint(5, 0.1, 0.3)});
   EXPECT_TRUE(plc_.HasSegment(12));
   EXPECT_FALSE(plc_.HasPoint(12));
@@ -93,8 +94,8 @@ TEST_F(PlcDelta, AFeatureMayChangeItsKind) {
 
 TEST_F(PlcDelta, InverseOfACommitRestoresTheFeatures) {
   const std::vector<Feature> before = plc_.Features();
-  const Delta delta = Apply(plc_, {Edit::Move(2, 0.8, 0.2), Edit::Remove(11), Edit::Remove(1),
-                                   AddPoint(20, 0.1, 0.9), AddSegment(21, 20, 3)});
+  const Delta<2> delta = Apply(plc_, {Edit::Move(2, 0.8, 0.2), Edit::Remove(11), Edit::Remove(1),
+                                      AddPoint(20, 0.1, 0.9), AddSegment(21, 20, 3)});
   EXPECT_NE(plc_.Features(), before);
   EXPECT_EQ(delta.Inverse().Inverse(), delta);
   plc_.Commit(delta.Inverse());
@@ -117,9 +118,9 @@ TEST_F(PlcDelta, FeaturesAreSortedAndLookedUpById) {
             (std::vector<Feature>{Feature::Point(1, kA[0], kA[1]), Feature::Point(2, kB[0], kB[1]),
                                   Feature::Point(3, kC[0], kC[1]), Feature::Segment(11, 1, 2),
                                   Feature::Segment(12, 2, 3)}));
-  EXPECT_EQ(plc_.FindPoint(2), (PointFeature{2, kB}));
+  EXPECT_EQ(plc_.FindPoint(2), (PointFeature<2>{2, kB}));
   EXPECT_EQ(plc_.FindPoint(11), std::nullopt);
-  EXPECT_EQ(plc_.FindSegment(11), (SegmentFeature{11, 1, 2, kA, kB}));
+  EXPECT_EQ(plc_.FindSegment(11), (SegmentFeature<2>{11, 1, 2, kA, kB}));
   EXPECT_EQ(plc_.FindSegment(2), std::nullopt);
   EXPECT_EQ(plc_.SegmentsAt(2), (std::vector<FeatureId>{11, 12}));
   EXPECT_TRUE(plc_.SegmentsAt(77).empty());

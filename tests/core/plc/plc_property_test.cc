@@ -239,9 +239,9 @@ std::vector<Feature> Normalized(const FeatureMap& features) {
 }
 
 // The net change from one feature set to another, from their definition.
-Delta NaiveDelta(const FeatureMap& before, const FeatureMap& after) {
+Delta<2> NaiveDelta(const FeatureMap& before, const FeatureMap& after) {
   const auto points = [](const FeatureMap& all) {
-    std::map<FeatureId, PointFeature> result;
+    std::map<FeatureId, PointFeature<2>> result;
     for (const Feature& f : Normalized(all)) {
       if (f.kind == FeatureKind::kPoint) {
         result[f.id] = {f.id, {{f.position[0], f.position[1]}}};
@@ -259,13 +259,13 @@ Delta NaiveDelta(const FeatureMap& before, const FeatureMap& after) {
   // Segment features and edges of polygons, by owner and ends.
   const auto segments = [&](const FeatureMap& all) {
     const auto at = points(all);
-    std::map<EdgeKey, SegmentFeature> by_ends;
+    std::map<EdgeKey, SegmentFeature<2>> by_ends;
     for (const auto& [id, f] : all) {
       if (f.kind != FeatureKind::kPolygon) continue;
       for (const auto& ring : f.rings) {
         for (std::size_t i = 0; i < ring.size(); ++i) {
           const auto [p, q] = KeyOf(ring[i], ring[(i + 1) % ring.size()]);
-          SegmentFeature& edge = by_ends[{p, q}];
+          SegmentFeature<2>& edge = by_ends[{p, q}];
           if (edge.id == kNoFeature) edge = {id, p, q, at.at(p).p, at.at(q).p};
           edge.polygons.push_back(id);
         }
@@ -273,11 +273,11 @@ Delta NaiveDelta(const FeatureMap& before, const FeatureMap& after) {
     }
     for (const auto& [id, f] : all) {
       if (f.kind != FeatureKind::kSegment) continue;
-      SegmentFeature& edge = by_ends[KeyOf(f.ends[0], f.ends[1])];
+      SegmentFeature<2>& edge = by_ends[KeyOf(f.ends[0], f.ends[1])];
       const std::vector<FeatureId> users = edge.polygons;
       edge = {id, f.ends[0], f.ends[1], at.at(f.ends[0]).p, at.at(f.ends[1]).p, users};
     }
-    std::map<std::tuple<FeatureId, FeatureId, FeatureId>, SegmentFeature> result;
+    std::map<std::tuple<FeatureId, FeatureId, FeatureId>, SegmentFeature<2>> result;
     for (const auto& [ends, edge] : by_ends) result[{edge.id, edge.p_id, edge.q_id}] = edge;
     return result;
   };
@@ -286,7 +286,7 @@ Delta NaiveDelta(const FeatureMap& before, const FeatureMap& after) {
       if (!b.contains(id) || !(b.at(id) == f)) out.push_back(f);
     }
   };
-  Delta delta;
+  Delta<2> delta;
   less(points(before), points(after), delta.removed_points);
   less(points(after), points(before), delta.added_points);
   less(segments(before), segments(after), delta.removed_segments);
@@ -318,7 +318,7 @@ void RunScript(std::uint64_t seed, Generator::Style style, int batches, int most
                                     << script << "# this one:\n"
                                     << ScriptOf(batch));
     const NaiveResult wanted = NaiveCheck(present, batch);
-    const absl::StatusOr<Delta> delta = plc.Check(batch);
+    const absl::StatusOr<Delta<2>> delta = plc.Check(batch);
     if (wanted.ambiguous) {
       ++tally.ambiguous;
       continue;
@@ -341,7 +341,7 @@ void RunScript(std::uint64_t seed, Generator::Style style, int batches, int most
     ASSERT_EQ(plc.Features(), Normalized(wanted.features));
     plc.Commit(delta->Inverse());
     ASSERT_EQ(plc.Features(), Normalized(present));
-    const absl::StatusOr<Delta> again = plc.Check(batch);
+    const absl::StatusOr<Delta<2>> again = plc.Check(batch);
     ASSERT_TRUE(again.ok()) << again.status();
     ASSERT_EQ(*again, *delta);
     plc.Commit(*delta);
@@ -410,7 +410,7 @@ TEST(PlcProperty, AnswersDoNotDependOnHistory) {
     Plc2 grown(Square(0, 1));
     FeatureMap present;
     for (int i = 0; i < 150; ++i) {
-      const absl::StatusOr<Delta> delta = grown.Check(generator.Batch(present, 6));
+      const absl::StatusOr<Delta<2>> delta = grown.Check(generator.Batch(present, 6));
       if (!delta.ok()) continue;
       grown.Commit(*delta);
       present.clear();
@@ -424,7 +424,7 @@ TEST(PlcProperty, AnswersDoNotDependOnHistory) {
     ASSERT_EQ(fresh.Features(), grown.Features()) << "seed " << seed;
     for (int i = 0; i < 100; ++i) {
       const EditBatch batch = generator.Batch(present, 4);
-      const absl::StatusOr<Delta> a = grown.Check(batch), b = fresh.Check(batch);
+      const absl::StatusOr<Delta<2>> a = grown.Check(batch), b = fresh.Check(batch);
       ASSERT_EQ(a.status(), b.status()) << "seed " << seed << "\n" << ScriptOf(batch);
       if (a.ok()) {
         ASSERT_EQ(*a, *b) << "seed " << seed << "\n" << ScriptOf(batch);

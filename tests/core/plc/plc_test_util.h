@@ -71,8 +71,8 @@ inline std::string ScriptOf(const EditBatch& batch) {
 }
 
 // Checks and commits; the batch must be legal.
-inline Delta Apply(Plc2& plc, const EditBatch& batch) {
-  absl::StatusOr<Delta> delta = plc.Check(batch);
+inline Delta<2> Apply(Plc2& plc, const EditBatch& batch) {
+  absl::StatusOr<Delta<2>> delta = plc.Check(batch);
   EXPECT_TRUE(delta.ok()) << delta.status();
   if (!delta.ok()) return {};
   plc.Commit(*delta);

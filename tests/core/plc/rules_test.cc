@@ -16,16 +16,16 @@ using geometry::Point2;
 
 constexpr double kLimit = 0x1p-41;
 
-SegmentFeature Segment(FeatureId id, FeatureId p_id, FeatureId q_id, Point2 p, Point2 q) {
+SegmentFeature<2> Segment(FeatureId id, FeatureId p_id, FeatureId q_id, Point2 p, Point2 q) {
   return {id, p_id, q_id, p, q};
 }
-SegmentFeature Reversed(const SegmentFeature& s) { return {s.id, s.q_id, s.p_id, s.q, s.p}; }
+SegmentFeature<2> Reversed(const SegmentFeature<2>& s) { return {s.id, s.q_id, s.p_id, s.q, s.p}; }
 
 // All eight ways to ask must agree.
-Conflict Ask(const SegmentFeature& s, const SegmentFeature& t) {
+Conflict Ask(const SegmentFeature<2>& s, const SegmentFeature<2>& t) {
   const Conflict answer = Between(s, t);
-  for (const SegmentFeature& a : {s, Reversed(s)}) {
-    for (const SegmentFeature& b : {t, Reversed(t)}) {
+  for (const SegmentFeature<2>& a : {s, Reversed(s)}) {
+    for (const SegmentFeature<2>& b : {t, Reversed(t)}) {
       EXPECT_EQ(Between(a, b), answer);
       EXPECT_EQ(Between(b, a), answer);
     }
@@ -41,7 +41,7 @@ TEST(Rules, TheCloseLimitIsThePowerOfTwoAt1024Ulps) {
 }
 
 TEST(Rules, SegmentsApart) {
-  const SegmentFeature s = Segment(9, 1, 2, {{0, 0}}, {{1, 0}});
+  const SegmentFeature<2> s = Segment(9, 1, 2, {{0, 0}}, {{1, 0}});
   const auto with = [&](Point2 c, Point2 d) { return Ask(s, Segment(10, 3, 4, c, d)); };
   EXPECT_EQ(with({{0.5, -1}}, {{0.5, 1}}), Conflict::kSegmentsCross);
   EXPECT_EQ(with({{0.5, 0x1p-52}}, {{0.5, 1}}), Conflict::kNone);
@@ -55,7 +55,7 @@ TEST(Rules, SegmentsApart) {
 }
 
 TEST(Rules, SegmentsThatShareAnEnd) {
-  const SegmentFeature s = Segment(9, 1, 2, {{0, 0}}, {{1, 0}});
+  const SegmentFeature<2> s = Segment(9, 1, 2, {{0, 0}}, {{1, 0}});
   const auto with = [&](Point2 d) { return Ask(s, Segment(10, 1, 3, {{0, 0}}, d)); };
   const double least = std::tan(std::numbers::pi / 180'000);  // 0.001 degrees
   EXPECT_EQ(with({{1, 1}}), Conflict::kNone);
@@ -74,10 +74,10 @@ TEST(Rules, SegmentsThatShareAnEnd) {
 }
 
 TEST(Rules, PointsAndSegments) {
-  const SegmentFeature s = Segment(9, 1, 2, {{0.25, 0.25}}, {{0.75, 0.5}});
+  const SegmentFeature<2> s = Segment(9, 1, 2, {{0.25, 0.25}}, {{0.75, 0.5}});
   const auto with = [&](Point2 x) {
-    const Conflict answer = Between(PointFeature{3, x}, s, kLimit);
-    EXPECT_EQ(Between(PointFeature{3, x}, Reversed(s), kLimit), answer);
+    const Conflict answer = Between(PointFeature<2>{3, x}, s, kLimit);
+    EXPECT_EQ(Between(PointFeature<2>{3, x}, Reversed(s), kLimit), answer);
     return answer;
   };
   EXPECT_EQ(with({{0.5, 0.375}}), Conflict::kPointOnSegment);
@@ -86,7 +86,7 @@ TEST(Rules, PointsAndSegments) {
   EXPECT_EQ(with({{1.0, 0.625}}), Conflict::kNone);  // on the line, off the segment
   EXPECT_EQ(with({{0.75 + 0x1p-42, 0.5}}), Conflict::kTooClose);
   EXPECT_EQ(with({{0.75 + 0x1p-41, 0.5}}), Conflict::kNone);
-  EXPECT_EQ(Between(PointFeature{1, {{0.25, 0.25}}}, s, kLimit), Conflict::kNone);  // its end
+  EXPECT_EQ(Between(PointFeature<2>{1, {{0.25, 0.25}}}, s, kLimit), Conflict::kNone);  // its end
 }
 
 TEST(Rules, NearnessIsTheSameFromBothEndsToTheBit) {

@@ -27,20 +27,20 @@ class Both {
   Both() : grid_(Square(0, 1).box, kLimit), index_(grid_) {}
 
   FeatureId Add(Point2 p) {
-    const PointFeature f{next_id_++, p};
+    const PointFeature<2> f{next_id_++, p};
     points_.push_back({f, index_.Insert(f)});
     return f.id;
   }
   // With its ends.
   void Add(Point2 p, Point2 q) {
     const FeatureId p_id = Add(p), q_id = Add(q);
-    const SegmentFeature f{next_id_++, p_id, q_id, p, q};
+    const SegmentFeature<2> f{next_id_++, p_id, q_id, p, q};
     segments_.push_back({f, index_.Insert(f)});
   }
   // If it has no conflict with what is there.
   void AddIfLegal(Point2 p, Point2 q) {
-    const PointFeature pf{next_id_, p}, qf{next_id_ + 1, q};
-    const SegmentFeature f{next_id_ + 2, pf.id, qf.id, p, q};
+    const PointFeature<2> pf{next_id_, p}, qf{next_id_ + 1, q};
+    const SegmentFeature<2> f{next_id_ + 2, pf.id, qf.id, p, q};
     if (Between(pf, qf, kLimit) == Conflict::kNone && Conflicts(pf).empty() &&
         Conflicts(qf).empty() && Conflicts(f).empty()) {
       Add(p, q);
@@ -63,7 +63,7 @@ class Both {
     });
   }
 
-  std::set<FeatureId> Conflicts(const PointFeature& f) const {
+  std::set<FeatureId> Conflicts(const PointFeature<2>& f) const {
     std::set<FeatureId> result;
     for (const auto& p : points_) {
       if (Between(f, p.f, kLimit) != Conflict::kNone) result.insert(p.f.id);
@@ -73,7 +73,7 @@ class Both {
     }
     return result;
   }
-  std::set<FeatureId> Conflicts(const SegmentFeature& f) const {
+  std::set<FeatureId> Conflicts(const SegmentFeature<2>& f) const {
     std::set<FeatureId> result;
     for (const auto& p : points_) {
       if (Between(p.f, f, kLimit) != Conflict::kNone) result.insert(p.f.id);
@@ -88,19 +88,19 @@ class Both {
   std::set<FeatureId> Answer(const Place& place, std::uint64_t* cost) const {
     std::set<FeatureId> result;
     index_.QueryNear(
-        place, [&](const PointFeature& p) { result.insert(p.id); },
-        [&](const SegmentFeature& s) { result.insert(s.id); }, cost);
+        place, [&](const PointFeature<2>& p) { result.insert(p.id); },
+        [&](const SegmentFeature<2>& s) { result.insert(s.id); }, cost);
     return result;
   }
 
   // Asks about a place and fails if a conflict is not among the answers.
   int Ask(Point2 p) const {
     std::uint64_t cost = 0;
-    return Compare(Conflicts(PointFeature{kAsker, p}), Answer(p, &cost));
+    return Compare(Conflicts(PointFeature<2>{kAsker, p}), Answer(p, &cost));
   }
   int Ask(Point2 p, Point2 q) const {
     if (geometry::SquaredDistance(p, q) < kLimit * kLimit) return 0;
-    const SegmentFeature f{kAsker, kAsker - 1, kAsker - 2, p, q};
+    const SegmentFeature<2> f{kAsker, kAsker - 1, kAsker - 2, p, q};
     std::uint64_t cost = 0;
     return Compare(Conflicts(f), Answer(f, &cost));
   }
@@ -115,7 +115,7 @@ class Both {
     const double step = dice == 1 ? 0 : std::ldexp(real() - 0.5, -static_cast<int>(real() * 45));
     Point2 at = points_[random() % points_.size()].f.p;
     if (real() < 0.7) {
-      const SegmentFeature& s = segments_[random() % segments_.size()].f;
+      const SegmentFeature<2>& s = segments_[random() % segments_.size()].f;
       const double t = real();
       at = {{s.p[0] + t * (s.q[0] - s.p[0]), s.p[1] + t * (s.q[1] - s.p[1])}};
     }
@@ -131,11 +131,11 @@ class Both {
   }
 
   struct APoint {
-    PointFeature f;
+    PointFeature<2> f;
     Slot slot;
   };
   struct ASegment {
-    SegmentFeature f;
+    SegmentFeature<2> f;
     Slot slot;
   };
   CellGrid grid_;
@@ -258,10 +258,10 @@ TEST(SpatialIndex, SplitsNoDeeperThanNeeded) {
   CellGrid grid(Square(0, 1).box, kLimit);
   SpatialIndex index(grid);
   for (int i = 0; i < 16; ++i) {
-    index.Insert(PointFeature{FeatureId(i + 1), {{0.7 + i * kLimit, 0.7}}});
+    index.Insert(PointFeature<2>{FeatureId(i + 1), {{0.7 + i * kLimit, 0.7}}});
   }
   EXPECT_EQ(index.node_count(), 4u);
-  index.Insert(PointFeature{17, {{0.7 + 16 * kLimit, 0.7}}});
+  index.Insert(PointFeature<2>{17, {{0.7 + 16 * kLimit, 0.7}}});
   EXPECT_GT(index.node_count(), 4 * 30u);
   EXPECT_LT(index.node_count(), 4 * 50u);
 }
