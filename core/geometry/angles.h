@@ -9,12 +9,15 @@ namespace dynmesh::geometry {
 
 // Do apex-p and apex-q make an angle below 60 degrees? Less a hair, so that a lattice of
 // regular triangles as rounded on entry has none. In doubles; symmetric in p and q to the bit.
-inline bool IsSmallAngle(const Point2& apex, const Point2& p, const Point2& q) {
+template <int D>
+inline bool IsSmallAngle(const Point<D>& apex, const Point<D>& p, const Point<D>& q) {
   constexpr double kSquaredCosine = 0.25 * (1 + 4e-6);
-  const double ux = p[0] - apex[0], uy = p[1] - apex[1];
-  const double wx = q[0] - apex[0], wy = q[1] - apex[1];
-  const double dot = ux * wx + uy * wy;
-  return dot > 0 && dot * dot > kSquaredCosine * ((ux * ux + uy * uy) * (wx * wx + wy * wy));
+  double dot = 0, p2 = 0, q2 = 0;
+  for (int i = 0; i < D; ++i) {
+    const double u = p[i] - apex[i], w = q[i] - apex[i];
+    dot += u * w, p2 += u * u, q2 += w * w;
+  }
+  return dot > 0 && dot * dot > kSquaredCosine * (p2 * q2);
 }
 
 // Does the direction apex-p come before apex-q, counter-clockwise from straight up? Exact.

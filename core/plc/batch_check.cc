@@ -12,7 +12,7 @@
 namespace dynmesh::plc {
 namespace {
 
-using geometry::Point2;
+using geometry::Point;
 
 template <typename T>
 void SortUnique(std::vector<T>& values) {
@@ -30,8 +30,10 @@ std::vector<FeatureId> PointsOf(const Rings& rings) {
 
 }  // namespace
 
-BatchCheck::BatchCheck(const MeshOptions& options, double limit, const CellGrid& grid,
-                       const FeatureStore& store, const FeatureIndex& index, const Edits& batch)
+template <int D>
+BatchCheck<D>::BatchCheck(const MeshOptions& options, double limit, const CellGrid<D>& grid,
+                          const FeatureStore<D>& store, const FeatureIndex<D>& index,
+                          const Edits& batch)
     : options_(options),
       limit_(limit),
       store_(store),
@@ -39,8 +41,9 @@ BatchCheck::BatchCheck(const MeshOptions& options, double limit, const CellGrid&
       draft_(store, batch),
       entered_(grid, index.hub_degree()) {}
 
-absl::StatusOr<Delta<2>> BatchCheck::Run(absl::FunctionRef<bool()> interrupted) {
-  for (const Draft::Entry& entry : draft_.entries()) CollectPoint(entry);
+template <int D>
+absl::StatusOr<Delta<D>> BatchCheck<D>::Run(absl::FunctionRef<bool()> interrupted) {
+  for (const typename Draft<D>::Entry& entry : draft_.entries()) CollectPoint(entry);
   SortUnique(affected_sizes_);
   for (const FeatureId id : affected_sizes_) CollectSize(id);
   if (knows_polygons()) {
@@ -66,37 +69,43 @@ absl::StatusOr<Delta<2>> BatchCheck::Run(absl::FunctionRef<bool()> interrupted) 
 }
 
 // A first load of points, all far apart: nothing to find fault with, no need of an order.
-bool BatchCheck::IsCertainlyGood() const {
+template <int D>
+bool BatchCheck<D>::IsCertainlyGood() const {
   if (store_.size() > 0 || draft_.error_edit() != kNever || !affected_segments_.empty() ||
       !affected_sizes_.empty() || draft_.has_polygons()) {
     return false;
   }
-  const auto is_in_place = [&](const PointFeature<2>& p) {
+  const auto is_in_place = [&](const PointFeature<D>& p) {
     return CheckPlace(p, options_.box, 0).ok();
   };
-  return std::all_of(delta_.added_points.begin(), delta_.added_points.end(), is_in_place) &&
-         AreFarApart(delta_.added_points, options_.box, limit_);
+  if constexpr (D == 2) {
+    return std::all_of(delta_.added_points.begin(), delta_.added_points.end(), is_in_place) &&
+           AreFarApart(delta_.added_points, options_.box, limit_);
+  }
+  return false;
 }
 
 // Events from the draft's error on mean nothing: their features are unknown.
-void BatchCheck::Schedule(const Event& event) {
+template <int D>
+void BatchCheck<D>::Schedule(const Event& event) {
   if (event.edit < draft_.error_edit()) events_.push_back(event);
 }
 
 // What `entry` was and is, as far as it is a point; the other kinds are noted for later.
-void BatchCheck::CollectPoint(const Draft::Entry& entry) {
-  const auto is_or_was = [&](Draft::State state, bool was) { return entry.state == state || was; };
-  if (is_or_was(Draft::State::kSegment, store_.FindSegment(entry.id) != nullptr)) {
+template <int D>
+void BatchCheck<D>::CollectPoint(const typename Draft<D>::Entry& entry) {
+  const auto is_or_was = [&](DraftState state, bool was) { return entry.state == state || was; };
+  if (is_or_was(DraftState::kSegment, store_.FindSegment(entry.id) != nullptr)) {
     affected_segments_.push_back(entry.id);
   }
-  if (is_or_was(Draft::State::kSize, store_.FindSize(entry.id) != nullptr)) {
+  if (is_or_was(DraftState::kSize, store_.FindSize(entry.id) != nullptr)) {
     affected_sizes_.push_back(entry.id);
   }
-  if (is_or_was(Draft::State::kPolygon, store_.FindPolygon(entry.id) != nullptr)) {
+  if (is_or_was(DraftState::kPolygon, store_.FindPolygon(entry.id) != nullptr)) {
     affected_polygons_.push_back(entry.id);
   }
-  const bool is_point = entry.state == Draft::State::kPoint;
-  const PointRecord* was = store_.FindPoint(entry.id);
+  const bool is_point = entry.state == DraftState::kPoint;
+  const PointRecord<D>* was = store_.FindPoint(entry.id);
   if (is_point && draft_.IsAsBefore(entry)) return;
   if (was != nullptr) {
     hidden_.insert(entry.id);
@@ -112,7 +121,8 @@ void BatchCheck::CollectPoint(const Draft::Entry& entry) {
 
 // A point of the store moves, or is none any more. Rings of a polygon stay what they are
 // if a point moves.
-void BatchCheck::CollectUsers(FeatureId point, bool is_point) {
+template <int D>
+void BatchCheck<D>::CollectUsers(FeatureId point, bool is_point) {
   const auto segments = store_.SegmentsAt(point);
   affected_segments_.insert(affected_segments_.end(), segments.begin(), segments.end());
   for (const FeatureId id : store_.PolygonsAt(point)) {
@@ -126,19 +136,20 @@ void BatchCheck::CollectUsers(FeatureId point, bool is_point) {
 }
 
 // A sizing feature that the batch names, or a polygon that follows a point that changed.
-void BatchCheck::CollectSize(FeatureId id) {
-  const SizeFeature<2>* was = store_.FindSize(id);
-  const Draft::Entry* entry = draft_.Find(id);
-  const bool is_size = entry == nullptr || entry->state == Draft::State::kSize;
+template <int D>
+void BatchCheck<D>::CollectSize(FeatureId id) {
+  const SizeFeature<D>* was = store_.FindSize(id);
+  const typename Draft<D>::Entry* entry = draft_.Find(id);
+  const bool is_size = entry == nullptr || entry->state == DraftState::kSize;
   EditIndex edit = draft_.BlameOf(id);
-  SizeFeature<2> now;
+  SizeFeature<D> now;
   bool whole = false;
   if (is_size) {
     now = entry == nullptr ? *was : draft_.SizeFeatureOf(*entry);
     whole = CheckPoints(id, PointsOf(now.rings), edit);
     now.places.clear();
     for (const auto& ring : now.rings) {
-      std::vector<Point2>& places = now.places.emplace_back();
+      std::vector<Point<D>>& places = now.places.emplace_back();
       for (const FeatureId point : ring) {
         if (!whole) break;
         places.push_back(*draft_.FindPoint(point));
@@ -158,13 +169,14 @@ void BatchCheck::CollectSize(FeatureId id) {
 
 // A polygon that the batch names, or that loses a point: its rings. Where its points lie
 // is a matter of its edges.
-void BatchCheck::CollectPolygon(FeatureId id) {
+template <int D>
+void BatchCheck<D>::CollectPolygon(FeatureId id) {
   const Rings* was = store_.FindPolygon(id);
-  const Draft::Entry* entry = draft_.Find(id);
+  const typename Draft<D>::Entry* entry = draft_.Find(id);
   const EditIndex own = draft_.BlameOf(id);
   bool whole = false;
   PolygonFeature now;
-  if (entry == nullptr || entry->state == Draft::State::kPolygon) {
+  if (entry == nullptr || entry->state == DraftState::kPolygon) {
     now = entry == nullptr ? PolygonFeature{id, *was} : draft_.PolygonOf(*entry);
     whole = CheckRings(id, now.rings, own).ok();
     if (!whole) Schedule({own, id, Event::Kind::kPolygon});
@@ -186,9 +198,10 @@ void BatchCheck::CollectPolygon(FeatureId id) {
 
 // Where polygons have edges, and segment features come, go or change there, both are
 // affected: who comes later finds what is in `affected_edges_` and `affected_segments_`.
-void BatchCheck::FindAffectedEdges() {
-  for (const Draft::Entry& entry : draft_.entries()) {
-    if (entry.state != Draft::State::kSegment) continue;
+template <int D>
+void BatchCheck<D>::FindAffectedEdges() {
+  for (const typename Draft<D>::Entry& entry : draft_.entries()) {
+    if (entry.state != DraftState::kSegment) continue;
     const EdgeKey key = KeyOf(entry.ends[0], entry.ends[1]);
     FeatureId& first = drafted_segments_.try_emplace(key, entry.id).first->second;
     if (BlameOfEdge(entry.id, key) < BlameOfEdge(first, key)) first = entry.id;
@@ -197,8 +210,8 @@ void BatchCheck::FindAffectedEdges() {
     if (const SegmentRecord* was = store_.FindSegment(id)) {
       affected_edges_.push_back(KeyOf(was->ends[0], was->ends[1]));
     }
-    const Draft::Entry* entry = draft_.Find(id);
-    if (entry != nullptr && entry->state == Draft::State::kSegment) {
+    const typename Draft<D>::Entry* entry = draft_.Find(id);
+    if (entry != nullptr && entry->state == DraftState::kSegment) {
       affected_edges_.push_back(KeyOf(entry->ends[0], entry->ends[1]));
     }
   }
@@ -209,7 +222,8 @@ void BatchCheck::FindAffectedEdges() {
   }
 }
 
-std::vector<FeatureId> BatchCheck::PolygonsAfter(const EdgeKey& key) const {
+template <int D>
+std::vector<FeatureId> BatchCheck<D>::PolygonsAfter(const EdgeKey& key) const {
   std::vector<FeatureId> polygons;
   if (const EdgeRecord* record = store_.FindEdge(key)) polygons = record->polygons;
   std::erase_if(polygons, [&](FeatureId id) { return changed_polygons_.contains(id); });
@@ -221,7 +235,8 @@ std::vector<FeatureId> BatchCheck::PolygonsAfter(const EdgeKey& key) const {
 }
 
 // A segment feature of the result between the two points, if there is one.
-FeatureId BatchCheck::SegmentAfter(const EdgeKey& key) const {
+template <int D>
+FeatureId BatchCheck<D>::SegmentAfter(const EdgeKey& key) const {
   const FeatureId was = store_.SegmentBetween(key);
   if (was != kNoFeature && draft_.Find(was) == nullptr) return was;
   const auto it = drafted_segments_.find(key);
@@ -230,7 +245,8 @@ FeatureId BatchCheck::SegmentAfter(const EdgeKey& key) const {
 
 // Of a segment feature, or an edge of a polygon. One that the polygon had before is not the
 // fault of who changed its other edges.
-EditIndex BatchCheck::BlameOfEdge(FeatureId feature, const EdgeKey& key) const {
+template <int D>
+EditIndex BatchCheck<D>::BlameOfEdge(FeatureId feature, const EdgeKey& key) const {
   const EdgeRecord* record = store_.FindEdge(key);
   const bool had = record != nullptr &&
                    std::binary_search(record->polygons.begin(), record->polygons.end(), feature);
@@ -239,13 +255,14 @@ EditIndex BatchCheck::BlameOfEdge(FeatureId feature, const EdgeKey& key) const {
 }
 
 // An edge where polygons are or were, and no segment feature is or was.
-void BatchCheck::CollectEdge(const EdgeKey& key) {
+template <int D>
+void BatchCheck<D>::CollectEdge(const EdgeKey& key) {
   const std::vector<FeatureId> polygons = PolygonsAfter(key);
   const FeatureId segment = SegmentAfter(key);
-  const Point2* p = draft_.FindPoint(key.first);
-  const Point2* q = draft_.FindPoint(key.second);
+  const Point<D>* p = draft_.FindPoint(key.first);
+  const Point<D>* q = draft_.FindPoint(key.second);
   const bool is_edge = !polygons.empty() && p != nullptr && q != nullptr;
-  SegmentFeature<2> now;
+  SegmentFeature<D> now;
   FeatureId first = kNoFeature;  // of the polygons to have it
   EditIndex edit = kUntouched;
   if (is_edge) {
@@ -257,7 +274,7 @@ void BatchCheck::CollectEdge(const EdgeKey& key) {
   }
   const EdgeRecord* record = store_.FindEdge(key);
   if (record != nullptr && record->segment == kNoFeature) {
-    SegmentFeature<2> before = store_.Expand(key, *record);
+    SegmentFeature<D> before = store_.Expand(key, *record);
     const bool stays = is_edge && segment == kNoFeature && before == now;
     if (stays && edit < draft_.error_edit()) return;
     hidden_edges_.insert(key);
@@ -275,15 +292,16 @@ void BatchCheck::CollectEdge(const EdgeKey& key) {
 }
 
 // A segment that the batch names, or that ends at a point that changed.
-void BatchCheck::CollectSegment(FeatureId id) {
+template <int D>
+void BatchCheck<D>::CollectSegment(FeatureId id) {
   const SegmentRecord* was = store_.FindSegment(id);
-  const Draft::Entry* entry = draft_.Find(id);
+  const typename Draft<D>::Entry* entry = draft_.Find(id);
   const EditIndex own = draft_.BlameOf(id);
-  const bool is_segment = entry == nullptr || entry->state == Draft::State::kSegment;
+  const bool is_segment = entry == nullptr || entry->state == DraftState::kSegment;
   const std::array<FeatureId, 2> ends = entry == nullptr ? was->ends : entry->ends;
 
   EditIndex edit = own;
-  SegmentFeature<2> now;
+  SegmentFeature<D> now;
   if (is_segment && ends[0] == ends[1]) Schedule({own, id, Event::Kind::kDegenerate});
   const bool whole = is_segment && ends[0] != ends[1] && CheckPoints(id, ends, own);
   if (whole) {
@@ -292,7 +310,7 @@ void BatchCheck::CollectSegment(FeatureId id) {
     if (knows_polygons()) now.polygons = PolygonsAfter(KeyOf(now));
   }
   if (was != nullptr) {
-    const SegmentFeature<2> before = store_.Expand(id, *was);
+    const SegmentFeature<D> before = store_.Expand(id, *was);
     if (whole && before == now && edit < draft_.error_edit()) return;
     hidden_.insert(id);
     delta_.removed_segments.push_back(before);
@@ -306,7 +324,8 @@ void BatchCheck::CollectSegment(FeatureId id) {
 // Are all of `points`, none twice, which feature `id` needs, points? If not, schedules the problem:
 // one that is missing because of a later edit than the feature's is a point in use, else the
 // feature's fault.
-bool BatchCheck::CheckPoints(FeatureId id, std::span<const FeatureId> points, EditIndex own) {
+template <int D>
+bool BatchCheck<D>::CheckPoints(FeatureId id, std::span<const FeatureId> points, EditIndex own) {
   bool whole = true, own_fault = false;
   for (const FeatureId point : points) {
     if (draft_.FindPoint(point) != nullptr) continue;
@@ -326,12 +345,13 @@ bool BatchCheck::CheckPoints(FeatureId id, std::span<const FeatureId> points, Ed
 
 // A batch that changes much of what is present would step over hidden features again
 // and again; it then pays for an index of those that stay.
-void BatchCheck::ChooseIndex() {
+template <int D>
+void BatchCheck<D>::ChooseIndex() {
   constexpr std::size_t kWorthwhile = 8;
   if ((hidden_.size() + hidden_edges_.size()) * kWorthwhile < store_.size()) return;
   present_ = nullptr;
   for (const auto& [id, record] : store_.points()) {
-    if (!hidden_.contains(id)) entered_.Insert(PointFeature<2>{id, record.p});
+    if (!hidden_.contains(id)) entered_.Insert(PointFeature<D>{id, record.p});
   }
   for (const auto& [id, record] : store_.segments()) {
     if (!hidden_.contains(id)) entered_.Insert(store_.Expand(id, record));
@@ -342,14 +362,15 @@ void BatchCheck::ChooseIndex() {
   }
 }
 
-absl::Status BatchCheck::Handle(const Event& event) {
+template <int D>
+absl::Status BatchCheck<D>::Handle(const Event& event) {
   switch (event.kind) {
     case Event::Kind::kPoint:
-      return EnterPoint(delta_.added_points[event.at], event.edit);
+      return Enter(delta_.added_points[event.at], event.edit);
     case Event::Kind::kSegment:
-      return EnterSegment(delta_.added_segments[event.at], event.edit);
+      return Enter(delta_.added_segments[event.at], event.edit);
     case Event::Kind::kEdge:
-      return EnterSegment(edges_[event.at], event.edit);
+      return Enter(edges_[event.at], event.edit);
     case Event::Kind::kPointGone: {
       std::vector<FeatureId>& users = users_of_missing_[event.id];
       std::sort(users.begin(), users.end());
@@ -367,14 +388,15 @@ absl::Status BatchCheck::Handle(const Event& event) {
   return absl::OkStatus();
 }
 
-absl::Status BatchCheck::UnknownEnd(FeatureId feature, EditIndex edit) const {
-  const Draft::Entry& entry = *draft_.Find(feature);
+template <int D>
+absl::Status BatchCheck<D>::UnknownEnd(FeatureId feature, EditIndex edit) const {
+  const typename Draft<D>::Entry& entry = *draft_.Find(feature);
   std::vector<FeatureId> points;
-  if (entry.state == Draft::State::kSegment) {
+  if (entry.state == DraftState::kSegment) {
     points = {entry.ends[0], entry.ends[1]};
   } else {
-    points = PointsOf(entry.state == Draft::State::kPolygon ? draft_.PolygonOf(entry).rings
-                                                            : draft_.SizeFeatureOf(entry).rings);
+    points = PointsOf(entry.state == DraftState::kPolygon ? draft_.PolygonOf(entry).rings
+                                                          : draft_.SizeFeatureOf(entry).rings);
   }
   std::erase_if(points, [&](FeatureId point) {
     return draft_.FindPoint(point) != nullptr || draft_.BlameOf(point) > edit;
@@ -382,51 +404,55 @@ absl::Status BatchCheck::UnknownEnd(FeatureId feature, EditIndex edit) const {
   return UnknownEndError(feature, points, edit);
 }
 
-absl::Status BatchCheck::EnterPoint(const PointFeature<2>& point, EditIndex edit) {
-  if (absl::Status status = CheckPlace(point, options_.box, edit); !status.ok()) return status;
-  const Obstacle found = FindObstacle(point);
-  if (found.conflict != Conflict::kNone) {
-    const AnyFeature other = found.is_point ? AnyFeature(found.point) : AnyFeature(found.segment);
-    return ConflictError(found.conflict, point, other, limit_, edit);
-  }
-  entered_.Insert(point);
-  return absl::OkStatus();
-}
-
-absl::Status BatchCheck::EnterSegment(const SegmentFeature<2>& segment, EditIndex edit) {
-  const Obstacle found = FindObstacle(segment);
-  if (found.conflict != Conflict::kNone) {
-    const AnyFeature other = found.is_point ? AnyFeature(found.point) : AnyFeature(found.segment);
-    return ConflictError(found.conflict, segment, other, limit_, edit);
-  }
-  entered_.Insert(segment);
-  return absl::OkStatus();
-}
-
 namespace {
 
 // What the index asks to be near to.
-const Point2& Place(const PointFeature<2>& f) { return f.p; }
-const SegmentFeature<2>& Place(const SegmentFeature<2>& f) { return f; }
+template <int D>
+const Point<D>& Place(const PointFeature<D>& f) {
+  return f.p;
+}
+template <int D>
+const SegmentFeature<D>& Place(const SegmentFeature<D>& f) {
+  return f;
+}
 
 // The rules, whichever way round.
-Conflict Judge(const PointFeature<2>& f, const PointFeature<2>& other, double limit) {
+template <class F, class G>
+Conflict Judge(const F& f, const G& other, double limit) {
   return Between(f, other, limit);
 }
-Conflict Judge(const PointFeature<2>& f, const SegmentFeature<2>& other, double limit) {
-  return Between(f, other, limit);
-}
-Conflict Judge(const SegmentFeature<2>& f, const PointFeature<2>& other, double limit) {
+template <int D>
+Conflict Judge(const SegmentFeature<D>& f, const PointFeature<D>& other, double limit) {
   return Between(other, f, limit);
 }
-Conflict Judge(const SegmentFeature<2>& f, const SegmentFeature<2>& other, double) {
-  return Between(f, other);
+
+// What is wrong with a feature by itself.
+template <int D>
+absl::Status CheckAlone(const PointFeature<D>& f, const MeshOptions& options, EditIndex edit) {
+  return CheckPlace(f, options.box, edit);
+}
+template <int D>
+absl::Status CheckAlone(const SegmentFeature<D>&, const MeshOptions&, EditIndex) {
+  return absl::OkStatus();
 }
 
 }  // namespace
 
+template <int D>
 template <typename F>
-BatchCheck::Obstacle BatchCheck::FindObstacle(const F& feature) {
+absl::Status BatchCheck<D>::Enter(const F& feature, EditIndex edit) {
+  if (absl::Status status = CheckAlone(feature, options_, edit); !status.ok()) return status;
+  const Obstacle found = FindObstacle(feature);
+  if (found.conflict != Conflict::kNone) {
+    return ConflictError<D>(found.conflict, feature, found.other, limit_, edit);
+  }
+  entered_.Insert(feature);
+  return absl::OkStatus();
+}
+
+template <int D>
+template <typename F>
+typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
   Obstacle least;
   // Edges of a polygon have one id: then their ends decide.
   EdgeKey least_ends;
@@ -441,23 +467,21 @@ BatchCheck::Obstacle BatchCheck::FindObstacle(const F& feature) {
     least_ends = ends;
     return true;
   };
-  const auto see_point = [&](const PointFeature<2>& other) {
+  const auto see_point = [&](const PointFeature<D>& other) {
     if (!better(Judge(feature, other, limit_), other.id, {})) return;
-    least.is_point = true;
-    least.point = other;
+    least.other = other;
   };
-  const auto see_segment = [&](const SegmentFeature<2>& other) {
+  const auto see_segment = [&](const SegmentFeature<D>& other) {
     if (!better(Judge(feature, other, limit_), other.id, KeyOf(other))) return;
-    least.is_point = false;
-    least.segment = other;
+    least.other = other;
   };
   if (present_ != nullptr) {
     present_->QueryNear(
         Place(feature),
-        [&](const PointFeature<2>& other) {
+        [&](const PointFeature<D>& other) {
           if (!hidden_.contains(other.id)) see_point(other);
         },
-        [&](const SegmentFeature<2>& other) {
+        [&](const SegmentFeature<D>& other) {
           if (!IsHidden(other)) see_segment(other);
         },
         &cost_);
@@ -466,9 +490,13 @@ BatchCheck::Obstacle BatchCheck::FindObstacle(const F& feature) {
   return least;
 }
 
-Delta<2> BatchCheck::TakeDelta() {
+template <int D>
+Delta<D> BatchCheck<D>::TakeDelta() {
   delta_.Sort();
   return std::move(delta_);
 }
+
+template class BatchCheck<2>;
+template class BatchCheck<3>;
 
 }  // namespace dynmesh::plc

@@ -13,7 +13,7 @@
 //
 // Expected time O(b lg b) for a batch that changes b features (segments that a moved
 // point takes along included), plus their queries of the index.
-// One object, one run, one thread. Plc2 and its store are only read.
+// One object, one run, one thread. The complex and its store are only read.
 #ifndef DYNMESH_CORE_PLC_BATCH_CHECK_H_
 #define DYNMESH_CORE_PLC_BATCH_CHECK_H_
 
@@ -32,19 +32,21 @@
 #include "core/plc/edits.h"
 #include "core/plc/feature_index.h"
 #include "core/plc/feature_store.h"
+#include "core/plc/messages.h"
 #include "core/plc/rules.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::plc {
 
+template <int D>
 class BatchCheck {
  public:
   // All arguments must outlive the object and not change.
-  BatchCheck(const MeshOptions& options, double limit, const CellGrid& grid,
-             const FeatureStore& store, const FeatureIndex& index, const Edits& batch);
+  BatchCheck(const MeshOptions& options, double limit, const CellGrid<D>& grid,
+             const FeatureStore<D>& store, const FeatureIndex<D>& index, const Edits& batch);
 
-  absl::StatusOr<Delta<2>> Run(absl::FunctionRef<bool()> interrupted);
+  absl::StatusOr<Delta<D>> Run(absl::FunctionRef<bool()> interrupted);
   // Index cells and features looked at.
   std::uint64_t cost() const { return cost_; }
 
@@ -71,12 +73,10 @@ class BatchCheck {
   // What stands in the way of a feature: the least conflict, of the least id.
   struct Obstacle {
     Conflict conflict = Conflict::kNone;
-    PointFeature<2> point;  // one of the two, by is_point
-    SegmentFeature<2> segment;
-    bool is_point = true;
+    AnyFeature<D> other;
   };
 
-  void CollectPoint(const Draft::Entry& entry);
+  void CollectPoint(const typename Draft<D>::Entry& entry);
   void CollectUsers(FeatureId point, bool is_point);
   void CollectSize(FeatureId id);
   void CollectPolygon(FeatureId id);
@@ -88,26 +88,26 @@ class BatchCheck {
   std::vector<FeatureId> PolygonsAfter(const EdgeKey& key) const;
   FeatureId SegmentAfter(const EdgeKey& key) const;
   bool knows_polygons() const { return !store_.polygons().empty() || draft_.has_polygons(); }
-  bool IsHidden(const SegmentFeature<2>& f) const {
+  bool IsHidden(const SegmentFeature<D>& f) const {
     return f.IsOfPolygon() ? hidden_edges_.contains(KeyOf(f)) : hidden_.contains(f.id);
   }
   bool IsCertainlyGood() const;
   void Schedule(const Event& event);
   void ChooseIndex();
   absl::Status Handle(const Event& event);
-  absl::Status EnterPoint(const PointFeature<2>& point, EditIndex edit);
-  absl::Status EnterSegment(const SegmentFeature<2>& segment, EditIndex edit);
+  template <typename F>
+  absl::Status Enter(const F& feature, EditIndex edit);
   absl::Status UnknownEnd(FeatureId feature, EditIndex edit) const;
   template <typename F>
   Obstacle FindObstacle(const F& feature);
-  Delta<2> TakeDelta();
+  Delta<D> TakeDelta();
 
   const MeshOptions& options_;
   const double limit_;
-  const FeatureStore& store_;
-  const FeatureIndex* present_;  // null if entered_ holds the features that stay, too
-  const Draft draft_;
-  Delta<2> delta_;
+  const FeatureStore<D>& store_;
+  const FeatureIndex<D>* present_;  // null if entered_ holds the features that stay, too
+  const Draft<D> draft_;
+  Delta<D> delta_;
   std::vector<Event> events_;
   // Features of the store that the result does not have as they are.
   absl::flat_hash_set<FeatureId> hidden_;
@@ -119,9 +119,9 @@ class BatchCheck {
   absl::flat_hash_set<FeatureId> changed_polygons_;
   absl::flat_hash_map<EdgeKey, std::vector<FeatureId>> new_users_;
   absl::flat_hash_map<EdgeKey, FeatureId> drafted_segments_;
-  std::vector<SegmentFeature<2>> edges_;  // each with the polygon to blame, and that alone
+  std::vector<SegmentFeature<D>> edges_;  // each with the polygon to blame, and that alone
   absl::flat_hash_map<FeatureId, std::vector<FeatureId>> users_of_missing_;
-  FeatureIndex entered_;
+  FeatureIndex<D> entered_;
   std::uint64_t cost_ = 0;
 };
 

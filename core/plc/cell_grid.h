@@ -1,7 +1,7 @@
-// Dyadic cells over the user's box, and segments as seen by them.
+// Dyadic cells over the user's box, and segments as seen by them, in the plane and in space.
 //
 // The unit of length is 1/16 of the distance below which features are too close, a
-// power of two. A cell is a square of 2^k units at integer multiples of its side.
+// power of two. A cell is a square or cube of 2^k units at integer multiples of its side.
 // A coordinate is *quantised* (rounded down to a whole number of units) by monotone
 // roundings, so that "left of cell c" is exact and means the same to everyone; real
 // positions in units are doubles with an error below 1/16. Pure, thread-safe, O(1).
@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/base/huge_pages.h"
 #include "core/geometry/point.h"
 #include "core/plc/delta.h"
 #include "dynmesh/options.h"
@@ -23,73 +24,103 @@ namespace dynmesh::plc {
 // Close features lie less than this many units apart.
 inline constexpr double kCloseUnits = 16;
 
-// A position in units.
-using UnitPoint = std::array<double, 2>;
+// Index of a feature in a table of its index.
+using Slot = std::uint32_t;
 
-// The square [x, x + side) x [y, y + side), in units; side is a power of two.
+// A position in units.
+template <int D>
+using UnitPoint = std::array<double, D>;
+
+// The square [x, x + side) x [y, y + side), or cube, in units; side is a power of two.
+template <int D>
 struct Cell {
-  std::array<std::int64_t, 2> at{};
+  static constexpr int kChildren = 1 << D;
+
+  std::array<std::int64_t, D> at{};
   std::int64_t side = 1;
 
-  Cell Child(int quadrant) const {
-    const std::int64_t half = side / 2;
-    return {{at[0] + (quadrant & 1) * half, at[1] + (quadrant >> 1) * half}, half};
+  // By the halves of the axes: bit i says whether it is the upper one of axis i.
+  Cell Child(int which) const {
+    Cell child = {at, side / 2};
+    for (int i = 0; i < D; ++i) child.at[i] += ((which >> i) & 1) * child.side;
+    return child;
   }
   double Lo(int axis) const { return static_cast<double>(at[axis]); }
   double Hi(int axis) const { return static_cast<double>(at[axis] + side); }
 };
 
+template <int D>
 class CellGrid {
  public:
   // `limit` is CloseLimit of the mesh whose features lie in `box`.
-  CellGrid(const Box& box, double limit)
-      : origin_{box.lo[0], box.lo[1]}, per_length_(kCloseUnits / limit) {
-    const double extent = std::max(box.hi[0] - box.lo[0], box.hi[1] - box.lo[1]);
+  CellGrid(const Box& box, double limit) : per_length_(kCloseUnits / limit) {
+    double extent = 0;
+    for (int i = 0; i < D; ++i) {
+      origin_[i] = box.lo[i];
+      extent = std::max(extent, box.hi[i] - box.lo[i]);
+    }
     while (static_cast<double>(root_.side) <= extent * per_length_) root_.side *= 2;
   }
 
   // Holds every point of the box.
-  const Cell& root() const { return root_; }
+  const Cell<D>& root() const { return root_; }
 
   double LengthOf(double units) const { return units / per_length_; }
-  UnitPoint ToUnits(const geometry::Point2& p) const {
-    return {(p[0] - origin_[0]) * per_length_, (p[1] - origin_[1]) * per_length_};
+  double UnitsOf(double length) const { return length * per_length_; }
+  UnitPoint<D> ToUnits(const geometry::Point<D>& p) const {
+    UnitPoint<D> units;
+    for (int i = 0; i < D; ++i) units[i] = (p[i] - origin_[i]) * per_length_;
+    return units;
   }
   static std::int64_t Quantise(double units) {
     return static_cast<std::int64_t>(std::floor(units));
   }
 
  private:
-  std::array<double, 2> origin_;
+  std::array<double, D> origin_;
   double per_length_;  // units per length, a power of two
-  Cell root_;
+  Cell<D> root_;
 };
 
-// A segment in units. It is *flat* if |dy| <= |dx|, else *steep*; its major axis is x
-// if flat, else y; lo and hi are its ends by the coordinate of the major axis.
+// A segment in units. In the plane it is *flat* if |dy| <= |dx|, else *steep*; its major axis is
+// x if flat, else y; lo and hi are its ends by the coordinate of the major axis.
+template <int D>
 struct GridSegment {
-  SegmentFeature<2> feature;
+  SegmentFeature<D> feature;
   bool flat = true;
   bool reversed = false;  // lo is feature.q
-  UnitPoint lo{};
-  UnitPoint hi{};
+  UnitPoint<D> lo{};
+  UnitPoint<D> hi{};
 
   GridSegment() = default;
-  GridSegment(const SegmentFeature<2>& f, const CellGrid& grid);
+  GridSegment(const SegmentFeature<D>& f, const CellGrid<D>& grid)
+      : feature(f), lo(grid.ToUnits(f.p)), hi(grid.ToUnits(f.q)) {
+    if constexpr (D == 2) {
+      flat = std::abs(hi[1] - lo[1]) <= std::abs(hi[0] - lo[0]);
+      reversed = hi[major()] < lo[major()];
+      if (reversed) std::swap(lo, hi);
+    }
+  }
 
   int major() const { return flat ? 0 : 1; }
-  const geometry::Point2& lo_point() const { return reversed ? feature.q : feature.p; }
-  const geometry::Point2& hi_point() const { return reversed ? feature.p : feature.q; }
+  const geometry::Point<D>& lo_point() const { return reversed ? feature.q : feature.p; }
+  const geometry::Point<D>& hi_point() const { return reversed ? feature.p : feature.q; }
 
+  // The longest side of its box.
+  double Extent() const {
+    double extent = 0;
+    for (int i = 0; i < D; ++i) extent = std::max(extent, std::abs(hi[i] - lo[i]));
+    return extent;
+  }
   // Does it cover, on its major axis, every coordinate that quantises into `cell`?
-  bool Spans(const Cell& cell) const {
+  bool Spans(const Cell<2>& cell) const {
     const int axis = major();
-    return CellGrid::Quantise(lo[axis]) < cell.at[axis] &&
-           CellGrid::Quantise(hi[axis]) >= cell.at[axis] + cell.side;
+    return CellGrid<D>::Quantise(lo[axis]) < cell.at[axis] &&
+           CellGrid<D>::Quantise(hi[axis]) >= cell.at[axis] + cell.side;
   }
   // Does it meet the closed `cell` grown by `reach` >= 1/4 to every side? May say yes
   // if it misses by a fraction of a unit, never no if it meets.
-  bool Meets(const Cell& cell, double reach) const;
+  bool Meets(const Cell<D>& cell, double reach) const;
 
   // The minor coordinate of its line where the major one is `major_at`.
   double MinorAt(double major_at) const {
@@ -98,22 +129,27 @@ struct GridSegment {
   }
 };
 
-inline GridSegment::GridSegment(const SegmentFeature<2>& f, const CellGrid& grid)
-    : feature(f), lo(grid.ToUnits(f.p)), hi(grid.ToUnits(f.q)) {
-  flat = std::abs(hi[1] - lo[1]) <= std::abs(hi[0] - lo[0]);
-  reversed = hi[major()] < lo[major()];
-  if (reversed) std::swap(lo, hi);
-}
+template <int D>
+using SegmentTable = LargeVector<GridSegment<D>>;
 
-inline bool GridSegment::Meets(const Cell& cell, double reach) const {
+template <int D>
+inline bool GridSegment<D>::Meets(const Cell<D>& cell, double reach) const {
   const double half = static_cast<double>(cell.side) / 2 + reach;
-  const double cx = cell.Lo(0) + static_cast<double>(cell.side) / 2 - lo[0];
-  const double cy = cell.Lo(1) + static_cast<double>(cell.side) / 2 - lo[1];
-  const double dx = hi[0] - lo[0], dy = hi[1] - lo[1];
-  // Separating axes: x, y, and the normal of the segment.
-  if (cx + half < std::min(0.0, dx) || cx - half > std::max(0.0, dx)) return false;
-  if (cy + half < std::min(0.0, dy) || cy - half > std::max(0.0, dy)) return false;
-  return std::abs(dx * cy - dy * cx) <= (std::abs(dx) + std::abs(dy)) * half;
+  UnitPoint<D> c, d;  // from lo: the cell's centre, hi
+  // Separating axes: those of coordinates, and across the segment and one of these each.
+  for (int i = 0; i < D; ++i) {
+    c[i] = cell.Lo(i) + static_cast<double>(cell.side) / 2 - lo[i];
+    d[i] = hi[i] - lo[i];
+    if (c[i] + half < std::min(0.0, d[i]) || c[i] - half > std::max(0.0, d[i])) return false;
+  }
+  for (int i = 0; i < D; ++i) {
+    for (int j = i + 1; j < D; ++j) {
+      if (std::abs(d[i] * c[j] - d[j] * c[i]) > (std::abs(d[i]) + std::abs(d[j])) * half) {
+        return false;
+      }
+    }
+  }
+  return true;
 }
 
 }  // namespace dynmesh::plc

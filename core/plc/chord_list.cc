@@ -11,8 +11,8 @@ using geometry::Point2;
 
 bool ChordBefore::operator()(Slot i, Slot j) const {
   if (i == j) return false;
-  const GridSegment& s = (*table)[i];
-  const GridSegment& t = (*table)[j];
+  const GridSegment<2>& s = (*table)[i];
+  const GridSegment<2>& t = (*table)[j];
   const int axis = s.major();
   // Left of a chord taken from lo to hi is above a flat one, but before a steep one.
   const int sign = s.flat ? 1 : -1;
@@ -33,7 +33,7 @@ void ChordList::AppendTo(std::vector<Slot>& slots) const {
 }
 
 void ChordList::Visit(int major, const ChordProbe& places, double margin,
-                      absl::FunctionRef<void(const GridSegment&)> visit) const {
+                      absl::FunctionRef<void(const GridSegment<2>&)> visit) const {
   const Set& set = sets_[major];
   // MinorAt errs by less than 1/16 unit, so bisection may stop that far from the true
   // place, not farther; the margin has room for it.
@@ -41,7 +41,7 @@ void ChordList::Visit(int major, const ChordProbe& places, double margin,
   below.minor_a -= margin;
   below.minor_b -= margin;
   for (auto it = set.lower_bound(below); it != set.end(); ++it) {
-    const GridSegment& chord = (*table_)[*it];
+    const GridSegment<2>& chord = (*table_)[*it];
     if (chord.MinorAt(places.major_a) > places.minor_a + margin &&
         chord.MinorAt(places.major_b) > places.minor_b + margin) {
       break;

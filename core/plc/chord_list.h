@@ -18,10 +18,6 @@
 
 namespace dynmesh::plc {
 
-// Index of a segment in the table of its SpatialIndex.
-using Slot = std::uint32_t;
-using SegmentTable = LargeVector<GridSegment>;
-
 // Two places (major coordinate, minor coordinate), maybe the same.
 struct ChordProbe {
   double major_a, minor_a, major_b, minor_b;
@@ -31,22 +27,22 @@ struct ChordProbe {
 // REQUIRES: both flat or both steep; they overlap on the major axis; no crossing.
 struct ChordBefore {
   using is_transparent = void;
-  const SegmentTable* table;
+  const SegmentTable<2>* table;
 
   bool operator()(Slot i, Slot j) const;
   bool operator()(Slot i, const ChordProbe& probe) const {
-    const GridSegment& s = (*table)[i];
+    const GridSegment<2>& s = (*table)[i];
     return s.MinorAt(probe.major_a) < probe.minor_a && s.MinorAt(probe.major_b) < probe.minor_b;
   }
   bool operator()(const ChordProbe& probe, Slot i) const {
-    const GridSegment& s = (*table)[i];
+    const GridSegment<2>& s = (*table)[i];
     return s.MinorAt(probe.major_a) > probe.minor_a && s.MinorAt(probe.major_b) > probe.minor_b;
   }
 };
 
 class ChordList {
  public:
-  explicit ChordList(const SegmentTable* table) : table_(table), sets_{Set(table), Set(table)} {}
+  explicit ChordList(const SegmentTable<2>* table) : table_(table), sets_{Set(table), Set(table)} {}
 
   // REQUIRES: the chord spans the cell and crosses no other chord in the list.
   void Insert(Slot chord) { SetOf(chord).insert(chord); }
@@ -59,16 +55,16 @@ class ChordList {
   // of one of the two places, and those that pass between: above one, below the other.
   // REQUIRES: the places' major coordinates are in the cell's closed range.
   void Visit(int major, const ChordProbe& places, double margin,
-             absl::FunctionRef<void(const GridSegment&)> visit) const;
+             absl::FunctionRef<void(const GridSegment<2>&)> visit) const;
 
  private:
   struct Set : absl::btree_set<Slot, ChordBefore> {
-    explicit Set(const SegmentTable* table)
+    explicit Set(const SegmentTable<2>* table)
         : absl::btree_set<Slot, ChordBefore>(ChordBefore{table}) {}
   };
   Set& SetOf(Slot chord) { return sets_[(*table_)[chord].major()]; }
 
-  const SegmentTable* table_;
+  const SegmentTable<2>* table_;
   Set sets_[2];  // by major axis
 };
 

@@ -9,7 +9,7 @@
 namespace dynmesh::plc {
 namespace {
 
-using State = Draft::State;
+using State = DraftState;
 
 absl::Status Refuse(absl::StatusCode code, const char* reason, FeatureId id, EditIndex edit,
                     std::string message) {
@@ -36,23 +36,28 @@ absl::Status CheckId(FeatureId id, EditIndex edit) {
                              "; choose one from 1 to ", kFirstReservedId - 1));
 }
 
-absl::Status CheckPresent(const Draft::Entry& entry, const char* verb) {
+template <class Entry>
+absl::Status CheckPresent(const Entry& entry, const char* verb) {
   if (entry.state != State::kAbsent) return absl::OkStatus();
   return Refuse(absl::StatusCode::kNotFound, reason::kUnknownFeature, entry.id, entry.edit,
                 absl::StrCat("cannot ", verb, " feature ", entry.id,
                              ": there is none with that id; add it first"));
 }
 
-void Place(const Feature& feature, Draft::Entry& entry) {
-  entry.state = State::kPoint;
-  entry.p = {{feature.position[0] + 0.0, feature.position[1] + 0.0}};  // -0 becomes +0
+template <int D>
+geometry::Point<D> PlaceOf(const Feature& feature) {
+  geometry::Point<D> p;
+  for (int i = 0; i < D; ++i) p[i] = feature.position[i] + 0.0;  // -0 becomes +0
+  return p;
 }
 
 // `entry` becomes `feature`, whatever it was.
-absl::Status Become(const Feature& feature, Draft::Entry& entry) {
+template <int D>
+absl::Status Become(const Feature& feature, typename Draft<D>::Entry& entry) {
   switch (feature.kind) {
     case FeatureKind::kPoint:
-      Place(feature, entry);
+      entry.state = State::kPoint;
+      entry.p = PlaceOf<D>(feature);
       return absl::OkStatus();
     case FeatureKind::kSegment:
       entry.state = State::kSegment;
@@ -75,23 +80,27 @@ absl::Status Become(const Feature& feature, Draft::Entry& entry) {
 
 }  // namespace
 
-SizeFeature<2> SizeOf(const Feature& feature) {
-  SizeFeature<2> size;
+template <int D>
+SizeFeature<D> SizeOf(const Feature& feature) {
+  SizeFeature<D> size;
   size.id = feature.id;
   const Sizing& given = feature.sizing;
   size.sizing.shape = given.shape;
   size.sizing.target = given.target;
   if (given.shape == SizeShape::kDisc) size.sizing.radius = given.radius;
-  if (given.shape == SizeShape::kBox) size.sizing.hi = {given.hi[0] + 0.0, given.hi[1] + 0.0, 0};
+  if (given.shape == SizeShape::kBox) {
+    for (int i = 0; i < D; ++i) size.sizing.hi[i] = given.hi[i] + 0.0;
+  }
   if (given.shape == SizeShape::kPolygon) {
     size.rings = feature.rings;
   } else {
-    size.at = {{feature.position[0] + 0.0, feature.position[1] + 0.0}};
+    size.at = PlaceOf<D>(feature);
   }
   return size;
 }
 
-Draft::Draft(const FeatureStore& base, const Edits& batch) : base_(base) {
+template <int D>
+Draft<D>::Draft(const FeatureStore<D>& base, const Edits& batch) : base_(base) {
   entries_.reserve(batch.size());
   for (EditIndex i = 0; i < static_cast<EditIndex>(batch.size()); ++i) {
     const Feature& feature = batch.feature(i);
@@ -109,7 +118,8 @@ Draft::Draft(const FeatureStore& base, const Edits& batch) : base_(base) {
 }
 
 // entries_.size() if no entry has that id.
-std::size_t Draft::PositionOf(FeatureId id) const {
+template <int D>
+std::size_t Draft<D>::PositionOf(FeatureId id) const {
   if (ascending_) {
     if (entries_.empty() || entries_.back().id < id) return entries_.size();
     const auto it =
@@ -121,16 +131,18 @@ std::size_t Draft::PositionOf(FeatureId id) const {
   return it == positions_.end() ? entries_.size() : it->second;
 }
 
-const Draft::Entry* Draft::Find(FeatureId id) const {
+template <int D>
+const typename Draft<D>::Entry* Draft<D>::Find(FeatureId id) const {
   const std::size_t at = PositionOf(id);
   return at == entries_.size() ? nullptr : &entries_[at];
 }
 
 // Of what is named after the error nothing is known.
-bool Draft::IsAsBefore(const Entry& entry) const {
+template <int D>
+bool Draft<D>::IsAsBefore(const Entry& entry) const {
   if (entry.edit >= error_edit_) return false;
   if (entry.state == State::kPoint) {
-    const PointRecord* was = base_.FindPoint(entry.id);
+    const PointRecord<D>* was = base_.FindPoint(entry.id);
     return was != nullptr && was->p == entry.p;
   }
   if (entry.state == State::kSegment) {
@@ -138,9 +150,9 @@ bool Draft::IsAsBefore(const Entry& entry) const {
     return was != nullptr && was->ends == entry.ends;
   }
   if (entry.state == State::kSize) {
-    const SizeFeature<2>* was = base_.FindSize(entry.id);
+    const SizeFeature<D>* was = base_.FindSize(entry.id);
     if (was == nullptr || entry.given == nullptr) return was != nullptr;
-    const SizeFeature<2> now = SizeOf(*entry.given);
+    const SizeFeature<D> now = SizeOf<D>(*entry.given);
     return was->at == now.at && was->sizing == now.sizing && was->rings == now.rings;
   }
   if (entry.state == State::kPolygon) {
@@ -150,28 +162,33 @@ bool Draft::IsAsBefore(const Entry& entry) const {
   return false;
 }
 
-EditIndex Draft::BlameOf(FeatureId id) const {
+template <int D>
+EditIndex Draft<D>::BlameOf(FeatureId id) const {
   const Entry* entry = Find(id);
   return entry == nullptr || IsAsBefore(*entry) ? kUntouched : entry->edit;
 }
 
-PolygonFeature Draft::PolygonOf(const Entry& entry) const {
+template <int D>
+PolygonFeature Draft<D>::PolygonOf(const Entry& entry) const {
   return {entry.id, entry.given != nullptr ? entry.given->rings : *base_.FindPolygon(entry.id)};
 }
 
-SizeFeature<2> Draft::SizeFeatureOf(const Entry& entry) const {
-  return entry.given != nullptr ? SizeOf(*entry.given) : *base_.FindSize(entry.id);
+template <int D>
+SizeFeature<D> Draft<D>::SizeFeatureOf(const Entry& entry) const {
+  return entry.given != nullptr ? SizeOf<D>(*entry.given) : *base_.FindSize(entry.id);
 }
 
-const geometry::Point2* Draft::FindPoint(FeatureId id) const {
+template <int D>
+const geometry::Point<D>* Draft<D>::FindPoint(FeatureId id) const {
   if (const Entry* entry = Find(id)) {
     return entry->state == State::kPoint ? &entry->p : nullptr;
   }
-  const PointRecord* record = base_.FindPoint(id);
+  const PointRecord<D>* record = base_.FindPoint(id);
   return record == nullptr ? nullptr : &record->p;
 }
 
-Draft::Entry& Draft::Touch(FeatureId id, EditIndex edit) {
+template <int D>
+typename Draft<D>::Entry& Draft<D>::Touch(FeatureId id, EditIndex edit) {
   const std::size_t at = PositionOf(id);
   if (at == entries_.size()) {
     if (ascending_ && !entries_.empty() && id < entries_.back().id) {
@@ -182,7 +199,7 @@ Draft::Entry& Draft::Touch(FeatureId id, EditIndex edit) {
     if (!ascending_) positions_.emplace(id, at);
     Entry& entry = entries_.emplace_back();
     entry.id = id;
-    if (const PointRecord* point = base_.FindPoint(id)) {
+    if (const PointRecord<D>* point = base_.FindPoint(id)) {
       entry.state = State::kPoint;
       entry.p = point->p;
     } else if (const SegmentRecord* segment = base_.FindSegment(id)) {
@@ -199,7 +216,8 @@ Draft::Entry& Draft::Touch(FeatureId id, EditIndex edit) {
   return entries_[at];
 }
 
-absl::Status Draft::Act(Edit::Action action, const Feature& feature, Entry& entry) const {
+template <int D>
+absl::Status Draft<D>::Act(Edit::Action action, const Feature& feature, Entry& entry) const {
   switch (action) {
     case Edit::Action::kAdd:
       if (entry.state != State::kAbsent) {
@@ -207,10 +225,10 @@ absl::Status Draft::Act(Edit::Action action, const Feature& feature, Entry& entr
                       absl::StrCat("cannot add feature ", entry.id, ": a ", NameOf(entry.state),
                                    " has that id; choose another id, or set to replace it"));
       }
-      return Become(feature, entry);
+      return Become<D>(feature, entry);
     case Edit::Action::kSet:
       if (absl::Status status = CheckPresent(entry, "set"); !status.ok()) return status;
-      return Become(feature, entry);
+      return Become<D>(feature, entry);
     case Edit::Action::kRemove:
       if (absl::Status status = CheckPresent(entry, "remove"); !status.ok()) return status;
       entry.state = State::kAbsent;
@@ -227,12 +245,17 @@ absl::Status Draft::Act(Edit::Action action, const Feature& feature, Entry& entr
                          : entry.state == State::kPolygon ? "move its points instead"
                                                           : "set it anew where it is to be"));
       }
-      Place(feature, entry);
+      entry.p = PlaceOf<D>(feature);
       return absl::OkStatus();
   }
   return Refuse(absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
                 absl::StrCat("unknown action ", static_cast<int>(action), " on feature ", entry.id,
                              "; only add, set, remove and move are"));
 }
+
+template SizeFeature<2> SizeOf(const Feature&);
+template SizeFeature<3> SizeOf(const Feature&);
+template class Draft<2>;
+template class Draft<3>;
 
 }  // namespace dynmesh::plc

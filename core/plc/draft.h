@@ -33,25 +33,29 @@ inline constexpr EditIndex kNever = std::numeric_limits<EditIndex>::max();
 
 // A feature of kind kSize without what does not matter to its shape; -0 is +0. A polygon's
 // places are left open.
-SizeFeature<2> SizeOf(const Feature& feature);
+template <int D>
+SizeFeature<D> SizeOf(const Feature& feature);
 
+enum class DraftState : std::uint8_t { kAbsent, kPoint, kSegment, kPolygon, kSize };
+
+template <int D>
 class Draft {
  public:
-  enum class State : std::uint8_t { kAbsent, kPoint, kSegment, kPolygon, kSize };
+  using State = DraftState;
 
   // A feature that the batch names, as the batch leaves it.
   struct Entry {
     FeatureId id = kNoFeature;
     EditIndex edit = kUntouched;  // the last that names it
     State state = State::kAbsent;
-    geometry::Point2 p{};             // kPoint; -0 is +0
+    geometry::Point<D> p{};           // kPoint; -0 is +0
     std::array<FeatureId, 2> ends{};  // kSegment
     // kPolygon, kSize: as the batch has it; null: as before it.
     const Feature* given = nullptr;
   };
 
   // `base` and what `batch` views must outlive the draft and not change.
-  Draft(const FeatureStore& base, const Edits& batch);
+  Draft(const FeatureStore<D>& base, const Edits& batch);
 
   // The first edit that could not act, kNever if all could; why.
   EditIndex error_edit() const { return error_edit_; }
@@ -70,17 +74,17 @@ class Draft {
   bool has_polygons() const { return has_polygons_; }
   // A polygon or sizing feature of the resulting set that the batch names.
   PolygonFeature PolygonOf(const Entry& entry) const;
-  SizeFeature<2> SizeFeatureOf(const Entry& entry) const;
+  SizeFeature<D> SizeFeatureOf(const Entry& entry) const;
 
   // The point with that id in the resulting set, else null.
-  const geometry::Point2* FindPoint(FeatureId id) const;
+  const geometry::Point<D>* FindPoint(FeatureId id) const;
 
  private:
   Entry& Touch(FeatureId id, EditIndex edit);
   std::size_t PositionOf(FeatureId id) const;
   absl::Status Act(Edit::Action action, const Feature& feature, Entry& entry) const;
 
-  const FeatureStore& base_;
+  const FeatureStore<D>& base_;
   std::vector<Entry> entries_;
   // Ids that come in ascending order, as in most large batches, need no index.
   bool ascending_ = true;

@@ -9,7 +9,7 @@ namespace dynmesh::plc {
 
 using geometry::Point2;
 
-Slot FeatureIndex::Insert(const SegmentFeature<2>& segment) {
+Slot FeatureIndex<2>::Insert(const SegmentFeature<2>& segment) {
   Placement placement{HubFor(segment), 0};
   if (placement.hub == kNoFeature) {
     placement.slot = general_.Insert(segment);
@@ -37,7 +37,7 @@ Slot FeatureIndex::Insert(const SegmentFeature<2>& segment) {
   return slot;
 }
 
-void FeatureIndex::EraseSegment(Slot slot) {
+void FeatureIndex<2>::EraseSegment(Slot slot) {
   const Placement placement = placements_[slot];
   free_.push_back(slot);
   if (placement.hub == kNoFeature) {
@@ -54,7 +54,7 @@ void FeatureIndex::EraseSegment(Slot slot) {
   if (hub.by_angle.empty()) hubs_.erase(it);
 }
 
-void FeatureIndex::CountAt(const SegmentFeature<2>& segment, int change) {
+void FeatureIndex<2>::CountAt(const SegmentFeature<2>& segment, int change) {
   for (const FeatureId end : {segment.p_id, segment.q_id}) {
     const auto it = degrees_.try_emplace(end, 0).first;
     it->second += static_cast<std::uint32_t>(change);
@@ -63,7 +63,7 @@ void FeatureIndex::CountAt(const SegmentFeature<2>& segment, int change) {
 }
 
 // Of two hubs the greater.
-FeatureId FeatureIndex::HubFor(const SegmentFeature<2>& segment) const {
+FeatureId FeatureIndex<2>::HubFor(const SegmentFeature<2>& segment) const {
   FeatureId hub = kNoFeature;
   std::uint32_t most = 0;
   for (const FeatureId end : {segment.p_id, segment.q_id}) {
@@ -76,7 +76,7 @@ FeatureId FeatureIndex::HubFor(const SegmentFeature<2>& segment) const {
 }
 
 // May the hub's segments be near the box from lo to hi?
-bool FeatureIndex::IsNear(const Hub& hub, const Point2& lo, const Point2& hi) const {
+bool FeatureIndex<2>::IsNear(const Hub& hub, const Point2& lo, const Point2& hi) const {
   const double reach = grid_.LengthOf(2 * kCloseUnits);
   for (int i = 0; i < 2; ++i) {
     if (lo[i] - hub.hi[i] > reach || hub.lo[i] - hi[i] > reach) return false;
@@ -84,8 +84,8 @@ bool FeatureIndex::IsNear(const Hub& hub, const Point2& lo, const Point2& hi) co
   return true;
 }
 
-void FeatureIndex::QueryNear(const Point2& p, VisitPoint visit_point, VisitSegment visit_segment,
-                             std::uint64_t* cost) const {
+void FeatureIndex<2>::QueryNear(const Point2& p, VisitPoint visit_point, VisitSegment visit_segment,
+                                std::uint64_t* cost) const {
   general_.QueryNear(p, visit_point, visit_segment, cost);
   for (const auto& [id, hub] : hubs_) {
     ++*cost;
@@ -93,8 +93,8 @@ void FeatureIndex::QueryNear(const Point2& p, VisitPoint visit_point, VisitSegme
   }
 }
 
-void FeatureIndex::QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point,
-                             VisitSegment visit_segment, std::uint64_t* cost) const {
+void FeatureIndex<2>::QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point,
+                                VisitSegment visit_segment, std::uint64_t* cost) const {
   general_.QueryNear(s, visit_point, visit_segment, cost);
   if (hubs_.empty()) return;
   const Point2 lo = {{std::min(s.p[0], s.q[0]), std::min(s.p[1], s.q[1])}};
@@ -110,8 +110,8 @@ void FeatureIndex::QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point,
 }
 
 // Both ways round, until angles are too large for a conflict.
-void FeatureIndex::VisitNeighbours(const Hub& hub, const Point2& end, VisitSegment visit_segment,
-                                   std::uint64_t* cost) {
+void FeatureIndex<2>::VisitNeighbours(const Hub& hub, const Point2& end, VisitSegment visit_segment,
+                                      std::uint64_t* cost) {
   const auto& spokes = hub.by_angle;
   const auto visit = [&](const Spoke& spoke) {
     ++*cost;
@@ -132,7 +132,7 @@ void FeatureIndex::VisitNeighbours(const Hub& hub, const Point2& end, VisitSegme
   }
 }
 
-std::size_t FeatureIndex::node_count() const {
+std::size_t FeatureIndex<2>::node_count() const {
   std::size_t count = general_.node_count();
   for (const auto& [id, hub] : hubs_) count += hub->segments.node_count();
   return count;

@@ -1,4 +1,5 @@
-// What SpatialIndex does, for any number of segments that meet at a point.
+// What SpatialIndex does, in the plane for any number of segments that meet at a point. In space
+// angles are too large for more than a few.
 //
 // Near a *hub*, a point where many segments meet, all of them are near each other, so an
 // index of places tells nothing. But a segment that ends there can be in conflict with its
@@ -30,16 +31,20 @@
 
 namespace dynmesh::plc {
 
-class FeatureIndex {
+template <int D>
+class FeatureIndex;
+
+template <>
+class FeatureIndex<2> {
  public:
-  using VisitPoint = SpatialIndex::VisitPoint;
-  using VisitSegment = SpatialIndex::VisitSegment;
+  using VisitPoint = SpatialIndex<2>::VisitPoint;
+  using VisitSegment = SpatialIndex<2>::VisitSegment;
 
   // A point where so many segments end is a hub for those that come later. Fewer would make
   // hubs of ordinary points, more would cost each segment there that many looks.
   static constexpr std::uint32_t kHubDegree = 64;
 
-  explicit FeatureIndex(const CellGrid& grid, std::uint32_t hub_degree = kHubDegree)
+  explicit FeatureIndex(const CellGrid<2>& grid, std::uint32_t hub_degree = kHubDegree)
       : grid_(grid), hub_degree_(hub_degree), general_(grid) {}
   FeatureIndex(const FeatureIndex&) = delete;
   FeatureIndex& operator=(const FeatureIndex&) = delete;
@@ -85,11 +90,11 @@ class FeatureIndex {
     }
   };
   struct Hub {
-    Hub(const CellGrid& grid, const geometry::Point2& at)
+    Hub(const CellGrid<2>& grid, const geometry::Point2& at)
         : apex(at), lo(at), hi(at), segments(grid), by_angle(ByAngle{at}) {}
     geometry::Point2 apex;
     geometry::Point2 lo, hi;  // what its segments have spanned
-    SpatialIndex segments;
+    SpatialIndex<2> segments;
     absl::btree_set<Spoke, ByAngle> by_angle;
   };
   // Where a segment is kept.
@@ -104,13 +109,23 @@ class FeatureIndex {
                               VisitSegment visit_segment, std::uint64_t* cost);
   bool IsNear(const Hub& hub, const geometry::Point2& lo, const geometry::Point2& hi) const;
 
-  CellGrid grid_;
+  CellGrid<2> grid_;
   std::uint32_t hub_degree_;
-  SpatialIndex general_;
+  SpatialIndex<2> general_;
   absl::flat_hash_map<FeatureId, std::unique_ptr<Hub>> hubs_;
   absl::flat_hash_map<FeatureId, std::uint32_t> degrees_;  // of points with segments
   LargeVector<Placement> placements_;                      // by slot
   std::vector<Slot> free_;
+};
+
+template <>
+class FeatureIndex<3> : public SpatialIndex<3> {
+ public:
+  static constexpr std::uint32_t kHubDegree = 0;
+
+  explicit FeatureIndex(const CellGrid<3>& grid, std::uint32_t = kHubDegree)
+      : SpatialIndex<3>(grid) {}
+  std::uint32_t hub_degree() const { return kHubDegree; }
 };
 
 }  // namespace dynmesh::plc

@@ -13,14 +13,15 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
 #include "core/geometry/point.h"
-#include "core/plc/chord_list.h"
+#include "core/plc/cell_grid.h"
 #include "core/plc/delta.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::plc {
 
+template <int D>
 struct PointRecord {
-  geometry::Point2 p{};
+  geometry::Point<D> p{};
   Slot slot = 0;  // in the spatial index
 };
 
@@ -36,17 +37,18 @@ struct EdgeRecord {
   Slot slot = 0;                    // in the spatial index, if there is no segment feature
 };
 
+template <int D>
 class FeatureStore {
  public:
-  using Points = absl::flat_hash_map<FeatureId, PointRecord>;
+  using Points = absl::flat_hash_map<FeatureId, PointRecord<D>>;
   using Segments = absl::flat_hash_map<FeatureId, SegmentRecord>;
-  using Sizes = absl::flat_hash_map<FeatureId, SizeFeature<2>>;
+  using Sizes = absl::flat_hash_map<FeatureId, SizeFeature<D>>;
   using Polygons = absl::flat_hash_map<FeatureId, Rings>;
   using Edges = absl::flat_hash_map<EdgeKey, EdgeRecord>;
 
-  const PointRecord* FindPoint(FeatureId id) const { return Find(points_, id); }
+  const PointRecord<D>* FindPoint(FeatureId id) const { return Find(points_, id); }
   const SegmentRecord* FindSegment(FeatureId id) const { return Find(segments_, id); }
-  const SizeFeature<2>* FindSize(FeatureId id) const { return Find(sizes_, id); }
+  const SizeFeature<D>* FindSize(FeatureId id) const { return Find(sizes_, id); }
   const Rings* FindPolygon(FeatureId id) const { return Find(polygons_, id); }
   const EdgeRecord* FindEdge(const EdgeKey& key) const { return Find(edges_, key); }
   // The segment feature between two points, kNoFeature if there is none. O(segments at one).
@@ -83,17 +85,27 @@ class FeatureStore {
   const Edges& edges() const { return edges_; }
 
   // The segment with its ends' places. REQUIRES: `record` is of segment `id` here.
-  SegmentFeature<2> Expand(FeatureId id, const SegmentRecord& record) const {
+  SegmentFeature<D> Expand(FeatureId id, const SegmentRecord& record) const {
     const auto [p, q] = record.ends;
-    SegmentFeature<2> f = {id, p, q, points_.at(p).p, points_.at(q).p};
+    SegmentFeature<D> f = {id, p, q, points_.at(p).p, points_.at(q).p};
     if (edges_.empty()) return f;
     if (const EdgeRecord* edge = FindEdge(KeyOf(p, q))) f.polygons = edge->polygons;
     return f;
   }
   // An edge of polygons where there is no segment feature.
-  SegmentFeature<2> Expand(const EdgeKey& key, const EdgeRecord& record) const {
+  SegmentFeature<D> Expand(const EdgeKey& key, const EdgeRecord& record) const {
     const auto [p, q] = key;
     return {record.polygons.front(), p, q, points_.at(p).p, points_.at(q).p, record.polygons};
+  }
+
+  // A polygon of space with its corners' places.
+  FacetFeature FacetOf(FeatureId id, const Rings& rings) const {
+    FacetFeature facet{id, rings, {}};
+    for (const auto& ring : rings) {
+      auto& places = facet.places.emplace_back();
+      for (const FeatureId point : ring) places.push_back(points_.at(point).p);
+    }
+    return facet;
   }
 
   // Room for that many more.
@@ -102,12 +114,12 @@ class FeatureStore {
     segments_.reserve(segments_.size() + segments);
   }
   // REQUIRES: the id is free; a segment's ends are points present.
-  void Add(const PointFeature<2>& f, Slot slot) {
-    PointRecord& record = points_[f.id];
+  void Add(const PointFeature<D>& f, Slot slot) {
+    PointRecord<D>& record = points_[f.id];
     record.p = f.p;
     record.slot = slot;
   }
-  void Add(const SegmentFeature<2>& f, Slot slot) {
+  void Add(const SegmentFeature<D>& f, Slot slot) {
     if (!f.polygons.empty()) {
       const bool of_polygon = f.IsOfPolygon();
       edges_[KeyOf(f)] = {f.polygons, of_polygon ? kNoFeature : f.id, slot};
@@ -119,7 +131,7 @@ class FeatureStore {
     segments_at_[f.p_id].push_back(f.id);
     segments_at_[f.q_id].push_back(f.id);
   }
-  void Add(const SizeFeature<2>& f) {
+  void Add(const SizeFeature<D>& f) {
     sizes_[f.id] = f;
     AddCorners(f.id, f.rings);
   }
@@ -127,6 +139,8 @@ class FeatureStore {
     polygons_[f.id] = f.rings;
     AddCorners(f.id, f.rings);
   }
+  // Only where it is kept: its rings are the polygon's.
+  void AddFacet(FeatureId id, Slot slot) { facet_slots_[id] = slot; }
   // REQUIRES: present; nothing needs a removed point.
   void RemovePoint(FeatureId id) { points_.erase(id); }
   void RemoveSize(FeatureId id) {
@@ -138,7 +152,13 @@ class FeatureStore {
     polygons_.erase(id);
   }
   // Returns its slot in the spatial index.
-  Slot Remove(const SegmentFeature<2>& f) {
+  Slot RemoveFacet(FeatureId id) {
+    const auto it = facet_slots_.find(id);
+    const Slot slot = it->second;
+    facet_slots_.erase(it);
+    return slot;
+  }
+  Slot Remove(const SegmentFeature<D>& f) {
     Slot slot = 0;
     if (!f.polygons.empty()) {
       const auto edge = edges_.find(KeyOf(f));
@@ -198,6 +218,7 @@ class FeatureStore {
   // Apart from the points: most have none.
   absl::flat_hash_map<FeatureId, absl::InlinedVector<FeatureId, 2>> segments_at_;
   Corners corners_;
+  absl::flat_hash_map<FeatureId, Slot> facet_slots_;  // of polygons of space
 };
 
 }  // namespace dynmesh::plc

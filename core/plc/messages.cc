@@ -20,7 +20,7 @@
 namespace dynmesh::plc {
 namespace {
 
-using geometry::Point2;
+using geometry::Point;
 
 // As many features as an error names; a client needs no longer list to act on.
 constexpr std::size_t kMostNamed = 16;
@@ -32,22 +32,38 @@ std::string Shortest(double x) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
 }
 
-std::string Text(const Point2& p) {
-  return absl::StrCat("(", Shortest(p[0]), ", ", Shortest(p[1]), ")");
+template <int D>
+std::string Text(const Point<D>& p) {
+  std::string text = "(";
+  for (int i = 0; i < D; ++i) absl::StrAppend(&text, i == 0 ? "" : ", ", Shortest(p[i]));
+  return text + ")";
 }
 
-std::string Text(const PointFeature<2>& f) { return absl::StrCat("point ", f.id, " ", Text(f.p)); }
+template <int D>
+Point<D> CornerOf(const std::array<double, 3>& c) {
+  Point<D> p;
+  std::copy_n(c.begin(), D, p.c.begin());
+  return p;
+}
 
-std::string Text(const SegmentFeature<2>& f) {
+template <int D>
+std::string Text(const PointFeature<D>& f) {
+  return absl::StrCat("point ", f.id, " ", Text(f.p));
+}
+
+template <int D>
+std::string Text(const SegmentFeature<D>& f) {
   return absl::StrCat(f.IsOfPolygon() ? "the edge of polygon " : "segment ", f.id, " from point ",
                       f.p_id, " ", Text(f.p), " to point ", f.q_id, " ", Text(f.q));
 }
 
-std::string Text(const AnyFeature& f) {
+template <int D>
+std::string Text(const AnyFeature<D>& f) {
   return std::visit([](const auto& x) { return Text(x); }, f);
 }
 
-FeatureId IdOf(const AnyFeature& f) {
+template <int D>
+FeatureId IdOf(const AnyFeature<D>& f) {
   return std::visit([](const auto& x) { return x.id; }, f);
 }
 
@@ -59,14 +75,22 @@ absl::Status Error(absl::StatusCode code, const char* reason, std::vector<Featur
 }
 
 // The angle between two segments that share an end, for a person to read.
-std::string AngleText(const SegmentFeature<2>& s, const SegmentFeature<2>& t) {
+template <int D>
+std::string AngleText(const SegmentFeature<D>& s, const SegmentFeature<D>& t) {
   const bool s_from_p = s.p_id == t.p_id || s.p_id == t.q_id;
   const FeatureId apex = s_from_p ? s.p_id : s.q_id;
-  const Point2& at = s_from_p ? s.p : s.q;
-  const Point2& a = s_from_p ? s.q : s.p;
-  const Point2& b = t.p_id == apex ? t.q : t.p;
-  const double ux = a[0] - at[0], uy = a[1] - at[1], wx = b[0] - at[0], wy = b[1] - at[1];
-  const double angle = std::atan2(std::abs(ux * wy - uy * wx), ux * wx + uy * wy);
+  const Point<D>& at = s_from_p ? s.p : s.q;
+  const Point<D>& a = s_from_p ? s.q : s.p;
+  const Point<D>& b = t.p_id == apex ? t.q : t.p;
+  double dot = 0, cross2 = 0;
+  for (int i = 0; i < D; ++i) {
+    dot += (a[i] - at[i]) * (b[i] - at[i]);
+    for (int j = i + 1; j < D; ++j) {
+      const double minor = (a[i] - at[i]) * (b[j] - at[j]) - (a[j] - at[j]) * (b[i] - at[i]);
+      cross2 += minor * minor;
+    }
+  }
+  const double angle = std::atan2(std::sqrt(cross2), dot);
   return absl::StrFormat("%.6g degrees at point %d %s", angle * 180 / std::numbers::pi, apex,
                          Text(at));
 }
@@ -76,9 +100,10 @@ struct Verdict {
   std::string message;
 };
 
-Verdict Explain(Conflict conflict, const AnyFeature& a, const AnyFeature& b, double limit) {
-  const FeatureId b_id = IdOf(b);
-  const std::string pair = absl::StrCat(Text(a), " and ", Text(b));
+template <int D>
+Verdict Explain(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& b, double limit) {
+  const FeatureId b_id = IdOf<D>(b);
+  const std::string pair = absl::StrCat(Text<D>(a), " and ", Text<D>(b));
   switch (conflict) {
     case Conflict::kDuplicatePoint:
       return {reason::kDuplicatePoint,
@@ -101,11 +126,11 @@ Verdict Explain(Conflict conflict, const AnyFeature& a, const AnyFeature& b, dou
               absl::StrCat(pair, " cross; add a point where they do and split both there, or ",
                            "remove feature ", b_id, " in the same batch")};
     case Conflict::kSmallAngle:
-      return {
-          reason::kSmallAngle,
-          absl::StrCat(pair, " meet in an angle of ",
-                       AngleText(std::get<SegmentFeature<2>>(a), std::get<SegmentFeature<2>>(b)),
-                       "; at least 0.001 are needed: move an end, or remove one of them")};
+      return {reason::kSmallAngle, absl::StrCat(pair, " meet in an angle of ",
+                                                AngleText<D>(std::get<SegmentFeature<D>>(a),
+                                                             std::get<SegmentFeature<D>>(b)),
+                                                "; at least ", D == 2 ? "0.001" : "60",
+                                                " are needed: move an end, or remove one of them")};
     default:
       return {reason::kTooClose,
               absl::StrCat(pair, " are nearer than ", Shortest(limit),
@@ -115,11 +140,12 @@ Verdict Explain(Conflict conflict, const AnyFeature& a, const AnyFeature& b, dou
 
 }  // namespace
 
-absl::Status ConflictError(Conflict conflict, const AnyFeature& offender, const AnyFeature& other,
-                           double limit, EditIndex edit) {
-  Verdict verdict = Explain(conflict, offender, other, limit);
-  return Error(absl::StatusCode::kFailedPrecondition, verdict.reason, {IdOf(offender), IdOf(other)},
-               edit, std::move(verdict.message));
+template <int D>
+absl::Status ConflictError(Conflict conflict, const AnyFeature<D>& offender,
+                           const AnyFeature<D>& other, double limit, EditIndex edit) {
+  Verdict verdict = Explain<D>(conflict, offender, other, limit);
+  return Error(absl::StatusCode::kFailedPrecondition, verdict.reason,
+               {IdOf<D>(offender), IdOf<D>(other)}, edit, std::move(verdict.message));
 }
 
 absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
@@ -152,38 +178,47 @@ absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
                              " twice; leave both out"));
 }
 
-absl::Status CheckSize(const SizeFeature<2>& size, const Box& box, double limit, EditIndex edit) {
+template <int D>
+absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit, EditIndex edit) {
   const Sizing& s = size.sizing;
   const auto refuse = [&](const char* reason, const std::string& what) {
     return Error(absl::StatusCode::kInvalidArgument, reason, {size.id}, edit,
                  absl::StrCat("sizing feature ", size.id, " at ", Text(size.at), " ", what));
   };
+  if (D == 3 && s.shape == SizeShape::kPolygon) {
+    return refuse(
+        reason::kBadSize,
+        "is a sizing polygon, which has no inside in space; give a point, a disc or a box");
+  }
   if (s.shape == SizeShape::kPolygon) {
     if (absl::Status status = CheckRings(size.id, size.rings, edit); !status.ok()) return status;
   }
-  for (const double x : {size.at[0], size.at[1], s.target, s.radius, s.hi[0], s.hi[1]}) {
-    if (!std::isfinite(x)) return refuse(reason::kNotFinite, "is not finite; give finite numbers");
+  bool finite = std::isfinite(s.target) && std::isfinite(s.radius);
+  for (int i = 0; i < D; ++i) {
+    finite = finite && std::isfinite(size.at[i]) && std::isfinite(s.hi[i]);
   }
+  if (!finite) return refuse(reason::kNotFinite, "is not finite; give finite numbers");
   if (s.shape < SizeShape::kPoint || s.shape > SizeShape::kPolygon) {
     return refuse(reason::kBadSize, absl::StrCat("is of unknown shape ", static_cast<int>(s.shape),
                                                  "; give a point, a disc, a box or a polygon"));
   }
   const bool has_place = s.shape == SizeShape::kPoint || s.shape == SizeShape::kDisc;
-  if (has_place && (size.at[0] < box.lo[0] || size.at[0] > box.hi[0] || size.at[1] < box.lo[1] ||
-                    size.at[1] > box.hi[1])) {
-    return refuse(
-        reason::kOutsideBox,
-        absl::StrCat("is outside the mesh's box from ", Text(Point2{{box.lo[0], box.lo[1]}}),
-                     " to ", Text(Point2{{box.hi[0], box.hi[1]}}), "; move it inside"));
+  bool outside = false, swapped = false, beside = false;  // beside: a region misses the box
+  for (int i = 0; i < D; ++i) {
+    outside = outside || size.at[i] < box.lo[i] || size.at[i] > box.hi[i];
+    swapped = swapped || s.hi[i] < size.at[i];
+    beside = beside || s.hi[i] < box.lo[i] || size.at[i] > box.hi[i];
   }
-  if (s.shape == SizeShape::kBox) {
-    if (s.hi[0] < size.at[0] || s.hi[1] < size.at[1]) {
-      return refuse(reason::kBadSize, "has its upper corner below the lower; swap them");
-    }
-    if (s.hi[0] < box.lo[0] || size.at[0] > box.hi[0] || s.hi[1] < box.lo[1] ||
-        size.at[1] > box.hi[1]) {
-      return refuse(reason::kOutsideBox, "does not meet the mesh's box; move it there");
-    }
+  if (has_place && outside) {
+    return refuse(reason::kOutsideBox,
+                  absl::StrCat("is outside the mesh's box from ", Text(CornerOf<D>(box.lo)), " to ",
+                               Text(CornerOf<D>(box.hi)), "; move it inside"));
+  }
+  if (s.shape == SizeShape::kBox && swapped) {
+    return refuse(reason::kBadSize, "has its upper corner below the lower; swap them");
+  }
+  if (s.shape == SizeShape::kBox && beside) {
+    return refuse(reason::kOutsideBox, "does not meet the mesh's box; move it there");
   }
   if (s.radius < 0) return refuse(reason::kBadSize, "has a negative radius; give 0 or more");
   const double least = kLeastTargetLimits * limit;
@@ -195,25 +230,27 @@ absl::Status CheckSize(const SizeFeature<2>& size, const Box& box, double limit,
   return absl::OkStatus();
 }
 
-absl::Status CheckPlace(const PointFeature<2>& point, const Box& box, EditIndex edit) {
+template <int D>
+absl::Status CheckPlace(const PointFeature<D>& point, const Box& box, EditIndex edit) {
   const auto refuse = [&](const char* reason, const std::string& what) {
     return Error(absl::StatusCode::kInvalidArgument, reason, {point.id}, edit,
                  absl::StrCat(Text(point), " ", what));
   };
-  if (!std::isfinite(point.p[0]) || !std::isfinite(point.p[1])) {
-    return refuse(reason::kNotFinite, "is not finite; give finite coordinates");
-  }
-  for (int i = 0; i < 2; ++i) {
-    const double x = point.p[i];
-    if (x < box.lo[i] || x > box.hi[i]) {
-      return refuse(
-          reason::kOutsideBox,
-          absl::StrCat("is outside the mesh's box from ", Text(Point2{{box.lo[0], box.lo[1]}}),
-                       " to ", Text(Point2{{box.hi[0], box.hi[1]}}),
-                       "; move it inside, or create a mesh with a larger box"));
+  for (int i = 0; i < D; ++i) {
+    if (!std::isfinite(point.p[i])) {
+      return refuse(reason::kNotFinite, "is not finite; give finite coordinates");
     }
   }
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < D; ++i) {
+    const double x = point.p[i];
+    if (x < box.lo[i] || x > box.hi[i]) {
+      return refuse(reason::kOutsideBox,
+                    absl::StrCat("is outside the mesh's box from ", Text(CornerOf<D>(box.lo)),
+                                 " to ", Text(CornerOf<D>(box.hi)),
+                                 "; move it inside, or create a mesh with a larger box"));
+    }
+  }
+  for (int i = 0; i < D; ++i) {
     const double x = point.p[i];
     if (x != 0 && std::abs(x) < kMinCoordinate) {
       return refuse(reason::kTooClose,
@@ -257,5 +294,14 @@ absl::Status InterruptedError() {
                    "the batch was cancelled; the mesh is as it was before",
                    {reason::kCancelled, {}, {}});
 }
+
+template absl::Status ConflictError<2>(Conflict, const AnyFeature<2>&, const AnyFeature<2>&, double,
+                                       EditIndex);
+template absl::Status ConflictError<3>(Conflict, const AnyFeature<3>&, const AnyFeature<3>&, double,
+                                       EditIndex);
+template absl::Status CheckSize(const SizeFeature<2>&, const Box&, double, EditIndex);
+template absl::Status CheckSize(const SizeFeature<3>&, const Box&, double, EditIndex);
+template absl::Status CheckPlace(const PointFeature<2>&, const Box&, EditIndex);
+template absl::Status CheckPlace(const PointFeature<3>&, const Box&, EditIndex);
 
 }  // namespace dynmesh::plc

@@ -15,22 +15,27 @@
 
 namespace dynmesh::plc {
 
-using AnyFeature = std::variant<PointFeature<2>, SegmentFeature<2>>;
+template <int D>
+using AnyFeature = std::variant<PointFeature<D>, SegmentFeature<D>>;
 
 // `conflict` is not kNone; it is between `offender`, blamed on `edit`, and `other`.
-absl::Status ConflictError(Conflict conflict, const AnyFeature& offender, const AnyFeature& other,
-                           double limit, EditIndex edit);
+template <int D>
+absl::Status ConflictError(Conflict conflict, const AnyFeature<D>& offender,
+                           const AnyFeature<D>& other, double limit, EditIndex edit);
 
 // The rings of polygon or sizing polygon `id` by themselves, combinatorially: at least one,
 // each of three points or more, none twice; no edge twice. BAD_POLYGON.
 absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit);
 
 // A sizing feature by itself: numbers finite, a region that meets the box (a point or
-// centre in it), a target that distances of `limit` leave room for.
-absl::Status CheckSize(const SizeFeature<2>& size, const Box& box, double limit, EditIndex edit);
+// centre in it), a target that distances of `limit` leave room for. In
+// space no polygon.
+template <int D>
+absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit, EditIndex edit);
 
 // OK if the point is finite, in the closed box, and no coordinate is too near to 0.
-absl::Status CheckPlace(const PointFeature<2>& point, const Box& box, EditIndex edit);
+template <int D>
+absl::Status CheckPlace(const PointFeature<D>& point, const Box& box, EditIndex edit);
 
 absl::Status DegenerateSegmentError(FeatureId segment, FeatureId end, EditIndex edit);
 

@@ -16,7 +16,7 @@ Plc<D>::Plc(const MeshOptions& options, std::uint32_t hub_degree)
 template <int D>
 absl::StatusOr<Delta<D>> Plc<D>::Check(const Edits& batch, std::uint64_t* cost,
                                        absl::FunctionRef<bool()> interrupted) const {
-  BatchCheck check(options_, limit_, grid_, store_, index_, batch);
+  BatchCheck<D> check(options_, limit_, grid_, store_, index_, batch);
   absl::StatusOr<Delta<D>> delta = check.Run(interrupted);
   if (cost != nullptr) *cost += check.cost();
   return delta;
@@ -26,6 +26,11 @@ template <int D>
 void Plc<D>::Commit(const Delta<D>& delta) {
   for (const SegmentFeature<D>& f : delta.removed_segments) index_.EraseSegment(store_.Remove(f));
   for (const PolygonFeature& f : delta.removed_polygons) store_.RemovePolygon(f.id);
+  if constexpr (D == 3) {
+    for (const FacetFeature& f : delta.removed_facets) {
+      (void)f;
+    }
+  }
   for (const PointFeature<D>& f : delta.removed_points) {
     index_.ErasePoint(store_.FindPoint(f.id)->slot);
     store_.RemovePoint(f.id);
@@ -36,6 +41,11 @@ void Plc<D>::Commit(const Delta<D>& delta) {
   for (const SegmentFeature<D>& f : delta.added_segments) store_.Add(f, index_.Insert(f));
   for (const SizeFeature<D>& f : delta.added_sizes) store_.Add(f);
   for (const PolygonFeature& f : delta.added_polygons) store_.Add(f);
+  if constexpr (D == 3) {
+    for (const FacetFeature& f : delta.added_facets) {
+      (void)f;
+    }
+  }
 }
 
 template <int D>
@@ -43,13 +53,15 @@ std::vector<Feature> Plc<D>::Features() const {
   std::vector<Feature> features;
   features.reserve(size());
   for (const auto& [id, record] : store_.points()) {
-    features.push_back(Feature::Point(id, record.p[0], record.p[1]));
+    features.push_back(Feature::Point(id, 0, 0));
+    std::copy_n(record.p.c.begin(), D, features.back().position.begin());
   }
   for (const auto& [id, record] : store_.segments()) {
     features.push_back(Feature::Segment(id, record.ends[0], record.ends[1]));
   }
   for (const auto& [id, size] : store_.sizes()) {
-    features.push_back(Feature::Size(id, {size.at[0], size.at[1], 0}, size.sizing));
+    features.push_back(Feature::Size(id, {0, 0, 0}, size.sizing));
+    std::copy_n(size.at.c.begin(), D, features.back().position.begin());
     features.back().rings = size.rings;
   }
   for (const auto& [id, rings] : store_.polygons()) {
@@ -72,14 +84,17 @@ Delta<D> Plc<D>::FromNothing() const {
     all.added_segments.push_back(store_.Expand(key, record));
   }
   for (const auto& [id, size] : store_.sizes()) all.added_sizes.push_back(size);
-  for (const auto& [id, rings] : store_.polygons()) all.added_polygons.push_back({id, rings});
+  for (const auto& [id, rings] : store_.polygons()) {
+    all.added_polygons.push_back({id, rings});
+    if constexpr (D == 3) all.added_facets.push_back(store_.FacetOf(id, rings));
+  }
   all.Sort();
   return all;
 }
 
 template <int D>
 std::optional<PointFeature<D>> Plc<D>::FindPoint(FeatureId id) const {
-  const PointRecord* record = store_.FindPoint(id);
+  const PointRecord<D>* record = store_.FindPoint(id);
   if (record == nullptr) return std::nullopt;
   return PointFeature<D>{id, record->p};
 }
@@ -107,5 +122,6 @@ std::vector<FeatureId> Plc<D>::SegmentsAt(FeatureId point) const {
 }
 
 template class Plc<2>;
+template class Plc<3>;
 
 }  // namespace dynmesh::plc

@@ -40,7 +40,7 @@ class Plc {
  public:
   // REQUIRES: ValidateOptions(options) is OK.
   // `hub_degree` decides how features are kept (feature_index.h), no answer depends on it.
-  explicit Plc(const MeshOptions& options, std::uint32_t hub_degree = FeatureIndex::kHubDegree);
+  explicit Plc(const MeshOptions& options, std::uint32_t hub_degree = FeatureIndex<D>::kHubDegree);
   Plc(const Plc&) = delete;
   Plc& operator=(const Plc&) = delete;
 
@@ -99,12 +99,13 @@ class Plc {
  private:
   const MeshOptions options_;
   const double limit_;
-  const CellGrid grid_;
-  FeatureStore store_;
-  FeatureIndex index_;
+  const CellGrid<D> grid_;
+  FeatureStore<D> store_;
+  FeatureIndex<D> index_;
 };
 
 using Plc2 = Plc<2>;
+using Plc3 = Plc<3>;
 
 }  // namespace dynmesh::plc
 

@@ -1,44 +1,94 @@
 #include "core/plc/rules.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
+#include "core/geometry/angles.h"
 #include "core/geometry/predicates.h"
+#include "core/geometry/space_predicates.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::plc {
 namespace {
 
 using geometry::Orientation;
+using geometry::Point;
 using geometry::Point2;
+using geometry::Point3;
 using geometry::SquaredDistance;
 
 constexpr double kCloseLimitUlps = 0x1p10;
-// sin^2 of the least angle between segments, 0.001 degrees, less a hair.
+// sin^2 of the least angle between segments in the plane, 0.001 degrees, less a hair.
 constexpr double kAngleBound = 3.046174197557781e-10 * (1 - 1e-6);
 
+template <int D>
+std::array<double, D> Minus(const Point<D>& a, const Point<D>& b) {
+  std::array<double, D> d;
+  for (int i = 0; i < D; ++i) d[i] = a[i] - b[i];
+  return d;
+}
+
+template <std::size_t D>
+double Dot(const std::array<double, D>& u, const std::array<double, D>& w) {
+  double sum = u[0] * w[0];
+  for (std::size_t i = 1; i < D; ++i) sum += u[i] * w[i];
+  return sum;
+}
+
+// (|u||w| sin)^2.
+template <std::size_t D>
+double SquaredCross(const std::array<double, D>& u, const std::array<double, D>& w) {
+  double sum = 0;
+  for (std::size_t i = 0; i < D; ++i) {
+    for (std::size_t j = i + 1; j < D; ++j) {
+      const double minor = u[i] * w[j] - u[j] * w[i];
+      sum += minor * minor;
+    }
+  }
+  return sum;
+}
+
+Point2 Without(int axis, const Point3& p) { return {{p[(axis + 1) % 3], p[(axis + 2) % 3]}}; }
+
+// Exact: in space if they are in all projections.
+bool AreCollinear(const Point2& a, const Point2& b, const Point2& c) {
+  return Orientation(a, b, c) == 0;
+}
+bool AreCollinear(const Point3& a, const Point3& b, const Point3& c) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!AreCollinear(Without(axis, a), Without(axis, b), Without(axis, c))) return false;
+  }
+  return true;
+}
+
 // Of collinear a, b, x: is x on the closed segment ab? Exact.
-bool InRange(const Point2& a, const Point2& b, const Point2& x) {
-  for (int i = 0; i < 2; ++i) {
+template <int D>
+bool InRange(const Point<D>& a, const Point<D>& b, const Point<D>& x) {
+  for (int i = 0; i < D; ++i) {
     if (x[i] < std::min(a[i], b[i]) || x[i] > std::max(a[i], b[i])) return false;
   }
   return true;
 }
 
 // Segments apex-a and apex-b.
-Conflict AtSharedEnd(const Point2& apex, const Point2& a, const Point2& b) {
-  const double ux = a[0] - apex[0], uy = a[1] - apex[1];
-  const double wx = b[0] - apex[0], wy = b[1] - apex[1];
-  const double d = ux * wx + uy * wy;
+template <int D>
+Conflict AtSharedEnd(const Point<D>& apex, const Point<D>& a, const Point<D>& b) {
+  const auto u = Minus(a, apex), w = Minus(b, apex);
+  const double d = Dot(u, w);
   // Collinear vectors are opposite or parallel, far from d = 0: its sign is right.
-  if (d > 0 && Orientation(apex, a, b) == 0) return Conflict::kSegmentsOverlap;
-  const double squares = (ux * ux + uy * uy) * (wx * wx + wy * wy);
-  const double cross = ux * wy - uy * wx;
-  if (d > 0 && cross * cross < kAngleBound * squares) return Conflict::kSmallAngle;
-  return Conflict::kNone;
+  if (d > 0 && AreCollinear(apex, a, b)) return Conflict::kSegmentsOverlap;
+  if constexpr (D == 3) {
+    return geometry::IsSmallAngle(apex, a, b) ? Conflict::kSmallAngle : Conflict::kNone;
+  }
+  const double squares = Dot(u, u) * Dot(w, w);
+  return d > 0 && SquaredCross(u, w) < kAngleBound * squares ? Conflict::kSmallAngle
+                                                             : Conflict::kNone;
 }
 
-bool CollinearOverlap(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
+template <int D>
+bool CollinearOverlap(const Point<D>& a, const Point<D>& b, const Point<D>& c, const Point<D>& d) {
   // Lexicographic order is the order along a common line.
   const auto [lo1, hi1] = std::minmax(a, b);
   const auto [lo2, hi2] = std::minmax(c, d);
@@ -56,52 +106,110 @@ Conflict Disjoint(const Point2& a, const Point2& b, const Point2& c, const Point
                                                          : Conflict::kNone;
 }
 
+// Those of one plane meet where they do in a projection that keeps them apart.
+Conflict Disjoint(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
+  if (Orientation(a, b, c, d) != 0) return Conflict::kNone;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Point2 a2 = Without(axis, a), b2 = Without(axis, b);
+    const Point2 c2 = Without(axis, c), d2 = Without(axis, d);
+    const bool on_a_line = AreCollinear(a2, b2, c2) && AreCollinear(a2, b2, d2) &&
+                           AreCollinear(c2, d2, a2) && AreCollinear(c2, d2, b2);
+    if (!on_a_line) return Disjoint(a2, b2, c2, d2);
+  }
+  return CollinearOverlap(a, b, c, d) ? Conflict::kSegmentsOverlap : Conflict::kNone;
+}
+
+double SquaredDistanceToSegment(const Point3& p, const Point3& lo, const Point3& hi) {
+  const auto d = Minus(hi, lo), w = Minus(p, lo);
+  const double length2 = Dot(d, d), along = Dot(d, w);
+  if (along <= 0) return Dot(w, w);
+  if (along >= length2) return SquaredDistance(p, hi);
+  return SquaredCross(d, w) / length2;
+}
+
+// Do two segments pass each other nearer than `limit`, where neither ends? The ends are points,
+// which have a rule of their own.
+bool PassNear(std::pair<Point3, Point3> s, std::pair<Point3, Point3> t, double limit) {
+  if (s.second < s.first) std::swap(s.first, s.second);
+  if (t.second < t.first) std::swap(t.first, t.second);
+  if (t < s) std::swap(s, t);
+  const auto u = Minus(s.second, s.first), v = Minus(t.second, t.first);
+  const auto w = Minus(t.first, s.first);
+  const double uu = Dot(u, u), vv = Dot(v, v), uv = Dot(u, v), uw = Dot(u, w), vw = Dot(v, w);
+  const double det = SquaredCross(u, v);
+  const double limit2 = limit * limit;
+  // Far from parallel the places nearest to each other are well determined.
+  constexpr double kParallel = 1e-6;
+  if (det > kParallel * uu * vv) {
+    const double at_s = (uw * vv - uv * vw) / det, at_t = (uv * uw - uu * vw) / det;
+    if (!(at_s > 0 && at_s < 1 && at_t > 0 && at_t < 1)) return false;
+    const double volume = w[0] * (u[1] * v[2] - u[2] * v[1]) + w[1] * (u[2] * v[0] - u[0] * v[2]) +
+                          w[2] * (u[0] * v[1] - u[1] * v[0]);
+    return volume * volume < limit2 * det;
+  }
+  // Else a search finds them: the distance to t is convex along s, and right to an ulp.
+  double from = 0, to = 1;
+  for (int i = 0; i < 100; ++i) {
+    const double third = (to - from) / 3;
+    std::array<double, 2> distance;
+    for (int k = 0; k < 2; ++k) {
+      const double at = k == 0 ? from + third : to - third;
+      Point3 p;
+      for (int j = 0; j < 3; ++j) p[j] = s.first[j] + at * u[j];
+      distance[k] = SquaredDistanceToSegment(p, t.first, t.second);
+      if (distance[k] < limit2) return true;
+    }
+    (distance[0] < distance[1] ? to : from) = distance[0] < distance[1] ? to - third : from + third;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool AreAtClearAngle(const Point2& apex, const Point2& a, const Point2& b) {
-  const double ux = a[0] - apex[0], uy = a[1] - apex[1];
-  const double wx = b[0] - apex[0], wy = b[1] - apex[1];
-  const double squares = (ux * ux + uy * uy) * (wx * wx + wy * wy);
-  const double cross = ux * wy - uy * wx;
+  const auto u = Minus(a, apex), w = Minus(b, apex);
   // Far beyond all rounding.
-  return ux * wx + uy * wy <= 0 || cross * cross > 4 * kAngleBound * squares;
+  return Dot(u, w) <= 0 || SquaredCross(u, w) > 4 * kAngleBound * (Dot(u, u) * Dot(w, w));
 }
 
 double CloseLimit(const MeshOptions& options) {
   const Box domain = DomainBox(options);
   double magnitude = 0;
-  for (int i = 0; i < 2; ++i) {
+  for (int i = 0; i < options.dimension; ++i) {
     magnitude = std::max({magnitude, std::abs(domain.lo[i]), std::abs(domain.hi[i])});
   }
   return kCloseLimitUlps * std::ldexp(1.0, std::ilogb(magnitude) - 52);
 }
 
-bool IsNear(const Point2& p, const Point2& a, const Point2& b, double limit) {
-  const Point2& lo = b < a ? b : a;
-  const Point2& hi = b < a ? a : b;
-  const double dx = hi[0] - lo[0], dy = hi[1] - lo[1];
-  const double px = p[0] - lo[0], py = p[1] - lo[1];
-  const double length2 = dx * dx + dy * dy;
-  const double along = dx * px + dy * py;
+template <int D>
+bool IsNear(const Point<D>& p, const Point<D>& a, const Point<D>& b, double limit) {
+  const Point<D>& lo = b < a ? b : a;
+  const Point<D>& hi = b < a ? a : b;
+  const auto d = Minus(hi, lo), w = Minus(p, lo);
+  const double length2 = Dot(d, d);
+  const double along = Dot(d, w);
   const double limit2 = limit * limit;
-  if (along <= 0) return px * px + py * py < limit2;
+  if (along <= 0) return Dot(w, w) < limit2;
   if (along >= length2) return SquaredDistance(p, hi) < limit2;
-  const double cross = dx * py - dy * px;
-  return cross * cross < limit2 * length2;
+  return SquaredCross(d, w) < limit2 * length2;
 }
 
-Conflict Between(const PointFeature<2>& p, const PointFeature<2>& q, double limit) {
+template <int D>
+Conflict Between(const PointFeature<D>& p, const PointFeature<D>& q, double limit) {
   if (p.p == q.p) return Conflict::kDuplicatePoint;
   return SquaredDistance(p.p, q.p) < limit * limit ? Conflict::kTooClose : Conflict::kNone;
 }
 
-Conflict Between(const PointFeature<2>& p, const SegmentFeature<2>& s, double limit) {
+template <int D>
+Conflict Between(const PointFeature<D>& p, const SegmentFeature<D>& s, double limit) {
   if (p.id == s.p_id || p.id == s.q_id) return Conflict::kNone;
-  if (InRange(s.p, s.q, p.p) && Orientation(s.p, s.q, p.p) == 0) return Conflict::kPointOnSegment;
+  if (InRange(s.p, s.q, p.p) && AreCollinear(s.p, s.q, p.p)) return Conflict::kPointOnSegment;
   return IsNear(p.p, s.p, s.q, limit) ? Conflict::kTooClose : Conflict::kNone;
 }
 
-Conflict Between(const SegmentFeature<2>& s, const SegmentFeature<2>& t) {
+template <int D>
+Conflict Between(const SegmentFeature<D>& s, const SegmentFeature<D>& t,
+                 [[maybe_unused]] double limit) {
   const bool pp = s.p_id == t.p_id, qq = s.q_id == t.q_id;
   const bool pq = s.p_id == t.q_id, qp = s.q_id == t.p_id;
   if ((pp && qq) || (pq && qp)) {
@@ -111,7 +219,22 @@ Conflict Between(const SegmentFeature<2>& s, const SegmentFeature<2>& t) {
   if (qq) return AtSharedEnd(s.q, s.p, t.p);
   if (pq) return AtSharedEnd(s.p, s.q, t.p);
   if (qp) return AtSharedEnd(s.q, s.p, t.q);
-  return Disjoint(s.p, s.q, t.p, t.q);
+  const Conflict conflict = Disjoint(s.p, s.q, t.p, t.q);
+  if constexpr (D == 3) {
+    if (conflict == Conflict::kNone && PassNear({s.p, s.q}, {t.p, t.q}, limit)) {
+      return Conflict::kTooClose;
+    }
+  }
+  return conflict;
 }
+
+template bool IsNear(const Point2&, const Point2&, const Point2&, double);
+template bool IsNear(const Point3&, const Point3&, const Point3&, double);
+template Conflict Between(const PointFeature<2>&, const PointFeature<2>&, double);
+template Conflict Between(const PointFeature<3>&, const PointFeature<3>&, double);
+template Conflict Between(const PointFeature<2>&, const SegmentFeature<2>&, double);
+template Conflict Between(const PointFeature<3>&, const SegmentFeature<3>&, double);
+template Conflict Between(const SegmentFeature<2>&, const SegmentFeature<2>&, double);
+template Conflict Between(const SegmentFeature<3>&, const SegmentFeature<3>&, double);
 
 }  // namespace dynmesh::plc

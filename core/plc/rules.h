@@ -36,17 +36,22 @@ enum class Conflict : std::uint8_t {
 };
 
 // Same coordinates: kDuplicatePoint; nearer than `limit`: kTooClose.
-Conflict Between(const PointFeature<2>& p, const PointFeature<2>& q, double limit);
+template <int D>
+Conflict Between(const PointFeature<D>& p, const PointFeature<D>& q, double limit);
 
 // A point and a segment. None if the point is an end of it (by id).
-Conflict Between(const PointFeature<2>& p, const SegmentFeature<2>& s, double limit);
+template <int D>
+Conflict Between(const PointFeature<D>& p, const SegmentFeature<D>& s, double limit);
 
 // Two segments. Polygons share their edges with each other and with segment features: no
 // conflict. An end of one *in* the other is left to the rule for point and
 // segment. Segments that share an end must not be nearly one: with u, w the vectors from
 // the shared point, u.w > 0 and (u x w)^2 < sin^2(0.001 degrees) (1 - 1e-6)|u|^2|w|^2 is
 // kSmallAngle.
-Conflict Between(const SegmentFeature<2>& s, const SegmentFeature<2>& t);
+// In space that is any angle below 60 degrees (less a hair: geometry/angles.h), since nothing there
+// takes care of sharper ones, and segments that do not meet may not be nearer than `limit`.
+template <int D>
+Conflict Between(const SegmentFeature<D>& s, const SegmentFeature<D>& t, double limit);
 
 // Is the angle between apex-a and apex-b, and any larger one up to 180 degrees, certainly no
 // kSmallAngle? In doubles.
@@ -55,7 +60,8 @@ bool AreAtClearAngle(const geometry::Point2& apex, const geometry::Point2& a,
 
 // Is the distance of p to segment ab below `limit`? In doubles, error of an ulp of
 // the domain, to the bit the same for ba.
-bool IsNear(const geometry::Point2& p, const geometry::Point2& a, const geometry::Point2& b,
+template <int D>
+bool IsNear(const geometry::Point<D>& p, const geometry::Point<D>& a, const geometry::Point<D>& b,
             double limit);
 
 }  // namespace dynmesh::plc

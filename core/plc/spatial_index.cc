@@ -10,6 +10,8 @@ namespace {
 // Room for the error of positions in units, and for closed cells.
 constexpr double kCellReach = 0.25;
 constexpr double kQueryReach = kCloseUnits + 1;
+// Of a segment in space that calls for smaller cells.
+constexpr double kMostCellsLong = 16;
 
 void InsertInOrder(std::vector<Slot>& slots, Slot slot) {
   slots.insert(std::lower_bound(slots.begin(), slots.end(), slot), slot);
@@ -41,114 +43,149 @@ Slot Put(LargeVector<T>& table, std::vector<Slot>& free_slots, const T& value) {
 
 }  // namespace
 
-SpatialIndex::SpatialIndex(const CellGrid& grid) : grid_(grid), nodes_(4) {}
+template <int D>
+SpatialIndex<D>::SpatialIndex(const CellGrid<D>& grid) : grid_(grid), nodes_(kChildren) {}
 
-int SpatialIndex::QuadrantOf(const Cell& cell, const UnitPoint& at) {
+template <int D>
+int SpatialIndex<D>::ChildAt(const Cell& cell, const UnitPoint<D>& at) {
   const std::int64_t half = cell.side / 2;
-  const int right = CellGrid::Quantise(at[0]) >= cell.at[0] + half ? 1 : 0;
-  const int upper = CellGrid::Quantise(at[1]) >= cell.at[1] + half ? 1 : 0;
-  return right + 2 * upper;
+  int child = 0;
+  for (int i = 0; i < D; ++i) {
+    if (CellGrid<D>::Quantise(at[i]) >= cell.at[i] + half) child |= 1 << i;
+  }
+  return child;
 }
 
-Slot SpatialIndex::Insert(const PointFeature<2>& point) {
+template <int D>
+Slot SpatialIndex<D>::Insert(const PointFeature<D>& point) {
   const Slot slot = Put(points_, free_points_, point);
   InsertPointAt(0, grid_.root(), slot, grid_.ToUnits(point.p));
   return slot;
 }
 
-Slot SpatialIndex::Insert(const SegmentFeature<2>& segment) {
-  const Slot slot = Put(segments_, free_segments_, GridSegment(segment, grid_));
+template <int D>
+Slot SpatialIndex<D>::Insert(const SegmentFeature<D>& segment) {
+  const Slot slot = Put(segments_, free_segments_, GridSegment<D>(segment, grid_));
   InsertSegmentAt(0, grid_.root(), slot);
   return slot;
 }
 
-void SpatialIndex::ErasePoint(Slot slot) {
+template <int D>
+void SpatialIndex<D>::ErasePoint(Slot slot) {
   ErasePointAt(0, grid_.root(), slot, grid_.ToUnits(points_[slot].p));
   free_points_.push_back(slot);
 }
 
-void SpatialIndex::EraseSegment(Slot slot) {
+template <int D>
+void SpatialIndex<D>::EraseSegment(Slot slot) {
   EraseSegmentAt(0, grid_.root(), slot);
   free_segments_.push_back(slot);
 }
 
-void SpatialIndex::InsertPointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint& at) {
+template <int D>
+void SpatialIndex<D>::InsertPointAt(NodeIndex n, const Cell& cell, Slot slot,
+                                    const UnitPoint<D>& at) {
   if (nodes_[n].children == 0) {
     nodes_[n].points.push_back(slot);
     SplitIfCrowded(n, cell);
     return;
   }
-  const int quadrant = QuadrantOf(cell, at);
-  InsertPointAt(nodes_[n].children + quadrant, cell.Child(quadrant), slot, at);
+  const int child = ChildAt(cell, at);
+  InsertPointAt(nodes_[n].children + child, cell.Child(child), slot, at);
 }
 
 // The decisions (meets, spans, leaf) are functions of segment, cell and the tree, and
 // EraseSegmentAt repeats them.
-void SpatialIndex::InsertSegmentAt(NodeIndex n, const Cell& cell, Slot slot) {
-  const GridSegment& segment = segments_[slot];
+template <int D>
+void SpatialIndex<D>::InsertSegmentAt(NodeIndex n, const Cell& cell, Slot slot) {
+  const GridSegment<D>& segment = segments_[slot];
   if (!segment.Meets(cell, kCellReach)) return;
-  if (segment.Spans(cell)) {
-    std::unique_ptr<ChordList>& chords = nodes_[n].chords;
-    if (chords == nullptr) chords = std::make_unique<ChordList>(&segments_);
-    chords->Insert(slot);
-  } else if (nodes_[n].children == 0) {
+  if constexpr (D == 2) {
+    if (segment.Spans(cell)) {
+      std::unique_ptr<ChordList>& chords = nodes_[n].chords;
+      if (chords == nullptr) chords = std::make_unique<ChordList>(&segments_);
+      chords->Insert(slot);
+      return;
+    }
+  }
+  if (nodes_[n].children == 0) {
     InsertInOrder(nodes_[n].loose, slot);
     SplitIfCrowded(n, cell);
   } else {
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < kChildren; ++i) {
       InsertSegmentAt(nodes_[n].children + i, cell.Child(i), slot);
     }
   }
 }
 
-void SpatialIndex::ErasePointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint& at) {
+template <int D>
+void SpatialIndex<D>::ErasePointAt(NodeIndex n, const Cell& cell, Slot slot,
+                                   const UnitPoint<D>& at) {
   if (nodes_[n].children == 0) {
     EraseValue(nodes_[n].points, slot);
     return;
   }
-  const int quadrant = QuadrantOf(cell, at);
-  ErasePointAt(nodes_[n].children + quadrant, cell.Child(quadrant), slot, at);
-  MergeIfSparse(n);
+  const int child = ChildAt(cell, at);
+  ErasePointAt(nodes_[n].children + child, cell.Child(child), slot, at);
+  MergeIfSparse(n, cell);
 }
 
-void SpatialIndex::EraseSegmentAt(NodeIndex n, const Cell& cell, Slot slot) {
-  const GridSegment& segment = segments_[slot];
+template <int D>
+void SpatialIndex<D>::EraseSegmentAt(NodeIndex n, const Cell& cell, Slot slot) {
+  const GridSegment<D>& segment = segments_[slot];
   if (!segment.Meets(cell, kCellReach)) return;
-  if (segment.Spans(cell)) {
-    std::unique_ptr<ChordList>& chords = nodes_[n].chords;
-    if (chords == nullptr) return;
-    chords->Erase(slot);
-    if (chords->size() == 0) chords.reset();
-  } else if (nodes_[n].children == 0) {
+  if constexpr (D == 2) {
+    if (segment.Spans(cell)) {
+      std::unique_ptr<ChordList>& chords = nodes_[n].chords;
+      if (chords == nullptr) return;
+      chords->Erase(slot);
+      if (chords->size() == 0) chords.reset();
+      return;
+    }
+  }
+  if (nodes_[n].children == 0) {
     EraseInOrder(nodes_[n].loose, slot);
   } else {
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < kChildren; ++i) {
       EraseSegmentAt(nodes_[n].children + i, cell.Child(i), slot);
     }
-    MergeIfSparse(n);
+    MergeIfSparse(n, cell);
   }
 }
 
-SpatialIndex::NodeIndex SpatialIndex::AllocateChildren() {
+template <int D>
+typename SpatialIndex<D>::NodeIndex SpatialIndex<D>::AllocateChildren() {
   if (free_blocks_.empty()) {
-    nodes_.resize(nodes_.size() + 4);
-    return static_cast<NodeIndex>(nodes_.size() - 4);
+    nodes_.resize(nodes_.size() + kChildren);
+    return static_cast<NodeIndex>(nodes_.size() - kChildren);
   }
   const NodeIndex block = free_blocks_.back();
   free_blocks_.pop_back();
   return block;
 }
 
-void SpatialIndex::SplitIfCrowded(NodeIndex n, const Cell& cell) {
+// How many features of a leaf call for smaller cells.
+template <int D>
+std::size_t SpatialIndex<D>::CrowdIn(const Node& node, const Cell& cell) const {
+  if constexpr (D == 2) return node.points.size() + node.loose.size();
+  const double longest = kMostCellsLong * static_cast<double>(cell.side);
+  const auto is_short = [&](Slot slot) { return segments_[slot].Extent() <= longest; };
+  return node.points.size() +
+         static_cast<std::size_t>(std::count_if(node.loose.begin(), node.loose.end(), is_short));
+}
+
+template <int D>
+void SpatialIndex<D>::SplitIfCrowded(NodeIndex n, const Cell& cell) {
   if (cell.side == 1 || nodes_[n].points.size() + nodes_[n].loose.size() <= kCapacity) return;
+  if (CrowdIn(nodes_[n], cell) <= kCapacity) return;
   const NodeIndex children = AllocateChildren();
   nodes_[n].children = children;
   const std::vector<Slot> points = std::exchange(nodes_[n].points, {});
   const std::vector<Slot> loose = std::exchange(nodes_[n].loose, {});
   for (const Slot slot : points) {
-    nodes_[children + QuadrantOf(cell, grid_.ToUnits(points_[slot].p))].points.push_back(slot);
+    nodes_[children + ChildAt(cell, grid_.ToUnits(points_[slot].p))].points.push_back(slot);
   }
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < kChildren; ++i) {
     for (const Slot slot : loose) InsertSegmentAt(children + i, cell.Child(i), slot);
     SplitIfCrowded(children + i, cell.Child(i));
   }
@@ -156,18 +193,19 @@ void SpatialIndex::SplitIfCrowded(NodeIndex n, const Cell& cell) {
 
 // What children hold of a segment, chord or loose, is loose in the parent: there it
 // spans nothing, or it would not have got below.
-void SpatialIndex::MergeIfSparse(NodeIndex n) {
+template <int D>
+void SpatialIndex<D>::MergeIfSparse(NodeIndex n, const Cell& cell) {
   const NodeIndex children = nodes_[n].children;
   std::size_t held = 0;
-  for (NodeIndex c = children; c < children + 4; ++c) {
+  for (NodeIndex c = children; c < children + kChildren; ++c) {
     const Node& child = nodes_[c];
     if (child.children != 0) return;
-    held += child.points.size() + child.loose.size();
+    held += CrowdIn(child, cell);
     if (child.chords != nullptr) held += child.chords->size();
   }
   if (held > kMergeBelow) return;
   Node& node = nodes_[n];
-  for (NodeIndex c = children; c < children + 4; ++c) {
+  for (NodeIndex c = children; c < children + kChildren; ++c) {
     Node& child = nodes_[c];
     node.points.insert(node.points.end(), child.points.begin(), child.points.end());
     node.loose.insert(node.loose.end(), child.loose.begin(), child.loose.end());
@@ -181,27 +219,31 @@ void SpatialIndex::MergeIfSparse(NodeIndex n) {
 }
 
 // A query says which cells it enters and which chords of them it wants to see.
+template <int D>
 template <typename Query>
-void SpatialIndex::Visit(NodeIndex n, const Cell& cell, const Query& query) const {
+void SpatialIndex<D>::Visit(NodeIndex n, const Cell& cell, const Query& query) const {
   if (!query.Enters(cell)) return;
   ++*query.cost;
   const Node& node = nodes_[n];
-  if (node.chords != nullptr) query.VisitChords(*node.chords, cell);
+  if constexpr (D == 2) {
+    if (node.chords != nullptr) query.VisitChords(*node.chords, cell);
+  }
   *query.cost += node.points.size() + node.loose.size();
   for (const Slot slot : node.points) query.visit_point(points_[slot]);
   for (const Slot slot : node.loose) query.visit_segment(segments_[slot].feature);
   if (node.children == 0) return;
-  for (int i = 0; i < 4; ++i) Visit(node.children + i, cell.Child(i), query);
+  for (int i = 0; i < kChildren; ++i) Visit(node.children + i, cell.Child(i), query);
 }
 
-struct SpatialIndex::PointQuery {
-  UnitPoint at;
+template <int D>
+struct SpatialIndex<D>::PointQuery {
+  UnitPoint<D> at;
   VisitPoint visit_point;
   VisitSegment visit_segment;
   std::uint64_t* cost;
 
   bool Enters(const Cell& cell) const {
-    for (int axis = 0; axis < 2; ++axis) {
+    for (int axis = 0; axis < D; ++axis) {
       if (at[axis] < cell.Lo(axis) - kQueryReach || at[axis] > cell.Hi(axis) + kQueryReach) {
         return false;
       }
@@ -211,12 +253,12 @@ struct SpatialIndex::PointQuery {
 
   // A chord whose nearest point, in this cell, is at most r away passes, at the cell's
   // coordinate nearest to `at`, at most 2 r from it: slopes are at most 1.
-  void VisitChords(const ChordList& chords, const Cell& cell) const {
+  void VisitChords(const ChordList& chords, const Cell& cell) const requires(D == 2) {
     for (int major = 0; major < 2; ++major) {
       const double along = std::clamp(at[major], cell.Lo(major), cell.Hi(major));
       const double across = at[1 - major];
       chords.Visit(major, {along, across, along, across}, 2 * kQueryReach,
-                   [this](const GridSegment& chord) {
+                   [this](const GridSegment<2>& chord) {
                      ++*cost;
                      visit_segment(chord.feature);
                    });
@@ -224,8 +266,9 @@ struct SpatialIndex::PointQuery {
   }
 };
 
-struct SpatialIndex::SegmentQuery {
-  const GridSegment* segment;
+template <int D>
+struct SpatialIndex<D>::SegmentQuery {
+  const GridSegment<D>* segment;
   VisitPoint visit_point;
   VisitSegment visit_segment;
   std::uint64_t* cost;
@@ -234,8 +277,8 @@ struct SpatialIndex::SegmentQuery {
 
   // The piece of the segment in the cell grown by a unit, to well below a unit: false
   // if there is none (another cell then has whatever the segment meets).
-  bool Clip(const Cell& cell, UnitPoint& a, UnitPoint& b) const {
-    const UnitPoint &lo = segment->lo, &hi = segment->hi;
+  bool Clip(const Cell& cell, UnitPoint<2>& a, UnitPoint<2>& b) const requires(D == 2) {
+    const UnitPoint<2>&lo = segment->lo, &hi = segment->hi;
     double from = 0, to = 1;
     for (int axis = 0; axis < 2; ++axis) {
       const double d = hi[axis] - lo[axis];
@@ -257,14 +300,14 @@ struct SpatialIndex::SegmentQuery {
 
   // A chord that meets the piece ab in the cell passes on one side of a and on the other
   // of b. Its places are taken in the cell's own range, at most a unit from a and b.
-  void VisitChords(const ChordList& chords, const Cell& cell) const {
-    UnitPoint a, b;
+  void VisitChords(const ChordList& chords, const Cell& cell) const requires(D == 2) {
+    UnitPoint<2> a, b;
     if (!Clip(cell, a, b)) return;
     for (int major = 0; major < 2; ++major) {
       const double lo = cell.Lo(major), hi = cell.Hi(major);
       const ChordProbe places = {std::clamp(a[major], lo, hi), a[1 - major],
                                  std::clamp(b[major], lo, hi), b[1 - major]};
-      chords.Visit(major, places, 4, [this](const GridSegment& chord) {
+      chords.Visit(major, places, 4, [this](const GridSegment<2>& chord) {
         ++*cost;
         visit_segment(chord.feature);
       });
@@ -272,15 +315,20 @@ struct SpatialIndex::SegmentQuery {
   }
 };
 
-void SpatialIndex::QueryNear(const geometry::Point2& p, VisitPoint visit_point,
-                             VisitSegment visit_segment, std::uint64_t* cost) const {
+template <int D>
+void SpatialIndex<D>::QueryNear(const geometry::Point<D>& p, VisitPoint visit_point,
+                                VisitSegment visit_segment, std::uint64_t* cost) const {
   Visit(0, grid_.root(), PointQuery{grid_.ToUnits(p), visit_point, visit_segment, cost});
 }
 
-void SpatialIndex::QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point,
-                             VisitSegment visit_segment, std::uint64_t* cost) const {
-  const GridSegment segment(s, grid_);
+template <int D>
+void SpatialIndex<D>::QueryNear(const SegmentFeature<D>& s, VisitPoint visit_point,
+                                VisitSegment visit_segment, std::uint64_t* cost) const {
+  const GridSegment<D> segment(s, grid_);
   Visit(0, grid_.root(), SegmentQuery{&segment, visit_point, visit_segment, cost});
 }
+
+template class SpatialIndex<2>;
+template class SpatialIndex<3>;
 
 }  // namespace dynmesh::plc

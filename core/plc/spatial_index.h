@@ -1,6 +1,6 @@
-// Which features may be near a point or a segment? A quadtree over the user's box.
+// Which features may be near a point or a segment? A quadtree or octree over the user's box.
 //
-// A point lies in one leaf. A segment is registered top down: as a *chord* of every
+// A point lies in one leaf. In the plane a segment is registered top down: as a *chord* of every
 // highest cell that it meets and spans (chord_list.h), else in the children, else
 // *loose* in a leaf. A leaf with more than kCapacity points and loose segments is
 // split. So a long segment has O(1) chords per level near its ends and none in the
@@ -8,6 +8,11 @@
 // bisection. A cell of unit size meets one point or the segments of one end at most, since
 // features are 16 units apart, and is not split (of ends of very many segments feature_index.h
 // takes care).
+//
+// In space a segment is loose in every leaf that it meets. Chords have no order there, so a
+// segment counts as a reason to split a leaf only where it is no more than 16 times as long as
+// the leaf: for its own sake it is in few cells, and many long ones side by side cost their
+// number where they are that near.
 //
 // Invariant: the segments present do not cross (ChordBefore needs it), so a feature
 // is checked before it is inserted. The *answers* are supersets: every feature that
@@ -33,67 +38,71 @@
 
 namespace dynmesh::plc {
 
+template <int D>
 class SpatialIndex {
  public:
-  using VisitPoint = absl::FunctionRef<void(const PointFeature<2>&)>;
-  using VisitSegment = absl::FunctionRef<void(const SegmentFeature<2>&)>;
+  using VisitPoint = absl::FunctionRef<void(const PointFeature<D>&)>;
+  using VisitSegment = absl::FunctionRef<void(const SegmentFeature<D>&)>;
 
-  explicit SpatialIndex(const CellGrid& grid);
+  explicit SpatialIndex(const CellGrid<D>& grid);
   SpatialIndex(const SpatialIndex&) = delete;
   SpatialIndex& operator=(const SpatialIndex&) = delete;
 
   // The slot is what Erase takes; it may be reused after that.
-  Slot Insert(const PointFeature<2>& point);
-  Slot Insert(const SegmentFeature<2>& segment);
+  Slot Insert(const PointFeature<D>& point);
+  Slot Insert(const SegmentFeature<D>& segment);
   void ErasePoint(Slot slot);
   void EraseSegment(Slot slot);
 
   // Visits every feature less than 16 units (CloseLimit) away from `p`, and maybe
   // others. Adds the number of cells and features looked at to *cost.
-  void QueryNear(const geometry::Point2& p, VisitPoint visit_point, VisitSegment visit_segment,
+  void QueryNear(const geometry::Point<D>& p, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
 
   // Visits every point less than 16 units away from segment `s`, every segment that
-  // meets it, and maybe others.
-  void QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point, VisitSegment visit_segment,
+  // meets it (in space: that is less than 16 units away), and maybe others.
+  void QueryNear(const SegmentFeature<D>& s, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
 
   // A segment that has been inserted.
-  const SegmentFeature<2>& segment(Slot slot) const { return segments_[slot].feature; }
-  std::size_t node_count() const { return nodes_.size() - 4 * free_blocks_.size(); }
+  const SegmentFeature<D>& segment(Slot slot) const { return segments_[slot].feature; }
+  std::size_t node_count() const { return nodes_.size() - kChildren * free_blocks_.size(); }
 
  private:
   using NodeIndex = std::uint32_t;
+  using Cell = plc::Cell<D>;
+  static constexpr int kChildren = Cell::kChildren;
   static constexpr std::size_t kCapacity = 16;  // of a leaf: points and loose segments
   static constexpr std::size_t kMergeBelow = 8;
 
   struct Node {
-    NodeIndex children = 0;  // the first of four in a row; 0: a leaf
+    NodeIndex children = 0;  // the first of kChildren in a row; 0: a leaf
     std::vector<Slot> points;
     std::vector<Slot> loose;            // ascending
-    std::unique_ptr<ChordList> chords;  // maybe none
+    std::unique_ptr<ChordList> chords;  // of the plane; maybe none
   };
   struct PointQuery;
   struct SegmentQuery;
 
-  void InsertPointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint& at);
+  void InsertPointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint<D>& at);
   void InsertSegmentAt(NodeIndex n, const Cell& cell, Slot slot);
-  void ErasePointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint& at);
+  void ErasePointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint<D>& at);
   void EraseSegmentAt(NodeIndex n, const Cell& cell, Slot slot);
+  std::size_t CrowdIn(const Node& node, const Cell& cell) const;
   void SplitIfCrowded(NodeIndex n, const Cell& cell);
-  void MergeIfSparse(NodeIndex n);
+  void MergeIfSparse(NodeIndex n, const Cell& cell);
   NodeIndex AllocateChildren();
   template <typename Query>
   void Visit(NodeIndex n, const Cell& cell, const Query& query) const;
 
-  static int QuadrantOf(const Cell& cell, const UnitPoint& at);
+  static int ChildAt(const Cell& cell, const UnitPoint<D>& at);
 
-  CellGrid grid_;
-  LargeVector<Node> nodes_;  // [0] is the root; children in blocks of four
+  CellGrid<D> grid_;
+  LargeVector<Node> nodes_;  // [0] is the root; children in blocks
   std::vector<NodeIndex> free_blocks_;
-  LargeVector<PointFeature<2>> points_;
+  LargeVector<PointFeature<D>> points_;
   std::vector<Slot> free_points_;
-  SegmentTable segments_;
+  SegmentTable<D> segments_;
   std::vector<Slot> free_segments_;
 };
 

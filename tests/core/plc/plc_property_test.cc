@@ -307,7 +307,7 @@ void RunScript(std::uint64_t seed, Generator::Style style, int batches, int most
                Tally& tally) {
   Generator generator(seed, style, polygons);
   // So that few segments make a hub, too.
-  constexpr std::uint32_t kHubDegrees[] = {FeatureIndex::kHubDegree, 1, 2, 4};
+  constexpr std::uint32_t kHubDegrees[] = {FeatureIndex<2>::kHubDegree, 1, 2, 4};
   Plc2 plc(Square(0, 1), kHubDegrees[seed % 4]);
   FeatureMap present;
   std::string script = "mesh dim=2 box=0,0,1,1\n";

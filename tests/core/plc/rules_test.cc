@@ -23,11 +23,11 @@ SegmentFeature<2> Reversed(const SegmentFeature<2>& s) { return {s.id, s.q_id, s
 
 // All eight ways to ask must agree.
 Conflict Ask(const SegmentFeature<2>& s, const SegmentFeature<2>& t) {
-  const Conflict answer = Between(s, t);
+  const Conflict answer = Between(s, t, kLimit);
   for (const SegmentFeature<2>& a : {s, Reversed(s)}) {
     for (const SegmentFeature<2>& b : {t, Reversed(t)}) {
-      EXPECT_EQ(Between(a, b), answer);
-      EXPECT_EQ(Between(b, a), answer);
+      EXPECT_EQ(Between(a, b, kLimit), answer);
+      EXPECT_EQ(Between(b, a, kLimit), answer);
     }
   }
   return answer;

@@ -79,7 +79,7 @@ class Both {
       if (Between(p.f, f, kLimit) != Conflict::kNone) result.insert(p.f.id);
     }
     for (const auto& s : segments_) {
-      if (Between(f, s.f) != Conflict::kNone) result.insert(s.f.id);
+      if (Between(f, s.f, kLimit) != Conflict::kNone) result.insert(s.f.id);
     }
     return result;
   }
@@ -105,7 +105,7 @@ class Both {
     return Compare(Conflicts(f), Answer(f, &cost));
   }
 
-  const SpatialIndex& index() const { return index_; }
+  const SpatialIndex<2>& index() const { return index_; }
   std::size_t size() const { return points_.size() + segments_.size(); }
   // A place on or near a feature, or anywhere.
   Point2 Place(std::mt19937_64& random) const {
@@ -138,8 +138,8 @@ class Both {
     SegmentFeature<2> f;
     Slot slot;
   };
-  CellGrid grid_;
-  SpatialIndex index_;
+  CellGrid<2> grid_;
+  SpatialIndex<2> index_;
   std::vector<APoint> points_;
   std::vector<ASegment> segments_;
   FeatureId next_id_ = 1;
@@ -255,8 +255,8 @@ TEST(SpatialIndex, FindsOnCellBorders) {
 TEST(SpatialIndex, SplitsNoDeeperThanNeeded) {
   // Sixteen points at the least distances share a leaf; the seventeenth splits cells
   // down to them, one path of blocks.
-  CellGrid grid(Square(0, 1).box, kLimit);
-  SpatialIndex index(grid);
+  CellGrid<2> grid(Square(0, 1).box, kLimit);
+  SpatialIndex<2> index(grid);
   for (int i = 0; i < 16; ++i) {
     index.Insert(PointFeature<2>{FeatureId(i + 1), {{0.7 + i * kLimit, 0.7}}});
   }
