@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/rings.h"
+#include "core/plc/facet_rules.h"
 #include "core/plc/far_apart.h"
 #include "core/plc/messages.h"
 
@@ -50,6 +51,12 @@ absl::StatusOr<Delta<D>> BatchCheck<D>::Run(absl::FunctionRef<bool()> interrupte
     SortUnique(affected_polygons_);
     for (const FeatureId id : affected_polygons_) CollectPolygon(id);
     FindAffectedEdges();
+    if constexpr (D == 3) {
+      affected_facets_.insert(affected_facets_.end(), affected_polygons_.begin(),
+                              affected_polygons_.end());
+      SortUnique(affected_facets_);
+      for (const FeatureId id : affected_facets_) CollectFacet(id);
+    }
   }
   SortUnique(affected_segments_);
   for (const FeatureId id : affected_segments_) CollectSegment(id);
@@ -128,8 +135,8 @@ void BatchCheck<D>::CollectUsers(FeatureId point, bool is_point) {
   for (const FeatureId id : store_.PolygonsAt(point)) {
     if (store_.FindSize(id) != nullptr) {
       affected_sizes_.push_back(id);
-    } else if (!is_point) {
-      affected_polygons_.push_back(id);
+    } else {
+      (is_point ? affected_facets_ : affected_polygons_).push_back(id);
     }
   }
   for (const FeatureId end : store_.EdgesAt(point)) affected_edges_.push_back(KeyOf(point, end));
@@ -194,6 +201,43 @@ void BatchCheck<D>::CollectPolygon(FeatureId id) {
   ForEachEdgeOf(now.rings,
                 [&](FeatureId p, FeatureId q) { new_users_[KeyOf(p, q)].push_back(id); });
   delta_.added_polygons.push_back(std::move(now));
+}
+
+// A polygon of space that the batch names, or that follows a point that changed. What it lacks is
+// noted already.
+template <int D>
+void BatchCheck<D>::CollectFacet(FeatureId id) {
+  if constexpr (D == 3) {
+    const Rings* was = store_.FindPolygon(id);
+    const typename Draft<D>::Entry* entry = draft_.Find(id);
+    FacetFeature now{id, {}, {}};
+    if (entry == nullptr) now.rings = *was;
+    if (entry != nullptr && entry->state == DraftState::kPolygon) {
+      now.rings = draft_.PolygonOf(*entry).rings;
+    }
+    bool whole = CheckRings(id, now.rings, kUntouched).ok();
+    EditIndex edit = draft_.BlameOf(id);
+    for (const auto& ring : now.rings) {
+      auto& places = now.places.emplace_back();
+      for (const FeatureId point : ring) {
+        const Point<D>* p = draft_.FindPoint(point);
+        whole = whole && p != nullptr;
+        if (!whole) break;
+        places.push_back(*p);
+        edit = std::max(edit, draft_.BlameOf(point));
+      }
+    }
+    if (was != nullptr) {
+      FacetFeature before = store_.FacetOf(id, *was);
+      if (whole && before == now && edit < draft_.error_edit()) return;
+      hidden_facets_.insert(id);
+      delta_.removed_facets.push_back(std::move(before));
+    }
+    if (!whole) return;
+    const auto at = static_cast<std::uint32_t>(delta_.added_facets.size());
+    delta_.added_facets.push_back(std::move(now));
+    Schedule({edit, id, Event::Kind::kFacet, at});
+  }
 }
 
 // Where polygons have edges, and segment features come, go or change there, both are
@@ -348,7 +392,8 @@ bool BatchCheck<D>::CheckPoints(FeatureId id, std::span<const FeatureId> points,
 template <int D>
 void BatchCheck<D>::ChooseIndex() {
   constexpr std::size_t kWorthwhile = 8;
-  if ((hidden_.size() + hidden_edges_.size()) * kWorthwhile < store_.size()) return;
+  if ((hidden_.size() + hidden_edges_.size() + hidden_facets_.size()) * kWorthwhile < store_.size())
+    return;
   present_ = nullptr;
   for (const auto& [id, record] : store_.points()) {
     if (!hidden_.contains(id)) entered_.Insert(PointFeature<D>{id, record.p});
@@ -359,6 +404,11 @@ void BatchCheck<D>::ChooseIndex() {
   for (const auto& [key, record] : store_.edges()) {
     if (record.segment != kNoFeature || hidden_edges_.contains(key)) continue;
     entered_.Insert(store_.Expand(key, record));
+  }
+  if constexpr (D == 3) {
+    for (const auto& [id, rings] : store_.polygons()) {
+      if (!hidden_facets_.contains(id)) entered_.Insert(Facet(store_.FacetOf(id, rings)));
+    }
   }
 }
 
@@ -382,6 +432,9 @@ absl::Status BatchCheck<D>::Handle(const Event& event) {
       return DegenerateSegmentError(event.id, draft_.Find(event.id)->ends[0], event.edit);
     case Event::Kind::kUnknownEnd:
       return UnknownEnd(event.id, event.edit);
+    case Event::Kind::kFacet:
+      if constexpr (D == 3) return Enter(Facet(delta_.added_facets[event.at]), event.edit);
+      break;
     case Event::Kind::kSize:
       return CheckSize(delta_.added_sizes[event.at], options_.box, limit_, event.edit);
   }
@@ -416,6 +469,8 @@ const SegmentFeature<D>& Place(const SegmentFeature<D>& f) {
   return f;
 }
 
+[[maybe_unused]] const Facet& Place(const Facet& f) { return f; }
+
 // The rules, whichever way round.
 template <class F, class G>
 Conflict Judge(const F& f, const G& other, double limit) {
@@ -425,15 +480,27 @@ template <int D>
 Conflict Judge(const SegmentFeature<D>& f, const PointFeature<D>& other, double limit) {
   return Between(other, f, limit);
 }
+[[maybe_unused]] Conflict Judge(const Facet& f, const PointFeature<3>& other, double limit) {
+  return Between(other, f, limit);
+}
+[[maybe_unused]] Conflict Judge(const Facet& f, const SegmentFeature<3>& other, double limit) {
+  return Between(other, f, limit);
+}
 
 // What is wrong with a feature by itself.
 template <int D>
-absl::Status CheckAlone(const PointFeature<D>& f, const MeshOptions& options, EditIndex edit) {
+absl::Status CheckAlone(const PointFeature<D>& f, const MeshOptions& options, double,
+                        EditIndex edit) {
   return CheckPlace(f, options.box, edit);
 }
 template <int D>
-absl::Status CheckAlone(const SegmentFeature<D>&, const MeshOptions&, EditIndex) {
+absl::Status CheckAlone(const SegmentFeature<D>&, const MeshOptions&, double, EditIndex) {
   return absl::OkStatus();
+}
+
+[[maybe_unused]] absl::Status CheckAlone(const Facet& f, const MeshOptions&, double limit,
+                                         EditIndex edit) {
+  return CheckFacet(f, limit, edit);
 }
 
 }  // namespace
@@ -441,7 +508,8 @@ absl::Status CheckAlone(const SegmentFeature<D>&, const MeshOptions&, EditIndex)
 template <int D>
 template <typename F>
 absl::Status BatchCheck<D>::Enter(const F& feature, EditIndex edit) {
-  if (absl::Status status = CheckAlone(feature, options_, edit); !status.ok()) return status;
+  if (absl::Status status = CheckAlone(feature, options_, limit_, edit); !status.ok())
+    return status;
   const Obstacle found = FindObstacle(feature);
   if (found.conflict != Conflict::kNone) {
     return ConflictError<D>(found.conflict, feature, found.other, limit_, edit);
@@ -475,18 +543,32 @@ typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
     if (!better(Judge(feature, other, limit_), other.id, KeyOf(other))) return;
     least.other = other;
   };
+  const auto see_facet = [&](const Facet& other) {
+    if constexpr (D == 3) {
+      if (better(Judge(feature, other, limit_), other.id(), {})) least.other = other;
+    }
+  };
+  const auto ask = [&](const FeatureIndex<D>& index, auto point, auto segment, auto facet) {
+    if constexpr (D == 3) {
+      index.QueryNear(Place(feature), point, segment, facet, &cost_);
+    } else {
+      index.QueryNear(Place(feature), point, segment, &cost_);
+    }
+  };
   if (present_ != nullptr) {
-    present_->QueryNear(
-        Place(feature),
+    ask(
+        *present_,
         [&](const PointFeature<D>& other) {
           if (!hidden_.contains(other.id)) see_point(other);
         },
         [&](const SegmentFeature<D>& other) {
           if (!IsHidden(other)) see_segment(other);
         },
-        &cost_);
+        [&](const Facet& other) {
+          if (!hidden_facets_.contains(other.id())) see_facet(other);
+        });
   }
-  entered_.QueryNear(Place(feature), see_point, see_segment, &cost_);
+  ask(entered_, see_point, see_segment, see_facet);
   return least;
 }
 

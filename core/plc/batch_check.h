@@ -62,12 +62,16 @@ class BatchCheck {
       kPolygon,  // its rings are no polygon
       kEdge,     // of a polygon, comes or changes: `at` in edges_
       kSize,     // a sizing feature comes or changes: `at` in delta_.added_sizes
+      kFacet,    // comes or changes: `at` in delta_.added_facets
     };
     EditIndex edit;
     FeatureId id;
     Kind kind;
     std::uint32_t at = 0;
-    int rank() const { return kind == Kind::kPoint || kind == Kind::kPointGone ? 0 : 1; }
+    // Facets are looked at when their edges are in order.
+    int rank() const {
+      return kind == Kind::kPoint || kind == Kind::kPointGone ? 0 : kind == Kind::kFacet ? 2 : 1;
+    }
   };
 
   // What stands in the way of a feature: the least conflict, of the least id.
@@ -80,6 +84,7 @@ class BatchCheck {
   void CollectUsers(FeatureId point, bool is_point);
   void CollectSize(FeatureId id);
   void CollectPolygon(FeatureId id);
+  void CollectFacet(FeatureId id);
   void FindAffectedEdges();
   void CollectSegment(FeatureId id);
   void CollectEdge(const EdgeKey& key);
@@ -112,7 +117,8 @@ class BatchCheck {
   // Features of the store that the result does not have as they are.
   absl::flat_hash_set<FeatureId> hidden_;
   absl::flat_hash_set<EdgeKey> hidden_edges_;
-  std::vector<FeatureId> affected_segments_, affected_sizes_, affected_polygons_;
+  absl::flat_hash_set<FeatureId> hidden_facets_;
+  std::vector<FeatureId> affected_segments_, affected_sizes_, affected_polygons_, affected_facets_;
   std::vector<EdgeKey> affected_edges_;
   // Polygons of the store whose rings the result does not have; edges of those that come;
   // segment features that the batch names, by their ends.

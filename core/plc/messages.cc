@@ -14,7 +14,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/base/rings.h"
-#include "core/plc/feature_store.h"
+#include "core/plc/facet_rules.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh::plc {
@@ -57,6 +57,8 @@ std::string Text(const SegmentFeature<D>& f) {
                       f.p_id, " ", Text(f.p), " to point ", f.q_id, " ", Text(f.q));
 }
 
+std::string Text(const Facet& f) { return absl::StrCat("polygon ", f.id()); }
+
 template <int D>
 std::string Text(const AnyFeature<D>& f) {
   return std::visit([](const auto& x) { return Text(x); }, f);
@@ -64,7 +66,9 @@ std::string Text(const AnyFeature<D>& f) {
 
 template <int D>
 FeatureId IdOf(const AnyFeature<D>& f) {
-  return std::visit([](const auto& x) { return x.id; }, f);
+  if (const Facet* facet = std::get_if<Facet>(&f)) return facet->id();
+  if (const auto* point = std::get_if<PointFeature<D>>(&f)) return point->id;
+  return std::get<SegmentFeature<D>>(f).id;
 }
 
 absl::Status Error(absl::StatusCode code, const char* reason, std::vector<FeatureId> features,
@@ -93,6 +97,28 @@ std::string AngleText(const SegmentFeature<D>& s, const SegmentFeature<D>& t) {
   const double angle = std::atan2(std::sqrt(cross2), dot);
   return absl::StrFormat("%.6g degrees at point %d %s", angle * 180 / std::numbers::pi, apex,
                          Text(at));
+}
+
+// What the angle between two features is, and what it should be.
+template <int D>
+std::string SmallAngleText(const AnyFeature<D>& a, const AnyFeature<D>& b) {
+  const auto* s = std::get_if<SegmentFeature<D>>(&a);
+  const auto* t = std::get_if<SegmentFeature<D>>(&b);
+  if (s != nullptr && t != nullptr) {
+    return absl::StrCat(AngleText<D>(*s, *t), "; at least ", D == 2 ? "0.001" : "60",
+                        " are needed: move an end, or remove one of them");
+  }
+  double angle = 0;
+  if constexpr (D == 3) {
+    const auto* f = std::get_if<Facet>(&a);
+    const auto* g = std::get_if<Facet>(&b);
+    angle = f != nullptr && g != nullptr ? LeastAngle(*f, *g)
+            : f != nullptr               ? LeastAngle(*t, *f)
+                                         : LeastAngle(*s, *g);
+  }
+  return absl::StrFormat(
+      "%.6g degrees; at least %g are needed: move corners, or remove one of them", angle,
+      kLeastFacetAngle);
 }
 
 struct Verdict {
@@ -125,12 +151,26 @@ Verdict Explain(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& 
       return {reason::kSegmentsCross,
               absl::StrCat(pair, " cross; add a point where they do and split both there, or ",
                            "remove feature ", b_id, " in the same batch")};
+    case Conflict::kDuplicatePolygon:
+      return {reason::kDuplicatePolygon,
+              absl::StrCat(pair, " have the same edges; leave one of them out")};
+    case Conflict::kPointOnPolygon:
+      return {reason::kPointOnPolygon,
+              absl::StrCat(pair, " touch: the point lies in the inside of the polygon; make it a ",
+                           "corner: cut the polygon into some that meet there, or move it away")};
+    case Conflict::kSegmentMeetsPolygon:
+      return {
+          reason::kSegmentMeetsPolygon,
+          absl::StrCat(pair, " meet in the inside of the polygon; cut the polygon so that the ",
+                       "segment, or the point where it passes, is on its rings, or remove one")};
+    case Conflict::kPolygonsMeet:
+      return {
+          reason::kPolygonsMeet,
+          absl::StrCat(pair, " have more in common than corners and edges; cut them where they ",
+                       "meet, with what they share as a polygon of its own, once")};
     case Conflict::kSmallAngle:
-      return {reason::kSmallAngle, absl::StrCat(pair, " meet in an angle of ",
-                                                AngleText<D>(std::get<SegmentFeature<D>>(a),
-                                                             std::get<SegmentFeature<D>>(b)),
-                                                "; at least ", D == 2 ? "0.001" : "60",
-                                                " are needed: move an end, or remove one of them")};
+      return {reason::kSmallAngle,
+              absl::StrCat(pair, " meet in an angle of ", SmallAngleText<D>(a, b))};
     default:
       return {reason::kTooClose,
               absl::StrCat(pair, " are nearer than ", Shortest(limit),
@@ -176,6 +216,28 @@ absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
   return refuse({twice->first, twice->second},
                 absl::StrCat("has the edge between points ", twice->first, " and ", twice->second,
                              " twice; leave both out"));
+}
+
+absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
+  const geometry::FacetPlane& plane = facet.plane();
+  if (!(plane.area > limit * facet.Extent())) {
+    return Error(absl::StatusCode::kInvalidArgument, reason::kBadPolygon, {facet.id()}, edit,
+                 absl::StrCat("polygon ", facet.id(), " has no area; move its corners apart"));
+  }
+  const double tolerance = PlanarityTolerance(facet, limit);
+  if (plane.deviation <= tolerance) return absl::OkStatus();
+  const auto distance = [&](const Facet::Corner& c) {
+    return std::abs(plane.Distance(facet.PlaceOf(c)));
+  };
+  const Facet::Corner& worst = *std::max_element(
+      facet.corners().begin(), facet.corners().end(),
+      [&](const Facet::Corner& a, const Facet::Corner& b) { return distance(a) < distance(b); });
+  return Error(absl::StatusCode::kFailedPrecondition, reason::kNonPlanar, {facet.id(), worst.id},
+               edit,
+               absl::StrCat("polygon ", facet.id(), " is not flat: point ", worst.id, " ",
+                            Text(facet.PlaceOf(worst)), " is ", Shortest(distance(worst)),
+                            " off its plane, where ", Shortest(tolerance),
+                            " are allowed; move it there, or cut the polygon into triangles"));
 }
 
 template <int D>

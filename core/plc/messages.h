@@ -10,13 +10,14 @@
 #include "absl/status/status.h"
 #include "core/plc/delta.h"
 #include "core/plc/draft.h"
+#include "core/plc/facet.h"
 #include "core/plc/rules.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::plc {
 
 template <int D>
-using AnyFeature = std::variant<PointFeature<D>, SegmentFeature<D>>;
+using AnyFeature = std::variant<PointFeature<D>, SegmentFeature<D>, Facet>;
 
 // `conflict` is not kNone; it is between `offender`, blamed on `edit`, and `other`.
 template <int D>
@@ -26,6 +27,10 @@ absl::Status ConflictError(Conflict conflict, const AnyFeature<D>& offender,
 // The rings of polygon or sizing polygon `id` by themselves, combinatorially: at least one,
 // each of three points or more, none twice; no edge twice. BAD_POLYGON.
 absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit);
+
+// A facet by itself: an area (BAD_POLYGON), and corners in one plane as nearly as
+// PlanarityTolerance allows (NON_PLANAR).
+absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit);
 
 // A sizing feature by itself: numbers finite, a region that meets the box (a point or
 // centre in it), a target that distances of `limit` leave room for. In

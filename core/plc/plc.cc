@@ -28,7 +28,7 @@ void Plc<D>::Commit(const Delta<D>& delta) {
   for (const PolygonFeature& f : delta.removed_polygons) store_.RemovePolygon(f.id);
   if constexpr (D == 3) {
     for (const FacetFeature& f : delta.removed_facets) {
-      (void)f;
+      index_.EraseFacet(store_.RemoveFacet(f.id));
     }
   }
   for (const PointFeature<D>& f : delta.removed_points) {
@@ -43,7 +43,7 @@ void Plc<D>::Commit(const Delta<D>& delta) {
   for (const PolygonFeature& f : delta.added_polygons) store_.Add(f);
   if constexpr (D == 3) {
     for (const FacetFeature& f : delta.added_facets) {
-      (void)f;
+      store_.AddFacet(f.id, index_.Insert(Facet(f)));
     }
   }
 }

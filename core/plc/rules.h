@@ -27,9 +27,13 @@ double CloseLimit(const MeshOptions& options);
 enum class Conflict : std::uint8_t {
   kDuplicatePoint,
   kDuplicateSegment,
+  kDuplicatePolygon,  // those of polygons: facet_rules.h
   kSegmentsOverlap,
   kPointOnSegment,
   kSegmentsCross,
+  kPointOnPolygon,
+  kSegmentMeetsPolygon,
+  kPolygonsMeet,
   kSmallAngle,
   kTooClose,
   kNone,

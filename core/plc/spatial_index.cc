@@ -10,8 +10,9 @@ namespace {
 // Room for the error of positions in units, and for closed cells.
 constexpr double kCellReach = 0.25;
 constexpr double kQueryReach = kCloseUnits + 1;
-// Of a segment in space that calls for smaller cells.
+// Segments and facets of space call for smaller cells until those are so much smaller.
 constexpr double kMostCellsLong = 16;
+constexpr double kMostCellsWide = 4;
 
 void InsertInOrder(std::vector<Slot>& slots, Slot slot) {
   slots.insert(std::lower_bound(slots.begin(), slots.end(), slot), slot);
@@ -66,8 +67,42 @@ Slot SpatialIndex<D>::Insert(const PointFeature<D>& point) {
 template <int D>
 Slot SpatialIndex<D>::Insert(const SegmentFeature<D>& segment) {
   const Slot slot = Put(segments_, free_segments_, GridSegment<D>(segment, grid_));
-  InsertSegmentAt(0, grid_.root(), slot);
+  InsertThingAt<GridSegment<D>>(0, grid_.root(), slot);
   return slot;
+}
+
+template <int D>
+Slot SpatialIndex<D>::Insert(const Facet& facet) requires(D == 3) {
+  const Slot slot = Put(facets_, free_facets_, GridFacet(facet, grid_));
+  InsertThingAt<GridFacet>(0, grid_.root(), slot);
+  return slot;
+}
+
+template <int D>
+void SpatialIndex<D>::EraseFacet(Slot slot) requires(D == 3) {
+  EraseThingAt<GridFacet>(0, grid_.root(), slot);
+  facets_[slot] = {};
+  free_facets_.push_back(slot);
+}
+
+template <int D>
+template <typename Thing>
+const LargeVector<Thing>& SpatialIndex<D>::TableOf() const {
+  if constexpr (std::is_same_v<Thing, GridFacet>) {
+    return facets_;
+  } else {
+    return segments_;
+  }
+}
+
+template <int D>
+template <typename Thing>
+std::vector<Slot>& SpatialIndex<D>::ListOf(Node& node) {
+  if constexpr (std::is_same_v<Thing, GridFacet>) {
+    return node.facets;
+  } else {
+    return node.loose;
+  }
 }
 
 template <int D>
@@ -78,7 +113,7 @@ void SpatialIndex<D>::ErasePoint(Slot slot) {
 
 template <int D>
 void SpatialIndex<D>::EraseSegment(Slot slot) {
-  EraseSegmentAt(0, grid_.root(), slot);
+  EraseThingAt<GridSegment<D>>(0, grid_.root(), slot);
   free_segments_.push_back(slot);
 }
 
@@ -95,13 +130,14 @@ void SpatialIndex<D>::InsertPointAt(NodeIndex n, const Cell& cell, Slot slot,
 }
 
 // The decisions (meets, spans, leaf) are functions of segment, cell and the tree, and
-// EraseSegmentAt repeats them.
+// EraseThingAt repeats them.
 template <int D>
-void SpatialIndex<D>::InsertSegmentAt(NodeIndex n, const Cell& cell, Slot slot) {
-  const GridSegment<D>& segment = segments_[slot];
-  if (!segment.Meets(cell, kCellReach)) return;
+template <typename Thing>
+void SpatialIndex<D>::InsertThingAt(NodeIndex n, const Cell& cell, Slot slot) {
+  const Thing& thing = TableOf<Thing>()[slot];
+  if (!thing.Meets(cell, kCellReach)) return;
   if constexpr (D == 2) {
-    if (segment.Spans(cell)) {
+    if (thing.Spans(cell)) {
       std::unique_ptr<ChordList>& chords = nodes_[n].chords;
       if (chords == nullptr) chords = std::make_unique<ChordList>(&segments_);
       chords->Insert(slot);
@@ -109,11 +145,11 @@ void SpatialIndex<D>::InsertSegmentAt(NodeIndex n, const Cell& cell, Slot slot) 
     }
   }
   if (nodes_[n].children == 0) {
-    InsertInOrder(nodes_[n].loose, slot);
+    InsertInOrder(ListOf<Thing>(nodes_[n]), slot);
     SplitIfCrowded(n, cell);
   } else {
     for (int i = 0; i < kChildren; ++i) {
-      InsertSegmentAt(nodes_[n].children + i, cell.Child(i), slot);
+      InsertThingAt<Thing>(nodes_[n].children + i, cell.Child(i), slot);
     }
   }
 }
@@ -131,11 +167,12 @@ void SpatialIndex<D>::ErasePointAt(NodeIndex n, const Cell& cell, Slot slot,
 }
 
 template <int D>
-void SpatialIndex<D>::EraseSegmentAt(NodeIndex n, const Cell& cell, Slot slot) {
-  const GridSegment<D>& segment = segments_[slot];
-  if (!segment.Meets(cell, kCellReach)) return;
+template <typename Thing>
+void SpatialIndex<D>::EraseThingAt(NodeIndex n, const Cell& cell, Slot slot) {
+  const Thing& thing = TableOf<Thing>()[slot];
+  if (!thing.Meets(cell, kCellReach)) return;
   if constexpr (D == 2) {
-    if (segment.Spans(cell)) {
+    if (thing.Spans(cell)) {
       std::unique_ptr<ChordList>& chords = nodes_[n].chords;
       if (chords == nullptr) return;
       chords->Erase(slot);
@@ -144,10 +181,10 @@ void SpatialIndex<D>::EraseSegmentAt(NodeIndex n, const Cell& cell, Slot slot) {
     }
   }
   if (nodes_[n].children == 0) {
-    EraseInOrder(nodes_[n].loose, slot);
+    EraseInOrder(ListOf<Thing>(nodes_[n]), slot);
   } else {
     for (int i = 0; i < kChildren; ++i) {
-      EraseSegmentAt(nodes_[n].children + i, cell.Child(i), slot);
+      EraseThingAt<Thing>(nodes_[n].children + i, cell.Child(i), slot);
     }
     MergeIfSparse(n, cell);
   }
@@ -167,26 +204,40 @@ typename SpatialIndex<D>::NodeIndex SpatialIndex<D>::AllocateChildren() {
 // How many features of a leaf call for smaller cells.
 template <int D>
 std::size_t SpatialIndex<D>::CrowdIn(const Node& node, const Cell& cell) const {
-  if constexpr (D == 2) return node.points.size() + node.loose.size();
-  const double longest = kMostCellsLong * static_cast<double>(cell.side);
-  const auto is_short = [&](Slot slot) { return segments_[slot].Extent() <= longest; };
-  return node.points.size() +
-         static_cast<std::size_t>(std::count_if(node.loose.begin(), node.loose.end(), is_short));
+  const std::size_t all = node.points.size() + node.loose.size();
+  if constexpr (D == 2) {
+    return all;
+  } else {
+    if (all + node.facets.size() == 0) return 0;
+    const auto count = [&](const std::vector<Slot>& slots, const auto& table, double most_cells) {
+      const double largest = most_cells * static_cast<double>(cell.side);
+      return static_cast<std::size_t>(std::count_if(
+          slots.begin(), slots.end(), [&](Slot s) { return table[s].Extent() <= largest; }));
+    };
+    return node.points.size() + count(node.loose, segments_, kMostCellsLong) +
+           count(node.facets, facets_, kMostCellsWide);
+  }
 }
 
 template <int D>
 void SpatialIndex<D>::SplitIfCrowded(NodeIndex n, const Cell& cell) {
-  if (cell.side == 1 || nodes_[n].points.size() + nodes_[n].loose.size() <= kCapacity) return;
-  if (CrowdIn(nodes_[n], cell) <= kCapacity) return;
+  if (cell.side == 1 || CrowdIn(nodes_[n], cell) <= kCapacity) return;
   const NodeIndex children = AllocateChildren();
   nodes_[n].children = children;
   const std::vector<Slot> points = std::exchange(nodes_[n].points, {});
   const std::vector<Slot> loose = std::exchange(nodes_[n].loose, {});
+  std::vector<Slot> facets;
+  if constexpr (D == 3) facets = std::exchange(nodes_[n].facets, {});
   for (const Slot slot : points) {
     nodes_[children + ChildAt(cell, grid_.ToUnits(points_[slot].p))].points.push_back(slot);
   }
   for (int i = 0; i < kChildren; ++i) {
-    for (const Slot slot : loose) InsertSegmentAt(children + i, cell.Child(i), slot);
+    for (const Slot slot : loose) {
+      InsertThingAt<GridSegment<D>>(children + i, cell.Child(i), slot);
+    }
+    if constexpr (D == 3) {
+      for (const Slot slot : facets) InsertThingAt<GridFacet>(children + i, cell.Child(i), slot);
+    }
     SplitIfCrowded(children + i, cell.Child(i));
   }
 }
@@ -201,19 +252,30 @@ void SpatialIndex<D>::MergeIfSparse(NodeIndex n, const Cell& cell) {
     const Node& child = nodes_[c];
     if (child.children != 0) return;
     held += CrowdIn(child, cell);
-    if (child.chords != nullptr) held += child.chords->size();
+    if constexpr (D == 2) held += child.chords != nullptr ? child.chords->size() : 0;
   }
   if (held > kMergeBelow) return;
   Node& node = nodes_[n];
+  const auto append = [](std::vector<Slot>& all, const std::vector<Slot>& some) {
+    all.insert(all.end(), some.begin(), some.end());
+  };
+  const auto make_unique = [](std::vector<Slot>& slots) {
+    std::sort(slots.begin(), slots.end());
+    slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  };
   for (NodeIndex c = children; c < children + kChildren; ++c) {
     Node& child = nodes_[c];
-    node.points.insert(node.points.end(), child.points.begin(), child.points.end());
-    node.loose.insert(node.loose.end(), child.loose.begin(), child.loose.end());
-    if (child.chords != nullptr) child.chords->AppendTo(node.loose);
+    append(node.points, child.points);
+    append(node.loose, child.loose);
+    if constexpr (D == 2) {
+      if (child.chords != nullptr) child.chords->AppendTo(node.loose);
+    } else {
+      append(node.facets, child.facets);
+    }
     child = Node();
   }
-  std::sort(node.loose.begin(), node.loose.end());
-  node.loose.erase(std::unique(node.loose.begin(), node.loose.end()), node.loose.end());
+  make_unique(node.loose);
+  if constexpr (D == 3) make_unique(node.facets);
   node.children = 0;
   free_blocks_.push_back(children);
 }
@@ -231,6 +293,10 @@ void SpatialIndex<D>::Visit(NodeIndex n, const Cell& cell, const Query& query) c
   *query.cost += node.points.size() + node.loose.size();
   for (const Slot slot : node.points) query.visit_point(points_[slot]);
   for (const Slot slot : node.loose) query.visit_segment(segments_[slot].feature);
+  if constexpr (D == 3) {
+    *query.cost += node.facets.size();
+    for (const Slot slot : node.facets) query.visit_facet(*facets_[slot].facet);
+  }
   if (node.children == 0) return;
   for (int i = 0; i < kChildren; ++i) Visit(node.children + i, cell.Child(i), query);
 }
@@ -240,6 +306,7 @@ struct SpatialIndex<D>::PointQuery {
   UnitPoint<D> at;
   VisitPoint visit_point;
   VisitSegment visit_segment;
+  VisitFacet visit_facet;
   std::uint64_t* cost;
 
   bool Enters(const Cell& cell) const {
@@ -271,6 +338,7 @@ struct SpatialIndex<D>::SegmentQuery {
   const GridSegment<D>* segment;
   VisitPoint visit_point;
   VisitSegment visit_segment;
+  VisitFacet visit_facet;
   std::uint64_t* cost;
 
   bool Enters(const Cell& cell) const { return segment->Meets(cell, kQueryReach); }
@@ -316,16 +384,52 @@ struct SpatialIndex<D>::SegmentQuery {
 };
 
 template <int D>
+struct SpatialIndex<D>::FacetQuery {
+  const GridFacet* facet;
+  VisitPoint visit_point;
+  VisitSegment visit_segment;
+  VisitFacet visit_facet;
+  std::uint64_t* cost;
+
+  bool Enters(const Cell& cell) const requires(D == 3) { return facet->Meets(cell, kQueryReach); }
+};
+
+template <int D>
+void SpatialIndex<D>::QueryNear(const geometry::Point<D>& p, VisitPoint visit_point,
+                                VisitSegment visit_segment, VisitFacet visit_facet,
+                                std::uint64_t* cost) const {
+  Visit(0, grid_.root(),
+        PointQuery{grid_.ToUnits(p), visit_point, visit_segment, visit_facet, cost});
+}
+
+template <int D>
+void SpatialIndex<D>::QueryNear(const SegmentFeature<D>& s, VisitPoint visit_point,
+                                VisitSegment visit_segment, VisitFacet visit_facet,
+                                std::uint64_t* cost) const {
+  const GridSegment<D> segment(s, grid_);
+  Visit(0, grid_.root(), SegmentQuery{&segment, visit_point, visit_segment, visit_facet, cost});
+}
+
+template <int D>
+void SpatialIndex<D>::QueryNear(const Facet& f, VisitPoint visit_point, VisitSegment visit_segment,
+                                VisitFacet visit_facet, std::uint64_t* cost) const
+    requires(D == 3) {
+  const GridFacet facet(f, grid_);
+  Visit(0, grid_.root(), FacetQuery{&facet, visit_point, visit_segment, visit_facet, cost});
+}
+
+template <int D>
 void SpatialIndex<D>::QueryNear(const geometry::Point<D>& p, VisitPoint visit_point,
                                 VisitSegment visit_segment, std::uint64_t* cost) const {
-  Visit(0, grid_.root(), PointQuery{grid_.ToUnits(p), visit_point, visit_segment, cost});
+  QueryNear(
+      p, visit_point, visit_segment, [](const Facet&) {}, cost);
 }
 
 template <int D>
 void SpatialIndex<D>::QueryNear(const SegmentFeature<D>& s, VisitPoint visit_point,
                                 VisitSegment visit_segment, std::uint64_t* cost) const {
-  const GridSegment<D> segment(s, grid_);
-  Visit(0, grid_.root(), SegmentQuery{&segment, visit_point, visit_segment, cost});
+  QueryNear(
+      s, visit_point, visit_segment, [](const Facet&) {}, cost);
 }
 
 template class SpatialIndex<2>;

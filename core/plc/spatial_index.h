@@ -9,10 +9,10 @@
 // features are 16 units apart, and is not split (of ends of very many segments feature_index.h
 // takes care).
 //
-// In space a segment is loose in every leaf that it meets. Chords have no order there, so a
-// segment counts as a reason to split a leaf only where it is no more than 16 times as long as
-// the leaf: for its own sake it is in few cells, and many long ones side by side cost their
-// number where they are that near.
+// In space segments and facets are loose in every leaf that they meet. Chords have no order there,
+// so one counts as a reason to split a leaf only where it is no more than 16 (a facet: 4) times as
+// large as the leaf: for its own sake it is in few cells, and many large ones side by side cost
+// their number where they are that near.
 //
 // Invariant: the segments present do not cross (ChordBefore needs it), so a feature
 // is checked before it is inserted. The *answers* are supersets: every feature that
@@ -28,6 +28,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "absl/functional/function_ref.h"
@@ -35,6 +36,7 @@
 #include "core/plc/cell_grid.h"
 #include "core/plc/chord_list.h"
 #include "core/plc/delta.h"
+#include "core/plc/grid_facet.h"
 
 namespace dynmesh::plc {
 
@@ -43,6 +45,7 @@ class SpatialIndex {
  public:
   using VisitPoint = absl::FunctionRef<void(const PointFeature<D>&)>;
   using VisitSegment = absl::FunctionRef<void(const SegmentFeature<D>&)>;
+  using VisitFacet = absl::FunctionRef<void(const Facet&)>;
 
   explicit SpatialIndex(const CellGrid<D>& grid);
   SpatialIndex(const SpatialIndex&) = delete;
@@ -51,8 +54,10 @@ class SpatialIndex {
   // The slot is what Erase takes; it may be reused after that.
   Slot Insert(const PointFeature<D>& point);
   Slot Insert(const SegmentFeature<D>& segment);
+  Slot Insert(const Facet& facet) requires(D == 3);
   void ErasePoint(Slot slot);
   void EraseSegment(Slot slot);
+  void EraseFacet(Slot slot) requires(D == 3);
 
   // Visits every feature less than 16 units (CloseLimit) away from `p`, and maybe
   // others. Adds the number of cells and features looked at to *cost.
@@ -63,6 +68,15 @@ class SpatialIndex {
   // meets it (in space: that is less than 16 units away), and maybe others.
   void QueryNear(const SegmentFeature<D>& s, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
+
+  // In space, facets as well: those that may be less than 16 units away, beyond what they are
+  // thick; near facets also what lies beside them in their box.
+  void QueryNear(const geometry::Point<D>& p, VisitPoint visit_point, VisitSegment visit_segment,
+                 VisitFacet visit_facet, std::uint64_t* cost) const;
+  void QueryNear(const SegmentFeature<D>& s, VisitPoint visit_point, VisitSegment visit_segment,
+                 VisitFacet visit_facet, std::uint64_t* cost) const;
+  void QueryNear(const Facet& f, VisitPoint visit_point, VisitSegment visit_segment,
+                 VisitFacet visit_facet, std::uint64_t* cost) const requires(D == 3);
 
   // A segment that has been inserted.
   const SegmentFeature<D>& segment(Slot slot) const { return segments_[slot].feature; }
@@ -75,19 +89,32 @@ class SpatialIndex {
   static constexpr std::size_t kCapacity = 16;  // of a leaf: points and loose segments
   static constexpr std::size_t kMergeBelow = 8;
 
-  struct Node {
+  struct PlaneNode {
+    std::unique_ptr<ChordList> chords;  // maybe none
+  };
+  struct SpaceNode {
+    std::vector<Slot> facets;  // ascending
+  };
+  struct Node : std::conditional_t<D == 2, PlaneNode, SpaceNode> {
     NodeIndex children = 0;  // the first of kChildren in a row; 0: a leaf
     std::vector<Slot> points;
-    std::vector<Slot> loose;            // ascending
-    std::unique_ptr<ChordList> chords;  // of the plane; maybe none
+    std::vector<Slot> loose;  // segments, ascending
   };
   struct PointQuery;
   struct SegmentQuery;
+  struct FacetQuery;
 
   void InsertPointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint<D>& at);
-  void InsertSegmentAt(NodeIndex n, const Cell& cell, Slot slot);
+  // Of segments and facets.
+  template <typename Thing>
+  const LargeVector<Thing>& TableOf() const;
+  template <typename Thing>
+  static std::vector<Slot>& ListOf(Node& node);
+  template <typename Thing>
+  void InsertThingAt(NodeIndex n, const Cell& cell, Slot slot);
   void ErasePointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint<D>& at);
-  void EraseSegmentAt(NodeIndex n, const Cell& cell, Slot slot);
+  template <typename Thing>
+  void EraseThingAt(NodeIndex n, const Cell& cell, Slot slot);
   std::size_t CrowdIn(const Node& node, const Cell& cell) const;
   void SplitIfCrowded(NodeIndex n, const Cell& cell);
   void MergeIfSparse(NodeIndex n, const Cell& cell);
@@ -104,6 +131,8 @@ class SpatialIndex {
   std::vector<Slot> free_points_;
   SegmentTable<D> segments_;
   std::vector<Slot> free_segments_;
+  LargeVector<GridFacet> facets_;
+  std::vector<Slot> free_facets_;
 };
 
 }  // namespace dynmesh::plc

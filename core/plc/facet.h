@@ -1,0 +1,75 @@
+// A facet of space with its plane, to ask what lies in it and what is beside its edges.
+//
+// Inside is even-odd, seen along the axis nearest to the normal: exact for corners and for places
+// as they are given. Rings do not cross (a facet is looked at after its edges), so on which side of
+// an edge the inside is, is one answer for a whole ring.
+// Immutable, thread-safe. Making one O(corners * rings), `Holds` and `OpensTo` O(corners), the
+// others O(lg corners).
+#ifndef DYNMESH_CORE_PLC_FACET_H_
+#define DYNMESH_CORE_PLC_FACET_H_
+
+#include <cstddef>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "core/geometry/facet_plane.h"
+#include "core/geometry/point.h"
+#include "core/plc/delta.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh::plc {
+
+class Facet {
+ public:
+  // A visit of a ring to a point.
+  struct Corner {
+    FeatureId id;
+    std::size_t ring, at;
+    friend bool operator<(const Corner& a, const Corner& b) {
+      return std::tie(a.id, a.ring, a.at) < std::tie(b.id, b.ring, b.at);
+    }
+  };
+
+  Facet() = default;
+  explicit Facet(FacetFeature feature);
+
+  FeatureId id() const { return feature_.id; }
+  const FacetFeature& feature() const { return feature_; }
+  const geometry::FacetPlane& plane() const { return plane_; }
+  // The box around its corners.
+  const geometry::Point3& lo() const { return lo_; }
+  const geometry::Point3& hi() const { return hi_; }
+  double Extent() const;
+
+  // All visits, sorted by id; those to one point.
+  const std::vector<Corner>& corners() const { return corners_; }
+  std::span<const Corner> At(FeatureId point) const;
+  bool HasCorner(FeatureId point) const { return !At(point).empty(); }
+  const geometry::Point3& PlaceOf(const Corner& c) const { return feature_.places[c.ring][c.at]; }
+  // The corner after it, or before it, on its ring.
+  Corner Beside(const Corner& c, bool next) const;
+  bool HasEdge(FeatureId p, FeatureId q) const;
+
+  // Is the foot of `p` in the inside?
+  bool Holds(const geometry::Point3& p) const { return IsInside(plane_.Foot(p)); }
+  // Does `direction`, laid into the plane, lead from the corner `point` into the inside?
+  bool OpensTo(FeatureId point, const geometry::Vector3& direction) const;
+  // Of length 1, in the plane, across the edge from `c` to the next corner, into the inside.
+  geometry::Vector3 InwardOf(const Corner& c) const;
+
+ private:
+  bool IsInside(const geometry::Point3& p, std::size_t but_ring = ~std::size_t{0}) const;
+  bool IsIn(std::size_t ring, const geometry::Point2& p) const;
+
+  FacetFeature feature_;
+  geometry::FacetPlane plane_;
+  geometry::Point3 lo_{}, hi_{};
+  std::vector<Corner> corners_;
+  std::vector<bool> counter_clockwise_;  // by ring
+  std::vector<bool> inside_left_;        // by ring: of its edges
+};
+
+}  // namespace dynmesh::plc
+
+#endif  // DYNMESH_CORE_PLC_FACET_H_

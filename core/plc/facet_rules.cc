@@ -1,0 +1,164 @@
+#include "core/plc/facet_rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include "core/geometry/circumball.h"
+#include "core/geometry/constructions.h"
+
+namespace dynmesh::plc {
+namespace {
+
+using geometry::Difference;
+using geometry::Dot;
+using geometry::Midpoint;
+using geometry::Point3;
+using geometry::Vector3;
+
+constexpr double kPlanarity = 1e-9;
+constexpr double kOnShare = 1.0 / 64;
+// Angles are compared by the sine of what they lack to 90 degrees: sin 20 degrees, and a hair.
+constexpr double kMostLack = 0.3420201433256687 * (1 + 1e-6);
+// Facets at a smaller angle than 1e-6 lie in each other.
+constexpr double kSameSide = 1 - 5e-13;
+
+double Degrees(double cosine) {
+  return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+// The cosine of the angle at which `d` rises from the corner `point` of f over its inside, 0 if it
+// leads elsewhere.
+double CosineOver(const Facet& f, FeatureId point, const Vector3& d) {
+  if (!f.OpensTo(point, d)) return 0;
+  const double up = Dot(d, f.plane().normal), length2 = Dot(d, d);
+  return std::sqrt(std::max(0.0, 1 - up * up / length2));
+}
+
+// The greatest one of edges of g at corners of both where they have no edge in common.
+double CosineAtCorners(const Facet& f, const Facet& g, const std::vector<FeatureId>& corners) {
+  double cosine = 0;
+  for (const FeatureId point : corners) {
+    for (const Facet::Corner& c : g.At(point)) {
+      for (const bool next : {false, true}) {
+        const Vector3 d = Difference(g.PlaceOf(g.Beside(c, next)).c, g.PlaceOf(c).c);
+        cosine = std::max(cosine, CosineOver(f, point, d));
+      }
+    }
+  }
+  return cosine;
+}
+
+// What two facets have in common.
+struct Common {
+  std::size_t edges = 0;
+  double cosine = -1;              // the greatest of the angles at common edges
+  std::vector<FeatureId> corners;  // each once, ascending
+  std::vector<FeatureId> lone;     // those of them that are on no common edge
+};
+
+// f has no more corners than g.
+Common FindCommon(const Facet& f, const Facet& g) {
+  Common common;
+  std::vector<FeatureId> joined;
+  for (const Facet::Corner& c : f.corners()) {
+    if (!g.HasCorner(c.id)) continue;
+    if (common.corners.empty() || common.corners.back() != c.id) common.corners.push_back(c.id);
+    const FeatureId next = f.Beside(c, true).id;
+    for (const Facet::Corner& d : g.At(c.id)) {
+      const Facet::Corner before = g.Beside(d, false);
+      if (g.Beside(d, true).id != next && before.id != next) continue;
+      ++common.edges;
+      joined.insert(joined.end(), {c.id, next});
+      const Facet::Corner& edge = g.Beside(d, true).id == next ? d : before;
+      common.cosine = std::max(common.cosine, Dot(f.InwardOf(c), g.InwardOf(edge)));
+    }
+  }
+  std::sort(joined.begin(), joined.end());
+  for (const FeatureId id : common.corners) {
+    if (!std::binary_search(joined.begin(), joined.end(), id)) common.lone.push_back(id);
+  }
+  return common;
+}
+
+// Do the insides meet along a line from one common corner to another? All common corners are on
+// the line where the planes meet, if they are two planes.
+bool MeetBetween(const Facet& f, const Facet& g, const std::vector<FeatureId>& corners) {
+  std::vector<std::pair<Point3, FeatureId>> at;
+  for (const FeatureId id : corners) at.emplace_back(f.PlaceOf(f.At(id).front()), id);
+  std::sort(at.begin(), at.end());
+  for (std::size_t i = 0; i + 1 < at.size(); ++i) {
+    const FeatureId p = at[i].second, q = at[i + 1].second;
+    if (f.HasEdge(p, q) || g.HasEdge(p, q)) continue;
+    const Point3 middle = Midpoint(at[i].first, at[i + 1].first);
+    if (f.Holds(middle) && g.Holds(middle)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+double PlanarityTolerance(const Facet& f, double limit) {
+  return std::max(kPlanarity * f.Extent(), limit / 128);
+}
+
+Conflict Between(const PointFeature<3>& p, const Facet& f, double limit) {
+  const double deviation = f.plane().deviation;
+  const double distance = std::fabs(f.plane().Distance(p.p));
+  if (!(distance < deviation + limit) || f.HasCorner(p.id) || !f.Holds(p.p)) return Conflict::kNone;
+  return distance <= deviation + limit * kOnShare ? Conflict::kPointOnPolygon : Conflict::kTooClose;
+}
+
+Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit) {
+  const bool from_p = f.HasCorner(s.p_id), from_q = f.HasCorner(s.q_id);
+  if (from_p && from_q) {
+    if (f.HasEdge(s.p_id, s.q_id) || !f.Holds(Midpoint(s.p, s.q))) return Conflict::kNone;
+    return Conflict::kSegmentMeetsPolygon;
+  }
+  const double at_p = f.plane().Distance(s.p), at_q = f.plane().Distance(s.q);
+  if (from_p || from_q) {
+    if (s.IsOfPolygon()) return Conflict::kNone;  // its facets are judged
+    const Vector3 d = from_p ? Difference(s.q.c, s.p.c) : Difference(s.p.c, s.q.c);
+    if (CosineOver(f, from_p ? s.p_id : s.q_id, d) <= kMostLack) return Conflict::kNone;
+    const bool in_plane = std::fabs(from_p ? at_q : at_p) < f.plane().deviation + limit;
+    return in_plane ? Conflict::kSegmentMeetsPolygon : Conflict::kSmallAngle;
+  }
+  if ((at_p > 0) == (at_q > 0)) return Conflict::kNone;
+  const double t = at_p / (at_p - at_q);
+  Point3 x;
+  for (int i = 0; i < 3; ++i) x[i] = s.p[i] + t * (s.q[i] - s.p[i]);
+  return f.Holds(x) ? Conflict::kSegmentMeetsPolygon : Conflict::kNone;
+}
+
+Conflict Between(const Facet& f, const Facet& g, double limit) {
+  if (f.corners().size() > g.corners().size()) return Between(g, f, limit);
+  const Common common = FindCommon(f, g);
+  if (common.corners.empty()) return Conflict::kNone;
+  if (common.edges == f.corners().size() && common.edges == g.corners().size()) {
+    return Conflict::kDuplicatePolygon;
+  }
+  if (common.cosine > kSameSide || MeetBetween(f, g, common.corners)) {
+    return Conflict::kPolygonsMeet;
+  }
+  const double lack = std::max(
+      {common.cosine, CosineAtCorners(f, g, common.lone), CosineAtCorners(g, f, common.lone)});
+  return lack > kMostLack ? Conflict::kSmallAngle : Conflict::kNone;
+}
+
+double LeastAngle(const SegmentFeature<3>& s, const Facet& f) {
+  const bool from_p = f.HasCorner(s.p_id);
+  const Vector3 d = from_p ? Difference(s.q.c, s.p.c) : Difference(s.p.c, s.q.c);
+  return Degrees(CosineOver(f, from_p ? s.p_id : s.q_id, d));
+}
+
+double LeastAngle(const Facet& f, const Facet& g) {
+  if (f.corners().size() > g.corners().size()) return LeastAngle(g, f);
+  const Common common = FindCommon(f, g);
+  const double at_corners =
+      std::max(CosineAtCorners(f, g, common.lone), CosineAtCorners(g, f, common.lone));
+  return std::min(Degrees(common.cosine), Degrees(at_corners));
+}
+
+}  // namespace dynmesh::plc
