@@ -226,16 +226,24 @@ absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
   }
   const double tolerance = PlanarityTolerance(facet, limit);
   if (plane.deviation <= tolerance) return absl::OkStatus();
-  const auto distance = [&](const Facet::Corner& c) {
-    return std::abs(plane.Distance(facet.PlaceOf(c)));
-  };
-  const Facet::Corner& worst = *std::max_element(
-      facet.corners().begin(), facet.corners().end(),
-      [&](const Facet::Corner& a, const Facet::Corner& b) { return distance(a) < distance(b); });
+  // The plane lies between the corners farthest to either side, so the one to blame is told by
+  // where most are.
+  std::vector<double> distances;
+  for (const Facet::Corner& c : facet.corners()) {
+    distances.push_back(plane.Distance(facet.PlaceOf(c)));
+  }
+  std::vector<double> sorted = distances;
+  std::sort(sorted.begin(), sorted.end());
+  const double middle = sorted[sorted.size() / 2];
+  std::size_t at = 0;
+  for (std::size_t i = 1; i < distances.size(); ++i) {
+    if (std::abs(distances[i] - middle) > std::abs(distances[at] - middle)) at = i;
+  }
+  const Facet::Corner& worst = facet.corners()[at];
   return Error(absl::StatusCode::kFailedPrecondition, reason::kNonPlanar, {facet.id(), worst.id},
                edit,
                absl::StrCat("polygon ", facet.id(), " is not flat: point ", worst.id, " ",
-                            Text(facet.PlaceOf(worst)), " is ", Shortest(distance(worst)),
+                            Text(facet.PlaceOf(worst)), " is ", Shortest(std::abs(distances[at])),
                             " off its plane, where ", Shortest(tolerance),
                             " are allowed; move it there, or cut the polygon into triangles"));
 }
