@@ -54,7 +54,9 @@ inline std::string ScriptOf(const EditBatch& batch) {
         break;
     }
     if (edit.action == Edit::Action::kMove || f.kind == FeatureKind::kPoint) {
-      out << "point " << f.id << " " << f.position[0] << " " << f.position[1] << "\n";
+      out << "point " << f.id << " " << f.position[0] << " " << f.position[1];
+      if (f.position[2] != 0) out << " " << f.position[2];
+      out << "\n";
     } else if (f.kind == FeatureKind::kPolygon) {
       out << "polygon " << f.id;
       for (const auto& ring : f.rings) {

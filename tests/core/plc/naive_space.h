@@ -1,0 +1,29 @@
+// Oracle for Plc<3> in the unit cube: what is wrong with a set of features, every pair, by exact
+// rationals and from the definitions: places in common, distances, angles. Shares no code with
+// core/plc. Who is to blame is not for here. Features must be whole: ends and corners present,
+// rings combinatorially sound, coordinates finite and in the cube.
+#ifndef DYNMESH_TESTS_CORE_PLC_NAIVE_SPACE_H_
+#define DYNMESH_TESTS_CORE_PLC_NAIVE_SPACE_H_
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "dynmesh/feature.h"
+#include "tests/core/plc/naive_plc.h"
+
+namespace dynmesh::plc {
+
+struct Offence {
+  std::string what;  // for a person
+  // The ids that either side may go by: an edge has those of all its polygons. One side only: a
+  // polygon by itself.
+  std::set<FeatureId> one, other;
+};
+
+// `limit` is the close limit.
+std::vector<Offence> FindOffences(const FeatureMap& features, double limit);
+
+}  // namespace dynmesh::plc
+
+#endif  // DYNMESH_TESTS_CORE_PLC_NAIVE_SPACE_H_
