@@ -178,10 +178,11 @@ TEST(SpacePlc, PolygonsDoNotCross) {
                           AddPolygon(24, {{20, 21, 22, 23}})};
   ExpectRefused(Plate() + wall, reason::kSegmentMeetsPolygon, {24, 10});
   // Along a line between two corners that they share.
-  const EditBatch blade = {AddPoint3(20, 0.45, 0.55, 0.1), AddPoint3(21, 0.45, 0.55, 0.9),
-                           AddPolygon(24, {{1, 20, 3, 21}})};
-  const auto delta = Plc3(Cube(0, 1)).Check(Plate() + blade);
-  ASSERT_FALSE(delta.ok());
+  const EditBatch blade = {AddPoint3(20, 0.25, 0.25, 0.1), AddPoint3(21, 0.25, 0.25, 0.9),
+                           AddPoint3(22, 0.75, 0.75, 0.1), AddPoint3(23, 0.75, 0.75, 0.9),
+                           AddPolygon(24, {{1, 21, 23, 3, 22, 20}})};
+  ExpectRefused(Plate() + blade, reason::kPolygonsMeet, {24, 10});
+  ExpectRefused(blade + Plate(), reason::kPolygonsMeet, {10, 24});
 }
 
 TEST(SpacePlc, PolygonsDoNotOverlapInAPlane) {
@@ -206,6 +207,23 @@ TEST(SpacePlc, PolygonsDoNotOverlapInAPlane) {
                 reason::kPointOnPolygon, {30, 5});
   ExpectRefused(holed + EditBatch{AddPolygon(30, {{5, 6, 7, 8}, {1, 2, 3, 4}})},
                 reason::kDuplicatePolygon, {30, 10});
+}
+
+// One of several parts of each.
+TEST(SpacePlc, PolygonsDoNotShareAPart) {
+  EditBatch batch;
+  const auto square = [&](FeatureId first, double x) {
+    for (const auto& [u, v] : std::vector<std::pair<int, int>>{{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+      batch.push_back(AddPoint3(first++, x + 0.1 * u, 0.1 * v, 0));
+    }
+  };
+  square(1, 0.1);
+  square(5, 0.4);
+  square(9, 0.7);
+  batch.push_back(AddPolygon(20, {{1, 2, 3, 4}, {5, 6, 7, 8}}));
+  ExpectLegal(batch + EditBatch{AddPolygon(21, {{9, 10, 11, 12}})});
+  ExpectRefused(batch + EditBatch{AddPolygon(21, {{9, 10, 11, 12}, {7, 6, 5, 8}})},
+                reason::kPolygonsMeet, {21, 20});
 }
 
 // Two plates with a common edge at `degrees`.
