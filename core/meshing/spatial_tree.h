@@ -172,11 +172,18 @@ class SpatialTree {
   // Every node whose cell meets the box, ancestors included.
   template <class Visit>
   void VisitBox(const Extent<D>& box, Visit visit) const {
+    VisitBoxIf(
+        box, [](const Point&, double) { return true; }, visit);
+  }
+  // The same but for cells, given by their centre and half their side, for which keep says no.
+  template <class Keep, class Visit>
+  void VisitBoxIf(const Extent<D>& box, Keep keep, Visit visit) const {
     Cell stack[kStack];
     int top = 0;
     if (Meets(box, Root())) stack[top++] = Root();
     while (top > 0) {
       const Cell cell = stack[--top];
+      if (!keep(cell.centre, cell.half)) continue;
       visit(cell.node);
       if (nodes_[cell.node].child != kNone) PushChildrenIn(box, cell, stack, top);
     }

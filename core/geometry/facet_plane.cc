@@ -1,0 +1,61 @@
+#include "core/geometry/facet_plane.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace dynmesh::geometry {
+namespace {
+
+// Twice the vector area, summed from the least corner on towards its lesser neighbour.
+Vector3 AreaOf(const Ring3& ring, const Point3& least, std::size_t at) {
+  const std::size_t n = ring.size();
+  const bool forward = ring[(at + 1) % n] < ring[(at + n - 1) % n];
+  const auto corner = [&](std::size_t i) {
+    return Difference(ring[forward ? (at + i) % n : (at + n - i) % n].c, least.c);
+  };
+  Vector3 sum = {0, 0, 0};
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const Vector3 c = Cross(corner(i), corner(i + 1));
+    for (int k = 0; k < 3; ++k) sum[k] += c[k];
+  }
+  return sum;
+}
+
+}  // namespace
+
+FacetPlane PlaneOf(std::span<const Ring3> rings) {
+  FacetPlane plane;
+  double most = -1;
+  for (const Ring3& ring : rings) {
+    const auto least = std::min_element(ring.begin(), ring.end());
+    const Vector3 area = AreaOf(ring, *least, static_cast<std::size_t>(least - ring.begin()));
+    const double size2 = Dot(area, area);
+    if (size2 < most || (size2 == most && plane.origin < *least)) continue;
+    most = size2;
+    plane.origin = *least;
+    plane.normal = area;
+  }
+  for (int k = 1; k < 3; ++k) {
+    if (std::fabs(plane.normal[k]) > std::fabs(plane.normal[plane.axis])) plane.axis = k;
+  }
+  const double length = std::copysign(std::sqrt(most), plane.normal[plane.axis]);
+  for (double& n : plane.normal) n /= length;
+  return plane;
+}
+
+bool IsInside(std::span<const Ring3> rings, const FacetPlane& plane, const Point3& p) {
+  const int x = (plane.axis + 1) % 3, y = (plane.axis + 2) % 3;
+  bool inside = false;
+  for (const Ring3& ring : rings) {
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+      const Point3 &a = std::min(ring[i], ring[j]), &b = std::max(ring[i], ring[j]);
+      if ((a[y] > p[y]) == (b[y] > p[y])) continue;
+      inside ^= p[x] - a[x] < (b[x] - a[x]) * ((p[y] - a[y]) / (b[y] - a[y]));
+    }
+  }
+  return inside;
+}
+
+}  // namespace dynmesh::geometry
