@@ -14,7 +14,7 @@ using geometry::Dot;
 using geometry::Point3;
 using geometry::Vector3;
 
-// Relative to lengths at hand: what is nearer than this touches.
+// So much is the cell enlarged, relative to lengths at hand: what is nearer than this touches.
 constexpr double kSlack = 1e-11;
 // An area smaller than this in units of the squared distance is none.
 constexpr double kNoArea = 1e-9;
@@ -45,16 +45,16 @@ void CellCut::Begin(const SpaceStar& star) {
   }
 }
 
-// Keeps what has a x + b y <= c, or as good as.
-void CellCut::Clip(double a, double b, double c, double slack) {
+// Keeps what has a x + b y <= c.
+void CellCut::Clip(double a, double b, double c) {
   const auto over = [&](const Place& p) { return a * p[0] + b * p[1] - c; };
   const std::size_t n = polygon_.size();
   clipped_.clear();
   for (std::size_t i = 0; i < n; ++i) {
     const Place &p = polygon_[i], &q = polygon_[i + 1 == n ? 0 : i + 1];
     const double at_p = over(p), at_q = over(q);
-    if (at_p <= slack) clipped_.push_back(p);
-    if ((at_p < -slack && at_q > slack) || (at_p > slack && at_q < -slack)) {
+    if (at_p <= 0) clipped_.push_back(p);
+    if ((at_p < 0 && at_q > 0) || (at_p > 0 && at_q < 0)) {
       const double t = at_p / (at_p - at_q);
       clipped_.push_back({p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])});
     }
@@ -99,7 +99,7 @@ std::optional<CellCut::Cut> CellCut::Of(const Facet& facet) {
   const double side = 2 * star_->reach();
   polygon_ = {{-side, -side}, {side, -side}, {side, side}, {-side, side}};
   for (const SpaceStar::Neighbour* u : neighbours_) {
-    Clip(Dot(x, u->d), Dot(y, u->d), 0.5 * u->d2 + height * Dot(normal, u->d), kSlack * u->d2);
+    Clip(Dot(x, u->d), Dot(y, u->d), 0.5 * u->d2 + height * Dot(normal, u->d) + kSlack * u->d2);
     if (polygon_.size() < 3) return std::nullopt;
   }
   const Place nearest = NearestToOrigin();

@@ -41,7 +41,7 @@ class CellCut {
 
  private:
   using Place = std::array<double, 2>;  // in the facet's plane, from the vertex's foot
-  void Clip(double a, double b, double c, double slack);
+  void Clip(double a, double b, double c);
   Place NearestToOrigin() const;
   double Area2() const;
 

@@ -291,5 +291,24 @@ std::string NameOf(const testing::TestParamInfo<Place>& info) {
 INSTANTIATE_TEST_SUITE_P(Grids, SpaceFacets,
                          testing::Values(Place::kStraight, Place::kTurned, Place::kSkew), NameOf);
 
+// The corners of an octahedron, four of them a facet's: all six lie on one ball. Whichever pairs
+// ties would join, the facet is covered.
+TEST(SpaceFacets, AreCoveredWhereTheFarSideIsEquallyNear) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto corner = [&](int k, double at) {
+      Point3 p = {{0.5, 0.5, 0.5}};
+      p[(axis + k) % 3] += at;
+      return p;
+    };
+    Traced refinement(Options(), nullptr);
+    Complex complex(refinement);
+    complex.Toggle(Shape{{corner(1, 0.25), corner(2, 0.25), corner(1, -0.25), corner(2, -0.25)}});
+    complex.Toggle(corner(0, 0.25));
+    complex.Toggle(corner(0, -0.25));
+    complex.Run();
+    ExpectGoodMesh(complex, refinement);
+  }
+}
+
 }  // namespace
 }  // namespace dynmesh::meshing

@@ -1,0 +1,86 @@
+// Planes of polygons: the same however the rings are written down, and even-odd inside.
+#include "core/geometry/facet_plane.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/support/workload.h"
+
+namespace dynmesh::geometry {
+namespace {
+
+constexpr std::uint64_t kSeed = 20261121;
+
+// A star-shaped ring about a place of a plane, and one inside it.
+std::vector<Ring3> RandomRings(test::Random& random) {
+  const Vector3 n = {random.Unit() - 0.5, random.Unit() - 0.5, random.Unit() - 0.5};
+  const Vector3 u = Cross(n, {0.3, 0.5, 0.7}), v = Cross(n, u);
+  const double scale = 1 / std::sqrt(Dot(u, u)), other = 1 / std::sqrt(Dot(v, v));
+  std::vector<Ring3> rings;
+  for (const double size : {1.0, 0.3}) {
+    Ring3& ring = rings.emplace_back();
+    const int corners = 3 + random.Below(8);
+    for (int i = 0; i < corners; ++i) {
+      const double turn = 6.283185307179586 * (i + 0.5 * random.Unit()) / corners;
+      const double r = size * (0.7 + 0.3 * random.Unit());
+      const double a = r * std::cos(turn) * scale, b = r * std::sin(turn) * other;
+      ring.push_back({{5 + a * u[0] + b * v[0], 5 + a * u[1] + b * v[1], 5 + a * u[2] + b * v[2]}});
+    }
+  }
+  return rings;
+}
+
+TEST(FacetPlane, DoesNotDependOnHowRingsAreWritten) {
+  test::Random random(kSeed);
+  for (int round = 0; round < 200; ++round) {
+    SCOPED_TRACE("seed " + std::to_string(kSeed) + ", round " + std::to_string(round));
+    std::vector<Ring3> rings = RandomRings(random);
+    const FacetPlane plane = PlaneOf(rings);
+    EXPECT_NEAR(Dot(plane.normal, plane.normal), 1, 1e-14);
+    EXPECT_GT(plane.normal[plane.axis], 0);
+    for (const Ring3& ring : rings) {
+      for (const Point3& p : ring) EXPECT_NEAR(plane.Height(p), 0, 1e-14);
+    }
+    const Point3 p = {{4 + 2 * random.Unit(), 4 + 2 * random.Unit(), 4 + 2 * random.Unit()}};
+    const bool inside = IsInside(rings, plane, plane.Foot(p));
+    for (Ring3& ring : rings) {
+      std::rotate(ring.begin(), ring.begin() + random.Below(static_cast<int>(ring.size())),
+                  ring.end());
+      if (random.OneIn(2)) std::reverse(ring.begin(), ring.end());
+    }
+    if (random.OneIn(2)) std::swap(rings[0], rings[1]);
+    const FacetPlane again = PlaneOf(rings);
+    EXPECT_EQ(plane.origin, again.origin);
+    EXPECT_EQ(plane.normal, again.normal);
+    EXPECT_EQ(plane.axis, again.axis);
+    EXPECT_EQ(IsInside(rings, again, again.Foot(p)), inside);
+  }
+}
+
+TEST(FacetPlane, InsideIsEvenOdd) {
+  const auto square = [](double lo, double hi) {
+    return Ring3{{{lo, lo, 2}}, {{hi, lo, 2}}, {{hi, hi, 2}}, {{lo, hi, 2}}};
+  };
+  const std::vector<Ring3> rings = {square(0, 8), square(1, 7), square(3, 5)};
+  const FacetPlane plane = PlaneOf(rings);
+  EXPECT_EQ(plane.axis, 2);
+  EXPECT_EQ(plane.normal, (Vector3{0, 0, 1}));
+  for (const auto& [at, wanted] : {std::pair(-1.0, false),
+                                   {0.5, true},
+                                   {2.0, false},
+                                   {4.0, true},
+                                   {6.0, false},
+                                   {7.5, true}}) {
+    EXPECT_EQ(IsInside(rings, plane, {{at, 4, 2}}), wanted) << at;
+    EXPECT_EQ(IsInside(rings, plane, {{4, at, 2}}), wanted) << at;
+  }
+  EXPECT_EQ(plane.Height({{1, 1, 5}}), 3);
+  EXPECT_EQ(plane.Foot({{1, 1, 5}}), (Point3{{1, 1, 2}}));
+}
+
+}  // namespace
+}  // namespace dynmesh::geometry
