@@ -3,66 +3,59 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <tuple>
-
-#include "core/geometry/products.h"
+#include <utility>
 
 namespace dynmesh::geometry {
 namespace {
 
-// The axis of the largest component, the first of several.
-int LargestAxis(const Vector3& v) {
-  int axis = 0;
-  for (int i = 1; i < 3; ++i) {
-    if (std::fabs(v[i]) > std::fabs(v[axis])) axis = i;
-  }
-  return axis;
-}
-
-// Twice the ring's area along its normal, with the largest component positive.
-Vector3 AreaVector(const std::vector<Point3>& ring) {
+// Twice the vector area, summed from the least corner on towards its lesser neighbour.
+Vector3 AreaOf(const Ring3& ring, const Point3& least, std::size_t at) {
   const std::size_t n = ring.size();
-  const auto least =
-      static_cast<std::size_t>(std::min_element(ring.begin(), ring.end()) - ring.begin());
-  const bool forward = ring[(least + 1) % n] < ring[(least + n - 1) % n];
-  const auto at = [&](std::size_t i) { return ring[(least + (forward ? i : n - i)) % n]; };
+  const bool forward = ring[(at + 1) % n] < ring[(at + n - 1) % n];
+  const auto corner = [&](std::size_t i) {
+    return Difference(ring[forward ? (at + i) % n : (at + n - i) % n].c, least.c);
+  };
   Vector3 sum = {0, 0, 0};
   for (std::size_t i = 1; i + 1 < n; ++i) {
-    const Vector3 c = AccurateCross(Difference(at(i).c, at(0).c), Difference(at(i + 1).c, at(0).c));
+    const Vector3 c = Cross(corner(i), corner(i + 1));
     for (int k = 0; k < 3; ++k) sum[k] += c[k];
-  }
-  if (sum[LargestAxis(sum)] < 0) {
-    for (double& x : sum) x = -x;
   }
   return sum;
 }
 
 }  // namespace
 
-FacetPlane PlaneOf(const std::vector<std::vector<Point3>>& rings) {
+FacetPlane PlaneOf(std::span<const Ring3> rings) {
   FacetPlane plane;
-  Vector3 best = {0, 0, 0};
-  plane.origin = rings.front().front();
-  for (const std::vector<Point3>& ring : rings) {
-    const Vector3 v = AreaVector(ring);
-    if (std::tuple(Dot(v, v), v) > std::tuple(Dot(best, best), best)) best = v;
-    plane.origin = std::min(plane.origin, *std::min_element(ring.begin(), ring.end()));
+  double most = -1;
+  for (const Ring3& ring : rings) {
+    const auto least = std::min_element(ring.begin(), ring.end());
+    const Vector3 area = AreaOf(ring, *least, static_cast<std::size_t>(least - ring.begin()));
+    const double size2 = Dot(area, area);
+    if (size2 < most || (size2 == most && plane.origin < *least)) continue;
+    most = size2;
+    plane.origin = *least;
+    plane.normal = area;
   }
-  const double length = std::sqrt(Dot(best, best));
-  if (!(length > 0)) return plane;
-  plane.area = length / 2;
-  plane.drop = LargestAxis(best);
-  for (int k = 0; k < 3; ++k) plane.normal[k] = best[k] / length;
-  double lo = 0, hi = 0;  // the least corner is at 0
-  for (const std::vector<Point3>& ring : rings) {
-    for (const Point3& p : ring) {
-      const double d = plane.Distance(p);
-      lo = std::min(lo, d), hi = std::max(hi, d);
+  for (int k = 1; k < 3; ++k) {
+    if (std::fabs(plane.normal[k]) > std::fabs(plane.normal[plane.axis])) plane.axis = k;
+  }
+  const double length = std::copysign(std::sqrt(most), plane.normal[plane.axis]);
+  for (double& n : plane.normal) n /= length;
+  return plane;
+}
+
+bool IsInside(std::span<const Ring3> rings, const FacetPlane& plane, const Point3& p) {
+  const int x = (plane.axis + 1) % 3, y = (plane.axis + 2) % 3;
+  bool inside = false;
+  for (const Ring3& ring : rings) {
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+      const Point3 &a = std::min(ring[i], ring[j]), &b = std::max(ring[i], ring[j]);
+      if ((a[y] > p[y]) == (b[y] > p[y])) continue;
+      inside ^= p[x] - a[x] < (b[x] - a[x]) * ((p[y] - a[y]) / (b[y] - a[y]));
     }
   }
-  plane.offset = (lo + hi) / 2;
-  plane.deviation = (hi - lo) / 2;
-  return plane;
+  return inside;
 }
 
 }  // namespace dynmesh::geometry

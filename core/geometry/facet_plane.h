@@ -1,13 +1,13 @@
-// The plane of a facet: rings of places in space that lie in one plane, as nearly as doubles let
-// them. A function of the rings as sets of edges: not of where a ring starts, which way round it
-// goes, or which ring comes first; so everyone who asks gets the same bits.
+// The plane of a polygon in space, and what lies inside the polygon.
 //
-// The normal is that of the ring with the largest area, its sum taken from the ring's least corner
-// towards the lesser neighbour, with the largest component made positive. The plane lies in the
-// middle between the corners farthest to either side. Pure, thread-safe. O(corners).
+// The polygon is given by its rings, closed chains of corners that lie in one plane up to
+// rounding. A place is inside what an odd number of rings goes around. Everything here is a
+// function of the rings as chains, to the bit: the same wherever a ring begins, whichever way it
+// goes, and in whatever order rings come. Pure functions, thread-safe.
 #ifndef DYNMESH_CORE_GEOMETRY_FACET_PLANE_H_
 #define DYNMESH_CORE_GEOMETRY_FACET_PLANE_H_
 
+#include <span>
 #include <vector>
 
 #include "core/geometry/circumball.h"
@@ -15,27 +15,27 @@
 
 namespace dynmesh::geometry {
 
-struct FacetPlane {
-  Vector3 normal = {0, 0, 0};  // of length 1; 0 if no ring has an area
-  Point3 origin{};             // the least corner
-  double offset = 0;           // of the plane from there, along the normal
-  double deviation = 0;        // the distance of the farthest corner
-  double area = 0;             // of the largest ring
-  int drop = 2;                // the axis nearest to the normal
+using Ring3 = std::vector<Point3>;
 
-  // Signed: positive on the side to which the normal points. It errs by a few spacings of the
-  // doubles of p and the corners.
-  double Distance(const Point3& p) const { return Dot(normal, Difference(p.c, origin.c)) - offset; }
-  // The place of the plane nearest to p.
+struct FacetPlane {
+  Point3 origin = {};   // a corner
+  Vector3 normal = {};  // of length 1 up to rounding; component `axis` is positive
+  int axis = 0;         // the normal's largest component: shadows are along it
+
+  // The distance from the plane, positive on the normal's side.
+  double Height(const Point3& p) const { return Dot(normal, Difference(p.c, origin.c)); }
   Point3 Foot(const Point3& p) const {
-    const double d = Distance(p);
-    return {{p[0] - d * normal[0], p[1] - d * normal[1], p[2] - d * normal[2]}};
+    const double h = Height(p);
+    return {{p[0] - h * normal[0], p[1] - h * normal[1], p[2] - h * normal[2]}};
   }
-  // Without the axis `drop`: what turns counter-clockwise there does so seen from the normal's tip.
-  Point2 Project(const Point3& p) const { return {{p[(drop + 1) % 3], p[(drop + 2) % 3]}}; }
 };
 
-FacetPlane PlaneOf(const std::vector<std::vector<Point3>>& rings);
+// Of the ring that goes around the largest area. The normal is not a number if that is 0.
+// O(corners).
+FacetPlane PlaneOf(std::span<const Ring3> rings);
+
+// Is p, near the plane, inside? Near an edge rounding decides. O(corners).
+bool IsInside(std::span<const Ring3> rings, const FacetPlane& plane, const Point3& p);
 
 }  // namespace dynmesh::geometry
 

@@ -28,7 +28,8 @@ namespace dynmesh::meshing {
 template <int D, template <class> class E>
 void Refinement<D, E>::Nearest(Context& context) {
   const VertexIndex v = context.item;
-  const double d2 = NearestDistance2(context, v);
+  double d2 = NearestDistance2(context, v);
+  if (D == 3 && !facets_.empty()) d2 = FacetDistance2(v, d2);
   context.payload().radius2 = RoundedUp(d2);
   context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
   if constexpr (kTraced) {
@@ -51,13 +52,15 @@ void Refinement<D, E>::Complete(Context& context) {
   bool yielded = false, kept_out = false;
   // Each point fills its gap, and there is room for a few only. Should a view be wrong, so
   // that neither is true, the loop ends all the same.
-  while (ordinal < kMostOutputs && FindGap(bucket, &gap)) {
+  while (ordinal < kMostOutputs && FindNext(bucket, &gap)) {
     FindEncroached(context, gap.x);
     if (!encroached_.empty()) {
       // Yield: the subsegments first; then v looks again. One that is not to be split any
       // more keeps the point out for good.
-      const bool is_guarded = std::ranges::any_of(
-          encroached_, [&](SubsegmentIndex s) { return IsGuarded(subsegments_[s], bucket); });
+      const bool is_guarded =
+          !gap.required && std::ranges::any_of(encroached_, [&](SubsegmentIndex s) {
+            return IsGuarded(subsegments_[s], bucket);
+          });
       const bool can = std::ranges::all_of(
           encroached_, [&](SubsegmentIndex s) { return CanSplit(subsegments_[s]); });
       if (is_guarded || !can) {
@@ -76,7 +79,8 @@ void Refinement<D, E>::Complete(Context& context) {
     if constexpr (D == 2) {
       if (is_global() && by_edge() && ordinal == 0) gap_triangle_ = corners_[gap.corner].triangle;
     }
-    const VertexIndex x = EmitVertex(context, gap.x, ordinal++, D, kNil);
+    const VertexIndex x =
+        EmitVertex(context, gap.x, ordinal++, gap.facet == kNil ? D : 2, gap.facet);
     RequestFirstComplete(context, x, gap.e2);
     if (!star_.Insert(x, gap.x)) skipped_.push_back({gap.neighbour, gap.left});
   }
@@ -118,6 +122,16 @@ void Refinement<D, E>::RequestFirstComplete(Context& context, VertexIndex x, dou
 template <int D, template <class> class E>
 void Refinement<D, E>::RequestNoEarlierThanNow(Context& context, VertexIndex x, int own) {
   context.Request(kComplete, x, NoEarlierThan(context.epoch, context.item, x, own));
+}
+
+// Facets first: they are not to have vertices that gaps would put next to them.
+template <int D, template <class> class E>
+bool Refinement<D, E>::FindNext(int bucket, Candidate* next) {
+  *next = {};
+  if (D == 3 && !facets_.empty() && FindFacetPoint(next)) return true;
+  if (!FindGap(bucket, next)) return false;
+  if (D == 3 && !facets_.empty()) MoveToFacet(next);
+  return true;
 }
 
 template <int D, template <class> class E>

@@ -18,6 +18,7 @@ enum class Term {
   kOverMidpoint,          // ... or holds the midpoint that a split made
   kDeathOfSubsegment,     // a subsegment dies earlier or later than before
   kOverSize,              // a sizing feature comes or goes that a ball read is too large for
+  kOverFacet,             // a facet comes or goes that meets the balls read
   kCount,
 };
 

@@ -6,6 +6,7 @@
 
 #include "core/meshing/changes.h"
 #include "core/meshing/complete.h"
+#include "core/meshing/facet_work.h"
 #include "core/meshing/neighbourhood.h"
 #include "core/meshing/planar_gaps.h"
 #include "core/meshing/segments.h"
@@ -18,6 +19,13 @@ namespace dynmesh::meshing {
 Term switched_off = Term::kCount;
 #endif
 
+namespace {
+
+geometry::Point3 FacetBox(const geometry::Point3& p) { return p; }
+geometry::Point3 FacetBox(const geometry::Point2&) { return {}; }
+
+}  // namespace
+
 template <int D, template <class> class E>
 Refinement<D, E>::Refinement(const MeshOptions& options, Triangulation* triangulation)
     : rules_(options),
@@ -25,6 +33,7 @@ Refinement<D, E>::Refinement(const MeshOptions& options, Triangulation* triangul
       triangulation_(triangulation),
       tree_(rules_.lo(), rules_.hi()),
       sizing_(rules_.lo(), rules_.hi()),
+      facets_(FacetBox(rules_.lo()), FacetBox(rules_.hi())),
       engine_(*this) {
   AddBox();
   if (options.max_edge > 0) {
@@ -339,6 +348,8 @@ template <int D, template <class> class E>
 void Refinement<D, E>::FillTriangulation() {
   if constexpr (D == 3) {
     if (triangulation_ == nullptr || pending_.empty()) return;
+    // Gaps are looked for in a triangulation tetrahedron by tetrahedron, facets are not.
+    if (!facets_.empty()) return LeaveTriangulation();
     constexpr std::size_t kMostPerVertex = 16;
     std::vector<VertexIndex> part;
     std::vector<Point> places;
@@ -384,7 +395,7 @@ std::size_t Refinement<D, E>::trace_bytes() const {
 template <int D, template <class> class E>
 std::size_t Refinement<D, E>::bytes() const {
   return vertices_.size() * sizeof(Vertex) + subsegments_.capacity() * sizeof(Subsegment) +
-         tree_.bytes() + sizing_.bytes();
+         tree_.bytes() + sizing_.bytes() + facets_.bytes();
 }
 
 template <int D, template <class> class E>

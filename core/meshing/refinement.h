@@ -4,6 +4,7 @@
 //
 //   segments.h    Check, Split: no subsegment is encroached (rule b)
 //   complete.h    Complete: no edge has a gap (rule a, either criterion), yielding (c)
+//   facet_work.h  in space: no vertex has a part of a facet that it is not on (rule b)
 //   planar_gaps.h, space_gaps.h   which gap an edge has
 //   star_search.h  the star of a vertex, found locally or read off a triangulation
 //   neighbourhood.h  what is in a ball, what a point encroaches on
@@ -33,7 +34,9 @@
 #include "core/base/huge_pages.h"
 #include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/mesh/delaunay_triangulation.h"
+#include "core/meshing/cell_cut.h"
 #include "core/meshing/elements.h"
+#include "core/meshing/facet_field.h"
 #include "core/meshing/planar_rules.h"
 #include "core/meshing/sizing_field.h"
 #include "core/meshing/space_rules.h"
@@ -95,6 +98,10 @@ class Refinement {
   void RemoveSegment(SubsegmentIndex s);
   typename SizingField<D>::Index AddSizing(const SizingRegion<D>& region);
   void RemoveSizing(typename SizingField<D>::Index index);
+  // In space, a polygon: its rings' corners are input points, its edges input segments that are
+  // there already (and go later).
+  FacetIndex AddFacet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot feature);
+  void RemoveFacet(FacetIndex index);
 
   // Runs or re-runs what is to be done. `interrupt()` is asked before each operation;
   // if it says true, false is returned. See sac::Engine::Propagate.
@@ -154,6 +161,11 @@ class Refinement {
   bool hit_depth_limit() const { return hit_depth_limit_; }
   void ForgetDepthLimit() { hit_depth_limit_ = false; }
 
+  // In space: who is on which facet (facet_work.h).
+  const FacetField& facets() const { return facets_; }
+  bool IsOnFacet(VertexIndex v, const Facet& facet) const;
+  FacetIndex FacetOf(VertexIndex a, VertexIndex b, VertexIndex c, VertexIndex d) const;
+
   const Rules& rules() const { return rules_; }
   Engine& engine() { return engine_; }
   const Engine& engine() const { return engine_; }
@@ -183,13 +195,15 @@ class Refinement {
  private:
   using Gaps = std::conditional_t<D == 2, PlanarGaps<Refinement>, SpaceGaps<Refinement>>;
   friend Gaps;
-  // An edge with a gap, and the point to put there.
+  // An edge with a gap, or a facet that is not covered, and the point to put there.
   struct Candidate {
-    double e2 = 0;
+    double e2 = 0;  // squared, at most the distance from the point to its nearest neighbour
     Point neighbour = {};
     bool left = false;  // in the plane: the side of the gap, from the lesser end of the edge
     int corner = 0;     // in the plane: of the star, the one in the gap
     Point x = {};
+    FeatureSlot facet = kNil;  // on which x lies
+    bool required = false;     // for the facet's sake: it cannot be left out
   };
   struct Skipped {
     Point neighbour;
@@ -224,6 +238,7 @@ class Refinement {
   bool FindGap(int bucket, Candidate* candidate) const {
     return by_edge() ? ShortestGap(bucket, candidate) : FarthestCorner(bucket, candidate);
   }
+  bool FindNext(int bucket, Candidate* next);
   bool by_edge() const { return rules_.criterion() == Criterion::kEdge; }
   // Are whole stars read off a triangulation, for nobody to trace?
   bool is_global() const { return !kTraced && triangulation_ != nullptr; }
@@ -246,6 +261,15 @@ class Refinement {
   bool IsOpen() const;
   bool InDomain(const Point& p) const;
   Point CentreOf(int i) const;
+
+  // facet_work.h
+  Facet::Edge SegmentOf(VertexIndex v) const;
+  double FacetDistance2(VertexIndex v, double d2) const;
+  bool FindFacetPoint(Candidate* best);
+  bool IsJoinedThrough(const Facet& facet) const;
+  void MoveToFacet(Candidate* gap) const;
+  void NotifyOfFacet(const Facet& facet);
+  bool FacetMatters(sac::OpId op, const Facet& facet) const;
 
   // star_search.h
   void FindStar(Context& context, VertexIndex v, double reach);
@@ -325,6 +349,7 @@ class Refinement {
   Triangulation* triangulation_;
   SpatialTree<D> tree_;
   SizingField<D> sizing_;
+  FacetField facets_;  // empty in the plane
   LargeVector<Vertex> vertices_;
   LargeVector<Subsegment> subsegments_;
   std::vector<VertexIndex> free_vertices_;
@@ -347,6 +372,7 @@ class Refinement {
 
   // Scratch of the operation being executed.
   Star star_;
+  CellCut cut_;
   std::vector<Skipped> skipped_;
   std::vector<SubsegmentIndex> encroached_;
   std::vector<bool> encroached_strictly_;

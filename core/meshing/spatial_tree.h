@@ -16,6 +16,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/huge_pages.h"
@@ -130,28 +131,45 @@ class SpatialTree {
     double radius2;
   };
   // Calls visit(id, point) for each point in one of the balls, which lie in the box. Stops and
-  // returns false when it has looked at more than `most` points.
+  // returns false when it has looked at more than `most` points. Uses room behind the balls.
   template <class Visit>
-  bool VisitBalls(const std::vector<Ball>& balls, const Extent<D>& box, int most,
-                  Visit visit) const {
-    Cell stack[kStack];
+  bool VisitBalls(std::vector<Ball>& balls, const Extent<D>& box, int most, Visit visit) const {
+    // A cell, and which balls its parent meets: that part of the vector. What lies behind
+    // belongs to cells that are done.
+    struct Entry {
+      Cell cell;
+      std::size_t begin, end;
+    };
+    Entry stack[kStack];
     int top = 0;
-    stack[top++] = SmallestAround(box);
+    stack[top++] = {SmallestAround(box), 0, balls.size()};
     while (top > 0) {
-      const Cell cell = stack[--top];
+      auto [cell, begin, end] = stack[--top];
       const Node& node = nodes_[cell.node];
-      if (D > 2 && !MeetsAny(balls, cell)) continue;
+      if constexpr (D > 2) {
+        // Without branches, which would be mispredicted.
+        balls.resize(end + (end - begin));
+        std::size_t next = end;
+        for (std::size_t i = begin; i < end; ++i) {
+          balls[next] = balls[i];
+          next += DistanceToCell2(balls[i].centre, cell) <= balls[i].radius2 ? 1 : 0;
+        }
+        begin = end;
+        end = next;
+        if (begin == end) continue;
+      }
       if (node.child != kNone) {
-        PushChildrenIn(box, cell, stack, top);
+        ForEachChildIn(box, cell, [&](const Cell& child) { stack[top++] = {child, begin, end}; });
         continue;
       }
+      const std::span<const Ball> near(balls.data() + begin, end - begin);
       for (std::uint32_t l = node.leaf; l != kNone; l = leaves_[l].next) {
         most -= static_cast<int>(leaves_[l].count);
         if (most < 0) return false;
         if constexpr (D == 2) {
-          VisitPointwise(leaves_[l], balls, box, visit);
+          VisitPointwise(leaves_[l], near, box, visit);
         } else {
-          VisitBallwise(leaves_[l], cell, balls, visit);
+          VisitBallwise(leaves_[l], near, visit);
         }
       }
     }
@@ -172,11 +190,18 @@ class SpatialTree {
   // Every node whose cell meets the box, ancestors included.
   template <class Visit>
   void VisitBox(const Extent<D>& box, Visit visit) const {
+    VisitBoxIf(
+        box, [](const Point&, double) { return true; }, visit);
+  }
+  // The same but for cells, given by their centre and half their side, for which keep says no.
+  template <class Keep, class Visit>
+  void VisitBoxIf(const Extent<D>& box, Keep keep, Visit visit) const {
     Cell stack[kStack];
     int top = 0;
     if (Meets(box, Root())) stack[top++] = Root();
     while (top > 0) {
       const Cell cell = stack[--top];
+      if (!keep(cell.centre, cell.half)) continue;
       visit(cell.node);
       if (nodes_[cell.node].child != kNone) PushChildrenIn(box, cell, stack, top);
     }
@@ -311,20 +336,16 @@ class SpatialTree {
     double d2 = 0;
     for (int i = 0; i < D; ++i) {
       const double to_centre = std::fabs(p[i] - cell.centre[i]) * (1 - 0x1p-51);
-      const double d = std::max(0.0, to_centre - cell.half);
+      const double beyond = to_centre - cell.half;
+      const double d = 0.5 * (beyond + std::fabs(beyond));  // 0 if negative, without a branch
       d2 += d * d;
     }
     return d2 * (1 - 0x1p-50);
   }
-  static bool MeetsAny(const std::vector<Ball>& balls, const Cell& cell) {
-    return std::any_of(balls.begin(), balls.end(), [&](const Ball& ball) {
-      return DistanceToCell2(ball.centre, cell) <= ball.radius2;
-    });
-  }
   // For VisitBalls. In the plane balls are few, and to look at a cell costs as much as at its
   // points.
   template <class Visit>
-  static void VisitPointwise(const Leaf& leaf, const std::vector<Ball>& balls, const Extent<D>& box,
+  static void VisitPointwise(const Leaf& leaf, std::span<const Ball> balls, const Extent<D>& box,
                              Visit& visit) {
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       Point p;
@@ -337,12 +358,10 @@ class SpatialTree {
     }
   }
   template <class Visit>
-  static void VisitBallwise(const Leaf& leaf, const Cell& cell, const std::vector<Ball>& balls,
-                            Visit& visit) {
+  static void VisitBallwise(const Leaf& leaf, std::span<const Ball> balls, Visit& visit) {
     double beyond[kCapacity];  // by how much each is outside of all balls
     std::fill_n(beyond, leaf.count, INFINITY);
     for (const Ball& ball : balls) {
-      if (DistanceToCell2(ball.centre, cell) > ball.radius2) continue;
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         double d2 = 0;
         for (int k = 0; k < D; ++k) {
@@ -360,15 +379,19 @@ class SpatialTree {
     }
   }
   // Of a cell that meets the box: those of its children that do.
-  void PushChildrenIn(const Extent<D>& box, const Cell& cell, Cell* stack, int& top) const {
+  template <class F>
+  void ForEachChildIn(const Extent<D>& box, const Cell& cell, F f) const {
     int low = 0, high = 0;  // axes along which the lower or upper half does
     for (int i = 0; i < D; ++i) {
       low |= (box.lo[i] < cell.centre[i]) << i;
       high |= (box.hi[i] >= cell.centre[i]) << i;
     }
     for (int k = 0; k < kChildren; ++k) {
-      if (((k & high) | (~k & low)) == kChildren - 1) stack[top++] = Child(cell, k);
+      if (((k & high) | (~k & low)) == kChildren - 1) f(Child(cell, k));
     }
+  }
+  void PushChildrenIn(const Extent<D>& box, const Cell& cell, Cell* stack, int& top) const {
+    ForEachChildIn(box, cell, [&](const Cell& child) { stack[top++] = child; });
   }
   static bool Meets(const Extent<D>& box, const Cell& cell) {
     for (int i = 0; i < D; ++i) {

@@ -5,13 +5,11 @@
 #include <cmath>
 
 #include "core/geometry/constructions.h"
-#include "core/geometry/predicates.h"
 
 namespace dynmesh::plc {
 
 using geometry::Difference;
 using geometry::Dot;
-using geometry::Orientation;
 using geometry::Point2;
 using geometry::Point3;
 using geometry::Vector3;
@@ -33,23 +31,27 @@ Facet::Facet(FacetFeature feature)
   const auto& places = feature_.places;
   lo_ = hi_ = places.front().front();
   for (std::size_t r = 0; r < places.size(); ++r) {
-    double area = 0;
+    double area = 0;  // twice that of the shadow
     for (std::size_t i = 0; i < places[r].size(); ++i) {
       corners_.push_back({feature_.rings[r][i], r, i});
+      deviation_ = std::max(deviation_, std::abs(plane_.Height(places[r][i])));
       for (int k = 0; k < 3; ++k) {
         lo_[k] = std::min(lo_[k], places[r][i][k]);
         hi_[k] = std::max(hi_[k], places[r][i][k]);
       }
       if (i < 2) continue;
-      area += geometry::Cross(plane_.Project(places[r][i - 1]), plane_.Project(places[r][i]),
-                              plane_.Project(places[r][0]));
+      area += geometry::Cross(Shadow(places[r][i - 1]), Shadow(places[r][i]), Shadow(places[r][0]));
     }
     counter_clockwise_.push_back(area > 0);
+    area_ = std::max(area_, std::abs(area) / 2);
   }
+  area_ /= plane_.normal[plane_.axis];
   std::sort(corners_.begin(), corners_.end());
   for (std::size_t r = 0; r < places.size(); ++r) {
     const Point3 middle = geometry::Midpoint(places[r][0], places[r][1]);
-    inside_left_.push_back(counter_clockwise_[r] != IsInside(middle, r));
+    bool in_others = false;
+    for (std::size_t q = 0; q < places.size(); ++q) in_others ^= q != r && IsIn(q, middle);
+    inside_left_.push_back(counter_clockwise_[r] != in_others);
   }
 }
 
@@ -77,25 +79,8 @@ bool Facet::HasEdge(FeatureId p, FeatureId q) const {
   });
 }
 
-bool Facet::IsIn(std::size_t ring, const Point2& p) const {
-  const auto& places = feature_.places[ring];
-  bool inside = false;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Point2 a = plane_.Project(places[i]);
-    const Point2 b = plane_.Project(places[i + 1 == places.size() ? 0 : i + 1]);
-    if ((a[1] <= p[1]) == (b[1] <= p[1])) continue;
-    // Left of an edge that goes up, right of one that goes down.
-    if ((Orientation(a, b, p) > 0) == (a[1] <= p[1])) inside = !inside;
-  }
-  return inside;
-}
-
-bool Facet::IsInside(const Point3& p, std::size_t but_ring) const {
-  bool inside = false;
-  for (std::size_t r = 0; r < feature_.rings.size(); ++r) {
-    if (r != but_ring) inside ^= IsIn(r, plane_.Project(p));
-  }
-  return inside;
+bool Facet::IsIn(std::size_t ring, const Point3& p) const {
+  return geometry::IsInside(std::span(feature_.places).subspan(ring, 1), plane_, p);
 }
 
 // Rings that do not come here are around the corner or not; of those that do, the wedge counts.
@@ -107,18 +92,18 @@ bool Facet::OpensTo(FeatureId point, const Vector3& direction) const {
     for (double& x : across) x *= Dot(direction, plane_.normal);
     return across;
   }());
-  const Point2 to = plane_.Project({d});
+  const Point2 to = Shadow({d});
   const Point3& apex = PlaceOf(visits.front());
   bool inside = false;
   for (std::size_t r = 0; r < feature_.rings.size(); ++r) {
     const auto is_of_ring = [&](const Corner& c) { return c.ring == r; };
     if (std::none_of(visits.begin(), visits.end(), is_of_ring)) {
-      inside ^= IsIn(r, plane_.Project(apex));
+      inside ^= IsIn(r, apex);
     }
   }
   for (const Corner& c : visits) {
     const auto along = [&](bool next) {
-      return plane_.Project({Difference(PlaceOf(Beside(c, next)).c, apex.c)});
+      return Shadow({Difference(PlaceOf(Beside(c, next)).c, apex.c)});
     };
     const bool ccw = counter_clockwise_[c.ring];
     inside ^= IsBetween(along(ccw), to, along(!ccw));

@@ -1,7 +1,7 @@
 // A facet of space with its plane, to ask what lies in it and what is beside its edges.
 //
-// Inside is even-odd, seen along the axis nearest to the normal: exact for corners and for places
-// as they are given. Rings do not cross (a facet is looked at after its edges), so on which side of
+// Inside is even-odd (geometry/facet_plane.h); near an edge rounding decides, far nearer than
+// features may be. Rings do not cross (a facet is looked at after its edges), so on which side of
 // an edge the inside is, is one answer for a whole ring.
 // Immutable, thread-safe. Making one O(corners * rings), `Holds` and `OpensTo` O(corners), the
 // others O(lg corners).
@@ -37,6 +37,10 @@ class Facet {
   FeatureId id() const { return feature_.id; }
   const FacetFeature& feature() const { return feature_; }
   const geometry::FacetPlane& plane() const { return plane_; }
+  // Of the corner farthest from the plane.
+  double deviation() const { return deviation_; }
+  // Of the largest ring; maybe no number if that is 0.
+  double area() const { return area_; }
   // The box around its corners.
   const geometry::Point3& lo() const { return lo_; }
   const geometry::Point3& hi() const { return hi_; }
@@ -52,18 +56,24 @@ class Facet {
   bool HasEdge(FeatureId p, FeatureId q) const;
 
   // Is the foot of `p` in the inside?
-  bool Holds(const geometry::Point3& p) const { return IsInside(plane_.Foot(p)); }
+  bool Holds(const geometry::Point3& p) const {
+    return geometry::IsInside(feature_.places, plane_, plane_.Foot(p));
+  }
   // Does `direction`, laid into the plane, lead from the corner `point` into the inside?
   bool OpensTo(FeatureId point, const geometry::Vector3& direction) const;
   // Of length 1, in the plane, across the edge from `c` to the next corner, into the inside.
   geometry::Vector3 InwardOf(const Corner& c) const;
 
  private:
-  bool IsInside(const geometry::Point3& p, std::size_t but_ring = ~std::size_t{0}) const;
-  bool IsIn(std::size_t ring, const geometry::Point2& p) const;
+  bool IsIn(std::size_t ring, const geometry::Point3& p) const;
+  // Along the axis nearest to the normal: what turns counter-clockwise seen from its tip does so.
+  geometry::Point2 Shadow(const geometry::Point3& p) const {
+    return {{p[(plane_.axis + 1) % 3], p[(plane_.axis + 2) % 3]}};
+  }
 
   FacetFeature feature_;
   geometry::FacetPlane plane_;
+  double deviation_ = 0, area_ = 0;
   geometry::Point3 lo_{}, hi_{};
   std::vector<Corner> corners_;
   std::vector<bool> counter_clockwise_;  // by ring

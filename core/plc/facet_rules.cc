@@ -105,8 +105,8 @@ double PlanarityTolerance(const Facet& f, double limit) {
 }
 
 Conflict Between(const PointFeature<3>& p, const Facet& f, double limit) {
-  const double deviation = f.plane().deviation;
-  const double distance = std::fabs(f.plane().Distance(p.p));
+  const double deviation = f.deviation();
+  const double distance = std::fabs(f.plane().Height(p.p));
   if (!(distance < deviation + limit) || f.HasCorner(p.id) || !f.Holds(p.p)) return Conflict::kNone;
   return distance <= deviation + limit * kOnShare ? Conflict::kPointOnPolygon : Conflict::kTooClose;
 }
@@ -117,12 +117,12 @@ Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit) {
     if (f.HasEdge(s.p_id, s.q_id) || !f.Holds(Midpoint(s.p, s.q))) return Conflict::kNone;
     return Conflict::kSegmentMeetsPolygon;
   }
-  const double at_p = f.plane().Distance(s.p), at_q = f.plane().Distance(s.q);
+  const double at_p = f.plane().Height(s.p), at_q = f.plane().Height(s.q);
   if (from_p || from_q) {
     if (s.IsOfPolygon()) return Conflict::kNone;  // its facets are judged
     const Vector3 d = from_p ? Difference(s.q.c, s.p.c) : Difference(s.p.c, s.q.c);
     if (CosineOver(f, from_p ? s.p_id : s.q_id, d) <= kMostLack) return Conflict::kNone;
-    const bool in_plane = std::fabs(from_p ? at_q : at_p) < f.plane().deviation + limit;
+    const bool in_plane = std::fabs(from_p ? at_q : at_p) < f.deviation() + limit;
     return in_plane ? Conflict::kSegmentMeetsPolygon : Conflict::kSmallAngle;
   }
   if ((at_p > 0) == (at_q > 0)) return Conflict::kNone;

@@ -22,9 +22,8 @@ struct GridFacet {
       : facet(std::make_shared<const Facet>(f)),
         lo(grid.ToUnits(f.lo())),
         hi(grid.ToUnits(f.hi())),
-        offset(geometry::Dot(f.plane().normal, grid.ToUnits(f.plane().origin)) +
-               grid.UnitsOf(f.plane().offset)),
-        thickness(grid.UnitsOf(f.plane().deviation)) {}
+        offset(geometry::Dot(f.plane().normal, grid.ToUnits(f.plane().origin))),
+        thickness(grid.UnitsOf(f.deviation())) {}
 
   double Extent() const { return std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}); }
 

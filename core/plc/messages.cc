@@ -219,18 +219,16 @@ absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
 }
 
 absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
-  const geometry::FacetPlane& plane = facet.plane();
-  if (!(plane.area > limit * facet.Extent())) {
+  if (!(facet.area() > limit * facet.Extent())) {
     return Error(absl::StatusCode::kInvalidArgument, reason::kBadPolygon, {facet.id()}, edit,
                  absl::StrCat("polygon ", facet.id(), " has no area; move its corners apart"));
   }
   const double tolerance = PlanarityTolerance(facet, limit);
-  if (plane.deviation <= tolerance) return absl::OkStatus();
-  // The plane lies between the corners farthest to either side, so the one to blame is told by
-  // where most are.
+  if (facet.deviation() <= tolerance) return absl::OkStatus();
+  // The plane goes through a corner that may be the one to blame; that is told by where most are.
   std::vector<double> distances;
   for (const Facet::Corner& c : facet.corners()) {
-    distances.push_back(plane.Distance(facet.PlaceOf(c)));
+    distances.push_back(facet.plane().Height(facet.PlaceOf(c)));
   }
   std::vector<double> sorted = distances;
   std::sort(sorted.begin(), sorted.end());
@@ -240,12 +238,12 @@ absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
     if (std::abs(distances[i] - middle) > std::abs(distances[at] - middle)) at = i;
   }
   const Facet::Corner& worst = facet.corners()[at];
-  return Error(absl::StatusCode::kFailedPrecondition, reason::kNonPlanar, {facet.id(), worst.id},
-               edit,
-               absl::StrCat("polygon ", facet.id(), " is not flat: point ", worst.id, " ",
-                            Text(facet.PlaceOf(worst)), " is ", Shortest(std::abs(distances[at])),
-                            " off its plane, where ", Shortest(tolerance),
-                            " are allowed; move it there, or cut the polygon into triangles"));
+  return Error(
+      absl::StatusCode::kFailedPrecondition, reason::kNonPlanar, {facet.id(), worst.id}, edit,
+      absl::StrCat("polygon ", facet.id(), " is not flat: point ", worst.id, " ",
+                   Text(facet.PlaceOf(worst)), " is ", Shortest(std::abs(distances[at] - middle)),
+                   " off the plane of the others, where ", Shortest(tolerance),
+                   " are allowed; move it there, or cut the polygon into triangles"));
 }
 
 template <int D>
