@@ -5,7 +5,8 @@
 // at which one who enters the batch's *result* in this order would be stopped, so the
 // check does just that: features that change are entered one by one, in order of their
 // edit, into an index of their own, each checked against the features that stay and
-// those entered before; an edge of polygons with the first of them. The first problem met is the
+// those entered before; an edge of polygons with the first of them, a facet when its edges and
+// corners are in. The first problem met is the
 // earliest, whatever the index's shape.
 //
 // A batch with an edit that cannot act (draft.h) is refused for it, unless the edits
@@ -80,6 +81,8 @@ class BatchCheck {
     AnyFeature<D> other;
   };
 
+  // All that changes: delta_, events_, and what of the store is hidden.
+  void Collect();
   void CollectPoint(const typename Draft<D>::Entry& entry);
   void CollectUsers(FeatureId point, bool is_point);
   void CollectSize(FeatureId id);

@@ -1,5 +1,5 @@
-// The piecewise linear complex: the features of a planar mesh, by id, and what is legal
-// input.
+// The piecewise linear complex: the features of a mesh of the plane or of space, by id, and what
+// is legal input.
 //
 // Invariants, after every Commit of a Delta that Check returned:
 //   0. sizing features are legal by themselves (messages.h, CheckSize);
@@ -8,8 +8,12 @@
 //   2. every segment joins two points present, different ones; rings of polygons are of
 //      points present, and as messages.h, CheckRings, wants them;
 //   3. no two features are too close, cross, overlap or coincide, no point is in the
-//      inside of a segment, no two segments that share an end are nearly one (rules.h).
-//      Edges of polygons are segments in this, once where several join the same points.
+//      inside of a segment, no two segments that share an end are nearly one, in space below
+//      60 degrees (rules.h). Edges of polygons are segments in this, once where several join the
+//      same points;
+//   4. in space polygons are facets: flat (messages.h, CheckFacet); they have no more than corners
+//      and edges in common with each other, with points and with segments, nothing comes too close
+//      to their insides, and angles are 70 degrees or more (facet_rules.h).
 // Whether a batch is accepted, its Delta and its error are functions of the feature
 // set and the batch, never of history.
 //
@@ -53,7 +57,9 @@ class Plc {
   //   ALREADY_EXISTS       ID_IN_USE
   //   FAILED_PRECONDITION  UNKNOWN_END, POINT_IN_USE, DUPLICATE_POINT, DUPLICATE_SEGMENT,
   //                        POINT_ON_SEGMENT, SEGMENTS_CROSS, SEGMENTS_OVERLAP,
-  //                        SMALL_INPUT_ANGLE, TOO_CLOSE
+  //                        SMALL_INPUT_ANGLE, TOO_CLOSE; of polygons in space
+  //                        NON_PLANAR, DUPLICATE_POLYGON, POINT_ON_POLYGON,
+  //                        SEGMENT_MEETS_POLYGON, POLYGONS_MEET
   // Cost: of the batch and its neighbourhood (batch_check.h, feature_index.h). If `cost`
   // is not null, adds to it the number of index cells and features looked at. Large batches
   // of long segments take minutes, so `interrupted` is asked for each feature that changes:

@@ -1,0 +1,181 @@
+// Questions to a SpatialIndex.
+#include <algorithm>
+#include <cstdint>
+
+#include "core/plc/spatial_index.h"
+
+namespace dynmesh::plc {
+namespace {
+
+// Room for the error of positions in units, and for closed cells.
+constexpr double kQueryReach = kCloseUnits + 1;
+
+}  // namespace
+
+// A query says which cells it enters and which chords of them it wants to see.
+template <int D>
+template <typename Query>
+void SpatialIndex<D>::Visit(NodeIndex n, const Cell& cell, const Query& query) const {
+  if (!query.Enters(cell)) return;
+  ++*query.cost;
+  const Node& node = nodes_[n];
+  if constexpr (D == 2) {
+    if (node.chords != nullptr) query.VisitChords(*node.chords, cell);
+  }
+  *query.cost += node.points.size() + node.loose.size();
+  for (const Slot slot : node.points) query.visit_point(points_[slot]);
+  for (const Slot slot : node.loose) query.visit_segment(segments_[slot].feature);
+  if constexpr (D == 3) {
+    *query.cost += node.facets.size();
+    for (const Slot slot : node.facets) query.visit_facet(*facets_[slot].facet);
+  }
+  if (node.children == 0) return;
+  for (int i = 0; i < kChildren; ++i) Visit(node.children + i, cell.Child(i), query);
+}
+
+template <int D>
+struct SpatialIndex<D>::PointQuery {
+  UnitPoint<D> at;
+  VisitPoint visit_point;
+  VisitSegment visit_segment;
+  VisitFacet visit_facet;
+  std::uint64_t* cost;
+
+  bool Enters(const Cell& cell) const {
+    for (int axis = 0; axis < D; ++axis) {
+      if (at[axis] < cell.Lo(axis) - kQueryReach || at[axis] > cell.Hi(axis) + kQueryReach) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  // A chord whose nearest point, in this cell, is at most r away passes, at the cell's
+  // coordinate nearest to `at`, at most 2 r from it: slopes are at most 1.
+  void VisitChords(const ChordList& chords, const Cell& cell) const requires(D == 2) {
+    for (int major = 0; major < 2; ++major) {
+      const double along = std::clamp(at[major], cell.Lo(major), cell.Hi(major));
+      const double across = at[1 - major];
+      chords.Visit(major, {along, across, along, across}, 2 * kQueryReach,
+                   [this](const GridSegment<2>& chord) {
+                     ++*cost;
+                     visit_segment(chord.feature);
+                   });
+    }
+  }
+};
+
+template <int D>
+struct SpatialIndex<D>::SegmentQuery {
+  const GridSegment<D>* segment;
+  VisitPoint visit_point;
+  VisitSegment visit_segment;
+  VisitFacet visit_facet;
+  std::uint64_t* cost;
+
+  bool Enters(const Cell& cell) const { return segment->Meets(cell, kQueryReach); }
+
+  // The piece of the segment in the cell grown by a unit, to well below a unit: false
+  // if there is none (another cell then has whatever the segment meets).
+  bool Clip(const Cell& cell, UnitPoint<2>& a, UnitPoint<2>& b) const requires(D == 2) {
+    const UnitPoint<2>&lo = segment->lo, &hi = segment->hi;
+    double from = 0, to = 1;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double d = hi[axis] - lo[axis];
+      const double first = cell.Lo(axis) - 1 - lo[axis], last = cell.Hi(axis) + 1 - lo[axis];
+      if (d == 0) {
+        if (first > 0 || last < 0) return false;
+        continue;
+      }
+      from = std::max(from, (d > 0 ? first : last) / d);
+      to = std::min(to, (d > 0 ? last : first) / d);
+    }
+    if (from > to) return false;
+    for (int axis = 0; axis < 2; ++axis) {
+      a[axis] = lo[axis] + (hi[axis] - lo[axis]) * from;
+      b[axis] = lo[axis] + (hi[axis] - lo[axis]) * to;
+    }
+    return true;
+  }
+
+  // A chord that meets the piece ab in the cell passes on one side of a and on the other
+  // of b. Its places are taken in the cell's own range, at most a unit from a and b.
+  void VisitChords(const ChordList& chords, const Cell& cell) const requires(D == 2) {
+    UnitPoint<2> a, b;
+    if (!Clip(cell, a, b)) return;
+    for (int major = 0; major < 2; ++major) {
+      const double lo = cell.Lo(major), hi = cell.Hi(major);
+      const ChordProbe places = {std::clamp(a[major], lo, hi), a[1 - major],
+                                 std::clamp(b[major], lo, hi), b[1 - major]};
+      chords.Visit(major, places, 4, [this](const GridSegment<2>& chord) {
+        ++*cost;
+        visit_segment(chord.feature);
+      });
+    }
+  }
+};
+
+template <int D>
+struct SpatialIndex<D>::FacetQuery {
+  const GridFacet* facet;
+  VisitPoint visit_point;
+  VisitSegment visit_segment;
+  VisitFacet visit_facet;
+  std::uint64_t* cost;
+
+  bool Enters(const Cell& cell) const requires(D == 3) { return facet->Meets(cell, kQueryReach); }
+};
+
+template <int D>
+void SpatialIndex<D>::QueryNear(const geometry::Point<D>& p, VisitPoint visit_point,
+                                VisitSegment visit_segment, VisitFacet visit_facet,
+                                std::uint64_t* cost) const {
+  Visit(0, grid_.root(),
+        PointQuery{grid_.ToUnits(p), visit_point, visit_segment, visit_facet, cost});
+}
+
+template <int D>
+void SpatialIndex<D>::QueryNear(const SegmentFeature<D>& s, VisitPoint visit_point,
+                                VisitSegment visit_segment, VisitFacet visit_facet,
+                                std::uint64_t* cost) const {
+  const GridSegment<D> segment(s, grid_);
+  Visit(0, grid_.root(), SegmentQuery{&segment, visit_point, visit_segment, visit_facet, cost});
+}
+
+template <int D>
+void SpatialIndex<D>::QueryNear(const Facet& f, VisitPoint visit_point, VisitSegment visit_segment,
+                                VisitFacet visit_facet, std::uint64_t* cost) const
+    requires(D == 3) {
+  const GridFacet facet(f, grid_);
+  Visit(0, grid_.root(), FacetQuery{&facet, visit_point, visit_segment, visit_facet, cost});
+}
+
+template <int D>
+void SpatialIndex<D>::QueryNear(const geometry::Point<D>& p, VisitPoint visit_point,
+                                VisitSegment visit_segment, std::uint64_t* cost) const {
+  QueryNear(
+      p, visit_point, visit_segment, [](const Facet&) {}, cost);
+}
+
+template <int D>
+void SpatialIndex<D>::QueryNear(const SegmentFeature<D>& s, VisitPoint visit_point,
+                                VisitSegment visit_segment, std::uint64_t* cost) const {
+  QueryNear(
+      s, visit_point, visit_segment, [](const Facet&) {}, cost);
+}
+
+using geometry::Point2;
+using geometry::Point3;
+
+template void SpatialIndex<2>::QueryNear(const Point2&, VisitPoint, VisitSegment,
+                                         std::uint64_t*) const;
+template void SpatialIndex<2>::QueryNear(const SegmentFeature<2>&, VisitPoint, VisitSegment,
+                                         std::uint64_t*) const;
+template void SpatialIndex<3>::QueryNear(const Point3&, VisitPoint, VisitSegment, VisitFacet,
+                                         std::uint64_t*) const;
+template void SpatialIndex<3>::QueryNear(const SegmentFeature<3>&, VisitPoint, VisitSegment,
+                                         VisitFacet, std::uint64_t*) const;
+template void SpatialIndex<3>::QueryNear(const Facet&, VisitPoint, VisitSegment, VisitFacet,
+                                         std::uint64_t*) const;
+
+}  // namespace dynmesh::plc
