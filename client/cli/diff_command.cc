@@ -29,25 +29,29 @@ std::string FormatJson(const MeshComparison& c) {
   add("simplices", c.simplices);
   object.Add("simplices_relabelled", c.relabelled_simplices);
   add("subsegments", c.subsegments);
+  add("subfacets", c.subfacets);
   object.AddText("hash_a", c.hash_a.ToHex()).AddText("hash_b", c.hash_b.ToHex());
   return object.ToLine();
 }
 
-std::string FormatText(const MeshComparison& c) {
+std::string FormatText(const MeshComparison& c, bool in_space) {
+  const char* const simplices = in_space ? "tetrahedra" : "triangles";
   std::string text;
   const auto add = [&text](const char* kind, const MeshComparison::Part& part) {
     text += absl::StrFormat("%-12s  %10d shared  %10d only in A  %10d only in B\n", kind,
                             part.shared, part.only_a, part.only_b);
   };
   add("vertices", c.vertices);
-  add("triangles", c.simplices);
+  add(simplices, c.simplices);
   add("subsegments", c.subsegments);
+  if (in_space) add("subfacets", c.subfacets);
   if (c.remarked_vertices != 0) {
     text += absl::StrFormat("%d shared vertices differ in owner or containing dimension\n",
                             c.remarked_vertices);
   }
   if (c.relabelled_simplices != 0) {
-    text += absl::StrFormat("%d shared triangles lie in other polygons\n", c.relabelled_simplices);
+    text +=
+        absl::StrFormat("%d shared %s lie in other polygons\n", c.relabelled_simplices, simplices);
   }
   return text + (c.Same() ? "the meshes are the same\n" : "the meshes differ\n");
 }
@@ -57,8 +61,12 @@ int Run(const DiffCommand& command) {
   if (!a.ok()) return ReportError(a.status());
   const absl::StatusOr<io::MeshFiles> b = io::ReadMeshFiles(command.b);
   if (!b.ok()) return ReportError(b.status());
+  if (a->mesh.dimension != b->mesh.dimension) {
+    return ReportError(absl::InvalidArgumentError("one mesh is of the plane, the other of space"));
+  }
+  const bool in_space = a->mesh.dimension == 3;
   const MeshComparison comparison = CompareMeshes(io::ToMesh(a->mesh), io::ToMesh(b->mesh));
-  if (!PrintOut(command.json ? FormatJson(comparison) : FormatText(comparison))) {
+  if (!PrintOut(command.json ? FormatJson(comparison) : FormatText(comparison, in_space))) {
     return kExitFailed;
   }
   return comparison.Same() ? kExitDone : kExitFailed;

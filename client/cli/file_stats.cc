@@ -50,6 +50,10 @@ int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json
   if (auto status = CheckFlags(path, flags); !status.ok()) return ReportError(status);
   const absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(path);
   if (!files.ok()) return ReportError(files.status());
+  if (files->mesh.dimension != 2) {
+    return ReportError(absl::UnimplementedError(data::Concat(
+        path, ": figures of a mesh of 3 dimensions are not supported yet in this version")));
+  }
   const MeshStatistics statistics = ComputeStatistics(files->mesh, flags.rho);
   if (!flags.svg.empty()) {
     io::HistogramOptions options;

@@ -251,6 +251,7 @@ int Run(const ImportCommand& command) {
   absl::StatusOr<Input> input =
       command.polygons ? LoadMapWithPolygons(command.input) : LoadInput(command.input);
   if (!input.ok()) return ReportError(input.status());
+  if (auto status = ExpectPlanar(*input, command.input); !status.ok()) return ReportError(status);
   for (const std::string& warning : input->warnings) PrintWarning(warning);
   if (!command.box.empty()) {
     const absl::Status given = ApplyBoxFlag(command.box, input->options);

@@ -8,12 +8,22 @@
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
 #include "core/io/map_files.h"
+#include "core/io/merge_coplanar.h"
 #include "core/io/planar_input.h"
+#include "core/io/space_input.h"
+#include "core/io/surface_files.h"
 
 namespace dynmesh::cli {
 namespace {
 
 using data::Concat;
+
+// Keeps of `file` only what tells where features stand.
+void SetWhere(io::FileFeatures file, Input& input) {
+  file.features.clear();
+  auto source = std::make_shared<const io::FileFeatures>(std::move(file));
+  input.where = [source](FeatureId id) { return source->Where(id); };
+}
 
 Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   Input input;
@@ -37,9 +47,30 @@ Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   input.regions = std::move(planar.regions);
   input.seed_file = path;
   input.polygon_names = std::move(planar.polygons);
-  planar.features.clear();
-  auto source = std::make_shared<const io::FileFeatures>(std::move(planar));
-  input.where = [source](FeatureId id) { return source->Where(id); };
+  SetWhere(std::move(planar), input);
+  return input;
+}
+
+absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
+                                const InputFlags& flags) {
+  Input input;
+  if (flags.merge_coplanar) {
+    absl::StatusOr<std::vector<Feature>> merged =
+        io::MergeCoplanar(file.features, flags.coplanar_tolerance);
+    if (!merged.ok()) return merged.status();
+    file.features = *std::move(merged);
+  }
+  input.options.dimension = 3;
+  input.options.box = io::BoundingBox(file.features, 3);
+  if (file.attributes != 0) {
+    input.warnings.push_back(Concat(path, ": ", file.attributes, " attribute(s) a vertex ignored"));
+  }
+  if (const std::size_t places = file.holes.size() + file.regions.size(); places != 0) {
+    input.warnings.push_back(
+        Concat(path, ": ", places, " place(s) of holes and regions of space ignored"));
+  }
+  input.features = std::move(file.features);
+  SetWhere(std::move(file), input);
   return input;
 }
 
@@ -123,16 +154,43 @@ absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path) {
       Concat("--polygons: ", path, " is no map; give a .geojson, .topojson or .json"));
 }
 
-absl::StatusOr<Input> LoadInput(const std::string& path) {
+void AddInputFlags(CLI::App& command, InputFlags& flags) {
+  command.add_flag("--merge-coplanar", flags.merge_coplanar,
+                   "Of input of space: join faces that lie in one plane and share edges");
+  command
+      .add_option("--coplanar-tolerance", flags.coplanar_tolerance,
+                  "How far from the plane corners may be for that (default: 0, exactly in it)")
+      ->type_name("T")
+      ->check(CLI::NonNegativeNumber);
+}
+
+absl::Status ExpectPlanar(const Input& input, const std::string& path) {
+  if (input.options.dimension == 2) return absl::OkStatus();
+  return absl::UnimplementedError(
+      Concat(path, ": input of 3 dimensions is not supported here yet in this version"));
+}
+
+absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags) {
   const std::string extension = std::filesystem::path(path).extension().string();
+  using Read = absl::StatusOr<io::FileFeatures> (*)(const std::string&);
+  const std::map<std::string, Read> in_space = {
+      {".node", io::ReadSpaceNodeFile}, {".poly", io::ReadSpacePolyFile},
+      {".smesh", io::ReadSmeshFile},    {".off", io::ReadOffFile},
+      {".stl", io::ReadStlFile},        {".obj", io::ReadObjFile}};
   if (extension == ".node" || extension == ".poly") {
     absl::StatusOr<io::FileFeatures> planar =
         extension == ".node" ? io::ReadNodeFile(path) : io::ReadPolyFile(path);
-    if (!planar.ok()) return planar.status();
-    return FromPlanar(*std::move(planar), path);
+    if (planar.ok()) return FromPlanar(*std::move(planar), path);
+    // That is how the plane's readers say that a file has three dimensions.
+    if (!absl::IsUnimplemented(planar.status())) return planar.status();
+  }
+  if (const auto read = in_space.find(extension); read != in_space.end()) {
+    absl::StatusOr<io::FileFeatures> file = read->second(path);
+    if (!file.ok()) return file.status();
+    return FromSpace(*std::move(file), path, flags);
   }
   if (IsMap(path)) return LoadMap(path, false);
-  for (const char* later : {".smesh", ".off", ".stl", ".obj", ".msh", ".mesh", ".vtu"}) {
+  for (const char* later : {".msh", ".mesh", ".vtu"}) {
     if (extension == later) {
       return absl::UnimplementedError(
           Concat(path, ": ", later,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "CLI/CLI.hpp"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/io/file_features.h"
@@ -29,11 +30,25 @@ struct Input {
   std::function<std::string(FeatureId)> where;
 };
 
-// By extension: .node, .poly; .geojson, .topojson, .json (whichever of the two it holds);
-// any other that is no known kind of geometry is an edit script, whose last revision
-// counts. Errors as `file:line: ...`.
+// How input is read.
+struct InputFlags {
+  bool merge_coplanar = false;  // of space: faces that lie in one plane become polygons
+  double coplanar_tolerance = 0;
+};
+// --merge-coplanar and --coplanar-tolerance.
+void AddInputFlags(CLI::App& command, InputFlags& flags);
+
+// By extension: .node, .poly; of space also .smesh, .off, .stl and .obj; .geojson, .topojson, .json
+// (whichever of the two it holds); any other that is no known kind of geometry is an edit script,
+// whose last revision counts. The dimension stands in `options`; places of holes and regions of
+// space are left out with a warning. Errors as `file:line: ...`.
 inline constexpr char kInputKinds[] = ".node, .poly, .geojson, .topojson or an edit script";
-absl::StatusOr<Input> LoadInput(const std::string& path);
+inline constexpr char kSpaceInputKinds[] =
+    ".node, .poly, .geojson, .topojson or an edit script; of space .node, .poly, .smesh, .off, "
+    ".stl or .obj";
+absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags = {});
+// Features of the plane are all that some commands can do with: UNIMPLEMENTED for others.
+absl::Status ExpectPlanar(const Input& input, const std::string& path);
 // A map whose polygons stay polygons (io/map_files.h). INVALID_ARGUMENT for any other file.
 absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path);
 

@@ -16,6 +16,7 @@ namespace {
 
 struct MeshCommand {
   std::string input;
+  InputFlags reading;
   MeshFlags mesh;
   OutputFlags output;
   std::string region;
@@ -58,7 +59,7 @@ int Run(const MeshCommand& command) {
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
   absl::StatusOr<data::RegionChoice> choice = ParseRegionFlag(command.region);
   if (!choice.ok()) return ReportError(choice.status());
-  absl::StatusOr<Input> input = LoadInput(command.input);
+  absl::StatusOr<Input> input = LoadInput(command.input, command.reading);
   if (!input.ok()) return ReportError(input.status());
   if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
   if (auto status = ApplyOutsideFlag(command.outside, &input->hole_polygons, *choice);
@@ -88,7 +89,8 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot) {
   auto command = std::make_shared<MeshCommand>();
   CLI::App* const sub = AddCommand(app, slot, "mesh", "Make a mesh from scratch",
                                    [command] { return Run(*command); });
-  sub->add_option("INPUT", command->input, kInputKinds)->required();
+  sub->add_option("INPUT", command->input, kSpaceInputKinds)->required();
+  AddInputFlags(*sub, command->reading);
   AddMeshFlags(*sub, command->mesh);
   AddOutputFlags(*sub, command->output);
   AddRegionFlag(*sub, command->region);

@@ -9,6 +9,7 @@
 #include "core/io/mesh_files.h"
 #include "core/io/msh_writer.h"
 #include "core/io/svg_writer.h"
+#include "core/io/text_reader.h"
 #include "core/io/vtu_writer.h"
 
 namespace dynmesh::cli {
@@ -19,12 +20,29 @@ std::string ExtensionOf(const std::string& path) {
 }
 
 bool IsTriangles(const std::string& extension) {
-  return extension == ".node" || extension == ".ele" || extension == ".edge";
+  return extension == ".node" || extension == ".ele" || extension == ".edge" ||
+         extension == ".face";
 }
 
 bool IsKnown(const std::string& extension) {
   return IsTriangles(extension) || extension == ".vtu" || extension == ".msh" ||
          extension == ".mesh" || extension == ".svg";
+}
+
+// "z=0.5", or "z" for the middle.
+absl::Status ParseCut(std::string_view text, io::SvgOptions& svg) {
+  const std::size_t axis =
+      text.empty() ? std::string_view::npos : std::string_view("xyz").find(text[0]);
+  double at = 0;
+  const bool has_place = text.size() > 1;
+  if (axis == std::string_view::npos ||
+      (has_place && (text[1] != '=' || !io::ParseDouble(text.substr(2), &at)))) {
+    return absl::InvalidArgumentError(data::Concat(
+        "--cut: expected an axis and a place as z=0.5, or an axis, found ", data::Quoted(text)));
+  }
+  svg.cut_axis = static_cast<int>(axis);
+  if (has_place) svg.cut_at = at;
+  return absl::OkStatus();
 }
 
 absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const MeshOptions& options,
@@ -38,6 +56,9 @@ absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Me
   svg.width = flags.width;
   svg.rho = options.quality;
   svg.crop = options.box;
+  if (!flags.cut.empty()) {
+    if (auto status = ParseCut(flags.cut, svg); !status.ok()) return status;
+  }
   if (flags.crop == "all") {
     svg.crop.reset();
   } else if (!flags.crop.empty()) {
@@ -52,9 +73,10 @@ absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Me
 
 void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
   command
-      .add_option("-o,--output", flags.paths,
-                  "Where to write the mesh: .node (with .ele and .edge beside it), .vtu, .msh "
-                  "(Gmsh 4.1), .mesh (Medit) or .svg; may be given several times")
+      .add_option(
+          "-o,--output", flags.paths,
+          "Where to write the mesh: .node (with .ele, .edge and, of space, .face beside it), "
+          ".vtu, .msh (Gmsh 4.1), .mesh (Medit) or .svg; may be given several times")
       ->type_name("OUT")
       ->take_all()
       ->allow_extra_args(false);
@@ -69,6 +91,11 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
                   "What a picture shows (default: the box of the features); `all`: with the "
                   "surroundings")
       ->type_name("X0,Y0,X1,Y1");
+  command
+      .add_option("--cut", flags.cut,
+                  "Of a mesh of space, a picture shows a cut across an axis, as z=0.5 (default: "
+                  "across z, in the middle of the box)")
+      ->type_name("AXIS=PLACE");
   command.add_option("--width", flags.width, "Width of a picture in pixels (default: 1000)")
       ->type_name("PX")
       ->check(CLI::Range(1.0, 1e5));
@@ -105,7 +132,7 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
     } else if (extension == ".svg") {
       absl::StatusOr<io::SvgOptions> svg = MakeSvgOptions(flags, options, !highlight.empty());
       if (!svg.ok()) return svg.status();
-      if (!highlight.empty()) svg->highlight = io::FindTriangles(*indexed, highlight);
+      if (!highlight.empty()) svg->highlight = io::FindSimplices(*indexed, highlight);
       status = io::WriteSvg(*indexed, *svg, path);
     } else {
       status = io::WriteMeshFiles(*indexed, path);

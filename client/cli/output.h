@@ -16,10 +16,11 @@ struct OutputFlags {
   std::vector<std::string> paths;
   std::string fill;  // empty: by what is to be seen
   std::string crop;
+  std::string cut;  // of space: empty for the middle, else an axis and a place
   double width = 1000;
 };
 
-// -o, and --fill --crop --width for pictures.
+// -o, and --fill --crop --cut --width for pictures.
 void AddOutputFlags(CLI::App& command, OutputFlags& flags);
 
 // Are all paths of a kind that can be written, and the flags in order? Ask first: it

@@ -22,9 +22,13 @@ VerifyCheck CheckHash(const io::MeshFiles& files, const MeshHash& hash) {
   return findings.Take();
 }
 
+bool IsFinite(const io::IndexedMesh::Vertex& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 bool AllFinite(const io::IndexedMesh& mesh) {
   return std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
-                     [](const auto& v) { return std::isfinite(v.x) && std::isfinite(v.y); });
+                     [](const auto& v) { return IsFinite(v); });
 }
 
 }  // namespace
@@ -35,11 +39,21 @@ std::string EdgeName(std::uint32_t a, std::uint32_t b) {
   return Concat("edge ", a + 1, "-", b + 1);
 }
 
+std::string FaceName(const std::array<std::uint32_t, 3>& v) {
+  return Concat("face ", v[0] + 1, "-", v[1] + 1, "-", v[2] + 1);
+}
+
+std::string TetrahedronName(std::uint32_t tetrahedron) {
+  return Concat("tetrahedron ", tetrahedron + 1);
+}
+
 std::string TriangleName(std::uint32_t triangle) { return Concat("triangle ", triangle + 1); }
 
 double LargestUlp(const io::IndexedMesh& mesh) {
   double largest = 0;
-  for (const auto& v : mesh.vertices) largest = std::max({largest, std::abs(v.x), std::abs(v.y)});
+  for (const auto& v : mesh.vertices) {
+    largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  }
   return std::nextafter(largest, HUGE_VAL) - largest;
 }
 
@@ -64,15 +78,13 @@ VerifyCheck CheckVertices(const io::IndexedMesh& mesh) {
   const auto n = static_cast<std::uint32_t>(mesh.vertices.size());
   if (n == 0) findings.Add("there is none");
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (!std::isfinite(mesh.vertices[i].x) || !std::isfinite(mesh.vertices[i].y)) {
+    if (!IsFinite(mesh.vertices[i])) {
       findings.Add(VertexName(i) + " is not finite");
     }
   }
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0U);
-  const auto place = [&](std::uint32_t i) {
-    return std::tuple(mesh.vertices[i].x, mesh.vertices[i].y);
-  };
+  const auto place = [&](std::uint32_t i) { return mesh.vertices[i].place(); };
   std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
     return std::tuple(place(i), i) < std::tuple(place(j), j);
   });
@@ -82,11 +94,13 @@ VerifyCheck CheckVertices(const io::IndexedMesh& mesh) {
     }
   }
   std::vector<bool> used(n, false);
-  for (const auto& t : mesh.triangles) {
-    for (const std::uint32_t v : t) used[v] = true;
-  }
+  ForEachSimplex(mesh, [&](const auto& corners) {
+    for (const std::uint32_t v : corners) used[v] = true;
+  });
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (!used[i]) findings.Add(VertexName(i) + " is in no triangle");
+    if (!used[i])
+      findings.Add(VertexName(i) +
+                   (mesh.dimension == 3 ? " is in no tetrahedron" : " is in no triangle"));
   }
   return findings.Take();
 }
@@ -96,30 +110,57 @@ bool VerifyReport::Passed() const {
                      [](const VerifyCheck& check) { return check.failures == 0; });
 }
 
+namespace {
+
+void CheckPlane(const io::MeshFiles& files, double rho, VerifyReport& report) {
+  const io::IndexedMesh& mesh = files.mesh;
+  const std::vector<Side> sides = CollectSides(mesh);
+  report.checks.push_back(CheckManifold(mesh, sides));
+  report.checks.push_back(CheckBox(mesh, sides));
+  report.checks.push_back(CheckDelaunay(mesh, sides));
+  report.checks.push_back(CheckEdges(files, EdgesOf(sides)));
+  report.checks.push_back(CheckQuality(mesh, rho, report));
+}
+
+void CheckSpace(const io::MeshFiles& files, double rho, VerifyReport& report) {
+  const io::IndexedMesh& mesh = files.mesh;
+  const std::vector<Face> faces = CollectFaces(mesh);
+  report.checks.push_back(CheckManifold(mesh, faces));
+  report.checks.push_back(CheckBox(mesh, faces));
+  report.checks.push_back(CheckDelaunay(mesh, faces));
+  report.checks.push_back(CheckEdges(files, EdgesOf(mesh, faces)));
+  report.checks.push_back(CheckFaces(files, faces));
+  report.checks.push_back(CheckSpaceQuality(mesh, rho, report));
+}
+
+}  // namespace
+
 VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
                         const std::vector<Feature>* features) {
   const io::IndexedMesh& mesh = files.mesh;
+  const bool in_space = mesh.dimension == 3;
   VerifyReport report;
+  report.dimension = mesh.dimension;
   report.vertices = mesh.vertices.size();
-  report.simplices = mesh.triangles.size();
-  report.subsegments = static_cast<std::uint64_t>(
-      std::count_if(mesh.edges.begin(), mesh.edges.end(),
-                    [](const io::IndexedMesh::Edge& e) { return e.owner != kNoFeature; }));
+  report.simplices = mesh.simplex_count();
+  report.subsegments = mesh.subsegment_count();
+  report.subfacets = mesh.subfacet_count();
   report.hash = io::ToMesh(mesh).hash;
-  const std::vector<Side> sides = CollectSides(mesh);
   report.checks.push_back(CheckVertices(mesh));
   // Exact predicates know no NaN; no file holds one, but callers might.
   if (!AllFinite(mesh)) return report;
   report.checks.push_back(CheckOrientation(mesh));
-  report.checks.push_back(CheckManifold(mesh, sides));
-  report.checks.push_back(CheckBox(mesh, sides));
-  report.checks.push_back(CheckDelaunay(mesh, sides));
-  report.checks.push_back(CheckEdges(files, sides));
-  report.checks.push_back(CheckQuality(mesh, rho, report));
+  if (in_space) {
+    CheckSpace(files, rho, report);
+  } else {
+    CheckPlane(files, rho, report);
+  }
   if (files.recorded_hash) report.checks.push_back(CheckHash(files, report.hash));
   if (features != nullptr) {
-    report.checks.push_back(CheckInput(mesh, *features));
-    report.checks.push_back(CheckRegions(mesh, *features));
+    Chains chains;
+    report.checks.push_back(CheckInput(mesh, *features, &chains));
+    report.checks.push_back(in_space ? CheckFacets(mesh, *features, chains)
+                                     : CheckRegions(mesh, *features));
   }
   return report;
 }

@@ -22,6 +22,19 @@
 //                polygon that has it; and no id more
 //   regions      (if the input is given) every triangle is in the polygons that it says, by
 //                a place inside it, exactly
+// In space the same by tetrahedra, but
+//   manifold     every face has one or two tetrahedra, one on each side
+//   box          the border is on the sides of a box, and the volumes sum up to that of the box.
+//                With the two above: as many tetrahedra are everywhere in the box, the number
+//                does not change across a face, and it is the sum by the volume: one
+//   delaunay     no vertex inside the sphere of a tetrahedron beyond one of its faces
+//   edges        -1 only on the border's edges
+//   faces        the .face file has every subfacet and every other face of the border once, and
+//                no other; -1 marks those of the border and none else; all are faces of tetrahedra
+//   facets       (if the input is given) the subfacets of every polygon cover it exactly once,
+//                flat but for rounding; and none has another marker. They are one sheet: of a
+//                nearly flat tetrahedron whose corners are all on a polygon, one side counts
+// and what is bad for the sake of a small angle is not excused. Regions are not looked at.
 #ifndef DYNMESH_CLIENT_CLI_VERIFY_H_
 #define DYNMESH_CLIENT_CLI_VERIFY_H_
 
@@ -43,11 +56,13 @@ struct VerifyCheck {
 
 struct VerifyReport {
   std::vector<VerifyCheck> checks;  // those made, in the order above
+  int dimension = 2;
   std::uint64_t vertices = 0;
   std::uint64_t simplices = 0;
   std::uint64_t subsegments = 0;
+  std::uint64_t subfacets = 0;  // in space
   double worst_radius_edge = 0;
-  double min_angle_deg = 0;
+  double min_angle_deg = 0;  // in space dihedral, as the next
   double max_angle_deg = 0;
   std::uint64_t over_rho = 0;
   std::uint64_t exempt = 0;           // of those over rho

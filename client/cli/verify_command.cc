@@ -15,6 +15,7 @@ namespace {
 struct VerifyCommand {
   std::string mesh;
   std::string input;
+  InputFlags reading;
   double rho = kDefaultQuality2D;
   bool json = false;
 };
@@ -33,6 +34,7 @@ std::string FormatJson(const VerifyReport& report, double rho) {
       .Add("vertices", report.vertices)
       .Add("simplices", report.simplices)
       .Add("subsegments", report.subsegments)
+      .Add("subfacets", report.subfacets)
       .Add("rho", rho)
       .Add("worst_radius_edge", report.worst_radius_edge)
       .Add("min_angle_deg", report.min_angle_deg)
@@ -47,11 +49,14 @@ std::string FormatJson(const VerifyReport& report, double rho) {
 }
 
 std::string FormatText(const VerifyReport& report, double rho) {
+  const bool in_space = report.dimension == 3;
+  const std::string subfacets = in_space ? absl::StrFormat("%d subfacets, ", report.subfacets) : "";
   std::string text = absl::StrFormat(
-      "%d vertices, %d triangles, %d subsegments, angles %.2f to %.2f degrees\n"
+      "%d vertices, %d %s, %d subsegments, %s%s %.2f to %.2f degrees\n"
       "worst circumradius / shortest edge %.6g, %d over %.6g (%d exempt, %d of them by the "
       "termination guard)\n",
-      report.vertices, report.simplices, report.subsegments, report.min_angle_deg,
+      report.vertices, report.simplices, in_space ? "tetrahedra" : "triangles", report.subsegments,
+      subfacets, in_space ? "dihedral angles" : "angles", report.min_angle_deg,
       report.max_angle_deg, report.worst_radius_edge, report.over_rho, rho, report.exempt,
       report.exempt_by_guard);
   for (const VerifyCheck& check : report.checks) {
@@ -74,9 +79,14 @@ int Run(const VerifyCommand& command) {
   if (!files.ok()) return ReportError(files.status());
   Input input;
   if (!command.input.empty()) {
-    absl::StatusOr<Input> loaded = LoadInput(command.input);
+    absl::StatusOr<Input> loaded = LoadInput(command.input, command.reading);
     if (!loaded.ok()) return ReportError(loaded.status());
     input = *std::move(loaded);
+    if (input.options.dimension != files->mesh.dimension) {
+      return ReportError(absl::InvalidArgumentError(
+          absl::StrFormat("--input: %s is of %d dimensions, the mesh of %d", command.input,
+                          input.options.dimension, files->mesh.dimension)));
+    }
     if (auto status = AddSeedPolygons(input); !status.ok()) return ReportError(status);
   }
   const VerifyReport report =
@@ -95,9 +105,12 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
       AddCommand(app, slot, "verify",
                  "Check a mesh file with exact predicates: exit code 0 if it is good, 1 if not",
                  [command] { return Run(*command); });
-  sub->add_option("MESH", command->mesh, "A mesh as .node, .ele and .edge")->required();
-  sub->add_option("--input", command->input, std::string("What it was made of: ") + kInputKinds)
+  sub->add_option("MESH", command->mesh, "A mesh as .node, .ele and .edge; of space with .face")
+      ->required();
+  sub->add_option("--input", command->input,
+                  std::string("What it was made of: ") + kSpaceInputKinds)
       ->type_name("INPUT");
+  AddInputFlags(*sub, command->reading);
   sub->add_option("--rho", command->rho, "The quality asked for (default: sqrt 2)")->type_name("R");
   sub->add_flag("--json", command->json, "Print one JSON object");
 }

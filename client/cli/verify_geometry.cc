@@ -18,10 +18,25 @@ bool IsCounterClockwise(const io::IndexedMesh& mesh, const io::IndexedMesh::Tria
   return CGAL::orientation(At(mesh, t[0]), At(mesh, t[1]), At(mesh, t[2])) == CGAL::LEFT_TURN;
 }
 
+Kernel::Point_3 InSpace(const io::IndexedMesh& mesh, std::uint32_t v) {
+  const io::IndexedMesh::Vertex& vertex = mesh.vertices[v];
+  return Kernel::Point_3(vertex.x, vertex.y, vertex.z);
+}
+
+bool IsPositive(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t) {
+  return CGAL::orientation(InSpace(mesh, t[0]), InSpace(mesh, t[1]), InSpace(mesh, t[2]),
+                           InSpace(mesh, t[3])) == CGAL::POSITIVE;
+}
+
 }  // namespace
 
 VerifyCheck CheckOrientation(const io::IndexedMesh& mesh) {
   Findings findings("orientation");
+  for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    if (!IsPositive(mesh, mesh.tetrahedra[t])) {
+      findings.Add(TetrahedronName(t) + " is flat or turned inside out");
+    }
+  }
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!IsCounterClockwise(mesh, mesh.triangles[t])) {
       findings.Add(TriangleName(t) + " is flat or clockwise");
@@ -42,6 +57,24 @@ VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& 
       findings.Add(data::Concat(VertexName(across), " is inside the circle of ",
                                 TriangleName(side[0].triangle), " beyond ",
                                 EdgeName(side->a, side->b)));
+    }
+  });
+  return findings.Take();
+}
+
+VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Face>& faces) {
+  Findings findings("delaunay");
+  ForEachTriangle(faces, [&](const Face* face, std::size_t count) {
+    if (count != 2) return;
+    const auto& t = mesh.tetrahedra[face[0].tetrahedron];
+    const std::uint32_t across = mesh.tetrahedra[face[1].tetrahedron][face[1].k];
+    if (!IsPositive(mesh, t)) return;  // has no sphere, and is reported elsewhere
+    if (CGAL::side_of_oriented_sphere(InSpace(mesh, t[0]), InSpace(mesh, t[1]), InSpace(mesh, t[2]),
+                                      InSpace(mesh, t[3]),
+                                      InSpace(mesh, across)) == CGAL::ON_POSITIVE_SIDE) {
+      findings.Add(data::Concat(VertexName(across), " is inside the sphere of ",
+                                TetrahedronName(face[0].tetrahedron), " beyond ",
+                                FaceName(face->v)));
     }
   });
   return findings.Take();

@@ -2,6 +2,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <map>
@@ -19,14 +20,15 @@ namespace {
 
 using data::Concat;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Place = std::pair<std::uint64_t, std::uint64_t>;
+using Place = std::array<std::uint64_t, 3>;
 
-// Vertices that refinement puts on a segment are rounded to the grid of doubles; each
-// may inherit the roundings of those it was placed between.
-constexpr double kStraightnessUlps = 16;
-
-Place PlaceOf(double x, double y) {
-  return {std::bit_cast<std::uint64_t>(x + 0.0), std::bit_cast<std::uint64_t>(y + 0.0)};
+// In the plane z is 0, whatever it says.
+Place PlaceOf(const std::array<double, 3>& p, int dimension) {
+  Place place = {};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(dimension); ++k) {
+    place[k] = std::bit_cast<std::uint64_t>(p[k] + 0.0);
+  }
+  return place;
 }
 
 using Ends = std::pair<std::uint32_t, std::uint32_t>;
@@ -40,10 +42,13 @@ struct Joint {
 
 class InputCheck {
  public:
-  InputCheck(const io::IndexedMesh& mesh, const std::vector<Feature>& features)
-      : mesh_(mesh), features_(features), tolerance_(kStraightnessUlps * LargestUlp(mesh)) {
+  InputCheck(const io::IndexedMesh& mesh, const std::vector<Feature>& features, Chains* chains)
+      : mesh_(mesh),
+        features_(features),
+        chains_(chains),
+        tolerance_(kStraightnessUlps * LargestUlp(mesh)) {
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-      vertex_at_.emplace(PlaceOf(mesh.vertices[v].x, mesh.vertices[v].y), v);
+      vertex_at_.emplace(PlaceOf(mesh.vertices[v].place(), mesh.dimension), v);
     }
     for (const auto& e : mesh.edges) {
       if (e.owner != kNoFeature && e.owner != kBoxFeature) edges_of_[e.owner].push_back(e);
@@ -65,7 +70,7 @@ class InputCheck {
 
  private:
   std::optional<std::uint32_t> VertexOf(const Feature& point) const {
-    const auto it = vertex_at_.find(PlaceOf(point.position[0], point.position[1]));
+    const auto it = vertex_at_.find(PlaceOf(point.position, mesh_.dimension));
     if (it == vertex_at_.end()) return std::nullopt;
     return it->second;
   }
@@ -128,7 +133,7 @@ class InputCheck {
     std::set<std::uint32_t> stops;
     for (const auto& [ends, joint] : at) stops.insert({ends.first, ends.second});
     std::vector<std::vector<std::uint32_t>> others;
-    for (auto& chain : Chains(edges_of_[owner], stops)) {
+    for (auto& chain : ChainsOf(edges_of_[owner], stops)) {
       const auto it = at.find(std::minmax(chain.front(), chain.back()));
       if (it == at.end()) {
         others.push_back(std::move(chain));
@@ -136,6 +141,8 @@ class InputCheck {
       }
       if (!IsStraight(chain)) {
         findings_.Add(Concat(NameOf(*it->second), " is a chain that is not straight"));
+      } else if (chains_ != nullptr) {
+        chains_->emplace(std::minmax(it->second->from, it->second->to), chain);
       }
       at.erase(it);
     }
@@ -158,7 +165,7 @@ class InputCheck {
 
   // Cuts what the edges form into paths that end at `stops` and where the edges end or
   // branch; a ring without any of these is left as it is.
-  static std::vector<std::vector<std::uint32_t>> Chains(
+  static std::vector<std::vector<std::uint32_t>> ChainsOf(
       const std::vector<io::IndexedMesh::Edge>& edges, const std::set<std::uint32_t>& stops) {
     std::map<std::uint32_t, std::vector<std::pair<std::uint32_t, std::size_t>>> around;
     for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -192,25 +199,29 @@ class InputCheck {
     return chains;
   }
 
-  Kernel::Point_2 At(std::uint32_t v) const { return {mesh_.vertices[v].x, mesh_.vertices[v].y}; }
+  Kernel::Point_3 At(std::uint32_t v) const {
+    return {mesh_.vertices[v].x, mesh_.vertices[v].y, mesh_.vertices[v].z};
+  }
 
   // Every step goes forward (exactly), no vertex is off the line by more than rounding.
   bool IsStraight(const std::vector<std::uint32_t>& chain) const {
-    const auto& p = mesh_.vertices[chain.front()];
-    const auto& q = mesh_.vertices[chain.back()];
-    const long double dx = static_cast<long double>(q.x) - p.x;
-    const long double dy = static_cast<long double>(q.y) - p.y;
-    const long double length = std::hypot(dx, dy);
+    using Real = long double;
+    const auto from = [&](std::uint32_t v) {
+      const auto &p = mesh_.vertices[chain.front()], &q = mesh_.vertices[v];
+      return std::array<Real, 3>{Real{q.x} - p.x, Real{q.y} - p.y, Real{q.z} - p.z};
+    };
+    const std::array<Real, 3> d = from(chain.back());
+    const Real length = std::hypot(d[0], d[1], d[2]);
     for (std::size_t i = 1; i < chain.size(); ++i) {
       if (CGAL::angle(At(chain.front()), At(chain.back()), At(chain[i - 1]), At(chain[i])) !=
           CGAL::ACUTE) {
         return false;
       }
-      const auto& v = mesh_.vertices[chain[i]];
-      const long double off = (dx * (v.y - static_cast<long double>(p.y)) -
-                               dy * (v.x - static_cast<long double>(p.x))) /
-                              length;
-      if (!(std::abs(off) <= tolerance_)) return false;
+      const std::array<Real, 3> v = from(chain[i]);
+      const Real off = std::hypot(d[1] * v[2] - d[2] * v[1], d[2] * v[0] - d[0] * v[2],
+                                  d[0] * v[1] - d[1] * v[0]) /
+                       length;
+      if (!(off <= tolerance_)) return false;
     }
     return true;
   }
@@ -237,6 +248,7 @@ class InputCheck {
 
   const io::IndexedMesh& mesh_;
   const std::vector<Feature>& features_;
+  Chains* const chains_;
   const double tolerance_;
   absl::flat_hash_map<Place, std::uint32_t> vertex_at_;
   std::map<FeatureId, std::vector<io::IndexedMesh::Edge>> edges_of_;
@@ -248,8 +260,9 @@ class InputCheck {
 
 }  // namespace
 
-VerifyCheck CheckInput(const io::IndexedMesh& mesh, const std::vector<Feature>& features) {
-  return InputCheck(mesh, features).Run();
+VerifyCheck CheckInput(const io::IndexedMesh& mesh, const std::vector<Feature>& features,
+                       Chains* chains) {
+  return InputCheck(mesh, features, chains).Run();
 }
 
 }  // namespace dynmesh::cli

@@ -2,7 +2,9 @@
 #ifndef DYNMESH_CLIENT_CLI_VERIFY_INTERNAL_H_
 #define DYNMESH_CLIENT_CLI_VERIFY_INTERNAL_H_
 
+#include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +26,13 @@ class Findings {
  private:
   static constexpr std::uint64_t kMostExamples = 5;
   VerifyCheck check_;
+};
+
+// An edge of the mesh's simplices.
+struct MeshEdge {
+  std::uint32_t a = 0;  // the lesser vertex
+  std::uint32_t b = 0;
+  bool on_border = false;
 };
 
 // A triangle's side, from corner k to corner k + 1.
@@ -48,26 +57,76 @@ void ForEachEdge(const std::vector<Side>& sides, F f) {
   }
 }
 
-// Vertices and triangles as the files number them.
+// Each edge once, in lexicographic order.
+std::vector<MeshEdge> EdgesOf(const std::vector<Side>& sides);
+
+// A side of a tetrahedron, opposite corner k.
+struct Face {
+  std::array<std::uint32_t, 3> v = {0, 0, 0};  // ascending
+  std::uint32_t tetrahedron = 0;
+  std::uint8_t k = 0;
+  bool even = false;  // v turns as the tetrahedron's orientation does
+};
+
+// All, those of one triangle together, triangles in lexicographic order.
+std::vector<Face> CollectFaces(const io::IndexedMesh& mesh);
+// Calls f(first, count) for the faces of each triangle.
+template <class F>
+void ForEachTriangle(const std::vector<Face>& faces, F f) {
+  for (std::size_t i = 0; i < faces.size();) {
+    std::size_t j = i + 1;
+    while (j < faces.size() && faces[j].v == faces[i].v) ++j;
+    f(&faces[i], j - i);
+    i = j;
+  }
+}
+// Each edge of a tetrahedron once, in lexicographic order.
+std::vector<MeshEdge> EdgesOf(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
+
+// Vertices and simplices as the files number them.
 std::string VertexName(std::uint32_t vertex);
 std::string EdgeName(std::uint32_t a, std::uint32_t b);
+std::string FaceName(const std::array<std::uint32_t, 3>& v);
 std::string TriangleName(std::uint32_t triangle);
+std::string TetrahedronName(std::uint32_t tetrahedron);
 
+// Of both dimensions.
 VerifyCheck CheckVertices(const io::IndexedMesh& mesh);
 VerifyCheck CheckOrientation(const io::IndexedMesh& mesh);
+VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& edges);
+// What CheckFacets wants to know of CheckInput: the chain of vertices between two joined points,
+// by the ids of these, the lesser first. Those that are not as they should be are missing.
+using Chains = std::map<std::pair<FeatureId, FeatureId>, std::vector<std::uint32_t>>;
+VerifyCheck CheckInput(const io::IndexedMesh& mesh, const std::vector<Feature>& features,
+                       Chains* chains = nullptr);
+
+// Of the plane.
 VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
 VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
 VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
-VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<Side>& sides);
 // Fills the measures of `report` too.
 VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report);
-VerifyCheck CheckInput(const io::IndexedMesh& mesh, const std::vector<Feature>& features);
 // Expected O((n + m) lg m + k) for n triangles, m edges of polygons and k crossings of these
 // with horizontal lines through the triangles.
 VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Feature>& features);
 
+// Of space.
+VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
+VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
+VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
+VerifyCheck CheckFaces(const io::MeshFiles& files, const std::vector<Face>& faces);
+VerifyCheck CheckSpaceQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report);
+VerifyCheck CheckFacets(const io::IndexedMesh& mesh, const std::vector<Feature>& features,
+                        const Chains& chains);
+
 // The spacing of doubles at the largest coordinate of the mesh.
 double LargestUlp(const io::IndexedMesh& mesh);
+// Vertices that refinement puts on a segment or a polygon are rounded to the grid of doubles;
+// each may inherit the roundings of those it was placed between.
+inline constexpr double kStraightnessUlps = 16;
+// How far rounded coordinates may take a simplex over rho: 2e-9 + 8 u / e', e' the root of the
+// largest power of two that is at most e^2.
+double Slack(double shortest, double ulp);
 
 }  // namespace dynmesh::cli
 

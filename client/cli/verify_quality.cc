@@ -51,17 +51,6 @@ Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
   return shape;
 }
 
-// How far rounded coordinates may take a triangle over rho: 2e-9 + 8 u / e', e' the
-// root of the largest power of two that is at most e^2.
-double Slack(double shortest, double ulp) {
-  if (!(shortest > 0)) return 0;
-  double below = std::exp2(std::floor(std::log2(shortest)));
-  while (below > shortest) below /= 2;
-  while (2 * below <= shortest) below *= 2;
-  if (std::numbers::sqrt2 * below <= shortest) below *= std::numbers::sqrt2;
-  return 2e-9 + 8 * ulp / below;
-}
-
 // An edge is excused if its ends lie on two segments that leave a common point less than
 // 60 degrees apart, equally far from it.
 class Excuses {
@@ -189,6 +178,15 @@ class Guarded {
 };
 
 }  // namespace
+
+double Slack(double shortest, double ulp) {
+  if (!(shortest > 0)) return 0;
+  double below = std::exp2(std::floor(std::log2(shortest)));
+  while (below > shortest) below /= 2;
+  while (2 * below <= shortest) below *= 2;
+  if (std::numbers::sqrt2 * below <= shortest) below *= std::numbers::sqrt2;
+  return 2e-9 + 8 * ulp / below;
+}
 
 VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report) {
   Findings findings("quality");

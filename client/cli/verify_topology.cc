@@ -159,7 +159,15 @@ VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Side>& sides
   return findings.Take();
 }
 
-VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<Side>& sides) {
+std::vector<MeshEdge> EdgesOf(const std::vector<Side>& sides) {
+  std::vector<MeshEdge> edges;
+  ForEachEdge(sides, [&](const Side* side, std::size_t count) {
+    edges.push_back({side->a, side->b, count == 1});
+  });
+  return edges;
+}
+
+VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& edges) {
   Findings findings("edges");
   const io::IndexedMesh& mesh = files.mesh;
   if (!files.has_edges) {
@@ -180,25 +188,29 @@ VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<Side>& side
                listed.end());
   std::vector<bool> on_border(mesh.vertices.size(), false);
   std::size_t row = 0;
-  ForEachEdge(sides, [&](const Side* side, std::size_t count) {
-    const std::pair here(side->a, side->b);
+  const bool in_space = mesh.dimension == 3;
+  const char* const none =
+      in_space ? " is listed, but no tetrahedron has it" : " is listed, but no triangle has it";
+  for (const auto& [a, b, border] : edges) {
+    const std::pair here(a, b);
     for (; row < listed.size() && key(listed[row]) < here; ++row) {
-      findings.Add(EdgeName(listed[row].a, listed[row].b) + " is listed, but no triangle has it");
+      findings.Add(EdgeName(listed[row].a, listed[row].b) + none);
     }
-    const bool border = count == 1;
-    if (border) on_border[side->a] = on_border[side->b] = true;
+    if (border) on_border[a] = on_border[b] = true;
     if (row == listed.size() || key(listed[row]) != here) {
-      findings.Add(EdgeName(side->a, side->b) + " is not listed");
-      return;
+      findings.Add(EdgeName(a, b) + " is not listed");
+      continue;
     }
     const bool marked = listed[row++].owner == kBoxFeature;
-    if (border != marked) {
-      findings.Add(EdgeName(side->a, side->b) + (border ? " is on the border without the marker -1"
-                                                        : " is inside and has the marker -1"));
+    // In space the border is marked by its faces.
+    if (border && !marked && !in_space) {
+      findings.Add(EdgeName(a, b) + " is on the border without the marker -1");
+    } else if (marked && !border) {
+      findings.Add(EdgeName(a, b) + " is inside and has the marker -1");
     }
-  });
+  }
   for (; row < listed.size(); ++row) {
-    findings.Add(EdgeName(listed[row].a, listed[row].b) + " is listed, but no triangle has it");
+    findings.Add(EdgeName(listed[row].a, listed[row].b) + none);
   }
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
     const bool marked = mesh.vertices[v].owner == kBoxFeature;

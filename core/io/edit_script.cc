@@ -25,9 +25,9 @@ namespace {
 // Grows a box point by point.
 class BoxBuilder {
  public:
-  void Add(double x, double y) {
-    const double p[2] = {x, y};
-    for (std::size_t i = 0; i < 2; ++i) {
+  explicit BoxBuilder(int dimension = 2) : dimension_(static_cast<std::size_t>(dimension)) {}
+  void Add(const std::array<double, 3>& p) {
+    for (std::size_t i = 0; i < dimension_; ++i) {
       lo_[i] = std::min(lo_[i], p[i]);
       hi_[i] = std::max(hi_[i], p[i]);
     }
@@ -35,7 +35,7 @@ class BoxBuilder {
   Box Get() const {
     Box box;
     if (lo_[0] > hi_[0]) return box;
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t i = 0; i < dimension_; ++i) {
       box.lo[i] = lo_[i];
       box.hi[i] = hi_[i];
     }
@@ -44,8 +44,9 @@ class BoxBuilder {
 
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  double lo_[2] = {kInfinity, kInfinity};
-  double hi_[2] = {-kInfinity, -kInfinity};
+  std::size_t dimension_;
+  double lo_[3] = {kInfinity, kInfinity, kInfinity};
+  double hi_[3] = {-kInfinity, -kInfinity, -kInfinity};
 };
 
 class ScriptParser {
@@ -327,7 +328,7 @@ MeshOptions EditScript::Options() const {
   BoxBuilder builder;
   for (const ScriptBatch& batch : batches) {
     for (const Edit& edit : batch.edits) {
-      if (HasPosition(edit)) builder.Add(edit.feature.position[0], edit.feature.position[1]);
+      if (HasPosition(edit)) builder.Add(edit.feature.position);
     }
   }
   options.box = builder.Get();
@@ -377,10 +378,10 @@ absl::StatusOr<Criterion> ParseCriterion(std::string_view text) {
   return absl::InvalidArgumentError(Concat("a criterion is edge or thesis, found ", Quoted(text)));
 }
 
-Box BoundingBox(const std::vector<Feature>& features) {
-  BoxBuilder builder;
+Box BoundingBox(const std::vector<Feature>& features, int dimension) {
+  BoxBuilder builder(dimension);
   for (const Feature& f : features) {
-    if (HasPosition(f)) builder.Add(f.position[0], f.position[1]);
+    if (HasPosition(f)) builder.Add(f.position);
   }
   return builder.Get();
 }

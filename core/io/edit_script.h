@@ -66,7 +66,7 @@ absl::StatusOr<Criterion> ParseCriterion(std::string_view text);
 
 // The least box around all points among `features` and places of sizing features; the unit
 // box if there is none.
-Box BoundingBox(const std::vector<Feature>& features);
+Box BoundingBox(const std::vector<Feature>& features, int dimension = 2);
 
 }  // namespace dynmesh::io
 

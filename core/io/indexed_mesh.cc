@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -24,7 +25,7 @@ auto VertexKey(const IndexedMesh::Vertex& v) {
   const bool on_box = v.owner == kBoxFeature;
   const bool input = v.containing_dimension == 0 && !on_box;
   const int rank = input ? 0 : on_box ? 1 : 1 + v.containing_dimension;
-  return std::tuple(rank, input ? v.owner : kNoFeature, v.x, v.y);
+  return std::tuple(rank, input ? v.owner : kNoFeature, v.x, v.y, v.z);
 }
 
 absl::Status UnknownVertex(VertexId id) {
@@ -37,10 +38,11 @@ absl::StatusOr<NumberOf> IndexVertices(const VertexColumns& columns, IndexedMesh
   if (n >= std::numeric_limits<std::uint32_t>::max()) {
     return absl::InvalidArgumentError("the mesh has more vertices than files can number");
   }
+  const auto d = static_cast<std::size_t>(indexed.dimension);
   std::vector<IndexedMesh::Vertex> rows(n);
   for (std::size_t i = 0; i < n; ++i) {
-    rows[i] = {columns.coordinates[2 * i], columns.coordinates[2 * i + 1],
-               columns.containing_dimensions[i], columns.owners[i]};
+    const double* const c = &columns.coordinates[d * i];
+    rows[i] = {c[0], c[1], columns.containing_dimensions[i], columns.owners[i], d == 3 ? c[2] : 0};
   }
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0U);
@@ -61,55 +63,64 @@ absl::StatusOr<NumberOf> IndexVertices(const VertexColumns& columns, IndexedMesh
   return number_of;
 }
 
-// Sorts the triangles, and the regions' numbers with them.
-void SortTriangles(IndexedMesh& indexed) {
-  std::vector<IndexedMesh::Triangle>& triangles = indexed.triangles;
-  std::vector<std::uint32_t>& numbers = indexed.regions.numbers;
-  if (numbers.empty()) {
-    std::sort(triangles.begin(), triangles.end());
-    return;
+// The numbers of K vertices.
+template <std::size_t K>
+absl::StatusOr<std::array<std::uint32_t, K>> NumbersOf(const VertexId* ids,
+                                                       const NumberOf& number_of) {
+  std::array<std::uint32_t, K> numbers;
+  for (std::size_t k = 0; k < K; ++k) {
+    const auto it = number_of.find(ids[k]);
+    if (it == number_of.end()) return UnknownVertex(ids[k]);
+    numbers[k] = it->second;
   }
-  std::vector<std::pair<IndexedMesh::Triangle, std::uint32_t>> rows(triangles.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = {triangles[i], numbers[i]};
-  std::sort(rows.begin(), rows.end());
-  for (std::size_t i = 0; i < rows.size(); ++i) std::tie(triangles[i], numbers[i]) = rows[i];
+  return numbers;
 }
 
-absl::Status IndexTriangles(const SimplexColumn& simplices, const NumberOf& number_of,
-                            IndexedMesh& indexed) {
-  indexed.triangles.reserve(simplices.size() / 3);
-  for (std::size_t i = 0; i < simplices.size(); i += 3) {
-    IndexedMesh::Triangle t;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto it = number_of.find(simplices[i + k]);
-      if (it == number_of.end()) return UnknownVertex(simplices[i + k]);
-      t[k] = it->second;
-    }
-    indexed.triangles.push_back(data::InCanonicalOrder(t));
+// Sorts the simplices, and the regions' numbers with them.
+template <class Simplex>
+void SortSimplices(std::vector<Simplex>& simplices, std::vector<std::uint32_t>& numbers) {
+  if (numbers.empty()) {
+    std::sort(simplices.begin(), simplices.end());
+    return;
   }
-  SortTriangles(indexed);
+  std::vector<std::pair<Simplex, std::uint32_t>> rows(simplices.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = {simplices[i], numbers[i]};
+  std::sort(rows.begin(), rows.end());
+  for (std::size_t i = 0; i < rows.size(); ++i) std::tie(simplices[i], numbers[i]) = rows[i];
+}
+
+template <int D>
+absl::Status IndexSimplices(const SimplexColumn& simplices, const NumberOf& number_of,
+                            IndexedMesh& indexed) {
+  auto& rows = SimplicesOf<D>(indexed);
+  rows.reserve(simplices.size() / (D + 1));
+  for (std::size_t i = 0; i < simplices.size(); i += D + 1) {
+    const auto t = NumbersOf<D + 1>(&simplices[i], number_of);
+    if (!t.ok()) return t.status();
+    rows.push_back(data::InCanonicalOrder(*t));
+  }
+  SortSimplices(rows, indexed.regions.numbers);
   return absl::OkStatus();
 }
 
-// Subsegments and the triangles' edges, merged: where both name an edge the owner stays.
+// Subsegments and the simplices' edges, merged: where both name an edge the owner stays.
 absl::Status IndexEdges(const SubsegmentColumns& subsegments, const NumberOf& number_of,
                         IndexedMesh& indexed) {
   std::vector<IndexedMesh::Edge>& edges = indexed.edges;
-  edges.reserve(3 * indexed.triangles.size() + subsegments.size());
-  for (const auto& t : indexed.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
-      edges.push_back({a, b, kNoFeature});
+  const std::size_t each = indexed.dimension == 2 ? 3 : 6;
+  edges.reserve(each * indexed.simplex_count() + subsegments.size());
+  ForEachSimplex(indexed, [&](const auto& corners) {
+    for (std::size_t j = 0; j < corners.size(); ++j) {
+      for (std::size_t k = j + 1; k < corners.size(); ++k) {
+        const auto [a, b] = std::minmax(corners[j], corners[k]);
+        edges.push_back({a, b, kNoFeature});
+      }
     }
-  }
+  });
   for (std::size_t i = 0; i < subsegments.size(); ++i) {
-    std::uint32_t ends[2];
-    for (std::size_t k = 0; k < 2; ++k) {
-      const auto it = number_of.find(subsegments.ends[2 * i + k]);
-      if (it == number_of.end()) return UnknownVertex(subsegments.ends[2 * i + k]);
-      ends[k] = it->second;
-    }
-    const auto [a, b] = std::minmax(ends[0], ends[1]);
+    const auto ends = NumbersOf<2>(&subsegments.ends[2 * i], number_of);
+    if (!ends.ok()) return ends.status();
+    const auto [a, b] = std::minmax((*ends)[0], (*ends)[1]);
     edges.push_back({a, b, subsegments.owners[i]});
   }
   // Owned rows first, so that the copies without an owner fall to unique().
@@ -124,47 +135,142 @@ absl::Status IndexEdges(const SubsegmentColumns& subsegments, const NumberOf& nu
   return absl::OkStatus();
 }
 
+// The triangles that only one tetrahedron has, as the box's.
+void AddBorder(IndexedMesh& indexed) {
+  std::vector<std::array<std::uint32_t, 3>> sides;
+  sides.reserve(4 * indexed.tetrahedra.size());
+  for (const auto& t : indexed.tetrahedra) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      std::array<std::uint32_t, 3> side = {t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]};
+      std::sort(side.begin(), side.end());
+      sides.push_back(side);
+    }
+  }
+  std::sort(sides.begin(), sides.end());
+  for (std::size_t i = 0; i < sides.size();) {
+    const std::size_t first = i;
+    while (i < sides.size() && sides[i] == sides[first]) ++i;
+    if (i - first == 1) indexed.faces.push_back({sides[first], kBoxFeature});
+  }
+}
+
+absl::Status IndexFaces(const SubfacetColumns& subfacets, const NumberOf& number_of,
+                        IndexedMesh& indexed) {
+  std::vector<IndexedMesh::Face>& faces = indexed.faces;
+  AddBorder(indexed);
+  for (std::size_t i = 0; i < subfacets.size(); ++i) {
+    auto corners = NumbersOf<3>(&subfacets.corners[3 * i], number_of);
+    if (!corners.ok()) return corners.status();
+    std::sort(corners->begin(), corners->end());
+    faces.push_back({*corners, subfacets.owners[i]});
+  }
+  // The box's id is the greatest: a feature's row comes before the border's.
+  std::sort(faces.begin(), faces.end(), [](const auto& e, const auto& f) {
+    return std::tie(e.corners, e.owner) < std::tie(f.corners, f.owner);
+  });
+  const auto same = [](const auto& e, const auto& f) {
+    return e.corners == f.corners && (f.owner == kBoxFeature || e.owner == f.owner);
+  };
+  faces.erase(std::unique(faces.begin(), faces.end(), same), faces.end());
+  return absl::OkStatus();
+}
+
+template <int D>
+void AppendSimplices(const IndexedMesh& indexed, Mesh& mesh) {
+  const std::vector<VertexId>& ids = mesh.vertices.ids;
+  mesh.simplices.reserve((D + 1) * indexed.simplex_count());
+  for (const auto& t : SimplicesOf<D>(indexed)) {
+    std::array<VertexId, D + 1> s;
+    for (std::size_t k = 0; k <= D; ++k) s[k] = ids[t[k]];
+    s = data::InCanonicalOrder(s);
+    mesh.simplices.insert(mesh.simplices.end(), s.begin(), s.end());
+  }
+}
+
+template <int D>
+std::vector<std::uint32_t> Find(const IndexedMesh& mesh, const SimplexColumn& simplices) {
+  using Row = std::array<VertexId, D + 1>;
+  std::set<Row> wanted;
+  for (std::size_t i = 0; i + D < simplices.size(); i += D + 1) {
+    Row row;
+    std::copy_n(&simplices[i], D + 1, row.begin());
+    std::sort(row.begin(), row.end());
+    wanted.insert(row);
+  }
+  std::vector<VertexId> ids;
+  ids.reserve(mesh.vertices.size());
+  for (const auto& v : mesh.vertices) ids.push_back(VertexIdAt(v.place().data(), D));
+  std::vector<std::uint32_t> found;
+  const auto& rows = SimplicesOf<D>(mesh);
+  for (std::uint32_t i = 0; i < rows.size(); ++i) {
+    Row row;
+    for (std::size_t k = 0; k <= D; ++k) row[k] = ids[rows[i][k]];
+    std::sort(row.begin(), row.end());
+    if (wanted.contains(row)) found.push_back(i);
+  }
+  return found;
+}
+
+template <class Rows, class Wanted>
+std::size_t CountOwned(const Rows& rows, Wanted wanted) {
+  return static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [&](const auto& row) { return wanted(row.owner); }));
+}
+
+bool IsSubfacetOwner(FeatureId owner) { return owner != kNoFeature && owner != kBoxFeature; }
+
 }  // namespace
 
+std::size_t IndexedMesh::subsegment_count() const {
+  return CountOwned(edges, [](FeatureId owner) { return owner != kNoFeature; });
+}
+
+std::size_t IndexedMesh::subfacet_count() const { return CountOwned(faces, IsSubfacetOwner); }
+
 absl::StatusOr<IndexedMesh> IndexMesh(const Mesh& mesh) {
-  if (mesh.dimension != 2) {
-    return absl::UnimplementedError("meshes of 3 dimensions are not supported yet in this version");
-  }
   if (auto status = data::CheckColumns(mesh); !status.ok()) return status;
   IndexedMesh indexed;
+  indexed.dimension = mesh.dimension;
   absl::StatusOr<NumberOf> number_of = IndexVertices(mesh.vertices, indexed);
   if (!number_of.ok()) return number_of.status();
   indexed.regions = NumberRegions(mesh);
-  if (auto s = IndexTriangles(mesh.simplices, *number_of, indexed); !s.ok()) return s;
+  const absl::Status status = mesh.dimension == 2
+                                  ? IndexSimplices<2>(mesh.simplices, *number_of, indexed)
+                                  : IndexSimplices<3>(mesh.simplices, *number_of, indexed);
+  if (!status.ok()) return status;
   if (auto s = IndexEdges(mesh.subsegments, *number_of, indexed); !s.ok()) return s;
+  if (auto s = IndexFaces(mesh.subfacets, *number_of, indexed); !s.ok()) return s;
   return indexed;
 }
 
 Mesh ToMesh(const IndexedMesh& indexed) {
   Mesh mesh;
+  mesh.dimension = indexed.dimension;
+  const auto d = static_cast<std::ptrdiff_t>(indexed.dimension);
   // Id to the next salt for its place: linear however often a damaged file repeats one.
   // (Of two places that truly collide the first takes salt 0; at 10^7 vertices the
   // chance of one such pair is 3e-6.)
   absl::flat_hash_map<VertexId, std::uint64_t> next_salt;
   next_salt.reserve(indexed.vertices.size());
   for (const auto& v : indexed.vertices) {
-    const double coordinates[2] = {v.x, v.y};
-    const VertexId unsalted = VertexIdAt(coordinates, 2);
+    const std::array<double, 3> place = v.place();
+    const VertexId unsalted = VertexIdAt(place.data(), indexed.dimension);
     VertexId id = unsalted;
     while (!next_salt.emplace(id, 1).second) {
-      id = VertexIdAt(coordinates, 2, next_salt.find(unsalted)->second++);
+      id = VertexIdAt(place.data(), indexed.dimension, next_salt.find(unsalted)->second++);
     }
     mesh.vertices.ids.push_back(id);
-    mesh.vertices.coordinates.insert(mesh.vertices.coordinates.end(), {v.x, v.y});
+    mesh.vertices.coordinates.insert(mesh.vertices.coordinates.end(), place.begin(),
+                                     place.begin() + d);
     mesh.vertices.containing_dimensions.push_back(
         static_cast<std::uint8_t>(v.containing_dimension));
     mesh.vertices.owners.push_back(v.owner);
   }
   const std::vector<VertexId>& ids = mesh.vertices.ids;
-  mesh.simplices.reserve(3 * indexed.triangles.size());
-  for (const auto& t : indexed.triangles) {
-    const auto s = data::InCanonicalOrder(std::array<VertexId, 3>{ids[t[0]], ids[t[1]], ids[t[2]]});
-    mesh.simplices.insert(mesh.simplices.end(), s.begin(), s.end());
+  if (indexed.dimension == 2) {
+    AppendSimplices<2>(indexed, mesh);
+  } else {
+    AppendSimplices<3>(indexed, mesh);
   }
   SetRegions(indexed.regions, mesh);
   for (const auto& e : indexed.edges) {
@@ -173,24 +279,47 @@ Mesh ToMesh(const IndexedMesh& indexed) {
     mesh.subsegments.ends.insert(mesh.subsegments.ends.end(), {a, b});
     mesh.subsegments.owners.push_back(e.owner);
   }
+  for (const auto& f : indexed.faces) {
+    if (!IsSubfacetOwner(f.owner)) continue;
+    std::array<VertexId, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = ids[f.corners[k]];
+    std::sort(corners.begin(), corners.end());
+    mesh.subfacets.corners.insert(mesh.subfacets.corners.end(), corners.begin(), corners.end());
+    mesh.subfacets.owners.push_back(f.owner);
+  }
   mesh.hash = ComputeHash(mesh);
   return mesh;
 }
 
-TriangleQuality MeasureTriangle(const IndexedMesh& mesh, std::size_t i) {
-  double corner[3][2];
-  for (std::size_t k = 0; k < 3; ++k) {
-    const IndexedMesh::Vertex& v = mesh.vertices[mesh.triangles[i][k]];
-    corner[k][0] = v.x;
-    corner[k][1] = v.y;
-  }
-  return dynmesh::MeasureTriangle(corner[0], corner[1], corner[2]);
+std::vector<std::uint32_t> FindSimplices(const IndexedMesh& mesh, const SimplexColumn& simplices) {
+  return mesh.dimension == 2 ? Find<2>(mesh, simplices) : Find<3>(mesh, simplices);
 }
 
-std::vector<SimplexVerdict> JudgeTriangles(const IndexedMesh& mesh, double rho) {
+TriangleQuality MeasureTriangle(const IndexedMesh& mesh, std::size_t i) {
+  std::array<double, 3> corner[3];
+  for (std::size_t k = 0; k < 3; ++k) corner[k] = mesh.vertices[mesh.triangles[i][k]].place();
+  return dynmesh::MeasureTriangle(corner[0].data(), corner[1].data(), corner[2].data());
+}
+
+TetrahedronQuality MeasureTetrahedron(const IndexedMesh& mesh, std::size_t i) {
+  std::array<double, 3> corner[4];
+  for (std::size_t k = 0; k < 4; ++k) corner[k] = mesh.vertices[mesh.tetrahedra[i][k]].place();
+  return dynmesh::MeasureTetrahedron(corner[0].data(), corner[1].data(), corner[2].data(),
+                                     corner[3].data());
+}
+
+SimplexMeasures MeasureSimplex(const IndexedMesh& mesh, std::size_t i) {
+  const auto brief = [](const auto& q) {
+    return SimplexMeasures{q.radius_edge, q.shortest_edge, q.min_angle_deg};
+  };
+  return mesh.dimension == 2 ? brief(MeasureTriangle(mesh, i)) : brief(MeasureTetrahedron(mesh, i));
+}
+
+std::vector<SimplexVerdict> JudgeSimplices(const IndexedMesh& mesh, double rho) {
   MeshOptions options;
+  options.dimension = mesh.dimension;
   options.quality = rho;
-  return JudgeSimplices(ToMesh(mesh), options);
+  return dynmesh::JudgeSimplices(ToMesh(mesh), options);
 }
 
 }  // namespace dynmesh::io

@@ -3,10 +3,15 @@
 //   vertices:  input points by feature id (a `.node` file's points 1..n keep their
 //              numbers), then the domain box's, those on segments, free ones; each
 //              of these by coordinates, lexicographically
-//   triangles: counter-clockwise from the least number; lexicographically; with the
-//              number of the region that each lies in
+//   simplices: in the plane triangles, counter-clockwise from the least number; in space
+//              tetrahedra, positively oriented (dynmesh/mesh.h), the least number first, the
+//              next least second; lexicographically; with the number of the region that
+//              each lies in
 //   edges:     lesser number first; lexicographically
-// Plain data; dimension 2 only.
+//   faces:     in space, the subfacets and the triangles that only one tetrahedron has, which
+//              belong to the box unless they are subfacets; no others. Numbers ascending;
+//              lexicographically
+// Plain data.
 #ifndef DYNMESH_CORE_IO_INDEXED_MESH_H_
 #define DYNMESH_CORE_IO_INDEXED_MESH_H_
 
@@ -27,9 +32,14 @@ struct IndexedMesh {
     double y = 0;
     int containing_dimension = 0;
     FeatureId owner = kNoFeature;
+    double z = 0;  // in the plane 0
+    std::array<double, 3> place() const { return {x, y, z}; }
     friend bool operator==(const Vertex&, const Vertex&) = default;
   };
-  using Triangle = std::array<std::uint32_t, 3>;
+  template <int D>
+  using Simplex = std::array<std::uint32_t, D + 1>;
+  using Triangle = Simplex<2>;
+  using Tetrahedron = Simplex<3>;
   struct Edge {
     std::uint32_t a = 0;
     std::uint32_t b = 0;
@@ -37,14 +47,47 @@ struct IndexedMesh {
     friend bool operator==(const Edge&, const Edge&) = default;
   };
 
+  struct Face {
+    std::array<std::uint32_t, 3> corners = {0, 0, 0};
+    FeatureId owner = kNoFeature;  // of the subfacet that it is, else the box
+    friend bool operator==(const Face&, const Face&) = default;
+  };
+
+  int dimension = 2;
   std::vector<Vertex> vertices;
-  std::vector<Triangle> triangles;
-  RegionNumbers regions;    // of the triangles
-  std::vector<Edge> edges;  // all of them
+  std::vector<Triangle> triangles;      // in the plane
+  std::vector<Tetrahedron> tetrahedra;  // in space
+  RegionNumbers regions;                // of the simplices
+  std::vector<Edge> edges;              // all of them
+  std::vector<Face> faces;              // in space
+
+  // Those of the mesh's dimension.
+  std::size_t simplex_count() const {
+    return dimension == 2 ? triangles.size() : tetrahedra.size();
+  }
+  std::size_t subsegment_count() const;
+  std::size_t subfacet_count() const;
 };
 
-// INVALID_ARGUMENT if a simplex or subsegment names an unknown vertex, an id stands
-// twice or columns disagree; UNIMPLEMENTED for dimension 3. O(n lg n).
+// The simplices of a mesh of dimension D.
+template <int D, class M>
+auto& SimplicesOf(M& mesh) {
+  if constexpr (D == 2) {
+    return mesh.triangles;
+  } else {
+    return mesh.tetrahedra;
+  }
+}
+
+// Calls f(corners) for each simplex, corners an array of three or four.
+template <class F>
+void ForEachSimplex(const IndexedMesh& mesh, F f) {
+  for (const auto& t : mesh.triangles) f(t);
+  for (const auto& t : mesh.tetrahedra) f(t);
+}
+
+// INVALID_ARGUMENT if a simplex, subsegment or subfacet names an unknown vertex, an id stands
+// twice or columns disagree. O(n lg n).
 absl::StatusOr<IndexedMesh> IndexMesh(const Mesh& mesh);
 
 // Back to ids, with revision 0 and the hash of the parts. Rows keep their order.
@@ -52,10 +95,21 @@ absl::StatusOr<IndexedMesh> IndexMesh(const Mesh& mesh);
 // first get other salts. Numbers must be in range.
 Mesh ToMesh(const IndexedMesh& indexed);
 
-// How good triangle i is. A number out of range is not allowed.
+// The indices in `mesh` of those of `simplices` that it has.
+std::vector<std::uint32_t> FindSimplices(const IndexedMesh& mesh, const SimplexColumn& simplices);
+
+// How good triangle or tetrahedron i is. A number out of range is not allowed.
 TriangleQuality MeasureTriangle(const IndexedMesh& mesh, std::size_t i);
-// What JudgeSimplices says of each triangle, in the order of rows. O(size).
-std::vector<SimplexVerdict> JudgeTriangles(const IndexedMesh& mesh, double rho);
+TetrahedronQuality MeasureTetrahedron(const IndexedMesh& mesh, std::size_t i);
+// What both have. Angles of tetrahedra are dihedral.
+struct SimplexMeasures {
+  double radius_edge = 0;
+  double shortest_edge = 0;
+  double min_angle_deg = 0;
+};
+SimplexMeasures MeasureSimplex(const IndexedMesh& mesh, std::size_t i);
+// What dynmesh::JudgeSimplices says of each simplex, in the order of rows. O(size).
+std::vector<SimplexVerdict> JudgeSimplices(const IndexedMesh& mesh, double rho);
 
 }  // namespace dynmesh::io
 

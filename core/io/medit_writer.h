@@ -9,12 +9,14 @@
 
 namespace dynmesh::io {
 
-// MeshVersionFormatted 2 (doubles), Dimension 2, rows in the canonical order of IndexedMesh,
+// MeshVersionFormatted 2 (doubles), Dimension 2 or 3, rows in the canonical order of IndexedMesh,
 // numbered from 1:
-//   Vertices   x y reference of the owner, 0 if free; coordinates read back bit for bit
+//   Vertices   x y [z] reference of the owner, 0 if free; coordinates read back bit for bit
 //   Edges      the subsegments, with the reference of the owner
-//   Triangles  counter-clockwise, reference 1; in polygons 1 + the number of the region
-//              (region_numbers.h)
+//   Triangles  in the plane: counter-clockwise, reference 1; in polygons 1 + the number of the
+//              region (region_numbers.h). In space: the subfacets and the other triangles of the
+//              domain's border, with the reference of the owner or the box
+//   Tetrahedra in space; positively oriented, with references as triangles of the plane
 // The other references are those of references.h; comments after the dimension list which is
 // which.
 // INVALID_ARGUMENT if there are too many rows, UNAVAILABLE, naming the path, on trouble.

@@ -20,14 +20,17 @@ using data::View;
 namespace {
 
 constexpr std::string_view kHashNote = "hash ";
-constexpr std::string_view kSidesNote = "box-side-vertices ";
+// Of vertices of the box, by containing dimension.
+constexpr std::string_view kBoxNotes[] = {"", "box-side-vertices ", "box-face-vertices "};
 constexpr std::string_view kRegionNote = "region ";
 constexpr std::size_t kNumbersPerNote = 16;
 
 std::string Stem(const std::string& path) {
   const std::filesystem::path p(path);
   const std::string extension = p.extension().string();
-  if (extension != ".node" && extension != ".ele" && extension != ".edge") return path;
+  if (extension != ".node" && extension != ".ele" && extension != ".edge" && extension != ".face") {
+    return path;
+  }
   return (p.parent_path() / p.stem()).string();
 }
 
@@ -44,41 +47,62 @@ FeatureId VertexMarker(const IndexedMesh::Vertex& v) {
   return v.containing_dimension == 0 || v.owner == kBoxFeature ? v.owner : kNoFeature;
 }
 
-bool OnBoxSide(const IndexedMesh::Vertex& v) {
-  return v.owner == kBoxFeature && v.containing_dimension != 0;
-}
-
-void WriteNodes(const IndexedMesh& mesh, FileWriter& out) {
-  out << mesh.vertices.size() << " 2 0 1\n";
-  std::vector<std::size_t> sides;
+// The vertices of the box that refinement put into its sides or faces.
+void WriteBoxNotes(const IndexedMesh& mesh, int containing_dimension, FileWriter& out) {
+  std::vector<std::size_t> listed;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const IndexedMesh::Vertex& v = mesh.vertices[i];
-    out << i + 1 << ' ' << v.x << ' ' << v.y << ' ';
-    WriteMarker(VertexMarker(v), out);
-    out << '\n';
-    if (OnBoxSide(v)) sides.push_back(i + 1);
+    if (v.owner == kBoxFeature && v.containing_dimension == containing_dimension) {
+      listed.push_back(i + 1);
+    }
   }
-  for (std::size_t i = 0; i < sides.size(); i += kNumbersPerNote) {
-    out << "# dynmesh box-side-vertices";
-    for (std::size_t k = i; k < std::min(i + kNumbersPerNote, sides.size()); ++k) {
-      out << ' ' << sides[k];
+  for (std::size_t i = 0; i < listed.size(); i += kNumbersPerNote) {
+    const std::string_view note = kBoxNotes[containing_dimension];
+    out << "# dynmesh " << note.substr(0, note.size() - 1);
+    for (std::size_t k = i; k < std::min(i + kNumbersPerNote, listed.size()); ++k) {
+      out << ' ' << listed[k];
     }
     out << '\n';
   }
+}
+
+void WriteNodes(const IndexedMesh& mesh, FileWriter& out) {
+  out << mesh.vertices.size() << ' ' << mesh.dimension << " 0 1\n";
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const IndexedMesh::Vertex& v = mesh.vertices[i];
+    out << i + 1 << ' ' << v.x << ' ' << v.y << ' ';
+    if (mesh.dimension == 3) out << v.z << ' ';
+    WriteMarker(VertexMarker(v), out);
+    out << '\n';
+  }
+  for (int d = 1; d < mesh.dimension; ++d) WriteBoxNotes(mesh, d, out);
   out << "# dynmesh hash " << ToMesh(mesh).hash.ToHex() << '\n';
 }
 
-void WriteTriangles(const IndexedMesh& mesh, FileWriter& out) {
+void WriteSimplices(const IndexedMesh& mesh, FileWriter& out) {
   const bool has_regions = mesh.regions.count() != 0;
-  out << mesh.triangles.size() << " 3 " << (has_regions ? 1 : 0) << '\n';
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const IndexedMesh::Triangle& t = mesh.triangles[i];
-    out << i + 1 << ' ' << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1;
+  out << mesh.simplex_count() << ' ' << mesh.dimension + 1 << ' ' << (has_regions ? 1 : 0) << '\n';
+  std::size_t i = 0;
+  ForEachSimplex(mesh, [&](const auto& corners) {
+    out << i + 1;
+    for (const std::uint32_t v : corners) out << ' ' << std::uint64_t{v} + 1;
     if (has_regions) out << ' ' << mesh.regions.Of(i);
     out << '\n';
-  }
+    ++i;
+  });
   for (std::size_t k = 0; k < mesh.regions.count(); ++k) {
     out << "# dynmesh region " << k + 1 << ' ' << FormatPolygons(mesh.regions.polygons[k]) << '\n';
+  }
+}
+
+void WriteFaces(const IndexedMesh& mesh, FileWriter& out) {
+  out << mesh.faces.size() << " 1\n";
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    out << i + 1;
+    for (const std::uint32_t v : mesh.faces[i].corners) out << ' ' << std::uint64_t{v} + 1;
+    out << ' ';
+    WriteMarker(mesh.faces[i].owner, out);
+    out << '\n';
   }
 }
 
@@ -92,24 +116,44 @@ void WriteEdges(const IndexedMesh& mesh, FileWriter& out) {
   }
 }
 
+// A corner of a piece of `owner`, of dimension `containing`, unless what it lies on is of less.
+void OwnCorner(IndexedMesh::Vertex& v, int containing, FeatureId owner) {
+  if (v.containing_dimension < containing) return;
+  // The least id, whatever the order of rows; a valid mesh leaves no choice.
+  v.owner = v.containing_dimension == containing ? std::min(v.owner, owner) : owner;
+  v.containing_dimension = containing;
+}
+
 // Owner and containing dimension from the markers: input points and the box say so;
-// of the rest, those at a subsegment's end lie on that segment.
+// of the rest, those at a subsegment's end lie on that segment, those at a subfacet's corner on
+// that polygon.
 void InferOwners(const NodeSection& nodes, IndexedMesh& mesh) {
   for (std::size_t i = 0; i < nodes.positions.size(); ++i) {
     const FeatureId marker = nodes.markers[i];
-    mesh.vertices.push_back(
-        {nodes.positions[i][0], nodes.positions[i][1], marker == kNoFeature ? 2 : 0, marker});
+    const auto& [x, y, z] = nodes.positions[i];
+    mesh.vertices.push_back({x, y, marker == kNoFeature ? mesh.dimension : 0, marker, z});
   }
   for (const IndexedMesh::Edge& e : mesh.edges) {
     if (e.owner == kNoFeature) continue;
-    for (const std::uint32_t end : {e.a, e.b}) {
-      IndexedMesh::Vertex& v = mesh.vertices[end];
-      if (v.containing_dimension == 0) continue;
-      // The least id, whatever the order of edges; a valid mesh leaves no choice.
-      v.owner = v.containing_dimension == 1 ? std::min(v.owner, e.owner) : e.owner;
-      v.containing_dimension = 1;
-    }
+    for (const std::uint32_t end : {e.a, e.b}) OwnCorner(mesh.vertices[end], 1, e.owner);
   }
+  for (const IndexedMesh::Face& f : mesh.faces) {
+    if (f.owner == kNoFeature) continue;
+    for (const std::uint32_t v : f.corners) OwnCorner(mesh.vertices[v], 2, f.owner);
+  }
+}
+
+// "12 40 ...": vertices of the box whose containing dimension this is.
+absl::Status ReadBoxNote(const TextReader& reader, std::string_view name, std::string_view text,
+                         int containing_dimension, IndexedMesh& mesh) {
+  for (const std::string_view number : Split(text, ' ')) {
+    std::uint64_t vertex = 0;
+    if (!ParseUint64(number, &vertex) || vertex < 1 || vertex > mesh.vertices.size()) {
+      return reader.Error(Concat(name, "names no vertex: ", number));
+    }
+    mesh.vertices[vertex - 1].containing_dimension = containing_dimension;
+  }
+  return absl::OkStatus();
 }
 
 absl::Status ReadNotes(const TextReader& reader, MeshFiles& files) {
@@ -118,14 +162,11 @@ absl::Status ReadNotes(const TextReader& reader, MeshFiles& files) {
       absl::StatusOr<MeshHash> hash = MeshHash::FromHex(note.substr(kHashNote.size()));
       if (!hash.ok()) return reader.Error(View(hash.status().message()));
       files.recorded_hash = *hash;
-    } else if (note.starts_with(kSidesNote)) {
-      for (const std::string_view number : Split(note.substr(kSidesNote.size()), ' ')) {
-        std::uint64_t vertex = 0;
-        if (!ParseUint64(number, &vertex) || vertex < 1 || vertex > files.mesh.vertices.size()) {
-          return reader.Error(Concat("box-side-vertices names no vertex: ", number));
-        }
-        files.mesh.vertices[vertex - 1].containing_dimension = 1;
-      }
+    }
+    for (int d = 1; d < files.mesh.dimension; ++d) {
+      if (!note.starts_with(kBoxNotes[d])) continue;
+      const std::string_view rest = note.substr(kBoxNotes[d].size());
+      if (auto s = ReadBoxNote(reader, kBoxNotes[d], rest, d, files.mesh); !s.ok()) return s;
     }
   }
   return absl::OkStatus();
@@ -155,7 +196,8 @@ absl::Status ReadRegionNote(const TextReader& reader, std::string_view text,
   return absl::OkStatus();
 }
 
-absl::Status ReadRegions(const TextReader& reader, const TriangleSection& rows,
+template <int D>
+absl::Status ReadRegions(const TextReader& reader, const SimplexSection<D>& rows,
                          RegionNumbers& regions) {
   for (const std::string_view note : reader.notes()) {
     if (!note.starts_with(kRegionNote)) continue;
@@ -165,7 +207,8 @@ absl::Status ReadRegions(const TextReader& reader, const TriangleSection& rows,
   }
   if (regions.count() == 0) return absl::OkStatus();
   if (rows.attributes.empty() && !rows.corners.empty()) {
-    return reader.Error("regions are named, but triangles have no attribute to say which");
+    return reader.Error(Concat("regions are named, but ", D == 2 ? "triangles" : "tetrahedra",
+                               " have no attribute to say which"));
   }
   for (std::size_t i = 0; i < rows.attributes.size(); ++i) {
     const double number = rows.attributes[i];
@@ -181,7 +224,7 @@ absl::Status ReadRegions(const TextReader& reader, const TriangleSection& rows,
 }
 
 absl::Status ParseEdges(TextReader& reader, const NodeSection& nodes, MeshFiles& files) {
-  const absl::StatusOr<PairSection> edges = ReadPairSection(reader, "edge", nodes);
+  const absl::StatusOr<PairSection> edges = ReadTupleSection<2>(reader, "edge", nodes);
   if (!edges.ok()) return edges.status();
   files.mesh.edges.reserve(edges->ends.size());
   for (std::size_t i = 0; i < edges->ends.size(); ++i) {
@@ -191,44 +234,84 @@ absl::Status ParseEdges(TextReader& reader, const NodeSection& nodes, MeshFiles&
   return ExpectEnd(reader);
 }
 
+absl::Status ParseFaces(TextReader& reader, const NodeSection& nodes, MeshFiles& files) {
+  const absl::StatusOr<TupleSection<3>> faces = ReadTupleSection<3>(reader, "face", nodes);
+  if (!faces.ok()) return faces.status();
+  files.mesh.faces.reserve(faces->ends.size());
+  for (std::size_t i = 0; i < faces->ends.size(); ++i) {
+    std::array<std::uint32_t, 3> corners = faces->ends[i];
+    std::sort(corners.begin(), corners.end());
+    files.mesh.faces.push_back({corners, faces->markers[i]});
+  }
+  return ExpectEnd(reader);
+}
+
+template <int D>
+absl::Status ParseSimplices(TextReader& reader, const NodeSection& nodes, MeshFiles& files) {
+  absl::StatusOr<SimplexSection<D>> rows = ReadSimplexSection<D>(reader, nodes);
+  if (!rows.ok()) return rows.status();
+  if (auto status = ExpectEnd(reader); !status.ok()) return status;
+  if (auto s = ReadRegions(reader, *rows, files.mesh.regions); !s.ok()) return s;
+  SimplicesOf<D>(files.mesh) = std::move(rows->corners);
+  return absl::OkStatus();
+}
+
+// The file beside the others, none if there is none.
+absl::StatusOr<std::optional<TextReader>> OpenIfThere(const std::string& path) {
+  absl::StatusOr<TextReader> file = TextReader::Open(path);
+  if (file.ok()) return std::optional<TextReader>(*std::move(file));
+  if (absl::IsNotFound(file.status())) return std::optional<TextReader>();
+  return file.status();
+}
+
 }  // namespace
 
 absl::Status WriteMeshFiles(const IndexedMesh& mesh, const std::string& path) {
   const std::string stem = Stem(path);
   FileWriter nodes(stem + ".node");
-  FileWriter triangles(stem + ".ele");
+  FileWriter simplices(stem + ".ele");
   FileWriter edges(stem + ".edge");
+  std::optional<FileWriter> faces;
+  std::vector<FileWriter*> files = {&nodes, &simplices, &edges};
   WriteNodes(mesh, nodes);
-  WriteTriangles(mesh, triangles);
+  WriteSimplices(mesh, simplices);
   WriteEdges(mesh, edges);
-  for (FileWriter* file : {&nodes, &triangles, &edges}) {
+  if (mesh.dimension == 3) {
+    WriteFaces(mesh, faces.emplace(stem + ".face"));
+    files.push_back(&*faces);
+  }
+  for (FileWriter* file : files) {
     if (auto status = file->Finish(); !status.ok()) return status;
   }
-  for (FileWriter* file : {&nodes, &triangles, &edges}) {
+  for (FileWriter* file : files) {
     if (auto status = file->Close(); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
 
-absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader triangles,
-                                         std::optional<TextReader> edges) {
-  const absl::StatusOr<NodeSection> section = ReadNodeSection(nodes, 2);
+absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader simplices,
+                                         std::optional<TextReader> edges,
+                                         std::optional<TextReader> faces) {
+  const absl::StatusOr<NodeSection> section = ReadNodeSection(nodes, kStatedDimension);
   if (!section.ok()) return section.status();
   if (auto status = ExpectEnd(nodes); !status.ok()) return status;
 
   MeshFiles files;
+  files.mesh.dimension = section->dimension;
+  const bool in_space = section->dimension == 3;
   files.has_edges = edges.has_value();
+  files.has_faces = in_space && faces.has_value();
   if (edges) {
     if (auto status = ParseEdges(*edges, *section, files); !status.ok()) return status;
   }
+  if (files.has_faces) {
+    if (auto status = ParseFaces(*faces, *section, files); !status.ok()) return status;
+  }
   InferOwners(*section, files.mesh);
   if (auto status = ReadNotes(nodes, files); !status.ok()) return status;
-
-  absl::StatusOr<TriangleSection> rows = ReadTriangleSection(triangles, *section);
-  if (!rows.ok()) return rows.status();
-  if (auto status = ExpectEnd(triangles); !status.ok()) return status;
-  if (auto s = ReadRegions(triangles, *rows, files.mesh.regions); !s.ok()) return s;
-  files.mesh.triangles = std::move(rows->corners);
+  const absl::Status status = in_space ? ParseSimplices<3>(simplices, *section, files)
+                                       : ParseSimplices<2>(simplices, *section, files);
+  if (!status.ok()) return status;
   return files;
 }
 
@@ -236,16 +319,14 @@ absl::StatusOr<MeshFiles> ReadMeshFiles(const std::string& path) {
   const std::string stem = Stem(path);
   absl::StatusOr<TextReader> nodes = TextReader::Open(stem + ".node");
   if (!nodes.ok()) return nodes.status();
-  absl::StatusOr<TextReader> edge_file = TextReader::Open(stem + ".edge");
-  std::optional<TextReader> edges;
-  if (edge_file.ok()) {
-    edges = *std::move(edge_file);
-  } else if (!absl::IsNotFound(edge_file.status())) {
-    return edge_file.status();
-  }
-  absl::StatusOr<TextReader> triangles = TextReader::Open(stem + ".ele");
-  if (!triangles.ok()) return triangles.status();
-  return ParseMeshFiles(*std::move(nodes), *std::move(triangles), std::move(edges));
+  absl::StatusOr<std::optional<TextReader>> edges = OpenIfThere(stem + ".edge");
+  if (!edges.ok()) return edges.status();
+  absl::StatusOr<std::optional<TextReader>> faces = OpenIfThere(stem + ".face");
+  if (!faces.ok()) return faces.status();
+  absl::StatusOr<TextReader> simplices = TextReader::Open(stem + ".ele");
+  if (!simplices.ok()) return simplices.status();
+  return ParseMeshFiles(*std::move(nodes), *std::move(simplices), *std::move(edges),
+                        *std::move(faces));
 }
 
 }  // namespace dynmesh::io

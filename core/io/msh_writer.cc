@@ -1,8 +1,8 @@
 #include "core/io/msh_writer.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <limits>
 #include <map>
 #include <set>
@@ -17,9 +17,8 @@
 namespace dynmesh::io {
 namespace {
 
-constexpr int kLineElement = 1;
-constexpr int kTriangleElement = 2;
 constexpr int kPointElement = 15;
+constexpr int kElementOf[] = {kPointElement, 1, 2, 4};  // by dimension: line, triangle, tetrahedron
 
 struct PointEntity {
   int tag = 0;
@@ -27,33 +26,58 @@ struct PointEntity {
   int physical = 0;
 };
 
-// One feature's chain of edges, or the box's border.
-struct CurveEntity {
-  std::vector<std::uint32_t> edges;
-  std::vector<std::uint32_t> inner;  // vertices that are no points
+// Of dimension k: what is one feature's, the box's border or, of the mesh's dimension, one region
+// or what lies in no polygon.
+struct Entity {
+  std::vector<std::uint32_t> elements;
+  std::vector<std::uint32_t> inner;  // vertices of this dimension
+  std::set<int> border;              // entities of dimension k - 1
 };
+using Entities = std::map<int, Entity>;  // by tag
 
-// One region, or what lies in no polygon.
-struct SurfaceEntity {
-  std::vector<std::uint32_t> triangles;
-  std::vector<std::uint32_t> inner;  // free vertices
-  std::set<int> border;              // curves
+// The vertices of an element.
+class Corners {
+ public:
+  template <std::size_t N>
+  explicit Corners(const std::array<std::uint32_t, N>& corners) : size_(N) {
+    std::copy(corners.begin(), corners.end(), v_.begin());
+  }
+  const std::uint32_t* begin() const { return v_.data(); }
+  const std::uint32_t* end() const { return v_.data() + size_; }
+  std::size_t size() const { return size_; }
+  // A key: its vertices ascending, but for corner `without`.
+  std::array<std::uint32_t, 4> Key(std::size_t without = 4) const {
+    std::array<std::uint32_t, 4> key;
+    key.fill(~std::uint32_t{0});
+    for (std::size_t k = 0; k < size_; ++k) {
+      if (k != without) key[k] = v_[k];
+    }
+    std::sort(key.begin(), key.end());
+    return key;
+  }
+
+ private:
+  std::array<std::uint32_t, 4> v_;
+  std::size_t size_;
 };
 
 class BoundingRange {
  public:
   void Add(const IndexedMesh::Vertex& v) {
-    lo_[0] = std::min(lo_[0], v.x), lo_[1] = std::min(lo_[1], v.y);
-    hi_[0] = std::max(hi_[0], v.x), hi_[1] = std::max(hi_[1], v.y);
+    const std::array<double, 3> place = v.place();
+    for (std::size_t k = 0; k < 3; ++k) {
+      lo_[k] = std::min(lo_[k], place[k]), hi_[k] = std::max(hi_[k], place[k]);
+    }
   }
   void Write(FileWriter& out) const {
-    out << lo_[0] << ' ' << lo_[1] << " 0 " << hi_[0] << ' ' << hi_[1] << " 0 ";
+    for (const double c : lo_) out << c << ' ';
+    for (const double c : hi_) out << c << ' ';
   }
 
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  double lo_[2] = {kInfinity, kInfinity};
-  double hi_[2] = {-kInfinity, -kInfinity};
+  double lo_[3] = {kInfinity, kInfinity, kInfinity};
+  double hi_[3] = {-kInfinity, -kInfinity, -kInfinity};
 };
 
 class MshFile {
@@ -72,8 +96,8 @@ class MshFile {
   }
 
  private:
-  // Puts every vertex and subsegment on the entity of the least dimension that it is part of.
-  // The box's border has no points: it is a grid's, and its corners are nobody's input.
+  // Puts every vertex, subsegment and face on the entity of the least dimension that it is part
+  // of. The box's border has no points: it is a grid's, and its corners are nobody's input.
   void Classify() {
     int next = references_.box() + 1;
     std::set<int> used;
@@ -81,10 +105,12 @@ class MshFile {
     for (std::uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
       const IndexedMesh::Vertex& v = mesh_.vertices[i];
       const int reference = references_.Find(v.owner);
-      if (reference == 0 || v.containing_dimension > 1) {
-        surfaces_[SurfaceTag(region_of[i])].inner.push_back(i);
-      } else if (v.containing_dimension == 1 || reference == references_.box()) {
-        curves_[reference].inner.push_back(i);
+      const bool on_box = reference == references_.box();
+      if (reference == 0 || v.containing_dimension >= top_) {
+        entities_[top_][RegionTag(region_of[i])].inner.push_back(i);
+      } else if (v.containing_dimension != 0 || on_box) {
+        const int dimension = v.containing_dimension == 0 ? top_ - 1 : v.containing_dimension;
+        entities_[dimension][reference].inner.push_back(i);
       } else {
         // Only a damaged mesh has a second vertex for the same point.
         const int tag = used.insert(reference).second ? reference : next++;
@@ -94,120 +120,149 @@ class MshFile {
     }
     std::sort(points_.begin(), points_.end(),
               [](const PointEntity& a, const PointEntity& b) { return a.tag < b.tag; });
-    for (std::uint32_t i = 0; i < mesh_.edges.size(); ++i) {
-      const int reference = references_.Find(mesh_.edges[i].owner);
-      if (reference != 0) curves_[reference].edges.push_back(i);
+    ClassifyOwned(mesh_.edges, entities_[1]);
+    ClassifyOwned(mesh_.faces, entities_[2]);
+    for (std::uint32_t i = 0; i < mesh_.simplex_count(); ++i) {
+      entities_[top_][RegionTag(mesh_.regions.Of(i))].elements.push_back(i);
     }
-    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-      surfaces_[SurfaceTag(mesh_.regions.Of(i))].triangles.push_back(i);
-    }
-    FindBorders();
+    for (int dimension = 2; dimension <= top_; ++dimension) FindBorders(dimension);
   }
 
-  static int SurfaceTag(std::uint32_t region) { return static_cast<int>(region) + 1; }
+  template <class Rows>
+  void ClassifyOwned(const Rows& rows, Entities& entities) {
+    for (std::uint32_t i = 0; i < rows.size(); ++i) {
+      const int reference = references_.Find(rows[i].owner);
+      if (reference != 0) entities[reference].elements.push_back(i);
+    }
+  }
 
-  // That of a triangle around it. Where these differ, the vertex is on a curve.
+  static int RegionTag(std::uint32_t region) { return static_cast<int>(region) + 1; }
+
+  Corners CornersOf(int dimension, std::uint32_t i) const {
+    if (dimension == 1) return Corners(std::array{mesh_.edges[i].a, mesh_.edges[i].b});
+    if (dimension == 3) return Corners(mesh_.tetrahedra[i]);
+    return Corners(top_ == 2 ? mesh_.triangles[i] : mesh_.faces[i].corners);
+  }
+
+  // That of a simplex around it. Where these differ, the vertex is on the border of regions.
   std::vector<std::uint32_t> RegionsOfVertices() const {
     std::vector<std::uint32_t> region_of(mesh_.vertices.size(), 0);
-    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
-      for (const std::uint32_t v : mesh_.triangles[i]) region_of[v] = mesh_.regions.Of(i);
-    }
+    std::size_t i = 0;
+    ForEachSimplex(mesh_, [&](const auto& corners) {
+      for (const std::uint32_t v : corners) region_of[v] = mesh_.regions.Of(i);
+      ++i;
+    });
     return region_of;
   }
 
-  // A curve borders a surface that has one of its edges on one side only.
-  void FindBorders() {
-    absl::flat_hash_map<std::pair<std::uint32_t, std::uint32_t>, int> curve_of;
-    for (const auto& [tag, curve] : curves_) {
-      for (const std::uint32_t i : curve.edges) {
-        curve_of.emplace(std::minmax(mesh_.edges[i].a, mesh_.edges[i].b), tag);
+  // A curve borders a surface that has one of its edges on one side only; so surfaces, volumes.
+  void FindBorders(int dimension) {
+    using Key = std::array<std::uint32_t, 4>;
+    absl::flat_hash_map<Key, int> tag_of;
+    for (const auto& [tag, entity] : entities_[dimension - 1]) {
+      for (const std::uint32_t i : entity.elements) {
+        tag_of.emplace(CornersOf(dimension - 1, i).Key(), tag);
       }
     }
-    for (auto& [tag, surface] : surfaces_) {
-      std::map<std::pair<std::uint32_t, std::uint32_t>, int> one_sided;
-      for (const std::uint32_t i : surface.triangles) {
-        const IndexedMesh::Triangle& t = mesh_.triangles[i];
-        for (std::size_t k = 0; k < 3; ++k) {
-          const auto curve = curve_of.find(std::minmax(t[k], t[(k + 1) % 3]));
-          if (curve == curve_of.end()) continue;
-          if (!one_sided.insert(*curve).second) one_sided.erase(curve->first);
+    for (auto& [tag, entity] : entities_[dimension]) {
+      std::map<Key, int> one_sided;
+      for (const std::uint32_t i : entity.elements) {
+        const Corners corners = CornersOf(dimension, i);
+        for (std::size_t k = 0; k < corners.size(); ++k) {
+          const auto below = tag_of.find(corners.Key(k));
+          if (below == tag_of.end()) continue;
+          if (!one_sided.insert(*below).second) one_sided.erase(below->first);
         }
       }
-      for (const auto& [edge, curve] : one_sided) surface.border.insert(curve);
+      for (const auto& [key, below] : one_sided) entity.border.insert(below);
     }
   }
 
   void WritePhysicalNames() {
     std::set<std::pair<int, int>> groups;  // dimension, tag
     for (const PointEntity& p : points_) groups.emplace(0, p.physical);
-    for (const auto& [tag, curve] : curves_) groups.emplace(1, tag);
-    out_ << "$PhysicalNames\n" << groups.size() + surfaces_.size() << '\n';
+    for (int dimension = 1; dimension < top_; ++dimension) {
+      for (const auto& [tag, entity] : entities_[dimension]) groups.emplace(dimension, tag);
+    }
+    out_ << "$PhysicalNames\n" << groups.size() + entities_[top_].size() << '\n';
     for (const auto& [dimension, tag] : groups) {
       out_ << dimension << ' ' << tag << " \"" << references_.Name(tag) << "\"\n";
     }
-    for (const auto& [tag, surface] : surfaces_) {
+    for (const auto& [tag, entity] : entities_[top_]) {
       const std::string name = mesh_.regions.Name(static_cast<std::uint32_t>(tag - 1));
-      out_ << "2 " << tag << " \"" << name << "\"\n";
+      out_ << top_ << ' ' << tag << " \"" << name << "\"\n";
     }
     out_ << "$EndPhysicalNames\n";
   }
 
   void WriteEntities() {
-    out_ << "$Entities\n"
-         << points_.size() << ' ' << curves_.size() << ' ' << surfaces_.size() << " 0\n";
+    out_ << "$Entities\n" << points_.size();
+    for (int dimension = 1; dimension <= 3; ++dimension) {
+      out_ << ' ' << entities_[dimension].size();
+    }
+    out_ << '\n';
     for (const PointEntity& p : points_) {
       const IndexedMesh::Vertex& v = mesh_.vertices[p.vertex];
-      out_ << p.tag << ' ' << v.x << ' ' << v.y << " 0 1 " << p.physical << '\n';
+      out_ << p.tag << ' ' << v.x << ' ' << v.y << ' ' << v.z << " 1 " << p.physical << '\n';
     }
-    for (const auto& [tag, curve] : curves_) WriteCurve(tag, curve);
-    for (const auto& [tag, surface] : surfaces_) WriteSurface(tag, surface);
+    for (int dimension = 1; dimension <= top_; ++dimension) {
+      for (const auto& [tag, entity] : entities_[dimension]) WriteEntity(dimension, tag, entity);
+    }
     out_ << "$EndEntities\n";
   }
 
-  void WriteCurve(int tag, const CurveEntity& curve) {
+  void WriteEntity(int dimension, int tag, const Entity& entity) {
     BoundingRange range;
-    std::map<int, int> uses;  // of the points at its edges' ends
-    for (const std::uint32_t i : curve.inner) range.Add(mesh_.vertices[i]);
-    for (const std::uint32_t i : curve.edges) {
-      for (const std::uint32_t end : {mesh_.edges[i].a, mesh_.edges[i].b}) {
-        range.Add(mesh_.vertices[end]);
-        if (point_of_[end] != 0) ++uses[point_of_[end]];
-      }
+    // Which of 0 and -0 is the least is for the first to say: of curves a vertex inside.
+    const auto add_inner = [&] {
+      for (const std::uint32_t i : entity.inner) range.Add(mesh_.vertices[i]);
+    };
+    if (dimension == 1) add_inner();
+    for (const std::uint32_t i : entity.elements) {
+      for (const std::uint32_t v : CornersOf(dimension, i)) range.Add(mesh_.vertices[v]);
     }
+    if (dimension != 1) add_inner();
     out_ << tag << ' ';
     range.Write(out_);
     out_ << "1 " << tag << ' ';
-    std::erase_if(uses, [](const auto& use) { return use.second % 2 == 0; });
-    // A chain has a first and a last point; a border, run round, has none.
-    if (uses.size() == 2) {
-      out_ << "2 " << uses.begin()->first << ' ' << -uses.rbegin()->first << '\n';
+    if (dimension == 1) {
+      WriteEnds(entity);
     } else {
-      out_ << "0\n";
+      out_ << entity.border.size();
+      for (const int below : entity.border) out_ << ' ' << below;
     }
+    out_ << '\n';
   }
 
-  void WriteSurface(int tag, const SurfaceEntity& surface) {
-    BoundingRange range;
-    for (const std::uint32_t i : surface.triangles) {
-      for (const std::uint32_t v : mesh_.triangles[i]) range.Add(mesh_.vertices[v]);
+  // A chain has a first and a last point; a border, run round, has none.
+  void WriteEnds(const Entity& curve) {
+    std::map<int, int> uses;  // of the points at its edges' ends
+    for (const std::uint32_t i : curve.elements) {
+      for (const std::uint32_t end : {mesh_.edges[i].a, mesh_.edges[i].b}) {
+        if (point_of_[end] != 0) ++uses[point_of_[end]];
+      }
     }
-    for (const std::uint32_t i : surface.inner) range.Add(mesh_.vertices[i]);
-    out_ << tag << ' ';
-    range.Write(out_);
-    out_ << "1 " << tag << ' ' << surface.border.size();
-    for (const int curve : surface.border) out_ << ' ' << curve;
-    out_ << '\n';
+    std::erase_if(uses, [](const auto& use) { return use.second % 2 == 0; });
+    if (uses.size() == 2) {
+      out_ << "2 " << uses.begin()->first << ' ' << -uses.rbegin()->first;
+    } else {
+      out_ << '0';
+    }
   }
 
   void WriteNodes() {
     std::size_t blocks = points_.size();
-    for (const auto& [tag, curve] : curves_) blocks += curve.inner.empty() ? 0 : 1;
-    for (const auto& [tag, surface] : surfaces_) blocks += surface.inner.empty() ? 0 : 1;
+    for (const Entities& entities : entities_) {
+      for (const auto& [tag, entity] : entities) blocks += entity.inner.empty() ? 0 : 1;
+    }
     const std::size_t n = mesh_.vertices.size();
     out_ << "$Nodes\n" << blocks << ' ' << n << ' ' << (n == 0 ? 0 : 1) << ' ' << n << '\n';
     for (const PointEntity& p : points_) WriteNodeBlock(0, p.tag, {p.vertex});
-    for (const auto& [tag, curve] : curves_) WriteNodeBlock(1, tag, curve.inner);
-    for (const auto& [tag, surface] : surfaces_) WriteNodeBlock(2, tag, surface.inner);
+    for (int dimension = 1; dimension <= top_; ++dimension) {
+      for (const auto& [tag, entity] : entities_[dimension]) {
+        WriteNodeBlock(dimension, tag, entity.inner);
+      }
+    }
     out_ << "$EndNodes\n";
   }
 
@@ -216,41 +271,38 @@ class MshFile {
     out_ << dimension << ' ' << tag << " 0 " << vertices.size() << '\n';
     for (const std::uint32_t i : vertices) out_ << std::uint64_t{i} + 1 << '\n';
     for (const std::uint32_t i : vertices) {
-      out_ << mesh_.vertices[i].x << ' ' << mesh_.vertices[i].y << " 0\n";
+      const IndexedMesh::Vertex& v = mesh_.vertices[i];
+      out_ << v.x << ' ' << v.y << ' ' << v.z << '\n';
     }
   }
 
   void WriteElements() {
     std::size_t blocks = points_.size();
-    std::size_t elements = points_.size() + mesh_.triangles.size();
-    for (const auto& [tag, curve] : curves_) {
-      blocks += curve.edges.empty() ? 0 : 1;
-      elements += curve.edges.size();
+    std::size_t count = points_.size();
+    for (const Entities& entities : entities_) {
+      for (const auto& [tag, entity] : entities) {
+        blocks += entity.elements.empty() ? 0 : 1;
+        count += entity.elements.size();
+      }
     }
-    for (const auto& [tag, surface] : surfaces_) blocks += surface.triangles.empty() ? 0 : 1;
     out_ << "$Elements\n"
-         << blocks << ' ' << elements << ' ' << (elements == 0 ? 0 : 1) << ' ' << elements << '\n';
+         << blocks << ' ' << count << ' ' << (count == 0 ? 0 : 1) << ' ' << count << '\n';
     for (const PointEntity& p : points_) {
       out_ << "0 " << p.tag << ' ' << kPointElement << " 1\n";
-      WriteElement({p.vertex});
+      WriteElement(Corners(std::array{p.vertex}));
     }
-    for (const auto& [tag, curve] : curves_) {
-      if (curve.edges.empty()) continue;
-      out_ << "1 " << tag << ' ' << kLineElement << ' ' << curve.edges.size() << '\n';
-      for (const std::uint32_t i : curve.edges) WriteElement({mesh_.edges[i].a, mesh_.edges[i].b});
-    }
-    for (const auto& [tag, surface] : surfaces_) {
-      if (surface.triangles.empty()) continue;
-      out_ << "2 " << tag << ' ' << kTriangleElement << ' ' << surface.triangles.size() << '\n';
-      for (const std::uint32_t i : surface.triangles) {
-        const IndexedMesh::Triangle& t = mesh_.triangles[i];
-        WriteElement({t[0], t[1], t[2]});
+    for (int dimension = 1; dimension <= top_; ++dimension) {
+      for (const auto& [tag, entity] : entities_[dimension]) {
+        if (entity.elements.empty()) continue;
+        out_ << dimension << ' ' << tag << ' ' << kElementOf[dimension] << ' '
+             << entity.elements.size() << '\n';
+        for (const std::uint32_t i : entity.elements) WriteElement(CornersOf(dimension, i));
       }
     }
     out_ << "$EndElements\n";
   }
 
-  void WriteElement(std::initializer_list<std::uint32_t> corners) {
+  void WriteElement(const Corners& corners) {
     out_ << ++element_;
     for (const std::uint32_t corner : corners) out_ << ' ' << std::uint64_t{corner} + 1;
     out_ << '\n';
@@ -259,11 +311,13 @@ class MshFile {
   const IndexedMesh& mesh_;
   const References& references_;
   FileWriter& out_;
-  std::vector<PointEntity> points_;        // by tag
-  std::vector<int> point_of_;              // the point that a vertex is, 0 if none
-  std::map<int, CurveEntity> curves_;      // by tag, which is the owner's reference
-  std::map<int, SurfaceEntity> surfaces_;  // by tag: 1 + the region's number
-  std::uint64_t element_ = 0;              // the last one's tag
+  const int top_ = mesh_.dimension;
+  std::vector<PointEntity> points_;  // by tag
+  std::vector<int> point_of_;        // the point that a vertex is, 0 if none
+  // By dimension from 1. Tags are the owner's reference; of the mesh's dimension 1 + the region's
+  // number.
+  std::array<Entities, 4> entities_;
+  std::uint64_t element_ = 0;  // the last one's tag
 };
 
 }  // namespace

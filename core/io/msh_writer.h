@@ -15,11 +15,13 @@ namespace dynmesh::io {
 //   segment, the box's border a curve with the subsegments as elements
 //   everything else           surface 1, counter-clockwise triangles; in polygons, surface
 //                             1 + the number of the region (region_numbers.h)
+// In space the box's border is a surface, and so is each polygon, with the subfacets as elements;
+// everything else is volume 1, positively oriented tetrahedra, or volumes as surfaces above.
 // Feature ids, which have 64 bits, stand in the names of physical groups: "feature 30",
-// "box"; "domain", "polygon 12" and "polygons 12 40" for surfaces, each of which is a group of
-// its own. The other groups' tags are the references of references.h; points and curves of
-// features have the same numbers as their group, surfaces too.
-// INVALID_ARGUMENT if there are too many rows, UNAVAILABLE, naming the path, on trouble.
+// "box"; "domain", "polygon 12" and "polygons 12 40" for surfaces, in space volumes, each of which
+// is a group of its own. The other groups' tags are the references of references.h; points and
+// curves of features have the same numbers as their group, surfaces too. INVALID_ARGUMENT if there
+// are too many rows, UNAVAILABLE, naming the path, on trouble.
 absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path);
 
 }  // namespace dynmesh::io

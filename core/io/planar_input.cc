@@ -26,7 +26,7 @@ absl::StatusOr<FileFeatures> ParsePolyText(TextReader poly, const OpenNodes& ope
   FileFeatures input;
   const absl::StatusOr<NodeSection> nodes = ReadPointsOfPoly(poly, 2, open_nodes, input);
   if (!nodes.ok()) return nodes.status();
-  const absl::StatusOr<PairSection> segments = ReadPairSection(poly, "segment", *nodes);
+  const absl::StatusOr<PairSection> segments = ReadTupleSection<2>(poly, "segment", *nodes);
   if (!segments.ok()) return segments.status();
   AddSegments(*segments, poly.name(), input);
   if (auto status = ReadSeedSections(poly, 2, input); !status.ok()) return status;

@@ -1,9 +1,9 @@
 // Small numbers in the place of feature ids, for formats whose references are 32-bit ints
 // (Gmsh's physical tags, Medit's references): feature ids have 64 bits.
 //
-// The features that own a vertex or an edge of the mesh are numbered from 1, by ascending id;
-// the domain box comes after them; 0 is none. So the features 1..n of a `.node` or `.poly`
-// file keep their numbers. Immutable.
+// The features that own a vertex, an edge or a face of the mesh are numbered from 1, by ascending
+// id; the domain box comes after them; 0 is none. So the features 1..n of a `.node` or `.poly` file
+// keep their numbers. Immutable.
 #ifndef DYNMESH_CORE_IO_REFERENCES_H_
 #define DYNMESH_CORE_IO_REFERENCES_H_
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -13,6 +13,7 @@
 #include "core/data/text.h"
 #include "core/io/colour_ramp.h"
 #include "core/io/file_writer.h"
+#include "core/io/mesh_picture.h"
 #include "dynmesh/quality.h"
 
 namespace dynmesh::io {
@@ -64,6 +65,12 @@ class SvgDrawing {
  public:
   SvgDrawing(const IndexedMesh& mesh, const SvgOptions& options, FileWriter& out)
       : mesh_(mesh), options_(options), out_(out) {
+    if (mesh.dimension == 3) {
+      cut_at_ = options.cut_at ? *options.cut_at : MiddleAlong(options.cut_axis);
+      picture_ = CutThrough(mesh, options.cut_axis, cut_at_);
+    } else {
+      picture_ = PictureOf(mesh);
+    }
     FitView();
     FindVisible();
   }
@@ -79,19 +86,32 @@ class SvgDrawing {
   }
 
  private:
+  double MiddleAlong(int axis) const {
+    const auto k = static_cast<std::size_t>(axis);
+    if (options_.crop) return options_.crop->lo[k] / 2 + options_.crop->hi[k] / 2;
+    double lo = 0, hi = 0;
+    for (const auto& v : mesh_.vertices) {
+      if (&v == &mesh_.vertices.front()) lo = hi = v.place()[k];
+      lo = std::min(lo, v.place()[k]), hi = std::max(hi, v.place()[k]);
+    }
+    return lo / 2 + hi / 2;
+  }
+
   // Chooses the part shown and its scale; a crop without extent shows a little around it.
   void FitView() {
     double lo[2] = {0, 0};
     double hi[2] = {1, 1};
     if (options_.crop) {
-      lo[0] = options_.crop->lo[0], lo[1] = options_.crop->lo[1];
-      hi[0] = options_.crop->hi[0], hi[1] = options_.crop->hi[1];
-    } else if (!mesh_.vertices.empty()) {
+      const auto axes = AxesAcross(mesh_.dimension == 3 ? options_.cut_axis : 2);
+      for (std::size_t k = 0; k < 2; ++k) {
+        lo[k] = options_.crop->lo[axes[k]], hi[k] = options_.crop->hi[axes[k]];
+      }
+    } else if (!picture_.places.empty()) {
       lo[0] = lo[1] = std::numeric_limits<double>::infinity();
       hi[0] = hi[1] = -lo[0];
-      for (const auto& v : mesh_.vertices) {
-        lo[0] = std::min(lo[0], v.x), lo[1] = std::min(lo[1], v.y);
-        hi[0] = std::max(hi[0], v.x), hi[1] = std::max(hi[1], v.y);
+      for (const auto& [x, y] : picture_.places) {
+        lo[0] = std::min(lo[0], x), lo[1] = std::min(lo[1], y);
+        hi[0] = std::max(hi[0], x), hi[1] = std::max(hi[1], y);
       }
     }
     double extent = std::max(hi[0] - lo[0], hi[1] - lo[1]);
@@ -110,24 +130,30 @@ class SvgDrawing {
     return x0 <= hi_[0] && x1 >= lo_[0] && y0 <= hi_[1] && y1 >= lo_[1];
   }
 
+  bool IsInView(std::span<const std::uint32_t> corners) const {
+    double lo[2], hi[2];
+    for (std::size_t k = 0; k < 2; ++k) {
+      lo[k] = hi[k] = picture_.places[corners[0]][k];
+      for (const std::uint32_t c : corners) {
+        lo[k] = std::min(lo[k], picture_.places[c][k]),
+        hi[k] = std::max(hi[k], picture_.places[c][k]);
+      }
+    }
+    return Overlaps(lo[0], lo[1], hi[0], hi[1]);
+  }
+
   void FindVisible() {
-    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-      const auto& a = Corner(i, 0);
-      const auto& b = Corner(i, 1);
-      const auto& c = Corner(i, 2);
-      const auto [x0, x1] = std::minmax({a.x, b.x, c.x});
-      const auto [y0, y1] = std::minmax({a.y, b.y, c.y});
-      if (Overlaps(x0, y0, x1, y1)) triangles_.push_back(i);
+    for (std::uint32_t i = 0; i < picture_.cells.size(); ++i) {
+      const MeshPicture::Cell& cell = picture_.cells[i];
+      if (IsInView({cell.corners.data(), cell.count})) cells_.push_back(i);
     }
     std::vector<double> lengths;
-    for (std::uint32_t i = 0; i < mesh_.edges.size(); ++i) {
-      const auto& a = mesh_.vertices[mesh_.edges[i].a];
-      const auto& b = mesh_.vertices[mesh_.edges[i].b];
-      const auto [x0, x1] = std::minmax(a.x, b.x);
-      const auto [y0, y1] = std::minmax(a.y, b.y);
-      if (!Overlaps(x0, y0, x1, y1)) continue;
-      edges_.push_back(i);
-      lengths.push_back(std::hypot(a.x - b.x, a.y - b.y) * scale_);
+    for (std::uint32_t i = 0; i < picture_.lines.size(); ++i) {
+      const std::array ends = {picture_.lines[i].a, picture_.lines[i].b};
+      if (!IsInView(ends)) continue;
+      lines_.push_back(i);
+      const auto &a = picture_.places[ends[0]], &b = picture_.places[ends[1]];
+      lengths.push_back(std::hypot(a[0] - b[0], a[1] - b[1]) * scale_);
     }
     if (lengths.empty()) return;
     const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
@@ -135,15 +161,11 @@ class SvgDrawing {
     typical_ = *middle;
   }
 
-  const IndexedMesh::Vertex& Corner(std::uint32_t triangle, std::size_t k) const {
-    return mesh_.vertices[mesh_.triangles[triangle][k]];
-  }
-
-  Pixel At(const IndexedMesh::Vertex& v) const {
+  Pixel At(std::uint32_t place) const {
     // Far outside a narrow crop precision does not matter, range does.
     constexpr double kFar = 1e15;
-    const double x = (v.x - lo_[0]) * scale_ * 100;
-    const double y = (hi_[1] - v.y) * scale_ * 100;
+    const double x = (picture_.places[place][0] - lo_[0]) * scale_ * 100;
+    const double y = (hi_[1] - picture_.places[place][1]) * scale_ * 100;
     return {std::llround(std::clamp(x, -kFar, kFar)), std::llround(std::clamp(y, -kFar, kFar))};
   }
 
@@ -152,34 +174,41 @@ class SvgDrawing {
     const double height = std::ceil(height_);
     out_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\""
          << height << "\" viewBox=\"0 0 " << width << ' ' << height << "\">\n<title>Delaunay mesh, "
-         << mesh_.vertices.size() << " vertices, " << mesh_.triangles.size()
-         << " triangles</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
+         << mesh_.vertices.size() << " vertices, " << mesh_.simplex_count();
+    if (mesh_.dimension == 3) {
+      out_ << " tetrahedra, cut at "
+           << "xyz"[options_.cut_axis] << " = " << cut_at_;
+    } else {
+      out_ << " triangles";
+    }
+    out_ << "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
   }
 
-  void WriteTriangle(std::uint32_t i) {
-    const Pixel a = At(Corner(i, 0));
-    const Pixel b = At(Corner(i, 1));
-    const Pixel c = At(Corner(i, 2));
-    WritePixel('M', a, out_);
-    WritePixel('l', {b.x - a.x, b.y - a.y}, out_);
-    WritePixel('l', {c.x - b.x, c.y - b.y}, out_);
+  void WriteCell(const MeshPicture::Cell& cell) {
+    Pixel at = At(cell.corners[0]);
+    WritePixel('M', at, out_);
+    for (std::uint32_t k = 1; k < cell.count; ++k) {
+      const Pixel next = At(cell.corners[k]);
+      WritePixel('l', {next.x - at.x, next.y - at.y}, out_);
+      at = next;
+    }
     out_ << 'z';
   }
 
-  void FillTriangles(const std::vector<std::uint32_t>& triangles, std::string_view colour) {
+  void FillCells(const std::vector<std::uint32_t>& cells, std::string_view colour) {
     // The stroke covers the hairlines that smoothing leaves between neighbours.
     out_ << "<path fill=\"" << colour << "\" stroke=\"" << colour << "\" stroke-width=\".4\" d=\"";
-    for (const std::uint32_t i : triangles) WriteTriangle(i);
+    for (const std::uint32_t i : cells) WriteCell(picture_.cells[i]);
     out_ << "\"/>\n";
   }
 
   void DrawFills() {
-    if (triangles_.empty()) return;
+    if (cells_.empty()) return;
     switch (options_.fill) {
       case SvgOptions::Fill::kNone:
         return;
       case SvgOptions::Fill::kPlain:
-        return FillTriangles(triangles_, kPlainFill);
+        return FillCells(cells_, kPlainFill);
       case SvgOptions::Fill::kExempt:
         return FillByVerdict();
       case SvgOptions::Fill::kRegion:
@@ -193,30 +222,32 @@ class SvgDrawing {
   }
 
   void FillByVerdict() {
-    const std::vector<SimplexVerdict> verdicts = JudgeTriangles(mesh_, options_.rho);
+    const std::vector<SimplexVerdict> verdicts = JudgeSimplices(mesh_, options_.rho);
     std::vector<std::uint32_t> of[3];
-    for (const std::uint32_t i : triangles_) {
-      of[verdicts[i] == SimplexVerdict::kGood ? 0 : IsExempt(verdicts[i]) ? 1 : 2].push_back(i);
+    for (const std::uint32_t i : cells_) {
+      const SimplexVerdict verdict = verdicts[SimplexOf(i)];
+      of[verdict == SimplexVerdict::kGood ? 0 : IsExempt(verdict) ? 1 : 2].push_back(i);
     }
     constexpr std::string_view kFills[] = {kPlainFill, kExemptFill, kOverRhoFill};
     for (std::size_t v = 0; v < 3; ++v) {
-      if (!of[v].empty()) FillTriangles(of[v], kFills[v]);
+      if (!of[v].empty()) FillCells(of[v], kFills[v]);
     }
   }
 
   void FillByRegion() {
     std::map<std::uint32_t, std::vector<std::uint32_t>> of;  // by number
-    for (const std::uint32_t i : triangles_) of[mesh_.regions.Of(i)].push_back(i);
+    for (const std::uint32_t i : cells_) of[mesh_.regions.Of(SimplexOf(i))].push_back(i);
     for (const auto& [number, triangles] : of) {
-      FillTriangles(triangles, number == 0 ? std::string(kPlainFill) : DistinctColour(number));
+      FillCells(triangles, number == 0 ? std::string(kPlainFill) : DistinctColour(number));
     }
   }
 
-  // Of each triangle shown, 0 (finest) to 1.
+  // Of each cell shown, 0 (finest) to 1.
   std::vector<double> SizesOnRamp() const {
     std::vector<double> values;
-    for (const std::uint32_t i : triangles_) {
-      values.push_back(std::log2(std::max(MeasureTriangle(mesh_, i).shortest_edge, 1e-300)));
+    for (const std::uint32_t i : cells_) {
+      values.push_back(
+          std::log2(std::max(MeasureSimplex(mesh_, SimplexOf(i)).shortest_edge, 1e-300)));
     }
     const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
     const double lo = *least;
@@ -225,18 +256,20 @@ class SvgDrawing {
     return values;
   }
 
-  // Of each triangle shown, 0 (bad) to 1 (equilateral).
+  // Of each cell shown, 0 (bad) to 1 (equilateral).
   std::vector<double> GoodnessOnRamp() const {
     const bool by_angle = options_.fill == SvgOptions::Fill::kAngle;
-    const double best = 1 / std::sqrt(3.0);
+    const bool in_space = mesh_.dimension == 3;
+    const double best = in_space ? std::sqrt(0.375) : 1 / std::sqrt(3.0);
+    const double best_angle = in_space ? 70.528779365509308 : 60;
     std::vector<SimplexVerdict> verdicts;
-    if (!by_angle) verdicts = JudgeTriangles(mesh_, options_.rho);
+    if (!by_angle) verdicts = JudgeSimplices(mesh_, options_.rho);
     std::vector<double> values;
-    for (const std::uint32_t i : triangles_) {
-      const TriangleQuality q = MeasureTriangle(mesh_, i);
+    for (const std::uint32_t i : cells_) {
+      const SimplexMeasures q = MeasureSimplex(mesh_, SimplexOf(i));
       if (by_angle) {
-        values.push_back(q.min_angle_deg / 60);
-      } else if (verdicts[i] != SimplexVerdict::kGood) {
+        values.push_back(q.min_angle_deg / best_angle);
+      } else if (verdicts[SimplexOf(i)] != SimplexVerdict::kGood) {
         values.push_back(0);
       } else {
         const double part = (options_.rho - q.radius_edge) / (options_.rho - best);
@@ -246,39 +279,42 @@ class SvgDrawing {
     return values;
   }
 
-  // Groups the triangles by colour: one path each keeps the file small.
+  // Groups the cells by colour: one path each keeps the file small.
   template <std::size_t N>
   void FillByValue(const ColourRamp<N>& ramp, const std::vector<double>& values) {
     std::map<int, std::vector<std::uint32_t>> groups;
     for (std::size_t i = 0; i < values.size(); ++i) {
       const double t = std::clamp(values[i], 0.0, 1.0);
-      groups[static_cast<int>(t * (kFillSteps - 1))].push_back(triangles_[i]);
+      groups[static_cast<int>(t * (kFillSteps - 1))].push_back(cells_[i]);
     }
     for (const auto& [step, triangles] : groups) {
-      FillTriangles(triangles, ColourAt(ramp, static_cast<double>(step) / (kFillSteps - 1)));
+      FillCells(triangles, ColourAt(ramp, static_cast<double>(step) / (kFillSteps - 1)));
     }
   }
 
   void DrawHighlight() {
+    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> cell_of(mesh_.simplex_count(), kNone);
+    for (std::uint32_t i = 0; i < picture_.cells.size(); ++i) cell_of[SimplexOf(i)] = i;
     std::vector<std::uint32_t> shown;
     for (const std::uint32_t i : options_.highlight) {
-      if (i < mesh_.triangles.size()) shown.push_back(i);
+      if (i < cell_of.size() && cell_of[i] != kNone) shown.push_back(cell_of[i]);
     }
-    if (!shown.empty()) FillTriangles(shown, kHighlightFill);
+    if (!shown.empty()) FillCells(shown, kHighlightFill);
   }
 
-  void WriteEdge(const IndexedMesh::Edge& e) {
-    const Pixel a = At(mesh_.vertices[e.a]);
-    const Pixel b = At(mesh_.vertices[e.b]);
+  void WriteLine(const MeshPicture::Line& line) {
+    const Pixel a = At(line.a);
+    const Pixel b = At(line.b);
     WritePixel('M', a, out_);
     WritePixel('l', {b.x - a.x, b.y - a.y}, out_);
   }
 
   template <class Wanted>
-  void DrawEdges(std::string_view colour, double width, double opacity, Wanted wanted) {
+  void DrawOwned(std::string_view colour, double width, double opacity, Wanted wanted) {
     bool open = false;
-    for (const std::uint32_t i : edges_) {
-      if (!wanted(mesh_.edges[i].owner)) continue;
+    for (const std::uint32_t i : lines_) {
+      if (!wanted(picture_.lines[i].owner)) continue;
       if (!open) {
         out_ << absl::StrFormat(
             "<path fill=\"none\" stroke=\"%s\" stroke-width=\"%.2f\" stroke-opacity=\"%.2f\" "
@@ -286,20 +322,20 @@ class SvgDrawing {
             colour, width, opacity);
       }
       open = true;
-      WriteEdge(mesh_.edges[i]);
+      WriteLine(picture_.lines[i]);
     }
     if (open) out_ << "\"/>\n";
   }
 
   void DrawLines() {
-    DrawEdges(style_.edge, std::clamp(0.03 * typical_, 0.1, 0.8), style_.edge_opacity,
+    DrawOwned(style_.edge, std::clamp(0.03 * typical_, 0.1, 0.8), style_.edge_opacity,
               [](FeatureId owner) { return owner == kNoFeature; });
   }
 
   void DrawSubsegments() {
-    DrawEdges(style_.box, std::clamp(0.06 * typical_, 0.5, 1.5), 1,
+    DrawOwned(style_.box, std::clamp(0.06 * typical_, 0.5, 1.5), 1,
               [](FeatureId owner) { return owner == kBoxFeature; });
-    DrawEdges(style_.segment, std::clamp(0.12 * typical_, 0.9, 2.6), 1,
+    DrawOwned(style_.segment, std::clamp(0.12 * typical_, 0.9, 2.6), 1,
               [](FeatureId owner) { return owner != kNoFeature && owner != kBoxFeature; });
   }
 
@@ -307,10 +343,9 @@ class SvgDrawing {
     const double radius = std::clamp(0.1 * typical_, 0.0, 3.0);
     if (radius < 0.6) return;
     out_ << "<g fill=\"" << style_.segment << "\">\n";
-    for (const auto& v : mesh_.vertices) {
-      if (v.containing_dimension != 0 || v.owner == kBoxFeature || v.owner == kNoFeature) continue;
-      if (!Overlaps(v.x, v.y, v.x, v.y)) continue;
-      const Pixel p = At(v);
+    for (const std::uint32_t dot : picture_.dots) {
+      if (!IsInView({&dot, 1})) continue;
+      const Pixel p = At(dot);
       out_ << "<circle cx=\"";
       WriteHundredths(p.x, out_);
       out_ << "\" cy=\"";
@@ -320,17 +355,21 @@ class SvgDrawing {
     out_ << "</g>\n";
   }
 
+  std::uint32_t SimplexOf(std::uint32_t cell) const { return picture_.cells[cell].simplex; }
+
   const IndexedMesh& mesh_;
   const SvgOptions& options_;
   FileWriter& out_;
   const LineStyle& style_ = options_.fill == SvgOptions::Fill::kSize ? kLightLines : kDarkLines;
   double lo_[2] = {0, 0};
   double hi_[2] = {1, 1};
-  double scale_ = 1;                      // pixels a unit
-  double height_ = 1;                     // pixels
-  double typical_ = 1;                    // length of an edge shown, pixels
-  std::vector<std::uint32_t> triangles_;  // those in view
-  std::vector<std::uint32_t> edges_;
+  double scale_ = 1;    // pixels a unit
+  double height_ = 1;   // pixels
+  double typical_ = 1;  // length of an edge shown, pixels
+  double cut_at_ = 0;   // in space
+  MeshPicture picture_;
+  std::vector<std::uint32_t> cells_;  // those in view
+  std::vector<std::uint32_t> lines_;
 };
 
 }  // namespace
@@ -341,6 +380,9 @@ absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const 
   }
   if (!(options.width >= 1) || !(options.width <= 1e5)) {
     return absl::InvalidArgumentError("the width of a picture must be 1 to 100000 pixels");
+  }
+  if (options.cut_axis < 0 || options.cut_axis > 2) {
+    return absl::InvalidArgumentError("a picture is cut across axis 0, 1 or 2");
   }
   FileWriter out(path);
   SvgDrawing(mesh, options, out).Draw();
@@ -358,29 +400,6 @@ absl::StatusOr<SvgOptions::Fill> ParseFill(std::string_view text) {
   }
   return absl::InvalidArgumentError(Concat(
       "a fill is angle, quality, size, exempt, region, plain or none, found ", data::Quoted(text)));
-}
-
-std::vector<std::uint32_t> FindTriangles(const IndexedMesh& mesh, const SimplexColumn& simplices) {
-  std::set<std::array<VertexId, 3>> wanted;
-  for (std::size_t i = 0; i + 2 < simplices.size(); i += 3) {
-    std::array<VertexId, 3> s = {simplices[i], simplices[i + 1], simplices[i + 2]};
-    std::sort(s.begin(), s.end());
-    wanted.insert(s);
-  }
-  std::vector<VertexId> ids;
-  ids.reserve(mesh.vertices.size());
-  for (const auto& v : mesh.vertices) {
-    const double coordinates[2] = {v.x, v.y};
-    ids.push_back(VertexIdAt(coordinates, 2));
-  }
-  std::vector<std::uint32_t> found;
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const auto& t = mesh.triangles[i];
-    std::array<VertexId, 3> s = {ids[t[0]], ids[t[1]], ids[t[2]]};
-    std::sort(s.begin(), s.end());
-    if (wanted.contains(s)) found.push_back(i);
-  }
-  return found;
 }
 
 }  // namespace dynmesh::io

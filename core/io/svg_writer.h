@@ -1,4 +1,5 @@
-// Pictures of meshes, to look at and to put into documents.
+// Pictures of meshes, to look at and to put into documents. Of a mesh of space, a cut through it:
+// mesh_picture.h.
 #ifndef DYNMESH_CORE_IO_SVG_WRITER_H_
 #define DYNMESH_CORE_IO_SVG_WRITER_H_
 
@@ -27,9 +28,13 @@ struct SvgOptions {
   Fill fill = Fill::kAngle;
   double rho = kDefaultQuality2D;  // what kQuality and kExempt judge by
   std::optional<Box> crop;         // what is shown; default: everything
-  double width = 1000;             // pixels; the height follows
-  bool points = true;              // dots at input points, if they are few enough to tell apart
-  // Triangles to stand out (indices), as those that an edit added.
+  // In space: across which axis (0 to 2) it is cut, and where; default: in the middle of the crop,
+  // or of the mesh.
+  int cut_axis = 2;
+  std::optional<double> cut_at;
+  double width = 1000;  // pixels; the height follows
+  bool points = true;   // dots at input points, if they are few enough to tell apart
+  // Simplices to stand out (indices), as those that an edit added.
   std::vector<std::uint32_t> highlight;
 };
 
@@ -39,9 +44,6 @@ absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const 
 
 // "angle", "quality", "size", "exempt", "region", "plain" or "none".
 absl::StatusOr<SvgOptions::Fill> ParseFill(std::string_view text);
-
-// The indices in `mesh` of those of `simplices` that it has.
-std::vector<std::uint32_t> FindTriangles(const IndexedMesh& mesh, const SimplexColumn& simplices);
 
 }  // namespace dynmesh::io
 

@@ -13,17 +13,20 @@ using data::Concat;
 namespace {
 
 struct NodeHeader {
+  int dimension = 2;
   std::uint64_t count = 0;
   std::uint64_t attributes = 0;
   bool has_markers = false;
 };
 
-absl::StatusOr<NodeHeader> ReadNodeHeader(TextReader& reader, std::uint64_t dimension) {
+absl::StatusOr<NodeHeader> ReadNodeHeader(TextReader& reader, int wanted) {
   if (!reader.Next()) return reader.Error("the file has no vertex header");
   absl::StatusOr<std::uint64_t> count = reader.Uint64(0, "the number of vertices");
   if (!count.ok()) return count.status();
-  absl::StatusOr<std::uint64_t> stated = HeaderValue(reader, 1, "the dimension", dimension);
+  const std::uint64_t otherwise = wanted == kStatedDimension ? 2 : static_cast<unsigned>(wanted);
+  absl::StatusOr<std::uint64_t> stated = HeaderValue(reader, 1, "the dimension", otherwise);
   if (!stated.ok()) return stated.status();
+  const std::uint64_t dimension = wanted == kStatedDimension && *stated == 3 ? 3 : otherwise;
   if (dimension == 2 && *stated == 3) {
     return absl::UnimplementedError(Concat(reader.name(), ":", reader.line(),
                                            ": 3 dimensions are not supported yet in this version"));
@@ -40,7 +43,20 @@ absl::StatusOr<NodeHeader> ReadNodeHeader(TextReader& reader, std::uint64_t dime
   if (*count >= std::numeric_limits<std::uint32_t>::max()) {
     return reader.Error(Concat(*count, " vertices are more than 2^32 - 2"));
   }
-  return NodeHeader{*count, *attributes, *has_markers};
+  return NodeHeader{static_cast<int>(dimension), *count, *attributes, *has_markers};
+}
+
+// The vertices that the current row names, after its number.
+template <std::size_t K>
+absl::Status ReadCorners(const TextReader& reader, const NodeSection& nodes,
+                         std::array<std::uint32_t, K>& corners) {
+  for (std::size_t k = 0; k < K; ++k) {
+    const absl::StatusOr<std::uint32_t> v =
+        VertexIndex(reader, 1 + k, nodes.base, nodes.positions.size());
+    if (!v.ok()) return v.status();
+    corners[k] = *v;
+  }
+  return absl::OkStatus();
 }
 
 // None if there is no such section.
@@ -55,10 +71,11 @@ absl::StatusOr<std::vector<SeedRow>> ReadSeeds(TextReader& reader, const char* w
 }  // namespace
 
 absl::StatusOr<NodeSection> ReadNodeSection(TextReader& reader, int dimension) {
-  const auto d = static_cast<std::size_t>(dimension);
-  const absl::StatusOr<NodeHeader> header = ReadNodeHeader(reader, d);
+  const absl::StatusOr<NodeHeader> header = ReadNodeHeader(reader, dimension);
   if (!header.ok()) return header.status();
+  const auto d = static_cast<std::size_t>(header->dimension);
   NodeSection nodes;
+  nodes.dimension = header->dimension;
   nodes.attributes = header->attributes;
   nodes.has_markers = header->has_markers;
   nodes.positions.reserve(Reserve(header->count, reader));
@@ -92,16 +109,17 @@ absl::StatusOr<NodeSection> ReadNodeSection(TextReader& reader, int dimension) {
   return nodes;
 }
 
-absl::StatusOr<PairSection> ReadPairSection(TextReader& reader, const char* what,
-                                            const NodeSection& nodes) {
+template <std::size_t K>
+absl::StatusOr<TupleSection<K>> ReadTupleSection(TextReader& reader, const char* what,
+                                                 const NodeSection& nodes) {
   if (!reader.Next()) return reader.Error(Concat("the file has no ", what, " header"));
   const absl::StatusOr<std::uint64_t> count = ReadCount(reader, what, 2);
   if (!count.ok()) return count.status();
   const absl::StatusOr<bool> has_markers = MarkerFlag(reader, 1);
   if (!has_markers.ok()) return has_markers.status();
-  PairSection pairs;
-  pairs.has_markers = *has_markers;
-  pairs.ends.reserve(Reserve(*count, reader));
+  TupleSection<K> rows;
+  rows.has_markers = *has_markers;
+  rows.ends.reserve(Reserve(*count, reader));
   std::uint64_t base = nodes.base;
   for (std::uint64_t i = 0; i < *count; ++i) {
     if (auto s = NextRow(reader, what, i, *count); !s.ok()) return s;
@@ -109,62 +127,66 @@ absl::StatusOr<PairSection> ReadPairSection(TextReader& reader, const char* what
       base = reader.token(0) == "0" ? 0 : 1;
     }
     if (auto s = CheckNumber(reader, what, base + i); !s.ok()) return s;
-    if (auto s = CheckWidth(reader, what, *has_markers ? 4 : 3); !s.ok()) return s;
-    const absl::StatusOr<std::uint32_t> a =
-        VertexIndex(reader, 1, nodes.base, nodes.positions.size());
-    if (!a.ok()) return a.status();
-    const absl::StatusOr<std::uint32_t> b =
-        VertexIndex(reader, 2, nodes.base, nodes.positions.size());
-    if (!b.ok()) return b.status();
+    if (auto s = CheckWidth(reader, what, 1 + K + (*has_markers ? 1 : 0)); !s.ok()) return s;
+    auto& ends = rows.ends.emplace_back();
+    if (auto status = ReadCorners(reader, nodes, ends); !status.ok()) return status;
     std::uint64_t mark = 0;
     if (*has_markers) {
-      const absl::StatusOr<std::uint64_t> marker = Marker(reader, 3);
+      const absl::StatusOr<std::uint64_t> marker = Marker(reader, 1 + K);
       if (!marker.ok()) return marker.status();
       mark = *marker;
     }
-    pairs.ends.push_back({*a, *b});
-    pairs.markers.push_back(mark);
-    pairs.lines.push_back(reader.line());
+    rows.markers.push_back(mark);
+    rows.lines.push_back(reader.line());
   }
-  return pairs;
+  return rows;
 }
 
-absl::StatusOr<TriangleSection> ReadTriangleSection(TextReader& reader, const NodeSection& nodes) {
-  if (!reader.Next()) return reader.Error("the file has no triangle header");
-  const absl::StatusOr<std::uint64_t> count = ReadCount(reader, "triangle", 3);
+template absl::StatusOr<TupleSection<2>> ReadTupleSection<2>(TextReader&, const char*,
+                                                             const NodeSection&);
+template absl::StatusOr<TupleSection<3>> ReadTupleSection<3>(TextReader&, const char*,
+                                                             const NodeSection&);
+
+template <int D>
+absl::StatusOr<SimplexSection<D>> ReadSimplexSection(TextReader& reader, const NodeSection& nodes) {
+  constexpr const char* kWhat = D == 2 ? "triangle" : "tetrahedron";
+  constexpr std::uint64_t kCorners = D + 1;
+  if (!reader.Next()) return reader.Error(Concat("the file has no ", kWhat, " header"));
+  const absl::StatusOr<std::uint64_t> count = ReadCount(reader, kWhat, 3);
   if (!count.ok()) return count.status();
-  const absl::StatusOr<std::uint64_t> corners = HeaderValue(reader, 1, "the number of corners", 3);
+  const absl::StatusOr<std::uint64_t> corners =
+      HeaderValue(reader, 1, "the number of corners", kCorners);
   if (!corners.ok()) return corners.status();
-  if (*corners != 3) {
-    return reader.Error(Concat(*corners, " nodes a triangle; only 3 are supported"));
+  if (*corners != kCorners) {
+    return reader.Error(
+        Concat(*corners, " nodes a ", kWhat, "; only ", kCorners, " are supported"));
   }
   const absl::StatusOr<std::uint64_t> attributes =
       HeaderValue(reader, 2, "the number of attributes", 0);
   if (!attributes.ok()) return attributes.status();
-  if (*attributes > 1000) return reader.Error("more than 1000 attributes a triangle");
-  TriangleSection triangles;
-  triangles.corners.reserve(Reserve(*count, reader));
+  if (*attributes > 1000) return reader.Error(Concat("more than 1000 attributes a ", kWhat));
+  SimplexSection<D> rows;
+  rows.corners.reserve(Reserve(*count, reader));
   for (std::uint64_t i = 0; i < *count; ++i) {
-    if (auto s = NextRow(reader, "triangle", i, *count); !s.ok()) return s;
-    if (auto s = CheckNumber(reader, "triangle", nodes.base + i); !s.ok()) return s;
-    if (auto s = CheckWidth(reader, "triangle", 4 + *attributes); !s.ok()) return s;
-    std::array<std::uint32_t, 3> t{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const absl::StatusOr<std::uint32_t> v =
-          VertexIndex(reader, 1 + k, nodes.base, nodes.positions.size());
-      if (!v.ok()) return v.status();
-      t[k] = *v;
-    }
-    triangles.corners.push_back(t);
+    if (auto s = NextRow(reader, kWhat, i, *count); !s.ok()) return s;
+    if (auto s = CheckNumber(reader, kWhat, nodes.base + i); !s.ok()) return s;
+    if (auto s = CheckWidth(reader, kWhat, 1 + kCorners + *attributes); !s.ok()) return s;
+    auto& row = rows.corners.emplace_back();
+    if (auto s = ReadCorners(reader, nodes, row); !s.ok()) return s;
     if (*attributes != 0) {
       double first = 0;
-      if (!ParseDouble(reader.token(4), &first)) first = std::numeric_limits<double>::quiet_NaN();
-      triangles.attributes.push_back(first);
+      if (!ParseDouble(reader.token(1 + kCorners), &first)) {
+        first = std::numeric_limits<double>::quiet_NaN();
+      }
+      rows.attributes.push_back(first);
     }
-    triangles.lines.push_back(reader.line());
+    rows.lines.push_back(reader.line());
   }
-  return triangles;
+  return rows;
 }
+
+template absl::StatusOr<SimplexSection<2>> ReadSimplexSection<2>(TextReader&, const NodeSection&);
+template absl::StatusOr<SimplexSection<3>> ReadSimplexSection<3>(TextReader&, const NodeSection&);
 
 absl::StatusOr<std::vector<SeedRow>> ReadSeedRows(TextReader& reader, const char* what,
                                                   std::uint64_t count, int dimension,

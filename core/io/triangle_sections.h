@@ -1,6 +1,5 @@
-// The parts that Triangle's files are made of: vertices, segments or edges,
-// triangles, holes, regions. Vertices, holes and regions are those of TetGen's as well, with
-// three coordinates. Each part is a header line with a count, then that many
+// The parts that Triangle's files and TetGen's are made of: vertices, segments or edges, faces,
+// triangles or tetrahedra, holes, regions. Each part is a header line with a count, then that many
 // rows, numbered from 0 or 1 as the vertices are.
 // Blank lines and `#` comments may stand anywhere.
 #ifndef DYNMESH_CORE_IO_TRIANGLE_SECTIONS_H_
@@ -19,6 +18,7 @@ namespace dynmesh::io {
 // Vertices in file order; in the plane the third coordinate is 0. Markers are read as 64 bits, -1
 // as 2^64 - 1.
 struct NodeSection {
+  int dimension = 2;
   std::uint64_t base = 1;  // the first vertex's number: 0 or 1
   std::uint64_t attributes = 0;
   bool has_markers = false;
@@ -27,16 +27,20 @@ struct NodeSection {
   std::vector<int> lines;
 };
 
-// Pairs of vertices (segments, edges), as indices into the vertices from 0.
-struct PairSection {
+// K vertices a row, as indices from 0: segments and edges, or faces.
+template <std::size_t K>
+struct TupleSection {
   bool has_markers = false;
-  std::vector<std::array<std::uint32_t, 2>> ends;
+  std::vector<std::array<std::uint32_t, K>> ends;
   std::vector<std::uint64_t> markers;
   std::vector<int> lines;
 };
+using PairSection = TupleSection<2>;
 
-struct TriangleSection {
-  std::vector<std::array<std::uint32_t, 3>> corners;
+// Simplices of dimension D.
+template <int D>
+struct SimplexSection {
+  std::vector<std::array<std::uint32_t, D + 1>> corners;
   std::vector<double> attributes;  // the first one of each row, NaN if it is no number; or none
   std::vector<int> lines;
 };
@@ -50,12 +54,17 @@ struct SeedRow {
 };
 
 // All start at the next line of `reader`; what follows their last row is not touched. The
-// `dimension` is 2 or 3.
+// `dimension` is 2 or 3; of vertices also kStatedDimension: the one that the header states, 2 if
+// it states none.
+inline constexpr int kStatedDimension = 0;
 absl::StatusOr<NodeSection> ReadNodeSection(TextReader& reader, int dimension);
-// `what`: "segment" or "edge".
-absl::StatusOr<PairSection> ReadPairSection(TextReader& reader, const char* what,
-                                            const NodeSection& nodes);
-absl::StatusOr<TriangleSection> ReadTriangleSection(TextReader& reader, const NodeSection& nodes);
+// `what`: "segment", "edge" or "face"; K is 2 or 3.
+template <std::size_t K>
+absl::StatusOr<TupleSection<K>> ReadTupleSection(TextReader& reader, const char* what,
+                                                 const NodeSection& nodes);
+// D is 2 or 3.
+template <int D>
+absl::StatusOr<SimplexSection<D>> ReadSimplexSection(TextReader& reader, const NodeSection& nodes);
 // None for a section that the file does not have.
 absl::StatusOr<std::vector<SeedRow>> ReadHoleSection(TextReader& reader, int dimension);
 absl::StatusOr<std::vector<SeedRow>> ReadRegionSection(TextReader& reader, int dimension);

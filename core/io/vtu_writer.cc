@@ -60,27 +60,39 @@ void WriteRegionTable(const RegionNumbers& regions, FileWriter& out) {
 void WritePoints(const IndexedMesh& mesh, FileWriter& out) {
   std::vector<double> positions;
   positions.reserve(3 * mesh.vertices.size());
-  for (const auto& v : mesh.vertices) positions.insert(positions.end(), {v.x, v.y, 0.0});
+  for (const auto& v : mesh.vertices) positions.insert(positions.end(), {v.x, v.y, v.z});
   out << "      <Points>\n";
   WriteArray("Float64", "Points", 3, positions, out);
   out << "      </Points>\n";
 }
 
+bool IsSubfacet(const IndexedMesh::Face& f) {
+  return f.owner != kNoFeature && f.owner != kBoxFeature;
+}
+
+// Simplices, then subfacets.
 void WriteCells(const IndexedMesh& mesh, FileWriter& out) {
   constexpr std::uint8_t kVtkTriangle = 5;
+  constexpr std::uint8_t kVtkTetra = 10;
   std::vector<std::int64_t> connectivity;
   std::vector<std::int64_t> offsets;
-  connectivity.reserve(3 * mesh.triangles.size());
-  offsets.reserve(mesh.triangles.size());
-  for (const auto& t : mesh.triangles) {
-    connectivity.insert(connectivity.end(), t.begin(), t.end());
+  std::vector<std::uint8_t> types;
+  const std::size_t n = mesh.simplex_count() + mesh.subfacet_count();
+  connectivity.reserve((static_cast<std::size_t>(mesh.dimension) + 1) * n);
+  offsets.reserve(n);
+  const auto add = [&](const auto& corners) {
+    connectivity.insert(connectivity.end(), corners.begin(), corners.end());
     offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
+    types.push_back(corners.size() == 3 ? kVtkTriangle : kVtkTetra);
+  };
+  ForEachSimplex(mesh, add);
+  for (const auto& f : mesh.faces) {
+    if (IsSubfacet(f)) add(f.corners);
   }
   out << "      <Cells>\n";
   WriteArray("Int64", "connectivity", 1, connectivity, out);
   WriteArray("Int64", "offsets", 1, offsets, out);
-  WriteArray("UInt8", "types", 1, std::vector<std::uint8_t>(mesh.triangles.size(), kVtkTriangle),
-             out);
+  WriteArray("UInt8", "types", 1, types, out);
   out << "      </Cells>\n";
 }
 
@@ -101,16 +113,26 @@ void WriteCellData(const IndexedMesh& mesh, double rho, FileWriter& out) {
   std::vector<double> ratios;
   std::vector<double> angles;
   std::vector<std::uint8_t> exempt;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const TriangleQuality q = MeasureTriangle(mesh, i);
+  for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
+    const SimplexMeasures q = MeasureSimplex(mesh, i);
     ratios.push_back(q.radius_edge);
     angles.push_back(q.min_angle_deg);
   }
-  for (const SimplexVerdict verdict : JudgeTriangles(mesh, rho)) {
+  for (const SimplexVerdict verdict : JudgeSimplices(mesh, rho)) {
     exempt.push_back(verdict == SimplexVerdict::kSmallInputAngle    ? 1
                      : verdict == SimplexVerdict::kTerminationGuard ? 2
                                                                     : 0);
   }
+  std::vector<std::uint32_t> regions = mesh.regions.numbers;
+  std::vector<std::int64_t> owners(mesh.simplex_count(), 0);
+  for (const auto& f : mesh.faces) {
+    if (IsSubfacet(f)) owners.push_back(static_cast<std::int64_t>(f.owner));
+  }
+  // What does not apply to subfacets.
+  ratios.resize(owners.size(), std::numeric_limits<double>::quiet_NaN());
+  angles.resize(owners.size(), std::numeric_limits<double>::quiet_NaN());
+  exempt.resize(owners.size(), 0);
+  regions.resize(owners.size(), 0);
   out << "      <CellData Scalars=\"min_angle\">\n";
   WriteArray("Float64", "quality", 1, ratios, out);
   WriteArray("Float64", "min_angle", 1, angles, out);
@@ -118,8 +140,9 @@ void WriteCellData(const IndexedMesh& mesh, double rho, FileWriter& out) {
   WriteArray("Float64", "radius_edge", 1, ratios, out);
   WriteArray("Float64", "min_angle_deg", 1, angles, out);
   if (mesh.regions.count() != 0) {
-    WriteArray("UInt32", "region", 1, mesh.regions.numbers, out);
+    WriteArray("UInt32", "region", 1, regions, out);
   }
+  if (mesh.dimension == 3) WriteArray("Int64", "owner", 1, owners, out);
   out << "      </CellData>\n";
 }
 
@@ -133,7 +156,7 @@ absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& pa
          "  <UnstructuredGrid>\n";
   WriteRegionTable(mesh.regions, out);
   out << "    <Piece NumberOfPoints=\"" << mesh.vertices.size() << "\" NumberOfCells=\""
-      << mesh.triangles.size() << "\">\n";
+      << mesh.simplex_count() + mesh.subfacet_count() << "\">\n";
   WritePoints(mesh, out);
   WriteCells(mesh, out);
   WritePointData(mesh, out);

@@ -9,12 +9,16 @@
 
 namespace dynmesh::io {
 
-// Triangles, values exact: inline base64, little-endian.
+// Triangles, in space tetrahedra and after them the subfacets; values exact: inline base64,
+// little-endian.
 //   point data  containing_dimension; owner: the feature's id, -1 on the domain box, 0 if none
-//   cell data   quality: circumradius / shortest edge; min_angle: degrees; exempt: 1 where an
-//               input angle too small for `rho` excuses a triangle over it, 2 where the termination guard does, else 0;
+//   cell data   quality: circumradius / shortest edge; min_angle: degrees, in space dihedral;
+//               exempt: 1 where an input angle too small for `rho` excuses a simplex over it, 2
+//               where the termination guard does, else 0;
 //               radius_edge and min_angle_deg: the first two by their older names
-// If there are polygons, also, with the numbers of region_numbers.h:
+//               in space owner: of a subfacet the feature's id, 0 of tetrahedra. The other values
+//               of subfacets are no numbers or 0.
+// If there are regions, also, with the numbers of region_numbers.h:
 //   cell data   region: its number, 0 in no polygon
 //   field data  region_polygons: the polygons' ids, region after region; region_ends: how many
 //               of them there are up to and with region 1, 2, ...

@@ -14,6 +14,7 @@ std::string Measure(const io::MeshFiles& files) {
   if (mesh.vertices.size() != files.mesh.vertices.size()) return "a vertex was lost";
   if (!(ComputeHash(mesh) == mesh.hash)) return "the hash is not that of the parts";
   MeshOptions options;
+  options.dimension = mesh.dimension;
   const std::vector<SimplexVerdict> verdicts = JudgeSimplices(mesh, options);
   const QualityReport quality = MeasureQuality(mesh, options);
   std::uint64_t exempt = 0, over = 0;
@@ -24,8 +25,8 @@ std::string Measure(const io::MeshFiles& files) {
   if (exempt != quality.exempt || over != quality.over_rho) return "two verdicts disagree";
   // A file may repeat what a mesh has once; then there is no index, but an error.
   const absl::StatusOr<io::IndexedMesh> indexed = io::IndexMesh(mesh);
-  if (indexed.ok() && indexed->triangles.size() != files.mesh.triangles.size()) {
-    return "a triangle was lost";
+  if (indexed.ok() && indexed->simplex_count() != files.mesh.simplex_count()) {
+    return "a simplex was lost";
   }
   return "";
 }
@@ -39,13 +40,18 @@ std::string FuzzMeshFiles(std::string_view bytes) {
   };
   std::optional<io::TextReader> edges;
   if (parts.size() > 2) edges = part(2, "fuzz.edge");
-  const absl::StatusOr<io::MeshFiles> files =
-      io::ParseMeshFiles(part(0, "fuzz.node"), part(1, "fuzz.ele"), std::move(edges));
+  std::optional<io::TextReader> faces;
+  if (parts.size() > 3) faces = part(3, "fuzz.face");
+  const absl::StatusOr<io::MeshFiles> files = io::ParseMeshFiles(
+      part(0, "fuzz.node"), part(1, "fuzz.ele"), std::move(edges), std::move(faces));
   if (!files.ok()) {
     const bool placed = files.status().message().substr(0, 5) == "fuzz.";
     return placed ? "" : "an error without a file: " + files.status().ToString();
   }
   if (files->has_edges != (parts.size() > 2)) return "edges from nowhere";
+  if (files->has_faces != (parts.size() > 3 && files->mesh.dimension == 3)) {
+    return "faces from nowhere";
+  }
   if (const std::string problem = Measure(*files); !problem.empty()) return problem;
   const cli::VerifyReport report = cli::VerifyMesh(*files, kDefaultQuality2D, nullptr);
   return report.checks.empty() ? "the judge made no check" : "";

@@ -22,8 +22,8 @@ std::string FuzzPlanarInput(std::string_view bytes);
 // joining its faces must not depend on theirs.
 std::string FuzzSpaceInput(std::string_view bytes);
 
-// A mesh as `.node`, `.ele` and `.edge` files with lines `---` between them. What parses must
-// survive conversion, measuring and the judge.
+// A mesh as `.node`, `.ele`, `.edge` and `.face` files with lines `---` between them. What parses
+// must survive conversion, measuring and the judge.
 std::string FuzzMeshFiles(std::string_view bytes);
 
 // Batches of edits, packed (batches_fuzz.cc). A refused one must change nothing; after the

@@ -17,6 +17,7 @@
 #include "core/io/text_reader.h"
 #include "gtest/gtest.h"
 #include "tests/core/io/any_mesh.h"
+#include "tests/core/io/good_space_mesh.h"
 #include "tests/core/io/sample_mesh.h"
 #include "tests/core/io/temp_folder.h"
 
@@ -34,6 +35,7 @@ struct MshContent {
   std::map<Entity, std::vector<int>> physical_of;  // of entities
   std::map<int, std::vector<int>> curve_points;
   std::map<int, std::vector<int>> surface_curves;
+  std::map<int, std::vector<int>> volume_surfaces;
   std::map<std::uint64_t, std::array<double, 3>> nodes;
   std::map<std::uint64_t, Entity> entity_of_node;
   struct Element {
@@ -107,6 +109,7 @@ void ReadEntities(const std::string& text, MshContent& content) {
         EXPECT_TRUE(content.physical_of.contains({dimension - 1, std::abs(below)}));
         if (dimension == 1) content.curve_points[tag].push_back(below);
         if (dimension == 2) content.surface_curves[tag].push_back(below);
+        if (dimension == 3) content.volume_surfaces[tag].push_back(below);
       }
     }
   }
@@ -138,7 +141,8 @@ void ReadNodes(const std::string& text, MshContent& content) {
 }
 
 void ReadElements(const std::string& text, MshContent& content) {
-  const std::map<int, std::pair<int, int>> kinds = {{15, {0, 1}}, {1, {1, 2}}, {2, {2, 3}}};
+  const std::map<int, std::pair<int, int>> kinds = {
+      {15, {0, 1}}, {1, {1, 2}}, {2, {2, 3}}, {4, {3, 4}}};
   Section s(text, "Elements");
   const long blocks = s.Int(), count = s.Int(), least = s.Int(), greatest = s.Int();
   for (long b = 0; b < blocks; ++b) {
@@ -319,6 +323,51 @@ TEST(Msh, KeepsEveryBitAndEveryOwnerOfAnyMesh) {
   const IndexedMesh mesh = testing::AnyMesh(seed, 2000);
   ASSERT_TRUE(WriteMsh(mesh, folder.Path("m.msh")).ok());
   ExpectHolds(ReadMsh(folder.Read("m.msh")), mesh);
+}
+
+TEST(Msh, OfAMeshOfSpaceHasPolygonsAsSurfaces) {
+  const TempFolder folder;
+  const IndexedMesh mesh = IndexMesh(testing::MakeGoodSpaceMesh(5, 40).mesh).value();
+  ASSERT_TRUE(WriteMsh(mesh, folder.Path("m.msh")).ok());
+  const MshContent content = ReadMsh(folder.Read("m.msh"));
+  ASSERT_EQ(content.nodes.size(), mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const auto& v = mesh.vertices[i];
+    EXPECT_EQ(content.nodes.at(i + 1), v.place());
+    const Entity entity = content.entity_of_node.at(i + 1);
+    EXPECT_EQ(entity.first, v.owner == kBoxFeature ? 2 : v.containing_dimension);
+    EXPECT_EQ(NameOf(content, entity), v.owner == kNoFeature ? "domain" : NameOf(v.owner));
+  }
+  using Row = std::pair<std::vector<std::uint64_t>, std::string>;
+  std::map<int, std::multiset<Row>> rows, found;
+  const auto add = [&](int type, const auto& corners, const std::string& name) {
+    std::vector<std::uint64_t> nodes;
+    for (const auto v : corners) nodes.push_back(v + 1ULL);
+    rows[type].insert({nodes, name});
+  };
+  for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {
+    const auto& v = mesh.vertices[i];
+    const bool point = v.containing_dimension == 0 && v.owner != kBoxFeature;
+    if (point) add(15, std::array{i}, NameOf(v.owner));
+  }
+  for (const auto& e : mesh.edges) {
+    if (e.owner != kNoFeature) add(1, std::array{e.a, e.b}, NameOf(e.owner));
+  }
+  for (const auto& f : mesh.faces) add(2, f.corners, NameOf(f.owner));
+  for (const auto& t : mesh.tetrahedra) add(4, t, "domain");
+  for (const auto& [tag, element] : content.elements) {
+    found[element.type].insert({element.nodes, NameOf(content, element.entity)});
+  }
+  EXPECT_EQ(rows, found);
+  // The box's surface borders the volume, the plate, which has it on both sides, does not; its
+  // own curves border the plate.
+  ASSERT_EQ(content.volume_surfaces.at(1).size(), 1U);
+  EXPECT_EQ(NameOf(content, {2, content.volume_surfaces.at(1)[0]}), "box");
+  std::set<std::string> curves;
+  for (const auto& [tag, below] : content.surface_curves) {
+    for (const int curve : below) curves.insert(NameOf(content, {1, curve}));
+  }
+  EXPECT_EQ(curves, (std::set{NameOf(testing::kPlate), NameOf(testing::kRim)}));
 }
 
 TEST(Msh, OfNothingIsStillAFile) {

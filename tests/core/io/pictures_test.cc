@@ -101,7 +101,7 @@ IndexedMesh Wedge() {
 TEST(Vtu, TellsWhatASmallInputAngleExcuses) {
   const TempFolder folder;
   const IndexedMesh mesh = Wedge();
-  const std::vector<SimplexVerdict> verdicts = JudgeTriangles(mesh, 1.0);
+  const std::vector<SimplexVerdict> verdicts = JudgeSimplices(mesh, 1.0);
   ASSERT_EQ(verdicts.size(), 4U);
   // 0-3-4 has the short edge; 3-1-2 is as bad, but its short edge joins input points.
   EXPECT_EQ(verdicts[0], SimplexVerdict::kSmallInputAngle);
@@ -169,7 +169,7 @@ TEST(Svg, ShowsWhatIsExempt) {
   SvgOptions options;
   options.fill = SvgOptions::Fill::kExempt;
   options.rho = 1;
-  const std::vector<SimplexVerdict> verdicts = JudgeTriangles(Wedge(), 1);
+  const std::vector<SimplexVerdict> verdicts = JudgeSimplices(Wedge(), 1);
   ASSERT_TRUE(WriteSvg(Wedge(), options, folder.Path("m.svg")).ok());
   const std::string svg = folder.Read("m.svg");
   const auto count = [&](SimplexVerdict verdict) {
@@ -228,7 +228,7 @@ TEST(Svg, HighlightsWhatIsAsked) {
   SvgOptions options;
   options.fill = SvgOptions::Fill::kNone;
   options.highlight =
-      FindTriangles(indexed, {mesh.simplices[0], mesh.simplices[1], mesh.simplices[2], 1, 2, 3});
+      FindSimplices(indexed, {mesh.simplices[0], mesh.simplices[1], mesh.simplices[2], 1, 2, 3});
   ASSERT_EQ(options.highlight.size(), 1U);
   options.highlight.push_back(999);  // nothing there: nothing drawn
   ASSERT_TRUE(WriteSvg(indexed, options, folder.Path("m.svg")).ok());

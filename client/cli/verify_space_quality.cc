@@ -1,0 +1,131 @@
+// Radius-edge ratio and dihedral angles of tetrahedra, computed anew and in another way than
+// dynmesh/quality.h: squared, in long double; where these do not tell, in rationals.
+#include <CGAL/Exact_rational.h>
+#include <CGAL/Simple_cartesian.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "client/cli/verify_internal.h"
+#include "core/data/text.h"
+
+namespace dynmesh::cli {
+namespace {
+
+using Real = long double;
+using Vector = std::array<Real, 3>;
+using ExactKernel = CGAL::Simple_cartesian<CGAL::Exact_rational>;
+
+Vector Minus(const Vector& u, const Vector& v) { return {u[0] - v[0], u[1] - v[1], u[2] - v[2]}; }
+Real Dot(const Vector& u, const Vector& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
+Vector Cross(const Vector& u, const Vector& v) {
+  return {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+}
+Real Norm(const Vector& u) { return std::hypot(u[0], u[1], u[2]); }
+
+struct Shape {
+  double ratio = std::numeric_limits<double>::infinity();
+  double shortest = 0;
+  double min_angle = 0;
+  double max_angle = 180;
+};
+
+// The ratio squared; infinity if flat or turned inside out.
+Real ExactRatioSquared(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t) {
+  std::array<ExactKernel::Point_3, 4> p;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto& v = mesh.vertices[t[k]];
+    p[k] = {v.x, v.y, v.z};
+  }
+  if (CGAL::orientation(p[0], p[1], p[2], p[3]) != CGAL::POSITIVE) {
+    return std::numeric_limits<Real>::infinity();
+  }
+  CGAL::Exact_rational shortest = CGAL::squared_distance(p[0], p[1]);
+  for (std::size_t j = 0; j < 4; ++j) {
+    for (std::size_t k = j + 1; k < 4; ++k) {
+      shortest = std::min<CGAL::Exact_rational>(shortest, CGAL::squared_distance(p[j], p[k]));
+    }
+  }
+  return CGAL::to_double(
+      CGAL::Exact_rational(CGAL::squared_radius(p[0], p[1], p[2], p[3]) / shortest));
+}
+
+Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t) {
+  std::array<Vector, 4> p;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto place = mesh.vertices[t[k]].place();
+    p[k] = {place[0], place[1], place[2]};
+  }
+  Real shortest = std::numeric_limits<Real>::infinity(), longest = 0;
+  for (std::size_t j = 0; j < 4; ++j) {
+    for (std::size_t k = j + 1; k < 4; ++k) {
+      const Real length = Norm(Minus(p[j], p[k]));
+      shortest = std::min(shortest, length), longest = std::max(longest, length);
+    }
+  }
+  Shape shape;
+  shape.shortest = static_cast<double>(shortest);
+  if (!(shortest > 0)) return shape;
+  // In units of the longest edge.
+  std::array<Vector, 3> e;
+  for (std::size_t i = 0; i < 3; ++i) {
+    e[i] = Minus(p[i + 1], p[0]);
+    for (Real& c : e[i]) c /= longest;
+  }
+  const Vector bc = Cross(e[1], e[2]), ca = Cross(e[2], e[0]), ab = Cross(e[0], e[1]);
+  const Real volume = Dot(e[0], bc);  // six times
+  Real squared;
+  if (std::abs(volume) > 1e-6L) {
+    if (volume < 0) return shape;
+    const Real sa = Dot(e[0], e[0]), sb = Dot(e[1], e[1]), sc = Dot(e[2], e[2]);
+    Vector to_center;
+    for (std::size_t k = 0; k < 3; ++k) to_center[k] = sa * bc[k] + sb * ca[k] + sc * ab[k];
+    const Real ratio = Norm(to_center) / (2 * volume) / (shortest / longest);
+    squared = ratio * ratio;
+  } else {
+    squared = ExactRatioSquared(mesh, t);
+    if (std::isinf(squared)) return shape;
+  }
+  shape.ratio = static_cast<double>(std::sqrt(squared));
+  // Normals to the outside, as long as twice the areas. Opposite to a, b, c, d.
+  const Vector from_b = Minus(e[1], e[0]), from_c = Minus(e[2], e[0]);
+  std::array<Vector, 4> normal = {Cross(from_b, from_c), bc, ca, ab};
+  for (std::size_t i = 1; i < 4; ++i) {
+    for (Real& c : normal[i]) c = -c;
+  }
+  shape.min_angle = 180, shape.max_angle = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = i + 1; j < 4; ++j) {
+      const Real sine = Norm(Cross(normal[i], normal[j]));
+      const auto angle = static_cast<double>(std::atan2(sine, -Dot(normal[i], normal[j])) * 180 /
+                                             std::numbers::pi_v<Real>);
+      shape.min_angle = std::min(shape.min_angle, angle);
+      shape.max_angle = std::max(shape.max_angle, angle);
+    }
+  }
+  return shape;
+}
+
+}  // namespace
+
+VerifyCheck CheckSpaceQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report) {
+  Findings findings("quality");
+  const double ulp = LargestUlp(mesh);
+  report.min_angle_deg = mesh.tetrahedra.empty() ? 0 : 180;
+  for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    const Shape shape = Measure(mesh, mesh.tetrahedra[t]);
+    report.worst_radius_edge = std::max(report.worst_radius_edge, shape.ratio);
+    report.min_angle_deg = std::min(report.min_angle_deg, shape.min_angle);
+    report.max_angle_deg = std::max(report.max_angle_deg, shape.max_angle);
+    if (shape.ratio <= rho * (1 + Slack(shape.shortest, ulp))) continue;
+    ++report.over_rho;
+    findings.Add(
+        data::Concat(TetrahedronName(t), " has circumradius / shortest edge ", shape.ratio));
+  }
+  return findings.Take();
+}
+
+}  // namespace dynmesh::cli
