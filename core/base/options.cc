@@ -21,13 +21,18 @@
 namespace dynmesh {
 namespace {
 
-// Products of four coordinates, and of four of the smallest distances allowed in a
-// box, must stay within the exponents of a double.
-constexpr double kMaxMagnitude = 0x1p200;
-constexpr double kMinExtent = 0x1p-140;
+// Must stay within the exponents of a double, of coordinates of the domain as of the smallest
+// distances allowed in a box: products of four in the plane (in-circle), of six in space (the
+// square of a volume; in-sphere is one of five). The domain is up to 17 times as large as the
+// box, the smallest distance 2^-42 of it: in space 2^(6 * 155) and 2^(-6 * 152).
+struct Range {
+  int most_magnitude, least_extent;  // powers of two
+};
+constexpr Range RangeIn(int dimension) {
+  return dimension == 2 ? Range{200, -140} : Range{150, -110};
+}
 // Longest side of the box, in ulps of its largest coordinate.
 constexpr double kMinExtentUlps = 0x1p20;
-constexpr std::uint64_t kMinVertices = 24;
 
 std::string Shortest(double x) {
   std::array<char, 32> text;
@@ -56,7 +61,7 @@ double LargestMagnitude(const Box& box, int dimension) {
 
 absl::Status ValidateBox(const Box& box, int dimension) {
   for (int i = 0; i < dimension; ++i) {
-    const char axis = "xy"[i];
+    const char axis = "xyz"[i];
     if (!std::isfinite(box.lo[i]) || !std::isfinite(box.hi[i])) {
       return BadOption(absl::StrCat("box: ", std::string(1, axis), " from ", Shortest(box.lo[i]),
                                     " to ", Shortest(box.hi[i]), " is not finite"));
@@ -68,14 +73,16 @@ absl::Status ValidateBox(const Box& box, int dimension) {
     }
   }
   const double magnitude = LargestMagnitude(box, dimension);
-  if (magnitude > kMaxMagnitude) {
+  const Range range = RangeIn(dimension);
+  if (magnitude > std::ldexp(1.0, range.most_magnitude)) {
     return BadOption(absl::StrCat("box: coordinate of magnitude ", Shortest(magnitude),
-                                  " is above 2^200; choose a larger unit of length"));
+                                  " is above 2^", range.most_magnitude,
+                                  "; choose a larger unit of length"));
   }
   const double side = LongestSide(box, dimension);
-  if (side < kMinExtent) {
-    return BadOption(absl::StrCat("box: longest side ", Shortest(side),
-                                  " is below 2^-140; choose a smaller unit of length"));
+  if (side < std::ldexp(1.0, range.least_extent)) {
+    return BadOption(absl::StrCat("box: longest side ", Shortest(side), " is below 2^",
+                                  range.least_extent, "; choose a smaller unit of length"));
   }
   if (magnitude > 0 && side < kMinExtentUlps * UlpOf(magnitude)) {
     return BadOption(absl::StrCat(
@@ -86,37 +93,53 @@ absl::Status ValidateBox(const Box& box, int dimension) {
   return absl::OkStatus();
 }
 
-}  // namespace
-
-absl::Status ValidateOptions(const MeshOptions& options) {
-  if (options.dimension == 3) {
-    return BadOption("dimension: 3 is to come; only 2 is implemented");
-  }
-  if (options.dimension != 2) {
-    return BadOption(absl::StrCat("dimension: ", options.dimension, " is not 2"));
-  }
-  if (absl::Status status = ValidateBox(options.box, options.dimension); !status.ok()) return status;
-  if (!(options.quality >= kMinQuality2D && options.quality <= kMaxQuality)) {
+absl::Status ValidateQuality(const MeshOptions& options) {
+  const bool plane = options.dimension == 2;
+  const double least = plane ? kMinQuality2D : kMinQuality3D;
+  if (!(options.quality >= least && options.quality <= kMaxQuality)) {
     return BadOption(absl::StrCat("quality: ", Shortest(options.quality), " is not in ",
-                                  Shortest(kMinQuality2D), " to ", Shortest(kMaxQuality)));
+                                  Shortest(least), " to ", Shortest(kMaxQuality)));
   }
   if (options.criterion != Criterion::kEdge && options.criterion != Criterion::kThesis) {
     return BadOption(absl::StrCat("criterion: ", static_cast<int>(options.criterion),
                                   " is neither edge nor thesis"));
   }
-  if (options.criterion == Criterion::kThesis && options.quality < kMinThesisQuality2D) {
+  const double least_thesis = plane ? kMinThesisQuality2D : kMinThesisQuality3D;
+  if (options.criterion == Criterion::kThesis && options.quality < least_thesis) {
     return BadOption(absl::StrCat(
-        "quality: ", Shortest(options.quality), " is below ", Shortest(kMinThesisQuality2D),
+        "quality: ", Shortest(options.quality), " is below ", Shortest(least_thesis),
         ", the least for criterion thesis, which may refine without end nearer to 1; raise it or "
         "choose criterion edge"));
   }
+  return absl::OkStatus();
+}
+
+// Room for the bare domain box: a grid on its border, and in space what refinement puts inside, up
+// to 0.45 times as many (at rho 1.2; a few at 2).
+std::uint64_t LeastVertices(const MeshOptions& options) {
+  const auto n = static_cast<std::uint64_t>(BorderVertices(options));
+  std::uint64_t all = 1, inside = 1;
+  for (int i = 0; i < options.dimension; ++i) all *= n, inside *= n - 2;
+  return options.dimension == 2 ? all - inside : (all - inside) * 3 / 2;
+}
+
+}  // namespace
+
+absl::Status ValidateOptions(const MeshOptions& options) {
+  if (options.dimension != 2 && options.dimension != 3) {
+    return BadOption(absl::StrCat("dimension: ", options.dimension, " is neither 2 nor 3"));
+  }
+  if (absl::Status status = ValidateBox(options.box, options.dimension); !status.ok())
+    return status;
+  if (absl::Status status = ValidateQuality(options); !status.ok()) return status;
   if (options.max_edge != 0 && !(options.max_edge > 0 && std::isfinite(options.max_edge))) {
     return BadOption(absl::StrCat("max_edge: ", Shortest(options.max_edge),
                                   " is no length; leave it 0 for none"));
   }
-  if (options.limits.max_vertices < kMinVertices) {
+  const std::uint64_t least_vertices = LeastVertices(options);
+  if (options.limits.max_vertices < least_vertices) {
     return BadOption(absl::StrCat("limits.max_vertices: ", options.limits.max_vertices,
-                                  " is below the ", kMinVertices, " of the bare domain box"));
+                                  " is below the ", least_vertices, " of the bare domain box"));
   }
   if (options.limits.max_depth < 1) {
     return BadOption(

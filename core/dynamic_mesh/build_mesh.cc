@@ -2,19 +2,21 @@
 #include <memory>
 
 #include "core/dynamic_mesh/limits.h"
-#include "core/dynamic_mesh/planar_mesh.h"
+#include "core/dynamic_mesh/live_mesh.h"
 
 namespace dynmesh {
 
-absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options) {
-  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
-  plc::Plc2 plc(options);
-  const absl::StatusOr<plc::Delta<2>> delta = plc.Check(plc::Edits::Adding(features));
+namespace {
+
+template <int D>
+absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions& options) {
+  plc::Plc<D> plc(options);
+  const absl::StatusOr<plc::Delta<D>> delta = plc.Check(plc::Edits::Adding(features));
   if (!delta.ok()) return delta.status();
 
-  DiffBuilder diffs;
-  FeatureTable table;
-  meshing::Refinement<2, sac::UntracedEngine> refinement(options, &diffs.triangulation());
+  DiffBuilder<D> diffs;
+  FeatureTable<D> table;
+  meshing::Refinement<D, sac::UntracedEngine> refinement(options, &diffs.triangulation());
   refinement.Reserve(delta->added_points.size());
   table.Apply(*delta, refinement);
   refinement.Propagate([&] { return IsOverLimits(refinement, options.limits); });
@@ -23,6 +25,13 @@ absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOpti
   if (absl::Status status = diffs.RegionStatus(); !status.ok()) return status;
   mesh.revision = features.empty() ? 0 : 1;
   return mesh;
+}
+
+}  // namespace
+
+absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options) {
+  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
+  return options.dimension == 2 ? Build<2>(features, options) : Build<3>(features, options);
 }
 
 }  // namespace dynmesh

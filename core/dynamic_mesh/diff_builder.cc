@@ -11,90 +11,46 @@ namespace dynmesh {
 namespace {
 
 using data::InCanonicalOrder;
-using Subsegment = meshing::Subsegment<2>;
 using meshing::SubsegmentIndex;
-using Vertex = meshing::Vertex<2>;
 using meshing::VertexIndex;
-using Triangulation = mesh::DelaunayTriangulation;
 
-void Reserve(VertexColumns& columns, std::size_t rows) {
-  columns.ids.reserve(rows);
-  columns.coordinates.reserve(2 * rows);
-  columns.containing_dimensions.reserve(rows);
-  columns.owners.reserve(rows);
+template <std::size_t N>
+bool IsFinite(const std::array<VertexIndex, N>& v) {
+  return std::find(v.begin(), v.end(), mesh::DelaunayTriangulation::kInfinite) == v.end();
 }
 
-bool IsFinite(const std::array<VertexIndex, 3>& v) {
-  return v[0] != Triangulation::kInfinite && v[1] != Triangulation::kInfinite &&
-         v[2] != Triangulation::kInfinite;
-}
-
-// Takes away what stands in both, and leaves the rest sorted.
-template <class T>
-void Cancel(std::vector<T>& a, std::vector<T>& b) {
-  std::sort(a.begin(), a.end());
-  std::sort(b.begin(), b.end());
-  auto i = a.begin(), j = b.begin(), only_a = a.begin(), only_b = b.begin();
-  while (i != a.end() && j != b.end()) {
-    if (*i < *j) {
-      *only_a++ = *i++;
-    } else if (*j < *i) {
-      *only_b++ = *j++;
-    } else {
-      ++i, ++j;
-    }
-  }
-  a.erase(std::copy(i, a.end(), only_a), a.end());
-  b.erase(std::copy(j, b.end(), only_b), b.end());
+template <class Refinement>
+auto FacetsOf(const Refinement& refinement) {
+  return [&](VertexIndex a, VertexIndex b, VertexIndex c, VertexIndex d) {
+    const meshing::FacetIndex facet = refinement.FacetOf(a, b, c, d);
+    return facet == meshing::kNil ? meshing::kNil : refinement.facets()[facet].feature();
+  };
 }
 
 }  // namespace
 
-template <class Row>
-void DiffBuilder::Rows<Row>::Net() {
-  Cancel(gone, come);
-}
-
 // --- Rows -----------------------------------------------------------------------------
 
-DiffBuilder::VertexRow DiffBuilder::RowOf(VertexId id, const Vertex& v,
-                                          const FeatureTable& features) {
+template <int D>
+VertexRow<D> DiffBuilder<D>::RowOf(VertexId id, const Vertex& v, const FeatureTable<D>& features) {
   return {id, v.p.c, v.dimension, features.IdOf(v.feature)};
 }
 
-DiffBuilder::SubsegmentRow DiffBuilder::RowOf(VertexId a, VertexId b, FeatureId owner) {
-  return {{std::min(a, b), std::max(a, b)}, owner};
-}
-
-void DiffBuilder::Append(VertexColumns& to, const VertexRow& row) {
-  to.ids.push_back(row.id);
-  for (const double c : row.coordinates) to.coordinates.push_back(c);
-  to.containing_dimensions.push_back(static_cast<std::uint8_t>(row.dimension));
-  to.owners.push_back(row.owner);
-}
-
-void DiffBuilder::Append(SubsegmentColumns& to, const SubsegmentRow& row) {
-  for (const VertexId end : row.ends) to.ends.push_back(end);
-  to.owners.push_back(row.owner);
-}
-
-MeshHash DiffBuilder::HashOf(const VertexRow& row) {
-  return HashVertex(row.coordinates.data(), 2, row.dimension, row.owner);
-}
-
-void DiffBuilder::Append(const std::vector<SimplexRow>& rows, SimplexColumn* simplices,
-                         RegionColumn* regions) {
-  simplices->reserve(3 * rows.size());
+template <int D>
+void DiffBuilder<D>::AppendAll(const std::vector<SimplexRow<D>>& rows, SimplexColumn* simplices,
+                               RegionColumn* regions) {
+  simplices->reserve((D + 1) * rows.size());
   if (!labels_.empty()) regions->reserve(rows.size());
-  for (const SimplexRow& row : rows) {
+  for (const SimplexRow<D>& row : rows) {
     simplices->insert(simplices->end(), row.ids.begin(), row.ids.end());
     if (!labels_.empty()) regions->push_back(row.region);
   }
 }
 
 // Drops columns that say nothing; lists the sets of polygons that the others name.
-void DiffBuilder::NameRegions(std::initializer_list<RegionColumn*> columns,
-                              std::vector<RegionSet>* sets) const {
+template <int D>
+void DiffBuilder<D>::NameRegions(std::initializer_list<RegionColumn*> columns,
+                                 std::vector<RegionSet>* sets) const {
   std::vector<RegionId> ids;
   for (RegionColumn* column : columns) {
     data::DropIfIdle(*column);
@@ -102,24 +58,11 @@ void DiffBuilder::NameRegions(std::initializer_list<RegionColumn*> columns,
       if (ids.empty() || ids.back() != id) ids.push_back(id);
     }
   }
-  if (!ids.empty()) *sets = labels_.sets().SetsOf(&ids);
+  if (!ids.empty()) *sets = labels_.SetsOf(&ids);
 }
 
-MeshHash DiffBuilder::HashOf(const SimplexRow& row) {
-  return HashSimplex(row.ids.data(), 3, row.region);
-}
-
-MeshHash DiffBuilder::HashOf(const SubsegmentRow& row) {
-  return HashSubsegment(row.ends[0], row.ends[1], row.owner);
-}
-
-std::array<VertexId, 3> DiffBuilder::CanonicalIds(Triangulation::TriangleIndex t) const {
-  const Corners& v = triangulation_.vertices(t);
-  return InCanonicalOrder(
-      std::array<VertexId, 3>{names_.at(v[0]), names_.at(v[1]), names_.at(v[2])});
-}
-
-absl::Status DiffBuilder::RegionStatus() const {
+template <int D>
+absl::Status DiffBuilder<D>::RegionStatus() const {
   const auto polygons = labels_.overfull();
   if (polygons.empty()) return absl::OkStatus();
   const FeatureId last = polygons.back();
@@ -134,50 +77,64 @@ absl::Status DiffBuilder::RegionStatus() const {
 
 // --- The whole mesh -------------------------------------------------------------------
 
+template <int D>
 template <class Refinement>
-Mesh DiffBuilder::Begin(Refinement& refinement, const FeatureTable& features) {
+Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& features) {
   refinement.TakeChanges([](VertexIndex, bool, bool) {}, [](SubsegmentIndex, bool, bool) {});
   refinement.ForEachSubsegment([&](const Subsegment& s) {
     const auto polygons = features.PolygonsOf(s.feature);
     if (!polygons.empty()) labels_.AddWall(s.a, s.b, polygons);
   });
   names_.Reserve(refinement.vertex_count());
-  const auto position = [&](VertexIndex v) -> const geometry::Point2& {
-    return refinement.vertex(v).p;
-  };
-  std::vector<VertexIndex> all;
+  std::vector<VertexIndex> all, missing;  // the triangulation may have grown along
+  std::vector<Point> places;              // of those missing
   all.reserve(refinement.vertex_count());
-  refinement.ForEachVertex([&](VertexIndex v, const Vertex&) {
+  refinement.ForEachVertex([&](VertexIndex v, const Vertex& vertex) {
     all.push_back(v);
-    if (!triangulation_.Contains(v)) InsertVertex(refinement, v);  // else it has grown along
+    if (triangulation_.Contains(v)) return;
+    missing.push_back(v);
+    places.push_back(vertex.p);
   });
-  names_.AddAll(all, position);
+  triangulation_.InsertAll(missing, places);
+  names_.AddAll(all, [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
   labels_.LabelAll();
   if (!labels_.overfull().empty()) return {};
+  if constexpr (D == 3) {
+    if (features.has_facets()) {
+      triangulation_.ForEachSimplex(
+          [&](Simplex t) { subfacets_.Add(triangulation_.vertices(t), FacetsOf(refinement)); });
+      subfacets_.ClearChanges();
+    }
+  }
   Mesh mesh = Snapshot(refinement, features);
   subsegment_count_ = mesh.subsegments.size();
   hash_ = mesh.hash = ComputeHash(mesh);
   return mesh;
 }
 
+template <int D>
 template <class Refinement>
-Mesh DiffBuilder::Snapshot(const Refinement& refinement, const FeatureTable& features) const {
+Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D>& features) const {
   Mesh mesh;
-  Reserve(mesh.vertices, refinement.vertex_count());
+  mesh.dimension = D;
+  Reserve(mesh.vertices, D, refinement.vertex_count());
   refinement.ForEachVertex([&](VertexIndex v, const Vertex& vertex) {
     Append(mesh.vertices, RowOf(names_.at(v), vertex, features));
   });
-  mesh.simplices.reserve(3 * triangulation_.triangle_count());
-  triangulation_.ForEachTriangle([&](auto t) {
+  mesh.simplices.reserve((D + 1) * triangulation_.simplex_count());
+  triangulation_.ForEachSimplex([&](Simplex t) {
     for (const VertexId id : CanonicalIds(t)) mesh.simplices.push_back(id);
   });
   if (!labels_.empty()) {
-    mesh.regions.reserve(triangulation_.triangle_count());
-    triangulation_.ForEachTriangle([&](auto t) { mesh.regions.push_back(labels_.at(t)); });
+    mesh.regions.reserve(triangulation_.simplex_count());
+    triangulation_.ForEachSimplex([&](Simplex t) { mesh.regions.push_back(labels_.at(t)); });
     NameRegions({&mesh.regions}, &mesh.region_sets);
   }
   refinement.ForEachSubsegment([&](const Subsegment& s) {
-    Append(mesh.subsegments, RowOf(names_.at(s.a), names_.at(s.b), features.IdOf(s.feature)));
+    Append(mesh.subsegments, PieceRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
+  });
+  subfacets_.ForEach([&](const SubfacetTable::Face& face, meshing::FeatureSlot slot) {
+    Append(mesh.subfacets, PieceRowOf(NewIds(face), features.IdOf(slot)));
   });
   mesh.hash = hash_;
   return mesh;
@@ -185,25 +142,29 @@ Mesh DiffBuilder::Snapshot(const Refinement& refinement, const FeatureTable& fea
 
 // --- What has changed -----------------------------------------------------------------
 
+template <int D>
 template <class Refinement>
-MeshDiff DiffBuilder::Update(Refinement& refinement, const FeatureTable& features) {
+MeshDiff DiffBuilder<D>::Update(Refinement& refinement, const FeatureTable<D>& features) {
   TakeChanges(refinement);
   UpdateNames(refinement);
   UpdateTriangulation(refinement);
   UpdateLabels(refinement, features);
   if (!labels_.overfull().empty()) return {};
-  if (!renamed_.empty()) AddTrianglesOfRenamed();
+  if (!renamed_.empty()) AddSimplicesOfRenamed();
   MeshDiff diff;
+  diff.dimension = D;
   ReportVertices(refinement, features, &diff);
   ReportSubsegments(refinement, features, &diff);
+  ReportSubfacets(refinement, features, &diff);
   ReportSimplices(&diff);
   diff.hash = hash_;
   labels_.Collect();
   return diff;
 }
 
+template <int D>
 template <class Refinement>
-void DiffBuilder::TakeChanges(Refinement& refinement) {
+void DiffBuilder<D>::TakeChanges(Refinement& refinement) {
   vertices_.Clear();
   subsegments_.Clear();
   refinement.TakeChanges(
@@ -216,12 +177,11 @@ void DiffBuilder::TakeChanges(Refinement& refinement) {
 }
 
 // Names of what goes stay readable: by OldId, like those of the renamed.
+template <int D>
 template <class Refinement>
-void DiffBuilder::UpdateNames(const Refinement& refinement) {
+void DiffBuilder<D>::UpdateNames(const Refinement& refinement) {
   renamed_.clear();
-  const auto position = [&](VertexIndex v) -> const geometry::Point2& {
-    return refinement.vertex(v).p;
-  };
+  const auto position = [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; };
   const auto keep_old = [&](VertexIndex v) {
     if (triangulation_.Contains(v)) renamed_.push_back({v, names_.at(v)});  // was in the mesh
   };
@@ -238,23 +198,25 @@ void DiffBuilder::UpdateNames(const Refinement& refinement) {
 }
 
 // First what goes: what comes may lie at the same place.
+template <int D>
 template <class Refinement>
-void DiffBuilder::UpdateTriangulation(const Refinement& refinement) {
-  triangles_.Clear();
+void DiffBuilder<D>::UpdateTriangulation(const Refinement& refinement) {
+  simplices_.Clear();
   fresh_.clear();
   for (const VertexIndex v : vertices_.gone) {
     triangulation_.Remove(v);
-    RecordTriangles();
+    RecordSimplices();
   }
   for (const VertexIndex v : vertices_.come) {
     InsertVertex(refinement, v);
-    RecordTriangles();
+    RecordSimplices();
   }
 }
 
 // A neighbour that refinement saw is a good place to start looking from.
+template <int D>
 template <class Refinement>
-void DiffBuilder::InsertVertex(const Refinement& refinement, VertexIndex v) {
+void DiffBuilder<D>::InsertVertex(const Refinement& refinement, VertexIndex v) {
   VertexIndex near = 0;
   refinement.ForSomeNeighbours(v, [&](VertexIndex u) {
     if (!triangulation_.Contains(u)) return false;
@@ -265,26 +227,29 @@ void DiffBuilder::InsertVertex(const Refinement& refinement, VertexIndex v) {
 }
 
 // What is made and unmade again in the same update never shows.
-void DiffBuilder::RecordTriangles() {
+template <int D>
+void DiffBuilder<D>::RecordSimplices() {
   const auto deleted = triangulation_.deleted();
   const auto labels = triangulation_.deleted_tags();
   for (std::size_t i = 0; i < deleted.size(); ++i) {
-    if (!IsFinite(deleted[i]) || labels[i] == RegionLabels::kPending) continue;
-    triangles_.gone.push_back({InCanonicalOrder(deleted[i]), labels[i]});
+    if (!IsFinite(deleted[i]) || labels[i] == Labels::kPending) continue;
+    simplices_.gone.push_back({InCanonicalOrder(deleted[i]), labels[i]});
   }
   for (const auto t : triangulation_.created()) {
     if (triangulation_.IsInfinite(t)) continue;
-    triangulation_.set_tag(t, RegionLabels::kPending);
+    triangulation_.set_tag(t, Labels::kPending);
     fresh_.push_back(t);
   }
 }
 
-DiffBuilder::TriangleRow DiffBuilder::RowOf(Triangulation::TriangleIndex t) const {
+template <int D>
+typename DiffBuilder<D>::IndexRow DiffBuilder<D>::RowOf(Simplex t) const {
   return {InCanonicalOrder(triangulation_.vertices(t)), labels_.at(t)};
 }
 
+template <int D>
 template <class Refinement>
-void DiffBuilder::UpdateLabels(const Refinement& refinement, const FeatureTable& features) {
+void DiffBuilder<D>::UpdateLabels(const Refinement& refinement, const FeatureTable<D>& features) {
   for (const SubsegmentIndex i : subsegments_.gone) {
     const Subsegment& s = refinement.subsegment(i);
     labels_.RemoveWall(s.a, s.b);
@@ -301,50 +266,67 @@ void DiffBuilder::UpdateLabels(const Refinement& refinement, const FeatureTable&
   const auto& relabelled = labels_.Update(fresh_, features.toggled_walls(), [&](VertexIndex v) {
     return refinement.vertex(v).dimension == 1;
   });
-  for (const auto t : fresh_) triangles_.come.push_back(RowOf(t));
+  for (const auto t : fresh_) simplices_.come.push_back(RowOf(t));
   for (const auto& [t, before] : relabelled) {
-    triangles_.come.push_back(RowOf(t));
-    triangles_.gone.push_back({triangles_.come.back().v, before});
+    simplices_.come.push_back(RowOf(t));
+    simplices_.gone.push_back({simplices_.come.back().v, before});
   }
 }
 
-// Triangles that stay, under other names.
-void DiffBuilder::AddTrianglesOfRenamed() {
-  triangles_.Net();
+// Simplices that stay, under other names.
+template <int D>
+void DiffBuilder<D>::AddSimplicesOfRenamed() {
+  simplices_.Net();
   stay_.clear();
   for (const Renamed& r : renamed_) {
     if (!triangulation_.Contains(r.v)) continue;
-    const auto first = triangulation_.Around(r.v);
-    auto corner = first;
-    do {
-      if (!triangulation_.IsInfinite(corner.triangle)) stay_.push_back(RowOf(corner.triangle));
-      corner = triangulation_.NextAround(corner);
-    } while (corner.triangle != first.triangle);
+    triangulation_.ForEachSimplexAround(r.v, [&](Simplex t) {
+      if (!triangulation_.IsInfinite(t)) stay_.push_back(RowOf(t));
+    });
   }
   std::sort(stay_.begin(), stay_.end());
   stay_.erase(std::unique(stay_.begin(), stay_.end()), stay_.end());
-  std::erase_if(stay_, [&](const TriangleRow& row) {
-    return std::binary_search(triangles_.come.begin(), triangles_.come.end(), row);
+  std::erase_if(stay_, [&](const IndexRow& row) {
+    return std::binary_search(simplices_.come.begin(), simplices_.come.end(), row);
   });
-  triangles_.gone.insert(triangles_.gone.end(), stay_.begin(), stay_.end());
-  triangles_.come.insert(triangles_.come.end(), stay_.begin(), stay_.end());
+  simplices_.gone.insert(simplices_.gone.end(), stay_.begin(), stay_.end());
+  simplices_.come.insert(simplices_.come.end(), stay_.begin(), stay_.end());
 }
 
-bool DiffBuilder::IsRenamed(VertexIndex v) const {
+template <int D>
+bool DiffBuilder<D>::IsRenamed(VertexIndex v) const {
   return std::binary_search(renamed_.begin(), renamed_.end(), Renamed{v, 0},
                             [](const Renamed& a, const Renamed& b) { return a.v < b.v; });
 }
 
-VertexId DiffBuilder::OldIdOfRenamed(VertexIndex v) const {
+template <int D>
+VertexId DiffBuilder<D>::OldIdOfRenamed(VertexIndex v) const {
   const auto it = std::lower_bound(renamed_.begin(), renamed_.end(), v,
                                    [](const Renamed& r, VertexIndex w) { return r.v < w; });
   return it != renamed_.end() && it->v == v ? it->old_id : names_.at(v);
 }
 
+template <int D>
+template <class Row>
+void DiffBuilder<D>::NetAndHash(Rows<Row>* rows) {
+  rows->Net();
+  for (const Row& row : rows->gone) hash_ -= HashOf(row);
+  for (const Row& row : rows->come) hash_ += HashOf(row);
+}
+
+template <int D>
+template <int N, class Columns>
+void DiffBuilder<D>::Report(Rows<PieceRow<N>>* rows, Columns* removed, Columns* added) {
+  NetAndHash(rows);
+  for (const PieceRow<N>& row : rows->gone) Append(*removed, row);
+  for (const PieceRow<N>& row : rows->come) Append(*added, row);
+}
+
 // Those that look the same before and after are not reported.
+template <int D>
 template <class Refinement>
-void DiffBuilder::ReportVertices(const Refinement& refinement, const FeatureTable& features,
-                                 MeshDiff* diff) {
+void DiffBuilder<D>::ReportVertices(const Refinement& refinement, const FeatureTable<D>& features,
+                                    MeshDiff* diff) {
   vertex_rows_.Clear();
   for (const VertexIndex v : vertices_.gone) {
     vertex_rows_.gone.push_back(RowOf(OldId(v), refinement.vertex(v), features));
@@ -357,29 +339,25 @@ void DiffBuilder::ReportVertices(const Refinement& refinement, const FeatureTabl
     vertex_rows_.gone.push_back(RowOf(r.old_id, refinement.vertex(r.v), features));
     vertex_rows_.come.push_back(RowOf(names_.at(r.v), refinement.vertex(r.v), features));
   }
-  vertex_rows_.Net();
+  NetAndHash(&vertex_rows_);
   diff->removed_vertices.reserve(vertex_rows_.gone.size());
-  Reserve(diff->added_vertices, vertex_rows_.come.size());
-  for (const VertexRow& row : vertex_rows_.gone) {
-    diff->removed_vertices.push_back(row.id);
-    hash_ -= HashOf(row);
-  }
-  for (const VertexRow& row : vertex_rows_.come) {
-    Append(diff->added_vertices, row);
-    hash_ += HashOf(row);
-  }
+  Reserve(diff->added_vertices, D, vertex_rows_.come.size());
+  for (const VertexRow<D>& row : vertex_rows_.gone) diff->removed_vertices.push_back(row.id);
+  for (const VertexRow<D>& row : vertex_rows_.come) Append(diff->added_vertices, row);
 }
 
+template <int D>
 template <class Refinement>
-void DiffBuilder::ReportSubsegments(const Refinement& refinement, const FeatureTable& features,
-                                    MeshDiff* diff) {
+void DiffBuilder<D>::ReportSubsegments(const Refinement& refinement,
+                                       const FeatureTable<D>& features, MeshDiff* diff) {
   subsegment_rows_.Clear();
   const auto goes = [&](const Subsegment& s) {
-    subsegment_rows_.gone.push_back(RowOf(OldId(s.a), OldId(s.b), features.IdOf(s.feature)));
+    subsegment_rows_.gone.push_back(
+        PieceRowOf(OldIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
   };
   const auto comes = [&](const Subsegment& s) {
     subsegment_rows_.come.push_back(
-        RowOf(names_.at(s.a), names_.at(s.b), features.IdOf(s.feature)));
+        PieceRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
   };
   for (const SubsegmentIndex s : subsegments_.gone) goes(refinement.subsegment(s));
   for (const SubsegmentIndex s : subsegments_.come) comes(refinement.subsegment(s));
@@ -393,45 +371,67 @@ void DiffBuilder::ReportSubsegments(const Refinement& refinement, const FeatureT
       comes(s);
     });
   }
-  subsegment_rows_.Net();
-  for (const SubsegmentRow& row : subsegment_rows_.gone) {
-    Append(diff->removed_subsegments, row);
-    hash_ -= HashOf(row);
-  }
-  for (const SubsegmentRow& row : subsegment_rows_.come) {
-    Append(diff->added_subsegments, row);
-    hash_ += HashOf(row);
-  }
+  Report(&subsegment_rows_, &diff->removed_subsegments, &diff->added_subsegments);
   subsegment_count_ += subsegment_rows_.come.size();
   subsegment_count_ -= subsegment_rows_.gone.size();
 }
 
-// Once more netted, as the client sees them: a vertex may have come where one has gone.
-void DiffBuilder::ReportSimplices(MeshDiff* diff) {
-  simplex_rows_.Clear();
-  for (const auto& [v, region] : triangles_.gone) {
-    simplex_rows_.gone.push_back(
-        {InCanonicalOrder(std::array<VertexId, 3>{OldId(v[0]), OldId(v[1]), OldId(v[2])}), region});
+// Simplices that stay under other names are among those that go and come.
+template <int D>
+template <class Refinement>
+void DiffBuilder<D>::ReportSubfacets(const Refinement& refinement, const FeatureTable<D>& features,
+                                     MeshDiff* diff) {
+  if constexpr (D == 3) {
+    if (!features.has_facets() && subfacets_.size() == 0) return;
+    const auto facet_of = FacetsOf(refinement);
+    subfacets_.ClearChanges();
+    for (const meshing::FeatureSlot slot : features.gone_facets()) subfacets_.RemoveFacet(slot);
+    for (const IndexRow& row : simplices_.gone) subfacets_.Remove(row.v);
+    for (const IndexRow& row : simplices_.come) subfacets_.Add(row.v, facet_of);
+    for (const auto& facet : features.new_facets()) {
+      subfacets_.AddFacet(facet.slot, facet.corners, triangulation_, facet_of);
+    }
+    subfacet_rows_.Clear();
+    for (const auto& [face, slot] : subfacets_.gone()) {
+      subfacet_rows_.gone.push_back(PieceRowOf(OldIds(face), features.IdOf(slot)));
+    }
+    for (const auto& [face, slot] : subfacets_.come()) {
+      subfacet_rows_.come.push_back(PieceRowOf(NewIds(face), features.IdOf(slot)));
+    }
+    Report(&subfacet_rows_, &diff->removed_subfacets, &diff->added_subfacets);
   }
-  for (const auto& [v, region] : triangles_.come) {
-    simplex_rows_.come.push_back({InCanonicalOrder(std::array<VertexId, 3>{
-                                      names_.at(v[0]), names_.at(v[1]), names_.at(v[2])}),
-                                  region});
-  }
-  simplex_rows_.Net();
-  Append(simplex_rows_.gone, &diff->removed_simplices, &diff->removed_regions);
-  Append(simplex_rows_.come, &diff->added_simplices, &diff->added_regions);
-  NameRegions({&diff->removed_regions, &diff->added_regions}, &diff->region_sets);
-  for (const SimplexRow& row : simplex_rows_.gone) hash_ -= HashOf(row);
-  for (const SimplexRow& row : simplex_rows_.come) hash_ += HashOf(row);
 }
 
-using Traced = meshing::Refinement<2, sac::Engine>;
-using Untraced = meshing::Refinement<2, sac::UntracedEngine>;
-template Mesh DiffBuilder::Begin(Traced&, const FeatureTable&);
-template Mesh DiffBuilder::Begin(Untraced&, const FeatureTable&);
-template MeshDiff DiffBuilder::Update(Traced&, const FeatureTable&);
-template Mesh DiffBuilder::Snapshot(const Traced&, const FeatureTable&) const;
-template Mesh DiffBuilder::Snapshot(const Untraced&, const FeatureTable&) const;
+// Once more netted, as the client sees them: a vertex may have come where one has gone.
+template <int D>
+void DiffBuilder<D>::ReportSimplices(MeshDiff* diff) {
+  simplex_rows_.Clear();
+  for (const auto& [v, region] : simplices_.gone) {
+    simplex_rows_.gone.push_back({InCanonicalOrder(OldIds(v)), region});
+  }
+  for (const auto& [v, region] : simplices_.come) {
+    simplex_rows_.come.push_back({InCanonicalOrder(NewIds(v)), region});
+  }
+  NetAndHash(&simplex_rows_);
+  AppendAll(simplex_rows_.gone, &diff->removed_simplices, &diff->removed_regions);
+  AppendAll(simplex_rows_.come, &diff->added_simplices, &diff->added_regions);
+  NameRegions({&diff->removed_regions, &diff->added_regions}, &diff->region_sets);
+}
+
+template class DiffBuilder<2>;
+template class DiffBuilder<3>;
+
+template <int D>
+using Traced = meshing::Refinement<D, sac::Engine>;
+template <int D>
+using Untraced = meshing::Refinement<D, sac::UntracedEngine>;
+template Mesh DiffBuilder<2>::Begin(Traced<2>&, const FeatureTable<2>&);
+template Mesh DiffBuilder<2>::Begin(Untraced<2>&, const FeatureTable<2>&);
+template MeshDiff DiffBuilder<2>::Update(Traced<2>&, const FeatureTable<2>&);
+template Mesh DiffBuilder<2>::Snapshot(const Traced<2>&, const FeatureTable<2>&) const;
+template Mesh DiffBuilder<3>::Begin(Traced<3>&, const FeatureTable<3>&);
+template Mesh DiffBuilder<3>::Begin(Untraced<3>&, const FeatureTable<3>&);
+template MeshDiff DiffBuilder<3>::Update(Traced<3>&, const FeatureTable<3>&);
+template Mesh DiffBuilder<3>::Snapshot(const Traced<3>&, const FeatureTable<3>&) const;
 
 }  // namespace dynmesh

@@ -11,7 +11,8 @@
 // (vertex_names.h). Such a vertex leaves under the old name and comes back under the
 // new, and so does all that it is part of.
 //
-// Triangles carry the polygons that they lie in as labels (region_labels.h).
+// In the plane triangles carry the polygons that they lie in as labels (region_labels.h); in space
+// faces of tetrahedra that lie on facets are subfacets (subfacet_table.h).
 //
 // Thread-compatible. Keeps its lists from call to call: an update allocates little but
 // the diff.
@@ -22,48 +23,62 @@
 #include <compare>
 #include <cstdint>
 #include <initializer_list>
+#include <type_traits>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/data/canonical_order.h"
+#include "core/dynamic_mesh/diff_rows.h"
 #include "core/dynamic_mesh/feature_table.h"
+#include "core/dynamic_mesh/no_labels.h"
 #include "core/dynamic_mesh/region_labels.h"
+#include "core/dynamic_mesh/subfacet_table.h"
 #include "core/dynamic_mesh/vertex_names.h"
-#include "core/mesh/delaunay_triangulation.h"
 #include "core/meshing/refinement.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh {
 
+template <int D>
 class DiffBuilder {
  public:
-  explicit DiffBuilder(VertexNames::Hash vertex_hash = &VertexIdAt)
+  using Triangulation = typename meshing::Refinement<D, sac::Engine>::Triangulation;
+  using Rules = typename meshing::Refinement<D, sac::Engine>::Rules;
+  using Labels = std::conditional_t<D == 2, RegionLabels, NoLabels>;
+  using Simplex = typename Triangulation::SimplexIndex;
+
+  explicit DiffBuilder(VertexHash vertex_hash = &VertexIdAt)
       : names_(vertex_hash), labels_(&triangulation_) {}
   DiffBuilder(const DiffBuilder&) = delete;
   DiffBuilder& operator=(const DiffBuilder&) = delete;
 
-  mesh::DelaunayTriangulation& triangulation() { return triangulation_; }
-  const mesh::DelaunayTriangulation& triangulation() const { return triangulation_; }
+  Triangulation& triangulation() { return triangulation_; }
+  const Triangulation& triangulation() const { return triangulation_; }
   // The bare domain, where refinement does not fill the triangulation itself. Its
-  // first four vertices are the domain's corners.
-  void ResetTriangulation(const meshing::PlanarRules& rules) {
-    triangulation_.Reset(rules.lo(), rules.hi(), {0, 1, 2, 3});
+  // first vertices are the domain's corners.
+  void ResetTriangulation(const Rules& rules) {
+    std::array<meshing::VertexIndex, 1 << D> corners;
+    for (meshing::VertexIndex v = 0; v < corners.size(); ++v) corners[v] = v;
+    triangulation_.Reset(rules.lo(), rules.hi(), corners);
   }
 
   // The first time: the whole mesh, of a run from scratch. Rows in no order, see mesh.h.
   template <class Refinement>
-  Mesh Begin(Refinement& refinement, const FeatureTable& features);
+  Mesh Begin(Refinement& refinement, const FeatureTable<D>& features);
 
   // What has changed since the last call. Rows sorted as Canonicalize does it. Work
   // counters are the caller's.
   template <class Refinement>
-  MeshDiff Update(Refinement& refinement, const FeatureTable& features);
+  MeshDiff Update(Refinement& refinement, const FeatureTable<D>& features);
 
   // The whole mesh as it stood at the last Update. Rows in no order, see mesh.h.
   template <class Refinement>
-  Mesh Snapshot(const Refinement& refinement, const FeatureTable& features) const;
+  Mesh Snapshot(const Refinement& refinement, const FeatureTable<D>& features) const;
 
   VertexId IdOf(meshing::VertexIndex v) const { return names_.at(v); }
-  std::array<VertexId, 3> CanonicalIds(mesh::DelaunayTriangulation::TriangleIndex t) const;
+  std::array<VertexId, D + 1> CanonicalIds(Simplex t) const {
+    return data::InCanonicalOrder(NewIds(triangulation_.vertices(t)));
+  }
 
   // RESOURCE_EXHAUSTED (POLYGON_LIMIT) if the last Begin or Update found a place in too many
   // polygons. What it returned is nothing then, and no more may be done with the builder.
@@ -71,41 +86,23 @@ class DiffBuilder {
 
   const MeshHash& hash() const { return hash_; }
   std::size_t subsegment_count() const { return subsegment_count_; }
-  std::size_t bytes() const { return triangulation_.bytes() + names_.bytes() + labels_.bytes(); }
+  std::size_t subfacet_count() const { return subfacets_.size(); }
+  std::size_t bytes() const {
+    return triangulation_.bytes() + names_.bytes() + labels_.bytes() + subfacets_.bytes();
+  }
   // Do the labels agree with the walls? O(mesh).
   bool CheckLabels() { return labels_.Check(); }
 
  private:
-  // Rows of the diff, as the client sees them.
-  struct VertexRow {
-    VertexId id;
-    std::array<double, 2> coordinates;
-    int dimension;
-    FeatureId owner;
-    friend auto operator<=>(const VertexRow&, const VertexRow&) = default;
-  };
-  struct SubsegmentRow {
-    std::array<VertexId, 2> ends;  // the lesser first
-    FeatureId owner;
-    friend auto operator<=>(const SubsegmentRow&, const SubsegmentRow&) = default;
-  };
-  struct SimplexRow {
-    std::array<VertexId, 3> ids;  // canonical order
+  using Vertex = meshing::Vertex<D>;
+  using Subsegment = meshing::Subsegment<D>;
+  using Point = geometry::Point<D>;
+  using Corners = std::array<meshing::VertexIndex, D + 1>;
+  // A simplex by its vertices, canonically ordered by their indices.
+  struct IndexRow {
+    Corners v;
     RegionId region;
-    friend auto operator<=>(const SimplexRow&, const SimplexRow&) = default;
-  };
-  using Corners = std::array<meshing::VertexIndex, 3>;
-  struct TriangleRow {
-    Corners v;  // the least first
-    RegionId region;
-    friend auto operator<=>(const TriangleRow&, const TriangleRow&) = default;
-  };
-  // What leaves the mesh and what comes.
-  template <class Row>
-  struct Rows {
-    std::vector<Row> gone, come;
-    void Clear() { gone.clear(), come.clear(); }
-    void Net();
+    friend auto operator<=>(const IndexRow&, const IndexRow&) = default;
   };
   struct Renamed {
     meshing::VertexIndex v;
@@ -120,19 +117,23 @@ class DiffBuilder {
   template <class Refinement>
   void UpdateTriangulation(const Refinement& refinement);
   template <class Refinement>
-  void UpdateLabels(const Refinement& refinement, const FeatureTable& features);
+  void UpdateLabels(const Refinement& refinement, const FeatureTable<D>& features);
   template <class Refinement>
-  void ReportVertices(const Refinement& refinement, const FeatureTable& features, MeshDiff* diff);
+  void ReportVertices(const Refinement& refinement, const FeatureTable<D>& features,
+                      MeshDiff* diff);
   template <class Refinement>
-  void ReportSubsegments(const Refinement& refinement, const FeatureTable& features,
+  void ReportSubsegments(const Refinement& refinement, const FeatureTable<D>& features,
                          MeshDiff* diff);
+  template <class Refinement>
+  void ReportSubfacets(const Refinement& refinement, const FeatureTable<D>& features,
+                       MeshDiff* diff);
   void ReportSimplices(MeshDiff* diff);
 
   template <class Refinement>
   void InsertVertex(const Refinement& refinement, meshing::VertexIndex v);
-  void RecordTriangles();
-  void AddTrianglesOfRenamed();
-  TriangleRow RowOf(mesh::DelaunayTriangulation::TriangleIndex t) const;
+  void RecordSimplices();
+  void AddSimplicesOfRenamed();
+  IndexRow RowOf(Simplex t) const;
 
   // The id at the last call of a vertex that was in the mesh then.
   VertexId OldId(meshing::VertexIndex v) const {
@@ -140,34 +141,48 @@ class DiffBuilder {
   }
   VertexId OldIdOfRenamed(meshing::VertexIndex v) const;
   bool IsRenamed(meshing::VertexIndex v) const;
-  static VertexRow RowOf(VertexId id, const meshing::Vertex<2>& v, const FeatureTable& features);
-  static SubsegmentRow RowOf(VertexId a, VertexId b, FeatureId owner);
-  // Appends a row to a mesh's or diff's columns, or gives its hash.
-  static void Append(VertexColumns& to, const VertexRow& row);
-  static void Append(SubsegmentColumns& to, const SubsegmentRow& row);
-  void Append(const std::vector<SimplexRow>& rows, SimplexColumn* simplices, RegionColumn* regions);
+  template <std::size_t N>
+  std::array<VertexId, N> OldIds(const std::array<meshing::VertexIndex, N>& v) const {
+    std::array<VertexId, N> ids;
+    for (std::size_t i = 0; i < N; ++i) ids[i] = OldId(v[i]);
+    return ids;
+  }
+  template <std::size_t N>
+  std::array<VertexId, N> NewIds(const std::array<meshing::VertexIndex, N>& v) const {
+    std::array<VertexId, N> ids;
+    for (std::size_t i = 0; i < N; ++i) ids[i] = names_.at(v[i]);
+    return ids;
+  }
+  static VertexRow<D> RowOf(VertexId id, const Vertex& v, const FeatureTable<D>& features);
+  // Nets the rows and counts their hashes.
+  template <class Row>
+  void NetAndHash(Rows<Row>* rows);
+  // The same, and hands them to the diff.
+  template <int N, class Columns>
+  void Report(Rows<PieceRow<N>>* rows, Columns* removed, Columns* added);
+  void AppendAll(const std::vector<SimplexRow<D>>& rows, SimplexColumn* simplices,
+                 RegionColumn* regions);
   void NameRegions(std::initializer_list<RegionColumn*> columns,
                    std::vector<RegionSet>* sets) const;
-  static MeshHash HashOf(const VertexRow& row);
-  static MeshHash HashOf(const SimplexRow& row);
-  static MeshHash HashOf(const SubsegmentRow& row);
 
-  mesh::DelaunayTriangulation triangulation_;
-  VertexNames names_;
-  RegionLabels labels_;
+  Triangulation triangulation_;
+  VertexNames<D> names_;
+  Labels labels_;
+  SubfacetTable subfacets_;  // in space
   MeshHash hash_;
   std::size_t subsegment_count_ = 0;
 
   // Of the update under way.
   Rows<meshing::VertexIndex> vertices_;
   Rows<meshing::SubsegmentIndex> subsegments_;
-  std::vector<Renamed> renamed_;                                   // were in the mesh; by index
-  std::vector<mesh::DelaunayTriangulation::TriangleIndex> fresh_;  // finite ones just made
-  Rows<TriangleRow> triangles_;                                    // finite ones
-  std::vector<TriangleRow> stay_;
-  Rows<VertexRow> vertex_rows_;
-  Rows<SubsegmentRow> subsegment_rows_;
-  Rows<SimplexRow> simplex_rows_;
+  std::vector<Renamed> renamed_;  // were in the mesh; by index
+  std::vector<Simplex> fresh_;    // finite ones just made
+  Rows<IndexRow> simplices_;      // finite ones
+  std::vector<IndexRow> stay_;
+  Rows<VertexRow<D>> vertex_rows_;
+  Rows<PieceRow<2>> subsegment_rows_;
+  Rows<PieceRow<3>> subfacet_rows_;
+  Rows<SimplexRow<D>> simplex_rows_;
 };
 
 }  // namespace dynmesh

@@ -12,14 +12,19 @@
 #include "core/dynamic_mesh/wedge_table.h"
 #include "core/mesh/delaunay_insert_order.h"
 #include "core/meshing/elements.h"
+#include "core/meshing/facet_field.h"
 #include "core/meshing/sizing_field.h"
 #include "core/plc/delta.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh {
 
+template <int D>
 class FeatureTable {
  public:
+  using Point = geometry::Point<D>;
+  using Delta = plc::Delta<D>;
+
   // Slot 0 is the domain box.
   FeatureTable() : ids_{kBoxFeature} {}
 
@@ -27,75 +32,28 @@ class FeatureTable {
     return slot == meshing::kNil ? kNoFeature : ids_[slot];
   }
 
-  // For so few, finding an order costs more than it saves.
-  static constexpr std::size_t kFewPoints = 16;
-
-  // Hands a change of input to the refinement. Many points go in an order that suits
-  // a triangulation that grows along.
+  // Hands a change of input to the refinement: what goes first, each kind after those that
+  // stand on it.
   template <class Refinement>
-  void Apply(const plc::Delta<2>& delta, Refinement& refinement) {
-    for (const plc::SizeFeature<2>& f : delta.removed_sizes) {
-      const auto it = sizes_.find(f.id);
-      refinement.RemoveSizing(it->second);
-      sizes_.erase(it);
-    }
-    for (const plc::SizeFeature<2>& f : delta.added_sizes) {
-      sizes_[f.id] = refinement.AddSizing(RegionOf(f));
-    }
-    for (const plc::SegmentFeature<2>& s : delta.removed_segments) {
-      const WedgeTable::Index index = segments_.Find(points_.at(s.p_id), points_.at(s.q_id));
-      FreeSlot(segments_[index].slot);
-      refinement.RemoveSegment(segments_[index].root);
-      segments_.Remove(index);
-      if (!s.polygons.empty()) toggled_walls_.push_back({s.p, s.q, s.polygons});
-    }
-    for (const plc::PointFeature<2>& p : delta.removed_points) {
+  void Apply(const Delta& delta, Refinement& refinement) {
+    ApplySizes(delta, refinement);
+    RemoveFacets(delta, refinement);
+    RemoveSegments(delta, refinement);
+    for (const plc::PointFeature<D>& p : delta.removed_points) {
       const auto it = points_.find(p.id);
       FreeSlot(refinement.vertex(it->second).feature);
       refinement.RemovePoint(it->second);
       points_.erase(it);
     }
-    const auto add = [&](const plc::PointFeature<2>& p) {
-      points_[p.id] = refinement.AddPoint(p.p, NewSlot(p.id));
-    };
-    if (delta.added_points.size() <= kFewPoints) {
-      for (const plc::PointFeature<2>& p : delta.added_points) add(p);
-    } else {
-      points_.reserve(points_.size() + delta.added_points.size());
-      segments_.Reserve(delta.added_segments.size());
-      std::vector<geometry::Point2> positions;
-      positions.reserve(delta.added_points.size());
-      for (const plc::PointFeature<2>& p : delta.added_points) positions.push_back(p.p);
-      const std::vector<std::uint32_t> order = mesh::InsertOrder(positions);
-      constexpr std::size_t kAhead = 8;  // asked of memory so much before it is wanted
-      for (std::size_t i = 0; i < order.size(); ++i) {
-        if (i + 2 * kAhead < order.size()) {
-          __builtin_prefetch(&delta.added_points[order[i + 2 * kAhead]]);
-        }
-        if (i + kAhead < order.size()) points_.prefetch(delta.added_points[order[i + kAhead]].id);
-        add(delta.added_points[order[i]]);
-      }
-    }
-    for (const plc::SegmentFeature<2>& s : delta.added_segments) {
-      const bool forward = s.p < s.q;
-      const meshing::FeatureSlot slot = NewSlot(s.id);
-      segments_.Add(points_.at(forward ? s.p_id : s.q_id), points_.at(forward ? s.q_id : s.p_id),
-                    slot);
-      if (s.polygons.empty()) continue;
-      walls_[slot] = s.polygons;
-      toggled_walls_.push_back({s.p, s.q, s.polygons});
-    }
-    segments_.Update([&](meshing::VertexIndex v) { return refinement.vertex(v).p; },
-                     [&](WedgeTable::Segment* s) {
-                       if (s->root != meshing::kNil) refinement.RemoveSegment(s->root);
-                       s->root = refinement.AddSegment(s->ends[0], s->ends[1], s->slot, s->shape);
-                     });
+    AddPoints(delta, refinement);
+    AddSegments(delta, refinement);
+    AddFacets(delta, refinement);
   }
 
-  // An edge of polygons that came or went since Collect. Of one that only changed owner or
-  // polygons, what went and what came.
+  // An edge of polygons of the plane that came or went since Collect. Of one that only changed
+  // owner or polygons, what went and what came.
   struct Wall {
-    geometry::Point2 p, q;
+    Point p, q;
     std::vector<FeatureId> polygons;  // ascending
   };
   const std::vector<Wall>& toggled_walls() const { return toggled_walls_; }
@@ -106,12 +64,23 @@ class FeatureTable {
     return it == walls_.end() ? std::span<const FeatureId>() : it->second;
   }
 
+  // Facets of space that went since Collect, and those that came and stayed.
+  struct NewFacet {
+    meshing::FeatureSlot slot;
+    std::vector<meshing::VertexIndex> corners;
+  };
+  const std::vector<NewFacet>& new_facets() const { return new_facets_; }
+  const std::vector<meshing::FeatureSlot>& gone_facets() const { return gone_facets_; }
+  bool has_facets() const { return !facets_.empty(); }
+
   // Slots of removed features keep their ids until here.
   void Collect() {
     if (!walls_.empty()) {
       for (const meshing::FeatureSlot slot : freed_) walls_.erase(slot);
     }
     toggled_walls_.clear();
+    new_facets_.clear();
+    gone_facets_.clear();
     free_.insert(free_.end(), freed_.begin(), freed_.end());
     freed_.clear();
   }
@@ -121,14 +90,125 @@ class FeatureTable {
   }
 
  private:
-  static meshing::SizingRegion<2> RegionOf(const plc::SizeFeature<2>& f) {
-    const Sizing& s = f.sizing;
-    if (s.shape == SizeShape::kPolygon) {
-      const auto area = std::make_shared<const meshing::PolygonArea>(f.places);
-      return {area->lo(), area->hi(), 0, s.target, area};
+  // For so few, finding an order costs more than it saves.
+  static constexpr std::size_t kFewPoints = 16;
+  struct Facet {
+    meshing::FacetIndex index;
+    meshing::FeatureSlot slot;
+  };
+
+  template <class Refinement>
+  void ApplySizes(const Delta& delta, Refinement& refinement) {
+    for (const plc::SizeFeature<D>& f : delta.removed_sizes) {
+      const auto it = sizes_.find(f.id);
+      refinement.RemoveSizing(it->second);
+      sizes_.erase(it);
     }
-    const geometry::Point2 hi =
-        s.shape == SizeShape::kBox ? geometry::Point2{{s.hi[0], s.hi[1]}} : f.at;
+    for (const plc::SizeFeature<D>& f : delta.added_sizes) {
+      sizes_[f.id] = refinement.AddSizing(RegionOf(f));
+    }
+  }
+
+  template <class Refinement>
+  void RemoveSegments(const Delta& delta, Refinement& refinement) {
+    for (const plc::SegmentFeature<D>& s : delta.removed_segments) {
+      const auto index = segments_.Find(points_.at(s.p_id), points_.at(s.q_id));
+      FreeSlot(segments_[index].slot);
+      refinement.RemoveSegment(segments_[index].root);
+      segments_.Remove(index);
+      if (HasWall(s)) toggled_walls_.push_back({s.p, s.q, s.polygons});
+    }
+  }
+
+  template <class Refinement>
+  void RemoveFacets(const Delta& delta, Refinement& refinement) {
+    for (const plc::FacetFeature& f : delta.removed_facets) {
+      const auto it = facets_.find(f.id);
+      refinement.RemoveFacet(it->second.index);
+      const meshing::FeatureSlot slot = it->second.slot;
+      gone_facets_.push_back(slot);
+      // An edit that is undone: its corners may be gone, too.
+      std::erase_if(new_facets_, [&](const NewFacet& added) { return added.slot == slot; });
+      FreeSlot(slot);
+      facets_.erase(it);
+    }
+  }
+
+  // Many points go in an order that suits a triangulation that grows along.
+  template <class Refinement>
+  void AddPoints(const Delta& delta, Refinement& refinement) {
+    const auto add = [&](const plc::PointFeature<D>& p) {
+      points_[p.id] = refinement.AddPoint(p.p, NewSlot(p.id));
+    };
+    if (delta.added_points.size() <= kFewPoints) {
+      for (const plc::PointFeature<D>& p : delta.added_points) add(p);
+      return;
+    }
+    points_.reserve(points_.size() + delta.added_points.size());
+    segments_.Reserve(delta.added_segments.size());
+    std::vector<Point> positions;
+    positions.reserve(delta.added_points.size());
+    for (const plc::PointFeature<D>& p : delta.added_points) positions.push_back(p.p);
+    const std::vector<std::uint32_t> order = mesh::InsertOrder(positions);
+    constexpr std::size_t kAhead = 8;  // asked of memory so much before it is wanted
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      if (i + 2 * kAhead < order.size()) {
+        __builtin_prefetch(&delta.added_points[order[i + 2 * kAhead]]);
+      }
+      if (i + kAhead < order.size()) points_.prefetch(delta.added_points[order[i + kAhead]].id);
+      add(delta.added_points[order[i]]);
+    }
+  }
+
+  template <class Refinement>
+  void AddSegments(const Delta& delta, Refinement& refinement) {
+    for (const plc::SegmentFeature<D>& s : delta.added_segments) {
+      const bool forward = s.p < s.q;
+      const meshing::FeatureSlot slot = NewSlot(s.id);
+      segments_.Add(points_.at(forward ? s.p_id : s.q_id), points_.at(forward ? s.q_id : s.p_id),
+                    slot);
+      if (!HasWall(s)) continue;
+      walls_[slot] = s.polygons;
+      toggled_walls_.push_back({s.p, s.q, s.polygons});
+    }
+    segments_.Update([&](meshing::VertexIndex v) -> const Point& { return refinement.vertex(v).p; },
+                     [&](auto* s) {
+                       if (s->root != meshing::kNil) refinement.RemoveSegment(s->root);
+                       s->root = refinement.AddSegment(s->ends[0], s->ends[1], s->slot, s->shape);
+                     });
+  }
+
+  template <class Refinement>
+  void AddFacets(const Delta& delta, Refinement& refinement) {
+    for (const plc::FacetFeature& f : delta.added_facets) {
+      const meshing::FeatureSlot slot = NewSlot(f.id);
+      NewFacet fresh = {slot, {}};
+      std::vector<std::vector<meshing::VertexIndex>> rings;
+      for (const auto& ring : f.rings) {
+        rings.emplace_back();
+        for (const FeatureId id : ring) rings.back().push_back(points_.at(id));
+        fresh.corners.insert(fresh.corners.end(), rings.back().begin(), rings.back().end());
+      }
+      facets_[f.id] = {refinement.AddFacet(rings, slot), slot};
+      new_facets_.push_back(std::move(fresh));
+    }
+  }
+
+  // In space an edge of polygons is no wall of anything.
+  static bool HasWall(const plc::SegmentFeature<D>& s) { return D == 2 && !s.polygons.empty(); }
+
+  static meshing::SizingRegion<D> RegionOf(const plc::SizeFeature<D>& f) {
+    const Sizing& s = f.sizing;
+    if constexpr (D == 2) {
+      if (s.shape == SizeShape::kPolygon) {
+        const auto area = std::make_shared<const meshing::PolygonArea>(f.places);
+        return {area->lo(), area->hi(), 0, s.target, area};
+      }
+    }
+    Point hi = f.at;
+    if (s.shape == SizeShape::kBox) {
+      for (int k = 0; k < D; ++k) hi[k] = s.hi[k];
+    }
     return {f.at, hi, s.shape == SizeShape::kDisc ? s.radius : 0, s.target, nullptr};
   }
   meshing::FeatureSlot NewSlot(FeatureId id) {
@@ -146,10 +226,13 @@ class FeatureTable {
   LargeVector<FeatureId> ids_;  // by slot
   std::vector<meshing::FeatureSlot> free_, freed_;
   absl::flat_hash_map<FeatureId, meshing::VertexIndex> points_;
-  absl::flat_hash_map<FeatureId, meshing::SizingField<2>::Index> sizes_;
-  WedgeTable segments_;
+  absl::flat_hash_map<FeatureId, typename meshing::SizingField<D>::Index> sizes_;
+  WedgeTable<D> segments_;
+  absl::flat_hash_map<FeatureId, Facet> facets_;
   absl::flat_hash_map<meshing::FeatureSlot, std::vector<FeatureId>> walls_;
   std::vector<Wall> toggled_walls_;
+  std::vector<NewFacet> new_facets_;
+  std::vector<meshing::FeatureSlot> gone_facets_;
 };
 
 }  // namespace dynmesh

@@ -46,29 +46,42 @@ struct RebuildThresholds {
   double carried = 0.3;            // vertices that sizing features carry
 };
 
+// The area or volume of a sizing feature.
+template <int D>
+double MeasureOf(const plc::SizeFeature<D>& f) {
+  double measure = 0;
+  if (f.sizing.shape == SizeShape::kDisc) {
+    const double r = f.sizing.radius;
+    measure = std::numbers::pi * r * r * (D == 2 ? 1 : 4 * r / 3);
+  } else if (f.sizing.shape == SizeShape::kBox) {
+    measure = 1;
+    for (int k = 0; k < D; ++k) measure *= f.sizing.hi[k] - f.at[k];
+  } else if (f.sizing.shape == SizeShape::kPolygon) {  // in the plane
+    const auto& o = f.places.front().front();          // near all: little is lost to rounding
+    ForEachEdgeOf(f.places, [&](const auto& p, const auto& q) {
+      measure += 0.5 * ((p[0] - o[0]) * (q[1] - o[1]) - (q[0] - o[0]) * (p[1] - o[1]));
+    });
+  }
+  return std::abs(measure);
+}
+
 // How many vertices sizing features may carry: an upper estimate.
-inline double VerticesCarried(const std::vector<plc::SizeFeature<2>>& sizes, const Box& box) {
-  const double whole = (box.hi[0] - box.lo[0]) * (box.hi[1] - box.lo[1]);
+template <int D>
+double VerticesCarried(const std::vector<plc::SizeFeature<D>>& sizes, const Box& box) {
+  double whole = 1;
+  for (int k = 0; k < D; ++k) whole *= box.hi[k] - box.lo[k];
   double sum = 0;
-  for (const plc::SizeFeature<2>& f : sizes) {
-    double area = 0;
-    if (f.sizing.shape == SizeShape::kDisc) {
-      area = std::numbers::pi * f.sizing.radius * f.sizing.radius;
-    } else if (f.sizing.shape == SizeShape::kBox) {
-      area = (f.sizing.hi[0] - f.at[0]) * (f.sizing.hi[1] - f.at[1]);
-    } else if (f.sizing.shape == SizeShape::kPolygon) {
-      const auto& o = f.places.front().front();  // near all: little is lost to rounding
-      ForEachEdgeOf(f.places, [&](const auto& p, const auto& q) {
-        area += 0.5 * ((p[0] - o[0]) * (q[1] - o[1]) - (q[0] - o[0]) * (p[1] - o[1]));
-      });
-    }
-    sum += std::min(std::abs(area), whole) / (f.sizing.target * f.sizing.target);
+  for (const plc::SizeFeature<D>& f : sizes) {
+    double cell = 1;
+    for (int k = 0; k < D; ++k) cell *= f.sizing.target;
+    sum += std::min(MeasureOf(f), whole) / cell;
   }
   return sum;
 }
 
-inline Plan PlanFor(const plc::Delta<2>& delta, std::size_t features, std::size_t vertices,
-                    const Box& box, const RebuildThresholds& thresholds) {
+template <int D>
+Plan PlanFor(const plc::Delta<D>& delta, std::size_t features, std::size_t vertices, const Box& box,
+             const RebuildThresholds& thresholds) {
   const auto changes = static_cast<double>(delta.size());
   const double carried =
       std::max(VerticesCarried(delta.added_sizes, box), VerticesCarried(delta.removed_sizes, box));

@@ -51,7 +51,7 @@ RegionId RegionLabels::WallAcross(Triangle t, int corner) const {
 }
 
 const std::vector<RegionLabels::Relabelled>& RegionLabels::Update(
-    std::span<const Triangle> fresh, std::span<const FeatureTable::Wall> toggled,
+    std::span<const Triangle> fresh, std::span<const Wall> toggled,
     absl::FunctionRef<bool(Vertex)> on_segment) {
   relabelled_.clear();
   if (empty()) {
@@ -65,12 +65,9 @@ const std::vector<RegionLabels::Relabelled>& RegionLabels::Update(
   if (!toggled_.empty()) {
     for (const Vertex v : wall_ends_) {
       if (!triangulation_.Contains(v)) continue;
-      const auto first = triangulation_.Around(v);
-      auto corner = first;
-      do {
-        if (!triangulation_.IsInfinite(corner.triangle)) SettleFrom(corner.triangle, on_segment);
-        corner = triangulation_.NextAround(corner);
-      } while (corner.triangle != first.triangle);
+      triangulation_.ForEachSimplexAround(v, [&](Triangle t) {
+        if (!triangulation_.IsInfinite(t)) SettleFrom(t, on_segment);
+      });
     }
   }
   wall_ends_.clear();
@@ -94,7 +91,7 @@ void RegionLabels::SettleFrom(Triangle start, absl::FunctionRef<bool(Vertex)> on
       return;
     }
     for (int c = 0; c < 3; ++c) {
-      const Triangle next = triangulation_.Opposite({t, c}).triangle;
+      const Triangle next = triangulation_.Opposite({t, c}).simplex;
       if (triangulation_.IsInfinite(next) || !looked_at_.insert(next).second) continue;
       queue_.push_back(next);
     }
@@ -122,7 +119,7 @@ std::optional<RegionId> RegionLabels::TruthAt(Triangle t,
 // How the changed walls change the label of a place; nothing on such a wall.
 std::optional<RegionId> RegionLabels::ChangeAt(const Point2& p) {
   std::vector<FeatureId> crossed;
-  for (const FeatureTable::Wall& wall : toggled_) {
+  for (const Wall& wall : toggled_) {
     const std::optional<bool> crosses = RayCrosses(p, wall.p, wall.q);
     if (!crosses) return std::nullopt;
     if (*crosses) crossed.insert(crossed.end(), wall.polygons.begin(), wall.polygons.end());
@@ -155,7 +152,7 @@ void RegionLabels::Spread(Triangle from) {
     const Triangle t = stack_.back();
     stack_.pop_back();
     for (int c = 0; c < 3; ++c) {
-      const Triangle next = triangulation_.Opposite({t, c}).triangle;
+      const Triangle next = triangulation_.Opposite({t, c}).simplex;
       if (triangulation_.IsInfinite(next)) continue;
       const RegionId label = sets_.Toggle(at(t), WallAcross(t, c));
       if (label == RegionSets::kTooMany) return;
@@ -178,7 +175,7 @@ bool RegionLabels::IsTouched(Triangle t) const {
 
 bool RegionLabels::IsAtHull(Triangle t) const {
   for (int c = 0; c < 3; ++c) {
-    if (triangulation_.IsInfinite(triangulation_.Opposite({t, c}).triangle)) return true;
+    if (triangulation_.IsInfinite(triangulation_.Opposite({t, c}).simplex)) return true;
   }
   return false;
 }
@@ -193,9 +190,9 @@ void RegionLabels::LabelAll() {
     has_wall[edge.first] = has_wall[edge.second] = true;
   }
   const auto may_have_wall = [&](Vertex v) { return v < has_wall.size() && has_wall[v]; };
-  triangulation_.ForEachTriangle([&](Triangle t) { triangulation_.set_tag(t, kPending); });
+  triangulation_.ForEachSimplex([&](Triangle t) { triangulation_.set_tag(t, kPending); });
   const Triangle first =
-      triangulation_.Opposite(triangulation_.Around(Triangulation::kInfinite)).triangle;
+      triangulation_.Opposite(triangulation_.Around(Triangulation::kInfinite)).simplex;
   triangulation_.set_tag(first, kNoRegion);
   stack_.assign(1, first);
   while (!stack_.empty()) {
@@ -203,7 +200,7 @@ void RegionLabels::LabelAll() {
     stack_.pop_back();
     const std::array<Vertex, 3> v = triangulation_.vertices(t);
     for (int c = 0; c < 3; ++c) {
-      const Triangle next = triangulation_.Opposite({t, c}).triangle;
+      const Triangle next = triangulation_.Opposite({t, c}).simplex;
       if (triangulation_.IsInfinite(next) || at(next) != kPending) continue;
       const Vertex a = v[Triangulation::NextIndex(c)], b = v[Triangulation::PreviousIndex(c)];
       const bool may = may_have_wall(a) && may_have_wall(b);
@@ -218,9 +215,9 @@ void RegionLabels::LabelAll() {
 bool RegionLabels::Check() {
   if (empty()) return true;  // nobody has ever set one
   bool good = true;
-  triangulation_.ForEachTriangle([&](Triangle t) {
+  triangulation_.ForEachSimplex([&](Triangle t) {
     for (int c = 0; c < 3; ++c) {
-      const Triangle next = triangulation_.Opposite({t, c}).triangle;
+      const Triangle next = triangulation_.Opposite({t, c}).simplex;
       const RegionId beyond = triangulation_.IsInfinite(next) ? kNoRegion : at(next);
       good = good && sets_.Toggle(at(t), WallAcross(t, c)) == beyond;
     }
@@ -231,7 +228,7 @@ bool RegionLabels::Check() {
 void RegionLabels::Collect() {
   if (sets_.size() < collect_at_) return;
   absl::flat_hash_set<RegionId> used;
-  triangulation_.ForEachTriangle([&](Triangle t) { used.insert(at(t)); });
+  triangulation_.ForEachSimplex([&](Triangle t) { used.insert(at(t)); });
   for (const auto& [edge, region] : walls_) used.insert(region);
   sets_.Keep(used);
   collect_at_ = 2 * sets_.size() + 1024;

@@ -37,11 +37,12 @@ namespace dynmesh {
 class RegionLabels {
  public:
   using Triangulation = mesh::DelaunayTriangulation;
-  using Triangle = Triangulation::TriangleIndex;
+  using Triangle = Triangulation::SimplexIndex;
   using Vertex = Triangulation::VertexIndex;
 
-  // The tag of a finite triangle that has no label yet; no region's id.
-  static constexpr RegionId kPending = ~RegionId{0};
+  using Wall = FeatureTable<2>::Wall;
+
+  static constexpr RegionId kPending = RegionSets::kPending;
 
   explicit RegionLabels(Triangulation* triangulation) : triangulation_(*triangulation) {}
 
@@ -61,7 +62,7 @@ class RegionLabels {
   // `toggled` walls (FeatureTable) changed: the result, in no order, valid until the next
   // call. on_segment(v): does v lie inside a segment?
   const std::vector<Relabelled>& Update(std::span<const Triangle> fresh,
-                                        std::span<const FeatureTable::Wall> toggled,
+                                        std::span<const Wall> toggled,
                                         absl::FunctionRef<bool(Vertex)> on_segment);
   // Labels every triangle. O(mesh).
   void LabelAll();
@@ -74,7 +75,8 @@ class RegionLabels {
   void Collect();
 
   RegionId at(Triangle t) const { return triangulation_.tag(t); }
-  const RegionSets& sets() const { return sets_; }
+  // RegionSets::SetsOf.
+  std::vector<RegionSet> SetsOf(std::vector<RegionId>* ids) const { return sets_.SetsOf(ids); }
   // Do neighbours' labels agree with the walls, and is the outside in no polygon? O(mesh).
   bool Check();
   std::size_t bytes() const { return walls_.capacity() * (sizeof(Edge) + sizeof(RegionId) + 1); }
@@ -99,7 +101,7 @@ class RegionLabels {
   std::size_t collect_at_ = 1024;          // sets known
 
   // Of the update under way.
-  std::span<const FeatureTable::Wall> toggled_;
+  std::span<const Wall> toggled_;
   absl::flat_hash_set<Triangle> settled_, looked_at_;
   std::vector<Triangle> queue_, stack_;
   std::vector<Relabelled> relabelled_;

@@ -18,6 +18,8 @@ namespace dynmesh {
 
 class RegionSets {
  public:
+  // The tag of a finite simplex that has no label yet; no region's id.
+  static constexpr RegionId kPending = ~RegionId{0};
   // What Toggle gives for more than kMostPolygonsAtAPlace; no region's id.
   static constexpr RegionId kTooMany = ~RegionId{0} - 1;
 

@@ -23,13 +23,14 @@
 
 namespace dynmesh {
 
+// Tests put a poor hash here, to make collisions.
+using VertexHash = VertexId (*)(const double* coordinates, int dimension, std::uint64_t salt);
+
+template <int D>
 class VertexNames {
  public:
   using Index = meshing::VertexIndex;
-  // Tests put a poor hash here, to make collisions.
-  using Hash = VertexId (*)(const double* coordinates, int dimension, std::uint64_t salt);
-
-  explicit VertexNames(Hash hash = &VertexIdAt)
+  explicit VertexNames(VertexHash hash = &VertexIdAt)
       : hash_(hash), alone_(0, HashOfName{&ids_}, SameName{&ids_}) {}
   VertexNames(const VertexNames&) = delete;
   VertexNames& operator=(const VertexNames&) = delete;
@@ -95,7 +96,7 @@ class VertexNames {
     bool operator()(Index v, Index w) const { return (*ids)[v] == (*ids)[w]; }
   };
 
-  VertexId Unsalted(const geometry::Point2& p) const { return hash_(p.c.data(), 2, 0); }
+  VertexId Unsalted(const geometry::Point<D>& p) const { return hash_(p.c.data(), D, 0); }
 
   template <class Position>
   void Name(Index v, Position position) {
@@ -122,14 +123,14 @@ class VertexNames {
     std::sort(members.begin(), members.end(),
               [&](Index a, Index b) { return position(a) < position(b); });
     for (std::size_t salt = 0; salt < members.size(); ++salt) {
-      const VertexId id = hash_(position(members[salt]).c.data(), 2, salt);
+      const VertexId id = hash_(position(members[salt]).c.data(), D, salt);
       if (ids_[members[salt]] == id) continue;
       if (members[salt] != except) renamed(members[salt]);
       ids_[members[salt]] = id;
     }
   }
 
-  const Hash hash_;
+  const VertexHash hash_;
   LargeVector<VertexId> ids_;                                  // by index
   absl::flat_hash_set<Index, HashOfName, SameName> alone_;     // with salt 0
   absl::flat_hash_map<VertexId, std::vector<Index>> crowded_;  // the others, by unsalted id

@@ -1,7 +1,7 @@
 // The segments, by their two ends, and which meet at a point, at what angles: the shape of a
 // segment, by which it is split (meshing/shells.h), depends on its neighbours in angle at both
 // ends. Tells whose shape has changed after some have come or gone, and keeps what stands for each
-// in the mesher. Thread-compatible.
+// in the mesher. In space segments have no shapes: all are halved. Thread-compatible.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_WEDGE_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_WEDGE_TABLE_H_
 
@@ -18,6 +18,7 @@
 
 namespace dynmesh {
 
+template <int D>
 class WedgeTable {
  public:
   using Vertex = meshing::VertexIndex;
@@ -78,29 +79,18 @@ class WedgeTable {
   template <class Position, class Changed>
   void Update(Position position, Changed changed) {
     std::vector<Index> affected;
-    std::vector<geometry::Point2> others;
     SortUnique(touched_);
     for (const Vertex apex : touched_) {
       const auto at = at_.find(apex);
       if (at == at_.end()) continue;
-      others.clear();
-      for (const Index index : at->second) {
-        const Segment& s = segments_[index];
-        others.push_back(position(s.ends[s.ends[0] == apex ? 1 : 0]));
-      }
-      const auto wedges = meshing::FindWedges(position(apex), others);
-      for (std::size_t i = 0; i < others.size(); ++i) {
-        Segment& s = segments_[at->second[i]];
-        s.wedges[s.ends[0] == apex ? 0 : 1] = wedges[i];
-      }
+      if constexpr (D == 2) FindWedgesAt(apex, at->second, position);
       affected.insert(affected.end(), at->second.begin(), at->second.end());
     }
     touched_.clear();
     SortUnique(affected);
     for (const Index index : affected) {
       Segment& s = segments_[index];
-      const double length = meshing::LengthOf(position(s.ends[0]), position(s.ends[1]));
-      const auto shape = meshing::ShapeOf(length, s.wedges[0], s.wedges[1]);
+      const meshing::SegmentShape shape = ShapeOf(s, position);
       if (s.root != meshing::kNil && shape == s.shape) continue;
       s.shape = shape;
       changed(&s);
@@ -114,6 +104,27 @@ class WedgeTable {
 
  private:
   using Users = absl::InlinedVector<Index, 4>;
+  template <class Position>
+  void FindWedgesAt(Vertex apex, const Users& users, Position position) {
+    others_.clear();
+    for (const Index index : users) {
+      const Segment& s = segments_[index];
+      others_.push_back(position(s.ends[s.ends[0] == apex ? 1 : 0]));
+    }
+    const auto wedges = meshing::FindWedges(position(apex), others_);
+    for (std::size_t i = 0; i < others_.size(); ++i) {
+      Segment& s = segments_[users[i]];
+      s.wedges[s.ends[0] == apex ? 0 : 1] = wedges[i];
+    }
+  }
+  template <class Position>
+  meshing::SegmentShape ShapeOf(const Segment& s, Position position) const {
+    if constexpr (D == 2) {
+      const double length = meshing::LengthOf(position(s.ends[0]), position(s.ends[1]));
+      return meshing::ShapeOf(length, s.wedges[0], s.wedges[1]);
+    }
+    return {};
+  }
   template <class T>
   static void SortUnique(std::vector<T>& values) {
     std::sort(values.begin(), values.end());
@@ -124,6 +135,7 @@ class WedgeTable {
   std::vector<Index> free_;
   absl::flat_hash_map<Vertex, Users> at_;
   std::vector<Vertex> touched_;
+  std::vector<geometry::Point<D>> others_;  // scratch
 };
 
 }  // namespace dynmesh

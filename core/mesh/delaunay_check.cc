@@ -9,7 +9,7 @@ using geometry::Point2;
 
 bool DelaunayTriangulation::Check(std::string* why) const {
   std::size_t infinite = 0, unused = 0;
-  for (TriangleIndex t = 0; t < triangle_limit(); ++t) {
+  for (SimplexIndex t = 0; t < simplex_limit(); ++t) {
     if (triangles_[t].IsUnused()) {
       ++unused;
       continue;
@@ -22,33 +22,33 @@ bool DelaunayTriangulation::Check(std::string* why) const {
   }
   if (unused != free_count_) return Fail(why, unused, " unused triangles, counted ", free_count_);
   std::size_t listed = 0;
-  for (TriangleIndex t = free_; t != kNone && listed <= unused; t = triangles_[t].opposite[0]) {
+  for (SimplexIndex t = free_; t != kNone && listed <= unused; t = triangles_[t].opposite[0]) {
     ++listed;
     if (!triangles_[t].IsUnused()) return Fail(why, "triangle ", t, " is in use and free");
   }
   if (listed != unused) return Fail(why, "free list has ", listed, " of ", unused);
   // The sphere: n + 1 vertices, infinity being one, make 2(n + 1) - 4 triangles.
   const std::size_t used = triangles_.size() - unused;
-  if (used != 2 * vertex_count_ - 2 || used - infinite != triangle_count()) {
+  if (used != 2 * vertex_count_ - 2 || used - infinite != simplex_count()) {
     return Fail(why, "Euler: ", vertex_count_, " vertices, ", used, " triangles");
   }
   return CheckVertices(why);
 }
 
-bool DelaunayTriangulation::CheckTriangle(TriangleIndex t, std::string* why) const {
+bool DelaunayTriangulation::CheckTriangle(SimplexIndex t, std::string* why) const {
   const Triangle& triangle = triangles_[t];
   for (int i = 0; i < 3; ++i) {
     const VertexIndex v = triangle.v[i];
     if (v != kInfinite && !Contains(v)) return Fail(why, "triangle ", t, " has no vertex ", v);
     const Corner across = Opposite({t, i});
-    if (across.triangle >= triangle_limit() || across.index > 2 ||
-        triangles_[across.triangle].IsUnused() || Opposite(across) != Corner{t, i}) {
+    if (across.simplex >= simplex_limit() || across.index > 2 ||
+        triangles_[across.simplex].IsUnused() || Opposite(across) != Corner{t, i}) {
       return Fail(why, "triangle ", t, " and its neighbour at ", i, " disagree");
     }
-    const auto& other = vertices(across.triangle);
+    const auto& other = vertices(across.simplex);
     if (triangle.v[NextIndex(i)] != other[PreviousIndex(across.index)] ||
         triangle.v[PreviousIndex(i)] != other[NextIndex(across.index)]) {
-      return Fail(why, "triangles ", t, " and ", across.triangle, " share no edge");
+      return Fail(why, "triangles ", t, " and ", across.simplex, " share no edge");
     }
     // Locally Delaunay everywhere is Delaunay; for infinite triangles it says that the
     // hull is convex. The cached circle must agree with the exact test.
@@ -70,8 +70,8 @@ bool DelaunayTriangulation::CheckVertices(std::string* why) const {
   std::size_t count = 0;
   const auto check_corner = [&](VertexIndex v) {
     const Corner c = Around(v);
-    return c.triangle < triangle_limit() && c.index < 3 && !triangles_[c.triangle].IsUnused() &&
-           vertices(c.triangle)[c.index] == v;
+    return c.simplex < simplex_limit() && c.index < 3 && !triangles_[c.simplex].IsUnused() &&
+           vertices(c.simplex)[c.index] == v;
   };
   if (!check_corner(kInfinite)) return Fail(why, "no corner at infinity");
   for (VertexIndex v = 0; v < incident_.size(); ++v) {

@@ -37,7 +37,7 @@ void DelaunayTriangulation::Remove(VertexIndex v) {
     FillHoleByScanning();
   }
   assert(cavity_.size() == 2);  // one vertex less, two triangles less
-  for (TriangleIndex t : cavity_) FreeTriangle(t);
+  for (SimplexIndex t : cavity_) FreeTriangle(t);
 }
 
 // Collects the star of v in cavity_ and deleted_, its rim counter-clockwise in rim_.
@@ -49,14 +49,14 @@ void DelaunayTriangulation::OpenHole(VertexIndex v) {
   const Corner start = Around(v);
   Corner c = start;
   do {
-    const Triangle& t = triangles_[c.triangle];
+    const Triangle& t = triangles_[c.simplex];
     const auto next = NextIndex(c.index);
     const auto previous = PreviousIndex(c.index);
     rim_.push_back({t.v[next], t.v[previous], t.opposite[c.index]});
     // Wanted soon: the neighbour to link to, the place of the rim vertex.
     __builtin_prefetch(&triangles_[rim_.back().outside >> 2]);
     if (t.v[next] != kInfinite) __builtin_prefetch(&points_[t.v[next]]);
-    cavity_.push_back(c.triangle);
+    cavity_.push_back(c.simplex);
     deleted_.push_back(t.v);
     deleted_tags_.push_back(t.tag);
     if (t.v[next] == kInfinite) --hull_count_;  // v had one edge to infinity
@@ -65,8 +65,8 @@ void DelaunayTriangulation::OpenHole(VertexIndex v) {
 }
 
 // A triangle of the hole for reuse.
-DelaunayTriangulation::TriangleIndex DelaunayTriangulation::TakeSlot() {
-  const TriangleIndex t = cavity_.back();
+DelaunayTriangulation::SimplexIndex DelaunayTriangulation::TakeSlot() {
+  const SimplexIndex t = cavity_.back();
   cavity_.pop_back();
   created_.push_back(t);
   return t;
@@ -84,7 +84,7 @@ void DelaunayTriangulation::CloseHullGap() {
   rim_.pop_back();
   const RimEdge enter = rim_.back();  // x -> infinity
   rim_.pop_back();
-  const TriangleIndex t = TakeSlot();
+  const SimplexIndex t = TakeSlot();
   MakeTriangle(t, enter.a, kInfinite, leave.b);
   Link(ToCode(t, 2), enter.outside);
   Link(ToCode(t, 0), leave.outside);
@@ -99,7 +99,7 @@ void DelaunayTriangulation::FillHoleByScanning() {
     const Gap gap = gaps_.back();
     gaps_.pop_back();
     const std::size_t apex = FindApex(gap);
-    const TriangleIndex t = TakeSlot();
+    const SimplexIndex t = TakeSlot();
     MakeTriangle(t, rim_[gap.last].a, rim_[gap.first].a, rim_[apex].a);
     Link(ToCode(t, 2), gap.outside);
     const auto fill = [&](std::size_t first, std::size_t last, Code code) {
@@ -166,17 +166,17 @@ void DelaunayTriangulation::FillHoleByTriangulating(const Point2& removed) {
   local.FindCavity(removed, local.Locate(removed, 0));
 
   // Local triangle -> its copy here, remembered in the tag; 0 is "none".
-  for (TriangleIndex t : local.cavity_) local.set_tag(t, TakeSlot() + std::uint64_t{1});
-  for (TriangleIndex from : local.cavity_) {
+  for (SimplexIndex t : local.cavity_) local.set_tag(t, TakeSlot() + std::uint64_t{1});
+  for (SimplexIndex from : local.cavity_) {
     const Triangle& source = local.triangles_[from];
-    const auto t = static_cast<TriangleIndex>(source.tag - 1);
+    const auto t = static_cast<SimplexIndex>(source.tag - 1);
     MakeTriangle(t, rim_[to_rim(source.v[0])].a, rim_[to_rim(source.v[1])].a,
                  rim_[to_rim(source.v[2])].a);
     for (int i = 0; i < 3; ++i) {
       const Corner across = local.Opposite({from, i});
-      const std::uint64_t tag = local.tag(across.triangle);
+      const std::uint64_t tag = local.tag(across.simplex);
       if (tag != 0) {
-        triangles_[t].opposite[i] = ToCode(static_cast<TriangleIndex>(tag - 1), across.index);
+        triangles_[t].opposite[i] = ToCode(static_cast<SimplexIndex>(tag - 1), across.index);
       } else {
         const VertexIndex edge_start = source.v[NextIndex(i)];
         Link(ToCode(t, i), rim_[to_rim(edge_start)].outside);

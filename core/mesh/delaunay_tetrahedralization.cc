@@ -68,14 +68,14 @@ void DelaunayTetrahedralization::StartFrom(const std::array<VertexIndex, 4>& v,
     const int j = i ^ 1;
     outside[j] = kInfinite;
     outside[i] = v[j];
-    Make(static_cast<TetrahedronIndex>(i + 1), outside);
+    Make(static_cast<SimplexIndex>(i + 1), outside);
   }
   for (int i = 0; i < 4; ++i) {
-    const auto t = static_cast<TetrahedronIndex>(i + 1);
+    const auto t = static_cast<SimplexIndex>(i + 1);
     Link(ToCode(0, i), ToCode(t, i ^ 1));
     // Two infinite ones share the facet of infinity and the edge of v without i and k.
     for (int k = 0; k < i; ++k) {
-      const auto other = static_cast<TetrahedronIndex>(k + 1);
+      const auto other = static_cast<SimplexIndex>(k + 1);
       Link(ToCode(t, tetrahedra_[t].CornerOf(v[k])),
            ToCode(other, tetrahedra_[other].CornerOf(v[i])));
     }
@@ -101,12 +101,12 @@ void DelaunayTetrahedralization::Allocate(std::size_t count) {
   free_.resize(free_.size() - reused);
   if (reused == count) return;
   std::iota(created_.begin() + static_cast<std::ptrdiff_t>(reused), created_.end(),
-            tetrahedron_limit());
+            simplex_limit());
   tetrahedra_.resize(tetrahedra_.size() + count - reused);
   tags_.resize(tetrahedra_.size());
 }
 
-void DelaunayTetrahedralization::Make(TetrahedronIndex t, const std::array<VertexIndex, 4>& v) {
+void DelaunayTetrahedralization::Make(SimplexIndex t, const std::array<VertexIndex, 4>& v) {
   Tetrahedron& tetrahedron = tetrahedra_[t];
   tetrahedron.v = v;
   tags_[t] = 0;
@@ -123,7 +123,7 @@ void DelaunayTetrahedralization::Make(TetrahedronIndex t, const std::array<Verte
   }
 }
 
-void DelaunayTetrahedralization::Delete(std::span<const TetrahedronIndex> all) {
+void DelaunayTetrahedralization::Delete(std::span<const SimplexIndex> all) {
   deleted_.resize(all.size());
   deleted_tags_.resize(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -201,13 +201,13 @@ bool DelaunayTetrahedralization::ConflictsExactly(const Tetrahedron& t, const Po
 // The visibility walk: over any facet that has p strictly beyond. In a Delaunay
 // triangulation (of a lifted set, so with ties broken too) it cannot cycle: the power of
 // p falls with each step.
-DelaunayTetrahedralization::TetrahedronIndex DelaunayTetrahedralization::LocateFrom(
-    const Point3& p, TetrahedronIndex start) const {
-  TetrahedronIndex at = start;
+DelaunayTetrahedralization::SimplexIndex DelaunayTetrahedralization::LocateFrom(
+    const Point3& p, SimplexIndex start) const {
+  SimplexIndex at = start;
   int entry = -1;
   if (const Tetrahedron& t = tetrahedra_[at]; t.HasInfinite()) {
     const Corner across = ToCorner(t.opposite[t.InfiniteCorner()]);
-    at = across.tetrahedron;
+    at = across.simplex;
   }
   while (true) {
     const Tetrahedron& t = tetrahedra_[at];
@@ -222,14 +222,14 @@ DelaunayTetrahedralization::TetrahedronIndex DelaunayTetrahedralization::LocateF
     }
     if (exit < 0) return at;
     const Corner across = ToCorner(t.opposite[exit]);
-    at = across.tetrahedron;
+    at = across.simplex;
     entry = across.index;
     if (tetrahedra_[at].HasInfinite()) return at;
   }
 }
 
 void DelaunayTetrahedralization::InsertAt(VertexIndex v, const Point3& p,
-                                          TetrahedronIndex conflicting) {
+                                          SimplexIndex conflicting) {
   assert(!Contains(v) && v < kInfinite / 2);
   assert(Conflicts(conflicting, p));
   AddVertex(v, p);
@@ -239,14 +239,14 @@ void DelaunayTetrahedralization::InsertAt(VertexIndex v, const Point3& p,
 
 // Breadth first; the cavity is its own queue. Afterwards its tetrahedra have numbers of rim
 // facets for neighbours outside.
-void DelaunayTetrahedralization::FindCavity(const Point3& p, TetrahedronIndex start) {
+void DelaunayTetrahedralization::FindCavity(const Point3& p, SimplexIndex start) {
   cavity_.clear();
   rim_.clear();
   cavity_.push_back(start);
   Tetrahedron* const tetrahedra = tetrahedra_.data();
   tetrahedra[start].Mark();
   for (std::size_t next = 0; next < cavity_.size(); ++next) {
-    const TetrahedronIndex from = cavity_[next];
+    const SimplexIndex from = cavity_[next];
     for (int i = 0; i < 4; ++i) {
       const Code code = tetrahedra[from].opposite[i];
       Tetrahedron& t = tetrahedra[code >> 2];
@@ -281,7 +281,7 @@ void DelaunayTetrahedralization::FillCavityFrom(VertexIndex v) {
   if (count / 2 + 2 <= kMaxTableVertices) {
     LinkByTable();
   } else {
-    for (const TetrahedronIndex t : created_) {
+    for (const SimplexIndex t : created_) {
       for (std::size_t i = 0; i < 3; ++i) tetrahedra_[t].opposite[i] = kNone;
     }
     for (std::uint32_t i = 0; i < count; ++i) LinkAroundRim(i);
@@ -297,7 +297,7 @@ void DelaunayTetrahedralization::LinkByTable() {
   edge_entries_.resize(count);
   Tetrahedron* const tetrahedra = tetrahedra_.data();
   Place* const places = places_.data();
-  const TetrahedronIndex* const created = created_.data();
+  const SimplexIndex* const created = created_.data();
   std::array<std::uint32_t, 3>* const entries = edge_entries_.data();
   Code* const edges = edges_.data();
   std::array<VertexIndex, kMaxTableVertices> numbered;
@@ -311,7 +311,7 @@ void DelaunayTetrahedralization::LinkByTable() {
     return n;
   };
   for (std::size_t i = 0; i < count; ++i) {
-    const TetrahedronIndex t = created[i];
+    const SimplexIndex t = created[i];
     const std::array<VertexIndex, 4>& v = tetrahedra[t].v;
     const std::uint32_t a = number(v[0]), b = number(v[1]), c = number(v[2]);
     edges[b * kMaxTableVertices + c] = ToCode(t, 0);
@@ -332,12 +332,12 @@ void DelaunayTetrahedralization::LinkByTable() {
 // inside the cavity about each edge of the facet, until the next facet of the rim. All turns
 // together are at most six for each tetrahedron of the cavity.
 void DelaunayTetrahedralization::LinkAroundRim(std::uint32_t number) {
-  const TetrahedronIndex made = created_[number];
+  const SimplexIndex made = created_[number];
   const Corner start = ToCorner(rim_[number].inside);
   for (int i = 0; i < 3; ++i) {
     if (tetrahedra_[made].opposite[i] != kNone) continue;
     // `third` is the corner that the facet to be crossed has beside the edge.
-    const Tetrahedron* t = &tetrahedra_[start.tetrahedron];
+    const Tetrahedron* t = &tetrahedra_[start.simplex];
     VertexIndex third = t->v[start.index];
     Code code = t->opposite[kFacet[start.index][i]];
     while ((code & kRim) == 0) {
@@ -346,7 +346,7 @@ void DelaunayTetrahedralization::LinkAroundRim(std::uint32_t number) {
       third = t->v[code & 3];
       code = t->opposite[exit];
     }
-    const TetrahedronIndex other = created_[code & ~kRim];
+    const SimplexIndex other = created_[code & ~kRim];
     Link(ToCode(made, i), ToCode(other, tetrahedra_[other].CornerOf(third)));
   }
 }
@@ -360,7 +360,7 @@ void DelaunayTetrahedralization::InsertAll(std::span<const VertexIndex> indices,
   }
   tetrahedra_.reserve(tetrahedra_.size() + 7 * points.size());
   tags_.reserve(tetrahedra_.size() + 7 * points.size());
-  TetrahedronIndex near = infinite_incident_ >> 2;
+  SimplexIndex near = infinite_incident_ >> 2;
   for (const std::uint32_t i : InsertOrder(points)) {
     InsertAt(indices[i], points[i], LocateFrom(points[i], near));
     near = created_[0];
@@ -370,9 +370,9 @@ void DelaunayTetrahedralization::InsertAll(std::span<const VertexIndex> indices,
   deleted_tags_.clear();
 }
 
-void DelaunayTetrahedralization::TetrahedraAround(VertexIndex v, Star* star) const {
+void DelaunayTetrahedralization::SimplicesAround(VertexIndex v, Star* star) const {
   star->Clear();
-  star->Number({Around(v).tetrahedron});
+  star->Number({Around(v).simplex});
   for (std::size_t next = 0; next < star->keys().size(); ++next) {
     const Tetrahedron& t = tetrahedra_[star->keys()[next][0]];
     for (int i = 0; i < 4; ++i) {

@@ -32,13 +32,13 @@ namespace dynmesh::mesh {
 
 class DelaunayTetrahedralization {
  public:
-  using VertexIndex = std::uint32_t;       // chosen by the caller, dense, below 2^31
-  using TetrahedronIndex = std::uint32_t;  // below 2^29
+  using VertexIndex = std::uint32_t;   // chosen by the caller, dense, below 2^31
+  using SimplexIndex = std::uint32_t;  // below 2^29
   static constexpr VertexIndex kInfinite = ~VertexIndex{0};
-  static constexpr TetrahedronIndex kNone = ~TetrahedronIndex{0};
+  static constexpr SimplexIndex kNone = ~SimplexIndex{0};
 
   struct Corner {
-    TetrahedronIndex tetrahedron;
+    SimplexIndex simplex;
     int index;  // the tetrahedron's vertex `index`, and the facet opposite to it
     friend bool operator==(const Corner&, const Corner&) = default;
   };
@@ -61,7 +61,7 @@ class DelaunayTetrahedralization {
   }
 
   // Insert that saves the walk: `conflicting` is any tetrahedron with Conflicts(it, p).
-  void InsertAt(VertexIndex v, const geometry::Point3& p, TetrahedronIndex conflicting);
+  void InsertAt(VertexIndex v, const geometry::Point3& p, SimplexIndex conflicting);
 
   // Removes vertex v, none of the eight corners.
   void Remove(VertexIndex v);
@@ -74,7 +74,7 @@ class DelaunayTetrahedralization {
   bool Contains(VertexIndex v) const { return v < places_.size() && places_[v].incident != kNone; }
   const geometry::Point3& position(VertexIndex v) const { return places_[v].point; }
   std::size_t vertex_count() const { return vertex_count_; }  // without kInfinite
-  std::size_t tetrahedron_count() const {                     // finite ones
+  std::size_t simplex_count() const {                         // finite ones
     return tetrahedra_.size() - free_.size() - infinite_count_;
   }
 
@@ -82,7 +82,7 @@ class DelaunayTetrahedralization {
   // Indices of deleted ones may be reused by created ones: deleted ones are given by their
   // vertices. Valid until the next change. Created ones of an Insert have the new vertex
   // as corner 3.
-  std::span<const TetrahedronIndex> created() const { return created_; }
+  std::span<const SimplexIndex> created() const { return created_; }
   std::span<const std::array<VertexIndex, 4>> deleted() const { return deleted_; }
   // Their tags.
   std::span<const std::uint64_t> deleted_tags() const { return deleted_tags_; }
@@ -94,7 +94,14 @@ class DelaunayTetrahedralization {
   // All tetrahedra at v (kInfinite too), each as the key of one number. `star` is the
   // caller's, to be kept from call to call.
   using Star = NumberTable<1>;
-  void TetrahedraAround(VertexIndex v, Star* star) const;
+  void SimplicesAround(VertexIndex v, Star* star) const;
+  // Calls f(t) for each tetrahedron at v. Allocates: where that does not matter.
+  template <class F>
+  void ForEachSimplexAround(VertexIndex v, F f) const {
+    Star star;
+    SimplicesAround(v, &star);
+    for (const auto& [t] : star.keys()) f(t);
+  }
   // Brings what a walk around v reads first into the cache, if called for each step, 0 to
   // kPrefetchSteps - 1, with some time between. v must be present.
   static constexpr int kPrefetchSteps = 3;
@@ -114,19 +121,17 @@ class DelaunayTetrahedralization {
     }
   }
   // The corner that faces c across the facet opposite to c.
-  Corner Opposite(Corner c) const { return ToCorner(tetrahedra_[c.tetrahedron].opposite[c.index]); }
+  Corner Opposite(Corner c) const { return ToCorner(tetrahedra_[c.simplex].opposite[c.index]); }
 
   // Vertices of a tetrahedron, positively oriented; one may be kInfinite.
-  const std::array<VertexIndex, 4>& vertices(TetrahedronIndex t) const { return tetrahedra_[t].v; }
-  // True of unused indices too, so a loop below tetrahedron_limit() needs no other test.
-  bool IsInfinite(TetrahedronIndex t) const { return tetrahedra_[t].HasInfinite(); }
-  bool IsUnused(TetrahedronIndex t) const { return tetrahedra_[t].IsUnused(); }
-  TetrahedronIndex tetrahedron_limit() const {
-    return static_cast<TetrahedronIndex>(tetrahedra_.size());
-  }
+  const std::array<VertexIndex, 4>& vertices(SimplexIndex t) const { return tetrahedra_[t].v; }
+  // True of unused indices too, so a loop below simplex_limit() needs no other test.
+  bool IsInfinite(SimplexIndex t) const { return tetrahedra_[t].HasInfinite(); }
+  bool IsUnused(SimplexIndex t) const { return tetrahedra_[t].IsUnused(); }
+  SimplexIndex simplex_limit() const { return static_cast<SimplexIndex>(tetrahedra_.size()); }
 
   // Would p, distinct from all vertices, unmake tetrahedron t? Exact, ties by coordinates.
-  bool Conflicts(TetrahedronIndex t, const geometry::Point3& p) const {
+  bool Conflicts(SimplexIndex t, const geometry::Point3& p) const {
     const Tetrahedron& tetrahedron = tetrahedra_[t];
     const double distance = tetrahedron.SquaredDistance(p);
     if (distance > tetrahedron.high) return false;
@@ -136,23 +141,23 @@ class DelaunayTetrahedralization {
 
   // Does t keep its circumscribed sphere in doubles, so that conflicts rarely need more? Not
   // if it is infinite or flat as far as doubles tell.
-  bool HasSphere(TetrahedronIndex t) const { return tetrahedra_[t].low >= 0; }
+  bool HasSphere(SimplexIndex t) const { return tetrahedra_[t].low >= 0; }
 
   // Eight bytes of each tetrahedron for the caller; zero in one just made.
-  std::uint64_t tag(TetrahedronIndex t) const { return tags_[t]; }
-  void set_tag(TetrahedronIndex t, std::uint64_t tag) { tags_[t] = tag; }
+  std::uint64_t tag(SimplexIndex t) const { return tags_[t]; }
+  void set_tag(SimplexIndex t, std::uint64_t tag) { tags_[t] = tag; }
 
   // A tetrahedron that holds p (closed; infinite only if p is outside the box), from
   // `near`. If p is no vertex, the tetrahedron conflicts with p.
-  TetrahedronIndex Locate(const geometry::Point3& p, VertexIndex near) const {
+  SimplexIndex Locate(const geometry::Point3& p, VertexIndex near) const {
     return LocateFrom(p, (Contains(near) ? places_[near].incident : infinite_incident_) >> 2);
   }
-  TetrahedronIndex LocateFrom(const geometry::Point3& p, TetrahedronIndex start) const;
+  SimplexIndex LocateFrom(const geometry::Point3& p, SimplexIndex start) const;
 
   // Calls f(t) for each finite tetrahedron.
   template <class F>
-  void ForEachTetrahedron(F f) const {
-    for (TetrahedronIndex t = 0; t < tetrahedron_limit(); ++t) {
+  void ForEachSimplex(F f) const {
+    for (SimplexIndex t = 0; t < simplex_limit(); ++t) {
       if (!IsInfinite(t)) f(t);
     }
   }
@@ -170,7 +175,7 @@ class DelaunayTetrahedralization {
   // surface has its number there instead, plus kRim.
   using Code = std::uint32_t;
   static constexpr Code kRim = Code{1} << 31;
-  static constexpr Code ToCode(TetrahedronIndex t, int index) {
+  static constexpr Code ToCode(SimplexIndex t, int index) {
     return t << 2 | static_cast<Code>(index);
   }
   static constexpr Corner ToCorner(Code c) { return {c >> 2, static_cast<int>(c & 3)}; }
@@ -226,12 +231,12 @@ class DelaunayTetrahedralization {
   // Makes created_ so many unused tetrahedra.
   void Allocate(std::size_t count);
   // Sets vertices, sphere, tag, incidences and counts; links remain to be set.
-  void Make(TetrahedronIndex t, const std::array<VertexIndex, 4>& v);
+  void Make(SimplexIndex t, const std::array<VertexIndex, 4>& v);
   // Reports them as deleted and frees them.
-  void Delete(std::span<const TetrahedronIndex> all);
+  void Delete(std::span<const SimplexIndex> all);
 
   // Fills cavity_ with the tetrahedra in conflict with p and rim_ with the facets around.
-  void FindCavity(const geometry::Point3& p, TetrahedronIndex start);
+  void FindCavity(const geometry::Point3& p, SimplexIndex start);
   void FillCavityFrom(VertexIndex v);
   void LinkByTable();
   void LinkAroundRim(std::uint32_t number);
@@ -241,24 +246,24 @@ class DelaunayTetrahedralization {
   void FillHole();
 
   // Checks, in delaunay_tetrahedralization_check.cc.
-  bool CheckTetrahedron(TetrahedronIndex t, std::string* why) const;
+  bool CheckTetrahedron(SimplexIndex t, std::string* why) const;
   bool CheckStars(std::string* why) const;
 
   LargeVector<Tetrahedron> tetrahedra_;
-  LargeVector<std::uint64_t> tags_;     // by tetrahedron
-  LargeVector<Place> places_;           // by vertex
-  std::vector<TetrahedronIndex> free_;  // unused tetrahedra, the last are reused first
+  LargeVector<std::uint64_t> tags_;  // by tetrahedron
+  LargeVector<Place> places_;        // by vertex
+  std::vector<SimplexIndex> free_;   // unused tetrahedra, the last are reused first
   Code infinite_incident_ = kNone;
   std::size_t vertex_count_ = 0;
   std::size_t infinite_count_ = 0;  // infinite tetrahedra
   std::array<VertexIndex, 8> corners_ = {};
 
-  std::vector<TetrahedronIndex> created_;
+  std::vector<SimplexIndex> created_;
   std::vector<std::array<VertexIndex, 4>> deleted_;
   std::vector<std::uint64_t> deleted_tags_;
 
   // Kept from call to call so that none allocates.
-  std::vector<TetrahedronIndex> cavity_;
+  std::vector<SimplexIndex> cavity_;
   std::vector<RimFacet> rim_;
   static constexpr std::uint32_t kMaxTableVertices = 32;
   std::array<Code, kMaxTableVertices * kMaxTableVertices> edges_;

@@ -11,7 +11,7 @@ using geometry::Point3;
 
 bool DelaunayTetrahedralization::Check(std::string* why) const {
   std::size_t infinite = 0, unused = 0;
-  for (TetrahedronIndex t = 0; t < tetrahedron_limit(); ++t) {
+  for (SimplexIndex t = 0; t < simplex_limit(); ++t) {
     if (IsUnused(t)) {
       ++unused;
       continue;
@@ -23,28 +23,28 @@ bool DelaunayTetrahedralization::Check(std::string* why) const {
     return Fail(why, infinite, " infinite tetrahedra, counted ", infinite_count_);
   }
   if (unused != free_.size()) return Fail(why, unused, " unused ones, listed ", free_.size());
-  std::vector<TetrahedronIndex> listed(free_.begin(), free_.end());
+  std::vector<SimplexIndex> listed(free_.begin(), free_.end());
   std::sort(listed.begin(), listed.end());
   if (std::adjacent_find(listed.begin(), listed.end()) != listed.end()) {
     return Fail(why, "a tetrahedron is listed twice as unused");
   }
-  for (const TetrahedronIndex t : free_) {
+  for (const SimplexIndex t : free_) {
     if (!IsUnused(t)) return Fail(why, "tetrahedron ", t, " is in use and listed as unused");
   }
   return CheckStars(why);
 }
 
-bool DelaunayTetrahedralization::CheckTetrahedron(TetrahedronIndex t, std::string* why) const {
+bool DelaunayTetrahedralization::CheckTetrahedron(SimplexIndex t, std::string* why) const {
   const Tetrahedron& tetrahedron = tetrahedra_[t];
   for (int i = 0; i < 4; ++i) {
     const VertexIndex v = tetrahedron.v[i];
     if (v != kInfinite && !Contains(v)) return Fail(why, "tetrahedron ", t, " has no vertex ", v);
     const Corner across = Opposite({t, i});
-    if (across.tetrahedron >= tetrahedron_limit() || IsUnused(across.tetrahedron) ||
+    if (across.simplex >= simplex_limit() || IsUnused(across.simplex) ||
         Opposite(across) != Corner{t, i}) {
       return Fail(why, "tetrahedron ", t, " and its neighbour at ", i, " disagree");
     }
-    const auto& other = vertices(across.tetrahedron);
+    const auto& other = vertices(across.simplex);
     std::array<VertexIndex, 3> facet, back;
     for (std::size_t k = 0; k < 3; ++k) {
       facet[k] = tetrahedron.v[kFacet[i][k]];
@@ -53,7 +53,7 @@ bool DelaunayTetrahedralization::CheckTetrahedron(TetrahedronIndex t, std::strin
     std::rotate(facet.begin(), std::min_element(facet.begin(), facet.end()), facet.end());
     std::rotate(back.begin(), std::min_element(back.begin(), back.end()), back.end());
     if (facet != back) {
-      return Fail(why, "tetrahedra ", t, " and ", across.tetrahedron, " share no facet");
+      return Fail(why, "tetrahedra ", t, " and ", across.simplex, " share no facet");
     }
     // Locally Delaunay everywhere is Delaunay; for infinite ones it says that the hull is
     // convex. The cached sphere must agree with the exact test.
@@ -81,11 +81,10 @@ bool DelaunayTetrahedralization::CheckStars(std::string* why) const {
   std::size_t vertices_seen = 0, ends_of_edges = 0, corners = 0;
   const auto check_star = [&](VertexIndex v) {
     const Corner c = Around(v);
-    if (c.tetrahedron >= tetrahedron_limit() || IsUnused(c.tetrahedron) ||
-        vertices(c.tetrahedron)[c.index] != v) {
+    if (c.simplex >= simplex_limit() || IsUnused(c.simplex) || vertices(c.simplex)[c.index] != v) {
       return Fail(why, "vertex ", v, " points at a wrong corner");
     }
-    TetrahedraAround(v, &star);
+    SimplicesAround(v, &star);
     neighbours.Clear();
     for (const auto [t] : star.keys()) {
       for (const VertexIndex u : vertices(t)) neighbours.Number({u});

@@ -46,7 +46,7 @@ void DelaunayTetrahedralization::Remove(VertexIndex v) {
   assert(std::find(corners_.begin(), corners_.end(), v) == corners_.end());
   if (hole_ == nullptr) hole_.reset(new Hole);
   Hole& hole = *hole_;
-  TetrahedraAround(v, &hole.star);
+  SimplicesAround(v, &hole.star);
   hole.facets.Clear();
   hole.outside.clear();
   hole.vertices.Clear();
@@ -97,7 +97,7 @@ void DelaunayTetrahedralization::TriangulateLink(VertexIndex v) {
   if (side < 0) std::swap(first[0], first[1]);
   link.StartFrom(first, {place(first[0]), place(first[1]), place(first[2]), place(first[3])});
 
-  TetrahedronIndex near = 0;
+  SimplexIndex near = 0;
   const auto insert = [&](VertexIndex u) {
     if (link.Contains(u)) return;
     link.InsertAt(u, place(u), link.LocateFrom(place(u), near));
@@ -124,7 +124,7 @@ void DelaunayTetrahedralization::FillHole() {
   assert(link.rim_.size() == hole_->outside.size());
   for (std::size_t n = 0; n < link.cavity_.size(); ++n) {
     const Tetrahedron& source = link.tetrahedra_[link.cavity_[n]];
-    const TetrahedronIndex t = created_[n];
+    const SimplexIndex t = created_[n];
     Make(t, {to_vertex(source.v[0]), to_vertex(source.v[1]), to_vertex(source.v[2]),
              to_vertex(source.v[3])});
     Tetrahedron& copy = tetrahedra_[t];
@@ -143,12 +143,12 @@ void DelaunayTetrahedralization::FillHole() {
 }
 
 std::size_t DelaunayTetrahedralization::bytes() const {
-  std::size_t sum =
-      tetrahedra_.capacity() * sizeof(Tetrahedron) + tags_.capacity() * sizeof(std::uint64_t) +
-      places_.capacity() * sizeof(Place) + free_.capacity() * sizeof(TetrahedronIndex) +
-      created_.capacity() * sizeof(TetrahedronIndex) +
-      deleted_.capacity() * (sizeof(deleted_[0]) + sizeof(deleted_tags_[0])) +
-      cavity_.capacity() * sizeof(TetrahedronIndex) + rim_.capacity() * sizeof(RimFacet);
+  std::size_t sum = tetrahedra_.capacity() * sizeof(Tetrahedron) +
+                    tags_.capacity() * sizeof(std::uint64_t) + places_.capacity() * sizeof(Place) +
+                    free_.capacity() * sizeof(SimplexIndex) +
+                    created_.capacity() * sizeof(SimplexIndex) +
+                    deleted_.capacity() * (sizeof(deleted_[0]) + sizeof(deleted_tags_[0])) +
+                    cavity_.capacity() * sizeof(SimplexIndex) + rim_.capacity() * sizeof(RimFacet);
   if (hole_ != nullptr) {
     sum += hole_->star.bytes() + hole_->facets.bytes() + hole_->outside.capacity() * sizeof(Code) +
            hole_->vertices.bytes() + hole_->link.bytes();

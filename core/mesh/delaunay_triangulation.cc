@@ -66,10 +66,10 @@ void DelaunayTriangulation::Reserve(std::size_t vertices) {
 
 std::size_t DelaunayTriangulation::bytes() const {
   return triangles_.size() * sizeof(Triangle) + points_.size() * sizeof(Point2) +
-         incident_.size() * sizeof(Code) + created_.capacity() * sizeof(TriangleIndex) +
-         deleted_.capacity() * (sizeof(deleted_[0]) + sizeof(deleted_tags_[0])) + cavity_.capacity() * sizeof(TriangleIndex) +
-         rim_.capacity() * sizeof(RimEdge) + stack_.capacity() * sizeof(Code) +
-         gaps_.capacity() * sizeof(Gap);
+         incident_.size() * sizeof(Code) + created_.capacity() * sizeof(SimplexIndex) +
+         deleted_.capacity() * (sizeof(deleted_[0]) + sizeof(deleted_tags_[0])) +
+         cavity_.capacity() * sizeof(SimplexIndex) + rim_.capacity() * sizeof(RimEdge) +
+         stack_.capacity() * sizeof(Code) + gaps_.capacity() * sizeof(Gap);
 }
 
 void DelaunayTriangulation::AddVertex(VertexIndex v, const Point2& p) {
@@ -81,25 +81,25 @@ void DelaunayTriangulation::AddVertex(VertexIndex v, const Point2& p) {
   ++vertex_count_;
 }
 
-DelaunayTriangulation::TriangleIndex DelaunayTriangulation::AllocateTriangle() {
+DelaunayTriangulation::SimplexIndex DelaunayTriangulation::AllocateTriangle() {
   if (free_ == kNone) {
     triangles_.emplace_back();
-    return triangle_limit() - 1;
+    return simplex_limit() - 1;
   }
-  const TriangleIndex t = free_;
+  const SimplexIndex t = free_;
   free_ = triangles_[t].opposite[0];
   --free_count_;
   return t;
 }
 
-void DelaunayTriangulation::FreeTriangle(TriangleIndex t) {
+void DelaunayTriangulation::FreeTriangle(SimplexIndex t) {
   triangles_[t].v = {kInfinite, kInfinite, kInfinite};
   triangles_[t].opposite[0] = free_;
   free_ = t;
   ++free_count_;
 }
 
-void DelaunayTriangulation::MakeTriangle(TriangleIndex t, VertexIndex a, VertexIndex b,
+void DelaunayTriangulation::MakeTriangle(SimplexIndex t, VertexIndex a, VertexIndex b,
                                          VertexIndex c) {
   Triangle& triangle = triangles_[t];
   triangle.v = {a, b, c};
@@ -167,16 +167,16 @@ bool DelaunayTriangulation::ConflictsExactly(const Triangle& t, const Point2& p)
   return side > 0 || (side == 0 && (a < p) == (p < b));
 }
 
-DelaunayTriangulation::TriangleIndex DelaunayTriangulation::Locate(const Point2& p,
-                                                                   VertexIndex near) const {
+DelaunayTriangulation::SimplexIndex DelaunayTriangulation::Locate(const Point2& p,
+                                                                  VertexIndex near) const {
   return LocateFrom(p, (Contains(near) ? incident_[near] : infinite_incident_) >> 2);
 }
 
 // The visibility walk: over any edge that has p strictly beyond. In a Delaunay
 // triangulation (of a lifted set, so with ties broken too) it cannot cycle: the power of
 // p falls with each step.
-DelaunayTriangulation::TriangleIndex DelaunayTriangulation::LocateFrom(const Point2& p,
-                                                                       TriangleIndex start) const {
+DelaunayTriangulation::SimplexIndex DelaunayTriangulation::LocateFrom(const Point2& p,
+                                                                      SimplexIndex start) const {
   const Triangle* t = &triangles_[start];
   if (t->HasInfinite()) {
     const std::size_t i = t->v[0] == kInfinite ? 0 : t->v[1] == kInfinite ? 1 : 2;
@@ -188,16 +188,16 @@ DelaunayTriangulation::TriangleIndex DelaunayTriangulation::LocateFrom(const Poi
   int i = beyond(0) ? 0 : beyond(1) ? 1 : beyond(2) ? 2 : -1;
   while (i >= 0) {
     const Corner entry = ToCorner(t->opposite[i]);
-    t = &triangles_[entry.triangle];
+    t = &triangles_[entry.simplex];
     if (t->HasInfinite()) break;
     // p is on the near side of the edge just crossed.
     const int next = NextIndex(entry.index), previous = PreviousIndex(entry.index);
     i = beyond(next) ? next : beyond(previous) ? previous : -1;
   }
-  return static_cast<TriangleIndex>(t - triangles_.data());
+  return static_cast<SimplexIndex>(t - triangles_.data());
 }
 
-void DelaunayTriangulation::InsertAt(VertexIndex v, const Point2& p, TriangleIndex conflicting) {
+void DelaunayTriangulation::InsertAt(VertexIndex v, const Point2& p, SimplexIndex conflicting) {
   assert(!Contains(v) && v < kInfinite / 2);
   assert(Conflicts(conflicting, p));
   AddVertex(v, p);
@@ -208,7 +208,7 @@ void DelaunayTriangulation::InsertAt(VertexIndex v, const Point2& p, TriangleInd
 // Depth first, each triangle's edges in counter-clockwise order, so that the rim comes
 // out in that order too. The triangles in conflict form a tree: together they are a disc
 // with no vertex inside. So none is met twice and none needs a mark.
-void DelaunayTriangulation::FindCavity(const Point2& p, TriangleIndex start) {
+void DelaunayTriangulation::FindCavity(const Point2& p, SimplexIndex start) {
   cavity_.clear();
   rim_.clear();
   cavity_.push_back(start);
@@ -219,16 +219,16 @@ void DelaunayTriangulation::FindCavity(const Point2& p, TriangleIndex start) {
   for (int i : {2, 1, 0}) stack[depth++] = ToCode(start, i);
   while (depth != 0) {
     const Corner inside = ToCorner(stack[--depth]);
-    const Triangle& t = triangles[inside.triangle];
+    const Triangle& t = triangles[inside.simplex];
     const Code code = t.opposite[inside.index];
     const Corner outside = ToCorner(code);
-    if (Conflicts(outside.triangle, p)) {
-      cavity_.push_back(outside.triangle);
+    if (Conflicts(outside.simplex, p)) {
+      cavity_.push_back(outside.simplex);
       const int next = NextIndex(outside.index), previous = PreviousIndex(outside.index);
-      stack[depth++] = ToCode(outside.triangle, previous);
-      stack[depth++] = ToCode(outside.triangle, next);
-      __builtin_prefetch(&triangles[triangles[outside.triangle].opposite[previous] >> 2]);
-      __builtin_prefetch(&triangles[triangles[outside.triangle].opposite[next] >> 2]);
+      stack[depth++] = ToCode(outside.simplex, previous);
+      stack[depth++] = ToCode(outside.simplex, next);
+      __builtin_prefetch(&triangles[triangles[outside.simplex].opposite[previous] >> 2]);
+      __builtin_prefetch(&triangles[triangles[outside.simplex].opposite[next] >> 2]);
       if (depth + 2 > stack_.size()) {
         stack_.resize(2 * stack_.size());
         stack = stack_.data();
@@ -258,12 +258,12 @@ void DelaunayTriangulation::FillCavityFrom(VertexIndex v, const Point2& p) {
   Triangle* const triangles = triangles_.data();
   const Point2* const points = points_.data();
   Code* const incident = incident_.data();
-  const TriangleIndex* const created = created_.data();
+  const SimplexIndex* const created = created_.data();
   const RimEdge* const rim = rim_.data();
-  TriangleIndex previous = created[count - 1];
+  SimplexIndex previous = created[count - 1];
   for (std::size_t i = 0; i < count; ++i) {
-    const TriangleIndex t = created[i];
-    const TriangleIndex next = created[i + 1 == count ? 0 : i + 1];
+    const SimplexIndex t = created[i];
+    const SimplexIndex next = created[i + 1 == count ? 0 : i + 1];
     const RimEdge edge = rim[i];
     Triangle& triangle = triangles[t];
     triangle.v = {edge.a, edge.b, v};
@@ -296,7 +296,7 @@ void DelaunayTriangulation::InsertAll(std::span<const VertexIndex> indices,
     points_.reserve(limit);
     incident_.reserve(limit);
   }
-  TriangleIndex near = infinite_incident_ >> 2;
+  SimplexIndex near = infinite_incident_ >> 2;
   for (const std::uint32_t i : InsertOrder(points)) {
     InsertAt(indices[i], points[i], LocateFrom(points[i], near));
     near = created_[0];

@@ -27,15 +27,15 @@ namespace dynmesh::mesh {
 
 class DelaunayTriangulation {
  public:
-  using VertexIndex = std::uint32_t;    // chosen by the caller, dense, below 2^31
-  using TriangleIndex = std::uint32_t;  // below 2^30
+  using VertexIndex = std::uint32_t;   // chosen by the caller, dense, below 2^31
+  using SimplexIndex = std::uint32_t;  // below 2^30
   static constexpr VertexIndex kInfinite = ~VertexIndex{0};
-  static constexpr TriangleIndex kNone = ~TriangleIndex{0};
+  static constexpr SimplexIndex kNone = ~SimplexIndex{0};
 
   // Where a walk turns counter-clockwise around a vertex.
   struct Corner {
-    TriangleIndex triangle;
-    int index;  // the vertex is triangle's corner `index`
+    SimplexIndex simplex;
+    int index;  // the vertex is the triangle's corner `index`
     friend bool operator==(const Corner&, const Corner&) = default;
   };
 
@@ -52,7 +52,7 @@ class DelaunayTriangulation {
   }
 
   // Insert that saves the walk: `conflicting` is any triangle with Conflicts(it, p).
-  void InsertAt(VertexIndex v, const geometry::Point2& p, TriangleIndex conflicting);
+  void InsertAt(VertexIndex v, const geometry::Point2& p, SimplexIndex conflicting);
 
   // Removes vertex v, none of the four corners. O(degree log degree) expected.
   void Remove(VertexIndex v);
@@ -65,7 +65,7 @@ class DelaunayTriangulation {
   bool Contains(VertexIndex v) const { return v < incident_.size() && incident_[v] != kNone; }
   const geometry::Point2& position(VertexIndex v) const { return points_[v]; }
   std::size_t vertex_count() const { return vertex_count_; }  // without kInfinite
-  std::size_t triangle_count() const {                        // finite ones, by Euler
+  std::size_t simplex_count() const {                         // finite ones, by Euler
     return vertex_count_ == 0 ? 0 : 2 * vertex_count_ - 2 - hull_count_;
   }
 
@@ -73,7 +73,7 @@ class DelaunayTriangulation {
   // Indices of deleted triangles may be reused by created ones: deleted ones are
   // given by their vertices. Valid until the next change. Created ones of an Insert have
   // the new vertex as corner 2 and stand in counter-clockwise order around it.
-  std::span<const TriangleIndex> created() const { return created_; }
+  std::span<const SimplexIndex> created() const { return created_; }
   std::span<const std::array<VertexIndex, 3>> deleted() const { return deleted_; }
   // Their tags.
   std::span<const std::uint64_t> deleted_tags() const { return deleted_tags_; }
@@ -83,12 +83,12 @@ class DelaunayTriangulation {
     return ToCorner(v == kInfinite ? infinite_incident_ : incident_[v]);
   }
   Corner NextAround(Corner c) const {
-    const Corner across = Opposite({c.triangle, NextIndex(c.index)});
-    return {across.triangle, NextIndex(across.index)};
+    const Corner across = Opposite({c.simplex, NextIndex(c.index)});
+    return {across.simplex, NextIndex(across.index)};
   }
   Corner PreviousAround(Corner c) const {
-    const Corner across = Opposite({c.triangle, PreviousIndex(c.index)});
-    return {across.triangle, PreviousIndex(across.index)};
+    const Corner across = Opposite({c.simplex, PreviousIndex(c.index)});
+    return {across.simplex, PreviousIndex(across.index)};
   }
   // All corners at v, counter-clockwise. Walks both ways at once: each step waits for the
   // memory read in the one before, but not for the other way's.
@@ -100,14 +100,24 @@ class DelaunayTriangulation {
     corners->push_back(ahead);
     while (true) {
       ahead = NextAround(ahead);
-      if (ahead.triangle == back.triangle) break;
+      if (ahead.simplex == back.simplex) break;
       corners->push_back(ahead);
       if (count == behind.size()) continue;
       back = PreviousAround(back);
-      if (ahead.triangle == back.triangle) break;
+      if (ahead.simplex == back.simplex) break;
       behind[count++] = back;
     }
     while (count > 0) corners->push_back(behind[--count]);
+  }
+  // Calls f(t) for each triangle at v.
+  template <class F>
+  void ForEachSimplexAround(VertexIndex v, F f) const {
+    const Corner first = Around(v);
+    Corner corner = first;
+    do {
+      f(corner.simplex);
+      corner = NextAround(corner);
+    } while (corner.simplex != first.simplex);
   }
   // Brings what a walk around v reads into the cache, if called for each step, 0 to
   // kPrefetchSteps - 1, with some time between: each reads what the one before has brought.
@@ -130,19 +140,19 @@ class DelaunayTriangulation {
     }
   }
   // The corner that faces c across the edge opposite to c.
-  Corner Opposite(Corner c) const { return ToCorner(triangles_[c.triangle].opposite[c.index]); }
+  Corner Opposite(Corner c) const { return ToCorner(triangles_[c.simplex].opposite[c.index]); }
   // Corner indices counter-clockwise in a triangle: 0 1 2 0 and back.
   static constexpr int NextIndex(int i) { return (0b00'10'01 >> (2 * i)) & 3; }
   static constexpr int PreviousIndex(int i) { return (0b01'00'10 >> (2 * i)) & 3; }
 
   // Vertices of a triangle, counter-clockwise; one may be kInfinite.
-  const std::array<VertexIndex, 3>& vertices(TriangleIndex t) const { return triangles_[t].v; }
-  // True of unused indices too, so a loop below triangle_limit() needs no other test.
-  bool IsInfinite(TriangleIndex t) const { return triangles_[t].HasInfinite(); }
-  TriangleIndex triangle_limit() const { return static_cast<TriangleIndex>(triangles_.size()); }
+  const std::array<VertexIndex, 3>& vertices(SimplexIndex t) const { return triangles_[t].v; }
+  // True of unused indices too, so a loop below simplex_limit() needs no other test.
+  bool IsInfinite(SimplexIndex t) const { return triangles_[t].HasInfinite(); }
+  SimplexIndex simplex_limit() const { return static_cast<SimplexIndex>(triangles_.size()); }
 
   // Would p, distinct from all vertices, unmake triangle t? Exact, ties by coordinates.
-  bool Conflicts(TriangleIndex t, const geometry::Point2& p) const {
+  bool Conflicts(SimplexIndex t, const geometry::Point2& p) const {
     const Triangle& triangle = triangles_[t];
     const double dx = p[0] - triangle.center_x;
     const double dy = p[1] - triangle.center_y;
@@ -156,24 +166,24 @@ class DelaunayTriangulation {
   // bits depend on which corner came first. circle_error(t) bounds the error of
   // |x - center|^2 - squared_radius for any x not far outside; it is infinite where the
   // circle is useless (infinite or needle-like triangles).
-  geometry::Point2 circumcenter(TriangleIndex t) const {
+  geometry::Point2 circumcenter(SimplexIndex t) const {
     return {{triangles_[t].center_x, triangles_[t].center_y}};
   }
-  double squared_circumradius(TriangleIndex t) const { return triangles_[t].squared_radius; }
-  double circle_error(TriangleIndex t) const { return triangles_[t].power_error; }
+  double squared_circumradius(SimplexIndex t) const { return triangles_[t].squared_radius; }
+  double circle_error(SimplexIndex t) const { return triangles_[t].power_error; }
 
   // Eight bytes of each triangle for the caller; zero in a triangle just made.
-  std::uint64_t tag(TriangleIndex t) const { return triangles_[t].tag; }
-  void set_tag(TriangleIndex t, std::uint64_t tag) { triangles_[t].tag = tag; }
+  std::uint64_t tag(SimplexIndex t) const { return triangles_[t].tag; }
+  void set_tag(SimplexIndex t, std::uint64_t tag) { triangles_[t].tag = tag; }
 
   // A triangle that holds p (closed; infinite only if p is outside the box), from `near`.
   // If p is no vertex, the triangle conflicts with p.
-  TriangleIndex Locate(const geometry::Point2& p, VertexIndex near) const;
+  SimplexIndex Locate(const geometry::Point2& p, VertexIndex near) const;
 
   // Calls f(t) for each finite triangle.
   template <class F>
-  void ForEachTriangle(F f) const {
-    for (TriangleIndex t = 0; t < triangle_limit(); ++t) {
+  void ForEachSimplex(F f) const {
+    for (SimplexIndex t = 0; t < simplex_limit(); ++t) {
       if (!IsInfinite(t)) f(t);
     }
   }
@@ -188,7 +198,7 @@ class DelaunayTriangulation {
  private:
   // A corner packed: triangle * 4 + index.
   using Code = std::uint32_t;
-  static constexpr Code ToCode(TriangleIndex t, int index) {
+  static constexpr Code ToCode(SimplexIndex t, int index) {
     return t << 2 | static_cast<Code>(index);
   }
   static constexpr Corner ToCorner(Code c) { return {c >> 2, static_cast<int>(c & 3)}; }
@@ -219,7 +229,7 @@ class DelaunayTriangulation {
     Code outside;
   };
 
-  TriangleIndex LocateFrom(const geometry::Point2& p, TriangleIndex start) const;
+  SimplexIndex LocateFrom(const geometry::Point2& p, SimplexIndex start) const;
   bool ConflictsExactly(const Triangle& t, const geometry::Point2& p) const;
   static void SetCircle(Triangle* t, const geometry::Point2& a, const geometry::Point2& b,
                         const geometry::Point2& c);
@@ -231,12 +241,12 @@ class DelaunayTriangulation {
 
   void AddVertex(VertexIndex v, const geometry::Point2& p);
   // Sets vertices, circle and the incidences; links remain to be set.
-  void MakeTriangle(TriangleIndex t, VertexIndex a, VertexIndex b, VertexIndex c);
-  TriangleIndex AllocateTriangle();
-  void FreeTriangle(TriangleIndex t);
+  void MakeTriangle(SimplexIndex t, VertexIndex a, VertexIndex b, VertexIndex c);
+  SimplexIndex AllocateTriangle();
+  void FreeTriangle(SimplexIndex t);
 
   // Fills cavity_ with the triangles in conflict with p and rim_ with the edges around.
-  void FindCavity(const geometry::Point2& p, TriangleIndex start);
+  void FindCavity(const geometry::Point2& p, SimplexIndex start);
   void FillCavityFrom(VertexIndex v, const geometry::Point2& p);
 
   // Removal, in delaunay_removal.cc.
@@ -245,28 +255,28 @@ class DelaunayTriangulation {
   void FillHoleByScanning();
   std::size_t FindApex(const Gap& gap) const;
   void FillHoleByTriangulating(const geometry::Point2& removed);
-  TriangleIndex TakeSlot();
+  SimplexIndex TakeSlot();
 
   // Checks, in delaunay_check.cc.
-  bool CheckTriangle(TriangleIndex t, std::string* why) const;
+  bool CheckTriangle(SimplexIndex t, std::string* why) const;
   bool CheckVertices(std::string* why) const;
 
   LargeVector<Triangle> triangles_;
   LargeVector<geometry::Point2> points_;  // by vertex
   std::vector<Code> incident_;            // by vertex: some corner, or kNone
   Code infinite_incident_ = kNone;
-  TriangleIndex free_ = kNone;  // unused triangles, linked by opposite[0]
+  SimplexIndex free_ = kNone;  // unused triangles, linked by opposite[0]
   std::size_t free_count_ = 0;
   std::size_t vertex_count_ = 0;
   std::size_t hull_count_ = 0;  // vertices on the hull = infinite triangles
   std::array<VertexIndex, 4> corners_ = {};
 
-  std::vector<TriangleIndex> created_;
+  std::vector<SimplexIndex> created_;
   std::vector<std::array<VertexIndex, 3>> deleted_;
   std::vector<std::uint64_t> deleted_tags_;
 
   // Kept from call to call so that none allocates.
-  std::vector<TriangleIndex> cavity_;
+  std::vector<SimplexIndex> cavity_;
   std::vector<RimEdge> rim_;
   std::vector<Code> stack_;
   std::vector<Gap> gaps_;

@@ -77,7 +77,7 @@ void Refinement<D, E>::Complete(Context& context) {
       break;
     }
     if constexpr (D == 2) {
-      if (is_global() && by_edge() && ordinal == 0) gap_triangle_ = corners_[gap.corner].triangle;
+      if (is_global() && by_edge() && ordinal == 0) gap_triangle_ = corners_[gap.corner].simplex;
     }
     const VertexIndex x =
         EmitVertex(context, gap.x, ordinal++, gap.facet == kNil ? D : 2, gap.facet);

@@ -57,17 +57,7 @@ void Refinement<D, E>::FindAllNearest() {
       }
     }
   };
-  ForEachSimplex([&](auto t) { look_at(triangulation_->vertices(t)); });
-}
-
-template <int D, template <class> class E>
-template <class F>
-void Refinement<D, E>::ForEachSimplex(F f) const {
-  if constexpr (D == 2) {
-    triangulation_->ForEachTriangle(f);
-  } else {
-    triangulation_->ForEachTetrahedron(f);
-  }
+  triangulation_->ForEachSimplex([&](auto t) { look_at(triangulation_->vertices(t)); });
 }
 
 // Is subsegment s encroached as of now? Then witnesses_ says by whom: any one vertex
@@ -135,13 +125,13 @@ bool Refinement<D, E>::FindEncroachingInTriangulation(SubsegmentIndex s) const {
       return c != Triangulation::kInfinite && geometry::InDiametralBall(a, b, vertices_[c].p);
     };
     do {
-      const auto& tri = triangulation_->vertices(corner.triangle);
+      const auto& tri = triangulation_->vertices(corner.simplex);
       const VertexIndex right = tri[corner.index == 2 ? 0 : corner.index + 1];
       const VertexIndex left = tri[corner.index == 0 ? 2 : corner.index - 1];
       if (right == sub.b) is_edge = true;
       if ((right == sub.b && in_ball(left)) || (left == sub.b && in_ball(right))) return true;
       corner = triangulation_->NextAround(corner);
-    } while (corner.triangle != first.triangle);
+    } while (corner.simplex != first.simplex);
     return !is_edge;
   }
   return false;

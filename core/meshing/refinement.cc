@@ -275,7 +275,7 @@ void Refinement<D, E>::RequestFirstGaps() {
   std::vector<std::uint16_t> first(vertices_.size(), kBuckets);
   if constexpr (D == 2) {
     const Gaps gaps(*this);
-    triangulation_->ForEachTriangle([&](auto t) {
+    triangulation_->ForEachSimplex([&](auto t) {
       const auto& v = triangulation_->vertices(t);
       for (int i = 0; i < 3; ++i) {
         const VertexIndex p = v[triangulation_->NextIndex(i)],
@@ -284,14 +284,14 @@ void Refinement<D, E>::RequestFirstGaps() {
         if (gaps.BucketOf(p, q, v[i], Triangulation::kInfinite) == kBuckets) continue;
         const auto across = triangulation_->Opposite({t, i});
         const int bucket =
-            gaps.BucketOf(p, q, v[i], triangulation_->vertices(across.triangle)[across.index]);
+            gaps.BucketOf(p, q, v[i], triangulation_->vertices(across.simplex)[across.index]);
         auto& owners = first[IsOlder(vertices_[p], vertices_[q]) ? q : p];
         owners = std::min(owners, static_cast<std::uint16_t>(bucket));
       }
     });
   } else {
     const Gaps gaps(*this);
-    triangulation_->ForEachTetrahedron([&](auto t) {
+    triangulation_->ForEachSimplex([&](auto t) {
       const auto& corners = triangulation_->vertices(t);
       const double r2 = gaps.MostRadius2(corners);
       for (int i = 0; i < 4; ++i) {
@@ -363,7 +363,7 @@ void Refinement<D, E>::FillTriangulation() {
         places.push_back(vertices_[v].p);
       }
       triangulation_->InsertAll(part, places);
-      if (triangulation_->tetrahedron_count() >
+      if (triangulation_->simplex_count() >
           kMostPerVertex * triangulation_->vertex_count() + 10'000) {
         return LeaveTriangulation();
       }

@@ -300,8 +300,6 @@ class Refinement {
   // neighbourhood.h
   double NearestDistance2(Context& context, VertexIndex v);
   void FindAllNearest();
-  template <class F>
-  void ForEachSimplex(F f) const;
   bool FindEncroaching(Context& context, SubsegmentIndex s);
   bool FindHiding(const Subsegment& sub);
   bool FindEncroachingInTriangulation(SubsegmentIndex s) const;

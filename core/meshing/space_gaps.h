@@ -1,9 +1,12 @@
-// Which gap an edge of the star has, in space: all around it is its Voronoi face.
+// Which gap an edge of the star has, in space: all around it is its Voronoi face; or a tetrahedron
+// at it is too large for a sizing feature.
 #ifndef DYNMESH_CORE_MESHING_SPACE_GAPS_H_
 #define DYNMESH_CORE_MESHING_SPACE_GAPS_H_
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/geometry/circumball.h"
 #include "core/meshing/refinement.h"
@@ -22,7 +25,8 @@ class SpaceGaps {
   bool OfNeighbour(int i, Candidate* gap) const {
     const auto& u = r_.star_[i];
     if (r_.IsSkipped(u.p, false)) return false;
-    const auto x = r_.rules_.PointInGap(r_.star_, i);
+    auto x = r_.rules_.PointInGap(r_.star_, i);
+    if (!x && !r_.sizing_.empty()) x = CentreOfTooLarge(i);
     if (!x) return false;
     gap->e2 = u.d2;
     gap->neighbour = u.p;
@@ -31,7 +35,7 @@ class SpaceGaps {
     return true;
   }
 
-  // The circumradius, squared, at most.
+  // The circumradius, squared, at most; infinite if the ball may be too large for a sizing feature.
   double MostRadius2(const std::array<VertexIndex, 4>& corners) const {
     std::array<geometry::Vector3, 3> d;
     std::array<double, 3> d2;
@@ -43,6 +47,11 @@ class SpaceGaps {
     // (0 1 2 3) is positive, so seen from 3 the others turn the other way.
     const geometry::Circumball ball(d[0], d2[0], d[1], d2[1], d[2], d2[2], true);
     const double r = std::sqrt(ball.r2) * (1 + 1e-9) + 2 * ball.error;
+    if (!r_.sizing_.empty() && r < INFINITY) {
+      geometry::Point3 centre = p;
+      for (int k = 0; k < 3; ++k) centre[k] += ball.w[k];
+      if (r_.sizing_.IsTooLarge(centre, r + 2 * ball.error + r_.rules_.ulp())) return INFINITY;
+    }
     return r * r;
   }
 
@@ -56,6 +65,30 @@ class SpaceGaps {
   }
 
  private:
+  // A tetrahedron stays as large as it is: the last of its corners to come deals with it, at one of
+  // its own edges, of which none is shorter than the ball is large over kCap rho once nothing else
+  // is to be done: so here, too, newborns only need be queued, and any view knows the ball. The
+  // largest of those at the edge to the neighbour in slot i; none whose centre is outside.
+  std::optional<geometry::Point3> CentreOfTooLarge(int i) const {
+    const SpaceStar& star = r_.star_;
+    std::optional<geometry::Point3> best;
+    double most = 0;
+    for (int c = 0; c < star.corner_count(); ++c) {
+      const auto& corner = star.corner(c);
+      if (std::ranges::find(corner.n, i) == corner.n.end() || corner.r2 < most) continue;
+      if (!r_.rules_.IsWithinCap(corner.r2, star[i].d2)) continue;
+      const auto ids = star.IdsOf(c);
+      const bool owned =
+          std::ranges::all_of(ids, [&](auto id) { return !SpaceStar::IsGhost(id) && r_.Owns(id); });
+      if (!owned || !r_.IsTooLargeCorner(c)) continue;
+      const geometry::Point3 x = r_.CentreOf(c);
+      if (!r_.InDomain(x) || (best && corner.r2 == most && *best < x)) continue;
+      best = x;
+      most = corner.r2;
+    }
+    return best;
+  }
+
   const R& r_;
 };
 

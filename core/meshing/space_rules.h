@@ -35,6 +35,12 @@ class SpaceRules : public CommonRules<3> {
   // vertices of each corner within reach, to the bit. O(degree of the neighbour in the link).
   std::optional<geometry::Point3> PointInGap(const SpaceStar& star, int slot) const;
 
+  // Is a place at squared distance r2 from the star's vertex one that every view knows in which
+  // an edge of squared length e2 is judged?
+  bool IsWithinCap(double r2, double e2) const {
+    return r2 <= (kCap * quality()) * (kCap * quality()) * e2;
+  }
+
  private:
   static constexpr double kCap = 1.1;
   // How far from the face's border a place need be at most, in units of e.

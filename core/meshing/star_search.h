@@ -67,7 +67,7 @@ void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
     triangulation_->CornersAround(v, &corners_);
     for (const auto corner : corners_) {
       const VertexIndex u =
-          triangulation_->vertices(corner.triangle)[triangulation_->NextIndex(corner.index)];
+          triangulation_->vertices(corner.simplex)[triangulation_->NextIndex(corner.index)];
       if (u != Triangulation::kInfinite) {
         star_.Append(u, triangulation_->position(u));
       } else if (!kTraced) {
@@ -103,7 +103,7 @@ void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
 template <int D, template <class> class E>
 bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
   if constexpr (D == 3) {
-    triangulation_->TetrahedraAround(v, &around_);
+    triangulation_->SimplicesAround(v, &around_);
     slots_.Clear();
     star_.BeginLink(v, vertices_[v].p, reach);
     bool closed = true;
@@ -125,7 +125,7 @@ bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
         if (slot == star_.slot_count()) star_.AddNeighbour(u, triangulation_->position(u));
         slots[k] = slot;
         across[k] =
-            static_cast<int>(around_.Find({triangulation_->Opposite({t, turned[k]}).tetrahedron}));
+            static_cast<int>(around_.Find({triangulation_->Opposite({t, turned[k]}).simplex}));
       }
       if (closed) star_.AddCorner(slots, across);
     }

@@ -3,7 +3,7 @@
 //   dynmesh_edit_tables edits   [FILE.poly ...]   kinds of single edits, by percentiles
 //   dynmesh_edit_tables batches [FILE.poly ...]   k nearby edits at once against one by one
 //   dynmesh_edit_tables rebuild [FILE.poly ...]   propagating a large batch against building
-//                                                 anew (PlanarMeshTuning)
+//                                                 anew (LiveMeshTuning)
 //
 // On uniform points, and on each file: coastlines, where pieces are removed and put back,
 // points move with their segments, and small sizing discs come and go. Times are microseconds
@@ -25,7 +25,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "client/cli/percentile.h"
-#include "core/dynamic_mesh/planar_mesh.h"
+#include "core/dynamic_mesh/live_mesh.h"
 #include "core/io/planar_input.h"
 #include "tests/support/workload.h"
 
@@ -118,8 +118,8 @@ MeshOptions OptionsFor(const Input& input, double rho) {
 }
 
 // Built, or null if the input is refused.
-std::unique_ptr<PlanarMesh> Make(const Input& input, double rho, const PlanarMeshTuning& tuning) {
-  auto mesh = std::make_unique<PlanarMesh>(OptionsFor(input, rho), tuning);
+std::unique_ptr<LiveMesh<2>> Make(const Input& input, double rho, const LiveMeshTuning& tuning) {
+  auto mesh = std::make_unique<LiveMesh<2>>(OptionsFor(input, rho), tuning);
   const auto diff = mesh->Apply(AddAll(input.features), ApplyOptions{});
   if (diff.ok()) return mesh;
   std::fprintf(stderr, "%s: %s\n", input.name.c_str(), diff.status().ToString().c_str());
@@ -205,7 +205,7 @@ struct Cost {
 };
 
 // False if it is refused; then nothing has happened.
-bool Do(PlanarMesh& mesh, const EditBatch& batch, Cost* cost) {
+bool Do(LiveMesh<2>& mesh, const EditBatch& batch, Cost* cost) {
   const double start = Seconds();
   const auto diff = mesh.Apply(batch, ApplyOptions{});
   if (diff.ok()) cost->Add(*diff, Seconds() - start);
@@ -213,12 +213,12 @@ bool Do(PlanarMesh& mesh, const EditBatch& batch, Cost* cost) {
 }
 
 // All at once, and back.
-bool AtOnce(PlanarMesh& mesh, const Change& change, Cost* there, Cost* back) {
+bool AtOnce(LiveMesh<2>& mesh, const Change& change, Cost* there, Cost* back) {
   return Do(mesh, change.edits, there) && Do(mesh, change.inverse, back);
 }
 
 // One by one, and back; what a refusal leaves half done is undone.
-bool OneByOne(PlanarMesh& mesh, const Change& change, Cost* there, Cost* back) {
+bool OneByOne(LiveMesh<2>& mesh, const Change& change, Cost* there, Cost* back) {
   std::size_t done = 0;
   while (done < change.edits.size() && Do(mesh, {change.edits[done]}, there)) ++done;
   for (std::size_t i = change.edits.size() - done; i < change.inverse.size(); ++i) {
@@ -307,8 +307,8 @@ void PrintBatches(const Input& input, double rho) {
   }
 }
 
-PlanarMeshTuning Always(bool rebuild) {
-  PlanarMeshTuning tuning;
+LiveMeshTuning Always(bool rebuild) {
+  LiveMeshTuning tuning;
   tuning.rebuild.at_least = rebuild ? 0 : ~std::size_t{0};
   tuning.rebuild.features = rebuild ? -1 : 1;
   return tuning;

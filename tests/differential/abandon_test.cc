@@ -11,53 +11,88 @@
 namespace dynmesh::test {
 namespace {
 
-class Abandon : public testing::TestWithParam<Distribution> {};
-
-TEST_P(Abandon, AtEveryOperationBringsTheFormerTraceBack) {
-  const std::uint64_t seed = 4;
-  MeshOptions options;
-  PlanarMesh mesh(options, AlwaysPropagate());
-  ScriptGenerator generator(GetParam(), 10, seed);
+// Applies `batch`, but stops it again and again, later each time, until it comes to its end.
+// Every stop has to leave everything as it was.
+template <int D>
+int StopAgainAndAgain(LiveMesh<D>& mesh, const EditBatch& batch) {
+  const MeshHash hash = mesh.hash();
+  const MeshHash trace = mesh.Audit().trace;
+  const std::uint64_t at = mesh.revision();
   int tried = 0;
-  for (int revision = 0; revision < 5;) {
+  // In space an operation is dear: not at each of them.
+  for (int stop = 0;; stop += D == 2 ? 1 : 1 + stop / 3) {
+    int asked = 0;
+    const auto diff = mesh.Apply(batch, [&] { return asked++ == stop; });
+    if (diff.ok()) return tried;
+    ++tried;
+    const AuditReport audit = mesh.Audit();
+    EXPECT_EQ(diff.status().code(), absl::StatusCode::kCancelled);
+    EXPECT_EQ(GetErrorDetail(diff.status())->reason, reason::kCancelled);
+    EXPECT_EQ(mesh.revision(), at);
+    EXPECT_EQ(mesh.hash(), hash) << "stop " << stop;
+    EXPECT_EQ(audit.problems, std::vector<std::string>());
+    EXPECT_EQ(audit.trace, trace) << "stop " << stop;
+    if (testing::Test::HasFailure()) return tried;
+  }
+}
+
+template <int D>
+void ExpectStopsToChangeNothing(Distribution distribution, int revisions) {
+  const std::uint64_t seed = 4;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  MeshOptions options = DefaultsIn<D>();
+  LiveMesh<D> mesh(options, AlwaysPropagate());
+  ScriptGenerator generator(distribution, 10, seed);
+  int tried = 0;
+  for (int revision = 0; revision < revisions;) {
     const EditBatch batch = generator.Next(mesh.Features());
     if (batch.empty() || !mesh.Validate(batch).ok()) continue;
-    const MeshHash hash = mesh.hash();
-    const MeshHash trace = mesh.Audit().trace;
-    const std::uint64_t at = mesh.revision();
-    for (int stop = 0;; ++stop) {
-      int asked = 0;
-      const auto diff = mesh.Apply(batch, [&] { return asked++ == stop; });
-      if (diff.ok()) break;
-      ++tried;
-      ASSERT_EQ(diff.status().code(), absl::StatusCode::kCancelled) << "seed " << seed;
-      ASSERT_EQ(GetErrorDetail(diff.status())->reason, reason::kCancelled);
-      ASSERT_EQ(mesh.revision(), at);
-      ASSERT_EQ(mesh.hash(), hash) << "seed " << seed << " stop " << stop;
-      const AuditReport audit = mesh.Audit();
-      ASSERT_TRUE(audit.problems.empty()) << audit.problems.front();
-      ASSERT_EQ(audit.trace, trace) << "seed " << seed << " stop " << stop;
-    }
+    tried += StopAgainAndAgain(mesh, batch);
+    ASSERT_FALSE(testing::Test::HasFailure());
     ++revision;
     const Difference d = CompareWithScratch(mesh, true);
     ASSERT_FALSE(d.found) << d.what;
   }
-  EXPECT_GT(tried, 50);
+  EXPECT_GT(tried, D == 2 ? 50 : 10 * revisions);
+}
+
+class Abandon : public testing::TestWithParam<Distribution> {};
+
+TEST_P(Abandon, AtEveryOperationBringsTheFormerTraceBack) {
+  if (DimensionOf(GetParam()) == 2) {
+    ExpectStopsToChangeNothing<2>(GetParam(), 5);
+  } else {
+    ExpectStopsToChangeNothing<3>(GetParam(), 2);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Abandon, testing::ValuesIn(kAllDistributions),
                          [](const auto& given) { return NameOf(given.param); });
+INSTANTIATE_TEST_SUITE_P(Space, Abandon, testing::ValuesIn(kSpaceDistributions),
+                         [](const auto& given) { return NameOf(given.param); });
 
-TEST(Limit, OfVerticesRefusesTheBatchAndChangesNothing) {
-  MeshOptions options;
-  options.limits.max_vertices = 120;
+template <class Dimension>
+class Limit : public testing::Test {
+ public:
+  static constexpr int kDimension = Dimension::value;
+};
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(Limit, Dimensions);
+
+TYPED_TEST(Limit, OfVerticesRefusesTheBatchAndChangesNothing) {
+  constexpr int D = TestFixture::kDimension;
+  MeshOptions options = DefaultsIn<D>();
+  options.limits.max_vertices = D == 2 ? 120 : 900;
+  const auto given = D == 2 ? Distribution::kUniform : Distribution::kSpaceUniform;
+  const std::vector<Feature> features = MakeFeatures(given, 300, 1);
   for (const bool rebuild : {false, true}) {
-    PlanarMesh mesh(options, rebuild ? PlanarMeshTuning{} : AlwaysPropagate());
-    ASSERT_TRUE(mesh.Apply({Edit::Add(Feature::Point(1, 0.5, 0.5))}, ApplyOptions{}).ok());
+    LiveMesh<D> mesh(options, rebuild ? LiveMeshTuning{} : AlwaysPropagate());
+    ASSERT_TRUE(mesh.Apply({Edit::Add(Feature::Point(1, 0.5, 0.5, 0.5))}, ApplyOptions{}).ok());
     const MeshHash hash = mesh.hash(), trace = mesh.Audit().trace;
     EditBatch many;
-    for (const Feature& f : MakeFeatures(Distribution::kUniform, 300, 1)) {
-      many.push_back(Edit::Add(Feature::Point(f.id + 10, f.position[0], f.position[1])));
+    for (const Feature& f : features) {
+      many.push_back(
+          Edit::Add(Feature::Point(f.id + 10, f.position[0], f.position[1], f.position[2])));
     }
     const auto diff = mesh.Apply(many, ApplyOptions{});
     ASSERT_EQ(diff.status().code(), absl::StatusCode::kResourceExhausted);
@@ -68,21 +103,21 @@ TEST(Limit, OfVerticesRefusesTheBatchAndChangesNothing) {
     EXPECT_EQ(mesh.Features().size(), 1u);
     EXPECT_TRUE(mesh.Apply({Edit::Remove(1)}, ApplyOptions{}).ok());
   }
-  std::vector<Feature> many = MakeFeatures(Distribution::kUniform, 300, 1);
-  EXPECT_EQ(BuildMesh(many, options).status().code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(BuildMesh(features, options).status().code(), absl::StatusCode::kResourceExhausted);
 }
 
-TEST(Limit, OfDepthRefusesTheBatchAndChangesNothing) {
-  MeshOptions options;
+TYPED_TEST(Limit, OfDepthRefusesTheBatchAndChangesNothing) {
+  constexpr int D = TestFixture::kDimension;
+  MeshOptions options = DefaultsIn<D>();
   options.limits.max_depth = 3;
-  PlanarMesh mesh(options, AlwaysPropagate());
-  const EditBatch segment = {Edit::Add(Feature::Point(1, 0.1, 0.5)),
-                             Edit::Add(Feature::Point(2, 0.9, 0.5)),
+  LiveMesh<D> mesh(options, AlwaysPropagate());
+  const EditBatch segment = {Edit::Add(Feature::Point(1, 0.1, 0.5, 0.5)),
+                             Edit::Add(Feature::Point(2, 0.9, 0.5, 0.5)),
                              Edit::Add(Feature::Segment(3, 1, 2))};
   ASSERT_TRUE(mesh.Apply(segment, ApplyOptions{}).ok());
   const MeshHash hash = mesh.hash(), trace = mesh.Audit().trace;
   // A point so near the segment asks for more halvings than three.
-  const auto diff = mesh.Apply({Edit::Add(Feature::Point(4, 0.3, 0.501))}, ApplyOptions{});
+  const auto diff = mesh.Apply({Edit::Add(Feature::Point(4, 0.3, 0.501, 0.5))}, ApplyOptions{});
   ASSERT_EQ(diff.status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(GetErrorDetail(diff.status())->reason, reason::kDepthLimit);
   EXPECT_EQ(mesh.hash(), hash);
@@ -101,7 +136,7 @@ Feature SquarePolygon(FeatureId id, FeatureId first) {
 
 class PolygonLimit : public testing::TestWithParam<bool> {
  protected:
-  PolygonLimit() : mesh_({}, GetParam() ? PlanarMeshTuning{} : AlwaysPropagate()) {}
+  PolygonLimit() : mesh_({}, GetParam() ? LiveMeshTuning{} : AlwaysPropagate()) {}
 
   void Accept(const EditBatch& batch) {
     const auto diff = mesh_.Apply(batch, ApplyOptions{});
@@ -130,7 +165,7 @@ class PolygonLimit : public testing::TestWithParam<bool> {
     EXPECT_FALSE(d.found) << d.what;
   }
 
-  PlanarMesh mesh_;
+  LiveMesh<2> mesh_;
 };
 
 // Polygons 1001, 1002, ... on the same four points.

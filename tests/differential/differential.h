@@ -1,13 +1,16 @@
 // Drives a dynamic mesh by a script and compares it, after every revision and to the
 // bit, with a run from scratch: mesh hash, the hash of the complete trace, the static
-// path's hash, and every invariant.
+// path's hash, and every invariant; and a replica that follows its diffs.
 #ifndef DYNMESH_TESTS_DIFFERENTIAL_DIFFERENTIAL_H_
 #define DYNMESH_TESTS_DIFFERENTIAL_DIFFERENTIAL_H_
 
+#include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
-#include "core/dynamic_mesh/planar_mesh.h"
+#include "core/data/mesh_store.h"
+#include "core/dynamic_mesh/live_mesh.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::test {
@@ -18,20 +21,36 @@ struct Difference {
 };
 
 // Tuning under which every batch is propagated, however large.
-inline PlanarMeshTuning AlwaysPropagate() {
-  PlanarMeshTuning tuning;
+inline LiveMeshTuning AlwaysPropagate() {
+  LiveMeshTuning tuning;
   tuning.rebuild.at_least = ~std::size_t{0};
   return tuning;
 }
 
+// Calls f(dimension as a constant).
+template <class F>
+auto InDimension(int dimension, F f) {
+  return dimension == 2 ? f(std::integral_constant<int, 2>()) : f(std::integral_constant<int, 3>());
+}
+
+// The options that most will want in D dimensions.
+template <int D>
+MeshOptions DefaultsIn() {
+  MeshOptions options;
+  options.dimension = D;
+  options.quality = D == 2 ? kDefaultQuality2D : kDefaultQuality3D;
+  return options;
+}
+
 // Is `mesh` what its features make from scratch? `local` picks the provider of
 // neighbourhoods of the fresh run; the static path's mesh is compared as well if asked for.
-inline Difference CompareWithScratch(const DynamicMesh& mesh, bool local, bool with_static = true) {
-  PlanarMeshTuning tuning;
+template <int D>
+Difference CompareWithScratchIn(const DynamicMesh& mesh, bool local, bool with_static) {
+  LiveMeshTuning tuning;
   tuning.rebuild.at_least = 0;
   tuning.rebuild.features = -1;  // always from scratch
   tuning.global_neighbourhoods = !local;
-  PlanarMesh fresh(mesh.options(), tuning);
+  LiveMesh<D> fresh(mesh.options(), tuning);
   const std::vector<Feature> features = mesh.Features();
   if (!features.empty()) {
     if (const auto diff = fresh.Apply(AddAll(features), ApplyOptions{}); !diff.ok()) {
@@ -56,6 +75,33 @@ inline Difference CompareWithScratch(const DynamicMesh& mesh, bool local, bool w
   return {};
 }
 
+inline Difference CompareWithScratch(const DynamicMesh& mesh, bool local, bool with_static = true) {
+  return InDimension(mesh.options().dimension,
+                     [&](auto d) { return CompareWithScratchIn<d()>(mesh, local, with_static); });
+}
+
+// A mesh that follows another by its diffs alone.
+class Replica {
+ public:
+  explicit Replica(const DynamicMesh& mesh) : store_(*data::MeshStore::FromMesh(mesh.Snapshot())) {}
+
+  // Is it the same, row by row, after `diff` as `mesh`?
+  Difference Follow(const MeshDiff& diff, const DynamicMesh& mesh) {
+    if (const absl::Status s = store_.Apply(diff); !s.ok()) return {true, s.ToString()};
+    Mesh ours = store_.ToMesh(), theirs = mesh.Snapshot();
+    Canonicalize(ours);
+    Canonicalize(theirs);
+    const bool same = ours.vertices == theirs.vertices && ours.simplices == theirs.simplices &&
+                      ours.regions == theirs.regions && ours.subsegments == theirs.subsegments &&
+                      ours.subfacets == theirs.subfacets && ours.hash == theirs.hash &&
+                      ours.dimension == theirs.dimension;
+    return {!same, same ? "" : "the replica differs"};
+  }
+
+ private:
+  data::MeshStore store_;
+};
+
 struct RunReport {
   int revisions = 0;
   int refused = 0;
@@ -64,9 +110,11 @@ struct RunReport {
 };
 
 // A random script of `revisions` applied batches, compared after each `every`.
-inline RunReport RunScript(Distribution d, int n, const MeshOptions& options, std::uint64_t seed,
-                           int revisions, int every = 1, int most_operations = 1'000'000) {
-  PlanarMesh mesh(options, AlwaysPropagate());
+template <int D>
+RunReport RunScriptIn(Distribution d, int n, const MeshOptions& options, std::uint64_t seed,
+                      int revisions, int every, int most_operations) {
+  LiveMesh<D> mesh(options, AlwaysPropagate());
+  Replica replica(mesh);
   ScriptGenerator generator(d, n, seed);
   RunReport report;
   while (report.revisions < revisions && report.refused < 50 * revisions) {
@@ -98,6 +146,8 @@ inline RunReport RunScript(Distribution d, int n, const MeshOptions& options, st
       continue;
     }
     ++report.revisions;
+    report.difference = replica.Follow(*diff, mesh);
+    if (report.difference.found) return report;
     if (report.revisions % every != 0) continue;
     report.difference = CompareWithScratch(mesh, report.revisions % 2 == 0);
     if (report.difference.found) return report;
@@ -105,20 +155,33 @@ inline RunReport RunScript(Distribution d, int n, const MeshOptions& options, st
   return report;
 }
 
+inline RunReport RunScript(Distribution d, int n, const MeshOptions& options, std::uint64_t seed,
+                           int revisions, int every = 1, int most_operations = 1'000'000) {
+  return InDimension(options.dimension, [&](auto dimension) {
+    return RunScriptIn<dimension()>(d, n, options, seed, revisions, every, most_operations);
+  });
+}
+
 inline RunReport RunScript(Distribution d, int n, double quality, std::uint64_t seed, int revisions,
                            int every = 1, int most_operations = 1'000'000) {
   MeshOptions options;
+  options.dimension = DimensionOf(d);
   options.quality = quality;
   return RunScript(d, n, options, seed, revisions, every, most_operations);
 }
 
 // Does the script, batch by batch, lead to a difference at its end or before?
 inline Difference Replay(const std::vector<EditBatch>& script, const MeshOptions& options) {
-  PlanarMesh mesh(options, AlwaysPropagate());
+  const auto mesh = InDimension(options.dimension, [&](auto d) -> std::unique_ptr<DynamicMesh> {
+    return std::make_unique<LiveMesh<d()>>(options, AlwaysPropagate());
+  });
+  Replica replica(*mesh);
   for (const EditBatch& batch : script) {
-    if (!mesh.Apply(batch, ApplyOptions{}).ok()) continue;
+    const auto diff = mesh->Apply(batch);
+    if (!diff.ok()) continue;
+    if (const Difference d = replica.Follow(*diff, *mesh); d.found) return d;
     for (const bool local : {false, true}) {
-      if (const Difference d = CompareWithScratch(mesh, local); d.found) return d;
+      if (const Difference d = CompareWithScratch(*mesh, local); d.found) return d;
     }
   }
   return {};

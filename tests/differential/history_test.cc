@@ -9,6 +9,7 @@
 
 #include "tests/differential/differential.h"
 #include "tests/support/asked.h"
+#include "tests/support/same_diff.h"
 
 namespace dynmesh::test {
 namespace {
@@ -18,20 +19,17 @@ bool IsNightly() {
   return set != nullptr && *set != '\0' && *set != '0';
 }
 
-class History : public testing::TestWithParam<std::tuple<Distribution, int>> {};
+// Scripts of `revisions` revisions around that many points.
+struct Setting {
+  int points, revisions, scripts;
+};
 
-TEST_P(History, DynamicIsFromScratchAfterEveryRevision) {
-  const auto [distribution, asked] = GetParam();
+void ExpectFromScratch(Distribution distribution, const Asked& asked,
+                       const std::vector<Setting>& settings) {
   MeshOptions options;
-  options.quality = kAsked[asked].quality;
-  options.criterion = kAsked[asked].criterion;
-  // Many tiny scripts, where everything interacts, and a few larger ones.
-  struct Setting {
-    int points, revisions, scripts;
-  };
-  const std::vector<Setting> settings =
-      IsNightly() ? std::vector<Setting>{{6, 100, 6}, {12, 150, 4}, {40, 200, 2}, {150, 100, 1}}
-                  : std::vector<Setting>{{6, 20, 1}, {14, 15, 1}, {60, 5, 1}};
+  options.dimension = DimensionOf(distribution);
+  options.quality = asked.quality;
+  options.criterion = asked.criterion;
   const std::uint64_t base = IsNightly() ? 77'000 : 1'000;
   for (const Setting& s : settings) {
     for (int k = 0; k < s.scripts; ++k) {
@@ -49,68 +47,118 @@ TEST_P(History, DynamicIsFromScratchAfterEveryRevision) {
   }
 }
 
-std::string NameOfCase(const testing::TestParamInfo<std::tuple<Distribution, int>>& info) {
-  return NameOf(std::get<0>(info.param)) + kAsked[std::get<1>(info.param)].name;
+using Given = std::tuple<Distribution, int>;
+class History : public testing::TestWithParam<Given> {};
+
+// Many tiny scripts, where everything interacts, and a few larger ones.
+TEST_P(History, DynamicIsFromScratchAfterEveryRevision) {
+  ExpectFromScratch(
+      std::get<0>(GetParam()), kAsked[std::get<1>(GetParam())],
+      IsNightly() ? std::vector<Setting>{{6, 100, 6}, {12, 150, 4}, {40, 200, 2}, {150, 100, 1}}
+                  : std::vector<Setting>{{6, 20, 1}, {14, 15, 1}, {60, 5, 1}});
 }
 
 INSTANTIATE_TEST_SUITE_P(All, History,
                          testing::Combine(testing::ValuesIn(kAllDistributions),
                                           testing::Range(0, kAskedCount)),
-                         NameOfCase);
+                         [](const auto& given) {
+                           return NameOf(std::get<0>(given.param)) +
+                                  kAsked[std::get<1>(given.param)].name;
+                         });
 
-// What is large is rebuilt, what is small propagated: nobody can tell.
-TEST(Rebuild, GivesTheSameMeshAndTraceAsPropagation) {
-  for (const Distribution d : {Distribution::kUniform, Distribution::kSegmentsTurned}) {
-    const std::vector<Feature> features = MakeFeatures(d, 200, 5);
-    const EditBatch all = AddAll(features);
-    PlanarMesh rebuilt({}), propagated({}, AlwaysPropagate());
-    const auto a = rebuilt.Apply(all, ApplyOptions{});
-    const auto b = propagated.Apply(all, ApplyOptions{});
-    ASSERT_TRUE(a.ok() && b.ok());
-    EXPECT_EQ(a->hash, b->hash);
-    EXPECT_EQ(rebuilt.Audit().trace, propagated.Audit().trace);
-    EXPECT_EQ(a->added_vertices.size(), b->added_vertices.size());
-    EXPECT_EQ(a->added_simplices.size(), b->added_simplices.size());
-    EXPECT_EQ(a->removed_simplices.size(), b->removed_simplices.size());
-  }
+class SpaceHistory : public testing::TestWithParam<Given> {};
+
+TEST_P(SpaceHistory, DynamicIsFromScratchAfterEveryRevision) {
+  ExpectFromScratch(std::get<0>(GetParam()), kAskedInSpace[std::get<1>(GetParam())],
+                    IsNightly() ? std::vector<Setting>{{10, 100, 3}, {40, 100, 2}, {200, 50, 1}}
+                                : std::vector<Setting>{{10, 3, 1}, {40, 1, 1}});
 }
 
-// Looked at, found large and built anew: the same diffs, and undone when that fails.
-TEST(Rebuild, AfterALookIsPropagation) {
-  PlanarMeshTuning looking;
+INSTANTIATE_TEST_SUITE_P(All, SpaceHistory,
+                         testing::Combine(testing::ValuesIn(kSpaceDistributions),
+                                          testing::Range(0, kAskedInSpaceCount)),
+                         [](const auto& given) {
+                           return NameOf(std::get<0>(given.param)) +
+                                  kAskedInSpace[std::get<1>(given.param)].name;
+                         });
+
+void ExpectSameCounts(const MeshDiff& a, const MeshDiff& b) {
+  EXPECT_EQ(a.added_vertices.size(), b.added_vertices.size());
+  EXPECT_EQ(a.added_simplices.size(), b.added_simplices.size());
+  EXPECT_EQ(a.removed_simplices.size(), b.removed_simplices.size());
+}
+
+// What is large is rebuilt, what is small propagated: nobody can tell.
+template <int D>
+void ExpectRebuiltIsPropagated(Distribution d) {
+  const EditBatch all = AddAll(MakeFeatures(d, 200, 5));
+  LiveMesh<D> rebuilt(DefaultsIn<D>()), propagated(DefaultsIn<D>(), AlwaysPropagate());
+  const auto a = rebuilt.Apply(all, ApplyOptions{});
+  const auto b = propagated.Apply(all, ApplyOptions{});
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_EQ(a->hash, b->hash);
+  EXPECT_EQ(rebuilt.Audit().trace, propagated.Audit().trace);
+  ExpectSameCounts(*a, *b);
+}
+
+TEST(Rebuild, GivesTheSameMeshAndTraceAsPropagation) {
+  ExpectRebuiltIsPropagated<2>(Distribution::kUniform);
+  ExpectRebuiltIsPropagated<2>(Distribution::kSegmentsTurned);
+  ExpectRebuiltIsPropagated<3>(Distribution::kSpaceUniform);
+  ExpectRebuiltIsPropagated<3>(Distribution::kTurnedGridEdges);
+}
+
+LiveMeshTuning AlwaysLook() {
+  LiveMeshTuning looking;
   looking.rebuild = {0, -1, 1e9, -1, 1e9};
-  for (const Distribution d : kAllDistributions) {
-    SCOPED_TRACE(NameOf(d));
-    PlanarMesh looked({}, looking), propagated({}, AlwaysPropagate());
-    ScriptGenerator generator(d, 40, 8);
-    int applied = 0;
-    for (int i = 0; i < 15; ++i) {
-      const EditBatch batch = generator.Next(propagated.Features());
-      const auto a = looked.Apply(batch, ApplyOptions{});
-      const auto b = propagated.Apply(batch, ApplyOptions{});
-      ASSERT_EQ(a.status().code(), b.status().code());
-      applied += a.ok();
-      ASSERT_EQ(looked.hash(), propagated.hash());
-      ASSERT_EQ(looked.Audit().problems, std::vector<std::string>());
-      ASSERT_EQ(looked.Audit().trace, propagated.Audit().trace);
-      if (!a.ok()) continue;
-      EXPECT_EQ(a->added_vertices, b->added_vertices);
-      EXPECT_EQ(a->removed_vertices, b->removed_vertices);
-      EXPECT_EQ(a->added_simplices, b->added_simplices);
-      EXPECT_EQ(a->removed_simplices, b->removed_simplices);
-    }
-    EXPECT_GT(applied, 0);
+  return looking;
+}
+
+// Looked at, found large and built anew: the same diffs.
+template <int D>
+void ExpectLookedAtIsPropagated(Distribution d, int batches) {
+  SCOPED_TRACE(NameOf(d));
+  LiveMesh<D> looked(DefaultsIn<D>(), AlwaysLook()), propagated(DefaultsIn<D>(), AlwaysPropagate());
+  ScriptGenerator generator(d, 40, 8);
+  int applied = 0;
+  for (int i = 0; i < batches; ++i) {
+    const EditBatch batch = generator.Next(propagated.Features());
+    const auto a = looked.Apply(batch, ApplyOptions{});
+    const auto b = propagated.Apply(batch, ApplyOptions{});
+    ASSERT_EQ(a.status().code(), b.status().code());
+    applied += a.ok();
+    ASSERT_EQ(looked.hash(), propagated.hash());
+    ASSERT_EQ(looked.Audit().problems, std::vector<std::string>());
+    ASSERT_EQ(looked.Audit().trace, propagated.Audit().trace);
+    if (a.ok()) ExpectSameRows(*a, *b);
   }
-  // Too many vertices: found out while building anew.
-  MeshOptions options;
-  options.limits.max_vertices = 60;
-  PlanarMesh mesh(options, looking);
-  ASSERT_TRUE(mesh.Apply({Edit::Add(Feature::Point(1, 0.5, 0.5))}, ApplyOptions{}).ok());
+  EXPECT_GT(applied, 0);
+}
+
+TEST(Rebuild, AfterALookIsPropagation) {
+  for (const Distribution d : kAllDistributions) ExpectLookedAtIsPropagated<2>(d, 15);
+  for (const Distribution d : kSpaceDistributions) ExpectLookedAtIsPropagated<3>(d, 3);
+}
+
+// Too many vertices: found out while building anew, and undone.
+template <int D>
+void ExpectUndone() {
+  MeshOptions options = DefaultsIn<D>();
+  options.limits.max_vertices = D == 2 ? 60 : 700;
+  LiveMesh<D> mesh(options, AlwaysLook());
+  ASSERT_TRUE(mesh.Apply({Edit::Add(Feature::Point(1, 0.5, 0.5, 0.5))}, ApplyOptions{}).ok());
   const MeshHash hash = mesh.hash(), trace = mesh.Audit().trace;
-  EXPECT_FALSE(
-      mesh.Apply({Edit::Add(Feature::SizeDisc(2, 0.5, 0.5, 0.3, 0.01))}, ApplyOptions{}).ok());
+  const Sizing fine = {SizeShape::kDisc, D == 2 ? 0.01 : 0.04, 0.3, {}};
+  const auto diff =
+      mesh.Apply({Edit::Add(Feature::Size(2, {0.5, 0.5, 0.5}, fine))}, ApplyOptions{});
+  EXPECT_EQ(diff.status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(mesh.hash(), hash);
   EXPECT_EQ(mesh.Audit().trace, trace);
+}
+
+TEST(Rebuild, OverALimitIsUndone) {
+  ExpectUndone<2>();
+  ExpectUndone<3>();
 }
 
 // What one sizing feature carries decides, not that it is one.
@@ -126,17 +174,30 @@ TEST(Rebuild, IsPlannedByWhatABatchIsWorth) {
   EXPECT_EQ(PlanFor(many, 1000, 2000, box, {}), Plan::kLook);
   EXPECT_EQ(PlanFor(many, 10'000, 20'000, box, {}), Plan::kPropagate);
   EXPECT_EQ(PlanFor(plc::Delta<2>{}, 0, 24, box, {}), Plan::kPropagate);
+  // In space by volume: a ball of 0.3 holds 113 cells of 0.1, 113,000 of 0.01.
+  plc::Delta<3> ball;
+  ball.added_sizes.resize(1);
+  ball.added_sizes[0].sizing = {SizeShape::kDisc, 0.1, 0.3, {}};
+  EXPECT_EQ(PlanFor(ball, 100, 1000, box, {}), Plan::kPropagate);
+  EXPECT_EQ(PlanFor(ball, 100, 300, box, {}), Plan::kRebuild);
+  ball.added_sizes[0].sizing.target = 0.01;
+  EXPECT_EQ(PlanFor(ball, 100'000, 200'000, box, {}), Plan::kRebuild);
+  EXPECT_EQ(PlanFor(ball, 100'000, 500'000, box, {}), Plan::kPropagate);
 }
 
 // Clients' order, ids and directions are not geometry.
 TEST(Order, OfFeaturesAndEndsDoesNotMatter) {
-  std::vector<Feature> features = MakeFeatures(Distribution::kSegmentsTurned, 60, 9);
-  const auto straight = BuildMesh(features, {});
-  std::reverse(features.begin(), features.end());
-  for (Feature& f : features) std::swap(f.ends[0], f.ends[1]);
-  const auto turned = BuildMesh(features, {});
-  ASSERT_TRUE(straight.ok() && turned.ok());
-  EXPECT_EQ(straight->hash, turned->hash);
+  for (const Distribution d : {Distribution::kSegmentsTurned, Distribution::kTurnedGridEdges}) {
+    MeshOptions options;
+    options.dimension = DimensionOf(d);
+    std::vector<Feature> features = MakeFeatures(d, 60, 9);
+    const auto straight = BuildMesh(features, options);
+    std::reverse(features.begin(), features.end());
+    for (Feature& f : features) std::swap(f.ends[0], f.ends[1]);
+    const auto turned = BuildMesh(features, options);
+    ASSERT_TRUE(straight.ok() && turned.ok());
+    EXPECT_EQ(straight->hash, turned->hash);
+  }
 }
 
 }  // namespace

@@ -126,7 +126,7 @@ TEST(Map, IsFromScratchAfterEveryRevision) {
   ASSERT_TRUE(map.ok()) << map.status();
   MeshOptions options;
   options.box = io::BoundingBox(map->features);
-  PlanarMesh mesh(options, {});
+  LiveMesh<2> mesh(options, {});
   ASSERT_TRUE(mesh.Apply(AddAll(map->features), ApplyOptions{}).ok());
   const std::uint64_t seed = 110;
   SCOPED_TRACE("seed " + std::to_string(seed));

@@ -64,7 +64,7 @@ TEST(TerminationGuard, StarsAroundAPoint) {
     if (report.exempt_by_guard == 0) continue;
     ++fired;
     if (++compared > 10) continue;
-    PlanarMesh dynamic(options, AlwaysPropagate());
+    LiveMesh<2> dynamic(options, AlwaysPropagate());
     ASSERT_TRUE(dynamic.Apply(AddAll(features), ApplyOptions{}).ok());
     for (std::size_t i = 2; i < features.size(); i += 2) {
       const Feature& segment = features[i];

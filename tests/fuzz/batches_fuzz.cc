@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/data/mesh_store.h"
-#include "core/dynamic_mesh/planar_mesh.h"
+#include "core/dynamic_mesh/live_mesh.h"
 #include "tests/differential/differential.h"
 #include "tests/fuzz/small_mesh.h"
 #include "tests/fuzz/targets.h"
@@ -49,8 +49,8 @@ class Unpacker {
   }
 
   // How the mesh goes about it, which must not show: edit by edit, or often from scratch.
-  PlanarMeshTuning Tuning() const {
-    PlanarMeshTuning tuning = test::AlwaysPropagate();
+  LiveMeshTuning Tuning() const {
+    LiveMeshTuning tuning = test::AlwaysPropagate();
     if (first_ / (4 * test::kAskedCount) % 2 == 1) tuning.rebuild.at_least = 3;
     tuning.global_neighbourhoods = first_ / (8 * test::kAskedCount) % 2 == 0;
     return tuning;
@@ -171,7 +171,7 @@ class Unpacker {
 
 class Run {
  public:
-  Run(const MeshOptions& options, const PlanarMeshTuning& tuning)
+  Run(const MeshOptions& options, const LiveMeshTuning& tuning)
       : mesh_(options, tuning), replica_(data::MeshStore::FromMesh(mesh_.Snapshot()).value()) {}
 
   // Empty, or what is wrong.
@@ -203,7 +203,7 @@ class Run {
   }
 
  private:
-  PlanarMesh mesh_;
+  LiveMesh<2> mesh_;
   data::MeshStore replica_;
   std::uint64_t accepted_ = 0;
 };

@@ -37,7 +37,7 @@ TEST_P(Regress, EveryRevisionIsThatOfARunFromScratch) {
     MeshOptions options = script->Options();
     options.quality = quality;
     options.criterion = criterion;
-    PlanarMesh mesh(options, AlwaysPropagate());
+    LiveMesh<2> mesh(options, AlwaysPropagate());
     for (std::size_t b = 0; b < script->batches.size(); ++b) {
       const auto diff = mesh.Apply(script->batches[b].edits, ApplyOptions{});
       ASSERT_TRUE(diff.ok()) << script->Where(b, std::nullopt) << diff.status().ToString();

@@ -21,7 +21,11 @@ inline constexpr Asked kAsked[] = {{"Rho2", 2.0, Criterion::kEdge},
                                    {"ThesisRho2", 2.0, Criterion::kThesis},
                                    {"ThesisRhoSqrt2", kDefaultQuality2D, Criterion::kThesis},
                                    {"ThesisRho1p6", 1.6, Criterion::kThesis}};
+inline constexpr Asked kAskedInSpace[] = {{"Rho2", kDefaultQuality3D, Criterion::kEdge},
+                                          {"RhoSqrt2", kDefaultQuality2D, Criterion::kEdge},
+                                          {"ThesisRho2", kMinThesisQuality3D, Criterion::kThesis}};
 inline constexpr int kAskedCount = static_cast<int>(std::size(kAsked));
+inline constexpr int kAskedInSpaceCount = static_cast<int>(std::size(kAskedInSpace));
 
 }  // namespace dynmesh::test
 

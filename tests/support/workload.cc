@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/io/edit_script.h"
+#include "tests/support/space_workload.h"
 
 namespace dynmesh::test {
 namespace {
@@ -177,8 +178,8 @@ std::vector<Feature> Polygons(int n, Random& random) {
     for (int j = j0; j < j1; ++j) points.push_back(id_at(i1, j));
     for (int i = i1; i > i0; --i) points.push_back(id_at(i, j1));
     for (int j = j1; j > j0; --j) points.push_back(id_at(i0, j));
-    std::rotate(points.begin(),
-                points.begin() + random.Below(static_cast<int>(points.size())), points.end());
+    std::rotate(points.begin(), points.begin() + random.Below(static_cast<int>(points.size())),
+                points.end());
     if (random.OneIn(2)) std::reverse(points.begin(), points.end());
     return points;
   };
@@ -243,6 +244,24 @@ std::string NameOf(Distribution d) {
       return "Sized";
     case Distribution::kPolygons:
       return "Polygons";
+    case Distribution::kSpaceUniform:
+      return "SpaceUniform";
+    case Distribution::kSpaceClustered:
+      return "SpaceClustered";
+    case Distribution::kSpaceGrid:
+      return "SpaceGrid";
+    case Distribution::kSphere:
+      return "Sphere";
+    case Distribution::kLineAndCircle:
+      return "LineAndCircle";
+    case Distribution::kSpaceTwoScale:
+      return "SpaceTwoScale";
+    case Distribution::kGridEdges:
+      return "GridEdges";
+    case Distribution::kTurnedGridEdges:
+      return "TurnedGridEdges";
+    case Distribution::kSpaceSized:
+      return "SpaceSized";
   }
   return "?";
 }
@@ -250,7 +269,8 @@ std::string NameOf(Distribution d) {
 bool HasSegments(Distribution d) {
   return d == Distribution::kSegmentsAxis || d == Distribution::kSegmentsTurned ||
          d == Distribution::kDiagonals || d == Distribution::kParallel ||
-         d == Distribution::kWedges || d == Distribution::kSized || d == Distribution::kPolygons;
+         d == Distribution::kWedges || d == Distribution::kSized || d == Distribution::kPolygons ||
+         d >= Distribution::kGridEdges;
 }
 
 std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
@@ -322,16 +342,18 @@ std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
       return Sized(n, random);
     case Distribution::kPolygons:
       return Polygons(n, random);
+    default:
+      return MakeSpaceFeatures(d, n, seed);
   }
   return features;
 }
 
 ScriptGenerator::ScriptGenerator(Distribution d, int n, std::uint64_t seed)
-    : n_(n), random_(seed), pool_(MakeFeatures(d, n, seed)) {}
+    : n_(n), dimension_(DimensionOf(d)), random_(seed), pool_(MakeFeatures(d, n, seed)) {}
 
 Feature ScriptGenerator::FreshPoint() {
   const double x = random_.Unit(), y = random_.Unit();
-  return Feature::Point(next_id_++, x, y);
+  return Feature::Point(next_id_++, x, y, dimension_ == 3 ? random_.Unit() : 0);
 }
 
 Edit ScriptGenerator::RandomEdit(const std::vector<Feature>& present, EditBatch& batch) {
@@ -365,8 +387,11 @@ Edit ScriptGenerator::RandomEdit(const std::vector<Feature>& present, EditBatch&
       present[static_cast<std::size_t>(random_.Below(static_cast<int>(present.size())))];
   if (dice < 7 && f.kind == FeatureKind::kPoint) {
     const double step = std::ldexp(1.0, -random_.Below(20));
-    return Edit::Move(f.id, f.position[0] + step * (random_.Unit() - 0.5),
-                      f.position[1] + step * (random_.Unit() - 0.5));
+    Feature moved = f;
+    for (int k = 0; k < dimension_; ++k) {
+      moved.position[static_cast<std::size_t>(k)] += step * (random_.Unit() - 0.5);
+    }
+    return {Edit::Action::kMove, moved};
   }
   if (dice < 8 && f.kind == FeatureKind::kSize) {
     Feature other = f;

@@ -30,13 +30,28 @@ enum class Distribution {
   kWedges,          // fans of segments at angles down to 0.002 degrees, some acute at both ends
   kSized,           // a few points and segments among sizing features of all shapes
   kPolygons,        // polygons that share edges, lie in each other, have holes; some sizing
+  // Of space.
+  kSpaceUniform,
+  kSpaceClustered,
+  kSpaceGrid,  // cospherical everywhere
+  kSphere,
+  kLineAndCircle,    // a quadratic number of tetrahedra between the two
+  kSpaceTwoScale,    // a grid, half of it shifted by 2^-30
+  kGridEdges,        // segments at right angles
+  kTurnedGridEdges,  // the same, turned
+  kSpaceSized,       // a few points and segments among sizing features of all shapes
 };
-inline constexpr Distribution kAllDistributions[] = {
+inline constexpr Distribution kAllDistributions[] = {  // of the plane
     Distribution::kUniform,   Distribution::kClustered,    Distribution::kCircle,
     Distribution::kGrid,      Distribution::kLine,         Distribution::kDyadicLine,
     Distribution::kTwoScale,  Distribution::kSegmentsAxis, Distribution::kSegmentsTurned,
     Distribution::kDiagonals, Distribution::kParallel,     Distribution::kWedges,
     Distribution::kSized,     Distribution::kPolygons};
+inline constexpr Distribution kSpaceDistributions[] = {
+    Distribution::kSpaceUniform, Distribution::kSpaceClustered,  Distribution::kSpaceGrid,
+    Distribution::kSphere,       Distribution::kLineAndCircle,   Distribution::kSpaceTwoScale,
+    Distribution::kGridEdges,    Distribution::kTurnedGridEdges, Distribution::kSpaceSized};
+inline int DimensionOf(Distribution d) { return d < Distribution::kSpaceUniform ? 2 : 3; }
 std::string NameOf(Distribution d);
 bool HasSegments(Distribution d);
 // The points that a feature needs: ends or corners.
@@ -53,7 +68,7 @@ class Random {
   std::mt19937_64 bits_;
 };
 
-// Features in the unit square, about `n` points of a distribution; ids from 1. Valid
+// Features in the unit square or cube, about `n` points of a distribution; ids from 1. Valid
 // input, unless two random points happen to coincide.
 std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed);
 
@@ -71,6 +86,7 @@ class ScriptGenerator {
   Feature FreshPoint();
 
   int n_;
+  int dimension_;
   Random random_;
   std::vector<Feature> pool_;  // what there might be
   FeatureId next_id_ = 1'000'000;

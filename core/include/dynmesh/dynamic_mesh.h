@@ -37,6 +37,7 @@ struct MeshStats {
   std::uint64_t vertices = 0;  // those of the domain box included
   std::uint64_t simplices = 0;
   std::uint64_t subsegments = 0;
+  std::uint64_t subfacets = 0;    // in space
   std::uint64_t operations = 0;   // in the trace
   std::uint64_t trace_bytes = 0;  // operations, registrations, requests, order
   std::uint64_t mesh_bytes = 0;   // vertices, triangulation, indices

@@ -77,7 +77,6 @@ TEST(Options, OtherBadFieldsAreRefused) {
   for (const int dimension : {-1, 0, 1, 4}) {
     ExpectRefused(with([&](MeshOptions& o) { o.dimension = dimension; }), "dimension");
   }
-  ExpectRefused(with([](MeshOptions& o) { o.dimension = 3; }), "dimension: 3 is to come");
   for (const double quality : {0.0, 0.999, -2.0, 100.5, kInf, kNan}) {
     ExpectRefused(with([&](MeshOptions& o) { o.quality = quality; }), "quality");
   }
@@ -90,14 +89,72 @@ TEST(Options, OtherBadFieldsAreRefused) {
   }
 }
 
+MeshOptions InSpace(double quality = kDefaultQuality3D) {
+  MeshOptions options;
+  options.dimension = 3;
+  options.quality = quality;
+  return options;
+}
+
+TEST(Options, OfSpace) {
+  EXPECT_EQ(ValidateOptions(InSpace()), absl::OkStatus());
+  for (const double quality : {1.2, kDefaultQuality2D, 100.0}) {
+    EXPECT_TRUE(ValidateOptions(InSpace(quality)).ok()) << quality;
+  }
+  for (const double quality : {1.0, std::nextafter(1.2, 0.0), 100.5, kNan}) {
+    ExpectRefused(InSpace(quality), "quality: ");
+  }
+  MeshOptions thesis = InSpace(std::nextafter(2.0, 0.0));
+  thesis.criterion = Criterion::kThesis;
+  ExpectRefused(thesis, "quality: 1.9999999999999998 is below 2, the least for criterion thesis");
+  thesis.quality = 2;
+  EXPECT_TRUE(ValidateOptions(thesis).ok());
+  thesis.dimension = 2;
+  thesis.quality = 1.5;
+  EXPECT_TRUE(ValidateOptions(thesis).ok());
+}
+
+TEST(Options, BoxesOfSpace) {
+  const auto with = [](double lo, double hi) {
+    MeshOptions options = InSpace();
+    options.box.lo[2] = lo;
+    options.box.hi[2] = hi;
+    return options;
+  };
+  EXPECT_TRUE(ValidateOptions(with(3, 3)).ok());
+  EXPECT_TRUE(ValidateOptions(with(0, 0x1p150)).ok());
+  ExpectRefused(with(kNan, 1), "box: z");
+  ExpectRefused(with(1, kInf), "box: z");
+  ExpectRefused(with(1, 0), "box: lo 1 is above hi 0 in z");
+  ExpectRefused(with(0, 0x1.1p150), "box: coordinate");
+  MeshOptions tiny = InSpace();
+  tiny.box.hi = {0, 0, 0x1p-110};
+  EXPECT_TRUE(ValidateOptions(tiny).ok());
+  tiny.box.hi[2] = 0x1p-111;
+  ExpectRefused(tiny, "box: longest side");
+  EXPECT_NE(ValidateOptions(tiny).message().find("below 2^-110"), std::string::npos);
+}
+
+// Half as many again as the border has; BorderVertices says how many to a side.
+TEST(Options, LeastVerticesInSpaceGoWithQuality) {
+  for (const auto& [quality, least] : {std::pair(2.0, 579u), std::pair(1.2, 2307u)}) {
+    MeshOptions options = InSpace(quality);
+    options.limits.max_vertices = least;
+    EXPECT_TRUE(ValidateOptions(options).ok()) << quality;
+    --options.limits.max_vertices;
+    ExpectRefused(options, "limits.max_vertices: ");
+  }
+}
+
 TEST(Options, TheThesisCriterionWantsMoreRoom) {
   MeshOptions options;
   options.criterion = Criterion::kThesis;
   for (const double quality : {1.0, 1.1, std::nextafter(1.4142, 0.0)}) {
     options.quality = quality;
     ExpectRefused(options, "quality");
-    EXPECT_NE(ValidateOptions(options).message().find("below 1.4142, the least for criterion thesis"),
-              std::string::npos);
+    EXPECT_NE(
+        ValidateOptions(options).message().find("below 1.4142, the least for criterion thesis"),
+        std::string::npos);
     options.criterion = Criterion::kEdge;
     EXPECT_TRUE(ValidateOptions(options).ok());
     options.criterion = Criterion::kThesis;

@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "core/data/mesh_store.h"
-#include "core/dynamic_mesh/planar_mesh.h"
+#include "core/dynamic_mesh/live_mesh.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh {
@@ -29,13 +29,14 @@ VertexId OfFewClasses(const double* c, int dimension, std::uint64_t salt) {
 }
 
 // Neighbours collide: all corners of most triangles are renamed at once.
-VertexId OfSquare(const double* c, int, std::uint64_t salt) {
-  return IdOfClass(std::floor(4 * c[0]) + 100 * std::floor(4 * c[1]), salt);
+VertexId OfSquare(const double* c, int dimension, std::uint64_t salt) {
+  const double z = dimension == 3 ? std::floor(4 * c[2]) : 0;
+  return IdOfClass(std::floor(4 * c[0]) + 100 * std::floor(4 * c[1]) + 10'000 * z, salt);
 }
 
 struct PoorHash {
   const char* name;
-  VertexNames::Hash hash;
+  VertexHash hash;
 };
 constexpr PoorHash kPoorHashes[] = {{"SixtyFourClasses", &OfFewClasses<64>},
                                     {"SixteenClasses", &OfFewClasses<16>},
@@ -57,14 +58,15 @@ std::string Differs(const Mesh& a, const Mesh& b) {
 }
 
 // A mesh and a replica that follows it by diffs alone.
+template <int D>
 class Followed {
  public:
-  Followed(const MeshOptions& options, const PlanarMeshTuning& tuning)
+  Followed(const MeshOptions& options, const LiveMeshTuning& tuning)
       : tuning_(tuning),
         mesh_(options, tuning),
         replica_(*data::MeshStore::FromMesh(mesh_.Snapshot())) {}
 
-  PlanarMesh& mesh() { return mesh_; }
+  LiveMesh<D>& mesh() { return mesh_; }
 
   // Empty if the replica follows `diff` and is what the features make from scratch.
   std::string Follow(const MeshDiff& diff) {
@@ -85,27 +87,35 @@ class Followed {
 
  private:
   Mesh FromScratch() const {
-    PlanarMeshTuning tuning = tuning_;
+    LiveMeshTuning tuning = tuning_;
     tuning.rebuild.at_least = 0;
     tuning.rebuild.features = -1;
-    PlanarMesh fresh(mesh_.options(), tuning);
+    LiveMesh<D> fresh(mesh_.options(), tuning);
     EXPECT_TRUE(fresh.Apply(AddAll(mesh_.Features()), ApplyOptions{}).ok());
     return fresh.Snapshot();
   }
 
-  PlanarMeshTuning tuning_;
-  PlanarMesh mesh_;
+  LiveMeshTuning tuning_;
+  LiveMesh<D> mesh_;
   data::MeshStore replica_;
 };
 
 class CollidingNames : public testing::TestWithParam<std::tuple<int, Distribution>> {
  protected:
   const PoorHash& poor() const { return kPoorHashes[std::get<0>(GetParam())]; }
+  template <int D>
+  static MeshOptions Options() {
+    MeshOptions options;
+    options.dimension = D;
+    if (D == 3) options.quality = kDefaultQuality3D;
+    return options;
+  }
   Distribution distribution() const { return std::get<1>(GetParam()); }
 
-  void Run(const PlanarMeshTuning& tuning, int points, std::uint64_t seed, int revisions) {
+  template <int D>
+  void Run(const LiveMeshTuning& tuning, int points, std::uint64_t seed, int revisions) {
     SCOPED_TRACE("seed " + std::to_string(seed) + ", points " + std::to_string(points));
-    Followed followed({}, tuning);
+    Followed<D> followed(Options<D>(), tuning);
     test::ScriptGenerator generator(distribution(), points, seed);
     int tries = 0;
     for (int r = 0; r < revisions; ++tries) {
@@ -117,44 +127,60 @@ class CollidingNames : public testing::TestWithParam<std::tuple<int, Distributio
       ++r;
     }
   }
+
+  // Some batches are cancelled before so many operations.
+  template <int D>
+  void RunCancelled(int batches, int most_operations) {
+    LiveMeshTuning tuning;
+    tuning.vertex_hash = poor().hash;
+    tuning.rebuild.at_least = ~std::size_t{0};
+    const std::uint64_t seed = 21;
+    Followed<D> followed(Options<D>(), tuning);
+    test::ScriptGenerator generator(distribution(), 15, seed);
+    test::Random random(seed);
+    int cancelled = 0, applied = 0;
+    for (int i = 0; i < batches; ++i) {
+      int left = random.OneIn(2) ? random.Below(most_operations) : 1'000'000;
+      const auto diff = followed.mesh().Apply(generator.Next(followed.mesh().Features()),
+                                              [&] { return --left < 0; });
+      if (diff.ok()) {
+        ++applied;
+        ASSERT_EQ(followed.Follow(*diff), "") << "seed " << seed << ", batch " << i;
+      } else if (absl::IsCancelled(diff.status())) {
+        ++cancelled;
+        ASSERT_EQ(followed.Check(), "") << "seed " << seed << ", batch " << i;
+      }
+    }
+    EXPECT_GT(applied, batches / 13);
+    EXPECT_GT(cancelled, batches / 13);
+  }
 };
 
 TEST_P(CollidingNames, DiffLeadsToTheSnapshotAfterEveryRevision) {
-  PlanarMeshTuning tuning;
+  LiveMeshTuning tuning;
   tuning.vertex_hash = poor().hash;
   tuning.rebuild.at_least = ~std::size_t{0};
-  Run(tuning, 6, 11, 25);
-  Run(tuning, 30, 12, 15);
+  if (DimensionOf(distribution()) == 3) {
+    Run<3>(tuning, 10, 11, 4);
+    tuning.global_neighbourhoods = false;
+    tuning.rebuild.at_least = 8;
+    return Run<3>(tuning, 30, 12, 2);
+  }
+  Run<2>(tuning, 6, 11, 25);
+  Run<2>(tuning, 30, 12, 15);
   tuning.global_neighbourhoods = false;
-  Run(tuning, 30, 13, 10);
+  Run<2>(tuning, 30, 13, 10);
   tuning.rebuild.at_least = 8;
-  Run(tuning, 12, 14, 15);
+  Run<2>(tuning, 12, 14, 15);
 }
 
 // A batch that is cancelled gives back every name.
 TEST_P(CollidingNames, ACancelledBatchLeavesThemAsTheyWere) {
-  PlanarMeshTuning tuning;
-  tuning.vertex_hash = poor().hash;
-  tuning.rebuild.at_least = ~std::size_t{0};
-  const std::uint64_t seed = 21;
-  Followed followed({}, tuning);
-  test::ScriptGenerator generator(distribution(), 15, seed);
-  test::Random random(seed);
-  int cancelled = 0, applied = 0;
-  for (int i = 0; i < 40; ++i) {
-    int left = random.OneIn(2) ? random.Below(40) : 1'000'000;
-    const auto diff = followed.mesh().Apply(generator.Next(followed.mesh().Features()),
-                                            [&] { return --left < 0; });
-    if (diff.ok()) {
-      ++applied;
-      ASSERT_EQ(followed.Follow(*diff), "") << "seed " << seed << ", batch " << i;
-    } else if (absl::IsCancelled(diff.status())) {
-      ++cancelled;
-      ASSERT_EQ(followed.Check(), "") << "seed " << seed << ", batch " << i;
-    }
+  if (DimensionOf(distribution()) == 3) {
+    RunCancelled<3>(12, 300);
+  } else {
+    RunCancelled<2>(40, 40);
   }
-  EXPECT_GT(applied, 3);
-  EXPECT_GT(cancelled, 3);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -162,7 +188,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Combine(testing::Range(0, static_cast<int>(std::size(kPoorHashes))),
                      testing::Values(Distribution::kUniform, Distribution::kClustered,
                                      Distribution::kGrid, Distribution::kSegmentsTurned,
-                                     Distribution::kDiagonals, Distribution::kParallel)),
+                                     Distribution::kDiagonals, Distribution::kParallel,
+                                     Distribution::kSpaceGrid, Distribution::kTurnedGridEdges)),
     [](const auto& its) {
       return std::string(kPoorHashes[std::get<0>(its.param)].name) + NameOf(std::get<1>(its.param));
     });

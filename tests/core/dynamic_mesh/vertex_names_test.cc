@@ -12,7 +12,7 @@ namespace dynmesh {
 namespace {
 
 using geometry::Point2;
-using Index = VertexNames::Index;
+using Index = VertexNames<2>::Index;
 
 // Seven names; with salt, one more for each.
 VertexId SevenNames(const double* c, int, std::uint64_t salt) {
@@ -37,7 +37,7 @@ TEST(VertexNames, AreAFunctionOfThePointsPresentAndChangesAreTold) {
   const std::uint64_t seed = 5;
   SCOPED_TRACE("seed " + std::to_string(seed));
   test::Random random(seed);
-  VertexNames names(&SevenNames);
+  VertexNames<2> names(&SevenNames);
   std::vector<Point2> place(60);
   for (Index v = 0; v < place.size(); ++v) {
     place[v] = {{static_cast<double>(random.Below(40)), static_cast<double>(v)}};
@@ -72,7 +72,7 @@ TEST(VertexNames, AreAFunctionOfThePointsPresentAndChangesAreTold) {
 }
 
 TEST(VertexNames, WithoutCollisionsAreTheHashAlone) {
-  VertexNames names;
+  VertexNames<2> names;
   const std::vector<Point2> place = {{{0, 0}}, {{0, 1}}, {{0.5, 0.25}}};
   const auto position = [&](Index v) -> const Point2& { return place[v]; };
   for (Index v = 0; v < place.size(); ++v) names.Add(v, position, [](Index) { FAIL(); });

@@ -23,7 +23,7 @@ namespace dynmesh::mesh::testing {
 
 using geometry::Point2;
 using VertexIndex = DelaunayTriangulation::VertexIndex;
-using TriangleIndex = DelaunayTriangulation::TriangleIndex;
+using SimplexIndex = DelaunayTriangulation::SimplexIndex;
 
 // A triangle by the places of its corners, counter-clockwise, the least first.
 using PlacedTriangle = std::array<Point2, 3>;
@@ -36,7 +36,7 @@ inline PlacedTriangle Canonical(PlacedTriangle t) {
 
 inline TriangleSet TrianglesOf(const DelaunayTriangulation& dt) {
   TriangleSet result;
-  dt.ForEachTriangle([&](TriangleIndex t) {
+  dt.ForEachSimplex([&](SimplexIndex t) {
     const auto& v = dt.vertices(t);
     result.insert(Canonical({dt.position(v[0]), dt.position(v[1]), dt.position(v[2])}));
   });

@@ -25,7 +25,7 @@ IndexTriangle Rotated(IndexTriangle t) {
 class Script {
  public:
   explicit Script(std::uint64_t seed) : random_(seed), dt_(EmptyBox()) {
-    for (TriangleIndex t = 0; t < dt_.triangle_limit(); ++t) told_.insert(Rotated(dt_.vertices(t)));
+    for (SimplexIndex t = 0; t < dt_.simplex_limit(); ++t) told_.insert(Rotated(dt_.vertices(t)));
     for (const Point2& p : Corners()) present_[p] = static_cast<VertexIndex>(present_.size());
   }
 
@@ -75,12 +75,12 @@ class Script {
     ASSERT_EQ(dt_.vertex_count(), present_.size());
     std::set<IndexTriangle> actual;
     std::size_t finite = 0;
-    for (TriangleIndex t = 0; t < dt_.triangle_limit(); ++t) {
+    for (SimplexIndex t = 0; t < dt_.simplex_limit(); ++t) {
       const IndexTriangle v = dt_.vertices(t);
       if (v[0] != v[1]) actual.insert(Rotated(v));  // else unused
       finite += !dt_.IsInfinite(t);
     }
-    ASSERT_EQ(finite, dt_.triangle_count());
+    ASSERT_EQ(finite, dt_.simplex_count());
     ASSERT_EQ(actual, told_);
   }
 
@@ -95,7 +95,7 @@ class Script {
   // Applies the reports to told_.
   void Hear() {
     for (const IndexTriangle& t : dt_.deleted()) ASSERT_EQ(told_.erase(Rotated(t)), 1u);
-    for (const TriangleIndex t : dt_.created()) {
+    for (const SimplexIndex t : dt_.created()) {
       ASSERT_EQ(dt_.tag(t), 0u);
       ASSERT_TRUE(told_.insert(Rotated(dt_.vertices(t))).second);
     }

@@ -89,9 +89,9 @@ TEST(TetrahedraRemoval, ReusesTetrahedraAndScratch) {
     ASSERT_EQ(TetrahedraOf(dt), expected);
   };
   for (int i = 0; i < 2; ++i) round();
-  const std::size_t limit = dt.tetrahedron_limit(), bytes = dt.bytes();
+  const std::size_t limit = dt.simplex_limit(), bytes = dt.bytes();
   for (int i = 0; i < 3; ++i) round();
-  EXPECT_EQ(dt.tetrahedron_limit(), limit);
+  EXPECT_EQ(dt.simplex_limit(), limit);
   EXPECT_EQ(dt.bytes(), bytes);
   ExpectSound(dt);
 }

@@ -25,7 +25,7 @@ IndexTetrahedron Sorted(IndexTetrahedron t) {
 class Script {
  public:
   explicit Script(std::uint64_t seed) : random_(seed), dt_(EmptyBox()) {
-    for (TetrahedronIndex t = 0; t < dt_.tetrahedron_limit(); ++t) {
+    for (SimplexIndex t = 0; t < dt_.simplex_limit(); ++t) {
       if (!dt_.IsUnused(t)) told_.insert(Sorted(dt_.vertices(t)));
     }
     for (const Point3& p : Corners()) present_[p] = static_cast<VertexIndex>(present_.size());
@@ -47,7 +47,7 @@ class Script {
     Hear();
     ASSERT_TRUE(dt_.Contains(v));
     ASSERT_EQ(dt_.position(v), p);
-    for (const TetrahedronIndex t : dt_.created()) ASSERT_EQ(dt_.vertices(t)[3], v);
+    for (const SimplexIndex t : dt_.created()) ASSERT_EQ(dt_.vertices(t)[3], v);
   }
 
   void RemoveAny() {
@@ -77,11 +77,11 @@ class Script {
     ASSERT_EQ(dt_.vertex_count(), present_.size());
     std::set<IndexTetrahedron> actual;
     std::size_t finite = 0;
-    for (TetrahedronIndex t = 0; t < dt_.tetrahedron_limit(); ++t) {
+    for (SimplexIndex t = 0; t < dt_.simplex_limit(); ++t) {
       if (!dt_.IsUnused(t)) actual.insert(Sorted(dt_.vertices(t)));
       finite += !dt_.IsInfinite(t);
     }
-    ASSERT_EQ(finite, dt_.tetrahedron_count());
+    ASSERT_EQ(finite, dt_.simplex_count());
     ASSERT_EQ(actual, told_);
   }
 
@@ -110,7 +110,7 @@ class Script {
   void Hear() {
     ASSERT_EQ(dt_.deleted().size(), dt_.deleted_tags().size());
     for (const IndexTetrahedron& t : dt_.deleted()) ASSERT_EQ(told_.erase(Sorted(t)), 1u);
-    for (const TetrahedronIndex t : dt_.created()) {
+    for (const SimplexIndex t : dt_.created()) {
       ASSERT_EQ(dt_.tag(t), 0u);
       ASSERT_TRUE(told_.insert(Sorted(dt_.vertices(t))).second);
     }

@@ -86,7 +86,7 @@ TEST(DelaunayTetrahedralization, OfGenericPointsAgreesWithCgal) {
     const auto dt = Tetrahedralize(points);
     ExpectSound(dt);
     const auto actual = TetrahedraOf(dt), expected = CgalDelaunay(points);
-    EXPECT_EQ(actual.size(), dt.tetrahedron_count());
+    EXPECT_EQ(actual.size(), dt.simplex_count());
     EXPECT_EQ(actual.size(), expected.size());
     EXPECT_EQ(WithoutTies(actual), WithoutTies(expected));
   }
@@ -130,8 +130,8 @@ TEST(DelaunayTetrahedralization, InsertAtAcceptsAnyConflictingTetrahedron) {
   DelaunayTetrahedralization dt = EmptyBox();
   std::size_t choice = 0;
   for (VertexIndex i = 0; i < points.size(); ++i) {
-    std::vector<TetrahedronIndex> conflicting;
-    for (TetrahedronIndex t = 0; t < dt.tetrahedron_limit(); ++t) {
+    std::vector<SimplexIndex> conflicting;
+    for (SimplexIndex t = 0; t < dt.simplex_limit(); ++t) {
       if (!dt.IsUnused(t) && dt.Conflicts(t, points[i])) conflicting.push_back(t);
     }
     ASSERT_FALSE(conflicting.empty());
@@ -169,7 +169,7 @@ TEST(DelaunayTetrahedralization, WorksAtTheEndsOfTheCoordinateDomain) {
     for (VertexIndex i = 0; i < points.size(); i += 3) dt.Remove(8 + i);
     ExpectSound(dt);
     std::set<std::array<VertexIndex, 4>> result;
-    dt.ForEachTetrahedron([&](TetrahedronIndex t) {
+    dt.ForEachSimplex([&](SimplexIndex t) {
       auto v = dt.vertices(t);
       std::sort(v.begin(), v.end());
       result.insert(v);
@@ -198,8 +198,8 @@ TEST(DelaunayTetrahedralization, OfALargeGridIsSound) {
   ExpectSound(dt);
   EXPECT_EQ(dt.vertex_count(), 8000u);
   // No flat ones: each cell of the grid is cut into five or six.
-  EXPECT_GE(dt.tetrahedron_count(), 5u * kSide * kSide * kSide);
-  EXPECT_LE(dt.tetrahedron_count(), 6u * kSide * kSide * kSide);
+  EXPECT_GE(dt.simplex_count(), 5u * kSide * kSide * kSide);
+  EXPECT_LE(dt.simplex_count(), 6u * kSide * kSide * kSide);
 }
 
 TEST(DelaunayTetrahedralization, LocateFindsATetrahedronThatHoldsThePoint) {
@@ -212,7 +212,7 @@ TEST(DelaunayTetrahedralization, LocateFindsATetrahedronThatHoldsThePoint) {
     const auto dt = Tetrahedralize({points.begin(), points.begin() + static_cast<long>(half)});
     for (std::size_t i = 0; i < points.size(); ++i) {
       for (const VertexIndex near : {0u, 7u, static_cast<VertexIndex>(8 + i % half), kInfinite}) {
-        const TetrahedronIndex t = dt.Locate(points[i], near);
+        const SimplexIndex t = dt.Locate(points[i], near);
         ASSERT_FALSE(dt.IsInfinite(t));
         const auto& v = dt.vertices(t);
         for (const auto& [a, b, c] : DelaunayTetrahedralization::kFacet) {
@@ -228,7 +228,7 @@ TEST(DelaunayTetrahedralization, LocateFindsATetrahedronThatHoldsThePoint) {
 TEST(DelaunayTetrahedralization, LocateOutsideTheBoxIsInfinite) {
   const auto dt = Tetrahedralize(DistinctPoints(Layout::kUniform, 2, 100));
   for (const Point3& p : {Point3{{3, 0, 0}}, Point3{{0, -2, 0}}, Point3{{9, 9, 9}}}) {
-    const TetrahedronIndex t = dt.Locate(p, 20);
+    const SimplexIndex t = dt.Locate(p, 20);
     EXPECT_TRUE(dt.IsInfinite(t));
     EXPECT_TRUE(dt.Conflicts(t, p));
   }
@@ -243,7 +243,7 @@ TEST(DelaunayTetrahedralization, ConflictsIsExact) {
     SCOPED_TRACE(LayoutName(layout));
     const auto points = DistinctPoints(layout, seed, 150);
     const auto dt = Tetrahedralize({points.begin(), points.begin() + 20});
-    dt.ForEachTetrahedron([&](TetrahedronIndex t) {
+    dt.ForEachSimplex([&](SimplexIndex t) {
       std::array<Point3, 4> x;
       for (std::size_t i = 0; i < 4; ++i) x[i] = dt.position(dt.vertices(t)[i]);
       const auto check = [&](const Point3& p) {
@@ -266,17 +266,17 @@ TEST(DelaunayTetrahedralization, ConflictsIsExact) {
 TEST(DelaunayTetrahedralization, NearlyAllHaveASphere) {
   const auto dt = Tetrahedralize(DistinctPoints(Layout::kUniform, 3, 5000));
   std::size_t with = 0;
-  for (TetrahedronIndex t = 0; t < dt.tetrahedron_limit(); ++t) {
+  for (SimplexIndex t = 0; t < dt.simplex_limit(); ++t) {
     with += dt.HasSphere(t);
     ASSERT_FALSE(dt.HasSphere(t) && dt.IsInfinite(t));
   }
-  EXPECT_GT(with, dt.tetrahedron_count() * 999 / 1000);
+  EXPECT_GT(with, dt.simplex_count() * 999 / 1000);
 }
 
 TEST(DelaunayTetrahedralization, TagsStayUntilTheTetrahedronGoes) {
   auto dt = Tetrahedralize(DistinctPoints(Layout::kUniform, 4, 50));
   std::map<std::array<VertexIndex, 4>, std::uint64_t> tags;
-  for (TetrahedronIndex t = 0; t < dt.tetrahedron_limit(); ++t) {
+  for (SimplexIndex t = 0; t < dt.simplex_limit(); ++t) {
     dt.set_tag(t, t + 1);
     if (!dt.IsUnused(t)) tags[dt.vertices(t)] = t + 1;
   }
@@ -285,11 +285,11 @@ TEST(DelaunayTetrahedralization, TagsStayUntilTheTetrahedronGoes) {
     for (std::size_t i = 0; i < dt.deleted().size(); ++i) {
       EXPECT_EQ(dt.deleted_tags()[i], tags.at(dt.deleted()[i]));
     }
-    for (const TetrahedronIndex t : dt.created()) {
+    for (const SimplexIndex t : dt.created()) {
       EXPECT_EQ(dt.tag(t), 0u);
       tags[dt.vertices(t)] = 0;
     }
-    for (TetrahedronIndex t = 0; t < dt.tetrahedron_limit(); ++t) {
+    for (SimplexIndex t = 0; t < dt.simplex_limit(); ++t) {
       EXPECT_TRUE(dt.IsUnused(t) || dt.tag(t) == tags.at(dt.vertices(t)));
     }
   };
@@ -301,20 +301,20 @@ TEST(DelaunayTetrahedralization, TagsStayUntilTheTetrahedronGoes) {
 
 TEST(DelaunayTetrahedralization, StarsAreAllTetrahedraAtAVertex) {
   const auto dt = Tetrahedralize(DistinctPoints(Layout::kBoxFaces, 5, 300));
-  std::map<VertexIndex, std::set<TetrahedronIndex>> expected;
-  for (TetrahedronIndex t = 0; t < dt.tetrahedron_limit(); ++t) {
+  std::map<VertexIndex, std::set<SimplexIndex>> expected;
+  for (SimplexIndex t = 0; t < dt.simplex_limit(); ++t) {
     if (dt.IsUnused(t)) continue;
     for (const VertexIndex v : dt.vertices(t)) expected[v].insert(t);
   }
   EXPECT_EQ(expected.size(), dt.vertex_count() + 1);
   DelaunayTetrahedralization::Star star;
   for (const auto& [v, tetrahedra] : expected) {
-    dt.TetrahedraAround(v, &star);
-    std::set<TetrahedronIndex> actual;
+    dt.SimplicesAround(v, &star);
+    std::set<SimplexIndex> actual;
     for (const auto& [t] : star.keys()) EXPECT_TRUE(actual.insert(t).second);
     EXPECT_EQ(actual, tetrahedra);
     const auto corner = dt.Around(v);
-    EXPECT_EQ(dt.vertices(corner.tetrahedron)[corner.index], v);
+    EXPECT_EQ(dt.vertices(corner.simplex)[corner.index], v);
   }
 }
 

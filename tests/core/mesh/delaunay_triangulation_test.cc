@@ -39,7 +39,7 @@ void ExpectIsDelaunayOf(const DelaunayTriangulation& dt, std::vector<Point2> poi
 TEST(DelaunayTriangulation, OfABareBoxCutsOffTheGreatestCorner) {
   const DelaunayTriangulation dt = EmptyBox();
   EXPECT_EQ(dt.vertex_count(), 4u);
-  EXPECT_EQ(dt.triangle_count(), 2u);
+  EXPECT_EQ(dt.simplex_count(), 2u);
   ExpectIsDelaunayOf(dt, {});
 }
 
@@ -91,7 +91,7 @@ TEST(DelaunayTriangulation, WorksInATinyBoxFarFromTheOrigin) {
   std::string why;
   ASSERT_TRUE(dt.Check(&why)) << why;
   EXPECT_EQ(dt.vertex_count(), 81u);
-  EXPECT_EQ(dt.triangle_count(), 128u);
+  EXPECT_EQ(dt.simplex_count(), 128u);
 }
 
 TEST(DelaunayTriangulation, WorksAtTheEndsOfTheCoordinateDomain) {
@@ -117,8 +117,8 @@ TEST(DelaunayTriangulation, InsertAtAcceptsAnyConflictingTriangle) {
   std::vector<Point2> present;
   std::size_t choice = 0;
   for (VertexIndex i = 0; i < points.size(); ++i) {
-    std::vector<TriangleIndex> conflicting;
-    for (TriangleIndex t = 0; t < dt.triangle_limit(); ++t) {
+    std::vector<SimplexIndex> conflicting;
+    for (SimplexIndex t = 0; t < dt.simplex_limit(); ++t) {
       if (dt.Conflicts(t, points[i])) conflicting.push_back(t);
     }
     ASSERT_FALSE(conflicting.empty());
@@ -147,7 +147,7 @@ TEST(DelaunayTriangulation, LocateFindsATriangleThatHoldsThePoint) {
     for (VertexIndex i = 0; i < points.size(); ++i) {
       // Generic points, and vertices themselves.
       const Point2 p = i % 2 == 0 ? queries.Next() : points[i];
-      const TriangleIndex t = dt.Locate(p, 4 + static_cast<VertexIndex>(i * 7 % points.size()));
+      const SimplexIndex t = dt.Locate(p, 4 + static_cast<VertexIndex>(i * 7 % points.size()));
       ASSERT_FALSE(dt.IsInfinite(t));
       const auto& v = dt.vertices(t);
       for (std::size_t k = 0; k < 3; ++k) {
@@ -160,7 +160,7 @@ TEST(DelaunayTriangulation, LocateFindsATriangleThatHoldsThePoint) {
 TEST(DelaunayTriangulation, LocateReportsWhatLiesOutsideTheBox) {
   const DelaunayTriangulation dt = Triangulate(DistinctPoints(Layout::kBoxSides, 9, 100));
   for (const Point2 p : {Point2{{-5, 0}}, Point2{{0, 9}}, Point2{{3.001, 2}}, Point2{{3, -2.5}}}) {
-    const TriangleIndex t = dt.Locate(p, 0);
+    const SimplexIndex t = dt.Locate(p, 0);
     ASSERT_TRUE(dt.IsInfinite(t));
     ASSERT_TRUE(dt.Conflicts(t, p));
   }
@@ -170,7 +170,7 @@ TEST(DelaunayTriangulation, NextAroundTurnsCounterClockwiseThroughTheWholeStar) 
   const DelaunayTriangulation dt = Triangulate(DistinctPoints(Layout::kClusters, 2, 400));
   std::vector<std::size_t> degree(dt.vertex_count());
   std::size_t hull = 0;
-  for (TriangleIndex t = 0; t < dt.triangle_limit(); ++t) {
+  for (SimplexIndex t = 0; t < dt.simplex_limit(); ++t) {
     hull += dt.IsInfinite(t);
     for (const VertexIndex v : dt.vertices(t)) {
       if (v != kInfinite) ++degree[v];
@@ -181,7 +181,7 @@ TEST(DelaunayTriangulation, NextAroundTurnsCounterClockwiseThroughTheWholeStar) 
     auto c = start;
     std::size_t count = 0;
     do {
-      const auto at = [&](int i) { return dt.vertices(c.triangle)[static_cast<std::size_t>(i)]; };
+      const auto at = [&](int i) { return dt.vertices(c.simplex)[static_cast<std::size_t>(i)]; };
       EXPECT_EQ(at(c.index), v);
       const VertexIndex left = at(DelaunayTriangulation::PreviousIndex(c.index));
       c = dt.NextAround(c);
@@ -201,7 +201,7 @@ TEST(DelaunayTriangulation, CachedCirclesNeverContradictTheExactTest) {
   std::size_t useful = 0, close = 0;
   for (const Layout layout : kAllLayouts) {
     const DelaunayTriangulation dt = Triangulate(DistinctPoints(layout, seed, 500));
-    dt.ForEachTriangle([&](TriangleIndex t) {
+    dt.ForEachSimplex([&](SimplexIndex t) {
       if (std::isinf(dt.circle_error(t))) return;
       ++useful;
       const auto& v = dt.vertices(t);
@@ -229,12 +229,12 @@ TEST(DelaunayTriangulation, CachedCirclesNeverContradictTheExactTest) {
 
 TEST(DelaunayTriangulation, TagsStayUntilTheTriangleGoes) {
   DelaunayTriangulation dt = Triangulate(DistinctPoints(Layout::kUniform, 4, 50));
-  for (TriangleIndex t = 0; t < dt.triangle_limit(); ++t) dt.set_tag(t, t + 1);
+  for (SimplexIndex t = 0; t < dt.simplex_limit(); ++t) dt.set_tag(t, t + 1);
   dt.Insert(1000, {{0.501, 0.499}}, 0);
   std::size_t kept = 0;
-  for (TriangleIndex t = 0; t < dt.triangle_limit(); ++t) kept += dt.tag(t) == t + 1;
-  for (const TriangleIndex t : dt.created()) EXPECT_EQ(dt.tag(t), 0u);
-  EXPECT_EQ(kept + dt.created().size(), dt.triangle_limit());
+  for (SimplexIndex t = 0; t < dt.simplex_limit(); ++t) kept += dt.tag(t) == t + 1;
+  for (const SimplexIndex t : dt.created()) EXPECT_EQ(dt.tag(t), 0u);
+  EXPECT_EQ(kept + dt.created().size(), dt.simplex_limit());
 }
 
 // --- Removal of vertices of great degree.
@@ -331,13 +331,13 @@ TEST(DelaunayRemoval, OfSideVerticesOneByOneRestoresTheBareBox) {
 TEST(DelaunayRemoval, ReusesTriangles) {
   const auto points = DistinctPoints(Layout::kUniform, 8, 1000);
   DelaunayTriangulation dt = Triangulate(points);
-  const TriangleIndex limit = dt.triangle_limit();
+  const SimplexIndex limit = dt.simplex_limit();
   for (int round = 0; round < 3; ++round) {
     for (VertexIndex i = 0; i < points.size(); ++i) dt.Remove(4 + i);
-    ASSERT_EQ(dt.triangle_count(), 2u);
+    ASSERT_EQ(dt.simplex_count(), 2u);
     for (VertexIndex i = 0; i < points.size(); ++i) dt.Insert(4 + i, points[i], 0);
   }
-  EXPECT_EQ(dt.triangle_limit(), limit);
+  EXPECT_EQ(dt.simplex_limit(), limit);
   ExpectIsDelaunayOf(dt, points);
 }
 

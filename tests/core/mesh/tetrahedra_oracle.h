@@ -23,7 +23,7 @@ namespace dynmesh::mesh::testing {
 
 using geometry::Point3;
 using VertexIndex = DelaunayTetrahedralization::VertexIndex;
-using TetrahedronIndex = DelaunayTetrahedralization::TetrahedronIndex;
+using SimplexIndex = DelaunayTetrahedralization::SimplexIndex;
 
 // A tetrahedron by the places of its corners, ascending.
 using PlacedTetrahedron = std::array<Point3, 4>;
@@ -31,7 +31,7 @@ using TetrahedronSet = std::set<PlacedTetrahedron>;
 
 inline TetrahedronSet TetrahedraOf(const DelaunayTetrahedralization& dt) {
   TetrahedronSet result;
-  dt.ForEachTetrahedron([&](TetrahedronIndex t) {
+  dt.ForEachSimplex([&](SimplexIndex t) {
     PlacedTetrahedron placed;
     for (std::size_t i = 0; i < 4; ++i) placed[i] = dt.position(dt.vertices(t)[i]);
     std::sort(placed.begin(), placed.end());

@@ -221,7 +221,7 @@ void ExpectGoodMesh(const Complex<Traced>& complex, const Traced& refinement) {
   triangulation.InsertAll(ids, places);
   std::map<FacetIndex, double> area;
   int over = 0;
-  triangulation.ForEachTetrahedron([&](auto t) {
+  triangulation.ForEachSimplex([&](auto t) {
     const auto& v = triangulation.vertices(t);
     const auto at = [&](int i) { return refinement.vertex(v[i % 4]).p; };
     double shortest2 = INFINITY;

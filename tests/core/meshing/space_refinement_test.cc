@@ -322,7 +322,7 @@ TEST_P(SpaceSegments, AreFromScratchAfterEveryEditAndInTheTriangulation) {
     ASSERT_TRUE(problems.empty()) << problems[0];
     // Every subsegment is an edge of the triangulation.
     std::set<std::pair<Point3, Point3>> edges;
-    triangulation.ForEachTetrahedron([&](auto t) {
+    triangulation.ForEachSimplex([&](auto t) {
       for (const auto a : triangulation.vertices(t)) {
         for (const auto b : triangulation.vertices(t)) {
           const Point3 &p = triangulation.position(a), &q = triangulation.position(b);

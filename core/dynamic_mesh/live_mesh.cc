@@ -1,4 +1,4 @@
-#include "core/dynamic_mesh/planar_mesh.h"
+#include "core/dynamic_mesh/live_mesh.h"
 
 #include <chrono>
 #include <utility>
@@ -20,10 +20,17 @@ double MicrosecondsSince(Clock::time_point start) {
 
 absl::StatusOr<std::unique_ptr<DynamicMesh>> DynamicMesh::Create(const MeshOptions& options) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
-  return std::unique_ptr<DynamicMesh>(std::make_unique<PlanarMesh>(options));
+  std::unique_ptr<DynamicMesh> mesh;
+  if (options.dimension == 2) {
+    mesh = std::make_unique<LiveMesh<2>>(options);
+  } else {
+    mesh = std::make_unique<LiveMesh<3>>(options);
+  }
+  return mesh;
 }
 
-PlanarMesh::PlanarMesh(const MeshOptions& options, const PlanarMeshTuning& tuning)
+template <int D>
+LiveMesh<D>::LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning)
     : options_(options),
       tuning_(tuning),
       plc_(options),
@@ -34,32 +41,37 @@ PlanarMesh::PlanarMesh(const MeshOptions& options, const PlanarMeshTuning& tunin
   state_->diffs.Begin(state_->refinement, state_->features);
 }
 
-absl::StatusOr<MeshDiff> PlanarMesh::Apply(const EditBatch& batch, const ApplyOptions& apply) {
+template <int D>
+absl::StatusOr<MeshDiff> LiveMesh<D>::Apply(const EditBatch& batch, const ApplyOptions& apply) {
   if (apply.cancelled == nullptr) {
     return ApplyWith(batch, [] { return false; });
   }
   return ApplyWith(batch, [&] { return apply.cancelled->load(std::memory_order_relaxed); });
 }
 
-absl::StatusOr<MeshDiff> PlanarMesh::Apply(const EditBatch& batch,
-                                           const std::function<bool()>& cancelled) {
+template <int D>
+absl::StatusOr<MeshDiff> LiveMesh<D>::Apply(const EditBatch& batch,
+                                            const std::function<bool()>& cancelled) {
   return ApplyWith(batch, [&] { return cancelled(); });
 }
 
-absl::Status PlanarMesh::Validate(const EditBatch& batch) const {
+template <int D>
+absl::Status LiveMesh<D>::Validate(const EditBatch& batch) const {
   return plc_.Check(batch).status();
 }
 
+template <int D>
 template <class Interrupt>
-absl::StatusOr<MeshDiff> PlanarMesh::ApplyWith(const EditBatch& batch, Interrupt cancelled) {
+absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, Interrupt cancelled) {
   const auto start = Clock::now();
   if (batch.empty()) {
     MeshDiff nothing;
+    nothing.dimension = D;
     nothing.from_revision = nothing.to_revision = revision_;
     nothing.hash = hash();
     return nothing;
   }
-  const absl::StatusOr<plc::Delta<2>> delta = plc_.Check(batch, nullptr, cancelled);
+  const absl::StatusOr<plc::Delta<D>> delta = plc_.Check(batch, nullptr, cancelled);
   if (!delta.ok()) return delta.status();
   const Plan plan = PlanFor(*delta, plc_.size(), state_->refinement.vertex_count(), options_.box,
                             tuning_.rebuild);
@@ -73,15 +85,17 @@ absl::StatusOr<MeshDiff> PlanarMesh::ApplyWith(const EditBatch& batch, Interrupt
   return diff;
 }
 
-bool PlanarMesh::IsMostlyStale() const {
+template <int D>
+bool LiveMesh<D>::IsMostlyStale() const {
   const auto& engine = state_->refinement.engine();
   return static_cast<double>(engine.waiting()) >
          tuning_.rebuild.stale * static_cast<double>(engine.operation_count());
 }
 
 // Runs what is stale; a limit that is hit stops it.
+template <int D>
 template <class Interrupt>
-absl::Status PlanarMesh::Run(State& state, Interrupt cancelled) {
+absl::Status LiveMesh<D>::Run(State& state, Interrupt cancelled) {
   Refinement& refinement = state.refinement;
   bool was_cancelled = false;
   refinement.Propagate([&] {
@@ -97,7 +111,8 @@ absl::Status PlanarMesh::Run(State& state, Interrupt cancelled) {
 }
 
 // The inverse edit brings the former trace back, bit for bit.
-void PlanarMesh::Undo(const plc::Delta<2>& delta) {
+template <int D>
+void LiveMesh<D>::Undo(const plc::Delta<D>& delta) {
   State& state = *state_;
   state.features.Apply(delta.Inverse(), state.refinement);
   state.refinement.Propagate([] { return false; });
@@ -107,9 +122,10 @@ void PlanarMesh::Undo(const plc::Delta<2>& delta) {
 }
 
 // `look`: it may turn out to be cheaper to build anew.
+template <int D>
 template <class Interrupt>
-absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta<2>& delta, bool look,
-                                               Interrupt cancelled) {
+absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(const plc::Delta<D>& delta, bool look,
+                                                Interrupt cancelled) {
   State& state = *state_;
   state.refinement.engine().ResetCounters();
   state.refinement.ForgetDepthLimit();
@@ -143,9 +159,11 @@ absl::StatusOr<MeshDiff> PlanarMesh::Propagate(const plc::Delta<2>& delta, bool 
   return diff;
 }
 
+template <int D>
 template <class Interrupt>
-absl::StatusOr<PlanarMesh::Built> PlanarMesh::Build(const plc::Delta<2>& all, std::size_t features,
-                                                    Interrupt cancelled) {
+absl::StatusOr<typename LiveMesh<D>::Built> LiveMesh<D>::Build(const plc::Delta<D>& all,
+                                                               std::size_t features,
+                                                               Interrupt cancelled) {
   Built built{std::make_unique<State>(options_, tuning_), {}};
   State& fresh = *built.state;
   fresh.refinement.Reserve(features);
@@ -158,9 +176,10 @@ absl::StatusOr<PlanarMesh::Built> PlanarMesh::Build(const plc::Delta<2>& all, st
   return built;
 }
 
+template <int D>
 template <class Interrupt>
-absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta<2>& delta, Mesh before,
-                                             Interrupt cancelled) {
+absl::StatusOr<MeshDiff> LiveMesh<D>::Rebuild(const plc::Delta<D>& delta, Mesh before,
+                                              Interrupt cancelled) {
   const bool is_first = plc_.size() == 0;
   plc_.Commit(delta);
   absl::StatusOr<Built> built =
@@ -178,23 +197,29 @@ absl::StatusOr<MeshDiff> PlanarMesh::Rebuild(const plc::Delta<2>& delta, Mesh be
   return diff;
 }
 
-Mesh PlanarMesh::Snapshot() const {
+template <int D>
+Mesh LiveMesh<D>::Snapshot() const {
   Mesh mesh = state_->diffs.Snapshot(state_->refinement, state_->features);
   mesh.revision = revision_;
   return mesh;
 }
 
-SimplexColumn PlanarMesh::Locate(std::span<const double> points) const {
+template <int D>
+SimplexColumn LiveMesh<D>::Locate(std::span<const double> points) const {
   SimplexColumn result;
-  result.reserve(points.size() / 2 * 3);
-  const mesh::DelaunayTriangulation& triangulation = state_->diffs.triangulation();
+  result.reserve(points.size() / D * (D + 1));
+  const auto& triangulation = state_->diffs.triangulation();
+  const auto& rules = state_->refinement.rules();
   meshing::VertexIndex near = 0;
-  for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
-    const geometry::Point2 p = {{points[i], points[i + 1]}};
-    std::array<VertexId, 3> ids = {0, 0, 0};
-    const meshing::PlanarRules& rules = state_->refinement.rules();
-    if (rules.lo()[0] <= p[0] && p[0] <= rules.hi()[0] && rules.lo()[1] <= p[1] &&
-        p[1] <= rules.hi()[1]) {
+  for (; points.size() >= D; points = points.subspan(D)) {
+    geometry::Point<D> p;
+    bool inside = true;
+    for (int k = 0; k < D; ++k) {
+      p[k] = points[static_cast<std::size_t>(k)];
+      inside = inside && rules.lo()[k] <= p[k] && p[k] <= rules.hi()[k];
+    }
+    std::array<VertexId, D + 1> ids = {};
+    if (inside) {
       const auto t = triangulation.Locate(p, near);
       if (!triangulation.IsInfinite(t)) {
         near = triangulation.vertices(t)[0];
@@ -206,21 +231,24 @@ SimplexColumn PlanarMesh::Locate(std::span<const double> points) const {
   return result;
 }
 
-MeshStats PlanarMesh::Stats() const {
+template <int D>
+MeshStats LiveMesh<D>::Stats() const {
   const State& s = *state_;
   MeshStats stats;
   stats.revision = revision_;
   stats.features = plc_.size();
   stats.vertices = s.refinement.vertex_count();
-  stats.simplices = s.diffs.triangulation().triangle_count();
+  stats.simplices = s.diffs.triangulation().simplex_count();
   stats.subsegments = s.diffs.subsegment_count();
+  stats.subfacets = s.diffs.subfacet_count();
   stats.operations = s.refinement.engine().operation_count();
   stats.trace_bytes = s.refinement.trace_bytes();
   stats.mesh_bytes = s.refinement.bytes() + s.diffs.bytes() + s.features.bytes();
   return stats;
 }
 
-AuditReport PlanarMesh::Audit() const {
+template <int D>
+AuditReport LiveMesh<D>::Audit() const {
   AuditReport report;
   const std::uint64_t trace = state_->refinement.Audit(&report.problems);
   report.trace = {trace, state_->refinement.engine().operation_count()};
@@ -238,5 +266,8 @@ AuditReport PlanarMesh::Audit() const {
   }
   return report;
 }
+
+template class LiveMesh<2>;
+template class LiveMesh<3>;
 
 }  // namespace dynmesh

@@ -1,8 +1,8 @@
-// DynamicMesh in the plane. One edit, walked: Plc2 validates the batch, FeatureTable
+// DynamicMesh in the plane and in space. One edit, walked: Plc validates the batch, FeatureTable
 // hands the change to Refinement, the engine propagates it, DiffBuilder nets what came
 // and went. The only place that picks an engine.
-#ifndef DYNMESH_CORE_DYNAMIC_MESH_PLANAR_MESH_H_
-#define DYNMESH_CORE_DYNAMIC_MESH_PLANAR_MESH_H_
+#ifndef DYNMESH_CORE_DYNAMIC_MESH_LIVE_MESH_H_
+#define DYNMESH_CORE_DYNAMIC_MESH_LIVE_MESH_H_
 
 #include <functional>
 #include <memory>
@@ -17,18 +17,19 @@
 
 namespace dynmesh {
 
-// How a PlanarMesh goes about its work; none of it changes a bit of any result.
-struct PlanarMeshTuning {
+// How a LiveMesh goes about its work; none of it changes a bit of any result.
+struct LiveMeshTuning {
   RebuildThresholds rebuild;
   // From scratch: read neighbourhoods off the growing triangulation.
   bool global_neighbourhoods = true;
-  VertexNames::Hash vertex_hash = &VertexIdAt;
+  VertexHash vertex_hash = &VertexIdAt;
 };
 
-class PlanarMesh final : public DynamicMesh {
+template <int D>
+class LiveMesh final : public DynamicMesh {
  public:
-  // REQUIRES: ValidateOptions(options) is OK, the dimension is 2.
-  explicit PlanarMesh(const MeshOptions& options, const PlanarMeshTuning& tuning = {});
+  // REQUIRES: ValidateOptions(options) is OK, the dimension is D.
+  explicit LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning = {});
 
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const ApplyOptions& apply) override;
   // The same, asked whether to go on before each operation.
@@ -45,17 +46,17 @@ class PlanarMesh final : public DynamicMesh {
   AuditReport Audit() const override;
 
  private:
-  using Refinement = meshing::Refinement<2, sac::Engine>;
+  using Refinement = meshing::Refinement<D, sac::Engine>;
 
   // All that is computed from the features.
   struct State {
-    State(const MeshOptions& options, const PlanarMeshTuning& tuning)
+    State(const MeshOptions& options, const LiveMeshTuning& tuning)
         : diffs(tuning.vertex_hash),
           refinement(options, tuning.global_neighbourhoods ? &diffs.triangulation() : nullptr) {
       if (!tuning.global_neighbourhoods) diffs.ResetTriangulation(refinement.rules());
     }
-    DiffBuilder diffs;
-    FeatureTable features;
+    DiffBuilder<D> diffs;
+    FeatureTable<D> features;
     Refinement refinement;
   };
 
@@ -67,23 +68,23 @@ class PlanarMesh final : public DynamicMesh {
     Mesh mesh;
   };
   template <class Interrupt>
-  absl::StatusOr<Built> Build(const plc::Delta<2>& all, std::size_t features, Interrupt cancelled);
+  absl::StatusOr<Built> Build(const plc::Delta<D>& all, std::size_t features, Interrupt cancelled);
   template <class Interrupt>
   absl::Status Run(State& state, Interrupt cancelled);
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> Propagate(const plc::Delta<2>& delta, bool look, Interrupt cancelled);
+  absl::StatusOr<MeshDiff> Propagate(const plc::Delta<D>& delta, bool look, Interrupt cancelled);
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta<2>& delta, Mesh before, Interrupt cancelled);
-  void Undo(const plc::Delta<2>& delta);
+  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta<D>& delta, Mesh before, Interrupt cancelled);
+  void Undo(const plc::Delta<D>& delta);
   bool IsMostlyStale() const;
 
   const MeshOptions options_;
-  const PlanarMeshTuning tuning_;
-  plc::Plc2 plc_;
+  const LiveMeshTuning tuning_;
+  plc::Plc<D> plc_;
   std::unique_ptr<State> state_;
   std::uint64_t revision_ = 0;
 };
 
 }  // namespace dynmesh
 
-#endif  // DYNMESH_CORE_DYNAMIC_MESH_PLANAR_MESH_H_
+#endif  // DYNMESH_CORE_DYNAMIC_MESH_LIVE_MESH_H_
