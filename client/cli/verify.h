@@ -25,8 +25,8 @@
 // In space the same by tetrahedra, but
 //   manifold     every face has one or two tetrahedra, one on each side
 //   box          the border is on the sides of a box, and the volumes sum up to that of the box.
-//                With the two above: as many tetrahedra are everywhere in the box, the number
-//                does not change across a face, and it is the sum by the volume: one
+//                With the two above every place is in equally many tetrahedra, as their number
+//                does not change across a face; the volume says that it is one
 //   delaunay     no vertex inside the sphere of a tetrahedron beyond one of its faces
 //   edges        -1 only on the border's edges
 //   faces        the .face file has every subfacet and every other face of the border once, and

@@ -43,7 +43,7 @@ bool IsOnASide(const Bounds& b, const io::IndexedMesh& mesh, const Triple& v) {
   return false;
 }
 
-// Six times the sum of volumes, signed, over that of the box.
+// The sum of volumes, signed, over that of the box.
 long double VolumeShare(const io::IndexedMesh& mesh, const Bounds& b) {
   using Real = long double;
   // In units of the box: nothing overflows.
