@@ -87,15 +87,12 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
   });
   names_.Reserve(refinement.vertex_count());
   std::vector<VertexIndex> all, missing;  // the triangulation may have grown along
-  std::vector<Point> places;              // of those missing
   all.reserve(refinement.vertex_count());
-  refinement.ForEachVertex([&](VertexIndex v, const Vertex& vertex) {
+  refinement.ForEachVertex([&](VertexIndex v, const Vertex&) {
     all.push_back(v);
-    if (triangulation_.Contains(v)) return;
-    missing.push_back(v);
-    places.push_back(vertex.p);
+    if (!triangulation_.Contains(v)) missing.push_back(v);
   });
-  triangulation_.InsertAll(missing, places);
+  FillTriangulation(refinement, missing);
   names_.AddAll(all, [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
   labels_.LabelAll();
   if (!labels_.overfull().empty()) return {};
@@ -110,6 +107,28 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
   subsegment_count_ = mesh.subsegments.size();
   hash_ = mesh.hash = ComputeHash(mesh);
   return mesh;
+}
+
+// Steiner points of long edges first, the input last: so that there are never many simplices to a
+// vertex, as there would be among points of curves in space.
+template <int D>
+template <class Refinement>
+void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
+                                       std::vector<VertexIndex>& missing) {
+  const auto bucket = [&](VertexIndex v) {
+    return meshing::BucketOfEpoch(refinement.vertex(v).epoch);
+  };
+  triangulation_.Reserve(refinement.vertex_count());
+  std::stable_sort(missing.begin(), missing.end(),
+                   [&](VertexIndex a, VertexIndex b) { return bucket(a) > bucket(b); });
+  std::vector<Point> places;
+  for (std::size_t from = 0, to = 0; from < missing.size(); from = to) {
+    places.clear();
+    for (; to < missing.size() && bucket(missing[to]) == bucket(missing[from]); ++to) {
+      places.push_back(refinement.vertex(missing[to]).p);
+    }
+    triangulation_.InsertAll(std::span(missing).subspan(from, to - from), places);
+  }
 }
 
 template <int D>

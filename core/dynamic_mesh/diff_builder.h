@@ -54,14 +54,6 @@ class DiffBuilder {
 
   Triangulation& triangulation() { return triangulation_; }
   const Triangulation& triangulation() const { return triangulation_; }
-  // The bare domain, where refinement does not fill the triangulation itself. Its
-  // first vertices are the domain's corners.
-  void ResetTriangulation(const Rules& rules) {
-    std::array<meshing::VertexIndex, 1 << D> corners;
-    for (meshing::VertexIndex v = 0; v < corners.size(); ++v) corners[v] = v;
-    triangulation_.Reset(rules.lo(), rules.hi(), corners);
-  }
-
   // The first time: the whole mesh, of a run from scratch. Rows in no order, see mesh.h.
   template <class Refinement>
   Mesh Begin(Refinement& refinement, const FeatureTable<D>& features);
@@ -114,6 +106,8 @@ class DiffBuilder {
   void TakeChanges(Refinement& refinement);
   template <class Refinement>
   void UpdateNames(const Refinement& refinement);
+  template <class Refinement>
+  void FillTriangulation(const Refinement& refinement, std::vector<meshing::VertexIndex>& missing);
   template <class Refinement>
   void UpdateTriangulation(const Refinement& refinement);
   template <class Refinement>

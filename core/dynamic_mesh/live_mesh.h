@@ -53,7 +53,7 @@ class LiveMesh final : public DynamicMesh {
     State(const MeshOptions& options, const LiveMeshTuning& tuning)
         : diffs(tuning.vertex_hash),
           refinement(options, tuning.global_neighbourhoods ? &diffs.triangulation() : nullptr) {
-      if (!tuning.global_neighbourhoods) diffs.ResetTriangulation(refinement.rules());
+      if (!tuning.global_neighbourhoods) refinement.ResetToDomain(&diffs.triangulation());
     }
     DiffBuilder<D> diffs;
     FeatureTable<D> features;

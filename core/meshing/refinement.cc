@@ -47,7 +47,15 @@ Refinement<D, E>::Refinement(const MeshOptions& options, Triangulation* triangul
 // --- Input ----------------------------------------------------------------------------
 
 template <int D, template <class> class E>
+void Refinement<D, E>::ResetToDomain(Triangulation* triangulation) const {
+  std::array<VertexIndex, 1 << D> corners;
+  for (VertexIndex v = 0; v < corners.size(); ++v) corners[v] = v;
+  triangulation->Reset(rules_.lo(), rules_.hi(), corners);
+}
+
+template <int D, template <class> class E>
 void Refinement<D, E>::AddBox() {
+  if (triangulation_ != nullptr) ResetToDomain(triangulation_);
   if constexpr (D == 2) {
     AddSquare();
   } else {
@@ -78,7 +86,6 @@ void Refinement<D, E>::AddSquare() {
           return {{lo[0], back(1)}};
       }
     };
-    if (triangulation_ != nullptr) triangulation_->Reset(lo, hi, {0, 1, 2, 3});
     for (int side = 0; side < 4; ++side) border[side * kSide] = AddPoint(at(side, 0), 0);
     for (int side = 0; side < 4; ++side) {
       near_ = border[side * kSide];
@@ -98,9 +105,6 @@ void Refinement<D, E>::AddCube() {
       return i == cells ? rules_.hi()[axis] : rules_.lo()[axis] + i * step;
     };
     const auto add = [&](int i, int j, int k) { AddPoint({{at(0, i), at(1, j), at(2, k)}}, 0); };
-    if (triangulation_ != nullptr) {
-      triangulation_->Reset(rules_.lo(), rules_.hi(), {0, 1, 2, 3, 4, 5, 6, 7});
-    }
     for (int m = 0; m < 8; ++m) add(m & 1 ? cells : 0, m & 2 ? cells : 0, m & 4 ? cells : 0);
     for (int i = 0; i <= cells; ++i) {
       for (int j = 0; j <= cells; ++j) {
@@ -350,15 +354,16 @@ void Refinement<D, E>::FillTriangulation() {
     if (triangulation_ == nullptr || pending_.empty()) return;
     // Gaps are looked for in a triangulation tetrahedron by tetrahedron, facets are not.
     if (!facets_.empty()) return LeaveTriangulation();
-    constexpr std::size_t kMostPerVertex = 16;
+    constexpr std::size_t kMostPerVertex = 16, kFirst = 512;
     std::vector<VertexIndex> part;
     std::vector<Point> places;
-    // An eighth at random tells.
-    for (const bool sample : {true, false}) {
+    // By random rounds, each as large as all before it: few points tell.
+    const int rounds = std::bit_width(pending_.size() / kFirst);
+    for (int round = rounds; round >= 0; --round) {
       part.clear();
       places.clear();
       for (const VertexIndex v : pending_) {
-        if ((geometry::HashOf(vertices_[v].p) >> 61 == 0) != sample) continue;
+        if (std::min(std::countl_zero(geometry::HashOf(vertices_[v].p)), rounds) != round) continue;
         part.push_back(v);
         places.push_back(vertices_[v].p);
       }
@@ -374,6 +379,7 @@ void Refinement<D, E>::FillTriangulation() {
 
 template <int D, template <class> class E>
 void Refinement<D, E>::LeaveTriangulation() {
+  ResetToDomain(triangulation_);
   triangulation_ = nullptr;
   pending_.clear();
   if constexpr (!kTraced) {

@@ -118,6 +118,9 @@ class Refinement {
   // From now on neighbourhoods are found in the spatial tree.
   void DetachTriangulation() { triangulation_ = nullptr; }
 
+  // Makes it that of the domain's corners, which are the first vertices.
+  void ResetToDomain(Triangulation* triangulation) const;
+
   // --- Results ---------------------------------------------------------------------
 
   const Vertex& vertex(VertexIndex v) const { return vertices_[v]; }
