@@ -71,16 +71,16 @@ class SpatialTree {
     half_ = 8 * grain;
     least_half_ = std::ldexp(1.0, std::ilogb(largest) - 48);
     for (int i = 0; i < D; ++i) centre_[i] = grain * std::nearbyint((lo[i] + hi[i]) / 2 / grain);
-    nodes_.push_back({kNone, NewLeaf(), kNone});
+    nodes_.push_back({kNone, kNone, kNone});
   }
 
   void Insert(std::uint32_t id, const Point& p) {
     Cell cell = LeafOf(p);
-    while (leaves_[nodes_[cell.node].leaf].count == kCapacity && cell.half > least_half_) {
+    while (IsFull(cell.node) && cell.half > least_half_) {
       Split(cell.node, cell);
       Descend(p, cell);
     }
-    Append(nodes_[cell.node].leaf, id, p);
+    Append(cell.node, id, p);
   }
 
   // REQUIRES: inserted with that id and point. on_merge(children's first node,
@@ -88,7 +88,7 @@ class SpatialTree {
   template <class OnMerge>
   void Remove(std::uint32_t id, const Point& p, OnMerge on_merge) {
     Cell cell = LeafOf(p);
-    RemoveFromLeaf(nodes_[cell.node].leaf, id);
+    RemoveFromLeaf(cell.node, id);
     for (NodeIndex n = nodes_[cell.node].parent; n != kNone; n = nodes_[n].parent) {
       if (!TryMerge(n, on_merge)) break;
     }
@@ -239,14 +239,14 @@ class SpatialTree {
 
   struct Node {
     std::uint32_t child;  // first of kChildren consecutive nodes, or kNone
-    std::uint32_t leaf;   // or kNone
+    std::uint32_t leaf;   // kNone if it has children or is empty, as most are around curves
     NodeIndex parent;
   };
   struct Leaf {
-    double x[D][kCapacity];
-    std::uint32_t id[kCapacity];
     std::uint32_t count = 0;
     std::uint32_t next = kNone;  // overflow, only where points coincide
+    double x[D][kCapacity];
+    std::uint32_t id[kCapacity];
   };
   struct Cell {
     NodeIndex node;
@@ -414,7 +414,12 @@ class SpatialTree {
     return static_cast<std::uint32_t>(leaves_.size() - 1);
   }
 
-  void Append(std::uint32_t l, std::uint32_t id, const Point& p) {
+  bool IsFull(NodeIndex n) const {
+    return nodes_[n].leaf != kNone && leaves_[nodes_[n].leaf].count == kCapacity;
+  }
+  void Append(NodeIndex n, std::uint32_t id, const Point& p) {
+    if (nodes_[n].leaf == kNone) nodes_[n].leaf = NewLeaf();
+    std::uint32_t l = nodes_[n].leaf;
     while (leaves_[l].count == kCapacity) {
       if (leaves_[l].next == kNone) {
         const std::uint32_t fresh = NewLeaf();
@@ -427,7 +432,8 @@ class SpatialTree {
     leaf.id[leaf.count++] = id;
   }
 
-  void RemoveFromLeaf(std::uint32_t first, std::uint32_t id) {
+  void RemoveFromLeaf(NodeIndex n, std::uint32_t id) {
+    const std::uint32_t first = nodes_[n].leaf;
     std::uint32_t l = first, i = 0;
     while (leaves_[l].id[i] != id) {
       if (++i == leaves_[l].count) {
@@ -445,10 +451,9 @@ class SpatialTree {
     const std::uint32_t j = --tail.count;
     for (int k = 0; k < D; ++k) leaves_[l].x[k][i] = tail.x[k][j];
     leaves_[l].id[i] = tail.id[j];
-    if (tail.count == 0 && before_last != kNone) {
-      leaves_[before_last].next = kNone;
-      free_leaves_.push_back(last);
-    }
+    if (tail.count > 0) return;
+    (before_last != kNone ? leaves_[before_last].next : nodes_[n].leaf) = kNone;
+    free_leaves_.push_back(last);
   }
 
   void Split(NodeIndex n, const Cell& cell) {
@@ -463,11 +468,11 @@ class SpatialTree {
     const std::uint32_t old = nodes_[n].leaf;
     nodes_[n].child = first;
     nodes_[n].leaf = kNone;
-    for (int k = 0; k < kChildren; ++k) nodes_[first + k] = {kNone, NewLeaf(), n};
+    for (int k = 0; k < kChildren; ++k) nodes_[first + k] = {kNone, kNone, n};
     for (std::uint32_t i = 0; i < leaves_[old].count; ++i) {
       Point p;
       for (int k = 0; k < D; ++k) p[k] = leaves_[old].x[k][i];
-      Append(nodes_[first + Quadrant(p, cell)].leaf, leaves_[old].id[i], p);
+      Append(first + Quadrant(p, cell), leaves_[old].id[i], p);
     }
     free_leaves_.push_back(old);
   }
@@ -478,23 +483,24 @@ class SpatialTree {
     std::uint32_t sum = 0;
     for (int k = 0; k < kChildren; ++k) {
       const Node& c = nodes_[first + k];
-      if (c.child != kNone || leaves_[c.leaf].next != kNone) return false;
+      if (c.child != kNone) return false;
+      if (c.leaf == kNone) continue;
+      if (leaves_[c.leaf].next != kNone) return false;
       sum += leaves_[c.leaf].count;
     }
     if (sum > kCapacity / 2) return false;
     on_merge(first, n);
-    const std::uint32_t leaf = NewLeaf();
+    nodes_[n].child = kNone;
     for (int k = 0; k < kChildren; ++k) {
       const std::uint32_t old = nodes_[first + k].leaf;
+      if (old == kNone) continue;
       for (std::uint32_t i = 0; i < leaves_[old].count; ++i) {
         Point p;
         for (int d = 0; d < D; ++d) p[d] = leaves_[old].x[d][i];
-        Append(leaf, leaves_[old].id[i], p);
+        Append(n, leaves_[old].id[i], p);
       }
       free_leaves_.push_back(old);
     }
-    nodes_[n].child = kNone;
-    nodes_[n].leaf = leaf;
     free_nodes_.push_back(first);
     return true;
   }
