@@ -10,8 +10,6 @@
 // of this thread's processor time in Apply: others that take its core do not count, only what
 // they do to the caches. Every edit is undone before the next is tried, so all see the same
 // mesh.
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -27,6 +25,7 @@
 #include "client/cli/percentile.h"
 #include "core/dynamic_mesh/live_mesh.h"
 #include "core/io/planar_input.h"
+#include "tests/bench/thread_clock.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh {
@@ -36,12 +35,6 @@ using test::Distribution;
 using test::Random;
 
 constexpr double kRoot2 = 1.4142135623730951;
-
-double Seconds() {
-  timespec t = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 // --- Inputs -----------------------------------------------------------------------------
 
@@ -206,9 +199,9 @@ struct Cost {
 
 // False if it is refused; then nothing has happened.
 bool Do(LiveMesh<2>& mesh, const EditBatch& batch, Cost* cost) {
-  const double start = Seconds();
+  const double start = ThreadSeconds();
   const auto diff = mesh.Apply(batch, ApplyOptions{});
-  if (diff.ok()) cost->Add(*diff, Seconds() - start);
+  if (diff.ok()) cost->Add(*diff, ThreadSeconds() - start);
   return diff.ok();
 }
 
@@ -230,11 +223,11 @@ bool OneByOne(LiveMesh<2>& mesh, const Change& change, Cost* there, Cost* back) 
 // --- Tables -------------------------------------------------------------------------------
 
 void PrintEdits(const Input& input, double rho) {
-  const double start = Seconds();
+  const double start = ThreadSeconds();
   const auto built = BuildMesh(input.features, OptionsFor(input, rho));
-  const double middle = Seconds();
+  const double middle = ThreadSeconds();
   const auto mesh = Make(input, rho, {});
-  const double end = Seconds();
+  const double end = ThreadSeconds();
   if (!built.ok() || mesh == nullptr) return;
   const MeshStats stats = mesh->Stats();
   std::printf(
