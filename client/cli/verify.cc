@@ -159,8 +159,12 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
   if (features != nullptr) {
     Chains chains;
     report.checks.push_back(CheckInput(mesh, *features, &chains));
-    report.checks.push_back(in_space ? CheckFacets(mesh, *features, chains)
-                                     : CheckRegions(mesh, *features));
+    if (in_space) {
+      report.checks.push_back(CheckFacets(mesh, *features, chains));
+      report.checks.push_back(CheckRegions(mesh, CollectFaces(mesh), *features));
+    } else {
+      report.checks.push_back(CheckRegions(mesh, *features));
+    }
   }
   return report;
 }

@@ -34,7 +34,10 @@
 //   facets       (if the input is given) the subfacets of every polygon cover it exactly once,
 //                flat but for rounding; and none has another marker. They are one sheet: of a
 //                nearly flat tetrahedron whose corners are all on a polygon, one side counts
-// and what is bad for the sake of a small angle is not excused. Regions are not looked at.
+//   regions      (if the input is given) the closed surfaces that neighbours say they are inside
+//                of differ by the one that they have a subfacet of between them, and on the border
+//                there is none. With the other checks: all are inside of those that they say
+// and what is bad for the sake of a small angle is not excused.
 #ifndef DYNMESH_CLIENT_CLI_VERIFY_H_
 #define DYNMESH_CLIENT_CLI_VERIFY_H_
 

@@ -118,6 +118,8 @@ VerifyCheck CheckFaces(const io::MeshFiles& files, const std::vector<Face>& face
 VerifyCheck CheckSpaceQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report);
 VerifyCheck CheckFacets(const io::IndexedMesh& mesh, const std::vector<Feature>& features,
                         const Chains& chains);
+VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& faces,
+                         const std::vector<Feature>& features);
 
 // The spacing of doubles at the largest coordinate of the mesh.
 double LargestUlp(const io::IndexedMesh& mesh);

@@ -27,6 +27,11 @@ auto FacetsOf(const Refinement& refinement) {
   };
 }
 
+template <class Subsegment>
+std::array<VertexIndex, 2> SideOf(const Subsegment& s) {
+  return {std::min(s.a, s.b), std::max(s.a, s.b)};
+}
+
 }  // namespace
 
 // --- Rows -----------------------------------------------------------------------------
@@ -62,17 +67,25 @@ void DiffBuilder<D>::NameRegions(std::initializer_list<RegionColumn*> columns,
 }
 
 template <int D>
+void DiffBuilder<D>::AddWall(const typename Labels::Side& side, meshing::FeatureSlot slot,
+                             const FeatureTable<D>& features) {
+  const auto owners = features.OwnersOfWall(slot);
+  if (!owners.empty()) labels_.AddWall(side, owners);
+}
+
+template <int D>
 absl::Status DiffBuilder<D>::RegionStatus() const {
   const auto polygons = labels_.overfull();
   if (polygons.empty()) return absl::OkStatus();
   const FeatureId last = polygons.back();
-  return MakeError(
-      absl::StatusCode::kResourceExhausted,
-      "polygon " + std::to_string(last) + " lies over " + std::to_string(polygons.size() - 1) +
-          " others, " + std::to_string(polygons[0]) + " and " + std::to_string(polygons[1]) +
-          " among them, and no place may lie in more than " +
-          std::to_string(kMostPolygonsAtAPlace) + " polygons; move or remove some of them",
-      {reason::kPolygonLimit, {last}, {}});
+  return MakeError(absl::StatusCode::kResourceExhausted,
+                   (D == 2 ? "polygon " : "the closed surface of polygon ") + std::to_string(last) +
+                       " lies over " + std::to_string(polygons.size() - 1) + " others, " +
+                       std::to_string(polygons[0]) + " and " + std::to_string(polygons[1]) +
+                       " among them, and no place may lie in more than " +
+                       std::to_string(kMostPolygonsAtAPlace) +
+                       " polygons; move or remove some of them",
+                   {reason::kPolygonLimit, {last}, {}});
 }
 
 // --- The whole mesh -------------------------------------------------------------------
@@ -81,10 +94,6 @@ template <int D>
 template <class Refinement>
 Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& features) {
   refinement.TakeChanges([](VertexIndex, bool, bool) {}, [](SubsegmentIndex, bool, bool) {});
-  refinement.ForEachSubsegment([&](const Subsegment& s) {
-    const auto polygons = features.PolygonsOf(s.feature);
-    if (!polygons.empty()) labels_.AddWall(s.a, s.b, polygons);
-  });
   names_.Reserve(refinement.vertex_count());
   std::vector<VertexIndex> all, missing;  // the triangulation may have grown along
   all.reserve(refinement.vertex_count());
@@ -94,15 +103,19 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
   });
   FillTriangulation(refinement, missing);
   names_.AddAll(all, [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
+  if constexpr (D == 2) {
+    refinement.ForEachSubsegment(
+        [&](const Subsegment& s) { AddWall(SideOf(s), s.feature, features); });
+  } else if (features.has_facets()) {
+    triangulation_.ForEachSimplex(
+        [&](Simplex t) { subfacets_.Add(triangulation_.vertices(t), FacetsOf(refinement)); });
+    subfacets_.ClearChanges();
+    subfacets_.ForEach([&](const SubfacetTable::Face& face, meshing::FeatureSlot slot) {
+      AddWall(face, slot, features);
+    });
+  }
   labels_.LabelAll();
   if (!labels_.overfull().empty()) return {};
-  if constexpr (D == 3) {
-    if (features.has_facets()) {
-      triangulation_.ForEachSimplex(
-          [&](Simplex t) { subfacets_.Add(triangulation_.vertices(t), FacetsOf(refinement)); });
-      subfacets_.ClearChanges();
-    }
-  }
   Mesh mesh = Snapshot(refinement, features);
   subsegment_count_ = mesh.subsegments.size();
   hash_ = mesh.hash = ComputeHash(mesh);
@@ -167,6 +180,8 @@ MeshDiff DiffBuilder<D>::Update(Refinement& refinement, const FeatureTable<D>& f
   TakeChanges(refinement);
   UpdateNames(refinement);
   UpdateTriangulation(refinement);
+  UpdateSubfacets(refinement, features);
+  UpdateWalls(refinement, features);
   UpdateLabels(refinement, features);
   if (!labels_.overfull().empty()) return {};
   if (!renamed_.empty()) AddSimplicesOfRenamed();
@@ -174,7 +189,7 @@ MeshDiff DiffBuilder<D>::Update(Refinement& refinement, const FeatureTable<D>& f
   diff.dimension = D;
   ReportVertices(refinement, features, &diff);
   ReportSubsegments(refinement, features, &diff);
-  ReportSubfacets(refinement, features, &diff);
+  ReportSubfacets(features, &diff);
   ReportSimplices(&diff);
   diff.hash = hash_;
   labels_.Collect();
@@ -230,6 +245,10 @@ void DiffBuilder<D>::UpdateTriangulation(const Refinement& refinement) {
     InsertVertex(refinement, v);
     RecordSimplices();
   }
+  // Some were unmade again, some indices used twice.
+  std::erase_if(fresh_, [&](auto t) { return triangulation_.IsInfinite(t); });
+  std::sort(fresh_.begin(), fresh_.end());
+  fresh_.erase(std::unique(fresh_.begin(), fresh_.end()), fresh_.end());
 }
 
 // A neighbour that refinement saw is a good place to start looking from.
@@ -266,24 +285,58 @@ typename DiffBuilder<D>::IndexRow DiffBuilder<D>::RowOf(Simplex t) const {
   return {InCanonicalOrder(triangulation_.vertices(t)), labels_.at(t)};
 }
 
+// Subfacets that stay under other names go and come, too.
+template <int D>
+template <class Refinement>
+void DiffBuilder<D>::UpdateSubfacets(const Refinement& refinement,
+                                     const FeatureTable<D>& features) {
+  if constexpr (D == 3) {
+    subfacets_.ClearChanges();
+    if (!features.has_facets() && subfacets_.size() == 0) return;
+    const auto facet_of = FacetsOf(refinement);
+    const auto vertices = [&](Simplex t) { return triangulation_.vertices(t); };
+    for (const meshing::FeatureSlot slot : features.gone_facets()) subfacets_.RemoveFacet(slot);
+    for (const IndexRow& row : simplices_.gone) subfacets_.Remove(row.v);
+    ForEachRenamed([&](Simplex t) { subfacets_.Remove(vertices(t)); });
+    for (const Simplex t : fresh_) subfacets_.Add(vertices(t), facet_of);
+    ForEachRenamed([&](Simplex t) { subfacets_.Add(vertices(t), facet_of); });
+    for (const auto& facet : features.new_facets()) {
+      subfacets_.AddFacet(facet.slot, facet.corners, triangulation_, facet_of);
+    }
+  }
+}
+
+// First what goes: what comes may be the same side.
+template <int D>
+template <class Refinement>
+void DiffBuilder<D>::UpdateWalls(const Refinement& refinement, const FeatureTable<D>& features) {
+  if constexpr (D == 2) {
+    for (const SubsegmentIndex i : subsegments_.gone) {
+      const Subsegment& s = refinement.subsegment(i);
+      labels_.RemoveWall(SideOf(s));
+    }
+    for (const SubsegmentIndex i : subsegments_.come) {
+      const Subsegment& s = refinement.subsegment(i);
+      AddWall(SideOf(s), s.feature, features);
+    }
+  } else {
+    for (const auto& [face, slot] : subfacets_.gone()) labels_.RemoveWall(face);
+    for (const auto& [face, slot] : subfacets_.come()) AddWall(face, slot, features);
+    for (const meshing::FeatureSlot slot : features.resurfaced_facets()) {
+      subfacets_.ForEachOf(slot, [&](const SubfacetTable::Face& face) {
+        labels_.RemoveWall(face);
+        AddWall(face, slot, features);
+      });
+    }
+  }
+}
+
 template <int D>
 template <class Refinement>
 void DiffBuilder<D>::UpdateLabels(const Refinement& refinement, const FeatureTable<D>& features) {
-  for (const SubsegmentIndex i : subsegments_.gone) {
-    const Subsegment& s = refinement.subsegment(i);
-    labels_.RemoveWall(s.a, s.b);
-  }
-  for (const SubsegmentIndex i : subsegments_.come) {
-    const Subsegment& s = refinement.subsegment(i);
-    const auto polygons = features.PolygonsOf(s.feature);
-    if (!polygons.empty()) labels_.AddWall(s.a, s.b, polygons);
-  }
-  // Some were unmade again, some indices used twice.
-  std::erase_if(fresh_, [&](auto t) { return triangulation_.IsInfinite(t); });
-  std::sort(fresh_.begin(), fresh_.end());
-  fresh_.erase(std::unique(fresh_.begin(), fresh_.end()), fresh_.end());
   const auto& relabelled = labels_.Update(fresh_, features.toggled_walls(), [&](VertexIndex v) {
-    return refinement.vertex(v).dimension == 1;
+    const int dimension = refinement.vertex(v).dimension;
+    return 0 < dimension && dimension < D;
   });
   for (const auto t : fresh_) simplices_.come.push_back(RowOf(t));
   for (const auto& [t, before] : relabelled) {
@@ -292,17 +345,24 @@ void DiffBuilder<D>::UpdateLabels(const Refinement& refinement, const FeatureTab
   }
 }
 
+// Calls f(t) for the simplices at renamed vertices, for some several times.
+template <int D>
+template <class F>
+void DiffBuilder<D>::ForEachRenamed(F f) const {
+  for (const Renamed& r : renamed_) {
+    if (!triangulation_.Contains(r.v)) continue;
+    triangulation_.ForEachSimplexAround(r.v, [&](Simplex t) {
+      if (!triangulation_.IsInfinite(t)) f(t);
+    });
+  }
+}
+
 // Simplices that stay, under other names.
 template <int D>
 void DiffBuilder<D>::AddSimplicesOfRenamed() {
   simplices_.Net();
   stay_.clear();
-  for (const Renamed& r : renamed_) {
-    if (!triangulation_.Contains(r.v)) continue;
-    triangulation_.ForEachSimplexAround(r.v, [&](Simplex t) {
-      if (!triangulation_.IsInfinite(t)) stay_.push_back(RowOf(t));
-    });
-  }
+  ForEachRenamed([&](Simplex t) { stay_.push_back(RowOf(t)); });
   std::sort(stay_.begin(), stay_.end());
   stay_.erase(std::unique(stay_.begin(), stay_.end()), stay_.end());
   std::erase_if(stay_, [&](const IndexRow& row) {
@@ -395,21 +455,9 @@ void DiffBuilder<D>::ReportSubsegments(const Refinement& refinement,
   subsegment_count_ -= subsegment_rows_.gone.size();
 }
 
-// Simplices that stay under other names are among those that go and come.
 template <int D>
-template <class Refinement>
-void DiffBuilder<D>::ReportSubfacets(const Refinement& refinement, const FeatureTable<D>& features,
-                                     MeshDiff* diff) {
+void DiffBuilder<D>::ReportSubfacets(const FeatureTable<D>& features, MeshDiff* diff) {
   if constexpr (D == 3) {
-    if (!features.has_facets() && subfacets_.size() == 0) return;
-    const auto facet_of = FacetsOf(refinement);
-    subfacets_.ClearChanges();
-    for (const meshing::FeatureSlot slot : features.gone_facets()) subfacets_.RemoveFacet(slot);
-    for (const IndexRow& row : simplices_.gone) subfacets_.Remove(row.v);
-    for (const IndexRow& row : simplices_.come) subfacets_.Add(row.v, facet_of);
-    for (const auto& facet : features.new_facets()) {
-      subfacets_.AddFacet(facet.slot, facet.corners, triangulation_, facet_of);
-    }
     subfacet_rows_.Clear();
     for (const auto& [face, slot] : subfacets_.gone()) {
       subfacet_rows_.gone.push_back(PieceRowOf(OldIds(face), features.IdOf(slot)));

@@ -11,8 +11,8 @@
 // (vertex_names.h). Such a vertex leaves under the old name and comes back under the
 // new, and so does all that it is part of.
 //
-// In the plane triangles carry the polygons that they lie in as labels (region_labels.h); in space
-// faces of tetrahedra that lie on facets are subfacets (subfacet_table.h).
+// Simplices carry the regions that they lie in as labels (region_labels.h). In space faces of
+// tetrahedra that lie on facets are subfacets (subfacet_table.h).
 //
 // Thread-compatible. Keeps its lists from call to call: an update allocates little but
 // the diff.
@@ -23,14 +23,12 @@
 #include <compare>
 #include <cstdint>
 #include <initializer_list>
-#include <type_traits>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "core/data/canonical_order.h"
 #include "core/dynamic_mesh/diff_rows.h"
 #include "core/dynamic_mesh/feature_table.h"
-#include "core/dynamic_mesh/no_labels.h"
 #include "core/dynamic_mesh/region_labels.h"
 #include "core/dynamic_mesh/subfacet_table.h"
 #include "core/dynamic_mesh/vertex_names.h"
@@ -44,7 +42,7 @@ class DiffBuilder {
  public:
   using Triangulation = typename meshing::Refinement<D, sac::Engine>::Triangulation;
   using Rules = typename meshing::Refinement<D, sac::Engine>::Rules;
-  using Labels = std::conditional_t<D == 2, RegionLabels, NoLabels>;
+  using Labels = RegionLabels<D>;
   using Simplex = typename Triangulation::SimplexIndex;
 
   explicit DiffBuilder(VertexHash vertex_hash = &VertexIdAt)
@@ -111,6 +109,10 @@ class DiffBuilder {
   template <class Refinement>
   void UpdateTriangulation(const Refinement& refinement);
   template <class Refinement>
+  void UpdateSubfacets(const Refinement& refinement, const FeatureTable<D>& features);
+  template <class Refinement>
+  void UpdateWalls(const Refinement& refinement, const FeatureTable<D>& features);
+  template <class Refinement>
   void UpdateLabels(const Refinement& refinement, const FeatureTable<D>& features);
   template <class Refinement>
   void ReportVertices(const Refinement& refinement, const FeatureTable<D>& features,
@@ -118,14 +120,14 @@ class DiffBuilder {
   template <class Refinement>
   void ReportSubsegments(const Refinement& refinement, const FeatureTable<D>& features,
                          MeshDiff* diff);
-  template <class Refinement>
-  void ReportSubfacets(const Refinement& refinement, const FeatureTable<D>& features,
-                       MeshDiff* diff);
+  void ReportSubfacets(const FeatureTable<D>& features, MeshDiff* diff);
   void ReportSimplices(MeshDiff* diff);
 
   template <class Refinement>
   void InsertVertex(const Refinement& refinement, meshing::VertexIndex v);
   void RecordSimplices();
+  template <class F>
+  void ForEachRenamed(F f) const;
   void AddSimplicesOfRenamed();
   IndexRow RowOf(Simplex t) const;
 
@@ -156,6 +158,9 @@ class DiffBuilder {
   void Report(Rows<PieceRow<N>>* rows, Columns* removed, Columns* added);
   void AppendAll(const std::vector<SimplexRow<D>>& rows, SimplexColumn* simplices,
                  RegionColumn* regions);
+  // If there is one in that slot.
+  void AddWall(const typename Labels::Side& side, meshing::FeatureSlot slot,
+               const FeatureTable<D>& features);
   void NameRegions(std::initializer_list<RegionColumn*> columns,
                    std::vector<RegionSet>* sets) const;
 

@@ -3,12 +3,15 @@
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_FEATURE_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_FEATURE_TABLE_H_
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "core/base/huge_pages.h"
+#include "core/dynamic_mesh/surface_table.h"
+#include "core/dynamic_mesh/wall.h"
 #include "core/dynamic_mesh/wedge_table.h"
 #include "core/mesh/delaunay_insert_order.h"
 #include "core/meshing/elements.h"
@@ -48,17 +51,16 @@ class FeatureTable {
     AddPoints(delta, refinement);
     AddSegments(delta, refinement);
     AddFacets(delta, refinement);
+    UpdateSurfaces(delta, refinement);
   }
 
-  // An edge of polygons of the plane that came or went since Collect. Of one that only changed
-  // owner or polygons, what went and what came.
-  struct Wall {
-    Point p, q;
-    std::vector<FeatureId> polygons;  // ascending
-  };
-  const std::vector<Wall>& toggled_walls() const { return toggled_walls_; }
-  // The polygons that have an edge where the segment in that slot lies, ascending.
-  std::span<const FeatureId> PolygonsOf(meshing::FeatureSlot slot) const {
+  // Walls that came or went since Collect. One that only changed owners counts as what went and
+  // what came.
+  const std::vector<Wall<D>>& toggled_walls() const { return toggled_walls_; }
+  // Who is inside on one side of the wall in that slot, ascending: in the plane the polygons that
+  // have an edge where the segment lies, in space the closed surface that the facet is part of.
+  std::span<const FeatureId> OwnersOfWall(meshing::FeatureSlot slot) const {
+    if constexpr (D == 3) return surfaces_.SurfaceOf(ids_[slot]);
     if (walls_.empty()) return {};
     const auto it = walls_.find(slot);
     return it == walls_.end() ? std::span<const FeatureId>() : it->second;
@@ -72,6 +74,9 @@ class FeatureTable {
   const std::vector<NewFacet>& new_facets() const { return new_facets_; }
   const std::vector<meshing::FeatureSlot>& gone_facets() const { return gone_facets_; }
   bool has_facets() const { return !facets_.empty(); }
+  // Those that stay where they are, as part of another closed surface than before or of none. Some
+  // may be gone by now.
+  const std::vector<meshing::FeatureSlot>& resurfaced_facets() const { return resurfaced_facets_; }
 
   // Slots of removed features keep their ids until here.
   void Collect() {
@@ -81,6 +86,7 @@ class FeatureTable {
     toggled_walls_.clear();
     new_facets_.clear();
     gone_facets_.clear();
+    resurfaced_facets_.clear();
     free_.insert(free_.end(), freed_.begin(), freed_.end());
     freed_.clear();
   }
@@ -116,7 +122,9 @@ class FeatureTable {
       FreeSlot(segments_[index].slot);
       refinement.RemoveSegment(segments_[index].root);
       segments_.Remove(index);
-      if (HasWall(s)) toggled_walls_.push_back({s.p, s.q, s.polygons});
+      if constexpr (D == 2) {
+        if (!s.polygons.empty()) toggled_walls_.push_back({s.p, s.q, s.polygons});
+      }
     }
   }
 
@@ -167,9 +175,11 @@ class FeatureTable {
       const meshing::FeatureSlot slot = NewSlot(s.id);
       segments_.Add(points_.at(forward ? s.p_id : s.q_id), points_.at(forward ? s.q_id : s.p_id),
                     slot);
-      if (!HasWall(s)) continue;
-      walls_[slot] = s.polygons;
-      toggled_walls_.push_back({s.p, s.q, s.polygons});
+      if constexpr (D == 2) {
+        if (s.polygons.empty()) continue;
+        walls_[slot] = s.polygons;
+        toggled_walls_.push_back({s.p, s.q, s.polygons});
+      }
     }
     segments_.Update([&](meshing::VertexIndex v) -> const Point& { return refinement.vertex(v).p; },
                      [&](auto* s) {
@@ -194,8 +204,27 @@ class FeatureTable {
     }
   }
 
-  // In space an edge of polygons is no wall of anything.
-  static bool HasWall(const plc::SegmentFeature<D>& s) { return D == 2 && !s.polygons.empty(); }
+  // After all facets have come and gone.
+  template <class Refinement>
+  void UpdateSurfaces(const Delta& delta, const Refinement& refinement) {
+    if constexpr (D == 3) {
+      const auto toggle = [&](const plc::FacetFeature& f) {
+        const auto owners = surfaces_.SurfaceOf(f.id);
+        if (!owners.empty()) toggled_walls_.push_back({f.places, {owners.begin(), owners.end()}});
+      };
+      for (const plc::FacetFeature& f : delta.removed_facets) toggle(f);
+      const auto& changes = surfaces_.Update(delta.removed_facets, delta.added_facets);
+      for (const plc::FacetFeature& f : delta.added_facets) toggle(f);
+      for (const SurfaceTable::Change& change : changes) {
+        const Facet& facet = facets_.at(change.polygon);
+        resurfaced_facets_.push_back(facet.slot);
+        std::vector<FeatureId> owners = {std::min(change.before, change.after),
+                                         std::max(change.before, change.after)};
+        if (owners[0] == kNoFeature) owners.erase(owners.begin());
+        toggled_walls_.push_back({refinement.facets()[facet.index].rings(), std::move(owners)});
+      }
+    }
+  }
 
   static meshing::SizingRegion<D> RegionOf(const plc::SizeFeature<D>& f) {
     const Sizing& s = f.sizing;
@@ -229,10 +258,11 @@ class FeatureTable {
   absl::flat_hash_map<FeatureId, typename meshing::SizingField<D>::Index> sizes_;
   WedgeTable<D> segments_;
   absl::flat_hash_map<FeatureId, Facet> facets_;
-  absl::flat_hash_map<meshing::FeatureSlot, std::vector<FeatureId>> walls_;
-  std::vector<Wall> toggled_walls_;
+  absl::flat_hash_map<meshing::FeatureSlot, std::vector<FeatureId>> walls_;  // in the plane
+  SurfaceTable surfaces_;                                                    // in space
+  std::vector<Wall<D>> toggled_walls_;
   std::vector<NewFacet> new_facets_;
-  std::vector<meshing::FeatureSlot> gone_facets_;
+  std::vector<meshing::FeatureSlot> gone_facets_, resurfaced_facets_;
 };
 
 }  // namespace dynmesh

@@ -4,69 +4,47 @@
 #include <array>
 #include <cassert>
 
-#include "core/geometry/predicates.h"
+#include "core/dynamic_mesh/sides.h"
 
 namespace dynmesh {
-namespace {
 
-using geometry::Point2;
-
-// Does a ray from p to the right cross the edge ab, which counts its lower end and not its
-// upper? Nothing if p is on the edge. Exact.
-std::optional<bool> RayCrosses(const Point2& p, const Point2& a, const Point2& b) {
-  const Point2& lo = a[1] < b[1] || (a[1] == b[1] && a[0] < b[0]) ? a : b;
-  const Point2& hi = &lo == &a ? b : a;
-  if (p[1] < lo[1] || p[1] > hi[1]) return false;
-  if (lo[1] == hi[1]) {
-    return lo[0] <= p[0] && p[0] <= hi[0] ? std::nullopt : std::optional(false);
-  }
-  const int side = geometry::Orientation(lo, hi, p);
-  if (side == 0) return std::nullopt;
-  return side > 0 && p[1] < hi[1];
+template <int D>
+void RegionLabels<D>::AddWall(const Side& side, std::span<const FeatureId> owners) {
+  walls_[side] = sets_.Add(owners);
+  wall_ends_.insert(side.begin(), side.end());
 }
 
-}  // namespace
-
-void RegionLabels::AddWall(Vertex a, Vertex b, std::span<const FeatureId> polygons) {
-  walls_[std::minmax(a, b)] = sets_.Add(polygons);
-  wall_ends_.insert(a);
-  wall_ends_.insert(b);
+template <int D>
+void RegionLabels<D>::RemoveWall(const Side& side) {
+  if (walls_.empty() || walls_.erase(side) == 0) return;
+  wall_ends_.insert(side.begin(), side.end());
 }
 
-void RegionLabels::RemoveWall(Vertex a, Vertex b) {
-  if (walls_.empty() || walls_.erase(std::minmax(a, b)) == 0) return;
-  wall_ends_.insert(a);
-  wall_ends_.insert(b);
-}
-
-RegionId RegionLabels::WallBetween(Vertex a, Vertex b) const {
-  const auto it = walls_.find(std::minmax(a, b));
+// On the side of t opposite to its corner `corner`.
+template <int D>
+RegionId RegionLabels<D>::WallAcross(Simplex t, int corner) const {
+  const auto it = walls_.find(SideOpposite(triangulation_.vertices(t), corner));
   return it == walls_.end() ? kNoRegion : it->second;
 }
 
-// On the edge of t opposite to its corner `corner`.
-RegionId RegionLabels::WallAcross(Triangle t, int corner) const {
-  const std::array<Vertex, 3>& v = triangulation_.vertices(t);
-  return WallBetween(v[Triangulation::NextIndex(corner)], v[Triangulation::PreviousIndex(corner)]);
-}
-
-const std::vector<RegionLabels::Relabelled>& RegionLabels::Update(
-    std::span<const Triangle> fresh, std::span<const Wall> toggled,
-    absl::FunctionRef<bool(Vertex)> on_segment) {
+template <int D>
+const std::vector<typename RegionLabels<D>::Relabelled>& RegionLabels<D>::Update(
+    std::span<const Simplex> fresh, std::span<const Wall<D>> toggled,
+    absl::FunctionRef<bool(Vertex)> is_rounded) {
   relabelled_.clear();
   if (empty()) {
-    for (const Triangle t : fresh) triangulation_.set_tag(t, kNoRegion);
+    for (const Simplex t : fresh) triangulation_.set_tag(t, kNoRegion);
     return relabelled_;
   }
   labelled_ = true;
   settled_.clear();
   toggled_ = toggled;
-  for (const Triangle t : fresh) SettleFrom(t, on_segment);
+  for (const Simplex t : fresh) SettleFrom(t, is_rounded);
   if (!toggled_.empty()) {
     for (const Vertex v : wall_ends_) {
       if (!triangulation_.Contains(v)) continue;
-      triangulation_.ForEachSimplexAround(v, [&](Triangle t) {
-        if (!triangulation_.IsInfinite(t)) SettleFrom(t, on_segment);
+      triangulation_.ForEachSimplexAround(v, [&](Simplex t) {
+        if (!triangulation_.IsInfinite(t)) SettleFrom(t, is_rounded);
       });
     }
   }
@@ -75,23 +53,24 @@ const std::vector<RegionLabels::Relabelled>& RegionLabels::Update(
 }
 
 // Settles `start` and all that is touched and connected with it.
-void RegionLabels::SettleFrom(Triangle start, absl::FunctionRef<bool(Vertex)> on_segment) {
+template <int D>
+void RegionLabels<D>::SettleFrom(Simplex start, absl::FunctionRef<bool(Vertex)> is_rounded) {
   if (settled_.contains(start) || !overfull().empty()) return;
-  // The nearest triangle whose true label can be told.
+  // The nearest simplex whose true label can be told.
   looked_at_.clear();
   looked_at_.insert(start);
   queue_.assign(1, start);
   for (std::size_t i = 0; i < queue_.size(); ++i) {
-    const Triangle t = queue_[i];
-    if (const std::optional<RegionId> truth = TruthAt(t, on_segment)) {
+    const Simplex t = queue_[i];
+    if (const std::optional<RegionId> truth = TruthAt(t, is_rounded)) {
       if (*truth == RegionSets::kTooMany) return;
       Settle(t, *truth);
       Spread(t);
       assert(settled_.contains(start) || !overfull().empty());
       return;
     }
-    for (int c = 0; c < 3; ++c) {
-      const Triangle next = triangulation_.Opposite({t, c}).simplex;
+    for (int c = 0; c <= D; ++c) {
+      const Simplex next = triangulation_.Opposite({t, c}).simplex;
       if (triangulation_.IsInfinite(next) || !looked_at_.insert(next).second) continue;
       queue_.push_back(next);
     }
@@ -100,14 +79,15 @@ void RegionLabels::SettleFrom(Triangle start, absl::FunctionRef<bool(Vertex)> on
 }
 
 // What the label of t has to be, if that can be seen from t alone.
-std::optional<RegionId> RegionLabels::TruthAt(Triangle t,
-                                              absl::FunctionRef<bool(Vertex)> on_segment) {
+template <int D>
+std::optional<RegionId> RegionLabels<D>::TruthAt(Simplex t,
+                                                 absl::FunctionRef<bool(Vertex)> is_rounded) {
   if (settled_.contains(t)) return at(t);
   if (at(t) != kPending) {
     if (toggled_.empty()) return at(t);
     for (const Vertex v : triangulation_.vertices(t)) {
-      // Inside a segment coordinates are rounded: no telling on which side of a wall.
-      if (on_segment(v)) continue;
+      // Inside a segment or a facet coordinates are rounded: no telling on which side of a wall.
+      if (is_rounded(v)) continue;
       const std::optional<RegionId> change = ChangeAt(triangulation_.position(v));
       if (change) return sets_.Toggle(at(t), *change);
     }
@@ -116,18 +96,30 @@ std::optional<RegionId> RegionLabels::TruthAt(Triangle t,
   return std::nullopt;
 }
 
-// How the changed walls change the label of a place; nothing on such a wall.
-std::optional<RegionId> RegionLabels::ChangeAt(const Point2& p) {
+// The owners of the changed walls that a ray from p crosses, as often as it does; nothing if it
+// cannot tell.
+template <int D>
+std::optional<std::vector<FeatureId>> RegionLabels<D>::CrossedBy(int ray, const Point& p) const {
   std::vector<FeatureId> crossed;
-  for (const Wall& wall : toggled_) {
-    const std::optional<bool> crosses = RayCrosses(p, wall.p, wall.q);
+  for (const Wall<D>& wall : toggled_) {
+    const std::optional<bool> crosses = RayCrosses(ray, p, wall);
     if (!crosses) return std::nullopt;
-    if (*crosses) crossed.insert(crossed.end(), wall.polygons.begin(), wall.polygons.end());
+    if (*crosses) crossed.insert(crossed.end(), wall.owners.begin(), wall.owners.end());
   }
-  std::sort(crossed.begin(), crossed.end());
+  return crossed;
+}
+
+// How the changed walls change the label of a place; nothing on such a wall, and where no ray
+// tells.
+template <int D>
+std::optional<RegionId> RegionLabels<D>::ChangeAt(const Point& p) {
+  std::optional<std::vector<FeatureId>> crossed;
+  for (int ray = 0; ray < kRays<D> && !crossed; ++ray) crossed = CrossedBy(ray, p);
+  if (!crossed) return std::nullopt;
+  std::sort(crossed->begin(), crossed->end());
   // Those crossed an odd number of times.
   std::vector<FeatureId> change;
-  for (const FeatureId id : crossed) {
+  for (const FeatureId id : *crossed) {
     if (change.empty() || change.back() != id) {
       change.push_back(id);
     } else {
@@ -137,7 +129,8 @@ std::optional<RegionId> RegionLabels::ChangeAt(const Point2& p) {
   return sets_.Add(change);
 }
 
-void RegionLabels::Settle(Triangle t, RegionId label) {
+template <int D>
+void RegionLabels<D>::Settle(Simplex t, RegionId label) {
   const RegionId before = at(t);
   if (before != label) {
     if (before != kPending) relabelled_.push_back({t, before});
@@ -146,13 +139,14 @@ void RegionLabels::Settle(Triangle t, RegionId label) {
   settled_.insert(t);
 }
 
-void RegionLabels::Spread(Triangle from) {
+template <int D>
+void RegionLabels<D>::Spread(Simplex from) {
   stack_.assign(1, from);
   while (!stack_.empty()) {
-    const Triangle t = stack_.back();
+    const Simplex t = stack_.back();
     stack_.pop_back();
-    for (int c = 0; c < 3; ++c) {
-      const Triangle next = triangulation_.Opposite({t, c}).simplex;
+    for (int c = 0; c <= D; ++c) {
+      const Simplex next = triangulation_.Opposite({t, c}).simplex;
       if (triangulation_.IsInfinite(next)) continue;
       const RegionId label = sets_.Toggle(at(t), WallAcross(t, c));
       if (label == RegionSets::kTooMany) return;
@@ -167,44 +161,48 @@ void RegionLabels::Spread(Triangle from) {
   }
 }
 
-bool RegionLabels::IsTouched(Triangle t) const {
+template <int D>
+bool RegionLabels<D>::IsTouched(Simplex t) const {
   if (toggled_.empty()) return false;
   const auto& v = triangulation_.vertices(t);
   return std::any_of(v.begin(), v.end(), [&](Vertex u) { return wall_ends_.contains(u); });
 }
 
-bool RegionLabels::IsAtHull(Triangle t) const {
-  for (int c = 0; c < 3; ++c) {
+template <int D>
+bool RegionLabels<D>::IsAtHull(Simplex t) const {
+  for (int c = 0; c <= D; ++c) {
     if (triangulation_.IsInfinite(triangulation_.Opposite({t, c}).simplex)) return true;
   }
   return false;
 }
 
-void RegionLabels::LabelAll() {
+template <int D>
+void RegionLabels<D>::LabelAll() {
   wall_ends_.clear();
   if (empty()) return;
   labelled_ = true;
   std::vector<bool> has_wall;
-  for (const auto& [edge, region] : walls_) {
-    if (edge.second >= has_wall.size()) has_wall.resize(edge.second + std::size_t{1});
-    has_wall[edge.first] = has_wall[edge.second] = true;
+  for (const auto& [side, region] : walls_) {
+    if (side.back() >= has_wall.size()) has_wall.resize(side.back() + std::size_t{1});
+    for (const Vertex v : side) has_wall[v] = true;
   }
   const auto may_have_wall = [&](Vertex v) { return v < has_wall.size() && has_wall[v]; };
-  triangulation_.ForEachSimplex([&](Triangle t) { triangulation_.set_tag(t, kPending); });
-  const Triangle first =
+  triangulation_.ForEachSimplex([&](Simplex t) { triangulation_.set_tag(t, kPending); });
+  const Simplex first =
       triangulation_.Opposite(triangulation_.Around(Triangulation::kInfinite)).simplex;
   triangulation_.set_tag(first, kNoRegion);
   stack_.assign(1, first);
   while (!stack_.empty()) {
-    const Triangle t = stack_.back();
+    const Simplex t = stack_.back();
     stack_.pop_back();
-    const std::array<Vertex, 3> v = triangulation_.vertices(t);
-    for (int c = 0; c < 3; ++c) {
-      const Triangle next = triangulation_.Opposite({t, c}).simplex;
+    const std::array<Vertex, D + 1> v = triangulation_.vertices(t);
+    for (int c = 0; c <= D; ++c) {
+      const Simplex next = triangulation_.Opposite({t, c}).simplex;
       if (triangulation_.IsInfinite(next) || at(next) != kPending) continue;
-      const Vertex a = v[Triangulation::NextIndex(c)], b = v[Triangulation::PreviousIndex(c)];
-      const bool may = may_have_wall(a) && may_have_wall(b);
-      const RegionId label = may ? sets_.Toggle(at(t), WallBetween(a, b)) : at(t);
+      bool may = true;
+      for (int i = 0; i <= D; ++i)
+        may = may && (i == c || may_have_wall(v[static_cast<std::size_t>(i)]));
+      const RegionId label = may ? sets_.Toggle(at(t), WallAcross(t, c)) : at(t);
       if (label == RegionSets::kTooMany) continue;
       triangulation_.set_tag(next, label);
       stack_.push_back(next);
@@ -212,12 +210,13 @@ void RegionLabels::LabelAll() {
   }
 }
 
-bool RegionLabels::Check() {
+template <int D>
+bool RegionLabels<D>::Check() {
   if (empty()) return true;  // nobody has ever set one
   bool good = true;
-  triangulation_.ForEachSimplex([&](Triangle t) {
-    for (int c = 0; c < 3; ++c) {
-      const Triangle next = triangulation_.Opposite({t, c}).simplex;
+  triangulation_.ForEachSimplex([&](Simplex t) {
+    for (int c = 0; c <= D; ++c) {
+      const Simplex next = triangulation_.Opposite({t, c}).simplex;
       const RegionId beyond = triangulation_.IsInfinite(next) ? kNoRegion : at(next);
       good = good && sets_.Toggle(at(t), WallAcross(t, c)) == beyond;
     }
@@ -225,13 +224,17 @@ bool RegionLabels::Check() {
   return good;
 }
 
-void RegionLabels::Collect() {
+template <int D>
+void RegionLabels<D>::Collect() {
   if (sets_.size() < collect_at_) return;
   absl::flat_hash_set<RegionId> used;
-  triangulation_.ForEachSimplex([&](Triangle t) { used.insert(at(t)); });
-  for (const auto& [edge, region] : walls_) used.insert(region);
+  triangulation_.ForEachSimplex([&](Simplex t) { used.insert(at(t)); });
+  for (const auto& [side, region] : walls_) used.insert(region);
   sets_.Keep(used);
   collect_at_ = 2 * sets_.size() + 1024;
 }
+
+template class RegionLabels<2>;
+template class RegionLabels<3>;
 
 }  // namespace dynmesh

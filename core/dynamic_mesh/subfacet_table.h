@@ -12,7 +12,6 @@
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_SUBFACET_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_SUBFACET_TABLE_H_
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -21,6 +20,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "core/dynamic_mesh/sides.h"
 #include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/meshing/elements.h"
 
@@ -44,6 +44,14 @@ class SubfacetTable {
   template <class F>
   void ForEach(F f) const {
     for (const auto& [face, kept] : kept_) f(face, kept.slot);
+  }
+
+  // Calls f(face) for those of the facet in that slot, in no order.
+  template <class F>
+  void ForEachOf(Slot slot, F f) const {
+    const auto it = faces_.find(slot);
+    if (it == faces_.end()) return;
+    for (const Face& face : it->second) f(face);
   }
 
   // What came and went since the last Clear, some in both.
@@ -124,11 +132,7 @@ class SubfacetTable {
 
   static std::array<Side, 4> SidesOf(const Tetrahedron& t) {
     std::array<Side, 4> sides;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const auto& [a, b, c] = Triangulation::kFacet[i];
-      sides[i] = {{t[a], t[b], t[c]}, t[i]};
-      std::sort(sides[i].face.begin(), sides[i].face.end());
-    }
+    for (std::size_t i = 0; i < 4; ++i) sides[i] = {SideOpposite(t, static_cast<int>(i)), t[i]};
     return sides;
   }
   template <class FacetOf>

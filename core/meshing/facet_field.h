@@ -37,6 +37,7 @@ class Facet {
 
   FeatureSlot feature() const { return feature_; }
   const geometry::FacetPlane& plane() const { return plane_; }
+  const std::vector<geometry::Ring3>& rings() const { return rings_; }
   const std::vector<VertexIndex>& corners() const { return corners_; }
   bool HasCorner(VertexIndex v) const {
     return std::binary_search(corners_.begin(), corners_.end(), v);

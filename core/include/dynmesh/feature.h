@@ -51,8 +51,9 @@ struct Feature {
   std::array<FeatureId, 2> ends = {kNoFeature, kNoFeature};
   Sizing sizing = {};  // kSize
   // kPolygon: its edges become segments, shared with segment features and other polygons
-  // that have the same ends; what lies inside is labelled (mesh.h, RegionId). Sizing
-  // polygon: only where it is; its edges are not kept.
+  // that have the same ends; what lies inside is labelled, in space what lies inside of
+  // polygons that close (mesh.h, RegionId). Sizing polygon: only where it is; its edges are
+  // not kept.
   Rings rings = {};
 
   static Feature Point(FeatureId id, double x, double y, double z = 0) {

@@ -46,6 +46,14 @@ MeshHash HashVertex(const double* coordinates, int dimension, int containing_dim
                     FeatureId owner);
 // Which polygon features a simplex lies in: 0 for none, the polygon's id for one alone,
 // else RegionIdOf the several. A function of the set of polygons.
+//
+// In space, which closed surfaces a tetrahedron lies inside of. Polygons are joined where they
+// share an edge. Those that have an edge which belongs to no other are peeled off, again and
+// again, so that plates and flaps that dangle do not count. What remains falls into pieces joined
+// by edges; a piece is a closed surface if each of its edges belongs to an even number of its
+// polygons, and stands under the least id of them wherever a polygon's id is spoken of here.
+// Inside is where every way out crosses an odd number of its polygons. A piece with an edge of
+// three polygons, such as two boxes that share a wall, encloses nothing (yet).
 using RegionId = std::uint64_t;
 inline constexpr RegionId kNoRegion = 0;
 

@@ -68,7 +68,7 @@ TEST(VerifySpace, AcceptsGoodMeshes) {
     const GoodFiles good = MakeGoodFiles(seed + i, 20 + static_cast<int>(30 * i), i % 2 == 0);
     const VerifyReport report = VerifyMesh(good.files, kAnyQuality, &good.features);
     EXPECT_TRUE(report.Passed()) << Describe(report);
-    EXPECT_EQ(report.checks.size(), 11U);
+    EXPECT_EQ(report.checks.size(), 12U);
     EXPECT_EQ(report.dimension, 3);
     EXPECT_GT(report.subfacets, 50U);
     EXPECT_EQ(report.simplices, good.files.mesh.tetrahedra.size());

@@ -1,0 +1,95 @@
+#include "core/dynamic_mesh/wall.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/geometry/predicates.h"
+
+namespace dynmesh {
+namespace {
+
+using geometry::Point2;
+using geometry::Point3;
+
+// A wall whose plane is at a smaller sine to the ray is grazed; nothing is told of a place that is
+// nearer to a wall's plane than this share of its distance from the wall's least corner. Doubles
+// would do for far less: who does not know here asks elsewhere.
+constexpr double kGrazes = 1e-3;
+constexpr double kNear = 1e-10;
+
+// Does a ray from p to the right cross the edge ab, which counts its lower end and not its
+// upper? Nothing if p is on the edge. Exact.
+std::optional<bool> CrossesEdge(const Point2& p, const Point2& a, const Point2& b) {
+  const Point2& lo = a[1] < b[1] || (a[1] == b[1] && a[0] < b[0]) ? a : b;
+  const Point2& hi = &lo == &a ? b : a;
+  if (p[1] < lo[1] || p[1] > hi[1]) return false;
+  if (lo[1] == hi[1]) {
+    return lo[0] <= p[0] && p[0] <= hi[0] ? std::nullopt : std::optional(false);
+  }
+  const int side = geometry::Orientation(lo, hi, p);
+  if (side == 0) return std::nullopt;
+  return side > 0 && p[1] < hi[1];
+}
+
+// Is p, moved right and much less up, in the wall's shadow along the axis?
+bool IsInShadow(const Point3& p, const Wall<3>& wall, int axis) {
+  const int x = (axis + 1) % 3, y = (axis + 2) % 3;
+  if (p[x] < wall.lo[x] || p[x] > wall.hi[x] || p[y] < wall.lo[y] || p[y] > wall.hi[y]) {
+    return false;
+  }
+  const auto shadow = [&](const Point3& q) { return Point2{{q[x], q[y]}}; };
+  bool inside = false;
+  for (const geometry::Ring3& ring : wall.rings) {
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+      inside ^= CrossesEdge(shadow(p), shadow(ring[i]), shadow(ring[j])).value_or(false);
+    }
+  }
+  return inside;
+}
+
+bool IsCorner(const Point3& p, const Wall<3>& wall) {
+  return std::any_of(wall.rings.begin(), wall.rings.end(), [&](const geometry::Ring3& ring) {
+    return std::find(ring.begin(), ring.end(), p) != ring.end();
+  });
+}
+
+}  // namespace
+
+Wall<3>::Wall(std::vector<geometry::Ring3> its_rings, std::vector<FeatureId> its_owners)
+    : rings(std::move(its_rings)),
+      owners(std::move(its_owners)),
+      plane(geometry::PlaneOf(rings)),
+      thickness(0),
+      lo(plane.origin),
+      hi(plane.origin) {
+  for (const geometry::Ring3& ring : rings) {
+    for (const Point3& p : ring) {
+      thickness = std::max(thickness, 2 * std::fabs(plane.Height(p)));
+      for (int k = 0; k < 3; ++k) {
+        lo[k] = std::min(lo[k], p[k]);
+        hi[k] = std::max(hi[k], p[k]);
+      }
+    }
+  }
+}
+
+std::optional<bool> RayCrosses(int, const Point2& p, const Wall<2>& wall) {
+  return CrossesEdge(p, wall.p, wall.q);
+}
+
+std::optional<bool> RayCrosses(int ray, const Point3& p, const Wall<3>& wall) {
+  if (IsCorner(p, wall)) return std::nullopt;
+  // Up along the axis: what is below is not crossed, whatever its shadow.
+  const int axis = ray;
+  if (p[axis] > wall.hi[axis] || !IsInShadow(p, wall, axis)) return false;
+  if (p[axis] < wall.lo[axis]) return true;
+  const double height = wall.plane.Height(p);
+  const double slope = wall.plane.normal[axis];
+  const double distance = std::sqrt(geometry::SquaredDistance(p, wall.plane.origin));
+  if (!(std::fabs(height) > wall.thickness + kNear * distance)) return std::nullopt;
+  if (!(std::fabs(slope) > kGrazes)) return std::nullopt;
+  return (height < 0) == (slope > 0);
+}
+
+}  // namespace dynmesh

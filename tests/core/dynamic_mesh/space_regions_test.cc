@@ -1,0 +1,418 @@
+// Which closed surfaces each tetrahedron lies inside of, against counting crossings in exact
+// numbers, and that it is the same from scratch and in the diffs.
+#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/data/mesh_store.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/error.h"
+#include "tests/support/workload.h"
+
+namespace dynmesh {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
+using Exact = Kernel::Point_3;
+using Place = std::array<double, 3>;
+
+MeshOptions Space() {
+  MeshOptions options;
+  options.dimension = 3;
+  options.quality = kDefaultQuality3D;
+  return options;
+}
+
+Exact ToExact(const double* c) { return {c[0], c[1], c[2]}; }
+
+// --- Input ------------------------------------------------------------------------------
+
+// A box, or a part of one, turned: corners, ids from `first` on, and faces, ids from `polygon` on.
+struct Solid {
+  FeatureId first, polygon;
+  std::vector<Place> corners;
+  std::vector<std::vector<int>> faces;
+
+  std::vector<Feature> Points() const {
+    std::vector<Feature> features;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      features.push_back(Feature::Point(first + i, corners[i][0], corners[i][1], corners[i][2]));
+    }
+    return features;
+  }
+  Feature Face(std::size_t i) const {
+    std::vector<FeatureId> ring;
+    for (const int corner : faces[i]) ring.push_back(first + static_cast<FeatureId>(corner));
+    return Feature::Polygon(polygon + i, {ring});
+  }
+  std::vector<Feature> All() const {
+    std::vector<Feature> features = Points();
+    for (std::size_t i = 0; i < faces.size(); ++i) features.push_back(Face(i));
+    return features;
+  }
+};
+
+// Turned about two axes unless `turn` is 0.
+Place Turned(const Place& p, double turn) {
+  const double c = std::cos(turn), s = std::sin(turn);
+  const Place q = {c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]};
+  return {q[0], c * q[1] - s * q[2], s * q[1] + c * q[2]};
+}
+
+// Half as wide, around `at`. Of two boxes side by side if `parts` is 2: their outside alone, with
+// two faces in one plane on four sides.
+Solid Box(FeatureId first, FeatureId polygon, const Place& at, double half, double turn,
+          int parts = 1) {
+  Solid solid{first, polygon, {}, {}};
+  for (int i = 0; i <= parts; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      const Place p = Turned({(2.0 * i / parts - 1) * half, (j == 1 || j == 2 ? half : -half),
+                              (j >= 2 ? half : -half)},
+                             turn);
+      solid.corners.push_back({at[0] + p[0], at[1] + p[1], at[2] + p[2]});
+    }
+  }
+  solid.faces = {{0, 1, 2, 3}, {4 * parts, 4 * parts + 1, 4 * parts + 2, 4 * parts + 3}};
+  for (int i = 0; i < parts; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      const int k = (j + 1) % 4;
+      solid.faces.push_back({4 * i + j, 4 * i + k, 4 * i + 4 + k, 4 * i + 4 + j});
+    }
+  }
+  return solid;
+}
+
+std::vector<Feature> operator+(std::vector<Feature> a, const std::vector<Feature>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+// --- The oracle ---------------------------------------------------------------------------
+
+using Fan = std::vector<std::array<Exact, 3>>;
+
+// Fans from a corner of the polygon to its edges: modulo 2 they cover the polygon.
+Fan FanOf(const Rings& rings, const std::map<FeatureId, Exact>& points) {
+  Fan fan;
+  const FeatureId apex = rings[0][0];
+  for (const auto& ring : rings) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const FeatureId a = ring[i], b = ring[(i + 1) % ring.size()];
+      if (a != apex && b != apex) fan.push_back({points.at(apex), points.at(a), points.at(b)});
+    }
+  }
+  return fan;
+}
+
+bool Crosses(const Exact& p, const Exact& q, const std::array<Exact, 3>& t) {
+  const auto side = CGAL::orientation(t[0], t[1], t[2], p);
+  if (side == CGAL::orientation(t[0], t[1], t[2], q)) return false;
+  CGAL::Orientation turns[3];
+  for (std::size_t i = 0; i < 3; ++i) turns[i] = CGAL::orientation(p, q, t[i], t[(i + 1) % 3]);
+  const auto none = [&](CGAL::Orientation way) {
+    return turns[0] != way && turns[1] != way && turns[2] != way;
+  };
+  if (!none(CGAL::POSITIVE) && !none(CGAL::NEGATIVE)) return false;
+  // The segment meets the triangle: not at an edge, nor begins there.
+  EXPECT_TRUE(side != CGAL::COPLANAR && none(CGAL::ZERO));
+  return true;
+}
+
+// `surfaces`: the polygons of each, by its id. Flat tetrahedra beside a facet are passed over:
+// where the facet is exactly, they know better.
+std::string FindWrongRegion(const Mesh& mesh, const std::vector<Feature>& features,
+                            const std::map<FeatureId, std::set<FeatureId>>& surfaces,
+                            std::size_t* counted = nullptr) {
+  std::map<FeatureId, Exact> points;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPoint) points.emplace(f.id, ToExact(f.position.data()));
+  }
+  std::map<FeatureId, Fan> fans;
+  for (const auto& [id, polygons] : surfaces) {
+    for (const Feature& f : features) {
+      if (f.kind != FeatureKind::kPolygon || !polygons.contains(f.id)) continue;
+      for (const auto& t : FanOf(f.rings, points)) fans[id].push_back(t);
+    }
+  }
+  std::map<VertexId, const double*> vertices;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    vertices[mesh.vertices.ids[i]] = &mesh.vertices.coordinates[3 * i];
+  }
+  const Exact far(17.1234567, 31.7654321, 23.3141592);
+  std::size_t flat = 0;
+  for (std::size_t t = 0; t < mesh.simplex_count(); ++t) {
+    Exact v[4];
+    for (std::size_t k = 0; k < 4; ++k) v[k] = ToExact(vertices.at(mesh.simplices[4 * t + k]));
+    const double volume = CGAL::to_double(CGAL::volume(v[0], v[1], v[2], v[3]));
+    const double edge = std::sqrt(CGAL::to_double(CGAL::squared_distance(v[0], v[1])));
+    if (volume < 1e-9 * edge * edge * edge) {
+      ++flat;
+      continue;
+    }
+    const Exact middle = CGAL::centroid(v[0], v[1], v[2], v[3]);
+    std::vector<FeatureId> inside;
+    for (const auto& [id, fan] : fans) {
+      bool odd = false;
+      for (const auto& triangle : fan) odd ^= Crosses(middle, far, triangle);
+      if (odd) inside.push_back(id);
+    }
+    if (PolygonsOf(mesh.region(t), mesh.region_sets) != inside) {
+      return "tetrahedron " + std::to_string(t) + " is in " + std::to_string(inside.size()) +
+             " surfaces; the mesh says region " + std::to_string(mesh.region(t));
+    }
+  }
+  if (flat > mesh.simplex_count() / 20) return "many flat tetrahedra";
+  if (counted != nullptr) *counted += mesh.simplex_count() - flat;
+  return "";
+}
+
+std::set<FeatureId> FacesOf(const Solid& solid) {
+  std::set<FeatureId> ids;
+  for (std::size_t i = 0; i < solid.faces.size(); ++i) ids.insert(solid.polygon + i);
+  return ids;
+}
+
+std::set<RegionId> RegionsOf(const Mesh& mesh) {
+  std::set<RegionId> ids;
+  for (std::size_t t = 0; t < mesh.simplex_count(); ++t) ids.insert(mesh.region(t));
+  return ids;
+}
+
+std::string Difference(Mesh a, Mesh b) {
+  Canonicalize(a);
+  Canonicalize(b);
+  if (!(a.vertices == b.vertices)) return "vertices";
+  if (a.simplices != b.simplices) return "simplices";
+  if (a.regions != b.regions) return "regions";
+  if (a.region_sets != b.region_sets) return "region sets";
+  if (!(a.subfacets == b.subfacets)) return "subfacets";
+  if (!(a.hash == b.hash)) return "hash";
+  return "";
+}
+
+// --- Tests ----------------------------------------------------------------------------------
+
+TEST(SpaceRegions, AreThoseOfBoxesInBoxesAndBesideThem) {
+  std::size_t counted = 0;
+  for (const double turn : {0.0, 0.3, 0.7}) {
+    SCOPED_TRACE("turn " + std::to_string(turn));
+    const Solid a = Box(1, 1000, {0.6, 0.6, 0.6}, 0.2, turn, 2);
+    const Solid b = Box(101, 900, {0.6, 0.6, 0.6}, 0.1, 1.4 * turn);
+    const Solid c = Box(201, 1200, {0.61, 0.6, 0.59}, 0.04, -turn);
+    const Solid d = Box(301, 1300, {0.15, 0.15, 0.15}, 0.05, turn);
+    // A plate between two of them: encloses nothing.
+    Solid plate = Box(401, 1400, {0.6, 0.45, 0.6}, 0.02, turn);
+    plate.corners.resize(4), plate.faces.resize(1);
+    const std::vector<Feature> features = a.All() + b.All() + c.All() + d.All() + plate.All();
+    const auto mesh = BuildMesh(features, Space());
+    ASSERT_TRUE(mesh.ok()) << mesh.status();
+    EXPECT_EQ(FindWrongRegion(
+                  *mesh, features,
+                  {{1000, FacesOf(a)}, {900, FacesOf(b)}, {1200, FacesOf(c)}, {1300, FacesOf(d)}},
+                  &counted),
+              "");
+    const FeatureId two[] = {900, 1000}, three[] = {900, 1000, 1200};
+    EXPECT_EQ(RegionsOf(*mesh),
+              (std::set<RegionId>{0, 1000, 1300, RegionIdOf(two), RegionIdOf(three)}));
+    EXPECT_EQ(mesh->region_sets.size(), 2u);
+    // The plate is what makes the mesh finer, not what makes regions.
+    const auto dynamic = *DynamicMesh::Create(Space());
+    ASSERT_TRUE(dynamic->Apply(AddAll(plate.All() + c.All())).ok());
+    ASSERT_TRUE(dynamic->Apply(AddAll(d.All() + a.All() + b.All())).ok());
+    EXPECT_EQ(Difference(dynamic->Snapshot(), *mesh), "");
+    EXPECT_TRUE(dynamic->Audit().problems.empty());
+  }
+  EXPECT_GT(counted, 5000u);
+}
+
+// Each face that comes or goes changes nothing but the mesh, until the last.
+TEST(SpaceRegions, ComeWithTheLastFaceAndGoWithTheFirst) {
+  const Solid box = Box(1, 1000, {0.5, 0.5, 0.5}, 0.2, 0.4);
+  const auto mesh = *DynamicMesh::Create(Space());
+  ASSERT_TRUE(mesh->Apply(AddAll(box.Points())).ok());
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(RegionsOf(mesh->Snapshot()), std::set<RegionId>{0}) << i << " faces";
+    ASSERT_TRUE(mesh->Apply({Edit::Add(box.Face(5 - i))}).ok());
+  }
+  const Mesh whole = mesh->Snapshot();
+  EXPECT_EQ(RegionsOf(whole), (std::set<RegionId>{0, 1000}));
+  EXPECT_EQ(FindWrongRegion(whole, mesh->Features(), {{1000, FacesOf(box)}}), "");
+  // Another polygon of lesser id in the place of a face: the surface goes by that.
+  Feature other = box.Face(3);
+  other.id = 70;
+  const auto renamed = mesh->Apply({Edit::Remove(1003), Edit::Add(other)});
+  ASSERT_TRUE(renamed.ok()) << renamed.status();
+  EXPECT_EQ(RegionsOf(mesh->Snapshot()), (std::set<RegionId>{0, 70}));
+  EXPECT_TRUE(renamed->added_simplices == renamed->removed_simplices);
+  ASSERT_TRUE(mesh->Apply({Edit::Remove(70), Edit::Add(box.Face(3))}).ok());
+  EXPECT_EQ(Difference(mesh->Snapshot(), whole), "");
+  const auto removed = mesh->Apply({Edit::Remove(1002)});
+  ASSERT_TRUE(removed.ok());
+  EXPECT_EQ(RegionsOf(mesh->Snapshot()), std::set<RegionId>{0});
+}
+
+// Two boxes that share a wall enclose nothing yet; those that share an edge are one surface.
+TEST(SpaceRegions, OfBoxesThatShareAWallOrAnEdge) {
+  const Solid two = Box(1, 1000, {0.5, 0.5, 0.5}, 0.2, 0.4, 2);
+  std::vector<Feature> features = two.All();
+  features.push_back(Feature::Polygon(2000, {{5, 6, 7, 8}}));  // the wall
+  const auto walled = BuildMesh(features, Space());
+  ASSERT_TRUE(walled.ok()) << walled.status();
+  EXPECT_EQ(RegionsOf(*walled), std::set<RegionId>{0});
+  // Two cubes with edge 4 8 in common.
+  features.clear();
+  const auto add = [&](FeatureId id, double x, double y) {
+    features.push_back(Feature::Point(id, 0.4 + 0.2 * x, 0.4 + 0.2 * y, 0.4));
+    features.push_back(Feature::Point(id + 10, 0.4 + 0.2 * x, 0.4 + 0.2 * y, 0.6));
+  };
+  add(1, 0, 0), add(2, 1, 0), add(3, 1, 1), add(4, 0, 1);
+  add(5, 2, 1), add(6, 2, 2), add(7, 1, 2);
+  std::set<FeatureId> faces;
+  const auto cube = [&](FeatureId id, const std::array<FeatureId, 4>& v) {
+    features.push_back(Feature::Polygon(id, {{v[0], v[1], v[2], v[3]}}));
+    features.push_back(Feature::Polygon(id + 1, {{v[0] + 10, v[1] + 10, v[2] + 10, v[3] + 10}}));
+    for (std::size_t k = 0; k < 4; ++k) {
+      const FeatureId p = v[k], q = v[(k + 1) % 4];
+      features.push_back(Feature::Polygon(id + 2 + k, {{p, q, q + 10, p + 10}}));
+    }
+    for (FeatureId k = 0; k < 6; ++k) faces.insert(id + k);
+  };
+  cube(100, {1, 2, 3, 4});
+  cube(200, {3, 5, 6, 7});
+  const auto mesh = BuildMesh(features, Space());
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_EQ(FindWrongRegion(*mesh, features, {{100, faces}}), "");
+  EXPECT_EQ(RegionsOf(*mesh), (std::set<RegionId>{0, 100}));
+}
+
+// What stays keeps its label, and is not reported.
+TEST(SpaceRegions, AnEditThatTouchesNoPolygonReportsOnlyWhatIsNew) {
+  const Solid box = Box(1, 1000, {0.6, 0.6, 0.6}, 0.2, 0.4);
+  const auto mesh = *DynamicMesh::Create(Space());
+  ASSERT_TRUE(mesh->Apply(AddAll(box.All())).ok());
+  for (const double x : {0.1, 0.35, 0.6}) {
+    const auto diff = mesh->Apply({Edit::Add(Feature::Point(3000, x, 0.61, 0.59))});
+    ASSERT_TRUE(diff.ok()) << diff.status();
+    std::set<std::array<VertexId, 4>> gone;
+    for (std::size_t t = 0; t < diff->removed_simplex_count(); ++t) {
+      const VertexId* v = &diff->removed_simplices[4 * t];
+      gone.insert({v[0], v[1], v[2], v[3]});
+    }
+    for (std::size_t t = 0; t < diff->added_simplex_count(); ++t) {
+      const VertexId* v = &diff->added_simplices[4 * t];
+      ASSERT_FALSE(gone.contains({v[0], v[1], v[2], v[3]}));
+    }
+    ASSERT_EQ(FindWrongRegion(mesh->Snapshot(), mesh->Features(), {{1000, FacesOf(box)}}), "");
+    ASSERT_TRUE(mesh->Apply({Edit::Remove(3000)}).ok());
+  }
+}
+
+// A box jumps over a part of the mesh, and out of another box: all follows.
+TEST(SpaceRegions, FollowRandomScripts) {
+  std::size_t counted = 0, revisions = 0, labelled = 0;
+  const std::uint64_t seeds = std::getenv("DYNMESH_NIGHTLY") != nullptr ? 60 : 4;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    test::Random random(seed);
+    const double turn = seed % 3 == 0 ? 0 : 0.2 * static_cast<double>(seed);
+    std::vector<Solid> solids = {
+        Box(1, 1000, {0.55, 0.55, 0.55}, 0.22, turn, seed % 2 == 0 ? 2 : 1),
+        Box(101, 900, {0.55, 0.55, 0.55}, 0.1, 0.5 + turn),
+        Box(201, 1200, {0.55, 0.55, 0.55}, 0.04, -turn),
+        Box(301, 1300, {0.15, 0.15, 0.15}, 0.03, 0.9 - turn),
+    };
+    const auto mesh = *DynamicMesh::Create(Space());
+    EditBatch all;
+    for (const Solid& solid : solids) {
+      for (const Feature& f : solid.All()) all.push_back(Edit::Add(f));
+    }
+    ASSERT_TRUE(mesh->Apply(all).ok());
+    auto replica = *data::MeshStore::FromMesh(mesh->Snapshot());
+    std::set<FeatureId> present;  // faces
+    for (const Solid& solid : solids) present.merge(FacesOf(solid));
+    FeatureId next = 5000;
+    for (int revision = 0; revision < 25; ++revision) {
+      SCOPED_TRACE("revision " + std::to_string(revision));
+      EditBatch batch;
+      std::set<FeatureId> after = present;
+      std::vector<Solid> moved = solids;
+      const auto which = static_cast<std::size_t>(random.Below(4));
+      Solid& solid = moved[which];
+      const auto toggle = [&](std::size_t face) {
+        if (after.erase(solid.polygon + face) > 0) {
+          batch.push_back(Edit::Remove(solid.polygon + face));
+        } else {
+          after.insert(solid.polygon + face);
+          batch.push_back(Edit::Add(solid.Face(face)));
+        }
+      };
+      switch (random.Below(4)) {
+        case 0:
+          toggle(static_cast<std::size_t>(random.Below(static_cast<int>(solid.faces.size()))));
+          break;
+        case 1:  // closes it, or takes all away
+          for (std::size_t i = 0; i < solid.faces.size(); ++i) {
+            const bool closed = std::includes(present.begin(), present.end(),
+                                              FacesOf(solid).begin(), FacesOf(solid).end());
+            if (closed || !present.contains(solid.polygon + i)) toggle(i);
+          }
+          break;
+        case 2: {  // jumps
+          if (which < 2) break;
+          Place by;
+          for (std::size_t k = 0; k < 3; ++k) {
+            const double to = random.OneIn(2) ? 0.55 : 0.1 + 0.8 * random.Unit();
+            by[k] = to - (solid.corners[0][k] + solid.corners[6][k]) / 2;
+          }
+          for (Place& p : solid.corners) {
+            for (std::size_t k = 0; k < 3; ++k) p[k] += by[k];
+          }
+          for (const Feature& f : solid.Points()) {
+            batch.push_back(Edit::Move(f.id, f.position[0], f.position[1], f.position[2]));
+          }
+          break;
+        }
+        default: {
+          const double x = random.Unit(), y = random.Unit();
+          batch.push_back(Edit::Add(Feature::Point(next++, x, y, random.Unit())));
+        }
+      }
+      const auto diff = mesh->Apply(batch);
+      if (!diff.ok()) continue;
+      if (!batch.empty()) ++revisions;
+      solids = moved;
+      present = after;
+      std::map<FeatureId, std::set<FeatureId>> surfaces;
+      for (const Solid& s : solids) {
+        const std::set<FeatureId> faces = FacesOf(s);
+        if (std::includes(present.begin(), present.end(), faces.begin(), faces.end())) {
+          surfaces[s.polygon] = faces;
+        }
+      }
+      const Mesh whole = mesh->Snapshot();
+      labelled += RegionsOf(whole).size() - 1;
+      ASSERT_EQ(FindWrongRegion(whole, mesh->Features(), surfaces, &counted), "");
+      if (!batch.empty()) {
+        ASSERT_EQ(replica.Apply(*diff), absl::OkStatus());
+      }
+      ASSERT_EQ(Difference(replica.ToMesh(), whole), "");
+      ASSERT_EQ(Difference(*BuildMesh(mesh->Features(), Space()), whole), "");
+      ASSERT_EQ(mesh->Audit().problems, std::vector<std::string>{});
+    }
+  }
+  std::printf("%zu revisions, %zu tetrahedra\n", revisions, counted);
+  EXPECT_GT(revisions, 50u);
+  EXPECT_GT(labelled, 80u);
+}
+
+}  // namespace
+}  // namespace dynmesh
