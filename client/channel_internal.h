@@ -24,12 +24,14 @@ inline std::string FullName(const std::string& mesh) {
   return mesh.rfind("meshes/", 0) == 0 ? mesh : "meshes/" + mesh;
 }
 
-// Meshes are planar as yet: features have no z on the wire.
-inline constexpr int kDimension = 2;
+inline absl::Status CheckDimension(int dimension) {
+  if (dimension == 2 || dimension == 3) return absl::OkStatus();
+  return absl::InvalidArgumentError("dimension is not 2 or 3");
+}
 
 // Features and ids of one message.
 inline constexpr std::size_t kMessageBytes = 1 << 20;
-inline constexpr std::size_t kFeatureBytes = 64;  // at most, without rings
+inline constexpr std::size_t kFeatureBytes = 96;  // at most, without rings
 inline constexpr std::size_t kIdsPerMessage = kMessageBytes / kFeatureBytes;
 
 // At most.

@@ -31,13 +31,14 @@ class GrpcEditSession final : public EditSession {
   }
 
   absl::Status Send(const EditBatch& edits, const EditParams& params) override {
+    if (absl::Status s = CheckDimension(params.dimension); !s.ok()) return s;
     std::size_t next = 0;
     do {
       const std::size_t end = PieceEnd<Edit>(edits, next);
       message_.Clear();
       if (next == 0) BeginMessage(params);
       for (; next < end; ++next) {
-        codec::EncodeEdit(edits[next], kDimension, message_.add_edits());
+        codec::EncodeEdit(edits[next], params.dimension, message_.add_edits());
       }
       message_.set_more(next < edits.size());
       if (!stream_->Write(message_)) {

@@ -25,6 +25,9 @@ struct EditParams {
   std::optional<std::uint64_t> expected_revision;
   bool validate_only = false;
   bool omit_columns = false;  // only revisions, work and hash are wanted
+  // That of the mesh: in space places have a z. The server refuses what does not fit
+  // (WRONG_DIMENSION).
+  int dimension = 2;
 };
 
 struct EditResult {

@@ -37,6 +37,8 @@ absl::StatusOr<MeshStatus> DecodeStats(const v1::MeshStats& proto) {
   status.stats.vertices = proto.vertices();
   status.stats.simplices = proto.simplices();
   status.stats.subsegments = proto.subsegments();
+  status.stats.subfacets = proto.subfacets();
+  status.dimension = proto.dimension() == 3 ? 3 : 2;
   status.stats.operations = proto.operations();
   status.stats.trace_bytes = proto.trace_bytes();
   status.stats.mesh_bytes = proto.mesh_bytes();
@@ -175,10 +177,11 @@ absl::Status MeshClient::DeleteMesh(const std::string& mesh) {
 
 absl::StatusOr<EditResult> MeshClient::Apply(const std::string& mesh, const EditBatch& edits,
                                              const EditParams& params) {
+  if (absl::Status s = CheckDimension(params.dimension); !s.ok()) return s;
   if (PieceEnd<Edit>(edits, 0) < edits.size()) return impl_->ApplyInPieces(mesh, edits, params);
   v1::ApplyEditsRequest request;
   EncodeParams(mesh, params, &request);
-  for (const Edit& edit : edits) codec::EncodeEdit(edit, kDimension, request.add_edits());
+  for (const Edit& edit : edits) codec::EncodeEdit(edit, params.dimension, request.add_edits());
   grpc::ClientContext context;
   impl_->SetDeadline(context);
   return ReadResult(*impl_->stub->ApplyEdits(&context, request));
@@ -187,6 +190,7 @@ absl::StatusOr<EditResult> MeshClient::Apply(const std::string& mesh, const Edit
 absl::StatusOr<EditResult> MeshClient::AddFeatures(const std::string& mesh,
                                                    std::span<const Feature> features,
                                                    const EditParams& params) {
+  if (absl::Status s = CheckDimension(params.dimension); !s.ok()) return s;
   if (PieceEnd(features, 0) < features.size()) {
     EditBatch edits;
     for (const Feature& f : features) edits.push_back(Edit::Add(f));
@@ -194,7 +198,8 @@ absl::StatusOr<EditResult> MeshClient::AddFeatures(const std::string& mesh,
   }
   v1::AddFeaturesRequest request;
   EncodeParams(mesh, params, &request);
-  for (const Feature& f : features) codec::EncodeFeature(f, kDimension, request.add_features());
+  for (const Feature& f : features)
+    codec::EncodeFeature(f, params.dimension, request.add_features());
   grpc::ClientContext context;
   impl_->SetDeadline(context);
   return ReadResult(*impl_->stub->AddFeatures(&context, request));
@@ -275,7 +280,7 @@ absl::StatusOr<ServerStatus> MeshClient::GetStats(const std::string& mesh) {
 
 absl::StatusOr<Located> MeshClient::Locate(const std::string& mesh, int dimension,
                                            std::span<const double> points) {
-  if (dimension < 2 || dimension > 3) return absl::InvalidArgumentError("dimension is not 2 or 3");
+  if (absl::Status s = CheckDimension(dimension); !s.ok()) return s;
   Located located;
   const std::size_t step = kLocatePoints * static_cast<std::size_t>(dimension);
   std::size_t begin = 0;

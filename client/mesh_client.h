@@ -39,6 +39,7 @@ struct MeshInfo {
 };
 
 struct MeshStatus {
+  int dimension = 2;
   MeshStats stats;
   MeshHash hash;
   std::uint64_t oldest_revision = 0;  // the earliest a watch may start from
@@ -82,7 +83,8 @@ class MeshClient {
   absl::StatusOr<std::vector<MeshInfo>> ListMeshes();
   absl::Status DeleteMesh(const std::string& mesh);
 
-  // One atomic batch. Batches too large for a message go in pieces.
+  // One atomic batch. Batches too large for a message go in pieces. Of a mesh of space,
+  // params.dimension must be 3.
   absl::StatusOr<EditResult> Apply(const std::string& mesh, const EditBatch& edits,
                                    const EditParams& params = {});
   absl::StatusOr<EditResult> AddFeatures(const std::string& mesh, std::span<const Feature> features,

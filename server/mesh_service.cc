@@ -51,6 +51,8 @@ void EncodeStats(const MeshHost& host, v1::MeshStats* out) {
   out->set_oldest_revision(host.store()->oldest());
   out->set_watchers(host.hub()->size());
   out->set_waiting_edits(host.waiting());
+  out->set_subfacets(stats.subfacets);
+  out->set_dimension(host.mesh_options().dimension);
 }
 
 grpc::ServerUnaryReactor* Finished(grpc::CallbackServerContext* call, const absl::Status& status) {

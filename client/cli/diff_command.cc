@@ -5,6 +5,7 @@
 #include "client/cli/command.h"
 #include "client/cli/compare_meshes.h"
 #include "client/cli/json.h"
+#include "client/cli/words.h"
 #include "core/io/mesh_files.h"
 
 namespace dynmesh::cli {
@@ -35,7 +36,7 @@ std::string FormatJson(const MeshComparison& c) {
 }
 
 std::string FormatText(const MeshComparison& c, bool in_space) {
-  const char* const simplices = in_space ? "tetrahedra" : "triangles";
+  const char* const simplices = SimplicesWord(in_space ? 3 : 2);
   std::string text;
   const auto add = [&text](const char* kind, const MeshComparison::Part& part) {
     text += absl::StrFormat("%-12s  %10d shared  %10d only in A  %10d only in B\n", kind,
@@ -79,7 +80,8 @@ void RegisterDiffCommand(CLI::App& app, CommandSlot& slot) {
   CLI::App* const sub = AddCommand(
       app, slot, "diff", "Compare two mesh files: exit code 0 if they are the same, 1 if not",
       [command] { return Run(*command); });
-  sub->add_option("A", command->a, "A mesh as .node, .ele and .edge")->required();
+  sub->add_option("A", command->a, "A mesh as .node, .ele and .edge; of space with .face")
+      ->required();
   sub->add_option("B", command->b, "Another")->required();
   sub->add_flag("--json", command->json, "Print one JSON object");
 }

@@ -4,7 +4,9 @@
 
 #include "absl/strings/str_format.h"
 #include "client/cli/command.h"
+#include "client/cli/mesh_flags.h"
 #include "client/cli/mesh_statistics.h"
+#include "client/cli/words.h"
 #include "core/data/text.h"
 #include "core/io/mesh_files.h"
 
@@ -12,14 +14,13 @@ namespace dynmesh::cli {
 namespace {
 
 absl::Status CheckFlags(const std::string& path, const FileStatsFlags& flags) {
-  if (!(flags.rho >= kMinQuality2D) || !(flags.rho <= kMaxQuality)) {
-    return absl::InvalidArgumentError("--rho must be 1 to 100");
-  }
+  if (auto status = CheckRhoFlag(flags.rho); !status.ok()) return status;
   if (!flags.svg.empty() && std::filesystem::path(flags.svg).extension() != ".svg") {
     return absl::InvalidArgumentError(data::Concat("--svg ", flags.svg, ": must end in .svg"));
   }
   const std::string extension = std::filesystem::path(path).extension().string();
-  for (const char* other : {".poly", ".vtu", ".msh", ".mesh", ".svg"}) {
+  for (const char* other :
+       {".poly", ".smesh", ".off", ".stl", ".obj", ".vtu", ".msh", ".mesh", ".svg"}) {
     if (extension == other) {
       return absl::InvalidArgumentError(data::Concat(
           path, ": no mesh that can be read: give the .node file that `dynmesh mesh -o` writes"));
@@ -31,7 +32,9 @@ absl::Status CheckFlags(const std::string& path, const FileStatsFlags& flags) {
 }  // namespace
 
 void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags) {
-  command.add_option("--svg", flags.svg, "Of a file: draw histograms of its angles")
+  command
+      .add_option("--svg", flags.svg,
+                  "Of a file: draw histograms of its angles, in space the dihedral ones")
       ->type_name("OUT.svg");
   command.add_flag("--log", flags.log_scale, "Bars of the histograms by logarithm");
   command
@@ -40,7 +43,8 @@ void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags) {
       ->type_name("PX")
       ->check(CLI::Range(200.0, 1e5));
   command
-      .add_option("--rho", flags.rho, "Of a file: the quality it is judged by (default: sqrt 2)")
+      .add_option("--rho", flags.rho,
+                  "Of a file: the quality it is judged by (default: sqrt 2, of space 2)")
       ->type_name("R");
 }
 
@@ -50,19 +54,17 @@ int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json
   if (auto status = CheckFlags(path, flags); !status.ok()) return ReportError(status);
   const absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(path);
   if (!files.ok()) return ReportError(files.status());
-  if (files->mesh.dimension != 2) {
-    return ReportError(absl::UnimplementedError(data::Concat(
-        path, ": figures of a mesh of 3 dimensions are not supported yet in this version")));
-  }
-  const MeshStatistics statistics = ComputeStatistics(files->mesh, flags.rho);
+  const int dimension = files->mesh.dimension;
+  const MeshStatistics statistics =
+      ComputeStatistics(files->mesh, flags.rho.value_or(DefaultQuality(dimension)));
   if (!flags.svg.empty()) {
     io::HistogramOptions options;
     options.width = flags.width;
     options.log_scale = flags.log_scale;
     const std::string name = std::filesystem::path(path).filename().string();
-    const std::string title =
-        absl::StrFormat("%s: %d triangles, angles %.2f to %.2f degrees", name, statistics.simplices,
-                        statistics.quality.min_angle_deg, statistics.quality.max_angle_deg);
+    const std::string title = absl::StrFormat(
+        "%s: %d %s, %s %.2f to %.2f degrees", name, statistics.simplices, SimplicesWord(dimension),
+        AnglesWord(dimension), statistics.quality.min_angle_deg, statistics.quality.max_angle_deg);
     const absl::Status status =
         io::WriteHistogramSvg(title, StatisticsHistograms(statistics), options, flags.svg);
     if (!status.ok()) return ReportError(status);

@@ -2,6 +2,7 @@
 #ifndef DYNMESH_CLIENT_CLI_FILE_STATS_H_
 #define DYNMESH_CLIENT_CLI_FILE_STATS_H_
 
+#include <optional>
 #include <string>
 
 #include "CLI/CLI.hpp"
@@ -10,7 +11,7 @@
 namespace dynmesh::cli {
 
 struct FileStatsFlags {
-  double rho = kDefaultQuality2D;
+  std::optional<double> rho;
   std::string svg;
   bool log_scale = false;
   double width = 1000;

@@ -61,6 +61,7 @@ absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
     file.features = *std::move(merged);
   }
   input.options.dimension = 3;
+  input.options.quality = DefaultQuality(3);
   input.options.box = io::BoundingBox(file.features, 3);
   if (file.attributes != 0) {
     input.warnings.push_back(Concat(path, ": ", file.attributes, " attribute(s) a vertex ignored"));
@@ -195,7 +196,8 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
       return absl::UnimplementedError(
           Concat(path, ": ", later,
                  " files as input are not supported yet in this version; "
-                 "use .node, .poly, .geojson, .topojson or an edit script"));
+                 "use ",
+                 kSpaceInputKinds));
     }
   }
   const absl::StatusOr<io::EditScript> script = io::ReadEditScript(path);

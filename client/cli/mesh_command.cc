@@ -8,6 +8,7 @@
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
+#include "client/cli/words.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/quality.h"
 
@@ -31,6 +32,7 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double bui
         .Add("vertices", mesh.vertices.size())
         .Add("simplices", mesh.simplex_count())
         .Add("subsegments", mesh.subsegments.size())
+        .Add("subfacets", mesh.subfacets.size())
         .Add("worst_radius_edge", quality.worst_radius_edge)
         .Add("min_angle_deg", quality.min_angle_deg)
         .Add("max_angle_deg", quality.max_angle_deg)
@@ -41,18 +43,23 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double bui
         .AddText("hash", mesh.hash.ToHex())
         .ToLine();
   }
+  const bool in_space = mesh.dimension == 3;
   return absl::StrFormat(
       "vertices           %d\n"
-      "triangles          %d\n"
+      "%-17s  %d\n"
       "subsegments        %d\n"
-      "angles             %.2f to %.2f degrees\n"
+      "%s"
+      "%-17s  %.2f to %.2f degrees\n"
       "worst radius-edge  %.6g\n"
       "over rho           %d (%d exempt, %d of them by the termination guard)\n"
       "built in           %.3f s\n"
       "hash               %s\n",
-      mesh.vertices.size(), mesh.simplex_count(), mesh.subsegments.size(), quality.min_angle_deg,
-      quality.max_angle_deg, quality.worst_radius_edge, quality.over_rho, quality.exempt,
-      quality.exempt_by_guard, build_seconds, mesh.hash.ToHex());
+      mesh.vertices.size(), SimplicesWord(mesh.dimension), mesh.simplex_count(),
+      mesh.subsegments.size(),
+      in_space ? absl::StrFormat("subfacets          %d\n", mesh.subfacets.size()) : "",
+      AnglesWord(mesh.dimension), quality.min_angle_deg, quality.max_angle_deg,
+      quality.worst_radius_edge, quality.over_rho, quality.exempt, quality.exempt_by_guard,
+      build_seconds, mesh.hash.ToHex());
 }
 
 int Run(const MeshCommand& command) {

@@ -33,6 +33,11 @@ absl::StatusOr<std::vector<FeatureId>> ParseIds(const char* flag, const std::str
 
 }  // namespace
 
+absl::Status CheckRhoFlag(std::optional<double> rho) {
+  if (!rho || (*rho >= kMinQuality2D && *rho <= kMaxQuality)) return absl::OkStatus();
+  return absl::InvalidArgumentError("--rho must be 1 to 100");
+}
+
 void AddBoxFlag(CLI::App& command, std::string& text) {
   command.add_option("--box", text, "Where features may lie (default: the input's bounding box)")
       ->type_name("X0,Y0,X1,Y1");
@@ -40,7 +45,7 @@ void AddBoxFlag(CLI::App& command, std::string& text) {
 
 absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options) {
   if (text.empty()) return absl::OkStatus();
-  const absl::StatusOr<Box> box = io::ParseBox(text);
+  const absl::StatusOr<Box> box = io::ParseBox(text, options.dimension);
   if (!box.ok()) return Flag("--box", box.status());
   options.box = *box;
   return absl::OkStatus();
@@ -94,13 +99,15 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
   command
       .add_option("--rho", flags.rho,
                   "Largest circumradius / shortest edge, 1 to 100 (default: sqrt 2, no angle "
-                  "below 20.7 degrees); from 1.4142 with criterion thesis")
+                  "below 20.7 degrees); from 1.4142 with criterion thesis. In space 1.2 to 100 "
+                  "(default: 2); from 2 with criterion thesis")
       ->type_name("R");
   command.add_option("--criterion", flags.criterion, "When refinement is done (default: edge)")
       ->type_name("edge|thesis");
   command.add_option("--engine", flags.engine, "Which mesher (default: dynamic)")
       ->type_name("dynamic|svr");
   AddBoxFlag(command, flags.box);
+  command.get_option("--box")->type_name(kBoxOfEither);
   command
       .add_option("--hmax", flags.max_edge,
                   "No edge in the box longer than sqrt 2 times this (default: any)")

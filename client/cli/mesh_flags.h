@@ -24,8 +24,14 @@ struct MeshFlags {
   std::optional<std::uint64_t> max_vertices;
 };
 
+// The value of a --box that may be one of space.
+inline constexpr char kBoxOfEither[] = "X0,Y0[,Z0],X1,Y1[,Z1]";
+
 // --rho --criterion --engine --box --hmax --max-vertices
 void AddMeshFlags(CLI::App& command, MeshFlags& flags);
+
+// The rho that a mesh file is judged by, if it is given: 1 to 100.
+absl::Status CheckRhoFlag(std::optional<double> rho);
 
 // --box alone, and what it says if it was given.
 void AddBoxFlag(CLI::App& command, std::string& text);

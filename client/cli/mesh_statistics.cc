@@ -9,27 +9,37 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/json.h"
 #include "client/cli/percentile.h"
+#include "client/cli/words.h"
 
 namespace dynmesh::cli {
 namespace {
 
 // Rounding may put the least angle of an equilateral triangle above 60.
-template <std::size_t N>
-void Count(double angle, std::array<std::uint64_t, N>& counts) {
+void Count(double angle, std::vector<std::uint64_t>& counts) {
   const auto degree = static_cast<std::size_t>(std::max(angle, 0.0));
-  ++counts[std::min(degree, N - 1)];
+  ++counts[std::min(degree, counts.size() - 1)];
 }
 
-template <std::size_t N>
-std::vector<std::uint64_t> ToVector(const std::array<std::uint64_t, N>& counts) {
-  return {counts.begin(), counts.end()};
-}
-
-double AreaOf(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
+double SizeOf(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
   const auto& a = mesh.vertices[t[0]];
   const auto& b = mesh.vertices[t[1]];
   const auto& c = mesh.vertices[t[2]];
   return ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
+}
+
+double SizeOf(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t) {
+  const auto a = mesh.vertices[t[0]].place();
+  double to[3][3];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto p = mesh.vertices[t[i + 1]].place();
+    for (std::size_t k = 0; k < 3; ++k) to[i][k] = p[k] - a[k];
+  }
+  double volume = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+    volume += to[0][k] * (to[1][l] * to[2][m] - to[1][m] * to[2][l]);
+  }
+  return volume / 6;
 }
 
 std::vector<RegionStatistics> CountRegions(const io::IndexedMesh& mesh) {
@@ -37,12 +47,33 @@ std::vector<RegionStatistics> CountRegions(const io::IndexedMesh& mesh) {
   for (std::size_t k = 1; k < regions.size(); ++k) {
     regions[k].polygons = mesh.regions.polygons[k - 1];
   }
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    RegionStatistics& region = regions[mesh.regions.Of(i)];
+  std::size_t i = 0;
+  io::ForEachSimplex(mesh, [&](const auto& corners) {
+    RegionStatistics& region = regions[mesh.regions.Of(i++)];
     ++region.simplices;
-    region.area += AreaOf(mesh, mesh.triangles[i]);
-  }
+    region.size += SizeOf(mesh, corners);
+  });
   return regions;
+}
+
+// `quality`: of a triangle or a tetrahedron.
+template <class Quality>
+void CountAngles(const Quality& quality, MeshStatistics& s, std::vector<double>& least) {
+  Count(quality.min_angle_deg, s.least_angles);
+  for (const double angle : quality.angles_deg) Count(angle, s.angles);
+  least.push_back(quality.min_angle_deg);
+}
+
+const char* SizeWord(int dimension) { return dimension == 3 ? "volume" : "area"; }
+
+std::string BoundsText(const MeshStatistics& s) {
+  if (s.dimension == 3) {
+    return absl::StrFormat(
+        "slivers            %.3g %% of the tetrahedra below 5 degrees, %.3g %% below 10\n",
+        100 * s.quality.share_below_5_deg, 100 * s.quality.share_below_10_deg);
+  }
+  return absl::StrFormat("rho allows         %.2f to %.2f degrees\n", LeastAngle(s.rho),
+                         180 - 2 * LeastAngle(s.rho));
 }
 
 }  // namespace
@@ -53,20 +84,24 @@ MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho) {
   MeshStatistics s;
   s.rho = rho;
   s.vertices = mesh.vertices.size();
-  s.simplices = mesh.triangles.size();
-  s.subsegments = static_cast<std::uint64_t>(
-      std::count_if(mesh.edges.begin(), mesh.edges.end(),
-                    [](const io::IndexedMesh::Edge& e) { return e.owner != kNoFeature; }));
+  s.dimension = mesh.dimension;
+  s.least_angles.resize(mesh.dimension == 3 ? 75 : 60);  // at most 70.53 degrees, 60
+  s.angles.resize(180);
+  s.simplices = mesh.simplex_count();
+  s.subsegments = mesh.subsegment_count();
+  s.subfacets = mesh.subfacet_count();
   MeshOptions options;
+  options.dimension = mesh.dimension;
   options.quality = rho;
   s.quality = MeasureQuality(io::ToMesh(mesh), options);
   std::vector<double> least;
-  least.reserve(mesh.triangles.size());
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const TriangleQuality q = io::MeasureTriangle(mesh, i);
-    Count(q.min_angle_deg, s.least_angles);
-    for (const double angle : q.angles_deg) Count(angle, s.angles);
-    least.push_back(q.min_angle_deg);
+  least.reserve(s.simplices);
+  for (std::size_t i = 0; i < s.simplices; ++i) {
+    if (mesh.dimension == 3) {
+      CountAngles(io::MeasureTetrahedron(mesh, i), s, least);
+    } else {
+      CountAngles(io::MeasureTriangle(mesh, i), s, least);
+    }
   }
   s.regions = CountRegions(mesh);
   if (!least.empty()) s.median_min_angle_deg = Percentile(std::move(least), 0.5);
@@ -74,23 +109,28 @@ MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho) {
 }
 
 std::string StatisticsText(const MeshStatistics& s) {
+  const bool in_space = s.dimension == 3;
   std::string text = absl::StrFormat(
       "vertices           %d\n"
-      "triangles          %d\n"
+      "%-17s  %d\n"
       "subsegments        %d\n"
-      "angles             %.2f to %.2f degrees\n"
-      "least angle        %.2f degrees in the median triangle\n"
+      "%s"
+      "%-17s  %.2f to %.2f degrees\n"
+      "least angle        %.2f degrees in the median %s\n"
       "worst radius-edge  %.6g\n"
       "over rho           %d of rho %.6g (%d exempt, %d of them by the termination guard)\n"
-      "rho allows         %.2f to %.2f degrees\n",
-      s.vertices, s.simplices, s.subsegments, s.quality.min_angle_deg, s.quality.max_angle_deg,
-      s.median_min_angle_deg, s.quality.worst_radius_edge, s.quality.over_rho, s.rho,
-      s.quality.exempt, s.quality.exempt_by_guard, LeastAngle(s.rho), 180 - 2 * LeastAngle(s.rho));
+      "%s",
+      s.vertices, SimplicesWord(s.dimension), s.simplices, s.subsegments,
+      in_space ? absl::StrFormat("subfacets          %d\n", s.subfacets) : "",
+      AnglesWord(s.dimension), s.quality.min_angle_deg, s.quality.max_angle_deg,
+      s.median_min_angle_deg, in_space ? "tetrahedron" : "triangle", s.quality.worst_radius_edge,
+      s.quality.over_rho, s.rho, s.quality.exempt, s.quality.exempt_by_guard, BoundsText(s));
   if (s.regions.size() > 1) {
-    absl::StrAppendFormat(&text, "\n%12s  %12s  %s\n", "triangles", "area", "inside");
+    absl::StrAppendFormat(&text, "\n%12s  %12s  %s\n", SimplicesWord(s.dimension),
+                          SizeWord(s.dimension), "inside");
     for (const RegionStatistics& region : s.regions) {
       const std::string polygons = io::FormatPolygons(region.polygons);
-      absl::StrAppendFormat(&text, "%12d  %12.6g  %s\n", region.simplices, region.area,
+      absl::StrAppendFormat(&text, "%12d  %12.6g  %s\n", region.simplices, region.size,
                             polygons.empty() ? "no polygon" : polygons);
     }
   }
@@ -111,12 +151,14 @@ std::string StatisticsJson(const MeshStatistics& s) {
     regions.push_back(JsonObject()
                           .AddTexts("polygons", polygons)
                           .Add("simplices", region.simplices)
-                          .Add("area", region.area));
+                          .Add(SizeWord(s.dimension), region.size));
   }
-  return JsonObject()
-      .Add("vertices", s.vertices)
+  JsonObject object;
+  object.Add("vertices", s.vertices)
       .Add("simplices", s.simplices)
       .Add("subsegments", s.subsegments)
+      .Add("subfacets", s.subfacets)
+      .Add("dimension", s.dimension)
       .Add("rho", s.rho)
       .Add("worst_radius_edge", s.quality.worst_radius_edge)
       .Add("min_angle_deg", s.quality.min_angle_deg)
@@ -124,12 +166,17 @@ std::string StatisticsJson(const MeshStatistics& s) {
       .Add("median_min_angle_deg", s.median_min_angle_deg)
       .Add("over_rho", s.quality.over_rho)
       .Add("exempt", s.quality.exempt)
-      .Add("exempt_by_guard", s.quality.exempt_by_guard)
-      .Add("rho_min_angle_deg", LeastAngle(s.rho))
-      .Add("rho_max_angle_deg", 180 - 2 * LeastAngle(s.rho))
-      .Add("histogram_step_deg", 1)
-      .AddCounts("least_angle_histogram", ToVector(s.least_angles))
-      .AddCounts("angle_histogram", ToVector(s.angles))
+      .Add("exempt_by_guard", s.quality.exempt_by_guard);
+  if (s.dimension == 3) {
+    object.Add("share_below_5_deg", s.quality.share_below_5_deg)
+        .Add("share_below_10_deg", s.quality.share_below_10_deg);
+  } else {
+    object.Add("rho_min_angle_deg", LeastAngle(s.rho))
+        .Add("rho_max_angle_deg", 180 - 2 * LeastAngle(s.rho));
+  }
+  return object.Add("histogram_step_deg", 1)
+      .AddCounts("least_angle_histogram", s.least_angles)
+      .AddCounts("angle_histogram", s.angles)
       .AddObjects("regions", regions)
       .ToLine();
 }
@@ -139,19 +186,24 @@ std::vector<io::Histogram> StatisticsHistograms(const MeshStatistics& s) {
   const auto mark = [&](double angle) {
     return io::Histogram::Mark{angle, absl::StrFormat("rho %.4g: %.1f", s.rho, angle)};
   };
-  const auto histogram = [](const char* title, double hi, double tick, const auto& counts,
+  const auto histogram = [](const char* title, double tick,
+                            const std::vector<std::uint64_t>& counts,
                             std::vector<io::Histogram::Mark> marks) {
     io::Histogram h;
     h.title = title;
     h.unit = "degrees";
-    h.hi = hi;
+    h.hi = static_cast<double>(counts.size());
     h.tick = tick;
-    h.counts = ToVector(counts);
+    h.counts = counts;
     h.marks = std::move(marks);
     return h;
   };
-  return {histogram("Least angle of each triangle", 60, 5, s.least_angles, {mark(bound)}),
-          histogram("All angles", 180, 10, s.angles, {mark(bound), mark(180 - 2 * bound)})};
+  if (s.dimension == 3) {
+    return {histogram("Least dihedral angle of each tetrahedron", 5, s.least_angles, {}),
+            histogram("All dihedral angles", 10, s.angles, {})};
+  }
+  return {histogram("Least angle of each triangle", 5, s.least_angles, {mark(bound)}),
+          histogram("All angles", 10, s.angles, {mark(bound), mark(180 - 2 * bound)})};
 }
 
 }  // namespace dynmesh::cli

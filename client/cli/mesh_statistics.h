@@ -2,7 +2,6 @@
 #ifndef DYNMESH_CLIENT_CLI_MESH_STATISTICS_H_
 #define DYNMESH_CLIENT_CLI_MESH_STATISTICS_H_
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -17,20 +16,22 @@ namespace dynmesh::cli {
 struct RegionStatistics {
   std::vector<FeatureId> polygons;
   std::uint64_t simplices = 0;
-  double area = 0;
+  double size = 0;  // area, in space volume
 };
 
 struct MeshStatistics {
+  int dimension = 2;
   double rho = kDefaultQuality2D;
   std::uint64_t vertices = 0;
   std::uint64_t simplices = 0;
   std::uint64_t subsegments = 0;
+  std::uint64_t subfacets = 0;  // in space
   QualityReport quality;
-  double median_min_angle_deg = 0;  // of the triangles' least angles; 0 if there is none
-  // By degrees: [i, i + 1), the last one with its end.
-  std::array<std::uint64_t, 60> least_angles = {};  // one a triangle
-  std::array<std::uint64_t, 180> angles = {};       // three a triangle
-  std::vector<RegionStatistics> regions;            // by number, that of no polygon first
+  double median_min_angle_deg = 0;  // of the simplices' least angles; 0 if there is none
+  // By degrees: [i, i + 1), the last one with its end. In space of dihedral angles.
+  std::vector<std::uint64_t> least_angles;  // one a simplex; 60, in space 75
+  std::vector<std::uint64_t> angles;        // three a triangle, six a tetrahedron; 180
+  std::vector<RegionStatistics> regions;    // by number, that of no polygon first
 };
 
 // The least angle that a triangle within rho may have, in degrees.
@@ -43,7 +44,7 @@ MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho);
 std::string StatisticsText(const MeshStatistics& statistics);
 std::string StatisticsJson(const MeshStatistics& statistics);
 
-// Least angles above, all angles below, rho's bounds marked in both.
+// Least angles above, all angles below; in the plane rho's bounds are marked in both.
 std::vector<io::Histogram> StatisticsHistograms(const MeshStatistics& statistics);
 
 }  // namespace dynmesh::cli

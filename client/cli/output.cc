@@ -7,6 +7,7 @@
 #include "core/io/indexed_mesh.h"
 #include "core/io/medit_writer.h"
 #include "core/io/mesh_files.h"
+#include "core/io/mesh_picture.h"
 #include "core/io/msh_writer.h"
 #include "core/io/svg_writer.h"
 #include "core/io/text_reader.h"
@@ -64,7 +65,12 @@ absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Me
   } else if (!flags.crop.empty()) {
     const absl::StatusOr<Box> crop = io::ParseBox(flags.crop);
     if (!crop.ok()) return crop.status();
-    svg.crop = *crop;
+    // Along the picture's axes; across it the box stays, in whose middle a cut is.
+    const auto axes = io::AxesAcross(options.dimension == 3 ? svg.cut_axis : 2);
+    for (std::size_t k = 0; k < 2; ++k) {
+      svg.crop->lo[axes[k]] = crop->lo[k];
+      svg.crop->hi[axes[k]] = crop->hi[k];
+    }
   }
   return svg;
 }
@@ -88,8 +94,8 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
       ->type_name("angle|quality|size|exempt|region|plain|none");
   command
       .add_option("--crop", flags.crop,
-                  "What a picture shows (default: the box of the features); `all`: with the "
-                  "surroundings")
+                  "What a picture shows (default: the box of the features), of a cut along its "
+                  "two axes; `all`: with the surroundings")
       ->type_name("X0,Y0,X1,Y1");
   command
       .add_option("--cut", flags.cut,

@@ -14,6 +14,7 @@
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
 #include "client/cli/percentile.h"
+#include "client/cli/words.h"
 #include "core/data/mesh_store.h"
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
@@ -155,11 +156,12 @@ class Replay {
       line = object.ToLine();
     } else {
       line = absl::StrFormat(
-          "revision %d: %d features, %d vertices (+%d -%d), %d triangles (+%d -%d), "
+          "revision %d: %d features, %d vertices (+%d -%d), %d %s (+%d -%d), "
           "%d operations, %.0f us%s\n",
           diff.to_revision, features_, vertices_, diff.added_vertices.size(),
-          diff.removed_vertices.size(), simplices_, added_simplices_, diff.removed_simplex_count(),
-          diff.work.executed, microseconds, checked ? ", checked" : "");
+          diff.removed_vertices.size(), simplices_, SimplicesWord(diff.dimension), added_simplices_,
+          diff.removed_simplex_count(), diff.work.executed, microseconds,
+          checked ? ", checked" : "");
     }
     if (PrintOut(line)) return absl::OkStatus();
     return absl::UnavailableError("cannot write to standard output");

@@ -1,11 +1,14 @@
 // dynmesh verify MESH [--input INPUT] [--rho R]: is this file a mesh as it should be?
 #include <memory>
+#include <optional>
 
 #include "absl/strings/str_format.h"
 #include "client/cli/command.h"
 #include "client/cli/input.h"
 #include "client/cli/json.h"
+#include "client/cli/mesh_flags.h"
 #include "client/cli/verify.h"
+#include "client/cli/words.h"
 #include "core/io/mesh_files.h"
 #include "dynmesh/options.h"
 
@@ -16,7 +19,7 @@ struct VerifyCommand {
   std::string mesh;
   std::string input;
   InputFlags reading;
-  double rho = kDefaultQuality2D;
+  std::optional<double> rho;
   bool json = false;
 };
 
@@ -49,16 +52,15 @@ std::string FormatJson(const VerifyReport& report, double rho) {
 }
 
 std::string FormatText(const VerifyReport& report, double rho) {
-  const bool in_space = report.dimension == 3;
-  const std::string subfacets = in_space ? absl::StrFormat("%d subfacets, ", report.subfacets) : "";
+  const std::string subfacets =
+      report.dimension == 3 ? absl::StrFormat("%d subfacets, ", report.subfacets) : "";
   std::string text = absl::StrFormat(
       "%d vertices, %d %s, %d subsegments, %s%s %.2f to %.2f degrees\n"
       "worst circumradius / shortest edge %.6g, %d over %.6g (%d exempt, %d of them by the "
       "termination guard)\n",
-      report.vertices, report.simplices, in_space ? "tetrahedra" : "triangles", report.subsegments,
-      subfacets, in_space ? "dihedral angles" : "angles", report.min_angle_deg,
-      report.max_angle_deg, report.worst_radius_edge, report.over_rho, rho, report.exempt,
-      report.exempt_by_guard);
+      report.vertices, report.simplices, SimplicesWord(report.dimension), report.subsegments,
+      subfacets, AnglesWord(report.dimension), report.min_angle_deg, report.max_angle_deg,
+      report.worst_radius_edge, report.over_rho, rho, report.exempt, report.exempt_by_guard);
   for (const VerifyCheck& check : report.checks) {
     if (check.failures == 0) {
       text += absl::StrFormat("  %-12s ok\n", check.name);
@@ -72,9 +74,7 @@ std::string FormatText(const VerifyReport& report, double rho) {
 }
 
 int Run(const VerifyCommand& command) {
-  if (!(command.rho >= kMinQuality2D) || !(command.rho <= kMaxQuality)) {
-    return ReportError(absl::InvalidArgumentError("--rho must be 1 to 100"));
-  }
+  if (auto status = CheckRhoFlag(command.rho); !status.ok()) return ReportError(status);
   const absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(command.mesh);
   if (!files.ok()) return ReportError(files.status());
   Input input;
@@ -89,9 +89,10 @@ int Run(const VerifyCommand& command) {
     }
     if (auto status = AddSeedPolygons(input); !status.ok()) return ReportError(status);
   }
+  const double rho = command.rho.value_or(DefaultQuality(files->mesh.dimension));
   const VerifyReport report =
-      VerifyMesh(*files, command.rho, command.input.empty() ? nullptr : &input.features);
-  if (!PrintOut(command.json ? FormatJson(report, command.rho) : FormatText(report, command.rho))) {
+      VerifyMesh(*files, rho, command.input.empty() ? nullptr : &input.features);
+  if (!PrintOut(command.json ? FormatJson(report, rho) : FormatText(report, rho))) {
     return kExitFailed;
   }
   return report.Passed() ? kExitDone : kExitFailed;
@@ -111,7 +112,8 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
                   std::string("What it was made of: ") + kSpaceInputKinds)
       ->type_name("INPUT");
   AddInputFlags(*sub, command->reading);
-  sub->add_option("--rho", command->rho, "The quality asked for (default: sqrt 2)")->type_name("R");
+  sub->add_option("--rho", command->rho, "The quality asked for (default: sqrt 2, of space 2)")
+      ->type_name("R");
   sub->add_flag("--json", command->json, "Print one JSON object");
 }
 

@@ -1,4 +1,5 @@
 // Edits as lines of a script; edit_script.h says what they look like.
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,9 +24,17 @@ std::string FormatRings(const Rings& rings) {
   return text;
 }
 
-std::string FormatSize(const Feature& f) {
+// Its coordinates with `separator` between them.
+std::string FormatPlace(const std::array<double, 3>& place, int dimension,
+                        std::string_view separator = " ") {
+  std::string text = Concat(FormatDouble(place[0]), separator, FormatDouble(place[1]));
+  if (dimension == 3) text += Concat(separator, FormatDouble(place[2]));
+  return text;
+}
+
+std::string FormatSize(const Feature& f, int dimension) {
   const Sizing& s = f.sizing;
-  const std::string at = Concat(FormatDouble(f.position[0]), " ", FormatDouble(f.position[1]));
+  const std::string at = FormatPlace(f.position, dimension);
   const std::string target = Concat(" ", FormatDouble(s.target));
   switch (s.shape) {
     case SizeShape::kPoint:
@@ -35,32 +44,33 @@ std::string FormatSize(const Feature& f) {
     case SizeShape::kPolygon:
       return Concat("polygon ", FormatRings(f.rings), target);
     default:
-      return Concat("box ", at, " ", FormatDouble(s.hi[0]), " ", FormatDouble(s.hi[1]), target);
+      return Concat("box ", at, " ", FormatPlace(s.hi, dimension), target);
   }
-}
-
-std::string FormatPosition(const Feature& f) {
-  return Concat(f.id, " ", FormatDouble(f.position[0]), " ", FormatDouble(f.position[1]));
 }
 
 }  // namespace
 
 std::string FormatMeshLine(const MeshOptions& options) {
   const Box& box = options.box;
-  return Concat("mesh dim=2 box=", FormatDouble(box.lo[0]), ",", FormatDouble(box.lo[1]), ",",
-                FormatDouble(box.hi[0]), ",", FormatDouble(box.hi[1]),
-                " rho=", FormatDouble(options.quality),
+  return Concat("mesh dim=", options.dimension,
+                " box=", FormatPlace(box.lo, options.dimension, ","), ",",
+                FormatPlace(box.hi, options.dimension, ","), " rho=", FormatDouble(options.quality),
                 " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge",
                 options.max_edge > 0 ? Concat(" hmax=", FormatDouble(options.max_edge)) : "");
 }
 
-std::string FormatEdit(const Edit& edit) {
+std::string FormatEdit(const Edit& edit, int dimension) {
   const Feature& f = edit.feature;
   if (edit.action == Edit::Action::kRemove) return Concat("remove ", f.id);
-  if (edit.action == Edit::Action::kMove) return Concat("move point ", FormatPosition(f));
+  const auto point = [&] {
+    return Concat("point ", f.id, " ", FormatPlace(f.position, dimension));
+  };
+  if (edit.action == Edit::Action::kMove) return Concat("move ", point());
   const std::string_view verb = edit.action == Edit::Action::kAdd ? "add" : "set";
-  if (f.kind == FeatureKind::kPoint) return Concat(verb, " point ", FormatPosition(f));
-  if (f.kind == FeatureKind::kSize) return Concat(verb, " size ", f.id, " ", FormatSize(f));
+  if (f.kind == FeatureKind::kPoint) return Concat(verb, " ", point());
+  if (f.kind == FeatureKind::kSize) {
+    return Concat(verb, " size ", f.id, " ", FormatSize(f, dimension));
+  }
   if (f.kind == FeatureKind::kPolygon) {
     return Concat(verb, " polygon ", f.id, " ", FormatRings(f.rings));
   }

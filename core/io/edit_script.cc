@@ -1,11 +1,8 @@
 #include "core/io/edit_script.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <limits>
-#include <set>
-#include <span>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,38 +19,12 @@ using data::View;
 
 namespace {
 
-// Grows a box point by point.
-class BoxBuilder {
- public:
-  explicit BoxBuilder(int dimension = 2) : dimension_(static_cast<std::size_t>(dimension)) {}
-  void Add(const std::array<double, 3>& p) {
-    for (std::size_t i = 0; i < dimension_; ++i) {
-      lo_[i] = std::min(lo_[i], p[i]);
-      hi_[i] = std::max(hi_[i], p[i]);
-    }
-  }
-  Box Get() const {
-    Box box;
-    if (lo_[0] > hi_[0]) return box;
-    for (std::size_t i = 0; i < dimension_; ++i) {
-      box.lo[i] = lo_[i];
-      box.hi[i] = hi_[i];
-    }
-    return box;
-  }
-
- private:
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::size_t dimension_;
-  double lo_[3] = {kInfinity, kInfinity, kInfinity};
-  double hi_[3] = {-kInfinity, -kInfinity, -kInfinity};
-};
-
 class ScriptParser {
  public:
   ScriptParser(TextReader reader, const ScriptParseOptions& options)
       : reader_(std::move(reader)), options_(options) {
     script_.name = reader_.name();
+    script_.dimension = options.dimension;
   }
 
   absl::StatusOr<EditScript> Parse() {
@@ -69,11 +40,6 @@ class ScriptParser {
 
  private:
   absl::Status Error(std::string_view message) const { return reader_.Error(message); }
-
-  absl::Status NotYet(std::string_view what) const {
-    return absl::UnimplementedError(Concat(reader_.name(), ":", reader_.line(), ": ", what,
-                                           " not supported yet in this version"));
-  }
 
   absl::Status MissingHeader() const {
     return Error("the script must start with a line like: mesh dim=2 box=0,0,1,1 rho=1.4142");
@@ -96,7 +62,7 @@ class ScriptParser {
 
   absl::Status ParseHeader() {
     script_.has_header = true;
-    std::set<std::string_view> seen;
+    std::map<std::string_view, std::string_view> values;
     for (std::size_t i = 1; i < reader_.size(); ++i) {
       const std::string_view token = reader_.token(i);
       const std::size_t equals = token.find('=');
@@ -104,20 +70,27 @@ class ScriptParser {
         return Error(Concat("expected key=value, found ", Quoted(token)));
       }
       const std::string_view key = token.substr(0, equals);
-      if (!seen.insert(key).second) return Error(Concat("key ", key, " stands twice"));
-      if (auto s = ParseOption(key, token.substr(equals + 1)); !s.ok()) return s;
+      if (!values.emplace(key, token.substr(equals + 1)).second) {
+        return Error(Concat("key ", key, " stands twice"));
+      }
+    }
+    // First of all, for how many numbers a box has depends on it.
+    if (const auto dim = values.find("dim"); dim != values.end()) {
+      if (dim->second != "2" && dim->second != "3") {
+        return Error(Concat("dim must be 2 or 3, found ", Quoted(dim->second)));
+      }
+      script_.dimension = dim->second[0] - '0';
+      values.erase(dim);
+    }
+    for (const auto& [key, value] : values) {
+      if (auto s = ParseOption(key, value); !s.ok()) return s;
     }
     return absl::OkStatus();
   }
 
   absl::Status ParseOption(std::string_view key, std::string_view value) {
-    if (key == "dim") {
-      if (value == "2") return absl::OkStatus();
-      if (value == "3") return NotYet("dim=3 is");
-      return Error(Concat("dim must be 2, found ", Quoted(value)));
-    }
     if (key == "box") {
-      absl::StatusOr<Box> box = ParseBox(value);
+      absl::StatusOr<Box> box = ParseBox(value, script_.dimension);
       if (!box.ok()) return Error(View(box.status().message()));
       script_.box = *box;
       return absl::OkStatus();
@@ -169,7 +142,8 @@ class ScriptParser {
     }
     const std::string_view kind = reader_.token(1);
     if (action == Edit::Action::kMove && kind != "point") {
-      return Error(Concat("only points move: expected move point ID X Y, found ", Quoted(kind)));
+      return Error(Concat("only points move: expected move point ID ",
+                          script_.dimension == 3 ? "X Y Z" : "X Y", ", found ", Quoted(kind)));
     }
     if (kind == "point") return ParsePoint(action);
     if (kind == "segment") return ParseSegment(action);
@@ -182,12 +156,11 @@ class ScriptParser {
   absl::Status ParsePoint(Edit::Action action) {
     const absl::StatusOr<FeatureId> id = Id(2, "the point's id");
     if (!id.ok()) return id.status();
-    const absl::StatusOr<double> x = reader_.Double(3, "x");
-    if (!x.ok()) return x.status();
-    const absl::StatusOr<double> y = reader_.Double(4, "y");
-    if (!y.ok()) return y.status();
-    if (reader_.size() > 5) return TooMany(5);
-    Add({action, Feature::Point(*id, *x, *y)});
+    const absl::StatusOr<Place> place = ParsePlace(3, "");
+    if (!place.ok()) return place.status();
+    if (reader_.size() > 3 + Axes()) return TooMany(3 + Axes());
+    const auto& [x, y, z] = *place;
+    Add({action, Feature::Point(*id, x, y, z)});
     return absl::OkStatus();
   }
 
@@ -244,34 +217,54 @@ class ScriptParser {
   }
 
   // "add|set size ID point X Y H", "... disc X Y RADIUS H", "... box X0 Y0 X1 Y1 H",
-  // "... polygon P1 P2 P3 ... H".
+  // "... polygon P1 P2 P3 ... H"; in space with a Z after each Y.
   absl::Status ParseSize(Edit::Action action) {
     const absl::StatusOr<FeatureId> id = Id(2, "the sizing feature's id");
     if (!id.ok()) return id.status();
     const std::string_view shape = reader_.size() > 3 ? reader_.token(3) : std::string_view();
-    static constexpr std::string_view kPoint[] = {"x", "y", "the target length"};
-    static constexpr std::string_view kDisc[] = {"x", "y", "the radius", "the target length"};
-    static constexpr std::string_view kBox[] = {"x0", "y0", "x1", "y1", "the target length"};
-    std::span<const std::string_view> names;
-    if (shape == "point") names = kPoint;
-    if (shape == "disc") names = kDisc;
-    if (shape == "box") names = kBox;
     if (shape == "polygon") return ParseSizePolygon(action, *id);
-    if (names.empty()) {
+    if (shape != "point" && shape != "disc" && shape != "box") {
       return Error(Concat("what size? Expected point, disc, box or polygon after the id, found ",
                           Quoted(shape)));
     }
-    std::array<double, 5> v = {};
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const absl::StatusOr<double> value = reader_.Double(4 + i, names[i]);
-      if (!value.ok()) return value.status();
-      v[i] = *value;
+    Sizing sizing;
+    std::size_t next = 4;
+    const absl::StatusOr<Place> place = ParsePlace(next, shape == "box" ? "0" : "");
+    if (!place.ok()) return place.status();
+    next += Axes();
+    if (shape == "disc") {
+      sizing.shape = SizeShape::kDisc;
+      const absl::StatusOr<double> radius = reader_.Double(next++, "the radius");
+      if (!radius.ok()) return radius.status();
+      sizing.radius = *radius;
+    } else if (shape == "box") {
+      sizing.shape = SizeShape::kBox;
+      const absl::StatusOr<Place> hi = ParsePlace(next, "1");
+      if (!hi.ok()) return hi.status();
+      sizing.hi = *hi;
+      next += Axes();
     }
-    if (reader_.size() > 4 + names.size()) return TooMany(4 + names.size());
-    Add({action, shape == "point"  ? Feature::SizeAt(*id, v[0], v[1], v[2])
-                 : shape == "disc" ? Feature::SizeDisc(*id, v[0], v[1], v[2], v[3])
-                                   : Feature::SizeBox(*id, v[0], v[1], v[2], v[3], v[4])});
+    const absl::StatusOr<double> target = reader_.Double(next++, "the target length");
+    if (!target.ok()) return target.status();
+    sizing.target = *target;
+    if (reader_.size() > next) return TooMany(next);
+    Add({action, Feature::Size(*id, *place, sizing)});
     return absl::OkStatus();
+  }
+
+  using Place = std::array<double, 3>;
+  std::size_t Axes() const { return static_cast<std::size_t>(script_.dimension); }
+
+  // The tokens from `first` on, one an axis; in messages x, y, z with `suffix`.
+  absl::StatusOr<Place> ParsePlace(std::size_t first, std::string_view suffix) const {
+    Place place = {0, 0, 0};
+    for (std::size_t i = 0; i < Axes(); ++i) {
+      const absl::StatusOr<double> value =
+          reader_.Double(first + i, Concat(std::string_view("xyz").substr(i, 1), suffix));
+      if (!value.ok()) return value.status();
+      place[i] = *value;
+    }
+    return place;
   }
 
   absl::StatusOr<FeatureId> Id(std::size_t i, std::string_view what) const {
@@ -303,37 +296,7 @@ class ScriptParser {
   ScriptBatch batch_;
 };
 
-// Does it name a place that must lie in the mesh's box?
-bool HasPosition(const Feature& f) {
-  return f.kind == FeatureKind::kPoint ||
-         (f.kind == FeatureKind::kSize &&
-          (f.sizing.shape == SizeShape::kPoint || f.sizing.shape == SizeShape::kDisc));
-}
-bool HasPosition(const Edit& edit) {
-  return edit.action == Edit::Action::kMove ||
-         (edit.action != Edit::Action::kRemove && HasPosition(edit.feature));
-}
-
 }  // namespace
-
-MeshOptions EditScript::Options() const {
-  MeshOptions options;
-  if (quality) options.quality = *quality;
-  if (criterion) options.criterion = *criterion;
-  if (max_edge) options.max_edge = *max_edge;
-  if (box) {
-    options.box = *box;
-    return options;
-  }
-  BoxBuilder builder;
-  for (const ScriptBatch& batch : batches) {
-    for (const Edit& edit : batch.edits) {
-      if (HasPosition(edit)) builder.Add(edit.feature.position);
-    }
-  }
-  options.box = builder.Get();
-  return options;
-}
 
 std::string EditScript::Where(std::size_t batch, std::optional<std::size_t> edit) const {
   if (batch >= batches.size() || batches[batch].lines.empty()) return name;
@@ -353,22 +316,26 @@ absl::StatusOr<EditScript> ReadEditScript(const std::string& path,
   return ParseEditScript(*std::move(reader), options);
 }
 
-absl::StatusOr<Box> ParseBox(std::string_view text) {
+absl::StatusOr<Box> ParseBox(std::string_view text, int dimension) {
+  const auto axes = static_cast<std::size_t>(dimension);
+  const bool plane = dimension == 2;
   const std::vector<std::string_view> parts = Split(text, ',');
-  double value[4];
-  bool good = parts.size() == 4;
-  for (std::size_t i = 0; good && i < 4; ++i) good = ParseDouble(parts[i], &value[i]);
-  if (!good) {
-    return absl::InvalidArgumentError(
-        Concat("a box is x0,y0,x1,y1 (no blanks), found ", Quoted(text)));
-  }
-  if (value[0] > value[2] || value[1] > value[3]) {
-    return absl::InvalidArgumentError(
-        Concat("a box needs x0 <= x1 and y0 <= y1, found ", Quoted(text)));
-  }
   Box box;
-  box.lo = {value[0], value[1], 0};
-  box.hi = {value[2], value[3], 1};
+  bool good = parts.size() == 2 * axes;
+  for (std::size_t i = 0; good && i < axes; ++i) {
+    good = ParseDouble(parts[i], &box.lo[i]) && ParseDouble(parts[axes + i], &box.hi[i]);
+  }
+  if (!good) {
+    return absl::InvalidArgumentError(Concat("a box is ",
+                                             plane ? "x0,y0,x1,y1" : "x0,y0,z0,x1,y1,z1",
+                                             " (no blanks), found ", Quoted(text)));
+  }
+  for (std::size_t i = 0; i < axes; ++i) {
+    if (box.lo[i] <= box.hi[i]) continue;
+    return absl::InvalidArgumentError(
+        Concat("a box needs ", plane ? "x0 <= x1 and y0 <= y1" : "x0 <= x1, y0 <= y1 and z0 <= z1",
+               ", found ", Quoted(text)));
+  }
   return box;
 }
 
@@ -376,14 +343,6 @@ absl::StatusOr<Criterion> ParseCriterion(std::string_view text) {
   if (text == "edge") return Criterion::kEdge;
   if (text == "thesis") return Criterion::kThesis;
   return absl::InvalidArgumentError(Concat("a criterion is edge or thesis, found ", Quoted(text)));
-}
-
-Box BoundingBox(const std::vector<Feature>& features, int dimension) {
-  BoxBuilder builder(dimension);
-  for (const Feature& f : features) {
-    if (HasPosition(f)) builder.Add(f.position);
-  }
-  return builder.Get();
 }
 
 }  // namespace dynmesh::io

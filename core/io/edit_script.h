@@ -8,8 +8,11 @@
 //                                 ... polygon P1 P2 P3 ... [/ Q1 Q2 Q3 ...] H
 //   commit                        ends a batch = one revision
 //
+// With dim=3 every place has a z after its y: box=x0,y0,z0,x1,y1,z1, `add point ID X Y Z`,
+// `... disc X Y Z RADIUS H` (a ball), `... box X0 Y0 Z0 X1 Y1 Z1 H`. Polygons are then planar
+// facets. Without dim the dimension is 2; rho is by default sqrt 2, in space 2.
+//
 // What follows the last commit is a batch too; a batch without an edit is none.
-// dim=3 is part of the grammar and refused with UNIMPLEMENTED until there are such meshes.
 #ifndef DYNMESH_CORE_IO_EDIT_SCRIPT_H_
 #define DYNMESH_CORE_IO_EDIT_SCRIPT_H_
 
@@ -32,7 +35,8 @@ struct ScriptBatch {
 struct EditScript {
   std::string name;         // stands in messages: the path
   bool has_header = false;  // the `mesh` line
-  std::optional<Box> box;   // if the header gives one
+  int dimension = 2;
+  std::optional<Box> box;  // if the header gives one
   std::optional<double> quality;
   std::optional<Criterion> criterion;
   std::optional<double> max_edge;  // hmax
@@ -47,9 +51,10 @@ struct EditScript {
 
 struct ScriptParseOptions {
   bool require_header = true;  // not needed where a mesh is there already
+  int dimension = 2;           // where no header says it: that mesh's
 };
 
-// INVALID_ARGUMENT (UNIMPLEMENTED for what is to come) as `file:line: ...`.
+// INVALID_ARGUMENT as `file:line: ...`.
 absl::StatusOr<EditScript> ParseEditScript(TextReader reader,
                                            const ScriptParseOptions& options = {});
 absl::StatusOr<EditScript> ReadEditScript(const std::string& path,
@@ -57,10 +62,11 @@ absl::StatusOr<EditScript> ReadEditScript(const std::string& path,
 
 // The other way: a script that parses to the same thing.
 std::string FormatMeshLine(const MeshOptions& options);  // "mesh dim=2 ...", no newline
-std::string FormatEdit(const Edit& edit);                // one line, no newline
+// One line, no newline.
+std::string FormatEdit(const Edit& edit, int dimension = 2);
 
-// "x0,y0,x1,y1": four finite numbers, x0 <= x1, y0 <= y1.
-absl::StatusOr<Box> ParseBox(std::string_view text);
+// "x0,y0,x1,y1", in space "x0,y0,z0,x1,y1,z1": finite numbers, x0 <= x1 and so on.
+absl::StatusOr<Box> ParseBox(std::string_view text, int dimension = 2);
 // "edge" or "thesis".
 absl::StatusOr<Criterion> ParseCriterion(std::string_view text);
 

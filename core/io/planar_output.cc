@@ -62,7 +62,7 @@ absl::Status WriteFeatureScript(const std::string& path, const MeshOptions& opti
                                 const std::vector<Feature>& features) {
   FileWriter out(path);
   out << FormatMeshLine(options) << '\n';
-  for (const Feature& f : features) out << FormatEdit(Edit::Add(f)) << '\n';
+  for (const Feature& f : features) out << FormatEdit(Edit::Add(f), options.dimension) << '\n';
   out << "commit\n";
   return out.Close();
 }

@@ -176,7 +176,7 @@ absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
   }
   DecodeCorner(proto.box().lo(), &options.box.lo);
   DecodeCorner(proto.box().hi(), &options.box.hi);
-  if (proto.quality() != 0) options.quality = proto.quality();
+  options.quality = proto.quality() != 0 ? proto.quality() : DefaultQuality(options.dimension);
   switch (proto.criterion()) {
     case v1::CRITERION_UNSPECIFIED:
     case v1::CRITERION_EDGE:

@@ -168,6 +168,42 @@ TEST_F(RemoteCommandsTest, AMeshFromCreationToExport) {
   EXPECT_EQ(Remote({"list"}).out, "");
 }
 
+TEST_F(RemoteCommandsTest, AMeshOfSpaceFromCreationToExport) {
+  StartDaemon();
+  const Ran created =
+      Remote({"create", "room", "--dimension", "3", "--box", "0,0,0,4,4,4", "--json"});
+  ASSERT_EQ(created.code, kExitDone) << created.err;
+  EXPECT_EQ(Value(created.out, "dimension"), "3");
+  EXPECT_EQ(Value(created.out, "rho"), "2");
+  // Without a first line a script is as the mesh.
+  const std::string edits =
+      "add point 1 1 1 1\nadd point 2 3 1 1\nadd point 3 3 3 1\nadd point 4 1 3 1\n"
+      "add polygon 5 1 2 3 4\ncommit\nadd size 6 box 0 0 0 1 1 1 0.5\nmove point 1 1 1.1 1\n";
+  const Ran applied = Remote({"apply", "room", Write("e.txt", edits)});
+  ASSERT_EQ(applied.code, kExitDone) << applied.err;
+  EXPECT_NE(applied.out.find("tetrahedra"), std::string::npos);
+  const std::string header = "mesh dim=3 box=0,0,0,4,4,4\n";
+  const std::string whole = Write("w.txt", header + edits);
+  const Ran again = Remote({"apply", "copy", whole, "--create", "--one-by-one", "--json"});
+  ASSERT_EQ(again.code, kExitDone) << again.err;
+  const Ran stats = Remote({"stats", "room", "--json"});
+  EXPECT_EQ(Value(stats.out, "hash"), Value(again.out, "hash"));
+  EXPECT_EQ(Value(stats.out, "dimension"), "3");
+  EXPECT_NE(Remote({"stats", "room"}).out.find("subfacets"), std::string::npos);
+  const Ran watched = Remote({"watch", "room", "--until", "2", "--json"});
+  EXPECT_EQ(Value(watched.out, "hash"), Value(stats.out, "hash"));
+  const Ran exported =
+      Remote({"export", "room", "-o", Path("r.node"), "-o", Path("r.svg"), "--cut", "z=1.5"});
+  ASSERT_EQ(exported.code, kExitDone) << exported.err;
+  EXPECT_TRUE(fs::exists(Path("r.face")));
+  // Not of the plane, and not turned into it.
+  const Ran flat = Remote({"apply", "room", Write("f.txt", kScript)});
+  EXPECT_EQ(flat.code, kExitBadInput);
+  EXPECT_NE(flat.err.find("2 dimensions"), std::string::npos) << flat.err;
+  EXPECT_EQ(Remote({"create", "x", "--dimension", "2", "--like", whole}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"create", "x", "--dimension", "3", "--box", "0,0,1,1"}).code, kExitBadInput);
+}
+
 TEST_F(RemoteCommandsTest, ExportAndWatchTakePolygonsOnly) {
   StartDaemon();
   const std::string script = Write("p.txt",

@@ -18,7 +18,7 @@ std::string Print(const io::EditScript& script) {
   std::string text;
   if (script.has_header) text = io::FormatMeshLine(script.Options()) + "\n";
   for (const io::ScriptBatch& batch : script.batches) {
-    for (const Edit& edit : batch.edits) text += io::FormatEdit(edit) + "\n";
+    for (const Edit& edit : batch.edits) text += io::FormatEdit(edit, script.dimension) + "\n";
     text += "commit\n";
   }
   return text;

@@ -12,12 +12,13 @@
 namespace dynmesh::fuzz {
 
 inline constexpr std::uint64_t kMostVertices = 300;
+inline constexpr std::uint64_t kMostVerticesInSpace = 1000;  // the bare box alone has 386
 inline constexpr std::size_t kMostFeatures = 60;
 
 // Empty, or what is wrong: a refusal without a message, a mesh whose hash is not its own.
 inline std::string MeshOrRefuse(const std::vector<Feature>& features, MeshOptions options) {
   if (features.size() > kMostFeatures) return "";
-  options.limits.max_vertices = kMostVertices;
+  options.limits.max_vertices = options.dimension == 3 ? kMostVerticesInSpace : kMostVertices;
   const absl::StatusOr<Mesh> mesh = BuildMesh(features, options);
   if (!mesh.ok()) return mesh.status().message().empty() ? "a refusal without a message" : "";
   return ComputeHash(*mesh) == mesh->hash ? "" : "the hash is not that of the parts";

@@ -443,7 +443,7 @@ EditBatch ScriptGenerator::Next(const std::vector<Feature>& present) {
 std::string ToScript(const MeshOptions& options, const std::vector<EditBatch>& batches) {
   std::string text = io::FormatMeshLine(options) + "\n";
   for (const EditBatch& batch : batches) {
-    for (const Edit& edit : batch) text += io::FormatEdit(edit) + "\n";
+    for (const Edit& edit : batch) text += io::FormatEdit(edit, options.dimension) + "\n";
     text += "commit\n";
   }
   return text;

@@ -45,10 +45,11 @@ bool SameMesh(const MeshOptions& a, const MeshOptions& b) {
 
 class Application {
  public:
-  Application(const ApplyCommand& command, const io::EditScript& script)
-      : command_(command), script_(script), client_(Connect(command.server)) {}
+  explicit Application(const ApplyCommand& command)
+      : command_(command), client_(Connect(command.server)) {}
 
   absl::Status Run() {
+    if (absl::Status status = ReadScript(); !status.ok()) return status;
     if (absl::Status status = PrepareMesh(); !status.ok()) return status;
     const Clock::time_point start = Clock::now();
     const absl::Status status = command_.one_by_one ? OneByOne() : Pipelined();
@@ -57,6 +58,22 @@ class Application {
   }
 
  private:
+  // A script without a first line has places of as many coordinates as the mesh has dimensions,
+  // so that is asked for first. With --create a bad script makes no mesh.
+  absl::Status ReadScript() {
+    io::ScriptParseOptions parse;
+    parse.require_header = command_.create;
+    if (!command_.create) {
+      const auto mesh = client_->GetMesh(command_.id);
+      if (!mesh.ok()) return mesh.status();
+      parse.dimension = mesh->options.dimension;
+    }
+    absl::StatusOr<io::EditScript> script = io::ReadEditScript(command_.script, parse);
+    if (!script.ok()) return script.status();
+    script_ = *std::move(script);
+    return absl::OkStatus();
+  }
+
   absl::Status PrepareMesh() {
     const MeshOptions wanted = script_.Options();
     if (command_.create) {
@@ -67,6 +84,11 @@ class Application {
     }
     const auto mesh = client_->GetMesh(command_.id);
     if (!mesh.ok()) return mesh.status();
+    if (mesh->options.dimension != script_.dimension) {
+      return absl::InvalidArgumentError(absl::StrFormat("%s has %d dimensions, the mesh has %d",
+                                                        script_.name, script_.dimension,
+                                                        mesh->options.dimension));
+    }
     if (script_.has_header && !SameMesh(mesh->options, wanted)) {
       PrintWarning(data::Concat("the mesh is not the one of the script's first line, but: ",
                                 io::FormatMeshLine(mesh->options)));
@@ -76,6 +98,7 @@ class Application {
 
   client::EditParams Params(std::size_t batch) const {
     client::EditParams params;
+    params.dimension = script_.dimension;
     if (!command_.request_prefix.empty()) {
       params.request_id = absl::StrCat(command_.request_prefix, "-", batch + 1);
     }
@@ -191,7 +214,7 @@ class Application {
   }
 
   const ApplyCommand& command_;
-  const io::EditScript& script_;
+  io::EditScript script_;
   const std::unique_ptr<client::MeshClient> client_;
   std::vector<double> latencies_;
   std::uint64_t revisions_ = 0;
@@ -204,11 +227,7 @@ class Application {
 };
 
 int Run(const ApplyCommand& command) {
-  io::ScriptParseOptions parse;
-  parse.require_header = command.create;
-  const absl::StatusOr<io::EditScript> script = io::ReadEditScript(command.script, parse);
-  if (!script.ok()) return ReportError(script.status());
-  const absl::Status status = Application(command, *script).Run();
+  const absl::Status status = Application(command).Run();
   return status.ok() ? kExitDone : ReportError(status);
 }
 

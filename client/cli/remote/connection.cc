@@ -3,6 +3,7 @@
 #include "absl/strings/str_format.h"
 #include "client/cli/command.h"
 #include "client/cli/mesh_flags.h"
+#include "client/cli/words.h"
 #include "core/io/edit_script.h"
 
 namespace dynmesh::cli {
@@ -59,6 +60,8 @@ std::string DiffLine(const MeshDiff& diff, const char* event, bool json) {
         .Add("removed_vertices", diff.removed_vertices.size())
         .Add("added_simplices", diff.added_simplex_count())
         .Add("removed_simplices", diff.removed_simplex_count())
+        .Add("added_subfacets", diff.added_subfacets.size())
+        .Add("removed_subfacets", diff.removed_subfacets.size())
         .Add("operations", diff.work.executed)
         .Add("created", diff.work.created)
         .Add("dropped", diff.work.dropped)
@@ -67,10 +70,10 @@ std::string DiffLine(const MeshDiff& diff, const char* event, bool json) {
         .ToLine();
   }
   return absl::StrFormat(
-      "revision %d: vertices +%d -%d, triangles +%d -%d, %d operations, %.0f us, hash %s\n",
+      "revision %d: vertices +%d -%d, %s +%d -%d, %d operations, %.0f us, hash %s\n",
       diff.to_revision, diff.added_vertices.size(), diff.removed_vertices.size(),
-      diff.added_simplex_count(), diff.removed_simplex_count(), diff.work.executed,
-      diff.work.microseconds, diff.hash.ToHex());
+      SimplicesWord(diff.dimension), diff.added_simplex_count(), diff.removed_simplex_count(),
+      diff.work.executed, diff.work.microseconds, diff.hash.ToHex());
 }
 
 int Print(const std::string& text) {

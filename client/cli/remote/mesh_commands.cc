@@ -8,6 +8,7 @@
 #include "client/cli/output.h"
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
+#include "client/cli/words.h"
 #include "core/io/edit_script.h"
 
 namespace dynmesh::cli {
@@ -17,6 +18,7 @@ struct CreateCommand {
   ServerFlags server;
   std::string id;
   std::string script;
+  std::optional<int> dimension;
   MeshFlags mesh;
   std::string request_id;
 };
@@ -27,9 +29,16 @@ int RunCreate(const CreateCommand& command) {
     const absl::StatusOr<io::EditScript> script = io::ReadEditScript(command.script);
     if (!script.ok()) return ReportError(script.status());
     options = script->Options();
+    if (command.dimension && *command.dimension != options.dimension) {
+      return ReportError(absl::InvalidArgumentError(
+          absl::StrFormat("--dimension: %s has %d dimensions", command.script, options.dimension)));
+    }
   } else if (command.mesh.box.empty()) {
     return ReportError(
         absl::InvalidArgumentError("where may features lie? give --box or --like SCRIPT"));
+  } else {
+    options.dimension = command.dimension.value_or(2);
+    options.quality = DefaultQuality(options.dimension);
   }
   if (auto status = ApplyMeshFlags(command.mesh, options); !status.ok()) {
     return ReportError(status);
@@ -73,9 +82,9 @@ int RunExport(const NamedCommand& command) {
     return ReportError(status);
   }
   if (!command.server.json) {
-    return Print(absl::StrFormat("revision %d: %d vertices, %d triangles, hash %s\n",
-                                 mesh->revision, mesh->vertices.size(), mesh->simplex_count(),
-                                 mesh->hash.ToHex()));
+    return Print(absl::StrFormat("revision %d: %d vertices, %d %s, hash %s\n", mesh->revision,
+                                 mesh->vertices.size(), mesh->simplex_count(),
+                                 SimplicesWord(mesh->dimension), mesh->hash.ToHex()));
   }
   return Print(JsonObject()
                    .AddText("mesh", command.id)
@@ -83,6 +92,7 @@ int RunExport(const NamedCommand& command) {
                    .Add("vertices", mesh->vertices.size())
                    .Add("simplices", mesh->simplex_count())
                    .Add("subsegments", mesh->subsegments.size())
+                   .Add("subfacets", mesh->subfacets.size())
                    .AddText("hash", mesh->hash.ToHex())
                    .ToLine());
 }
@@ -97,10 +107,15 @@ void RegisterCreateCommand(CLI::App& app, CommandSlot& slot) {
                   "Its id, [a-z][a-z0-9-]{0,62} (default: the server's choice)");
   sub->add_option("--like", command->script, "Take the options of this edit script's mesh line")
       ->type_name("SCRIPT");
-  sub->add_option("--box", command->mesh.box, "Where features may lie")->type_name("X0,Y0,X1,Y1");
-  sub->add_option("--rho", command->mesh.rho,
-                  "Largest circumradius / shortest edge, 1 to 100, from 1.4142 with criterion thesis "
-                  "(default: sqrt 2)");
+  sub->add_option("--dimension", command->dimension, "2 or 3 (default: 2, or the script's)")
+      ->type_name("D")
+      ->check(CLI::Range(2, 3));
+  sub->add_option("--box", command->mesh.box, "Where features may lie")->type_name(kBoxOfEither);
+  sub->add_option(
+      "--rho", command->mesh.rho,
+      "Largest circumradius / shortest edge, 1 to 100, from 1.4142 with criterion thesis "
+      "(default: sqrt 2); in space 1.2 to 100, from 2 with criterion thesis (default: "
+      "2)");
   sub->add_option("--criterion", command->mesh.criterion, "What rho bounds (default: edge)")
       ->type_name("edge|thesis");
   sub->add_option("--max-vertices", command->mesh.max_vertices,

@@ -7,6 +7,7 @@
 #include "client/cli/file_stats.h"
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
+#include "client/cli/words.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -27,22 +28,26 @@ std::string StatsText(const client::ServerStatus& s) {
       s.watchers);
   if (!s.mesh.has_value()) return text;
   const client::MeshStatus& m = *s.mesh;
+  const std::string subfacets =
+      m.dimension == 3 ? absl::StrFormat("subfacets          %d\n", m.stats.subfacets) : "";
   absl::StrAppendFormat(&text,
                         "revision           %d\n"
                         "oldest revision    %d\n"
                         "hash               %s\n"
                         "features           %d\n"
                         "vertices           %d\n"
-                        "triangles          %d\n"
+                        "%-17s  %d\n"
                         "subsegments        %d\n"
+                        "%s"
                         "operations         %d\n"
                         "trace              %.1f MB\n"
                         "mesh               %.1f MB\n"
                         "watchers of it     %d\n"
                         "waiting edits      %d\n",
                         m.stats.revision, m.oldest_revision, m.hash.ToHex(), m.stats.features,
-                        m.stats.vertices, m.stats.simplices, m.stats.subsegments,
-                        m.stats.operations, static_cast<double>(m.stats.trace_bytes) / 1e6,
+                        m.stats.vertices, SimplicesWord(m.dimension), m.stats.simplices,
+                        m.stats.subsegments, subfacets, m.stats.operations,
+                        static_cast<double>(m.stats.trace_bytes) / 1e6,
                         static_cast<double>(m.stats.mesh_bytes) / 1e6, m.watchers, m.waiting_edits);
   return text;
 }
@@ -63,6 +68,8 @@ std::string StatsJson(const std::string& id, const client::ServerStatus& s) {
         .Add("vertices", m.stats.vertices)
         .Add("simplices", m.stats.simplices)
         .Add("subsegments", m.stats.subsegments)
+        .Add("subfacets", m.stats.subfacets)
+        .Add("dimension", m.dimension)
         .Add("operations", m.stats.operations)
         .Add("trace_bytes", m.stats.trace_bytes)
         .Add("mesh_bytes", m.stats.mesh_bytes)

@@ -11,6 +11,7 @@
 #include "client/cli/output.h"
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
+#include "client/cli/words.h"
 #include "core/data/region_filter.h"
 #include "core/data/text.h"
 
@@ -65,12 +66,14 @@ class Printer final : public client::WatchListener {
           .Add("vertices", replica.store().vertex_count())
           .Add("simplices", replica.store().simplex_count())
           .Add("subsegments", replica.store().subsegment_count())
+          .Add("subfacets", replica.store().subfacet_count())
           .AddText("hash", replica.hash().ToHex())
           .ToLine();
     }
-    return absl::StrFormat("%s at revision %d: %d vertices, %d triangles, hash %s\n", event,
+    return absl::StrFormat("%s at revision %d: %d vertices, %d %s, hash %s\n", event,
                            replica.revision(), replica.store().vertex_count(),
-                           replica.store().simplex_count(), replica.hash().ToHex());
+                           replica.store().simplex_count(),
+                           SimplicesWord(replica.store().dimension()), replica.hash().ToHex());
   }
 
   void Write(const std::string& line, const client::MeshReplica& replica) {

@@ -37,13 +37,17 @@ inline constexpr double kMinThesisQuality3D = 2.0;  // the thesis's proof wants 
 inline constexpr double kMaxQuality = 100.0;
 inline constexpr double kDefaultQuality2D = 1.4142135623730951;
 inline constexpr double kDefaultQuality3D = 2.0;
+// What the service, scripts and commands take where nobody asks for a quality.
+constexpr double DefaultQuality(int dimension) {
+  return dimension == 3 ? kDefaultQuality3D : kDefaultQuality2D;
+}
 
 struct MeshOptions {
   int dimension = 2;  // 2 or 3
   Box box;            // where features may lie
   // rho, the largest circumradius / shortest edge: 1 to 100 in the plane, where
   // the least angle is arcsin(1 / (2 rho)): 20.7 degrees at the default, 30 at 1; 1.2 to 100
-  // in space, where kDefaultQuality3D suits most. For kThesis from 1.4142 and 2.
+  // in space, where DefaultQuality(3) suits most. For kThesis from 1.4142 and 2.
   double quality = kDefaultQuality2D;
   Criterion criterion = Criterion::kEdge;
   // No edge of a simplex that meets `box` is longer than sqrt(2) times this; 0: any may be.

@@ -39,17 +39,17 @@ TEST(MeshStatistics, CountTrianglesAndAreaByRegion) {
   MeshStatistics s = ComputeStatistics(mesh, 1.2);
   ASSERT_EQ(s.regions.size(), 1U);
   EXPECT_EQ(s.regions[0].simplices, 3U);
-  EXPECT_DOUBLE_EQ(s.regions[0].area, 1.4);
+  EXPECT_DOUBLE_EQ(s.regions[0].size, 1.4);
   EXPECT_EQ(StatisticsText(s).find("no polygon"), std::string::npos);
   mesh.regions.polygons = {{4}, {4, 18446744073709551614ULL}};
   mesh.regions.numbers = {2, 0, 2};
   s = ComputeStatistics(mesh, 1.2);
   ASSERT_EQ(s.regions.size(), 3U);
   EXPECT_EQ(s.regions[0].simplices, 1U);
-  EXPECT_DOUBLE_EQ(s.regions[0].area, 0.9);
+  EXPECT_DOUBLE_EQ(s.regions[0].size, 0.9);
   EXPECT_EQ(s.regions[1].simplices, 0U);
   EXPECT_EQ(s.regions[2].simplices, 2U);
-  EXPECT_DOUBLE_EQ(s.regions[2].area, 0.5);
+  EXPECT_DOUBLE_EQ(s.regions[2].size, 0.5);
   EXPECT_NE(StatisticsText(s).find("0.5  4 18446744073709551614\n"), std::string::npos);
   EXPECT_NE(StatisticsText(s).find("0.9  no polygon\n"), std::string::npos);
   EXPECT_NE(
@@ -59,6 +59,33 @@ TEST(MeshStatistics, CountTrianglesAndAreaByRegion) {
                              "\"simplices\": 2, \"area\": 0.5}]"),
       std::string::npos)
       << StatisticsJson(s);
+}
+
+TEST(MeshStatistics, OfSpaceCountDihedralAnglesAndVolume) {
+  // The corner of a cube, and a regular tetrahedron.
+  io::IndexedMesh mesh;
+  mesh.dimension = 3;
+  mesh.vertices = {{0, 0, 0, 1, 0}, {1, 0, 0, 2, 0}, {0, 1, 0, 3, 0}, {0, 0, 0, 4, 0},
+                   {1, 1, 0, 5, 0}, {1, 0, 0, 6, 0}, {0, 1, 0, 7, 0}};
+  mesh.vertices[3].z = 1, mesh.vertices[5].z = 1, mesh.vertices[6].z = 1;
+  mesh.tetrahedra = {{0, 1, 2, 3}, {0, 4, 6, 5}};
+  mesh.faces = {{{0, 1, 2}, 9}, {{0, 1, 3}, kBoxFeature}};
+  const MeshStatistics s = ComputeStatistics(mesh, 2);
+  EXPECT_EQ(s.dimension, 3);
+  EXPECT_EQ(s.simplices, 2U);
+  EXPECT_EQ(s.subfacets, 1U);
+  ASSERT_EQ(s.least_angles.size(), 75U);
+  EXPECT_EQ(s.least_angles[54], 1U);  // 54.74 degrees
+  EXPECT_EQ(s.least_angles[70], 1U);  // 70.53
+  ASSERT_EQ(s.angles.size(), 180U);
+  EXPECT_EQ(s.angles[54], 3U);
+  EXPECT_EQ(s.angles[70], 6U);
+  EXPECT_EQ(s.angles[89] + s.angles[90], 3U);
+  ASSERT_EQ(s.regions.size(), 1U);
+  EXPECT_DOUBLE_EQ(s.regions[0].size, 1.0 / 6 + 1.0 / 3);
+  EXPECT_NE(StatisticsText(s).find("dihedral angles"), std::string::npos);
+  EXPECT_NE(StatisticsJson(s).find("\"volume\": 0.5"), std::string::npos);
+  EXPECT_TRUE(StatisticsHistograms(s)[1].marks.empty());
 }
 
 TEST(MeshStatistics, OfNothingAreZero) {

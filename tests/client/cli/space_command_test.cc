@@ -90,7 +90,6 @@ TEST_F(SpaceCommands, TellTheDimensionsApart) {
   EXPECT_EQ(Run("diff m.node m.node").code, 0);
   EXPECT_NE(Run("diff m.node m.node").out.find("subfacets"), std::string::npos);
   EXPECT_EQ(Run("import input.poly -o out.poly").code, 2);
-  EXPECT_EQ(Run("stats m.node").code, 2);
 }
 
 TEST_F(SpaceCommands, InputOfSpaceIsReadByExtension) {
@@ -101,6 +100,79 @@ TEST_F(SpaceCommands, InputOfSpaceIsReadByExtension) {
   EXPECT_EQ(input->options.box, (Box{{0, 0, 1}, {2, 3, 5}}));
   EXPECT_EQ(input->features.size(), 6U);
   EXPECT_TRUE(input->where(6).ends_with("m.off:8")) << input->where(6);
+}
+
+// A box in a box; the faces of the inner one are cut into triangles.
+constexpr char kBoxInBox[] =
+    "OFF\n16 18 0\n"
+    "0 0 0\n4 0 0\n4 4 0\n0 4 0\n0 0 4\n4 0 4\n4 4 4\n0 4 4\n"
+    "1 1 1\n3 1 1\n3 3 1\n1 3 1\n1 1 3\n3 1 3\n3 3 3\n1 3 3\n"
+    "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n"
+    "3 8 11 10\n3 8 10 9\n3 12 13 14\n3 12 14 15\n3 8 9 13\n3 8 13 12\n"
+    "3 9 10 14\n3 9 14 13\n3 10 11 15\n3 10 15 14\n3 11 8 12\n3 11 12 15\n";
+
+TEST_F(SpaceCommands, AMeshOfSpaceIsMadeJudgedAndMeasured) {
+  folder_.Write("box.off", kBoxInBox);
+  for (const std::string merged : {"", " --merge-coplanar"}) {
+    SCOPED_TRACE(merged);
+    const Outcome made =
+        Run("mesh box.off --json -o m.node -o m.vtu -o m.msh -o m.mesh -o m.svg" + merged);
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_LE(std::stod(Value(made.out, "worst_radius_edge")), 2.0);
+    EXPECT_GT(std::stod(Value(made.out, "worst_radius_edge")), 1.5);  // rho is 2, not sqrt 2
+    const Outcome judged = Run("verify m.node --json --input box.off" + merged);
+    EXPECT_EQ(judged.code, 0) << judged.out;
+    EXPECT_EQ(Value(judged.out, "rho"), "2");
+    EXPECT_EQ(Value(judged.out, "hash"), Value(made.out, "hash"));
+    EXPECT_EQ(Value(judged.out, "subfacets"), Value(made.out, "subfacets"));
+    const Outcome measured = Run("stats m.node --json --svg h.svg");
+    ASSERT_EQ(measured.code, 0) << measured.err;
+    for (const char* key : {"simplices", "subfacets", "min_angle_deg", "max_angle_deg"}) {
+      EXPECT_EQ(Value(measured.out, key), Value(made.out, key)) << key;
+    }
+    EXPECT_EQ(Value(measured.out, "rho"), "2");
+    EXPECT_GT(std::stod(Value(measured.out, "share_below_10_deg")), 0);
+    EXPECT_NE(folder_.Read("h.svg").find("All dihedral angles"), std::string::npos);
+  }
+  EXPECT_NE(Run("mesh box.off").out.find("tetrahedra"), std::string::npos);
+  EXPECT_NE(Run("stats m.node").out.find("slivers"), std::string::npos);
+  EXPECT_EQ(Run("mesh box.off --criterion thesis").code, 0);
+  EXPECT_EQ(Run("mesh box.off --rho 1.9 --criterion thesis").code, 2);
+  EXPECT_EQ(Run("mesh box.off --rho 1.1").code, 2);
+  EXPECT_EQ(Run("mesh box.off --box=-1,-1,-1,5,5,5").code, 0);
+  EXPECT_EQ(Run("mesh box.off --box=0,0,4,4").code, 2);
+}
+
+TEST_F(SpaceCommands, ACropIsAlongTheAxesOfTheCut) {
+  folder_.Write("box.off", kBoxInBox);
+  // Cut in the middle of the box, not of what is cropped away.
+  for (const std::string axis : {"x", "y", "z"}) {
+    ASSERT_EQ(Run("mesh box.off -o all.svg --cut " + axis).code, 0);
+    ASSERT_EQ(Run("mesh box.off -o crop.svg --crop 0,0,4,4 --cut " + axis).code, 0);
+    EXPECT_EQ(folder_.Read("all.svg"), folder_.Read("crop.svg")) << axis;
+    EXPECT_NE(folder_.Read("all.svg").find("cut at " + axis + " = 2"), std::string::npos);
+  }
+}
+
+TEST_F(SpaceCommands, AScriptOfSpaceIsReplayed) {
+  folder_.Write("e.dynmesh",
+                "mesh dim=3 box=0,0,0,4,4,4\n"
+                "add point 1 1 1 1\nadd point 2 3 1 1\nadd point 3 3 3 1\nadd point 4 1 3 1\n"
+                "add polygon 5 1 2 3 4\ncommit\n"
+                "add size 6 disc 2 2 3 0.5 0.4\nadd size 7 box 0 0 0 1 1 1 0.5\ncommit\n"
+                "remove 6\nset point 1 1.1 1 1\ncommit\n");
+  const Outcome replayed = Run("replay e.dynmesh --check 1 -o r.node -o r.svg --fill change");
+  ASSERT_EQ(replayed.code, 0) << replayed.err;
+  EXPECT_NE(replayed.out.find("tetrahedra"), std::string::npos);
+  ASSERT_EQ(Run("mesh e.dynmesh -o s.node").code, 0);
+  EXPECT_EQ(Run("diff r.node s.node").code, 0);
+  EXPECT_EQ(Run("verify r.node --input e.dynmesh").code, 0);
+  folder_.Write("bad.dynmesh",
+                "mesh dim=3\nadd point 1 0 0 0\nadd point 2 1 0 0\nadd point 3 1 1 0\n"
+                "add point 4 0 1 0.5\nadd polygon 5 1 2 3 4\n");
+  const Outcome bad = Run("replay bad.dynmesh");
+  EXPECT_EQ(bad.code, 2);
+  EXPECT_NE(bad.err.find("bad.dynmesh:6: polygon 5 is not flat"), std::string::npos) << bad.err;
 }
 
 TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
