@@ -260,6 +260,29 @@ TEST(SpaceRegions, ComeWithTheLastFaceAndGoWithTheFirst) {
   EXPECT_EQ(RegionsOf(mesh->Snapshot()), std::set<RegionId>{0});
 }
 
+// Nearest to the walls that change are places inside: they have to know by how much they change.
+TEST(SpaceRegions, OfABoxFullOfPointsFollowItsFaces) {
+  constexpr std::uint64_t kSeed = 8;
+  SCOPED_TRACE("seed " + std::to_string(kSeed));
+  test::Random random(kSeed);
+  const Solid box = Box(1, 1000, {0.5, 0.5, 0.5}, 0.2, 0.4);
+  const auto mesh = *DynamicMesh::Create(Space());
+  EditBatch batch = AddAll(box.All());
+  for (FeatureId id = 100; id < 400; ++id) {
+    Place p;
+    for (double& c : p) c = 0.39 + 0.22 * random.Unit();
+    batch.push_back(Edit::Add(Feature::Point(id, p[0], p[1], p[2])));
+  }
+  ASSERT_TRUE(mesh->Apply(batch).ok());
+  const Mesh whole = mesh->Snapshot();
+  for (std::size_t i = 0; i < 6; ++i) {
+    ASSERT_TRUE(mesh->Apply({Edit::Remove(1000 + i)}).ok());
+    EXPECT_EQ(RegionsOf(mesh->Snapshot()), std::set<RegionId>{0});
+    ASSERT_TRUE(mesh->Apply({Edit::Add(box.Face(i))}).ok());
+    EXPECT_EQ(Difference(mesh->Snapshot(), whole), "");
+  }
+}
+
 // Two boxes that share a wall enclose nothing yet; those that share an edge are one surface.
 TEST(SpaceRegions, OfBoxesThatShareAWallOrAnEdge) {
   const Solid two = Box(1, 1000, {0.5, 0.5, 0.5}, 0.2, 0.4, 2);
