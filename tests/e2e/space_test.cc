@@ -190,9 +190,9 @@ std::vector<Bad> BadBatches() {
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
-  // A square at z = 0.8, and one upright through the box.
-  const EditBatch square = {point(301, 0.3, 0.3, 0.8), point(302, 0.6, 0.3, 0.8),
-                            point(303, 0.6, 0.6, 0.8), point(304, 0.3, 0.6, 0.8)};
+  // A long rectangle at z = 0.8, whose diagonals are steep, and a square upright through the box.
+  const EditBatch flat = {point(301, 0.3, 0.3, 0.8), point(302, 0.4, 0.3, 0.8),
+                          point(303, 0.4, 0.7, 0.8), point(304, 0.3, 0.7, 0.8)};
   const EditBatch upright = {point(301, 0.3, 0.4, 0.1), point(302, 0.6, 0.4, 0.1),
                              point(303, 0.6, 0.4, 0.9), point(304, 0.3, 0.4, 0.9)};
   const auto with = [](EditBatch batch, const Edit& edit) {
@@ -204,7 +204,7 @@ std::vector<Bad> BadBatches() {
       {{point(300, 0.5, 0.5, -inf)}, reason::kNotFinite, 300, Code::kInvalidArgument},
       {{point(300, 0.5, 0.5, 1.5)}, reason::kOutsideBox, 300, Code::kInvalidArgument},
       {{Edit::Move(107, 0.7, 0.7, nan)}, reason::kNotFinite, 107, Code::kInvalidArgument},
-      {{Edit::Move(107, 0.7, 0.7, 0.75)}, reason::kNonPlanar, 107, Code::kFailedPrecondition},
+      {{Edit::Move(107, 0.7, 0.7, 0.75)}, reason::kNonPlanar, 111, Code::kFailedPrecondition},
       {{point(300, 0.4, 0.4, 0.2)}, reason::kPointOnPolygon, 300, Code::kFailedPrecondition},
       {{point(300, 0.2, 0.2, 0.2)}, reason::kDuplicatePoint, 300, Code::kFailedPrecondition},
       {{point(300, 0.45, 0.2, 0.2)}, reason::kPointOnSegment, 300, Code::kFailedPrecondition},
@@ -213,11 +213,11 @@ std::vector<Bad> BadBatches() {
        reason::kSegmentMeetsPolygon,
        302,
        Code::kFailedPrecondition},
-      {with(square, polygon(310, {{301, 302, 304, 303}})), reason::kSegmentsCross, 310,
+      {with(flat, polygon(310, {{301, 302, 304, 303}})), reason::kSegmentsCross, 310,
        Code::kFailedPrecondition},
-      {with(square, polygon(310, {{301, 302}})), reason::kBadPolygon, 310, Code::kInvalidArgument},
-      {with(square, polygon(310, {{301, 302, 303, 399}})), reason::kUnknownEnd, 310,
-       Code::kNotFound},
+      {with(flat, polygon(310, {{301, 302}})), reason::kBadPolygon, 310, Code::kInvalidArgument},
+      {with(flat, polygon(310, {{301, 302, 303, 399}})), reason::kUnknownEnd, 310,
+       Code::kFailedPrecondition},
       {with(upright, polygon(310, {{301, 302, 303, 304}})), reason::kSegmentMeetsPolygon, 310,
        Code::kFailedPrecondition},
       {{polygon(310, {{100, 101, 103, 102}})},

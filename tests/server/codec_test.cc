@@ -337,6 +337,37 @@ TEST(EditCodec, EveryKindOfEditComesBack) {
   EXPECT_EQ(back, batch);
 }
 
+TEST(EditCodec, EveryKindOfEditOfSpaceComesBackWithItsZ) {
+  const EditBatch batch = {
+      Edit::Add(Feature::Point(1, 0.1, 0.2, -0.0)),
+      Edit::Set(Feature::Point(3, 1, 2, 1e-300)),
+      Edit::Move(5, 0.25, 0.75, 0.125),
+      Edit::Add(Feature::Segment(2, 1, 3)),
+      Edit::Add(Feature::Polygon(23, {{1, 3, 5}, {2, 4, 6}})),
+      Edit::Add(Feature::Size(20, {1, 2, 3}, {SizeShape::kPoint, 0.3, 0, {}})),
+      Edit::Add(Feature::Size(21, {1, 2, 3}, {SizeShape::kDisc, 0.3, 0.4, {}})),
+      Edit::Set(Feature::Size(22, {1, 2, 3}, {SizeShape::kBox, 0.3, 0, {4, 5, 6}})),
+      Edit::Set(Feature::SizePolygon(26, {{1, 3, 5}}, 0.3))};
+  google::protobuf::RepeatedPtrField<v1::Edit> wire;
+  for (const Edit& edit : batch) EncodeEdit(edit, 3, wire.Add());
+  EditBatch back;
+  ASSERT_TRUE(DecodeEdits(wire, 3, &back).ok());
+  EXPECT_EQ(back, batch);
+  // Every place needs its z, both corners of a box too.
+  for (const int i : {0, 1, 2, 5, 6, 7}) {
+    google::protobuf::RepeatedPtrField<v1::Edit> flat;
+    EncodeEdit(batch[static_cast<std::size_t>(i)], 2, flat.Add());
+    back.clear();
+    const absl::Status status = DecodeEdits(flat, 3, &back);
+    ASSERT_TRUE(GetServiceError(status).has_value()) << i;
+    EXPECT_EQ(GetServiceError(status)->reason, reason::kWrongDimension) << i;
+  }
+  v1::Edit* const box = wire.Mutable(7);
+  box->mutable_set()->mutable_size()->mutable_box()->mutable_hi()->clear_z();
+  back.clear();
+  EXPECT_FALSE(DecodeEdits(wire, 3, &back).ok());
+}
+
 TEST(EditCodec, PolygonsWeighByTheirPoints) {
   const Rings rings = {std::vector<FeatureId>(75, 1), std::vector<FeatureId>(5, 2)};
   google::protobuf::RepeatedPtrField<v1::Edit> edits;
@@ -402,6 +433,30 @@ TEST(OptionsCodec, ZerosAreDefaultsAndLimitsHold) {
   proto.set_quality(2);
   proto.set_dimension(7);
   EXPECT_EQ(DecodeOptions(proto, 100).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(OptionsCodec, OfSpaceHaveTheirOwnDefault) {
+  v1::MeshOptions proto;
+  proto.set_dimension(3);
+  proto.mutable_box()->mutable_lo()->set_x(-1);
+  proto.mutable_box()->mutable_hi()->set_x(2);
+  EXPECT_EQ(GetServiceError(DecodeOptions(proto, 1000).status())->field, "options.box");
+  proto.mutable_box()->mutable_lo()->set_z(-2);
+  proto.mutable_box()->mutable_hi()->set_z(3);
+  const auto options = DecodeOptions(proto, 1000);
+  ASSERT_TRUE(options.ok()) << options.status();
+  EXPECT_EQ(options->quality, kDefaultQuality3D);
+  EXPECT_EQ(options->box, (Box{{-1, 0, -2}, {2, 0, 3}}));
+  v1::MeshOptions back;
+  EncodeOptions(*options, &back);
+  EXPECT_EQ(*DecodeOptions(back, 1000), *options);
+  proto.set_quality(1.1);
+  EXPECT_FALSE(DecodeOptions(proto, 1000).ok());
+  proto.set_quality(1.9);
+  EXPECT_TRUE(DecodeOptions(proto, 1000).ok());
+  proto.set_criterion(v1::CRITERION_THESIS);
+  EXPECT_FALSE(DecodeOptions(proto, 1000).ok());
+  EXPECT_FALSE(DecodeOptions(back, 100).ok());  // too few vertices for the bare cube
 }
 
 TEST(StatusCodec, ALibraryErrorArrivesAsGoogleRpcDetails) {

@@ -102,19 +102,27 @@ TEST_F(SpaceCommands, InputOfSpaceIsReadByExtension) {
   EXPECT_TRUE(input->where(6).ends_with("m.off:8")) << input->where(6);
 }
 
-// A box in a box; the faces of the inner one are cut into triangles.
-constexpr char kBoxInBox[] =
-    "OFF\n16 18 0\n"
+// A box in a box; in the second, the faces of the inner one are cut into triangles.
+const std::string kTwoBoxes =
     "0 0 0\n4 0 0\n4 4 0\n0 4 0\n0 0 4\n4 0 4\n4 4 4\n0 4 4\n"
     "1 1 1\n3 1 1\n3 3 1\n1 3 1\n1 1 3\n3 1 3\n3 3 3\n1 3 3\n"
-    "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n"
+    "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n";
+const std::string kBoxInBox =
+    "OFF\n16 12 0\n" + kTwoBoxes +
+    "4 8 11 10 9\n4 12 13 14 15\n4 8 9 13 12\n4 9 10 14 13\n4 10 11 15 14\n4 11 8 12 15\n";
+const std::string kBoxInTriangles =
+    "OFF\n16 18 0\n" + kTwoBoxes +
     "3 8 11 10\n3 8 10 9\n3 12 13 14\n3 12 14 15\n3 8 9 13\n3 8 13 12\n"
     "3 9 10 14\n3 9 14 13\n3 10 11 15\n3 10 15 14\n3 11 8 12\n3 11 12 15\n";
 
 TEST_F(SpaceCommands, AMeshOfSpaceIsMadeJudgedAndMeasured) {
-  folder_.Write("box.off", kBoxInBox);
-  for (const std::string merged : {"", " --merge-coplanar"}) {
+  folder_.Write("box.off", kBoxInTriangles);
+  const Outcome sharp = Run("mesh box.off");
+  EXPECT_EQ(sharp.code, 2);
+  EXPECT_NE(sharp.err.find("an angle of 45 degrees"), std::string::npos) << sharp.err;
+  for (const std::string merged : {" --merge-coplanar", ""}) {
     SCOPED_TRACE(merged);
+    if (merged.empty()) folder_.Write("box.off", kBoxInBox);
     const Outcome made =
         Run("mesh box.off --json -o m.node -o m.vtu -o m.msh -o m.mesh -o m.svg" + merged);
     ASSERT_EQ(made.code, 0) << made.err;
