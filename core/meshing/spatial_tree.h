@@ -159,7 +159,10 @@ class SpatialTree {
         if (begin == end) continue;
       }
       if (node.child != kNone) {
-        ForEachChildIn(box, cell, [&](const Cell& child) { stack[top++] = {child, begin, end}; });
+        // clang 14 does not capture structured bindings by themselves.
+        ForEachChildIn(box, cell, [&, begin = begin, end = end](const Cell& child) {
+          stack[top++] = {child, begin, end};
+        });
         continue;
       }
       const std::span<const Ball> near(balls.data() + begin, end - begin);

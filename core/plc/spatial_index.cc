@@ -72,16 +72,21 @@ Slot SpatialIndex<D>::Insert(const SegmentFeature<D>& segment) {
 
 template <int D>
 Slot SpatialIndex<D>::Insert(const Facet& facet) requires(D == 3) {
-  const Slot slot = Put(facets_, free_facets_, GridFacet(facet, grid_));
-  InsertThingAt<GridFacet>(0, grid_.root(), slot);
+  Slot slot = {};
+  if constexpr (D == 3) {  // clang 14 instantiates it for the plane all the same
+    slot = Put(facets_, free_facets_, GridFacet(facet, grid_));
+    InsertThingAt<GridFacet>(0, grid_.root(), slot);
+  }
   return slot;
 }
 
 template <int D>
 void SpatialIndex<D>::EraseFacet(Slot slot) requires(D == 3) {
-  EraseThingAt<GridFacet>(0, grid_.root(), slot);
-  facets_[slot] = {};
-  free_facets_.push_back(slot);
+  if constexpr (D == 3) {
+    EraseThingAt<GridFacet>(0, grid_.root(), slot);
+    facets_[slot] = {};
+    free_facets_.push_back(slot);
+  }
 }
 
 template <int D>

@@ -7,6 +7,7 @@
 
 #include "dynmesh/error.h"
 #include "tests/differential/differential.h"
+#include "tests/support/polygon_script.h"
 
 namespace dynmesh::test {
 namespace {
@@ -36,13 +37,13 @@ int StopAgainAndAgain(LiveMesh<D>& mesh, const EditBatch& batch) {
   }
 }
 
-template <int D>
-void ExpectStopsToChangeNothing(Distribution distribution, int revisions) {
-  const std::uint64_t seed = 4;
-  SCOPED_TRACE("seed " + std::to_string(seed));
+constexpr std::uint64_t kSeed = 4;
+
+template <int D, class Generator>
+void ExpectStopsToChangeNothing(Generator generator, int revisions) {
+  SCOPED_TRACE("seed " + std::to_string(kSeed));
   MeshOptions options = DefaultsIn<D>();
   LiveMesh<D> mesh(options, AlwaysPropagate());
-  ScriptGenerator generator(distribution, 10, seed);
   int tried = 0;
   for (int revision = 0; revision < revisions;) {
     const EditBatch batch = generator.Next(mesh.Features());
@@ -60,15 +61,23 @@ class Abandon : public testing::TestWithParam<Distribution> {};
 
 TEST_P(Abandon, AtEveryOperationBringsTheFormerTraceBack) {
   if (DimensionOf(GetParam()) == 2) {
-    ExpectStopsToChangeNothing<2>(GetParam(), 5);
+    ExpectStopsToChangeNothing<2>(ScriptGenerator(GetParam(), 10, kSeed), 5);
   } else {
-    ExpectStopsToChangeNothing<3>(GetParam(), 2);
+    ExpectStopsToChangeNothing<3>(ScriptGenerator(GetParam(), 10, kSeed), 2);
   }
+}
+
+class AbandonPolygons : public testing::TestWithParam<PolygonKind> {};
+
+TEST_P(AbandonPolygons, AtAnyOperationBringsTheFormerTraceBack) {
+  ExpectStopsToChangeNothing<3>(PolygonScript(GetParam(), 2, kSeed), 3);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Abandon, testing::ValuesIn(kAllDistributions),
                          [](const auto& given) { return NameOf(given.param); });
 INSTANTIATE_TEST_SUITE_P(Space, Abandon, testing::ValuesIn(kSpaceDistributions),
+                         [](const auto& given) { return NameOf(given.param); });
+INSTANTIATE_TEST_SUITE_P(All, AbandonPolygons, testing::ValuesIn(kPolygonKinds),
                          [](const auto& given) { return NameOf(given.param); });
 
 template <class Dimension>

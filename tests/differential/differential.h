@@ -4,6 +4,7 @@
 #ifndef DYNMESH_TESTS_DIFFERENTIAL_DIFFERENTIAL_H_
 #define DYNMESH_TESTS_DIFFERENTIAL_DIFFERENTIAL_H_
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -109,15 +110,37 @@ struct RunReport {
   std::vector<EditBatch> script;  // up to the difference
 };
 
-// A random script of `revisions` applied batches, compared after each `every`.
-template <int D>
-RunReport RunScriptIn(Distribution d, int n, const MeshOptions& options, std::uint64_t seed,
-                      int revisions, int every, int most_operations) {
+// How a script is run: `revisions` applied batches, compared after each `every`, with the static
+// path after each `every_static`, and after each `every_judged` and the last looked at by `judge`,
+// which says what is wrong.
+struct RunPlan {
+  int revisions = 1;
+  int every = 1, every_static = 1, every_judged = 50;
+  int most_operations = 1'000'000;  // of a batch
+  std::function<std::string(const DynamicMesh&)> judge;
+};
+
+// After so many revisions.
+inline Difference CheckByPlan(const DynamicMesh& mesh, int revisions, const RunPlan& plan) {
+  if (revisions % plan.every == 0) {
+    const Difference d =
+        CompareWithScratch(mesh, revisions % 2 == 0, revisions % plan.every_static == 0);
+    if (d.found) return d;
+  }
+  if (plan.judge && (revisions % plan.every_judged == 0 || revisions == plan.revisions)) {
+    const std::string problem = plan.judge(mesh);
+    return {!problem.empty(), problem};
+  }
+  return {};
+}
+
+// A random script.
+template <int D, class Generator>
+RunReport RunScriptOf(Generator generator, const MeshOptions& options, const RunPlan& plan) {
   LiveMesh<D> mesh(options, AlwaysPropagate());
   Replica replica(mesh);
-  ScriptGenerator generator(d, n, seed);
   RunReport report;
-  while (report.revisions < revisions && report.refused < 50 * revisions) {
+  while (report.revisions < plan.revisions && report.refused < 50 * plan.revisions) {
     const EditBatch batch = generator.Next(mesh.Features());
     if (batch.empty()) continue;
     const MeshHash before = mesh.hash();
@@ -129,7 +152,7 @@ RunReport RunScriptIn(Distribution d, int n, const MeshOptions& options, std::ui
     absl::StatusOr<MeshDiff> diff;
     try {
       diff = mesh.Apply(batch, [&] {
-        if (++operations > most_operations) throw NeverEnds{};
+        if (++operations > plan.most_operations) throw NeverEnds{};
         return false;
       });
     } catch (NeverEnds) {
@@ -147,9 +170,7 @@ RunReport RunScriptIn(Distribution d, int n, const MeshOptions& options, std::ui
     }
     ++report.revisions;
     report.difference = replica.Follow(*diff, mesh);
-    if (report.difference.found) return report;
-    if (report.revisions % every != 0) continue;
-    report.difference = CompareWithScratch(mesh, report.revisions % 2 == 0);
+    if (!report.difference.found) report.difference = CheckByPlan(mesh, report.revisions, plan);
     if (report.difference.found) return report;
   }
   return report;
@@ -157,8 +178,12 @@ RunReport RunScriptIn(Distribution d, int n, const MeshOptions& options, std::ui
 
 inline RunReport RunScript(Distribution d, int n, const MeshOptions& options, std::uint64_t seed,
                            int revisions, int every = 1, int most_operations = 1'000'000) {
+  RunPlan plan;
+  plan.revisions = revisions;
+  plan.every = every;
+  plan.most_operations = most_operations;
   return InDimension(options.dimension, [&](auto dimension) {
-    return RunScriptIn<dimension()>(d, n, options, seed, revisions, every, most_operations);
+    return RunScriptOf<dimension()>(ScriptGenerator(d, n, seed), options, plan);
   });
 }
 
@@ -171,7 +196,8 @@ inline RunReport RunScript(Distribution d, int n, double quality, std::uint64_t 
 }
 
 // Does the script, batch by batch, lead to a difference at its end or before?
-inline Difference Replay(const std::vector<EditBatch>& script, const MeshOptions& options) {
+inline Difference Replay(const std::vector<EditBatch>& script, const MeshOptions& options,
+                         const RunPlan& plan = {}) {
   const auto mesh = InDimension(options.dimension, [&](auto d) -> std::unique_ptr<DynamicMesh> {
     return std::make_unique<LiveMesh<d()>>(options, AlwaysPropagate());
   });
@@ -183,18 +209,21 @@ inline Difference Replay(const std::vector<EditBatch>& script, const MeshOptions
     for (const bool local : {false, true}) {
       if (const Difference d = CompareWithScratch(*mesh, local); d.found) return d;
     }
+    if (!plan.judge) continue;
+    if (const std::string problem = plan.judge(*mesh); !problem.empty()) return {true, problem};
   }
   return {};
 }
 
 // Leaves out batches and edits as long as a difference stays.
-inline std::vector<EditBatch> Shrink(std::vector<EditBatch> script, const MeshOptions& options) {
+inline std::vector<EditBatch> Shrink(std::vector<EditBatch> script, const MeshOptions& options,
+                                     const RunPlan& plan = {}) {
   for (bool smaller = true; smaller;) {
     smaller = false;
     for (std::size_t i = script.size(); i-- > 0;) {
       std::vector<EditBatch> less = script;
       less.erase(less.begin() + static_cast<std::ptrdiff_t>(i));
-      if (Replay(less, options).found) {
+      if (Replay(less, options, plan).found) {
         script = std::move(less);
         smaller = true;
       }
@@ -205,7 +234,7 @@ inline std::vector<EditBatch> Shrink(std::vector<EditBatch> script, const MeshOp
           std::vector<EditBatch> less = script;
           less[i].erase(less[i].begin() + static_cast<std::ptrdiff_t>(j),
                         less[i].begin() + static_cast<std::ptrdiff_t>(j + chunk));
-          if (Replay(less, options).found) {
+          if (Replay(less, options, plan).found) {
             script = std::move(less);
             smaller = true;
           } else {

@@ -9,6 +9,7 @@
 
 #include "tests/differential/differential.h"
 #include "tests/support/asked.h"
+#include "tests/support/polygon_script.h"
 #include "tests/support/same_diff.h"
 
 namespace dynmesh::test {
@@ -115,11 +116,10 @@ LiveMeshTuning AlwaysLook() {
 }
 
 // Looked at, found large and built anew: the same diffs.
-template <int D>
-void ExpectLookedAtIsPropagated(Distribution d, int batches) {
-  SCOPED_TRACE(NameOf(d));
+template <int D, class Generator>
+void ExpectLookedAtIsPropagated(const std::string& name, Generator generator, int batches) {
+  SCOPED_TRACE(name);
   LiveMesh<D> looked(DefaultsIn<D>(), AlwaysLook()), propagated(DefaultsIn<D>(), AlwaysPropagate());
-  ScriptGenerator generator(d, 40, 8);
   int applied = 0;
   for (int i = 0; i < batches; ++i) {
     const EditBatch batch = generator.Next(propagated.Features());
@@ -136,8 +136,15 @@ void ExpectLookedAtIsPropagated(Distribution d, int batches) {
 }
 
 TEST(Rebuild, AfterALookIsPropagation) {
-  for (const Distribution d : kAllDistributions) ExpectLookedAtIsPropagated<2>(d, 15);
-  for (const Distribution d : kSpaceDistributions) ExpectLookedAtIsPropagated<3>(d, 3);
+  for (const Distribution d : kAllDistributions) {
+    ExpectLookedAtIsPropagated<2>(NameOf(d), ScriptGenerator(d, 40, 8), 15);
+  }
+  for (const Distribution d : kSpaceDistributions) {
+    ExpectLookedAtIsPropagated<3>(NameOf(d), ScriptGenerator(d, 40, 8), 3);
+  }
+  for (const PolygonKind kind : kPolygonKinds) {
+    ExpectLookedAtIsPropagated<3>(NameOf(kind), PolygonScript(kind, 2, 8), 4);
+  }
 }
 
 // Too many vertices: found out while building anew, and undone.

@@ -22,13 +22,12 @@ struct Target {
 };
 
 constexpr Target kTargets[] = {
-    {"edit_script", &FuzzEditScript},
-    {"planar_input", &FuzzPlanarInput},
+    {"edit_script", &FuzzEditScript}, {"planar_input", &FuzzPlanarInput},
     {"space_input", &FuzzSpaceInput},
 #ifdef DYNMESH_FUZZ_MESH_FILES
     {"mesh_files", &FuzzMeshFiles},
 #endif
-    {"batches", &FuzzBatches},
+    {"batches", &FuzzBatches},        {"space_batches", &FuzzSpaceBatches},
 };
 
 std::vector<std::filesystem::path> FilesOf(const char* target) {

@@ -26,9 +26,10 @@ std::string FuzzSpaceInput(std::string_view bytes);
 // must survive conversion, measuring and the judge.
 std::string FuzzMeshFiles(std::string_view bytes);
 
-// Batches of edits, packed (batches_fuzz.cc). A refused one must change nothing; after the
-// others mesh and trace must be those of a run from scratch.
+// Batches of edits, packed (batches.h), in the plane and in space. A refused one must change
+// nothing; after the others mesh and trace must be those of a run from scratch.
 std::string FuzzBatches(std::string_view bytes);
+std::string FuzzSpaceBatches(std::string_view bytes);
 
 }  // namespace dynmesh::fuzz
 

@@ -1,0 +1,143 @@
+// The promises in space, with polygons: after every revision of random scripts the dynamic mesh
+// is, in mesh and complete trace, what its features make from scratch, a replica that follows the
+// diffs has it, and the judge of mesh files, which shares no code with the mesher, finds nothing.
+//
+// DYNMESH_NIGHTLY=1 runs the long setting (20,000 revisions).
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "client/cli/verify.h"
+#include "core/io/indexed_mesh.h"
+#include "tests/differential/differential.h"
+#include "tests/support/asked.h"
+#include "tests/support/polygon_script.h"
+
+namespace dynmesh::test {
+namespace {
+
+bool IsNightly() {
+  const char* set = std::getenv("DYNMESH_NIGHTLY");
+  return set != nullptr && *set != '\0' && *set != '0';
+}
+
+// What the judge finds wrong with the mesh; empty if nothing.
+std::string Judge(const DynamicMesh& mesh) {
+  const Mesh snapshot = mesh.Snapshot();
+  const std::vector<Feature> features = mesh.Features();
+  io::MeshFiles files;
+  files.mesh = io::IndexMesh(snapshot).value();
+  files.recorded_hash = snapshot.hash;
+  const cli::VerifyReport report = cli::VerifyMesh(files, mesh.options().quality, &features);
+  std::string wrong;
+  for (const cli::VerifyCheck& check : report.checks) {
+    if (check.failures > 0) wrong += check.name + ": " + check.examples.front() + "\n";
+  }
+  return report.Passed() ? "" : "the judge: " + wrong;
+}
+
+MeshOptions OptionsOf(const Asked& asked) {
+  MeshOptions options = DefaultsIn<3>();
+  options.quality = asked.quality;
+  options.criterion = asked.criterion;
+  return options;
+}
+
+using Given = std::tuple<PolygonKind, int>;
+class PolygonHistory : public testing::TestWithParam<Given> {};
+
+// Scripts of `revisions` revisions around that many solids.
+struct Setting {
+  int solids, revisions, scripts;
+};
+
+TEST_P(PolygonHistory, DynamicIsFromScratchAndGoodAfterEveryRevision) {
+  const auto [kind, asked] = GetParam();
+  const MeshOptions options = OptionsOf(kAskedInSpace[asked]);
+  const std::uint64_t base = IsNightly() ? 77'000 : 1'000;
+  for (const Setting& s : IsNightly() ? std::vector<Setting>{{1, 100, 4}, {3, 100, 5}, {8, 100, 2}}
+                                      : std::vector<Setting>{{1, 18, 1}, {3, 10, 1}}) {
+    for (int k = 0; k < s.scripts; ++k) {
+      const std::uint64_t seed =
+          base + 100 * static_cast<std::uint64_t>(s.solids) + static_cast<std::uint64_t>(k);
+      SCOPED_TRACE(NameOf(kind) + " solids " + std::to_string(s.solids) + " seed " +
+                   std::to_string(seed));
+      RunPlan plan;
+      plan.revisions = s.revisions;
+      plan.every_static = 4;
+      plan.judge = &Judge;
+      const RunReport run = RunScriptOf<3>(PolygonScript(kind, s.solids, seed), options, plan);
+      if (run.difference.found) {
+        FAIL() << run.difference.what << "\nshrunk script:\n"
+               << ToScript(options, Shrink(run.script, options, plan));
+      }
+      EXPECT_EQ(run.revisions, s.revisions) << "too many proposals were refused";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PolygonHistory,
+                         testing::Combine(testing::ValuesIn(kPolygonKinds),
+                                          testing::Range(0, kAskedInSpaceCount)),
+                         [](const auto& given) {
+                           return NameOf(std::get<0>(given.param)) +
+                                  kAskedInSpace[std::get<1>(given.param)].name;
+                         });
+
+// Boxes in a grid, all faces there; `turned`: of box `k`, so many steps of a turn about z.
+std::vector<Feature> BoxAt(FeatureId k, int side, int turned) {
+  const Solid box = MakeCuboid(0.25, 0.25, 0.25);
+  const auto i = static_cast<int>(k);
+  const double cell = 1.0 / side, c = std::cos(0.1 * turned), s = std::sin(0.1 * turned);
+  const std::array<double, 3> at = {(i % side + 0.5) * cell, (i / side % side + 0.5) * cell,
+                                    (i / (side * side) + 0.5) * cell};
+  std::vector<Feature> features;
+  const FeatureId base = 1000 * (k + 1);
+  for (std::size_t p = 0; p < box.corners.size(); ++p) {
+    const auto& [x, y, z] = box.corners[p];
+    features.push_back(Feature::Point(base + p, at[0] + cell * (c * x - s * y),
+                                      at[1] + cell * (s * x + c * y), at[2] + cell * z));
+  }
+  for (std::size_t f = 0; f < box.faces.size(); ++f) {
+    Rings rings = box.faces[f][0];
+    for (FeatureId& corner : rings[0]) corner += base;
+    features.push_back(Feature::Polygon(base + 500 + f, rings));
+  }
+  return features;
+}
+
+// The box in the middle of 125 turns at the same cost as that of 27, in operations.
+TEST(PolygonWork, OfABoxDoesNotGrowWithTheInput) {
+  std::vector<double> executed;
+  for (const int side : {3, 5}) {
+    const auto middle = static_cast<FeatureId>(side * side * side / 2);
+    std::vector<Feature> all;
+    for (FeatureId k = 0; k < static_cast<FeatureId>(side * side * side); ++k) {
+      for (const Feature& f : BoxAt(k, side, 0)) all.push_back(f);
+    }
+    LiveMesh<3> edited(DefaultsIn<3>(), AlwaysPropagate());
+    ASSERT_TRUE(edited.Apply(AddAll(all), ApplyOptions{}).ok());
+    double sum = 0;
+    for (int turn = 1; turn <= 8; ++turn) {
+      EditBatch batch;
+      for (const Feature& f : BoxAt(middle, side, turn)) {
+        if (f.kind == FeatureKind::kPoint) batch.push_back({Edit::Action::kMove, f});
+      }
+      const auto diff = edited.Apply(batch, ApplyOptions{});
+      ASSERT_TRUE(diff.ok()) << diff.status();
+      sum += static_cast<double>(diff->work.executed);
+    }
+    executed.push_back(sum / 8);
+    RecordProperty("executed_" + std::to_string(side * side * side), std::to_string(sum / 8));
+  }
+  EXPECT_GT(executed[0], 10);
+  EXPECT_LT(executed[1], 1.5 * executed[0]);
+}
+
+}  // namespace
+}  // namespace dynmesh::test
