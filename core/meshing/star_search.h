@@ -269,16 +269,27 @@ void Refinement<D, E>::SeedStar(Context& context, VertexIndex v) {
     }
   }
   if (offers_.empty()) {
-    // A little more than the lengths of this bucket; in space, more if that is too few.
+    // The nearest few within a little more than the lengths of this bucket; in space, within
+    // more if these are too few. Where sizes are asked for, there may be thousands.
     double r2 = 2.25 * LeastOfBucket(BucketOfEpoch(context.epoch) + 1);
-    constexpr std::size_t kEnough = D == 2 ? 0 : 16;
+    constexpr std::size_t kEnough = D == 2 ? 0 : 16, kMost = 32;
     const double most2 = 10 * r2;
     do {
-      offers_.clear();
-      tree_.VisitBall(vertices_[v].p, r2,
-                      [&](std::uint32_t id, const Point&, double) { offers_.push_back(id); });
+      by_distance_.clear();
+      double within2 = r2;
+      tree_.VisitBall(vertices_[v].p, within2, [&](std::uint32_t id, const Point&, double d2) {
+        if (id == v || !context.Sees(vertices_[id].birth)) return;
+        if (by_distance_.size() == kMost) {
+          std::pop_heap(by_distance_.begin(), by_distance_.end());
+          by_distance_.pop_back();
+        }
+        by_distance_.emplace_back(d2, id);
+        std::push_heap(by_distance_.begin(), by_distance_.end());
+        if (by_distance_.size() == kMost) within2 = by_distance_.front().first;
+      });
       r2 *= 2;
-    } while (offers_.size() < kEnough && r2 < most2);
+    } while (by_distance_.size() < kEnough && r2 < most2);
+    for (const auto& [d2, id] : by_distance_) offers_.push_back(id);
   }
   if (D == 3) SortByDistance(&offers_);
   for (const std::uint32_t id : offers_) Offer(context, id);
