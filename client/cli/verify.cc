@@ -122,9 +122,9 @@ void CheckPlane(const io::MeshFiles& files, double rho, VerifyReport& report) {
   report.checks.push_back(CheckQuality(mesh, rho, report));
 }
 
-void CheckSpace(const io::MeshFiles& files, double rho, VerifyReport& report) {
+void CheckSpace(const io::MeshFiles& files, const std::vector<Face>& faces, double rho,
+                VerifyReport& report) {
   const io::IndexedMesh& mesh = files.mesh;
-  const std::vector<Face> faces = CollectFaces(mesh);
   report.checks.push_back(CheckManifold(mesh, faces));
   report.checks.push_back(CheckBox(mesh, faces));
   report.checks.push_back(CheckDelaunay(mesh, faces));
@@ -150,8 +150,9 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
   // Exact predicates know no NaN; no file holds one, but callers might.
   if (!AllFinite(mesh)) return report;
   report.checks.push_back(CheckOrientation(mesh));
+  const std::vector<Face> faces = in_space ? CollectFaces(mesh) : std::vector<Face>();
   if (in_space) {
-    CheckSpace(files, rho, report);
+    CheckSpace(files, faces, rho, report);
   } else {
     CheckPlane(files, rho, report);
   }
@@ -161,7 +162,7 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
     report.checks.push_back(CheckInput(mesh, *features, &chains));
     if (in_space) {
       report.checks.push_back(CheckFacets(mesh, *features, chains));
-      report.checks.push_back(CheckRegions(mesh, CollectFaces(mesh), *features));
+      report.checks.push_back(CheckRegions(mesh, faces, *features));
     } else {
       report.checks.push_back(CheckRegions(mesh, *features));
     }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -120,6 +121,17 @@ VerifyCheck CheckFacets(const io::IndexedMesh& mesh, const std::vector<Feature>&
                         const Chains& chains);
 VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& faces,
                          const std::vector<Feature>& features);
+
+// Of a simplex: circumradius over shortest edge, and angles in degrees, dihedral in space. As
+// given if it is flat or turned inside out.
+struct Shape {
+  double ratio = std::numeric_limits<double>::infinity();
+  double shortest = 0;
+  double min_angle = 0;
+  double max_angle = 180;
+};
+// Enters it into the measures of the report.
+void Record(const Shape& shape, VerifyReport& report);
 
 // The spacing of doubles at the largest coordinate of the mesh.
 double LargestUlp(const io::IndexedMesh& mesh);

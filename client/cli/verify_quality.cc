@@ -15,13 +15,6 @@
 namespace dynmesh::cli {
 namespace {
 
-struct Shape {
-  double ratio = std::numeric_limits<double>::infinity();
-  double shortest = 0;
-  double min_angle = 0;
-  double max_angle = 180;
-};
-
 Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
   using Real = long double;
   const auto& a = mesh.vertices[t[0]];
@@ -188,6 +181,12 @@ double Slack(double shortest, double ulp) {
   return 2e-9 + 8 * ulp / below;
 }
 
+void Record(const Shape& shape, VerifyReport& report) {
+  report.worst_radius_edge = std::max(report.worst_radius_edge, shape.ratio);
+  report.min_angle_deg = std::min(report.min_angle_deg, shape.min_angle);
+  report.max_angle_deg = std::max(report.max_angle_deg, shape.max_angle);
+}
+
 VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report) {
   Findings findings("quality");
   const double ulp = LargestUlp(mesh);
@@ -196,9 +195,7 @@ VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& 
   report.min_angle_deg = mesh.triangles.empty() ? 0 : 180;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const Shape shape = Measure(mesh, mesh.triangles[t]);
-    report.worst_radius_edge = std::max(report.worst_radius_edge, shape.ratio);
-    report.min_angle_deg = std::min(report.min_angle_deg, shape.min_angle);
-    report.max_angle_deg = std::max(report.max_angle_deg, shape.max_angle);
+    Record(shape, report);
     if (shape.ratio <= rho * (1 + Slack(shape.shortest, ulp))) continue;
     ++report.over_rho;
     long double shortest = 0;

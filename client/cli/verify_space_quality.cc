@@ -26,13 +26,6 @@ Vector Cross(const Vector& u, const Vector& v) {
 }
 Real Norm(const Vector& u) { return std::hypot(u[0], u[1], u[2]); }
 
-struct Shape {
-  double ratio = std::numeric_limits<double>::infinity();
-  double shortest = 0;
-  double min_angle = 0;
-  double max_angle = 180;
-};
-
 // The ratio squared; infinity if flat or turned inside out.
 Real ExactRatioSquared(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t) {
   std::array<ExactKernel::Point_3, 4> p;
@@ -117,9 +110,7 @@ VerifyCheck CheckSpaceQuality(const io::IndexedMesh& mesh, double rho, VerifyRep
   report.min_angle_deg = mesh.tetrahedra.empty() ? 0 : 180;
   for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     const Shape shape = Measure(mesh, mesh.tetrahedra[t]);
-    report.worst_radius_edge = std::max(report.worst_radius_edge, shape.ratio);
-    report.min_angle_deg = std::min(report.min_angle_deg, shape.min_angle);
-    report.max_angle_deg = std::max(report.max_angle_deg, shape.max_angle);
+    Record(shape, report);
     if (shape.ratio <= rho * (1 + Slack(shape.shortest, ulp))) continue;
     ++report.over_rho;
     findings.Add(

@@ -57,21 +57,11 @@ bool IsCorner(const Point3& p, const Wall<3>& wall) {
 }  // namespace
 
 Wall<3>::Wall(std::vector<geometry::Ring3> its_rings, std::vector<FeatureId> its_owners)
-    : rings(std::move(its_rings)),
-      owners(std::move(its_owners)),
-      plane(geometry::PlaneOf(rings)),
-      thickness(0),
-      lo(plane.origin),
-      hi(plane.origin) {
-  for (const geometry::Ring3& ring : rings) {
-    for (const Point3& p : ring) {
-      thickness = std::max(thickness, 2 * std::fabs(plane.Height(p)));
-      for (int k = 0; k < 3; ++k) {
-        lo[k] = std::min(lo[k], p[k]);
-        hi[k] = std::max(hi[k], p[k]);
-      }
-    }
-  }
+    : rings(std::move(its_rings)), owners(std::move(its_owners)), plane(geometry::PlaneOf(rings)) {
+  const geometry::FacetBounds bounds = geometry::BoundsOf(rings, plane);
+  thickness = 2 * bounds.deviation;
+  lo = bounds.lo;
+  hi = bounds.hi;
 }
 
 std::optional<bool> RayCrosses(int, const Point2& p, const Wall<2>& wall) {

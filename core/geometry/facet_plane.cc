@@ -45,6 +45,20 @@ FacetPlane PlaneOf(std::span<const Ring3> rings) {
   return plane;
 }
 
+FacetBounds BoundsOf(std::span<const Ring3> rings, const FacetPlane& plane) {
+  FacetBounds bounds{plane.origin, plane.origin, 0};
+  for (const Ring3& ring : rings) {
+    for (const Point3& p : ring) {
+      bounds.deviation = std::max(bounds.deviation, std::fabs(plane.Height(p)));
+      for (int k = 0; k < 3; ++k) {
+        bounds.lo[k] = std::min(bounds.lo[k], p[k]);
+        bounds.hi[k] = std::max(bounds.hi[k], p[k]);
+      }
+    }
+  }
+  return bounds;
+}
+
 bool IsInside(std::span<const Ring3> rings, const FacetPlane& plane, const Point3& p) {
   const int x = (plane.axis + 1) % 3, y = (plane.axis + 2) % 3;
   bool inside = false;

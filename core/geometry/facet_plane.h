@@ -34,6 +34,13 @@ struct FacetPlane {
 // O(corners).
 FacetPlane PlaneOf(std::span<const Ring3> rings);
 
+// How far the rings reach along the axes, and off the plane.
+struct FacetBounds {
+  Point3 lo = {}, hi = {};
+  double deviation = 0;  // of the corner farthest from the plane
+};
+FacetBounds BoundsOf(std::span<const Ring3> rings, const FacetPlane& plane);
+
 // Is p, near the plane, inside? Near an edge rounding decides. O(corners).
 bool IsInside(std::span<const Ring3> rings, const FacetPlane& plane, const Point3& p);
 

@@ -39,10 +39,6 @@ void CellCut::Begin(const SpaceStar& star) {
   std::sort(neighbours_.begin(), neighbours_.end(), [](const auto* a, const auto* b) {
     return a->d2 != b->d2 ? a->d2 < b->d2 : a->p < b->p;
   });
-  far2_ = 0;
-  for (const auto& corner : star.corners()) {
-    far2_ = std::max(far2_, corner.error < star.reach() ? corner.r2 : INFINITY);
-  }
 }
 
 // Keeps what has a x + b y <= c.
@@ -94,7 +90,6 @@ std::optional<CellCut::Cut> CellCut::Of(const Facet& facet) {
   const Point3& p = star_->position();
   const Vector3& normal = facet.plane().normal;
   const double height = facet.plane().Height(p);
-  if (height * height > far2_ * (1 + 1e-6)) return std::nullopt;
   const auto [x, y] = AxesOf(facet.plane());
   const double side = 2 * star_->reach();
   polygon_ = {{-side, -side}, {side, -side}, {side, side}, {-side, side}};

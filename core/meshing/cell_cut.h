@@ -46,7 +46,6 @@ class CellCut {
   double Area2() const;
 
   const SpaceStar* star_ = nullptr;
-  double far2_ = 0;                                      // squared, of the cell's corners, at most
   std::vector<const SpaceStar::Neighbour*> neighbours_;  // in an order that depends on them alone
   std::vector<Place> polygon_, clipped_;
 };

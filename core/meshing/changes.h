@@ -292,19 +292,28 @@ bool Refinement<D, E>::ConflictsWithLink(std::span<const std::uint32_t> words, c
 
 // --- Sizing ---------------------------------------------------------------------------
 
-// Sizing features are there from the beginning or not at all.
+// What stands outside the time of the trace is there from the beginning or not at all. Tells those
+// who read in cells that meet the box, if keep(centre, half the side) of the cell, and to whom it
+// matters(operation).
 template <int D, template <class> class E>
-void Refinement<D, E>::NotifyOfSizing(const SizingRegion<D>& region) {
+template <class Keep, class Matters>
+void Refinement<D, E>::NotifyFromBeginning(const Extent<D>& box, Keep keep, Matters matters) {
   if constexpr (kTraced) {
     if (!engine_.AnyAfter(engine_.beginning())) return;
-    Extent<D> box = Extent<D>::Nothing();
-    box.AddBall(region.lo, region.radius);
-    box.AddBall(region.hi, region.radius);
-    tree_.VisitBox(box, [&](sac::Place place) {
-      engine_.Notify(place, engine_.beginning(), sac::kNoStamp,
-                     [&](sac::OpId op) { return SizingMatters(op, region); });
+    tree_.VisitBoxIf(box, keep, [&](sac::Place place) {
+      engine_.Notify(place, engine_.beginning(), sac::kNoStamp, matters);
     });
   }
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::NotifyOfSizing(const SizingRegion<D>& region) {
+  Extent<D> box = Extent<D>::Nothing();
+  box.AddBall(region.lo, region.radius);
+  box.AddBall(region.hi, region.radius);
+  NotifyFromBeginning(
+      box, [](const Point&, double) { return true; },
+      [&](sac::OpId op) { return SizingMatters(op, region); });
 }
 
 // May a ball that `op` looked at be too large for the region? As it made points, it looked

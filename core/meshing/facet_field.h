@@ -74,24 +74,21 @@ template <class Position>
 Facet::Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot feature,
              Position position)
     : feature_(feature) {
-  Extent<3> box = Extent<3>::Nothing();
   for (const std::vector<VertexIndex>& ring : rings) {
     auto& places = rings_.emplace_back();
     for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
       places.push_back(position(ring[i]));
-      box.AddBall(places.back(), 0);
       corners_.push_back(ring[i]);
       edges_.push_back(std::minmax(ring[i], ring[j]));
     }
   }
-  lo.c = box.lo;
-  hi.c = box.hi;
   std::sort(corners_.begin(), corners_.end());
   std::sort(edges_.begin(), edges_.end());
   plane_ = geometry::PlaneOf(rings_);
-  for (const auto& ring : rings_) {
-    for (const Point& p : ring) margin_ = std::max(margin_, 2 * std::fabs(plane_.Height(p)));
-  }
+  const geometry::FacetBounds bounds = geometry::BoundsOf(rings_, plane_);
+  lo = bounds.lo;
+  hi = bounds.hi;
+  margin_ = 2 * bounds.deviation;
 }
 
 class FacetField {

@@ -26,9 +26,8 @@ inline constexpr double kNearFacet = 0.7;
 // The ends of the input segment that v, of containing dimension 1, lies on.
 template <int D, template <class> class E>
 Facet::Edge Refinement<D, E>::SegmentOf(VertexIndex v) const {
-  SubsegmentIndex parent = vertices_[v].creator;
-  if constexpr (kTraced) parent = engine_.item(parent);
-  return std::minmax(subsegments_[parent].whole_a, subsegments_[parent].whole_b);
+  const Subsegment& split = SplitAt(v);
+  return std::minmax(split.whole_a, split.whole_b);
 }
 
 template <int D, template <class> class E>
@@ -183,14 +182,10 @@ void Refinement<D, E>::RemoveFacet(FacetIndex index) {
 template <int D, template <class> class E>
 void Refinement<D, E>::NotifyOfFacet(const Facet& facet) {
   if constexpr (kTraced && D == 3) {
-    if (!engine_.AnyAfter(engine_.beginning())) return;
-    const auto meets = [&](const Point& centre, double half) {
-      return facet.MayMeet(centre, 1.7321 * half);
-    };
-    tree_.VisitBoxIf({facet.lo.c, facet.hi.c}, meets, [&](sac::Place place) {
-      engine_.Notify(place, engine_.beginning(), sac::kNoStamp,
-                     [&](sac::OpId op) { return FacetMatters(op, facet); });
-    });
+    NotifyFromBeginning(
+        {facet.lo.c, facet.hi.c},
+        [&](const Point& centre, double half) { return facet.MayMeet(centre, 1.7321 * half); },
+        [&](sac::OpId op) { return FacetMatters(op, facet); });
   }
 }
 

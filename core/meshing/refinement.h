@@ -232,6 +232,7 @@ class Refinement {
     double distance;          // from the apex
   };
   std::pair<Point, std::array<Piece, 2>> SplitOf(const Subsegment& s) const;
+  const Subsegment& SplitAt(VertexIndex v) const;
   std::optional<Shell> ShellOf(VertexIndex v) const;
   bool IsSeditious(VertexIndex v, VertexIndex u) const;
 
@@ -331,6 +332,8 @@ class Refinement {
   void NotifyOfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
   bool AsksForSubsegments(sac::OpId op) const;
   bool SubsegmentMatters(sac::OpId op, const Subsegment& s) const;
+  template <class Keep, class Matters>
+  void NotifyFromBeginning(const Extent<D>& box, Keep keep, Matters matters);
   void NotifyOfSizing(const SizingRegion<D>& region);
   bool SizingMatters(sac::OpId op, const SizingRegion<D>& region) const;
   void SetExposed(SubsegmentIndex s, sac::Stamp at);

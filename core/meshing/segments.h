@@ -168,14 +168,19 @@ std::pair<geometry::Point<D>, std::array<Piece, 2>> Refinement<D, E>::SplitOf(
   return {geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p), {}};
 }
 
+// What was split at v, of containing dimension 1.
+template <int D, template <class> class E>
+const Subsegment<D>& Refinement<D, E>::SplitAt(VertexIndex v) const {
+  SubsegmentIndex parent = vertices_[v].creator;
+  if constexpr (kTraced) parent = engine_.item(parent);
+  return subsegments_[parent];
+}
+
 // The shell that v lies on, if it was put there by a split.
 template <int D, template <class> class E>
 std::optional<typename Refinement<D, E>::Shell> Refinement<D, E>::ShellOf(VertexIndex v) const {
-  const Vertex& vertex = vertices_[v];
-  if (vertex.dimension != 1) return std::nullopt;
-  SubsegmentIndex parent = vertex.creator;
-  if constexpr (kTraced) parent = engine_.item(vertex.creator);
-  const Subsegment& s = subsegments_[parent];
+  if (vertices_[v].dimension != 1) return std::nullopt;
+  const Subsegment& s = SplitAt(v);
   if (s.piece.rule != Piece::Rule::kShells) return std::nullopt;
   const bool from_b = s.piece.from_b;
   return Shell{from_b ? s.whole_b : s.whole_a, from_b ? s.whole_a : s.whole_b,

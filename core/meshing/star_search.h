@@ -289,9 +289,11 @@ void Refinement<D, E>::SeedStar(Context& context, VertexIndex v) {
       });
       r2 *= 2;
     } while (by_distance_.size() < kEnough && r2 < most2);
+    std::sort_heap(by_distance_.begin(), by_distance_.end());
     for (const auto& [d2, id] : by_distance_) offers_.push_back(id);
+  } else if constexpr (D == 3) {
+    SortByDistance(&offers_);
   }
-  if (D == 3) SortByDistance(&offers_);
   for (const std::uint32_t id : offers_) Offer(context, id);
   if (newborn) OfferBeyondNeighbours(context);
 }

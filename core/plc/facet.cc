@@ -27,18 +27,14 @@ bool IsBetween(const Point2& u, const Point2& v, const Point2& w) {
 }  // namespace
 
 Facet::Facet(FacetFeature feature)
-    : feature_(std::move(feature)), plane_(geometry::PlaneOf(feature_.places)) {
+    : feature_(std::move(feature)),
+      plane_(geometry::PlaneOf(feature_.places)),
+      bounds_(geometry::BoundsOf(feature_.places, plane_)) {
   const auto& places = feature_.places;
-  lo_ = hi_ = places.front().front();
   for (std::size_t r = 0; r < places.size(); ++r) {
     double area = 0;  // twice that of the shadow
     for (std::size_t i = 0; i < places[r].size(); ++i) {
       corners_.push_back({feature_.rings[r][i], r, i});
-      deviation_ = std::max(deviation_, std::abs(plane_.Height(places[r][i])));
-      for (int k = 0; k < 3; ++k) {
-        lo_[k] = std::min(lo_[k], places[r][i][k]);
-        hi_[k] = std::max(hi_[k], places[r][i][k]);
-      }
       if (i < 2) continue;
       area += geometry::Cross(Shadow(places[r][i - 1]), Shadow(places[r][i]), Shadow(places[r][0]));
     }
@@ -56,7 +52,7 @@ Facet::Facet(FacetFeature feature)
 }
 
 double Facet::Extent() const {
-  return std::max({hi_[0] - lo_[0], hi_[1] - lo_[1], hi_[2] - lo_[2]});
+  return std::max({hi()[0] - lo()[0], hi()[1] - lo()[1], hi()[2] - lo()[2]});
 }
 
 std::span<const Facet::Corner> Facet::At(FeatureId point) const {

@@ -38,12 +38,12 @@ class Facet {
   const FacetFeature& feature() const { return feature_; }
   const geometry::FacetPlane& plane() const { return plane_; }
   // Of the corner farthest from the plane.
-  double deviation() const { return deviation_; }
+  double deviation() const { return bounds_.deviation; }
   // Of the largest ring; maybe no number if that is 0.
   double area() const { return area_; }
   // The box around its corners.
-  const geometry::Point3& lo() const { return lo_; }
-  const geometry::Point3& hi() const { return hi_; }
+  const geometry::Point3& lo() const { return bounds_.lo; }
+  const geometry::Point3& hi() const { return bounds_.hi; }
   double Extent() const;
 
   // All visits, sorted by id; those to one point.
@@ -73,8 +73,8 @@ class Facet {
 
   FacetFeature feature_;
   geometry::FacetPlane plane_;
-  double deviation_ = 0, area_ = 0;
-  geometry::Point3 lo_{}, hi_{};
+  geometry::FacetBounds bounds_;
+  double area_ = 0;
   std::vector<Corner> corners_;
   std::vector<bool> counter_clockwise_;  // by ring
   std::vector<bool> inside_left_;        // by ring: of its edges

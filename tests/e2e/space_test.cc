@@ -11,6 +11,7 @@
 #include "dynmesh/error.h"
 #include "proto/codec/status_codec.h"
 #include "tests/e2e/e2e_fixture.h"
+#include "tests/support/same_diff.h"
 
 namespace dynmesh {
 namespace {
@@ -47,17 +48,11 @@ std::vector<Feature> BoxFeatures(FeatureId first, const Place& lo, double side) 
   return features;
 }
 
-Mesh Sorted(Mesh mesh) {
-  Canonicalize(mesh);
-  return mesh;
-}
+using test::Sorted;
 
 void ExpectSame(const Mesh& a, const Mesh& b) {
-  EXPECT_EQ(a.vertices, b.vertices);
-  EXPECT_EQ(a.simplices, b.simplices);
-  EXPECT_EQ(a.subsegments, b.subsegments);
-  EXPECT_EQ(a.subfacets, b.subfacets);
   EXPECT_EQ(a.hash, b.hash);
+  test::ExpectSameRows(a, b);
   EXPECT_EQ(ComputeHash(a), a.hash);
 }
 

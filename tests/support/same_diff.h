@@ -22,6 +22,21 @@ inline void ExpectSameRows(const MeshDiff& a, const MeshDiff& b) {
   EXPECT_EQ(a.added_subfacets, b.added_subfacets);
 }
 
+inline void ExpectSameRows(const Mesh& a, const Mesh& b) {
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.simplices, b.simplices);
+  EXPECT_EQ(a.regions, b.regions);
+  EXPECT_EQ(a.region_sets, b.region_sets);
+  EXPECT_EQ(a.subsegments, b.subsegments);
+  EXPECT_EQ(a.subfacets, b.subfacets);
+}
+
+// With its rows in canonical order.
+inline Mesh Sorted(Mesh mesh) {
+  Canonicalize(mesh);
+  return mesh;
+}
+
 }  // namespace dynmesh::test
 
 #endif  // DYNMESH_TESTS_SUPPORT_SAME_DIFF_H_

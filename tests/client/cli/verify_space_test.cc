@@ -13,6 +13,7 @@
 #include "client/cli/verify_internal.h"
 #include "dynmesh/quality.h"
 #include "gtest/gtest.h"
+#include "tests/client/cli/report_text.h"
 #include "tests/core/io/good_space_mesh.h"
 
 namespace dynmesh::cli {
@@ -44,22 +45,6 @@ std::uint64_t NewSeed() {
   const std::uint64_t seed = std::random_device{}();
   std::cout << "seed " << seed << "\n";
   return seed;
-}
-
-std::set<std::string> FailedChecks(const VerifyReport& report) {
-  std::set<std::string> names;
-  for (const VerifyCheck& check : report.checks) {
-    if (check.failures != 0) names.insert(check.name);
-  }
-  return names;
-}
-
-std::string Describe(const VerifyReport& report) {
-  std::string text;
-  for (const VerifyCheck& check : report.checks) {
-    for (const std::string& example : check.examples) text += check.name + ": " + example + "\n";
-  }
-  return text;
 }
 
 TEST(VerifySpace, AcceptsGoodMeshes) {

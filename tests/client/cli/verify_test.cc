@@ -15,6 +15,7 @@
 #include "dynmesh/quality.h"
 #include "gtest/gtest.h"
 #include "tests/client/cli/good_mesh.h"
+#include "tests/client/cli/report_text.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -25,23 +26,6 @@ using testing::MakeGridMesh;
 
 constexpr double kAnyQuality = 1e9;
 using io::IndexedMesh;
-
-std::set<std::string> FailedChecks(const VerifyReport& report) {
-  std::set<std::string> names;
-  for (const VerifyCheck& check : report.checks) {
-    if (check.failures != 0) names.insert(check.name);
-    EXPECT_EQ(check.failures == 0, check.examples.empty());
-  }
-  return names;
-}
-
-std::string Describe(const VerifyReport& report) {
-  std::string text;
-  for (const VerifyCheck& check : report.checks) {
-    for (const std::string& example : check.examples) text += check.name + ": " + example + "\n";
-  }
-  return text;
-}
 
 TEST(Verify, AcceptsGoodMeshes) {
   const std::uint64_t seed = std::random_device{}();
