@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/geometry/constructions.h"
+#include "core/geometry/space_predicates.h"
 #include "core/meshing/changes.h"
 #include "core/meshing/refinement.h"
 
@@ -40,6 +41,21 @@ bool Refinement<D, E>::IsOnFacet(VertexIndex v, const Facet& facet) const {
   return facet.HasEdge(a, b);
 }
 
+// Is d on the side of triangle abc, which lies on the facet, to which the facet's normal points?
+// Exact: d may be nearer to the facet's plane than the corners of the triangle are.
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsOnNormalsSide(const Facet& facet, VertexIndex a, VertexIndex b,
+                                       VertexIndex c, VertexIndex d) const {
+  if constexpr (D == 3) {
+    const Point &p = vertices_[a].p, &q = vertices_[b].p, &r = vertices_[c].p;
+    const auto normal =
+        geometry::Cross(geometry::Difference(q.c, p.c), geometry::Difference(r.c, p.c));
+    const int side = geometry::Orientation(p, q, r, vertices_[d].p);
+    return geometry::Dot(normal, facet.plane().normal) > 0 ? side > 0 : side < 0;
+  }
+  return false;
+}
+
 // The facet that triangle abc, a side of a tetrahedron with the fourth corner d, is a part of, as
 // seen from the side to which its normal points; kNil if there is none. Four vertices of a facet
 // may span a flat tetrahedron: counted on one side, the facet is covered once all the same.
@@ -51,7 +67,7 @@ FacetIndex Refinement<D, E>::FacetOf(VertexIndex a, VertexIndex b, VertexIndex c
     const auto holds = [&](FacetIndex i) {
       const Facet& facet = facets_[i];
       if (!IsOnFacet(a, facet) || !IsOnFacet(b, facet) || !IsOnFacet(c, facet)) return false;
-      if (IsOnFacet(d, facet) || !(facet.plane().Height(vertices_[d].p) > 0)) return false;
+      if (IsOnFacet(d, facet) || !IsOnNormalsSide(facet, a, b, c, d)) return false;
       Point middle;
       for (int k = 0; k < 3; ++k) {
         middle[k] = (vertices_[a].p[k] + vertices_[b].p[k] + vertices_[c].p[k]) / 3;

@@ -268,6 +268,8 @@ class Refinement {
 
   // facet_work.h
   Facet::Edge SegmentOf(VertexIndex v) const;
+  bool IsOnNormalsSide(const Facet& facet, VertexIndex a, VertexIndex b, VertexIndex c,
+                       VertexIndex d) const;
   double FacetDistance2(VertexIndex v, double d2) const;
   bool FindFacetPoint(Candidate* best);
   bool IsJoinedThrough(const Facet& facet) const;
