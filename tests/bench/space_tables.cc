@@ -1,20 +1,24 @@
 // Meshes of space as a table on standard output: size, vertices per second without a trace and
 // with one, memory, and what edits of one point cost.
 //
-//   dynmesh_space_tables [FILE.node ...]
+//   dynmesh_space_tables [KIND-POINTS | FILE.node ...]
 //
-// At rho 2, on points of several kinds and on each file's. Half of the edits put a point among
+// At rho 2, on points of each kind and number given, such as sphere-10000, and on each file's;
+// on a choice of kinds if nothing is given. Half of the edits put a point among
 // those of the input, half anywhere; each is undone before the next, and both ways count.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "absl/status/statusor.h"
+#include "absl/strings/numbers.h"
 #include "client/cli/percentile.h"
 #include "core/io/space_input.h"
 #include "dynmesh/dynamic_mesh.h"
@@ -112,6 +116,26 @@ void PrintRow(const std::string& name, const std::vector<Feature>& points) {
       edits.changed / count, built->hash == mesh->hash() ? "" : "  DIFFERENT");
 }
 
+// Of a kind, as in "uniform-1000", or of a file.
+absl::StatusOr<std::vector<Feature>> PointsOf(const std::string& input) {
+  static const std::map<std::string, Distribution> kKinds = {
+      {"uniform", Distribution::kSpaceUniform},
+      {"sphere", Distribution::kSphere},
+      {"line", Distribution::kLineAndCircle},
+      {"grid", Distribution::kSpaceGrid}};
+  const std::size_t dash = input.find('-');
+  const auto kind = kKinds.find(input.substr(0, dash));
+  int count = 0;
+  if (kind != kKinds.end() && dash != std::string::npos &&
+      absl::SimpleAtoi(input.substr(dash + 1), &count) && count > 0) {
+    return test::MakeSpaceFeatures(kind->second, count, 1);
+  }
+  auto read = io::ReadSpaceNodeFile(input);
+  if (!read.ok()) return read.status();
+  std::erase_if(read->features, [](const Feature& f) { return f.kind != FeatureKind::kPoint; });
+  return std::move(read->features);
+}
+
 }  // namespace
 }  // namespace dynmesh
 
@@ -120,27 +144,17 @@ int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // rows take a while
   std::printf("%-24s %8s %8s | %8s %8s %5s | %6s | %7s %7s %7s %7s\n", "input", "points",
               "vertices", "V/s", "traced", "ratio", "B/V", "p50 us", "p99 us", "ops", "changed");
-  const std::vector<std::pair<std::string, std::pair<Distribution, int>>> kinds = {
-      {"uniform", {Distribution::kSpaceUniform, 1'000}},
-      {"uniform", {Distribution::kSpaceUniform, 10'000}},
-      {"uniform", {Distribution::kSpaceUniform, 100'000}},
-      {"sphere", {Distribution::kSphere, 10'000}},
-      {"line and circle", {Distribution::kLineAndCircle, 2'000}},
-      {"line and circle", {Distribution::kLineAndCircle, 20'000}},
-      {"grid", {Distribution::kSpaceGrid, 27'000}}};
-  for (const auto& [name, kind] : kinds) {
-    PrintRow(name, test::MakeSpaceFeatures(kind.first, kind.second, 1));
+  std::vector<std::string> inputs(argv + 1, argv + argc);
+  if (inputs.empty()) {
+    inputs = {"uniform-1000", "uniform-10000", "uniform-100000", "sphere-10000",
+              "line-2000",    "line-20000",    "grid-27000"};
   }
-  for (int i = 1; i < argc; ++i) {
-    const auto input = io::ReadSpaceNodeFile(argv[i]);
-    if (!input.ok()) {
-      std::fprintf(stderr, "%s\n", input.status().ToString().c_str());
+  for (const std::string& input : inputs) {
+    const auto points = PointsOf(input);
+    if (!points.ok()) {
+      std::fprintf(stderr, "%s\n", points.status().ToString().c_str());
       return 1;
     }
-    std::vector<Feature> points;
-    for (const Feature& f : input->features) {
-      if (f.kind == FeatureKind::kPoint) points.push_back(f);
-    }
-    PrintRow(std::filesystem::path(argv[i]).filename().string(), points);
+    PrintRow(std::filesystem::path(input).filename().string(), *points);
   }
 }
