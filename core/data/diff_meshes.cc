@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_set.h"
 #include "core/data/pieces.h"
 #include "core/data/regions.h"
 
@@ -89,11 +90,52 @@ void DiffVertices(std::size_t d, const VertexColumns& from, VertexColumns& to, M
   diff.added_vertices.owners = keep(to.owners, 1);
 }
 
-// A simplex with the same corners in another region goes and comes.
-void DiffSimplices(std::size_t width, const Mesh& from, Mesh& to, MeshDiff& diff) {
-  const bool labelled = !from.regions.empty() || !to.regions.empty();
+struct Simplices {
+  SimplexColumn rows;
+  RegionColumn regions;
+};
+
+// Takes those with a vertex that is not among `ids` out of the mesh.
+Simplices TakeSimplicesNotOn(const std::vector<VertexId>& ids, std::size_t width, Mesh& mesh) {
+  const absl::flat_hash_set<VertexId> known(ids.begin(), ids.end());
+  Simplices taken;
+  taken.rows.reserve(mesh.simplices.size());
+  taken.regions.reserve(mesh.regions.size());
+  RowKeeper rows(&mesh.simplices, width);
+  RowKeeper regions(&mesh.regions, 1);
+  const std::size_t count = mesh.simplex_count();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = mesh.simplices.begin() + static_cast<std::ptrdiff_t>(i * width);
+    const auto end = row + static_cast<std::ptrdiff_t>(width);
+    if (std::all_of(row, end, [&](VertexId id) { return known.contains(id); })) {
+      rows.Keep(i);
+      if (!mesh.regions.empty()) regions.Keep(i);
+    } else {
+      taken.rows.insert(taken.rows.end(), row, end);
+      if (!mesh.regions.empty()) taken.regions.push_back(mesh.regions[i]);
+    }
+  }
+  mesh.simplices = rows.Take();
+  mesh.regions = regions.Take();
+  return taken;
+}
+
+void AppendAlone(const Simplices& simplices, bool labelled, SimplexColumn& rows,
+                 RegionColumn& regions, std::size_t width) {
+  rows.insert(rows.end(), simplices.rows.begin(), simplices.rows.end());
+  if (!labelled) return;
+  regions.insert(regions.end(), simplices.regions.begin(), simplices.regions.end());
+  regions.resize(rows.size() / width, kNoRegion);
+}
+
+// A simplex with the same corners in another region goes and comes. `from_alone` and `to_alone`
+// are of one mesh only, and not in it any more.
+void DiffSimplices(const Mesh& from, Mesh& to, const Simplices& from_alone,
+                   const Simplices& to_alone, MeshDiff& diff) {
+  const std::size_t width = static_cast<std::size_t>(to.dimension) + 1;
+  const bool labelled = !from.regions.empty() || !to.regions.empty() ||
+                        !from_alone.regions.empty() || !to_alone.regions.empty();
   RowKeeper added(&to.simplices, width);
-  RowKeeper added_regions(&to.regions, 1);
   const auto order = [&](std::size_t i, std::size_t j) {
     for (std::size_t k = 0; k < width; ++k) {
       const VertexId a = from.simplices[i * width + k], b = to.simplices[j * width + k];
@@ -105,11 +147,11 @@ void DiffSimplices(std::size_t width, const Mesh& from, Mesh& to, MeshDiff& diff
     const auto row = from.simplices.begin() + static_cast<std::ptrdiff_t>(i * width);
     diff.removed_simplices.insert(diff.removed_simplices.end(), row,
                                   row + static_cast<std::ptrdiff_t>(width));
-    if (!from.regions.empty()) diff.removed_regions.push_back(from.regions[i]);
+    if (labelled) diff.removed_regions.push_back(from.region(i));
   };
   const auto come = [&](std::size_t j) {
     added.Keep(j);
-    if (!to.regions.empty()) added_regions.Keep(j);
+    if (labelled) diff.added_regions.push_back(to.region(j));
   };
   const auto both = [&](std::size_t i, std::size_t j) {
     if (!labelled || from.region(i) == to.region(j)) return;
@@ -118,13 +160,10 @@ void DiffSimplices(std::size_t width, const Mesh& from, Mesh& to, MeshDiff& diff
   };
   Merge(from.simplex_count(), to.simplex_count(), order, gone, both, come);
   diff.added_simplices = added.Take();
-  if (!labelled) return;
-  diff.added_regions = added_regions.Take();
+  AppendAlone(from_alone, labelled, diff.removed_simplices, diff.removed_regions, width);
+  AppendAlone(to_alone, labelled, diff.added_simplices, diff.added_regions, width);
   DropIfIdle(diff.removed_regions);
   DropIfIdle(diff.added_regions);
-  diff.region_sets = std::move(to.region_sets);
-  AppendSets(diff.region_sets, from.region_sets);
-  KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
 }
 
 template <class Columns>
@@ -148,17 +187,29 @@ void DiffPieces(const Columns& from, Columns& to, Columns& removed, Columns& add
 
 }  // namespace
 
+// Sorting is what takes time here. Simplices with a vertex that the other mesh has not need no
+// place in the order, and where one mesh is much smaller that is nearly all of the larger's.
 MeshDiff DiffMeshes(Mesh from, Mesh to) {
+  const std::size_t width = static_cast<std::size_t>(to.dimension) + 1;
+  Simplices from_alone, to_alone;
+  constexpr std::size_t kMuch = 4;
+  if (kMuch * from.vertices.size() < to.vertices.size()) {
+    to_alone = TakeSimplicesNotOn(from.vertices.ids, width, to);
+  } else if (kMuch * to.vertices.size() < from.vertices.size()) {
+    from_alone = TakeSimplicesNotOn(to.vertices.ids, width, from);
+  }
+  MeshDiff diff;
+  diff.region_sets = to.region_sets;
+  AppendSets(diff.region_sets, from.region_sets);
   Canonicalize(from);
   Canonicalize(to);
-  const std::size_t d = static_cast<std::size_t>(to.dimension);
-  MeshDiff diff;
   diff.dimension = to.dimension;
   diff.from_revision = from.revision;
   diff.to_revision = to.revision;
   diff.hash = to.hash;
-  DiffVertices(d, from.vertices, to.vertices, diff);
-  DiffSimplices(d + 1, from, to, diff);
+  DiffVertices(width - 1, from.vertices, to.vertices, diff);
+  DiffSimplices(from, to, from_alone, to_alone, diff);
+  KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
   DiffPieces(from.subsegments, to.subsegments, diff.removed_subsegments, diff.added_subsegments);
   DiffPieces(from.subfacets, to.subfacets, diff.removed_subfacets, diff.added_subfacets);
   return diff;

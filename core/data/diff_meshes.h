@@ -6,10 +6,10 @@
 
 namespace dynmesh::data {
 
-// What Apply would have to return to get from `from` to `to`: canonical, netted, no
-// work counted. O(n lg n), n the size of both. Both must have the same dimension and
-// agreeing columns; to.hash is taken as given. Taken by value: hand over what is not
-// needed any more, its columns become the diff's.
+// What Apply would have to return to get from `from` to `to`: netted, no work counted, rows in
+// no particular order. O(n lg n), n the size of both, O(n) if one is much smaller. Both must have
+// the same dimension and agreeing columns; to.hash is taken as given. Taken by value: hand over
+// what is not needed any more, its columns become the diff's.
 MeshDiff DiffMeshes(Mesh from, Mesh to);
 
 }  // namespace dynmesh::data

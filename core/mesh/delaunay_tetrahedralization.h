@@ -102,6 +102,28 @@ class DelaunayTetrahedralization {
     SimplicesAround(v, &star);
     for (const auto& [t] : star.keys()) f(t);
   }
+  // The link of v: its neighbours (kInfinite too), numbered as they come, and a triangle of them
+  // for each tetrahedron at v, turned so that v and its corners are positive.
+  struct VertexLink {
+    struct Triangle {
+      std::array<int, 3> corners;  // numbers of neighbours
+      std::array<int, 3> across;   // the triangle beyond the edge opposite to corners[k]
+    };
+    std::vector<Triangle> triangles;
+    bool is_closed = true;  // kInfinite is none of the neighbours
+    VertexIndex neighbour(int number) const { return vertices.keys()[number][0]; }
+    int neighbour_count() const { return static_cast<int>(vertices.keys().size()); }
+
+    // Of the search, by triangle.
+    struct Found {
+      std::array<int, 4> across;  // by the tetrahedron's corners; -1: not known yet
+      int from, edge, apex;       // across which edge, and the tetrahedron's corner beyond it
+    };
+    NumberTable<1> tetrahedra, vertices;
+    std::vector<Found> found;
+  };
+  // `link` is the caller's, to be kept from call to call. O(its size).
+  void LinkOf(VertexIndex v, VertexLink* link) const;
   // Brings what a walk around v reads first into the cache, if called for each step, 0 to
   // kPrefetchSteps - 1, with some time between. v must be present.
   static constexpr int kPrefetchSteps = 3;

@@ -389,7 +389,7 @@ class Refinement {
   std::vector<typename SpatialTree<D>::Ball> balls_;
   std::vector<typename Triangulation::Corner> corners_;
   std::vector<VertexIndex> pending_;  // in space: not yet in the triangulation
-  mesh::NumberTable<1> around_, slots_;
+  mesh::DelaunayTetrahedralization::VertexLink link_;
 
   Engine engine_;
 };

@@ -95,42 +95,27 @@ void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
       if ((!kTraced && by_edge()) || star_.IsWithinReach()) return;
     }
     star_.Begin(v, vertices_[v].p, reach);
-    for (const auto& [u] : slots_.keys()) star_.Insert(u, vertices_[u].p);
+    for (int i = 0; i < link_.neighbour_count(); ++i) {
+      const VertexIndex u = link_.neighbour(i);
+      if (u != Triangulation::kInfinite) star_.Insert(u, vertices_[u].p);
+    }
   }
 }
 
-// Closed? Either way slots_ are v's neighbours.
+// Closed? Either way link_ is v's.
 template <int D, template <class> class E>
 bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
   if constexpr (D == 3) {
-    triangulation_->SimplicesAround(v, &around_);
-    slots_.Clear();
+    triangulation_->LinkOf(v, &link_);
+    if (!link_.is_closed) return false;
     star_.BeginLink(v, vertices_[v].p, reach);
-    bool closed = true;
-    for (const auto& [t] : around_.keys()) {
-      const auto& corners = triangulation_->vertices(t);
-      int own = 0;
-      while (corners[own] != v) ++own;
-      // Seen from v the facet's corners turn the other way.
-      const auto& facet = Triangulation::kFacet[own];
-      const std::array<int, 3> turned = {facet[0], facet[2], facet[1]};
-      std::array<int, 3> slots, across;
-      for (int k = 0; k < 3; ++k) {
-        const VertexIndex u = corners[turned[k]];
-        if (u == Triangulation::kInfinite) {
-          closed = false;
-          continue;
-        }
-        const auto slot = static_cast<int>(slots_.Number({u}));
-        if (slot == star_.slot_count()) star_.AddNeighbour(u, triangulation_->position(u));
-        slots[k] = slot;
-        across[k] =
-            static_cast<int>(around_.Find({triangulation_->Opposite({t, turned[k]}).simplex}));
-      }
-      if (closed) star_.AddCorner(slots, across);
+    for (int i = 0; i < link_.neighbour_count(); ++i) {
+      const VertexIndex u = link_.neighbour(i);
+      star_.AddNeighbour(u, vertices_[u].p);  // near what else is asked of it
     }
-    if (closed) star_.Close();
-    return closed;
+    for (const auto& [corners, across] : link_.triangles) star_.AddCorner(corners, across);
+    star_.Close();
+    return true;
   }
   return false;
 }
