@@ -37,6 +37,9 @@ struct ServerConfig {
   std::uint64_t history_revisions = 10'000;
   std::uint64_t history_bytes = 64 << 20;
   std::uint64_t remembered_requests = 10'000;  // request_ids of a mesh
+  // Bytes of a mesh's edits, and as many as its last snapshot has, after which the journal's next
+  // snapshot takes their place.
+  std::uint64_t compact_bytes = 1 << 20;
   // Revisions a watcher may lag before it is sent coalesced diffs.
   std::uint64_t watch_queue = 64;
   absl::Duration progress_interval = absl::Seconds(10);  // default, for idle watchers

@@ -11,6 +11,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "server/log.h"
 #include "server/server.h"
+#include "server/sqlite_journal.h"
 #include "server/version.h"
 
 namespace {
@@ -21,6 +22,7 @@ using dynmesh::server::ServerConfig;
 struct Flags {
   ServerConfig config;
   std::string port_file;
+  std::string data_dir;
   std::string log_level = "info";
   double drain_seconds = 20;
   double progress_seconds = 10;
@@ -30,6 +32,11 @@ struct Flags {
 void AddFlags(CLI::App& app, Flags& f) {
   ServerConfig& c = f.config;
   app.add_option("--listen", c.listen, "host:port; port 0 takes a free one")->capture_default_str();
+  app.add_option("--data-dir", f.data_dir,
+                 "folder that keeps the meshes; an edit is answered when it is on the disk");
+  app.add_option("--compact-bytes", c.compact_bytes,
+                 "bytes of a mesh's edits in the folder before a snapshot takes their place")
+      ->capture_default_str();
   app.add_option("--port-file", f.port_file, "write the port here when listening");
   app.add_option("--log-level", f.log_level, "debug, info, warning, error, off")
       ->capture_default_str();
@@ -79,8 +86,19 @@ bool WritePortFile(const std::string& path, int port) {
   return out.good() && std::rename(temporary.c_str(), path.c_str()) == 0;
 }
 
+// Null if nothing is to be kept.
+absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flags& flags) {
+  using dynmesh::server::SqliteJournal;
+  if (flags.data_dir.empty()) return nullptr;
+  SqliteJournal::Options options;
+  options.remembered_requests = flags.config.remembered_requests;
+  return SqliteJournal::Open(flags.data_dir, options);
+}
+
 int Serve(const Flags& flags, const sigset_t& signals) {
-  auto server = Server::Start(flags.config, &dynmesh::DynamicMesh::Create);
+  auto journal = OpenJournal(flags);
+  if (!journal.ok()) return Fail(1, journal.status());
+  auto server = Server::Start(flags.config, &dynmesh::DynamicMesh::Create, *std::move(journal));
   if (!server.ok()) {
     return Fail(server.status().code() == absl::StatusCode::kInvalidArgument ? 2 : 1,
                 server.status());
@@ -112,7 +130,8 @@ int main(int argc, char** argv) {
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
-  CLI::App app{"dynmeshd: serves dynamic meshes over gRPC. Meshes live in memory only."};
+  CLI::App app{
+      "dynmeshd: serves dynamic meshes over gRPC. Without --data-dir they live in memory only."};
   app.set_version_flag("--version", std::string("dynmeshd ") + dynmesh::server::kVersion);
   Flags flags;
   AddFlags(app, flags);

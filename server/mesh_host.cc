@@ -55,24 +55,28 @@ absl::Status IdReused(absl::string_view request_id, std::uint64_t revision) {
 
 std::shared_ptr<MeshHost> MeshHost::Create(std::string id, std::unique_ptr<DynamicMesh> mesh,
                                            absl::Time now, WorkerPool* writers, WorkerPool* readers,
-                                           const Options& options) {
-  return std::shared_ptr<MeshHost>(
-      new MeshHost(std::move(id), std::move(mesh), now, writers, readers, options));
+                                           const Options& options, Past past) {
+  return std::shared_ptr<MeshHost>(new MeshHost(std::move(id), std::move(mesh), now, writers,
+                                                readers, options, std::move(past)));
 }
 
 MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time now,
-                   WorkerPool* writers, WorkerPool* readers, const Options& options)
+                   WorkerPool* writers, WorkerPool* readers, const Options& options, Past past)
     : id_(std::move(id)),
       mesh_options_(mesh->options()),
       create_time_(now),
       readers_(readers),
       max_waiting_(options.max_waiting),
       queue_(SerialQueue::Create(writers)),
-      store_(std::make_shared<RevisionStore>(std::make_shared<const Mesh>(mesh->Snapshot()),
-                                             options.history)),
+      store_(past.store != nullptr
+                 ? std::move(past.store)
+                 : std::make_shared<RevisionStore>(std::make_shared<const Mesh>(mesh->Snapshot()),
+                                                   options.history)),
       hub_(WatchHub::Create(store_, readers, options.watch)),
       mesh_(std::move(mesh)),
-      requests_(options.remembered_requests),
+      log_(std::move(past.log)),
+      requests_(past.requests.has_value() ? *std::move(past.requests)
+                                          : RequestMemory(options.remembered_requests)),
       stats_(mesh_->Stats()) {}
 
 MeshHost::~MeshHost() { hub_->Close(absl::UnavailableError("the mesh is gone")); }
@@ -135,6 +139,7 @@ void MeshHost::Run(EditJob& job) {
   if (mesh_->revision() != before) {
     hub_->Notify();
     RebaseIfDue();
+    if (log_ != nullptr) log_->CompactIfDue(*mesh_);
   }
 }
 
@@ -186,6 +191,11 @@ absl::StatusOr<EditOutcome> MeshHost::CheckOnly(const EditJob& job) const {
 absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& content) {
   ApplyOptions apply_options;
   apply_options.cancelled = job.cancelled.get();
+  RequestMemory::Entry answer{content, 0, 0, {}, {}};
+  apply_options.commit = [&](const MeshDiff& d) {
+    answer = {content, d.from_revision, d.to_revision, d.hash, d.work};
+    return log_ == nullptr ? absl::OkStatus() : log_->Append(job.edits, job.request_id, answer);
+  };
   absl::StatusOr<MeshDiff> applied = mesh_->Apply(job.edits, apply_options);
   if (!applied.ok()) return applied.status();
   auto diff = std::make_shared<const MeshDiff>(*std::move(applied));
@@ -202,10 +212,7 @@ absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& co
     const std::lock_guard lock(mutex_);
     stats_ = stats;
   }
-  if (!job.request_id.empty()) {
-    requests_.Remember(job.request_id,
-                       {content, diff->from_revision, diff->to_revision, diff->hash, diff->work});
-  }
+  if (!job.request_id.empty()) requests_.Remember(job.request_id, answer);
   return EditOutcome{std::move(diff)};
 }
 

@@ -2,8 +2,9 @@
 //
 // Edits and queries of the DynamicMesh run one at a time on a strand, in the order
 // they were handed in; everything else is answered from immutable snapshots and never
-// waits for them. A batch that is refused, cancelled or stopped changes nothing.
-// Thread-safe.
+// waits for them. A batch that is refused, cancelled or stopped changes nothing. With a log, a
+// batch comes into effect, is published and answered when it is written down; if it cannot be, it
+// is undone and refused, and readers are served on. Thread-safe.
 #ifndef DYNMESH_SERVER_MESH_HOST_H_
 #define DYNMESH_SERVER_MESH_HOST_H_
 
@@ -20,6 +21,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "dynmesh/dynamic_mesh.h"
+#include "server/mesh_log.h"
 #include "server/request_memory.h"
 #include "server/revision_store.h"
 #include "server/watch_hub.h"
@@ -59,6 +61,13 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     WatchHub::Options watch;
     std::size_t max_waiting = 1'000;
     std::size_t remembered_requests = 10'000;
+    std::uint64_t compact_bytes = 1 << 20;  // mesh_log.h
+  };
+  // What a mesh brings with it that is not new, or is to outlive the process.
+  struct Past {
+    std::unique_ptr<MeshLog> log;          // null: nothing is written down
+    std::shared_ptr<RevisionStore> store;  // that ends at the mesh; null: it begins there
+    std::optional<RequestMemory> requests;
   };
   struct LocateAnswer {
     std::uint64_t revision = 0;
@@ -68,7 +77,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   // Takes `mesh`, O(its size). The pools outlive the host.
   static std::shared_ptr<MeshHost> Create(std::string id, std::unique_ptr<DynamicMesh> mesh,
                                           absl::Time now, WorkerPool* writers, WorkerPool* readers,
-                                          const Options& options);
+                                          const Options& options, Past past = {});
   ~MeshHost();
 
   // Hands in a batch. RESOURCE_EXHAUSTED (QUEUE_FULL), and `done` is not called, if
@@ -95,7 +104,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
 
  private:
   MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time now, WorkerPool* writers,
-           WorkerPool* readers, const Options& options);
+           WorkerPool* readers, const Options& options, Past past);
 
   // On the strand.
   void Run(EditJob& job);
@@ -118,6 +127,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
 
   // Belong to the strand.
   const std::unique_ptr<DynamicMesh> mesh_;
+  const std::unique_ptr<MeshLog> log_;
   RequestMemory requests_;
 
   std::atomic<bool> rebasing_{false};

@@ -1,37 +1,18 @@
 #include "server/mesh_registry.h"
 
 #include <algorithm>
+#include <latch>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/strip.h"
 #include "absl/time/clock.h"
 #include "proto/codec/status_codec.h"
 #include "server/log.h"
+#include "server/recovery.h"
 
 namespace dynmesh::server {
 namespace {
-
-constexpr absl::string_view kPrefix = "meshes/";
-constexpr std::size_t kMaxIdLength = 63;
-
-absl::Status MeshError(absl::StatusCode code, const char* reason_text, absl::string_view id,
-                       absl::string_view what) {
-  codec::ServiceError error;
-  error.reason = reason_text;
-  error.metadata["mesh"] = MeshName(id);
-  return codec::MakeServiceError(code, absl::StrCat(MeshName(id), " ", what), error);
-}
-
-absl::Status BadName(absl::string_view field, absl::string_view name, absl::string_view form) {
-  codec::ServiceError error;
-  error.reason = codec::reason::kBadName;
-  error.field = std::string(field);
-  return codec::MakeServiceError(
-      absl::StatusCode::kInvalidArgument,
-      absl::StrCat(field, " '", name.substr(0, 100), "' is not of the form ", form), error);
-}
 
 MeshHost::Options HostOptions(const ServerConfig& c) {
   MeshHost::Options options;
@@ -39,31 +20,30 @@ MeshHost::Options HostOptions(const ServerConfig& c) {
   options.watch = {c.watch_queue, c.progress_interval};
   options.max_waiting = c.max_waiting_edits;
   options.remembered_requests = c.remembered_requests;
+  options.compact_bytes = c.compact_bytes;
   return options;
+}
+
+absl::Status NotFound(absl::string_view id) {
+  return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound, id,
+                   "does not exist: create it, or list those that do");
+}
+
+absl::Status DamageOf(absl::string_view id, const absl::Status& status) {
+  return MeshError(absl::StatusCode::kDataLoss, codec::reason::kMeshDamaged, id,
+                   absl::StrCat("is damaged: ", status.message(),
+                                ". Restore the server's data folder, or delete the mesh"));
 }
 
 }  // namespace
 
-bool IsMeshId(absl::string_view id) {
-  if (id.empty() || id.size() > kMaxIdLength || id[0] < 'a' || id[0] > 'z') return false;
-  return std::all_of(id.begin(), id.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
-  });
-}
-
-absl::StatusOr<std::string> ParseMeshName(absl::string_view name) {
-  absl::string_view id = name;
-  if (!absl::ConsumePrefix(&id, kPrefix) || !IsMeshId(id)) {
-    return BadName("mesh", name, "meshes/{id} with an id [a-z][a-z0-9-]{0,62}");
-  }
-  return std::string(id);
-}
-
-std::string MeshName(absl::string_view id) { return absl::StrCat(kPrefix, id); }
-
 MeshRegistry::MeshRegistry(const ServerConfig& config, MeshFactory factory, WorkerPool* writers,
-                           WorkerPool* readers)
-    : config_(config), factory_(std::move(factory)), writers_(writers), readers_(readers) {}
+                           WorkerPool* readers, Journal* journal)
+    : config_(config),
+      factory_(std::move(factory)),
+      writers_(writers),
+      readers_(readers),
+      journal_(journal) {}
 
 MeshRegistry::~MeshRegistry() { CloseAll(absl::UnavailableError("the server has ended")); }
 
@@ -77,11 +57,12 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::FindCreated(
     return MeshError(absl::StatusCode::kAlreadyExists, codec::reason::kRequestIdReused, made.id,
                      "was made with this request_id and other content: use a new one");
   }
-  return hosts_.at(made.id);
+  return hosts_.at(made.id).host;
 }
 
 absl::Status MeshRegistry::CheckRoom(const std::string& id) const {
-  if (!id.empty() && hosts_.contains(id)) {
+  if (const auto it = hosts_.find(id); it != hosts_.end()) {
+    if (it->second.host == nullptr) return it->second.damage;
     return MeshError(absl::StatusCode::kAlreadyExists, codec::reason::kMeshExists, id,
                      "exists already");
   }
@@ -119,17 +100,79 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
   absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = factory_(options);
   if (!mesh.ok()) return mesh.status();
 
+  const std::lock_guard changing(changing_mutex_);
+  std::string final_id = id;
+  {
+    const std::lock_guard lock(mutex_);
+    auto created = FindCreated(id, options, request_id);
+    if (!created.ok() || *created != nullptr) return created;
+    if (absl::Status status = CheckRoom(id); !status.ok()) return status;
+    if (id.empty()) final_id = FreshId();
+  }
+  const absl::Time now = absl::Now();
+  const absl::StatusOr<Journal::Key> key = WriteDown(final_id, {options, now, request_id});
+  if (!key.ok()) return key.status();
+  MeshHost::Past past;
+  if (journal_ != nullptr) {
+    past.log = std::make_unique<MeshLog>(journal_, *key, final_id, options.dimension,
+                                         MeshLog::Sizes(), config_.compact_bytes);
+  }
+  HostPtr host = MeshHost::Create(final_id, *std::move(mesh), now, writers_, readers_,
+                                  HostOptions(config_), std::move(past));
   const std::lock_guard lock(mutex_);
-  auto created = FindCreated(id, options, request_id);
-  if (!created.ok() || *created != nullptr) return created;
-  if (absl::Status status = CheckRoom(id); !status.ok()) return status;
-  const std::string final_id = id.empty() ? FreshId() : id;
-  HostPtr host = MeshHost::Create(final_id, *std::move(mesh), absl::Now(), writers_, readers_,
-                                  HostOptions(config_));
-  hosts_.emplace(final_id, host);
+  hosts_.emplace(final_id, Held{host, {}, *key});
   if (!request_id.empty()) creations_.emplace(request_id, Creation{final_id, options});
   Log(LogLevel::kInfo, "mesh_created", {{"mesh", final_id}, {"meshes", hosts_.size()}});
   return host;
+}
+
+absl::StatusOr<Journal::Key> MeshRegistry::WriteDown(const std::string& id,
+                                                     const codec::JournalMesh& mesh) {
+  if (journal_ == nullptr) return Journal::Key{0};
+  absl::StatusOr<Journal::Key> key = journal_->Create(id, codec::EncodeJournalMesh(mesh));
+  if (key.ok()) return key;
+  return JournalError(key.status(), id);
+}
+
+absl::Status MeshRegistry::Recover() {
+  if (journal_ == nullptr) return absl::OkStatus();
+  const absl::StatusOr<std::vector<Journal::Mesh>> meshes = journal_->List();
+  if (!meshes.ok()) return meshes.status();
+  std::latch left(static_cast<std::ptrdiff_t>(meshes->size()));
+  for (const Journal::Mesh& mesh : *meshes) {
+    writers_->Post([this, &mesh, &left] {
+      RecoverOne(mesh);
+      left.count_down();
+    });
+  }
+  left.wait();
+  return absl::OkStatus();
+}
+
+void MeshRegistry::RecoverOne(const Journal::Mesh& mesh) {
+  const absl::Time start = absl::Now();
+  absl::StatusOr<RecoveredMesh> found =
+      RecoverMesh(*journal_, mesh, factory_, HostOptions(config_));
+  if (!found.ok()) {
+    Log(LogLevel::kError, "mesh_damaged", {{"mesh", mesh.id}, {"error", found.status().message()}});
+    const std::lock_guard lock(mutex_);
+    hosts_.emplace(mesh.id, Held{nullptr, DamageOf(mesh.id, found.status()), mesh.key});
+    return;
+  }
+  const codec::JournalMesh made = found->made;
+  HostPtr host = MeshHost::Create(mesh.id, std::move(found->mesh), made.create_time, writers_,
+                                  readers_, HostOptions(config_), std::move(found->past));
+  Log(LogLevel::kInfo, "recovered",
+      {{"mesh", mesh.id},
+       {"revision", host->head().revision},
+       {"features", host->stats().features},
+       {"entries", found->entries},
+       {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
+  const std::lock_guard lock(mutex_);
+  if (!made.request_id.empty()) {
+    creations_.emplace(made.request_id, Creation{mesh.id, made.options});
+  }
+  hosts_.emplace(mesh.id, Held{std::move(host), {}, mesh.key});
 }
 
 absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name) const {
@@ -137,30 +180,33 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name)
   if (!id.ok()) return id.status();
   const std::lock_guard lock(mutex_);
   const auto it = hosts_.find(*id);
-  if (it == hosts_.end()) {
-    return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound, *id,
-                     "does not exist: create it, or list those that do");
-  }
-  return it->second;
+  if (it == hosts_.end()) return NotFound(*id);
+  if (it->second.host == nullptr) return it->second.damage;
+  return it->second.host;
 }
 
 absl::Status MeshRegistry::Delete(absl::string_view name) {
-  absl::StatusOr<HostPtr> host = Find(name);
-  if (!host.ok()) return host.status();
+  const absl::StatusOr<std::string> id = ParseMeshName(name);
+  if (!id.ok()) return id.status();
+  const std::lock_guard changing(changing_mutex_);
+  Held held;
   {
     const std::lock_guard lock(mutex_);
-    const auto it = hosts_.find((*host)->id());
-    // Somebody else may have been faster.
-    if (it == hosts_.end() || it->second != *host) {
-      return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound, (*host)->id(),
-                       "does not exist");
-    }
-    hosts_.erase(it);
-    std::erase_if(creations_, [&](const auto& c) { return c.second.id == (*host)->id(); });
+    const auto it = hosts_.find(*id);
+    if (it == hosts_.end()) return NotFound(*id);
+    held = it->second;
   }
-  (*host)->Close(MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshDeleted, (*host)->id(),
-                           "was deleted"));
-  Log(LogLevel::kInfo, "mesh_deleted", {{"mesh", (*host)->id()}});
+  // From here on the journal takes no more of its edits.
+  if (journal_ != nullptr) {
+    if (absl::Status s = journal_->Delete(held.key); !s.ok()) return JournalError(s, *id);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    hosts_.erase(*id);
+    std::erase_if(creations_, [&](const auto& c) { return c.second.id == *id; });
+  }
+  if (held.host != nullptr) held.host->Close(MeshDeletedError(*id));
+  Log(LogLevel::kInfo, "mesh_deleted", {{"mesh", *id}});
   return absl::OkStatus();
 }
 
@@ -169,7 +215,7 @@ std::vector<MeshRegistry::HostPtr> MeshRegistry::List(absl::string_view after,
   const std::lock_guard lock(mutex_);
   std::vector<HostPtr> found;
   for (auto it = hosts_.upper_bound(after); it != hosts_.end() && found.size() < limit; ++it) {
-    found.push_back(it->second);
+    if (it->second.host != nullptr) found.push_back(it->second.host);
   }
   return found;
 }

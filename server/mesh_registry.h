@@ -1,4 +1,6 @@
-// The meshes of a server, by id. Thread-safe.
+// The meshes of a server, by id. With a journal, a mesh is there or gone when the journal has it
+// so; what could not be made again from it is there as damaged, answers with why, and can be
+// deleted. Thread-safe.
 #ifndef DYNMESH_SERVER_MESH_REGISTRY_H_
 #define DYNMESH_SERVER_MESH_REGISTRY_H_
 
@@ -14,37 +16,39 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "proto/codec/journal_codec.h"
 #include "server/config.h"
+#include "server/journal.h"
 #include "server/mesh_host.h"
+#include "server/mesh_name.h"
 
 namespace dynmesh::server {
-
-// "meshes/{id}" to id and back. INVALID_ARGUMENT (BAD_NAME) if it is no such name.
-absl::StatusOr<std::string> ParseMeshName(absl::string_view name);
-std::string MeshName(absl::string_view id);
-bool IsMeshId(absl::string_view id);
 
 class MeshRegistry {
  public:
   using HostPtr = std::shared_ptr<MeshHost>;
 
-  // The pools outlive the registry.
+  // The pools and the journal outlive the registry. Without a journal nothing outlives it.
   MeshRegistry(const ServerConfig& config, MeshFactory factory, WorkerPool* writers,
-               WorkerPool* readers);
+               WorkerPool* readers, Journal* journal = nullptr);
   // As CloseAll.
   ~MeshRegistry();
 
+  // Makes the journal's meshes again, several at a time. Before any other call.
+  absl::Status Recover();
+
   // Makes a mesh; an empty id lets the registry choose. ALREADY_EXISTS (MESH_EXISTS),
   // unless it was made with the same non-empty request_id and options: then that one.
-  // RESOURCE_EXHAUSTED (MESH_LIMIT). May take as long as making an empty mesh.
+  // RESOURCE_EXHAUSTED (MESH_LIMIT). May take as long as making an empty mesh and writing it down.
   absl::StatusOr<HostPtr> Create(const std::string& id, const MeshOptions& options,
                                  const std::string& request_id);
 
-  // NOT_FOUND (MESH_NOT_FOUND); INVALID_ARGUMENT for a malformed name.
+  // NOT_FOUND (MESH_NOT_FOUND); INVALID_ARGUMENT for a malformed name; DATA_LOSS (MESH_DAMAGED).
   absl::StatusOr<HostPtr> Find(absl::string_view name) const;
+  // Waits for the journal.
   absl::Status Delete(absl::string_view name);
 
-  // At most `limit` meshes with ids greater than `after`, by id.
+  // At most `limit` meshes with ids greater than `after`, by id; none that is damaged.
   std::vector<HostPtr> List(absl::string_view after, std::size_t limit) const;
 
   std::size_t size() const;
@@ -59,20 +63,30 @@ class MeshRegistry {
     std::string id;
     MeshOptions options;
   };
+  struct Held {
+    HostPtr host;         // null if it is damaged
+    absl::Status damage;  // then why
+    Journal::Key key = 0;
+  };
 
   absl::StatusOr<HostPtr> FindCreated(const std::string& id, const MeshOptions& options,
                                       const std::string& request_id) const;
   absl::Status CheckRoom(const std::string& id) const;
   std::string FreshId();
   std::vector<HostPtr> All() const;
+  void RecoverOne(const Journal::Mesh& mesh);
+  absl::StatusOr<Journal::Key> WriteDown(const std::string& id, const codec::JournalMesh& mesh);
 
   const ServerConfig config_;
   const MeshFactory factory_;
   WorkerPool* const writers_;
   WorkerPool* const readers_;
+  Journal* const journal_;
 
+  // Held while a mesh is made or deleted, which may take a disk's time; taken first.
+  std::mutex changing_mutex_;
   mutable std::mutex mutex_;
-  std::map<std::string, HostPtr, std::less<>> hosts_;
+  std::map<std::string, Held, std::less<>> hosts_;
   std::map<std::string, Creation> creations_;  // by request_id, of meshes that exist
   std::mt19937_64 random_{std::random_device{}()};
 };

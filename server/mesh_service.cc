@@ -13,6 +13,7 @@
 #include "dynmesh/error.h"
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
+#include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
 #include "server/edit_call.h"
 #include "server/version.h"
@@ -29,9 +30,7 @@ void EncodeMesh(const MeshHost& host, v1::Mesh* out) {
   const Head head = host.head();
   out->set_name(MeshName(host.id()));
   codec::EncodeOptions(host.mesh_options(), out->mutable_options());
-  const std::int64_t nanos = absl::ToUnixNanos(host.create_time());
-  out->mutable_create_time()->set_seconds(nanos / 1'000'000'000);
-  out->mutable_create_time()->set_nanos(static_cast<std::int32_t>(nanos % 1'000'000'000));
+  codec::EncodeTime(host.create_time(), out->mutable_create_time());
   out->set_revision(head.revision);
   out->set_hash(head.hash.ToHex());
 }
@@ -143,9 +142,16 @@ grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContex
 grpc::ServerUnaryReactor* MeshServiceImpl::DeleteMesh(grpc::CallbackServerContext* call,
                                                       const v1::DeleteMeshRequest* request,
                                                       v1::DeleteMeshResponse*) {
-  const auto ticket = EnterWork(context_);
+  absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
   if (!ticket.ok()) return Finished(call, ticket.status());
-  return Finished(call, context_.registry->Delete(request->mesh()));
+  auto* reactor = call->DefaultReactor();
+  // It may wait for a disk.
+  context_.writers->Post([this, reactor, request, held = *ticket]() mutable {
+    const absl::Status status = context_.registry->Delete(request->mesh());
+    held.reset();
+    reactor->Finish(codec::ToGrpcStatus(status));
+  });
+  return reactor;
 }
 
 grpc::ServerUnaryReactor* MeshServiceImpl::GetStats(grpc::CallbackServerContext* call,

@@ -15,7 +15,8 @@
 
 namespace dynmesh::server {
 
-// 128 bits that two different batches will not share by accident.
+// 128 bits that two different batches will not share by accident. Journals keep them: how they are
+// made never changes.
 struct Fingerprint {
   std::uint64_t a = 0, b = 0;
   friend bool operator==(const Fingerprint&, const Fingerprint&) = default;

@@ -33,6 +33,13 @@ int Threads(int configured) {
   return std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+// Those that wait for a journal use no core, and share its sync the more they are.
+int WriterThreads(int configured, bool journal) {
+  constexpr int kLeastWithJournal = 8;
+  if (configured > 0 || !journal) return Threads(configured);
+  return std::max(kLeastWithJournal, 2 * Threads(configured));
+}
+
 bool IsLoopback(absl::string_view listen) {
   return absl::StartsWith(listen, "127.") || absl::StartsWith(listen, "localhost:") ||
          absl::StartsWith(listen, "[::1]:") || absl::StartsWith(listen, "unix:");
@@ -65,14 +72,31 @@ class Ticker {
 }  // namespace
 
 struct Server::Impl {
-  Impl(const ServerConfig& c, MeshFactory factory)
+  Impl(const ServerConfig& c, MeshFactory factory, std::unique_ptr<Journal> j)
       : config(c),
-        writers(Threads(c.writer_threads)),
+        journal(std::move(j)),
+        writers(WriterThreads(c.writer_threads, journal != nullptr)),
         readers(Threads(c.reader_threads)),
         answers(Threads(c.writer_threads) / 2),
-        registry(c, std::move(factory), &writers, &readers),
+        registry(c, std::move(factory), &writers, &readers, journal.get()),
         context(c, &registry, &writers, &readers, &answers, absl::Now()),
         service(&context) {}
+
+  absl::Status RecoverMeshes() {
+    if (journal == nullptr) {
+      Log(LogLevel::kWarning, "in_memory",
+          {{"durability", "none"},
+           {"message", "meshes live in memory only: they are gone when this process ends"}});
+      return absl::OkStatus();
+    }
+    const absl::Time start = absl::Now();
+    if (absl::Status status = registry.Recover(); !status.ok()) return status;
+    Log(LogLevel::kInfo, "journal_open",
+        {{"journal", journal->name()},
+         {"meshes", registry.size()},
+         {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
+    return absl::OkStatus();
+  }
 
   void SetHealth(bool serving) {
     if (auto* health = server->GetHealthCheckService()) {
@@ -83,6 +107,7 @@ struct Server::Impl {
 
   // Destroyed in reverse: first the calls end (Stop), then the tasks, then the meshes.
   const ServerConfig config;
+  const std::unique_ptr<Journal> journal;  // null: nothing outlives this process
   WorkerPool writers;
   WorkerPool readers;
   WorkerPool answers;  // not shared with readers, whose tasks may be as long as a mesh
@@ -99,9 +124,11 @@ struct Server::Impl {
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config,
-                                                      MeshFactory factory) {
+                                                      MeshFactory factory,
+                                                      std::unique_ptr<Journal> journal) {
   if (absl::Status status = ValidateConfig(config); !status.ok()) return status;
-  auto impl = std::make_unique<Impl>(config, std::move(factory));
+  auto impl = std::make_unique<Impl>(config, std::move(factory), std::move(journal));
+  if (absl::Status status = impl->RecoverMeshes(); !status.ok()) return status;
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
@@ -125,9 +152,6 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
       std::make_unique<Ticker>([registry = &impl->registry] { registry->Tick(absl::Now()); });
   std::unique_ptr<Server> server(new Server(std::move(impl)));
   Log(LogLevel::kInfo, "listening", {{"address", server->address()}, {"version", kVersion}});
-  Log(LogLevel::kWarning, "in_memory",
-      {{"durability", "none"},
-       {"message", "meshes live in memory only: they are gone when this process ends"}});
   if (!IsLoopback(config.listen)) {
     Log(LogLevel::kWarning, "exposed",
         {{"address", config.listen},

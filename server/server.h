@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/config.h"
+#include "server/journal.h"
 #include "server/mesh_host.h"
 #include "server/mesh_registry.h"
 
@@ -15,9 +16,11 @@ namespace dynmesh::server {
 class Server {
  public:
   // Listens when it returns. INVALID_ARGUMENT for a bad config, UNAVAILABLE if the
-  // address cannot be had. Meshes are made by `factory`.
+  // address cannot be had or the journal not be read. Meshes are made by `factory`. With a journal,
+  // its meshes are there again, and edits answered when it has them; else nothing is kept.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config,
-                                                       MeshFactory factory);
+                                                       MeshFactory factory,
+                                                       std::unique_ptr<Journal> journal = nullptr);
   // Cuts off what is still under way; call Drain first to be polite.
   ~Server();
 

@@ -44,15 +44,15 @@ LiveMesh<D>::LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning)
 template <int D>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Apply(const EditBatch& batch, const ApplyOptions& apply) {
   if (apply.cancelled == nullptr) {
-    return ApplyWith(batch, [] { return false; });
+    return ApplyWith(batch, apply, [] { return false; });
   }
-  return ApplyWith(batch, [&] { return apply.cancelled->load(std::memory_order_relaxed); });
+  return ApplyWith(batch, apply, [&] { return apply.cancelled->load(std::memory_order_relaxed); });
 }
 
 template <int D>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Apply(const EditBatch& batch,
                                             const std::function<bool()>& cancelled) {
-  return ApplyWith(batch, [&] { return cancelled(); });
+  return ApplyWith(batch, {}, [&] { return cancelled(); });
 }
 
 template <int D>
@@ -62,13 +62,20 @@ absl::Status LiveMesh<D>::Validate(const EditBatch& batch) const {
 
 template <int D>
 template <class Interrupt>
-absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, Interrupt cancelled) {
+absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, const ApplyOptions& apply,
+                                                Interrupt cancelled) {
   const auto start = Clock::now();
+  const auto commit = [&](MeshDiff& diff) {
+    diff.from_revision = revision_;
+    diff.to_revision = batch.empty() ? revision_ : revision_ + 1;
+    diff.work.microseconds = MicrosecondsSince(start);
+    return apply.commit == nullptr ? absl::OkStatus() : apply.commit(diff);
+  };
   if (batch.empty()) {
     MeshDiff nothing;
     nothing.dimension = D;
-    nothing.from_revision = nothing.to_revision = revision_;
     nothing.hash = hash();
+    if (absl::Status status = commit(nothing); !status.ok()) return status;
     return nothing;
   }
   const absl::StatusOr<plc::Delta<D>> delta = plc_.Check(batch, nullptr, cancelled);
@@ -76,12 +83,9 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, Interrup
   const Plan plan = PlanFor(*delta, plc_.size(), state_->refinement.vertex_count(), options_.box,
                             tuning_.rebuild);
   absl::StatusOr<MeshDiff> diff = plan == Plan::kRebuild
-                                      ? Rebuild(*delta, Snapshot(), cancelled)
-                                      : Propagate(*delta, plan == Plan::kLook, cancelled);
-  if (!diff.ok()) return diff;
-  diff->from_revision = revision_;
-  diff->to_revision = ++revision_;
-  diff->work.microseconds = MicrosecondsSince(start);
+                                      ? Rebuild(*delta, Snapshot(), cancelled, commit)
+                                      : Propagate(*delta, plan == Plan::kLook, cancelled, commit);
+  if (diff.ok()) revision_ = diff->to_revision;
   return diff;
 }
 
@@ -125,14 +129,14 @@ void LiveMesh<D>::Undo(const plc::Delta<D>& delta) {
 template <int D>
 template <class Interrupt>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(const plc::Delta<D>& delta, bool look,
-                                                Interrupt cancelled) {
+                                                Interrupt cancelled, Commit commit) {
   State& state = *state_;
   state.refinement.engine().ResetCounters();
   state.refinement.ForgetDepthLimit();
   Mesh before = look ? Snapshot() : Mesh();
   state.features.Apply(delta, state.refinement);
   if (look && IsMostlyStale()) {
-    absl::StatusOr<MeshDiff> diff = Rebuild(delta, std::move(before), cancelled);
+    absl::StatusOr<MeshDiff> diff = Rebuild(delta, std::move(before), cancelled, commit);
     if (!diff.ok()) Undo(delta);
     return diff;
   }
@@ -140,7 +144,7 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(const plc::Delta<D>& delta, bool
     Undo(delta);
     // On its way a propagation holds what is new and what is about to go: whether a limit is
     // passed only a run from scratch can say, lest the answer depend on history.
-    if (absl::IsResourceExhausted(status)) return Rebuild(delta, Snapshot(), cancelled);
+    if (absl::IsResourceExhausted(status)) return Rebuild(delta, Snapshot(), cancelled, commit);
     return status;
   }
   MeshDiff diff = state.diffs.Update(state.refinement, state.features);
@@ -148,14 +152,18 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(const plc::Delta<D>& delta, bool
     // Labels are left half made, so that there is nothing to undo; and which polygon is to be
     // named, too, only a run from scratch can say.
     state_ = (*Build(plc_.FromNothing(), plc_.size(), [] { return false; })).state;
-    return Rebuild(delta, Snapshot(), cancelled);
+    return Rebuild(delta, Snapshot(), cancelled, commit);
   }
-  plc_.Commit(delta);
-  state.features.Collect();
   const sac::Counters& counters = state.refinement.engine().counters();
   diff.work.executed = counters.executed;
   diff.work.created = counters.created;
   diff.work.dropped = counters.dropped;
+  if (absl::Status status = commit(diff); !status.ok()) {
+    Undo(delta);
+    return status;
+  }
+  plc_.Commit(delta);
+  state.features.Collect();
   return diff;
 }
 
@@ -179,20 +187,22 @@ absl::StatusOr<typename LiveMesh<D>::Built> LiveMesh<D>::Build(const plc::Delta<
 template <int D>
 template <class Interrupt>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Rebuild(const plc::Delta<D>& delta, Mesh before,
-                                              Interrupt cancelled) {
+                                              Interrupt cancelled, Commit commit) {
   const bool is_first = plc_.size() == 0;
   plc_.Commit(delta);
   absl::StatusOr<Built> built =
       Build(is_first ? delta : plc_.FromNothing(), plc_.size(), cancelled);
-  if (!built.ok()) {
+  const auto refuse = [&](absl::Status status) {
     plc_.Commit(delta.Inverse());
-    return built.status();
-  }
+    return status;
+  };
+  if (!built.ok()) return refuse(built.status());
   MeshDiff diff = data::DiffMeshes(std::move(before), std::move(built->mesh));
   const sac::Counters& counters = built->state->refinement.engine().counters();
   diff.work.executed = counters.executed;
   diff.work.created = counters.created;
   diff.work.dropped = state_->refinement.engine().operation_count();
+  if (absl::Status status = commit(diff); !status.ok()) return refuse(std::move(status));
   state_ = std::move(built->state);
   return diff;
 }

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "core/dynamic_mesh/diff_builder.h"
 #include "core/dynamic_mesh/feature_table.h"
 #include "core/dynamic_mesh/rebuild_choice.h"
@@ -35,6 +36,7 @@ class LiveMesh final : public DynamicMesh {
   // The same, asked whether to go on before each operation.
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const std::function<bool()>& cancelled);
 
+  void ResumeAt(std::uint64_t revision) override { revision_ = revision; }
   absl::Status Validate(const EditBatch& batch) const override;
   Mesh Snapshot() const override;
   SimplexColumn Locate(std::span<const double> points) const override;
@@ -60,8 +62,12 @@ class LiveMesh final : public DynamicMesh {
     Refinement refinement;
   };
 
+  // Whether the batch with that diff, but for revisions, may come into effect; completes it.
+  using Commit = absl::FunctionRef<absl::Status(MeshDiff&)>;
+
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> ApplyWith(const EditBatch& batch, Interrupt cancelled);
+  absl::StatusOr<MeshDiff> ApplyWith(const EditBatch& batch, const ApplyOptions& apply,
+                                     Interrupt cancelled);
   // A state of the features that `all` adds, and its mesh.
   struct Built {
     std::unique_ptr<State> state;
@@ -72,9 +78,11 @@ class LiveMesh final : public DynamicMesh {
   template <class Interrupt>
   absl::Status Run(State& state, Interrupt cancelled);
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> Propagate(const plc::Delta<D>& delta, bool look, Interrupt cancelled);
+  absl::StatusOr<MeshDiff> Propagate(const plc::Delta<D>& delta, bool look, Interrupt cancelled,
+                                     Commit commit);
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta<D>& delta, Mesh before, Interrupt cancelled);
+  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta<D>& delta, Mesh before, Interrupt cancelled,
+                                   Commit commit);
   void Undo(const plc::Delta<D>& delta);
   bool IsMostlyStale() const;
 

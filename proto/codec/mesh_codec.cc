@@ -195,13 +195,6 @@ void CutDiff(Cutter& cutter, const MeshDiff& diff, v1::MeshDiff* out) {
                [](D* d) { return d->mutable_added_simplices(); });
 }
 
-void EncodeWork(const WorkCounters& work, v1::WorkCounters* out) {
-  out->set_executed(work.executed);
-  out->set_created(work.created);
-  out->set_dropped(work.dropped);
-  out->set_microseconds(work.microseconds);
-}
-
 // ---------------------------------------------------------------- assembling
 
 absl::Status Broken(absl::string_view what) {
@@ -293,6 +286,23 @@ bool DiffFragmenter::Next(v1::MeshDiff* out) {
   return true;
 }
 
+void EncodeWork(const WorkCounters& work, v1::WorkCounters* out) {
+  out->set_executed(work.executed);
+  out->set_created(work.created);
+  out->set_dropped(work.dropped);
+  out->set_microseconds(work.microseconds);
+}
+
+WorkCounters DecodeWork(const v1::WorkCounters& work) {
+  return {work.executed(), work.created(), work.dropped(), work.microseconds()};
+}
+
+void EncodeTime(absl::Time time, google::protobuf::Timestamp* out) {
+  const std::int64_t nanos = absl::ToUnixNanos(time);
+  out->set_seconds(nanos / 1'000'000'000);
+  out->set_nanos(static_cast<std::int32_t>(nanos % 1'000'000'000));
+}
+
 SnapshotFragmenter::SnapshotFragmenter(std::shared_ptr<const Mesh> mesh, std::size_t fragment_bytes)
     : mesh_(std::move(mesh)), fragment_bytes_(fragment_bytes) {}
 
@@ -360,8 +370,7 @@ absl::StatusOr<std::optional<MeshDiff>> DiffAssembler::Add(const v1::MeshDiff& f
   if (!hash.ok()) return Broken("a diff's hash is not 32 hex digits");
   diff.hash = *hash;
   data::KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
-  diff.work = {f.work().executed(), f.work().created(), f.work().dropped(),
-               f.work().microseconds()};
+  diff.work = DecodeWork(f.work());
   return std::optional<MeshDiff>(std::move(diff));
 }
 

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/v1/mesh.pb.h"
 
@@ -19,6 +20,10 @@ namespace dynmesh::codec {
 // What a fragment's columns may take, by a row estimate that is never too low. Real
 // messages come out at 70 to 100 % of it.
 inline constexpr std::size_t kFragmentBytes = 640'000;
+
+void EncodeWork(const WorkCounters& work, v1::WorkCounters* out);
+WorkCounters DecodeWork(const v1::WorkCounters& work);
+void EncodeTime(absl::Time time, google::protobuf::Timestamp* out);
 
 class DiffFragmenter {
  public:

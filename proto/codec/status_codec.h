@@ -42,6 +42,8 @@ inline constexpr char kMeshLimit[] = "MESH_LIMIT";
 inline constexpr char kStreamLimit[] = "STREAM_LIMIT";
 inline constexpr char kQueueFull[] = "QUEUE_FULL";
 inline constexpr char kPendingLimit[] = "PENDING_LIMIT";
+inline constexpr char kJournalFailed[] = "JOURNAL_FAILED";
+inline constexpr char kMeshDamaged[] = "MESH_DAMAGED";
 inline constexpr char kDraining[] = "DRAINING";
 }  // namespace reason
 

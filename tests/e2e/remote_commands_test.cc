@@ -14,6 +14,9 @@
 #include <thread>
 #include <vector>
 
+#include "tests/e2e/daemon.h"
+#include "tests/support/temp_folder.h"
+
 namespace dynmesh::cli {
 namespace {
 
@@ -60,69 +63,23 @@ std::string Value(const std::string& json, const std::string& key) {
   return json.substr(begin, json.find_first_of(",}\"", begin) - begin);
 }
 
-// A dynmeshd of its own, in a folder of its own.
+// With a dynmeshd in a folder of its own.
 class DaemonFixture : public ::testing::Test {
  protected:
-  DaemonFixture() {
-    std::string pattern = (fs::temp_directory_path() / "dynmesh-e2e-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~DaemonFixture() override {
-    if (child_ > 0) {
-      kill(child_, SIGKILL);
-      waitpid(child_, nullptr, 0);
-    }
-    fs::remove_all(folder_);
-  }
-
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string Path(const std::string& name) const { return folder_.path() + "/" + name; }
   std::string Write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
+    std::ofstream(Path(name)) << text;
     return Path(name);
   }
 
-  void StartDaemon() {
-    const std::string port_file = Path("port");
-    child_ = fork();
-    ASSERT_GE(child_, 0);
-    if (child_ == 0) {
-      const std::string log = Path("log");
-      if (std::freopen(log.c_str(), "w", stderr) == nullptr) _exit(126);
-      if (std::freopen("/dev/null", "w", stdout) == nullptr) _exit(126);
-      execl(DYNMESHD_BINARY, "dynmeshd", "--listen", "127.0.0.1:0", "--port-file",
-            port_file.c_str(), static_cast<char*>(nullptr));
-      _exit(127);
-    }
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-    while (!fs::exists(port_file) && std::chrono::steady_clock::now() < deadline) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    std::string port;
-    std::ifstream(port_file) >> port;
-    ASSERT_FALSE(port.empty()) << "dynmeshd did not start";
-    address_ = "127.0.0.1:" + port;
-  }
+  void StartDaemon() { ASSERT_TRUE(daemon_.Start()) << daemon_.Log(); }
   Ran Remote(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.end(), {"--server", address_});
+    arguments.insert(arguments.end(), {"--server", daemon_.address()});
     return RunDynmesh(std::move(arguments));
   }
-  // The exit code after a SIGTERM.
-  int Terminate() {
-    kill(child_, SIGTERM);
-    int status = 0;
-    waitpid(child_, &status, 0);
-    child_ = 0;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  std::string Log() const {
-    std::ostringstream text;
-    text << std::ifstream(folder_ / "log").rdbuf();
-    return text.str();
-  }
 
-  fs::path folder_;
-  pid_t child_ = 0;
-  std::string address_;
+  test::TempFolder folder_;
+  test::Daemon daemon_{folder_.path()};
 };
 
 using RemoteCommandsTest = DaemonFixture;
@@ -275,8 +232,8 @@ TEST_F(RemoteCommandsTest, ErrorsNameTheLineAndHaveTheirExitCodes) {
   EXPECT_EQ(Remote({"apply", "q", Path("absent.txt")}).code, kExitBadInput);
   EXPECT_EQ(RunDynmesh({"list", "--nonsense"}).code, kExitBadInput);
   EXPECT_EQ(RunDynmesh({}).code, kExitBadInput);
-  const std::string live = address_;
-  EXPECT_EQ(Terminate(), 0);
+  const std::string live = daemon_.address();
+  EXPECT_EQ(daemon_.End(SIGTERM), 0);
   const Ran nobody = RunDynmesh({"list", "--server", live});
   EXPECT_EQ(nobody.code, kExitFailed);
   EXPECT_NE(nobody.err, "");
@@ -286,8 +243,8 @@ TEST_F(RemoteCommandsTest, TheDaemonSaysThatItsMeshesAreInMemoryAndDrainsOnSigte
   StartDaemon();
   const std::string script = Write("s.txt", kScript);
   ASSERT_EQ(Remote({"apply", "plate", script, "--create"}).code, kExitDone);
-  EXPECT_EQ(Terminate(), 0);
-  const std::string log = Log();
+  EXPECT_EQ(daemon_.End(SIGTERM), 0);
+  const std::string log = daemon_.Log();
   EXPECT_NE(log.find("meshes live in memory only"), std::string::npos) << log;
   EXPECT_NE(log.find("event=mesh_created mesh=plate"), std::string::npos) << log;
   EXPECT_NE(log.find("event=drained complete=1"), std::string::npos) << log;

@@ -171,6 +171,9 @@ absl::StatusOr<MeshDiff> FakeDynamicMesh::Apply(const EditBatch& batch,
   next.revision = batch.empty() ? mesh_.revision : mesh_.revision + 1;
   MeshDiff diff = data::DiffMeshes(mesh_, next);
   diff.work.executed = batch.size();
+  if (apply_options.commit != nullptr) {
+    if (absl::Status status = apply_options.commit(diff); !status.ok()) return status;
+  }
   features_ = *std::move(draft);
   mesh_ = std::move(next);
   return diff;

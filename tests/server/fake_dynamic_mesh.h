@@ -40,6 +40,7 @@ class FakeDynamicMesh final : public DynamicMesh {
 
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch,
                                  const ApplyOptions& apply_options) override;
+  void ResumeAt(std::uint64_t revision) override { mesh_.revision = revision; }
   absl::Status Validate(const EditBatch& batch) const override;
   Mesh Snapshot() const override { return mesh_; }
   // All that lies in the box is in the first triangle, if there is one.

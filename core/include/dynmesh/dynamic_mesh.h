@@ -2,7 +2,7 @@
 //
 // Invariants, at every revision:
 //   1. the mesh is a function of options and feature set, bit for bit;
-//   2. a batch that is refused, cancelled or over a limit changes nothing;
+//   2. a batch that is refused, cancelled, vetoed or over a limit changes nothing;
 //   3. every simplex is Delaunay, every input point a vertex, every input segment
 //      a chain of edges, every simplex within the quality asked for.
 //
@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -29,6 +30,11 @@ namespace dynmesh {
 struct ApplyOptions {
   // Polled between operations; when it turns true the batch is undone: CANCELLED.
   const std::atomic<bool>* cancelled = nullptr;
+  // Asked once, with the diff as Apply would return it, when nothing else can fail any more and
+  // before the mesh says that it is at the new revision: such as to write the batch down first.
+  // Unless it answers OK the batch is undone, as if cancelled, and Apply returns its answer. An
+  // empty batch is asked for, too. It must not use the mesh. May be null.
+  std::function<absl::Status(const MeshDiff&)> commit;
 };
 
 struct MeshStats {
@@ -62,6 +68,10 @@ class DynamicMesh {
   // the features of the batch carry. Errors name the features (error.h).
   virtual absl::StatusOr<MeshDiff> Apply(const EditBatch& batch,
                                          const ApplyOptions& apply_options = {}) = 0;
+
+  // Says that the mesh as it is now is that revision; nothing but the number changes. For a mesh
+  // that is made again from the features that it had.
+  virtual void ResumeAt(std::uint64_t revision) = 0;
 
   // Would Apply accept the features of `batch`? (Limits are not tried.) No change.
   virtual absl::Status Validate(const EditBatch& batch) const = 0;

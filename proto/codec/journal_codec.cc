@@ -1,0 +1,126 @@
+#include "proto/codec/journal_codec.h"
+
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "dynmesh/v1/journal.pb.h"
+#include "proto/codec/edit_codec.h"
+#include "proto/codec/mesh_codec.h"
+
+namespace dynmesh::codec {
+namespace {
+
+constexpr std::size_t kPartBytes = 1 << 20;
+
+template <typename Message>
+absl::StatusOr<Message> Parse(const std::string& bytes) {
+  Message message;
+  if (message.ParseFromString(bytes)) return message;
+  return absl::DataLossError(
+      absl::StrCat("these ", bytes.size(), " bytes are no ", message.GetTypeName()));
+}
+
+// What was written by this program and does not decode is damage, not somebody's bad argument.
+absl::Status Damage(const absl::Status& status) {
+  return status.ok() ? status : absl::DataLossError(status.message());
+}
+
+absl::Status DecodeHash(const std::string& hex, MeshHash* out) {
+  const absl::StatusOr<MeshHash> hash = MeshHash::FromHex(hex);
+  if (hash.ok()) *out = *hash;
+  return Damage(hash.status());
+}
+
+}  // namespace
+
+std::string EncodeJournalMesh(const JournalMesh& mesh) {
+  v1::JournalMesh proto;
+  EncodeOptions(mesh.options, proto.mutable_options());
+  EncodeTime(mesh.create_time, proto.mutable_create_time());
+  proto.set_request_id(mesh.request_id);
+  return proto.SerializeAsString();
+}
+
+absl::StatusOr<JournalMesh> DecodeJournalMesh(const std::string& bytes) {
+  const auto proto = Parse<v1::JournalMesh>(bytes);
+  if (!proto.ok()) return proto.status();
+  const auto options = DecodeOptions(proto->options(), std::numeric_limits<std::uint64_t>::max());
+  if (!options.ok()) return Damage(options.status());
+  return JournalMesh{*options,
+                     absl::FromUnixSeconds(proto->create_time().seconds()) +
+                         absl::Nanoseconds(proto->create_time().nanos()),
+                     proto->request_id()};
+}
+
+std::string EncodeJournalEntry(const EditBatch& edits, const MeshHash& hash, int dimension) {
+  v1::JournalEntry proto;
+  proto.mutable_edits()->Reserve(static_cast<int>(edits.size()));
+  for (const Edit& edit : edits) EncodeEdit(edit, dimension, proto.add_edits());
+  proto.set_hash(hash.ToHex());
+  return proto.SerializeAsString();
+}
+
+absl::StatusOr<JournalEntry> DecodeJournalEntry(const std::string& bytes, int dimension) {
+  const auto proto = Parse<v1::JournalEntry>(bytes);
+  if (!proto.ok()) return proto.status();
+  JournalEntry entry;
+  absl::Status status = DecodeEdits(proto->edits(), dimension, &entry.edits);
+  status.Update(DecodeHash(proto->hash(), &entry.hash));
+  if (!status.ok()) return Damage(status);
+  return entry;
+}
+
+std::vector<std::string> EncodeJournalSnapshot(std::span<const Feature> features,
+                                               const MeshHash& hash, int dimension) {
+  std::vector<std::string> parts;
+  v1::JournalSnapshot proto;
+  std::size_t bytes = 0;
+  const auto close = [&] {
+    proto.set_hash(hash.ToHex());
+    parts.push_back(proto.SerializeAsString());
+    proto.Clear();
+    bytes = 0;
+  };
+  for (const Feature& feature : features) {
+    EncodeFeature(feature, dimension, proto.add_features());
+    bytes += proto.features(proto.features_size() - 1).ByteSizeLong();
+    if (bytes >= kPartBytes) close();
+  }
+  if (bytes > 0 || parts.empty()) close();
+  return parts;
+}
+
+absl::Status DecodeJournalSnapshot(const std::string& bytes, int dimension, JournalEntry* out) {
+  const auto proto = Parse<v1::JournalSnapshot>(bytes);
+  if (!proto.ok()) return proto.status();
+  absl::Status status = DecodeAdds(proto->features(), dimension, &out->edits);
+  status.Update(DecodeHash(proto->hash(), &out->hash));
+  return Damage(status);
+}
+
+std::string EncodeJournalAnswer(const JournalAnswer& answer) {
+  v1::JournalAnswer proto;
+  proto.set_content_a(answer.content_a);
+  proto.set_content_b(answer.content_b);
+  proto.set_from_revision(answer.from_revision);
+  proto.set_to_revision(answer.to_revision);
+  proto.set_hash(answer.hash.ToHex());
+  EncodeWork(answer.work, proto.mutable_work());
+  return proto.SerializeAsString();
+}
+
+absl::StatusOr<JournalAnswer> DecodeJournalAnswer(const std::string& bytes) {
+  const auto proto = Parse<v1::JournalAnswer>(bytes);
+  if (!proto.ok()) return proto.status();
+  JournalAnswer answer{proto->content_a(),
+                       proto->content_b(),
+                       proto->from_revision(),
+                       proto->to_revision(),
+                       {},
+                       DecodeWork(proto->work())};
+  if (absl::Status s = DecodeHash(proto->hash(), &answer.hash); !s.ok()) return s;
+  return answer;
+}
+
+}  // namespace dynmesh::codec

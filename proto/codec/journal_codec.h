@@ -1,0 +1,52 @@
+// What a journal keeps of a mesh, as bytes and back. Pure, thread-safe. Decoding trusts nothing:
+// DATA_LOSS for bytes that are not what they should be.
+#ifndef DYNMESH_PROTO_CODEC_JOURNAL_CODEC_H_
+#define DYNMESH_PROTO_CODEC_JOURNAL_CODEC_H_
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/mesh.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::codec {
+
+struct JournalMesh {
+  MeshOptions options;
+  absl::Time create_time;
+  std::string request_id;
+};
+std::string EncodeJournalMesh(const JournalMesh& mesh);
+absl::StatusOr<JournalMesh> DecodeJournalMesh(const std::string& bytes);
+
+struct JournalEntry {
+  EditBatch edits;
+  MeshHash hash;  // of the mesh after them
+};
+std::string EncodeJournalEntry(const EditBatch& edits, const MeshHash& hash, int dimension);
+absl::StatusOr<JournalEntry> DecodeJournalEntry(const std::string& bytes, int dimension);
+
+// Features in parts of about a megabyte, at least one; each has the hash.
+std::vector<std::string> EncodeJournalSnapshot(std::span<const Feature> features,
+                                               const MeshHash& hash, int dimension);
+// Appends a part's features to the edits, as such that add them.
+absl::Status DecodeJournalSnapshot(const std::string& bytes, int dimension, JournalEntry* out);
+
+struct JournalAnswer {
+  std::uint64_t content_a = 0, content_b = 0;
+  std::uint64_t from_revision = 0, to_revision = 0;
+  MeshHash hash;
+  WorkCounters work;
+};
+std::string EncodeJournalAnswer(const JournalAnswer& answer);
+absl::StatusOr<JournalAnswer> DecodeJournalAnswer(const std::string& bytes);
+
+}  // namespace dynmesh::codec
+
+#endif  // DYNMESH_PROTO_CODEC_JOURNAL_CODEC_H_

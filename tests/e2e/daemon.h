@@ -1,0 +1,88 @@
+// A dynmeshd of its own, as a process, on a free port.
+#ifndef DYNMESH_TESTS_E2E_DAEMON_H_
+#define DYNMESH_TESTS_E2E_DAEMON_H_
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace dynmesh::test {
+
+class Daemon {
+ public:
+  // Port file and log go to the folder, which outlives it.
+  explicit Daemon(std::string folder) : folder_(std::move(folder)) {}
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+  ~Daemon() {
+    if (child_ > 0) End(SIGKILL);
+  }
+
+  // False if it does not come up.
+  bool Start(std::vector<std::string> arguments = {}) {
+    const std::string port_file = folder_ + "/port", log = folder_ + "/log";
+    std::filesystem::remove(port_file);
+    arguments.insert(arguments.begin(),
+                     {"dynmeshd", "--listen", "127.0.0.1:0", "--port-file", port_file});
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    std::fflush(nullptr);  // or the child would write it once more
+    child_ = fork();
+    if (child_ < 0) return false;
+    if (child_ == 0) {
+      if (std::freopen(log.c_str(), "a", stderr) == nullptr) _exit(126);
+      if (std::freopen("/dev/null", "w", stdout) == nullptr) _exit(126);
+      execv(DYNMESHD_BINARY, argv.data());
+      _exit(127);
+    }
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!std::filesystem::exists(port_file)) {
+      if (std::chrono::steady_clock::now() > deadline) return false;
+      if (waitpid(child_, nullptr, WNOHANG) == child_) {
+        child_ = 0;
+        return false;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    std::string port;
+    std::ifstream(port_file) >> port;
+    address_ = "127.0.0.1:" + port;
+    return !port.empty();
+  }
+
+  const std::string& address() const { return address_; }
+
+  // The exit code after that signal; -1 if the signal ended it.
+  int End(int signal) {
+    kill(child_, signal);
+    int status = 0;
+    waitpid(child_, &status, 0);
+    child_ = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  std::string Log() const {
+    std::ostringstream text;
+    text << std::ifstream(folder_ + "/log").rdbuf();
+    return text.str();
+  }
+
+ private:
+  const std::string folder_;
+  pid_t child_ = 0;
+  std::string address_;
+};
+
+}  // namespace dynmesh::test
+
+#endif  // DYNMESH_TESTS_E2E_DAEMON_H_

@@ -1,0 +1,276 @@
+// dynmeshd with a data folder, killed at random moments under load. After every start each mesh is
+// what was acknowledged, or that and the one batch that was under way, whole; its retry says which.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <map>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "client/mesh_client.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "proto/codec/status_codec.h"
+#include "tests/e2e/daemon.h"
+#include "tests/support/temp_folder.h"
+
+namespace dynmesh {
+namespace {
+
+using client::MeshClient;
+using test::Daemon;
+using test::TempFolder;
+
+std::string ReasonOf(const absl::Status& status) {
+  const auto error = codec::GetServiceError(status);
+  return error.has_value() ? error->reason : "";
+}
+
+// No answer came: whether it was done, only the server's journal knows.
+bool WasNotAnswered(const absl::Status& status) { return absl::IsUnavailable(status); }
+
+// What one client knows of its mesh.
+class Editor {
+ public:
+  Editor(std::string id, std::uint64_t seed) : id_(std::move(id)), random_(seed) {}
+
+  // Edits, and now and then makes the mesh anew, until the server is gone.
+  void Work(MeshClient& client) {
+    while (true) {
+      const bool done =
+          created_ ? (random_() % 64 == 0 ? Delete(client) : Change(client)) : Create(client);
+      if (!done) return;
+    }
+  }
+
+  // After a restart: compares, and brings to an end what was under way.
+  void Check(MeshClient& client) {
+    SCOPED_TRACE("mesh " + id_);
+    if (deleting_ || !created_) {
+      const auto info = client.GetMesh(id_);
+      if (!info.ok()) {
+        ASSERT_EQ(ReasonOf(info.status()), "MESH_NOT_FOUND") << info.status();
+        Forget();
+        return;
+      }
+      if (!created_) {
+        // The creation that was not answered was done.
+        ASSERT_TRUE(creating_);
+        created_ = true;
+      }
+      deleting_ = creating_ = false;
+    }
+    const auto info = client.GetMesh(id_);
+    ASSERT_TRUE(info.ok()) << info.status();
+    std::map<FeatureId, Feature> expected = features_;
+    const bool applied = info->revision == revision_ + 1;
+    if (applied) {
+      ASSERT_TRUE(pending_.has_value());
+      Act(*pending_, expected);
+    } else {
+      ASSERT_EQ(info->revision, revision_);
+    }
+    ExpectMesh(client, expected, info->hash);
+    if (testing::Test::HasFatalFailure() || !pending_.has_value()) return;
+    const auto again = client.Apply(id_, *pending_, Params());
+    ASSERT_TRUE(again.ok()) << again.status();
+    EXPECT_EQ(again->replayed, applied);
+    EXPECT_EQ(again->diff.to_revision, revision_ + 1);
+    Acknowledge();
+    ExpectMesh(client, features_, again->diff.hash);
+  }
+
+  std::uint64_t acknowledged() const { return acknowledged_; }
+
+ private:
+  client::EditParams Params() const {
+    client::EditParams params;
+    params.request_id = absl::StrCat(id_, "-", batches_);
+    return params;
+  }
+
+  bool Create(MeshClient& client) {
+    creating_ = true;
+    const auto made = client.CreateMesh(id_, MeshOptions(), "");
+    if (WasNotAnswered(made.status())) return false;
+    EXPECT_TRUE(made.ok()) << made.status();
+    creating_ = false;
+    created_ = made.ok();
+    return made.ok();
+  }
+
+  bool Delete(MeshClient& client) {
+    deleting_ = true;
+    const absl::Status status = client.DeleteMesh(id_);
+    if (WasNotAnswered(status)) return false;
+    EXPECT_TRUE(status.ok()) << status;
+    Forget();
+    return status.ok();
+  }
+
+  bool Change(MeshClient& client) {
+    ++batches_;
+    pending_ = RandomBatch();
+    const auto result = client.Apply(id_, *pending_, Params());
+    if (WasNotAnswered(result.status())) return false;
+    EXPECT_TRUE(result.ok()) << result.status();
+    if (!result.ok()) return false;
+    EXPECT_EQ(result->diff.to_revision, revision_ + 1);
+    Acknowledge();
+    return true;
+  }
+
+  EditBatch RandomBatch() {
+    // A grid, so that no two are too close.
+    const auto place = [&] { return 0.1 + 0.8 / 64 * static_cast<double>(random_() % 64); };
+    EditBatch batch;
+    std::map<FeatureId, Feature> draft = features_;
+    const int count = 1 + static_cast<int>(random_() % 4);
+    while (static_cast<int>(batch.size()) < count) {
+      Edit edit = Edit::Add(Feature::Point(++last_id_, place(), place()));
+      if (!draft.empty() && random_() % 3 == 0) {
+        auto it = draft.begin();
+        std::advance(it, random_() % draft.size());
+        edit =
+            random_() % 2 == 0 ? Edit::Remove(it->first) : Edit::Move(it->first, place(), place());
+      }
+      const bool taken = edit.action != Edit::Action::kRemove &&
+                         std::any_of(draft.begin(), draft.end(), [&](const auto& f) {
+                           return f.second.position == edit.feature.position;
+                         });
+      if (taken) continue;
+      Act({edit}, draft);
+      batch.push_back(edit);
+    }
+    return batch;
+  }
+
+  static void Act(const EditBatch& batch, std::map<FeatureId, Feature>& features) {
+    for (const Edit& edit : batch) {
+      if (edit.action == Edit::Action::kRemove) {
+        features.erase(edit.feature.id);
+      } else {
+        features[edit.feature.id] = edit.feature;
+      }
+    }
+  }
+
+  void Acknowledge() {
+    Act(*pending_, features_);
+    pending_.reset();
+    ++revision_;
+    ++acknowledged_;
+  }
+
+  void Forget() {
+    created_ = creating_ = deleting_ = false;
+    pending_.reset();
+    features_.clear();
+    revision_ = 0;
+  }
+
+  void ExpectMesh(MeshClient& client, const std::map<FeatureId, Feature>& features,
+                  const MeshHash& hash) const {
+    std::vector<Feature> all;
+    for (const auto& [id, feature] : features) all.push_back(feature);
+    auto scratch = *DynamicMesh::Create(MeshOptions());
+    ASSERT_TRUE(scratch->Apply(AddAll(all)).ok());
+    ASSERT_EQ(hash, scratch->hash());
+    auto theirs = client.GetSnapshot(id_);
+    ASSERT_TRUE(theirs.ok()) << theirs.status();
+    Mesh ours = scratch->Snapshot();
+    Canonicalize(ours);
+    Canonicalize(*theirs);
+    ASSERT_EQ(theirs->vertices, ours.vertices);
+    ASSERT_EQ(theirs->simplices, ours.simplices);
+  }
+
+  const std::string id_;
+  std::mt19937_64 random_;
+  bool created_ = false, creating_ = false, deleting_ = false;
+  std::map<FeatureId, Feature> features_;  // acknowledged
+  std::uint64_t revision_ = 0;
+  std::optional<EditBatch> pending_;  // not answered
+  std::uint64_t batches_ = 0, acknowledged_ = 0;
+  FeatureId last_id_ = 0;
+};
+
+class KillTest : public ::testing::Test {
+ protected:
+  std::vector<std::string> Flags() const {
+    return {"--data-dir", folder_.path() + "/data", "--compact-bytes", "2000"};
+  }
+  std::unique_ptr<MeshClient> Connect() const {
+    client::ClientOptions options;
+    options.own_connection = true;
+    return MeshClient::Connect(daemon_.address(), options);
+  }
+
+  TempFolder folder_;
+  Daemon daemon_{folder_.path()};
+};
+
+TEST_F(KillTest, AtRandomMomentsLosesNothingThatWasAcknowledged) {
+  const char* given = std::getenv("DYNMESH_TEST_SEED");
+  const std::uint64_t seed =
+      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+  SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
+  std::printf("DYNMESH_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed));
+  const int kills = std::getenv("DYNMESH_NIGHTLY") != nullptr ? 200 : 10;
+  std::mt19937_64 random(seed);
+  Editor editors[] = {{"a", seed + 1}, {"b", seed + 2}, {"c", seed + 3}};
+  for (int i = 0; i < kills; ++i) {
+    SCOPED_TRACE(absl::StrCat("start ", i));
+    ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+    const auto client = Connect();
+    for (Editor& editor : editors) {
+      editor.Check(*client);
+      ASSERT_FALSE(HasFailure()) << daemon_.Log();
+    }
+    std::vector<std::thread> threads;
+    for (Editor& editor : editors) {
+      threads.emplace_back([&] { editor.Work(*Connect()); });
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 300'000));
+    daemon_.End(SIGKILL);
+    for (std::thread& thread : threads) thread.join();
+    ASSERT_FALSE(HasFailure());
+  }
+  std::uint64_t acknowledged = 0;
+  for (const Editor& editor : editors) acknowledged += editor.acknowledged();
+  std::printf("%llu batches acknowledged\n", static_cast<unsigned long long>(acknowledged));
+  EXPECT_GT(acknowledged, static_cast<std::uint64_t>(10 * kills));
+  EXPECT_TRUE(absl::StrContains(daemon_.Log(), "compacted"));
+}
+
+TEST_F(KillTest, ASecondServerDoesNotTakeTheFolder) {
+  ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+  TempFolder other;
+  Daemon second(other.path());
+  EXPECT_FALSE(second.Start(Flags()));
+  EXPECT_TRUE(absl::StrContains(second.Log(), "is in use by process")) << second.Log();
+}
+
+TEST_F(KillTest, AnOrderlyEndIsRecoveredToo) {
+  ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+  ASSERT_TRUE(Connect()->CreateMesh("m", MeshOptions()).ok());
+  const auto made = Connect()->Apply(
+      "m", {Edit::Add(Feature::Point(1, 0.25, 0.5)),
+            Edit::Add(Feature::Size(2, {0.5, 0.5, 0}, {SizeShape::kDisc, 0.1, 0.2, {}})),
+            Edit::Add(Feature::Point(3, 0.75, 0.5)), Edit::Add(Feature::Segment(4, 1, 3))});
+  ASSERT_TRUE(made.ok()) << made.status();
+  EXPECT_EQ(daemon_.End(SIGTERM), 0);
+  ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+  const auto info = Connect()->GetMesh("m");
+  ASSERT_TRUE(info.ok()) << info.status();
+  EXPECT_EQ(info->revision, 1u);
+  EXPECT_EQ(info->hash, made->diff.hash);
+  EXPECT_EQ(Connect()->GetStats("m")->mesh->stats.features, 4u);
+}
+
+}  // namespace
+}  // namespace dynmesh
