@@ -171,8 +171,8 @@ template <int D, template <class> class E>
 void Refinement<D, E>::NotifyOfVertex(VertexIndex v, bool appears, sac::Stamp at) {
   if constexpr (kTraced) {
     if (!engine_.AnyAfter(at)) return;
-    tree_.VisitPath(vertices_[v].p, [&](sac::Place place) {
-      engine_.Notify(place, at, sac::kNoStamp,
+    tree_.VisitPath(vertices_[v].p, [&](sac::Place place, sac::Parts part) {
+      engine_.Notify(place, part, at, sac::kNoStamp,
                      [&](sac::OpId op) { return VertexMatters(op, v, appears); });
     });
   }
@@ -363,7 +363,7 @@ void Refinement<D, E>::SetExposed(SubsegmentIndex i, sac::Stamp at) {
   Subsegment& s = subsegments_[i];
   s.exposed = at;
   s.place_count = 0;
-  tree_.Cover(BallOf(s), [&](sac::Place place) {
+  tree_.Cover(BallOf(s), [&](sac::Place place, sac::Parts) {
     subsegments_[i].places[subsegments_[i].place_count++] = place;
     exposures_.Add(place, i);
   });
@@ -386,7 +386,8 @@ void Refinement<D, E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, s
     if (s.exposed == sac::kNoStamp || !engine_.AnyAfter(after)) return;
     tree_.VisitBox(BallOf(s), [&](sac::Place place) {
       engine_.Notify(
-          place, after, until, [this](sac::OpId op) { return AsksForSubsegments(op); },
+          place, sac::Parts{0}, after, until,
+          [this](sac::OpId op) { return AsksForSubsegments(op); },
           [&](sac::OpId op) { return SubsegmentMatters(op, s); });
     });
   }

@@ -157,8 +157,8 @@ void Refinement<D, E>::FindEncroached(Context& context, const Point& x) {
     }
     if (inside) return;
   }
-  tree_.VisitPath(x, [&](sac::Place place) {
-    for (const SubsegmentIndex s : exposures_.at(place)) {
+  tree_.VisitPath(x, [&](sac::Place place, sac::Parts) {
+    for (const auto& [s, parts] : exposures_.at(place)) {
       const Subsegment& sub = subsegments_[s];
       if (!IsVisible(context, sub)) continue;
       const int sign = DiametralBallSign(vertices_[sub.a].p, vertices_[sub.b].p, x);
@@ -174,7 +174,7 @@ void Refinement<D, E>::FindEncroached(Context& context, const Point& x) {
 template <int D, template <class> class E>
 void Refinement<D, E>::SubscribeBox(Context& context, const Extent<D>& box) {
   if constexpr (kTraced) {
-    tree_.Cover(box, [&](sac::Place place) { context.Subscribe(place); });
+    tree_.Cover(box, [&](sac::Place place, sac::Parts parts) { context.Subscribe(place, parts); });
   }
 }
 

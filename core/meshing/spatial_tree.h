@@ -179,14 +179,17 @@ class SpatialTree {
     return true;
   }
 
-  // The nodes on the way from the root to the leaf of p.
+  static constexpr int kSlabs = 32 / D;
+  // The nodes on the way from the root to the leaf of p, each with the part of its cell in which
+  // p is. A *part* is a bit for each axis, out of kSlabs for the slabs into which the cell is
+  // cut along it: a box has p only if the bits of its slabs include p's.
   template <class Visit>
   void VisitPath(const Point& p, Visit visit) const {
     Cell cell = Root();
-    visit(cell.node);
+    visit(cell.node, PartsOf({p.c, p.c}, cell));
     while (nodes_[cell.node].child != kNone) {
       cell = Child(cell, Quadrant(p, cell));
-      visit(cell.node);
+      visit(cell.node, PartsOf({p.c, p.c}, cell));
     }
   }
 
@@ -212,7 +215,7 @@ class SpatialTree {
 
   // Few nodes (2^D unless the box pokes out) whose cells together cover the part of
   // the box inside the tree, each no smaller than the box or a leaf: any point of
-  // the box has one of them on its path.
+  // the box has one of them on its path. Each with the box's parts of its cell.
   template <class Visit>
   void Cover(const Extent<D>& box, Visit visit) const {
     double side = 0;
@@ -223,7 +226,7 @@ class SpatialTree {
     while (top > 0) {
       const Cell cell = stack[--top];
       if (nodes_[cell.node].child == kNone || cell.half < side) {
-        visit(cell.node);
+        visit(cell.node, PartsOf(box, cell));
         continue;
       }
       PushChildrenIn(box, cell, stack, top);
@@ -258,6 +261,23 @@ class SpatialTree {
   };
 
   Cell Root() const { return {0, centre_, half_}; }
+
+  // What lies outside of the cell counts to its outermost slabs.
+  static std::uint32_t PartsOf(const Extent<D>& box, const Cell& cell) {
+    const double slabs = kSlabs / (2 * cell.half);
+    std::uint32_t parts = 0;
+    for (int k = 0; k < D; ++k) {
+      const double low = cell.centre[k] - cell.half;
+      // Rounded alike for points and boxes, so that the order is kept.
+      const auto slab = [&](double x) {
+        return static_cast<int>(std::fmin(std::fmax((x - low) * slabs, 0), kSlabs - 1));
+      };
+      const std::uint32_t up_to = (std::uint32_t{2} << slab(box.hi[k])) - 1,
+                          below = (std::uint32_t{1} << slab(box.lo[k])) - 1;
+      parts |= (up_to & ~below) << (k * kSlabs);
+    }
+    return parts;
+  }
 
   static int Quadrant(const Point& p, const Cell& cell) {
     int q = 0;

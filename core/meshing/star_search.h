@@ -108,8 +108,10 @@ bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
   if constexpr (D == 3) {
     triangulation_->LinkOf(v, &link_);
     if (!link_.is_closed) return false;
+    const int neighbours = link_.neighbour_count();
+    for (int i = 0; i < neighbours; ++i) __builtin_prefetch(&vertices_[link_.neighbour(i)]);
     star_.BeginLink(v, vertices_[v].p, reach);
-    for (int i = 0; i < link_.neighbour_count(); ++i) {
+    for (int i = 0; i < neighbours; ++i) {
       const VertexIndex u = link_.neighbour(i);
       star_.AddNeighbour(u, vertices_[u].p);  // near what else is asked of it
     }

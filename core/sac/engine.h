@@ -118,15 +118,25 @@ class Engine {
   // --- Notification -------------------------------------------------------------
 
   // Marks stale each subscriber of `place` with a time in (after, until] for which
-  // affected(op) holds. `until` is kNoStamp for ever. Not asked about those for which
-  // interested(op) is false, which is to look at no more than the operation.
+  // affected(op) holds. `until` is kNoStamp for ever. Not asked about those that subscribe to
+  // some parts of the place but not to all of `parts`, nor those for which interested(op) is
+  // false, which is to look at no more than the operation.
   template <class Affected, class Interested>
-  void Notify(Place place, Stamp after, Stamp until, Interested interested, Affected affected) {
-    const auto subscribers = subscriptions_.at(place);
-    // Far from the last edit none is in a cache: fetched together they cost as one.
-    for (const OpId id : subscribers) __builtin_prefetch(&ops_[id]);
-    for (const OpId id : subscribers) {
-      ++counters_.notified;
+  void Notify(Place place, Parts parts, Stamp after, Stamp until, Interested interested,
+              Affected affected) {
+    asked_.clear();
+    for (const auto& [op, of] : subscriptions_.at(place)) {
+      if ((of & parts) == parts) asked_.push_back(op);
+    }
+    counters_.notified += asked_.size();
+    // Far from the last edit none is in a cache: what is asked soon is fetched step by step, as
+    // each step reads where the one before has pointed.
+    constexpr std::size_t kFar = 24, kNear = 12;
+    for (std::size_t i = 0; i < std::min(kFar, asked_.size()); ++i) PrefetchOp(asked_[i]);
+    for (std::size_t i = 0; i < asked_.size(); ++i) {
+      if (i + kFar < asked_.size()) PrefetchOp(asked_[i + kFar]);
+      if (i + kNear < asked_.size()) PrefetchReads(ops_[asked_[i + kNear]]);
+      const OpId id = asked_[i];
       const Operation& op = ops_[id];
       if (op.flags & kStale || !interested(id)) continue;
       if (!Precedes(after, op.stamp)) continue;
@@ -135,9 +145,14 @@ class Engine {
     }
   }
   template <class Affected>
-  void Notify(Place place, Stamp after, Stamp until, Affected affected) {
+  void Notify(Place place, Parts parts, Stamp after, Stamp until, Affected affected) {
     Notify(
-        place, after, until, [](OpId) { return true; }, affected);
+        place, parts, after, until, [](OpId) { return true; }, affected);
+  }
+  // Whichever parts they subscribe to.
+  template <class Affected>
+  void Notify(Place place, Stamp after, Stamp until, Affected affected) {
+    Notify(place, Parts{0}, after, until, affected);
   }
   // Is there anything that a change at time `after` could make stale?
   bool AnyAfter(Stamp after) const { return Precedes(after, frontier_); }
@@ -150,7 +165,7 @@ class Engine {
   }
   // Moves subscriptions when the program's places are rebuilt.
   Subscriptions& subscriptions() { return subscriptions_; }
-  // Operation `id` now names `to` where it named `from`, and subscribes there. (Its
+  // Operation `id` now names `to` where it named `from`, and subscribes to all of it. (Its
   // subscription at `from` is the caller's to take.)
   void ReplacePlace(OpId id, Place from, Place to);
 
@@ -216,6 +231,18 @@ class Engine {
     std::uint8_t flags = 0;
     typename PayloadOf<Program>::Type payload = {};
   };
+  void PrefetchOp(OpId id) const {
+    const char* const op = reinterpret_cast<const char*>(&ops_[id]);
+    __builtin_prefetch(op);
+    __builtin_prefetch(op + sizeof(Operation) - 1);
+  }
+  // What Notify needs beside the operation.
+  void PrefetchReads(const Operation& op) const {
+    time_.order().Prefetch(op.stamp);
+    if constexpr (requires { program_.Prefetch(op.kind, op.item, 0); }) {
+      program_.Prefetch(op.kind, op.item, 0);
+    }
+  }
   struct QueueEntry {
     std::uint64_t priority;
     OpId op;
@@ -291,6 +318,7 @@ class Engine {
 
   void Execute(OpId id);
   void Commit(OpId id);
+  void JoinNewSubscriptions();
   void Drop(OpId id);
   void ReleaseWithdrawn();
   bool IsLater(OpId id, OpId than) const;
@@ -313,7 +341,9 @@ class Engine {
   };
   std::vector<Output> new_outputs_;
   std::vector<Requested> new_requests_;
-  std::vector<Place> new_places_;
+  std::vector<std::pair<Place, Parts>> new_subscriptions_;
+  std::vector<Place> new_places_;  // of them
+  std::vector<OpId> asked_;        // by Notify
   std::vector<std::uint32_t> new_reads_;
   std::vector<OpId> new_ops_;
   std::vector<std::uint32_t> scratch_;
@@ -345,7 +375,9 @@ class Engine<Program>::Context {
 
   void Emit(Output output) { engine_.new_outputs_.push_back(output); }
   void Request(Kind k, Item i, Epoch e) { engine_.new_requests_.push_back({i, e, k}); }
-  void Subscribe(Place place) { engine_.new_places_.push_back(place); }
+  void Subscribe(Place place, Parts parts = kAllParts) {
+    engine_.new_subscriptions_.push_back({place, parts});
+  }
   void Read(std::uint32_t word) { engine_.new_reads_.push_back(word); }
 
   // What the previous execution emitted and read: keep an output by emitting the
@@ -367,7 +399,7 @@ void Engine<Program>::Execute(OpId id) {
   if (ops_[id].stamp == kNoStamp) time_.Insert(ops_[id].epoch, id);
   new_outputs_.clear();
   new_requests_.clear();
-  new_places_.clear();
+  new_subscriptions_.clear();
   new_reads_.clear();
   Context context(*this, id);
   program_.Execute(context);
@@ -386,8 +418,7 @@ void Engine<Program>::Commit(OpId id) {
     ++ops_[requested].refs;
     new_ops_.push_back(requested);
   }
-  std::sort(new_places_.begin(), new_places_.end());
-  new_places_.erase(std::unique(new_places_.begin(), new_places_.end()), new_places_.end());
+  JoinNewSubscriptions();
 
   Operation& op = ops_[id];
   const bool again = op.flags & kExecuted;
@@ -417,12 +448,14 @@ void Engine<Program>::Commit(OpId id) {
       std::ranges::equal(was_requests, new_ops_)) {
     ++counters_.unchanged;
   }
-  if (!std::ranges::equal(was_places, new_places_)) {
-    for (const Place p : was_places) {
-      if (!std::ranges::binary_search(new_places_, p)) subscriptions_.Remove(p, id);
-    }
-    for (const Place p : new_places_) {
-      if (!std::ranges::binary_search(was_places, p)) subscriptions_.Add(p, id);
+  for (const Place p : was_places) {
+    if (!std::ranges::binary_search(new_places_, p)) subscriptions_.Remove(p, id);
+  }
+  for (const auto& [place, parts] : new_subscriptions_) {
+    if (std::ranges::binary_search(was_places, place)) {
+      subscriptions_.SetParts(place, id, parts);
+    } else {
+      subscriptions_.Add(place, id, parts);
     }
   }
   for (const Output o : new_outputs_) {
@@ -434,6 +467,23 @@ void Engine<Program>::Commit(OpId id) {
     withdrawn_.push_back(o);
   }
   for (const OpId r : was_requests) DropReference(r);
+}
+
+// Sorts them and makes them one for each place, of all parts named there.
+template <class Program>
+void Engine<Program>::JoinNewSubscriptions() {
+  std::sort(new_subscriptions_.begin(), new_subscriptions_.end());
+  new_places_.clear();
+  std::size_t count = 0;
+  for (const auto& subscription : new_subscriptions_) {
+    if (count > 0 && new_subscriptions_[count - 1].first == subscription.first) {
+      new_subscriptions_[count - 1].second |= subscription.second;
+    } else {
+      new_subscriptions_[count++] = subscription;
+      new_places_.push_back(subscription.first);
+    }
+  }
+  new_subscriptions_.resize(count);
 }
 
 template <class Program>
@@ -492,6 +542,7 @@ void Engine<Program>::ReplacePlace(OpId id, Place from, Place to) {
     *at = to;
     subscriptions_.Add(to, id);
   } else {
+    subscriptions_.SetParts(to, id, kAllParts);
     std::copy(at + 1, end + op.reads, at);  // one place less, the reads move up
     --op.places;
   }
@@ -555,7 +606,7 @@ std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op,
   });
   for (Place p = 0; p < subscribed.size(); ++p) {
     std::uint64_t listed = 0;
-    for (const OpId id : subscriptions_.at(p)) listed += mix(1, id);
+    for (const auto& [id, parts] : subscriptions_.at(p)) listed += mix(1, id);
     if (listed != subscribed[p]) {
       problems->push_back("place " + std::to_string(p) +
                           ": subscribers are not those that name it");

@@ -1,4 +1,4 @@
-// Who subscribes to which place. Lists are unordered, and differ between histories
+// Who subscribes to which place, and to which parts of it. Lists are unordered, and differ between histories
 // that end in the same trace: nothing may depend on their order. Thread-compatible.
 #ifndef DYNMESH_CORE_SAC_SUBSCRIPTIONS_H_
 #define DYNMESH_CORE_SAC_SUBSCRIPTIONS_H_
@@ -14,37 +14,44 @@
 namespace dynmesh::sac {
 
 using Place = std::uint32_t;  // dense, chosen by the program
+// Bits that the program gives a meaning: who subscribes to some of them is not told of a change
+// unless it has all bits of the change.
+using Parts = std::uint32_t;
+inline constexpr Parts kAllParts = ~Parts{0};
 
 class Subscriptions {
  public:
-  std::span<const std::uint32_t> at(Place place) const {
+  struct Subscriber {
+    std::uint32_t op;
+    Parts parts;
+  };
+  std::span<const Subscriber> at(Place place) const {
     if (place >= lists_.size()) return {};
-    return {pool_.data(lists_[place].block), lists_[place].count};
+    return {data(lists_[place]), lists_[place].count};
   }
 
-  void Add(Place place, std::uint32_t op) {
+  void Add(Place place, std::uint32_t op, Parts parts = kAllParts) {
     if (place >= lists_.size()) lists_.resize(place + place / 4 + 16);
     List& list = lists_[place];
-    if (list.count == list.block.capacity)
-      pool_.Resize(list.block, list.count + 1 + list.count / 4);
-    pool_.data(list.block)[list.count++] = op;
+    if (kWords * (list.count + 1) > list.block.capacity)
+      pool_.Resize(list.block, kWords * (list.count + 1 + list.count / 4));
+    data(list)[list.count++] = {op, parts};
   }
 
   // REQUIRES: op subscribes to place.
   void Remove(Place place, std::uint32_t op) {
     List& list = lists_[place];
-    std::uint32_t* ops = pool_.data(list.block);
-    std::uint32_t i = 0;
-    while (ops[i] != op) ++i;
-    assert(i < list.count);
-    ops[i] = ops[--list.count];
-    if (list.count == 0) pool_.Free(list.block);
+    *Find(list, op) = data(list)[list.count - 1];
+    if (--list.count == 0) pool_.Free(list.block);
+  }
+  void SetParts(Place place, std::uint32_t op, Parts parts) {
+    Find(lists_[place], op)->parts = parts;
   }
 
   // Empties a place and returns who was there (their own records still name it).
   std::vector<std::uint32_t> Take(Place place) {
-    const auto ops = at(place);
-    std::vector<std::uint32_t> result(ops.begin(), ops.end());
+    std::vector<std::uint32_t> result;
+    for (const Subscriber& s : at(place)) result.push_back(s.op);
     if (place < lists_.size()) {
       pool_.Free(lists_[place].block);
       lists_[place].count = 0;
@@ -55,7 +62,7 @@ class Subscriptions {
   // Room for so many subscriptions.
   void Reserve(std::size_t count) {
     lists_.reserve(count / 4);
-    pool_.Reserve(count * 5 / 4);
+    pool_.Reserve(kWords * count * 5 / 4);
   }
   std::size_t places() const { return lists_.size(); }
   std::size_t bytes() const { return lists_.size() * sizeof(List) + pool_.bytes(); }
@@ -65,6 +72,21 @@ class Subscriptions {
     BlockPool::Block block;
     std::uint32_t count = 0;
   };
+  static constexpr std::uint32_t kWords = sizeof(Subscriber) / sizeof(std::uint32_t);
+
+  Subscriber* data(const List& list) {
+    return reinterpret_cast<Subscriber*>(pool_.data(list.block));
+  }
+  const Subscriber* data(const List& list) const {
+    return reinterpret_cast<const Subscriber*>(pool_.data(list.block));
+  }
+  Subscriber* Find(const List& list, std::uint32_t op) {
+    Subscriber* s = data(list);
+    while (s->op != op) ++s;
+    assert(s < data(list) + list.count);
+    return s;
+  }
+
   LargeVector<List> lists_;
   BlockPool pool_;
 };

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <set>
@@ -84,14 +85,25 @@ class Pair {
     });
     return ids;
   }
+  // From the root down.
+  std::vector<std::pair<Tree::NodeIndex, std::uint32_t>> PartsOnPath(const Point2& p) const {
+    std::vector<std::pair<Tree::NodeIndex, std::uint32_t>> parts;
+    tree.VisitPath(p, [&](Tree::NodeIndex n, std::uint32_t part) { parts.emplace_back(n, part); });
+    return parts;
+  }
+  std::map<Tree::NodeIndex, std::uint32_t> PartsOfCover(const Extent<2>& box) const {
+    std::map<Tree::NodeIndex, std::uint32_t> parts;
+    tree.Cover(box, [&](Tree::NodeIndex n, std::uint32_t of) { parts[n] = of; });
+    return parts;
+  }
   Nodes Path(const Point2& p) const {
     Nodes nodes;
-    tree.VisitPath(p, [&](Tree::NodeIndex n) { nodes.insert(n); });
+    tree.VisitPath(p, [&](Tree::NodeIndex n, std::uint32_t) { nodes.insert(n); });
     return nodes;
   }
   Nodes Cover(const Extent<2>& box) const {
     Nodes nodes;
-    tree.Cover(box, [&](Tree::NodeIndex n) { EXPECT_TRUE(nodes.insert(n).second); });
+    tree.Cover(box, [&](Tree::NodeIndex n, std::uint32_t) { EXPECT_TRUE(nodes.insert(n).second); });
     return nodes;
   }
 
@@ -200,6 +212,30 @@ void CheckSubscriptions(Pair& pair, test::Random& random) {
   pair.subscribed.emplace_back(box, cover);
 }
 
+// In a node of the cover a point of the box is in the box's parts, and few points outside are: not
+// one that is farther from it than a slab along some axis.
+void CheckParts(const Pair& pair, test::Random& random) {
+  const Extent<2> box = RandomBox(random);
+  const auto cover = pair.PartsOfCover(box);
+  for (int k = 0; k < 8; ++k) {
+    const bool inside = k % 2 == 0;
+    const Point2 p = inside ? RandomPointIn(box, random) : Point2{{random.Unit(), random.Unit()}};
+    double side = 2 * (kRootHi - kRootLo);
+    for (const auto& [node, part] : pair.PartsOnPath(p)) {
+      side /= 2;
+      const auto of = cover.find(node);
+      if (of == cover.end()) continue;
+      const bool is_read = (of->second & part) == part;
+      ASSERT_EQ(std::popcount(part), 2);
+      ASSERT_TRUE(is_read || !inside);
+      const double slab = side / Tree::kSlabs;
+      for (int i = 0; i < 2; ++i) {
+        ASSERT_TRUE(!is_read || (box.lo[i] - slab <= p[i] && p[i] <= box.hi[i] + slab));
+      }
+    }
+  }
+}
+
 TEST_P(SpatialTreeTest, IsAListOfPointsAfterAnyInsertionsAndRemovals) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -220,6 +256,7 @@ TEST_P(SpatialTreeTest, IsAListOfPointsAfterAnyInsertionsAndRemovals) {
         ASSERT_NO_FATAL_FAILURE(CheckUnions(pair, random));
       }
       ASSERT_NO_FATAL_FAILURE(CheckSubscriptions(pair, random));
+      ASSERT_NO_FATAL_FAILURE(CheckParts(pair, random));
     }
     EXPECT_GT(pair.merges, 10);
     while (!pair.points.empty()) pair.Remove(pair.points.begin()->first);
@@ -277,7 +314,7 @@ TEST(SpatialTree, PathsBeginAtTheRootAndEndWhereThePointIs) {
     pair.Insert(id, RandomPoint(Layout::kOnLattice, random));
     const Point2 p = pair.points.at(id);
     std::vector<Tree::NodeIndex> path;
-    pair.tree.VisitPath(p, [&](Tree::NodeIndex n) { path.push_back(n); });
+    pair.tree.VisitPath(p, [&](Tree::NodeIndex n, std::uint32_t) { path.push_back(n); });
     ASSERT_EQ(path.front(), 0u);
     // The leaf alone covers the point.
     ASSERT_EQ(pair.Cover({p.c, p.c}), Nodes{path.back()});

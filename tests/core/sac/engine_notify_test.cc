@@ -55,7 +55,7 @@ TEST_F(EngineNotifyTest, TheFilterIsAskedOnceAboutThoseInTime) {
 TEST_F(EngineNotifyTest, TheUninterestedAreNotAsked) {
   std::vector<Item> asked;
   e_.Notify(
-      1, At(3), At(7), [&](OpId op) { return e_.item(op) < 6; },
+      1, Parts{0}, At(3), At(7), [&](OpId op) { return e_.item(op) < 6; },
       [&](OpId op) {
         asked.push_back(e_.item(op));
         return true;
@@ -63,6 +63,33 @@ TEST_F(EngineNotifyTest, TheUninterestedAreNotAsked) {
   std::sort(asked.begin(), asked.end());
   EXPECT_EQ(asked, (std::vector<Item>{4, 5}));
   EXPECT_EQ(Run(), "run 4@0, run 5@0");
+}
+
+// Who subscribes to parts of a place hears of changes in those, all of them.
+TEST_F(EngineNotifyTest, ReachesThoseWhoSubscribeToAllPartsOfTheChange) {
+  p_[3] = [](Context& c) { c.Subscribe(1, 0b0011); };
+  p_[4] = [](Context& c) { c.Subscribe(1, 0b0110); };
+  // At once or one by one.
+  p_[5] = [](Context& c) {
+    for (const Parts parts : {0b0001, 0b1000, 0b0001}) c.Subscribe(1, parts);
+  };
+  for (const Item i : {3, 4, 5}) Touch(i);
+  Run();
+  const auto reached = [&](Parts parts) {
+    e_.Notify(1, parts, At(2), At(6), All);
+    return Run();
+  };
+  EXPECT_EQ(reached(0b0010), "run 3@0, run 4@0, run 6@0");
+  EXPECT_EQ(reached(0b0110), "run 4@0, run 6@0");
+  EXPECT_EQ(reached(0b1001), "run 5@0, run 6@0");
+  EXPECT_EQ(reached(0b10000), "run 6@0");
+  EXPECT_EQ(reached(0), "run 3@0, run 4@0, run 5@0, run 6@0");
+  // Other parts of the same place.
+  p_[3] = [](Context& c) { c.Subscribe(1, 0b0100); };
+  Touch(3);
+  Run();
+  EXPECT_EQ(reached(0b0001), "run 5@0, run 6@0");
+  EXPECT_EQ(reached(0b0100), "run 3@0, run 4@0, run 6@0");
 }
 
 TEST_F(EngineNotifyTest, SeveralNotificationsMakeOneRun) {

@@ -234,7 +234,7 @@ class LeaderProgram {
   template <class F>  // f(record index) for links of this level near x, and farther ones
   void ForLinksNear(int level, Position x, F f) const {
     ForPlacesNear(level, x, [&](Place place) {
-      for (const std::uint32_t i : links_.at(place)) {
+      for (const auto& [i, parts] : links_.at(place)) {
         if (records_[i].level == level) f(i);
       }
     });

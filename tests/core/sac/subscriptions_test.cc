@@ -1,11 +1,10 @@
-// Subscriptions against a map of multisets.
+// Subscriptions against maps.
 #include "core/sac/subscriptions.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>
-#include <set>
 #include <vector>
 
 #include "tests/core/sac/random_script.h"
@@ -16,13 +15,12 @@ namespace {
 using testing::NewSeed;
 using testing::Random;
 
-std::vector<std::uint32_t> Sorted(std::span<const std::uint32_t> ops) {
-  std::vector<std::uint32_t> result(ops.begin(), ops.end());
-  std::sort(result.begin(), result.end());
-  return result;
-}
-std::vector<std::uint32_t> Sorted(const std::multiset<std::uint32_t>& ops) {
-  return {ops.begin(), ops.end()};
+// By operation.
+using Told = std::map<std::uint32_t, Parts>;
+Told At(const Subscriptions& s, Place place) {
+  Told told;
+  for (const auto& [op, parts] : s.at(place)) EXPECT_TRUE(told.emplace(op, parts).second);
+  return told;
 }
 
 TEST(Subscriptions, NobodyIsAtAPlaceNeverNamed) {
@@ -42,7 +40,7 @@ TEST(Subscriptions, TakeEmptiesThePlaceAndOnlyThat) {
   EXPECT_TRUE(s.at(0).empty());
   EXPECT_EQ(s.at(1).size(), 25u);
   s.Add(0, 99);
-  EXPECT_EQ(Sorted(s.at(0)), std::vector<std::uint32_t>{99});
+  EXPECT_EQ(At(s, 0), (Told{{99, kAllParts}}));
 }
 
 TEST(Subscriptions, AgreesWithSetsUnderRandomScripts) {
@@ -52,31 +50,40 @@ TEST(Subscriptions, AgreesWithSetsUnderRandomScripts) {
     // Crowds at few places, or a few at many.
     const std::uint32_t places = script % 2 == 0 ? 8 : 5000;
     Subscriptions s;
-    std::map<Place, std::multiset<std::uint32_t>> told;
+    std::map<Place, Told> told;
     std::vector<std::pair<Place, std::uint32_t>> all;
     for (int step = 0; step < 30'000; ++step) {
       const bool shrinking = step % 10'000 > 7000;
       if (!all.empty() && random.Below(10) < (shrinking ? 8 : 3)) {
         std::swap(all[random.Below(all.size())], all.back());
         const auto [place, op] = all.back();
-        all.pop_back();
-        s.Remove(place, op);
-        told[place].erase(told[place].find(op));
+        if (random.Below(4) == 0) {
+          s.SetParts(place, op, told[place][op] = random.Below(1 << 20));
+        } else {
+          all.pop_back();
+          s.Remove(place, op);
+          told[place].erase(op);
+        }
       } else {
         const Place place = random.Below(places);
-        const std::uint32_t op = random.Below(1000);
-        s.Add(place, op);
-        told[place].insert(op);
-        all.emplace_back(place, op);
+        const std::uint32_t op = random.Below(1000), parts = random.Below(1 << 20);
+        if (told[place].emplace(op, parts).second) {
+          s.Add(place, op, parts);
+          all.emplace_back(place, op);
+        }
       }
       if (step % 2000 == 0) {
         const Place place = random.Below(places);
-        ASSERT_EQ(Sorted(s.Take(place)), Sorted(told[place]));
+        auto taken = s.Take(place);
+        std::sort(taken.begin(), taken.end());
+        std::vector<std::uint32_t> expected;
+        for (const auto& [op, parts] : told[place]) expected.push_back(op);
+        ASSERT_EQ(taken, expected);
         told.erase(place);
         std::erase_if(all, [&](const auto& a) { return a.first == place; });
       }
       if (step % 1000 == 0) {
-        for (Place p = 0; p < places; ++p) ASSERT_EQ(Sorted(s.at(p)), Sorted(told[p]));
+        for (Place p = 0; p < places; ++p) ASSERT_EQ(At(s, p), told[p]);
       }
     }
   }
