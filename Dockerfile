@@ -1,7 +1,7 @@
 # dynmeshd and dynmesh, built and run on Debian 12 from the packages in deploy/packages.txt.
 #
 #   docker build -t dynmesh .
-#   docker run --rm -p 127.0.0.1:7878:7878 dynmesh
+#   docker run --rm --read-only -p 127.0.0.1:7878:7878 -v meshes:/var/lib/dynmesh dynmesh
 FROM debian:12 AS build
 WORKDIR /src
 # The packages change less often than the sources: a layer of their own.
@@ -17,11 +17,14 @@ COPY deploy/packages.txt deploy/install-packages /tmp/deploy/
 RUN /tmp/deploy/install-packages runtime && rm -rf /var/lib/apt/lists/* /tmp/deploy
 COPY --from=build /src/build/release/bin/dynmeshd /src/build/release/bin/dynmesh /usr/local/bin/
 COPY LICENSE /usr/share/doc/dynmesh/
-RUN useradd --system --no-create-home --shell /usr/sbin/nologin dynmesh
-USER dynmesh
-EXPOSE 7878
-# Within the container; what reaches it from outside is decided where it is run.
+RUN useradd --system --uid 10001 --no-create-home --shell /usr/sbin/nologin dynmesh \
+ && install -d -o dynmesh -g dynmesh -m 700 /var/lib/dynmesh
+USER 10001
+VOLUME /var/lib/dynmesh
+EXPOSE 7878 9178
 ENTRYPOINT ["dynmeshd"]
-CMD ["--listen", "0.0.0.0:7878"]
-HEALTHCHECK --interval=10s --timeout=5s --start-period=5s \
-  CMD ["dynmesh", "stats", "--server", "127.0.0.1:7878"]
+# Within the container; what reaches it from outside is decided where it is run.
+CMD ["--listen", "0.0.0.0:7878", "--insecure-listen", "--data-dir", "/var/lib/dynmesh", \
+     "--metrics", "0.0.0.0:9178"]
+HEALTHCHECK --interval=10s --timeout=5s --start-period=60s \
+  CMD ["bash", "-c", "exec 3<>/dev/tcp/127.0.0.1/9178 && printf 'GET /healthz HTTP/1.0\\r\\n\\r\\n' >&3 && head -1 <&3 | grep -q ' 200 '"]
