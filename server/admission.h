@@ -22,12 +22,13 @@ namespace dynmesh::server {
 // What the calls of a service share.
 struct ServiceContext {
   ServiceContext(const ServerConfig& c, MeshRegistry* r, WorkerPool* w, WorkerPool* rd,
-                 WorkerPool* a, absl::Time now)
+                 WorkerPool* a, ServerMetrics* m, absl::Time now)
       : config(c),
         registry(r),
         writers(w),
         readers(rd),
         answers(a),
+        metrics(m),
         start_time(now),
         watchers(c.max_watchers),
         edit_streams(c.max_edit_streams),
@@ -39,6 +40,7 @@ struct ServiceContext {
   WorkerPool* const writers;
   WorkerPool* const readers;
   WorkerPool* const answers;  // starts writes that a mesh's writer has no time for; never blocks
+  ServerMetrics* const metrics;
   const absl::Time start_time;
   WorkGate gate;
   Quota watchers;

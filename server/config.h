@@ -14,6 +14,9 @@ struct ServerConfig {
   // host:port; loopback unless told otherwise. Port 0 takes any free one.
   std::string listen = "127.0.0.1:7878";
 
+  // host:port of metrics and health over HTTP (metrics_http.h); empty: none.
+  std::string metrics;
+
   // Threads that apply edits (meshes run in parallel, one mesh never) and threads that
   // serve readers. 0: one for each core, at least 2.
   int writer_threads = 0;
@@ -44,6 +47,7 @@ struct ServerConfig {
   std::uint64_t watch_queue = 64;
   absl::Duration progress_interval = absl::Seconds(10);  // default, for idle watchers
 
+  absl::Duration report_interval = absl::Seconds(5);  // of long work, to the log
   absl::Duration drain_timeout = absl::Seconds(20);
 };
 

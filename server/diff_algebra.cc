@@ -214,6 +214,8 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
     out.work.created += d.work.created;
     out.work.dropped += d.work.dropped;
     out.work.microseconds += d.work.microseconds;
+    out.work.validate_microseconds += d.work.validate_microseconds;
+    out.work.diff_microseconds += d.work.diff_microseconds;
   }
   vertices.Write(out);
   for (const auto& key : simplices.removed()) {

@@ -35,13 +35,15 @@ std::size_t Weight(const v1::ApplyEditsRequest& r) { return codec::Weight(r.edit
 
 class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
  public:
-  explicit EditCall(const char* edits_field) : edits_field_(edits_field) {}
+  EditCall(const char* edits_field, Histogram& send_seconds)
+      : edits_field_(edits_field), send_seconds_(send_seconds) {}
 
   template <typename Request>
-  static EditCall* Start(ServiceContext& context, const Request& request) {
-    auto call = std::make_shared<EditCall>(EditsField(request));
+  static EditCall* Start(ServiceContext& context, const Request& request, std::string call_id) {
+    auto call =
+        std::make_shared<EditCall>(EditsField(request), context.metrics->edits.send_seconds);
     call->self_ = call;
-    const absl::Status status = call->Begin(context, request);
+    const absl::Status status = call->Begin(context, request, std::move(call_id));
     // Not after a job was handed in: it may have been answered, and the call be gone.
     if (!status.ok()) call->Fail(status);
     return call.get();
@@ -55,11 +57,14 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     }
   }
   void OnCancel() override { cancelled_->store(true, std::memory_order_relaxed); }
-  void OnDone() override { self_.reset(); }
+  void OnDone() override {
+    if (fragmenter_.has_value()) send_seconds_.Observe(SecondsSince(answered_));
+    self_.reset();
+  }
 
  private:
   template <typename Request>
-  absl::Status Begin(ServiceContext& context, const Request& request) {
+  absl::Status Begin(ServiceContext& context, const Request& request, std::string call_id) {
     absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context);
     if (!ticket.ok()) return ticket.status();
     ticket_ = *std::move(ticket);
@@ -74,6 +79,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     const int dimension = (*host)->mesh_options().dimension;
     if (absl::Status s = Decode(request, dimension, &job.edits); !s.ok()) return s;
     job.request_id = request.request_id();
+    job.call_id = std::move(call_id);
     if (request.has_expected_revision()) job.expected_revision = request.expected_revision();
     job.validate_only = request.validate_only();
     job.cancelled = cancelled_;
@@ -87,6 +93,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   void Answer(absl::StatusOr<EditOutcome> outcome) {
     lease_.Release();
     if (!outcome.ok()) return Fail(outcome.status());
+    answered_ = MetricsClock::now();
     replayed_ = outcome->replayed;
     fragmenter_.emplace(std::move(outcome->diff), omit_columns_ || outcome->columns_omitted);
     Send();
@@ -105,6 +112,8 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   void Fail(const absl::Status& status) { Finish(codec::ToGrpcStatus(status, edits_field_)); }
 
   const char* const edits_field_;
+  Histogram& send_seconds_;
+  MetricsClock::time_point answered_;
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<EditCall> self_;  // until OnDone
   WorkGate::Ticket ticket_;
@@ -118,16 +127,19 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
 }  // namespace
 
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
-                                                      const v1::AddFeaturesRequest& request) {
-  return EditCall::Start(context, request);
+                                                      const v1::AddFeaturesRequest& request,
+                                                      std::string call_id) {
+  return EditCall::Start(context, request, std::move(call_id));
 }
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
-                                                      const v1::RemoveFeaturesRequest& request) {
-  return EditCall::Start(context, request);
+                                                      const v1::RemoveFeaturesRequest& request,
+                                                      std::string call_id) {
+  return EditCall::Start(context, request, std::move(call_id));
 }
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
-                                                      const v1::ApplyEditsRequest& request) {
-  return EditCall::Start(context, request);
+                                                      const v1::ApplyEditsRequest& request,
+                                                      std::string call_id) {
+  return EditCall::Start(context, request, std::move(call_id));
 }
 
 }  // namespace dynmesh::server

@@ -5,18 +5,24 @@
 
 #include <grpcpp/support/server_callback.h>
 
+#include <string>
+
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "server/admission.h"
 
 namespace dynmesh::server {
 
-// Each starts a call that frees itself. `request` is not used after the return.
+// Each starts a call that frees itself. `request` is not used after the return. `call_id`:
+// call_id.h.
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
-                                                      const v1::AddFeaturesRequest& request);
+                                                      const v1::AddFeaturesRequest& request,
+                                                      std::string call_id);
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
-                                                      const v1::RemoveFeaturesRequest& request);
+                                                      const v1::RemoveFeaturesRequest& request,
+                                                      std::string call_id);
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
-                                                      const v1::ApplyEditsRequest& request);
+                                                      const v1::ApplyEditsRequest& request,
+                                                      std::string call_id);
 
 }  // namespace dynmesh::server
 

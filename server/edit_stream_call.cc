@@ -21,10 +21,11 @@ namespace dynmesh::server {
 // mutex_; operations on the stream are started after it is released.
 class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff> {
  public:
-  explicit EditStreamCall(ServiceContext& context) : context_(context) {}
+  EditStreamCall(ServiceContext& context, std::string call_id)
+      : context_(context), call_id_(std::move(call_id)) {}
 
-  static EditStreamCall* Start(ServiceContext& context, EditStreams& streams) {
-    auto call = std::make_shared<EditStreamCall>(context);
+  static EditStreamCall* Start(ServiceContext& context, EditStreams& streams, std::string call_id) {
+    auto call = std::make_shared<EditStreamCall>(context, std::move(call_id));
     call->self_ = call;
     absl::StatusOr<Lease> lease = TakeStream(context.edit_streams, "edit streams");
     absl::Status status = lease.status();
@@ -78,6 +79,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
         EndLocked(absl::CancelledError("the client is gone"));
       }
       if (broken_ || current_->finished()) {
+        context_.metrics->edits.send_seconds.Observe(SecondsSince(current_->answered));
         current_.reset();
         --in_flight_;
       }
@@ -98,7 +100,9 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   void OnDone() override {
     if (host_ != nullptr) {
       Log(LogLevel::kDebug, "edits_closed",
-          {{"mesh", host_->id()}, {"status", absl::StatusCodeToString(final_status_.code())}});
+          {{"mesh", host_->id()},
+           {"call", call_id_},
+           {"status", absl::StatusCodeToString(final_status_.code())}});
     }
     self_.reset();
   }
@@ -120,6 +124,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     bool replayed = false;
     std::optional<codec::DiffFragmenter> fragmenter;
     bool status_sent = false;
+    MetricsClock::time_point answered = MetricsClock::now();
     WorkGate::Ticket ticket;
 
     bool finished() const { return fragmenter.has_value() ? fragmenter->done() : status_sent; }
@@ -137,7 +142,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
       host_ = *std::move(host);
       mesh_name_ = request_.mesh();
       stop_on_error_ = request_.stop_on_error();
-      Log(LogLevel::kDebug, "edits_opened", {{"mesh", host_->id()}});
+      Log(LogLevel::kDebug, "edits_opened", {{"mesh", host_->id()}, {"call", call_id_}});
     } else if (!request_.mesh().empty() && request_.mesh() != mesh_name_) {
       return BadRequest("mesh", "a stream edits one mesh, the one its first message names");
     }
@@ -151,6 +156,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     partial_.emplace();
     EditJob& job = partial_->job;
     job.request_id = request_.request_id();
+    job.call_id = call_id_;
     if (request_.has_expected_revision()) job.expected_revision = request_.expected_revision();
     job.validate_only = request_.validate_only();
     job.cancelled = cancelled_;
@@ -331,6 +337,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
   ServiceContext& context_;
+  const std::string call_id_;
   std::shared_ptr<EditStreamCall> self_;  // until OnDone
   Lease lease_;
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
@@ -378,8 +385,9 @@ void EditStreams::EndAll(const absl::Status& status) {
 }
 
 grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* StartEditStreamCall(ServiceContext& context,
-                                                                          EditStreams& streams) {
-  return EditStreamCall::Start(context, streams);
+                                                                          EditStreams& streams,
+                                                                          std::string call_id) {
+  return EditStreamCall::Start(context, streams, std::move(call_id));
 }
 
 }  // namespace dynmesh::server

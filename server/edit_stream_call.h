@@ -32,7 +32,8 @@ class EditStreams {
 
 // Starts a call that frees itself.
 grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* StartEditStreamCall(ServiceContext& context,
-                                                                          EditStreams& streams);
+                                                                          EditStreams& streams,
+                                                                          std::string call_id);
 
 }  // namespace dynmesh::server
 

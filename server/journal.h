@@ -36,6 +36,12 @@ class Journal {
     Key key = 0;
     std::string id;
     std::string description;
+    std::uint64_t entries = 0;  // a snapshot counts as one
+  };
+  // What it did since it was opened.
+  struct Counts {
+    std::uint64_t syncs = 0;     // transactions on the disk
+    std::uint64_t failures = 0;  // transactions that were not
   };
   // What a batch did.
   struct Entry {
@@ -59,6 +65,8 @@ class Journal {
 
   // Where it is, for people.
   virtual std::string name() const = 0;
+
+  virtual Counts counts() const { return {}; }
 
   virtual absl::StatusOr<std::vector<Mesh>> List() = 0;  // by id
   // ALREADY_EXISTS for an id that is there.

@@ -37,6 +37,10 @@ void AddFlags(CLI::App& app, Flags& f) {
   app.add_option("--compact-bytes", c.compact_bytes,
                  "bytes of a mesh's edits in the folder before a snapshot takes their place")
       ->capture_default_str();
+  app.add_option(
+         "--metrics", c.metrics,
+         "[HOST:]PORT of metrics and health over HTTP: /metrics /healthz /readyz; default: none")
+      ->type_name("ADDRESS");
   app.add_option("--port-file", f.port_file, "write the port here when listening");
   app.add_option("--log-level", f.log_level, "debug, info, warning, error, off")
       ->capture_default_str();

@@ -67,6 +67,7 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
       create_time_(now),
       readers_(readers),
       max_waiting_(options.max_waiting),
+      metrics_(options.metrics),
       queue_(SerialQueue::Create(writers)),
       store_(past.store != nullptr
                  ? std::move(past.store)
@@ -123,11 +124,15 @@ MeshStats MeshHost::stats() const {
 
 void MeshHost::Run(EditJob& job) {
   const std::uint64_t before = mesh_->revision();
+  SetRunning(&job);
   absl::StatusOr<EditOutcome> outcome = Answer(job);
+  SetRunning(nullptr);
   if (!outcome.ok() && job.stop != nullptr) job.stop->store(true);
+  Count(job, outcome);
   if (LogEnabled(LogLevel::kDebug)) {
     Log(LogLevel::kDebug, "edit",
         {{"mesh", id_},
+         {"call", job.call_id},
          {"request_id", job.request_id},
          {"edits", job.edits.size()},
          {"revision", mesh_->revision()},
@@ -141,6 +146,36 @@ void MeshHost::Run(EditJob& job) {
     RebaseIfDue();
     if (log_ != nullptr) log_->CompactIfDue(*mesh_);
   }
+}
+
+void MeshHost::SetRunning(const EditJob* job) {
+  const std::lock_guard lock(mutex_);
+  running_ = job;
+  if (job != nullptr) reported_ = running_since_ = MetricsClock::now();
+}
+
+void MeshHost::ReportLongWork(absl::Duration interval) {
+  const auto now = MetricsClock::now();
+  const std::lock_guard lock(mutex_);
+  if (running_ == nullptr || absl::FromChrono(now - reported_) < interval) return;
+  reported_ = now;
+  Log(LogLevel::kInfo, "edit_running",
+      {{"mesh", id_},
+       {"call", running_->call_id},
+       {"edits", running_->edits.size()},
+       {"features", stats_.features},
+       {"seconds", absl::ToInt64Seconds(absl::FromChrono(now - running_since_))},
+       {"waiting", queue_->waiting()}});
+}
+
+void MeshHost::Count(const EditJob& job, const absl::StatusOr<EditOutcome>& outcome) {
+  if (metrics_ == nullptr) return;
+  if (!outcome.ok()) return metrics_->CountAnswer(outcome.status(), EditMetrics::Kind::kApplied);
+  const auto kind = outcome->replayed   ? EditMetrics::Kind::kReplayed
+                    : job.validate_only ? EditMetrics::Kind::kValidated
+                                        : EditMetrics::Kind::kApplied;
+  metrics_->CountAnswer(absl::OkStatus(), kind);
+  if (kind == EditMetrics::Kind::kApplied) metrics_->ObserveWork(outcome->diff->work);
 }
 
 absl::StatusOr<EditOutcome> MeshHost::Answer(EditJob& job) {
@@ -194,7 +229,11 @@ absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& co
   RequestMemory::Entry answer{content, 0, 0, {}, {}};
   apply_options.commit = [&](const MeshDiff& d) {
     answer = {content, d.from_revision, d.to_revision, d.hash, d.work};
-    return log_ == nullptr ? absl::OkStatus() : log_->Append(job.edits, job.request_id, answer);
+    if (log_ == nullptr) return absl::OkStatus();
+    const auto start = MetricsClock::now();
+    absl::Status written = log_->Append(job.edits, job.request_id, answer);
+    if (metrics_ != nullptr) metrics_->journal_seconds.Observe(SecondsSince(start));
+    return written;
   };
   absl::StatusOr<MeshDiff> applied = mesh_->Apply(job.edits, apply_options);
   if (!applied.ok()) return applied.status();

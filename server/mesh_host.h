@@ -24,6 +24,7 @@
 #include "server/mesh_log.h"
 #include "server/request_memory.h"
 #include "server/revision_store.h"
+#include "server/server_metrics.h"
 #include "server/watch_hub.h"
 #include "server/worker_pool.h"
 
@@ -42,6 +43,7 @@ struct EditOutcome {
 struct EditJob {
   EditBatch edits;
   std::string request_id;
+  std::string call_id;  // of the call that brought it, for the log
   std::optional<std::uint64_t> expected_revision;
   bool validate_only = false;
   // Not OK: known to be bad; answered with this in its turn and not applied.
@@ -62,6 +64,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     std::size_t max_waiting = 1'000;
     std::size_t remembered_requests = 10'000;
     std::uint64_t compact_bytes = 1 << 20;  // mesh_log.h
+    EditMetrics* metrics = nullptr;         // outlives the host; null: nothing is counted
   };
   // What a mesh brings with it that is not new, or is to outlive the process.
   struct Past {
@@ -102,6 +105,9 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   MeshStats stats() const;  // at the head or the revision before
   std::size_t waiting() const { return queue_->waiting(); }
 
+  // Logs the batch that runs, if it has for longer than `interval`; no more than once in one.
+  void ReportLongWork(absl::Duration interval);
+
  private:
   MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time now, WorkerPool* writers,
            WorkerPool* readers, const Options& options, Past past);
@@ -114,6 +120,9 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   absl::StatusOr<EditOutcome> CheckOnly(const EditJob& job) const;
   void RebaseIfDue();
 
+  void SetRunning(const EditJob* job);
+  void Count(const EditJob& job, const absl::StatusOr<EditOutcome>& outcome);
+
   absl::Status closed() const;
 
   const std::string id_;
@@ -121,6 +130,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   const absl::Time create_time_;
   WorkerPool* const readers_;
   const std::size_t max_waiting_;
+  EditMetrics* const metrics_;
   const std::shared_ptr<SerialQueue> queue_;
   const std::shared_ptr<RevisionStore> store_;
   const std::shared_ptr<WatchHub> hub_;
@@ -134,6 +144,9 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   mutable std::mutex mutex_;
   MeshStats stats_;
   absl::Status closed_;
+  const EditJob* running_ = nullptr;
+  MetricsClock::time_point running_since_;
+  MetricsClock::time_point reported_;  // or running_since_
 };
 
 }  // namespace dynmesh::server

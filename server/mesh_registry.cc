@@ -1,7 +1,6 @@
 #include "server/mesh_registry.h"
 
 #include <algorithm>
-#include <latch>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -10,19 +9,10 @@
 #include "proto/codec/status_codec.h"
 #include "server/log.h"
 #include "server/recovery.h"
+#include "server/recovery_progress.h"
 
 namespace dynmesh::server {
 namespace {
-
-MeshHost::Options HostOptions(const ServerConfig& c) {
-  MeshHost::Options options;
-  options.history = {c.history_revisions, c.history_bytes};
-  options.watch = {c.watch_queue, c.progress_interval};
-  options.max_waiting = c.max_waiting_edits;
-  options.remembered_requests = c.remembered_requests;
-  options.compact_bytes = c.compact_bytes;
-  return options;
-}
 
 absl::Status NotFound(absl::string_view id) {
   return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound, id,
@@ -38,12 +28,24 @@ absl::Status DamageOf(absl::string_view id, const absl::Status& status) {
 }  // namespace
 
 MeshRegistry::MeshRegistry(const ServerConfig& config, MeshFactory factory, WorkerPool* writers,
-                           WorkerPool* readers, Journal* journal)
+                           WorkerPool* readers, Journal* journal, ServerMetrics* metrics)
     : config_(config),
       factory_(std::move(factory)),
       writers_(writers),
       readers_(readers),
-      journal_(journal) {}
+      journal_(journal),
+      metrics_(metrics) {}
+
+MeshHost::Options MeshRegistry::HostOptions() const {
+  MeshHost::Options options;
+  options.history = {config_.history_revisions, config_.history_bytes};
+  options.watch = {config_.watch_queue, config_.progress_interval};
+  options.max_waiting = config_.max_waiting_edits;
+  options.remembered_requests = config_.remembered_requests;
+  options.compact_bytes = config_.compact_bytes;
+  if (metrics_ != nullptr) options.metrics = &metrics_->edits;
+  return options;
+}
 
 MeshRegistry::~MeshRegistry() { CloseAll(absl::UnavailableError("the server has ended")); }
 
@@ -118,7 +120,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
                                          MeshLog::Sizes(), config_.compact_bytes);
   }
   HostPtr host = MeshHost::Create(final_id, *std::move(mesh), now, writers_, readers_,
-                                  HostOptions(config_), std::move(past));
+                                  HostOptions(), std::move(past));
   const std::lock_guard lock(mutex_);
   hosts_.emplace(final_id, Held{host, {}, *key});
   if (!request_id.empty()) creations_.emplace(request_id, Creation{final_id, options});
@@ -138,30 +140,31 @@ absl::Status MeshRegistry::Recover() {
   if (journal_ == nullptr) return absl::OkStatus();
   const absl::StatusOr<std::vector<Journal::Mesh>> meshes = journal_->List();
   if (!meshes.ok()) return meshes.status();
-  std::latch left(static_cast<std::ptrdiff_t>(meshes->size()));
+  RecoveryProgress progress(*meshes, metrics_ == nullptr ? nullptr : &metrics_->recovery);
   for (const Journal::Mesh& mesh : *meshes) {
-    writers_->Post([this, &mesh, &left] {
-      RecoverOne(mesh);
-      left.count_down();
+    writers_->Post([this, &mesh, &progress] {
+      RecoverOne(mesh, progress);
+      progress.EndMesh();
     });
   }
-  left.wait();
+  progress.Wait(config_.report_interval);
   return absl::OkStatus();
 }
 
-void MeshRegistry::RecoverOne(const Journal::Mesh& mesh) {
+void MeshRegistry::RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress) {
   const absl::Time start = absl::Now();
   absl::StatusOr<RecoveredMesh> found =
-      RecoverMesh(*journal_, mesh, factory_, HostOptions(config_));
+      RecoverMesh(*journal_, mesh, factory_, HostOptions(), [&progress] { progress.Apply(); });
   if (!found.ok()) {
     Log(LogLevel::kError, "mesh_damaged", {{"mesh", mesh.id}, {"error", found.status().message()}});
+    progress.Damage();
     const std::lock_guard lock(mutex_);
     hosts_.emplace(mesh.id, Held{nullptr, DamageOf(mesh.id, found.status()), mesh.key});
     return;
   }
   const codec::JournalMesh made = found->made;
   HostPtr host = MeshHost::Create(mesh.id, std::move(found->mesh), made.create_time, writers_,
-                                  readers_, HostOptions(config_), std::move(found->past));
+                                  readers_, HostOptions(), std::move(found->past));
   Log(LogLevel::kInfo, "recovered",
       {{"mesh", mesh.id},
        {"revision", host->head().revision},
@@ -236,7 +239,10 @@ std::size_t MeshRegistry::watchers() const {
 }
 
 void MeshRegistry::Tick(absl::Time now) {
-  for (const HostPtr& host : All()) host->hub()->Tick(now);
+  for (const HostPtr& host : All()) {
+    host->hub()->Tick(now);
+    host->ReportLongWork(config_.report_interval);
+  }
 }
 
 void MeshRegistry::CloseAll(const absl::Status& status) {

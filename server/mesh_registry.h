@@ -21,16 +21,20 @@
 #include "server/journal.h"
 #include "server/mesh_host.h"
 #include "server/mesh_name.h"
+#include "server/server_metrics.h"
 
 namespace dynmesh::server {
+
+class RecoveryProgress;
 
 class MeshRegistry {
  public:
   using HostPtr = std::shared_ptr<MeshHost>;
 
-  // The pools and the journal outlive the registry. Without a journal nothing outlives it.
+  // The pools, the journal and the metrics outlive the registry. Without a journal nothing outlives
+  // it; without metrics nothing is counted.
   MeshRegistry(const ServerConfig& config, MeshFactory factory, WorkerPool* writers,
-               WorkerPool* readers, Journal* journal = nullptr);
+               WorkerPool* readers, Journal* journal = nullptr, ServerMetrics* metrics = nullptr);
   // As CloseAll.
   ~MeshRegistry();
 
@@ -74,7 +78,8 @@ class MeshRegistry {
   absl::Status CheckRoom(const std::string& id) const;
   std::string FreshId();
   std::vector<HostPtr> All() const;
-  void RecoverOne(const Journal::Mesh& mesh);
+  MeshHost::Options HostOptions() const;
+  void RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress);
   absl::StatusOr<Journal::Key> WriteDown(const std::string& id, const codec::JournalMesh& mesh);
 
   const ServerConfig config_;
@@ -82,6 +87,7 @@ class MeshRegistry {
   WorkerPool* const writers_;
   WorkerPool* const readers_;
   Journal* const journal_;
+  ServerMetrics* const metrics_;
 
   // Held while a mesh is made or deleted, which may take a disk's time; taken first.
   std::mutex changing_mutex_;

@@ -15,6 +15,7 @@
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
+#include "server/call_id.h"
 #include "server/edit_call.h"
 #include "server/version.h"
 #include "server/watch_call.h"
@@ -195,23 +196,23 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(
-    grpc::CallbackServerContext*, const v1::AddFeaturesRequest* request) {
-  return StartEditCall(context_, *request);
+    grpc::CallbackServerContext* call, const v1::AddFeaturesRequest* request) {
+  return StartEditCall(context_, *request, CallIdOf(*call));
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RemoveFeatures(
-    grpc::CallbackServerContext*, const v1::RemoveFeaturesRequest* request) {
-  return StartEditCall(context_, *request);
+    grpc::CallbackServerContext* call, const v1::RemoveFeaturesRequest* request) {
+  return StartEditCall(context_, *request, CallIdOf(*call));
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::ApplyEdits(
-    grpc::CallbackServerContext*, const v1::ApplyEditsRequest* request) {
-  return StartEditCall(context_, *request);
+    grpc::CallbackServerContext* call, const v1::ApplyEditsRequest* request) {
+  return StartEditCall(context_, *request, CallIdOf(*call));
 }
 
 grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* MeshServiceImpl::EditStream(
-    grpc::CallbackServerContext*) {
-  return StartEditStreamCall(context_, streams_);
+    grpc::CallbackServerContext* call) {
+  return StartEditStreamCall(context_, streams_, CallIdOf(*call));
 }
 
 grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackServerContext*,

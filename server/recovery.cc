@@ -10,8 +10,8 @@ namespace {
 // Takes what the journal tells, in its order: requests, parts of the snapshot, entries.
 class Replay {
  public:
-  Replay(RecoveredMesh& out, const MeshHost::Options& options)
-      : out_(out), options_(options), dimension_(out.made.options.dimension) {
+  Replay(RecoveredMesh& out, const MeshHost::Options& options, const std::function<void()>& applied)
+      : out_(out), options_(options), applied_(applied), dimension_(out.made.options.dimension) {
     out_.past.requests.emplace(options.remembered_requests);
   }
 
@@ -41,6 +41,7 @@ class Replay {
     if (!diff.ok()) return At(entry.revision, diff.status());
     if (diff->hash != batch->hash) return OtherHash(entry.revision, batch->hash);
     ++out_.entries;
+    applied_();
     RevisionStore& store = *out_.past.store;
     absl::Status status = store.Append(std::make_shared<const MeshDiff>(*std::move(diff)));
     // Nobody reads yet who would ask for it.
@@ -60,6 +61,7 @@ class Replay {
       }
       out_.mesh->ResumeAt(snapshot_revision_);
       EditBatch().swap(snapshot_.edits);
+      applied_();
     }
     out_.past.store = std::make_shared<RevisionStore>(
         std::make_shared<const Mesh>(out_.mesh->Snapshot()), options_.history);
@@ -80,6 +82,7 @@ class Replay {
 
   RecoveredMesh& out_;
   const MeshHost::Options& options_;
+  const std::function<void()>& applied_;
   const int dimension_;
   std::uint64_t snapshot_revision_ = 0;
   codec::JournalEntry snapshot_;
@@ -90,7 +93,8 @@ class Replay {
 
 absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh& found,
                                           const MeshFactory& factory,
-                                          const MeshHost::Options& options) {
+                                          const MeshHost::Options& options,
+                                          const std::function<void()>& applied) {
   RecoveredMesh recovered;
   auto made = codec::DecodeJournalMesh(found.description);
   if (!made.ok()) return made.status();
@@ -99,7 +103,7 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
   if (!mesh.ok()) return mesh.status();
   recovered.mesh = *std::move(mesh);
 
-  Replay replay(recovered, options);
+  Replay replay(recovered, options, applied);
   Journal::Visitor visitor;
   visitor.request = [&](const Journal::Request& r) { return replay.Remember(r); };
   visitor.snapshot = [&](std::uint64_t r, const std::string& p) { return replay.AddPart(r, p); };

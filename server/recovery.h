@@ -8,6 +8,7 @@
 #define DYNMESH_SERVER_RECOVERY_H_
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "absl/status/statusor.h"
@@ -25,10 +26,12 @@ struct RecoveredMesh {
   std::uint64_t entries = 0;  // applied one by one
 };
 
-// An error says what does not fit; there is then no mesh to be trusted.
+// An error says what does not fit; there is then no mesh to be trusted. `applied` is called after
+// each snapshot and each entry.
 absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh& found,
                                           const MeshFactory& factory,
-                                          const MeshHost::Options& options);
+                                          const MeshHost::Options& options,
+                                          const std::function<void()>& applied);
 
 }  // namespace dynmesh::server
 

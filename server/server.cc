@@ -5,6 +5,7 @@
 #include <grpcpp/health_check_service_interface.h>
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -15,8 +16,11 @@
 #include "absl/strings/string_view.h"
 #include "absl/time/clock.h"
 #include "server/admission.h"
+#include "server/call_observer.h"
+#include "server/collect.h"
 #include "server/log.h"
 #include "server/mesh_service.h"
+#include "server/metrics_http.h"
 #include "server/version.h"
 
 namespace dynmesh::server {
@@ -78,8 +82,9 @@ struct Server::Impl {
         writers(WriterThreads(c.writer_threads, journal != nullptr)),
         readers(Threads(c.reader_threads)),
         answers(Threads(c.writer_threads) / 2),
-        registry(c, std::move(factory), &writers, &readers, journal.get()),
-        context(c, &registry, &writers, &readers, &answers, absl::Now()),
+        registry(c, std::move(factory), &writers, &readers, journal.get(), &metrics),
+        calls(metrics.registry),
+        context(c, &registry, &writers, &readers, &answers, &metrics, absl::Now()),
         service(&context) {}
 
   absl::Status RecoverMeshes() {
@@ -105,13 +110,37 @@ struct Server::Impl {
     }
   }
 
+  // Before the meshes are there, so that whoever asks learns that they are being made again.
+  absl::Status ListenForMetrics() {
+    metrics.registry.AddSource([this](MetricsText& out) {
+      WriteMeshes(registry, out);
+      if (journal != nullptr) WriteJournal(*journal, out);
+      WriteProcess(out);
+    });
+    if (config.metrics.empty()) return absl::OkStatus();
+    auto listening =
+        MetricsHttp::Listen(config.metrics, {[this] { return metrics.registry.Text(); },
+                                             [this] { return std::string(not_ready.load()); }});
+    if (!listening.ok()) return listening.status();
+    http = *std::move(listening);
+    Log(LogLevel::kInfo, "metrics_listen", {{"address", http->address()}});
+    if (!IsLoopback(http->address())) {
+      Log(LogLevel::kWarning, "exposed",
+          {{"address", http->address()},
+           {"message", "metrics name the meshes to whoever can connect"}});
+    }
+    return absl::OkStatus();
+  }
+
   // Destroyed in reverse: first the calls end (Stop), then the tasks, then the meshes.
   const ServerConfig config;
   const std::unique_ptr<Journal> journal;  // null: nothing outlives this process
+  ServerMetrics metrics;
   WorkerPool writers;
   WorkerPool readers;
   WorkerPool answers;  // not shared with readers, whose tasks may be as long as a mesh
   MeshRegistry registry;
+  CallMetrics calls;
   ServiceContext context;
   MeshServiceImpl service;
   std::unique_ptr<grpc::Server> server;
@@ -119,6 +148,9 @@ struct Server::Impl {
   std::unique_ptr<Ticker> ticker;
   std::mutex drain_mutex;
   bool drained = false;
+  // What /readyz answers; empty: ready.
+  std::atomic<const char*> not_ready{"recovering"};
+  std::unique_ptr<MetricsHttp> http;
 };
 
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -128,6 +160,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
                                                       std::unique_ptr<Journal> journal) {
   if (absl::Status status = ValidateConfig(config); !status.ok()) return status;
   auto impl = std::make_unique<Impl>(config, std::move(factory), std::move(journal));
+  if (absl::Status status = impl->ListenForMetrics(); !status.ok()) return status;
   if (absl::Status status = impl->RecoverMeshes(); !status.ok()) return status;
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
@@ -142,12 +175,16 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20'000);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> observers;
+  observers.push_back(MakeCallObservers(&impl->calls));
+  builder.experimental().SetInterceptorCreators(std::move(observers));
   impl->server = builder.BuildAndStart();
   if (impl->server == nullptr || impl->port == 0) {
     return absl::UnavailableError(
         absl::StrCat("cannot listen on ", config.listen, ": is the port taken?"));
   }
   impl->SetHealth(true);
+  impl->not_ready = "";
   impl->ticker =
       std::make_unique<Ticker>([registry = &impl->registry] { registry->Tick(absl::Now()); });
   std::unique_ptr<Server> server(new Server(std::move(impl)));
@@ -179,6 +216,7 @@ bool Server::Drain(absl::Duration limit) {
   impl_->drained = true;
   const absl::Time start = absl::Now();
   Log(LogLevel::kInfo, "draining", {{"limit", absl::FormatDuration(limit)}});
+  impl_->not_ready = "draining";
   impl_->SetHealth(false);
   impl_->service.BeginDrain();
   const bool done = impl_->context.gate.WaitEmpty(limit);

@@ -121,6 +121,7 @@ void SqliteJournal::Run() {
       Log(LogLevel::kInfo, "journal_works_again", {{"journal", path_}});
     }
     failed_ = !status.ok();
+    ++(failed_ ? failures_ : syncs_);
     lock.lock();
     for (Waiting* waiting : group) {
       if (!status.ok()) waiting->result = status;
@@ -268,8 +269,13 @@ absl::StatusOr<std::vector<Journal::Mesh>> SqliteJournal::List() {
   absl::StatusOr<Connection> reader = Connection::Open(path_, options_.vfs);
   if (!reader.ok()) return reader.status();
   std::vector<Mesh> meshes;
-  Statement rows(*reader, "SELECT key, id, description FROM meshes ORDER BY id");
-  while (rows.Step()) meshes.push_back({rows.Integer(0), rows.Bytes(1), rows.Bytes(2)});
+  Statement rows(*reader,
+                 "SELECT key, id, description, head - snapshot + (snapshot > 0) "
+                 "FROM meshes ORDER BY id");
+  while (rows.Step()) {
+    meshes.push_back({rows.Integer(0), rows.Bytes(1), rows.Bytes(2),
+                      static_cast<std::uint64_t>(rows.Integer(3))});
+  }
   if (!rows.status().ok()) return rows.status();
   return meshes;
 }

@@ -11,6 +11,7 @@
 #ifndef DYNMESH_SERVER_SQLITE_JOURNAL_H_
 #define DYNMESH_SERVER_SQLITE_JOURNAL_H_
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <memory>
@@ -41,6 +42,7 @@ class SqliteJournal final : public Journal {
   ~SqliteJournal() override;
 
   std::string name() const override { return path_; }
+  Counts counts() const override { return {syncs_.load(), failures_.load()}; }
   absl::StatusOr<std::vector<Mesh>> List() override;
   absl::StatusOr<Key> Create(const std::string& id, const std::string& description) override;
   absl::Status Delete(Key mesh) override;
@@ -81,6 +83,9 @@ class SqliteJournal final : public Journal {
   // Belong to the writer's thread.
   sqlite::Connection writer_;
   bool failed_ = false;
+
+  std::atomic<std::uint64_t> syncs_{0};
+  std::atomic<std::uint64_t> failures_{0};
 
   std::mutex mutex_;
   std::condition_variable wake_;   // of the writer

@@ -65,10 +65,12 @@ template <class Interrupt>
 absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, const ApplyOptions& apply,
                                                 Interrupt cancelled) {
   const auto start = Clock::now();
+  double validated = 0;
   const auto commit = [&](MeshDiff& diff) {
     diff.from_revision = revision_;
     diff.to_revision = batch.empty() ? revision_ : revision_ + 1;
     diff.work.microseconds = MicrosecondsSince(start);
+    diff.work.validate_microseconds = validated;
     return apply.commit == nullptr ? absl::OkStatus() : apply.commit(diff);
   };
   if (batch.empty()) {
@@ -80,6 +82,7 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, const Ap
   }
   const absl::StatusOr<plc::Delta<D>> delta = plc_.Check(batch, nullptr, cancelled);
   if (!delta.ok()) return delta.status();
+  validated = MicrosecondsSince(start);
   const Plan plan = PlanFor(*delta, plc_.size(), state_->refinement.vertex_count(), options_.box,
                             tuning_.rebuild);
   absl::StatusOr<MeshDiff> diff = plan == Plan::kRebuild
@@ -147,7 +150,9 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(const plc::Delta<D>& delta, bool
     if (absl::IsResourceExhausted(status)) return Rebuild(delta, Snapshot(), cancelled, commit);
     return status;
   }
+  const auto propagated = Clock::now();
   MeshDiff diff = state.diffs.Update(state.refinement, state.features);
+  diff.work.diff_microseconds = MicrosecondsSince(propagated);
   if (!state.diffs.RegionStatus().ok()) {
     // Labels are left half made, so that there is nothing to undo; and which polygon is to be
     // named, too, only a run from scratch can say.
@@ -172,13 +177,15 @@ template <class Interrupt>
 absl::StatusOr<typename LiveMesh<D>::Built> LiveMesh<D>::Build(const plc::Delta<D>& all,
                                                                std::size_t features,
                                                                Interrupt cancelled) {
-  Built built{std::make_unique<State>(options_, tuning_), {}};
+  Built built{std::make_unique<State>(options_, tuning_), {}, 0};
   State& fresh = *built.state;
   fresh.refinement.Reserve(features);
   fresh.features.Apply(all, fresh.refinement);
   if (absl::Status status = Run(fresh, cancelled); !status.ok()) return status;
   fresh.refinement.DetachTriangulation();
+  const auto propagated = Clock::now();
   built.mesh = fresh.diffs.Begin(fresh.refinement, fresh.features);
+  built.diff_microseconds = MicrosecondsSince(propagated);
   if (absl::Status status = fresh.diffs.RegionStatus(); !status.ok()) return status;
   fresh.features.Collect();
   return built;
@@ -197,7 +204,9 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Rebuild(const plc::Delta<D>& delta, Mesh b
     return status;
   };
   if (!built.ok()) return refuse(built.status());
+  const auto made = Clock::now();
   MeshDiff diff = data::DiffMeshes(std::move(before), std::move(built->mesh));
+  diff.work.diff_microseconds = built->diff_microseconds + MicrosecondsSince(made);
   const sac::Counters& counters = built->state->refinement.engine().counters();
   diff.work.executed = counters.executed;
   diff.work.created = counters.created;

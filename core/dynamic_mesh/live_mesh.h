@@ -72,6 +72,7 @@ class LiveMesh final : public DynamicMesh {
   struct Built {
     std::unique_ptr<State> state;
     Mesh mesh;
+    double diff_microseconds = 0;
   };
   template <class Interrupt>
   absl::StatusOr<Built> Build(const plc::Delta<D>& all, std::size_t features, Interrupt cancelled);

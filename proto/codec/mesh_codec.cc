@@ -291,10 +291,17 @@ void EncodeWork(const WorkCounters& work, v1::WorkCounters* out) {
   out->set_created(work.created);
   out->set_dropped(work.dropped);
   out->set_microseconds(work.microseconds);
+  out->set_validate_microseconds(work.validate_microseconds);
+  out->set_diff_microseconds(work.diff_microseconds);
 }
 
 WorkCounters DecodeWork(const v1::WorkCounters& work) {
-  return {work.executed(), work.created(), work.dropped(), work.microseconds()};
+  return {work.executed(),
+          work.created(),
+          work.dropped(),
+          work.microseconds(),
+          work.validate_microseconds(),
+          work.diff_microseconds()};
 }
 
 void EncodeTime(absl::Time time, google::protobuf::Timestamp* out) {

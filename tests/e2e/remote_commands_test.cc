@@ -239,6 +239,51 @@ TEST_F(RemoteCommandsTest, ErrorsNameTheLineAndHaveTheirExitCodes) {
   EXPECT_NE(nobody.err, "");
 }
 
+TEST_F(RemoteCommandsTest, StatsAreWatchedAsOftenAsAsked) {
+  StartDaemon();
+  const std::string script = Write("s.txt", kScript);
+  ASSERT_EQ(Remote({"apply", "plate", script, "--create"}).code, kExitDone);
+  ASSERT_EQ(Remote({"create", "room", "--box", "0,0,1,1"}).code, kExitDone);
+  const Ran json = Remote({"stats", "--watch", "0.05", "--count", "3", "--json"});
+  ASSERT_EQ(json.code, kExitDone) << json.err;
+  ASSERT_EQ(Lines(json.out), 3u) << json.out;
+  EXPECT_NE(json.out.find("\"mesh\": \"plate\", \"revision\": 3"), std::string::npos) << json.out;
+  EXPECT_EQ(Value(json.out, "mesh"), "room");
+  // No rate before there are two of a mesh; none of these changes.
+  const std::string first = json.out.substr(0, json.out.find('\n'));
+  EXPECT_EQ(Value(first, "edits_per_second"), "null");
+  EXPECT_EQ(std::stod(Value(json.out, "edits_per_second")), 0);
+
+  const Ran table = Remote({"stats", "plate", "--watch=0.05", "--count", "2"});
+  ASSERT_EQ(table.code, kExitDone) << table.err;
+  EXPECT_EQ(table.out.find("mesh "), 0u) << table.out;
+  EXPECT_EQ(Lines(table.out), 5u) << table.out;  // twice a head and a row, a line between
+  EXPECT_EQ(table.out.find("room"), std::string::npos) << table.out;
+  EXPECT_EQ(table.out.find('\033'), std::string::npos) << table.out;
+
+  EXPECT_EQ(Remote({"stats", "--watch", "no", "--count", "1"}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"stats", "--watch", "0", "--count", "1"}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"stats", "--count", "1"}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"stats", "none", "--watch", "--count", "1"}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"stats", "x.node", "--watch"}).code, kExitBadInput);
+}
+
+TEST_F(RemoteCommandsTest, WatchedStatsEndWellWithASignal) {
+  StartDaemon();
+  for (const int signal : {SIGINT, SIGTERM}) {
+    // To this thread: others of this process have it not blocked.
+    const pthread_t self = pthread_self();
+    std::thread later([self, signal] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+      pthread_kill(self, signal);
+    });
+    const Ran ran = Remote({"stats", "--watch", "0.02"});
+    later.join();
+    EXPECT_EQ(ran.code, kExitDone) << ran.err;
+    EXPECT_GE(Lines(ran.out), 2u);
+  }
+}
+
 TEST_F(RemoteCommandsTest, TheDaemonSaysThatItsMeshesAreInMemoryAndDrainsOnSigterm) {
   StartDaemon();
   const std::string script = Write("s.txt", kScript);

@@ -96,7 +96,7 @@ MeshDiff RandomDiff(std::uint64_t seed, std::size_t n, int dimension) {
     d.removed_subfacets = RandomSubfacets(random, n / 2);
     d.added_subfacets = RandomSubfacets(random, n);
   }
-  d.work = {1, 2, 3, 4.5};
+  d.work = {1, 2, 3, 4.5, 1.5, 0.25};
   d.hash = {random(), random()};
   return d;
 }
@@ -108,6 +108,8 @@ void ExpectEqual(const MeshDiff& a, const MeshDiff& b) {
   test::ExpectSameRows(a, b);
   EXPECT_EQ(a.work.executed, b.work.executed);
   EXPECT_EQ(a.work.microseconds, b.work.microseconds);
+  EXPECT_EQ(a.work.validate_microseconds, b.work.validate_microseconds);
+  EXPECT_EQ(a.work.diff_microseconds, b.work.diff_microseconds);
   EXPECT_EQ(a.hash, b.hash);
 }
 

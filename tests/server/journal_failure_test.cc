@@ -50,6 +50,7 @@ TEST_F(JournalFailureTest, AnEditThatCannotBeWrittenIsUndoneAndReadersAreServed)
     EXPECT_TRUE(server_->Apply({AddPoint(1)}, "r1")->replayed);
     EXPECT_TRUE(server_->Apply({}).ok());
   }
+  EXPECT_GE(server_->journal().counts().failures, 2u);
   EXPECT_EQ(ReasonOf((*server_)->Create("n", MeshOptions(), "").status()),
             codec::reason::kJournalFailed);
   EXPECT_EQ(ReasonOf((*server_)->Find("meshes/n").status()), codec::reason::kMeshNotFound);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "dynmesh/error.h"
+#include "server/log.h"
 #include "tests/server/test_support.h"
 
 namespace dynmesh::server {
@@ -330,6 +331,32 @@ TEST_F(MeshHostTest, LocateAnswersInTurnWithTheEdits) {
   ASSERT_EQ(answer->simplices.size(), 6u);
   EXPECT_NE(answer->simplices[0], 0u);
   EXPECT_EQ(answer->simplices[3], 0u);
+}
+
+TEST_F(MeshHostTest, ABatchThatTakesLongIsReportedOnceAnInterval) {
+  const auto host = MakeHost();
+  ASSERT_TRUE(SetLogLevel("info").ok());
+  testing::internal::CaptureStderr();
+  host->ReportLongWork(absl::ZeroDuration());  // nothing runs
+  gate_->Hold();
+  Mailbox<Result> box;
+  EditJob job;
+  job.edits = {AddPoint(1), AddPoint(2)};
+  job.call_id = "slow-1";
+  ASSERT_TRUE(Submit(*host, std::move(job), box).ok());
+  gate_->WaitForArrivals(1);
+  host->ReportLongWork(absl::Hours(1));
+  host->ReportLongWork(absl::ZeroDuration());
+  host->ReportLongWork(absl::Hours(1));
+  gate_->Release();
+  ASSERT_TRUE(box.Take().ok());
+  host->ReportLongWork(absl::ZeroDuration());
+  const std::string log = testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(SetLogLevel("error").ok());
+  const std::string line = "event=edit_running mesh=m call=slow-1 edits=2 ";
+  const std::size_t at = log.find(line);
+  ASSERT_NE(at, std::string::npos) << log;
+  EXPECT_EQ(log.find("event=edit_running", at + 1), std::string::npos) << log;
 }
 
 }  // namespace

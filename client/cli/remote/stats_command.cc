@@ -1,12 +1,14 @@
 // dynmesh stats [MESH] --server ADDR: figures of a server and of a mesh; dynmesh stats
-// MESHFILE: of a file, in process.
+// MESHFILE: of a file, in process. With --watch again and again (stats_watch.h).
 #include <memory>
 #include <string>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/file_stats.h"
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
+#include "client/cli/remote/stats_watch.h"
 #include "client/cli/words.h"
 
 namespace dynmesh::cli {
@@ -16,6 +18,9 @@ struct StatsCommand {
   std::string mesh;  // an id or a file
   ServerFlags server;
   FileStatsFlags file;
+  CLI::Option* watch = nullptr;  // its text is the seconds, which may be missing
+  std::string watch_seconds;
+  std::uint64_t count = 0;
 };
 
 std::string StatsText(const client::ServerStatus& s) {
@@ -79,7 +84,28 @@ std::string StatsJson(const std::string& id, const client::ServerStatus& s) {
   return object.ToLine();
 }
 
+absl::StatusOr<StatsWatch> WatchOf(const StatsCommand& command) {
+  StatsWatch watch;
+  watch.count = command.count;
+  double seconds = 0;
+  if (command.watch_seconds.empty()) return watch;
+  if (!absl::SimpleAtod(command.watch_seconds, &seconds) || !(seconds >= 0.01 && seconds <= 1e6)) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--watch %s: must be seconds; a mesh's id comes before it", command.watch_seconds));
+  }
+  watch.interval = absl::Seconds(seconds);
+  return watch;
+}
+
 int Run(const StatsCommand& command) {
+  if (command.watch->count() > 0) {
+    if (IsMeshFile(command.mesh) || !command.file.svg.empty()) {
+      return ReportError(absl::InvalidArgumentError("--watch is of a server's meshes"));
+    }
+    const auto watch = WatchOf(command);
+    if (!watch.ok()) return ReportError(watch.status());
+    return RunStatsWatch(command.mesh, *watch, command.server);
+  }
   if (IsMeshFile(command.mesh))
     return RunFileStats(command.mesh, command.file, command.server.json);
   if (!command.file.svg.empty()) {
@@ -100,6 +126,15 @@ void RegisterStatsCommand(CLI::App& app, CommandSlot& slot) {
                  [command] { return Run(*command); });
   sub->add_option("MESH", command->mesh,
                   "Its id (default: of the server only), or a .node file, which needs no server");
+  command->watch = sub->add_option("--watch", command->watch_seconds,
+                                   "A table of the server's meshes, made anew every so many "
+                                   "seconds (default: 2) until Ctrl-C")
+                       ->type_name("SECONDS")
+                       ->expected(0, 1);
+  sub->add_option("--count", command->count, "With --watch: end after so many tables")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber)
+      ->needs(command->watch);
   AddFileStatsFlags(*sub, command->file);
   AddServerFlags(*sub, command->server);
 }

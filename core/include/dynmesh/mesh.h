@@ -123,6 +123,9 @@ struct WorkCounters {
   std::uint64_t created = 0;   // operations that are new
   std::uint64_t dropped = 0;   // operations that are gone
   double microseconds = 0;     // whole Apply: validation, propagation, diff, hash
+  // Of these, what validation and making the diff took; what is left is the propagation.
+  double validate_microseconds = 0;
+  double diff_microseconds = 0;
 };
 
 // A whole mesh at one revision. Rows are in no particular order unless

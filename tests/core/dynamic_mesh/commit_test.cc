@@ -79,6 +79,11 @@ void ExpectVetoesToChangeNothing(Generator generator, const LiveMeshTuning& tuni
     const auto diff = mesh.Apply(batch, accept);
     ASSERT_TRUE(diff.ok()) << diff.status();
     EXPECT_EQ(asked, 1);
+    // The stages are parts of the whole.
+    EXPECT_GT(diff->work.validate_microseconds, 0);
+    EXPECT_GT(diff->work.diff_microseconds, 0);
+    EXPECT_LE(diff->work.validate_microseconds + diff->work.diff_microseconds,
+              diff->work.microseconds);
     EXPECT_EQ(diff->hash, seen.hash);
     EXPECT_EQ(diff->hash, mesh.hash());
     EXPECT_EQ(diff->to_revision, mesh.revision());
