@@ -17,7 +17,20 @@
 
 namespace dynmesh::client {
 
-using Stub = v1::MeshService::Stub;
+// The service at the other end, and the token that every call shows it.
+struct Stub {
+  explicit Stub(const std::shared_ptr<grpc::Channel>& channel, const std::string& token)
+      : service(v1::MeshService::NewStub(channel)),
+        authorization(token.empty() ? "" : "Bearer " + token) {}
+
+  // Before the call begins.
+  void Authorize(grpc::ClientContext& context) const {
+    if (!authorization.empty()) context.AddMetadata("authorization", authorization);
+  }
+
+  const std::unique_ptr<v1::MeshService::Stub> service;
+  const std::string authorization;
+};
 
 // "plate" or "meshes/plate" as "meshes/plate". Checked by the server.
 inline std::string FullName(const std::string& mesh) {

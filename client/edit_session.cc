@@ -18,7 +18,8 @@ class GrpcEditSession final : public EditSession {
     if (timeout < absl::InfiniteDuration()) {
       context_.set_deadline(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(timeout));
     }
-    stream_ = stub_->EditStream(&context_);
+    stub_->Authorize(context_);
+    stream_ = stub_->service->EditStream(&context_);
   }
 
   ~GrpcEditSession() override {

@@ -80,13 +80,19 @@ absl::StatusOr<EditResult> ReadResult(grpc::ClientReader<v1::MeshDiff>& reader) 
   return *std::move(result);
 }
 
+std::shared_ptr<grpc::ChannelCredentials> Credentials(const ClientOptions& options) {
+  if (!options.tls()) return grpc::InsecureChannelCredentials();
+  return grpc::SslCredentials({options.tls_ca, options.tls_key, options.tls_certificate});
+}
+
 }  // namespace
 
 struct MeshClient::Impl {
   std::shared_ptr<Stub> stub;
   absl::Duration timeout;
 
-  void SetDeadline(grpc::ClientContext& context) const {
+  void Prepare(grpc::ClientContext& context) const {
+    stub->Authorize(context);
     if (timeout == absl::InfiniteDuration()) return;
     context.set_deadline(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(timeout));
   }
@@ -95,8 +101,8 @@ struct MeshClient::Impl {
   template <typename Method, typename Request, typename Response>
   absl::Status Call(Method method, const Request& request, Response* response) const {
     grpc::ClientContext context;
-    SetDeadline(context);
-    return codec::FromGrpcStatus((stub.get()->*method)(&context, request, response));
+    Prepare(context);
+    return codec::FromGrpcStatus((stub->service.get()->*method)(&context, request, response));
   }
 
   absl::StatusOr<EditResult> ApplyInPieces(const std::string& mesh, const EditBatch& edits,
@@ -123,8 +129,8 @@ std::unique_ptr<MeshClient> MeshClient::Connect(const std::string& address,
   if (options.own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
   auto impl = std::make_unique<Impl>();
-  impl->stub = v1::MeshService::NewStub(
-      grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments));
+  impl->stub = std::make_shared<Stub>(
+      grpc::CreateCustomChannel(address, Credentials(options), arguments), options.token);
   impl->timeout = options.timeout;
   return std::unique_ptr<MeshClient>(new MeshClient(std::move(impl)));
 }
@@ -139,7 +145,8 @@ absl::StatusOr<MeshInfo> MeshClient::CreateMesh(const std::string& id, const Mes
     request.mutable_options()->clear_max_vertices();
   }
   v1::Mesh response;
-  if (auto s = impl_->Call(&Stub::CreateMesh, request, &response); !s.ok()) return s;
+  if (auto s = impl_->Call(&v1::MeshService::Stub::CreateMesh, request, &response); !s.ok())
+    return s;
   return DecodeMesh(response);
 }
 
@@ -147,7 +154,7 @@ absl::StatusOr<MeshInfo> MeshClient::GetMesh(const std::string& mesh) {
   v1::GetMeshRequest request;
   request.set_mesh(FullName(mesh));
   v1::Mesh response;
-  if (auto s = impl_->Call(&Stub::GetMesh, request, &response); !s.ok()) return s;
+  if (auto s = impl_->Call(&v1::MeshService::Stub::GetMesh, request, &response); !s.ok()) return s;
   return DecodeMesh(response);
 }
 
@@ -157,7 +164,8 @@ absl::StatusOr<std::vector<MeshInfo>> MeshClient::ListMeshes() {
   request.set_page_size(kPageSize);
   do {
     v1::ListMeshesResponse response;
-    if (auto s = impl_->Call(&Stub::ListMeshes, request, &response); !s.ok()) return s;
+    if (auto s = impl_->Call(&v1::MeshService::Stub::ListMeshes, request, &response); !s.ok())
+      return s;
     for (const v1::Mesh& proto : response.meshes()) {
       auto mesh = DecodeMesh(proto);
       if (!mesh.ok()) return mesh.status();
@@ -172,7 +180,7 @@ absl::Status MeshClient::DeleteMesh(const std::string& mesh) {
   v1::DeleteMeshRequest request;
   request.set_mesh(FullName(mesh));
   v1::DeleteMeshResponse response;
-  return impl_->Call(&Stub::DeleteMesh, request, &response);
+  return impl_->Call(&v1::MeshService::Stub::DeleteMesh, request, &response);
 }
 
 absl::StatusOr<EditResult> MeshClient::Apply(const std::string& mesh, const EditBatch& edits,
@@ -183,8 +191,8 @@ absl::StatusOr<EditResult> MeshClient::Apply(const std::string& mesh, const Edit
   EncodeParams(mesh, params, &request);
   for (const Edit& edit : edits) codec::EncodeEdit(edit, params.dimension, request.add_edits());
   grpc::ClientContext context;
-  impl_->SetDeadline(context);
-  return ReadResult(*impl_->stub->ApplyEdits(&context, request));
+  impl_->Prepare(context);
+  return ReadResult(*impl_->stub->service->ApplyEdits(&context, request));
 }
 
 absl::StatusOr<EditResult> MeshClient::AddFeatures(const std::string& mesh,
@@ -201,8 +209,8 @@ absl::StatusOr<EditResult> MeshClient::AddFeatures(const std::string& mesh,
   for (const Feature& f : features)
     codec::EncodeFeature(f, params.dimension, request.add_features());
   grpc::ClientContext context;
-  impl_->SetDeadline(context);
-  return ReadResult(*impl_->stub->AddFeatures(&context, request));
+  impl_->Prepare(context);
+  return ReadResult(*impl_->stub->service->AddFeatures(&context, request));
 }
 
 absl::StatusOr<EditResult> MeshClient::RemoveFeatures(const std::string& mesh,
@@ -217,8 +225,8 @@ absl::StatusOr<EditResult> MeshClient::RemoveFeatures(const std::string& mesh,
   EncodeParams(mesh, params, &request);
   request.mutable_ids()->Add(ids.begin(), ids.end());
   grpc::ClientContext context;
-  impl_->SetDeadline(context);
-  return ReadResult(*impl_->stub->RemoveFeatures(&context, request));
+  impl_->Prepare(context);
+  return ReadResult(*impl_->stub->service->RemoveFeatures(&context, request));
 }
 
 std::unique_ptr<EditSession> MeshClient::OpenEdits(const std::string& mesh, bool stop_on_error) {
@@ -237,8 +245,8 @@ absl::StatusOr<Mesh> MeshClient::GetSnapshot(const std::string& mesh,
   request.set_mesh(FullName(mesh));
   request.mutable_regions()->Add(regions.begin(), regions.end());
   grpc::ClientContext context;
-  impl_->SetDeadline(context);
-  const auto reader = impl_->stub->GetSnapshot(&context, request);
+  impl_->Prepare(context);
+  const auto reader = impl_->stub->service->GetSnapshot(&context, request);
   codec::SnapshotAssembler assembler;
   std::optional<Mesh> result;
   absl::Status broken;
@@ -263,7 +271,7 @@ absl::StatusOr<ServerStatus> MeshClient::GetStats(const std::string& mesh) {
   v1::GetStatsRequest request;
   if (!mesh.empty()) request.set_mesh(FullName(mesh));
   v1::GetStatsResponse response;
-  if (auto s = impl_->Call(&Stub::GetStats, request, &response); !s.ok()) return s;
+  if (auto s = impl_->Call(&v1::MeshService::Stub::GetStats, request, &response); !s.ok()) return s;
   ServerStatus status;
   status.version = response.server_version();
   status.uptime =
@@ -290,7 +298,8 @@ absl::StatusOr<Located> MeshClient::Locate(const std::string& mesh, int dimensio
     request.set_mesh(FullName(mesh));
     request.mutable_coordinates()->Add(part.begin(), part.end());
     v1::LocatePointsResponse response;
-    if (auto s = impl_->Call(&Stub::LocatePoints, request, &response); !s.ok()) return s;
+    if (auto s = impl_->Call(&v1::MeshService::Stub::LocatePoints, request, &response); !s.ok())
+      return s;
     if (begin > 0 && response.revision() != located.revision) {
       return absl::AbortedError("the mesh changed between two parts of the question: ask again");
     }

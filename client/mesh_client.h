@@ -66,6 +66,16 @@ struct ClientOptions {
   absl::Duration timeout = absl::InfiniteDuration();
   // A connection of its own, not shared with other clients of this process.
   bool own_connection = false;
+
+  // TLS, as PEM texts: who signed the server's certificate, and what the client shows if the
+  // server asks it to. All empty: no encryption.
+  std::string tls_ca;
+  std::string tls_certificate;
+  std::string tls_key;
+  // Shown with every call. Without TLS whoever is on the way can read it.
+  std::string token;
+
+  bool tls() const { return !tls_ca.empty() || !tls_certificate.empty(); }
 };
 
 class MeshClient {

@@ -23,7 +23,8 @@ class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
       : follower_(std::move(follower)), request_(std::move(request)) {}
 
   void Start(Stub& stub) {
-    stub.async()->Watch(&context_, &request_, this);
+    stub.Authorize(context_);
+    stub.service->async()->Watch(&context_, &request_, this);
     StartRead(&event_);
     StartCall();
   }

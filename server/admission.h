@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
+#include "server/access.h"
 #include "server/config.h"
 #include "server/mesh_registry.h"
 #include "server/quota.h"
@@ -22,13 +23,14 @@ namespace dynmesh::server {
 // What the calls of a service share.
 struct ServiceContext {
   ServiceContext(const ServerConfig& c, MeshRegistry* r, WorkerPool* w, WorkerPool* rd,
-                 WorkerPool* a, ServerMetrics* m, absl::Time now)
+                 WorkerPool* a, ServerMetrics* m, Access* ac, absl::Time now)
       : config(c),
         registry(r),
         writers(w),
         readers(rd),
         answers(a),
         metrics(m),
+        access(ac),
         start_time(now),
         watchers(c.max_watchers),
         edit_streams(c.max_edit_streams),
@@ -41,6 +43,7 @@ struct ServiceContext {
   WorkerPool* const readers;
   WorkerPool* const answers;  // starts writes that a mesh's writer has no time for; never blocks
   ServerMetrics* const metrics;
+  Access* const access;
   const absl::Time start_time;
   WorkGate gate;
   Quota watchers;

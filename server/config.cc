@@ -1,5 +1,10 @@
 #include "server/config.h"
 
+#include <arpa/inet.h>
+
+#include <cmath>
+
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 
 namespace dynmesh::server {
@@ -9,16 +14,63 @@ absl::Status Bad(const char* field, const char* what) {
   return absl::InvalidArgumentError(absl::StrCat(field, " ", what));
 }
 
+absl::Status ValidateExposure(const ServerConfig& c) {
+  if (c.tls.certificate.empty() != c.tls.key.empty()) {
+    return Bad("tls-cert", "and tls-key belong together: give both or none");
+  }
+  if (!c.tls.client_ca.empty() && !c.tls.enabled()) {
+    return Bad("tls-client-ca", "needs tls-cert and tls-key");
+  }
+  if (!IsLoopback(c.listen) && !c.tls.enabled() && !c.insecure_listen) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "listen: ", c.listen,
+        " can be reached from elsewhere, and nothing would be encrypted: give --tls-cert and "
+        "--tls-key, or --insecure-listen if the network is to be trusted"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateConnections(const ServerConfig& c) {
+  if (!(c.max_requests_per_second >= 0) || std::isinf(c.max_requests_per_second)) {
+    return Bad("max_requests_per_second", "must be 0 or more");
+  }
+  if (c.max_streams_per_connection < 1) {
+    return Bad("max_streams_per_connection", "must be at least 1");
+  }
+  if (c.max_connections == 0) return Bad("max_connections", "must be at least 1");
+  for (const auto& [field, duration] : {std::pair{"handshake_timeout", c.handshake_timeout},
+                                        std::pair{"keepalive_interval", c.keepalive_interval},
+                                        std::pair{"keepalive_timeout", c.keepalive_timeout},
+                                        std::pair{"idle_timeout", c.idle_timeout}}) {
+    if (duration < absl::Milliseconds(100) || duration > absl::Hours(24)) {
+      return Bad(field, "not in 0.1 s to a day");
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
+
+bool IsLoopback(absl::string_view listen) {
+  if (absl::StartsWith(listen, "unix:")) return true;
+  const absl::string_view host = listen.substr(0, listen.rfind(':'));
+  if (host == "localhost" || host == "[::1]") return true;
+  in_addr address{};
+  return inet_pton(AF_INET, std::string(host).c_str(), &address) == 1 &&
+         (ntohl(address.s_addr) >> 24) == 127;
+}
 
 absl::Status ValidateConfig(const ServerConfig& c) {
   if (c.listen.empty()) return Bad("listen", "is empty: give host:port");
+  if (absl::Status status = ValidateExposure(c); !status.ok()) return status;
+  if (absl::Status status = ValidateConnections(c); !status.ok()) return status;
   if (c.writer_threads < 0 || c.writer_threads > 1024)
     return Bad("writer_threads", "not in 0..1024");
   if (c.reader_threads < 0 || c.reader_threads > 1024)
     return Bad("reader_threads", "not in 0..1024");
   if (c.max_meshes == 0) return Bad("max_meshes", "must be at least 1");
   if (c.max_vertices == 0) return Bad("max_vertices", "must be at least 1");
+  if (c.max_features == 0) return Bad("max_features", "must be at least 1");
   if (c.max_batch_edits == 0) return Bad("max_batch_edits", "must be at least 1");
   if (c.max_pending_edits < c.max_batch_edits) {
     return Bad("max_pending_edits", "must be at least max_batch_edits");

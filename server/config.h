@@ -6,13 +6,20 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/strings/string_view.h"
 #include "absl/time/time.h"
+#include "server/tls.h"
 
 namespace dynmesh::server {
 
 struct ServerConfig {
   // host:port; loopback unless told otherwise. Port 0 takes any free one.
   std::string listen = "127.0.0.1:7878";
+  TlsFiles tls;
+  // Elsewhere than on loopback without TLS, which is refused otherwise.
+  bool insecure_listen = false;
+  // Who may do what (tokens.h); empty: whoever can connect may do everything.
+  std::string tokens_file;
 
   // host:port of metrics and health over HTTP (metrics_http.h); empty: none.
   std::string metrics;
@@ -24,6 +31,7 @@ struct ServerConfig {
 
   std::uint64_t max_meshes = 1'000;
   std::uint64_t max_vertices = 50'000'000;  // of one mesh
+  std::uint64_t max_features = 50'000'000;  // of one mesh
   // Edits in one batch: about 64 bytes each until applied; 8 points of polygons count as one.
   std::uint64_t max_batch_edits = 2'000'000;
   // Edits of all batches that are being received or wait for their turn.
@@ -33,6 +41,22 @@ struct ServerConfig {
   std::uint64_t max_edit_streams = 1'000;
   std::uint64_t max_snapshot_streams = 64;  // each may hold an old copy of a mesh
   std::uint64_t max_waiting_edits = 1'000;  // unary batches that wait for one mesh
+  // Requests a second of one client, a token or an address, and as many at once after a pause;
+  // each batch of an EditStream is one. 0: any number.
+  double max_requests_per_second = 100'000;
+  // Resident bytes of the process above which nothing grows; 0: nine tenths of what it may have.
+  std::uint64_t max_memory_bytes = 0;
+  // Calls open on one connection; further ones wait in the client.
+  int max_streams_per_connection = 10'000;
+  // Connections, all together. Those above it are closed at once.
+  std::uint64_t max_connections = 20'000;
+  // For TLS, and until the first word of HTTP/2.
+  absl::Duration handshake_timeout = absl::Seconds(20);
+  // A client that is silent for so long is asked whether it is there, and has so long to say so.
+  absl::Duration keepalive_interval = absl::Seconds(60);
+  absl::Duration keepalive_timeout = absl::Seconds(20);
+  // Of a connection without calls. Clients connect again by themselves.
+  absl::Duration idle_timeout = absl::Minutes(10);
   // Batches of one EditStream that are received and not fully answered.
   int edit_window = 64;
 
@@ -51,7 +75,10 @@ struct ServerConfig {
   absl::Duration drain_timeout = absl::Seconds(20);
 };
 
-// INVALID_ARGUMENT, naming the field, if a limit makes no sense.
+// Is it reached from this machine only? Names other than localhost are not looked up.
+bool IsLoopback(absl::string_view listen);
+
+// INVALID_ARGUMENT, naming the field, if a limit makes no sense, or what was asked for is not safe.
 absl::Status ValidateConfig(const ServerConfig& config);
 
 }  // namespace dynmesh::server

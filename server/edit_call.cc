@@ -39,11 +39,13 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
       : edits_field_(edits_field), send_seconds_(send_seconds) {}
 
   template <typename Request>
-  static EditCall* Start(ServiceContext& context, const Request& request, std::string call_id) {
+  static EditCall* Start(ServiceContext& context, const Request& request,
+                         const absl::Status& admitted, std::string call_id) {
     auto call =
         std::make_shared<EditCall>(EditsField(request), context.metrics->edits.send_seconds);
     call->self_ = call;
-    const absl::Status status = call->Begin(context, request, std::move(call_id));
+    const absl::Status status =
+        admitted.ok() ? call->Begin(context, request, std::move(call_id)) : admitted;
     // Not after a job was handed in: it may have been answered, and the call be gone.
     if (!status.ok()) call->Fail(status);
     return call.get();
@@ -128,18 +130,21 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
 
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::AddFeaturesRequest& request,
+                                                      const absl::Status& admitted,
                                                       std::string call_id) {
-  return EditCall::Start(context, request, std::move(call_id));
+  return EditCall::Start(context, request, admitted, std::move(call_id));
 }
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::RemoveFeaturesRequest& request,
+                                                      const absl::Status& admitted,
                                                       std::string call_id) {
-  return EditCall::Start(context, request, std::move(call_id));
+  return EditCall::Start(context, request, admitted, std::move(call_id));
 }
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::ApplyEditsRequest& request,
+                                                      const absl::Status& admitted,
                                                       std::string call_id) {
-  return EditCall::Start(context, request, std::move(call_id));
+  return EditCall::Start(context, request, admitted, std::move(call_id));
 }
 
 }  // namespace dynmesh::server

@@ -12,16 +12,19 @@
 
 namespace dynmesh::server {
 
-// Each starts a call that frees itself. `request` is not used after the return. `call_id`:
-// call_id.h.
+// Each starts a call that frees itself; one that was not admitted ends with why. `request` is not
+// used after the return. `call_id`: call_id.h.
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::AddFeaturesRequest& request,
+                                                      const absl::Status& admitted,
                                                       std::string call_id);
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::RemoveFeaturesRequest& request,
+                                                      const absl::Status& admitted,
                                                       std::string call_id);
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::ApplyEditsRequest& request,
+                                                      const absl::Status& admitted,
                                                       std::string call_id);
 
 }  // namespace dynmesh::server

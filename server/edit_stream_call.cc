@@ -12,6 +12,7 @@
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
+#include "server/call_id.h"
 #include "server/log.h"
 
 namespace dynmesh::server {
@@ -21,14 +22,20 @@ namespace dynmesh::server {
 // mutex_; operations on the stream are started after it is released.
 class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff> {
  public:
-  EditStreamCall(ServiceContext& context, std::string call_id)
-      : context_(context), call_id_(std::move(call_id)) {}
+  EditStreamCall(ServiceContext& context, grpc::CallbackServerContext* rpc)
+      : context_(context), call_id_(CallIdOf(*rpc)), rpc_(rpc) {}
 
-  static EditStreamCall* Start(ServiceContext& context, EditStreams& streams, std::string call_id) {
-    auto call = std::make_shared<EditStreamCall>(context, std::move(call_id));
+  static EditStreamCall* Start(ServiceContext& context, EditStreams& streams,
+                               const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
+    auto call = std::make_shared<EditStreamCall>(context, rpc);
     call->self_ = call;
-    absl::StatusOr<Lease> lease = TakeStream(context.edit_streams, "edit streams");
-    absl::Status status = lease.status();
+    absl::Status status = pass.status();
+    absl::StatusOr<Lease> lease;
+    if (status.ok()) {
+      call->pass_ = *pass;
+      lease = TakeStream(context.edit_streams, "edit streams");
+      status = lease.status();
+    }
     if (status.ok()) {
       call->lease_ = *std::move(lease);
       streams.Add(call);
@@ -104,6 +111,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
            {"call", call_id_},
            {"status", absl::StatusCodeToString(final_status_.code())}});
     }
+    allowed_.Close();
     self_.reset();
   }
 
@@ -137,9 +145,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   absl::Status Receive() {
     if (ended()) return absl::OkStatus();
     if (host_ == nullptr) {
-      absl::StatusOr<MeshRegistry::HostPtr> host = context_.registry->Find(request_.mesh());
-      if (!host.ok()) return host.status();
-      host_ = *std::move(host);
+      if (absl::Status status = OpenMesh(); !status.ok()) return status;
       mesh_name_ = request_.mesh();
       stop_on_error_ = request_.stop_on_error();
       Log(LogLevel::kDebug, "edits_opened", {{"mesh", host_->id()}, {"call", call_id_}});
@@ -149,6 +155,18 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     if (!partial_.has_value()) BeginBatch();
     AddPiece();
     if (!request_.more()) Submit();
+    return absl::OkStatus();
+  }
+
+  absl::Status OpenMesh() {
+    if (absl::Status s = pass_.Check(Role::kEdit, request_.mesh()); !s.ok()) return s;
+    absl::StatusOr<MeshRegistry::HostPtr> host = context_.registry->Find(request_.mesh());
+    if (!host.ok()) return host.status();
+    absl::StatusOr<Access::Stream> allowed = context_.access->Open(
+        pass_, Role::kEdit, (*host)->id(), [rpc = rpc_] { rpc->TryCancel(); });
+    if (!allowed.ok()) return allowed.status();
+    allowed_ = *std::move(allowed);
+    host_ = *std::move(host);
     return absl::OkStatus();
   }
 
@@ -164,6 +182,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     partial_->omit_columns = request_.omit_columns();
     job.refused = CheckRequestId(request_.request_id());
     if (!job.refused.ok()) job.request_id = job.request_id.substr(0, 128);
+    job.refused.Update(pass_.TakeRequest());
     absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
     if (ticket.ok()) {
       partial_->ticket = *std::move(ticket);
@@ -338,6 +357,9 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
 
   ServiceContext& context_;
   const std::string call_id_;
+  grpc::CallbackServerContext* const rpc_;
+  Pass pass_;
+  Access::Stream allowed_;                // the reader's, once there is a mesh; then until OnDone
   std::shared_ptr<EditStreamCall> self_;  // until OnDone
   Lease lease_;
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
@@ -384,10 +406,10 @@ void EditStreams::EndAll(const absl::Status& status) {
   }
 }
 
-grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* StartEditStreamCall(ServiceContext& context,
-                                                                          EditStreams& streams,
-                                                                          std::string call_id) {
-  return EditStreamCall::Start(context, streams, std::move(call_id));
+grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* StartEditStreamCall(
+    ServiceContext& context, EditStreams& streams, const absl::StatusOr<Pass>& pass,
+    grpc::CallbackServerContext* rpc) {
+  return EditStreamCall::Start(context, streams, pass, rpc);
 }
 
 }  // namespace dynmesh::server

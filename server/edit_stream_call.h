@@ -30,10 +30,11 @@ class EditStreams {
   std::vector<std::weak_ptr<EditStreamCall>> calls_;
 };
 
-// Starts a call that frees itself.
-grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* StartEditStreamCall(ServiceContext& context,
-                                                                          EditStreams& streams,
-                                                                          std::string call_id);
+// Starts a call that frees itself; one that was not admitted ends with why. `rpc` is
+// cancelled when the pass no longer allows to edit the mesh that the first message names.
+grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* StartEditStreamCall(
+    ServiceContext& context, EditStreams& streams, const absl::StatusOr<Pass>& pass,
+    grpc::CallbackServerContext* rpc);
 
 }  // namespace dynmesh::server
 

@@ -1,5 +1,6 @@
 #include "server/mesh_host.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -68,6 +69,8 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
       readers_(readers),
       max_waiting_(options.max_waiting),
       metrics_(options.metrics),
+      max_features_(options.max_features),
+      memory_(options.memory),
       queue_(SerialQueue::Create(writers)),
       store_(past.store != nullptr
                  ? std::move(past.store)
@@ -223,8 +226,32 @@ absl::StatusOr<EditOutcome> MeshHost::CheckOnly(const EditJob& job) const {
   return EditOutcome{EmptyDiff(mesh_options_.dimension, mesh_->revision(), mesh_->hash())};
 }
 
+// Batches that only remove always have room: they are the way out.
+absl::Status MeshHost::CheckRoom(std::size_t adds, std::size_t removes) const {
+  if (adds > removes && stats().features + (adds - removes) > max_features_) {
+    codec::ServiceError error;
+    error.reason = codec::reason::kFeatureLimit;
+    return codec::MakeServiceError(absl::StatusCode::kResourceExhausted,
+                                   absl::StrCat("the mesh would have more than the ", max_features_,
+                                                " features that this server allows one mesh"),
+                                   error);
+  }
+  return memory_ == nullptr ? absl::OkStatus() : memory_->CheckRoom();
+}
+
 absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& content) {
   ApplyOptions apply_options;
+  const auto count = [&](Edit::Action action) {
+    return static_cast<std::size_t>(
+        std::count_if(job.edits.begin(), job.edits.end(),
+                      [action](const Edit& edit) { return edit.action == action; }));
+  };
+  const std::size_t removes = count(Edit::Action::kRemove);
+  const bool grows = removes < job.edits.size();
+  if (grows) {
+    if (absl::Status s = CheckRoom(count(Edit::Action::kAdd), removes); !s.ok()) return s;
+    if (memory_ != nullptr) apply_options.stopped = memory_->full();
+  }
   apply_options.cancelled = job.cancelled.get();
   RequestMemory::Entry answer{content, 0, 0, {}, {}};
   apply_options.commit = [&](const MeshDiff& d) {
@@ -236,7 +263,11 @@ absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& co
     return written;
   };
   absl::StatusOr<MeshDiff> applied = mesh_->Apply(job.edits, apply_options);
-  if (!applied.ok()) return applied.status();
+  if (!applied.ok()) {
+    const bool stopped = grows && memory_ != nullptr && absl::IsCancelled(applied.status()) &&
+                         (job.cancelled == nullptr || !job.cancelled->load());
+    return stopped ? memory_->RefuseGrowth() : applied.status();
+  }
   auto diff = std::make_shared<const MeshDiff>(*std::move(applied));
   if (diff->from_revision != diff->to_revision) {
     if (absl::Status status = store_->Append(diff); !status.ok()) {

@@ -21,6 +21,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "dynmesh/dynamic_mesh.h"
+#include "server/memory_guard.h"
 #include "server/mesh_log.h"
 #include "server/request_memory.h"
 #include "server/revision_store.h"
@@ -65,6 +66,8 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     std::size_t remembered_requests = 10'000;
     std::uint64_t compact_bytes = 1 << 20;  // mesh_log.h
     EditMetrics* metrics = nullptr;         // outlives the host; null: nothing is counted
+    std::uint64_t max_features = ~std::uint64_t{0};
+    const MemoryGuard* memory = nullptr;  // outlives the host; null: no limit
   };
   // What a mesh brings with it that is not new, or is to outlive the process.
   struct Past {
@@ -117,6 +120,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   absl::StatusOr<EditOutcome> Answer(EditJob& job);
   absl::StatusOr<EditOutcome> Replay(const RequestMemory::Entry& entry) const;
   absl::StatusOr<EditOutcome> Change(EditJob& job, const Fingerprint& content);
+  absl::Status CheckRoom(std::size_t adds, std::size_t removes) const;
   absl::StatusOr<EditOutcome> CheckOnly(const EditJob& job) const;
   void RebaseIfDue();
 
@@ -131,6 +135,8 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   WorkerPool* const readers_;
   const std::size_t max_waiting_;
   EditMetrics* const metrics_;
+  const std::uint64_t max_features_;
+  const MemoryGuard* const memory_;
   const std::shared_ptr<SerialQueue> queue_;
   const std::shared_ptr<RevisionStore> store_;
   const std::shared_ptr<WatchHub> hub_;

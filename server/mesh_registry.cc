@@ -28,13 +28,15 @@ absl::Status DamageOf(absl::string_view id, const absl::Status& status) {
 }  // namespace
 
 MeshRegistry::MeshRegistry(const ServerConfig& config, MeshFactory factory, WorkerPool* writers,
-                           WorkerPool* readers, Journal* journal, ServerMetrics* metrics)
+                           WorkerPool* readers, Journal* journal, ServerMetrics* metrics,
+                           const MemoryGuard* memory)
     : config_(config),
       factory_(std::move(factory)),
       writers_(writers),
       readers_(readers),
       journal_(journal),
-      metrics_(metrics) {}
+      metrics_(metrics),
+      memory_(memory) {}
 
 MeshHost::Options MeshRegistry::HostOptions() const {
   MeshHost::Options options;
@@ -44,6 +46,8 @@ MeshHost::Options MeshRegistry::HostOptions() const {
   options.remembered_requests = config_.remembered_requests;
   options.compact_bytes = config_.compact_bytes;
   if (metrics_ != nullptr) options.metrics = &metrics_->edits;
+  options.max_features = config_.max_features;
+  options.memory = memory_;
   return options;
 }
 
@@ -98,6 +102,9 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
     auto created = FindCreated(id, options, request_id);
     if (!created.ok() || *created != nullptr) return created;
     if (absl::Status status = CheckRoom(id); !status.ok()) return status;
+  }
+  if (memory_ != nullptr) {
+    if (absl::Status status = memory_->CheckRoom(); !status.ok()) return status;
   }
   absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = factory_(options);
   if (!mesh.ok()) return mesh.status();
@@ -213,11 +220,13 @@ absl::Status MeshRegistry::Delete(absl::string_view name) {
   return absl::OkStatus();
 }
 
-std::vector<MeshRegistry::HostPtr> MeshRegistry::List(absl::string_view after,
-                                                      std::size_t limit) const {
+std::vector<MeshRegistry::HostPtr> MeshRegistry::List(
+    absl::string_view after, std::size_t limit,
+    const std::function<bool(absl::string_view)>& shown) const {
   const std::lock_guard lock(mutex_);
   std::vector<HostPtr> found;
   for (auto it = hosts_.upper_bound(after); it != hosts_.end() && found.size() < limit; ++it) {
+    if (shown != nullptr && !shown(it->first)) continue;
     if (it->second.host != nullptr) found.push_back(it->second.host);
   }
   return found;

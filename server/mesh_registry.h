@@ -31,10 +31,11 @@ class MeshRegistry {
  public:
   using HostPtr = std::shared_ptr<MeshHost>;
 
-  // The pools, the journal and the metrics outlive the registry. Without a journal nothing outlives
-  // it; without metrics nothing is counted.
+  // The pools, the journal, the metrics and the guard outlive the registry. Without a journal
+  // nothing outlives it; without metrics nothing is counted.
   MeshRegistry(const ServerConfig& config, MeshFactory factory, WorkerPool* writers,
-               WorkerPool* readers, Journal* journal = nullptr, ServerMetrics* metrics = nullptr);
+               WorkerPool* readers, Journal* journal = nullptr, ServerMetrics* metrics = nullptr,
+               const MemoryGuard* memory = nullptr);
   // As CloseAll.
   ~MeshRegistry();
 
@@ -52,8 +53,10 @@ class MeshRegistry {
   // Waits for the journal.
   absl::Status Delete(absl::string_view name);
 
-  // At most `limit` meshes with ids greater than `after`, by id; none that is damaged.
-  std::vector<HostPtr> List(absl::string_view after, std::size_t limit) const;
+  // At most `limit` meshes with ids greater than `after`, by id; none that is damaged, and only
+  // those whose id is `shown`, if that is given.
+  std::vector<HostPtr> List(absl::string_view after, std::size_t limit,
+                            const std::function<bool(absl::string_view)>& shown = nullptr) const;
 
   std::size_t size() const;
   std::size_t watchers() const;
@@ -73,12 +76,12 @@ class MeshRegistry {
     Journal::Key key = 0;
   };
 
+  MeshHost::Options HostOptions() const;
   absl::StatusOr<HostPtr> FindCreated(const std::string& id, const MeshOptions& options,
                                       const std::string& request_id) const;
   absl::Status CheckRoom(const std::string& id) const;
   std::string FreshId();
   std::vector<HostPtr> All() const;
-  MeshHost::Options HostOptions() const;
   void RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress);
   absl::StatusOr<Journal::Key> WriteDown(const std::string& id, const codec::JournalMesh& mesh);
 
@@ -88,6 +91,7 @@ class MeshRegistry {
   WorkerPool* const readers_;
   Journal* const journal_;
   ServerMetrics* const metrics_;
+  const MemoryGuard* const memory_;
 
   // Held while a mesh is made or deleted, which may take a disk's time; taken first.
   std::mutex changing_mutex_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
@@ -61,6 +62,21 @@ grpc::ServerUnaryReactor* Finished(grpc::CallbackServerContext* call, const absl
   return reactor;
 }
 
+// Who calls. Valid as long as the call.
+Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer) {
+  Caller caller;
+  // Of two, neither is taken: which one the next server would take nobody knows.
+  const auto [begin, end] = call.client_metadata().equal_range("authorization");
+  if (begin != end) {
+    caller.authorization = std::next(begin) == end
+                               ? absl::string_view(begin->second.data(), begin->second.size())
+                               : absl::string_view();
+  }
+  // "ipv4:127.0.0.1:54321"
+  caller.address = absl::string_view(peer).substr(0, peer.rfind(':'));
+  return caller;
+}
+
 absl::Status CheckLocate(const v1::LocatePointsRequest& request, int dimension) {
   const auto& x = request.coordinates();
   if (x.size() % dimension != 0) {
@@ -85,6 +101,18 @@ absl::Status CheckLocate(const v1::LocatePointsRequest& request, int dimension) 
 
 }  // namespace
 
+absl::StatusOr<Pass> MeshServiceImpl::Admit(const grpc::CallbackServerContext* call) {
+  return context_.access->Admit(CallerOf(*call, call->peer()));
+}
+
+absl::StatusOr<Pass> MeshServiceImpl::Admit(const grpc::CallbackServerContext* call, Role role,
+                                            const std::string& mesh) {
+  absl::StatusOr<Pass> pass = Admit(call);
+  if (!pass.ok()) return pass;
+  if (absl::Status status = pass->Check(role, mesh); !status.ok()) return status;
+  return pass;
+}
+
 void MeshServiceImpl::BeginDrain() {
   context_.gate.Close();
   streams_.EndAll(DrainingError());
@@ -94,6 +122,11 @@ void MeshServiceImpl::BeginDrain() {
 grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContext* call,
                                                       const v1::CreateMeshRequest* request,
                                                       v1::Mesh* response) {
+  const absl::StatusOr<Pass> pass = Admit(call);
+  if (!pass.ok()) return Finished(call, pass.status());
+  if (absl::Status s = pass->CheckId(Role::kAdmin, request->mesh_id()); !s.ok()) {
+    return Finished(call, s);
+  }
   absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
   if (!ticket.ok()) return Finished(call, ticket.status());
   if (absl::Status s = CheckRequestId(request->request_id()); !s.ok()) return Finished(call, s);
@@ -115,6 +148,8 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
 grpc::ServerUnaryReactor* MeshServiceImpl::GetMesh(grpc::CallbackServerContext* call,
                                                    const v1::GetMeshRequest* request,
                                                    v1::Mesh* response) {
+  const absl::StatusOr<Pass> pass = Admit(call, Role::kRead, request->mesh());
+  if (!pass.ok()) return Finished(call, pass.status());
   const auto host = context_.registry->Find(request->mesh());
   if (host.ok()) EncodeMesh(**host, response);
   return Finished(call, host.status());
@@ -123,6 +158,8 @@ grpc::ServerUnaryReactor* MeshServiceImpl::GetMesh(grpc::CallbackServerContext* 
 grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContext* call,
                                                       const v1::ListMeshesRequest* request,
                                                       v1::ListMeshesResponse* response) {
+  const absl::StatusOr<Pass> pass = Admit(call);
+  if (!pass.ok()) return Finished(call, pass.status());
   if (request->page_size() < 0) {
     return Finished(call, BadRequest("page_size", "must not be negative"));
   }
@@ -132,7 +169,9 @@ grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContex
   const int size =
       request->page_size() == 0 ? kDefaultPageSize : std::min(request->page_size(), kMaxPageSize);
   const auto count = static_cast<std::size_t>(size);
-  const auto hosts = context_.registry->List(request->page_token(), count + 1);
+  const auto hosts = context_.registry->List(
+      request->page_token(), count + 1,
+      [&pass](absl::string_view id) { return pass->Allows(Role::kRead, id); });
   for (std::size_t i = 0; i < std::min(hosts.size(), count); ++i) {
     EncodeMesh(*hosts[i], response->add_meshes());
   }
@@ -143,6 +182,8 @@ grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContex
 grpc::ServerUnaryReactor* MeshServiceImpl::DeleteMesh(grpc::CallbackServerContext* call,
                                                       const v1::DeleteMeshRequest* request,
                                                       v1::DeleteMeshResponse*) {
+  const absl::StatusOr<Pass> pass = Admit(call, Role::kAdmin, request->mesh());
+  if (!pass.ok()) return Finished(call, pass.status());
   absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
   if (!ticket.ok()) return Finished(call, ticket.status());
   auto* reactor = call->DefaultReactor();
@@ -158,6 +199,10 @@ grpc::ServerUnaryReactor* MeshServiceImpl::DeleteMesh(grpc::CallbackServerContex
 grpc::ServerUnaryReactor* MeshServiceImpl::GetStats(grpc::CallbackServerContext* call,
                                                     const v1::GetStatsRequest* request,
                                                     v1::GetStatsResponse* response) {
+  // Anybody who was let in may ask about the server.
+  const absl::StatusOr<Pass> pass =
+      request->mesh().empty() ? Admit(call) : Admit(call, Role::kRead, request->mesh());
+  if (!pass.ok()) return Finished(call, pass.status());
   response->set_server_version(kVersion);
   const std::int64_t nanos = absl::ToInt64Nanoseconds(absl::Now() - context_.start_time);
   response->mutable_uptime()->set_seconds(nanos / 1'000'000'000);
@@ -173,6 +218,8 @@ grpc::ServerUnaryReactor* MeshServiceImpl::GetStats(grpc::CallbackServerContext*
 grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerContext* call,
                                                         const v1::LocatePointsRequest* request,
                                                         v1::LocatePointsResponse* response) {
+  const absl::StatusOr<Pass> pass = Admit(call, Role::kRead, request->mesh());
+  if (!pass.ok()) return Finished(call, pass.status());
   const auto ticket = EnterWork(context_);
   if (!ticket.ok()) return Finished(call, ticket.status());
   const auto host = context_.registry->Find(request->mesh());
@@ -197,32 +244,35 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(
     grpc::CallbackServerContext* call, const v1::AddFeaturesRequest* request) {
-  return StartEditCall(context_, *request, CallIdOf(*call));
+  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
+                       CallIdOf(*call));
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RemoveFeatures(
     grpc::CallbackServerContext* call, const v1::RemoveFeaturesRequest* request) {
-  return StartEditCall(context_, *request, CallIdOf(*call));
+  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
+                       CallIdOf(*call));
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::ApplyEdits(
     grpc::CallbackServerContext* call, const v1::ApplyEditsRequest* request) {
-  return StartEditCall(context_, *request, CallIdOf(*call));
+  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
+                       CallIdOf(*call));
 }
 
 grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* MeshServiceImpl::EditStream(
     grpc::CallbackServerContext* call) {
-  return StartEditStreamCall(context_, streams_, CallIdOf(*call));
+  return StartEditStreamCall(context_, streams_, Admit(call), call);
 }
 
-grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackServerContext*,
+grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackServerContext* call,
                                                                  const v1::WatchRequest* request) {
-  return StartWatchCall(context_, *request);
+  return StartWatchCall(context_, *request, Admit(call, Role::kRead, request->mesh()), call);
 }
 
 grpc::ServerWriteReactor<v1::SnapshotChunk>* MeshServiceImpl::GetSnapshot(
-    grpc::CallbackServerContext*, const v1::GetSnapshotRequest* request) {
-  return StartSnapshotCall(context_, *request);
+    grpc::CallbackServerContext* call, const v1::GetSnapshotRequest* request) {
+  return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status());
 }
 
 }  // namespace dynmesh::server

@@ -49,6 +49,11 @@ class MeshServiceImpl final : public v1::MeshService::CallbackService {
       grpc::CallbackServerContext* call, const v1::GetSnapshotRequest* request) override;
 
  private:
+  // Who calls and, with the other, that it has the role on the mesh of that name.
+  absl::StatusOr<Pass> Admit(const grpc::CallbackServerContext* call);
+  absl::StatusOr<Pass> Admit(const grpc::CallbackServerContext* call, Role role,
+                             const std::string& mesh);
+
   ServiceContext& context_;
   EditStreams streams_;
 };

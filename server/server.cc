@@ -15,12 +15,16 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/clock.h"
+#include "server/acceptor.h"
+#include "server/access.h"
 #include "server/admission.h"
 #include "server/call_observer.h"
 #include "server/collect.h"
 #include "server/log.h"
+#include "server/memory_guard.h"
 #include "server/mesh_service.h"
 #include "server/metrics_http.h"
+#include "server/tls.h"
 #include "server/version.h"
 
 namespace dynmesh::server {
@@ -44,9 +48,21 @@ int WriterThreads(int configured, bool journal) {
   return std::max(kLeastWithJournal, 2 * Threads(configured));
 }
 
-bool IsLoopback(absl::string_view listen) {
-  return absl::StartsWith(listen, "127.") || absl::StartsWith(listen, "localhost:") ||
-         absl::StartsWith(listen, "[::1]:") || absl::StartsWith(listen, "unix:");
+int Milliseconds(absl::Duration d) { return static_cast<int>(absl::ToInt64Milliseconds(d)); }
+
+void LimitConnections(const ServerConfig& config, grpc::ServerBuilder& builder) {
+  const auto set = [&builder](const char* name, int value) {
+    builder.AddChannelArgument(name, value);
+  };
+  // Finds out about clients that vanished without a word.
+  set(GRPC_ARG_KEEPALIVE_TIME_MS, Milliseconds(config.keepalive_interval));
+  set(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, Milliseconds(config.keepalive_timeout));
+  set(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10'000);
+  set(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  // And those that never said one, or have nothing to say.
+  set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, Milliseconds(config.handshake_timeout));
+  set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, Milliseconds(config.idle_timeout));
+  set(GRPC_ARG_MAX_CONCURRENT_STREAMS, config.max_streams_per_connection);
 }
 
 // Calls a function every kTick until destroyed.
@@ -76,15 +92,18 @@ class Ticker {
 }  // namespace
 
 struct Server::Impl {
-  Impl(const ServerConfig& c, MeshFactory factory, std::unique_ptr<Journal> j)
+  Impl(const ServerConfig& c, MeshFactory factory, std::unique_ptr<Journal> j,
+       std::unique_ptr<Access> a)
       : config(c),
         journal(std::move(j)),
+        access(std::move(a)),
+        memory(c.max_memory_bytes),
         writers(WriterThreads(c.writer_threads, journal != nullptr)),
         readers(Threads(c.reader_threads)),
         answers(Threads(c.writer_threads) / 2),
-        registry(c, std::move(factory), &writers, &readers, journal.get(), &metrics),
+        registry(c, std::move(factory), &writers, &readers, journal.get(), &metrics, &memory),
         calls(metrics.registry),
-        context(c, &registry, &writers, &readers, &answers, &metrics, absl::Now()),
+        context(c, &registry, &writers, &readers, &answers, &metrics, access.get(), absl::Now()),
         service(&context) {}
 
   absl::Status RecoverMeshes() {
@@ -101,6 +120,12 @@ struct Server::Impl {
          {"meshes", registry.size()},
          {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
     return absl::OkStatus();
+  }
+
+  void Tick() {
+    registry.Tick(absl::Now());
+    memory.Measure();
+    access->Reload();
   }
 
   void SetHealth(bool serving) {
@@ -135,6 +160,8 @@ struct Server::Impl {
   // Destroyed in reverse: first the calls end (Stop), then the tasks, then the meshes.
   const ServerConfig config;
   const std::unique_ptr<Journal> journal;  // null: nothing outlives this process
+  const std::unique_ptr<Access> access;
+  MemoryGuard memory;
   ServerMetrics metrics;
   WorkerPool writers;
   WorkerPool readers;
@@ -143,7 +170,9 @@ struct Server::Impl {
   CallMetrics calls;
   ServiceContext context;
   MeshServiceImpl service;
+  std::shared_ptr<grpc::ServerCredentials> credentials;  // outlive the server
   std::unique_ptr<grpc::Server> server;
+  std::unique_ptr<Acceptor> acceptor;  // null: gRPC listens itself
   int port = 0;
   std::unique_ptr<Ticker> ticker;
   std::mutex drain_mutex;
@@ -159,22 +188,37 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
                                                       MeshFactory factory,
                                                       std::unique_ptr<Journal> journal) {
   if (absl::Status status = ValidateConfig(config); !status.ok()) return status;
-  auto impl = std::make_unique<Impl>(config, std::move(factory), std::move(journal));
+  std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
+  if (config.tls.enabled()) {
+    auto tls = MakeTlsCredentials(config.tls);
+    if (!tls.ok()) return tls.status();
+    credentials = *std::move(tls);
+  }
+  absl::StatusOr<std::unique_ptr<Access>> access =
+      Access::Create(config.tokens_file, config.max_requests_per_second);
+  if (!access.ok()) return access.status();
+  auto impl =
+      std::make_unique<Impl>(config, std::move(factory), std::move(journal), *std::move(access));
   if (absl::Status status = impl->ListenForMetrics(); !status.ok()) return status;
   if (absl::Status status = impl->RecoverMeshes(); !status.ok()) return status;
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
-  builder.AddListeningPort(config.listen, grpc::InsecureServerCredentials(), &impl->port);
+  Acceptor::Sink sink;
+  if (absl::StartsWith(config.listen, "unix:")) {
+    builder.AddListeningPort(config.listen, credentials, &impl->port);
+  } else {
+    auto acceptor = Acceptor::Listen(config.listen, config.max_connections);
+    if (!acceptor.ok()) return acceptor.status();
+    impl->acceptor = *std::move(acceptor);
+    impl->port = impl->acceptor->port();
+    using External = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+    sink = builder.experimental().AddExternalConnectionAcceptor(External::FROM_FD, credentials);
+  }
+  impl->credentials = std::move(credentials);
   builder.RegisterService(&impl->service);
   builder.SetMaxReceiveMessageSize(config.max_message_bytes);
-  // Two servers on one port would share its clients and not their meshes.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  // Finds out about clients that vanished without a word.
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20'000);
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10'000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  LimitConnections(config, builder);
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> observers;
   observers.push_back(MakeCallObservers(&impl->calls));
   builder.experimental().SetInterceptorCreators(std::move(observers));
@@ -185,14 +229,17 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   }
   impl->SetHealth(true);
   impl->not_ready = "";
-  impl->ticker =
-      std::make_unique<Ticker>([registry = &impl->registry] { registry->Tick(absl::Now()); });
+  if (sink != nullptr) impl->acceptor->Start(std::move(sink), config.keepalive_timeout);
+  impl->ticker = std::make_unique<Ticker>([impl = impl.get()] { impl->Tick(); });
   std::unique_ptr<Server> server(new Server(std::move(impl)));
   Log(LogLevel::kInfo, "listening", {{"address", server->address()}, {"version", kVersion}});
-  if (!IsLoopback(config.listen)) {
+  if (!IsLoopback(config.listen) && (!config.tls.enabled() || config.tokens_file.empty())) {
     Log(LogLevel::kWarning, "exposed",
         {{"address", config.listen},
-         {"message", "no encryption and no authentication: whoever can connect can edit"}});
+         {"encrypted", config.tls.enabled() ? "yes" : "no"},
+         {"message", config.tokens_file.empty() && config.tls.client_ca.empty()
+                         ? "no authentication: whoever can connect can edit"
+                         : "tokens and meshes cross the network"}});
   }
   return server;
 }
@@ -207,6 +254,8 @@ std::string Server::address() const {
   const absl::string_view listen = impl_->config.listen;
   return absl::StrCat(listen.substr(0, listen.rfind(':')), ":", impl_->port);
 }
+
+void Server::Reload() { impl_->access->Reload(/*force=*/true); }
 
 MeshRegistry& Server::registry() { return impl_->registry; }
 
@@ -224,6 +273,7 @@ bool Server::Drain(absl::Duration limit) {
   const auto deadline = std::chrono::system_clock::now() +
                         (done ? std::chrono::duration_cast<std::chrono::milliseconds>(kCancelGrace)
                               : std::chrono::milliseconds(0));
+  if (impl_->acceptor != nullptr) impl_->acceptor->Stop();
   impl_->server->Shutdown(deadline);
   impl_->ticker.reset();
   impl_->writers.Stop();

@@ -32,6 +32,9 @@ class Server {
   // changes nothing. True if all ended by itself. Returns when nothing runs any more.
   bool Drain(absl::Duration limit);
 
+  // Reads the file of tokens again; without being told to, it does when the file changed.
+  void Reload();
+
   MeshRegistry& registry();
 
  private:

@@ -52,10 +52,12 @@ absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request) {
 // hub (idle), to the pool (work) or to gRPC (a write). So nothing here needs a lock.
 class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
  public:
-  static WatchCall* Start(ServiceContext& context, const v1::WatchRequest& request) {
+  static WatchCall* Start(ServiceContext& context, const v1::WatchRequest& request,
+                          const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<WatchCall>();
     call->self_ = call;
-    const absl::Status status = call->Begin(context, request);
+    const absl::Status status =
+        pass.ok() ? call->Begin(context, request, *pass, rpc) : pass.status();
     if (!status.ok()) {
       call->Finish(codec::ToGrpcStatus(status));
     } else {
@@ -71,6 +73,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     if (subscription_ != nullptr && subscription_->Cancel()) Finish(ClientGone());
   }
   void OnDone() override {
+    allowed_.Close();
     if (subscription_ != nullptr) {
       subscription_->Cancel();
       Log(LogLevel::kDebug, "watch_closed", {{"mesh", mesh_}});
@@ -79,7 +82,8 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   }
 
  private:
-  absl::Status Begin(ServiceContext& context, const v1::WatchRequest& request) {
+  absl::Status Begin(ServiceContext& context, const v1::WatchRequest& request, const Pass& pass,
+                     grpc::CallbackServerContext* rpc) {
     if (context.gate.closed()) return DrainingError();
     readers_ = context.readers;
     absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
@@ -101,6 +105,10 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     if (!subscription.ok()) return subscription.status();
     subscription_ = *std::move(subscription);
     mesh_ = (*host)->id();
+    absl::StatusOr<Access::Stream> allowed =
+        context.access->Open(pass, Role::kRead, mesh_, [rpc] { rpc->TryCancel(); });
+    if (!allowed.ok()) return allowed.status();
+    allowed_ = *std::move(allowed);
     Log(LogLevel::kDebug, "watch_opened", {{"mesh", mesh_}, {"watchers", (*host)->hub()->size()}});
     return absl::OkStatus();
   }
@@ -180,6 +188,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   WorkerPool* readers_ = nullptr;
   Lease lease_;
   std::string mesh_;  // for the log
+  Access::Stream allowed_;
   std::shared_ptr<Subscription> subscription_;
   std::optional<WatchFilter> filter_;
   Quota* snapshot_streams_ = nullptr;
@@ -191,10 +200,11 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
 
 class SnapshotCall final : public grpc::ServerWriteReactor<v1::SnapshotChunk> {
  public:
-  static SnapshotCall* Start(ServiceContext& context, const v1::GetSnapshotRequest& request) {
+  static SnapshotCall* Start(ServiceContext& context, const v1::GetSnapshotRequest& request,
+                             const absl::Status& admitted) {
     auto call = std::make_shared<SnapshotCall>();
     call->self_ = call;
-    const absl::Status status = call->Begin(context, request);
+    const absl::Status status = admitted.ok() ? call->Begin(context, request) : admitted;
     if (!status.ok()) call->Finish(codec::ToGrpcStatus(status));
     return call.get();
   }
@@ -251,13 +261,15 @@ class SnapshotCall final : public grpc::ServerWriteReactor<v1::SnapshotChunk> {
 }  // namespace
 
 grpc::ServerWriteReactor<v1::WatchEvent>* StartWatchCall(ServiceContext& context,
-                                                         const v1::WatchRequest& request) {
-  return WatchCall::Start(context, request);
+                                                         const v1::WatchRequest& request,
+                                                         const absl::StatusOr<Pass>& pass,
+                                                         grpc::CallbackServerContext* rpc) {
+  return WatchCall::Start(context, request, pass, rpc);
 }
 
 grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
-    ServiceContext& context, const v1::GetSnapshotRequest& request) {
-  return SnapshotCall::Start(context, request);
+    ServiceContext& context, const v1::GetSnapshotRequest& request, const absl::Status& admitted) {
+  return SnapshotCall::Start(context, request, admitted);
 }
 
 }  // namespace dynmesh::server

@@ -11,13 +11,16 @@
 
 namespace dynmesh::server {
 
-// Starts a call that frees itself. `request` is not used after the return.
+// Starts a call that frees itself; one that was not admitted ends with why. `request` is not used
+// after the return. `rpc` is cancelled when the pass no longer allows to read.
 grpc::ServerWriteReactor<v1::WatchEvent>* StartWatchCall(ServiceContext& context,
-                                                         const v1::WatchRequest& request);
+                                                         const v1::WatchRequest& request,
+                                                         const absl::StatusOr<Pass>& pass,
+                                                         grpc::CallbackServerContext* rpc);
 
 // The same for GetSnapshot: the mesh at its present revision, chunk by chunk.
 grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
-    ServiceContext& context, const v1::GetSnapshotRequest& request);
+    ServiceContext& context, const v1::GetSnapshotRequest& request, const absl::Status& admitted);
 
 }  // namespace dynmesh::server
 

@@ -41,12 +41,20 @@ LiveMesh<D>::LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning)
   state_->diffs.Begin(state_->refinement, state_->features);
 }
 
+namespace {
+
+bool IsSet(const std::atomic<bool>* flag) {
+  return flag != nullptr && flag->load(std::memory_order_relaxed);
+}
+
+}  // namespace
+
 template <int D>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Apply(const EditBatch& batch, const ApplyOptions& apply) {
-  if (apply.cancelled == nullptr) {
+  if (apply.cancelled == nullptr && apply.stopped == nullptr) {
     return ApplyWith(batch, apply, [] { return false; });
   }
-  return ApplyWith(batch, apply, [&] { return apply.cancelled->load(std::memory_order_relaxed); });
+  return ApplyWith(batch, apply, [&] { return IsSet(apply.cancelled) || IsSet(apply.stopped); });
 }
 
 template <int D>

@@ -45,6 +45,12 @@ inline constexpr char kPendingLimit[] = "PENDING_LIMIT";
 inline constexpr char kJournalFailed[] = "JOURNAL_FAILED";
 inline constexpr char kMeshDamaged[] = "MESH_DAMAGED";
 inline constexpr char kDraining[] = "DRAINING";
+inline constexpr char kTokenMissing[] = "TOKEN_MISSING";
+inline constexpr char kTokenUnknown[] = "TOKEN_UNKNOWN";
+inline constexpr char kRoleMissing[] = "ROLE_MISSING";
+inline constexpr char kRateLimit[] = "RATE_LIMIT";
+inline constexpr char kMemoryLimit[] = "MEMORY_LIMIT";
+inline constexpr char kFeatureLimit[] = "FEATURE_LIMIT";
 }  // namespace reason
 
 // The machine-readable part of an error, whatever made it.

@@ -28,11 +28,10 @@ class Daemon {
   }
 
   // False if it does not come up.
-  bool Start(std::vector<std::string> arguments = {}) {
+  bool Start(std::vector<std::string> arguments = {}, const char* listen = "127.0.0.1:0") {
     const std::string port_file = folder_ + "/port", log = folder_ + "/log";
     std::filesystem::remove(port_file);
-    arguments.insert(arguments.begin(),
-                     {"dynmeshd", "--listen", "127.0.0.1:0", "--port-file", port_file});
+    arguments.insert(arguments.begin(), {"dynmeshd", "--listen", listen, "--port-file", port_file});
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
@@ -48,8 +47,9 @@ class Daemon {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (!std::filesystem::exists(port_file)) {
       if (std::chrono::steady_clock::now() > deadline) return false;
-      if (waitpid(child_, nullptr, WNOHANG) == child_) {
+      if (int status = 0; waitpid(child_, &status, WNOHANG) == child_) {
         child_ = 0;
+        exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
         return false;
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -61,6 +61,10 @@ class Daemon {
   }
 
   const std::string& address() const { return address_; }
+  // Of one that did not come up.
+  int exit_code() const { return exit_code_; }
+
+  void Signal(int signal) const { kill(child_, signal); }
 
   // The exit code after that signal; -1 if the signal ended it.
   int End(int signal) {
@@ -80,6 +84,7 @@ class Daemon {
  private:
   const std::string folder_;
   pid_t child_ = 0;
+  int exit_code_ = 0;
   std::string address_;
 };
 

@@ -15,39 +15,13 @@
 #include <vector>
 
 #include "tests/e2e/daemon.h"
+#include "tests/e2e/run_dynmesh.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Ran {
-  int code = 0;
-  std::string out, err;
-};
-
-// Runs `dynmesh ARGUMENTS` in this process.
-Ran RunDynmesh(std::vector<std::string> arguments) {
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Ran ran;
-  CLI::App app("", "dynmesh");
-  app.require_subcommand(1);
-  CommandSlot slot;
-  RegisterRemoteCommands(app, slot);
-  std::reverse(arguments.begin(), arguments.end());
-  try {
-    app.parse(arguments);
-    ran.code = slot.run();
-  } catch (const CLI::ParseError& error) {
-    ran.code = app.exit(error) == 0 ? kExitDone : kExitBadInput;
-  }
-  std::fflush(stdout);
-  ran.out = testing::internal::GetCapturedStdout();
-  ran.err = testing::internal::GetCapturedStderr();
-  return ran;
-}
 
 std::size_t Lines(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));

@@ -52,8 +52,11 @@ void FakeGate::WaitForArrivals(int count) {
   changed_.wait(lock, [&] { return arrivals_ >= count; });
 }
 
-bool FakeGate::Pass(const std::atomic<bool>* cancelled) {
-  const auto is_cancelled = [cancelled] { return cancelled != nullptr && cancelled->load(); };
+bool FakeGate::Pass(const ApplyOptions& options) {
+  const auto is_cancelled = [&options] {
+    return (options.cancelled != nullptr && options.cancelled->load()) ||
+           (options.stopped != nullptr && options.stopped->load());
+  };
   std::unique_lock lock(mutex_);
   ++arrivals_;
   changed_.notify_all();
@@ -163,7 +166,7 @@ absl::StatusOr<MeshDiff> FakeDynamicMesh::Apply(const EditBatch& batch,
                                                 const ApplyOptions& apply_options) {
   absl::StatusOr<FeatureMap> draft = Draft(batch);
   if (!draft.ok()) return draft.status();
-  if (gate_ != nullptr && !gate_->Pass(apply_options.cancelled)) {
+  if (gate_ != nullptr && !gate_->Pass(apply_options)) {
     return MakeError(absl::StatusCode::kCancelled, "cancelled",
                      {reason::kCancelled, {}, std::nullopt});
   }

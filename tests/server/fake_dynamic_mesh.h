@@ -24,8 +24,8 @@ class FakeGate {
   // Waits until `count` calls of Apply have reached the gate since its making.
   void WaitForArrivals(int count);
 
-  // Of the fake: false if `cancelled` turned true meanwhile.
-  bool Pass(const std::atomic<bool>* cancelled);
+  // Of the fake: false if a flag of the options turned true meanwhile.
+  bool Pass(const ApplyOptions& options);
 
  private:
   std::mutex mutex_;

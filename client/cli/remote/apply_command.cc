@@ -45,10 +45,12 @@ bool SameMesh(const MeshOptions& a, const MeshOptions& b) {
 
 class Application {
  public:
-  explicit Application(const ApplyCommand& command)
-      : command_(command), client_(Connect(command.server)) {}
+  explicit Application(const ApplyCommand& command) : command_(command) {}
 
   absl::Status Run() {
+    absl::StatusOr<std::unique_ptr<client::MeshClient>> client = Connect(command_.server);
+    if (!client.ok()) return client.status();
+    client_ = *std::move(client);
     if (absl::Status status = ReadScript(); !status.ok()) return status;
     if (absl::Status status = PrepareMesh(); !status.ok()) return status;
     const Clock::time_point start = Clock::now();
@@ -215,7 +217,7 @@ class Application {
 
   const ApplyCommand& command_;
   io::EditScript script_;
-  const std::unique_ptr<client::MeshClient> client_;
+  std::unique_ptr<client::MeshClient> client_;
   std::vector<double> latencies_;
   std::uint64_t revisions_ = 0;
   std::uint64_t edits_ = 0;

@@ -1,5 +1,12 @@
 #include "client/cli/remote/connection.h"
 
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <tuple>
+
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/command.h"
 #include "client/cli/mesh_flags.h"
@@ -8,6 +15,28 @@
 
 namespace dynmesh::cli {
 
+namespace {
+
+// Nothing, if no file was given.
+absl::Status ReadFlagFile(const char* flag, const std::string& path, std::string* text) {
+  if (path.empty()) return absl::OkStatus();
+  std::ifstream in(path, std::ios::binary);
+  text->assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  if (in.good() && !text->empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("%s: %s cannot be read, or is empty", flag, path));
+}
+
+// What HTTP/2 would not take as a header ends the process that sends it.
+absl::Status CheckToken(const std::string& token) {
+  const bool good =
+      std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c < 0x7f; });
+  if (good) return absl::OkStatus();
+  return absl::InvalidArgumentError("the token has characters that no token has");
+}
+
+}  // namespace
+
 void AddServerFlags(CLI::App& command, ServerFlags& flags) {
   command.add_option("--server", flags.address, "The server (default: 127.0.0.1:7878)")
       ->type_name("HOST:PORT");
@@ -15,6 +44,24 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags) {
       .add_option("--timeout", flags.timeout_seconds, "Seconds for each request (default: none)")
       ->type_name("S")
       ->check(CLI::PositiveNumber);
+  CLI::Option* const ca =
+      command
+          .add_option("--tls-ca", flags.tls_ca,
+                      "Use TLS; PEM file of who signed the server's certificate")
+          ->type_name("FILE");
+  CLI::Option* const certificate =
+      command.add_option("--tls-cert", flags.tls_certificate, "PEM file: the certificate to show")
+          ->type_name("FILE")
+          ->needs(ca);
+  CLI::Option* const key =
+      command.add_option("--tls-key", flags.tls_key, "PEM file: its private key")
+          ->type_name("FILE")
+          ->needs(certificate);
+  certificate->needs(key);
+  command
+      .add_option("--token-file", flags.token_file,
+                  "File with the token to show (default: the environment's DYNMESH_TOKEN, if set)")
+      ->type_name("FILE");
   command.add_flag("--json", flags.json, "Print one JSON object a line");
 }
 
@@ -24,8 +71,20 @@ absl::StatusOr<data::RegionChoice> ParseServerRegionFlag(const std::string& text
   return absl::InvalidArgumentError("--region: a server has to be told which polygons, not any");
 }
 
-std::unique_ptr<client::MeshClient> Connect(const ServerFlags& flags) {
+absl::StatusOr<std::unique_ptr<client::MeshClient>> Connect(const ServerFlags& flags) {
   client::ClientOptions options;
+  for (const auto& [flag, path, text] :
+       {std::tuple{"--tls-ca", &flags.tls_ca, &options.tls_ca},
+        std::tuple{"--tls-cert", &flags.tls_certificate, &options.tls_certificate},
+        std::tuple{"--tls-key", &flags.tls_key, &options.tls_key},
+        std::tuple{"--token-file", &flags.token_file, &options.token}}) {
+    if (absl::Status s = ReadFlagFile(flag, *path, text); !s.ok()) return s;
+  }
+  if (flags.token_file.empty()) {
+    if (const char* const token = std::getenv("DYNMESH_TOKEN")) options.token = token;
+  }
+  absl::StripAsciiWhitespace(&options.token);
+  if (absl::Status s = CheckToken(options.token); !s.ok()) return s;
   if (flags.timeout_seconds > 0) options.timeout = absl::Seconds(flags.timeout_seconds);
   return client::MeshClient::Connect(flags.address, options);
 }

@@ -18,15 +18,21 @@ struct ServerFlags {
   std::string address = "127.0.0.1:7878";
   double timeout_seconds = 0;  // none
   bool json = false;
+  std::string tls_ca;
+  std::string tls_certificate;
+  std::string tls_key;
+  std::string token_file;
 };
 
-// --server --timeout --json
+// --server --timeout --json --tls-ca --tls-cert --tls-key --token-file
 void AddServerFlags(CLI::App& command, ServerFlags& flags);
 
 // --region, as ParseRegionFlag reads it. A server wants to know the polygons, not `any`.
 absl::StatusOr<data::RegionChoice> ParseServerRegionFlag(const std::string& text);
 
-std::unique_ptr<client::MeshClient> Connect(const ServerFlags& flags);
+// With the token of --token-file, else of the environment's DYNMESH_TOKEN. Fails where a file
+// cannot be read, not where nobody listens.
+absl::StatusOr<std::unique_ptr<client::MeshClient>> Connect(const ServerFlags& flags);
 
 // One line for a mesh, as text or JSON.
 std::string MeshLine(const client::MeshInfo& mesh, bool json);

@@ -43,12 +43,16 @@ int RunCreate(const CreateCommand& command) {
   if (auto status = ApplyMeshFlags(command.mesh, options); !status.ok()) {
     return ReportError(status);
   }
-  const auto mesh = Connect(command.server)->CreateMesh(command.id, options, command.request_id);
+  const auto client = Connect(command.server);
+  if (!client.ok()) return ReportError(client.status());
+  const auto mesh = (*client)->CreateMesh(command.id, options, command.request_id);
   return mesh.ok() ? Print(MeshLine(*mesh, command.server.json)) : ReportError(mesh.status());
 }
 
 int RunList(const ServerFlags& flags) {
-  const auto meshes = Connect(flags)->ListMeshes();
+  const auto client = Connect(flags);
+  if (!client.ok()) return ReportError(client.status());
+  const auto meshes = (*client)->ListMeshes();
   if (!meshes.ok()) return ReportError(meshes.status());
   std::string text;
   for (const client::MeshInfo& mesh : *meshes) text += MeshLine(mesh, flags.json);
@@ -63,7 +67,9 @@ struct NamedCommand {
 };
 
 int RunDelete(const NamedCommand& command) {
-  const absl::Status status = Connect(command.server)->DeleteMesh(command.id);
+  const auto client = Connect(command.server);
+  if (!client.ok()) return ReportError(client.status());
+  const absl::Status status = (*client)->DeleteMesh(command.id);
   if (!status.ok()) return ReportError(status);
   return command.server.json ? Print(JsonObject().AddText("deleted", command.id).ToLine())
                              : Print(command.id + " deleted\n");
@@ -74,9 +80,10 @@ int RunExport(const NamedCommand& command) {
   const auto region = ParseServerRegionFlag(command.region);
   if (!region.ok()) return ReportError(region.status());
   const auto client = Connect(command.server);
-  const auto info = client->GetMesh(command.id);
+  if (!client.ok()) return ReportError(client.status());
+  const auto info = (*client)->GetMesh(command.id);
   if (!info.ok()) return ReportError(info.status());
-  const auto mesh = client->GetSnapshot(command.id, region->in);
+  const auto mesh = (*client)->GetSnapshot(command.id, region->in);
   if (!mesh.ok()) return ReportError(mesh.status());
   if (auto status = WriteOutputs(*mesh, info->options, command.output); !status.ok()) {
     return ReportError(status);
@@ -158,6 +165,7 @@ void RegisterRemoteCommands(CLI::App& app, CommandSlot& slot) {
   RegisterWatchCommand(app, slot);
   RegisterExportCommand(app, slot);
   RegisterStatsCommand(app, slot);
+  RegisterTokenCommand(app, slot);
 }
 
 }  // namespace dynmesh::cli

@@ -112,7 +112,9 @@ int Run(const StatsCommand& command) {
     return ReportError(absl::InvalidArgumentError(
         "--svg draws a mesh file's angles: export the mesh (-o MESH.node) and give that file"));
   }
-  const auto status = Connect(command.server)->GetStats(command.mesh);
+  const auto client = Connect(command.server);
+  if (!client.ok()) return ReportError(client.status());
+  const auto status = (*client)->GetStats(command.mesh);
   if (!status.ok()) return ReportError(status.status());
   return Print(command.server.json ? StatsJson(command.mesh, *status) : StatsText(*status));
 }

@@ -144,7 +144,7 @@ int RunStatsWatch(const std::string& mesh, const StatsWatch& watch, const Server
   ServerFlags flags = server;
   if (flags.timeout_seconds == 0) flags.timeout_seconds = kTimeoutSeconds;
   const auto client = Connect(flags);
-  Figures figures(*client, mesh);
+  Figures figures(**client, mesh);
   const bool terminal = OutIsTerminal();
   absl::Time next = absl::Now();
   for (std::uint64_t i = 0; watch.count == 0 || i < watch.count; ++i) {

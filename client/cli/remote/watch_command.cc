@@ -111,7 +111,9 @@ int Run(const WatchCommand& command) {
   }
   const auto region = ParseServerRegionFlag(command.region);
   if (!region.ok()) return ReportError(region.status());
-  const auto client = Connect(command.server);
+  const auto connection = Connect(command.server);
+  if (!connection.ok()) return ReportError(connection.status());
+  client::MeshClient* const client = connection->get();
   // Asked first, so that a wrong address or name is an error and not waited for.
   const auto info = client->GetMesh(command.id);
   if (!info.ok()) return ReportError(info.status());

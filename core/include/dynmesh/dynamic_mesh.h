@@ -30,6 +30,8 @@ namespace dynmesh {
 struct ApplyOptions {
   // Polled between operations; when it turns true the batch is undone: CANCELLED.
   const std::atomic<bool>* cancelled = nullptr;
+  // The same, for a second party: the caller's own reasons, beside its client's.
+  const std::atomic<bool>* stopped = nullptr;
   // Asked once, with the diff as Apply would return it, when nothing else can fail any more and
   // before the mesh says that it is at the new revision: such as to write the batch down first.
   // Unless it answers OK the batch is undone, as if cancelled, and Apply returns its answer. An

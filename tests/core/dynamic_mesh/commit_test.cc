@@ -131,10 +131,19 @@ TEST(Commit, IsNotAskedForWhatIsRefusedAnyway) {
     return absl::OkStatus();
   };
   EXPECT_FALSE(mesh->Apply({Edit::Remove(1)}, options).ok());
-  const std::atomic<bool> cancelled{true};
-  options.cancelled = &cancelled;
-  EXPECT_TRUE(
-      absl::IsCancelled(mesh->Apply({Edit::Add(Feature::Point(1, 0.5, 0.5))}, options).status()));
+  const std::atomic<bool> yes{true}, no{false};
+  const EditBatch batch = {Edit::Add(Feature::Point(1, 0.5, 0.5))};
+  for (const auto& [cancelled, stopped] :
+       {std::pair{&yes, &no}, std::pair{&no, &yes}, std::pair{&yes, &yes}}) {
+    options.cancelled = cancelled;
+    options.stopped = stopped;
+    EXPECT_TRUE(absl::IsCancelled(mesh->Apply(batch, options).status()));
+  }
+  options.cancelled = nullptr;
+  EXPECT_TRUE(absl::IsCancelled(mesh->Apply(batch, options).status()));
+  options.stopped = &no;
+  options.commit = nullptr;
+  EXPECT_TRUE(mesh->Apply(batch, options).ok());
 }
 
 TEST(Commit, IsAskedForAnEmptyBatch) {

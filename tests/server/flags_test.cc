@@ -1,0 +1,121 @@
+// The command line and the configuration file of dynmeshd.
+#include "server/flags.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/certificates.h"
+
+namespace dynmesh::server {
+namespace {
+
+constexpr char kExample[] = DYNMESH_SOURCE_DIR "/deploy/dynmeshd.conf";
+
+struct Parsed {
+  std::unique_ptr<CLI::App> app = std::make_unique<CLI::App>();
+  std::unique_ptr<Flags> flags = std::make_unique<Flags>();
+  std::optional<int> code;
+  std::string error;
+};
+
+Parsed Parse(std::vector<const char*> arguments) {
+  Parsed parsed;
+  arguments.insert(arguments.begin(), "dynmeshd");
+  AddFlags(*parsed.app, *parsed.flags);
+  testing::internal::CaptureStderr();
+  parsed.code = ParseFlags(*parsed.app, static_cast<int>(arguments.size()), arguments.data());
+  parsed.error = testing::internal::GetCapturedStderr();
+  return parsed;
+}
+
+Parsed ParseFile(const std::string& text, std::vector<const char*> arguments = {}) {
+  const test::TempFolder folder;
+  const std::string path = folder.path() + "/conf";
+  std::ofstream(path) << text;
+  arguments.insert(arguments.end(), {"--config", path.c_str()});
+  return Parse(arguments);
+}
+
+TEST(Flags, TheExampleHasEveryOptionAtItsDefault) {
+  const Parsed bare = Parse({});
+  const Parsed example = Parse({"--config", kExample});
+  ASSERT_FALSE(bare.code.has_value()) << bare.error;
+  ASSERT_FALSE(example.code.has_value()) << example.error;
+  int options = 0;
+  for (const CLI::Option* option : bare.app->get_options()) {
+    if (!option->get_configurable()) continue;
+    const std::string name = option->get_single_name();
+    const CLI::Option* const given = example.app->get_option("--" + name);
+    ASSERT_EQ(given->count(), 1u) << name << " is not in the example";
+    const std::string value = given->results().front();
+    const std::string expected = option->get_default_str();
+    const bool flag = option->get_items_expected_max() == 0;
+    EXPECT_EQ(value, flag ? "false" : expected) << name;
+    ++options;
+  }
+  EXPECT_GT(options, 25);
+  // And what the server gets is what it has anyway.
+  const ServerConfig &a = bare.flags->config, &b = example.flags->config;
+  EXPECT_EQ(a.listen, b.listen);
+  EXPECT_EQ(a.tls.enabled(), b.tls.enabled());
+  EXPECT_EQ(a.tokens_file, b.tokens_file);
+  EXPECT_EQ(bare.flags->data_dir, example.flags->data_dir);
+  EXPECT_EQ(a.history_bytes, b.history_bytes);
+  EXPECT_EQ(a.idle_timeout, b.idle_timeout);
+  EXPECT_EQ(a.drain_timeout, b.drain_timeout);
+  EXPECT_EQ(a.max_requests_per_second, b.max_requests_per_second);
+  EXPECT_EQ(a.insecure_listen, b.insecure_listen);
+  EXPECT_TRUE(ValidateConfig(b).ok());
+}
+
+TEST(Flags, TheFileIsReadAndTheCommandLineGoesBeforeIt) {
+  const Parsed p = ParseFile("max-meshes = 7\nmax-watchers = 8\nlisten = \"127.0.0.1:1\"\n",
+                             {"--max-watchers", "9"});
+  ASSERT_FALSE(p.code.has_value()) << p.error;
+  EXPECT_EQ(p.flags->config.max_meshes, 7u);
+  EXPECT_EQ(p.flags->config.max_watchers, 9u);
+  EXPECT_EQ(p.flags->config.listen, "127.0.0.1:1");
+}
+
+TEST(Flags, WhatIsWrongIsNamed) {
+  for (const auto& [text, word] :
+       {std::pair{"max-mashes = 7\n", "max-mashes"}, std::pair{"[lab]\nmax-meshes = 7\n", "[lab]"},
+        std::pair{"max-meshes = many\n", "max-meshes"}}) {
+    const Parsed p = ParseFile(text);
+    EXPECT_EQ(p.code, 2) << text;
+    EXPECT_NE(p.error.find(word), std::string::npos) << p.error;
+  }
+  const Parsed none = Parse({"--config", "/no/such/file"});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_NE(none.error.find("/no/such/file"), std::string::npos) << none.error;
+}
+
+TEST(Flags, ExposureIsRefusedUnlessOnPurpose) {
+  for (const char* local :
+       {"127.0.0.1:1", "127.1.2.3:0", "localhost:9", "[::1]:7", "unix:/tmp/socket"}) {
+    EXPECT_TRUE(IsLoopback(local)) << local;
+  }
+  for (const char* open : {"0.0.0.0:1", "[::]:1", "10.0.0.1:1", "127.evil.example:1", "host:1",
+                           "localhost.example:1", "dns:///127.0.0.1:1"}) {
+    EXPECT_FALSE(IsLoopback(open)) << open;
+  }
+  ServerConfig config;
+  config.listen = "0.0.0.0:7878";
+  const std::string error(ValidateConfig(config).message());
+  EXPECT_NE(error.find("--tls-cert"), std::string::npos) << error;
+  EXPECT_NE(error.find("--insecure-listen"), std::string::npos) << error;
+  config.insecure_listen = true;
+  EXPECT_TRUE(ValidateConfig(config).ok());
+  config.insecure_listen = false;
+  config.tls.certificate = "a";
+  EXPECT_FALSE(ValidateConfig(config).ok());
+  config.tls.key = "b";
+  EXPECT_TRUE(ValidateConfig(config).ok());
+  config.tls = {"", "", "c"};
+  config.listen = "127.0.0.1:0";
+  EXPECT_FALSE(ValidateConfig(config).ok());
+}
+
+}  // namespace
+}  // namespace dynmesh::server

@@ -1,0 +1,355 @@
+// TLS and tokens over real connections: who gets in, who may do what, and new files without a
+// restart.
+#include <google/protobuf/descriptor.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "proto/codec/edit_codec.h"
+#include "proto/codec/grpc_status.h"
+#include "proto/codec/token_hash.h"
+#include "tests/server/server_fixture.h"
+#include "tests/support/certificates.h"
+
+namespace dynmesh::server {
+namespace {
+
+using absl::StatusCode;
+
+class TlsTest : public ServerFixture {
+ protected:
+  static void SetUpTestSuite() {
+    made_ = new test::Certificates;
+    for (const char* authority : {"ca", "stranger"}) made_->MakeAuthority(authority);
+    for (const char* name : {"server", "second", "client"}) made_->Make(name, "ca");
+    made_->Make("late", "ca", -1);
+    made_->Make("intruder", "stranger");
+  }
+  static void TearDownTestSuite() { delete made_; }
+
+  // The files that the server reads: copies, so that a test may replace them.
+  TlsFiles Files(const std::string& name, bool mutual = false) {
+    Use(name);
+    if (mutual) test::WriteAtOnce(Path("ca"), made_->Certificate("ca"));
+    return {Path("cert"), Path("key"), mutual ? Path("ca") : ""};
+  }
+  std::string Path(const std::string& file) const { return folder_.path() + "/" + file; }
+  void Use(const std::string& name) {
+    test::WriteAtOnce(Path("cert"), made_->Certificate(name));
+    test::WriteAtOnce(Path("key"), made_->Key(name));
+  }
+  void Start(const TlsFiles& files) {
+    ServerConfig config;
+    config.tls = files;
+    StartServer(config);
+  }
+  // Of a new connection.
+  absl::Status Try(const std::string& authority, const std::string& identity = "") const {
+    client::ClientOptions options;
+    options.own_connection = true;
+    options.timeout = absl::Seconds(20);
+    if (!authority.empty()) options.tls_ca = made_->Certificate(authority);
+    if (!identity.empty()) {
+      options.tls_certificate = made_->Certificate(identity);
+      options.tls_key = made_->Key(identity);
+    }
+    return client::MeshClient::Connect(server_->address(), options)->GetStats().status();
+  }
+
+  static test::Certificates* made_;
+  test::TempFolder folder_;
+};
+test::Certificates* TlsTest::made_ = nullptr;
+
+TEST_F(TlsTest, OnlyThoseWhoTrustTheAuthorityAndSpeakTlsConnect) {
+  Start(Files("server"));
+  EXPECT_TRUE(Try("ca").ok()) << Text(Try("ca"));
+  EXPECT_EQ(Try("stranger").code(), StatusCode::kUnavailable);
+  EXPECT_EQ(Try("").code(), StatusCode::kUnavailable);  // plaintext
+  EXPECT_TRUE(Try("ca").ok());
+}
+
+TEST_F(TlsTest, AnExpiredCertificateIsRefused) {
+  Start(Files("late"));
+  EXPECT_EQ(Try("ca").code(), StatusCode::kUnavailable);
+}
+
+TEST_F(TlsTest, WithAnAuthorityForClientsTheyMustShowACertificate) {
+  Start(Files("server", /*mutual=*/true));
+  EXPECT_TRUE(Try("ca", "client").ok()) << Text(Try("ca", "client"));
+  EXPECT_EQ(Try("ca").code(), StatusCode::kUnavailable);
+  EXPECT_EQ(Try("ca", "intruder").code(), StatusCode::kUnavailable);
+  EXPECT_EQ(Try("ca", "late").code(), StatusCode::kUnavailable);
+  EXPECT_TRUE(Try("ca", "client").ok());
+}
+
+TEST_F(TlsTest, NewConnectionsSeeANewCertificateAndOldOnesGoOn) {
+  Start(Files("server"));
+  client::ClientOptions options;
+  options.tls_ca = made_->Certificate("ca");
+  const auto old = client::MeshClient::Connect(server_->address(), options);
+  ASSERT_TRUE(old->GetStats().ok());
+  Use("intruder");  // of another authority, so that one can tell
+  EXPECT_EQ(Try("ca").code(), StatusCode::kUnavailable);
+  EXPECT_TRUE(Try("stranger").ok());
+  Use("second");
+  EXPECT_TRUE(Try("ca").ok());
+  EXPECT_TRUE(old->GetStats().ok());
+}
+
+TEST_F(TlsTest, BadNewFilesLeaveTheOldOnes) {
+  EXPECT_TRUE(SetLogLevel("off").ok());
+  Start(Files("server"));
+  ASSERT_TRUE(Try("ca").ok());
+  for (const char* file : {"cert", "key"}) {
+    test::WriteAtOnce(Path(file), "garbage");
+    EXPECT_TRUE(Try("ca").ok()) << file;
+    std::filesystem::remove(Path(file));
+    EXPECT_TRUE(Try("ca").ok()) << file;
+    Use("server");
+  }
+  // The key of another certificate: as between two renames.
+  test::WriteAtOnce(Path("key"), made_->Key("intruder"));
+  EXPECT_TRUE(Try("ca").ok());
+  test::WriteAtOnce(Path("cert"), made_->Certificate("intruder"));
+  EXPECT_TRUE(Try("stranger").ok());
+}
+
+TEST_F(TlsTest, FilesThatAreBadAtTheStartAreNamed) {
+  const TlsFiles good = Files("server", true);
+  const auto error = [&](TlsFiles files) {
+    ServerConfig config;
+    config.listen = "127.0.0.1:0";
+    config.tls = files;
+    const auto server =
+        Server::Start(config, [](const MeshOptions& o) { return MakeFake(o, nullptr); });
+    EXPECT_EQ(server.status().code(), StatusCode::kInvalidArgument);
+    return std::string(server.status().message());
+  };
+  test::WriteAtOnce(Path("garbage"), "garbage");
+  test::WriteAtOnce(Path("other"), made_->Key("second"));
+  // The chain's second certificate is cut short.
+  test::WriteAtOnce(Path("chain"),
+                    made_->Certificate("server") + made_->Certificate("ca").substr(0, 300));
+  for (const std::string& bad : {Path("none"), Path("garbage"), folder_.path()}) {
+    EXPECT_NE(error({bad, good.key, ""}).find("tls-cert: " + bad), std::string::npos) << bad;
+    EXPECT_NE(error({good.certificate, bad, ""}).find("tls-key: " + bad), std::string::npos);
+    EXPECT_NE(error({good.certificate, good.key, bad}).find("tls-client-ca: " + bad),
+              std::string::npos);
+  }
+  EXPECT_NE(error({good.certificate, Path("other"), ""}).find("does not belong"),
+            std::string::npos);
+  EXPECT_NE(error({Path("chain"), good.key, ""}).find("chain"), std::string::npos);
+}
+
+// ---------------------------------------------------------------------------- tokens
+
+class TokenTest : public ServerFixture {
+ protected:
+  void Tokens(const std::vector<std::string>& lines) {
+    std::string text;
+    for (const std::string& line : lines) text += line + "\n";
+    test::WriteAtOnce(folder_.path() + "/tokens", text);
+  }
+  static std::string Line(const std::string& token, const std::string& grants) {
+    return token + " " + codec::ToHex(codec::HashToken(token)) + " " + grants;
+  }
+  void StartWithTokens(const std::vector<std::string>& lines, ServerConfig config = {}) {
+    Tokens(lines);
+    config.tokens_file = folder_.path() + "/tokens";
+    StartServer(config);
+  }
+  std::unique_ptr<client::MeshClient> As(const std::string& token) const {
+    client::ClientOptions options;
+    options.token = token;
+    return client::MeshClient::Connect(server_->address(), options);
+  }
+  test::TempFolder folder_;
+};
+
+// A call of one method, about the mesh "crack-1" where it is about one.
+struct Row {
+  std::string role;  // that it needs; "any": a token
+  std::function<grpc::Status(v1::MeshService::Stub&, grpc::ClientContext&)> call;
+};
+
+template <typename Response, typename Reader>
+grpc::Status ReadOne(grpc::ClientContext& context, Reader reader) {
+  Response response;
+  if (reader->Read(&response)) context.TryCancel();
+  const grpc::Status status = reader->Finish();
+  return status.error_code() == grpc::StatusCode::CANCELLED ? grpc::Status::OK : status;
+}
+
+template <typename Request>
+Request About(const char* mesh = "meshes/crack-1") {
+  Request request;
+  request.set_mesh(mesh);
+  return request;
+}
+
+std::map<std::string, Row> Methods() {
+  using Stub = v1::MeshService::Stub;
+  using Context = grpc::ClientContext;
+  std::map<std::string, Row> rows;
+  rows["CreateMesh"] = {"admin", [](Stub& stub, Context& c) {
+                          v1::CreateMeshRequest request;
+                          request.set_mesh_id("crack-2");
+                          codec::EncodeOptions({}, request.mutable_options());
+                          v1::Mesh mesh;
+                          return stub.CreateMesh(&c, request, &mesh);
+                        }};
+  rows["GetMesh"] = {"read", [](Stub& stub, Context& c) {
+                       v1::Mesh mesh;
+                       return stub.GetMesh(&c, About<v1::GetMeshRequest>(), &mesh);
+                     }};
+  rows["ListMeshes"] = {"any", [](Stub& stub, Context& c) {
+                          v1::ListMeshesResponse response;
+                          return stub.ListMeshes(&c, {}, &response);
+                        }};
+  rows["DeleteMesh"] = {"admin", [](Stub& stub, Context& c) {
+                          v1::DeleteMeshResponse response;
+                          return stub.DeleteMesh(&c, About<v1::DeleteMeshRequest>("meshes/crack-2"),
+                                                 &response);
+                        }};
+  rows["AddFeatures"] = {"edit", [](Stub& stub, Context& c) {
+                           return ReadOne<v1::MeshDiff>(
+                               c, stub.AddFeatures(&c, About<v1::AddFeaturesRequest>()));
+                         }};
+  rows["RemoveFeatures"] = {"edit", [](Stub& stub, Context& c) {
+                              return ReadOne<v1::MeshDiff>(
+                                  c, stub.RemoveFeatures(&c, About<v1::RemoveFeaturesRequest>()));
+                            }};
+  rows["ApplyEdits"] = {"edit", [](Stub& stub, Context& c) {
+                          return ReadOne<v1::MeshDiff>(
+                              c, stub.ApplyEdits(&c, About<v1::ApplyEditsRequest>()));
+                        }};
+  rows["EditStream"] = {"edit", [](Stub& stub, Context& c) {
+                          auto stream = stub.EditStream(&c);
+                          stream->Write(About<v1::EditBatch>());
+                          return ReadOne<v1::MeshDiff>(c, std::move(stream));
+                        }};
+  rows["Watch"] = {"read", [](Stub& stub, Context& c) {
+                     return ReadOne<v1::WatchEvent>(c, stub.Watch(&c, About<v1::WatchRequest>()));
+                   }};
+  rows["GetSnapshot"] = {"read", [](Stub& stub, Context& c) {
+                           return ReadOne<v1::SnapshotChunk>(
+                               c, stub.GetSnapshot(&c, About<v1::GetSnapshotRequest>()));
+                         }};
+  rows["GetStats"] = {"read", [](Stub& stub, Context& c) {
+                        v1::GetStatsResponse response;
+                        return stub.GetStats(&c, About<v1::GetStatsRequest>(), &response);
+                      }};
+  rows["LocatePoints"] = {"read", [](Stub& stub, Context& c) {
+                            v1::LocatePointsResponse response;
+                            return stub.LocatePoints(&c, About<v1::LocatePointsRequest>(),
+                                                     &response);
+                          }};
+  return rows;
+}
+
+// "" if it may.
+std::string ExpectedReason(const std::string& token, const std::string& role) {
+  if (token.empty()) return codec::reason::kTokenMissing;
+  if (token == "wrong") return codec::reason::kTokenUnknown;
+  const std::map<std::string, int> order = {{"any", 0}, {"read", 1}, {"edit", 2}, {"admin", 3}};
+  const int has = order.contains(token) ? order.at(token) : 0;  // others: of other meshes
+  return has >= order.at(role) ? "" : codec::reason::kRoleMissing;
+}
+
+TEST_F(TokenTest, EveryMethodAsksForItsRole) {
+  const std::map<std::string, Row> rows = Methods();
+  const auto* service = google::protobuf::DescriptorPool::generated_pool()->FindServiceByName(
+      "dynmesh.v1.MeshService");
+  ASSERT_NE(service, nullptr);
+  for (int i = 0; i < service->method_count(); ++i) {
+    EXPECT_TRUE(rows.contains(service->method(i)->name())) << service->method(i)->name();
+  }
+  StartWithTokens({Line("read", "read=crack-*"), Line("edit", "edit=crack-*"),
+                   Line("admin", "admin=crack-*"), Line("elsewhere", "admin=plate-*")});
+  ASSERT_TRUE(As("admin")->CreateMesh("crack-1", {}).ok());
+  for (const auto& [name, row] : rows) {
+    for (const std::string token : {"", "wrong", "elsewhere", "read", "edit", "admin"}) {
+      grpc::ClientContext context;
+      if (!token.empty()) context.AddMetadata("authorization", "Bearer " + token);
+      const absl::Status status = codec::FromGrpcStatus(row.call(*stub_, context));
+      const std::string expected = ExpectedReason(token, row.role);
+      EXPECT_EQ(ReasonOf(status), expected) << name << " as '" << token << "' " << Text(status);
+      if (expected.empty()) {
+        EXPECT_TRUE(status.ok()) << name << " " << token << Text(status);
+      } else if (expected == codec::reason::kRoleMissing) {
+        const auto error = codec::GetServiceError(status);
+        EXPECT_EQ(status.code(), StatusCode::kPermissionDenied);
+        EXPECT_EQ(error->metadata.at("role"), row.role) << name;
+        EXPECT_EQ(error->metadata.at("mesh").rfind("meshes/crack-", 0), 0u) << name;
+      } else {
+        EXPECT_EQ(status.code(), StatusCode::kUnauthenticated);
+      }
+    }
+  }
+  EXPECT_EQ(Health(""), 1);  // open to all
+}
+
+TEST_F(TokenTest, ListsShowWhatTheTokenMayRead) {
+  StartWithTokens({Line("root", "admin=*"), Line("lab", "read=crack-*")});
+  for (const char* id : {"a", "crack-1", "crack-2", "m", "z"}) {
+    ASSERT_TRUE(As("root")->CreateMesh(id, {}).ok());
+  }
+  EXPECT_EQ(As("root")->ListMeshes()->size(), 5u);
+  const auto listed = As("lab")->ListMeshes();
+  ASSERT_EQ(listed->size(), 2u);
+  EXPECT_EQ((*listed)[1].id, "crack-2");
+  // In pages as well, and what there is else does not make pages short.
+  grpc::ClientContext context;
+  context.AddMetadata("authorization", "Bearer lab");
+  v1::ListMeshesRequest request;
+  request.set_page_size(2);
+  v1::ListMeshesResponse response;
+  ASSERT_TRUE(stub_->ListMeshes(&context, request, &response).ok());
+  EXPECT_EQ(response.meshes_size(), 2);
+  EXPECT_EQ(response.next_page_token(), "");
+  // Whether a mesh exists is not told to those who may not read it.
+  EXPECT_EQ(Text(As("lab")->GetMesh("m").status()).find("not exist"), std::string::npos);
+  EXPECT_EQ(ReasonOf(As("lab")->GetMesh("none").status()), codec::reason::kRoleMissing);
+}
+
+TEST_F(TokenTest, OnlyWhoMayMakeAnyMeshLetsTheServerChooseItsId) {
+  StartWithTokens({Line("root", "admin=*"), Line("lab", "admin=crack-*")});
+  EXPECT_TRUE(As("root")->CreateMesh("", {}).ok());
+  EXPECT_EQ(ReasonOf(As("lab")->CreateMesh("", {}).status()), codec::reason::kRoleMissing);
+}
+
+TEST_F(TokenTest, TwoTokensAtOnceAreNone) {
+  StartWithTokens({Line("root", "admin=*")});
+  grpc::ClientContext context;
+  context.AddMetadata("authorization", "Bearer wrong");
+  context.AddMetadata("authorization", "Bearer root");
+  v1::ListMeshesResponse response;
+  EXPECT_EQ(stub_->ListMeshes(&context, {}, &response).error_code(),
+            grpc::StatusCode::UNAUTHENTICATED);
+}
+
+TEST_F(TokenTest, TakingATokenOutEndsItsStreamsAndNoOthers) {
+  StartWithTokens({Line("root", "admin=*"), Line("lab", "edit=m")});
+  ASSERT_TRUE(As("root")->CreateMesh("m", {}).ok());
+  const auto stays = As("root")->Watch("m", {}, nullptr);
+  const auto lab = As("lab");
+  const auto goes = lab->Watch("m", {}, nullptr);
+  const auto edits = lab->OpenEdits("m");
+  ASSERT_TRUE(edits->Send({AddPoint(1)}).ok());
+  ASSERT_TRUE(edits->Receive().has_value());
+  ASSERT_TRUE(goes->WaitForRevision(1, kLong));
+  Tokens({Line("root", "admin=*")});  // the ticker sees it
+  EXPECT_FALSE(edits->Receive().has_value());
+  EXPECT_EQ(edits->Finish().code(), StatusCode::kCancelled);
+  goes->WaitFor([](const auto&) { return false; }, kLong);
+  ASSERT_TRUE(goes->ended().has_value());
+  EXPECT_EQ(ReasonOf(*goes->ended()), codec::reason::kTokenUnknown);
+  ASSERT_TRUE(As("root")->Apply("m", {AddPoint(2)}).ok());
+  EXPECT_TRUE(stays->WaitForRevision(2, kLong));
+  EXPECT_EQ(stays->reconnects(), 0);
+  EXPECT_EQ(HeadOf().revision, 2u);
+}
+
+}  // namespace
+}  // namespace dynmesh::server

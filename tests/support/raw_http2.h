@@ -1,0 +1,102 @@
+// HTTP/2 by hand, for tests that do what no client library would: stop reading, stop answering,
+// lie about lengths. One connection to 127.0.0.1.
+#ifndef DYNMESH_TESTS_SUPPORT_RAW_HTTP2_H_
+#define DYNMESH_TESTS_SUPPORT_RAW_HTTP2_H_
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace dynmesh::test {
+
+class RawConnection {
+ public:
+  // A small buffer, so that what is not read stays with the server.
+  explicit RawConnection(int port) : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    const int bytes = 4096;
+    setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0) Close();
+  }
+  RawConnection(RawConnection&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
+  RawConnection& operator=(RawConnection&&) = delete;
+  ~RawConnection() { Close(); }
+
+  bool connected() const { return socket_ >= 0; }
+  void Close() {
+    if (socket_ >= 0) close(socket_);
+    socket_ = -1;
+  }
+
+  // False when the server has closed. Waits for nothing.
+  bool Send(const std::string& bytes) {
+    std::size_t sent = 0;
+    while (sent < bytes.size()) {
+      const ssize_t n =
+          send(socket_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (n <= 0) return false;
+      sent += static_cast<std::size_t>(n);
+    }
+    return true;
+  }
+  // Reads, and throws away, until the server closes. False if it does not in that time.
+  bool WaitForClose(int milliseconds) {
+    char buffer[4096];
+    pollfd wait = {socket_, POLLIN, 0};
+    while (poll(&wait, 1, milliseconds) > 0) {
+      if (recv(socket_, buffer, sizeof(buffer), 0) <= 0) return true;
+    }
+    return false;
+  }
+
+  // The connection's first words.
+  bool Greet() { return Send("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + Frame(4, 0, 0, "")); }
+  // Begins a call of the service.
+  bool Call(std::uint32_t stream, const std::string& method) {
+    std::string headers;
+    const auto add = [&headers](const std::string& name, const std::string& value) {
+      headers += '\0';  // a literal that is not remembered, its name spelled out
+      headers += static_cast<char>(name.size()) + name;
+      headers += static_cast<char>(value.size()) + value;
+    };
+    add(":method", "POST");
+    add(":scheme", "http");
+    add(":path", "/dynmesh.v1.MeshService/" + method);
+    add(":authority", "127.0.0.1");
+    add("te", "trailers");
+    add("content-type", "application/grpc");
+    return Send(Frame(1, 4, stream, headers));
+  }
+  // A message, the call's last one if `end`.
+  bool Message(std::uint32_t stream, const std::string& proto, bool end) {
+    return Send(
+        Frame(0, end ? 1 : 0, stream, std::string(1, '\0') + Number(proto.size(), 4) + proto));
+  }
+
+  static std::string Frame(int type, int flags, std::uint32_t stream, const std::string& payload) {
+    return Number(payload.size(), 3) + static_cast<char>(type) + static_cast<char>(flags) +
+           Number(stream, 4) + payload;
+  }
+  // Big-endian.
+  static std::string Number(std::uint64_t value, int bytes) {
+    std::string text;
+    for (int i = bytes - 1; i >= 0; --i) text += static_cast<char>((value >> (8 * i)) & 0xff);
+    return text;
+  }
+
+ private:
+  int socket_;
+};
+
+}  // namespace dynmesh::test
+
+#endif  // DYNMESH_TESTS_SUPPORT_RAW_HTTP2_H_
