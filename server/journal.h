@@ -1,6 +1,6 @@
 // What outlives the process: which meshes there are, and for each a snapshot of its features, the
 // batches since, and the last answers to batches with a request_id. An interface; what the bytes
-// mean stands in journal_records.h.
+// mean stands in proto/codec/journal_codec.h.
 //
 // Invariants of an implementation:
 //   1. a call that returned OK is durable: it survives the process and a loss of power;
