@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
-#include "server/tls.h"
+#include "server/access/tls.h"
 
 namespace dynmesh::server {
 

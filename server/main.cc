@@ -9,11 +9,11 @@
 
 #include "core/base/process_memory.h"
 #include "dynmesh/dynamic_mesh.h"
-#include "server/acceptor.h"
+#include "server/access/acceptor.h"
+#include "server/base/log.h"
 #include "server/flags.h"
-#include "server/log.h"
+#include "server/journal/sqlite_journal.h"
 #include "server/server.h"
-#include "server/sqlite_journal.h"
 #include "server/version.h"
 
 namespace {

@@ -7,9 +7,9 @@
 
 #include "absl/status/statusor.h"
 #include "server/config.h"
-#include "server/journal.h"
-#include "server/mesh_host.h"
-#include "server/mesh_registry.h"
+#include "server/journal/journal.h"
+#include "server/meshes/mesh_host.h"
+#include "server/meshes/mesh_registry.h"
 
 namespace dynmesh::server {
 

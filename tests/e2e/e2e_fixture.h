@@ -11,7 +11,7 @@
 #include "absl/time/time.h"
 #include "client/mesh_client.h"
 #include "dynmesh/dynamic_mesh.h"
-#include "server/log.h"
+#include "server/base/log.h"
 #include "server/server.h"
 
 namespace dynmesh {

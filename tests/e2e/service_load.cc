@@ -21,7 +21,7 @@
 #include "client/mesh_client.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
-#include "server/log.h"
+#include "server/base/log.h"
 #include "server/server.h"
 
 namespace dynmesh {

@@ -4,14 +4,14 @@
 #include <atomic>
 #include <thread>
 
-#include "server/admission.h"
+#include "server/access/quota.h"
+#include "server/base/log.h"
+#include "server/base/work_gate.h"
+#include "server/base/worker_pool.h"
+#include "server/calls/admission.h"
 #include "server/config.h"
-#include "server/log.h"
-#include "server/mesh_registry.h"
-#include "server/quota.h"
-#include "server/request_memory.h"
-#include "server/work_gate.h"
-#include "server/worker_pool.h"
+#include "server/meshes/mesh_registry.h"
+#include "server/meshes/request_memory.h"
 #include "tests/server/test_support.h"
 
 namespace dynmesh::server {

@@ -11,7 +11,7 @@
 
 #include "client/mesh_client.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
-#include "server/log.h"
+#include "server/base/log.h"
 #include "server/server.h"
 #include "tests/server/fake_dynamic_mesh.h"
 #include "tests/server/test_support.h"

@@ -15,7 +15,7 @@
 #include "absl/status/status.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "proto/codec/status_codec.h"
-#include "server/mesh_host.h"
+#include "server/meshes/mesh_host.h"
 #include "tests/server/fake_dynamic_mesh.h"
 
 namespace dynmesh::server {

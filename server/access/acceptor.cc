@@ -1,0 +1,190 @@
+#include "server/access/acceptor.h"
+
+#include <dirent.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "absl/time/clock.h"
+#include "server/base/log.h"
+
+namespace dynmesh::server {
+namespace {
+
+// For files, and what gRPC opens for itself.
+constexpr std::uint64_t kReserve = 64;
+// No more often than that are descriptors counted while there is no room.
+constexpr absl::Duration kCountEvery = absl::Milliseconds(50);
+constexpr absl::Duration kWarnEvery = absl::Seconds(10);
+
+std::uint64_t OpenDescriptors() {
+  std::uint64_t count = 0;
+  DIR* const folder = opendir("/proc/self/fd");
+  if (folder == nullptr) return 0;
+  while (readdir(folder) != nullptr) ++count;
+  closedir(folder);
+  return count;
+}
+
+void SetOption(int socket, int level, int option, int value) {
+  setsockopt(socket, level, option, &value, sizeof(value));
+}
+
+int PortOf(int socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof(address);
+  if (getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return 0;
+  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<sockaddr_in6&>(address).sin6_port
+                                             : reinterpret_cast<sockaddr_in&>(address).sin_port);
+}
+
+// A socket that listens; -1 if it cannot be had.
+int ListenOn(const addrinfo& info, int port) {
+  sockaddr_storage address{};
+  std::copy_n(reinterpret_cast<const char*>(info.ai_addr), info.ai_addrlen,
+              reinterpret_cast<char*>(&address));
+  const bool v6 = info.ai_family == AF_INET6;
+  (v6 ? reinterpret_cast<sockaddr_in6&>(address).sin6_port
+      : reinterpret_cast<sockaddr_in&>(address).sin_port) = htons(static_cast<uint16_t>(port));
+  const int listening = socket(info.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (listening < 0) return -1;
+  // After a restart; two servers on one port it does not allow.
+  SetOption(listening, SOL_SOCKET, SO_REUSEADDR, 1);
+  if (v6) SetOption(listening, IPPROTO_IPV6, IPV6_V6ONLY, 0);
+  if (bind(listening, reinterpret_cast<const sockaddr*>(&address), info.ai_addrlen) == 0 &&
+      listen(listening, SOMAXCONN) == 0) {
+    return listening;
+  }
+  close(listening);
+  return -1;
+}
+
+}  // namespace
+
+void RaiseDescriptorLimit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+absl::StatusOr<std::unique_ptr<Acceptor>> Acceptor::Listen(const std::string& host_port,
+                                                           std::uint64_t max_connections) {
+  const std::size_t colon = host_port.rfind(':');
+  absl::string_view host = absl::string_view(host_port).substr(0, colon);
+  const std::string service = colon == std::string::npos ? "" : host_port.substr(colon + 1);
+  if (absl::ConsumePrefix(&host, "[")) absl::ConsumeSuffix(&host, "]");
+  addrinfo wanted{};
+  wanted.ai_socktype = SOCK_STREAM;
+  wanted.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+  addrinfo* found = nullptr;
+  if (const int error = getaddrinfo(std::string(host).c_str(), service.c_str(), &wanted, &found)) {
+    return absl::UnavailableError(
+        absl::StrCat("cannot listen on ", host_port, ": ", gai_strerror(error)));
+  }
+  std::vector<int> sockets;
+  int port = 0;
+  for (const addrinfo* info = found; info != nullptr; info = info->ai_next) {
+    if (port == 0) {
+      port = ntohs(info->ai_family == AF_INET6
+                       ? reinterpret_cast<sockaddr_in6*>(info->ai_addr)->sin6_port
+                       : reinterpret_cast<sockaddr_in*>(info->ai_addr)->sin_port);
+    }
+    const int listening = ListenOn(*info, port);
+    if (listening < 0) continue;
+    sockets.push_back(listening);
+    port = PortOf(listening);
+  }
+  freeaddrinfo(found);
+  if (sockets.empty()) {
+    return absl::UnavailableError(
+        absl::StrCat("cannot listen on ", host_port, ": is the port taken?"));
+  }
+  return std::unique_ptr<Acceptor>(new Acceptor(std::move(sockets), port, max_connections));
+}
+
+Acceptor::Acceptor(std::vector<int> sockets, int port, std::uint64_t max_connections)
+    : sockets_(std::move(sockets)), port_(port), max_connections_(max_connections) {}
+
+Acceptor::~Acceptor() {
+  Stop();
+  for (const int listening : sockets_) close(listening);
+}
+
+void Acceptor::Start(Sink sink, absl::Duration silence) {
+  sink_ = std::move(sink);
+  silence_ms_ = static_cast<int>(absl::ToInt64Milliseconds(silence));
+  if (pipe(stop_pipe_) != 0) return;
+  others_ = OpenDescriptors();
+  thread_ = std::thread([this] { Run(); });
+}
+
+void Acceptor::Stop() {
+  if (!thread_.joinable()) return;
+  close(stop_pipe_[1]);
+  thread_.join();
+  close(stop_pipe_[0]);
+}
+
+void Acceptor::Run() {
+  std::vector<pollfd> waits = {{stop_pipe_[0], POLLIN, 0}};
+  for (const int listening : sockets_) waits.push_back({listening, POLLIN, 0});
+  while (true) {
+    poll(waits.data(), waits.size(), -1);
+    if (waits[0].revents != 0) return;
+    for (std::size_t i = 1; i < waits.size(); ++i) {
+      if (waits[i].revents != 0) AcceptOne(waits[i].fd);
+    }
+  }
+}
+
+void Acceptor::AcceptOne(int listening) {
+  const int connection = accept4(listening, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  if (connection < 0) {
+    // Not even enough to refuse it: those that wait for their handshake will go.
+    if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) absl::SleepFor(kCountEvery);
+    return;
+  }
+  if (!IsRoom()) {
+    close(connection);
+    return;
+  }
+  ++open_;
+  SetOption(connection, IPPROTO_TCP, TCP_NODELAY, 1);
+  SetOption(connection, IPPROTO_TCP, TCP_USER_TIMEOUT, silence_ms_);
+  grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
+  parameters.listener_fd = listening;
+  parameters.fd = connection;
+  sink_->HandleNewConnection(&parameters);
+}
+
+bool Acceptor::IsRoom() {
+  rlimit files{};
+  getrlimit(RLIMIT_NOFILE, &files);
+  const std::uint64_t most = std::min<std::uint64_t>(
+      max_connections_,
+      files.rlim_cur - std::min<std::uint64_t>(files.rlim_cur, others_ + kReserve));
+  if (open_ < most) return true;
+  const absl::Time now = absl::Now();
+  if (now - counted_ < kCountEvery) return false;
+  counted_ = now;
+  const std::uint64_t descriptors = OpenDescriptors() - 1;  // the new one is not in yet
+  open_ = descriptors - std::min(descriptors, others_);
+  if (open_ < most) return true;
+  if (now - warned_ > kWarnEvery) {
+    warned_ = now;
+    Log(LogLevel::kWarning, "connection_limit", {{"open", open_}, {"limit", most}});
+  }
+  return false;
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,43 @@
+// Keeps meshes from growing when the process has all the memory that it may have. The resident
+// size is measured at intervals, by the server's ticker; between two of them asking costs one
+// load. Thread-safe.
+#ifndef DYNMESH_SERVER_ACCESS_MEMORY_GUARD_H_
+#define DYNMESH_SERVER_ACCESS_MEMORY_GUARD_H_
+
+#include <atomic>
+#include <cstdint>
+
+#include "absl/status/status.h"
+
+namespace dynmesh::server {
+
+// Of this process; 0 where it cannot be told.
+std::uint64_t ResidentBytes();
+// Of the machine or, where that is less, of the control group that the process is in.
+std::uint64_t AvailableBytes();
+
+class MemoryGuard {
+ public:
+  // 0: nine tenths of what there is.
+  explicit MemoryGuard(std::uint64_t limit);
+
+  // Looks at the process; if it has too much, asks the allocator to give back what is free.
+  void Measure();
+
+  // RESOURCE_EXHAUSTED (MEMORY_LIMIT, with RetryInfo) if nothing may grow.
+  absl::Status CheckRoom() const;
+  // That error, for who was stopped in the middle.
+  absl::Status RefuseGrowth() const;
+  std::uint64_t limit() const { return limit_; }
+  // True while nothing may grow: for what may be stopped in the middle.
+  const std::atomic<bool>* full() const { return &full_; }
+
+ private:
+  const std::uint64_t limit_;
+  std::atomic<bool> full_{false};
+  int ticks_over_ = 0;  // the ticker's
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_ACCESS_MEMORY_GUARD_H_

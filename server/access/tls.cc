@@ -1,0 +1,159 @@
+#include "server/access/tls.h"
+
+#include <grpc/grpc.h>
+#include <grpc/grpc_security.h>
+#include <openssl/bio.h>
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+
+#include <array>
+#include <mutex>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "server/access/file_stamp.h"
+#include "server/base/log.h"
+
+namespace dynmesh::server {
+namespace {
+
+struct Free {
+  void operator()(BIO* p) const { BIO_free(p); }
+  void operator()(X509* p) const { X509_free(p); }
+  void operator()(EVP_PKEY* p) const { EVP_PKEY_free(p); }
+};
+template <typename T>
+using Owned = std::unique_ptr<T, Free>;
+
+// What one reading of the files found.
+struct Material {
+  std::string certificate;
+  std::string key;
+  std::string client_ca;
+};
+
+absl::Status Bad(const char* flag, const std::string& path, absl::string_view why) {
+  ERR_clear_error();
+  return absl::InvalidArgumentError(absl::StrCat(flag, ": ", path, ": ", why));
+}
+
+Owned<BIO> Open(const std::string& pem) {
+  return Owned<BIO>(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
+}
+
+// No password: it would be asked for at the terminal.
+int NoPassword(char*, int, int, void*) { return -1; }
+
+absl::Status CheckMaterial(const TlsFiles& files, const Material& m) {
+  const Owned<BIO> chain = Open(m.certificate);
+  const Owned<X509> leaf(PEM_read_bio_X509(chain.get(), nullptr, &NoPassword, nullptr));
+  if (leaf == nullptr) return Bad("tls-cert", files.certificate, "holds no PEM certificate");
+  while (const Owned<X509> next{PEM_read_bio_X509(chain.get(), nullptr, &NoPassword, nullptr)}) {
+  }
+  if (ERR_GET_REASON(ERR_peek_last_error()) != PEM_R_NO_START_LINE) {
+    return Bad("tls-cert", files.certificate, "its chain has a certificate that cannot be read");
+  }
+  const Owned<EVP_PKEY> key(
+      PEM_read_bio_PrivateKey(Open(m.key).get(), nullptr, &NoPassword, nullptr));
+  if (key == nullptr) {
+    return Bad("tls-key", files.key, "holds no PEM private key without a password");
+  }
+  if (X509_check_private_key(leaf.get(), key.get()) != 1) {
+    return Bad("tls-key", files.key,
+               absl::StrCat("does not belong to the certificate in ", files.certificate));
+  }
+  if (files.client_ca.empty()) return ERR_clear_error(), absl::OkStatus();
+  const Owned<X509> authority(
+      PEM_read_bio_X509(Open(m.client_ca).get(), nullptr, &NoPassword, nullptr));
+  if (authority == nullptr) {
+    return Bad("tls-client-ca", files.client_ca, "holds no PEM certificate");
+  }
+  return ERR_clear_error(), absl::OkStatus();
+}
+
+absl::StatusOr<Material> ReadMaterial(const TlsFiles& files) {
+  Material material;
+  for (const auto& [flag, path, text] :
+       {std::tuple{"tls-cert", &files.certificate, &material.certificate},
+        std::tuple{"tls-key", &files.key, &material.key},
+        std::tuple{"tls-client-ca", &files.client_ca, &material.client_ca}}) {
+    if (path->empty()) continue;
+    absl::StatusOr<std::string> read = ReadSmallFile(flag, *path);
+    if (!read.ok()) return read.status();
+    *text = *std::move(read);
+  }
+  if (absl::Status status = CheckMaterial(files, material); !status.ok()) return status;
+  return material;
+}
+
+class TlsCredentials final : public grpc::ServerCredentials {
+ public:
+  TlsCredentials(const TlsFiles& files, const std::array<FileStamp, 3>& stamps, Material first)
+      : files_(files), stamps_(stamps), material_(std::move(first)) {
+    auto* options = grpc_ssl_server_credentials_create_options_using_config_fetcher(
+        files.client_ca.empty() ? GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE
+                                : GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY,
+        &TlsCredentials::Fetch, this);
+    credentials_ = grpc_ssl_server_credentials_create_with_options(options);
+  }
+  ~TlsCredentials() override { grpc_server_credentials_release(credentials_); }
+
+  void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
+
+  static std::array<FileStamp, 3> Stamps(const TlsFiles& files) {
+    return {StampOf(files.certificate), StampOf(files.key), StampOf(files.client_ca)};
+  }
+
+ private:
+  int AddPortToServer(const std::string& address, grpc_server* server) override {
+    return grpc_server_add_http2_port(server, address.c_str(), credentials_);
+  }
+
+  // gRPC calls it as it begins to listen and at every new connection.
+  static grpc_ssl_certificate_config_reload_status Fetch(void* self,
+                                                         grpc_ssl_server_certificate_config** out) {
+    return static_cast<TlsCredentials*>(self)->Refresh(out);
+  }
+
+  grpc_ssl_certificate_config_reload_status Refresh(grpc_ssl_server_certificate_config** out) {
+    const std::lock_guard lock(mutex_);
+    // Before the reading: what is written during it is seen the next time.
+    if (const std::array<FileStamp, 3> stamps = Stamps(files_); stamps != stamps_) {
+      stamps_ = stamps;
+      absl::StatusOr<Material> read = ReadMaterial(files_);
+      if (read.ok()) {
+        material_ = *std::move(read);
+        fetched_ = false;
+        Log(LogLevel::kInfo, "tls_reloaded", {{"certificate", files_.certificate}});
+      } else {
+        Log(LogLevel::kError, "tls_reload_failed",
+            {{"error", read.status().message()}, {"message", "the former certificate stays"}});
+      }
+    }
+    if (std::exchange(fetched_, true)) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
+    const grpc_ssl_pem_key_cert_pair pair = {material_.key.c_str(), material_.certificate.c_str()};
+    *out = grpc_ssl_server_certificate_config_create(
+        // gRPC wants roots even where it asks no client for a certificate.
+        (files_.client_ca.empty() ? material_.certificate : material_.client_ca).c_str(), &pair, 1);
+    return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
+  }
+
+  const TlsFiles files_;
+  grpc_server_credentials* credentials_ = nullptr;
+  std::mutex mutex_;
+  std::array<FileStamp, 3> stamps_;
+  Material material_;
+  bool fetched_ = false;  // gRPC has what material_ holds
+};
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeTlsCredentials(const TlsFiles& files) {
+  const std::array<FileStamp, 3> stamps = TlsCredentials::Stamps(files);
+  absl::StatusOr<Material> material = ReadMaterial(files);
+  if (!material.ok()) return material.status();
+  return std::make_shared<TlsCredentials>(files, stamps, *std::move(material));
+}
+
+}  // namespace dynmesh::server

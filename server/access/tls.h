@@ -1,0 +1,36 @@
+// TLS for the server's port, from files that may be replaced while it runs.
+//
+// At every new connection the files' stamps are looked at. If they changed, the files are read
+// and checked: certificate, key that belongs to it, authority for clients. What passes is used
+// from then on; what does not is logged, and what was used before stays. Connections that are
+// open keep what they began with. Thread-safe.
+//
+// gRPC's own watcher of files is not used: it hands on what it read unchecked, a certificate with
+// another one's key too.
+#ifndef DYNMESH_SERVER_ACCESS_TLS_H_
+#define DYNMESH_SERVER_ACCESS_TLS_H_
+
+#include <grpcpp/security/server_credentials.h>
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+
+namespace dynmesh::server {
+
+struct TlsFiles {
+  std::string certificate;  // PEM, the chain after it; empty: no TLS
+  std::string key;          // PEM, without a password
+  std::string client_ca;    // PEM; if given, clients must show a certificate that it signed
+
+  bool enabled() const { return !certificate.empty(); }
+};
+
+// INVALID_ARGUMENT, naming flag and file, if they cannot be used. The credentials outlive the
+// server that listens with them.
+absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeTlsCredentials(const TlsFiles& files);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_ACCESS_TLS_H_

@@ -1,0 +1,79 @@
+#include "server/base/log.h"
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/escaping.h"
+
+namespace dynmesh::server {
+namespace {
+
+spdlog::level::level_enum Translate(LogLevel level) {
+  switch (level) {
+    case LogLevel::kDebug:
+      return spdlog::level::debug;
+    case LogLevel::kInfo:
+      return spdlog::level::info;
+    case LogLevel::kWarning:
+      return spdlog::level::warn;
+    case LogLevel::kError:
+      return spdlog::level::err;
+    case LogLevel::kOff:
+      return spdlog::level::off;
+  }
+  return spdlog::level::off;
+}
+
+spdlog::logger& Logger() {
+  static const auto logger = [] {
+    auto made = std::make_shared<spdlog::logger>("dynmesh",
+                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
+    made->set_pattern("time=%Y-%m-%dT%H:%M:%S.%eZ level=%l %v", spdlog::pattern_time_type::utc);
+    return made;
+  }();
+  return *logger;
+}
+
+bool IsPlain(absl::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return c > ' ' && c < 0x7F && c != '"' && c != '=' && c != '\\';
+  });
+}
+
+}  // namespace
+
+absl::Status SetLogLevel(absl::string_view name) {
+  for (const auto& [text, level] :
+       {std::pair{"debug", LogLevel::kDebug}, std::pair{"info", LogLevel::kInfo},
+        std::pair{"warning", LogLevel::kWarning}, std::pair{"error", LogLevel::kError},
+        std::pair{"off", LogLevel::kOff}}) {
+    if (name == text) {
+      Logger().set_level(Translate(level));
+      return absl::OkStatus();
+    }
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("log level '", name, "': use debug, info, warning, error or off"));
+}
+
+bool LogEnabled(LogLevel level) { return Logger().should_log(Translate(level)); }
+
+void Log(LogLevel level, absl::string_view event, std::initializer_list<LogField> fields) {
+  if (!LogEnabled(level)) return;
+  std::string line = absl::StrCat("event=", event);
+  for (const LogField& f : fields) {
+    if (IsPlain(f.value)) {
+      absl::StrAppend(&line, " ", f.key, "=", f.value);
+    } else {
+      absl::StrAppend(&line, " ", f.key, "=\"", absl::Utf8SafeCEscape(f.value), "\"");
+    }
+  }
+  // The line is data, never a format.
+  Logger().log(Translate(level), "{}", line);
+}
+
+}  // namespace dynmesh::server

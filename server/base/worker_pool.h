@@ -1,0 +1,73 @@
+// Threads that run posted tasks, first come first served, and a queue on top that
+// runs its tasks one at a time. Thread-safe.
+#ifndef DYNMESH_SERVER_BASE_WORKER_POOL_H_
+#define DYNMESH_SERVER_BASE_WORKER_POOL_H_
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace dynmesh::server {
+
+class WorkerPool {
+ public:
+  using Task = std::function<void()>;
+
+  explicit WorkerPool(int threads);
+  // As Stop.
+  ~WorkerPool();
+
+  // After Stop began a task from outside the pool is dropped; one posted by a running
+  // task still runs.
+  void Post(Task task);
+
+  // Runs what is queued, then joins. Not from a task of this pool.
+  void Stop();
+
+ private:
+  void Run();
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<Task> tasks_;
+  std::size_t running_ = 0;
+  bool stopping_ = false;
+  std::vector<std::thread> threads_;
+};
+
+// A strand: tasks run on the pool in the order posted, never two at a time, and take
+// turns with the other strands of the pool.
+class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
+ public:
+  using Task = WorkerPool::Task;
+
+  static std::shared_ptr<SerialQueue> Create(WorkerPool* pool) {
+    return std::shared_ptr<SerialQueue>(new SerialQueue(pool));
+  }
+
+  void Post(Task task);
+  // False, and nothing posted, if `limit` tasks wait already.
+  bool TryPost(Task task, std::size_t limit);
+
+  // Tasks that wait; the one that runs not counted.
+  std::size_t waiting() const;
+
+ private:
+  explicit SerialQueue(WorkerPool* pool) : pool_(pool) {}
+  void Schedule();
+  void Run();
+
+  WorkerPool* const pool_;
+  mutable std::mutex mutex_;
+  std::deque<Task> tasks_;
+  bool scheduled_ = false;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_BASE_WORKER_POOL_H_

@@ -1,0 +1,81 @@
+#include "server/calls/admission.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "proto/codec/status_codec.h"
+
+namespace dynmesh::server {
+namespace {
+
+constexpr std::size_t kMaxRequestIdBytes = 128;
+
+}  // namespace
+
+absl::Status DrainingError() {
+  codec::ServiceError error;
+  error.reason = codec::reason::kDraining;
+  error.retry_after = absl::Seconds(1);
+  return codec::MakeServiceError(absl::StatusCode::kUnavailable,
+                                 "the server is shutting down: try again in a while", error);
+}
+
+absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context) {
+  WorkGate::Ticket ticket = context.gate.Enter();
+  if (ticket == nullptr) return DrainingError();
+  return ticket;
+}
+
+absl::StatusOr<Lease> TakeStream(Quota& quota, absl::string_view what) {
+  Lease lease = quota.Take();
+  if (lease) return lease;
+  codec::ServiceError error;
+  error.reason = codec::reason::kStreamLimit;
+  error.retry_after = absl::Seconds(1);
+  return codec::MakeServiceError(
+      absl::StatusCode::kResourceExhausted,
+      absl::StrCat("the server's limit of ", quota.limit(), " ", what, " is reached: try later"),
+      error);
+}
+
+absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std::size_t count) {
+  codec::ServiceError error;
+  if (before + count > context.config.max_batch_edits) {
+    error.reason = codec::reason::kBatchTooLarge;
+    error.field = "edits";
+    return codec::MakeServiceError(
+        absl::StatusCode::kInvalidArgument,
+        absl::StrCat("a batch may have ", context.config.max_batch_edits,
+                     " edits at most, 8 points of a polygon count as one: split it"),
+        error);
+  }
+  Lease lease = context.pending_edits.Take(count);
+  if (lease) return lease;
+  error.reason = codec::reason::kPendingLimit;
+  error.retry_after = absl::Milliseconds(500);
+  return codec::MakeServiceError(absl::StatusCode::kResourceExhausted,
+                                 "too many edits are waiting in the server: try again later",
+                                 error);
+}
+
+absl::Status CheckRequestId(absl::string_view request_id) {
+  if (request_id.size() <= kMaxRequestIdBytes) return absl::OkStatus();
+  codec::ServiceError error;
+  error.reason = codec::reason::kBadRequestId;
+  error.field = "request_id";
+  return codec::MakeServiceError(
+      absl::StatusCode::kInvalidArgument,
+      absl::StrCat("request_id has ", request_id.size(), " bytes, at most ", kMaxRequestIdBytes,
+                   " are allowed"),
+      error);
+}
+
+absl::Status BadRequest(absl::string_view field, absl::string_view message) {
+  codec::ServiceError error;
+  error.reason = codec::reason::kBadRequest;
+  error.field = std::string(field);
+  return codec::MakeServiceError(absl::StatusCode::kInvalidArgument,
+                                 absl::StrCat(field, ": ", message), error);
+}
+
+}  // namespace dynmesh::server

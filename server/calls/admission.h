@@ -1,0 +1,74 @@
+// What every call passes before it may work: the drain, the limits, the names. Knows
+// no gRPC. Thread-safe.
+#ifndef DYNMESH_SERVER_CALLS_ADMISSION_H_
+#define DYNMESH_SERVER_CALLS_ADMISSION_H_
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "absl/time/time.h"
+#include "server/access/access.h"
+#include "server/access/quota.h"
+#include "server/base/work_gate.h"
+#include "server/base/worker_pool.h"
+#include "server/config.h"
+#include "server/meshes/mesh_registry.h"
+
+namespace dynmesh::server {
+
+// What the calls of a service share.
+struct ServiceContext {
+  ServiceContext(const ServerConfig& c, MeshRegistry* r, WorkerPool* w, WorkerPool* rd,
+                 WorkerPool* a, ServerMetrics* m, Access* ac, absl::Time now)
+      : config(c),
+        registry(r),
+        writers(w),
+        readers(rd),
+        answers(a),
+        metrics(m),
+        access(ac),
+        start_time(now),
+        watchers(c.max_watchers),
+        edit_streams(c.max_edit_streams),
+        snapshot_streams(c.max_snapshot_streams),
+        pending_edits(c.max_pending_edits) {}
+
+  const ServerConfig config;
+  MeshRegistry* const registry;
+  WorkerPool* const writers;
+  WorkerPool* const readers;
+  WorkerPool* const answers;  // starts writes that a mesh's writer has no time for; never blocks
+  ServerMetrics* const metrics;
+  Access* const access;
+  const absl::Time start_time;
+  WorkGate gate;
+  Quota watchers;
+  Quota edit_streams;
+  Quota snapshot_streams;
+  Quota pending_edits;
+};
+
+// UNAVAILABLE (DRAINING), with the time after which another server should be there.
+absl::Status DrainingError();
+
+// A ticket, or DrainingError.
+absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context);
+
+// RESOURCE_EXHAUSTED (STREAM_LIMIT). `what`: "watches", ...
+absl::StatusOr<Lease> TakeStream(Quota& quota, absl::string_view what);
+
+// Room for edits that weigh `count` more in a batch that weighs `before`: INVALID_ARGUMENT
+// (BATCH_TOO_LARGE) or RESOURCE_EXHAUSTED (PENDING_LIMIT).
+absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std::size_t count);
+
+absl::Status CheckRequestId(absl::string_view request_id);
+
+absl::Status BadRequest(absl::string_view field, absl::string_view message);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_CALLS_ADMISSION_H_

@@ -1,0 +1,42 @@
+#include "server/calls/call_id.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <random>
+
+#include "absl/strings/str_format.h"
+
+namespace dynmesh::server {
+namespace {
+
+constexpr std::size_t kMaxLength = 64;
+
+bool IsUsable(absl::string_view id) {
+  return !id.empty() && id.size() <= kMaxLength &&
+         std::all_of(id.begin(), id.end(), [](unsigned char c) { return c > ' ' && c < 0x7F; });
+}
+
+// Distinct for distinct numbers, since each step can be undone (SplitMix64's finaliser).
+std::uint64_t Scramble(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+}  // namespace
+
+std::string ChooseCallId(absl::string_view given) {
+  if (IsUsable(given)) return std::string(given);
+  static std::atomic<std::uint64_t> next{(std::uint64_t{std::random_device{}()} << 32) +
+                                         std::random_device{}()};
+  return absl::StrFormat("%016x", Scramble(next.fetch_add(1, std::memory_order_relaxed)));
+}
+
+std::string CallIdOf(const grpc::CallbackServerContext& call) {
+  const auto& metadata = call.client_metadata();
+  const auto found = metadata.find(kCallIdKey);
+  return found == metadata.end() ? "" : std::string(found->second.data(), found->second.size());
+}
+
+}  // namespace dynmesh::server

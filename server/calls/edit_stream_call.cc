@@ -1,0 +1,415 @@
+#include "server/calls/edit_stream_call.h"
+
+#include <atomic>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "dynmesh/v1/status_details.pb.h"
+#include "proto/codec/edit_codec.h"
+#include "proto/codec/grpc_status.h"
+#include "proto/codec/mesh_codec.h"
+#include "proto/codec/status_codec.h"
+#include "server/base/log.h"
+#include "server/calls/call_id.h"
+
+namespace dynmesh::server {
+
+// Three parties: the reader (gRPC, one message at a time), the mesh's strand that
+// answers, the writer (gRPC, one message at a time). What they share is guarded by
+// mutex_; operations on the stream are started after it is released.
+class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff> {
+ public:
+  EditStreamCall(ServiceContext& context, grpc::CallbackServerContext* rpc)
+      : context_(context), call_id_(CallIdOf(*rpc)), rpc_(rpc) {}
+
+  static EditStreamCall* Start(ServiceContext& context, EditStreams& streams,
+                               const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
+    auto call = std::make_shared<EditStreamCall>(context, rpc);
+    call->self_ = call;
+    absl::Status status = pass.status();
+    absl::StatusOr<Lease> lease;
+    if (status.ok()) {
+      call->pass_ = *pass;
+      lease = TakeStream(context.edit_streams, "edit streams");
+      status = lease.status();
+    }
+    if (status.ok()) {
+      call->lease_ = *std::move(lease);
+      streams.Add(call);
+      // After Add, so that a drain sees either the closed gate here or the stream there.
+      if (context.gate.closed()) status = DrainingError();
+    }
+    if (!status.ok()) {
+      call->End(status);
+    } else {
+      call->ReadNext();
+    }
+    return call.get();
+  }
+
+  // Answers what was received whole, then ends the stream.
+  void End(const absl::Status& status) {
+    bool finish = false;
+    {
+      const std::lock_guard lock(mutex_);
+      EndLocked(status);
+      finish = FinishLocked();
+    }
+    if (finish) Finish(codec::ToGrpcStatus(final_status_));
+  }
+
+  void OnReadDone(bool ok) override {
+    if (ok) {
+      // The message belongs to this thread until reading_ is false.
+      absl::Status status = Receive();
+      if (!status.ok()) End(status);
+    } else if (partial_.has_value()) {
+      codec::ServiceError error;
+      error.reason = codec::reason::kBatchIncomplete;
+      End(codec::MakeServiceError(absl::StatusCode::kInvalidArgument,
+                                  "the stream ended inside a batch: it was not applied", error));
+    }
+    AfterRead(ok);
+  }
+
+  void OnWriteDone(bool ok) override {
+    bool write = false;
+    bool finish = false;
+    bool read = false;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!ok) {
+        broken_ = true;
+        EndLocked(absl::CancelledError("the client is gone"));
+      }
+      if (broken_ || current_->finished()) {
+        context_.metrics->edits.send_seconds.Observe(SecondsSince(current_->answered));
+        current_.reset();
+        --in_flight_;
+      }
+      if (broken_) DropAnswersLocked();
+      write = TakeAnswerLocked();
+      writing_ = write;
+      finish = !write && FinishLocked();
+      read = !finish && ResumeReadLocked();
+    }
+    Continue(write, read, finish);
+  }
+
+  void OnCancel() override {
+    cancelled_->store(true, std::memory_order_relaxed);
+    End(absl::CancelledError("the call was cancelled"));
+  }
+
+  void OnDone() override {
+    if (host_ != nullptr) {
+      Log(LogLevel::kDebug, "edits_closed",
+          {{"mesh", host_->id()},
+           {"call", call_id_},
+           {"status", absl::StatusCodeToString(final_status_.code())}});
+    }
+    allowed_.Close();
+    self_.reset();
+  }
+
+ private:
+  // A batch that is being received.
+  struct Partial {
+    EditJob job;
+    bool omit_columns = false;
+    std::size_t weight = 0;  // of the pieces so far
+    std::vector<Lease> leases;
+    WorkGate::Ticket ticket;
+  };
+
+  // What is owed to the client for one batch.
+  struct Answer {
+    std::string request_id;
+    absl::Status status;
+    bool replayed = false;
+    std::optional<codec::DiffFragmenter> fragmenter;
+    bool status_sent = false;
+    MetricsClock::time_point answered = MetricsClock::now();
+    WorkGate::Ticket ticket;
+
+    bool finished() const { return fragmenter.has_value() ? fragmenter->done() : status_sent; }
+  };
+
+  // ------------------------------------------------------------------ reading
+
+  // Takes the message just read. An error ends the stream; what is wrong with a batch
+  // only is answered in the batch's turn.
+  absl::Status Receive() {
+    if (ended()) return absl::OkStatus();
+    if (host_ == nullptr) {
+      if (absl::Status status = OpenMesh(); !status.ok()) return status;
+      mesh_name_ = request_.mesh();
+      stop_on_error_ = request_.stop_on_error();
+      Log(LogLevel::kDebug, "edits_opened", {{"mesh", host_->id()}, {"call", call_id_}});
+    } else if (!request_.mesh().empty() && request_.mesh() != mesh_name_) {
+      return BadRequest("mesh", "a stream edits one mesh, the one its first message names");
+    }
+    if (!partial_.has_value()) BeginBatch();
+    AddPiece();
+    if (!request_.more()) Submit();
+    return absl::OkStatus();
+  }
+
+  absl::Status OpenMesh() {
+    if (absl::Status s = pass_.Check(Role::kEdit, request_.mesh()); !s.ok()) return s;
+    absl::StatusOr<MeshRegistry::HostPtr> host = context_.registry->Find(request_.mesh());
+    if (!host.ok()) return host.status();
+    absl::StatusOr<Access::Stream> allowed = context_.access->Open(
+        pass_, Role::kEdit, (*host)->id(), [rpc = rpc_] { rpc->TryCancel(); });
+    if (!allowed.ok()) return allowed.status();
+    allowed_ = *std::move(allowed);
+    host_ = *std::move(host);
+    return absl::OkStatus();
+  }
+
+  void BeginBatch() {
+    partial_.emplace();
+    EditJob& job = partial_->job;
+    job.request_id = request_.request_id();
+    job.call_id = call_id_;
+    if (request_.has_expected_revision()) job.expected_revision = request_.expected_revision();
+    job.validate_only = request_.validate_only();
+    job.cancelled = cancelled_;
+    if (stop_on_error_) job.stop = stop_;
+    partial_->omit_columns = request_.omit_columns();
+    job.refused = CheckRequestId(request_.request_id());
+    if (!job.refused.ok()) job.request_id = job.request_id.substr(0, 128);
+    job.refused.Update(pass_.TakeRequest());
+    absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
+    if (ticket.ok()) {
+      partial_->ticket = *std::move(ticket);
+    } else {
+      job.refused.Update(ticket.status());
+    }
+  }
+
+  void AddPiece() {
+    EditJob& job = partial_->job;
+    if (!job.refused.ok()) return;  // the rest of a bad batch is skipped
+    const std::size_t weight = codec::Weight(request_.edits());
+    absl::StatusOr<Lease> lease = TakeEdits(context_, partial_->weight, weight);
+    if (lease.ok()) {
+      partial_->weight += weight;
+      partial_->leases.push_back(*std::move(lease));
+      job.refused =
+          codec::DecodeEdits(request_.edits(), host_->mesh_options().dimension, &job.edits);
+    } else {
+      job.refused = lease.status();
+    }
+    if (!job.refused.ok()) {
+      EditBatch().swap(job.edits);
+      partial_->leases.clear();
+    }
+  }
+
+  void Submit() {
+    {
+      const std::lock_guard lock(mutex_);
+      // Ended meanwhile: what gets no answer must not be applied.
+      if (ended_) return partial_.reset();
+      ++in_flight_;
+    }
+    EditJob job = std::move(partial_->job);
+    // Shared, because a std::function is copyable and leases are not.
+    auto leases = std::make_shared<std::vector<Lease>>(std::move(partial_->leases));
+    job.done = [call = self_, leases, omit = partial_->omit_columns, ticket = partial_->ticket,
+                request_id = job.request_id](absl::StatusOr<EditOutcome> outcome) {
+      leases->clear();
+      Answer answer;
+      answer.request_id = request_id;
+      answer.status = outcome.status();
+      answer.ticket = ticket;
+      if (outcome.ok()) {
+        answer.replayed = outcome->replayed;
+        answer.fragmenter.emplace(std::move(outcome->diff), omit || outcome->columns_omitted);
+      }
+      call->Deliver(std::move(answer));
+    };
+    partial_.reset();
+    host_->ApplyUnbounded(std::move(job));
+  }
+
+  void AfterRead(bool ok) {
+    bool read = false;
+    bool finish = false;
+    {
+      const std::lock_guard lock(mutex_);
+      reading_ = false;
+      if (!ok) ended_ = true;
+      finish = FinishLocked();
+      read = !finish && ResumeReadLocked();
+    }
+    Continue(false, read, finish);
+  }
+
+  void ReadNext() {
+    {
+      const std::lock_guard lock(mutex_);
+      reading_ = true;
+    }
+    StartRead(&request_);
+  }
+
+  // ------------------------------------------------------------------ answering
+
+  // On the strand. Starts no read: unlike a write that is decided on, and unlike gRPC's
+  // own calls of this object, a read does not keep the stream from ending meanwhile.
+  void Deliver(Answer answer) {
+    bool write = false;
+    bool hand_on = false;
+    bool finish = false;
+    {
+      const std::lock_guard lock(mutex_);
+      if (broken_ || stopped_) {
+        --in_flight_;  // nobody listens, or the stream ended at a batch before
+      } else {
+        if (!answer.status.ok() && stop_on_error_) {
+          stopped_ = true;
+          EndLocked(answer.status);
+        }
+        answers_.push_back(std::move(answer));
+      }
+      if (!writing_) {
+        write = TakeAnswerLocked();
+        writing_ = write;
+      }
+      // The mesh's next batch waits, and a write costs up to half of what an edit does.
+      hand_on = write && in_flight_ > 1;
+      finish = !write && FinishLocked();
+    }
+    if (hand_on) {
+      context_.answers->Post([call = self_] { call->WriteNext(); });
+    } else {
+      Continue(write, /*read=*/false, finish);
+    }
+  }
+
+  void WriteNext() {
+    if (current_->fragmenter.has_value()) {
+      current_->fragmenter->Next(&message_);
+      message_.set_replayed(current_->replayed);
+    } else {
+      message_.Clear();
+      *message_.mutable_status() = codec::StatusToProto(current_->status);
+      current_->status_sent = true;
+    }
+    message_.set_request_id(current_->request_id);
+    grpc::WriteOptions options;
+    // More is ready: let the transport put several small messages into one packet.
+    if (more_answers_) options.set_buffer_hint();
+    StartWrite(&message_, options);
+  }
+
+  // ------------------------------------------------------------------ under mutex_
+
+  bool TakeAnswerLocked() {
+    if (!current_.has_value()) {
+      if (answers_.empty()) return false;
+      current_.emplace(std::move(answers_.front()));
+      answers_.pop_front();
+    }
+    more_answers_ = !answers_.empty();
+    return true;
+  }
+
+  void DropAnswersLocked() {
+    in_flight_ -= static_cast<int>(answers_.size());
+    answers_.clear();
+  }
+
+  void EndLocked(const absl::Status& status) {
+    if (ended_) return;
+    ended_ = true;
+    final_status_ = status;
+  }
+
+  bool ResumeReadLocked() {
+    if (reading_ || ended_ || in_flight_ >= context_.config.edit_window) return false;
+    reading_ = true;
+    return true;
+  }
+
+  // True once: the caller is to call Finish.
+  bool FinishLocked() {
+    if (!ended_ || finished_ || in_flight_ > 0 || writing_) return false;
+    finished_ = true;
+    return true;
+  }
+
+  bool ended() {
+    const std::lock_guard lock(mutex_);
+    return ended_;
+  }
+
+  void Continue(bool write, bool read, bool finish) {
+    if (write) WriteNext();
+    if (read) StartRead(&request_);
+    if (finish) Finish(codec::ToGrpcStatus(final_status_));
+  }
+
+  ServiceContext& context_;
+  const std::string call_id_;
+  grpc::CallbackServerContext* const rpc_;
+  Pass pass_;
+  Access::Stream allowed_;                // the reader's, once there is a mesh; then until OnDone
+  std::shared_ptr<EditStreamCall> self_;  // until OnDone
+  Lease lease_;
+  const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
+  const std::shared_ptr<std::atomic<bool>> stop_ = std::make_shared<std::atomic<bool>>(false);
+
+  // The reader's.
+  v1::EditBatch request_;
+  MeshRegistry::HostPtr host_;
+  std::string mesh_name_;
+  bool stop_on_error_ = false;
+  std::optional<Partial> partial_;
+
+  // The writer's, while writing_.
+  v1::MeshDiff message_;
+  bool more_answers_ = false;
+
+  std::mutex mutex_;
+  bool reading_ = false;
+  bool writing_ = false;
+  bool ended_ = false;    // nothing more is taken from the client
+  bool stopped_ = false;  // a refused batch ended the stream
+  bool broken_ = false;   // a write failed: the client is gone
+  bool finished_ = false;
+  int in_flight_ = 0;  // batches handed in and not fully answered
+  absl::Status final_status_;
+  std::deque<Answer> answers_;
+  std::optional<Answer> current_;  // the one being written
+};
+
+void EditStreams::Add(const std::shared_ptr<EditStreamCall>& call) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(calls_, [](const auto& weak) { return weak.expired(); });
+  calls_.push_back(call);
+}
+
+void EditStreams::EndAll(const absl::Status& status) {
+  std::vector<std::weak_ptr<EditStreamCall>> calls;
+  {
+    const std::lock_guard lock(mutex_);
+    calls.swap(calls_);
+  }
+  for (const auto& weak : calls) {
+    if (const auto call = weak.lock()) call->End(status);
+  }
+}
+
+grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* StartEditStreamCall(
+    ServiceContext& context, EditStreams& streams, const absl::StatusOr<Pass>& pass,
+    grpc::CallbackServerContext* rpc) {
+  return EditStreamCall::Start(context, streams, pass, rpc);
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,278 @@
+#include "server/calls/mesh_service.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "dynmesh/error.h"
+#include "proto/codec/edit_codec.h"
+#include "proto/codec/grpc_status.h"
+#include "proto/codec/mesh_codec.h"
+#include "proto/codec/status_codec.h"
+#include "server/calls/call_id.h"
+#include "server/calls/edit_call.h"
+#include "server/calls/watch_call.h"
+#include "server/version.h"
+
+namespace dynmesh::server {
+namespace {
+
+constexpr int kDefaultPageSize = 100;
+constexpr int kMaxPageSize = 1000;
+constexpr int kMaxLocatePoints = 30'000;
+
+void EncodeMesh(const MeshHost& host, v1::Mesh* out) {
+  const Head head = host.head();
+  out->set_name(MeshName(host.id()));
+  codec::EncodeOptions(host.mesh_options(), out->mutable_options());
+  codec::EncodeTime(host.create_time(), out->mutable_create_time());
+  out->set_revision(head.revision);
+  out->set_hash(head.hash.ToHex());
+}
+
+void EncodeStats(const MeshHost& host, v1::MeshStats* out) {
+  const Head head = host.head();
+  const MeshStats stats = host.stats();
+  out->set_revision(head.revision);
+  out->set_hash(head.hash.ToHex());
+  out->set_features(stats.features);
+  out->set_vertices(stats.vertices);
+  out->set_simplices(stats.simplices);
+  out->set_subsegments(stats.subsegments);
+  out->set_operations(stats.operations);
+  out->set_trace_bytes(stats.trace_bytes);
+  out->set_mesh_bytes(stats.mesh_bytes);
+  out->set_oldest_revision(host.store()->oldest());
+  out->set_watchers(host.hub()->size());
+  out->set_waiting_edits(host.waiting());
+  out->set_subfacets(stats.subfacets);
+  out->set_dimension(host.mesh_options().dimension);
+}
+
+grpc::ServerUnaryReactor* Finished(grpc::CallbackServerContext* call, const absl::Status& status) {
+  auto* reactor = call->DefaultReactor();
+  reactor->Finish(codec::ToGrpcStatus(status));
+  return reactor;
+}
+
+// Who calls. Valid as long as the call.
+Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer) {
+  Caller caller;
+  // Of two, neither is taken: which one the next server would take nobody knows.
+  const auto [begin, end] = call.client_metadata().equal_range("authorization");
+  if (begin != end) {
+    caller.authorization = std::next(begin) == end
+                               ? absl::string_view(begin->second.data(), begin->second.size())
+                               : absl::string_view();
+  }
+  // "ipv4:127.0.0.1:54321"
+  caller.address = absl::string_view(peer).substr(0, peer.rfind(':'));
+  return caller;
+}
+
+absl::Status CheckLocate(const v1::LocatePointsRequest& request, int dimension) {
+  const auto& x = request.coordinates();
+  if (x.size() % dimension != 0) {
+    return BadRequest("coordinates", absl::StrCat("their number must be a multiple of the mesh's "
+                                                  "dimension ",
+                                                  dimension));
+  }
+  if (x.size() / dimension > kMaxLocatePoints) {
+    return BadRequest("coordinates",
+                      absl::StrCat("at most ", kMaxLocatePoints, " points in one request"));
+  }
+  const auto bad = std::find_if(x.begin(), x.end(), [](double v) { return !std::isfinite(v); });
+  if (bad == x.end()) return absl::OkStatus();
+  codec::ServiceError error;
+  error.reason = reason::kNotFinite;
+  error.field = absl::StrCat("coordinates[", bad - x.begin(), "]");
+  return codec::MakeServiceError(
+      absl::StatusCode::kInvalidArgument,
+      absl::StrCat("point ", (bad - x.begin()) / dimension, " has a coordinate that is not finite"),
+      error);
+}
+
+}  // namespace
+
+absl::StatusOr<Pass> MeshServiceImpl::Admit(const grpc::CallbackServerContext* call) {
+  return context_.access->Admit(CallerOf(*call, call->peer()));
+}
+
+absl::StatusOr<Pass> MeshServiceImpl::Admit(const grpc::CallbackServerContext* call, Role role,
+                                            const std::string& mesh) {
+  absl::StatusOr<Pass> pass = Admit(call);
+  if (!pass.ok()) return pass;
+  if (absl::Status status = pass->Check(role, mesh); !status.ok()) return status;
+  return pass;
+}
+
+void MeshServiceImpl::BeginDrain() {
+  context_.gate.Close();
+  streams_.EndAll(DrainingError());
+  context_.registry->CloseWatches(DrainingError());
+}
+
+grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContext* call,
+                                                      const v1::CreateMeshRequest* request,
+                                                      v1::Mesh* response) {
+  const absl::StatusOr<Pass> pass = Admit(call);
+  if (!pass.ok()) return Finished(call, pass.status());
+  if (absl::Status s = pass->CheckId(Role::kAdmin, request->mesh_id()); !s.ok()) {
+    return Finished(call, s);
+  }
+  absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
+  if (!ticket.ok()) return Finished(call, ticket.status());
+  if (absl::Status s = CheckRequestId(request->request_id()); !s.ok()) return Finished(call, s);
+  absl::StatusOr<MeshOptions> options =
+      codec::DecodeOptions(request->options(), context_.config.max_vertices);
+  if (!options.ok()) return Finished(call, options.status());
+  auto* reactor = call->DefaultReactor();
+  // Request and response live until the call is finished.
+  context_.writers->Post([this, reactor, request, response, options = *options,
+                          held = *ticket]() mutable {
+    const auto host = context_.registry->Create(request->mesh_id(), options, request->request_id());
+    if (host.ok()) EncodeMesh(**host, response);
+    held.reset();
+    reactor->Finish(codec::ToGrpcStatus(host.status()));
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* MeshServiceImpl::GetMesh(grpc::CallbackServerContext* call,
+                                                   const v1::GetMeshRequest* request,
+                                                   v1::Mesh* response) {
+  const absl::StatusOr<Pass> pass = Admit(call, Role::kRead, request->mesh());
+  if (!pass.ok()) return Finished(call, pass.status());
+  const auto host = context_.registry->Find(request->mesh());
+  if (host.ok()) EncodeMesh(**host, response);
+  return Finished(call, host.status());
+}
+
+grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContext* call,
+                                                      const v1::ListMeshesRequest* request,
+                                                      v1::ListMeshesResponse* response) {
+  const absl::StatusOr<Pass> pass = Admit(call);
+  if (!pass.ok()) return Finished(call, pass.status());
+  if (request->page_size() < 0) {
+    return Finished(call, BadRequest("page_size", "must not be negative"));
+  }
+  if (!request->page_token().empty() && !IsMeshId(request->page_token())) {
+    return Finished(call, BadRequest("page_token", "is not one that this server gave"));
+  }
+  const int size =
+      request->page_size() == 0 ? kDefaultPageSize : std::min(request->page_size(), kMaxPageSize);
+  const auto count = static_cast<std::size_t>(size);
+  const auto hosts = context_.registry->List(
+      request->page_token(), count + 1,
+      [&pass](absl::string_view id) { return pass->Allows(Role::kRead, id); });
+  for (std::size_t i = 0; i < std::min(hosts.size(), count); ++i) {
+    EncodeMesh(*hosts[i], response->add_meshes());
+  }
+  if (hosts.size() > count) response->set_next_page_token(hosts[count - 1]->id());
+  return Finished(call, absl::OkStatus());
+}
+
+grpc::ServerUnaryReactor* MeshServiceImpl::DeleteMesh(grpc::CallbackServerContext* call,
+                                                      const v1::DeleteMeshRequest* request,
+                                                      v1::DeleteMeshResponse*) {
+  const absl::StatusOr<Pass> pass = Admit(call, Role::kAdmin, request->mesh());
+  if (!pass.ok()) return Finished(call, pass.status());
+  absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
+  if (!ticket.ok()) return Finished(call, ticket.status());
+  auto* reactor = call->DefaultReactor();
+  // It may wait for a disk.
+  context_.writers->Post([this, reactor, request, held = *ticket]() mutable {
+    const absl::Status status = context_.registry->Delete(request->mesh());
+    held.reset();
+    reactor->Finish(codec::ToGrpcStatus(status));
+  });
+  return reactor;
+}
+
+grpc::ServerUnaryReactor* MeshServiceImpl::GetStats(grpc::CallbackServerContext* call,
+                                                    const v1::GetStatsRequest* request,
+                                                    v1::GetStatsResponse* response) {
+  // Anybody who was let in may ask about the server.
+  const absl::StatusOr<Pass> pass =
+      request->mesh().empty() ? Admit(call) : Admit(call, Role::kRead, request->mesh());
+  if (!pass.ok()) return Finished(call, pass.status());
+  response->set_server_version(kVersion);
+  const std::int64_t nanos = absl::ToInt64Nanoseconds(absl::Now() - context_.start_time);
+  response->mutable_uptime()->set_seconds(nanos / 1'000'000'000);
+  response->mutable_uptime()->set_nanos(static_cast<std::int32_t>(nanos % 1'000'000'000));
+  response->set_meshes(context_.registry->size());
+  response->set_watchers(context_.watchers.used());
+  if (request->mesh().empty()) return Finished(call, absl::OkStatus());
+  const auto host = context_.registry->Find(request->mesh());
+  if (host.ok()) EncodeStats(**host, response->mutable_mesh());
+  return Finished(call, host.status());
+}
+
+grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerContext* call,
+                                                        const v1::LocatePointsRequest* request,
+                                                        v1::LocatePointsResponse* response) {
+  const absl::StatusOr<Pass> pass = Admit(call, Role::kRead, request->mesh());
+  if (!pass.ok()) return Finished(call, pass.status());
+  const auto ticket = EnterWork(context_);
+  if (!ticket.ok()) return Finished(call, ticket.status());
+  const auto host = context_.registry->Find(request->mesh());
+  if (!host.ok()) return Finished(call, host.status());
+  absl::Status status = CheckLocate(*request, (*host)->mesh_options().dimension);
+  if (!status.ok()) return Finished(call, status);
+
+  auto* reactor = call->DefaultReactor();
+  status = (*host)->Locate(
+      {request->coordinates().begin(), request->coordinates().end()},
+      [reactor, response, held = *ticket](absl::StatusOr<MeshHost::LocateAnswer> answer) {
+        if (answer.ok()) {
+          response->set_revision(answer->revision);
+          response->mutable_simplices()->mutable_vertex_ids()->Add(answer->simplices.begin(),
+                                                                   answer->simplices.end());
+        }
+        reactor->Finish(codec::ToGrpcStatus(answer.status()));
+      });
+  if (!status.ok()) reactor->Finish(codec::ToGrpcStatus(status));
+  return reactor;
+}
+
+grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(
+    grpc::CallbackServerContext* call, const v1::AddFeaturesRequest* request) {
+  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
+                       CallIdOf(*call));
+}
+
+grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RemoveFeatures(
+    grpc::CallbackServerContext* call, const v1::RemoveFeaturesRequest* request) {
+  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
+                       CallIdOf(*call));
+}
+
+grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::ApplyEdits(
+    grpc::CallbackServerContext* call, const v1::ApplyEditsRequest* request) {
+  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
+                       CallIdOf(*call));
+}
+
+grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* MeshServiceImpl::EditStream(
+    grpc::CallbackServerContext* call) {
+  return StartEditStreamCall(context_, streams_, Admit(call), call);
+}
+
+grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackServerContext* call,
+                                                                 const v1::WatchRequest* request) {
+  return StartWatchCall(context_, *request, Admit(call, Role::kRead, request->mesh()), call);
+}
+
+grpc::ServerWriteReactor<v1::SnapshotChunk>* MeshServiceImpl::GetSnapshot(
+    grpc::CallbackServerContext* call, const v1::GetSnapshotRequest* request) {
+  return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status());
+}
+
+}  // namespace dynmesh::server

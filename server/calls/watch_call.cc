@@ -1,0 +1,275 @@
+#include "server/calls/watch_call.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/data/region_filter.h"
+#include "proto/codec/grpc_status.h"
+#include "proto/codec/mesh_codec.h"
+#include "server/base/log.h"
+#include "server/meshes/watch_filter.h"
+
+namespace dynmesh::server {
+namespace {
+
+grpc::Status ClientGone() { return {grpc::StatusCode::CANCELLED, "the client is gone"}; }
+
+absl::StatusOr<data::RegionChoice> DecodeRegions(
+    const google::protobuf::RepeatedField<std::uint64_t>& regions) {
+  data::RegionChoice choice;
+  choice.in.assign(regions.begin(), regions.end());
+  data::Normalize(choice);
+  if (!choice.in.empty() && (choice.in.front() == kNoFeature || choice.in.back() == kBoxFeature)) {
+    return BadRequest("regions", "must be ids of polygons, 1 to 2^64 - 2");
+  }
+  return choice;
+}
+
+absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request) {
+  WatchHub::Start start;
+  if (request.has_start_revision() && request.regions_size() > 0) {
+    return BadRequest("start_revision",
+                      "is not possible with regions: watch without it, from a "
+                      "snapshot");
+  }
+  if (request.has_start_revision()) start.revision = request.start_revision();
+  if (!request.start_hash().empty()) {
+    const absl::StatusOr<MeshHash> hash = MeshHash::FromHex(request.start_hash());
+    if (!hash.ok()) return BadRequest("start_hash", "must be 32 hex digits");
+    start.hash = *hash;
+  }
+  const auto& interval = request.progress_interval();
+  if (interval.seconds() < 0 || interval.nanos() < 0) {
+    return BadRequest("progress_interval", "must not be negative");
+  }
+  start.progress_interval = absl::Seconds(interval.seconds()) + absl::Nanoseconds(interval.nanos());
+  return start;
+}
+
+// Exactly one party drives the call at a time, handing it on: Pump hands it to the
+// hub (idle), to the pool (work) or to gRPC (a write). So nothing here needs a lock.
+class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
+ public:
+  static WatchCall* Start(ServiceContext& context, const v1::WatchRequest& request,
+                          const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
+    auto call = std::make_shared<WatchCall>();
+    call->self_ = call;
+    const absl::Status status =
+        pass.ok() ? call->Begin(context, request, *pass, rpc) : pass.status();
+    if (!status.ok()) {
+      call->Finish(codec::ToGrpcStatus(status));
+    } else {
+      // Tells the client that it is being listened to, though nothing may come for long.
+      call->StartSendInitialMetadata();
+    }
+    return call.get();
+  }
+
+  void OnSendInitialMetadataDone(bool ok) override { Continue(ok); }
+  void OnWriteDone(bool ok) override { Continue(ok); }
+  void OnCancel() override {
+    if (subscription_ != nullptr && subscription_->Cancel()) Finish(ClientGone());
+  }
+  void OnDone() override {
+    allowed_.Close();
+    if (subscription_ != nullptr) {
+      subscription_->Cancel();
+      Log(LogLevel::kDebug, "watch_closed", {{"mesh", mesh_}});
+    }
+    self_.reset();
+  }
+
+ private:
+  absl::Status Begin(ServiceContext& context, const v1::WatchRequest& request, const Pass& pass,
+                     grpc::CallbackServerContext* rpc) {
+    if (context.gate.closed()) return DrainingError();
+    readers_ = context.readers;
+    absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
+    if (!host.ok()) return host.status();
+    absl::StatusOr<WatchHub::Start> start = DecodeStart(request);
+    if (!start.ok()) return start.status();
+    absl::StatusOr<data::RegionChoice> regions = DecodeRegions(request.regions());
+    if (!regions.ok()) return regions.status();
+    if (!regions->IsEverything()) filter_.emplace(*std::move(regions));
+    snapshot_streams_ = &context.snapshot_streams;
+    absl::StatusOr<Lease> lease = TakeStream(context.watchers, "watches");
+    if (!lease.ok()) return lease.status();
+    lease_ = *std::move(lease);
+    // The hub outlives a wake-up that is under way, this call may not.
+    const auto wake = [weak = std::weak_ptr<WatchCall>(self_)] {
+      if (const auto call = weak.lock()) call->Pump();
+    };
+    auto subscription = (*host)->hub()->Subscribe(*start, wake);
+    if (!subscription.ok()) return subscription.status();
+    subscription_ = *std::move(subscription);
+    mesh_ = (*host)->id();
+    absl::StatusOr<Access::Stream> allowed =
+        context.access->Open(pass, Role::kRead, mesh_, [rpc] { rpc->TryCancel(); });
+    if (!allowed.ok()) return allowed.status();
+    allowed_ = *std::move(allowed);
+    Log(LogLevel::kDebug, "watch_opened", {{"mesh", mesh_}, {"watchers", (*host)->hub()->size()}});
+    return absl::OkStatus();
+  }
+
+  void Continue(bool ok) {
+    if (ok) {
+      Pump();
+    } else {
+      Finish(ClientGone());
+    }
+  }
+
+  void Pump() {
+    if (SendFragment()) return;
+    WatchItem item;
+    switch (subscription_->Next(&item)) {
+      case Subscription::Step::kItem:
+        return Send(std::move(item));
+      case Subscription::Step::kIdle:
+        return;  // another thread may drive already: touch nothing
+      case Subscription::Step::kWork:
+        readers_->Post([call = self_] { call->Send(call->subscription_->Work()); });
+        return;
+    }
+  }
+
+  void Send(WatchItem item) {
+    if (filter_.has_value() && !Filter(item)) return;
+    if (auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&item)) {
+      snapshot_.emplace(std::move(*mesh));
+    } else if (auto* diff = std::get_if<std::shared_ptr<const MeshDiff>>(&item)) {
+      diff_.emplace(std::move(*diff));
+    } else if (const auto* head = std::get_if<Head>(&item)) {
+      event_.mutable_progress()->set_revision(head->revision);
+      event_.mutable_progress()->set_hash(head->hash.ToHex());
+      StartWrite(&event_);
+      return;
+    } else {
+      Finish(codec::ToGrpcStatus(std::get<absl::Status>(item)));
+      return;
+    }
+    SendFragment();
+  }
+
+  // False if the watch ends. A part of a mesh is a copy of its own, unlike whole meshes, of
+  // which all watchers share one: there are no more of them than of other snapshots.
+  bool Filter(WatchItem& item) {
+    if (std::holds_alternative<std::shared_ptr<const Mesh>>(item)) {
+      absl::StatusOr<Lease> lease = TakeStream(*snapshot_streams_, "snapshots under way");
+      if (!lease.ok()) {
+        Finish(codec::ToGrpcStatus(lease.status()));
+        return false;
+      }
+      snapshot_lease_ = *std::move(lease);
+    }
+    item = filter_->Apply(item);
+    return true;
+  }
+
+  // False if no mesh or diff is under way.
+  bool SendFragment() {
+    if (snapshot_.has_value() && snapshot_->Next(event_.mutable_snapshot())) {
+      if (snapshot_->done()) {
+        snapshot_.reset();  // the mesh is not held while waiting
+        snapshot_lease_.Release();
+      }
+    } else if (diff_.has_value() && diff_->Next(event_.mutable_diff())) {
+      if (diff_->done()) diff_.reset();
+    } else {
+      return false;
+    }
+    StartWrite(&event_);
+    return true;
+  }
+
+  std::shared_ptr<WatchCall> self_;  // until OnDone
+  WorkerPool* readers_ = nullptr;
+  Lease lease_;
+  std::string mesh_;  // for the log
+  Access::Stream allowed_;
+  std::shared_ptr<Subscription> subscription_;
+  std::optional<WatchFilter> filter_;
+  Quota* snapshot_streams_ = nullptr;
+  Lease snapshot_lease_;  // of a filtered snapshot under way
+  std::optional<codec::SnapshotFragmenter> snapshot_;
+  std::optional<codec::DiffFragmenter> diff_;
+  v1::WatchEvent event_;
+};
+
+class SnapshotCall final : public grpc::ServerWriteReactor<v1::SnapshotChunk> {
+ public:
+  static SnapshotCall* Start(ServiceContext& context, const v1::GetSnapshotRequest& request,
+                             const absl::Status& admitted) {
+    auto call = std::make_shared<SnapshotCall>();
+    call->self_ = call;
+    const absl::Status status = admitted.ok() ? call->Begin(context, request) : admitted;
+    if (!status.ok()) call->Finish(codec::ToGrpcStatus(status));
+    return call.get();
+  }
+
+  void OnWriteDone(bool ok) override {
+    if (ok) {
+      Send();
+    } else {
+      Finish(ClientGone());
+    }
+  }
+  void OnDone() override { self_.reset(); }
+
+ private:
+  absl::Status Begin(ServiceContext& context, const v1::GetSnapshotRequest& request) {
+    absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context);
+    if (!ticket.ok()) return ticket.status();
+    ticket_ = *std::move(ticket);
+    absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
+    if (!host.ok()) return host.status();
+    absl::StatusOr<Lease> lease = TakeStream(context.snapshot_streams, "snapshots under way");
+    if (!lease.ok()) return lease.status();
+    lease_ = *std::move(lease);
+    absl::StatusOr<data::RegionChoice> regions = DecodeRegions(request.regions());
+    if (!regions.ok()) return regions.status();
+    context.readers->Post([call = self_, host = *host, regions = *std::move(regions)] {
+      auto mesh = host->store()->Latest();
+      if (!mesh.ok()) return call->Finish(codec::ToGrpcStatus(mesh.status()));
+      if (!regions.IsEverything()) {
+        mesh = std::make_shared<const Mesh>(data::OnlyInside(**mesh, regions));
+      }
+      call->fragmenter_.emplace(*std::move(mesh));
+      call->Send();
+    });
+    return absl::OkStatus();
+  }
+
+  void Send() {
+    fragmenter_->Next(&chunk_);
+    if (fragmenter_->done()) {
+      StartWriteAndFinish(&chunk_, grpc::WriteOptions(), grpc::Status::OK);
+    } else {
+      StartWrite(&chunk_);
+    }
+  }
+
+  std::shared_ptr<SnapshotCall> self_;  // until OnDone
+  WorkGate::Ticket ticket_;
+  Lease lease_;
+  std::optional<codec::SnapshotFragmenter> fragmenter_;
+  v1::SnapshotChunk chunk_;
+};
+
+}  // namespace
+
+grpc::ServerWriteReactor<v1::WatchEvent>* StartWatchCall(ServiceContext& context,
+                                                         const v1::WatchRequest& request,
+                                                         const absl::StatusOr<Pass>& pass,
+                                                         grpc::CallbackServerContext* rpc) {
+  return WatchCall::Start(context, request, pass, rpc);
+}
+
+grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
+    ServiceContext& context, const v1::GetSnapshotRequest& request, const absl::Status& admitted) {
+  return SnapshotCall::Start(context, request, admitted);
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,27 @@
+// One Watch: a stream that is driven by whoever has the next thing to do - the hub
+// that wakes it, the pool that prepares a snapshot, gRPC when a message is out. No
+// thread belongs to it.
+#ifndef DYNMESH_SERVER_CALLS_WATCH_CALL_H_
+#define DYNMESH_SERVER_CALLS_WATCH_CALL_H_
+
+#include <grpcpp/support/server_callback.h>
+
+#include "dynmesh/v1/mesh_service.pb.h"
+#include "server/calls/admission.h"
+
+namespace dynmesh::server {
+
+// Starts a call that frees itself; one that was not admitted ends with why. `request` is not used
+// after the return. `rpc` is cancelled when the pass no longer allows to read.
+grpc::ServerWriteReactor<v1::WatchEvent>* StartWatchCall(ServiceContext& context,
+                                                         const v1::WatchRequest& request,
+                                                         const absl::StatusOr<Pass>& pass,
+                                                         grpc::CallbackServerContext* rpc);
+
+// The same for GetSnapshot: the mesh at its present revision, chunk by chunk.
+grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
+    ServiceContext& context, const v1::GetSnapshotRequest& request, const absl::Status& admitted);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_CALLS_WATCH_CALL_H_

@@ -1,0 +1,28 @@
+// A folder that belongs to one process at a time, by a lock that ends with the process.
+#ifndef DYNMESH_SERVER_JOURNAL_FOLDER_LOCK_H_
+#define DYNMESH_SERVER_JOURNAL_FOLDER_LOCK_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+
+namespace dynmesh::server {
+
+class FolderLock {
+ public:
+  // Makes the folder if it is not there. FAILED_PRECONDITION, with the pid, if another process
+  // (or another lock of this one) has it.
+  static absl::StatusOr<FolderLock> Take(const std::string& folder);
+
+  FolderLock(FolderLock&& other) noexcept;
+  FolderLock& operator=(FolderLock&&) = delete;
+  ~FolderLock();
+
+ private:
+  explicit FolderLock(int file) : file_(file) {}
+  int file_;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_JOURNAL_FOLDER_LOCK_H_

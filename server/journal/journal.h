@@ -1,0 +1,90 @@
+// What outlives the process: which meshes there are, and for each a snapshot of its features, the
+// batches since, and the last answers to batches with a request_id. An interface; what the bytes
+// mean stands in proto/codec/journal_codec.h.
+//
+// Invariants of an implementation:
+//   1. a call that returned OK is durable: it survives the process and a loss of power;
+//   2. a call that returned an error changed nothing that will be seen while the journal is open.
+//      (After a crash a change that failed may turn out to have been made, whole.)
+//   3. the entries of a mesh follow its snapshot one by one, without a gap.
+// Calls block until the disk is done; calls that wait at the same time may share a sync. After a
+// failed write all calls that write fail until one has been tried and done. Thread-safe.
+//
+// Errors: UNAVAILABLE if it may pass (a full disk), DATA_LOSS if what is stored is no longer sound,
+// NOT_FOUND for a mesh that was deleted, FAILED_PRECONDITION for a revision that does not follow.
+#ifndef DYNMESH_SERVER_JOURNAL_JOURNAL_H_
+#define DYNMESH_SERVER_JOURNAL_JOURNAL_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace dynmesh::server {
+
+class Journal {
+ public:
+  // Of one mesh; never given again, also not to a mesh with the same id.
+  using Key = std::int64_t;
+
+  struct Mesh {
+    Key key = 0;
+    std::string id;
+    std::string description;
+    std::uint64_t entries = 0;  // a snapshot counts as one
+  };
+  // What it did since it was opened.
+  struct Counts {
+    std::uint64_t syncs = 0;     // transactions on the disk
+    std::uint64_t failures = 0;  // transactions that were not
+  };
+  // What a batch did.
+  struct Entry {
+    std::uint64_t revision = 0;  // that it made
+    std::string data;
+  };
+  // A request_id and its answer.
+  struct Request {
+    std::string id;
+    std::string answer;
+  };
+  // What is read of a mesh, in this order, revisions without a gap up to the last. An error ends
+  // the reading and is returned.
+  struct Visitor {
+    std::function<absl::Status(const Request&)> request;  // the oldest first
+    std::function<absl::Status(std::uint64_t revision, const std::string& part)> snapshot;
+    std::function<absl::Status(const Entry&)> entry;
+  };
+
+  virtual ~Journal() = default;
+
+  // Where it is, for people.
+  virtual std::string name() const = 0;
+
+  virtual Counts counts() const { return {}; }
+
+  virtual absl::StatusOr<std::vector<Mesh>> List() = 0;  // by id
+  // ALREADY_EXISTS for an id that is there.
+  virtual absl::StatusOr<Key> Create(const std::string& id, const std::string& description) = 0;
+  virtual absl::Status Delete(Key mesh) = 0;
+
+  // Either may be missing. Of the requests of a mesh only the newest are kept.
+  virtual absl::Status Append(Key mesh, const std::optional<Entry>& entry,
+                              const std::optional<Request>& request) = 0;
+
+  // DATA_LOSS if something that was told is missing.
+  virtual absl::Status Read(Key mesh, const Visitor& visitor) = 0;
+
+  // Puts `parts` in the place of the snapshot and of all entries, of which `revision` is the last.
+  virtual absl::Status Compact(Key mesh, std::uint64_t revision,
+                               const std::vector<std::string>& parts) = 0;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_JOURNAL_JOURNAL_H_

@@ -1,0 +1,45 @@
+// How far making the journal's meshes again has come, for the log and for the metrics. Meshes are
+// made at the same time; one thread waits for all, and tells meanwhile. Thread-safe.
+#ifndef DYNMESH_SERVER_JOURNAL_RECOVERY_PROGRESS_H_
+#define DYNMESH_SERVER_JOURNAL_RECOVERY_PROGRESS_H_
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "absl/time/time.h"
+#include "server/journal/journal.h"
+#include "server/metrics/server_metrics.h"
+
+namespace dynmesh::server {
+
+class RecoveryProgress {
+ public:
+  // `metrics` may be null.
+  RecoveryProgress(const std::vector<Journal::Mesh>& meshes, RecoveryMetrics* metrics);
+
+  void Apply();    // a snapshot or an entry is applied
+  void Damage();   // a mesh turned out to be damaged
+  void EndMesh();  // made, or damaged
+
+  // Until all meshes have ended. Logs done and total, once an interval.
+  void Wait(absl::Duration interval);
+
+ private:
+  RecoveryMetrics* const metrics_;
+  const MetricsClock::time_point start_ = MetricsClock::now();
+  const std::size_t meshes_;
+  std::uint64_t entries_ = 0;
+  std::atomic<std::uint64_t> entries_done_{0};
+
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  std::size_t meshes_done_ = 0;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_JOURNAL_RECOVERY_PROGRESS_H_

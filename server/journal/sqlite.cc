@@ -1,0 +1,98 @@
+#include "server/journal/sqlite.h"
+
+#include "absl/strings/str_cat.h"
+
+namespace dynmesh::server::sqlite {
+namespace {
+
+constexpr int kBusyMilliseconds = 10'000;
+
+}  // namespace
+
+absl::Status StatusOf(int code, absl::string_view doing, absl::string_view message) {
+  const int primary = code & 0xff;
+  if (primary == SQLITE_OK || primary == SQLITE_ROW || primary == SQLITE_DONE) {
+    return absl::OkStatus();
+  }
+  std::string what = absl::StrCat(doing, ": ", message, " (SQLite ", code, ")");
+  if (primary == SQLITE_CORRUPT || primary == SQLITE_NOTADB) return absl::DataLossError(what);
+  return absl::UnavailableError(what);
+}
+
+absl::StatusOr<Connection> Connection::Open(const std::string& path, const char* vfs) {
+  Connection connection;
+  sqlite3* db = nullptr;
+  const int code = sqlite3_open_v2(
+      path.c_str(), &db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, vfs);
+  connection.db_.reset(db);
+  if (code != SQLITE_OK) {
+    return sqlite::StatusOf(code, absl::StrCat("opening ", path),
+                            db != nullptr ? sqlite3_errmsg(db) : sqlite3_errstr(code));
+  }
+  sqlite3_extended_result_codes(db, 1);
+  sqlite3_busy_timeout(db, kBusyMilliseconds);
+  return connection;
+}
+
+absl::Status Connection::StatusOf(int code, absl::string_view doing) const {
+  return sqlite::StatusOf(code, doing, sqlite3_errmsg(db_.get()));
+}
+
+absl::Status Connection::Run(const char* sql) {
+  return StatusOf(sqlite3_exec(db_.get(), sql, nullptr, nullptr, nullptr), sql);
+}
+
+Statement::Statement(const Connection& connection, const char* sql)
+    : connection_(connection), sql_(sql) {
+  Take(sqlite3_prepare_v2(connection.get(), sql, -1, &statement_, nullptr));
+}
+
+void Statement::Take(int code) {
+  if (status_.ok()) status_ = connection_.StatusOf(code, sql_);
+}
+
+Statement& Statement::Bind(std::int64_t value) {
+  if (status_.ok()) Take(sqlite3_bind_int64(statement_, ++bound_, value));
+  return *this;
+}
+
+Statement& Statement::BindText(absl::string_view text) {
+  if (status_.ok()) {
+    Take(sqlite3_bind_text64(statement_, ++bound_, text.data(), text.size(), SQLITE_STATIC,
+                             SQLITE_UTF8));
+  }
+  return *this;
+}
+
+Statement& Statement::BindBytes(absl::string_view bytes) {
+  if (status_.ok()) {
+    // A null pointer would be NULL, not an empty blob.
+    Take(sqlite3_bind_blob64(statement_, ++bound_, bytes.empty() ? "" : bytes.data(), bytes.size(),
+                             SQLITE_STATIC));
+  }
+  return *this;
+}
+
+bool Statement::Step() {
+  if (!status_.ok()) return false;
+  const int code = sqlite3_step(statement_);
+  if (code == SQLITE_ROW) return true;
+  Take(code);
+  return false;
+}
+
+std::string Statement::Bytes(int column) const {
+  const void* data = sqlite3_column_blob(statement_, column);
+  const int size = sqlite3_column_bytes(statement_, column);
+  return data == nullptr
+             ? std::string()
+             : std::string(static_cast<const char*>(data), static_cast<std::size_t>(size));
+}
+
+absl::Status Statement::Finish() {
+  while (Step()) {
+  }
+  return status_;
+}
+
+}  // namespace dynmesh::server::sqlite

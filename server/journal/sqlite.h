@@ -1,0 +1,75 @@
+// As much of SQLite's C interface as the journal needs: connections and statements that close
+// themselves, results as statuses. Thread-compatible.
+#ifndef DYNMESH_SERVER_JOURNAL_SQLITE_H_
+#define DYNMESH_SERVER_JOURNAL_SQLITE_H_
+
+#include <sqlite3.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+
+namespace dynmesh::server::sqlite {
+
+// UNAVAILABLE, or DATA_LOSS if `code` says that the file is not sound. OK for SQLITE_OK.
+absl::Status StatusOf(int code, absl::string_view doing, absl::string_view message);
+
+class Connection {
+ public:
+  // `vfs` null: the default one. Waits for other connections up to some seconds.
+  static absl::StatusOr<Connection> Open(const std::string& path, const char* vfs);
+
+  // Statements without a result, separated by semicolons.
+  absl::Status Run(const char* sql);
+  // False in a transaction; a failed statement may have ended it.
+  bool autocommit() const { return sqlite3_get_autocommit(db_.get()) != 0; }
+  absl::Status StatusOf(int code, absl::string_view doing) const;
+  sqlite3* get() const { return db_.get(); }
+
+ private:
+  struct Close {
+    void operator()(sqlite3* db) const { sqlite3_close_v2(db); }
+  };
+  std::unique_ptr<sqlite3, Close> db_;
+};
+
+// A prepared statement. Errors stick: bind, step and read, then ask status(). What is bound
+// outlives the stepping.
+class Statement {
+ public:
+  Statement(const Connection& connection, const char* sql);
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+  ~Statement() { sqlite3_finalize(statement_); }
+
+  // The next parameter.
+  Statement& Bind(std::int64_t value);
+  Statement& BindText(absl::string_view text);
+  Statement& BindBytes(absl::string_view bytes);
+
+  // True if there is a row.
+  bool Step();
+  std::int64_t Integer(int column) const { return sqlite3_column_int64(statement_, column); }
+  std::string Bytes(int column) const;
+  const absl::Status& status() const { return status_; }
+
+  // Steps to the end.
+  absl::Status Finish();
+
+ private:
+  void Take(int code);
+
+  const Connection& connection_;
+  const char* const sql_;
+  sqlite3_stmt* statement_ = nullptr;
+  int bound_ = 0;
+  absl::Status status_;
+};
+
+}  // namespace dynmesh::server::sqlite
+
+#endif  // DYNMESH_SERVER_JOURNAL_SQLITE_H_

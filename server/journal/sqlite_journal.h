@@ -1,0 +1,100 @@
+// The journal in a folder: an SQLite database in WAL mode, synced at every commit, and a lock.
+//
+// One thread writes. Callers queue what they want and wait; the thread does all that waits in one
+// transaction, so that they share its sync. A transaction that fails is rolled back and fails all
+// that were in it, also the innocent: what a failed sync left on the disk nobody knows. Before
+// anything else is written a probe is, over the same place of the log; until one is done, all
+// writes fail.
+//
+// Cost: a sync for each group, O(bytes) and a search in a B-tree. Reads have connections of their
+// own and wait for no writer. Thread-safe.
+#ifndef DYNMESH_SERVER_JOURNAL_SQLITE_JOURNAL_H_
+#define DYNMESH_SERVER_JOURNAL_SQLITE_JOURNAL_H_
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/journal/folder_lock.h"
+#include "server/journal/journal.h"
+#include "server/journal/sqlite.h"
+
+namespace dynmesh::server {
+
+class SqliteJournal final : public Journal {
+ public:
+  // The tables, as they are numbered in the file. What is newer is refused.
+  static constexpr int kSchema = 1;
+
+  struct Options {
+    std::size_t remembered_requests = 10'000;  // of a mesh
+    const char* vfs = nullptr;                 // of SQLite; for tests
+  };
+
+  // FAILED_PRECONDITION if another process has the folder or a newer version wrote it.
+  static absl::StatusOr<std::unique_ptr<SqliteJournal>> Open(const std::string& folder,
+                                                             const Options& options);
+  ~SqliteJournal() override;
+
+  std::string name() const override { return path_; }
+  Counts counts() const override { return {syncs_.load(), failures_.load()}; }
+  absl::StatusOr<std::vector<Mesh>> List() override;
+  absl::StatusOr<Key> Create(const std::string& id, const std::string& description) override;
+  absl::Status Delete(Key mesh) override;
+  absl::Status Append(Key mesh, const std::optional<Entry>& entry,
+                      const std::optional<Request>& request) override;
+  absl::Status Read(Key mesh, const Visitor& visitor) override;
+  absl::Status Compact(Key mesh, std::uint64_t revision,
+                       const std::vector<std::string>& parts) override;
+
+ private:
+  // What a caller wants done in a transaction. An error that it found before it wrote anything is
+  // its own; one that SQLite had is that of all.
+  using Change = std::function<absl::Status()>;
+  struct Waiting {
+    const Change* change;
+    absl::Status result;
+    bool done = false;
+  };
+
+  SqliteJournal(std::string path, const Options& options, FolderLock lock,
+                sqlite::Connection connection);
+
+  absl::Status Write(const Change& change);
+  // On the writer's thread.
+  void Run();
+  absl::Status Commit(const std::vector<Waiting*>& group);
+  absl::Status Probe();
+  absl::Status Append(Key mesh, const Entry& entry);
+  absl::Status Append(Key mesh, const Request& request);
+  // The mesh's last revision.
+  absl::StatusOr<std::int64_t> LastOf(Key mesh);
+  absl::Status Run(const char* sql, Key mesh);
+
+  const std::string path_;
+  const Options options_;
+  const FolderLock lock_;
+
+  // Belong to the writer's thread.
+  sqlite::Connection writer_;
+  bool failed_ = false;
+
+  std::atomic<std::uint64_t> syncs_{0};
+  std::atomic<std::uint64_t> failures_{0};
+
+  std::mutex mutex_;
+  std::condition_variable wake_;   // of the writer
+  std::condition_variable ended_;  // of the callers
+  std::deque<Waiting*> waiting_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_JOURNAL_SQLITE_JOURNAL_H_

@@ -1,0 +1,261 @@
+#include "server/meshes/diff_algebra.h"
+
+#include <array>
+#include <utility>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "absl/strings/str_cat.h"
+#include "core/data/pieces.h"
+#include "core/data/regions.h"
+
+namespace dynmesh::server {
+namespace {
+
+using SimplexKey = std::array<std::uint64_t, 5>;  // ids, unused ones 0, and region
+
+SimplexKey KeyOfSimplex(const SimplexColumn& column, const RegionColumn& regions, std::size_t row,
+                        std::size_t corners) {
+  SimplexKey key = {0, 0, 0, 0, kNoRegion};
+  for (std::size_t i = 0; i < corners; ++i) key[i] = column[row * corners + i];
+  if (!regions.empty()) key.back() = regions[row];
+  return key;
+}
+
+void AddSimplex(SimplexColumn& to, RegionColumn& regions, const SimplexKey& key,
+                std::size_t corners) {
+  to.insert(to.end(), key.begin(), key.begin() + static_cast<std::ptrdiff_t>(corners));
+  regions.push_back(key.back());
+}
+
+void AddVertex(VertexColumns& to, const VertexColumns& from, std::size_t row,
+               std::size_t dimension) {
+  to.ids.push_back(from.ids[row]);
+  const double* x = from.coordinates.data() + row * dimension;
+  to.coordinates.insert(to.coordinates.end(), x, x + dimension);
+  to.containing_dimensions.push_back(from.containing_dimensions[row]);
+  to.owners.push_back(from.owners[row]);
+}
+
+// Rows without content beside their key: what was removed and what was added, net.
+template <typename Key>
+class NetRows {
+ public:
+  void Remove(const Key& key) {
+    if (added_.erase(key) == 0) removed_.insert(key);
+  }
+  void Add(const Key& key) {
+    if (removed_.erase(key) == 0) added_.insert(key);
+  }
+  const auto& removed() const { return removed_; }
+  const auto& added() const { return added_; }
+
+ private:
+  absl::flat_hash_set<Key> removed_, added_;
+};
+
+template <class Columns>
+class NetPieces {
+ public:
+  void Apply(const Columns& removed, const Columns& added) {
+    for (std::size_t i = 0; i < removed.size(); ++i) rows_.Remove(data::KeyOf(removed, i));
+    for (std::size_t i = 0; i < added.size(); ++i) rows_.Add(data::KeyOf(added, i));
+  }
+  void Write(Columns& removed, Columns& added) const {
+    for (const auto& key : rows_.removed()) data::Append(removed, key);
+    for (const auto& key : rows_.added()) data::Append(added, key);
+  }
+
+ private:
+  NetRows<data::PieceKey<Columns>> rows_;
+};
+
+// Vertices carry content: a removal says only the id, so it can cancel an addition
+// but no addition can cancel a removal.
+class NetVertices {
+ public:
+  void Remove(VertexId id) {
+    if (added_.erase(id) == 0) removed_.insert(id);
+  }
+  void Add(VertexId id, const VertexColumns* columns, std::size_t row) {
+    added_[id] = {columns, row};
+  }
+  void Write(MeshDiff& out) const {
+    out.removed_vertices.assign(removed_.begin(), removed_.end());
+    for (const auto& [id, place] : added_) {
+      AddVertex(out.added_vertices, *place.first, place.second,
+                static_cast<std::size_t>(out.dimension));
+    }
+  }
+
+ private:
+  absl::flat_hash_set<VertexId> removed_;
+  absl::flat_hash_map<VertexId, std::pair<const VertexColumns*, std::size_t>> added_;
+};
+
+absl::Status Missing(absl::string_view what, const MeshDiff& diff) {
+  return absl::DataLossError(absl::StrCat("the diff to revision ", diff.to_revision, " removes ",
+                                          what, " that the mesh does not have"));
+}
+
+absl::Status PatchVertices(const Mesh& mesh, const MeshDiff& diff, VertexColumns& out) {
+  const auto dimension = static_cast<std::size_t>(mesh.dimension);
+  const absl::flat_hash_set<VertexId> gone(diff.removed_vertices.begin(),
+                                           diff.removed_vertices.end());
+  const std::size_t room = mesh.vertices.size() + diff.added_vertices.size();
+  out.ids.reserve(room);
+  out.coordinates.reserve(room * dimension);
+  out.containing_dimensions.reserve(room);
+  out.owners.reserve(room);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (!gone.contains(mesh.vertices.ids[i])) AddVertex(out, mesh.vertices, i, dimension);
+  }
+  if (out.size() + gone.size() != mesh.vertices.size()) return Missing("a vertex", diff);
+  for (std::size_t i = 0; i < diff.added_vertices.size(); ++i) {
+    AddVertex(out, diff.added_vertices, i, dimension);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status PatchSimplices(const Mesh& mesh, const MeshDiff& diff, Mesh& out) {
+  const auto corners = static_cast<std::size_t>(mesh.dimension) + 1;
+  const bool labelled = !mesh.regions.empty() || !diff.added_regions.empty();
+  absl::flat_hash_set<SimplexKey> gone;
+  for (std::size_t i = 0; i < diff.removed_simplex_count(); ++i) {
+    gone.insert(KeyOfSimplex(diff.removed_simplices, diff.removed_regions, i, corners));
+  }
+  const std::size_t room = mesh.simplex_count() + diff.added_simplex_count();
+  out.simplices.reserve(room * corners);
+  if (labelled) out.regions.reserve(room);
+  for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
+    const SimplexKey key = KeyOfSimplex(mesh.simplices, mesh.regions, i, corners);
+    if (gone.contains(key)) continue;
+    const VertexId* const ids = &mesh.simplices[i * corners];
+    out.simplices.insert(out.simplices.end(), ids, ids + corners);
+    if (labelled) out.regions.push_back(key.back());
+  }
+  if (out.simplex_count() + gone.size() != mesh.simplex_count()) return Missing("a simplex", diff);
+  out.simplices.insert(out.simplices.end(), diff.added_simplices.begin(),
+                       diff.added_simplices.end());
+  if (!labelled) return absl::OkStatus();
+  out.regions.insert(out.regions.end(), diff.added_regions.begin(), diff.added_regions.end());
+  out.regions.resize(out.simplex_count(), kNoRegion);
+  data::DropIfIdle(out.regions);
+  out.region_sets = mesh.region_sets;
+  data::AppendSets(out.region_sets, diff.region_sets);
+  data::KeepNamed(out.region_sets, {&out.regions});
+  return absl::OkStatus();
+}
+
+template <class Columns>
+absl::Status PatchPieces(const Columns& held, const MeshDiff& diff, const Columns& removed,
+                         const Columns& added, Columns& out) {
+  absl::flat_hash_set<data::PieceKey<Columns>> gone;
+  for (std::size_t i = 0; i < removed.size(); ++i) gone.insert(data::KeyOf(removed, i));
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const auto key = data::KeyOf(held, i);
+    if (!gone.contains(key)) data::Append(out, key);
+  }
+  if (out.size() + gone.size() != held.size()) {
+    return Missing(absl::StrCat("a ", data::kPieceName<Columns>), diff);
+  }
+  for (std::size_t i = 0; i < added.size(); ++i) data::Append(out, data::KeyOf(added, i));
+  return absl::OkStatus();
+}
+
+std::size_t Bytes(const VertexColumns& v) {
+  return v.ids.size() * 17 + v.coordinates.size() * sizeof(double);
+}
+
+}  // namespace
+
+std::size_t ByteSize(const MeshDiff& d) {
+  return sizeof(MeshDiff) + Bytes(d.added_vertices) + data::ByteSize(d.added_subsegments) +
+         data::ByteSize(d.removed_subsegments) + data::ByteSize(d.added_subfacets) +
+         data::ByteSize(d.removed_subfacets) +
+         8 * (d.removed_vertices.size() + d.removed_simplices.size() + d.removed_regions.size() +
+              d.added_simplices.size() + d.added_regions.size()) +
+         data::ByteSize(d.region_sets);
+}
+
+std::size_t ByteSize(const Mesh& m) {
+  return sizeof(Mesh) + Bytes(m.vertices) + data::ByteSize(m.subsegments) +
+         data::ByteSize(m.subfacets) + 8 * (m.simplices.size() + m.regions.size()) +
+         data::ByteSize(m.region_sets);
+}
+
+MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
+  MeshDiff out;
+  out.dimension = diffs.front()->dimension;
+  out.from_revision = diffs.front()->from_revision;
+  out.to_revision = diffs.back()->to_revision;
+  out.hash = diffs.back()->hash;
+  const auto corners = static_cast<std::size_t>(out.dimension) + 1;
+  NetVertices vertices;
+  NetRows<SimplexKey> simplices;
+  NetPieces<SubsegmentColumns> subsegments;
+  NetPieces<SubfacetColumns> subfacets;
+  for (const auto& diff : diffs) {
+    const MeshDiff& d = *diff;
+    for (const VertexId id : d.removed_vertices) vertices.Remove(id);
+    for (std::size_t i = 0; i < d.added_vertices.size(); ++i) {
+      vertices.Add(d.added_vertices.ids[i], &d.added_vertices, i);
+    }
+    for (std::size_t i = 0; i < d.removed_simplex_count(); ++i) {
+      simplices.Remove(KeyOfSimplex(d.removed_simplices, d.removed_regions, i, corners));
+    }
+    for (std::size_t i = 0; i < d.added_simplex_count(); ++i) {
+      simplices.Add(KeyOfSimplex(d.added_simplices, d.added_regions, i, corners));
+    }
+    subsegments.Apply(d.removed_subsegments, d.added_subsegments);
+    subfacets.Apply(d.removed_subfacets, d.added_subfacets);
+    data::AppendSets(out.region_sets, d.region_sets);
+    out.work.executed += d.work.executed;
+    out.work.created += d.work.created;
+    out.work.dropped += d.work.dropped;
+    out.work.microseconds += d.work.microseconds;
+    out.work.validate_microseconds += d.work.validate_microseconds;
+    out.work.diff_microseconds += d.work.diff_microseconds;
+  }
+  vertices.Write(out);
+  for (const auto& key : simplices.removed()) {
+    AddSimplex(out.removed_simplices, out.removed_regions, key, corners);
+  }
+  for (const auto& key : simplices.added()) {
+    AddSimplex(out.added_simplices, out.added_regions, key, corners);
+  }
+  subsegments.Write(out.removed_subsegments, out.added_subsegments);
+  subfacets.Write(out.removed_subfacets, out.added_subfacets);
+  // The order of hash sets differs between runs; what is sent must not. Drops regions that
+  // say nothing, too.
+  Canonicalize(out);
+  return out;
+}
+
+absl::StatusOr<Mesh> Patched(const Mesh& mesh, const MeshDiff& diff) {
+  if (mesh.revision != diff.from_revision || mesh.dimension != diff.dimension) {
+    return absl::FailedPreconditionError("the diff does not continue the mesh");
+  }
+  Mesh out;
+  out.dimension = mesh.dimension;
+  out.revision = diff.to_revision;
+  out.hash = diff.hash;
+  if (absl::Status s = PatchVertices(mesh, diff, out.vertices); !s.ok()) return s;
+  if (absl::Status s = PatchSimplices(mesh, diff, out); !s.ok()) return s;
+  const auto patch = [&](auto column, auto removed, auto added) {
+    return PatchPieces(mesh.*column, diff, diff.*removed, diff.*added, out.*column);
+  };
+  if (absl::Status s =
+          patch(&Mesh::subsegments, &MeshDiff::removed_subsegments, &MeshDiff::added_subsegments);
+      !s.ok()) {
+    return s;
+  }
+  if (absl::Status s =
+          patch(&Mesh::subfacets, &MeshDiff::removed_subfacets, &MeshDiff::added_subfacets);
+      !s.ok()) {
+    return s;
+  }
+  return out;
+}
+
+}  // namespace dynmesh::server

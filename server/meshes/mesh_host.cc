@@ -1,0 +1,301 @@
+#include "server/meshes/mesh_host.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "proto/codec/status_codec.h"
+#include "server/base/log.h"
+
+namespace dynmesh::server {
+namespace {
+
+constexpr absl::Duration kRetryAfter = absl::Milliseconds(100);
+
+std::shared_ptr<MeshDiff> EmptyDiff(int dimension, std::uint64_t revision, const MeshHash& hash) {
+  auto diff = std::make_shared<MeshDiff>();
+  diff->dimension = dimension;
+  diff->from_revision = diff->to_revision = revision;
+  diff->hash = hash;
+  return diff;
+}
+
+absl::Status QueueFull(std::size_t waiting) {
+  codec::ServiceError error;
+  error.reason = codec::reason::kQueueFull;
+  error.retry_after = kRetryAfter;
+  return codec::MakeServiceError(
+      absl::StatusCode::kResourceExhausted,
+      absl::StrCat(waiting, " requests wait for this mesh already: try again later"), error);
+}
+
+absl::Status RevisionMismatch(std::uint64_t expected, std::uint64_t present) {
+  codec::ServiceError error;
+  error.reason = codec::reason::kRevisionMismatch;
+  error.metadata["revision"] = absl::StrCat(present);
+  return codec::MakeServiceError(
+      absl::StatusCode::kAborted,
+      absl::StrCat("the mesh is at revision ", present, ", not at the expected ", expected,
+                   ": look at what changed and decide again"),
+      error);
+}
+
+absl::Status IdReused(absl::string_view request_id, std::uint64_t revision) {
+  codec::ServiceError error;
+  error.reason = codec::reason::kRequestIdReused;
+  error.metadata["revision"] = absl::StrCat(revision);
+  error.field = "request_id";
+  return codec::MakeServiceError(
+      absl::StatusCode::kAlreadyExists,
+      absl::StrCat("request_id '", request_id, "' was used for other edits, which made revision ",
+                   revision, ": use a new one"),
+      error);
+}
+
+}  // namespace
+
+std::shared_ptr<MeshHost> MeshHost::Create(std::string id, std::unique_ptr<DynamicMesh> mesh,
+                                           absl::Time now, WorkerPool* writers, WorkerPool* readers,
+                                           const Options& options, Past past) {
+  return std::shared_ptr<MeshHost>(new MeshHost(std::move(id), std::move(mesh), now, writers,
+                                                readers, options, std::move(past)));
+}
+
+MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time now,
+                   WorkerPool* writers, WorkerPool* readers, const Options& options, Past past)
+    : id_(std::move(id)),
+      mesh_options_(mesh->options()),
+      create_time_(now),
+      readers_(readers),
+      max_waiting_(options.max_waiting),
+      metrics_(options.metrics),
+      max_features_(options.max_features),
+      memory_(options.memory),
+      queue_(SerialQueue::Create(writers)),
+      store_(past.store != nullptr
+                 ? std::move(past.store)
+                 : std::make_shared<RevisionStore>(std::make_shared<const Mesh>(mesh->Snapshot()),
+                                                   options.history)),
+      hub_(WatchHub::Create(store_, readers, options.watch)),
+      mesh_(std::move(mesh)),
+      log_(std::move(past.log)),
+      requests_(past.requests.has_value() ? *std::move(past.requests)
+                                          : RequestMemory(options.remembered_requests)),
+      stats_(mesh_->Stats()) {}
+
+MeshHost::~MeshHost() { hub_->Close(absl::UnavailableError("the mesh is gone")); }
+
+absl::Status MeshHost::Apply(EditJob job) {
+  auto shared = std::make_shared<EditJob>(std::move(job));
+  const bool posted =
+      queue_->TryPost([self = shared_from_this(), shared] { self->Run(*shared); }, max_waiting_);
+  return posted ? absl::OkStatus() : QueueFull(max_waiting_);
+}
+
+void MeshHost::ApplyUnbounded(EditJob job) {
+  auto shared = std::make_shared<EditJob>(std::move(job));
+  queue_->Post([self = shared_from_this(), shared] { self->Run(*shared); });
+}
+
+absl::Status MeshHost::Locate(std::vector<double> points,
+                              std::function<void(absl::StatusOr<LocateAnswer>)> done) {
+  auto shared = std::make_shared<std::vector<double>>(std::move(points));
+  const auto task = [self = shared_from_this(), shared, done = std::move(done)] {
+    if (absl::Status status = self->closed(); !status.ok()) return done(status);
+    done(LocateAnswer{self->mesh_->revision(), self->mesh_->Locate(*shared)});
+  };
+  return queue_->TryPost(task, max_waiting_) ? absl::OkStatus() : QueueFull(max_waiting_);
+}
+
+void MeshHost::Close(const absl::Status& status) {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = status;
+  }
+  hub_->Close(status);
+}
+
+absl::Status MeshHost::closed() const {
+  const std::lock_guard lock(mutex_);
+  return closed_;
+}
+
+MeshStats MeshHost::stats() const {
+  const std::lock_guard lock(mutex_);
+  return stats_;
+}
+
+void MeshHost::Run(EditJob& job) {
+  const std::uint64_t before = mesh_->revision();
+  SetRunning(&job);
+  absl::StatusOr<EditOutcome> outcome = Answer(job);
+  SetRunning(nullptr);
+  if (!outcome.ok() && job.stop != nullptr) job.stop->store(true);
+  Count(job, outcome);
+  if (LogEnabled(LogLevel::kDebug)) {
+    Log(LogLevel::kDebug, "edit",
+        {{"mesh", id_},
+         {"call", job.call_id},
+         {"request_id", job.request_id},
+         {"edits", job.edits.size()},
+         {"revision", mesh_->revision()},
+         {"status", absl::StatusCodeToString(outcome.status().code())},
+         {"message", outcome.status().message()}});
+  }
+  // The writer's own caller first: the watchers' threads would compete with it.
+  job.done(std::move(outcome));
+  if (mesh_->revision() != before) {
+    hub_->Notify();
+    RebaseIfDue();
+    if (log_ != nullptr) log_->CompactIfDue(*mesh_);
+  }
+}
+
+void MeshHost::SetRunning(const EditJob* job) {
+  const std::lock_guard lock(mutex_);
+  running_ = job;
+  if (job != nullptr) reported_ = running_since_ = MetricsClock::now();
+}
+
+void MeshHost::ReportLongWork(absl::Duration interval) {
+  const auto now = MetricsClock::now();
+  const std::lock_guard lock(mutex_);
+  if (running_ == nullptr || absl::FromChrono(now - reported_) < interval) return;
+  reported_ = now;
+  Log(LogLevel::kInfo, "edit_running",
+      {{"mesh", id_},
+       {"call", running_->call_id},
+       {"edits", running_->edits.size()},
+       {"features", stats_.features},
+       {"seconds", absl::ToInt64Seconds(absl::FromChrono(now - running_since_))},
+       {"waiting", queue_->waiting()}});
+}
+
+void MeshHost::Count(const EditJob& job, const absl::StatusOr<EditOutcome>& outcome) {
+  if (metrics_ == nullptr) return;
+  if (!outcome.ok()) return metrics_->CountAnswer(outcome.status(), EditMetrics::Kind::kApplied);
+  const auto kind = outcome->replayed   ? EditMetrics::Kind::kReplayed
+                    : job.validate_only ? EditMetrics::Kind::kValidated
+                                        : EditMetrics::Kind::kApplied;
+  metrics_->CountAnswer(absl::OkStatus(), kind);
+  if (kind == EditMetrics::Kind::kApplied) metrics_->ObserveWork(outcome->diff->work);
+}
+
+absl::StatusOr<EditOutcome> MeshHost::Answer(EditJob& job) {
+  if (absl::Status status = closed(); !status.ok()) return status;
+  if (job.stop != nullptr && job.stop->load()) {
+    return absl::CancelledError("a batch before it was refused");
+  }
+  if (!job.refused.ok()) return job.refused;
+  if (job.cancelled != nullptr && job.cancelled->load(std::memory_order_relaxed)) {
+    return absl::CancelledError("the call was cancelled before its turn: nothing changed");
+  }
+  // A retry comes before anything that may have changed since the first time.
+  Fingerprint content;
+  if (!job.request_id.empty() && !job.validate_only) {
+    content = FingerprintOf(job.edits);
+    if (const RequestMemory::Entry* entry = requests_.Find(job.request_id)) {
+      if (entry->content != content) return IdReused(job.request_id, entry->to_revision);
+      return Replay(*entry);
+    }
+  }
+  if (job.expected_revision.has_value() && *job.expected_revision != mesh_->revision()) {
+    return RevisionMismatch(*job.expected_revision, mesh_->revision());
+  }
+  return job.validate_only ? CheckOnly(job) : Change(job, content);
+}
+
+absl::StatusOr<EditOutcome> MeshHost::Replay(const RequestMemory::Entry& entry) const {
+  EditOutcome outcome;
+  outcome.replayed = true;
+  if (entry.from_revision != entry.to_revision) {
+    outcome.diff = store_->DiffFrom(entry.from_revision);
+  }
+  if (outcome.diff == nullptr) {
+    auto diff = EmptyDiff(mesh_options_.dimension, entry.from_revision, entry.hash);
+    diff->to_revision = entry.to_revision;
+    diff->work = entry.work;
+    outcome.columns_omitted = entry.from_revision != entry.to_revision;
+    outcome.diff = std::move(diff);
+  }
+  return outcome;
+}
+
+absl::StatusOr<EditOutcome> MeshHost::CheckOnly(const EditJob& job) const {
+  if (absl::Status status = mesh_->Validate(job.edits); !status.ok()) return status;
+  return EditOutcome{EmptyDiff(mesh_options_.dimension, mesh_->revision(), mesh_->hash())};
+}
+
+// Batches that only remove always have room: they are the way out.
+absl::Status MeshHost::CheckRoom(std::size_t adds, std::size_t removes) const {
+  if (adds > removes && stats().features + (adds - removes) > max_features_) {
+    codec::ServiceError error;
+    error.reason = codec::reason::kFeatureLimit;
+    return codec::MakeServiceError(absl::StatusCode::kResourceExhausted,
+                                   absl::StrCat("the mesh would have more than the ", max_features_,
+                                                " features that this server allows one mesh"),
+                                   error);
+  }
+  return memory_ == nullptr ? absl::OkStatus() : memory_->CheckRoom();
+}
+
+absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& content) {
+  ApplyOptions apply_options;
+  const auto count = [&](Edit::Action action) {
+    return static_cast<std::size_t>(
+        std::count_if(job.edits.begin(), job.edits.end(),
+                      [action](const Edit& edit) { return edit.action == action; }));
+  };
+  const std::size_t removes = count(Edit::Action::kRemove);
+  const bool grows = removes < job.edits.size();
+  if (grows) {
+    if (absl::Status s = CheckRoom(count(Edit::Action::kAdd), removes); !s.ok()) return s;
+    if (memory_ != nullptr) apply_options.stopped = memory_->full();
+  }
+  apply_options.cancelled = job.cancelled.get();
+  RequestMemory::Entry answer{content, 0, 0, {}, {}};
+  apply_options.commit = [&](const MeshDiff& d) {
+    answer = {content, d.from_revision, d.to_revision, d.hash, d.work};
+    if (log_ == nullptr) return absl::OkStatus();
+    const auto start = MetricsClock::now();
+    absl::Status written = log_->Append(job.edits, job.request_id, answer);
+    if (metrics_ != nullptr) metrics_->journal_seconds.Observe(SecondsSince(start));
+    return written;
+  };
+  absl::StatusOr<MeshDiff> applied = mesh_->Apply(job.edits, apply_options);
+  if (!applied.ok()) {
+    const bool stopped = grows && memory_ != nullptr && absl::IsCancelled(applied.status()) &&
+                         (job.cancelled == nullptr || !job.cancelled->load());
+    return stopped ? memory_->RefuseGrowth() : applied.status();
+  }
+  auto diff = std::make_shared<const MeshDiff>(*std::move(applied));
+  if (diff->from_revision != diff->to_revision) {
+    if (absl::Status status = store_->Append(diff); !status.ok()) {
+      // The library broke its promise; readers keep what they have.
+      Log(LogLevel::kError, "lost_revision", {{"mesh", id_}, {"error", status.message()}});
+      const absl::Status lost = absl::InternalError(
+          absl::StrCat("mesh ", id_, " can no longer be followed: ", status.message()));
+      Close(lost);
+      return lost;
+    }
+    const MeshStats stats = mesh_->Stats();
+    const std::lock_guard lock(mutex_);
+    stats_ = stats;
+  }
+  if (!job.request_id.empty()) requests_.Remember(job.request_id, answer);
+  return EditOutcome{std::move(diff)};
+}
+
+void MeshHost::RebaseIfDue() {
+  if (!store_->wants_rebase() || rebasing_.exchange(true)) return;
+  readers_->Post([self = shared_from_this()] {
+    const auto latest = self->store_->Latest();
+    self->rebasing_.store(false);
+    if (!latest.ok()) {
+      Log(LogLevel::kError, "snapshot_failed",
+          {{"mesh", self->id_}, {"error", latest.status().message()}});
+    }
+  });
+}
+
+}  // namespace dynmesh::server

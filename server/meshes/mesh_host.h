@@ -1,0 +1,160 @@
+// One mesh of the server: its single writer, its past for readers, its watchers.
+//
+// Edits and queries of the DynamicMesh run one at a time on a strand, in the order
+// they were handed in; everything else is answered from immutable snapshots and never
+// waits for them. A batch that is refused, cancelled or stopped changes nothing. With a log, a
+// batch comes into effect, is published and answered when it is written down; if it cannot be, it
+// is undone and refused, and readers are served on. Thread-safe.
+#ifndef DYNMESH_SERVER_MESHES_MESH_HOST_H_
+#define DYNMESH_SERVER_MESHES_MESH_HOST_H_
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "server/access/memory_guard.h"
+#include "server/base/worker_pool.h"
+#include "server/journal/mesh_log.h"
+#include "server/meshes/request_memory.h"
+#include "server/meshes/revision_store.h"
+#include "server/meshes/watch_hub.h"
+#include "server/metrics/server_metrics.h"
+
+namespace dynmesh::server {
+
+// Makes the mesh that a host drives; DynamicMesh::Create but for tests.
+using MeshFactory = std::function<absl::StatusOr<std::unique_ptr<DynamicMesh>>(const MeshOptions&)>;
+
+// What became of a batch.
+struct EditOutcome {
+  std::shared_ptr<const MeshDiff> diff;
+  bool replayed = false;         // it had been applied before
+  bool columns_omitted = false;  // of such a one the diff is no longer held
+};
+
+struct EditJob {
+  EditBatch edits;
+  std::string request_id;
+  std::string call_id;  // of the call that brought it, for the log
+  std::optional<std::uint64_t> expected_revision;
+  bool validate_only = false;
+  // Not OK: known to be bad; answered with this in its turn and not applied.
+  absl::Status refused;
+  // Turns true when the call is cancelled or its deadline passes. May be null.
+  std::shared_ptr<const std::atomic<bool>> cancelled;
+  // Shared by the batches of a stream that ends at the first refused one; may be null.
+  std::shared_ptr<std::atomic<bool>> stop;
+  // Called once, on the strand.
+  std::function<void(absl::StatusOr<EditOutcome>)> done;
+};
+
+class MeshHost : public std::enable_shared_from_this<MeshHost> {
+ public:
+  struct Options {
+    RevisionStore::Limits history;
+    WatchHub::Options watch;
+    std::size_t max_waiting = 1'000;
+    std::size_t remembered_requests = 10'000;
+    std::uint64_t compact_bytes = 1 << 20;  // mesh_log.h
+    EditMetrics* metrics = nullptr;         // outlives the host; null: nothing is counted
+    std::uint64_t max_features = ~std::uint64_t{0};
+    const MemoryGuard* memory = nullptr;  // outlives the host; null: no limit
+  };
+  // What a mesh brings with it that is not new, or is to outlive the process.
+  struct Past {
+    std::unique_ptr<MeshLog> log;          // null: nothing is written down
+    std::shared_ptr<RevisionStore> store;  // that ends at the mesh; null: it begins there
+    std::optional<RequestMemory> requests;
+  };
+  struct LocateAnswer {
+    std::uint64_t revision = 0;
+    SimplexColumn simplices;
+  };
+
+  // Takes `mesh`, O(its size). The pools outlive the host.
+  static std::shared_ptr<MeshHost> Create(std::string id, std::unique_ptr<DynamicMesh> mesh,
+                                          absl::Time now, WorkerPool* writers, WorkerPool* readers,
+                                          const Options& options, Past past = {});
+  ~MeshHost();
+
+  // Hands in a batch. RESOURCE_EXHAUSTED (QUEUE_FULL), and `done` is not called, if
+  // too many wait.
+  absl::Status Apply(EditJob job);
+  // The same without that limit, for callers that bound themselves.
+  void ApplyUnbounded(EditJob job);
+
+  // As DynamicMesh::Locate, in turn with the edits. `done` is called on the strand.
+  absl::Status Locate(std::vector<double> points,
+                      std::function<void(absl::StatusOr<LocateAnswer>)> done);
+
+  // Refuses and ends all that waits or watches with `status`.
+  void Close(const absl::Status& status);
+
+  const std::string& id() const { return id_; }
+  const MeshOptions& mesh_options() const { return mesh_options_; }
+  absl::Time create_time() const { return create_time_; }
+  Head head() const { return store_->head(); }
+  const std::shared_ptr<RevisionStore>& store() const { return store_; }
+  const std::shared_ptr<WatchHub>& hub() const { return hub_; }
+  MeshStats stats() const;  // at the head or the revision before
+  std::size_t waiting() const { return queue_->waiting(); }
+
+  // Logs the batch that runs, if it has for longer than `interval`; no more than once in one.
+  void ReportLongWork(absl::Duration interval);
+
+ private:
+  MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time now, WorkerPool* writers,
+           WorkerPool* readers, const Options& options, Past past);
+
+  // On the strand.
+  void Run(EditJob& job);
+  absl::StatusOr<EditOutcome> Answer(EditJob& job);
+  absl::StatusOr<EditOutcome> Replay(const RequestMemory::Entry& entry) const;
+  absl::StatusOr<EditOutcome> Change(EditJob& job, const Fingerprint& content);
+  absl::Status CheckRoom(std::size_t adds, std::size_t removes) const;
+  absl::StatusOr<EditOutcome> CheckOnly(const EditJob& job) const;
+  void RebaseIfDue();
+
+  void SetRunning(const EditJob* job);
+  void Count(const EditJob& job, const absl::StatusOr<EditOutcome>& outcome);
+
+  absl::Status closed() const;
+
+  const std::string id_;
+  const MeshOptions mesh_options_;
+  const absl::Time create_time_;
+  WorkerPool* const readers_;
+  const std::size_t max_waiting_;
+  EditMetrics* const metrics_;
+  const std::uint64_t max_features_;
+  const MemoryGuard* const memory_;
+  const std::shared_ptr<SerialQueue> queue_;
+  const std::shared_ptr<RevisionStore> store_;
+  const std::shared_ptr<WatchHub> hub_;
+
+  // Belong to the strand.
+  const std::unique_ptr<DynamicMesh> mesh_;
+  const std::unique_ptr<MeshLog> log_;
+  RequestMemory requests_;
+
+  std::atomic<bool> rebasing_{false};
+  mutable std::mutex mutex_;
+  MeshStats stats_;
+  absl::Status closed_;
+  const EditJob* running_ = nullptr;
+  MetricsClock::time_point running_since_;
+  MetricsClock::time_point reported_;  // or running_since_
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_MESHES_MESH_HOST_H_

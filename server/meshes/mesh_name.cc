@@ -1,0 +1,73 @@
+#include "server/meshes/mesh_name.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "proto/codec/status_codec.h"
+
+namespace dynmesh::server {
+namespace {
+
+constexpr absl::string_view kPrefix = "meshes/";
+constexpr std::size_t kMaxIdLength = 63;
+// Somebody has to make room on the disk first.
+constexpr absl::Duration kRetryJournal = absl::Seconds(1);
+
+}  // namespace
+
+bool IsMeshId(absl::string_view id) {
+  if (id.empty() || id.size() > kMaxIdLength || id[0] < 'a' || id[0] > 'z') return false;
+  return std::all_of(id.begin(), id.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+  });
+}
+
+absl::StatusOr<std::string> ParseMeshName(absl::string_view name) {
+  absl::string_view id = name;
+  if (!absl::ConsumePrefix(&id, kPrefix) || !IsMeshId(id)) {
+    return BadName("mesh", name, "meshes/{id} with an id [a-z][a-z0-9-]{0,62}");
+  }
+  return std::string(id);
+}
+
+std::string MeshName(absl::string_view id) { return absl::StrCat(kPrefix, id); }
+
+absl::Status BadName(absl::string_view field, absl::string_view name, absl::string_view form) {
+  codec::ServiceError error;
+  error.reason = codec::reason::kBadName;
+  error.field = std::string(field);
+  return codec::MakeServiceError(
+      absl::StatusCode::kInvalidArgument,
+      absl::StrCat(field, " '", name.substr(0, 100), "' is not of the form ", form), error);
+}
+
+absl::Status MeshError(absl::StatusCode code, const char* reason, absl::string_view id,
+                       absl::string_view what) {
+  codec::ServiceError error;
+  error.reason = reason;
+  error.metadata["mesh"] = MeshName(id);
+  return codec::MakeServiceError(code, absl::StrCat(MeshName(id), " ", what), error);
+}
+
+absl::Status MeshDeletedError(absl::string_view id) {
+  return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshDeleted, id, "was deleted");
+}
+
+absl::Status JournalError(const absl::Status& status, absl::string_view id) {
+  if (absl::IsNotFound(status)) return MeshDeletedError(id);
+  const bool may_pass = absl::IsUnavailable(status);
+  codec::ServiceError error;
+  error.reason = codec::reason::kJournalFailed;
+  error.metadata["mesh"] = MeshName(id);
+  if (may_pass) error.retry_after = kRetryJournal;
+  return codec::MakeServiceError(
+      may_pass ? absl::StatusCode::kUnavailable : absl::StatusCode::kDataLoss,
+      absl::StrCat(MeshName(id),
+                   ": nothing was changed, since it could not be written down: ", status.message(),
+                   may_pass ? "; see to the server's disk and try again"
+                            : "; restore the server's data folder"),
+      error);
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,265 @@
+#include "server/meshes/mesh_registry.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
+#include "proto/codec/status_codec.h"
+#include "server/base/log.h"
+#include "server/journal/recovery.h"
+#include "server/journal/recovery_progress.h"
+
+namespace dynmesh::server {
+namespace {
+
+absl::Status NotFound(absl::string_view id) {
+  return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshNotFound, id,
+                   "does not exist: create it, or list those that do");
+}
+
+absl::Status DamageOf(absl::string_view id, const absl::Status& status) {
+  return MeshError(absl::StatusCode::kDataLoss, codec::reason::kMeshDamaged, id,
+                   absl::StrCat("is damaged: ", status.message(),
+                                ". Restore the server's data folder, or delete the mesh"));
+}
+
+}  // namespace
+
+MeshRegistry::MeshRegistry(const ServerConfig& config, MeshFactory factory, WorkerPool* writers,
+                           WorkerPool* readers, Journal* journal, ServerMetrics* metrics,
+                           const MemoryGuard* memory)
+    : config_(config),
+      factory_(std::move(factory)),
+      writers_(writers),
+      readers_(readers),
+      journal_(journal),
+      metrics_(metrics),
+      memory_(memory) {}
+
+MeshHost::Options MeshRegistry::HostOptions() const {
+  MeshHost::Options options;
+  options.history = {config_.history_revisions, config_.history_bytes};
+  options.watch = {config_.watch_queue, config_.progress_interval};
+  options.max_waiting = config_.max_waiting_edits;
+  options.remembered_requests = config_.remembered_requests;
+  options.compact_bytes = config_.compact_bytes;
+  if (metrics_ != nullptr) options.metrics = &metrics_->edits;
+  options.max_features = config_.max_features;
+  options.memory = memory_;
+  return options;
+}
+
+MeshRegistry::~MeshRegistry() { CloseAll(absl::UnavailableError("the server has ended")); }
+
+absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::FindCreated(
+    const std::string& id, const MeshOptions& options, const std::string& request_id) const {
+  if (request_id.empty()) return HostPtr();
+  const auto it = creations_.find(request_id);
+  if (it == creations_.end()) return HostPtr();
+  const Creation& made = it->second;
+  if ((!id.empty() && id != made.id) || options != made.options) {
+    return MeshError(absl::StatusCode::kAlreadyExists, codec::reason::kRequestIdReused, made.id,
+                     "was made with this request_id and other content: use a new one");
+  }
+  return hosts_.at(made.id).host;
+}
+
+absl::Status MeshRegistry::CheckRoom(const std::string& id) const {
+  if (const auto it = hosts_.find(id); it != hosts_.end()) {
+    if (it->second.host == nullptr) return it->second.damage;
+    return MeshError(absl::StatusCode::kAlreadyExists, codec::reason::kMeshExists, id,
+                     "exists already");
+  }
+  if (hosts_.size() >= config_.max_meshes) {
+    codec::ServiceError error;
+    error.reason = codec::reason::kMeshLimit;
+    return codec::MakeServiceError(
+        absl::StatusCode::kResourceExhausted,
+        absl::StrCat("the server holds its limit of ", config_.max_meshes, " meshes: delete one"),
+        error);
+  }
+  return absl::OkStatus();
+}
+
+std::string MeshRegistry::FreshId() {
+  while (true) {
+    std::string id = absl::StrFormat("m-%012x", random_() & 0xffffffffffffu);
+    if (!hosts_.contains(id)) return id;
+  }
+}
+
+absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id,
+                                                           const MeshOptions& options,
+                                                           const std::string& request_id) {
+  if (!id.empty() && !IsMeshId(id)) {
+    return BadName("mesh_id", id, "[a-z][a-z0-9-]{0,62}");
+  }
+  // Looked at before the mesh is made, to spare the work, and again after.
+  {
+    const std::lock_guard lock(mutex_);
+    auto created = FindCreated(id, options, request_id);
+    if (!created.ok() || *created != nullptr) return created;
+    if (absl::Status status = CheckRoom(id); !status.ok()) return status;
+  }
+  if (memory_ != nullptr) {
+    if (absl::Status status = memory_->CheckRoom(); !status.ok()) return status;
+  }
+  absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = factory_(options);
+  if (!mesh.ok()) return mesh.status();
+
+  const std::lock_guard changing(changing_mutex_);
+  std::string final_id = id;
+  {
+    const std::lock_guard lock(mutex_);
+    auto created = FindCreated(id, options, request_id);
+    if (!created.ok() || *created != nullptr) return created;
+    if (absl::Status status = CheckRoom(id); !status.ok()) return status;
+    if (id.empty()) final_id = FreshId();
+  }
+  const absl::Time now = absl::Now();
+  const absl::StatusOr<Journal::Key> key = WriteDown(final_id, {options, now, request_id});
+  if (!key.ok()) return key.status();
+  MeshHost::Past past;
+  if (journal_ != nullptr) {
+    past.log = std::make_unique<MeshLog>(journal_, *key, final_id, options.dimension,
+                                         MeshLog::Sizes(), config_.compact_bytes);
+  }
+  HostPtr host = MeshHost::Create(final_id, *std::move(mesh), now, writers_, readers_,
+                                  HostOptions(), std::move(past));
+  const std::lock_guard lock(mutex_);
+  hosts_.emplace(final_id, Held{host, {}, *key});
+  if (!request_id.empty()) creations_.emplace(request_id, Creation{final_id, options});
+  Log(LogLevel::kInfo, "mesh_created", {{"mesh", final_id}, {"meshes", hosts_.size()}});
+  return host;
+}
+
+absl::StatusOr<Journal::Key> MeshRegistry::WriteDown(const std::string& id,
+                                                     const codec::JournalMesh& mesh) {
+  if (journal_ == nullptr) return Journal::Key{0};
+  absl::StatusOr<Journal::Key> key = journal_->Create(id, codec::EncodeJournalMesh(mesh));
+  if (key.ok()) return key;
+  return JournalError(key.status(), id);
+}
+
+absl::Status MeshRegistry::Recover() {
+  if (journal_ == nullptr) return absl::OkStatus();
+  const absl::StatusOr<std::vector<Journal::Mesh>> meshes = journal_->List();
+  if (!meshes.ok()) return meshes.status();
+  RecoveryProgress progress(*meshes, metrics_ == nullptr ? nullptr : &metrics_->recovery);
+  for (const Journal::Mesh& mesh : *meshes) {
+    writers_->Post([this, &mesh, &progress] {
+      RecoverOne(mesh, progress);
+      progress.EndMesh();
+    });
+  }
+  progress.Wait(config_.report_interval);
+  return absl::OkStatus();
+}
+
+void MeshRegistry::RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress) {
+  const absl::Time start = absl::Now();
+  absl::StatusOr<RecoveredMesh> found =
+      RecoverMesh(*journal_, mesh, factory_, HostOptions(), [&progress] { progress.Apply(); });
+  if (!found.ok()) {
+    Log(LogLevel::kError, "mesh_damaged", {{"mesh", mesh.id}, {"error", found.status().message()}});
+    progress.Damage();
+    const std::lock_guard lock(mutex_);
+    hosts_.emplace(mesh.id, Held{nullptr, DamageOf(mesh.id, found.status()), mesh.key});
+    return;
+  }
+  const codec::JournalMesh made = found->made;
+  HostPtr host = MeshHost::Create(mesh.id, std::move(found->mesh), made.create_time, writers_,
+                                  readers_, HostOptions(), std::move(found->past));
+  Log(LogLevel::kInfo, "recovered",
+      {{"mesh", mesh.id},
+       {"revision", host->head().revision},
+       {"features", host->stats().features},
+       {"entries", found->entries},
+       {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
+  const std::lock_guard lock(mutex_);
+  if (!made.request_id.empty()) {
+    creations_.emplace(made.request_id, Creation{mesh.id, made.options});
+  }
+  hosts_.emplace(mesh.id, Held{std::move(host), {}, mesh.key});
+}
+
+absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name) const {
+  const absl::StatusOr<std::string> id = ParseMeshName(name);
+  if (!id.ok()) return id.status();
+  const std::lock_guard lock(mutex_);
+  const auto it = hosts_.find(*id);
+  if (it == hosts_.end()) return NotFound(*id);
+  if (it->second.host == nullptr) return it->second.damage;
+  return it->second.host;
+}
+
+absl::Status MeshRegistry::Delete(absl::string_view name) {
+  const absl::StatusOr<std::string> id = ParseMeshName(name);
+  if (!id.ok()) return id.status();
+  const std::lock_guard changing(changing_mutex_);
+  Held held;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = hosts_.find(*id);
+    if (it == hosts_.end()) return NotFound(*id);
+    held = it->second;
+  }
+  // From here on the journal takes no more of its edits.
+  if (journal_ != nullptr) {
+    if (absl::Status s = journal_->Delete(held.key); !s.ok()) return JournalError(s, *id);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    hosts_.erase(*id);
+    std::erase_if(creations_, [&](const auto& c) { return c.second.id == *id; });
+  }
+  if (held.host != nullptr) held.host->Close(MeshDeletedError(*id));
+  Log(LogLevel::kInfo, "mesh_deleted", {{"mesh", *id}});
+  return absl::OkStatus();
+}
+
+std::vector<MeshRegistry::HostPtr> MeshRegistry::List(
+    absl::string_view after, std::size_t limit,
+    const std::function<bool(absl::string_view)>& shown) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<HostPtr> found;
+  for (auto it = hosts_.upper_bound(after); it != hosts_.end() && found.size() < limit; ++it) {
+    if (shown != nullptr && !shown(it->first)) continue;
+    if (it->second.host != nullptr) found.push_back(it->second.host);
+  }
+  return found;
+}
+
+std::size_t MeshRegistry::size() const {
+  const std::lock_guard lock(mutex_);
+  return hosts_.size();
+}
+
+std::vector<MeshRegistry::HostPtr> MeshRegistry::All() const {
+  return List("", static_cast<std::size_t>(-1));
+}
+
+std::size_t MeshRegistry::watchers() const {
+  std::size_t sum = 0;
+  for (const HostPtr& host : All()) sum += host->hub()->size();
+  return sum;
+}
+
+void MeshRegistry::Tick(absl::Time now) {
+  for (const HostPtr& host : All()) {
+    host->hub()->Tick(now);
+    host->ReportLongWork(config_.report_interval);
+  }
+}
+
+void MeshRegistry::CloseAll(const absl::Status& status) {
+  for (const HostPtr& host : All()) host->Close(status);
+}
+
+void MeshRegistry::CloseWatches(const absl::Status& status) {
+  for (const HostPtr& host : All()) host->hub()->Close(status);
+}
+
+}  // namespace dynmesh::server

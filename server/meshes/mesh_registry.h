@@ -1,0 +1,106 @@
+// The meshes of a server, by id. With a journal, a mesh is there or gone when the journal has it
+// so; what could not be made again from it is there as damaged, answers with why, and can be
+// deleted. Thread-safe.
+#ifndef DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
+#define DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "proto/codec/journal_codec.h"
+#include "server/config.h"
+#include "server/journal/journal.h"
+#include "server/meshes/mesh_host.h"
+#include "server/meshes/mesh_name.h"
+#include "server/metrics/server_metrics.h"
+
+namespace dynmesh::server {
+
+class RecoveryProgress;
+
+class MeshRegistry {
+ public:
+  using HostPtr = std::shared_ptr<MeshHost>;
+
+  // The pools, the journal, the metrics and the guard outlive the registry. Without a journal
+  // nothing outlives it; without metrics nothing is counted.
+  MeshRegistry(const ServerConfig& config, MeshFactory factory, WorkerPool* writers,
+               WorkerPool* readers, Journal* journal = nullptr, ServerMetrics* metrics = nullptr,
+               const MemoryGuard* memory = nullptr);
+  // As CloseAll.
+  ~MeshRegistry();
+
+  // Makes the journal's meshes again, several at a time. Before any other call.
+  absl::Status Recover();
+
+  // Makes a mesh; an empty id lets the registry choose. ALREADY_EXISTS (MESH_EXISTS),
+  // unless it was made with the same non-empty request_id and options: then that one.
+  // RESOURCE_EXHAUSTED (MESH_LIMIT). May take as long as making an empty mesh and writing it down.
+  absl::StatusOr<HostPtr> Create(const std::string& id, const MeshOptions& options,
+                                 const std::string& request_id);
+
+  // NOT_FOUND (MESH_NOT_FOUND); INVALID_ARGUMENT for a malformed name; DATA_LOSS (MESH_DAMAGED).
+  absl::StatusOr<HostPtr> Find(absl::string_view name) const;
+  // Waits for the journal.
+  absl::Status Delete(absl::string_view name);
+
+  // At most `limit` meshes with ids greater than `after`, by id; none that is damaged, and only
+  // those whose id is `shown`, if that is given.
+  std::vector<HostPtr> List(absl::string_view after, std::size_t limit,
+                            const std::function<bool(absl::string_view)>& shown = nullptr) const;
+
+  std::size_t size() const;
+  std::size_t watchers() const;
+  void Tick(absl::Time now);
+  // Ends all watches and refuses what waits, with `status`.
+  void CloseAll(const absl::Status& status);
+  void CloseWatches(const absl::Status& status);
+
+ private:
+  struct Creation {
+    std::string id;
+    MeshOptions options;
+  };
+  struct Held {
+    HostPtr host;         // null if it is damaged
+    absl::Status damage;  // then why
+    Journal::Key key = 0;
+  };
+
+  MeshHost::Options HostOptions() const;
+  absl::StatusOr<HostPtr> FindCreated(const std::string& id, const MeshOptions& options,
+                                      const std::string& request_id) const;
+  absl::Status CheckRoom(const std::string& id) const;
+  std::string FreshId();
+  std::vector<HostPtr> All() const;
+  void RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress);
+  absl::StatusOr<Journal::Key> WriteDown(const std::string& id, const codec::JournalMesh& mesh);
+
+  const ServerConfig config_;
+  const MeshFactory factory_;
+  WorkerPool* const writers_;
+  WorkerPool* const readers_;
+  Journal* const journal_;
+  ServerMetrics* const metrics_;
+  const MemoryGuard* const memory_;
+
+  // Held while a mesh is made or deleted, which may take a disk's time; taken first.
+  std::mutex changing_mutex_;
+  mutable std::mutex mutex_;
+  std::map<std::string, Held, std::less<>> hosts_;
+  std::map<std::string, Creation> creations_;  // by request_id, of meshes that exist
+  std::mt19937_64 random_{std::random_device{}()};
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_

@@ -1,0 +1,62 @@
+#include "server/meshes/request_memory.h"
+
+#include <bit>
+#include <utility>
+#include <vector>
+
+namespace dynmesh::server {
+namespace {
+
+// The finaliser of splitmix64: every bit of the input moves every bit of the output.
+std::uint64_t Mix(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
+}
+
+}  // namespace
+
+Fingerprint FingerprintOf(const EditBatch& batch) {
+  Fingerprint f{0x9e3779b97f4a7c15u, 0xd1b54a32d192ed03u};
+  const auto add = [&f](std::uint64_t word) {
+    f.a = Mix(f.a + word);
+    f.b = Mix(f.b ^ (word + 0x632be59bd9b4e019u));
+  };
+  add(batch.size());
+  for (const Edit& edit : batch) {
+    add(static_cast<std::uint64_t>(edit.action));
+    add(edit.feature.id);
+    add(static_cast<std::uint64_t>(edit.feature.kind));
+    for (const double x : edit.feature.position) add(std::bit_cast<std::uint64_t>(x));
+    for (const FeatureId end : edit.feature.ends) add(end);
+    const Sizing& sizing = edit.feature.sizing;
+    add(static_cast<std::uint64_t>(sizing.shape));
+    for (const double x :
+         {sizing.target, sizing.radius, sizing.hi[0], sizing.hi[1], sizing.hi[2]}) {
+      add(std::bit_cast<std::uint64_t>(x));
+    }
+    add(edit.feature.rings.size());
+    for (const std::vector<FeatureId>& ring : edit.feature.rings) {
+      add(ring.size());
+      for (const FeatureId id : ring) add(id);
+    }
+  }
+  return f;
+}
+
+const RequestMemory::Entry* RequestMemory::Find(absl::string_view request_id) const {
+  const auto it = entries_.find(request_id);
+  return it == entries_.end() ? nullptr : &it->second;
+}
+
+void RequestMemory::Remember(std::string request_id, const Entry& entry) {
+  if (capacity_ == 0) return;
+  if (order_.size() == capacity_) {
+    entries_.erase(order_.front());
+    order_.pop_front();
+  }
+  entries_.emplace(request_id, entry);
+  order_.push_back(std::move(request_id));
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,89 @@
+// The past and present of one mesh for its readers: a whole snapshot at some revision,
+// and the diffs since then and from a while before.
+//
+//   oldest ........ base ............ head
+//          diffs kept     diffs since
+//
+// Invariants:
+//   1. oldest() <= base()->revision <= head().revision;
+//   2. every diff from oldest to head is held, in order, without a gap;
+//   3. what is handed out never changes.
+// An edit costs the writer O(1) here. A reader that wants the present mesh puts base
+// and diffs together on its own thread, and the result is the next base. When the
+// diffs since the base outweigh it, wants_rebase() asks for such a reader: memory
+// stays within twice the mesh, at amortised O(1) for each row of a diff.
+// Thread-safe: one writer (Append), any readers.
+#ifndef DYNMESH_SERVER_MESHES_REVISION_STORE_H_
+#define DYNMESH_SERVER_MESHES_REVISION_STORE_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "dynmesh/mesh.h"
+
+namespace dynmesh::server {
+
+struct Head {
+  std::uint64_t revision = 0;
+  MeshHash hash;
+};
+
+class RevisionStore {
+ public:
+  using DiffPtr = std::shared_ptr<const MeshDiff>;
+  using MeshPtr = std::shared_ptr<const Mesh>;
+
+  // Diffs older than the base are dropped, the oldest first, while they are more than
+  // this. The newest diff is always kept.
+  struct Limits {
+    std::size_t revisions = 10'000;
+    std::size_t bytes = 64 << 20;
+  };
+
+  RevisionStore(MeshPtr base, Limits limits);
+
+  // FAILED_PRECONDITION, and nothing happens, unless the diff leads from the head to
+  // the revision after it.
+  absl::Status Append(DiffPtr diff);
+
+  Head head() const;
+  std::uint64_t oldest() const;
+  MeshPtr base() const;
+  bool wants_rebase() const;
+
+  // The mesh's hash at a revision from oldest to head.
+  std::optional<MeshHash> HashAt(std::uint64_t revision) const;
+  // The diff that leaves `revision`; null if it is not held.
+  DiffPtr DiffFrom(std::uint64_t revision) const;
+  // All diffs from `revision` to the head; empty at the head, nullopt if not all are held.
+  std::optional<std::vector<DiffPtr>> DiffsFrom(std::uint64_t revision) const;
+
+  // The mesh at the head. O(mesh) if edits came since the last call. Calls wait for
+  // each other but never for the writer.
+  absl::StatusOr<MeshPtr> Latest();
+
+ private:
+  void TrimLocked();
+
+  const Limits limits_;
+  std::mutex latest_mutex_;  // held while base and diffs are put together; taken first
+  mutable std::mutex mutex_;
+  MeshPtr base_;
+  std::size_t base_bytes_;
+  MeshHash oldest_hash_;
+  std::uint64_t oldest_;
+  Head head_;
+  std::deque<DiffPtr> diffs_;  // diffs_[i] leaves revision oldest_ + i
+  std::size_t bytes_ = 0;      // of all diffs held
+  std::size_t bytes_since_base_ = 0;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_MESHES_REVISION_STORE_H_

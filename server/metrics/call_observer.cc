@@ -1,0 +1,216 @@
+#include "server/metrics/call_observer.h"
+
+#include <array>
+#include <atomic>
+#include <map>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "dynmesh/v1/mesh_service.pb.h"
+#include "server/base/log.h"
+#include "server/calls/call_id.h"
+#include "server/metrics/server_metrics.h"
+
+namespace dynmesh::server {
+namespace {
+
+using grpc::experimental::InterceptionHookPoints;
+using grpc::experimental::InterceptorBatchMethods;
+
+constexpr std::size_t kCodes = 17;
+constexpr std::array<const char*, kCodes> kCodeNames = {
+    "OK",       "Canceled",       "Unknown",          "InvalidArgument",   "DeadlineExceeded",
+    "NotFound", "AlreadyExists",  "PermissionDenied", "ResourceExhausted", "FailedPrecondition",
+    "Aborted",  "OutOfRange",     "Unimplemented",    "Internal",          "Unavailable",
+    "DataLoss", "Unauthenticated"};
+
+std::size_t IndexOf(grpc::StatusCode code) {
+  const auto index = static_cast<std::size_t>(code);
+  return index < kCodes ? index : static_cast<std::size_t>(grpc::StatusCode::UNKNOWN);
+}
+
+// What is not the client's doing.
+bool IsOurs(grpc::StatusCode code) {
+  return code == grpc::StatusCode::UNKNOWN || code == grpc::StatusCode::INTERNAL ||
+         code == grpc::StatusCode::DATA_LOSS;
+}
+
+const char* TypeOf(const google::protobuf::MethodDescriptor& method) {
+  if (method.client_streaming()) return method.server_streaming() ? "bidi_stream" : "client_stream";
+  return method.server_streaming() ? "server_stream" : "unary";
+}
+
+struct Families {
+  explicit Families(MetricRegistry& r)
+      : started(r.AddCounters("grpc_server_started_total", "Calls begun.")),
+        handled(r.AddCounters("grpc_server_handled_total", "Calls ended, by code.")),
+        received(r.AddCounters("grpc_server_msg_received_total", "Messages received.")),
+        sent(r.AddCounters("grpc_server_msg_sent_total", "Messages sent.")),
+        seconds(r.AddHistograms("grpc_server_handling_seconds", "Time of calls until they ended.",
+                                SecondsBounds())) {}
+
+  MetricFamily<Counter>& started;
+  MetricFamily<Counter>& handled;
+  MetricFamily<Counter>& received;
+  MetricFamily<Counter>& sent;
+  MetricFamily<Histogram>& seconds;
+};
+
+}  // namespace
+
+struct CallMetrics::Method {
+  Method(Families& f, const std::string& t, const std::string& s, const std::string& m)
+      : type(t),
+        service(s),
+        method(m),
+        families(f),
+        started(f.started.With(Labels())),
+        received(f.received.With(Labels())),
+        sent(f.sent.With(Labels())),
+        seconds(f.seconds.With(Labels())) {}
+
+  MetricLabels Labels() const {
+    return {{"grpc_type", type}, {"grpc_service", service}, {"grpc_method", method}};
+  }
+
+  // A code's counter is made when the code is first seen: few ever are.
+  Counter& Handled(grpc::StatusCode code) {
+    const std::size_t index = IndexOf(code);
+    Counter* counter = handled[index].load(std::memory_order_acquire);
+    if (counter == nullptr) {
+      MetricLabels labels = Labels();
+      labels.emplace_back("grpc_code", kCodeNames[index]);
+      counter = &families.handled.With(labels);
+      handled[index].store(counter, std::memory_order_release);
+    }
+    return *counter;
+  }
+
+  const std::string type, service, method;
+  Families& families;
+  Counter& started;
+  Counter& received;
+  Counter& sent;
+  Histogram& seconds;
+  std::array<std::atomic<Counter*>, kCodes> handled{};
+};
+
+struct CallMetrics::Impl {
+  explicit Impl(MetricRegistry& registry) : families(registry) {}
+
+  void Add(const std::string& type, const std::string& service, const std::string& method) {
+    methods.emplace(absl::StrCat("/", service, "/", method),
+                    std::make_unique<Method>(families, type, service, method));
+  }
+
+  Families families;
+  std::map<std::string, std::unique_ptr<Method>, std::less<>> methods;
+  std::unique_ptr<Method> other;
+};
+
+CallMetrics::CallMetrics(MetricRegistry& registry) : impl_(std::make_unique<Impl>(registry)) {
+  const auto& file = *v1::GetMeshRequest::descriptor()->file();
+  for (int s = 0; s < file.service_count(); ++s) {
+    const google::protobuf::ServiceDescriptor& service = *file.service(s);
+    for (int m = 0; m < service.method_count(); ++m) {
+      const google::protobuf::MethodDescriptor& method = *service.method(m);
+      impl_->Add(TypeOf(method), service.full_name(), method.name());
+    }
+  }
+  impl_->Add("unary", "grpc.health.v1.Health", "Check");
+  impl_->Add("server_stream", "grpc.health.v1.Health", "Watch");
+  impl_->other = std::make_unique<Method>(impl_->families, "other", "other", "other");
+}
+
+CallMetrics::~CallMetrics() = default;
+
+CallMetrics::Method& CallMetrics::Find(const char* path) const {
+  const auto found = impl_->methods.find(absl::string_view(path == nullptr ? "" : path));
+  return found == impl_->methods.end() ? *impl_->other : *found->second;
+}
+
+namespace {
+
+// Of one call. A stream's reads and writes come at the same time; all else one after the other.
+class CallObserver final : public grpc::experimental::Interceptor {
+ public:
+  explicit CallObserver(CallMetrics::Method& method)
+      : method_(method), start_(MetricsClock::now()) {
+    method_.started.Add();
+  }
+  // Of a client that vanished nobody tells the status.
+  ~CallObserver() override { End(grpc::Status::CANCELLED); }
+
+  void Intercept(InterceptorBatchMethods* step) override {
+    if (step->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_INITIAL_METADATA)) {
+      TakeId(*step->GetRecvInitialMetadata());
+    }
+    if (step->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_MESSAGE) &&
+        step->GetRecvMessage() != nullptr) {
+      method_.received.Add();
+    }
+    if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_INITIAL_METADATA)) {
+      step->GetSendInitialMetadata()->emplace(kCallIdKey, id_);
+    }
+    if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_MESSAGE)) {
+      method_.sent.Add();
+    }
+    if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) {
+      End(step->GetSendStatus());
+    }
+    step->Proceed();
+  }
+
+ private:
+  using Metadata = std::multimap<grpc::string_ref, grpc::string_ref>;
+
+  // The id replaces what the client sent, so that whoever handles the call reads it there.
+  void TakeId(Metadata& metadata) {
+    const auto given = metadata.find(kCallIdKey);
+    id_ = ChooseCallId(given == metadata.end()
+                           ? absl::string_view()
+                           : absl::string_view(given->second.data(), given->second.size()));
+    metadata.erase(kCallIdKey);
+    metadata.emplace(kCallIdKey, id_);
+  }
+
+  void End(const grpc::Status& status) {
+    if (ended_.exchange(true)) return;
+    method_.Handled(status.error_code()).Add();
+    method_.seconds.Observe(SecondsSince(start_));
+    if (status.ok()) return;
+    const LogLevel level = IsOurs(status.error_code()) ? LogLevel::kWarning : LogLevel::kDebug;
+    if (!LogEnabled(level)) return;
+    Log(level, "call_failed",
+        {{"call", id_},
+         {"method", method_.method},
+         {"code", kCodeNames[IndexOf(status.error_code())]},
+         {"message", status.error_message()}});
+  }
+
+  CallMetrics::Method& method_;
+  const MetricsClock::time_point start_;
+  std::string id_;
+  std::atomic<bool> ended_{false};
+};
+
+class CallObservers final : public grpc::experimental::ServerInterceptorFactoryInterface {
+ public:
+  explicit CallObservers(const CallMetrics* metrics) : metrics_(*metrics) {}
+  grpc::experimental::Interceptor* CreateServerInterceptor(
+      grpc::experimental::ServerRpcInfo* info) override {
+    return new CallObserver(metrics_.Find(info->method()));
+  }
+
+ private:
+  const CallMetrics& metrics_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> MakeCallObservers(
+    const CallMetrics* metrics) {
+  return std::make_unique<CallObservers>(metrics);
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,35 @@
+// Sees every call of the gRPC server, as an interceptor: counts it, times it, gives it an id
+// (call_id.h), and logs it if it fails. The names are those that Prometheus' middleware for gRPC
+// uses elsewhere. Methods that are not ours (reflection, what does not exist) are one, "other".
+// Thread-safe; a few atomic operations a message.
+#ifndef DYNMESH_SERVER_METRICS_CALL_OBSERVER_H_
+#define DYNMESH_SERVER_METRICS_CALL_OBSERVER_H_
+
+#include <grpcpp/support/server_interceptor.h>
+
+#include <memory>
+
+#include "server/metrics/metrics.h"
+
+namespace dynmesh::server {
+
+class CallMetrics {
+ public:
+  explicit CallMetrics(MetricRegistry& registry);
+  ~CallMetrics();
+
+  struct Method;
+  Method& Find(const char* path) const;  // "/package.Service/Method"
+
+ private:
+  struct Impl;
+  const std::unique_ptr<Impl> impl_;
+};
+
+// For ServerBuilder. `metrics` outlives the server.
+std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface> MakeCallObservers(
+    const CallMetrics* metrics);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_METRICS_CALL_OBSERVER_H_

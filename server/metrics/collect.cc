@@ -1,0 +1,112 @@
+#include "server/metrics/collect.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "server/version.h"
+
+namespace dynmesh::server {
+namespace {
+
+// Field `n` of /proc/self/stat, as proc(5) counts them; n > 2. Field 2, the command's name, may
+// hold anything and ends at the last parenthesis.
+double StatField(const std::string& stat, int n) {
+  std::istringstream fields(stat.substr(std::min(stat.size(), stat.rfind(')') + 1)));
+  std::string word;
+  for (int i = 3; i <= n && fields >> word; ++i) {
+  }
+  return word.empty() ? 0 : std::strtod(word.c_str(), nullptr);
+}
+
+std::string ReadAll(const char* path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+// When the system started, in seconds since 1970.
+double BootTime() {
+  std::ifstream in("/proc/stat");
+  std::string word;
+  while (in >> word) {
+    double seconds = 0;
+    if (word == "btime" && in >> seconds) return seconds;
+  }
+  return 0;
+}
+
+double OpenFiles() {
+  std::error_code error;
+  double count = 0;
+  for (std::filesystem::directory_iterator it("/proc/self/fd", error), end; !error && it != end;
+       it.increment(error)) {
+    ++count;
+  }
+  return std::max(0.0, count - 1);  // less the one that counts
+}
+
+}  // namespace
+
+void WriteMeshes(const MeshRegistry& meshes, MetricsText& out) {
+  struct Row {
+    std::string id;
+    MeshStats stats;
+    std::size_t watchers;
+    std::size_t waiting;
+  };
+  std::vector<Row> rows;
+  for (const auto& host : meshes.List("", static_cast<std::size_t>(-1))) {
+    rows.push_back({host->id(), host->stats(), host->hub()->size(), host->waiting()});
+  }
+  const auto write = [&](const char* name, const char* help, auto value) {
+    out.Begin(name, "gauge", help);
+    for (const Row& row : rows) out.Sample({{"mesh", row.id}}, static_cast<double>(value(row)));
+  };
+  out.Single("dynmesh_meshes", "gauge", "Meshes held, damaged ones included.",
+             static_cast<double>(meshes.size()));
+  write("dynmesh_mesh_revision", "Revision.", [](const Row& r) { return r.stats.revision; });
+  write("dynmesh_mesh_features", "Features.", [](const Row& r) { return r.stats.features; });
+  write("dynmesh_mesh_vertices", "Vertices.", [](const Row& r) { return r.stats.vertices; });
+  write("dynmesh_mesh_simplices", "Triangles, in space tetrahedra.",
+        [](const Row& r) { return r.stats.simplices; });
+  write("dynmesh_mesh_trace_bytes", "Memory of the trace, which makes edits quick.",
+        [](const Row& r) { return r.stats.trace_bytes; });
+  write("dynmesh_mesh_bytes", "Memory of the mesh, its trace aside.",
+        [](const Row& r) { return r.stats.mesh_bytes; });
+  write("dynmesh_mesh_watchers", "Watches.", [](const Row& r) { return r.watchers; });
+  write("dynmesh_mesh_waiting_edits", "Batches and queries that wait for their turn.",
+        [](const Row& r) { return r.waiting; });
+}
+
+void WriteJournal(const Journal& journal, MetricsText& out) {
+  const Journal::Counts counts = journal.counts();
+  out.Single("dynmesh_journal_syncs_total", "counter", "Transactions that are on the disk.",
+             static_cast<double>(counts.syncs));
+  out.Single("dynmesh_journal_failures_total", "counter",
+             "Transactions that could not be written; each may be of several batches.",
+             static_cast<double>(counts.failures));
+}
+
+void WriteProcess(MetricsText& out) {
+  const std::string stat = ReadAll("/proc/self/stat");
+  const auto ticks = static_cast<double>(sysconf(_SC_CLK_TCK));
+  out.Single("process_resident_memory_bytes", "gauge", "Memory of the process.",
+             StatField(stat, 24) * static_cast<double>(sysconf(_SC_PAGESIZE)));
+  out.Single("process_cpu_seconds_total", "counter", "Processor time, user's and system's.",
+             (StatField(stat, 14) + StatField(stat, 15)) / ticks);
+  out.Single("process_start_time_seconds", "gauge", "When the process started, since 1970.",
+             BootTime() + StatField(stat, 22) / ticks);
+  out.Single("process_open_fds", "gauge", "Files and connections that are open.", OpenFiles());
+  out.Begin("dynmesh_build_info", "gauge", "1, with the version.");
+  out.Sample({{"version", kVersion}}, 1);
+}
+
+}  // namespace dynmesh::server

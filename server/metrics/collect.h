@@ -1,0 +1,19 @@
+// Figures that are looked up when somebody asks for them: of each mesh, of the journal, of the
+// process. Thread-safe; O(meshes).
+#ifndef DYNMESH_SERVER_METRICS_COLLECT_H_
+#define DYNMESH_SERVER_METRICS_COLLECT_H_
+
+#include "server/journal/journal.h"
+#include "server/meshes/mesh_registry.h"
+#include "server/metrics/metrics.h"
+
+namespace dynmesh::server {
+
+void WriteMeshes(const MeshRegistry& meshes, MetricsText& out);
+void WriteJournal(const Journal& journal, MetricsText& out);
+// What the kernel tells in /proc, and which dynmeshd this is.
+void WriteProcess(MetricsText& out);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_METRICS_COLLECT_H_

@@ -1,0 +1,77 @@
+#include "server/metrics/server_metrics.h"
+
+#include <algorithm>
+
+namespace dynmesh::server {
+
+EditMetrics::EditMetrics(MetricRegistry& registry)
+    : EditMetrics(
+          registry.AddHistograms("dynmesh_edit_seconds", "Time of a batch of edits in each stage.",
+                                 SecondsBounds()),
+          registry.AddCounters("dynmesh_edits_total",
+                               "Batches of edits that were answered, by result."),
+          registry) {}
+
+EditMetrics::EditMetrics(MetricFamily<Histogram>& stages, MetricFamily<Counter>& results,
+                         MetricRegistry& registry)
+    : journal_seconds(stages.With({{"stage", "journal"}})),
+      send_seconds(stages.With({{"stage", "send"}})),
+      validate_seconds_(stages.With({{"stage", "validate"}})),
+      propagate_seconds_(stages.With({{"stage", "propagate"}})),
+      diff_seconds_(stages.With({{"stage", "diff"}})),
+      applied_(results.With({{"result", "applied"}})),
+      replayed_(results.With({{"result", "replayed"}})),
+      validated_(results.With({{"result", "validated"}})),
+      refused_(results.With({{"result", "refused"}})),
+      cancelled_(results.With({{"result", "cancelled"}})),
+      failed_(results.With({{"result", "failed"}})),
+      operations_(registry
+                      .AddCounters("dynmesh_operations_executed_total",
+                                   "Operations of the mesher that edits ran or ran again.")
+                      .With()) {}
+
+void EditMetrics::CountAnswer(const absl::Status& status, Kind kind) {
+  switch (status.code()) {
+    case absl::StatusCode::kOk:
+      if (kind == Kind::kApplied) return applied_.Add();
+      if (kind == Kind::kReplayed) return replayed_.Add();
+      return validated_.Add();
+    case absl::StatusCode::kCancelled:
+    case absl::StatusCode::kDeadlineExceeded:
+      return cancelled_.Add();
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kUnknown:
+    case absl::StatusCode::kDataLoss:
+    case absl::StatusCode::kUnavailable:
+      return failed_.Add();
+    default:
+      return refused_.Add();  // what a client can do something about
+  }
+}
+
+void EditMetrics::ObserveWork(const WorkCounters& work) {
+  constexpr double kMicrosecond = 1e-6;
+  const double known = work.validate_microseconds + work.diff_microseconds;
+  validate_seconds_.Observe(work.validate_microseconds * kMicrosecond);
+  propagate_seconds_.Observe(std::max(0.0, work.microseconds - known) * kMicrosecond);
+  diff_seconds_.Observe(work.diff_microseconds * kMicrosecond);
+  operations_.Add(work.executed);
+}
+
+RecoveryMetrics::RecoveryMetrics(MetricRegistry& registry)
+    : entries(registry
+                  .AddGauges("dynmesh_recovery_entries",
+                             "Snapshots and batches that the journal had when the server started.")
+                  .With()),
+      entries_done(registry
+                       .AddGauges("dynmesh_recovery_entries_done",
+                                  "Snapshots and batches of these that are meshes again.")
+                       .With()),
+      damaged(registry
+                  .AddGauges("dynmesh_recovery_meshes_damaged",
+                             "Meshes that could not be made again from the journal.")
+                  .With()),
+      seconds(registry.AddGauges("dynmesh_recovery_seconds", "What making the meshes again took.")
+                  .With()) {}
+
+}  // namespace dynmesh::server

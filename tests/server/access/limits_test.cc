@@ -1,0 +1,118 @@
+// Limits that a server sets its clients, met from both sides. Those of meshes, batches and
+// streams are in service_test.cc, that of what waits for a mesh in mesh_host_test.cc.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "server/access/memory_guard.h"
+#include "tests/server/server_fixture.h"
+
+namespace dynmesh::server {
+namespace {
+
+using LimitsTest = ServerFixture;
+
+TEST_F(LimitsTest, FeaturesOfAMesh) {
+  ServerConfig config;
+  config.max_features = 3;
+  StartWithMesh(config);
+  ASSERT_TRUE(client_->Apply("m", {AddPoint(1), AddPoint(2), AddPoint(3)}).ok());
+  const absl::Status refused = client_->Apply("m", {AddPoint(4)}).status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(ReasonOf(refused), codec::reason::kFeatureLimit);
+  EXPECT_FALSE(codec::GetServiceError(refused)->retry_after.has_value());  // waiting is no help
+  EXPECT_EQ(HeadOf().revision, 1u);
+  EXPECT_TRUE(client_->Apply("m", {Edit::Remove(1), AddPoint(4)}).ok());
+  EXPECT_TRUE(client_->Apply("m", {Edit::Remove(2)}).ok());
+  EXPECT_TRUE(client_->Apply("m", {AddPoint(5)}).ok());
+}
+
+TEST_F(LimitsTest, RequestsASecond) {
+  ServerConfig config;
+  config.max_requests_per_second = 20;
+  StartWithMesh(config);
+  int refused = 0;
+  absl::Duration wait;
+  for (int i = 0; i < 40; ++i) {
+    const absl::Status status = client_->GetMesh("m").status();
+    if (status.ok()) continue;
+    ++refused;
+    EXPECT_EQ(ReasonOf(status), codec::reason::kRateLimit);
+    wait = *codec::GetServiceError(status)->retry_after;
+  }
+  ASSERT_GT(refused, 0);  // unless forty calls took a second
+  absl::SleepFor(wait + absl::Milliseconds(50));
+  EXPECT_TRUE(client_->GetMesh("m").ok());
+  // Batches of a stream count, one by one.
+  absl::SleepFor(absl::Seconds(1));
+  const auto edits = client_->OpenEdits("m");
+  for (FeatureId id = 1; id <= 40; ++id) ASSERT_TRUE(edits->Send({AddPoint(id)}).ok());
+  ASSERT_TRUE(edits->DoneSending().ok());
+  int applied = 0;
+  while (const auto answer = edits->Receive()) applied += answer->result.ok() ? 1 : 0;
+  EXPECT_GE(applied, 15);
+  EXPECT_LT(applied, 40);
+  EXPECT_EQ(HeadOf().revision, static_cast<std::uint64_t>(applied));
+}
+
+class MemoryLimitTest : public ServerFixture {
+ protected:
+  static constexpr std::size_t kRoom = 64 << 20;
+
+  void Start() {
+    ServerConfig config;
+    config.max_memory_bytes = ResidentBytes() + kRoom;
+    StartWithMesh(config);
+    ASSERT_TRUE(client_->Apply("m", {AddPoint(1), AddPoint(2)}).ok());
+  }
+  // Until the server has looked.
+  absl::Status Until(bool ok, FeatureId id) {
+    absl::Status status;
+    for (int i = 0; i < 100; ++i) {
+      status = client_->Apply("m", {AddPoint(id)}).status();
+      if (status.ok() == ok) return status;
+      if (status.ok()) {
+        EXPECT_TRUE(client_->Apply("m", {Edit::Remove(id)}).ok());
+      }
+      absl::SleepFor(absl::Milliseconds(50));
+    }
+    return status;
+  }
+};
+
+TEST_F(MemoryLimitTest, AboveItNothingGrowsAndTheRestGoesOn) {
+  Start();
+  {
+    const std::vector<char> hog(2 * kRoom, 'x');
+    const absl::Status refused = Until(false, 3);
+    EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+    EXPECT_EQ(ReasonOf(refused), codec::reason::kMemoryLimit);
+    EXPECT_TRUE(codec::GetServiceError(refused)->retry_after.has_value());
+    EXPECT_EQ(ReasonOf(client_->CreateMesh("n", {}).status()), codec::reason::kMemoryLimit);
+    EXPECT_TRUE(client_->Apply("m", {Edit::Remove(1)}).ok());
+    EXPECT_TRUE(client_->GetSnapshot("m").ok());
+    const auto watch = client_->Watch("m", {}, nullptr);
+    EXPECT_TRUE(watch->WaitForRevision(HeadOf().revision, kLong));
+    EXPECT_EQ(hog[kRoom], 'x');
+  }
+  EXPECT_TRUE(Until(true, 4).ok());
+  EXPECT_TRUE(client_->CreateMesh("n", {}).ok());
+}
+
+TEST_F(MemoryLimitTest, ABatchUnderWayIsUndone) {
+  Start();
+  gate_->Hold();
+  Mailbox<absl::Status> held;
+  std::thread waiting([&] { held.Put(client_->Apply("m", {AddPoint(3)}).status()); });
+  gate_->WaitForArrivals(2);
+  const std::vector<char> hog(2 * kRoom, 'x');
+  const absl::Status status = held.Take();
+  EXPECT_EQ(ReasonOf(status), codec::reason::kMemoryLimit) << Text(status);
+  EXPECT_EQ(HeadOf().revision, 1u);
+  EXPECT_EQ(hog[kRoom], 'x');
+  waiting.join();
+  gate_->Release();
+}
+
+}  // namespace
+}  // namespace dynmesh::server

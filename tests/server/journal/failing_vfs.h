@@ -1,0 +1,24 @@
+// SQLite's files on a disk that fails when it is told to: writes, syncs and truncations of all
+// files opened through it are counted, and one of them, or all from one on, go wrong. Thread-safe.
+#ifndef DYNMESH_TESTS_SERVER_JOURNAL_FAILING_VFS_H_
+#define DYNMESH_TESTS_SERVER_JOURNAL_FAILING_VFS_H_
+
+#include <sqlite3.h>
+
+namespace dynmesh::server {
+
+class FailingVfs {
+ public:
+  // The one, registered with SQLite on first use.
+  static const char* Name();
+
+  // The operation number `at` (1 is the next) fails, and with `ever` all after it. Writes fail with
+  // `write_error` after half of their bytes were written, syncs with SQLITE_IOERR_FSYNC.
+  static void FailAt(int at, bool ever, int write_error = SQLITE_FULL);
+  static void Heal();
+  static int failures();  // since FailAt
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_TESTS_SERVER_JOURNAL_FAILING_VFS_H_

@@ -1,0 +1,232 @@
+// Meshes that come back: as they were, or named as damaged.
+#include "server/journal/recovery.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "server/base/log.h"
+#include "tests/server/journal/durable_registry.h"
+#include "tests/support/temp_folder.h"
+
+namespace dynmesh::server {
+namespace {
+
+using absl::StatusCode;
+
+class RecoveryTest : public ::testing::Test {
+ protected:
+  RecoveryTest() { EXPECT_TRUE(SetLogLevel("off").ok()); }
+
+  void Open() {
+    server_.reset();
+    server_ = std::make_unique<DurableRegistry>(folder_.path(), config_);
+    ASSERT_TRUE(server_->status().ok()) << server_->status();
+  }
+  // With mesh m of points 1..n, one a batch, with request_ids r1..rn.
+  void OpenWithPoints(FeatureId n) {
+    Open();
+    ASSERT_TRUE((*server_)->Create("m", MeshOptions(), "made").ok());
+    for (FeatureId id = 1; id <= n; ++id) {
+      ASSERT_TRUE(server_->Apply({AddPoint(id)}, absl::StrCat("r", id)).ok());
+    }
+  }
+  // Changes the closed database.
+  void Sql(const char* sql) {
+    server_.reset();
+    auto db = sqlite::Connection::Open(folder_.path() + "/journal.sqlite", nullptr);
+    ASSERT_TRUE(db.ok());
+    const absl::Status status = db->Run(sql);
+    ASSERT_TRUE(status.ok()) << status;
+  }
+
+  test::TempFolder folder_;
+  ServerConfig config_;
+  std::unique_ptr<DurableRegistry> server_;
+};
+
+TEST_F(RecoveryTest, MeshesComeBackAsTheyWere) {
+  OpenWithPoints(5);
+  MeshOptions options;
+  options.box.hi = {2, 3, 1};
+  options.quality = 1.25;
+  options.limits.max_vertices = 1'000;
+  options.max_edge = 0.5;
+  ASSERT_TRUE((*server_)->Create("other", options, "").ok());
+  ASSERT_TRUE((*server_)->Create("gone", options, "gone-id").ok());
+  ASSERT_TRUE((*server_)->Delete("meshes/gone").ok());
+  const Head head = server_->Host()->head();
+  const absl::Time created = server_->Host()->create_time();
+  const Mesh before = **server_->Host()->store()->Latest();
+  for (int i = 0; i < 2; ++i) {
+    Open();
+    EXPECT_EQ((*server_)->size(), 2u);
+    const auto host = server_->Host();
+    EXPECT_EQ(host->head().revision, 5u);
+    EXPECT_EQ(host->head().hash, head.hash);
+    EXPECT_EQ(host->create_time(), created);
+    EXPECT_EQ(host->stats().features, 5u);
+    Mesh after = **host->store()->Latest();
+    EXPECT_EQ(ComputeHash(after), head.hash);
+    EXPECT_EQ(after.vertices.size(), before.vertices.size());
+    EXPECT_EQ(server_->Host("other")->mesh_options(), options);
+    EXPECT_EQ(ReasonOf((*server_)->Find("meshes/gone").status()), codec::reason::kMeshNotFound);
+    // The retry of the creation finds it; that of the deleted one makes another.
+    EXPECT_EQ(*(*server_)->Create("m", MeshOptions(), "made"), host);
+    EXPECT_EQ(ReasonOf((*server_)->Create("m", MeshOptions(), "").status()),
+              codec::reason::kMeshExists);
+  }
+  EXPECT_EQ(server_->Apply({AddPoint(6)})->diff->to_revision, 6u);
+}
+
+TEST_F(RecoveryTest, RetriesAreAnsweredAsTheFirstTime) {
+  config_.compact_bytes = 150;
+  OpenWithPoints(6);
+  ASSERT_TRUE(server_->Apply({}, "empty").ok());
+  ASSERT_TRUE(server_->Apply({AddPoint(7)}, "r7").ok());
+  Open();
+  const auto first = server_->Apply({AddPoint(1)}, "r1");
+  ASSERT_TRUE(first.ok());
+  EXPECT_TRUE(first->replayed);
+  EXPECT_EQ(first->diff->to_revision, 1u);
+  EXPECT_TRUE(first->columns_omitted);  // a snapshot took its place
+  const auto last = server_->Apply({AddPoint(7)}, "r7");
+  ASSERT_TRUE(last.ok());
+  EXPECT_EQ(last->diff->to_revision, 7u);
+  EXPECT_TRUE(server_->Apply({}, "empty")->replayed);
+  EXPECT_EQ(ReasonOf(server_->Apply({AddPoint(9)}, "r2").status()),
+            codec::reason::kRequestIdReused);
+  EXPECT_EQ(server_->Host()->head().revision, 7u);
+}
+
+TEST_F(RecoveryTest, ASnapshotTakesThePlaceOfManyEdits) {
+  config_.compact_bytes = 200;
+  OpenWithPoints(1);
+  for (int i = 0; i < 40; ++i) {
+    ASSERT_TRUE(server_->Apply({i % 2 == 0 ? AddPoint(2) : Edit::Remove(2)}).ok());
+  }
+  const Head head = server_->Host()->head();
+  const auto key = server_->journal().List()->front().key;
+  int entries = 0;
+  std::uint64_t snapshot = 0;
+  Journal::Visitor count;
+  count.request = [](const Journal::Request&) { return absl::OkStatus(); };
+  count.snapshot = [&](std::uint64_t revision, const std::string&) {
+    snapshot = revision;
+    return absl::OkStatus();
+  };
+  count.entry = [&](const Journal::Entry&) {
+    ++entries;
+    return absl::OkStatus();
+  };
+  ASSERT_TRUE(server_->journal().Read(key, count).ok());
+  EXPECT_GT(snapshot, 30u);
+  EXPECT_LT(entries, 8);
+  Open();
+  EXPECT_EQ(server_->Host()->head().revision, 41u);
+  EXPECT_EQ(server_->Host()->head().hash, head.hash);
+}
+
+TEST_F(RecoveryTest, AnEmptyMeshKeepsItsRevisionThroughASnapshot) {
+  config_.compact_bytes = 0;
+  OpenWithPoints(1);
+  ASSERT_TRUE(server_->Apply({Edit::Remove(1)}).ok());
+  Open();
+  EXPECT_EQ(server_->Host()->head().revision, 2u);
+  EXPECT_EQ(server_->Apply({AddPoint(1)})->diff->from_revision, 2u);
+}
+
+TEST_F(RecoveryTest, WatchersGoOnWhereTheyWere) {
+  OpenWithPoints(4);
+  const MeshHash at2 = *server_->Host()->store()->HashAt(2);
+  Open();
+  const auto host = server_->Host();
+  EXPECT_TRUE(host->hub()->Subscribe({.revision = 4, .hash = host->head().hash}, [] {}).ok());
+  EXPECT_TRUE(host->hub()->Subscribe({.revision = 2, .hash = at2}, [] {}).ok());
+  EXPECT_EQ(host->store()->DiffsFrom(0)->size(), 4u);
+
+  config_.compact_bytes = 0;  // from the next edit on
+  Open();
+  ASSERT_TRUE(server_->Apply({AddPoint(5)}).ok());
+  Open();
+  EXPECT_EQ(ReasonOf(server_->Host()->hub()->Subscribe({.revision = 2}, [] {}).status()),
+            codec::reason::kCompacted);
+  EXPECT_TRUE(server_->Host()->hub()->Subscribe({.revision = 5}, [] {}).ok());
+}
+
+TEST_F(RecoveryTest, WhatDoesNotMakeTheMeshAgainIsDamageOfThatMeshAlone) {
+  const std::pair<const char*, const char*> damages[] = {
+      {"UPDATE entries SET data = x'ffff' WHERE revision = 2", "revision 2"},
+      {"UPDATE entries SET data = x'' WHERE revision = 3", "revision 3"},
+      {"UPDATE entries SET data = (SELECT data FROM entries WHERE revision = 1) WHERE revision = 3",
+       "revision 3"},
+      {"DELETE FROM entries WHERE revision = 2", "some are missing"},
+      {"DELETE FROM entries WHERE revision = 3", "some are missing"},
+      {"UPDATE meshes SET head = 7", "some are missing"},
+      {"UPDATE meshes SET description = x'01' WHERE id = 'm'", ""},
+      {"UPDATE meshes SET snapshot = 1", "snapshot is missing"},
+      {"UPDATE requests SET answer = x'ff'", ""},
+  };
+  for (const auto& [sql, what] : damages) {
+    SCOPED_TRACE(sql);
+    server_.reset();
+    std::filesystem::remove_all(folder_.path());
+    OpenWithPoints(3);
+    Sql(sql);
+    Open();
+    ASSERT_TRUE((*server_)->Create("sound", MeshOptions(), "").ok());
+    ASSERT_TRUE(server_->Apply({AddPoint(1)}, "", "sound").ok());
+    Open();
+    EXPECT_EQ(server_->Host("sound")->head().revision, 1u);
+    const absl::Status damage = (*server_)->Find("meshes/m").status();
+    EXPECT_EQ(damage.code(), StatusCode::kDataLoss);
+    EXPECT_EQ(ReasonOf(damage), codec::reason::kMeshDamaged);
+    EXPECT_TRUE(absl::StrContains(damage.message(), "meshes/m")) << damage;
+    EXPECT_TRUE(absl::StrContains(damage.message(), what)) << damage;
+    EXPECT_EQ((*server_)->Create("m", MeshOptions(), "made").status(), damage);
+    EXPECT_EQ((*server_)->List("", 10).size(), 1u);
+    // It can be deleted, and made anew.
+    ASSERT_TRUE((*server_)->Delete("meshes/m").ok());
+    ASSERT_TRUE((*server_)->Create("m", MeshOptions(), "made").ok());
+    Open();
+    EXPECT_EQ(server_->Host()->head().revision, 0u);
+  }
+}
+
+// Wherever the file is overwritten: what is served is what was acknowledged.
+TEST_F(RecoveryTest, AnOverwrittenFileIsNeverServedAsAnotherMesh) {
+  OpenWithPoints(30);
+  const MeshHash hash = server_->Host()->head().hash;
+  server_.reset();
+  const std::string file = folder_.path() + "/journal.sqlite";
+  const auto size = static_cast<int>(std::filesystem::file_size(file));
+  int noticed = 0;
+  for (int at = 0; at + 256 <= size; at += 512) {
+    test::TempFolder copy;
+    CopyJournal(folder_.path(), copy.path());
+    std::fstream out(copy.path() + "/journal.sqlite",
+                     std::ios::in | std::ios::out | std::ios::binary);
+    out.seekp(at);
+    out << std::string(256, '\x5a');
+    out.close();
+    DurableRegistry server(copy.path());
+    if (!server.status().ok()) {
+      ++noticed;
+      continue;
+    }
+    const auto host = server->Find("meshes/m");
+    if (!host.ok()) {
+      ++noticed;
+    } else {
+      EXPECT_EQ((*host)->head().revision, 30u) << "at " << at;
+      EXPECT_EQ((*host)->head().hash, hash) << "at " << at;
+    }
+  }
+  EXPECT_GT(noticed, 5);
+}
+
+}  // namespace
+}  // namespace dynmesh::server

@@ -1,0 +1,307 @@
+// What a journal promises, of the one in SQLite: by itself, on a failing disk, with old, new and
+// broken files.
+#include "server/journal/sqlite_journal.h"
+
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "server/base/log.h"
+#include "tests/server/journal/durable_registry.h"
+#include "tests/server/journal/failing_vfs.h"
+#include "tests/support/temp_folder.h"
+
+namespace dynmesh::server {
+namespace {
+
+using Entry = Journal::Entry;
+using Request = Journal::Request;
+
+// All that a journal says of a mesh, as text.
+std::string Told(Journal& journal, Journal::Key mesh) {
+  std::string text;
+  Journal::Visitor visitor;
+  visitor.request = [&](const Request& r) {
+    absl::StrAppend(&text, "?", r.id, "=", r.answer, " ");
+    return absl::OkStatus();
+  };
+  visitor.snapshot = [&](std::uint64_t revision, const std::string& part) {
+    absl::StrAppend(&text, "@", revision, ":", part, " ");
+    return absl::OkStatus();
+  };
+  visitor.entry = [&](const Entry& e) {
+    absl::StrAppend(&text, e.revision, ":", e.data, " ");
+    return absl::OkStatus();
+  };
+  const absl::Status status = journal.Read(mesh, visitor);
+  return status.ok() ? text : status.ToString();
+}
+
+class SqliteJournalTest : public ::testing::Test {
+ protected:
+  SqliteJournalTest() { EXPECT_TRUE(SetLogLevel("off").ok()); }
+  ~SqliteJournalTest() override { FailingVfs::Heal(); }
+
+  void Open(const SqliteJournal::Options& options = {}) {
+    journal_.reset();
+    auto opened = SqliteJournal::Open(folder_.path(), options);
+    ASSERT_TRUE(opened.ok()) << opened.status();
+    journal_ = *std::move(opened);
+  }
+  void OpenFailing() {
+    SqliteJournal::Options options;
+    options.vfs = FailingVfs::Name();
+    Open(options);
+  }
+  std::string File() const { return folder_.path() + "/journal.sqlite"; }
+
+  test::TempFolder folder_;
+  std::unique_ptr<SqliteJournal> journal_;
+};
+
+TEST_F(SqliteJournalTest, KeepsWhatItWasTold) {
+  Open();
+  const auto a = journal_->Create("a", "about a");
+  const auto b = journal_->Create("b", std::string("\0b", 2));
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_TRUE(absl::IsAlreadyExists(journal_->Create("a", "").status()));
+  EXPECT_TRUE(journal_->Append(*a, Entry{1, "one"}, Request{"r1", "A1"}).ok());
+  EXPECT_TRUE(journal_->Append(*a, Entry{2, std::string("t\0o", 3)}, std::nullopt).ok());
+  EXPECT_TRUE(journal_->Append(*b, std::nullopt, Request{"r1", ""}).ok());
+  for (int i = 0; i < 2; ++i) {
+    const auto meshes = journal_->List();
+    ASSERT_TRUE(meshes.ok());
+    ASSERT_EQ(meshes->size(), 2u);
+    EXPECT_EQ((*meshes)[0].id, "a");
+    EXPECT_EQ((*meshes)[0].key, *a);
+    EXPECT_EQ((*meshes)[0].description, "about a");
+    EXPECT_EQ((*meshes)[1].description, std::string("\0b", 2));
+    EXPECT_EQ(Told(*journal_, *a), std::string("?r1=A1 1:one 2:t\0o ", 19));
+    EXPECT_EQ(Told(*journal_, *b), "?r1= ");
+    Open();
+  }
+}
+
+TEST_F(SqliteJournalTest, TakesRevisionsInOrderOnly) {
+  Open();
+  const auto key = *journal_->Create("a", "");
+  EXPECT_TRUE(absl::IsFailedPrecondition(journal_->Append(key, Entry{2, "x"}, Request{"r", ""})));
+  EXPECT_TRUE(journal_->Append(key, Entry{1, "x"}, std::nullopt).ok());
+  EXPECT_TRUE(absl::IsFailedPrecondition(journal_->Append(key, Entry{1, "y"}, std::nullopt)));
+  EXPECT_TRUE(absl::IsFailedPrecondition(journal_->Compact(key, 2, {"s"})));
+  EXPECT_EQ(Told(*journal_, key), "1:x ");
+}
+
+TEST_F(SqliteJournalTest, ASnapshotTakesThePlaceOfEntriesNotOfRequests) {
+  Open();
+  const auto key = *journal_->Create("a", "");
+  for (const std::uint64_t r : {1u, 2u, 3u}) {
+    ASSERT_TRUE(journal_->Append(key, Entry{r, "e"}, Request{absl::StrCat("r", r), "A"}).ok());
+  }
+  ASSERT_TRUE(journal_->Compact(key, 3, {"p0", "p1"}).ok());
+  EXPECT_EQ(Told(*journal_, key), "?r1=A ?r2=A ?r3=A @3:p0 @3:p1 ");
+  ASSERT_TRUE(journal_->Append(key, Entry{4, "f"}, std::nullopt).ok());
+  Open();
+  EXPECT_EQ(Told(*journal_, key), "?r1=A ?r2=A ?r3=A @3:p0 @3:p1 4:f ");
+  ASSERT_TRUE(journal_->Compact(key, 4, {"q"}).ok());
+  EXPECT_EQ(Told(*journal_, key), "?r1=A ?r2=A ?r3=A @4:q ");
+}
+
+TEST_F(SqliteJournalTest, ForgetsTheOldestRequests) {
+  SqliteJournal::Options options;
+  options.remembered_requests = 2;
+  Open(options);
+  const auto key = *journal_->Create("a", "");
+  for (const char* id : {"r1", "r2", "r3"}) {
+    ASSERT_TRUE(journal_->Append(key, std::nullopt, Request{id, "A"}).ok());
+  }
+  EXPECT_EQ(Told(*journal_, key), "?r2=A ?r3=A ");
+}
+
+TEST_F(SqliteJournalTest, ADeletedMeshIsGoneAndItsKeyStaysItsOwn) {
+  Open();
+  const auto key = *journal_->Create("a", "old");
+  ASSERT_TRUE(journal_->Append(key, Entry{1, "x"}, Request{"r", "A"}).ok());
+  ASSERT_TRUE(journal_->Delete(key).ok());
+  EXPECT_TRUE(absl::IsNotFound(journal_->Delete(key)));
+  EXPECT_TRUE(journal_->List()->empty());
+  const auto next = *journal_->Create("a", "new");
+  EXPECT_NE(next, key);
+  EXPECT_TRUE(absl::IsNotFound(journal_->Append(key, Entry{1, "x"}, std::nullopt)));
+  EXPECT_TRUE(absl::IsNotFound(journal_->Compact(key, 1, {"x"})));
+  EXPECT_EQ(Told(*journal_, next), "");
+}
+
+TEST_F(SqliteJournalTest, ManyWritersAtOnceLoseNothing) {
+  Open();
+  constexpr int kWriters = 8, kEach = 20;
+  std::vector<Journal::Key> keys;
+  for (int w = 0; w < kWriters; ++w) keys.push_back(*journal_->Create(absl::StrCat("m", w), ""));
+  std::vector<std::thread> threads;
+  for (int w = 0; w < kWriters; ++w) {
+    threads.emplace_back([&, w] {
+      for (std::uint64_t r = 1; r <= kEach; ++r) {
+        EXPECT_TRUE(journal_->Append(keys[w], Entry{r, absl::StrCat(w)}, std::nullopt).ok());
+        // One's mistake is not another's.
+        EXPECT_TRUE(absl::IsFailedPrecondition(
+            journal_->Append(keys[w], Entry{r + 5, "no"}, std::nullopt)));
+      }
+    });
+  }
+  for (std::thread& t : threads) t.join();
+  Open();
+  for (int w = 0; w < kWriters; ++w) {
+    std::string expected;
+    for (int r = 1; r <= kEach; ++r) absl::StrAppend(&expected, r, ":", w, " ");
+    EXPECT_EQ(Told(*journal_, keys[w]), expected);
+  }
+}
+
+TEST_F(SqliteJournalTest, TheFolderBelongsToOne) {
+  Open();
+  const absl::Status second = SqliteJournal::Open(folder_.path(), {}).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(second));
+  EXPECT_TRUE(absl::StrContains(second.message(), absl::StrCat("process ", getpid()))) << second;
+  journal_.reset();
+  EXPECT_TRUE(SqliteJournal::Open(folder_.path(), {}).ok());
+}
+
+TEST_F(SqliteJournalTest, ANewerSchemaIsRefused) {
+  Open();
+  journal_.reset();
+  {
+    auto db = *sqlite::Connection::Open(File(), nullptr);
+    ASSERT_TRUE(db.Run("PRAGMA user_version = 9").ok());
+  }
+  const absl::Status refused = SqliteJournal::Open(folder_.path(), {}).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(refused));
+  EXPECT_TRUE(absl::StrContains(refused.message(), "schema 9")) << refused;
+}
+
+TEST_F(SqliteJournalTest, AFileThatIsNoDatabaseIsRefused) {
+  std::ofstream(File()) << std::string(10'000, 'x');
+  EXPECT_TRUE(absl::IsDataLoss(SqliteJournal::Open(folder_.path(), {}).status()));
+}
+
+TEST_F(SqliteJournalTest, AfterAFailedWriteNothingIsWrittenUntilAProbeWas) {
+  OpenFailing();
+  const auto key = *journal_->Create("a", "");
+  ASSERT_TRUE(journal_->Append(key, Entry{1, "x"}, std::nullopt).ok());
+  FailingVfs::FailAt(1, /*ever=*/true);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(absl::IsUnavailable(journal_->Append(key, Entry{2, "y"}, std::nullopt)));
+    EXPECT_TRUE(absl::IsUnavailable(journal_->Create("b", "").status()));
+    EXPECT_EQ(Told(*journal_, key), "1:x ");  // reading goes on
+  }
+  FailingVfs::Heal();
+  EXPECT_TRUE(journal_->Append(key, Entry{2, "z"}, std::nullopt).ok());
+  Open();
+  EXPECT_EQ(Told(*journal_, key), "1:x 2:z ");
+}
+
+// A short life of a journal. Every step is tried until it succeeds, `healed` times at most.
+// What is acknowledged stands in `model`; the journal must tell that, at once and to whoever opens
+// the files as a crash would leave them.
+class FailureAtEveryWrite : public SqliteJournalTest,
+                            public ::testing::WithParamInterface<std::tuple<bool, int>> {
+ protected:
+  void Step(const std::function<absl::Status()>& step, const std::function<void()>& acknowledged) {
+    const absl::Status status = step();
+    if (status.ok()) {
+      acknowledged();
+    } else {
+      EXPECT_TRUE(absl::IsUnavailable(status)) << status;
+      // A step that failed may come out as done after a crash, whole; not before.
+      ExpectModel(*journal_);
+      FailingVfs::Heal();
+      const absl::Status again = step();
+      EXPECT_TRUE(again.ok()) << again;
+      if (again.ok()) acknowledged();
+    }
+    ExpectModel(*journal_);
+    ExpectModelAfterCrash();
+  }
+
+  void ExpectModel(Journal& journal) {
+    const auto meshes = journal.List();
+    ASSERT_TRUE(meshes.ok()) << meshes.status();
+    ASSERT_EQ(meshes->size(), model_.size());
+    for (const Journal::Mesh& mesh : *meshes) EXPECT_EQ(Told(journal, mesh.key), model_[mesh.id]);
+  }
+
+  // What is in the files now, opened elsewhere.
+  void ExpectModelAfterCrash() {
+    test::TempFolder copy;
+    CopyJournal(folder_.path(), copy.path());
+    const auto journal = SqliteJournal::Open(copy.path(), {});
+    ASSERT_TRUE(journal.ok()) << journal.status();
+    ExpectModel(**journal);
+  }
+
+  void Script() {
+    Journal::Key a = 0, b = 0;
+    const auto create = [&](const char* id, Journal::Key* key) {
+      Step(
+          [&] {
+            const auto made = journal_->Create(id, "d");
+            if (made.ok()) *key = *made;
+            return made.status();
+          },
+          [&] { model_[id] = ""; });
+    };
+    const auto append = [&](Journal::Key key, const char* id, std::uint64_t r,
+                            const std::string& data) {
+      Step(
+          [&] {
+            return journal_->Append(key, Entry{r, data}, std::nullopt);
+          },
+          [&] { absl::StrAppend(&model_[id], r, ":", data, " "); });
+    };
+    create("a", &a);
+    append(a, "a", 1, "x");
+    append(a, "a", 2, std::string(9'000, 'y'));
+    create("b", &b);
+    append(b, "b", 1, "z");
+    Step([&] { return journal_->Compact(a, 2, {"s"}); }, [&] { model_["a"] = "@2:s "; });
+    append(a, "a", 3, "w");
+    Step([&] { return journal_->Delete(b); }, [&] { model_.erase("b"); });
+    append(a, "a", 4, "v");
+  }
+
+  std::map<std::string, std::string> model_;
+};
+
+TEST_P(FailureAtEveryWrite, LosesNothingThatWasAcknowledged) {
+  const auto [ever, error] = GetParam();
+  int at = 1;
+  for (;; ++at) {
+    SCOPED_TRACE(absl::StrCat("operation ", at));
+    std::filesystem::remove_all(folder_.path());
+    model_.clear();
+    OpenFailing();
+    FailingVfs::FailAt(at, ever, error);
+    Script();
+    if (HasFailure() || FailingVfs::failures() == 0) break;
+    FailingVfs::Heal();
+    Open();
+    ExpectModel(*journal_);
+  }
+  EXPECT_GT(at, 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(Disks, FailureAtEveryWrite,
+                         ::testing::Combine(::testing::Bool(),
+                                            ::testing::Values(SQLITE_FULL, SQLITE_IOERR_WRITE)));
+
+}  // namespace
+}  // namespace dynmesh::server

@@ -1,0 +1,278 @@
+// What a server tells of itself: calls counted, ids of calls, ready or not, from start to drain.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "tests/server/metrics/http_get.h"
+#include "tests/server/metrics/metrics_parser.h"
+#include "tests/server/server_fixture.h"
+
+namespace dynmesh::server {
+namespace {
+
+// The address that the log names.
+std::string MetricsAddress(const std::string& log) {
+  const std::string mark = "event=metrics_listen address=";
+  const std::size_t at = log.find(mark);
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + mark.size();
+  return log.substr(begin, log.find('\n', begin) - begin);
+}
+
+class ObserveTest : public ServerFixture {
+ protected:
+  // As StartWithMesh, with metrics.
+  void StartObserved() {
+    ServerConfig config;
+    config.metrics = "127.0.0.1:0";
+    ASSERT_TRUE(SetLogLevel("info").ok());
+    testing::internal::CaptureStderr();
+    StartWithMesh(config);
+    metrics_ = MetricsAddress(testing::internal::GetCapturedStderr());
+    ASSERT_TRUE(SetLogLevel("error").ok());
+    ASSERT_NE(metrics_, "");
+  }
+  ParsedMetrics Scrape() const {
+    const HttpAnswer answer = HttpGet(metrics_, "/metrics");
+    EXPECT_EQ(answer.status, 200);
+    ParsedMetrics parsed(answer.body);
+    EXPECT_EQ(parsed.error(), "");
+    return parsed;
+  }
+  static ParsedMetrics::Labels Of(const char* type, const char* method,
+                                  const char* code = nullptr) {
+    ParsedMetrics::Labels labels = {
+        {"grpc_type", type}, {"grpc_service", "dynmesh.v1.MeshService"}, {"grpc_method", method}};
+    if (code != nullptr) labels["grpc_code"] = code;
+    return labels;
+  }
+
+  std::string metrics_;
+};
+
+TEST_F(ObserveTest, CallsAreCountedByMethodAndCode) {
+  StartObserved();  // CreateMesh
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(client_->GetStats("m").ok());
+  for (int i = 0; i < 3; ++i) ASSERT_FALSE(client_->GetMesh("none").ok());
+  for (FeatureId id = 1; id <= 2; ++id) ASSERT_TRUE(client_->Apply("m", {AddPoint(id)}).ok());
+  {
+    const auto stream = client_->OpenEdits("m");
+    for (FeatureId id = 3; id <= 7; ++id) {
+      ASSERT_TRUE(stream->Send({AddPoint(id)}, {}).ok());
+      ASSERT_TRUE(stream->Receive()->result.ok());
+    }
+    ASSERT_TRUE(stream->DoneSending().ok());
+    EXPECT_FALSE(stream->Receive().has_value());
+    ASSERT_TRUE(stream->Finish().ok());
+  }
+  // Told to the server a moment after the client has its answer.
+  const ParsedMetrics::Labels send = {{"stage", "send"}};
+  while (Scrape().Value("dynmesh_edit_seconds_count", send) < 7) std::this_thread::yield();
+  const ParsedMetrics now = Scrape();
+  EXPECT_EQ(now.Value("grpc_server_started_total", Of("unary", "CreateMesh")), 1);
+  EXPECT_EQ(now.Value("grpc_server_handled_total", Of("unary", "CreateMesh", "OK")), 1);
+  EXPECT_EQ(now.Value("grpc_server_started_total", Of("unary", "GetStats")), 4);
+  EXPECT_EQ(now.Value("grpc_server_handled_total", Of("unary", "GetStats", "OK")), 4);
+  EXPECT_EQ(now.Value("grpc_server_msg_received_total", Of("unary", "GetStats")), 4);
+  EXPECT_EQ(now.Value("grpc_server_msg_sent_total", Of("unary", "GetStats")), 4);
+  EXPECT_EQ(now.Value("grpc_server_handling_seconds_count", Of("unary", "GetStats")), 4);
+  EXPECT_EQ(now.Value("grpc_server_handled_total", Of("unary", "GetMesh", "NotFound")), 3);
+  EXPECT_TRUE(std::isnan(now.Value("grpc_server_handled_total", Of("unary", "GetMesh", "OK"))));
+  EXPECT_EQ(now.Value("grpc_server_started_total", Of("unary", "ListMeshes")), 0);
+  // Streams: a message each way for each batch.
+  EXPECT_EQ(now.Value("grpc_server_handled_total", Of("bidi_stream", "EditStream", "OK")), 1);
+  EXPECT_EQ(now.Value("grpc_server_msg_received_total", Of("bidi_stream", "EditStream")), 5);
+  EXPECT_EQ(now.Value("grpc_server_msg_sent_total", Of("bidi_stream", "EditStream")), 5);
+  EXPECT_EQ(now.Value("dynmesh_edits_total", {{"result", "applied"}}), 7);
+  EXPECT_EQ(now.Value("dynmesh_mesh_revision", {{"mesh", "m"}}), 7);
+  EXPECT_EQ(now.Value("dynmesh_edit_seconds_count", {{"stage", "propagate"}}), 7);
+  EXPECT_EQ(now.Value("dynmesh_edit_seconds_count", send), 7);
+  EXPECT_FALSE(now.Has("dynmesh_journal_syncs_total"));  // there is no journal
+}
+
+TEST_F(ObserveTest, AClientThatGoesAwayIsCountedAsCancelled) {
+  StartObserved();
+  {
+    const auto watch = client_->Watch("m", {.max_attempts = 0}, nullptr);
+    ASSERT_TRUE(watch->WaitFor([](const auto& r) { return r.has_mesh(); }, kLong));
+    EXPECT_EQ(Scrape().Value("dynmesh_mesh_watchers", {{"mesh", "m"}}), 1);
+  }
+  const auto ended = Of("server_stream", "Watch", "Canceled");
+  while (!(Scrape().Value("grpc_server_handled_total", ended) == 1)) std::this_thread::yield();
+  EXPECT_EQ(Scrape().Value("grpc_server_started_total", Of("server_stream", "Watch")), 1);
+}
+
+TEST_F(ObserveTest, MethodsThatClientsInventAreOneAtMost) {
+  StartObserved();
+  const std::size_t before = Scrape().size();
+  for (int i = 0; i < 5; ++i) {
+    grpc::Status status;
+    CallBytes("/x/Invented" + std::to_string(i), "", &status);
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::UNIMPLEMENTED);
+  }
+  EXPECT_LE(Scrape().size(), before + 1);
+}
+
+TEST_F(ObserveTest, ScrapesDuringEditsAgreeWithThemInTheEnd) {
+  StartObserved();
+  std::atomic<bool> done{false};
+  std::thread scraper([&] {
+    double before = 0;
+    while (!done) {
+      const double now = Scrape().Value("dynmesh_edits_total", {{"result", "applied"}});
+      EXPECT_GE(now, before);
+      before = now;
+    }
+  });
+  for (FeatureId id = 1; id <= 200; ++id) ASSERT_TRUE(client_->Apply("m", {AddPoint(id)}).ok());
+  done = true;
+  scraper.join();
+  EXPECT_EQ(Scrape().Value("dynmesh_edits_total", {{"result", "applied"}}), 200);
+}
+
+// ------------------------------------------------------------------ ids of calls
+
+// What comes back for what is sent; "" for nothing.
+std::string Echo(v1::MeshService::Stub& stub, const char* sent, const std::string& mesh) {
+  grpc::ClientContext context;
+  if (sent != nullptr) context.AddMetadata("x-request-id", sent);
+  v1::GetMeshRequest request;
+  request.set_mesh(mesh);
+  v1::Mesh response;
+  stub.GetMesh(&context, request, &response);
+  for (const auto* metadata :
+       {&context.GetServerInitialMetadata(), &context.GetServerTrailingMetadata()}) {
+    if (const auto it = metadata->find("x-request-id"); it != metadata->end()) {
+      return {it->second.data(), it->second.size()};
+    }
+  }
+  return "";
+}
+
+TEST_F(ObserveTest, EveryCallHasAnIdAndTheClientLearnsIt) {
+  StartWithMesh();
+  EXPECT_EQ(Echo(*stub_, "trace-17", "meshes/m"), "trace-17");
+  EXPECT_EQ(Echo(*stub_, "trace-18", "meshes/none"), "trace-18");  // also with an error
+  const std::string fresh = Echo(*stub_, nullptr, "meshes/m");
+  EXPECT_EQ(fresh.size(), 16u);
+  EXPECT_NE(Echo(*stub_, nullptr, "meshes/m"), fresh);
+  EXPECT_EQ(Echo(*stub_, std::string(65, 'x').c_str(), "meshes/m").size(), 16u);
+  EXPECT_EQ(Echo(*stub_, "a b", "meshes/m").size(), 16u);
+}
+
+TEST_F(ObserveTest, LinesOfAnEditAndOfAnErrorHaveTheId) {
+  StartWithMesh();
+  ASSERT_TRUE(SetLogLevel("debug").ok());
+  testing::internal::CaptureStderr();
+  {
+    grpc::ClientContext context;
+    context.AddMetadata("x-request-id", "edit-1");
+    v1::AddFeaturesRequest request;
+    request.set_mesh("meshes/m");
+    auto* feature = request.add_features();
+    feature->set_id(1);
+    feature->mutable_point()->set_x(0.25);
+    feature->mutable_point()->set_y(0.5);
+    v1::MeshDiff diff;
+    const auto reader = stub_->AddFeatures(&context, request);
+    while (reader->Read(&diff)) {
+    }
+    EXPECT_TRUE(reader->Finish().ok());
+  }
+  Echo(*stub_, "bad-1", "meshes/none");
+  server_.reset();
+  const std::string log = testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(SetLogLevel("error").ok());
+  EXPECT_NE(log.find("event=edit mesh=m call=edit-1 "), std::string::npos) << log;
+  EXPECT_NE(log.find("event=call_failed call=bad-1 method=GetMesh code=NotFound"),
+            std::string::npos)
+      << log;
+}
+
+// ------------------------------------------------------------------ ready or not
+
+// A journal that has nothing and takes its time to say so.
+class SlowJournal final : public Journal {
+ public:
+  explicit SlowJournal(Mailbox<int>* asked, Mailbox<int>* answer)
+      : asked_(asked), answer_(answer) {}
+  std::string name() const override { return "slow"; }
+  absl::StatusOr<std::vector<Mesh>> List() override {
+    asked_->Put(0);
+    answer_->Take();
+    return std::vector<Mesh>();
+  }
+  absl::StatusOr<Key> Create(const std::string&, const std::string&) override { return Key{1}; }
+  absl::Status Delete(Key) override { return absl::OkStatus(); }
+  absl::Status Append(Key, const std::optional<Entry>&, const std::optional<Request>&) override {
+    return absl::OkStatus();
+  }
+  absl::Status Read(Key, const Visitor&) override { return absl::OkStatus(); }
+  absl::Status Compact(Key, std::uint64_t, const std::vector<std::string>&) override {
+    return absl::OkStatus();
+  }
+
+ private:
+  Mailbox<int>* const asked_;
+  Mailbox<int>* const answer_;
+};
+
+TEST_F(ObserveTest, AServerIsReadyFromTheEndOfRecoveryToTheDrain) {
+  ServerConfig config;
+  config.listen = "127.0.0.1:0";
+  config.metrics = "127.0.0.1:0";
+  ASSERT_TRUE(SetLogLevel("info").ok());
+  testing::internal::CaptureStderr();
+  Mailbox<int> asked, answer;
+  Mailbox<absl::StatusOr<std::unique_ptr<Server>>> started;
+  std::thread starter([&] {
+    started.Put(Server::Start(
+        config, [gate = gate_](const MeshOptions& o) { return MakeFake(o, gate); },
+        std::make_unique<SlowJournal>(&asked, &answer)));
+  });
+  asked.Take();
+  metrics_ = MetricsAddress(testing::internal::GetCapturedStderr());
+  ASSERT_TRUE(SetLogLevel("error").ok());
+  EXPECT_EQ(HttpGet(metrics_, "/healthz").status, 200);
+  HttpAnswer ready = HttpGet(metrics_, "/readyz");
+  EXPECT_EQ(ready.status, 503);
+  EXPECT_EQ(ready.body, "recovering\n");
+  EXPECT_EQ(Scrape().Value("dynmesh_meshes"), 0);
+
+  answer.Put(0);
+  server_ = *started.Take();
+  starter.join();
+  EXPECT_EQ(HttpGet(metrics_, "/readyz").status, 200);
+
+  // An edit under way keeps the drain from ending.
+  client_ = client::MeshClient::Connect(server_->address());
+  ASSERT_TRUE(client_->CreateMesh("m", MeshOptions()).ok());
+  gate_->Hold();
+  std::thread editor([&] { EXPECT_TRUE(client_->Apply("m", {AddPoint(1)}).ok()); });
+  gate_->WaitForArrivals(1);
+  std::thread drainer([&] { EXPECT_TRUE(server_->Drain(kLong)); });
+  while ((ready = HttpGet(metrics_, "/readyz")).status == 200) std::this_thread::yield();
+  EXPECT_EQ(ready.status, 503);
+  EXPECT_EQ(ready.body, "draining\n");
+  EXPECT_EQ(HttpGet(metrics_, "/healthz").status, 200);
+  gate_->Release();
+  editor.join();
+  drainer.join();
+  server_.reset();
+  EXPECT_EQ(HttpGet(metrics_, "/healthz").status, 0);
+}
+
+TEST_F(ObserveTest, AMetricsPortThatIsTakenIsAnErrorAtTheStart) {
+  StartObserved();
+  ServerConfig config;
+  config.listen = "127.0.0.1:0";
+  config.metrics = metrics_;
+  const auto factory = [](const MeshOptions& o) { return MakeFake(o); };
+  EXPECT_EQ(Server::Start(config, factory).status().code(), absl::StatusCode::kUnavailable);
+  config.metrics = "nonsense";
+  EXPECT_EQ(Server::Start(config, factory).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace dynmesh::server
