@@ -240,6 +240,7 @@ TEST_F(RemoteCommandsTest, StatsAreWatchedAsOftenAsAsked) {
   EXPECT_EQ(Remote({"stats", "--count", "1"}).code, kExitBadInput);
   EXPECT_EQ(Remote({"stats", "none", "--watch", "--count", "1"}).code, kExitBadInput);
   EXPECT_EQ(Remote({"stats", "x.node", "--watch"}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"stats", "--watch", "--count", "1", "--tls-ca", "none"}).code, kExitBadInput);
 }
 
 TEST_F(RemoteCommandsTest, WatchedStatsEndWellWithASignal) {

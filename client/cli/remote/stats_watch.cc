@@ -144,6 +144,7 @@ int RunStatsWatch(const std::string& mesh, const StatsWatch& watch, const Server
   ServerFlags flags = server;
   if (flags.timeout_seconds == 0) flags.timeout_seconds = kTimeoutSeconds;
   const auto client = Connect(flags);
+  if (!client.ok()) return ReportError(client.status());
   Figures figures(**client, mesh);
   const bool terminal = OutIsTerminal();
   absl::Time next = absl::Now();
