@@ -1,5 +1,5 @@
-// Who subscribes to which place, and to which parts of it. Lists are unordered, and differ between histories
-// that end in the same trace: nothing may depend on their order. Thread-compatible.
+// Who subscribes to which place, and to which parts of it. Lists are unordered, and differ between
+// histories that end in the same trace: nothing may depend on their order. Thread-compatible.
 #ifndef DYNMESH_CORE_SAC_SUBSCRIPTIONS_H_
 #define DYNMESH_CORE_SAC_SUBSCRIPTIONS_H_
 

@@ -1,6 +1,5 @@
 #include "server/access/acceptor.h"
 
-#include <dirent.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -16,24 +15,16 @@
 #include "absl/strings/strip.h"
 #include "absl/time/clock.h"
 #include "server/base/log.h"
+#include "server/base/process.h"
 
 namespace dynmesh::server {
 namespace {
 
 // For files, and what gRPC opens for itself.
-constexpr std::uint64_t kReserve = 64;
+constexpr std::uint64_t kReserve = 67;
 // No more often than that are descriptors counted while there is no room.
 constexpr absl::Duration kCountEvery = absl::Milliseconds(50);
 constexpr absl::Duration kWarnEvery = absl::Seconds(10);
-
-std::uint64_t OpenDescriptors() {
-  std::uint64_t count = 0;
-  DIR* const folder = opendir("/proc/self/fd");
-  if (folder == nullptr) return 0;
-  while (readdir(folder) != nullptr) ++count;
-  closedir(folder);
-  return count;
-}
 
 void SetOption(int socket, int level, int option, int value) {
   setsockopt(socket, level, option, &value, sizeof(value));

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
+#include "server/base/process.h"
 
 namespace dynmesh::server {
 namespace {
@@ -28,12 +29,6 @@ std::uint64_t NumberIn(const char* path) {
 }
 
 }  // namespace
-
-std::uint64_t ResidentBytes() {
-  std::uint64_t pages = 0, resident = 0;
-  std::ifstream("/proc/self/statm") >> pages >> resident;
-  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-}
 
 std::uint64_t AvailableBytes() {
   const auto machine = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *

@@ -11,8 +11,6 @@
 
 namespace dynmesh::server {
 
-// Of this process; 0 where it cannot be told.
-std::uint64_t ResidentBytes();
 // Of the machine or, where that is less, of the control group that the process is in.
 std::uint64_t AvailableBytes();
 

@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
-#include <system_error>
 #include <vector>
 
+#include "server/base/process.h"
 #include "server/version.h"
 
 namespace dynmesh::server {
@@ -41,16 +40,6 @@ double BootTime() {
     if (word == "btime" && in >> seconds) return seconds;
   }
   return 0;
-}
-
-double OpenFiles() {
-  std::error_code error;
-  double count = 0;
-  for (std::filesystem::directory_iterator it("/proc/self/fd", error), end; !error && it != end;
-       it.increment(error)) {
-    ++count;
-  }
-  return std::max(0.0, count - 1);  // less the one that counts
 }
 
 }  // namespace
@@ -99,12 +88,13 @@ void WriteProcess(MetricsText& out) {
   const std::string stat = ReadAll("/proc/self/stat");
   const auto ticks = static_cast<double>(sysconf(_SC_CLK_TCK));
   out.Single("process_resident_memory_bytes", "gauge", "Memory of the process.",
-             StatField(stat, 24) * static_cast<double>(sysconf(_SC_PAGESIZE)));
+             static_cast<double>(ResidentBytes()));
   out.Single("process_cpu_seconds_total", "counter", "Processor time, user's and system's.",
              (StatField(stat, 14) + StatField(stat, 15)) / ticks);
   out.Single("process_start_time_seconds", "gauge", "When the process started, since 1970.",
              BootTime() + StatField(stat, 22) / ticks);
-  out.Single("process_open_fds", "gauge", "Files and connections that are open.", OpenFiles());
+  out.Single("process_open_fds", "gauge", "Files and connections that are open.",
+             static_cast<double>(OpenDescriptors()));
   out.Begin("dynmesh_build_info", "gauge", "1, with the version.");
   out.Sample({{"version", kVersion}}, 1);
 }

@@ -10,17 +10,16 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <cstdint>
-#include <deque>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "server/base/worker_pool.h"
 
 namespace dynmesh::server {
 namespace {
@@ -58,47 +57,29 @@ absl::StatusOr<Address> ParseAddress(absl::string_view listen) {
 // The library's pool takes any number of connections; this one makes the next wait unaccepted.
 class BoundedPool final : public httplib::TaskQueue {
  public:
-  BoundedPool() {
-    for (int i = 0; i < kThreads; ++i) threads_.emplace_back([this] { Run(); });
-  }
-
   void enqueue(std::function<void()> task) override {
-    std::unique_lock lock(mutex_);
-    room_.wait(lock, [this] { return tasks_.size() < kMaxWaiting; });
-    tasks_.push_back(std::move(task));
-    wake_.notify_one();
+    {
+      std::unique_lock lock(mutex_);
+      room_.wait(lock, [this] { return waiting_ < kMaxWaiting; });
+      ++waiting_;
+    }
+    pool_.Post([this, task = std::move(task)] {
+      {
+        const std::lock_guard lock(mutex_);
+        --waiting_;
+      }
+      room_.notify_one();
+      task();
+    });
   }
 
-  void shutdown() override {
-    {
-      const std::lock_guard lock(mutex_);
-      stopping_ = true;
-    }
-    wake_.notify_all();
-    for (std::thread& thread : threads_) thread.join();
-  }
+  void shutdown() override { pool_.Stop(); }
 
  private:
-  void Run() {
-    std::unique_lock lock(mutex_);
-    while (true) {
-      wake_.wait(lock, [this] { return stopping_ || !tasks_.empty(); });
-      if (tasks_.empty()) return;
-      const std::function<void()> task = std::move(tasks_.front());
-      tasks_.pop_front();
-      room_.notify_one();
-      lock.unlock();
-      task();
-      lock.lock();
-    }
-  }
-
   std::mutex mutex_;
-  std::condition_variable wake_;
   std::condition_variable room_;
-  std::deque<std::function<void()>> tasks_;
-  bool stopping_ = false;
-  std::vector<std::thread> threads_;
+  std::size_t waiting_ = 0;  // that no thread has taken
+  WorkerPool pool_{kThreads};
 };
 
 // A connection that ends after some bytes, some time, or when the server stops. The library bounds

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::cli {
 
@@ -50,7 +50,7 @@ class CommandLineFixture : public ::testing::Test {
     return json.substr(begin, json.find_first_of(",}", begin) - begin);
   }
 
-  testing::TempFolder folder_;
+  test::TempFolder folder_;
 };
 
 }  // namespace dynmesh::cli

@@ -5,13 +5,13 @@
 #include <filesystem>
 
 #include "gtest/gtest.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
 TEST(FileWriter, WritesNumbersAndText) {
-  const testing::TempFolder folder;
+  const test::TempFolder folder;
   FileWriter out(folder.Path("f"));
   out << "a" << ' ' << 1.5 << ' ' << -3 << ' ' << ~std::uint64_t{0} << ' ' << std::size_t{7}
       << '\n';
@@ -21,7 +21,7 @@ TEST(FileWriter, WritesNumbersAndText) {
 }
 
 TEST(FileWriter, LeavesTheOldFileUntilClosed) {
-  const testing::TempFolder folder;
+  const test::TempFolder folder;
   folder.Write("f", "old");
   {
     FileWriter out(folder.Path("f"));
@@ -39,7 +39,7 @@ TEST(FileWriter, LeavesTheOldFileUntilClosed) {
 }
 
 TEST(FileWriter, WritesThroughALink) {
-  const testing::TempFolder folder;
+  const test::TempFolder folder;
   folder.Write("real", "old");
   std::filesystem::create_symlink("real", folder.Path("link"));
   FileWriter out(folder.Path("link"));
@@ -57,7 +57,7 @@ TEST(FileWriter, NeverReplacesADevice) {
 }
 
 TEST(FileWriter, NamesTheFileItCannotWrite) {
-  const testing::TempFolder folder;
+  const test::TempFolder folder;
   FileWriter out(folder.Path("no/such/folder/f"));
   out << "text";
   const absl::Status status = out.Close();

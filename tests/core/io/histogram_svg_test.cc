@@ -5,12 +5,12 @@
 #include <string>
 
 #include "gtest/gtest.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
-using testing::TempFolder;
+using test::TempFolder;
 
 std::size_t CountOf(const std::string& text, const std::string& part) {
   std::size_t count = 0;

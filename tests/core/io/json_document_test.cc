@@ -3,7 +3,7 @@
 #include <string>
 
 #include "gtest/gtest.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
@@ -76,7 +76,7 @@ TEST(JsonDocument, DepthAndSizeAreLimited) {
   EXPECT_NE(ErrorOf("[[\n[[1]]]]", limits).find("m.json:2: arrays and objects"), std::string::npos);
   EXPECT_NE(ErrorOf("[1, 2, 3, 4, 5, 6, 7]", limits).find("21 bytes"), std::string::npos);
   EXPECT_NE(ErrorOf(std::string(1'000'000, '[')).find("64 deep"), std::string::npos);
-  const testing::TempFolder folder;
+  const test::TempFolder folder;
   EXPECT_EQ(
       JsonDocument::Read(folder.Write("a.json", "[1, 2, 3, 4, 5, 6, 7]"), limits).status().code(),
       absl::StatusCode::kInvalidArgument);

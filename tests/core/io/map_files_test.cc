@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
-using testing::TempFolder;
+using test::TempFolder;
 
 Feature P(FeatureId id, double x, double y) { return Feature::Point(id, x, y); }
 Feature S(FeatureId id, FeatureId p, FeatureId q) { return Feature::Segment(id, p, q); }

@@ -14,14 +14,14 @@
 #include "gtest/gtest.h"
 #include "tests/core/io/any_mesh.h"
 #include "tests/core/io/sample_mesh.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
+using test::TempFolder;
 using testing::SampleMesh;
 using testing::SampleMeshWithRegions;
-using testing::TempFolder;
 
 struct MeditContent {
   std::map<int, std::string> names;  // of references, from the comments

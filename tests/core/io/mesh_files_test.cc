@@ -9,14 +9,14 @@
 
 #include "gtest/gtest.h"
 #include "tests/core/io/sample_mesh.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
+using test::TempFolder;
 using testing::SampleMesh;
 using testing::SampleMeshWithRegions;
-using testing::TempFolder;
 
 std::string FirstLines(const std::string& text, int count) {
   std::size_t end = 0;

@@ -19,14 +19,14 @@
 #include "tests/core/io/any_mesh.h"
 #include "tests/core/io/good_space_mesh.h"
 #include "tests/core/io/sample_mesh.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
+using test::TempFolder;
 using testing::SampleMesh;
 using testing::SampleMeshWithRegions;
-using testing::TempFolder;
 
 using Entity = std::pair<int, int>;  // dimension, tag
 

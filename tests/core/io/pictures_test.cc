@@ -12,14 +12,14 @@
 #include "core/io/vtu_writer.h"
 #include "gtest/gtest.h"
 #include "tests/core/io/sample_mesh.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
+using test::TempFolder;
 using testing::SampleMesh;
 using testing::SampleMeshWithRegions;
-using testing::TempFolder;
 
 // The values of every DataArray, by name.
 std::map<std::string, std::string> ReadArrays(const std::string& xml) {

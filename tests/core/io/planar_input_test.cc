@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
-using testing::TempFolder;
+using test::TempFolder;
 
 TEST(NodeFile, PointsBecomeFeaturesFromOne) {
   const TempFolder folder;

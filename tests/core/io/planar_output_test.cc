@@ -7,12 +7,12 @@
 #include "core/io/edit_script.h"
 #include "core/io/planar_input.h"
 #include "gtest/gtest.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
-using testing::TempFolder;
+using test::TempFolder;
 
 // Coordinates of every size, as features 1..n and n+1..n+m.
 std::vector<Feature> AnyFeatures() {

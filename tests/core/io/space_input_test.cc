@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "tests/core/io/bad_text.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
+using test::TempFolder;
 using testing::ExpectRefused;
-using testing::TempFolder;
 
 absl::StatusOr<TextReader> NoNodes() { return absl::NotFoundError("a.node: no such file"); }
 

@@ -14,15 +14,15 @@
 #include "gtest/gtest.h"
 #include "tests/core/data/made_up_mesh.h"
 #include "tests/core/io/good_space_mesh.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
 
+using test::TempFolder;
 using testing::kPlate;
 using testing::MakeGoodSpaceMesh;
 using testing::MakeRandom;
-using testing::TempFolder;
 
 IndexedMesh LabelledMesh() {
   testing::Random random = MakeRandom();

@@ -14,7 +14,7 @@
 
 #include "core/data/text.h"
 #include "tests/core/io/bad_text.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
@@ -278,7 +278,7 @@ TEST(MalformedSurface, CutOrDamagedFilesNeverCrash) {
 }
 
 TEST(SurfaceFiles, AreReadFromTheirPaths) {
-  const testing::TempFolder folder;
+  const test::TempFolder folder;
   EXPECT_TRUE(ReadOffFile(folder.Write("a.off", "OFF\n0 0 0\n")).ok());
   EXPECT_TRUE(ReadStlFile(folder.Write("a.stl", "solid\nendsolid\n")).ok());
   EXPECT_TRUE(ReadObjFile(folder.Write("a.obj", "")).ok());

@@ -8,7 +8,7 @@
 
 #include "core/io/file_writer.h"
 #include "gtest/gtest.h"
-#include "tests/core/io/temp_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::io {
 namespace {
@@ -110,7 +110,7 @@ TEST(TextReader, SaysWhereAndWhat) {
 }
 
 TEST(TextReader, NamesTheFileItCannotRead) {
-  const testing::TempFolder folder;
+  const test::TempFolder folder;
   const absl::Status missing = TextReader::Open(folder.Path("none")).status();
   EXPECT_EQ(missing.code(), absl::StatusCode::kNotFound);
   EXPECT_NE(missing.ToString().find(folder.Path("none")), std::string::npos);

@@ -7,6 +7,7 @@
 
 #include "server/access/memory_guard.h"
 #include "server/base/log.h"
+#include "server/base/process.h"
 #include "tests/server/test_support.h"
 #include "tests/support/certificates.h"
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "server/access/memory_guard.h"
+#include "server/base/process.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/raw_http2.h"
 

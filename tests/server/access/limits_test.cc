@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "server/access/memory_guard.h"
+#include "server/base/process.h"
 #include "tests/server/server_fixture.h"
 
 namespace dynmesh::server {

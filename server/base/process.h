@@ -1,0 +1,17 @@
+// What the kernel tells of this process. Thread-safe; each call reads /proc.
+#ifndef DYNMESH_SERVER_BASE_PROCESS_H_
+#define DYNMESH_SERVER_BASE_PROCESS_H_
+
+#include <cstdint>
+
+namespace dynmesh::server {
+
+// Memory that it has; 0 where it cannot be told.
+std::uint64_t ResidentBytes();
+
+// Files and connections that are open, the one that counts them aside; 0 where it cannot be told.
+std::uint64_t OpenDescriptors();
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_BASE_PROCESS_H_
