@@ -1,6 +1,6 @@
 """The files by which dynmeshd is deployed, read strictly: that they parse, that what they name is
 there, that every flag is one of dynmeshd's, and that nothing runs with more rights than it needs.
-What systemd itself says: systemd_test.py.
+What says more than reading: image_test.py and systemd_test.py.
 
     deployment_test.py DYNMESHD
 """
@@ -10,12 +10,13 @@ import sys
 import unittest
 
 import dockerfile
+from apt_settings_test import AptSettings
 from deployed_files import DEPLOY, SOURCE, drain_seconds, flags_in, flags_of_daemon, load_all
 from dockerfile_test import DockerfileReader, IgnoreReader
 from kubernetes_test import BrokenPromises, Kubernetes, pod_user
 
 # Tests that unittest finds here.
-__all__ = ["BrokenPromises", "DockerfileReader", "IgnoreReader", "Kubernetes"]
+__all__ = ["AptSettings", "BrokenPromises", "DockerfileReader", "IgnoreReader", "Kubernetes"]
 
 
 def image_stages():

@@ -114,17 +114,18 @@ class Kubernetes(unittest.TestCase):
             (kind,) = set(volume) - {"name"}
             if kind == "secret":
                 self.assertEqual(volume["secret"]["defaultMode"], 0o440)
-                (mount,) = [m for m in self.container["volumeMounts"] if m["name"] == volume["name"]]
-                self.assertTrue(mount["readOnly"])
+                mounts = {m["name"]: m for m in self.container["volumeMounts"]}
+                self.assertTrue(mounts[volume["name"]]["readOnly"])
             else:
                 self.assertEqual(kind, "emptyDir")
                 self.assertEqual(volume["emptyDir"]["medium"], "Memory")
                 self.assertLessEqual(quantity(volume["emptyDir"]["sizeLimit"]), 256)
 
     def test_probes_ask_what_there_is(self):
-        paths = {"startupProbe": "/readyz", "livenessProbe": "/healthz", "readinessProbe": "/readyz"}
+        paths = {"startup": "/readyz", "liveness": "/healthz", "readiness": "/readyz"}
         for probe, path in paths.items():
-            self.assertEqual(self.container[probe]["httpGet"], {"path": path, "port": "metrics"})
+            asked = self.container[f"{probe}Probe"]["httpGet"]
+            self.assertEqual(asked, {"path": path, "port": "metrics"})
 
     def test_probes_have_patience(self):
         start, alive = self.container["startupProbe"], self.container["livenessProbe"]
@@ -312,7 +313,7 @@ class BrokenPromises(unittest.TestCase):
                 result = unittest.TestResult()
                 unittest.defaultTestLoader.loadTestsFromTestCase(broken).run(result)
                 failed = [case.id().rsplit(".")[-1] for case, _ in result.failures + result.errors]
-                self.assertTrue([name for name in failed if name.startswith(f"test_{test}")], failed)
+                self.assertTrue([f for f in failed if f.startswith(f"test_{test}")], failed)
                 # The promise is what is broken, not the reading of the manifests.
                 self.assertLess(len(failed), result.testsRun / 2, failed)
 
