@@ -32,12 +32,13 @@ class ContainerError(Exception):
 
 
 def missing(where):
-    """Why containers cannot be made in the folder `where`; None if they can."""
+    """Why containers cannot be made in the folder `where`, which is made; None if they can."""
     if os.geteuid() != 0:
         return "not root"
     absent = [tool for tool in _TOOLS if shutil.which(tool, path=PATH) is None]
     if absent:
         return f"not installed: {', '.join(absent)}"
+    where.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=where) as folder:
         # All that is asked of the kernel, in small.
         asked = (

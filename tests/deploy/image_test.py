@@ -274,14 +274,13 @@ def main():
     default = os.environ.get("DYNMESH_IMAGE_CACHE", SOURCE / "build/image")
     parser.add_argument("--cache", type=pathlib.Path, default=default)
     cache = parser.parse_args().cache.resolve()
-    cache.mkdir(parents=True, exist_ok=True)
     if reason := container.missing(cache):
         say(f"image_test: not run: {reason}")
         return NOT_RUN
     work = cache / "work"
     errors = (
         *(Failure, image_builder.BuildError, container.ContainerError),
-        *(apt_settings.AptError, dockerfile.DockerfileError),
+        *(apt_settings.AptError, dockerfile.DockerfileError, subprocess.CalledProcessError),
     )
     with (cache / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
