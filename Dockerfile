@@ -17,7 +17,8 @@ COPY deploy/packages.txt deploy/install-packages /tmp/deploy/
 RUN /tmp/deploy/install-packages runtime && rm -rf /var/lib/apt/lists/* /tmp/deploy
 COPY --from=build /src/build/release/bin/dynmeshd /src/build/release/bin/dynmesh /usr/local/bin/
 COPY LICENSE /usr/share/doc/dynmesh/
-RUN useradd --system --uid 10001 --no-create-home --shell /usr/sbin/nologin dynmesh \
+RUN groupadd --gid 10001 dynmesh \
+ && useradd --uid 10001 --gid 10001 --no-create-home --shell /usr/sbin/nologin dynmesh \
  && install -d -o dynmesh -g dynmesh -m 700 /var/lib/dynmesh
 USER 10001
 VOLUME /var/lib/dynmesh

@@ -141,7 +141,10 @@ def check_rights(image, process):
     status = dict(line.split(":\t", 1) for line in lines if ":\t" in line)
     # No shell in between, which would keep signals to itself.
     expect(status["Name"] == image.stage.entrypoint[0], f"process 1 is {status['Name']}")
-    expect(status["Uid"].split() == [str(image.ids[0])] * 4, f"its user is {status['Uid']}")
+    uid, gid = (str(number) for number in image.ids[:2])
+    expect(status["Uid"].split() == [uid] * 4, f"its user is {status['Uid']}")
+    # The manifests' user and group have the same number; see kubernetes_test.py.
+    expect(uid == gid and status["Gid"].split() == [gid] * 4, f"its group is {status['Gid']}")
     expect(int(status["CapEff"], 16) == 0, f"it has capabilities {status['CapEff']}")
     mounts = [line.split() for line in (folder / "mountinfo").read_text().splitlines()]
     writable = {m[4] for m in mounts if "rw" in m[5].split(",")}
