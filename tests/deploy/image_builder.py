@@ -16,7 +16,7 @@ import dockerfile
 from container import Container
 
 # So many seconds may one RUN take; those compile.
-_RUN_TIMEOUT = 3600
+_RUN_TIMEOUT = 5400
 
 
 class BuildError(Exception):
