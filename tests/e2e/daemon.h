@@ -61,6 +61,7 @@ class Daemon {
   }
 
   const std::string& address() const { return address_; }
+  pid_t process() const { return child_; }  // 0 if it does not run
   // Of one that did not come up.
   int exit_code() const { return exit_code_; }
 
