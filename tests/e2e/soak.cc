@@ -19,6 +19,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/cli/json.h"
+#include "client/cli/percentile.h"
 #include "client/mesh_client.h"
 #include "tests/e2e/daemon.h"
 #include "tests/e2e/soak/audience.h"
@@ -32,13 +33,14 @@ namespace dynmesh::soak {
 namespace {
 
 using cli::JsonObject;
+using cli::Percentile;
 
 constexpr int kWritersPerMesh = 2;
 
 volatile std::sig_atomic_t interrupted = 0;
 
 struct Settings {
-  double seconds = 3600, report_seconds = 60, close_seconds = 120;
+  double seconds = 3600, report_seconds = 60, close_seconds = 120, restart_seconds = 600;
   double rate = 5;
   std::uint64_t vertices = 100'000;
   Audience::Plan audience;
@@ -56,6 +58,7 @@ void AddFlags(CLI::App& app, Settings& s) {
   add("--seconds", s.seconds, "how long the writers write");
   add("--report-seconds", s.report_seconds, "between two lines");
   add("--close-seconds", s.close_seconds, "for watchers to get to the end");
+  add("--restart-seconds", s.restart_seconds, "for the server to make its meshes again");
   add("--rate", s.rate, "batches a second of each writer");
   add("--vertices", s.vertices,
       "of the first mesh; the others have a fifth, a tenth (space), a 20th");
@@ -254,7 +257,10 @@ class Soak {
       faults_.Add(absl::StrCat("dynmeshd ended with ", code));
     }
     const auto start = Clock::now();
-    if (!daemon_->Start(ServerFlags())) return faults_.Add("dynmeshd does not start again");
+    const std::chrono::seconds limit(static_cast<int>(settings_.restart_seconds));
+    if (!daemon_->Start(ServerFlags(), "127.0.0.1:0", limit)) {
+      return faults_.Add("dynmeshd does not start again");
+    }
     const auto client = Connect();
     for (const Site& site : sites_) {
       const auto info = client->GetMesh(site.plan.name);
@@ -294,9 +300,15 @@ class Soak {
     line.AddText("summary", well ? "good" : "BAD");
     line.Add("seconds", std::round(Elapsed()));
     line.Add("seed", settings_.seed);
+    std::vector<JsonObject> meshes;
     for (const Site& site : sites_) {
-      line.AddObject(site.plan.name + "_single_ms", Spread(site.ledger.single.All()));
+      meshes.push_back(JsonObject().AddText("mesh", site.plan.name));
+      meshes.back().AddObject("single_ms", Spread(site.ledger.single.All()));
+      meshes.back().AddObject("batch_ms", Spread(site.ledger.batch.All()));
     }
+    // What is promised of the large mesh.
+    line.Add("large_single_p99_ms", Percentile(sites_.front().ledger.single.All(), 0.99));
+    line.AddObjects("meshes", meshes);
     line.AddObject("disk_sync_ms", Spread(disk_.All()));
     line.AddObject("edits", EditReport());
     line.AddObject("watchers", audience_->Report());
