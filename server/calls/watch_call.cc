@@ -1,5 +1,7 @@
 #include "server/calls/watch_call.h"
 
+#include <grpcpp/server_context.h>
+
 #include <memory>
 #include <optional>
 #include <string>
