@@ -1,5 +1,6 @@
 #include "server/base/log.h"
 
+#include <google/protobuf/stubs/logging.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -38,6 +39,14 @@ spdlog::logger& Logger() {
   return *logger;
 }
 
+// Of its own accord protobuf tells stderr of each message that does not parse, in lines of its own
+// form: any client could fill a disk with them. Whoever sent it gets an error, and that is counted.
+void TakeFromProtobuf(google::protobuf::LogLevel level, const char*, int,
+                      const std::string& message) {
+  const bool fatal = level == google::protobuf::LOGLEVEL_FATAL;  // the process ends after this
+  Log(fatal ? LogLevel::kError : LogLevel::kDebug, "protobuf", {{"message", message}});
+}
+
 bool IsPlain(absl::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
     return c > ' ' && c < 0x7F && c != '"' && c != '=' && c != '\\';
@@ -52,6 +61,7 @@ absl::Status SetLogLevel(absl::string_view name) {
         std::pair{"warning", LogLevel::kWarning}, std::pair{"error", LogLevel::kError},
         std::pair{"off", LogLevel::kOff}}) {
     if (name == text) {
+      google::protobuf::SetLogHandler(&TakeFromProtobuf);
       Logger().set_level(Translate(level));
       return absl::OkStatus();
     }

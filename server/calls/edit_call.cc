@@ -5,33 +5,16 @@
 #include <optional>
 #include <utility>
 
-#include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
+#include "server/calls/requests.h"
 
 namespace dynmesh::server {
 namespace {
 
-absl::Status Decode(const v1::AddFeaturesRequest& r, int dimension, EditBatch* out) {
-  return codec::DecodeAdds(r.features(), dimension, out);
-}
-absl::Status Decode(const v1::RemoveFeaturesRequest& r, int, EditBatch* out) {
-  for (const FeatureId id : r.ids()) out->push_back(Edit::Remove(id));
-  return absl::OkStatus();
-}
-absl::Status Decode(const v1::ApplyEditsRequest& r, int dimension, EditBatch* out) {
-  return codec::DecodeEdits(r.edits(), dimension, out);
-}
-
 const char* EditsField(const v1::AddFeaturesRequest&) { return "features"; }
 const char* EditsField(const v1::RemoveFeaturesRequest&) { return "ids"; }
 const char* EditsField(const v1::ApplyEditsRequest&) { return "edits"; }
-
-std::size_t Weight(const v1::AddFeaturesRequest& r) { return codec::Weight(r.features()); }
-std::size_t Weight(const v1::RemoveFeaturesRequest& r) {
-  return static_cast<std::size_t>(r.ids_size());
-}
-std::size_t Weight(const v1::ApplyEditsRequest& r) { return codec::Weight(r.edits()); }
 
 class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
  public:
@@ -70,26 +53,17 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context);
     if (!ticket.ok()) return ticket.status();
     ticket_ = *std::move(ticket);
-    if (absl::Status s = CheckRequestId(request.request_id()); !s.ok()) return s;
-    absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
-    if (!host.ok()) return host.status();
-    absl::StatusOr<Lease> lease = TakeEdits(context, 0, Weight(request));
-    if (!lease.ok()) return lease.status();
-    lease_ = *std::move(lease);
-
-    EditJob job;
-    const int dimension = (*host)->mesh_options().dimension;
-    if (absl::Status s = Decode(request, dimension, &job.edits); !s.ok()) return s;
-    job.request_id = request.request_id();
+    absl::StatusOr<EditRequest> taken = TakeEditRequest(context, request);
+    if (!taken.ok()) return taken.status();
+    lease_ = std::move(taken->lease);
+    EditJob& job = taken->job;
     job.call_id = std::move(call_id);
-    if (request.has_expected_revision()) job.expected_revision = request.expected_revision();
-    job.validate_only = request.validate_only();
     job.cancelled = cancelled_;
     omit_columns_ = request.omit_columns();
     job.done = [call = self_](absl::StatusOr<EditOutcome> outcome) {
       call->Answer(std::move(outcome));
     };
-    return (*host)->Apply(std::move(job));
+    return taken->host->Apply(std::move(job));
   }
 
   void Answer(absl::StatusOr<EditOutcome> outcome) {

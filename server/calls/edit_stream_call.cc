@@ -8,12 +8,12 @@
 #include <utility>
 
 #include "dynmesh/v1/status_details.pb.h"
-#include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/calls/call_id.h"
+#include "server/calls/requests.h"
 
 namespace dynmesh::server {
 
@@ -116,15 +116,6 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
  private:
-  // A batch that is being received.
-  struct Partial {
-    EditJob job;
-    bool omit_columns = false;
-    std::size_t weight = 0;  // of the pieces so far
-    std::vector<Lease> leases;
-    WorkGate::Ticket ticket;
-  };
-
   // What is owed to the client for one batch.
   struct Answer {
     std::string request_id;
@@ -153,7 +144,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
       return BadRequest("mesh", "a stream edits one mesh, the one its first message names");
     }
     if (!partial_.has_value()) BeginBatch();
-    AddPiece();
+    partial_->Add(context_, request_, host_->mesh_options().dimension);
     if (!request_.more()) Submit();
     return absl::OkStatus();
   }
@@ -171,42 +162,17 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
   void BeginBatch() {
-    partial_.emplace();
+    partial_.emplace(request_);
     EditJob& job = partial_->job;
-    job.request_id = request_.request_id();
     job.call_id = call_id_;
-    if (request_.has_expected_revision()) job.expected_revision = request_.expected_revision();
-    job.validate_only = request_.validate_only();
     job.cancelled = cancelled_;
     if (stop_on_error_) job.stop = stop_;
-    partial_->omit_columns = request_.omit_columns();
-    job.refused = CheckRequestId(request_.request_id());
-    if (!job.refused.ok()) job.request_id = job.request_id.substr(0, 128);
     job.refused.Update(pass_.TakeRequest());
     absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
     if (ticket.ok()) {
-      partial_->ticket = *std::move(ticket);
+      ticket_ = *std::move(ticket);
     } else {
       job.refused.Update(ticket.status());
-    }
-  }
-
-  void AddPiece() {
-    EditJob& job = partial_->job;
-    if (!job.refused.ok()) return;  // the rest of a bad batch is skipped
-    const std::size_t weight = codec::Weight(request_.edits());
-    absl::StatusOr<Lease> lease = TakeEdits(context_, partial_->weight, weight);
-    if (lease.ok()) {
-      partial_->weight += weight;
-      partial_->leases.push_back(*std::move(lease));
-      job.refused =
-          codec::DecodeEdits(request_.edits(), host_->mesh_options().dimension, &job.edits);
-    } else {
-      job.refused = lease.status();
-    }
-    if (!job.refused.ok()) {
-      EditBatch().swap(job.edits);
-      partial_->leases.clear();
     }
   }
 
@@ -214,13 +180,13 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     {
       const std::lock_guard lock(mutex_);
       // Ended meanwhile: what gets no answer must not be applied.
-      if (ended_) return partial_.reset();
+      if (ended_) return DropPartial();
       ++in_flight_;
     }
     EditJob job = std::move(partial_->job);
     // Shared, because a std::function is copyable and leases are not.
     auto leases = std::make_shared<std::vector<Lease>>(std::move(partial_->leases));
-    job.done = [call = self_, leases, omit = partial_->omit_columns, ticket = partial_->ticket,
+    job.done = [call = self_, leases, omit = partial_->omit_columns, ticket = std::move(ticket_),
                 request_id = job.request_id](absl::StatusOr<EditOutcome> outcome) {
       leases->clear();
       Answer answer;
@@ -233,8 +199,13 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
       }
       call->Deliver(std::move(answer));
     };
-    partial_.reset();
+    DropPartial();
     host_->ApplyUnbounded(std::move(job));
+  }
+
+  void DropPartial() {
+    partial_.reset();
+    ticket_.reset();
   }
 
   void AfterRead(bool ok) {
@@ -370,7 +341,8 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   MeshRegistry::HostPtr host_;
   std::string mesh_name_;
   bool stop_on_error_ = false;
-  std::optional<Partial> partial_;
+  std::optional<PartialBatch> partial_;  // that is being received
+  WorkGate::Ticket ticket_;              // that one's
 
   // The writer's, while writing_.
   v1::MeshDiff message_;

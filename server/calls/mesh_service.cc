@@ -1,7 +1,6 @@
 #include "server/calls/mesh_service.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <memory>
@@ -11,13 +10,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "dynmesh/error.h"
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
 #include "server/calls/call_id.h"
 #include "server/calls/edit_call.h"
+#include "server/calls/requests.h"
 #include "server/calls/watch_call.h"
 #include "server/version.h"
 
@@ -26,7 +25,6 @@ namespace {
 
 constexpr int kDefaultPageSize = 100;
 constexpr int kMaxPageSize = 1000;
-constexpr int kMaxLocatePoints = 30'000;
 
 void EncodeMesh(const MeshHost& host, v1::Mesh* out) {
   const Head head = host.head();
@@ -75,28 +73,6 @@ Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer
   // "ipv4:127.0.0.1:54321"
   caller.address = absl::string_view(peer).substr(0, peer.rfind(':'));
   return caller;
-}
-
-absl::Status CheckLocate(const v1::LocatePointsRequest& request, int dimension) {
-  const auto& x = request.coordinates();
-  if (x.size() % dimension != 0) {
-    return BadRequest("coordinates", absl::StrCat("their number must be a multiple of the mesh's "
-                                                  "dimension ",
-                                                  dimension));
-  }
-  if (x.size() / dimension > kMaxLocatePoints) {
-    return BadRequest("coordinates",
-                      absl::StrCat("at most ", kMaxLocatePoints, " points in one request"));
-  }
-  const auto bad = std::find_if(x.begin(), x.end(), [](double v) { return !std::isfinite(v); });
-  if (bad == x.end()) return absl::OkStatus();
-  codec::ServiceError error;
-  error.reason = reason::kNotFinite;
-  error.field = absl::StrCat("coordinates[", bad - x.begin(), "]");
-  return codec::MakeServiceError(
-      absl::StatusCode::kInvalidArgument,
-      absl::StrCat("point ", (bad - x.begin()) / dimension, " has a coordinate that is not finite"),
-      error);
 }
 
 }  // namespace

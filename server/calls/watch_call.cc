@@ -1,52 +1,22 @@
 #include "server/calls/watch_call.h"
 
+#include <grpcpp/server_context.h>
+
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
-#include "core/data/region_filter.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "server/base/log.h"
+#include "server/calls/requests.h"
 #include "server/meshes/watch_filter.h"
 
 namespace dynmesh::server {
 namespace {
 
 grpc::Status ClientGone() { return {grpc::StatusCode::CANCELLED, "the client is gone"}; }
-
-absl::StatusOr<data::RegionChoice> DecodeRegions(
-    const google::protobuf::RepeatedField<std::uint64_t>& regions) {
-  data::RegionChoice choice;
-  choice.in.assign(regions.begin(), regions.end());
-  data::Normalize(choice);
-  if (!choice.in.empty() && (choice.in.front() == kNoFeature || choice.in.back() == kBoxFeature)) {
-    return BadRequest("regions", "must be ids of polygons, 1 to 2^64 - 2");
-  }
-  return choice;
-}
-
-absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request) {
-  WatchHub::Start start;
-  if (request.has_start_revision() && request.regions_size() > 0) {
-    return BadRequest("start_revision",
-                      "is not possible with regions: watch without it, from a "
-                      "snapshot");
-  }
-  if (request.has_start_revision()) start.revision = request.start_revision();
-  if (!request.start_hash().empty()) {
-    const absl::StatusOr<MeshHash> hash = MeshHash::FromHex(request.start_hash());
-    if (!hash.ok()) return BadRequest("start_hash", "must be 32 hex digits");
-    start.hash = *hash;
-  }
-  const auto& interval = request.progress_interval();
-  if (interval.seconds() < 0 || interval.nanos() < 0) {
-    return BadRequest("progress_interval", "must not be negative");
-  }
-  start.progress_interval = absl::Seconds(interval.seconds()) + absl::Nanoseconds(interval.nanos());
-  return start;
-}
 
 // Exactly one party drives the call at a time, handing it on: Pump hands it to the
 // hub (idle), to the pool (work) or to gRPC (a write). So nothing here needs a lock.

@@ -28,7 +28,8 @@ class Daemon {
   }
 
   // False if it does not come up.
-  bool Start(std::vector<std::string> arguments = {}, const char* listen = "127.0.0.1:0") {
+  bool Start(std::vector<std::string> arguments = {}, const char* listen = "127.0.0.1:0",
+             std::chrono::seconds limit = std::chrono::seconds(60)) {
     const std::string port_file = folder_ + "/port", log = folder_ + "/log";
     std::filesystem::remove(port_file);
     arguments.insert(arguments.begin(), {"dynmeshd", "--listen", listen, "--port-file", port_file});
@@ -44,7 +45,7 @@ class Daemon {
       execv(DYNMESHD_BINARY, argv.data());
       _exit(127);
     }
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    const auto deadline = std::chrono::steady_clock::now() + limit;
     while (!std::filesystem::exists(port_file)) {
       if (std::chrono::steady_clock::now() > deadline) return false;
       if (int status = 0; waitpid(child_, &status, WNOHANG) == child_) {
@@ -61,6 +62,7 @@ class Daemon {
   }
 
   const std::string& address() const { return address_; }
+  pid_t process() const { return child_; }  // 0 if it does not run
   // Of one that did not come up.
   int exit_code() const { return exit_code_; }
 

@@ -27,6 +27,10 @@ constexpr Target kTargets[] = {
 #ifdef DYNMESH_FUZZ_MESH_FILES
     {"mesh_files", &FuzzMeshFiles},
 #endif
+#ifdef DYNMESH_FUZZ_WIRE
+    {"requests", &FuzzRequests},      {"answers", &FuzzAnswers},
+    {"journal", &FuzzJournal},
+#endif
     {"batches", &FuzzBatches},        {"space_batches", &FuzzSpaceBatches},
 };
 

@@ -31,6 +31,18 @@ std::string FuzzMeshFiles(std::string_view bytes);
 std::string FuzzBatches(std::string_view bytes);
 std::string FuzzSpaceBatches(std::string_view bytes);
 
+// Messages of clients, one after the other. None may crash the server's meshes; a refused one must
+// change nothing, watchers must follow the others, and in the end all meshes must be those of a
+// run from scratch.
+std::string FuzzRequests(std::string_view bytes);
+
+// Messages of a server that lies. A replica must refuse what does not fit and stay what it was, and
+// hold the mesh of the hash that it took; after all of it a watch begins anew.
+std::string FuzzAnswers(std::string_view bytes);
+
+// A record of a journal. What is read must be what would be written.
+std::string FuzzJournal(std::string_view bytes);
+
 }  // namespace dynmesh::fuzz
 
 #endif  // DYNMESH_TESTS_FUZZ_TARGETS_H_

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <thread>
 
+#include "absl/strings/match.h"
+#include "dynmesh/v1/mesh_service.pb.h"
 #include "server/access/quota.h"
 #include "server/base/log.h"
 #include "server/base/work_gate.h"
@@ -136,6 +138,22 @@ TEST(LogLevel, IsNamed) {
   EXPECT_TRUE(SetLogLevel("error").ok());
   EXPECT_FALSE(LogEnabled(LogLevel::kInfo));
   EXPECT_TRUE(LogEnabled(LogLevel::kError));
+}
+
+TEST(Log, MessagesThatDoNotParseDoNotFillIt) {
+  for (const char* level : {"info", "debug"}) {
+    ASSERT_TRUE(SetLogLevel(level).ok());
+    testing::internal::CaptureStderr();
+    v1::GetMeshRequest request;
+    EXPECT_FALSE(request.ParseFromString("\x0a\x02\xff\xfe"));  // no UTF-8
+    const std::string text = testing::internal::GetCapturedStderr();
+    if (level == std::string("info")) {
+      EXPECT_EQ(text, "");
+    } else {
+      EXPECT_TRUE(absl::StrContains(text, "level=debug event=protobuf")) << text;
+    }
+  }
+  EXPECT_TRUE(SetLogLevel("error").ok());
 }
 
 TEST(Log, AClientCannotForgeALine) {

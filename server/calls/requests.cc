@@ -1,0 +1,152 @@
+#include "server/calls/requests.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "dynmesh/error.h"
+#include "proto/codec/edit_codec.h"
+#include "proto/codec/status_codec.h"
+
+namespace dynmesh::server {
+namespace {
+
+constexpr int kMaxLocatePoints = 30'000;
+constexpr std::size_t kMostOfABadRequestId = 128;
+
+absl::Status Decode(const v1::AddFeaturesRequest& r, int dimension, EditBatch* out) {
+  return codec::DecodeAdds(r.features(), dimension, out);
+}
+absl::Status Decode(const v1::RemoveFeaturesRequest& r, int, EditBatch* out) {
+  for (const FeatureId id : r.ids()) out->push_back(Edit::Remove(id));
+  return absl::OkStatus();
+}
+absl::Status Decode(const v1::ApplyEditsRequest& r, int dimension, EditBatch* out) {
+  return codec::DecodeEdits(r.edits(), dimension, out);
+}
+
+std::size_t Weight(const v1::AddFeaturesRequest& r) { return codec::Weight(r.features()); }
+std::size_t Weight(const v1::RemoveFeaturesRequest& r) {
+  return static_cast<std::size_t>(r.ids_size());
+}
+std::size_t Weight(const v1::ApplyEditsRequest& r) { return codec::Weight(r.edits()); }
+
+// What all messages with a batch have in common.
+template <typename Request>
+void TakeParams(const Request& request, EditJob& job) {
+  job.request_id = request.request_id();
+  if (request.has_expected_revision()) job.expected_revision = request.expected_revision();
+  job.validate_only = request.validate_only();
+}
+
+template <typename Request>
+absl::StatusOr<EditRequest> Take(ServiceContext& context, const Request& request) {
+  EditRequest taken;
+  if (absl::Status s = CheckRequestId(request.request_id()); !s.ok()) return s;
+  absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
+  if (!host.ok()) return host.status();
+  taken.host = *std::move(host);
+  absl::StatusOr<Lease> lease = TakeEdits(context, 0, Weight(request));
+  if (!lease.ok()) return lease.status();
+  taken.lease = *std::move(lease);
+  const int dimension = taken.host->mesh_options().dimension;
+  if (absl::Status s = Decode(request, dimension, &taken.job.edits); !s.ok()) return s;
+  TakeParams(request, taken.job);
+  return taken;
+}
+
+}  // namespace
+
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+                                            const v1::AddFeaturesRequest& request) {
+  return Take(context, request);
+}
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+                                            const v1::RemoveFeaturesRequest& request) {
+  return Take(context, request);
+}
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+                                            const v1::ApplyEditsRequest& request) {
+  return Take(context, request);
+}
+
+PartialBatch::PartialBatch(const v1::EditBatch& first) : omit_columns(first.omit_columns()) {
+  TakeParams(first, job);
+  job.refused = CheckRequestId(job.request_id);
+  if (!job.refused.ok()) job.request_id = job.request_id.substr(0, kMostOfABadRequestId);
+}
+
+void PartialBatch::Add(ServiceContext& context, const v1::EditBatch& piece, int dimension) {
+  if (!job.refused.ok()) return;  // the rest of a bad batch is skipped
+  const std::size_t weight = codec::Weight(piece.edits());
+  absl::StatusOr<Lease> lease = TakeEdits(context, weight_, weight);
+  if (lease.ok()) {
+    weight_ += weight;
+    leases.push_back(*std::move(lease));
+    job.refused = codec::DecodeEdits(piece.edits(), dimension, &job.edits);
+  } else {
+    job.refused = lease.status();
+  }
+  if (!job.refused.ok()) {
+    EditBatch().swap(job.edits);
+    leases.clear();
+  }
+}
+
+absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request) {
+  WatchHub::Start start;
+  if (request.has_start_revision() && request.regions_size() > 0) {
+    return BadRequest("start_revision",
+                      "is not possible with regions: watch without it, from a "
+                      "snapshot");
+  }
+  if (request.has_start_revision()) start.revision = request.start_revision();
+  if (!request.start_hash().empty()) {
+    const absl::StatusOr<MeshHash> hash = MeshHash::FromHex(request.start_hash());
+    if (!hash.ok()) return BadRequest("start_hash", "must be 32 hex digits");
+    start.hash = *hash;
+  }
+  const auto& interval = request.progress_interval();
+  if (interval.seconds() < 0 || interval.nanos() < 0) {
+    return BadRequest("progress_interval", "must not be negative");
+  }
+  start.progress_interval = absl::Seconds(interval.seconds()) + absl::Nanoseconds(interval.nanos());
+  return start;
+}
+
+absl::StatusOr<data::RegionChoice> DecodeRegions(
+    const google::protobuf::RepeatedField<std::uint64_t>& regions) {
+  data::RegionChoice choice;
+  choice.in.assign(regions.begin(), regions.end());
+  data::Normalize(choice);
+  if (!choice.in.empty() && (choice.in.front() == kNoFeature || choice.in.back() == kBoxFeature)) {
+    return BadRequest("regions", "must be ids of polygons, 1 to 2^64 - 2");
+  }
+  return choice;
+}
+
+absl::Status CheckLocate(const v1::LocatePointsRequest& request, int dimension) {
+  const auto& x = request.coordinates();
+  if (x.size() % dimension != 0) {
+    return BadRequest("coordinates", absl::StrCat("their number must be a multiple of the mesh's "
+                                                  "dimension ",
+                                                  dimension));
+  }
+  if (x.size() / dimension > kMaxLocatePoints) {
+    return BadRequest("coordinates",
+                      absl::StrCat("at most ", kMaxLocatePoints, " points in one request"));
+  }
+  const auto bad = std::find_if(x.begin(), x.end(), [](double v) { return !std::isfinite(v); });
+  if (bad == x.end()) return absl::OkStatus();
+  codec::ServiceError error;
+  error.reason = reason::kNotFinite;
+  error.field = absl::StrCat("coordinates[", bad - x.begin(), "]");
+  return codec::MakeServiceError(
+      absl::StatusCode::kInvalidArgument,
+      absl::StrCat("point ", (bad - x.begin()) / dimension, " has a coordinate that is not finite"),
+      error);
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,55 @@
+// What requests say, in the server's own types: checked as far as that goes without the mesh.
+// Knows no gRPC: what comes over the wire can be tried without one. Thread-safe.
+#ifndef DYNMESH_SERVER_CALLS_REQUESTS_H_
+#define DYNMESH_SERVER_CALLS_REQUESTS_H_
+
+#include <cstddef>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/data/region_filter.h"
+#include "dynmesh/v1/mesh_service.pb.h"
+#include "server/calls/admission.h"
+#include "server/meshes/mesh_host.h"
+#include "server/meshes/mesh_registry.h"
+#include "server/meshes/watch_hub.h"
+
+namespace dynmesh::server {
+
+// A batch that came in one message, and what it holds of the limits.
+struct EditRequest {
+  MeshRegistry::HostPtr host;
+  Lease lease;
+  EditJob job;  // but for who waits for it
+};
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+                                            const v1::AddFeaturesRequest& request);
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+                                            const v1::RemoveFeaturesRequest& request);
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+                                            const v1::ApplyEditsRequest& request);
+
+// A batch of an edit stream that is being received. What is wrong with it goes to job.refused, to
+// be answered in its turn; its edits are dropped then.
+struct PartialBatch {
+  explicit PartialBatch(const v1::EditBatch& first);
+  void Add(ServiceContext& context, const v1::EditBatch& piece, int dimension);
+
+  EditJob job;
+  bool omit_columns = false;
+  std::vector<Lease> leases;
+
+ private:
+  std::size_t weight_ = 0;  // of the pieces so far
+};
+
+absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request);
+absl::StatusOr<data::RegionChoice> DecodeRegions(
+    const google::protobuf::RepeatedField<std::uint64_t>& regions);
+
+absl::Status CheckLocate(const v1::LocatePointsRequest& request, int dimension);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_CALLS_REQUESTS_H_
