@@ -201,12 +201,13 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(const plc::Delta<D>& delta, bool
   diff.work.created = counters.created;
   diff.work.dropped = counters.dropped;
   meter.End();
+  // The diff has taken what changed: the way back, too, begins with nothing that has.
+  state.features.Collect();
   if (absl::Status status = commit(diff); !status.ok()) {
     Undo(delta);
     return status;
   }
   plc_.Commit(delta);
-  state.features.Collect();
   return diff;
 }
 
