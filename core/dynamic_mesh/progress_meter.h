@@ -75,8 +75,8 @@ class ProgressMeter {
   std::optional<Stage> stage_;  // the latest that was told of
   bool is_past_ = false;        // the one under way is an earlier one
   std::uint64_t steps_ = 0;
-  std::uint64_t done_ = 0;      // as told last
-  double part_ = 0;             // the same, of all
+  std::uint64_t done_ = 0;  // as told last
+  double part_ = 0;         // the same, of all
   Clock::time_point next_;
 };
 
