@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "client/edit_session.h"
+#include "client/load.h"
 #include "client/watch_session.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 
@@ -74,6 +75,9 @@ std::unique_ptr<EditSession> StartEditSession(std::shared_ptr<Stub> stub, const 
 std::unique_ptr<WatchSession> StartWatchSession(std::shared_ptr<Stub> stub, const std::string& mesh,
                                                 const WatchOptions& options,
                                                 WatchListener* listener);
+
+absl::StatusOr<LoadResult> RunLoad(Stub& stub, const std::string& mesh, const FeatureSource& source,
+                                   const LoadParams& params, absl::Duration timeout);
 
 // Puts the fragments of a diff together; done when one without `more` was taken.
 struct ResultAssembler {

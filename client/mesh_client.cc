@@ -229,6 +229,18 @@ absl::StatusOr<EditResult> MeshClient::RemoveFeatures(const std::string& mesh,
   return ReadResult(*impl_->stub->service->RemoveFeatures(&context, request));
 }
 
+absl::StatusOr<LoadResult> MeshClient::Load(const std::string& mesh, const FeatureSource& source,
+                                            const LoadParams& params) {
+  return RunLoad(*impl_->stub, mesh, source, params, impl_->timeout);
+}
+
+absl::StatusOr<LoadResult> MeshClient::Load(const std::string& mesh,
+                                            std::span<const Feature> features,
+                                            const LoadParams& params) {
+  return Load(
+      mesh, [&] { return std::exchange(features, {}); }, params);
+}
+
 std::unique_ptr<EditSession> MeshClient::OpenEdits(const std::string& mesh, bool stop_on_error) {
   return StartEditSession(impl_->stub, mesh, stop_on_error, absl::InfiniteDuration());
 }

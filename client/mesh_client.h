@@ -21,6 +21,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "client/edit_session.h"
+#include "client/load.h"
 #include "client/watch_session.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/feature.h"
@@ -101,6 +102,13 @@ class MeshClient {
                                          const EditParams& params = {});
   absl::StatusOr<EditResult> RemoveFeatures(const std::string& mesh, std::span<const FeatureId> ids,
                                             const EditParams& params = {});
+
+  // Adds features, as many as the server lets a batch have, as one atomic batch. An error names
+  // the feature to blame; what was sent until then changes nothing.
+  absl::StatusOr<LoadResult> Load(const std::string& mesh, const FeatureSource& source,
+                                  const LoadParams& params = {});
+  absl::StatusOr<LoadResult> Load(const std::string& mesh, std::span<const Feature> features,
+                                  const LoadParams& params = {});
 
   // A pipeline of batches.
   std::unique_ptr<EditSession> OpenEdits(const std::string& mesh, bool stop_on_error = false);

@@ -208,10 +208,15 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
 absl::Status Locate(const absl::Status& status,
                     const std::function<std::string(FeatureId)>& where) {
   const std::optional<ErrorDetail> detail = GetErrorDetail(status);
-  if (status.ok() || !detail) return status;
+  return detail ? LocateFeatures(status, detail->features, where) : status;
+}
+
+absl::Status LocateFeatures(const absl::Status& status, const std::vector<FeatureId>& features,
+                            const std::function<std::string(FeatureId)>& where) {
+  if (status.ok()) return status;
   std::string before;
   std::string after;
-  for (const FeatureId id : detail->features) {
+  for (const FeatureId id : features) {
     const std::string place = where(id);
     if (place.empty()) continue;
     if (before.empty()) {

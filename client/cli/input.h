@@ -62,6 +62,9 @@ absl::Status AddSeedPolygons(Input& input);
 // `status` with its message preceded by where the first feature to blame stands, and
 // followed by where the others do.
 absl::Status Locate(const absl::Status& status, const std::function<std::string(FeatureId)>& where);
+// The same of features that somebody else read out of the status.
+absl::Status LocateFeatures(const absl::Status& status, const std::vector<FeatureId>& features,
+                            const std::function<std::string(FeatureId)>& where);
 
 }  // namespace dynmesh::cli
 

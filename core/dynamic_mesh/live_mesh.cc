@@ -1,5 +1,6 @@
 #include "core/dynamic_mesh/live_mesh.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -88,14 +89,22 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, const Ap
     if (absl::Status status = commit(nothing); !status.ok()) return status;
     return nothing;
   }
-  const absl::StatusOr<plc::Delta<D>> delta = plc_.Check(batch, nullptr, cancelled);
+  ProgressMeter meter(apply.progress);
+  meter.Begin(ApplyProgress::Stage::kValidate);
+  std::size_t looked_at = 0;
+  const absl::StatusOr<plc::Delta<D>> delta = plc_.Check(batch, nullptr, [&](std::size_t waiting) {
+    meter.Step([&] { return ProgressMeter::Work{looked_at, looked_at + waiting}; });
+    ++looked_at;
+    return cancelled();
+  });
   if (!delta.ok()) return delta.status();
+  meter.End(std::max(looked_at, delta->size()));
   validated = MicrosecondsSince(start);
   const Plan plan = PlanFor(*delta, plc_.size(), state_->refinement.vertex_count(), options_.box,
                             tuning_.rebuild);
-  absl::StatusOr<MeshDiff> diff = plan == Plan::kRebuild
-                                      ? Rebuild(*delta, Snapshot(), cancelled, commit)
-                                      : Propagate(*delta, plan == Plan::kLook, cancelled, commit);
+  absl::StatusOr<MeshDiff> diff =
+      plan == Plan::kRebuild ? Rebuild(*delta, Snapshot(), meter, cancelled, commit)
+                             : Propagate(*delta, plan == Plan::kLook, meter, cancelled, commit);
   if (diff.ok()) revision_ = diff->to_revision;
   return diff;
 }
@@ -110,10 +119,22 @@ bool LiveMesh<D>::IsMostlyStale() const {
 // Runs what is stale; a limit that is hit stops it.
 template <int D>
 template <class Interrupt>
-absl::Status LiveMesh<D>::Run(State& state, Interrupt cancelled) {
+absl::Status LiveMesh<D>::Run(State& state, ProgressMeter& meter, Interrupt cancelled) {
   Refinement& refinement = state.refinement;
   bool was_cancelled = false;
+  const std::uint64_t nearest_before = refinement.nearest_run();
+  std::uint64_t taken = 0;
+  const auto work = [&] {
+    // Beside the others' a third of the time: measured, of uniform points and segments.
+    const std::uint64_t nearest = refinement.nearest_run() - nearest_before;
+    const std::uint64_t done = taken - nearest / 3 * 2;
+    const auto waiting = refinement.engine().waiting() -
+                         refinement.engine().waiting_in(meshing::NearestEpoch()) / 3 * 2;
+    return ProgressMeter::Work{done, done + waiting};
+  };
   refinement.Propagate([&] {
+    meter.Step(work);
+    ++taken;
     was_cancelled = cancelled();
     return was_cancelled || IsOverLimits(refinement, options_.limits);
   });
@@ -122,7 +143,9 @@ absl::Status LiveMesh<D>::Run(State& state, Interrupt cancelled) {
                      "the batch was cancelled; the mesh is as it was before",
                      {reason::kCancelled, {}, {}});
   }
-  return LimitsStatus(refinement, options_.limits);
+  if (absl::Status status = LimitsStatus(refinement, options_.limits); !status.ok()) return status;
+  meter.End(work().done);
+  return absl::OkStatus();
 }
 
 // The inverse edit brings the former trace back, bit for bit.
@@ -140,43 +163,51 @@ void LiveMesh<D>::Undo(const plc::Delta<D>& delta) {
 template <int D>
 template <class Interrupt>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(const plc::Delta<D>& delta, bool look,
-                                                Interrupt cancelled, Commit commit) {
+                                                ProgressMeter& meter, Interrupt cancelled,
+                                                Commit commit) {
   State& state = *state_;
   state.refinement.engine().ResetCounters();
   state.refinement.ForgetDepthLimit();
   Mesh before = look ? Snapshot() : Mesh();
+  meter.Begin(ApplyProgress::Stage::kRefine);
   state.features.Apply(delta, state.refinement);
   if (look && IsMostlyStale()) {
-    absl::StatusOr<MeshDiff> diff = Rebuild(delta, std::move(before), cancelled, commit);
+    absl::StatusOr<MeshDiff> diff = Rebuild(delta, std::move(before), meter, cancelled, commit);
     if (!diff.ok()) Undo(delta);
     return diff;
   }
-  if (const absl::Status status = Run(state, cancelled); !status.ok()) {
+  if (const absl::Status status = Run(state, meter, cancelled); !status.ok()) {
     Undo(delta);
     // On its way a propagation holds what is new and what is about to go: whether a limit is
     // passed only a run from scratch can say, lest the answer depend on history.
-    if (absl::IsResourceExhausted(status)) return Rebuild(delta, Snapshot(), cancelled, commit);
+    if (absl::IsResourceExhausted(status))
+      return Rebuild(delta, Snapshot(), meter, cancelled, commit);
     return status;
   }
   const auto propagated = Clock::now();
+  meter.Begin(ApplyProgress::Stage::kDiff);
   MeshDiff diff = state.diffs.Update(state.refinement, state.features);
   diff.work.diff_microseconds = MicrosecondsSince(propagated);
   if (!state.diffs.RegionStatus().ok()) {
     // Labels are left half made, so that there is nothing to undo; and which polygon is to be
     // named, too, only a run from scratch can say.
-    state_ = (*Build(plc_.FromNothing(), plc_.size(), [] { return false; })).state;
-    return Rebuild(delta, Snapshot(), cancelled, commit);
+    const ProgressMeter::Listener nobody;
+    ProgressMeter silent(nobody);
+    state_ = (*Build(plc_.FromNothing(), plc_.size(), silent, [] { return false; })).state;
+    return Rebuild(delta, Snapshot(), meter, cancelled, commit);
   }
   const sac::Counters& counters = state.refinement.engine().counters();
   diff.work.executed = counters.executed;
   diff.work.created = counters.created;
   diff.work.dropped = counters.dropped;
+  meter.End();
+  // The diff has taken what changed: the way back, too, begins with nothing that has.
+  state.features.Collect();
   if (absl::Status status = commit(diff); !status.ok()) {
     Undo(delta);
     return status;
   }
   plc_.Commit(delta);
-  state.features.Collect();
   return diff;
 }
 
@@ -184,14 +215,17 @@ template <int D>
 template <class Interrupt>
 absl::StatusOr<typename LiveMesh<D>::Built> LiveMesh<D>::Build(const plc::Delta<D>& all,
                                                                std::size_t features,
+                                                               ProgressMeter& meter,
                                                                Interrupt cancelled) {
   Built built{std::make_unique<State>(options_, tuning_), {}, 0};
   State& fresh = *built.state;
   fresh.refinement.Reserve(features);
+  meter.Begin(ApplyProgress::Stage::kRefine);
   fresh.features.Apply(all, fresh.refinement);
-  if (absl::Status status = Run(fresh, cancelled); !status.ok()) return status;
+  if (absl::Status status = Run(fresh, meter, cancelled); !status.ok()) return status;
   fresh.refinement.DetachTriangulation();
   const auto propagated = Clock::now();
+  meter.Begin(ApplyProgress::Stage::kDiff);
   built.mesh = fresh.diffs.Begin(fresh.refinement, fresh.features);
   built.diff_microseconds = MicrosecondsSince(propagated);
   if (absl::Status status = fresh.diffs.RegionStatus(); !status.ok()) return status;
@@ -202,11 +236,12 @@ absl::StatusOr<typename LiveMesh<D>::Built> LiveMesh<D>::Build(const plc::Delta<
 template <int D>
 template <class Interrupt>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Rebuild(const plc::Delta<D>& delta, Mesh before,
-                                              Interrupt cancelled, Commit commit) {
+                                              ProgressMeter& meter, Interrupt cancelled,
+                                              Commit commit) {
   const bool is_first = plc_.size() == 0;
   plc_.Commit(delta);
   absl::StatusOr<Built> built =
-      Build(is_first ? delta : plc_.FromNothing(), plc_.size(), cancelled);
+      Build(is_first ? delta : plc_.FromNothing(), plc_.size(), meter, cancelled);
   const auto refuse = [&](absl::Status status) {
     plc_.Commit(delta.Inverse());
     return status;
@@ -219,6 +254,7 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Rebuild(const plc::Delta<D>& delta, Mesh b
   diff.work.executed = counters.executed;
   diff.work.created = counters.created;
   diff.work.dropped = state_->refinement.engine().operation_count();
+  meter.End();
   if (absl::Status status = commit(diff); !status.ok()) return refuse(std::move(status));
   state_ = std::move(built->state);
   return diff;

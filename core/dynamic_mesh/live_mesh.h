@@ -11,6 +11,7 @@
 #include "absl/functional/function_ref.h"
 #include "core/dynamic_mesh/diff_builder.h"
 #include "core/dynamic_mesh/feature_table.h"
+#include "core/dynamic_mesh/progress_meter.h"
 #include "core/dynamic_mesh/rebuild_choice.h"
 #include "core/meshing/refinement.h"
 #include "core/plc/plc.h"
@@ -75,15 +76,16 @@ class LiveMesh final : public DynamicMesh {
     double diff_microseconds = 0;
   };
   template <class Interrupt>
-  absl::StatusOr<Built> Build(const plc::Delta<D>& all, std::size_t features, Interrupt cancelled);
+  absl::StatusOr<Built> Build(const plc::Delta<D>& all, std::size_t features, ProgressMeter& meter,
+                              Interrupt cancelled);
   template <class Interrupt>
-  absl::Status Run(State& state, Interrupt cancelled);
+  absl::Status Run(State& state, ProgressMeter& meter, Interrupt cancelled);
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> Propagate(const plc::Delta<D>& delta, bool look, Interrupt cancelled,
-                                     Commit commit);
+  absl::StatusOr<MeshDiff> Propagate(const plc::Delta<D>& delta, bool look, ProgressMeter& meter,
+                                     Interrupt cancelled, Commit commit);
   template <class Interrupt>
-  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta<D>& delta, Mesh before, Interrupt cancelled,
-                                   Commit commit);
+  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta<D>& delta, Mesh before, ProgressMeter& meter,
+                                   Interrupt cancelled, Commit commit);
   void Undo(const plc::Delta<D>& delta);
   bool IsMostlyStale() const;
 

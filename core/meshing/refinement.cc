@@ -236,6 +236,7 @@ template <int D, template <class> class E>
 void Refinement<D, E>::Execute(Context& context) {
   switch (context.kind) {
     case kNearest:
+      ++nearest_run_;
       if (is_global() && by_edge()) return RequestFirstGaps();
       return Nearest(context);
     case kComplete:

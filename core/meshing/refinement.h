@@ -160,6 +160,9 @@ class Refinement {
     }
   }
 
+  // How often operations of kNearest were run, ever.
+  std::uint64_t nearest_run() const { return nearest_run_; }
+
   // Was an insertion or a split refused because it would be finer than limits allow?
   bool hit_depth_limit() const { return hit_depth_limit_; }
   void ForgetDepthLimit() { hit_depth_limit_ = false; }
@@ -369,6 +372,7 @@ class Refinement {
   std::uint32_t gap_triangle_ = Triangulation::kNone;
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
 
+  std::uint64_t nearest_run_ = 0;
   std::vector<double> nearest2_;  // in a run from scratch: by vertex, when first asked for
 
   // Published since the last propagation that was completed.

@@ -23,7 +23,7 @@ BatchCheck<D>::BatchCheck(const MeshOptions& options, double limit, const CellGr
       entered_(grid, index.hub_degree()) {}
 
 template <int D>
-absl::StatusOr<Delta<D>> BatchCheck<D>::Run(absl::FunctionRef<bool()> interrupted) {
+absl::StatusOr<Delta<D>> BatchCheck<D>::Run(Interrupted interrupted) {
   Collect();
   if (IsCertainlyGood()) return TakeDelta();
   ChooseIndex();
@@ -31,8 +31,9 @@ absl::StatusOr<Delta<D>> BatchCheck<D>::Run(absl::FunctionRef<bool()> interrupte
     return std::tuple(a.edit, a.rank(), a.id, a.kind, a.at) <
            std::tuple(b.edit, b.rank(), b.id, b.kind, b.at);
   });
+  std::size_t waiting = events_.size();
   for (const Event& event : events_) {
-    if (interrupted()) return InterruptedError();
+    if (interrupted(waiting--)) return InterruptedError();
     if (absl::Status status = Handle(event); !status.ok()) return status;
   }
   if (!draft_.error().ok()) return draft_.error();

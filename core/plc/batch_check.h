@@ -25,7 +25,6 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
-#include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/plc/delta.h"
@@ -47,7 +46,7 @@ class BatchCheck {
   BatchCheck(const MeshOptions& options, double limit, const CellGrid<D>& grid,
              const FeatureStore<D>& store, const FeatureIndex<D>& index, const Edits& batch);
 
-  absl::StatusOr<Delta<D>> Run(absl::FunctionRef<bool()> interrupted);
+  absl::StatusOr<Delta<D>> Run(Interrupted interrupted);
   // Index cells and features looked at.
   std::uint64_t cost() const { return cost_; }
 

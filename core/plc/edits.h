@@ -6,9 +6,13 @@
 #include <cstddef>
 #include <span>
 
+#include "absl/functional/function_ref.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::plc {
+
+// Asked whether to stop, with how many features are still to be looked at.
+using Interrupted = absl::FunctionRef<bool(std::size_t waiting)>;
 
 class Edits {
  public:

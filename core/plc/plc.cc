@@ -15,7 +15,7 @@ Plc<D>::Plc(const MeshOptions& options, std::uint32_t hub_degree)
 
 template <int D>
 absl::StatusOr<Delta<D>> Plc<D>::Check(const Edits& batch, std::uint64_t* cost,
-                                       absl::FunctionRef<bool()> interrupted) const {
+                                       Interrupted interrupted) const {
   BatchCheck<D> check(options_, limit_, grid_, store_, index_, batch);
   absl::StatusOr<Delta<D>> delta = check.Run(interrupted);
   if (cost != nullptr) *cost += check.cost();

@@ -27,7 +27,6 @@
 #include <optional>
 #include <vector>
 
-#include "absl/functional/function_ref.h"
 #include "absl/status/statusor.h"
 #include "core/plc/delta.h"
 #include "core/plc/edits.h"
@@ -62,14 +61,15 @@ class Plc {
   //                        SEGMENT_MEETS_POLYGON, POLYGONS_MEET
   // Cost: of the batch and its neighbourhood (batch_check.h, feature_index.h). If `cost`
   // is not null, adds to it the number of index cells and features looked at. Large batches
-  // of long segments take minutes, so `interrupted` is asked for each feature that changes:
-  // once it says yes, the answer is CANCELLED (reason CANCELLED).
+  // of long segments take minutes, so `interrupted` is asked for each feature that changes, with
+  // how many are still to be looked at: once it says yes, the answer is CANCELLED (reason
+  // CANCELLED).
   absl::StatusOr<Delta<D>> Check(
       const Edits& batch, std::uint64_t* cost = nullptr,
-      absl::FunctionRef<bool()> interrupted = [] { return false; }) const;
+      Interrupted interrupted = [](std::size_t) { return false; }) const;
   absl::StatusOr<Delta<D>> Check(
       const EditBatch& batch, std::uint64_t* cost = nullptr,
-      absl::FunctionRef<bool()> interrupted = [] { return false; }) const {
+      Interrupted interrupted = [](std::size_t) { return false; }) const {
     return Check(Edits(batch), cost, interrupted);
   }
 

@@ -192,6 +192,7 @@ class Engine {
   std::size_t operation_count() const { return ops_.size() - free_ops_.size(); }
   // Operations queued: stale, or to be dropped.
   std::size_t waiting() const { return queue_.size(); }
+  std::size_t waiting_in(Epoch epoch) const { return queue_.SizeIn(epoch); }
   const Counters& counters() const { return counters_; }
   void ResetCounters() { counters_ = {}; }
   // Room for that many operations of a usual size. What is not used costs no memory.

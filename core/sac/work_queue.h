@@ -30,6 +30,11 @@ class WorkQueue {
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
+  std::size_t SizeIn(Epoch epoch) const {
+    const auto it = waiting_.find(epoch);
+    return (it == waiting_.end() ? 0 : it->second.size()) +
+           (open_ && epoch == open_epoch_ ? sorted_.size() + late_.size() : 0);
+  }
 
   void Push(Epoch epoch, const Entry& entry) {
     ++size_;

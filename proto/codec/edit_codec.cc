@@ -219,6 +219,34 @@ absl::Status DecodeEdits(const google::protobuf::RepeatedPtrField<v1::Edit>& pro
   return absl::OkStatus();
 }
 
+absl::Status DecodePointColumns(const v1::PointColumns& proto, int dimension, EditBatch* out) {
+  const auto rows = static_cast<std::int64_t>(proto.ids_size());
+  const auto numbers = static_cast<std::int64_t>(proto.coordinates_size());
+  if (numbers != rows * dimension) {
+    ServiceError error;
+    error.reason =
+        numbers == rows * (5 - dimension) ? reason::kWrongDimension : reason::kBadRequest;
+    error.field = "points.coordinates";
+    return MakeServiceError(absl::StatusCode::kInvalidArgument,
+                            absl::StrCat("points.coordinates: there are ", numbers, " for ", rows,
+                                         " points, ", dimension, " are wanted for each"),
+                            error);
+  }
+  const double* x = proto.coordinates().data();
+  for (const FeatureId id : proto.ids()) {
+    out->push_back(Edit::Add(Feature::Point(id, x[0], x[1], dimension == 3 ? x[2] : 0)));
+    x += dimension;
+  }
+  return absl::OkStatus();
+}
+
+void EncodePointRow(const Feature& point, int dimension, v1::PointColumns* out) {
+  out->add_ids(point.id);
+  for (int k = 0; k < dimension; ++k) {
+    out->add_coordinates(point.position[static_cast<std::size_t>(k)]);
+  }
+}
+
 absl::Status DecodeAdds(const google::protobuf::RepeatedPtrField<v1::Feature>& proto, int dimension,
                         EditBatch* out) {
   for (const v1::Feature& p : proto) {

@@ -30,6 +30,12 @@ absl::Status DecodeEdits(const google::protobuf::RepeatedPtrField<v1::Edit>& pro
 absl::Status DecodeAdds(const google::protobuf::RepeatedPtrField<v1::Feature>& proto, int dimension,
                         EditBatch* out);
 
+// Points to add, as edits. INVALID_ARGUMENT (BAD_REQUEST or WRONG_DIMENSION) if there are not
+// `dimension` coordinates for each id.
+absl::Status DecodePointColumns(const v1::PointColumns& proto, int dimension, EditBatch* out);
+// A row more of `out`.
+void EncodePointRow(const Feature& point, int dimension, v1::PointColumns* out);
+
 // What edits or features weigh in limits: one each, and one for 8 points of polygons.
 std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Edit>& proto);
 std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Feature>& proto);

@@ -58,6 +58,26 @@ absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std
                                  error);
 }
 
+absl::Status HeldEdits::Take(ServiceContext& context, std::size_t count) {
+  if (count == 0) return absl::OkStatus();  // any number of such pieces may come
+  absl::StatusOr<Lease> lease = TakeEdits(context, weight_, count);
+  if (!lease.ok()) return lease.status();
+  weight_ += count;
+  leases_.push_back(*std::move(lease));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
+                                      const std::string& mesh, std::function<void()> cancel) {
+  if (absl::Status s = pass.Check(Role::kEdit, mesh); !s.ok()) return s;
+  absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(mesh);
+  if (!host.ok()) return host.status();
+  absl::StatusOr<Access::Stream> allowed =
+      context.access->Open(pass, Role::kEdit, (*host)->id(), std::move(cancel));
+  if (!allowed.ok()) return allowed.status();
+  return EditTarget{*std::move(host), *std::move(allowed)};
+}
+
 absl::Status CheckRequestId(absl::string_view request_id) {
   if (request_id.size() <= kMaxRequestIdBytes) return absl::OkStatus();
   codec::ServiceError error;

@@ -4,8 +4,10 @@
 #define DYNMESH_SERVER_CALLS_ADMISSION_H_
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -64,6 +66,26 @@ absl::StatusOr<Lease> TakeStream(Quota& quota, absl::string_view what);
 // Room for edits that weigh `count` more in a batch that weighs `before`: INVALID_ARGUMENT
 // (BATCH_TOO_LARGE) or RESOURCE_EXHAUSTED (PENDING_LIMIT).
 absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std::size_t count);
+
+// The same, piece by piece: the room that a batch has while it is received and waits.
+class HeldEdits {
+ public:
+  absl::Status Take(ServiceContext& context, std::size_t count);
+  void Release() { leases_.clear(); }
+
+ private:
+  std::size_t weight_ = 0;
+  std::vector<Lease> leases_;
+};
+
+// The mesh that a stream is to edit, and the stream's right to it: `cancel` is called when the
+// pass no longer has it.
+struct EditTarget {
+  MeshRegistry::HostPtr host;
+  Access::Stream allowed;
+};
+absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
+                                      const std::string& mesh, std::function<void()> cancel);
 
 absl::Status CheckRequestId(absl::string_view request_id);
 

@@ -20,12 +20,13 @@ namespace dynmesh::server {
 // Three parties: the reader (gRPC, one message at a time), the mesh's strand that
 // answers, the writer (gRPC, one message at a time). What they share is guarded by
 // mutex_; operations on the stream are started after it is released.
-class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff> {
+class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>,
+                             public OpenStream {
  public:
   EditStreamCall(ServiceContext& context, grpc::CallbackServerContext* rpc)
       : context_(context), call_id_(CallIdOf(*rpc)), rpc_(rpc) {}
 
-  static EditStreamCall* Start(ServiceContext& context, EditStreams& streams,
+  static EditStreamCall* Start(ServiceContext& context, OpenStreams& streams,
                                const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<EditStreamCall>(context, rpc);
     call->self_ = call;
@@ -51,7 +52,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
   // Answers what was received whole, then ends the stream.
-  void End(const absl::Status& status) {
+  void End(const absl::Status& status) override {
     bool finish = false;
     {
       const std::lock_guard lock(mutex_);
@@ -150,14 +151,11 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
   absl::Status OpenMesh() {
-    if (absl::Status s = pass_.Check(Role::kEdit, request_.mesh()); !s.ok()) return s;
-    absl::StatusOr<MeshRegistry::HostPtr> host = context_.registry->Find(request_.mesh());
-    if (!host.ok()) return host.status();
-    absl::StatusOr<Access::Stream> allowed = context_.access->Open(
-        pass_, Role::kEdit, (*host)->id(), [rpc = rpc_] { rpc->TryCancel(); });
-    if (!allowed.ok()) return allowed.status();
-    allowed_ = *std::move(allowed);
-    host_ = *std::move(host);
+    absl::StatusOr<EditTarget> target =
+        OpenToEdit(context_, pass_, request_.mesh(), [rpc = rpc_] { rpc->TryCancel(); });
+    if (!target.ok()) return target.status();
+    allowed_ = std::move(target->allowed);
+    host_ = std::move(target->host);
     return absl::OkStatus();
   }
 
@@ -185,10 +183,10 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     }
     EditJob job = std::move(partial_->job);
     // Shared, because a std::function is copyable and leases are not.
-    auto leases = std::make_shared<std::vector<Lease>>(std::move(partial_->leases));
-    job.done = [call = self_, leases, omit = partial_->omit_columns, ticket = std::move(ticket_),
+    auto held = std::make_shared<HeldEdits>(std::move(partial_->held));
+    job.done = [call = self_, held, omit = partial_->omit_columns, ticket = std::move(ticket_),
                 request_id = job.request_id](absl::StatusOr<EditOutcome> outcome) {
-      leases->clear();
+      held->Release();
       Answer answer;
       answer.request_id = request_id;
       answer.status = outcome.status();
@@ -361,25 +359,8 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   std::optional<Answer> current_;  // the one being written
 };
 
-void EditStreams::Add(const std::shared_ptr<EditStreamCall>& call) {
-  const std::lock_guard lock(mutex_);
-  std::erase_if(calls_, [](const auto& weak) { return weak.expired(); });
-  calls_.push_back(call);
-}
-
-void EditStreams::EndAll(const absl::Status& status) {
-  std::vector<std::weak_ptr<EditStreamCall>> calls;
-  {
-    const std::lock_guard lock(mutex_);
-    calls.swap(calls_);
-  }
-  for (const auto& weak : calls) {
-    if (const auto call = weak.lock()) call->End(status);
-  }
-}
-
 grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* StartEditStreamCall(
-    ServiceContext& context, EditStreams& streams, const absl::StatusOr<Pass>& pass,
+    ServiceContext& context, OpenStreams& streams, const absl::StatusOr<Pass>& pass,
     grpc::CallbackServerContext* rpc) {
   return EditStreamCall::Start(context, streams, pass, rpc);
 }

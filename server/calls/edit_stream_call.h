@@ -7,33 +7,16 @@
 
 #include <grpcpp/support/server_callback.h>
 
-#include <memory>
-#include <mutex>
-#include <vector>
-
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "server/calls/admission.h"
+#include "server/calls/open_streams.h"
 
 namespace dynmesh::server {
-
-class EditStreamCall;
-
-// The streams that are open, so that a drain can end them. Thread-safe.
-class EditStreams {
- public:
-  void Add(const std::shared_ptr<EditStreamCall>& call);
-  // Each stream answers what it received whole and ends with `status`.
-  void EndAll(const absl::Status& status);
-
- private:
-  std::mutex mutex_;
-  std::vector<std::weak_ptr<EditStreamCall>> calls_;
-};
 
 // Starts a call that frees itself; one that was not admitted ends with why. `rpc` is
 // cancelled when the pass no longer allows to edit the mesh that the first message names.
 grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* StartEditStreamCall(
-    ServiceContext& context, EditStreams& streams, const absl::StatusOr<Pass>& pass,
+    ServiceContext& context, OpenStreams& streams, const absl::StatusOr<Pass>& pass,
     grpc::CallbackServerContext* rpc);
 
 }  // namespace dynmesh::server

@@ -16,6 +16,8 @@
 #include "proto/codec/status_codec.h"
 #include "server/calls/call_id.h"
 #include "server/calls/edit_call.h"
+#include "server/calls/edit_stream_call.h"
+#include "server/calls/load_call.h"
 #include "server/calls/requests.h"
 #include "server/calls/watch_call.h"
 #include "server/version.h"
@@ -239,6 +241,11 @@ grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::ApplyEdits(
 grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* MeshServiceImpl::EditStream(
     grpc::CallbackServerContext* call) {
   return StartEditStreamCall(context_, streams_, Admit(call), call);
+}
+
+grpc::ServerBidiReactor<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse>*
+MeshServiceImpl::LoadFeatures(grpc::CallbackServerContext* call) {
+  return StartLoadCall(context_, streams_, Admit(call), call);
 }
 
 grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackServerContext* call,

@@ -1,11 +1,11 @@
 // MeshService over gRPC's callback API: decode, hand on, encode. Calls that stream
-// live in edit_call, edit_stream_call and watch_call.
+// live in edit_call, edit_stream_call, load_call and watch_call.
 #ifndef DYNMESH_SERVER_CALLS_MESH_SERVICE_H_
 #define DYNMESH_SERVER_CALLS_MESH_SERVICE_H_
 
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "server/calls/admission.h"
-#include "server/calls/edit_stream_call.h"
+#include "server/calls/open_streams.h"
 
 namespace dynmesh::server {
 
@@ -43,6 +43,8 @@ class MeshServiceImpl final : public v1::MeshService::CallbackService {
                                                      const v1::ApplyEditsRequest* request) override;
   grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* EditStream(
       grpc::CallbackServerContext* call) override;
+  grpc::ServerBidiReactor<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse>* LoadFeatures(
+      grpc::CallbackServerContext* call) override;
   grpc::ServerWriteReactor<v1::WatchEvent>* Watch(grpc::CallbackServerContext* call,
                                                   const v1::WatchRequest* request) override;
   grpc::ServerWriteReactor<v1::SnapshotChunk>* GetSnapshot(
@@ -55,7 +57,7 @@ class MeshServiceImpl final : public v1::MeshService::CallbackService {
                              const std::string& mesh);
 
   ServiceContext& context_;
-  EditStreams streams_;
+  OpenStreams streams_;
 };
 
 }  // namespace dynmesh::server

@@ -80,18 +80,11 @@ PartialBatch::PartialBatch(const v1::EditBatch& first) : omit_columns(first.omit
 
 void PartialBatch::Add(ServiceContext& context, const v1::EditBatch& piece, int dimension) {
   if (!job.refused.ok()) return;  // the rest of a bad batch is skipped
-  const std::size_t weight = codec::Weight(piece.edits());
-  absl::StatusOr<Lease> lease = TakeEdits(context, weight_, weight);
-  if (lease.ok()) {
-    weight_ += weight;
-    leases.push_back(*std::move(lease));
-    job.refused = codec::DecodeEdits(piece.edits(), dimension, &job.edits);
-  } else {
-    job.refused = lease.status();
-  }
+  job.refused = held.Take(context, codec::Weight(piece.edits()));
+  if (job.refused.ok()) job.refused = codec::DecodeEdits(piece.edits(), dimension, &job.edits);
   if (!job.refused.ok()) {
     EditBatch().swap(job.edits);
-    leases.clear();
+    held.Release();
   }
 }
 

@@ -3,9 +3,6 @@
 #ifndef DYNMESH_SERVER_CALLS_REQUESTS_H_
 #define DYNMESH_SERVER_CALLS_REQUESTS_H_
 
-#include <cstddef>
-#include <vector>
-
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/data/region_filter.h"
@@ -38,10 +35,7 @@ struct PartialBatch {
 
   EditJob job;
   bool omit_columns = false;
-  std::vector<Lease> leases;
-
- private:
-  std::size_t weight_ = 0;  // of the pieces so far
+  HeldEdits held;
 };
 
 absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request);

@@ -154,7 +154,22 @@ void MeshHost::Run(EditJob& job) {
 void MeshHost::SetRunning(const EditJob* job) {
   const std::lock_guard lock(mutex_);
   running_ = job;
+  progress_ = {};
   if (job != nullptr) reported_ = running_since_ = MetricsClock::now();
+}
+
+void MeshHost::SetProgress(const EditJob& job, const BatchProgress& progress) {
+  {
+    const std::lock_guard lock(mutex_);
+    progress_ = progress;
+  }
+  if (job.progress != nullptr) job.progress(progress);
+}
+
+std::optional<MeshHost::Running> MeshHost::running() const {
+  const std::lock_guard lock(mutex_);
+  if (running_ == nullptr) return std::nullopt;
+  return Running{running_->edits.size(), progress_};
 }
 
 void MeshHost::ReportLongWork(absl::Duration interval) {
@@ -167,6 +182,9 @@ void MeshHost::ReportLongWork(absl::Duration interval) {
        {"call", running_->call_id},
        {"edits", running_->edits.size()},
        {"features", stats_.features},
+       {"stage", NameOf(progress_.stage)},
+       {"done", progress_.done},
+       {"total", progress_.total},
        {"seconds", absl::ToInt64Seconds(absl::FromChrono(now - running_since_))},
        {"waiting", queue_->waiting()}});
 }
@@ -253,10 +271,12 @@ absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& co
     if (memory_ != nullptr) apply_options.stopped = memory_->full();
   }
   apply_options.cancelled = job.cancelled.get();
+  apply_options.progress = [&](const ApplyProgress& progress) { SetProgress(job, progress); };
   RequestMemory::Entry answer{content, 0, 0, {}, {}};
   apply_options.commit = [&](const MeshDiff& d) {
     answer = {content, d.from_revision, d.to_revision, d.hash, d.work};
     if (log_ == nullptr) return absl::OkStatus();
+    SetProgress(job, BatchProgress::Journal());
     const auto start = MetricsClock::now();
     absl::Status written = log_->Append(job.edits, job.request_id, answer);
     if (metrics_ != nullptr) metrics_->journal_seconds.Observe(SecondsSince(start));

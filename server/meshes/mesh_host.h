@@ -24,6 +24,7 @@
 #include "server/access/memory_guard.h"
 #include "server/base/worker_pool.h"
 #include "server/journal/mesh_log.h"
+#include "server/meshes/batch_progress.h"
 #include "server/meshes/request_memory.h"
 #include "server/meshes/revision_store.h"
 #include "server/meshes/watch_hub.h"
@@ -53,6 +54,9 @@ struct EditJob {
   std::shared_ptr<const std::atomic<bool>> cancelled;
   // Shared by the batches of a stream that ends at the first refused one; may be null.
   std::shared_ptr<std::atomic<bool>> stop;
+  // Told, on the strand, how far it is: as ApplyOptions::progress, then of the journal. May be
+  // null.
+  std::function<void(const BatchProgress&)> progress;
   // Called once, on the strand.
   std::function<void(absl::StatusOr<EditOutcome>)> done;
 };
@@ -108,6 +112,12 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   MeshStats stats() const;  // at the head or the revision before
   std::size_t waiting() const { return queue_->waiting(); }
 
+  // The batch that runs, if one does.
+  struct Running {
+    std::size_t edits = 0;
+    BatchProgress progress;
+  };
+  std::optional<Running> running() const;
   // Logs the batch that runs, if it has for longer than `interval`; no more than once in one.
   void ReportLongWork(absl::Duration interval);
 
@@ -125,6 +135,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   void RebaseIfDue();
 
   void SetRunning(const EditJob* job);
+  void SetProgress(const EditJob& job, const BatchProgress& progress);
   void Count(const EditJob& job, const absl::StatusOr<EditOutcome>& outcome);
 
   absl::Status closed() const;
@@ -151,6 +162,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   MeshStats stats_;
   absl::Status closed_;
   const EditJob* running_ = nullptr;
+  BatchProgress progress_;  // of it
   MetricsClock::time_point running_since_;
   MetricsClock::time_point reported_;  // or running_since_
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -50,10 +51,12 @@ void WriteMeshes(const MeshRegistry& meshes, MetricsText& out) {
     MeshStats stats;
     std::size_t watchers;
     std::size_t waiting;
+    std::optional<MeshHost::Running> running;
   };
   std::vector<Row> rows;
   for (const auto& host : meshes.List("", static_cast<std::size_t>(-1))) {
-    rows.push_back({host->id(), host->stats(), host->hub()->size(), host->waiting()});
+    rows.push_back(
+        {host->id(), host->stats(), host->hub()->size(), host->waiting(), host->running()});
   }
   const auto write = [&](const char* name, const char* help, auto value) {
     out.Begin(name, "gauge", help);
@@ -73,6 +76,21 @@ void WriteMeshes(const MeshRegistry& meshes, MetricsText& out) {
   write("dynmesh_mesh_watchers", "Watches.", [](const Row& r) { return r.watchers; });
   write("dynmesh_mesh_waiting_edits", "Batches and queries that wait for their turn.",
         [](const Row& r) { return r.waiting; });
+  write("dynmesh_mesh_batch_edits", "Edits of the batch that runs; 0: none does.",
+        [](const Row& r) { return r.running.has_value() ? r.running->edits : 0; });
+  const auto write_running = [&](const char* name, const char* help, auto value) {
+    out.Begin(name, "gauge", help);
+    for (const Row& row : rows) {
+      if (!row.running.has_value()) continue;
+      const BatchProgress& progress = row.running->progress;
+      out.Sample({{"mesh", row.id}, {"stage", NameOf(progress.stage)}},
+                 static_cast<double>(value(progress)));
+    }
+  };
+  write_running("dynmesh_mesh_batch_work_done", "How much of the batch's stage is done.",
+                [](const BatchProgress& p) { return p.done; });
+  write_running("dynmesh_mesh_batch_work", "How much the batch's stage is; 0: not known yet.",
+                [](const BatchProgress& p) { return p.total; });
 }
 
 void WriteJournal(const Journal& journal, MetricsText& out) {

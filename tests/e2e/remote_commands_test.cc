@@ -10,10 +10,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <sstream>
 #include <thread>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "tests/e2e/daemon.h"
 #include "tests/e2e/run_dynmesh.h"
 #include "tests/support/temp_folder.h"
@@ -211,6 +213,66 @@ TEST_F(RemoteCommandsTest, ErrorsNameTheLineAndHaveTheirExitCodes) {
   const Ran nobody = RunDynmesh({"list", "--server", live});
   EXPECT_EQ(nobody.code, kExitFailed);
   EXPECT_NE(nobody.err, "");
+}
+
+TEST_F(RemoteCommandsTest, AFileIsLoadedAsOneRevisionAndKept) {
+  const std::vector<std::string> keep = {"--data-dir", Path("data")};
+  ASSERT_TRUE(daemon_.Start(keep)) << daemon_.Log();
+  std::string edits = "mesh dim=2 box=0,0,1,1 rho=1.4142135623730951\n";
+  std::string nodes = "3000 2 0 0\n";
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0.01, 0.99);
+  for (int i = 1; i <= 3000; ++i) {
+    const std::string place = absl::StrCat(unit(random), " ", unit(random));
+    absl::StrAppend(&edits, "add point ", i, " ", place, "\n");
+    absl::StrAppend(&nodes, i, " ", place, "\n");
+  }
+  const std::string script = Write("points.dynmesh", edits), file = Write("points.node", nodes);
+  const Ran loaded = Remote({"load", "a", script, "--create", "--request-id", "l1", "--json"});
+  ASSERT_EQ(loaded.code, kExitDone) << loaded.err;
+  EXPECT_EQ(Lines(loaded.out), 1u);
+  EXPECT_EQ(loaded.err, "") << "progress on something that is no terminal";
+  EXPECT_EQ(Value(loaded.out, "event"), "loaded");
+  EXPECT_EQ(Value(loaded.out, "revision"), "1");
+  EXPECT_EQ(Value(loaded.out, "features"), "3000");
+  const Ran applied = Remote({"apply", "b", script, "--create", "--quiet", "--json"});
+  ASSERT_EQ(applied.code, kExitDone) << applied.err;
+  EXPECT_EQ(Value(loaded.out, "hash"), Value(applied.out, "hash"));
+  // Again, over a restart.
+  EXPECT_EQ(daemon_.End(SIGTERM), 0);
+  ASSERT_TRUE(daemon_.Start(keep)) << daemon_.Log();
+  const Ran again = Remote({"load", "a", script, "--request-id", "l1", "--json"});
+  ASSERT_EQ(again.code, kExitDone) << again.err;
+  EXPECT_EQ(Value(again.out, "event"), "replayed");
+  EXPECT_EQ(Value(again.out, "hash"), Value(loaded.out, "hash"));
+  // Another kind of file, text for people.
+  ASSERT_EQ(Remote({"create", "c", "--box", "0,0,1,1"}).code, kExitDone);
+  const Ran of_nodes = Remote({"load", "c", file, "--expected-revision", "0"});
+  ASSERT_EQ(of_nodes.code, kExitDone) << of_nodes.err;
+  EXPECT_NE(of_nodes.out.find("revision 1: 3000 features loaded in "), std::string::npos);
+  EXPECT_NE(of_nodes.out.find(Value(loaded.out, "hash")), std::string::npos) << of_nodes.out;
+}
+
+TEST_F(RemoteCommandsTest, ALoadThatIsRefusedSaysWhere) {
+  StartDaemon();
+  const std::string header = "mesh dim=2 box=0,0,1,1 rho=1.5\n";
+  const std::string bad = Write(
+      "bad.dynmesh", header + "add point 1 0.2 0.2\nadd point 2 0.3 0.3\nadd point 7 0.2 0.2\n");
+  const Ran refused = Remote({"load", "m", bad, "--create"});
+  EXPECT_EQ(refused.code, kExitBadInput);
+  EXPECT_NE(refused.err.find("bad.dynmesh:4: "), std::string::npos) << refused.err;
+  EXPECT_EQ(Value(Remote({"stats", "m", "--json"}).out, "revision"), "0");
+  const std::string good = Write("good.dynmesh", header + "add point 1 0.2 0.2\n");
+  EXPECT_EQ(Remote({"load", "m", good, "--expected-revision", "3"}).code, kExitFailed);
+  EXPECT_EQ(Remote({"load", "none", good}).code, kExitBadInput);
+  EXPECT_EQ(Remote({"load", "m", Path("absent.node")}).code, kExitBadInput);
+  const std::string space =
+      Write("s.dynmesh", "mesh dim=3 box=0,0,0,1,1,1\nadd point 1 .2 .2 .2\n");
+  const Ran flat = Remote({"load", "m", space});
+  EXPECT_EQ(flat.code, kExitBadInput);
+  EXPECT_NE(flat.err.find("3 dimensions"), std::string::npos) << flat.err;
+  EXPECT_EQ(Remote({"load", "room", space, "--create"}).code, kExitDone);
+  EXPECT_EQ(Remote({"load", "m", good}).code, kExitDone);
 }
 
 TEST_F(RemoteCommandsTest, StatsAreWatchedAsOftenAsAsked) {

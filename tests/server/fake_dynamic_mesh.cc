@@ -164,13 +164,23 @@ Mesh FakeDynamicMesh::Build(const FeatureMap& features) const {
 
 absl::StatusOr<MeshDiff> FakeDynamicMesh::Apply(const EditBatch& batch,
                                                 const ApplyOptions& apply_options) {
+  using Stage = ApplyProgress::Stage;
+  const std::uint64_t all = 2 * batch.size();
+  const auto tell = [&](Stage stage, std::uint64_t done) {
+    if (apply_options.progress != nullptr) apply_options.progress({stage, done, all});
+  };
+  tell(Stage::kValidate, 0);
   absl::StatusOr<FeatureMap> draft = Draft(batch);
   if (!draft.ok()) return draft.status();
+  tell(Stage::kValidate, all);
+  tell(Stage::kRefine, all / 2);
   if (gate_ != nullptr && !gate_->Pass(apply_options)) {
     return MakeError(absl::StatusCode::kCancelled, "cancelled",
                      {reason::kCancelled, {}, std::nullopt});
   }
+  tell(Stage::kRefine, all);
   Mesh next = Build(*draft);
+  tell(Stage::kDiff, all);
   next.revision = batch.empty() ? mesh_.revision : mesh_.revision + 1;
   MeshDiff diff = data::DiffMeshes(mesh_, next);
   diff.work.executed = batch.size();

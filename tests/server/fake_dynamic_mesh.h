@@ -15,7 +15,8 @@
 
 namespace dynmesh::server {
 
-// Holds a fake's Apply between validation and change, to put a test's steps in order.
+// Holds a fake's Apply between validation and change, when it has told that half of the latter is
+// done, to put a test's steps in order.
 // Thread-safe.
 class FakeGate {
  public:

@@ -2,7 +2,6 @@
 // batch. Batches are pipelined and their diffs stream back; with --one-by-one each
 // waits for the one before, and the time it takes is that of a whole round trip.
 #include <chrono>
-#include <cstdio>
 #include <functional>
 #include <memory>
 #include <string>
@@ -13,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client/cli/percentile.h"
+#include "client/cli/progress_bar.h"
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
 #include "core/data/text.h"
@@ -55,7 +55,7 @@ class Application {
     if (absl::Status status = PrepareMesh(); !status.ok()) return status;
     const Clock::time_point start = Clock::now();
     const absl::Status status = command_.one_by_one ? OneByOne() : Pipelined();
-    EndProgress();
+    progress_.End();
     return status.ok() ? Summarise(Clock::now() - start) : status;
   }
 
@@ -149,7 +149,7 @@ class Application {
     edits_ += script_.batches[batch].edits.size();
     replayed_ += result->replayed ? 1 : 0;
     hash_ = result->diff.hash;
-    ShowProgress(batch + 1);
+    progress_.Show(batch + 1, script_.batches.size());
     if (command_.quiet) return absl::OkStatus();
     if (PrintOut(DiffLine(result->diff, result->replayed ? "replayed" : "applied",
                           command_.server.json))) {
@@ -198,23 +198,6 @@ class Application {
     return absl::UnavailableError("cannot write to standard output");
   }
 
-  // Where results go to the same terminal, their lines are progress enough.
-  void ShowProgress(std::size_t done) {
-    if (!show_progress_) return;
-    const Clock::time_point now = Clock::now();
-    const std::size_t all = script_.batches.size();
-    if (done < all && now - progress_shown_ < std::chrono::milliseconds(100)) return;
-    progress_shown_ = now;
-    constexpr std::size_t kWidth = 40;
-    const std::size_t filled = all == 0 ? kWidth : done * kWidth / all;
-    const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
-    std::fprintf(stderr, "\r[%s] %zu/%zu", bar.c_str(), done, all);
-    progress_open_ = true;
-  }
-  void EndProgress() {
-    if (progress_open_) std::fputc('\n', stderr);
-  }
-
   const ApplyCommand& command_;
   io::EditScript script_;
   std::unique_ptr<client::MeshClient> client_;
@@ -223,9 +206,8 @@ class Application {
   std::uint64_t edits_ = 0;
   std::uint64_t replayed_ = 0;
   MeshHash hash_;
-  const bool show_progress_ = ErrorIsTerminal() && (command_.quiet || !OutIsTerminal());
-  bool progress_open_ = false;
-  Clock::time_point progress_shown_;
+  // Where results go to the same terminal, their lines are progress enough.
+  ProgressBar progress_{ErrorIsTerminal() && (command_.quiet || !OutIsTerminal())};
 };
 
 int Run(const ApplyCommand& command) {

@@ -162,6 +162,7 @@ void RegisterRemoteCommands(CLI::App& app, CommandSlot& slot) {
   RegisterListCommand(app, slot);
   RegisterDeleteCommand(app, slot);
   RegisterApplyCommand(app, slot);
+  RegisterLoadCommand(app, slot);
   RegisterWatchCommand(app, slot);
   RegisterExportCommand(app, slot);
   RegisterStatsCommand(app, slot);

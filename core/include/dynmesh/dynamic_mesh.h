@@ -27,6 +27,19 @@
 
 namespace dynmesh {
 
+// How far a batch is. Stages come in the order of their names, each once or not at all; within
+// one `done` and the part done / total never fall, and its last words are done == total.
+struct ApplyProgress {
+  enum class Stage : std::uint8_t {
+    kValidate,  // features that change, with what depends on them, held against the others
+    kRefine,    // operations run, of all that are known of: each may ask for more
+    kDiff,      // what came and went; ends before `commit` is asked
+  };
+  Stage stage = Stage::kValidate;
+  std::uint64_t done = 0;
+  std::uint64_t total = 0;  // 0: not known yet
+};
+
 struct ApplyOptions {
   // Polled between operations; when it turns true the batch is undone: CANCELLED.
   const std::atomic<bool>* cancelled = nullptr;
@@ -37,6 +50,10 @@ struct ApplyOptions {
   // Unless it answers OK the batch is undone, as if cancelled, and Apply returns its answer. An
   // empty batch is asked for, too. It must not use the mesh. May be null.
   std::function<absl::Status(const MeshDiff&)> commit;
+  // Told, on the thread of Apply, when a stage begins and ends and in between, between operations,
+  // 50 ms apart or more. It must not use the mesh, and changes nothing in what is done. A batch
+  // that is undone is not told of while it is. May be null.
+  std::function<void(const ApplyProgress&)> progress;
 };
 
 struct MeshStats {

@@ -2,6 +2,8 @@
 // one that is, was shown as it is returned. And meshes that go on from a revision.
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "tests/differential/differential.h"
 #include "tests/support/polygon_script.h"
 
@@ -103,6 +105,36 @@ TEST(Commit, ARefusedPropagationIsUndone) {
   ExpectVetoesToChangeNothing<3>(ScriptGenerator(Distribution::kSpaceSized, 10, kSeed),
                                  AlwaysPropagate(), 4);
   ExpectVetoesToChangeNothing<3>(PolygonScript(kPolygonKinds[0], 2, kSeed), AlwaysPropagate(), 4);
+}
+
+// Polygons far apart, of which one goes or moves: labels are told from the walls that changed.
+TEST(Commit, RegionsComeBackWithARefusedEdit) {
+  SCOPED_TRACE("seed " + std::to_string(kSeed));
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> unit(0.05, 0.95);
+  int tried = 0;
+  for (int round = 0; round < 600; ++round) {
+    EditBatch load;
+    for (FeatureId id = 1; id <= 12; ++id) {
+      const double x = unit(random), y = unit(random);
+      load.push_back(Edit::Add(Feature::Point(id, x, y)));
+    }
+    load.push_back(Edit::Add(Feature::Polygon(21, {{1, 2, 3}})));
+    load.push_back(Edit::Add(Feature::Polygon(22, {{4, 5, 6}})));
+    const double x = unit(random), y = unit(random);
+    const EditBatch edit =
+        round % 2 == 0 ? EditBatch{Edit::Remove(21)} : EditBatch{Edit::Move(1, x, y)};
+    LiveMesh<2> mesh(DefaultsIn<2>(), AlwaysPropagate());
+    if (!mesh.Apply(load, ApplyOptions()).ok() || !mesh.Validate(edit).ok()) continue;
+    ++tried;
+    const Before before(mesh);
+    ApplyOptions refuse;
+    refuse.commit = [](const MeshDiff&) { return absl::UnavailableError("no"); };
+    ASSERT_TRUE(absl::IsUnavailable(mesh.Apply(edit, refuse).status()));
+    before.ExpectSame(mesh);
+    ASSERT_FALSE(testing::Test::HasFailure()) << "round " << round;
+  }
+  EXPECT_GT(tried, 100);
 }
 
 TEST(Commit, ARefusedRebuildIsUndone) {

@@ -133,7 +133,7 @@ TEST_F(PlcDelta, ACheckMayBeInterruptedAtEveryFeature) {
   const EditBatch batch = {AddPoint(1, 0.25, 0.25), AddPoint(2, 0.75, 0.25), AddSegment(3, 1, 2)};
   for (std::size_t stop = 0; stop <= batch.size(); ++stop) {
     std::size_t asked = 0;
-    const auto delta = plc.Check(batch, nullptr, [&] { return asked++ == stop; });
+    const auto delta = plc.Check(batch, nullptr, [&](std::size_t) { return asked++ == stop; });
     if (stop < batch.size()) {
       EXPECT_EQ(delta.status().code(), absl::StatusCode::kCancelled);
       ASSERT_TRUE(GetErrorDetail(delta.status()).has_value());

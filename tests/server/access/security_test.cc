@@ -229,6 +229,13 @@ std::map<std::string, Row> Methods() {
                           stream->Write(About<v1::EditBatch>());
                           return ReadOne<v1::MeshDiff>(c, std::move(stream));
                         }};
+  rows["LoadFeatures"] = {"edit", [](Stub& stub, Context& c) {
+                            auto stream = stub.LoadFeatures(&c);
+                            v1::LoadFeaturesRequest request = About<v1::LoadFeaturesRequest>();
+                            request.set_last(true);
+                            stream->Write(request);
+                            return ReadOne<v1::LoadFeaturesResponse>(c, std::move(stream));
+                          }};
   rows["Watch"] = {"read", [](Stub& stub, Context& c) {
                      return ReadOne<v1::WatchEvent>(c, stub.Watch(&c, About<v1::WatchRequest>()));
                    }};

@@ -357,6 +357,33 @@ TEST_F(MeshHostTest, ABatchThatTakesLongIsReportedOnceAnInterval) {
   const std::size_t at = log.find(line);
   ASSERT_NE(at, std::string::npos) << log;
   EXPECT_EQ(log.find("event=edit_running", at + 1), std::string::npos) << log;
+  EXPECT_NE(log.find(" stage=propagate done=2 total=4 ", at), std::string::npos) << log;
+}
+
+TEST_F(MeshHostTest, TellsHowFarItsBatchIs) {
+  const auto host = MakeHost();
+  EXPECT_FALSE(host->running().has_value());
+  gate_->Hold();
+  Mailbox<Result> box;
+  EditJob job;
+  job.edits = {AddPoint(1), AddPoint(2), AddPoint(3)};
+  std::vector<BatchProgress> told;
+  job.progress = [&told](const BatchProgress& progress) { told.push_back(progress); };
+  ASSERT_TRUE(Submit(*host, std::move(job), box).ok());
+  gate_->WaitForArrivals(1);
+  const auto running = host->running();
+  ASSERT_TRUE(running.has_value());
+  EXPECT_EQ(running->edits, 3u);
+  EXPECT_EQ(running->progress.stage, BatchProgress::Stage::kRefine);
+  EXPECT_EQ(running->progress.done, 3u);
+  EXPECT_EQ(running->progress.total, 6u);
+  gate_->Release();
+  ASSERT_TRUE(box.Take().ok());
+  // Another job's progress is its own.
+  ASSERT_TRUE(Apply(*host, {AddPoint(4)}).ok());
+  EXPECT_FALSE(host->running().has_value());
+  ASSERT_EQ(told.size(), 5u);
+  EXPECT_EQ(told.back().stage, BatchProgress::Stage::kDiff);
 }
 
 }  // namespace

@@ -91,6 +91,23 @@ TEST_F(ObserveTest, CallsAreCountedByMethodAndCode) {
   EXPECT_FALSE(now.Has("dynmesh_journal_syncs_total"));  // there is no journal
 }
 
+TEST_F(ObserveTest, ABatchThatRunsShowsHowFarItIs) {
+  StartObserved();
+  const ParsedMetrics::Labels m = {{"mesh", "m"}};
+  const ParsedMetrics::Labels stage = {{"mesh", "m"}, {"stage", "propagate"}};
+  gate_->Hold();
+  std::thread editor([&] { EXPECT_TRUE(client_->Apply("m", {AddPoint(1), AddPoint(2)}).ok()); });
+  gate_->WaitForArrivals(1);
+  const ParsedMetrics running = Scrape();
+  EXPECT_EQ(running.Value("dynmesh_mesh_batch_edits", m), 2);
+  EXPECT_EQ(running.Value("dynmesh_mesh_batch_work_done", stage), 2);
+  EXPECT_EQ(running.Value("dynmesh_mesh_batch_work", stage), 4);
+  gate_->Release();
+  editor.join();
+  while (Scrape().Value("dynmesh_mesh_batch_edits", m) != 0) std::this_thread::yield();
+  EXPECT_TRUE(std::isnan(Scrape().Value("dynmesh_mesh_batch_work_done", stage)));
+}
+
 TEST_F(ObserveTest, AClientThatGoesAwayIsCountedAsCancelled) {
   StartObserved();
   {

@@ -1,0 +1,133 @@
+// dynmesh load MESH INPUT --server ADDR: all features of an input file as one revision.
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "absl/strings/str_format.h"
+#include "client/cli/input.h"
+#include "client/cli/progress_bar.h"
+#include "client/cli/remote/connection.h"
+#include "client/cli/remote/remote_commands.h"
+#include "proto/codec/status_codec.h"
+
+namespace dynmesh::cli {
+namespace {
+
+struct LoadCommand {
+  ServerFlags server;
+  InputFlags reading;
+  std::string id;
+  std::string input;
+  std::string request_id;
+  std::optional<std::uint64_t> expected_revision;
+  bool create = false;
+};
+
+const char* WordOf(client::LoadProgress::Stage stage) {
+  using Stage = client::LoadProgress::Stage;
+  switch (stage) {
+    case Stage::kSend:
+      return "sending";
+    case Stage::kWait:
+      return "waiting for other edits";
+    case Stage::kValidate:
+      return "validating";
+    case Stage::kRefine:
+      return "refining";
+    case Stage::kDiff:
+      return "making the diff";
+    case Stage::kWrite:
+      return "writing to the server's disk";
+  }
+  return "";
+}
+
+std::string Summarise(const client::LoadResult& result, std::size_t features, double seconds,
+                      bool json) {
+  if (json) {
+    return JsonObject()
+        .AddText("event", result.replayed ? "replayed" : "loaded")
+        .Add("from_revision", result.from_revision)
+        .Add("revision", result.to_revision)
+        .Add("features", features)
+        .Add("seconds", seconds)
+        .Add("operations", result.work.executed)
+        .Add("microseconds", result.work.microseconds)
+        .Add("validate_microseconds", result.work.validate_microseconds)
+        .Add("diff_microseconds", result.work.diff_microseconds)
+        .AddText("hash", result.hash.ToHex())
+        .ToLine();
+  }
+  return absl::StrFormat("revision %d: %d features %s in %.3f s, %d operations, hash %s\n",
+                         result.to_revision, features,
+                         result.replayed ? "had been loaded; asked again" : "loaded", seconds,
+                         result.work.executed, result.hash.ToHex());
+}
+
+// The mesh's dimension must be the input's.
+absl::Status PrepareMesh(client::MeshClient& client, const LoadCommand& command,
+                         const Input& input) {
+  if (command.create) {
+    const auto made = client.CreateMesh(command.id, input.options);
+    if (made.status().code() != absl::StatusCode::kAlreadyExists) return made.status();
+  }
+  const auto mesh = client.GetMesh(command.id);
+  if (!mesh.ok()) return mesh.status();
+  if (mesh->options.dimension == input.options.dimension) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat("%s has %d dimensions, the mesh has %d",
+                                                    command.input, input.options.dimension,
+                                                    mesh->options.dimension));
+}
+
+int Run(const LoadCommand& command) {
+  const auto client = Connect(command.server);
+  if (!client.ok()) return ReportError(client.status());
+  absl::StatusOr<Input> input = LoadInput(command.input, command.reading);
+  if (!input.ok()) return ReportError(input.status());
+  if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
+  for (const std::string& warning : input->warnings) PrintWarning(warning);
+  if (auto s = PrepareMesh(**client, command, *input); !s.ok()) return ReportError(s);
+  ProgressBar bar(ErrorIsTerminal());
+  client::LoadParams params;
+  params.request_id = command.request_id;
+  params.expected_revision = command.expected_revision;
+  params.dimension = input->options.dimension;
+  params.progress = [&](const client::LoadProgress& p) {
+    const bool sending = p.stage == client::LoadProgress::Stage::kSend;
+    bar.Show(p.done, sending ? input->features.size() : p.total, WordOf(p.stage));
+  };
+  const auto start = std::chrono::steady_clock::now();
+  const auto result = (*client)->Load(command.id, input->features, params);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  bar.End();
+  if (!result.ok()) {
+    const auto error = codec::GetServiceError(result.status());
+    if (!error.has_value()) return ReportError(result.status());
+    return ReportError(LocateFeatures(result.status(), error->Features(), input->where));
+  }
+  return Print(Summarise(*result, input->features.size(), took.count(), command.server.json));
+}
+
+}  // namespace
+
+void RegisterLoadCommand(CLI::App& app, CommandSlot& slot) {
+  auto command = std::make_shared<LoadCommand>();
+  CLI::App* const sub = AddCommand(app, slot, "load",
+                                   "Add all features of a file to a server's mesh, as one revision",
+                                   [command] { return Run(*command); });
+  sub->add_option("MESH", command->id, "Its id")->required();
+  sub->add_option("INPUT", command->input, kSpaceInputKinds)->required();
+  sub->add_flag("--create", command->create,
+                "Create the mesh, with the input's bounds and the usual quality, unless it exists");
+  sub->add_option("--request-id", command->request_id,
+                  "Loading again with the same, after a broken connection, repeats nothing")
+      ->type_name("ID");
+  sub->add_option("--expected-revision", command->expected_revision,
+                  "Only if the mesh is at this revision")
+      ->type_name("N");
+  AddInputFlags(*sub, command->reading);
+  AddServerFlags(*sub, command->server);
+}
+
+}  // namespace dynmesh::cli

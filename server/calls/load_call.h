@@ -1,0 +1,23 @@
+// One LoadFeatures: pieces in, one batch of them, how far it is and what became of it out.
+//
+// Nothing is applied before the last piece is there; a load that ends before changes nothing, and
+// one that is cancelled later is undone. What it holds counts as edits that wait.
+#ifndef DYNMESH_SERVER_CALLS_LOAD_CALL_H_
+#define DYNMESH_SERVER_CALLS_LOAD_CALL_H_
+
+#include <grpcpp/support/server_callback.h>
+
+#include "dynmesh/v1/mesh_service.pb.h"
+#include "server/calls/admission.h"
+#include "server/calls/open_streams.h"
+
+namespace dynmesh::server {
+
+// As StartEditStreamCall.
+grpc::ServerBidiReactor<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse>* StartLoadCall(
+    ServiceContext& context, OpenStreams& streams, const absl::StatusOr<Pass>& pass,
+    grpc::CallbackServerContext* rpc);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_CALLS_LOAD_CALL_H_
