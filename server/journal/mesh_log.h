@@ -1,8 +1,9 @@
 // What one mesh writes into the journal: every batch before it comes into effect, and now and then
-// a snapshot of its features that takes the place of the batches before.
+// a snapshot of its features, from which the mesh is made again then.
 //
 // A snapshot is due when the batches since the last one outweigh it (and some least size):
-// amortised O(1) for each byte of a batch, and a journal of at most twice the features. Calls
+// amortised O(1) for each byte of a batch. A generation (journal.h) has at most twice the features'
+// bytes, or that size. Calls
 // block. Thread-compatible: it belongs to the mesh's strand.
 #ifndef DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 #define DYNMESH_SERVER_JOURNAL_MESH_LOG_H_

@@ -95,6 +95,7 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
                                           const MeshFactory& factory,
                                           const MeshHost::Options& options,
                                           const std::function<void()>& applied) {
+  if (!found.damage.ok()) return found.damage;
   RecoveredMesh recovered;
   auto made = codec::DecodeJournalMesh(found.description);
   if (!made.ok()) return made.status();
