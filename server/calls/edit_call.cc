@@ -8,6 +8,7 @@
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
+#include "server/meshes/revert_plan.h"
 
 namespace dynmesh::server {
 namespace {
@@ -26,6 +27,7 @@ absl::Status Decode(const v1::ApplyEditsRequest& r, int dimension, EditBatch* ou
 const char* EditsField(const v1::AddFeaturesRequest&) { return "features"; }
 const char* EditsField(const v1::RemoveFeaturesRequest&) { return "ids"; }
 const char* EditsField(const v1::ApplyEditsRequest&) { return "edits"; }
+const char* EditsField(const v1::RevertToRequest&) { return "revision"; }
 
 std::size_t Weight(const v1::AddFeaturesRequest& r) { return codec::Weight(r.features()); }
 std::size_t Weight(const v1::RemoveFeaturesRequest& r) {
@@ -73,27 +75,60 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     if (absl::Status s = CheckRequestId(request.request_id()); !s.ok()) return s;
     absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
     if (!host.ok()) return host.status();
+    EditJob job;
+    job.call_id = std::move(call_id);
+    job.request_id = request.request_id();
+    if (request.has_expected_revision()) job.expected_revision = request.expected_revision();
+    omit_columns_ = request.omit_columns();
+    return HandIn(context, request, *std::move(host), std::move(job));
+  }
+
+  template <typename Request>
+  absl::Status HandIn(ServiceContext& context, const Request& request, MeshRegistry::HostPtr host,
+                      EditJob job) {
     absl::StatusOr<Lease> lease = TakeEdits(context, 0, Weight(request));
     if (!lease.ok()) return lease.status();
     lease_ = *std::move(lease);
-
-    EditJob job;
-    const int dimension = (*host)->mesh_options().dimension;
+    const int dimension = host->mesh_options().dimension;
     if (absl::Status s = Decode(request, dimension, &job.edits); !s.ok()) return s;
-    job.request_id = request.request_id();
-    job.call_id = std::move(call_id);
-    if (request.has_expected_revision()) job.expected_revision = request.expected_revision();
     job.validate_only = request.validate_only();
+    return Apply(*host, std::move(job));
+  }
+
+  // Features of two revisions are held until it is done, as much as a snapshot.
+  absl::Status HandIn(ServiceContext& context, const v1::RevertToRequest& request,
+                      MeshRegistry::HostPtr host, EditJob job) {
+    absl::StatusOr<Lease> lease = TakeStream(context.snapshot_streams, "snapshots under way");
+    if (!lease.ok()) return lease.status();
+    snapshot_lease_ = *std::move(lease);
+    context.readers->Post([call = self_, &context, revision = request.revision(),
+                           host = std::move(host), job = std::move(job)]() mutable {
+      RevertPlan plan = PlanRevert(*host, revision, call->cancelled_);
+      job.make = std::move(plan.job.make);
+      job.content = plan.job.content;
+      job.expected_hash = plan.job.expected_hash;
+      absl::StatusOr<Lease> room = TakeEdits(context, 0, plan.weight);
+      absl::Status status = room.status();
+      if (status.ok()) {
+        call->lease_ = *std::move(room);
+        status = call->Apply(*host, std::move(job));
+      }
+      if (!status.ok()) call->Fail(status);
+    });
+    return absl::OkStatus();
+  }
+
+  absl::Status Apply(MeshHost& host, EditJob job) {
     job.cancelled = cancelled_;
-    omit_columns_ = request.omit_columns();
     job.done = [call = self_](absl::StatusOr<EditOutcome> outcome) {
       call->Answer(std::move(outcome));
     };
-    return (*host)->Apply(std::move(job));
+    return host.Apply(std::move(job));
   }
 
   void Answer(absl::StatusOr<EditOutcome> outcome) {
     lease_.Release();
+    snapshot_lease_.Release();
     if (!outcome.ok()) return Fail(outcome.status());
     answered_ = MetricsClock::now();
     replayed_ = outcome->replayed;
@@ -120,6 +155,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   std::shared_ptr<EditCall> self_;  // until OnDone
   WorkGate::Ticket ticket_;
   Lease lease_;
+  Lease snapshot_lease_;
   bool omit_columns_ = false;
   bool replayed_ = false;
   std::optional<codec::DiffFragmenter> fragmenter_;
@@ -142,6 +178,12 @@ grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
 }
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::ApplyEditsRequest& request,
+                                                      const absl::Status& admitted,
+                                                      std::string call_id) {
+  return EditCall::Start(context, request, admitted, std::move(call_id));
+}
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
+                                                      const v1::RevertToRequest& request,
                                                       const absl::Status& admitted,
                                                       std::string call_id) {
   return EditCall::Start(context, request, admitted, std::move(call_id));

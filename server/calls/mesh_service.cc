@@ -18,6 +18,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/calls/call_id.h"
 #include "server/calls/edit_call.h"
+#include "server/calls/features_call.h"
 #include "server/calls/watch_call.h"
 #include "server/version.h"
 
@@ -273,6 +274,17 @@ grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackS
 grpc::ServerWriteReactor<v1::SnapshotChunk>* MeshServiceImpl::GetSnapshot(
     grpc::CallbackServerContext* call, const v1::GetSnapshotRequest* request) {
   return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status());
+}
+
+grpc::ServerWriteReactor<v1::FeaturesChunk>* MeshServiceImpl::GetFeatures(
+    grpc::CallbackServerContext* call, const v1::GetFeaturesRequest* request) {
+  return StartFeaturesCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status());
+}
+
+grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RevertTo(
+    grpc::CallbackServerContext* call, const v1::RevertToRequest* request) {
+  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
+                       CallIdOf(*call));
 }
 
 }  // namespace dynmesh::server

@@ -94,8 +94,8 @@ class Journal {
   // The earliest revision that ReadPast may begin at.
   virtual absl::StatusOr<std::uint64_t> Oldest(Key mesh) = 0;
 
-  // Begins a generation with `parts`, a snapshot at `revision`, which is the last one. Others' calls
-  // are done in between. One call at a time for a mesh.
+  // Begins a generation with `parts`, a snapshot at `revision`, which is the last one. Others'
+  // calls are done in between. One call at a time for a mesh.
   virtual absl::Status Compact(Key mesh, std::uint64_t revision,
                                const std::vector<std::string>& parts) = 0;
 };

@@ -14,6 +14,7 @@
 #include "absl/status/status.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/journal/journal.h"
+#include "server/journal/mesh_history.h"
 #include "server/meshes/request_memory.h"
 
 namespace dynmesh::server {
@@ -33,6 +34,11 @@ class MeshLog {
   // JournalError.
   absl::Status Append(const EditBatch& edits, const std::string& request_id,
                       const RequestMemory::Entry& answer);
+
+  // What it writes, to be read. `empty`: as MeshHistory's.
+  MeshHistory History(const MeshHash& empty) const {
+    return MeshHistory(journal_, key_, id_, dimension_, empty);
+  }
 
   // After a batch; O(1) but for when it is due. What fails is logged, and tried again later.
   void CompactIfDue(const DynamicMesh& mesh);

@@ -103,6 +103,7 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
   auto mesh = factory(recovered.made.options);
   if (!mesh.ok()) return mesh.status();
   recovered.mesh = *std::move(mesh);
+  recovered.past.empty = recovered.mesh->hash();
 
   Replay replay(recovered, options, applied);
   Journal::Visitor visitor;

@@ -73,7 +73,8 @@ absl::StatusOr<bool> SweepParts(Connection& connection, std::int64_t mesh, std::
     if (!rows.status().ok()) return rows.status();
   }
   for (const auto& [revision, part] : found) {
-    Statement gone(connection, "DELETE FROM snapshots WHERE mesh = ? AND revision = ? AND part = ?");
+    Statement gone(connection,
+                   "DELETE FROM snapshots WHERE mesh = ? AND revision = ? AND part = ?");
     if (absl::Status s = gone.Bind(mesh).Bind(revision).Bind(part).Finish(); !s.ok()) return s;
   }
   return !found.empty();

@@ -167,12 +167,8 @@ absl::Status SqliteJournal::Append(Key mesh, const Entry& entry) {
   insert.Bind(mesh).Bind(revision).BindBytes(entry.data);
   insert.Bind(RowSumOf(mesh, revision, absl::string_view(entry.data)));
   if (absl::Status s = insert.Finish(); !s.ok()) return s;
-  Statement head(writer_,
-                 "UPDATE meshes SET head = ?, tail_bytes = tail_bytes + ? WHERE key = ?");
-  return head.Bind(revision)
-      .Bind(static_cast<std::int64_t>(entry.data.size()))
-      .Bind(mesh)
-      .Finish();
+  Statement head(writer_, "UPDATE meshes SET head = ?, tail_bytes = tail_bytes + ? WHERE key = ?");
+  return head.Bind(revision).Bind(static_cast<std::int64_t>(entry.data.size())).Bind(mesh).Finish();
 }
 
 absl::Status SqliteJournal::Append(Key mesh, const Request& request) {
@@ -182,8 +178,8 @@ absl::Status SqliteJournal::Append(Key mesh, const Request& request) {
   const std::int64_t number = last.Integer(0) + 1;
   Statement insert(writer_, "INSERT INTO requests VALUES(?, ?, ?, ?, ?)");
   insert.Bind(mesh).Bind(number).BindText(request.id).BindBytes(request.answer);
-  insert.Bind(RowSumOf(mesh, number, absl::string_view(request.id),
-                       absl::string_view(request.answer)));
+  insert.Bind(
+      RowSumOf(mesh, number, absl::string_view(request.id), absl::string_view(request.answer)));
   if (absl::Status s = insert.Finish(); !s.ok()) return s;
   Statement trim(writer_, "DELETE FROM requests WHERE mesh = ? AND number <= ?");
   return trim.Bind(mesh)

@@ -6,9 +6,9 @@
 // anything else is written a probe is, over the same place of the log; until one is done, all
 // writes fail.
 //
-// What is large is written and deleted in pieces, each a transaction, between which others have their
-// turn. What a piece leaves behind is not seen (sqlite_generations.h), and is deleted at the mesh's
-// next snapshot or when the journal is opened.
+// What is large is written and deleted in pieces, each a transaction, between which others have
+// their turn. What a piece leaves behind is not seen (sqlite_generations.h), and is deleted at the
+// mesh's next snapshot or when the journal is opened.
 //
 // Cost: a sync for each group, O(bytes) and a search in a B-tree. Reads have connections of their
 // own and wait for no writer. Thread-safe.

@@ -76,8 +76,7 @@ class MeshReader {
   }
 
   absl::Status Parts(std::int64_t revision, const Journal::Visitor& visitor) const {
-    Statement count(connection_,
-                    "SELECT parts FROM generations WHERE mesh = ? AND revision = ?");
+    Statement count(connection_, "SELECT parts FROM generations WHERE mesh = ? AND revision = ?");
     const bool there = count.Bind(mesh_).Bind(revision).Step();
     if (!count.status().ok()) return count.status();
     Statement rows(connection_,
@@ -88,7 +87,8 @@ class MeshReader {
     for (; rows.Step() && rows.Integer(0) == parts; ++parts) {
       const std::string data = rows.Bytes(1);
       if (RowSumOf(mesh_, revision, parts, absl::string_view(data)) != rows.Integer(2)) {
-        return Damaged(id_, absl::StrCat("part ", parts, " of the snapshot of revision ", revision));
+        return Damaged(id_,
+                       absl::StrCat("part ", parts, " of the snapshot of revision ", revision));
       }
       const auto at = static_cast<std::uint64_t>(revision);
       if (absl::Status s = visitor.snapshot(at, data); !s.ok()) return s;

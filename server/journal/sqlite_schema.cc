@@ -13,8 +13,8 @@ using sqlite::Connection;
 using sqlite::Statement;
 
 // kSteps[n] leads from schema n to the next. A new file goes through all, so that it has the same
-// tables as one that grew old. Rows are small or far larger than a page; WITHOUT ROWID spares each a
-// second tree.
+// tables as one that grew old. Rows are small or far larger than a page; WITHOUT ROWID spares each
+// a second tree.
 constexpr const char* kSteps[kJournalSchema] = {
     R"(
   CREATE TABLE meshes(
@@ -95,9 +95,9 @@ absl::Status PrepareJournal(Connection& connection, const std::string& path) {
   const absl::StatusOr<std::int64_t> version = VersionOf(connection);
   if (!version.ok()) return version.status();
   if (*version > kJournalSchema) {
-    return absl::FailedPreconditionError(
-        absl::StrCat(path, " has schema ", *version, ", this dynmeshd knows ", kJournalSchema,
-                     ": take the newer version that wrote it"));
+    return absl::FailedPreconditionError(absl::StrCat(path, " has schema ", *version,
+                                                      ", this dynmeshd knows ", kJournalSchema,
+                                                      ": take the newer version that wrote it"));
   }
   if (*version == kJournalSchema) return absl::OkStatus();
   const int made = sqlite3_create_function_v2(connection.get(), "row_sum", -1, SQLITE_UTF8, nullptr,

@@ -2,7 +2,8 @@
 //
 //   meshes       key, id, description, checksum; snapshot: revision of the newest; head: the last
 //                revision; tail_bytes: of the entries since the snapshot
-//   generations  a row for each whole snapshot, by mesh and revision: its parts, and the bytes of it
+//   generations  a row for each whole snapshot, by mesh and revision: its parts, and the bytes of
+//   it
 //                and, once there is a newer one, of the entries between. The first has revision 0
 //                and no parts. What belongs to none is a leftover
 //   snapshots    parts, by mesh, revision and number; checksum

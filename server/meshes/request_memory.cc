@@ -36,6 +36,13 @@ Fingerprint FingerprintOf(const EditBatch& batch) {
   return f;
 }
 
+Fingerprint FingerprintOfRevert(std::uint64_t revision) {
+  Edit edit;
+  edit.action = static_cast<Edit::Action>(0);  // of no edit
+  edit.feature.id = revision;
+  return FingerprintOf({edit});
+}
+
 const RequestMemory::Entry* RequestMemory::Find(absl::string_view request_id) const {
   const auto it = entries_.find(request_id);
   return it == entries_.end() ? nullptr : &it->second;

@@ -247,6 +247,37 @@ TEST_F(KillTest, AtRandomMomentsLosesNothingThatWasAcknowledged) {
   EXPECT_TRUE(absl::StrContains(daemon_.Log(), "compacted"));
 }
 
+// A snapshot of several transactions is under way, or about to be, or done.
+TEST_F(KillTest, InTheMiddleOfALargeSnapshotLosesNothing) {
+  std::mt19937_64 random(std::random_device{}());
+  constexpr FeatureId kPoints = 100'000;
+  EditBatch batch;
+  for (FeatureId id = 1; id <= kPoints; ++id) {
+    batch.push_back(Edit::Add(Feature::Point(id, (0.5 + static_cast<double>(id % 317)) / 320,
+                                             (0.5 + static_cast<double>(id / 317)) / 320)));
+  }
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+    const std::string id = absl::StrCat("m", i);
+    ASSERT_TRUE(Connect()->CreateMesh(id, MeshOptions()).ok());
+    client::EditParams params;
+    params.omit_columns = true;
+    const auto made = Connect()->Apply(id, batch, params);
+    ASSERT_TRUE(made.ok()) << made.status();
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 300'000));
+    daemon_.End(SIGKILL);
+    ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+    const auto found = Connect()->GetFeatures(id);
+    ASSERT_TRUE(found.ok()) << found.status();
+    EXPECT_EQ(found->revision, 1u);
+    EXPECT_EQ(found->hash, made->diff.hash);
+    EXPECT_EQ(found->features.size(), kPoints);
+    EXPECT_EQ(Connect()->GetMesh(id)->hash, made->diff.hash);
+    ASSERT_TRUE(Connect()->DeleteMesh(id).ok());
+    daemon_.End(SIGKILL);
+  }
+}
+
 TEST_F(KillTest, ASecondServerDoesNotTakeTheFolder) {
   ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
   TempFolder other;

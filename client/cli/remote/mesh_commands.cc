@@ -164,6 +164,8 @@ void RegisterRemoteCommands(CLI::App& app, CommandSlot& slot) {
   RegisterApplyCommand(app, slot);
   RegisterWatchCommand(app, slot);
   RegisterExportCommand(app, slot);
+  RegisterFeaturesCommand(app, slot);
+  RegisterRevertCommand(app, slot);
   RegisterStatsCommand(app, slot);
   RegisterTokenCommand(app, slot);
 }

@@ -245,6 +245,14 @@ std::map<std::string, Row> Methods() {
                             return stub.LocatePoints(&c, About<v1::LocatePointsRequest>(),
                                                      &response);
                           }};
+  rows["GetFeatures"] = {"read", [](Stub& stub, Context& c) {
+                           return ReadOne<v1::FeaturesChunk>(
+                               c, stub.GetFeatures(&c, About<v1::GetFeaturesRequest>()));
+                         }};
+  rows["RevertTo"] = {"edit", [](Stub& stub, Context& c) {
+                        return ReadOne<v1::MeshDiff>(
+                            c, stub.RevertTo(&c, About<v1::RevertToRequest>()));
+                      }};
   return rows;
 }
 
