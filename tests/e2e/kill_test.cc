@@ -33,6 +33,14 @@ std::string ReasonOf(const absl::Status& status) {
 // No answer came: whether it was done, only the server's journal knows.
 bool WasNotAnswered(const absl::Status& status) { return absl::IsUnavailable(status); }
 
+std::uint64_t Seed() {
+  const char* given = std::getenv("DYNMESH_TEST_SEED");
+  const std::uint64_t seed =
+      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+  std::printf("DYNMESH_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed));
+  return seed;
+}
+
 // What one client knows of its mesh.
 class Editor {
  public:
@@ -215,11 +223,8 @@ class KillTest : public ::testing::Test {
 };
 
 TEST_F(KillTest, AtRandomMomentsLosesNothingThatWasAcknowledged) {
-  const char* given = std::getenv("DYNMESH_TEST_SEED");
-  const std::uint64_t seed =
-      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+  const std::uint64_t seed = Seed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
-  std::printf("DYNMESH_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed));
   const int kills = std::getenv("DYNMESH_NIGHTLY") != nullptr ? 200 : 10;
   std::mt19937_64 random(seed);
   Editor editors[] = {{"a", seed + 1}, {"b", seed + 2}, {"c", seed + 3}};
@@ -249,7 +254,7 @@ TEST_F(KillTest, AtRandomMomentsLosesNothingThatWasAcknowledged) {
 
 // A snapshot of several transactions is under way, or about to be, or done.
 TEST_F(KillTest, InTheMiddleOfALargeSnapshotLosesNothing) {
-  std::mt19937_64 random(std::random_device{}());
+  std::mt19937_64 random(Seed());
   constexpr FeatureId kPoints = 100'000;
   EditBatch batch;
   for (FeatureId id = 1; id <= kPoints; ++id) {

@@ -60,7 +60,7 @@ TEST_F(RemoteHistoryTest, FeaturesAreAScriptOfTheSameMeshAndRevertGoesBack) {
 
   const Ran reverted = Remote({"revert", "plate", "2", "--json"});
   ASSERT_EQ(reverted.code, kExitDone) << reverted.err;
-  EXPECT_NE(reverted.out.find("\"revision\":4"), std::string::npos) << reverted.out;
+  EXPECT_NE(reverted.out.find("\"revision\": 4,"), std::string::npos) << reverted.out;
   EXPECT_NE(reverted.out.find(hashes[2]), std::string::npos) << reverted.out;
   const Ran words = Remote({"revert", "plate", "3"});
   EXPECT_EQ(words.out, "revision 5 is as revision 3, hash " + hashes[3] + "\n");
