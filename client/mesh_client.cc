@@ -241,6 +241,47 @@ absl::StatusOr<LoadResult> MeshClient::Load(const std::string& mesh,
       mesh, [&] { return std::exchange(features, {}); }, params);
 }
 
+absl::StatusOr<codec::FeaturesAt> MeshClient::GetFeatures(const std::string& mesh,
+                                                          std::optional<std::uint64_t> revision) {
+  const absl::StatusOr<MeshInfo> info = GetMesh(mesh);
+  if (!info.ok()) return info.status();
+  v1::GetFeaturesRequest request;
+  request.set_mesh(FullName(mesh));
+  if (revision.has_value()) request.set_revision(*revision);
+  grpc::ClientContext context;
+  impl_->Prepare(context);
+  const auto reader = impl_->stub->service->GetFeatures(&context, request);
+  codec::FeaturesAssembler assembler(info->options.dimension);
+  std::optional<codec::FeaturesAt> features;
+  absl::Status broken;
+  v1::FeaturesChunk chunk;
+  while (reader->Read(&chunk)) {
+    auto added = assembler.Add(chunk);
+    broken.Update(added.status());
+    if (added.ok() && added->has_value()) features = **std::move(added);
+  }
+  const grpc::Status status = reader->Finish();
+  if (!status.ok()) return codec::FromGrpcStatus(status);
+  if (!broken.ok()) return broken;
+  if (!features.has_value()) return absl::DataLossError("the server sent not all features");
+  return *std::move(features);
+}
+
+absl::StatusOr<EditResult> MeshClient::RevertTo(const std::string& mesh, std::uint64_t revision,
+                                                const EditParams& params) {
+  v1::RevertToRequest request;
+  request.set_mesh(FullName(mesh));
+  request.set_revision(revision);
+  request.set_request_id(params.request_id);
+  if (params.expected_revision.has_value()) {
+    request.set_expected_revision(*params.expected_revision);
+  }
+  request.set_omit_columns(params.omit_columns);
+  grpc::ClientContext context;
+  impl_->Prepare(context);
+  return ReadResult(*impl_->stub->service->RevertTo(&context, request));
+}
+
 std::unique_ptr<EditSession> MeshClient::OpenEdits(const std::string& mesh, bool stop_on_error) {
   return StartEditSession(impl_->stub, mesh, stop_on_error, absl::InfiniteDuration());
 }

@@ -27,6 +27,7 @@
 #include "dynmesh/feature.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/options.h"
+#include "proto/codec/features_codec.h"
 
 namespace dynmesh::client {
 
@@ -109,6 +110,13 @@ class MeshClient {
                                   const LoadParams& params = {});
   absl::StatusOr<LoadResult> Load(const std::string& mesh, std::span<const Feature> features,
                                   const LoadParams& params = {});
+  // The features at a revision, by default the present one.
+  absl::StatusOr<codec::FeaturesAt> GetFeatures(const std::string& mesh,
+                                                std::optional<std::uint64_t> revision = {});
+  // Makes a new revision with the features of an earlier one. params.validate_only and dimension
+  // are not looked at.
+  absl::StatusOr<EditResult> RevertTo(const std::string& mesh, std::uint64_t revision,
+                                      const EditParams& params = {});
 
   // A pipeline of batches.
   std::unique_ptr<EditSession> OpenEdits(const std::string& mesh, bool stop_on_error = false);

@@ -65,8 +65,11 @@ struct ServerConfig {
   std::uint64_t history_bytes = 64 << 20;
   std::uint64_t remembered_requests = 10'000;  // request_ids of a mesh
   // Bytes of a mesh's edits, and as many as its last snapshot has, after which the journal's next
-  // snapshot takes their place.
+  // snapshot is written, from which the mesh is made again.
   std::uint64_t compact_bytes = 1 << 20;
+  // Bytes of a mesh's journal that are kept before its newest snapshot, and at least one
+  // generation.
+  std::uint64_t journal_history_bytes = 64 << 20;
   // Revisions a watcher may lag before it is sent coalesced diffs.
   std::uint64_t watch_queue = 64;
   absl::Duration progress_interval = absl::Seconds(10);  // default, for idle watchers

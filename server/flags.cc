@@ -16,6 +16,12 @@ void AddSeconds(CLI::App& app, const char* name, absl::Duration& target, const c
       ->default_str(absl::StrCat(absl::ToDoubleSeconds(target)));
 }
 
+void AddMebibytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char* help) {
+  app.add_option_function<std::uint64_t>(
+         name, [&bytes](const std::uint64_t& mebibytes) { bytes = mebibytes << 20; }, help)
+      ->default_str(absl::StrCat(bytes >> 20));
+}
+
 void AddSecurityFlags(CLI::App& app, ServerConfig& c) {
   app.add_option("--tls-cert", c.tls.certificate,
                  "PEM file: the server's certificate, then its chain; read again when it changes");
@@ -47,11 +53,7 @@ void AddMeshLimits(CLI::App& app, ServerConfig& c) {
       ->capture_default_str();
   app.add_option("--history-revisions", c.history_revisions, "diffs kept of a mesh")
       ->capture_default_str();
-  app.add_option_function<std::uint64_t>(
-         "--history-mib",
-         [&c](const std::uint64_t& mebibytes) { c.history_bytes = mebibytes << 20; },
-         "MiB of diffs kept of a mesh")
-      ->default_str(absl::StrCat(c.history_bytes >> 20));
+  AddMebibytes(app, "--history-mib", c.history_bytes, "MiB of diffs kept of a mesh");
   app.add_option("--watch-queue", c.watch_queue, "revisions a watcher may lag before coalescing")
       ->capture_default_str();
 }
@@ -85,9 +87,13 @@ void AddFlags(CLI::App& app, Flags& f) {
   AddSecurityFlags(app, c);
   app.add_option("--data-dir", f.data_dir,
                  "folder that keeps the meshes; an edit is answered when it is on the disk");
-  app.add_option("--compact-bytes", c.compact_bytes,
-                 "bytes of a mesh's edits in the folder before a snapshot takes their place")
+  app.add_option(
+         "--compact-bytes", c.compact_bytes,
+         "bytes of a mesh's edits in the folder before a snapshot, from which it is made again")
       ->capture_default_str();
+  AddMebibytes(app, "--journal-history-mib", c.journal_history_bytes,
+               "MiB kept in the folder of a mesh's past before that snapshot; at least back to the "
+               "one before it");
   app.add_option(
          "--metrics", c.metrics,
          "[HOST:]PORT of metrics and health over HTTP: /metrics /healthz /readyz; default: none")

@@ -41,6 +41,7 @@ absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flag
   if (flags.data_dir.empty()) return nullptr;
   SqliteJournal::Options options;
   options.remembered_requests = flags.config.remembered_requests;
+  options.history_bytes = flags.config.journal_history_bytes;
   return SqliteJournal::Open(flags.data_dir, options);
 }
 

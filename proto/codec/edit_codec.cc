@@ -276,6 +276,12 @@ std::size_t Points(const v1::Edit& edit) {
   return edit.has_set() ? Points(edit.set()) : Points(edit.add());
 }
 
+std::size_t Points(const Edit& edit) {
+  std::size_t points = 0;
+  for (const std::vector<FeatureId>& ring : edit.feature.rings) points += ring.size();
+  return points;
+}
+
 template <typename Items>
 std::size_t WeightOf(const Items& items) {
   constexpr std::size_t kPointsOfOne = 8;  // bytes as of an edit without a polygon
@@ -293,6 +299,8 @@ std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Edit>& proto) {
 std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Feature>& proto) {
   return WeightOf(proto);
 }
+
+std::size_t Weight(const EditBatch& edits) { return WeightOf(edits); }
 
 void EncodeFeature(const Feature& feature, int dimension, v1::Feature* out) {
   out->set_id(feature.id);

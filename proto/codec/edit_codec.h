@@ -39,6 +39,7 @@ void EncodePointRow(const Feature& point, int dimension, v1::PointColumns* out);
 // What edits or features weigh in limits: one each, and one for 8 points of polygons.
 std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Edit>& proto);
 std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Feature>& proto);
+std::size_t Weight(const EditBatch& edits);
 
 void EncodeFeature(const Feature& feature, int dimension, v1::Feature* out);
 void EncodeEdit(const Edit& edit, int dimension, v1::Edit* out);

@@ -38,6 +38,7 @@ inline constexpr char kRevisionMismatch[] = "REVISION_MISMATCH";
 inline constexpr char kCompacted[] = "COMPACTED";
 inline constexpr char kFutureRevision[] = "FUTURE_REVISION";
 inline constexpr char kDiverged[] = "DIVERGED";
+inline constexpr char kNoHistory[] = "NO_HISTORY";
 inline constexpr char kMeshLimit[] = "MESH_LIMIT";
 inline constexpr char kStreamLimit[] = "STREAM_LIMIT";
 inline constexpr char kQueueFull[] = "QUEUE_FULL";

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "absl/strings/str_format.h"
+#include "server/base/mix.h"
 
 namespace dynmesh::server {
 namespace {
@@ -17,20 +18,14 @@ bool IsUsable(absl::string_view id) {
          std::all_of(id.begin(), id.end(), [](unsigned char c) { return c > ' ' && c < 0x7F; });
 }
 
-// Distinct for distinct numbers, since each step can be undone (SplitMix64's finaliser).
-std::uint64_t Scramble(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
 }  // namespace
 
 std::string ChooseCallId(absl::string_view given) {
   if (IsUsable(given)) return std::string(given);
   static std::atomic<std::uint64_t> next{(std::uint64_t{std::random_device{}()} << 32) +
                                          std::random_device{}()};
-  return absl::StrFormat("%016x", Scramble(next.fetch_add(1, std::memory_order_relaxed)));
+  // Distinct for distinct numbers, since each step of Mix can be undone.
+  return absl::StrFormat("%016x", Mix(next.fetch_add(1, std::memory_order_relaxed)));
 }
 
 std::string CallIdOf(const grpc::CallbackServerContext& call) {

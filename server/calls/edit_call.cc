@@ -8,6 +8,7 @@
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "server/calls/requests.h"
+#include "server/meshes/revert_plan.h"
 
 namespace dynmesh::server {
 namespace {
@@ -15,6 +16,7 @@ namespace {
 const char* EditsField(const v1::AddFeaturesRequest&) { return "features"; }
 const char* EditsField(const v1::RemoveFeaturesRequest&) { return "ids"; }
 const char* EditsField(const v1::ApplyEditsRequest&) { return "edits"; }
+const char* EditsField(const v1::RevertToRequest&) { return "revision"; }
 
 class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
  public:
@@ -55,19 +57,51 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     ticket_ = *std::move(ticket);
     absl::StatusOr<EditRequest> taken = TakeEditRequest(context, request);
     if (!taken.ok()) return taken.status();
-    lease_ = std::move(taken->lease);
-    EditJob& job = taken->job;
-    job.call_id = std::move(call_id);
-    job.cancelled = cancelled_;
+    taken->job.call_id = std::move(call_id);
     omit_columns_ = request.omit_columns();
+    return HandIn(context, request, *std::move(taken));
+  }
+
+  template <typename Request>
+  absl::Status HandIn(ServiceContext&, const Request&, EditRequest taken) {
+    lease_ = std::move(taken.lease);
+    return Apply(*taken.host, std::move(taken.job));
+  }
+
+  // Features of two revisions are held until it is done, as much as a snapshot.
+  absl::Status HandIn(ServiceContext& context, const v1::RevertToRequest& request,
+                      EditRequest taken) {
+    absl::StatusOr<Lease> lease = TakeStream(context.snapshot_streams, "snapshots under way");
+    if (!lease.ok()) return lease.status();
+    snapshot_lease_ = *std::move(lease);
+    context.readers->Post([call = self_, &context, revision = request.revision(),
+                           host = std::move(taken.host), job = std::move(taken.job)]() mutable {
+      RevertPlan plan = PlanRevert(*host, revision, call->cancelled_);
+      job.make = std::move(plan.job.make);
+      job.content = plan.job.content;
+      job.expected_hash = plan.job.expected_hash;
+      absl::StatusOr<Lease> room = TakeEdits(context, 0, plan.weight);
+      absl::Status status = room.status();
+      if (status.ok()) {
+        call->lease_ = *std::move(room);
+        status = call->Apply(*host, std::move(job));
+      }
+      if (!status.ok()) call->Fail(status);
+    });
+    return absl::OkStatus();
+  }
+
+  absl::Status Apply(MeshHost& host, EditJob job) {
+    job.cancelled = cancelled_;
     job.done = [call = self_](absl::StatusOr<EditOutcome> outcome) {
       call->Answer(std::move(outcome));
     };
-    return taken->host->Apply(std::move(job));
+    return host.Apply(std::move(job));
   }
 
   void Answer(absl::StatusOr<EditOutcome> outcome) {
     lease_.Release();
+    snapshot_lease_.Release();
     if (!outcome.ok()) return Fail(outcome.status());
     answered_ = MetricsClock::now();
     replayed_ = outcome->replayed;
@@ -94,6 +128,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   std::shared_ptr<EditCall> self_;  // until OnDone
   WorkGate::Ticket ticket_;
   Lease lease_;
+  Lease snapshot_lease_;
   bool omit_columns_ = false;
   bool replayed_ = false;
   std::optional<codec::DiffFragmenter> fragmenter_;
@@ -116,6 +151,12 @@ grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
 }
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::ApplyEditsRequest& request,
+                                                      const absl::Status& admitted,
+                                                      std::string call_id) {
+  return EditCall::Start(context, request, admitted, std::move(call_id));
+}
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
+                                                      const v1::RevertToRequest& request,
                                                       const absl::Status& admitted,
                                                       std::string call_id) {
   return EditCall::Start(context, request, admitted, std::move(call_id));

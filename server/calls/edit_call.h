@@ -1,4 +1,4 @@
-// One AddFeatures, RemoveFeatures or ApplyEdits: hands its batch to the mesh, then
+// One AddFeatures, RemoveFeatures, ApplyEdits or RevertTo: hands its batch to the mesh, then
 // streams the diff fragment by fragment as the client takes them.
 #ifndef DYNMESH_SERVER_CALLS_EDIT_CALL_H_
 #define DYNMESH_SERVER_CALLS_EDIT_CALL_H_
@@ -24,6 +24,11 @@ grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       std::string call_id);
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::ApplyEditsRequest& request,
+                                                      const absl::Status& admitted,
+                                                      std::string call_id);
+// Its batch is made on a reader's thread first.
+grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
+                                                      const v1::RevertToRequest& request,
                                                       const absl::Status& admitted,
                                                       std::string call_id);
 

@@ -17,6 +17,7 @@
 #include "server/calls/call_id.h"
 #include "server/calls/edit_call.h"
 #include "server/calls/edit_stream_call.h"
+#include "server/calls/features_call.h"
 #include "server/calls/load_call.h"
 #include "server/calls/requests.h"
 #include "server/calls/watch_call.h"
@@ -256,6 +257,17 @@ grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackS
 grpc::ServerWriteReactor<v1::SnapshotChunk>* MeshServiceImpl::GetSnapshot(
     grpc::CallbackServerContext* call, const v1::GetSnapshotRequest* request) {
   return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status());
+}
+
+grpc::ServerWriteReactor<v1::FeaturesChunk>* MeshServiceImpl::GetFeatures(
+    grpc::CallbackServerContext* call, const v1::GetFeaturesRequest* request) {
+  return StartFeaturesCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status());
+}
+
+grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RevertTo(
+    grpc::CallbackServerContext* call, const v1::RevertToRequest* request) {
+  return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
+                       CallIdOf(*call));
 }
 
 }  // namespace dynmesh::server

@@ -49,6 +49,10 @@ class MeshServiceImpl final : public v1::MeshService::CallbackService {
                                                   const v1::WatchRequest* request) override;
   grpc::ServerWriteReactor<v1::SnapshotChunk>* GetSnapshot(
       grpc::CallbackServerContext* call, const v1::GetSnapshotRequest* request) override;
+  grpc::ServerWriteReactor<v1::FeaturesChunk>* GetFeatures(
+      grpc::CallbackServerContext* call, const v1::GetFeaturesRequest* request) override;
+  grpc::ServerWriteReactor<v1::MeshDiff>* RevertTo(grpc::CallbackServerContext* call,
+                                                   const v1::RevertToRequest* request) override;
 
  private:
   // Who calls and, with the other, that it has the role on the mesh of that name.

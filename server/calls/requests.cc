@@ -33,27 +33,34 @@ std::size_t Weight(const v1::RemoveFeaturesRequest& r) {
 }
 std::size_t Weight(const v1::ApplyEditsRequest& r) { return codec::Weight(r.edits()); }
 
-// What all messages with a batch have in common.
+// What all messages that make a batch have in common.
 template <typename Request>
 void TakeParams(const Request& request, EditJob& job) {
   job.request_id = request.request_id();
   if (request.has_expected_revision()) job.expected_revision = request.expected_revision();
-  job.validate_only = request.validate_only();
 }
 
 template <typename Request>
-absl::StatusOr<EditRequest> Take(ServiceContext& context, const Request& request) {
+absl::StatusOr<EditRequest> Begin(ServiceContext& context, const Request& request) {
   EditRequest taken;
   if (absl::Status s = CheckRequestId(request.request_id()); !s.ok()) return s;
   absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
   if (!host.ok()) return host.status();
   taken.host = *std::move(host);
+  TakeParams(request, taken.job);
+  return taken;
+}
+
+template <typename Request>
+absl::StatusOr<EditRequest> Take(ServiceContext& context, const Request& request) {
+  absl::StatusOr<EditRequest> taken = Begin(context, request);
+  if (!taken.ok()) return taken;
   absl::StatusOr<Lease> lease = TakeEdits(context, 0, Weight(request));
   if (!lease.ok()) return lease.status();
-  taken.lease = *std::move(lease);
-  const int dimension = taken.host->mesh_options().dimension;
-  if (absl::Status s = Decode(request, dimension, &taken.job.edits); !s.ok()) return s;
-  TakeParams(request, taken.job);
+  taken->lease = *std::move(lease);
+  const int dimension = taken->host->mesh_options().dimension;
+  if (absl::Status s = Decode(request, dimension, &taken->job.edits); !s.ok()) return s;
+  taken->job.validate_only = request.validate_only();
   return taken;
 }
 
@@ -72,8 +79,14 @@ absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
   return Take(context, request);
 }
 
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+                                            const v1::RevertToRequest& request) {
+  return Begin(context, request);
+}
+
 PartialBatch::PartialBatch(const v1::EditBatch& first) : omit_columns(first.omit_columns()) {
   TakeParams(first, job);
+  job.validate_only = first.validate_only();
   job.refused = CheckRequestId(job.request_id);
   if (!job.refused.ok()) job.request_id = job.request_id.substr(0, kMostOfABadRequestId);
 }

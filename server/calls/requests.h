@@ -26,6 +26,9 @@ absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
                                             const v1::RemoveFeaturesRequest& request);
 absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
                                             const v1::ApplyEditsRequest& request);
+// What the batch is to be, the mesh's past must tell: no edits yet, and nothing held.
+absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
+                                            const v1::RevertToRequest& request);
 
 // A batch of an edit stream that is being received. What is wrong with it goes to job.refused, to
 // be answered in its turn; its edits are dropped then.

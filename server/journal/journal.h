@@ -2,16 +2,22 @@
 // batches since, and the last answers to batches with a request_id. An interface; what the bytes
 // mean stands in proto/codec/journal_codec.h.
 //
+// A snapshot and the batches up to the next one are a generation. The newest is what a mesh is made
+// again from; the one before is kept, and more if there is room for them, so that older revisions
+// can be read: the mesh's history. Its first generation begins at revision 0, with no feature.
+//
 // Invariants of an implementation:
 //   1. a call that returned OK is durable: it survives the process and a loss of power;
 //   2. a call that returned an error changed nothing that will be seen while the journal is open.
 //      (After a crash a change that failed may turn out to have been made, whole.)
-//   3. the entries of a mesh follow its snapshot one by one, without a gap.
+//   3. the entries of a mesh follow its oldest snapshot one by one, without a gap;
+//   4. each row has a checksum: one that was damaged is told as DATA_LOSS with mesh and revision.
 // Calls block until the disk is done; calls that wait at the same time may share a sync. After a
 // failed write all calls that write fail until one has been tried and done. Thread-safe.
 //
 // Errors: UNAVAILABLE if it may pass (a full disk), DATA_LOSS if what is stored is no longer sound,
-// NOT_FOUND for a mesh that was deleted, FAILED_PRECONDITION for a revision that does not follow.
+// NOT_FOUND for a mesh that was deleted, FAILED_PRECONDITION for a revision that does not follow,
+// OUT_OF_RANGE for one that is not, or no longer, there.
 #ifndef DYNMESH_SERVER_JOURNAL_JOURNAL_H_
 #define DYNMESH_SERVER_JOURNAL_JOURNAL_H_
 
@@ -37,6 +43,7 @@ class Journal {
     std::string id;
     std::string description;
     std::uint64_t entries = 0;  // a snapshot counts as one
+    absl::Status damage;        // not OK: the rest is not to be trusted
   };
   // What it did since it was opened.
   struct Counts {
@@ -54,9 +61,9 @@ class Journal {
     std::string answer;
   };
   // What is read of a mesh, in this order, revisions without a gap up to the last. An error ends
-  // the reading and is returned.
+  // the reading and is returned. Slow visitors make the files grow meanwhile.
   struct Visitor {
-    std::function<absl::Status(const Request&)> request;  // the oldest first
+    std::function<absl::Status(const Request&)> request;  // the oldest first; null: not read
     std::function<absl::Status(std::uint64_t revision, const std::string& part)> snapshot;
     std::function<absl::Status(const Entry&)> entry;
   };
@@ -77,10 +84,18 @@ class Journal {
   virtual absl::Status Append(Key mesh, const std::optional<Entry>& entry,
                               const std::optional<Request>& request) = 0;
 
-  // DATA_LOSS if something that was told is missing.
+  // The newest generation. DATA_LOSS if something that was told is missing.
   virtual absl::Status Read(Key mesh, const Visitor& visitor) = 0;
 
-  // Puts `parts` in the place of the snapshot and of all entries, of which `revision` is the last.
+  // History: the newest snapshot that is not newer than `from`, and the entries after it up to the
+  // revision `to` >= from; no requests. A snapshot of revision 0 has no parts and is not told.
+  virtual absl::Status ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
+                                const Visitor& visitor) = 0;
+  // The earliest revision that ReadPast may begin at.
+  virtual absl::StatusOr<std::uint64_t> Oldest(Key mesh) = 0;
+
+  // Begins a generation with `parts`, a snapshot at `revision`, which is the last one. Others'
+  // calls are done in between. One call at a time for a mesh.
   virtual absl::Status Compact(Key mesh, std::uint64_t revision,
                                const std::vector<std::string>& parts) = 0;
 };

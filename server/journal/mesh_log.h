@@ -1,8 +1,9 @@
 // What one mesh writes into the journal: every batch before it comes into effect, and now and then
-// a snapshot of its features that takes the place of the batches before.
+// a snapshot of its features, from which the mesh is made again then.
 //
 // A snapshot is due when the batches since the last one outweigh it (and some least size):
-// amortised O(1) for each byte of a batch, and a journal of at most twice the features. Calls
+// amortised O(1) for each byte of a batch. A generation (journal.h) has at most twice the features'
+// bytes, or that size. Calls
 // block. Thread-compatible: it belongs to the mesh's strand.
 #ifndef DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 #define DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
@@ -13,6 +14,7 @@
 #include "absl/status/status.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/journal/journal.h"
+#include "server/journal/mesh_history.h"
 #include "server/meshes/request_memory.h"
 
 namespace dynmesh::server {
@@ -32,6 +34,11 @@ class MeshLog {
   // JournalError.
   absl::Status Append(const EditBatch& edits, const std::string& request_id,
                       const RequestMemory::Entry& answer);
+
+  // What it writes, to be read. `empty`: as MeshHistory's.
+  MeshHistory History(const MeshHash& empty) const {
+    return MeshHistory(journal_, key_, id_, dimension_, empty);
+  }
 
   // After a batch; O(1) but for when it is due. What fails is logged, and tried again later.
   void CompactIfDue(const DynamicMesh& mesh);

@@ -95,6 +95,7 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
                                           const MeshFactory& factory,
                                           const MeshHost::Options& options,
                                           const std::function<void()>& applied) {
+  if (!found.damage.ok()) return found.damage;
   RecoveredMesh recovered;
   auto made = codec::DecodeJournalMesh(found.description);
   if (!made.ok()) return made.status();
@@ -102,6 +103,7 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
   auto mesh = factory(recovered.made.options);
   if (!mesh.ok()) return mesh.status();
   recovered.mesh = *std::move(mesh);
+  recovered.past.empty = recovered.mesh->hash();
 
   Replay replay(recovered, options, applied);
   Journal::Visitor visitor;

@@ -55,6 +55,7 @@ class Statement {
   bool Step();
   std::int64_t Integer(int column) const { return sqlite3_column_int64(statement_, column); }
   std::string Bytes(int column) const;
+  bool IsNull(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
   const absl::Status& status() const { return status_; }
 
   // Steps to the end.

@@ -4,60 +4,15 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/base/log.h"
+#include "server/journal/row_sum.h"
+#include "server/journal/sqlite_generations.h"
+#include "server/journal/sqlite_schema.h"
 
 namespace dynmesh::server {
 namespace {
 
 using sqlite::Connection;
 using sqlite::Statement;
-
-// Rows are small or far larger than a page; WITHOUT ROWID spares each a second tree.
-constexpr char kTables[] = R"(
-  CREATE TABLE meshes(
-    key INTEGER PRIMARY KEY AUTOINCREMENT,
-    id TEXT NOT NULL UNIQUE,
-    description BLOB NOT NULL,
-    snapshot INTEGER NOT NULL,  -- its revision
-    head INTEGER NOT NULL);     -- the last entry's, or the snapshot's
-  CREATE TABLE snapshots(
-    mesh INTEGER NOT NULL, part INTEGER NOT NULL, data BLOB NOT NULL,
-    PRIMARY KEY(mesh, part)) WITHOUT ROWID;
-  CREATE TABLE entries(
-    mesh INTEGER NOT NULL, revision INTEGER NOT NULL, data BLOB NOT NULL,
-    PRIMARY KEY(mesh, revision)) WITHOUT ROWID;
-  CREATE TABLE requests(
-    mesh INTEGER NOT NULL, number INTEGER NOT NULL, id TEXT NOT NULL, answer BLOB NOT NULL,
-    PRIMARY KEY(mesh, number)) WITHOUT ROWID;
-  CREATE TABLE probes(number INTEGER PRIMARY KEY);
-  INSERT INTO probes VALUES(0);
-)";
-
-absl::StatusOr<std::int64_t> IntegerOf(const Connection& connection, const char* sql) {
-  Statement statement(connection, sql);
-  const bool row = statement.Step();
-  if (!statement.status().ok()) return statement.status();
-  return row ? statement.Integer(0) : 0;
-}
-
-// Makes the tables, or finds that they are there.
-absl::Status Prepare(Connection& connection, const std::string& path) {
-  if (absl::Status s = connection.Run("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
-                                      "PRAGMA journal_size_limit=67108864");
-      !s.ok()) {
-    return s;
-  }
-  const auto version = IntegerOf(connection, "PRAGMA user_version");
-  if (!version.ok()) return version.status();
-  if (*version > SqliteJournal::kSchema) {
-    return absl::FailedPreconditionError(
-        absl::StrCat(path, " has schema ", *version, ", this dynmeshd knows ",
-                     SqliteJournal::kSchema, ": take the newer version that wrote it"));
-  }
-  if (*version == SqliteJournal::kSchema) return absl::OkStatus();
-  const std::string sql = absl::StrCat("BEGIN IMMEDIATE;", kTables,
-                                       "PRAGMA user_version=", SqliteJournal::kSchema, ";COMMIT");
-  return connection.Run(sql.c_str());
-}
 
 absl::Status NoSuchMesh() { return absl::NotFoundError("the journal has no such mesh"); }
 
@@ -70,11 +25,13 @@ absl::StatusOr<std::unique_ptr<SqliteJournal>> SqliteJournal::Open(const std::st
   const std::string path = absl::StrCat(folder, "/journal.sqlite");
   absl::StatusOr<Connection> connection = Connection::Open(path, options.vfs);
   if (!connection.ok()) return connection.status();
-  if (absl::Status s = Prepare(*connection, path); !s.ok()) {
+  if (absl::Status s = PrepareJournal(*connection, path); !s.ok()) {
     return absl::Status(s.code(), absl::StrCat(path, ": ", s.message()));
   }
-  return std::unique_ptr<SqliteJournal>(
+  std::unique_ptr<SqliteJournal> journal(
       new SqliteJournal(path, options, *std::move(lock), *std::move(connection)));
+  journal->SweepAll();
+  return journal;
 }
 
 SqliteJournal::SqliteJournal(std::string path, const Options& options, FolderLock lock,
@@ -168,10 +125,13 @@ absl::StatusOr<Journal::Key> SqliteJournal::Create(const std::string& id,
     }
     if (!find.status().ok()) return find.status();
     Statement insert(writer_,
-                     "INSERT INTO meshes(id, description, snapshot, head) VALUES(?, ?, 0, 0)");
-    if (absl::Status s = insert.BindText(id).BindBytes(description).Finish(); !s.ok()) return s;
+                     "INSERT INTO meshes(id, description, snapshot, head, checksum) "
+                     "VALUES(?, ?, 0, 0, ?)");
+    insert.BindText(id).BindBytes(description);
+    insert.Bind(RowSumOf(absl::string_view(id), absl::string_view(description)));
+    if (absl::Status s = insert.Finish(); !s.ok()) return s;
     key = sqlite3_last_insert_rowid(writer_.get());
-    return absl::OkStatus();
+    return Run("INSERT INTO generations VALUES(?, 0, 0, 0)", key);
   });
   if (!status.ok()) return status;
   return key;
@@ -182,15 +142,17 @@ absl::Status SqliteJournal::Run(const char* sql, Key mesh) {
 }
 
 absl::Status SqliteJournal::Delete(Key mesh) {
-  return Write([&]() -> absl::Status {
+  const absl::Status status = Write([&]() -> absl::Status {
     if (auto last = LastOf(mesh); !last.ok()) return last.status();
     for (const char* sql :
-         {"DELETE FROM meshes WHERE key = ?", "DELETE FROM snapshots WHERE mesh = ?",
-          "DELETE FROM entries WHERE mesh = ?", "DELETE FROM requests WHERE mesh = ?"}) {
+         {"DELETE FROM meshes WHERE key = ?", "DELETE FROM generations WHERE mesh = ?",
+          "DELETE FROM requests WHERE mesh = ?"}) {
       if (absl::Status s = Run(sql, mesh); !s.ok()) return s;
     }
     return absl::OkStatus();
   });
+  if (status.ok()) Sweep(mesh);
+  return status;
 }
 
 absl::StatusOr<std::int64_t> SqliteJournal::LastOf(Key mesh) {
@@ -201,11 +163,12 @@ absl::StatusOr<std::int64_t> SqliteJournal::LastOf(Key mesh) {
 
 absl::Status SqliteJournal::Append(Key mesh, const Entry& entry) {
   const auto revision = static_cast<std::int64_t>(entry.revision);
-  Statement insert(writer_, "INSERT INTO entries VALUES(?, ?, ?)");
+  Statement insert(writer_, "INSERT INTO entries VALUES(?, ?, ?, ?)");
   insert.Bind(mesh).Bind(revision).BindBytes(entry.data);
+  insert.Bind(RowSumOf(mesh, revision, absl::string_view(entry.data)));
   if (absl::Status s = insert.Finish(); !s.ok()) return s;
-  Statement head(writer_, "UPDATE meshes SET head = ? WHERE key = ?");
-  return head.Bind(revision).Bind(mesh).Finish();
+  Statement head(writer_, "UPDATE meshes SET head = ?, tail_bytes = tail_bytes + ? WHERE key = ?");
+  return head.Bind(revision).Bind(static_cast<std::int64_t>(entry.data.size())).Bind(mesh).Finish();
 }
 
 absl::Status SqliteJournal::Append(Key mesh, const Request& request) {
@@ -213,8 +176,10 @@ absl::Status SqliteJournal::Append(Key mesh, const Request& request) {
   last.Bind(mesh).Step();
   if (!last.status().ok()) return last.status();
   const std::int64_t number = last.Integer(0) + 1;
-  Statement insert(writer_, "INSERT INTO requests VALUES(?, ?, ?, ?)");
+  Statement insert(writer_, "INSERT INTO requests VALUES(?, ?, ?, ?, ?)");
   insert.Bind(mesh).Bind(number).BindText(request.id).BindBytes(request.answer);
+  insert.Bind(
+      RowSumOf(mesh, number, absl::string_view(request.id), absl::string_view(request.answer)));
   if (absl::Status s = insert.Finish(); !s.ok()) return s;
   Statement trim(writer_, "DELETE FROM requests WHERE mesh = ? AND number <= ?");
   return trim.Bind(mesh)
@@ -238,87 +203,68 @@ absl::Status SqliteJournal::Append(Key mesh, const std::optional<Entry>& entry,
   });
 }
 
+absl::Status SqliteJournal::CheckLast(Key mesh, std::uint64_t revision) {
+  const absl::StatusOr<std::int64_t> last = LastOf(mesh);
+  if (!last.ok()) return last.status();
+  if (static_cast<std::int64_t>(revision) == *last) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("revision ", revision, " is not the journal's last, which is ", *last));
+}
+
 absl::Status SqliteJournal::Compact(Key mesh, std::uint64_t revision,
                                     const std::vector<std::string>& parts) {
-  return Write([&]() -> absl::Status {
-    const absl::StatusOr<std::int64_t> last = LastOf(mesh);
-    if (!last.ok()) return last.status();
-    if (static_cast<std::int64_t>(revision) != *last) {
-      return absl::FailedPreconditionError(
-          absl::StrCat("revision ", revision, " is not the journal's last, which is ", *last));
-    }
-    for (const char* sql :
-         {"DELETE FROM snapshots WHERE mesh = ?", "DELETE FROM entries WHERE mesh = ?"}) {
-      if (absl::Status s = Run(sql, mesh); !s.ok()) return s;
-    }
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      Statement insert(writer_, "INSERT INTO snapshots VALUES(?, ?, ?)");
-      insert.Bind(mesh).Bind(static_cast<std::int64_t>(i)).BindBytes(parts[i]);
-      if (absl::Status s = insert.Finish(); !s.ok()) return s;
-    }
-    return Statement(writer_, "UPDATE meshes SET snapshot = ? WHERE key = ?")
-        .Bind(*last)
-        .Bind(mesh)
-        .Finish();
+  const auto at = static_cast<std::int64_t>(revision);
+  bool there = false;
+  absl::Status status = Write([&]() -> absl::Status {
+    if (absl::Status s = CheckLast(mesh, revision); !s.ok()) return s;
+    Statement same(writer_, "SELECT 1 FROM generations WHERE mesh = ? AND revision = ?");
+    there = same.Bind(mesh).Bind(at).Step();
+    return same.status();
   });
+  if (!status.ok() || there) return status;
+  Sweep(mesh);  // of a snapshot that was not finished
+  for (std::size_t part = 0; status.ok() && part < parts.size();) {
+    status = Write([&]() -> absl::Status {
+      if (absl::Status s = CheckLast(mesh, revision); !s.ok()) return s;
+      const auto next = WriteParts(writer_, mesh, at, parts, part, options_.piece_bytes);
+      if (next.ok()) part = *next;
+      return next.status();
+    });
+  }
+  if (status.ok()) {
+    status = Write([&]() -> absl::Status {
+      if (absl::Status s = CheckLast(mesh, revision); !s.ok()) return s;
+      return SwitchOver(writer_, mesh, at, parts, options_.history_bytes);
+    });
+  }
+  Sweep(mesh);
+  return status;
 }
 
-// ------------------------------------------------------------------ reading
-
-absl::StatusOr<std::vector<Journal::Mesh>> SqliteJournal::List() {
-  absl::StatusOr<Connection> reader = Connection::Open(path_, options_.vfs);
-  if (!reader.ok()) return reader.status();
-  std::vector<Mesh> meshes;
-  Statement rows(*reader,
-                 "SELECT key, id, description, head - snapshot + (snapshot > 0) "
-                 "FROM meshes ORDER BY id");
-  while (rows.Step()) {
-    meshes.push_back({rows.Integer(0), rows.Bytes(1), rows.Bytes(2),
-                      static_cast<std::uint64_t>(rows.Integer(3))});
+void SqliteJournal::Sweep(Key mesh) {
+  for (bool more = true; more;) {
+    const absl::Status status = Write([&]() -> absl::Status {
+      const absl::StatusOr<bool> swept = SweepPiece(writer_, mesh, options_.piece_bytes);
+      more = swept.ok() && *swept;
+      return swept.status();
+    });
+    if (status.ok()) continue;
+    Log(LogLevel::kWarning, "sweep_failed", {{"journal", path_}, {"error", status.message()}});
+    return;
   }
-  if (!rows.status().ok()) return rows.status();
-  return meshes;
 }
 
-absl::Status SqliteJournal::Read(Key mesh, const Visitor& visitor) {
-  absl::StatusOr<Connection> reader = Connection::Open(path_, options_.vfs);
-  if (!reader.ok()) return reader.status();
-  // One transaction, so that all is of one moment.
-  if (absl::Status s = reader->Run("BEGIN"); !s.ok()) return s;
-  Statement found(*reader, "SELECT snapshot, head FROM meshes WHERE key = ?");
-  if (!found.Bind(mesh).Step()) return found.status().ok() ? NoSuchMesh() : found.status();
-  const auto snapshot = static_cast<std::uint64_t>(found.Integer(0));
-  const auto head = static_cast<std::uint64_t>(found.Integer(1));
-
-  Statement requests(*reader, "SELECT id, answer FROM requests WHERE mesh = ? ORDER BY number");
-  requests.Bind(mesh);
-  while (requests.Step()) {
-    const Request request{requests.Bytes(0), requests.Bytes(1)};
-    if (absl::Status s = visitor.request(request); !s.ok()) return s;
+void SqliteJournal::SweepAll() {
+  std::vector<Key> meshes;
+  const absl::Status status = Write([&]() -> absl::Status {
+    auto found = MeshesWithRows(writer_);
+    if (found.ok()) meshes = *std::move(found);
+    return found.status();
+  });
+  if (!status.ok()) {
+    Log(LogLevel::kWarning, "sweep_failed", {{"journal", path_}, {"error", status.message()}});
   }
-  if (!requests.status().ok()) return requests.status();
-
-  Statement parts(*reader, "SELECT data FROM snapshots WHERE mesh = ? ORDER BY part");
-  parts.Bind(mesh);
-  bool any = false;
-  while (parts.Step()) {
-    any = true;
-    if (absl::Status s = visitor.snapshot(snapshot, parts.Bytes(0)); !s.ok()) return s;
-  }
-  if (!parts.status().ok()) return parts.status();
-  if (snapshot > 0 && !any) return absl::DataLossError("its snapshot is missing");
-
-  Statement entries(*reader, "SELECT revision, data FROM entries WHERE mesh = ? ORDER BY revision");
-  entries.Bind(mesh);
-  std::uint64_t last = snapshot;
-  while (entries.Step()) {
-    const Entry entry{static_cast<std::uint64_t>(entries.Integer(0)), entries.Bytes(1)};
-    if (entry.revision != ++last) break;
-    if (absl::Status s = visitor.entry(entry); !s.ok()) return s;
-  }
-  if (!entries.status().ok()) return entries.status();
-  if (last == head) return absl::OkStatus();
-  return absl::DataLossError(absl::StrCat("of its revisions up to ", head, " some are missing"));
+  for (const Key mesh : meshes) Sweep(mesh);
 }
 
 }  // namespace dynmesh::server

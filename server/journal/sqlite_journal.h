@@ -6,6 +6,10 @@
 // anything else is written a probe is, over the same place of the log; until one is done, all
 // writes fail.
 //
+// What is large is written and deleted in pieces, each a transaction, between which others have
+// their turn. What a piece leaves behind is not seen (sqlite_generations.h), and is deleted at the
+// mesh's next snapshot or when the journal is opened.
+//
 // Cost: a sync for each group, O(bytes) and a search in a B-tree. Reads have connections of their
 // own and wait for no writer. Thread-safe.
 #ifndef DYNMESH_SERVER_JOURNAL_SQLITE_JOURNAL_H_
@@ -28,12 +32,12 @@ namespace dynmesh::server {
 
 class SqliteJournal final : public Journal {
  public:
-  // The tables, as they are numbered in the file. What is newer is refused.
-  static constexpr int kSchema = 1;
-
   struct Options {
     std::size_t remembered_requests = 10'000;  // of a mesh
-    const char* vfs = nullptr;                 // of SQLite; for tests
+    // Of a mesh's generations before the newest. The last of them is kept whatever it has.
+    std::uint64_t history_bytes = 64 << 20;
+    std::uint64_t piece_bytes = 4 << 20;  // of a transaction, or one row
+    const char* vfs = nullptr;            // of SQLite; for tests
   };
 
   // FAILED_PRECONDITION if another process has the folder or a newer version wrote it.
@@ -49,6 +53,9 @@ class SqliteJournal final : public Journal {
   absl::Status Append(Key mesh, const std::optional<Entry>& entry,
                       const std::optional<Request>& request) override;
   absl::Status Read(Key mesh, const Visitor& visitor) override;
+  absl::Status ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
+                        const Visitor& visitor) override;
+  absl::StatusOr<std::uint64_t> Oldest(Key mesh) override;
   absl::Status Compact(Key mesh, std::uint64_t revision,
                        const std::vector<std::string>& parts) override;
 
@@ -66,6 +73,10 @@ class SqliteJournal final : public Journal {
                 sqlite::Connection connection);
 
   absl::Status Write(const Change& change);
+  absl::Status CheckLast(Key mesh, std::uint64_t revision);
+  // Deletes leftovers in pieces. What cannot be is left for the next time.
+  void Sweep(Key mesh);
+  void SweepAll();
   // On the writer's thread.
   void Run();
   absl::Status Commit(const std::vector<Waiting*>& group);
@@ -75,6 +86,7 @@ class SqliteJournal final : public Journal {
   // The mesh's last revision.
   absl::StatusOr<std::int64_t> LastOf(Key mesh);
   absl::Status Run(const char* sql, Key mesh);
+  absl::StatusOr<sqlite::Connection> OpenReader() const;
 
   const std::string path_;
   const Options options_;

@@ -6,6 +6,8 @@
 #include "absl/strings/str_cat.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
+#include "server/meshes/mesh_name.h"
+#include "server/meshes/revision_error.h"
 
 namespace dynmesh::server {
 namespace {
@@ -52,6 +54,13 @@ absl::Status IdReused(absl::string_view request_id, std::uint64_t revision) {
       error);
 }
 
+absl::Status OtherHash(absl::string_view id, const MeshDiff& diff, const MeshHash& expected) {
+  return MeshError(absl::StatusCode::kDataLoss, codec::reason::kJournalFailed, id,
+                   absl::StrCat("was not changed: its revision ", diff.to_revision,
+                                " would have the hash ", diff.hash.ToHex(), ", not ",
+                                expected.ToHex(), " as the revision that it repeats"));
+}
+
 }  // namespace
 
 std::shared_ptr<MeshHost> MeshHost::Create(std::string id, std::unique_ptr<DynamicMesh> mesh,
@@ -77,6 +86,9 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
                  : std::make_shared<RevisionStore>(std::make_shared<const Mesh>(mesh->Snapshot()),
                                                    options.history)),
       hub_(WatchHub::Create(store_, readers, options.watch)),
+      history_(past.log == nullptr
+                   ? std::nullopt
+                   : std::make_optional(past.log->History(past.empty.value_or(mesh->hash())))),
       mesh_(std::move(mesh)),
       log_(std::move(past.log)),
       requests_(past.requests.has_value() ? *std::move(past.requests)
@@ -105,6 +117,32 @@ absl::Status MeshHost::Locate(std::vector<double> points,
     done(LocateAnswer{self->mesh_->revision(), self->mesh_->Locate(*shared)});
   };
   return queue_->TryPost(task, max_waiting_) ? absl::OkStatus() : QueueFull(max_waiting_);
+}
+
+absl::Status MeshHost::Features(std::optional<std::uint64_t> revision,
+                                std::shared_ptr<const std::atomic<bool>> cancelled,
+                                std::function<void(absl::StatusOr<FeaturesAt>)> done) {
+  if (history_.has_value()) {
+    readers_->Post([self = shared_from_this(), revision, cancelled, done = std::move(done)] {
+      const Head head = self->head();
+      done(self->history_->At(revision.value_or(head.revision), head, cancelled.get()));
+    });
+    return absl::OkStatus();
+  }
+  const auto task = [self = shared_from_this(), revision, done = std::move(done)] {
+    done(self->PresentFeatures(revision));
+  };
+  return queue_->TryPost(task, max_waiting_) ? absl::OkStatus() : QueueFull(max_waiting_);
+}
+
+absl::StatusOr<FeaturesAt> MeshHost::PresentFeatures(std::optional<std::uint64_t> revision) const {
+  if (absl::Status status = closed(); !status.ok()) return status;
+  const Head present{mesh_->revision(), mesh_->hash()};
+  if (revision.value_or(present.revision) > present.revision) {
+    return FutureRevision(*revision, present, std::nullopt, "ask for one that does");
+  }
+  if (revision.value_or(present.revision) < present.revision) return NoHistoryError(id_);
+  return FeaturesAt{present.revision, present.hash, mesh_->Features()};
 }
 
 void MeshHost::Close(const absl::Status& status) {
@@ -211,7 +249,7 @@ absl::StatusOr<EditOutcome> MeshHost::Answer(EditJob& job) {
   // A retry comes before anything that may have changed since the first time.
   Fingerprint content;
   if (!job.request_id.empty() && !job.validate_only) {
-    content = FingerprintOf(job.edits);
+    content = job.content.has_value() ? *job.content : FingerprintOf(job.edits);
     if (const RequestMemory::Entry* entry = requests_.Find(job.request_id)) {
       if (entry->content != content) return IdReused(job.request_id, entry->to_revision);
       return Replay(*entry);
@@ -219,6 +257,11 @@ absl::StatusOr<EditOutcome> MeshHost::Answer(EditJob& job) {
   }
   if (job.expected_revision.has_value() && *job.expected_revision != mesh_->revision()) {
     return RevisionMismatch(*job.expected_revision, mesh_->revision());
+  }
+  if (job.make != nullptr) {
+    absl::StatusOr<EditBatch> made = job.make(*mesh_);
+    if (!made.ok()) return made.status();
+    job.edits = *std::move(made);
   }
   return job.validate_only ? CheckOnly(job) : Change(job, content);
 }
@@ -275,6 +318,7 @@ absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& co
   RequestMemory::Entry answer{content, 0, 0, {}, {}};
   apply_options.commit = [&](const MeshDiff& d) {
     answer = {content, d.from_revision, d.to_revision, d.hash, d.work};
+    if (job.expected_hash.value_or(d.hash) != d.hash) return OtherHash(id_, d, *job.expected_hash);
     if (log_ == nullptr) return absl::OkStatus();
     SetProgress(job, BatchProgress::Journal());
     const auto start = MetricsClock::now();

@@ -50,6 +50,12 @@ struct EditJob {
   bool validate_only = false;
   // Not OK: known to be bad; answered with this in its turn and not applied.
   absl::Status refused;
+  // Given: makes the edits, in the job's turn, when it is known not to be a retry.
+  std::function<absl::StatusOr<EditBatch>(const DynamicMesh&)> make;
+  // What a retry must have in common; none: the edits.
+  std::optional<Fingerprint> content;
+  // The hash that must come out, or the batch is undone: DATA_LOSS.
+  std::optional<MeshHash> expected_hash;
   // Turns true when the call is cancelled or its deadline passes. May be null.
   std::shared_ptr<const std::atomic<bool>> cancelled;
   // Shared by the batches of a stream that ends at the first refused one; may be null.
@@ -78,6 +84,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     std::unique_ptr<MeshLog> log;          // null: nothing is written down
     std::shared_ptr<RevisionStore> store;  // that ends at the mesh; null: it begins there
     std::optional<RequestMemory> requests;
+    std::optional<MeshHash> empty;  // of the mesh without features; none: it is such a one
   };
   struct LocateAnswer {
     std::uint64_t revision = 0;
@@ -100,6 +107,13 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   absl::Status Locate(std::vector<double> points,
                       std::function<void(absl::StatusOr<LocateAnswer>)> done);
 
+  // The features at a revision, by default the present one: from the journal on a reader's thread,
+  // in nobody's way; without a journal in turn with the edits, the present ones only (NO_HISTORY).
+  // Errors as MeshHistory::At. `done` is called once, unless an error is returned.
+  absl::Status Features(std::optional<std::uint64_t> revision,
+                        std::shared_ptr<const std::atomic<bool>> cancelled,
+                        std::function<void(absl::StatusOr<FeaturesAt>)> done);
+
   // Refuses and ends all that waits or watches with `status`.
   void Close(const absl::Status& status);
 
@@ -109,6 +123,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   Head head() const { return store_->head(); }
   const std::shared_ptr<RevisionStore>& store() const { return store_; }
   const std::shared_ptr<WatchHub>& hub() const { return hub_; }
+  const MeshHistory* history() const { return history_.has_value() ? &*history_ : nullptr; }
   MeshStats stats() const;  // at the head or the revision before
   std::size_t waiting() const { return queue_->waiting(); }
 
@@ -127,6 +142,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
 
   // On the strand.
   void Run(EditJob& job);
+  absl::StatusOr<FeaturesAt> PresentFeatures(std::optional<std::uint64_t> revision) const;
   absl::StatusOr<EditOutcome> Answer(EditJob& job);
   absl::StatusOr<EditOutcome> Replay(const RequestMemory::Entry& entry) const;
   absl::StatusOr<EditOutcome> Change(EditJob& job, const Fingerprint& content);
@@ -151,6 +167,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   const std::shared_ptr<SerialQueue> queue_;
   const std::shared_ptr<RevisionStore> store_;
   const std::shared_ptr<WatchHub> hub_;
+  const std::optional<MeshHistory> history_;  // none: nothing is written down
 
   // Belong to the strand.
   const std::unique_ptr<DynamicMesh> mesh_;

@@ -54,6 +54,11 @@ absl::Status MeshDeletedError(absl::string_view id) {
   return MeshError(absl::StatusCode::kNotFound, codec::reason::kMeshDeleted, id, "was deleted");
 }
 
+absl::Status NoHistoryError(absl::string_view id) {
+  return MeshError(absl::StatusCode::kFailedPrecondition, codec::reason::kNoHistory, id,
+                   "has no history, since the server keeps no journal: start it with --data-dir");
+}
+
 absl::Status JournalError(const absl::Status& status, absl::string_view id) {
   if (absl::IsNotFound(status)) return MeshDeletedError(id);
   const bool may_pass = absl::IsUnavailable(status);

@@ -22,6 +22,8 @@ absl::Status BadName(absl::string_view field, absl::string_view name, absl::stri
 absl::Status MeshError(absl::StatusCode code, const char* reason, absl::string_view id,
                        absl::string_view what);
 absl::Status MeshDeletedError(absl::string_view id);
+// FAILED_PRECONDITION (NO_HISTORY).
+absl::Status NoHistoryError(absl::string_view id);
 // Why the journal of that mesh refused a call, as clients are told: NOT_FOUND (MESH_DELETED),
 // UNAVAILABLE (JOURNAL_FAILED, with RetryInfo) if it may pass, else DATA_LOSS (JOURNAL_FAILED).
 absl::Status JournalError(const absl::Status& status, absl::string_view id);

@@ -4,17 +4,9 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/mix.h"
+
 namespace dynmesh::server {
-namespace {
-
-// The finaliser of splitmix64: every bit of the input moves every bit of the output.
-std::uint64_t Mix(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
-}  // namespace
 
 Fingerprint FingerprintOf(const EditBatch& batch) {
   Fingerprint f{0x9e3779b97f4a7c15u, 0xd1b54a32d192ed03u};
@@ -42,6 +34,13 @@ Fingerprint FingerprintOf(const EditBatch& batch) {
     }
   }
   return f;
+}
+
+Fingerprint FingerprintOfRevert(std::uint64_t revision) {
+  Edit edit;
+  edit.action = static_cast<Edit::Action>(0);  // of no edit
+  edit.feature.id = revision;
+  return FingerprintOf({edit});
 }
 
 const RequestMemory::Entry* RequestMemory::Find(absl::string_view request_id) const {

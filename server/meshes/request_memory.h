@@ -22,6 +22,8 @@ struct Fingerprint {
   friend bool operator==(const Fingerprint&, const Fingerprint&) = default;
 };
 Fingerprint FingerprintOf(const EditBatch& batch);
+// Of going back to a revision, whatever edits that takes. No batch has it.
+Fingerprint FingerprintOfRevert(std::uint64_t revision);
 
 class RequestMemory {
  public:

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "proto/codec/status_codec.h"
 #include "server/meshes/diff_algebra.h"
+#include "server/meshes/revision_error.h"
 
 namespace dynmesh::server {
 namespace {
@@ -16,14 +17,7 @@ constexpr absl::Duration kLeastProgressInterval = absl::Milliseconds(100);
 // threads share the work of a few hundred.
 constexpr std::size_t kWakeSlice = 32;
 
-absl::Status StartError(const char* reason_text, std::string message, Head head,
-                        std::uint64_t oldest) {
-  codec::ServiceError error;
-  error.reason = reason_text;
-  error.metadata["revision"] = absl::StrCat(head.revision);
-  error.metadata["oldest_revision"] = absl::StrCat(oldest);
-  return codec::MakeServiceError(absl::StatusCode::kOutOfRange, message, error);
-}
+constexpr char kWithout[] = "watch without start_revision";
 
 }  // namespace
 
@@ -37,26 +31,17 @@ absl::Status WatchHub::CheckStart(const Start& start) const {
   const Head head = store_->head();
   const std::uint64_t oldest = store_->oldest();
   if (*start.revision > head.revision) {
-    return StartError(
-        codec::reason::kFutureRevision,
-        absl::StrCat("revision ", *start.revision, " does not exist yet, the mesh is at ",
-                     head.revision, ": watch without start_revision"),
-        head, oldest);
+    return FutureRevision(*start.revision, head, oldest, kWithout);
   }
   const std::optional<MeshHash> hash = store_->HashAt(*start.revision);
   if (!hash.has_value()) {
-    return StartError(
-        codec::reason::kCompacted,
-        absl::StrCat("revision ", *start.revision, " is no longer held, the oldest is ", oldest,
-                     ": watch without start_revision"),
-        head, oldest);
+    return CompactedRevision(*start.revision, head, oldest, kWithout);
   }
   if (start.hash.has_value() && *start.hash != *hash) {
-    return StartError(
-        codec::reason::kDiverged,
-        absl::StrCat("at revision ", *start.revision, " the mesh had hash ", hash->ToHex(),
-                     ", not ", start.hash->ToHex(), ": watch without start_revision"),
-        head, oldest);
+    return RevisionError(codec::reason::kDiverged,
+                         absl::StrCat("at revision ", *start.revision, " the mesh had hash ",
+                                      hash->ToHex(), ", not ", start.hash->ToHex(), ": ", kWithout),
+                         head, oldest);
   }
   return absl::OkStatus();
 }

@@ -33,6 +33,14 @@ std::string ReasonOf(const absl::Status& status) {
 // No answer came: whether it was done, only the server's journal knows.
 bool WasNotAnswered(const absl::Status& status) { return absl::IsUnavailable(status); }
 
+std::uint64_t Seed() {
+  const char* given = std::getenv("DYNMESH_TEST_SEED");
+  const std::uint64_t seed =
+      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+  std::printf("DYNMESH_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed));
+  return seed;
+}
+
 // What one client knows of its mesh.
 class Editor {
  public:
@@ -215,11 +223,8 @@ class KillTest : public ::testing::Test {
 };
 
 TEST_F(KillTest, AtRandomMomentsLosesNothingThatWasAcknowledged) {
-  const char* given = std::getenv("DYNMESH_TEST_SEED");
-  const std::uint64_t seed =
-      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+  const std::uint64_t seed = Seed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
-  std::printf("DYNMESH_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed));
   const int kills = std::getenv("DYNMESH_NIGHTLY") != nullptr ? 200 : 10;
   std::mt19937_64 random(seed);
   Editor editors[] = {{"a", seed + 1}, {"b", seed + 2}, {"c", seed + 3}};
@@ -245,6 +250,37 @@ TEST_F(KillTest, AtRandomMomentsLosesNothingThatWasAcknowledged) {
   std::printf("%llu batches acknowledged\n", static_cast<unsigned long long>(acknowledged));
   EXPECT_GT(acknowledged, static_cast<std::uint64_t>(10 * kills));
   EXPECT_TRUE(absl::StrContains(daemon_.Log(), "compacted"));
+}
+
+// A snapshot of several transactions is under way, or about to be, or done.
+TEST_F(KillTest, InTheMiddleOfALargeSnapshotLosesNothing) {
+  std::mt19937_64 random(Seed());
+  constexpr FeatureId kPoints = 100'000;
+  EditBatch batch;
+  for (FeatureId id = 1; id <= kPoints; ++id) {
+    batch.push_back(Edit::Add(Feature::Point(id, (0.5 + static_cast<double>(id % 317)) / 320,
+                                             (0.5 + static_cast<double>(id / 317)) / 320)));
+  }
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+    const std::string id = absl::StrCat("m", i);
+    ASSERT_TRUE(Connect()->CreateMesh(id, MeshOptions()).ok());
+    client::EditParams params;
+    params.omit_columns = true;
+    const auto made = Connect()->Apply(id, batch, params);
+    ASSERT_TRUE(made.ok()) << made.status();
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 300'000));
+    daemon_.End(SIGKILL);
+    ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+    const auto found = Connect()->GetFeatures(id);
+    ASSERT_TRUE(found.ok()) << found.status();
+    EXPECT_EQ(found->revision, 1u);
+    EXPECT_EQ(found->hash, made->diff.hash);
+    EXPECT_EQ(found->features.size(), kPoints);
+    EXPECT_EQ(Connect()->GetMesh(id)->hash, made->diff.hash);
+    ASSERT_TRUE(Connect()->DeleteMesh(id).ok());
+    daemon_.End(SIGKILL);
+  }
 }
 
 TEST_F(KillTest, ASecondServerDoesNotTakeTheFolder) {

@@ -353,9 +353,11 @@ TEST_F(LoadTest, AHalfOpenLoadHoldsNothingForLong) {
   ASSERT_TRUE(half_open.Greet());
   ASSERT_TRUE(half_open.Call(1, "LoadFeatures"));
   ASSERT_TRUE(half_open.Message(1, piece.SerializeAsString(), /*end=*/false));
-  while (client_->Load("m", Points(1, 90), AtRevision7()).status().code() !=
-         StatusCode::kResourceExhausted) {
-  }
+  ASSERT_TRUE(Eventually([&] {
+    half_open.AnswerPings();
+    return client_->Load("m", Points(1, 90), AtRevision7()).status().code() ==
+           StatusCode::kResourceExhausted;
+  }));
   // It answers no ping from here on.
   ExpectUntouched();
 }

@@ -165,6 +165,8 @@ void RegisterRemoteCommands(CLI::App& app, CommandSlot& slot) {
   RegisterLoadCommand(app, slot);
   RegisterWatchCommand(app, slot);
   RegisterExportCommand(app, slot);
+  RegisterFeaturesCommand(app, slot);
+  RegisterRevertCommand(app, slot);
   RegisterStatsCommand(app, slot);
   RegisterTokenCommand(app, slot);
 }

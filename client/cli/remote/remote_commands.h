@@ -1,6 +1,6 @@
-// The commands of `dynmesh` that talk to a server: create, list, delete, apply, load,
-// watch, export, stats; and token, which makes what a server knows a client by. Each is registered
-// as those of command.h are.
+// The commands of `dynmesh` that talk to a server: create, list, delete, apply, load, watch,
+// export, features, revert, stats; and token, which makes what a server knows a client by. Each is
+// registered as those of command.h are.
 #ifndef DYNMESH_CLIENT_CLI_REMOTE_REMOTE_COMMANDS_H_
 #define DYNMESH_CLIENT_CLI_REMOTE_REMOTE_COMMANDS_H_
 
@@ -17,6 +17,8 @@ void RegisterLoadCommand(CLI::App& app, CommandSlot& slot);
 void RegisterWatchCommand(CLI::App& app, CommandSlot& slot);
 void RegisterExportCommand(CLI::App& app, CommandSlot& slot);
 void RegisterStatsCommand(CLI::App& app, CommandSlot& slot);
+void RegisterFeaturesCommand(CLI::App& app, CommandSlot& slot);
+void RegisterRevertCommand(CLI::App& app, CommandSlot& slot);
 void RegisterTokenCommand(CLI::App& app, CommandSlot& slot);
 
 // All of them.

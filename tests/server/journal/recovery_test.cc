@@ -159,16 +159,17 @@ TEST_F(RecoveryTest, WatchersGoOnWhereTheyWere) {
 
 TEST_F(RecoveryTest, WhatDoesNotMakeTheMeshAgainIsDamageOfThatMeshAlone) {
   const std::pair<const char*, const char*> damages[] = {
-      {"UPDATE entries SET data = x'ffff' WHERE revision = 2", "revision 2"},
+      {"UPDATE entries SET data = x'ffff' WHERE revision = 2", "entry of revision 2 is damaged"},
       {"UPDATE entries SET data = x'' WHERE revision = 3", "revision 3"},
       {"UPDATE entries SET data = (SELECT data FROM entries WHERE revision = 1) WHERE revision = 3",
        "revision 3"},
       {"DELETE FROM entries WHERE revision = 2", "some are missing"},
       {"DELETE FROM entries WHERE revision = 3", "some are missing"},
       {"UPDATE meshes SET head = 7", "some are missing"},
-      {"UPDATE meshes SET description = x'01' WHERE id = 'm'", ""},
-      {"UPDATE meshes SET snapshot = 1", "snapshot is missing"},
-      {"UPDATE requests SET answer = x'ff'", ""},
+      {"UPDATE meshes SET description = x'01' WHERE id = 'm'", "the description is damaged"},
+      {"UPDATE meshes SET snapshot = 1", "the snapshot of revision 1, or a part of it, is missing"},
+      {"UPDATE meshes SET head = 2", "some are missing"},
+      {"UPDATE requests SET answer = x'ff'", "request r1 is damaged"},
   };
   for (const auto& [sql, what] : damages) {
     SCOPED_TRACE(sql);

@@ -19,6 +19,7 @@
 #include "server/base/log.h"
 #include "tests/server/journal/durable_registry.h"
 #include "tests/server/journal/failing_vfs.h"
+#include "tests/server/journal/told.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::server {
@@ -26,26 +27,6 @@ namespace {
 
 using Entry = Journal::Entry;
 using Request = Journal::Request;
-
-// All that a journal says of a mesh, as text.
-std::string Told(Journal& journal, Journal::Key mesh) {
-  std::string text;
-  Journal::Visitor visitor;
-  visitor.request = [&](const Request& r) {
-    absl::StrAppend(&text, "?", r.id, "=", r.answer, " ");
-    return absl::OkStatus();
-  };
-  visitor.snapshot = [&](std::uint64_t revision, const std::string& part) {
-    absl::StrAppend(&text, "@", revision, ":", part, " ");
-    return absl::OkStatus();
-  };
-  visitor.entry = [&](const Entry& e) {
-    absl::StrAppend(&text, e.revision, ":", e.data, " ");
-    return absl::OkStatus();
-  };
-  const absl::Status status = journal.Read(mesh, visitor);
-  return status.ok() ? text : status.ToString();
-}
 
 class SqliteJournalTest : public ::testing::Test {
  protected:

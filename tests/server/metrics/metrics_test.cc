@@ -354,7 +354,7 @@ TEST(RecoveryMetricsTest, ASnapshotIsOneEntry) {
 TEST(RecoveryMetricsTest, LongRecoveriesTellHowFarTheyAre) {
   ASSERT_TRUE(SetLogLevel("info").ok());
   testing::internal::CaptureStderr();
-  RecoveryProgress progress({{1, "m", "", 10}, {2, "n", "", 5}}, nullptr);
+  RecoveryProgress progress({{1, "m", "", 10, {}}, {2, "n", "", 5, {}}}, nullptr);
   std::thread worker([&] {
     for (int i = 0; i < 7; ++i) progress.Apply();
     absl::SleepFor(absl::Milliseconds(100));

@@ -226,6 +226,10 @@ class SlowJournal final : public Journal {
     return absl::OkStatus();
   }
   absl::Status Read(Key, const Visitor&) override { return absl::OkStatus(); }
+  absl::Status ReadPast(Key, std::uint64_t, std::uint64_t, const Visitor&) override {
+    return absl::OkStatus();
+  }
+  absl::StatusOr<std::uint64_t> Oldest(Key) override { return 0; }
   absl::Status Compact(Key, std::uint64_t, const std::vector<std::string>&) override {
     return absl::OkStatus();
   }

@@ -1,0 +1,19 @@
+// One GetFeatures: the features are read on another thread, then streamed as the client takes them.
+#ifndef DYNMESH_SERVER_CALLS_FEATURES_CALL_H_
+#define DYNMESH_SERVER_CALLS_FEATURES_CALL_H_
+
+#include <grpcpp/support/server_callback.h>
+
+#include "dynmesh/v1/mesh_service.pb.h"
+#include "server/calls/admission.h"
+
+namespace dynmesh::server {
+
+// Starts a call that frees itself; one that was not admitted ends with why. `request` is not used
+// after the return.
+grpc::ServerWriteReactor<v1::FeaturesChunk>* StartFeaturesCall(
+    ServiceContext& context, const v1::GetFeaturesRequest& request, const absl::Status& admitted);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_CALLS_FEATURES_CALL_H_

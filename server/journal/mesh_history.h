@@ -1,0 +1,55 @@
+// The features that one mesh had at its revisions, as far back as the journal goes: a snapshot's,
+// changed by the batches since. Immutable and thread-safe; reads a moment of its own and waits for
+// no writer. O(features + edits since the snapshot) in time and memory.
+#ifndef DYNMESH_SERVER_JOURNAL_MESH_HISTORY_H_
+#define DYNMESH_SERVER_JOURNAL_MESH_HISTORY_H_
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "dynmesh/mesh.h"
+#include "proto/codec/features_codec.h"
+#include "server/journal/journal.h"
+#include "server/meshes/revision_store.h"
+
+namespace dynmesh::server {
+
+using codec::FeaturesAt;
+
+class MeshHistory {
+ public:
+  // `empty`: the hash of the mesh without features. The journal outlives it.
+  MeshHistory(Journal* journal, Journal::Key key, std::string id, int dimension,
+              const MeshHash& empty)
+      : journal_(journal), key_(key), id_(std::move(id)), dimension_(dimension), empty_(empty) {}
+
+  // OUT_OF_RANGE (COMPACTED, with the oldest revision in the metadata; FUTURE_REVISION after
+  // `head`, the mesh's), NOT_FOUND (MESH_DELETED), DATA_LOSS or UNAVAILABLE (JOURNAL_FAILED),
+  // CANCELLED soon after the flag turned true, which may be null.
+  absl::StatusOr<FeaturesAt> At(std::uint64_t revision, const Head& head,
+                                const std::atomic<bool>* cancelled) const;
+
+  // Two revisions at the price of one, the first not later than the other.
+  struct Span {
+    FeaturesAt from, to;
+  };
+  absl::StatusOr<Span> Between(std::uint64_t from, std::uint64_t to, const Head& head,
+                               const std::atomic<bool>* cancelled) const;
+
+ private:
+  absl::Status ErrorOf(const absl::Status& status, std::uint64_t revision, const Head& head) const;
+
+  Journal* const journal_;
+  const Journal::Key key_;
+  const std::string id_;
+  const int dimension_;
+  const MeshHash empty_;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_JOURNAL_MESH_HISTORY_H_

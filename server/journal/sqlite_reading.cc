@@ -1,0 +1,197 @@
+// What a SqliteJournal tells: each call reads one moment, on a connection of its own.
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "server/journal/row_sum.h"
+#include "server/journal/sqlite_journal.h"
+
+namespace dynmesh::server {
+namespace {
+
+using sqlite::Connection;
+using sqlite::Statement;
+
+absl::Status Damaged(absl::string_view mesh, absl::string_view what) {
+  return absl::DataLossError(
+      absl::StrCat("of mesh ", mesh, " ", what, " is damaged: its checksum does not fit"));
+}
+
+// Reads a mesh in a transaction. Its row first: Find; then any of the rest.
+class MeshReader {
+ public:
+  MeshReader(const Connection& connection, Journal::Key mesh)
+      : connection_(connection), mesh_(mesh) {}
+
+  absl::Status Find() {
+    Statement found(connection_,
+                    "SELECT id, description, checksum, snapshot, head FROM meshes WHERE key = ?");
+    if (!found.Bind(mesh_).Step()) {
+      return found.status().ok() ? absl::NotFoundError("the journal has no such mesh")
+                                 : found.status();
+    }
+    id_ = found.Bytes(0);
+    snapshot_ = found.Integer(3);
+    head_ = found.Integer(4);
+    if (RowSumOf(absl::string_view(id_), absl::string_view(found.Bytes(1))) == found.Integer(2)) {
+      return absl::OkStatus();
+    }
+    return Damaged(id_, "the description");
+  }
+
+  std::int64_t snapshot() const { return snapshot_; }
+  std::int64_t head() const { return head_; }
+
+  absl::Status OutOfRange(std::uint64_t revision) const {
+    return absl::OutOfRangeError(
+        absl::StrCat("revision ", revision, " of mesh ", id_, " is not in the journal"));
+  }
+
+  // The newest snapshot that is not newer than `revision`.
+  absl::StatusOr<std::int64_t> SnapshotBefore(std::uint64_t revision) const {
+    Statement base(connection_,
+                   "SELECT max(revision) FROM generations WHERE mesh = ? AND revision <= ?");
+    if (!base.Bind(mesh_).Bind(static_cast<std::int64_t>(revision)).Step()) return base.status();
+    if (base.IsNull(0)) return OutOfRange(revision);
+    return base.Integer(0);
+  }
+
+  absl::Status Requests(const Journal::Visitor& visitor) const {
+    Statement rows(connection_,
+                   "SELECT number, id, answer, checksum FROM requests WHERE mesh = ? ORDER BY "
+                   "number");
+    rows.Bind(mesh_);
+    while (rows.Step()) {
+      const Journal::Request request{rows.Bytes(1), rows.Bytes(2)};
+      if (RowSumOf(mesh_, rows.Integer(0), absl::string_view(request.id),
+                   absl::string_view(request.answer)) != rows.Integer(3)) {
+        return Damaged(id_, absl::StrCat("the answer to request ", request.id));
+      }
+      if (absl::Status s = visitor.request(request); !s.ok()) return s;
+    }
+    return rows.status();
+  }
+
+  absl::Status Parts(std::int64_t revision, const Journal::Visitor& visitor) const {
+    Statement count(connection_, "SELECT parts FROM generations WHERE mesh = ? AND revision = ?");
+    const bool there = count.Bind(mesh_).Bind(revision).Step();
+    if (!count.status().ok()) return count.status();
+    Statement rows(connection_,
+                   "SELECT part, data, checksum FROM snapshots WHERE mesh = ? AND revision = ? "
+                   "ORDER BY part");
+    rows.Bind(mesh_).Bind(revision);
+    std::int64_t parts = 0;
+    for (; rows.Step() && rows.Integer(0) == parts; ++parts) {
+      const std::string data = rows.Bytes(1);
+      if (RowSumOf(mesh_, revision, parts, absl::string_view(data)) != rows.Integer(2)) {
+        return Damaged(id_,
+                       absl::StrCat("part ", parts, " of the snapshot of revision ", revision));
+      }
+      const auto at = static_cast<std::uint64_t>(revision);
+      if (absl::Status s = visitor.snapshot(at, data); !s.ok()) return s;
+    }
+    if (!rows.status().ok()) return rows.status();
+    if (there && parts == count.Integer(0)) return absl::OkStatus();
+    return absl::DataLossError(absl::StrCat("of mesh ", id_, " the snapshot of revision ", revision,
+                                            ", or a part of it, is missing"));
+  }
+
+  // Those after `from` up to `to`, all, and none after `bound` >= to.
+  absl::Status Entries(std::int64_t from, std::int64_t to, std::int64_t bound,
+                       const Journal::Visitor& visitor) const {
+    Statement rows(connection_,
+                   "SELECT revision, data, checksum FROM entries WHERE mesh = ? AND revision > ? "
+                   "AND revision <= ? ORDER BY revision");
+    rows.Bind(mesh_).Bind(from).Bind(bound);
+    std::int64_t last = from;
+    while (rows.Step() && rows.Integer(0) == last + 1) {
+      const Journal::Entry entry{static_cast<std::uint64_t>(++last), rows.Bytes(1)};
+      if (RowSumOf(mesh_, last, absl::string_view(entry.data)) != rows.Integer(2)) {
+        return Damaged(id_, absl::StrCat("the entry of revision ", last));
+      }
+      if (absl::Status s = visitor.entry(entry); !s.ok()) return s;
+    }
+    if (!rows.status().ok()) return rows.status();
+    if (last == to) return absl::OkStatus();
+    return absl::DataLossError(
+        absl::StrCat("of the revisions of mesh ", id_, " up to ", to, " some are missing"));
+  }
+
+ private:
+  const Connection& connection_;
+  const Journal::Key mesh_;
+  std::string id_;
+  std::int64_t snapshot_ = 0, head_ = 0;
+};
+
+}  // namespace
+
+// In a transaction, so that all is of one moment.
+absl::StatusOr<Connection> SqliteJournal::OpenReader() const {
+  absl::StatusOr<Connection> reader = Connection::Open(path_, options_.vfs);
+  if (!reader.ok()) return reader.status();
+  if (absl::Status s = reader->Run("BEGIN"); !s.ok()) return s;
+  return reader;
+}
+
+absl::StatusOr<std::vector<Journal::Mesh>> SqliteJournal::List() {
+  const absl::StatusOr<Connection> reader = OpenReader();
+  if (!reader.ok()) return reader.status();
+  std::vector<Mesh> meshes;
+  Statement rows(*reader,
+                 "SELECT key, id, description, head - snapshot + (snapshot > 0), checksum "
+                 "FROM meshes ORDER BY id");
+  while (rows.Step()) {
+    Mesh mesh{rows.Integer(0), rows.Bytes(1), rows.Bytes(2),
+              static_cast<std::uint64_t>(rows.Integer(3)), absl::OkStatus()};
+    if (RowSumOf(absl::string_view(mesh.id), absl::string_view(mesh.description)) !=
+        rows.Integer(4)) {
+      mesh.damage = Damaged(mesh.id, "the description");
+    }
+    meshes.push_back(std::move(mesh));
+  }
+  if (!rows.status().ok()) return rows.status();
+  return meshes;
+}
+
+absl::Status SqliteJournal::Read(Key mesh, const Visitor& visitor) {
+  const absl::StatusOr<Connection> connection = OpenReader();
+  if (!connection.ok()) return connection.status();
+  MeshReader reader(*connection, mesh);
+  absl::Status status = reader.Find();
+  if (status.ok() && visitor.request != nullptr) status = reader.Requests(visitor);
+  if (status.ok()) status = reader.Parts(reader.snapshot(), visitor);
+  if (status.ok()) {
+    constexpr std::int64_t kAll = std::numeric_limits<std::int64_t>::max();
+    status = reader.Entries(reader.snapshot(), reader.head(), kAll, visitor);
+  }
+  return status;
+}
+
+absl::Status SqliteJournal::ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
+                                     const Visitor& visitor) {
+  const absl::StatusOr<Connection> connection = OpenReader();
+  if (!connection.ok()) return connection.status();
+  MeshReader reader(*connection, mesh);
+  if (absl::Status s = reader.Find(); !s.ok()) return s;
+  if (from > to || to > static_cast<std::uint64_t>(reader.head())) return reader.OutOfRange(to);
+  const absl::StatusOr<std::int64_t> base = reader.SnapshotBefore(from);
+  if (!base.ok()) return base.status();
+  if (absl::Status s = reader.Parts(*base, visitor); !s.ok()) return s;
+  const auto last = static_cast<std::int64_t>(to);
+  return reader.Entries(*base, last, last, visitor);
+}
+
+absl::StatusOr<std::uint64_t> SqliteJournal::Oldest(Key mesh) {
+  const absl::StatusOr<Connection> reader = OpenReader();
+  if (!reader.ok()) return reader.status();
+  Statement oldest(*reader, "SELECT min(revision) FROM generations WHERE mesh = ?");
+  if (!oldest.Bind(mesh).Step()) return oldest.status();
+  if (oldest.IsNull(0)) return absl::NotFoundError("the journal has no such mesh");
+  return static_cast<std::uint64_t>(oldest.Integer(0));
+}
+
+}  // namespace dynmesh::server

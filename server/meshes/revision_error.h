@@ -1,0 +1,26 @@
+// Errors about revisions that a mesh does not have, or no longer: OUT_OF_RANGE with the mesh's
+// revision and, where it is known, the oldest one that is held as metadata. Pure, thread-safe.
+#ifndef DYNMESH_SERVER_MESHES_REVISION_ERROR_H_
+#define DYNMESH_SERVER_MESHES_REVISION_ERROR_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+#include "server/meshes/revision_store.h"
+
+namespace dynmesh::server {
+
+absl::Status RevisionError(const char* reason, absl::string_view message, const Head& head,
+                           std::optional<std::uint64_t> oldest);
+// FUTURE_REVISION and COMPACTED; `advice` ends the message.
+absl::Status FutureRevision(std::uint64_t asked, const Head& head,
+                            std::optional<std::uint64_t> oldest, absl::string_view advice);
+absl::Status CompactedRevision(std::uint64_t asked, const Head& head, std::uint64_t oldest,
+                               absl::string_view advice);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_MESHES_REVISION_ERROR_H_

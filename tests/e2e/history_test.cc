@@ -1,0 +1,234 @@
+// Earlier revisions of real meshes over gRPC: read, and gone back to, across compactions and
+// restarts, each compared with a mesh made from scratch of the features that it had.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "client/mesh_client.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "proto/codec/status_codec.h"
+#include "server/base/log.h"
+#include "server/journal/sqlite_journal.h"
+#include "server/server.h"
+#include "tests/support/polygon_script.h"
+#include "tests/support/temp_folder.h"
+#include "tests/support/workload.h"
+
+namespace dynmesh {
+namespace {
+
+std::string ReasonOf(const absl::Status& status) {
+  const auto error = codec::GetServiceError(status);
+  return error.has_value() ? error->reason : "";
+}
+
+class HistoryTest : public ::testing::Test {
+ protected:
+  HistoryTest() {
+    EXPECT_TRUE(server::SetLogLevel("error").ok());
+    const char* given = std::getenv("DYNMESH_TEST_SEED");
+    seed_ = given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+    std::printf("DYNMESH_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed_));
+  }
+
+  void Start(bool journal = true) {
+    client_.reset();
+    server_.reset();
+    server::ServerConfig config;
+    config.listen = "127.0.0.1:0";
+    config.compact_bytes = compact_bytes_;
+    std::unique_ptr<server::Journal> opened;
+    if (journal) opened = *server::SqliteJournal::Open(folder_.path(), journal_options_);
+    server_ = *server::Server::Start(config, &DynamicMesh::Create, std::move(opened));
+    client_ = client::MeshClient::Connect(server_->address());
+  }
+
+  // What a revision is to be.
+  struct Revision {
+    std::vector<Feature> features;
+    MeshHash hash;
+  };
+
+  template <typename Script>
+  void GoBackAndForth(Script script, int dimension, int steps) {
+    SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed_));
+    std::mt19937_64 random(seed_);
+    MeshOptions options;
+    options.dimension = dimension;
+    options.quality = DefaultQuality(dimension);
+    options.limits.max_vertices = 20'000;
+    ASSERT_TRUE(client_->CreateMesh("m", options).ok());
+    std::unique_ptr<DynamicMesh> mirror = *DynamicMesh::Create(options);
+    std::vector<Revision> past = {{{}, mirror->hash()}};
+    client::EditParams params;
+    params.dimension = dimension;
+    for (int step = 0; step < steps; ++step) {
+      SCOPED_TRACE(absl::StrCat("step ", step));
+      if (random() % 6 == 0) Start();
+      if (random() % 3 == 0) {
+        const std::uint64_t to = random() % past.size();
+        const auto reverted = client_->RevertTo("m", to);
+        ASSERT_TRUE(reverted.ok()) << reverted.status();
+        ASSERT_EQ(reverted->diff.hash, past[to].hash) << "as revision " << to;
+        const bool changes = past[to].features != past.back().features;
+        ASSERT_EQ(reverted->diff.to_revision, past.size() - (changes ? 0 : 1));
+        if (changes) past.push_back(past[to]);
+        mirror = *DynamicMesh::Create(options);
+        ASSERT_TRUE(mirror->Apply(AddAll(past[to].features)).ok());
+      } else {
+        const EditBatch batch = script.Next(past.back().features);
+        const auto applied = client_->Apply("m", batch, params);
+        const auto mirrored = mirror->Apply(batch);
+        ASSERT_EQ(applied.ok(), mirrored.ok()) << applied.status() << mirrored.status();
+        if (!applied.ok() || batch.empty()) continue;
+        past.push_back({mirror->Features(), mirror->hash()});
+      }
+      ASSERT_EQ(client_->GetMesh("m")->hash, past.back().hash);
+      const std::uint64_t some = random() % past.size();
+      for (const std::uint64_t r : {some, past.size() - 1}) {
+        const auto found = client_->GetFeatures("m", r);
+        ASSERT_TRUE(found.ok()) << found.status();
+        ASSERT_EQ(found->revision, r);
+        ASSERT_EQ(found->hash, past[r].hash);
+        ASSERT_EQ(found->features, past[r].features) << "revision " << r;
+      }
+    }
+    EXPECT_EQ(client_->GetFeatures("m")->revision, past.size() - 1);
+    ASSERT_TRUE(client_->DeleteMesh("m").ok());
+  }
+
+  std::uint64_t seed_ = 0;
+  test::TempFolder folder_;
+  std::uint64_t compact_bytes_ = 2'000;  // often
+  server::SqliteJournal::Options journal_options_;
+  std::unique_ptr<server::Server> server_;
+  std::unique_ptr<client::MeshClient> client_;
+};
+
+TEST_F(HistoryTest, RandomScriptsOfThePlaneGoBackToWhatTheyWere) {
+  Start();
+  using D = test::Distribution;
+  for (const D d : {D::kUniform, D::kSized, D::kPolygons, D::kWedges, D::kGrid}) {
+    SCOPED_TRACE(test::NameOf(d));
+    GoBackAndForth(test::ScriptGenerator(d, 40, seed_), 2, 40);
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST_F(HistoryTest, RandomScriptsOfSpaceGoBackToWhatTheyWere) {
+  Start();
+  using K = test::PolygonKind;
+  for (const K kind : {K::kMixture, K::kHoled}) {
+    SCOPED_TRACE(test::NameOf(kind));
+    GoBackAndForth(test::PolygonScript(kind, 2, seed_), 3, 12);
+    if (HasFatalFailure()) return;
+  }
+  GoBackAndForth(test::ScriptGenerator(test::Distribution::kSpaceSized, 15, seed_), 3, 12);
+}
+
+TEST_F(HistoryTest, WhatIsTooOldOrNotYetThereIsSaid) {
+  compact_bytes_ = 0;  // a generation for each edit
+  journal_options_.history_bytes = 0;
+  Start();
+  ASSERT_TRUE(client_->CreateMesh("m", MeshOptions()).ok());
+  // Another point, and all others set to what they are: more bytes than the last snapshot has.
+  EditBatch batch;
+  const auto add = [&](FeatureId id) {
+    for (Edit& edit : batch) edit.action = Edit::Action::kSet;
+    batch.push_back(Edit::Add(Feature::Point(id, 0.05 * static_cast<double>(id), 0.5)));
+    return client_->Apply("m", batch).status();
+  };
+  for (FeatureId id = 1; id <= 6; ++id) ASSERT_TRUE(add(id).ok());
+  // The last snapshot may be under way.
+  ASSERT_TRUE(client_->Locate("m", 2, std::vector{0.5, 0.5}).ok());
+  EXPECT_EQ(client_->GetFeatures("m", 5)->features.size(), 5u);
+  for (const absl::Status& old :
+       {client_->GetFeatures("m", 2).status(), client_->RevertTo("m", 2).status()}) {
+    EXPECT_EQ(old.code(), absl::StatusCode::kOutOfRange) << old;
+    ASSERT_EQ(ReasonOf(old), codec::reason::kCompacted);
+    EXPECT_EQ(codec::GetServiceError(old)->metadata["oldest_revision"], "5");
+  }
+  for (const absl::Status& future :
+       {client_->GetFeatures("m", 7).status(), client_->RevertTo("m", 7).status()}) {
+    EXPECT_EQ(future.code(), absl::StatusCode::kOutOfRange) << future;
+    EXPECT_EQ(ReasonOf(future), codec::reason::kFutureRevision);
+  }
+  EXPECT_EQ(ReasonOf(client_->GetFeatures("none").status()), codec::reason::kMeshNotFound);
+
+  // To the present one: nothing to do.
+  const auto nothing = client_->RevertTo("m", 6);
+  ASSERT_TRUE(nothing.ok()) << nothing.status();
+  EXPECT_EQ(nothing->diff.from_revision, 6u);
+  EXPECT_EQ(nothing->diff.to_revision, 6u);
+
+  client::EditParams params;
+  params.expected_revision = 5;
+  params.request_id = "back";
+  EXPECT_EQ(ReasonOf(client_->RevertTo("m", 5, params).status()), codec::reason::kRevisionMismatch);
+  params.expected_revision = 6;
+  const auto back = client_->RevertTo("m", 5, params);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(back->diff.to_revision, 7u);
+  EXPECT_FALSE(back->replayed);
+  // A retry is answered when the revision is long gone, and after a restart, too.
+  batch.pop_back();
+  for (FeatureId id = 11; id <= 14; ++id) ASSERT_TRUE(add(id).ok());
+  EXPECT_EQ(ReasonOf(client_->GetFeatures("m", 5).status()), codec::reason::kCompacted);
+  for (int i = 0; i < 2; ++i) {
+    const auto again = client_->RevertTo("m", 5, params);
+    ASSERT_TRUE(again.ok()) << again.status();
+    EXPECT_TRUE(again->replayed);
+    EXPECT_EQ(again->diff.to_revision, 7u);
+    EXPECT_EQ(again->diff.hash, back->diff.hash);
+    EXPECT_EQ(ReasonOf(client_->RevertTo("m", 6, params).status()),
+              codec::reason::kRequestIdReused);
+    Start();
+  }
+}
+
+TEST_F(HistoryTest, WithoutAJournalThereIsThePresentOnly) {
+  Start(/*journal=*/false);
+  ASSERT_TRUE(client_->CreateMesh("m", MeshOptions()).ok());
+  EXPECT_EQ(client_->GetFeatures("m")->features.size(), 0u);
+  const std::vector<Feature> features = {Feature::Point(3, 0.25, 0.5), Feature::Point(9, 0.5, 0.5)};
+  const auto applied = client_->AddFeatures("m", features);
+  ASSERT_TRUE(applied.ok()) << applied.status();
+  for (const auto& found : {client_->GetFeatures("m"), client_->GetFeatures("m", 1)}) {
+    ASSERT_TRUE(found.ok()) << found.status();
+    EXPECT_EQ(found->features, features);
+    EXPECT_EQ(found->revision, 1u);
+    EXPECT_EQ(found->hash, applied->diff.hash);
+  }
+  EXPECT_EQ(ReasonOf(client_->GetFeatures("m", 2).status()), codec::reason::kFutureRevision);
+  for (const absl::Status& none :
+       {client_->GetFeatures("m", 0).status(), client_->RevertTo("m", 0).status()}) {
+    EXPECT_EQ(none.code(), absl::StatusCode::kFailedPrecondition);
+    EXPECT_EQ(ReasonOf(none), codec::reason::kNoHistory);
+    EXPECT_TRUE(absl::StrContains(none.message(), "--data-dir")) << none;
+  }
+}
+
+// More than a chunk has.
+TEST_F(HistoryTest, ManyFeaturesComeInChunks) {
+  Start();
+  ASSERT_TRUE(client_->CreateMesh("m", MeshOptions()).ok());
+  std::vector<Feature> features;
+  for (FeatureId id = 1; id <= 40'000; ++id) {
+    features.push_back(Feature::SizeAt(id, static_cast<double>(id % 200) / 200,
+                                       static_cast<double>(id / 200) / 201, 10));
+  }
+  ASSERT_TRUE(client_->AddFeatures("m", features).ok());
+  const auto found = client_->GetFeatures("m");
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_EQ(found->features, features);
+}
+
+}  // namespace
+}  // namespace dynmesh

@@ -1,0 +1,267 @@
+// The history in a journal: what is kept and what goes, also when that is cut short.
+#include "server/journal/sqlite_generations.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "server/base/log.h"
+#include "server/journal/sqlite_journal.h"
+#include "tests/server/journal/durable_registry.h"
+#include "tests/server/journal/failing_vfs.h"
+#include "tests/server/journal/told.h"
+#include "tests/support/temp_folder.h"
+
+namespace dynmesh::server {
+namespace {
+
+using Entry = Journal::Entry;
+
+// Rows of a table in the files, also of those that no reader sees.
+std::int64_t Rows(const std::string& folder, const std::string& table) {
+  const auto db = *sqlite::Connection::Open(folder + "/journal.sqlite", nullptr);
+  const std::string sql = "SELECT count(*) FROM " + table;
+  sqlite::Statement count(db, sql.c_str());
+  return count.Step() ? count.Integer(0) : -1;
+}
+
+class GenerationsTest : public ::testing::Test {
+ protected:
+  GenerationsTest() { EXPECT_TRUE(SetLogLevel("off").ok()); }
+  ~GenerationsTest() override { FailingVfs::Heal(); }
+
+  void Open(const SqliteJournal::Options& options = {}) {
+    journal_.reset();
+    auto opened = SqliteJournal::Open(folder_.path(), options);
+    ASSERT_TRUE(opened.ok()) << opened.status();
+    journal_ = *std::move(opened);
+  }
+  void Append(Journal::Key key, std::uint64_t revision, const std::string& data) {
+    const absl::Status status = journal_->Append(key, Entry{revision, data}, std::nullopt);
+    ASSERT_TRUE(status.ok()) << status;
+  }
+
+  test::TempFolder folder_;
+  std::unique_ptr<SqliteJournal> journal_;
+};
+
+TEST_F(GenerationsTest, TheOneBeforeTheNewestIsKept) {
+  SqliteJournal::Options options;
+  options.history_bytes = 0;
+  Open(options);
+  const auto key = *journal_->Create("a", "");
+  EXPECT_EQ(ToldPast(*journal_, key, 0, 0), "");
+  Append(key, 1, "a");
+  Append(key, 2, "b");
+  ASSERT_TRUE(journal_->Compact(key, 2, {"p", "q"}).ok());
+  Append(key, 3, "c");
+  EXPECT_EQ(*journal_->Oldest(key), 0u);
+  EXPECT_EQ(ToldPast(*journal_, key, 0, 0), "");
+  EXPECT_EQ(ToldPast(*journal_, key, 1, 1), "1:a ");
+  EXPECT_EQ(ToldPast(*journal_, key, 1, 3), "1:a 2:b 3:c ");
+  EXPECT_EQ(ToldPast(*journal_, key, 2, 3), "@2:p @2:q 3:c ");
+  EXPECT_TRUE(absl::StrContains(ToldPast(*journal_, key, 4, 4), "OUT_OF_RANGE"));
+  EXPECT_TRUE(absl::StrContains(ToldPast(*journal_, key, 3, 2), "OUT_OF_RANGE"));
+  ASSERT_TRUE(journal_->Compact(key, 3, {"r"}).ok());
+  ASSERT_TRUE(journal_->Compact(key, 3, {"s"}).ok()) << "there is one already";
+  Open(options);
+  EXPECT_EQ(*journal_->Oldest(key), 2u);
+  EXPECT_EQ(ToldPast(*journal_, key, 2, 2), "@2:p @2:q ");
+  EXPECT_EQ(ToldPast(*journal_, key, 3, 3), "@3:r ");
+  EXPECT_TRUE(absl::StrContains(ToldPast(*journal_, key, 1, 3), "OUT_OF_RANGE"));
+  EXPECT_EQ(Rows(folder_.path(), "entries"), 1);
+  EXPECT_EQ(Rows(folder_.path(), "snapshots"), 3);
+  EXPECT_TRUE(absl::IsNotFound(journal_->Oldest(key + 1).status()));
+}
+
+// Entries and snapshots of random sizes against a model that keeps all and counts what is kept.
+TEST_F(GenerationsTest, AreDroppedFromTheOldestOnByTheirBytes) {
+  const char* given = std::getenv("DYNMESH_TEST_SEED");
+  const std::uint64_t seed =
+      given != nullptr ? std::strtoull(given, nullptr, 10) : std::random_device{}();
+  SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
+  std::mt19937_64 random(seed);
+  const auto text = [&] { return std::string(1 + random() % 50, 'a' + char(random() % 26)); };
+  SqliteJournal::Options options;
+  options.history_bytes = 100 + random() % 400;
+  options.piece_bytes = 1 + random() % 100;
+  Open(options);
+  const auto key = *journal_->Create("a", "");
+  struct Generation {
+    std::uint64_t revision = 0;
+    std::uint64_t bytes = 0;
+    std::string told;
+  };
+  std::deque<Generation> kept = {{}};
+  std::vector<std::string> entries = {""};  // by revision, as told
+  std::uint64_t head = 0;
+  for (int step = 0; step < 60; ++step) {
+    if (random() % 4 != 0) {
+      const std::string data = text();
+      Append(key, ++head, data);
+      entries.push_back(absl::StrCat(head, ":", data, " "));
+      kept.back().bytes += data.size();
+      continue;
+    }
+    std::vector<std::string> parts;
+    Generation next{head, 0, ""};
+    for (std::size_t i = 1 + random() % 3; i > 0; --i) {
+      parts.push_back(text());
+      next.bytes += parts.back().size();
+      absl::StrAppend(&next.told, "@", head, ":", parts.back(), " ");
+    }
+    ASSERT_TRUE(journal_->Compact(key, head, parts).ok());
+    if (kept.back().revision == head) continue;
+    const auto total = [&] {
+      std::uint64_t sum = 0;
+      for (const Generation& g : kept) sum += g.bytes;
+      return sum;
+    };
+    while (kept.size() > 1 && total() > options.history_bytes) kept.pop_front();
+    kept.push_back(next);
+    if (random() % 4 == 0) Open(options);
+    ASSERT_EQ(*journal_->Oldest(key), kept.front().revision);
+    ASSERT_EQ(Rows(folder_.path(), "entries"),
+              static_cast<std::int64_t>(head - kept.front().revision));
+    ASSERT_EQ(Rows(folder_.path(), "generations"), static_cast<std::int64_t>(kept.size()));
+    for (std::uint64_t from = 0; from <= head; ++from) {
+      std::string expected = "-";
+      for (const Generation& g : kept) {
+        if (g.revision > from) break;
+        expected = g.told;
+        for (std::uint64_t r = g.revision + 1; r <= from; ++r) expected += entries[r];
+      }
+      const std::string told = ToldPast(*journal_, key, from, from);
+      if (expected == "-") {
+        EXPECT_TRUE(absl::StrContains(told, "OUT_OF_RANGE")) << told;
+      } else {
+        ASSERT_EQ(told, expected) << "revision " << from;
+      }
+    }
+  }
+}
+
+TEST_F(GenerationsTest, LargeSnapshotsAreWrittenInPieces) {
+  SqliteJournal::Options options;
+  options.piece_bytes = 1'000;
+  Open(options);
+  const auto key = *journal_->Create("a", "");
+  Append(key, 1, "x");
+  const std::vector<std::string> parts(20, std::string(400, 'p'));
+  const std::uint64_t before = journal_->counts().syncs;
+  ASSERT_TRUE(journal_->Compact(key, 1, parts).ok());
+  EXPECT_GE(journal_->counts().syncs - before, 11u);  // two parts a piece, and the switch
+  EXPECT_EQ(Rows(folder_.path(), "snapshots"), 20);
+}
+
+TEST_F(GenerationsTest, ADamagedRowIsNamed) {
+  const std::pair<const char*, const char*> damages[] = {
+      {"UPDATE snapshots SET data = x'00' WHERE revision = 2 AND part = 1",
+       "mesh a part 1 of the snapshot of revision 2"},
+      {"UPDATE snapshots SET revision = 1 WHERE revision = 2 AND part = 1",
+       "mesh a the snapshot of revision 2"},
+      {"DELETE FROM snapshots WHERE part = 1", "mesh a the snapshot of revision 2"},
+      {"UPDATE entries SET data = x'00' WHERE revision = 3", "mesh a the entry of revision 3"},
+      {"UPDATE entries SET checksum = checksum + 1 WHERE revision = 3",
+       "mesh a the entry of revision 3"},
+      {"UPDATE entries SET data = (SELECT data FROM entries WHERE revision = 4), checksum = "
+       "(SELECT checksum FROM entries WHERE revision = 4) WHERE revision = 3",
+       "mesh a the entry of revision 3"},
+      {"UPDATE meshes SET description = 'no'", "mesh a the description"},
+  };
+  for (const auto& [sql, what] : damages) {
+    SCOPED_TRACE(sql);
+    journal_.reset();
+    std::filesystem::remove_all(folder_.path());
+    Open();
+    const auto key = *journal_->Create("a", "about");
+    for (const std::uint64_t r : {1u, 2u, 3u, 4u}) {
+      Append(key, r, absl::StrCat("data", r));
+      if (r == 2) {
+        ASSERT_TRUE(journal_->Compact(key, 2, {"p", "q"}).ok());
+      }
+    }
+    journal_.reset();
+    {
+      auto db = *sqlite::Connection::Open(folder_.path() + "/journal.sqlite", nullptr);
+      ASSERT_TRUE(db.Run(sql).ok());
+    }
+    Open();
+    for (const std::string& told : {Told(*journal_, key), ToldPast(*journal_, key, 3, 4)}) {
+      EXPECT_TRUE(absl::StrContains(told, "DATA_LOSS")) << told;
+      EXPECT_TRUE(absl::StrContains(told, what)) << told;
+    }
+  }
+}
+
+// Snapshots and a deletion in pieces, with each write failing in turn, for good: as a crash there
+// would leave it. What the journal then tells is the old state or the new one; whoever opens it
+// deletes what was left behind.
+TEST_F(GenerationsTest, CutShortAnywhereLeaveAValidStateAndNoRows) {
+  SqliteJournal::Options options;
+  options.vfs = FailingVfs::Name();
+  options.piece_bytes = 10;
+  options.history_bytes = 0;
+  const std::vector<std::string> parts = {"part-zero", "part-one", "part-two"};
+  const std::string before = "@2:s 3:three 4:four ";
+  const std::string after = "@4:part-zero @4:part-one @4:part-two ";
+  int at = 1;
+  int before_seen = 0, after_seen = 0, swept = 0;
+  for (;; ++at) {
+    SCOPED_TRACE(absl::StrCat("operation ", at));
+    journal_.reset();
+    std::filesystem::remove_all(folder_.path());
+    Open(options);
+    const auto a = *journal_->Create("a", ""), b = *journal_->Create("b", "");
+    Append(a, 1, "one");
+    Append(a, 2, "two");
+    ASSERT_TRUE(journal_->Compact(a, 2, {"s"}).ok());
+    Append(a, 3, "three");
+    Append(a, 4, "four");
+    for (std::uint64_t r = 1; r <= 4; ++r) Append(b, r, "an entry of b");
+    FailingVfs::FailAt(at, /*ever=*/true);
+    const absl::Status compacted = journal_->Compact(a, 4, parts);
+    const absl::Status deleted = journal_->Delete(b);
+    // It need not have been said that it failed: what was left to sweep is nobody's.
+    const bool failed = FailingVfs::failures() > 0;
+
+    test::TempFolder copy;
+    CopyJournal(folder_.path(), copy.path());
+    const std::int64_t left = Rows(copy.path(), "snapshots") + Rows(copy.path(), "entries");
+    const auto crashed = SqliteJournal::Open(copy.path(), {});
+    ASSERT_TRUE(crashed.ok()) << crashed.status();
+    const std::string told = Told(**crashed, a);
+    ASSERT_TRUE(told == before || told == after) << told;
+    (told == before ? before_seen : after_seen)++;
+    ASSERT_TRUE(!compacted.ok() || told == after);
+    const bool b_there = (*crashed)->List()->size() == 2;
+    ASSERT_TRUE(!deleted.ok() || !b_there);
+    ASSERT_EQ(Rows(copy.path(), "snapshots"), told == before ? 1 : 4);
+    ASSERT_EQ(Rows(copy.path(), "entries"), (told == before ? 4 : 2) + (b_there ? 4 : 0));
+    swept += left > Rows(copy.path(), "snapshots") + Rows(copy.path(), "entries");
+
+    FailingVfs::Heal();
+    const absl::Status again = journal_->Compact(a, 4, parts);
+    ASSERT_TRUE(again.ok()) << again;
+    ASSERT_EQ(Told(*journal_, a), after);
+    ASSERT_EQ(ToldPast(*journal_, a, 3, 3), "@2:s 3:three ");
+    ASSERT_EQ(Rows(folder_.path(), "snapshots"), 4);
+    if (!failed) break;
+  }
+  EXPECT_GT(at, 15);
+  EXPECT_GT(before_seen, 5);
+  EXPECT_GT(after_seen, 5);
+  EXPECT_GT(swept, 5);
+}
+
+}  // namespace
+}  // namespace dynmesh::server
