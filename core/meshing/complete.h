@@ -136,13 +136,14 @@ bool Refinement<D, E>::FindNext(int bucket, Candidate* next) {
 
 template <int D, template <class> class E>
 bool Refinement<D, E>::ShortestGap(int bucket, Candidate* best) const {
+  const Gaps gaps(*this);
   bool found = false;
   Candidate gap;
   for (int i = 0; i < star_.slot_count(); ++i) {
     const auto& u = star_[i];
     if (!IsInView(u) || BucketOf(u.d2) > bucket) continue;
     if (found && u.d2 > best->e2) continue;
-    if (!Owns(u.id) || !Gaps(*this).OfNeighbour(i, &gap)) continue;
+    if (!Owns(u.id) || !gaps.OfNeighbour(i, &gap)) continue;
     if (found && gap.e2 == best->e2 && best->neighbour < gap.neighbour) continue;
     *best = gap;
     found = true;
@@ -248,13 +249,14 @@ int Refinement<D, E>::NextBucket(int bucket) const {
   const bool open = !is_global() && IsOpen();
   const int last_known = open ? rules_.LastKnownBucket(bucket) : kBuckets - 2;
   int next = open ? last_known + 1 : kBuckets;
+  const Gaps gaps(*this);
   Candidate gap;
   for (int i = 0; i < star_.slot_count(); ++i) {
     const auto& u = star_[i];
     if (!IsInView(u)) continue;
     const int own = BucketOf(u.d2);
     if (own <= bucket || own > last_known || own >= next) continue;
-    if (Owns(u.id) && Gaps(*this).OfNeighbour(i, &gap)) next = own;
+    if (Owns(u.id) && gaps.OfNeighbour(i, &gap)) next = own;
   }
   return next;
 }

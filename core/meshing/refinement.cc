@@ -295,7 +295,7 @@ void Refinement<D, E>::RequestFirstGaps() {
       }
     });
   } else {
-    const Gaps gaps(*this);
+    const TetrahedronGaps gaps(*this);
     triangulation_->ForEachSimplex([&](auto t) {
       const auto& corners = triangulation_->vertices(t);
       const double r2 = gaps.MostRadius2(corners);
@@ -320,10 +320,10 @@ void Refinement<D, E>::RequestFirstGaps() {
 // v was inserted just now, by the Complete of near_, and so owns all its edges.
 template <int D, template <class> class E>
 void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
-  const Gaps gaps(*this);
   int first = kBuckets;
   const auto created = triangulation_->created();
   if constexpr (D == 2) {
+    const Gaps gaps(*this);
     VertexIndex right = triangulation_->vertices(created.back())[0];
     for (const auto t : created) {
       const VertexIndex u = triangulation_->vertices(t)[0], left = triangulation_->vertices(t)[1];
@@ -334,6 +334,7 @@ void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
       right = u;
     }
   } else {
+    const TetrahedronGaps gaps(*this);
     for (const auto t : created) {
       if (triangulation_->IsInfinite(t)) continue;
       const auto& corners = triangulation_->vertices(t);

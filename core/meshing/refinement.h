@@ -55,6 +55,8 @@ template <class R>
 class PlanarGaps;
 template <class R>
 class SpaceGaps;
+template <class R>
+class TetrahedronGaps;
 }  // namespace dynmesh::meshing
 
 template <int D, template <class> class E>
@@ -201,6 +203,7 @@ class Refinement {
  private:
   using Gaps = std::conditional_t<D == 2, PlanarGaps<Refinement>, SpaceGaps<Refinement>>;
   friend Gaps;
+  friend class TetrahedronGaps<Refinement>;
   // An edge with a gap, or a facet that is not covered, and the point to put there.
   struct Candidate {
     double e2 = 0;  // squared, at most the distance from the point to its nearest neighbour

@@ -13,19 +13,24 @@
 
 namespace dynmesh::meshing {
 
-// Looks at a Refinement `R`. Cheap to make.
+// Of the star of a Refinement `R`, for as long as that is not changed.
 template <class R>
 class SpaceGaps {
  public:
   using Candidate = typename R::Candidate;
 
-  explicit SpaceGaps(const R& refinement) : r_(refinement) {}
+  explicit SpaceGaps(const R& refinement) : r_(refinement) {
+    for (const SpaceStar::Corner& corner : r_.star_.corners()) {
+      most_radius2_ = std::max(most_radius2_, corner.r2);
+    }
+  }
 
   // Has the edge to the neighbour in slot i a gap that a point may be put into?
   bool OfNeighbour(int i, Candidate* gap) const {
     const auto& u = r_.star_[i];
     if (r_.IsSkipped(u.p, false)) return false;
-    auto x = r_.rules_.PointInGap(r_.star_, i);
+    std::optional<geometry::Point3> x;
+    if (r_.rules_.IsTooFar(most_radius2_, u.d2)) x = r_.rules_.PointInGap(r_.star_, i);
     if (!x && !r_.sizing_.empty()) x = CentreOfTooLarge(i);
     if (!x) return false;
     gap->e2 = u.d2;
@@ -33,35 +38,6 @@ class SpaceGaps {
     gap->left = false;
     gap->x = *x;
     return true;
-  }
-
-  // The circumradius, squared, at most; infinite if the ball may be too large for a sizing feature.
-  double MostRadius2(const std::array<VertexIndex, 4>& corners) const {
-    std::array<geometry::Vector3, 3> d;
-    std::array<double, 3> d2;
-    const geometry::Point3& p = r_.vertices_[corners[3]].p;
-    for (int i = 0; i < 3; ++i) {
-      d[i] = geometry::Difference(r_.vertices_[corners[i]].p.c, p.c);
-      d2[i] = geometry::Dot(d[i], d[i]);
-    }
-    // (0 1 2 3) is positive, so seen from 3 the others turn the other way.
-    const geometry::Circumball ball(d[0], d2[0], d[1], d2[1], d[2], d2[2], true);
-    const double r = std::sqrt(ball.r2) * (1 + 1e-9) + 2 * ball.error;
-    if (!r_.sizing_.empty() && r < INFINITY) {
-      geometry::Point3 centre = p;
-      for (int k = 0; k < 3; ++k) centre[k] += ball.w[k];
-      if (r_.sizing_.IsTooLarge(centre, r + 2 * ball.error + r_.rules_.ulp())) return INFINITY;
-    }
-    return r * r;
-  }
-
-  // The bucket of edge pq of a tetrahedron of that circumradius if that may be a gap of it, rather
-  // yes than no, else kBuckets: whoever looks at a whole star decides.
-  int BucketOf(VertexIndex p, VertexIndex q, double most_radius2) const {
-    const double e2 = geometry::SquaredDistance(r_.vertices_[p].p, r_.vertices_[q].p);
-    const bool may_have =
-        e2 >= r_.rules_.least_squared_length() && r_.rules_.IsTooFar(most_radius2, e2);
-    return may_have ? meshing::BucketOf(e2) : kBuckets;
   }
 
  private:
@@ -89,6 +65,47 @@ class SpaceGaps {
     return best;
   }
 
+  const R& r_;
+  double most_radius2_ = 0;
+};
+
+// The same of a tetrahedron of the triangulation, rather yes than no: whoever looks at a whole star
+// decides. Cheap to make.
+template <class R>
+class TetrahedronGaps {
+ public:
+  explicit TetrahedronGaps(const R& refinement) : r_(refinement) {}
+
+  // The circumradius, squared, at most; infinite if the ball may be too large for a sizing feature.
+  double MostRadius2(const std::array<VertexIndex, 4>& corners) const {
+    std::array<geometry::Vector3, 3> d;
+    std::array<double, 3> d2;
+    const geometry::Point3& p = r_.vertices_[corners[3]].p;
+    for (int i = 0; i < 3; ++i) {
+      d[i] = geometry::Difference(r_.vertices_[corners[i]].p.c, p.c);
+      d2[i] = geometry::Dot(d[i], d[i]);
+    }
+    // (0 1 2 3) is positive, so seen from 3 the others turn the other way.
+    const geometry::Circumball ball(d[0], d2[0], d[1], d2[1], d[2], d2[2], true);
+    const double r = std::sqrt(ball.r2) * (1 + 1e-9) + 2 * ball.error;
+    if (!r_.sizing_.empty() && r < INFINITY) {
+      geometry::Point3 centre = p;
+      for (int k = 0; k < 3; ++k) centre[k] += ball.w[k];
+      if (r_.sizing_.IsTooLarge(centre, r + 2 * ball.error + r_.rules_.ulp())) return INFINITY;
+    }
+    return r * r;
+  }
+
+  // The bucket of edge pq of a tetrahedron of that circumradius if it may have a gap, else
+  // kBuckets.
+  int BucketOf(VertexIndex p, VertexIndex q, double most_radius2) const {
+    const double e2 = geometry::SquaredDistance(r_.vertices_[p].p, r_.vertices_[q].p);
+    const bool may_have =
+        e2 >= r_.rules_.least_squared_length() && r_.rules_.IsTooFar(most_radius2, e2);
+    return may_have ? meshing::BucketOf(e2) : kBuckets;
+  }
+
+ private:
   const R& r_;
 };
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
+#include "absl/container/inlined_vector.h"
 #include "core/geometry/circumball.h"
 
 namespace dynmesh::meshing {
@@ -80,7 +80,7 @@ class SpaceRules::Face {
     const double height = std::sqrt(std::max(0.0, cap_ * cap_ - 0.25 * u_.d2));
     const double enough = kEnough * std::sqrt(u_.d2);
     const double slack = -1e-9 * enough;
-    const std::vector<Side> sides = Sides();
+    const SideList sides = Sides();
     std::optional<Point3> best;
     double best_clearance = 0;
     for (int step = kDirections / 8; step > 0; step /= 2) {
@@ -140,9 +140,9 @@ class SpaceRules::Face {
     double d2;
     double twice_across;  // its distance from the edge's line, doubled; else 1
   };
-  std::vector<Side> Sides() const {
-    std::vector<Side> sides;
-    sides.reserve(static_cast<std::size_t>(u_.degree));
+  using SideList = absl::InlinedVector<Side, 24>;
+  SideList Sides() const {
+    SideList sides;
     ForEachCorner([&](const SpaceStar::Corner& corner, int) {
       // Each side of the face once: the neighbour after u in the corner.
       const int k = corner.n[0] == slot_ ? 1 : corner.n[1] == slot_ ? 2 : 0;
@@ -157,7 +157,7 @@ class SpaceRules::Face {
 
   // How far c, in the plane of the face, is inside of its border; negative outside. If that is
   // less than `enough_less`, anything less.
-  static double Clearance(const std::vector<Side>& sides, const Vector& c, double enough_less) {
+  static double Clearance(const SideList& sides, const Vector& c, double enough_less) {
     double least = INFINITY;
     for (const Side& side : sides) {
       least = std::min(least, (side.d2 - 2 * Dot(c, side.d)) / side.twice_across);

@@ -16,6 +16,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -146,6 +147,19 @@ class SpatialTree {
     while (top > 0) {
       auto [cell, begin, end] = stack[--top];
       const Node& node = nodes_[cell.node];
+      if (node.child == kNone) {
+        const std::span<const Ball> near(balls.data() + begin, end - begin);
+        for (std::uint32_t l = node.leaf; l != kNone; l = leaves_[l].next) {
+          most -= static_cast<int>(leaves_[l].count);
+          if (most < 0) return false;
+          if constexpr (D == 2) {
+            VisitPointwise(leaves_[l], near, box, visit);
+          } else {
+            VisitBallwise(leaves_[l], near, visit);
+          }
+        }
+        continue;
+      }
       if constexpr (D > 2) {
         // Without branches, which would be mispredicted.
         balls.resize(end + (end - begin));
@@ -158,23 +172,14 @@ class SpatialTree {
         end = next;
         if (begin == end) continue;
       }
-      if (node.child != kNone) {
-        // clang 14 does not capture structured bindings by themselves.
-        ForEachChildIn(box, cell, [&, begin = begin, end = end](const Cell& child) {
-          stack[top++] = {child, begin, end};
-        });
-        continue;
-      }
-      const std::span<const Ball> near(balls.data() + begin, end - begin);
-      for (std::uint32_t l = node.leaf; l != kNone; l = leaves_[l].next) {
-        most -= static_cast<int>(leaves_[l].count);
-        if (most < 0) return false;
-        if constexpr (D == 2) {
-          VisitPointwise(leaves_[l], near, box, visit);
-        } else {
-          VisitBallwise(leaves_[l], near, visit);
+      // clang 14 does not capture structured bindings by themselves.
+      ForEachChildIn(box, cell, [&, begin = begin, end = end](const Cell& child) {
+        if (const Node& n = nodes_[child.node]; n.child == kNone) {
+          if (n.leaf == kNone) return;
+          PrefetchLeaf(leaves_[n.leaf]);
         }
-      }
+        stack[top++] = {child, begin, end};
+      });
     }
     return true;
   }
@@ -356,14 +361,20 @@ class SpatialTree {
   // computed for any point in it. Points beyond the root's border belong to its outermost
   // cells, but no point lies there.
   static double DistanceToCell2(const Point& p, const Cell& cell) {
+    const double half = cell.half * (1 + 0x1p-50);
     double d2 = 0;
     for (int i = 0; i < D; ++i) {
-      const double to_centre = std::fabs(p[i] - cell.centre[i]) * (1 - 0x1p-51);
-      const double beyond = to_centre - cell.half;
-      const double d = 0.5 * (beyond + std::fabs(beyond));  // 0 if negative, without a branch
+      const double beyond = std::fabs(p[i] - cell.centre[i]) - half;
+      const double d = beyond + std::fabs(beyond);  // twice, or 0 if negative, without a branch
       d2 += d * d;
     }
-    return d2 * (1 - 0x1p-50);
+    return d2 * (0.25 * (1 - 0x1p-50));
+  }
+  // Most leaves hold but a few points: where those are.
+  static void PrefetchLeaf(const Leaf& leaf) {
+    __builtin_prefetch(&leaf.count);
+    for (const auto& row : leaf.x) __builtin_prefetch(&row[2]);
+    __builtin_prefetch(&leaf.id[0]);
   }
   // For VisitBalls. In the plane balls are few, and to look at a cell costs as much as at its
   // points.
@@ -382,23 +393,33 @@ class SpatialTree {
   }
   template <class Visit>
   static void VisitBallwise(const Leaf& leaf, std::span<const Ball> balls, Visit& visit) {
-    double beyond[kCapacity];  // by how much each is outside of all balls
-    std::fill_n(beyond, leaf.count, INFINITY);
-    for (const Ball& ball : balls) {
-      for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        double d2 = 0;
-        for (int k = 0; k < D; ++k) {
-          const double d = leaf.x[k][i] - ball.centre[k];
-          d2 += d * d;
-        }
-        beyond[i] = std::min(beyond[i], d2 - ball.radius2);
+    // By fours, which stay in registers as two pairs; what stands behind the last point is not
+    // looked at.
+    using Pair [[gnu::vector_size(2 * sizeof(double))]] = double;
+    using Flags [[gnu::vector_size(2 * sizeof(double))]] = std::int64_t;
+    static_assert(kCapacity % 4 == 0);
+    for (std::uint32_t from = 0; from < leaf.count; from += 4) {
+      Pair x[2][D];
+      for (int j = 0; j < 2; ++j) {
+        for (int k = 0; k < D; ++k) std::memcpy(&x[j][k], &leaf.x[k][from + 2 * j], sizeof(Pair));
       }
-    }
-    for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      if (!(beyond[i] <= 0)) continue;
-      Point p;
-      for (int k = 0; k < D; ++k) p[k] = leaf.x[k][i];
-      visit(leaf.id[i], p);
+      Flags is_in[2] = {};
+      for (const Ball& ball : balls) {
+        for (int j = 0; j < 2; ++j) {
+          Pair d2 = {};
+          for (int k = 0; k < D; ++k) {
+            const Pair d = x[j][k] - ball.centre[k];
+            d2 += d * d;
+          }
+          is_in[j] |= d2 <= ball.radius2;
+        }
+      }
+      for (std::uint32_t i = from; i < std::min(from + 4, leaf.count); ++i) {
+        if (is_in[(i - from) / 2][i % 2] == 0) continue;
+        Point p;
+        for (int k = 0; k < D; ++k) p[k] = leaf.x[k][i];
+        visit(leaf.id[i], p);
+      }
     }
   }
   // Of a cell that meets the box: those of its children that do.
