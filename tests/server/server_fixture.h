@@ -40,6 +40,16 @@ class ServerFixture : public ::testing::Test {
     client_ = client::MeshClient::Connect(server_->address());
     stub_ = v1::MeshService::NewStub(Channel());
   }
+  // Asks for up to 20 seconds.
+  template <typename Condition>
+  static bool Eventually(const Condition& condition) {
+    for (int i = 0; i < 1000; ++i) {
+      if (condition()) return true;
+      absl::SleepFor(absl::Milliseconds(20));
+    }
+    return false;
+  }
+
   void StartWithMesh(ServerConfig config = {}) {
     StartServer(std::move(config));
     ASSERT_TRUE(client_->CreateMesh("m", MeshOptions()).ok());

@@ -55,15 +55,6 @@ class HostileTest : public ServerFixture {
     EXPECT_LT(ResidentBytes(), resident_ + (std::uint64_t{128} << 20));
   }
 
-  template <typename Condition>
-  static bool Eventually(const Condition& condition) {
-    for (int i = 0; i < 1000; ++i) {
-      if (condition()) return true;
-      absl::SleepFor(absl::Milliseconds(20));
-    }
-    return false;
-  }
-
   Head before_;
   std::uint64_t resident_ = 0;
   FeatureId next_id_ = 100;
