@@ -27,8 +27,7 @@ class RawConnection {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     if (connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0) Close();
   }
-  RawConnection(RawConnection&& other) noexcept
-      : socket_(std::exchange(other.socket_, -1)), received_(std::move(other.received_)) {}
+  RawConnection(RawConnection&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
   RawConnection& operator=(RawConnection&&) = delete;
   ~RawConnection() { Close(); }
 
@@ -57,23 +56,6 @@ class RawConnection {
       if (recv(socket_, buffer, sizeof(buffer), 0) <= 0) return true;
     }
     return false;
-  }
-
-  // Answers the pings that have come, as who is alive does. Waits for nothing.
-  void AnswerPings() {
-    constexpr std::size_t kHeader = 9;
-    char buffer[4096];
-    for (ssize_t n = 1; n > 0;) {
-      n = recv(socket_, buffer, sizeof(buffer), MSG_DONTWAIT);
-      if (n > 0) received_.append(buffer, static_cast<std::size_t>(n));
-    }
-    const auto byte = [this](std::size_t i) { return static_cast<unsigned char>(received_[i]); };
-    while (received_.size() >= kHeader) {
-      const std::size_t size = byte(0) << 16 | byte(1) << 8 | byte(2);
-      if (received_.size() < kHeader + size) return;
-      if (byte(3) == 6 && (byte(4) & 1) == 0) Send(Frame(6, 1, 0, received_.substr(kHeader, size)));
-      received_.erase(0, kHeader + size);
-    }
   }
 
   // The connection's first words.
@@ -113,7 +95,6 @@ class RawConnection {
 
  private:
   int socket_;
-  std::string received_;  // and not yet looked at
 };
 
 }  // namespace dynmesh::test
