@@ -20,6 +20,7 @@
 #include "server/calls/features_call.h"
 #include "server/calls/load_call.h"
 #include "server/calls/requests.h"
+#include "server/calls/snapshot_call.h"
 #include "server/calls/watch_call.h"
 #include "server/version.h"
 

@@ -168,66 +168,6 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   v1::WatchEvent event_;
 };
 
-class SnapshotCall final : public grpc::ServerWriteReactor<v1::SnapshotChunk> {
- public:
-  static SnapshotCall* Start(ServiceContext& context, const v1::GetSnapshotRequest& request,
-                             const absl::Status& admitted) {
-    auto call = std::make_shared<SnapshotCall>();
-    call->self_ = call;
-    const absl::Status status = admitted.ok() ? call->Begin(context, request) : admitted;
-    if (!status.ok()) call->Finish(codec::ToGrpcStatus(status));
-    return call.get();
-  }
-
-  void OnWriteDone(bool ok) override {
-    if (ok) {
-      Send();
-    } else {
-      Finish(ClientGone());
-    }
-  }
-  void OnDone() override { self_.reset(); }
-
- private:
-  absl::Status Begin(ServiceContext& context, const v1::GetSnapshotRequest& request) {
-    absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context);
-    if (!ticket.ok()) return ticket.status();
-    ticket_ = *std::move(ticket);
-    absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
-    if (!host.ok()) return host.status();
-    absl::StatusOr<Lease> lease = TakeStream(context.snapshot_streams, "snapshots under way");
-    if (!lease.ok()) return lease.status();
-    lease_ = *std::move(lease);
-    absl::StatusOr<data::RegionChoice> regions = DecodeRegions(request.regions());
-    if (!regions.ok()) return regions.status();
-    context.readers->Post([call = self_, host = *host, regions = *std::move(regions)] {
-      auto mesh = host->store()->Latest();
-      if (!mesh.ok()) return call->Finish(codec::ToGrpcStatus(mesh.status()));
-      if (!regions.IsEverything()) {
-        mesh = std::make_shared<const Mesh>(data::OnlyInside(**mesh, regions));
-      }
-      call->fragmenter_.emplace(*std::move(mesh));
-      call->Send();
-    });
-    return absl::OkStatus();
-  }
-
-  void Send() {
-    fragmenter_->Next(&chunk_);
-    if (fragmenter_->done()) {
-      StartWriteAndFinish(&chunk_, grpc::WriteOptions(), grpc::Status::OK);
-    } else {
-      StartWrite(&chunk_);
-    }
-  }
-
-  std::shared_ptr<SnapshotCall> self_;  // until OnDone
-  WorkGate::Ticket ticket_;
-  Lease lease_;
-  std::optional<codec::SnapshotFragmenter> fragmenter_;
-  v1::SnapshotChunk chunk_;
-};
-
 }  // namespace
 
 grpc::ServerWriteReactor<v1::WatchEvent>* StartWatchCall(ServiceContext& context,
@@ -235,11 +175,6 @@ grpc::ServerWriteReactor<v1::WatchEvent>* StartWatchCall(ServiceContext& context
                                                          const absl::StatusOr<Pass>& pass,
                                                          grpc::CallbackServerContext* rpc) {
   return WatchCall::Start(context, request, pass, rpc);
-}
-
-grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
-    ServiceContext& context, const v1::GetSnapshotRequest& request, const absl::Status& admitted) {
-  return SnapshotCall::Start(context, request, admitted);
 }
 
 }  // namespace dynmesh::server

@@ -18,10 +18,6 @@ grpc::ServerWriteReactor<v1::WatchEvent>* StartWatchCall(ServiceContext& context
                                                          const absl::StatusOr<Pass>& pass,
                                                          grpc::CallbackServerContext* rpc);
 
-// The same for GetSnapshot: the mesh at its present revision, chunk by chunk.
-grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
-    ServiceContext& context, const v1::GetSnapshotRequest& request, const absl::Status& admitted);
-
 }  // namespace dynmesh::server
 
 #endif  // DYNMESH_SERVER_CALLS_WATCH_CALL_H_

@@ -1,0 +1,89 @@
+// What the calls that stream a state of a mesh have in common: chunk after chunk, as the client
+// takes them.
+#ifndef DYNMESH_SERVER_CALLS_CHUNKS_CALL_H_
+#define DYNMESH_SERVER_CALLS_CHUNKS_CALL_H_
+
+#include <grpcpp/support/server_callback.h>
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "proto/codec/grpc_status.h"
+#include "server/calls/admission.h"
+
+namespace dynmesh::server {
+
+// `Call` derives from this; its Begin(context, request) sees to it that Stream or Fail is called,
+// once, on whatever thread, or returns an error. A call frees itself.
+template <class Call, class Chunk, class Fragmenter>
+class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
+ public:
+  template <class Request>
+  static Call* Start(ServiceContext& context, const Request& request,
+                     const absl::Status& admitted) {
+    auto call = std::make_shared<Call>();
+    call->self_ = call;
+    const absl::Status status = admitted.ok() ? call->Begin(context, request) : admitted;
+    if (!status.ok()) call->Fail(status);
+    return call.get();
+  }
+
+  void OnWriteDone(bool ok) override {
+    if (ok) {
+      Send();
+    } else {
+      this->Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
+    }
+  }
+  void OnCancel() override { cancelled_->store(true, std::memory_order_relaxed); }
+  void OnDone() override { self_.reset(); }
+
+ protected:
+  // What holds for all: the mesh must be there, and only so many states are under way at once.
+  absl::StatusOr<MeshRegistry::HostPtr> Enter(ServiceContext& context, const std::string& mesh) {
+    absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context);
+    if (!ticket.ok()) return ticket.status();
+    ticket_ = *std::move(ticket);
+    absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(mesh);
+    if (!host.ok()) return host.status();
+    absl::StatusOr<Lease> lease = TakeStream(context.snapshot_streams, "snapshots under way");
+    if (!lease.ok()) return lease.status();
+    lease_ = *std::move(lease);
+    return host;
+  }
+  template <class... Arguments>
+  void Stream(Arguments&&... arguments) {
+    fragmenter_.emplace(std::forward<Arguments>(arguments)...);
+    Send();
+  }
+  void Fail(const absl::Status& status) { this->Finish(codec::ToGrpcStatus(status)); }
+
+  const std::shared_ptr<Call>& self() const { return self_; }
+  std::shared_ptr<const std::atomic<bool>> cancelled() const { return cancelled_; }
+
+ private:
+  void Send() {
+    fragmenter_->Next(&chunk_);
+    if (fragmenter_->done()) {
+      this->StartWriteAndFinish(&chunk_, grpc::WriteOptions(), grpc::Status::OK);
+    } else {
+      this->StartWrite(&chunk_);
+    }
+  }
+
+  std::shared_ptr<Call> self_;  // until OnDone
+  const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
+  WorkGate::Ticket ticket_;
+  Lease lease_;
+  std::optional<Fragmenter> fragmenter_;
+  Chunk chunk_;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_CALLS_CHUNKS_CALL_H_
