@@ -5,12 +5,14 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "absl/time/time.h"
 #include "client/edit_session.h"
 #include "client/load.h"
 #include "client/watch_session.h"
@@ -25,8 +27,11 @@ struct Stub {
         authorization(token.empty() ? "" : "Bearer " + token) {}
 
   // Before the call begins.
-  void Authorize(grpc::ClientContext& context) const {
+  void Prepare(grpc::ClientContext& context,
+               absl::Duration timeout = absl::InfiniteDuration()) const {
     if (!authorization.empty()) context.AddMetadata("authorization", authorization);
+    if (timeout == absl::InfiniteDuration()) return;
+    context.set_deadline(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(timeout));
   }
 
   const std::unique_ptr<v1::MeshService::Stub> service;

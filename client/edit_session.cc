@@ -15,10 +15,7 @@ class GrpcEditSession final : public EditSession {
   GrpcEditSession(std::shared_ptr<Stub> stub, std::string mesh, bool stop_on_error,
                   absl::Duration timeout)
       : stub_(std::move(stub)), mesh_(std::move(mesh)), stop_on_error_(stop_on_error) {
-    if (timeout < absl::InfiniteDuration()) {
-      context_.set_deadline(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(timeout));
-    }
-    stub_->Authorize(context_);
+    stub_->Prepare(context_, timeout);
     stream_ = stub_->service->EditStream(&context_);
   }
 

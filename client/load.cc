@@ -37,10 +37,7 @@ class Loader {
  public:
   Loader(Stub& stub, const std::string& mesh, const LoadParams& params, absl::Duration timeout)
       : params_(params) {
-    if (timeout < absl::InfiniteDuration()) {
-      context_.set_deadline(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(timeout));
-    }
-    stub.Authorize(context_);
+    stub.Prepare(context_, timeout);
     stream_ = stub.service->LoadFeatures(&context_);
     message_.set_mesh(FullName(mesh));
     message_.set_request_id(params.request_id);

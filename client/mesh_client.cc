@@ -80,6 +80,25 @@ absl::StatusOr<EditResult> ReadResult(grpc::ClientReader<v1::MeshDiff>& reader) 
   return *std::move(result);
 }
 
+// What comes in chunks, put together. Reads to the end whatever they are.
+template <typename Whole, typename Chunk, typename Assembler>
+absl::StatusOr<Whole> ReadWhole(grpc::ClientReader<Chunk>& reader, Assembler assembler,
+                                const char* missing) {
+  std::optional<Whole> whole;
+  absl::Status broken;
+  Chunk chunk;
+  while (reader.Read(&chunk)) {
+    auto added = assembler.Add(chunk);
+    broken.Update(added.status());
+    if (added.ok() && added->has_value()) whole = **std::move(added);
+  }
+  const grpc::Status status = reader.Finish();
+  if (!status.ok()) return codec::FromGrpcStatus(status);
+  if (!broken.ok()) return broken;
+  if (!whole.has_value()) return absl::DataLossError(missing);
+  return *std::move(whole);
+}
+
 std::shared_ptr<grpc::ChannelCredentials> Credentials(const ClientOptions& options) {
   if (!options.tls()) return grpc::InsecureChannelCredentials();
   return grpc::SslCredentials({options.tls_ca, options.tls_key, options.tls_certificate});
@@ -91,11 +110,7 @@ struct MeshClient::Impl {
   std::shared_ptr<Stub> stub;
   absl::Duration timeout;
 
-  void Prepare(grpc::ClientContext& context) const {
-    stub->Authorize(context);
-    if (timeout == absl::InfiniteDuration()) return;
-    context.set_deadline(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(timeout));
-  }
+  void Prepare(grpc::ClientContext& context) const { stub->Prepare(context, timeout); }
 
   // A unary call: `method` of the stub.
   template <typename Method, typename Request, typename Response>
@@ -251,20 +266,8 @@ absl::StatusOr<codec::FeaturesAt> MeshClient::GetFeatures(const std::string& mes
   grpc::ClientContext context;
   impl_->Prepare(context);
   const auto reader = impl_->stub->service->GetFeatures(&context, request);
-  codec::FeaturesAssembler assembler(info->options.dimension);
-  std::optional<codec::FeaturesAt> features;
-  absl::Status broken;
-  v1::FeaturesChunk chunk;
-  while (reader->Read(&chunk)) {
-    auto added = assembler.Add(chunk);
-    broken.Update(added.status());
-    if (added.ok() && added->has_value()) features = **std::move(added);
-  }
-  const grpc::Status status = reader->Finish();
-  if (!status.ok()) return codec::FromGrpcStatus(status);
-  if (!broken.ok()) return broken;
-  if (!features.has_value()) return absl::DataLossError("the server sent not all features");
-  return *std::move(features);
+  return ReadWhole<codec::FeaturesAt>(*reader, codec::FeaturesAssembler(info->options.dimension),
+                                      "the server sent not all features");
 }
 
 absl::StatusOr<EditResult> MeshClient::RevertTo(const std::string& mesh, std::uint64_t revision,
@@ -300,24 +303,13 @@ absl::StatusOr<Mesh> MeshClient::GetSnapshot(const std::string& mesh,
   grpc::ClientContext context;
   impl_->Prepare(context);
   const auto reader = impl_->stub->service->GetSnapshot(&context, request);
-  codec::SnapshotAssembler assembler;
-  std::optional<Mesh> result;
-  absl::Status broken;
-  v1::SnapshotChunk chunk;
-  while (reader->Read(&chunk)) {
-    auto added = assembler.Add(chunk);
-    broken.Update(added.status());
-    if (added.ok() && added->has_value()) result = **std::move(added);
-  }
-  const grpc::Status status = reader->Finish();
-  if (!status.ok()) return codec::FromGrpcStatus(status);
-  if (!broken.ok()) return broken;
-  if (!result.has_value()) return absl::DataLossError("the server sent no whole snapshot");
+  absl::StatusOr<Mesh> found =
+      ReadWhole<Mesh>(*reader, codec::SnapshotAssembler(), "the server sent no whole snapshot");
   // The rows must be those that the hash tells of.
-  if (ComputeHash(*result) != result->hash) {
+  if (found.ok() && ComputeHash(*found) != found->hash) {
     return absl::DataLossError("the snapshot's rows do not have its hash");
   }
-  return *std::move(result);
+  return found;
 }
 
 absl::StatusOr<ServerStatus> MeshClient::GetStats(const std::string& mesh) {

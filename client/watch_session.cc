@@ -23,7 +23,7 @@ class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
       : follower_(std::move(follower)), request_(std::move(request)) {}
 
   void Start(Stub& stub) {
-    stub.Authorize(context_);
+    stub.Prepare(context_);
     stub.service->async()->Watch(&context_, &request_, this);
     StartRead(&event_);
     StartCall();

@@ -1,6 +1,5 @@
 // dynmesh features|revert --server ADDR: what was put into a mesh, and going back to it.
 #include <cstdint>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +9,7 @@
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
 #include "core/io/edit_script.h"
+#include "core/io/file_writer.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -39,12 +39,9 @@ int RunFeatures(const FeaturesCommand& command) {
   if (!found.ok()) return ReportError(found.status());
   const std::string script = ScriptOf(*found, info->options);
   if (command.output.empty()) return Print(script);
-  std::ofstream out(command.output);
+  io::FileWriter out(command.output);
   out << script;
-  out.close();
-  if (!out.good()) {
-    return ReportError(absl::UnavailableError(absl::StrCat("cannot write ", command.output)));
-  }
+  if (const absl::Status status = out.Close(); !status.ok()) return ReportError(status);
   return command.server.json
              ? Print(JsonObject()
                          .AddText("mesh", command.id)
