@@ -99,7 +99,7 @@ struct Server::Impl {
         access(std::move(a)),
         memory(c.max_memory_bytes),
         writers(WriterThreads(c.writer_threads, journal != nullptr)),
-        readers(Threads(c.reader_threads)),
+        readers(Threads(c.reader_threads), WorkerPool::Priority::kBackground),
         answers(Threads(c.writer_threads) / 2),
         registry(c, std::move(factory), &writers, &readers, journal.get(), &metrics, &memory),
         calls(metrics.registry),

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "core/base/time_slice.h"
 #include "core/data/diff_meshes.h"
 #include "core/dynamic_mesh/limits.h"
 #include "dynmesh/error.h"
@@ -52,10 +53,15 @@ bool IsSet(const std::atomic<bool>* flag) {
 
 template <int D>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Apply(const EditBatch& batch, const ApplyOptions& apply) {
-  if (apply.cancelled == nullptr && apply.stopped == nullptr) {
+  if (apply.cancelled == nullptr && apply.stopped == nullptr && !apply.shares_core) {
     return ApplyWith(batch, apply, [] { return false; });
   }
-  return ApplyWith(batch, apply, [&] { return IsSet(apply.cancelled) || IsSet(apply.stopped); });
+  std::optional<TimeSlice> slice;
+  if (apply.shares_core) slice.emplace();
+  return ApplyWith(batch, apply, [&] {
+    if (slice.has_value()) slice->Step();
+    return IsSet(apply.cancelled) || IsSet(apply.stopped);
+  });
 }
 
 template <int D>

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/base/process.h"
+
 namespace dynmesh::server {
 namespace {
 
@@ -12,36 +14,56 @@ constexpr int kTurn = 16;
 
 }  // namespace
 
-WorkerPool::WorkerPool(int threads) {
-  for (int i = 0; i < std::max(1, threads); ++i) threads_.emplace_back([this] { Run(); });
+WorkerPool::WorkerPool(int threads, Priority priority) {
+  for (int i = 0; i < std::max(1, threads); ++i) {
+    threads_.emplace_back([this, priority] {
+      if (priority == Priority::kBackground) YieldToOtherThreads();
+      Run();
+    });
+  }
 }
 
 WorkerPool::~WorkerPool() { Stop(); }
 
 void WorkerPool::Post(Task task) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (stopping_ && running_ == 0 && tasks_.empty()) return;
-    tasks_.push_back(std::move(task));
+  const std::lock_guard lock(mutex_);
+  if (stopping_ && running_ == 0 && tasks_.empty()) return;
+  tasks_.push_back(std::move(task));
+  if (idle_.empty()) return;
+  idle_.back()->woken = true;
+  // Under the lock: one that was woken may be gone as soon as it is free.
+  idle_.back()->wake.notify_one();
+  idle_.pop_back();
+}
+
+void WorkerPool::WakeAll() {
+  for (Idle* idle : idle_) {
+    idle->woken = true;
+    idle->wake.notify_one();
   }
-  wake_.notify_one();
+  idle_.clear();
 }
 
 void WorkerPool::Stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
+    WakeAll();
   }
-  wake_.notify_all();
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
 }
 
 void WorkerPool::Run() {
+  Idle self;
   std::unique_lock lock(mutex_);
   while (true) {
     // A running task may post more, so nobody leaves before all are done.
-    wake_.wait(lock, [this] { return !tasks_.empty() || (stopping_ && running_ == 0); });
+    while (tasks_.empty() && !(stopping_ && running_ == 0)) {
+      self.woken = false;
+      idle_.push_back(&self);
+      self.wake.wait(lock, [&self] { return self.woken; });
+    }
     if (tasks_.empty()) break;
     Task task = std::move(tasks_.front());
     tasks_.pop_front();
@@ -51,7 +73,7 @@ void WorkerPool::Run() {
     task = nullptr;  // what it holds is freed outside the lock
     lock.lock();
     --running_;
-    if (stopping_) wake_.notify_all();
+    if (stopping_) WakeAll();
   }
 }
 

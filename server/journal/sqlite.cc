@@ -1,5 +1,9 @@
 #include "server/journal/sqlite.h"
 
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 
 namespace dynmesh::server::sqlite {
@@ -42,9 +46,31 @@ absl::Status Connection::Run(const char* sql) {
   return StatusOf(sqlite3_exec(db_.get(), sql, nullptr, nullptr, nullptr), sql);
 }
 
-Statement::Statement(const Connection& connection, const char* sql)
-    : connection_(connection), sql_(sql) {
-  Take(sqlite3_prepare_v2(connection.get(), sql, -1, &statement_, nullptr));
+Connection::Prepared Connection::TakePrepared(const char* sql) {
+  const auto same = std::find_if(put_by_.begin(), put_by_.end(), [sql](const Prepared& p) {
+    return std::strcmp(sqlite3_sql(p.get()), sql) == 0;
+  });
+  if (same == put_by_.end()) return nullptr;
+  Prepared taken = std::move(*same);
+  *same = std::move(put_by_.back());
+  put_by_.pop_back();
+  return taken;
+}
+
+Statement::Statement(Connection& connection, const char* sql)
+    : connection_(connection), sql_(sql), statement_(connection.TakePrepared(sql)) {
+  if (statement_ != nullptr) return;
+  sqlite3_stmt* statement = nullptr;
+  Take(sqlite3_prepare_v3(connection.get(), sql, -1, SQLITE_PREPARE_PERSISTENT, &statement,
+                          nullptr));
+  statement_.reset(statement);
+}
+
+Statement::~Statement() {
+  if (!status_.ok() || statement_ == nullptr) return;
+  sqlite3_reset(statement_.get());
+  sqlite3_clear_bindings(statement_.get());
+  connection_.put_by_.push_back(std::move(statement_));
 }
 
 void Statement::Take(int code) {
@@ -52,13 +78,13 @@ void Statement::Take(int code) {
 }
 
 Statement& Statement::Bind(std::int64_t value) {
-  if (status_.ok()) Take(sqlite3_bind_int64(statement_, ++bound_, value));
+  if (status_.ok()) Take(sqlite3_bind_int64(statement_.get(), ++bound_, value));
   return *this;
 }
 
 Statement& Statement::BindText(absl::string_view text) {
   if (status_.ok()) {
-    Take(sqlite3_bind_text64(statement_, ++bound_, text.data(), text.size(), SQLITE_STATIC,
+    Take(sqlite3_bind_text64(statement_.get(), ++bound_, text.data(), text.size(), SQLITE_STATIC,
                              SQLITE_UTF8));
   }
   return *this;
@@ -67,23 +93,23 @@ Statement& Statement::BindText(absl::string_view text) {
 Statement& Statement::BindBytes(absl::string_view bytes) {
   if (status_.ok()) {
     // A null pointer would be NULL, not an empty blob.
-    Take(sqlite3_bind_blob64(statement_, ++bound_, bytes.empty() ? "" : bytes.data(), bytes.size(),
-                             SQLITE_STATIC));
+    Take(sqlite3_bind_blob64(statement_.get(), ++bound_, bytes.empty() ? "" : bytes.data(),
+                             bytes.size(), SQLITE_STATIC));
   }
   return *this;
 }
 
 bool Statement::Step() {
   if (!status_.ok()) return false;
-  const int code = sqlite3_step(statement_);
+  const int code = sqlite3_step(statement_.get());
   if (code == SQLITE_ROW) return true;
   Take(code);
   return false;
 }
 
 std::string Statement::Bytes(int column) const {
-  const void* data = sqlite3_column_blob(statement_, column);
-  const int size = sqlite3_column_bytes(statement_, column);
+  const void* data = sqlite3_column_blob(statement_.get(), column);
+  const int size = sqlite3_column_bytes(statement_.get(), column);
   return data == nullptr
              ? std::string()
              : std::string(static_cast<const char*>(data), static_cast<std::size_t>(size));

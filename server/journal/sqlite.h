@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -31,20 +32,28 @@ class Connection {
   sqlite3* get() const { return db_.get(); }
 
  private:
+  friend class Statement;
   struct Close {
     void operator()(sqlite3* db) const { sqlite3_close_v2(db); }
+    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
   };
+  using Prepared = std::unique_ptr<sqlite3_stmt, Close>;
+
+  // One that was put by, or null.
+  Prepared TakePrepared(const char* sql);
+
   std::unique_ptr<sqlite3, Close> db_;
+  std::vector<Prepared> put_by_;  // to parse one takes longer than to run it
 };
 
 // A prepared statement. Errors stick: bind, step and read, then ask status(). What is bound
-// outlives the stepping.
+// outlives the stepping. The connection keeps it prepared for the next that has the same text.
 class Statement {
  public:
-  Statement(const Connection& connection, const char* sql);
+  Statement(Connection& connection, const char* sql);
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
-  ~Statement() { sqlite3_finalize(statement_); }
+  ~Statement();
 
   // The next parameter.
   Statement& Bind(std::int64_t value);
@@ -53,9 +62,11 @@ class Statement {
 
   // True if there is a row.
   bool Step();
-  std::int64_t Integer(int column) const { return sqlite3_column_int64(statement_, column); }
+  std::int64_t Integer(int column) const { return sqlite3_column_int64(statement_.get(), column); }
   std::string Bytes(int column) const;
-  bool IsNull(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+  bool IsNull(int column) const {
+    return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
+  }
   const absl::Status& status() const { return status_; }
 
   // Steps to the end.
@@ -64,9 +75,9 @@ class Statement {
  private:
   void Take(int code);
 
-  const Connection& connection_;
+  Connection& connection_;
   const char* const sql_;
-  sqlite3_stmt* statement_ = nullptr;
+  Connection::Prepared statement_;
   int bound_ = 0;
   absl::Status status_;
 };

@@ -23,7 +23,7 @@ std::uint64_t BytesOf(const std::vector<std::string>& parts) {
 }
 
 // Entries of a mesh up to this revision belong to no generation. nullopt: nothing can be said.
-absl::StatusOr<std::optional<std::int64_t>> LeftoversUpTo(const Connection& connection,
+absl::StatusOr<std::optional<std::int64_t>> LeftoversUpTo(Connection& connection,
                                                           std::int64_t mesh) {
   Statement found(connection, "SELECT snapshot FROM meshes WHERE key = ?");
   if (!found.Bind(mesh).Step()) {

@@ -28,76 +28,78 @@ absl::StatusOr<std::unique_ptr<SqliteJournal>> SqliteJournal::Open(const std::st
   if (absl::Status s = PrepareJournal(*connection, path); !s.ok()) {
     return absl::Status(s.code(), absl::StrCat(path, ": ", s.message()));
   }
-  std::unique_ptr<SqliteJournal> journal(
-      new SqliteJournal(path, options, *std::move(lock), *std::move(connection)));
+  absl::StatusOr<Connection> mover = Connection::Open(path, options.vfs);
+  if (!mover.ok()) return mover.status();
+  std::unique_ptr<SqliteJournal> journal(new SqliteJournal(
+      path, options, *std::move(lock), *std::move(connection), *std::move(mover)));
   journal->SweepAll();
   return journal;
 }
 
 SqliteJournal::SqliteJournal(std::string path, const Options& options, FolderLock lock,
-                             Connection connection)
+                             Connection writer, Connection mover)
     : path_(std::move(path)),
       options_(options),
       lock_(std::move(lock)),
-      writer_(std::move(connection)),
-      thread_([this] { Run(); }) {}
-
-SqliteJournal::~SqliteJournal() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  wake_.notify_all();
-  thread_.join();
+      writer_(std::move(writer)),
+      checkpointer_(std::move(mover)) {
+  // In the place of SQLite's own, which moves the log within a commit.
+  sqlite3_wal_hook(
+      writer_.get(),
+      [](void* journal, sqlite3*, const char*, int pages) {
+        static_cast<SqliteJournal*>(journal)->log_pages_ = pages;
+        return SQLITE_OK;
+      },
+      this);
 }
 
-// ------------------------------------------------------------------ the writer
+SqliteJournal::~SqliteJournal() = default;
+
+// ------------------------------------------------------------------ writing
 
 absl::Status SqliteJournal::Write(const Change& change) {
   Waiting mine{&change, {}};
   std::unique_lock lock(mutex_);
   waiting_.push_back(&mine);
-  wake_.notify_one();
-  ended_.wait(lock, [&] { return mine.done; });
+  ended_.wait(lock, [&] { return mine.done || !writing_; });
+  if (!mine.done) WriteAll(lock);
   return mine.result;
 }
 
-void SqliteJournal::Run() {
-  std::unique_lock lock(mutex_);
-  while (true) {
-    wake_.wait(lock, [this] { return stopping_ || !waiting_.empty(); });
-    if (waiting_.empty()) return;
-    const std::vector<Waiting*> group(waiting_.begin(), waiting_.end());
-    waiting_.clear();
-    lock.unlock();
-    absl::Status status = failed_ ? Probe() : absl::OkStatus();
-    if (status.ok()) status = Commit(group);
-    if (!status.ok() && !failed_) {
-      Log(LogLevel::kError, "journal_failed", {{"journal", path_}, {"error", status.message()}});
-    } else if (status.ok() && failed_) {
-      Log(LogLevel::kInfo, "journal_works_again", {{"journal", path_}});
-    }
-    failed_ = !status.ok();
-    ++(failed_ ? failures_ : syncs_);
-    lock.lock();
-    for (Waiting* waiting : group) {
-      if (!status.ok()) waiting->result = status;
-      waiting->done = true;
-    }
-    ended_.notify_all();
+// On the caller's own thread: to wake another one and be woken takes as long as a quick disk.
+void SqliteJournal::WriteAll(std::unique_lock<std::mutex>& lock) {
+  writing_ = true;
+  const std::vector<Waiting*> group = std::exchange(waiting_, {});
+  lock.unlock();
+  absl::Status status = failed_ ? Probe() : absl::OkStatus();
+  if (status.ok()) status = Commit(group);
+  if (!status.ok() && !failed_) {
+    Log(LogLevel::kError, "journal_failed", {{"journal", path_}, {"error", status.message()}});
+  } else if (status.ok() && failed_) {
+    Log(LogLevel::kInfo, "journal_works_again", {{"journal", path_}});
   }
+  failed_ = !status.ok();
+  ++(failed_ ? failures_ : syncs_);
+  if (status.ok()) checkpointer_.Committed(log_pages_, writer_);
+  lock.lock();
+  for (Waiting* waiting : group) {
+    if (!status.ok()) waiting->result = status;
+    waiting->done = true;
+  }
+  writing_ = false;
+  ended_.notify_all();
 }
 
 // Not OK: nothing of the group was done.
 absl::Status SqliteJournal::Commit(const std::vector<Waiting*>& group) {
-  absl::Status status = writer_.Run("BEGIN IMMEDIATE");
+  absl::Status status = Statement(writer_, "BEGIN IMMEDIATE").Finish();
   for (std::size_t i = 0; status.ok() && i < group.size(); ++i) {
     group[i]->result = (*group[i]->change)();
     if (absl::IsUnavailable(group[i]->result) || absl::IsDataLoss(group[i]->result)) {
       status = group[i]->result;
     }
   }
-  if (status.ok()) status = writer_.Run("COMMIT");
+  if (status.ok()) status = Statement(writer_, "COMMIT").Finish();
   if (!status.ok() && !writer_.autocommit()) {
     // It cannot be left open: the next transaction would go on with it.
     if (absl::Status s = writer_.Run("ROLLBACK"); !s.ok()) {

@@ -1,7 +1,7 @@
 // The journal in a folder: an SQLite database in WAL mode, synced at every commit, and a lock.
 //
-// One thread writes. Callers queue what they want and wait; the thread does all that waits in one
-// transaction, so that they share its sync. A transaction that fails is rolled back and fails all
+// One caller writes at a time, what he wants and all that waits by then, in one transaction, so
+// that they share its sync; the others wait. A transaction that fails is rolled back and fails all
 // that were in it, also the innocent: what a failed sync left on the disk nobody knows. Before
 // anything else is written a probe is, over the same place of the log; until one is done, all
 // writes fail.
@@ -17,13 +17,12 @@
 
 #include <atomic>
 #include <condition_variable>
-#include <deque>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "server/journal/checkpointer.h"
 #include "server/journal/folder_lock.h"
 #include "server/journal/journal.h"
 #include "server/journal/sqlite.h"
@@ -70,15 +69,15 @@ class SqliteJournal final : public Journal {
   };
 
   SqliteJournal(std::string path, const Options& options, FolderLock lock,
-                sqlite::Connection connection);
+                sqlite::Connection writer, sqlite::Connection mover);
 
   absl::Status Write(const Change& change);
   absl::Status CheckLast(Key mesh, std::uint64_t revision);
   // Deletes leftovers in pieces. What cannot be is left for the next time.
   void Sweep(Key mesh);
   void SweepAll();
-  // On the writer's thread.
-  void Run();
+  // By whoever writes.
+  void WriteAll(std::unique_lock<std::mutex>& lock);
   absl::Status Commit(const std::vector<Waiting*>& group);
   absl::Status Probe();
   absl::Status Append(Key mesh, const Entry& entry);
@@ -92,19 +91,20 @@ class SqliteJournal final : public Journal {
   const Options options_;
   const FolderLock lock_;
 
-  // Belong to the writer's thread.
+  // Belong to whoever writes.
   sqlite::Connection writer_;
   bool failed_ = false;
+  int log_pages_ = 0;
 
   std::atomic<std::uint64_t> syncs_{0};
   std::atomic<std::uint64_t> failures_{0};
 
   std::mutex mutex_;
-  std::condition_variable wake_;   // of the writer
-  std::condition_variable ended_;  // of the callers
-  std::deque<Waiting*> waiting_;
-  bool stopping_ = false;
-  std::thread thread_;
+  std::condition_variable ended_;  // a transaction
+  std::vector<Waiting*> waiting_;
+  bool writing_ = false;
+
+  Checkpointer checkpointer_;
 };
 
 }  // namespace dynmesh::server

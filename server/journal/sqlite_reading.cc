@@ -23,8 +23,7 @@ absl::Status Damaged(absl::string_view mesh, absl::string_view what) {
 // Reads a mesh in a transaction. Its row first: Find; then any of the rest.
 class MeshReader {
  public:
-  MeshReader(const Connection& connection, Journal::Key mesh)
-      : connection_(connection), mesh_(mesh) {}
+  MeshReader(Connection& connection, Journal::Key mesh) : connection_(connection), mesh_(mesh) {}
 
   absl::Status Find() {
     Statement found(connection_,
@@ -121,7 +120,7 @@ class MeshReader {
   }
 
  private:
-  const Connection& connection_;
+  Connection& connection_;
   const Journal::Key mesh_;
   std::string id_;
   std::int64_t snapshot_ = 0, head_ = 0;
@@ -138,7 +137,7 @@ absl::StatusOr<Connection> SqliteJournal::OpenReader() const {
 }
 
 absl::StatusOr<std::vector<Journal::Mesh>> SqliteJournal::List() {
-  const absl::StatusOr<Connection> reader = OpenReader();
+  absl::StatusOr<Connection> reader = OpenReader();
   if (!reader.ok()) return reader.status();
   std::vector<Mesh> meshes;
   Statement rows(*reader,
@@ -158,7 +157,7 @@ absl::StatusOr<std::vector<Journal::Mesh>> SqliteJournal::List() {
 }
 
 absl::Status SqliteJournal::Read(Key mesh, const Visitor& visitor) {
-  const absl::StatusOr<Connection> connection = OpenReader();
+  absl::StatusOr<Connection> connection = OpenReader();
   if (!connection.ok()) return connection.status();
   MeshReader reader(*connection, mesh);
   absl::Status status = reader.Find();
@@ -173,7 +172,7 @@ absl::Status SqliteJournal::Read(Key mesh, const Visitor& visitor) {
 
 absl::Status SqliteJournal::ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
                                      const Visitor& visitor) {
-  const absl::StatusOr<Connection> connection = OpenReader();
+  absl::StatusOr<Connection> connection = OpenReader();
   if (!connection.ok()) return connection.status();
   MeshReader reader(*connection, mesh);
   if (absl::Status s = reader.Find(); !s.ok()) return s;
@@ -186,7 +185,7 @@ absl::Status SqliteJournal::ReadPast(Key mesh, std::uint64_t from, std::uint64_t
 }
 
 absl::StatusOr<std::uint64_t> SqliteJournal::Oldest(Key mesh) {
-  const absl::StatusOr<Connection> reader = OpenReader();
+  absl::StatusOr<Connection> reader = OpenReader();
   if (!reader.ok()) return reader.status();
   Statement oldest(*reader, "SELECT min(revision) FROM generations WHERE mesh = ?");
   if (!oldest.Bind(mesh).Step()) return oldest.status();

@@ -77,7 +77,7 @@ void SumOfColumns(sqlite3_context* context, int count, sqlite3_value** columns) 
   sqlite3_result_int64(context, sum.value());
 }
 
-absl::StatusOr<std::int64_t> VersionOf(const Connection& connection) {
+absl::StatusOr<std::int64_t> VersionOf(Connection& connection) {
   Statement statement(connection, "PRAGMA user_version");
   const bool row = statement.Step();
   if (!statement.status().ok()) return statement.status();

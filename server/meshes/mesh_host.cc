@@ -314,6 +314,7 @@ absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& co
     if (memory_ != nullptr) apply_options.stopped = memory_->full();
   }
   apply_options.cancelled = job.cancelled.get();
+  apply_options.shares_core = true;
   apply_options.progress = [&](const ApplyProgress& progress) { SetProgress(job, progress); };
   RequestMemory::Entry answer{content, 0, 0, {}, {}};
   apply_options.commit = [&](const MeshDiff& d) {

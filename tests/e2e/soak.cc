@@ -5,6 +5,8 @@
 // One line of JSON a minute, and one in the end. Exit code 1 if a revision was lost or came twice,
 // a hash differs, a watcher does not get to the end, an edit was answered otherwise than it should,
 // the server does not come back with its meshes after a restart, or its memory grew.
+#include <sys/resource.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <csignal>
@@ -93,7 +95,12 @@ class Soak {
     if (!Begin()) return Fail("dynmeshd or its meshes did not start:\n" + daemon_->Log());
     settings_.audience.seed = settings_.seed + 1'000;
     audience_ = std::make_unique<Audience>(settings_.audience, &sites_, &faults_);
-    audience_->Start(daemon_->address(), certificates_.Certificate("ca"), *control_);
+    // Watchers stand for other machines, whose work takes no core from the server and the writers:
+    // their threads, and those that gRPC makes for them, inherit what this one is given.
+    std::thread([this] {
+      setpriority(PRIO_PROCESS, 0, 10);  // Linux: of this thread
+      audience_->Start(daemon_->address(), certificates_.Certificate("ca"), *control_);
+    }).join();
     StartWriters();
     std::thread probe([this] { ProbeDisk(settings_.folder + "/probe", 2, stop_, disk_); });
     Watch();

@@ -45,6 +45,9 @@ struct ApplyOptions {
   const std::atomic<bool>* cancelled = nullptr;
   // The same, for a second party: the caller's own reasons, beside its client's.
   const std::atomic<bool>* stopped = nullptr;
+  // Between operations, some thousand times a second, threads that wait for the core have their
+  // turn: for a process that answers others meanwhile. Changes nothing in what is done.
+  bool shares_core = false;
   // Asked once, with the diff as Apply would return it, when nothing else can fail any more and
   // before the mesh says that it is at the new revision: such as to write the batch down first.
   // Unless it answers OK the batch is undone, as if cancelled, and Apply returns its answer. An

@@ -1,6 +1,4 @@
 // The history in a journal: what is kept and what goes, also when that is cut short.
-#include "server/journal/sqlite_generations.h"
-
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -15,6 +13,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "server/base/log.h"
+#include "server/journal/sqlite_generations.h"
 #include "server/journal/sqlite_journal.h"
 #include "tests/server/journal/durable_registry.h"
 #include "tests/server/journal/failing_vfs.h"
@@ -28,7 +27,7 @@ using Entry = Journal::Entry;
 
 // Rows of a table in the files, also of those that no reader sees.
 std::int64_t Rows(const std::string& folder, const std::string& table) {
-  const auto db = *sqlite::Connection::Open(folder + "/journal.sqlite", nullptr);
+  auto db = *sqlite::Connection::Open(folder + "/journal.sqlite", nullptr);
   const std::string sql = "SELECT count(*) FROM " + table;
   sqlite::Statement count(db, sql.c_str());
   return count.Step() ? count.Integer(0) : -1;

@@ -6,6 +6,7 @@
 #include <sqlite3.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -146,6 +147,33 @@ TEST_F(SqliteJournalTest, ManyWritersAtOnceLoseNothing) {
     for (int r = 1; r <= kEach; ++r) absl::StrAppend(&expected, r, ":", w, " ");
     EXPECT_EQ(Told(*journal_, keys[w]), expected);
   }
+}
+
+// Far more than the log is to have, from many at once, so that hardly ever nobody writes.
+TEST_F(SqliteJournalTest, TheLogIsMovedIntoTheDatabaseAndBeginsAnew) {
+  Open();
+  constexpr int kWriters = 4, kEntries = 2'500;
+  const std::string data(4'000, 'x');
+  std::vector<std::thread> writers;
+  for (int w = 0; w < kWriters; ++w) {
+    writers.emplace_back([&, w] {
+      const auto key = journal_->Create(absl::StrCat("m", w), "");
+      ASSERT_TRUE(key.ok());
+      for (std::uint64_t r = 1; r <= kEntries; ++r) {
+        ASSERT_TRUE(journal_->Append(*key, Entry{r, data}, std::nullopt).ok());
+      }
+    });
+  }
+  for (std::thread& writer : writers) writer.join();
+  const auto size = [&](const char* end) { return std::filesystem::file_size(File() + end); };
+  constexpr std::uint64_t kPage = 4'096, kAll = std::uint64_t{kWriters} * kEntries * 4'000;
+  static_assert(2 * kPage * Checkpointer::kFarTooMany < kAll);
+  EXPECT_LT(size("-wal"), 2 * kPage * Checkpointer::kFarTooMany);
+  EXPECT_GT(size(""), kAll / 2);
+  Open();
+  const auto meshes = journal_->List();
+  ASSERT_TRUE(meshes.ok());
+  for (const Journal::Mesh& mesh : *meshes) EXPECT_EQ(mesh.entries, kEntries + 0u) << mesh.id;
 }
 
 TEST_F(SqliteJournalTest, TheFolderBelongsToOne) {
