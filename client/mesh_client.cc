@@ -62,24 +62,6 @@ void EncodeParams(const std::string& mesh, const EditParams& params, Request* re
   request->set_omit_columns(params.omit_columns);
 }
 
-// Reads the diff of a call to its end.
-absl::StatusOr<EditResult> ReadResult(grpc::ClientReader<v1::MeshDiff>& reader) {
-  std::optional<EditResult> result;
-  absl::Status broken;
-  ResultAssembler assembler;
-  v1::MeshDiff fragment;
-  while (reader.Read(&fragment)) {
-    auto added = assembler.Add(fragment);
-    broken.Update(added.status());
-    if (added.ok() && added->has_value()) result = **std::move(added);
-  }
-  const grpc::Status status = reader.Finish();
-  if (!status.ok()) return codec::FromGrpcStatus(status);
-  if (!broken.ok()) return broken;
-  if (!result.has_value()) return absl::DataLossError("the server sent no whole diff");
-  return *std::move(result);
-}
-
 // What comes in chunks, put together. Reads to the end whatever they are.
 template <typename Whole, typename Chunk, typename Assembler>
 absl::StatusOr<Whole> ReadWhole(grpc::ClientReader<Chunk>& reader, Assembler assembler,
@@ -97,6 +79,10 @@ absl::StatusOr<Whole> ReadWhole(grpc::ClientReader<Chunk>& reader, Assembler ass
   if (!broken.ok()) return broken;
   if (!whole.has_value()) return absl::DataLossError(missing);
   return *std::move(whole);
+}
+
+absl::StatusOr<EditResult> ReadResult(grpc::ClientReader<v1::MeshDiff>& reader) {
+  return ReadWhole<EditResult>(reader, ResultAssembler(), "the server sent no whole diff");
 }
 
 std::shared_ptr<grpc::ChannelCredentials> Credentials(const ClientOptions& options) {

@@ -5,6 +5,19 @@
 #include "server/base/log.h"
 
 namespace dynmesh::server {
+namespace {
+
+// Waits for nobody: not for readers, whose part of the log stays, nor for the other who moves it.
+void MoveLog(const sqlite::Connection& connection) {
+  const int code = sqlite3_wal_checkpoint_v2(connection.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
+                                             nullptr, nullptr);
+  if (code == SQLITE_BUSY) return;
+  if (const absl::Status s = connection.StatusOf(code, "moving the log"); !s.ok()) {
+    Log(LogLevel::kWarning, "checkpoint_failed", {{"error", s.message()}});
+  }
+}
+
+}  // namespace
 
 Checkpointer::Checkpointer(sqlite::Connection mover)
     : mover_(std::move(mover)), thread_([this] { Run(); }) {}
@@ -18,17 +31,16 @@ Checkpointer::~Checkpointer() {
   thread_.join();
 }
 
-void Checkpointer::Committed(int log_pages, sqlite::Connection& writer) {
+void Checkpointer::Committed(int log_pages, const sqlite::Connection& writer) {
   {
     const std::lock_guard lock(mutex_);
     if (log_pages < log_pages_) due_ = kMany;  // it began anew
     log_pages_ = log_pages;
     if (log_pages < due_) return;
+    if (log_pages < kFarTooMany) return wake_.notify_one();
+    due_ = log_pages + kMany;
   }
-  wake_.notify_one();
-  if (log_pages < kFarTooMany) return;
-  // Its result is the log's size at the next commit.
-  sqlite3_wal_checkpoint_v2(writer.get(), nullptr, SQLITE_CHECKPOINT_RESTART, nullptr, nullptr);
+  MoveLog(writer);
 }
 
 void Checkpointer::Run() {
@@ -39,11 +51,7 @@ void Checkpointer::Run() {
     // Not at each of the next commits again: the writer may be faster, or the disk be full.
     due_ = log_pages_ + kMany;
     lock.unlock();
-    const int code = sqlite3_wal_checkpoint_v2(mover_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
-                                               nullptr, nullptr);
-    if (const absl::Status s = mover_.StatusOf(code, "moving the log"); !s.ok()) {
-      Log(LogLevel::kWarning, "checkpoint_failed", {{"error", s.message()}});
-    }
+    MoveLog(mover_);
     lock.lock();
   }
 }

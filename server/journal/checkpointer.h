@@ -25,7 +25,7 @@ class Checkpointer {
   ~Checkpointer();
 
   // After each transaction of `writer`, by whoever writes: the log has so many pages now.
-  void Committed(int log_pages, sqlite::Connection& writer);
+  void Committed(int log_pages, const sqlite::Connection& writer);
 
  private:
   void Run();

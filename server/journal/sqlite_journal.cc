@@ -66,7 +66,7 @@ absl::Status SqliteJournal::Write(const Change& change) {
   return mine.result;
 }
 
-// On the caller's own thread: to wake another one and be woken takes as long as a quick disk.
+// On the caller's own thread: another one would have to wait for a core, and then the caller again.
 void SqliteJournal::WriteAll(std::unique_lock<std::mutex>& lock) {
   writing_ = true;
   const std::vector<Waiting*> group = std::exchange(waiting_, {});
