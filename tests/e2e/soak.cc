@@ -102,11 +102,13 @@ class Soak {
       audience_->Start(daemon_->address(), certificates_.Certificate("ca"), *control_);
     }).join();
     StartWriters();
-    std::thread probe([this] { ProbeDisk(settings_.folder + "/probe", 2, stop_, disk_); });
+    std::thread disk_probe([this] { ProbeDisk(settings_.folder + "/probe", 2, stop_, disk_); });
+    std::thread call_probe([this, client = Connect()] { ProbeCalls(*client, 0.2, stop_, calls_); });
     Watch();
     stop_.Notify();
     for (std::thread& thread : writer_threads_) thread.join();
-    probe.join();
+    disk_probe.join();
+    call_probe.join();
     ReadHeads();
     audience_->Close(settings_.close_seconds);
     const double megabytes = ResidentMegabytes(daemon_->process());
@@ -239,6 +241,7 @@ class Soak {
     for (Site& site : sites_) meshes.push_back(MeshReport(site));
     line.AddObjects("meshes", meshes);
     line.AddObject("disk_sync_ms", Spread(disk_.TakeRecent()));
+    line.AddObject("empty_call_ms", Spread(calls_.TakeRecent()));
     line.AddObject("watchers", audience_->Report());
     line.Add("faults", faults_.count());
     std::fputs(line.ToLine().c_str(), stdout);
@@ -317,6 +320,7 @@ class Soak {
     line.Add("large_single_p99_ms", Percentile(sites_.front().ledger.single.All(), 0.99));
     line.AddObjects("meshes", meshes);
     line.AddObject("disk_sync_ms", Spread(disk_.All()));
+    line.AddObject("empty_call_ms", Spread(calls_.All()));
     line.AddObject("edits", EditReport());
     line.AddObject("watchers", audience_->Report());
     line.AddObject("memory", memory);
@@ -342,7 +346,7 @@ class Soak {
   Clock::time_point start_;
   absl::Notification stop_;
   Faults faults_;
-  Latencies disk_;
+  Latencies disk_, calls_;  // the probes
   std::vector<MemorySample> memory_;
   std::unique_ptr<Audience> audience_;
   std::vector<std::unique_ptr<client::MeshClient>> clients_;  // of the writers

@@ -16,6 +16,16 @@ namespace {
 
 constexpr double kMegabyte = 1 << 20;
 
+using Clock = std::chrono::steady_clock;
+
+double MillisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+bool Paused(const absl::Notification& stop, double seconds) {
+  return !stop.WaitForNotificationWithTimeout(absl::Seconds(seconds));
+}
+
 // The median of samples[begin, end).
 double MedianOf(const std::vector<MemorySample>& samples, std::size_t begin, std::size_t end) {
   std::vector<double> part;
@@ -90,16 +100,23 @@ void ProbeDisk(const std::string& file, double pause_seconds, const absl::Notifi
   // overwrites its log.
   std::string block(kBlock * kBlocks, 'x');
   bool good = pwrite(fd, block.data(), block.size(), 0) > 0 && fsync(fd) == 0;
-  for (std::size_t i = 0; good; ++i) {
-    if (stop.WaitForNotificationWithTimeout(absl::Seconds(pause_seconds))) break;
+  for (std::size_t i = 0; good && Paused(stop, pause_seconds); ++i) {
     block[0] = static_cast<char>('a' + i % 26);
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     good = pwrite(fd, block.data(), kBlock, static_cast<off_t>(i % kBlocks * kBlock)) > 0 &&
            fdatasync(fd) == 0;
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    if (good) times.Add(took.count());
+    if (good) times.Add(MillisecondsSince(start));
   }
   close(fd);
+}
+
+void ProbeCalls(client::MeshClient& client, double pause_seconds, const absl::Notification& stop,
+                Latencies& times) {
+  while (Paused(stop, pause_seconds)) {
+    const auto start = Clock::now();
+    const auto answer = client.GetMesh("no-such-mesh");
+    if (absl::IsNotFound(answer.status())) times.Add(MillisecondsSince(start));
+  }
 }
 
 }  // namespace dynmesh::soak

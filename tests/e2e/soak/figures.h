@@ -10,6 +10,7 @@
 
 #include "absl/synchronization/notification.h"
 #include "client/cli/json.h"
+#include "client/mesh_client.h"
 
 namespace dynmesh::soak {
 
@@ -64,6 +65,12 @@ double FolderMegabytes(const std::string& folder);
 // until `stop`; milliseconds go to `times`. What the file system costs without the server.
 void ProbeDisk(const std::string& file, double pause_seconds, const absl::Notification& stop,
                Latencies& times);
+
+// Every `pause_seconds` asks for a mesh that is not there, until `stop`; milliseconds go to
+// `times`. What a call costs that does nothing: the ways between threads, TLS, and the wait for a
+// core that others use.
+void ProbeCalls(client::MeshClient& client, double pause_seconds, const absl::Notification& stop,
+                Latencies& times);
 
 }  // namespace dynmesh::soak
 
