@@ -83,6 +83,7 @@ absl::Status ValidateConfig(const ServerConfig& c) {
     return Bad("progress_interval", "must be at least 100 ms");
   }
   if (c.report_interval <= absl::ZeroDuration()) return Bad("report_interval", "must be positive");
+  if (c.batch_timeout <= absl::ZeroDuration()) return Bad("batch_timeout", "must be positive");
   if (c.drain_timeout < absl::ZeroDuration()) return Bad("drain_timeout", "is negative");
   return absl::OkStatus();
 }

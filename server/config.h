@@ -57,6 +57,8 @@ struct ServerConfig {
   absl::Duration keepalive_timeout = absl::Seconds(20);
   // Of a connection without calls. Clients connect again by themselves.
   absl::Duration idle_timeout = absl::Minutes(10);
+  // A batch in pieces, or a load, of which nothing more comes for so long is given up.
+  absl::Duration batch_timeout = absl::Minutes(5);
   // Batches of one EditStream that are received and not fully answered.
   int edit_window = 64;
 
@@ -64,9 +66,11 @@ struct ServerConfig {
   std::uint64_t history_revisions = 10'000;
   std::uint64_t history_bytes = 64 << 20;
   std::uint64_t remembered_requests = 10'000;  // request_ids of a mesh
-  // Bytes of a mesh's edits, and as many as its last snapshot has, after which the journal's next
-  // snapshot is written, from which the mesh is made again.
+  // Bytes of a mesh's edits (and as many as its last snapshot has), or operations they executed
+  // (and twice as many as the mesh has), after which the journal's next snapshot is written, from
+  // which the mesh is made again.
   std::uint64_t compact_bytes = 1 << 20;
+  std::uint64_t compact_operations = 1'000'000;
   // Bytes of a mesh's journal that are kept before its newest snapshot, and at least one
   // generation.
   std::uint64_t journal_history_bytes = 64 << 20;

@@ -75,6 +75,8 @@ void AddClientLimits(CLI::App& app, ServerConfig& c) {
   AddSeconds(app, "--keepalive-timeout", c.keepalive_timeout, "seconds for its answer");
   AddSeconds(app, "--idle-timeout", c.idle_timeout,
              "seconds without calls after which a connection is closed");
+  AddSeconds(app, "--batch-timeout", c.batch_timeout,
+             "seconds that a batch in pieces, or a load, waits for its next piece");
 }
 
 }  // namespace
@@ -90,6 +92,10 @@ void AddFlags(CLI::App& app, Flags& f) {
   app.add_option(
          "--compact-bytes", c.compact_bytes,
          "bytes of a mesh's edits in the folder before a snapshot, from which it is made again")
+      ->capture_default_str();
+  app.add_option(
+         "--compact-operations", c.compact_operations,
+         "operations that a mesh's edits executed before a snapshot, from which it is made again")
       ->capture_default_str();
   AddMebibytes(app, "--journal-history-mib", c.journal_history_bytes,
                "MiB kept in the folder of a mesh's past before that snapshot; at least back to the "

@@ -124,6 +124,7 @@ struct Server::Impl {
 
   void Tick() {
     registry.Tick(absl::Now());
+    service.Tick();
     memory.Measure();
     access->Reload();
   }

@@ -63,6 +63,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
   void OnReadDone(bool ok) override {
+    SetWaits(false);
     if (ok) {
       // The message belongs to this thread until reading_ is false.
       absl::Status status = Receive();
@@ -224,6 +225,11 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
       const std::lock_guard lock(mutex_);
       reading_ = true;
     }
+    Read();
+  }
+
+  void Read() {
+    SetWaits(partial_.has_value());
     StartRead(&request_);
   }
 
@@ -320,7 +326,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
 
   void Continue(bool write, bool read, bool finish) {
     if (write) WriteNext();
-    if (read) StartRead(&request_);
+    if (read) Read();
     if (finish) Finish(codec::ToGrpcStatus(final_status_));
   }
 

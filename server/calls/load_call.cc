@@ -76,6 +76,7 @@ class LoadCall final
   }
 
   void OnReadDone(bool ok) override {
+    SetWaits(false);
     absl::Status status;
     if (ok) {
       status = Receive();
@@ -95,7 +96,9 @@ class LoadCall final
       read = phase_ == Phase::kReceiving;
     }
     // Unless a drain ended it meanwhile. The read does not keep the next one from doing so.
-    if (read) StartRead(&request_);
+    if (!read) return;
+    SetWaits(true);
+    StartRead(&request_);
   }
 
   void OnWriteDone(bool) override {

@@ -99,6 +99,18 @@ void MeshServiceImpl::BeginDrain() {
   context_.registry->CloseWatches(DrainingError());
 }
 
+void MeshServiceImpl::Tick() {
+  codec::ServiceError error;
+  error.reason = codec::reason::kBatchIncomplete;
+  const absl::Duration limit = context_.config.batch_timeout;
+  streams_.EndWaiting(
+      absl::ToChronoNanoseconds(limit),
+      codec::MakeServiceError(absl::StatusCode::kDeadlineExceeded,
+                              absl::StrCat("no further piece of the batch came for ",
+                                           absl::FormatDuration(limit), ": it was not applied"),
+                              error));
+}
+
 grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContext* call,
                                                       const v1::CreateMeshRequest* request,
                                                       v1::Mesh* response) {

@@ -16,6 +16,8 @@ class MeshServiceImpl final : public v1::MeshService::CallbackService {
 
   // Refuses new work and ends all streams, after what they hold is answered.
   void BeginDrain();
+  // Now and then: ends streams whose client leaves a batch unfinished.
+  void Tick();
 
   grpc::ServerUnaryReactor* CreateMesh(grpc::CallbackServerContext* call,
                                        const v1::CreateMeshRequest* request,

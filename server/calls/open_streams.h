@@ -1,7 +1,11 @@
-// The streams of clients that are open, so that a drain can end them. Thread-safe.
+// The streams of clients that are open, so that a drain can end them, and those whose client is
+// there but leaves a batch unfinished, for what it has sent of it takes room. Thread-safe.
 #ifndef DYNMESH_SERVER_CALLS_OPEN_STREAMS_H_
 #define DYNMESH_SERVER_CALLS_OPEN_STREAMS_H_
 
+#include <atomic>
+#include <chrono>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -13,9 +17,27 @@ namespace dynmesh::server {
 
 class OpenStream {
  public:
+  using Clock = std::chrono::steady_clock;
+
   virtual ~OpenStream() = default;
   // Answers what was received whole, then ends the stream. From any thread.
   virtual void End(const absl::Status& status) = 0;
+
+  // True if it waits for more of a batch since `time` or longer.
+  bool WaitsSince(Clock::time_point time) const {
+    return waits_since_.load(std::memory_order_relaxed) <= time.time_since_epoch().count();
+  }
+
+ protected:
+  // The reader's: from now on the client is waited for, or not.
+  void SetWaits(bool waits) {
+    waits_since_.store(waits ? Clock::now().time_since_epoch().count() : kNever,
+                       std::memory_order_relaxed);
+  }
+
+ private:
+  static constexpr Clock::rep kNever = std::numeric_limits<Clock::rep>::max();
+  std::atomic<Clock::rep> waits_since_ = kNever;
 };
 
 class OpenStreams {
@@ -34,6 +56,20 @@ class OpenStreams {
     for (const auto& weak : streams) {
       if (const auto stream = weak.lock()) stream->End(status);
     }
+  }
+  // Those that wait for more of a batch for so long.
+  void EndWaiting(OpenStream::Clock::duration limit, const absl::Status& status) {
+    const auto since = OpenStream::Clock::now() - limit;
+    std::vector<std::shared_ptr<OpenStream>> waiting;
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& weak : streams_) {
+        if (auto stream = weak.lock(); stream != nullptr && stream->WaitsSince(since)) {
+          waiting.push_back(std::move(stream));
+        }
+      }
+    }
+    for (const auto& stream : waiting) stream->End(status);
   }
 
  private:

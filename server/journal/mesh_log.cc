@@ -12,14 +12,13 @@
 namespace dynmesh::server {
 
 MeshLog::MeshLog(Journal* journal, Journal::Key key, std::string id, int dimension,
-                 const Sizes& sizes, std::uint64_t compact_bytes)
+                 const Sizes& sizes, const Limits& limits)
     : journal_(journal),
       key_(key),
       id_(std::move(id)),
       dimension_(dimension),
-      compact_bytes_(compact_bytes),
-      sizes_(sizes),
-      due_at_(std::max(compact_bytes, sizes.snapshot)) {}
+      limits_(limits),
+      sizes_(sizes) {}
 
 absl::Status MeshLog::Append(const EditBatch& edits, const std::string& request_id,
                              const RequestMemory::Entry& answer) {
@@ -37,24 +36,33 @@ absl::Status MeshLog::Append(const EditBatch& edits, const std::string& request_
   if (absl::Status status = journal_->Append(key_, entry, request); !status.ok()) {
     return JournalError(status, id_);
   }
-  if (entry.has_value()) sizes_.entries += entry->data.size();
+  if (entry.has_value()) sizes_.Add(entry->revision, entry->data.size(), answer.work);
   return absl::OkStatus();
 }
 
+bool MeshLog::IsDue(const DynamicMesh& mesh) const {
+  if (sizes_.entries < 2 * failed_at_) return false;
+  if (sizes_.entries > std::max(limits_.bytes, sizes_.snapshot)) return true;
+  return sizes_.operations > limits_.operations && sizes_.operations > 2 * mesh.Stats().operations;
+}
+
 void MeshLog::CompactIfDue(const DynamicMesh& mesh) {
-  if (sizes_.entries <= due_at_) return;
+  if (!IsDue(mesh)) return;
   const std::vector<std::string> parts =
       codec::EncodeJournalSnapshot(mesh.Features(), mesh.hash(), dimension_);
   if (absl::Status status = journal_->Compact(key_, mesh.revision(), parts); !status.ok()) {
     Log(LogLevel::kWarning, "compact_failed", {{"mesh", id_}, {"error", status.message()}});
-    due_at_ = 2 * sizes_.entries;
+    failed_at_ = sizes_.entries;
     return;
   }
   Log(LogLevel::kInfo, "compacted",
-      {{"mesh", id_}, {"revision", mesh.revision()}, {"entry_bytes", sizes_.entries}});
+      {{"mesh", id_},
+       {"revision", mesh.revision()},
+       {"entry_bytes", sizes_.entries},
+       {"operations", sizes_.operations}});
   sizes_ = {};
+  failed_at_ = 0;
   for (const std::string& part : parts) sizes_.snapshot += part.size();
-  due_at_ = std::max(compact_bytes_, sizes_.snapshot);
 }
 
 }  // namespace dynmesh::server

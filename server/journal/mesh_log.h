@@ -1,10 +1,12 @@
 // What one mesh writes into the journal: every batch before it comes into effect, and now and then
 // a snapshot of its features, from which the mesh is made again then.
 //
-// A snapshot is due when the batches since the last one outweigh it (and some least size):
-// amortised O(1) for each byte of a batch. A generation (journal.h) has at most twice the features'
-// bytes, or that size. Calls
-// block. Thread-compatible: it belongs to the mesh's strand.
+// A snapshot is due when the batches since the last one outweigh it, in bytes or in the work of
+// doing them again, and some least weight: amortised O(1) for each byte and each operation of a
+// batch. So a generation (journal.h) has at most twice the features' bytes, and a mesh is made
+// again in at most three times what making it from its features takes, or those least weights. The
+// first batch, often a whole load, is as good as a snapshot: none is made of the same again.
+// Calls block. Thread-compatible: it belongs to the mesh's strand.
 #ifndef DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 #define DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 
@@ -21,14 +23,29 @@ namespace dynmesh::server {
 
 class MeshLog {
  public:
-  // Bytes in the journal.
+  // What the generation weighs.
   struct Sizes {
-    std::uint64_t snapshot = 0;
-    std::uint64_t entries = 0;
+    std::uint64_t snapshot = 0;    // bytes of the snapshot, or of the first batch
+    std::uint64_t entries = 0;     // bytes of the batches since
+    std::uint64_t operations = 0;  // that these executed
+
+    void Add(std::uint64_t revision, std::uint64_t bytes, const WorkCounters& work) {
+      if (revision == 1) {
+        snapshot += bytes;
+      } else {
+        entries += bytes;
+        operations += work.executed;
+      }
+    }
+  };
+  // No snapshot for less since the last one.
+  struct Limits {
+    std::uint64_t bytes = 1 << 20;
+    std::uint64_t operations = 1'000'000;  // some seconds to do again
   };
 
   MeshLog(Journal* journal, Journal::Key key, std::string id, int dimension, const Sizes& sizes,
-          std::uint64_t compact_bytes);
+          const Limits& limits);
 
   // Returns when batch and answer (the latter if there is a request_id) are durable. Errors as
   // JournalError.
@@ -44,13 +61,15 @@ class MeshLog {
   void CompactIfDue(const DynamicMesh& mesh);
 
  private:
+  bool IsDue(const DynamicMesh& mesh) const;
+
   Journal* const journal_;
   const Journal::Key key_;
   const std::string id_;
   const int dimension_;
-  const std::uint64_t compact_bytes_;
+  const Limits limits_;
   Sizes sizes_;
-  std::uint64_t due_at_;  // bytes of entries
+  std::uint64_t failed_at_ = 0;  // bytes of entries when a snapshot failed, since the last one
 };
 
 }  // namespace dynmesh::server

@@ -34,12 +34,12 @@ class Replay {
 
   absl::Status Apply(const Journal::Entry& entry) {
     if (absl::Status s = Begin(); !s.ok()) return s;
-    sizes_.entries += entry.data.size();
     const auto batch = codec::DecodeJournalEntry(entry.data, dimension_);
     if (!batch.ok()) return At(entry.revision, batch.status());
     absl::StatusOr<MeshDiff> diff = out_.mesh->Apply(batch->edits);
     if (!diff.ok()) return At(entry.revision, diff.status());
     if (diff->hash != batch->hash) return OtherHash(entry.revision, batch->hash);
+    sizes_.Add(entry.revision, entry.data.size(), diff->work);
     ++out_.entries;
     applied_();
     RevisionStore& store = *out_.past.store;
@@ -114,7 +114,7 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
   if (absl::Status s = replay.Begin(); !s.ok()) return s;
   recovered.past.log =
       std::make_unique<MeshLog>(&journal, found.key, found.id, recovered.made.options.dimension,
-                                replay.sizes(), options.compact_bytes);
+                                replay.sizes(), options.compact);
   return recovered;
 }
 

@@ -44,7 +44,7 @@ MeshHost::Options MeshRegistry::HostOptions() const {
   options.watch = {config_.watch_queue, config_.progress_interval};
   options.max_waiting = config_.max_waiting_edits;
   options.remembered_requests = config_.remembered_requests;
-  options.compact_bytes = config_.compact_bytes;
+  options.compact = {config_.compact_bytes, config_.compact_operations};
   if (metrics_ != nullptr) options.metrics = &metrics_->edits;
   options.max_features = config_.max_features;
   options.memory = memory_;
@@ -124,7 +124,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
   MeshHost::Past past;
   if (journal_ != nullptr) {
     past.log = std::make_unique<MeshLog>(journal_, *key, final_id, options.dimension,
-                                         MeshLog::Sizes(), config_.compact_bytes);
+                                         MeshLog::Sizes(), HostOptions().compact);
   }
   HostPtr host = MeshHost::Create(final_id, *std::move(mesh), now, writers_, readers_,
                                   HostOptions(), std::move(past));

@@ -134,6 +134,33 @@ TEST_F(EditStreamTest, AnUnfinishedBatchIsNotApplied) {
   EXPECT_EQ(HeadOf().revision, 0u);
 }
 
+TEST_F(EditStreamTest, ABatchLeftUnfinishedIsGivenUp) {
+  ServerConfig config;
+  config.batch_timeout = absl::Milliseconds(200);
+  config.max_batch_edits = config.max_pending_edits = 2;
+  StartWithMesh(config);
+  const auto idle = client_->OpenEdits("m");
+  ASSERT_TRUE(idle->Send({AddPoint(1)}, Id("a")).ok());
+  EXPECT_TRUE(idle->Receive()->result.ok());
+  RawEditStream stream(*stub_);
+  stream.message().set_mesh("meshes/m");
+  stream.message().set_more(true);
+  stream.Add(AddPoint(2));
+  ASSERT_TRUE(stream.Send());
+  EXPECT_FALSE(stream.Receive().has_value());  // nothing more is sent
+  const absl::Status status = stream.Finish();
+  EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(ReasonOf(status), codec::reason::kBatchIncomplete);
+  // What it held is soon free, and who is idle between batches goes on.
+  absl::Status applied;
+  do {
+    ASSERT_TRUE(idle->Send({AddPoint(3), AddPoint(4)}, Id("b")).ok());
+    applied = idle->Receive()->result.status();
+  } while (ReasonOf(applied) == codec::reason::kPendingLimit);
+  EXPECT_TRUE(applied.ok()) << Text(applied);
+  EXPECT_EQ(HeadOf().revision, 2u);
+}
+
 TEST_F(EditStreamTest, AStreamNamesOneMeshThatExists) {
   StartWithMesh();
   {

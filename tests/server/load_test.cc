@@ -370,6 +370,20 @@ TEST_F(LoadTest, AHalfOpenLoadHoldsNothingForLong) {
   ExpectUntouched();
 }
 
+TEST_F(LoadTest, ALoadLeftUnfinishedIsGivenUp) {
+  ServerConfig config;
+  config.batch_timeout = absl::Milliseconds(200);
+  config.max_batch_edits = config.max_pending_edits = kPending;
+  StartWithMesh(config);
+  RawLoad load(*stub_);
+  for (const Feature& f : Points(1, 90)) load.Add(f);
+  ASSERT_TRUE(load.Send());
+  const absl::Status status = load.Finish();
+  EXPECT_EQ(status.code(), StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(ReasonOf(status), codec::reason::kBatchIncomplete);
+  ExpectUntouched();
+}
+
 TEST_F(LoadTest, ABrokenConnectionIsNoEndOfALoad) {
   StartSmall();
   v1::LoadFeaturesRequest piece;

@@ -34,6 +34,23 @@ class RecoveryTest : public ::testing::Test {
       ASSERT_TRUE(server_->Apply({AddPoint(id)}, absl::StrCat("r", id)).ok());
     }
   }
+  // Of the first mesh: the revision of its snapshot, 0 if there is none, and how many batches
+  // follow.
+  std::pair<std::uint64_t, std::uint64_t> Generation() {
+    std::uint64_t snapshot = 0, entries = 0;
+    Journal::Visitor count;
+    count.request = [](const Journal::Request&) { return absl::OkStatus(); };
+    count.snapshot = [&](std::uint64_t revision, const std::string&) {
+      snapshot = revision;
+      return absl::OkStatus();
+    };
+    count.entry = [&](const Journal::Entry&) {
+      ++entries;
+      return absl::OkStatus();
+    };
+    EXPECT_TRUE(server_->journal().Read(server_->journal().List()->front().key, count).ok());
+    return {snapshot, entries};
+  }
   // Changes the closed database.
   void Sql(const char* sql) {
     server_.reset();
@@ -109,25 +126,40 @@ TEST_F(RecoveryTest, ASnapshotTakesThePlaceOfManyEdits) {
     ASSERT_TRUE(server_->Apply({i % 2 == 0 ? AddPoint(2) : Edit::Remove(2)}).ok());
   }
   const Head head = server_->Host()->head();
-  const auto key = server_->journal().List()->front().key;
-  int entries = 0;
-  std::uint64_t snapshot = 0;
-  Journal::Visitor count;
-  count.request = [](const Journal::Request&) { return absl::OkStatus(); };
-  count.snapshot = [&](std::uint64_t revision, const std::string&) {
-    snapshot = revision;
-    return absl::OkStatus();
-  };
-  count.entry = [&](const Journal::Entry&) {
-    ++entries;
-    return absl::OkStatus();
-  };
-  ASSERT_TRUE(server_->journal().Read(key, count).ok());
+  const auto [snapshot, entries] = Generation();
   EXPECT_GT(snapshot, 30u);
-  EXPECT_LT(entries, 8);
+  EXPECT_LT(entries, 8u);
   Open();
   EXPECT_EQ(server_->Host()->head().revision, 41u);
   EXPECT_EQ(server_->Host()->head().hash, head.hash);
+}
+
+TEST_F(RecoveryTest, ASnapshotIsDueForMuchWorkInFewBytes) {
+  config_.compact_operations = 10;  // of the fake mesh, one for each edit
+  OpenWithPoints(1);
+  for (int i = 0; i < 25; ++i) {
+    ASSERT_TRUE(server_->Apply({i % 2 == 0 ? AddPoint(2) : Edit::Remove(2)}).ok());
+  }
+  EXPECT_EQ(Generation(), std::pair(std::uint64_t{23}, std::uint64_t{3}));
+  Open();  // the work of what was done again counts as well
+  for (int i = 0; i < 8; ++i) {
+    ASSERT_TRUE(server_->Apply({i % 2 == 0 ? Edit::Remove(2) : AddPoint(2)}).ok());
+  }
+  EXPECT_EQ(Generation(), std::pair(std::uint64_t{34}, std::uint64_t{0}));
+}
+
+TEST_F(RecoveryTest, AFirstLoadIsAsGoodAsASnapshot) {
+  config_.compact_bytes = 200;
+  Open();
+  ASSERT_TRUE((*server_)->Create("m", MeshOptions(), "").ok());
+  EditBatch load;
+  for (FeatureId id = 1; id <= 100; ++id) load.push_back(AddPoint(id));
+  ASSERT_TRUE(server_->Apply(load).ok());
+  ASSERT_TRUE(server_->Apply({AddPoint(101)}).ok());
+  EXPECT_EQ(Generation(), std::pair(std::uint64_t{0}, std::uint64_t{2}));
+  Open();
+  ASSERT_TRUE(server_->Apply({AddPoint(102)}).ok());
+  EXPECT_EQ(Generation(), std::pair(std::uint64_t{0}, std::uint64_t{3}));
 }
 
 TEST_F(RecoveryTest, AnEmptyMeshKeepsItsRevisionThroughASnapshot) {
