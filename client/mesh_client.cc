@@ -129,6 +129,9 @@ std::unique_ptr<MeshClient> MeshClient::Connect(const std::string& address,
   grpc::ChannelArguments arguments;
   if (options.own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
+  // A server that restarts is back soon; gRPC alone would look only every two minutes in the end.
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 5'000);
   auto impl = std::make_unique<Impl>();
   impl->stub = std::make_shared<Stub>(
       grpc::CreateCustomChannel(address, Credentials(options), arguments), options.token);

@@ -27,26 +27,32 @@ class Daemon {
     if (child_ > 0) End(SIGKILL);
   }
 
-  // False if it does not come up.
-  bool Start(std::vector<std::string> arguments = {}, const char* listen = "127.0.0.1:0",
-             std::chrono::seconds limit = std::chrono::seconds(60)) {
-    const std::string port_file = folder_ + "/port", log = folder_ + "/log";
-    std::filesystem::remove(port_file);
-    arguments.insert(arguments.begin(), {"dynmeshd", "--listen", listen, "--port-file", port_file});
+  // Does not wait until it has come up. False if there is no process.
+  bool Spawn(std::vector<std::string> arguments = {}, const char* listen = "127.0.0.1:0") {
+    const std::string log = folder_ + "/log";
+    std::filesystem::remove(PortFile());
+    arguments.insert(arguments.begin(),
+                     {"dynmeshd", "--listen", listen, "--port-file", PortFile()});
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     std::fflush(nullptr);  // or the child would write it once more
     child_ = fork();
-    if (child_ < 0) return false;
     if (child_ == 0) {
       if (std::freopen(log.c_str(), "a", stderr) == nullptr) _exit(126);
       if (std::freopen("/dev/null", "w", stdout) == nullptr) _exit(126);
       execv(DYNMESHD_BINARY, argv.data());
       _exit(127);
     }
+    return child_ > 0;
+  }
+
+  // False if it does not come up.
+  bool Start(std::vector<std::string> arguments = {}, const char* listen = "127.0.0.1:0",
+             std::chrono::seconds limit = std::chrono::seconds(60)) {
+    if (!Spawn(std::move(arguments), listen)) return false;
     const auto deadline = std::chrono::steady_clock::now() + limit;
-    while (!std::filesystem::exists(port_file)) {
+    while (!std::filesystem::exists(PortFile())) {
       if (std::chrono::steady_clock::now() > deadline) return false;
       if (int status = 0; waitpid(child_, &status, WNOHANG) == child_) {
         child_ = 0;
@@ -56,7 +62,7 @@ class Daemon {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     std::string port;
-    std::ifstream(port_file) >> port;
+    std::ifstream(PortFile()) >> port;
     address_ = "127.0.0.1:" + port;
     return !port.empty();
   }
@@ -84,6 +90,8 @@ class Daemon {
   }
 
  private:
+  std::string PortFile() const { return folder_ + "/port"; }
+
   const std::string folder_;
   pid_t child_ = 0;
   int exit_code_ = 0;

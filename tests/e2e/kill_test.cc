@@ -1,5 +1,6 @@
-// dynmeshd with a data folder, killed at random moments under load. After every start each mesh is
-// what was acknowledged, or that and the one batch that was under way, whole; its retry says which.
+// dynmeshd with a data folder, killed at random moments: under load, while it writes snapshots,
+// while it starts. After every start each mesh is what was acknowledged, or that and the one batch
+// that was under way, whole; its retry says which. Who watches goes on through all of it.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -13,6 +14,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client/mesh_client.h"
+#include "client/watch_session.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "proto/codec/status_codec.h"
 #include "tests/e2e/daemon.h"
@@ -44,13 +46,16 @@ std::uint64_t Seed() {
 // What one client knows of its mesh.
 class Editor {
  public:
-  Editor(std::string id, std::uint64_t seed) : id_(std::move(id)), random_(seed) {}
+  // `once`: its mesh is made once and never deleted.
+  Editor(std::string id, std::uint64_t seed, bool once = false)
+      : id_(std::move(id)), once_(once), random_(seed) {}
 
   // Edits, and now and then makes the mesh anew, until the server is gone.
   void Work(MeshClient& client) {
     while (true) {
-      const bool done =
-          created_ ? (random_() % 64 == 0 ? Delete(client) : Change(client)) : Create(client);
+      const bool done = !created_                       ? Create(client)
+                        : !once_ && random_() % 64 == 0 ? Delete(client)
+                                                        : Change(client);
       if (!done) return;
     }
   }
@@ -92,15 +97,6 @@ class Editor {
     ExpectMesh(client, features_, again->diff.hash);
   }
 
-  std::uint64_t acknowledged() const { return acknowledged_; }
-
- private:
-  client::EditParams Params() const {
-    client::EditParams params;
-    params.request_id = absl::StrCat(id_, "-", batches_);
-    return params;
-  }
-
   bool Create(MeshClient& client) {
     creating_ = true;
     const auto made = client.CreateMesh(id_, MeshOptions(), "");
@@ -109,6 +105,16 @@ class Editor {
     creating_ = false;
     created_ = made.ok();
     return made.ok();
+  }
+
+  std::uint64_t revision() const { return revision_; }
+  std::uint64_t acknowledged() const { return acknowledged_; }
+
+ private:
+  client::EditParams Params() const {
+    client::EditParams params;
+    params.request_id = absl::StrCat(id_, "-", batches_);
+    return params;
   }
 
   bool Delete(MeshClient& client) {
@@ -198,6 +204,7 @@ class Editor {
   }
 
   const std::string id_;
+  const bool once_;
   std::mt19937_64 random_;
   bool created_ = false, creating_ = false, deleting_ = false;
   std::map<FeatureId, Feature> features_;  // acknowledged
@@ -212,10 +219,30 @@ class KillTest : public ::testing::Test {
   std::vector<std::string> Flags() const {
     return {"--data-dir", folder_.path() + "/data", "--compact-bytes", "2000"};
   }
+  // The same after every start, so that who was connected comes back by himself.
+  std::string Listen() const { return "unix:" + folder_.path() + "/socket"; }
   std::unique_ptr<MeshClient> Connect() const {
     client::ClientOptions options;
     options.own_connection = true;
-    return MeshClient::Connect(daemon_.address(), options);
+    return MeshClient::Connect(Listen(), options);
+  }
+  // The watcher gets there, and has the server's mesh then.
+  static void ExpectWatched(client::WatchSession& watch, std::uint64_t revision,
+                            MeshClient& client) {
+    ASSERT_TRUE(watch.WaitForRevision(revision, absl::Seconds(60)))
+        << (watch.ended().has_value() ? *watch.ended() : absl::OkStatus());
+    auto theirs = client.GetSnapshot("w");
+    ASSERT_TRUE(theirs.ok()) << theirs.status();
+    ASSERT_EQ(theirs->revision, revision);
+    watch.Read([&](const client::MeshReplica& replica) {
+      ASSERT_EQ(replica.revision(), revision);
+      Mesh ours = replica.ToMesh();
+      Canonicalize(ours);
+      Canonicalize(*theirs);
+      EXPECT_EQ(ours.hash, theirs->hash);
+      EXPECT_EQ(ours.vertices, theirs->vertices);
+      EXPECT_EQ(ours.simplices, theirs->simplices);
+    });
   }
 
   TempFolder folder_;
@@ -227,28 +254,50 @@ TEST_F(KillTest, AtRandomMomentsLosesNothingThatWasAcknowledged) {
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
   const int kills = std::getenv("DYNMESH_NIGHTLY") != nullptr ? 200 : 10;
   std::mt19937_64 random(seed);
-  Editor editors[] = {{"a", seed + 1}, {"b", seed + 2}, {"c", seed + 3}};
+  const auto kill_within = [&](int microseconds) {
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % microseconds));
+    daemon_.End(SIGKILL);
+  };
+  Editor editors[] = {{"a", seed + 1}, {"b", seed + 2}, {"c", seed + 3}, {"w", seed + 4, true}};
+  const Editor& watched = editors[3];
+  std::unique_ptr<MeshClient> watcher;
+  std::unique_ptr<client::WatchSession> watch;
   for (int i = 0; i < kills; ++i) {
     SCOPED_TRACE(absl::StrCat("start ", i));
-    ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+    if (i % 3 == 2) {  // in the middle of starting again
+      ASSERT_TRUE(daemon_.Spawn(Flags(), Listen().c_str()));
+      kill_within(60'000);
+    }
+    ASSERT_TRUE(daemon_.Start(Flags(), Listen().c_str())) << daemon_.Log();
     const auto client = Connect();
+    if (watch == nullptr) {
+      ASSERT_TRUE(editors[3].Create(*client));
+      watcher = Connect();
+      client::WatchOptions options;
+      options.max_attempts = 1'000;
+      options.longest_pause = absl::Milliseconds(100);
+      watch = watcher->Watch("w", options, nullptr);
+    }
     for (Editor& editor : editors) {
       editor.Check(*client);
       ASSERT_FALSE(HasFailure()) << daemon_.Log();
     }
+    ExpectWatched(*watch, watched.revision(), *client);
+    ASSERT_FALSE(HasFailure()) << daemon_.Log();
     std::vector<std::thread> threads;
     for (Editor& editor : editors) {
       threads.emplace_back([&] { editor.Work(*Connect()); });
     }
-    std::this_thread::sleep_for(std::chrono::microseconds(random() % 300'000));
-    daemon_.End(SIGKILL);
+    kill_within(300'000);
     for (std::thread& thread : threads) thread.join();
     ASSERT_FALSE(HasFailure());
   }
   std::uint64_t acknowledged = 0;
   for (const Editor& editor : editors) acknowledged += editor.acknowledged();
-  std::printf("%llu batches acknowledged\n", static_cast<unsigned long long>(acknowledged));
+  std::printf("%llu batches acknowledged; the watcher came back %d times, %d of them as new\n",
+              static_cast<unsigned long long>(acknowledged), watch->reconnects(), watch->resyncs());
   EXPECT_GT(acknowledged, static_cast<std::uint64_t>(10 * kills));
+  EXPECT_GE(watch->reconnects(), kills - 1);
   EXPECT_TRUE(absl::StrContains(daemon_.Log(), "compacted"));
 }
 
@@ -262,19 +311,22 @@ TEST_F(KillTest, InTheMiddleOfALargeSnapshotLosesNothing) {
                                              (0.5 + static_cast<double>(id / 317)) / 320)));
   }
   for (int i = 0; i < 4; ++i) {
-    ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+    ASSERT_TRUE(daemon_.Start(Flags(), Listen().c_str())) << daemon_.Log();
     const std::string id = absl::StrCat("m", i);
     ASSERT_TRUE(Connect()->CreateMesh(id, MeshOptions()).ok());
     client::EditParams params;
     params.omit_columns = true;
-    const auto made = Connect()->Apply(id, batch, params);
+    // What a mesh begins with is no reason for a snapshot.
+    ASSERT_TRUE(Connect()->Apply(id, {batch.front()}, params).ok());
+    EditBatch rest(batch.begin() + 1, batch.end());
+    const auto made = Connect()->Apply(id, rest, params);
     ASSERT_TRUE(made.ok()) << made.status();
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 300'000));
     daemon_.End(SIGKILL);
-    ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+    ASSERT_TRUE(daemon_.Start(Flags(), Listen().c_str())) << daemon_.Log();
     const auto found = Connect()->GetFeatures(id);
     ASSERT_TRUE(found.ok()) << found.status();
-    EXPECT_EQ(found->revision, 1u);
+    EXPECT_EQ(found->revision, 2u);
     EXPECT_EQ(found->hash, made->diff.hash);
     EXPECT_EQ(found->features.size(), kPoints);
     EXPECT_EQ(Connect()->GetMesh(id)->hash, made->diff.hash);
@@ -284,7 +336,7 @@ TEST_F(KillTest, InTheMiddleOfALargeSnapshotLosesNothing) {
 }
 
 TEST_F(KillTest, ASecondServerDoesNotTakeTheFolder) {
-  ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+  ASSERT_TRUE(daemon_.Start(Flags(), Listen().c_str())) << daemon_.Log();
   TempFolder other;
   Daemon second(other.path());
   EXPECT_FALSE(second.Start(Flags()));
@@ -292,7 +344,7 @@ TEST_F(KillTest, ASecondServerDoesNotTakeTheFolder) {
 }
 
 TEST_F(KillTest, AnOrderlyEndIsRecoveredToo) {
-  ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+  ASSERT_TRUE(daemon_.Start(Flags(), Listen().c_str())) << daemon_.Log();
   ASSERT_TRUE(Connect()->CreateMesh("m", MeshOptions()).ok());
   const auto made = Connect()->Apply(
       "m", {Edit::Add(Feature::Point(1, 0.25, 0.5)),
@@ -300,7 +352,7 @@ TEST_F(KillTest, AnOrderlyEndIsRecoveredToo) {
             Edit::Add(Feature::Point(3, 0.75, 0.5)), Edit::Add(Feature::Segment(4, 1, 3))});
   ASSERT_TRUE(made.ok()) << made.status();
   EXPECT_EQ(daemon_.End(SIGTERM), 0);
-  ASSERT_TRUE(daemon_.Start(Flags())) << daemon_.Log();
+  ASSERT_TRUE(daemon_.Start(Flags(), Listen().c_str())) << daemon_.Log();
   const auto info = Connect()->GetMesh("m");
   ASSERT_TRUE(info.ok()) << info.status();
   EXPECT_EQ(info->revision, 1u);
