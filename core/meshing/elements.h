@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #include "core/geometry/point.h"
 #include "core/meshing/shells.h"
+#include "core/meshing/star_region.h"
 #include "core/sac/engine.h"
 
 namespace dynmesh::meshing {
@@ -99,41 +101,68 @@ class Payload {
   // Checks: encroached (then the reads are the witnesses).
   std::uint32_t flag : 1 = 0;
 
-  // The balls read, about p, lie within `radius2` and between lo and hi.
-  void SetRegion(const Point& p, const Point& lo, const Point& hi, double squared_radius) {
-    radius2 = RoundedUp(squared_radius);
-    // The radius may have overflowed: then nothing is known of the extents either.
-    const double units =
-        radius2 < INFINITY ? kUnits / std::sqrt(radius2) * (1 + 1e-6) : double{INFINITY};
-    const auto extent = [units](double distance) {
-      return static_cast<std::uint32_t>(std::fmin(std::ceil(distance * units), kUnits));
+  // kComplete: the balls read are those of `region`.
+  void SetRegion(const StarRegion<D>& region) {
+    radius2 = RoundedUp(region.radius2());
+    // The radius may have overflowed: then nothing is known of the rest either.
+    const double radius = radius2 < INFINITY ? std::sqrt(radius2) * (1 - 1e-6) : 0;
+    const auto fraction = [radius](double distance, int units) {
+      return static_cast<std::uint32_t>(std::fmin(std::ceil(distance / radius * units), units));
     };
+    const Point &p = region.centre(), lo = {region.box().lo}, hi = {region.box().hi};
     std::uint32_t all = 0;
     for (int k = 0; k < D; ++k) {
-      all |= extent(p[k] - lo[k]) << (2 * k * kBits) | extent(hi[k] - p[k])
-                                                           << ((2 * k + 1) * kBits);
+      all |= fraction(p[k] - lo[k], kExtentUnits) << (2 * k * kExtentBits) |
+             fraction(hi[k] - p[k], kExtentUnits) << ((2 * k + 1) * kExtentBits);
     }
-    extents = all;
+    extents_ = all;
+    if constexpr (kByOrthant) {
+      outline_ = 0;
+      for (int o = 0; o < StarRegion<D>::kOrthants; ++o) {
+        outline_ |= fraction(region.Reach(o), kReachUnits) << (o * kReachBits);
+      }
+    }
   }
-  // May y be in one of them? Never no if it is.
+  // May y be in one of them, p being their vertex? Never no if it is.
   bool RegionMayHold(const Point& p, const Point& y) const {
-    const double unit2 = radius2 * (1.0 / (kUnits * kUnits));
+    constexpr double kPart2 = 1.0 / (kExtentUnits * kExtentUnits);
     double sum = 0;
+    int orthant = 0;
     for (int k = 0; k < D; ++k) {
-      const double d = y[k] - p[k], d2 = d * d, extent = Extent(d < 0 ? 2 * k : 2 * k + 1);
-      if (!(d2 <= extent * extent * unit2)) return false;
+      const double d = y[k] - p[k], d2 = d * d;
+      const int up = d < 0 ? 0 : 1;
+      const double extent = Bits(extents_, 2 * k + up, kExtentBits);
+      if (!(d2 <= extent * extent * (radius2 * kPart2))) return false;
       sum += d2;
+      orthant |= up << k;
+    }
+    if constexpr (kByOrthant) {
+      const double reach = Bits(outline_, orthant, kReachBits) * (1.0 / kReachUnits);
+      return sum <= reach * reach * radius2;
     }
     return sum <= radius2;
   }
-  // kComplete: how far the balls read extend from the vertex along axis i / 2, downwards for
-  // even i, else upwards; in fractions of the radius, rounded up.
-  int Extent(int i) const { return static_cast<int>(extents >> (i * kBits)) & kUnits; }
+  // What SetRegion kept beside the radius, as one number.
+  std::uint64_t region() const {
+    if constexpr (kByOrthant) return std::uint64_t{outline_} << 32 | extents_;
+    return extents_;
+  }
 
  private:
-  static constexpr int kBits = D == 2 ? 6 : 5;
-  static constexpr int kUnits = (1 << kBits) - 1;
-  std::uint32_t extents : 2 * D* kBits = 0;
+  // In the plane the test that follows costs less than this one.
+  static constexpr bool kByOrthant = D > 2;
+  static constexpr int kExtentBits = D == 2 ? 6 : 5, kReachBits = 4;
+  static constexpr int kExtentUnits = (1 << kExtentBits) - 1, kReachUnits = (1 << kReachBits) - 1;
+  struct Nothing {};
+
+  static int Bits(std::uint32_t word, int i, int bits) {
+    return static_cast<int>(word >> (i * bits)) & ((1 << bits) - 1);
+  }
+
+  // In fractions of the radius, rounded up: how far the balls read extend from the vertex along
+  // each axis, downwards and upwards; how far they reach in each orthant.
+  std::uint32_t extents_ : 2 * D* kExtentBits = 0;
+  [[no_unique_address]] std::conditional_t<kByOrthant, std::uint32_t, Nothing> outline_ = {};
 };
 
 // Outputs are tagged words.

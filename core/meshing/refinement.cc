@@ -424,7 +424,7 @@ std::uint64_t Refinement<D, E>::Audit(std::vector<std::string>* problems) const 
     const auto hash_op = [&](sac::OpId op) {
       const Payload& payload = engine_.payload(op);
       std::uint64_t h = mix(std::bit_cast<std::uint32_t>(payload.radius2), payload.flag);
-      for (int i = 0; i < 2 * D; ++i) h = mix(h, static_cast<std::uint64_t>(payload.Extent(i)));
+      h = mix(h, payload.region());
       std::uint64_t sum = 0;
       for (const sac::Output o : engine_.outputs(op)) {
         const std::uint32_t i = IndexOf(o);

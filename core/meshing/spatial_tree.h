@@ -128,6 +128,8 @@ class SpatialTree {
   }
 
   struct Ball {
+    Ball() {}  // room for one: nothing is written
+    Ball(const Point& c, double r2) : centre(c), radius2(r2) {}
     Point centre;
     double radius2;
   };

@@ -29,21 +29,18 @@ void Refinement<D, E>::FindStar(Context& context, VertexIndex v, double reach) {
   if constexpr (kTraced) {
     const double farthest2 = FarthestInView2(reach);
     WriteStar(star_, [&](std::uint32_t word) { context.Read(word); });
-    Extent<D> box = Extent<D>::Nothing();
-    double r2 = 0;
+    StarRegion<D> region(star_.position());
     for (int i = 0; i < star_.corner_count(); ++i) {
       const auto& n = star_.corner(i);
       const double margin = MarginOf(n.error);
       if (margin < reach) {
-        box.AddBall(CentreOf(i), std::sqrt(n.r2) + 2 * margin);
-        r2 = std::max(r2, 4 * (std::sqrt(n.r2) + margin) * (std::sqrt(n.r2) + margin));
+        region.AddBall(CentreOf(i), std::sqrt(n.r2), margin);
       } else {
-        box.AddBall(star_.position(), std::sqrt(farthest2));
-        r2 = farthest2;
+        region.AddAll(farthest2);
       }
     }
-    context.payload().SetRegion(star_.position(), {box.lo}, {box.hi}, r2);
-    SubscribeBox(context, box);
+    context.payload().SetRegion(region);
+    SubscribeBox(context, region.box());
   }
 }
 

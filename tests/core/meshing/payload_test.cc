@@ -2,99 +2,202 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <type_traits>
 #include <vector>
 
 #include "core/meshing/elements.h"
-#include "core/meshing/spatial_tree.h"
+#include "core/meshing/star_region.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::meshing {
 namespace {
 
+using geometry::Point;
 using geometry::Point2;
 
 constexpr std::uint64_t kSeed = 20261121;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+template <int D>
+using Direction = std::array<double, D>;
+
+// By numbers that are symmetric about 0, of which now and then some are left out: directions in
+// which boxes and orthants end are of interest.
+template <int D>
+Direction<D> AnyDirection(test::Random& random) {
+  while (true) {
+    Direction<D> u;
+    double sum = 0;
+    for (double& x : u) {
+      x = random.Below(4) == 0 ? 0 : 2 * random.Unit() - 1;
+      sum += x * x;
+    }
+    if (sum == 0 || sum > 1) continue;
+    for (double& x : u) x /= std::sqrt(sum);
+    return u;
+  }
+}
+
+template <int D>
+Point<D> Along(const Point<D>& p, const std::type_identity_t<Direction<D>>& u, double distance) {
+  Point<D> y = p;
+  for (int k = 0; k < D; ++k) y[k] += distance * u[k];
+  return y;
+}
 
 // Balls through p, as those about the corners of its Voronoi cell are.
+template <int D>
 struct Balls {
-  Point2 p;
-  std::vector<Point2> centres;
+  Point<D> p;
+  std::vector<Direction<D>> directions;  // of the centres from p
   std::vector<double> radii;
-  Extent<2> box = Extent<2>::Nothing();
-  double radius2 = 0;
+  StarRegion<D> region{Point<D>()};
 
-  Balls(test::Random& random, double scale)
-      : p{{scale * (random.Unit() - 0.5), scale * (random.Unit() - 0.5)}} {
+  Balls(test::Random& random, double scale) {
+    for (int k = 0; k < D; ++k) p[k] = scale * (random.Unit() - 0.5);
+    region = StarRegion<D>(p);
     const double size = std::ldexp(scale, -random.Below(15));
     for (int n = 1 + random.Below(7); n > 0; --n) {
-      const double angle = 2 * std::numbers::pi * random.Unit();
-      const double r = size * std::ldexp(random.Unit(), -random.Below(6));
-      centres.push_back({{p[0] + r * std::cos(angle), p[1] + r * std::sin(angle)}});
-      radii.push_back(r);
-      box.AddBall(centres.back(), r);
-      radius2 = std::max(radius2, 4 * r * r);
+      directions.push_back(AnyDirection<D>(random));
+      radii.push_back(size * std::ldexp(random.Unit(), -random.Below(6)));
+      region.AddBall(Along(p, directions.back(), radii.back()), radii.back(), 0);
     }
   }
-  Payload<2> Region() const {
-    Payload<2> payload;
-    payload.SetRegion(p, {box.lo}, {box.hi}, radius2);
+  Payload<D> Kept() const {
+    Payload<D> payload;
+    payload.SetRegion(region);
     return payload;
+  }
+  // How far from p the balls reach along u.
+  double ReachAlong(const Direction<D>& u) const {
+    double reach = 0;
+    for (std::size_t i = 0; i < radii.size(); ++i) {
+      double cosine = 0;
+      for (int k = 0; k < D; ++k) cosine += directions[i][k] * u[k];
+      reach = std::max(reach, 2 * radii[i] * cosine);
+    }
+    return reach;
   }
 };
 
-TEST(Payload, RegionHoldsEveryPointOfItsBalls) {
+template <int D>
+void ExpectNoPointOfABallIsLost() {
   test::Random random(kSeed);
   for (int round = 0; round < 20000; ++round) {
-    const Balls balls(random, std::ldexp(1.0, random.Below(60) - 30));
-    const Payload<2> payload = balls.Region();
-    for (std::size_t i = 0; i < balls.centres.size(); ++i) {
-      // Nearly out on the ball, in the directions where boxes end and in any other.
-      const int turn = random.Below(8);
-      const double angle = turn < 4 ? turn * std::numbers::pi / 2 : 7 * random.Unit();
-      const double r = balls.radii[i] * (1 - 1e-7);
-      const Point2 y{
-          {balls.centres[i][0] + r * std::cos(angle), balls.centres[i][1] + r * std::sin(angle)}};
+    const Balls<D> balls(random, std::ldexp(1.0, random.Below(60) - 30));
+    const Payload<D> payload = balls.Kept();
+    for (std::size_t i = 0; i < balls.radii.size(); ++i) {
+      const double r = balls.radii[i];
+      const Point<D> centre = Along(balls.p, balls.directions[i], r);
+      const Point<D> y = Along(centre, AnyDirection<D>(random), r * (1 - 1e-7));
       ASSERT_TRUE(payload.RegionMayHold(balls.p, y)) << "seed " << kSeed << ", round " << round;
+    }
+    const Direction<D> u = AnyDirection<D>(random);
+    ASSERT_TRUE(payload.RegionMayHold(balls.p, Along(balls.p, u, balls.ReachAlong(u) * (1 - 1e-7))))
+        << "seed " << kSeed << ", round " << round;
+  }
+}
+
+TEST(Payload, RegionHoldsEveryPointOfItsBalls) {
+  ExpectNoPointOfABallIsLost<2>();
+  ExpectNoPointOfABallIsLost<3>();
+}
+
+template <int D>
+void ExpectLittleBeyondTheBox(double unit) {
+  test::Random random(kSeed);
+  for (int round = 0; round < 20000; ++round) {
+    const Balls<D> balls(random, 1);
+    const Payload<D> payload = balls.Kept();
+    const double slack = std::sqrt(balls.region.radius2()) * (unit + 1e-5);
+    const Extent<D>& box = balls.region.box();
+    for (int k = 0; k < D; ++k) {
+      Point<D> above = balls.p, below = balls.p;
+      above[k] = box.hi[k] + slack;
+      below[k] = box.lo[k] - slack;
+      ASSERT_FALSE(payload.RegionMayHold(balls.p, above)) << "seed " << kSeed << ": " << round;
+      ASSERT_FALSE(payload.RegionMayHold(balls.p, below)) << "seed " << kSeed << ": " << round;
     }
   }
 }
 
 TEST(Payload, RegionIsHardlyLargerThanItsBox) {
+  ExpectLittleBeyondTheBox<2>(1.0 / 63);
+  ExpectLittleBeyondTheBox<3>(1.0 / 31);
+}
+
+// Of each octant, what the balls reach along directions all over it, the edges included.
+TEST(Payload, InSpaceTheRegionIsHardlyLargerThanWhatBallsReachInEachOctant) {
   test::Random random(kSeed);
-  for (int round = 0; round < 20000; ++round) {
-    const Balls balls(random, 1);
-    const Payload<2> payload = balls.Region();
-    const double slack = std::sqrt(balls.radius2) * (1.0 / 63 + 1e-5);
-    const Extent<2>& box = balls.box;
-    for (const Point2& y :
-         {Point2{{box.hi[0] + slack, balls.p[1]}}, Point2{{box.lo[0] - slack, balls.p[1]}},
-          Point2{{balls.p[0], box.hi[1] + slack}}, Point2{{balls.p[0], box.lo[1] - slack}}}) {
+  constexpr int kSteps = 24;
+  for (int round = 0; round < 300; ++round) {
+    const Balls<3> balls(random, 1);
+    const Payload<3> payload = balls.Kept();
+    const double radius = std::sqrt(balls.region.radius2());
+    for (int octant = 0; octant < 8; ++octant) {
+      double reach = 0;
+      for (int i = 0; i <= kSteps; ++i) {
+        for (int j = 0; j <= kSteps; ++j) {
+          const double turn = i * M_PI_2 / kSteps, rise = j * M_PI_2 / kSteps;
+          Direction<3> u = {std::cos(turn) * std::cos(rise), std::sin(turn) * std::cos(rise),
+                            std::sin(rise)};
+          for (int k = 0; k < 3; ++k) u[k] = octant >> k & 1 ? u[k] : -u[k];
+          reach = std::max(reach, balls.ReachAlong(u));
+        }
+      }
+      const double told = balls.region.Reach(octant);
+      constexpr double kRounding = 1e-15;  // of the centres
+      ASSERT_GE(told + kRounding, reach) << "seed " << kSeed << ", round " << round;
+      ASSERT_LE(told * 0.99, reach + kRounding) << "seed " << kSeed << ", round " << round;
+      const double out = (told + radius / 15) * (1 + 1e-5) + kRounding / std::sqrt(3);
+      Point<3> y = balls.p;
+      for (int k = 0; k < 3; ++k) y[k] += octant >> k & 1 ? out : -out;
       ASSERT_FALSE(payload.RegionMayHold(balls.p, y)) << "seed " << kSeed << ", round " << round;
     }
   }
 }
 
-TEST(Payload, RegionMayBeUnbounded) {
-  Payload<2> payload;
-  payload.SetRegion({{1, 2}}, {{-kInfinity, -kInfinity}}, {{kInfinity, kInfinity}}, 4);
-  EXPECT_TRUE(payload.RegionMayHold({{1, 2}}, {{2.9, 2}}));
-  EXPECT_TRUE(payload.RegionMayHold({{1, 2}}, {{1, 0.1}}));
-  EXPECT_FALSE(payload.RegionMayHold({{1, 2}}, {{3.1, 2}}));
+template <int D>
+void ExpectAllIfNothingIsKnown() {
+  Point<D> p = {};
+  p[0] = 1;
+  const auto may_hold = [&](const StarRegion<D>& region, double x, double y) {
+    Payload<D> payload;
+    payload.SetRegion(region);
+    Point<D> q = p;
+    q[0] += x;
+    q[1] += y;
+    return payload.RegionMayHold(p, q);
+  };
+  StarRegion<D> all(p);
+  all.AddAll(4);
+  EXPECT_TRUE(may_hold(all, 1.9, 0));
+  EXPECT_TRUE(may_hold(all, 0, -1.9));
+  EXPECT_TRUE(may_hold(all, -1.3, -1.3));
+  EXPECT_FALSE(may_hold(all, 2.1, 0));
   // A squared radius beyond what a float holds.
-  payload.SetRegion({{1, 2}}, {{-1e20, -1e20}}, {{1e20, 1e20}}, 1e40);
-  for (const Point2& y : {Point2{{1e19, 2}}, Point2{{-1e19, 1e19}}, Point2{{1, 2}}}) {
-    EXPECT_TRUE(payload.RegionMayHold({{1, 2}}, y));
-  }
-  payload.SetRegion({{1, 2}}, {{1, 2}}, {{3, 2}}, INFINITY);
-  EXPECT_TRUE(payload.RegionMayHold({{1, 2}}, {{0.5, 1}}));
+  StarRegion<D> huge(p);
+  Point<D> far = p;
+  far[0] = 1e20;
+  huge.AddBall(far, 1e20, 0);
+  EXPECT_TRUE(may_hold(huge, 1e19, 0));
+  EXPECT_TRUE(may_hold(huge, -1e19, 1e19));
+  EXPECT_TRUE(may_hold(huge, 0, 0));
+  StarRegion<D> unbounded(p);
+  unbounded.AddAll(std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(may_hold(unbounded, -0.5, -1));
 }
 
-// There is one of these for each operation, and that is to be a cache line.
+TEST(Payload, RegionMayBeUnbounded) {
+  ExpectAllIfNothingIsKnown<2>();
+  ExpectAllIfNothingIsKnown<3>();
+}
+
+// There is one of these for each operation, which is to be a cache line or little more.
 static_assert(sizeof(Payload<2>) == 8);
+static_assert(sizeof(Payload<3>) == 12);
 
 }  // namespace
 }  // namespace dynmesh::meshing

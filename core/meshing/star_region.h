@@ -1,0 +1,65 @@
+// Where the balls about the corners of a star lie: a vertex elsewhere does not change the star.
+#ifndef DYNMESH_CORE_MESHING_STAR_REGION_H_
+#define DYNMESH_CORE_MESHING_STAR_REGION_H_
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/geometry/point.h"
+#include "core/meshing/spatial_tree.h"
+
+namespace dynmesh::meshing {
+
+// What is no farther from the star's vertex p than the balls reach, measured by axis and by
+// orthant.
+//
+// All balls have p on their boundary. So one about p + c reaches 2 c.u in direction u, in an
+// orthant at most twice the length of what of c points into it.
+template <int D>
+class StarRegion {
+ public:
+  using Point = geometry::Point<D>;
+  static constexpr int kOrthants = 1 << D;
+
+  explicit StarRegion(const Point& p) : p_(p) {}
+
+  // The ball about c, which is known to `slack` in each direction.
+  void AddBall(const Point& c, double radius, double slack) {
+    box_.AddBall(c, radius + 2 * slack);
+    radius2_ = std::max(radius2_, 4 * (radius + slack) * (radius + slack));
+    std::array<std::array<double, 2>, D> part;  // squared: of c, downwards and upwards
+    for (int k = 0; k < D; ++k) {
+      const double d = c[k] - p_[k];
+      const double down = std::fmax(-d, 0) + slack, up = std::fmax(d, 0) + slack;
+      part[k] = {down * down, up * up};
+    }
+    for (int o = 0; o < kOrthants; ++o) {
+      double sum = 0;
+      for (int k = 0; k < D; ++k) sum += part[k][o >> k & 1];
+      half2_[o] = std::max(half2_[o], sum);
+    }
+  }
+  // All that is in view of p: nothing is known of a ball.
+  void AddAll(double squared_distance) {
+    box_.AddBall(p_, std::sqrt(squared_distance));
+    radius2_ = squared_distance;
+    half2_.fill(squared_distance);
+  }
+
+  const Point& centre() const { return p_; }
+  const Extent<D>& box() const { return box_; }
+  double radius2() const { return radius2_; }
+  // How far it reaches in an orthant: bit k says that coordinate k is above that of p.
+  double Reach(int orthant) const { return 2 * std::sqrt(half2_[orthant]); }
+
+ private:
+  Point p_;
+  Extent<D> box_ = Extent<D>::Nothing();
+  double radius2_ = 0;
+  std::array<double, kOrthants> half2_ = {};  // squared half of the reach
+};
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_STAR_REGION_H_
