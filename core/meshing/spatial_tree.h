@@ -149,6 +149,18 @@ class SpatialTree {
     while (top > 0) {
       auto [cell, begin, end] = stack[--top];
       const Node& node = nodes_[cell.node];
+      if constexpr (D > 2) {
+        // Without branches, which would be mispredicted.
+        balls.resize(end + (end - begin));
+        std::size_t next = end;
+        for (std::size_t i = begin; i < end; ++i) {
+          balls[next] = balls[i];
+          next += DistanceToCell2(balls[i].centre, cell) <= balls[i].radius2 ? 1 : 0;
+        }
+        begin = end;
+        end = next;
+        if (begin == end) continue;
+      }
       if (node.child == kNone) {
         const std::span<const Ball> near(balls.data() + begin, end - begin);
         for (std::uint32_t l = node.leaf; l != kNone; l = leaves_[l].next) {
@@ -161,18 +173,6 @@ class SpatialTree {
           }
         }
         continue;
-      }
-      if constexpr (D > 2) {
-        // Without branches, which would be mispredicted.
-        balls.resize(end + (end - begin));
-        std::size_t next = end;
-        for (std::size_t i = begin; i < end; ++i) {
-          balls[next] = balls[i];
-          next += DistanceToCell2(balls[i].centre, cell) <= balls[i].radius2 ? 1 : 0;
-        }
-        begin = end;
-        end = next;
-        if (begin == end) continue;
       }
       // clang 14 does not capture structured bindings by themselves.
       ForEachChildIn(box, cell, [&, begin = begin, end = end](const Cell& child) {

@@ -31,7 +31,7 @@ class StarRegion {
     std::array<std::array<double, 2>, D> part;  // squared: of c, downwards and upwards
     for (int k = 0; k < D; ++k) {
       const double d = c[k] - p_[k];
-      const double down = std::fmax(-d, 0) + slack, up = std::fmax(d, 0) + slack;
+      const double down = std::max(-d, 0.0) + slack, up = std::max(d, 0.0) + slack;
       part[k] = {down * down, up * up};
     }
     for (int o = 0; o < kOrthants; ++o) {
