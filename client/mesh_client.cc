@@ -18,6 +18,8 @@ constexpr std::size_t kLocatePoints = 30'000;  // of one request
 absl::StatusOr<MeshInfo> DecodeMesh(const v1::Mesh& proto) {
   MeshInfo info;
   info.id = proto.name().substr(proto.name().find('/') + 1);
+  info.damage = proto.damage();
+  if (!info.damage.empty()) return info;
   auto options = codec::DecodeOptions(proto.options(), std::numeric_limits<std::uint64_t>::max());
   if (!options.ok()) return options.status();
   info.options = *options;

@@ -38,6 +38,8 @@ struct MeshInfo {
   absl::Time create_time;
   std::uint64_t revision = 0;
   MeshHash hash;
+  // In lists: why the server could not make it again; then nothing else is known but the id.
+  std::string damage;
 };
 
 struct MeshStatus {

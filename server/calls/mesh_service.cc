@@ -161,13 +161,19 @@ grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContex
   const int size =
       request->page_size() == 0 ? kDefaultPageSize : std::min(request->page_size(), kMaxPageSize);
   const auto count = static_cast<std::size_t>(size);
-  const auto hosts = context_.registry->List(
+  const auto meshes = context_.registry->List(
       request->page_token(), count + 1,
       [&pass](absl::string_view id) { return pass->Allows(Role::kRead, id); });
-  for (std::size_t i = 0; i < std::min(hosts.size(), count); ++i) {
-    EncodeMesh(*hosts[i], response->add_meshes());
+  for (std::size_t i = 0; i < std::min(meshes.size(), count); ++i) {
+    v1::Mesh* const out = response->add_meshes();
+    if (meshes[i].host != nullptr) {
+      EncodeMesh(*meshes[i].host, out);
+    } else {
+      out->set_name(MeshName(meshes[i].id));
+      out->set_damage(std::string(meshes[i].damage.message()));
+    }
   }
-  if (hosts.size() > count) response->set_next_page_token(hosts[count - 1]->id());
+  if (meshes.size() > count) response->set_next_page_token(meshes[count - 1].id);
   return Finished(call, absl::OkStatus());
 }
 

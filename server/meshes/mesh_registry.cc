@@ -220,16 +220,25 @@ absl::Status MeshRegistry::Delete(absl::string_view name) {
   return absl::OkStatus();
 }
 
-std::vector<MeshRegistry::HostPtr> MeshRegistry::List(
+std::vector<MeshRegistry::Listed> MeshRegistry::List(
     absl::string_view after, std::size_t limit,
     const std::function<bool(absl::string_view)>& shown) const {
   const std::lock_guard lock(mutex_);
-  std::vector<HostPtr> found;
+  std::vector<Listed> found;
   for (auto it = hosts_.upper_bound(after); it != hosts_.end() && found.size() < limit; ++it) {
     if (shown != nullptr && !shown(it->first)) continue;
-    if (it->second.host != nullptr) found.push_back(it->second.host);
+    found.push_back({it->first, it->second.host, it->second.damage});
   }
   return found;
+}
+
+std::vector<MeshRegistry::HostPtr> MeshRegistry::Hosts() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<HostPtr> hosts;
+  for (const auto& [id, held] : hosts_) {
+    if (held.host != nullptr) hosts.push_back(held.host);
+  }
+  return hosts;
 }
 
 std::size_t MeshRegistry::size() const {
@@ -237,29 +246,25 @@ std::size_t MeshRegistry::size() const {
   return hosts_.size();
 }
 
-std::vector<MeshRegistry::HostPtr> MeshRegistry::All() const {
-  return List("", static_cast<std::size_t>(-1));
-}
-
 std::size_t MeshRegistry::watchers() const {
   std::size_t sum = 0;
-  for (const HostPtr& host : All()) sum += host->hub()->size();
+  for (const HostPtr& host : Hosts()) sum += host->hub()->size();
   return sum;
 }
 
 void MeshRegistry::Tick(absl::Time now) {
-  for (const HostPtr& host : All()) {
+  for (const HostPtr& host : Hosts()) {
     host->hub()->Tick(now);
     host->ReportLongWork(config_.report_interval);
   }
 }
 
 void MeshRegistry::CloseAll(const absl::Status& status) {
-  for (const HostPtr& host : All()) host->Close(status);
+  for (const HostPtr& host : Hosts()) host->Close(status);
 }
 
 void MeshRegistry::CloseWatches(const absl::Status& status) {
-  for (const HostPtr& host : All()) host->hub()->Close(status);
+  for (const HostPtr& host : Hosts()) host->hub()->Close(status);
 }
 
 }  // namespace dynmesh::server

@@ -53,10 +53,17 @@ class MeshRegistry {
   // Waits for the journal.
   absl::Status Delete(absl::string_view name);
 
-  // At most `limit` meshes with ids greater than `after`, by id; none that is damaged, and only
-  // those whose id is `shown`, if that is given.
-  std::vector<HostPtr> List(absl::string_view after, std::size_t limit,
-                            const std::function<bool(absl::string_view)>& shown = nullptr) const;
+  struct Listed {
+    std::string id;
+    HostPtr host;         // null if it is damaged
+    absl::Status damage;  // then why
+  };
+  // At most `limit` meshes with ids greater than `after`, by id, and only those whose id is
+  // `shown`, if that is given.
+  std::vector<Listed> List(absl::string_view after, std::size_t limit,
+                           const std::function<bool(absl::string_view)>& shown = nullptr) const;
+  // All that are not damaged, by id.
+  std::vector<HostPtr> Hosts() const;
 
   std::size_t size() const;
   std::size_t watchers() const;
@@ -81,7 +88,6 @@ class MeshRegistry {
                                       const std::string& request_id) const;
   absl::Status CheckRoom(const std::string& id) const;
   std::string FreshId();
-  std::vector<HostPtr> All() const;
   void RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress);
   absl::StatusOr<Journal::Key> WriteDown(const std::string& id, const codec::JournalMesh& mesh);
 

@@ -54,7 +54,7 @@ void WriteMeshes(const MeshRegistry& meshes, MetricsText& out) {
     std::optional<MeshHost::Running> running;
   };
   std::vector<Row> rows;
-  for (const auto& host : meshes.List("", static_cast<std::size_t>(-1))) {
+  for (const auto& host : meshes.Hosts()) {
     rows.push_back(
         {host->id(), host->stats(), host->hub()->size(), host->waiting(), host->running()});
   }

@@ -15,6 +15,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
+#include "server/journal/sqlite.h"
 #include "server/journal/sqlite_journal.h"
 #include "server/server.h"
 #include "tests/support/polygon_script.h"
@@ -131,6 +132,33 @@ TEST_F(HistoryTest, RandomScriptsOfSpaceGoBackToWhatTheyWere) {
     if (HasFatalFailure()) return;
   }
   GoBackAndForth(test::ScriptGenerator(test::Distribution::kSpaceSized, 15, seed_), 3, 12);
+}
+
+TEST_F(HistoryTest, DamagedMeshesAreListed) {
+  Start();
+  for (const char* id : {"bad", "good"}) {
+    ASSERT_TRUE(client_->CreateMesh(id, MeshOptions()).ok());
+    ASSERT_TRUE(client_->Apply(id, {Edit::Add(Feature::Point(1, 0.25, 0.5))}).ok());
+  }
+  client_.reset();
+  server_.reset();
+  {
+    auto file = server::sqlite::Connection::Open(folder_.path() + "/journal.sqlite", nullptr);
+    ASSERT_TRUE(file.ok()) << file.status();
+    ASSERT_TRUE(file->Run("UPDATE entries SET data = x'ff' WHERE mesh = (SELECT key FROM meshes "
+                          "WHERE id = 'bad')")
+                    .ok());
+  }
+  Start();
+  const auto meshes = client_->ListMeshes();
+  ASSERT_TRUE(meshes.ok()) << meshes.status();
+  ASSERT_EQ(meshes->size(), 2u);
+  EXPECT_EQ((*meshes)[0].id, "bad");
+  EXPECT_EQ((*meshes)[0].damage, client_->GetMesh("bad").status().message());
+  EXPECT_EQ(ReasonOf(client_->GetMesh("bad").status()), codec::reason::kMeshDamaged);
+  EXPECT_EQ((*meshes)[1].id, "good");
+  EXPECT_EQ((*meshes)[1].damage, "");
+  EXPECT_EQ((*meshes)[1].revision, 1u);
 }
 
 TEST_F(HistoryTest, WhatIsTooOldOrNotYetThereIsSaid) {

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "client/cli/command.h"
+#include "client/cli/remote/connection.h"
 #include "core/io/edit_script.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/e2e/daemon.h"
@@ -40,6 +41,15 @@ class RemoteHistoryTest : public ::testing::Test {
   test::TempFolder folder_;
   test::Daemon daemon_{folder_.path()};
 };
+
+TEST(MeshLineTest, OfADamagedMeshSaysWhy) {
+  client::MeshInfo mesh;
+  mesh.id = "m";
+  mesh.damage = "is damaged: \"why\"";
+  EXPECT_EQ(MeshLine(mesh, /*json=*/false), "m  DAMAGED  is damaged: \"why\"\n");
+  EXPECT_EQ(MeshLine(mesh, /*json=*/true),
+            "{\"mesh\": \"m\", \"damage\": \"is damaged: \\\"why\\\"\"}\n");
+}
 
 TEST_F(RemoteHistoryTest, FeaturesAreAScriptOfTheSameMeshAndRevertGoesBack) {
   ASSERT_TRUE(daemon_.Start({"--data-dir", folder_.path() + "/data"})) << daemon_.Log();

@@ -91,6 +91,10 @@ absl::StatusOr<std::unique_ptr<client::MeshClient>> Connect(const ServerFlags& f
 
 std::string MeshLine(const client::MeshInfo& mesh, bool json) {
   const MeshOptions& o = mesh.options;
+  if (!mesh.damage.empty()) {
+    return json ? JsonObject().AddText("mesh", mesh.id).AddText("damage", mesh.damage).ToLine()
+                : absl::StrFormat("%s  DAMAGED  %s\n", mesh.id, mesh.damage);
+  }
   if (!json) {
     return absl::StrFormat("%s  revision %d  hash %s  %s\n", mesh.id, mesh.revision,
                            mesh.hash.ToHex(), io::FormatMeshLine(o));

@@ -64,7 +64,9 @@ class Figures {
       const auto meshes = client_.ListMeshes();
       if (!meshes.ok()) return meshes.status();
       ids.clear();
-      for (const client::MeshInfo& info : *meshes) ids.push_back(info.id);
+      for (const client::MeshInfo& info : *meshes) {
+        if (info.damage.empty()) ids.push_back(info.id);
+      }
     }
     std::vector<Row> rows;
     std::map<std::string, Seen> seen;

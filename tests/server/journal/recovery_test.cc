@@ -220,7 +220,13 @@ TEST_F(RecoveryTest, WhatDoesNotMakeTheMeshAgainIsDamageOfThatMeshAlone) {
     EXPECT_TRUE(absl::StrContains(damage.message(), "meshes/m")) << damage;
     EXPECT_TRUE(absl::StrContains(damage.message(), what)) << damage;
     EXPECT_EQ((*server_)->Create("m", MeshOptions(), "made").status(), damage);
-    EXPECT_EQ((*server_)->List("", 10).size(), 1u);
+    const auto listed = (*server_)->List("", 10);
+    ASSERT_EQ(listed.size(), 2u);
+    EXPECT_EQ(listed[0].id, "m");
+    EXPECT_EQ(listed[0].host, nullptr);
+    EXPECT_EQ(listed[0].damage, damage);
+    EXPECT_EQ(listed[1].host, server_->Host("sound"));
+    EXPECT_EQ((*server_)->Hosts().size(), 1u);
     // It can be deleted, and made anew.
     ASSERT_TRUE((*server_)->Delete("meshes/m").ok());
     ASSERT_TRUE((*server_)->Create("m", MeshOptions(), "made").ok());
