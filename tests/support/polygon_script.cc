@@ -271,9 +271,14 @@ void PolygonScript::BreakARule(std::size_t k, const Present& present, EditBatch&
   const Home& home = homes_[k];
   const auto corner =
       static_cast<std::size_t>(random_.Below(static_cast<int>(home.solid.corners.size())));
+  // One that no face needed may be gone.
+  const auto place_of = [&](std::size_t i) -> Place {
+    const auto it = present.find(PointId(k, i));
+    return it != present.end() ? it->second.position : PlacesOf(home)[i];
+  };
   switch (random_.Below(5)) {
     case 0: {  // a corner alone: faces are no longer plane
-      Place p = present.at(PointId(k, corner)).position;
+      Place p = place_of(corner);
       for (double& x : p) x += 0.1 * home.size * (random_.Unit() - 0.5);
       batch.push_back({Edit::Action::kMove, PointAt(PointId(k, corner), p)});
       return;
@@ -297,7 +302,7 @@ void PolygonScript::BreakARule(std::size_t k, const Present& present, EditBatch&
     default: {  // a point in a face, or nearly
       Place p = {0, 0, 0};
       for (std::size_t i = 0; i < 2; ++i) {
-        for (std::size_t c = 0; c < 3; ++c) p[c] += 0.5 * present.at(PointId(k, i)).position[c];
+        for (std::size_t c = 0; c < 3; ++c) p[c] += 0.5 * place_of(i)[c];
       }
       p[2] += std::ldexp(1.0, -40 - random_.Below(20));
       batch.push_back(Edit::Add(PointAt(next_id_++, p)));
