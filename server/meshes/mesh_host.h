@@ -75,7 +75,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     std::size_t max_waiting = 1'000;
     std::size_t remembered_requests = 10'000;
     MeshLog::Limits compact;
-    EditMetrics* metrics = nullptr;         // outlives the host; null: nothing is counted
+    EditMetrics* metrics = nullptr;  // outlives the host; null: nothing is counted
     std::uint64_t max_features = ~std::uint64_t{0};
     const MemoryGuard* memory = nullptr;  // outlives the host; null: no limit
   };

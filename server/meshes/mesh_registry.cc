@@ -121,13 +121,14 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
   const absl::Time now = absl::Now();
   const absl::StatusOr<Journal::Key> key = WriteDown(final_id, {options, now, request_id});
   if (!key.ok()) return key.status();
+  const MeshHost::Options host_options = HostOptions();
   MeshHost::Past past;
   if (journal_ != nullptr) {
     past.log = std::make_unique<MeshLog>(journal_, *key, final_id, options.dimension,
-                                         MeshLog::Sizes(), HostOptions().compact);
+                                         MeshLog::Sizes(), host_options.compact);
   }
-  HostPtr host = MeshHost::Create(final_id, *std::move(mesh), now, writers_, readers_,
-                                  HostOptions(), std::move(past));
+  HostPtr host = MeshHost::Create(final_id, *std::move(mesh), now, writers_, readers_, host_options,
+                                  std::move(past));
   const std::lock_guard lock(mutex_);
   hosts_.emplace(final_id, Held{host, {}, *key});
   if (!request_id.empty()) creations_.emplace(request_id, Creation{final_id, options});

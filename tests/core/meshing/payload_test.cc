@@ -16,7 +16,6 @@ namespace dynmesh::meshing {
 namespace {
 
 using geometry::Point;
-using geometry::Point2;
 
 constexpr std::uint64_t kSeed = 20261121;
 
@@ -151,7 +150,7 @@ TEST(Payload, InSpaceTheRegionIsHardlyLargerThanWhatBallsReachInEachOctant) {
       constexpr double kRounding = 1e-15;  // of the centres
       ASSERT_GE(told + kRounding, reach) << "seed " << kSeed << ", round " << round;
       ASSERT_LE(told * 0.99, reach + kRounding) << "seed " << kSeed << ", round " << round;
-      const double out = (told + radius / 15) * (1 + 1e-5) + kRounding / std::sqrt(3);
+      const double out = ((told + radius / 15) * (1 + 1e-5) + kRounding) / std::sqrt(3);
       Point<3> y = balls.p;
       for (int k = 0; k < 3; ++k) y[k] += octant >> k & 1 ? out : -out;
       ASSERT_FALSE(payload.RegionMayHold(balls.p, y)) << "seed " << kSeed << ", round " << round;
