@@ -5,8 +5,6 @@
 // One line of JSON a minute, and one in the end. Exit code 1 if a revision was lost or came twice,
 // a hash differs, a watcher does not get to the end, an edit was answered otherwise than it should,
 // the server does not come back with its meshes after a restart, or its memory grew.
-#include <sys/resource.h>
-
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <csignal>
@@ -24,7 +22,7 @@
 #include "client/cli/percentile.h"
 #include "client/mesh_client.h"
 #include "tests/e2e/daemon.h"
-#include "tests/e2e/soak/audience.h"
+#include "tests/e2e/soak/audience_process.h"
 #include "tests/e2e/soak/figures.h"
 #include "tests/e2e/soak/ledger.h"
 #include "tests/e2e/soak/writer.h"
@@ -37,6 +35,13 @@ namespace {
 using cli::JsonObject;
 using cli::Percentile;
 
+// A mesh with what is known of it.
+struct Site {
+  MeshPlan plan;
+  Ledger ledger;
+  MeshHead head;  // at the end, as the server has it
+};
+
 constexpr int kWritersPerMesh = 2;
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -46,6 +51,7 @@ struct Settings {
   double rate = 5;
   std::uint64_t vertices = 100'000;
   Audience::Plan audience;
+  bool idle_watchers = false;
   double growth_part = 0.05, growth_megabytes = 20;
   std::uint64_t history = 1'000;
   std::uint64_t seed = 1;
@@ -69,6 +75,8 @@ void AddFlags(CLI::App& app, Settings& s) {
   add("--restless", s.audience.restless, "of these, who hang up and come back");
   add("--sessions", s.audience.sessions, "of these, with a mesh of their own in a WatchSession");
   add("--nap-seconds", s.audience.nap_seconds, "mean pause of the slow and the restless");
+  app.add_flag("--idle-watchers", s.idle_watchers,
+               "they take no core that server or writers want; on a busy machine they starve");
   add("--growth-part", s.growth_part, "growth of memory that is borne, as a part of it");
   add("--growth-megabytes", s.growth_megabytes, "and in MB, added to that");
   add("--history", s.history, "revisions that the server keeps of each mesh");
@@ -80,7 +88,10 @@ void AddFlags(CLI::App& app, Settings& s) {
 
 class Soak {
  public:
-  explicit Soak(Settings settings) : settings_(std::move(settings)) {
+  explicit Soak(Settings settings)
+      : settings_(std::move(settings)),
+        audience_(settings_.audience, settings_.idle_watchers ? AudienceProcess::Share::kRest
+                                                              : AudienceProcess::Share::kTenth) {
     if (settings_.folder.empty()) {
       temp_.emplace();
       settings_.folder = temp_->path();
@@ -93,14 +104,9 @@ class Soak {
 
   int Run() {
     if (!Begin()) return Fail("dynmeshd or its meshes did not start:\n" + daemon_->Log());
-    settings_.audience.seed = settings_.seed + 1'000;
-    audience_ = std::make_unique<Audience>(settings_.audience, &sites_, &faults_);
-    // Watchers stand for other machines, whose work takes no core from the server and the writers:
-    // their threads, and those that gRPC makes for them, inherit what this one is given.
-    std::thread([this] {
-      setpriority(PRIO_PROCESS, 0, 10);  // Linux: of this thread
-      audience_->Start(daemon_->address(), certificates_.Certificate("ca"), *control_);
-    }).join();
+    std::vector<std::string> meshes;
+    for (const Site& site : sites_) meshes.push_back(site.plan.name);
+    audience_.Start(daemon_->address(), certificates_.Certificate("ca"), meshes);
     StartWriters();
     std::thread disk_probe([this] { ProbeDisk(settings_.folder + "/probe", 2, stop_, disk_); });
     std::thread call_probe([this, client = Connect()] { ProbeCalls(*client, 0.2, stop_, calls_); });
@@ -110,7 +116,9 @@ class Soak {
     disk_probe.join();
     call_probe.join();
     ReadHeads();
-    audience_->Close(settings_.close_seconds);
+    std::vector<MeshHead> heads;
+    for (const Site& site : sites_) heads.push_back(site.head);
+    watched_ = audience_.Close(heads, settings_.close_seconds);
     const double megabytes = ResidentMegabytes(daemon_->process());
     Restart();
     return Summarise(megabytes) ? 0 : 1;
@@ -231,7 +239,24 @@ class Soak {
     return report;
   }
 
+  static JsonObject WatchReport(const Audience::Report& watched) {
+    JsonObject report;
+    report.Add("lag_steady_max", watched.lag_steady_max);
+    report.Add("lag_slow_p50", watched.lag_slow_p50);
+    report.Add("lag_slow_max", watched.lag_slow_max);
+    report.Add("revisions", watched.revisions);
+    report.Add("coalesced", watched.coalesced);
+    report.Add("resyncs", watched.resyncs);
+    report.Add("reconnects", watched.reconnects);
+    report.Add("compacted", watched.compacted);
+    report.Add("broken", watched.broken);
+    return report;
+  }
+
   void Report() {
+    std::vector<MeshHead> heads;
+    for (const Site& site : sites_) heads.push_back({site.ledger.head()});
+    const Audience::Report watched = audience_.ReportOf(heads);
     JsonObject line;
     line.Add("seconds", std::round(Elapsed()));
     line.Add("rss_mb", memory_.empty() ? 0 : std::round(memory_.back().megabytes * 10) / 10);
@@ -242,8 +267,8 @@ class Soak {
     line.AddObjects("meshes", meshes);
     line.AddObject("disk_sync_ms", Spread(disk_.TakeRecent()));
     line.AddObject("empty_call_ms", Spread(calls_.TakeRecent()));
-    line.AddObject("watchers", audience_->Report());
-    line.Add("faults", faults_.count());
+    line.AddObject("watchers", WatchReport(watched));
+    line.Add("faults", faults_.count() + watched.faults);
     std::fputs(line.ToLine().c_str(), stdout);
     std::fflush(stdout);
   }
@@ -256,8 +281,7 @@ class Soak {
         faults_.Add("no mesh at the end: " + info.status().ToString());
         continue;
       }
-      site.head = info->revision;
-      site.hash = info->hash;
+      site.head = {info->revision, info->hash};
     }
   }
 
@@ -276,7 +300,7 @@ class Soak {
       const auto info = client->GetMesh(site.plan.name);
       if (!info.ok()) {
         faults_.Add("not there after a restart: " + info.status().ToString());
-      } else if (info->revision != site.head || info->hash != site.hash) {
+      } else if (info->revision != site.head.revision || info->hash != site.head.hash) {
         faults_.Add("another mesh after a restart: " + site.plan.name);
       }
     }
@@ -286,17 +310,19 @@ class Soak {
 
   // True if all is well.
   bool Summarise(double megabytes) {
-    const WatchCounts& counts = audience_->counts();
-    std::uint64_t lost = counts.lost, doubled = counts.doubled;
+    std::uint64_t lost = watched_.lost, doubled = watched_.doubled;
     for (const Site& site : sites_) {
-      lost += site.ledger.Lost(site.head);
+      lost += site.ledger.Lost(site.head.revision);
       doubled += site.ledger.doubled();
     }
     const Growth growth = JudgeGrowth(memory_);
     const double borne = settings_.growth_part * growth.warm + settings_.growth_megabytes;
     const bool grew = growth.last - growth.warm > borne;
-    const bool well = lost == 0 && doubled == 0 && counts.damaged == 0 && faults_.count() == 0 &&
-                      audience_->at_end() == audience_->size() && !grew;
+    std::vector<std::string> faults = faults_.words();
+    faults.insert(faults.end(), audience_.faults().begin(), audience_.faults().end());
+    const std::uint64_t fault_count = faults_.count() + watched_.faults;
+    const bool well = lost == 0 && doubled == 0 && watched_.damaged == 0 && fault_count == 0 &&
+                      watched_.at_end == watched_.watchers && !grew;
     JsonObject memory;
     memory.Add("warm_mb", growth.warm);
     memory.Add("last_mb", growth.last);
@@ -322,22 +348,24 @@ class Soak {
     line.AddObject("disk_sync_ms", Spread(disk_.All()));
     line.AddObject("empty_call_ms", Spread(calls_.All()));
     line.AddObject("edits", EditReport());
-    line.AddObject("watchers", audience_->Report());
+    line.AddObject("watchers", WatchReport(watched_));
     line.AddObject("memory", memory);
     line.Add("lost", lost);
     line.Add("doubled", doubled);
-    line.Add("damaged", counts.damaged.load());
-    line.Add("watchers_at_end", audience_->at_end());
-    line.Add("watchers_all", audience_->size());
+    line.Add("damaged", watched_.damaged);
+    line.Add("watchers_at_end", watched_.at_end);
+    line.Add("watchers_all", watched_.watchers);
     line.Add("restart_seconds", restart_seconds_);
-    line.Add("faults", faults_.count());
-    line.AddTexts("first_faults", faults_.words());
+    line.Add("faults", fault_count);
+    line.AddTexts("first_faults", faults);
     std::fputs(line.ToLine().c_str(), stdout);
-    if (faults_.count() > 0) std::fputs(daemon_->Log().c_str(), stderr);
+    if (fault_count > 0) std::fputs(daemon_->Log().c_str(), stderr);
     return well;
   }
 
   Settings settings_;
+  AudienceProcess audience_;  // made before all that has threads
+  Audience::Report watched_;  // in the end
   std::optional<test::TempFolder> temp_;
   test::Certificates certificates_;
   std::unique_ptr<test::Daemon> daemon_;
@@ -348,7 +376,6 @@ class Soak {
   Faults faults_;
   Latencies disk_, calls_;  // the probes
   std::vector<MemorySample> memory_;
-  std::unique_ptr<Audience> audience_;
   std::vector<std::unique_ptr<client::MeshClient>> clients_;  // of the writers
   std::vector<std::unique_ptr<Writer>> writers_;
   std::vector<std::thread> writer_threads_;
@@ -363,6 +390,7 @@ int main(int argc, char** argv) {
   CLI::App app("Runs dynmeshd under load for long, and watches what becomes of it");
   dynmesh::soak::AddFlags(app, settings);
   CLI11_PARSE(app, argc, argv);
+  settings.audience.seed = settings.seed + 1'000;
   for (const int signal : {SIGINT, SIGTERM}) {
     std::signal(signal, [](int) { dynmesh::soak::interrupted = 1; });
   }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 
 #include "client/cli/percentile.h"
 
@@ -17,8 +16,8 @@ constexpr int kChannels = 3;  // and one for the slow
 
 }  // namespace
 
-Audience::Audience(const Plan& plan, std::deque<Site>* sites, Faults* faults)
-    : plan_(plan), sites_(sites), faults_(faults) {}
+Audience::Audience(const Plan& plan, std::vector<std::string> meshes, Faults* faults)
+    : plan_(plan), meshes_(std::move(meshes)), faults_(faults) {}
 
 Audience::~Audience() {
   for (const auto& w : watchers_) w->Abandon();
@@ -38,10 +37,10 @@ void Audience::Start(const std::string& address, const std::string& authority,
     channels_.push_back(
         grpc::CreateCustomChannel(address, grpc::SslCredentials({authority, "", ""}), arguments));
   }
-  const int meshes = static_cast<int>(sites_->size());
+  const int meshes = static_cast<int>(meshes_.size());
   for (int i = 0; i < plan_.watchers; ++i) {
     Watcher::Config config;
-    config.mesh = (*sites_)[static_cast<std::size_t>(i % meshes)].plan.name;
+    config.mesh = meshes_[static_cast<std::size_t>(i % meshes)];
     const int beyond_slow = i - plan_.slow;
     const int beyond_restless = beyond_slow - plan_.restless;
     if (beyond_restless >= 0 && beyond_restless < plan_.sessions) {
@@ -62,18 +61,19 @@ void Audience::Start(const std::string& address, const std::string& authority,
   }
 }
 
-void Audience::Close(double seconds) {
+void Audience::Close(std::span<const MeshHead> heads, double seconds) {
+  const auto head_of = [&](const std::string& mesh) { return heads[IndexOf(mesh)]; };
   const auto deadline = Clock::now() + std::chrono::milliseconds(static_cast<int>(1000 * seconds));
-  for (const auto& w : watchers_) w->Close(SiteOf(w->config().mesh).head);
+  for (const auto& w : watchers_) w->Close(head_of(w->config().mesh).revision);
   for (const auto& w : watchers_) {
-    while (w->revision() < SiteOf(w->config().mesh).head && Clock::now() < deadline) {
+    while (w->revision() < head_of(w->config().mesh).revision && Clock::now() < deadline) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
   for (const auto& s : sessions_) {
-    const Site& site = SiteOf(s->mesh());
+    const MeshHead head = head_of(s->mesh());
     const absl::Duration left = absl::FromChrono(deadline - Clock::now());
-    at_end_ += s->WaitFor(site.head, site.hash, std::max(left, absl::Seconds(1))) ? 1 : 0;
+    at_end_ += s->WaitFor(head.revision, head.hash, std::max(left, absl::Seconds(1))) ? 1 : 0;
   }
   if (Clock::now() >= deadline) {
     for (const auto& w : watchers_) w->Abandon();
@@ -81,44 +81,46 @@ void Audience::Close(double seconds) {
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
   for (const auto& w : watchers_) {
-    const Site& site = SiteOf(w->config().mesh);
-    at_end_ += w->Has(site.head, site.hash.ToHex()) ? 1 : 0;
+    const MeshHead head = head_of(w->config().mesh);
+    at_end_ += w->Has(head.revision, head.hash.ToHex()) ? 1 : 0;
   }
   for (const auto& s : sessions_) s->Stop();
 }
 
-cli::JsonObject Audience::Report() const {
+Audience::Report Audience::ReportOf(std::span<const MeshHead> heads) const {
+  // Watchers may be ahead of what a writer has heard.
+  const auto lag = [&](const std::string& mesh, std::uint64_t revision) {
+    const std::uint64_t head = heads[IndexOf(mesh)].revision;
+    return head < revision ? 0 : static_cast<double>(head - revision);
+  };
   std::vector<double> steady, slow;
   for (const auto& w : watchers_) {
-    const double lag = Lag(w->config().mesh, w->revision());
-    if (w->config().manner == Watcher::Manner::kSteady) steady.push_back(lag);
-    if (w->config().manner == Watcher::Manner::kSlow) slow.push_back(lag);
+    const double behind = lag(w->config().mesh, w->revision());
+    if (w->config().manner == Watcher::Manner::kSteady) steady.push_back(behind);
+    if (w->config().manner == Watcher::Manner::kSlow) slow.push_back(behind);
   }
-  for (const auto& s : sessions_) steady.push_back(Lag(s->mesh(), s->revision()));
-  cli::JsonObject report;
-  report.Add("lag_steady_max", cli::Percentile(steady, 1));
-  report.Add("lag_slow_p50", cli::Percentile(slow, 0.5));
-  report.Add("lag_slow_max", cli::Percentile(slow, 1));
-  report.Add("revisions", counts_.revisions.load());
-  report.Add("coalesced", counts_.coalesced.load());
-  report.Add("resyncs", counts_.resyncs.load());
-  report.Add("reconnects", counts_.reconnects.load());
-  report.Add("compacted", counts_.compacted.load());
-  report.Add("broken", counts_.broken.load());
+  for (const auto& s : sessions_) steady.push_back(lag(s->mesh(), s->revision()));
+  Report report;
+  report.lag_steady_max = cli::Percentile(steady, 1);
+  report.lag_slow_p50 = cli::Percentile(slow, 0.5);
+  report.lag_slow_max = cli::Percentile(slow, 1);
+  report.revisions = counts_.revisions;
+  report.coalesced = counts_.coalesced;
+  report.resyncs = counts_.resyncs;
+  report.reconnects = counts_.reconnects;
+  report.compacted = counts_.compacted;
+  report.broken = counts_.broken;
+  report.lost = counts_.lost;
+  report.doubled = counts_.doubled;
+  report.damaged = counts_.damaged;
+  report.watchers = watchers_.size() + sessions_.size();
+  report.at_end = at_end_;
+  report.faults = faults_->count();
   return report;
 }
 
-// Revisions behind the last that a writer was told of.
-double Audience::Lag(const std::string& mesh, std::uint64_t revision) const {
-  const std::uint64_t head = SiteOf(mesh).ledger.head();
-  return head < revision ? 0 : static_cast<double>(head - revision);
-}
-
-const Site& Audience::SiteOf(const std::string& mesh) const {
-  for (const Site& site : *sites_) {
-    if (site.plan.name == mesh) return site;
-  }
-  std::abort();
+std::size_t Audience::IndexOf(const std::string& mesh) const {
+  return static_cast<std::size_t>(std::ranges::find(meshes_, mesh) - meshes_.begin());
 }
 
 }  // namespace dynmesh::soak

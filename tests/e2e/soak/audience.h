@@ -5,26 +5,23 @@
 #define DYNMESH_TESTS_E2E_SOAK_AUDIENCE_H_
 
 #include <cstdint>
-#include <deque>
 #include <memory>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "client/cli/json.h"
 #include "client/mesh_client.h"
+#include "dynmesh/mesh.h"
 #include "tests/e2e/soak/ledger.h"
 #include "tests/e2e/soak/watcher.h"
-#include "tests/e2e/soak/writer.h"
 
 namespace dynmesh::soak {
 
-// A mesh with what is known of it.
-struct Site {
-  MeshPlan plan;
-  Ledger ledger;
-  std::uint64_t head = 0;  // at the end, as the server has it
-  MeshHash hash;
+// Where a mesh is.
+struct MeshHead {
+  std::uint64_t revision = 0;
+  MeshHash hash = {};
 };
 
 class Audience {
@@ -37,35 +34,39 @@ class Audience {
     double nap_seconds = 1;
     std::uint64_t seed = 1;
   };
-  Audience(const Plan& plan, std::deque<Site>* sites, Faults* faults);
+  // Plain words, to be sent from process to process.
+  struct Report {
+    double lag_steady_max = 0, lag_slow_p50 = 0, lag_slow_max = 0;  // revisions
+    std::uint64_t revisions = 0, coalesced = 0, resyncs = 0, reconnects = 0, compacted = 0;
+    std::uint64_t broken = 0, lost = 0, doubled = 0, damaged = 0;
+    std::uint64_t watchers = 0, at_end = 0;  // after Close: who got to the end, with its hash
+    std::uint64_t faults = 0;
+  };
+  Audience(const Plan& plan, std::vector<std::string> meshes, Faults* faults);
   ~Audience();
 
   // On a few channels of TLS; sessions go through `client`.
   void Start(const std::string& address, const std::string& authority, client::MeshClient& client);
 
-  // Nobody edits any more, and the sites know their ends: waits until all watchers are there, and
-  // ends them.
-  void Close(double seconds);
+  // Nobody edits any more, and these are the ends: waits until all watchers are there, and ends
+  // them.
+  void Close(std::span<const MeshHead> heads, double seconds);
 
-  cli::JsonObject Report() const;
-  const WatchCounts& counts() const { return counts_; }
-  std::size_t size() const { return watchers_.size() + sessions_.size(); }
-  // After Close: who got to the end, with the server's hash.
-  std::size_t at_end() const { return at_end_; }
+  // `heads`: the last revision of each mesh that a writer was told of.
+  Report ReportOf(std::span<const MeshHead> heads) const;
 
  private:
-  const Site& SiteOf(const std::string& mesh) const;
-  double Lag(const std::string& mesh, std::uint64_t revision) const;
+  std::size_t IndexOf(const std::string& mesh) const;
 
   const Plan plan_;
-  std::deque<Site>* const sites_;
+  const std::vector<std::string> meshes_;
   Faults* const faults_;
   WatchCounts counts_;
   std::vector<std::shared_ptr<grpc::Channel>> channels_;
   std::vector<std::unique_ptr<Watcher>> watchers_;
   std::vector<std::unique_ptr<SessionWatcher>> sessions_;
   std::vector<std::thread> threads_;
-  std::size_t at_end_ = 0;
+  std::uint64_t at_end_ = 0;
 };
 
 }  // namespace dynmesh::soak
