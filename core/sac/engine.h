@@ -48,6 +48,7 @@
 #include "core/sac/block_pool.h"
 #include "core/sac/epoch_order.h"
 #include "core/sac/order_list.h"
+#include "core/sac/prefetch.h"
 #include "core/sac/subscriptions.h"
 #include "core/sac/work_queue.h"
 
@@ -94,11 +95,17 @@ class Engine {
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
     queue_.Rewind();
+    // From the empty trace time only goes on: nobody is asked who subscribes before the end.
+    if (frontier_ == beginning()) subscriptions_.BeginLoad();
     while (!queue_.empty()) {
-      if (interrupt()) return false;
+      if (interrupt()) {
+        subscriptions_.EndLoad();
+        return false;
+      }
       const auto [epoch, entry] = queue_.Pop();
-      // Random order is hard on caches: what is taken soon is asked for now.
-      if (const QueueEntry* soon = queue_.Ahead(6)) __builtin_prefetch(&ops_[soon->op], 1);
+      if (const QueueEntry* soon = queue_.Ahead(8)) __builtin_prefetch(&ops_[soon->op], 1);
+      PrefetchAhead(program_, queue_,
+                    [&](const QueueEntry& e) -> const Operation& { return ops_[e.op]; });
       Operation& op = ops_[entry.op];
       const bool stale = op.flags & kStale;
       op.flags &= ~(kQueued | kStale);
@@ -108,6 +115,7 @@ class Engine {
         Execute(entry.op);
       }
     }
+    subscriptions_.EndLoad();
     ReleaseWithdrawn();
     return true;
   }

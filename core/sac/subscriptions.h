@@ -3,6 +3,7 @@
 #ifndef DYNMESH_CORE_SAC_SUBSCRIPTIONS_H_
 #define DYNMESH_CORE_SAC_SUBSCRIPTIONS_H_
 
+#include <algorithm>
 #include <cassert>
 #include <cstdint>
 #include <span>
@@ -26,11 +27,19 @@ class Subscriptions {
     Parts parts;
   };
   std::span<const Subscriber> at(Place place) const {
+    assert(!loading_);
     if (place >= lists_.size()) return {};
     return {data(lists_[place]), lists_[place].count};
   }
 
+  // Where very many come one after the other, as in a run from scratch, they are only written down,
+  // and sorted in the end: no list grows. Between the two nothing but Add may be called.
+  // REQUIRES: nobody subscribes yet.
+  void BeginLoad() { loading_ = true; }
+  void EndLoad();
+
   void Add(Place place, std::uint32_t op, Parts parts = kAllParts) {
+    if (loading_) return loaded_.push_back({place, {op, parts}});
     if (place >= lists_.size()) lists_.resize(place + place / 4 + 16);
     List& list = lists_[place];
     if (kWords * (list.count + 1) > list.block.capacity)
@@ -87,9 +96,34 @@ class Subscriptions {
     return s;
   }
 
+  struct Loaded {
+    Place place;
+    Subscriber subscriber;
+  };
+
   LargeVector<List> lists_;
   BlockPool pool_;
+  bool loading_ = false;
+  LargeVector<Loaded> loaded_;
 };
+
+inline void Subscriptions::EndLoad() {
+  if (!loading_) return;
+  loading_ = false;
+  Place places = 0;
+  for (const Loaded& l : loaded_) places = std::max(places, l.place + 1);
+  if (places > lists_.size()) lists_.resize(places);
+  for (const Loaded& l : loaded_) ++lists_[l.place].count;
+  for (List& list : lists_) {
+    pool_.Resize(list.block, kWords * list.count);
+    list.count = 0;
+  }
+  for (const Loaded& l : loaded_) {
+    List& list = lists_[l.place];
+    data(list)[list.count++] = l.subscriber;
+  }
+  loaded_ = {};
+}
 
 }  // namespace dynmesh::sac
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/sac/engine.h"
+#include "core/sac/prefetch.h"
 #include "core/sac/work_queue.h"
 
 namespace dynmesh::sac {
@@ -37,7 +38,7 @@ class UntracedEngine {
     while (!queue_.empty()) {
       if (interrupt()) return false;
       const auto [epoch, entry] = queue_.Pop();
-      PrefetchAhead();
+      PrefetchAhead(program_, queue_, [](const Entry& e) -> const Entry& { return e; });
       // Several requests for one operation are one operation.
       if (epoch == last_epoch_ && entry.item == last_.item && entry.kind == last_.kind) continue;
       last_epoch_ = epoch;
@@ -60,17 +61,6 @@ class UntracedEngine {
     Item item;
     Kind kind;
   };
-  // Random order is hard on caches: what is taken soon is asked for now, step by step, as
-  // each step reads where the one before has pointed.
-  void PrefetchAhead() const {
-    if constexpr (requires { Program::kPrefetchSteps; }) {
-      constexpr int kApart = 2;  // operations
-      for (int step = 0; step < Program::kPrefetchSteps; ++step) {
-        const Entry* soon = queue_.Ahead((Program::kPrefetchSteps - step) * kApart - 1);
-        if (soon != nullptr) program_.Prefetch(soon->kind, soon->item, step);
-      }
-    }
-  }
   struct BeforeInQueue {
     const Program* program;
     bool operator()(const Entry& a, const Entry& b) const {
