@@ -95,7 +95,7 @@ class Engine {
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
     queue_.Rewind();
-    // From the empty trace time only goes on: nobody is asked who subscribes before the end.
+    // From the empty trace time only goes on: whoever subscribes is not later than what comes.
     if (frontier_ == beginning()) subscriptions_.BeginLoad();
     while (!queue_.empty()) {
       if (interrupt()) {

@@ -27,14 +27,13 @@ class Subscriptions {
     Parts parts;
   };
   std::span<const Subscriber> at(Place place) const {
-    assert(!loading_);
     if (place >= lists_.size()) return {};
     return {data(lists_[place]), lists_[place].count};
   }
 
   // Where very many come one after the other, as in a run from scratch, they are only written down,
-  // and sorted in the end: no list grows. Between the two nothing but Add may be called.
-  // REQUIRES: nobody subscribes yet.
+  // and sorted in the end: no list grows. Until then places are empty for who asks; who moves one
+  // ends the load. REQUIRES: nobody subscribes yet, and nobody unsubscribes meanwhile.
   void BeginLoad() { loading_ = true; }
   void EndLoad();
 
@@ -49,16 +48,19 @@ class Subscriptions {
 
   // REQUIRES: op subscribes to place.
   void Remove(Place place, std::uint32_t op) {
+    assert(!loading_);
     List& list = lists_[place];
     *Find(list, op) = data(list)[list.count - 1];
     if (--list.count == 0) pool_.Free(list.block);
   }
   void SetParts(Place place, std::uint32_t op, Parts parts) {
+    assert(!loading_);
     Find(lists_[place], op)->parts = parts;
   }
 
   // Empties a place and returns who was there (their own records still name it).
   std::vector<std::uint32_t> Take(Place place) {
+    EndLoad();
     std::vector<std::uint32_t> result;
     for (const Subscriber& s : at(place)) result.push_back(s.op);
     if (place < lists_.size()) {
