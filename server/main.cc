@@ -2,8 +2,10 @@
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
+#include <condition_variable>
 #include <cstdio>
 #include <fstream>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -35,6 +37,56 @@ bool WritePortFile(const std::string& path, int port) {
   return out.good() && std::rename(temporary.c_str(), path.c_str()) == 0;
 }
 
+// What the process is told from outside, on a thread of its own: from its beginning on, as making
+// meshes again may take long.
+class Signals {
+ public:
+  // Before any other thread is made, so that all inherit the mask and only sigwait sees them.
+  Signals() {
+    sigemptyset(&signals_);
+    for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals_, signal);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    // For as long as the process.
+    std::thread([this] { Run(); }).detach();
+  }
+
+  // From now on there is something to end in good order.
+  void Serves(Server* server) {
+    const std::lock_guard lock(mutex_);
+    server_ = server;
+  }
+  // Until the process is told to end. A signal to end that comes later does not wait.
+  void WaitForEnd() {
+    std::unique_lock lock(mutex_);
+    ended_.wait(lock, [this] { return ending_; });
+    server_ = nullptr;
+  }
+
+ private:
+  void Run() {
+    int signal = 0;
+    while (sigwait(&signals_, &signal) == 0) {
+      const std::lock_guard lock(mutex_);
+      if (signal == SIGHUP) {
+        if (server_ != nullptr) server_->Reload();
+      } else if (ending_) {
+        std::_Exit(1);
+      } else if (server_ == nullptr) {
+        std::_Exit(0);  // nobody has been answered yet
+      } else {
+        ending_ = true;
+        ended_.notify_one();
+      }
+    }
+  }
+
+  sigset_t signals_;
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  Server* server_ = nullptr;  // while it serves
+  bool ending_ = false;
+};
+
 // Null if nothing is to be kept.
 absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flags& flags) {
   using dynmesh::server::SqliteJournal;
@@ -45,7 +97,7 @@ absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flag
   return SqliteJournal::Open(flags.data_dir, options);
 }
 
-int Serve(const Flags& flags, const sigset_t& signals) {
+int Serve(const Flags& flags, Signals& signals) {
   auto journal = OpenJournal(flags);
   if (!journal.ok()) return Fail(1, journal.status());
   auto server = Server::Start(flags.config, &dynmesh::DynamicMesh::Create, *std::move(journal));
@@ -53,20 +105,13 @@ int Serve(const Flags& flags, const sigset_t& signals) {
     return Fail(server.status().code() == absl::StatusCode::kInvalidArgument ? 2 : 1,
                 server.status());
   }
+  signals.Serves(server->get());
   std::printf("dynmeshd listening on %s\n", (*server)->address().c_str());
   std::fflush(stdout);
   if (!flags.port_file.empty() && !WritePortFile(flags.port_file, (*server)->port())) {
     return Fail(1, absl::UnknownError("cannot write " + flags.port_file));
   }
-  int signal = 0;
-  while (sigwait(&signals, &signal) == 0 && signal == SIGHUP) (*server)->Reload();
-  // A second signal does not wait.
-  std::thread([signals] {
-    int second = 0;
-    while (sigwait(&signals, &second) == 0 && second == SIGHUP) {
-    }
-    std::_Exit(1);
-  }).detach();
+  signals.WaitForEnd();
   return (*server)->Drain(flags.config.drain_timeout) ? 0 : 1;
 }
 
@@ -75,14 +120,7 @@ int Serve(const Flags& flags, const sigset_t& signals) {
 int main(int argc, char** argv) {
   dynmesh::ReturnLargeBlocks();
   dynmesh::server::RaiseDescriptorLimit();
-  // Before any thread is made, so that all inherit the mask and only sigwait sees them.
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGHUP);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-
+  static Signals signals;
   CLI::App app{
       "dynmeshd: serves dynamic meshes over gRPC. Without --data-dir they live in memory only."};
   app.set_version_flag("--version", std::string("dynmeshd ") + dynmesh::server::kVersion);

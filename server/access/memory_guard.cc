@@ -7,9 +7,11 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/base/process.h"
@@ -20,21 +22,50 @@ namespace {
 // Trimming walks the whole heap: not at every tick.
 constexpr int kTicksBetweenTrims = 10;
 
-// What a file of one number says; everything, if it is not there or says "max".
-std::uint64_t NumberIn(const char* path) {
+constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
+
+// What a file of one number says; kNoLimit, if it is not there or says "max".
+std::uint64_t NumberIn(const std::string& path) {
   std::string word;
   std::ifstream(path) >> word;
   std::uint64_t number = 0;
-  return absl::SimpleAtoi(word, &number) ? number : std::numeric_limits<std::uint64_t>::max();
+  return absl::SimpleAtoi(word, &number) ? number : kNoLimit;
+}
+
+// The least that the file `name` says of a group and those that it is in, down to the root.
+std::uint64_t LeastUpwards(const std::string& root, std::string group, const std::string& name) {
+  std::uint64_t least = kNoLimit;
+  while (true) {
+    least = std::min(least, NumberIn(absl::StrCat(root, group, "/", name)));
+    if (group.empty()) return least;
+    group.resize(std::min(group.rfind('/'), group.size() - 1));
+  }
+}
+
+// A line is NUMBER:CONTROLLERS:/PATH, of version 2 without controllers. In a container the path may
+// be that of the host, where nothing is: the root then says what holds.
+std::uint64_t LimitOfGroup(const std::string& own, const std::string& groups) {
+  std::uint64_t least = kNoLimit;
+  std::ifstream lines(own);
+  for (std::string line; std::getline(lines, line);) {
+    const std::vector<std::string> part = absl::StrSplit(line, absl::MaxSplits(':', 2));
+    if (part.size() != 3) continue;
+    const std::string group = part[2] == "/" ? "" : part[2];
+    if (part[1].empty()) {
+      least = std::min(least, LeastUpwards(groups, group, "memory.max"));
+    } else if (part[1] == "memory") {
+      least = std::min(least, LeastUpwards(groups + "/memory", group, "memory.limit_in_bytes"));
+    }
+  }
+  return least;
 }
 
 }  // namespace
 
-std::uint64_t AvailableBytes() {
+std::uint64_t AvailableBytes(const std::string& own, const std::string& groups) {
   const auto machine = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
                        static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-  return std::min({machine, NumberIn("/sys/fs/cgroup/memory.max"),
-                   NumberIn("/sys/fs/cgroup/memory/memory.limit_in_bytes")});
+  return std::min(machine, LimitOfGroup(own, groups));
 }
 
 MemoryGuard::MemoryGuard(std::uint64_t limit)

@@ -6,13 +6,16 @@
 
 #include <atomic>
 #include <cstdint>
+#include <string>
 
 #include "absl/status/status.h"
 
 namespace dynmesh::server {
 
-// Of the machine or, where that is less, of the control group that the process is in.
-std::uint64_t AvailableBytes();
+// Of the machine or, where that is less, of the control group that the process is in, or one that
+// this is in. For tests, where the system tells of groups.
+std::uint64_t AvailableBytes(const std::string& own = "/proc/self/cgroup",
+                             const std::string& groups = "/sys/fs/cgroup");
 
 class MemoryGuard {
  public:

@@ -3,9 +3,14 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <system_error>
+
+#include "server/base/log.h"
 
 namespace dynmesh::server {
 
@@ -27,7 +32,13 @@ std::uint64_t OpenDescriptors() {
 
 void YieldToOtherThreads() {
   // Linux takes 0 as the calling thread, not the process; a weight of 110 beside 1024.
-  setpriority(PRIO_PROCESS, 0, 10);
+  if (setpriority(PRIO_PROCESS, 0, 10) == 0) return;
+  static std::once_flag told;
+  std::call_once(told, [error = errno] {
+    Log(LogLevel::kWarning, "priority_refused",
+        {{"error", std::strerror(error)},
+         {"message", "edits wait behind readers where there are not cores for all"}});
+  });
 }
 
 }  // namespace dynmesh::server

@@ -1,5 +1,6 @@
 #include "server/metrics/collect.h"
 
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -32,16 +33,14 @@ std::string ReadAll(const char* path) {
   return text.str();
 }
 
-// When the system started, in seconds since 1970.
-double BootTime() {
-  std::ifstream in("/proc/stat");
-  std::string word;
-  while (in >> word) {
-    double seconds = 0;
-    if (word == "btime" && in >> seconds) return seconds;
-  }
-  return 0;
+double SecondsOf(clockid_t clock) {
+  timespec time = {};
+  clock_gettime(clock, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
+
+// When the system started, in seconds since 1970. Not from /proc/stat, which a service may not see.
+double BootTime() { return SecondsOf(CLOCK_REALTIME) - SecondsOf(CLOCK_BOOTTIME); }
 
 }  // namespace
 
@@ -105,12 +104,13 @@ void WriteJournal(const Journal& journal, MetricsText& out) {
 void WriteProcess(MetricsText& out) {
   const std::string stat = ReadAll("/proc/self/stat");
   const auto ticks = static_cast<double>(sysconf(_SC_CLK_TCK));
+  // Told alike ever after, though clocks are adjusted.
+  static const double start = BootTime() + StatField(stat, 22) / ticks;
   out.Single("process_resident_memory_bytes", "gauge", "Memory of the process.",
              static_cast<double>(ResidentBytes()));
   out.Single("process_cpu_seconds_total", "counter", "Processor time, user's and system's.",
              (StatField(stat, 14) + StatField(stat, 15)) / ticks);
-  out.Single("process_start_time_seconds", "gauge", "When the process started, since 1970.",
-             BootTime() + StatField(stat, 22) / ticks);
+  out.Single("process_start_time_seconds", "gauge", "When the process started, since 1970.", start);
   out.Single("process_open_fds", "gauge", "Files and connections that are open.",
              static_cast<double>(OpenDescriptors()));
   out.Begin("dynmesh_build_info", "gauge", "1, with the version.");

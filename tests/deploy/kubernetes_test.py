@@ -61,8 +61,8 @@ class Kubernetes(unittest.TestCase):
             ),
             "container": (
                 self.container,
-                "name image args ports securityContext resources startupProbe livenessProbe"
-                " readinessProbe volumeMounts",
+                "name image imagePullPolicy args ports securityContext resources startupProbe"
+                " livenessProbe readinessProbe volumeMounts",
             ),
         }
         for what, (mapping, keys) in known.items():

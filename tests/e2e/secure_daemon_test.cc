@@ -1,5 +1,8 @@
 // dynmeshd with certificates and tokens, as a process, and the commands that talk to it.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -101,6 +104,17 @@ TEST_F(SecureDaemonTest, WhatIsNotSafeOrNotThereIsRefusedWithCodeTwo) {
   refused({"--tls-cert", Path("no.pem")}, "tls-key");
   refused({"--tokens", Write("nonsense", "lab secret read=*\n")}, "line 1");
   EXPECT_EQ(daemon_.Log().find("secret"), std::string::npos);
+}
+
+// Making meshes again may take long; here it waits for a file that nobody writes.
+TEST_F(SecureDaemonTest, EndsAtOnceWhileItStarts) {
+  const std::string never = Path("never");
+  ASSERT_EQ(mkfifo(never.c_str(), 0600), 0);
+  ASSERT_TRUE(daemon_.Spawn({"--config", never}));
+  const int writer = open(never.c_str(), O_WRONLY);  // returns when it reads
+  EXPECT_EQ(daemon_.End(SIGTERM), 0);
+  close(writer);
+  EXPECT_EQ(daemon_.Log().find("listening"), std::string::npos) << daemon_.Log();
 }
 
 TEST_F(SecureDaemonTest, ElsewhereThanOnLoopbackOnPurposeOnly) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <random>
 
 #include "server/access/memory_guard.h"
@@ -10,6 +12,7 @@
 #include "server/base/process.h"
 #include "tests/server/test_support.h"
 #include "tests/support/certificates.h"
+#include "tests/support/temp_folder.h"
 
 namespace dynmesh::server {
 namespace {
@@ -205,6 +208,32 @@ TEST_F(AccessTest, EachTokenAndEachAddressHasARateOfItsOwn) {
   EXPECT_EQ(ReasonOf(Admit("wrong").status()), codec::reason::kTokenUnknown);
   EXPECT_EQ(ReasonOf(Admit("guess").status()), codec::reason::kRateLimit);
   EXPECT_EQ(ReasonOf(Admit("guess", "ipv4:10.0.0.2").status()), codec::reason::kTokenUnknown);
+}
+
+TEST(MemoryGuard, HasWhatItsControlGroupAndThoseAboveLeaveIt) {
+  test::TempFolder folder;
+  const std::string own = folder.path() + "/own", groups = folder.path() + "/groups";
+  const auto write = [&](const std::string& path, const std::string& text) {
+    std::filesystem::create_directories(std::filesystem::path(path).parent_path());
+    std::ofstream(path) << text << "\n";
+  };
+  const std::uint64_t machine = AvailableBytes(own, groups);  // nothing is told
+  EXPECT_GT(machine, 3'000'000u);
+  write(own, "0::/system.slice/dynmeshd.service");
+  write(groups + "/system.slice/dynmeshd.service/memory.max", "max");
+  EXPECT_EQ(AvailableBytes(own, groups), machine);
+  write(groups + "/system.slice/memory.max", "3000000");
+  EXPECT_EQ(AvailableBytes(own, groups), 3'000'000u);
+  write(groups + "/system.slice/dynmeshd.service/memory.max", "2000000");
+  EXPECT_EQ(AvailableBytes(own, groups), 2'000'000u);
+  // As in a container, whose root is its own group and whose path is the host's.
+  write(own, "0::/elsewhere");
+  write(groups + "/memory.max", "1000000");
+  EXPECT_EQ(AvailableBytes(own, groups), 1'000'000u);
+  write(own, "8:pids:/\n4:memory:/a/b");
+  EXPECT_EQ(AvailableBytes(own, groups), machine);
+  write(groups + "/memory/a/memory.limit_in_bytes", "1500000");
+  EXPECT_EQ(AvailableBytes(own, groups), 1'500'000u);
 }
 
 TEST(MemoryGuard, TellsBothSidesOfItsLimit) {
