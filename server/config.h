@@ -32,7 +32,8 @@ struct ServerConfig {
   std::uint64_t max_meshes = 1'000;
   std::uint64_t max_vertices = 50'000'000;  // of one mesh
   std::uint64_t max_features = 50'000'000;  // of one mesh
-  // Edits in one batch: about 64 bytes each until applied; 8 points of polygons count as one.
+  // Edits in one batch: about 140 bytes each until applied; 8 points of polygons count as one, a
+  // ring as 3 more.
   std::uint64_t max_batch_edits = 2'000'000;
   // Edits of all batches that are being received or wait for their turn.
   std::uint64_t max_pending_edits = 8'000'000;

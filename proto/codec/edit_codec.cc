@@ -259,10 +259,13 @@ absl::Status DecodeAdds(const google::protobuf::RepeatedPtrField<v1::Feature>& p
 
 namespace {
 
+// A ring without any takes room as three do.
+constexpr std::size_t kPointsOfRing = sizeof(Rings::value_type) / sizeof(FeatureId);
+
 std::size_t Points(const v1::Polygon& polygon) {
   std::size_t points = 0;
   for (const v1::Polygon::Ring& ring : polygon.rings()) {
-    points += static_cast<std::size_t>(ring.points_size());
+    points += kPointsOfRing + static_cast<std::size_t>(ring.points_size());
   }
   return points;
 }
@@ -278,7 +281,7 @@ std::size_t Points(const v1::Edit& edit) {
 
 std::size_t Points(const Edit& edit) {
   std::size_t points = 0;
-  for (const std::vector<FeatureId>& ring : edit.feature.rings) points += ring.size();
+  for (const auto& ring : edit.feature.rings) points += kPointsOfRing + ring.size();
   return points;
 }
 

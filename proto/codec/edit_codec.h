@@ -36,7 +36,8 @@ absl::Status DecodePointColumns(const v1::PointColumns& proto, int dimension, Ed
 // A row more of `out`.
 void EncodePointRow(const Feature& point, int dimension, v1::PointColumns* out);
 
-// What edits or features weigh in limits: one each, and one for 8 points of polygons.
+// What edits or features weigh in limits: one each, and one for 8 points of polygons, of which a
+// ring counts as 3 more.
 std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Edit>& proto);
 std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Feature>& proto);
 std::size_t Weight(const EditBatch& edits);

@@ -14,6 +14,7 @@ namespace dynmesh::server {
 namespace {
 
 constexpr int kMaxLocatePoints = 30'000;
+constexpr int kMaxRegions = 10'000;  // kept as long as the call
 constexpr std::size_t kMostOfABadRequestId = 128;
 
 absl::Status Decode(const v1::AddFeaturesRequest& r, int dimension, EditBatch* out) {
@@ -124,6 +125,9 @@ absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request) {
 
 absl::StatusOr<data::RegionChoice> DecodeRegions(
     const google::protobuf::RepeatedField<std::uint64_t>& regions) {
+  if (regions.size() > kMaxRegions) {
+    return BadRequest("regions", absl::StrCat("at most ", kMaxRegions, " in one request"));
+  }
   data::RegionChoice choice;
   choice.in.assign(regions.begin(), regions.end());
   data::Normalize(choice);

@@ -370,8 +370,8 @@ TEST(EditCodec, EveryKindOfEditOfSpaceComesBackWithItsZ) {
   EXPECT_FALSE(DecodeEdits(wire, 3, &back).ok());
 }
 
-TEST(EditCodec, PolygonsWeighByTheirPoints) {
-  const Rings rings = {std::vector<FeatureId>(75, 1), std::vector<FeatureId>(5, 2)};
+TEST(EditCodec, PolygonsWeighByTheirPointsAndRings) {
+  const Rings rings = {std::vector<FeatureId>(69, 1), std::vector<FeatureId>(5, 2)};
   google::protobuf::RepeatedPtrField<v1::Edit> edits;
   google::protobuf::RepeatedPtrField<v1::Feature> features;
   EXPECT_EQ(Weight(edits) + Weight(features), 0u);
@@ -384,6 +384,9 @@ TEST(EditCodec, PolygonsWeighByTheirPoints) {
   EncodeEdit(Edit::Remove(4), 2, edits.Add());
   EXPECT_EQ(Weight(edits), 9u + 4 * 10);
   EXPECT_EQ(Weight(features), 4u + 2 * 10);
+  // Two bytes on the wire, and more than twenty once it is read.
+  for (int i = 0; i < 800; ++i) features.Mutable(1)->mutable_polygon()->add_rings();
+  EXPECT_EQ(Weight(features), 4u + 2 * 10 + 300);
 }
 
 TEST(EditCodec, WhatTheWireFormGetsWrongIsNamed) {

@@ -71,6 +71,10 @@ TEST_F(WatchTest, WatchesRefuseBadStarts) {
   for (const FeatureId none : {kNoFeature, kBoxFeature}) {
     EXPECT_EQ(ReasonOf(finish([&](auto& r) { r.add_regions(none); })), codec::reason::kBadRequest);
   }
+  EXPECT_EQ(ReasonOf(finish([](auto& r) {
+              for (FeatureId id = 1; id <= 10'001; ++id) r.add_regions(id);
+            })),
+            codec::reason::kBadRequest);
   EXPECT_EQ(ReasonOf(finish([](auto& r) { r.set_mesh("meshes/none"); })),
             codec::reason::kMeshNotFound);
 }
@@ -255,7 +259,8 @@ TEST_F(WatchTest, AWatcherOfAServerThatLostItsMeshesIsToldSoAndKeepsWhatItHas) {
   ServerConfig config;
   config.listen = server_->address();
   server_.reset();
-  const auto next = Server::Start(config, [](const MeshOptions& o) { return MakeFake(o); });
+  const auto next =
+      Server::Start(config, [](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o); });
   ASSERT_TRUE(next.ok()) << Text(next.status());
   EXPECT_FALSE(watch->WaitForRevision(2, kLong));
   ASSERT_TRUE(watch->ended().has_value());
