@@ -123,7 +123,9 @@ struct Server::Impl {
   }
 
   void Tick() {
-    registry.Tick(absl::Now());
+    // Not the time of day, which may be set back.
+    registry.Tick(absl::UnixEpoch() +
+                  absl::FromChrono(std::chrono::steady_clock::now().time_since_epoch()));
     service.Tick();
     memory.Measure();
     access->Reload();
@@ -277,6 +279,7 @@ bool Server::Drain(absl::Duration limit) {
   if (impl_->acceptor != nullptr) impl_->acceptor->Stop();
   impl_->server->Shutdown(deadline);
   impl_->ticker.reset();
+  impl_->registry.EndSweeps();
   impl_->writers.Stop();
   impl_->readers.Stop();
   impl_->answers.Stop();

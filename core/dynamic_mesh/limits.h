@@ -29,7 +29,7 @@ absl::Status LimitsStatus(const Refinement& refinement, const Limits& limits) {
     return MakeError(
         absl::StatusCode::kResourceExhausted,
         "the mesh would have more than max_vertices = " + std::to_string(limits.max_vertices) +
-            " vertices; add fewer features or create the mesh with a higher limit",
+            " vertices; add fewer features, or create it with a higher limit or a larger max_edge",
         {reason::kVertexLimit, {}, {}});
   }
   return absl::OkStatus();

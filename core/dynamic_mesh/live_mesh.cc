@@ -21,48 +21,83 @@ double MicrosecondsSince(Clock::time_point start) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<DynamicMesh>> DynamicMesh::Create(const MeshOptions& options) {
+absl::StatusOr<std::unique_ptr<DynamicMesh>> DynamicMesh::Create(const MeshOptions& options,
+                                                                 const ApplyOptions& apply) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
-  std::unique_ptr<DynamicMesh> mesh;
-  if (options.dimension == 2) {
-    mesh = std::make_unique<LiveMesh<2>>(options);
-  } else {
-    mesh = std::make_unique<LiveMesh<3>>(options);
-  }
-  return mesh;
-}
-
-template <int D>
-LiveMesh<D>::LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning)
-    : options_(options),
-      tuning_(tuning),
-      plc_(options),
-      state_(std::make_unique<State>(options, tuning)) {
-  // The bare box is within any limit that ValidateOptions accepts.
-  state_->refinement.Propagate([] { return false; });
-  state_->refinement.DetachTriangulation();
-  state_->diffs.Begin(state_->refinement, state_->features);
+  return options.dimension == 2 ? LiveMesh<2>::Make(options, apply)
+                                : LiveMesh<3>::Make(options, apply);
 }
 
 namespace {
 
-bool IsSet(const std::atomic<bool>* flag) {
-  return flag != nullptr && flag->load(std::memory_order_relaxed);
-}
+// Asked before each operation: is the work to be given up?
+class Stopper {
+ public:
+  explicit Stopper(const ApplyOptions& apply)
+      : cancelled_(apply.cancelled), stopped_(apply.stopped) {
+    if (apply.shares_core) slice_.emplace();
+  }
+  bool operator()() {
+    if (slice_.has_value()) slice_->Step();
+    return IsSet(cancelled_) || IsSet(stopped_);
+  }
+
+ private:
+  static bool IsSet(const std::atomic<bool>* flag) {
+    return flag != nullptr && flag->load(std::memory_order_relaxed);
+  }
+
+  const std::atomic<bool>*const cancelled_, *const stopped_;
+  std::optional<TimeSlice> slice_;
+};
 
 }  // namespace
+
+template <int D>
+LiveMesh<D>::LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning)
+    : LiveMesh(Unbegun(), options, tuning) {
+  Begin([] { return false; });
+}
+
+template <int D>
+LiveMesh<D>::LiveMesh(Unbegun, const MeshOptions& options, const LiveMeshTuning& tuning)
+    : options_(options),
+      tuning_(tuning),
+      plc_(options),
+      state_(std::make_unique<State>(options, tuning)) {}
+
+template <int D>
+template <class Interrupt>
+bool LiveMesh<D>::Begin(Interrupt interrupt) {
+  if (!state_->refinement.Propagate(interrupt)) return false;
+  state_->refinement.DetachTriangulation();
+  state_->diffs.Begin(state_->refinement, state_->features);
+  return true;
+}
+
+template <int D>
+absl::StatusOr<std::unique_ptr<DynamicMesh>> LiveMesh<D>::Make(const MeshOptions& options,
+                                                               const ApplyOptions& apply) {
+  std::unique_ptr<LiveMesh> mesh(new LiveMesh(Unbegun(), options, {}));
+  const Refinement& refinement = mesh->state_->refinement;
+  Stopper stopper(apply);
+  const bool begun =
+      mesh->Begin([&] { return stopper() || IsOverLimits(refinement, options.limits); });
+  if (absl::Status status = LimitsStatus(refinement, options.limits); !status.ok()) return status;
+  if (!begun) {
+    return MakeError(absl::StatusCode::kCancelled, "the mesh was given up while it was made",
+                     {reason::kCancelled, {}, {}});
+  }
+  return mesh;
+}
 
 template <int D>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Apply(const EditBatch& batch, const ApplyOptions& apply) {
   if (apply.cancelled == nullptr && apply.stopped == nullptr && !apply.shares_core) {
     return ApplyWith(batch, apply, [] { return false; });
   }
-  std::optional<TimeSlice> slice;
-  if (apply.shares_core) slice.emplace();
-  return ApplyWith(batch, apply, [&] {
-    if (slice.has_value()) slice->Step();
-    return IsSet(apply.cancelled) || IsSet(apply.stopped);
-  });
+  Stopper stopper(apply);
+  return ApplyWith(batch, apply, [&] { return stopper(); });
 }
 
 template <int D>

@@ -30,8 +30,12 @@ struct LiveMeshTuning {
 template <int D>
 class LiveMesh final : public DynamicMesh {
  public:
-  // REQUIRES: ValidateOptions(options) is OK, the dimension is D.
+  // REQUIRES: ValidateOptions(options) is OK, the dimension is D; the bare box is within the
+  // limits.
   explicit LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning = {});
+  // The same, or why not. REQUIRES: as above but for limits.
+  static absl::StatusOr<std::unique_ptr<DynamicMesh>> Make(const MeshOptions& options,
+                                                           const ApplyOptions& apply);
 
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const ApplyOptions& apply) override;
   // The same, asked whether to go on before each operation.
@@ -50,6 +54,12 @@ class LiveMesh final : public DynamicMesh {
 
  private:
   using Refinement = meshing::Refinement<D, sac::Engine>;
+  struct Unbegun {};
+
+  LiveMesh(Unbegun, const MeshOptions& options, const LiveMeshTuning& tuning);
+  // Meshes the bare box. False if that was interrupted: then it is no mesh.
+  template <class Interrupt>
+  bool Begin(Interrupt interrupt);
 
   // All that is computed from the features.
   struct State {

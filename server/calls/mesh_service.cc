@@ -1,6 +1,7 @@
 #include "server/calls/mesh_service.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <iterator>
 #include <memory>
@@ -64,6 +65,18 @@ grpc::ServerUnaryReactor* Finished(grpc::CallbackServerContext* call, const absl
   return reactor;
 }
 
+// Knows when nobody waits for the mesh any more.
+class CreateReactor final : public grpc::ServerUnaryReactor {
+ public:
+  const std::atomic<bool>* cancelled() const { return &cancelled_; }
+
+ private:
+  void OnCancel() override { cancelled_ = true; }
+  void OnDone() override { delete this; }
+
+  std::atomic<bool> cancelled_{false};
+};
+
 // Who calls. Valid as long as the call.
 Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer) {
   Caller caller;
@@ -125,15 +138,16 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
   absl::StatusOr<MeshOptions> options =
       codec::DecodeOptions(request->options(), context_.config.max_vertices);
   if (!options.ok()) return Finished(call, options.status());
-  auto* reactor = call->DefaultReactor();
+  auto* reactor = new CreateReactor();
   // Request and response live until the call is finished.
-  context_.writers->Post([this, reactor, request, response, options = *options,
-                          held = *ticket]() mutable {
-    const auto host = context_.registry->Create(request->mesh_id(), options, request->request_id());
-    if (host.ok()) EncodeMesh(**host, response);
-    held.reset();
-    reactor->Finish(codec::ToGrpcStatus(host.status()));
-  });
+  context_.writers->Post(
+      [this, reactor, request, response, options = *options, held = *ticket]() mutable {
+        const auto host = context_.registry->Create(request->mesh_id(), options,
+                                                    request->request_id(), reactor->cancelled());
+        if (host.ok()) EncodeMesh(**host, response);
+        held.reset();
+        reactor->Finish(codec::ToGrpcStatus(host.status()));
+      });
   return reactor;
 }
 

@@ -78,7 +78,11 @@ class Journal {
   virtual absl::StatusOr<std::vector<Mesh>> List() = 0;  // by id
   // ALREADY_EXISTS for an id that is there.
   virtual absl::StatusOr<Key> Create(const std::string& id, const std::string& description) = 0;
+  // Quick, however much there is of it: nobody finds it any more, and its rows are left.
   virtual absl::Status Delete(Key mesh) = 0;
+  // Takes away a piece of what nobody finds any more; others' calls are done in between. True if
+  // there is more. What is left when the journal ends is taken away when it is opened.
+  virtual bool Sweep(Key mesh) = 0;
 
   // Either may be missing. Of the requests of a mesh only the newest are kept.
   virtual absl::Status Append(Key mesh, const std::optional<Entry>& entry,

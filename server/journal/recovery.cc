@@ -100,7 +100,7 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
   auto made = codec::DecodeJournalMesh(found.description);
   if (!made.ok()) return made.status();
   recovered.made = *std::move(made);
-  auto mesh = factory(recovered.made.options);
+  auto mesh = factory(recovered.made.options, {});
   if (!mesh.ok()) return mesh.status();
   recovered.mesh = *std::move(mesh);
   recovered.past.empty = recovered.mesh->hash();

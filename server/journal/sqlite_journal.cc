@@ -144,7 +144,7 @@ absl::Status SqliteJournal::Run(const char* sql, Key mesh) {
 }
 
 absl::Status SqliteJournal::Delete(Key mesh) {
-  const absl::Status status = Write([&]() -> absl::Status {
+  return Write([&]() -> absl::Status {
     if (auto last = LastOf(mesh); !last.ok()) return last.status();
     for (const char* sql :
          {"DELETE FROM meshes WHERE key = ?", "DELETE FROM generations WHERE mesh = ?",
@@ -153,8 +153,6 @@ absl::Status SqliteJournal::Delete(Key mesh) {
     }
     return absl::OkStatus();
   });
-  if (status.ok()) Sweep(mesh);
-  return status;
 }
 
 absl::StatusOr<std::int64_t> SqliteJournal::LastOf(Key mesh) {
@@ -224,7 +222,7 @@ absl::Status SqliteJournal::Compact(Key mesh, std::uint64_t revision,
     return same.status();
   });
   if (!status.ok() || there) return status;
-  Sweep(mesh);  // of a snapshot that was not finished
+  SweepWhole(mesh);  // of a snapshot that was not finished
   for (std::size_t part = 0; status.ok() && part < parts.size();) {
     status = Write([&]() -> absl::Status {
       if (absl::Status s = CheckLast(mesh, revision); !s.ok()) return s;
@@ -239,20 +237,25 @@ absl::Status SqliteJournal::Compact(Key mesh, std::uint64_t revision,
       return SwitchOver(writer_, mesh, at, parts, options_.history_bytes);
     });
   }
-  Sweep(mesh);
+  SweepWhole(mesh);
   return status;
 }
 
-void SqliteJournal::Sweep(Key mesh) {
-  for (bool more = true; more;) {
-    const absl::Status status = Write([&]() -> absl::Status {
-      const absl::StatusOr<bool> swept = SweepPiece(writer_, mesh, options_.piece_bytes);
-      more = swept.ok() && *swept;
-      return swept.status();
-    });
-    if (status.ok()) continue;
-    Log(LogLevel::kWarning, "sweep_failed", {{"journal", path_}, {"error", status.message()}});
-    return;
+// What cannot be taken away is left for the next time.
+bool SqliteJournal::Sweep(Key mesh) {
+  bool more = false;
+  const absl::Status status = Write([&]() -> absl::Status {
+    const absl::StatusOr<bool> swept = SweepPiece(writer_, mesh, options_.piece_bytes);
+    more = swept.ok() && *swept;
+    return swept.status();
+  });
+  if (status.ok()) return more;
+  Log(LogLevel::kWarning, "sweep_failed", {{"journal", path_}, {"error", status.message()}});
+  return false;
+}
+
+void SqliteJournal::SweepWhole(Key mesh) {
+  while (Sweep(mesh)) {
   }
 }
 
@@ -266,7 +269,7 @@ void SqliteJournal::SweepAll() {
   if (!status.ok()) {
     Log(LogLevel::kWarning, "sweep_failed", {{"journal", path_}, {"error", status.message()}});
   }
-  for (const Key mesh : meshes) Sweep(mesh);
+  for (const Key mesh : meshes) SweepWhole(mesh);
 }
 
 }  // namespace dynmesh::server

@@ -49,6 +49,7 @@ class SqliteJournal final : public Journal {
   absl::StatusOr<std::vector<Mesh>> List() override;
   absl::StatusOr<Key> Create(const std::string& id, const std::string& description) override;
   absl::Status Delete(Key mesh) override;
+  bool Sweep(Key mesh) override;
   absl::Status Append(Key mesh, const std::optional<Entry>& entry,
                       const std::optional<Request>& request) override;
   absl::Status Read(Key mesh, const Visitor& visitor) override;
@@ -73,8 +74,7 @@ class SqliteJournal final : public Journal {
 
   absl::Status Write(const Change& change);
   absl::Status CheckLast(Key mesh, std::uint64_t revision);
-  // Deletes leftovers in pieces. What cannot be is left for the next time.
-  void Sweep(Key mesh);
+  void SweepWhole(Key mesh);
   void SweepAll();
   // By whoever writes.
   void WriteAll(std::unique_lock<std::mutex>& lock);

@@ -33,7 +33,8 @@
 namespace dynmesh::server {
 
 // Makes the mesh that a host drives; DynamicMesh::Create but for tests.
-using MeshFactory = std::function<absl::StatusOr<std::unique_ptr<DynamicMesh>>(const MeshOptions&)>;
+using MeshFactory = std::function<absl::StatusOr<std::unique_ptr<DynamicMesh>>(
+    const MeshOptions&, const ApplyOptions&)>;
 
 // What became of a batch.
 struct EditOutcome {

@@ -51,19 +51,24 @@ MeshHost::Options MeshRegistry::HostOptions() const {
   return options;
 }
 
-MeshRegistry::~MeshRegistry() { CloseAll(absl::UnavailableError("the server has ended")); }
+MeshRegistry::~MeshRegistry() {
+  EndSweeps();
+  CloseAll(absl::UnavailableError("the server has ended"));
+}
 
 absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::FindCreated(
     const std::string& id, const MeshOptions& options, const std::string& request_id) const {
   if (request_id.empty()) return HostPtr();
-  const auto it = creations_.find(request_id);
-  if (it == creations_.end()) return HostPtr();
-  const Creation& made = it->second;
-  if ((!id.empty() && id != made.id) || options != made.options) {
-    return MeshError(absl::StatusCode::kAlreadyExists, codec::reason::kRequestIdReused, made.id,
+  const auto made = id.empty() ? made_.find(request_id) : made_.end();
+  const auto it = hosts_.find(made == made_.end() ? id : made->second);
+  if (it == hosts_.end() || it->second.host == nullptr || it->second.request_id != request_id) {
+    return HostPtr();
+  }
+  if (options != it->second.host->mesh_options()) {
+    return MeshError(absl::StatusCode::kAlreadyExists, codec::reason::kRequestIdReused, it->first,
                      "was made with this request_id and other content: use a new one");
   }
-  return hosts_.at(made.id).host;
+  return it->second.host;
 }
 
 absl::Status MeshRegistry::CheckRoom(const std::string& id) const {
@@ -92,7 +97,8 @@ std::string MeshRegistry::FreshId() {
 
 absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id,
                                                            const MeshOptions& options,
-                                                           const std::string& request_id) {
+                                                           const std::string& request_id,
+                                                           const std::atomic<bool>* cancelled) {
   if (!id.empty() && !IsMeshId(id)) {
     return BadName("mesh_id", id, "[a-z][a-z0-9-]{0,62}");
   }
@@ -103,10 +109,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
     if (!created.ok() || *created != nullptr) return created;
     if (absl::Status status = CheckRoom(id); !status.ok()) return status;
   }
-  if (memory_ != nullptr) {
-    if (absl::Status status = memory_->CheckRoom(); !status.ok()) return status;
-  }
-  absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = factory_(options);
+  absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = Make(options, cancelled);
   if (!mesh.ok()) return mesh.status();
 
   const std::lock_guard changing(changing_mutex_);
@@ -130,10 +133,27 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
   HostPtr host = MeshHost::Create(final_id, *std::move(mesh), now, writers_, readers_, host_options,
                                   std::move(past));
   const std::lock_guard lock(mutex_);
-  hosts_.emplace(final_id, Held{host, {}, *key});
-  if (!request_id.empty()) creations_.emplace(request_id, Creation{final_id, options});
+  hosts_.emplace(final_id, Held{host, {}, *key, request_id});
+  if (!request_id.empty()) made_.emplace(request_id, final_id);
   Log(LogLevel::kInfo, "mesh_created", {{"mesh", final_id}, {"meshes", hosts_.size()}});
   return host;
+}
+
+absl::StatusOr<std::unique_ptr<DynamicMesh>> MeshRegistry::Make(
+    const MeshOptions& options, const std::atomic<bool>* cancelled) const {
+  ApplyOptions apply;
+  apply.cancelled = cancelled;
+  apply.shares_core = true;
+  if (memory_ != nullptr) {
+    if (absl::Status status = memory_->CheckRoom(); !status.ok()) return status;
+    apply.stopped = memory_->full();
+  }
+  auto mesh = factory_(options, apply);
+  const bool is_wanted = cancelled == nullptr || !cancelled->load(std::memory_order_relaxed);
+  if (absl::IsCancelled(mesh.status()) && is_wanted && memory_ != nullptr) {
+    return memory_->RefuseGrowth();
+  }
+  return mesh;
 }
 
 absl::StatusOr<Journal::Key> MeshRegistry::WriteDown(const std::string& id,
@@ -167,7 +187,7 @@ void MeshRegistry::RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progr
     Log(LogLevel::kError, "mesh_damaged", {{"mesh", mesh.id}, {"error", found.status().message()}});
     progress.Damage();
     const std::lock_guard lock(mutex_);
-    hosts_.emplace(mesh.id, Held{nullptr, DamageOf(mesh.id, found.status()), mesh.key});
+    hosts_.emplace(mesh.id, Held{nullptr, DamageOf(mesh.id, found.status()), mesh.key, {}});
     return;
   }
   const codec::JournalMesh made = found->made;
@@ -180,10 +200,8 @@ void MeshRegistry::RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progr
        {"entries", found->entries},
        {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
   const std::lock_guard lock(mutex_);
-  if (!made.request_id.empty()) {
-    creations_.emplace(made.request_id, Creation{mesh.id, made.options});
-  }
-  hosts_.emplace(mesh.id, Held{std::move(host), {}, mesh.key});
+  if (!made.request_id.empty()) made_.emplace(made.request_id, mesh.id);
+  hosts_.emplace(mesh.id, Held{std::move(host), {}, mesh.key, made.request_id});
 }
 
 absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name) const {
@@ -196,11 +214,23 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name)
   return it->second.host;
 }
 
+namespace {
+
+// Piece by piece among the pool's other work. Uses no registry, which may be gone before its pools.
+void SweepOn(WorkerPool* pool, Journal* journal, Journal::Key mesh,
+             const std::shared_ptr<std::atomic<bool>>& ended) {
+  pool->Post([=] {
+    if (!*ended && journal->Sweep(mesh)) SweepOn(pool, journal, mesh, ended);
+  });
+}
+
+}  // namespace
+
 absl::Status MeshRegistry::Delete(absl::string_view name) {
   const absl::StatusOr<std::string> id = ParseMeshName(name);
   if (!id.ok()) return id.status();
-  const std::lock_guard changing(changing_mutex_);
   Held held;
+  const std::lock_guard changing(changing_mutex_);
   {
     const std::lock_guard lock(mutex_);
     const auto it = hosts_.find(*id);
@@ -214,9 +244,10 @@ absl::Status MeshRegistry::Delete(absl::string_view name) {
   {
     const std::lock_guard lock(mutex_);
     hosts_.erase(*id);
-    std::erase_if(creations_, [&](const auto& c) { return c.second.id == *id; });
+    std::erase_if(made_, [&](const auto& made) { return made.second == *id; });
   }
   if (held.host != nullptr) held.host->Close(MeshDeletedError(*id));
+  if (journal_ != nullptr) SweepOn(readers_, journal_, held.key, sweeps_ended_);
   Log(LogLevel::kInfo, "mesh_deleted", {{"mesh", *id}});
   return absl::OkStatus();
 }

@@ -4,6 +4,7 @@
 #ifndef DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 #define DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -44,13 +45,16 @@ class MeshRegistry {
 
   // Makes a mesh; an empty id lets the registry choose. ALREADY_EXISTS (MESH_EXISTS),
   // unless it was made with the same non-empty request_id and options: then that one.
-  // RESOURCE_EXHAUSTED (MESH_LIMIT). May take as long as making an empty mesh and writing it down.
+  // RESOURCE_EXHAUSTED (MESH_LIMIT; MEMORY_LIMIT or VERTEX_LIMIT: with max_edge even an empty mesh
+  // is work); CANCELLED if `cancelled`, which may be null, turned true. May take as long as making
+  // an empty mesh and writing it down.
   absl::StatusOr<HostPtr> Create(const std::string& id, const MeshOptions& options,
-                                 const std::string& request_id);
+                                 const std::string& request_id,
+                                 const std::atomic<bool>* cancelled = nullptr);
 
   // NOT_FOUND (MESH_NOT_FOUND); INVALID_ARGUMENT for a malformed name; DATA_LOSS (MESH_DAMAGED).
   absl::StatusOr<HostPtr> Find(absl::string_view name) const;
-  // Waits for the journal.
+  // Waits for the journal, which is rid of the mesh's bytes later.
   absl::Status Delete(absl::string_view name);
 
   struct Listed {
@@ -68,19 +72,18 @@ class MeshRegistry {
   std::size_t size() const;
   std::size_t watchers() const;
   void Tick(absl::Time now);
+  // What deleted meshes have left in the journal is left for the next start.
+  void EndSweeps() { *sweeps_ended_ = true; }
   // Ends all watches and refuses what waits, with `status`.
   void CloseAll(const absl::Status& status);
   void CloseWatches(const absl::Status& status);
 
  private:
-  struct Creation {
-    std::string id;
-    MeshOptions options;
-  };
   struct Held {
     HostPtr host;         // null if it is damaged
     absl::Status damage;  // then why
     Journal::Key key = 0;
+    std::string request_id;  // that it was made with, if any
   };
 
   MeshHost::Options HostOptions() const;
@@ -89,6 +92,8 @@ class MeshRegistry {
   absl::Status CheckRoom(const std::string& id) const;
   std::string FreshId();
   void RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progress);
+  absl::StatusOr<std::unique_ptr<DynamicMesh>> Make(const MeshOptions& options,
+                                                    const std::atomic<bool>* cancelled) const;
   absl::StatusOr<Journal::Key> WriteDown(const std::string& id, const codec::JournalMesh& mesh);
 
   const ServerConfig config_;
@@ -103,7 +108,11 @@ class MeshRegistry {
   std::mutex changing_mutex_;
   mutable std::mutex mutex_;
   std::map<std::string, Held, std::less<>> hosts_;
-  std::map<std::string, Creation> creations_;  // by request_id, of meshes that exist
+  // By request_id, a mesh that was made with it: for who lets the registry choose the name. Whoever
+  // names one is told of that one only, as others may not be his to know of.
+  std::map<std::string, std::string> made_;
+  const std::shared_ptr<std::atomic<bool>> sweeps_ended_ =
+      std::make_shared<std::atomic<bool>>(false);
   std::mt19937_64 random_{std::random_device{}()};
 };
 

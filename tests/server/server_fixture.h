@@ -33,8 +33,10 @@ class ServerFixture : public ::testing::Test {
 
   void StartServer(ServerConfig config = {}) {
     config.listen = "127.0.0.1:0";
-    auto server = Server::Start(
-        config, [gate = gate_](const MeshOptions& options) { return MakeFake(options, gate); });
+    auto server =
+        Server::Start(config, [gate = gate_](const MeshOptions& options, const ApplyOptions&) {
+          return MakeFake(options, gate);
+        });
     ASSERT_TRUE(server.ok()) << Text(server.status());
     server_ = *std::move(server);
     client_ = client::MeshClient::Connect(server_->address());

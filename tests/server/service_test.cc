@@ -70,6 +70,23 @@ TEST_F(ServiceTest, CreateIsIdempotentByRequestIdOnly) {
   EXPECT_TRUE(client_->CreateMesh("", other, "c1").ok());
 }
 
+// Another may have made its mesh with the same request_id: nobody is told of that one.
+TEST_F(ServiceTest, ARequestIdIsOfTheMeshThatItNames) {
+  StartServer();
+  ASSERT_TRUE(client_->CreateMesh("secret", {}, "create-1").ok());
+  const auto mine = client_->CreateMesh("mine", {}, "create-1");
+  ASSERT_TRUE(mine.ok()) << mine.status();
+  EXPECT_EQ(mine->id, "mine");
+  EXPECT_EQ(client_->CreateMesh("mine", {}, "create-1")->id, "mine");
+  MeshOptions other;
+  other.quality = 3;
+  const absl::Status reused = client_->CreateMesh("mine", other, "create-1").status();
+  EXPECT_EQ(ReasonOf(reused), codec::reason::kRequestIdReused);
+  EXPECT_EQ(std::string(reused.message()).find("secret"), std::string::npos) << reused;
+  ASSERT_TRUE(client_->DeleteMesh("secret").ok());
+  EXPECT_EQ(client_->CreateMesh("mine", {}, "create-1")->id, "mine");
+}
+
 TEST_F(ServiceTest, BadOptionsAreNamed) {
   StartServer();
   MeshOptions bad;
@@ -421,7 +438,8 @@ TEST_F(ServiceTest, TwoServersDoNotShareAPort) {
   StartServer();
   ServerConfig config;
   config.listen = server_->address();
-  const auto second = Server::Start(config, [](const MeshOptions& o) { return MakeFake(o); });
+  const auto second =
+      Server::Start(config, [](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o); });
   EXPECT_EQ(second.status().code(), StatusCode::kUnavailable);
 }
 

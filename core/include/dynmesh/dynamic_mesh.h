@@ -80,8 +80,11 @@ struct AuditReport {
 
 class DynamicMesh {
  public:
-  // A mesh of the bare domain box, revision 0. INVALID_ARGUMENT for bad options.
-  static absl::StatusOr<std::unique_ptr<DynamicMesh>> Create(const MeshOptions& options);
+  // A mesh of the bare domain box, revision 0. INVALID_ARGUMENT for bad options. With max_edge that
+  // is work, and RESOURCE_EXHAUSTED (VERTEX_LIMIT) if it asks for more vertices than there may be;
+  // of `apply_options` what stops a batch stops it, too: CANCELLED.
+  static absl::StatusOr<std::unique_ptr<DynamicMesh>> Create(
+      const MeshOptions& options, const ApplyOptions& apply_options = {});
 
   virtual ~DynamicMesh() = default;
 

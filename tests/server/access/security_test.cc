@@ -121,8 +121,8 @@ TEST_F(TlsTest, FilesThatAreBadAtTheStartAreNamed) {
     ServerConfig config;
     config.listen = "127.0.0.1:0";
     config.tls = files;
-    const auto server =
-        Server::Start(config, [](const MeshOptions& o) { return MakeFake(o, nullptr); });
+    const auto server = Server::Start(
+        config, [](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o, nullptr); });
     EXPECT_EQ(server.status().code(), StatusCode::kInvalidArgument);
     return std::string(server.status().message());
   };

@@ -30,8 +30,8 @@ class DurableRegistry {
     if (!status_.ok()) return;
     journal_ = *std::move(journal);
     registry_ = std::make_unique<MeshRegistry>(
-        config, [](const MeshOptions& o) { return MakeFake(o); }, &writers_, &readers_,
-        journal_.get());
+        config, [](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o); }, &writers_,
+        &readers_, journal_.get());
     status_ = registry_->Recover();
   }
 
@@ -62,9 +62,9 @@ class DurableRegistry {
 
  private:
   absl::Status status_;
+  std::unique_ptr<Journal> journal_;
   WorkerPool writers_{2};
   WorkerPool readers_{2};
-  std::unique_ptr<Journal> journal_;
   std::unique_ptr<MeshRegistry> registry_;
 };
 

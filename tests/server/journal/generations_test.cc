@@ -230,6 +230,8 @@ TEST_F(GenerationsTest, CutShortAnywhereLeaveAValidStateAndNoRows) {
     FailingVfs::FailAt(at, /*ever=*/true);
     const absl::Status compacted = journal_->Compact(a, 4, parts);
     const absl::Status deleted = journal_->Delete(b);
+    while (deleted.ok() && journal_->Sweep(b)) {
+    }
     // It need not have been said that it failed: what was left to sweep is nobody's.
     const bool failed = FailingVfs::failures() > 0;
 
@@ -260,6 +262,29 @@ TEST_F(GenerationsTest, CutShortAnywhereLeaveAValidStateAndNoRows) {
   EXPECT_GT(before_seen, 5);
   EXPECT_GT(after_seen, 5);
   EXPECT_GT(swept, 5);
+}
+
+// However much there is of it: nobody waits for its rows to go.
+TEST_F(GenerationsTest, ADeletedMeshGoesAtOnceAndItsRowsPieceByPiece) {
+  SqliteJournal::Options options;
+  options.piece_bytes = 100;
+  Open(options);
+  const auto gone = *journal_->Create("a", ""), stays = *journal_->Create("b", "");
+  for (std::uint64_t r = 1; r <= 40; ++r) Append(gone, r, std::string(20, 'x'));
+  Append(stays, 1, "one");
+  ASSERT_TRUE(journal_->Delete(gone).ok());
+  EXPECT_EQ(journal_->List()->size(), 1u);
+  EXPECT_EQ(Rows(folder_.path(), "entries"), 41);
+  int pieces = 1;
+  while (journal_->Sweep(gone)) {
+    ++pieces;
+    EXPECT_EQ(Told(*journal_, stays), "1:one ");
+  }
+  EXPECT_GE(pieces, 4);
+  EXPECT_EQ(Rows(folder_.path(), "entries"), 1);
+  EXPECT_FALSE(journal_->Sweep(gone));
+  EXPECT_FALSE(journal_->Sweep(stays));
+  EXPECT_EQ(Told(*journal_, stays), "1:one ");
 }
 
 }  // namespace

@@ -190,9 +190,10 @@ class CollectTest : public ::testing::Test {
   ServerMetrics metrics_;
   WorkerPool writers_{2};
   WorkerPool readers_{2};
-  MeshRegistry meshes_{ServerConfig(), [](const MeshOptions& o) { return MakeFake(o); },
-                       &writers_,      &readers_,
-                       nullptr,        &metrics_};
+  MeshRegistry meshes_{
+      ServerConfig(), [](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o); },
+      &writers_,      &readers_,
+      nullptr,        &metrics_};
 };
 
 TEST_F(CollectTest, AMeshIsThereWithItsFiguresUntilItIsDeleted) {
@@ -313,8 +314,8 @@ TEST(RecoveryMetricsTest, EntriesAreCountedAsTheyAreApplied) {
   ServerMetrics metrics;
   WorkerPool writers(2), readers(2);
   MeshRegistry meshes(
-      config, [](const MeshOptions& o) { return MakeFake(o); }, &writers, &readers, journal->get(),
-      &metrics);
+      config, [](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o); }, &writers,
+      &readers, journal->get(), &metrics);
   ASSERT_TRUE(meshes.Recover().ok());
   const ParsedMetrics now(metrics.registry.Text());
   EXPECT_EQ(now.Value("dynmesh_recovery_entries"), 4);
@@ -344,8 +345,8 @@ TEST(RecoveryMetricsTest, ASnapshotIsOneEntry) {
   ServerMetrics metrics;
   WorkerPool writers(2), readers(2);
   MeshRegistry meshes(
-      config, [](const MeshOptions& o) { return MakeFake(o); }, &writers, &readers, journal->get(),
-      &metrics);
+      config, [](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o); }, &writers,
+      &readers, journal->get(), &metrics);
   ASSERT_TRUE(meshes.Recover().ok());
   EXPECT_EQ(metrics.recovery.entries.value(), static_cast<double>((*found)[0].entries));
   EXPECT_EQ(metrics.recovery.entries_done.value(), metrics.recovery.entries.value());

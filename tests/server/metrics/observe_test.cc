@@ -222,6 +222,7 @@ class SlowJournal final : public Journal {
   }
   absl::StatusOr<Key> Create(const std::string&, const std::string&) override { return Key{1}; }
   absl::Status Delete(Key) override { return absl::OkStatus(); }
+  bool Sweep(Key) override { return false; }
   absl::Status Append(Key, const std::optional<Entry>&, const std::optional<Request>&) override {
     return absl::OkStatus();
   }
@@ -249,7 +250,8 @@ TEST_F(ObserveTest, AServerIsReadyFromTheEndOfRecoveryToTheDrain) {
   Mailbox<absl::StatusOr<std::unique_ptr<Server>>> started;
   std::thread starter([&] {
     started.Put(Server::Start(
-        config, [gate = gate_](const MeshOptions& o) { return MakeFake(o, gate); },
+        config,
+        [gate = gate_](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o, gate); },
         std::make_unique<SlowJournal>(&asked, &answer)));
   });
   asked.Take();
@@ -289,7 +291,7 @@ TEST_F(ObserveTest, AMetricsPortThatIsTakenIsAnErrorAtTheStart) {
   ServerConfig config;
   config.listen = "127.0.0.1:0";
   config.metrics = metrics_;
-  const auto factory = [](const MeshOptions& o) { return MakeFake(o); };
+  const auto factory = [](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o); };
   EXPECT_EQ(Server::Start(config, factory).status().code(), absl::StatusCode::kUnavailable);
   config.metrics = "nonsense";
   EXPECT_EQ(Server::Start(config, factory).status().code(), absl::StatusCode::kInvalidArgument);
