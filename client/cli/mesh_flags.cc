@@ -99,8 +99,8 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
   command
       .add_option("--rho", flags.rho,
                   "Largest circumradius / shortest edge, 1 to 100 (default: sqrt 2, no angle "
-                  "below 20.7 degrees); from 1.4142 with criterion thesis. In space 1.2 to 100 "
-                  "(default: 2); from 2 with criterion thesis")
+                  "below 20.7 degrees); from 1.4142 with criterion thesis. In space 1.2 to 100, "
+                  "from 1.4 with polygons (default: 2); from 2 with criterion thesis")
       ->type_name("R");
   command.add_option("--criterion", flags.criterion, "When refinement is done (default: edge)")
       ->type_name("edge|thesis");

@@ -151,6 +151,18 @@ TEST_F(SpaceCommands, AMeshOfSpaceIsMadeJudgedAndMeasured) {
   EXPECT_EQ(Run("mesh box.off --box=0,0,4,4").code, 2);
 }
 
+TEST_F(SpaceCommands, PolygonsWantRhoOf1Point4) {
+  folder_.Write("box.off", kBoxInBox);
+  const Outcome refused = Run("mesh box.off --rho 1.39");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("box.off:19: polygon 17 "), std::string::npos) << refused.err;
+  const Outcome made = Run("mesh box.off --rho 1.4 --json -o m.node");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_LE(std::stod(Value(made.out, "worst_radius_edge")), 1.4 * (1 + 1e-6));
+  EXPECT_EQ(Run("verify m.node --input box.off --rho 1.4").code, 0);
+  EXPECT_NE(Run("mesh --help").out.find("from 1.4 with polygons"), std::string::npos);
+}
+
 TEST_F(SpaceCommands, ACropIsAlongTheAxesOfTheCut) {
   folder_.Write("box.off", kBoxInBox);
   // Cut in the middle of the box, not of what is cropped away.
