@@ -195,6 +195,32 @@ TEST_F(SpaceCommands, AScriptOfSpaceIsReplayed) {
   EXPECT_NE(bad.err.find("bad.dynmesh:6: polygon 5 is not flat"), std::string::npos) << bad.err;
 }
 
+// Six squares, and a wall that stands where four of them meet.
+TEST_F(SpaceCommands, AWallOnAMergedFloorIsMeshed) {
+  std::string floor = "OFF\n14 7 0\n";
+  for (const char* y : {"0", "2", "4"}) {
+    for (const char* x : {"0", "2", "4", "6"}) floor += std::string(x) + " " + y + " 0\n";
+  }
+  floor +=
+      "2 2 2\n4 2 2\n"
+      "4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 4 5 9 8\n4 5 6 10 9\n4 6 7 11 10\n4 5 6 13 12\n";
+  folder_.Write("floor.off", floor);
+  for (const std::string merged : {"", " --merge-coplanar"}) {
+    SCOPED_TRACE(merged);
+    const Outcome made = Run("mesh floor.off -o m.node" + merged);
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_EQ(Run("verify m.node --input floor.off" + merged).code, 0);
+    // The floor is fewer than six polygons, but more than one.
+    const std::string faces = folder_.Read("m.face");
+    int floors = 0;
+    for (int id = 15; id <= 20; ++id) {
+      floors += faces.find(" " + std::to_string(id) + "\n") == std::string::npos ? 0 : 1;
+    }
+    EXPECT_EQ(floors == 6, merged.empty());
+    EXPECT_GE(floors, 2);
+  }
+}
+
 TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   folder_.Write("m.off", "OFF\n4 2 0\n0 0 1\n2 0 1\n2 3 1\n0 3 1.001\n3 0 1 2\n3 0 2 3\n");
   const auto count = [&](const InputFlags& flags) {
