@@ -1,12 +1,15 @@
 #include "client/cli/input.h"
 
-#include <filesystem>
+#include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
+#include "core/io/extension.h"
 #include "core/io/map_files.h"
 #include "core/io/merge_coplanar.h"
 #include "core/io/planar_input.h"
@@ -135,8 +138,18 @@ absl::StatusOr<Input> FromScript(const io::EditScript& script) {
 }
 
 bool IsMap(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string extension = io::ExtensionOf(path);
   return extension == ".geojson" || extension == ".topojson" || extension == ".json";
+}
+
+// Geometry and meshes of kinds that are not read: no edit scripts, whatever their lines look like.
+bool IsOtherGeometry(std::string_view extension) {
+  constexpr std::array<std::string_view, 33> kKinds = {
+      ".3ds",  ".3mf", ".bdf", ".brep", ".cdb", ".cgns", ".dae", ".dxf",  ".e",
+      ".edge", ".ele", ".exo", ".face", ".fbx", ".geo",  ".glb", ".gltf", ".iges",
+      ".igs",  ".inp", ".med", ".mesh", ".msh", ".nas",  ".ply", ".shp",  ".sldprt",
+      ".step", ".stp", ".unv", ".vtk",  ".vtp", ".vtu"};
+  return std::find(kKinds.begin(), kKinds.end(), extension) != kKinds.end();
 }
 
 absl::StatusOr<Input> LoadMap(const std::string& path, bool polygons) {
@@ -172,7 +185,7 @@ absl::Status ExpectPlanar(const Input& input, const std::string& path) {
 }
 
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags) {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string extension = io::ExtensionOf(path);
   using Read = absl::StatusOr<io::FileFeatures> (*)(const std::string&);
   const std::map<std::string, Read> in_space = {
       {".node", io::ReadSpaceNodeFile}, {".poly", io::ReadSpacePolyFile},
@@ -191,14 +204,11 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
     return FromSpace(*std::move(file), path, flags);
   }
   if (IsMap(path)) return LoadMap(path, false);
-  for (const char* later : {".msh", ".mesh", ".vtu"}) {
-    if (extension == later) {
-      return absl::UnimplementedError(
-          Concat(path, ": ", later,
-                 " files as input are not supported yet in this version; "
-                 "use ",
-                 kSpaceInputKinds));
-    }
+  if (IsOtherGeometry(extension)) {
+    return absl::UnimplementedError(Concat(path, ": ", extension,
+                                           " files as input are not supported yet in this version; "
+                                           "use ",
+                                           kSpaceInputKinds));
   }
   const absl::StatusOr<io::EditScript> script = io::ReadEditScript(path);
   if (!script.ok()) return script.status();

@@ -236,5 +236,22 @@ TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   EXPECT_NE(Run("mesh --help").out.find("--merge-coplanar"), std::string::npos);
 }
 
+TEST_F(SpaceCommands, ExtensionsAreThoseOfAnyCase) {
+  folder_.Write("PART.OFF", kBoxInBox);
+  const Outcome made = Run("mesh PART.OFF -o M.NODE -o M.VTU -o M.Svg");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_EQ(Run("verify M.node --input PART.OFF").code, 0);
+  EXPECT_NE(folder_.Read("M.VTU").find("VTKFile"), std::string::npos);
+  EXPECT_NE(folder_.Read("M.Svg").find("<svg"), std::string::npos);
+  EXPECT_EQ(Run("stats M.NODE").code, 0);
+  for (const std::string name : {"a.ply", "a.STEP", "a.vtk", "a.msh", "a.MESH"}) {
+    folder_.Write(name, "ply\n");
+    const Outcome refused = Run("mesh " + name);
+    EXPECT_NE(refused.code, 0);
+    EXPECT_NE(refused.err.find(name + ": "), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find(".smesh, .off, .stl or .obj"), std::string::npos) << refused.err;
+  }
+}
+
 }  // namespace
 }  // namespace dynmesh::cli
