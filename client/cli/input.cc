@@ -28,6 +28,12 @@ void SetWhere(io::FileFeatures file, Input& input) {
   input.where = [source](FeatureId id) { return source->Where(id); };
 }
 
+void WarnOfMarkers(const io::FileFeatures& file, const std::string& path, Input& input) {
+  if (file.markers == 0) return;
+  input.warnings.push_back(Concat(path, ": ", file.markers,
+                                  " marker(s) ignored: markers of the output are ids of features"));
+}
+
 Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   Input input;
   input.options.box = io::BoundingBox(planar.features);
@@ -36,6 +42,7 @@ Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   };
   ignored(planar.attributes, "attribute(s) a vertex");
   ignored(planar.heights, "height(s)");
+  WarnOfMarkers(planar, path, input);
   if (planar.wraps != 0) {
     input.warnings.push_back(Concat(path, ": ", planar.wraps,
                                     " segment(s) span more than 180 degrees and are drawn right "
@@ -69,6 +76,7 @@ absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
   if (file.attributes != 0) {
     input.warnings.push_back(Concat(path, ": ", file.attributes, " attribute(s) a vertex ignored"));
   }
+  WarnOfMarkers(file, path, input);
   if (const std::size_t places = file.holes.size() + file.regions.size(); places != 0) {
     input.warnings.push_back(
         Concat(path, ": ", places, " place(s) of holes and regions of space ignored"));

@@ -253,5 +253,24 @@ TEST_F(SpaceCommands, ExtensionsAreThoseOfAnyCase) {
   }
 }
 
+TEST_F(SpaceCommands, MarkersOfInputAreToldOf) {
+  // A vertex, a facet of two; with a marker 0 each.
+  folder_.Write("m.poly",
+                "4 3 0 1\n1 0 0 0 7\n2 4 0 0 0\n3 4 4 0 -1\n4 0 4 0 0\n"
+                "2 1\n1 0 5\n4 1 2 3 4\n1 0 0\n2 1 2\n0\n0\n");
+  Outcome outcome = Run("mesh m.poly");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const std::string told = " marker(s) ignored: markers of the output are ids of features";
+  EXPECT_NE(outcome.err.find("m.poly: 3" + told), std::string::npos) << outcome.err;
+  folder_.Write("m.smesh", "0 3\n1 1\n4 1 2 3 4 9\n0\n0\n");
+  folder_.Write("m.node", "4 3 0 0\n1 0 0 0\n2 4 0 0\n3 4 4 0\n4 0 4 0\n");
+  outcome = Run("mesh m.smesh");
+  EXPECT_NE(outcome.err.find("m.smesh: 1" + told), std::string::npos) << outcome.err;
+  EXPECT_EQ(Run("mesh m.node").err, "");
+  folder_.Write("p.poly", "2 2 0 1\n1 0 0 1\n2 1 0 0\n1 1\n1 1 2 3\n0\n");
+  outcome = Run("mesh p.poly");
+  EXPECT_NE(outcome.err.find("p.poly: 2" + told), std::string::npos) << outcome.err;
+}
+
 }  // namespace
 }  // namespace dynmesh::cli
