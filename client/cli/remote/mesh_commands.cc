@@ -85,6 +85,7 @@ int RunExport(const NamedCommand& command) {
   if (!info.ok()) return ReportError(info.status());
   const auto mesh = (*client)->GetSnapshot(command.id, region->in);
   if (!mesh.ok()) return ReportError(mesh.status());
+  WarnOfUnknownRegions(*region, *mesh);
   if (auto status = WriteOutputs(*mesh, info->options, command.output); !status.ok()) {
     return ReportError(status);
   }

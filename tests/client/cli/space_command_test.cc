@@ -236,6 +236,37 @@ TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   EXPECT_NE(Run("mesh --help").out.find("--merge-coplanar"), std::string::npos);
 }
 
+TEST_F(SpaceCommands, RegionsThatAreNotThereAreTold) {
+  folder_.Write("box.off", kBoxInBox);  // polygons 17 to 22 and 23 to 28
+  const std::string wanted = "lies in 24; a closed surface goes by the least id of its polygons";
+  const Outcome all = Run("mesh box.off --json");
+  const Outcome inner = Run("mesh box.off --json --region 23");
+  EXPECT_EQ(inner.err, "");
+  Outcome none = Run("mesh box.off --json --region 24");
+  EXPECT_EQ(none.code, 0);
+  EXPECT_EQ(Value(none.out, "simplices"), "0");
+  EXPECT_NE(none.err.find("--region: nothing of the mesh " + wanted), std::string::npos)
+      << none.err;
+  none = Run("mesh box.off --json --outside 24,23");
+  EXPECT_EQ(std::stoi(Value(none.out, "simplices")),
+            std::stoi(Value(all.out, "simplices")) - std::stoi(Value(inner.out, "simplices")));
+  EXPECT_NE(none.err.find("--outside: nothing of the mesh " + wanted), std::string::npos);
+  EXPECT_EQ(none.err.find("lies in 23"), std::string::npos) << none.err;
+  folder_.Write("r.dynmesh", "mesh dim=3\nadd point 1 0.5 0.5 0.5\n");
+  none = Run("replay r.dynmesh --region 5 -o r.node");
+  EXPECT_NE(none.err.find("--region: nothing of the mesh lies in 5;"), std::string::npos);
+  for (const std::string command : {"mesh --help", "replay --help"}) {
+    EXPECT_NE(Run(command).out.find("least id"), std::string::npos);
+  }
+}
+
+TEST_F(SpaceCommands, HolesOfSpaceAreNotLeftOut) {
+  WriteMeshAndInput();
+  const Outcome refused = Run("mesh input.poly --outside holes");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("input.poly is of space"), std::string::npos) << refused.err;
+}
+
 TEST_F(SpaceCommands, ExtensionsAreThoseOfAnyCase) {
   folder_.Write("PART.OFF", kBoxInBox);
   const Outcome made = Run("mesh PART.OFF -o M.NODE -o M.VTU -o M.Svg");
