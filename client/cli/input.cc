@@ -15,6 +15,8 @@
 #include "core/io/planar_input.h"
 #include "core/io/space_input.h"
 #include "core/io/surface_files.h"
+#include "core/plc/facet_rules.h"
+#include "core/plc/rules.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -61,18 +63,36 @@ Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   return input;
 }
 
+// Joins faces of space in one plane, as flat as the mesh will want them.
+absl::Status Merge(const std::string& path, const InputFlags& flags, Input& input) {
+  const double limit = plc::CloseLimit(input.options);
+  absl::StatusOr<io::MergedFaces> merged =
+      io::MergeCoplanar(input.features, flags.coplanar_tolerance,
+                        [&](double extent) { return plc::PlanarityTolerance(extent, limit); });
+  if (!merged.ok()) {
+    return absl::Status(merged.status().code(),
+                        Concat(path, ": ", data::View(merged.status().message())));
+  }
+  if (merged->too_thick != 0) {
+    input.warnings.push_back(Concat(path, ": ", merged->too_thick,
+                                    " part(s) within the tolerance of a plane not joined: a mesh "
+                                    "wants polygons flat to 1e-9 of their extent"));
+  }
+  input.features = std::move(merged->features);
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
                                 const InputFlags& flags) {
   Input input;
-  if (flags.merge_coplanar) {
-    absl::StatusOr<std::vector<Feature>> merged =
-        io::MergeCoplanar(file.features, flags.coplanar_tolerance);
-    if (!merged.ok()) return merged.status();
-    file.features = *std::move(merged);
-  }
   input.options.dimension = 3;
   input.options.quality = DefaultQuality(3);
   input.options.box = io::BoundingBox(file.features, 3);
+  if (flags.merge_coplanar) {
+    input.features = std::move(file.features);
+    if (auto s = Merge(path, flags, input); !s.ok()) return s;
+    file.features = std::move(input.features);
+  }
   if (file.attributes != 0) {
     input.warnings.push_back(Concat(path, ": ", file.attributes, " attribute(s) a vertex ignored"));
   }
@@ -181,7 +201,9 @@ void AddInputFlags(CLI::App& command, InputFlags& flags) {
                    "Of input of space: join faces that lie in one plane and share edges");
   command
       .add_option("--coplanar-tolerance", flags.coplanar_tolerance,
-                  "How far from the plane corners may be for that (default: 0, exactly in it)")
+                  "How far from the plane corners may be for that (default: 0, exactly in it); "
+                  "polygons that would not be flat to 1e-9 of their extent, as a mesh wants them, "
+                  "are not made")
       ->type_name("T")
       ->check(CLI::NonNegativeNumber);
 }

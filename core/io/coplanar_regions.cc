@@ -14,6 +14,7 @@
 #include "core/base/ring_walk.h"
 #include "core/base/rings.h"
 #include "core/geometry/circumball.h"
+#include "core/geometry/facet_plane.h"
 #include "core/geometry/space_predicates.h"
 #include "core/io/facet_rings.h"
 
@@ -88,11 +89,12 @@ class Rim {
 class Finder {
  public:
   Finder(const std::vector<Point3>& places, const std::vector<FaceRings>& faces, const Kept& kept,
-         double tolerance)
+         double tolerance, const Thickness& most)
       : places_(places),
         faces_(faces),
         kept_(kept),
         tolerance_(tolerance),
+        most_(most),
         state_(faces.size()),
         faces_at_(places.size()) {
     for (std::size_t f = 0; f < faces.size(); ++f) AddUses(f);
@@ -112,14 +114,23 @@ class Finder {
     }
   }
 
-  std::vector<FlatRegion> Run() {
-    std::vector<FlatRegion> regions;
+  FlatRegions Run() {
+    FlatRegions found;
     for (const std::size_t seed : LargestFirst()) {
       if (state_[seed].taken) continue;
-      std::optional<FlatRegion> region = Grow(seed);
-      if (region) regions.push_back(*std::move(region));
+      const double tolerance = state_[seed].exact_only ? 0 : tolerance_;
+      std::optional<FlatRegion> region = Grow(seed, tolerance);
+      if (region && tolerance > 0 && IsTooThick(region->rings)) {
+        ++found.too_thick;
+        for (const std::size_t f : region->faces) {
+          state_[f].taken = false;
+          state_[f].exact_only = true;
+        }
+        region = Grow(seed, 0);
+      }
+      if (region) found.regions.push_back(*std::move(region));
     }
-    return regions;
+    return found;
   }
 
  private:
@@ -131,6 +142,7 @@ class Finder {
   };
   struct State {
     bool taken = false;
+    bool exact_only = false;  // was in a region that was too thick: nothing near is asked twice
     // In the view of the region to which the face belongs: does a ring have the face on its left?
     std::vector<bool> is_left;
   };
@@ -251,12 +263,24 @@ class Finder {
     return good;
   }
 
-  std::optional<FlatRegion> Grow(std::size_t seed) {
+  // As a mesh will measure it, but for what is rounded otherwise without straight corners.
+  bool IsTooThick(const FaceRings& rings) const {
+    if (!most_) return false;
+    std::vector<PointRing> outline;
+    for (const CornerRing& ring : rings) outline.push_back(PlacesOf(ring));
+    const geometry::FacetPlane plane = geometry::PlaneOf(outline);
+    const geometry::FacetBounds bounds = geometry::BoundsOf(outline, plane);
+    double extent = 0;
+    for (int k = 0; k < 3; ++k) extent = std::max(extent, bounds.hi[k] - bounds.lo[k]);
+    return !(bounds.deviation * (1 + 1e-6) <= most_(extent));
+  }
+
+  std::optional<FlatRegion> Grow(std::size_t seed, double tolerance) {
     state_[seed].taken = true;
     const PointRing outer = OuterRing(seed).first;
     const std::optional<AxisView> view = ViewOf(outer);
     if (!view) return std::nullopt;
-    const Plane plane(outer, *view, tolerance_);
+    const Plane plane(outer, *view, tolerance);
     std::optional<std::vector<bool>> sides = SidesOf(seed, *view);
     if (!sides || !IsIn(plane, seed)) return std::nullopt;
     state_[seed].is_left = *std::move(sides);
@@ -267,6 +291,7 @@ class Finder {
       for (const std::size_t i : uses_of_[region.faces[k]]) {
         const Use* const other = Other(i);
         if (other == nullptr || state_[other->face].taken || !IsIn(plane, other->face)) continue;
+        if (tolerance > 0 && state_[other->face].exact_only) continue;
         sides = SidesOf(other->face, *view);
         if (!sides) continue;
         State& state = state_[other->face];
@@ -329,6 +354,7 @@ class Finder {
   const std::vector<FaceRings>& faces_;
   const Kept& kept_;
   const double tolerance_;
+  const Thickness& most_;
   std::vector<State> state_;                        // of faces
   std::vector<Use> uses_;                           // sorted by edge
   std::vector<std::vector<std::size_t>> uses_of_;   // by face
@@ -347,10 +373,9 @@ FaceRings Canonical(FaceRings rings) {
   return rings;
 }
 
-std::vector<FlatRegion> FindFlatRegions(const std::vector<Point3>& places,
-                                        const std::vector<FaceRings>& faces, const Kept& kept,
-                                        double tolerance) {
-  return Finder(places, faces, kept, tolerance).Run();
+FlatRegions FindFlatRegions(const std::vector<Point3>& places, const std::vector<FaceRings>& faces,
+                            const Kept& kept, double tolerance, const Thickness& most) {
+  return Finder(places, faces, kept, tolerance, most).Run();
 }
 
 }  // namespace dynmesh::io

@@ -16,6 +16,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -39,18 +40,27 @@ struct Kept {
   std::vector<bool> corners;      // by corner: an end of one of them or of anything else
 };
 
+// How thick a region may be that a tolerance has joined, by its extent along the axes.
+using Thickness = std::function<double(double extent)>;
+
 struct FlatRegion {
   std::vector<std::size_t> faces;  // two or more
   // Canonical. Edges that the region has on both sides are on none.
   FaceRings rings;
 };
 
-// The regions of more than one face. Those whose faces overlap in the plane are left out: joining
-// them would hide it. `places` in lexicographic order; `faces` canonical, of rings of three
+struct FlatRegions {
+  std::vector<FlatRegion> regions;
+  std::size_t too_thick = 0;  // that were not joined for that reason
+};
+
+// The regions of more than one face. What a tolerance would make thicker than `most` allows is
+// joined where it is exactly flat only. Those whose faces overlap in the plane are left out:
+// joining them would hide it. `places` in lexicographic order; `faces` canonical, of rings of three
 // corners and more.
-std::vector<FlatRegion> FindFlatRegions(const std::vector<geometry::Point3>& places,
-                                        const std::vector<FaceRings>& faces, const Kept& kept,
-                                        double tolerance);
+FlatRegions FindFlatRegions(const std::vector<geometry::Point3>& places,
+                            const std::vector<FaceRings>& faces, const Kept& kept, double tolerance,
+                            const Thickness& most);
 
 }  // namespace dynmesh::io
 

@@ -53,11 +53,13 @@ class Merger {
     return absl::OkStatus();
   }
 
-  void Merge(double tolerance) {
+  // How many regions were too thick.
+  std::size_t Merge(double tolerance, const Thickness& most) {
     std::vector<FaceRings> canonical;
     for (const FaceRings& face : faces_) canonical.push_back(Canonical(face));
     const Kept kept = KeptElsewhere();
-    for (FlatRegion& region : FindFlatRegions(places_, canonical, kept, tolerance)) {
+    FlatRegions found = FindFlatRegions(places_, canonical, kept, tolerance, most);
+    for (FlatRegion& region : found.regions) {
       const auto by_id = [&](std::size_t f, std::size_t g) {
         return features_[polygons_[f]].id < features_[polygons_[g]].id;
       };
@@ -67,6 +69,7 @@ class Merger {
     }
     named_else_ = kept.corners;
     DropStraightCorners(places_, named_else_, faces_);
+    return found.too_thick;
   }
 
   std::vector<Feature> Write() const {
@@ -169,15 +172,24 @@ class Merger {
 
 }  // namespace
 
-absl::StatusOr<std::vector<Feature>> MergeCoplanar(const std::vector<Feature>& features,
-                                                   double tolerance) {
+absl::StatusOr<MergedFaces> MergeCoplanar(const std::vector<Feature>& features, double tolerance,
+                                          const Thickness& most) {
   if (!(tolerance >= 0)) {
     return absl::InvalidArgumentError("the tolerance of coplanar faces must be 0 or more");
   }
   Merger merger(features);
   if (auto s = merger.ReadFaces(); !s.ok()) return s;
-  merger.Merge(tolerance);
-  return merger.Write();
+  MergedFaces merged;
+  merged.too_thick = merger.Merge(tolerance, most);
+  merged.features = merger.Write();
+  return merged;
+}
+
+absl::StatusOr<std::vector<Feature>> MergeCoplanar(const std::vector<Feature>& features,
+                                                   double tolerance) {
+  absl::StatusOr<MergedFaces> merged = MergeCoplanar(features, tolerance, nullptr);
+  if (!merged.ok()) return merged.status();
+  return std::move(merged->features);
 }
 
 }  // namespace dynmesh::io

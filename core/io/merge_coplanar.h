@@ -27,6 +27,8 @@
 #ifndef DYNMESH_CORE_IO_MERGE_COPLANAR_H_
 #define DYNMESH_CORE_IO_MERGE_COPLANAR_H_
 
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -40,6 +42,16 @@ namespace dynmesh::io {
 // number.
 absl::StatusOr<std::vector<Feature>> MergeCoplanar(const std::vector<Feature>& features,
                                                    double tolerance = 0);
+
+// The same for meshes, which want polygons flatter than a tolerance may be: `most` says how thick
+// one may be, by its extent. What would be thicker is joined where it is exactly flat only, and
+// counted.
+struct MergedFaces {
+  std::vector<Feature> features;
+  std::size_t too_thick = 0;
+};
+absl::StatusOr<MergedFaces> MergeCoplanar(const std::vector<Feature>& features, double tolerance,
+                                          const std::function<double(double extent)>& most);
 
 }  // namespace dynmesh::io
 

@@ -233,7 +233,7 @@ absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
     return Error(absl::StatusCode::kInvalidArgument, reason::kBadPolygon, {facet.id()}, edit,
                  absl::StrCat("polygon ", facet.id(), " has no area; move its corners apart"));
   }
-  const double tolerance = PlanarityTolerance(facet, limit);
+  const double tolerance = PlanarityTolerance(facet.Extent(), limit);
   if (facet.deviation() <= tolerance) return absl::OkStatus();
   // The plane goes through a corner that may be the one to blame; that is told by where most are.
   std::vector<double> distances;

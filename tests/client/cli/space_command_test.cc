@@ -231,7 +231,15 @@ TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   };
   EXPECT_EQ(count({}), 2);
   EXPECT_EQ(count({true, 0}), 2);
+  EXPECT_EQ(count({true, 0.01}), 2);  // no mesh would have it
+  const Outcome warned = Run("mesh m.off --merge-coplanar --coplanar-tolerance 0.01");
+  EXPECT_NE(warned.err.find("m.off: 1 part(s) within the tolerance"), std::string::npos)
+      << warned.err;
+  EXPECT_NE(warned.err.find("flat to 1e-9 of their extent"), std::string::npos);
+  folder_.Write("m.off", "OFF\n4 2 0\n0 0 1\n2 0 1\n2 3 1\n0 3 1.000000001\n3 0 1 2\n3 0 2 3\n");
+  EXPECT_EQ(count({true, 0}), 2);
   EXPECT_EQ(count({true, 0.01}), 1);
+  EXPECT_EQ(Run("mesh m.off --merge-coplanar --coplanar-tolerance 0.01").err, "");
   EXPECT_NE(Run("verify --help").out.find("--merge-coplanar"), std::string::npos);
   EXPECT_NE(Run("mesh --help").out.find("--merge-coplanar"), std::string::npos);
 }

@@ -580,6 +580,39 @@ TEST(MergeCoplanar, FacesAreNotJoinedBelowASegmentThatLeansOverTheirEdge) {
   }
 }
 
+// A flat floor beside a sheet that is as flat as the tolerance only.
+TEST(MergeCoplanar, WhatIsThickerThanAllowedIsJoinedWhereItIsFlat) {
+  const std::vector<Feature> points = Points({{0, 0, 0},
+                                              {4, 0, 0},
+                                              {4, 2, 0},
+                                              {0, 2, 0},
+                                              {4, 4, 1e-6},
+                                              {0, 4, -1e-6},
+                                              {9, 0, 0},
+                                              {9, 2, 1e-9},
+                                              {9, 9, 9}});
+  const std::vector<Rings> faces = {{{1, 2, 3}}, {{1, 3, 4}}, {{4, 3, 5}}, {{4, 5, 6}}};
+  const std::function<double(double)> most = [](double extent) { return 1e-8 * extent; };
+  const std::vector<Feature> f = With(points, faces);
+  EXPECT_EQ(ShapesOf(Merged(f, 1e-5)).size(), 1U);
+  const auto flat = MergeCoplanar(f, 1e-5, most);
+  ASSERT_TRUE(flat.ok());
+  EXPECT_EQ(flat->too_thick, 1U);
+  const std::multiset<Shape> shapes = ShapesOf(flat->features);
+  EXPECT_EQ(shapes.size(), 3U);
+  EXPECT_TRUE(shapes.contains(ShapeOf({{{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {0, 2, 0}}})));
+  // What is thin enough is joined, beside what is not as well.
+  const auto thin = MergeCoplanar(With(points, {{{2, 7, 8}}, {{2, 8, 3}}}), 1e-5, most);
+  ASSERT_TRUE(thin.ok());
+  EXPECT_EQ(thin->too_thick, 0U);
+  EXPECT_EQ(ShapesOf(thin->features).size(), 1U);
+  // Without a tolerance nobody is asked.
+  const auto exact = MergeCoplanar(f, 0, [](double) { return -1.0; });
+  ASSERT_TRUE(exact.ok());
+  EXPECT_EQ(exact->too_thick, 0U);
+  EXPECT_EQ(ShapesOf(exact->features).size(), 3U);
+}
+
 // However fine its faces, a round thing stays round, and the order says nothing.
 TEST(MergeCoplanar, WithAToleranceNoRegionIsThickerThanThatToEitherSide) {
   std::mt19937 rng = NewRandom();
