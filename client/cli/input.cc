@@ -82,6 +82,11 @@ absl::Status Merge(const std::string& path, const InputFlags& flags, Input& inpu
   return absl::OkStatus();
 }
 
+absl::Status RefuseMerge(const std::string& path) {
+  return absl::InvalidArgumentError(
+      Concat("--merge-coplanar: ", path, " is of the plane; it joins faces of input of space"));
+}
+
 absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
                                 const InputFlags& flags) {
   Input input;
@@ -154,7 +159,8 @@ class ScriptState {
   std::map<FeatureId, std::pair<Feature, std::string>> features_;
 };
 
-absl::StatusOr<Input> FromScript(const io::EditScript& script) {
+absl::StatusOr<Input> FromScript(const io::EditScript& script, const std::string& path,
+                                 const InputFlags& flags) {
   ScriptState state;
   for (std::size_t b = 0; b < script.batches.size(); ++b) {
     const io::ScriptBatch& batch = script.batches[b];
@@ -162,7 +168,11 @@ absl::StatusOr<Input> FromScript(const io::EditScript& script) {
       if (auto s = state.Apply(batch.edits[e], script.Where(b, e)); !s.ok()) return s;
     }
   }
-  return state.Finish(script.Options());
+  Input input = state.Finish(script.Options());
+  if (!flags.merge_coplanar) return input;
+  if (input.options.dimension == 2) return RefuseMerge(path);
+  if (auto s = Merge(path, flags, input); !s.ok()) return s;
+  return input;
 }
 
 bool IsMap(const std::string& path) {
@@ -197,14 +207,16 @@ absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path) {
 }
 
 void AddInputFlags(CLI::App& command, InputFlags& flags) {
-  command.add_flag("--merge-coplanar", flags.merge_coplanar,
-                   "Of input of space: join faces that lie in one plane and share edges");
+  CLI::Option* const merge =
+      command.add_flag("--merge-coplanar", flags.merge_coplanar,
+                       "Of input of space: join faces that lie in one plane and share edges");
   command
       .add_option("--coplanar-tolerance", flags.coplanar_tolerance,
                   "How far from the plane corners may be for that (default: 0, exactly in it); "
                   "polygons that would not be flat to 1e-9 of their extent, as a mesh wants them, "
                   "are not made")
       ->type_name("T")
+      ->needs(merge)
       ->check(CLI::NonNegativeNumber);
 }
 
@@ -224,7 +236,10 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
   if (extension == ".node" || extension == ".poly") {
     absl::StatusOr<io::FileFeatures> planar =
         extension == ".node" ? io::ReadNodeFile(path) : io::ReadPolyFile(path);
-    if (planar.ok()) return FromPlanar(*std::move(planar), path);
+    if (planar.ok()) {
+      if (flags.merge_coplanar) return RefuseMerge(path);
+      return FromPlanar(*std::move(planar), path);
+    }
     // That is how the plane's readers say that a file has three dimensions.
     if (!absl::IsUnimplemented(planar.status())) return planar.status();
   }
@@ -233,7 +248,10 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
     if (!file.ok()) return file.status();
     return FromSpace(*std::move(file), path, flags);
   }
-  if (IsMap(path)) return LoadMap(path, false);
+  if (IsMap(path)) {
+    if (flags.merge_coplanar) return RefuseMerge(path);
+    return LoadMap(path, false);
+  }
   if (IsOtherGeometry(extension)) {
     return absl::UnimplementedError(Concat(path, ": ", extension,
                                            " files as input are not supported yet in this version; "
@@ -242,7 +260,7 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
   }
   const absl::StatusOr<io::EditScript> script = io::ReadEditScript(path);
   if (!script.ok()) return script.status();
-  return FromScript(*script);
+  return FromScript(*script, path, flags);
 }
 
 absl::Status Locate(const absl::Status& status,

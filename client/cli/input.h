@@ -30,7 +30,7 @@ struct Input {
   std::function<std::string(FeatureId)> where;
 };
 
-// How input is read.
+// How input is read. INVALID_ARGUMENT if faces are to be joined and the input is of the plane.
 struct InputFlags {
   bool merge_coplanar = false;  // of space: faces that lie in one plane become polygons
   double coplanar_tolerance = 0;

@@ -244,6 +244,33 @@ TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   EXPECT_NE(Run("mesh --help").out.find("--merge-coplanar"), std::string::npos);
 }
 
+TEST_F(SpaceCommands, FacesOfAScriptAreMerged) {
+  folder_.Write("s.dynmesh",
+                "mesh dim=3 box=0,0,0,4,4,4\n"
+                "add point 1 1 1 1\nadd point 2 3 1 1\nadd point 3 3 3 1\nadd point 4 1 3 1\n"
+                "add polygon 6 1 2 3\nadd polygon 5 1 3 4\n");
+  EXPECT_EQ(Run("mesh s.dynmesh").code, 2);  // 45 degrees
+  ASSERT_EQ(Run("mesh s.dynmesh --merge-coplanar -o m.node").code, 0);
+  EXPECT_EQ(Run("verify m.node --input s.dynmesh --merge-coplanar").code, 0);
+  const auto merged = LoadInput(folder_.Path("s.dynmesh"), {true, 0});
+  ASSERT_TRUE(merged.ok());
+  EXPECT_EQ(merged->features.size(), 5U);
+  EXPECT_TRUE(merged->where(5).ends_with("s.dynmesh:7"));
+}
+
+TEST_F(SpaceCommands, InThePlaneThereAreNoFacesToMerge) {
+  folder_.Write("s.dynmesh", "mesh dim=2\nadd point 1 0.5 0.5\n");
+  folder_.Write("p.node", "1 2 0 0\n1 0 0\n");
+  folder_.Write("p.poly", "1 2 0 0\n1 0 0\n0 0\n0\n");
+  folder_.Write("p.geojson", R"({"type": "Point", "coordinates": [1, 2]})");
+  for (const std::string input : {"s.dynmesh", "p.node", "p.poly", "p.geojson"}) {
+    const Outcome refused = Run("mesh " + input + " --merge-coplanar");
+    EXPECT_EQ(refused.code, 2) << input;
+    EXPECT_NE(refused.err.find(input + " is of the plane"), std::string::npos) << refused.err;
+  }
+  EXPECT_EQ(Run("mesh s.dynmesh --coplanar-tolerance 1").code, 2);  // of what?
+}
+
 TEST_F(SpaceCommands, RegionsThatAreNotThereAreTold) {
   folder_.Write("box.off", kBoxInBox);  // polygons 17 to 22 and 23 to 28
   const std::string wanted = "lies in 24; a closed surface goes by the least id of its polygons";
