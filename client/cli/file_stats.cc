@@ -1,13 +1,12 @@
 #include "client/cli/file_stats.h"
 
-#include <filesystem>
-
 #include "absl/strings/str_format.h"
 #include "client/cli/command.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/mesh_statistics.h"
 #include "client/cli/words.h"
 #include "core/data/text.h"
+#include "core/io/extension.h"
 #include "core/io/mesh_files.h"
 
 namespace dynmesh::cli {
@@ -15,10 +14,10 @@ namespace {
 
 absl::Status CheckFlags(const std::string& path, const FileStatsFlags& flags) {
   if (auto status = CheckRhoFlag(flags.rho); !status.ok()) return status;
-  if (!flags.svg.empty() && std::filesystem::path(flags.svg).extension() != ".svg") {
+  if (!flags.svg.empty() && io::ExtensionOf(flags.svg) != ".svg") {
     return absl::InvalidArgumentError(data::Concat("--svg ", flags.svg, ": must end in .svg"));
   }
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string extension = io::ExtensionOf(path);
   for (const char* other :
        {".poly", ".smesh", ".off", ".stl", ".obj", ".vtu", ".msh", ".mesh", ".svg"}) {
     if (extension == other) {

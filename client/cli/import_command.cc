@@ -2,7 +2,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
@@ -14,6 +13,7 @@
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
 #include "core/data/text.h"
+#include "core/io/extension.h"
 #include "core/io/file_writer.h"
 #include "core/io/planar_output.h"
 #include "core/plc/rules.h"
@@ -46,7 +46,7 @@ struct ImportCommand {
 enum class OutputKind { kPoly, kScript };
 
 absl::StatusOr<OutputKind> OutputKindOf(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string extension = io::ExtensionOf(path);
   if (extension == ".poly") return OutputKind::kPoly;
   if (extension == ".dynmesh") return OutputKind::kScript;
   return absl::InvalidArgumentError(

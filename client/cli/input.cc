@@ -1,17 +1,22 @@
 #include "client/cli/input.h"
 
-#include <filesystem>
+#include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
+#include "core/io/extension.h"
 #include "core/io/map_files.h"
 #include "core/io/merge_coplanar.h"
 #include "core/io/planar_input.h"
 #include "core/io/space_input.h"
 #include "core/io/surface_files.h"
+#include "core/plc/facet_rules.h"
+#include "core/plc/rules.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -25,6 +30,12 @@ void SetWhere(io::FileFeatures file, Input& input) {
   input.where = [source](FeatureId id) { return source->Where(id); };
 }
 
+void WarnOfMarkers(const io::FileFeatures& file, const std::string& path, Input& input) {
+  if (file.markers == 0) return;
+  input.warnings.push_back(Concat(path, ": ", file.markers,
+                                  " marker(s) ignored: markers of the output are ids of features"));
+}
+
 Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   Input input;
   input.options.box = io::BoundingBox(planar.features);
@@ -33,6 +44,7 @@ Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   };
   ignored(planar.attributes, "attribute(s) a vertex");
   ignored(planar.heights, "height(s)");
+  WarnOfMarkers(planar, path, input);
   if (planar.wraps != 0) {
     input.warnings.push_back(Concat(path, ": ", planar.wraps,
                                     " segment(s) span more than 180 degrees and are drawn right "
@@ -51,21 +63,45 @@ Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   return input;
 }
 
+// Joins faces of space in one plane, as flat as the mesh will want them.
+absl::Status Merge(const std::string& path, const InputFlags& flags, Input& input) {
+  const double limit = plc::CloseLimit(input.options);
+  absl::StatusOr<io::MergedFaces> merged =
+      io::MergeCoplanar(input.features, flags.coplanar_tolerance,
+                        [&](double extent) { return plc::PlanarityTolerance(extent, limit); });
+  if (!merged.ok()) {
+    return absl::Status(merged.status().code(),
+                        Concat(path, ": ", data::View(merged.status().message())));
+  }
+  if (merged->too_thick != 0) {
+    input.warnings.push_back(Concat(path, ": ", merged->too_thick,
+                                    " part(s) within the tolerance of a plane not joined: a mesh "
+                                    "wants polygons flat to 1e-9 of their extent"));
+  }
+  input.features = std::move(merged->features);
+  return absl::OkStatus();
+}
+
+absl::Status RefuseMerge(const std::string& path) {
+  return absl::InvalidArgumentError(
+      Concat("--merge-coplanar: ", path, " is of the plane; it joins faces of input of space"));
+}
+
 absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
                                 const InputFlags& flags) {
   Input input;
-  if (flags.merge_coplanar) {
-    absl::StatusOr<std::vector<Feature>> merged =
-        io::MergeCoplanar(file.features, flags.coplanar_tolerance);
-    if (!merged.ok()) return merged.status();
-    file.features = *std::move(merged);
-  }
   input.options.dimension = 3;
   input.options.quality = DefaultQuality(3);
   input.options.box = io::BoundingBox(file.features, 3);
+  if (flags.merge_coplanar) {
+    input.features = std::move(file.features);
+    if (auto s = Merge(path, flags, input); !s.ok()) return s;
+    file.features = std::move(input.features);
+  }
   if (file.attributes != 0) {
     input.warnings.push_back(Concat(path, ": ", file.attributes, " attribute(s) a vertex ignored"));
   }
+  WarnOfMarkers(file, path, input);
   if (const std::size_t places = file.holes.size() + file.regions.size(); places != 0) {
     input.warnings.push_back(
         Concat(path, ": ", places, " place(s) of holes and regions of space ignored"));
@@ -123,7 +159,8 @@ class ScriptState {
   std::map<FeatureId, std::pair<Feature, std::string>> features_;
 };
 
-absl::StatusOr<Input> FromScript(const io::EditScript& script) {
+absl::StatusOr<Input> FromScript(const io::EditScript& script, const std::string& path,
+                                 const InputFlags& flags) {
   ScriptState state;
   for (std::size_t b = 0; b < script.batches.size(); ++b) {
     const io::ScriptBatch& batch = script.batches[b];
@@ -131,12 +168,26 @@ absl::StatusOr<Input> FromScript(const io::EditScript& script) {
       if (auto s = state.Apply(batch.edits[e], script.Where(b, e)); !s.ok()) return s;
     }
   }
-  return state.Finish(script.Options());
+  Input input = state.Finish(script.Options());
+  if (!flags.merge_coplanar) return input;
+  if (input.options.dimension == 2) return RefuseMerge(path);
+  if (auto s = Merge(path, flags, input); !s.ok()) return s;
+  return input;
 }
 
 bool IsMap(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string extension = io::ExtensionOf(path);
   return extension == ".geojson" || extension == ".topojson" || extension == ".json";
+}
+
+// Geometry and meshes of kinds that are not read: no edit scripts, whatever their lines look like.
+bool IsOtherGeometry(std::string_view extension) {
+  constexpr std::array<std::string_view, 33> kKinds = {
+      ".3ds",  ".3mf", ".bdf", ".brep", ".cdb", ".cgns", ".dae", ".dxf",  ".e",
+      ".edge", ".ele", ".exo", ".face", ".fbx", ".geo",  ".glb", ".gltf", ".iges",
+      ".igs",  ".inp", ".med", ".mesh", ".msh", ".nas",  ".ply", ".shp",  ".sldprt",
+      ".step", ".stp", ".unv", ".vtk",  ".vtp", ".vtu"};
+  return std::find(kKinds.begin(), kKinds.end(), extension) != kKinds.end();
 }
 
 absl::StatusOr<Input> LoadMap(const std::string& path, bool polygons) {
@@ -156,12 +207,16 @@ absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path) {
 }
 
 void AddInputFlags(CLI::App& command, InputFlags& flags) {
-  command.add_flag("--merge-coplanar", flags.merge_coplanar,
-                   "Of input of space: join faces that lie in one plane and share edges");
+  CLI::Option* const merge =
+      command.add_flag("--merge-coplanar", flags.merge_coplanar,
+                       "Of input of space: join faces that lie in one plane and share edges");
   command
       .add_option("--coplanar-tolerance", flags.coplanar_tolerance,
-                  "How far from the plane corners may be for that (default: 0, exactly in it)")
+                  "How far from the plane corners may be for that (default: 0, exactly in it); "
+                  "polygons that would not be flat to 1e-9 of their extent, as a mesh wants them, "
+                  "are not made")
       ->type_name("T")
+      ->needs(merge)
       ->check(CLI::NonNegativeNumber);
 }
 
@@ -172,7 +227,7 @@ absl::Status ExpectPlanar(const Input& input, const std::string& path) {
 }
 
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags) {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  const std::string extension = io::ExtensionOf(path);
   using Read = absl::StatusOr<io::FileFeatures> (*)(const std::string&);
   const std::map<std::string, Read> in_space = {
       {".node", io::ReadSpaceNodeFile}, {".poly", io::ReadSpacePolyFile},
@@ -181,7 +236,10 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
   if (extension == ".node" || extension == ".poly") {
     absl::StatusOr<io::FileFeatures> planar =
         extension == ".node" ? io::ReadNodeFile(path) : io::ReadPolyFile(path);
-    if (planar.ok()) return FromPlanar(*std::move(planar), path);
+    if (planar.ok()) {
+      if (flags.merge_coplanar) return RefuseMerge(path);
+      return FromPlanar(*std::move(planar), path);
+    }
     // That is how the plane's readers say that a file has three dimensions.
     if (!absl::IsUnimplemented(planar.status())) return planar.status();
   }
@@ -190,19 +248,19 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
     if (!file.ok()) return file.status();
     return FromSpace(*std::move(file), path, flags);
   }
-  if (IsMap(path)) return LoadMap(path, false);
-  for (const char* later : {".msh", ".mesh", ".vtu"}) {
-    if (extension == later) {
-      return absl::UnimplementedError(
-          Concat(path, ": ", later,
-                 " files as input are not supported yet in this version; "
-                 "use ",
-                 kSpaceInputKinds));
-    }
+  if (IsMap(path)) {
+    if (flags.merge_coplanar) return RefuseMerge(path);
+    return LoadMap(path, false);
+  }
+  if (IsOtherGeometry(extension)) {
+    return absl::UnimplementedError(Concat(path, ": ", extension,
+                                           " files as input are not supported yet in this version; "
+                                           "use ",
+                                           kSpaceInputKinds));
   }
   const absl::StatusOr<io::EditScript> script = io::ReadEditScript(path);
   if (!script.ok()) return script.status();
-  return FromScript(*script);
+  return FromScript(*script, path, flags);
 }
 
 absl::Status Locate(const absl::Status& status,

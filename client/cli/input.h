@@ -30,7 +30,7 @@ struct Input {
   std::function<std::string(FeatureId)> where;
 };
 
-// How input is read.
+// How input is read. INVALID_ARGUMENT if faces are to be joined and the input is of the plane.
 struct InputFlags {
   bool merge_coplanar = false;  // of space: faces that lie in one plane become polygons
   double coplanar_tolerance = 0;
@@ -38,10 +38,10 @@ struct InputFlags {
 // --merge-coplanar and --coplanar-tolerance.
 void AddInputFlags(CLI::App& command, InputFlags& flags);
 
-// By extension: .node, .poly; of space also .smesh, .off, .stl and .obj; .geojson, .topojson, .json
-// (whichever of the two it holds); any other that is no known kind of geometry is an edit script,
-// whose last revision counts. The dimension stands in `options`; places of holes and regions of
-// space are left out with a warning. Errors as `file:line: ...`.
+// By extension, in whatever case: .node, .poly; of space also .smesh, .off, .stl and .obj;
+// .geojson, .topojson, .json (whichever of the two it holds); any other that is no known kind of
+// geometry is an edit script, whose last revision counts. The dimension stands in `options`; places
+// of holes and regions of space are left out with a warning. Errors as `file:line: ...`.
 inline constexpr char kInputKinds[] = ".node, .poly, .geojson, .topojson or an edit script";
 inline constexpr char kSpaceInputKinds[] =
     ".node, .poly, .geojson, .topojson or an edit script; of space .node, .poly, .smesh, .off, "

@@ -69,6 +69,12 @@ int Run(const MeshCommand& command) {
   absl::StatusOr<Input> input = LoadInput(command.input, command.reading);
   if (!input.ok()) return ReportError(input.status());
   if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
+  if (command.outside == "holes" && input->options.dimension == 3) {
+    return ReportError(absl::InvalidArgumentError(
+        absl::StrFormat("--outside: holes are marked in a .poly of the plane, and %s is of space; "
+                        "give ids of polygons",
+                        command.input)));
+  }
   if (auto status = ApplyOutsideFlag(command.outside, &input->hole_polygons, *choice);
       !status.ok()) {
     return ReportError(status);
@@ -82,6 +88,7 @@ int Run(const MeshCommand& command) {
   absl::StatusOr<Mesh> mesh = BuildMesh(input->features, options);
   const std::chrono::duration<double> build = std::chrono::steady_clock::now() - start;
   if (!mesh.ok()) return ReportError(Locate(mesh.status(), input->where));
+  WarnOfUnknownRegions(*choice, *mesh);
   if (!choice->IsEverything()) *mesh = data::OnlyInside(*mesh, *choice);
   const QualityReport quality = MeasureQuality(*mesh, options);
   if (auto status = WriteOutputs(*mesh, options, command.output); !status.ok()) {

@@ -2,7 +2,10 @@
 
 #include <charconv>
 #include <string_view>
+#include <utility>
 
+#include "absl/container/flat_hash_set.h"
+#include "client/cli/command.h"
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
 
@@ -54,7 +57,8 @@ absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options) {
 void AddRegionFlag(CLI::App& command, std::string& text) {
   command
       .add_option("--region", text,
-                  "Only what lies in at least one of these polygons (any: in any at all)")
+                  "Only what lies in at least one of these polygons (any: in any at all); in space "
+                  "in closed surfaces, each by the least id of its polygons")
       ->type_name("ID[,ID...]|any");
 }
 
@@ -74,9 +78,11 @@ absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text) {
 
 void AddOutsideFlag(CLI::App& command, std::string& text) {
   command
-      .add_option("--outside", text,
-                  "Nothing that lies in one of these polygons (holes: in one that a .poly marks "
-                  "as a hole)")
+      .add_option(
+          "--outside", text,
+          "Nothing that lies in one of these polygons (holes: in one that a .poly of the "
+          "plane marks as a hole); in space in closed surfaces, each by the least id of its "
+          "polygons")
       ->type_name("ID[,ID...]|holes");
 }
 
@@ -99,8 +105,8 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
   command
       .add_option("--rho", flags.rho,
                   "Largest circumradius / shortest edge, 1 to 100 (default: sqrt 2, no angle "
-                  "below 20.7 degrees); from 1.4142 with criterion thesis. In space 1.2 to 100 "
-                  "(default: 2); from 2 with criterion thesis")
+                  "below 20.7 degrees); from 1.4142 with criterion thesis. In space 1.2 to 100, "
+                  "from 1.4 with polygons (default: 2); from 2 with criterion thesis")
       ->type_name("R");
   command.add_option("--criterion", flags.criterion, "When refinement is done (default: edge)")
       ->type_name("edge|thesis");
@@ -116,6 +122,24 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
       .add_option("--max-vertices", flags.max_vertices,
                   "Give up when the mesh would have more vertices")
       ->type_name("N");
+}
+
+void WarnOfUnknownRegions(const data::RegionChoice& choice, const Mesh& mesh) {
+  if (choice.in.empty() && choice.out.empty()) return;
+  const absl::flat_hash_set<RegionId> regions(mesh.regions.begin(), mesh.regions.end());
+  absl::flat_hash_set<FeatureId> known;
+  for (const RegionId region : regions) {
+    const std::vector<FeatureId> polygons = PolygonsOf(region, mesh.region_sets);
+    known.insert(polygons.begin(), polygons.end());
+  }
+  for (const auto& [flag, ids] : {std::pair("--region", &choice.in), {"--outside", &choice.out}}) {
+    for (const FeatureId id : *ids) {
+      if (known.contains(id)) continue;
+      PrintWarning(data::Concat(
+          flag, ": nothing of the mesh lies in ", id,
+          mesh.dimension == 3 ? "; a closed surface goes by the least id of its polygons" : ""));
+    }
+  }
 }
 
 absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options) {

@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/data/region_filter.h"
+#include "dynmesh/mesh.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::cli {
@@ -46,6 +47,9 @@ absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text);
 void AddOutsideFlag(CLI::App& command, std::string& text);
 absl::Status ApplyOutsideFlag(const std::string& text, const std::vector<FeatureId>* holes,
                               data::RegionChoice& choice);
+
+// Tells which ids of the two are those of no region of `mesh`, all of it.
+void WarnOfUnknownRegions(const data::RegionChoice& choice, const Mesh& mesh);
 
 // Flags that were given override `options`.
 absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options);

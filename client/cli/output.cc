@@ -1,9 +1,8 @@
 #include "client/cli/output.h"
 
-#include <filesystem>
-
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
+#include "core/io/extension.h"
 #include "core/io/indexed_mesh.h"
 #include "core/io/medit_writer.h"
 #include "core/io/mesh_files.h"
@@ -16,9 +15,7 @@
 namespace dynmesh::cli {
 namespace {
 
-std::string ExtensionOf(const std::string& path) {
-  return std::filesystem::path(path).extension().string();
-}
+using io::ExtensionOf;
 
 bool IsTriangles(const std::string& extension) {
   return extension == ".node" || extension == ".ele" || extension == ".edge" ||

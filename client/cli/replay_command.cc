@@ -196,6 +196,7 @@ class Replay {
     if (!PrintOut(line)) return absl::UnavailableError("cannot write to standard output");
     if (command_.output.paths.empty()) return absl::OkStatus();
     Mesh mesh = mesh_->Snapshot();
+    WarnOfUnknownRegions(choice_, mesh);
     if (!choice_.IsEverything()) mesh = data::OnlyInside(mesh, choice_);
     return WriteOutputs(mesh, options, command_.output,
                         command_.highlight ? last_added_ : SimplexColumn());

@@ -6,11 +6,15 @@
 #include <iterator>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <tuple>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "core/base/ring_walk.h"
 #include "core/base/rings.h"
+#include "core/geometry/circumball.h"
+#include "core/geometry/facet_plane.h"
 #include "core/geometry/space_predicates.h"
 #include "core/io/facet_rings.h"
 
@@ -40,32 +44,93 @@ class Plane {
                     normal_[2] * (p[2] - o[2])) <= reach_;
   }
 
+  // Does the way from o to p rise just over the one to q, which is in the plane, at an angle that
+  // meshes allow over edges of polygons, but not over their insides?
+  bool IsSharpOver(const Point3& o, const Point3& q, const Point3& p) const {
+    const geometry::Vector3 d = geometry::Difference(p.c, o.c);
+    const geometry::Vector3 e = geometry::Difference(q.c, o.c);
+    const double length = NormOf(normal_) * NormOf(d);
+    return std::abs(geometry::Dot(normal_, d)) < kSineOver * length && geometry::Dot(d, e) > 0 &&
+           std::abs(geometry::Dot(normal_, geometry::Cross(e, d))) <=
+               kJustOver * NormOf(e) * length;
+  }
+
  private:
+  // Of 70 degrees, and a hair more.
+  static constexpr double kSineOver = 0.9396926207859084 * (1 + 1e-6);
+  static constexpr double kJustOver = 1e-6;
+
   std::array<Point3, 3> three_;
   std::array<double, 3> normal_;
   double reach_;
 };
 
+// The edges that a growing region has on one side only, and how many of them end at a corner.
+class Rim {
+ public:
+  void Toggle(const FaceRings& face) {
+    ForEachEdgeOf(face, [&](Corner p, Corner q) {
+      const bool comes = edges_.insert(std::minmax(p, q)).second;
+      if (!comes) edges_.erase(std::minmax(p, q));
+      for (const Corner c : {p, q}) degree_[c] += comes ? 1 : -1;
+    });
+  }
+  bool Has(const CornerPair& edge) const { return edges_.contains(edge); }
+  bool Has(Corner c) const {
+    const auto it = degree_.find(c);
+    return it != degree_.end() && it->second > 0;
+  }
+
+ private:
+  absl::flat_hash_set<CornerPair> edges_;
+  absl::flat_hash_map<Corner, int> degree_;
+};
+
 class Finder {
  public:
-  Finder(const std::vector<Point3>& places, const std::vector<FaceRings>& faces, double tolerance)
-      : places_(places), faces_(faces), tolerance_(tolerance), state_(faces.size()) {
+  Finder(const std::vector<Point3>& places, const std::vector<FaceRings>& faces, const Kept& kept,
+         double tolerance, const Thickness& most)
+      : places_(places),
+        faces_(faces),
+        kept_(kept),
+        tolerance_(tolerance),
+        most_(most),
+        state_(faces.size()),
+        faces_at_(places.size()) {
     for (std::size_t f = 0; f < faces.size(); ++f) AddUses(f);
     std::sort(uses_.begin(), uses_.end(), [](const Use& a, const Use& b) {
       return std::tie(a.edge, a.face, a.ring) < std::tie(b.edge, b.face, b.ring);
     });
     uses_of_.resize(faces.size());
     for (std::size_t i = 0; i < uses_.size(); ++i) uses_of_[uses_[i].face].push_back(i);
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      for (const CornerRing& ring : faces[f]) {
+        for (const Corner c : ring) faces_at_[c].push_back(f);
+      }
+    }
+    for (const auto& [p, q] : kept.edges) {
+      segments_at_[p].push_back(q);
+      segments_at_[q].push_back(p);
+    }
   }
 
-  std::vector<FlatRegion> Run() {
-    std::vector<FlatRegion> regions;
+  FlatRegions Run() {
+    FlatRegions found;
     for (const std::size_t seed : LargestFirst()) {
       if (state_[seed].taken) continue;
-      std::optional<FlatRegion> region = Grow(seed);
-      if (region) regions.push_back(*std::move(region));
+      const double tolerance = state_[seed].exact_only ? 0 : tolerance_;
+      std::optional<FlatRegion> region = Grow(seed, tolerance);
+      if (region && tolerance > 0 && IsTooThick(region->rings)) {
+        ++found.too_thick;
+        for (const std::size_t f : region->faces) {
+          state_[f].taken = false;
+          state_[f].exact_only = true;
+        }
+        region = Grow(seed, 0);
+      }
+      if (region) found.regions.push_back(*std::move(region));
     }
-    return regions;
+    return found;
   }
 
  private:
@@ -77,6 +142,7 @@ class Finder {
   };
   struct State {
     bool taken = false;
+    bool exact_only = false;  // was in a region that was too thick: nothing near is asked twice
     // In the view of the region to which the face belongs: does a ring have the face on its left?
     std::vector<bool> is_left;
   };
@@ -155,25 +221,83 @@ class Finder {
     return i + 2 < uses_.size() && uses_[i + 2].edge == edge ? nullptr : &uses_[i + 1];
   }
 
-  std::optional<FlatRegion> Grow(std::size_t seed) {
+  // Is there something at the corner that is not in the plane, or not for faces to decide?
+  bool IsNeeded(Corner c, const Plane& plane) const {
+    return kept_.corners[c] || std::any_of(faces_at_[c].begin(), faces_at_[c].end(),
+                                           [&](std::size_t f) { return !IsIn(plane, f); });
+  }
+  bool IsNeeded(const CornerPair& edge, const Plane& plane) const {
+    if (std::binary_search(kept_.edges.begin(), kept_.edges.end(), edge)) return true;
+    const std::span<const Use> uses = UsesOf(edge);
+    if (uses.size() > 2 && std::any_of(uses.begin(), uses.end(),
+                                       [&](const Use& use) { return !IsIn(plane, use.face); })) {
+      return true;
+    }
+    const auto is_below = [&](Corner from, Corner to) {
+      const auto at = segments_at_.find(from);
+      return at != segments_at_.end() &&
+             std::any_of(at->second.begin(), at->second.end(), [&](Corner c) {
+               return plane.IsSharpOver(places_[from], places_[to], places_[c]);
+             });
+    };
+    return is_below(edge.first, edge.second) || is_below(edge.second, edge.first);
+  }
+
+  std::span<const Use> UsesOf(const CornerPair& edge) const {
+    const auto [first, last] =
+        std::equal_range(uses_.begin(), uses_.end(), Use{edge, 0, 0, false},
+                         [](const Use& a, const Use& b) { return a.edge < b.edge; });
+    return {first, last};
+  }
+
+  // Takes a face into the rim, unless an edge or a corner that is needed would no longer be on it.
+  bool Enclose(std::size_t f, const Plane& plane, Rim& rim) const {
+    rim.Toggle(faces_[f]);
+    bool good = true;
+    ForEachEdgeOf(faces_[f], [&](Corner p, Corner q) {
+      const CornerPair edge = std::minmax(p, q);
+      good =
+          good && (rim.Has(edge) || !IsNeeded(edge, plane)) && (rim.Has(p) || !IsNeeded(p, plane));
+    });
+    if (!good) rim.Toggle(faces_[f]);
+    return good;
+  }
+
+  // As a mesh will measure it, but for what is rounded otherwise without straight corners.
+  bool IsTooThick(const FaceRings& rings) const {
+    if (!most_) return false;
+    std::vector<PointRing> outline;
+    for (const CornerRing& ring : rings) outline.push_back(PlacesOf(ring));
+    const geometry::FacetPlane plane = geometry::PlaneOf(outline);
+    const geometry::FacetBounds bounds = geometry::BoundsOf(outline, plane);
+    double extent = 0;
+    for (int k = 0; k < 3; ++k) extent = std::max(extent, bounds.hi[k] - bounds.lo[k]);
+    return !(bounds.deviation * (1 + 1e-6) <= most_(extent));
+  }
+
+  std::optional<FlatRegion> Grow(std::size_t seed, double tolerance) {
     state_[seed].taken = true;
     const PointRing outer = OuterRing(seed).first;
     const std::optional<AxisView> view = ViewOf(outer);
     if (!view) return std::nullopt;
-    const Plane plane(outer, *view, tolerance_);
+    const Plane plane(outer, *view, tolerance);
     std::optional<std::vector<bool>> sides = SidesOf(seed, *view);
     if (!sides || !IsIn(plane, seed)) return std::nullopt;
     state_[seed].is_left = *std::move(sides);
     FlatRegion region = {{seed}, {}};
+    Rim rim;
+    rim.Toggle(faces_[seed]);
     for (std::size_t k = 0; k < region.faces.size(); ++k) {
       for (const std::size_t i : uses_of_[region.faces[k]]) {
         const Use* const other = Other(i);
         if (other == nullptr || state_[other->face].taken || !IsIn(plane, other->face)) continue;
+        if (tolerance > 0 && state_[other->face].exact_only) continue;
         sides = SidesOf(other->face, *view);
         if (!sides) continue;
         State& state = state_[other->face];
         state.is_left = *std::move(sides);
         if (GoesUp(*other) == GoesUp(uses_[i])) continue;
+        if (!Enclose(other->face, plane, rim)) continue;
         state.taken = true;
         region.faces.push_back(other->face);
       }
@@ -228,10 +352,14 @@ class Finder {
 
   const std::vector<Point3>& places_;
   const std::vector<FaceRings>& faces_;
+  const Kept& kept_;
   const double tolerance_;
-  std::vector<State> state_;                       // of faces
-  std::vector<Use> uses_;                          // sorted by edge
-  std::vector<std::vector<std::size_t>> uses_of_;  // by face
+  const Thickness& most_;
+  std::vector<State> state_;                        // of faces
+  std::vector<Use> uses_;                           // sorted by edge
+  std::vector<std::vector<std::size_t>> uses_of_;   // by face
+  std::vector<std::vector<std::size_t>> faces_at_;  // by corner
+  absl::flat_hash_map<Corner, std::vector<Corner>> segments_at_;
 };
 
 }  // namespace
@@ -245,9 +373,9 @@ FaceRings Canonical(FaceRings rings) {
   return rings;
 }
 
-std::vector<FlatRegion> FindFlatRegions(const std::vector<Point3>& places,
-                                        const std::vector<FaceRings>& faces, double tolerance) {
-  return Finder(places, faces, tolerance).Run();
+FlatRegions FindFlatRegions(const std::vector<Point3>& places, const std::vector<FaceRings>& faces,
+                            const Kept& kept, double tolerance, const Thickness& most) {
+  return Finder(places, faces, kept, tolerance, most).Run();
 }
 
 }  // namespace dynmesh::io

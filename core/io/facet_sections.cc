@@ -47,10 +47,12 @@ absl::StatusOr<FacetPolygon> ReadPolygon(TextReader& reader, const NodeSection& 
   return polygon;
 }
 
-// What may stand behind token `next`: a marker, if the header says so.
-absl::Status ReadRest(const TextReader& reader, std::size_t next, bool has_markers) {
+// What may stand behind token `next`: the facet's marker, if the header says so.
+absl::Status ReadRest(const TextReader& reader, std::size_t next, bool has_markers, Facet& facet) {
   if (has_markers && next < reader.size()) {
-    if (auto marker = Marker(reader, next); !marker.ok()) return marker.status();
+    const absl::StatusOr<std::uint64_t> marker = Marker(reader, next);
+    if (!marker.ok()) return marker.status();
+    facet.marker = *marker;
     ++next;
   }
   if (next >= reader.size()) return absl::OkStatus();
@@ -66,7 +68,7 @@ absl::Status AddPolygon(TextReader& reader, const NodeSection& nodes, bool has_m
   absl::StatusOr<FacetPolygon> polygon = ReadPolygon(reader, nodes, next);
   if (!polygon.ok()) return polygon.status();
   facet.polygons.push_back(*std::move(polygon));
-  return ReadRest(reader, next, has_markers);
+  return ReadRest(reader, next, has_markers, facet);
 }
 
 // Calls read(facet, has_markers) on the first line of each facet.
@@ -98,7 +100,7 @@ absl::StatusOr<std::vector<Facet>> ReadPolyFacets(TextReader& reader, const Node
     if (!polygons.ok()) return polygons.status();
     const auto holes = HeaderValue(reader, 1, "the number of holes", 0);
     if (!holes.ok()) return holes.status();
-    if (auto s = ReadRest(reader, 2, has_markers); !s.ok()) return s;
+    if (auto s = ReadRest(reader, 2, has_markers, facet); !s.ok()) return s;
     for (std::uint64_t k = 0; k < *polygons; ++k) {
       if (auto s = NextRow(reader, "polygon", k, *polygons); !s.ok()) return s;
       if (auto s = AddPolygon(reader, nodes, false, facet); !s.ok()) return s;

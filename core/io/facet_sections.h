@@ -20,6 +20,7 @@ struct FacetPolygon {
 struct Facet {
   std::vector<FacetPolygon> polygons;
   std::vector<SeedRow> holes;
+  std::uint64_t marker = 0;
   int line = 0;
 };
 

@@ -32,6 +32,7 @@ struct FileFeatures {
   std::vector<SeedRow> regions;
   // What the file has and the mesh will not show.
   std::uint64_t attributes = 0;  // a vertex
+  std::uint64_t markers = 0;     // that are not 0, of vertices, segments and facets
   std::uint64_t heights = 0;     // positions of a map with more than x and y
   // Edges, those of polygons included, that span more than half of the way round in a map that
   // seems to be in degrees: they were meant to go the other way round.

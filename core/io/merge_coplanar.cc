@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "absl/container/flat_hash_map.h"
-#include "absl/container/flat_hash_set.h"
 #include "core/base/rings.h"
 #include "core/data/text.h"
 #include "core/geometry/point.h"
@@ -31,7 +30,6 @@ class Merger {
   explicit Merger(const std::vector<Feature>& features) : features_(features) {
     for (std::size_t i = 0; i < features.size(); ++i) {
       if (features[i].kind == FeatureKind::kPoint) points_.push_back(i);
-      last_id_ = std::max(last_id_, features[i].id);
     }
     std::sort(points_.begin(), points_.end(), [&](std::size_t a, std::size_t b) {
       const Point3 p = {features[a].position}, q = {features[b].position};
@@ -55,11 +53,13 @@ class Merger {
     return absl::OkStatus();
   }
 
-  void Merge(double tolerance) {
+  // How many regions were too thick.
+  std::size_t Merge(double tolerance, const Thickness& most) {
     std::vector<FaceRings> canonical;
     for (const FaceRings& face : faces_) canonical.push_back(Canonical(face));
-    const absl::flat_hash_map<CornerPair, int> uses = CountUses();
-    for (FlatRegion& region : FindFlatRegions(places_, canonical, tolerance)) {
+    const Kept kept = KeptElsewhere();
+    FlatRegions found = FindFlatRegions(places_, canonical, kept, tolerance, most);
+    for (FlatRegion& region : found.regions) {
       const auto by_id = [&](std::size_t f, std::size_t g) {
         return features_[polygons_[f]].id < features_[polygons_[g]].id;
       };
@@ -67,15 +67,12 @@ class Merger {
       for (const std::size_t f : region.faces) faces_[f].clear();
       faces_[first] = std::move(region.rings);
     }
-    FindLostEdges(uses);
-    named_else_ = NamedElsewhere();
+    named_else_ = kept.corners;
     DropStraightCorners(places_, named_else_, faces_);
+    return found.too_thick;
   }
 
-  absl::StatusOr<std::vector<Feature>> Write() const {
-    if (last_id_ >= kBoxFeature - 1 - lost_.size() && !lost_.empty()) {
-      return absl::InvalidArgumentError("no ids are left for new segments; use smaller ids");
-    }
+  std::vector<Feature> Write() const {
     const std::vector<bool> named = NamedByFaces();
     std::vector<Feature> result;
     std::size_t face = 0;
@@ -90,8 +87,6 @@ class Merger {
         result.push_back(f);
       }
     }
-    FeatureId id = last_id_;
-    for (const auto& [p, q] : lost_) result.push_back(Feature::Segment(++id, IdOf(p), IdOf(q)));
     return result;
   }
 
@@ -124,51 +119,34 @@ class Merger {
     }
   }
 
-  absl::flat_hash_map<CornerPair, int> CountUses() const {
-    absl::flat_hash_map<CornerPair, int> uses;
-    ForEachEdge([&](const CornerPair& edge) { ++uses[edge]; });
-    return uses;
-  }
-
-  // Edges where more than two faces met and no ring is now.
-  void FindLostEdges(const absl::flat_hash_map<CornerPair, int>& uses) {
-    absl::flat_hash_set<CornerPair> there;
-    ForEachEdge([&](const CornerPair& edge) { there.insert(edge); });
-    for (const Feature& f : features_) {
-      if (f.kind != FeatureKind::kSegment) continue;
-      const auto p = corner_.find(f.ends[0]), q = corner_.find(f.ends[1]);
-      if (p != corner_.end() && q != corner_.end()) {
-        there.insert(std::minmax(p->second, q->second));
-      }
-    }
-    for (const auto& [edge, count] : uses) {
-      if (count > 2 && !there.contains(edge)) lost_.push_back(edge);
-    }
-    std::sort(lost_.begin(), lost_.end());
-  }
-
   std::vector<bool> NamedByFaces() const {
     std::vector<bool> named(places_.size(), false);
     ForEachEdge([&](const CornerPair& edge) { named[edge.first] = named[edge.second] = true; });
     return named;
   }
 
-  // By segments, new ones included, and by sizing polygons.
-  std::vector<bool> NamedElsewhere() const {
-    std::vector<bool> named(places_.size(), false);
+  // By segments and by sizing polygons.
+  Kept KeptElsewhere() const {
+    Kept kept = {{}, std::vector<bool>(places_.size(), false)};
     const auto name = [&](FeatureId id) {
       const auto it = corner_.find(id);
-      if (it != corner_.end()) named[it->second] = true;
+      if (it != corner_.end()) kept.corners[it->second] = true;
+      return it;
     };
     for (const Feature& f : features_) {
-      if (f.kind == FeatureKind::kSegment) name(f.ends[0]), name(f.ends[1]);
+      if (f.kind == FeatureKind::kSegment) {
+        const auto p = name(f.ends[0]), q = name(f.ends[1]);
+        if (p != corner_.end() && q != corner_.end()) {
+          kept.edges.push_back(std::minmax(p->second, q->second));
+        }
+      }
       if (f.kind != FeatureKind::kSize) continue;
       for (const std::vector<FeatureId>& ring : f.rings) {
         for (const FeatureId id : ring) name(id);
       }
     }
-    for (const auto& [p, q] : lost_) named[p] = named[q] = true;
-    return named;
+    std::sort(kept.edges.begin(), kept.edges.end());
+    return kept;
   }
 
   FeatureId IdOf(Corner c) const { return features_[points_[c]].id; }
@@ -183,28 +161,35 @@ class Merger {
   }
 
   const std::vector<Feature>& features_;
-  FeatureId last_id_ = 0;
   std::vector<std::size_t> points_;  // by coordinates; indices into features_
   std::vector<Point3> places_;       // of points_
   absl::flat_hash_map<FeatureId, Corner> corner_;
   std::vector<std::size_t> polygons_;  // indices into features_
   std::vector<FaceRings> faces_;       // of polygons_; empty if joined to another
-  std::vector<CornerPair> lost_;
-  std::vector<bool> named_before_;  // by faces
+  std::vector<bool> named_before_;     // by faces
   std::vector<bool> named_else_;
 };
 
 }  // namespace
 
-absl::StatusOr<std::vector<Feature>> MergeCoplanar(const std::vector<Feature>& features,
-                                                   double tolerance) {
+absl::StatusOr<MergedFaces> MergeCoplanar(const std::vector<Feature>& features, double tolerance,
+                                          const Thickness& most) {
   if (!(tolerance >= 0)) {
     return absl::InvalidArgumentError("the tolerance of coplanar faces must be 0 or more");
   }
   Merger merger(features);
   if (auto s = merger.ReadFaces(); !s.ok()) return s;
-  merger.Merge(tolerance);
-  return merger.Write();
+  MergedFaces merged;
+  merged.too_thick = merger.Merge(tolerance, most);
+  merged.features = merger.Write();
+  return merged;
+}
+
+absl::StatusOr<std::vector<Feature>> MergeCoplanar(const std::vector<Feature>& features,
+                                                   double tolerance) {
+  absl::StatusOr<MergedFaces> merged = MergeCoplanar(features, tolerance, nullptr);
+  if (!merged.ok()) return merged.status();
+  return std::move(merged->features);
 }
 
 }  // namespace dynmesh::io

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/data/text.h"
+#include "core/io/extension.h"
 #include "core/io/file_writer.h"
 #include "core/io/text_reader.h"
 #include "core/io/triangle_sections.h"
@@ -27,7 +28,7 @@ constexpr std::size_t kNumbersPerNote = 16;
 
 std::string Stem(const std::string& path) {
   const std::filesystem::path p(path);
-  const std::string extension = p.extension().string();
+  const std::string extension = ExtensionOf(path);
   if (extension != ".node" && extension != ".ele" && extension != ".edge" && extension != ".face") {
     return path;
   }

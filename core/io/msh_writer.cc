@@ -11,12 +11,18 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/data/text.h"
 #include "core/io/file_writer.h"
 #include "core/io/references.h"
 
 namespace dynmesh::io {
+
+using data::Concat;
+
 namespace {
 
+// The format's limit for the names of physical groups: Gmsh reads what is behind as something else.
+constexpr std::size_t kMostNameLength = 127;
 constexpr int kPointElement = 15;
 constexpr int kElementOf[] = {kPointElement, 1, 2, 4};  // by dimension: line, triangle, tetrahedron
 
@@ -188,11 +194,19 @@ class MshFile {
     for (const auto& [dimension, tag] : groups) {
       out_ << dimension << ' ' << tag << " \"" << references_.Name(tag) << "\"\n";
     }
+    std::string long_names;
     for (const auto& [tag, entity] : entities_[top_]) {
-      const std::string name = mesh_.regions.Name(static_cast<std::uint32_t>(tag - 1));
+      const auto region = static_cast<std::uint32_t>(tag - 1);
+      std::string name = mesh_.regions.Name(region);
+      if (name.size() > kMostNameLength) {
+        const std::string short_name = Concat("region ", region);
+        long_names += Concat(short_name, ": ", name, "\n");
+        name = short_name;
+      }
       out_ << top_ << ' ' << tag << " \"" << name << "\"\n";
     }
     out_ << "$EndPhysicalNames\n";
+    if (!long_names.empty()) out_ << "$Comments\n" << long_names << "$EndComments\n";
   }
 
   void WriteEntities() {

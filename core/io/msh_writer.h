@@ -19,9 +19,11 @@ namespace dynmesh::io {
 // everything else is volume 1, positively oriented tetrahedra, or volumes as surfaces above.
 // Feature ids, which have 64 bits, stand in the names of physical groups: "feature 30",
 // "box"; "domain", "polygon 12" and "polygons 12 40" for surfaces, in space volumes, each of which
-// is a group of its own. The other groups' tags are the references of references.h; points and
-// curves of features have the same numbers as their group, surfaces too. INVALID_ARGUMENT if there
-// are too many rows, UNAVAILABLE, naming the path, on trouble.
+// is a group of its own. A list that makes a name of more than 127 characters, the most that
+// readers take, stands in a $Comments section, which they skip: "region 3: polygons 12 40 ..."; the
+// group is "region 3", by the region's number. The other groups' tags are the references of
+// references.h; points and curves of features have the same numbers as their group, surfaces too.
+// INVALID_ARGUMENT if there are too many rows, UNAVAILABLE, naming the path, on trouble.
 absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path);
 
 }  // namespace dynmesh::io

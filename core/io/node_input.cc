@@ -23,6 +23,7 @@ void AddPoints(const NodeSection& nodes, const std::string& file, FileFeatures& 
   input.point_file = file;
   input.point_count = nodes.positions.size();
   input.attributes = nodes.attributes;
+  input.markers = CountMarkers(nodes.markers);
   for (std::size_t i = 0; i < nodes.positions.size(); ++i) {
     const auto& [x, y, z] = nodes.positions[i];
     input.features.push_back(Feature::Point(i + 1, x, y, z));

@@ -125,6 +125,7 @@ absl::StatusOr<FileFeatures> Parse(TextReader& reader, const OpenNodes& open_nod
   const absl::StatusOr<std::vector<Facet>> facets = read_facets(reader, *nodes);
   if (!facets.ok()) return facets.status();
   if (auto s = ReadSeedSections(reader, 3, points); !s.ok()) return s;
+  for (const Facet& facet : *facets) points.markers += facet.marker != 0 ? 1 : 0;
   SurfaceWork work(reader.name(), nodes->base);
   work.StartFrom(std::move(points));
   for (const Facet& facet : *facets) {

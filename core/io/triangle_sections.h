@@ -5,6 +5,7 @@
 #ifndef DYNMESH_CORE_IO_TRIANGLE_SECTIONS_H_
 #define DYNMESH_CORE_IO_TRIANGLE_SECTIONS_H_
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -26,6 +27,12 @@ struct NodeSection {
   std::vector<std::uint64_t> markers;  // all 0 if there are none
   std::vector<int> lines;
 };
+
+// Those that are not 0.
+inline std::uint64_t CountMarkers(const std::vector<std::uint64_t>& markers) {
+  return markers.size() -
+         static_cast<std::size_t>(std::count(markers.begin(), markers.end(), std::uint64_t{0}));
+}
 
 // K vertices a row, as indices from 0: segments and edges, or faces.
 template <std::size_t K>

@@ -97,6 +97,7 @@ absl::Status BatchCheck<D>::Handle(const Event& event) {
       return PointInUseError(event.id, users, event.edit);
     }
     case Event::Kind::kPolygon:
+      if (auto status = CheckQuality(event.id, options_, event.edit); !status.ok()) return status;
       return CheckRings(event.id, draft_.PolygonOf(*draft_.Find(event.id)).rings, event.edit);
     case Event::Kind::kDegenerate:
       return DegenerateSegmentError(event.id, draft_.Find(event.id)->ends[0], event.edit);

@@ -59,7 +59,7 @@ class BatchCheck {
       kSegment,     // a segment comes or changes: `at` in delta_.added_segments
       kDegenerate,  // both ends the same point
       kUnknownEnd,
-      kPolygon,  // its rings are no polygon
+      kPolygon,  // its rings are no polygon, or the mesh can have none
       kEdge,     // of a polygon, comes or changes: `at` in edges_
       kSize,     // a sizing feature comes or changes: `at` in delta_.added_sizes
       kFacet,    // comes or changes: `at` in delta_.added_facets

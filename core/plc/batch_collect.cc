@@ -142,7 +142,7 @@ void BatchCheck<D>::CollectPolygon(FeatureId id) {
   PolygonFeature now;
   if (entry == nullptr || entry->state == DraftState::kPolygon) {
     now = entry == nullptr ? PolygonFeature{id, *was} : draft_.PolygonOf(*entry);
-    whole = CheckRings(id, now.rings, own).ok();
+    whole = CheckQuality(id, options_, own).ok() && CheckRings(id, now.rings, own).ok();
     if (!whole) Schedule({own, id, Event::Kind::kPolygon});
     whole = whole && CheckPoints(id, PointsOf(now.rings), own);
   }
@@ -172,7 +172,8 @@ void BatchCheck<D>::CollectFacet(FeatureId id) {
     if (entry != nullptr && entry->state == DraftState::kPolygon) {
       now.rings = draft_.PolygonOf(*entry).rings;
     }
-    bool whole = CheckRings(id, now.rings, kUntouched).ok();
+    bool whole =
+        CheckQuality(id, options_, kUntouched).ok() && CheckRings(id, now.rings, kUntouched).ok();
     EditIndex edit = draft_.BlameOf(id);
     for (const auto& ring : now.rings) {
       auto& places = now.places.emplace_back();

@@ -100,8 +100,8 @@ bool MeetBetween(const Facet& f, const Facet& g, const std::vector<FeatureId>& c
 
 }  // namespace
 
-double PlanarityTolerance(const Facet& f, double limit) {
-  return std::max(kPlanarity * f.Extent(), limit / 128);
+double PlanarityTolerance(double extent, double limit) {
+  return std::max(kPlanarity * extent, limit / 128);
 }
 
 Conflict Between(const PointFeature<3>& p, const Facet& f, double limit) {

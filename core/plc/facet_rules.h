@@ -22,7 +22,7 @@ namespace dynmesh::plc {
 inline constexpr double kLeastFacetAngle = 70;  // degrees
 
 // How far corners may be off the plane: 1e-9 of the facet's extent, at least 8 spacings of doubles.
-double PlanarityTolerance(const Facet& f, double limit);
+double PlanarityTolerance(double extent, double limit);
 
 // kPointOnPolygon, kTooClose. None for its corners.
 Conflict Between(const PointFeature<3>& p, const Facet& f, double limit);

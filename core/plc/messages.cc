@@ -218,12 +218,22 @@ absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
                              " twice; leave both out"));
 }
 
+absl::Status CheckQuality(FeatureId id, const MeshOptions& options, EditIndex edit) {
+  if (options.dimension == 2 || options.quality >= kMinPolygonQuality3D) return absl::OkStatus();
+  return Error(absl::StatusCode::kFailedPrecondition, reason::kQualityTooLow, {id}, edit,
+               absl::StrCat("polygon ", id, " is in a mesh of space of quality (rho) ",
+                            Shortest(options.quality), ", which has none below ",
+                            Shortest(kMinPolygonQuality3D), ": refinement beside them might not ",
+                            "end; make the mesh with ", Shortest(kMinPolygonQuality3D),
+                            " or more, or leave polygons out"));
+}
+
 absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
   if (!(facet.area() > limit * facet.Extent())) {
     return Error(absl::StatusCode::kInvalidArgument, reason::kBadPolygon, {facet.id()}, edit,
                  absl::StrCat("polygon ", facet.id(), " has no area; move its corners apart"));
   }
-  const double tolerance = PlanarityTolerance(facet, limit);
+  const double tolerance = PlanarityTolerance(facet.Extent(), limit);
   if (facet.deviation() <= tolerance) return absl::OkStatus();
   // The plane goes through a corner that may be the one to blame; that is told by where most are.
   std::vector<double> distances;

@@ -28,6 +28,10 @@ absl::Status ConflictError(Conflict conflict, const AnyFeature<D>& offender,
 // each of three points or more, none twice; no edge twice. BAD_POLYGON.
 absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit);
 
+// Polygon `id` in a mesh of `options`: in space one whose quality allows polygons
+// (QUALITY_TOO_LOW).
+absl::Status CheckQuality(FeatureId id, const MeshOptions& options, EditIndex edit);
+
 // A facet by itself: an area (BAD_POLYGON), and corners in one plane as nearly as
 // PlanarityTolerance allows (NON_PLANAR).
 absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit);

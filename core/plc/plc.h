@@ -13,7 +13,8 @@
 //      same points;
 //   4. in space polygons are facets: flat (messages.h, CheckFacet); they have no more than corners
 //      and edges in common with each other, with points and with segments, nothing comes too close
-//      to their insides, and angles are 70 degrees or more (facet_rules.h).
+//      to their insides, and angles are 70 degrees or more (facet_rules.h); there are none in a
+//      mesh whose quality is below 1.4 (options.h).
 // Whether a batch is accepted, its Delta and its error are functions of the feature
 // set and the batch, never of history.
 //
@@ -58,7 +59,7 @@ class Plc {
   //                        POINT_ON_SEGMENT, SEGMENTS_CROSS, SEGMENTS_OVERLAP,
   //                        SMALL_INPUT_ANGLE, TOO_CLOSE; of polygons in space
   //                        NON_PLANAR, DUPLICATE_POLYGON, POINT_ON_POLYGON,
-  //                        SEGMENT_MEETS_POLYGON, POLYGONS_MEET
+  //                        SEGMENT_MEETS_POLYGON, POLYGONS_MEET, QUALITY_TOO_LOW
   // Cost: of the batch and its neighbourhood (batch_check.h, feature_index.h). If `cost`
   // is not null, adds to it the number of index cells and features looked at. Large batches
   // of long segments take minutes, so `interrupted` is asked for each feature that changes, with

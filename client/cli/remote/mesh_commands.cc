@@ -85,6 +85,7 @@ int RunExport(const NamedCommand& command) {
   if (!info.ok()) return ReportError(info.status());
   const auto mesh = (*client)->GetSnapshot(command.id, region->in);
   if (!mesh.ok()) return ReportError(mesh.status());
+  WarnOfUnknownRegions(*region, *mesh);
   if (auto status = WriteOutputs(*mesh, info->options, command.output); !status.ok()) {
     return ReportError(status);
   }
@@ -121,8 +122,8 @@ void RegisterCreateCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_option(
       "--rho", command->mesh.rho,
       "Largest circumradius / shortest edge, 1 to 100, from 1.4142 with criterion thesis "
-      "(default: sqrt 2); in space 1.2 to 100, from 2 with criterion thesis (default: "
-      "2)");
+      "(default: sqrt 2); in space 1.2 to 100, from 1.4 with polygons, from 2 with criterion "
+      "thesis (default: 2)");
   sub->add_option("--criterion", command->mesh.criterion, "What rho bounds (default: edge)")
       ->type_name("edge|thesis");
   sub->add_option("--max-vertices", command->mesh.max_vertices,

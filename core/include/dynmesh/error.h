@@ -27,7 +27,8 @@ inline constexpr char kPointOnSegment[] = "POINT_ON_SEGMENT";
 inline constexpr char kSegmentsCross[] = "SEGMENTS_CROSS";
 inline constexpr char kSegmentsOverlap[] = "SEGMENTS_OVERLAP";
 // Of polygons in space.
-inline constexpr char kNonPlanar[] = "NON_PLANAR";  // a corner off the others' plane
+inline constexpr char kQualityTooLow[] = "QUALITY_TOO_LOW";  // the mesh's, for polygons
+inline constexpr char kNonPlanar[] = "NON_PLANAR";           // a corner off the others' plane
 inline constexpr char kDuplicatePolygon[] = "DUPLICATE_POLYGON";
 inline constexpr char kPointOnPolygon[] = "POINT_ON_POLYGON";            // in its inside
 inline constexpr char kSegmentMeetsPolygon[] = "SEGMENT_MEETS_POLYGON";  // its inside

@@ -33,7 +33,8 @@ struct Limits {
 inline constexpr double kMinQuality2D = 1.0;
 inline constexpr double kMinThesisQuality2D = 1.4142;  // below, kThesis need not end
 inline constexpr double kMinQuality3D = 1.2;
-inline constexpr double kMinThesisQuality3D = 2.0;  // the thesis's proof wants more than 2
+inline constexpr double kMinPolygonQuality3D = 1.4;  // below, refinement at facets need not end
+inline constexpr double kMinThesisQuality3D = 2.0;   // the thesis's proof wants more than 2
 inline constexpr double kMaxQuality = 100.0;
 inline constexpr double kDefaultQuality2D = 1.4142135623730951;
 inline constexpr double kDefaultQuality3D = 2.0;
@@ -47,7 +48,8 @@ struct MeshOptions {
   Box box;            // where features may lie
   // rho, the largest circumradius / shortest edge: 1 to 100 in the plane, where
   // the least angle is arcsin(1 / (2 rho)): 20.7 degrees at the default, 30 at 1; 1.2 to 100
-  // in space, where DefaultQuality(3) suits most. For kThesis from 1.4142 and 2.
+  // in space, 1.4 if there are to be polygons, where DefaultQuality(3) suits most. For kThesis from
+  // 1.4142 and 2.
   double quality = kDefaultQuality2D;
   Criterion criterion = Criterion::kEdge;
   // No edge of a simplex that meets `box` is longer than sqrt(2) times this; 0: any may be.

@@ -151,6 +151,18 @@ TEST_F(SpaceCommands, AMeshOfSpaceIsMadeJudgedAndMeasured) {
   EXPECT_EQ(Run("mesh box.off --box=0,0,4,4").code, 2);
 }
 
+TEST_F(SpaceCommands, PolygonsWantRhoOf1Point4) {
+  folder_.Write("box.off", kBoxInBox);
+  const Outcome refused = Run("mesh box.off --rho 1.39");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("box.off:19: polygon 17 "), std::string::npos) << refused.err;
+  const Outcome made = Run("mesh box.off --rho 1.4 --json -o m.node");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_LE(std::stod(Value(made.out, "worst_radius_edge")), 1.4 * (1 + 1e-6));
+  EXPECT_EQ(Run("verify m.node --input box.off --rho 1.4").code, 0);
+  EXPECT_NE(Run("mesh --help").out.find("from 1.4 with polygons"), std::string::npos);
+}
+
 TEST_F(SpaceCommands, ACropIsAlongTheAxesOfTheCut) {
   folder_.Write("box.off", kBoxInBox);
   // Cut in the middle of the box, not of what is cropped away.
@@ -183,6 +195,32 @@ TEST_F(SpaceCommands, AScriptOfSpaceIsReplayed) {
   EXPECT_NE(bad.err.find("bad.dynmesh:6: polygon 5 is not flat"), std::string::npos) << bad.err;
 }
 
+// Six squares, and a wall that stands where four of them meet.
+TEST_F(SpaceCommands, AWallOnAMergedFloorIsMeshed) {
+  std::string floor = "OFF\n14 7 0\n";
+  for (const char* y : {"0", "2", "4"}) {
+    for (const char* x : {"0", "2", "4", "6"}) floor += std::string(x) + " " + y + " 0\n";
+  }
+  floor +=
+      "2 2 2\n4 2 2\n"
+      "4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 4 5 9 8\n4 5 6 10 9\n4 6 7 11 10\n4 5 6 13 12\n";
+  folder_.Write("floor.off", floor);
+  for (const std::string merged : {"", " --merge-coplanar"}) {
+    SCOPED_TRACE(merged);
+    const Outcome made = Run("mesh floor.off -o m.node" + merged);
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_EQ(Run("verify m.node --input floor.off" + merged).code, 0);
+    // The floor is fewer than six polygons, but more than one.
+    const std::string faces = folder_.Read("m.face");
+    int floors = 0;
+    for (int id = 15; id <= 20; ++id) {
+      floors += faces.find(" " + std::to_string(id) + "\n") == std::string::npos ? 0 : 1;
+    }
+    EXPECT_EQ(floors == 6, merged.empty());
+    EXPECT_GE(floors, 2);
+  }
+}
+
 TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   folder_.Write("m.off", "OFF\n4 2 0\n0 0 1\n2 0 1\n2 3 1\n0 3 1.001\n3 0 1 2\n3 0 2 3\n");
   const auto count = [&](const InputFlags& flags) {
@@ -193,9 +231,111 @@ TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   };
   EXPECT_EQ(count({}), 2);
   EXPECT_EQ(count({true, 0}), 2);
+  EXPECT_EQ(count({true, 0.01}), 2);  // no mesh would have it
+  const Outcome warned = Run("mesh m.off --merge-coplanar --coplanar-tolerance 0.01");
+  EXPECT_NE(warned.err.find("m.off: 1 part(s) within the tolerance"), std::string::npos)
+      << warned.err;
+  EXPECT_NE(warned.err.find("flat to 1e-9 of their extent"), std::string::npos);
+  folder_.Write("m.off", "OFF\n4 2 0\n0 0 1\n2 0 1\n2 3 1\n0 3 1.000000001\n3 0 1 2\n3 0 2 3\n");
+  EXPECT_EQ(count({true, 0}), 2);
   EXPECT_EQ(count({true, 0.01}), 1);
+  EXPECT_EQ(Run("mesh m.off --merge-coplanar --coplanar-tolerance 0.01").err, "");
   EXPECT_NE(Run("verify --help").out.find("--merge-coplanar"), std::string::npos);
   EXPECT_NE(Run("mesh --help").out.find("--merge-coplanar"), std::string::npos);
+}
+
+TEST_F(SpaceCommands, FacesOfAScriptAreMerged) {
+  folder_.Write("s.dynmesh",
+                "mesh dim=3 box=0,0,0,4,4,4\n"
+                "add point 1 1 1 1\nadd point 2 3 1 1\nadd point 3 3 3 1\nadd point 4 1 3 1\n"
+                "add polygon 6 1 2 3\nadd polygon 5 1 3 4\n");
+  EXPECT_EQ(Run("mesh s.dynmesh").code, 2);  // 45 degrees
+  ASSERT_EQ(Run("mesh s.dynmesh --merge-coplanar -o m.node").code, 0);
+  EXPECT_EQ(Run("verify m.node --input s.dynmesh --merge-coplanar").code, 0);
+  const auto merged = LoadInput(folder_.Path("s.dynmesh"), {true, 0});
+  ASSERT_TRUE(merged.ok());
+  EXPECT_EQ(merged->features.size(), 5U);
+  EXPECT_TRUE(merged->where(5).ends_with("s.dynmesh:7"));
+}
+
+TEST_F(SpaceCommands, InThePlaneThereAreNoFacesToMerge) {
+  folder_.Write("s.dynmesh", "mesh dim=2\nadd point 1 0.5 0.5\n");
+  folder_.Write("p.node", "1 2 0 0\n1 0 0\n");
+  folder_.Write("p.poly", "1 2 0 0\n1 0 0\n0 0\n0\n");
+  folder_.Write("p.geojson", R"({"type": "Point", "coordinates": [1, 2]})");
+  for (const std::string input : {"s.dynmesh", "p.node", "p.poly", "p.geojson"}) {
+    const Outcome refused = Run("mesh " + input + " --merge-coplanar");
+    EXPECT_EQ(refused.code, 2) << input;
+    EXPECT_NE(refused.err.find(input + " is of the plane"), std::string::npos) << refused.err;
+  }
+  EXPECT_EQ(Run("mesh s.dynmesh --coplanar-tolerance 1").code, 2);  // of what?
+}
+
+TEST_F(SpaceCommands, RegionsThatAreNotThereAreTold) {
+  folder_.Write("box.off", kBoxInBox);  // polygons 17 to 22 and 23 to 28
+  const std::string wanted = "lies in 24; a closed surface goes by the least id of its polygons";
+  const Outcome all = Run("mesh box.off --json");
+  const Outcome inner = Run("mesh box.off --json --region 23");
+  EXPECT_EQ(inner.err, "");
+  Outcome none = Run("mesh box.off --json --region 24");
+  EXPECT_EQ(none.code, 0);
+  EXPECT_EQ(Value(none.out, "simplices"), "0");
+  EXPECT_NE(none.err.find("--region: nothing of the mesh " + wanted), std::string::npos)
+      << none.err;
+  none = Run("mesh box.off --json --outside 24,23");
+  EXPECT_EQ(std::stoi(Value(none.out, "simplices")),
+            std::stoi(Value(all.out, "simplices")) - std::stoi(Value(inner.out, "simplices")));
+  EXPECT_NE(none.err.find("--outside: nothing of the mesh " + wanted), std::string::npos);
+  EXPECT_EQ(none.err.find("lies in 23"), std::string::npos) << none.err;
+  folder_.Write("r.dynmesh", "mesh dim=3\nadd point 1 0.5 0.5 0.5\n");
+  none = Run("replay r.dynmesh --region 5 -o r.node");
+  EXPECT_NE(none.err.find("--region: nothing of the mesh lies in 5;"), std::string::npos);
+  for (const std::string command : {"mesh --help", "replay --help"}) {
+    EXPECT_NE(Run(command).out.find("least id"), std::string::npos);
+  }
+}
+
+TEST_F(SpaceCommands, HolesOfSpaceAreNotLeftOut) {
+  WriteMeshAndInput();
+  const Outcome refused = Run("mesh input.poly --outside holes");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("input.poly is of space"), std::string::npos) << refused.err;
+}
+
+TEST_F(SpaceCommands, ExtensionsAreThoseOfAnyCase) {
+  folder_.Write("PART.OFF", kBoxInBox);
+  const Outcome made = Run("mesh PART.OFF -o M.NODE -o M.VTU -o M.Svg");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_EQ(Run("verify M.node --input PART.OFF").code, 0);
+  EXPECT_NE(folder_.Read("M.VTU").find("VTKFile"), std::string::npos);
+  EXPECT_NE(folder_.Read("M.Svg").find("<svg"), std::string::npos);
+  EXPECT_EQ(Run("stats M.NODE").code, 0);
+  for (const std::string name : {"a.ply", "a.STEP", "a.vtk", "a.msh", "a.MESH"}) {
+    folder_.Write(name, "ply\n");
+    const Outcome refused = Run("mesh " + name);
+    EXPECT_NE(refused.code, 0);
+    EXPECT_NE(refused.err.find(name + ": "), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find(".smesh, .off, .stl or .obj"), std::string::npos) << refused.err;
+  }
+}
+
+TEST_F(SpaceCommands, MarkersOfInputAreToldOf) {
+  // A vertex, a facet of two; with a marker 0 each.
+  folder_.Write("m.poly",
+                "4 3 0 1\n1 0 0 0 7\n2 4 0 0 0\n3 4 4 0 -1\n4 0 4 0 0\n"
+                "2 1\n1 0 5\n4 1 2 3 4\n1 0 0\n2 1 2\n0\n0\n");
+  Outcome outcome = Run("mesh m.poly");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const std::string told = " marker(s) ignored: markers of the output are ids of features";
+  EXPECT_NE(outcome.err.find("m.poly: 3" + told), std::string::npos) << outcome.err;
+  folder_.Write("m.smesh", "0 3\n1 1\n4 1 2 3 4 9\n0\n0\n");
+  folder_.Write("m.node", "4 3 0 0\n1 0 0 0\n2 4 0 0\n3 4 4 0\n4 0 4 0\n");
+  outcome = Run("mesh m.smesh");
+  EXPECT_NE(outcome.err.find("m.smesh: 1" + told), std::string::npos) << outcome.err;
+  EXPECT_EQ(Run("mesh m.node").err, "");
+  folder_.Write("p.poly", "2 2 0 1\n1 0 0 1\n2 1 0 0\n1 1\n1 1 2 3\n0\n");
+  outcome = Run("mesh p.poly");
+  EXPECT_NE(outcome.err.find("p.poly: 2" + told), std::string::npos) << outcome.err;
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/plc/plc.h"
+#include "dynmesh/options.h"
 #include "tests/core/io/face_soup.h"
 
 namespace dynmesh::io {
@@ -360,24 +362,37 @@ TEST(MergeCoplanar, PointsThatNothingNamesAnyMoreGoAndOthersStay) {
   EXPECT_EQ(Merged(Floor()), expected);  // 7 to 10 were there for themselves
 }
 
-TEST(MergeCoplanar, SegmentsAndSizingPolygonsKeepTheirPoints) {
-  std::vector<Feature> f = Floor();
-  f.push_back(Feature::Segment(30, 5, 7));
-  f.push_back(Feature::SizePolygon(31, {{6, 7, 8}}, 0.5));
-  std::vector<Feature> expected = Without(f, {22, 23, 24});
-  expected[10] = Feature::Polygon(21, {{1, 4, 3, 2}});
+// Of the floor's faces all but one, so that 5 and 6 stay on rings, and that one.
+std::vector<Feature> FloorOfTwo() {
+  std::vector<Feature> f = Without(Floor(), {23, 24});
+  f.back() = Feature::Polygon(22, {{1, 4, 3, 2, 6, 5}});
+  return f;
+}
+
+TEST(MergeCoplanar, SegmentsAndSizingPolygonsKeepTheirPointsOnRings) {
+  const std::vector<Feature> others = {Feature::Segment(30, 5, 7),
+                                       Feature::SizePolygon(31, {{6, 7, 8}}, 0.5)};
+  std::vector<Feature> f = Floor(), expected = FloorOfTwo();
+  f.insert(f.end(), others.begin(), others.end());
+  expected.insert(expected.end(), others.begin(), others.end());
   EXPECT_EQ(Merged(f), expected);
 }
 
-TEST(MergeCoplanar, AWallInTheFloorStaysOnItsEdge) {
-  std::vector<Feature> f = Floor();
-  f.push_back(Feature::Polygon(30, {{5, 6, 8, 7}}));
-  std::vector<Feature> expected = Without(f, {22, 23, 24});
-  expected[10] = Feature::Polygon(21, {{1, 4, 3, 2}});
+TEST(MergeCoplanar, ASegmentInTheFloorStaysOnRings) {
+  std::vector<Feature> f = Floor(), expected = FloorOfTwo();
+  for (auto* features : {&f, &expected}) features->push_back(Feature::Segment(30, 5, 6));
   EXPECT_EQ(Merged(f), expected);
 }
 
-TEST(MergeCoplanar, WhereTwoJoinedFacesCrossASegmentIsLeft) {
+TEST(MergeCoplanar, AWallInTheFloorStandsOnRings) {
+  std::vector<Feature> f = Floor(), expected = FloorOfTwo();
+  for (auto* features : {&f, &expected}) {
+    features->push_back(Feature::Polygon(30, {{5, 6, 8, 7}}));
+  }
+  EXPECT_EQ(Merged(f), expected);
+}
+
+TEST(MergeCoplanar, WhereTwoWallsCrossTheirEdgeStaysOnRings) {
   std::vector<Feature> f = Floor();
   // A wall through the floor, of two halves that hang together beside the edge as well.
   f.push_back(Feature::Point(11, 2, 4, 1));
@@ -386,13 +401,68 @@ TEST(MergeCoplanar, WhereTwoJoinedFacesCrossASegmentIsLeft) {
   f.push_back(Feature::Polygon(31, {{5, 6, 10, 9, 12}}));
   f.push_back(Feature::Polygon(32, {{5, 11, 12}}));
   const std::vector<Feature> merged = Merged(f);
-  EXPECT_EQ(merged.back(), Feature::Segment(33, 5, 6));
   const std::multiset<Shape> shapes = ShapesOf(merged);
-  EXPECT_EQ(shapes.size(), 2U);
-  EXPECT_TRUE(shapes.contains(ShapeOf({{{0, 0, 0}, {9, 0, 0}, {9, 9, 0}, {0, 9, 0}}})));
-  // The wall's edge is where it ends at 6.
-  EXPECT_TRUE(shapes.contains(
-      ShapeOf({{{2, 4, 1}, {3, 4, 2}, {6, 4, 2}, {6, 4, 0}, {6, 4, -2}, {3, 4, -2}, {1, 4, -1}}})));
+  EXPECT_EQ(shapes.size(), 4U);
+  for (const Shape& shape : ShapesOf(FloorOfTwo())) EXPECT_TRUE(shapes.contains(shape));
+  int on_edge = 0;
+  for (const Feature& polygon : merged) {
+    for (const auto& ring : polygon.rings) {
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const FeatureId p = ring[i], q = ring[(i + 1) % ring.size()];
+        on_edge += std::min(p, q) == 5 && std::max(p, q) == 6 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_EQ(on_edge, 4);
+}
+
+constexpr std::array<std::size_t, 3> kStep = {1, 4, 16};
+
+// Of a grid's squares and edges any may be there. Merged, they are legal again: on no square is
+// anything left that stands on its inside.
+TEST(MergeCoplanar, WhatIsLegalStaysLegal) {
+  std::mt19937 rng = NewRandom();
+  MeshOptions options;
+  options.dimension = 3;
+  options.quality = 2;
+  options.box.hi = {3, 3, 3};
+  std::size_t before = 0, after = 0;
+  for (int round = 0; round < 150; ++round) {
+    FaceSoup soup;
+    for (int i = 0; i < 64; ++i)
+      soup.points.push_back({i % 4 * 1.0, i / 4 % 4 * 1.0, i / 16 * 1.0});
+    const auto can_go = [](std::size_t i, std::size_t axis) { return i / kStep[axis] % 4 < 3; };
+    const std::array<std::size_t, 3> share = {rng() % 101, rng() % 101, rng() % 101};
+    for (std::size_t i = 0; i < 64; ++i) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+        if (!can_go(i, u) || !can_go(i, v) || rng() % 100 >= share[axis]) continue;
+        soup.faces.push_back({i, i + kStep[u], i + kStep[u] + kStep[v], i + kStep[v]});
+      }
+    }
+    std::vector<Feature> f = soup.Features();
+    std::set<std::pair<FeatureId, FeatureId>> segments;
+    for (int k = static_cast<int>(rng() % 3); k > 0; --k) {
+      const std::size_t i = rng() % 64, axis = rng() % 3;
+      if (!can_go(i, axis) || !segments.emplace(i + 1, i + 1 + kStep[axis]).second) continue;
+      f.push_back(Feature::Segment(1000 + segments.size(), i + 1, i + 1 + kStep[axis]));
+    }
+    const auto check = [&](const std::vector<Feature>& features) {
+      EditBatch batch;
+      for (const Feature& feature : features) batch.push_back(Edit::Add(feature));
+      return plc::Plc3(options).Check(batch).status();
+    };
+    ASSERT_TRUE(check(f).ok()) << check(f);
+    const std::vector<Feature> merged = Merged(f);
+    ASSERT_TRUE(check(merged).ok()) << round << ": " << check(merged);
+    before += soup.faces.size();
+    after += ShapesOf(merged).size();
+    // The order of faces says nothing.
+    if (!segments.empty()) continue;
+    soup.Shuffle(rng);
+    ASSERT_EQ(ShapesOf(Merged(soup.Features())), ShapesOf(merged));
+  }
+  EXPECT_LT(after, before * 3 / 4);
 }
 
 TEST(MergeCoplanar, AWallAcrossTheFloorDividesIt) {
@@ -494,6 +564,53 @@ TEST(MergeCoplanar, ATinyStepIsTakenWithATolerance) {
   EXPECT_EQ(Merged(f), f);
   EXPECT_EQ(Merged(f, 0.9e-9), f);
   EXPECT_EQ(Merged(f, 1.1e-9).back(), Feature::Polygon(5, {{1, 4, 3, 2}}));
+}
+
+// Over an edge 60 degrees are enough, over the inside of a polygon they are not.
+TEST(MergeCoplanar, FacesAreNotJoinedBelowASegmentThatLeansOverTheirEdge) {
+  const double angle = 65 * 3.141592653589793 / 180;
+  for (const double lean : {1.0, 0.0, -1.0}) {
+    SCOPED_TRACE(lean);
+    const double along = lean * std::sqrt(0.5) * std::cos(angle);
+    std::vector<Feature> f =
+        With(Points({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {along, along, std::sin(angle)}}),
+             {{{1, 2, 3}}, {{1, 3, 4}}});
+    f.push_back(Feature::Segment(10, 1, 5));
+    EXPECT_EQ(ShapesOf(Merged(f)).size(), lean > 0 ? 2U : 1U);
+  }
+}
+
+// A flat floor beside a sheet that is as flat as the tolerance only.
+TEST(MergeCoplanar, WhatIsThickerThanAllowedIsJoinedWhereItIsFlat) {
+  const std::vector<Feature> points = Points({{0, 0, 0},
+                                              {4, 0, 0},
+                                              {4, 2, 0},
+                                              {0, 2, 0},
+                                              {4, 4, 1e-6},
+                                              {0, 4, -1e-6},
+                                              {9, 0, 0},
+                                              {9, 2, 1e-9},
+                                              {9, 9, 9}});
+  const std::vector<Rings> faces = {{{1, 2, 3}}, {{1, 3, 4}}, {{4, 3, 5}}, {{4, 5, 6}}};
+  const std::function<double(double)> most = [](double extent) { return 1e-8 * extent; };
+  const std::vector<Feature> f = With(points, faces);
+  EXPECT_EQ(ShapesOf(Merged(f, 1e-5)).size(), 1U);
+  const auto flat = MergeCoplanar(f, 1e-5, most);
+  ASSERT_TRUE(flat.ok());
+  EXPECT_EQ(flat->too_thick, 1U);
+  const std::multiset<Shape> shapes = ShapesOf(flat->features);
+  EXPECT_EQ(shapes.size(), 3U);
+  EXPECT_TRUE(shapes.contains(ShapeOf({{{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {0, 2, 0}}})));
+  // What is thin enough is joined, beside what is not as well.
+  const auto thin = MergeCoplanar(With(points, {{{2, 7, 8}}, {{2, 8, 3}}}), 1e-5, most);
+  ASSERT_TRUE(thin.ok());
+  EXPECT_EQ(thin->too_thick, 0U);
+  EXPECT_EQ(ShapesOf(thin->features).size(), 1U);
+  // Without a tolerance nobody is asked.
+  const auto exact = MergeCoplanar(f, 0, [](double) { return -1.0; });
+  ASSERT_TRUE(exact.ok());
+  EXPECT_EQ(exact->too_thick, 0U);
+  EXPECT_EQ(ShapesOf(exact->features).size(), 3U);
 }
 
 // However fine its faces, a round thing stays round, and the order says nothing.

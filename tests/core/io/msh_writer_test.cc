@@ -281,6 +281,33 @@ TEST(Msh, HasASurfaceForEachRegion) {
   EXPECT_EQ(content.surface_curves.at(5), (std::vector<int>{3}));
 }
 
+TEST(Msh, NamesAreNotLongerThanReadersTake) {
+  IndexedMesh mesh;
+  mesh.vertices = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 1}};
+  mesh.triangles = {{0, 1, 2}, {1, 3, 2}, {1, 4, 3}};
+  // "polygons " and ids of 18 and five times 19 digits; one digit more; as many as there may be.
+  const FeatureId digits19 = 1'000'000'000'000'000'000;
+  std::vector<FeatureId> longest = {digits19 / 10};
+  for (FeatureId i = 1; i <= 5; ++i) longest.push_back(digits19 + i);
+  std::vector<FeatureId> longer = longest, most(1024);
+  longer[0] = digits19;
+  for (std::size_t i = 0; i < most.size(); ++i) most[i] = kBoxFeature - 2000 + i;
+  mesh.regions.polygons = {longest, longer, most};
+  mesh.regions.numbers = {1, 2, 3};
+  const TempFolder folder;
+  ASSERT_TRUE(WriteMsh(mesh, folder.Path("m.msh")).ok());
+  const std::string text = folder.Read("m.msh");
+  const MshContent content = ReadMsh(text);
+  EXPECT_EQ(content.elements.size(), 3U);
+  EXPECT_EQ(content.physical_names.at({2, 2}), mesh.regions.Name(1));
+  EXPECT_EQ(content.physical_names.at({2, 2}).size(), 127U);
+  EXPECT_EQ(content.physical_names.at({2, 3}), "region 2");
+  EXPECT_EQ(content.physical_names.at({2, 4}), "region 3");
+  EXPECT_NE(text.find("$EndPhysicalNames\n$Comments\nregion 2: " + mesh.regions.Name(2) +
+                      "\nregion 3: " + mesh.regions.Name(3) + "\n$EndComments\n"),
+            std::string::npos);
+}
+
 TEST(Msh, OfATriangleIsThisFile) {
   IndexedMesh mesh;
   mesh.vertices = {{0, 0, 0, 5}, {1, 0, 0, ~FeatureId{1}}, {0.1, 1e-310, 1, 7}, {-0.0, 3, 2, 0}};

@@ -144,6 +144,29 @@ TEST(SpacePlc, PolygonsAreFlat) {
   ExpectRefused(round + EditBatch{AddPolygon(20, ring)}, reason::kNonPlanar, {20, 7});
 }
 
+TEST(SpacePlc, PolygonsWantAQualityThatRefinementEndsAt) {
+  MeshOptions options = Cube(0, 1);
+  options.quality = std::nextafter(1.4, 0.0);
+  const Plc3 below(options);
+  ExpectRefused(below, Plate(), reason::kQualityTooLow, {10});
+  const auto refused = below.Check(Plate());
+  EXPECT_EQ(refused.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(GetErrorDetail(refused.status())->edit, 4u);
+  EXPECT_NE(refused.status().message().find("1.4 or more"), absl::string_view::npos);
+  // The first of them, and before anything else that is wrong with it.
+  EditBatch more = Plate() + EditBatch{AddPolygon(9, {{1, 2, 3}})};
+  ExpectRefused(below, more, reason::kQualityTooLow, {10});
+  more[2] = AddPoint3(3, 0.75, 0.75, 0.7);
+  ExpectRefused(below, more, reason::kQualityTooLow, {10});
+  ExpectRefused(below, {AddPolygon(9, {{1, 2}})}, reason::kQualityTooLow, {9});
+  EditBatch points = Plate();
+  points.pop_back();
+  EXPECT_TRUE(below.Check(points).ok());
+  EXPECT_TRUE(below.Check(points + EditBatch{Edit::Add(Feature::Segment(10, 1, 2))}).ok());
+  options.quality = 1.4;
+  EXPECT_TRUE(Plc3(options).Check(Plate()).ok());
+}
+
 TEST(SpacePlc, PointsAreOffTheInsidesOfPolygons) {
   const double limit = Plc3(Cube(0, 1)).close_limit();
   ExpectRefused(Plate() + EditBatch{AddPoint3(20, 0.5, 0.4, 0.5)}, reason::kPointOnPolygon,
