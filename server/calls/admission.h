@@ -17,6 +17,7 @@
 #include "server/access/quota.h"
 #include "server/base/work_gate.h"
 #include "server/base/worker_pool.h"
+#include "server/calls/open_sends.h"
 #include "server/config.h"
 #include "server/meshes/mesh_registry.h"
 
@@ -52,6 +53,7 @@ struct ServiceContext {
   Quota edit_streams;
   Quota snapshot_streams;
   Quota pending_edits;
+  OpenSends sends;
 };
 
 // UNAVAILABLE (DRAINING), with the time after which another server should be there.

@@ -14,6 +14,7 @@
 #include "server/base/log.h"
 #include "server/calls/call_id.h"
 #include "server/calls/requests.h"
+#include "server/calls/send_timeout.h"
 
 namespace dynmesh::server {
 
@@ -30,6 +31,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
                                const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<EditStreamCall>(context, rpc);
     call->self_ = call;
+    LimitSends(context, rpc, call->sender_);
     absl::Status status = pass.status();
     absl::StatusOr<Lease> lease;
     if (status.ok()) {
@@ -78,6 +80,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
   void OnWriteDone(bool ok) override {
+    sender_.Done();
     bool write = false;
     bool finish = false;
     bool read = false;
@@ -85,7 +88,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
       const std::lock_guard lock(mutex_);
       if (!ok) {
         broken_ = true;
-        EndLocked(absl::CancelledError("the client is gone"));
+        EndLocked(WhyCut(context_, sender_, "the client is gone"));
       }
       if (broken_ || current_->finished()) {
         context_.metrics->edits.send_seconds.Observe(SecondsSince(current_->answered));
@@ -103,7 +106,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
 
   void OnCancel() override {
     cancelled_->store(true, std::memory_order_relaxed);
-    End(absl::CancelledError("the call was cancelled"));
+    End(WhyCut(context_, sender_, "the call was cancelled"));
   }
 
   void OnDone() override {
@@ -114,6 +117,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
            {"status", absl::StatusCodeToString(final_status_.code())}});
     }
     allowed_.Close();
+    sender_.Leave();
     self_.reset();
   }
 
@@ -280,6 +284,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     grpc::WriteOptions options;
     // More is ready: let the transport put several small messages into one packet.
     if (more_answers_) options.set_buffer_hint();
+    sender_.Begin();
     StartWrite(&message_, options);
   }
 
@@ -349,6 +354,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   WorkGate::Ticket ticket_;              // that one's
 
   // The writer's, while writing_.
+  OpenSends::Sender sender_;
   v1::MeshDiff message_;
   bool more_answers_ = false;
 

@@ -13,6 +13,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/calls/call_id.h"
+#include "server/calls/send_timeout.h"
 
 namespace dynmesh::server {
 namespace {
@@ -53,6 +54,7 @@ class LoadCall final
                          const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<LoadCall>(context, rpc);
     call->self_ = call;
+    LimitSends(context, rpc, call->sender_);
     const absl::Status status = pass.ok() ? call->Enter(streams, *pass) : pass.status();
     if (status.ok()) {
       call->StartRead(&call->request_);
@@ -68,8 +70,7 @@ class LoadCall final
     {
       const std::lock_guard lock(mutex_);
       if (phase_ != Phase::kReceiving) return;
-      phase_ = Phase::kEnded;
-      final_status_ = status;
+      EndLocked(status);
       finish = FinishLocked();
     }
     if (finish) Close();
@@ -113,11 +114,12 @@ class LoadCall final
 
   void OnCancel() override {
     cancelled_->store(true, std::memory_order_relaxed);
-    End(absl::CancelledError("the call was cancelled"));
+    End(WhyCut(context_, sender_, "the call was cancelled"));
   }
 
   void OnDone() override {
     allowed_.Close();
+    sender_.Leave();
     self_.reset();
   }
 
@@ -195,8 +197,7 @@ class LoadCall final
     bool finish = false;
     {
       const std::lock_guard lock(mutex_);
-      phase_ = Phase::kEnded;
-      final_status_ = outcome.status();
+      EndLocked(outcome.status());
       if (outcome.ok()) EncodeResultLocked(*outcome);
       finish = FinishLocked();
     }
@@ -227,6 +228,13 @@ class LoadCall final
     StartWrite(&progress_);
   }
 
+  // Only from here on the client must read: until then nothing waits for how far it is.
+  void EndLocked(const absl::Status& status) {
+    phase_ = Phase::kEnded;
+    final_status_ = status;
+    sender_.Begin();
+  }
+
   // True once: the caller is to Close.
   bool FinishLocked() {
     if (phase_ != Phase::kEnded || writing_ || finished_) return false;
@@ -236,6 +244,7 @@ class LoadCall final
 
   void Close() {
     if (result_.has_value()) {
+      sender_.Begin();
       StartWriteAndFinish(&*result_, grpc::WriteOptions(), grpc::Status::OK);
     } else {
       Finish(codec::ToGrpcStatus(final_status_, "features"));
@@ -258,6 +267,7 @@ class LoadCall final
   EditJob job_;
 
   Response progress_;  // the writer's, while writing_
+  OpenSends::Sender sender_;
 
   std::mutex mutex_;
   Phase phase_ = Phase::kReceiving;

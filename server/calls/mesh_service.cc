@@ -14,12 +14,12 @@
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
-#include "server/calls/call_id.h"
 #include "server/calls/edit_call.h"
 #include "server/calls/edit_stream_call.h"
 #include "server/calls/features_call.h"
 #include "server/calls/load_call.h"
 #include "server/calls/requests.h"
+#include "server/calls/send_timeout.h"
 #include "server/calls/snapshot_call.h"
 #include "server/calls/watch_call.h"
 #include "server/version.h"
@@ -100,6 +100,7 @@ void MeshServiceImpl::BeginDrain() {
 }
 
 void MeshServiceImpl::Tick() {
+  EndSlowReceivers(context_);
   codec::ServiceError error;
   error.reason = codec::reason::kBatchIncomplete;
   const absl::Duration limit = context_.config.batch_timeout;
@@ -243,19 +244,19 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(
     grpc::CallbackServerContext* call, const v1::AddFeaturesRequest* request) {
   return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       CallIdOf(*call));
+                       call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RemoveFeatures(
     grpc::CallbackServerContext* call, const v1::RemoveFeaturesRequest* request) {
   return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       CallIdOf(*call));
+                       call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::ApplyEdits(
     grpc::CallbackServerContext* call, const v1::ApplyEditsRequest* request) {
   return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       CallIdOf(*call));
+                       call);
 }
 
 grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* MeshServiceImpl::EditStream(
@@ -275,18 +276,20 @@ grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackS
 
 grpc::ServerWriteReactor<v1::SnapshotChunk>* MeshServiceImpl::GetSnapshot(
     grpc::CallbackServerContext* call, const v1::GetSnapshotRequest* request) {
-  return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status());
+  return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status(),
+                           call);
 }
 
 grpc::ServerWriteReactor<v1::FeaturesChunk>* MeshServiceImpl::GetFeatures(
     grpc::CallbackServerContext* call, const v1::GetFeaturesRequest* request) {
-  return StartFeaturesCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status());
+  return StartFeaturesCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status(),
+                           call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RevertTo(
     grpc::CallbackServerContext* call, const v1::RevertToRequest* request) {
   return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       CallIdOf(*call));
+                       call);
 }
 
 }  // namespace dynmesh::server

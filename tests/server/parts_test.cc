@@ -63,6 +63,33 @@ TEST(Quota, GivesNoMoreThanItsLimitAndTakesBack) {
   EXPECT_EQ(quota.used(), 0u);
 }
 
+TEST(OpenSends, WhoTakesNothingIsEndedOnceAndWhoIsSlowIsNot) {
+  OpenSends sends;
+  OpenSends::Sender idle, stuck, slow;
+  int ended = 0;
+  for (OpenSends::Sender* sender : {&idle, &stuck, &slow}) {
+    sender->Enter(sends, [&ended] { ++ended; });
+  }
+  constexpr std::chrono::seconds kLimit{10};
+  OpenSends::Clock::time_point now{};
+  stuck.Begin(now);
+  // A message takes it almost the limit, again and again.
+  for (int i = 0; i < 3; ++i) {
+    slow.Begin(now);
+    now += kLimit - std::chrono::milliseconds(1);
+    sends.EndSlow(now - kLimit);
+    EXPECT_EQ(ended, i == 0 ? 0 : 1);
+    slow.Done();
+  }
+  EXPECT_TRUE(stuck.ended());
+  EXPECT_FALSE(slow.ended());
+  EXPECT_FALSE(idle.ended());
+  slow.Begin(now);
+  slow.Leave();
+  sends.EndSlow(now + kLimit);
+  EXPECT_EQ(ended, 1);
+}
+
 TEST(WorkGate, ADrainWaitsForTicketsAndAdmitsNoMore) {
   WorkGate gate;
   WorkGate::Ticket ticket = gate.Enter();
