@@ -80,11 +80,12 @@ class HeldEdits {
   std::vector<Lease> leases_;
 };
 
-// The mesh that a stream is to edit, and the stream's right to it: `cancel` is called when the
-// pass no longer has it.
+// The mesh that a stream is to edit, the stream's right to it, `cancel` being called when the pass
+// no longer has it, and its place among the edit streams: who has no right takes none.
 struct EditTarget {
   MeshRegistry::HostPtr host;
   Access::Stream allowed;
+  Lease place;
 };
 absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
                                       const std::string& mesh, std::function<void()> cancel);

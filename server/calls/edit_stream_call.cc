@@ -33,14 +33,8 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     call->self_ = call;
     LimitSends(context, rpc, call->sender_);
     absl::Status status = pass.status();
-    absl::StatusOr<Lease> lease;
     if (status.ok()) {
       call->pass_ = *pass;
-      lease = TakeStream(context.edit_streams, "edit streams");
-      status = lease.status();
-    }
-    if (status.ok()) {
-      call->lease_ = *std::move(lease);
       streams.Add(call);
       // After Add, so that a drain sees either the closed gate here or the stream there.
       if (context.gate.closed()) status = DrainingError();
@@ -65,7 +59,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
   void OnReadDone(bool ok) override {
-    SetWaits(false);
+    SetWaitsNot();
     if (ok) {
       // The message belongs to this thread until reading_ is false.
       absl::Status status = Receive();
@@ -149,6 +143,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     } else if (!request_.mesh().empty() && request_.mesh() != mesh_name_) {
       return BadRequest("mesh", "a stream edits one mesh, the one its first message names");
     }
+    brought_ = !partial_.has_value() || request_.edits_size() > 0;
     if (!partial_.has_value()) BeginBatch();
     partial_->Add(context_, request_, host_->mesh_options().dimension);
     if (!request_.more()) Submit();
@@ -160,6 +155,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
         OpenToEdit(context_, pass_, request_.mesh(), [rpc = rpc_] { rpc->TryCancel(); });
     if (!target.ok()) return target.status();
     allowed_ = std::move(target->allowed);
+    place_ = std::move(target->place);
     host_ = std::move(target->host);
     return absl::OkStatus();
   }
@@ -233,7 +229,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
   void Read() {
-    SetWaits(partial_.has_value());
+    if (host_ == nullptr || partial_.has_value()) SetWaits(/*anew=*/brought_);
     StartRead(&request_);
   }
 
@@ -340,8 +336,8 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   grpc::CallbackServerContext* const rpc_;
   Pass pass_;
   Access::Stream allowed_;                // the reader's, once there is a mesh; then until OnDone
+  Lease place_;                           // likewise
   std::shared_ptr<EditStreamCall> self_;  // until OnDone
-  Lease lease_;
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   const std::shared_ptr<std::atomic<bool>> stop_ = std::make_shared<std::atomic<bool>>(false);
 
@@ -350,6 +346,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   MeshRegistry::HostPtr host_;
   std::string mesh_name_;
   bool stop_on_error_ = false;
+  bool brought_ = true;                  // the last message began a batch, or had some of it
   std::optional<PartialBatch> partial_;  // that is being received
   WorkGate::Ticket ticket_;              // that one's
 

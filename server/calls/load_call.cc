@@ -57,7 +57,7 @@ class LoadCall final
     LimitSends(context, rpc, call->sender_);
     const absl::Status status = pass.ok() ? call->Enter(streams, *pass) : pass.status();
     if (status.ok()) {
-      call->StartRead(&call->request_);
+      call->Read(/*anew=*/true);
     } else {
       call->End(status);
     }
@@ -77,7 +77,9 @@ class LoadCall final
   }
 
   void OnReadDone(bool ok) override {
-    SetWaits(false);
+    SetWaitsNot();
+    const bool first = host_ == nullptr;
+    const std::size_t edits = job_.edits.size();
     absl::Status status;
     if (ok) {
       status = Receive();
@@ -98,8 +100,7 @@ class LoadCall final
     }
     // Unless a drain ended it meanwhile. The read does not keep the next one from doing so.
     if (!read) return;
-    SetWaits(true);
-    StartRead(&request_);
+    Read(/*anew=*/first || job_.edits.size() > edits);
   }
 
   void OnWriteDone(bool) override {
@@ -128,12 +129,14 @@ class LoadCall final
 
   absl::Status Enter(OpenStreams& streams, const Pass& pass) {
     pass_ = pass;
-    absl::StatusOr<Lease> lease = TakeStream(context_.edit_streams, "edit streams");
-    if (!lease.ok()) return lease.status();
-    lease_ = *std::move(lease);
     streams.Add(self_);
     // After Add, so that a drain sees either the closed gate here or the stream there.
     return context_.gate.closed() ? DrainingError() : absl::OkStatus();
+  }
+
+  void Read(bool anew) {
+    SetWaits(anew);
+    StartRead(&request_);
   }
 
   // Takes the message just read.
@@ -160,6 +163,7 @@ class LoadCall final
         OpenToEdit(context_, pass_, request_.mesh(), [rpc = rpc_] { rpc->TryCancel(); });
     if (!target.ok()) return target.status();
     allowed_ = std::move(target->allowed);
+    place_ = std::move(target->place);
     host_ = std::move(target->host);
     mesh_name_ = request_.mesh();
     job_.request_id = request_.request_id();
@@ -255,7 +259,6 @@ class LoadCall final
   grpc::CallbackServerContext* const rpc_;
   std::shared_ptr<LoadCall> self_;  // until OnDone
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
-  Lease lease_;
 
   // The reader's, then the strand's.
   Pass pass_;
@@ -263,6 +266,7 @@ class LoadCall final
   MeshRegistry::HostPtr host_;
   std::string mesh_name_;
   Access::Stream allowed_;
+  Lease place_;
   HeldEdits held_;
   EditJob job_;
 

@@ -107,7 +107,8 @@ void MeshServiceImpl::Tick() {
   streams_.EndWaiting(
       absl::ToChronoNanoseconds(limit),
       codec::MakeServiceError(absl::StatusCode::kDeadlineExceeded,
-                              absl::StrCat("no further piece of the batch came for ",
+                              absl::StrCat("no first message, or no further piece of the batch, "
+                                           "came for ",
                                            absl::FormatDuration(limit), ": it was not applied"),
                               error));
 }

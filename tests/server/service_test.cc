@@ -398,6 +398,7 @@ TEST_F(ServiceTest, LimitsAreKept) {
   ASSERT_TRUE(edits->Send({AddPoint(100)}).ok());
   ASSERT_TRUE(edits->Receive().has_value());
   const auto third = client_->OpenEdits("m");
+  ASSERT_TRUE(third->Send({AddPoint(101)}).ok());
   EXPECT_FALSE(third->Receive().has_value());
   EXPECT_EQ(ReasonOf(third->Finish()), codec::reason::kStreamLimit);
 }
