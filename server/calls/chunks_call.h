@@ -44,7 +44,10 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
       Fail(WhyCut(*context_, sender_, "the client is gone"));
     }
   }
-  void OnCancel() override { cancelled_->store(true, std::memory_order_relaxed); }
+  void OnCancel() override {
+    cancelled_->store(true, std::memory_order_relaxed);
+    if (host_ != nullptr) host_->Withdraw(cancelled_);
+  }
   void OnDone() override {
     sender_.Leave();
     self_.reset();
@@ -61,6 +64,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
     absl::StatusOr<Lease> lease = TakeStream(context.snapshot_streams, "snapshots under way");
     if (!lease.ok()) return lease.status();
     lease_ = *std::move(lease);
+    host_ = *host;
     return host;
   }
   template <class... Arguments>
@@ -90,6 +94,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   WorkGate::Ticket ticket_;
   Lease lease_;
+  MeshRegistry::HostPtr host_;  // before OnCancel may be called
   std::optional<Fragmenter> fragmenter_;
   Chunk chunk_;
 };

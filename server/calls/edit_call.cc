@@ -44,7 +44,10 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
       Fail(WhyCut(context_, sender_, "the client is gone"));
     }
   }
-  void OnCancel() override { cancelled_->store(true, std::memory_order_relaxed); }
+  void OnCancel() override {
+    cancelled_->store(true, std::memory_order_relaxed);
+    if (host_ != nullptr) host_->Withdraw(cancelled_);
+  }
   void OnDone() override {
     sender_.Leave();
     if (fragmenter_.has_value()) {
@@ -62,6 +65,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     absl::StatusOr<EditRequest> taken = TakeEditRequest(context_, request);
     if (!taken.ok()) return taken.status();
     taken->job.call_id = CallIdOf(*rpc_);
+    host_ = taken->host;
     omit_columns_ = request.omit_columns();
     return HandIn(request, *std::move(taken));
   }
@@ -96,10 +100,13 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
 
   absl::Status Apply(MeshHost& host, EditJob job) {
     job.cancelled = cancelled_;
+    const auto cancelled = cancelled_;  // the call may be gone when the job is handed in
     job.done = [call = self_](absl::StatusOr<EditOutcome> outcome) {
       call->Answer(std::move(outcome));
     };
-    return host.Apply(std::move(job));
+    absl::Status status = host.Apply(std::move(job));
+    if (status.ok() && cancelled->load()) host.Withdraw(cancelled);
+    return status;
   }
 
   void Answer(absl::StatusOr<EditOutcome> outcome) {
@@ -134,6 +141,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<EditCall> self_;  // until OnDone
   WorkGate::Ticket ticket_;
+  MeshRegistry::HostPtr host_;  // before OnCancel may be called
   Lease lease_;
   Lease snapshot_lease_;
   bool omit_columns_ = false;

@@ -101,6 +101,12 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   void OnCancel() override {
     cancelled_->store(true, std::memory_order_relaxed);
     End(WhyCut(context_, sender_, "the call was cancelled"));
+    MeshRegistry::HostPtr host;
+    {
+      const std::lock_guard lock(mutex_);
+      host = host_;
+    }
+    if (host != nullptr) host->Withdraw(cancelled_);
   }
 
   void OnDone() override {
@@ -156,6 +162,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     if (!target.ok()) return target.status();
     allowed_ = std::move(target->allowed);
     place_ = std::move(target->place);
+    const std::lock_guard lock(mutex_);
     host_ = std::move(target->host);
     return absl::OkStatus();
   }
@@ -200,6 +207,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     };
     DropPartial();
     host_->ApplyUnbounded(std::move(job));
+    if (cancelled_->load()) host_->Withdraw(cancelled_);
   }
 
   void DropPartial() {
@@ -343,7 +351,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
 
   // The reader's.
   v1::EditBatch request_;
-  MeshRegistry::HostPtr host_;
+  MeshRegistry::HostPtr host_;  // written under mutex_
   std::string mesh_name_;
   bool stop_on_error_ = false;
   bool brought_ = true;                  // the last message began a batch, or had some of it

@@ -116,6 +116,12 @@ class LoadCall final
   void OnCancel() override {
     cancelled_->store(true, std::memory_order_relaxed);
     End(WhyCut(context_, sender_, "the call was cancelled"));
+    MeshRegistry::HostPtr host;
+    {
+      const std::lock_guard lock(mutex_);
+      if (phase_ == Phase::kSubmitted) host = host_;
+    }
+    if (host != nullptr) host->Withdraw(cancelled_);
   }
 
   void OnDone() override {
@@ -192,7 +198,8 @@ class LoadCall final
     };
     // Not after it was handed in: the call may be gone by then.
     const auto call = self_;
-    if (absl::Status s = host_->Apply(std::move(job_)); !s.ok()) call->Answer(s);
+    if (absl::Status s = host_->Apply(std::move(job_)); !s.ok()) return call->Answer(s);
+    if (call->cancelled_->load()) call->host_->Withdraw(call->cancelled_);
   }
 
   // On the strand.

@@ -1,6 +1,7 @@
 #include "server/calls/mesh_service.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <iterator>
 #include <memory>
@@ -63,6 +64,43 @@ grpc::ServerUnaryReactor* Finished(grpc::CallbackServerContext* call, const absl
   reactor->Finish(codec::ToGrpcStatus(status));
   return reactor;
 }
+
+// Waits for its turn among the edits, unless it is cancelled. Frees itself.
+class LocateCall final : public grpc::ServerUnaryReactor {
+ public:
+  LocateCall(MeshRegistry::HostPtr host, WorkGate::Ticket ticket,
+             v1::LocatePointsResponse* response)
+      : host_(std::move(host)), ticket_(std::move(ticket)), response_(response) {}
+
+  void Start(std::vector<double> points) {
+    const absl::Status status =
+        host_->Locate(std::move(points), cancelled_,
+                      [this](absl::StatusOr<MeshHost::LocateAnswer> a) { Answer(std::move(a)); });
+    if (!status.ok()) Finish(codec::ToGrpcStatus(status));
+  }
+  // Not before Start has returned.
+  void OnCancel() override {
+    cancelled_->store(true, std::memory_order_relaxed);
+    host_->Withdraw(cancelled_);
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  void Answer(const absl::StatusOr<MeshHost::LocateAnswer>& answer) {
+    if (answer.ok()) {
+      response_->set_revision(answer->revision);
+      response_->mutable_simplices()->mutable_vertex_ids()->Add(answer->simplices.begin(),
+                                                                answer->simplices.end());
+    }
+    ticket_.reset();
+    Finish(codec::ToGrpcStatus(answer.status()));
+  }
+
+  const MeshRegistry::HostPtr host_;
+  WorkGate::Ticket ticket_;
+  v1::LocatePointsResponse* const response_;  // until it is finished
+  const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
+};
 
 // Who calls. Valid as long as the call.
 Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer) {
@@ -227,18 +265,8 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
   absl::Status status = CheckLocate(*request, (*host)->mesh_options().dimension);
   if (!status.ok()) return Finished(call, status);
 
-  auto* reactor = call->DefaultReactor();
-  status = (*host)->Locate(
-      {request->coordinates().begin(), request->coordinates().end()},
-      [reactor, response, held = *ticket](absl::StatusOr<MeshHost::LocateAnswer> answer) {
-        if (answer.ok()) {
-          response->set_revision(answer->revision);
-          response->mutable_simplices()->mutable_vertex_ids()->Add(answer->simplices.begin(),
-                                                                   answer->simplices.end());
-        }
-        reactor->Finish(codec::ToGrpcStatus(answer.status()));
-      });
-  if (!status.ok()) reactor->Finish(codec::ToGrpcStatus(status));
+  auto* reactor = new LocateCall(*host, *ticket, response);
+  reactor->Start({request->coordinates().begin(), request->coordinates().end()});
   return reactor;
 }
 
