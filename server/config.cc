@@ -84,6 +84,9 @@ absl::Status ValidateConfig(const ServerConfig& c) {
   }
   if (c.report_interval <= absl::ZeroDuration()) return Bad("report_interval", "must be positive");
   if (c.batch_timeout <= absl::ZeroDuration()) return Bad("batch_timeout", "must be positive");
+  if (c.send_timeout < absl::ZeroDuration() || c.send_timeout > absl::Hours(24)) {
+    return Bad("send_timeout", "not in 0 s to a day");
+  }
   if (c.drain_timeout < absl::ZeroDuration()) return Bad("drain_timeout", "is negative");
   return absl::OkStatus();
 }

@@ -58,8 +58,11 @@ struct ServerConfig {
   absl::Duration keepalive_timeout = absl::Seconds(20);
   // Of a connection without calls. Clients connect again by themselves.
   absl::Duration idle_timeout = absl::Minutes(10);
-  // A batch in pieces, or a load, of which nothing more comes for so long is given up.
+  // A batch in pieces, or a load, of which nothing more comes for so long is given up; so is a
+  // stream of edits that does not begin.
   absl::Duration batch_timeout = absl::Minutes(5);
+  // A call whose client takes nothing of what is sent to it for so long is ended. 0: never.
+  absl::Duration send_timeout = absl::Minutes(5);
   // Batches of one EditStream that are received and not fully answered.
   int edit_window = 64;
 

@@ -77,6 +77,8 @@ void AddClientLimits(CLI::App& app, ServerConfig& c) {
              "seconds without calls after which a connection is closed");
   AddSeconds(app, "--batch-timeout", c.batch_timeout,
              "seconds that a batch in pieces, or a load, waits for its next piece");
+  AddSeconds(app, "--send-timeout", c.send_timeout,
+             "seconds until a call is ended whose client takes nothing of it; 0: never");
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ inline constexpr char kBadRequestId[] = "BAD_REQUEST_ID";
 inline constexpr char kWrongDimension[] = "WRONG_DIMENSION";
 inline constexpr char kBatchTooLarge[] = "BATCH_TOO_LARGE";
 inline constexpr char kBatchIncomplete[] = "BATCH_INCOMPLETE";
+inline constexpr char kSlowReceiver[] = "SLOW_RECEIVER";
 inline constexpr char kMeshNotFound[] = "MESH_NOT_FOUND";
 inline constexpr char kMeshDeleted[] = "MESH_DELETED";
 inline constexpr char kMeshExists[] = "MESH_EXISTS";

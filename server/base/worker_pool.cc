@@ -1,6 +1,7 @@
 #include "server/base/worker_pool.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "server/base/process.h"
@@ -77,26 +78,41 @@ void WorkerPool::Run() {
   }
 }
 
-void SerialQueue::Post(Task task) {
+void SerialQueue::Post(Task task, TaskOwner owner) {
   {
     const std::lock_guard lock(mutex_);
-    tasks_.push_back(std::move(task));
+    tasks_.push_back({std::move(task), std::move(owner)});
     if (scheduled_) return;
     scheduled_ = true;
   }
   Schedule();
 }
 
-bool SerialQueue::TryPost(Task task, std::size_t limit) {
+bool SerialQueue::TryPost(Task task, std::size_t limit, TaskOwner owner) {
   {
     const std::lock_guard lock(mutex_);
     if (tasks_.size() >= limit) return false;
-    tasks_.push_back(std::move(task));
+    tasks_.push_back({std::move(task), std::move(owner)});
     if (scheduled_) return true;
     scheduled_ = true;
   }
   Schedule();
   return true;
+}
+
+void SerialQueue::Withdraw(const void* key) {
+  std::vector<Waiting> withdrawn;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto first = std::stable_partition(
+        tasks_.begin(), tasks_.end(), [key](const Waiting& w) { return w.owner.key != key; });
+    withdrawn.assign(std::make_move_iterator(first), std::make_move_iterator(tasks_.end()));
+    tasks_.erase(first, tasks_.end());
+  }
+  for (Waiting& waiting : withdrawn) {
+    waiting.task = nullptr;
+    waiting.owner.withdrawn();
+  }
 }
 
 std::size_t SerialQueue::waiting() const {
@@ -110,17 +126,17 @@ void SerialQueue::Schedule() {
 
 void SerialQueue::Run() {
   for (int i = 0; i < kTurn; ++i) {
-    Task task;
+    Waiting next;  // freed outside the lock
     {
       const std::lock_guard lock(mutex_);
       if (tasks_.empty()) {
         scheduled_ = false;
         return;
       }
-      task = std::move(tasks_.front());
+      next = std::move(tasks_.front());
       tasks_.pop_front();
     }
-    task();
+    next.task();
   }
   Schedule();
 }

@@ -49,6 +49,12 @@ class WorkerPool {
   std::vector<std::thread> threads_;
 };
 
+// Whose a task of a strand is, if its owner may want it back, and what is done in its place then.
+struct TaskOwner {
+  const void* key = nullptr;
+  WorkerPool::Task withdrawn;
+};
+
 // A strand: tasks run on the pool in the order posted, never two at a time, and take
 // turns with the other strands of the pool.
 class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
@@ -59,21 +65,29 @@ class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
     return std::shared_ptr<SerialQueue>(new SerialQueue(pool));
   }
 
-  void Post(Task task);
+  void Post(Task task, TaskOwner owner = {});
   // False, and nothing posted, if `limit` tasks wait already.
-  bool TryPost(Task task, std::size_t limit);
+  bool TryPost(Task task, std::size_t limit, TaskOwner owner = {});
+  // Takes out the owner's tasks that wait, makes room for others, then calls their `withdrawn`, on
+  // this thread. One that has begun goes on.
+  void Withdraw(const void* key);
 
   // Tasks that wait; the one that runs not counted.
   std::size_t waiting() const;
 
  private:
   explicit SerialQueue(WorkerPool* pool) : pool_(pool) {}
+  struct Waiting {
+    Task task;
+    TaskOwner owner;
+  };
+
   void Schedule();
   void Run();
 
   WorkerPool* const pool_;
   mutable std::mutex mutex_;
-  std::deque<Task> tasks_;
+  std::deque<Waiting> tasks_;
   bool scheduled_ = false;
 };
 

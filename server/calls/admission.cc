@@ -72,10 +72,12 @@ absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
   if (absl::Status s = pass.Check(Role::kEdit, mesh); !s.ok()) return s;
   absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(mesh);
   if (!host.ok()) return host.status();
+  absl::StatusOr<Lease> place = TakeStream(context.edit_streams, "edit streams");
+  if (!place.ok()) return place.status();
   absl::StatusOr<Access::Stream> allowed =
       context.access->Open(pass, Role::kEdit, (*host)->id(), std::move(cancel));
   if (!allowed.ok()) return allowed.status();
-  return EditTarget{*std::move(host), *std::move(allowed)};
+  return EditTarget{*std::move(host), *std::move(allowed), *std::move(place)};
 }
 
 absl::Status CheckRequestId(absl::string_view request_id) {

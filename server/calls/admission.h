@@ -17,6 +17,7 @@
 #include "server/access/quota.h"
 #include "server/base/work_gate.h"
 #include "server/base/worker_pool.h"
+#include "server/calls/open_sends.h"
 #include "server/config.h"
 #include "server/meshes/mesh_registry.h"
 
@@ -52,6 +53,7 @@ struct ServiceContext {
   Quota edit_streams;
   Quota snapshot_streams;
   Quota pending_edits;
+  OpenSends sends;
 };
 
 // UNAVAILABLE (DRAINING), with the time after which another server should be there.
@@ -78,11 +80,12 @@ class HeldEdits {
   std::vector<Lease> leases_;
 };
 
-// The mesh that a stream is to edit, and the stream's right to it: `cancel` is called when the
-// pass no longer has it.
+// The mesh that a stream is to edit, the stream's right to it, `cancel` being called when the pass
+// no longer has it, and its place among the edit streams: who has no right takes none.
 struct EditTarget {
   MeshRegistry::HostPtr host;
   Access::Stream allowed;
+  Lease place;
 };
 absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
                                       const std::string& mesh, std::function<void()> cancel);

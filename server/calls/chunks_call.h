@@ -15,6 +15,7 @@
 #include "absl/status/statusor.h"
 #include "proto/codec/grpc_status.h"
 #include "server/calls/admission.h"
+#include "server/calls/send_timeout.h"
 
 namespace dynmesh::server {
 
@@ -24,24 +25,33 @@ template <class Call, class Chunk, class Fragmenter>
 class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
  public:
   template <class Request>
-  static Call* Start(ServiceContext& context, const Request& request,
-                     const absl::Status& admitted) {
+  static Call* Start(ServiceContext& context, const Request& request, const absl::Status& admitted,
+                     grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<Call>();
     call->self_ = call;
+    call->context_ = &context;
+    LimitSends(context, rpc, call->sender_);
     const absl::Status status = admitted.ok() ? call->Begin(context, request) : admitted;
     if (!status.ok()) call->Fail(status);
     return call.get();
   }
 
   void OnWriteDone(bool ok) override {
+    sender_.Done();
     if (ok) {
       Send();
     } else {
-      this->Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
+      Fail(WhyCut(*context_, sender_, "the client is gone"));
     }
   }
-  void OnCancel() override { cancelled_->store(true, std::memory_order_relaxed); }
-  void OnDone() override { self_.reset(); }
+  void OnCancel() override {
+    cancelled_->store(true, std::memory_order_relaxed);
+    if (host_ != nullptr) host_->Withdraw(cancelled_);
+  }
+  void OnDone() override {
+    sender_.Leave();
+    self_.reset();
+  }
 
  protected:
   // What holds for all: the mesh must be there, and only so many states are under way at once.
@@ -54,6 +64,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
     absl::StatusOr<Lease> lease = TakeStream(context.snapshot_streams, "snapshots under way");
     if (!lease.ok()) return lease.status();
     lease_ = *std::move(lease);
+    host_ = *host;
     return host;
   }
   template <class... Arguments>
@@ -69,6 +80,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
  private:
   void Send() {
     fragmenter_->Next(&chunk_);
+    sender_.Begin();
     if (fragmenter_->done()) {
       this->StartWriteAndFinish(&chunk_, grpc::WriteOptions(), grpc::Status::OK);
     } else {
@@ -77,9 +89,12 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   }
 
   std::shared_ptr<Call> self_;  // until OnDone
+  ServiceContext* context_ = nullptr;
+  OpenSends::Sender sender_;
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   WorkGate::Ticket ticket_;
   Lease lease_;
+  MeshRegistry::HostPtr host_;  // before OnCancel may be called
   std::optional<Fragmenter> fragmenter_;
   Chunk chunk_;
 };

@@ -7,7 +7,9 @@
 
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
+#include "server/calls/call_id.h"
 #include "server/calls/requests.h"
+#include "server/calls/send_timeout.h"
 #include "server/meshes/revert_plan.h"
 
 namespace dynmesh::server {
@@ -20,67 +22,72 @@ const char* EditsField(const v1::RevertToRequest&) { return "revision"; }
 
 class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
  public:
-  EditCall(const char* edits_field, Histogram& send_seconds)
-      : edits_field_(edits_field), send_seconds_(send_seconds) {}
+  EditCall(ServiceContext& context, const char* edits_field, grpc::CallbackServerContext* rpc)
+      : context_(context), edits_field_(edits_field), rpc_(rpc) {}
 
   template <typename Request>
   static EditCall* Start(ServiceContext& context, const Request& request,
-                         const absl::Status& admitted, std::string call_id) {
-    auto call =
-        std::make_shared<EditCall>(EditsField(request), context.metrics->edits.send_seconds);
+                         const absl::Status& admitted, grpc::CallbackServerContext* rpc) {
+    auto call = std::make_shared<EditCall>(context, EditsField(request), rpc);
     call->self_ = call;
-    const absl::Status status =
-        admitted.ok() ? call->Begin(context, request, std::move(call_id)) : admitted;
+    const absl::Status status = admitted.ok() ? call->Begin(request) : admitted;
     // Not after a job was handed in: it may have been answered, and the call be gone.
     if (!status.ok()) call->Fail(status);
     return call.get();
   }
 
   void OnWriteDone(bool ok) override {
+    sender_.Done();
     if (ok) {
       Send();
     } else {
-      Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the client is gone"));
+      Fail(WhyCut(context_, sender_, "the client is gone"));
     }
   }
-  void OnCancel() override { cancelled_->store(true, std::memory_order_relaxed); }
+  void OnCancel() override {
+    cancelled_->store(true, std::memory_order_relaxed);
+    if (host_ != nullptr) host_->Withdraw(cancelled_);
+  }
   void OnDone() override {
-    if (fragmenter_.has_value()) send_seconds_.Observe(SecondsSince(answered_));
+    sender_.Leave();
+    if (fragmenter_.has_value()) {
+      context_.metrics->edits.send_seconds.Observe(SecondsSince(answered_));
+    }
     self_.reset();
   }
 
  private:
   template <typename Request>
-  absl::Status Begin(ServiceContext& context, const Request& request, std::string call_id) {
-    absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context);
+  absl::Status Begin(const Request& request) {
+    absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
     if (!ticket.ok()) return ticket.status();
     ticket_ = *std::move(ticket);
-    absl::StatusOr<EditRequest> taken = TakeEditRequest(context, request);
+    absl::StatusOr<EditRequest> taken = TakeEditRequest(context_, request);
     if (!taken.ok()) return taken.status();
-    taken->job.call_id = std::move(call_id);
+    taken->job.call_id = CallIdOf(*rpc_);
+    host_ = taken->host;
     omit_columns_ = request.omit_columns();
-    return HandIn(context, request, *std::move(taken));
+    return HandIn(request, *std::move(taken));
   }
 
   template <typename Request>
-  absl::Status HandIn(ServiceContext&, const Request&, EditRequest taken) {
+  absl::Status HandIn(const Request&, EditRequest taken) {
     lease_ = std::move(taken.lease);
     return Apply(*taken.host, std::move(taken.job));
   }
 
   // Features of two revisions are held until it is done, as much as a snapshot.
-  absl::Status HandIn(ServiceContext& context, const v1::RevertToRequest& request,
-                      EditRequest taken) {
-    absl::StatusOr<Lease> lease = TakeStream(context.snapshot_streams, "snapshots under way");
+  absl::Status HandIn(const v1::RevertToRequest& request, EditRequest taken) {
+    absl::StatusOr<Lease> lease = TakeStream(context_.snapshot_streams, "snapshots under way");
     if (!lease.ok()) return lease.status();
     snapshot_lease_ = *std::move(lease);
-    context.readers->Post([call = self_, &context, revision = request.revision(),
-                           host = std::move(taken.host), job = std::move(taken.job)]() mutable {
+    context_.readers->Post([call = self_, revision = request.revision(),
+                            host = std::move(taken.host), job = std::move(taken.job)]() mutable {
       RevertPlan plan = PlanRevert(*host, revision, call->cancelled_);
       job.make = std::move(plan.job.make);
       job.content = plan.job.content;
       job.expected_hash = plan.job.expected_hash;
-      absl::StatusOr<Lease> room = TakeEdits(context, 0, plan.weight);
+      absl::StatusOr<Lease> room = TakeEdits(call->context_, 0, plan.weight);
       absl::Status status = room.status();
       if (status.ok()) {
         call->lease_ = *std::move(room);
@@ -93,10 +100,13 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
 
   absl::Status Apply(MeshHost& host, EditJob job) {
     job.cancelled = cancelled_;
+    const auto cancelled = cancelled_;  // the call may be gone when the job is handed in
     job.done = [call = self_](absl::StatusOr<EditOutcome> outcome) {
       call->Answer(std::move(outcome));
     };
-    return host.Apply(std::move(job));
+    absl::Status status = host.Apply(std::move(job));
+    if (status.ok() && cancelled->load()) host.Withdraw(cancelled);
+    return status;
   }
 
   void Answer(absl::StatusOr<EditOutcome> outcome) {
@@ -104,6 +114,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     snapshot_lease_.Release();
     if (!outcome.ok()) return Fail(outcome.status());
     answered_ = MetricsClock::now();
+    LimitSends(context_, rpc_, sender_);
     replayed_ = outcome->replayed;
     fragmenter_.emplace(std::move(outcome->diff), omit_columns_ || outcome->columns_omitted);
     Send();
@@ -112,6 +123,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   void Send() {
     fragmenter_->Next(&message_);
     message_.set_replayed(replayed_);
+    sender_.Begin();
     if (fragmenter_->done()) {
       StartWriteAndFinish(&message_, grpc::WriteOptions(), grpc::Status::OK);
     } else {
@@ -121,12 +133,15 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
 
   void Fail(const absl::Status& status) { Finish(codec::ToGrpcStatus(status, edits_field_)); }
 
+  ServiceContext& context_;
   const char* const edits_field_;
-  Histogram& send_seconds_;
+  grpc::CallbackServerContext* const rpc_;  // until OnDone
+  OpenSends::Sender sender_;
   MetricsClock::time_point answered_;
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<EditCall> self_;  // until OnDone
   WorkGate::Ticket ticket_;
+  MeshRegistry::HostPtr host_;  // before OnCancel may be called
   Lease lease_;
   Lease snapshot_lease_;
   bool omit_columns_ = false;
@@ -140,26 +155,26 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::AddFeaturesRequest& request,
                                                       const absl::Status& admitted,
-                                                      std::string call_id) {
-  return EditCall::Start(context, request, admitted, std::move(call_id));
+                                                      grpc::CallbackServerContext* rpc) {
+  return EditCall::Start(context, request, admitted, rpc);
 }
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::RemoveFeaturesRequest& request,
                                                       const absl::Status& admitted,
-                                                      std::string call_id) {
-  return EditCall::Start(context, request, admitted, std::move(call_id));
+                                                      grpc::CallbackServerContext* rpc) {
+  return EditCall::Start(context, request, admitted, rpc);
 }
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::ApplyEditsRequest& request,
                                                       const absl::Status& admitted,
-                                                      std::string call_id) {
-  return EditCall::Start(context, request, admitted, std::move(call_id));
+                                                      grpc::CallbackServerContext* rpc) {
+  return EditCall::Start(context, request, admitted, rpc);
 }
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::RevertToRequest& request,
                                                       const absl::Status& admitted,
-                                                      std::string call_id) {
-  return EditCall::Start(context, request, admitted, std::move(call_id));
+                                                      grpc::CallbackServerContext* rpc) {
+  return EditCall::Start(context, request, admitted, rpc);
 }
 
 }  // namespace dynmesh::server

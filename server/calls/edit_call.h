@@ -5,32 +5,30 @@
 
 #include <grpcpp/support/server_callback.h>
 
-#include <string>
-
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "server/calls/admission.h"
 
 namespace dynmesh::server {
 
 // Each starts a call that frees itself; one that was not admitted ends with why. `request` is not
-// used after the return. `call_id`: call_id.h.
+// used after the return, `rpc` until the call is done.
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::AddFeaturesRequest& request,
                                                       const absl::Status& admitted,
-                                                      std::string call_id);
+                                                      grpc::CallbackServerContext* rpc);
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::RemoveFeaturesRequest& request,
                                                       const absl::Status& admitted,
-                                                      std::string call_id);
+                                                      grpc::CallbackServerContext* rpc);
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::ApplyEditsRequest& request,
                                                       const absl::Status& admitted,
-                                                      std::string call_id);
+                                                      grpc::CallbackServerContext* rpc);
 // Its batch is made on a reader's thread first.
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::RevertToRequest& request,
                                                       const absl::Status& admitted,
-                                                      std::string call_id);
+                                                      grpc::CallbackServerContext* rpc);
 
 }  // namespace dynmesh::server
 

@@ -14,6 +14,7 @@
 #include "server/base/log.h"
 #include "server/calls/call_id.h"
 #include "server/calls/requests.h"
+#include "server/calls/send_timeout.h"
 
 namespace dynmesh::server {
 
@@ -30,15 +31,10 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
                                const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<EditStreamCall>(context, rpc);
     call->self_ = call;
+    LimitSends(context, rpc, call->sender_);
     absl::Status status = pass.status();
-    absl::StatusOr<Lease> lease;
     if (status.ok()) {
       call->pass_ = *pass;
-      lease = TakeStream(context.edit_streams, "edit streams");
-      status = lease.status();
-    }
-    if (status.ok()) {
-      call->lease_ = *std::move(lease);
       streams.Add(call);
       // After Add, so that a drain sees either the closed gate here or the stream there.
       if (context.gate.closed()) status = DrainingError();
@@ -63,7 +59,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
   void OnReadDone(bool ok) override {
-    SetWaits(false);
+    SetWaitsNot();
     if (ok) {
       // The message belongs to this thread until reading_ is false.
       absl::Status status = Receive();
@@ -78,6 +74,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
   void OnWriteDone(bool ok) override {
+    sender_.Done();
     bool write = false;
     bool finish = false;
     bool read = false;
@@ -85,7 +82,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
       const std::lock_guard lock(mutex_);
       if (!ok) {
         broken_ = true;
-        EndLocked(absl::CancelledError("the client is gone"));
+        EndLocked(WhyCut(context_, sender_, "the client is gone"));
       }
       if (broken_ || current_->finished()) {
         context_.metrics->edits.send_seconds.Observe(SecondsSince(current_->answered));
@@ -103,7 +100,13 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
 
   void OnCancel() override {
     cancelled_->store(true, std::memory_order_relaxed);
-    End(absl::CancelledError("the call was cancelled"));
+    End(WhyCut(context_, sender_, "the call was cancelled"));
+    MeshRegistry::HostPtr host;
+    {
+      const std::lock_guard lock(mutex_);
+      host = host_;
+    }
+    if (host != nullptr) host->Withdraw(cancelled_);
   }
 
   void OnDone() override {
@@ -114,6 +117,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
            {"status", absl::StatusCodeToString(final_status_.code())}});
     }
     allowed_.Close();
+    sender_.Leave();
     self_.reset();
   }
 
@@ -145,6 +149,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     } else if (!request_.mesh().empty() && request_.mesh() != mesh_name_) {
       return BadRequest("mesh", "a stream edits one mesh, the one its first message names");
     }
+    brought_ = !partial_.has_value() || request_.edits_size() > 0;
     if (!partial_.has_value()) BeginBatch();
     partial_->Add(context_, request_, host_->mesh_options().dimension);
     if (!request_.more()) Submit();
@@ -156,6 +161,8 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
         OpenToEdit(context_, pass_, request_.mesh(), [rpc = rpc_] { rpc->TryCancel(); });
     if (!target.ok()) return target.status();
     allowed_ = std::move(target->allowed);
+    place_ = std::move(target->place);
+    const std::lock_guard lock(mutex_);
     host_ = std::move(target->host);
     return absl::OkStatus();
   }
@@ -200,6 +207,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     };
     DropPartial();
     host_->ApplyUnbounded(std::move(job));
+    if (cancelled_->load()) host_->Withdraw(cancelled_);
   }
 
   void DropPartial() {
@@ -229,7 +237,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   }
 
   void Read() {
-    SetWaits(partial_.has_value());
+    if (host_ == nullptr || partial_.has_value()) SetWaits(/*anew=*/brought_);
     StartRead(&request_);
   }
 
@@ -280,6 +288,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     grpc::WriteOptions options;
     // More is ready: let the transport put several small messages into one packet.
     if (more_answers_) options.set_buffer_hint();
+    sender_.Begin();
     StartWrite(&message_, options);
   }
 
@@ -335,20 +344,22 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   grpc::CallbackServerContext* const rpc_;
   Pass pass_;
   Access::Stream allowed_;                // the reader's, once there is a mesh; then until OnDone
+  Lease place_;                           // likewise
   std::shared_ptr<EditStreamCall> self_;  // until OnDone
-  Lease lease_;
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   const std::shared_ptr<std::atomic<bool>> stop_ = std::make_shared<std::atomic<bool>>(false);
 
   // The reader's.
   v1::EditBatch request_;
-  MeshRegistry::HostPtr host_;
+  MeshRegistry::HostPtr host_;  // written under mutex_
   std::string mesh_name_;
   bool stop_on_error_ = false;
+  bool brought_ = true;                  // the last message began a batch, or had some of it
   std::optional<PartialBatch> partial_;  // that is being received
   WorkGate::Ticket ticket_;              // that one's
 
   // The writer's, while writing_.
+  OpenSends::Sender sender_;
   v1::MeshDiff message_;
   bool more_answers_ = false;
 

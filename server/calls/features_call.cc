@@ -29,8 +29,9 @@ class FeaturesCall final
 }  // namespace
 
 grpc::ServerWriteReactor<v1::FeaturesChunk>* StartFeaturesCall(
-    ServiceContext& context, const v1::GetFeaturesRequest& request, const absl::Status& admitted) {
-  return FeaturesCall::Start(context, request, admitted);
+    ServiceContext& context, const v1::GetFeaturesRequest& request, const absl::Status& admitted,
+    grpc::CallbackServerContext* rpc) {
+  return FeaturesCall::Start(context, request, admitted, rpc);
 }
 
 }  // namespace dynmesh::server

@@ -13,6 +13,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/calls/call_id.h"
+#include "server/calls/send_timeout.h"
 
 namespace dynmesh::server {
 namespace {
@@ -53,9 +54,10 @@ class LoadCall final
                          const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<LoadCall>(context, rpc);
     call->self_ = call;
+    LimitSends(context, rpc, call->sender_);
     const absl::Status status = pass.ok() ? call->Enter(streams, *pass) : pass.status();
     if (status.ok()) {
-      call->StartRead(&call->request_);
+      call->Read(/*anew=*/true);
     } else {
       call->End(status);
     }
@@ -68,15 +70,16 @@ class LoadCall final
     {
       const std::lock_guard lock(mutex_);
       if (phase_ != Phase::kReceiving) return;
-      phase_ = Phase::kEnded;
-      final_status_ = status;
+      EndLocked(status);
       finish = FinishLocked();
     }
     if (finish) Close();
   }
 
   void OnReadDone(bool ok) override {
-    SetWaits(false);
+    SetWaitsNot();
+    const bool first = host_ == nullptr;
+    const std::size_t edits = job_.edits.size();
     absl::Status status;
     if (ok) {
       status = Receive();
@@ -97,8 +100,7 @@ class LoadCall final
     }
     // Unless a drain ended it meanwhile. The read does not keep the next one from doing so.
     if (!read) return;
-    SetWaits(true);
-    StartRead(&request_);
+    Read(/*anew=*/first || job_.edits.size() > edits);
   }
 
   void OnWriteDone(bool) override {
@@ -113,11 +115,18 @@ class LoadCall final
 
   void OnCancel() override {
     cancelled_->store(true, std::memory_order_relaxed);
-    End(absl::CancelledError("the call was cancelled"));
+    End(WhyCut(context_, sender_, "the call was cancelled"));
+    MeshRegistry::HostPtr host;
+    {
+      const std::lock_guard lock(mutex_);
+      if (phase_ == Phase::kSubmitted) host = host_;
+    }
+    if (host != nullptr) host->Withdraw(cancelled_);
   }
 
   void OnDone() override {
     allowed_.Close();
+    sender_.Leave();
     self_.reset();
   }
 
@@ -126,12 +135,14 @@ class LoadCall final
 
   absl::Status Enter(OpenStreams& streams, const Pass& pass) {
     pass_ = pass;
-    absl::StatusOr<Lease> lease = TakeStream(context_.edit_streams, "edit streams");
-    if (!lease.ok()) return lease.status();
-    lease_ = *std::move(lease);
     streams.Add(self_);
     // After Add, so that a drain sees either the closed gate here or the stream there.
     return context_.gate.closed() ? DrainingError() : absl::OkStatus();
+  }
+
+  void Read(bool anew) {
+    SetWaits(anew);
+    StartRead(&request_);
   }
 
   // Takes the message just read.
@@ -158,6 +169,7 @@ class LoadCall final
         OpenToEdit(context_, pass_, request_.mesh(), [rpc = rpc_] { rpc->TryCancel(); });
     if (!target.ok()) return target.status();
     allowed_ = std::move(target->allowed);
+    place_ = std::move(target->place);
     host_ = std::move(target->host);
     mesh_name_ = request_.mesh();
     job_.request_id = request_.request_id();
@@ -186,7 +198,8 @@ class LoadCall final
     };
     // Not after it was handed in: the call may be gone by then.
     const auto call = self_;
-    if (absl::Status s = host_->Apply(std::move(job_)); !s.ok()) call->Answer(s);
+    if (absl::Status s = host_->Apply(std::move(job_)); !s.ok()) return call->Answer(s);
+    if (call->cancelled_->load()) call->host_->Withdraw(call->cancelled_);
   }
 
   // On the strand.
@@ -195,8 +208,7 @@ class LoadCall final
     bool finish = false;
     {
       const std::lock_guard lock(mutex_);
-      phase_ = Phase::kEnded;
-      final_status_ = outcome.status();
+      EndLocked(outcome.status());
       if (outcome.ok()) EncodeResultLocked(*outcome);
       finish = FinishLocked();
     }
@@ -227,6 +239,13 @@ class LoadCall final
     StartWrite(&progress_);
   }
 
+  // Only from here on the client must read: until then nothing waits for how far it is.
+  void EndLocked(const absl::Status& status) {
+    phase_ = Phase::kEnded;
+    final_status_ = status;
+    sender_.Begin();
+  }
+
   // True once: the caller is to Close.
   bool FinishLocked() {
     if (phase_ != Phase::kEnded || writing_ || finished_) return false;
@@ -236,6 +255,7 @@ class LoadCall final
 
   void Close() {
     if (result_.has_value()) {
+      sender_.Begin();
       StartWriteAndFinish(&*result_, grpc::WriteOptions(), grpc::Status::OK);
     } else {
       Finish(codec::ToGrpcStatus(final_status_, "features"));
@@ -246,7 +266,6 @@ class LoadCall final
   grpc::CallbackServerContext* const rpc_;
   std::shared_ptr<LoadCall> self_;  // until OnDone
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
-  Lease lease_;
 
   // The reader's, then the strand's.
   Pass pass_;
@@ -254,10 +273,12 @@ class LoadCall final
   MeshRegistry::HostPtr host_;
   std::string mesh_name_;
   Access::Stream allowed_;
+  Lease place_;
   HeldEdits held_;
   EditJob job_;
 
   Response progress_;  // the writer's, while writing_
+  OpenSends::Sender sender_;
 
   std::mutex mutex_;
   Phase phase_ = Phase::kReceiving;

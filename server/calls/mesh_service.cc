@@ -15,12 +15,12 @@
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
-#include "server/calls/call_id.h"
 #include "server/calls/edit_call.h"
 #include "server/calls/edit_stream_call.h"
 #include "server/calls/features_call.h"
 #include "server/calls/load_call.h"
 #include "server/calls/requests.h"
+#include "server/calls/send_timeout.h"
 #include "server/calls/snapshot_call.h"
 #include "server/calls/watch_call.h"
 #include "server/version.h"
@@ -77,6 +77,43 @@ class CreateReactor final : public grpc::ServerUnaryReactor {
   std::atomic<bool> cancelled_{false};
 };
 
+// Waits for its turn among the edits, unless it is cancelled. Frees itself.
+class LocateCall final : public grpc::ServerUnaryReactor {
+ public:
+  LocateCall(MeshRegistry::HostPtr host, WorkGate::Ticket ticket,
+             v1::LocatePointsResponse* response)
+      : host_(std::move(host)), ticket_(std::move(ticket)), response_(response) {}
+
+  void Start(std::vector<double> points) {
+    const absl::Status status =
+        host_->Locate(std::move(points), cancelled_,
+                      [this](absl::StatusOr<MeshHost::LocateAnswer> a) { Answer(std::move(a)); });
+    if (!status.ok()) Finish(codec::ToGrpcStatus(status));
+  }
+  // Not before Start has returned.
+  void OnCancel() override {
+    cancelled_->store(true, std::memory_order_relaxed);
+    host_->Withdraw(cancelled_);
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  void Answer(const absl::StatusOr<MeshHost::LocateAnswer>& answer) {
+    if (answer.ok()) {
+      response_->set_revision(answer->revision);
+      response_->mutable_simplices()->mutable_vertex_ids()->Add(answer->simplices.begin(),
+                                                                answer->simplices.end());
+    }
+    ticket_.reset();
+    Finish(codec::ToGrpcStatus(answer.status()));
+  }
+
+  const MeshRegistry::HostPtr host_;
+  WorkGate::Ticket ticket_;
+  v1::LocatePointsResponse* const response_;  // until it is finished
+  const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
+};
+
 // Who calls. Valid as long as the call.
 Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer) {
   Caller caller;
@@ -113,13 +150,15 @@ void MeshServiceImpl::BeginDrain() {
 }
 
 void MeshServiceImpl::Tick() {
+  EndSlowReceivers(context_);
   codec::ServiceError error;
   error.reason = codec::reason::kBatchIncomplete;
   const absl::Duration limit = context_.config.batch_timeout;
   streams_.EndWaiting(
       absl::ToChronoNanoseconds(limit),
       codec::MakeServiceError(absl::StatusCode::kDeadlineExceeded,
-                              absl::StrCat("no further piece of the batch came for ",
+                              absl::StrCat("no first message, or no further piece of the batch, "
+                                           "came for ",
                                            absl::FormatDuration(limit), ": it was not applied"),
                               error));
 }
@@ -239,37 +278,27 @@ grpc::ServerUnaryReactor* MeshServiceImpl::LocatePoints(grpc::CallbackServerCont
   absl::Status status = CheckLocate(*request, (*host)->mesh_options().dimension);
   if (!status.ok()) return Finished(call, status);
 
-  auto* reactor = call->DefaultReactor();
-  status = (*host)->Locate(
-      {request->coordinates().begin(), request->coordinates().end()},
-      [reactor, response, held = *ticket](absl::StatusOr<MeshHost::LocateAnswer> answer) {
-        if (answer.ok()) {
-          response->set_revision(answer->revision);
-          response->mutable_simplices()->mutable_vertex_ids()->Add(answer->simplices.begin(),
-                                                                   answer->simplices.end());
-        }
-        reactor->Finish(codec::ToGrpcStatus(answer.status()));
-      });
-  if (!status.ok()) reactor->Finish(codec::ToGrpcStatus(status));
+  auto* reactor = new LocateCall(*host, *ticket, response);
+  reactor->Start({request->coordinates().begin(), request->coordinates().end()});
   return reactor;
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::AddFeatures(
     grpc::CallbackServerContext* call, const v1::AddFeaturesRequest* request) {
   return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       CallIdOf(*call));
+                       call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RemoveFeatures(
     grpc::CallbackServerContext* call, const v1::RemoveFeaturesRequest* request) {
   return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       CallIdOf(*call));
+                       call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::ApplyEdits(
     grpc::CallbackServerContext* call, const v1::ApplyEditsRequest* request) {
   return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       CallIdOf(*call));
+                       call);
 }
 
 grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* MeshServiceImpl::EditStream(
@@ -289,18 +318,20 @@ grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackS
 
 grpc::ServerWriteReactor<v1::SnapshotChunk>* MeshServiceImpl::GetSnapshot(
     grpc::CallbackServerContext* call, const v1::GetSnapshotRequest* request) {
-  return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status());
+  return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status(),
+                           call);
 }
 
 grpc::ServerWriteReactor<v1::FeaturesChunk>* MeshServiceImpl::GetFeatures(
     grpc::CallbackServerContext* call, const v1::GetFeaturesRequest* request) {
-  return StartFeaturesCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status());
+  return StartFeaturesCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status(),
+                           call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RevertTo(
     grpc::CallbackServerContext* call, const v1::RevertToRequest* request) {
   return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
-                       CallIdOf(*call));
+                       call);
 }
 
 }  // namespace dynmesh::server

@@ -16,7 +16,8 @@ class MeshServiceImpl final : public v1::MeshService::CallbackService {
 
   // Refuses new work and ends all streams, after what they hold is answered.
   void BeginDrain();
-  // Now and then: ends streams whose client leaves a batch unfinished.
+  // Now and then: ends streams whose client leaves a batch unfinished, and calls whose client
+  // does not take what they send.
   void Tick();
 
   grpc::ServerUnaryReactor* CreateMesh(grpc::CallbackServerContext* call,

@@ -1,10 +1,12 @@
 // The streams of clients that are open, so that a drain can end them, and those whose client is
-// there but leaves a batch unfinished, for what it has sent of it takes room. Thread-safe.
+// there but does not say which mesh it means, or leaves a batch unfinished, for what it has sent
+// of it takes room. Thread-safe.
 #ifndef DYNMESH_SERVER_CALLS_OPEN_STREAMS_H_
 #define DYNMESH_SERVER_CALLS_OPEN_STREAMS_H_
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -23,20 +25,23 @@ class OpenStream {
   // Answers what was received whole, then ends the stream. From any thread.
   virtual void End(const absl::Status& status) = 0;
 
-  // True if it waits for more of a batch since `time` or longer.
+  // True if it waits for its first message, or for more of a batch, since `time` or longer.
   bool WaitsSince(Clock::time_point time) const {
     return waits_since_.load(std::memory_order_relaxed) <= time.time_since_epoch().count();
   }
 
  protected:
-  // The reader's: from now on the client is waited for, or not.
-  void SetWaits(bool waits) {
-    waits_since_.store(waits ? Clock::now().time_since_epoch().count() : kNever,
-                       std::memory_order_relaxed);
+  // The reader's: the client is waited for, from now on or, if what it sent last brought nothing,
+  // from when it was before.
+  void SetWaits(bool anew) {
+    if (anew) since_ = Clock::now().time_since_epoch().count();
+    waits_since_.store(since_, std::memory_order_relaxed);
   }
+  void SetWaitsNot() { waits_since_.store(kNever, std::memory_order_relaxed); }
 
  private:
   static constexpr Clock::rep kNever = std::numeric_limits<Clock::rep>::max();
+  Clock::rep since_ = kNever;
   std::atomic<Clock::rep> waits_since_ = kNever;
 };
 
@@ -44,7 +49,10 @@ class OpenStreams {
  public:
   void Add(const std::shared_ptr<OpenStream>& stream) {
     const std::lock_guard lock(mutex_);
-    std::erase_if(streams_, [](const auto& weak) { return weak.expired(); });
+    if (streams_.size() >= clean_at_) {
+      std::erase_if(streams_, [](const auto& weak) { return weak.expired(); });
+      clean_at_ = 2 * streams_.size() + 64;
+    }
     streams_.push_back(stream);
   }
   void EndAll(const absl::Status& status) {
@@ -57,7 +65,7 @@ class OpenStreams {
       if (const auto stream = weak.lock()) stream->End(status);
     }
   }
-  // Those that wait for more of a batch for so long.
+  // Those that wait for so long.
   void EndWaiting(OpenStream::Clock::duration limit, const absl::Status& status) {
     const auto since = OpenStream::Clock::now() - limit;
     std::vector<std::shared_ptr<OpenStream>> waiting;
@@ -75,6 +83,7 @@ class OpenStreams {
  private:
   std::mutex mutex_;
   std::vector<std::weak_ptr<OpenStream>> streams_;
+  std::size_t clean_at_ = 64;
 };
 
 }  // namespace dynmesh::server

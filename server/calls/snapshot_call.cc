@@ -34,8 +34,9 @@ class SnapshotCall final
 }  // namespace
 
 grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
-    ServiceContext& context, const v1::GetSnapshotRequest& request, const absl::Status& admitted) {
-  return SnapshotCall::Start(context, request, admitted);
+    ServiceContext& context, const v1::GetSnapshotRequest& request, const absl::Status& admitted,
+    grpc::CallbackServerContext* rpc) {
+  return SnapshotCall::Start(context, request, admitted, rpc);
 }
 
 }  // namespace dynmesh::server

@@ -11,12 +11,11 @@
 #include "proto/codec/mesh_codec.h"
 #include "server/base/log.h"
 #include "server/calls/requests.h"
+#include "server/calls/send_timeout.h"
 #include "server/meshes/watch_filter.h"
 
 namespace dynmesh::server {
 namespace {
-
-grpc::Status ClientGone() { return {grpc::StatusCode::CANCELLED, "the client is gone"}; }
 
 // Exactly one party drives the call at a time, handing it on: Pump hands it to the
 // hub (idle), to the pool (work) or to gRPC (a write). So nothing here needs a lock.
@@ -26,6 +25,8 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
                           const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<WatchCall>();
     call->self_ = call;
+    call->context_ = &context;
+    LimitSends(context, rpc, call->sender_);
     const absl::Status status =
         pass.ok() ? call->Begin(context, request, *pass, rpc) : pass.status();
     if (!status.ok()) {
@@ -38,12 +39,17 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   }
 
   void OnSendInitialMetadataDone(bool ok) override { Continue(ok); }
-  void OnWriteDone(bool ok) override { Continue(ok); }
+  void OnWriteDone(bool ok) override {
+    sender_.Done();
+    Continue(ok);
+  }
   void OnCancel() override {
-    if (subscription_ != nullptr && subscription_->Cancel()) Finish(ClientGone());
+    if (subscription_ != nullptr && subscription_->Cancel())
+      Finish(codec::ToGrpcStatus(WhyCut(*context_, sender_, "the client is gone")));
   }
   void OnDone() override {
     allowed_.Close();
+    sender_.Leave();
     if (subscription_ != nullptr) {
       subscription_->Cancel();
       Log(LogLevel::kDebug, "watch_closed", {{"mesh", mesh_}});
@@ -55,7 +61,6 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   absl::Status Begin(ServiceContext& context, const v1::WatchRequest& request, const Pass& pass,
                      grpc::CallbackServerContext* rpc) {
     if (context.gate.closed()) return DrainingError();
-    readers_ = context.readers;
     absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(request.mesh());
     if (!host.ok()) return host.status();
     absl::StatusOr<WatchHub::Start> start = DecodeStart(request);
@@ -63,7 +68,6 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     absl::StatusOr<data::RegionChoice> regions = DecodeRegions(request.regions());
     if (!regions.ok()) return regions.status();
     if (!regions->IsEverything()) filter_.emplace(*std::move(regions));
-    snapshot_streams_ = &context.snapshot_streams;
     absl::StatusOr<Lease> lease = TakeStream(context.watchers, "watches");
     if (!lease.ok()) return lease.status();
     lease_ = *std::move(lease);
@@ -87,7 +91,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     if (ok) {
       Pump();
     } else {
-      Finish(ClientGone());
+      Finish(codec::ToGrpcStatus(WhyCut(*context_, sender_, "the client is gone")));
     }
   }
 
@@ -100,7 +104,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
       case Subscription::Step::kIdle:
         return;  // another thread may drive already: touch nothing
       case Subscription::Step::kWork:
-        readers_->Post([call = self_] { call->Send(call->subscription_->Work()); });
+        context_->readers->Post([call = self_] { call->Send(call->subscription_->Work()); });
         return;
     }
   }
@@ -114,7 +118,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     } else if (const auto* head = std::get_if<Head>(&item)) {
       event_.mutable_progress()->set_revision(head->revision);
       event_.mutable_progress()->set_hash(head->hash.ToHex());
-      StartWrite(&event_);
+      Write();
       return;
     } else {
       Finish(codec::ToGrpcStatus(std::get<absl::Status>(item)));
@@ -127,7 +131,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   // which all watchers share one: there are no more of them than of other snapshots.
   bool Filter(WatchItem& item) {
     if (std::holds_alternative<std::shared_ptr<const Mesh>>(item)) {
-      absl::StatusOr<Lease> lease = TakeStream(*snapshot_streams_, "snapshots under way");
+      absl::StatusOr<Lease> lease = TakeStream(context_->snapshot_streams, "snapshots under way");
       if (!lease.ok()) {
         Finish(codec::ToGrpcStatus(lease.status()));
         return false;
@@ -150,18 +154,23 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     } else {
       return false;
     }
-    StartWrite(&event_);
+    Write();
     return true;
   }
 
+  void Write() {
+    sender_.Begin();
+    StartWrite(&event_);
+  }
+
   std::shared_ptr<WatchCall> self_;  // until OnDone
-  WorkerPool* readers_ = nullptr;
+  ServiceContext* context_ = nullptr;
+  OpenSends::Sender sender_;
   Lease lease_;
   std::string mesh_;  // for the log
   Access::Stream allowed_;
   std::shared_ptr<Subscription> subscription_;
   std::optional<WatchFilter> filter_;
-  Quota* snapshot_streams_ = nullptr;
   Lease snapshot_lease_;  // of a filtered snapshot under way
   std::optional<codec::SnapshotFragmenter> snapshot_;
   std::optional<codec::DiffFragmenter> diff_;

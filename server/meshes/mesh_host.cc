@@ -31,6 +31,10 @@ absl::Status QueueFull(std::size_t waiting) {
       absl::StrCat(waiting, " requests wait for this mesh already: try again later"), error);
 }
 
+absl::Status CancelledInTime() {
+  return absl::CancelledError("the call was cancelled before its turn: nothing changed");
+}
+
 absl::Status RevisionMismatch(std::uint64_t expected, std::uint64_t present) {
   codec::ServiceError error;
   error.reason = codec::reason::kRevisionMismatch;
@@ -99,24 +103,37 @@ MeshHost::~MeshHost() { hub_->Close(absl::UnavailableError("the mesh is gone"));
 
 absl::Status MeshHost::Apply(EditJob job) {
   auto shared = std::make_shared<EditJob>(std::move(job));
-  const bool posted =
-      queue_->TryPost([self = shared_from_this(), shared] { self->Run(*shared); }, max_waiting_);
+  const bool posted = queue_->TryPost([self = shared_from_this(), shared] { self->Run(*shared); },
+                                      max_waiting_, OwnerOf(shared));
   return posted ? absl::OkStatus() : QueueFull(max_waiting_);
 }
 
 void MeshHost::ApplyUnbounded(EditJob job) {
   auto shared = std::make_shared<EditJob>(std::move(job));
-  queue_->Post([self = shared_from_this(), shared] { self->Run(*shared); });
+  queue_->Post([self = shared_from_this(), shared] { self->Run(*shared); }, OwnerOf(shared));
+}
+
+TaskOwner MeshHost::OwnerOf(std::shared_ptr<EditJob> job) {
+  if (job->cancelled == nullptr) return {};
+  const void* const key = job->cancelled.get();
+  return {key, [self = shared_from_this(), job = std::move(job)] {
+            absl::StatusOr<EditOutcome> outcome = CancelledInTime();
+            EditBatch().swap(job->edits);
+            self->Count(*job, outcome);
+            job->done(std::move(outcome));
+          }};
 }
 
 absl::Status MeshHost::Locate(std::vector<double> points,
+                              std::shared_ptr<const std::atomic<bool>> cancelled,
                               std::function<void(absl::StatusOr<LocateAnswer>)> done) {
   auto shared = std::make_shared<std::vector<double>>(std::move(points));
-  const auto task = [self = shared_from_this(), shared, done = std::move(done)] {
+  const auto task = [self = shared_from_this(), shared, done] {
     if (absl::Status status = self->closed(); !status.ok()) return done(status);
     done(LocateAnswer{self->mesh_->revision(), self->mesh_->Locate(*shared)});
   };
-  return queue_->TryPost(task, max_waiting_) ? absl::OkStatus() : QueueFull(max_waiting_);
+  const TaskOwner owner{cancelled.get(), [done] { done(CancelledInTime()); }};
+  return queue_->TryPost(task, max_waiting_, owner) ? absl::OkStatus() : QueueFull(max_waiting_);
 }
 
 absl::Status MeshHost::Features(std::optional<std::uint64_t> revision,
@@ -129,10 +146,11 @@ absl::Status MeshHost::Features(std::optional<std::uint64_t> revision,
     });
     return absl::OkStatus();
   }
-  const auto task = [self = shared_from_this(), revision, done = std::move(done)] {
+  const auto task = [self = shared_from_this(), revision, done] {
     done(self->PresentFeatures(revision));
   };
-  return queue_->TryPost(task, max_waiting_) ? absl::OkStatus() : QueueFull(max_waiting_);
+  const TaskOwner owner{cancelled.get(), [done] { done(CancelledInTime()); }};
+  return queue_->TryPost(task, max_waiting_, owner) ? absl::OkStatus() : QueueFull(max_waiting_);
 }
 
 absl::StatusOr<FeaturesAt> MeshHost::PresentFeatures(std::optional<std::uint64_t> revision) const {
@@ -244,7 +262,7 @@ absl::StatusOr<EditOutcome> MeshHost::Answer(EditJob& job) {
   }
   if (!job.refused.ok()) return job.refused;
   if (job.cancelled != nullptr && job.cancelled->load(std::memory_order_relaxed)) {
-    return absl::CancelledError("the call was cancelled before its turn: nothing changed");
+    return CancelledInTime();
   }
   // A retry comes before anything that may have changed since the first time.
   Fingerprint content;

@@ -64,7 +64,7 @@ struct EditJob {
   // Told, on the strand, how far it is: as ApplyOptions::progress, then of the journal. May be
   // null.
   std::function<void(const BatchProgress&)> progress;
-  // Called once, on the strand.
+  // Called once, on the strand or by Withdraw.
   std::function<void(absl::StatusOr<EditOutcome>)> done;
 };
 
@@ -104,8 +104,10 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   // The same without that limit, for callers that bound themselves.
   void ApplyUnbounded(EditJob job);
 
-  // As DynamicMesh::Locate, in turn with the edits. `done` is called on the strand.
+  // As DynamicMesh::Locate, in turn with the edits. `done` is called on the strand or by Withdraw.
+  // `cancelled` may be null.
   absl::Status Locate(std::vector<double> points,
+                      std::shared_ptr<const std::atomic<bool>> cancelled,
                       std::function<void(absl::StatusOr<LocateAnswer>)> done);
 
   // The features at a revision, by default the present one: from the journal on a reader's thread,
@@ -114,6 +116,13 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   absl::Status Features(std::optional<std::uint64_t> revision,
                         std::shared_ptr<const std::atomic<bool>> cancelled,
                         std::function<void(absl::StatusOr<FeaturesAt>)> done);
+
+  // Of what has that flag, now true, all that has not begun gives its place to others and is
+  // answered CANCELLED, on this thread. Whoever hands in asks the flag once more behind that: it
+  // may have turned true before there was something to withdraw.
+  void Withdraw(const std::shared_ptr<const std::atomic<bool>>& cancelled) {
+    queue_->Withdraw(cancelled.get());
+  }
 
   // Refuses and ends all that waits or watches with `status`.
   void Close(const absl::Status& status);
@@ -141,6 +150,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time now, WorkerPool* writers,
            WorkerPool* readers, const Options& options, Past past);
 
+  TaskOwner OwnerOf(std::shared_ptr<EditJob> job);
   // On the strand.
   void Run(EditJob& job);
   absl::StatusOr<FeaturesAt> PresentFeatures(std::optional<std::uint64_t> revision) const;

@@ -161,6 +161,62 @@ TEST_F(EditStreamTest, ABatchLeftUnfinishedIsGivenUp) {
   EXPECT_EQ(HeadOf().revision, 2u);
 }
 
+TEST_F(EditStreamTest, PiecesWithoutEditsDoNotKeepABatch) {
+  ServerConfig config;
+  config.batch_timeout = absl::Milliseconds(300);
+  StartWithMesh(config);
+  RawEditStream stream(*stub_);
+  stream.message().set_mesh("meshes/m");
+  stream.message().set_more(true);
+  stream.Add(AddPoint(1));
+  ASSERT_TRUE(stream.Send());
+  EXPECT_TRUE(Eventually([&] {
+    stream.message().set_more(true);
+    return !stream.Send();
+  }));
+  const absl::Status status = stream.Finish();
+  EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded);
+  EXPECT_EQ(ReasonOf(status), codec::reason::kBatchIncomplete);
+  EXPECT_EQ(HeadOf().revision, 0u);
+}
+
+TEST_F(EditStreamTest, StreamsThatSayNothingTakeNoPlaceAndEnd) {
+  ServerConfig config;
+  config.batch_timeout = absl::Milliseconds(300);
+  config.max_edit_streams = 1;
+  StartWithMesh(config);
+  std::vector<std::unique_ptr<RawEditStream>> silent;
+  grpc::ClientContext context;
+  v1::LoadFeaturesResponse told;
+  for (int i = 0; i < 20; ++i) silent.push_back(std::make_unique<RawEditStream>(*stub_));
+  const auto load = stub_->LoadFeatures(&context);
+  const auto edits = client_->OpenEdits("m");
+  ASSERT_TRUE(edits->Send({AddPoint(1)}).ok());
+  EXPECT_TRUE(edits->Receive()->result.ok());
+  for (const auto& stream : silent) {
+    EXPECT_FALSE(stream->Receive().has_value());
+    EXPECT_EQ(ReasonOf(stream->Finish()), codec::reason::kBatchIncomplete);
+  }
+  EXPECT_FALSE(load->Read(&told));
+  EXPECT_EQ(load->Finish().error_code(), grpc::StatusCode::DEADLINE_EXCEEDED);
+}
+
+TEST_F(EditStreamTest, ADrainEndsAStreamThatSaysNothing) {
+  StartWithMesh();
+  RawEditStream stream(*stub_);
+  grpc::ClientContext context;
+  const auto load = stub_->LoadFeatures(&context);
+  // The server has taken both when it has answered what came behind them.
+  v1::GetMeshRequest request;
+  request.set_mesh("meshes/m");
+  v1::Mesh mesh;
+  grpc::ClientContext behind;
+  ASSERT_TRUE(stub_->GetMesh(&behind, request, &mesh).ok());
+  EXPECT_TRUE(server_->Drain(kLong));
+  EXPECT_EQ(ReasonOf(stream.Finish()), codec::reason::kDraining);
+  EXPECT_EQ(ReasonOf(codec::FromGrpcStatus(load->Finish())), codec::reason::kDraining);
+}
+
 TEST_F(EditStreamTest, AStreamNamesOneMeshThatExists) {
   StartWithMesh();
   {

@@ -65,6 +65,7 @@ TEST(Flags, TheExampleHasEveryOptionAtItsDefault) {
   EXPECT_EQ(a.journal_history_bytes, b.journal_history_bytes);
   EXPECT_EQ(a.idle_timeout, b.idle_timeout);
   EXPECT_EQ(a.batch_timeout, b.batch_timeout);
+  EXPECT_EQ(a.send_timeout, b.send_timeout);
   EXPECT_EQ(a.compact_bytes, b.compact_bytes);
   EXPECT_EQ(a.compact_operations, b.compact_operations);
   EXPECT_EQ(a.drain_timeout, b.drain_timeout);

@@ -314,7 +314,7 @@ TEST_F(LoadTest, CancelledInTheMiddleOrWhileItRunsChangesNothing) {
   }
   // The client is not told when the server knows: then it ends without being let through.
   Mailbox<int> turn;
-  ASSERT_TRUE(Host()->Locate({}, [&](auto) { turn.Put(0); }).ok());
+  ASSERT_TRUE(Host()->Locate({}, nullptr, [&](auto) { turn.Put(0); }).ok());
   turn.Take();
   gate_->Release();
   ExpectUntouched();

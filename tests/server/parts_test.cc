@@ -44,6 +44,32 @@ TEST(SerialQueue, TasksRunInOrderAndNeverTwoAtATime) {
   EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
 }
 
+TEST(SerialQueue, WhatIsWithdrawnMakesRoomAndDoesNotRun) {
+  WorkerPool pool(1);
+  const auto queue = SerialQueue::Create(&pool);
+  Mailbox<int> begun, go, ran, withdrawn;
+  queue->Post([&] {
+    begun.Put(0);
+    go.Take();
+  });
+  begun.Take();
+  const int mine = 0, other = 0;
+  for (int i = 0; i < 4; ++i) {
+    const void* const key = i % 2 == 0 ? &mine : &other;
+    EXPECT_TRUE(queue->TryPost([&, i] { ran.Put(i); }, 4, {key, [&, i] { withdrawn.Put(i); }}));
+  }
+  EXPECT_FALSE(queue->TryPost([] {}, 4));
+  queue->Withdraw(&mine);
+  EXPECT_EQ(withdrawn.Take(), 0);
+  EXPECT_EQ(withdrawn.Take(), 2);
+  EXPECT_EQ(queue->waiting(), 2u);
+  EXPECT_TRUE(queue->TryPost([&] { ran.Put(4); }, 3));
+  go.Put(0);
+  for (const int i : {1, 3, 4}) EXPECT_EQ(ran.Take(), i);
+  queue->Withdraw(&other);  // all have run
+  EXPECT_EQ(withdrawn.size() + ran.size(), 0u);
+}
+
 TEST(Quota, GivesNoMoreThanItsLimitAndTakesBack) {
   Quota quota(10);
   Lease a = quota.Take(6);
@@ -61,6 +87,33 @@ TEST(Quota, GivesNoMoreThanItsLimitAndTakesBack) {
   EXPECT_EQ(quota.used(), 6u);
   c = Lease();
   EXPECT_EQ(quota.used(), 0u);
+}
+
+TEST(OpenSends, WhoTakesNothingIsEndedOnceAndWhoIsSlowIsNot) {
+  OpenSends sends;
+  OpenSends::Sender idle, stuck, slow;
+  int ended = 0;
+  for (OpenSends::Sender* sender : {&idle, &stuck, &slow}) {
+    sender->Enter(sends, [&ended] { ++ended; });
+  }
+  constexpr std::chrono::seconds kLimit{10};
+  OpenSends::Clock::time_point now{};
+  stuck.Begin(now);
+  // A message takes it almost the limit, again and again.
+  for (int i = 0; i < 3; ++i) {
+    slow.Begin(now);
+    now += kLimit - std::chrono::milliseconds(1);
+    sends.EndSlow(now - kLimit);
+    EXPECT_EQ(ended, i == 0 ? 0 : 1);
+    slow.Done();
+  }
+  EXPECT_TRUE(stuck.ended());
+  EXPECT_FALSE(slow.ended());
+  EXPECT_FALSE(idle.ended());
+  slow.Begin(now);
+  slow.Leave();
+  sends.EndSlow(now + kLimit);
+  EXPECT_EQ(ended, 1);
 }
 
 TEST(WorkGate, ADrainWaitsForTicketsAndAdmitsNoMore) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "dynmesh/error.h"
+#include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
 #include "tests/server/server_fixture.h"
 
@@ -349,7 +350,7 @@ TEST_F(ServiceTest, AnEditPastItsDeadlineIsUndone) {
   EXPECT_EQ(client->Apply("m", {AddPoint(1)}).status().code(), StatusCode::kDeadlineExceeded);
   // The gate still holds: the edit can only end because it was cancelled.
   Mailbox<int> turn;
-  ASSERT_TRUE(Host()->Locate({}, [&](auto) { turn.Put(0); }).ok());
+  ASSERT_TRUE(Host()->Locate({}, nullptr, [&](auto) { turn.Put(0); }).ok());
   turn.Take();
   EXPECT_EQ(HeadOf().revision, before.revision);
   EXPECT_EQ(HeadOf().hash, before.hash);
@@ -370,10 +371,72 @@ TEST_F(ServiceTest, ACancelledCallIsUndone) {
   context.TryCancel();
   EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
   Mailbox<int> turn;
-  ASSERT_TRUE(Host()->Locate({}, [&](auto) { turn.Put(0); }).ok());
+  ASSERT_TRUE(Host()->Locate({}, nullptr, [&](auto) { turn.Put(0); }).ok());
   turn.Take();
   EXPECT_EQ(HeadOf().revision, 0u);
   gate_->Release();
+}
+
+TEST_F(ServiceTest, CancelledCallsGiveUpTheirPlacesWhileTheirMeshIsBusy) {
+  ServerConfig config;
+  config.max_pending_edits = config.max_batch_edits = 10;
+  config.max_waiting_edits = 4;
+  StartWithMesh(config);
+  ASSERT_TRUE(client_->CreateMesh("n", {}).ok());
+  gate_->Hold();
+  grpc::ClientContext busy_context;
+  v1::ApplyEditsRequest request;
+  request.set_mesh("meshes/m");
+  codec::EncodeEdit(AddPoint(1), 2, request.add_edits());
+  const auto busy = stub_->ApplyEdits(&busy_context, request);
+  gate_->WaitForArrivals(1);
+  for (FeatureId id = 2; id <= 4; ++id) codec::EncodeEdit(AddPoint(id), 2, request.add_edits());
+
+  // A call, a stream and a load of which each holds much; and a query.
+  grpc::ClientContext call_context, stream_context, load_context, locate_context;
+  const auto call = stub_->ApplyEdits(&call_context, request);
+  const auto stream = stub_->EditStream(&stream_context);
+  v1::EditBatch batch;
+  batch.set_mesh("meshes/m");
+  for (FeatureId id = 5; id <= 7; ++id) codec::EncodeEdit(AddPoint(id), 2, batch.add_edits());
+  ASSERT_TRUE(stream->Write(batch));
+  const auto load = stub_->LoadFeatures(&load_context);
+  v1::LoadFeaturesRequest piece;
+  piece.set_mesh("meshes/m");
+  piece.set_last(true);
+  codec::EncodeFeature(AddPoint(8).feature, 2, piece.add_features());
+  ASSERT_TRUE(load->Write(piece));
+  v1::LocatePointsRequest where;
+  where.set_mesh("meshes/m");
+  v1::LocatePointsResponse found;
+  Mailbox<grpc::Status> located;
+  stub_->async()->LocatePoints(&locate_context, &where, &found,
+                               [&](grpc::Status status) { located.Put(std::move(status)); });
+  ASSERT_TRUE(Eventually([&] { return Host()->waiting() == 4; }));
+  client::EditParams dry;
+  dry.validate_only = true;
+  const EditBatch nine = ManyPoints(100, 9);
+  EXPECT_EQ(ReasonOf(client_->Apply("n", nine, dry).status()), codec::reason::kPendingLimit);
+
+  for (grpc::ClientContext* context :
+       {&call_context, &stream_context, &load_context, &locate_context}) {
+    context->TryCancel();
+  }
+  EXPECT_EQ(located.Take().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_TRUE(Eventually([&] { return Host()->waiting() == 0; }));
+  // All but the one edit that is under way can be had for another mesh.
+  EXPECT_TRUE(Eventually([&] { return client_->Apply("n", nine, dry).ok(); }));
+  EXPECT_EQ(HeadOf().revision, 0u);
+  gate_->Release();
+  v1::MeshDiff diff;
+  ASSERT_TRUE(busy->Read(&diff));
+  EXPECT_EQ(diff.to_revision(), 1u);
+  EXPECT_EQ(call->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_EQ(load->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_FALSE(busy->Read(&diff));
+  EXPECT_TRUE(busy->Finish().ok());
+  EXPECT_EQ(HeadOf().revision, 1u);
 }
 
 TEST_F(ServiceTest, LimitsAreKept) {
@@ -415,6 +478,7 @@ TEST_F(ServiceTest, LimitsAreKept) {
   ASSERT_TRUE(edits->Send({AddPoint(100)}).ok());
   ASSERT_TRUE(edits->Receive().has_value());
   const auto third = client_->OpenEdits("m");
+  ASSERT_TRUE(third->Send({AddPoint(101)}).ok());
   EXPECT_FALSE(third->Receive().has_value());
   EXPECT_EQ(ReasonOf(third->Finish()), codec::reason::kStreamLimit);
 }

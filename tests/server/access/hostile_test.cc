@@ -242,7 +242,7 @@ TEST_F(HostileTest, CallsCancelledInTheMiddleChangeNothing) {
     connection.Close();  // not a word
   }
   Mailbox<int> turn;  // after all of them
-  ASSERT_TRUE(Host()->Locate({}, [&](auto) { turn.Put(0); }).ok());
+  ASSERT_TRUE(Host()->Locate({}, nullptr, [&](auto) { turn.Put(0); }).ok());
   turn.Take();
   gate_->Release();
   ExpectServed();

@@ -55,7 +55,7 @@ class DurableRegistry {
     Result result = box.Take();
     // What the strand does after an answer, too, is done when it is through the next task.
     Mailbox<int> idle;
-    EXPECT_TRUE((*host)->Locate({}, [&](const auto&) { idle.Put(0); }).ok());
+    EXPECT_TRUE((*host)->Locate({}, nullptr, [&](const auto&) { idle.Put(0); }).ok());
     idle.Take();
     return result;
   }

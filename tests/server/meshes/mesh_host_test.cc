@@ -48,6 +48,39 @@ TEST_F(MeshHostTest, BatchesAreAppliedInTheOrderHandedIn) {
   }
 }
 
+TEST_F(MeshHostTest, WhatIsWithdrawnIsAnsweredAtOnceAndWhatRunsGoesOn) {
+  MeshHost::Options options;
+  options.max_waiting = 3;
+  const auto host = MakeHost(options);
+  gate_->Hold();
+  Mailbox<Result> first, withdrawn, last;
+  Mailbox<absl::Status> located;
+  const auto flag = std::make_shared<std::atomic<bool>>(false);
+  const auto job = [](FeatureId id, std::shared_ptr<const std::atomic<bool>> cancelled) {
+    EditJob made;
+    made.edits = {AddPoint(id)};
+    made.cancelled = std::move(cancelled);
+    return made;
+  };
+  ASSERT_TRUE(Submit(*host, job(1, nullptr), first).ok());
+  gate_->WaitForArrivals(1);
+  ASSERT_TRUE(Submit(*host, job(2, flag), withdrawn).ok());
+  ASSERT_TRUE(Submit(*host, job(3, flag), withdrawn).ok());
+  ASSERT_TRUE(host->Locate({}, flag, [&](const auto& a) { located.Put(a.status()); }).ok());
+  EXPECT_EQ(ReasonOf(Submit(*host, job(4, nullptr), last)), codec::reason::kQueueFull);
+  flag->store(true);
+  host->Withdraw(flag);
+  EXPECT_EQ(withdrawn.Take().status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(withdrawn.Take().status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(located.Take().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(host->waiting(), 0u);
+  EXPECT_EQ(first.size(), 0u);
+  ASSERT_TRUE(Submit(*host, job(4, nullptr), last).ok());
+  gate_->Release();
+  EXPECT_TRUE(first.Take().ok());
+  EXPECT_EQ(last.Take()->diff->to_revision, 2u);
+}
+
 TEST_F(MeshHostTest, AnEmptyBatchMakesNoRevision) {
   const auto host = MakeHost();
   const Result result = Apply(*host, EditBatch{});
@@ -323,7 +356,8 @@ TEST_F(MeshHostTest, LocateAnswersInTurnWithTheEdits) {
   job.edits = {AddPoint(1), AddPoint(2), AddPoint(3)};
   ASSERT_TRUE(Submit(*host, std::move(job), box).ok());
   Mailbox<absl::StatusOr<MeshHost::LocateAnswer>> answers;
-  ASSERT_TRUE(host->Locate({0.5, 0.5, 7, 7}, [&](auto a) { answers.Put(std::move(a)); }).ok());
+  ASSERT_TRUE(
+      host->Locate({0.5, 0.5, 7, 7}, nullptr, [&](auto a) { answers.Put(std::move(a)); }).ok());
   gate_->Release();
   const auto answer = answers.Take();
   ASSERT_TRUE(answer.ok());

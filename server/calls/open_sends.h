@@ -1,0 +1,82 @@
+// The calls that send, so that one whose client takes nothing can be ended: what it holds, a place
+// among the streams and perhaps an old mesh, it holds for nobody. Pings do not find it out: a
+// client's gRPC answers them for an application that does not read. Knows no gRPC. Thread-safe.
+#ifndef DYNMESH_SERVER_CALLS_OPEN_SENDS_H_
+#define DYNMESH_SERVER_CALLS_OPEN_SENDS_H_
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <limits>
+#include <mutex>
+#include <utility>
+
+#include "absl/container/flat_hash_set.h"
+
+namespace dynmesh::server {
+
+class OpenSends {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  // What one call sends, message by message. Belongs to whoever drives the call's writes.
+  class Sender {
+   public:
+    Sender() = default;
+    Sender(const Sender&) = delete;
+    Sender& operator=(const Sender&) = delete;
+    ~Sender() { Leave(); }
+
+    // `end` is called, once, if a message is under way for too long; not after Leave.
+    void Enter(OpenSends& sends, std::function<void()> end) {
+      Leave();
+      sends_ = &sends;
+      end_ = std::move(end);
+      const std::lock_guard lock(sends_->mutex_);
+      sends_->senders_.insert(this);
+    }
+    void Leave() {
+      if (sends_ == nullptr) return;
+      const std::lock_guard lock(sends_->mutex_);
+      sends_->senders_.erase(this);
+      sends_ = nullptr;
+    }
+
+    // A message is handed over; the client has taken it, or as much as makes room for the next.
+    void Begin(Clock::time_point now = Clock::now()) {
+      since_.store(now.time_since_epoch().count(), std::memory_order_relaxed);
+    }
+    void Done() { since_.store(kNever, std::memory_order_relaxed); }
+
+    // `end` was called.
+    bool ended() const { return ended_.load(std::memory_order_relaxed); }
+
+   private:
+    friend class OpenSends;
+    static constexpr Clock::rep kNever = std::numeric_limits<Clock::rep>::max();
+
+    OpenSends* sends_ = nullptr;
+    std::function<void()> end_;
+    std::atomic<Clock::rep> since_ = kNever;
+    std::atomic<bool> ended_ = false;
+  };
+
+  // Ends the calls whose message has been under way since `time` or longer.
+  void EndSlow(Clock::time_point time) {
+    const std::lock_guard lock(mutex_);
+    for (Sender* const sender : senders_) {
+      if (sender->since_.load(std::memory_order_relaxed) > time.time_since_epoch().count())
+        continue;
+      // Under the lock, so that the call is still there.
+      if (!sender->ended_.exchange(true)) sender->end_();
+    }
+  }
+
+ private:
+  std::mutex mutex_;
+  absl::flat_hash_set<Sender*> senders_;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_CALLS_OPEN_SENDS_H_
