@@ -120,7 +120,7 @@ class MeshClient {
   absl::StatusOr<EditResult> RevertTo(const std::string& mesh, std::uint64_t revision,
                                       const EditParams& params = {});
 
-  // A pipeline of batches. Open it when the first is there: a server does not wait for one for ever.
+  // A pipeline of batches. To be opened when there is one: a server does not wait for it for ever.
   std::unique_ptr<EditSession> OpenEdits(const std::string& mesh, bool stop_on_error = false);
 
   // Follows the mesh in a replica, until the session is destroyed. `listener` may be
