@@ -22,6 +22,7 @@ LEFT_OPEN = {
     *("RootDirectory=/RootImage=", "PrivateMounts=", "PrivateNetwork=", "IPAddressDeny="),
     *("RestrictAddressFamilies=~AF_UNIX", "RestrictAddressFamilies=~AF_(INET|INET6)"),
     "DeviceAllow=",  # of its own making: the clock, to be read, with ProtectClock
+    "SystemCallFilter=~@resources",  # of these setpriority alone
 }
 
 
@@ -64,6 +65,12 @@ class Systemd(unittest.TestCase):
         found, exposure = left_open(self.text)
         print(exposure)
         self.assertLessEqual(found, LEFT_OPEN)
+
+    def test_a_thread_may_give_way_and_no_more(self):
+        filters = re.findall(r"^SystemCallFilter=(.*)$", self.text, re.M)
+        self.assertEqual(
+            filters, ["@system-service", "~@privileged @resources", "setpriority"]
+        )
 
     def test_a_protection_that_is_gone_is_found(self):
         for key in ("DynamicUser", "CapabilityBoundingSet", "MemoryDenyWriteExecute", "ProtectHome",

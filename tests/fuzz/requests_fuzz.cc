@@ -274,7 +274,7 @@ class Service {
     if (!good.ok()) return CheckRefusal(good);
     std::promise<std::size_t> rows;
     const absl::Status posted =
-        (*host)->Locate({request.coordinates().begin(), request.coordinates().end()},
+        (*host)->Locate({request.coordinates().begin(), request.coordinates().end()}, nullptr,
                         [&rows](const absl::StatusOr<MeshHost::LocateAnswer>& answer) {
                           rows.set_value(answer.ok() ? answer->simplices.size() : 0);
                         });
@@ -333,8 +333,8 @@ class Service {
   server::ServerMetrics metrics_;
   const DynamicMesh* made_ = nullptr;  // the last
   MeshRegistry registry_{config_,
-                         [this](const MeshOptions& options) {
-                           auto mesh = DynamicMesh::Create(options);
+                         [this](const MeshOptions& options, const ApplyOptions& apply) {
+                           auto mesh = DynamicMesh::Create(options, apply);
                            if (mesh.ok()) made_ = mesh->get();
                            return mesh;
                          },
