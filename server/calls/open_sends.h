@@ -43,10 +43,12 @@ class OpenSends {
     }
 
     // A message is handed over; the client has taken it, or as much as makes room for the next.
+    // What was done before the one is seen after the other: gRPC sees to that, but no checker of
+    // threads sees gRPC.
     void Begin(Clock::time_point now = Clock::now()) {
-      since_.store(now.time_since_epoch().count(), std::memory_order_relaxed);
+      since_.store(now.time_since_epoch().count(), std::memory_order_release);
     }
-    void Done() { since_.store(kNever, std::memory_order_relaxed); }
+    void Done() { since_.exchange(kNever, std::memory_order_acquire); }
 
     // `end` was called.
     bool ended() const { return ended_.load(std::memory_order_relaxed); }
