@@ -100,13 +100,10 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
 
   absl::Status Apply(MeshHost& host, EditJob job) {
     job.cancelled = cancelled_;
-    const auto cancelled = cancelled_;  // the call may be gone when the job is handed in
     job.done = [call = self_](absl::StatusOr<EditOutcome> outcome) {
       call->Answer(std::move(outcome));
     };
-    absl::Status status = host.Apply(std::move(job));
-    if (status.ok() && cancelled->load()) host.Withdraw(cancelled);
-    return status;
+    return host.Apply(std::move(job));
   }
 
   void Answer(absl::StatusOr<EditOutcome> outcome) {

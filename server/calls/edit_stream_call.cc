@@ -207,7 +207,6 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     };
     DropPartial();
     host_->ApplyUnbounded(std::move(job));
-    if (cancelled_->load()) host_->Withdraw(cancelled_);
   }
 
   void DropPartial() {

@@ -198,8 +198,7 @@ class LoadCall final
     };
     // Not after it was handed in: the call may be gone by then.
     const auto call = self_;
-    if (absl::Status s = host_->Apply(std::move(job_)); !s.ok()) return call->Answer(s);
-    if (call->cancelled_->load()) call->host_->Withdraw(call->cancelled_);
+    if (absl::Status s = host_->Apply(std::move(job_)); !s.ok()) call->Answer(s);
   }
 
   // On the strand.

@@ -102,15 +102,27 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
 MeshHost::~MeshHost() { hub_->Close(absl::UnavailableError("the mesh is gone")); }
 
 absl::Status MeshHost::Apply(EditJob job) {
+  const auto self = shared_from_this();  // the job may be done, and nobody else hold this
   auto shared = std::make_shared<EditJob>(std::move(job));
-  const bool posted = queue_->TryPost([self = shared_from_this(), shared] { self->Run(*shared); },
-                                      max_waiting_, OwnerOf(shared));
-  return posted ? absl::OkStatus() : QueueFull(max_waiting_);
+  const auto cancelled = shared->cancelled;
+  if (!queue_->TryPost([self, shared] { self->Run(*shared); }, max_waiting_, OwnerOf(shared))) {
+    return QueueFull(max_waiting_);
+  }
+  WithdrawIfCancelled(cancelled);
+  return absl::OkStatus();
 }
 
 void MeshHost::ApplyUnbounded(EditJob job) {
+  const auto self = shared_from_this();
   auto shared = std::make_shared<EditJob>(std::move(job));
-  queue_->Post([self = shared_from_this(), shared] { self->Run(*shared); }, OwnerOf(shared));
+  const auto cancelled = shared->cancelled;
+  queue_->Post([self, shared] { self->Run(*shared); }, OwnerOf(shared));
+  WithdrawIfCancelled(cancelled);
+}
+
+// The flag may have turned true before there was something to withdraw.
+void MeshHost::WithdrawIfCancelled(const std::shared_ptr<const std::atomic<bool>>& cancelled) {
+  if (cancelled != nullptr && cancelled->load()) Withdraw(cancelled);
 }
 
 TaskOwner MeshHost::OwnerOf(std::shared_ptr<EditJob> job) {

@@ -118,8 +118,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
                         std::function<void(absl::StatusOr<FeaturesAt>)> done);
 
   // Of what has that flag, now true, all that has not begun gives its place to others and is
-  // answered CANCELLED, on this thread. Whoever hands in asks the flag once more behind that: it
-  // may have turned true before there was something to withdraw.
+  // answered CANCELLED, on this thread.
   void Withdraw(const std::shared_ptr<const std::atomic<bool>>& cancelled) {
     queue_->Withdraw(cancelled.get());
   }
@@ -151,6 +150,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
            WorkerPool* readers, const Options& options, Past past);
 
   TaskOwner OwnerOf(std::shared_ptr<EditJob> job);
+  void WithdrawIfCancelled(const std::shared_ptr<const std::atomic<bool>>& cancelled);
   // On the strand.
   void Run(EditJob& job);
   absl::StatusOr<FeaturesAt> PresentFeatures(std::optional<std::uint64_t> revision) const;

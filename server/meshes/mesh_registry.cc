@@ -25,6 +25,14 @@ absl::Status DamageOf(absl::string_view id, const absl::Status& status) {
                                 ". Restore the server's data folder, or delete the mesh"));
 }
 
+// Piece by piece among the pool's other work. Uses no registry, which may be gone before its pools.
+void SweepOn(WorkerPool* pool, Journal* journal, Journal::Key mesh,
+             const std::shared_ptr<std::atomic<bool>>& ended) {
+  pool->Post([=] {
+    if (!*ended && journal->Sweep(mesh)) SweepOn(pool, journal, mesh, ended);
+  });
+}
+
 }  // namespace
 
 MeshRegistry::MeshRegistry(const ServerConfig& config, MeshFactory factory, WorkerPool* writers,
@@ -213,18 +221,6 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name)
   if (it->second.host == nullptr) return it->second.damage;
   return it->second.host;
 }
-
-namespace {
-
-// Piece by piece among the pool's other work. Uses no registry, which may be gone before its pools.
-void SweepOn(WorkerPool* pool, Journal* journal, Journal::Key mesh,
-             const std::shared_ptr<std::atomic<bool>>& ended) {
-  pool->Post([=] {
-    if (!*ended && journal->Sweep(mesh)) SweepOn(pool, journal, mesh, ended);
-  });
-}
-
-}  // namespace
 
 absl::Status MeshRegistry::Delete(absl::string_view name) {
   const absl::StatusOr<std::string> id = ParseMeshName(name);

@@ -54,6 +54,18 @@ class SendTimeoutTest : public ServerFixture {
     }
     ExpectEnded(reader.Finish());
   }
+  // What `start` opens is not read: `given_up` waits until what it held is free.
+  template <typename Message, typename Request, typename Start, typename GivenUp>
+  void ExpectEndsUnread(Start start, GivenUp given_up) {
+    StartLarge(absl::Milliseconds(300));
+    Request request;
+    request.set_mesh("meshes/m");
+    grpc::ClientContext context;
+    const auto reader = start(&context, request);
+    reader->WaitForInitialMetadata();  // from here on it has its place
+    given_up();
+    ExpectEnds(*reader, Message());
+  }
   std::unique_ptr<client::MeshClient> Another() const {
     client::ClientOptions options;
     options.own_connection = true;
@@ -62,36 +74,19 @@ class SendTimeoutTest : public ServerFixture {
 };
 
 TEST_F(SendTimeoutTest, ASnapshotThatNobodyReadsGivesUpItsPlace) {
-  StartLarge(absl::Milliseconds(300));
-  v1::GetSnapshotRequest request;
-  request.set_mesh("meshes/m");
-  grpc::ClientContext context;
-  const auto reader = stub_->GetSnapshot(&context, request);
-  reader->WaitForInitialMetadata();  // from here on it has its place
-  ExpectFreePlace();
-  ExpectEnds(*reader, v1::SnapshotChunk());
+  ExpectEndsUnread<v1::SnapshotChunk, v1::GetSnapshotRequest>(
+      [this](auto... call) { return stub_->GetSnapshot(call...); }, [this] { ExpectFreePlace(); });
 }
 
 TEST_F(SendTimeoutTest, FeaturesThatNobodyReadsGiveUpTheirPlace) {
-  StartLarge(absl::Milliseconds(300));
-  v1::GetFeaturesRequest request;
-  request.set_mesh("meshes/m");
-  grpc::ClientContext context;
-  const auto reader = stub_->GetFeatures(&context, request);
-  reader->WaitForInitialMetadata();
-  ExpectFreePlace();
-  ExpectEnds(*reader, v1::FeaturesChunk());
+  ExpectEndsUnread<v1::FeaturesChunk, v1::GetFeaturesRequest>(
+      [this](auto... call) { return stub_->GetFeatures(call...); }, [this] { ExpectFreePlace(); });
 }
 
 TEST_F(SendTimeoutTest, AWatchThatNobodyReadsEnds) {
-  StartLarge(absl::Milliseconds(300));
-  v1::WatchRequest request;
-  request.set_mesh("meshes/m");
-  grpc::ClientContext context;
-  const auto reader = stub_->Watch(&context, request);
-  reader->WaitForInitialMetadata();
-  EXPECT_TRUE(Eventually([&] { return Host()->hub()->size() == 0; }));
-  ExpectEnds(*reader, v1::WatchEvent());
+  ExpectEndsUnread<v1::WatchEvent, v1::WatchRequest>(
+      [this](auto... call) { return stub_->Watch(call...); },
+      [this] { EXPECT_TRUE(Eventually([&] { return Host()->hub()->size() == 0; })); });
 }
 
 TEST_F(SendTimeoutTest, AnswersThatNobodyReadsEndTheirCalls) {
