@@ -124,11 +124,12 @@ struct Server::Impl {
 
   void Tick() {
     // Not the time of day, which may be set back.
-    registry.Tick(absl::UnixEpoch() +
-                  absl::FromChrono(std::chrono::steady_clock::now().time_since_epoch()));
+    const absl::Time now =
+        absl::UnixEpoch() + absl::FromChrono(std::chrono::steady_clock::now().time_since_epoch());
+    registry.Tick(now);
     service.Tick();
     memory.Measure();
-    access->Reload();
+    access->ReloadIfChanged(now);
   }
 
   void SetHealth(bool serving) {
@@ -258,7 +259,7 @@ std::string Server::address() const {
   return absl::StrCat(listen.substr(0, listen.rfind(':')), ":", impl_->port);
 }
 
-void Server::Reload() { impl_->access->Reload(/*force=*/true); }
+void Server::Reload() { impl_->access->Reload(); }
 
 MeshRegistry& Server::registry() { return impl_->registry; }
 

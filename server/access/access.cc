@@ -13,6 +13,8 @@
 namespace dynmesh::server {
 namespace {
 
+constexpr absl::Duration kSettled = absl::Seconds(1);
+
 absl::Status Unauthenticated(const char* reason, absl::string_view message) {
   codec::ServiceError error;
   error.reason = reason;
@@ -150,11 +152,21 @@ absl::StatusOr<Access::Stream> Access::Open(const Pass& pass, Role role, absl::s
   return stream;
 }
 
-void Access::Reload(bool force) {
+void Access::ReloadIfChanged(absl::Time now) {
   if (tokens_file_.empty()) return;
   const std::lock_guard reloading(reload_mutex_);
   const FileStamp stamp = StampOf(tokens_file_);
-  if (!force && stamp == stamp_) return;
+  if (std::exchange(last_seen_, stamp) != stamp) changed_ = now;
+  if (stamp != stamp_ && now - changed_ >= kSettled) ReadAgain(stamp);
+}
+
+void Access::Reload() {
+  if (tokens_file_.empty()) return;
+  const std::lock_guard reloading(reload_mutex_);
+  ReadAgain(StampOf(tokens_file_));
+}
+
+void Access::ReadAgain(const FileStamp& stamp) {
   stamp_ = stamp;
   absl::StatusOr<TokenTable> table = Read();
   if (!table.ok()) {

@@ -3,7 +3,8 @@
 // and a comparison with each that there is.
 //
 // Without a file of tokens everybody may do everything. With one, it is read again when it
-// changed; one that is gone or bad by then is logged, and the tokens stay what they were. A token
+// changed and then stayed the same for a second: one that is being written may be empty so far. One
+// that is gone or bad by then is logged, and the tokens stay what they were. A token
 // that is taken out, or loses a role, ends the streams that need it at once; calls that end by
 // themselves do so.
 #ifndef DYNMESH_SERVER_ACCESS_ACCESS_H_
@@ -20,6 +21,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "absl/time/time.h"
 #include "server/access/file_stamp.h"
 #include "server/access/rate_limit.h"
 #include "server/access/tokens.h"
@@ -78,8 +80,11 @@ class Access {
   absl::StatusOr<Stream> Open(const Pass& pass, Role role, absl::string_view mesh_id,
                               std::function<void()> cancel);
 
-  // Reads the tokens again, if their file changed or, with `force`, in any case.
-  void Reload(bool force = false);
+  // Looks at the file of tokens, to read it again a second after it changed. To be called now and
+  // then; `now` is that of any clock that only goes forward.
+  void ReloadIfChanged(absl::Time now);
+  // Reads it again in any case.
+  void Reload();
 
  private:
   struct Entry {
@@ -92,6 +97,7 @@ class Access {
   Access(std::string tokens_file, double requests_per_second)
       : tokens_file_(std::move(tokens_file)), rate_(requests_per_second) {}
   absl::StatusOr<TokenTable> Read() const;
+  void ReadAgain(const FileStamp& stamp);
   // The token with that hash as it is now.
   std::shared_ptr<const Token> Current(const Token& token) const;
 
@@ -102,7 +108,9 @@ class Access {
   std::map<std::uint64_t, Entry> streams_;
   std::uint64_t next_key_ = 1;
   std::mutex reload_mutex_;  // taken first
-  FileStamp stamp_;
+  FileStamp stamp_;          // of the file when it was read
+  FileStamp last_seen_;      // of the file at the last look, and when it first looked so
+  absl::Time changed_;
 };
 
 }  // namespace dynmesh::server

@@ -154,7 +154,7 @@ TEST_F(AccessTest, AnEmptyFileLetsNobodyIn) {
   EXPECT_EQ(ReasonOf(access_->Admit({header_, ""}).status()), codec::reason::kTokenUnknown);
 }
 
-TEST_F(AccessTest, AChangedFileIsReadAndABadOneIsNot) {
+TEST_F(AccessTest, AChangedFileIsReadAndABadOneStaysUnused) {
   Tokens("a " + HexOf("a") + " read=*\n");
   access_ = *Access::Create(path_, 0);
   EXPECT_TRUE(Admit("a").ok());
@@ -168,6 +168,30 @@ TEST_F(AccessTest, AChangedFileIsReadAndABadOneIsNot) {
   std::filesystem::remove(path_);
   access_->Reload();
   EXPECT_TRUE(Admit("b").ok());
+}
+
+TEST_F(AccessTest, AFileThatIsBeingWrittenIsNotRead) {
+  Tokens("a " + HexOf("a") + " read=*\n");
+  access_ = *Access::Create(path_, 0);
+  const absl::Time start = absl::UnixEpoch();
+  const auto look = [&](int milliseconds) {
+    access_->ReloadIfChanged(start + absl::Milliseconds(milliseconds));
+  };
+  look(0);
+  Tokens("");
+  look(100);
+  look(1000);
+  EXPECT_TRUE(Admit("a").ok());
+  Tokens("a " + HexOf("a") + " read=*\nb " + HexOf("b") + " read=*\n");
+  look(1100);
+  look(2000);
+  EXPECT_TRUE(Admit("a").ok());
+  EXPECT_EQ(ReasonOf(Admit("b").status()), codec::reason::kTokenUnknown);
+  look(2100);
+  EXPECT_TRUE(Admit("b").ok());
+  Tokens("");
+  access_->Reload();
+  EXPECT_EQ(ReasonOf(Admit("a").status()), codec::reason::kTokenUnknown);
 }
 
 TEST_F(AccessTest, StreamsEndWithTheirRights) {
