@@ -59,17 +59,4 @@ FacetBounds BoundsOf(std::span<const Ring3> rings, const FacetPlane& plane) {
   return bounds;
 }
 
-bool IsInside(std::span<const Ring3> rings, const FacetPlane& plane, const Point3& p) {
-  const int x = (plane.axis + 1) % 3, y = (plane.axis + 2) % 3;
-  bool inside = false;
-  for (const Ring3& ring : rings) {
-    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-      const Point3 &a = std::min(ring[i], ring[j]), &b = std::max(ring[i], ring[j]);
-      if ((a[y] > p[y]) == (b[y] > p[y])) continue;
-      inside ^= p[x] - a[x] < (b[x] - a[x]) * ((p[y] - a[y]) / (b[y] - a[y]));
-    }
-  }
-  return inside;
-}
-
 }  // namespace dynmesh::geometry

@@ -1,9 +1,9 @@
-// The plane of a polygon in space, and what lies inside the polygon.
+// The plane of a polygon in space.
 //
 // The polygon is given by its rings, closed chains of corners that lie in one plane up to
-// rounding. A place is inside what an odd number of rings goes around. Everything here is a
-// function of the rings as chains, to the bit: the same wherever a ring begins, whichever way it
-// goes, and in whatever order rings come. Pure functions, thread-safe.
+// rounding. Everything here is a function of the rings as chains, to the bit: the same wherever a
+// ring begins, whichever way it goes, and in whatever order rings come. Pure functions,
+// thread-safe.
 #ifndef DYNMESH_CORE_GEOMETRY_FACET_PLANE_H_
 #define DYNMESH_CORE_GEOMETRY_FACET_PLANE_H_
 
@@ -40,9 +40,6 @@ struct FacetBounds {
   double deviation = 0;  // of the corner farthest from the plane
 };
 FacetBounds BoundsOf(std::span<const Ring3> rings, const FacetPlane& plane);
-
-// Is p, near the plane, inside? Near an edge rounding decides. O(corners).
-bool IsInside(std::span<const Ring3> rings, const FacetPlane& plane, const Point3& p);
 
 }  // namespace dynmesh::geometry
 

@@ -16,6 +16,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
+#include "core/geometry/facet_interior.h"
 #include "core/geometry/facet_plane.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/region_tree.h"
@@ -46,7 +47,7 @@ class Facet {
     return std::binary_search(edges_.begin(), edges_.end(), Edge(std::minmax(a, b)));
   }
   // Is p, near the plane, inside?
-  bool IsInside(const Point& p) const { return geometry::IsInside(rings_, plane_, p); }
+  bool IsInside(const Point& p) const { return interior_.Holds(p); }
   // May the ball hold a place of it? Never no if it does.
   bool MayMeet(const Point& centre, double ball_radius) const {
     for (int k = 0; k < 3; ++k) {
@@ -65,6 +66,7 @@ class Facet {
   FeatureSlot feature_ = kNil;
   std::vector<geometry::Ring3> rings_;
   geometry::FacetPlane plane_;
+  geometry::FacetInterior interior_;
   double margin_ = 0;  // more than corners are off the plane
   std::vector<VertexIndex> corners_;
   std::vector<Edge> edges_;
@@ -85,6 +87,7 @@ Facet::Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot featur
   std::sort(corners_.begin(), corners_.end());
   std::sort(edges_.begin(), edges_.end());
   plane_ = geometry::PlaneOf(rings_);
+  interior_ = geometry::FacetInterior(rings_, plane_);
   const geometry::FacetBounds bounds = geometry::BoundsOf(rings_, plane_);
   lo = bounds.lo;
   hi = bounds.hi;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "core/plc/facet_rules.h"
@@ -200,7 +201,13 @@ typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
     if (!better(Judge(feature, other, limit_), other.id, KeyOf(other))) return;
     least.other = other;
   };
+  // Two facets may be near each other in as many cells as they have corners, each of which is
+  // looked at: so once.
+  absl::flat_hash_set<FeatureId> judged;
   const auto see_facet = [&](const Facet& other) {
+    if constexpr (std::is_same_v<F, Facet>) {
+      if (!judged.insert(other.id()).second) return;
+    }
     if constexpr (D == 3) {
       if (better(Judge(feature, other, limit_), other.id(), {})) least.other = other;
     }

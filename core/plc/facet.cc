@@ -1,27 +1,24 @@
 #include "core/plc/facet.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "core/geometry/constructions.h"
+#include "core/geometry/circumball.h"
 
 namespace dynmesh::plc {
 
 using geometry::Difference;
 using geometry::Dot;
-using geometry::Point2;
 using geometry::Point3;
 using geometry::Vector3;
 
 namespace {
 
-double Cross2(const Point2& u, const Point2& w) { return u[0] * w[1] - u[1] * w[0]; }
+// Edges that meet make angles larger than 2 atan of this.
+constexpr double kAside = 0.25;
 
-// Is v between u and w, counter-clockwise from u?
-bool IsBetween(const Point2& u, const Point2& v, const Point2& w) {
-  const double turn = Cross2(u, w), from = Cross2(u, v), to = Cross2(v, w);
-  return turn > 0 ? from > 0 && to > 0 : from > 0 || to > 0;
+Vector3 Sum(const Vector3& u, double factor, const Vector3& w) {
+  return {u[0] + factor * w[0], u[1] + factor * w[1], u[2] + factor * w[2]};
 }
 
 }  // namespace
@@ -29,26 +26,25 @@ bool IsBetween(const Point2& u, const Point2& v, const Point2& w) {
 Facet::Facet(FacetFeature feature)
     : feature_(std::move(feature)),
       plane_(geometry::PlaneOf(feature_.places)),
+      interior_(feature_.places, plane_),
       bounds_(geometry::BoundsOf(feature_.places, plane_)) {
-  const auto& places = feature_.places;
-  for (std::size_t r = 0; r < places.size(); ++r) {
-    double area = 0;  // twice that of the shadow
-    for (std::size_t i = 0; i < places[r].size(); ++i) {
+  for (std::size_t r = 0; r < feature_.places.size(); ++r) {
+    const geometry::Ring3& places = feature_.places[r];
+    Vector3 area = {0, 0, 0};  // twice
+    for (std::size_t i = 0; i < places.size(); ++i) {
       corners_.push_back({feature_.rings[r][i], r, i});
       if (i < 2) continue;
-      area += geometry::Cross(Shadow(places[r][i - 1]), Shadow(places[r][i]), Shadow(places[r][0]));
+      area = Sum(area, 1,
+                 geometry::Cross(Difference(places[i - 1].c, places[0].c),
+                                 Difference(places[i].c, places[0].c)));
     }
-    counter_clockwise_.push_back(area > 0);
-    area_ = std::max(area_, std::abs(area) / 2);
+    area_ = std::max(area_, std::abs(Dot(area, plane_.normal)) / 2);
+    // A little to the left of the first edge.
+    const Corner first = {feature_.rings[r][0], r, 0};
+    const Vector3 along = Difference(places[1].c, places[0].c);
+    inside_left_.push_back(interior_.OpensTo(places[0], Sum(along, kAside, LeftOf(first))));
   }
-  area_ /= plane_.normal[plane_.axis];
   std::sort(corners_.begin(), corners_.end());
-  for (std::size_t r = 0; r < places.size(); ++r) {
-    const Point3 middle = geometry::Midpoint(places[r][0], places[r][1]);
-    bool in_others = false;
-    for (std::size_t q = 0; q < places.size(); ++q) in_others ^= q != r && IsIn(q, middle);
-    inside_left_.push_back(counter_clockwise_[r] != in_others);
-  }
 }
 
 double Facet::Extent() const {
@@ -75,41 +71,29 @@ bool Facet::HasEdge(FeatureId p, FeatureId q) const {
   });
 }
 
-bool Facet::IsIn(std::size_t ring, const Point3& p) const {
-  return geometry::IsInside(std::span(feature_.places).subspan(ring, 1), plane_, p);
-}
-
-// Rings that do not come here are around the corner or not; of those that do, the wedge counts.
 bool Facet::OpensTo(FeatureId point, const Vector3& direction) const {
   const auto visits = At(point);
   if (visits.empty()) return false;
-  const Vector3 d = Difference(direction, [&] {
-    Vector3 across = plane_.normal;
-    for (double& x : across) x *= Dot(direction, plane_.normal);
-    return across;
-  }());
-  const Point2 to = Shadow({d});
-  const Point3& apex = PlaceOf(visits.front());
-  bool inside = false;
-  for (std::size_t r = 0; r < feature_.rings.size(); ++r) {
-    const auto is_of_ring = [&](const Corner& c) { return c.ring == r; };
-    if (std::none_of(visits.begin(), visits.end(), is_of_ring)) {
-      inside ^= IsIn(r, apex);
+  const Vector3 to = Sum(direction, -Dot(direction, plane_.normal), plane_.normal);
+  for (const Corner& c : visits) {
+    for (const bool next : {false, true}) {
+      const Vector3 edge = Difference(PlaceOf(Beside(c, next)).c, PlaceOf(c).c);
+      // Seen along the axis, as the interior is.
+      if (geometry::Cross(edge, to)[static_cast<std::size_t>(plane_.axis)] == 0 &&
+          Dot(edge, to) > 0) {
+        return false;
+      }
     }
   }
-  for (const Corner& c : visits) {
-    const auto along = [&](bool next) {
-      return Shadow({Difference(PlaceOf(Beside(c, next)).c, apex.c)});
-    };
-    const bool ccw = counter_clockwise_[c.ring];
-    inside ^= IsBetween(along(ccw), to, along(!ccw));
-  }
-  return inside;
+  return interior_.OpensTo(PlaceOf(visits.front()), to);
+}
+
+Vector3 Facet::LeftOf(const Corner& c) const {
+  return geometry::Cross(plane_.normal, Difference(PlaceOf(Beside(c, true)).c, PlaceOf(c).c));
 }
 
 Vector3 Facet::InwardOf(const Corner& c) const {
-  const Vector3 edge = Difference(PlaceOf(Beside(c, true)).c, PlaceOf(c).c);
-  Vector3 inward = geometry::Cross(plane_.normal, edge);  // to the left
+  Vector3 inward = LeftOf(c);
   const double length = std::sqrt(Dot(inward, inward));
   for (double& x : inward) x *= (inside_left_[c.ring] ? 1 : -1) / length;
   return inward;

@@ -1,10 +1,10 @@
 // A facet of space with its plane, to ask what lies in it and what is beside its edges.
 //
-// Inside is even-odd (geometry/facet_plane.h); near an edge rounding decides, far nearer than
+// Inside is even-odd (geometry/facet_interior.h); near an edge rounding decides, far nearer than
 // features may be. Rings do not cross (a facet is looked at after its edges), so on which side of
 // an edge the inside is, is one answer for a whole ring.
-// Immutable, thread-safe. Making one O(corners * rings), `Holds` and `OpensTo` O(corners), the
-// others O(lg corners).
+// Immutable, thread-safe. Making one O(corners lg^2 corners), `Holds` and `OpensTo`
+// O(lg^2 corners), the others O(lg corners).
 #ifndef DYNMESH_CORE_PLC_FACET_H_
 #define DYNMESH_CORE_PLC_FACET_H_
 
@@ -13,6 +13,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/geometry/facet_interior.h"
 #include "core/geometry/facet_plane.h"
 #include "core/geometry/point.h"
 #include "core/plc/delta.h"
@@ -39,7 +40,7 @@ class Facet {
   const geometry::FacetPlane& plane() const { return plane_; }
   // Of the corner farthest from the plane.
   double deviation() const { return bounds_.deviation; }
-  // Of the largest ring; maybe no number if that is 0.
+  // Of the largest ring.
   double area() const { return area_; }
   // The box around its corners.
   const geometry::Point3& lo() const { return bounds_.lo; }
@@ -56,28 +57,24 @@ class Facet {
   bool HasEdge(FeatureId p, FeatureId q) const;
 
   // Is the foot of `p` in the inside?
-  bool Holds(const geometry::Point3& p) const {
-    return geometry::IsInside(feature_.places, plane_, plane_.Foot(p));
-  }
-  // Does `direction`, laid into the plane, lead from the corner `point` into the inside?
+  bool Holds(const geometry::Point3& p) const { return interior_.Holds(plane_.Foot(p)); }
+  // Does `direction`, laid into the plane, lead from the corner `point` into the inside? Not if it
+  // leads along an edge.
   bool OpensTo(FeatureId point, const geometry::Vector3& direction) const;
   // Of length 1, in the plane, across the edge from `c` to the next corner, into the inside.
   geometry::Vector3 InwardOf(const Corner& c) const;
 
  private:
-  bool IsIn(std::size_t ring, const geometry::Point3& p) const;
-  // Along the axis nearest to the normal: what turns counter-clockwise seen from its tip does so.
-  geometry::Point2 Shadow(const geometry::Point3& p) const {
-    return {{p[(plane_.axis + 1) % 3], p[(plane_.axis + 2) % 3]}};
-  }
+  // In the plane, across the edge from `c` to the next corner, to the left; as long as the edge.
+  geometry::Vector3 LeftOf(const Corner& c) const;
 
   FacetFeature feature_;
   geometry::FacetPlane plane_;
+  geometry::FacetInterior interior_;
   geometry::FacetBounds bounds_;
   double area_ = 0;
   std::vector<Corner> corners_;
-  std::vector<bool> counter_clockwise_;  // by ring
-  std::vector<bool> inside_left_;        // by ring: of its edges
+  std::vector<bool> inside_left_;  // by ring: of its edges
 };
 
 }  // namespace dynmesh::plc

@@ -34,6 +34,13 @@ auto InDimension(int dimension, F f) {
   return dimension == 2 ? f(std::integral_constant<int, 2>()) : f(std::integral_constant<int, 3>());
 }
 
+// An empty one that propagates every batch.
+inline std::unique_ptr<DynamicMesh> NewMesh(const MeshOptions& options) {
+  return InDimension(options.dimension, [&](auto d) -> std::unique_ptr<DynamicMesh> {
+    return std::make_unique<LiveMesh<d()>>(options, AlwaysPropagate());
+  });
+}
+
 // The options that most will want in D dimensions.
 template <int D>
 MeshOptions DefaultsIn() {
@@ -198,9 +205,7 @@ inline RunReport RunScript(Distribution d, int n, double quality, std::uint64_t 
 // Does the script, batch by batch, lead to a difference at its end or before?
 inline Difference Replay(const std::vector<EditBatch>& script, const MeshOptions& options,
                          const RunPlan& plan = {}) {
-  const auto mesh = InDimension(options.dimension, [&](auto d) -> std::unique_ptr<DynamicMesh> {
-    return std::make_unique<LiveMesh<d()>>(options, AlwaysPropagate());
-  });
+  const auto mesh = NewMesh(options);
   Replica replica(*mesh);
   for (const EditBatch& batch : script) {
     const auto diff = mesh->Apply(batch);

@@ -285,6 +285,9 @@ TEST(SpacePlc, SegmentsRiseFromPolygonsAtSeventyDegreesOrMore) {
   // Away from the inside the angles to the edges count.
   ExpectLegal(spike(150));
   ExpectLegal(spike(180));
+  // Right over an edge, too: at 63 degrees.
+  ExpectLegal(Plate() +
+              EditBatch{AddPoint3(20, 0.35, 0.25, 0.7), Edit::Add(Feature::Segment(21, 1, 20))});
 }
 
 TEST(SpacePlc, SegmentsMeetAtSixtyDegreesOrMore) {
