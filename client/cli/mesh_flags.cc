@@ -58,7 +58,7 @@ void AddRegionFlag(CLI::App& command, std::string& text) {
   command
       .add_option("--region", text,
                   "Only what lies in at least one of these polygons (any: in any at all); in space "
-                  "in closed surfaces, each by the least id of its polygons")
+                  "in closed surfaces, each by the id that `dynmesh stats` has for it")
       ->type_name("ID[,ID...]|any");
 }
 
@@ -78,11 +78,11 @@ absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text) {
 
 void AddOutsideFlag(CLI::App& command, std::string& text) {
   command
-      .add_option(
-          "--outside", text,
-          "Nothing that lies in one of these polygons (holes: in one that a .poly of the "
-          "plane marks as a hole); in space in closed surfaces, each by the least id of its "
-          "polygons")
+      .add_option("--outside", text,
+                  "Nothing that lies in one of these polygons (holes: in one that a .poly of the "
+                  "plane marks as a hole); in space in closed surfaces, each by the id that "
+                  "`dynmesh stats` "
+                  "has for it")
       ->type_name("ID[,ID...]|holes");
 }
 
@@ -135,9 +135,11 @@ void WarnOfUnknownRegions(const data::RegionChoice& choice, const Mesh& mesh) {
   for (const auto& [flag, ids] : {std::pair("--region", &choice.in), {"--outside", &choice.out}}) {
     for (const FeatureId id : *ids) {
       if (known.contains(id)) continue;
-      PrintWarning(data::Concat(
-          flag, ": nothing of the mesh lies in ", id,
-          mesh.dimension == 3 ? "; a closed surface goes by the least id of its polygons" : ""));
+      PrintWarning(
+          data::Concat(flag, ": nothing of the mesh lies in ", id,
+                       mesh.dimension == 3
+                           ? "; a closed surface goes by one of its polygons, mostly the least id"
+                           : ""));
     }
   }
 }

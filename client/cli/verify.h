@@ -34,9 +34,8 @@
 //   facets       (if the input is given) the subfacets of every polygon cover it exactly once,
 //                flat but for rounding; and none has another marker. They are one sheet: of a
 //                nearly flat tetrahedron whose corners are all on a polygon, one side counts
-//   regions      (if the input is given) the closed surfaces that neighbours say they are inside
-//                of differ by the one that they have a subfacet of between them, and on the border
-//                there is none. With the other checks: all are inside of those that they say
+//   regions      (if the input is given) every tetrahedron says which closed surfaces it is inside
+//                of, told by going from one to the next through all that is no subfacet
 // and what is bad for the sake of a small angle is not excused.
 #ifndef DYNMESH_CLIENT_CLI_VERIFY_H_
 #define DYNMESH_CLIENT_CLI_VERIFY_H_

@@ -1,13 +1,14 @@
-// Does every tetrahedron say which closed surfaces it lies inside of? Outside of the box it is
-// none. From there to any tetrahedron leads a way through faces, and what it passes through an odd
-// number of times is what the tetrahedron lies inside of: so it is enough that labels differ by
-// the surface of the face between two neighbours, and agree where there is none. CheckFacets finds
-// that subfacets are the polygons, exactly once, and other checks that tetrahedra fill the box.
+// Does every tetrahedron say which closed surfaces it lies inside of? Polygons cut the mesh into
+// cells, which are found by going from tetrahedron to tetrahedron; what one piece of them alone
+// leaves between it, its chambers, are cells joined across all others. CheckFacets finds that
+// subfacets are the polygons, exactly once, and other checks that tetrahedra fill the box.
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <iterator>
+#include <functional>
 #include <map>
+#include <numeric>
+#include <queue>
 #include <set>
 #include <string>
 #include <utility>
@@ -24,10 +25,10 @@ using data::Concat;
 using Joint = std::pair<FeatureId, FeatureId>;
 using Corners = std::array<std::uint32_t, 3>;
 
-// By the definition of dynmesh/mesh.h: the surface of each polygon that is part of one.
-class Surfaces {
+// By the definition of dynmesh/mesh.h: polygons that may be part of a closed surface, by piece.
+class Pieces {
  public:
-  explicit Surfaces(const std::vector<Feature>& features) {
+  explicit Pieces(const std::vector<Feature>& features) {
     for (const Feature& f : features) {
       if (f.kind != FeatureKind::kPolygon) continue;
       for (const auto& ring : f.rings) {
@@ -39,14 +40,14 @@ class Surfaces {
       }
     }
     DropWhatDangles();
-    while (!joints_.empty()) TakePiece(joints_.begin()->first);
+    for (const auto& [polygon, joints] : joints_) {
+      if (!piece_of_.contains(polygon)) TakePiece(polygon);
+    }
   }
 
-  // kNoFeature if there is none.
-  FeatureId Of(FeatureId polygon) const {
-    const auto it = surface_of_.find(polygon);
-    return it == surface_of_.end() ? kNoFeature : it->second;
-  }
+  std::size_t size() const { return count_; }
+  bool Has(FeatureId polygon) const { return piece_of_.contains(polygon); }
+  std::size_t Of(FeatureId polygon) const { return piece_of_.at(polygon); }
 
  private:
   void DropWhatDangles() {
@@ -67,40 +68,73 @@ class Surfaces {
     }
   }
 
-  // All that hangs together with the polygon leaves joints_.
+  // All that hangs together with the polygon.
   void TakePiece(FeatureId polygon) {
-    std::set<FeatureId> piece = {polygon};
     std::vector<FeatureId> ahead = {polygon};
-    bool is_closed = true;
+    piece_of_[polygon] = count_;
     while (!ahead.empty()) {
       const FeatureId next = ahead.back();
       ahead.pop_back();
-      for (const Joint& joint : joints_[next]) {
-        const std::set<FeatureId>& there = polygons_[joint];
-        is_closed = is_closed && there.size() % 2 == 0;
-        for (const FeatureId other : there) {
-          if (piece.insert(other).second) ahead.push_back(other);
+      for (const Joint& joint : joints_.at(next)) {
+        for (const FeatureId other : polygons_.at(joint)) {
+          if (piece_of_.emplace(other, count_).second) ahead.push_back(other);
         }
       }
     }
-    for (const FeatureId part : piece) {
-      if (is_closed) surface_of_[part] = *piece.begin();
-      joints_.erase(part);
-    }
+    ++count_;
   }
 
   std::map<FeatureId, std::vector<Joint>> joints_;
   std::map<Joint, std::set<FeatureId>> polygons_;
-  std::map<FeatureId, FeatureId> surface_of_;
+  std::map<FeatureId, std::size_t> piece_of_;
+  std::size_t count_ = 0;
 };
 
-// What is in one and not in the other is `step` alone, or nothing if that is kNoFeature.
-bool DifferBy(const std::vector<FeatureId>& one, const std::vector<FeatureId>& other,
-              FeatureId step) {
-  std::vector<FeatureId> difference;
-  std::set_symmetric_difference(one.begin(), one.end(), other.begin(), other.end(),
-                                std::back_inserter(difference));
-  return step == kNoFeature ? difference.empty() : difference == std::vector<FeatureId>{step};
+class Partition {
+ public:
+  explicit Partition(std::size_t size) : parents_(size) {
+    std::iota(parents_.begin(), parents_.end(), std::size_t{0});
+  }
+  std::size_t Find(std::size_t i) {
+    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
+    return i;
+  }
+  void Join(std::size_t i, std::size_t j) { parents_[Find(i)] = Find(j); }
+
+ private:
+  std::vector<std::size_t> parents_;
+};
+
+// What a polygon separates.
+struct Wall {
+  FeatureId polygon;
+  std::array<std::size_t, 2> cells;  // the lesser first
+  friend auto operator<=>(const Wall&, const Wall&) = default;
+};
+
+// The id of each chamber's surface; that of the outside is kNoFeature. `walls`: those of the piece,
+// by ascending id; `chamber_of(cell)`. From the outside the polygon of least id that leads into a
+// chamber without a name gives it its own.
+template <class ChamberOf>
+std::map<std::size_t, FeatureId> NameChambers(const std::vector<Wall>& walls, std::size_t outside,
+                                              ChamberOf chamber_of) {
+  std::map<std::size_t, std::vector<std::size_t>> walls_at;
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    for (const std::size_t cell : walls[i].cells) walls_at[chamber_of(cell)].push_back(i);
+  }
+  std::map<std::size_t, FeatureId> names;
+  std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>> ahead;
+  const auto enter = [&](std::size_t chamber, FeatureId id) {
+    if (!names.emplace(chamber, id).second) return;
+    for (const std::size_t i : walls_at[chamber]) ahead.push(i);
+  };
+  enter(chamber_of(outside), kNoFeature);
+  while (!ahead.empty()) {
+    const Wall& wall = walls[ahead.top()];
+    ahead.pop();
+    for (const std::size_t cell : wall.cells) enter(chamber_of(cell), wall.polygon);
+  }
+  return names;
 }
 
 std::string NameOf(const std::vector<FeatureId>& surfaces) {
@@ -113,28 +147,62 @@ std::string NameOf(const std::vector<FeatureId>& surfaces) {
 VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& faces,
                          const std::vector<Feature>& features) {
   Findings findings("regions");
-  const Surfaces surfaces(features);
-  absl::flat_hash_map<Corners, FeatureId> walls;
+  const Pieces pieces(features);
+  absl::flat_hash_map<Corners, FeatureId> polygon_of;
   for (const auto& face : mesh.faces) {
-    if (const FeatureId surface = surfaces.Of(face.owner)) walls.emplace(face.corners, surface);
+    if (pieces.Has(face.owner)) polygon_of.emplace(face.corners, face.owner);
   }
-  const std::vector<FeatureId> none;
-  const auto region_of = [&](const Face& face) -> const std::vector<FeatureId>& {
-    const std::uint32_t number = mesh.regions.Of(face.tetrahedron);
-    return number == 0 ? none : mesh.regions.polygons[number - 1];
+  // Tetrahedra that no polygon separates are one cell; what is beyond the box is one, too.
+  const std::size_t beyond = mesh.tetrahedra.size();
+  Partition joined(beyond + 1);
+  const auto for_each_pair = [&](auto f) {
+    ForEachTriangle(faces, [&](const Face* face, std::size_t count) {
+      const auto it = polygon_of.find(face->v);
+      f(face[0].tetrahedron, count < 2 ? beyond : face[1].tetrahedron,
+        it == polygon_of.end() ? kNoFeature : it->second);
+    });
   };
-  ForEachTriangle(faces, [&](const Face* face, std::size_t count) {
-    const auto wall = walls.find(face->v);
-    const FeatureId step = wall == walls.end() ? kNoFeature : wall->second;
-    const std::vector<FeatureId>& here = region_of(face[0]);
-    const std::vector<FeatureId>& beyond = count < 2 ? none : region_of(face[1]);
-    if (DifferBy(here, beyond, step)) return;
-    findings.Add(
-        Concat(FaceName(face->v), " is on ", NameOf(step == kNoFeature ? none : std::vector{step}),
-               "; ", TetrahedronName(face->tetrahedron), " says that it is in ", NameOf(here), ", ",
-               count < 2 ? "beyond it is the outside"
-                         : Concat(TetrahedronName(face[1].tetrahedron), " in ", NameOf(beyond))));
+  for_each_pair([&](std::size_t here, std::size_t there, FeatureId polygon) {
+    if (polygon == kNoFeature) joined.Join(here, there);
   });
+  std::vector<std::size_t> cell_of(beyond + 1);
+  std::map<std::size_t, std::size_t> cells;  // numbered
+  for (std::size_t t = 0; t <= beyond; ++t) {
+    cell_of[t] = cells.emplace(joined.Find(t), cells.size()).first->second;
+  }
+  std::vector<std::vector<Wall>> walls(pieces.size());
+  for_each_pair([&](std::size_t here, std::size_t there, FeatureId polygon) {
+    const auto [a, b] = std::minmax({cell_of[here], cell_of[there]});
+    if (a != b) walls[pieces.Of(polygon)].push_back({polygon, {a, b}});
+  });
+  for (std::vector<Wall>& of_piece : walls) {
+    std::sort(of_piece.begin(), of_piece.end());
+    of_piece.erase(std::unique(of_piece.begin(), of_piece.end()), of_piece.end());
+  }
+  std::vector<std::vector<FeatureId>> inside(cells.size());
+  for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
+    Partition chambers(cells.size());
+    for (std::size_t other = 0; other < pieces.size(); ++other) {
+      if (other == piece) continue;
+      for (const Wall& wall : walls[other]) chambers.Join(wall.cells[0], wall.cells[1]);
+    }
+    const auto chamber_of = [&](std::size_t cell) { return chambers.Find(cell); };
+    const auto names = NameChambers(walls[piece], cell_of[beyond], chamber_of);
+    for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+      const auto name = names.find(chamber_of(cell));
+      if (name != names.end() && name->second != kNoFeature) inside[cell].push_back(name->second);
+    }
+  }
+  for (std::vector<FeatureId>& surfaces : inside) std::sort(surfaces.begin(), surfaces.end());
+  const std::vector<FeatureId> none;
+  for (std::uint32_t t = 0; t < beyond; ++t) {
+    const std::uint32_t number = mesh.regions.Of(t);
+    const std::vector<FeatureId>& said = number == 0 ? none : mesh.regions.polygons[number - 1];
+    const std::vector<FeatureId>& wanted = inside[cell_of[t]];
+    if (said == wanted) continue;
+    findings.Add(
+        Concat(TetrahedronName(t), " is in ", NameOf(wanted), "; the mesh says ", NameOf(said)));
+  }
   return findings.Take();
 }
 

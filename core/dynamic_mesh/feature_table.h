@@ -4,6 +4,7 @@
 #define DYNMESH_CORE_DYNAMIC_MESH_FEATURE_TABLE_H_
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <vector>
@@ -58,9 +59,9 @@ class FeatureTable {
   // what came.
   const std::vector<Wall<D>>& toggled_walls() const { return toggled_walls_; }
   // Who is inside on one side of the wall in that slot, ascending: in the plane the polygons that
-  // have an edge where the segment lies, in space the closed surface that the facet is part of.
+  // have an edge where the segment lies, in space the closed surfaces that the facet is part of.
   std::span<const FeatureId> OwnersOfWall(meshing::FeatureSlot slot) const {
-    if constexpr (D == 3) return surfaces_.SurfaceOf(ids_[slot]);
+    if constexpr (D == 3) return surfaces_.SurfacesOf(ids_[slot]);
     if (walls_.empty()) return {};
     const auto it = walls_.find(slot);
     return it == walls_.end() ? std::span<const FeatureId>() : it->second;
@@ -74,8 +75,8 @@ class FeatureTable {
   const std::vector<NewFacet>& new_facets() const { return new_facets_; }
   const std::vector<meshing::FeatureSlot>& gone_facets() const { return gone_facets_; }
   bool has_facets() const { return !facets_.empty(); }
-  // Those that stay where they are, as part of another closed surface than before or of none. Some
-  // may be gone by now.
+  // Those that stay where they are, as part of other closed surfaces than before. Some may be gone
+  // by now.
   const std::vector<meshing::FeatureSlot>& resurfaced_facets() const { return resurfaced_facets_; }
 
   // Slots of removed features keep their ids until here.
@@ -209,18 +210,21 @@ class FeatureTable {
   void UpdateSurfaces(const Delta& delta, const Refinement& refinement) {
     if constexpr (D == 3) {
       const auto toggle = [&](const plc::FacetFeature& f) {
-        const auto owners = surfaces_.SurfaceOf(f.id);
+        const auto owners = surfaces_.SurfacesOf(f.id);
         if (!owners.empty()) toggled_walls_.push_back({f.places, {owners.begin(), owners.end()}});
       };
       for (const plc::FacetFeature& f : delta.removed_facets) toggle(f);
-      const auto& changes = surfaces_.Update(delta.removed_facets, delta.added_facets);
+      const auto& changes =
+          surfaces_.Update(delta.removed_facets, delta.added_facets,
+                           [&](FeatureId id) { return refinement.vertex(points_.at(id)).p; });
       for (const plc::FacetFeature& f : delta.added_facets) toggle(f);
       for (const SurfaceTable::Change& change : changes) {
         const Facet& facet = facets_.at(change.polygon);
         resurfaced_facets_.push_back(facet.slot);
-        std::vector<FeatureId> owners = {std::min(change.before, change.after),
-                                         std::max(change.before, change.after)};
-        if (owners[0] == kNoFeature) owners.erase(owners.begin());
+        std::vector<FeatureId> owners;
+        std::set_symmetric_difference(change.before.begin(), change.before.end(),
+                                      change.after.begin(), change.after.end(),
+                                      std::back_inserter(owners));
         toggled_walls_.push_back({refinement.facets()[facet.index].rings(), std::move(owners)});
       }
     }

@@ -1,6 +1,9 @@
 #include "core/dynamic_mesh/surface_table.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "core/base/rings.h"
 
 namespace dynmesh {
 
@@ -17,30 +20,40 @@ const plc::FacetFeature* Find(std::span<const plc::FacetFeature> sorted, Feature
 }  // namespace
 
 const std::vector<SurfaceTable::Change>& SurfaceTable::Update(
-    std::span<const plc::FacetFeature> removed, std::span<const plc::FacetFeature> added) {
+    std::span<const plc::FacetFeature> removed, std::span<const plc::FacetFeature> added,
+    absl::FunctionRef<geometry::Point3(FeatureId)> place_of) {
   changes_.clear();
   seeds_.clear();
+  const auto seed = [this](FeatureId p, FeatureId q) { seeds_.push_back(plc::KeyOf(p, q)); };
   // A polygon that only moves stands in both lists with the same rings.
   const auto is_same = [](const plc::FacetFeature& f, std::span<const plc::FacetFeature> others) {
     const plc::FacetFeature* other = Find(others, f.id);
     return other != nullptr && other->rings == f.rings;
   };
   for (const plc::FacetFeature& f : removed) {
-    if (!is_same(f, added)) Remove(f);
+    if (!is_same(f, added)) {
+      Remove(f);
+      ForEachEdgeOf(f.rings, seed);
+    } else if (polygons_.at(f.id).is_crowded) {
+      ForEachEdgeOf(f.rings, seed);
+    }
   }
   for (const plc::FacetFeature& f : added) {
-    if (!is_same(f, removed)) Add(f);
+    if (is_same(f, removed)) continue;
+    Add(f);
+    ForEachEdgeOf(f.rings, seed);
   }
   if (seeds_.empty()) return changes_;
   CollectTouched();
   Peel();
-  FindSurfaces();
-  for (const auto& [id, touched] : touched_) {
-    FeatureId& surface = polygons_.at(id).surface;
-    if (surface != touched.surface && Find(added, id) == nullptr) {
-      changes_.push_back({id, surface, touched.surface});
+  FindPieces(place_of);
+  for (auto& [id, touched] : touched_) {
+    Polygon& polygon = polygons_.at(id);
+    if (polygon.surfaces != touched.surfaces && Find(added, id) == nullptr) {
+      changes_.push_back({id, polygon.surfaces, touched.surfaces});
     }
-    surface = touched.surface;
+    polygon.surfaces = std::move(touched.surfaces);
+    polygon.is_crowded = touched.is_crowded;
   }
   std::sort(changes_.begin(), changes_.end(),
             [](const Change& a, const Change& b) { return a.polygon < b.polygon; });
@@ -48,25 +61,18 @@ const std::vector<SurfaceTable::Change>& SurfaceTable::Update(
 }
 
 void SurfaceTable::Remove(const plc::FacetFeature& polygon) {
-  const auto it = polygons_.find(polygon.id);
-  for (const plc::EdgeKey& edge : it->second.edges) {
-    const auto at = edges_.find(edge);
+  ForEachEdgeOf(polygon.rings, [&](FeatureId p, FeatureId q) {
+    const auto at = edges_.find(plc::KeyOf(p, q));
     at->second.erase(std::find(at->second.begin(), at->second.end(), polygon.id));
     if (at->second.empty()) edges_.erase(at);
-    seeds_.push_back(edge);
-  }
-  polygons_.erase(it);
+  });
+  polygons_.erase(polygon.id);
 }
 
 void SurfaceTable::Add(const plc::FacetFeature& polygon) {
-  std::vector<plc::EdgeKey>& edges = polygons_[polygon.id].edges;
-  for (const auto& ring : polygon.rings) {
-    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-      edges.push_back(plc::KeyOf(ring[i], ring[j]));
-      edges_[edges.back()].push_back(polygon.id);
-    }
-  }
-  seeds_.insert(seeds_.end(), edges.begin(), edges.end());
+  polygons_[polygon.id].rings = polygon.rings;
+  ForEachEdgeOf(polygon.rings,
+                [&](FeatureId p, FeatureId q) { edges_[plc::KeyOf(p, q)].push_back(polygon.id); });
 }
 
 // All that hang together with an edge that has changed.
@@ -84,7 +90,8 @@ void SurfaceTable::CollectTouched() {
   while (!stack_.empty()) {
     const FeatureId id = stack_.back();
     stack_.pop_back();
-    for (const plc::EdgeKey& edge : polygons_.at(id).edges) reach(edge);
+    ForEachEdgeOf(polygons_.at(id).rings,
+                  [&](FeatureId p, FeatureId q) { reach(plc::KeyOf(p, q)); });
   }
 }
 
@@ -92,12 +99,15 @@ void SurfaceTable::CollectTouched() {
 void SurfaceTable::Peel() {
   absl::flat_hash_map<plc::EdgeKey, std::size_t> left;  // polygons at an edge
   const auto has_lone_edge = [&](FeatureId id) {
-    const auto& edges = polygons_.at(id).edges;
-    return std::any_of(edges.begin(), edges.end(),
-                       [&](const plc::EdgeKey& edge) { return left.at(edge) == 1; });
+    bool found = false;
+    ForEachEdgeOf(polygons_.at(id).rings, [&](FeatureId p, FeatureId q) {
+      found = found || left.at(plc::KeyOf(p, q)) == 1;
+    });
+    return found;
   };
   for (const auto& [id, touched] : touched_) {
-    for (const plc::EdgeKey& edge : polygons_.at(id).edges) ++left[edge];
+    ForEachEdgeOf(polygons_.at(id).rings,
+                  [&](FeatureId p, FeatureId q) { ++left[plc::KeyOf(p, q)]; });
   }
   stack_.clear();
   const auto peel = [&](FeatureId id) {
@@ -110,37 +120,54 @@ void SurfaceTable::Peel() {
   while (!stack_.empty()) {
     const FeatureId id = stack_.back();
     stack_.pop_back();
-    for (const plc::EdgeKey& edge : polygons_.at(id).edges) {
-      if (--left.at(edge) != 1) continue;
+    ForEachEdgeOf(polygons_.at(id).rings, [&](FeatureId p, FeatureId q) {
+      const plc::EdgeKey edge = plc::KeyOf(p, q);
+      if (--left.at(edge) != 1) return;
       for (const FeatureId other : edges_.at(edge)) peel(other);
-    }
+    });
   }
 }
 
-void SurfaceTable::FindSurfaces() {
+void SurfaceTable::FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> place_of) {
   std::vector<FeatureId> piece;
   for (auto& [first, start] : touched_) {
     if (start.peeled || start.reached) continue;
     start.reached = true;
     piece.assign(1, first);
-    bool is_closed = true;
+    bool is_crowded = false;
     for (std::size_t i = 0; i < piece.size(); ++i) {
-      for (const plc::EdgeKey& edge : polygons_.at(piece[i]).edges) {
+      ForEachEdgeOf(polygons_.at(piece[i]).rings, [&](FeatureId p, FeatureId q) {
         std::size_t count = 0;
-        for (const FeatureId id : edges_.at(edge)) {
+        for (const FeatureId id : edges_.at(plc::KeyOf(p, q))) {
           Touched& other = touched_.at(id);
           if (other.peeled) continue;
           ++count;
-          if (other.reached) continue;
-          other.reached = true;
-          piece.push_back(id);
+          if (!std::exchange(other.reached, true)) piece.push_back(id);
         }
-        is_closed = is_closed && count % 2 == 0;
-      }
+        is_crowded = is_crowded || count > 2;
+      });
     }
-    if (!is_closed) continue;
-    const FeatureId least = *std::min_element(piece.begin(), piece.end());
-    for (const FeatureId id : piece) touched_.at(id).surface = least;
+    std::sort(piece.begin(), piece.end());
+    if (!is_crowded) {
+      for (const FeatureId id : piece) touched_.at(id).surfaces = {piece.front()};
+      continue;
+    }
+    std::vector<plc::Facet> facets;
+    for (const FeatureId id : piece) {
+      const Rings& rings = polygons_.at(id).rings;
+      plc::FacetFeature feature{id, rings, {}};
+      for (const auto& ring : rings) {
+        auto& places = feature.places.emplace_back();
+        for (const FeatureId corner : ring) places.push_back(place_of(corner));
+      }
+      facets.emplace_back(std::move(feature));
+    }
+    std::vector<SurfaceIds> surfaces = FindSurfaces(facets);
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      Touched& touched = touched_.at(piece[i]);
+      touched.surfaces = std::move(surfaces[i]);
+      touched.is_crowded = true;
+    }
   }
 }
 

@@ -1,13 +1,14 @@
 // The closed surfaces that polygons of space make up (mesh.h, RegionId): which polygon is part of
 // which.
 //
-// Polygons are joined where they share an edge, by the ids of its ends: places do not matter here.
-// Those with an edge of their own are peeled off, again and again. What is left falls into pieces
-// joined by edges; a piece is a closed surface if an even number of its polygons meet at each of
-// its edges, and goes by the least id of its polygons. A function of the set of polygons.
+// Polygons are joined where they share an edge, by the ids of its ends. Those with an edge of their
+// own are peeled off, again and again. What is left falls into pieces joined by edges. One with two
+// polygons at each of its edges is a closed surface, wherever it is; in others it matters who is
+// next to whom around an edge (chambers.h). A function of the set of polygons.
 //
-// Thread-compatible. A change costs O(k) expected, k the edges of all polygons that hang together
-// with one that comes, goes or gets other rings; O(1) for one that only moves.
+// Thread-compatible. A change costs O(k lg k) expected, k the edges of all polygons that hang
+// together with one that comes, goes, gets other rings, or moves and has more than two polygons at
+// some edge of its piece; O(1) for others that only move.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_SURFACE_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_SURFACE_TABLE_H_
 
@@ -16,6 +17,9 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
+#include "absl/functional/function_ref.h"
+#include "core/dynamic_mesh/chambers.h"
+#include "core/geometry/point.h"
 #include "core/plc/delta.h"
 #include "dynmesh/feature.h"
 
@@ -23,29 +27,30 @@ namespace dynmesh {
 
 class SurfaceTable {
  public:
-  // A polygon whose surface is another than before; kNoFeature is none.
+  // A polygon whose surfaces are others than before.
   struct Change {
     FeatureId polygon;
-    FeatureId before;
-    FeatureId after;
+    SurfaceIds before, after;
     friend bool operator==(const Change&, const Change&) = default;
   };
-  // Both sorted by id, as in a Delta. Returns the changes of polygons that were there before and
-  // still are, by id, valid until the next call.
+  // Both sorted by id, as in a Delta; `place_of`: where corners are by now. Returns the changes of
+  // polygons that were there before and stayed where they are, by id, valid until the next call.
   const std::vector<Change>& Update(std::span<const plc::FacetFeature> removed,
-                                    std::span<const plc::FacetFeature> added);
+                                    std::span<const plc::FacetFeature> added,
+                                    absl::FunctionRef<geometry::Point3(FeatureId)> place_of);
 
-  // The id of the surface that a polygon is part of: none, or one.
-  std::span<const FeatureId> SurfaceOf(FeatureId polygon) const {
+  // The surfaces that a polygon is part of, by their ids, ascending: at most two.
+  std::span<const FeatureId> SurfacesOf(FeatureId polygon) const {
     const auto it = polygons_.find(polygon);
-    if (it == polygons_.end() || it->second.surface == kNoFeature) return {};
-    return {&it->second.surface, 1};
+    if (it == polygons_.end()) return {};
+    return it->second.surfaces;
   }
 
  private:
   struct Polygon {
-    std::vector<plc::EdgeKey> edges;
-    FeatureId surface = kNoFeature;
+    Rings rings;
+    SurfaceIds surfaces;
+    bool is_crowded = false;  // some edge of its piece has more than two polygons
   };
   using Neighbours = absl::InlinedVector<FeatureId, 2>;
 
@@ -53,7 +58,7 @@ class SurfaceTable {
   void Add(const plc::FacetFeature& polygon);
   void CollectTouched();
   void Peel();
-  void FindSurfaces();
+  void FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> place_of);
 
   absl::flat_hash_map<FeatureId, Polygon> polygons_;
   absl::flat_hash_map<plc::EdgeKey, Neighbours> edges_;  // the polygons at each
@@ -63,7 +68,8 @@ class SurfaceTable {
   struct Touched {
     bool peeled = false;
     bool reached = false;
-    FeatureId surface = kNoFeature;
+    bool is_crowded = false;
+    SurfaceIds surfaces;
   };
   absl::flat_hash_map<FeatureId, Touched> touched_;
   std::vector<FeatureId> stack_;

@@ -50,10 +50,11 @@ MeshHash HashVertex(const double* coordinates, int dimension, int containing_dim
 // In space, which closed surfaces a tetrahedron lies inside of. Polygons are joined where they
 // share an edge. Those that have an edge which belongs to no other are peeled off, again and
 // again, so that plates and flaps that dangle do not count. What remains falls into pieces joined
-// by edges; a piece is a closed surface if each of its edges belongs to an even number of its
-// polygons, and stands under the least id of them wherever a polygon's id is spoken of here.
-// Inside is where every way out crosses an odd number of its polygons. A piece with an edge of
-// three polygons, such as two boxes that share a wall, encloses nothing (yet).
+// by edges. Each piece by itself leaves an outside, and chambers between its polygons; those around
+// a chamber are a closed surface, so a wall between two chambers is part of two. A surface stands
+// under the id of one of its polygons wherever a polygon's id is spoken of here: from the outside,
+// and from chambers that have an id, the polygon of least id that leads into a chamber without one
+// gives it its own. For a surface without inner walls that is the least id of its polygons.
 using RegionId = std::uint64_t;
 inline constexpr RegionId kNoRegion = 0;
 

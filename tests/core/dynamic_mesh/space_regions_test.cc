@@ -283,14 +283,18 @@ TEST(SpaceRegions, OfABoxFullOfPointsFollowItsFaces) {
   }
 }
 
-// Two boxes that share a wall enclose nothing yet; those that share an edge are one surface.
+// A surface each, whatever they share.
 TEST(SpaceRegions, OfBoxesThatShareAWallOrAnEdge) {
   const Solid two = Box(1, 1000, {0.5, 0.5, 0.5}, 0.2, 0.4, 2);
   std::vector<Feature> features = two.All();
   features.push_back(Feature::Polygon(2000, {{5, 6, 7, 8}}));  // the wall
   const auto walled = BuildMesh(features, Space());
   ASSERT_TRUE(walled.ok()) << walled.status();
-  EXPECT_EQ(RegionsOf(*walled), std::set<RegionId>{0});
+  EXPECT_EQ(RegionsOf(*walled), (std::set<RegionId>{0, 1000, 1001}));
+  EXPECT_EQ(FindWrongRegion(*walled, features,
+                            {{1000, {1000, 1002, 1003, 1004, 1005, 2000}},
+                             {1001, {1001, 1006, 1007, 1008, 1009, 2000}}}),
+            "");
   // Two cubes with edge 4 8 in common.
   features.clear();
   const auto add = [&](FeatureId id, double x, double y) {
@@ -299,7 +303,7 @@ TEST(SpaceRegions, OfBoxesThatShareAWallOrAnEdge) {
   };
   add(1, 0, 0), add(2, 1, 0), add(3, 1, 1), add(4, 0, 1);
   add(5, 2, 1), add(6, 2, 2), add(7, 1, 2);
-  std::set<FeatureId> faces;
+  std::map<FeatureId, std::set<FeatureId>> faces;
   const auto cube = [&](FeatureId id, const std::array<FeatureId, 4>& v) {
     features.push_back(Feature::Polygon(id, {{v[0], v[1], v[2], v[3]}}));
     features.push_back(Feature::Polygon(id + 1, {{v[0] + 10, v[1] + 10, v[2] + 10, v[3] + 10}}));
@@ -307,14 +311,89 @@ TEST(SpaceRegions, OfBoxesThatShareAWallOrAnEdge) {
       const FeatureId p = v[k], q = v[(k + 1) % 4];
       features.push_back(Feature::Polygon(id + 2 + k, {{p, q, q + 10, p + 10}}));
     }
-    for (FeatureId k = 0; k < 6; ++k) faces.insert(id + k);
+    for (FeatureId k = 0; k < 6; ++k) faces[id].insert(id + k);
   };
   cube(100, {1, 2, 3, 4});
   cube(200, {3, 5, 6, 7});
   const auto mesh = BuildMesh(features, Space());
   ASSERT_TRUE(mesh.ok()) << mesh.status();
-  EXPECT_EQ(FindWrongRegion(*mesh, features, {{100, faces}}), "");
-  EXPECT_EQ(RegionsOf(*mesh), (std::set<RegionId>{0, 100}));
+  EXPECT_EQ(FindWrongRegion(*mesh, features, faces), "");
+  EXPECT_EQ(RegionsOf(*mesh), (std::set<RegionId>{0, 100, 200}));
+}
+
+// Walls come and go, one of them between the rooms, and both rooms move.
+TEST(SpaceRegions, OfTwoRoomsFollowTheirWalls) {
+  std::size_t both = 0, one = 0;
+  for (const FeatureId between : {FeatureId{2000}, FeatureId{70}}) {
+    SCOPED_TRACE("wall " + std::to_string(between));
+    test::Random random(between);
+    Solid rooms = Box(1, 1000, {0.5, 0.5, 0.5}, 0.2, 0.4, 2);
+    const std::set<FeatureId> of_a = {1000, 1002, 1003, 1004, 1005, between};
+    const std::set<FeatureId> of_b = {1001, 1006, 1007, 1008, 1009, between};
+    std::map<FeatureId, Feature> walls;
+    for (std::size_t i = 0; i < rooms.faces.size(); ++i) walls[1000 + i] = rooms.Face(i);
+    walls[between] = Feature::Polygon(between, {{5, 6, 7, 8}});
+    const auto mesh = *DynamicMesh::Create(Space());
+    ASSERT_TRUE(mesh->Apply(AddAll(rooms.Points())).ok());
+    auto replica = *data::MeshStore::FromMesh(mesh->Snapshot());
+    std::set<FeatureId> present;
+    for (int revision = 0; revision < 40; ++revision) {
+      SCOPED_TRACE("revision " + std::to_string(revision));
+      EditBatch batch;
+      const int what = random.Below(4);
+      for (const auto& [id, wall] : walls) {
+        const bool there = present.contains(id);
+        if (what == 0 && !there) batch.push_back(Edit::Add(wall));  // all
+        if (what == 1 && random.OneIn(10)) {
+          batch.push_back(there ? Edit::Remove(id) : Edit::Add(wall));
+        }
+        if (what == 2 && id == between) {
+          batch.push_back(there ? Edit::Remove(id) : Edit::Add(wall));
+        }
+      }
+      for (const Edit& edit : batch) {
+        const FeatureId id = edit.feature.id;
+        if (!present.erase(id)) present.insert(id);
+      }
+      if (what == 3) {
+        for (Place& p : rooms.corners) {
+          for (double& c : p) c = 1 - c;  // through its middle: A is where B was
+        }
+        for (const Feature& f : rooms.Points()) {
+          batch.push_back(Edit::Move(f.id, f.position[0], f.position[1], f.position[2]));
+        }
+      }
+      const auto diff = mesh->Apply(batch);
+      ASSERT_TRUE(diff.ok()) << diff.status();
+      const auto is_closed = [&](const std::set<FeatureId>& faces) {
+        return std::includes(present.begin(), present.end(), faces.begin(), faces.end());
+      };
+      std::set<FeatureId> around = of_a;
+      around.insert(of_b.begin(), of_b.end());
+      around.erase(between);
+      std::map<FeatureId, std::set<FeatureId>> surfaces;
+      if (is_closed(of_a) && is_closed(of_b)) {
+        surfaces[1000] = of_a;
+        surfaces[std::min(FeatureId{1001}, between)] = of_b;
+        ++both;
+      } else if (is_closed(of_a) || is_closed(of_b) || is_closed(around)) {
+        const auto& faces = is_closed(of_a) ? of_a : is_closed(of_b) ? of_b : around;
+        surfaces[*faces.begin()] = faces;
+        ++one;
+      }
+      const Mesh whole = mesh->Snapshot();
+      ASSERT_EQ(RegionsOf(whole).size(), 1 + surfaces.size());
+      ASSERT_EQ(FindWrongRegion(whole, mesh->Features(), surfaces), "");
+      if (!batch.empty()) {
+        ASSERT_EQ(replica.Apply(*diff), absl::OkStatus());
+      }
+      ASSERT_EQ(Difference(replica.ToMesh(), whole), "");
+      ASSERT_EQ(Difference(*BuildMesh(mesh->Features(), Space()), whole), "");
+      ASSERT_EQ(mesh->Audit().problems, std::vector<std::string>{});
+    }
+  }
+  EXPECT_GT(both, 10u);
+  EXPECT_GT(one, 5u);
 }
 
 // What stays keeps its label, and is not reported.

@@ -1,11 +1,15 @@
-// Closed surfaces of random sets of polygons, against the definition taken literally.
+// Closed surfaces of random sets of polygons, against the definition taken literally: chambers of a
+// grid of cubes, found by going from cube to cube.
 #include "core/dynamic_mesh/surface_table.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/workload.h"
@@ -13,66 +17,8 @@
 namespace dynmesh {
 namespace {
 
-using plc::EdgeKey;
 using plc::FacetFeature;
 using Polygons = std::map<FeatureId, Rings>;
-
-std::set<EdgeKey> EdgesOf(const Rings& rings) {
-  std::set<EdgeKey> edges;
-  for (const auto& ring : rings) {
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      edges.insert(plc::KeyOf(ring[i], ring[(i + 1) % ring.size()]));
-    }
-  }
-  return edges;
-}
-
-std::size_t CountAt(const EdgeKey& edge, const Polygons& polygons) {
-  std::size_t count = 0;
-  for (const auto& [id, rings] : polygons) count += EdgesOf(rings).contains(edge);
-  return count;
-}
-
-// The surface of each polygon that is part of one.
-std::map<FeatureId, FeatureId> NaiveSurfaces(Polygons polygons) {
-  for (bool again = true; again;) {
-    again = false;
-    for (const auto& [id, rings] : polygons) {
-      const std::set<EdgeKey> edges = EdgesOf(rings);
-      if (std::none_of(edges.begin(), edges.end(),
-                       [&](const EdgeKey& edge) { return CountAt(edge, polygons) == 1; })) {
-        continue;
-      }
-      polygons.erase(id);
-      again = true;
-      break;
-    }
-  }
-  // Pieces: the least id spreads.
-  std::map<FeatureId, FeatureId> least;
-  for (const auto& [id, rings] : polygons) least[id] = id;
-  for (bool again = true; again;) {
-    again = false;
-    for (const auto& [f, f_rings] : polygons) {
-      for (const auto& [g, g_rings] : polygons) {
-        const std::set<EdgeKey> of_f = EdgesOf(f_rings), of_g = EdgesOf(g_rings);
-        const bool meet = std::any_of(of_f.begin(), of_f.end(),
-                                      [&](const EdgeKey& edge) { return of_g.contains(edge); });
-        if (!meet || least[f] <= least[g]) continue;
-        least[f] = least[g];
-        again = true;
-      }
-    }
-  }
-  std::set<FeatureId> open;
-  for (const auto& [id, rings] : polygons) {
-    for (const EdgeKey& edge : EdgesOf(rings)) {
-      if (CountAt(edge, polygons) % 2 == 1) open.insert(least[id]);
-    }
-  }
-  std::erase_if(least, [&](const auto& one) { return open.contains(one.second); });
-  return least;
-}
 
 std::vector<FacetFeature> Features(const Polygons& from, const Polygons& to) {
   std::vector<FacetFeature> features;
@@ -100,28 +46,134 @@ class Squares {
   }
 };
 
+// Where a corner is: on the grid, or that turned over and moved.
+class Places {
+ public:
+  void Change(test::Random& random) {
+    for (int k = 0; k < 3; ++k) {
+      sign_[k] = random.OneIn(2) ? -1 : 1;
+      by_[k] = random.Unit();
+    }
+    first_ = random.Below(3);
+  }
+  geometry::Point3 operator()(FeatureId id) const {
+    const auto n = static_cast<int>(id - 1);
+    const int c[3] = {n % 4, n / 4 % 4, n / 16};
+    geometry::Point3 p;
+    for (int k = 0; k < 3; ++k) p[(k + first_) % 3] = by_[k] + sign_[k] * 0.3 * c[k];
+    return p;
+  }
+
+ private:
+  double sign_[3] = {1, 1, 1}, by_[3] = {0, 0, 0};
+  int first_ = 0;
+};
+
+// The squares present, each with its axis and the cube above it.
+struct Square {
+  int axis;
+  std::array<int, 3> at;
+};
+using PresentSquares = std::map<FeatureId, Square>;
+
+// The surfaces of each polygon: cubes that no square separates are one chamber, or the outside.
+// The squares that dangle have the same on both sides.
+std::map<FeatureId, SurfaceIds> NaiveSurfaces(const PresentSquares& squares) {
+  constexpr int kSide = 4;  // the grid and a layer around it
+  const auto cell = [](const std::array<int, 3>& c) {
+    return (c[0] + 1) + kSide * ((c[1] + 1) + kSide * (c[2] + 1));
+  };
+  const auto below = [](const Square& s) {
+    std::array<int, 3> c = s.at;
+    --c[static_cast<std::size_t>(s.axis)];
+    return c;
+  };
+  std::set<std::pair<int, int>> cut;
+  for (const auto& [id, s] : squares) cut.emplace(cell(below(s)), cell(s.at));
+  std::vector<int> chamber(kSide * kSide * kSide);
+  for (std::size_t i = 0; i < chamber.size(); ++i) chamber[i] = static_cast<int>(i);
+  for (bool again = true; again;) {
+    again = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::array<int, 3> c;
+      for (c[0] = -1; c[0] < 3; ++c[0]) {
+        for (c[1] = -1; c[1] < 3; ++c[1]) {
+          for (c[2] = -1; c[2] < 3; ++c[2]) {
+            if (c[static_cast<std::size_t>(axis)] < 0) continue;
+            const int a = cell(below({axis, c})), b = cell(c);
+            if (cut.contains({a, b})) continue;
+            int &x = chamber[static_cast<std::size_t>(a)],
+                &y = chamber[static_cast<std::size_t>(b)];
+            if (x == y) continue;
+            x = y = std::min(x, y);
+            again = true;
+          }
+        }
+      }
+    }
+  }
+  const auto chamber_at = [&](const std::array<int, 3>& c) {
+    return chamber[static_cast<std::size_t>(cell(c))];
+  };
+  std::map<int, FeatureId> names = {{0, kNoFeature}};
+  for (bool again = true; again;) {
+    again = false;
+    for (const auto& [id, s] : squares) {
+      const int a = chamber_at(below(s)), b = chamber_at(s.at);
+      if (names.contains(a) == names.contains(b)) continue;
+      names.emplace(a, id), names.emplace(b, id);
+      again = true;
+      break;  // the least first
+    }
+  }
+  std::map<FeatureId, SurfaceIds> surfaces;
+  for (const auto& [id, s] : squares) {
+    const int a = chamber_at(below(s)), b = chamber_at(s.at);
+    if (a == b) continue;
+    for (const int c : {a, b}) {
+      if (c != 0) surfaces[id].push_back(names.at(c));
+    }
+    std::sort(surfaces[id].begin(), surfaces[id].end());
+  }
+  return surfaces;
+}
+
 TEST(SurfaceTable, IsWhatTheDefinitionSaysAfterEveryChange) {
-  std::size_t closed = 0, changed = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  std::size_t closed = 0, shared = 0, changed = 0, moved = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     test::Random random(seed);
     Polygons present;
+    PresentSquares squares;
+    Places places;
     SurfaceTable table;
-    std::map<FeatureId, FeatureId> surfaces;
+    std::map<FeatureId, SurfaceIds> surfaces;
     const int shift = random.Below(100);
-    const auto toggle = [&](int axis, int i, int j, int k) {
+    const auto id_of = [&](int axis, int i, int j, int k) {
       const int number = 1 + axis + 3 * (i + 3 * (j + 3 * k));
-      const auto id = static_cast<FeatureId>(1 + (number * 37 + shift) % 101);
-      if (present.erase(id) == 0) present[id] = Squares::Square(axis, i, j, k);
+      return static_cast<FeatureId>(1 + (number * 37 + shift) % 101);
+    };
+    const auto toggle = [&](int axis, int i, int j, int k) {
+      const FeatureId id = id_of(axis, i, j, k);
+      if (present.erase(id) == 0) {
+        present[id] = Squares::Square(axis, i, j, k);
+        squares[id] = {axis, {i, j, k}};
+      } else {
+        squares.erase(id);
+      }
     };
     for (int revision = 0; revision < 30; ++revision) {
       const Polygons before = present;
       if (random.OneIn(2)) {  // a cube, made or unmade or joined to others
-        const int i = random.Below(2), j = random.Below(2), k = random.Below(2);
-        for (int side = 0; side < 2; ++side) {
-          toggle(0, i + side, j, k);
-          toggle(1, i, j + side, k);
-          toggle(2, i, j, k + side);
+        const std::array<int, 3> cube = {random.Below(2), random.Below(2), random.Below(2)};
+        const bool only_make = random.OneIn(2);
+        for (int axis = 0; axis < 3; ++axis) {
+          for (int side = 0; side < 2; ++side) {
+            std::array<int, 3> at = cube;
+            at[static_cast<std::size_t>(axis)] += side;
+            if (only_make && present.contains(id_of(axis, at[0], at[1], at[2]))) continue;
+            toggle(axis, at[0], at[1], at[2]);
+          }
         }
       } else {
         for (int count = 1 + random.Below(3); count > 0; --count) {
@@ -133,30 +185,34 @@ TEST(SurfaceTable, IsWhatTheDefinitionSaysAfterEveryChange) {
       }
       std::vector<FacetFeature> removed = Features(before, present);
       std::vector<FacetFeature> added = Features(present, before);
-      // One that stays moves: it stands in both.
+      // One that stays moves, or all: it stands in both.
+      const bool all_move = random.OneIn(6);
+      if (all_move) places.Change(random);
       for (const auto& [id, rings] : present) {
-        if (!before.contains(id) || !random.OneIn(8)) continue;
+        if (!before.contains(id) || !(all_move || random.OneIn(8))) continue;
         removed.push_back({id, rings, {}});
         added.push_back({id, rings, {}});
+        ++moved;
       }
       const auto by_id = [](const FacetFeature& f, const FacetFeature& g) { return f.id < g.id; };
       std::sort(removed.begin(), removed.end(), by_id);
       std::sort(added.begin(), added.end(), by_id);
-      const auto changes = table.Update(removed, added);
-      const std::map<FeatureId, FeatureId> expected = NaiveSurfaces(present);
+      const auto changes = table.Update(removed, added, places);
+      const std::map<FeatureId, SurfaceIds> expected = NaiveSurfaces(squares);
       std::vector<SurfaceTable::Change> expected_changes;
       for (const auto& [id, rings] : present) {
-        const auto at = [&](const std::map<FeatureId, FeatureId>& all) {
+        const auto at = [&](const std::map<FeatureId, SurfaceIds>& all) {
           const auto it = all.find(id);
-          return it == all.end() ? kNoFeature : it->second;
+          return it == all.end() ? SurfaceIds() : it->second;
         };
-        const auto said = table.SurfaceOf(id);
-        ASSERT_EQ(said.empty() ? kNoFeature : said[0], at(expected)) << "polygon " << id;
+        const auto said = table.SurfacesOf(id);
+        ASSERT_EQ(SurfaceIds(said.begin(), said.end()), at(expected)) << "polygon " << id;
         const bool is_added = std::any_of(added.begin(), added.end(),
                                           [&](const FacetFeature& f) { return f.id == id; });
         if (!is_added && at(surfaces) != at(expected)) {
           expected_changes.push_back({id, at(surfaces), at(expected)});
         }
+        shared += at(expected).size() == 2;
       }
       ASSERT_EQ(changes, expected_changes);
       surfaces = expected;
@@ -165,7 +221,9 @@ TEST(SurfaceTable, IsWhatTheDefinitionSaysAfterEveryChange) {
     }
   }
   EXPECT_GT(closed, 1000u);
+  EXPECT_GT(shared, 300u);
   EXPECT_GT(changed, 300u);
+  EXPECT_GT(moved, 1000u);
 }
 
 TEST(SurfaceTable, ClosesAHoleWithARimOfItsOwn) {
@@ -181,15 +239,16 @@ TEST(SurfaceTable, ClosesAHoleWithARimOfItsOwn) {
                                      {8, {{12, 14, 18, 16}}, {}},
                                      {9, {{14, 13, 17, 18}}, {}},
                                      {10, {{13, 11, 15, 17}}, {}}};
-  table.Update({}, faces);
-  for (FeatureId id = 1; id <= 10; ++id) EXPECT_TRUE(table.SurfaceOf(id).empty());
+  const auto anywhere = [](FeatureId) { return geometry::Point3(); };
+  table.Update({}, faces, anywhere);
+  for (FeatureId id = 1; id <= 10; ++id) EXPECT_TRUE(table.SurfacesOf(id).empty());
   const std::vector<FacetFeature> end = {{20, {{15, 16, 18, 17}}, {}}};
-  EXPECT_EQ(table.Update({}, end).size(), 10u);
+  EXPECT_EQ(table.Update({}, end, anywhere).size(), 10u);
   for (FeatureId id = 1; id <= 10; ++id) {
-    ASSERT_EQ(table.SurfaceOf(id).size(), 1u);
-    EXPECT_EQ(table.SurfaceOf(id)[0], 1u);
+    ASSERT_EQ(table.SurfacesOf(id).size(), 1u);
+    EXPECT_EQ(table.SurfacesOf(id)[0], 1u);
   }
-  EXPECT_EQ(table.SurfaceOf(20)[0], 1u);
+  EXPECT_EQ(table.SurfacesOf(20)[0], 1u);
 }
 
 }  // namespace
