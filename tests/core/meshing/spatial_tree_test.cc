@@ -17,53 +17,71 @@
 namespace dynmesh::meshing {
 namespace {
 
-using Tree = SpatialTree<2>;
-using Point2 = geometry::Point2;
-using Nodes = std::set<Tree::NodeIndex>;
+using NodeIndex = std::uint32_t;
+using Nodes = std::set<NodeIndex>;
 
-constexpr Point2 kLo = {{0, 0}}, kHi = {{1, 1}};
 constexpr int kLattice = 64;
-// The tree's root for the unit square: its cells' borders are lattice lines.
+// The tree's root for the unit square or cube: its cells' borders are lattice lines.
 constexpr double kRootLo = -1.5, kRootHi = 2.5;
 
 enum class Layout { kUniform, kOnLattice, kClusters, kCoincident };
 constexpr Layout kAllLayouts[] = {Layout::kUniform, Layout::kOnLattice, Layout::kClusters,
                                   Layout::kCoincident};
 
-Point2 RandomPoint(Layout layout, test::Random& random) {
-  const auto lattice = [&] { return random.Below(kLattice + 1) / double{kLattice}; };
+// Each coordinate is what `coordinate()` says.
+template <int D, class F>
+geometry::Point<D> PointOf(F coordinate) {
+  geometry::Point<D> p;
+  for (int i = 0; i < D; ++i) p[i] = coordinate();
+  return p;
+}
+
+template <int D>
+geometry::Point<D> RandomPoint(Layout layout, test::Random& random) {
   switch (layout) {
     case Layout::kUniform:
-      return {{random.Unit(), random.Unit()}};
-    case Layout::kOnLattice:
-      return {{lattice(), lattice()}};  // borders of cells, and of the box
+      return PointOf<D>([&] { return random.Unit(); });
+    case Layout::kOnLattice:  // borders of cells, and of the box
+      return PointOf<D>([&] { return random.Below(kLattice + 1) / double{kLattice}; });
     case Layout::kClusters: {
       const double spread = std::ldexp(random.Unit(), -random.Below(50));
-      return {{std::clamp(0.25 * random.Below(5) + spread * (random.Unit() - 0.5), 0.0, 1.0),
-               std::clamp(0.25 * random.Below(5) + spread * (random.Unit() - 0.5), 0.0, 1.0)}};
+      return PointOf<D>([&] {
+        return std::clamp(0.25 * random.Below(5) + spread * (random.Unit() - 0.5), 0.0, 1.0);
+      });
     }
-    case Layout::kCoincident:
-      return {{0.5 * random.Below(3), 0.3}};
+    case Layout::kCoincident: {
+      geometry::Point<D> p = PointOf<D>([] { return 0.3; });
+      p[0] = 0.5 * random.Below(3);
+      return p;
+    }
   }
   return {};
+}
+template <int D>
+geometry::Point<D> RandomPointAround(test::Random& random) {
+  return PointOf<D>([&] { return 1.4 * random.Unit() - 0.2; });
 }
 
 // A tree and the list that it stands for; and who has subscribed where, as the engine
 // keeps them.
+template <int D>
 class Pair {
  public:
-  Pair() : tree(kLo, kHi) {}
+  using Tree = SpatialTree<D>;
+  using Point = geometry::Point<D>;
 
-  void Insert(std::uint32_t id, const Point2& p) {
+  Pair() : tree(PointOf<D>([] { return 0; }), PointOf<D>([] { return 1; })) {}
+
+  void Insert(std::uint32_t id, const Point& p) {
     tree.Insert(id, p);
     points[id] = p;
   }
   void Remove(std::uint32_t id) {
-    tree.Remove(id, points.at(id), [&](Tree::NodeIndex first, Tree::NodeIndex parent) {
+    tree.Remove(id, points.at(id), [&](NodeIndex first, NodeIndex parent) {
       ++merges;
       for (auto& [box, places] : subscribed) {
         for (int k = 0; k < Tree::kChildren; ++k) {
-          if (places.erase(first + static_cast<Tree::NodeIndex>(k)) > 0) places.insert(parent);
+          if (places.erase(first + static_cast<NodeIndex>(k)) > 0) places.insert(parent);
         }
       }
     });
@@ -75,10 +93,10 @@ class Pair {
     return it->first;
   }
 
-  std::set<std::uint32_t> InBall(const Point2& centre, double radius2) const {
+  std::set<std::uint32_t> InBall(const Point& centre, double radius2) const {
     std::set<std::uint32_t> ids;
     double r2 = radius2;
-    tree.VisitBall(centre, r2, [&](std::uint32_t id, const Point2& p, double d2) {
+    tree.VisitBall(centre, r2, [&](std::uint32_t id, const Point& p, double d2) {
       EXPECT_EQ(p, points.at(id));
       EXPECT_EQ(d2, geometry::SquaredDistance(p, centre));
       EXPECT_TRUE(ids.insert(id).second) << "visited twice";
@@ -86,43 +104,45 @@ class Pair {
     return ids;
   }
   // From the root down.
-  std::vector<std::pair<Tree::NodeIndex, std::uint32_t>> PartsOnPath(const Point2& p) const {
-    std::vector<std::pair<Tree::NodeIndex, std::uint32_t>> parts;
-    tree.VisitPath(p, [&](Tree::NodeIndex n, std::uint32_t part) { parts.emplace_back(n, part); });
+  std::vector<std::pair<NodeIndex, std::uint32_t>> PartsOnPath(const Point& p) const {
+    std::vector<std::pair<NodeIndex, std::uint32_t>> parts;
+    tree.VisitPath(p, [&](NodeIndex n, std::uint32_t part) { parts.emplace_back(n, part); });
     return parts;
   }
-  std::map<Tree::NodeIndex, std::uint32_t> PartsOfCover(const Extent<2>& box) const {
-    std::map<Tree::NodeIndex, std::uint32_t> parts;
-    tree.Cover(box, [&](Tree::NodeIndex n, std::uint32_t of) { parts[n] = of; });
+  std::map<NodeIndex, std::uint32_t> PartsOfCover(const Extent<D>& box) const {
+    std::map<NodeIndex, std::uint32_t> parts;
+    tree.Cover(box, [&](NodeIndex n, std::uint32_t of) { parts[n] = of; });
     return parts;
   }
-  Nodes Path(const Point2& p) const {
+  Nodes Path(const Point& p) const {
     Nodes nodes;
-    tree.VisitPath(p, [&](Tree::NodeIndex n, std::uint32_t) { nodes.insert(n); });
+    tree.VisitPath(p, [&](NodeIndex n, std::uint32_t) { nodes.insert(n); });
     return nodes;
   }
-  Nodes Cover(const Extent<2>& box) const {
+  Nodes Cover(const Extent<D>& box) const {
     Nodes nodes;
-    tree.Cover(box, [&](Tree::NodeIndex n, std::uint32_t) { EXPECT_TRUE(nodes.insert(n).second); });
+    tree.Cover(box, [&](NodeIndex n, std::uint32_t) { EXPECT_TRUE(nodes.insert(n).second); });
     return nodes;
   }
 
   Tree tree;
-  std::map<std::uint32_t, Point2> points;
-  std::vector<std::pair<Extent<2>, Nodes>> subscribed;
+  std::map<std::uint32_t, Point> points;
+  std::vector<std::pair<Extent<D>, Nodes>> subscribed;
   int merges = 0;
 };
 
-Extent<2> RandomBox(test::Random& random) {
+template <int D>
+Extent<D> RandomBox(test::Random& random) {
   const double side = std::ldexp(random.Unit(), -random.Below(8));
-  Extent<2> box = Extent<2>::Nothing();
-  box.AddBall({{random.Unit(), random.Unit()}}, side);
+  Extent<D> box = Extent<D>::Nothing();
+  box.AddBall(PointOf<D>([&] { return random.Unit(); }), side);
   return box;
 }
 
-Point2 RandomPointIn(const Extent<2>& box, test::Random& random) {
-  Point2 p;
-  for (int i = 0; i < 2; ++i) {
+template <int D>
+geometry::Point<D> RandomPointIn(const Extent<D>& box, test::Random& random) {
+  geometry::Point<D> p;
+  for (int i = 0; i < D; ++i) {
     const double lo = std::max(box.lo[i], kRootLo);
     const double hi = std::min(box.hi[i], std::nextafter(kRootHi, 0));
     const int how = random.Below(4);
@@ -131,12 +151,11 @@ Point2 RandomPointIn(const Extent<2>& box, test::Random& random) {
   return p;
 }
 
-class SpatialTreeTest : public testing::TestWithParam<Layout> {};
-
-void CheckBalls(const Pair& pair, test::Random& random) {
+template <int D>
+void CheckBalls(const Pair<D>& pair, test::Random& random) {
   for (int k = 0; k < 4; ++k) {
     // A centre anywhere, or at a point; a radius of any size, or to some point exactly.
-    Point2 centre = {{1.4 * random.Unit() - 0.2, 1.4 * random.Unit() - 0.2}};
+    geometry::Point<D> centre = RandomPointAround<D>(random);
     if (random.OneIn(2)) centre = pair.points.at(pair.AnyId(random));
     double radius2 = std::ldexp(random.Unit(), -random.Below(60));
     if (random.OneIn(3)) {
@@ -151,18 +170,20 @@ void CheckBalls(const Pair& pair, test::Random& random) {
     }
     ASSERT_EQ(pair.InBall(centre, radius2), wanted);
     double shrinking = INFINITY;
-    pair.tree.VisitBall(centre, shrinking,
-                        [&](std::uint32_t, const Point2&, double d2) { shrinking = d2; });
+    pair.tree.VisitBall(
+        centre, shrinking,
+        [&](std::uint32_t, const geometry::Point<D>&, double d2) { shrinking = d2; });
     ASSERT_EQ(shrinking, nearest2);
   }
 }
 
 // The points in any of some balls, each once.
-void CheckUnions(const Pair& pair, test::Random& random) {
-  std::vector<Tree::Ball> balls;
-  Extent<2> box = Extent<2>::Nothing();
+template <int D>
+void CheckUnions(const Pair<D>& pair, test::Random& random) {
+  std::vector<typename SpatialTree<D>::Ball> balls;
+  Extent<D> box = Extent<D>::Nothing();
   for (int k = random.Below(5); k >= 0; --k) {
-    Point2 centre = {{1.4 * random.Unit() - 0.2, 1.4 * random.Unit() - 0.2}};
+    geometry::Point<D> centre = RandomPointAround<D>(random);
     if (random.OneIn(2)) centre = pair.points.at(pair.AnyId(random));
     const double radius = std::ldexp(random.Unit(), -random.Below(30));
     balls.push_back({centre, radius * radius});
@@ -170,13 +191,13 @@ void CheckUnions(const Pair& pair, test::Random& random) {
   }
   std::set<std::uint32_t> wanted, visited;
   for (const auto& [id, p] : pair.points) {
-    if (std::ranges::any_of(balls, [&](const Tree::Ball& ball) {
+    if (std::ranges::any_of(balls, [&](const auto& ball) {
           return geometry::SquaredDistance(p, ball.centre) <= ball.radius2;
         })) {
       wanted.insert(id);
     }
   }
-  const auto visit = [&](std::uint32_t id, const Point2& p) {
+  const auto visit = [&](std::uint32_t id, const geometry::Point<D>& p) {
     EXPECT_EQ(p, pair.points.at(id));
     EXPECT_TRUE(visited.insert(id).second) << "visited twice";
   };
@@ -191,63 +212,66 @@ void CheckUnions(const Pair& pair, test::Random& random) {
 
 // Whoever subscribed to a cover of a box is on the path of all points in it, whatever
 // has been split and merged since.
-void CheckSubscriptions(Pair& pair, test::Random& random) {
+template <int D>
+void CheckSubscriptions(Pair<D>& pair, test::Random& random) {
   for (const auto& [box, places] : pair.subscribed) {
     const Nodes path = pair.Path(RandomPointIn(box, random));
-    ASSERT_TRUE(std::any_of(path.begin(), path.end(),
-                            [&](Tree::NodeIndex n) { return places.contains(n); }));
+    ASSERT_TRUE(
+        std::any_of(path.begin(), path.end(), [&](NodeIndex n) { return places.contains(n); }));
   }
   if (pair.subscribed.size() >= 60) {
     pair.subscribed.erase(pair.subscribed.begin() + random.Below(60));
   }
-  const Extent<2> box = RandomBox(random);
+  const Extent<D> box = RandomBox<D>(random);
   const Nodes cover = pair.Cover(box);
-  ASSERT_LE(cover.size(), 4u);
+  ASSERT_LE(cover.size(), std::size_t{1} << D);
   for (int k = 0; k < 8; ++k) {
     const Nodes path = pair.Path(RandomPointIn(box, random));
-    ASSERT_EQ(std::count_if(path.begin(), path.end(),
-                            [&](Tree::NodeIndex n) { return cover.contains(n); }),
-              1);
+    ASSERT_EQ(
+        std::count_if(path.begin(), path.end(), [&](NodeIndex n) { return cover.contains(n); }), 1);
   }
   pair.subscribed.emplace_back(box, cover);
 }
 
 // In a node of the cover a point of the box is in the box's parts, and few points outside are: not
 // one that is farther from it than a slab along some axis.
-void CheckParts(const Pair& pair, test::Random& random) {
-  const Extent<2> box = RandomBox(random);
+template <int D>
+void CheckParts(const Pair<D>& pair, test::Random& random) {
+  const Extent<D> box = RandomBox<D>(random);
   const auto cover = pair.PartsOfCover(box);
   for (int k = 0; k < 8; ++k) {
     const bool inside = k % 2 == 0;
-    const Point2 p = inside ? RandomPointIn(box, random) : Point2{{random.Unit(), random.Unit()}};
+    const geometry::Point<D> p =
+        inside ? RandomPointIn(box, random) : RandomPoint<D>(Layout::kUniform, random);
     double side = 2 * (kRootHi - kRootLo);
     for (const auto& [node, part] : pair.PartsOnPath(p)) {
       side /= 2;
       const auto of = cover.find(node);
       if (of == cover.end()) continue;
       const bool is_read = (of->second & part) == part;
-      ASSERT_EQ(std::popcount(part), 2);
+      ASSERT_EQ(std::popcount(part), D);
       ASSERT_TRUE(is_read || !inside);
-      const double slab = side / Tree::kSlabs;
-      for (int i = 0; i < 2; ++i) {
+      const double slab = side / SpatialTree<D>::kSlabs;
+      for (int i = 0; i < D; ++i) {
         ASSERT_TRUE(!is_read || (box.lo[i] - slab <= p[i] && p[i] <= box.hi[i] + slab));
       }
     }
   }
 }
 
-TEST_P(SpatialTreeTest, IsAListOfPointsAfterAnyInsertionsAndRemovals) {
+template <int D>
+void CheckRandomUpdates(Layout layout) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     test::Random random(seed);
-    Pair pair;
+    Pair<D> pair;
     std::uint32_t next = 0;
     int most = 200;
     for (int step = 0; step < 3000; ++step) {
       if (step % 500 == 0) most = most == 200 ? 5 : 200;  // grow, then shrink: merges
       const int size = static_cast<int>(pair.points.size());
       if (size == 0 || (size < most && !random.OneIn(4))) {
-        pair.Insert(next++, RandomPoint(GetParam(), random));
+        pair.Insert(next++, RandomPoint<D>(layout, random));
       } else {
         pair.Remove(pair.AnyId(random));
       }
@@ -260,8 +284,18 @@ TEST_P(SpatialTreeTest, IsAListOfPointsAfterAnyInsertionsAndRemovals) {
     }
     EXPECT_GT(pair.merges, 10);
     while (!pair.points.empty()) pair.Remove(pair.points.begin()->first);
-    EXPECT_EQ(pair.Path({{0.5, 0.5}}), Nodes{0}) << "nothing but the root is left";
+    EXPECT_EQ(pair.Path(PointOf<D>([] { return 0.5; })), Nodes{0})
+        << "nothing but the root is left";
   }
+}
+
+class SpatialTreeTest : public testing::TestWithParam<Layout> {};
+
+TEST_P(SpatialTreeTest, IsAListOfPointsAfterAnyInsertionsAndRemovals) {
+  CheckRandomUpdates<2>(GetParam());
+}
+TEST_P(SpatialTreeTest, IsAListOfPointsInSpaceAfterAnyInsertionsAndRemovals) {
+  CheckRandomUpdates<3>(GetParam());
 }
 
 std::string NameOfLayout(const testing::TestParamInfo<Layout>& its) {
@@ -275,14 +309,15 @@ INSTANTIATE_TEST_SUITE_P(All, SpatialTreeTest, testing::ValuesIn(kAllLayouts), N
 TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABox) {
   const std::uint64_t seed = 9;
   test::Random random(seed);
-  Pair pair;
+  Pair<2> pair;
   std::map<std::pair<double, double>, int> copies;
   for (std::uint32_t id = 0; id < 1500; ++id) {
-    const Point2 p = RandomPoint(Layout::kOnLattice, random);
-    const Point2 q = random.OneIn(3) ? p : Point2{{p[0] / 4 + 0.25, p[1] / 4 + 0.5}};
-    const Point2 r = {
+    const geometry::Point2 p = RandomPoint<2>(Layout::kOnLattice, random);
+    const geometry::Point2 q =
+        random.OneIn(3) ? p : geometry::Point2{{p[0] / 4 + 0.25, p[1] / 4 + 0.5}};
+    const geometry::Point2 r = {
         {std::floor(q[0] * kLattice) / kLattice, std::floor(q[1] * kLattice) / kLattice}};
-    if (++copies[{r[0], r[1]}] <= Tree::kCapacity) pair.Insert(id, r);
+    if (++copies[{r[0], r[1]}] <= SpatialTree<2>::kCapacity) pair.Insert(id, r);
   }
   for (int i = 0; i < 300; ++i) {
     const int most = random.OneIn(20) ? 4 * kLattice : random.Below(20);
@@ -302,19 +337,19 @@ TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABox) {
     }
     Nodes visited;
     pair.tree.VisitBox(
-        box, [&](Tree::NodeIndex n) { EXPECT_TRUE(visited.insert(n).second) << "visited twice"; });
+        box, [&](NodeIndex n) { EXPECT_TRUE(visited.insert(n).second) << "visited twice"; });
     ASSERT_EQ(visited, wanted) << "seed " << seed << " box " << i;
   }
 }
 
 TEST(SpatialTree, PathsBeginAtTheRootAndEndWhereThePointIs) {
   test::Random random(10);
-  Pair pair;
+  Pair<2> pair;
   for (std::uint32_t id = 0; id < 500; ++id) {
-    pair.Insert(id, RandomPoint(Layout::kOnLattice, random));
-    const Point2 p = pair.points.at(id);
-    std::vector<Tree::NodeIndex> path;
-    pair.tree.VisitPath(p, [&](Tree::NodeIndex n, std::uint32_t) { path.push_back(n); });
+    pair.Insert(id, RandomPoint<2>(Layout::kOnLattice, random));
+    const geometry::Point2 p = pair.points.at(id);
+    std::vector<NodeIndex> path;
+    pair.tree.VisitPath(p, [&](NodeIndex n, std::uint32_t) { path.push_back(n); });
     ASSERT_EQ(path.front(), 0u);
     // The leaf alone covers the point.
     ASSERT_EQ(pair.Cover({p.c, p.c}), Nodes{path.back()});
