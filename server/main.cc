@@ -98,6 +98,8 @@ absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flag
 }
 
 int Serve(const Flags& flags, Signals& signals) {
+  // Before anything is made in the folder.
+  if (absl::Status s = dynmesh::server::ValidateConfig(flags.config); !s.ok()) return Fail(2, s);
   auto journal = OpenJournal(flags);
   if (!journal.ok()) return Fail(1, journal.status());
   auto server = Server::Start(flags.config, &dynmesh::DynamicMesh::Create, *std::move(journal));

@@ -144,6 +144,7 @@ struct Server::Impl {
     metrics.registry.AddSource([this](MetricsText& out) {
       WriteMeshes(registry, out);
       if (journal != nullptr) WriteJournal(*journal, out);
+      WriteLimits(memory, config.tls, out);
       WriteProcess(out);
     });
     if (config.metrics.empty()) return absl::OkStatus();
@@ -237,13 +238,14 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   impl->ticker = std::make_unique<Ticker>([impl = impl.get()] { impl->Tick(); });
   std::unique_ptr<Server> server(new Server(std::move(impl)));
   Log(LogLevel::kInfo, "listening", {{"address", server->address()}, {"version", kVersion}});
-  if (!IsLoopback(config.listen) && (!config.tls.enabled() || config.tokens_file.empty())) {
+  const bool authenticates = !config.tokens_file.empty() || !config.tls.client_ca.empty();
+  if (!IsLoopback(config.listen) && (!config.tls.enabled() || !authenticates)) {
     Log(LogLevel::kWarning, "exposed",
         {{"address", config.listen},
          {"encrypted", config.tls.enabled() ? "yes" : "no"},
-         {"message", config.tokens_file.empty() && config.tls.client_ca.empty()
-                         ? "no authentication: whoever can connect can edit"
-                         : "tokens and meshes cross the network"}});
+         {"message", authenticates ? "tokens and meshes cross the network unencrypted"
+                                   : "no authentication: whoever can connect can make, edit and "
+                                     "delete every mesh; give --tokens or --tls-client-ca"}});
   }
   return server;
 }

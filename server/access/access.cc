@@ -15,9 +15,11 @@ namespace {
 
 constexpr absl::Duration kSettled = absl::Seconds(1);
 
-absl::Status Unauthenticated(const char* reason, absl::string_view message) {
+absl::Status Unauthenticated(const char* reason, absl::string_view client,
+                             absl::string_view message) {
   codec::ServiceError error;
   error.reason = reason;
+  error.metadata["client"] = std::string(client);
   return codec::MakeServiceError(absl::StatusCode::kUnauthenticated, message, error);
 }
 
@@ -38,6 +40,7 @@ absl::Status Pass::CheckId(Role role, absl::string_view mesh_id) const {
   if (Allows(role, mesh_id)) return absl::OkStatus();
   codec::ServiceError error;
   error.reason = codec::reason::kRoleMissing;
+  error.metadata["client"] = client_;
   error.metadata["role"] = RoleName(role);
   const std::string mesh = mesh_id.empty() ? "meshes/*" : MeshName(mesh_id);
   error.metadata["mesh"] = mesh;
@@ -59,6 +62,7 @@ absl::Status Pass::TakeRequest() const {
   if (wait == absl::ZeroDuration()) return absl::OkStatus();
   codec::ServiceError error;
   error.reason = codec::reason::kRateLimit;
+  error.metadata["client"] = client_;
   error.retry_after = wait;
   return codec::MakeServiceError(absl::StatusCode::kResourceExhausted,
                                  "more requests a second than this server takes of one client: "
@@ -107,23 +111,25 @@ absl::StatusOr<Pass> Access::Admit(const Caller& caller) {
     table = table_;
   }
   Pass pass;
+  // No address begins as a token does.
+  pass.client_ = absl::StrCat("address ", caller.address);
   absl::Status refused;
   if (table == nullptr) {
   } else if (!caller.authorization.has_value()) {
-    refused = Unauthenticated(codec::reason::kTokenMissing,
+    refused = Unauthenticated(codec::reason::kTokenMissing, pass.client_,
                               "this server asks for a token: metadata authorization: Bearer TOKEN "
                               "(dynmesh --token-file, or DYNMESH_TOKEN)");
   } else {
     const auto shown = BearerToken(*caller.authorization);
     if (shown.has_value()) pass.token_ = table->Find(codec::HashToken(*shown));
     if (pass.token_ == nullptr) {
-      refused = Unauthenticated(codec::reason::kTokenUnknown, "this server knows no such token");
+      refused = Unauthenticated(codec::reason::kTokenUnknown, pass.client_,
+                                "this server knows no such token");
+    } else {
+      pass.client_ = absl::StrCat("token ", pass.token_->name);
     }
   }
-  // No address begins as a token does.
-  pass.bucket_ = rate_.BucketOf(pass.token_ == nullptr ? absl::StrCat("address ", caller.address)
-                                                       : absl::StrCat("token ", pass.token_->name),
-                                absl::Now());
+  pass.bucket_ = rate_.BucketOf(pass.client_, absl::Now());
   // Those who are refused are counted too: guessing is not free.
   if (absl::Status status = pass.TakeRequest(); !status.ok()) return status;
   if (!refused.ok()) return refused;
@@ -141,9 +147,10 @@ absl::StatusOr<Access::Stream> Access::Open(const Pass& pass, Role role, absl::s
   const std::lock_guard lock(mutex_);
   // The tokens may have been read again since the pass was given.
   Pass now;
+  now.client_ = pass.client_;
   now.token_ = Current(*pass.token_);
   if (now.token_ == nullptr) {
-    return Unauthenticated(codec::reason::kTokenUnknown, "the token was taken out");
+    return Unauthenticated(codec::reason::kTokenUnknown, pass.client_, "the token was taken out");
   }
   if (absl::Status status = now.CheckId(role, mesh_id); !status.ok()) return status;
   stream.access_ = this;

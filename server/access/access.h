@@ -45,9 +45,12 @@ class Pass {
   absl::Status TakeRequest() const;
   // "" without tokens.
   std::string name() const { return token_ == nullptr ? "" : token_->name; }
+  // For people: "token lab" or, without tokens, "address ipv4:10.0.0.7".
+  const std::string& client() const { return client_; }
 
  private:
   friend class Access;
+  std::string client_;
   std::shared_ptr<const Token> token_;  // null: everything is allowed
   std::shared_ptr<RateBucket> bucket_;  // null: at any rate
 };

@@ -8,6 +8,7 @@
 #include <openssl/x509.h>
 
 #include <array>
+#include <ctime>
 #include <mutex>
 #include <utility>
 
@@ -154,6 +155,18 @@ absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeTlsCredentials(cons
   absl::StatusOr<Material> material = ReadMaterial(files);
   if (!material.ok()) return material.status();
   return std::make_shared<TlsCredentials>(files, stamps, *std::move(material));
+}
+
+absl::StatusOr<absl::Time> EndOfCertificate(const std::string& file) {
+  const absl::StatusOr<std::string> pem = ReadSmallFile("tls-cert", file);
+  if (!pem.ok()) return pem.status();
+  const Owned<X509> leaf(PEM_read_bio_X509(Open(*pem).get(), nullptr, &NoPassword, nullptr));
+  std::tm end = {};
+  if (leaf == nullptr || ASN1_TIME_to_tm(X509_get0_notAfter(leaf.get()), &end) != 1) {
+    ERR_clear_error();
+    return Bad("tls-cert", file, "holds no PEM certificate");
+  }
+  return absl::FromTM(end, absl::UTCTimeZone());
 }
 
 }  // namespace dynmesh::server

@@ -16,6 +16,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 
 namespace dynmesh::server {
 
@@ -30,6 +31,10 @@ struct TlsFiles {
 // INVALID_ARGUMENT, naming flag and file, if they cannot be used. The credentials outlive the
 // server that listens with them.
 absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeTlsCredentials(const TlsFiles& files);
+
+// When the certificate in a file, the first if it has several, is no longer valid; INVALID_ARGUMENT
+// if there is none. Reads the file.
+absl::StatusOr<absl::Time> EndOfCertificate(const std::string& file);
 
 }  // namespace dynmesh::server
 

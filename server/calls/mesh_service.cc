@@ -15,6 +15,7 @@
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
+#include "server/calls/call_id.h"
 #include "server/calls/edit_call.h"
 #include "server/calls/edit_stream_call.h"
 #include "server/calls/features_call.h"
@@ -180,9 +181,10 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
   auto* reactor = new CreateReactor();
   // Request and response live until the call is finished.
   context_.writers->Post(
-      [this, reactor, request, response, options = *options, held = *ticket]() mutable {
-        const auto host = context_.registry->Create(request->mesh_id(), options,
-                                                    request->request_id(), reactor->cancelled());
+      [this, reactor, request, response, options = *options, held = *ticket,
+       origin = MeshRegistry::Origin{pass->client(), CallIdOf(*call)}]() mutable {
+        const auto host = context_.registry->Create(
+            request->mesh_id(), options, request->request_id(), reactor->cancelled(), origin);
         if (host.ok()) EncodeMesh(**host, response);
         held.reset();
         reactor->Finish(codec::ToGrpcStatus(host.status()));
@@ -239,11 +241,13 @@ grpc::ServerUnaryReactor* MeshServiceImpl::DeleteMesh(grpc::CallbackServerContex
   if (!ticket.ok()) return Finished(call, ticket.status());
   auto* reactor = call->DefaultReactor();
   // It may wait for a disk.
-  context_.writers->Post([this, reactor, request, held = *ticket]() mutable {
-    const absl::Status status = context_.registry->Delete(request->mesh());
-    held.reset();
-    reactor->Finish(codec::ToGrpcStatus(status));
-  });
+  context_.writers->Post(
+      [this, reactor, request, held = *ticket,
+       origin = MeshRegistry::Origin{pass->client(), CallIdOf(*call)}]() mutable {
+        const absl::Status status = context_.registry->Delete(request->mesh(), origin);
+        held.reset();
+        reactor->Finish(codec::ToGrpcStatus(status));
+      });
   return reactor;
 }
 

@@ -17,7 +17,11 @@ namespace dynmesh::server {
 
 absl::StatusOr<FolderLock> FolderLock::Take(const std::string& folder) {
   std::error_code error;
-  std::filesystem::create_directories(folder, error);
+  const bool is_new = std::filesystem::create_directories(folder, error);
+  // For nobody else to read; what was there before is as its owner wants it.
+  if (is_new) {
+    std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
+  }
   if (error) {
     return absl::UnavailableError(absl::StrCat("cannot make ", folder, ": ", error.message()));
   }

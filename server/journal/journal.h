@@ -49,6 +49,7 @@ class Journal {
   struct Counts {
     std::uint64_t syncs = 0;     // transactions on the disk
     std::uint64_t failures = 0;  // transactions that were not
+    bool failing = false;        // the last one was not
   };
   // What a batch did.
   struct Entry {
@@ -74,6 +75,8 @@ class Journal {
   virtual std::string name() const = 0;
 
   virtual Counts counts() const { return {}; }
+  // That it takes where it is.
+  virtual std::uint64_t bytes() const { return 0; }
 
   virtual absl::StatusOr<std::vector<Mesh>> List() = 0;  // by id
   // ALREADY_EXISTS for an id that is there.

@@ -1,8 +1,16 @@
 #include "server/journal/sqlite_journal.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "server/base/log.h"
 #include "server/journal/row_sum.h"
 #include "server/journal/sqlite_generations.h"
@@ -14,6 +22,32 @@ namespace {
 using sqlite::Connection;
 using sqlite::Statement;
 
+// Unless it is there: for nobody else to read. SQLite gives its other files the same rights.
+absl::Status MakeJournalFile(const std::string& folder, const std::string& path) {
+  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file < 0 && errno == EEXIST) return absl::OkStatus();
+  if (file < 0) {
+    return absl::UnavailableError(absl::StrCat("cannot make ", path, ": ", std::strerror(errno)));
+  }
+  close(file);
+  // A backup that was put there under another name would be passed over.
+  std::vector<std::string> others;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename();
+    if (name != "lock" && name != "journal.sqlite") others.push_back(name);
+  }
+  if (!others.empty()) {
+    Log(LogLevel::kWarning, "journal_made",
+        {{"journal", path},
+         {"others", absl::StrJoin(others, " ")},
+         {"message",
+          "a new journal, though the folder is not empty; a backup is read if it is "
+          "called journal.sqlite"}});
+  }
+  return absl::OkStatus();
+}
+
 absl::Status NoSuchMesh() { return absl::NotFoundError("the journal has no such mesh"); }
 
 }  // namespace
@@ -23,6 +57,7 @@ absl::StatusOr<std::unique_ptr<SqliteJournal>> SqliteJournal::Open(const std::st
   absl::StatusOr<FolderLock> lock = FolderLock::Take(folder);
   if (!lock.ok()) return lock.status();
   const std::string path = absl::StrCat(folder, "/journal.sqlite");
+  if (absl::Status s = MakeJournalFile(folder, path); !s.ok()) return s;
   absl::StatusOr<Connection> connection = Connection::Open(path, options.vfs);
   if (!connection.ok()) return connection.status();
   if (absl::Status s = PrepareJournal(*connection, path); !s.ok()) {
@@ -55,6 +90,16 @@ SqliteJournal::SqliteJournal(std::string path, const Options& options, FolderLoc
 
 SqliteJournal::~SqliteJournal() = default;
 
+std::uint64_t SqliteJournal::bytes() const {
+  std::uint64_t sum = 0;
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(absl::StrCat(path_, suffix), error);
+    if (!error) sum += size;
+  }
+  return sum;
+}
+
 // ------------------------------------------------------------------ writing
 
 absl::Status SqliteJournal::Write(const Change& change) {
@@ -71,11 +116,12 @@ void SqliteJournal::WriteAll(std::unique_lock<std::mutex>& lock) {
   writing_ = true;
   const std::vector<Waiting*> group = std::exchange(waiting_, {});
   lock.unlock();
-  absl::Status status = failed_ ? Probe() : absl::OkStatus();
+  const bool failed_before = failed_;
+  absl::Status status = failed_before ? Probe() : absl::OkStatus();
   if (status.ok()) status = Commit(group);
-  if (!status.ok() && !failed_) {
+  if (!status.ok() && !failed_before) {
     Log(LogLevel::kError, "journal_failed", {{"journal", path_}, {"error", status.message()}});
-  } else if (status.ok() && failed_) {
+  } else if (status.ok() && failed_before) {
     Log(LogLevel::kInfo, "journal_works_again", {{"journal", path_}});
   }
   failed_ = !status.ok();

@@ -45,7 +45,8 @@ class SqliteJournal final : public Journal {
   ~SqliteJournal() override;
 
   std::string name() const override { return path_; }
-  Counts counts() const override { return {syncs_.load(), failures_.load()}; }
+  Counts counts() const override { return {syncs_.load(), failures_.load(), failed_.load()}; }
+  std::uint64_t bytes() const override;
   absl::StatusOr<std::vector<Mesh>> List() override;
   absl::StatusOr<Key> Create(const std::string& id, const std::string& description) override;
   absl::Status Delete(Key mesh) override;
@@ -93,7 +94,7 @@ class SqliteJournal final : public Journal {
 
   // Belong to whoever writes.
   sqlite::Connection writer_;
-  bool failed_ = false;
+  std::atomic<bool> failed_{false};
   int log_pages_ = 0;
 
   std::atomic<std::uint64_t> syncs_{0};

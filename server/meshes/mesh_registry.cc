@@ -106,7 +106,8 @@ std::string MeshRegistry::FreshId() {
 absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id,
                                                            const MeshOptions& options,
                                                            const std::string& request_id,
-                                                           const std::atomic<bool>* cancelled) {
+                                                           const std::atomic<bool>* cancelled,
+                                                           const Origin& origin) {
   if (!id.empty() && !IsMeshId(id)) {
     return BadName("mesh_id", id, "[a-z][a-z0-9-]{0,62}");
   }
@@ -143,7 +144,11 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
   const std::lock_guard lock(mutex_);
   hosts_.emplace(final_id, Held{host, {}, *key, request_id});
   if (!request_id.empty()) made_.emplace(request_id, final_id);
-  Log(LogLevel::kInfo, "mesh_created", {{"mesh", final_id}, {"meshes", hosts_.size()}});
+  Log(LogLevel::kInfo, "mesh_created",
+      {{"mesh", final_id},
+       {"meshes", hosts_.size()},
+       {"client", origin.client},
+       {"call", origin.call}});
   return host;
 }
 
@@ -204,6 +209,7 @@ void MeshRegistry::RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progr
   Log(LogLevel::kInfo, "recovered",
       {{"mesh", mesh.id},
        {"revision", host->head().revision},
+       {"hash", host->head().hash.ToHex()},
        {"features", host->stats().features},
        {"entries", found->entries},
        {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
@@ -222,7 +228,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name)
   return it->second.host;
 }
 
-absl::Status MeshRegistry::Delete(absl::string_view name) {
+absl::Status MeshRegistry::Delete(absl::string_view name, const Origin& origin) {
   const absl::StatusOr<std::string> id = ParseMeshName(name);
   if (!id.ok()) return id.status();
   Held held;
@@ -244,7 +250,8 @@ absl::Status MeshRegistry::Delete(absl::string_view name) {
   }
   if (held.host != nullptr) held.host->Close(MeshDeletedError(*id));
   if (journal_ != nullptr) SweepOn(readers_, journal_, held.key, sweeps_ended_);
-  Log(LogLevel::kInfo, "mesh_deleted", {{"mesh", *id}});
+  Log(LogLevel::kInfo, "mesh_deleted",
+      {{"mesh", *id}, {"client", origin.client}, {"call", origin.call}});
   return absl::OkStatus();
 }
 

@@ -43,6 +43,12 @@ class MeshRegistry {
   // Makes the journal's meshes again, several at a time. Before any other call.
   absl::Status Recover();
 
+  // Who asks, for the log.
+  struct Origin {
+    std::string client;  // Pass::client
+    std::string call;    // CallIdOf
+  };
+
   // Makes a mesh; an empty id lets the registry choose. ALREADY_EXISTS (MESH_EXISTS),
   // unless it was made with the same non-empty request_id and options: then that one.
   // RESOURCE_EXHAUSTED (MESH_LIMIT; MEMORY_LIMIT or VERTEX_LIMIT: with max_edge even an empty mesh
@@ -50,12 +56,13 @@ class MeshRegistry {
   // an empty mesh and writing it down.
   absl::StatusOr<HostPtr> Create(const std::string& id, const MeshOptions& options,
                                  const std::string& request_id,
-                                 const std::atomic<bool>* cancelled = nullptr);
+                                 const std::atomic<bool>* cancelled = nullptr,
+                                 const Origin& origin = {});
 
   // NOT_FOUND (MESH_NOT_FOUND); INVALID_ARGUMENT for a malformed name; DATA_LOSS (MESH_DAMAGED).
   absl::StatusOr<HostPtr> Find(absl::string_view name) const;
   // Waits for the journal, which is rid of the mesh's bytes later.
-  absl::Status Delete(absl::string_view name);
+  absl::Status Delete(absl::string_view name, const Origin& origin = {});
 
   struct Listed {
     std::string id;

@@ -4,10 +4,10 @@
 #include <atomic>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "dynmesh/v1/mesh_service.pb.h"
-#include "server/base/log.h"
 #include "server/calls/call_id.h"
 #include "server/metrics/server_metrics.h"
 
@@ -27,12 +27,6 @@ constexpr std::array<const char*, kCodes> kCodeNames = {
 std::size_t IndexOf(grpc::StatusCode code) {
   const auto index = static_cast<std::size_t>(code);
   return index < kCodes ? index : static_cast<std::size_t>(grpc::StatusCode::UNKNOWN);
-}
-
-// What is not the client's doing.
-bool IsOurs(grpc::StatusCode code) {
-  return code == grpc::StatusCode::UNKNOWN || code == grpc::StatusCode::INTERNAL ||
-         code == grpc::StatusCode::DATA_LOSS;
 }
 
 const char* TypeOf(const google::protobuf::MethodDescriptor& method) {
@@ -96,7 +90,7 @@ struct CallMetrics::Method {
 };
 
 struct CallMetrics::Impl {
-  explicit Impl(MetricRegistry& registry) : families(registry) {}
+  explicit Impl(MetricRegistry& registry) : families(registry), failed(registry) {}
 
   void Add(const std::string& type, const std::string& service, const std::string& method) {
     methods.emplace(absl::StrCat("/", service, "/", method),
@@ -104,6 +98,7 @@ struct CallMetrics::Impl {
   }
 
   Families families;
+  FailedCalls failed;
   std::map<std::string, std::unique_ptr<Method>, std::less<>> methods;
   std::unique_ptr<Method> other;
 };
@@ -129,17 +124,19 @@ CallMetrics::Method& CallMetrics::Find(const char* path) const {
   return found == impl_->methods.end() ? *impl_->other : *found->second;
 }
 
+FailedCalls& CallMetrics::failed() const { return impl_->failed; }
+
 namespace {
 
 // Of one call. A stream's reads and writes come at the same time; all else one after the other.
 class CallObserver final : public grpc::experimental::Interceptor {
  public:
-  explicit CallObserver(CallMetrics::Method& method)
-      : method_(method), start_(MetricsClock::now()) {
+  CallObserver(CallMetrics::Method& method, FailedCalls& failed, grpc::ServerContextBase* context)
+      : method_(method), failed_(failed), context_(context), start_(MetricsClock::now()) {
     method_.started.Add();
   }
   // Of a client that vanished nobody tells the status.
-  ~CallObserver() override { End(grpc::Status::CANCELLED); }
+  ~CallObserver() override { End(grpc::Status::CANCELLED, ""); }
 
   void Intercept(InterceptorBatchMethods* step) override {
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::POST_RECV_INITIAL_METADATA)) {
@@ -156,7 +153,8 @@ class CallObserver final : public grpc::experimental::Interceptor {
       method_.sent.Add();
     }
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) {
-      End(step->GetSendStatus());
+      const grpc::Status status = step->GetSendStatus();
+      End(status, status.ok() || context_ == nullptr ? "" : context_->peer());
     }
     step->Proceed();
   }
@@ -174,21 +172,18 @@ class CallObserver final : public grpc::experimental::Interceptor {
     metadata.emplace(kCallIdKey, id_);
   }
 
-  void End(const grpc::Status& status) {
+  void End(const grpc::Status& status, std::string peer) {
     if (ended_.exchange(true)) return;
     method_.Handled(status.error_code()).Add();
     method_.seconds.Observe(SecondsSince(start_));
     if (status.ok()) return;
-    const LogLevel level = IsOurs(status.error_code()) ? LogLevel::kWarning : LogLevel::kDebug;
-    if (!LogEnabled(level)) return;
-    Log(level, "call_failed",
-        {{"call", id_},
-         {"method", method_.method},
-         {"code", kCodeNames[IndexOf(status.error_code())]},
-         {"message", status.error_message()}});
+    failed_.Tell({id_, method_.method, kCodeNames[IndexOf(status.error_code())], std::move(peer)},
+                 status);
   }
 
   CallMetrics::Method& method_;
+  FailedCalls& failed_;
+  const grpc::ServerContextBase* const context_;  // ends before the observer does
   const MetricsClock::time_point start_;
   std::string id_;
   std::atomic<bool> ended_{false};
@@ -199,7 +194,8 @@ class CallObservers final : public grpc::experimental::ServerInterceptorFactoryI
   explicit CallObservers(const CallMetrics* metrics) : metrics_(*metrics) {}
   grpc::experimental::Interceptor* CreateServerInterceptor(
       grpc::experimental::ServerRpcInfo* info) override {
-    return new CallObserver(metrics_.Find(info->method()));
+    return new CallObserver(metrics_.Find(info->method()), metrics_.failed(),
+                            info->server_context());
   }
 
  private:

@@ -1,5 +1,5 @@
 // Sees every call of the gRPC server, as an interceptor: counts it, times it, gives it an id
-// (call_id.h), and logs it if it fails. The names are those that Prometheus' middleware for gRPC
+// (call_id.h), and tells it if it fails. The names are those that Prometheus' middleware for gRPC
 // uses elsewhere. Methods that are not ours (reflection, what does not exist) are one, "other".
 // Thread-safe; a few atomic operations a message.
 #ifndef DYNMESH_SERVER_METRICS_CALL_OBSERVER_H_
@@ -9,6 +9,7 @@
 
 #include <memory>
 
+#include "server/metrics/failed_calls.h"
 #include "server/metrics/metrics.h"
 
 namespace dynmesh::server {
@@ -20,6 +21,7 @@ class CallMetrics {
 
   struct Method;
   Method& Find(const char* path) const;  // "/package.Service/Method"
+  FailedCalls& failed() const;
 
  private:
   struct Impl;

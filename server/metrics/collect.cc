@@ -99,6 +99,23 @@ void WriteJournal(const Journal& journal, MetricsText& out) {
   out.Single("dynmesh_journal_failures_total", "counter",
              "Transactions that could not be written; each may be of several batches.",
              static_cast<double>(counts.failures));
+  out.Single("dynmesh_journal_failing", "gauge",
+             "1 if the last transaction could not be written: edits are refused.",
+             counts.failing ? 1 : 0);
+  out.Single("dynmesh_journal_bytes", "gauge", "The journal's files.",
+             static_cast<double>(journal.bytes()));
+}
+
+void WriteLimits(const MemoryGuard& memory, const TlsFiles& tls, MetricsText& out) {
+  out.Single("dynmesh_memory_limit_bytes", "gauge",
+             "Memory of the process above which nothing grows.",
+             static_cast<double>(memory.limit()));
+  if (!tls.enabled()) return;
+  const absl::StatusOr<absl::Time> end = EndOfCertificate(tls.certificate);
+  if (!end.ok()) return;  // the one before is in use, and the log says so
+  out.Single("dynmesh_certificate_end_time_seconds", "gauge",
+             "When the certificate in the file is no longer valid, since 1970.",
+             absl::ToDoubleSeconds(*end - absl::UnixEpoch()));
 }
 
 void WriteProcess(MetricsText& out) {

@@ -3,6 +3,8 @@
 #ifndef DYNMESH_SERVER_METRICS_COLLECT_H_
 #define DYNMESH_SERVER_METRICS_COLLECT_H_
 
+#include "server/access/memory_guard.h"
+#include "server/access/tls.h"
 #include "server/journal/journal.h"
 #include "server/meshes/mesh_registry.h"
 #include "server/metrics/metrics.h"
@@ -11,6 +13,8 @@ namespace dynmesh::server {
 
 void WriteMeshes(const MeshRegistry& meshes, MetricsText& out);
 void WriteJournal(const Journal& journal, MetricsText& out);
+// What it must not outgrow or outlive: memory, and the certificate, if there is one.
+void WriteLimits(const MemoryGuard& memory, const TlsFiles& tls, MetricsText& out);
 // What the kernel tells in /proc, and which dynmeshd this is.
 void WriteProcess(MetricsText& out);
 

@@ -229,7 +229,10 @@ TEST_F(AccessTest, EachTokenAndEachAddressHasARateOfItsOwn) {
   const absl::Status refused = Admit("a", "ipv4:10.0.0.2").status();
   EXPECT_EQ(ReasonOf(refused), codec::reason::kRateLimit);
   EXPECT_TRUE(codec::GetServiceError(refused)->retry_after.has_value());
-  EXPECT_EQ(ReasonOf(Admit("wrong").status()), codec::reason::kTokenUnknown);
+  EXPECT_EQ(codec::GetServiceError(refused)->metadata["client"], "token a");
+  const absl::Status unknown = Admit("wrong").status();
+  EXPECT_EQ(ReasonOf(unknown), codec::reason::kTokenUnknown);
+  EXPECT_EQ(codec::GetServiceError(unknown)->metadata["client"].find("address "), 0u);
   EXPECT_EQ(ReasonOf(Admit("guess").status()), codec::reason::kRateLimit);
   EXPECT_EQ(ReasonOf(Admit("guess", "ipv4:10.0.0.2").status()), codec::reason::kTokenUnknown);
 }

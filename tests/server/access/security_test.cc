@@ -8,6 +8,7 @@
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/token_hash.h"
+#include "server/access/tls.h"
 #include "tests/server/server_fixture.h"
 #include "tests/support/certificates.h"
 
@@ -72,6 +73,17 @@ TEST_F(TlsTest, OnlyThoseWhoTrustTheAuthorityAndSpeakTlsConnect) {
 TEST_F(TlsTest, AnExpiredCertificateIsRefused) {
   Start(Files("late"));
   EXPECT_EQ(Try("ca").code(), StatusCode::kUnavailable);
+}
+
+TEST_F(TlsTest, WhenACertificateEndsIsKnown) {
+  const TlsFiles files = Files("server");
+  const auto end = EndOfCertificate(files.certificate);
+  ASSERT_TRUE(end.ok()) << end.status();
+  EXPECT_GT(*end, absl::Now());
+  EXPECT_LT(*EndOfCertificate(Files("late").certificate), absl::Now());
+  for (const std::string& none : {files.key, Path("none")}) {
+    EXPECT_TRUE(absl::IsInvalidArgument(EndOfCertificate(none).status())) << none;
+  }
 }
 
 TEST_F(TlsTest, WithAnAuthorityForClientsTheyMustShowACertificate) {

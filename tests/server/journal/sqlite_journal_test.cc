@@ -6,6 +6,7 @@
 #include <sqlite3.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -185,6 +186,68 @@ TEST_F(SqliteJournalTest, TheFolderBelongsToOne) {
   EXPECT_TRUE(SqliteJournal::Open(folder_.path(), {}).ok());
 }
 
+TEST_F(SqliteJournalTest, WhatItMakesIsForItsUserOnly) {
+  namespace fs = std::filesystem;
+  constexpr fs::perms kOthers = fs::perms::group_all | fs::perms::others_all;
+  const std::string folder = folder_.path() + "/new/folder";
+  auto journal = *SqliteJournal::Open(folder, {});
+  ASSERT_TRUE(journal->Create("a", "").ok());
+  EXPECT_EQ(fs::status(folder).permissions() & kOthers, fs::perms::none);
+  for (const char* file : {"journal.sqlite", "journal.sqlite-wal", "journal.sqlite-shm"}) {
+    EXPECT_EQ(fs::status(folder + "/" + file).permissions() & kOthers, fs::perms::none) << file;
+  }
+  EXPECT_GT(journal->bytes(), fs::file_size(folder + "/journal.sqlite"));
+}
+
+TEST_F(SqliteJournalTest, ABackupUnderAnotherNameIsNotPassedOverInSilence) {
+  ASSERT_TRUE(SetLogLevel("warning").ok());
+  std::ofstream(folder_.path() + "/backup.sqlite") << "x";
+  testing::internal::CaptureStderr();
+  Open();
+  const std::string first = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(absl::StrContains(first, "event=journal_made")) << first;
+  EXPECT_TRUE(absl::StrContains(first, "others=backup.sqlite")) << first;
+  testing::internal::CaptureStderr();
+  Open();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+// As the runbook has it, while others write.
+TEST_F(SqliteJournalTest, ABackupMadeUnderLoadIsAMomentOfIt) {
+  Open();
+  const auto key = *journal_->Create("a", "");
+  std::atomic<std::uint64_t> acknowledged{0};
+  std::atomic<bool> end{false};
+  std::thread writer([&] {
+    for (std::uint64_t i = 1; !end; ++i) {
+      EXPECT_TRUE(journal_->Append(key, Entry{i, std::to_string(i)}, std::nullopt).ok());
+      acknowledged = i;
+    }
+  });
+  for (int i = 0; i < 3; ++i) {
+    const std::string folder = absl::StrCat(folder_.path(), "/backup", i);
+    std::filesystem::create_directory(folder);
+    while (acknowledged < 20u * static_cast<unsigned>(i + 1)) std::this_thread::yield();
+    const std::uint64_t before = acknowledged;
+    auto other = *sqlite::Connection::Open(File(), nullptr);
+    const absl::Status made =
+        other.Run(absl::StrCat("VACUUM INTO '", folder, "/journal.sqlite'").c_str());
+    EXPECT_TRUE(made.ok()) << made;
+    const std::uint64_t after = acknowledged + 1;
+    auto backup = *SqliteJournal::Open(folder, {});
+    const auto meshes = *backup->List();
+    ASSERT_EQ(meshes.size(), 1u);
+    EXPECT_TRUE(meshes[0].damage.ok());
+    EXPECT_GE(meshes[0].entries, before);
+    EXPECT_LE(meshes[0].entries, after + 1);
+    std::string wanted;
+    for (std::uint64_t r = 1; r <= meshes[0].entries; ++r) absl::StrAppend(&wanted, r, ":", r, " ");
+    EXPECT_EQ(Told(*backup, meshes[0].key), wanted);
+  }
+  end = true;
+  writer.join();
+}
+
 TEST_F(SqliteJournalTest, ANewerSchemaIsRefused) {
   Open();
   journal_.reset();
@@ -211,9 +274,11 @@ TEST_F(SqliteJournalTest, AfterAFailedWriteNothingIsWrittenUntilAProbeWas) {
     EXPECT_TRUE(absl::IsUnavailable(journal_->Append(key, Entry{2, "y"}, std::nullopt)));
     EXPECT_TRUE(absl::IsUnavailable(journal_->Create("b", "").status()));
     EXPECT_EQ(Told(*journal_, key), "1:x ");  // reading goes on
+    EXPECT_TRUE(journal_->counts().failing);
   }
   FailingVfs::Heal();
   EXPECT_TRUE(journal_->Append(key, Entry{2, "z"}, std::nullopt).ok());
+  EXPECT_FALSE(journal_->counts().failing);
   Open();
   EXPECT_EQ(Told(*journal_, key), "1:x 2:z ");
 }

@@ -170,6 +170,7 @@ class CollectTest : public ::testing::Test {
     EXPECT_TRUE(SetLogLevel("off").ok());
     metrics_.registry.AddSource([this](MetricsText& out) {
       WriteMeshes(meshes_, out);
+      WriteLimits(memory_, TlsFiles(), out);
       WriteProcess(out);
     });
   }
@@ -188,6 +189,7 @@ class CollectTest : public ::testing::Test {
   }
 
   ServerMetrics metrics_;
+  const MemoryGuard memory_{std::uint64_t{1} << 40};
   WorkerPool writers_{2};
   WorkerPool readers_{2};
   MeshRegistry meshes_{
@@ -280,6 +282,8 @@ TEST_F(CollectTest, TheProcessIsDescribed) {
   const ParsedMetrics now = Scrape();
   EXPECT_GT(now.Value("process_resident_memory_bytes"), 1e6);
   EXPECT_LT(now.Value("process_resident_memory_bytes"), 1e12);
+  EXPECT_EQ(now.Value("dynmesh_memory_limit_bytes"), 1024.0 * 1024 * 1024 * 1024);
+  EXPECT_TRUE(std::isnan(now.Value("dynmesh_certificate_end_time_seconds"))) << "without TLS";
   EXPECT_GE(now.Value("process_cpu_seconds_total"), 0);
   const double age = absl::ToDoubleSeconds(absl::Now() - absl::UnixEpoch()) -
                      now.Value("process_start_time_seconds");

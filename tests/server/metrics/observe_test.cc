@@ -1,9 +1,12 @@
 // What a server tells of itself: calls counted, ids of calls, ready or not, from start to drain.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <thread>
 
+#include "proto/codec/grpc_status.h"
+#include "server/metrics/failed_calls.h"
 #include "tests/server/metrics/http_get.h"
 #include "tests/server/metrics/metrics_parser.h"
 #include "tests/server/server_fixture.h"
@@ -203,6 +206,74 @@ TEST_F(ObserveTest, LinesOfAnEditAndOfAnErrorHaveTheId) {
   ASSERT_TRUE(SetLogLevel("error").ok());
   EXPECT_NE(log.find("event=edit mesh=m call=edit-1 "), std::string::npos) << log;
   EXPECT_NE(log.find("event=call_failed call=bad-1 method=GetMesh code=NotFound"),
+            std::string::npos)
+      << log;
+}
+
+std::size_t Count(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+// Of many refusals a second one is told.
+TEST_F(ObserveTest, WhoIsRefusedIsToldNowAndThenAndCountedAlways) {
+  MetricRegistry metrics;
+  FailedCalls calls(metrics);
+  codec::ServiceError error;
+  error.reason = codec::reason::kRateLimit;
+  error.metadata["client"] = "token lab";
+  const grpc::Status refused = codec::ToGrpcStatus(
+      codec::MakeServiceError(absl::StatusCode::kResourceExhausted, "slow down", error));
+  error.reason = codec::reason::kRoleMissing;
+  const grpc::Status other = codec::ToGrpcStatus(
+      codec::MakeServiceError(absl::StatusCode::kPermissionDenied, "no", error));
+  ASSERT_TRUE(SetLogLevel("info").ok());
+  testing::internal::CaptureStderr();
+  const auto begin = MetricsClock::now();
+  std::uint64_t told = 0;
+  const auto refuse = [&] {
+    calls.Tell({"id", "ApplyEdits", "ResourceExhausted", "ipv4:10.0.0.7:1234"}, refused);
+    ++told;
+  };
+  while (MetricsClock::now() - begin < std::chrono::milliseconds(1100)) refuse();
+  refuse();
+  calls.Tell({"id", "Watch", "PermissionDenied", "ipv4:10.0.0.7:1234"}, other);
+  calls.Tell({"id", "Watch", "Canceled", ""}, grpc::Status::CANCELLED);
+  const std::string log = testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(SetLogLevel("error").ok());
+  const std::string line =
+      "event=call_refused call=id method=ApplyEdits code=ResourceExhausted reason=RATE_LIMIT "
+      "client=\"token lab\" peer=ipv4:10.0.0.7:1234 left_out=";
+  EXPECT_GE(Count(log, line), 2u) << log;  // one was at the beginning, one a second later
+  EXPECT_LE(Count(log, line), told / 10) << log;
+  EXPECT_EQ(Count(log, line + "0 "), 1u) << log;
+  EXPECT_EQ(Count(log, "reason=ROLE_MISSING"), 1u) << log;
+  EXPECT_EQ(Count(log, "Canceled"), 0u) << log;
+  const ParsedMetrics now(metrics.Text());
+  EXPECT_EQ(now.Value("dynmesh_failed_calls_total", {{"reason", "RATE_LIMIT"}}), told);
+  EXPECT_EQ(now.Value("dynmesh_failed_calls_total", {{"reason", "ROLE_MISSING"}}), 1);
+}
+
+TEST_F(ObserveTest, LinesTellWhoMadeAndDeletedAMesh) {
+  ASSERT_TRUE(SetLogLevel("info").ok());
+  testing::internal::CaptureStderr();
+  StartWithMesh();
+  {
+    grpc::ClientContext context;
+    context.AddMetadata("x-request-id", "gone-1");
+    v1::DeleteMeshRequest request;
+    request.set_mesh("meshes/m");
+    v1::DeleteMeshResponse response;
+    EXPECT_TRUE(stub_->DeleteMesh(&context, request, &response).ok());
+  }
+  server_.reset();
+  const std::string log = testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(SetLogLevel("error").ok());
+  EXPECT_NE(log.find("event=mesh_created mesh=m meshes=1 client=\"address ipv4:127.0.0.1\" call="),
+            std::string::npos)
+      << log;
+  EXPECT_NE(log.find("event=mesh_deleted mesh=m client=\"address ipv4:127.0.0.1\" call=gone-1"),
             std::string::npos)
       << log;
 }
