@@ -1,7 +1,13 @@
 # dynmeshd and dynmesh, built and run on Debian 12 from the packages in deploy/packages.txt.
 #
 #   docker build -t dynmesh .
-#   docker run --rm --read-only -p 127.0.0.1:7878:7878 -v meshes:/var/lib/dynmesh dynmesh
+#   docker run --rm --read-only --stop-timeout 30 -p 127.0.0.1:7878:7878 -v meshes:/var/lib/dynmesh dynmesh
+#
+# As it is, whoever reaches the container, other containers of its network too, may do everything.
+# What follows the image's name takes the place of that; certificate, key and tokens have to be
+# readable for user 10001 (`dynmesh token` makes a token, and its line for the file):
+#   docker run ... -v /etc/dynmesh:/etc/dynmesh:ro dynmesh --tls-cert /etc/dynmesh/server.pem \
+#     --tls-key /etc/dynmesh/server.key --tokens /etc/dynmesh/tokens
 FROM debian:12 AS build
 WORKDIR /src
 # The packages change less often than the sources: a layer of their own.
@@ -23,9 +29,9 @@ RUN groupadd --gid 10001 dynmesh \
 USER 10001
 VOLUME /var/lib/dynmesh
 EXPOSE 7878 9178
-ENTRYPOINT ["dynmeshd"]
 # Within the container; what reaches it from outside is decided where it is run.
-CMD ["--listen", "0.0.0.0:7878", "--insecure-listen", "--data-dir", "/var/lib/dynmesh", \
-     "--metrics", "0.0.0.0:9178"]
+ENTRYPOINT ["dynmeshd", "--listen", "0.0.0.0:7878", "--data-dir", "/var/lib/dynmesh", \
+            "--metrics", "0.0.0.0:9178"]
+CMD ["--insecure-listen"]
 HEALTHCHECK --interval=10s --timeout=5s --start-period=60s \
   CMD ["bash", "-c", "exec 3<>/dev/tcp/127.0.0.1/9178 && printf 'GET /healthz HTTP/1.0\\r\\n\\r\\n' >&3 && head -1 <&3 | grep -q ' 200 '"]

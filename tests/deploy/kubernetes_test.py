@@ -61,7 +61,7 @@ class Kubernetes(unittest.TestCase):
             ),
             "container": (
                 self.container,
-                "name image imagePullPolicy args ports securityContext resources startupProbe"
+                "name image imagePullPolicy command args ports securityContext resources startupProbe"
                 " livenessProbe readinessProbe volumeMounts",
             ),
         }
@@ -82,6 +82,7 @@ class Kubernetes(unittest.TestCase):
         self.assertEqual(self.set["replicas"], 1)
 
     def test_every_flag_is_one_of_dynmeshd(self):
+        self.assertEqual(self.container["command"], ["dynmeshd"])
         self.assertLessEqual(flags_in(self.container["args"]), flags_of_daemon())
 
     def test_ports_are_those_listened_on(self):
@@ -198,7 +199,7 @@ WORSE = [
     ("keys_are", "StatefulSet", POD + "hostNetwork", True),
     ("keys_are", "StatefulSet", POD + "hostPID", True),
     ("keys_are", "StatefulSet", POD + "initContainers", [{"name": "a"}]),
-    ("keys_are", "StatefulSet", CONTAINER + "command", ["sh"]),
+    ("every_flag", "StatefulSet", CONTAINER + "command", ["sh"]),
     ("keys_are", "StatefulSet", CONTAINER + "lifecycle", {}),
     ("keys_are", "Service", "spec.type", "LoadBalancer"),
     ("keys_are", "Service", "spec.externalIPs", ["192.0.2.1"]),

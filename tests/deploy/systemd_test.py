@@ -73,7 +73,7 @@ class Systemd(unittest.TestCase):
         )
 
     def test_a_protection_that_is_gone_is_found(self):
-        for key in ("DynamicUser", "CapabilityBoundingSet", "MemoryDenyWriteExecute", "ProtectHome",
+        for key in ("User", "CapabilityBoundingSet", "MemoryDenyWriteExecute", "ProtectHome",
                     "ProtectProc", "RestrictNamespaces", "SystemCallFilter", "UMask"):
             text, count = re.subn(rf"(?m)^{key}=.*\n", "", self.text)
             self.assertTrue(count, key)
