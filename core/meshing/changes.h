@@ -259,6 +259,30 @@ bool Refinement<D, E>::ConflictsWithRing(std::span<const std::uint32_t> ring, co
   return false;
 }
 
+// Of the corners in `words` the one that is farthest in a direction, if that is certain.
+template <int D, template <class> class E>
+std::optional<typename Refinement<D, E>::Corner> Refinement<D, E>::CornerTowards(
+    std::span<const std::uint32_t> words, const Point& p, double reach,
+    const std::array<double, D>& direction) const {
+  if constexpr (D == 3) {
+    constexpr std::size_t kFew = 64;
+    const auto ids = NeighboursIn<D>(words);
+    if (ids.size() > kFew) return std::nullopt;
+    std::array<geometry::Vector3, kFew> directions;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      directions[i] = geometry::Difference(PlaceOf(ids[i], p, reach).c, p.c);
+    }
+    const auto triangles = words.subspan(ids.size());
+    const int i = Star::CornerTowards(
+        std::span(directions).first(ids.size()), static_cast<int>(triangles.size()),
+        [&](int k) { return PlacesIn(triangles[k]); }, direction);
+    if (i < 0) return std::nullopt;
+    const auto [a, b, c] = PlacesIn(triangles[i]);
+    return Corner{ids[a], ids[b], ids[c]};
+  }
+  return std::nullopt;
+}
+
 // `words` as read: neighbours and triangles.
 template <int D, template <class> class E>
 bool Refinement<D, E>::ConflictsWithLink(std::span<const std::uint32_t> words, const Point& p,
@@ -269,25 +293,31 @@ bool Refinement<D, E>::ConflictsWithLink(std::span<const std::uint32_t> words, c
                   c = PlaceOf(ids[2], p, reach);
       return y == a || y == b || y == c || geometry::InSphere(p, a, b, c, y);
     };
-    constexpr std::size_t kFew = 64;
-    const auto ids = NeighboursIn<D>(words);
-    if (ids.size() <= kFew) {
-      std::array<geometry::Vector3, kFew> directions;
-      for (std::size_t i = 0; i < ids.size(); ++i) {
-        directions[i] = geometry::Difference(PlaceOf(ids[i], p, reach).c, p.c);
-      }
-      const auto triangles = words.subspan(ids.size());
-      const int i = Star::CornerTowards(
-          std::span(directions).first(ids.size()), static_cast<int>(triangles.size()),
-          [&](int k) { return PlacesIn(triangles[k]); }, geometry::Difference(y.c, p.c));
-      if (i >= 0) {
-        const auto [a, b, c] = PlacesIn(triangles[i]);
-        return conflicts({ids[a], ids[b], ids[c]});
-      }
-    }
+    const auto towards = CornerTowards(words, p, reach, geometry::Difference(y.c, p.c));
+    if (towards.has_value()) return conflicts(*towards);
     return !ForEachCornerIn<D>(words, [&](const Corner& corner) { return !conflicts(corner); });
   }
   return false;
+}
+
+// The ball about a corner that `op` read; nothing if it is not well known.
+template <int D, template <class> class E>
+std::optional<typename SpatialTree<D>::Ball> Refinement<D, E>::BallOfCorner(
+    sac::OpId op, const Corner& ids) const {
+  if constexpr (kTraced) {
+    const Point& p = vertices_[engine_.item(op)].p;
+    const double reach = rules_.Reach(BucketOfEpoch(engine_.epoch(op)));
+    std::array<Point, D> places;
+    double shortest = INFINITY;
+    for (int k = 0; k < D; ++k) {
+      places[k] = PlaceOf(ids[k], p, reach);
+      shortest = std::min(shortest, geometry::SquaredDistance(places[k], p));
+    }
+    const Point x = geometry::Circumcenter(places, p);
+    const double r2 = geometry::SquaredDistance(x, p);
+    if (r2 < 1e6 * shortest) return typename SpatialTree<D>::Ball{x, r2};
+  }
+  return std::nullopt;
 }
 
 // --- Sizing ---------------------------------------------------------------------------
@@ -333,20 +363,13 @@ bool Refinement<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region
         too_large = true;
         return true;
       }
-      std::array<Point, D> places;
-      double shortest = INFINITY;
-      for (int k = 0; k < D; ++k) {
-        places[k] = vertices_[ids[k]].p;
-        shortest = std::min(shortest, geometry::SquaredDistance(places[k], p));
-      }
-      const Point x = geometry::Circumcenter(places, p);
-      const double r2 = geometry::SquaredDistance(x, p);
-      if (!(r2 < 1e6 * shortest)) {
-        unsure = true;  // not well known
+      const auto ball = BallOfCorner(op, ids);
+      if (!ball.has_value()) {
+        unsure = true;
         return false;
       }
-      const double r = std::sqrt(r2) * (1 + 1e-6) + rules_.ulp();
-      meets = meets || region.Meets(x, r);
+      const double r = std::sqrt(ball->radius2) * (1 + 1e-6) + rules_.ulp();
+      meets = meets || region.Meets(ball->centre, r);
       too_large = too_large || region.most_radius() < r;
       return true;
     });

@@ -26,6 +26,21 @@ namespace dynmesh::meshing {
 
 using FacetIndex = std::uint32_t;
 
+// Where a facet is, nearly.
+struct FacetPlace {
+  // May the ball hold a place of it? Never no if it does.
+  bool MayMeet(const geometry::Point3& centre, double radius) const {
+    for (int k = 0; k < 3; ++k) {
+      if (!(box.lo[k] - radius <= centre[k] && centre[k] <= box.hi[k] + radius)) return false;
+    }
+    return std::fabs(plane.Height(centre)) <= radius + margin;
+  }
+
+  Extent<3> box;
+  geometry::FacetPlane plane;
+  double margin = 0;  // more than corners are off the plane
+};
+
 class Facet {
  public:
   using Point = geometry::Point3;
@@ -37,7 +52,8 @@ class Facet {
   Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot feature, Position position);
 
   FeatureSlot feature() const { return feature_; }
-  const geometry::FacetPlane& plane() const { return plane_; }
+  const FacetPlace& where() const { return where_; }
+  const geometry::FacetPlane& plane() const { return where_.plane; }
   const std::vector<geometry::Ring3>& rings() const { return rings_; }
   const std::vector<VertexIndex>& corners() const { return corners_; }
   bool HasCorner(VertexIndex v) const {
@@ -48,14 +64,6 @@ class Facet {
   }
   // Is p, near the plane, inside?
   bool IsInside(const Point& p) const { return interior_.Holds(p); }
-  // May the ball hold a place of it? Never no if it does.
-  bool MayMeet(const Point& centre, double ball_radius) const {
-    for (int k = 0; k < 3; ++k) {
-      if (!(lo[k] - ball_radius <= centre[k] && centre[k] <= hi[k] + ball_radius)) return false;
-    }
-    return std::fabs(plane_.Height(centre)) <= ball_radius + margin_;
-  }
-
   // For RegionTree.
   Point lo = {}, hi = {};
   static constexpr double radius = 0;
@@ -65,9 +73,8 @@ class Facet {
  private:
   FeatureSlot feature_ = kNil;
   std::vector<geometry::Ring3> rings_;
-  geometry::FacetPlane plane_;
+  FacetPlace where_;
   geometry::FacetInterior interior_;
-  double margin_ = 0;  // more than corners are off the plane
   std::vector<VertexIndex> corners_;
   std::vector<Edge> edges_;
 };
@@ -86,12 +93,13 @@ Facet::Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot featur
   }
   std::sort(corners_.begin(), corners_.end());
   std::sort(edges_.begin(), edges_.end());
-  plane_ = geometry::PlaneOf(rings_);
-  interior_ = geometry::FacetInterior(rings_, plane_);
-  const geometry::FacetBounds bounds = geometry::BoundsOf(rings_, plane_);
+  where_.plane = geometry::PlaneOf(rings_);
+  interior_ = geometry::FacetInterior(rings_, where_.plane);
+  const geometry::FacetBounds bounds = geometry::BoundsOf(rings_, where_.plane);
   lo = bounds.lo;
   hi = bounds.hi;
-  margin_ = 2 * bounds.deviation;
+  where_.box = {lo.c, hi.c};
+  where_.margin = 2 * bounds.deviation;
 }
 
 class FacetField {
@@ -116,11 +124,20 @@ class FacetField {
     const auto it = of_feature_.find(feature);
     return it == of_feature_.end() ? kNil : it->second;
   }
-  // Calls f(facet) for those that the ball may meet.
-  template <class F>
-  void ForEachNear(const Point& centre, double radius, F f) const {
-    tree_.Any(centre, radius, INFINITY, [&](FacetIndex i) {
-      if (tree_[i].MayMeet(centre, radius)) f(tree_[i]);
+  // Calls f(facet) for those that the ball may meet, but for some that are hidden: is_hidden(
+  // centre, half of the sides) says of a box that all in it is.
+  template <class IsHidden, class F>
+  void ForEachNear(const Point& centre, double radius, IsHidden is_hidden, F f) const {
+    tree_.Any(centre, radius, INFINITY, is_hidden, [&](FacetIndex i) {
+      const FacetPlace& where = tree_[i].where();
+      if (!where.MayMeet(centre, radius)) return false;
+      Point middle;
+      geometry::Vector3 half;
+      for (int k = 0; k < 3; ++k) {
+        middle[k] = 0.5 * (where.box.lo[k] + where.box.hi[k]);
+        half[k] = 0.5 * (where.box.hi[k] - where.box.lo[k]);
+      }
+      if (!is_hidden(middle, half)) f(tree_[i]);
       return false;
     });
   }

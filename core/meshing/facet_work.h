@@ -91,13 +91,16 @@ FacetIndex Refinement<D, E>::FacetOf(VertexIndex a, VertexIndex b, VertexIndex c
 
 // --- What there is to do ------------------------------------------------------------------
 
+// For FacetField::ForEachNear: nothing is hidden.
+inline constexpr auto kAll = [](const auto&...) { return false; };
+
 // The squared distance from v to the nearest facet that it is not on, if less than d2, else d2.
 // Beside a facet's edges others see to it.
 template <int D, template <class> class E>
 double Refinement<D, E>::FacetDistance2(VertexIndex v, double d2) const {
   if constexpr (D == 3) {
     const Point& p = vertices_[v].p;
-    facets_.ForEachNear(p, std::sqrt(d2), [&](const Facet& facet) {
+    facets_.ForEachNear(p, std::sqrt(d2), kAll, [&](const Facet& facet) {
       const double h = facet.plane().Height(p);
       if (h * h < d2 && !IsOnFacet(v, facet) && facet.IsInside(facet.plane().Foot(p))) d2 = h * h;
     });
@@ -114,8 +117,21 @@ bool Refinement<D, E>::FindFacetPoint(Candidate* best) {
     for (const auto& corner : star_.corners()) {
       far2 = std::max(far2, corner.error < star_.reach() ? corner.r2 : INFINITY);
     }
+    const double far = std::min(std::sqrt(far2), star_.reach()) * (1 + 1e-6);
     bool found = false, begun = false;
-    facets_.ForEachNear(star_.position(), std::sqrt(far2) * (1 + 1e-6), [&](const Facet& facet) {
+    // Behind a neighbour's bisector there is nothing of the cell.
+    const auto is_hidden = [&](const Point& centre, const geometry::Vector3& half) {
+      const auto d = geometry::Difference(centre.c, star_.position().c);
+      return std::ranges::any_of(star_.neighbours(), [&](const typename Star::Neighbour& u) {
+        if (!Star::IsUsed(u)) return false;
+        double least = -0.5 * (1 + 1e-6) * u.d2;  // over the box
+        for (int k = 0; k < 3; ++k) {
+          least += d[k] * u.d[k] - (half[k] + 4 * rules_.ulp()) * std::fabs(u.d[k]);
+        }
+        return least > 0;
+      });
+    };
+    facets_.ForEachNear(star_.position(), far, is_hidden, [&](const Facet& facet) {
       if (IsOnFacet(star_.vertex(), facet)) return;
       if (!begun) cut_.Begin(star_);
       begun = true;
@@ -158,7 +174,7 @@ void Refinement<D, E>::MoveToFacet(Candidate* gap) const {
     const Point from = gap->x;
     const double r = std::sqrt(geometry::SquaredDistance(from, star_.position()));
     double least = kNearFacet * r;
-    facets_.ForEachNear(from, least, [&](const Facet& facet) {
+    facets_.ForEachNear(from, least, kAll, [&](const Facet& facet) {
       const double h = std::fabs(facet.plane().Height(from));
       if (!(h <= least)) return;
       const Point foot = facet.plane().Foot(from);
@@ -181,7 +197,7 @@ FacetIndex Refinement<D, E>::AddFacet(std::span<const std::vector<VertexIndex>> 
   if constexpr (D == 3) {
     const FacetIndex index =
         facets_.Add(Facet(rings, feature, [this](VertexIndex v) { return vertices_[v].p; }));
-    NotifyOfFacet(facets_[index]);
+    changed_facets_.push_back(facets_[index].where());
     return index;
   }
   return kNil;
@@ -190,28 +206,111 @@ FacetIndex Refinement<D, E>::AddFacet(std::span<const std::vector<VertexIndex>> 
 template <int D, template <class> class E>
 void Refinement<D, E>::RemoveFacet(FacetIndex index) {
   if constexpr (D == 3) {
-    NotifyOfFacet(facets_[index]);
+    changed_facets_.push_back(facets_[index].where());
     facets_.Remove(index);
   }
 }
 
+// Tells of facets that came or went. Those that are close together have nearly the same readers:
+// who has nothing to do with the box around them is asked but once. (Who read a vertex that went
+// since then is stale, and is not asked.)
 template <int D, template <class> class E>
-void Refinement<D, E>::NotifyOfFacet(const Facet& facet) {
+void Refinement<D, E>::NotifyOfFacets() {
+  if constexpr (!kTraced) return changed_facets_.clear();
+  const auto size = [](const Extent<3>& box) {
+    return std::max({box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]});
+  };
+  for (std::size_t begin = 0, end = 0; begin < changed_facets_.size(); begin = end) {
+    Extent<3> group = changed_facets_[begin].box;
+    double largest = size(group);
+    for (end = begin + 1; end < changed_facets_.size(); ++end) {
+      const Extent<3>& next = changed_facets_[end].box;
+      Extent<3> all = group;
+      for (int k = 0; k < 3; ++k) {
+        all.lo[k] = std::min(all.lo[k], next.lo[k]);
+        all.hi[k] = std::max(all.hi[k], next.hi[k]);
+      }
+      largest = std::max(largest, size(next));
+      if (size(all) > 2 * largest) break;
+      group = all;
+    }
+    NotifyOfFacets(group, std::span(changed_facets_).subspan(begin, end - begin));
+  }
+  changed_facets_.clear();
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::NotifyOfFacets(const Extent<3>& box, std::span<const FacetPlace> facets) {
   if constexpr (kTraced && D == 3) {
     NotifyFromBeginning(
-        {facet.lo.c, facet.hi.c},
-        [&](const Point& centre, double half) { return facet.MayMeet(centre, 1.7321 * half); },
-        [&](sac::OpId op) { return FacetMatters(op, facet); });
+        box,
+        [&](const Point& centre, double half) {
+          return std::ranges::any_of(facets, [&](const FacetPlace& facet) {
+            return facet.MayMeet(centre, 1.7321 * half);
+          });
+        },
+        [&](sac::OpId op) {
+          return BoxMatters(op, box) && std::ranges::any_of(facets, [&](const FacetPlace& facet) {
+                   return FacetMatters(op, facet);
+                 });
+        });
   }
 }
 
-// Whatever the operation looked at lies in the balls that it read.
+// May a ball that the operation read meet the box? Whatever it looked at lies in those balls: a
+// place of the cell is in the ball about some corner, and so is all that is nearer to that place
+// than the vertex is. Rather yes than no.
+//
+// A ball of radius r about the corner v + e meets a ball of radius s about v + w only if
+// w.w - 2 e.w <= 2 r s + s s: so it is enough to look at the corner with the largest e.w.
 template <int D, template <class> class E>
-bool Refinement<D, E>::FacetMatters(sac::OpId op, const Facet& facet) const {
+bool Refinement<D, E>::BoxMatters(sac::OpId op, const Extent<3>& box) const {
   if constexpr (kTraced && D == 3) {
     if (engine_.kind(op) > kComplete || !Counts(Term::kOverFacet)) return false;
+    const Point& p = vertices_[engine_.item(op)].p;
+    const double radius =
+        std::sqrt(static_cast<double>(engine_.payload(op).radius2)) * (1 + 1e-6) + rules_.ulp();
+    double away2 = 0, w2 = 0, s2 = 0;
+    geometry::Vector3 w;
+    for (int k = 0; k < 3; ++k) {
+      const double away = std::max({box.lo[k] - p[k], p[k] - box.hi[k], 0.0});
+      const double half = (box.hi[k] - box.lo[k]) / 2;
+      w[k] = (box.lo[k] + box.hi[k]) / 2 - p[k];
+      away2 += away * away;
+      w2 += w[k] * w[k];
+      s2 += half * half;
+    }
+    if (!(away2 <= radius * radius)) return false;
+    const double s = std::sqrt(s2) + 4 * rules_.ulp();
+    const double beyond = w2 * (1 - 1e-6) - radius * s - s * s;  // radius: twice the largest r
+    if (engine_.kind(op) != kComplete || !(beyond > 0)) return true;
+    const double reach = rules_.Reach(BucketOfEpoch(engine_.epoch(op)));
+    const std::optional<Corner> corner = CornerTowards(engine_.reads(op), p, reach, w);
+    if (!corner.has_value()) return true;
+    const auto ball = BallOfCorner(op, *corner);
+    if (!ball.has_value()) return true;
+    const auto e = geometry::Difference(ball->centre.c, p.c);
+    const double along = geometry::Dot(e, w);
+    return !(2 * along + 1e-6 * std::sqrt(ball->radius2 * w2) < beyond);
+  }
+  return true;
+}
+
+template <int D, template <class> class E>
+bool Refinement<D, E>::FacetMatters(sac::OpId op, const FacetPlace& facet) const {
+  if constexpr (kTraced && D == 3) {
+    if (!BoxMatters(op, facet.box)) return false;
     const double radius = std::sqrt(static_cast<double>(engine_.payload(op).radius2));
-    return facet.MayMeet(vertices_[engine_.item(op)].p, radius * (1 + 1e-6) + rules_.ulp());
+    if (!facet.MayMeet(vertices_[engine_.item(op)].p, radius * (1 + 1e-6) + rules_.ulp())) {
+      return false;
+    }
+    if (engine_.kind(op) != kComplete) return true;
+    const bool none_meets = ForEachCornerIn<D>(engine_.reads(op), [&](const Corner& corner) {
+      const auto ball = BallOfCorner(op, corner);
+      return ball.has_value() &&
+             !facet.MayMeet(ball->centre, std::sqrt(ball->radius2) * (1 + 1e-6) + rules_.ulp());
+    });
+    return !none_meets;
   }
   return false;
 }

@@ -111,6 +111,7 @@ class Refinement {
   bool Propagate(Interrupt interrupt) {
     if constexpr (D == 3) FillTriangulation();
     if constexpr (!kTraced) BeginUntraced();
+    NotifyOfFacets();
     const bool done = engine_.Propagate(interrupt);
     if (done) appeared_.clear();
     nearest2_ = std::vector<double>();
@@ -280,8 +281,10 @@ class Refinement {
   bool FindFacetPoint(Candidate* best);
   bool IsJoinedThrough(const Facet& facet) const;
   void MoveToFacet(Candidate* gap) const;
-  void NotifyOfFacet(const Facet& facet);
-  bool FacetMatters(sac::OpId op, const Facet& facet) const;
+  void NotifyOfFacets();
+  void NotifyOfFacets(const Extent<3>& box, std::span<const FacetPlace> facets);
+  bool BoxMatters(sac::OpId op, const Extent<3>& box) const;
+  bool FacetMatters(sac::OpId op, const FacetPlace& facet) const;
 
   // star_search.h
   void FindStar(Context& context, VertexIndex v, double reach);
@@ -335,6 +338,9 @@ class Refinement {
   Point PlaceOf(std::uint32_t id, const Point& p, double reach) const;
   bool ConflictsWithRing(std::span<const std::uint32_t> ring, const Point& p, double reach,
                          const Point& y) const;
+  std::optional<Corner> CornerTowards(std::span<const std::uint32_t> words, const Point& p,
+                                      double reach, const std::array<double, D>& direction) const;
+  std::optional<typename SpatialTree<D>::Ball> BallOfCorner(sac::OpId op, const Corner& ids) const;
   bool ConflictsWithLink(std::span<const std::uint32_t> words, const Point& p, double reach,
                          const Point& y) const;
   void NotifyOfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
@@ -361,7 +367,8 @@ class Refinement {
   Triangulation* triangulation_;
   SpatialTree<D> tree_;
   SizingField<D> sizing_;
-  FacetField facets_;  // empty in the plane
+  FacetField facets_;                       // empty in the plane
+  std::vector<FacetPlace> changed_facets_;  // came or went since the last Propagate
   LargeVector<Vertex> vertices_;
   LargeVector<Subsegment> subsegments_;
   std::vector<VertexIndex> free_vertices_;

@@ -45,7 +45,14 @@ class RegionTree {
   // of all that meet the ball until one does, and of some others. O(cells of its size nearby)
   // where none does.
   template <class Accept>
-  bool Any(const Point& centre, double radius, double bound, Accept accept) const;
+  bool Any(const Point& centre, double radius, double bound, Accept accept) const {
+    return Any(
+        centre, radius, bound, [](const auto&...) { return false; }, accept);
+  }
+  // The same, but those in boxes for which is_hidden(centre, half of the sides) need not be asked.
+  template <class IsHidden, class Accept>
+  bool Any(const Point& centre, double radius, double bound, IsHidden is_hidden,
+           Accept accept) const;
 
   std::size_t bytes() const {
     return nodes_.capacity() * sizeof(Node) + items_.capacity() * sizeof(Item);
@@ -181,9 +188,9 @@ void RegionTree<D, Region>::UpdateLeast(std::uint32_t n) {
 }
 
 template <int D, class Region>
-template <class Accept>
+template <class IsHidden, class Accept>
 bool RegionTree<D, Region>::Any(const Point& centre, double radius, double bound,
-                                Accept accept) const {
+                                IsHidden is_hidden, Accept accept) const {
   std::array<Cell, (1 << D) * kMostDepth> stack;
   std::size_t top = 0;
   stack[top++] = root_;
@@ -193,10 +200,14 @@ bool RegionTree<D, Region>::Any(const Point& centre, double radius, double bound
     if (!(node.least < bound)) continue;
     // What hangs in a cell reaches its side's length from its centre, and no farther; but
     // the root takes whatever is larger.
-    const double reach = 2 * cell.half * (1 + 1e-9) + radius;
+    const double half = 2 * cell.half * (1 + 1e-9), reach = half + radius;
     bool beyond = false;
     for (int k = 0; k < D; ++k) beyond |= std::fabs(centre[k] - cell.centre[k]) > reach;
-    if (cell.node != 0 && beyond) continue;
+    if (cell.node != 0) {
+      std::array<double, D> halves;
+      halves.fill(half);
+      if (beyond || is_hidden(cell.centre, halves)) continue;
+    }
     for (std::uint32_t i = node.first; i != kNone; i = items_[i].next) {
       if (items_[i].region.Key() < bound && accept(i)) return true;
     }
