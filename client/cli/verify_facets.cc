@@ -65,22 +65,26 @@ class FlatPolygon {
             p[(axis_ + 2) % 3] - origin_[(axis_ + 2) % 3]};
   }
 
-  // Projected, of what lies in an odd number of rings. These touch in points at most: one lies in
-  // another as the middle of its first edge does.
+  // Projected, of what lies in an odd number of rings. Their edges meet in corners only: each edge
+  // has what its own ring goes around on one side, and all of it in as many others as its middle
+  // is.
   Real Area() const {
     Real sum = 0;
+    const Flat origin = Project(rings_[0][0]);
     for (const auto& ring : rings_) {
-      const Flat p = Project(ring[0]), q = Project(ring[1]);
-      const Flat middle = {(p[0] + q[0]) / 2, (p[1] + q[1]) / 2};
-      bool is_hole = false;
-      for (const auto& other : rings_) {
-        if (&other != &ring && IsInside(middle, other)) is_hole = !is_hole;
-      }
-      Real twice = 0;
+      Real twice = 0, inside = 0;
       for (std::size_t i = 0; i < ring.size(); ++i) {
-        twice += Twice(p, Project(ring[i]), Project(ring[(i + 1) % ring.size()]));
+        const Flat p = Project(ring[i]), q = Project(ring[(i + 1) % ring.size()]);
+        const Flat middle = {(p[0] + q[0]) / 2, (p[1] + q[1]) / 2};
+        bool is_border_of_hole = false;
+        for (const auto& other : rings_) {
+          if (&other != &ring && IsInside(middle, other)) is_border_of_hole = !is_border_of_hole;
+        }
+        const Real part = Twice(origin, p, q);
+        twice += part;
+        inside += is_border_of_hole ? -part : part;
       }
-      sum += (is_hole ? -1 : 1) * std::abs(twice) / 2;
+      sum += (twice > 0 ? inside : -inside) / 2;
     }
     return sum;
   }

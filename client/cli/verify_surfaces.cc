@@ -25,12 +25,50 @@ using data::Concat;
 using Joint = std::pair<FeatureId, FeatureId>;
 using Corners = std::array<std::uint32_t, 3>;
 
+class Partition {
+ public:
+  explicit Partition(std::size_t size) : parents_(size) {
+    std::iota(parents_.begin(), parents_.end(), std::size_t{0});
+  }
+  std::size_t Find(std::size_t i) {
+    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
+    return i;
+  }
+  void Join(std::size_t i, std::size_t j) { parents_[Find(i)] = Find(j); }
+
+ private:
+  std::vector<std::size_t> parents_;
+};
+
+// Polygons whose subfacets do not all hang together by edges.
+std::set<FeatureId> FindApart(const io::IndexedMesh& mesh) {
+  Partition joined(mesh.faces.size());
+  std::map<std::pair<FeatureId, std::array<std::uint32_t, 2>>, std::size_t> at;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    const auto& face = mesh.faces[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax({face.corners[k], face.corners[(k + 1) % 3]});
+      joined.Join(i, at.try_emplace({face.owner, {a, b}}, i).first->second);
+    }
+  }
+  std::map<FeatureId, std::size_t> part_of;
+  std::set<FeatureId> apart;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    const std::size_t part = joined.Find(i);
+    if (part_of.emplace(mesh.faces[i].owner, part).first->second != part) {
+      apart.insert(mesh.faces[i].owner);
+    }
+  }
+  return apart;
+}
+
 // By the definition of dynmesh/mesh.h: polygons that may be part of a closed surface, by piece.
+// `apart`: those whose inside falls into parts.
 class Pieces {
  public:
-  explicit Pieces(const std::vector<Feature>& features) {
+  Pieces(const std::vector<Feature>& features, const std::set<FeatureId>& apart) {
     for (const Feature& f : features) {
-      if (f.kind != FeatureKind::kPolygon) continue;
+      if (f.kind != FeatureKind::kPolygon || apart.contains(f.id)) continue;
       for (const auto& ring : f.rings) {
         for (std::size_t i = 0; i < ring.size(); ++i) {
           const Joint joint = std::minmax(ring[i], ring[(i + 1) % ring.size()]);
@@ -90,21 +128,6 @@ class Pieces {
   std::size_t count_ = 0;
 };
 
-class Partition {
- public:
-  explicit Partition(std::size_t size) : parents_(size) {
-    std::iota(parents_.begin(), parents_.end(), std::size_t{0});
-  }
-  std::size_t Find(std::size_t i) {
-    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
-    return i;
-  }
-  void Join(std::size_t i, std::size_t j) { parents_[Find(i)] = Find(j); }
-
- private:
-  std::vector<std::size_t> parents_;
-};
-
 // What a polygon separates.
 struct Wall {
   FeatureId polygon;
@@ -147,7 +170,7 @@ std::string NameOf(const std::vector<FeatureId>& surfaces) {
 VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& faces,
                          const std::vector<Feature>& features) {
   Findings findings("regions");
-  const Pieces pieces(features);
+  const Pieces pieces(features, FindApart(mesh));
   absl::flat_hash_map<Corners, FeatureId> polygon_of;
   for (const auto& face : mesh.faces) {
     if (pieces.Has(face.owner)) polygon_of.emplace(face.corners, face.owner);

@@ -88,17 +88,13 @@ void JoinAroundEdges(std::span<const Facet> piece, Sides& sides) {
 // As long as the facet is large, to where its normal points.
 Vector3 AreaOf(const Facet& facet) {
   Vector3 sum = {0, 0, 0};
-  for (std::size_t r = 0; r < facet.feature().places.size(); ++r) {
-    const geometry::Ring3& ring = facet.feature().places[r];
-    Vector3 area = {0, 0, 0};
-    for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
-      const Vector3 part =
-          Cross(Difference(ring[i].c, ring[0].c), Difference(ring[i + 1].c, ring[0].c));
-      for (std::size_t k = 0; k < 3; ++k) area[k] += part[k] / 2;
-    }
-    const Vector3 left = Cross(facet.plane().normal, Difference(ring[1].c, ring[0].c));
-    const bool inside_left = Dot(left, facet.InwardOf({facet.feature().rings[r][0], r, 0})) > 0;
-    for (std::size_t k = 0; k < 3; ++k) sum[k] += inside_left ? area[k] : -area[k];
+  const geometry::Point3 origin = facet.plane().origin;
+  for (const Facet::Corner& c : facet.corners()) {
+    const Vector3 from = Difference(facet.PlaceOf(c).c, origin.c);
+    const Vector3 along = Difference(facet.PlaceOf(facet.Beside(c, true)).c, facet.PlaceOf(c).c);
+    const bool is_left = Dot(Cross(facet.plane().normal, along), facet.InwardOf(c)) > 0;
+    const Vector3 twice = Cross(from, along);
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += (is_left ? 0.5 : -0.5) * twice[k];
   }
   return sum;
 }

@@ -23,8 +23,8 @@ namespace dynmesh {
 // on either side, none if it has the same on both.
 using SurfaceIds = absl::InlinedVector<FeatureId, 2>;
 
-// Of each polygon of a piece, which is joined by edges and has at least two polygons at each.
-// `piece` by ascending id. O(k lg k) expected for k corners.
+// Of each polygon of a piece, which is joined by edges and has at least two polygons at each. None
+// of them falls apart (facet_parts.h). `piece` by ascending id. O(k lg k) expected for k corners.
 std::vector<SurfaceIds> FindSurfaces(std::span<const plc::Facet> piece);
 
 }  // namespace dynmesh

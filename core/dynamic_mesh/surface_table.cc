@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "core/base/rings.h"
+#include "core/plc/facet.h"
+#include "core/plc/facet_parts.h"
 
 namespace dynmesh {
 
@@ -17,6 +19,10 @@ const plc::FacetFeature* Find(std::span<const plc::FacetFeature> sorted, Feature
   return it != sorted.end() && it->id == id ? &*it : nullptr;
 }
 
+bool IsApart(const plc::FacetFeature& polygon) {
+  return polygon.rings.size() > 1 && plc::FallsApart(plc::Facet(polygon));
+}
+
 }  // namespace
 
 const std::vector<SurfaceTable::Change>& SurfaceTable::Update(
@@ -25,7 +31,7 @@ const std::vector<SurfaceTable::Change>& SurfaceTable::Update(
   changes_.clear();
   seeds_.clear();
   const auto seed = [this](FeatureId p, FeatureId q) { seeds_.push_back(plc::KeyOf(p, q)); };
-  // A polygon that only moves stands in both lists with the same rings.
+  // A polygon that only moves stands in both lists with the same rings, but may fall apart now.
   const auto is_same = [](const plc::FacetFeature& f, std::span<const plc::FacetFeature> others) {
     const plc::FacetFeature* other = Find(others, f.id);
     return other != nullptr && other->rings == f.rings;
@@ -34,9 +40,11 @@ const std::vector<SurfaceTable::Change>& SurfaceTable::Update(
     if (!is_same(f, added)) {
       Remove(f);
       ForEachEdgeOf(f.rings, seed);
-    } else if (polygons_.at(f.id).is_crowded) {
-      ForEachEdgeOf(f.rings, seed);
+      continue;
     }
+    Polygon& polygon = polygons_.at(f.id);
+    const bool was_apart = std::exchange(polygon.is_apart, IsApart(*Find(added, f.id)));
+    if (polygon.is_crowded || polygon.is_apart != was_apart) ForEachEdgeOf(f.rings, seed);
   }
   for (const plc::FacetFeature& f : added) {
     if (is_same(f, removed)) continue;
@@ -70,7 +78,9 @@ void SurfaceTable::Remove(const plc::FacetFeature& polygon) {
 }
 
 void SurfaceTable::Add(const plc::FacetFeature& polygon) {
-  polygons_[polygon.id].rings = polygon.rings;
+  Polygon& added = polygons_[polygon.id];
+  added.rings = polygon.rings;
+  added.is_apart = IsApart(polygon);
   ForEachEdgeOf(polygon.rings,
                 [&](FeatureId p, FeatureId q) { edges_[plc::KeyOf(p, q)].push_back(polygon.id); });
 }
@@ -105,9 +115,12 @@ void SurfaceTable::Peel() {
     });
     return found;
   };
-  for (const auto& [id, touched] : touched_) {
-    ForEachEdgeOf(polygons_.at(id).rings,
-                  [&](FeatureId p, FeatureId q) { ++left[plc::KeyOf(p, q)]; });
+  for (auto& [id, touched] : touched_) {
+    const Polygon& polygon = polygons_.at(id);
+    touched.peeled = polygon.is_apart;
+    ForEachEdgeOf(polygon.rings, [&](FeatureId p, FeatureId q) {
+      left[plc::KeyOf(p, q)] += polygon.is_apart ? 0 : 1;
+    });
   }
   stack_.clear();
   const auto peel = [&](FeatureId id) {

@@ -1,14 +1,16 @@
 // The closed surfaces that polygons of space make up (mesh.h, RegionId): which polygon is part of
 // which.
 //
-// Polygons are joined where they share an edge, by the ids of its ends. Those with an edge of their
-// own are peeled off, again and again. What is left falls into pieces joined by edges. One with two
+// Polygons are joined where they share an edge, by the ids of its ends. Those that fall apart have
+// no sides to speak of and do not count; those with an edge of their own are peeled off, again and
+// again. What is left falls into pieces joined by edges. One with two
 // polygons at each of its edges is a closed surface, wherever it is; in others it matters who is
 // next to whom around an edge (chambers.h). A function of the set of polygons.
 //
 // Thread-compatible. A change costs O(k lg k) expected, k the edges of all polygons that hang
 // together with one that comes, goes, gets other rings, or moves and has more than two polygons at
-// some edge of its piece; O(1) for others that only move.
+// some edge of its piece, or falls apart by that or no longer; for others that only move O(1), or
+// of several rings O(k lg^2 k) for k corners.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_SURFACE_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_SURFACE_TABLE_H_
 
@@ -51,6 +53,7 @@ class SurfaceTable {
     Rings rings;
     SurfaceIds surfaces;
     bool is_crowded = false;  // some edge of its piece has more than two polygons
+    bool is_apart = false;    // plc::FallsApart
   };
   using Neighbours = absl::InlinedVector<FeatureId, 2>;
 

@@ -39,10 +39,6 @@ Facet::Facet(FacetFeature feature)
                                  Difference(places[i].c, places[0].c)));
     }
     area_ = std::max(area_, std::abs(Dot(area, plane_.normal)) / 2);
-    // A little to the left of the first edge.
-    const Corner first = {feature_.rings[r][0], r, 0};
-    const Vector3 along = Difference(places[1].c, places[0].c);
-    inside_left_.push_back(interior_.OpensTo(places[0], Sum(along, kAside, LeftOf(first))));
   }
   std::sort(corners_.begin(), corners_.end());
 }
@@ -95,7 +91,10 @@ Vector3 Facet::LeftOf(const Corner& c) const {
 Vector3 Facet::InwardOf(const Corner& c) const {
   Vector3 inward = LeftOf(c);
   const double length = std::sqrt(Dot(inward, inward));
-  for (double& x : inward) x *= (inside_left_[c.ring] ? 1 : -1) / length;
+  // A little to the left of the edge.
+  const Vector3 along = Difference(PlaceOf(Beside(c, true)).c, PlaceOf(c).c);
+  const bool is_left = interior_.OpensTo(PlaceOf(c), Sum(along, kAside, inward));
+  for (double& x : inward) x *= (is_left ? 1 : -1) / length;
   return inward;
 }
 

@@ -1,10 +1,9 @@
 // A facet of space with its plane, to ask what lies in it and what is beside its edges.
 //
 // Inside is even-odd (geometry/facet_interior.h); near an edge rounding decides, far nearer than
-// features may be. Rings do not cross (a facet is looked at after its edges), so on which side of
-// an edge the inside is, is one answer for a whole ring.
-// Immutable, thread-safe. Making one O(corners lg^2 corners), `Holds` and `OpensTo`
-// O(lg^2 corners), the others O(lg corners).
+// features may be. A facet is looked at after its edges: these meet in corners only. Rings may
+// cross there. Immutable, thread-safe. Making one O(corners lg^2 corners), `Holds`, `OpensTo` and
+// `InwardOf` O(lg^2 corners), the others O(lg corners).
 #ifndef DYNMESH_CORE_PLC_FACET_H_
 #define DYNMESH_CORE_PLC_FACET_H_
 
@@ -74,7 +73,6 @@ class Facet {
   geometry::FacetBounds bounds_;
   double area_ = 0;
   std::vector<Corner> corners_;
-  std::vector<bool> inside_left_;  // by ring: of its edges
 };
 
 }  // namespace dynmesh::plc

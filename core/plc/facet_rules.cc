@@ -37,32 +37,17 @@ double CosineOver(const Facet& f, FeatureId point, const Vector3& d) {
   return std::sqrt(std::max(0.0, 1 - up * up / length2));
 }
 
-// The greatest one of edges of g at corners of both where they have no edge in common.
-double CosineAtCorners(const Facet& f, const Facet& g, const std::vector<FeatureId>& corners) {
-  double cosine = 0;
-  for (const FeatureId point : corners) {
-    for (const Facet::Corner& c : g.At(point)) {
-      for (const bool next : {false, true}) {
-        const Vector3 d = Difference(g.PlaceOf(g.Beside(c, next)).c, g.PlaceOf(c).c);
-        cosine = std::max(cosine, CosineOver(f, point, d));
-      }
-    }
-  }
-  return cosine;
-}
-
 // What two facets have in common.
 struct Common {
   std::size_t edges = 0;
-  double cosine = -1;              // the greatest of the angles at common edges
-  std::vector<FeatureId> corners;  // each once, ascending
-  std::vector<FeatureId> lone;     // those of them that are on no common edge
+  double cosine = -1;                               // the greatest of the angles at common edges
+  std::vector<FeatureId> corners;                   // each once, ascending
+  std::vector<std::pair<FeatureId, Vector3>> ways;  // along common edges, from each end; by id
 };
 
 // f has no more corners than g.
 Common FindCommon(const Facet& f, const Facet& g) {
   Common common;
-  std::vector<FeatureId> joined;
   for (const Facet::Corner& c : f.corners()) {
     if (!g.HasCorner(c.id)) continue;
     if (common.corners.empty() || common.corners.back() != c.id) common.corners.push_back(c.id);
@@ -71,16 +56,36 @@ Common FindCommon(const Facet& f, const Facet& g) {
       const Facet::Corner before = g.Beside(d, false);
       if (g.Beside(d, true).id != next && before.id != next) continue;
       ++common.edges;
-      joined.insert(joined.end(), {c.id, next});
+      const Vector3 way = Difference(f.PlaceOf(f.Beside(c, true)).c, f.PlaceOf(c).c);
+      common.ways.emplace_back(c.id, way);
+      common.ways.emplace_back(next, Vector3{-way[0], -way[1], -way[2]});
       const Facet::Corner& edge = g.Beside(d, true).id == next ? d : before;
       common.cosine = std::max(common.cosine, Dot(f.InwardOf(c), g.InwardOf(edge)));
     }
   }
-  std::sort(joined.begin(), joined.end());
-  for (const FeatureId id : common.corners) {
-    if (!std::binary_search(joined.begin(), joined.end(), id)) common.lone.push_back(id);
-  }
+  std::sort(common.ways.begin(), common.ways.end());
   return common;
+}
+
+// The greatest cosine of edges of g over f at common corners. Where they have edges in common these
+// say how g rises beside them; what is left are edges that lead away from all of them, over another
+// part of f.
+double CosineAtCorners(const Facet& f, const Facet& g, const Common& common) {
+  double cosine = 0;
+  for (const FeatureId point : common.corners) {
+    const auto [begin, end] =
+        std::equal_range(common.ways.begin(), common.ways.end(), std::pair(point, Vector3{}),
+                         [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const Facet::Corner& c : g.At(point)) {
+      for (const bool next : {false, true}) {
+        const Vector3 d = Difference(g.PlaceOf(g.Beside(c, next)).c, g.PlaceOf(c).c);
+        const bool leads_away =
+            std::all_of(begin, end, [&](const auto& way) { return Dot(way.second, d) < 0; });
+        if (leads_away) cosine = std::max(cosine, CosineOver(f, point, d));
+      }
+    }
+  }
+  return cosine;
 }
 
 // Do the insides meet along a line from one common corner to another? All common corners are on
@@ -142,8 +147,8 @@ Conflict Between(const Facet& f, const Facet& g, double limit) {
   if (common.cosine > kSameSide || MeetBetween(f, g, common.corners)) {
     return Conflict::kPolygonsMeet;
   }
-  const double lack = std::max(
-      {common.cosine, CosineAtCorners(f, g, common.lone), CosineAtCorners(g, f, common.lone)});
+  const double lack =
+      std::max({common.cosine, CosineAtCorners(f, g, common), CosineAtCorners(g, f, common)});
   return lack > kMostLack ? Conflict::kSmallAngle : Conflict::kNone;
 }
 
@@ -156,8 +161,7 @@ double LeastAngle(const SegmentFeature<3>& s, const Facet& f) {
 double LeastAngle(const Facet& f, const Facet& g) {
   if (f.corners().size() > g.corners().size()) return LeastAngle(g, f);
   const Common common = FindCommon(f, g);
-  const double at_corners =
-      std::max(CosineAtCorners(f, g, common.lone), CosineAtCorners(g, f, common.lone));
+  const double at_corners = std::max(CosineAtCorners(f, g, common), CosineAtCorners(g, f, common));
   return std::min(Degrees(common.cosine), Degrees(at_corners));
 }
 

@@ -48,8 +48,9 @@ MeshHash HashVertex(const double* coordinates, int dimension, int containing_dim
 // else RegionIdOf the several. A function of the set of polygons.
 //
 // In space, which closed surfaces a tetrahedron lies inside of. Polygons are joined where they
-// share an edge. Those that have an edge which belongs to no other are peeled off, again and
-// again, so that plates and flaps that dangle do not count. What remains falls into pieces joined
+// share an edge. Those whose inside falls into parts that touch in corners at most do not count, and
+// those that have an edge which belongs to no other are peeled off, again and again, so that plates
+// and flaps that dangle do not count either. What remains falls into pieces joined
 // by edges. Each piece by itself leaves an outside, and chambers between its polygons; those around
 // a chamber are a closed surface, so a wall between two chambers is part of two. A surface stands
 // under the id of one of its polygons wherever a polygon's id is spoken of here: from the outside,

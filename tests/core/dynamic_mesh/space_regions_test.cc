@@ -321,6 +321,75 @@ TEST(SpaceRegions, OfBoxesThatShareAWallOrAnEdge) {
   EXPECT_EQ(RegionsOf(*mesh), (std::set<RegionId>{0, 100, 200}));
 }
 
+// Two boxes beside each other under one lid of two rings: no closed surface, as the lid falls
+// apart. With a lid for each there are two.
+TEST(SpaceRegions, OfBoxesUnderOneLid) {
+  const Solid left = Box(1, 1000, {0.25, 0.5, 0.5}, 0.1, 0),
+              right = Box(21, 2000, {0.75, 0.5, 0.5}, 0.1, 0);
+  const auto up = [](const Solid& box) {  // the face at the top
+    for (std::size_t i = 0; i < box.faces.size(); ++i) {
+      if (std::ranges::all_of(box.faces[i], [&](int c) { return box.corners[c][2] > 0.5; }))
+        return i;
+    }
+    return box.faces.size();
+  };
+  const Feature lid_left = left.Face(up(left)), lid_right = right.Face(up(right));
+  std::vector<Feature> features = left.All() + right.All();
+  std::erase_if(features,
+                [&](const Feature& f) { return f.id == lid_left.id || f.id == lid_right.id; });
+  const Feature lid = Feature::Polygon(500, {lid_left.rings[0], lid_right.rings[0]});
+  const auto mesh = *DynamicMesh::Create(Space());
+  const auto made = mesh->Apply(AddAll(features + std::vector<Feature>{lid}));
+  ASSERT_TRUE(made.ok()) << made.status();
+  for (int i = 0; i < 2; ++i) {
+    const auto under_one = BuildMesh(features + std::vector<Feature>{lid}, Space());
+    ASSERT_TRUE(under_one.ok()) << under_one.status();
+    EXPECT_EQ(RegionsOf(*under_one), (std::set<RegionId>{0}));
+    EXPECT_EQ(mesh->hash(), under_one->hash);
+    ASSERT_TRUE(mesh->Apply({Edit::Remove(500), Edit::Add(lid_left), Edit::Add(lid_right)}).ok());
+    const auto each = BuildMesh(features + std::vector<Feature>{lid_left, lid_right}, Space());
+    EXPECT_EQ(RegionsOf(*each), (std::set<RegionId>{0, 1000, 2000}));
+    EXPECT_EQ(mesh->hash(), each->hash);
+    ASSERT_TRUE(
+        mesh->Apply({Edit::Remove(lid_left.id), Edit::Remove(lid_right.id), Edit::Add(lid)}).ok());
+  }
+}
+
+// A box among others that moves is nothing to those beyond its neighbours, nor to the vertices at
+// the border of the domain, whose balls are large.
+TEST(SpaceRegions, AMoveCostsWhatIsNearIt) {
+  std::vector<std::uint64_t> executed;
+  for (const int n : {3, 5}) {
+    std::vector<Feature> features;
+    const double spacing = 0.6 / n;
+    FeatureId id = 1;
+    for (int i = 0; i < n * n * n; ++i) {
+      const Place at = {0.2 + spacing * (0.5 + i % n), 0.2 + spacing * (0.5 + i / n % n),
+                        0.2 + spacing * (0.5 + i / (n * n))};
+      features = features + Box(id, 100'000 + id, at, spacing / 4, 0).All();
+      id += 10;
+    }
+    const FeatureId moved = 10 * (n * n * n / 2) + 1;
+    const auto corner = *std::ranges::find(features, moved, &Feature::id);
+    const auto mesh = *DynamicMesh::Create(Space());
+    ASSERT_TRUE(mesh->Apply(AddAll(features)).ok());
+    const auto diff = mesh->Apply({Edit::Set(Feature::Point(
+        moved, corner.position[0] - 0.01 * spacing, corner.position[1], corner.position[2]))});
+    ASSERT_FALSE(diff.ok()) << "three faces would be bent";
+    EditBatch batch;
+    for (FeatureId p = moved; p < moved + 8; ++p) {
+      const auto& f = *std::ranges::find(features, p, &Feature::id);
+      batch.push_back(Edit::Set(
+          Feature::Point(p, f.position[0] + 0.05 * spacing, f.position[1], f.position[2])));
+    }
+    const auto shifted = mesh->Apply(batch);
+    ASSERT_TRUE(shifted.ok()) << shifted.status();
+    executed.push_back(shifted->work.executed);
+  }
+  // The border of the domain alone has some 800.
+  for (const std::uint64_t operations : executed) EXPECT_LT(operations, 250u);
+}
+
 // Walls come and go, one of them between the rooms, and both rooms move.
 TEST(SpaceRegions, OfTwoRoomsFollowTheirWalls) {
   std::size_t both = 0, one = 0;

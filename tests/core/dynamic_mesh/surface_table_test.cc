@@ -229,7 +229,9 @@ TEST(SurfaceTable, IsWhatTheDefinitionSaysAfterEveryChange) {
 TEST(SurfaceTable, ClosesAHoleWithARimOfItsOwn) {
   // A box whose face 1 has a hole, from which a tube of four leads to nowhere: then its end.
   SurfaceTable table;
-  std::vector<FacetFeature> faces = {{1, {{1, 2, 4, 3}, {11, 12, 14, 13}}, {}},
+  const geometry::Ring3 outside = {{{0, 0, 0}}, {{4, 0, 0}}, {{4, 4, 0}}, {{0, 4, 0}}};
+  const geometry::Ring3 hole = {{{1, 1, 0}}, {{3, 1, 0}}, {{3, 3, 0}}, {{1, 3, 0}}};
+  std::vector<FacetFeature> faces = {{1, {{1, 2, 4, 3}, {11, 12, 14, 13}}, {outside, hole}},
                                      {2, {{1, 2, 6, 5}}, {}},
                                      {3, {{2, 4, 8, 6}}, {}},
                                      {4, {{4, 3, 7, 8}}, {}},
@@ -249,6 +251,41 @@ TEST(SurfaceTable, ClosesAHoleWithARimOfItsOwn) {
     EXPECT_EQ(table.SurfacesOf(id)[0], 1u);
   }
   EXPECT_EQ(table.SurfacesOf(20)[0], 1u);
+}
+
+// Two boxes with one lid, and a wall between them and the lid's two rings: while these are beside
+// each other the lid counts for neither box, as it has no one side; in each other, it does.
+TEST(SurfaceTable, APolygonThatFallsApartDoesNotCount) {
+  const auto square = [](double x, double size) {
+    return geometry::Ring3{
+        {{x, x, 1}}, {{x + size, x, 1}}, {{x + size, x + size, 1}}, {{x, x + size, 1}}};
+  };
+  const Rings rings = {{1, 2, 3, 4}, {5, 6, 7, 8}};
+  const FacetFeature beside = {10, rings, {square(0, 1), square(2, 1)}};
+  const FacetFeature within = {10, rings, {square(0, 4), square(1, 1)}};
+  SurfaceTable table;
+  std::vector<FacetFeature> all = {beside};
+  for (FeatureId first : {1, 5}) {
+    const FeatureId id = 10 + 10 * first, below = first + 20;
+    for (FeatureId k = 0; k < 4; ++k) {
+      const FeatureId next = (k + 1) % 4;
+      all.push_back({id + k, {{first + k, first + next, below + next, below + k}}, {}});
+    }
+    all.push_back({id + 4, {{below, below + 1, below + 2, below + 3}}, {}});
+  }
+  const auto anywhere = [](FeatureId) { return geometry::Point3(); };
+  const auto expect = [&](bool closed) {
+    for (const FacetFeature& f : all) EXPECT_EQ(table.SurfacesOf(f.id).size(), closed ? 1u : 0u);
+  };
+  table.Update({}, all, anywhere);
+  expect(false);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(table.Update({{beside}}, {{within}}, anywhere).size(), all.size() - 1);
+    expect(true);
+    EXPECT_EQ(table.SurfacesOf(24)[0], 10u);
+    EXPECT_EQ(table.Update({{within}}, {{beside}}, anywhere).size(), all.size() - 1);
+    expect(false);
+  }
 }
 
 }  // namespace

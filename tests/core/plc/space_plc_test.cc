@@ -272,6 +272,52 @@ TEST(SpacePlc, PolygonsMeetAtSeventyDegreesOrMore) {
       << delta.status();
 }
 
+// An L, and a plate on the edge at its inner corner that leads away over the L's other part.
+EditBatch Overhang(double degrees) {
+  const double a = degrees * std::numbers::pi / 180;
+  return {AddPoint3(1, 0.1, 0.1, 0.3),
+          AddPoint3(2, 0.9, 0.1, 0.3),
+          AddPoint3(3, 0.9, 0.9, 0.3),
+          AddPoint3(4, 0.5, 0.9, 0.3),
+          AddPoint3(5, 0.5, 0.5, 0.3),
+          AddPoint3(6, 0.1, 0.5, 0.3),
+          AddPolygon(10, {{1, 2, 3, 4, 5, 6}}),
+          AddPoint3(7, 0.5 + 0.3 * std::cos(a), 0.5, 0.3 + 0.3 * std::sin(a)),
+          AddPoint3(8, 0.5 + 0.3 * std::cos(a), 0.5, 0.9),
+          AddPoint3(9, 0.1, 0.5, 0.9),
+          AddPolygon(11, {{6, 5, 7, 8, 9}})};
+}
+
+TEST(SpacePlc, AnEdgeThatLeadsAwayFromACommonOneRisesAtSeventyDegreesOrMore) {
+  for (const double angle : {70.5, 90.0, 100.0}) ExpectLegal(Overhang(angle));
+  for (const double angle : {20.0, 40.0, 69.5}) {
+    ExpectRefused(Overhang(angle), reason::kSmallAngle, {11, 10});
+  }
+}
+
+// The same inside, as rings that cross in corners and as rings that touch there.
+TEST(SpacePlc, AnglesAreThoseOfTheInsideHoweverItIsCutIntoRings) {
+  // Over the edge from corner 2 to 3, by so much towards that side.
+  const auto plate = [](double degrees, const Rings& rings) {
+    const double a = degrees * std::numbers::pi / 180;
+    const double y = 0.09 * std::cos(a), z = 0.5 + 0.09 * std::sin(a);
+    return EditBatch{AddPoint3(1, 0.1, 0.1, 0.5),    AddPoint3(2, 0.5, 0.1, 0.5),
+                     AddPoint3(3, 0.5, 0.3, 0.5),    AddPoint3(4, 0.5, 0.5, 0.5),
+                     AddPoint3(5, 0.3, 0.5, 0.5),    AddPoint3(6, 0.1, 0.5, 0.5),
+                     AddPoint3(7, 0.3, 0.3, 0.5),    AddPoint3(8, 0.7, 0.3, 0.5),
+                     AddPoint3(9, 0.7, 0.7, 0.5),    AddPoint3(10, 0.3, 0.7, 0.5),
+                     AddPolygon(20, rings),          AddPoint3(11, 0.1, 0.1 - y, z),
+                     AddPoint3(12, 0.5, 0.1 - y, z), AddPolygon(21, {{1, 2, 12, 11}})};
+  };
+  const Rings crossing = {{1, 2, 3, 4, 5, 6}, {7, 3, 8, 9, 10, 5}};
+  const Rings touching = {{1, 2, 3, 7, 5, 6}, {3, 8, 9, 10, 5, 4}};
+  for (const Rings& rings : {crossing, touching}) {
+    ExpectLegal(plate(100, rings));
+    ExpectLegal(plate(45, rings));
+    ExpectRefused(plate(135, rings), reason::kSmallAngle, {21, 20});
+  }
+}
+
 TEST(SpacePlc, SegmentsRiseFromPolygonsAtSeventyDegreesOrMore) {
   // From corner 1 in direction of the middle, at that height.
   const auto spike = [](double degrees) {
