@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "core/base/huge_pages.h"
 #include "core/dynamic_mesh/surface_table.h"
 #include "core/dynamic_mesh/wall.h"
@@ -131,13 +132,17 @@ class FeatureTable {
 
   template <class Refinement>
   void RemoveFacets(const Delta& delta, Refinement& refinement) {
+    // An edit that is undone: facets that it brought go, and their corners may be gone, too.
+    if (!new_facets_.empty()) {
+      absl::flat_hash_set<meshing::FeatureSlot> gone;
+      for (const plc::FacetFeature& f : delta.removed_facets) gone.insert(facets_.at(f.id).slot);
+      std::erase_if(new_facets_, [&](const NewFacet& added) { return gone.contains(added.slot); });
+    }
     for (const plc::FacetFeature& f : delta.removed_facets) {
       const auto it = facets_.find(f.id);
       refinement.RemoveFacet(it->second.index);
       const meshing::FeatureSlot slot = it->second.slot;
       gone_facets_.push_back(slot);
-      // An edit that is undone: its corners may be gone, too.
-      std::erase_if(new_facets_, [&](const NewFacet& added) { return added.slot == slot; });
       FreeSlot(slot);
       facets_.erase(it);
     }

@@ -49,6 +49,9 @@ bool IsInShadow(const Point3& p, const Wall<3>& wall, int axis) {
 }
 
 bool IsCorner(const Point3& p, const Wall<3>& wall) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (p[k] < wall.lo[k] || wall.hi[k] < p[k]) return false;
+  }
   return std::any_of(wall.rings.begin(), wall.rings.end(), [&](const geometry::Ring3& ring) {
     return std::find(ring.begin(), ring.end(), p) != ring.end();
   });

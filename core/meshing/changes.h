@@ -386,9 +386,9 @@ void Refinement<D, E>::SetExposed(SubsegmentIndex i, sac::Stamp at) {
   Subsegment& s = subsegments_[i];
   s.exposed = at;
   s.place_count = 0;
-  tree_.Cover(BallOf(s), [&](sac::Place place, sac::Parts) {
+  tree_.Cover(BallOf(s), [&](sac::Place place, sac::Parts parts) {
     subsegments_[i].places[subsegments_[i].place_count++] = place;
-    exposures_.Add(place, i);
+    exposures_.Add(place, i, parts);
   });
   MarkSubsegmentChanged(i);
   NotifyOfSubsegment(i, at, s.death);

@@ -157,8 +157,9 @@ void Refinement<D, E>::FindEncroached(Context& context, const Point& x) {
     }
     if (inside) return;
   }
-  tree_.VisitPath(x, [&](sac::Place place, sac::Parts) {
+  tree_.VisitPath(x, [&](sac::Place place, sac::Parts part) {
     for (const auto& [s, parts] : exposures_.at(place)) {
+      if ((parts & part) != part) continue;  // there may be thousands in a cell without points
       const Subsegment& sub = subsegments_[s];
       if (!IsVisible(context, sub)) continue;
       const int sign = DiametralBallSign(vertices_[sub.a].p, vertices_[sub.b].p, x);
