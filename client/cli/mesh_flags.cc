@@ -81,8 +81,7 @@ void AddOutsideFlag(CLI::App& command, std::string& text) {
       .add_option("--outside", text,
                   "Nothing that lies in one of these polygons (holes: in one that a .poly of the "
                   "plane marks as a hole); in space in closed surfaces, each by the id that "
-                  "`dynmesh stats` "
-                  "has for it")
+                  "`dynmesh stats` has for it")
       ->type_name("ID[,ID...]|holes");
 }
 

@@ -3,9 +3,11 @@
 #define DYNMESH_CLIENT_CLI_VERIFY_INTERNAL_H_
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,6 +29,22 @@ class Findings {
  private:
   static constexpr std::uint64_t kMostExamples = 5;
   VerifyCheck check_;
+};
+
+// Which of 0 .. n - 1 hang together.
+class UnionFind {
+ public:
+  explicit UnionFind(std::size_t n) : parent_(n) {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+  std::size_t Find(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void Unite(std::size_t i, std::size_t j) { parent_[Find(i)] = Find(j); }
+
+ private:
+  std::vector<std::size_t> parent_;
 };
 
 // An edge of the mesh's simplices.

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <numeric>
 #include <queue>
 #include <set>
 #include <string>
@@ -25,30 +24,15 @@ using data::Concat;
 using Joint = std::pair<FeatureId, FeatureId>;
 using Corners = std::array<std::uint32_t, 3>;
 
-class Partition {
- public:
-  explicit Partition(std::size_t size) : parents_(size) {
-    std::iota(parents_.begin(), parents_.end(), std::size_t{0});
-  }
-  std::size_t Find(std::size_t i) {
-    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
-    return i;
-  }
-  void Join(std::size_t i, std::size_t j) { parents_[Find(i)] = Find(j); }
-
- private:
-  std::vector<std::size_t> parents_;
-};
-
 // Polygons whose subfacets do not all hang together by edges.
 std::set<FeatureId> FindApart(const io::IndexedMesh& mesh) {
-  Partition joined(mesh.faces.size());
+  UnionFind joined(mesh.faces.size());
   std::map<std::pair<FeatureId, std::array<std::uint32_t, 2>>, std::size_t> at;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     const auto& face = mesh.faces[i];
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [a, b] = std::minmax({face.corners[k], face.corners[(k + 1) % 3]});
-      joined.Join(i, at.try_emplace({face.owner, {a, b}}, i).first->second);
+      joined.Unite(i, at.try_emplace({face.owner, {a, b}}, i).first->second);
     }
   }
   std::map<FeatureId, std::size_t> part_of;
@@ -177,7 +161,7 @@ VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& f
   }
   // Tetrahedra that no polygon separates are one cell; what is beyond the box is one, too.
   const std::size_t beyond = mesh.tetrahedra.size();
-  Partition joined(beyond + 1);
+  UnionFind joined(beyond + 1);
   const auto for_each_pair = [&](auto f) {
     ForEachTriangle(faces, [&](const Face* face, std::size_t count) {
       const auto it = polygon_of.find(face->v);
@@ -186,7 +170,7 @@ VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& f
     });
   };
   for_each_pair([&](std::size_t here, std::size_t there, FeatureId polygon) {
-    if (polygon == kNoFeature) joined.Join(here, there);
+    if (polygon == kNoFeature) joined.Unite(here, there);
   });
   std::vector<std::size_t> cell_of(beyond + 1);
   std::map<std::size_t, std::size_t> cells;  // numbered
@@ -204,10 +188,10 @@ VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& f
   }
   std::vector<std::vector<FeatureId>> inside(cells.size());
   for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
-    Partition chambers(cells.size());
+    UnionFind chambers(cells.size());
     for (std::size_t other = 0; other < pieces.size(); ++other) {
       if (other == piece) continue;
-      for (const Wall& wall : walls[other]) chambers.Join(wall.cells[0], wall.cells[1]);
+      for (const Wall& wall : walls[other]) chambers.Unite(wall.cells[0], wall.cells[1]);
     }
     const auto chamber_of = [&](std::size_t cell) { return chambers.Find(cell); };
     const auto names = NameChambers(walls[piece], cell_of[beyond], chamber_of);

@@ -1,7 +1,6 @@
 // How the triangles hang together: no geometry here but comparisons of coordinates.
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 #include "client/cli/verify_internal.h"
 #include "core/data/text.h"
@@ -10,19 +9,6 @@ namespace dynmesh::cli {
 namespace {
 
 using data::Concat;
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  std::size_t Find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void Unite(std::size_t i, std::size_t j) { parent_[Find(i)] = Find(j); }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 // Which corner of the side's triangle is vertex v.
 std::size_t CornerAt(const io::IndexedMesh& mesh, const Side& side, std::uint32_t v) {

@@ -1,7 +1,6 @@
 #include "core/dynamic_mesh/chambers.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -92,9 +91,9 @@ Vector3 AreaOf(const Facet& facet) {
   for (const Facet::Corner& c : facet.corners()) {
     const Vector3 from = Difference(facet.PlaceOf(c).c, origin.c);
     const Vector3 along = Difference(facet.PlaceOf(facet.Beside(c, true)).c, facet.PlaceOf(c).c);
-    const bool is_left = Dot(Cross(facet.plane().normal, along), facet.InwardOf(c)) > 0;
+    const double half = facet.IsInsideLeftOf(c) ? 0.5 : -0.5;
     const Vector3 twice = Cross(from, along);
-    for (std::size_t k = 0; k < 3; ++k) sum[k] += (is_left ? 0.5 : -0.5) * twice[k];
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += half * twice[k];
   }
   return sum;
 }
@@ -105,15 +104,17 @@ std::vector<Side> ChambersOf(std::span<const Facet> piece) {
   JoinAroundEdges(piece, sides);
   std::vector<double> volume(2 * piece.size(), 0);
   std::vector<Side> first(2 * piece.size(), kOutside);
-  for (Side side = 0; side < 2 * piece.size(); ++side) {
-    const Side chamber = sides.Find(side);
-    if (first[chamber] == kOutside) first[chamber] = side;
-    const Facet& facet = piece[side / 2];
-    // Relative to the place of one of its corners, or small ones would not be seen.
-    const Vector3 to =
-        Difference(facet.plane().origin.c, piece[first[chamber] / 2].plane().origin.c);
-    const double cone = Dot(to, AreaOf(facet));
-    volume[chamber] += side % 2 == 0 ? -cone : cone;
+  for (std::size_t i = 0; i < piece.size(); ++i) {
+    const Vector3 area = AreaOf(piece[i]);
+    for (const Side side : {2 * i, 2 * i + 1}) {
+      const Side chamber = sides.Find(side);
+      if (first[chamber] == kOutside) first[chamber] = side;
+      // Relative to the place of one of its corners, or small ones would not be seen.
+      const Vector3 to =
+          Difference(piece[i].plane().origin.c, piece[first[chamber] / 2].plane().origin.c);
+      const double cone = Dot(to, area);
+      volume[chamber] += side % 2 == 0 ? -cone : cone;
+    }
   }
   std::vector<Side> chambers(2 * piece.size());
   for (Side side = 0; side < chambers.size(); ++side) {

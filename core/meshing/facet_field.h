@@ -52,8 +52,8 @@ class Facet {
   Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot feature, Position position);
 
   FeatureSlot feature() const { return feature_; }
-  const FacetPlace& where() const { return where_; }
-  const geometry::FacetPlane& plane() const { return where_.plane; }
+  FacetPlace where() const { return {{lo.c, hi.c}, plane_, margin_}; }
+  const geometry::FacetPlane& plane() const { return plane_; }
   const std::vector<geometry::Ring3>& rings() const { return rings_; }
   const std::vector<VertexIndex>& corners() const { return corners_; }
   bool HasCorner(VertexIndex v) const {
@@ -64,6 +64,7 @@ class Facet {
   }
   // Is p, near the plane, inside?
   bool IsInside(const Point& p) const { return interior_.Holds(p); }
+
   // For RegionTree.
   Point lo = {}, hi = {};
   static constexpr double radius = 0;
@@ -73,8 +74,9 @@ class Facet {
  private:
   FeatureSlot feature_ = kNil;
   std::vector<geometry::Ring3> rings_;
-  FacetPlace where_;
+  geometry::FacetPlane plane_;
   geometry::FacetInterior interior_;
+  double margin_ = 0;  // FacetPlace's
   std::vector<VertexIndex> corners_;
   std::vector<Edge> edges_;
 };
@@ -93,13 +95,12 @@ Facet::Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot featur
   }
   std::sort(corners_.begin(), corners_.end());
   std::sort(edges_.begin(), edges_.end());
-  where_.plane = geometry::PlaneOf(rings_);
-  interior_ = geometry::FacetInterior(rings_, where_.plane);
-  const geometry::FacetBounds bounds = geometry::BoundsOf(rings_, where_.plane);
+  plane_ = geometry::PlaneOf(rings_);
+  interior_ = geometry::FacetInterior(rings_, plane_);
+  const geometry::FacetBounds bounds = geometry::BoundsOf(rings_, plane_);
   lo = bounds.lo;
   hi = bounds.hi;
-  where_.box = {lo.c, hi.c};
-  where_.margin = 2 * bounds.deviation;
+  margin_ = 2 * bounds.deviation;
 }
 
 class FacetField {
@@ -124,12 +125,17 @@ class FacetField {
     const auto it = of_feature_.find(feature);
     return it == of_feature_.end() ? kNil : it->second;
   }
-  // Calls f(facet) for those that the ball may meet, but for some that are hidden: is_hidden(
+  // Calls f(facet) for those that the ball may meet.
+  template <class F>
+  void ForEachNear(const Point& centre, double radius, F f) const {
+    ForEachNear(centre, radius, kNothingHidden, f);
+  }
+  // The same, but for some that are hidden: is_hidden(
   // centre, half of the sides) says of a box that all in it is.
   template <class IsHidden, class F>
   void ForEachNear(const Point& centre, double radius, IsHidden is_hidden, F f) const {
     tree_.Any(centre, radius, INFINITY, is_hidden, [&](FacetIndex i) {
-      const FacetPlace& where = tree_[i].where();
+      const FacetPlace where = tree_[i].where();
       if (!where.MayMeet(centre, radius)) return false;
       Point middle;
       geometry::Vector3 half;

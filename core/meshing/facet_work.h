@@ -91,16 +91,13 @@ FacetIndex Refinement<D, E>::FacetOf(VertexIndex a, VertexIndex b, VertexIndex c
 
 // --- What there is to do ------------------------------------------------------------------
 
-// For FacetField::ForEachNear: nothing is hidden.
-inline constexpr auto kAll = [](const auto&...) { return false; };
-
 // The squared distance from v to the nearest facet that it is not on, if less than d2, else d2.
 // Beside a facet's edges others see to it.
 template <int D, template <class> class E>
 double Refinement<D, E>::FacetDistance2(VertexIndex v, double d2) const {
   if constexpr (D == 3) {
     const Point& p = vertices_[v].p;
-    facets_.ForEachNear(p, std::sqrt(d2), kAll, [&](const Facet& facet) {
+    facets_.ForEachNear(p, std::sqrt(d2), [&](const Facet& facet) {
       const double h = facet.plane().Height(p);
       if (h * h < d2 && !IsOnFacet(v, facet) && facet.IsInside(facet.plane().Foot(p))) d2 = h * h;
     });
@@ -174,7 +171,7 @@ void Refinement<D, E>::MoveToFacet(Candidate* gap) const {
     const Point from = gap->x;
     const double r = std::sqrt(geometry::SquaredDistance(from, star_.position()));
     double least = kNearFacet * r;
-    facets_.ForEachNear(from, least, kAll, [&](const Facet& facet) {
+    facets_.ForEachNear(from, least, [&](const Facet& facet) {
       const double h = std::fabs(facet.plane().Height(from));
       if (!(h <= least)) return;
       const Point foot = facet.plane().Foot(from);
@@ -226,10 +223,8 @@ void Refinement<D, E>::NotifyOfFacets() {
     for (end = begin + 1; end < changed_facets_.size(); ++end) {
       const Extent<3>& next = changed_facets_[end].box;
       Extent<3> all = group;
-      for (int k = 0; k < 3; ++k) {
-        all.lo[k] = std::min(all.lo[k], next.lo[k]);
-        all.hi[k] = std::max(all.hi[k], next.hi[k]);
-      }
+      all.AddBall({next.lo}, 0);
+      all.AddBall({next.hi}, 0);
       largest = std::max(largest, size(next));
       if (size(all) > 2 * largest) break;
       group = all;

@@ -20,6 +20,11 @@
 
 namespace dynmesh::meshing {
 
+// For searches that pass over nothing.
+inline constexpr auto kNothingHidden = [](const auto& /*centre*/, const auto& /*half*/) {
+  return false;
+};
+
 template <int D, class Region>
 class RegionTree {
  public:
@@ -46,8 +51,7 @@ class RegionTree {
   // where none does.
   template <class Accept>
   bool Any(const Point& centre, double radius, double bound, Accept accept) const {
-    return Any(
-        centre, radius, bound, [](const auto&...) { return false; }, accept);
+    return Any(centre, radius, bound, kNothingHidden, accept);
   }
   // The same, but those in boxes for which is_hidden(centre, half of the sides) need not be asked.
   template <class IsHidden, class Accept>

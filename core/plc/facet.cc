@@ -88,13 +88,16 @@ Vector3 Facet::LeftOf(const Corner& c) const {
   return geometry::Cross(plane_.normal, Difference(PlaceOf(Beside(c, true)).c, PlaceOf(c).c));
 }
 
+bool Facet::IsInsideLeftOf(const Corner& c) const {
+  const Vector3 along = Difference(PlaceOf(Beside(c, true)).c, PlaceOf(c).c);
+  return interior_.OpensTo(PlaceOf(c), Sum(along, kAside, LeftOf(c)));
+}
+
 Vector3 Facet::InwardOf(const Corner& c) const {
   Vector3 inward = LeftOf(c);
   const double length = std::sqrt(Dot(inward, inward));
-  // A little to the left of the edge.
-  const Vector3 along = Difference(PlaceOf(Beside(c, true)).c, PlaceOf(c).c);
-  const bool is_left = interior_.OpensTo(PlaceOf(c), Sum(along, kAside, inward));
-  for (double& x : inward) x *= (is_left ? 1 : -1) / length;
+  const double sign = IsInsideLeftOf(c) ? 1 : -1;
+  for (double& x : inward) x *= sign / length;
   return inward;
 }
 

@@ -2,8 +2,8 @@
 //
 // Inside is even-odd (geometry/facet_interior.h); near an edge rounding decides, far nearer than
 // features may be. A facet is looked at after its edges: these meet in corners only. Rings may
-// cross there. Immutable, thread-safe. Making one O(corners lg^2 corners), `Holds`, `OpensTo` and
-// `InwardOf` O(lg^2 corners), the others O(lg corners).
+// cross there. Immutable, thread-safe. Making one O(corners lg^2 corners), `Holds`, `OpensTo`,
+// `IsInsideLeftOf` and `InwardOf` O(lg^2 corners), the others O(lg corners).
 #ifndef DYNMESH_CORE_PLC_FACET_H_
 #define DYNMESH_CORE_PLC_FACET_H_
 
@@ -60,6 +60,8 @@ class Facet {
   // Does `direction`, laid into the plane, lead from the corner `point` into the inside? Not if it
   // leads along an edge.
   bool OpensTo(FeatureId point, const geometry::Vector3& direction) const;
+  // Is the inside to the left of the edge from `c` to the next corner, seen from the normal's tip?
+  bool IsInsideLeftOf(const Corner& c) const;
   // Of length 1, in the plane, across the edge from `c` to the next corner, into the inside.
   geometry::Vector3 InwardOf(const Corner& c) const;
 

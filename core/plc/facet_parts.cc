@@ -5,11 +5,9 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 #include "core/geometry/circumball.h"
-#include "core/geometry/constructions.h"
 
 namespace dynmesh::plc {
 namespace {
@@ -30,8 +28,7 @@ class Border {
     }
     forward_.resize(count_);
     for (const Facet::Corner& c : facet.corners()) {
-      const Vector3 along = Difference(PlaceOf(facet.Beside(c, true)).c, PlaceOf(c).c);
-      forward_[NumberOf(c)] = Dot(Cross(facet.plane().normal, along), facet.InwardOf(c)) > 0;
+      forward_[NumberOf(c)] = facet.IsInsideLeftOf(c);
     }
     next_.resize(count_);
     for (const Facet::Corner& c : facet.corners()) {
