@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "core/data/pieces.h"
 #include "core/data/regions.h"
@@ -66,19 +67,22 @@ bool SameVertex(std::size_t d, const VertexColumns& a, std::size_t i, const Vert
 }
 
 void DiffVertices(std::size_t d, const VertexColumns& from, VertexColumns& to, MeshDiff& diff) {
+  absl::flat_hash_map<VertexId, std::size_t> row_of;
+  row_of.reserve(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) row_of.emplace(from.ids[i], i);
+  std::vector<bool> stays(from.size(), false);
   std::vector<std::size_t> added;
-  const auto order = [&](std::size_t i, std::size_t j) {
-    return from.ids[i] < to.ids[j] ? -1 : from.ids[i] > to.ids[j] ? 1 : 0;
-  };
-  Merge(
-      from.size(), to.size(), order,
-      [&](std::size_t i) { diff.removed_vertices.push_back(from.ids[i]); },
-      [&](std::size_t i, std::size_t j) {
-        if (SameVertex(d, from, i, to, j)) return;
-        diff.removed_vertices.push_back(from.ids[i]);
-        added.push_back(j);
-      },
-      [&](std::size_t j) { added.push_back(j); });
+  for (std::size_t j = 0; j < to.size(); ++j) {
+    const auto it = row_of.find(to.ids[j]);
+    if (it != row_of.end() && SameVertex(d, from, it->second, to, j)) {
+      stays[it->second] = true;
+    } else {
+      added.push_back(j);
+    }
+  }
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (!stays[i]) diff.removed_vertices.push_back(from.ids[i]);
+  }
   const auto keep = [&](auto& column, std::size_t width) {
     RowKeeper keeper(&column, width);
     for (const std::size_t row : added) keeper.Keep(row);
@@ -95,43 +99,48 @@ struct Simplices {
   RegionColumn regions;
 };
 
-// Takes those with a vertex that is not among `ids` out of the mesh.
+// Takes those with a vertex that is not among `ids` out of the mesh: nearly all, so they stay where
+// they are, and the others are copied.
 Simplices TakeSimplicesNotOn(const std::vector<VertexId>& ids, std::size_t width, Mesh& mesh) {
   const absl::flat_hash_set<VertexId> known(ids.begin(), ids.end());
-  Simplices taken;
-  taken.rows.reserve(mesh.simplices.size());
-  taken.regions.reserve(mesh.regions.size());
-  RowKeeper rows(&mesh.simplices, width);
-  RowKeeper regions(&mesh.regions, 1);
-  const std::size_t count = mesh.simplex_count();
+  Simplices all{std::exchange(mesh.simplices, {}), std::exchange(mesh.regions, {})};
+  const bool labelled = !all.regions.empty();
+  RowKeeper rows(&all.rows, width);
+  RowKeeper regions(&all.regions, 1);
+  const std::size_t count = all.rows.size() / width;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto row = mesh.simplices.begin() + static_cast<std::ptrdiff_t>(i * width);
+    const auto row = all.rows.begin() + static_cast<std::ptrdiff_t>(i * width);
     const auto end = row + static_cast<std::ptrdiff_t>(width);
     if (std::all_of(row, end, [&](VertexId id) { return known.contains(id); })) {
-      rows.Keep(i);
-      if (!mesh.regions.empty()) regions.Keep(i);
+      mesh.simplices.insert(mesh.simplices.end(), row, end);
+      if (labelled) mesh.regions.push_back(all.regions[i]);
     } else {
-      taken.rows.insert(taken.rows.end(), row, end);
-      if (!mesh.regions.empty()) taken.regions.push_back(mesh.regions[i]);
+      rows.Keep(i);
+      if (labelled) regions.Keep(i);
     }
   }
-  mesh.simplices = rows.Take();
-  mesh.regions = regions.Take();
-  return taken;
+  return {rows.Take(), regions.Take()};
 }
 
-void AppendAlone(const Simplices& simplices, bool labelled, SimplexColumn& rows,
-                 RegionColumn& regions, std::size_t width) {
-  rows.insert(rows.end(), simplices.rows.begin(), simplices.rows.end());
-  if (!labelled) return;
-  regions.insert(regions.end(), simplices.regions.begin(), simplices.regions.end());
-  regions.resize(rows.size() / width, kNoRegion);
+// The larger of the two stays where it is: rows are in no particular order.
+void AppendAlone(Simplices alone, bool labelled, SimplexColumn& rows, RegionColumn& regions,
+                 std::size_t width) {
+  if (labelled) {
+    alone.regions.resize(alone.rows.size() / width, kNoRegion);
+    regions.resize(rows.size() / width, kNoRegion);
+  }
+  if (rows.size() < alone.rows.size()) {
+    rows.swap(alone.rows);
+    regions.swap(alone.regions);
+  }
+  rows.insert(rows.end(), alone.rows.begin(), alone.rows.end());
+  regions.insert(regions.end(), alone.regions.begin(), alone.regions.end());
 }
 
 // A simplex with the same corners in another region goes and comes. `from_alone` and `to_alone`
 // are of one mesh only, and not in it any more.
-void DiffSimplices(const Mesh& from, Mesh& to, const Simplices& from_alone,
-                   const Simplices& to_alone, MeshDiff& diff) {
+void DiffSimplices(const Mesh& from, Mesh& to, Simplices from_alone, Simplices to_alone,
+                   MeshDiff& diff) {
   const std::size_t width = static_cast<std::size_t>(to.dimension) + 1;
   const bool labelled = !from.regions.empty() || !to.regions.empty() ||
                         !from_alone.regions.empty() || !to_alone.regions.empty();
@@ -160,8 +169,8 @@ void DiffSimplices(const Mesh& from, Mesh& to, const Simplices& from_alone,
   };
   Merge(from.simplex_count(), to.simplex_count(), order, gone, both, come);
   diff.added_simplices = added.Take();
-  AppendAlone(from_alone, labelled, diff.removed_simplices, diff.removed_regions, width);
-  AppendAlone(to_alone, labelled, diff.added_simplices, diff.added_regions, width);
+  AppendAlone(std::move(from_alone), labelled, diff.removed_simplices, diff.removed_regions, width);
+  AppendAlone(std::move(to_alone), labelled, diff.added_simplices, diff.added_regions, width);
   DropIfIdle(diff.removed_regions);
   DropIfIdle(diff.added_regions);
 }
@@ -187,8 +196,9 @@ void DiffPieces(const Columns& from, Columns& to, Columns& removed, Columns& add
 
 }  // namespace
 
-// Sorting is what takes time here. Simplices with a vertex that the other mesh has not need no
-// place in the order, and where one mesh is much smaller that is nearly all of the larger's.
+// Sorting is what takes time here: vertices are looked up instead. Simplices with a vertex that the
+// other mesh has not need no place in the order, and where one mesh is much smaller that is nearly
+// all of the larger's.
 MeshDiff DiffMeshes(Mesh from, Mesh to) {
   const std::size_t width = static_cast<std::size_t>(to.dimension) + 1;
   Simplices from_alone, to_alone;
@@ -201,14 +211,16 @@ MeshDiff DiffMeshes(Mesh from, Mesh to) {
   MeshDiff diff;
   diff.region_sets = to.region_sets;
   AppendSets(diff.region_sets, from.region_sets);
+  const VertexColumns from_vertices = std::exchange(from.vertices, {});
+  VertexColumns to_vertices = std::exchange(to.vertices, {});
+  DiffVertices(width - 1, from_vertices, to_vertices, diff);
   Canonicalize(from);
   Canonicalize(to);
   diff.dimension = to.dimension;
   diff.from_revision = from.revision;
   diff.to_revision = to.revision;
   diff.hash = to.hash;
-  DiffVertices(width - 1, from.vertices, to.vertices, diff);
-  DiffSimplices(from, to, from_alone, to_alone, diff);
+  DiffSimplices(from, to, std::move(from_alone), std::move(to_alone), diff);
   KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
   DiffPieces(from.subsegments, to.subsegments, diff.removed_subsegments, diff.added_subsegments);
   DiffPieces(from.subfacets, to.subfacets, diff.removed_subfacets, diff.added_subfacets);

@@ -38,13 +38,13 @@ struct Circumball {
              bool odd) {
     const Vector3 bc = Cross(b, c), ca = Cross(c, a), ab = Cross(a, b);
     const double signed_det = Dot(a, bc);
-    const double det = odd ? -signed_det : signed_det;
+    const double det = signed_det * (1 - 2 * static_cast<int>(odd));  // without a branch
     if (!(det > 0)) return;
     const double scale = 0.5 / signed_det;
     for (int k = 0; k < 3; ++k) w[k] = (a2 * bc[k] + b2 * ca[k] + c2 * ab[k]) * scale;
     r2 = Dot(w, w);
     const double la = Sum(a), lb = Sum(b), lc = Sum(c);
-    const double half = 0.5 / det;
+    const double half = std::fabs(scale);
     const double sum = (a2 * lb * lc + b2 * lc * la + c2 * la * lb) * half;
     error = 4e-15 * sum * (1 + 2 * la * lb * lc * half);
   }

@@ -1,4 +1,4 @@
-// Construction, point location and insertion; removal and checks have files of their own.
+// Construction, point location and insertion; links, removal and checks have files of their own.
 //
 // Why insertion is right whatever the degeneracy. InSphere decides as if each place had,
 // besides |x|^2, a fixed infinitesimal height of its own. So the finite tetrahedra are the
@@ -377,51 +377,6 @@ void DelaunayTetrahedralization::SimplicesAround(VertexIndex v, Star* star) cons
     const Tetrahedron& t = tetrahedra_[star->keys()[next][0]];
     for (int i = 0; i < 4; ++i) {
       if (t.v[i] != v) star->Number({t.opposite[i] >> 2});
-    }
-  }
-}
-
-// Tetrahedra are asked for when they are found and read when their turn comes: between the two
-// is time to fetch them. Each is looked up from two of its three facets, each vertex once.
-void DelaunayTetrahedralization::LinkOf(VertexIndex v, VertexLink* link) const {
-  auto& [triangles, is_closed, tetrahedra, vertices, found] = *link;
-  triangles.clear();
-  tetrahedra.Clear();
-  vertices.Clear();
-  found.clear();
-  is_closed = true;
-  tetrahedra.Number({Around(v).simplex});
-  found.push_back({{-1, -1, -1, -1}, -1, 0, 0});
-  for (int next = 0; next < static_cast<int>(found.size()); ++next) {
-    const Tetrahedron& t = tetrahedra_[tetrahedra.keys()[next][0]];
-    int own = 0;
-    while (t.v[own] != v) ++own;
-    // Seen from v the facet's corners turn the other way.
-    const std::array<int, 3> turned = {kFacet[own][0], kFacet[own][2], kFacet[own][1]};
-    const VertexLink::Found from = found[next];
-    VertexLink::Triangle& triangle = triangles.emplace_back();
-    for (int k = 0; k < 3; ++k) {
-      const VertexIndex u = t.v[turned[k]];
-      if (from.from >= 0 && turned[k] != from.apex) {
-        const auto& known = triangles[from.from].corners;
-        const int one = known[(from.edge + 1) % 3];
-        triangle.corners[k] = vertices.keys()[one][0] == u ? one : known[(from.edge + 2) % 3];
-      } else {
-        triangle.corners[k] = static_cast<int>(vertices.Number({u}));
-        if (u == kInfinite) is_closed = false;
-      }
-      int across = from.across[turned[k]];
-      if (across < 0) {
-        const std::uint32_t beyond = t.opposite[turned[k]];
-        across = static_cast<int>(tetrahedra.Number({beyond >> 2}));
-        const int apex = static_cast<int>(beyond & 3);
-        if (across == static_cast<int>(found.size())) {
-          __builtin_prefetch(&tetrahedra_[beyond >> 2]);
-          found.push_back({{-1, -1, -1, -1}, next, k, apex});
-        }
-        found[across].across[apex] = next;
-      }
-      triangle.across[k] = across;
     }
   }
 }

@@ -27,6 +27,7 @@
 #include "core/base/huge_pages.h"
 #include "core/geometry/point.h"
 #include "core/mesh/number_table.h"
+#include "core/mesh/vertex_link.h"
 
 namespace dynmesh::mesh {
 
@@ -102,31 +103,13 @@ class DelaunayTetrahedralization {
     SimplicesAround(v, &star);
     for (const auto& [t] : star.keys()) f(t);
   }
-  // The link of v: its neighbours (kInfinite too), numbered as they come, and a triangle of them
-  // for each tetrahedron at v, turned so that v and its corners are positive.
-  struct VertexLink {
-    struct Triangle {
-      std::array<int, 3> corners;  // numbers of neighbours
-      std::array<int, 3> across;   // the triangle beyond the edge opposite to corners[k]
-    };
-    std::vector<Triangle> triangles;
-    bool is_closed = true;  // kInfinite is none of the neighbours
-    VertexIndex neighbour(int number) const { return vertices.keys()[number][0]; }
-    int neighbour_count() const { return static_cast<int>(vertices.keys().size()); }
-
-    // Of the search, by triangle.
-    struct Found {
-      std::array<int, 4> across;  // by the tetrahedron's corners; -1: not known yet
-      int from, edge, apex;       // across which edge, and the tetrahedron's corner beyond it
-    };
-    NumberTable<1> tetrahedra, vertices;
-    std::vector<Found> found;
-  };
+  // The link of v, kInfinite being a neighbour like others, which makes it no closed one.
+  using VertexLink = mesh::VertexLink;
   // `link` is the caller's, to be kept from call to call. O(its size).
   void LinkOf(VertexIndex v, VertexLink* link) const;
   // Brings what a walk around v reads first into the cache, if called for each step, 0 to
   // kPrefetchSteps - 1, with some time between. v must be present.
-  static constexpr int kPrefetchSteps = 3;
+  static constexpr int kPrefetchSteps = 4;
   void PrefetchAround(VertexIndex v, int step) const {
     if (step == 0) {
       __builtin_prefetch(&places_[v]);
@@ -138,8 +121,12 @@ class DelaunayTetrahedralization {
       return;
     }
     for (int i = 0; i < 4; ++i) {
-      __builtin_prefetch(&tetrahedra_[t.opposite[i] >> 2]);
-      if (t.v[i] != kInfinite) __builtin_prefetch(&places_[t.v[i]]);
+      const Tetrahedron& beside = tetrahedra_[t.opposite[i] >> 2];
+      if (step == 2) {
+        __builtin_prefetch(&beside);
+      } else if (t.v[i] != v) {
+        for (const Code code : beside.opposite) __builtin_prefetch(&tetrahedra_[code >> 2]);
+      }
     }
   }
   // The corner that faces c across the facet opposite to c.
@@ -262,6 +249,10 @@ class DelaunayTetrahedralization {
   void FillCavityFrom(VertexIndex v);
   void LinkByTable();
   void LinkAroundRim(std::uint32_t number);
+
+  // In delaunay_tetrahedralization_link.cc.
+  template <class Tables>
+  bool WalkAround(VertexIndex v, Tables& tables, VertexLink* link) const;
 
   // Removal, in delaunay_tetrahedralization_removal.cc.
   void TriangulateLink(VertexIndex v);

@@ -143,7 +143,7 @@ bool Refinement<D, E>::ShortestGap(int bucket, Candidate* best) const {
     const auto& u = star_[i];
     if (!IsInView(u) || BucketOf(u.d2) > bucket) continue;
     if (found && u.d2 > best->e2) continue;
-    if (!Owns(u.id) || !gaps.OfNeighbour(i, &gap)) continue;
+    if (!gaps.MayHave(u.d2) || !Owns(u.id) || !gaps.OfNeighbour(i, &gap)) continue;
     if (found && gap.e2 == best->e2 && best->neighbour < gap.neighbour) continue;
     *best = gap;
     found = true;
@@ -256,7 +256,7 @@ int Refinement<D, E>::NextBucket(int bucket) const {
     if (!IsInView(u)) continue;
     const int own = BucketOf(u.d2);
     if (own <= bucket || own > last_known || own >= next) continue;
-    if (Owns(u.id) && gaps.OfNeighbour(i, &gap)) next = own;
+    if (gaps.MayHave(u.d2) && Owns(u.id) && gaps.OfNeighbour(i, &gap)) next = own;
   }
   return next;
 }

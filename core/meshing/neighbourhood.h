@@ -46,18 +46,18 @@ double Refinement<D, E>::NearestDistance2(Context& context, VertexIndex v) {
 template <int D, template <class> class E>
 void Refinement<D, E>::FindAllNearest() {
   nearest2_.assign(vertices_.size(), INFINITY);
-  const auto look_at = [this](const auto& corners) {
-    for (const VertexIndex p : corners) {
-      for (const VertexIndex q : corners) {
-        if (!(q < p)) continue;
+  triangulation_->ForEachSimplex([&](auto t) {
+    const auto& corners = triangulation_->vertices(t);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const VertexIndex p = corners[i], q = corners[j];
         const double d2 =
             geometry::SquaredDistance(triangulation_->position(p), triangulation_->position(q));
         nearest2_[p] = std::min(nearest2_[p], d2);
         nearest2_[q] = std::min(nearest2_[q], d2);
       }
     }
-  };
-  triangulation_->ForEachSimplex([&](auto t) { look_at(triangulation_->vertices(t)); });
+  });
 }
 
 // Is subsegment s encroached as of now? Then witnesses_ says by whom: any one vertex

@@ -22,6 +22,9 @@ class PlanarGaps {
 
   explicit PlanarGaps(const R& refinement) : r_(refinement) {}
 
+  // Quickly: may an edge of that squared length have a gap?
+  static bool MayHave(double /*e2*/) { return true; }
+
   // Has the i-th edge of the star a gap that a point may be put into? The left side first, as
   // seen from the edge's lesser end.
   bool OfNeighbour(int i, Candidate* gap) const {

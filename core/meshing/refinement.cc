@@ -124,7 +124,7 @@ void Refinement<D, E>::Reserve(std::size_t points) {
   if (triangulation_ != nullptr) triangulation_->Reserve(vertices);
   if constexpr (kTraced) {
     tree_.Reserve(vertices);
-    engine_.Reserve(2 * vertices);
+    engine_.Reserve(2 * vertices, D == 2 ? 16 : 24);
   }
 }
 

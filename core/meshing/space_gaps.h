@@ -25,12 +25,15 @@ class SpaceGaps {
     }
   }
 
+  // Quickly: may an edge of that squared length have a gap?
+  bool MayHave(double e2) const { return !r_.sizing_.empty() || IsFarFromCorner(e2); }
+
   // Has the edge to the neighbour in slot i a gap that a point may be put into?
   bool OfNeighbour(int i, Candidate* gap) const {
     const auto& u = r_.star_[i];
     if (r_.IsSkipped(u.p, false)) return false;
     std::optional<geometry::Point3> x;
-    if (r_.rules_.IsTooFar(most_radius2_, u.d2)) x = r_.rules_.PointInGap(r_.star_, i);
+    if (IsFarFromCorner(u.d2)) x = r_.rules_.PointInGap(r_.star_, i);
     if (!x && !r_.sizing_.empty()) x = CentreOfTooLarge(i);
     if (!x) return false;
     gap->e2 = u.d2;
@@ -41,6 +44,8 @@ class SpaceGaps {
   }
 
  private:
+  bool IsFarFromCorner(double e2) const { return r_.rules_.IsTooFar(most_radius2_, e2); }
+
   // A tetrahedron stays as large as it is: the last of its corners to come deals with it, at one of
   // its own edges, of which none is shorter than the ball is large over kCap rho once nothing else
   // is to be done: so here, too, newborns only need be queued, and any view knows the ball. The

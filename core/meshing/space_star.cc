@@ -108,13 +108,21 @@ bool SpaceStar::IsWithinReach() const {
 void SpaceStar::ComputeCorner(int i) {
   Corner& corner = corners_[i];
   std::array<int, 3> s = corner.n;
-  const auto less = [&](int x, int y) { return neighbours_[x].p < neighbours_[y].p; };
-  bool odd = false;
-  if (less(s[1], s[0])) std::swap(s[0], s[1]), odd = !odd;
-  if (less(s[2], s[1])) std::swap(s[1], s[2]), odd = !odd;
-  if (less(s[1], s[0])) std::swap(s[0], s[1]), odd = !odd;
+  int odd = 0;
+  // Without branches, which would be mispredicted half of the times.
+  const auto sort = [&](int& x, int& y) {
+    const Point3 &p = neighbours_[x].p, &q = neighbours_[y].p;
+    int swaps = static_cast<int>(q[0] < p[0]);
+    if (q[0] == p[0]) [[unlikely]]
+      swaps = static_cast<int>(q < p);
+    const int change = (x ^ y) & -swaps;
+    x ^= change, y ^= change, odd ^= swaps;
+  };
+  sort(s[0], s[1]);
+  sort(s[1], s[2]);
+  sort(s[0], s[1]);
   const Neighbour &a = neighbours_[s[0]], &b = neighbours_[s[1]], &c = neighbours_[s[2]];
-  geometry::Circumball ball(a.d, a.d2, b.d, b.d2, c.d, c.d2, odd);
+  geometry::Circumball ball(a.d, a.d2, b.d, b.d2, c.d, c.d2, odd != 0);
   // Of nearly flat tetrahedra doubles know nothing: what is decided by the centre must not be
   // decided by noise. There are few.
   if (!(ball.error <= 1e-9 * std::sqrt(std::min({a.d2, b.d2, c.d2})))) {

@@ -275,9 +275,11 @@ class SpatialTree {
     std::uint32_t parts = 0;
     for (int k = 0; k < D; ++k) {
       const double low = cell.centre[k] - cell.half;
-      // Rounded alike for points and boxes, so that the order is kept.
+      // Rounded alike for points and boxes, so that the order is kept. What is not a number counts
+      // as 0.
       const auto slab = [&](double x) {
-        return static_cast<int>(std::fmin(std::fmax((x - low) * slabs, 0), kSlabs - 1));
+        const double at = std::max(0.0, (x - low) * slabs);
+        return static_cast<int>(std::min(at, kSlabs - 1.0));
       };
       const std::uint32_t up_to = (std::uint32_t{2} << slab(box.hi[k])) - 1,
                           below = (std::uint32_t{1} << slab(box.lo[k])) - 1;

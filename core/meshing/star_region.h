@@ -30,8 +30,8 @@ class StarRegion {
     radius2_ = std::max(radius2_, 4 * (radius + slack) * (radius + slack));
     std::array<std::array<double, 2>, D> part;  // squared: of c, downwards and upwards
     for (int k = 0; k < D; ++k) {
-      const double d = c[k] - p_[k];
-      const double down = std::max(-d, 0.0) + slack, up = std::max(d, 0.0) + slack;
+      const double d = c[k] - p_[k], above = std::max(d, 0.0);
+      const double down = above - d + slack, up = above + slack;
       part[k] = {down * down, up * up};
     }
     for (int o = 0; o < kOrthants; ++o) {

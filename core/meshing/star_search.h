@@ -92,8 +92,7 @@ void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
       if ((!kTraced && by_edge()) || star_.IsWithinReach()) return;
     }
     star_.Begin(v, vertices_[v].p, reach);
-    for (int i = 0; i < link_.neighbour_count(); ++i) {
-      const VertexIndex u = link_.neighbour(i);
+    for (const VertexIndex u : link_.neighbours) {
       if (u != Triangulation::kInfinite) star_.Insert(u, vertices_[u].p);
     }
   }
@@ -105,11 +104,9 @@ bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
   if constexpr (D == 3) {
     triangulation_->LinkOf(v, &link_);
     if (!link_.is_closed) return false;
-    const int neighbours = link_.neighbour_count();
-    for (int i = 0; i < neighbours; ++i) __builtin_prefetch(&vertices_[link_.neighbour(i)]);
+    for (const VertexIndex u : link_.neighbours) __builtin_prefetch(&vertices_[u]);
     star_.BeginLink(v, vertices_[v].p, reach);
-    for (int i = 0; i < neighbours; ++i) {
-      const VertexIndex u = link_.neighbour(i);
+    for (const VertexIndex u : link_.neighbours) {
       star_.AddNeighbour(u, vertices_[u].p);  // near what else is asked of it
     }
     for (const auto& [corners, across] : link_.triangles) star_.AddCorner(corners, across);

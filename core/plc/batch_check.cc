@@ -51,11 +51,8 @@ bool BatchCheck<D>::IsCertainlyGood() const {
   const auto is_in_place = [&](const PointFeature<D>& p) {
     return CheckPlace(p, options_.box, 0).ok();
   };
-  if constexpr (D == 2) {
-    return std::all_of(delta_.added_points.begin(), delta_.added_points.end(), is_in_place) &&
-           AreFarApart(delta_.added_points, options_.box, limit_);
-  }
-  return false;
+  return std::all_of(delta_.added_points.begin(), delta_.added_points.end(), is_in_place) &&
+         AreFarApart<D>(delta_.added_points, options_.box, limit_);
 }
 
 // A batch that changes much of what is present would step over hidden features again

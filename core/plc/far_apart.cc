@@ -1,9 +1,9 @@
 #include "core/plc/far_apart.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include "core/geometry/point.h"
@@ -11,64 +11,100 @@
 namespace dynmesh::plc {
 namespace {
 
-using geometry::Point2;
-
-// Points by vertical strips of the box, in each by y. Two points that are close stand in
-// the same strip or in neighbouring ones.
-class Strips {
+// Points by columns of the box (strips in the plane), which stand side by side along all axes but
+// the last, and in each by the last coordinate. Two points that are close stand in the same column
+// or in neighbouring ones.
+template <int D>
+class Columns {
  public:
-  Strips(std::span<const PointFeature<2>> points, const Box& box, double limit) {
-    const double width = box.hi[0] - box.lo[0];
-    const double wanted = std::floor(std::sqrt(static_cast<double>(points.size())));
-    const double count = std::clamp(std::floor(width / (4 * limit)), 1.0, std::max(wanted, 1.0));
-    const double per_length = width > 0 ? count / width : 0;  // a box may be a line
-    const auto strip_of = [&](const Point2& p) {
-      return static_cast<std::size_t>(std::clamp((p[0] - box.lo[0]) * per_length, 0.0, count - 1));
+  using Point = geometry::Point<D>;
+
+  Columns(std::span<const PointFeature<D>> points, const Box& box, double limit) {
+    const double wanted = std::floor(std::pow(static_cast<double>(points.size()), 1.0 / D));
+    std::array<double, D - 1> per_length;
+    for (int k = 0; k < D - 1; ++k) {
+      const double width = box.hi[k] - box.lo[k];
+      const double count = std::clamp(std::floor(width / (4 * limit)), 1.0, std::max(wanted, 1.0));
+      per_length[k] = width > 0 ? count / width : 0;  // a box may be a line
+      counts_[k] = static_cast<int>(count);
+    }
+    const auto column_of = [&](const Point& p) {
+      std::array<int, 2> at = {};
+      for (int k = 0; k < D - 1; ++k) {
+        const double last = counts_[k] - 1;
+        at[k] = static_cast<int>(std::clamp((p[k] - box.lo[k]) * per_length[k], 0.0, last));
+      }
+      return IndexOf(at[0], at[1]);
     };
-    begins_.assign(static_cast<std::size_t>(count) + 1, 0);
-    for (const PointFeature<2>& f : points) ++begins_[strip_of(f.p) + 1];
-    for (std::size_t s = 1; s < begins_.size(); ++s) begins_[s] += begins_[s - 1];
+    begins_.assign(IndexOf(0, counts_[1]) + 1, 0);
+    for (const PointFeature<D>& f : points) ++begins_[column_of(f.p) + 1];
+    for (std::size_t c = 1; c < begins_.size(); ++c) begins_[c] += begins_[c - 1];
     std::vector<std::size_t> next(begins_.begin(), begins_.end() - 1);
     points_.resize(points.size());
-    for (const PointFeature<2>& f : points) points_[next[strip_of(f.p)]++] = f.p;
-    for (std::size_t s = 0; s < size(); ++s) {
-      std::sort(points_.begin() + begins_[s], points_.begin() + begins_[s + 1],
-                [](const Point2& a, const Point2& b) { return a[1] < b[1]; });
+    for (const PointFeature<D>& f : points) points_[next[column_of(f.p)]++] = f.p;
+    for (std::size_t c = 0; c + 1 < begins_.size(); ++c) {
+      std::sort(points_.begin() + static_cast<std::ptrdiff_t>(begins_[c]),
+                points_.begin() + static_cast<std::ptrdiff_t>(begins_[c + 1]),
+                [](const Point& a, const Point& b) { return a[D - 1] < b[D - 1]; });
     }
   }
-  std::size_t size() const { return begins_.size() - 1; }
-  std::span<const Point2> operator[](std::size_t strip) const {
-    return std::span(points_).subspan(begins_[strip], begins_[strip + 1] - begins_[strip]);
+  const std::array<int, 2>& counts() const { return counts_; }
+  // Nobody is outside.
+  std::span<const Point> At(int i, int j) const {
+    if (i < 0 || i >= counts_[0] || j >= counts_[1]) return {};
+    const std::size_t c = IndexOf(i, j);
+    return std::span(points_).subspan(begins_[c], begins_[c + 1] - begins_[c]);
   }
 
  private:
+  std::size_t IndexOf(int i, int j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(counts_[0]) +
+           static_cast<std::size_t>(i);
+  }
+
+  std::array<int, 2> counts_ = {1, 1};
   std::vector<std::size_t> begins_;
-  std::vector<Point2> points_;
+  std::vector<Point> points_;
 };
 
 }  // namespace
 
-bool AreFarApart(std::span<const PointFeature<2>> points, const Box& box, double limit) {
-  const Strips strips(points, box, limit);
+template <int D>
+bool AreFarApart(std::span<const PointFeature<D>> points, const Box& box, double limit) {
+  using Point = geometry::Point<D>;
+  constexpr int kLast = D - 1;
+  const Columns<D> columns(points, box, limit);
   const double limit2 = limit * limit * (1 + 1e-9);
   std::size_t looks_left = 16 * points.size();
   // p against the points of `others` from `from` on that are not above it by more than limit.
-  const auto is_far = [&](const Point2& p, std::span<const Point2> others, std::size_t from) {
-    for (std::size_t i = from; i < others.size() && others[i][1] - p[1] <= limit; ++i) {
+  const auto is_far = [&](const Point& p, std::span<const Point> others, std::size_t from) {
+    for (std::size_t i = from; i < others.size() && others[i][kLast] - p[kLast] <= limit; ++i) {
       if (looks_left-- == 0 || geometry::SquaredDistance(p, others[i]) <= limit2) return false;
     }
     return true;
   };
-  for (std::size_t s = 0; s < strips.size(); ++s) {
-    const auto own = strips[s];
-    const auto right = s + 1 < strips.size() ? strips[s + 1] : std::span<const Point2>();
-    std::size_t first = 0;  // of the right strip, not below p by more than limit
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      while (first < right.size() && own[i][1] - right[first][1] > limit) ++first;
-      if (!is_far(own[i], own, i + 1) || !is_far(own[i], right, first)) return false;
+  for (int j = 0; j < columns.counts()[1]; ++j) {
+    for (int i = 0; i < columns.counts()[0]; ++i) {
+      const auto own = columns.At(i, j);
+      // Those that have not looked at this one.
+      const std::array others = {columns.At(i + 1, j), columns.At(i - 1, j + 1),
+                                 columns.At(i, j + 1), columns.At(i + 1, j + 1)};
+      std::array<std::size_t, 4> first = {};  // of each, not below p by more than limit
+      for (std::size_t at = 0; at < own.size(); ++at) {
+        const Point& p = own[at];
+        if (!is_far(p, own, at + 1)) return false;
+        for (std::size_t k = 0; k < others.size(); ++k) {
+          const std::span<const Point> other = others[k];
+          while (first[k] < other.size() && p[kLast] - other[first[k]][kLast] > limit) ++first[k];
+          if (!is_far(p, other, first[k])) return false;
+        }
+      }
     }
   }
   return true;
 }
+
+template bool AreFarApart<2>(std::span<const PointFeature<2>>, const Box&, double);
+template bool AreFarApart<3>(std::span<const PointFeature<3>>, const Box&, double);
 
 }  // namespace dynmesh::plc

@@ -11,8 +11,9 @@ namespace dynmesh::plc {
 
 // True only if no two of the points are nearer than `limit`, so none are equal. False
 // says nothing: it is also the answer where finding out would take longer than O(n lg n).
-// REQUIRES: the points are finite and in `box`. Pure, thread-safe.
-bool AreFarApart(std::span<const PointFeature<2>> points, const Box& box, double limit);
+// REQUIRES: the points are finite and in `box`, limit > 0. Pure, thread-safe.
+template <int D>
+bool AreFarApart(std::span<const PointFeature<D>> points, const Box& box, double limit);
 
 }  // namespace dynmesh::plc
 

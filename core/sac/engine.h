@@ -203,10 +203,11 @@ class Engine {
   std::size_t waiting_in(Epoch epoch) const { return queue_.SizeIn(epoch); }
   const Counters& counters() const { return counters_; }
   void ResetCounters() { counters_ = {}; }
-  // Room for that many operations of a usual size. What is not used costs no memory.
-  void Reserve(std::size_t operations) {
+  // Room for that many operations that remember so many words each. What is not used costs no
+  // memory.
+  void Reserve(std::size_t operations, std::size_t words) {
     ops_.reserve(operations);
-    pool_.Reserve(16 * operations);
+    pool_.Reserve(words * operations);
     subscriptions_.Reserve(4 * operations);
     time_.Reserve(operations);
   }

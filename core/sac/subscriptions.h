@@ -73,6 +73,7 @@ class Subscriptions {
   // Room for so many subscriptions.
   void Reserve(std::size_t count) {
     lists_.reserve(count / 4);
+    loaded_.reserve(count);
     pool_.Reserve(kWords * count * 5 / 4);
   }
   std::size_t places() const { return lists_.size(); }

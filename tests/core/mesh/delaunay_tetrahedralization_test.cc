@@ -318,50 +318,79 @@ TEST(DelaunayTetrahedralization, StarsAreAllTetrahedraAtAVertex) {
   }
 }
 
+// Is the link of v the facets opposite to it, joined across their edges?
+void CheckLink(const DelaunayTetrahedralization& dt, VertexIndex v,
+               DelaunayTetrahedralization::VertexLink* link) {
+  dt.LinkOf(v, link);
+  const auto id = [&](int triangle, int k) {
+    return link->neighbours[link->triangles[triangle].corners[k]];
+  };
+  std::set<std::array<VertexIndex, 3>> facets, expected;
+  bool is_closed = true;
+  dt.ForEachSimplexAround(v, [&](SimplexIndex t) {
+    std::array<VertexIndex, 3> facet;
+    std::ranges::remove_copy(dt.vertices(t), facet.begin(), v);
+    std::ranges::sort(facet);
+    expected.insert(facet);
+    is_closed = is_closed && !dt.IsInfinite(t);
+  });
+  EXPECT_EQ(link->is_closed, is_closed);
+  for (int i = 0; i < static_cast<int>(link->triangles.size()); ++i) {
+    std::array<VertexIndex, 3> facet = {id(i, 0), id(i, 1), id(i, 2)};
+    if (is_closed) {
+      EXPECT_GT(geometry::Orientation(dt.position(v), dt.position(facet[0]), dt.position(facet[1]),
+                                      dt.position(facet[2])),
+                0);
+    }
+    std::ranges::sort(facet);
+    EXPECT_TRUE(facets.insert(facet).second);
+    for (int k = 0; k < 3; ++k) {
+      // The same edge the other way round, and this one across it.
+      const int across = link->triangles[i].across[k];
+      int back = 0;
+      while (back < 3 && link->triangles[across].across[back] != i) ++back;
+      ASSERT_LT(back, 3);
+      EXPECT_EQ(id(i, (k + 1) % 3), id(across, (back + 2) % 3));
+      EXPECT_EQ(id(i, (k + 2) % 3), id(across, (back + 1) % 3));
+    }
+  }
+  EXPECT_EQ(facets, expected);
+}
+
 TEST(DelaunayTetrahedralization, LinksAreTheFacetsOppositeToAVertexJoinedAcrossTheirEdges) {
   const auto dt = Tetrahedralize(DistinctPoints(Layout::kBoxFaces, 6, 300));
   DelaunayTetrahedralization::VertexLink link;
   int closed = 0, open = 0;
   for (VertexIndex v = 0; v < 300; ++v) {
     if (!dt.Contains(v)) continue;
-    dt.LinkOf(v, &link);
-    const auto id = [&](int triangle, int k) {
-      return link.neighbour(link.triangles[triangle].corners[k]);
-    };
-    std::set<std::array<VertexIndex, 3>> facets, expected;
-    bool is_closed = true;
-    dt.ForEachSimplexAround(v, [&](SimplexIndex t) {
-      std::array<VertexIndex, 3> facet;
-      std::ranges::remove_copy(dt.vertices(t), facet.begin(), v);
-      std::ranges::sort(facet);
-      expected.insert(facet);
-      is_closed = is_closed && !dt.IsInfinite(t);
-    });
-    EXPECT_EQ(link.is_closed, is_closed);
-    ++(is_closed ? closed : open);
-    for (int i = 0; i < static_cast<int>(link.triangles.size()); ++i) {
-      std::array<VertexIndex, 3> facet = {id(i, 0), id(i, 1), id(i, 2)};
-      if (is_closed) {
-        EXPECT_GT(geometry::Orientation(dt.position(v), dt.position(facet[0]),
-                                        dt.position(facet[1]), dt.position(facet[2])),
-                  0);
-      }
-      std::ranges::sort(facet);
-      EXPECT_TRUE(facets.insert(facet).second);
-      for (int k = 0; k < 3; ++k) {
-        // The same edge the other way round, and this one across it.
-        const int across = link.triangles[i].across[k];
-        int back = 0;
-        while (back < 3 && link.triangles[across].across[back] != i) ++back;
-        ASSERT_LT(back, 3);
-        EXPECT_EQ(id(i, (k + 1) % 3), id(across, (back + 2) % 3));
-        EXPECT_EQ(id(i, (k + 2) % 3), id(across, (back + 1) % 3));
-      }
-    }
-    EXPECT_EQ(facets, expected);
+    CheckLink(dt, v, &link);
+    ++(link.is_closed ? closed : open);
   }
   EXPECT_GT(closed, 0);
   EXPECT_GT(open, 0);
+}
+
+TEST(DelaunayTetrahedralization, LinksMayBeLarge) {
+  // One among many that are about as far away.
+  for (const int count : {50, 64, 65, 66, 70, 1000}) {
+    std::vector<Point3> points = {{{0.5, 0.5, 0.5}}};
+    std::mt19937_64 bits(static_cast<unsigned>(count));
+    std::normal_distribution<double> normal;
+    while (static_cast<int>(points.size()) <= count) {
+      const double x = normal(bits), y = normal(bits), z = normal(bits);
+      const double r = 0.3 / std::sqrt(x * x + y * y + z * z);
+      points.push_back({{0.5 + r * x, 0.5 + r * y, 0.5 + r * z}});
+    }
+    const auto dt = Tetrahedralize(points);
+    DelaunayTetrahedralization::VertexLink link;
+    std::size_t most = 0;
+    for (VertexIndex v = 0; v < 8 + points.size(); ++v) {
+      if (!dt.Contains(v)) continue;
+      CheckLink(dt, v, &link);
+      most = std::max(most, link.neighbours.size());
+    }
+    EXPECT_GE(most, static_cast<std::size_t>(count));
+  }
 }
 
 }  // namespace
