@@ -151,6 +151,16 @@ class DelaunayTetrahedralization {
   // Does t keep its circumscribed sphere in doubles, so that conflicts rarely need more? Not
   // if it is infinite or flat as far as doubles tell.
   bool HasSphere(SimplexIndex t) const { return tetrahedra_[t].low >= 0; }
+  // The squared radius is between low and high, and the true center not farther from this one than
+  // (high - low) / sqrt(high) is. REQUIRES: HasSphere(t).
+  struct Sphere {
+    geometry::Point3 center;
+    double low, high;
+  };
+  Sphere SphereOf(SimplexIndex t) const {
+    const Tetrahedron& tetrahedron = tetrahedra_[t];
+    return {{tetrahedron.center}, tetrahedron.low, tetrahedron.high};
+  }
 
   // Eight bytes of each tetrahedron for the caller; zero in one just made.
   std::uint64_t tag(SimplexIndex t) const { return tags_[t]; }

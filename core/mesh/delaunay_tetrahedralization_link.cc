@@ -17,13 +17,15 @@ bool DelaunayTetrahedralization::WalkAround(VertexIndex v, Tables& tables, Verte
   auto& triangles = link->triangles;
   auto& crossings = link->crossings;
   triangles.clear();
+  link->simplices.clear();
   tables.Begin();
-  const auto add = [&](int a, int b, int c) {
+  const auto add = [&](SimplexIndex t, int a, int b, int c) {
     const auto triangle = static_cast<int>(triangles.size());
     tables.Set(a, b, triangle);
     tables.Set(b, c, triangle);
     tables.Set(c, a, triangle);
     triangles.push_back({{a, b, c}, {}});
+    link->simplices.push_back(t);
   };
   std::size_t end = 0;
   // From the last triangle over the edge opposite to its corner k, which is (a, b) beyond.
@@ -40,7 +42,7 @@ bool DelaunayTetrahedralization::WalkAround(VertexIndex v, Tables& tables, Verte
   const auto& [i, k, j] = kFacet[own];
   const int a = tables.Number(start.v[i]), b = tables.Number(start.v[j]),
             c = tables.Number(start.v[k]);
-  add(a, b, c);
+  add(first, a, b, c);
   cross(start.opposite[i], 0, c, b);
   cross(start.opposite[j], 1, a, c);
   cross(start.opposite[k], 2, b, a);
@@ -54,7 +56,7 @@ bool DelaunayTetrahedralization::WalkAround(VertexIndex v, Tables& tables, Verte
     const int apex = tables.Number(t.v[beyond & 3]);
     if (tables.IsTooSmall()) return false;
     if (crossings.size() < end + 2) crossings.resize(2 * end);
-    add(d, e, apex);
+    add(beyond >> 2, d, e, apex);
     cross(t.opposite[t.CornerOf(tables.id(d))], 0, apex, e);
     cross(t.opposite[t.CornerOf(tables.id(e))], 1, d, apex);
   }

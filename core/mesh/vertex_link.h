@@ -104,7 +104,8 @@ struct VertexLink {
   };
   std::vector<std::uint32_t> neighbours;  // as they come
   std::vector<Triangle> triangles;
-  bool is_closed = true;  // all neighbours are finite
+  std::vector<std::uint32_t> simplices;  // of the triangles
+  bool is_closed = true;                 // all neighbours are finite
 
   // Of the walk: edges to be crossed. The corner, packed, that faces the triangle being left; below
   // it that triangle's number times 4 and which of its edges. One word, lest it be waited for.

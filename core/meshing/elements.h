@@ -3,7 +3,9 @@
 #ifndef DYNMESH_CORE_MESHING_ELEMENTS_H_
 #define DYNMESH_CORE_MESHING_ELEMENTS_H_
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <type_traits>
@@ -87,6 +89,11 @@ inline float RoundedUp(double x) {
   const float f = static_cast<float>(x);
   return f < x ? std::nextafter(f, INFINITY) : f;
 }
+// To 7 bits behind the leading one, so that little doubt of x is no doubt of the result.
+inline float RoundedFarUp(double x) {
+  constexpr std::uint32_t kRest = (1u << 16) - 1;
+  return std::bit_cast<float>((std::bit_cast<std::uint32_t>(RoundedUp(x)) + kRest) & ~kRest);
+}
 
 // What an operation keeps beside its reads. Small: there is one of each operation.
 template <int D>
@@ -101,13 +108,24 @@ class Payload {
   // Checks: encroached (then the reads are the witnesses).
   std::uint32_t flag : 1 = 0;
 
-  // kComplete: the balls read are those of `region`.
-  void SetRegion(const StarRegion<D>& region) {
-    radius2 = RoundedUp(region.radius2());
+  // kComplete: the balls read are those of `region`. False if its measures are in doubt by so much
+  // that it might have to be kept otherwise.
+  bool SetRegion(const StarRegion<D>& region, double doubt = 0) {
+    const double r2 = region.radius2(),
+                 doubt2 = doubt > 0 ? doubt * (2 * std::sqrt(r2) + doubt) : 0;
+    radius2 = RoundedFarUp(r2 + doubt2);
+    bool is_certain = RoundedFarUp(r2 - doubt2) == radius2;
     // The radius may have overflowed: then nothing is known of the rest either.
     const double radius = radius2 < INFINITY ? std::sqrt(radius2) * (1 - 1e-6) : 0;
-    const auto fraction = [radius](double distance, int units) {
-      return static_cast<std::uint32_t>(std::fmin(std::ceil(distance / radius * units), units));
+    const auto fraction = [&](double distance, int units) {
+      const auto rounded = [&](double d) {
+        const double x = std::min<double>(units, d / radius * units);  // units if not a number
+        const auto down = static_cast<std::uint32_t>(std::max(x, 0.0));
+        return down + (down < x ? 1 : 0);
+      };
+      const std::uint32_t most = rounded(distance + doubt);
+      if (doubt > 0 && rounded(distance - doubt) != most) is_certain = false;
+      return most;
     };
     const Point &p = region.centre(), lo = {region.box().lo}, hi = {region.box().hi};
     std::uint32_t all = 0;
@@ -122,6 +140,7 @@ class Payload {
         outline_ |= fraction(region.Reach(o), kReachUnits) << (o * kReachBits);
       }
     }
+    return is_certain;
   }
   // May y be in one of them, p being their vertex? Never no if it is.
   bool RegionMayHold(const Point& p, const Point& y) const {

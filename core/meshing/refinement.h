@@ -7,6 +7,7 @@
 //   facet_work.h  in space: no vertex has a part of a facet that it is not on (rule b)
 //   planar_gaps.h, space_gaps.h   which gap an edge has
 //   star_search.h  the star of a vertex, found locally or read off a triangulation
+//   idle_star.h   the same for stars without a gap, as most are, at a glance
 //   neighbourhood.h  what is in a ball, what a point encroaches on
 //   changes.h     publishing and withdrawing, and who has to be told
 //
@@ -285,6 +286,10 @@ class Refinement {
   void NotifyOfFacets(const Extent<3>& box, std::span<const FacetPlace> facets);
   bool BoxMatters(sac::OpId op, const Extent<3>& box) const;
   bool FacetMatters(sac::OpId op, const FacetPlace& facet) const;
+
+  // idle_star.h
+  bool IsIdle(Context& context, VertexIndex v, double reach);
+  bool MayHaveGap(VertexIndex v) const;
 
   // star_search.h
   void FindStar(Context& context, VertexIndex v, double reach);

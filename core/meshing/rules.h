@@ -43,7 +43,9 @@ class CommonRules {
 
   // Thesis criterion: is a corner of v's Voronoi cell at squared distance r2 too far for
   // a vertex whose nearest neighbour is at squared distance nn2 (Def. 4.2.3)?
-  bool IsTooFar(double r2, double nn2) const { return r2 > too_far_[BucketOf(nn2)] * nn2; }
+  bool IsTooFar(double r2, double nn2) const { return r2 > MostNear2(nn2); }
+  // The largest squared distance that is not.
+  double MostNear2(double nn2) const { return too_far_[BucketOf(nn2)] * nn2; }
   // gamma / NN: from how far out a Steiner point is taken at most.
   double gamma() const { return 1.5 * quality_; }
 

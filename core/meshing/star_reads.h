@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/mesh/vertex_link.h"
 #include "core/meshing/star.h"
 
 namespace dynmesh::meshing {
@@ -24,6 +25,9 @@ void WriteStar(const PlanarStar& star, Read read) {
 }
 template <class Read>
 void WriteStar(const SpaceStar& star, Read read);
+// The star whose link that is, closed, of less than 2^10 neighbours.
+template <class Read>
+void WriteStar(const mesh::VertexLink& link, Read read);
 
 // The neighbours alone, ghosts included.
 template <int D>
@@ -49,6 +53,10 @@ inline constexpr std::uint32_t kPlaceMask = (1u << kPlaceBits) - 1;
 inline bool IsTriangleWord(std::uint32_t word) {
   return !IsVertexWord(word) && !SpaceStar::IsGhost(word);
 }
+// Of the places of its corners.
+inline std::uint32_t TriangleWord(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  return 1u << 31 | a | b << kPlaceBits | c << (2 * kPlaceBits);
+}
 
 }  // namespace internal
 
@@ -65,9 +73,17 @@ void WriteStar(const SpaceStar& star, Read read) {
   }
   if (static_cast<std::size_t>(star.slot_count()) > place_of_slot.size()) return;
   for (const SpaceStar::Corner& c : star.corners()) {
-    std::uint32_t word = 1u << 31;
-    for (int k = 0; k < 3; ++k) word |= place_of_slot[c.n[k]] << (k * internal::kPlaceBits);
-    read(word);
+    read(internal::TriangleWord(place_of_slot[c.n[0]], place_of_slot[c.n[1]],
+                                place_of_slot[c.n[2]]));
+  }
+}
+template <class Read>
+void WriteStar(const mesh::VertexLink& link, Read read) {
+  for (const std::uint32_t u : link.neighbours) read(u);
+  for (const auto& triangle : link.triangles) {
+    const auto& [a, b, c] = triangle.corners;
+    read(internal::TriangleWord(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b),
+                                static_cast<std::uint32_t>(c)));
   }
 }
 

@@ -98,11 +98,10 @@ void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
   }
 }
 
-// Closed? Either way link_ is v's.
+// Closed? REQUIRES: link_ is v's.
 template <int D, template <class> class E>
 bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
   if constexpr (D == 3) {
-    triangulation_->LinkOf(v, &link_);
     if (!link_.is_closed) return false;
     for (const VertexIndex u : link_.neighbours) __builtin_prefetch(&vertices_[u]);
     star_.BeginLink(v, vertices_[v].p, reach);

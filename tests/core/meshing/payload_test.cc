@@ -110,7 +110,7 @@ void ExpectLittleBeyondTheBox(double unit) {
   for (int round = 0; round < 20000; ++round) {
     const Balls<D> balls(random, 1);
     const Payload<D> payload = balls.Kept();
-    const double slack = std::sqrt(balls.region.radius2()) * (unit + 1e-5);
+    const double slack = std::sqrt(payload.radius2) * (unit + 1e-5);
     const Extent<D>& box = balls.region.box();
     for (int k = 0; k < D; ++k) {
       Point<D> above = balls.p, below = balls.p;
@@ -134,7 +134,7 @@ TEST(Payload, InSpaceTheRegionIsHardlyLargerThanWhatBallsReachInEachOctant) {
   for (int round = 0; round < 300; ++round) {
     const Balls<3> balls(random, 1);
     const Payload<3> payload = balls.Kept();
-    const double radius = std::sqrt(balls.region.radius2());
+    const double radius = std::sqrt(payload.radius2);
     for (int octant = 0; octant < 8; ++octant) {
       double reach = 0;
       for (int i = 0; i <= kSteps; ++i) {
@@ -156,6 +156,52 @@ TEST(Payload, InSpaceTheRegionIsHardlyLargerThanWhatBallsReachInEachOctant) {
       ASSERT_FALSE(payload.RegionMayHold(balls.p, y)) << "seed " << kSeed << ", round " << round;
     }
   }
+}
+
+TEST(Payload, RadiusIsHardlyLargerThanTheRegions) {
+  test::Random random(kSeed);
+  for (int round = 0; round < 20000; ++round) {
+    const Balls<3> balls(random, 1);
+    const double kept = balls.Kept().radius2, r2 = balls.region.radius2();
+    ASSERT_GE(kept, r2) << "seed " << kSeed << ": " << round;
+    ASSERT_LE(kept, r2 * (1 + 1.0 / 128 + 1e-6)) << "seed " << kSeed << ": " << round;
+  }
+}
+
+// What is certain in spite of doubt is what is kept of any region within it.
+template <int D>
+void ExpectTheSameOfWhatMightBeMeant(double part) {
+  test::Random random(kSeed);
+  constexpr int kRounds = 20000;
+  int certain = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const Balls<D> balls(random, 1);
+    const double doubt = part * std::sqrt(balls.region.radius2());
+    Payload<D> payload;
+    if (!payload.SetRegion(balls.region, doubt)) continue;
+    ++certain;
+    for (int i = 0; i < 8; ++i) {
+      StarRegion<D> meant(balls.p);
+      for (std::size_t b = 0; b < balls.radii.size(); ++b) {
+        const Point<D> centre = Along(balls.p, balls.directions[b], balls.radii[b]);
+        const auto change = [&] { return doubt / 8 * (2 * random.Unit() - 1); };
+        meant.AddBall(Along(centre, AnyDirection<D>(random), change()), balls.radii[b] + change(),
+                      doubt / 16 * random.Unit());
+      }
+      Payload<D> other;
+      ASSERT_TRUE(other.SetRegion(meant));
+      ASSERT_EQ(other.radius2, payload.radius2) << "seed " << kSeed << ", round " << round;
+      ASSERT_EQ(other.region(), payload.region()) << "seed " << kSeed << ", round " << round;
+    }
+  }
+  EXPECT_GT(certain, kRounds / 20);  // few balls do not reach into all orthants: doubtful, too
+}
+
+TEST(Payload, IsCertainOnlyOfWhatDoubtDoesNotChange) {
+  ExpectTheSameOfWhatMightBeMeant<2>(1e-6);
+  ExpectTheSameOfWhatMightBeMeant<3>(1e-6);
+  ExpectTheSameOfWhatMightBeMeant<2>(1e-3);
+  ExpectTheSameOfWhatMightBeMeant<3>(1e-3);
 }
 
 template <int D>
