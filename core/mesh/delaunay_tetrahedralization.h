@@ -105,7 +105,8 @@ class DelaunayTetrahedralization {
   }
   // The link of v, kInfinite being a neighbour like others, which makes it no closed one.
   using VertexLink = mesh::VertexLink;
-  // `link` is the caller's, to be kept from call to call. O(its size).
+  // But for what is across its edges, which link->Join() finds if asked for. `link` is the
+  // caller's, to be kept from call to call. O(its size).
   void LinkOf(VertexIndex v, VertexLink* link) const;
   // Brings what a walk around v reads first into the cache, if called for each step, 0 to
   // kPrefetchSteps - 1, with some time between. v must be present.
@@ -212,7 +213,11 @@ class DelaunayTetrahedralization {
     int InfiniteCorner() const {
       return v[0] == kInfinite ? 0 : v[1] == kInfinite ? 1 : v[2] == kInfinite ? 2 : 3;
     }
-    int CornerOf(VertexIndex u) const { return v[0] == u ? 0 : v[1] == u ? 1 : v[2] == u ? 2 : 3; }
+    // Without branches: any corner is as likely. REQUIRES: u is one.
+    int CornerOf(VertexIndex u) const {
+      return static_cast<int>(v[1] == u) + 2 * static_cast<int>(v[2] == u) +
+             3 * static_cast<int>(v[3] == u);
+    }
     double SquaredDistance(const geometry::Point3& p) const {
       const double x = p[0] - center[0], y = p[1] - center[1], z = p[2] - center[2];
       return x * x + y * y + z * z;

@@ -7,7 +7,8 @@
 namespace dynmesh::mesh {
 
 void DelaunayTetrahedralization::LinkOf(VertexIndex v, VertexLink* link) const {
-  if (!WalkAround(v, link->small, link)) WalkAround(v, link->large, link);
+  link->is_small = WalkAround(v, link->small, link);
+  if (!link->is_small) WalkAround(v, link->large, link);
 }
 
 // False if the tables are too small.
@@ -24,7 +25,7 @@ bool DelaunayTetrahedralization::WalkAround(VertexIndex v, Tables& tables, Verte
     tables.Set(a, b, triangle);
     tables.Set(b, c, triangle);
     tables.Set(c, a, triangle);
-    triangles.push_back({{a, b, c}, {}});
+    triangles.push_back({a, b, c});
     link->simplices.push_back(t);
   };
   std::size_t end = 0;
@@ -49,7 +50,7 @@ bool DelaunayTetrahedralization::WalkAround(VertexIndex v, Tables& tables, Verte
   for (std::size_t next = 0; next < end; ++next) {
     const auto beyond = static_cast<Code>(crossings[next] >> 32),
                from = static_cast<Code>(crossings[next]);
-    const auto& left = triangles[from >> 2].corners;
+    const auto& left = triangles[from >> 2];
     const int d = left[kPrevious[from & 3]], e = left[kNext[from & 3]];
     if (tables.Has(d, e)) continue;
     const Tetrahedron& t = tetrahedra_[beyond >> 2];
@@ -61,13 +62,6 @@ bool DelaunayTetrahedralization::WalkAround(VertexIndex v, Tables& tables, Verte
     cross(t.opposite[t.CornerOf(tables.id(e))], 1, d, apex);
   }
 
-  for (VertexLink::Triangle& triangle : triangles) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const auto& corners = triangle.corners;
-      triangle.across[corner] =
-          tables.TriangleAt(corners[kPrevious[corner]], corners[kNext[corner]]);
-    }
-  }
   link->neighbours.resize(tables.count());
   link->is_closed = true;
   for (int number = 0; number < tables.count(); ++number) {

@@ -98,20 +98,31 @@ class LargeLinkTables {
 };
 
 struct VertexLink {
-  struct Triangle {
-    std::array<int, 3> corners;  // numbers of neighbours; the vertex and they are positive
-    std::array<int, 3> across;   // the triangle beyond the edge opposite to corners[k]
-  };
+  using Triple = std::array<int, 3>;
   std::vector<std::uint32_t> neighbours;  // as they come
-  std::vector<Triangle> triangles;
-  std::vector<std::uint32_t> simplices;  // of the triangles
-  bool is_closed = true;                 // all neighbours are finite
+  std::vector<Triple> triangles;          // numbers of neighbours; the vertex and they are positive
+  std::vector<std::uint32_t> simplices;   // of the triangles
+  bool is_closed = true;                  // all neighbours are finite
+
+  // By triangle: the one beyond the edge opposite to corner k. Once Join() was called.
+  std::vector<Triple> across;
+  void Join() { is_small ? JoinWith(small) : JoinWith(large); }
 
   // Of the walk: edges to be crossed. The corner, packed, that faces the triangle being left; below
   // it that triangle's number times 4 and which of its edges. One word, lest it be waited for.
   std::vector<std::uint64_t> crossings;
   SmallLinkTables small;
   LargeLinkTables large;
+  bool is_small = true;  // enough
+
+ private:
+  template <class Tables>
+  void JoinWith(const Tables& tables) {
+    across.clear();
+    for (const auto& [a, b, c] : triangles) {
+      across.push_back({tables.TriangleAt(c, b), tables.TriangleAt(a, c), tables.TriangleAt(b, a)});
+    }
+  }
 };
 
 }  // namespace dynmesh::mesh

@@ -61,18 +61,17 @@ bool Refinement<D, E>::MayHaveGap(VertexIndex v) const {
     constexpr std::size_t kMost = mesh::SmallLinkTables::kMost;
     const auto& neighbours = link_.neighbours;
     if (neighbours.size() > kMost) return true;
-    for (const VertexIndex u : neighbours) __builtin_prefetch(&vertices_[u]);
     std::array<double, kMost> most_near2;  // by neighbour
     for (std::size_t i = 0; i < neighbours.size(); ++i) {
-      const Vertex& u = vertices_[neighbours[i]];
-      const double d2 = geometry::SquaredDistance(u.p, vertices_[v].p);
+      const double d2 = geometry::SquaredDistance(triangulation_->position(neighbours[i]),
+                                                  triangulation_->position(v));
       most_near2[i] = rules_.MostNear2(d2) * (1 - 1e-6);
     }
     for (std::size_t i = 0; i < link_.triangles.size(); ++i) {
       const auto t = link_.simplices[i];
       if (!triangulation_->HasSphere(t)) return true;
       const double r2 = triangulation_->SphereOf(t).high;
-      for (const int u : link_.triangles[i].corners) {
+      for (const int u : link_.triangles[i]) {
         if (r2 > most_near2[u] && IsOlder(vertices_[neighbours[u]], vertices_[v])) return true;
       }
     }

@@ -255,8 +255,8 @@ void Refinement<D, E>::Execute(Context& context) {
 
 template <int D, template <class> class E>
 void Refinement<D, E>::Prefetch(sac::Kind kind, sac::Item item, int step) const {
+  if (step == 0 && kind <= kComplete) __builtin_prefetch(&vertices_[item]);
   if (kind != kComplete) return;
-  if (step == 0) __builtin_prefetch(&vertices_[item]);
   if (triangulation_ != nullptr) triangulation_->PrefetchAround(item, step);
 }
 

@@ -80,8 +80,7 @@ void WriteStar(const SpaceStar& star, Read read) {
 template <class Read>
 void WriteStar(const mesh::VertexLink& link, Read read) {
   for (const std::uint32_t u : link.neighbours) read(u);
-  for (const auto& triangle : link.triangles) {
-    const auto& [a, b, c] = triangle.corners;
+  for (const auto& [a, b, c] : link.triangles) {
     read(internal::TriangleWord(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b),
                                 static_cast<std::uint32_t>(c)));
   }

@@ -108,7 +108,10 @@ bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
     for (const VertexIndex u : link_.neighbours) {
       star_.AddNeighbour(u, vertices_[u].p);  // near what else is asked of it
     }
-    for (const auto& [corners, across] : link_.triangles) star_.AddCorner(corners, across);
+    link_.Join();
+    for (std::size_t i = 0; i < link_.triangles.size(); ++i) {
+      star_.AddCorner(link_.triangles[i], link_.across[i]);
+    }
     star_.Close();
     return true;
   }

@@ -3,6 +3,7 @@
 //
 //   dynmesh_space_tables [KIND-POINTS | FILE.node ...]
 //
+// Speeds and their ratio are medians of runs in turn.
 // At rho 2, on points of each kind and number given, such as sphere-10000, and on each file's;
 // on a choice of kinds if nothing is given. Half of the edits put a point among
 // those of the input, half anywhere; each is undone before the next, and both ways count.
@@ -32,6 +33,8 @@ using test::Distribution;
 using test::Random;
 
 constexpr int kEdits = 200;
+constexpr double kSeconds = 12;
+constexpr std::size_t kMostRounds = 15;
 
 MeshOptions OptionsFor(const std::vector<Feature>& points) {
   MeshOptions options;
@@ -93,24 +96,36 @@ Edits EditsOf(DynamicMesh& mesh, const std::vector<Feature>& points) {
 
 void PrintRow(const std::string& name, const std::vector<Feature>& points) {
   const MeshOptions options = OptionsFor(points);
-  double start = ThreadSeconds();
-  const auto built = BuildMesh(points, options);
-  const double untraced = ThreadSeconds() - start;
-  start = ThreadSeconds();
-  const std::unique_ptr<DynamicMesh> mesh = DynamicMesh::Create(options).value();
-  const auto loaded = mesh->Apply(AddAll(points));
-  const double traced = ThreadSeconds() - start;
-  if (!built.ok() || !loaded.ok()) {
-    std::printf("%-24s refused: %s\n", name.c_str(), loaded.status().ToString().c_str());
-    return;
+  const EditBatch batch = AddAll(points);
+  // In turn, as often as some seconds allow: the machine's speed is not the same all the time.
+  std::vector<double> untraced_times, traced_times, ratios;
+  absl::StatusOr<Mesh> built;
+  std::unique_ptr<DynamicMesh> mesh;
+  for (double spent = 0; spent < kSeconds && ratios.size() < kMostRounds;) {
+    double start = ThreadSeconds();
+    built = BuildMesh(points, options);
+    untraced_times.push_back(ThreadSeconds() - start);
+    mesh.reset();
+    start = ThreadSeconds();
+    mesh = DynamicMesh::Create(options).value();
+    const auto loaded = mesh->Apply(batch);
+    traced_times.push_back(ThreadSeconds() - start);
+    if (!built.ok() || !loaded.ok()) {
+      std::printf("%-24s refused: %s\n", name.c_str(), loaded.status().ToString().c_str());
+      return;
+    }
+    ratios.push_back(traced_times.back() / untraced_times.back());
+    spent += untraced_times.back() + traced_times.back();
   }
+  const double untraced = cli::Percentile(untraced_times, .5);
+  const double traced = cli::Percentile(traced_times, .5);
   const MeshStats stats = mesh->Stats();
   const auto vertices = static_cast<double>(stats.vertices);
   const Edits edits = EditsOf(*mesh, points);
   const auto count = static_cast<double>(edits.times.size());
   std::printf(
       "%-24s %8zu %8.0f | %8.0f %8.0f %5.2f | %6.0f | %7.0f %7.0f %7.1f %7.1f%s\n", name.c_str(),
-      points.size(), vertices, vertices / untraced, vertices / traced, traced / untraced,
+      points.size(), vertices, vertices / untraced, vertices / traced, cli::Percentile(ratios, .5),
       static_cast<double>(stats.trace_bytes + stats.mesh_bytes) / vertices,
       cli::Percentile(edits.times, .5), cli::Percentile(edits.times, .99), edits.executed / count,
       edits.changed / count, built->hash == mesh->hash() ? "" : "  DIFFERENT");

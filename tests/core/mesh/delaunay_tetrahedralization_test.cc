@@ -322,8 +322,9 @@ TEST(DelaunayTetrahedralization, StarsAreAllTetrahedraAtAVertex) {
 void CheckLink(const DelaunayTetrahedralization& dt, VertexIndex v,
                DelaunayTetrahedralization::VertexLink* link) {
   dt.LinkOf(v, link);
+  link->Join();
   const auto id = [&](int triangle, int k) {
-    return link->neighbours[link->triangles[triangle].corners[k]];
+    return link->neighbours[link->triangles[triangle][k]];
   };
   std::set<std::array<VertexIndex, 3>> facets, expected;
   bool is_closed = true;
@@ -346,9 +347,9 @@ void CheckLink(const DelaunayTetrahedralization& dt, VertexIndex v,
     EXPECT_TRUE(facets.insert(facet).second);
     for (int k = 0; k < 3; ++k) {
       // The same edge the other way round, and this one across it.
-      const int across = link->triangles[i].across[k];
+      const int across = link->across[i][k];
       int back = 0;
-      while (back < 3 && link->triangles[across].across[back] != i) ++back;
+      while (back < 3 && link->across[across][back] != i) ++back;
       ASSERT_LT(back, 3);
       EXPECT_EQ(id(i, (k + 1) % 3), id(across, (back + 2) % 3));
       EXPECT_EQ(id(i, (k + 2) % 3), id(across, (back + 1) % 3));
