@@ -295,6 +295,7 @@ class Refinement {
   void FindStar(Context& context, VertexIndex v, double reach);
   void StarFromTriangulation(VertexIndex v, double reach);
   bool LinkFromTriangulation(VertexIndex v, double reach);
+  std::uint32_t GhostBeyond(const Point& p) const;
   void SeedStar(Context& context, VertexIndex v);
   void SortByDistance(std::vector<std::uint32_t>* ids);
   void OfferBeyondNeighbours(Context& context);

@@ -86,10 +86,11 @@ void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
       if (!Star::IsGhost(u)) star_.Insert(u, vertices_[u].p);
     }
   } else {
-    // On the border the link is open, and ends in ghosts.
     if (LinkFromTriangulation(v, reach)) {
       // By edges no decision depends on the reach.
-      if ((!kTraced && by_edge()) || star_.IsWithinReach()) return;
+      const bool needs_no_ghosts = link_.is_closed && !kTraced && by_edge();
+      if (!needs_no_ghosts && !star_.IsWithinReach()) star_.InsertGhosts();
+      return;
     }
     star_.Begin(v, vertices_[v].p, reach);
     for (const VertexIndex u : link_.neighbours) {
@@ -98,24 +99,53 @@ void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
   }
 }
 
-// Closed? REQUIRES: link_ is v's.
+// Makes the star of link_, which is v's. On a side of the border, where the link is open, the ghost
+// beyond takes the place of what is infinite: two of its corners that are neighbours conflict no
+// more than do their triangles on that side, whose decisions do not depend on who is off it. False,
+// and no star any more, if the ghost conflicts with one of the others, or if there is more than one
+// side.
 template <int D, template <class> class E>
 bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
   if constexpr (D == 3) {
-    if (!link_.is_closed) return false;
-    for (const VertexIndex u : link_.neighbours) __builtin_prefetch(&vertices_[u]);
-    star_.BeginLink(v, vertices_[v].p, reach);
+    const Point& p = vertices_[v].p;
+    const std::uint32_t beyond = link_.is_closed ? Star::kNobody : GhostBeyond(p);
+    if (!link_.is_closed && beyond == Star::kNobody) return false;
     for (const VertexIndex u : link_.neighbours) {
-      star_.AddNeighbour(u, vertices_[u].p);  // near what else is asked of it
+      if (u != Triangulation::kInfinite) __builtin_prefetch(&vertices_[u]);
+    }
+    star_.BeginLink(v, p, reach);
+    for (const VertexIndex u : link_.neighbours) {
+      const std::uint32_t id = u != Triangulation::kInfinite ? u : beyond;
+      star_.AddNeighbour(id, PlaceOf(id, p, reach));  // near what else is asked of it
     }
     link_.Join();
     for (std::size_t i = 0; i < link_.triangles.size(); ++i) {
       star_.AddCorner(link_.triangles[i], link_.across[i]);
     }
     star_.Close();
+    if (link_.is_closed) return true;
+    const Point ghost = PlaceOf(beyond, p, reach);
+    for (int i = 0; i < star_.corner_count(); ++i) {
+      if (std::ranges::none_of(star_.IdsOf(i), Star::IsGhost) && star_.Conflicts(i, ghost)) {
+        return false;
+      }
+    }
     return true;
   }
   return false;
+}
+
+// In space: the ghost of p beyond the side of the domain that it is on; kNobody unless it is on
+// just one.
+template <int D, template <class> class E>
+std::uint32_t Refinement<D, E>::GhostBeyond(const Point& p) const {
+  std::uint32_t ghost = SpaceStar::kNobody;
+  for (std::uint32_t k = 0; k < D; ++k) {
+    if (p[k] != rules_.lo()[k] && p[k] != rules_.hi()[k]) continue;
+    if (ghost != SpaceStar::kNobody) return SpaceStar::kNobody;
+    ghost = SpaceStar::kFirstGhost + 2 * k + (p[k] == rules_.lo()[k] ? 1 : 0);
+  }
+  return ghost;
 }
 
 // From the star that the previous execution read. Whoever conflicted with one of its
