@@ -38,7 +38,8 @@ bool MeshComparison::Same() const {
 }
 
 MeshComparison CompareMeshes(const Mesh& a, const Mesh& b) {
-  const MeshDiff diff = data::DiffMeshes(a, b);
+  MeshDiff diff = data::DiffMeshes(a, b);
+  Canonicalize(diff);
   MeshComparison result;
   // A vertex in both lists kept its place. Both are sorted by id.
   std::size_t next = 0;

@@ -26,7 +26,8 @@ bool Refinement<D, E>::IsIdle(Context& context, VertexIndex v, double reach) {
     triangulation_->LinkOf(v, &link_);
   }
   if constexpr (D == 3 && kTraced) {
-    if (!by_edge() || !sizing_.empty() || !link_.is_closed || MayHaveGap(v)) return false;
+    const bool by_edge_alone = by_edge() && sizing_.empty() && facets_.empty();
+    if (!by_edge_alone || !link_.is_closed || MayHaveGap(v)) return false;
     star_.BeginLink(v, vertices_[v].p, reach);
     const double margin = MarginOf(0);
     StarRegion<D> region(vertices_[v].p);
@@ -39,7 +40,7 @@ bool Refinement<D, E>::IsIdle(Context& context, VertexIndex v, double reach) {
       region.AddBall(sphere.center, radius, margin);
     }
     // Centre and radius of a corner differ by less than `doubt` from the sphere's, its margin,
-    // which counts four times at most, by less than 1e-9 of the radius; what is kept are distances
+    // which counts four times at most, by less than 2e-9 of the radius; what is kept are distances
     // from v, twice the length of what of the centre points into an orthant at most. With floats
     // for low and high, doubt is more than 4e-7 of the largest radius.
     doubt = 8 * doubt + 8 * rules_.ulp();

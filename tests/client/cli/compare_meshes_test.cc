@@ -1,5 +1,8 @@
 #include "client/cli/compare_meshes.h"
 
+#include <algorithm>
+#include <vector>
+
 #include "gtest/gtest.h"
 #include "tests/core/data/made_up_mesh.h"
 #include "tests/core/io/sample_mesh.h"
@@ -57,6 +60,42 @@ TEST(CompareMeshes, CountsTrianglesThatLieInOtherPolygons) {
   Mesh other = labelled;
   other.regions[2] = 40;
   EXPECT_EQ(CompareMeshes(other, labelled).relabelled_simplices, 1U);
+}
+
+TEST(CompareMeshes, CountsWhatIsRemarkedInAnyOrderOfRows) {
+  Mesh other = SampleMesh();
+  for (FeatureId& owner : other.vertices.owners) ++owner;
+  for (const MeshComparison& c :
+       {CompareMeshes(SampleMesh(), other), CompareMeshes(other, SampleMesh())}) {
+    EXPECT_EQ(c.remarked_vertices, 9U);
+    EXPECT_EQ(c.vertices.only_a, 0U);
+    EXPECT_EQ(c.vertices.only_b, 0U);
+  }
+}
+
+TEST(CompareMeshes, CountsWhatIsRelabelledInAMuchLargerMesh) {
+  const Mesh small = SampleMeshWithRegions();
+  Mesh large = small;
+  for (RegionId& region : large.regions) region = 40;
+  auto random = testing::MakeRandom();
+  std::vector<VertexId> more(50);
+  for (VertexId& id : more) {
+    id = random();
+    large.vertices.ids.push_back(id);
+    large.vertices.coordinates.insert(large.vertices.coordinates.end(), {1, 1});
+    large.vertices.containing_dimensions.push_back(2);
+    large.vertices.owners.push_back(kNoFeature);
+  }
+  const SimplexColumn rows = testing::internal::AnySimplices<3>(random, more, 200);
+  large.simplices.insert(large.simplices.end(), rows.begin(), rows.end());
+  large.regions.resize(large.simplex_count(), 40);
+  for (const bool forward : {true, false}) {
+    const MeshComparison c = forward ? CompareMeshes(small, large) : CompareMeshes(large, small);
+    EXPECT_EQ(c.relabelled_simplices, 11U - std::ranges::count(small.regions, 40U));
+    EXPECT_EQ(c.simplices.shared, 11U);
+    EXPECT_EQ(forward ? c.simplices.only_a : c.simplices.only_b, 0U);
+    EXPECT_EQ(forward ? c.simplices.only_b : c.simplices.only_a, 200U);
+  }
 }
 
 TEST(CompareMeshes, CountsTetrahedraAndSubfacets) {
