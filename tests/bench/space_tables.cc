@@ -3,10 +3,10 @@
 //
 //   dynmesh_space_tables [KIND-POINTS | FILE.node ...]
 //
-// Speeds and their ratio are medians of runs in turn.
 // At rho 2, on points of each kind and number given, such as sphere-10000, and on each file's;
-// on a choice of kinds if nothing is given. Half of the edits put a point among
-// those of the input, half anywhere; each is undone before the next, and both ways count.
+// on a choice of kinds if nothing is given. Speeds and their ratio are medians of runs in turn.
+// Half of the edits put a point among those of the input, half anywhere; each is undone before
+// the next, and both ways count.
 #include <algorithm>
 #include <array>
 #include <cmath>
