@@ -103,10 +103,10 @@ class DelaunayTetrahedralization {
     SimplicesAround(v, &star);
     for (const auto& [t] : star.keys()) f(t);
   }
-  // The link of v, kInfinite being a neighbour like others, which makes it no closed one.
   using VertexLink = mesh::VertexLink;
-  // But for what is across its edges, which link->Join() finds if asked for. `link` is the
-  // caller's, to be kept from call to call. O(its size).
+  // The link of v, kInfinite being a neighbour like others, which makes it no closed one; but for
+  // what is across its edges, which link->Join() finds. `link` is the caller's, to be kept from
+  // call to call. O(its size).
   void LinkOf(VertexIndex v, VertexLink* link) const;
   // Brings what a walk around v reads first into the cache, if called for each step, 0 to
   // kPrefetchSteps - 1, with some time between. v must be present.

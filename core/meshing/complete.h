@@ -44,7 +44,8 @@ void Refinement<D, E>::Complete(Context& context) {
   const VertexIndex v = context.item;
   const int bucket = BucketOfEpoch(context.epoch);
   const std::uint64_t next_round = RoundOfEpoch(context.epoch) + 1;
-  if (IsIdle(context, v, rules_.Reach(bucket))) return;
+  FindLink(v);
+  if (ReadIdleStar(context, v, rules_.Reach(bucket))) return;
   FindStar(context, v, rules_.Reach(bucket));
 
   skipped_.clear();

@@ -17,17 +17,14 @@
 
 namespace dynmesh::meshing {
 
-// Has v's Complete certainly nothing to do? Then what it has read is kept. In a load in space link_
-// is v's afterwards, either way.
+// Records what v's Complete reads, if that has certainly nothing to do; else false, and nothing is
+// recorded. REQUIRES: with a triangulation, link_ is v's.
 template <int D, template <class> class E>
-bool Refinement<D, E>::IsIdle(Context& context, VertexIndex v, double reach) {
-  if constexpr (D == 3) {
-    if (triangulation_ == nullptr) return false;
-    triangulation_->LinkOf(v, &link_);
-  }
+bool Refinement<D, E>::ReadIdleStar(Context& context, VertexIndex v, double reach) {
   if constexpr (D == 3 && kTraced) {
     const bool by_edge_alone = by_edge() && sizing_.empty() && facets_.empty();
-    if (!by_edge_alone || !link_.is_closed || MayHaveGap(v)) return false;
+    if (triangulation_ == nullptr || !by_edge_alone || !link_.is_closed || MayHaveGap(v))
+      return false;
     star_.BeginLink(v, vertices_[v].p, reach);
     const double margin = MarginOf(0);
     StarRegion<D> region(vertices_[v].p);

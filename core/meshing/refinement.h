@@ -288,10 +288,11 @@ class Refinement {
   bool FacetMatters(sac::OpId op, const FacetPlace& facet) const;
 
   // idle_star.h
-  bool IsIdle(Context& context, VertexIndex v, double reach);
+  bool ReadIdleStar(Context& context, VertexIndex v, double reach);
   bool MayHaveGap(VertexIndex v) const;
 
   // star_search.h
+  void FindLink(VertexIndex v);
   void FindStar(Context& context, VertexIndex v, double reach);
   void StarFromTriangulation(VertexIndex v, double reach);
   bool LinkFromTriangulation(VertexIndex v, double reach);

@@ -15,6 +15,15 @@
 
 namespace dynmesh::meshing {
 
+// In space what there is to read off a triangulation.
+template <int D, template <class> class E>
+void Refinement<D, E>::FindLink(VertexIndex v) {
+  if constexpr (D == 3) {
+    if (triangulation_ != nullptr) triangulation_->LinkOf(v, &link_);
+  }
+}
+
+// REQUIRES: FindLink(v) was called.
 template <int D, template <class> class E>
 void Refinement<D, E>::FindStar(Context& context, VertexIndex v, double reach) {
   if (triangulation_ != nullptr) {
