@@ -1,0 +1,237 @@
+#include "tests/golden/golden_cases.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include "core/geometry/point.h"
+#include "core/io/edit_script.h"
+#include "core/io/planar_input.h"
+#include "tests/differential/differential.h"
+#include "tests/support/polygon_script.h"
+#include "tests/support/workload.h"
+
+namespace dynmesh::test {
+namespace {
+
+constexpr double kSqrt2 = kDefaultQuality2D;
+
+struct Asking {
+  double quality;
+  Criterion criterion = Criterion::kEdge;
+  double max_edge = 0;
+};
+
+std::string NameOf(const Asking& asking) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%s_rho%.4g%s", asking.max_edge > 0 ? "_hmax" : "",
+                asking.quality, asking.criterion == Criterion::kThesis ? "_thesis" : "");
+  std::string name = text;
+  std::replace(name.begin(), name.end(), '.', 'p');
+  return name;
+}
+
+MeshOptions OptionsOf(int dimension, const Asking& asking) {
+  MeshOptions options;
+  options.dimension = dimension;
+  options.quality = asking.quality;
+  options.criterion = asking.criterion;
+  options.max_edge = asking.max_edge;
+  return options;
+}
+
+// Coordinates to multiples of 2^-bits.
+EditBatch Rounded(EditBatch batch, int bits) {
+  const auto round = [&](double x) { return std::ldexp(std::round(std::ldexp(x, bits)), -bits); };
+  for (Edit& edit : batch) {
+    for (double& x : edit.feature.position) x = round(x);
+    for (double& x : edit.feature.sizing.hi) x = round(x);
+  }
+  return batch;
+}
+
+// Its input is exact on every machine, and finer than what rounding leaves.
+bool IsExact(Distribution d) {
+  return d == Distribution::kTwoScale || d == Distribution::kSpaceTwoScale;
+}
+
+GoldenCase WorkloadCase(Distribution d, int n, const Asking& asking) {
+  GoldenCase golden;
+  golden.name = NameOf(d) + NameOf(asking);
+  golden.options = OptionsOf(DimensionOf(d), asking);
+  golden.batches = 12;
+  golden.script = [d, n] {
+    const auto generator = std::make_shared<ScriptGenerator>(d, n, 2026);
+    return [d, n, generator](int done, const std::vector<Feature>& present) {
+      EditBatch batch = done == 0 ? AddAll(MakeFeatures(d, n, 2026)) : generator->Next(present);
+      return IsExact(d) ? batch : Rounded(std::move(batch), 32);
+    };
+  };
+  return golden;
+}
+
+GoldenCase SolidsCase(PolygonKind kind, const Asking& asking) {
+  GoldenCase golden;
+  golden.name = "solids_" + NameOf(kind) + NameOf(asking);
+  golden.options = OptionsOf(3, asking);
+  golden.batches = 12;
+  golden.script = [kind] {
+    const auto generator = std::make_shared<PolygonScript>(kind, 3, 2026);
+    return [generator](int, const std::vector<Feature>& present) {
+      return Rounded(generator->Next(present), 44);
+    };
+  };
+  return golden;
+}
+
+// A test's own files: a missing one is no case less but an end.
+template <class T>
+T Need(absl::StatusOr<T> value) {
+  if (!value.ok()) {
+    std::cerr << value.status() << "\n";
+    std::abort();
+  }
+  return *std::move(value);
+}
+
+GoldenCase BatchesCase(std::string name, const MeshOptions& options,
+                       std::vector<EditBatch> batches) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  GoldenCase golden{std::move(name), options, {}, static_cast<int>(batches.size())};
+  golden.script = [batches = std::move(batches)] {
+    return [batches](int done, const std::vector<Feature>&) {
+      return batches[static_cast<std::size_t>(done)];
+    };
+  };
+  return golden;
+}
+
+std::vector<EditBatch> BatchesOf(const io::EditScript& script) {
+  std::vector<EditBatch> batches;
+  for (const io::ScriptBatch& batch : script.batches) batches.push_back(batch.edits);
+  return batches;
+}
+
+const std::string kSource = DYNMESH_SOURCE_DIR;
+
+void AddRegressCases(std::vector<GoldenCase>& cases) {
+  std::vector<std::filesystem::path> paths;
+  for (const auto& entry : std::filesystem::directory_iterator(kSource + "/tests/regress")) {
+    if (entry.path().extension() == ".dynmesh") paths.push_back(entry.path());
+  }
+  std::sort(paths.begin(), paths.end());
+  for (const auto& path : paths) {
+    const io::EditScript script = Need(io::ReadEditScript(path.string()));
+    cases.push_back(
+        BatchesCase("regress_" + path.stem().string(), script.Options(), BatchesOf(script)));
+  }
+}
+
+// The storm along the coast, each step a revision; at another quality the coast alone.
+void AddCoastCases(std::vector<GoldenCase>& cases) {
+  const io::FileFeatures coast =
+      Need(io::ReadPolyFile(kSource + "/deploy/data/coastline-110m.poly"));
+  MeshOptions options;
+  options.box = io::BoundingBox(coast.features);
+  const EditBatch all = AddAll(coast.features);
+  for (const Asking& asking : {Asking{1.0}, Asking{2.0}, Asking{kSqrt2, Criterion::kThesis}}) {
+    options.quality = asking.quality;
+    options.criterion = asking.criterion;
+    cases.push_back(BatchesCase("coastline" + NameOf(asking), options, {all}));
+  }
+  options.quality = kSqrt2;
+  options.criterion = Criterion::kEdge;
+  std::vector<EditBatch> batches = BatchesOf(Need(io::ReadEditScript(
+      kSource + "/deploy/data/storm.dynmesh", {.require_header = false, .dimension = 2})));
+  batches.insert(batches.begin(), all);
+  cases.push_back(BatchesCase("storm", options, std::move(batches)));
+}
+
+void AddBoxCase(std::vector<GoldenCase>& cases) {
+  const io::EditScript boxes = Need(io::ReadEditScript(kSource + "/deploy/data/boxes.dynmesh"));
+  cases.push_back(BatchesCase("boxes", boxes.Options(), BatchesOf(boxes)));
+}
+
+std::vector<GoldenCase> MakeCases() {
+  using enum Distribution;
+  std::vector<GoldenCase> cases;
+  for (const Distribution d : kAllDistributions) cases.push_back(WorkloadCase(d, 60, {kSqrt2}));
+  for (const Distribution d :
+       {kUniform, kGrid, kSegmentsTurned, kParallel, kWedges, kSized, kPolygons}) {
+    cases.push_back(WorkloadCase(d, 60, {1.0}));
+  }
+  for (const Distribution d : {kUniform, kCircle, kWedges}) {
+    cases.push_back(WorkloadCase(d, 60, {2.0}));
+  }
+  for (const Distribution d : {kUniform, kSegmentsAxis, kDiagonals, kSized, kPolygons}) {
+    cases.push_back(WorkloadCase(d, 60, {kSqrt2, Criterion::kThesis}));
+  }
+  cases.push_back(WorkloadCase(kSegmentsTurned, 60, {kSqrt2, Criterion::kEdge, 0.05}));
+  for (const Distribution d : kSpaceDistributions) cases.push_back(WorkloadCase(d, 40, {2.0}));
+  for (const Distribution d : {kSpaceUniform, kSphere, kTurnedGridEdges, kSpaceSized}) {
+    cases.push_back(WorkloadCase(d, 40, {kSqrt2}));
+  }
+  cases.push_back(WorkloadCase(kSpaceUniform, 40, {1.2}));
+  for (const Distribution d : {kSpaceUniform, kGridEdges}) {
+    cases.push_back(WorkloadCase(d, 40, {2.0, Criterion::kThesis}));
+  }
+  cases.push_back(WorkloadCase(kGridEdges, 40, {2.0, Criterion::kEdge, 0.2}));
+  for (const PolygonKind kind : kPolygonKinds) cases.push_back(SolidsCase(kind, {2.0}));
+  for (const PolygonKind kind : {PolygonKind::kPlates, PolygonKind::kMixture}) {
+    cases.push_back(SolidsCase(kind, {kSqrt2}));
+  }
+  cases.push_back(SolidsCase(PolygonKind::kNestedBoxes, {2.0, Criterion::kThesis}));
+  AddRegressCases(cases);
+  AddCoastCases(cases);
+  AddBoxCase(cases);
+  return cases;
+}
+
+std::uint64_t HashOf(const std::string& text) {
+  std::uint64_t hash = text.size();
+  for (const char c : text) hash = geometry::Mix(hash ^ static_cast<unsigned char>(c));
+  return hash;
+}
+
+}  // namespace
+
+const std::vector<GoldenCase>& GoldenCases() {
+  static const auto* const cases = new std::vector<GoldenCase>(MakeCases());
+  return *cases;
+}
+
+GoldenResult RunGoldenCase(const GoldenCase& golden) {
+  const auto mesh = NewMesh(golden.options);
+  const GoldenCase::NextBatch next = golden.script();
+  std::uint64_t all = 0;
+  MeshHash trace;
+  for (int done = 0; done < golden.batches; ++done) {
+    if (!mesh->Apply(next(done, mesh->Features())).ok()) continue;
+    trace = mesh->Audit().trace;
+    for (const std::uint64_t part : {mesh->hash().hi, mesh->hash().lo, trace.hi, trace.lo}) {
+      all = geometry::Mix(all ^ part);
+    }
+  }
+  std::string input;
+  for (const Feature& f : mesh->Features()) {
+    input += io::FormatEdit(Edit::Add(f), golden.options.dimension) + "\n";
+  }
+  GoldenResult result;
+  for (const bool local : {false, true}) {
+    result.problem += CompareWithScratch(*mesh, local, !local).what;
+  }
+  char line[200];
+  std::snprintf(line, sizeof line, "%-32s %2d %016llx %s %016llx:%llu %016llx", golden.name.c_str(),
+                static_cast<int>(mesh->revision()), static_cast<unsigned long long>(HashOf(input)),
+                mesh->hash().ToHex().c_str(), static_cast<unsigned long long>(trace.hi),
+                static_cast<unsigned long long>(trace.lo), static_cast<unsigned long long>(all));
+  result.line = line;
+  return result;
+}
+
+}  // namespace dynmesh::test

@@ -1,0 +1,21 @@
+// Prints tests/golden/hashes.txt anew; ends with 1 if a mesh is not that of a run from scratch.
+#include <cstdio>
+
+#include "tests/golden/golden_cases.h"
+
+int main() {
+  std::puts(
+      "# Golden hashes: name, revisions, input, mesh, trace:operations, all revisions.\n"
+      "# Made by dynmesh_golden_hashes. See golden_cases.h, and \"A change of bits\" in\n"
+      "# CONTRIBUTING.md.");
+  bool good = true;
+  for (const dynmesh::test::GoldenCase& golden : dynmesh::test::GoldenCases()) {
+    const dynmesh::test::GoldenResult result = dynmesh::test::RunGoldenCase(golden);
+    std::puts(result.line.c_str());
+    if (!result.problem.empty()) {
+      std::fprintf(stderr, "%s: %s\n", golden.name.c_str(), result.problem.c_str());
+      good = false;
+    }
+  }
+  return good ? 0 : 1;
+}
