@@ -336,45 +336,53 @@ void Refinement<D, E>::NotifyFromBeginning(const Extent<D>& box, Keep keep, Matt
   }
 }
 
+// An operation subscribes where cells are at least half as large as the box of what it read
+// (SpatialTree::Cover). In smaller cells than the region allows balls there is none to notify.
 template <int D, template <class> class E>
 void Refinement<D, E>::NotifyOfSizing(const SizingRegion<D>& region) {
   Extent<D> box = Extent<D>::Nothing();
   box.AddBall(region.lo, region.radius);
   box.AddBall(region.hi, region.radius);
+  const double least_half = region.most_radius() * (1 - 1e-6) - rules_.ulp();
   NotifyFromBeginning(
-      box, [](const Point&, double) { return true; },
+      box, [&](const Point&, double half) { return half >= least_half; },
       [&](sac::OpId op) { return SizingMatters(op, region); });
 }
 
-// May a ball that `op` looked at be too large for the region? As it made points, it looked
-// at smaller balls too: none has a larger radius than the largest that it read, and none
-// reaches out of those. Rather yes than no.
+// May `op` have found a ball too large for the region, or find one now? It judged the balls about
+// the corners of the star that it read. If it made vertices, it also judged the corners of the
+// smaller stars that they left: those balls lie within the union of the former, and none is larger
+// than the largest of them. Conservative: may return true needlessly.
 template <int D, template <class> class E>
 bool Refinement<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region) const {
   if constexpr (kTraced) {
     if (engine_.kind(op) != kComplete || !Counts(Term::kOverSize)) return false;
+    const auto outputs = engine_.outputs(op);
+    const bool made = std::any_of(outputs.begin(), outputs.end(),
+                                  [](sac::Output o) { return WhatOf(o) == Made::kVertex; });
+    const double most = region.most_radius(),
+                 view = std::sqrt(static_cast<double>(engine_.payload(op).radius2));
     const Point& p = vertices_[engine_.item(op)].p;
-    bool meets = false, too_large = false, unsure = false;
+    bool meets = false, too_large = false, both = false, unsure = false;
     const bool kept = ForEachCornerIn<D>(engine_.reads(op), [&](const Corner& ids) {
-      if (std::ranges::any_of(ids, Star::IsGhost)) {
-        // The view ends here: whatever is within.
-        const double reach = std::sqrt(engine_.payload(op).radius2);
-        meets = meets || region.Meets(p, reach);
-        too_large = true;
-        return true;
-      }
+      const bool at_end = std::ranges::any_of(ids, Star::IsGhost);
+      // By edges, a size is asked of triangles and tetrahedra of the mesh alone.
+      if (at_end && by_edge() && !made) return true;
       const auto ball = BallOfCorner(op, ids);
-      if (!ball.has_value()) {
+      if (!ball.has_value() && !at_end) {
         unsure = true;
         return false;
       }
-      const double r = std::sqrt(ball->radius2) * (1 + 1e-6) + rules_.ulp();
-      meets = meets || region.Meets(ball->centre, r);
-      too_large = too_large || region.most_radius() < r;
+      const double r =
+          ball.has_value() ? std::sqrt(ball->radius2) * (1 + 1e-6) + rules_.ulp() : view;
+      const bool is_met = region.Meets(ball.has_value() ? ball->centre : p, r), is_large = most < r;
+      meets = meets || is_met;
+      too_large = too_large || is_large;
+      both = both || (is_met && is_large);
       return true;
     });
     if (unsure || !kept) return true;
-    return meets && too_large;
+    return made ? meets && too_large : both;
   }
   return false;
 }
@@ -407,7 +415,9 @@ void Refinement<D, E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, s
   if constexpr (kTraced) {
     const Subsegment& s = subsegments_[i];
     if (s.exposed == sac::kNoStamp || !engine_.AnyAfter(after)) return;
-    tree_.VisitBox(BallOf(s), [&](sac::Place place) {
+    const double radius = RadiusOf(s);
+    const Point middle = geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p);
+    tree_.VisitCells({middle, radius * radius}, [&](sac::Place place) {
       engine_.Notify(
           place, sac::Parts{0}, after, until,
           [this](sac::OpId op) { return AsksForSubsegments(op); },

@@ -220,6 +220,20 @@ class SpatialTree {
     }
   }
 
+  // Every node whose cell meets the closed ball, ancestors included. Conservative: a cell that the
+  // ball misses by rounding may be visited.
+  template <class Visit>
+  void VisitCells(const Ball& ball, Visit visit) const {
+    Extent<D> box = Extent<D>::Nothing();
+    box.AddBall(ball.centre, std::sqrt(ball.radius2) * (1 + 1e-15));
+    VisitBoxIf(
+        box,
+        [&](const Point& centre, double half) {
+          return DistanceToCell2(ball.centre, {0, centre, half}) <= ball.radius2;
+        },
+        visit);
+  }
+
   // Few nodes (2^D unless the box pokes out) whose cells together cover the part of
   // the box inside the tree, each no smaller than the box or a leaf: any point of
   // the box has one of them on its path. Each with the box's parts of its cell.

@@ -342,6 +342,50 @@ TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABox) {
   }
 }
 
+// The same tree: a cell is as large as the lattice points whose paths go through it say.
+TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABall) {
+  const std::uint64_t seed = 11;
+  test::Random random(seed);
+  Pair<2> pair;
+  std::map<std::pair<double, double>, int> copies;
+  for (std::uint32_t id = 0; id < 1500; ++id) {
+    const geometry::Point2 p = RandomPoint<2>(Layout::kOnLattice, random);
+    const geometry::Point2 q =
+        random.OneIn(3) ? p : geometry::Point2{{p[0] / 4 + 0.25, p[1] / 4 + 0.5}};
+    const geometry::Point2 r = {
+        {std::floor(q[0] * kLattice) / kLattice, std::floor(q[1] * kLattice) / kLattice}};
+    if (++copies[{r[0], r[1]}] <= SpatialTree<2>::kCapacity) pair.Insert(id, r);
+  }
+  std::map<NodeIndex, Extent<2>> cells;
+  for (double x = kRootLo; x < kRootHi; x += 1.0 / kLattice) {
+    for (double y = kRootLo; y < kRootHi; y += 1.0 / kLattice) {
+      for (const NodeIndex n : pair.Path({{x, y}})) {
+        Extent<2>& cell = cells.try_emplace(n, Extent<2>::Nothing()).first->second;
+        cell.AddBall({{x, y}}, 0);
+        cell.AddBall({{x + 1.0 / kLattice, y + 1.0 / kLattice}}, 0);
+      }
+    }
+  }
+  for (int i = 0; i < 1000; ++i) {
+    const geometry::Point2 centre = {{3 * random.Unit() - 1, 3 * random.Unit() - 1}};
+    const double radius = std::ldexp(random.Unit(), -random.Below(8));
+    Nodes visited;
+    pair.tree.VisitCells({centre, radius * radius}, [&](NodeIndex n) {
+      EXPECT_TRUE(visited.insert(n).second) << "visited twice";
+    });
+    for (const auto& [n, cell] : cells) {
+      double d2 = 0;
+      for (int k = 0; k < 2; ++k) {
+        const double d = std::max({cell.lo[k] - centre[k], centre[k] - cell.hi[k], 0.0});
+        d2 += d * d;
+      }
+      const bool near = d2 <= radius * radius;
+      if (std::fabs(std::sqrt(d2) - radius) < 1e-12) continue;  // rounding may decide
+      ASSERT_EQ(visited.contains(n), near) << "seed " << seed << " ball " << i << " node " << n;
+    }
+  }
+}
+
 TEST(SpatialTree, PathsBeginAtTheRootAndEndWhereThePointIs) {
   test::Random random(10);
   Pair<2> pair;
