@@ -106,7 +106,7 @@ void AddFlags(CLI::App& app, Flags& f) {
          "--metrics", c.metrics,
          "[HOST:]PORT of metrics and health over HTTP: /metrics /healthz /readyz; default: none")
       ->type_name("ADDRESS");
-  app.add_option("--port-file", f.port_file, "write the port here when listening");
+  app.add_option("--port-file", f.port_file, "write the port here when it serves");
   app.add_option("--log-level", f.log_level, "debug, info, warning, error, off")
       ->capture_default_str();
   AddSeconds(app, "--drain-timeout", c.drain_timeout, "seconds to finish work after SIGTERM");

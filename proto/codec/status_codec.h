@@ -47,6 +47,7 @@ inline constexpr char kPendingLimit[] = "PENDING_LIMIT";
 inline constexpr char kJournalFailed[] = "JOURNAL_FAILED";
 inline constexpr char kMeshDamaged[] = "MESH_DAMAGED";
 inline constexpr char kDraining[] = "DRAINING";
+inline constexpr char kRecovering[] = "RECOVERING";
 inline constexpr char kTokenMissing[] = "TOKEN_MISSING";
 inline constexpr char kTokenUnknown[] = "TOKEN_UNKNOWN";
 inline constexpr char kRoleMissing[] = "ROLE_MISSING";

@@ -20,6 +20,15 @@ absl::Status DrainingError() {
                                  "the server is shutting down: try again in a while", error);
 }
 
+absl::Status RecoveringError() {
+  codec::ServiceError error;
+  error.reason = codec::reason::kRecovering;
+  error.retry_after = absl::Milliseconds(500);
+  return codec::MakeServiceError(
+      absl::StatusCode::kUnavailable,
+      "the server has just started and makes its meshes again: try again in a moment", error);
+}
+
 absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context) {
   WorkGate::Ticket ticket = context.gate.Enter();
   if (ticket == nullptr) return DrainingError();

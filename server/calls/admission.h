@@ -3,6 +3,7 @@
 #ifndef DYNMESH_SERVER_CALLS_ADMISSION_H_
 #define DYNMESH_SERVER_CALLS_ADMISSION_H_
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -49,6 +50,7 @@ struct ServiceContext {
   Access* const access;
   const absl::Time start_time;
   WorkGate gate;
+  std::atomic<bool> recovering{false};  // meshes are being made again: nothing is answered yet
   Quota watchers;
   Quota edit_streams;
   Quota snapshot_streams;
@@ -58,6 +60,9 @@ struct ServiceContext {
 
 // UNAVAILABLE (DRAINING), with the time after which another server should be there.
 absl::Status DrainingError();
+
+// UNAVAILABLE (RECOVERING), likewise with a time.
+absl::Status RecoveringError();
 
 // A ticket, or DrainingError.
 absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context);

@@ -41,7 +41,7 @@ Response::Stage StageOf(BatchProgress::Stage stage) {
 // after it is released. The call ends when all of the reader's or the strand's is done and
 // nothing is being written.
 class LoadCall final
-    : public grpc::ServerBidiReactor<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse>,
+    : public grpc::ServerBidiReactor<Received<v1::LoadFeaturesRequest>, v1::LoadFeaturesResponse>,
       public OpenStream {
  public:
   LoadCall(ServiceContext& context, grpc::CallbackServerContext* rpc)
@@ -82,7 +82,7 @@ class LoadCall final
     const std::size_t edits = job_.edits.size();
     absl::Status status;
     if (ok) {
-      status = Receive();
+      status = received_.is_parsed ? Receive() : NotParsed(request_);
     } else {
       codec::ServiceError error;
       error.reason = codec::reason::kBatchIncomplete;
@@ -142,7 +142,7 @@ class LoadCall final
 
   void Read(bool anew) {
     SetWaits(anew);
-    StartRead(&request_);
+    StartRead(&received_);
   }
 
   // Takes the message just read.
@@ -268,7 +268,8 @@ class LoadCall final
 
   // The reader's, then the strand's.
   Pass pass_;
-  v1::LoadFeaturesRequest request_;
+  Received<v1::LoadFeaturesRequest> received_;
+  v1::LoadFeaturesRequest& request_ = received_.message;
   MeshRegistry::HostPtr host_;
   std::string mesh_name_;
   Access::Stream allowed_;
@@ -291,7 +292,7 @@ class LoadCall final
 
 }  // namespace
 
-grpc::ServerBidiReactor<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse>* StartLoadCall(
+grpc::ServerBidiReactor<Received<v1::LoadFeaturesRequest>, v1::LoadFeaturesResponse>* StartLoadCall(
     ServiceContext& context, OpenStreams& streams, const absl::StatusOr<Pass>& pass,
     grpc::CallbackServerContext* rpc) {
   return LoadCall::Start(context, streams, pass, rpc);

@@ -53,10 +53,11 @@ struct Families {
 }  // namespace
 
 struct CallMetrics::Method {
-  Method(Families& f, const std::string& t, const std::string& s, const std::string& m)
+  Method(Families& f, const std::string& t, const std::string& s, const std::string& m, bool ours)
       : type(t),
         service(s),
         method(m),
+        is_ours(ours),
         families(f),
         started(f.started.With(Labels())),
         received(f.received.With(Labels())),
@@ -81,6 +82,7 @@ struct CallMetrics::Method {
   }
 
   const std::string type, service, method;
+  const bool is_ours;  // not of health or reflection, whose streams nobody waits for
   Families& families;
   Counter& started;
   Counter& received;
@@ -92,13 +94,15 @@ struct CallMetrics::Method {
 struct CallMetrics::Impl {
   explicit Impl(MetricRegistry& registry) : families(registry), failed(registry) {}
 
-  void Add(const std::string& type, const std::string& service, const std::string& method) {
+  void Add(const std::string& type, const std::string& service, const std::string& method,
+           bool is_ours) {
     methods.emplace(absl::StrCat("/", service, "/", method),
-                    std::make_unique<Method>(families, type, service, method));
+                    std::make_unique<Method>(families, type, service, method, is_ours));
   }
 
   Families families;
   FailedCalls failed;
+  WorkGate open;
   std::map<std::string, std::unique_ptr<Method>, std::less<>> methods;
   std::unique_ptr<Method> other;
 };
@@ -109,12 +113,12 @@ CallMetrics::CallMetrics(MetricRegistry& registry) : impl_(std::make_unique<Impl
     const google::protobuf::ServiceDescriptor& service = *file.service(s);
     for (int m = 0; m < service.method_count(); ++m) {
       const google::protobuf::MethodDescriptor& method = *service.method(m);
-      impl_->Add(TypeOf(method), service.full_name(), method.name());
+      impl_->Add(TypeOf(method), service.full_name(), method.name(), /*is_ours=*/true);
     }
   }
-  impl_->Add("unary", "grpc.health.v1.Health", "Check");
-  impl_->Add("server_stream", "grpc.health.v1.Health", "Watch");
-  impl_->other = std::make_unique<Method>(impl_->families, "other", "other", "other");
+  impl_->Add("unary", "grpc.health.v1.Health", "Check", false);
+  impl_->Add("server_stream", "grpc.health.v1.Health", "Watch", false);
+  impl_->other = std::make_unique<Method>(impl_->families, "other", "other", "other", false);
 }
 
 CallMetrics::~CallMetrics() = default;
@@ -126,13 +130,20 @@ CallMetrics::Method& CallMetrics::Find(const char* path) const {
 
 FailedCalls& CallMetrics::failed() const { return impl_->failed; }
 
+WorkGate& CallMetrics::open() const { return impl_->open; }
+
 namespace {
 
 // Of one call. A stream's reads and writes come at the same time; all else one after the other.
 class CallObserver final : public grpc::experimental::Interceptor {
  public:
-  CallObserver(CallMetrics::Method& method, FailedCalls& failed, grpc::ServerContextBase* context)
-      : method_(method), failed_(failed), context_(context), start_(MetricsClock::now()) {
+  CallObserver(const CallMetrics& metrics, CallMetrics::Method& method,
+               grpc::ServerContextBase* context)
+      : method_(method),
+        failed_(metrics.failed()),
+        context_(context),
+        open_(method.is_ours ? metrics.open().Enter() : nullptr),
+        start_(MetricsClock::now()) {
     method_.started.Add();
   }
   // Of a client that vanished nobody tells the status.
@@ -184,6 +195,7 @@ class CallObserver final : public grpc::experimental::Interceptor {
   CallMetrics::Method& method_;
   FailedCalls& failed_;
   const grpc::ServerContextBase* const context_;  // ends before the observer does
+  const WorkGate::Ticket open_;
   const MetricsClock::time_point start_;
   std::string id_;
   std::atomic<bool> ended_{false};
@@ -194,8 +206,7 @@ class CallObservers final : public grpc::experimental::ServerInterceptorFactoryI
   explicit CallObservers(const CallMetrics* metrics) : metrics_(*metrics) {}
   grpc::experimental::Interceptor* CreateServerInterceptor(
       grpc::experimental::ServerRpcInfo* info) override {
-    return new CallObserver(metrics_.Find(info->method()), metrics_.failed(),
-                            info->server_context());
+    return new CallObserver(metrics_, metrics_.Find(info->method()), info->server_context());
   }
 
  private:

@@ -14,14 +14,15 @@
 namespace dynmesh::server {
 namespace {
 
-// The address that the log names.
-std::string MetricsAddress(const std::string& log) {
-  const std::string mark = "event=metrics_listen address=";
+// The address that a line of the log names.
+std::string AddressIn(const std::string& log, const std::string& event) {
+  const std::string mark = "event=" + event + " address=";
   const std::size_t at = log.find(mark);
   if (at == std::string::npos) return "";
   const std::size_t begin = at + mark.size();
-  return log.substr(begin, log.find('\n', begin) - begin);
+  return log.substr(begin, log.find_first_of(" \n", begin) - begin);
 }
+std::string MetricsAddress(const std::string& log) { return AddressIn(log, "metrics_listen"); }
 
 class ObserveTest : public ServerFixture {
  protected:
@@ -240,6 +241,12 @@ TEST_F(ObserveTest, WhoIsRefusedIsToldNowAndThenAndCountedAlways) {
   refuse();
   calls.Tell({"id", "Watch", "PermissionDenied", "ipv4:10.0.0.7:1234"}, other);
   calls.Tell({"id", "Watch", "Canceled", ""}, grpc::Status::CANCELLED);
+  // A limit of a mesh's is no client's, and yet somebody met it.
+  error.reason = codec::reason::kQueueFull;
+  error.metadata.clear();
+  calls.Tell({"id", "ApplyEdits", "ResourceExhausted", "ipv4:10.0.0.7:1234"},
+             codec::ToGrpcStatus(codec::MakeServiceError(absl::StatusCode::kResourceExhausted,
+                                                         "the queue is full", error)));
   const std::string log = testing::internal::GetCapturedStderr();
   ASSERT_TRUE(SetLogLevel("error").ok());
   const std::string line =
@@ -250,6 +257,7 @@ TEST_F(ObserveTest, WhoIsRefusedIsToldNowAndThenAndCountedAlways) {
   EXPECT_EQ(Count(log, line + "0 "), 1u) << log;
   EXPECT_EQ(Count(log, "reason=ROLE_MISSING"), 1u) << log;
   EXPECT_EQ(Count(log, "Canceled"), 0u) << log;
+  EXPECT_EQ(Count(log, "reason=QUEUE_FULL client=\"address ipv4:10.0.0.7\" peer="), 1u) << log;
   const ParsedMetrics now(metrics.Text());
   EXPECT_EQ(now.Value("dynmesh_failed_calls_total", {{"reason", "RATE_LIMIT"}}), told);
   EXPECT_EQ(now.Value("dynmesh_failed_calls_total", {{"reason", "ROLE_MISSING"}}), 1);
@@ -288,7 +296,7 @@ class SlowJournal final : public Journal {
   std::string name() const override { return "slow"; }
   absl::StatusOr<std::vector<Mesh>> List() override {
     asked_->Put(0);
-    answer_->Take();
+    if (answer_->Take() != 0) return absl::DataLossError("nothing can be read");
     return std::vector<Mesh>();
   }
   absl::StatusOr<Key> Create(const std::string&, const std::string&) override { return Key{1}; }
@@ -355,6 +363,71 @@ TEST_F(ObserveTest, AServerIsReadyFromTheEndOfRecoveryToTheDrain) {
   drainer.join();
   server_.reset();
   EXPECT_EQ(HttpGet(metrics_, "/healthz").status, 0);
+}
+
+class RecoveringTest : public ObserveTest {
+ protected:
+  RecoveringTest() {
+    EXPECT_TRUE(SetLogLevel("info").ok());
+    testing::internal::CaptureStderr();
+    ServerConfig config;
+    config.listen = "127.0.0.1:0";
+    starter_ = std::thread([this, config] {
+      started_.Put(Server::Start(
+          config,
+          [gate = gate_](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o, gate); },
+          std::make_unique<SlowJournal>(&asked_, &answer_)));
+    });
+    asked_.Take();
+    address_ = AddressIn(testing::internal::GetCapturedStderr(), "listening");
+    EXPECT_TRUE(SetLogLevel("off").ok());
+  }
+  ~RecoveringTest() override { starter_.join(); }
+
+  Mailbox<int> asked_, answer_;
+  Mailbox<absl::StatusOr<std::unique_ptr<Server>>> started_;
+  std::thread starter_;
+};
+
+TEST_F(RecoveringTest, CallsAreToldToComeAgainAndGetThroughAfterwards) {
+  ASSERT_NE(address_, "");
+  const auto client = client::MeshClient::Connect(address_);
+  const std::vector<Feature> points = {AddPoint(1).feature};
+  for (const absl::Status& status :
+       {client->GetStats().status(), client->CreateMesh("m", MeshOptions()).status(),
+        client->ListMeshes().status(), client->Apply("m", {AddPoint(1)}).status(),
+        client->Load("m", points).status(), client->GetSnapshot("m").status()}) {
+    EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable) << Text(status);
+    EXPECT_EQ(ReasonOf(status), codec::reason::kRecovering) << Text(status);
+    EXPECT_TRUE(codec::GetServiceError(status)->retry_after.has_value());
+  }
+  client::WatchOptions patient;
+  patient.max_attempts = 1'000'000;
+  patient.longest_pause = absl::Milliseconds(20);
+  const auto watch = client->Watch("late", patient, nullptr);
+  EXPECT_EQ(Health(""), 2);
+  EXPECT_EQ(Health("dynmesh.v1.MeshService"), 2);
+
+  answer_.Put(0);
+  server_ = *started_.Take();
+  // Over the same connection, without a pause.
+  ASSERT_TRUE(client->CreateMesh("m", MeshOptions()).ok());
+  EXPECT_TRUE(client->Apply("m", {AddPoint(1)}).ok());
+  EXPECT_EQ(Health(""), 1);
+  EXPECT_EQ(Health("dynmesh.v1.MeshService"), 1);
+  // A watch asks until it knows: there is no such mesh.
+  EXPECT_TRUE(Eventually([&] { return watch->ended().has_value(); }));
+  EXPECT_EQ(ReasonOf(*watch->ended()), codec::reason::kMeshNotFound);
+}
+
+TEST_F(RecoveringTest, AJournalThatCannotBeReadClosesThePortAgain) {
+  const auto client = client::MeshClient::Connect(address_);
+  EXPECT_EQ(ReasonOf(client->GetStats().status()), codec::reason::kRecovering);
+  answer_.Put(1);
+  EXPECT_EQ(started_.Take().status().code(), absl::StatusCode::kDataLoss);
+  const absl::Status gone = client->GetStats().status();
+  EXPECT_EQ(gone.code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(ReasonOf(gone), "");
 }
 
 TEST_F(ObserveTest, AMetricsPortThatIsTakenIsAnErrorAtTheStart) {
