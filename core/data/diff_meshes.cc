@@ -137,6 +137,20 @@ void AppendAlone(Simplices alone, bool labelled, SimplexColumn& rows, RegionColu
   regions.insert(regions.end(), alone.regions.begin(), alone.regions.end());
 }
 
+// Ids of sets of polygons that are others in `to` than in `from`, as a client can bring about. Both
+// by ascending id.
+absl::flat_hash_set<RegionId> OtherSets(const std::vector<RegionSet>& from,
+                                        const std::vector<RegionSet>& to) {
+  absl::flat_hash_set<RegionId> others;
+  auto set = to.begin();
+  for (const RegionSet& before : from) {
+    while (set != to.end() && set->id < before.id) ++set;
+    if (set == to.end()) break;
+    if (set->id == before.id && set->polygons != before.polygons) others.insert(before.id);
+  }
+  return others;
+}
+
 // A simplex with the same corners in another region goes and comes. `from_alone` and `to_alone`
 // are of one mesh only, and not in it any more.
 void DiffSimplices(const Mesh& from, Mesh& to, Simplices from_alone, Simplices to_alone,
@@ -162,8 +176,11 @@ void DiffSimplices(const Mesh& from, Mesh& to, Simplices from_alone, Simplices t
     added.Keep(j);
     if (labelled) diff.added_regions.push_back(to.region(j));
   };
+  const auto others = OtherSets(from.region_sets, to.region_sets);
   const auto both = [&](std::size_t i, std::size_t j) {
-    if (!labelled || from.region(i) == to.region(j)) return;
+    if (!labelled) return;
+    const RegionId region = to.region(j);
+    if (from.region(i) == region && (others.empty() || !others.contains(region))) return;
     gone(i);
     come(j);
   };
@@ -210,7 +227,7 @@ MeshDiff DiffMeshes(Mesh from, Mesh to) {
   }
   MeshDiff diff;
   diff.region_sets = to.region_sets;
-  AppendSets(diff.region_sets, from.region_sets);
+  AppendSets(diff.region_sets, from.region_sets);  // where ids agree, the former counts
   const VertexColumns from_vertices = std::exchange(from.vertices, {});
   VertexColumns to_vertices = std::exchange(to.vertices, {});
   DiffVertices(width - 1, from_vertices, to_vertices, diff);

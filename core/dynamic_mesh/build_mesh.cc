@@ -23,6 +23,7 @@ absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions&
   if (absl::Status status = LimitsStatus(refinement, options.limits); !status.ok()) return status;
   Mesh mesh = diffs.Begin(refinement, table);
   if (absl::Status status = diffs.RegionStatus(); !status.ok()) return status;
+  if (absl::Status status = diffs.NameStatus(refinement, table); !status.ok()) return status;
   mesh.revision = features.empty() ? 0 : 1;
   return mesh;
 }

@@ -1,6 +1,8 @@
 #include "core/dynamic_mesh/diff_builder.h"
 
 #include <algorithm>
+#include <charconv>
+#include <iterator>
 #include <string>
 
 #include "core/data/canonical_order.h"
@@ -25,6 +27,38 @@ auto FacetsOf(const Refinement& refinement) {
     const meshing::FacetIndex facet = refinement.FacetOf(a, b, c, d);
     return facet == meshing::kNil ? meshing::kNil : refinement.facets()[facet].feature();
   };
+}
+
+std::string Shortest(double x) {
+  std::array<char, 32> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
+}
+
+// "{1, 2, 5, and 3 more}"
+std::string ListOf(const std::vector<FeatureId>& polygons) {
+  constexpr std::size_t kMost = 4;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(kMost, polygons.size()); ++i) {
+    list += (i == 0 ? "{" : ", ") + std::to_string(polygons[i]);
+  }
+  if (polygons.size() > kMost) list += ", and " + std::to_string(polygons.size() - kMost) + " more";
+  return list + "}";
+}
+
+absl::Status CollisionError(int dimension, const RegionSets::Collision& collision) {
+  const auto& [first, second] = collision;
+  // One that is not in both.
+  std::vector<FeatureId> either;
+  std::ranges::set_symmetric_difference(first, second, std::back_inserter(either));
+  const FeatureId id = either.back();
+  const std::string what = dimension == 2 ? "polygons " : "closed surfaces ";
+  return MakeError(
+      absl::StatusCode::kFailedPrecondition,
+      (second.empty() ? "the region of " + what + ListOf(first) + " would have a reserved id"
+                      : "the regions of " + what + ListOf(first) + " and " + ListOf(second) +
+                            " would have the same id") +
+          ", a hash of polygons' ids; give polygon " + std::to_string(id) + " another id",
+      {reason::kIdCollision, {id}, {}});
 }
 
 template <class Subsegment>
@@ -76,7 +110,10 @@ void DiffBuilder<D>::AddWall(const typename Labels::Side& side, meshing::Feature
 template <int D>
 absl::Status DiffBuilder<D>::RegionStatus() const {
   const auto polygons = labels_.overfull();
-  if (polygons.empty()) return absl::OkStatus();
+  if (polygons.empty()) {
+    const auto collision = labels_.collision();
+    return collision ? CollisionError(D, *collision) : absl::OkStatus();
+  }
   const FeatureId last = polygons.back();
   return MakeError(absl::StatusCode::kResourceExhausted,
                    (D == 2 ? "polygon " : "the closed surface of polygon ") + std::to_string(last) +
@@ -86,6 +123,32 @@ absl::Status DiffBuilder<D>::RegionStatus() const {
                        std::to_string(kMostPolygonsAtAPlace) +
                        " polygons; move or remove some of them",
                    {reason::kPolygonLimit, {last}, {}});
+}
+
+template <int D>
+template <class Refinement>
+absl::Status DiffBuilder<D>::NameStatus(const Refinement& refinement,
+                                        const FeatureTable<D>& features) const {
+  const auto clash =
+      names_.Clash([&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
+  if (!clash) return absl::OkStatus();
+  std::string places;
+  std::vector<FeatureId> owners;
+  for (const VertexIndex v : *clash) {
+    places += places.empty() ? "the vertices at (" : " and (";
+    const Point& p = refinement.vertex(v).p;
+    for (int k = 0; k < D; ++k) places += (k == 0 ? "" : ", ") + Shortest(p[k]);
+    places += ")";
+    const FeatureId owner = features.IdOf(refinement.vertex(v).feature);
+    if (owner == kNoFeature || owner == kBoxFeature) continue;
+    places += " on feature " + std::to_string(owner);
+    if (std::ranges::find(owners, owner) == owners.end()) owners.push_back(owner);
+  }
+  return MakeError(absl::StatusCode::kFailedPrecondition,
+                   places +
+                       " would have the same id, a hash of coordinates; move one of the "
+                       "features a little",
+                   {reason::kIdCollision, owners, {}});
 }
 
 // --- The whole mesh -------------------------------------------------------------------
@@ -115,7 +178,7 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
     });
   }
   labels_.LabelAll();
-  if (!labels_.overfull().empty()) return {};
+  if (!RegionStatus().ok()) return {};
   Mesh mesh = Snapshot(refinement, features);
   subsegment_count_ = mesh.subsegments.size();
   hash_ = mesh.hash = ComputeHash(mesh);
@@ -183,7 +246,7 @@ MeshDiff DiffBuilder<D>::Update(Refinement& refinement, const FeatureTable<D>& f
   UpdateSubfacets(refinement, features);
   UpdateWalls(refinement, features);
   UpdateLabels(refinement, features);
-  if (!labels_.overfull().empty()) return {};
+  if (!RegionStatus().ok()) return {};
   if (!renamed_.empty()) AddSimplicesOfRenamed();
   MeshDiff diff;
   diff.dimension = D;
@@ -493,11 +556,15 @@ using Traced = meshing::Refinement<D, sac::Engine>;
 template <int D>
 using Untraced = meshing::Refinement<D, sac::UntracedEngine>;
 template Mesh DiffBuilder<2>::Begin(Traced<2>&, const FeatureTable<2>&);
+template absl::Status DiffBuilder<2>::NameStatus(const Traced<2>&, const FeatureTable<2>&) const;
 template Mesh DiffBuilder<2>::Begin(Untraced<2>&, const FeatureTable<2>&);
+template absl::Status DiffBuilder<2>::NameStatus(const Untraced<2>&, const FeatureTable<2>&) const;
 template MeshDiff DiffBuilder<2>::Update(Traced<2>&, const FeatureTable<2>&);
 template Mesh DiffBuilder<2>::Snapshot(const Traced<2>&, const FeatureTable<2>&) const;
 template Mesh DiffBuilder<3>::Begin(Traced<3>&, const FeatureTable<3>&);
+template absl::Status DiffBuilder<3>::NameStatus(const Traced<3>&, const FeatureTable<3>&) const;
 template Mesh DiffBuilder<3>::Begin(Untraced<3>&, const FeatureTable<3>&);
+template absl::Status DiffBuilder<3>::NameStatus(const Untraced<3>&, const FeatureTable<3>&) const;
 template MeshDiff DiffBuilder<3>::Update(Traced<3>&, const FeatureTable<3>&);
 template Mesh DiffBuilder<3>::Snapshot(const Traced<3>&, const FeatureTable<3>&) const;
 

@@ -71,8 +71,14 @@ class DiffBuilder {
   }
 
   // RESOURCE_EXHAUSTED (POLYGON_LIMIT) if the last Begin or Update found a place in too many
-  // polygons. What it returned is nothing then, and no more may be done with the builder.
+  // polygons, FAILED_PRECONDITION (ID_COLLISION) if two sets of polygons have one id; after an
+  // Update these may be of the past. What it returned is nothing then, and no more may be done with
+  // the builder.
   absl::Status RegionStatus() const;
+  // FAILED_PRECONDITION (ID_COLLISION) if two vertices have one id after the last Begin or Update:
+  // then what it returned must not be shown, but an Update may lead out of it.
+  template <class Refinement>
+  absl::Status NameStatus(const Refinement& refinement, const FeatureTable<D>& features) const;
 
   const MeshHash& hash() const { return hash_; }
   std::size_t subsegment_count() const { return subsegment_count_; }

@@ -243,9 +243,11 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(const plc::Delta<D>& delta, bool
   diff.work.created = counters.created;
   diff.work.dropped = counters.dropped;
   meter.End();
+  absl::Status status = state.diffs.NameStatus(state.refinement, state.features);
   // The diff has taken what changed: the way back, too, begins with nothing that has.
   state.features.Collect();
-  if (absl::Status status = commit(diff); !status.ok()) {
+  if (status.ok()) status = commit(diff);
+  if (!status.ok()) {
     Undo(delta);
     return status;
   }
@@ -271,6 +273,10 @@ absl::StatusOr<typename LiveMesh<D>::Built> LiveMesh<D>::Build(const plc::Delta<
   built.mesh = fresh.diffs.Begin(fresh.refinement, fresh.features);
   built.diff_microseconds = MicrosecondsSince(propagated);
   if (absl::Status status = fresh.diffs.RegionStatus(); !status.ok()) return status;
+  if (absl::Status status = fresh.diffs.NameStatus(fresh.refinement, fresh.features);
+      !status.ok()) {
+    return status;
+  }
   fresh.features.Collect();
   return built;
 }

@@ -75,6 +75,9 @@ class RegionLabels {
   // LabelAll, of the places where there are too many for those who come from outside and pass
   // none such: the first by its owners. A function of the input.
   std::span<const FeatureId> overfull() const { return sets_.overfull(); }
+  // Sets of owners that have one id: of labels and walls, and since the last LabelAll of some that
+  // were. After LabelAll a function of the input.
+  std::optional<RegionSets::Collision> collision() const { return sets_.collision(); }
   // Forgets sets of owners that were here once, if there are many. Call when no label
   // from before an update is of interest any more. O(mesh), amortised O(1) a new set.
   void Collect();

@@ -270,8 +270,9 @@ class ScriptParser {
   absl::StatusOr<FeatureId> Id(std::size_t i, std::string_view what) const {
     const absl::StatusOr<std::uint64_t> id = reader_.Uint64(i, what);
     if (!id.ok()) return id.status();
-    if (*id == kNoFeature || *id == kBoxFeature) {
-      return Error(Concat(what, " is reserved: ids run from 1 to 2^64 - 2"));
+    if (*id == kNoFeature || *id > kLastFeatureId) {
+      return Error(Concat(what, " is reserved: ids run from 1 to ", kLastFeatureId,
+                          ", those of polygons to ", kLastPolygonId));
     }
     return *id;
   }

@@ -30,10 +30,19 @@ const char* NameOf(State state) {
 }
 
 absl::Status CheckId(FeatureId id, EditIndex edit) {
-  if (id != kNoFeature && id < kFirstReservedId) return absl::OkStatus();
+  if (id != kNoFeature && id <= kLastFeatureId) return absl::OkStatus();
   return Refuse(absl::StatusCode::kInvalidArgument, reason::kBadId, id, edit,
                 absl::StrCat("feature id ", id, id == 0 ? " means none" : " is reserved",
-                             "; choose one from 1 to ", kFirstReservedId - 1));
+                             "; choose one from 1 to ", kLastFeatureId));
+}
+
+absl::Status CheckPolygonId(FeatureId id, EditIndex edit) {
+  if (id <= kLastPolygonId) return absl::OkStatus();
+  return Refuse(absl::StatusCode::kInvalidArgument, reason::kBadId, id, edit,
+                absl::StrCat("polygon ", id,
+                             ": ids from 2^63 up stand for sets of polygons; choose "
+                             "one from 1 to ",
+                             kLastPolygonId));
 }
 
 template <class Entry>
@@ -70,7 +79,7 @@ absl::Status Become(const Feature& feature, typename Draft<D>::Entry& entry) {
     case FeatureKind::kPolygon:
       entry.state = State::kPolygon;
       entry.given = &feature;
-      return absl::OkStatus();
+      return CheckPolygonId(entry.id, entry.edit);
   }
   return Refuse(
       absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,

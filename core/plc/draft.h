@@ -23,9 +23,6 @@
 
 namespace dynmesh::plc {
 
-// Ids from here up are reserved, kBoxFeature among them.
-inline constexpr FeatureId kFirstReservedId = FeatureId{0} - (FeatureId{1} << 16);
-
 // Index of an edit in its batch; kUntouched: no edit, the feature is as it was.
 using EditIndex = std::int64_t;
 inline constexpr EditIndex kUntouched = -1;

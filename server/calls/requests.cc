@@ -131,8 +131,9 @@ absl::StatusOr<data::RegionChoice> DecodeRegions(
   data::RegionChoice choice;
   choice.in.assign(regions.begin(), regions.end());
   data::Normalize(choice);
-  if (!choice.in.empty() && (choice.in.front() == kNoFeature || choice.in.back() == kBoxFeature)) {
-    return BadRequest("regions", "must be ids of polygons, 1 to 2^64 - 2");
+  if (!choice.in.empty() &&
+      (choice.in.front() == kNoFeature || choice.in.back() > kLastPolygonId)) {
+    return BadRequest("regions", absl::StrCat("must be ids of polygons, 1 to ", kLastPolygonId));
   }
   return choice;
 }

@@ -15,8 +15,10 @@ namespace dynmesh {
 namespace reason {
 inline constexpr char kNotFinite[] = "NOT_FINITE";
 inline constexpr char kOutsideBox[] = "OUTSIDE_BOX";
-inline constexpr char kBadId[] = "BAD_ID";                    // 0, reserved
-inline constexpr char kIdInUse[] = "ID_IN_USE";               // add of a present id
+inline constexpr char kBadId[] = "BAD_ID";       // 0, reserved, not of a polygon
+inline constexpr char kIdInUse[] = "ID_IN_USE";  // add of a present id
+// Vertices or sets of polygons would have the same id, a hash (mesh.h).
+inline constexpr char kIdCollision[] = "ID_COLLISION";
 inline constexpr char kUnknownFeature[] = "UNKNOWN_FEATURE";  // set, remove, move of an absent id
 inline constexpr char kUnknownEnd[] = "UNKNOWN_END";  // an end or corner is no point present
 inline constexpr char kDegenerateSegment[] = "DEGENERATE_SEGMENT";  // both ends the same point

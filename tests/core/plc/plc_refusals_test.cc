@@ -74,6 +74,23 @@ TEST_F(PlcRefusals, BadIds) {
     expect(Edit::Move(id, 0.1, 0.1), id);
   }
   ExpectAccepted({AddPoint(kReserved - 1, 0.1, 0.1)});
+  EXPECT_EQ(kLastFeatureId, kReserved - 1);
+}
+
+// From there up a region's id is that of a set of polygons.
+TEST_F(PlcRefusals, IdsOfPolygonsFrom2To63Up) {
+  constexpr FeatureId kSet = FeatureId{1} << 63;
+  const Rings rings = {{1, 3, 5}};
+  for (const FeatureId id : {kSet, kSet + 7, kReserved - 1}) {
+    ExpectRefused({Edit::Remove(14), Edit::Add(Feature::Polygon(id, rings))},
+                  Code::kInvalidArgument, reason::kBadId, {id}, 1);
+    ExpectRefused({AddPoint(id, 0.1, 0.1), Edit::Set(Feature::Polygon(id, rings))},
+                  Code::kInvalidArgument, reason::kBadId, {id}, 1);
+    const absl::Status status =
+        plc_.Check(EditBatch{Edit::Add(Feature::Polygon(id, rings))}).status();
+    EXPECT_NE(status.message().find("1 to 9223372036854775807"), std::string::npos) << status;
+  }
+  ExpectAccepted({AddPoint(kSet, 0.1, 0.1)});
 }
 
 TEST_F(PlcRefusals, IdsInUse) {
