@@ -360,13 +360,15 @@ void Refinement<D, E>::FillTriangulation() {
     constexpr std::size_t kMostPerVertex = 16, kFirst = 512;
     std::vector<VertexIndex> part;
     std::vector<Point> places;
-    // By random rounds, each as large as all before it: few points tell.
+    // By random rounds, each as large as all before it: few points tell. By a hash of the rank, as
+    // coordinates are a client's to choose.
     const int rounds = std::bit_width(pending_.size() / kFirst);
     for (int round = rounds; round >= 0; --round) {
       part.clear();
       places.clear();
-      for (const VertexIndex v : pending_) {
-        if (std::min(std::countl_zero(geometry::HashOf(vertices_[v].p)), rounds) != round) continue;
+      for (std::size_t rank = 0; rank < pending_.size(); ++rank) {
+        if (std::min(std::countl_zero(geometry::Mix(rank)), rounds) != round) continue;
+        const VertexIndex v = pending_[rank];
         part.push_back(v);
         places.push_back(vertices_[v].p);
       }

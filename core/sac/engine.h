@@ -203,6 +203,8 @@ class Engine {
   std::size_t waiting_in(Epoch epoch) const { return queue_.SizeIn(epoch); }
   const Counters& counters() const { return counters_; }
   void ResetCounters() { counters_ = {}; }
+  // What finding their places in time took (epoch_order.h).
+  std::uint64_t order_steps() const { return time_.steps(); }
   // Room for that many operations that remember so many words each. What is not used costs no
   // memory.
   void Reserve(std::size_t operations, std::size_t words) {
