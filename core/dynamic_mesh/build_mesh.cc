@@ -13,6 +13,9 @@ absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions&
   plc::Plc<D> plc(options);
   const absl::StatusOr<plc::Delta<D>> delta = plc.Check(plc::Edits::Adding(features));
   if (!delta.ok()) return delta.status();
+  if (delta->added_points.size() > options.limits.max_vertices) {
+    return VertexLimitError(options.limits);
+  }
 
   DiffBuilder<D> diffs;
   FeatureTable<D> table;

@@ -7,6 +7,7 @@
 
 #include "core/data/canonical_order.h"
 #include "core/data/regions.h"
+#include "core/dynamic_mesh/limits.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
@@ -109,6 +110,7 @@ void DiffBuilder<D>::AddWall(const typename Labels::Side& side, meshing::Feature
 
 template <int D>
 absl::Status DiffBuilder<D>::RegionStatus() const {
+  if (triangulation_.is_full()) return SizeLimitError();
   const auto polygons = labels_.overfull();
   if (polygons.empty()) {
     const auto collision = labels_.collision();
@@ -165,6 +167,7 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
     if (!triangulation_.Contains(v)) missing.push_back(v);
   });
   FillTriangulation(refinement, missing);
+  if (triangulation_.is_full()) return {};
   names_.AddAll(all, [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
   if constexpr (D == 2) {
     refinement.ForEachSubsegment(
@@ -243,6 +246,7 @@ MeshDiff DiffBuilder<D>::Update(Refinement& refinement, const FeatureTable<D>& f
   TakeChanges(refinement);
   UpdateNames(refinement);
   UpdateTriangulation(refinement);
+  if (triangulation_.is_full()) return {};
   UpdateSubfacets(refinement, features);
   UpdateWalls(refinement, features);
   UpdateLabels(refinement, features);
@@ -304,6 +308,7 @@ void DiffBuilder<D>::UpdateTriangulation(const Refinement& refinement) {
     triangulation_.Remove(v);
     RecordSimplices();
   }
+  if (triangulation_.is_full()) return;
   for (const VertexIndex v : vertices_.come) {
     InsertVertex(refinement, v);
     RecordSimplices();

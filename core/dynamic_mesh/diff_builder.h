@@ -70,10 +70,10 @@ class DiffBuilder {
     return data::InCanonicalOrder(NewIds(triangulation_.vertices(t)));
   }
 
-  // RESOURCE_EXHAUSTED (POLYGON_LIMIT) if the last Begin or Update found a place in too many
-  // polygons, FAILED_PRECONDITION (ID_COLLISION) if two sets of polygons have one id; after an
-  // Update these may be of the past. What it returned is nothing then, and no more may be done with
-  // the builder.
+  // RESOURCE_EXHAUSTED if the last Begin or Update filled the triangulation (SIZE_LIMIT) or found a
+  // place in too many polygons (POLYGON_LIMIT), FAILED_PRECONDITION (ID_COLLISION) if two sets of
+  // polygons have one id; after an Update these may be of the past. What it returned is nothing
+  // then, and no more may be done with the builder.
   absl::Status RegionStatus() const;
   // FAILED_PRECONDITION (ID_COLLISION) if two vertices have one id after the last Begin or Update:
   // then what it returned must not be shown, but an Update may lead out of it.

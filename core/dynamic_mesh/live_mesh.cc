@@ -142,6 +142,9 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, const Ap
   if (!delta.ok()) return delta.status();
   meter.End(std::max(looked_at, delta->size()));
   validated = MicrosecondsSince(start);
+  if (delta->added_points.size() > options_.limits.max_vertices) {
+    return VertexLimitError(options_.limits);
+  }
   const Plan plan = PlanFor(*delta, plc_.size(), state_->refinement.vertex_count(), options_.box,
                             tuning_.rebuild);
   absl::StatusOr<MeshDiff> diff =

@@ -25,6 +25,9 @@ struct LiveMeshTuning {
   // From scratch: read neighbourhoods off the growing triangulation.
   bool global_neighbourhoods = true;
   VertexHash vertex_hash = &VertexIdAt;
+  // Lesser ones are for tests.
+  sac::EngineLimits engine_limits = {};
+  std::size_t most_tetrahedra = 0;  // 0: as many as it can
 };
 
 template <int D>
@@ -67,6 +70,12 @@ class LiveMesh final : public DynamicMesh {
         : diffs(tuning.vertex_hash),
           refinement(options, tuning.global_neighbourhoods ? &diffs.triangulation() : nullptr) {
       if (!tuning.global_neighbourhoods) refinement.ResetToDomain(&diffs.triangulation());
+      refinement.engine().set_limits(tuning.engine_limits);
+      if constexpr (D == 3) {
+        if (tuning.most_tetrahedra > 0) {
+          diffs.triangulation().set_most_simplices(tuning.most_tetrahedra);
+        }
+      }
     }
     DiffBuilder<D> diffs;
     FeatureTable<D> features;

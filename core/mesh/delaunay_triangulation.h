@@ -54,6 +54,10 @@ class DelaunayTriangulation {
   // Insert that saves the walk: `conflicting` is any triangle with Conflicts(it, p).
   void InsertAt(VertexIndex v, const geometry::Point2& p, SimplexIndex conflicting);
 
+  // There are exactly 2 n - 2 triangles of n vertices, infinite ones included, and never more slots
+  // than there once were triangles. Codes have 30 bits for a triangle: enough below 2^29 vertices.
+  static constexpr bool is_full() { return false; }
+
   // Removes vertex v, none of the four corners. O(degree log degree) expected.
   void Remove(VertexIndex v);
 

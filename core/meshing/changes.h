@@ -111,22 +111,25 @@ void Refinement<D, E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   // Where a triangulation answers everything but what a point encroaches on, the tree need
   // only be as fine as the subsegments.
   if (!is_global() || (vertex.dimension < D && !box_only_)) tree_.Insert(v, vertex.p);
-  InsertIntoTriangulation(v);
+  const bool is_in = InsertIntoTriangulation(v);
   MarkChanged(v);
   if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
   NotifyOfVertex(v, true, at);
   if constexpr (!kTraced) {
-    if (is_global() && by_edge() && IsQualityEpoch(vertex.epoch)) RequestFirstGap(v);
+    if (is_in && by_edge() && IsQualityEpoch(vertex.epoch)) RequestFirstGap(v);
   }
 }
 
+// False if there is none, or it is full.
 template <int D, template <class> class E>
-void Refinement<D, E>::InsertIntoTriangulation(VertexIndex v) {
-  if (triangulation_ == nullptr) return;
+bool Refinement<D, E>::InsertIntoTriangulation(VertexIndex v) {
+  if (triangulation_ == nullptr) return false;
   const Point& p = vertices_[v].p;
   const auto known = std::exchange(gap_triangle_, Triangulation::kNone);
   triangulation_->InsertAt(
       v, p, known != Triangulation::kNone ? known : triangulation_->Locate(p, near_));
+  if (triangulation_->is_full()) is_full_ = true;
+  return !is_full_;
 }
 
 template <int D, template <class> class E>
@@ -479,6 +482,7 @@ template <int D, template <class> class E>
 VertexIndex Refinement<D, E>::NewVertex() {
   if (free_vertices_.empty()) {
     vertices_.emplace_back();
+    if (vertices_.size() > kMostElements) is_full_ = true;
     return static_cast<VertexIndex>(vertices_.size() - 1);
   }
   const VertexIndex v = free_vertices_.back();
@@ -491,6 +495,7 @@ template <int D, template <class> class E>
 SubsegmentIndex Refinement<D, E>::NewSubsegment() {
   if (free_subsegments_.empty()) {
     subsegments_.emplace_back();
+    if (subsegments_.size() > kMostElements) is_full_ = true;
     return static_cast<SubsegmentIndex>(subsegments_.size() - 1);
   }
   const SubsegmentIndex s = free_subsegments_.back();

@@ -373,8 +373,9 @@ void Refinement<D, E>::FillTriangulation() {
         places.push_back(vertices_[v].p);
       }
       triangulation_->InsertAll(part, places);
-      if (triangulation_->simplex_count() >
-          kMostPerVertex * triangulation_->vertex_count() + 10'000) {
+      if (triangulation_->is_full() ||
+          triangulation_->simplex_count() >
+              kMostPerVertex * triangulation_->vertex_count() + 10'000) {
         return LeaveTriangulation();
       }
     }

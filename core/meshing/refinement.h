@@ -169,7 +169,22 @@ class Refinement {
 
   // Was an insertion or a split refused because it would be finer than limits allow?
   bool hit_depth_limit() const { return hit_depth_limit_; }
-  void ForgetDepthLimit() { hit_depth_limit_ = false; }
+  void ForgetDepthLimit() { hit_depth_limit_ = is_full_ = false; }
+  // Are there as many vertices or subsegments as there may be, or simplices? From then on what is
+  // made is to be undone, which may take as many more vertices and subsegments as there were
+  // before: outputs have 30 bits for them.
+  bool is_full() const { return is_full_; }
+  static constexpr std::size_t kMostElements = std::size_t{1} << 29;
+  // Where the operation is that limits stopped (sac::EngineLimits), if one did.
+  std::optional<Point> OverflowAt() const {
+    if constexpr (kTraced) {
+      const sac::OpId op = engine_.overflowed();
+      if (op == sac::kNoOp) return std::nullopt;
+      const sac::Item item = engine_.item(op);
+      return vertices_[engine_.kind(op) <= kComplete ? item : subsegments_[item].a].p;
+    }
+    return std::nullopt;
+  }
 
   // In space: who is on which facet (facet_work.h).
   const FacetField& facets() const { return facets_; }
@@ -336,7 +351,7 @@ class Refinement {
   VertexIndex NewVertex();
   SubsegmentIndex NewSubsegment();
   void PublishVertex(VertexIndex v, sac::Stamp at);
-  void InsertIntoTriangulation(VertexIndex v);
+  bool InsertIntoTriangulation(VertexIndex v);
   void WithdrawVertex(VertexIndex v, sac::Stamp at);
   void MovePlaces(std::uint32_t first_child, std::uint32_t parent);
   void NotifyOfVertex(VertexIndex v, bool appears, sac::Stamp at);
@@ -383,6 +398,7 @@ class Refinement {
   std::size_t vertex_count_ = 0;
   bool box_only_ = true;  // no client segment has ever been added
   bool hit_depth_limit_ = false;
+  bool is_full_ = false;
   bool looked_for_gaps_ = false;
   VertexIndex near_ = 0;  // a vertex near where things are published
   // The triangle with the gap that the first vertex to be published fills, if it is known.

@@ -62,6 +62,15 @@ using Kind = std::uint8_t;
 using Item = std::uint32_t;
 using Output = std::uint32_t;
 
+// What one operation may say, and how many there may be. More is not kept: the propagation ends
+// before anything of it shows (Propagate). Lesser ones are for tests.
+struct EngineLimits {
+  std::uint32_t outputs = (1u << 16) - 1, places = (1u << 16) - 1;
+  std::uint32_t requests = (1u << 24) - 1, reads = (1u << 24) - 1;
+  // Half of what indices can tell apart: the way back makes again, at most, what was dropped.
+  std::uint32_t operations = 1u << 31;
+};
+
 struct Counters {
   std::uint64_t executed = 0;   // bodies run
   std::uint64_t created = 0;    // operations that are new
@@ -92,13 +101,15 @@ class Engine {
   // Re-runs what is stale until nothing is. `interrupt()` is asked before each
   // operation; when it says true the propagation stops (false is returned) in a
   // state from which another Propagate, after further changes of input, goes on.
+  // Likewise if an operation says more than limits allow, or there are too many: `overflowed`.
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
     queue_.Rewind();
+    overflowed_ = kNoOp;
     // From the empty trace time only goes on: whoever subscribes is not later than what comes.
     if (frontier_ == beginning()) subscriptions_.BeginLoad();
     while (!queue_.empty()) {
-      if (interrupt()) {
+      if (interrupt() || overflowed_ != kNoOp) {
         subscriptions_.EndLoad();
         return false;
       }
@@ -122,6 +133,9 @@ class Engine {
   void Propagate() {
     Propagate([] { return false; });
   }
+  // The operation at which limits stopped the last propagation, else kNoOp.
+  OpId overflowed() const { return overflowed_; }
+  void set_limits(const EngineLimits& limits) { limits_ = limits; }
 
   // --- Notification -------------------------------------------------------------
 
@@ -329,6 +343,13 @@ class Engine {
   }
 
   void Execute(OpId id);
+  bool IsTooMuch() const {
+    const auto over = [](std::size_t size, std::uint32_t most) { return size > most ? 1 : 0; };
+    return (over(new_outputs_.size(), limits_.outputs) | over(new_places_.size(), limits_.places) |
+            over(new_requests_.size(), limits_.requests) | over(new_reads_.size(), limits_.reads) |
+            over(ops_.size(), limits_.operations)) != 0;
+  }
+  void Forgo(OpId id);
   void Commit(OpId id);
   void JoinNewSubscriptions();
   void Drop(OpId id);
@@ -342,6 +363,8 @@ class Engine {
   WorkQueue<QueueEntry, BeforeInQueue> queue_;
   BlockPool pool_;
   Subscriptions subscriptions_;
+  EngineLimits limits_;
+  OpId overflowed_ = kNoOp;
   Stamp frontier_ = 0;  // no executed operation is later
   Counters counters_;
 
@@ -415,8 +438,22 @@ void Engine<Program>::Execute(OpId id) {
   new_reads_.clear();
   Context context(*this, id);
   program_.Execute(context);
+  JoinNewSubscriptions();
+  if (IsTooMuch()) return Forgo(id);
   Commit(id);
   if (Precedes(frontier_, ops_[id].stamp)) frontier_ = ops_[id].stamp;
+}
+
+// What it said is forgotten, as if it had not run: it is stale, so nothing asks for what it keeps
+// of before.
+template <class Program>
+void Engine<Program>::Forgo(OpId id) {
+  overflowed_ = id;
+  const auto old = outputs(id);
+  for (const Output o : new_outputs_) {
+    if (std::ranges::find(old, o) == old.end()) withdrawn_.push_back(o);
+  }
+  MarkStale(id);
 }
 
 // New requests and outputs are acquired before the old ones are released, or whole
@@ -430,7 +467,6 @@ void Engine<Program>::Commit(OpId id) {
     ++ops_[requested].refs;
     new_ops_.push_back(requested);
   }
-  JoinNewSubscriptions();
 
   Operation& op = ops_[id];
   const bool again = op.flags & kExecuted;
@@ -443,8 +479,6 @@ void Engine<Program>::Commit(OpId id) {
   op.requests = new_ops_.size();
   op.places = static_cast<std::uint16_t>(new_places_.size());
   op.reads = new_reads_.size();
-  assert(op.outputs == new_outputs_.size() && op.requests == new_ops_.size() &&
-         op.places == new_places_.size() && op.reads == new_reads_.size());
   pool_.Resize(op.links, op.outputs + op.requests + op.places + op.reads);
   std::uint32_t* to = pool_.data(op.links);
   to = std::copy(new_outputs_.begin(), new_outputs_.end(), to);

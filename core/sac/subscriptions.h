@@ -41,8 +41,8 @@ class Subscriptions {
     if (loading_) return loaded_.push_back({place, {op, parts}});
     if (place >= lists_.size()) lists_.resize(place + place / 4 + 16);
     List& list = lists_[place];
-    if (kWords * (list.count + 1) > list.block.capacity)
-      pool_.Resize(list.block, kWords * (list.count + 1 + list.count / 4));
+    if (kWords * (list.count + std::uint64_t{1}) > list.block.capacity())
+      pool_.Resize(list.block, kWords * (list.count + std::uint64_t{1} + list.count / 4));
     data(list)[list.count++] = {op, parts};
   }
 
@@ -84,7 +84,7 @@ class Subscriptions {
     BlockPool::Block block;
     std::uint32_t count = 0;
   };
-  static constexpr std::uint32_t kWords = sizeof(Subscriber) / sizeof(std::uint32_t);
+  static constexpr std::uint64_t kWords = sizeof(Subscriber) / sizeof(std::uint32_t);
 
   Subscriber* data(const List& list) {
     return reinterpret_cast<Subscriber*>(pool_.data(list.block));

@@ -1,5 +1,8 @@
 #include "proto/codec/edit_codec.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -191,7 +194,13 @@ absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
   if (proto.max_vertices() > max_vertices) {
     return OptionError("max_vertices", absl::StrCat("is above this server's ", max_vertices));
   }
-  options.limits.max_vertices = proto.max_vertices() != 0 ? proto.max_vertices() : max_vertices;
+  const std::uint64_t most = MostVertices(options.dimension);
+  options.limits.max_vertices =
+      proto.max_vertices() != 0 ? proto.max_vertices() : std::min(max_vertices, most);
+  // A journal, or a server's answer: limits were once free, and no mesh has come near that one.
+  if (max_vertices == std::numeric_limits<std::uint64_t>::max()) {
+    options.limits.max_vertices = std::min(options.limits.max_vertices, most);
+  }
   if (proto.max_depth() != 0) options.limits.max_depth = proto.max_depth();
   options.max_edge = proto.max_edge();
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;

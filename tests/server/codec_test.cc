@@ -433,6 +433,13 @@ TEST(OptionsCodec, ZerosAreDefaultsAndLimitsHold) {
   proto.set_max_vertices(101);
   EXPECT_EQ(GetServiceError(DecodeOptions(proto, 100).status())->field, "options.max_vertices");
   proto.set_max_vertices(0);
+  constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
+  EXPECT_EQ(DecodeOptions(proto, kAny)->limits.max_vertices, MostVertices(2));
+  EXPECT_EQ(DecodeOptions(proto, kAny - 1)->limits.max_vertices, MostVertices(2));
+  proto.set_max_vertices(kAny - 1);  // in a journal, perhaps, but not of a client
+  EXPECT_EQ(DecodeOptions(proto, kAny)->limits.max_vertices, MostVertices(2));
+  EXPECT_EQ(DecodeOptions(proto, kAny - 1).status().code(), absl::StatusCode::kInvalidArgument);
+  proto.set_max_vertices(0);
   proto.set_quality(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(DecodeOptions(proto, 100).status().code(), absl::StatusCode::kInvalidArgument);
   proto.set_quality(2);

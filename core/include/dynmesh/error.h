@@ -42,6 +42,7 @@ inline constexpr char kBadPolygon[] = "BAD_POLYGON";  // rings that enclose noth
 inline constexpr char kWrongKind[] = "WRONG_KIND";    // move of a segment, unknown kind
 inline constexpr char kVertexLimit[] = "VERTEX_LIMIT";
 inline constexpr char kPolygonLimit[] = "POLYGON_LIMIT";  // a place in too many (mesh.h)
+inline constexpr char kSizeLimit[] = "SIZE_LIMIT";  // more than indices tell apart (options.h)
 inline constexpr char kDepthLimit[] = "DEPTH_LIMIT";
 inline constexpr char kCancelled[] = "CANCELLED";
 inline constexpr char kBadOption[] = "BAD_OPTION";
