@@ -299,7 +299,7 @@ void Refinement<D, E>::RequestFirstGaps() {
     const TetrahedronGaps gaps(*this);
     triangulation_->ForEachSimplex([&](auto t) {
       const auto& corners = triangulation_->vertices(t);
-      const double r2 = gaps.MostRadius2(corners);
+      const double r2 = gaps.MostRadius2(t);
       for (int i = 0; i < 4; ++i) {
         for (int j = 0; j < i; ++j) {
           const int bucket = gaps.BucketOf(corners[i], corners[j], r2);
@@ -339,7 +339,7 @@ void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
     for (const auto t : created) {
       if (triangulation_->IsInfinite(t)) continue;
       const auto& corners = triangulation_->vertices(t);
-      const double r2 = gaps.MostRadius2(corners);
+      const double r2 = gaps.MostRadius2(t);
       for (int i = 0; i < 3; ++i) first = std::min(first, gaps.BucketOf(v, corners[i], r2));
     }
   }
