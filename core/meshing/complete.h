@@ -230,10 +230,9 @@ bool Refinement<D, E>::IsBeyondBorder(int i) const {
 // then u has to look again, in the bucket of that distance.
 template <int D, template <class> class E>
 void Refinement<D, E>::RequestNeighbours(Context& context) {
-  const Vertex& v = vertices_[star_.vertex()];
-  if (v.epoch == kBirthOfInput) return;
+  if (vertices_[star_.vertex()].epoch == kBirthOfInput) return;
   star_.ForEachNeighbour([&](const auto& u) {
-    if (Star::IsGhost(u.id) || !IsOlder(vertices_[u.id], v)) return;
+    if (Star::IsGhost(u.id) || !IsOlder(u.id, star_.vertex())) return;
     bool nearest = true;
     star_.ForEachNeighbour([&](const auto& w) {
       nearest = nearest && (w.id == u.id || Star::IsGhost(w.id) ||
@@ -283,13 +282,27 @@ bool Refinement<D, E>::IsOpen() const {
 
 template <int D, template <class> class E>
 bool Refinement<D, E>::Owns(VertexIndex u) const {
-  return IsOlder(vertices_[u], vertices_[star_.vertex()]);
+  return IsOlder(u, star_.vertex());
+}
+
+// In a run from scratch indices tell, unless both are of the input or of the same segment work:
+// then u, which is anywhere in memory, need not be read.
+template <int D, template <class> class E>
+inline bool Refinement<D, E>::IsOlder(VertexIndex u, VertexIndex v) const {
+  if (NumbersByAge()) {
+    const sac::Epoch birth = vertices_[v].epoch;
+    if (IsQualityEpoch(birth) || (birth == kBirthOfInput && u >= first_made_)) {
+      assert((u < v) == IsOlder(vertices_[u], vertices_[v]));
+      return u < v;
+    }
+  }
+  return IsOlder(vertices_[u], vertices_[v]);
 }
 
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsOlder(const Vertex& u, const Vertex& v) const {
   if (u.epoch != v.epoch) return u.epoch < v.epoch;
-  if (u.epoch != kBirthOfInput && IsQualityEpoch(u.epoch)) {
+  if (IsQualityEpoch(u.epoch)) {
     if (u.birth != v.birth) return engine_.Precedes(u.birth, v.birth);
     return u.ordinal < v.ordinal;
   }

@@ -291,7 +291,7 @@ void Refinement<D, E>::RequestFirstGaps() {
         const auto across = triangulation_->Opposite({t, i});
         const int bucket =
             gaps.BucketOf(p, q, v[i], triangulation_->vertices(across.simplex)[across.index]);
-        auto& owners = first[IsOlder(vertices_[p], vertices_[q]) ? q : p];
+        auto& owners = first[IsOlder(p, q) ? q : p];
         owners = std::min(owners, static_cast<std::uint16_t>(bucket));
       }
     });
@@ -304,7 +304,7 @@ void Refinement<D, E>::RequestFirstGaps() {
         for (int j = 0; j < i; ++j) {
           const int bucket = gaps.BucketOf(corners[i], corners[j], r2);
           if (bucket == kBuckets) continue;
-          const bool older = IsOlder(vertices_[corners[i]], vertices_[corners[j]]);
+          const bool older = IsOlder(corners[i], corners[j]);
           auto& owners = first[corners[older ? j : i]];
           owners = std::min(owners, static_cast<std::uint16_t>(bucket));
         }

@@ -113,7 +113,10 @@ class Refinement {
     if constexpr (D == 3) FillTriangulation();
     if constexpr (!kTraced) BeginUntraced();
     NotifyOfFacets();
+    if constexpr (kTraced) numbers_by_age_ = engine_.IsFromScratch() && free_vertices_.empty();
+    first_made_ = static_cast<VertexIndex>(vertices_.size());
     const bool done = engine_.Propagate(interrupt);
+    numbers_by_age_ = false;
     if (done) appeared_.clear();
     nearest2_ = std::vector<double>();
     return done;
@@ -280,7 +283,12 @@ class Refinement {
   void RequestNeighbours(Context& context);
   bool IsSkipped(const Point& neighbour, bool left) const;
   bool Owns(VertexIndex u) const;
+  [[gnu::always_inline]] inline bool IsOlder(VertexIndex u, VertexIndex v) const;
   bool IsOlder(const Vertex& u, const Vertex& v) const;
+  // Do vertices made later have greater indices? In a run from scratch: operations come in the
+  // order of time, and no index is used twice.
+  bool NumbersByAge() const { return !kTraced || numbers_by_age_; }
+  void PrefetchBeyond(int i) const;
   int NextBucket(int bucket) const;
   void RequestFirstComplete(Context& context, VertexIndex x, double d2);
   sac::Epoch NoEarlierThan(sac::Epoch now, VertexIndex v, VertexIndex x, int own) const;
@@ -400,7 +408,9 @@ class Refinement {
   bool hit_depth_limit_ = false;
   bool is_full_ = false;
   bool looked_for_gaps_ = false;
-  VertexIndex near_ = 0;  // a vertex near where things are published
+  bool numbers_by_age_ = false;
+  VertexIndex first_made_ = 0;  // the input's vertices are below
+  VertexIndex near_ = 0;        // a vertex near where things are published
   // The triangle with the gap that the first vertex to be published fills, if it is known.
   std::uint32_t gap_triangle_ = Triangulation::kNone;
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell

@@ -106,8 +106,7 @@ class Engine {
   bool Propagate(Interrupt interrupt) {
     queue_.Rewind();
     overflowed_ = kNoOp;
-    // From the empty trace time only goes on: whoever subscribes is not later than what comes.
-    if (frontier_ == beginning()) subscriptions_.BeginLoad();
+    if (IsFromScratch()) subscriptions_.BeginLoad();  // subscribers are never later than what comes
     while (!queue_.empty()) {
       if (interrupt() || overflowed_ != kNoOp) {
         subscriptions_.EndLoad();
@@ -176,6 +175,8 @@ class Engine {
   void Notify(Place place, Stamp after, Stamp until, Affected affected) {
     Notify(place, Parts{0}, after, until, affected);
   }
+  // Has nothing been executed yet? Then operations will be in the order of time, once each.
+  bool IsFromScratch() const { return frontier_ == beginning(); }
   // Is there anything that a change at time `after` could make stale?
   bool AnyAfter(Stamp after) const { return Precedes(after, frontier_); }
   // Marks stale every executed operation of the chain at `head` later than `after`.
