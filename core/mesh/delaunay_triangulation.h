@@ -145,6 +145,10 @@ class DelaunayTriangulation {
   }
   // The corner that faces c across the edge opposite to c.
   Corner Opposite(Corner c) const { return ToCorner(triangles_[c.simplex].opposite[c.index]); }
+  // Brings the triangle of Opposite(c) into the cache.
+  void PrefetchOpposite(Corner c) const {
+    __builtin_prefetch(&triangles_[triangles_[c.simplex].opposite[c.index] >> 2]);
+  }
   // Corner indices counter-clockwise in a triangle: 0 1 2 0 and back.
   static constexpr int NextIndex(int i) { return (0b00'10'01 >> (2 * i)) & 3; }
   static constexpr int PreviousIndex(int i) { return (0b01'00'10 >> (2 * i)) & 3; }

@@ -79,7 +79,10 @@ void Refinement<D, E>::Complete(Context& context) {
       break;
     }
     if constexpr (D == 2) {
-      if (is_global() && by_edge() && ordinal == 0) gap_triangle_ = corners_[gap.corner].simplex;
+      if (is_global() && by_edge() && ordinal == 0) {
+        gap_triangle_ = corners_[gap.corner].simplex;
+        PrefetchBeyond(gap.corner);
+      }
     }
     const VertexIndex x =
         EmitVertex(context, gap.x, ordinal++, gap.facet == kNil ? D : 2, gap.facet);
@@ -98,6 +101,17 @@ void Refinement<D, E>::Complete(Context& context) {
     if (own > bucket && own < kBuckets - 1)
       context.Request(kComplete, v, MakeEpoch(own, 0, kQualityStep));
     RequestNeighbours(context);
+  }
+}
+
+// The cavity of the point in the gap of corner i begins with that corner's triangle. What is beyond
+// it and the two beside it is wanted next, and was not read for the star.
+template <int D, template <class> class E>
+void Refinement<D, E>::PrefetchBeyond(int i) const {
+  if constexpr (D == 2) {
+    for (const int k : {star_.Prev(i), i, star_.Next(i)}) {
+      triangulation_->PrefetchOpposite(corners_[k]);
+    }
   }
 }
 
