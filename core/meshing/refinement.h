@@ -36,6 +36,7 @@
 #include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/mesh/delaunay_triangulation.h"
 #include "core/meshing/cell_cut.h"
+#include "core/meshing/corner_set.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/facet_field.h"
 #include "core/meshing/planar_rules.h"
@@ -329,7 +330,7 @@ class Refinement {
     return geometry::SquaredDistance(vertices_[u].p, star_.position());
   }
   bool UpdateStar(Context& context, VertexIndex v, double reach);
-  using Corner = std::array<std::uint32_t, D>;  // its neighbours
+  using Corner = typename CornerSet<D>::Corner;  // its neighbours
   static Corner Turned(Corner ids);
   bool RebuildStar(Context& context, VertexIndex v, double reach,
                    std::span<const std::uint32_t> ids);
@@ -430,7 +431,7 @@ class Refinement {
   std::vector<SubsegmentIndex> encroached_;
   std::vector<bool> encroached_strictly_;
   std::vector<VertexIndex> witnesses_, on_surface_, far_;
-  std::vector<Corner> old_corners_;
+  CornerSet<D> old_corners_;
   std::vector<std::uint32_t> offers_;
   std::vector<std::pair<double, std::uint32_t>> by_distance_;
   std::vector<typename SpatialTree<D>::Ball> balls_;

@@ -186,16 +186,14 @@ bool Refinement<D, E>::UpdateStar(Context& context, VertexIndex v, double reach)
 // Those that were in the star read then.
 template <int D, template <class> class E>
 void Refinement<D, E>::MarkOldCorners(std::span<const std::uint32_t> words) {
-  old_corners_.clear();
+  old_corners_.Clear();
   ForEachCornerIn<D>(words, [this](const Corner& ids) {
-    old_corners_.push_back(Turned(ids));
+    old_corners_.Add(Turned(ids));
     return true;
   });
-  std::sort(old_corners_.begin(), old_corners_.end());
+  old_corners_.Close();
   for (int i = 0; i < star_.corner_count(); ++i) {
-    if (std::binary_search(old_corners_.begin(), old_corners_.end(), Turned(star_.IdsOf(i)))) {
-      star_.MarkVerified(i);
-    }
+    if (old_corners_.Has(Turned(star_.IdsOf(i)))) star_.MarkVerified(i);
   }
 }
 

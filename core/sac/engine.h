@@ -145,19 +145,16 @@ class Engine {
   template <class Affected, class Interested>
   void Notify(Place place, Parts parts, Stamp after, Stamp until, Interested interested,
               Affected affected) {
-    asked_.clear();
-    for (const auto& [op, of] : subscriptions_.at(place)) {
-      if ((of & parts) == parts) asked_.push_back(op);
-    }
-    counters_.notified += asked_.size();
+    const std::span<const OpId> asked = SubscribersOfAll(place, parts);
+    counters_.notified += asked.size();
     // Far from the last edit none is in a cache: what is asked soon is fetched step by step, as
     // each step reads where the one before has pointed.
     constexpr std::size_t kFar = 24, kNear = 12;
-    for (std::size_t i = 0; i < std::min(kFar, asked_.size()); ++i) PrefetchOp(asked_[i]);
-    for (std::size_t i = 0; i < asked_.size(); ++i) {
-      if (i + kFar < asked_.size()) PrefetchOp(asked_[i + kFar]);
-      if (i + kNear < asked_.size()) PrefetchReads(ops_[asked_[i + kNear]]);
-      const OpId id = asked_[i];
+    for (std::size_t i = 0; i < std::min(kFar, asked.size()); ++i) PrefetchOp(asked[i]);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      if (i + kFar < asked.size()) PrefetchOp(asked[i + kFar]);
+      if (i + kNear < asked.size()) PrefetchReads(ops_[asked[i + kNear]]);
+      const OpId id = asked[i];
       const Operation& op = ops_[id];
       if (op.flags & kStale || !interested(id)) continue;
       if (!Precedes(after, op.stamp)) continue;
@@ -295,6 +292,19 @@ class Engine {
     return {pool_.data(op.links) + from, count};
   }
 
+  // Those at `place` that subscribe to all of `parts`, until the next call. Without a branch, as
+  // which do is not to be predicted.
+  std::span<const OpId> SubscribersOfAll(Place place, Parts parts) {
+    const auto subscribers = subscriptions_.at(place);
+    if (asked_.size() <= subscribers.size()) asked_.resize(2 * subscribers.size() + 1);
+    std::size_t count = 0;
+    for (const auto& [op, of] : subscribers) {
+      asked_[count] = op;
+      count += (of & parts) == parts ? 1 : 0;
+    }
+    return std::span(asked_).first(count);
+  }
+
   OpId Find(Kind kind, Item item, Epoch epoch) const {
     OpId id = program_.OperationsOf(kind, item);
     while (id != kNoOp && (ops_[id].kind != kind || ops_[id].epoch != epoch)) {
@@ -379,7 +389,7 @@ class Engine {
   std::vector<Requested> new_requests_;
   std::vector<std::pair<Place, Parts>> new_subscriptions_;
   std::vector<Place> new_places_;  // of them
-  std::vector<OpId> asked_;        // by Notify
+  std::vector<OpId> asked_;        // room for SubscribersOfAll
   std::vector<std::uint32_t> new_reads_;
   std::vector<OpId> new_ops_;
   std::vector<std::uint32_t> scratch_;
