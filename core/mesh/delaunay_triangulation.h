@@ -153,6 +153,11 @@ class DelaunayTriangulation {
   static constexpr int NextIndex(int i) { return (0b00'10'01 >> (2 * i)) & 3; }
   static constexpr int PreviousIndex(int i) { return (0b01'00'10 >> (2 * i)) & 3; }
 
+  // The triangle's other two vertices, seen from a corner: counter-clockwise from it.
+  VertexIndex NextVertex(Corner c) const { return triangles_[c.simplex].v[NextIndex(c.index)]; }
+  VertexIndex PreviousVertex(Corner c) const {
+    return triangles_[c.simplex].v[PreviousIndex(c.index)];
+  }
   // Vertices of a triangle, counter-clockwise; one may be kInfinite.
   const std::array<VertexIndex, 3>& vertices(SimplexIndex t) const { return triangles_[t].v; }
   // True of unused indices too, so a loop below simplex_limit() needs no other test.

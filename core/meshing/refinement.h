@@ -313,6 +313,7 @@ class Refinement {
 
   // idle_star.h
   bool ReadIdleStar(Context& context, VertexIndex v, double reach);
+  bool AddBallsOfLink(StarRegion<D>* region, double* doubt) const;
   bool MayHaveGap(VertexIndex v) const;
 
   // star_search.h
