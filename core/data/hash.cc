@@ -47,8 +47,8 @@ std::uint64_t Bits(double c) { return std::bit_cast<std::uint64_t>(c + 0.0); }
 
 class WordHasher {
  public:
-  explicit WordHasher(Tag tag) { Add(tag); }
-  void Add(std::uint64_t word) {
+  constexpr explicit WordHasher(Tag tag) { Add(tag); }
+  constexpr void Add(std::uint64_t word) {
     hash_.hi = MixA(hash_.hi ^ word);
     hash_.lo = MixB(hash_.lo ^ word);
   }
@@ -57,6 +57,20 @@ class WordHasher {
  private:
   MeshHash hash_{kHiKey, kLoKey};
 };
+
+// Of a simplex with so many ids: what they all begin with is hashed once, by the compiler.
+template <std::uint64_t kIds>
+MeshHash HashOfIds(const VertexId* ids, RegionId region) {
+  constexpr WordHasher kBegun = [] {
+    WordHasher hasher(kSimplexTag);
+    hasher.Add(kIds);
+    return hasher;
+  }();
+  WordHasher hasher = kBegun;
+  for (std::size_t i = 0; i < kIds; ++i) hasher.Add(ids[i]);
+  if (region != kNoRegion) hasher.Add(region);
+  return hasher.Get();
+}
 
 template <std::size_t kIds>
 MeshHash HashPiece(Tag tag, std::array<VertexId, kIds> ids, FeatureId owner) {
@@ -107,6 +121,8 @@ std::vector<FeatureId> PolygonsOf(RegionId region, std::span<const RegionSet> se
 }
 
 MeshHash HashSimplex(const VertexId* ids, int count, RegionId region) {
+  if (count == 3) return HashOfIds<3>(ids, region);
+  if (count == 4) return HashOfIds<4>(ids, region);
   WordHasher hasher(kSimplexTag);
   hasher.Add(static_cast<std::uint64_t>(count));
   for (int i = 0; i < count; ++i) hasher.Add(ids[i]);
@@ -130,7 +146,8 @@ MeshHash ComputeHash(const Mesh& mesh) {
                       mesh.vertices.owners[i]);
   }
   for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
-    sum += HashSimplex(&mesh.simplices[i * (d + 1)], d + 1, mesh.region(i));
+    const VertexId* const ids = &mesh.simplices[i * (d + 1)];
+    sum += d == 2 ? HashOfIds<3>(ids, mesh.region(i)) : HashSimplex(ids, d + 1, mesh.region(i));
   }
   sum += HashOfPieces(mesh.subsegments);
   sum += HashOfPieces(mesh.subfacets);
