@@ -276,7 +276,7 @@ class DelaunayTriangulation {
 
   LargeVector<Triangle> triangles_;
   LargeVector<geometry::Point2> points_;  // by vertex
-  std::vector<Code> incident_;            // by vertex: some corner, or kNone
+  LargeVector<Code> incident_;            // by vertex: some corner, or kNone
   Code infinite_incident_ = kNone;
   SimplexIndex free_ = kNone;  // unused triangles, linked by opposite[0]
   std::size_t free_count_ = 0;

@@ -27,6 +27,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/huge_pages.h"
 #include "core/plc/delta.h"
 #include "core/plc/draft.h"
 #include "core/plc/edits.h"
@@ -115,7 +116,7 @@ class BatchCheck {
   const FeatureIndex<D>* present_;  // null if entered_ holds the features that stay, too
   const Draft<D> draft_;
   Delta<D> delta_;
-  std::vector<Event> events_;
+  LargeVector<Event> events_;
   // Features of the store that the result does not have as they are.
   absl::flat_hash_set<FeatureId> hidden_;
   absl::flat_hash_set<EdgeKey> hidden_edges_;

@@ -16,6 +16,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
+#include "core/base/huge_pages.h"
 #include "core/geometry/point.h"
 #include "core/plc/edits.h"
 #include "core/plc/feature_store.h"
@@ -59,7 +60,7 @@ class Draft {
   const absl::Status& error() const { return error_; }
 
   // In the order in which the batch first names them.
-  const std::vector<Entry>& entries() const { return entries_; }
+  const LargeVector<Entry>& entries() const { return entries_; }
   const Entry* Find(FeatureId id) const;
   // The edit to blame for the feature as it is in the result: the last that names it;
   // kUntouched if that is how it was before the batch.
@@ -82,7 +83,7 @@ class Draft {
   absl::Status Act(Edit::Action action, const Feature& feature, Entry& entry) const;
 
   const FeatureStore<D>& base_;
-  std::vector<Entry> entries_;
+  LargeVector<Entry> entries_;
   // Ids that come in ascending order, as in most large batches, need no index.
   bool ascending_ = true;
   bool has_polygons_ = false;
