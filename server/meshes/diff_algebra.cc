@@ -218,12 +218,16 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
     for (std::size_t i = 0; i < d.added_vertices.size(); ++i) {
       vertices.Add(d.added_vertices.ids[i], &d.added_vertices, i);
     }
+    // What goes and comes in one region is in another set, of the same id.
+    absl::flat_hash_set<SimplexKey> gone;
     for (std::size_t i = 0; i < d.removed_simplex_count(); ++i) {
-      simplices.Remove(KeyOfSimplex(d.removed_simplices, d.removed_regions, i, corners));
+      const SimplexKey key = KeyOfSimplex(d.removed_simplices, d.removed_regions, i, corners);
+      simplices.Remove(key);
+      if (key.back() > kLastPolygonId) gone.insert(key);
     }
     for (std::size_t i = 0; i < d.added_simplex_count(); ++i) {
       const SimplexKey key = KeyOfSimplex(d.added_simplices, d.added_regions, i, corners);
-      simplices.Add(key, others.contains(key.back()));
+      simplices.Add(key, others.contains(key.back()) || gone.contains(key));
     }
     subsegments.Apply(d.removed_subsegments, d.added_subsegments);
     subfacets.Apply(d.removed_subfacets, d.added_subfacets);
