@@ -3,6 +3,7 @@
 
 #include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/live_mesh.h"
+#include "core/plc/messages.h"
 
 namespace dynmesh {
 
@@ -35,6 +36,7 @@ absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions&
 
 absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
+  if (absl::Status status = plc::CheckMaxEdge(options); !status.ok()) return status;
   return options.dimension == 2 ? Build<2>(features, options) : Build<3>(features, options);
 }
 

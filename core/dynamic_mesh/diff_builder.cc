@@ -8,6 +8,7 @@
 #include "core/data/canonical_order.h"
 #include "core/data/regions.h"
 #include "core/dynamic_mesh/limits.h"
+#include "core/mesh/delaunay_insert_order.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
@@ -157,7 +158,7 @@ absl::Status DiffBuilder<D>::NameStatus(const Refinement& refinement,
 
 template <int D>
 template <class Refinement>
-Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& features) {
+Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& features, Steps& steps) {
   refinement.TakeChanges([](VertexIndex, bool, bool) {}, [](SubsegmentIndex, bool, bool) {});
   names_.Reserve(refinement.vertex_count());
   std::vector<VertexIndex> all, missing;  // the triangulation may have grown along
@@ -166,9 +167,15 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
     all.push_back(v);
     if (!triangulation_.Contains(v)) missing.push_back(v);
   });
-  FillTriangulation(refinement, missing);
+  FillTriangulation(refinement, missing, steps);
   if (triangulation_.is_full()) return {};
-  names_.AddAll(all, [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
+  for (std::span<const VertexIndex> rest = all; !rest.empty() && !steps.Stop(Steps::kBetween);) {
+    const std::size_t count = std::min(rest.size(), Steps::kBetween);
+    names_.AddAll(rest.first(count),
+                  [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
+    rest = rest.subspan(count);
+  }
+  if (steps.stopped()) return {};
   if constexpr (D == 2) {
     refinement.ForEachSubsegment(
         [&](const Subsegment& s) { AddWall(SideOf(s), s.feature, features); });
@@ -180,9 +187,10 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
       AddWall(face, slot, features);
     });
   }
-  labels_.LabelAll();
-  if (!RegionStatus().ok()) return {};
-  Mesh mesh = Snapshot(refinement, features);
+  labels_.LabelAll(steps);
+  if (steps.stopped() || !RegionStatus().ok()) return {};
+  Mesh mesh = Snapshot(refinement, features, steps);
+  if (steps.Stop(Steps::kBetween)) return {};
   subsegment_count_ = mesh.subsegments.size();
   hash_ = mesh.hash = ComputeHash(mesh);
   return mesh;
@@ -193,7 +201,7 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
 template <int D>
 template <class Refinement>
 void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
-                                       std::vector<VertexIndex>& missing) {
+                                       std::vector<VertexIndex>& missing, Steps& steps) {
   const auto bucket = [&](VertexIndex v) {
     return meshing::BucketOfEpoch(refinement.vertex(v).epoch);
   };
@@ -201,34 +209,49 @@ void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
   std::stable_sort(missing.begin(), missing.end(),
                    [&](VertexIndex a, VertexIndex b) { return bucket(a) > bucket(b); });
   std::vector<Point> places;
+  std::vector<VertexIndex> ordered;
   for (std::size_t from = 0, to = 0; from < missing.size(); from = to) {
     places.clear();
     for (; to < missing.size() && bucket(missing[to]) == bucket(missing[from]); ++to) {
       places.push_back(refinement.vertex(missing[to]).p);
     }
-    triangulation_.InsertAll(std::span(missing).subspan(from, to - from), places);
+    // Piece by piece, each of neighbours.
+    ordered.clear();
+    for (const std::uint32_t i : mesh::InsertOrder(places)) ordered.push_back(missing[from + i]);
+    for (std::size_t at = 0; at < ordered.size(); at += Steps::kBetween) {
+      if (steps.Stop(Steps::kBetween)) return;
+      const auto piece =
+          std::span(ordered).subspan(at, std::min(Steps::kBetween, ordered.size() - at));
+      places.clear();
+      for (const VertexIndex v : piece) places.push_back(refinement.vertex(v).p);
+      triangulation_.InsertAll(piece, places);
+    }
   }
 }
 
 template <int D>
 template <class Refinement>
-Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D>& features) const {
+Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D>& features,
+                              Steps& steps) const {
   Mesh mesh;
   mesh.dimension = D;
-  Reserve(mesh.vertices, D, refinement.vertex_count());
-  refinement.ForEachVertex([&](VertexIndex v, const Vertex& vertex) {
-    Append(mesh.vertices, RowOf(names_.at(v), vertex, features));
+  Reserve(mesh.vertices, D, triangulation_.vertex_count());
+  refinement.ForEachTakenVertex([&](VertexIndex v, const Vertex& vertex) {
+    if (!steps.Stop()) Append(mesh.vertices, RowOf(names_.at(v), vertex, features));
   });
+  if (steps.stopped()) return mesh;
   mesh.simplices.reserve((D + 1) * triangulation_.simplex_count());
   triangulation_.ForEachSimplex([&](Simplex t) {
+    if (steps.Stop()) return;
     for (const VertexId id : CanonicalIds(t)) mesh.simplices.push_back(id);
   });
+  if (steps.stopped()) return mesh;
   if (!labels_.empty()) {
     mesh.regions.reserve(triangulation_.simplex_count());
     triangulation_.ForEachSimplex([&](Simplex t) { mesh.regions.push_back(labels_.at(t)); });
     NameRegions({&mesh.regions}, &mesh.region_sets);
   }
-  refinement.ForEachSubsegment([&](const Subsegment& s) {
+  refinement.ForEachTakenSubsegment([&](const Subsegment& s) {
     Append(mesh.subsegments, PieceRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
   });
   subfacets_.ForEach([&](const SubfacetTable::Face& face, meshing::FeatureSlot slot) {
@@ -560,17 +583,17 @@ template <int D>
 using Traced = meshing::Refinement<D, sac::Engine>;
 template <int D>
 using Untraced = meshing::Refinement<D, sac::UntracedEngine>;
-template Mesh DiffBuilder<2>::Begin(Traced<2>&, const FeatureTable<2>&);
+template Mesh DiffBuilder<2>::Begin(Traced<2>&, const FeatureTable<2>&, Steps&);
 template absl::Status DiffBuilder<2>::NameStatus(const Traced<2>&, const FeatureTable<2>&) const;
-template Mesh DiffBuilder<2>::Begin(Untraced<2>&, const FeatureTable<2>&);
+template Mesh DiffBuilder<2>::Begin(Untraced<2>&, const FeatureTable<2>&, Steps&);
 template absl::Status DiffBuilder<2>::NameStatus(const Untraced<2>&, const FeatureTable<2>&) const;
 template MeshDiff DiffBuilder<2>::Update(Traced<2>&, const FeatureTable<2>&);
-template Mesh DiffBuilder<2>::Snapshot(const Traced<2>&, const FeatureTable<2>&) const;
-template Mesh DiffBuilder<3>::Begin(Traced<3>&, const FeatureTable<3>&);
+template Mesh DiffBuilder<2>::Snapshot(const Traced<2>&, const FeatureTable<2>&, Steps&) const;
+template Mesh DiffBuilder<3>::Begin(Traced<3>&, const FeatureTable<3>&, Steps&);
 template absl::Status DiffBuilder<3>::NameStatus(const Traced<3>&, const FeatureTable<3>&) const;
-template Mesh DiffBuilder<3>::Begin(Untraced<3>&, const FeatureTable<3>&);
+template Mesh DiffBuilder<3>::Begin(Untraced<3>&, const FeatureTable<3>&, Steps&);
 template absl::Status DiffBuilder<3>::NameStatus(const Untraced<3>&, const FeatureTable<3>&) const;
 template MeshDiff DiffBuilder<3>::Update(Traced<3>&, const FeatureTable<3>&);
-template Mesh DiffBuilder<3>::Snapshot(const Traced<3>&, const FeatureTable<3>&) const;
+template Mesh DiffBuilder<3>::Snapshot(const Traced<3>&, const FeatureTable<3>&, Steps&) const;
 
 }  // namespace dynmesh

@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/steps.h"
 #include "core/data/canonical_order.h"
 #include "core/dynamic_mesh/diff_rows.h"
 #include "core/dynamic_mesh/feature_table.h"
@@ -52,18 +53,30 @@ class DiffBuilder {
 
   Triangulation& triangulation() { return triangulation_; }
   const Triangulation& triangulation() const { return triangulation_; }
-  // The first time: the whole mesh, of a run from scratch. Rows in no order, see mesh.h.
+  // The first time: the whole mesh, of a run from scratch. Rows in no order, see mesh.h. Where
+  // `steps` are stopped, so is this: then what is returned is nothing, and the builder of no use.
   template <class Refinement>
-  Mesh Begin(Refinement& refinement, const FeatureTable<D>& features);
+  Mesh Begin(Refinement& refinement, const FeatureTable<D>& features, Steps& steps);
+  template <class Refinement>
+  Mesh Begin(Refinement& refinement, const FeatureTable<D>& features) {
+    AllSteps all;
+    return Begin(refinement, features, all);
+  }
 
   // What has changed since the last call. Rows sorted as Canonicalize does it. Work
   // counters are the caller's.
   template <class Refinement>
   MeshDiff Update(Refinement& refinement, const FeatureTable<D>& features);
 
-  // The whole mesh as it stood at the last Update. Rows in no order, see mesh.h.
+  // The whole mesh as it stood at the last Update, even if the refinement has gone on, or is in
+  // the middle of it. Rows in no order, see mesh.h.
   template <class Refinement>
-  Mesh Snapshot(const Refinement& refinement, const FeatureTable<D>& features) const;
+  Mesh Snapshot(const Refinement& refinement, const FeatureTable<D>& features, Steps& steps) const;
+  template <class Refinement>
+  Mesh Snapshot(const Refinement& refinement, const FeatureTable<D>& features) const {
+    AllSteps all;
+    return Snapshot(refinement, features, all);
+  }
 
   VertexId IdOf(meshing::VertexIndex v) const { return names_.at(v); }
   std::array<VertexId, D + 1> CanonicalIds(Simplex t) const {
@@ -111,7 +124,8 @@ class DiffBuilder {
   template <class Refinement>
   void UpdateNames(const Refinement& refinement);
   template <class Refinement>
-  void FillTriangulation(const Refinement& refinement, std::vector<meshing::VertexIndex>& missing);
+  void FillTriangulation(const Refinement& refinement, std::vector<meshing::VertexIndex>& missing,
+                         Steps& steps);
   template <class Refinement>
   void UpdateTriangulation(const Refinement& refinement);
   template <class Refinement>

@@ -2,6 +2,7 @@
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_LIMITS_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_LIMITS_H_
 
+#include <cstdint>
 #include <string>
 
 #include "absl/status/status.h"
@@ -55,6 +56,15 @@ absl::Status LimitsStatus(const Refinement& refinement, const Limits& limits) {
                      {reason::kSizeLimit, {}, {}});
   }
   return absl::OkStatus();
+}
+
+// A batch that would execute more operations than it may.
+inline absl::Status WorkLimitError(std::uint64_t max_operations) {
+  return MakeError(absl::StatusCode::kResourceExhausted,
+                   "the batch takes more than max_operations = " + std::to_string(max_operations) +
+                       " operations; nothing has changed: send it in smaller batches, make less "
+                       "of the mesh finer at once, or allow more operations",
+                   {reason::kWorkLimit, {}, {}});
 }
 
 }  // namespace dynmesh

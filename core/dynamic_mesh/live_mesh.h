@@ -30,6 +30,15 @@ struct LiveMeshTuning {
   std::size_t most_tetrahedra = 0;  // 0: as many as it can
 };
 
+// How a run of what is stale has ended.
+enum class Ended {
+  kDone,
+  kCancelled,
+  kOverLimits,  // of the mesh
+  kOverWork,    // more operations than the batch may execute
+  kTooDear,     // it is cheaper to build anew
+};
+
 template <int D>
 class LiveMesh final : public DynamicMesh {
  public:
@@ -85,6 +94,17 @@ class LiveMesh final : public DynamicMesh {
   // Whether the batch with that diff, but for revisions, may come into effect; completes it.
   using Commit = absl::FunctionRef<absl::Status(MeshDiff&)>;
 
+  // A batch under way.
+  template <class Interrupt>
+  struct Task {
+    const plc::Delta<D>& delta;
+    ProgressMeter& meter;
+    Interrupt& cancelled;
+    Commit commit;
+    std::uint64_t most_operations;  // to be executed
+    std::uint64_t executed = 0;     // by propagations and builds that are over
+  };
+
   template <class Interrupt>
   absl::StatusOr<MeshDiff> ApplyWith(const EditBatch& batch, const ApplyOptions& apply,
                                      Interrupt cancelled);
@@ -94,19 +114,21 @@ class LiveMesh final : public DynamicMesh {
     Mesh mesh;
     double diff_microseconds = 0;
   };
-  template <class Interrupt>
-  absl::StatusOr<Built> Build(const plc::Delta<D>& all, std::size_t features, ProgressMeter& meter,
-                              Interrupt cancelled);
-  template <class Interrupt>
-  absl::Status Run(State& state, ProgressMeter& meter, Interrupt cancelled);
-  template <class Interrupt>
-  absl::StatusOr<MeshDiff> Propagate(const plc::Delta<D>& delta, bool look, ProgressMeter& meter,
-                                     Interrupt cancelled, Commit commit);
-  template <class Interrupt>
-  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta<D>& delta, Mesh before, ProgressMeter& meter,
-                                   Interrupt cancelled, Commit commit);
+  template <class Job>
+  absl::StatusOr<Built> Build(const plc::Delta<D>& all, std::size_t features, Job& job);
+  template <class Job>
+  Ended Run(State& state, Job& job, bool fresh);
+  template <class Job>
+  absl::Status StatusOf(Ended ended, const Job& job, const State& state) const;
+  template <class Job>
+  absl::StatusOr<MeshDiff> Propagate(Job& job, bool look);
+  template <class Job>
+  absl::StatusOr<MeshDiff> Finish(Job& job);
+  template <class Job>
+  absl::StatusOr<MeshDiff> Rebuild(Job& job);
   void Undo(const plc::Delta<D>& delta);
-  bool IsMostlyStale() const;
+  void BuildPresent();
+  bool IsTooDear() const;
 
   const MeshOptions options_;
   const LiveMeshTuning tuning_;

@@ -21,11 +21,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
 #include "core/base/rings.h"
 #include "core/plc/delta.h"
+#include "core/sac/engine.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
 
@@ -44,6 +46,19 @@ struct RebuildThresholds {
   double features = 0.5;           // changed
   double stale = 0.22;             // operations, of those there are
   double carried = 0.3;            // vertices that sizing features carry
+  // A propagation that has cost so much of a build, and is not at its end, is given up.
+  double work = 0.5;
+  std::uint64_t at_least_work = 1'000;  // operations
+
+  bool IsMostlyStale(std::size_t waiting, std::size_t operations) const {
+    return static_cast<double>(waiting) > stale * static_cast<double>(operations);
+  }
+  bool IsTooDear(const sac::Counters& counters, std::size_t operations) const {
+    // To ask a subscriber costs a small part of running an operation.
+    const std::uint64_t done = counters.executed + counters.notified / 64;
+    return done > at_least_work &&
+           static_cast<double>(done) > work * static_cast<double>(operations);
+  }
 };
 
 // The area or volume of a sizing feature.

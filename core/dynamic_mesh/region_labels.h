@@ -30,6 +30,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/functional/function_ref.h"
+#include "core/base/steps.h"
 #include "core/dynamic_mesh/region_sets.h"
 #include "core/dynamic_mesh/wall.h"
 #include "core/mesh/delaunay_tetrahedralization.h"
@@ -69,8 +70,13 @@ class RegionLabels {
   const std::vector<Relabelled>& Update(std::span<const Simplex> fresh,
                                         std::span<const Wall<D>> toggled,
                                         absl::FunctionRef<bool(Vertex)> is_rounded);
-  // Labels every simplex. O(mesh).
-  void LabelAll();
+  // Labels every simplex. O(mesh). Where `steps` are stopped, so is this: then labels are of no
+  // use.
+  void LabelAll(Steps& steps);
+  void LabelAll() {
+    AllSteps all;
+    LabelAll(all);
+  }
   // The owners that a place lies inside of that has too many; empty if there is none. After
   // LabelAll, of the places where there are too many for those who come from outside and pass
   // none such: the first by its owners. A function of the input.

@@ -352,12 +352,15 @@ void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
 // All that was added, in an order that is quick. Where there are many tetrahedra to a vertex,
 // as between curves, there would be more still: neighbourhoods are then found without.
 template <int D, template <class> class E>
-void Refinement<D, E>::FillTriangulation() {
+bool Refinement<D, E>::FillTriangulation(absl::FunctionRef<bool()> interrupt) {
   if constexpr (D == 3) {
-    if (triangulation_ == nullptr || pending_.empty()) return;
+    if (triangulation_ == nullptr || pending_.empty()) return true;
     // Gaps are looked for in a triangulation tetrahedron by tetrahedron, facets are not.
-    if (!facets_.empty()) return LeaveTriangulation();
-    constexpr std::size_t kMostPerVertex = 16, kFirst = 512;
+    if (!facets_.empty()) {
+      LeaveTriangulation();
+      return true;
+    }
+    constexpr std::size_t kMostPerVertex = 16, kFirst = 512, kAtOnce = 2048;
     std::vector<VertexIndex> part;
     std::vector<Point> places;
     // By random rounds, each as large as all before it: few points tell. By a hash of the rank, as
@@ -372,15 +375,22 @@ void Refinement<D, E>::FillTriangulation() {
         part.push_back(v);
         places.push_back(vertices_[v].p);
       }
-      triangulation_->InsertAll(part, places);
+      for (std::size_t from = 0; from < part.size(); from += kAtOnce) {
+        if (interrupt()) return false;
+        const std::size_t count = std::min(kAtOnce, part.size() - from);
+        triangulation_->InsertAll(std::span(part).subspan(from, count),
+                                  std::span(places).subspan(from, count));
+      }
       if (triangulation_->is_full() ||
           triangulation_->simplex_count() >
               kMostPerVertex * triangulation_->vertex_count() + 10'000) {
-        return LeaveTriangulation();
+        LeaveTriangulation();
+        return true;
       }
     }
     pending_.clear();
   }
+  return true;
 }
 
 template <int D, template <class> class E>

@@ -32,6 +32,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "core/base/huge_pages.h"
 #include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/mesh/delaunay_triangulation.h"
@@ -111,7 +112,9 @@ class Refinement {
   // if it says true, false is returned. See sac::Engine::Propagate.
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
-    if constexpr (D == 3) FillTriangulation();
+    if constexpr (D == 3) {
+      if (!FillTriangulation(interrupt)) return false;
+    }
     if constexpr (!kTraced) BeginUntraced();
     NotifyOfFacets();
     if constexpr (kTraced) numbers_by_age_ = engine_.IsFromScratch() && free_vertices_.empty();
@@ -154,6 +157,19 @@ class Refinement {
   void ForEachSubsegment(F f) const {
     for (const Subsegment& s : subsegments_) {
       if (InMesh(s)) f(s);
+    }
+  }
+  // The same for what was in the mesh when changes were last taken, at any time.
+  template <class F>
+  void ForEachTakenVertex(F f) const {
+    for (VertexIndex v = 0; v < vertices_.size(); ++v) {
+      if (vertices_[v].in_mesh) f(v, vertices_[v]);
+    }
+  }
+  template <class F>
+  void ForEachTakenSubsegment(F f) const {
+    for (const Subsegment& s : subsegments_) {
+      if (s.in_mesh) f(s);
     }
   }
   // Calls f(u) for vertices u near v, until it says true.
@@ -388,7 +404,7 @@ class Refinement {
   void MarkChanged(VertexIndex v);
   void MarkSubsegmentChanged(SubsegmentIndex s);
   void BeginUntraced();
-  void FillTriangulation();
+  bool FillTriangulation(absl::FunctionRef<bool()> interrupt);
   void LeaveTriangulation();
   void RequestFirstGaps();
   void RequestFirstGap(VertexIndex v);

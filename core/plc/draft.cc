@@ -109,9 +109,10 @@ SizeFeature<D> SizeOf(const Feature& feature) {
 }
 
 template <int D>
-Draft<D>::Draft(const FeatureStore<D>& base, const Edits& batch) : base_(base) {
+Draft<D>::Draft(const FeatureStore<D>& base, const Edits& batch, Steps& steps) : base_(base) {
   entries_.reserve(batch.size());
   for (EditIndex i = 0; i < static_cast<EditIndex>(batch.size()); ++i) {
+    if (steps.Stop()) return;
     const Feature& feature = batch.feature(i);
     absl::Status status = CheckId(feature.id, i);
     if (status.ok()) {

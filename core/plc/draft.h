@@ -17,6 +17,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
 #include "core/base/huge_pages.h"
+#include "core/base/steps.h"
 #include "core/geometry/point.h"
 #include "core/plc/edits.h"
 #include "core/plc/feature_store.h"
@@ -52,8 +53,9 @@ class Draft {
     const Feature* given = nullptr;
   };
 
-  // `base` and what `batch` views must outlive the draft and not change.
-  Draft(const FeatureStore<D>& base, const Edits& batch);
+  // `base` and what `batch` views must outlive the draft and not change. Where `steps` are stopped,
+  // so is this: then it is no draft.
+  Draft(const FeatureStore<D>& base, const Edits& batch, Steps& steps);
 
   // The first edit that could not act, kNever if all could; why.
   EditIndex error_edit() const { return error_edit_; }

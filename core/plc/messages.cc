@@ -15,6 +15,7 @@
 #include "absl/strings/str_join.h"
 #include "core/base/rings.h"
 #include "core/plc/facet_rules.h"
+#include "core/plc/least_vertices.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh::plc {
@@ -367,6 +368,66 @@ absl::Status PointInUseError(FeatureId id, std::span<const FeatureId> users, Edi
                             " first or in the same batch"));
 }
 
+namespace {
+
+// "takes at least 2e+10 vertices, and this mesh ..."
+std::string DemandText(double vertices, double all, const MeshOptions& options) {
+  const std::string others =
+      all > vertices ? absl::StrFormat(", with others of this batch %.2g", all) : "";
+  return absl::StrFormat("takes at least %.2g vertices%s, and this mesh may have max_vertices = %d",
+                         vertices, others, options.limits.max_vertices);
+}
+
+// Meshes have more vertices than are certain: about twice as many in 2D, five times in 3D.
+template <int D>
+std::string BetterTarget(const SizeFeature<D>& size, double vertices, double all,
+                         const MeshOptions& options) {
+  const double share =
+      (D == 2 ? 0.4 : 0.2) * static_cast<double>(options.limits.max_vertices) * vertices / all;
+  return absl::StrFormat("%.2g", 1.05 * TargetFor(size, DomainBox(options), share));
+}
+
+}  // namespace
+
+template <int D>
+absl::Status RegionDemandError(const SizeFeature<D>& size, double vertices, double all,
+                               const MeshOptions& options, EditIndex edit) {
+  return Error(
+      absl::StatusCode::kResourceExhausted, reason::kVertexLimit, {size.id}, edit,
+      absl::StrCat("sizing feature ", size.id, " with target length ", Shortest(size.sizing.target),
+                   " ", DemandText(vertices, all, options), "; give it a target of about ",
+                   BetterTarget(size, vertices, all, options),
+                   " or more, or a smaller region, or create the mesh with a higher limit"));
+}
+
+template <int D>
+absl::Status GapDemandError(const AnyFeature<D>& offender, const AnyFeature<D>& other,
+                            double distance, double vertices, double all,
+                            const MeshOptions& options, EditIndex edit) {
+  return Error(absl::StatusCode::kResourceExhausted, reason::kVertexLimit,
+               {IdOf<D>(offender), IdOf<D>(other)}, edit,
+               absl::StrCat(Text<D>(offender), " and ", Text<D>(other), " are ",
+                            absl::StrFormat("%.2g", distance), " apart: what is between them ",
+                            DemandText(vertices, all, options),
+                            "; move them apart or make them one, or create the mesh with a higher "
+                            "limit or a larger quality"));
+}
+
+absl::Status CheckMaxEdge(const MeshOptions& options) {
+  if (!(options.max_edge > 0)) return absl::OkStatus();
+  const auto check = [&](const auto& region) {
+    const double vertices = LeastVerticesIn(region, DomainBox(options));
+    if (vertices <= static_cast<double>(options.limits.max_vertices)) return absl::OkStatus();
+    return Error(absl::StatusCode::kResourceExhausted, reason::kVertexLimit, {}, kUntouched,
+                 absl::StrCat("max_edge = ", Shortest(options.max_edge), " ",
+                              DemandText(vertices, vertices, options), "; make it about ",
+                              BetterTarget(region, vertices, vertices, options),
+                              " or more, or the limit higher"));
+  };
+  return options.dimension == 2 ? check(RegionOfMaxEdge<2>(options))
+                                : check(RegionOfMaxEdge<3>(options));
+}
+
 absl::Status InterruptedError() {
   return MakeError(absl::StatusCode::kCancelled,
                    "the batch was cancelled; the mesh is as it was before",
@@ -377,6 +438,14 @@ template absl::Status ConflictError<2>(Conflict, const AnyFeature<2>&, const Any
                                        EditIndex);
 template absl::Status ConflictError<3>(Conflict, const AnyFeature<3>&, const AnyFeature<3>&, double,
                                        EditIndex);
+template absl::Status RegionDemandError(const SizeFeature<2>&, double, double, const MeshOptions&,
+                                        EditIndex);
+template absl::Status RegionDemandError(const SizeFeature<3>&, double, double, const MeshOptions&,
+                                        EditIndex);
+template absl::Status GapDemandError<2>(const AnyFeature<2>&, const AnyFeature<2>&, double, double,
+                                        double, const MeshOptions&, EditIndex);
+template absl::Status GapDemandError<3>(const AnyFeature<3>&, const AnyFeature<3>&, double, double,
+                                        double, const MeshOptions&, EditIndex);
 template absl::Status CheckSize(const SizeFeature<2>&, const Box&, double, EditIndex);
 template absl::Status CheckSize(const SizeFeature<3>&, const Box&, double, EditIndex);
 template absl::Status CheckPlace(const PointFeature<2>&, const Box&, EditIndex);

@@ -16,7 +16,9 @@ Plc<D>::Plc(const MeshOptions& options, std::uint32_t hub_degree)
 template <int D>
 absl::StatusOr<Delta<D>> Plc<D>::Check(const Edits& batch, std::uint64_t* cost,
                                        Interrupted interrupted) const {
-  BatchCheck<D> check(options_, limit_, grid_, store_, index_, batch);
+  const auto stop = [&] { return interrupted(kNotKnown); };
+  Steps steps(stop);
+  BatchCheck<D> check(options_, limit_, grid_, store_, index_, batch, steps);
   absl::StatusOr<Delta<D>> delta = check.Run(interrupted);
   if (cost != nullptr) *cost += check.cost();
   return delta;
@@ -73,13 +75,18 @@ std::vector<Feature> Plc<D>::Features() const {
 }
 
 template <int D>
-Delta<D> Plc<D>::FromNothing() const {
+Delta<D> Plc<D>::FromNothing(Steps& steps) const {
   Delta<D> all;
-  for (const auto& [id, record] : store_.points()) all.added_points.push_back({id, record.p});
+  for (const auto& [id, record] : store_.points()) {
+    if (steps.Stop()) return all;
+    all.added_points.push_back({id, record.p});
+  }
   for (const auto& [id, record] : store_.segments()) {
+    if (steps.Stop()) return all;
     all.added_segments.push_back(store_.Expand(id, record));
   }
   for (const auto& [key, record] : store_.edges()) {
+    if (steps.Stop()) return all;
     if (record.segment != kNoFeature) continue;
     all.added_segments.push_back(store_.Expand(key, record));
   }

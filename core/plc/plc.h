@@ -29,6 +29,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/steps.h"
 #include "core/plc/delta.h"
 #include "core/plc/edits.h"
 #include "core/plc/feature_index.h"
@@ -60,10 +61,13 @@ class Plc {
   //                        SMALL_INPUT_ANGLE, TOO_CLOSE; of polygons in space
   //                        NON_PLANAR, DUPLICATE_POLYGON, POINT_ON_POLYGON,
   //                        SEGMENT_MEETS_POLYGON, POLYGONS_MEET, QUALITY_TOO_LOW
+  //   RESOURCE_EXHAUSTED   VERTEX_LIMIT, if the features need more vertices than the mesh may have,
+  //                        as far as that can be told at once (least_vertices.h)
   // Cost: of the batch and its neighbourhood (batch_check.h, feature_index.h). If `cost`
   // is not null, adds to it the number of index cells and features looked at. Large batches
   // of long segments take minutes, so `interrupted` is asked for each feature that changes, with
-  // how many are still to be looked at: once it says yes, the answer is CANCELLED (reason
+  // how many are still to be looked at, and before they are counted once in Steps::kBetween
+  // features: once it says yes, the answer is CANCELLED (reason
   // CANCELLED).
   absl::StatusOr<Delta<D>> Check(
       const Edits& batch, std::uint64_t* cost = nullptr,
@@ -81,8 +85,13 @@ class Plc {
   // All features, sorted by id; entries that do not matter are 0. O(n lg n).
   std::vector<Feature> Features() const;
 
-  // The change that makes all of it from nothing. O(n lg n).
-  Delta<D> FromNothing() const;
+  // The change that makes all of it from nothing. O(n lg n). Where `steps` are stopped, so is
+  // this: then it is nothing.
+  Delta<D> FromNothing(Steps& steps) const;
+  Delta<D> FromNothing() const {
+    AllSteps all;
+    return FromNothing(all);
+  }
 
   std::size_t size() const { return store_.size(); }
   std::size_t point_count() const { return store_.points().size(); }

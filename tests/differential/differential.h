@@ -25,6 +25,7 @@ struct Difference {
 inline LiveMeshTuning AlwaysPropagate() {
   LiveMeshTuning tuning;
   tuning.rebuild.at_least = ~std::size_t{0};
+  tuning.rebuild.at_least_work = ~std::uint64_t{0};
   return tuning;
 }
 

@@ -48,6 +48,11 @@ struct ApplyOptions {
   // Between operations, some thousand times a second, threads that wait for the core have their
   // turn: for a process that answers others meanwhile. Changes nothing in what is done.
   bool shares_core = false;
+  // Most operations that may be executed for the batch, those of attempts that were given up
+  // included; 0: any number. A batch that needs more is undone: RESOURCE_EXHAUSTED (WORK_LIMIT).
+  // From scratch a mesh takes 2 to 3 operations a vertex. How many an edit takes depends on what
+  // is there, not on the clock; undoing takes about as many again.
+  std::uint64_t max_operations = 0;
   // Asked once, with the diff as Apply would return it, when nothing else can fail any more and
   // before the mesh says that it is at the new revision: such as to write the batch down first.
   // Unless it answers OK the batch is undone, as if cancelled, and Apply returns its answer. An
@@ -98,7 +103,10 @@ class DynamicMesh {
   // that is made again from the features that it had.
   virtual void ResumeAt(std::uint64_t revision) = 0;
 
-  // Would Apply accept the features of `batch`? (Limits are not tried.) No change.
+  // Would Apply accept the features of `batch`? Of limits only what is told without meshing is
+  // looked at: regions with a target, or features so near each other, that take more than
+  // max_vertices whatever else there is (RESOURCE_EXHAUSTED, VERTEX_LIMIT, with their ids). No
+  // change.
   virtual absl::Status Validate(const EditBatch& batch) const = 0;
 
   // The whole mesh, O(size).

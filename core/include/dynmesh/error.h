@@ -44,6 +44,7 @@ inline constexpr char kVertexLimit[] = "VERTEX_LIMIT";
 inline constexpr char kPolygonLimit[] = "POLYGON_LIMIT";  // a place in too many (mesh.h)
 inline constexpr char kSizeLimit[] = "SIZE_LIMIT";  // more than indices tell apart (options.h)
 inline constexpr char kDepthLimit[] = "DEPTH_LIMIT";
+inline constexpr char kWorkLimit[] = "WORK_LIMIT";  // more operations than the batch may execute
 inline constexpr char kCancelled[] = "CANCELLED";
 inline constexpr char kBadOption[] = "BAD_OPTION";
 }  // namespace reason
