@@ -69,7 +69,6 @@ absl::Status ValidateConfig(const ServerConfig& c) {
   if (c.reader_threads < 0 || c.reader_threads > 1024)
     return Bad("reader_threads", "not in 0..1024");
   if (c.max_meshes == 0) return Bad("max_meshes", "must be at least 1");
-  if (c.max_vertices == 0) return Bad("max_vertices", "must be at least 1");
   if (c.max_features == 0) return Bad("max_features", "must be at least 1");
   if (c.max_batch_edits == 0) return Bad("max_batch_edits", "must be at least 1");
   if (c.max_pending_edits < c.max_batch_edits) {

@@ -30,11 +30,14 @@ struct ServerConfig {
   int reader_threads = 0;
 
   std::uint64_t max_meshes = 1'000;
-  std::uint64_t max_vertices = 50'000'000;  // of one mesh
+  // Of one mesh; 0: as many as half of max_memory_bytes holds (memory_guard.h).
+  std::uint64_t max_vertices = 0;
   std::uint64_t max_features = 50'000'000;  // of one mesh
   // Edits in one batch: about 140 bytes each until applied; 8 points of polygons count as one, a
   // ring as 3 more.
   std::uint64_t max_batch_edits = 2'000'000;
+  // Operations that a batch, or making a mesh, may execute; 0: any number.
+  std::uint64_t max_batch_operations = 0;
   // Edits of all batches that are being received or wait for their turn.
   std::uint64_t max_pending_edits = 8'000'000;
   int max_message_bytes = 4 << 20;  // received in one message

@@ -36,9 +36,14 @@ void AddSecurityFlags(CLI::App& app, ServerConfig& c) {
 
 void AddMeshLimits(CLI::App& app, ServerConfig& c) {
   app.add_option("--max-meshes", c.max_meshes, "meshes held")->capture_default_str();
-  app.add_option("--max-vertices", c.max_vertices, "vertices of one mesh")->capture_default_str();
+  app.add_option("--max-vertices", c.max_vertices,
+                 "vertices of one mesh; 0: as many as half of the memory limit holds")
+      ->capture_default_str();
   app.add_option("--max-features", c.max_features, "features of one mesh")->capture_default_str();
   app.add_option("--max-batch-edits", c.max_batch_edits, "edits in one batch")
+      ->capture_default_str();
+  app.add_option("--max-batch-operations", c.max_batch_operations,
+                 "operations that one batch may execute; 0: any number")
       ->capture_default_str();
   app.add_option("--max-pending-edits", c.max_pending_edits, "edits received and not applied")
       ->capture_default_str();

@@ -12,6 +12,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "dynmesh/options.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/base/process.h"
@@ -86,6 +87,13 @@ void MemoryGuard::Measure() {
   } else if (ticks_over_++ % kTicksBetweenTrims == 0) {
     malloc_trim(0);
   }
+}
+
+std::uint64_t MemoryGuard::MostVertices(int dimension) const {
+  // With its trace and what a process has beside it. Measured of uniform points, at the most.
+  const std::uint64_t bytes_per_vertex = dimension == 2 ? 1'000 : 2'500;
+  constexpr std::uint64_t kLeast = 100'000;
+  return std::clamp(limit_ / 2 / bytes_per_vertex, kLeast, dynmesh::MostVertices(dimension));
 }
 
 absl::Status MemoryGuard::CheckRoom() const {

@@ -30,6 +30,8 @@ class MemoryGuard {
   // That error, for who was stopped in the middle.
   absl::Status RefuseGrowth() const;
   std::uint64_t limit() const { return limit_; }
+  // Of a mesh that takes half of the limit: a mesh that is made anew is there twice for a while.
+  std::uint64_t MostVertices(int dimension) const;
   // True while nothing may grow: for what may be stopped in the middle.
   const std::atomic<bool>* full() const { return &full_; }
 

@@ -283,8 +283,9 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
   absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
   if (!ticket.ok()) return Finished(call, ticket.status());
   if (absl::Status s = CheckRequestId(request->request_id()); !s.ok()) return Finished(call, s);
-  absl::StatusOr<MeshOptions> options =
-      codec::DecodeOptions(request->options(), context_.config.max_vertices);
+  absl::StatusOr<MeshOptions> options = codec::DecodeOptions(
+      request->options(),
+      context_.registry->MaxVertices(request->options().dimension() == 3 ? 3 : 2));
   if (!options.ok()) return Finished(call, options.status());
   auto* reactor = new CreateReactor();
   // Request and response live until the call is finished.

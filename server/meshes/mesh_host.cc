@@ -83,6 +83,7 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
       max_waiting_(options.max_waiting),
       metrics_(options.metrics),
       max_features_(options.max_features),
+      max_operations_(options.max_operations),
       memory_(options.memory),
       queue_(SerialQueue::Create(writers)),
       store_(past.store != nullptr
@@ -345,6 +346,7 @@ absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& co
   }
   apply_options.cancelled = job.cancelled.get();
   apply_options.shares_core = true;
+  apply_options.max_operations = max_operations_;
   apply_options.progress = [&](const ApplyProgress& progress) { SetProgress(job, progress); };
   RequestMemory::Entry answer{content, 0, 0, {}, {}};
   apply_options.commit = [&](const MeshDiff& d) {

@@ -78,6 +78,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     MeshLog::Limits compact;
     EditMetrics* metrics = nullptr;  // outlives the host; null: nothing is counted
     std::uint64_t max_features = ~std::uint64_t{0};
+    std::uint64_t max_operations = 0;     // ApplyOptions::max_operations of every batch
     const MemoryGuard* memory = nullptr;  // outlives the host; null: no limit
   };
   // What a mesh brings with it that is not new, or is to outlive the process.
@@ -173,7 +174,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   WorkerPool* const readers_;
   const std::size_t max_waiting_;
   EditMetrics* const metrics_;
-  const std::uint64_t max_features_;
+  const std::uint64_t max_features_, max_operations_;
   const MemoryGuard* const memory_;
   const std::shared_ptr<SerialQueue> queue_;
   const std::shared_ptr<RevisionStore> store_;

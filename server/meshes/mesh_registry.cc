@@ -55,8 +55,14 @@ MeshHost::Options MeshRegistry::HostOptions() const {
   options.compact = {config_.compact_bytes, config_.compact_operations};
   if (metrics_ != nullptr) options.metrics = &metrics_->edits;
   options.max_features = config_.max_features;
+  options.max_operations = config_.max_batch_operations;
   options.memory = memory_;
   return options;
+}
+
+std::uint64_t MeshRegistry::MaxVertices(int dimension) const {
+  if (config_.max_vertices != 0) return config_.max_vertices;
+  return memory_ != nullptr ? memory_->MostVertices(dimension) : Limits().max_vertices;
 }
 
 MeshRegistry::~MeshRegistry() {
@@ -157,6 +163,7 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> MeshRegistry::Make(
   ApplyOptions apply;
   apply.cancelled = cancelled;
   apply.shares_core = true;
+  apply.max_operations = config_.max_batch_operations;
   if (memory_ != nullptr) {
     if (absl::Status status = memory_->CheckRoom(); !status.ok()) return status;
     apply.stopped = memory_->full();

@@ -51,13 +51,16 @@ class MeshRegistry {
 
   // Makes a mesh; an empty id lets the registry choose. ALREADY_EXISTS (MESH_EXISTS),
   // unless it was made with the same non-empty request_id and options: then that one.
-  // RESOURCE_EXHAUSTED (MESH_LIMIT; MEMORY_LIMIT or VERTEX_LIMIT: with max_edge even an empty mesh
-  // is work); CANCELLED if `cancelled`, which may be null, turned true. May take as long as making
-  // an empty mesh and writing it down.
+  // RESOURCE_EXHAUSTED (MESH_LIMIT; MEMORY_LIMIT, VERTEX_LIMIT or WORK_LIMIT: with max_edge even an
+  // empty mesh is work); CANCELLED if `cancelled`, which may be null, turned true. May take as long
+  // as making an empty mesh and writing it down.
   absl::StatusOr<HostPtr> Create(const std::string& id, const MeshOptions& options,
                                  const std::string& request_id,
                                  const std::atomic<bool>* cancelled = nullptr,
                                  const Origin& origin = {});
+
+  // Most vertices that a mesh of that dimension may be made with.
+  std::uint64_t MaxVertices(int dimension) const;
 
   // NOT_FOUND (MESH_NOT_FOUND); INVALID_ARGUMENT for a malformed name; DATA_LOSS (MESH_DAMAGED).
   absl::StatusOr<HostPtr> Find(absl::string_view name) const;

@@ -173,6 +173,10 @@ absl::StatusOr<MeshDiff> FakeDynamicMesh::Apply(const EditBatch& batch,
   absl::StatusOr<FeatureMap> draft = Draft(batch);
   if (!draft.ok()) return draft.status();
   tell(Stage::kValidate, all);
+  if (apply_options.max_operations != 0 && batch.size() > apply_options.max_operations) {
+    return MakeError(absl::StatusCode::kResourceExhausted, "too much work",
+                     {reason::kWorkLimit, {}, std::nullopt});
+  }
   tell(Stage::kRefine, all / 2);
   if (gate_ != nullptr && !gate_->Pass(apply_options)) {
     return MakeError(absl::StatusCode::kCancelled, "cancelled",

@@ -1,7 +1,7 @@
 // A DynamicMesh without geometry, so that server and client can be tested without a
 // mesher: vertices are the points, subsegments the segments, and three points next to
 // each other by id make a "triangle", which lies in the polygons that name all three. Its ids and
-// hashes are the real ones.
+// hashes are the real ones. An edit is an operation.
 #ifndef DYNMESH_TESTS_SERVER_FAKE_DYNAMIC_MESH_H_
 #define DYNMESH_TESTS_SERVER_FAKE_DYNAMIC_MESH_H_
 
