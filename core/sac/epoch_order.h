@@ -1,7 +1,8 @@
 // Where a new operation belongs in the order of time: within its epoch by random
 // priority, epochs by their number. Finds the neighbour after which its stamp is
 // to be placed, in O(1) expected where priorities are uniform: then a table of slots by
-// their leading bits, each a short sorted chain, is an ordered set.
+// their leading bits, each a short sorted chain, is an ordered set. What comes in the order of
+// time, as in a run from scratch, is put after what came before it.
 //
 // Priorities are a public function of the input, so a client can choose input whose priorities
 // cluster. An epoch in which a chain or a row of empty slots gets longer than chance makes it
@@ -48,6 +49,7 @@ class EpochOrder {
     for (; *link != id; ++passed) link = &ops_[*link].next_in_epoch;
     *link = ops_[id].next_in_epoch;
     --table.count;
+    if (table.latest == id) table.latest = kNoOp;
     steps_ += passed;
     if (passed > kMostInChain) return MakeTree(table);
     // Insert walks past empty slots: few there must be.
@@ -94,6 +96,7 @@ class EpochOrder {
     Stamp head = kNoStamp;  // before all operations of the epoch
     std::vector<OpId> slots;
     std::size_t count = 0;       // in slots
+    OpId latest = kNoOp;         // the last to come to these, if it is still there
     std::unique_ptr<Tree> tree;  // null, or all of the epoch; then there are no slots
   };
 
@@ -118,7 +121,11 @@ class EpochOrder {
   Stamp InsertIntoSlots(Table& table, OpId id) {
     if (table.count >= table.slots.size()) Rehash(table, table.slots.size() * 4);
     std::uint64_t slot = SlotOf(table, ops_[id].priority);
+    const OpId latest = table.latest;
+    const bool follows = latest != kNoOp && before_(latest, id);
+    const std::uint64_t latest_slot = follows ? SlotOf(table, ops_[latest].priority) : 0;
     OpId before = kNoOp, after = table.slots[slot];
+    if (follows && latest_slot == slot) before = latest, after = ops_[latest].next_in_epoch;
     std::size_t passed = 0, empty = 0;
     for (; after != kNoOp && before_(after, id); ++passed) {
       before = after;
@@ -127,9 +134,11 @@ class EpochOrder {
     ops_[id].next_in_epoch = after;
     (before == kNoOp ? table.slots[slot] : ops_[before].next_in_epoch) = id;
     ++table.count;
+    table.latest = id;
     // If it is the first in its slot, after the last in one before.
     for (; before == kNoOp && slot > 0; ++empty) {
-      for (after = table.slots[--slot]; after != kNoOp; ++passed) {
+      after = --slot == latest_slot && follows ? latest : table.slots[slot];
+      for (; after != kNoOp; ++passed) {
         before = after;
         after = ops_[after].next_in_epoch;
       }
@@ -159,6 +168,7 @@ class EpochOrder {
     }
     table.slots = std::vector<OpId>();
     table.count = 0;
+    table.latest = kNoOp;
   }
   void Rehash(Table& table, std::size_t slots) {
     std::vector<OpId> old(slots, kNoOp);
