@@ -456,7 +456,7 @@ void Engine<Program>::Execute(OpId id) {
 }
 
 // What it said is forgotten, as if it had not run: it is stale, so nothing asks for what it keeps
-// of before.
+// of before. But it may have made objects, so what follows is no run from scratch.
 template <class Program>
 void Engine<Program>::Forgo(OpId id) {
   overflowed_ = id;
@@ -465,6 +465,7 @@ void Engine<Program>::Forgo(OpId id) {
     if (std::ranges::find(old, o) == old.end()) withdrawn_.push_back(o);
   }
   MarkStale(id);
+  if (Precedes(frontier_, ops_[id].stamp)) frontier_ = ops_[id].stamp;
 }
 
 // New requests and outputs are acquired before the old ones are released, or whole

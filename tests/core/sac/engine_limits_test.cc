@@ -57,6 +57,7 @@ TEST_F(EngineLimitsTest, OneMoreOfAnythingEndsThePropagationWithoutATrace) {
     Request(1);
     EXPECT_EQ(RunOver(), "run 1@0");
     EXPECT_EQ(e_.overflowed(), p_.OperationOf(1));
+    EXPECT_FALSE(e_.IsFromScratch());
     EXPECT_TRUE(e_.outputs(e_.overflowed()).empty());
     Unrequest(1);
     // What it made is given back, though nothing of it was ever shown.
