@@ -13,6 +13,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/calls/call_id.h"
+#include "server/calls/load_pieces.h"
 #include "server/calls/send_timeout.h"
 
 namespace dynmesh::server {
@@ -156,6 +157,7 @@ class LoadCall final
     const std::size_t weight =
         static_cast<std::size_t>(points.ids_size()) + codec::Weight(request_.features());
     if (absl::Status s = held_.Take(context_, weight); !s.ok()) return s;
+    pieces_.Add(request_, job_.edits.size());
     const int dimension = host_->mesh_options().dimension;
     if (absl::Status s = codec::DecodePointColumns(points, dimension, &job_.edits); !s.ok()) {
       return s;
@@ -257,7 +259,7 @@ class LoadCall final
       sender_.Begin();
       StartWriteAndFinish(&*result_, grpc::WriteOptions(), grpc::Status::OK);
     } else {
-      Finish(codec::ToGrpcStatus(final_status_, "features"));
+      Finish(codec::ToGrpcStatus(pieces_.Locate(final_status_)));
     }
   }
 
@@ -275,6 +277,7 @@ class LoadCall final
   Access::Stream allowed_;
   Lease place_;
   HeldEdits held_;
+  LoadPieces pieces_;
   EditJob job_;
 
   Response progress_;  // the writer's, while writing_

@@ -287,6 +287,7 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
       request->options(),
       context_.registry->MaxVertices(request->options().dimension() == 3 ? 3 : 2));
   if (!options.ok()) return Finished(call, options.status());
+  if (absl::Status s = CheckBoxOfNew(*options); !s.ok()) return Finished(call, s);
   auto* reactor = new CreateReactor();
   // Request and response live until the call is finished.
   context_.writers->Post(

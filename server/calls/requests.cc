@@ -138,6 +138,19 @@ absl::StatusOr<data::RegionChoice> DecodeRegions(
   return choice;
 }
 
+absl::Status CheckBoxOfNew(const MeshOptions& options) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(options.dimension); ++i) {
+    if (options.box.lo[i] != options.box.hi[i]) return absl::OkStatus();
+  }
+  codec::ServiceError error;
+  error.reason = reason::kBadOption;
+  error.field = "options.box";
+  return codec::MakeServiceError(
+      absl::StatusCode::kInvalidArgument,
+      "options.box: both corners are the same place, and features have no room: set lo and hi",
+      error);
+}
+
 absl::Status CheckLocate(const v1::LocatePointsRequest& request, int dimension) {
   const auto& x = request.coordinates();
   if (x.size() % dimension != 0) {

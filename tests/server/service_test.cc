@@ -101,7 +101,15 @@ TEST_F(ServiceTest, BadOptionsAreNamed) {
   bad.limits.max_vertices = ~std::uint64_t{0};
   const absl::Status status = client_->CreateMesh("m", bad).status();
   EXPECT_EQ(codec::GetServiceError(status)->field, "options.max_vertices");
+  // One whose corners were left out; a line may be meant.
+  bad = MeshOptions();
+  bad.box.hi = bad.box.lo;
+  const absl::Status nowhere = client_->CreateMesh("m", bad).status();
+  EXPECT_EQ(nowhere.code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(codec::GetServiceError(nowhere)->field, "options.box");
   EXPECT_EQ(client_->ListMeshes()->size(), 0u);
+  bad.box.hi[0] += 1;
+  EXPECT_TRUE(client_->CreateMesh("m", bad).ok());
 }
 
 TEST_F(ServiceTest, ListsComeInPages) {

@@ -294,6 +294,19 @@ TEST_F(PlcRefusals, CrossingSegments) {
   ExpectAccepted({AddSegment(31, 5, 6), Edit::Remove(12)});
 }
 
+TEST(Plc, SaysWhereSegmentsCross) {
+  const Plc2 plc{MeshOptions()};
+  const absl::Status status =
+      plc.Check({AddPoint(1, 0.25, 0.25), AddPoint(2, 0.75, 0.5), AddPoint(3, 0.25, 0.5),
+                 AddPoint(4, 0.75, 0.25), AddSegment(5, 1, 2), AddSegment(6, 3, 4)})
+          .status();
+  EXPECT_EQ(
+      status.message(),
+      "segment 6 from point 3 (0.25, 0.5) to point 4 (0.75, 0.25) and segment 5 from point 1 "
+      "(0.25, 0.25) to point 2 (0.75, 0.5) cross at (0.5, 0.375); add a point there and split "
+      "both, or remove feature 5 in the same batch");
+}
+
 TEST_F(PlcRefusals, OverlappingSegments) {
   // With a common end; without one it is also an end in the inside of a segment, and which
   // of the two is said depends on what comes last.
