@@ -92,7 +92,8 @@ struct ServerConfig {
 // Is it reached from this machine only? Names other than localhost are not looked up.
 bool IsLoopback(absl::string_view listen);
 
-// INVALID_ARGUMENT, naming the field, if a limit makes no sense, or what was asked for is not safe.
+// INVALID_ARGUMENT, naming the option, if a limit makes no sense, or what was asked for is not
+// safe.
 absl::Status ValidateConfig(const ServerConfig& config);
 
 }  // namespace dynmesh::server

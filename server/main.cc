@@ -24,7 +24,8 @@ using dynmesh::server::Flags;
 using dynmesh::server::Server;
 
 int Fail(int code, const absl::Status& status) {
-  std::fprintf(stderr, "dynmeshd: %s\n", std::string(status.message()).c_str());
+  dynmesh::server::Log(dynmesh::server::LogLevel::kError, "not_started",
+                       {{"message", status.message()}});
   return code;
 }
 

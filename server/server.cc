@@ -180,6 +180,7 @@ struct Server::Impl {
     service.Tick();
     memory.Measure();
     access->ReloadIfChanged(now);
+    if (tls != nullptr) tls->Look(absl::Now());
   }
 
   void SetHealth(bool serving) {
@@ -187,6 +188,13 @@ struct Server::Impl {
       health->SetServingStatus(serving);
       health->SetServingStatus(kServiceName, serving);
     }
+  }
+
+  // No reason to send no requests: reads are answered, and the next edit tries the journal again.
+  std::string Amiss() const {
+    return journal != nullptr && journal->counts().failing
+               ? "edits are refused: the journal cannot be written"
+               : "";
   }
 
   // Before the meshes are there, so that whoever asks learns that they are being made again.
@@ -200,7 +208,8 @@ struct Server::Impl {
     if (config.metrics.empty()) return absl::OkStatus();
     auto listening =
         MetricsHttp::Listen(config.metrics, {[this] { return metrics.registry.Text(); },
-                                             [this] { return std::string(not_ready.load()); }});
+                                             [this] { return std::string(not_ready.load()); },
+                                             [this] { return Amiss(); }});
     if (!listening.ok()) return listening.status();
     http = *std::move(listening);
     Log(LogLevel::kInfo, "metrics_listen", {{"address", http->address()}});
@@ -227,6 +236,7 @@ struct Server::Impl {
   MeshServiceImpl service;
   UnknownMethods unknown;
   std::shared_ptr<grpc::ServerCredentials> credentials;  // outlive the server
+  std::shared_ptr<TlsCredentials> tls;                   // the same, if it is TLS
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<Acceptor> acceptor;  // null: gRPC listens itself
   int port = 0;
@@ -245,10 +255,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
                                                       std::unique_ptr<Journal> journal) {
   if (absl::Status status = ValidateConfig(config); !status.ok()) return status;
   std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
+  std::shared_ptr<TlsCredentials> tls;  // null: none
   if (config.tls.enabled()) {
-    auto tls = MakeTlsCredentials(config.tls);
-    if (!tls.ok()) return tls.status();
-    credentials = *std::move(tls);
+    auto made = MakeTlsCredentials(config.tls);
+    if (!made.ok()) return made.status();
+    credentials = tls = *std::move(made);
   }
   absl::StatusOr<std::unique_ptr<Access>> access =
       Access::Create(config.tokens_file, config.max_requests_per_second);
@@ -257,6 +268,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
       std::make_unique<Impl>(config, std::move(factory), std::move(journal), *std::move(access));
   if (absl::Status status = impl->ListenForMetrics(); !status.ok()) return status;
   impl->credentials = std::move(credentials);
+  impl->tls = std::move(tls);
   if (absl::Status status = impl->Listen(); !status.ok()) return status;
   if (absl::Status status = impl->RecoverMeshes(); !status.ok()) return status;
   impl->context.recovering = false;

@@ -85,7 +85,8 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
         EndLocked(WhyCut(context_, sender_, "the client is gone"));
       }
       if (broken_ || current_->finished()) {
-        context_.metrics->edits.send_seconds.Observe(SecondsSince(current_->answered));
+        context_.metrics->edits.of(EditSource::kEdit)
+            .send.Observe(SecondsSince(current_->answered));
         current_.reset();
         --in_flight_;
       }

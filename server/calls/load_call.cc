@@ -48,6 +48,7 @@ class LoadCall final
   LoadCall(ServiceContext& context, grpc::CallbackServerContext* rpc)
       : context_(context), rpc_(rpc) {
     job_.call_id = CallIdOf(*rpc);
+    job_.source = EditSource::kLoad;
     job_.cancelled = cancelled_;
   }
 

@@ -265,7 +265,7 @@ void MeshHost::Count(const EditJob& job, const absl::StatusOr<EditOutcome>& outc
                     : job.validate_only ? EditMetrics::Kind::kValidated
                                         : EditMetrics::Kind::kApplied;
   metrics_->CountAnswer(absl::OkStatus(), kind);
-  if (kind == EditMetrics::Kind::kApplied) metrics_->ObserveWork(outcome->diff->work);
+  if (kind == EditMetrics::Kind::kApplied) metrics_->ObserveWork(outcome->diff->work, job.source);
 }
 
 absl::StatusOr<EditOutcome> MeshHost::Answer(EditJob& job) {
@@ -356,7 +356,7 @@ absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& co
     SetProgress(job, BatchProgress::Journal());
     const auto start = MetricsClock::now();
     absl::Status written = log_->Append(job.edits, job.request_id, answer);
-    if (metrics_ != nullptr) metrics_->journal_seconds.Observe(SecondsSince(start));
+    if (metrics_ != nullptr) metrics_->of(job.source).journal.Observe(SecondsSince(start));
     return written;
   };
   absl::StatusOr<MeshDiff> applied = mesh_->Apply(job.edits, apply_options);

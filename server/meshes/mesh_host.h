@@ -46,7 +46,8 @@ struct EditOutcome {
 struct EditJob {
   EditBatch edits;
   std::string request_id;
-  std::string call_id;  // of the call that brought it, for the log
+  std::string call_id;                    // of the call that brought it, for the log
+  EditSource source = EditSource::kEdit;  // for metrics
   std::optional<std::uint64_t> expected_revision;
   bool validate_only = false;
   // Not OK: known to be bad; answered with this in its turn and not applied.

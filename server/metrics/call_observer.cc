@@ -17,6 +17,7 @@ namespace {
 using grpc::experimental::InterceptionHookPoints;
 using grpc::experimental::InterceptorBatchMethods;
 
+constexpr double kLongestCall = 1e5;  // seconds: watches last for hours
 constexpr std::size_t kCodes = 17;
 constexpr std::array<const char*, kCodes> kCodeNames = {
     "OK",       "Canceled",       "Unknown",          "InvalidArgument",   "DeadlineExceeded",
@@ -40,13 +41,16 @@ struct Families {
         handled(r.AddCounters("grpc_server_handled_total", "Calls ended, by code.")),
         received(r.AddCounters("grpc_server_msg_received_total", "Messages received.")),
         sent(r.AddCounters("grpc_server_msg_sent_total", "Messages sent.")),
+        sent_bytes(r.AddCounters("dynmesh_sent_bytes_total",
+                                 "Bytes of the messages sent, uncompressed, without framing.")),
         seconds(r.AddHistograms("grpc_server_handling_seconds", "Time of calls until they ended.",
-                                SecondsBounds())) {}
+                                SecondsBounds(kLongestCall))) {}
 
   MetricFamily<Counter>& started;
   MetricFamily<Counter>& handled;
   MetricFamily<Counter>& received;
   MetricFamily<Counter>& sent;
+  MetricFamily<Counter>& sent_bytes;
   MetricFamily<Histogram>& seconds;
 };
 
@@ -62,6 +66,7 @@ struct CallMetrics::Method {
         started(f.started.With(Labels())),
         received(f.received.With(Labels())),
         sent(f.sent.With(Labels())),
+        sent_bytes(f.sent_bytes.With(Labels())),
         seconds(f.seconds.With(Labels())) {}
 
   MetricLabels Labels() const {
@@ -82,11 +87,12 @@ struct CallMetrics::Method {
   }
 
   const std::string type, service, method;
-  const bool is_ours;  // not of health or reflection, whose streams nobody waits for
+  const bool is_ours;  // not of health or reflection: a drain does not wait for their streams
   Families& families;
   Counter& started;
   Counter& received;
   Counter& sent;
+  Counter& sent_bytes;
   Histogram& seconds;
   std::array<std::atomic<Counter*>, kCodes> handled{};
 };
@@ -162,6 +168,8 @@ class CallObserver final : public grpc::experimental::Interceptor {
     }
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_MESSAGE)) {
       method_.sent.Add();
+      // What is sent is serialised here, and not again.
+      method_.sent_bytes.Add(step->GetSerializedSendMessage()->Length());
     }
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) {
       const grpc::Status status = step->GetSendStatus();

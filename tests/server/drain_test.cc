@@ -72,7 +72,7 @@ TEST_F(DrainTest, ADrainThatTakesTooLongCancels) {
   editor.join();
 }
 
-// Nobody answers on it, as behind a client's connection that has no call. gRPC would wait for an
+// It answers nothing, like a client's connection while it has no call. gRPC would wait for an
 // answer to its ping until the calls' five seconds are over.
 TEST_F(DrainTest, AConnectionWithoutCallsIsToldToGoAndDoesNotHoldTheDrain) {
   StartWithMesh();
