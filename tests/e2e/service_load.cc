@@ -1,19 +1,17 @@
 // Figures of the service over loopback, with real meshes: a tool, not a test.
-//   service_load [--server=ADDRESS] [POINTS [PART…]]
-// The server is in this process unless an address is given: better for profiles, worse for
-// figures, because gRPC then runs the calls of both sides on the same few threads.
-// POINTS is the size of the mesh to work on (default 20000); parts are overhead, edits,
-// stream, watchers, silent and snapshot (default all).
-// An edit adds a point anywhere or removes one added before; one a batch.
+// What it takes is in kHelp.
 #include <grpcpp/grpcpp.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <random>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -26,6 +24,19 @@
 
 namespace dynmesh {
 namespace {
+
+constexpr char kHelp[] =
+    "service_load [--server=ADDRESS] [POINTS [PART...]]\n"
+    "Figures of the service over loopback. The server is in this process unless an address is\n"
+    "given: better for profiles, worse for figures, because gRPC then runs the calls of both "
+    "sides\n"
+    "on the same few threads.\n"
+    "POINTS is the size of the mesh to work on, 1 to 10000000 (default 20000).\n"
+    "PARTs are overhead, edits, stream, watchers, silent and snapshot (default all).\n"
+    "An edit adds a point anywhere or removes one added before; one a batch.\n";
+constexpr std::size_t kMostPoints = 10'000'000;
+constexpr std::array<std::string_view, 6> kParts = {"overhead", "edits",  "stream",
+                                                    "watchers", "silent", "snapshot"};
 
 using Clock = std::chrono::steady_clock;
 
@@ -239,19 +250,43 @@ class Load {
 }  // namespace
 }  // namespace dynmesh
 
+namespace {
+
+int Refuse(const std::string& what) {
+  std::fprintf(stderr, "service_load: %s\nservice_load --help tells what there is\n", what.c_str());
+  return 2;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  using dynmesh::kMostPoints;
+  using dynmesh::kParts;
   if (!dynmesh::server::SetLogLevel("error").ok()) return 1;
-  std::vector<std::string> arguments(argv + 1, argv + argc);
-  const std::string flag = "--server=";
+  std::vector<std::string> words(argv + 1, argv + argc);
   std::string address;
-  if (!arguments.empty() && arguments[0].starts_with(flag)) {
-    address = arguments[0].substr(flag.size());
-    arguments.erase(arguments.begin());
-  }
   std::size_t points = 20'000;
-  if (!arguments.empty()) {
-    points = std::strtoull(arguments[0].c_str(), nullptr, 10);
-    arguments.erase(arguments.begin());
+  const std::string server = "--server=";
+  if (!words.empty() && words[0] == "--help") return std::fputs(dynmesh::kHelp, stdout) < 0 ? 1 : 0;
+  if (!words.empty() && words[0].starts_with(server)) {
+    address = words[0].substr(server.size());
+    if (address.empty()) return Refuse("--server= is without an address");
+    words.erase(words.begin());
   }
-  dynmesh::Load(points, address).Run(arguments);
+  if (!words.empty()) {
+    const std::string& word = words[0];
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), points);
+    if (error != std::errc() || end != word.data() + word.size() || points == 0 ||
+        points > kMostPoints) {
+      return Refuse("'" + word + "' is no number of points from 1 to " +
+                    std::to_string(kMostPoints));
+    }
+    words.erase(words.begin());
+  }
+  for (const std::string& part : words) {
+    if (std::find(kParts.begin(), kParts.end(), part) == kParts.end()) {
+      return Refuse("'" + part + "' is no part");
+    }
+  }
+  dynmesh::Load(points, address).Run(words);
 }
