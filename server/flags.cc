@@ -214,6 +214,11 @@ void AddFlags(CLI::App& app, Flags& f) {
   AddSecurityFlags(app, c);
   app.add_option("--data-dir", f.data_dir,
                  "folder that keeps the meshes; an edit is answered when it is on the disk");
+  app.add_option(
+         "--accept-loss", f.accept_loss,
+         "go on with a mesh from what is left of it, or without it: what the log's mesh_loss "
+         "or journal_losses says, with commas between. It accepts that loss and no later one")
+      ->type_name("LOSS");
   AddCount<std::uint64_t>(
       app, "compact-bytes", c.compact_bytes, 0,
       "bytes of a mesh's edits in the folder before a snapshot, from which it is made again");

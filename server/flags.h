@@ -16,6 +16,7 @@ struct Flags {
   ServerConfig config;
   std::string port_file;
   std::string data_dir;
+  std::string accept_loss;  // with commas between
   std::string log_level = "info";
 };
 

@@ -10,9 +10,11 @@
 #include <mutex>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/clock.h"
 #include "server/access/acceptor.h"
@@ -191,10 +193,16 @@ struct Server::Impl {
   }
 
   // No reason to send no requests: reads are answered, and the next edit tries the journal again.
+  // Neither are damaged meshes: the others are served.
   std::string Amiss() const {
-    return journal != nullptr && journal->counts().failing
-               ? "edits are refused: the journal cannot be written"
-               : "";
+    std::vector<std::string> amiss;
+    if (journal != nullptr && journal->counts().failing) {
+      amiss.push_back("edits are refused: the journal cannot be written");
+    }
+    if (const std::size_t damaged = registry.damaged(); damaged > 0) {
+      amiss.push_back(absl::StrCat("damaged meshes: ", damaged));
+    }
+    return absl::StrJoin(amiss, "; ");
   }
 
   // Before the meshes are there, so that whoever asks learns that they are being made again.

@@ -11,6 +11,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
+#include "server/base/printable.h"
 
 namespace dynmesh::server {
 namespace {
@@ -89,7 +90,7 @@ void Log(LogLevel level, absl::string_view event, std::initializer_list<LogField
     if (IsPlain(f.value)) {
       absl::StrAppend(&line, " ", f.key, "=", f.value);
     } else {
-      absl::StrAppend(&line, " ", f.key, "=\"", absl::Utf8SafeCEscape(f.value), "\"");
+      absl::StrAppend(&line, " ", f.key, "=\"", Printable(absl::Utf8SafeCEscape(f.value)), "\"");
     }
   }
   // The line is data, never a format.

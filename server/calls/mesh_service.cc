@@ -43,6 +43,7 @@ void EncodeMesh(const MeshHost& host, v1::Mesh* out) {
   codec::EncodeTime(host.create_time(), out->mutable_create_time());
   out->set_revision(head.revision);
   out->set_hash(head.hash.ToHex());
+  if (!host.read_only().ok()) out->set_damage(std::string(host.read_only().message()));
 }
 
 void EncodeStats(const MeshHost& host, v1::MeshStats* out) {
@@ -320,7 +321,8 @@ grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContex
   if (request->page_size() < 0) {
     return Finished(call, BadRequest("page_size", "must not be negative"));
   }
-  if (!request->page_token().empty() && !IsMeshId(request->page_token())) {
+  if (!request->page_token().empty() && !IsMeshId(request->page_token()) &&
+      !IsRowName(request->page_token())) {
     return Finished(call, BadRequest("page_token", "is not one that this server gave"));
   }
   const int size =

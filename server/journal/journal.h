@@ -11,7 +11,9 @@
 //   2. a call that returned an error changed nothing that will be seen while the journal is open.
 //      (After a crash a change that failed may turn out to have been made, whole.)
 //   3. the entries of a mesh follow its oldest snapshot one by one, without a gap;
-//   4. each row has a checksum: one that was damaged is told as DATA_LOSS with mesh and revision.
+//   4. each row has a checksum: one that was damaged is told as DATA_LOSS with mesh and revision;
+//   5. a mesh that lacks what was acknowledged, whatever was done to the files, is told so when the
+//      journal is opened, and not written to.
 // Calls block until the disk is done; calls that wait at the same time may share a sync. After a
 // failed write all calls that write fail until one has been tried and done. Thread-safe.
 //
@@ -40,10 +42,11 @@ class Journal {
 
   struct Mesh {
     Key key = 0;
-    std::string id;
+    std::string id;  // "@" and the key, if its own is damaged and cannot be said
     std::string description;
     std::uint64_t entries = 0;  // a snapshot counts as one
-    absl::Status damage;        // not OK: the rest is not to be trusted
+    absl::Status damage;        // not OK: the rest is not to be trusted, or there is nothing
+    absl::Status loss;  // not OK: it lacks what was acknowledged. It can be read and deleted only
   };
   // What it did since it was opened.
   struct Counts {

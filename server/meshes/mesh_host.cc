@@ -94,6 +94,7 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
       history_(past.log == nullptr
                    ? std::nullopt
                    : std::make_optional(past.log->History(past.empty.value_or(mesh->hash())))),
+      read_only_(std::move(past.read_only)),
       mesh_(std::move(mesh)),
       log_(std::move(past.log)),
       requests_(past.requests.has_value() ? *std::move(past.requests)
@@ -286,6 +287,7 @@ absl::StatusOr<EditOutcome> MeshHost::Answer(EditJob& job) {
       return Replay(*entry);
     }
   }
+  if (!read_only_.ok()) return read_only_;
   if (job.expected_revision.has_value() && *job.expected_revision != mesh_->revision()) {
     return RevisionMismatch(*job.expected_revision, mesh_->revision());
   }

@@ -87,6 +87,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     std::unique_ptr<MeshLog> log;          // null: nothing is written down
     std::shared_ptr<RevisionStore> store;  // that ends at the mesh; null: it begins there
     std::optional<RequestMemory> requests;
+    absl::Status read_only;         // not OK: what edits are refused with
     std::optional<MeshHash> empty;  // of the mesh without features; none: it is such a one
   };
   struct LocateAnswer {
@@ -134,6 +135,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   Head head() const { return store_->head(); }
   const std::shared_ptr<RevisionStore>& store() const { return store_; }
   const std::shared_ptr<WatchHub>& hub() const { return hub_; }
+  const absl::Status& read_only() const { return read_only_; }  // not OK: why
   const MeshHistory* history() const { return history_.has_value() ? &*history_ : nullptr; }
   MeshStats stats() const;  // at the head or the revision before
   std::size_t waiting() const { return queue_->waiting(); }
@@ -181,6 +183,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   const std::shared_ptr<RevisionStore> store_;
   const std::shared_ptr<WatchHub> hub_;
   const std::optional<MeshHistory> history_;  // none: nothing is written down
+  const absl::Status read_only_;
 
   // Belong to the strand.
   const std::unique_ptr<DynamicMesh> mesh_;

@@ -1,6 +1,6 @@
 // The meshes of a server, by id. With a journal, a mesh is there or gone when the journal has it
 // so; what could not be made again from it is there as damaged, answers with why, and can be
-// deleted. Thread-safe.
+// deleted; what lacks revisions that were acknowledged is read only, and says why. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 #define DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 
@@ -69,8 +69,8 @@ class MeshRegistry {
 
   struct Listed {
     std::string id;
-    HostPtr host;         // null if it is damaged
-    absl::Status damage;  // then why
+    HostPtr host;         // null if there is nothing to read
+    absl::Status damage;  // then why; with a host: why that is read only
   };
   // At most `limit` meshes with ids greater than `after`, by id, and only those whose id is
   // `shown`, if that is given.
@@ -80,6 +80,7 @@ class MeshRegistry {
   std::vector<HostPtr> Hosts() const;
 
   std::size_t size() const;
+  std::size_t damaged() const;  // of these
   std::size_t watchers() const;
   void Tick(absl::Time now);
   // What deleted meshes have left in the journal is left for the next start.
@@ -90,8 +91,8 @@ class MeshRegistry {
 
  private:
   struct Held {
-    HostPtr host;         // null if it is damaged
-    absl::Status damage;  // then why
+    HostPtr host;         // null if there is nothing to read
+    absl::Status damage;  // then why; with a host: why that is read only
     Journal::Key key = 0;
     std::string request_id;  // that it was made with, if any
   };

@@ -84,7 +84,8 @@ RecoveryMetrics::RecoveryMetrics(MetricRegistry& registry)
                              .With()),
       damaged(registry
                   .AddGauges("dynmesh_recovery_meshes_damaged",
-                             "Meshes that could not be made again from the journal.")
+                             "Meshes that could not be made again from the journal, or lack what was "
+                             "acknowledged.")
                   .With()),
       seconds(registry.AddGauges("dynmesh_recovery_seconds", "What making the meshes again took.")
                   .With()) {}

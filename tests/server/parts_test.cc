@@ -8,6 +8,7 @@
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "server/access/quota.h"
 #include "server/base/log.h"
+#include "server/base/printable.h"
 #include "server/base/work_gate.h"
 #include "server/base/worker_pool.h"
 #include "server/calls/admission.h"
@@ -207,6 +208,31 @@ TEST(Log, MessagesThatDoNotParseDoNotFillIt) {
     }
   }
   EXPECT_TRUE(SetLogLevel("error").ok());
+}
+
+TEST(Printable, WhatIsNoTextIsEscaped) {
+  const std::pair<absl::string_view, absl::string_view> cases[] = {
+      {"", ""},
+      {"it's a \"name\"", "it's a \"name\""},
+      {"Gr\xc3\xb6\xc3\x9f\x65 \xe2\x82\xac \xf0\x9f\x98\x80",
+       "Gr\xc3\xb6\xc3\x9f\x65 \xe2\x82\xac \xf0\x9f\x98\x80"},
+      {"m\xb3", "m\\xb3"},
+      {absl::string_view("a\0b\n\x7f", 5), "a\\x00b\\x0a\\x7f"},
+      {"\xc3", "\\xc3"},                             // cut
+      {"\xc0\x80", "\\xc0\\x80"},                    // overlong
+      {"\xed\xa0\x80", "\\xed\\xa0\\x80"},           // a surrogate
+      {"\xf4\x90\x80\x80", "\\xf4\\x90\\x80\\x80"},  // too large
+      {"\xe2\x82x", "\\xe2\\x82x"},
+  };
+  for (const auto& [bytes, text] : cases) EXPECT_EQ(Printable(bytes), text);
+}
+
+TEST(Log, BytesThatAreNoTextAreEscaped) {
+  ASSERT_TRUE(SetLogLevel("info").ok());
+  testing::internal::CaptureStderr();
+  Log(LogLevel::kInfo, "test", {{"mesh", "m\xb3"}});
+  const std::string line = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(absl::StrContains(line, "mesh=\"m\\xb3\"")) << line;
 }
 
 TEST(Log, AClientCannotForgeALine) {

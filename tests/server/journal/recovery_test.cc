@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -23,7 +26,7 @@ class RecoveryTest : public ::testing::Test {
 
   void Open() {
     server_.reset();
-    server_ = std::make_unique<DurableRegistry>(folder_.path(), config_);
+    server_ = std::make_unique<DurableRegistry>(folder_.path(), config_, nullptr, accept_);
     ASSERT_TRUE(server_->status().ok()) << server_->status();
   }
   // With mesh m of points 1..n, one a batch, with request_ids r1..rn.
@@ -62,6 +65,7 @@ class RecoveryTest : public ::testing::Test {
 
   test::TempFolder folder_;
   ServerConfig config_;
+  std::vector<std::string> accept_;
   std::unique_ptr<DurableRegistry> server_;
 };
 
@@ -232,6 +236,83 @@ TEST_F(RecoveryTest, WhatDoesNotMakeTheMeshAgainIsDamageOfThatMeshAlone) {
     ASSERT_TRUE((*server_)->Create("m", MeshOptions(), "made").ok());
     Open();
     EXPECT_EQ(server_->Host()->head().revision, 0u);
+  }
+}
+
+TEST_F(RecoveryTest, AMeshThatLostRevisionsIsReadOnlyUntilThatIsAccepted) {
+  OpenWithPoints(3);
+  test::TempFolder before;
+  CopyJournal(folder_.path(), before.path());
+  ASSERT_TRUE((*server_)->Create("gone", MeshOptions(), "").ok());
+  ASSERT_TRUE(server_->Apply({AddPoint(4)}, "r4").ok());
+  server_.reset();
+  for (const char* file : {"journal.sqlite", "journal.sqlite-wal"}) {
+    const auto to = std::filesystem::path(folder_.path()) / file;
+    std::filesystem::remove(to);
+    std::filesystem::copy(std::filesystem::path(before.path()) / file, to);
+  }
+  Open();
+  EXPECT_EQ((*server_)->damaged(), 2u);
+  const auto host = server_->Host();
+  EXPECT_EQ(host->head().revision, 3u);
+  const absl::Status refused = server_->Apply({AddPoint(4)}, "r4").status();
+  EXPECT_EQ(refused.code(), StatusCode::kDataLoss);
+  EXPECT_EQ(ReasonOf(refused), codec::reason::kMeshDamaged);
+  EXPECT_TRUE(absl::StrContains(refused.message(), "revision 4 was acknowledged")) << refused;
+  EXPECT_TRUE(absl::StrContains(refused.message(), "--accept-loss=m@3")) << refused;
+  // What is left can be read, and what was answered is answered again.
+  EXPECT_TRUE(server_->Apply({AddPoint(3)}, "r3")->replayed);
+  Mailbox<absl::StatusOr<FeaturesAt>> features;
+  ASSERT_TRUE(host->Features(2, nullptr, [&](auto f) { features.Put(std::move(f)); }).ok());
+  EXPECT_EQ(features.Take()->features.size(), 2u);
+  EXPECT_EQ((*host->store()->Latest())->revision, 3u);
+  const auto listed = (*server_)->List("", 10);
+  ASSERT_EQ(listed.size(), 2u);
+  EXPECT_EQ(listed[0].id, "gone");
+  EXPECT_EQ(listed[0].host, nullptr);
+  EXPECT_EQ(ReasonOf((*server_)->Find("meshes/gone").status()), codec::reason::kMeshDamaged);
+  EXPECT_EQ(ReasonOf((*server_)->Create("gone", MeshOptions(), "").status()),
+            codec::reason::kMeshDamaged);
+  EXPECT_EQ(listed[1].host, host);
+  EXPECT_EQ(listed[1].damage, refused);
+  ASSERT_TRUE((*server_)->Delete("meshes/gone").ok());
+  ASSERT_TRUE((*server_)->Create("gone", MeshOptions(), "").ok());
+  ASSERT_TRUE(server_->Apply({AddPoint(1)}, "", "gone").ok());
+  accept_ = {"m@3"};
+  Open();
+  EXPECT_EQ((*server_)->damaged(), 0u);
+  EXPECT_EQ(server_->Apply({AddPoint(4)}, "r4")->diff->to_revision, 4u);
+  EXPECT_EQ(server_->Host("gone")->head().revision, 1u);
+  accept_.clear();
+  Open();
+  EXPECT_EQ((*server_)->damaged(), 0u);
+}
+
+// One bad row is not in the way of the others, whatever stands in it.
+TEST_F(RecoveryTest, AMeshWithAnUnspeakableNameIsListedAndDeleted) {
+  for (const bool record : {true, false}) {
+    server_.reset();
+    std::filesystem::remove_all(folder_.path());
+    OpenWithPoints(1);
+    ASSERT_TRUE((*server_)->Create("sound", MeshOptions(), "").ok());
+    Sql("UPDATE meshes SET id = CAST(X'6DB3' AS TEXT) WHERE key = 1");
+    if (!record) std::filesystem::remove(folder_.path() + "/journal.heads");
+    if (!record) accept_ = {"sound@0"};
+    Open();
+    const auto listed = (*server_)->List("", 10);
+    ASSERT_EQ(listed.size(), 2u);
+    const std::string name = record ? "m" : "@1";
+    EXPECT_EQ(listed[0].id, name);
+    EXPECT_EQ(ReasonOf(listed[0].damage), codec::reason::kMeshDamaged);
+    EXPECT_TRUE(absl::StrContains(listed[0].damage.message(), "m\\xb3")) << listed[0].damage;
+    EXPECT_EQ((*server_)->List(name, 10).front().id, "sound");  // the next page
+    EXPECT_EQ(ReasonOf((*server_)->Create("@1", MeshOptions(), "").status()),
+              codec::reason::kBadName);
+    ASSERT_TRUE((*server_)->Delete("meshes/" + name).ok());
+    Open();
+    EXPECT_EQ((*server_)->size(), 1u);
+    EXPECT_TRUE(server_->Apply({AddPoint(1)}, "", "sound").ok());
+    accept_.clear();
   }
 }
 
