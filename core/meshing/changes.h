@@ -197,10 +197,9 @@ bool Refinement<D, E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) 
         return appears ? Counts(Term::kAppearsInCorner) && ConflictsWithStar(op, y)
                        : Counts(Term::kVanishesFromRing) && is_read();
       case kNearest:
-        if (item == v || geometry::SquaredDistance(vertices_[item].p, y) > payload.radius2) {
-          return false;
-        }
-        return Counts(appears ? Term::kAppearsNearer : Term::kNearestVanishes);
+        return item != v && geometry::SquaredDistance(vertices_[item].p, y) <= payload.radius2 &&
+               Counts(appears ? Term::kAppearsNearer : Term::kNearestVanishes) &&
+               NearestMatters(op, v, appears);
       case kCheck:
       case kRecheck: {
         if (payload.flag) return !appears && Counts(Term::kWitnessVanishes) && is_read();
@@ -211,6 +210,21 @@ bool Refinement<D, E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) 
       default:
         return false;
     }
+  }
+  return false;
+}
+
+// Does v, as near as the nearest that `op` read or nearer, make it another one? Of those at one
+// distance, which may be very many, the one read stands for all.
+template <int D, template <class> class E>
+bool Refinement<D, E>::NearestMatters(sac::OpId op, VertexIndex v, bool appears) const {
+  if constexpr (kTraced) {
+    const auto reads = engine_.reads(op);
+    if (reads.empty()) return true;
+    if (!appears) return reads[0] == v;
+    const Point& p = vertices_[engine_.item(op)].p;
+    return geometry::SquaredDistance(p, vertices_[v].p) <
+           geometry::SquaredDistance(p, vertices_[reads[0]].p);
   }
   return false;
 }
@@ -412,54 +426,36 @@ void Refinement<D, E>::HideSubsegment(SubsegmentIndex i) {
   s.place_count = 0;
 }
 
-// Tells those who read as of a time in (after, until], if s is exposed at all.
+// Tells those who read as of a time in (after, until], if s is exposed at all: those who made a
+// vertex in its ball, and those who yielded or were kept out, perhaps for its sake. Most operations
+// did neither, and are not looked at.
 template <int D, template <class> class E>
 void Refinement<D, E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, sac::Stamp until) {
   if constexpr (kTraced) {
     const Subsegment& s = subsegments_[i];
     if (s.exposed == sac::kNoStamp || !engine_.AnyAfter(after)) return;
+    const Point &a = vertices_[s.a].p, &b = vertices_[s.b].p;
+    const Point middle = geometry::Midpoint(a, b);
     const double radius = RadiusOf(s);
-    const Point middle = geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p);
-    tree_.VisitCells({middle, radius * radius}, [&](sac::Place place) {
-      engine_.Notify(
-          place, sac::Parts{0}, after, until,
-          [this](sac::OpId op) { return AsksForSubsegments(op); },
-          [&](sac::OpId op) { return SubsegmentMatters(op, s); });
+    double r2 = radius * radius;
+    tree_.VisitBall(middle, r2, [&](std::uint32_t x, const Point& p, double) {
+      const sac::OpId maker = vertices_[x].creator;
+      if (maker == sac::kNoOp || x == s.a || x == s.b) return;
+      engine_.NotifyOperation(maker, after, until, [&](sac::OpId op) {
+        const bool complete = engine_.kind(op) == kComplete;
+        return Counts(complete ? Term::kOverSteinerPoint : Term::kOverMidpoint) &&
+               DiametralBallSign(a, b, p) <= 0;
+      });
+    });
+    tree_.VisitCells({middle, r2}, [&](sac::Place place) {
+      engine_.NotifyAttentive(place, after, until, [&](sac::OpId op) {
+        // Its candidate was in one of the balls read.
+        const double far = std::sqrt(engine_.payload(op).radius2) + radius;
+        return Counts(Term::kOverYieldedCandidate) &&
+               geometry::SquaredDistance(vertices_[engine_.item(op)].p, middle) <= far * far;
+      });
     });
   }
-}
-
-// Had it anything to insert? Most had not.
-template <int D, template <class> class E>
-bool Refinement<D, E>::AsksForSubsegments(sac::OpId op) const {
-  if constexpr (kTraced) {
-    return !engine_.outputs(op).empty() ||
-           (engine_.kind(op) == kComplete && engine_.payload(op).flag);
-  }
-  return false;
-}
-
-template <int D, template <class> class E>
-bool Refinement<D, E>::SubsegmentMatters(sac::OpId op, const Subsegment& s) const {
-  if constexpr (kTraced) {
-    const Point &a = vertices_[s.a].p, &b = vertices_[s.b].p;
-    const bool complete = engine_.kind(op) == kComplete;
-    if (engine_.kind(op) == kNearest) return false;
-    for (const sac::Output o : engine_.outputs(op)) {
-      if (WhatOf(o) != Made::kVertex) continue;
-      const VertexIndex x = IndexOf(o);
-      if (x == s.a || x == s.b) continue;
-      if (DiametralBallSign(a, b, vertices_[x].p) > 0) continue;
-      if (Counts(complete ? Term::kOverSteinerPoint : Term::kOverMidpoint)) return true;
-    }
-    if (!complete || !engine_.payload(op).flag || !Counts(Term::kOverYieldedCandidate))
-      return false;
-    // Where candidates were is not kept; it was in one of the balls read.
-    const double far =
-        std::sqrt(engine_.payload(op).radius2) + std::sqrt(geometry::SquaredDistance(a, b));
-    return geometry::SquaredDistance(vertices_[engine_.item(op)].p, a) <= far * far;
-  }
-  return false;
 }
 
 // --- Book-keeping ---------------------------------------------------------------------

@@ -28,11 +28,13 @@ namespace dynmesh::meshing {
 template <int D, template <class> class E>
 void Refinement<D, E>::Nearest(Context& context) {
   const VertexIndex v = context.item;
-  double d2 = NearestDistance2(context, v);
+  const Near nearest = NearestTo(context, v);
+  double d2 = nearest.d2;
   if (D == 3 && !facets_.empty()) d2 = FacetDistance2(v, d2);
   context.payload().radius2 = RoundedUp(d2);
   context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
   if constexpr (kTraced) {
+    if (nearest.v != kNil) context.Read(nearest.v);
     Extent<D> box = Extent<D>::Nothing();
     box.AddBall(vertices_[v].p, std::sqrt(d2) * (1 + 1e-9) + 2 * rules_.ulp());
     SubscribeBox(context, box);

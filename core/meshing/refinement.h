@@ -122,7 +122,7 @@ class Refinement {
     const bool done = engine_.Propagate(interrupt);
     numbers_by_age_ = false;
     if (done) appeared_.clear();
-    nearest2_ = std::vector<double>();
+    nearest_ = std::vector<Near>();
     return done;
   }
 
@@ -231,6 +231,11 @@ class Refinement {
     return const_cast<Refinement*>(this)->OperationsOf(kind, item);
   }
   void Execute(Context& context);
+  // Does it matter to the operation which subsegments are visible, beside those whose balls hold
+  // what it made? Where its candidates were is not kept.
+  static bool IsAttentive(sac::Kind kind, const Payload& payload) {
+    return kind == kComplete && payload.flag;
+  }
   static constexpr int kPrefetchSteps = Triangulation::kPrefetchSteps;
   void Prefetch(sac::Kind kind, sac::Item item, int step) const;
   void Publish(sac::Output output, sac::Stamp at);
@@ -361,7 +366,11 @@ class Refinement {
   bool VerifyCorner(Context& context, int i);
 
   // neighbourhood.h
-  double NearestDistance2(Context& context, VertexIndex v);
+  struct Near {
+    double d2 = INFINITY;  // squared distance
+    VertexIndex v = kNil;  // any one at that distance
+  };
+  Near NearestTo(Context& context, VertexIndex v);
   void FindAllNearest();
   bool FindEncroaching(Context& context, SubsegmentIndex s);
   bool FindHiding(const Subsegment& sub);
@@ -382,6 +391,7 @@ class Refinement {
   void MovePlaces(std::uint32_t first_child, std::uint32_t parent);
   void NotifyOfVertex(VertexIndex v, bool appears, sac::Stamp at);
   bool VertexMatters(sac::OpId op, VertexIndex v, bool appears) const;
+  bool NearestMatters(sac::OpId op, VertexIndex v, bool appears) const;
   bool ConflictsWithStar(sac::OpId op, const Point& y) const;
   Point PlaceOf(std::uint32_t id, const Point& p, double reach) const;
   bool ConflictsWithRing(std::span<const std::uint32_t> ring, const Point& p, double reach,
@@ -392,8 +402,6 @@ class Refinement {
   bool ConflictsWithLink(std::span<const std::uint32_t> words, const Point& p, double reach,
                          const Point& y) const;
   void NotifyOfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
-  bool AsksForSubsegments(sac::OpId op) const;
-  bool SubsegmentMatters(sac::OpId op, const Subsegment& s) const;
   template <class Keep, class Matters>
   void NotifyFromBeginning(const Extent<D>& box, Keep keep, Matters matters);
   void NotifyOfSizing(const SizingRegion<D>& region);
@@ -434,7 +442,7 @@ class Refinement {
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
 
   std::uint64_t nearest_run_ = 0;
-  std::vector<double> nearest2_;  // in a run from scratch: by vertex, when first asked for
+  std::vector<Near> nearest_;  // in a run from scratch: by vertex, when first asked for
 
   // Published since the last propagation that was completed.
   std::vector<VertexIndex> appeared_;

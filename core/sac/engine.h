@@ -34,6 +34,9 @@
 //                                             from that time on, and Notify
 //   Release(output)                           after the propagation, once for each Withdraw:
 //                                             forget it, unless it was published again
+// and may have:
+//   IsAttentive(kind, payload) -> bool        is the operation, as executed, told by
+//   NotifyAttentive?
 #ifndef DYNMESH_CORE_SAC_ENGINE_H_
 #define DYNMESH_CORE_SAC_ENGINE_H_
 
@@ -140,11 +143,9 @@ class Engine {
 
   // Marks stale each subscriber of `place` with a time in (after, until] for which
   // affected(op) holds. `until` is kNoStamp for ever. Not asked about those that subscribe to
-  // some parts of the place but not to all of `parts`, nor those for which interested(op) is
-  // false, which is to look at no more than the operation.
-  template <class Affected, class Interested>
-  void Notify(Place place, Parts parts, Stamp after, Stamp until, Interested interested,
-              Affected affected) {
+  // some parts of the place but not to all of `parts`.
+  template <class Affected>
+  void Notify(Place place, Parts parts, Stamp after, Stamp until, Affected affected) {
     const std::span<const OpId> asked = SubscribersOfAll(place, parts);
     counters_.notified += asked.size();
     // Far from the last edit none is in a cache: what is asked soon is fetched step by step, as
@@ -154,18 +155,8 @@ class Engine {
     for (std::size_t i = 0; i < asked.size(); ++i) {
       if (i + kFar < asked.size()) PrefetchOp(asked[i + kFar]);
       if (i + kNear < asked.size()) PrefetchReads(ops_[asked[i + kNear]]);
-      const OpId id = asked[i];
-      const Operation& op = ops_[id];
-      if (op.flags & kStale || !interested(id)) continue;
-      if (!Precedes(after, op.stamp)) continue;
-      if (until != kNoStamp && Precedes(until, op.stamp)) continue;
-      if (affected(id)) MarkStale(id);
+      NotifyOperation(asked[i], after, until, affected);
     }
-  }
-  template <class Affected>
-  void Notify(Place place, Parts parts, Stamp after, Stamp until, Affected affected) {
-    Notify(
-        place, parts, after, until, [](OpId) { return true; }, affected);
   }
   // Whichever parts they subscribe to.
   template <class Affected>
@@ -174,6 +165,21 @@ class Engine {
   }
   // Has nothing been executed yet? Then operations will be in the order of time, once each.
   bool IsFromScratch() const { return frontier_ == beginning(); }
+  // Only those that are attentive, whichever parts they subscribe to: O(their number).
+  template <class Affected>
+  void NotifyAttentive(Place place, Stamp after, Stamp until, Affected affected) {
+    const auto asked = subscriptions_.attentive_at(place);
+    counters_.notified += asked.size();
+    for (const auto& [op, parts] : asked) NotifyOperation(op, after, until, affected);
+  }
+  // That one, if its time is in (after, until] and affected(id) holds.
+  template <class Affected>
+  void NotifyOperation(OpId id, Stamp after, Stamp until, Affected affected) {
+    const Operation& op = ops_[id];
+    if (op.flags & kStale || !Precedes(after, op.stamp)) return;
+    if (until != kNoStamp && Precedes(until, op.stamp)) return;
+    if (affected(id)) MarkStale(id);
+  }
   // Is there anything that a change at time `after` could make stale?
   bool AnyAfter(Stamp after) const { return Precedes(after, frontier_); }
   // Marks stale every executed operation of the chain at `head` later than `after`.
@@ -353,6 +359,12 @@ class Engine {
     if (--ops_[id].refs == 0) Enqueue(id);
   }
 
+  bool IsAttentive(const Operation& op) const {
+    if constexpr (requires { program_.IsAttentive(op.kind, op.payload); }) {
+      return program_.IsAttentive(op.kind, op.payload);
+    }
+    return false;
+  }
   void Execute(OpId id);
   bool IsTooMuch() const {
     const auto over = [](std::size_t size, std::uint32_t most) { return size > most ? 1 : 0; };
@@ -509,11 +521,12 @@ void Engine<Program>::Commit(OpId id) {
   for (const Place p : was_places) {
     if (!std::ranges::binary_search(new_places_, p)) subscriptions_.Remove(p, id);
   }
+  const bool attentive = IsAttentive(op);
   for (const auto& [place, parts] : new_subscriptions_) {
     if (std::ranges::binary_search(was_places, place)) {
-      subscriptions_.SetParts(place, id, parts);
+      subscriptions_.Set(place, id, parts, attentive);
     } else {
-      subscriptions_.Add(place, id, parts);
+      subscriptions_.Add(place, id, parts, attentive);
     }
   }
   for (const Output o : new_outputs_) {
@@ -598,9 +611,9 @@ void Engine<Program>::ReplacePlace(OpId id, Place from, Place to) {
   std::uint32_t* const at = std::find(begin, end, from);
   if (std::find(begin, end, to) == end) {
     *at = to;
-    subscriptions_.Add(to, id);
+    subscriptions_.Add(to, id, kAllParts, IsAttentive(op));
   } else {
-    subscriptions_.SetParts(to, id, kAllParts);
+    subscriptions_.Set(to, id, kAllParts, IsAttentive(op));
     std::copy(at + 1, end + op.reads, at);  // one place less, the reads move up
     --op.places;
   }
@@ -664,7 +677,12 @@ std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op,
   });
   for (Place p = 0; p < subscribed.size(); ++p) {
     std::uint64_t listed = 0;
-    for (const auto& [id, parts] : subscriptions_.at(p)) listed += mix(1, id);
+    std::size_t left = subscriptions_.attentive_at(p).size();
+    for (const auto& [id, parts] : subscriptions_.at(p)) {
+      listed += mix(1, id);
+      if (IsAttentive(ops_[id]) != (left > 0)) complain(id, "is taken for attentive, or is not");
+      if (left > 0) --left;
+    }
     if (listed != subscribed[p]) {
       problems->push_back("place " + std::to_string(p) +
                           ": subscribers are not those that name it");
