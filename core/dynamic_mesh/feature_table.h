@@ -100,7 +100,11 @@ class FeatureTable {
   }
 
   std::size_t bytes() const {
-    return points_.capacity() * 17 + ids_.capacity() * sizeof(FeatureId) + segments_.bytes();
+    const auto of = [](const auto& map) { return map.capacity() * (sizeof(*map.begin()) + 1); };
+    return of(points_) + of(sizes_) + of(facets_) + of(walls_) +
+           ids_.capacity() * sizeof(FeatureId) +
+           (free_.capacity() + freed_.capacity()) * sizeof(meshing::FeatureSlot) +
+           segments_.bytes();
   }
 
  private:

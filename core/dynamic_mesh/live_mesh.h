@@ -5,6 +5,7 @@
 #define DYNMESH_CORE_DYNAMIC_MESH_LIVE_MESH_H_
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -129,12 +130,16 @@ class LiveMesh final : public DynamicMesh {
   void Undo(const plc::Delta<D>& delta);
   void BuildPresent();
   bool IsTooDear() const;
+  template <class Interrupt>
+  void GiveMemoryBack(Interrupt cancelled);
 
   const MeshOptions options_;
   const LiveMeshTuning tuning_;
   plc::Plc<D> plc_;
   std::unique_ptr<State> state_;
   std::uint64_t revision_ = 0;
+  // Operations from which down memory is given back.
+  std::size_t give_back_at_ = std::numeric_limits<std::size_t>::max();
 };
 
 }  // namespace dynmesh

@@ -49,7 +49,7 @@ MeshStats LiveMesh<D>::Stats() const {
   stats.subfacets = s.diffs.subfacet_count();
   stats.operations = s.refinement.engine().operation_count();
   stats.trace_bytes = s.refinement.trace_bytes();
-  stats.mesh_bytes = s.refinement.bytes() + s.diffs.bytes() + s.features.bytes();
+  stats.mesh_bytes = s.refinement.bytes() + s.diffs.bytes() + s.features.bytes() + plc_.bytes();
   return stats;
 }
 

@@ -142,6 +142,15 @@ void FeatureIndex<2>::VisitNeighbours(const Hub& hub, const Point2& end, VisitSe
   }
 }
 
+std::size_t FeatureIndex<2>::bytes() const {
+  std::size_t sum = general_.bytes() + placements_.size() * sizeof(placements_[0]) +
+                    degrees_.capacity() * (sizeof(*degrees_.begin()) + 1);
+  for (const auto& [id, hub] : hubs_) {
+    sum += hub->segments.bytes() + hub->by_angle.size() * sizeof(Spoke);
+  }
+  return sum;
+}
+
 std::size_t FeatureIndex<2>::node_count() const {
   std::size_t count = general_.node_count();
   for (const auto& [id, hub] : hubs_) count += hub->segments.node_count();

@@ -71,6 +71,7 @@ class FeatureIndex<2> {
                    std::uint64_t* cost) const;
 
   std::size_t node_count() const;
+  std::size_t bytes() const;  // about
   std::uint32_t hub_degree() const { return hub_degree_; }
 
  private:

@@ -25,6 +25,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -79,7 +80,8 @@ class Plc {
   }
 
   // Applies a change. REQUIRES: `delta` is Check's on the features present, or the
-  // inverse of the last one committed. O(delta) insertions and removals in the index.
+  // inverse of the last one committed. O(delta) insertions and removals in the index, amortised:
+  // once three of four features are gone, what is held is made anew, so that memory follows them.
   void Commit(const Delta<D>& delta);
 
   // All features, sorted by id; entries that do not matter are 0. O(n lg n).
@@ -110,14 +112,20 @@ class Plc {
   // Features nearer than this are too close (a power of two).
   double close_limit() const { return limit_; }
   // Nodes of the spatial index, for tests of its size.
-  std::size_t index_nodes() const { return index_.node_count(); }
+  std::size_t index_nodes() const { return index_->node_count(); }
+  // Memory of what is kept by feature; about.
+  std::size_t bytes() const { return store_.bytes() + index_->bytes(); }
 
  private:
+  void Insert(const Delta<D>& delta);
+  void GiveMemoryBack();
+
   const MeshOptions options_;
   const double limit_;
   const CellGrid<D> grid_;
   FeatureStore<D> store_;
-  FeatureIndex<D> index_;
+  std::unique_ptr<FeatureIndex<D>> index_;
+  std::size_t most_ = 0;  // features at a time, since memory was given back
 };
 
 using Plc2 = Plc<2>;

@@ -87,6 +87,11 @@ class SpatialIndex {
 
   // A segment that has been inserted.
   const SegmentFeature<D>& segment(Slot slot) const { return segments_[slot].feature; }
+  // Without what nodes list; about.
+  std::size_t bytes() const {
+    return nodes_.size() * sizeof(Node) + points_.size() * sizeof(points_[0]) +
+           segments_.size() * sizeof(segments_[0]) + facets_.size() * sizeof(facets_[0]);
+  }
   std::size_t node_count() const { return nodes_.size() - kChildren * free_blocks_.size(); }
 
  private:

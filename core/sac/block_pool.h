@@ -59,6 +59,15 @@ class BlockPool {
   }
 
   void Reserve(std::size_t words) { words_.reserve(words); }
+  // Of bytes(), what belongs to no block.
+  std::size_t free_bytes() const {
+    std::size_t sum = 0;
+    for (std::size_t c = 0; c < free_.size(); ++c) {
+      sum += free_[c].size() * CapacityOf(static_cast<int>(c)) * sizeof(std::uint32_t) +
+             free_[c].capacity() * sizeof(free_[c][0]);
+    }
+    return sum;
+  }
   std::size_t bytes() const {
     std::size_t sum = words_.size() * sizeof(std::uint32_t);
     for (const auto& list : free_) sum += list.capacity() * sizeof(list[0]);

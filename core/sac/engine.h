@@ -35,8 +35,7 @@
 //   Release(output)                           after the propagation, once for each Withdraw:
 //                                             forget it, unless it was published again
 // and may have:
-//   IsAttentive(kind, payload) -> bool        is the operation, as executed, told by
-//   NotifyAttentive?
+//   IsAttentive(kind, payload) -> bool        is it told by NotifyAttentive? As executed last
 #ifndef DYNMESH_CORE_SAC_ENGINE_H_
 #define DYNMESH_CORE_SAC_ENGINE_H_
 
@@ -155,7 +154,7 @@ class Engine {
     for (std::size_t i = 0; i < asked.size(); ++i) {
       if (i + kFar < asked.size()) PrefetchOp(asked[i + kFar]);
       if (i + kNear < asked.size()) PrefetchReads(ops_[asked[i + kNear]]);
-      NotifyOperation(asked[i], after, until, affected);
+      Tell(asked[i], after, until, affected);
     }
   }
   // Whichever parts they subscribe to.
@@ -170,15 +169,13 @@ class Engine {
   void NotifyAttentive(Place place, Stamp after, Stamp until, Affected affected) {
     const auto asked = subscriptions_.attentive_at(place);
     counters_.notified += asked.size();
-    for (const auto& [op, parts] : asked) NotifyOperation(op, after, until, affected);
+    for (const auto& [op, parts] : asked) Tell(op, after, until, affected);
   }
   // That one, if its time is in (after, until] and affected(id) holds.
   template <class Affected>
   void NotifyOperation(OpId id, Stamp after, Stamp until, Affected affected) {
-    const Operation& op = ops_[id];
-    if (op.flags & kStale || !Precedes(after, op.stamp)) return;
-    if (until != kNoStamp && Precedes(until, op.stamp)) return;
-    if (affected(id)) MarkStale(id);
+    ++counters_.notified;
+    Tell(id, after, until, affected);
   }
   // Is there anything that a change at time `after` could make stale?
   bool AnyAfter(Stamp after) const { return Precedes(after, frontier_); }
@@ -216,6 +213,18 @@ class Engine {
   }
 
   std::size_t operation_count() const { return ops_.size() - free_ops_.size(); }
+  // Operations that are gone leave their places, and room for what they remembered. Do those that
+  // are there take less than `part` of either? O(1).
+  bool IsMostlyRoom(double part) const {
+    constexpr std::size_t kFew = 64, kFewBytes = 64 << 10;
+    const auto is_room = [part](std::size_t free, std::size_t all, std::size_t few) {
+      return all > few && static_cast<double>(all - free) < part * static_cast<double>(all);
+    };
+    const BlockPool& told = subscriptions_.pool();
+    return is_room(free_ops_.size(), ops_.size(), kFew) ||
+           is_room(pool_.free_bytes(), pool_.bytes(), kFewBytes) ||
+           is_room(told.free_bytes(), told.bytes(), kFewBytes);
+  }
   // Operations queued: stale, or to be dropped.
   std::size_t waiting() const { return queue_.size(); }
   std::size_t waiting_in(Epoch epoch) const { return queue_.SizeIn(epoch); }
@@ -352,6 +361,13 @@ class Engine {
   void MarkStale(OpId id) {
     ops_[id].flags |= kStale;
     Enqueue(id);
+  }
+  template <class Affected>
+  void Tell(OpId id, Stamp after, Stamp until, Affected affected) {
+    const Operation& op = ops_[id];
+    if (op.flags & kStale || !Precedes(after, op.stamp)) return;
+    if (until != kNoStamp && Precedes(until, op.stamp)) return;
+    if (affected(id)) MarkStale(id);
   }
 
   void DropReference(OpId id) {

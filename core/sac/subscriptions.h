@@ -98,6 +98,7 @@ class Subscriptions {
   }
   std::size_t places() const { return lists_.size(); }
   std::size_t bytes() const { return lists_.size() * sizeof(List) + pool_.bytes(); }
+  const BlockPool& pool() const { return pool_; }
 
  private:
   struct List {
