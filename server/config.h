@@ -44,6 +44,9 @@ struct ServerConfig {
   std::uint64_t max_watchers = 10'000;
   std::uint64_t max_edit_streams = 1'000;
   std::uint64_t max_snapshot_streams = 64;  // each may hold an old copy of a mesh
+  // Watches, edit streams, loads, snapshots and reads of features that one client, a token or an
+  // address, has open. 0: any number.
+  std::uint64_t max_streams_per_client = 1'000;
   std::uint64_t max_waiting_edits = 1'000;  // unary batches that wait for one mesh
   // Requests a second of one client, a token or an address, and as many at once after a pause;
   // each batch of an EditStream is one. 0: any number.

@@ -126,6 +126,9 @@ void AddClientLimits(CLI::App& app, ServerConfig& c) {
                     [&c](double rate) { c.max_requests_per_second = rate; })
       ->default_str(absl::StrCat(c.max_requests_per_second))
       ->type_name("FLOAT");
+  AddCount<std::uint64_t>(app, "max-streams-per-client", c.max_streams_per_client, 0,
+                          "watches, edit streams, loads and snapshots open of one client, a token "
+                          "or an address; 0: any number");
   AddCount<std::uint64_t>(app, "max-memory-bytes", c.max_memory_bytes, 0,
                           "resident bytes above which nothing grows; 0: nine tenths of what there "
                           "is");

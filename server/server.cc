@@ -181,6 +181,8 @@ struct Server::Impl {
     registry.Tick(now);
     service.Tick();
     memory.Measure();
+    memory.NoteStreams(context.watchers.used() + context.edit_streams.used() +
+                       context.snapshot_streams.used());
     access->ReloadIfChanged(now);
     if (tls != nullptr) tls->Look(absl::Now());
   }
@@ -211,6 +213,7 @@ struct Server::Impl {
       WriteMeshes(registry, out);
       if (journal != nullptr) WriteJournal(*journal, out);
       WriteLimits(memory, config.tls, out);
+      WriteStreams(context.client_streams, out);
       WriteProcess(out);
     });
     if (config.metrics.empty()) return absl::OkStatus();

@@ -42,6 +42,7 @@ inline constexpr char kDiverged[] = "DIVERGED";
 inline constexpr char kNoHistory[] = "NO_HISTORY";
 inline constexpr char kMeshLimit[] = "MESH_LIMIT";
 inline constexpr char kStreamLimit[] = "STREAM_LIMIT";
+inline constexpr char kClientStreamLimit[] = "CLIENT_STREAM_LIMIT";
 inline constexpr char kQueueFull[] = "QUEUE_FULL";
 inline constexpr char kPendingLimit[] = "PENDING_LIMIT";
 inline constexpr char kJournalFailed[] = "JOURNAL_FAILED";

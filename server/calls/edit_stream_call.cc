@@ -344,7 +344,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   grpc::CallbackServerContext* const rpc_;
   Pass pass_;
   Access::Stream allowed_;                // the reader's, once there is a mesh; then until OnDone
-  Lease place_;                           // likewise
+  StreamPlace place_;                     // likewise
   std::shared_ptr<EditStreamCall> self_;  // until OnDone
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   const std::shared_ptr<std::atomic<bool>> stop_ = std::make_shared<std::atomic<bool>>(false);

@@ -276,7 +276,7 @@ class LoadCall final
   MeshRegistry::HostPtr host_;
   std::string mesh_name_;
   Access::Stream allowed_;
-  Lease place_;
+  StreamPlace place_;
   HeldEdits held_;
   LoadPieces pieces_;
   EditJob job_;

@@ -434,14 +434,12 @@ grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackS
 
 grpc::ServerWriteReactor<v1::SnapshotChunk>* MeshServiceImpl::GetSnapshot(
     grpc::CallbackServerContext* call, const v1::GetSnapshotRequest* request) {
-  return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status(),
-                           call);
+  return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()), call);
 }
 
 grpc::ServerWriteReactor<v1::FeaturesChunk>* MeshServiceImpl::GetFeatures(
     grpc::CallbackServerContext* call, const v1::GetFeaturesRequest* request) {
-  return StartFeaturesCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status(),
-                           call);
+  return StartFeaturesCall(context_, *request, Admit(call, Role::kRead, request->mesh()), call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RevertTo(

@@ -140,6 +140,14 @@ void WriteLimits(const MemoryGuard& memory, const TlsFiles& tls, MetricsText& ou
              absl::ToDoubleSeconds(*end - absl::UnixEpoch()));
 }
 
+void WriteStreams(const ClientQuotas& streams, MetricsText& out) {
+  out.Single("dynmesh_client_streams_most", "gauge",
+             "Watches, edit streams, loads and snapshots open of the client that has most of them.",
+             static_cast<double>(streams.most()));
+  out.Single("dynmesh_client_streams_limit", "gauge",
+             "How many one client may have; 0: any number.", static_cast<double>(streams.limit()));
+}
+
 void WriteProcess(MetricsText& out) {
   const std::string stat = ReadAll("/proc/self/stat");
   const auto ticks = static_cast<double>(sysconf(_SC_CLK_TCK));

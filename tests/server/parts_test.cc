@@ -6,6 +6,7 @@
 
 #include "absl/strings/match.h"
 #include "dynmesh/v1/mesh_service.pb.h"
+#include "server/access/client_quotas.h"
 #include "server/access/quota.h"
 #include "server/base/log.h"
 #include "server/base/printable.h"
@@ -69,6 +70,31 @@ TEST(SerialQueue, WhatIsWithdrawnMakesRoomAndDoesNotRun) {
   for (const int i : {1, 3, 4}) EXPECT_EQ(ran.Take(), i);
   queue->Withdraw(&other);  // all have run
   EXPECT_EQ(withdrawn.size() + ran.size(), 0u);
+}
+
+TEST(ClientQuotas, EachClientHasItsOwn) {
+  ClientQuotas quotas(2);
+  const Lease a = quotas.Take("a");
+  {
+    const Lease again = quotas.Take("a");
+    EXPECT_TRUE(a && again);
+    EXPECT_FALSE(quotas.Take("a"));
+    EXPECT_TRUE(quotas.Take("b"));
+    EXPECT_EQ(quotas.most(), 2u);
+  }
+  EXPECT_EQ(quotas.most(), 1u);
+  EXPECT_TRUE(quotas.Take("a"));
+  ClientQuotas any(0);
+  std::vector<Lease> leases(5000);
+  for (Lease& lease : leases) EXPECT_TRUE(lease = any.Take("a"));
+}
+
+TEST(ClientQuotas, ForgetsClientsThatHoldNothing) {
+  ClientQuotas quotas(1);
+  const Lease kept = quotas.Take("kept");
+  for (int i = 0; i < 10'000; ++i) EXPECT_TRUE(quotas.Take(std::to_string(i)));
+  EXPECT_LT(quotas.size(), 2000u);
+  EXPECT_FALSE(quotas.Take("kept"));
 }
 
 TEST(Quota, GivesNoMoreThanItsLimitAndTakesBack) {

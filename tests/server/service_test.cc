@@ -566,6 +566,29 @@ TEST_F(ServiceTest, LimitsAreKept) {
   EXPECT_EQ(ReasonOf(third->Finish()), codec::reason::kStreamLimit);
 }
 
+TEST_F(ServiceTest, AClientHasSoManyStreams) {
+  ServerConfig config;
+  config.max_streams_per_client = 2;
+  StartWithMesh(config);
+  const auto edits = client_->OpenEdits("m");
+  ASSERT_TRUE(edits->Send({AddPoint(1)}).ok());
+  ASSERT_TRUE(edits->Receive().has_value());
+  client::WatchOptions impatient;
+  impatient.max_attempts = 0;
+  auto watch = client_->Watch("m", impatient, nullptr);
+  ASSERT_TRUE(watch->WaitForRevision(1, kLong));
+
+  const auto second = client_->Watch("m", impatient, nullptr);
+  EXPECT_FALSE(second->WaitForRevision(1, kLong));
+  EXPECT_EQ(ReasonOf(*second->ended()), codec::reason::kClientStreamLimit);
+  EXPECT_FALSE(codec::GetServiceError(*second->ended())->metadata.at("client").empty());
+  EXPECT_EQ(ReasonOf(client_->GetSnapshot("m").status()), codec::reason::kClientStreamLimit);
+  EXPECT_TRUE(client_->Apply("m", {AddPoint(2)}).ok());  // ends by itself
+  watch.reset();
+  while (!client_->GetSnapshot("m").ok()) {  // once the server knows
+  }
+}
+
 TEST_F(ServiceTest, AMeshsOwnVertexLimitHolds) {
   StartServer();
   MeshOptions options;

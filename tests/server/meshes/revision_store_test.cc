@@ -296,6 +296,27 @@ TEST(RevisionStore, AGapIsRefused) {
   EXPECT_EQ(store.head().revision, 1u);
 }
 
+// It would be held for as long as nothing else is edited.
+TEST(RevisionStore, ABaseOfWhichMostIsGoneIsNotKept) {
+  FakeDynamicMesh fake(MeshOptions(), nullptr);
+  EditBatch all, most;
+  for (FeatureId id = 1; id <= 20'000; ++id) {
+    all.push_back(AddPoint(id));
+    if (id > 100) most.push_back(Edit::Remove(id));
+  }
+  ASSERT_TRUE(fake.Apply(all, {}).ok());
+  RevisionStore store(std::make_shared<Mesh>(fake.Snapshot()), {});
+  EXPECT_FALSE(store.wants_rebase());
+  auto diff = fake.Apply(most, {});
+  ASSERT_TRUE(diff.ok());
+  ASSERT_LT(ByteSize(*diff), ByteSize(*store.base()));  // so that does not tell
+  ASSERT_TRUE(store.Append(std::make_shared<MeshDiff>(*std::move(diff))).ok());
+  EXPECT_TRUE(store.wants_rebase());
+  ASSERT_TRUE(store.Latest().ok());
+  EXPECT_FALSE(store.wants_rebase());
+  EXPECT_LT(ByteSize(*store.base()), 100'000u);
+}
+
 TEST(RevisionStore, HistoryIsBoundedButReachesBackToTheBase) {
   const Walk walk = MakeWalk(6, 50);
   RevisionStore store(walk.meshes[0], {5, 1 << 30});
