@@ -70,7 +70,7 @@ struct ServerConfig {
   // A call whose client takes nothing of what is sent to it for so long is ended. 0: never.
   absl::Duration send_timeout = absl::Minutes(5);
   // Batches of one EditStream that are received and not fully answered.
-  int edit_window = 64;
+  int edit_window = 128;
 
   // Diffs kept of each mesh for watchers that come back. The newest is always kept.
   std::uint64_t history_revisions = 10'000;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "core/base/time_slice.h"
@@ -149,12 +150,13 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, const Ap
     nothing.dimension = D;
     nothing.hash = hash();
     if (absl::Status status = commit(nothing); !status.ok()) return status;
+    if (!apply.revocable) Settle();
     return nothing;
   }
   ProgressMeter meter(apply.progress);
   meter.Begin(ApplyProgress::Stage::kValidate);
   std::size_t looked_at = 0;
-  const absl::StatusOr<plc::Delta<D>> delta = plc_.Check(batch, nullptr, [&](std::size_t waiting) {
+  absl::StatusOr<plc::Delta<D>> delta = plc_.Check(batch, nullptr, [&](std::size_t waiting) {
     if (waiting != plc::kNotKnown) {
       meter.Step([&] { return ProgressMeter::Work{looked_at, looked_at + waiting}; });
       ++looked_at;
@@ -174,6 +176,11 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, const Ap
       plan == Plan::kRebuild ? Rebuild(job) : Propagate(job, plan == Plan::kLook);
   if (!diff.ok()) return diff;
   revision_ = diff->to_revision;
+  if (apply.revocable) {
+    revocable_.push_back(*std::move(delta));
+  } else {
+    Settle();
+  }
   GiveMemoryBack(cancelled);
   return diff;
 }
@@ -247,6 +254,18 @@ void LiveMesh<D>::Undo(const plc::Delta<D>& delta) {
   state.refinement.ForgetDepthLimit();
   state.diffs.Update(state.refinement, state.features);
   state.features.Collect();
+}
+
+template <int D>
+void LiveMesh<D>::TakeBack(std::size_t revisions) {
+  const auto last = std::span(revocable_).last(revisions);
+  for (std::size_t i = revisions; i-- > 0;) {
+    plc_.Commit(last[i].Inverse());  // first: Undo may build what is present
+    Undo(last[i]);
+    if (!state_->diffs.RegionStatus().ok()) BuildPresent();  // of what is past, maybe
+  }
+  revision_ -= revisions;
+  revocable_.resize(revocable_.size() - revisions);
 }
 
 template <int D>

@@ -54,7 +54,12 @@ class LiveMesh final : public DynamicMesh {
   // The same, asked whether to go on before each operation.
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const std::function<bool()>& cancelled);
 
-  void ResumeAt(std::uint64_t revision) override { revision_ = revision; }
+  void TakeBack(std::size_t revisions) override;
+  void Settle() override { revocable_.clear(); }
+  void ResumeAt(std::uint64_t revision) override {
+    Settle();
+    revision_ = revision;
+  }
   absl::Status Validate(const EditBatch& batch) const override;
   Mesh Snapshot() const override;
   SimplexColumn Locate(std::span<const double> points) const override;
@@ -138,6 +143,7 @@ class LiveMesh final : public DynamicMesh {
   plc::Plc<D> plc_;
   std::unique_ptr<State> state_;
   std::uint64_t revision_ = 0;
+  std::vector<plc::Delta<D>> revocable_;  // made the last revisions, in this order
   // Operations from which down memory is given back.
   std::size_t give_back_at_ = std::numeric_limits<std::size_t>::max();
 };

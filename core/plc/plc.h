@@ -80,7 +80,7 @@ class Plc {
   }
 
   // Applies a change. REQUIRES: `delta` is Check's on the features present, or the
-  // inverse of the last one committed. O(delta) insertions and removals in the index, amortised:
+  // inverse of the one that made these. O(delta) insertions and removals in the index, amortised:
   // once three of four features are gone, what is held is made anew, so that memory follows them.
   void Commit(const Delta<D>& delta);
 

@@ -90,9 +90,16 @@ class Journal {
   // there is more. What is left when the journal ends is taken away when it is opened.
   virtual bool Sweep(Key mesh) = 0;
 
-  // Either may be missing. Of the requests of a mesh only the newest are kept.
-  virtual absl::Status Append(Key mesh, const std::optional<Entry>& entry,
-                              const std::optional<Request>& request) = 0;
+  // All of it or nothing. The entries follow the last one, and each other. Of the requests of a
+  // mesh only the newest are kept.
+  virtual absl::Status Append(Key mesh, const std::vector<Entry>& entries,
+                              const std::vector<Request>& requests) = 0;
+  // The same of one batch; either may be missing.
+  absl::Status Append(Key mesh, const std::optional<Entry>& entry,
+                      const std::optional<Request>& request) {
+    return Append(mesh, entry.has_value() ? std::vector{*entry} : std::vector<Entry>(),
+                  request.has_value() ? std::vector{*request} : std::vector<Request>());
+  }
 
   // The newest generation. DATA_LOSS if something that was told is missing.
   virtual absl::Status Read(Key mesh, const Visitor& visitor) = 0;

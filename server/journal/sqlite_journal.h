@@ -58,8 +58,9 @@ class SqliteJournal final : public Journal {
   absl::StatusOr<Key> Create(const std::string& id, const std::string& description) override;
   absl::Status Delete(Key mesh) override;
   bool Sweep(Key mesh) override;
-  absl::Status Append(Key mesh, const std::optional<Entry>& entry,
-                      const std::optional<Request>& request) override;
+  using Journal::Append;
+  absl::Status Append(Key mesh, const std::vector<Entry>& entries,
+                      const std::vector<Request>& requests) override;
   absl::Status Read(Key mesh, const Visitor& visitor) override;
   absl::Status ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
                         const Visitor& visitor) override;
@@ -94,8 +95,8 @@ class SqliteJournal final : public Journal {
   void WriteAll(std::unique_lock<std::mutex>& lock);
   absl::Status Commit(const std::vector<Waiting*>& group);
   absl::Status Probe();
-  absl::Status Append(Key mesh, const Entry& entry);
-  absl::Status Append(Key mesh, const Request& request);
+  absl::Status AppendEntries(Key mesh, const std::vector<Entry>& entries);
+  absl::Status AppendRequests(Key mesh, const std::vector<Request>& requests);
   // The mesh's last revision.
   absl::StatusOr<std::int64_t> LastOf(Key mesh);
   absl::Status Run(const char* sql, Key mesh);

@@ -34,7 +34,7 @@ class EditMetrics {
     Histogram& validate;
     Histogram& propagate;
     Histogram& diff;
-    Histogram& journal;  // from a batch that is ready to one that is on the disk
+    Histogram& journal;  // writing down a batch, or once a group of those that waited
     Histogram& send;     // from an answer to its last byte handed to the transport
   };
   Stages& of(EditSource source) { return stages_[static_cast<std::size_t>(source)]; }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -191,9 +192,21 @@ absl::StatusOr<MeshDiff> FakeDynamicMesh::Apply(const EditBatch& batch,
   if (apply_options.commit != nullptr) {
     if (absl::Status status = apply_options.commit(diff); !status.ok()) return status;
   }
+  if (!apply_options.revocable) {
+    Settle();
+  } else if (!batch.empty()) {
+    revocable_.emplace_back(features_, mesh_);
+  }
   features_ = *std::move(draft);
   mesh_ = std::move(next);
   return diff;
+}
+
+void FakeDynamicMesh::TakeBack(std::size_t revisions) {
+  for (; revisions > 0; --revisions) {
+    std::tie(features_, mesh_) = std::move(revocable_.back());
+    revocable_.pop_back();
+  }
 }
 
 absl::Status FakeDynamicMesh::Validate(const EditBatch& batch) const {

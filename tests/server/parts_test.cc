@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "absl/strings/match.h"
 #include "dynmesh/v1/mesh_service.pb.h"
@@ -44,6 +47,51 @@ TEST(SerialQueue, TasksRunInOrderAndNeverTwoAtATime) {
   pool.Stop();
   ASSERT_EQ(order.size(), 1000u);
   EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+}
+
+TEST(SerialQueue, RestsWhenNoTaskWaitsAndAfterATurn) {
+  WorkerPool pool(2);
+  const SerialQueue::Turn turn = {4, std::chrono::hours(1)};
+  Mailbox<std::string> rested;
+  std::string ran;  // since the last rest
+  const auto rest = [&] { rested.Put(std::exchange(ran, "")); };
+  const auto queue = SerialQueue::Create(&pool, turn);
+  queue->OnRest(rest);
+  Mailbox<int> go;
+  queue->Post([&] { go.Take(); });
+  for (int i = 0; i < 10; ++i) queue->Post([&, i] { ran += static_cast<char>('a' + i); });
+  go.Put(0);
+  EXPECT_EQ(rested.Take(), "abc");
+  EXPECT_EQ(rested.Take(), "defg");
+  EXPECT_EQ(rested.Take(), "hij");
+  // What comes while it runs is not left lying.
+  const auto other = SerialQueue::Create(&pool, turn);
+  other->OnRest(rest);
+  other->Post([&] {
+    ran += 'y';
+    other->Post([&] { ran += 'z'; });
+  });
+  EXPECT_EQ(rested.Take(), "yz");
+  pool.Stop();
+  EXPECT_EQ(rested.size(), 0u);
+}
+
+TEST(SerialQueue, ATurnEndsWhenItsTimeIsOver) {
+  WorkerPool pool(1);
+  const auto queue = SerialQueue::Create(&pool, {1000, std::chrono::nanoseconds(0)});
+  const auto other = SerialQueue::Create(&pool);
+  Mailbox<int> begun, go;
+  std::string order;  // unguarded on purpose: there is one thread
+  queue->Post([&] {
+    begun.Put(0);
+    go.Take();
+  });
+  begun.Take();
+  for (int i = 0; i < 3; ++i) queue->Post([&] { order += 'a'; });
+  other->Post([&] { order += 'b'; });
+  go.Put(0);
+  pool.Stop();
+  EXPECT_EQ(order, "baaa");
 }
 
 TEST(SerialQueue, WhatIsWithdrawnMakesRoomAndDoesNotRun) {

@@ -2,7 +2,7 @@
 //
 // Invariants, at every revision:
 //   1. the mesh is a function of options and feature set, bit for bit;
-//   2. a batch that is refused, cancelled, vetoed or over a limit changes nothing;
+//   2. a batch that is refused, cancelled, vetoed, taken back or over a limit changes nothing;
 //   3. every simplex is Delaunay, every input point a vertex, every input segment
 //      a chain of edges, every simplex within the quality asked for.
 //
@@ -11,6 +11,7 @@
 #define DYNMESH_DYNAMIC_MESH_H_
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -58,6 +59,9 @@ struct ApplyOptions {
   // Unless it answers OK the batch is undone, as if cancelled, and Apply returns its answer. An
   // empty batch is asked for, too. It must not use the mesh. May be null.
   std::function<absl::Status(const MeshDiff&)> commit;
+  // The batch can be taken back later (DynamicMesh::TakeBack): for a caller that writes several
+  // batches down at once. One that is applied without this settles those before it.
+  bool revocable = false;
   // Told, on the thread of Apply, when a stage begins and ends and in between, between operations,
   // 50 ms apart or more. It must not use the mesh, and changes nothing in what is done. A batch
   // that is undone is not told of while it is. May be null.
@@ -99,8 +103,15 @@ class DynamicMesh {
   virtual absl::StatusOr<MeshDiff> Apply(const EditBatch& batch,
                                          const ApplyOptions& apply_options = {}) = 0;
 
-  // Says that the mesh as it is now is that revision; nothing but the number changes. For a mesh
-  // that is made again from the features that it had.
+  // Undoes the last `revisions` of those that revocable batches made since Settle, the last one
+  // first: mesh, trace and revision are those of before. Expected time as that of these batches;
+  // O(what they changed) memory is held for it until Settle. REQUIRES: there are so many.
+  virtual void TakeBack(std::size_t revisions) = 0;
+  // The batches applied so far stay.
+  virtual void Settle() = 0;
+
+  // Says that the mesh as it is now is that revision, and settles what was applied; nothing but the
+  // number changes. For a mesh that is made again from the features that it had.
   virtual void ResumeAt(std::uint64_t revision) = 0;
 
   // Would Apply accept the features of `batch`? Of limits only what is told without meshing is

@@ -334,7 +334,7 @@ class SlowJournal final : public Journal {
   absl::StatusOr<Key> Create(const std::string&, const std::string&) override { return Key{1}; }
   absl::Status Delete(Key) override { return absl::OkStatus(); }
   bool Sweep(Key) override { return false; }
-  absl::Status Append(Key, const std::optional<Entry>&, const std::optional<Request>&) override {
+  absl::Status Append(Key, const std::vector<Entry>&, const std::vector<Request>&) override {
     return failing_ ? absl::UnavailableError("the disk is full") : absl::OkStatus();
   }
   Counts counts() const override {
