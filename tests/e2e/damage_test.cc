@@ -32,7 +32,7 @@ class DamagedDaemonTest : public ::testing::Test {
     if (!accept.empty()) arguments.push_back("--accept-loss=" + accept);
     log_before_ = daemon_.Log().size();
     ASSERT_TRUE(daemon_.Start(arguments)) << daemon_.Log();
-    client_ = *MeshClient::Connect(daemon_.address());
+    client_ = MeshClient::Connect(daemon_.address());
   }
   void Kill() {
     client_.reset();
