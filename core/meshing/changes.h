@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/geometry/circumball.h"
+#include "core/geometry/segment_distance.h"
 #include "core/meshing/filter_terms.h"
 #include "core/meshing/neighbourhood.h"
 #include "core/meshing/refinement.h"
@@ -320,6 +321,89 @@ std::optional<typename SpatialTree<D>::Ball> Refinement<D, E>::BallOfCorner(
   return std::nullopt;
 }
 
+// --- Features ---------------------------------------------------------------------------
+
+// The point a (b = a) or the segment ab.
+template <int D, template <class> class E>
+InputFeature<D> Refinement<D, E>::FeatureOf(VertexIndex a, VertexIndex b) const {
+  return {a, b, vertices_[a].p, vertices_[b].p};
+}
+
+// From now on features are kept by place.
+template <int D, template <class> class E>
+void Refinement<D, E>::IndexFeatures() {
+  if (std::exchange(indexes_features_, true)) return;
+  for (VertexIndex v = 0; v < vertices_.size(); ++v) {
+    const Vertex& vertex = vertices_[v];
+    const bool is_point = vertex.present && vertex.creator == sac::kNoOp;
+    if (is_point && vertex.feature != 0) AddFeature(FeatureOf(v, v));
+  }
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::AddFeature(const InputFeature<D>& feature) {
+  features_.Add(feature);
+  if constexpr (kTraced) changed_features_.emplace_back(feature, true);
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::RemoveFeature(const InputFeature<D>& feature) {
+  features_.Remove(feature);
+  if constexpr (kTraced) changed_features_.emplace_back(feature, false);
+}
+
+// Of features that came or went since the last propagation. A segment that only got another shape
+// went and came.
+template <int D, template <class> class E>
+void Refinement<D, E>::NotifyOfFeatures() {
+  if constexpr (kTraced) {
+    std::sort(changed_features_.begin(), changed_features_.end(), [](const auto& x, const auto& y) {
+      return std::pair(x.first.a, x.first.b) < std::pair(y.first.a, y.first.b);
+    });
+    for (std::size_t i = 0, next = 0; i < changed_features_.size(); i = next) {
+      const InputFeature<D>& f = changed_features_[i].first;
+      int net = 0;
+      for (next = i; next < changed_features_.size() && changed_features_[next].first == f;
+           ++next) {
+        net += changed_features_[next].second ? 1 : -1;
+      }
+      if (net == 0) continue;
+      Extent<D> box = Extent<D>::Nothing();
+      box.AddBall(f.p, 0);
+      box.AddBall(f.q, 0);
+      NotifyFromBeginning(
+          box,
+          [&](const Point& centre, double half) {
+            return geometry::MayMeetCube(centre, half * (1 + 1e-9), f.p, f.q);
+          },
+          [&](sac::OpId op) { return FeatureMatters(op, f, net > 0); });
+    }
+    changed_features_.clear();
+  }
+}
+
+template <int D, template <class> class E>
+bool Refinement<D, E>::FeatureMatters(sac::OpId op, const InputFeature<D>& feature,
+                                      bool appears) const {
+  if constexpr (kTraced) {
+    if (engine_.kind(op) != kPresplit) return false;
+    const Subsegment& s = subsegments_[engine_.item(op)];
+    if (!feature.IsDisjoint(s.whole_a, s.whole_b)) return false;
+    const Payload& payload = engine_.payload(op);
+    if (!appears) {
+      const auto reads = engine_.reads(op);
+      return payload.flag && Counts(Term::kTooNearVanishes) && reads[0] == feature.a &&
+             reads[1] == feature.b;
+    }
+    if (!Counts(payload.flag ? Term::kFeatureNearer : Term::kFeatureTooNear)) return false;
+    const Point middle = geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p);
+    return (!payload.flag ||
+            geometry::SquaredDistance(middle, feature.p, feature.q) <= payload.radius2) &&
+           IsTooNear(s, feature);
+  }
+  return false;
+}
+
 // --- Sizing ---------------------------------------------------------------------------
 
 // What stands outside the time of the trace is there from the beginning or not at all. Tells those
@@ -356,7 +440,11 @@ void Refinement<D, E>::NotifyOfSizing(const SizingRegion<D>& region) {
 template <int D, template <class> class E>
 bool Refinement<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region) const {
   if constexpr (kTraced) {
-    if (engine_.kind(op) != kComplete || !Counts(Term::kOverSize)) return false;
+    if (!Counts(Term::kOverSize)) return false;
+    if (engine_.kind(op) == kPresplit) {
+      return !engine_.payload(op).flag && IsTooLong(subsegments_[engine_.item(op)], region);
+    }
+    if (engine_.kind(op) != kComplete) return false;
     const auto outputs = engine_.outputs(op);
     const bool made = std::any_of(outputs.begin(), outputs.end(),
                                   [](sac::Output o) { return WhatOf(o) == Made::kVertex; });

@@ -2,7 +2,8 @@
 // segments it makes the vertices and subsegments of a quality mesh, bottom up
 // (ChooseSteiners, Figs. 4.10, 5.6, 6.2), and keeps them when the input changes.
 //
-//   segments.h    Check, Split: no subsegment is encroached (rule b)
+//   segments.h    Presplit, Check, Split: no subsegment is encroached (rule b)
+//   anchors.h     vertices of areas with a target length that are there from the beginning
 //   complete.h    Complete: no edge has a gap (rule a, either criterion), yielding (c)
 //   facet_work.h  in space: no vertex has a part of a facet that it is not on (rule b)
 //   planar_gaps.h, space_gaps.h   which gap an edge has
@@ -25,6 +26,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,12 +34,16 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
+#include "absl/functional/function_ref.h"
 #include "core/base/huge_pages.h"
 #include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/mesh/delaunay_triangulation.h"
+#include "core/meshing/anchor_lattice.h"
 #include "core/meshing/cell_cut.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/facet_field.h"
+#include "core/meshing/input_features.h"
 #include "core/meshing/planar_rules.h"
 #include "core/meshing/sizing_field.h"
 #include "core/meshing/space_rules.h"
@@ -110,8 +116,10 @@ class Refinement {
   // if it says true, false is returned. See sac::Engine::Propagate.
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
+    if (!UpdateAnchors(interrupt)) return false;
     if constexpr (D == 3) FillTriangulation();
     if constexpr (!kTraced) BeginUntraced();
+    NotifyOfFeatures();
     NotifyOfFacets();
     const bool done = engine_.Propagate(interrupt);
     if (done) appeared_.clear();
@@ -227,9 +235,16 @@ class Refinement {
   void AddCube();
 
   // segments.h
+  void Presplit(Context& context);
   void Check(Context& context);
   void Split(Context& context);
   void SplitInto(Context& context, SubsegmentIndex s);
+  std::pair<VertexIndex, std::array<SubsegmentIndex, 2>> EmitHalves(Context& context,
+                                                                    SubsegmentIndex s);
+  bool IsTooLong(const Subsegment& s) const;
+  bool IsTooLong(const Subsegment& s, const SizingRegion<D>& region) const;
+  bool IsTooNear(const Subsegment& s, const InputFeature<D>& feature) const;
+  std::optional<InputFeature<D>> NearestTooNear(const Subsegment& s, double* d2) const;
   bool CanSplit(const Subsegment& s) const;
   bool IsGuarded(const Subsegment& s, int bucket) const;
   VertexIndex EmitVertex(Context& context, const Point& p, int ordinal, int dimension,
@@ -355,6 +370,23 @@ class Refinement {
   bool SubsegmentMatters(sac::OpId op, const Subsegment& s) const;
   template <class Keep, class Matters>
   void NotifyFromBeginning(const Extent<D>& box, Keep keep, Matters matters);
+  // anchors.h
+  using Lattice = AnchorLattice<D>;
+  bool IsAnchor(int level, double spacing, const Point& x) const;
+  bool AnySizeOfLevel(int level, const Point& centre, double radius) const;
+  void AddSize(const SizingRegion<D>& region);
+  void RemoveSize(const SizingRegion<D>& region);
+  bool UpdateAnchors(absl::FunctionRef<bool()> interrupt);
+  void DecideAnchor(int level, const Lattice& lattice, const typename Lattice::Index& index,
+                    const Point& x);
+  VertexIndex AddAnchor(const Point& p);
+
+  void IndexFeatures();
+  InputFeature<D> FeatureOf(VertexIndex a, VertexIndex b) const;
+  void AddFeature(const InputFeature<D>& feature);
+  void RemoveFeature(const InputFeature<D>& feature);
+  void NotifyOfFeatures();
+  bool FeatureMatters(sac::OpId op, const InputFeature<D>& feature, bool appears) const;
   void NotifyOfSizing(const SizingRegion<D>& region);
   bool SizingMatters(sac::OpId op, const SizingRegion<D>& region) const;
   void SetExposed(SubsegmentIndex s, sac::Stamp at);
@@ -374,7 +406,14 @@ class Refinement {
   Triangulation* triangulation_;
   SpatialTree<D> tree_;
   SizingField<D> sizing_;
-  FacetField facets_;                       // empty in the plane
+  InputFeatures<D> features_;  // of the input; none as long as there are points only
+  bool indexes_features_ = false;
+  std::map<int, int> levels_;  // of sizing regions: how many of each
+  absl::flat_hash_map<std::pair<int, typename AnchorLattice<D>::Index>, VertexIndex> anchors_;
+  bool had_sizes_ = false;  // at the last Propagate
+  std::vector<SizingRegion<D>> changed_sizes_;  // came or went since the last Propagate
+  std::vector<std::pair<InputFeature<D>, bool>> changed_features_;  // since the last Propagate
+  FacetField facets_;                                               // empty in the plane
   std::vector<FacetPlace> changed_facets_;  // came or went since the last Propagate
   LargeVector<Vertex> vertices_;
   LargeVector<Subsegment> subsegments_;

@@ -36,6 +36,21 @@ bool SuiteFails() {
   return false;
 }
 
+// Two segments at 65 degrees, and points that come near one of them on the side away from the
+// other: the vertices at which it is split encroach on the other.
+bool WedgeFails(const MeshOptions& options) {
+  std::vector<EditBatch> script = {
+      {Edit::Add(Feature::Point(1, 0.1, 0.1, 0.5)), Edit::Add(Feature::Point(2, 0.9, 0.1, 0.5)),
+       Edit::Add(Feature::Point(3, 0.438, 0.825, 0.5)), Edit::Add(Feature::Segment(4, 1, 2)),
+       Edit::Add(Feature::Segment(5, 1, 3))}};
+  for (const double at : {0.37, 0.4, 0.5}) {
+    script.push_back(
+        {Edit::Add(Feature::Point(6, 0.1 + 0.4226 * at - 0.01, 0.1 + 0.9063 * at + 0.005, 0.5))});
+    script.push_back({Edit::Remove(6)});
+  }
+  return Replay(script, options).found;
+}
+
 // In space, by scripts with polygons: the kinds that notice much come first.
 bool SpaceSuiteFails() {
   RunPlan plan;
@@ -43,6 +58,7 @@ bool SpaceSuiteFails() {
   plan.every_static = ~0 >> 1;
   plan.most_operations = kEnoughInSpace;
   MeshOptions options = DefaultsIn<3>();
+  if (WedgeFails(options)) return true;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     for (const auto& [kind, solids] : {std::pair(PolygonKind::kSticks, 1),
                                        {PolygonKind::kHoled, 1},
