@@ -304,12 +304,8 @@ std::string NameOfLayout(const testing::TestParamInfo<Layout>& its) {
 }
 INSTANTIATE_TEST_SUITE_P(All, SpatialTreeTest, testing::ValuesIn(kAllLayouts), NameOfLayout);
 
-// With points on a lattice, no more than fit a leaf at each, no cell is smaller than the
-// lattice's: each that meets a box of lattice corners holds a lattice point of it.
-TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABox) {
-  const std::uint64_t seed = 9;
-  test::Random random(seed);
-  Pair<2> pair;
+// Points on a lattice, no more than fit a leaf at each: no cell is smaller than the lattice's.
+void InsertLatticePoints(Pair<2>& pair, test::Random& random) {
   std::map<std::pair<double, double>, int> copies;
   for (std::uint32_t id = 0; id < 1500; ++id) {
     const geometry::Point2 p = RandomPoint<2>(Layout::kOnLattice, random);
@@ -319,6 +315,14 @@ TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABox) {
         {std::floor(q[0] * kLattice) / kLattice, std::floor(q[1] * kLattice) / kLattice}};
     if (++copies[{r[0], r[1]}] <= SpatialTree<2>::kCapacity) pair.Insert(id, r);
   }
+}
+
+// Each cell that meets a box of lattice corners holds a lattice point of it.
+TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABox) {
+  const std::uint64_t seed = 9;
+  test::Random random(seed);
+  Pair<2> pair;
+  InsertLatticePoints(pair, random);
   for (int i = 0; i < 300; ++i) {
     const int most = random.OneIn(20) ? 4 * kLattice : random.Below(20);
     Extent<2> box;
@@ -347,15 +351,7 @@ TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABall) {
   const std::uint64_t seed = 11;
   test::Random random(seed);
   Pair<2> pair;
-  std::map<std::pair<double, double>, int> copies;
-  for (std::uint32_t id = 0; id < 1500; ++id) {
-    const geometry::Point2 p = RandomPoint<2>(Layout::kOnLattice, random);
-    const geometry::Point2 q =
-        random.OneIn(3) ? p : geometry::Point2{{p[0] / 4 + 0.25, p[1] / 4 + 0.5}};
-    const geometry::Point2 r = {
-        {std::floor(q[0] * kLattice) / kLattice, std::floor(q[1] * kLattice) / kLattice}};
-    if (++copies[{r[0], r[1]}] <= SpatialTree<2>::kCapacity) pair.Insert(id, r);
-  }
+  InsertLatticePoints(pair, random);
   std::map<NodeIndex, Extent<2>> cells;
   for (double x = kRootLo; x < kRootHi; x += 1.0 / kLattice) {
     for (double y = kRootLo; y < kRootHi; y += 1.0 / kLattice) {
