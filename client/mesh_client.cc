@@ -19,7 +19,8 @@ absl::StatusOr<MeshInfo> DecodeMesh(const v1::Mesh& proto) {
   MeshInfo info;
   info.id = proto.name().substr(proto.name().find('/') + 1);
   info.damage = proto.damage();
-  if (!info.damage.empty()) return info;
+  if (!proto.has_options()) return info;
+  info.read_only = !info.damage.empty();
   auto options = codec::DecodeOptions(proto.options(), std::numeric_limits<std::uint64_t>::max());
   if (!options.ok()) return options.status();
   info.options = *options;

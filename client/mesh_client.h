@@ -38,8 +38,10 @@ struct MeshInfo {
   absl::Time create_time;
   std::uint64_t revision = 0;
   MeshHash hash;
-  // In lists: why the server could not make it again; then nothing else is known but the id.
+  // Why it is damaged. In lists only, with nothing else but the id: the server could not make it
+  // again. With all else, and read_only: acknowledged revisions are gone.
   std::string damage;
+  bool read_only = false;
 };
 
 struct MeshStatus {

@@ -27,8 +27,8 @@ struct WatchOptions {
   // Pauses before reconnecting: the first, doubled each time up to the longest.
   absl::Duration first_pause = absl::Milliseconds(50);
   absl::Duration longest_pause = absl::Seconds(5);
-  // Reconnections in a row without an event before the session gives up. A server that starts does
-  // not listen before it has all its meshes: by default it has a quarter of an hour for that.
+  // Reconnections in a row without an event before the session gives up. A server that starts
+  // answers UNAVAILABLE until it has all its meshes: by default it has a quarter of an hour for that.
   int max_attempts = 200;
 };
 

@@ -32,16 +32,16 @@ absl::Status ValidateExposure(const ServerConfig& c) {
 
 absl::Status ValidateConnections(const ServerConfig& c) {
   if (!(c.max_requests_per_second >= 0) || std::isinf(c.max_requests_per_second)) {
-    return Bad("max_requests_per_second", "must be 0 or more");
+    return Bad("max-requests-per-second", "must be 0 or more");
   }
   if (c.max_streams_per_connection < 1) {
-    return Bad("max_streams_per_connection", "must be at least 1");
+    return Bad("max-streams-per-connection", "must be at least 1");
   }
-  if (c.max_connections == 0) return Bad("max_connections", "must be at least 1");
-  for (const auto& [field, duration] : {std::pair{"handshake_timeout", c.handshake_timeout},
-                                        std::pair{"keepalive_interval", c.keepalive_interval},
-                                        std::pair{"keepalive_timeout", c.keepalive_timeout},
-                                        std::pair{"idle_timeout", c.idle_timeout}}) {
+  if (c.max_connections == 0) return Bad("max-connections", "must be at least 1");
+  for (const auto& [field, duration] : {std::pair{"handshake-timeout", c.handshake_timeout},
+                                        std::pair{"keepalive-interval", c.keepalive_interval},
+                                        std::pair{"keepalive-timeout", c.keepalive_timeout},
+                                        std::pair{"idle-timeout", c.idle_timeout}}) {
     if (duration < absl::Milliseconds(100) || duration > absl::Hours(24)) {
       return Bad(field, "not in 0.1 s to a day");
     }
@@ -65,29 +65,28 @@ absl::Status ValidateConfig(const ServerConfig& c) {
   if (absl::Status status = ValidateExposure(c); !status.ok()) return status;
   if (absl::Status status = ValidateConnections(c); !status.ok()) return status;
   if (c.writer_threads < 0 || c.writer_threads > 1024)
-    return Bad("writer_threads", "not in 0..1024");
+    return Bad("writer-threads", "not in 0..1024");
   if (c.reader_threads < 0 || c.reader_threads > 1024)
-    return Bad("reader_threads", "not in 0..1024");
-  if (c.max_meshes == 0) return Bad("max_meshes", "must be at least 1");
-  if (c.max_vertices == 0) return Bad("max_vertices", "must be at least 1");
-  if (c.max_features == 0) return Bad("max_features", "must be at least 1");
-  if (c.max_batch_edits == 0) return Bad("max_batch_edits", "must be at least 1");
+    return Bad("reader-threads", "not in 0..1024");
+  if (c.max_meshes == 0) return Bad("max-meshes", "must be at least 1");
+  if (c.max_features == 0) return Bad("max-features", "must be at least 1");
+  if (c.max_batch_edits == 0) return Bad("max-batch-edits", "must be at least 1");
   if (c.max_pending_edits < c.max_batch_edits) {
-    return Bad("max_pending_edits", "must be at least max_batch_edits");
+    return Bad("max-pending-edits", "must be at least max-batch-edits");
   }
-  if (c.max_message_bytes < 64 << 10) return Bad("max_message_bytes", "must be at least 65536");
-  if (c.max_waiting_edits == 0) return Bad("max_waiting_edits", "must be at least 1");
-  if (c.edit_window < 1) return Bad("edit_window", "must be at least 1");
-  if (c.history_revisions == 0) return Bad("history_revisions", "must be at least 1");
+  if (c.max_message_bytes < 64 << 10) return Bad("max-message-bytes", "must be at least 65536");
+  if (c.max_waiting_edits == 0) return Bad("max-waiting-edits", "must be at least 1");
+  if (c.edit_window < 1) return Bad("edit-window", "must be at least 1");
+  if (c.history_revisions == 0) return Bad("history-revisions", "must be at least 1");
   if (c.progress_interval < absl::Milliseconds(100)) {
-    return Bad("progress_interval", "must be at least 100 ms");
+    return Bad("progress-interval", "must be at least 100 ms");
   }
-  if (c.report_interval <= absl::ZeroDuration()) return Bad("report_interval", "must be positive");
-  if (c.batch_timeout <= absl::ZeroDuration()) return Bad("batch_timeout", "must be positive");
+  if (c.report_interval <= absl::ZeroDuration()) return Bad("report-interval", "must be positive");
+  if (c.batch_timeout <= absl::ZeroDuration()) return Bad("batch-timeout", "must be positive");
   if (c.send_timeout < absl::ZeroDuration() || c.send_timeout > absl::Hours(24)) {
-    return Bad("send_timeout", "not in 0 s to a day");
+    return Bad("send-timeout", "not in 0 s to a day");
   }
-  if (c.drain_timeout < absl::ZeroDuration()) return Bad("drain_timeout", "is negative");
+  if (c.drain_timeout < absl::ZeroDuration()) return Bad("drain-timeout", "is negative");
   return absl::OkStatus();
 }
 

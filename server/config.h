@@ -30,17 +30,23 @@ struct ServerConfig {
   int reader_threads = 0;
 
   std::uint64_t max_meshes = 1'000;
-  std::uint64_t max_vertices = 50'000'000;  // of one mesh
+  // Of one mesh; 0: as many as half of max_memory_bytes holds (memory_guard.h).
+  std::uint64_t max_vertices = 0;
   std::uint64_t max_features = 50'000'000;  // of one mesh
   // Edits in one batch: about 140 bytes each until applied; 8 points of polygons count as one, a
   // ring as 3 more.
   std::uint64_t max_batch_edits = 2'000'000;
+  // Operations that a batch, or making a mesh, may execute; 0: any number.
+  std::uint64_t max_batch_operations = 0;
   // Edits of all batches that are being received or wait for their turn.
   std::uint64_t max_pending_edits = 8'000'000;
   int max_message_bytes = 4 << 20;  // received in one message
   std::uint64_t max_watchers = 10'000;
   std::uint64_t max_edit_streams = 1'000;
   std::uint64_t max_snapshot_streams = 64;  // each may hold an old copy of a mesh
+  // Watches, edit streams, loads, snapshots and reads of features that one client, a token or an
+  // address, has open. 0: any number.
+  std::uint64_t max_streams_per_client = 1'000;
   std::uint64_t max_waiting_edits = 1'000;  // unary batches that wait for one mesh
   // Requests a second of one client, a token or an address, and as many at once after a pause;
   // each batch of an EditStream is one. 0: any number.
@@ -64,7 +70,7 @@ struct ServerConfig {
   // A call whose client takes nothing of what is sent to it for so long is ended. 0: never.
   absl::Duration send_timeout = absl::Minutes(5);
   // Batches of one EditStream that are received and not fully answered.
-  int edit_window = 64;
+  int edit_window = 128;
 
   // Diffs kept of each mesh for watchers that come back. The newest is always kept.
   std::uint64_t history_revisions = 10'000;
@@ -89,7 +95,8 @@ struct ServerConfig {
 // Is it reached from this machine only? Names other than localhost are not looked up.
 bool IsLoopback(absl::string_view listen);
 
-// INVALID_ARGUMENT, naming the field, if a limit makes no sense, or what was asked for is not safe.
+// INVALID_ARGUMENT, naming the option, if a limit makes no sense, or what was asked for is not
+// safe.
 absl::Status ValidateConfig(const ServerConfig& config);
 
 }  // namespace dynmesh::server

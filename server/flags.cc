@@ -1,25 +1,88 @@
 #include "server/flags.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <charconv>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
+#include "server/base/log.h"
 
 namespace dynmesh::server {
 namespace {
 
-// A duration, in seconds.
-void AddSeconds(CLI::App& app, const char* name, absl::Duration& target, const char* help) {
-  app.add_option_function<double>(
-         name, [&target](const double& seconds) { target = absl::Seconds(seconds); }, help)
-      ->default_str(absl::StrCat(absl::ToDoubleSeconds(target)));
+// As far as counts go: more than any machine holds.
+constexpr std::uint64_t kMost = 1'000'000'000'000'000;
+constexpr double kDay = 86400;
+constexpr int kMostThreads = 1024;
+
+// A value that its option does not take.
+class BadValue final : public CLI::ValidationError {
+ public:
+  BadValue(std::string key, std::string value, const std::string& why)
+      : CLI::ValidationError(key, why), key_(std::move(key)), value_(std::move(value)), why_(why) {}
+  const std::string& key() const { return key_; }
+  const std::string& value() const { return value_; }
+  const std::string& why() const { return why_; }
+
+ private:
+  std::string key_, value_, why_;
+};
+
+// An option whose value is a number from `least` to `most`, the whole of the text: CLI11 takes -1
+// for 2^64 - 1, and 1e3 for 1.
+template <typename T>
+CLI::Option* AddNumber(CLI::App& app, const std::string& key, T least, T most, const char* help,
+                       std::function<void(T)> set) {
+  return app.add_option_function<std::string>(
+      absl::StrCat("--", key),
+      [=, set = std::move(set)](const std::string& text) {
+        T value = 0;
+        const char* const end = text.data() + text.size();
+        const auto [rest, error] = std::from_chars(text.data(), end, value);
+        // NaN is in no range.
+        const bool good = error == std::errc() && rest == end && value >= least && value <= most;
+        if (!good) {
+          throw BadValue(key, text,
+                         absl::StrCat("is not a ", std::is_integral_v<T> ? "whole " : "",
+                                      "number from ", least, " to ", most));
+        }
+        set(value);
+      },
+      help);
 }
 
-void AddMebibytes(CLI::App& app, const char* name, std::uint64_t& bytes, const char* help) {
-  app.add_option_function<std::uint64_t>(
-         name, [&bytes](const std::uint64_t& mebibytes) { bytes = mebibytes << 20; }, help)
-      ->default_str(absl::StrCat(bytes >> 20));
+template <typename T>
+void AddCount(CLI::App& app, const char* key, T& target, T least, const char* help,
+              T most = static_cast<T>(std::min<std::uint64_t>(kMost,
+                                                              std::numeric_limits<T>::max()))) {
+  AddNumber<T>(app, key, least, most, help, [&target](T value) { target = value; })
+      ->default_str(absl::StrCat(target))
+      ->type_name("UINT");
+}
+
+// A duration, in seconds, of `least` to a day.
+void AddSeconds(CLI::App& app, const char* key, absl::Duration& target, double least,
+                const char* help) {
+  AddNumber<double>(app, key, least, kDay, help,
+                    [&target](double seconds) { target = absl::Seconds(seconds); })
+      ->default_str(absl::StrCat(absl::ToDoubleSeconds(target)))
+      ->type_name("FLOAT");
+}
+
+void AddMebibytes(CLI::App& app, const char* key, std::uint64_t& bytes, const char* help) {
+  AddNumber<std::uint64_t>(app, key, 0, kMost >> 20, help,
+                           [&bytes](std::uint64_t mebibytes) { bytes = mebibytes << 20; })
+      ->default_str(absl::StrCat(bytes >> 20))
+      ->type_name("UINT");
 }
 
 void AddSecurityFlags(CLI::App& app, ServerConfig& c) {
@@ -35,50 +98,113 @@ void AddSecurityFlags(CLI::App& app, ServerConfig& c) {
 }
 
 void AddMeshLimits(CLI::App& app, ServerConfig& c) {
-  app.add_option("--max-meshes", c.max_meshes, "meshes held")->capture_default_str();
-  app.add_option("--max-vertices", c.max_vertices, "vertices of one mesh")->capture_default_str();
-  app.add_option("--max-features", c.max_features, "features of one mesh")->capture_default_str();
-  app.add_option("--max-batch-edits", c.max_batch_edits, "edits in one batch")
-      ->capture_default_str();
-  app.add_option("--max-pending-edits", c.max_pending_edits, "edits received and not applied")
-      ->capture_default_str();
-  app.add_option("--max-message-bytes", c.max_message_bytes, "bytes of one request message")
-      ->capture_default_str();
-  app.add_option("--max-watchers", c.max_watchers, "watches open")->capture_default_str();
-  app.add_option("--max-edit-streams", c.max_edit_streams, "edit streams open")
-      ->capture_default_str();
-  app.add_option("--max-snapshot-streams", c.max_snapshot_streams, "snapshots under way")
-      ->capture_default_str();
-  app.add_option("--max-waiting-edits", c.max_waiting_edits, "batches that wait for one mesh")
-      ->capture_default_str();
-  app.add_option("--history-revisions", c.history_revisions, "diffs kept of a mesh")
-      ->capture_default_str();
-  AddMebibytes(app, "--history-mib", c.history_bytes, "MiB of diffs kept of a mesh");
-  app.add_option("--watch-queue", c.watch_queue, "revisions a watcher may lag before coalescing")
-      ->capture_default_str();
+  AddCount<std::uint64_t>(app, "max-meshes", c.max_meshes, 1, "meshes held");
+  AddCount<std::uint64_t>(app, "max-vertices", c.max_vertices, 0,
+                          "vertices of one mesh; 0: as many as half of the memory limit holds");
+  AddCount<std::uint64_t>(app, "max-features", c.max_features, 1, "features of one mesh");
+  AddCount<std::uint64_t>(app, "max-batch-edits", c.max_batch_edits, 1, "edits in one batch");
+  AddCount<std::uint64_t>(app, "max-batch-operations", c.max_batch_operations, 0,
+                          "operations that one batch may execute; 0: any number");
+  AddCount<std::uint64_t>(app, "max-pending-edits", c.max_pending_edits, 1,
+                          "edits received and not applied");
+  AddCount(app, "max-message-bytes", c.max_message_bytes, 64 << 10, "bytes of one request message");
+  AddCount<std::uint64_t>(app, "max-watchers", c.max_watchers, 0, "watches open");
+  AddCount<std::uint64_t>(app, "max-edit-streams", c.max_edit_streams, 0, "edit streams open");
+  AddCount<std::uint64_t>(app, "max-snapshot-streams", c.max_snapshot_streams, 0,
+                          "snapshots under way");
+  AddCount<std::uint64_t>(app, "max-waiting-edits", c.max_waiting_edits, 1,
+                          "batches that wait for one mesh");
+  AddCount<std::uint64_t>(app, "history-revisions", c.history_revisions, 1, "diffs kept of a mesh");
+  AddMebibytes(app, "history-mib", c.history_bytes, "MiB of diffs kept of a mesh");
+  AddCount<std::uint64_t>(app, "watch-queue", c.watch_queue, 0,
+                          "revisions a watcher may lag before coalescing");
 }
 
 void AddClientLimits(CLI::App& app, ServerConfig& c) {
-  app.add_option("--max-requests-per-second", c.max_requests_per_second,
-                 "requests and batches of one client; 0: any number")
-      ->default_str(absl::StrCat(c.max_requests_per_second));
-  app.add_option("--max-memory-bytes", c.max_memory_bytes,
-                 "resident bytes above which nothing grows; 0: nine tenths of what there is")
-      ->capture_default_str();
-  app.add_option("--max-connections", c.max_connections, "connections open")->capture_default_str();
-  app.add_option("--max-streams-per-connection", c.max_streams_per_connection,
-                 "calls open on one connection")
-      ->capture_default_str();
-  AddSeconds(app, "--handshake-timeout", c.handshake_timeout, "seconds for a client's first words");
-  AddSeconds(app, "--keepalive-interval", c.keepalive_interval,
+  AddNumber<double>(app, "max-requests-per-second", 0, 1e9,
+                    "requests and batches of one client; 0: any number",
+                    [&c](double rate) { c.max_requests_per_second = rate; })
+      ->default_str(absl::StrCat(c.max_requests_per_second))
+      ->type_name("FLOAT");
+  AddCount<std::uint64_t>(app, "max-streams-per-client", c.max_streams_per_client, 0,
+                          "watches, edit streams, loads and snapshots open of one client, a token "
+                          "or an address; 0: any number");
+  AddCount<std::uint64_t>(app, "max-memory-bytes", c.max_memory_bytes, 0,
+                          "resident bytes above which nothing grows; 0: nine tenths of what there "
+                          "is");
+  AddCount<std::uint64_t>(app, "max-connections", c.max_connections, 1, "connections open");
+  AddCount(app, "max-streams-per-connection", c.max_streams_per_connection, 1,
+           "calls open on one connection");
+  AddSeconds(app, "handshake-timeout", c.handshake_timeout, 0.1,
+             "seconds for a client's first words");
+  AddSeconds(app, "keepalive-interval", c.keepalive_interval, 0.1,
              "seconds of silence after which a client is asked whether it is there");
-  AddSeconds(app, "--keepalive-timeout", c.keepalive_timeout, "seconds for its answer");
-  AddSeconds(app, "--idle-timeout", c.idle_timeout,
+  AddSeconds(app, "keepalive-timeout", c.keepalive_timeout, 0.1, "seconds for its answer");
+  AddSeconds(app, "idle-timeout", c.idle_timeout, 0.1,
              "seconds without calls after which a connection is closed");
-  AddSeconds(app, "--batch-timeout", c.batch_timeout,
+  AddSeconds(app, "batch-timeout", c.batch_timeout, 0.001,
              "seconds that a batch in pieces, or a load, waits for its next piece");
-  AddSeconds(app, "--send-timeout", c.send_timeout,
+  AddSeconds(app, "send-timeout", c.send_timeout, 0,
              "seconds until a call is ended whose client takes nothing of it; 0: never");
+}
+
+// Where a key stands in a configuration file: its line, from 1. The one with that value if it
+// stands there twice; 0 if nowhere.
+int LineOf(const std::string& path, absl::string_view key, absl::string_view value) {
+  std::ifstream in(path);
+  int line = 0, found = 0;
+  for (std::string text; std::getline(in, text);) {
+    ++line;
+    const std::vector<absl::string_view> sides = absl::StrSplit(text, absl::MaxSplits('=', 1));
+    if (absl::StripAsciiWhitespace(sides[0]) != key) continue;
+    if (found == 0) found = line;
+    if (sides.size() == 2 && absl::StrContains(sides[1], value)) return line;
+  }
+  return found;
+}
+
+bool IsOnCommandLine(absl::string_view key, int argc, const char* const* argv) {
+  const std::string flag = absl::StrCat("--", key);
+  return std::any_of(argv + std::min(argc, 1), argv + argc, [&](absl::string_view argument) {
+    return argument == flag || absl::StartsWith(argument, flag + "=");
+  });
+}
+
+// In the log's form: a server is mostly started by a program, which keeps its log.
+void TellBadValue(const CLI::App& app, const BadValue& bad, int argc, const char* const* argv) {
+  if (IsOnCommandLine(bad.key(), argc, argv)) {
+    Log(LogLevel::kError, "bad_option",
+        {{"key", bad.key()}, {"value", bad.value()}, {"message", bad.why()}});
+    return;
+  }
+  const auto path = app.get_config_ptr()->as<std::string>();
+  Log(LogLevel::kError, "bad_option",
+      {{"key", bad.key()},
+       {"value", bad.value()},
+       {"file", path},
+       {"line", LineOf(path, bad.key(), bad.value())},
+       {"message", bad.why()}});
+}
+
+void TellBadFile(const CLI::App& app, const CLI::ConfigError& error) {
+  // CLI11's own words end with the key, and name neither the file nor what is wrong with it.
+  constexpr char kExtra[] = "INI was not able to parse ";
+  const std::string what = error.what();
+  absl::string_view key = what;
+  const bool unknown = absl::ConsumePrefix(&key, kExtra);
+  // "lab.++" is how it calls the beginning of a section.
+  const bool section = absl::ConsumeSuffix(&key, ".++");
+  const auto path = app.get_config_ptr()->as<std::string>();
+  if (!unknown) {
+    Log(LogLevel::kError, "bad_option", {{"file", path}, {"message", what}});
+    return;
+  }
+  const std::string word = section ? absl::StrCat("[", key, "]") : std::string(key);
+  Log(LogLevel::kError, "bad_option",
+      {{"key", word},
+       {"file", path},
+       {"line", LineOf(path, word, "")},
+       {"message", section ? "there are no sections" : "there is no such option"}});
 }
 
 }  // namespace
@@ -92,30 +218,41 @@ void AddFlags(CLI::App& app, Flags& f) {
   app.add_option("--data-dir", f.data_dir,
                  "folder that keeps the meshes; an edit is answered when it is on the disk");
   app.add_option(
-         "--compact-bytes", c.compact_bytes,
-         "bytes of a mesh's edits in the folder before a snapshot, from which it is made again")
-      ->capture_default_str();
-  app.add_option(
-         "--compact-operations", c.compact_operations,
-         "operations that a mesh's edits executed before a snapshot, from which it is made again")
-      ->capture_default_str();
-  AddMebibytes(app, "--journal-history-mib", c.journal_history_bytes,
+         "--accept-loss", f.accept_loss,
+         "go on with a mesh from what is left of it, or without it: what the log's mesh_loss "
+         "or journal_losses says, with commas between. It accepts that loss and no later one")
+      ->type_name("LOSS");
+  AddCount<std::uint64_t>(
+      app, "compact-bytes", c.compact_bytes, 0,
+      "bytes of a mesh's edits in the folder before a snapshot, from which it is made again");
+  AddCount<std::uint64_t>(
+      app, "compact-operations", c.compact_operations, 0,
+      "operations that a mesh's edits executed before a snapshot, from which it is made again");
+  AddMebibytes(app, "journal-history-mib", c.journal_history_bytes,
                "MiB kept in the folder of a mesh's past before that snapshot; at least back to the "
                "one before it");
   app.add_option(
          "--metrics", c.metrics,
          "[HOST:]PORT of metrics and health over HTTP: /metrics /healthz /readyz; default: none")
       ->type_name("ADDRESS");
-  app.add_option("--port-file", f.port_file, "write the port here when listening");
-  app.add_option("--log-level", f.log_level, "debug, info, warning, error, off")
-      ->capture_default_str();
-  AddSeconds(app, "--drain-timeout", c.drain_timeout, "seconds to finish work after SIGTERM");
-  AddSeconds(app, "--progress-interval", c.progress_interval,
+  app.add_option("--port-file", f.port_file, "write the port here when it serves");
+  app.add_option_function<std::string>(
+         "--log-level",
+         [&f](const std::string& text) {
+           if (!IsLogLevel(text)) {
+             throw BadValue("log-level", text, "is none of debug, info, warning, error and off");
+           }
+           f.log_level = text;
+         },
+         "debug, info, warning, error, off")
+      ->default_str(f.log_level);
+  AddSeconds(app, "drain-timeout", c.drain_timeout, 0, "seconds to finish work after SIGTERM");
+  AddSeconds(app, "progress-interval", c.progress_interval, 0.1,
              "seconds between messages to idle watchers");
-  app.add_option("--writer-threads", c.writer_threads, "threads that apply edits; 0: by cores")
-      ->capture_default_str();
-  app.add_option("--reader-threads", c.reader_threads, "threads that serve readers; 0: by cores")
-      ->capture_default_str();
+  AddCount(app, "writer-threads", c.writer_threads, 0, "threads that apply edits; 0: by cores",
+           kMostThreads);
+  AddCount(app, "reader-threads", c.reader_threads, 0, "threads that serve readers; 0: by cores",
+           kMostThreads);
   AddMeshLimits(app, c);
   AddClientLimits(app, c);
 }
@@ -123,22 +260,17 @@ void AddFlags(CLI::App& app, Flags& f) {
 std::optional<int> ParseFlags(CLI::App& app, int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
+  } catch (const BadValue& bad) {
+    TellBadValue(app, bad, argc, argv);
+    return 2;
   } catch (const CLI::ConfigError& error) {
-    // CLI11's own words end with the key, and name neither the file nor what is wrong with it.
-    constexpr char kExtra[] = "INI was not able to parse ";
-    const std::string what = error.what();
-    absl::string_view key = what;
-    const bool unknown = absl::ConsumePrefix(&key, kExtra);
-    // "lab.++" is how it calls the beginning of a section.
-    const bool section = absl::ConsumeSuffix(&key, ".++");
-    const std::string why = !unknown  ? what
-                            : section ? absl::StrCat("there is no section [", key, "]")
-                                      : absl::StrCat("there is no option ", key);
-    std::fprintf(stderr, "dynmeshd: %s: %s\n", app.get_config_ptr()->as<std::string>().c_str(),
-                 why.c_str());
+    TellBadFile(app, error);
     return 2;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    if (error.get_exit_code() == 0) return app.exit(error);  // help and version
+    Log(LogLevel::kError, "bad_option",
+        {{"message", absl::StrCat(error.what(), " (dynmeshd --help has all there are)")}});
+    return 2;
   }
   return std::nullopt;
 }

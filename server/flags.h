@@ -16,6 +16,7 @@ struct Flags {
   ServerConfig config;
   std::string port_file;
   std::string data_dir;
+  std::string accept_loss;  // with commas between
   std::string log_level = "info";
 };
 
@@ -23,7 +24,8 @@ struct Flags {
 void AddFlags(CLI::App& app, Flags& flags);
 
 // Parses. Empty if the program is to go on; else its exit code, after having said why: 0 for help
-// and version, 2 for bad usage.
+// and version, 2 for bad usage, of which the log tells: key, value, and file and line if it came
+// from there (bad_option).
 std::optional<int> ParseFlags(CLI::App& app, int argc, const char* const* argv);
 
 }  // namespace dynmesh::server

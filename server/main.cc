@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "absl/strings/str_split.h"
 #include "core/base/process_memory.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/access/acceptor.h"
@@ -24,7 +25,8 @@ using dynmesh::server::Flags;
 using dynmesh::server::Server;
 
 int Fail(int code, const absl::Status& status) {
-  std::fprintf(stderr, "dynmeshd: %s\n", std::string(status.message()).c_str());
+  dynmesh::server::Log(dynmesh::server::LogLevel::kError, "not_started",
+                       {{"message", status.message()}});
   return code;
 }
 
@@ -94,6 +96,7 @@ absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flag
   SqliteJournal::Options options;
   options.remembered_requests = flags.config.remembered_requests;
   options.history_bytes = flags.config.journal_history_bytes;
+  options.accept_loss = absl::StrSplit(flags.accept_loss, ',', absl::SkipWhitespace());
   return SqliteJournal::Open(flags.data_dir, options);
 }
 

@@ -10,9 +10,11 @@
 #include <mutex>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/clock.h"
 #include "server/access/acceptor.h"
@@ -22,6 +24,7 @@
 #include "server/base/log.h"
 #include "server/calls/admission.h"
 #include "server/calls/mesh_service.h"
+#include "server/calls/unknown_methods.h"
 #include "server/metrics/call_observer.h"
 #include "server/metrics/collect.h"
 #include "server/metrics/metrics_http.h"
@@ -33,8 +36,11 @@ namespace {
 constexpr char kServiceName[] = "dynmesh.v1.MeshService";
 // How finely idle watchers' progress is timed.
 constexpr std::chrono::milliseconds kTick{100};
-// After a drain that did not end by itself: for cancelled calls to unwind.
-constexpr std::chrono::seconds kCancelGrace{5};
+// For the last calls of a drain to be told, and for cancelled ones to unwind.
+constexpr absl::Duration kCallGrace = absl::Seconds(5);
+// For clients to read that the server goes away and to close their connections themselves. Those
+// without a call often do not look before their next one.
+constexpr std::chrono::milliseconds kConnectionGrace{50};
 
 int Threads(int configured) {
   if (configured > 0) return configured;
@@ -106,6 +112,52 @@ struct Server::Impl {
         context(c, &registry, &writers, &readers, &answers, &metrics, access.get(), absl::Now()),
         service(&context) {}
 
+  // A start that fails has opened the port already.
+  ~Impl() {
+    acceptor.reset();
+    if (server != nullptr) server->Shutdown(std::chrono::system_clock::now());
+  }
+
+  // From here on calls are answered, though only that the meshes are not there yet.
+  absl::Status Listen() {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    grpc::ServerBuilder builder;
+    Acceptor::Sink sink;
+    if (absl::StartsWith(config.listen, "unix:")) {
+      builder.AddListeningPort(config.listen, credentials, &port);
+    } else {
+      auto listening = Acceptor::Listen(config.listen, config.max_connections);
+      if (!listening.ok()) return listening.status();
+      acceptor = *std::move(listening);
+      port = acceptor->port();
+      using External = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
+      sink = builder.experimental().AddExternalConnectionAcceptor(External::FROM_FD, credentials);
+    }
+    builder.RegisterService(&service);
+    builder.RegisterCallbackGenericService(&unknown);
+    builder.SetMaxReceiveMessageSize(config.max_message_bytes);
+    LimitConnections(config, builder);
+    std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> observers;
+    observers.push_back(MakeCallObservers(&calls));
+    builder.experimental().SetInterceptorCreators(std::move(observers));
+    context.recovering = true;
+    server = builder.BuildAndStart();
+    if (server == nullptr || port == 0) {
+      return absl::UnavailableError(
+          absl::StrCat("cannot listen on ", config.listen, ": is the port taken?"));
+    }
+    SetHealth(false);
+    if (sink != nullptr) acceptor->Start(std::move(sink), config.keepalive_timeout);
+    Log(LogLevel::kInfo, "listening", {{"address", Address()}, {"version", kVersion}});
+    return absl::OkStatus();
+  }
+
+  std::string Address() const {
+    const absl::string_view listen = config.listen;
+    return absl::StrCat(listen.substr(0, listen.rfind(':')), ":", port);
+  }
+
   absl::Status RecoverMeshes() {
     if (journal == nullptr) {
       Log(LogLevel::kWarning, "in_memory",
@@ -129,7 +181,10 @@ struct Server::Impl {
     registry.Tick(now);
     service.Tick();
     memory.Measure();
+    memory.NoteStreams(context.watchers.used() + context.edit_streams.used() +
+                       context.snapshot_streams.used());
     access->ReloadIfChanged(now);
+    if (tls != nullptr) tls->Look(absl::Now());
   }
 
   void SetHealth(bool serving) {
@@ -139,18 +194,33 @@ struct Server::Impl {
     }
   }
 
+  // No reason to send no requests: reads are answered, and the next edit tries the journal again.
+  // Neither are damaged meshes: the others are served.
+  std::string Amiss() const {
+    std::vector<std::string> amiss;
+    if (journal != nullptr && journal->counts().failing) {
+      amiss.push_back("edits are refused: the journal cannot be written");
+    }
+    if (const std::size_t damaged = registry.damaged(); damaged > 0) {
+      amiss.push_back(absl::StrCat("damaged meshes: ", damaged));
+    }
+    return absl::StrJoin(amiss, "; ");
+  }
+
   // Before the meshes are there, so that whoever asks learns that they are being made again.
   absl::Status ListenForMetrics() {
     metrics.registry.AddSource([this](MetricsText& out) {
       WriteMeshes(registry, out);
       if (journal != nullptr) WriteJournal(*journal, out);
       WriteLimits(memory, config.tls, out);
+      WriteStreams(context.client_streams, out);
       WriteProcess(out);
     });
     if (config.metrics.empty()) return absl::OkStatus();
     auto listening =
         MetricsHttp::Listen(config.metrics, {[this] { return metrics.registry.Text(); },
-                                             [this] { return std::string(not_ready.load()); }});
+                                             [this] { return std::string(not_ready.load()); },
+                                             [this] { return Amiss(); }});
     if (!listening.ok()) return listening.status();
     http = *std::move(listening);
     Log(LogLevel::kInfo, "metrics_listen", {{"address", http->address()}});
@@ -175,7 +245,9 @@ struct Server::Impl {
   CallMetrics calls;
   ServiceContext context;
   MeshServiceImpl service;
+  UnknownMethods unknown;
   std::shared_ptr<grpc::ServerCredentials> credentials;  // outlive the server
+  std::shared_ptr<TlsCredentials> tls;                   // the same, if it is TLS
   std::unique_ptr<grpc::Server> server;
   std::unique_ptr<Acceptor> acceptor;  // null: gRPC listens itself
   int port = 0;
@@ -194,10 +266,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
                                                       std::unique_ptr<Journal> journal) {
   if (absl::Status status = ValidateConfig(config); !status.ok()) return status;
   std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
+  std::shared_ptr<TlsCredentials> tls;  // null: none
   if (config.tls.enabled()) {
-    auto tls = MakeTlsCredentials(config.tls);
-    if (!tls.ok()) return tls.status();
-    credentials = *std::move(tls);
+    auto made = MakeTlsCredentials(config.tls);
+    if (!made.ok()) return made.status();
+    credentials = tls = *std::move(made);
   }
   absl::StatusOr<std::unique_ptr<Access>> access =
       Access::Create(config.tokens_file, config.max_requests_per_second);
@@ -205,39 +278,16 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   auto impl =
       std::make_unique<Impl>(config, std::move(factory), std::move(journal), *std::move(access));
   if (absl::Status status = impl->ListenForMetrics(); !status.ok()) return status;
-  if (absl::Status status = impl->RecoverMeshes(); !status.ok()) return status;
-  grpc::EnableDefaultHealthCheckService(true);
-  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-  grpc::ServerBuilder builder;
-  Acceptor::Sink sink;
-  if (absl::StartsWith(config.listen, "unix:")) {
-    builder.AddListeningPort(config.listen, credentials, &impl->port);
-  } else {
-    auto acceptor = Acceptor::Listen(config.listen, config.max_connections);
-    if (!acceptor.ok()) return acceptor.status();
-    impl->acceptor = *std::move(acceptor);
-    impl->port = impl->acceptor->port();
-    using External = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
-    sink = builder.experimental().AddExternalConnectionAcceptor(External::FROM_FD, credentials);
-  }
   impl->credentials = std::move(credentials);
-  builder.RegisterService(&impl->service);
-  builder.SetMaxReceiveMessageSize(config.max_message_bytes);
-  LimitConnections(config, builder);
-  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> observers;
-  observers.push_back(MakeCallObservers(&impl->calls));
-  builder.experimental().SetInterceptorCreators(std::move(observers));
-  impl->server = builder.BuildAndStart();
-  if (impl->server == nullptr || impl->port == 0) {
-    return absl::UnavailableError(
-        absl::StrCat("cannot listen on ", config.listen, ": is the port taken?"));
-  }
+  impl->tls = std::move(tls);
+  if (absl::Status status = impl->Listen(); !status.ok()) return status;
+  if (absl::Status status = impl->RecoverMeshes(); !status.ok()) return status;
+  impl->context.recovering = false;
   impl->SetHealth(true);
   impl->not_ready = "";
-  if (sink != nullptr) impl->acceptor->Start(std::move(sink), config.keepalive_timeout);
   impl->ticker = std::make_unique<Ticker>([impl = impl.get()] { impl->Tick(); });
   std::unique_ptr<Server> server(new Server(std::move(impl)));
-  Log(LogLevel::kInfo, "listening", {{"address", server->address()}, {"version", kVersion}});
+  Log(LogLevel::kInfo, "serving", {{"address", server->address()}});
   const bool authenticates = !config.tokens_file.empty() || !config.tls.client_ca.empty();
   if (!IsLoopback(config.listen) && (!config.tls.enabled() || !authenticates)) {
     Log(LogLevel::kWarning, "exposed",
@@ -256,10 +306,7 @@ Server::~Server() {
 
 int Server::port() const { return impl_->port; }
 
-std::string Server::address() const {
-  const absl::string_view listen = impl_->config.listen;
-  return absl::StrCat(listen.substr(0, listen.rfind(':')), ":", impl_->port);
-}
+std::string Server::address() const { return impl_->Address(); }
 
 void Server::Reload() { impl_->access->Reload(); }
 
@@ -274,13 +321,13 @@ bool Server::Drain(absl::Duration limit) {
   impl_->not_ready = "draining";
   impl_->SetHealth(false);
   impl_->service.BeginDrain();
+  impl_->calls.open().Close();
   const bool done = impl_->context.gate.WaitEmpty(limit);
-  // Calls that are still there are cancelled at the deadline, and their edits undone.
-  const auto deadline = std::chrono::system_clock::now() +
-                        (done ? std::chrono::duration_cast<std::chrono::milliseconds>(kCancelGrace)
-                              : std::chrono::milliseconds(0));
   if (impl_->acceptor != nullptr) impl_->acceptor->Stop();
-  impl_->server->Shutdown(deadline);
+  // Of calls that are still there edits are cancelled, and undone. All others are being told.
+  if (done) impl_->calls.open().WaitEmpty(kCallGrace);
+  impl_->server->Shutdown(std::chrono::system_clock::now() +
+                          (done ? kConnectionGrace : std::chrono::milliseconds(0)));
   impl_->ticker.reset();
   impl_->registry.EndSweeps();
   impl_->writers.Stop();

@@ -15,9 +15,10 @@ namespace dynmesh::server {
 
 class Server {
  public:
-  // Listens when it returns. INVALID_ARGUMENT for a bad config, UNAVAILABLE if the
+  // Serves when it returns. INVALID_ARGUMENT for a bad config, UNAVAILABLE if the
   // address cannot be had or the journal not be read. Meshes are made by `factory`. With a journal,
-  // its meshes are there again, and edits answered when it has them; else nothing is kept.
+  // its meshes are there again, and edits answered when it has them; else nothing is kept. While
+  // they are made again, the port is open and calls are answered UNAVAILABLE (RECOVERING).
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config,
                                                        MeshFactory factory,
                                                        std::unique_ptr<Journal> journal = nullptr);
@@ -29,7 +30,8 @@ class Server {
 
   // Health says NOT_SERVING, new work is refused (UNAVAILABLE), watches end, what is
   // under way ends, at most for `limit`; what is not done by then is cancelled, and
-  // changes nothing. True if all ended by itself. Returns when nothing runs any more.
+  // changes nothing. True if all ended by itself. Returns when nothing runs any more. Connections
+  // without calls are told to go (GOAWAY) and closed a moment later; they do not hold it up.
   bool Drain(absl::Duration limit);
 
   // Reads the file of tokens again; without being told to, it does when the file changed.

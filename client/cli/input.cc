@@ -159,6 +159,13 @@ class ScriptState {
   std::map<FeatureId, std::pair<Feature, std::string>> features_;
 };
 
+// The script without its batches.
+io::EditScript HeaderOf(const io::EditScript& script) {
+  io::EditScript header = script;
+  header.batches.clear();
+  return header;
+}
+
 absl::StatusOr<Input> FromScript(const io::EditScript& script, const std::string& path,
                                  const InputFlags& flags) {
   ScriptState state;
@@ -169,6 +176,9 @@ absl::StatusOr<Input> FromScript(const io::EditScript& script, const std::string
     }
   }
   Input input = state.Finish(script.Options());
+  input.where_option = [header = HeaderOf(script)](std::string_view option) {
+    return header.WhereOption(option);
+  };
   if (!flags.merge_coplanar) return input;
   if (input.options.dimension == 2) return RefuseMerge(path);
   if (auto s = Merge(path, flags, input); !s.ok()) return s;

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "CLI/CLI.hpp"
@@ -28,6 +29,10 @@ struct Input {
   std::vector<io::PolygonName> polygon_names;  // of a map's polygons
   // "file:line" of a feature, empty if unknown.
   std::function<std::string(FeatureId)> where;
+  // "file:line: rho" of what says a member of MeshOptions; empty if nothing does.
+  std::function<std::string(std::string_view)> where_option = [](std::string_view) {
+    return std::string();
+  };
 };
 
 // How input is read. INVALID_ARGUMENT if faces are to be joined and the input is of the plane.

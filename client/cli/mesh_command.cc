@@ -87,7 +87,10 @@ int Run(const MeshCommand& command) {
   const auto start = std::chrono::steady_clock::now();
   absl::StatusOr<Mesh> mesh = BuildMesh(input->features, options);
   const std::chrono::duration<double> build = std::chrono::steady_clock::now() - start;
-  if (!mesh.ok()) return ReportError(Locate(mesh.status(), input->where));
+  if (!mesh.ok()) {
+    const absl::Status named = NameOption(mesh.status(), command.mesh, input->where_option);
+    return ReportError(Locate(named, input->where));
+  }
   WarnOfUnknownRegions(*choice, *mesh);
   if (!choice->IsEverything()) *mesh = data::OnlyInside(*mesh, *choice);
   const QualityReport quality = MeasureQuality(*mesh, options);

@@ -2,12 +2,14 @@
 
 #include <charconv>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
 #include "client/cli/command.h"
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
+#include "dynmesh/error.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -141,6 +143,27 @@ void WarnOfUnknownRegions(const data::RegionChoice& choice, const Mesh& mesh) {
                            : ""));
     }
   }
+}
+
+absl::Status NameOption(const absl::Status& status, const MeshFlags& flags,
+                        const std::function<std::string(std::string_view)>& where) {
+  const std::optional<ErrorDetail> detail = GetErrorDetail(status);
+  if (!detail || detail->reason != reason::kBadOption) return status;
+  // Such a message begins with the option's name.
+  const std::string_view message = data::View(status.message());
+  const std::string_view name = message.substr(0, message.find(':'));
+  std::string word;
+  for (const auto& [option, flag, is_given] :
+       {std::tuple{"quality", "--rho", flags.rho.has_value()},
+        std::tuple{"box", "--box", !flags.box.empty()},
+        std::tuple{"max_edge", "--hmax", flags.max_edge.has_value()},
+        std::tuple{"criterion", "--criterion", !flags.criterion.empty()},
+        std::tuple{"limits.max_vertices", "--max-vertices", flags.max_vertices.has_value()}}) {
+    if (name == option && is_given) word = flag;
+  }
+  if (word.empty()) word = where(name);
+  if (word.empty()) return status;
+  return absl::Status(status.code(), data::Concat(word, message.substr(name.size())));
 }
 
 absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options) {

@@ -3,8 +3,10 @@
 #define DYNMESH_CLIENT_CLI_MESH_FLAGS_H_
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "CLI/CLI.hpp"
@@ -50,6 +52,11 @@ absl::Status ApplyOutsideFlag(const std::string& text, const std::vector<Feature
 
 // Tells which ids of the two are those of no region of `mesh`, all of it.
 void WarnOfUnknownRegions(const data::RegionChoice& choice, const Mesh& mesh);
+
+// An error of an option, with the word by which the user gave it in place of the library's: a
+// flag, else what `where` knows (Input::where_option), "file:line: rho". Others as they are.
+absl::Status NameOption(const absl::Status& status, const MeshFlags& flags,
+                        const std::function<std::string(std::string_view)>& where);
 
 // Flags that were given override `options`.
 absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options);

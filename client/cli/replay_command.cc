@@ -56,7 +56,10 @@ class Replay {
     MeshOptions options = script_.Options();
     if (auto status = ApplyMeshFlags(command_.mesh, options); !status.ok()) return status;
     absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(options);
-    if (!mesh.ok()) return mesh.status();
+    if (!mesh.ok()) {
+      return NameOption(mesh.status(), command_.mesh,
+                        [this](std::string_view option) { return script_.WhereOption(option); });
+    }
     mesh_ = *std::move(mesh);
     const MeshStats start = mesh_->Stats();
     vertices_ = start.vertices;

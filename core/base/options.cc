@@ -141,6 +141,12 @@ absl::Status ValidateOptions(const MeshOptions& options) {
     return BadOption(absl::StrCat("limits.max_vertices: ", options.limits.max_vertices,
                                   " is below the ", least_vertices, " of the bare domain box"));
   }
+  if (options.limits.max_vertices > MostVertices(options.dimension)) {
+    return BadOption(absl::StrCat("limits.max_vertices: ", options.limits.max_vertices,
+                                  " is above ", MostVertices(options.dimension),
+                                  ", the most that a mesh of dimension ", options.dimension,
+                                  " can have"));
+  }
   if (options.limits.max_depth < 1) {
     return BadOption(
         absl::StrCat("limits.max_depth: ", options.limits.max_depth, " is not positive"));

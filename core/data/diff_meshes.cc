@@ -18,11 +18,11 @@ namespace {
 // comes before row j of the new ones, 0 if they stand for the same thing, and so on.
 // Calls gone(i), both(i, j), come(j).
 template <class Order, class Gone, class Both, class Come>
-void Merge(std::size_t old_rows, std::size_t new_rows, Order order, Gone gone, Both both,
-           Come come) {
+void Merge(std::size_t old_rows, std::size_t new_rows, Steps& steps, Order order, Gone gone,
+           Both both, Come come) {
   std::size_t i = 0;
   std::size_t j = 0;
-  while (i < old_rows || j < new_rows) {
+  while ((i < old_rows || j < new_rows) && !steps.Stop()) {
     const int sign = i == old_rows ? 1 : j == new_rows ? -1 : order(i, j);
     if (sign < 0) {
       gone(i++);
@@ -66,13 +66,18 @@ bool SameVertex(std::size_t d, const VertexColumns& a, std::size_t i, const Vert
   return a.containing_dimensions[i] == b.containing_dimensions[j] && a.owners[i] == b.owners[j];
 }
 
-void DiffVertices(std::size_t d, const VertexColumns& from, VertexColumns& to, MeshDiff& diff) {
+void DiffVertices(std::size_t d, const VertexColumns& from, VertexColumns& to, Steps& steps,
+                  MeshDiff& diff) {
   absl::flat_hash_map<VertexId, std::size_t> row_of;
   row_of.reserve(from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) row_of.emplace(from.ids[i], i);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (steps.Stop()) return;
+    row_of.emplace(from.ids[i], i);
+  }
   std::vector<bool> stays(from.size(), false);
   std::vector<std::size_t> added;
   for (std::size_t j = 0; j < to.size(); ++j) {
+    if (steps.Stop()) return;
     const auto it = row_of.find(to.ids[j]);
     if (it != row_of.end() && SameVertex(d, from, it->second, to, j)) {
       stays[it->second] = true;
@@ -101,14 +106,15 @@ struct Simplices {
 
 // Takes those with a vertex that is not among `ids` out of the mesh: nearly all, so they stay where
 // they are, and the others are copied.
-Simplices TakeSimplicesNotOn(const std::vector<VertexId>& ids, std::size_t width, Mesh& mesh) {
+Simplices TakeSimplicesNotOn(const std::vector<VertexId>& ids, std::size_t width, Mesh& mesh,
+                             Steps& steps) {
   const absl::flat_hash_set<VertexId> known(ids.begin(), ids.end());
   Simplices all{std::exchange(mesh.simplices, {}), std::exchange(mesh.regions, {})};
   const bool labelled = !all.regions.empty();
   RowKeeper rows(&all.rows, width);
   RowKeeper regions(&all.regions, 1);
   const std::size_t count = all.rows.size() / width;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < count && !steps.Stop(); ++i) {
     const auto row = all.rows.begin() + static_cast<std::ptrdiff_t>(i * width);
     const auto end = row + static_cast<std::ptrdiff_t>(width);
     if (std::all_of(row, end, [&](VertexId id) { return known.contains(id); })) {
@@ -137,10 +143,24 @@ void AppendAlone(Simplices alone, bool labelled, SimplexColumn& rows, RegionColu
   regions.insert(regions.end(), alone.regions.begin(), alone.regions.end());
 }
 
+// Ids of sets of polygons that are others in `to` than in `from`, as a client can bring about. Both
+// by ascending id.
+absl::flat_hash_set<RegionId> OtherSets(const std::vector<RegionSet>& from,
+                                        const std::vector<RegionSet>& to) {
+  absl::flat_hash_set<RegionId> others;
+  auto set = to.begin();
+  for (const RegionSet& before : from) {
+    while (set != to.end() && set->id < before.id) ++set;
+    if (set == to.end()) break;
+    if (set->id == before.id && set->polygons != before.polygons) others.insert(before.id);
+  }
+  return others;
+}
+
 // A simplex with the same corners in another region goes and comes. `from_alone` and `to_alone`
 // are of one mesh only, and not in it any more.
 void DiffSimplices(const Mesh& from, Mesh& to, Simplices from_alone, Simplices to_alone,
-                   MeshDiff& diff) {
+                   Steps& steps, MeshDiff& diff) {
   const std::size_t width = static_cast<std::size_t>(to.dimension) + 1;
   const bool labelled = !from.regions.empty() || !to.regions.empty() ||
                         !from_alone.regions.empty() || !to_alone.regions.empty();
@@ -162,12 +182,15 @@ void DiffSimplices(const Mesh& from, Mesh& to, Simplices from_alone, Simplices t
     added.Keep(j);
     if (labelled) diff.added_regions.push_back(to.region(j));
   };
+  const auto others = OtherSets(from.region_sets, to.region_sets);
   const auto both = [&](std::size_t i, std::size_t j) {
-    if (!labelled || from.region(i) == to.region(j)) return;
+    if (!labelled) return;
+    const RegionId region = to.region(j);
+    if (from.region(i) == region && (others.empty() || !others.contains(region))) return;
     gone(i);
     come(j);
   };
-  Merge(from.simplex_count(), to.simplex_count(), order, gone, both, come);
+  Merge(from.simplex_count(), to.simplex_count(), steps, order, gone, both, come);
   diff.added_simplices = added.Take();
   AppendAlone(std::move(from_alone), labelled, diff.removed_simplices, diff.removed_regions, width);
   AppendAlone(std::move(to_alone), labelled, diff.added_simplices, diff.added_regions, width);
@@ -176,7 +199,7 @@ void DiffSimplices(const Mesh& from, Mesh& to, Simplices from_alone, Simplices t
 }
 
 template <class Columns>
-void DiffPieces(const Columns& from, Columns& to, Columns& removed, Columns& added) {
+void DiffPieces(const Columns& from, Columns& to, Steps& steps, Columns& removed, Columns& added) {
   RowKeeper ids(&IdsOf(to), kCorners<Columns>);
   RowKeeper owners(&to.owners, 1);
   const auto order = [&](std::size_t i, std::size_t j) {
@@ -184,7 +207,7 @@ void DiffPieces(const Columns& from, Columns& to, Columns& removed, Columns& add
     return a < b ? -1 : b < a ? 1 : 0;
   };
   Merge(
-      from.size(), to.size(), order, [&](std::size_t i) { Append(removed, KeyOf(from, i)); },
+      from.size(), to.size(), steps, order, [&](std::size_t i) { Append(removed, KeyOf(from, i)); },
       [](std::size_t, std::size_t) {},
       [&](std::size_t j) {
         ids.Keep(j);
@@ -199,32 +222,41 @@ void DiffPieces(const Columns& from, Columns& to, Columns& removed, Columns& add
 // Sorting is what takes time here: vertices are looked up instead. Simplices with a vertex that the
 // other mesh has not need no place in the order, and where one mesh is much smaller that is nearly
 // all of the larger's.
-MeshDiff DiffMeshes(Mesh from, Mesh to) {
+MeshDiff DiffMeshes(Mesh from, Mesh to, Steps& steps) {
   const std::size_t width = static_cast<std::size_t>(to.dimension) + 1;
   Simplices from_alone, to_alone;
   constexpr std::size_t kMuch = 4;
   if (kMuch * from.vertices.size() < to.vertices.size()) {
-    to_alone = TakeSimplicesNotOn(from.vertices.ids, width, to);
+    to_alone = TakeSimplicesNotOn(from.vertices.ids, width, to, steps);
   } else if (kMuch * to.vertices.size() < from.vertices.size()) {
-    from_alone = TakeSimplicesNotOn(to.vertices.ids, width, from);
+    from_alone = TakeSimplicesNotOn(to.vertices.ids, width, from, steps);
   }
   MeshDiff diff;
   diff.region_sets = to.region_sets;
-  AppendSets(diff.region_sets, from.region_sets);
+  AppendSets(diff.region_sets, from.region_sets);  // where ids agree, the former counts
   const VertexColumns from_vertices = std::exchange(from.vertices, {});
   VertexColumns to_vertices = std::exchange(to.vertices, {});
-  DiffVertices(width - 1, from_vertices, to_vertices, diff);
-  Canonicalize(from);
-  Canonicalize(to);
+  DiffVertices(width - 1, from_vertices, to_vertices, steps, diff);
+  for (Mesh* mesh : {&from, &to}) {
+    if (steps.Stop(Steps::kBetween)) return {};
+    Canonicalize(*mesh);
+  }
+  if (steps.Stop(Steps::kBetween)) return {};
   diff.dimension = to.dimension;
   diff.from_revision = from.revision;
   diff.to_revision = to.revision;
   diff.hash = to.hash;
-  DiffSimplices(from, to, std::move(from_alone), std::move(to_alone), diff);
+  DiffSimplices(from, to, std::move(from_alone), std::move(to_alone), steps, diff);
   KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
-  DiffPieces(from.subsegments, to.subsegments, diff.removed_subsegments, diff.added_subsegments);
-  DiffPieces(from.subfacets, to.subfacets, diff.removed_subfacets, diff.added_subfacets);
+  DiffPieces(from.subsegments, to.subsegments, steps, diff.removed_subsegments,
+             diff.added_subsegments);
+  DiffPieces(from.subfacets, to.subfacets, steps, diff.removed_subfacets, diff.added_subfacets);
   return diff;
+}
+
+MeshDiff DiffMeshes(Mesh from, Mesh to) {
+  AllSteps all;
+  return DiffMeshes(std::move(from), std::move(to), all);
 }
 
 }  // namespace dynmesh::data

@@ -2,6 +2,7 @@
 #ifndef DYNMESH_CORE_DATA_DIFF_MESHES_H_
 #define DYNMESH_CORE_DATA_DIFF_MESHES_H_
 
+#include "core/base/steps.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh::data {
@@ -10,6 +11,9 @@ namespace dynmesh::data {
 // no particular order. O(n lg n), n the size of both, O(n) if one is much smaller. Both must have
 // the same dimension and agreeing columns; to.hash is taken as given. Taken by value: hand over
 // what is not needed any more, its columns become the diff's.
+// Where `steps` are stopped, so is this, at the latest when a column has been sorted: then what is
+// returned is nothing.
+MeshDiff DiffMeshes(Mesh from, Mesh to, Steps& steps);
 MeshDiff DiffMeshes(Mesh from, Mesh to);
 
 }  // namespace dynmesh::data

@@ -1,31 +1,10 @@
 // Vertex ids and mesh hashes. Fixed for good: clients in other languages, journals
 // and files depend on every bit, so this is a specification as much as code.
 //
-// All arithmetic is on unsigned 64-bit words modulo 2^64. bits(c) is the IEEE-754
-// pattern of the coordinate c, after adding +0.0 (which turns -0 into +0).
+// What they are stands in proto/dynmesh/v1/mesh.proto, with two meshes to try a client with; here
+// is the same in C++, and in tests/e2e/mesh_hash.py in Python.
 //
-//   MixA(z): z += 9e3779b97f4a7c15; z = (z ^ z >> 30) * bf58476d1ce4e5b9;
-//            z = (z ^ z >> 27) * 94d049bb133111eb; z ^ z >> 31
-//   MixB(z): z += d1b54a32d192ed03; z = (z ^ z >> 33) * ff51afd7ed558ccd;
-//            z = (z ^ z >> 33) * c4ceb9fe1a85ec53; z ^ z >> 33
-//
-//   id(c_1..c_d, salt): h = MixA(a0761d6478bd642f ^ salt);
-//                       h = MixA(h ^ bits(c_i)) for i = 1..d;
-//                       the id is h, or 1 if h is 0
-//   hash(w_1..w_n):     hi = 8ebc6af09c88c6e3; hi = MixA(hi ^ w_i) for i = 1..n
-//                       lo = 589965cc75374cc3; lo = MixB(lo ^ w_i) for i = 1..n
-//
-//   vertex:     hash(1, d, bits(c_1)..bits(c_d), containing dimension, owner)
-//   simplex:    hash(2, number of ids, ids in canonical order), in a region other than 0
-//               hash(2, number of ids, ids in canonical order, region)
-//   subsegment: hash(3, lesser end's id, greater end's id, owner)
-//   subfacet:   hash(4, the three corners' ids in ascending order, owner)
-//   region:     the id of a polygon if there is one, for several in ascending order
-//               h = MixA(e7037ed1a0b428db); h = MixA(h ^ id_i) for i = 1..n; with the top
-//               bit set
-//   mesh:       the sum of all of these, hi and lo each modulo 2^64
-//
-// Two unlike bijective mixes under unlike keys: a collision must happen in both
+// Two unlike bijective mixes (A and B there) under unlike keys: a collision must happen in both
 // words at once. Good against accidents; not meant against an adversary.
 #include <algorithm>
 #include <array>
@@ -68,8 +47,8 @@ std::uint64_t Bits(double c) { return std::bit_cast<std::uint64_t>(c + 0.0); }
 
 class WordHasher {
  public:
-  explicit WordHasher(Tag tag) { Add(tag); }
-  void Add(std::uint64_t word) {
+  constexpr explicit WordHasher(Tag tag) { Add(tag); }
+  constexpr void Add(std::uint64_t word) {
     hash_.hi = MixA(hash_.hi ^ word);
     hash_.lo = MixB(hash_.lo ^ word);
   }
@@ -78,6 +57,20 @@ class WordHasher {
  private:
   MeshHash hash_{kHiKey, kLoKey};
 };
+
+// Of a simplex with so many ids: what they all begin with is hashed once, by the compiler.
+template <std::uint64_t kIds>
+MeshHash HashOfIds(const VertexId* ids, RegionId region) {
+  constexpr WordHasher kBegun = [] {
+    WordHasher hasher(kSimplexTag);
+    hasher.Add(kIds);
+    return hasher;
+  }();
+  WordHasher hasher = kBegun;
+  for (std::size_t i = 0; i < kIds; ++i) hasher.Add(ids[i]);
+  if (region != kNoRegion) hasher.Add(region);
+  return hasher.Get();
+}
 
 template <std::size_t kIds>
 MeshHash HashPiece(Tag tag, std::array<VertexId, kIds> ids, FeatureId owner) {
@@ -128,6 +121,8 @@ std::vector<FeatureId> PolygonsOf(RegionId region, std::span<const RegionSet> se
 }
 
 MeshHash HashSimplex(const VertexId* ids, int count, RegionId region) {
+  if (count == 3) return HashOfIds<3>(ids, region);
+  if (count == 4) return HashOfIds<4>(ids, region);
   WordHasher hasher(kSimplexTag);
   hasher.Add(static_cast<std::uint64_t>(count));
   for (int i = 0; i < count; ++i) hasher.Add(ids[i]);
@@ -151,7 +146,8 @@ MeshHash ComputeHash(const Mesh& mesh) {
                       mesh.vertices.owners[i]);
   }
   for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
-    sum += HashSimplex(&mesh.simplices[i * (d + 1)], d + 1, mesh.region(i));
+    const VertexId* const ids = &mesh.simplices[i * (d + 1)];
+    sum += d == 2 ? HashOfIds<3>(ids, mesh.region(i)) : HashSimplex(ids, d + 1, mesh.region(i));
   }
   sum += HashOfPieces(mesh.subsegments);
   sum += HashOfPieces(mesh.subfacets);

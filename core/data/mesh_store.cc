@@ -230,7 +230,10 @@ void MeshStore::Commit(const MeshDiff& diff) {
 
 // Additions first, so that a set which stays in use is not dropped in between.
 void MeshStore::CommitSets(const MeshDiff& diff) {
-  for (const RegionSet& set : diff.region_sets) sets_.try_emplace(set.id, set.polygons, 0);
+  for (const RegionSet& set : diff.region_sets) {
+    const auto [it, is_new] = sets_.try_emplace(set.id, set.polygons, 0);
+    if (!is_new) it->second.first = set.polygons;  // may be another set's id now
+  }
   if (sets_.empty()) return;
   for (const RegionId region : diff.added_regions) {
     if (const auto it = sets_.find(region); it != sets_.end()) ++it->second.second;

@@ -12,7 +12,7 @@ void DropIfIdle(RegionColumn& regions) {
 
 void KeepNamed(std::vector<RegionSet>& sets, std::initializer_list<const RegionColumn*> columns) {
   if (sets.empty()) return;
-  std::ranges::sort(sets, {}, &RegionSet::id);
+  std::ranges::stable_sort(sets, {}, &RegionSet::id);
   const auto same_id = [](const RegionSet& a, const RegionSet& b) { return a.id == b.id; };
   sets.erase(std::unique(sets.begin(), sets.end(), same_id), sets.end());
   std::vector<bool> named(sets.size());

@@ -1,10 +1,14 @@
 #include "core/dynamic_mesh/diff_builder.h"
 
 #include <algorithm>
+#include <charconv>
+#include <iterator>
 #include <string>
 
 #include "core/data/canonical_order.h"
 #include "core/data/regions.h"
+#include "core/dynamic_mesh/limits.h"
+#include "core/mesh/delaunay_insert_order.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
@@ -25,6 +29,38 @@ auto FacetsOf(const Refinement& refinement) {
     const meshing::FacetIndex facet = refinement.FacetOf(a, b, c, d);
     return facet == meshing::kNil ? meshing::kNil : refinement.facets()[facet].feature();
   };
+}
+
+std::string Shortest(double x) {
+  std::array<char, 32> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
+}
+
+// "{1, 2, 5, and 3 more}"
+std::string ListOf(const std::vector<FeatureId>& polygons) {
+  constexpr std::size_t kMost = 4;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(kMost, polygons.size()); ++i) {
+    list += (i == 0 ? "{" : ", ") + std::to_string(polygons[i]);
+  }
+  if (polygons.size() > kMost) list += ", and " + std::to_string(polygons.size() - kMost) + " more";
+  return list + "}";
+}
+
+absl::Status CollisionError(int dimension, const RegionSets::Collision& collision) {
+  const auto& [first, second] = collision;
+  // One that is not in both.
+  std::vector<FeatureId> either;
+  std::ranges::set_symmetric_difference(first, second, std::back_inserter(either));
+  const FeatureId id = either.back();
+  const std::string what = dimension == 2 ? "polygons " : "closed surfaces ";
+  return MakeError(
+      absl::StatusCode::kFailedPrecondition,
+      (second.empty() ? "the region of " + what + ListOf(first) + " would have a reserved id"
+                      : "the regions of " + what + ListOf(first) + " and " + ListOf(second) +
+                            " would have the same id") +
+          ", a hash of polygons' ids; give polygon " + std::to_string(id) + " another id",
+      {reason::kIdCollision, {id}, {}});
 }
 
 template <class Subsegment>
@@ -75,8 +111,12 @@ void DiffBuilder<D>::AddWall(const typename Labels::Side& side, meshing::Feature
 
 template <int D>
 absl::Status DiffBuilder<D>::RegionStatus() const {
+  if (triangulation_.is_full()) return SizeLimitError();
   const auto polygons = labels_.overfull();
-  if (polygons.empty()) return absl::OkStatus();
+  if (polygons.empty()) {
+    const auto collision = labels_.collision();
+    return collision ? CollisionError(D, *collision) : absl::OkStatus();
+  }
   const FeatureId last = polygons.back();
   return MakeError(absl::StatusCode::kResourceExhausted,
                    (D == 2 ? "polygon " : "the closed surface of polygon ") + std::to_string(last) +
@@ -88,11 +128,37 @@ absl::Status DiffBuilder<D>::RegionStatus() const {
                    {reason::kPolygonLimit, {last}, {}});
 }
 
+template <int D>
+template <class Refinement>
+absl::Status DiffBuilder<D>::NameStatus(const Refinement& refinement,
+                                        const FeatureTable<D>& features) const {
+  const auto clash =
+      names_.Clash([&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
+  if (!clash) return absl::OkStatus();
+  std::string places;
+  std::vector<FeatureId> owners;
+  for (const VertexIndex v : *clash) {
+    places += places.empty() ? "the vertices at (" : " and (";
+    const Point& p = refinement.vertex(v).p;
+    for (int k = 0; k < D; ++k) places += (k == 0 ? "" : ", ") + Shortest(p[k]);
+    places += ")";
+    const FeatureId owner = features.IdOf(refinement.vertex(v).feature);
+    if (owner == kNoFeature || owner == kBoxFeature) continue;
+    places += " on feature " + std::to_string(owner);
+    if (std::ranges::find(owners, owner) == owners.end()) owners.push_back(owner);
+  }
+  return MakeError(absl::StatusCode::kFailedPrecondition,
+                   places +
+                       " would have the same id, a hash of coordinates; move one of the "
+                       "features a little",
+                   {reason::kIdCollision, owners, {}});
+}
+
 // --- The whole mesh -------------------------------------------------------------------
 
 template <int D>
 template <class Refinement>
-Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& features) {
+Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& features, Steps& steps) {
   refinement.TakeChanges([](VertexIndex, bool, bool) {}, [](SubsegmentIndex, bool, bool) {});
   names_.Reserve(refinement.vertex_count());
   std::vector<VertexIndex> all, missing;  // the triangulation may have grown along
@@ -101,8 +167,15 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
     all.push_back(v);
     if (!triangulation_.Contains(v)) missing.push_back(v);
   });
-  FillTriangulation(refinement, missing);
-  names_.AddAll(all, [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
+  FillTriangulation(refinement, missing, steps);
+  if (triangulation_.is_full()) return {};
+  for (std::span<const VertexIndex> rest = all; !rest.empty() && !steps.Stop(Steps::kBetween);) {
+    const std::size_t count = std::min(rest.size(), Steps::kBetween);
+    names_.AddAll(rest.first(count),
+                  [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
+    rest = rest.subspan(count);
+  }
+  if (steps.stopped()) return {};
   if constexpr (D == 2) {
     refinement.ForEachSubsegment(
         [&](const Subsegment& s) { AddWall(SideOf(s), s.feature, features); });
@@ -114,9 +187,10 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
       AddWall(face, slot, features);
     });
   }
-  labels_.LabelAll();
-  if (!labels_.overfull().empty()) return {};
-  Mesh mesh = Snapshot(refinement, features);
+  labels_.LabelAll(steps);
+  if (steps.stopped() || !RegionStatus().ok()) return {};
+  Mesh mesh = Snapshot(refinement, features, steps);
+  if (steps.Stop(Steps::kBetween)) return {};
   subsegment_count_ = mesh.subsegments.size();
   hash_ = mesh.hash = ComputeHash(mesh);
   return mesh;
@@ -127,7 +201,7 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
 template <int D>
 template <class Refinement>
 void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
-                                       std::vector<VertexIndex>& missing) {
+                                       std::vector<VertexIndex>& missing, Steps& steps) {
   const auto bucket = [&](VertexIndex v) {
     return meshing::BucketOfEpoch(refinement.vertex(v).epoch);
   };
@@ -135,34 +209,49 @@ void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
   std::stable_sort(missing.begin(), missing.end(),
                    [&](VertexIndex a, VertexIndex b) { return bucket(a) > bucket(b); });
   std::vector<Point> places;
+  std::vector<VertexIndex> ordered;
   for (std::size_t from = 0, to = 0; from < missing.size(); from = to) {
     places.clear();
     for (; to < missing.size() && bucket(missing[to]) == bucket(missing[from]); ++to) {
       places.push_back(refinement.vertex(missing[to]).p);
     }
-    triangulation_.InsertAll(std::span(missing).subspan(from, to - from), places);
+    // Piece by piece, each of neighbours.
+    ordered.clear();
+    for (const std::uint32_t i : mesh::InsertOrder(places)) ordered.push_back(missing[from + i]);
+    for (std::size_t at = 0; at < ordered.size(); at += Steps::kBetween) {
+      if (steps.Stop(Steps::kBetween)) return;
+      const auto piece =
+          std::span(ordered).subspan(at, std::min(Steps::kBetween, ordered.size() - at));
+      places.clear();
+      for (const VertexIndex v : piece) places.push_back(refinement.vertex(v).p);
+      triangulation_.InsertAll(piece, places);
+    }
   }
 }
 
 template <int D>
 template <class Refinement>
-Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D>& features) const {
+Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D>& features,
+                              Steps& steps) const {
   Mesh mesh;
   mesh.dimension = D;
-  Reserve(mesh.vertices, D, refinement.vertex_count());
-  refinement.ForEachVertex([&](VertexIndex v, const Vertex& vertex) {
-    Append(mesh.vertices, RowOf(names_.at(v), vertex, features));
+  Reserve(mesh.vertices, D, triangulation_.vertex_count());
+  refinement.ForEachTakenVertex([&](VertexIndex v, const Vertex& vertex) {
+    if (!steps.Stop()) Append(mesh.vertices, RowOf(names_.at(v), vertex, features));
   });
+  if (steps.stopped()) return mesh;
   mesh.simplices.reserve((D + 1) * triangulation_.simplex_count());
   triangulation_.ForEachSimplex([&](Simplex t) {
+    if (steps.Stop()) return;
     for (const VertexId id : CanonicalIds(t)) mesh.simplices.push_back(id);
   });
+  if (steps.stopped()) return mesh;
   if (!labels_.empty()) {
     mesh.regions.reserve(triangulation_.simplex_count());
     triangulation_.ForEachSimplex([&](Simplex t) { mesh.regions.push_back(labels_.at(t)); });
     NameRegions({&mesh.regions}, &mesh.region_sets);
   }
-  refinement.ForEachSubsegment([&](const Subsegment& s) {
+  refinement.ForEachTakenSubsegment([&](const Subsegment& s) {
     Append(mesh.subsegments, PieceRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
   });
   subfacets_.ForEach([&](const SubfacetTable::Face& face, meshing::FeatureSlot slot) {
@@ -180,10 +269,11 @@ MeshDiff DiffBuilder<D>::Update(Refinement& refinement, const FeatureTable<D>& f
   TakeChanges(refinement);
   UpdateNames(refinement);
   UpdateTriangulation(refinement);
+  if (triangulation_.is_full()) return {};
   UpdateSubfacets(refinement, features);
   UpdateWalls(refinement, features);
   UpdateLabels(refinement, features);
-  if (!labels_.overfull().empty()) return {};
+  if (!RegionStatus().ok()) return {};
   if (!renamed_.empty()) AddSimplicesOfRenamed();
   MeshDiff diff;
   diff.dimension = D;
@@ -241,6 +331,7 @@ void DiffBuilder<D>::UpdateTriangulation(const Refinement& refinement) {
     triangulation_.Remove(v);
     RecordSimplices();
   }
+  if (triangulation_.is_full()) return;
   for (const VertexIndex v : vertices_.come) {
     InsertVertex(refinement, v);
     RecordSimplices();
@@ -492,13 +583,17 @@ template <int D>
 using Traced = meshing::Refinement<D, sac::Engine>;
 template <int D>
 using Untraced = meshing::Refinement<D, sac::UntracedEngine>;
-template Mesh DiffBuilder<2>::Begin(Traced<2>&, const FeatureTable<2>&);
-template Mesh DiffBuilder<2>::Begin(Untraced<2>&, const FeatureTable<2>&);
+template Mesh DiffBuilder<2>::Begin(Traced<2>&, const FeatureTable<2>&, Steps&);
+template absl::Status DiffBuilder<2>::NameStatus(const Traced<2>&, const FeatureTable<2>&) const;
+template Mesh DiffBuilder<2>::Begin(Untraced<2>&, const FeatureTable<2>&, Steps&);
+template absl::Status DiffBuilder<2>::NameStatus(const Untraced<2>&, const FeatureTable<2>&) const;
 template MeshDiff DiffBuilder<2>::Update(Traced<2>&, const FeatureTable<2>&);
-template Mesh DiffBuilder<2>::Snapshot(const Traced<2>&, const FeatureTable<2>&) const;
-template Mesh DiffBuilder<3>::Begin(Traced<3>&, const FeatureTable<3>&);
-template Mesh DiffBuilder<3>::Begin(Untraced<3>&, const FeatureTable<3>&);
+template Mesh DiffBuilder<2>::Snapshot(const Traced<2>&, const FeatureTable<2>&, Steps&) const;
+template Mesh DiffBuilder<3>::Begin(Traced<3>&, const FeatureTable<3>&, Steps&);
+template absl::Status DiffBuilder<3>::NameStatus(const Traced<3>&, const FeatureTable<3>&) const;
+template Mesh DiffBuilder<3>::Begin(Untraced<3>&, const FeatureTable<3>&, Steps&);
+template absl::Status DiffBuilder<3>::NameStatus(const Untraced<3>&, const FeatureTable<3>&) const;
 template MeshDiff DiffBuilder<3>::Update(Traced<3>&, const FeatureTable<3>&);
-template Mesh DiffBuilder<3>::Snapshot(const Traced<3>&, const FeatureTable<3>&) const;
+template Mesh DiffBuilder<3>::Snapshot(const Traced<3>&, const FeatureTable<3>&, Steps&) const;
 
 }  // namespace dynmesh

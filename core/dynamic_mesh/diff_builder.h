@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/steps.h"
 #include "core/data/canonical_order.h"
 #include "core/dynamic_mesh/diff_rows.h"
 #include "core/dynamic_mesh/feature_table.h"
@@ -52,27 +53,45 @@ class DiffBuilder {
 
   Triangulation& triangulation() { return triangulation_; }
   const Triangulation& triangulation() const { return triangulation_; }
-  // The first time: the whole mesh, of a run from scratch. Rows in no order, see mesh.h.
+  // The first time: the whole mesh, of a run from scratch. Rows in no order, see mesh.h. Where
+  // `steps` are stopped, so is this: then what is returned is nothing, and the builder of no use.
   template <class Refinement>
-  Mesh Begin(Refinement& refinement, const FeatureTable<D>& features);
+  Mesh Begin(Refinement& refinement, const FeatureTable<D>& features, Steps& steps);
+  template <class Refinement>
+  Mesh Begin(Refinement& refinement, const FeatureTable<D>& features) {
+    AllSteps all;
+    return Begin(refinement, features, all);
+  }
 
   // What has changed since the last call. Rows sorted as Canonicalize does it. Work
   // counters are the caller's.
   template <class Refinement>
   MeshDiff Update(Refinement& refinement, const FeatureTable<D>& features);
 
-  // The whole mesh as it stood at the last Update. Rows in no order, see mesh.h.
+  // The whole mesh as it stood at the last Update, even if the refinement has gone on, or is in
+  // the middle of it. Rows in no order, see mesh.h.
   template <class Refinement>
-  Mesh Snapshot(const Refinement& refinement, const FeatureTable<D>& features) const;
+  Mesh Snapshot(const Refinement& refinement, const FeatureTable<D>& features, Steps& steps) const;
+  template <class Refinement>
+  Mesh Snapshot(const Refinement& refinement, const FeatureTable<D>& features) const {
+    AllSteps all;
+    return Snapshot(refinement, features, all);
+  }
 
   VertexId IdOf(meshing::VertexIndex v) const { return names_.at(v); }
   std::array<VertexId, D + 1> CanonicalIds(Simplex t) const {
     return data::InCanonicalOrder(NewIds(triangulation_.vertices(t)));
   }
 
-  // RESOURCE_EXHAUSTED (POLYGON_LIMIT) if the last Begin or Update found a place in too many
-  // polygons. What it returned is nothing then, and no more may be done with the builder.
+  // RESOURCE_EXHAUSTED if the last Begin or Update filled the triangulation (SIZE_LIMIT) or found a
+  // place in too many polygons (POLYGON_LIMIT), FAILED_PRECONDITION (ID_COLLISION) if two sets of
+  // polygons have one id; after an Update these may be of the past. What it returned is nothing
+  // then, and no more may be done with the builder.
   absl::Status RegionStatus() const;
+  // FAILED_PRECONDITION (ID_COLLISION) if two vertices have one id after the last Begin or Update:
+  // then what it returned must not be shown, but an Update may lead out of it.
+  template <class Refinement>
+  absl::Status NameStatus(const Refinement& refinement, const FeatureTable<D>& features) const;
 
   const MeshHash& hash() const { return hash_; }
   std::size_t subsegment_count() const { return subsegment_count_; }
@@ -105,7 +124,8 @@ class DiffBuilder {
   template <class Refinement>
   void UpdateNames(const Refinement& refinement);
   template <class Refinement>
-  void FillTriangulation(const Refinement& refinement, std::vector<meshing::VertexIndex>& missing);
+  void FillTriangulation(const Refinement& refinement, std::vector<meshing::VertexIndex>& missing,
+                         Steps& steps);
   template <class Refinement>
   void UpdateTriangulation(const Refinement& refinement);
   template <class Refinement>

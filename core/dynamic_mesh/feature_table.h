@@ -12,6 +12,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "core/base/huge_pages.h"
+#include "core/base/steps.h"
 #include "core/dynamic_mesh/surface_table.h"
 #include "core/dynamic_mesh/wall.h"
 #include "core/dynamic_mesh/wedge_table.h"
@@ -38,9 +39,9 @@ class FeatureTable {
   }
 
   // Hands a change of input to the refinement: what goes first, each kind after those that
-  // stand on it.
+  // stand on it. Where `steps` are stopped, so is this: then table and refinement are of no use.
   template <class Refinement>
-  void Apply(const Delta& delta, Refinement& refinement) {
+  void Apply(const Delta& delta, Refinement& refinement, Steps& steps) {
     ApplySizes(delta, refinement);
     RemoveFacets(delta, refinement);
     RemoveSegments(delta, refinement);
@@ -50,10 +51,15 @@ class FeatureTable {
       refinement.RemovePoint(it->second);
       points_.erase(it);
     }
-    AddPoints(delta, refinement);
-    AddSegments(delta, refinement);
-    AddFacets(delta, refinement);
-    UpdateSurfaces(delta, refinement);
+    AddPoints(delta, refinement, steps);
+    AddSegments(delta, refinement, steps);
+    AddFacets(delta, refinement, steps);
+    if (!steps.stopped()) UpdateSurfaces(delta, refinement);
+  }
+  template <class Refinement>
+  void Apply(const Delta& delta, Refinement& refinement) {
+    AllSteps all;
+    Apply(delta, refinement, all);
   }
 
   // Walls that came or went since Collect. One that only changed owners counts as what went and
@@ -94,7 +100,11 @@ class FeatureTable {
   }
 
   std::size_t bytes() const {
-    return points_.capacity() * 17 + ids_.capacity() * sizeof(FeatureId) + segments_.bytes();
+    const auto of = [](const auto& map) { return map.capacity() * (sizeof(*map.begin()) + 1); };
+    return of(points_) + of(sizes_) + of(facets_) + of(walls_) +
+           ids_.capacity() * sizeof(FeatureId) +
+           (free_.capacity() + freed_.capacity()) * sizeof(meshing::FeatureSlot) +
+           segments_.bytes();
   }
 
  private:
@@ -150,7 +160,7 @@ class FeatureTable {
 
   // Many points go in an order that suits a triangulation that grows along.
   template <class Refinement>
-  void AddPoints(const Delta& delta, Refinement& refinement) {
+  void AddPoints(const Delta& delta, Refinement& refinement, Steps& steps) {
     const auto add = [&](const plc::PointFeature<D>& p) {
       points_[p.id] = refinement.AddPoint(p.p, NewSlot(p.id));
     };
@@ -166,6 +176,7 @@ class FeatureTable {
     const std::vector<std::uint32_t> order = mesh::InsertOrder(positions);
     constexpr std::size_t kAhead = 8;  // asked of memory so much before it is wanted
     for (std::size_t i = 0; i < order.size(); ++i) {
+      if (steps.Stop()) return;
       if (i + 2 * kAhead < order.size()) {
         __builtin_prefetch(&delta.added_points[order[i + 2 * kAhead]]);
       }
@@ -175,8 +186,9 @@ class FeatureTable {
   }
 
   template <class Refinement>
-  void AddSegments(const Delta& delta, Refinement& refinement) {
+  void AddSegments(const Delta& delta, Refinement& refinement, Steps& steps) {
     for (const plc::SegmentFeature<D>& s : delta.added_segments) {
+      if (steps.Stop()) return;
       const bool forward = s.p < s.q;
       const meshing::FeatureSlot slot = NewSlot(s.id);
       segments_.Add(points_.at(forward ? s.p_id : s.q_id), points_.at(forward ? s.q_id : s.p_id),
@@ -189,14 +201,16 @@ class FeatureTable {
     }
     segments_.Update([&](meshing::VertexIndex v) -> const Point& { return refinement.vertex(v).p; },
                      [&](auto* s) {
+                       if (steps.Stop()) return;
                        if (s->root != meshing::kNil) refinement.RemoveSegment(s->root);
                        s->root = refinement.AddSegment(s->ends[0], s->ends[1], s->slot, s->shape);
                      });
   }
 
   template <class Refinement>
-  void AddFacets(const Delta& delta, Refinement& refinement) {
+  void AddFacets(const Delta& delta, Refinement& refinement, Steps& steps) {
     for (const plc::FacetFeature& f : delta.added_facets) {
+      if (steps.Stop()) return;
       const meshing::FeatureSlot slot = NewSlot(f.id);
       NewFacet fresh = {slot, {}};
       std::vector<std::vector<meshing::VertexIndex>> rings;

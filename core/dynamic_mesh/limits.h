@@ -2,6 +2,7 @@
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_LIMITS_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_LIMITS_H_
 
+#include <cstdint>
 #include <string>
 
 #include "absl/status/status.h"
@@ -12,7 +13,25 @@ namespace dynmesh {
 
 template <class Refinement>
 bool IsOverLimits(const Refinement& refinement, const Limits& limits) {
-  return refinement.vertex_count() > limits.max_vertices || refinement.hit_depth_limit();
+  return refinement.vertex_count() > limits.max_vertices || refinement.hit_depth_limit() ||
+         refinement.is_full();
+}
+
+inline absl::Status VertexLimitError(const Limits& limits) {
+  return MakeError(
+      absl::StatusCode::kResourceExhausted,
+      "the mesh would have more than max_vertices = " + std::to_string(limits.max_vertices) +
+          " vertices; add fewer features, or create it with a higher limit or a larger max_edge",
+      {reason::kVertexLimit, {}, {}});
+}
+
+// More than indices can tell apart (options.h, MostVertices).
+inline absl::Status SizeLimitError() {
+  return MakeError(absl::StatusCode::kResourceExhausted,
+                   "the mesh would have more vertices, segments or simplices than can be told "
+                   "apart; add fewer features, or create it with a larger max_edge or a lower "
+                   "quality ratio",
+                   {reason::kSizeLimit, {}, {}});
 }
 
 // The error of a run that is over a limit; OK of another.
@@ -25,14 +44,27 @@ absl::Status LimitsStatus(const Refinement& refinement, const Limits& limits) {
                          " allows; move the features that lie so close to it apart",
                      {reason::kDepthLimit, {}, {}});
   }
-  if (refinement.vertex_count() > limits.max_vertices) {
-    return MakeError(
-        absl::StatusCode::kResourceExhausted,
-        "the mesh would have more than max_vertices = " + std::to_string(limits.max_vertices) +
-            " vertices; add fewer features, or create it with a higher limit or a larger max_edge",
-        {reason::kVertexLimit, {}, {}});
+  if (refinement.vertex_count() > limits.max_vertices) return VertexLimitError(limits);
+  if (refinement.is_full()) return SizeLimitError();
+  if (const auto at = refinement.OverflowAt()) {
+    std::string place;
+    for (const double c : at->c) place += (place.empty() ? "(" : ", ") + std::to_string(c);
+    return MakeError(absl::StatusCode::kResourceExhausted,
+                     "near " + place +
+                         ") a vertex would have more neighbours, or be in the way of more "
+                         "segments, than an operation can keep; put points between them",
+                     {reason::kSizeLimit, {}, {}});
   }
   return absl::OkStatus();
+}
+
+// A batch that would execute more operations than it may.
+inline absl::Status WorkLimitError(std::uint64_t max_operations) {
+  return MakeError(absl::StatusCode::kResourceExhausted,
+                   "the batch takes more than max_operations = " + std::to_string(max_operations) +
+                       " operations; nothing has changed: send it in smaller batches, make less "
+                       "of the mesh finer at once, or allow more operations",
+                   {reason::kWorkLimit, {}, {}});
 }
 
 }  // namespace dynmesh

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "core/base/time_slice.h"
 #include "core/data/diff_meshes.h"
 #include "core/dynamic_mesh/limits.h"
+#include "core/plc/messages.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
@@ -51,12 +55,24 @@ class Stopper {
   std::optional<TimeSlice> slice_;
 };
 
+constexpr auto kNever = [] { return false; };
+
+std::uint64_t MostOperations(const ApplyOptions& apply) {
+  return apply.max_operations != 0 ? apply.max_operations
+                                   : std::numeric_limits<std::uint64_t>::max();
+}
+
+// A propagation holds what is new and what is about to go; so much more may be there on its way.
+std::uint64_t MostVerticesOnTheWay(const Limits& limits) {
+  return limits.max_vertices + limits.max_vertices / 8 + 64;
+}
+
 }  // namespace
 
 template <int D>
 LiveMesh<D>::LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning)
     : LiveMesh(Unbegun(), options, tuning) {
-  Begin([] { return false; });
+  Begin(kNever);
 }
 
 template <int D>
@@ -78,12 +94,17 @@ bool LiveMesh<D>::Begin(Interrupt interrupt) {
 template <int D>
 absl::StatusOr<std::unique_ptr<DynamicMesh>> LiveMesh<D>::Make(const MeshOptions& options,
                                                                const ApplyOptions& apply) {
+  if (absl::Status status = plc::CheckMaxEdge(options); !status.ok()) return status;
   std::unique_ptr<LiveMesh> mesh(new LiveMesh(Unbegun(), options, {}));
   const Refinement& refinement = mesh->state_->refinement;
+  const sac::Counters& counters = refinement.engine().counters();
+  const std::uint64_t most = MostOperations(apply);
   Stopper stopper(apply);
-  const bool begun =
-      mesh->Begin([&] { return stopper() || IsOverLimits(refinement, options.limits); });
+  const bool begun = mesh->Begin([&] {
+    return stopper() || counters.executed > most || IsOverLimits(refinement, options.limits);
+  });
   if (absl::Status status = LimitsStatus(refinement, options.limits); !status.ok()) return status;
+  if (counters.executed > most) return WorkLimitError(most);
   if (!begun) {
     return MakeError(absl::StatusCode::kCancelled, "the mesh was given up while it was made",
                      {reason::kCancelled, {}, {}});
@@ -94,7 +115,7 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> LiveMesh<D>::Make(const MeshOptions
 template <int D>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Apply(const EditBatch& batch, const ApplyOptions& apply) {
   if (apply.cancelled == nullptr && apply.stopped == nullptr && !apply.shares_core) {
-    return ApplyWith(batch, apply, [] { return false; });
+    return ApplyWith(batch, apply, kNever);
   }
   Stopper stopper(apply);
   return ApplyWith(batch, apply, [&] { return stopper(); });
@@ -129,41 +150,48 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, const Ap
     nothing.dimension = D;
     nothing.hash = hash();
     if (absl::Status status = commit(nothing); !status.ok()) return status;
+    if (!apply.revocable) Settle();
     return nothing;
   }
   ProgressMeter meter(apply.progress);
   meter.Begin(ApplyProgress::Stage::kValidate);
   std::size_t looked_at = 0;
-  const absl::StatusOr<plc::Delta<D>> delta = plc_.Check(batch, nullptr, [&](std::size_t waiting) {
-    meter.Step([&] { return ProgressMeter::Work{looked_at, looked_at + waiting}; });
-    ++looked_at;
+  absl::StatusOr<plc::Delta<D>> delta = plc_.Check(batch, nullptr, [&](std::size_t waiting) {
+    if (waiting != plc::kNotKnown) {
+      meter.Step([&] { return ProgressMeter::Work{looked_at, looked_at + waiting}; });
+      ++looked_at;
+    }
     return cancelled();
   });
   if (!delta.ok()) return delta.status();
   meter.End(std::max(looked_at, delta->size()));
   validated = MicrosecondsSince(start);
+  if (delta->added_points.size() > options_.limits.max_vertices) {
+    return VertexLimitError(options_.limits);
+  }
+  Task<Interrupt> job{*delta, meter, cancelled, commit, MostOperations(apply)};
   const Plan plan = PlanFor(*delta, plc_.size(), state_->refinement.vertex_count(), options_.box,
                             tuning_.rebuild);
   absl::StatusOr<MeshDiff> diff =
-      plan == Plan::kRebuild ? Rebuild(*delta, Snapshot(), meter, cancelled, commit)
-                             : Propagate(*delta, plan == Plan::kLook, meter, cancelled, commit);
-  if (diff.ok()) revision_ = diff->to_revision;
+      plan == Plan::kRebuild ? Rebuild(job) : Propagate(job, plan);
+  if (!diff.ok()) return diff;
+  revision_ = diff->to_revision;
+  if (apply.revocable) {
+    revocable_.push_back(*std::move(delta));
+  } else {
+    Settle();
+  }
+  GiveMemoryBack(cancelled);
   return diff;
 }
 
+// Runs what is stale until nothing is, or there is a reason not to go on. What is built anew has
+// nothing to fall back on.
 template <int D>
-bool LiveMesh<D>::IsMostlyStale() const {
-  const auto& engine = state_->refinement.engine();
-  return static_cast<double>(engine.waiting()) >
-         tuning_.rebuild.stale * static_cast<double>(engine.operation_count());
-}
-
-// Runs what is stale; a limit that is hit stops it.
-template <int D>
-template <class Interrupt>
-absl::Status LiveMesh<D>::Run(State& state, ProgressMeter& meter, Interrupt cancelled) {
+template <class Job>
+Ended LiveMesh<D>::Run(State& state, Job& job, Plan plan) {
+  const bool fresh = plan == Plan::kRebuild;
   Refinement& refinement = state.refinement;
-  bool was_cancelled = false;
   const std::uint64_t nearest_before = refinement.nearest_run();
   std::uint64_t taken = 0;
   const auto work = [&] {
@@ -174,202 +202,243 @@ absl::Status LiveMesh<D>::Run(State& state, ProgressMeter& meter, Interrupt canc
                          refinement.engine().waiting_in(meshing::NearestEpoch()) / 3 * 2;
     return ProgressMeter::Work{done, done + waiting};
   };
-  refinement.Propagate([&] {
-    meter.Step(work);
+  const sac::Counters& counters = refinement.engine().counters();
+  const std::uint64_t most_vertices =
+      fresh ? options_.limits.max_vertices : MostVerticesOnTheWay(options_.limits);
+  const auto end = [&] {
+    if (refinement.vertex_count() > most_vertices || refinement.hit_depth_limit() ||
+        refinement.is_full()) {
+      return Ended::kOverLimits;
+    }
+    if (job.executed + counters.executed > job.most_operations) return Ended::kOverWork;
+    if (fresh) return Ended::kDone;
+    const auto& engine = refinement.engine();
+    const bool is_stale =
+        plan == Plan::kLook && counters.executed == 0 &&
+        tuning_.rebuild.IsMostlyStale(engine.waiting(), engine.operation_count());
+    return is_stale || IsTooDear() ? Ended::kTooDear : Ended::kDone;
+  };
+  Ended ended = Ended::kDone;
+  const bool done = refinement.Propagate([&] {
+    job.meter.Step(work);
     ++taken;
-    was_cancelled = cancelled();
-    return was_cancelled || IsOverLimits(refinement, options_.limits);
+    ended = job.cancelled() ? Ended::kCancelled : end();
+    return ended != Ended::kDone;
   });
-  if (was_cancelled) {
-    return MakeError(absl::StatusCode::kCancelled,
-                     "the batch was cancelled; the mesh is as it was before",
-                     {reason::kCancelled, {}, {}});
+  if (done) {
+    ended = end();
+    if (ended == Ended::kTooDear) ended = Ended::kDone;
   }
-  if (absl::Status status = LimitsStatus(refinement, options_.limits); !status.ok()) return status;
-  meter.End(work().done);
-  return absl::OkStatus();
+  // More than the engine can keep.
+  if (!done && ended == Ended::kDone) ended = Ended::kOverLimits;
+  if (ended == Ended::kDone) job.meter.End(work().done);
+  return ended;
 }
 
-// The inverse edit brings the former trace back, bit for bit.
+// Why a run has ended before its end; OK if it has not.
+template <int D>
+template <class Job>
+absl::Status LiveMesh<D>::StatusOf(Ended ended, const Job& job, const State& state) const {
+  switch (ended) {
+    case Ended::kCancelled:
+      return plc::InterruptedError();
+    case Ended::kOverWork:
+      return WorkLimitError(job.most_operations);
+    default:
+      return LimitsStatus(state.refinement, options_.limits);
+  }
+}
+
+// The inverse edit brings the former trace back, bit for bit; where that would be too dear, a run
+// from scratch does.
 template <int D>
 void LiveMesh<D>::Undo(const plc::Delta<D>& delta) {
   State& state = *state_;
+  state.refinement.engine().ResetCounters();
   state.features.Apply(delta.Inverse(), state.refinement);
-  state.refinement.Propagate([] { return false; });
+  if (!state.refinement.Propagate([&] { return IsTooDear(); })) return BuildPresent();
   state.refinement.ForgetDepthLimit();
   state.diffs.Update(state.refinement, state.features);
   state.features.Collect();
 }
 
-// `look`: it may turn out to be cheaper to build anew.
+template <int D>
+void LiveMesh<D>::TakeBack(std::size_t revisions) {
+  const auto last = std::span(revocable_).last(revisions);
+  for (std::size_t i = revisions; i-- > 0;) {
+    plc_.Commit(last[i].Inverse());  // first: Undo may build what is present
+    Undo(last[i]);
+    if (!state_->diffs.RegionStatus().ok()) BuildPresent();  // of what is past, maybe
+  }
+  revision_ -= revisions;
+  revocable_.resize(revocable_.size() - revisions);
+}
+
+template <int D>
+bool LiveMesh<D>::IsTooDear() const {
+  const auto& engine = state_->refinement.engine();
+  return tuning_.rebuild.IsTooDear(engine.counters(), engine.operation_count());
+}
+
+// Puts the state of the features present in the place of this one, which stays if it is cancelled.
 template <int D>
 template <class Interrupt>
-absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(const plc::Delta<D>& delta, bool look,
-                                                ProgressMeter& meter, Interrupt cancelled,
-                                                Commit commit) {
+void LiveMesh<D>::ReplaceState(Interrupt cancelled) {
+  const plc::Delta<D> all = plc_.FromNothing();
+  const ProgressMeter::Listener no_listener;
+  ProgressMeter silent(no_listener);
+  const auto commit = [](MeshDiff&) { return absl::OkStatus(); };
+  Task<Interrupt> job{all, silent, cancelled, commit, std::numeric_limits<std::uint64_t>::max()};
+  absl::StatusOr<Built> built = Build(all, all.size(), job);
+  if (built.ok()) state_ = std::move(built->state);
+}
+
+// Throws the state away, whatever it is, and makes that of the features present.
+template <int D>
+void LiveMesh<D>::BuildPresent() {
+  state_.reset();  // room for the other
+  ReplaceState(kNever);
+}
+
+template <int D>
+template <class Job>
+absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(Job& job, Plan plan) {
   State& state = *state_;
+  const auto& engine = state.refinement.engine();
   state.refinement.engine().ResetCounters();
   state.refinement.ForgetDepthLimit();
-  Mesh before = look ? Snapshot() : Mesh();
-  meter.Begin(ApplyProgress::Stage::kRefine);
-  state.features.Apply(delta, state.refinement);
-  if (look && IsMostlyStale()) {
-    absl::StatusOr<MeshDiff> diff = Rebuild(delta, std::move(before), meter, cancelled, commit);
-    if (!diff.ok()) Undo(delta);
+  job.meter.Begin(ApplyProgress::Stage::kRefine);
+  state.features.Apply(job.delta, state.refinement);
+  const Ended ended = Run(state, job, plan);
+  job.executed += engine.counters().executed;
+  if (ended == Ended::kTooDear) {
+    // The state is half that of before, half that of after. It stays until the other is there:
+    // from it the way back is as long as the way that was come, at most.
+    absl::StatusOr<MeshDiff> diff = Rebuild(job);
+    if (!diff.ok()) Undo(job.delta);
     return diff;
   }
-  if (const absl::Status status = Run(state, meter, cancelled); !status.ok()) {
-    Undo(delta);
-    // On its way a propagation holds what is new and what is about to go: whether a limit is
-    // passed only a run from scratch can say, lest the answer depend on history.
-    if (absl::IsResourceExhausted(status))
-      return Rebuild(delta, Snapshot(), meter, cancelled, commit);
-    return status;
+  absl::Status status = StatusOf(ended, job, state);
+  if (!status.ok()) {
+    // At its end a propagation has the vertices that the features ask for. Other limits it may have
+    // met on its way, which depends on history: then only a run from scratch can say.
+    const bool is_told =
+        ended == Ended::kCancelled || ended == Ended::kOverWork ||
+        (ended == Ended::kDone && state.refinement.vertex_count() > options_.limits.max_vertices);
+    Undo(job.delta);
+    return is_told ? status : Rebuild(job);
   }
+  return Finish(job);
+}
+
+// What a propagation that came to its end has changed, if that may come into effect.
+template <int D>
+template <class Job>
+absl::StatusOr<MeshDiff> LiveMesh<D>::Finish(Job& job) {
+  State& state = *state_;
   const auto propagated = Clock::now();
-  meter.Begin(ApplyProgress::Stage::kDiff);
+  job.meter.Begin(ApplyProgress::Stage::kDiff);
   MeshDiff diff = state.diffs.Update(state.refinement, state.features);
   diff.work.diff_microseconds = MicrosecondsSince(propagated);
   if (!state.diffs.RegionStatus().ok()) {
     // Labels are left half made, so that there is nothing to undo; and which polygon is to be
     // named, too, only a run from scratch can say.
-    const ProgressMeter::Listener nobody;
-    ProgressMeter silent(nobody);
-    state_ = (*Build(plc_.FromNothing(), plc_.size(), silent, [] { return false; })).state;
-    return Rebuild(delta, Snapshot(), meter, cancelled, commit);
+    BuildPresent();
+    return Rebuild(job);
   }
   const sac::Counters& counters = state.refinement.engine().counters();
-  diff.work.executed = counters.executed;
+  diff.work.executed = job.executed;
   diff.work.created = counters.created;
   diff.work.dropped = counters.dropped;
-  meter.End();
+  job.meter.End();
+  absl::Status status = state.diffs.NameStatus(state.refinement, state.features);
   // The diff has taken what changed: the way back, too, begins with nothing that has.
   state.features.Collect();
-  if (absl::Status status = commit(diff); !status.ok()) {
-    Undo(delta);
+  if (status.ok()) status = job.commit(diff);
+  if (!status.ok()) {
+    Undo(job.delta);
     return status;
   }
-  plc_.Commit(delta);
+  plc_.Commit(job.delta);
   return diff;
 }
 
 template <int D>
-template <class Interrupt>
+template <class Job>
 absl::StatusOr<typename LiveMesh<D>::Built> LiveMesh<D>::Build(const plc::Delta<D>& all,
-                                                               std::size_t features,
-                                                               ProgressMeter& meter,
-                                                               Interrupt cancelled) {
+                                                               std::size_t features, Job& job) {
   Built built{std::make_unique<State>(options_, tuning_), {}, 0};
   State& fresh = *built.state;
   fresh.refinement.Reserve(features);
-  meter.Begin(ApplyProgress::Stage::kRefine);
-  fresh.features.Apply(all, fresh.refinement);
-  if (absl::Status status = Run(fresh, meter, cancelled); !status.ok()) return status;
+  job.meter.Begin(ApplyProgress::Stage::kRefine);
+  Steps steps(job.cancelled);
+  fresh.features.Apply(all, fresh.refinement, steps);
+  const Ended ended = steps.stopped() ? Ended::kCancelled : Run(fresh, job, Plan::kRebuild);
+  job.executed += fresh.refinement.engine().counters().executed;
+  if (absl::Status status = StatusOf(ended, job, fresh); !status.ok()) return status;
   fresh.refinement.DetachTriangulation();
   const auto propagated = Clock::now();
-  meter.Begin(ApplyProgress::Stage::kDiff);
-  built.mesh = fresh.diffs.Begin(fresh.refinement, fresh.features);
+  job.meter.Begin(ApplyProgress::Stage::kDiff);
+  built.mesh = fresh.diffs.Begin(fresh.refinement, fresh.features, steps);
+  if (steps.stopped()) return plc::InterruptedError();
   built.diff_microseconds = MicrosecondsSince(propagated);
   if (absl::Status status = fresh.diffs.RegionStatus(); !status.ok()) return status;
+  if (absl::Status status = fresh.diffs.NameStatus(fresh.refinement, fresh.features);
+      !status.ok()) {
+    return status;
+  }
   fresh.features.Collect();
   return built;
 }
 
+// From scratch, beside what is there, which may be half propagated.
 template <int D>
-template <class Interrupt>
-absl::StatusOr<MeshDiff> LiveMesh<D>::Rebuild(const plc::Delta<D>& delta, Mesh before,
-                                              ProgressMeter& meter, Interrupt cancelled,
-                                              Commit commit) {
-  const bool is_first = plc_.size() == 0;
-  plc_.Commit(delta);
-  absl::StatusOr<Built> built =
-      Build(is_first ? delta : plc_.FromNothing(), plc_.size(), meter, cancelled);
-  const auto refuse = [&](absl::Status status) {
-    plc_.Commit(delta.Inverse());
-    return status;
-  };
-  if (!built.ok()) return refuse(built.status());
+template <class Job>
+absl::StatusOr<MeshDiff> LiveMesh<D>::Rebuild(Job& job) {
+  Steps steps(job.cancelled);
+  Mesh before = state_->diffs.Snapshot(state_->refinement, state_->features, steps);
+  if (steps.stopped()) return plc::InterruptedError();
+  absl::StatusOr<Built> built = absl::UnknownError("");
+  if (plc_.size() == 0) {
+    built = Build(job.delta, job.delta.size(), job);
+  } else {
+    plc::Delta<D> all = plc_.FromNothing(steps);
+    if (steps.stopped()) return plc::InterruptedError();
+    all.Then(job.delta);
+    built = Build(all, all.size(), job);
+  }
+  if (!built.ok()) return built.status();
   const auto made = Clock::now();
-  MeshDiff diff = data::DiffMeshes(std::move(before), std::move(built->mesh));
+  MeshDiff diff = data::DiffMeshes(std::move(before), std::move(built->mesh), steps);
+  if (steps.stopped()) return plc::InterruptedError();
   diff.work.diff_microseconds = built->diff_microseconds + MicrosecondsSince(made);
-  const sac::Counters& counters = built->state->refinement.engine().counters();
-  diff.work.executed = counters.executed;
-  diff.work.created = counters.created;
+  diff.work.executed = job.executed;
+  diff.work.created = built->state->refinement.engine().counters().created;
   diff.work.dropped = state_->refinement.engine().operation_count();
-  meter.End();
-  if (absl::Status status = commit(diff); !status.ok()) return refuse(std::move(status));
+  job.meter.End();
+  if (absl::Status status = job.commit(diff); !status.ok()) return status;
   state_ = std::move(built->state);
+  plc_.Commit(job.delta);
   return diff;
 }
 
+// What is gone leaves its place behind for what is to come. Once most of what is held is such room,
+// the state is made anew, which is the same to the bit and has none. That costs a run of the
+// operations present, at least half as many of which have gone since there was no room: O(1)
+// for each. In small meshes, which are made in a millisecond, sooner. If it is cancelled, a batch
+// does it that comes when half as much is left.
 template <int D>
-Mesh LiveMesh<D>::Snapshot() const {
-  Mesh mesh = state_->diffs.Snapshot(state_->refinement, state_->features);
-  mesh.revision = revision_;
-  return mesh;
-}
-
-template <int D>
-SimplexColumn LiveMesh<D>::Locate(std::span<const double> points) const {
-  SimplexColumn result;
-  result.reserve(points.size() / D * (D + 1));
-  const auto& triangulation = state_->diffs.triangulation();
-  const auto& rules = state_->refinement.rules();
-  meshing::VertexIndex near = 0;
-  for (; points.size() >= D; points = points.subspan(D)) {
-    geometry::Point<D> p;
-    bool inside = true;
-    for (int k = 0; k < D; ++k) {
-      p[k] = points[static_cast<std::size_t>(k)];
-      inside = inside && rules.lo()[k] <= p[k] && p[k] <= rules.hi()[k];
-    }
-    std::array<VertexId, D + 1> ids = {};
-    if (inside) {
-      const auto t = triangulation.Locate(p, near);
-      if (!triangulation.IsInfinite(t)) {
-        near = triangulation.vertices(t)[0];
-        ids = state_->diffs.CanonicalIds(t);
-      }
-    }
-    result.insert(result.end(), ids.begin(), ids.end());
-  }
-  return result;
-}
-
-template <int D>
-MeshStats LiveMesh<D>::Stats() const {
-  const State& s = *state_;
-  MeshStats stats;
-  stats.revision = revision_;
-  stats.features = plc_.size();
-  stats.vertices = s.refinement.vertex_count();
-  stats.simplices = s.diffs.triangulation().simplex_count();
-  stats.subsegments = s.diffs.subsegment_count();
-  stats.subfacets = s.diffs.subfacet_count();
-  stats.operations = s.refinement.engine().operation_count();
-  stats.trace_bytes = s.refinement.trace_bytes();
-  stats.mesh_bytes = s.refinement.bytes() + s.diffs.bytes() + s.features.bytes();
-  return stats;
-}
-
-template <int D>
-AuditReport LiveMesh<D>::Audit() const {
-  AuditReport report;
-  const std::uint64_t trace = state_->refinement.Audit(&report.problems);
-  report.trace = {trace, state_->refinement.engine().operation_count()};
-  std::string why;
-  if (!state_->diffs.triangulation().Check(&why)) report.problems.push_back("mesh: " + why);
-  if (!state_->diffs.CheckLabels()) {
-    report.problems.push_back("regions of neighbours do not agree with the edges between them");
-  }
-  const Mesh mesh = Snapshot();
-  if (!(ComputeHash(mesh) == mesh.hash)) {
-    report.problems.push_back("the hash kept is not that of the mesh");
-  }
-  if (mesh.vertices.size() != state_->diffs.triangulation().vertex_count()) {
-    report.problems.push_back("the triangulation's vertices are not those present");
-  }
-  return report;
+template <class Interrupt>
+void LiveMesh<D>::GiveMemoryBack(Interrupt cancelled) {
+  constexpr std::size_t kSmall = 2048;
+  constexpr double kPart = 0.25, kPartOfSmall = 0.67;
+  const std::size_t operations = state_->refinement.engine().operation_count();
+  const auto is_room = [&] {
+    return state_->refinement.engine().IsMostlyRoom(operations < kSmall ? kPartOfSmall : kPart);
+  };
+  if (operations > give_back_at_ || !is_room()) return;
+  ReplaceState(cancelled);
+  give_back_at_ = is_room() ? operations / 2 : std::numeric_limits<std::size_t>::max();
 }
 
 template class LiveMesh<2>;

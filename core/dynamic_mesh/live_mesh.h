@@ -5,6 +5,7 @@
 #define DYNMESH_CORE_DYNAMIC_MESH_LIVE_MESH_H_
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -25,6 +26,18 @@ struct LiveMeshTuning {
   // From scratch: read neighbourhoods off the growing triangulation.
   bool global_neighbourhoods = true;
   VertexHash vertex_hash = &VertexIdAt;
+  // Lesser ones are for tests.
+  sac::EngineLimits engine_limits = {};
+  std::size_t most_tetrahedra = 0;  // 0: as many as it can
+};
+
+// How a run of what is stale has ended.
+enum class Ended {
+  kDone,
+  kCancelled,
+  kOverLimits,  // of the mesh
+  kOverWork,    // more operations than the batch may execute
+  kTooDear,     // it is cheaper to build anew
 };
 
 template <int D>
@@ -41,7 +54,12 @@ class LiveMesh final : public DynamicMesh {
   // The same, asked whether to go on before each operation.
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const std::function<bool()>& cancelled);
 
-  void ResumeAt(std::uint64_t revision) override { revision_ = revision; }
+  void TakeBack(std::size_t revisions) override;
+  void Settle() override { revocable_.clear(); }
+  void ResumeAt(std::uint64_t revision) override {
+    Settle();
+    revision_ = revision;
+  }
   absl::Status Validate(const EditBatch& batch) const override;
   Mesh Snapshot() const override;
   SimplexColumn Locate(std::span<const double> points) const override;
@@ -67,6 +85,12 @@ class LiveMesh final : public DynamicMesh {
         : diffs(tuning.vertex_hash),
           refinement(options, tuning.global_neighbourhoods ? &diffs.triangulation() : nullptr) {
       if (!tuning.global_neighbourhoods) refinement.ResetToDomain(&diffs.triangulation());
+      refinement.engine().set_limits(tuning.engine_limits);
+      if constexpr (D == 3) {
+        if (tuning.most_tetrahedra > 0) {
+          diffs.triangulation().set_most_simplices(tuning.most_tetrahedra);
+        }
+      }
     }
     DiffBuilder<D> diffs;
     FeatureTable<D> features;
@@ -75,6 +99,17 @@ class LiveMesh final : public DynamicMesh {
 
   // Whether the batch with that diff, but for revisions, may come into effect; completes it.
   using Commit = absl::FunctionRef<absl::Status(MeshDiff&)>;
+
+  // A batch under way.
+  template <class Interrupt>
+  struct Task {
+    const plc::Delta<D>& delta;
+    ProgressMeter& meter;
+    Interrupt& cancelled;
+    Commit commit;
+    std::uint64_t most_operations;  // to be executed
+    std::uint64_t executed = 0;     // by propagations and builds that are over
+  };
 
   template <class Interrupt>
   absl::StatusOr<MeshDiff> ApplyWith(const EditBatch& batch, const ApplyOptions& apply,
@@ -85,25 +120,34 @@ class LiveMesh final : public DynamicMesh {
     Mesh mesh;
     double diff_microseconds = 0;
   };
-  template <class Interrupt>
-  absl::StatusOr<Built> Build(const plc::Delta<D>& all, std::size_t features, ProgressMeter& meter,
-                              Interrupt cancelled);
-  template <class Interrupt>
-  absl::Status Run(State& state, ProgressMeter& meter, Interrupt cancelled);
-  template <class Interrupt>
-  absl::StatusOr<MeshDiff> Propagate(const plc::Delta<D>& delta, bool look, ProgressMeter& meter,
-                                     Interrupt cancelled, Commit commit);
-  template <class Interrupt>
-  absl::StatusOr<MeshDiff> Rebuild(const plc::Delta<D>& delta, Mesh before, ProgressMeter& meter,
-                                   Interrupt cancelled, Commit commit);
+  template <class Job>
+  absl::StatusOr<Built> Build(const plc::Delta<D>& all, std::size_t features, Job& job);
+  template <class Job>
+  Ended Run(State& state, Job& job, Plan plan);
+  template <class Job>
+  absl::Status StatusOf(Ended ended, const Job& job, const State& state) const;
+  template <class Job>
+  absl::StatusOr<MeshDiff> Propagate(Job& job, Plan plan);
+  template <class Job>
+  absl::StatusOr<MeshDiff> Finish(Job& job);
+  template <class Job>
+  absl::StatusOr<MeshDiff> Rebuild(Job& job);
   void Undo(const plc::Delta<D>& delta);
-  bool IsMostlyStale() const;
+  template <class Interrupt>
+  void ReplaceState(Interrupt cancelled);
+  void BuildPresent();
+  bool IsTooDear() const;
+  template <class Interrupt>
+  void GiveMemoryBack(Interrupt cancelled);
 
   const MeshOptions options_;
   const LiveMeshTuning tuning_;
   plc::Plc<D> plc_;
   std::unique_ptr<State> state_;
   std::uint64_t revision_ = 0;
+  std::vector<plc::Delta<D>> revocable_;  // made the last revisions, in this order
+  // Operations from which down memory is given back.
+  std::size_t give_back_at_ = std::numeric_limits<std::size_t>::max();
 };
 
 }  // namespace dynmesh

@@ -14,18 +14,21 @@
 // in one place at 35 % (removing) and 10 % (adding). Looking costs a snapshot. One sizing feature
 // may be worth any number of vertices: about its area over the square of its target, of which
 // adding (dropping) 0.2, 0.7, 2.4 and 8 times the vertices present came to 0.5 (0.5), 1.5 (2), 2.8
-// (3.5), 3.5 (5 to 10).
+// (3.5), 3.5 (5 to 10). A region that moves keeps its anchors but at the rim, and a few features may
+// stand in a mesh of very many vertices: there, too, what is stale decides.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_REBUILD_CHOICE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_REBUILD_CHOICE_H_
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
 #include "core/base/rings.h"
 #include "core/plc/delta.h"
+#include "core/sac/engine.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
 
@@ -33,7 +36,7 @@ namespace dynmesh {
 
 enum class Plan {
   kPropagate,
-  kLook,  // make the change known, then see how much is stale
+  kLook,  // propagate, unless too much is stale once the change is known
   kRebuild,
 };
 
@@ -41,9 +44,22 @@ enum class Plan {
 struct RebuildThresholds {
   std::size_t at_least = 64;       // changes of features; fewer are propagated
   double look_at_features = 0.03;  // from so many on it is worth a look
-  double features = 0.5;           // changed
+  double features = 0.5;           // changed, of those there are or of a fourth of the vertices
   double stale = 0.22;             // operations, of those there are
   double carried = 0.3;            // vertices that sizing features carry
+  // A propagation that has cost so much of a build, and is not at its end, is given up.
+  double work = 0.5;
+  std::uint64_t at_least_work = 1'000;  // operations
+
+  bool IsMostlyStale(std::size_t waiting, std::size_t operations) const {
+    return static_cast<double>(waiting) > stale * static_cast<double>(operations);
+  }
+  bool IsTooDear(const sac::Counters& counters, std::size_t operations) const {
+    // To ask a subscriber costs a small part of running an operation.
+    const std::uint64_t done = counters.executed + counters.notified / 64;
+    return done > at_least_work &&
+           static_cast<double>(done) > work * static_cast<double>(operations);
+  }
 };
 
 // The area or volume of a sizing feature.
@@ -83,11 +99,16 @@ template <int D>
 Plan PlanFor(const plc::Delta<D>& delta, std::size_t features, std::size_t vertices, const Box& box,
              const RebuildThresholds& thresholds) {
   const auto changes = static_cast<double>(delta.size());
-  const double carried =
-      std::max(VerticesCarried(delta.added_sizes, box), VerticesCarried(delta.removed_sizes, box));
+  const double added = VerticesCarried(delta.added_sizes, box);
+  const double removed = VerticesCarried(delta.removed_sizes, box);
+  const double carried = std::max(added, removed);
   if (changes + carried < static_cast<double>(thresholds.at_least)) return Plan::kPropagate;
   const auto n = static_cast<double>(features), v = static_cast<double>(vertices);
-  if (changes > thresholds.features * n || carried > thresholds.carried * v) return Plan::kRebuild;
+  if (changes > thresholds.features * std::max(n, 0.25 * v)) return Plan::kRebuild;
+  if (carried > thresholds.carried * v) {
+    const bool may_be_a_move = 2 * std::min(added, removed) > carried;
+    return may_be_a_move ? Plan::kLook : Plan::kRebuild;
+  }
   return changes > thresholds.look_at_features * n ? Plan::kLook : Plan::kPropagate;
 }
 

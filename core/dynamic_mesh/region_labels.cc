@@ -177,7 +177,7 @@ bool RegionLabels<D>::IsAtHull(Simplex t) const {
 }
 
 template <int D>
-void RegionLabels<D>::LabelAll() {
+void RegionLabels<D>::LabelAll(Steps& steps) {
   wall_ends_.clear();
   if (empty()) return;
   labelled_ = true;
@@ -192,7 +192,7 @@ void RegionLabels<D>::LabelAll() {
       triangulation_.Opposite(triangulation_.Around(Triangulation::kInfinite)).simplex;
   triangulation_.set_tag(first, kNoRegion);
   stack_.assign(1, first);
-  while (!stack_.empty()) {
+  while (!stack_.empty() && !steps.Stop()) {
     const Simplex t = stack_.back();
     stack_.pop_back();
     const std::array<Vertex, D + 1> v = triangulation_.vertices(t);

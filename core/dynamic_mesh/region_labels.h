@@ -30,6 +30,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/functional/function_ref.h"
+#include "core/base/steps.h"
 #include "core/dynamic_mesh/region_sets.h"
 #include "core/dynamic_mesh/wall.h"
 #include "core/mesh/delaunay_tetrahedralization.h"
@@ -69,12 +70,20 @@ class RegionLabels {
   const std::vector<Relabelled>& Update(std::span<const Simplex> fresh,
                                         std::span<const Wall<D>> toggled,
                                         absl::FunctionRef<bool(Vertex)> is_rounded);
-  // Labels every simplex. O(mesh).
-  void LabelAll();
+  // Labels every simplex. O(mesh). Where `steps` are stopped, so is this: then labels are of no
+  // use.
+  void LabelAll(Steps& steps);
+  void LabelAll() {
+    AllSteps all;
+    LabelAll(all);
+  }
   // The owners that a place lies inside of that has too many; empty if there is none. After
   // LabelAll, of the places where there are too many for those who come from outside and pass
   // none such: the first by its owners. A function of the input.
   std::span<const FeatureId> overfull() const { return sets_.overfull(); }
+  // Sets of owners that have one id: of labels and walls, and since the last LabelAll of some that
+  // were. After LabelAll a function of the input.
+  std::optional<RegionSets::Collision> collision() const { return sets_.collision(); }
   // Forgets sets of owners that were here once, if there are many. Call when no label
   // from before an update is of interest any more. O(mesh), amortised O(1) a new set.
   void Collect();

@@ -1,5 +1,9 @@
 // Sets of polygons by their ids (mesh.h, RegionId): what a triangle lies in, and what changes
 // from one side of an edge to the other.
+//
+// Ids are hashes, and clients choose polygons' ids: two sets may have the same. Then one of them
+// goes by another number here, so that labels stay right, and `collision` tells of it: what is
+// made of these labels must not be shown.
 // Thread-compatible; even const members may not run at the same time. O(1) expected.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_REGION_SETS_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_REGION_SETS_H_
@@ -7,11 +11,15 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <map>
+#include <optional>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/hash/hash.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh {
@@ -26,8 +34,8 @@ class RegionSets {
   // `polygons` ascending.
   RegionId Add(std::span<const FeatureId> polygons) {
     const RegionId id = RegionIdOf(polygons);
-    if (polygons.size() > 1) sets_.try_emplace(id, polygons.begin(), polygons.end());
-    return id;
+    if (polygons.size() < 2 || Enter(id, polygons)) return id;
+    return AddElsewhere(id, polygons);
   }
   // The polygons in one of the two and not in the other. If these are too many, they are not
   // kept, but for the first by order of such sets (`overfull`). `a` is not too large.
@@ -47,6 +55,20 @@ class RegionSets {
   }
   // Empty if no set was too large.
   std::span<const FeatureId> overfull() const { return overfull_; }
+
+  using Polygons = std::vector<FeatureId>;
+  struct Collision {
+    Polygons first, second;  // no second: the id of the first means something else
+  };
+  // Two of the sets that were added have one id. Of the least such id, the first two: a function of
+  // the sets.
+  std::optional<Collision> collision() const {
+    for (const auto& [id, sets] : collided_) {
+      if (sets.size() > 1) return Collision{*sets.begin(), *std::next(sets.begin())};
+      if (id >= kTooMany) return Collision{*sets.begin(), {}};
+    }
+    return std::nullopt;
+  }
   std::vector<FeatureId> PolygonsOf(RegionId id) const {
     const auto it = sets_.find(id);
     return it != sets_.end() ? it->second : std::vector<FeatureId>{id};
@@ -72,6 +94,24 @@ class RegionSets {
   std::size_t size() const { return sets_.size() + toggles_.size(); }
 
  private:
+  static constexpr RegionId kFirstSetId = kLastPolygonId + 1;
+
+  // Is the number that of these polygons now?
+  bool Enter(RegionId number, std::span<const FeatureId> polygons) {
+    if (number >= kTooMany) return false;
+    const auto [it, is_new] = sets_.try_emplace(number, polygons.begin(), polygons.end());
+    return is_new || std::ranges::equal(it->second, polygons);
+  }
+  RegionId AddElsewhere(RegionId id, std::span<const FeatureId> polygons) {
+    Polygons set(polygons.begin(), polygons.end());
+    const auto it = sets_.find(id);
+    // Or it is there for another id's sake.
+    if (it != sets_.end() && RegionIdOf(it->second) == id) collided_[id].insert(it->second);
+    RegionId number = absl::HashOf(set) | kFirstSetId;
+    while (!Enter(number, polygons)) number = (number + 1) | kFirstSetId;
+    collided_[id].insert(std::move(set));
+    return number;
+  }
   RegionId Checked(RegionId id) {
     const auto it = sets_.find(id);
     return it == sets_.end() || it->second.size() <= kMostPolygonsAtAPlace ? id
@@ -85,6 +125,7 @@ class RegionSets {
   absl::flat_hash_map<RegionId, std::vector<FeatureId>> sets_;  // of several polygons
   absl::flat_hash_map<std::pair<RegionId, RegionId>, RegionId> toggles_;
   std::vector<FeatureId> overfull_;
+  std::map<RegionId, std::set<Polygons>> collided_;  // by the id that they should have
 };
 
 }  // namespace dynmesh

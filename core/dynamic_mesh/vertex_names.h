@@ -2,15 +2,18 @@
 //
 // Vertices whose unsalted ids agree form a group; in the order of their coordinates
 // they take salts 0, 1, 2, ... So a vertex's id is a function of the set of vertices
-// present, and changes only if one that collides comes or goes. (Salted ids are not
-// checked against other groups: that would take a second collision of 64 bits.)
+// present, and changes only if one that collides comes or goes. A salted id may be another
+// vertex's, too, if coordinates were chosen for that: no salt mends it, Clash tells of it.
 // Thread-compatible.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_VERTEX_NAMES_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_VERTEX_NAMES_H_
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
@@ -80,6 +83,31 @@ class VertexNames {
     crowded_.erase(crowd);
   }
 
+  // Two vertices that have one id: of the least such id, the first two in the order of coordinates,
+  // so a function of the vertices. O(vertices in groups of several).
+  template <class Position>
+  std::optional<std::array<Index, 2>> Clash(Position position) const {
+    if (crowded_.empty()) return std::nullopt;
+    std::vector<std::pair<VertexId, Index>> named;
+    for (const auto& [name, members] : crowded_) {
+      for (const Index v : members) named.emplace_back(ids_[v], v);
+      for (const Index v : members) {
+        const auto other = alone_.find(NameOnly{ids_[v]});
+        if (other != alone_.end()) named.emplace_back(ids_[v], *other);
+      }
+    }
+    std::sort(named.begin(), named.end(), [&](const auto& a, const auto& b) {
+      return a.first != b.first ? a.first < b.first : position(a.second) < position(b.second);
+    });
+    // The same vertex may stand there several times.
+    for (std::size_t i = 1; i < named.size(); ++i) {
+      if (named[i].first == named[i - 1].first && named[i].second != named[i - 1].second) {
+        return std::array{named[i - 1].second, named[i].second};
+      }
+    }
+    return std::nullopt;
+  }
+
   std::size_t bytes() const {
     return alone_.capacity() * (sizeof(Index) + 1) + ids_.size() * sizeof(VertexId);
   }
@@ -87,13 +115,21 @@ class VertexNames {
  private:
   // Vertices that are alone in their group are known by their ids, which need not be kept
   // twice.
+  struct NameOnly {
+    VertexId id;
+  };
   struct HashOfName {
+    using is_transparent = void;
     const LargeVector<VertexId>* ids;
     std::size_t operator()(Index v) const { return absl::Hash<VertexId>()((*ids)[v]); }
+    std::size_t operator()(NameOnly name) const { return absl::Hash<VertexId>()(name.id); }
   };
   struct SameName {
+    using is_transparent = void;
     const LargeVector<VertexId>* ids;
     bool operator()(Index v, Index w) const { return (*ids)[v] == (*ids)[w]; }
+    bool operator()(Index v, NameOnly name) const { return (*ids)[v] == name.id; }
+    bool operator()(NameOnly name, Index v) const { return (*ids)[v] == name.id; }
   };
 
   VertexId Unsalted(const geometry::Point<D>& p) const { return hash_(p.c.data(), D, 0); }

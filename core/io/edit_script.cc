@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "absl/status/status.h"
@@ -62,6 +63,7 @@ class ScriptParser {
 
   absl::Status ParseHeader() {
     script_.has_header = true;
+    script_.header_line = reader_.line();
     std::map<std::string_view, std::string_view> values;
     for (std::size_t i = 1; i < reader_.size(); ++i) {
       const std::string_view token = reader_.token(i);
@@ -270,8 +272,9 @@ class ScriptParser {
   absl::StatusOr<FeatureId> Id(std::size_t i, std::string_view what) const {
     const absl::StatusOr<std::uint64_t> id = reader_.Uint64(i, what);
     if (!id.ok()) return id.status();
-    if (*id == kNoFeature || *id == kBoxFeature) {
-      return Error(Concat(what, " is reserved: ids run from 1 to 2^64 - 2"));
+    if (*id == kNoFeature || *id > kLastFeatureId) {
+      return Error(Concat(what, " is reserved: ids run from 1 to ", kLastFeatureId,
+                          ", those of polygons to ", kLastPolygonId));
     }
     return *id;
   }
@@ -303,6 +306,19 @@ std::string EditScript::Where(std::size_t batch, std::optional<std::size_t> edit
   const std::vector<int>& lines = batches[batch].lines;
   const std::size_t row = edit && *edit < lines.size() ? *edit : 0;
   return Concat(name, ":", lines[row]);
+}
+
+std::string EditScript::WhereOption(std::string_view option) const {
+  const bool has_dimension = has_header;  // whether said or not
+  for (const auto& [name_of, word, is_there] :
+       {std::tuple{"quality", "rho", quality.has_value()},
+        std::tuple{"box", "box", box.has_value()},
+        std::tuple{"max_edge", "hmax", max_edge.has_value()},
+        std::tuple{"criterion", "criterion", criterion.has_value()},
+        std::tuple{"dimension", "dim", has_dimension}}) {
+    if (option == name_of && is_there) return Concat(name, ":", header_line, ": ", word);
+  }
+  return "";
 }
 
 absl::StatusOr<EditScript> ParseEditScript(TextReader reader, const ScriptParseOptions& options) {

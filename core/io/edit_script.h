@@ -40,6 +40,7 @@ struct EditScript {
   std::optional<double> quality;
   std::optional<Criterion> criterion;
   std::optional<double> max_edge;  // hmax
+  int header_line = 0;
   std::vector<ScriptBatch> batches;
 
   // The header's options; what it leaves out has its default. Without a box: that
@@ -47,6 +48,9 @@ struct EditScript {
   MeshOptions Options() const;
   // "name:line" of an edit; of the batch's first line if there is no such edit.
   std::string Where(std::size_t batch, std::optional<std::size_t> edit) const;
+  // "name:line: rho", what in the header says the member of MeshOptions of that name;
+  // empty if nothing does.
+  std::string WhereOption(std::string_view option) const;
 };
 
 struct ScriptParseOptions {

@@ -1,8 +1,8 @@
 #include "core/io/indexed_mesh.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
-#include <numeric>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -11,6 +11,7 @@
 #include "core/data/canonical_order.h"
 #include "core/data/mesh_store.h"
 #include "core/data/text.h"
+#include "core/io/sort_by_vertex.h"
 
 namespace dynmesh::io {
 
@@ -20,12 +21,36 @@ namespace {
 
 using NumberOf = absl::flat_hash_map<VertexId, std::uint32_t>;
 
-// The order described in the header, as a key.
-auto VertexKey(const IndexedMesh::Vertex& v) {
+// The order described in the header: by rank, then by a key.
+int RankOf(const IndexedMesh::Vertex& v) {
   const bool on_box = v.owner == kBoxFeature;
-  const bool input = v.containing_dimension == 0 && !on_box;
-  const int rank = input ? 0 : on_box ? 1 : 1 + v.containing_dimension;
-  return std::tuple(rank, input ? v.owner : kNoFeature, v.x, v.y, v.z);
+  if (on_box) return 1;
+  return v.containing_dimension == 0 ? 0 : 1 + v.containing_dimension;
+}
+auto VertexKey(const IndexedMesh::Vertex& v) {
+  return std::tuple(RankOf(v) == 0 ? v.owner : kNoFeature, v.x, v.y, v.z);
+}
+
+// The rows in that order. Mostly the input's stand in it already.
+std::vector<std::uint32_t> OrderOf(const std::vector<IndexedMesh::Vertex>& rows) {
+  std::vector<std::vector<std::uint32_t>> by_rank;
+  for (std::uint32_t i = 0; i < rows.size(); ++i) {
+    const auto rank = static_cast<std::size_t>(RankOf(rows[i]));
+    if (rank >= by_rank.size()) by_rank.resize(rank + 1);
+    by_rank[rank].push_back(i);
+  }
+  std::vector<std::uint32_t> order;
+  order.reserve(rows.size());
+  const auto before = [&](std::uint32_t i, std::uint32_t j) {
+    return VertexKey(rows[i]) < VertexKey(rows[j]);
+  };
+  for (std::vector<std::uint32_t>& rank : by_rank) {
+    if (!std::is_sorted(rank.begin(), rank.end(), before)) {
+      std::sort(rank.begin(), rank.end(), before);
+    }
+    order.insert(order.end(), rank.begin(), rank.end());
+  }
+  return order;
 }
 
 absl::Status UnknownVertex(VertexId id) {
@@ -44,15 +69,10 @@ absl::StatusOr<NumberOf> IndexVertices(const VertexColumns& columns, IndexedMesh
     const double* const c = &columns.coordinates[d * i];
     rows[i] = {c[0], c[1], columns.containing_dimensions[i], columns.owners[i], d == 3 ? c[2] : 0};
   }
-  std::vector<std::uint32_t> order(n);
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
-    return VertexKey(rows[i]) < VertexKey(rows[j]);
-  });
   NumberOf number_of;
   number_of.reserve(n);
   indexed.vertices.reserve(n);
-  for (const std::uint32_t row : order) {
+  for (const std::uint32_t row : OrderOf(rows)) {
     const auto number = static_cast<std::uint32_t>(indexed.vertices.size());
     if (!number_of.emplace(columns.ids[row], number).second) {
       return absl::InvalidArgumentError(
@@ -78,14 +98,17 @@ absl::StatusOr<std::array<std::uint32_t, K>> NumbersOf(const VertexId* ids,
 
 // Sorts the simplices, and the regions' numbers with them.
 template <class Simplex>
-void SortSimplices(std::vector<Simplex>& simplices, std::vector<std::uint32_t>& numbers) {
+void SortSimplices(std::vector<Simplex>& simplices, std::vector<std::uint32_t>& numbers,
+                   std::size_t vertices) {
   if (numbers.empty()) {
-    std::sort(simplices.begin(), simplices.end());
-    return;
+    return SortByVertex(
+        simplices, vertices, [](const Simplex& s) { return s[0]; }, std::less<>());
   }
-  std::vector<std::pair<Simplex, std::uint32_t>> rows(simplices.size());
+  using Row = std::pair<Simplex, std::uint32_t>;
+  std::vector<Row> rows(simplices.size());
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = {simplices[i], numbers[i]};
-  std::sort(rows.begin(), rows.end());
+  SortByVertex(
+      rows, vertices, [](const Row& row) { return row.first[0]; }, std::less<>());
   for (std::size_t i = 0; i < rows.size(); ++i) std::tie(simplices[i], numbers[i]) = rows[i];
 }
 
@@ -99,7 +122,7 @@ absl::Status IndexSimplices(const SimplexColumn& simplices, const NumberOf& numb
     if (!t.ok()) return t.status();
     rows.push_back(data::InCanonicalOrder(*t));
   }
-  SortSimplices(rows, indexed.regions.numbers);
+  SortSimplices(rows, indexed.regions.numbers, indexed.vertices.size());
   return absl::OkStatus();
 }
 
@@ -124,10 +147,12 @@ absl::Status IndexEdges(const SubsegmentColumns& subsegments, const NumberOf& nu
     edges.push_back({a, b, subsegments.owners[i]});
   }
   // Owned rows first, so that the copies without an owner fall to unique().
-  std::sort(edges.begin(), edges.end(), [](const auto& e, const auto& f) {
-    return std::tuple(e.a, e.b, e.owner == kNoFeature, e.owner) <
-           std::tuple(f.a, f.b, f.owner == kNoFeature, f.owner);
-  });
+  SortByVertex(
+      edges, indexed.vertices.size(), [](const auto& e) { return e.a; },
+      [](const auto& e, const auto& f) {
+        return std::tuple(e.a, e.b, e.owner == kNoFeature, e.owner) <
+               std::tuple(f.a, f.b, f.owner == kNoFeature, f.owner);
+      });
   const auto same = [](const auto& e, const auto& f) {
     return e.a == f.a && e.b == f.b && (f.owner == kNoFeature || e.owner == f.owner);
   };
@@ -146,7 +171,8 @@ void AddBorder(IndexedMesh& indexed) {
       sides.push_back(side);
     }
   }
-  std::sort(sides.begin(), sides.end());
+  SortByVertex(
+      sides, indexed.vertices.size(), [](const auto& side) { return side[0]; }, std::less<>());
   for (std::size_t i = 0; i < sides.size();) {
     const std::size_t first = i;
     while (i < sides.size() && sides[i] == sides[first]) ++i;
@@ -165,9 +191,11 @@ absl::Status IndexFaces(const SubfacetColumns& subfacets, const NumberOf& number
     faces.push_back({*corners, subfacets.owners[i]});
   }
   // The box's id is the greatest: a feature's row comes before the border's.
-  std::sort(faces.begin(), faces.end(), [](const auto& e, const auto& f) {
-    return std::tie(e.corners, e.owner) < std::tie(f.corners, f.owner);
-  });
+  SortByVertex(
+      faces, indexed.vertices.size(), [](const auto& e) { return e.corners[0]; },
+      [](const auto& e, const auto& f) {
+        return std::tie(e.corners, e.owner) < std::tie(f.corners, f.owner);
+      });
   const auto same = [](const auto& e, const auto& f) {
     return e.corners == f.corners && (f.owner == kBoxFeature || e.owner == f.owner);
   };

@@ -1,5 +1,6 @@
 #include "core/io/text_reader.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -121,7 +122,8 @@ void TextReader::Split(std::string_view line) {
 }
 
 absl::Status TextReader::ErrorAt(std::string_view name, int line, std::string_view message) {
-  return absl::InvalidArgumentError(Concat(name, ":", line, ": ", message));
+  // Before the first line, as of an empty file: what is missing should begin there.
+  return absl::InvalidArgumentError(Concat(name, ":", std::max(line, 1), ": ", message));
 }
 
 absl::Status TextReader::Error(std::string_view message) const {

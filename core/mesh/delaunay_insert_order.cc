@@ -18,7 +18,7 @@ using geometry::Point;
 // A point belongs to one of the earlier rounds with probability 2^-kRoundBits.
 constexpr int kRoundBits = 4;
 constexpr int kMaxRounds = 15;
-constexpr int kKeyBits = 28;  // and 4 for the round
+constexpr int kKeyBits = 28;
 constexpr std::size_t kSmallRun = 8;
 
 struct Keyed {
@@ -42,11 +42,10 @@ void RadixSort(std::vector<Keyed>* keyed, int key_bits) {
   }
 }
 
-// Round 0 is inserted first.
-template <int D>
-std::uint32_t RoundOf(const Point<D>& p) {
-  const int zeros = std::countr_zero(geometry::HashOf(p));
-  return static_cast<std::uint32_t>(kMaxRounds - std::min(kMaxRounds, zeros / kRoundBits));
+// Of the point of that rank along the curve. Round 0 is inserted first.
+std::size_t RoundOf(std::uint32_t rank) {
+  const int zeros = std::countr_zero(geometry::Mix(rank));
+  return static_cast<std::size_t>(kMaxRounds - std::min(kMaxRounds, zeros / kRoundBits));
 }
 
 // The square (cube) around some points, with at least as many cells as there are points.
@@ -108,15 +107,19 @@ std::vector<std::uint32_t> OrderOf(std::span<const Point<D>> points) {
   std::vector<Keyed> keyed(points.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) keyed[i].index = i;
   const Frame<D> frame(points, keyed);
-  for (Keyed& k : keyed) {
-    const Point<D>& p = points[k.index];
-    k.key = RoundOf(p) << (D * frame.levels) | frame.Key(p);
-  }
-  RadixSort(&keyed, D * frame.levels + 4);
+  for (Keyed& k : keyed) k.key = frame.Key(points[k.index]);
+  RadixSort(&keyed, D * frame.levels);
   RefineRuns(points, std::span(keyed));
-  std::vector<std::uint32_t> order;
-  order.reserve(keyed.size());
-  for (const Keyed& k : keyed) order.push_back(k.index);
+  // Stable by rounds.
+  std::array<std::uint32_t, kMaxRounds + 1> start{};
+  for (std::uint32_t rank = 0; rank < keyed.size(); ++rank) {
+    keyed[rank].key = static_cast<std::uint32_t>(RoundOf(rank));
+    ++start[keyed[rank].key];
+  }
+  std::uint32_t sum = 0;
+  for (std::uint32_t& s : start) sum += std::exchange(s, sum);
+  std::vector<std::uint32_t> order(keyed.size());
+  for (const Keyed& k : keyed) order[start[k.key]++] = k.index;
   return order;
 }
 

@@ -11,11 +11,12 @@
 
 namespace dynmesh::mesh {
 
-// A permutation of 0 .. points.size()-1: a biased randomized insertion order. Points
-// fall into rounds by geometry::HashOf, each some times larger than all before it
-// together; so the work is expected O(n log n) on any input, points on a circle
-// included. Within a round they go along a Hilbert curve, so that each is near the one
-// before; where many share one of the curve's cells, along a finer curve of their own.
+// A permutation of 0 .. points.size()-1: a biased randomized insertion order. Points are
+// sorted along a Hilbert curve; where many share one of the curve's cells, along a finer curve
+// of their own. They fall into rounds by a hash of their rank there, each round some times larger
+// than all before it together, and within a round go along the curve, so that each is near the one
+// before. Each stretch of the curve has its share of every round, points on a circle included, so
+// the work is expected O(n log n). No choice of coordinates empties a round.
 std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point2> points);
 std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point3> points);
 

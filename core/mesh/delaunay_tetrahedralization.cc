@@ -58,6 +58,7 @@ void DelaunayTetrahedralization::StartFrom(const std::array<VertexIndex, 4>& v,
   free_.clear();
   vertex_count_ = 0;
   infinite_count_ = 0;
+  is_full_ = false;
   for (std::size_t i = 0; i < 4; ++i) AddVertex(v[i], p[i]);
   Allocate(5);
   Make(0, v);
@@ -92,6 +93,15 @@ void DelaunayTetrahedralization::AddVertex(VertexIndex v, const Point3& p) {
   if (v >= places_.size()) places_.resize(v + std::size_t{1});
   places_[v].point = p;
   ++vertex_count_;
+}
+
+bool DelaunayTetrahedralization::Overflows(std::size_t more) {
+  if (tetrahedra_.size() - free_.size() + more <= most_simplices_) return false;
+  is_full_ = true;
+  created_.clear();
+  deleted_.clear();
+  deleted_tags_.clear();
+  return true;
 }
 
 void DelaunayTetrahedralization::Allocate(std::size_t count) {
@@ -232,6 +242,8 @@ void DelaunayTetrahedralization::InsertAt(VertexIndex v, const Point3& p,
                                           SimplexIndex conflicting) {
   assert(!Contains(v) && v < kInfinite / 2);
   assert(Conflicts(conflicting, p));
+  // The rim is a sphere of triangles on some of the vertices, kInfinite among them.
+  if (Overflows(2 * vertex_count_)) return;
   AddVertex(v, p);
   FindCavity(p, conflicting);
   FillCavityFrom(v);
@@ -363,6 +375,7 @@ void DelaunayTetrahedralization::InsertAll(std::span<const VertexIndex> indices,
   SimplexIndex near = infinite_incident_ >> 2;
   for (const std::uint32_t i : InsertOrder(points)) {
     InsertAt(indices[i], points[i], LocateFrom(points[i], near));
+    if (is_full_) return;
     near = created_[0];
   }
   created_.clear();

@@ -64,12 +64,19 @@ class DelaunayTetrahedralization {
   // Insert that saves the walk: `conflicting` is any tetrahedron with Conflicts(it, p).
   void InsertAt(VertexIndex v, const geometry::Point3& p, SimplexIndex conflicting);
 
+  // Codes have 29 bits for a tetrahedron. An insertion holds those that it unmakes until it has
+  // made others, less than two for each vertex; a removal likewise. Where there might not be room
+  // for that, Insert and Remove do nothing, and what this holds is no longer the tetrahedralisation
+  // of what was asked for, until Reset.
+  bool is_full() const { return is_full_; }
+  void set_most_simplices(std::size_t most) { most_simplices_ = most; }  // for tests
+
   // Removes vertex v, none of the eight corners.
   void Remove(VertexIndex v);
 
   // Inserts many in an order that is fast whatever the input (rounds of random
   // priority, Hilbert order within a round). indices.size() == points.size(). Leaves
-  // created() and deleted() empty.
+  // created() and deleted() empty. Stops when it is full.
   void InsertAll(std::span<const VertexIndex> indices, std::span<const geometry::Point3> points);
 
   bool Contains(VertexIndex v) const { return v < places_.size() && places_[v].incident != kNone; }
@@ -252,6 +259,8 @@ class DelaunayTetrahedralization {
   // Starts over with one positively oriented tetrahedron.
   void StartFrom(const std::array<VertexIndex, 4>& v, const std::array<geometry::Point3, 4>& p);
   void AddVertex(VertexIndex v, const geometry::Point3& p);
+  // Is there no room for so many more? Says so from then on, and reports no change.
+  bool Overflows(std::size_t more);
   // Makes created_ so many unused tetrahedra.
   void Allocate(std::size_t count);
   // Sets vertices, sphere, tag, incidences and counts; links remain to be set.
@@ -284,6 +293,8 @@ class DelaunayTetrahedralization {
   Code infinite_incident_ = kNone;
   std::size_t vertex_count_ = 0;
   std::size_t infinite_count_ = 0;  // infinite tetrahedra
+  std::size_t most_simplices_ = std::size_t{1} << 29;
+  bool is_full_ = false;
   std::array<VertexIndex, 8> corners_ = {};
 
   std::vector<SimplexIndex> created_;

@@ -46,6 +46,7 @@ void DelaunayTetrahedralization::Remove(VertexIndex v) {
   assert(std::find(corners_.begin(), corners_.end(), v) == corners_.end());
   if (hole_ == nullptr) hole_.reset(new Hole);
   Hole& hole = *hole_;
+  hole.link.most_simplices_ = most_simplices_;
   SimplicesAround(v, &hole.star);
   hole.facets.Clear();
   hole.outside.clear();
@@ -62,6 +63,11 @@ void DelaunayTetrahedralization::Remove(VertexIndex v) {
     }
   }
   TriangulateLink(v);
+  const std::size_t fresh = hole.link.cavity_.size(), gone = hole.star.keys().size();
+  if (hole.link.is_full_ || (fresh > gone && Overflows(fresh - gone))) {
+    is_full_ = true;
+    return;
+  }
   cavity_.clear();
   for (const auto [t] : hole.star.keys()) cavity_.push_back(t);
   Delete(cavity_);
@@ -99,9 +105,9 @@ void DelaunayTetrahedralization::TriangulateLink(VertexIndex v) {
 
   SimplexIndex near = 0;
   const auto insert = [&](VertexIndex u) {
-    if (link.Contains(u)) return;
+    if (link.is_full_ || link.Contains(u)) return;
     link.InsertAt(u, place(u), link.LocateFrom(place(u), near));
-    near = link.created_[0];
+    if (!link.is_full_) near = link.created_[0];
   };
   if (count <= kSmallLink) {
     for (VertexIndex u = 0; u < count; ++u) insert(u);
@@ -110,6 +116,7 @@ void DelaunayTetrahedralization::TriangulateLink(VertexIndex v) {
     for (VertexIndex u = 0; u < count; ++u) points.push_back(place(u));
     for (const VertexIndex u : InsertOrder(points)) insert(u);
   }
+  if (link.is_full_) return;
   link.FindCavity(places_[v].point, link.LocateFrom(places_[v].point, near));
 }
 

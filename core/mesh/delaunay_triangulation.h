@@ -54,6 +54,10 @@ class DelaunayTriangulation {
   // Insert that saves the walk: `conflicting` is any triangle with Conflicts(it, p).
   void InsertAt(VertexIndex v, const geometry::Point2& p, SimplexIndex conflicting);
 
+  // There are exactly 2 n - 2 triangles of n vertices, infinite ones included, and never more slots
+  // than there once were triangles. Codes have 30 bits for a triangle: enough below 2^29 vertices.
+  static constexpr bool is_full() { return false; }
+
   // Removes vertex v, none of the four corners. O(degree log degree) expected.
   void Remove(VertexIndex v);
 
@@ -141,10 +145,19 @@ class DelaunayTriangulation {
   }
   // The corner that faces c across the edge opposite to c.
   Corner Opposite(Corner c) const { return ToCorner(triangles_[c.simplex].opposite[c.index]); }
+  // Brings the triangle of Opposite(c) into the cache.
+  void PrefetchOpposite(Corner c) const {
+    __builtin_prefetch(&triangles_[triangles_[c.simplex].opposite[c.index] >> 2]);
+  }
   // Corner indices counter-clockwise in a triangle: 0 1 2 0 and back.
   static constexpr int NextIndex(int i) { return (0b00'10'01 >> (2 * i)) & 3; }
   static constexpr int PreviousIndex(int i) { return (0b01'00'10 >> (2 * i)) & 3; }
 
+  // The triangle's other two vertices, seen from a corner: counter-clockwise from it.
+  VertexIndex NextVertex(Corner c) const { return triangles_[c.simplex].v[NextIndex(c.index)]; }
+  VertexIndex PreviousVertex(Corner c) const {
+    return triangles_[c.simplex].v[PreviousIndex(c.index)];
+  }
   // Vertices of a triangle, counter-clockwise; one may be kInfinite.
   const std::array<VertexIndex, 3>& vertices(SimplexIndex t) const { return triangles_[t].v; }
   // True of unused indices too, so a loop below simplex_limit() needs no other test.
@@ -263,7 +276,7 @@ class DelaunayTriangulation {
 
   LargeVector<Triangle> triangles_;
   LargeVector<geometry::Point2> points_;  // by vertex
-  std::vector<Code> incident_;            // by vertex: some corner, or kNone
+  LargeVector<Code> incident_;            // by vertex: some corner, or kNone
   Code infinite_incident_ = kNone;
   SimplexIndex free_ = kNone;  // unused triangles, linked by opposite[0]
   std::size_t free_count_ = 0;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/geometry/circumball.h"
+#include "core/geometry/segment_distance.h"
 #include "core/meshing/filter_terms.h"
 #include "core/meshing/neighbourhood.h"
 #include "core/meshing/refinement.h"
@@ -111,22 +112,25 @@ void Refinement<D, E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   // Where a triangulation answers everything but what a point encroaches on, the tree need
   // only be as fine as the subsegments.
   if (!is_global() || (vertex.dimension < D && !box_only_)) tree_.Insert(v, vertex.p);
-  InsertIntoTriangulation(v);
+  const bool is_in = InsertIntoTriangulation(v);
   MarkChanged(v);
   if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
   NotifyOfVertex(v, true, at);
   if constexpr (!kTraced) {
-    if (is_global() && by_edge() && IsQualityEpoch(vertex.epoch)) RequestFirstGap(v);
+    if (is_in && by_edge() && IsQualityEpoch(vertex.epoch)) RequestFirstGap(v);
   }
 }
 
+// False if there is none, or it is full.
 template <int D, template <class> class E>
-void Refinement<D, E>::InsertIntoTriangulation(VertexIndex v) {
-  if (triangulation_ == nullptr) return;
+bool Refinement<D, E>::InsertIntoTriangulation(VertexIndex v) {
+  if (triangulation_ == nullptr) return false;
   const Point& p = vertices_[v].p;
   const auto known = std::exchange(gap_triangle_, Triangulation::kNone);
   triangulation_->InsertAt(
       v, p, known != Triangulation::kNone ? known : triangulation_->Locate(p, near_));
+  if (triangulation_->is_full()) is_full_ = true;
+  return !is_full_;
 }
 
 template <int D, template <class> class E>
@@ -194,10 +198,9 @@ bool Refinement<D, E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) 
         return appears ? Counts(Term::kAppearsInCorner) && ConflictsWithStar(op, y)
                        : Counts(Term::kVanishesFromRing) && is_read();
       case kNearest:
-        if (item == v || geometry::SquaredDistance(vertices_[item].p, y) > payload.radius2) {
-          return false;
-        }
-        return Counts(appears ? Term::kAppearsNearer : Term::kNearestVanishes);
+        return item != v && geometry::SquaredDistance(vertices_[item].p, y) <= payload.radius2 &&
+               Counts(appears ? Term::kAppearsNearer : Term::kNearestVanishes) &&
+               NearestMatters(op, v, appears);
       case kCheck:
       case kRecheck: {
         if (payload.flag) return !appears && Counts(Term::kWitnessVanishes) && is_read();
@@ -208,6 +211,21 @@ bool Refinement<D, E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) 
       default:
         return false;
     }
+  }
+  return false;
+}
+
+// Does v, as near as the nearest that `op` read or nearer, make it another one? Of those at one
+// distance, which may be very many, the one read stands for all.
+template <int D, template <class> class E>
+bool Refinement<D, E>::NearestMatters(sac::OpId op, VertexIndex v, bool appears) const {
+  if constexpr (kTraced) {
+    const auto reads = engine_.reads(op);
+    if (reads.empty()) return true;
+    if (!appears) return reads[0] == v;
+    const Point& p = vertices_[engine_.item(op)].p;
+    return geometry::SquaredDistance(p, vertices_[v].p) <
+           geometry::SquaredDistance(p, vertices_[reads[0]].p);
   }
   return false;
 }
@@ -320,6 +338,88 @@ std::optional<typename SpatialTree<D>::Ball> Refinement<D, E>::BallOfCorner(
   return std::nullopt;
 }
 
+// --- Features ---------------------------------------------------------------------------
+
+// The point a (b = a) or the segment ab.
+template <int D, template <class> class E>
+InputFeature<D> Refinement<D, E>::FeatureOf(VertexIndex a, VertexIndex b) const {
+  return {a, b, vertices_[a].p, vertices_[b].p};
+}
+
+// From now on features are kept by place.
+template <int D, template <class> class E>
+void Refinement<D, E>::IndexFeatures() {
+  if (std::exchange(indexes_features_, true)) return;
+  for (VertexIndex v = 0; v < vertices_.size(); ++v) {
+    const Vertex& vertex = vertices_[v];
+    const bool is_point = vertex.present && vertex.creator == sac::kNoOp;
+    if (is_point && vertex.feature != 0) AddFeature(FeatureOf(v, v));
+  }
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::AddFeature(const InputFeature<D>& feature) {
+  features_.Add(feature);
+  if constexpr (kTraced) changed_features_.emplace_back(feature, true);
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::RemoveFeature(const InputFeature<D>& feature) {
+  features_.Remove(feature);
+  if constexpr (kTraced) changed_features_.emplace_back(feature, false);
+}
+
+// Of features that came or went since the last propagation. A segment that only got another shape
+// went and came.
+template <int D, template <class> class E>
+void Refinement<D, E>::NotifyOfFeatures() {
+  if constexpr (kTraced) {
+    std::sort(changed_features_.begin(), changed_features_.end(), [](const auto& x, const auto& y) {
+      return std::pair(x.first.a, x.first.b) < std::pair(y.first.a, y.first.b);
+    });
+    for (std::size_t i = 0, next = 0; i < changed_features_.size(); i = next) {
+      const InputFeature<D>& f = changed_features_[i].first;
+      int net = 0;
+      for (next = i; next < changed_features_.size() && changed_features_[next].first == f;
+           ++next) {
+        net += changed_features_[next].second ? 1 : -1;
+      }
+      if (net == 0) continue;
+      Extent<D> box = Extent<D>::Nothing();
+      box.AddBall(f.p, 0);
+      box.AddBall(f.q, 0);
+      NotifyFromBeginning(
+          box,
+          [&](const Point& centre, double half) {
+            return geometry::MayMeetCube(centre, half * (1 + 1e-9), f.p, f.q);
+          },
+          [&](sac::OpId op) { return FeatureMatters(op, f, net > 0); });
+    }
+    changed_features_.clear();
+  }
+}
+
+template <int D, template <class> class E>
+bool Refinement<D, E>::FeatureMatters(sac::OpId op, const InputFeature<D>& feature,
+                                      bool appears) const {
+  if constexpr (kTraced) {
+    if (engine_.kind(op) != kPresplit) return false;
+    const Subsegment& s = subsegments_[engine_.item(op)];
+    if (!feature.IsDisjoint(s.whole_a, s.whole_b)) return false;
+    const Payload& payload = engine_.payload(op);
+    if (!appears) {
+      const auto reads = engine_.reads(op);
+      return payload.flag && Counts(Term::kTooNearVanishes) && reads[0] == feature.a &&
+             reads[1] == feature.b;
+    }
+    if (!Counts(payload.flag ? Term::kFeatureNearer : Term::kFeatureTooNear)) return false;
+    const Point middle = geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p);
+    const double d2 = geometry::SquaredDistance(middle, feature.p, feature.q);
+    return (!payload.flag || d2 <= payload.radius2) && IsTooNear(s, feature, d2);
+  }
+  return false;
+}
+
 // --- Sizing ---------------------------------------------------------------------------
 
 // What stands outside the time of the trace is there from the beginning or not at all. Tells those
@@ -356,7 +456,11 @@ void Refinement<D, E>::NotifyOfSizing(const SizingRegion<D>& region) {
 template <int D, template <class> class E>
 bool Refinement<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region) const {
   if constexpr (kTraced) {
-    if (engine_.kind(op) != kComplete || !Counts(Term::kOverSize)) return false;
+    if (!Counts(Term::kOverSize)) return false;
+    if (engine_.kind(op) == kPresplit) {
+      return !engine_.payload(op).flag && IsTooLong(subsegments_[engine_.item(op)], region);
+    }
+    if (engine_.kind(op) != kComplete) return false;
     const auto outputs = engine_.outputs(op);
     const bool made = std::any_of(outputs.begin(), outputs.end(),
                                   [](sac::Output o) { return WhatOf(o) == Made::kVertex; });
@@ -409,54 +513,36 @@ void Refinement<D, E>::HideSubsegment(SubsegmentIndex i) {
   s.place_count = 0;
 }
 
-// Tells those who read as of a time in (after, until], if s is exposed at all.
+// Notifies operations that read as of a time in (after, until], if s is exposed at all: those that
+// made a vertex in its ball, and those that yielded or were kept out, perhaps because of it. Most
+// operations did neither, and are not looked at.
 template <int D, template <class> class E>
 void Refinement<D, E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, sac::Stamp until) {
   if constexpr (kTraced) {
     const Subsegment& s = subsegments_[i];
     if (s.exposed == sac::kNoStamp || !engine_.AnyAfter(after)) return;
+    const Point &a = vertices_[s.a].p, &b = vertices_[s.b].p;
+    const Point middle = geometry::Midpoint(a, b);
     const double radius = RadiusOf(s);
-    const Point middle = geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p);
-    tree_.VisitCells({middle, radius * radius}, [&](sac::Place place) {
-      engine_.Notify(
-          place, sac::Parts{0}, after, until,
-          [this](sac::OpId op) { return AsksForSubsegments(op); },
-          [&](sac::OpId op) { return SubsegmentMatters(op, s); });
+    double r2 = radius * radius;
+    tree_.VisitBall(middle, r2, [&](std::uint32_t x, const Point& p, double) {
+      const sac::OpId maker = vertices_[x].creator;
+      if (maker == sac::kNoOp || x == s.a || x == s.b) return;
+      engine_.NotifyOperation(maker, after, until, [&](sac::OpId op) {
+        const bool complete = engine_.kind(op) == kComplete;
+        return Counts(complete ? Term::kOverSteinerPoint : Term::kOverMidpoint) &&
+               DiametralBallSign(a, b, p) <= 0;
+      });
+    });
+    tree_.VisitCells({middle, r2}, [&](sac::Place place) {
+      engine_.NotifyAttentive(place, after, until, [&](sac::OpId op) {
+        // Its candidate was in one of the balls read.
+        const double far = std::sqrt(engine_.payload(op).radius2) + radius;
+        return Counts(Term::kOverYieldedCandidate) &&
+               geometry::SquaredDistance(vertices_[engine_.item(op)].p, middle) <= far * far;
+      });
     });
   }
-}
-
-// Had it anything to insert? Most had not.
-template <int D, template <class> class E>
-bool Refinement<D, E>::AsksForSubsegments(sac::OpId op) const {
-  if constexpr (kTraced) {
-    return !engine_.outputs(op).empty() ||
-           (engine_.kind(op) == kComplete && engine_.payload(op).flag);
-  }
-  return false;
-}
-
-template <int D, template <class> class E>
-bool Refinement<D, E>::SubsegmentMatters(sac::OpId op, const Subsegment& s) const {
-  if constexpr (kTraced) {
-    const Point &a = vertices_[s.a].p, &b = vertices_[s.b].p;
-    const bool complete = engine_.kind(op) == kComplete;
-    if (engine_.kind(op) == kNearest) return false;
-    for (const sac::Output o : engine_.outputs(op)) {
-      if (WhatOf(o) != Made::kVertex) continue;
-      const VertexIndex x = IndexOf(o);
-      if (x == s.a || x == s.b) continue;
-      if (DiametralBallSign(a, b, vertices_[x].p) > 0) continue;
-      if (Counts(complete ? Term::kOverSteinerPoint : Term::kOverMidpoint)) return true;
-    }
-    if (!complete || !engine_.payload(op).flag || !Counts(Term::kOverYieldedCandidate))
-      return false;
-    // Where candidates were is not kept; it was in one of the balls read.
-    const double far =
-        std::sqrt(engine_.payload(op).radius2) + std::sqrt(geometry::SquaredDistance(a, b));
-    return geometry::SquaredDistance(vertices_[engine_.item(op)].p, a) <= far * far;
-  }
-  return false;
 }
 
 // --- Book-keeping ---------------------------------------------------------------------
@@ -479,6 +565,7 @@ template <int D, template <class> class E>
 VertexIndex Refinement<D, E>::NewVertex() {
   if (free_vertices_.empty()) {
     vertices_.emplace_back();
+    if (vertices_.size() > kMostElements) is_full_ = true;
     return static_cast<VertexIndex>(vertices_.size() - 1);
   }
   const VertexIndex v = free_vertices_.back();
@@ -491,6 +578,7 @@ template <int D, template <class> class E>
 SubsegmentIndex Refinement<D, E>::NewSubsegment() {
   if (free_subsegments_.empty()) {
     subsegments_.emplace_back();
+    if (subsegments_.size() > kMostElements) is_full_ = true;
     return static_cast<SubsegmentIndex>(subsegments_.size() - 1);
   }
   const SubsegmentIndex s = free_subsegments_.back();

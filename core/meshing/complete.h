@@ -28,11 +28,13 @@ namespace dynmesh::meshing {
 template <int D, template <class> class E>
 void Refinement<D, E>::Nearest(Context& context) {
   const VertexIndex v = context.item;
-  double d2 = NearestDistance2(context, v);
+  const Near nearest = NearestTo(context, v);
+  double d2 = nearest.d2;
   if (D == 3 && !facets_.empty()) d2 = FacetDistance2(v, d2);
   context.payload().radius2 = RoundedUp(d2);
   context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
   if constexpr (kTraced) {
+    if (nearest.v != kNil) context.Read(nearest.v);
     Extent<D> box = Extent<D>::Nothing();
     box.AddBall(vertices_[v].p, std::sqrt(d2) * (1 + 1e-9) + 2 * rules_.ulp());
     SubscribeBox(context, box);
@@ -79,7 +81,10 @@ void Refinement<D, E>::Complete(Context& context) {
       break;
     }
     if constexpr (D == 2) {
-      if (is_global() && by_edge() && ordinal == 0) gap_triangle_ = corners_[gap.corner].simplex;
+      if (is_global() && by_edge() && ordinal == 0) {
+        gap_triangle_ = corners_[gap.corner].simplex;
+        PrefetchBeyond(gap.corner);
+      }
     }
     const VertexIndex x =
         EmitVertex(context, gap.x, ordinal++, gap.facet == kNil ? D : 2, gap.facet);
@@ -98,6 +103,17 @@ void Refinement<D, E>::Complete(Context& context) {
     if (own > bucket && own < kBuckets - 1)
       context.Request(kComplete, v, MakeEpoch(own, 0, kQualityStep));
     RequestNeighbours(context);
+  }
+}
+
+// The cavity of the point in the gap of corner i begins with that corner's triangle. What is beyond
+// it and the two beside it is wanted next, and was not read for the star.
+template <int D, template <class> class E>
+void Refinement<D, E>::PrefetchBeyond(int i) const {
+  if constexpr (D == 2) {
+    for (const int k : {star_.Prev(i), i, star_.Next(i)}) {
+      triangulation_->PrefetchOpposite(corners_[k]);
+    }
   }
 }
 
@@ -230,10 +246,9 @@ bool Refinement<D, E>::IsBeyondBorder(int i) const {
 // then u has to look again, in the bucket of that distance.
 template <int D, template <class> class E>
 void Refinement<D, E>::RequestNeighbours(Context& context) {
-  const Vertex& v = vertices_[star_.vertex()];
-  if (v.epoch == kBirthOfInput) return;
+  if (vertices_[star_.vertex()].epoch == kBirthOfInput) return;
   star_.ForEachNeighbour([&](const auto& u) {
-    if (Star::IsGhost(u.id) || !IsOlder(vertices_[u.id], v)) return;
+    if (Star::IsGhost(u.id) || !IsOlder(u.id, star_.vertex())) return;
     bool nearest = true;
     star_.ForEachNeighbour([&](const auto& w) {
       nearest = nearest && (w.id == u.id || Star::IsGhost(w.id) ||
@@ -283,13 +298,27 @@ bool Refinement<D, E>::IsOpen() const {
 
 template <int D, template <class> class E>
 bool Refinement<D, E>::Owns(VertexIndex u) const {
-  return IsOlder(vertices_[u], vertices_[star_.vertex()]);
+  return IsOlder(u, star_.vertex());
+}
+
+// In a run from scratch indices tell, unless both are of the input or of the same segment work:
+// then u, which is anywhere in memory, need not be read.
+template <int D, template <class> class E>
+inline bool Refinement<D, E>::IsOlder(VertexIndex u, VertexIndex v) const {
+  if (NumbersByAge()) {
+    const sac::Epoch birth = vertices_[v].epoch;
+    if (IsQualityEpoch(birth) || (birth == kBirthOfInput && u >= first_made_)) {
+      assert((u < v) == IsOlder(vertices_[u], vertices_[v]));
+      return u < v;
+    }
+  }
+  return IsOlder(vertices_[u], vertices_[v]);
 }
 
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsOlder(const Vertex& u, const Vertex& v) const {
   if (u.epoch != v.epoch) return u.epoch < v.epoch;
-  if (u.epoch != kBirthOfInput && IsQualityEpoch(u.epoch)) {
+  if (IsQualityEpoch(u.epoch)) {
     if (u.birth != v.birth) return engine_.Precedes(u.birth, v.birth);
     return u.ordinal < v.ordinal;
   }

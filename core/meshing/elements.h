@@ -30,11 +30,13 @@ enum Procedure : sac::Kind {
   kCheck,     // a new subsegment: split it if it is encroached, else expose it
   kSplit,     // split it: somebody encroaches on it
   kRecheck,   // split it if it is encroached by now
+  kPresplit,  // a piece of a segment: halve it if a disjoint feature is too near, else check it
 };
 
 // Time. Epochs run through buckets, in each through rounds, in each through steps of
-// segment work and then the quality work. Bucket 0 is the input's: segments are
-// split until none is encroached, then every vertex asks for its nearest neighbour.
+// segment work and then the quality work. Bucket 0 is the input's: in round 0 segments are split
+// as the features near them ask, in round 1 until none is encroached; then every vertex asks for
+// its nearest neighbour.
 inline constexpr int kSubBits = 24, kRoundBits = 24;  // the bucket has 16
 inline constexpr std::uint64_t kQualityStep = (std::uint64_t{1} << kSubBits) - 1;
 
@@ -49,6 +51,10 @@ inline std::uint64_t StepOfEpoch(sac::Epoch e) { return e & kQualityStep; }
 inline bool IsQualityEpoch(sac::Epoch e) { return StepOfEpoch(e) == kQualityStep; }
 
 inline constexpr sac::Epoch kBirthOfInput = 0;
+// Of pieces that come of `depth` splits. Step 0 is the beginning.
+inline sac::Epoch PresplitEpoch(int depth = 0) {
+  return MakeEpoch(0, 0, static_cast<std::uint64_t>(depth) + 1);
+}
 inline sac::Epoch FirstCheckEpoch() { return MakeEpoch(0, 1, 0); }
 inline sac::Epoch NearestEpoch() { return MakeEpoch(0, 1, kQualityStep); }
 

@@ -18,6 +18,9 @@ enum class Term {
   kOverMidpoint,          // ... or holds the midpoint that a split made
   kDeathOfSubsegment,     // a subsegment dies earlier or later than before
   kOverSize,              // a sizing feature comes or goes that a ball read is too large for
+  kFeatureTooNear,        // a point or segment comes too near to a piece of a segment
+  kFeatureNearer,         // ... or nearer than the one that is
+  kTooNearVanishes,       // the one that is vanishes
   kOverFacet,             // a facet comes or goes that meets the balls read
   kCount,
 };

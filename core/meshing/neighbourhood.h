@@ -25,18 +25,18 @@ inline int DiametralBallSign(const geometry::Point<D>& a, const geometry::Point<
 // --- Balls --------------------------------------------------------------------------
 
 template <int D, template <class> class E>
-double Refinement<D, E>::NearestDistance2(Context& context, VertexIndex v) {
-  const Point& p = vertices_[v].p;
-  double best = INFINITY;
+typename Refinement<D, E>::Near Refinement<D, E>::NearestTo(Context& context, VertexIndex v) {
   if (triangulation_ != nullptr) {
-    if (nearest2_.empty()) FindAllNearest();
-    return nearest2_[v];
+    if (nearest_.empty()) FindAllNearest();
+    return nearest_[v];
   }
+  Near best;
   double r2 = INFINITY;
-  tree_.VisitBall(p, r2, [&](std::uint32_t id, const Point& q, double) {
-    if (id == v || !context.Sees(vertices_[id].birth)) return;
-    best = std::min(best, geometry::SquaredDistance(p, q));
-    r2 = best;
+  tree_.VisitBall(vertices_[v].p, r2, [&](std::uint32_t id, const Point&, double d2) {
+    // There may be very many as near as the nearest: one will do.
+    if (id == v || d2 >= best.d2 || !context.Sees(vertices_[id].birth)) return;
+    best = {d2, id};
+    r2 = d2;
   });
   return best;
 }
@@ -45,7 +45,7 @@ double Refinement<D, E>::NearestDistance2(Context& context, VertexIndex v) {
 // quicker than vertex by vertex in random order; nothing is inserted in that epoch.
 template <int D, template <class> class E>
 void Refinement<D, E>::FindAllNearest() {
-  nearest2_.assign(vertices_.size(), INFINITY);
+  nearest_.assign(vertices_.size(), {});
   triangulation_->ForEachSimplex([&](auto t) {
     const auto& corners = triangulation_->vertices(t);
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -53,8 +53,8 @@ void Refinement<D, E>::FindAllNearest() {
         const VertexIndex p = corners[i], q = corners[j];
         const double d2 =
             geometry::SquaredDistance(triangulation_->position(p), triangulation_->position(q));
-        nearest2_[p] = std::min(nearest2_[p], d2);
-        nearest2_[q] = std::min(nearest2_[q], d2);
+        if (d2 < nearest_[p].d2) nearest_[p] = {d2, q};
+        if (d2 < nearest_[q].d2) nearest_[q] = {d2, p};
       }
     }
   });

@@ -83,9 +83,8 @@ class PlanarGaps {
   Gap OfSize(VertexIndex v, const Point2& p, VertexIndex u, const Point2& q, double e2,
              VertexIndex w, const Point2& c) const {
     if (!IsTooLarge(p, q, c, e2)) return Gap::kNone;
-    const auto& vertices = r_.vertices_;
-    const VertexIndex younger = r_.IsOlder(vertices[v], vertices[u]) ? u : v;
-    const bool owned = r_.IsOlder(vertices[w], vertices[younger]);
+    const VertexIndex younger = r_.IsOlder(v, u) ? u : v;
+    const bool owned = r_.IsOlder(w, younger);
     return owned && !r_.IsSeditious(v, u) ? Gap::kCircumcenter : Gap::kNone;
   }
 

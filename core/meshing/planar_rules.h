@@ -21,8 +21,8 @@ class PlanarRules : public CommonRules<2> {
   // What is beyond edge pq on the side of c, (p, q, c) counter-clockwise: no gap,
   // or one too large for the edge, r > rho (1+h) e (edge criterion), and whether
   // its circumcenter is nearer than the off-center. Symmetric in p and q to the bit.
-  Gap GapAt(const geometry::Point2& p, const geometry::Point2& q, const geometry::Point2& c,
-            int bucket) const {
+  [[gnu::always_inline]] inline Gap GapAt(const geometry::Point2& p, const geometry::Point2& q,
+                                          const geometry::Point2& c, int bucket) const {
     const double px = p[0] - c[0], py = p[1] - c[1], qx = q[0] - c[0], qy = q[1] - c[1];
     const double cross = px * qy - py * qx;
     const double product = (px * px + py * py) * (qx * qx + qy * qy);
@@ -46,8 +46,9 @@ class PlanarRules : public CommonRules<2> {
   // The gap of edge pq, of squared length e2, that a point may be put into on the side of
   // c, (p, q, c) counter-clockwise; without a c the view ends there, and the off-center
   // fits. d, if there is one, is the apex on the other side.
-  Gap GapOfEdge(const geometry::Point2& p, const geometry::Point2& q, double e2,
-                const geometry::Point2* c, const geometry::Point2* d) const {
+  [[gnu::always_inline]] inline Gap GapOfEdge(const geometry::Point2& p, const geometry::Point2& q,
+                                              double e2, const geometry::Point2* c,
+                                              const geometry::Point2* d) const {
     if (e2 < least_squared_length_) return Gap::kNone;
     const Gap gap = c == nullptr ? Gap::kOffCenter : GapAt(p, q, *c, BucketOf(e2));
     return gap != Gap::kNone && d != nullptr && BeginsBeyond(p, q, *d) ? Gap::kNone : gap;

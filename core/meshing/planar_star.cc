@@ -28,8 +28,32 @@ void PlanarStar::ComputeCorner(int i) {
   a.error = 2e-15 * s * (1 + 2 * la * lb * scale);
 }
 
+// Is plainly no corner in conflict with q? Half of those asked about are in none, and mostly it is
+// plain from how far the corners reach towards q. If not, *at is the one that reaches farthest. In
+// one pass without a branch; of corners of which nothing is known it is never plain.
+bool PlanarStar::IsClearOfCorners(const Point2& q, int* at) const {
+  const double x = q[0] - p_[0], y = q[1] - p_[1];
+  // The error of Conflicts, and once more for the other order of the sums.
+  const double near2 = (x * x + y * y) * (1 - 8e-15), slack = 2 * (std::fabs(x) + std::fabs(y));
+  double farthest = -INFINITY;
+  bool is_clear = true;
+  for (int i = 0; i < size(); ++i) {
+    const Neighbour& n = ring_[i];
+    const double reach = n.w[0] * x + n.w[1] * y;
+    *at = reach > farthest ? i : *at;
+    farthest = reach > farthest ? reach : farthest;
+    is_clear &= 2 * (reach + n.error * slack) < near2;
+  }
+  return is_clear;
+}
+
 // A corner in conflict with q, or -1.
-int PlanarStar::FirstConflict(const Point2& q) const {
+int PlanarStar::FindConflict(const Point2& q) const {
+  if (is_closed_) {
+    int at = 0;
+    if (IsClearOfCorners(q, &at)) return -1;
+    if (ring_[at].error < INFINITY && Conflicts(at, q)) return at;
+  }
   const int sector = SectorOf(
       size(), [this](int i) { return std::pair(ring_[i].d[0], ring_[i].d[1]); }, q[0] - p_[0],
       q[1] - p_[1]);
@@ -42,7 +66,7 @@ int PlanarStar::FirstConflict(const Point2& q) const {
 
 bool PlanarStar::Insert(Id u, const Point2& q) {
   // The corners in conflict are consecutive. Find one, then both ends of the run.
-  int first = FirstConflict(q);
+  int first = FindConflict(q);
   if (first < 0) return false;
   int last = first;
   while (Prev(first) != last && Conflicts(Prev(first), q)) first = Prev(first);

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -45,6 +46,7 @@ class PlanarStar {
     v_ = v;
     p_ = p;
     reach_ = reach;
+    is_closed_ = true;
     ring_.clear();
     for (int k = 0; k < 4; ++k) Push(kFirstGhost + k, Ghost(p, reach, k));
     for (int i = 0; i < 4; ++i) ComputeCorner(i);
@@ -61,6 +63,7 @@ class PlanarStar {
     v_ = v;
     p_ = p;
     reach_ = reach;
+    is_closed_ = false;
     ring_.clear();
   }
   void Append(Id u, const Point2& q) { Push(u, q); }
@@ -69,6 +72,7 @@ class PlanarStar {
   }
   // False if two neighbours in a row are half a turn or more apart: this is no star yet.
   bool Close() {
+    is_closed_ = true;
     bool proper = size() >= 3;
     for (int i = 0; i < size(); ++i) {
       ComputeCorner(i);
@@ -108,18 +112,27 @@ class PlanarStar {
   // the corner of its sector does not conflict with it, none does.
   template <class Direction>
   static int SectorOf(int count, Direction direction, double x, double y) {
-    const auto side = [&](int i) {
-      const auto [dx, dy] = direction(i);
-      const double left = dx * y, right = dy * x;
-      const double cross = left - right;
-      return std::fabs(cross) > 1e-15 * (std::fabs(left) + std::fabs(right)) ? cross : 0;
-    };
-    double at = side(0);
-    for (int i = 0; i < count; ++i) {
-      const double next = side(i + 1 == count ? 0 : i + 1);
-      if (at == 0) return -1;
-      if (at > 0 && next < 0) return i;
-      at = next;
+    // On which side of each direction it lies, a bit for each, the first highest: as good as
+    // random, so without branches. The last of a block, and of all, begins what follows.
+    constexpr int kBlock = 63;
+    for (int from = 0; from < count; from += kBlock) {
+      const int sectors = std::min(kBlock, count - from);
+      std::uint64_t to_left = 0, to_right = 0;
+      const auto add = [&](int i) {
+        const auto [dx, dy] = direction(i);
+        const double left = dx * y, right = dy * x;
+        const double cross = left - right;
+        const double bound = 1e-15 * (std::fabs(left) + std::fabs(right));
+        to_left = 2 * to_left + static_cast<std::uint64_t>(cross > bound);
+        to_right = 2 * to_right + static_cast<std::uint64_t>(cross < -bound);
+      };
+      for (int i = from; i < from + sectors; ++i) add(i);
+      add(from + sectors == count ? 0 : from + sectors);
+      // By a sector's first direction: is the point between its two? Can it not be said?
+      const std::uint64_t found = to_left & to_right << 1;
+      const std::uint64_t unsure = ~(to_left | to_right) & ((std::uint64_t{2} << sectors) - 2);
+      if (unsure > found) return -1;  // it is earlier, or there is none found
+      if (found != 0) return from + sectors - std::bit_width(found) + 1;
     }
     return -1;
   }
@@ -173,11 +186,13 @@ class PlanarStar {
     ring_.push_back({u, q, {dx, dy}, dx * dx + dy * dy, {0, 0}, INFINITY, INFINITY, false});
   }
   void ComputeCorner(int i);
-  int FirstConflict(const Point2& q) const;
+  bool IsClearOfCorners(const Point2& q, int* at) const;
+  int FindConflict(const Point2& q) const;
 
   Id v_ = 0;
   Point2 p_ = {};
   double reach_ = 0;
+  bool is_closed_ = false;  // are corners known?
   std::vector<Neighbour> ring_, kept_;
 };
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <utility>
 
+#include "core/meshing/anchors.h"
 #include "core/meshing/changes.h"
 #include "core/meshing/complete.h"
 #include "core/meshing/facet_work.h"
@@ -34,6 +35,7 @@ Refinement<D, E>::Refinement(const MeshOptions& options, Triangulation* triangul
       triangulation_(triangulation),
       tree_(rules_.lo(), rules_.hi()),
       sizing_(rules_.lo(), rules_.hi()),
+      features_(rules_.lo(), rules_.hi()),
       facets_(FacetBox(rules_.lo()), FacetBox(rules_.hi())),
       engine_(*this) {
   AddBox();
@@ -42,6 +44,7 @@ Refinement<D, E>::Refinement(const MeshOptions& options, Triangulation* triangul
     for (int k = 0; k < D; ++k) box.lo[k] = options.box.lo[k], box.hi[k] = options.box.hi[k];
     box.target = options.max_edge;
     sizing_.Add(box);
+    AddSize(box);
   }
 }
 
@@ -142,6 +145,7 @@ VertexIndex Refinement<D, E>::AddPoint(const Point& p, FeatureSlot feature) {
   MarkChanged(v);
   if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
   if (!is_global() || !box_only_) tree_.Insert(v, p);
+  if (indexes_features_ && feature != kNil) AddFeature(FeatureOf(v, v));
   if constexpr (D == 2) {
     if (triangulation_ != nullptr && !triangulation_->Contains(v)) {
       triangulation_->Insert(v, p, near_);
@@ -162,6 +166,7 @@ VertexIndex Refinement<D, E>::AddPoint(const Point& p, FeatureSlot feature) {
 template <int D, template <class> class E>
 void Refinement<D, E>::RemovePoint(VertexIndex v) {
   if constexpr (kTraced) {
+    if (indexes_features_) RemoveFeature(FeatureOf(v, v));
     engine_.Unrequest(kNearest, v, NearestEpoch());
     WithdrawVertex(v, engine_.beginning());
     released_vertices_.push_back(v);
@@ -175,7 +180,10 @@ SubsegmentIndex Refinement<D, E>::AddSegment(VertexIndex a, VertexIndex b, Featu
     // The tree was not needed so far; subsegments are found through it.
     for (VertexIndex v = 0; v < vertices_.size(); ++v) tree_.Insert(v, vertices_[v].p);
   }
-  if (feature != 0) box_only_ = false;
+  if (feature != 0) {
+    box_only_ = false;
+    IndexFeatures();
+  }
   const SubsegmentIndex s = NewSubsegment();
   Subsegment& sub = subsegments_[s];
   // One direction whatever the client's, so that rounding and hashes agree.
@@ -186,14 +194,21 @@ SubsegmentIndex Refinement<D, E>::AddSegment(VertexIndex a, VertexIndex b, Featu
     sub.piece = Piece::Whole(shape, LengthOf(vertices_[a].p, vertices_[b].p));
   }
   sub.feature = feature;
-  engine_.Request(kCheck, s, FirstCheckEpoch());
+  // No feature is near the sides of the domain (DomainBox).
+  if (feature == 0) {
+    engine_.Request(kCheck, s, FirstCheckEpoch());
+  } else {
+    AddFeature(FeatureOf(sub.a, sub.b));
+    engine_.Request(kPresplit, s, PresplitEpoch());
+  }
   return s;
 }
 
 template <int D, template <class> class E>
 void Refinement<D, E>::RemoveSegment(SubsegmentIndex s) {
   if constexpr (kTraced) {
-    engine_.Unrequest(kCheck, s, FirstCheckEpoch());
+    RemoveFeature(FeatureOf(subsegments_[s].a, subsegments_[s].b));
+    engine_.Unrequest(kPresplit, s, PresplitEpoch());
     released_subsegments_.push_back(s);
   }
 }
@@ -201,6 +216,7 @@ void Refinement<D, E>::RemoveSegment(SubsegmentIndex s) {
 template <int D, template <class> class E>
 typename SizingField<D>::Index Refinement<D, E>::AddSizing(const SizingRegion<D>& region) {
   const auto index = sizing_.Add(region);
+  AddSize(region);
   NotifyOfSizing(region);
   return index;
 }
@@ -208,6 +224,7 @@ typename SizingField<D>::Index Refinement<D, E>::AddSizing(const SizingRegion<D>
 template <int D, template <class> class E>
 void Refinement<D, E>::RemoveSizing(typename SizingField<D>::Index index) {
   NotifyOfSizing(sizing_[index]);
+  RemoveSize(sizing_[index]);
   sizing_.Remove(index);
 }
 
@@ -250,6 +267,9 @@ void Refinement<D, E>::Execute(Context& context) {
     case kSplit:
       near_ = subsegments_[context.item].a;
       return Split(context);
+    case kPresplit:
+      near_ = subsegments_[context.item].a;
+      return Presplit(context);
   }
 }
 
@@ -291,7 +311,7 @@ void Refinement<D, E>::RequestFirstGaps() {
         const auto across = triangulation_->Opposite({t, i});
         const int bucket =
             gaps.BucketOf(p, q, v[i], triangulation_->vertices(across.simplex)[across.index]);
-        auto& owners = first[IsOlder(vertices_[p], vertices_[q]) ? q : p];
+        auto& owners = first[IsOlder(p, q) ? q : p];
         owners = std::min(owners, static_cast<std::uint16_t>(bucket));
       }
     });
@@ -299,12 +319,12 @@ void Refinement<D, E>::RequestFirstGaps() {
     const TetrahedronGaps gaps(*this);
     triangulation_->ForEachSimplex([&](auto t) {
       const auto& corners = triangulation_->vertices(t);
-      const double r2 = gaps.MostRadius2(corners);
+      const double r2 = gaps.MostRadius2(t);
       for (int i = 0; i < 4; ++i) {
         for (int j = 0; j < i; ++j) {
           const int bucket = gaps.BucketOf(corners[i], corners[j], r2);
           if (bucket == kBuckets) continue;
-          const bool older = IsOlder(vertices_[corners[i]], vertices_[corners[j]]);
+          const bool older = IsOlder(corners[i], corners[j]);
           auto& owners = first[corners[older ? j : i]];
           owners = std::min(owners, static_cast<std::uint16_t>(bucket));
         }
@@ -339,7 +359,7 @@ void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
     for (const auto t : created) {
       if (triangulation_->IsInfinite(t)) continue;
       const auto& corners = triangulation_->vertices(t);
-      const double r2 = gaps.MostRadius2(corners);
+      const double r2 = gaps.MostRadius2(t);
       for (int i = 0; i < 3; ++i) first = std::min(first, gaps.BucketOf(v, corners[i], r2));
     }
   }
@@ -352,32 +372,45 @@ void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
 // All that was added, in an order that is quick. Where there are many tetrahedra to a vertex,
 // as between curves, there would be more still: neighbourhoods are then found without.
 template <int D, template <class> class E>
-void Refinement<D, E>::FillTriangulation() {
+bool Refinement<D, E>::FillTriangulation(absl::FunctionRef<bool()> interrupt) {
   if constexpr (D == 3) {
-    if (triangulation_ == nullptr || pending_.empty()) return;
+    if (triangulation_ == nullptr || pending_.empty()) return true;
     // Gaps are looked for in a triangulation tetrahedron by tetrahedron, facets are not.
-    if (!facets_.empty()) return LeaveTriangulation();
-    constexpr std::size_t kMostPerVertex = 16, kFirst = 512;
+    if (!facets_.empty()) {
+      LeaveTriangulation();
+      return true;
+    }
+    constexpr std::size_t kMostPerVertex = 16, kFirst = 512, kAtOnce = 2048;
     std::vector<VertexIndex> part;
     std::vector<Point> places;
-    // By random rounds, each as large as all before it: few points tell.
+    // By random rounds, each as large as all before it: few points tell. By a hash of the rank, as
+    // coordinates are a client's to choose.
     const int rounds = std::bit_width(pending_.size() / kFirst);
     for (int round = rounds; round >= 0; --round) {
       part.clear();
       places.clear();
-      for (const VertexIndex v : pending_) {
-        if (std::min(std::countl_zero(geometry::HashOf(vertices_[v].p)), rounds) != round) continue;
+      for (std::size_t rank = 0; rank < pending_.size(); ++rank) {
+        if (std::min(std::countl_zero(geometry::Mix(rank)), rounds) != round) continue;
+        const VertexIndex v = pending_[rank];
         part.push_back(v);
         places.push_back(vertices_[v].p);
       }
-      triangulation_->InsertAll(part, places);
-      if (triangulation_->simplex_count() >
-          kMostPerVertex * triangulation_->vertex_count() + 10'000) {
-        return LeaveTriangulation();
+      for (std::size_t from = 0; from < part.size(); from += kAtOnce) {
+        if (interrupt()) return false;
+        const std::size_t count = std::min(kAtOnce, part.size() - from);
+        triangulation_->InsertAll(std::span(part).subspan(from, count),
+                                  std::span(places).subspan(from, count));
+      }
+      if (triangulation_->is_full() ||
+          triangulation_->simplex_count() >
+              kMostPerVertex * triangulation_->vertex_count() + 10'000) {
+        LeaveTriangulation();
+        return true;
       }
     }
     pending_.clear();
   }
+  return true;
 }
 
 template <int D, template <class> class E>
@@ -404,7 +437,8 @@ std::size_t Refinement<D, E>::trace_bytes() const {
 template <int D, template <class> class E>
 std::size_t Refinement<D, E>::bytes() const {
   return vertices_.size() * sizeof(Vertex) + subsegments_.capacity() * sizeof(Subsegment) +
-         tree_.bytes() + sizing_.bytes() + facets_.bytes();
+         tree_.bytes() + sizing_.bytes() + features_.bytes() + facets_.bytes() +
+         anchors_.capacity() * (sizeof(typename decltype(anchors_)::value_type) + 1);
 }
 
 template <int D, template <class> class E>
@@ -462,7 +496,7 @@ std::uint64_t Refinement<D, E>::Audit(std::vector<std::string>* problems) const 
     std::size_t present = 0, inputs = 0;
     for (const Vertex& v : vertices_) {
       present += v.present;
-      inputs += v.present && v.dimension == 0;
+      inputs += v.present && v.creator == sac::kNoOp;
     }
     if (present != vertex_count_) problems->push_back("vertices present are not those counted");
     if (present != made + inputs) problems->push_back("a vertex is present that nobody made");

@@ -2,7 +2,8 @@
 // segments it makes the vertices and subsegments of a quality mesh, bottom up
 // (ChooseSteiners, Figs. 4.10, 5.6, 6.2), and keeps them when the input changes.
 //
-//   segments.h    Check, Split: no subsegment is encroached (rule b)
+//   segments.h    Presplit, Check, Split: no subsegment is encroached (rule b)
+//   anchors.h     vertices of areas with a target length that are there from the beginning
 //   complete.h    Complete: no edge has a gap (rule a, either criterion), yielding (c)
 //   facet_work.h  in space: no vertex has a part of a facet that it is not on (rule b)
 //   planar_gaps.h, space_gaps.h   which gap an edge has
@@ -25,6 +26,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,12 +34,17 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
+#include "absl/functional/function_ref.h"
 #include "core/base/huge_pages.h"
 #include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/mesh/delaunay_triangulation.h"
+#include "core/meshing/anchor_lattice.h"
 #include "core/meshing/cell_cut.h"
+#include "core/meshing/corner_set.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/facet_field.h"
+#include "core/meshing/input_features.h"
 #include "core/meshing/planar_rules.h"
 #include "core/meshing/sizing_field.h"
 #include "core/meshing/space_rules.h"
@@ -110,12 +117,19 @@ class Refinement {
   // if it says true, false is returned. See sac::Engine::Propagate.
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
-    if constexpr (D == 3) FillTriangulation();
+    if (!UpdateAnchors(interrupt)) return false;
+    if constexpr (D == 3) {
+      if (!FillTriangulation(interrupt)) return false;
+    }
     if constexpr (!kTraced) BeginUntraced();
+    NotifyOfFeatures();
     NotifyOfFacets();
+    if constexpr (kTraced) numbers_by_age_ = engine_.IsFromScratch() && free_vertices_.empty();
+    first_made_ = static_cast<VertexIndex>(vertices_.size());
     const bool done = engine_.Propagate(interrupt);
+    numbers_by_age_ = false;
     if (done) appeared_.clear();
-    nearest2_ = std::vector<double>();
+    nearest_ = std::vector<Near>();
     return done;
   }
 
@@ -152,6 +166,19 @@ class Refinement {
       if (InMesh(s)) f(s);
     }
   }
+  // The same for what was in the mesh when changes were last taken, at any time.
+  template <class F>
+  void ForEachTakenVertex(F f) const {
+    for (VertexIndex v = 0; v < vertices_.size(); ++v) {
+      if (vertices_[v].in_mesh) f(v, vertices_[v]);
+    }
+  }
+  template <class F>
+  void ForEachTakenSubsegment(F f) const {
+    for (const Subsegment& s : subsegments_) {
+      if (s.in_mesh) f(s);
+    }
+  }
   // Calls f(u) for vertices u near v, until it says true.
   template <class F>
   void ForSomeNeighbours(VertexIndex v, F f) const {
@@ -169,7 +196,22 @@ class Refinement {
 
   // Was an insertion or a split refused because it would be finer than limits allow?
   bool hit_depth_limit() const { return hit_depth_limit_; }
-  void ForgetDepthLimit() { hit_depth_limit_ = false; }
+  void ForgetDepthLimit() { hit_depth_limit_ = is_full_ = false; }
+  // Are there as many vertices or subsegments as there may be, or simplices? From then on what is
+  // made is to be undone, which may take as many more vertices and subsegments as there were
+  // before: outputs have 30 bits for them.
+  bool is_full() const { return is_full_; }
+  static constexpr std::size_t kMostElements = std::size_t{1} << 29;
+  // Where the operation is that limits stopped (sac::EngineLimits), if one did.
+  std::optional<Point> OverflowAt() const {
+    if constexpr (kTraced) {
+      const sac::OpId op = engine_.overflowed();
+      if (op == sac::kNoOp) return std::nullopt;
+      const sac::Item item = engine_.item(op);
+      return vertices_[engine_.kind(op) <= kComplete ? item : subsegments_[item].a].p;
+    }
+    return std::nullopt;
+  }
 
   // In space: who is on which facet (facet_work.h).
   const FacetField& facets() const { return facets_; }
@@ -196,6 +238,11 @@ class Refinement {
     return const_cast<Refinement*>(this)->OperationsOf(kind, item);
   }
   void Execute(Context& context);
+  // Does it matter to the operation which subsegments are visible, beside those whose balls hold
+  // what it made? Where its candidates were is not kept.
+  static bool IsAttentive(sac::Kind kind, const Payload& payload) {
+    return kind == kComplete && payload.flag;
+  }
   static constexpr int kPrefetchSteps = Triangulation::kPrefetchSteps;
   void Prefetch(sac::Kind kind, sac::Item item, int step) const;
   void Publish(sac::Output output, sac::Stamp at);
@@ -227,9 +274,16 @@ class Refinement {
   void AddCube();
 
   // segments.h
+  void Presplit(Context& context);
   void Check(Context& context);
   void Split(Context& context);
   void SplitInto(Context& context, SubsegmentIndex s);
+  std::pair<VertexIndex, std::array<SubsegmentIndex, 2>> EmitHalves(Context& context,
+                                                                    SubsegmentIndex s);
+  bool IsTooLong(const Subsegment& s) const;
+  bool IsTooLong(const Subsegment& s, const SizingRegion<D>& region) const;
+  bool IsTooNear(const Subsegment& s, const InputFeature<D>& feature, double d2) const;
+  std::optional<InputFeature<D>> NearestTooNear(const Subsegment& s, double* d2) const;
   bool CanSplit(const Subsegment& s) const;
   bool IsGuarded(const Subsegment& s, int bucket) const;
   VertexIndex EmitVertex(Context& context, const Point& p, int ordinal, int dimension,
@@ -265,7 +319,12 @@ class Refinement {
   void RequestNeighbours(Context& context);
   bool IsSkipped(const Point& neighbour, bool left) const;
   bool Owns(VertexIndex u) const;
+  [[gnu::always_inline]] inline bool IsOlder(VertexIndex u, VertexIndex v) const;
   bool IsOlder(const Vertex& u, const Vertex& v) const;
+  // Do vertices made later have greater indices? In a run from scratch: operations come in the
+  // order of time, and no index is used twice.
+  bool NumbersByAge() const { return !kTraced || numbers_by_age_; }
+  void PrefetchBeyond(int i) const;
   int NextBucket(int bucket) const;
   void RequestFirstComplete(Context& context, VertexIndex x, double d2);
   sac::Epoch NoEarlierThan(sac::Epoch now, VertexIndex v, VertexIndex x, int own) const;
@@ -289,6 +348,7 @@ class Refinement {
 
   // idle_star.h
   bool ReadIdleStar(Context& context, VertexIndex v, double reach);
+  bool AddBallsOfLink(StarRegion<D>* region, double* doubt) const;
   bool MayHaveGap(VertexIndex v) const;
 
   // star_search.h
@@ -306,7 +366,7 @@ class Refinement {
     return geometry::SquaredDistance(vertices_[u].p, star_.position());
   }
   bool UpdateStar(Context& context, VertexIndex v, double reach);
-  using Corner = std::array<std::uint32_t, D>;  // its neighbours
+  using Corner = typename CornerSet<D>::Corner;  // its neighbours
   static Corner Turned(Corner ids);
   bool RebuildStar(Context& context, VertexIndex v, double reach,
                    std::span<const std::uint32_t> ids);
@@ -320,7 +380,11 @@ class Refinement {
   bool VerifyCorner(Context& context, int i);
 
   // neighbourhood.h
-  double NearestDistance2(Context& context, VertexIndex v);
+  struct Near {
+    double d2 = INFINITY;  // squared distance
+    VertexIndex v = kNil;  // any one at that distance
+  };
+  Near NearestTo(Context& context, VertexIndex v);
   void FindAllNearest();
   bool FindEncroaching(Context& context, SubsegmentIndex s);
   bool FindHiding(const Subsegment& sub);
@@ -336,11 +400,12 @@ class Refinement {
   VertexIndex NewVertex();
   SubsegmentIndex NewSubsegment();
   void PublishVertex(VertexIndex v, sac::Stamp at);
-  void InsertIntoTriangulation(VertexIndex v);
+  bool InsertIntoTriangulation(VertexIndex v);
   void WithdrawVertex(VertexIndex v, sac::Stamp at);
   void MovePlaces(std::uint32_t first_child, std::uint32_t parent);
   void NotifyOfVertex(VertexIndex v, bool appears, sac::Stamp at);
   bool VertexMatters(sac::OpId op, VertexIndex v, bool appears) const;
+  bool NearestMatters(sac::OpId op, VertexIndex v, bool appears) const;
   bool ConflictsWithStar(sac::OpId op, const Point& y) const;
   Point PlaceOf(std::uint32_t id, const Point& p, double reach) const;
   bool ConflictsWithRing(std::span<const std::uint32_t> ring, const Point& p, double reach,
@@ -351,10 +416,25 @@ class Refinement {
   bool ConflictsWithLink(std::span<const std::uint32_t> words, const Point& p, double reach,
                          const Point& y) const;
   void NotifyOfSubsegment(SubsegmentIndex s, sac::Stamp after, sac::Stamp until);
-  bool AsksForSubsegments(sac::OpId op) const;
-  bool SubsegmentMatters(sac::OpId op, const Subsegment& s) const;
   template <class Keep, class Matters>
   void NotifyFromBeginning(const Extent<D>& box, Keep keep, Matters matters);
+  // anchors.h
+  using Lattice = AnchorLattice<D>;
+  bool IsAnchor(int level, double spacing, const Point& x) const;
+  bool AnySizeOfLevel(int level, const Point& centre, double radius) const;
+  void AddSize(const SizingRegion<D>& region);
+  void RemoveSize(const SizingRegion<D>& region);
+  bool UpdateAnchors(absl::FunctionRef<bool()> interrupt);
+  void DecideAnchor(int level, const Lattice& lattice, const typename Lattice::Index& index,
+                    const Point& x);
+  VertexIndex AddAnchor(const Point& p);
+
+  void IndexFeatures();
+  InputFeature<D> FeatureOf(VertexIndex a, VertexIndex b) const;
+  void AddFeature(const InputFeature<D>& feature);
+  void RemoveFeature(const InputFeature<D>& feature);
+  void NotifyOfFeatures();
+  bool FeatureMatters(sac::OpId op, const InputFeature<D>& feature, bool appears) const;
   void NotifyOfSizing(const SizingRegion<D>& region);
   bool SizingMatters(sac::OpId op, const SizingRegion<D>& region) const;
   void SetExposed(SubsegmentIndex s, sac::Stamp at);
@@ -363,7 +443,7 @@ class Refinement {
   void MarkChanged(VertexIndex v);
   void MarkSubsegmentChanged(SubsegmentIndex s);
   void BeginUntraced();
-  void FillTriangulation();
+  bool FillTriangulation(absl::FunctionRef<bool()> interrupt);
   void LeaveTriangulation();
   void RequestFirstGaps();
   void RequestFirstGap(VertexIndex v);
@@ -374,7 +454,14 @@ class Refinement {
   Triangulation* triangulation_;
   SpatialTree<D> tree_;
   SizingField<D> sizing_;
-  FacetField facets_;                       // empty in the plane
+  InputFeatures<D> features_;  // of the input; none as long as there are points only
+  bool indexes_features_ = false;
+  std::map<int, int> levels_;  // of sizing regions: how many of each
+  absl::flat_hash_map<std::pair<int, typename AnchorLattice<D>::Index>, VertexIndex> anchors_;
+  bool had_sizes_ = false;  // at the last Propagate
+  std::vector<SizingRegion<D>> changed_sizes_;  // came or went since the last Propagate
+  std::vector<std::pair<InputFeature<D>, bool>> changed_features_;  // since the last Propagate
+  FacetField facets_;                                               // empty in the plane
   std::vector<FacetPlace> changed_facets_;  // came or went since the last Propagate
   LargeVector<Vertex> vertices_;
   LargeVector<Subsegment> subsegments_;
@@ -383,14 +470,17 @@ class Refinement {
   std::size_t vertex_count_ = 0;
   bool box_only_ = true;  // no client segment has ever been added
   bool hit_depth_limit_ = false;
+  bool is_full_ = false;
   bool looked_for_gaps_ = false;
-  VertexIndex near_ = 0;  // a vertex near where things are published
+  bool numbers_by_age_ = false;
+  VertexIndex first_made_ = 0;  // the input's vertices are below
+  VertexIndex near_ = 0;        // a vertex near where things are published
   // The triangle with the gap that the first vertex to be published fills, if it is known.
   std::uint32_t gap_triangle_ = Triangulation::kNone;
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
 
   std::uint64_t nearest_run_ = 0;
-  std::vector<double> nearest2_;  // in a run from scratch: by vertex, when first asked for
+  std::vector<Near> nearest_;  // in a run from scratch: by vertex, when first asked for
 
   // Published since the last propagation that was completed.
   std::vector<VertexIndex> appeared_;
@@ -404,7 +494,7 @@ class Refinement {
   std::vector<SubsegmentIndex> encroached_;
   std::vector<bool> encroached_strictly_;
   std::vector<VertexIndex> witnesses_, on_surface_, far_;
-  std::vector<Corner> old_corners_;
+  CornerSet<D> old_corners_;
   std::vector<std::uint32_t> offers_;
   std::vector<std::pair<double, std::uint32_t>> by_distance_;
   std::vector<typename SpatialTree<D>::Ball> balls_;

@@ -1,4 +1,13 @@
-// Segment work: rule (b) as a fixed point. A subsegment is *encroached* when its open
+// Segment work: first by the features alone, then rule (b) as a fixed point.
+//
+// A piece of a segment is split *beforehand* if a feature that is disjoint from the segment is too
+// near: it meets the open ball about the piece's middle, or is nearer to the piece than an eighth
+// of its length. It is Disencroach (Fig. 5.5) by the features instead of by the cells of BuildQT:
+// pieces that remain are no longer than 8 times the local feature size. What features far away do
+// to a segment has no say, so an edit changes the pieces near it alone; and as no ball of a piece
+// holds a vertex of a disjoint feature, splits of one segment do not make others be split in turn.
+//
+// Then rule (b). A subsegment is *encroached* when its open
 // diametral ball holds a vertex, or when a tie on the ball's surface keeps it out of
 // the Delaunay triangulation; it is then split, in the middle if nothing speaks against it.
 //
@@ -15,9 +24,92 @@
 
 #include "core/geometry/angles.h"
 #include "core/geometry/constructions.h"
+#include "core/geometry/segment_distance.h"
 #include "core/meshing/refinement.h"
 
 namespace dynmesh::meshing {
+
+template <int D, template <class> class E>
+void Refinement<D, E>::Presplit(Context& context) {
+  const SubsegmentIndex s = context.item;
+  const Subsegment& sub = subsegments_[s];
+  double d2 = 0;
+  const auto feature = NearestTooNear(sub, &d2);
+  context.payload().flag = feature.has_value();
+  context.payload().radius2 = feature ? RoundedUp(d2) : 0;
+  if constexpr (kTraced) {
+    const Point &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
+    const double reach =
+        feature ? std::sqrt(d2) : 0.625 * std::sqrt(geometry::SquaredDistance(a, b));
+    Extent<D> box = Extent<D>::Nothing();
+    box.AddBall(geometry::Midpoint(a, b), reach * (1 + 1e-6) + 2 * rules_.ulp());
+    SubscribeBox(context, box);
+    if (feature) context.Read(feature->a), context.Read(feature->b);
+  }
+  if (!(feature || IsTooLong(sub)) || !CanSplit(sub)) {
+    return context.Request(kCheck, s, FirstCheckEpoch());
+  }
+  const auto [v, halves] = EmitHalves(context, s);
+  const sac::Epoch next = PresplitEpoch(subsegments_[halves[0]].depth);
+  for (const SubsegmentIndex half : halves) context.Request(kPresplit, half, next);
+  context.Request(kNearest, v, NearestEpoch());
+}
+
+// Is s too long for a sizing region that its ball meets? Pieces that are not keep anchors out of
+// their balls (anchors.h).
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsTooLong(const Subsegment& s, const SizingRegion<D>& region) const {
+  constexpr double kMost = 1.3;  // in targets
+  const Point &a = vertices_[s.a].p, &b = vertices_[s.b].p;
+  const double length = std::sqrt(geometry::SquaredDistance(a, b));
+  return length > kMost * region.target && region.Meets(geometry::Midpoint(a, b), 0.5 * length);
+}
+
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsTooLong(const Subsegment& s) const {
+  if (sizing_.empty()) return false;
+  const Point &a = vertices_[s.a].p, &b = vertices_[s.b].p;
+  return sizing_.Any(geometry::Midpoint(a, b), 0.5 * std::sqrt(geometry::SquaredDistance(a, b)),
+                     [&](const SizingRegion<D>& region) { return IsTooLong(s, region); });
+}
+
+// A function of coordinates to the bit. d2: the feature's squared distance from the middle of s.
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsTooNear(const Subsegment& s, const InputFeature<D>& feature,
+                                 double d2) const {
+  const Point &a = vertices_[s.a].p, &b = vertices_[s.b].p;
+  const double length2 = geometry::SquaredDistance(a, b);
+  return 4 * d2 < length2 || 64 * geometry::SquaredDistance(a, b, feature.p, feature.q) < length2;
+}
+
+// Of the features that are too near the one nearest to the middle of s: by packing a feature is
+// that of few pieces of a length. d2: its squared distance from the middle.
+template <int D, template <class> class E>
+std::optional<InputFeature<D>> Refinement<D, E>::NearestTooNear(const Subsegment& s,
+                                                                double* d2) const {
+  const Point &a = vertices_[s.a].p, &b = vertices_[s.b].p;
+  const Point middle = geometry::Midpoint(a, b);
+  const double length = std::sqrt(geometry::SquaredDistance(a, b));
+  std::optional<InputFeature<D>> nearest;
+  double least2 = 0.391 * length * length;  // (5/8)^2, rounded up
+  features_.VisitNear(
+      middle, least2, {s.whole_a, s.whole_b},
+      [&](const Point& centre, double half) {
+        const double reach = half * std::sqrt(double{D}) * (1 + 1e-6) + rules_.ulp();
+        const double in_ball = 0.5 * length + reach, near = 0.125 * length + reach;
+        return geometry::SquaredDistance(centre, middle) < in_ball * in_ball ||
+               geometry::SquaredDistance(centre, a, b) < near * near;
+      },
+      [&](const InputFeature<D>& f) {
+        if (!f.IsDisjoint(s.whole_a, s.whole_b)) return;
+        const double f2 = geometry::SquaredDistance(middle, f.p, f.q);
+        if (!(f2 < least2) || !IsTooNear(s, f, f2)) return;
+        nearest = f;
+        least2 = f2;
+      });
+  *d2 = least2;
+  return nearest;
+}
 
 template <int D, template <class> class E>
 void Refinement<D, E>::Check(Context& context) {
@@ -56,8 +148,10 @@ void Refinement<D, E>::Split(Context& context) {
   }
 }
 
+// The vertex at which s is split, and its parts.
 template <int D, template <class> class E>
-void Refinement<D, E>::SplitInto(Context& context, SubsegmentIndex s) {
+std::pair<VertexIndex, std::array<SubsegmentIndex, 2>> Refinement<D, E>::EmitHalves(
+    Context& context, SubsegmentIndex s) {
   const Subsegment sub = subsegments_[s];
   const auto [p, pieces] = SplitOf(sub);
   const VertexIndex v = EmitVertex(context, p, 0, 1, sub.feature);
@@ -73,6 +167,13 @@ void Refinement<D, E>::SplitInto(Context& context, SubsegmentIndex s) {
     half.depth = sub.depth + 1;
     halves[i] = EmitSubsegment(context, half);
   }
+  return {v, halves};
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::SplitInto(Context& context, SubsegmentIndex s) {
+  const auto [v, halves] = EmitHalves(context, s);
+  const Point p = vertices_[v].p;
   context.Emit(MakeOutput(Made::kDeath, s));
 
   const int bucket = BucketOfEpoch(context.epoch);

@@ -9,6 +9,7 @@
 #ifndef DYNMESH_CORE_MESHING_SIZING_FIELD_H_
 #define DYNMESH_CORE_MESHING_SIZING_FIELD_H_
 
+#include <cmath>
 #include <cstddef>
 #include <memory>
 
@@ -53,6 +54,13 @@ class SizingField {
   bool IsTooLarge(const Point& centre, double radius) const {
     return regions_.Any(centre, radius, radius,
                         [&](Index i) { return regions_[i].Meets(centre, radius); });
+  }
+
+  // Is there a region near the ball for which accept(region) says yes? Asks of all that meet the
+  // ball, and of some others.
+  template <class Accept>
+  bool Any(const Point& centre, double radius, Accept accept) const {
+    return regions_.Any(centre, radius, INFINITY, [&](Index i) { return accept(regions_[i]); });
   }
 
   std::size_t bytes() const { return regions_.bytes(); }

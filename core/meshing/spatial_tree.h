@@ -36,7 +36,7 @@ struct Extent {
     e.hi.fill(-INFINITY);
     return e;
   }
-  void AddBall(const geometry::Point<D>& centre, double radius) {
+  [[gnu::always_inline]] inline void AddBall(const geometry::Point<D>& centre, double radius) {
     for (int i = 0; i < D; ++i) {
       lo[i] = std::min(lo[i], centre[i] - radius);
       hi[i] = std::max(hi[i], centre[i] + radius);
@@ -292,8 +292,9 @@ class SpatialTree {
       // Rounded alike for points and boxes, so that the order is kept. What is not a number counts
       // as 0.
       const auto slab = [&](double x) {
-        const double at = std::max(0.0, (x - low) * slabs);
-        return static_cast<int>(std::min(at, kSlabs - 1.0));
+        const double at = (x - low) * slabs;
+        const double from_0 = at > 0 ? at : 0;  // one instruction each, as std::max is not
+        return static_cast<int>(from_0 < kSlabs - 1.0 ? from_0 : kSlabs - 1.0);
       };
       const std::uint32_t up_to = (std::uint32_t{2} << slab(box.hi[k])) - 1,
                           below = (std::uint32_t{1} << slab(box.lo[k])) - 1;
@@ -309,7 +310,8 @@ class SpatialTree {
   }
   Cell Child(const Cell& cell, int q) const {
     Cell c{nodes_[cell.node].child + static_cast<NodeIndex>(q), cell.centre, cell.half / 2};
-    for (int i = 0; i < D; ++i) c.centre[i] += (q >> i & 1) ? c.half : -c.half;
+    const double steps[2] = {-c.half, c.half};  // looked up without a branch
+    for (int i = 0; i < D; ++i) c.centre[i] += steps[q >> i & 1];
     return c;
   }
   Cell LeafOf(const Point& p) const {
@@ -395,17 +397,29 @@ class SpatialTree {
     __builtin_prefetch(&leaf.id[0]);
   }
   // For VisitBalls. In the plane balls are few, and to look at a cell costs as much as at its
-  // points.
+  // points. Without branches on coordinates, which would be mispredicted as often as not.
   template <class Visit>
   static void VisitPointwise(const Leaf& leaf, std::span<const Ball> balls, const Extent<D>& box,
                              Visit& visit) {
+    std::array<std::uint8_t, kCapacity> in_box;
+    std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      bool is_in = true;
+      for (int k = 0; k < D; ++k) {
+        is_in &= box.lo[k] <= leaf.x[k][i];
+        is_in &= leaf.x[k][i] <= box.hi[k];
+      }
+      in_box[count] = static_cast<std::uint8_t>(i);
+      count += is_in ? 1 : 0;
+    }
+    for (std::uint32_t j = 0; j < count; ++j) {
+      const std::uint32_t i = in_box[j];
       Point p;
       for (int k = 0; k < D; ++k) p[k] = leaf.x[k][i];
-      if (!box.Contains(p)) continue;
-      const bool is_in = std::any_of(balls.begin(), balls.end(), [&](const Ball& ball) {
-        return geometry::SquaredDistance(p, ball.centre) <= ball.radius2;
-      });
+      bool is_in = false;
+      for (const Ball& ball : balls) {
+        is_in |= geometry::SquaredDistance(p, ball.centre) <= ball.radius2;
+      }
       if (is_in) visit(leaf.id[i], p);
     }
   }

@@ -11,8 +11,8 @@
 
 namespace dynmesh::meshing {
 
-// What is no farther from the star's vertex p than the balls reach, measured by axis and by
-// orthant.
+// What is no farther from the star's vertex p than the balls reach, measured by axis and, in space,
+// by orthant.
 //
 // All balls have p on their boundary. So one about p + c reaches 2 c.u in direction u, in an
 // orthant at most twice the length of what of c points into it.
@@ -28,6 +28,7 @@ class StarRegion {
   void AddBall(const Point& c, double radius, double slack) {
     box_.AddBall(c, radius + 2 * slack);
     radius2_ = std::max(radius2_, 4 * (radius + slack) * (radius + slack));
+    if constexpr (D == 2) return;
     std::array<std::array<double, 2>, D> part;  // squared: of c, downwards and upwards
     for (int k = 0; k < D; ++k) {
       const double d = c[k] - p_[k], above = std::max(d, 0.0);
@@ -50,7 +51,7 @@ class StarRegion {
   const Point& centre() const { return p_; }
   const Extent<D>& box() const { return box_; }
   double radius2() const { return radius2_; }
-  // How far it reaches in an orthant: bit k says that coordinate k is above that of p.
+  // In space: how far it reaches in an orthant: bit k says that coordinate k is above that of p.
   double Reach(int orthant) const { return 2 * std::sqrt(half2_[orthant]); }
 
  private:

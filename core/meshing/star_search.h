@@ -15,11 +15,14 @@
 
 namespace dynmesh::meshing {
 
-// In space what there is to read off a triangulation.
+// What there is to read off a triangulation: all around v.
 template <int D, template <class> class E>
 void Refinement<D, E>::FindLink(VertexIndex v) {
-  if constexpr (D == 3) {
-    if (triangulation_ != nullptr) triangulation_->LinkOf(v, &link_);
+  if (triangulation_ == nullptr) return;
+  if constexpr (D == 2) {
+    triangulation_->CornersAround(v, &corners_);
+  } else {
+    triangulation_->LinkOf(v, &link_);
   }
 }
 
@@ -70,10 +73,8 @@ void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
   if constexpr (D == 2) {
     const Point& p = vertices_[v].p;
     star_.BeginRing(v, p, reach);
-    triangulation_->CornersAround(v, &corners_);
     for (const auto corner : corners_) {
-      const VertexIndex u =
-          triangulation_->vertices(corner.simplex)[triangulation_->NextIndex(corner.index)];
+      const VertexIndex u = triangulation_->NextVertex(corner);
       if (u != Triangulation::kInfinite) {
         star_.Append(u, triangulation_->position(u));
       } else if (!kTraced) {
@@ -186,16 +187,14 @@ bool Refinement<D, E>::UpdateStar(Context& context, VertexIndex v, double reach)
 // Those that were in the star read then.
 template <int D, template <class> class E>
 void Refinement<D, E>::MarkOldCorners(std::span<const std::uint32_t> words) {
-  old_corners_.clear();
+  old_corners_.Clear();
   ForEachCornerIn<D>(words, [this](const Corner& ids) {
-    old_corners_.push_back(Turned(ids));
+    old_corners_.Add(Turned(ids));
     return true;
   });
-  std::sort(old_corners_.begin(), old_corners_.end());
+  old_corners_.Close();
   for (int i = 0; i < star_.corner_count(); ++i) {
-    if (std::binary_search(old_corners_.begin(), old_corners_.end(), Turned(star_.IdsOf(i)))) {
-      star_.MarkVerified(i);
-    }
+    if (old_corners_.Has(Turned(star_.IdsOf(i)))) star_.MarkVerified(i);
   }
 }
 

@@ -15,19 +15,22 @@ namespace dynmesh::plc {
 template <int D>
 BatchCheck<D>::BatchCheck(const MeshOptions& options, double limit, const CellGrid<D>& grid,
                           const FeatureStore<D>& store, const FeatureIndex<D>& index,
-                          const Edits& batch)
+                          const Edits& batch, Steps& steps)
     : options_(options),
       limit_(limit),
       store_(store),
+      steps_(steps),
       present_(&index),
-      draft_(store, batch),
+      draft_(store, batch, steps),
       entered_(grid, index.hub_degree()) {}
 
 template <int D>
 absl::StatusOr<Delta<D>> BatchCheck<D>::Run(Interrupted interrupted) {
   Collect();
+  if (steps_.stopped()) return InterruptedError();
   if (IsCertainlyGood()) return TakeDelta();
   ChooseIndex();
+  if (steps_.stopped()) return InterruptedError();
   std::sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) {
     return std::tuple(a.edit, a.rank(), a.id, a.kind, a.at) <
            std::tuple(b.edit, b.rank(), b.id, b.kind, b.at);
@@ -38,6 +41,7 @@ absl::StatusOr<Delta<D>> BatchCheck<D>::Run(Interrupted interrupted) {
     if (absl::Status status = Handle(event); !status.ok()) return status;
   }
   if (!draft_.error().ok()) return draft_.error();
+  if (absl::Status status = CheckDemand(); !status.ok()) return status;
   return TakeDelta();
 }
 
@@ -64,17 +68,21 @@ void BatchCheck<D>::ChooseIndex() {
     return;
   present_ = nullptr;
   for (const auto& [id, record] : store_.points()) {
+    if (steps_.Stop()) return;
     if (!hidden_.contains(id)) entered_.Insert(PointFeature<D>{id, record.p});
   }
   for (const auto& [id, record] : store_.segments()) {
+    if (steps_.Stop()) return;
     if (!hidden_.contains(id)) entered_.Insert(store_.Expand(id, record));
   }
   for (const auto& [key, record] : store_.edges()) {
+    if (steps_.Stop()) return;
     if (record.segment != kNoFeature || hidden_edges_.contains(key)) continue;
     entered_.Insert(store_.Expand(key, record));
   }
   if constexpr (D == 3) {
     for (const auto& [id, rings] : store_.polygons()) {
+      if (steps_.Stop()) return;
       if (!hidden_facets_.contains(id)) entered_.Insert(Facet(store_.FacetOf(id, rings)));
     }
   }

@@ -14,6 +14,8 @@
 //
 // Expected time O(b lg b) for a batch that changes b features (segments that a moved
 // point takes along included), plus their queries of the index.
+// Last comes whether the result would take more vertices than the mesh may have, as far as that can
+// be told at once (batch_demand.cc, least_vertices.h): what is refused here, meshing would refuse.
 // One object, one run, one thread. The complex and its store are only read.
 #ifndef DYNMESH_CORE_PLC_BATCH_CHECK_H_
 #define DYNMESH_CORE_PLC_BATCH_CHECK_H_
@@ -21,12 +23,14 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/base/huge_pages.h"
 #include "core/plc/delta.h"
 #include "core/plc/draft.h"
 #include "core/plc/edits.h"
@@ -43,8 +47,10 @@ template <int D>
 class BatchCheck {
  public:
   // All arguments must outlive the object and not change.
+  // `steps` are those before and after the features that change are looked at one by one.
   BatchCheck(const MeshOptions& options, double limit, const CellGrid<D>& grid,
-             const FeatureStore<D>& store, const FeatureIndex<D>& index, const Edits& batch);
+             const FeatureStore<D>& store, const FeatureIndex<D>& index, const Edits& batch,
+             Steps& steps);
 
   absl::StatusOr<Delta<D>> Run(Interrupted interrupted);
   // Index cells and features looked at.
@@ -107,15 +113,24 @@ class BatchCheck {
   absl::Status UnknownEnd(FeatureId feature, EditIndex edit) const;
   template <typename F>
   Obstacle FindObstacle(const F& feature);
+  absl::Status CheckDemand();
+  absl::Status CheckRegions() const;
+  absl::Status CheckSegmentGaps();
+  absl::Status CheckFacetGaps();
+  template <class Visit>
+  void ForSegmentsWithin(const geometry::Point<D>& p, double distance, Visit visit);
+  std::pair<double, SegmentFeature<D>> CrowdOn(const SegmentFeature<D>& s, double distance);
+  bool IsAtSharpAngle(const SegmentFeature<D>& s);
   Delta<D> TakeDelta();
 
   const MeshOptions& options_;
   const double limit_;
   const FeatureStore<D>& store_;
+  Steps& steps_;
   const FeatureIndex<D>* present_;  // null if entered_ holds the features that stay, too
   const Draft<D> draft_;
   Delta<D> delta_;
-  std::vector<Event> events_;
+  LargeVector<Event> events_;
   // Features of the store that the result does not have as they are.
   absl::flat_hash_set<FeatureId> hidden_;
   absl::flat_hash_set<EdgeKey> hidden_edges_;

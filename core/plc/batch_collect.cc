@@ -30,7 +30,10 @@ std::vector<FeatureId> PointsOf(const Rings& rings) {
 
 template <int D>
 void BatchCheck<D>::Collect() {
-  for (const typename Draft<D>::Entry& entry : draft_.entries()) CollectPoint(entry);
+  for (const typename Draft<D>::Entry& entry : draft_.entries()) {
+    if (steps_.Stop()) return;
+    CollectPoint(entry);
+  }
   SortUnique(affected_sizes_);
   for (const FeatureId id : affected_sizes_) CollectSize(id);
   if (knows_polygons()) {
@@ -45,7 +48,10 @@ void BatchCheck<D>::Collect() {
     }
   }
   SortUnique(affected_segments_);
-  for (const FeatureId id : affected_segments_) CollectSegment(id);
+  for (const FeatureId id : affected_segments_) {
+    if (steps_.Stop()) return;
+    CollectSegment(id);
+  }
   for (const EdgeKey& key : affected_edges_) CollectEdge(key);
 }
 

@@ -5,17 +5,29 @@
 namespace dynmesh::plc {
 namespace {
 
+struct ById {
+  template <typename F>
+  bool operator()(const F& a, const F& b) const {
+    return a.id < b.id;
+  }
+  // Edges of a polygon have its id.
+  template <int D>
+  bool operator()(const SegmentFeature<D>& a, const SegmentFeature<D>& b) const {
+    return std::tie(a.id, a.p_id, a.q_id) < std::tie(b.id, b.p_id, b.q_id);
+  }
+};
+
 template <typename F>
 void SortById(std::vector<F>& features) {
-  std::sort(features.begin(), features.end(), [](const F& a, const F& b) { return a.id < b.id; });
+  std::sort(features.begin(), features.end(), ById());
 }
 
-// Edges of a polygon have its id.
-template <int D>
-void SortById(std::vector<SegmentFeature<D>>& segments) {
-  std::sort(segments.begin(), segments.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.id, a.p_id, a.q_id) < std::tie(b.id, b.p_id, b.q_id);
+template <typename F>
+void Replace(std::vector<F>& features, const std::vector<F>& removed, const std::vector<F>& added) {
+  std::erase_if(features, [&](const F& f) {
+    return std::binary_search(removed.begin(), removed.end(), f, ById());
   });
+  features.insert(features.end(), added.begin(), added.end());
 }
 
 }  // namespace
@@ -32,6 +44,16 @@ void Delta<D>::Sort() {
   SortById(added_polygons);
   SortById(removed_facets);
   SortById(added_facets);
+}
+
+template <int D>
+void Delta<D>::Then(const Delta& next) {
+  Replace(added_points, next.removed_points, next.added_points);
+  Replace(added_segments, next.removed_segments, next.added_segments);
+  Replace(added_sizes, next.removed_sizes, next.added_sizes);
+  Replace(added_polygons, next.removed_polygons, next.added_polygons);
+  Replace(added_facets, next.removed_facets, next.added_facets);
+  Sort();
 }
 
 template struct Delta<2>;

@@ -100,6 +100,9 @@ struct Delta {
   }
   bool empty() const { return size() == 0; }
   void Sort();
+  // Makes this, which only adds, the addition of what is there after `next`, a change of what it
+  // adds. Sorts. O(n lg n).
+  void Then(const Delta& next);
   // The change that undoes this one.
   Delta Inverse() const {
     return {added_points,  added_segments, removed_points,   removed_segments, added_sizes,

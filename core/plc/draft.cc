@@ -30,10 +30,19 @@ const char* NameOf(State state) {
 }
 
 absl::Status CheckId(FeatureId id, EditIndex edit) {
-  if (id != kNoFeature && id < kFirstReservedId) return absl::OkStatus();
+  if (id != kNoFeature && id <= kLastFeatureId) return absl::OkStatus();
   return Refuse(absl::StatusCode::kInvalidArgument, reason::kBadId, id, edit,
                 absl::StrCat("feature id ", id, id == 0 ? " means none" : " is reserved",
-                             "; choose one from 1 to ", kFirstReservedId - 1));
+                             "; choose one from 1 to ", kLastFeatureId));
+}
+
+absl::Status CheckPolygonId(FeatureId id, EditIndex edit) {
+  if (id <= kLastPolygonId) return absl::OkStatus();
+  return Refuse(absl::StatusCode::kInvalidArgument, reason::kBadId, id, edit,
+                absl::StrCat("polygon ", id,
+                             ": ids from 2^63 up stand for sets of polygons; choose "
+                             "one from 1 to ",
+                             kLastPolygonId));
 }
 
 template <class Entry>
@@ -70,7 +79,7 @@ absl::Status Become(const Feature& feature, typename Draft<D>::Entry& entry) {
     case FeatureKind::kPolygon:
       entry.state = State::kPolygon;
       entry.given = &feature;
-      return absl::OkStatus();
+      return CheckPolygonId(entry.id, entry.edit);
   }
   return Refuse(
       absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,
@@ -100,9 +109,10 @@ SizeFeature<D> SizeOf(const Feature& feature) {
 }
 
 template <int D>
-Draft<D>::Draft(const FeatureStore<D>& base, const Edits& batch) : base_(base) {
+Draft<D>::Draft(const FeatureStore<D>& base, const Edits& batch, Steps& steps) : base_(base) {
   entries_.reserve(batch.size());
   for (EditIndex i = 0; i < static_cast<EditIndex>(batch.size()); ++i) {
+    if (steps.Stop()) return;
     const Feature& feature = batch.feature(i);
     absl::Status status = CheckId(feature.id, i);
     if (status.ok()) {

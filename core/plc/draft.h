@@ -16,15 +16,14 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
+#include "core/base/huge_pages.h"
+#include "core/base/steps.h"
 #include "core/geometry/point.h"
 #include "core/plc/edits.h"
 #include "core/plc/feature_store.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::plc {
-
-// Ids from here up are reserved, kBoxFeature among them.
-inline constexpr FeatureId kFirstReservedId = FeatureId{0} - (FeatureId{1} << 16);
 
 // Index of an edit in its batch; kUntouched: no edit, the feature is as it was.
 using EditIndex = std::int64_t;
@@ -54,15 +53,16 @@ class Draft {
     const Feature* given = nullptr;
   };
 
-  // `base` and what `batch` views must outlive the draft and not change.
-  Draft(const FeatureStore<D>& base, const Edits& batch);
+  // `base` and what `batch` views must outlive the draft and not change. Where `steps` are stopped,
+  // so is this: then it is no draft.
+  Draft(const FeatureStore<D>& base, const Edits& batch, Steps& steps);
 
   // The first edit that could not act, kNever if all could; why.
   EditIndex error_edit() const { return error_edit_; }
   const absl::Status& error() const { return error_; }
 
   // In the order in which the batch first names them.
-  const std::vector<Entry>& entries() const { return entries_; }
+  const LargeVector<Entry>& entries() const { return entries_; }
   const Entry* Find(FeatureId id) const;
   // The edit to blame for the feature as it is in the result: the last that names it;
   // kUntouched if that is how it was before the batch.
@@ -85,7 +85,7 @@ class Draft {
   absl::Status Act(Edit::Action action, const Feature& feature, Entry& entry) const;
 
   const FeatureStore<D>& base_;
-  std::vector<Entry> entries_;
+  LargeVector<Entry> entries_;
   // Ids that come in ascending order, as in most large batches, need no index.
   bool ascending_ = true;
   bool has_polygons_ = false;

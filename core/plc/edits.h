@@ -11,7 +11,9 @@
 
 namespace dynmesh::plc {
 
-// Asked whether to stop, with how many features are still to be looked at.
+// Asked whether to stop, with how many features are still to be looked at; kNotKnown before they
+// are counted.
+inline constexpr std::size_t kNotKnown = ~std::size_t{0};
 using Interrupted = absl::FunctionRef<bool(std::size_t waiting)>;
 
 class Edits {

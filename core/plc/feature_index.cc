@@ -75,9 +75,10 @@ FeatureId FeatureIndex<2>::HubFor(const SegmentFeature<2>& segment) const {
   return hub;
 }
 
-// May the hub's segments be near the box from lo to hi?
-bool FeatureIndex<2>::IsNear(const Hub& hub, const Point2& lo, const Point2& hi) const {
-  const double reach = grid_.LengthOf(2 * kCloseUnits);
+// May the hub's segments be near the box from lo to hi, or so far from it?
+bool FeatureIndex<2>::IsNear(const Hub& hub, const Point2& lo, const Point2& hi,
+                             double distance) const {
+  const double reach = grid_.LengthOf(2 * kCloseUnits) + distance;
   for (int i = 0; i < 2; ++i) {
     if (lo[i] - hub.hi[i] > reach || hub.lo[i] - hi[i] > reach) return false;
   }
@@ -90,6 +91,15 @@ void FeatureIndex<2>::QueryNear(const Point2& p, VisitPoint visit_point, VisitSe
   for (const auto& [id, hub] : hubs_) {
     ++*cost;
     if (IsNear(*hub, p, p)) hub->segments.QueryNear(p, visit_point, visit_segment, cost);
+  }
+}
+
+void FeatureIndex<2>::QueryWithin(const Point2& p, double distance, VisitSegment visit_segment,
+                                  std::uint64_t* cost) const {
+  general_.QueryWithin(p, distance, visit_segment, cost);
+  for (const auto& [id, hub] : hubs_) {
+    ++*cost;
+    if (IsNear(*hub, p, p, distance)) hub->segments.QueryWithin(p, distance, visit_segment, cost);
   }
 }
 
@@ -130,6 +140,15 @@ void FeatureIndex<2>::VisitNeighbours(const Hub& hub, const Point2& end, VisitSe
     if (it == spokes.begin()) it = spokes.end();
     if (!visit(*--it)) break;
   }
+}
+
+std::size_t FeatureIndex<2>::bytes() const {
+  std::size_t sum = general_.bytes() + placements_.size() * sizeof(placements_[0]) +
+                    degrees_.capacity() * (sizeof(*degrees_.begin()) + 1);
+  for (const auto& [id, hub] : hubs_) {
+    sum += hub->segments.bytes() + hub->by_angle.size() * sizeof(Spoke);
+  }
+  return sum;
 }
 
 std::size_t FeatureIndex<2>::node_count() const {

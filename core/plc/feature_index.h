@@ -66,7 +66,12 @@ class FeatureIndex<2> {
   void QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
 
+  // Visits every segment less than `distance` away from `p`, and maybe others.
+  void QueryWithin(const geometry::Point2& p, double distance, VisitSegment visit_segment,
+                   std::uint64_t* cost) const;
+
   std::size_t node_count() const;
+  std::size_t bytes() const;  // about
   std::uint32_t hub_degree() const { return hub_degree_; }
 
  private:
@@ -107,7 +112,8 @@ class FeatureIndex<2> {
   FeatureId HubFor(const SegmentFeature<2>& segment) const;
   static void VisitNeighbours(const Hub& hub, const geometry::Point2& end,
                               VisitSegment visit_segment, std::uint64_t* cost);
-  bool IsNear(const Hub& hub, const geometry::Point2& lo, const geometry::Point2& hi) const;
+  bool IsNear(const Hub& hub, const geometry::Point2& lo, const geometry::Point2& hi,
+              double distance = 0) const;
 
   CellGrid<2> grid_;
   std::uint32_t hub_degree_;

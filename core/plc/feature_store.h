@@ -78,6 +78,12 @@ class FeatureStore {
   std::size_t size() const {
     return points_.size() + segments_.size() + sizes_.size() + polygons_.size();
   }
+  // About.
+  std::size_t bytes() const {
+    const auto of = [](const auto& map) { return map.capacity() * (sizeof(*map.begin()) + 1); };
+    return of(points_) + of(segments_) + of(sizes_) + of(polygons_) + of(edges_) +
+           of(segments_at_) + of(corners_) + of(facet_slots_);
+  }
   const Points& points() const { return points_; }
   const Segments& segments() const { return segments_; }
   const Sizes& sizes() const { return sizes_; }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,13 +15,19 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/base/rings.h"
+#include "core/geometry/constructions.h"
 #include "core/plc/facet_rules.h"
+#include "core/plc/least_vertices.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh::plc {
 namespace {
 
+using geometry::Cross;
+using geometry::Difference;
+using geometry::Dot;
 using geometry::Point;
+using geometry::Vector3;
 
 // As many features as an error names; a client needs no longer list to act on.
 constexpr std::size_t kMostNamed = 16;
@@ -78,6 +85,51 @@ absl::Status Error(absl::StatusCode code, const char* reason, std::vector<Featur
   return MakeError(code, std::move(message), std::move(detail));
 }
 
+// Where two segments cross: rounded, on the first. They are neither parallel nor apart.
+Point<2> CrossingOf(const SegmentFeature<2>& s, const SegmentFeature<2>& t) {
+  const double before = Cross(t.p, t.q, s.p), after = Cross(t.p, t.q, s.q);
+  const double along = before / (before - after);
+  return {{s.p[0] + along * (s.q[0] - s.p[0]), s.p[1] + along * (s.q[1] - s.p[1])}};
+}
+
+// In space they do so in one plane: of the two normals that the ends of s make with t, both along
+// the plane's, one is the other's opposite.
+Point<3> CrossingOf(const SegmentFeature<3>& s, const SegmentFeature<3>& t) {
+  const Vector3 v = Difference(t.q.c, t.p.c);
+  const Vector3 before = Cross(v, Difference(s.p.c, t.p.c));
+  const Vector3 after = Cross(v, Difference(s.q.c, t.p.c));
+  const Vector3 both = Difference(before, after);
+  const double along = std::clamp(Dot(before, both) / Dot(both, both), 0.0, 1.0);
+  Point<3> p;
+  for (int i = 0; i < 3; ++i) p[i] = s.p[i] + along * (s.q[i] - s.p[i]);
+  return p;
+}
+
+// Where a segment passes through a facet's plane; none if it lies in it or does not reach it.
+std::optional<Point<3>> PassageOf(const SegmentFeature<3>& s, const Facet& facet) {
+  const double before = facet.plane().Height(s.p), after = facet.plane().Height(s.q);
+  if (!(before * after < 0)) return std::nullopt;
+  const double along = before / (before - after);
+  Point<3> p;
+  for (int i = 0; i < 3; ++i) p[i] = s.p[i] + along * (s.q[i] - s.p[i]);
+  return p;
+}
+
+// Where a conflict is, beyond what the features' own places tell.
+template <int D>
+std::optional<Point<D>> PlaceOf(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& b) {
+  const auto* s = std::get_if<SegmentFeature<D>>(&a);
+  const auto* t = std::get_if<SegmentFeature<D>>(&b);
+  if (conflict == Conflict::kSegmentsCross) return CrossingOf(*s, *t);
+  if constexpr (D == 3) {
+    if (conflict == Conflict::kSegmentMeetsPolygon) {
+      const Facet& facet = std::get<Facet>(s == nullptr ? a : b);
+      return PassageOf(s == nullptr ? *t : *s, facet);
+    }
+  }
+  return std::nullopt;
+}
+
 // The angle between two segments that share an end, for a person to read.
 template <int D>
 std::string AngleText(const SegmentFeature<D>& s, const SegmentFeature<D>& t) {
@@ -129,6 +181,8 @@ struct Verdict {
 template <int D>
 Verdict Explain(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& b, double limit) {
   const FeatureId b_id = IdOf<D>(b);
+  const std::optional<Point<D>> place = PlaceOf<D>(conflict, a, b);
+  const std::string at = place.has_value() ? " at " + Text(*place) : "";
   const std::string pair = absl::StrCat(Text<D>(a), " and ", Text<D>(b));
   switch (conflict) {
     case Conflict::kDuplicatePoint:
@@ -149,8 +203,8 @@ Verdict Explain(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& 
                        "segment by two that end at the point")};
     case Conflict::kSegmentsCross:
       return {reason::kSegmentsCross,
-              absl::StrCat(pair, " cross; add a point where they do and split both there, or ",
-                           "remove feature ", b_id, " in the same batch")};
+              absl::StrCat(pair, " cross", at, "; add a point there and split both, or remove ",
+                           "feature ", b_id, " in the same batch")};
     case Conflict::kDuplicatePolygon:
       return {reason::kDuplicatePolygon,
               absl::StrCat(pair, " have the same edges; leave one of them out")};
@@ -159,10 +213,10 @@ Verdict Explain(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& 
               absl::StrCat(pair, " touch: the point lies in the inside of the polygon; make it a ",
                            "corner: cut the polygon into some that meet there, or move it away")};
     case Conflict::kSegmentMeetsPolygon:
-      return {
-          reason::kSegmentMeetsPolygon,
-          absl::StrCat(pair, " meet in the inside of the polygon; cut the polygon so that the ",
-                       "segment, or the point where it passes, is on its rings, or remove one")};
+      return {reason::kSegmentMeetsPolygon,
+              absl::StrCat(
+                  pair, " meet in the inside of the polygon", at, "; cut the polygon so that the ",
+                  "segment, or the point where it passes, is on its rings, or remove one")};
     case Conflict::kPolygonsMeet:
       return {
           reason::kPolygonsMeet,
@@ -367,6 +421,66 @@ absl::Status PointInUseError(FeatureId id, std::span<const FeatureId> users, Edi
                             " first or in the same batch"));
 }
 
+namespace {
+
+// "takes at least 2e+10 vertices, and this mesh ..."
+std::string DemandText(double vertices, double all, const MeshOptions& options) {
+  const std::string others =
+      all > vertices ? absl::StrFormat(", with others of this batch %.2g", all) : "";
+  return absl::StrFormat("takes at least %.2g vertices%s, and this mesh may have max_vertices = %d",
+                         vertices, others, options.limits.max_vertices);
+}
+
+// Meshes have more vertices than are certain: about twice as many in 2D, five times in 3D.
+template <int D>
+std::string BetterTarget(const SizeFeature<D>& size, double vertices, double all,
+                         const MeshOptions& options) {
+  const double share =
+      (D == 2 ? 0.4 : 0.2) * static_cast<double>(options.limits.max_vertices) * vertices / all;
+  return absl::StrFormat("%.2g", 1.05 * TargetFor(size, DomainBox(options), share));
+}
+
+}  // namespace
+
+template <int D>
+absl::Status RegionDemandError(const SizeFeature<D>& size, double vertices, double all,
+                               const MeshOptions& options, EditIndex edit) {
+  return Error(
+      absl::StatusCode::kResourceExhausted, reason::kVertexLimit, {size.id}, edit,
+      absl::StrCat("sizing feature ", size.id, " with target length ", Shortest(size.sizing.target),
+                   " ", DemandText(vertices, all, options), "; give it a target of about ",
+                   BetterTarget(size, vertices, all, options),
+                   " or more, or a smaller region, or create the mesh with a higher limit"));
+}
+
+template <int D>
+absl::Status GapDemandError(const AnyFeature<D>& offender, const AnyFeature<D>& other,
+                            double distance, double vertices, double all,
+                            const MeshOptions& options, EditIndex edit) {
+  return Error(absl::StatusCode::kResourceExhausted, reason::kVertexLimit,
+               {IdOf<D>(offender), IdOf<D>(other)}, edit,
+               absl::StrCat(Text<D>(offender), " and ", Text<D>(other), " are ",
+                            absl::StrFormat("%.2g", distance), " apart: what is between them ",
+                            DemandText(vertices, all, options),
+                            "; move them apart or make them one, or create the mesh with a higher "
+                            "limit or a larger quality"));
+}
+
+absl::Status CheckMaxEdge(const MeshOptions& options) {
+  if (!(options.max_edge > 0)) return absl::OkStatus();
+  const auto check = [&](const auto& region) {
+    const double vertices = LeastVerticesIn(region, DomainBox(options));
+    if (vertices <= static_cast<double>(options.limits.max_vertices)) return absl::OkStatus();
+    return Error(absl::StatusCode::kResourceExhausted, reason::kVertexLimit, {}, kUntouched,
+                 absl::StrCat("max_edge = ", Shortest(options.max_edge), " ",
+                              DemandText(vertices, vertices, options), "; make it about ",
+                              BetterTarget(region, vertices, vertices, options),
+                              " or more, or the limit higher"));
+  };
+  return options.dimension == 2 ? check(RegionOfMaxEdge<2>(options))
+                                : check(RegionOfMaxEdge<3>(options));
+}
+
 absl::Status InterruptedError() {
   return MakeError(absl::StatusCode::kCancelled,
                    "the batch was cancelled; the mesh is as it was before",
@@ -377,6 +491,14 @@ template absl::Status ConflictError<2>(Conflict, const AnyFeature<2>&, const Any
                                        EditIndex);
 template absl::Status ConflictError<3>(Conflict, const AnyFeature<3>&, const AnyFeature<3>&, double,
                                        EditIndex);
+template absl::Status RegionDemandError(const SizeFeature<2>&, double, double, const MeshOptions&,
+                                        EditIndex);
+template absl::Status RegionDemandError(const SizeFeature<3>&, double, double, const MeshOptions&,
+                                        EditIndex);
+template absl::Status GapDemandError<2>(const AnyFeature<2>&, const AnyFeature<2>&, double, double,
+                                        double, const MeshOptions&, EditIndex);
+template absl::Status GapDemandError<3>(const AnyFeature<3>&, const AnyFeature<3>&, double, double,
+                                        double, const MeshOptions&, EditIndex);
 template absl::Status CheckSize(const SizeFeature<2>&, const Box&, double, EditIndex);
 template absl::Status CheckSize(const SizeFeature<3>&, const Box&, double, EditIndex);
 template absl::Status CheckPlace(const PointFeature<2>&, const Box&, EditIndex);

@@ -55,6 +55,21 @@ absl::Status UnknownEndError(FeatureId feature, std::span<const FeatureId> missi
 // Point `id` is gone, but `users` (at least one) end there.
 absl::Status PointInUseError(FeatureId id, std::span<const FeatureId> users, EditIndex edit);
 
+// A sizing feature, alone or with others, that takes more vertices than a mesh of `options` may
+// have: `vertices` of its own at least, `all` together. RESOURCE_EXHAUSTED (VERTEX_LIMIT).
+template <int D>
+absl::Status RegionDemandError(const SizeFeature<D>& size, double vertices, double all,
+                               const MeshOptions& options, EditIndex edit);
+
+// The same of two features that are `distance` apart.
+template <int D>
+absl::Status GapDemandError(const AnyFeature<D>& offender, const AnyFeature<D>& other,
+                            double distance, double vertices, double all,
+                            const MeshOptions& options, EditIndex edit);
+
+// The same of max_edge; OK if it does not.
+absl::Status CheckMaxEdge(const MeshOptions& options);
+
 // Not the batch's fault: it was not looked at to the end.
 absl::Status InterruptedError();
 

@@ -11,12 +11,14 @@ Plc<D>::Plc(const MeshOptions& options, std::uint32_t hub_degree)
     : options_(options),
       limit_(CloseLimit(options)),
       grid_(options.box, limit_),
-      index_(grid_, hub_degree) {}
+      index_(std::make_unique<FeatureIndex<D>>(grid_, hub_degree)) {}
 
 template <int D>
 absl::StatusOr<Delta<D>> Plc<D>::Check(const Edits& batch, std::uint64_t* cost,
                                        Interrupted interrupted) const {
-  BatchCheck<D> check(options_, limit_, grid_, store_, index_, batch);
+  const auto stop = [&] { return interrupted(kNotKnown); };
+  Steps steps(stop);
+  BatchCheck<D> check(options_, limit_, grid_, store_, *index_, batch, steps);
   absl::StatusOr<Delta<D>> delta = check.Run(interrupted);
   if (cost != nullptr) *cost += check.cost();
   return delta;
@@ -24,28 +26,47 @@ absl::StatusOr<Delta<D>> Plc<D>::Check(const Edits& batch, std::uint64_t* cost,
 
 template <int D>
 void Plc<D>::Commit(const Delta<D>& delta) {
-  for (const SegmentFeature<D>& f : delta.removed_segments) index_.EraseSegment(store_.Remove(f));
+  for (const SegmentFeature<D>& f : delta.removed_segments) index_->EraseSegment(store_.Remove(f));
   for (const PolygonFeature& f : delta.removed_polygons) store_.RemovePolygon(f.id);
   if constexpr (D == 3) {
     for (const FacetFeature& f : delta.removed_facets) {
-      index_.EraseFacet(store_.RemoveFacet(f.id));
+      index_->EraseFacet(store_.RemoveFacet(f.id));
     }
   }
   for (const PointFeature<D>& f : delta.removed_points) {
-    index_.ErasePoint(store_.FindPoint(f.id)->slot);
+    index_->ErasePoint(store_.FindPoint(f.id)->slot);
     store_.RemovePoint(f.id);
   }
   for (const SizeFeature<D>& f : delta.removed_sizes) store_.RemoveSize(f.id);
+  Insert(delta);
+  constexpr std::size_t kFew = 16;  // take no room to speak of
+  most_ = std::max(most_, size());
+  if (most_ > kFew && size() <= most_ / 4) GiveMemoryBack();
+}
+
+// What the delta adds.
+template <int D>
+void Plc<D>::Insert(const Delta<D>& delta) {
   store_.Reserve(delta.added_points.size(), delta.added_segments.size());
-  for (const PointFeature<D>& f : delta.added_points) store_.Add(f, index_.Insert(f));
-  for (const SegmentFeature<D>& f : delta.added_segments) store_.Add(f, index_.Insert(f));
+  for (const PointFeature<D>& f : delta.added_points) store_.Add(f, index_->Insert(f));
+  for (const SegmentFeature<D>& f : delta.added_segments) store_.Add(f, index_->Insert(f));
   for (const SizeFeature<D>& f : delta.added_sizes) store_.Add(f);
   for (const PolygonFeature& f : delta.added_polygons) store_.Add(f);
   if constexpr (D == 3) {
     for (const FacetFeature& f : delta.added_facets) {
-      store_.AddFacet(f.id, index_.Insert(Facet(f)));
+      store_.AddFacet(f.id, index_->Insert(Facet(f)));
     }
   }
+}
+
+// Tables keep the room of all that was ever in them at a time: those made anew do not.
+template <int D>
+void Plc<D>::GiveMemoryBack() {
+  const Delta<D> all = FromNothing();
+  store_ = FeatureStore<D>();
+  index_ = std::make_unique<FeatureIndex<D>>(grid_, index_->hub_degree());
+  Insert(all);
+  most_ = size();
 }
 
 template <int D>
@@ -73,13 +94,18 @@ std::vector<Feature> Plc<D>::Features() const {
 }
 
 template <int D>
-Delta<D> Plc<D>::FromNothing() const {
+Delta<D> Plc<D>::FromNothing(Steps& steps) const {
   Delta<D> all;
-  for (const auto& [id, record] : store_.points()) all.added_points.push_back({id, record.p});
+  for (const auto& [id, record] : store_.points()) {
+    if (steps.Stop()) return all;
+    all.added_points.push_back({id, record.p});
+  }
   for (const auto& [id, record] : store_.segments()) {
+    if (steps.Stop()) return all;
     all.added_segments.push_back(store_.Expand(id, record));
   }
   for (const auto& [key, record] : store_.edges()) {
+    if (steps.Stop()) return all;
     if (record.segment != kNoFeature) continue;
     all.added_segments.push_back(store_.Expand(key, record));
   }

@@ -25,10 +25,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/steps.h"
 #include "core/plc/delta.h"
 #include "core/plc/edits.h"
 #include "core/plc/feature_index.h"
@@ -60,10 +62,13 @@ class Plc {
   //                        SMALL_INPUT_ANGLE, TOO_CLOSE; of polygons in space
   //                        NON_PLANAR, DUPLICATE_POLYGON, POINT_ON_POLYGON,
   //                        SEGMENT_MEETS_POLYGON, POLYGONS_MEET, QUALITY_TOO_LOW
+  //   RESOURCE_EXHAUSTED   VERTEX_LIMIT, if the features need more vertices than the mesh may have,
+  //                        as far as that can be told at once (least_vertices.h)
   // Cost: of the batch and its neighbourhood (batch_check.h, feature_index.h). If `cost`
   // is not null, adds to it the number of index cells and features looked at. Large batches
   // of long segments take minutes, so `interrupted` is asked for each feature that changes, with
-  // how many are still to be looked at: once it says yes, the answer is CANCELLED (reason
+  // how many are still to be looked at, and before they are counted once in Steps::kBetween
+  // features: once it says yes, the answer is CANCELLED (reason
   // CANCELLED).
   absl::StatusOr<Delta<D>> Check(
       const Edits& batch, std::uint64_t* cost = nullptr,
@@ -75,14 +80,20 @@ class Plc {
   }
 
   // Applies a change. REQUIRES: `delta` is Check's on the features present, or the
-  // inverse of the last one committed. O(delta) insertions and removals in the index.
+  // inverse of the one that made these. O(delta) insertions and removals in the index, amortised:
+  // once three of four features are gone, what is held is made anew, so that memory follows them.
   void Commit(const Delta<D>& delta);
 
   // All features, sorted by id; entries that do not matter are 0. O(n lg n).
   std::vector<Feature> Features() const;
 
-  // The change that makes all of it from nothing. O(n lg n).
-  Delta<D> FromNothing() const;
+  // The change that makes all of it from nothing. O(n lg n). Where `steps` are stopped, so is
+  // this: then it is nothing.
+  Delta<D> FromNothing(Steps& steps) const;
+  Delta<D> FromNothing() const {
+    AllSteps all;
+    return FromNothing(all);
+  }
 
   std::size_t size() const { return store_.size(); }
   std::size_t point_count() const { return store_.points().size(); }
@@ -101,14 +112,20 @@ class Plc {
   // Features nearer than this are too close (a power of two).
   double close_limit() const { return limit_; }
   // Nodes of the spatial index, for tests of its size.
-  std::size_t index_nodes() const { return index_.node_count(); }
+  std::size_t index_nodes() const { return index_->node_count(); }
+  // Memory of what is kept by feature; about.
+  std::size_t bytes() const { return store_.bytes() + index_->bytes(); }
 
  private:
+  void Insert(const Delta<D>& delta);
+  void GiveMemoryBack();
+
   const MeshOptions options_;
   const double limit_;
   const CellGrid<D> grid_;
   FeatureStore<D> store_;
-  FeatureIndex<D> index_;
+  std::unique_ptr<FeatureIndex<D>> index_;
+  std::size_t most_ = 0;  // features at a time, since memory was given back
 };
 
 using Plc2 = Plc<2>;

@@ -78,8 +78,20 @@ class SpatialIndex {
   void QueryNear(const Facet& f, VisitPoint visit_point, VisitSegment visit_segment,
                  VisitFacet visit_facet, std::uint64_t* cost) const requires(D == 3);
 
+  // Visits every segment, in space every facet, that is less than `distance` away from `p`, and
+  // maybe others; every facet that is less than `distance` away from f, and maybe others.
+  void QueryWithin(const geometry::Point<D>& p, double distance, VisitSegment visit_segment,
+                   std::uint64_t* cost) const;
+  void QueryWithin(const Facet& f, double distance, VisitFacet visit_facet,
+                   std::uint64_t* cost) const requires(D == 3);
+
   // A segment that has been inserted.
   const SegmentFeature<D>& segment(Slot slot) const { return segments_[slot].feature; }
+  // Without what nodes list; about.
+  std::size_t bytes() const {
+    return nodes_.size() * sizeof(Node) + points_.size() * sizeof(points_[0]) +
+           segments_.size() * sizeof(segments_[0]) + facets_.size() * sizeof(facets_[0]);
+  }
   std::size_t node_count() const { return nodes_.size() - kChildren * free_blocks_.size(); }
 
  private:

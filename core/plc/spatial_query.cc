@@ -36,6 +36,7 @@ void SpatialIndex<D>::Visit(NodeIndex n, const Cell& cell, const Query& query) c
 template <int D>
 struct SpatialIndex<D>::PointQuery {
   UnitPoint<D> at;
+  double reach;
   VisitPoint visit_point;
   VisitSegment visit_segment;
   VisitFacet visit_facet;
@@ -43,7 +44,7 @@ struct SpatialIndex<D>::PointQuery {
 
   bool Enters(const Cell& cell) const {
     for (int axis = 0; axis < D; ++axis) {
-      if (at[axis] < cell.Lo(axis) - kQueryReach || at[axis] > cell.Hi(axis) + kQueryReach) {
+      if (at[axis] < cell.Lo(axis) - reach || at[axis] > cell.Hi(axis) + reach) {
         return false;
       }
     }
@@ -56,7 +57,7 @@ struct SpatialIndex<D>::PointQuery {
     for (int major = 0; major < 2; ++major) {
       const double along = std::clamp(at[major], cell.Lo(major), cell.Hi(major));
       const double across = at[1 - major];
-      chords.Visit(major, {along, across, along, across}, 2 * kQueryReach,
+      chords.Visit(major, {along, across, along, across}, 2 * reach,
                    [this](const GridSegment<2>& chord) {
                      ++*cost;
                      visit_segment(chord.feature);
@@ -118,12 +119,13 @@ struct SpatialIndex<D>::SegmentQuery {
 template <int D>
 struct SpatialIndex<D>::FacetQuery {
   const GridFacet* facet;
+  double reach;
   VisitPoint visit_point;
   VisitSegment visit_segment;
   VisitFacet visit_facet;
   std::uint64_t* cost;
 
-  bool Enters(const Cell& cell) const requires(D == 3) { return facet->Meets(cell, kQueryReach); }
+  bool Enters(const Cell& cell) const requires(D == 3) { return facet->Meets(cell, reach); }
 };
 
 template <int D>
@@ -131,7 +133,7 @@ void SpatialIndex<D>::QueryNear(const geometry::Point<D>& p, VisitPoint visit_po
                                 VisitSegment visit_segment, VisitFacet visit_facet,
                                 std::uint64_t* cost) const {
   Visit(0, grid_.root(),
-        PointQuery{grid_.ToUnits(p), visit_point, visit_segment, visit_facet, cost});
+        PointQuery{grid_.ToUnits(p), kQueryReach, visit_point, visit_segment, visit_facet, cost});
 }
 
 template <int D>
@@ -147,7 +149,8 @@ void SpatialIndex<D>::QueryNear(const Facet& f, VisitPoint visit_point, VisitSeg
                                 VisitFacet visit_facet, std::uint64_t* cost) const
     requires(D == 3) {
   const GridFacet facet(f, grid_);
-  Visit(0, grid_.root(), FacetQuery{&facet, visit_point, visit_segment, visit_facet, cost});
+  Visit(0, grid_.root(),
+        FacetQuery{&facet, kQueryReach, visit_point, visit_segment, visit_facet, cost});
 }
 
 template <int D>
@@ -164,6 +167,24 @@ void SpatialIndex<D>::QueryNear(const SegmentFeature<D>& s, VisitPoint visit_poi
       s, visit_point, visit_segment, [](const Facet&) {}, cost);
 }
 
+template <int D>
+void SpatialIndex<D>::QueryWithin(const geometry::Point<D>& p, double distance,
+                                  VisitSegment visit_segment, std::uint64_t* cost) const {
+  const auto ignore = [](const auto&) {};
+  Visit(0, grid_.root(),
+        PointQuery{grid_.ToUnits(p), grid_.UnitsOf(distance) + 1, ignore, visit_segment, ignore,
+                   cost});
+}
+
+template <int D>
+void SpatialIndex<D>::QueryWithin(const Facet& f, double distance, VisitFacet visit_facet,
+                                  std::uint64_t* cost) const requires(D == 3) {
+  const auto ignore = [](const auto&) {};
+  const GridFacet facet(f, grid_);
+  Visit(0, grid_.root(),
+        FacetQuery{&facet, grid_.UnitsOf(distance) + 1, ignore, ignore, visit_facet, cost});
+}
+
 using geometry::Point2;
 using geometry::Point3;
 
@@ -177,5 +198,10 @@ template void SpatialIndex<3>::QueryNear(const SegmentFeature<3>&, VisitPoint, V
                                          VisitFacet, std::uint64_t*) const;
 template void SpatialIndex<3>::QueryNear(const Facet&, VisitPoint, VisitSegment, VisitFacet,
                                          std::uint64_t*) const;
+template void SpatialIndex<2>::QueryWithin(const Point2&, double, VisitSegment,
+                                           std::uint64_t*) const;
+template void SpatialIndex<3>::QueryWithin(const Point3&, double, VisitSegment,
+                                           std::uint64_t*) const;
+template void SpatialIndex<3>::QueryWithin(const Facet&, double, VisitFacet, std::uint64_t*) const;
 
 }  // namespace dynmesh::plc

@@ -20,60 +20,88 @@ namespace dynmesh::sac {
 
 class BlockPool {
  public:
-  struct Block {
-    std::uint32_t offset = 0;
-    std::uint32_t capacity = 0;  // in words, 0: no block
+  // Where a block is and how large, in eight bytes: offsets have 58 bits, so that memory ends
+  // before they do.
+  class Block {
+   public:
+    Block() = default;
+    Block(std::uint64_t offset, int size_class)
+        : low_(static_cast<std::uint32_t>(offset)),
+          high_(static_cast<std::uint32_t>(offset >> 32)),
+          size_class_(static_cast<std::uint32_t>(size_class)) {}
+
+    std::uint64_t offset() const { return std::uint64_t{high_} << 32 | low_; }
+    int size_class() const { return static_cast<int>(size_class_); }
+    // In words; 0: no block.
+    std::uint64_t capacity() const { return CapacityOf(size_class()); }
+
+   private:
+    std::uint32_t low_ = 0, high_ : 26 = 0, size_class_ : 6 = 0;
   };
 
-  std::uint32_t* data(Block b) { return words_.data() + b.offset; }
-  const std::uint32_t* data(Block b) const { return words_.data() + b.offset; }
+  std::uint32_t* data(Block b) { return words_.data() + b.offset(); }
+  const std::uint32_t* data(Block b) const { return words_.data() + b.offset(); }
 
   // Makes room for `size` words; old content is kept up to the lesser capacity.
-  // A block much larger than needed is exchanged for a smaller one.
-  void Resize(Block& b, std::uint32_t size) {
-    const std::uint32_t wanted = RoundUp(size);
-    if (wanted == b.capacity || (size <= b.capacity && b.capacity <= 2 * wanted)) return;
-    Block n = Allocate(wanted);
-    std::copy_n(words_.begin() + b.offset, std::min(b.capacity, wanted), words_.begin() + n.offset);
+  // A block much larger than needed is exchanged for a smaller one. REQUIRES: size <= 2^37.
+  void Resize(Block& b, std::uint64_t size) {
+    const std::uint64_t wanted = RoundUp(size), capacity = b.capacity();
+    if (wanted == capacity || (size <= capacity && capacity <= 2 * wanted)) return;
+    const Block n = Allocate(wanted);
+    std::copy_n(data(b), std::min(capacity, wanted), data(n));
     Free(b);
     b = n;
   }
 
   void Free(Block& b) {
-    if (b.capacity != 0) free_[ClassOf(b.capacity)].push_back(b.offset);
+    if (b.size_class() != 0) free_[static_cast<std::size_t>(b.size_class())].push_back(b.offset());
     b = {};
   }
 
   void Reserve(std::size_t words) { words_.reserve(words); }
+  // Of bytes(), what belongs to no block.
+  std::size_t free_bytes() const {
+    std::size_t sum = 0;
+    for (std::size_t c = 0; c < free_.size(); ++c) {
+      sum += free_[c].size() * CapacityOf(static_cast<int>(c)) * sizeof(std::uint32_t) +
+             free_[c].capacity() * sizeof(free_[c][0]);
+    }
+    return sum;
+  }
   std::size_t bytes() const {
     std::size_t sum = words_.size() * sizeof(std::uint32_t);
-    for (const auto& list : free_) sum += list.capacity() * sizeof(std::uint32_t);
+    for (const auto& list : free_) sum += list.capacity() * sizeof(list[0]);
     return sum;
   }
 
  private:
   // Capacities: 0, 2, 4, 6, ... 64, then powers of two.
-  static std::uint32_t RoundUp(std::uint32_t size) {
-    return size <= 64 ? (size + 1) & ~std::uint32_t{1} : std::bit_ceil(size);
+  static std::uint64_t RoundUp(std::uint64_t size) {
+    return size <= 64 ? (size + 1) & ~std::uint64_t{1} : std::bit_ceil(size);
   }
-  static int ClassOf(std::uint32_t capacity) {
-    return capacity <= 64 ? static_cast<int>(capacity / 2) : 33 + std::bit_width(capacity) - 8;
+  static int ClassOf(std::uint64_t capacity) {
+    return capacity <= 64 ? static_cast<int>(capacity / 2) : 25 + std::bit_width(capacity);
   }
-  Block Allocate(std::uint32_t capacity) {
+  static std::uint64_t CapacityOf(int size_class) {
+    return size_class <= 32 ? static_cast<std::uint64_t>(2 * size_class)
+                            : std::uint64_t{1} << (size_class - 26);
+  }
+  Block Allocate(std::uint64_t capacity) {
     if (capacity == 0) return {};
-    auto& list = free_[ClassOf(capacity)];
+    const int size_class = ClassOf(capacity);
+    auto& list = free_[static_cast<std::size_t>(size_class)];
     if (!list.empty()) {
-      const std::uint32_t offset = list.back();
+      const std::uint64_t offset = list.back();
       list.pop_back();
-      return {offset, capacity};
+      return {offset, size_class};
     }
-    const auto offset = static_cast<std::uint32_t>(words_.size());
-    words_.resize(words_.size() + capacity);
-    return {offset, capacity};
+    const std::uint64_t offset = words_.size();
+    words_.resize(offset + capacity);
+    return {offset, size_class};
   }
 
   LargeVector<std::uint32_t> words_;
-  std::array<std::vector<std::uint32_t>, 33 + 25> free_;
+  std::array<std::vector<std::uint64_t>, 64> free_;  // by size class
 };
 
 }  // namespace dynmesh::sac

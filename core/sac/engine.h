@@ -34,6 +34,8 @@
 //                                             from that time on, and Notify
 //   Release(output)                           after the propagation, once for each Withdraw:
 //                                             forget it, unless it was published again
+// and may have:
+//   IsAttentive(kind, payload) -> bool        is it told by NotifyAttentive? As executed last
 #ifndef DYNMESH_CORE_SAC_ENGINE_H_
 #define DYNMESH_CORE_SAC_ENGINE_H_
 
@@ -61,6 +63,15 @@ struct PayloadOf;
 using Kind = std::uint8_t;
 using Item = std::uint32_t;
 using Output = std::uint32_t;
+
+// What one operation may say, and how many there may be. More is not kept: the propagation ends
+// before anything of it shows (Propagate). Lesser ones are for tests.
+struct EngineLimits {
+  std::uint32_t outputs = (1u << 16) - 1, places = (1u << 16) - 1;
+  std::uint32_t requests = (1u << 24) - 1, reads = (1u << 24) - 1;
+  // Half of what indices can tell apart: the way back makes again, at most, what was dropped.
+  std::uint32_t operations = 1u << 31;
+};
 
 struct Counters {
   std::uint64_t executed = 0;   // bodies run
@@ -92,13 +103,14 @@ class Engine {
   // Re-runs what is stale until nothing is. `interrupt()` is asked before each
   // operation; when it says true the propagation stops (false is returned) in a
   // state from which another Propagate, after further changes of input, goes on.
+  // Likewise if an operation says more than limits allow, or there are too many: `overflowed`.
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
     queue_.Rewind();
-    // From the empty trace time only goes on: whoever subscribes is not later than what comes.
-    if (frontier_ == beginning()) subscriptions_.BeginLoad();
+    overflowed_ = kNoOp;
+    if (IsFromScratch()) subscriptions_.BeginLoad();  // subscribers are never later than what comes
     while (!queue_.empty()) {
-      if (interrupt()) {
+      if (interrupt() || overflowed_ != kNoOp) {
         subscriptions_.EndLoad();
         return false;
       }
@@ -122,45 +134,48 @@ class Engine {
   void Propagate() {
     Propagate([] { return false; });
   }
+  // The operation at which limits stopped the last propagation, else kNoOp.
+  OpId overflowed() const { return overflowed_; }
+  void set_limits(const EngineLimits& limits) { limits_ = limits; }
 
   // --- Notification -------------------------------------------------------------
 
   // Marks stale each subscriber of `place` with a time in (after, until] for which
   // affected(op) holds. `until` is kNoStamp for ever. Not asked about those that subscribe to
-  // some parts of the place but not to all of `parts`, nor those for which interested(op) is
-  // false, which is to look at no more than the operation.
-  template <class Affected, class Interested>
-  void Notify(Place place, Parts parts, Stamp after, Stamp until, Interested interested,
-              Affected affected) {
-    asked_.clear();
-    for (const auto& [op, of] : subscriptions_.at(place)) {
-      if ((of & parts) == parts) asked_.push_back(op);
-    }
-    counters_.notified += asked_.size();
+  // some parts of the place but not to all of `parts`.
+  template <class Affected>
+  void Notify(Place place, Parts parts, Stamp after, Stamp until, Affected affected) {
+    const std::span<const OpId> asked = SubscribersOfAll(place, parts);
+    counters_.notified += asked.size();
     // Far from the last edit none is in a cache: what is asked soon is fetched step by step, as
     // each step reads where the one before has pointed.
     constexpr std::size_t kFar = 24, kNear = 12;
-    for (std::size_t i = 0; i < std::min(kFar, asked_.size()); ++i) PrefetchOp(asked_[i]);
-    for (std::size_t i = 0; i < asked_.size(); ++i) {
-      if (i + kFar < asked_.size()) PrefetchOp(asked_[i + kFar]);
-      if (i + kNear < asked_.size()) PrefetchReads(ops_[asked_[i + kNear]]);
-      const OpId id = asked_[i];
-      const Operation& op = ops_[id];
-      if (op.flags & kStale || !interested(id)) continue;
-      if (!Precedes(after, op.stamp)) continue;
-      if (until != kNoStamp && Precedes(until, op.stamp)) continue;
-      if (affected(id)) MarkStale(id);
+    for (std::size_t i = 0; i < std::min(kFar, asked.size()); ++i) PrefetchOp(asked[i]);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      if (i + kFar < asked.size()) PrefetchOp(asked[i + kFar]);
+      if (i + kNear < asked.size()) PrefetchReads(ops_[asked[i + kNear]]);
+      Tell(asked[i], after, until, affected);
     }
-  }
-  template <class Affected>
-  void Notify(Place place, Parts parts, Stamp after, Stamp until, Affected affected) {
-    Notify(
-        place, parts, after, until, [](OpId) { return true; }, affected);
   }
   // Whichever parts they subscribe to.
   template <class Affected>
   void Notify(Place place, Stamp after, Stamp until, Affected affected) {
     Notify(place, Parts{0}, after, until, affected);
+  }
+  // Has nothing been executed yet? Then operations will be in the order of time, once each.
+  bool IsFromScratch() const { return frontier_ == beginning(); }
+  // Only those that are attentive, whichever parts they subscribe to: O(their number).
+  template <class Affected>
+  void NotifyAttentive(Place place, Stamp after, Stamp until, Affected affected) {
+    const auto asked = subscriptions_.attentive_at(place);
+    counters_.notified += asked.size();
+    for (const auto& [op, parts] : asked) Tell(op, after, until, affected);
+  }
+  // That one, if its time is in (after, until] and affected(id) holds.
+  template <class Affected>
+  void NotifyOperation(OpId id, Stamp after, Stamp until, Affected affected) {
+    ++counters_.notified;
+    Tell(id, after, until, affected);
   }
   // Is there anything that a change at time `after` could make stale?
   bool AnyAfter(Stamp after) const { return Precedes(after, frontier_); }
@@ -198,11 +213,25 @@ class Engine {
   }
 
   std::size_t operation_count() const { return ops_.size() - free_ops_.size(); }
+  // Operations that are gone leave their places, and room for what they remembered. Do those that
+  // are there take less than `part` of either? O(1).
+  bool IsMostlyRoom(double part) const {
+    constexpr std::size_t kFew = 64, kFewBytes = 64 << 10;
+    const auto is_room = [part](std::size_t free, std::size_t all, std::size_t few) {
+      return all > few && static_cast<double>(all - free) < part * static_cast<double>(all);
+    };
+    const BlockPool& told = subscriptions_.pool();
+    return is_room(free_ops_.size(), ops_.size(), kFew) ||
+           is_room(pool_.free_bytes(), pool_.bytes(), kFewBytes) ||
+           is_room(told.free_bytes(), told.bytes(), kFewBytes);
+  }
   // Operations queued: stale, or to be dropped.
   std::size_t waiting() const { return queue_.size(); }
   std::size_t waiting_in(Epoch epoch) const { return queue_.SizeIn(epoch); }
   const Counters& counters() const { return counters_; }
   void ResetCounters() { counters_ = {}; }
+  // What finding their places in time took (epoch_order.h).
+  std::uint64_t order_steps() const { return time_.steps(); }
   // Room for that many operations that remember so many words each. What is not used costs no
   // memory.
   void Reserve(std::size_t operations, std::size_t words) {
@@ -278,6 +307,19 @@ class Engine {
     return {pool_.data(op.links) + from, count};
   }
 
+  // Those at `place` that subscribe to all of `parts`, until the next call. Without a branch, as
+  // which do is not to be predicted.
+  std::span<const OpId> SubscribersOfAll(Place place, Parts parts) {
+    const auto subscribers = subscriptions_.at(place);
+    if (asked_.size() <= subscribers.size()) asked_.resize(2 * subscribers.size() + 1);
+    std::size_t count = 0;
+    for (const auto& [op, of] : subscribers) {
+      asked_[count] = op;
+      count += (of & parts) == parts ? 1 : 0;
+    }
+    return std::span(asked_).first(count);
+  }
+
   OpId Find(Kind kind, Item item, Epoch epoch) const {
     OpId id = program_.OperationsOf(kind, item);
     while (id != kNoOp && (ops_[id].kind != kind || ops_[id].epoch != epoch)) {
@@ -320,13 +362,33 @@ class Engine {
     ops_[id].flags |= kStale;
     Enqueue(id);
   }
+  template <class Affected>
+  void Tell(OpId id, Stamp after, Stamp until, Affected affected) {
+    const Operation& op = ops_[id];
+    if (op.flags & kStale || !Precedes(after, op.stamp)) return;
+    if (until != kNoStamp && Precedes(until, op.stamp)) return;
+    if (affected(id)) MarkStale(id);
+  }
 
   void DropReference(OpId id) {
     assert(id != kNoOp && ops_[id].refs > 0);
     if (--ops_[id].refs == 0) Enqueue(id);
   }
 
+  bool IsAttentive(const Operation& op) const {
+    if constexpr (requires { program_.IsAttentive(op.kind, op.payload); }) {
+      return program_.IsAttentive(op.kind, op.payload);
+    }
+    return false;
+  }
   void Execute(OpId id);
+  bool IsTooMuch() const {
+    const auto over = [](std::size_t size, std::uint32_t most) { return size > most ? 1 : 0; };
+    return (over(new_outputs_.size(), limits_.outputs) | over(new_places_.size(), limits_.places) |
+            over(new_requests_.size(), limits_.requests) | over(new_reads_.size(), limits_.reads) |
+            over(ops_.size(), limits_.operations)) != 0;
+  }
+  void Forgo(OpId id);
   void Commit(OpId id);
   void JoinNewSubscriptions();
   void Drop(OpId id);
@@ -340,6 +402,8 @@ class Engine {
   WorkQueue<QueueEntry, BeforeInQueue> queue_;
   BlockPool pool_;
   Subscriptions subscriptions_;
+  EngineLimits limits_;
+  OpId overflowed_ = kNoOp;
   Stamp frontier_ = 0;  // no executed operation is later
   Counters counters_;
 
@@ -353,7 +417,7 @@ class Engine {
   std::vector<Requested> new_requests_;
   std::vector<std::pair<Place, Parts>> new_subscriptions_;
   std::vector<Place> new_places_;  // of them
-  std::vector<OpId> asked_;        // by Notify
+  std::vector<OpId> asked_;        // room for SubscribersOfAll
   std::vector<std::uint32_t> new_reads_;
   std::vector<OpId> new_ops_;
   std::vector<std::uint32_t> scratch_;
@@ -413,7 +477,22 @@ void Engine<Program>::Execute(OpId id) {
   new_reads_.clear();
   Context context(*this, id);
   program_.Execute(context);
+  JoinNewSubscriptions();
+  if (IsTooMuch()) return Forgo(id);
   Commit(id);
+  if (Precedes(frontier_, ops_[id].stamp)) frontier_ = ops_[id].stamp;
+}
+
+// What it said is forgotten, as if it had not run: it is stale, so nothing asks for what it keeps
+// of before. But it may have made objects, so what follows is no run from scratch.
+template <class Program>
+void Engine<Program>::Forgo(OpId id) {
+  overflowed_ = id;
+  const auto old = outputs(id);
+  for (const Output o : new_outputs_) {
+    if (std::ranges::find(old, o) == old.end()) withdrawn_.push_back(o);
+  }
+  MarkStale(id);
   if (Precedes(frontier_, ops_[id].stamp)) frontier_ = ops_[id].stamp;
 }
 
@@ -428,7 +507,6 @@ void Engine<Program>::Commit(OpId id) {
     ++ops_[requested].refs;
     new_ops_.push_back(requested);
   }
-  JoinNewSubscriptions();
 
   Operation& op = ops_[id];
   const bool again = op.flags & kExecuted;
@@ -441,8 +519,6 @@ void Engine<Program>::Commit(OpId id) {
   op.requests = new_ops_.size();
   op.places = static_cast<std::uint16_t>(new_places_.size());
   op.reads = new_reads_.size();
-  assert(op.outputs == new_outputs_.size() && op.requests == new_ops_.size() &&
-         op.places == new_places_.size() && op.reads == new_reads_.size());
   pool_.Resize(op.links, op.outputs + op.requests + op.places + op.reads);
   std::uint32_t* to = pool_.data(op.links);
   to = std::copy(new_outputs_.begin(), new_outputs_.end(), to);
@@ -461,11 +537,12 @@ void Engine<Program>::Commit(OpId id) {
   for (const Place p : was_places) {
     if (!std::ranges::binary_search(new_places_, p)) subscriptions_.Remove(p, id);
   }
+  const bool attentive = IsAttentive(op);
   for (const auto& [place, parts] : new_subscriptions_) {
     if (std::ranges::binary_search(was_places, place)) {
-      subscriptions_.SetParts(place, id, parts);
+      subscriptions_.Set(place, id, parts, attentive);
     } else {
-      subscriptions_.Add(place, id, parts);
+      subscriptions_.Add(place, id, parts, attentive);
     }
   }
   for (const Output o : new_outputs_) {
@@ -550,9 +627,9 @@ void Engine<Program>::ReplacePlace(OpId id, Place from, Place to) {
   std::uint32_t* const at = std::find(begin, end, from);
   if (std::find(begin, end, to) == end) {
     *at = to;
-    subscriptions_.Add(to, id);
+    subscriptions_.Add(to, id, kAllParts, IsAttentive(op));
   } else {
-    subscriptions_.SetParts(to, id, kAllParts);
+    subscriptions_.Set(to, id, kAllParts, IsAttentive(op));
     std::copy(at + 1, end + op.reads, at);  // one place less, the reads move up
     --op.places;
   }
@@ -616,7 +693,12 @@ std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op,
   });
   for (Place p = 0; p < subscribed.size(); ++p) {
     std::uint64_t listed = 0;
-    for (const auto& [id, parts] : subscriptions_.at(p)) listed += mix(1, id);
+    std::size_t left = subscriptions_.attentive_at(p).size();
+    for (const auto& [id, parts] : subscriptions_.at(p)) {
+      listed += mix(1, id);
+      if (IsAttentive(ops_[id]) != (left > 0)) complain(id, "is taken for attentive, or is not");
+      if (left > 0) --left;
+    }
     if (listed != subscribed[p]) {
       problems->push_back("place " + std::to_string(p) +
                           ": subscribers are not those that name it");

@@ -1,15 +1,23 @@
 // Where a new operation belongs in the order of time: within its epoch by random
 // priority, epochs by their number. Finds the neighbour after which its stamp is
-// to be placed, in O(1) expected: priorities are uniform, so a table of slots by
-// their leading bits, each a short sorted chain, is an ordered set.
+// to be placed, in O(1) expected where priorities are uniform: then a table of slots by
+// their leading bits, each a short sorted chain, is an ordered set. What comes in the order of
+// time, as in a run from scratch, is put after what came before it.
+//
+// Priorities are a public function of the input, so a client can choose input whose priorities
+// cluster. An epoch in which a chain or a row of empty slots gets longer than chance makes it
+// becomes a search tree, until it is empty: then all costs O(lg n), whatever the priorities.
 #ifndef DYNMESH_CORE_SAC_EPOCH_ORDER_H_
 #define DYNMESH_CORE_SAC_EPOCH_ORDER_H_
 
 #include <bit>
 #include <cstdint>
+#include <iterator>
 #include <map>
+#include <memory>
 #include <vector>
 
+#include "absl/container/btree_set.h"
 #include "core/sac/order_list.h"
 #include "core/sac/work_queue.h"
 
@@ -27,27 +35,23 @@ class EpochOrder {
   // Gives ops[id] its stamp. REQUIRES: it has none.
   void Insert(Epoch epoch, OpId id) {
     Table& table = TableOf(epoch);
-    if (table.count >= table.slots.size()) Rehash(table, table.slots.size() * 4);
-    const std::uint64_t slot = SlotOf(table, ops_[id].priority);
-    OpId before = kNoOp, after = table.slots[slot];
-    while (after != kNoOp && before_(after, id)) {
-      before = after;
-      after = ops_[after].next_in_epoch;
-    }
-    ops_[id].next_in_epoch = after;
-    (before == kNoOp ? table.slots[slot] : ops_[before].next_in_epoch) = id;
-    ++table.count;
-    const Stamp neighbour = before != kNoOp ? ops_[before].stamp : LastBefore(table, slot);
+    const Stamp neighbour =
+        table.tree != nullptr ? InsertIntoTree(table, id) : InsertIntoSlots(table, id);
     ops_[id].stamp = order_.InsertAfter(neighbour);
   }
 
   // Takes ops[id] out; its stamp stays in the order until EraseStamp.
   void Remove(Epoch epoch, OpId id) {
     Table& table = TableOf(epoch);
+    if (table.tree != nullptr) return RemoveFromTree(table, id);
+    std::size_t passed = 0;
     OpId* link = &table.slots[SlotOf(table, ops_[id].priority)];
-    while (*link != id) link = &ops_[*link].next_in_epoch;
+    for (; *link != id; ++passed) link = &ops_[*link].next_in_epoch;
     *link = ops_[id].next_in_epoch;
     --table.count;
+    if (table.latest == id) table.latest = kNoOp;
+    steps_ += passed;
+    if (passed > kMostInChain) return MakeTree(table);
     // Insert walks past empty slots: few there must be.
     const std::size_t slots = table.slots.size();
     if (slots > 64 && table.count < slots / 16) Rehash(table, slots / 4);
@@ -57,6 +61,8 @@ class EpochOrder {
   void Reserve(std::size_t operations) { order_.Reserve(operations); }
   const OrderList& order() const { return order_; }
   std::size_t epochs() const { return tables_.size(); }
+  // Operations and empty slots passed so far on the way to a place.
+  std::uint64_t steps() const { return steps_; }
 
   // Calls f(epoch, id) in the order of time.
   template <class F>
@@ -65,20 +71,33 @@ class EpochOrder {
       for (OpId id : table.slots) {
         for (; id != kNoOp; id = ops_[id].next_in_epoch) f(epoch, id);
       }
+      if (table.tree == nullptr) continue;
+      for (const OpId id : *table.tree) f(epoch, id);
     }
   }
 
   std::size_t bytes() const {
     std::size_t sum = order_.bytes();
-    for (const auto& [epoch, table] : tables_) sum += table.slots.capacity() * sizeof(OpId) + 128;
+    for (const auto& [epoch, table] : tables_) {
+      sum += table.slots.capacity() * sizeof(OpId) + 128;
+      if (table.tree != nullptr) sum += table.tree->size() * (2 * sizeof(OpId));
+    }
     return sum;
   }
 
  private:
+  // Of n slots, at least a 16th as many operations and at most n in them, chance makes longer
+  // chains, or rows of empty slots, with a probability of n 10^-36, n 10^-27.
+  static constexpr std::size_t kMostInChain = 32, kMostEmpty = 1024;
+
+  // An item that goes and an equal one that comes in one batch have equal operations.
+  using Tree = absl::btree_multiset<OpId, Before>;
   struct Table {
     Stamp head = kNoStamp;  // before all operations of the epoch
     std::vector<OpId> slots;
-    std::size_t count = 0;
+    std::size_t count = 0;       // in slots
+    OpId latest = kNoOp;         // the last to come to these, if it is still there
+    std::unique_ptr<Tree> tree;  // null, or all of the epoch; then there are no slots
   };
 
   Table& TableOf(Epoch epoch) {
@@ -98,14 +117,58 @@ class EpochOrder {
     const int bits = std::countr_zero(table.slots.size());
     return bits == 0 ? 0 : priority >> (64 - bits);
   }
-  Stamp LastBefore(const Table& table, std::uint64_t slot) const {
-    while (slot > 0) {
-      OpId id = table.slots[--slot];
-      if (id == kNoOp) continue;
-      while (ops_[id].next_in_epoch != kNoOp) id = ops_[id].next_in_epoch;
-      return ops_[id].stamp;
+  // Both return the stamp after which that of ops[id] belongs.
+  Stamp InsertIntoSlots(Table& table, OpId id) {
+    if (table.count >= table.slots.size()) Rehash(table, table.slots.size() * 4);
+    std::uint64_t slot = SlotOf(table, ops_[id].priority);
+    const OpId latest = table.latest;
+    const bool follows = latest != kNoOp && before_(latest, id);
+    const std::uint64_t latest_slot = follows ? SlotOf(table, ops_[latest].priority) : 0;
+    OpId before = kNoOp, after = table.slots[slot];
+    if (follows && latest_slot == slot) before = latest, after = ops_[latest].next_in_epoch;
+    std::size_t passed = 0, empty = 0;
+    for (; after != kNoOp && before_(after, id); ++passed) {
+      before = after;
+      after = ops_[after].next_in_epoch;
     }
-    return table.head;
+    ops_[id].next_in_epoch = after;
+    (before == kNoOp ? table.slots[slot] : ops_[before].next_in_epoch) = id;
+    ++table.count;
+    table.latest = id;
+    // If it is the first in its slot, after the last in one before.
+    for (; before == kNoOp && slot > 0; ++empty) {
+      after = --slot == latest_slot && follows ? latest : table.slots[slot];
+      for (; after != kNoOp; ++passed) {
+        before = after;
+        after = ops_[after].next_in_epoch;
+      }
+    }
+    steps_ += passed + empty;
+    if (passed > kMostInChain || empty > kMostEmpty) MakeTree(table);
+    return before == kNoOp ? table.head : ops_[before].stamp;
+  }
+  Stamp InsertIntoTree(Table& table, OpId id) {
+    const auto at = table.tree->insert(id);
+    return at == table.tree->begin() ? table.head : ops_[*std::prev(at)].stamp;
+  }
+
+  void RemoveFromTree(Table& table, OpId id) {
+    auto at = table.tree->lower_bound(id);
+    while (*at != id) ++at;
+    table.tree->erase(at);
+    if (!table.tree->empty()) return;
+    table.tree = nullptr;
+    table.slots.assign(1, kNoOp);
+  }
+
+  void MakeTree(Table& table) {
+    table.tree = std::make_unique<Tree>(before_);
+    for (OpId id : table.slots) {
+      for (; id != kNoOp; id = ops_[id].next_in_epoch) table.tree->insert(table.tree->end(), id);
+    }
+    table.slots = std::vector<OpId>();
+    table.count = 0;
+    table.latest = kNoOp;
   }
   void Rehash(Table& table, std::size_t slots) {
     std::vector<OpId> old(slots, kNoOp);
@@ -130,6 +193,7 @@ class EpochOrder {
   Before before_;
   OrderList order_;
   std::map<Epoch, Table> tables_;
+  std::uint64_t steps_ = 0;
   Epoch last_epoch_ = 0;
   Table* last_ = nullptr;
 };

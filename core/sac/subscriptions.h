@@ -1,5 +1,7 @@
-// Who subscribes to which place, and to which parts of it. Lists are unordered, and differ between
-// histories that end in the same trace: nothing may depend on their order. Thread-compatible.
+// Which operations subscribe to which place, and to which parts of it. Some are *attentive*: a kind
+// of change that matters to few asks those alone, and passes thousands of others by. In a list the
+// attentive come first; else it has no order, and differs between histories that end in the same
+// trace: nothing may depend on the order. Thread-compatible.
 #ifndef DYNMESH_CORE_SAC_SUBSCRIPTIONS_H_
 #define DYNMESH_CORE_SAC_SUBSCRIPTIONS_H_
 
@@ -7,6 +9,7 @@
 #include <cassert>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/huge_pages.h"
@@ -30,6 +33,11 @@ class Subscriptions {
     if (place >= lists_.size()) return {};
     return {data(lists_[place]), lists_[place].count};
   }
+  // The attentive of them.
+  std::span<const Subscriber> attentive_at(Place place) const {
+    if (place >= lists_.size()) return {};
+    return {data(lists_[place]), lists_[place].attentive};
+  }
 
   // Where very many come one after the other, as in a run from scratch, they are only written down,
   // and sorted in the end: no list grows. Until then places are empty for who asks; who moves one
@@ -37,25 +45,37 @@ class Subscriptions {
   void BeginLoad() { loading_ = true; }
   void EndLoad();
 
-  void Add(Place place, std::uint32_t op, Parts parts = kAllParts) {
-    if (loading_) return loaded_.push_back({place, {op, parts}});
+  void Add(Place place, std::uint32_t op, Parts parts = kAllParts, bool attentive = false) {
+    if (loading_) return loaded_.push_back({place, {op, parts}, attentive});
     if (place >= lists_.size()) lists_.resize(place + place / 4 + 16);
     List& list = lists_[place];
-    if (kWords * (list.count + 1) > list.block.capacity)
-      pool_.Resize(list.block, kWords * (list.count + 1 + list.count / 4));
-    data(list)[list.count++] = {op, parts};
+    if (kWords * (list.count + std::uint64_t{1}) > list.block.capacity())
+      pool_.Resize(list.block, kWords * (list.count + std::uint64_t{1} + list.count / 4));
+    Append(list, {op, parts}, attentive);
   }
 
   // REQUIRES: op subscribes to place.
   void Remove(Place place, std::uint32_t op) {
     assert(!loading_);
     List& list = lists_[place];
-    *Find(list, op) = data(list)[list.count - 1];
+    Subscriber* s = Find(list, op);
+    if (s < data(list) + list.attentive) {
+      // The last attentive one takes the place, and leaves its own to be filled.
+      Subscriber* const last = data(list) + --list.attentive;
+      *s = *last;
+      s = last;
+    }
+    *s = data(list)[list.count - 1];
     if (--list.count == 0) pool_.Free(list.block);
   }
-  void SetParts(Place place, std::uint32_t op, Parts parts) {
+  void Set(Place place, std::uint32_t op, Parts parts, bool attentive = false) {
     assert(!loading_);
-    Find(lists_[place], op)->parts = parts;
+    List& list = lists_[place];
+    Subscriber* const s = Find(list, op);
+    s->parts = parts;
+    const bool was = s < data(list) + list.attentive;
+    if (attentive && !was) std::swap(*s, data(list)[list.attentive++]);
+    if (!attentive && was) std::swap(*s, data(list)[--list.attentive]);
   }
 
   // Empties a place and returns who was there (their own records still name it).
@@ -65,7 +85,7 @@ class Subscriptions {
     for (const Subscriber& s : at(place)) result.push_back(s.op);
     if (place < lists_.size()) {
       pool_.Free(lists_[place].block);
-      lists_[place].count = 0;
+      lists_[place].count = lists_[place].attentive = 0;
     }
     return result;
   }
@@ -78,13 +98,15 @@ class Subscriptions {
   }
   std::size_t places() const { return lists_.size(); }
   std::size_t bytes() const { return lists_.size() * sizeof(List) + pool_.bytes(); }
+  const BlockPool& pool() const { return pool_; }
 
  private:
   struct List {
     BlockPool::Block block;
     std::uint32_t count = 0;
+    std::uint32_t attentive = 0;  // of them
   };
-  static constexpr std::uint32_t kWords = sizeof(Subscriber) / sizeof(std::uint32_t);
+  static constexpr std::uint64_t kWords = sizeof(Subscriber) / sizeof(std::uint32_t);
 
   Subscriber* data(const List& list) {
     return reinterpret_cast<Subscriber*>(pool_.data(list.block));
@@ -99,9 +121,17 @@ class Subscriptions {
     return s;
   }
 
+  // REQUIRES: there is room.
+  void Append(List& list, const Subscriber& s, bool attentive) {
+    Subscriber* const all = data(list);
+    all[list.count++] = s;
+    if (attentive) std::swap(all[list.count - 1], all[list.attentive++]);
+  }
+
   struct Loaded {
     Place place;
     Subscriber subscriber;
+    bool attentive;
   };
 
   LargeVector<List> lists_;
@@ -122,8 +152,7 @@ inline void Subscriptions::EndLoad() {
     list.count = 0;
   }
   for (const Loaded& l : loaded_) {
-    List& list = lists_[l.place];
-    data(list)[list.count++] = l.subscriber;
+    Append(lists_[l.place], l.subscriber, l.attentive);
   }
   loaded_ = {};
 }

@@ -24,6 +24,8 @@ class UntracedEngine {
   UntracedEngine(const UntracedEngine&) = delete;
   UntracedEngine& operator=(const UntracedEngine&) = delete;
 
+  OpId overflowed() const { return kNoOp; }  // nothing is kept
+
   Stamp beginning() const { return 0; }
   bool Precedes(Stamp a, Stamp b) const { return a < b; }
   bool AnyAfter(Stamp) const { return false; }

@@ -1,9 +1,13 @@
 #include "proto/codec/edit_codec.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
 #include "dynmesh/error.h"
 #include "proto/codec/status_codec.h"
 
@@ -26,6 +30,16 @@ absl::Status OptionError(absl::string_view field, absl::string_view message) {
   error.field = absl::StrCat("options.", field);
   return MakeServiceError(absl::StatusCode::kInvalidArgument,
                           absl::StrCat("options.", field, ": ", message), error);
+}
+
+// An error of ValidateOptions, whose message begins with the member's name, with the wire's path:
+// there the members of `limits` are flat.
+absl::Status OnWire(const absl::Status& status) {
+  const absl::string_view message = status.message();
+  const std::size_t colon = message.find(": ");
+  if (colon == absl::string_view::npos) return status;
+  return OptionError(absl::StripPrefix(message.substr(0, colon), "limits."),
+                     message.substr(colon + 2));
 }
 
 absl::Status DecodePoint(const v1::Point& proto, int dimension, std::size_t index, FeatureId id,
@@ -191,10 +205,16 @@ absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
   if (proto.max_vertices() > max_vertices) {
     return OptionError("max_vertices", absl::StrCat("is above this server's ", max_vertices));
   }
-  options.limits.max_vertices = proto.max_vertices() != 0 ? proto.max_vertices() : max_vertices;
+  const std::uint64_t most = MostVertices(options.dimension);
+  options.limits.max_vertices =
+      proto.max_vertices() != 0 ? proto.max_vertices() : std::min(max_vertices, most);
+  // A journal, or a server's answer: limits were once free, and no mesh has come near that one.
+  if (max_vertices == std::numeric_limits<std::uint64_t>::max()) {
+    options.limits.max_vertices = std::min(options.limits.max_vertices, most);
+  }
   if (proto.max_depth() != 0) options.limits.max_depth = proto.max_depth();
   options.max_edge = proto.max_edge();
-  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
+  if (absl::Status status = ValidateOptions(options); !status.ok()) return OnWire(status);
   return options;
 }
 

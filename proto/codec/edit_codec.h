@@ -17,7 +17,8 @@
 
 namespace dynmesh::codec {
 
-// Zeros become defaults; `max_vertices` is the default and the most of that limit.
+// Zeros become defaults; `max_vertices` is the default and the most of that limit. If it is the
+// greatest number, `proto` is what was accepted once: then a limit above MostVertices becomes that.
 // INVALID_ARGUMENT naming the field if no mesh can be made with them.
 absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto, std::uint64_t max_vertices);
 void EncodeOptions(const MeshOptions& options, v1::MeshOptions* out);

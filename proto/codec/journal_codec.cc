@@ -32,6 +32,12 @@ absl::Status DecodeHash(const std::string& hex, MeshHash* out) {
   return Damage(hash.status());
 }
 
+// The first programs wrote none.
+template <typename Message>
+std::uint32_t DecodeBits(const Message& message) {
+  return message.bits() == 0 ? 1 : message.bits();
+}
+
 }  // namespace
 
 std::string EncodeJournalMesh(const JournalMesh& mesh) {
@@ -53,11 +59,13 @@ absl::StatusOr<JournalMesh> DecodeJournalMesh(const std::string& bytes) {
                      proto->request_id()};
 }
 
-std::string EncodeJournalEntry(const EditBatch& edits, const MeshHash& hash, int dimension) {
+std::string EncodeJournalEntry(const EditBatch& edits, const MeshHash& hash, int dimension,
+                               std::uint32_t bits) {
   v1::JournalEntry proto;
   proto.mutable_edits()->Reserve(static_cast<int>(edits.size()));
   for (const Edit& edit : edits) EncodeEdit(edit, dimension, proto.add_edits());
   proto.set_hash(hash.ToHex());
+  proto.set_bits(bits);
   return proto.SerializeAsString();
 }
 
@@ -68,16 +76,19 @@ absl::StatusOr<JournalEntry> DecodeJournalEntry(const std::string& bytes, int di
   absl::Status status = DecodeEdits(proto->edits(), dimension, &entry.edits);
   status.Update(DecodeHash(proto->hash(), &entry.hash));
   if (!status.ok()) return Damage(status);
+  entry.bits = DecodeBits(*proto);
   return entry;
 }
 
 std::vector<std::string> EncodeJournalSnapshot(std::span<const Feature> features,
-                                               const MeshHash& hash, int dimension) {
+                                               const MeshHash& hash, int dimension,
+                                               std::uint32_t bits) {
   std::vector<std::string> parts;
   v1::JournalSnapshot proto;
   std::size_t bytes = 0;
   const auto close = [&] {
     proto.set_hash(hash.ToHex());
+    proto.set_bits(bits);
     parts.push_back(proto.SerializeAsString());
     proto.Clear();
     bytes = 0;
@@ -94,6 +105,7 @@ std::vector<std::string> EncodeJournalSnapshot(std::span<const Feature> features
 absl::Status DecodeJournalSnapshot(const std::string& bytes, int dimension, JournalEntry* out) {
   const auto proto = Parse<v1::JournalSnapshot>(bytes);
   if (!proto.ok()) return proto.status();
+  out->bits = DecodeBits(*proto);
   absl::Status status = DecodeAdds(proto->features(), dimension, &out->edits);
   status.Update(DecodeHash(proto->hash(), &out->hash));
   return Damage(status);

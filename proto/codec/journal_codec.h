@@ -27,14 +27,17 @@ absl::StatusOr<JournalMesh> DecodeJournalMesh(const std::string& bytes);
 
 struct JournalEntry {
   EditBatch edits;
-  MeshHash hash;  // of the mesh after them
+  MeshHash hash;                   // of the mesh after them
+  std::uint32_t bits = kMeshBits;  // that the hash belongs to
 };
-std::string EncodeJournalEntry(const EditBatch& edits, const MeshHash& hash, int dimension);
+std::string EncodeJournalEntry(const EditBatch& edits, const MeshHash& hash, int dimension,
+                               std::uint32_t bits = kMeshBits);
 absl::StatusOr<JournalEntry> DecodeJournalEntry(const std::string& bytes, int dimension);
 
 // Features in parts of about a megabyte, at least one; each has the hash.
 std::vector<std::string> EncodeJournalSnapshot(std::span<const Feature> features,
-                                               const MeshHash& hash, int dimension);
+                                               const MeshHash& hash, int dimension,
+                                               std::uint32_t bits = kMeshBits);
 // Appends a part's features to the edits, as such that add them.
 absl::Status DecodeJournalSnapshot(const std::string& bytes, int dimension, JournalEntry* out);
 

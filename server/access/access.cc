@@ -8,6 +8,7 @@
 #include "absl/time/clock.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
+#include "server/base/peer.h"
 #include "server/meshes/mesh_name.h"
 
 namespace dynmesh::server {
@@ -111,8 +112,7 @@ absl::StatusOr<Pass> Access::Admit(const Caller& caller) {
     table = table_;
   }
   Pass pass;
-  // No address begins as a token does.
-  pass.client_ = absl::StrCat("address ", caller.address);
+  pass.client_ = ClientAt(caller.address);
   absl::Status refused;
   if (table == nullptr) {
   } else if (!caller.authorization.has_value()) {

@@ -12,6 +12,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "dynmesh/options.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/base/process.h"
@@ -21,6 +22,9 @@ namespace {
 
 // Trimming walks the whole heap: not at every tick.
 constexpr int kTicksBetweenTrims = 10;
+
+// So many streams that end leave enough behind to be worth it.
+constexpr std::uint64_t kManyStreams = 64;
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
@@ -86,6 +90,20 @@ void MemoryGuard::Measure() {
   } else if (ticks_over_++ % kTicksBetweenTrims == 0) {
     malloc_trim(0);
   }
+}
+
+std::uint64_t MemoryGuard::MostVertices(int dimension) const {
+  // With its trace and what a process has beside it. Measured of uniform points, at the most.
+  const std::uint64_t bytes_per_vertex = dimension == 2 ? 1'000 : 2'500;
+  constexpr std::uint64_t kLeast = 100'000;
+  return std::clamp(limit_ / 2 / bytes_per_vertex, kLeast, dynmesh::MostVertices(dimension));
+}
+
+void MemoryGuard::NoteStreams(std::uint64_t open) {
+  most_streams_ = std::max(most_streams_, open);
+  if (most_streams_ < kManyStreams || open > most_streams_ / 2) return;
+  most_streams_ = open;
+  malloc_trim(0);
 }
 
 absl::Status MemoryGuard::CheckRoom() const {

@@ -25,18 +25,25 @@ class MemoryGuard {
   // Looks at the process; if it has too much, asks the allocator to give back what is free.
   void Measure();
 
+  // Told, as often as it measures, how many streams are open: when of many most have ended, the
+  // allocator is asked to give back what they left. By the ticker only.
+  void NoteStreams(std::uint64_t open);
+
   // RESOURCE_EXHAUSTED (MEMORY_LIMIT, with RetryInfo) if nothing may grow.
   absl::Status CheckRoom() const;
   // That error, for who was stopped in the middle.
   absl::Status RefuseGrowth() const;
   std::uint64_t limit() const { return limit_; }
+  // Of a mesh that takes half of the limit: a mesh that is made anew is there twice for a while.
+  std::uint64_t MostVertices(int dimension) const;
   // True while nothing may grow: for what may be stopped in the middle.
   const std::atomic<bool>* full() const { return &full_; }
 
  private:
   const std::uint64_t limit_;
   std::atomic<bool> full_{false};
-  int ticks_over_ = 0;  // the ticker's
+  int ticks_over_ = 0;              // the ticker's, as what follows
+  std::uint64_t most_streams_ = 0;  // since the allocator was last asked
 };
 
 }  // namespace dynmesh::server

@@ -7,12 +7,15 @@
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
+#include <algorithm>
 #include <array>
 #include <ctime>
 #include <mutex>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "server/access/certificate_watch.h"
 #include "server/access/file_stamp.h"
 #include "server/base/log.h"
 
@@ -26,6 +29,8 @@ struct Free {
 };
 template <typename T>
 using Owned = std::unique_ptr<T, Free>;
+
+constexpr absl::Duration kBetweenLooks = absl::Seconds(1);
 
 // What one reading of the files found.
 struct Material {
@@ -73,6 +78,26 @@ absl::Status CheckMaterial(const TlsFiles& files, const Material& m) {
   return ERR_clear_error(), absl::OkStatus();
 }
 
+// The infinite future if it is none.
+absl::Time TimeOf(const ASN1_TIME* time) {
+  std::tm utc = {};
+  if (ASN1_TIME_to_tm(time, &utc) == 1) return absl::FromTM(utc, absl::UTCTimeZone());
+  ERR_clear_error();
+  return absl::InfiniteFuture();
+}
+
+// Of all certificates in a text together: a chain is as good as the worst of it.
+Validity ValidityOf(const std::string& pem) {
+  Validity all;
+  const Owned<BIO> chain = Open(pem);
+  while (const Owned<X509> next{PEM_read_bio_X509(chain.get(), nullptr, &NoPassword, nullptr)}) {
+    all.from = std::max(all.from, TimeOf(X509_get0_notBefore(next.get())));
+    all.until = std::min(all.until, TimeOf(X509_get0_notAfter(next.get())));
+  }
+  ERR_clear_error();
+  return all;
+}
+
 absl::StatusOr<Material> ReadMaterial(const TlsFiles& files) {
   Material material;
   for (const auto& [flag, path, text] :
@@ -88,19 +113,29 @@ absl::StatusOr<Material> ReadMaterial(const TlsFiles& files) {
   return material;
 }
 
-class TlsCredentials final : public grpc::ServerCredentials {
+class FileCredentials final : public TlsCredentials {
  public:
-  TlsCredentials(const TlsFiles& files, const std::array<FileStamp, 3>& stamps, Material first)
-      : files_(files), stamps_(stamps), material_(std::move(first)) {
+  FileCredentials(const TlsFiles& files, const std::array<FileStamp, 3>& stamps, Material first)
+      : files_(files), stamps_(stamps) {
+    Use(std::move(first));
     auto* options = grpc_ssl_server_credentials_create_options_using_config_fetcher(
         files.client_ca.empty() ? GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE
                                 : GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY,
-        &TlsCredentials::Fetch, this);
+        &FileCredentials::Fetch, this);
     credentials_ = grpc_ssl_server_credentials_create_with_options(options);
   }
-  ~TlsCredentials() override { grpc_server_credentials_release(credentials_); }
+  ~FileCredentials() override { grpc_server_credentials_release(credentials_); }
 
   void SetAuthMetadataProcessor(const std::shared_ptr<grpc::AuthMetadataProcessor>&) override {}
+
+  void Look(absl::Time now) override {
+    const std::lock_guard lock(mutex_);
+    if (now - looked_ < kBetweenLooks && now >= looked_) return;
+    looked_ = now;
+    ReadAgainIfChanged();
+    own_.Look(now);
+    clients_.Look(now);
+  }
 
   static std::array<FileStamp, 3> Stamps(const TlsFiles& files) {
     return {StampOf(files.certificate), StampOf(files.key), StampOf(files.client_ca)};
@@ -114,24 +149,12 @@ class TlsCredentials final : public grpc::ServerCredentials {
   // gRPC calls it as it begins to listen and at every new connection.
   static grpc_ssl_certificate_config_reload_status Fetch(void* self,
                                                          grpc_ssl_server_certificate_config** out) {
-    return static_cast<TlsCredentials*>(self)->Refresh(out);
+    return static_cast<FileCredentials*>(self)->Refresh(out);
   }
 
   grpc_ssl_certificate_config_reload_status Refresh(grpc_ssl_server_certificate_config** out) {
     const std::lock_guard lock(mutex_);
-    // Before the reading: what is written during it is seen the next time.
-    if (const std::array<FileStamp, 3> stamps = Stamps(files_); stamps != stamps_) {
-      stamps_ = stamps;
-      absl::StatusOr<Material> read = ReadMaterial(files_);
-      if (read.ok()) {
-        material_ = *std::move(read);
-        fetched_ = false;
-        Log(LogLevel::kInfo, "tls_reloaded", {{"certificate", files_.certificate}});
-      } else {
-        Log(LogLevel::kError, "tls_reload_failed",
-            {{"error", read.status().message()}, {"message", "the former certificate stays"}});
-      }
-    }
+    ReadAgainIfChanged();
     if (std::exchange(fetched_, true)) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
     const grpc_ssl_pem_key_cert_pair pair = {material_.key.c_str(), material_.certificate.c_str()};
     *out = grpc_ssl_server_certificate_config_create(
@@ -140,9 +163,37 @@ class TlsCredentials final : public grpc::ServerCredentials {
     return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
   }
 
+  void ReadAgainIfChanged() {
+    // Before the reading: what is written during it is seen the next time.
+    const std::array<FileStamp, 3> stamps = Stamps(files_);
+    if (stamps == stamps_) return;
+    stamps_ = stamps;
+    absl::StatusOr<Material> read = ReadMaterial(files_);
+    if (read.ok()) {
+      Log(LogLevel::kInfo, "tls_reloaded", {{"certificate", files_.certificate}});
+      Use(*std::move(read));
+    } else {
+      Log(LogLevel::kError, "tls_reload_failed",
+          {{"error", read.status().message()}, {"message", "the former certificate stays"}});
+    }
+  }
+
+  void Use(Material material) {
+    material_ = std::move(material);
+    fetched_ = false;
+    own_.Use(files_.certificate, ValidityOf(material_.certificate));
+    own_.Look(absl::Now());
+    if (files_.client_ca.empty()) return;
+    clients_.Use(files_.client_ca, ValidityOf(material_.client_ca));
+    clients_.Look(absl::Now());
+  }
+
   const TlsFiles files_;
   grpc_server_credentials* credentials_ = nullptr;
   std::mutex mutex_;
+  CertificateWatch own_;
+  CertificateWatch clients_;
+  absl::Time looked_ = absl::InfinitePast();
   std::array<FileStamp, 3> stamps_;
   Material material_;
   bool fetched_ = false;  // gRPC has what material_ holds
@@ -150,23 +201,21 @@ class TlsCredentials final : public grpc::ServerCredentials {
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<grpc::ServerCredentials>> MakeTlsCredentials(const TlsFiles& files) {
-  const std::array<FileStamp, 3> stamps = TlsCredentials::Stamps(files);
+absl::StatusOr<std::shared_ptr<TlsCredentials>> MakeTlsCredentials(const TlsFiles& files) {
+  const std::array<FileStamp, 3> stamps = FileCredentials::Stamps(files);
   absl::StatusOr<Material> material = ReadMaterial(files);
   if (!material.ok()) return material.status();
-  return std::make_shared<TlsCredentials>(files, stamps, *std::move(material));
+  return std::make_shared<FileCredentials>(files, stamps, *std::move(material));
 }
 
 absl::StatusOr<absl::Time> EndOfCertificate(const std::string& file) {
   const absl::StatusOr<std::string> pem = ReadSmallFile("tls-cert", file);
   if (!pem.ok()) return pem.status();
   const Owned<X509> leaf(PEM_read_bio_X509(Open(*pem).get(), nullptr, &NoPassword, nullptr));
-  std::tm end = {};
-  if (leaf == nullptr || ASN1_TIME_to_tm(X509_get0_notAfter(leaf.get()), &end) != 1) {
-    ERR_clear_error();
-    return Bad("tls-cert", file, "holds no PEM certificate");
-  }
-  return absl::FromTM(end, absl::UTCTimeZone());
+  const absl::Time end =
+      leaf == nullptr ? absl::InfiniteFuture() : TimeOf(X509_get0_notAfter(leaf.get()));
+  if (end == absl::InfiniteFuture()) return Bad("tls-cert", file, "holds no PEM certificate");
+  return end;
 }
 
 }  // namespace dynmesh::server

@@ -6,9 +6,12 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
+#include "server/base/printable.h"
 
 namespace dynmesh::server {
 namespace {
@@ -53,22 +56,30 @@ bool IsPlain(absl::string_view text) {
   });
 }
 
-}  // namespace
-
-absl::Status SetLogLevel(absl::string_view name) {
+std::optional<LogLevel> LevelNamed(absl::string_view name) {
   for (const auto& [text, level] :
        {std::pair{"debug", LogLevel::kDebug}, std::pair{"info", LogLevel::kInfo},
         std::pair{"warning", LogLevel::kWarning}, std::pair{"error", LogLevel::kError},
         std::pair{"off", LogLevel::kOff}}) {
-    if (name == text) {
-      google::protobuf::SetLogHandler(&TakeFromProtobuf);
-      Logger().set_level(Translate(level));
-      return absl::OkStatus();
-    }
+    if (name == text) return level;
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("log level '", name, "': use debug, info, warning, error or off"));
+  return std::nullopt;
 }
+
+}  // namespace
+
+absl::Status SetLogLevel(absl::string_view name) {
+  const std::optional<LogLevel> level = LevelNamed(name);
+  if (!level.has_value()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("log level '", name, "': use debug, info, warning, error or off"));
+  }
+  google::protobuf::SetLogHandler(&TakeFromProtobuf);
+  Logger().set_level(Translate(*level));
+  return absl::OkStatus();
+}
+
+bool IsLogLevel(absl::string_view name) { return LevelNamed(name).has_value(); }
 
 bool LogEnabled(LogLevel level) { return Logger().should_log(Translate(level)); }
 
@@ -79,7 +90,7 @@ void Log(LogLevel level, absl::string_view event, std::initializer_list<LogField
     if (IsPlain(f.value)) {
       absl::StrAppend(&line, " ", f.key, "=", f.value);
     } else {
-      absl::StrAppend(&line, " ", f.key, "=\"", absl::Utf8SafeCEscape(f.value), "\"");
+      absl::StrAppend(&line, " ", f.key, "=\"", Printable(absl::Utf8SafeCEscape(f.value)), "\"");
     }
   }
   // The line is data, never a format.

@@ -17,6 +17,8 @@ enum class LogLevel { kDebug, kInfo, kWarning, kError, kOff };
 // INVALID_ARGUMENT unless `name` is debug, info, warning, error or off.
 absl::Status SetLogLevel(absl::string_view name);
 
+bool IsLogLevel(absl::string_view name);
+
 bool LogEnabled(LogLevel level);
 
 struct LogField {

@@ -7,13 +7,6 @@
 #include "server/base/process.h"
 
 namespace dynmesh::server {
-namespace {
-
-// Tasks a strand runs before another strand has its turn: enough to spare the pool's
-// lock under load, few enough to be fair.
-constexpr int kTurn = 16;
-
-}  // namespace
 
 WorkerPool::WorkerPool(int threads, Priority priority) {
   for (int i = 0; i < std::max(1, threads); ++i) {
@@ -124,20 +117,33 @@ void SerialQueue::Schedule() {
   pool_->Post([self = shared_from_this()] { self->Run(); });
 }
 
-void SerialQueue::Run() {
-  for (int i = 0; i < kTurn; ++i) {
-    Waiting next;  // freed outside the lock
-    {
-      const std::lock_guard lock(mutex_);
-      if (tasks_.empty()) {
-        scheduled_ = false;
-        return;
-      }
-      next = std::move(tasks_.front());
-      tasks_.pop_front();
-    }
-    next.task();
+std::optional<SerialQueue::Waiting> SerialQueue::Next(bool ends) {
+  const std::lock_guard lock(mutex_);
+  if (tasks_.empty()) {
+    scheduled_ = !ends;
+    return std::nullopt;
   }
+  std::optional<Waiting> next(std::move(tasks_.front()));
+  tasks_.pop_front();
+  return next;
+}
+
+void SerialQueue::Run() {
+  const auto end = std::chrono::steady_clock::now() + turn_.time;
+  bool rested = true;
+  for (int i = 0; i < turn_.tasks; ++i) {
+    std::optional<Waiting> next = Next(rested);
+    if (!next.has_value() && !rested) {
+      rest_();
+      rested = true;
+      next = Next(rested);  // one may have come meanwhile
+    }
+    if (!next.has_value()) return;
+    next->task();
+    rested = rest_ == nullptr;
+    if (std::chrono::steady_clock::now() >= end) break;
+  }
+  if (!rested) rest_();
   Schedule();
 }
 

@@ -4,13 +4,16 @@
 #ifndef DYNMESH_SERVER_BASE_WORKER_POOL_H_
 #define DYNMESH_SERVER_BASE_WORKER_POOL_H_
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace dynmesh::server {
@@ -56,14 +59,21 @@ struct TaskOwner {
 };
 
 // A strand: tasks run on the pool in the order posted, never two at a time, and take
-// turns with the other strands of the pool.
+// turns with the other strands of the pool. Tasks may leave work to be done together: `rest`.
 class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
  public:
   using Task = WorkerPool::Task;
+  // What a strand runs before another one has its turn, the last task whole: enough to spare the
+  // pool's lock under load, little enough to be fair.
+  struct Turn {
+    int tasks = 16;
+    std::chrono::steady_clock::duration time = std::chrono::milliseconds(4);
+  };
 
-  static std::shared_ptr<SerialQueue> Create(WorkerPool* pool) {
-    return std::shared_ptr<SerialQueue>(new SerialQueue(pool));
+  static std::shared_ptr<SerialQueue> Create(WorkerPool* pool, const Turn& turn) {
+    return std::shared_ptr<SerialQueue>(new SerialQueue(pool, turn));
   }
+  static std::shared_ptr<SerialQueue> Create(WorkerPool* pool) { return Create(pool, Turn()); }
 
   void Post(Task task, TaskOwner owner = {});
   // False, and nothing posted, if `limit` tasks wait already.
@@ -72,11 +82,15 @@ class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
   // this thread. One that has begun goes on.
   void Withdraw(const void* key);
 
+  // Called on the strand before it pauses: when no task waits, and before others have their turn.
+  // To be given before the first task.
+  void OnRest(Task rest) { rest_ = std::move(rest); }
+
   // Tasks that wait; the one that runs not counted.
   std::size_t waiting() const;
 
  private:
-  explicit SerialQueue(WorkerPool* pool) : pool_(pool) {}
+  SerialQueue(WorkerPool* pool, const Turn& turn) : pool_(pool), turn_(turn) {}
   struct Waiting {
     Task task;
     TaskOwner owner;
@@ -84,8 +98,12 @@ class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
 
   void Schedule();
   void Run();
+  // The next task; without one that was the strand's last if `ends`.
+  std::optional<Waiting> Next(bool ends);
 
   WorkerPool* const pool_;
+  const Turn turn_;
+  Task rest_;
   mutable std::mutex mutex_;
   std::deque<Waiting> tasks_;
   bool scheduled_ = false;

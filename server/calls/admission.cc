@@ -20,6 +20,15 @@ absl::Status DrainingError() {
                                  "the server is shutting down: try again in a while", error);
 }
 
+absl::Status RecoveringError() {
+  codec::ServiceError error;
+  error.reason = codec::reason::kRecovering;
+  error.retry_after = absl::Milliseconds(500);
+  return codec::MakeServiceError(
+      absl::StatusCode::kUnavailable,
+      "the server has just started and makes its meshes again: try again in a moment", error);
+}
+
 absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context) {
   WorkGate::Ticket ticket = context.gate.Enter();
   if (ticket == nullptr) return DrainingError();
@@ -36,6 +45,27 @@ absl::StatusOr<Lease> TakeStream(Quota& quota, absl::string_view what) {
       absl::StatusCode::kResourceExhausted,
       absl::StrCat("the server's limit of ", quota.limit(), " ", what, " is reached: try later"),
       error);
+}
+
+absl::StatusOr<StreamPlace> TakeStream(ServiceContext& context, Quota& quota,
+                                       absl::string_view what, const Pass& pass) {
+  StreamPlace place;
+  place.of_client = context.client_streams.Take(pass.client());
+  if (!place.of_client) {
+    codec::ServiceError error;
+    error.reason = codec::reason::kClientStreamLimit;
+    error.metadata["client"] = pass.client();
+    error.retry_after = absl::Seconds(1);
+    return codec::MakeServiceError(
+        absl::StatusCode::kResourceExhausted,
+        absl::StrCat("this client has the ", context.client_streams.limit(),
+                     " streams open that one client may have: end some, or try later"),
+        error);
+  }
+  absl::StatusOr<Lease> lease = TakeStream(quota, what);
+  if (!lease.ok()) return lease.status();
+  place.of_kind = *std::move(lease);
+  return place;
 }
 
 absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std::size_t count) {
@@ -72,7 +102,8 @@ absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
   if (absl::Status s = pass.Check(Role::kEdit, mesh); !s.ok()) return s;
   absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(mesh);
   if (!host.ok()) return host.status();
-  absl::StatusOr<Lease> place = TakeStream(context.edit_streams, "edit streams");
+  absl::StatusOr<StreamPlace> place =
+      TakeStream(context, context.edit_streams, "edit streams", pass);
   if (!place.ok()) return place.status();
   absl::StatusOr<Access::Stream> allowed =
       context.access->Open(pass, Role::kEdit, (*host)->id(), std::move(cancel));

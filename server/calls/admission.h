@@ -3,6 +3,7 @@
 #ifndef DYNMESH_SERVER_CALLS_ADMISSION_H_
 #define DYNMESH_SERVER_CALLS_ADMISSION_H_
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 #include "server/access/access.h"
+#include "server/access/client_quotas.h"
 #include "server/access/quota.h"
 #include "server/base/work_gate.h"
 #include "server/base/worker_pool.h"
@@ -38,6 +40,7 @@ struct ServiceContext {
         watchers(c.max_watchers),
         edit_streams(c.max_edit_streams),
         snapshot_streams(c.max_snapshot_streams),
+        client_streams(c.max_streams_per_client),
         pending_edits(c.max_pending_edits) {}
 
   const ServerConfig config;
@@ -49,9 +52,11 @@ struct ServiceContext {
   Access* const access;
   const absl::Time start_time;
   WorkGate gate;
+  std::atomic<bool> recovering{false};  // meshes are being made again: nothing is answered yet
   Quota watchers;
   Quota edit_streams;
   Quota snapshot_streams;
+  ClientQuotas client_streams;
   Quota pending_edits;
   OpenSends sends;
 };
@@ -59,11 +64,23 @@ struct ServiceContext {
 // UNAVAILABLE (DRAINING), with the time after which another server should be there.
 absl::Status DrainingError();
 
+// UNAVAILABLE (RECOVERING), likewise with a time.
+absl::Status RecoveringError();
+
 // A ticket, or DrainingError.
 absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context);
 
 // RESOURCE_EXHAUSTED (STREAM_LIMIT). `what`: "watches", ...
 absl::StatusOr<Lease> TakeStream(Quota& quota, absl::string_view what);
+
+// A stream's place among all of its kind, and among all of its client.
+struct StreamPlace {
+  Lease of_kind;
+  Lease of_client;
+};
+// As above, or CLIENT_STREAM_LIMIT if the client has as many streams as it may.
+absl::StatusOr<StreamPlace> TakeStream(ServiceContext& context, Quota& quota,
+                                       absl::string_view what, const Pass& pass);
 
 // Room for edits that weigh `count` more in a batch that weighs `before`: INVALID_ARGUMENT
 // (BATCH_TOO_LARGE) or RESOURCE_EXHAUSTED (PENDING_LIMIT).
@@ -85,7 +102,7 @@ class HeldEdits {
 struct EditTarget {
   MeshRegistry::HostPtr host;
   Access::Stream allowed;
-  Lease place;
+  StreamPlace place;
 };
 absl::StatusOr<EditTarget> OpenToEdit(ServiceContext& context, const Pass& pass,
                                       const std::string& mesh, std::function<void()> cancel);

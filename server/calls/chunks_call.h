@@ -25,13 +25,17 @@ template <class Call, class Chunk, class Fragmenter>
 class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
  public:
   template <class Request>
-  static Call* Start(ServiceContext& context, const Request& request, const absl::Status& admitted,
-                     grpc::CallbackServerContext* rpc) {
+  static Call* Start(ServiceContext& context, const Request& request,
+                     const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<Call>();
     call->self_ = call;
     call->context_ = &context;
     LimitSends(context, rpc, call->sender_);
-    const absl::Status status = admitted.ok() ? call->Begin(context, request) : admitted;
+    absl::Status status = pass.status();
+    if (status.ok()) {
+      call->pass_ = *pass;
+      status = call->Begin(context, request);
+    }
     if (!status.ok()) call->Fail(status);
     return call.get();
   }
@@ -61,9 +65,10 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
     ticket_ = *std::move(ticket);
     absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(mesh);
     if (!host.ok()) return host.status();
-    absl::StatusOr<Lease> lease = TakeStream(context.snapshot_streams, "snapshots under way");
-    if (!lease.ok()) return lease.status();
-    lease_ = *std::move(lease);
+    absl::StatusOr<StreamPlace> place =
+        TakeStream(context, context.snapshot_streams, "snapshots under way", pass_);
+    if (!place.ok()) return place.status();
+    place_ = *std::move(place);
     host_ = *host;
     return host;
   }
@@ -92,8 +97,9 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   ServiceContext* context_ = nullptr;
   OpenSends::Sender sender_;
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
+  Pass pass_;
   WorkGate::Ticket ticket_;
-  Lease lease_;
+  StreamPlace place_;
   MeshRegistry::HostPtr host_;  // before OnCancel may be called
   std::optional<Fragmenter> fragmenter_;
   Chunk chunk_;

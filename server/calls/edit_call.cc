@@ -51,7 +51,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   void OnDone() override {
     sender_.Leave();
     if (fragmenter_.has_value()) {
-      context_.metrics->edits.send_seconds.Observe(SecondsSince(answered_));
+      context_.metrics->edits.of(source_).send.Observe(SecondsSince(answered_));
     }
     self_.reset();
   }
@@ -81,6 +81,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     absl::StatusOr<Lease> lease = TakeStream(context_.snapshot_streams, "snapshots under way");
     if (!lease.ok()) return lease.status();
     snapshot_lease_ = *std::move(lease);
+    taken.job.source = source_ = EditSource::kRevert;
     context_.readers->Post([call = self_, revision = request.revision(),
                             host = std::move(taken.host), job = std::move(taken.job)]() mutable {
       RevertPlan plan = PlanRevert(*host, revision, call->cancelled_);
@@ -135,6 +136,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   grpc::CallbackServerContext* const rpc_;  // until OnDone
   OpenSends::Sender sender_;
   MetricsClock::time_point answered_;
+  EditSource source_ = EditSource::kEdit;
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<EditCall> self_;  // until OnDone
   WorkGate::Ticket ticket_;

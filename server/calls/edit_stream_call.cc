@@ -21,7 +21,7 @@ namespace dynmesh::server {
 // Three parties: the reader (gRPC, one message at a time), the mesh's strand that
 // answers, the writer (gRPC, one message at a time). What they share is guarded by
 // mutex_; operations on the stream are started after it is released.
-class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>,
+class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>,
                              public OpenStream {
  public:
   EditStreamCall(ServiceContext& context, grpc::CallbackServerContext* rpc)
@@ -62,7 +62,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
     SetWaitsNot();
     if (ok) {
       // The message belongs to this thread until reading_ is false.
-      absl::Status status = Receive();
+      absl::Status status = received_.is_parsed ? Receive() : NotParsed(request_);
       if (!status.ok()) End(status);
     } else if (partial_.has_value()) {
       codec::ServiceError error;
@@ -85,7 +85,8 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
         EndLocked(WhyCut(context_, sender_, "the client is gone"));
       }
       if (broken_ || current_->finished()) {
-        context_.metrics->edits.send_seconds.Observe(SecondsSince(current_->answered));
+        context_.metrics->edits.of(EditSource::kEdit)
+            .send.Observe(SecondsSince(current_->answered));
         current_.reset();
         --in_flight_;
       }
@@ -237,7 +238,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
 
   void Read() {
     if (host_ == nullptr || partial_.has_value()) SetWaits(/*anew=*/brought_);
-    StartRead(&request_);
+    StartRead(&received_);
   }
 
   // ------------------------------------------------------------------ answering
@@ -343,13 +344,14 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   grpc::CallbackServerContext* const rpc_;
   Pass pass_;
   Access::Stream allowed_;                // the reader's, once there is a mesh; then until OnDone
-  Lease place_;                           // likewise
+  StreamPlace place_;                     // likewise
   std::shared_ptr<EditStreamCall> self_;  // until OnDone
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   const std::shared_ptr<std::atomic<bool>> stop_ = std::make_shared<std::atomic<bool>>(false);
 
   // The reader's.
-  v1::EditBatch request_;
+  Received<v1::EditBatch> received_;
+  v1::EditBatch& request_ = received_.message;
   MeshRegistry::HostPtr host_;  // written under mutex_
   std::string mesh_name_;
   bool stop_on_error_ = false;
@@ -375,7 +377,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<v1::EditBatch, v1::M
   std::optional<Answer> current_;  // the one being written
 };
 
-grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* StartEditStreamCall(
+grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>* StartEditStreamCall(
     ServiceContext& context, OpenStreams& streams, const absl::StatusOr<Pass>& pass,
     grpc::CallbackServerContext* rpc) {
   return EditStreamCall::Start(context, streams, pass, rpc);

@@ -10,12 +10,13 @@
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "server/calls/admission.h"
 #include "server/calls/open_streams.h"
+#include "server/calls/received.h"
 
 namespace dynmesh::server {
 
 // Starts a call that frees itself; one that was not admitted ends with why. `rpc` is
 // cancelled when the pass no longer allows to edit the mesh that the first message names.
-grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* StartEditStreamCall(
+grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>* StartEditStreamCall(
     ServiceContext& context, OpenStreams& streams, const absl::StatusOr<Pass>& pass,
     grpc::CallbackServerContext* rpc);
 

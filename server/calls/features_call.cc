@@ -29,9 +29,9 @@ class FeaturesCall final
 }  // namespace
 
 grpc::ServerWriteReactor<v1::FeaturesChunk>* StartFeaturesCall(
-    ServiceContext& context, const v1::GetFeaturesRequest& request, const absl::Status& admitted,
+    ServiceContext& context, const v1::GetFeaturesRequest& request, const absl::StatusOr<Pass>& pass,
     grpc::CallbackServerContext* rpc) {
-  return FeaturesCall::Start(context, request, admitted, rpc);
+  return FeaturesCall::Start(context, request, pass, rpc);
 }
 
 }  // namespace dynmesh::server

@@ -12,8 +12,8 @@ namespace dynmesh::server {
 // Starts a call that frees itself; one that was not admitted ends with why. `request` is not used
 // after the return, `rpc` until the call is done.
 grpc::ServerWriteReactor<v1::FeaturesChunk>* StartFeaturesCall(
-    ServiceContext& context, const v1::GetFeaturesRequest& request, const absl::Status& admitted,
-    grpc::CallbackServerContext* rpc);
+    ServiceContext& context, const v1::GetFeaturesRequest& request,
+    const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc);
 
 }  // namespace dynmesh::server
 

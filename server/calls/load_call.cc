@@ -13,6 +13,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/calls/call_id.h"
+#include "server/calls/load_pieces.h"
 #include "server/calls/send_timeout.h"
 
 namespace dynmesh::server {
@@ -41,12 +42,13 @@ Response::Stage StageOf(BatchProgress::Stage stage) {
 // after it is released. The call ends when all of the reader's or the strand's is done and
 // nothing is being written.
 class LoadCall final
-    : public grpc::ServerBidiReactor<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse>,
+    : public grpc::ServerBidiReactor<Received<v1::LoadFeaturesRequest>, v1::LoadFeaturesResponse>,
       public OpenStream {
  public:
   LoadCall(ServiceContext& context, grpc::CallbackServerContext* rpc)
       : context_(context), rpc_(rpc) {
     job_.call_id = CallIdOf(*rpc);
+    job_.source = EditSource::kLoad;
     job_.cancelled = cancelled_;
   }
 
@@ -82,7 +84,7 @@ class LoadCall final
     const std::size_t edits = job_.edits.size();
     absl::Status status;
     if (ok) {
-      status = Receive();
+      status = received_.is_parsed ? Receive() : NotParsed(request_);
     } else {
       codec::ServiceError error;
       error.reason = codec::reason::kBatchIncomplete;
@@ -142,7 +144,7 @@ class LoadCall final
 
   void Read(bool anew) {
     SetWaits(anew);
-    StartRead(&request_);
+    StartRead(&received_);
   }
 
   // Takes the message just read.
@@ -156,6 +158,7 @@ class LoadCall final
     const std::size_t weight =
         static_cast<std::size_t>(points.ids_size()) + codec::Weight(request_.features());
     if (absl::Status s = held_.Take(context_, weight); !s.ok()) return s;
+    pieces_.Add(request_, job_.edits.size());
     const int dimension = host_->mesh_options().dimension;
     if (absl::Status s = codec::DecodePointColumns(points, dimension, &job_.edits); !s.ok()) {
       return s;
@@ -257,7 +260,7 @@ class LoadCall final
       sender_.Begin();
       StartWriteAndFinish(&*result_, grpc::WriteOptions(), grpc::Status::OK);
     } else {
-      Finish(codec::ToGrpcStatus(final_status_, "features"));
+      Finish(codec::ToGrpcStatus(pieces_.Locate(final_status_)));
     }
   }
 
@@ -268,12 +271,14 @@ class LoadCall final
 
   // The reader's, then the strand's.
   Pass pass_;
-  v1::LoadFeaturesRequest request_;
+  Received<v1::LoadFeaturesRequest> received_;
+  v1::LoadFeaturesRequest& request_ = received_.message;
   MeshRegistry::HostPtr host_;
   std::string mesh_name_;
   Access::Stream allowed_;
-  Lease place_;
+  StreamPlace place_;
   HeldEdits held_;
+  LoadPieces pieces_;
   EditJob job_;
 
   Response progress_;  // the writer's, while writing_
@@ -291,7 +296,7 @@ class LoadCall final
 
 }  // namespace
 
-grpc::ServerBidiReactor<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse>* StartLoadCall(
+grpc::ServerBidiReactor<Received<v1::LoadFeaturesRequest>, v1::LoadFeaturesResponse>* StartLoadCall(
     ServiceContext& context, OpenStreams& streams, const absl::StatusOr<Pass>& pass,
     grpc::CallbackServerContext* rpc) {
   return LoadCall::Start(context, streams, pass, rpc);

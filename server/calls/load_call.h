@@ -10,11 +10,12 @@
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "server/calls/admission.h"
 #include "server/calls/open_streams.h"
+#include "server/calls/received.h"
 
 namespace dynmesh::server {
 
 // As StartEditStreamCall.
-grpc::ServerBidiReactor<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse>* StartLoadCall(
+grpc::ServerBidiReactor<Received<v1::LoadFeaturesRequest>, v1::LoadFeaturesResponse>* StartLoadCall(
     ServiceContext& context, OpenStreams& streams, const absl::StatusOr<Pass>& pass,
     grpc::CallbackServerContext* rpc);
 

@@ -1,5 +1,8 @@
 #include "server/calls/mesh_service.h"
 
+#include <google/protobuf/descriptor.h>
+#include <grpcpp/impl/rpc_service_method.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -15,6 +18,7 @@
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
+#include "server/base/peer.h"
 #include "server/calls/call_id.h"
 #include "server/calls/edit_call.h"
 #include "server/calls/edit_stream_call.h"
@@ -39,6 +43,7 @@ void EncodeMesh(const MeshHost& host, v1::Mesh* out) {
   codec::EncodeTime(host.create_time(), out->mutable_create_time());
   out->set_revision(head.revision);
   out->set_hash(head.hash.ToHex());
+  if (!host.read_only().ok()) out->set_damage(std::string(host.read_only().message()));
 }
 
 void EncodeStats(const MeshHost& host, v1::MeshStats* out) {
@@ -125,15 +130,119 @@ Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer
                                ? absl::string_view(begin->second.data(), begin->second.size())
                                : absl::string_view();
   }
-  // "ipv4:127.0.0.1:54321"
-  caller.address = absl::string_view(peer).substr(0, peer.rfind(':'));
+  caller.address = AddressOf(peer);
   return caller;
+}
+
+// The end of a call that sends a stream, before anything was sent.
+template <typename Response>
+class FailedCall final : public grpc::ServerWriteReactor<Response> {
+ public:
+  explicit FailedCall(const absl::Status& status) { this->Finish(codec::ToGrpcStatus(status)); }
+  void OnDone() override { delete this; }
+};
+
+grpc::internal::RpcMethod::RpcType TypeOf(const google::protobuf::MethodDescriptor& method) {
+  using Rpc = grpc::internal::RpcMethod;
+  if (method.client_streaming()) {
+    return method.server_streaming() ? Rpc::BIDI_STREAMING : Rpc::CLIENT_STREAMING;
+  }
+  return method.server_streaming() ? Rpc::SERVER_STREAMING : Rpc::NORMAL_RPC;
+}
+
+const google::protobuf::ServiceDescriptor& Descriptor() {
+  return *v1::GetMeshRequest::descriptor()->file()->FindServiceByName("MeshService");
 }
 
 }  // namespace
 
+MeshServiceImpl::MeshServiceImpl(ServiceContext* context) : context_(*context) {
+  const google::protobuf::ServiceDescriptor& service = Descriptor();
+  for (int i = 0; i < service.method_count(); ++i) {
+    const google::protobuf::MethodDescriptor& method = *service.method(i);
+    paths_.push_back(absl::StrCat("/", service.full_name(), "/", method.name()));
+    AddMethod(new grpc::internal::RpcServiceMethod(paths_.back().c_str(), TypeOf(method), nullptr));
+  }
+  RegisterUnary("CreateMesh", &MeshServiceImpl::CreateMesh);
+  RegisterUnary("GetMesh", &MeshServiceImpl::GetMesh);
+  RegisterUnary("ListMeshes", &MeshServiceImpl::ListMeshes);
+  RegisterUnary("DeleteMesh", &MeshServiceImpl::DeleteMesh);
+  RegisterUnary("GetStats", &MeshServiceImpl::GetStats);
+  RegisterUnary("LocatePoints", &MeshServiceImpl::LocatePoints);
+  RegisterServerStream("AddFeatures", &MeshServiceImpl::AddFeatures);
+  RegisterServerStream("RemoveFeatures", &MeshServiceImpl::RemoveFeatures);
+  RegisterServerStream("ApplyEdits", &MeshServiceImpl::ApplyEdits);
+  RegisterServerStream("Watch", &MeshServiceImpl::Watch);
+  RegisterServerStream("GetSnapshot", &MeshServiceImpl::GetSnapshot);
+  RegisterServerStream("GetFeatures", &MeshServiceImpl::GetFeatures);
+  RegisterServerStream("RevertTo", &MeshServiceImpl::RevertTo);
+  RegisterBidiStream("EditStream", &MeshServiceImpl::EditStream);
+  RegisterBidiStream("LoadFeatures", &MeshServiceImpl::LoadFeatures);
+}
+
+void MeshServiceImpl::Register(const char* name, grpc::internal::MethodHandler* handler) {
+  MarkMethodCallback(Descriptor().FindMethodByName(name)->index(), handler);
+}
+
+template <typename Request, typename Response>
+void MeshServiceImpl::RegisterUnary(const char* name,
+                                    grpc::ServerUnaryReactor* (MeshServiceImpl::*method)(
+                                        grpc::CallbackServerContext*, const Request*, Response*)) {
+  Register(name, new grpc::internal::CallbackUnaryHandler<Received<Request>, Response>(
+                     [this, method](grpc::CallbackServerContext* call,
+                                    const Received<Request>* request, Response* response) {
+                       if (request->is_parsed) {
+                         return (this->*method)(call, &request->message, response);
+                       }
+                       return Finished(call, Refuse(call, request->message));
+                     }));
+}
+
+template <typename Request, typename Response>
+void MeshServiceImpl::RegisterServerStream(
+    const char* name,
+    grpc::ServerWriteReactor<Response>* (MeshServiceImpl::*method)(grpc::CallbackServerContext*,
+                                                                   const Request*)) {
+  Register(name, new grpc::internal::CallbackServerStreamingHandler<Received<Request>, Response>(
+                     [this, method](
+                         grpc::CallbackServerContext* call,
+                         const Received<Request>* request) -> grpc::ServerWriteReactor<Response>* {
+                       if (request->is_parsed) return (this->*method)(call, &request->message);
+                       return new FailedCall<Response>(Refuse(call, request->message));
+                     }));
+}
+
+template <typename Request, typename Response>
+void MeshServiceImpl::RegisterBidiStream(
+    const char* name, grpc::ServerBidiReactor<Received<Request>, Response>* (
+                          MeshServiceImpl::*method)(grpc::CallbackServerContext*)) {
+  Register(name, new grpc::internal::CallbackBidiHandler<Received<Request>, Response>(
+                     [this, method](grpc::CallbackServerContext* call) {
+                       return (this->*method)(call);
+                     }));
+}
+
+absl::Status NotParsed(const google::protobuf::MessageLite& message) {
+  codec::ServiceError error;
+  error.reason = codec::reason::kBadRequest;
+  return codec::MakeServiceError(
+      absl::StatusCode::kInvalidArgument,
+      absl::StrCat("the message is no ", message.GetTypeName(),
+                   ": its bytes are no protobuf message of that type, or a string in it is not "
+                   "UTF-8"),
+      error);
+}
+
+absl::Status MeshServiceImpl::Refuse(const grpc::CallbackServerContext* call,
+                                     const google::protobuf::MessageLite& message) {
+  const absl::Status admitted = Admit(call).status();
+  return admitted.ok() ? NotParsed(message) : admitted;
+}
+
 absl::StatusOr<Pass> MeshServiceImpl::Admit(const grpc::CallbackServerContext* call) {
-  return context_.access->Admit(CallerOf(*call, call->peer()));
+  absl::StatusOr<Pass> pass = context_.access->Admit(CallerOf(*call, call->peer()));
+  if (pass.ok() && context_.recovering.load(std::memory_order_relaxed)) return RecoveringError();
+  return pass;
 }
 
 absl::StatusOr<Pass> MeshServiceImpl::Admit(const grpc::CallbackServerContext* call, Role role,
@@ -175,9 +284,11 @@ grpc::ServerUnaryReactor* MeshServiceImpl::CreateMesh(grpc::CallbackServerContex
   absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
   if (!ticket.ok()) return Finished(call, ticket.status());
   if (absl::Status s = CheckRequestId(request->request_id()); !s.ok()) return Finished(call, s);
-  absl::StatusOr<MeshOptions> options =
-      codec::DecodeOptions(request->options(), context_.config.max_vertices);
+  absl::StatusOr<MeshOptions> options = codec::DecodeOptions(
+      request->options(),
+      context_.registry->MaxVertices(request->options().dimension() == 3 ? 3 : 2));
   if (!options.ok()) return Finished(call, options.status());
+  if (absl::Status s = CheckBoxOfNew(*options); !s.ok()) return Finished(call, s);
   auto* reactor = new CreateReactor();
   // Request and response live until the call is finished.
   context_.writers->Post(
@@ -210,7 +321,8 @@ grpc::ServerUnaryReactor* MeshServiceImpl::ListMeshes(grpc::CallbackServerContex
   if (request->page_size() < 0) {
     return Finished(call, BadRequest("page_size", "must not be negative"));
   }
-  if (!request->page_token().empty() && !IsMeshId(request->page_token())) {
+  if (!request->page_token().empty() && !IsMeshId(request->page_token()) &&
+      !IsRowName(request->page_token())) {
     return Finished(call, BadRequest("page_token", "is not one that this server gave"));
   }
   const int size =
@@ -305,12 +417,12 @@ grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::ApplyEdits(
                        call);
 }
 
-grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* MeshServiceImpl::EditStream(
+grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>* MeshServiceImpl::EditStream(
     grpc::CallbackServerContext* call) {
   return StartEditStreamCall(context_, streams_, Admit(call), call);
 }
 
-grpc::ServerBidiReactor<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse>*
+grpc::ServerBidiReactor<Received<v1::LoadFeaturesRequest>, v1::LoadFeaturesResponse>*
 MeshServiceImpl::LoadFeatures(grpc::CallbackServerContext* call) {
   return StartLoadCall(context_, streams_, Admit(call), call);
 }
@@ -322,14 +434,12 @@ grpc::ServerWriteReactor<v1::WatchEvent>* MeshServiceImpl::Watch(grpc::CallbackS
 
 grpc::ServerWriteReactor<v1::SnapshotChunk>* MeshServiceImpl::GetSnapshot(
     grpc::CallbackServerContext* call, const v1::GetSnapshotRequest* request) {
-  return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status(),
-                           call);
+  return StartSnapshotCall(context_, *request, Admit(call, Role::kRead, request->mesh()), call);
 }
 
 grpc::ServerWriteReactor<v1::FeaturesChunk>* MeshServiceImpl::GetFeatures(
     grpc::CallbackServerContext* call, const v1::GetFeaturesRequest* request) {
-  return StartFeaturesCall(context_, *request, Admit(call, Role::kRead, request->mesh()).status(),
-                           call);
+  return StartFeaturesCall(context_, *request, Admit(call, Role::kRead, request->mesh()), call);
 }
 
 grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RevertTo(

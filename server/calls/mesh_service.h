@@ -3,16 +3,24 @@
 #ifndef DYNMESH_SERVER_CALLS_MESH_SERVICE_H_
 #define DYNMESH_SERVER_CALLS_MESH_SERVICE_H_
 
-#include "dynmesh/v1/mesh_service.grpc.pb.h"
+#include <grpcpp/impl/service_type.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <deque>
+#include <string>
+
+#include "dynmesh/v1/mesh_service.pb.h"
 #include "server/calls/admission.h"
 #include "server/calls/open_streams.h"
+#include "server/calls/received.h"
 
 namespace dynmesh::server {
 
-// Thread-safe. The context outlives it.
-class MeshServiceImpl final : public v1::MeshService::CallbackService {
+// Registers the methods itself, as the generated class does, but with Received messages. Each
+// method begins with Admit. Thread-safe. The context outlives it.
+class MeshServiceImpl final : public grpc::Service {
  public:
-  explicit MeshServiceImpl(ServiceContext* context) : context_(*context) {}
+  explicit MeshServiceImpl(ServiceContext* context);
 
   // Refuses new work and ends all streams, after what they hold is answered.
   void BeginDrain();
@@ -20,44 +28,61 @@ class MeshServiceImpl final : public v1::MeshService::CallbackService {
   // does not take what they send.
   void Tick();
 
+ private:
+  // The method of that name in the proto.
+  void Register(const char* name, grpc::internal::MethodHandler* handler);
+  template <typename Request, typename Response>
+  void RegisterUnary(const char* name,
+                     grpc::ServerUnaryReactor* (MeshServiceImpl::*method)(
+                         grpc::CallbackServerContext*, const Request*, Response*));
+  template <typename Request, typename Response>
+  void RegisterServerStream(const char* name,
+                            grpc::ServerWriteReactor<Response>* (MeshServiceImpl::*method)(
+                                grpc::CallbackServerContext*, const Request*));
+  template <typename Request, typename Response>
+  void RegisterBidiStream(const char* name,
+                          grpc::ServerBidiReactor<Received<Request>, Response>* (
+                              MeshServiceImpl::*method)(grpc::CallbackServerContext*));
+
   grpc::ServerUnaryReactor* CreateMesh(grpc::CallbackServerContext* call,
-                                       const v1::CreateMeshRequest* request,
-                                       v1::Mesh* response) override;
+                                       const v1::CreateMeshRequest* request, v1::Mesh* response);
   grpc::ServerUnaryReactor* GetMesh(grpc::CallbackServerContext* call,
-                                    const v1::GetMeshRequest* request, v1::Mesh* response) override;
+                                    const v1::GetMeshRequest* request, v1::Mesh* response);
   grpc::ServerUnaryReactor* ListMeshes(grpc::CallbackServerContext* call,
                                        const v1::ListMeshesRequest* request,
-                                       v1::ListMeshesResponse* response) override;
+                                       v1::ListMeshesResponse* response);
   grpc::ServerUnaryReactor* DeleteMesh(grpc::CallbackServerContext* call,
                                        const v1::DeleteMeshRequest* request,
-                                       v1::DeleteMeshResponse* response) override;
+                                       v1::DeleteMeshResponse* response);
   grpc::ServerUnaryReactor* GetStats(grpc::CallbackServerContext* call,
                                      const v1::GetStatsRequest* request,
-                                     v1::GetStatsResponse* response) override;
+                                     v1::GetStatsResponse* response);
   grpc::ServerUnaryReactor* LocatePoints(grpc::CallbackServerContext* call,
                                          const v1::LocatePointsRequest* request,
-                                         v1::LocatePointsResponse* response) override;
+                                         v1::LocatePointsResponse* response);
 
-  grpc::ServerWriteReactor<v1::MeshDiff>* AddFeatures(
-      grpc::CallbackServerContext* call, const v1::AddFeaturesRequest* request) override;
-  grpc::ServerWriteReactor<v1::MeshDiff>* RemoveFeatures(
-      grpc::CallbackServerContext* call, const v1::RemoveFeaturesRequest* request) override;
+  grpc::ServerWriteReactor<v1::MeshDiff>* AddFeatures(grpc::CallbackServerContext* call,
+                                                      const v1::AddFeaturesRequest* request);
+  grpc::ServerWriteReactor<v1::MeshDiff>* RemoveFeatures(grpc::CallbackServerContext* call,
+                                                         const v1::RemoveFeaturesRequest* request);
   grpc::ServerWriteReactor<v1::MeshDiff>* ApplyEdits(grpc::CallbackServerContext* call,
-                                                     const v1::ApplyEditsRequest* request) override;
-  grpc::ServerBidiReactor<v1::EditBatch, v1::MeshDiff>* EditStream(
-      grpc::CallbackServerContext* call) override;
-  grpc::ServerBidiReactor<v1::LoadFeaturesRequest, v1::LoadFeaturesResponse>* LoadFeatures(
-      grpc::CallbackServerContext* call) override;
+                                                     const v1::ApplyEditsRequest* request);
+  grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>* EditStream(
+      grpc::CallbackServerContext* call);
+  grpc::ServerBidiReactor<Received<v1::LoadFeaturesRequest>, v1::LoadFeaturesResponse>*
+  LoadFeatures(grpc::CallbackServerContext* call);
   grpc::ServerWriteReactor<v1::WatchEvent>* Watch(grpc::CallbackServerContext* call,
-                                                  const v1::WatchRequest* request) override;
-  grpc::ServerWriteReactor<v1::SnapshotChunk>* GetSnapshot(
-      grpc::CallbackServerContext* call, const v1::GetSnapshotRequest* request) override;
-  grpc::ServerWriteReactor<v1::FeaturesChunk>* GetFeatures(
-      grpc::CallbackServerContext* call, const v1::GetFeaturesRequest* request) override;
+                                                  const v1::WatchRequest* request);
+  grpc::ServerWriteReactor<v1::SnapshotChunk>* GetSnapshot(grpc::CallbackServerContext* call,
+                                                           const v1::GetSnapshotRequest* request);
+  grpc::ServerWriteReactor<v1::FeaturesChunk>* GetFeatures(grpc::CallbackServerContext* call,
+                                                           const v1::GetFeaturesRequest* request);
   grpc::ServerWriteReactor<v1::MeshDiff>* RevertTo(grpc::CallbackServerContext* call,
-                                                   const v1::RevertToRequest* request) override;
+                                                   const v1::RevertToRequest* request);
 
- private:
+  // What a call without a message is answered: as any other, it has to be admitted first.
+  absl::Status Refuse(const grpc::CallbackServerContext* call,
+                      const google::protobuf::MessageLite& message);
   // Who calls and, with the other, that it has the role on the mesh of that name.
   absl::StatusOr<Pass> Admit(const grpc::CallbackServerContext* call);
   absl::StatusOr<Pass> Admit(const grpc::CallbackServerContext* call, Role role,
@@ -65,6 +90,7 @@ class MeshServiceImpl final : public v1::MeshService::CallbackService {
 
   ServiceContext& context_;
   OpenStreams streams_;
+  std::deque<std::string> paths_;  // of the methods
 };
 
 }  // namespace dynmesh::server

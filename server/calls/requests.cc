@@ -131,10 +131,24 @@ absl::StatusOr<data::RegionChoice> DecodeRegions(
   data::RegionChoice choice;
   choice.in.assign(regions.begin(), regions.end());
   data::Normalize(choice);
-  if (!choice.in.empty() && (choice.in.front() == kNoFeature || choice.in.back() == kBoxFeature)) {
-    return BadRequest("regions", "must be ids of polygons, 1 to 2^64 - 2");
+  if (!choice.in.empty() &&
+      (choice.in.front() == kNoFeature || choice.in.back() > kLastPolygonId)) {
+    return BadRequest("regions", absl::StrCat("must be ids of polygons, 1 to ", kLastPolygonId));
   }
   return choice;
+}
+
+absl::Status CheckBoxOfNew(const MeshOptions& options) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(options.dimension); ++i) {
+    if (options.box.lo[i] != options.box.hi[i]) return absl::OkStatus();
+  }
+  codec::ServiceError error;
+  error.reason = reason::kBadOption;
+  error.field = "options.box";
+  return codec::MakeServiceError(
+      absl::StatusCode::kInvalidArgument,
+      "options.box: both corners are the same place, and features have no room: set lo and hi",
+      error);
 }
 
 absl::Status CheckLocate(const v1::LocatePointsRequest& request, int dimension) {

@@ -45,6 +45,10 @@ absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request);
 absl::StatusOr<data::RegionChoice> DecodeRegions(
     const google::protobuf::RepeatedField<std::uint64_t>& regions);
 
+// The box of a mesh to be made: INVALID_ARGUMENT if it is a single place, as one is whose corners
+// were left out.
+absl::Status CheckBoxOfNew(const MeshOptions& options);
+
 absl::Status CheckLocate(const v1::LocatePointsRequest& request, int dimension);
 
 }  // namespace dynmesh::server

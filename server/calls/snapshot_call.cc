@@ -34,9 +34,9 @@ class SnapshotCall final
 }  // namespace
 
 grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
-    ServiceContext& context, const v1::GetSnapshotRequest& request, const absl::Status& admitted,
+    ServiceContext& context, const v1::GetSnapshotRequest& request, const absl::StatusOr<Pass>& pass,
     grpc::CallbackServerContext* rpc) {
-  return SnapshotCall::Start(context, request, admitted, rpc);
+  return SnapshotCall::Start(context, request, pass, rpc);
 }
 
 }  // namespace dynmesh::server

@@ -11,7 +11,9 @@
 //   2. a call that returned an error changed nothing that will be seen while the journal is open.
 //      (After a crash a change that failed may turn out to have been made, whole.)
 //   3. the entries of a mesh follow its oldest snapshot one by one, without a gap;
-//   4. each row has a checksum: one that was damaged is told as DATA_LOSS with mesh and revision.
+//   4. each row has a checksum: one that was damaged is told as DATA_LOSS with mesh and revision;
+//   5. a mesh that lacks what was acknowledged, whatever was done to the files, is told so when the
+//      journal is opened, and not written to.
 // Calls block until the disk is done; calls that wait at the same time may share a sync. After a
 // failed write all calls that write fail until one has been tried and done. Thread-safe.
 //
@@ -40,10 +42,11 @@ class Journal {
 
   struct Mesh {
     Key key = 0;
-    std::string id;
+    std::string id;  // "@" and the key, if its own is damaged and cannot be said
     std::string description;
     std::uint64_t entries = 0;  // a snapshot counts as one
-    absl::Status damage;        // not OK: the rest is not to be trusted
+    absl::Status damage;        // not OK: the rest is not to be trusted, or there is nothing
+    absl::Status loss;  // not OK: it lacks what was acknowledged. It can be read and deleted only
   };
   // What it did since it was opened.
   struct Counts {
@@ -87,9 +90,16 @@ class Journal {
   // there is more. What is left when the journal ends is taken away when it is opened.
   virtual bool Sweep(Key mesh) = 0;
 
-  // Either may be missing. Of the requests of a mesh only the newest are kept.
-  virtual absl::Status Append(Key mesh, const std::optional<Entry>& entry,
-                              const std::optional<Request>& request) = 0;
+  // All of it or nothing. The entries follow the last one, and each other. Of the requests of a
+  // mesh only the newest are kept.
+  virtual absl::Status Append(Key mesh, const std::vector<Entry>& entries,
+                              const std::vector<Request>& requests) = 0;
+  // The same of one batch; either may be missing.
+  absl::Status Append(Key mesh, const std::optional<Entry>& entry,
+                      const std::optional<Request>& request) {
+    return Append(mesh, entry.has_value() ? std::vector{*entry} : std::vector<Entry>(),
+                  request.has_value() ? std::vector{*request} : std::vector<Request>());
+  }
 
   // The newest generation. DATA_LOSS if something that was told is missing.
   virtual absl::Status Read(Key mesh, const Visitor& visitor) = 0;

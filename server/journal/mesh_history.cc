@@ -30,7 +30,7 @@ class Past {
     return batch.ok() ? Take(entry.revision, *batch) : batch.status();
   }
   FeaturesAt Features() const { return {revision_, hash_, features_.Sorted()}; }
-  std::uint64_t revision() const { return revision_; }
+  std::uint32_t bits() const { return bits_; }
 
  private:
   absl::Status Take(std::uint64_t revision, const codec::JournalEntry& entry) {
@@ -42,6 +42,7 @@ class Past {
     }
     revision_ = revision;
     hash_ = entry.hash;
+    bits_ = entry.bits;
     return absl::OkStatus();
   }
 
@@ -50,6 +51,7 @@ class Past {
   data::FeatureSet features_;
   std::uint64_t revision_ = 0;
   MeshHash hash_;
+  std::uint32_t bits_ = kMeshBits;
 };
 
 }  // namespace
@@ -68,21 +70,23 @@ absl::StatusOr<MeshHistory::Span> MeshHistory::Between(std::uint64_t from, std::
   Past past(dimension_, empty_, cancelled);
   Span span;
   bool begun = false;
+  const auto begin = [&] {
+    span.from = past.Features();
+    span.from_bits = past.bits();
+    begun = true;
+  };
   Journal::Visitor visitor;
   visitor.snapshot = [&](std::uint64_t r, const std::string& part) {
     return past.AddPart(r, part);
   };
   visitor.entry = [&](const Journal::Entry& entry) {
-    if (!begun && entry.revision > from) {
-      span.from = past.Features();
-      begun = true;
-    }
+    if (!begun && entry.revision > from) begin();
     return past.Apply(entry);
   };
   if (absl::Status s = journal_->ReadPast(key_, from, to, visitor); !s.ok()) {
     return ErrorOf(s, from, head);
   }
-  if (!begun) span.from = past.Features();
+  if (!begun) begin();
   if (from < to) span.to = past.Features();
   return span;
 }

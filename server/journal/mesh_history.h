@@ -36,6 +36,7 @@ class MeshHistory {
   // Two revisions at the price of one, the first not later than the other.
   struct Span {
     FeaturesAt from, to;
+    std::uint32_t from_bits = kMeshBits;  // that from.hash belongs to
   };
   absl::StatusOr<Span> Between(std::uint64_t from, std::uint64_t to, const Head& head,
                                const std::atomic<bool>* cancelled) const;

@@ -1,7 +1,6 @@
 #include "server/journal/mesh_log.h"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -20,23 +19,29 @@ MeshLog::MeshLog(Journal* journal, Journal::Key key, std::string id, int dimensi
       limits_(limits),
       sizes_(sizes) {}
 
-absl::Status MeshLog::Append(const EditBatch& edits, const std::string& request_id,
-                             const RequestMemory::Entry& answer) {
-  std::optional<Journal::Entry> entry;
-  if (answer.from_revision != answer.to_revision) {
-    entry = {answer.to_revision, codec::EncodeJournalEntry(edits, answer.hash, dimension_)};
+absl::Status MeshLog::Append(std::span<const Batch> batches) {
+  std::vector<Journal::Entry> entries;
+  std::vector<Journal::Request> requests;
+  Sizes sizes = sizes_;
+  for (const Batch& batch : batches) {
+    const RequestMemory::Entry& answer = batch.answer;
+    if (answer.from_revision != answer.to_revision) {
+      entries.push_back(
+          {answer.to_revision, codec::EncodeJournalEntry(*batch.edits, answer.hash, dimension_)});
+      sizes.Add(answer.to_revision, entries.back().data.size(), answer.work);
+    }
+    if (!batch.request_id.empty()) {
+      requests.push_back(
+          {std::string(batch.request_id),
+           codec::EncodeJournalAnswer({answer.content.a, answer.content.b, answer.from_revision,
+                                       answer.to_revision, answer.hash, answer.work})});
+    }
   }
-  std::optional<Journal::Request> request;
-  if (!request_id.empty()) {
-    request = {request_id,
-               codec::EncodeJournalAnswer({answer.content.a, answer.content.b, answer.from_revision,
-                                           answer.to_revision, answer.hash, answer.work})};
-  }
-  if (!entry.has_value() && !request.has_value()) return absl::OkStatus();
-  if (absl::Status status = journal_->Append(key_, entry, request); !status.ok()) {
+  if (entries.empty() && requests.empty()) return absl::OkStatus();
+  if (absl::Status status = journal_->Append(key_, entries, requests); !status.ok()) {
     return JournalError(status, id_);
   }
-  if (entry.has_value()) sizes_.Add(entry->revision, entry->data.size(), answer.work);
+  sizes_ = sizes;
   return absl::OkStatus();
 }
 
@@ -47,7 +52,22 @@ bool MeshLog::IsDue(const DynamicMesh& mesh) const {
 }
 
 void MeshLog::CompactIfDue(const DynamicMesh& mesh) {
-  if (!IsDue(mesh)) return;
+  if (IsDue(mesh)) Compact(mesh);
+}
+
+absl::Status MeshLog::AppendOtherBits(const DynamicMesh& mesh) {
+  const EditBatch none;
+  Batch batch;
+  batch.edits = &none;
+  batch.answer.from_revision = mesh.revision() - 1;
+  batch.answer.to_revision = mesh.revision();
+  batch.answer.hash = mesh.hash();
+  if (absl::Status status = Append({&batch, 1}); !status.ok()) return status;
+  Compact(mesh);
+  return absl::OkStatus();
+}
+
+void MeshLog::Compact(const DynamicMesh& mesh) {
   const std::vector<std::string> parts =
       codec::EncodeJournalSnapshot(mesh.Features(), mesh.hash(), dimension_);
   if (absl::Status status = journal_->Compact(key_, mesh.revision(), parts); !status.ok()) {

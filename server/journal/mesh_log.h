@@ -1,5 +1,6 @@
-// What one mesh writes into the journal: every batch before it comes into effect, and now and then
-// a snapshot of its features, from which the mesh is made again then.
+// What one mesh writes into the journal: every batch before anybody sees what it did, those that
+// are ready at once together, and now and then a snapshot of its features, from which the mesh is
+// made again then.
 //
 // A snapshot is due when the batches since the last one outweigh it, in bytes or in the work of
 // doing them again, and some least weight: amortised O(1) for each byte and each operation of a
@@ -11,9 +12,11 @@
 #define DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/strings/string_view.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/journal/journal.h"
 #include "server/journal/mesh_history.h"
@@ -47,21 +50,31 @@ class MeshLog {
   MeshLog(Journal* journal, Journal::Key key, std::string id, int dimension, const Sizes& sizes,
           const Limits& limits);
 
-  // Returns when batch and answer (the latter if there is a request_id) are durable. Errors as
-  // JournalError.
-  absl::Status Append(const EditBatch& edits, const std::string& request_id,
-                      const RequestMemory::Entry& answer);
+  // A batch, and its answer, which is kept if there is a request_id.
+  struct Batch {
+    const EditBatch* edits = nullptr;
+    absl::string_view request_id;
+    RequestMemory::Entry answer;
+  };
+  // Returns when all of them are durable; not OK: none is. In the order of their revisions. Errors
+  // as JournalError.
+  absl::Status Append(std::span<const Batch> batches);
 
   // What it writes, to be read. `empty`: as MeshHistory's.
   MeshHistory History(const MeshHash& empty) const {
     return MeshHistory(journal_, key_, id_, dimension_, empty);
   }
 
+  // The mesh's last revision has the features of the one before, and other bits (kMeshBits): writes
+  // it down, and a snapshot. Errors as Append; a snapshot that fails is logged.
+  absl::Status AppendOtherBits(const DynamicMesh& mesh);
+
   // After a batch; O(1) but for when it is due. What fails is logged, and tried again later.
   void CompactIfDue(const DynamicMesh& mesh);
 
  private:
   bool IsDue(const DynamicMesh& mesh) const;
+  void Compact(const DynamicMesh& mesh);
 
   Journal* const journal_;
   const Journal::Key key_;

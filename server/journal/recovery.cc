@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/data/feature_set.h"
+#include "server/base/log.h"
 
 namespace dynmesh::server {
 namespace {
@@ -27,15 +29,18 @@ class Replay {
   }
 
   absl::Status AddPart(std::uint64_t revision, const std::string& part) {
-    snapshot_revision_ = revision;
+    start_revision_ = revision;
+    has_snapshot_ = true;
     sizes_.snapshot += part.size();
-    return codec::DecodeJournalSnapshot(part, dimension_, &snapshot_);
+    return codec::DecodeJournalSnapshot(part, dimension_, &start_);
   }
 
   absl::Status Apply(const Journal::Entry& entry) {
-    if (absl::Status s = Begin(); !s.ok()) return s;
-    const auto batch = codec::DecodeJournalEntry(entry.data, dimension_);
+    auto batch = codec::DecodeJournalEntry(entry.data, dimension_);
     if (!batch.ok()) return At(entry.revision, batch.status());
+    if (start_revision_ == 0) start_.bits = batch->bits;
+    if (!has_begun() && start_.bits != kMeshBits) return Gather(entry, *batch);
+    if (absl::Status s = Begin(); !s.ok()) return s;
     absl::StatusOr<MeshDiff> diff = out_.mesh->Apply(batch->edits);
     if (!diff.ok()) return At(entry.revision, diff.status());
     if (diff->hash != batch->hash) return OtherHash(entry.revision, batch->hash);
@@ -49,28 +54,48 @@ class Replay {
     return status;
   }
 
-  // What precedes the first entry, or was all there is.
+  // What precedes the first entry that is applied by itself, or was all there is.
   absl::Status Begin() {
-    if (out_.past.store != nullptr) return absl::OkStatus();
-    if (snapshot_revision_ > 0) {
-      if (absl::Status s = out_.mesh->Apply(snapshot_.edits).status(); !s.ok()) {
-        return At(snapshot_revision_, s);
+    if (has_begun()) return absl::OkStatus();
+    if (start_revision_ > 0) {
+      if (gathered_.size() > 0) start_.edits = data::EditsBetween({}, gathered_.Sorted());
+      if (absl::Status s = out_.mesh->Apply(start_.edits).status(); !s.ok()) {
+        return At(start_revision_, s);
       }
-      if (out_.mesh->hash() != snapshot_.hash) {
-        return OtherHash(snapshot_revision_, snapshot_.hash);
+      has_other_bits_ = start_.bits != kMeshBits;
+      if (!has_other_bits_ && out_.mesh->hash() != start_.hash) {
+        return OtherHash(start_revision_, start_.hash);
       }
-      out_.mesh->ResumeAt(snapshot_revision_);
-      EditBatch().swap(snapshot_.edits);
-      applied_();
+      out_.mesh->ResumeAt(start_revision_ + (has_other_bits_ ? 1 : 0));
+      EditBatch().swap(start_.edits);
+      gathered_ = {};
+      if (has_snapshot_) applied_();
     }
     out_.past.store = std::make_shared<RevisionStore>(
         std::make_shared<const Mesh>(out_.mesh->Snapshot()), options_.history);
     return absl::OkStatus();
   }
 
+  // After Begin: all that was read is of other bits than this program's.
+  bool has_other_bits() const { return has_other_bits_; }
+  std::uint32_t bits() const { return start_.bits; }
   const MeshLog::Sizes& sizes() const { return sizes_; }
 
  private:
+  bool has_begun() const { return out_.past.store != nullptr; }
+
+  // An entry that follows others of other bits belongs to the start. So does the first of these.
+  absl::Status Gather(const Journal::Entry& entry, codec::JournalEntry& batch) {
+    absl::Status status = gathered_.Apply(std::exchange(start_.edits, {}));
+    if (status.ok()) status = gathered_.Apply(batch.edits);
+    if (!status.ok()) return At(entry.revision, status);
+    start_revision_ = entry.revision;
+    start_.hash = batch.hash;
+    start_.bits = batch.bits;
+    sizes_.Add(entry.revision, entry.data.size(), {});
+    applied_();
+    return absl::OkStatus();
+  }
   static absl::Status At(std::uint64_t revision, const absl::Status& status) {
     return absl::DataLossError(absl::StrCat(
         "revision ", revision, " cannot be made again from the journal: ", status.message()));
@@ -84,8 +109,12 @@ class Replay {
   const MeshHost::Options& options_;
   const std::function<void()>& applied_;
   const int dimension_;
-  std::uint64_t snapshot_revision_ = 0;
-  codec::JournalEntry snapshot_;
+  // What is made in one batch: the snapshot, and what is gathered.
+  std::uint64_t start_revision_ = 0;
+  codec::JournalEntry start_;
+  data::FeatureSet gathered_;
+  bool has_snapshot_ = false;
+  bool has_other_bits_ = false;
   MeshLog::Sizes sizes_;
 };
 
@@ -115,6 +144,15 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
   recovered.past.log =
       std::make_unique<MeshLog>(&journal, found.key, found.id, recovered.made.options.dimension,
                                 replay.sizes(), options.compact);
+  if (!replay.has_other_bits()) return recovered;
+  if (found.loss.ok()) {
+    if (absl::Status s = recovered.past.log->AppendOtherBits(*recovered.mesh); !s.ok()) return s;
+  }
+  Log(LogLevel::kInfo, "bits_changed",
+      {{"mesh", found.id},
+       {"revision", recovered.mesh->revision()},
+       {"from", replay.bits()},
+       {"to", kMeshBits}});
   return recovered;
 }
 

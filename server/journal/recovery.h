@@ -2,6 +2,11 @@
 // by one, so that their diffs are there for watchers. The mesh is a function of its features, so
 // revision, hash and ids are those from before; each hash is compared with the one written down.
 //
+// Hashes of other bits (kMeshBits) cannot be compared. What was written with them is gathered and
+// made in one batch. The mesh then is the next revision, with the same features, and the first that
+// watchers can resume at; earlier ones can be read as features and reverted to. It is written down
+// with a snapshot. (Not so if the mesh cannot be written to: then each start makes it so again.)
+//
 // Takes as long as making the snapshot's mesh and applying the batches, of which there are no more
 // bytes than of the snapshot, or of a least size. Pure but for what it reads; thread-safe.
 #ifndef DYNMESH_SERVER_JOURNAL_RECOVERY_H_

@@ -13,7 +13,9 @@ RecoveryProgress::RecoveryProgress(const std::vector<Journal::Mesh>& meshes,
 
 void RecoveryProgress::Apply() {
   entries_done_.fetch_add(1, std::memory_order_relaxed);
-  if (metrics_ != nullptr) metrics_->entries_done.Add(1);
+  if (metrics_ == nullptr) return;
+  metrics_->entries_done.Add(1);
+  metrics_->entries_done_total.Add();
 }
 
 void RecoveryProgress::Damage() {

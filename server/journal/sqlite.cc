@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "server/base/printable.h"
 
 namespace dynmesh::server::sqlite {
 namespace {
@@ -18,7 +19,8 @@ absl::Status StatusOf(int code, absl::string_view doing, absl::string_view messa
   if (primary == SQLITE_OK || primary == SQLITE_ROW || primary == SQLITE_DONE) {
     return absl::OkStatus();
   }
-  std::string what = absl::StrCat(doing, ": ", message, " (SQLite ", code, ")");
+  // A schema that cannot be read is repeated in the message.
+  std::string what = absl::StrCat(doing, ": ", Printable(message), " (SQLite ", code, ")");
   if (primary == SQLITE_CORRUPT || primary == SQLITE_NOTADB) return absl::DataLossError(what);
   return absl::UnavailableError(what);
 }
@@ -40,6 +42,10 @@ absl::StatusOr<Connection> Connection::Open(const std::string& path, const char*
 
 absl::Status Connection::StatusOf(int code, absl::string_view doing) const {
   return sqlite::StatusOf(code, doing, sqlite3_errmsg(db_.get()));
+}
+
+void Connection::MoveLogAtEnd(bool yes) {
+  sqlite3_db_config(db_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, yes ? 0 : 1, nullptr);
 }
 
 absl::Status Connection::Run(const char* sql) {

@@ -24,6 +24,9 @@ class Connection {
   // `vfs` null: the default one. Waits for other connections up to some seconds.
   static absl::StatusOr<Connection> Open(const std::string& path, const char* vfs);
 
+  // Whether SQLite moves its log into the database, and deletes it, when the last connection is
+  // closed. It does, unless it is told otherwise.
+  void MoveLogAtEnd(bool yes);
   // Statements without a result, separated by semicolons.
   absl::Status Run(const char* sql);
   // False in a transaction; a failed statement may have ended it.

@@ -1,52 +1,20 @@
 #include "server/journal/sqlite_journal.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "server/base/log.h"
 #include "server/journal/row_sum.h"
 #include "server/journal/sqlite_generations.h"
-#include "server/journal/sqlite_schema.h"
+#include "server/journal/wal_walk.h"
 
 namespace dynmesh::server {
 namespace {
 
 using sqlite::Connection;
 using sqlite::Statement;
-
-// Unless it is there: for nobody else to read. SQLite gives its other files the same rights.
-absl::Status MakeJournalFile(const std::string& folder, const std::string& path) {
-  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (file < 0 && errno == EEXIST) return absl::OkStatus();
-  if (file < 0) {
-    return absl::UnavailableError(absl::StrCat("cannot make ", path, ": ", std::strerror(errno)));
-  }
-  close(file);
-  // A backup that was put there under another name would be passed over.
-  std::vector<std::string> others;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename();
-    if (name != "lock" && name != "journal.sqlite") others.push_back(name);
-  }
-  if (!others.empty()) {
-    Log(LogLevel::kWarning, "journal_made",
-        {{"journal", path},
-         {"others", absl::StrJoin(others, " ")},
-         {"message",
-          "a new journal, though the folder is not empty; a backup is read if it is "
-          "called journal.sqlite"}});
-  }
-  return absl::OkStatus();
-}
 
 absl::Status NoSuchMesh() { return absl::NotFoundError("the journal has no such mesh"); }
 
@@ -57,27 +25,28 @@ absl::StatusOr<std::unique_ptr<SqliteJournal>> SqliteJournal::Open(const std::st
   absl::StatusOr<FolderLock> lock = FolderLock::Take(folder);
   if (!lock.ok()) return lock.status();
   const std::string path = absl::StrCat(folder, "/journal.sqlite");
-  if (absl::Status s = MakeJournalFile(folder, path); !s.ok()) return s;
-  absl::StatusOr<Connection> connection = Connection::Open(path, options.vfs);
-  if (!connection.ok()) return connection.status();
-  if (absl::Status s = PrepareJournal(*connection, path); !s.ok()) {
-    return absl::Status(s.code(), absl::StrCat(path, ": ", s.message()));
-  }
+  absl::StatusOr<OpenedJournal> opened = OpenJournalFiles(folder, options.vfs, options.accept_loss);
+  if (!opened.ok()) return opened.status();
   absl::StatusOr<Connection> mover = Connection::Open(path, options.vfs);
   if (!mover.ok()) return mover.status();
-  std::unique_ptr<SqliteJournal> journal(new SqliteJournal(
-      path, options, *std::move(lock), *std::move(connection), *std::move(mover)));
-  journal->SweepAll();
+  std::unique_ptr<SqliteJournal> journal(
+      new SqliteJournal(path, options, *std::move(lock), *std::move(opened), *std::move(mover)));
+  // What looks like a leftover may be all that is left.
+  if (!journal->has_losses_) journal->SweepAll();
   return journal;
 }
 
 SqliteJournal::SqliteJournal(std::string path, const Options& options, FolderLock lock,
-                             Connection writer, Connection mover)
+                             OpenedJournal opened, Connection mover)
     : path_(std::move(path)),
       options_(options),
       lock_(std::move(lock)),
-      writer_(std::move(writer)),
+      sealed_(opened.sealed),
+      has_losses_(!opened.losses.empty() || !opened.sealed.ok()),
+      writer_(std::move(opened.connection)),
+      heads_(std::move(opened.heads)),
       checkpointer_(std::move(mover)) {
+  for (Loss& loss : opened.losses) losses_.emplace(loss.key(), std::move(loss));
   // In the place of SQLite's own, which moves the log within a commit.
   sqlite3_wal_hook(
       writer_.get(),
@@ -103,6 +72,7 @@ std::uint64_t SqliteJournal::bytes() const {
 // ------------------------------------------------------------------ writing
 
 absl::Status SqliteJournal::Write(const Change& change) {
+  if (!sealed_.ok()) return sealed_;
   Waiting mine{&change, {}};
   std::unique_lock lock(mutex_);
   waiting_.push_back(&mine);
@@ -126,7 +96,10 @@ void SqliteJournal::WriteAll(std::unique_lock<std::mutex>& lock) {
   }
   failed_ = !status.ok();
   ++(failed_ ? failures_ : syncs_);
-  if (status.ok()) checkpointer_.Committed(log_pages_, writer_);
+  if (status.ok()) {
+    heads_->Publish(LogPosition());
+    checkpointer_.Committed(log_pages_, writer_);
+  }
   lock.lock();
   for (Waiting* waiting : group) {
     if (!status.ok()) waiting->result = status;
@@ -138,6 +111,7 @@ void SqliteJournal::WriteAll(std::unique_lock<std::mutex>& lock) {
 
 // Not OK: nothing of the group was done.
 absl::Status SqliteJournal::Commit(const std::vector<Waiting*>& group) {
+  heads_->Drop();
   absl::Status status = Statement(writer_, "BEGIN IMMEDIATE").Finish();
   for (std::size_t i = 0; status.ok() && i < group.size(); ++i) {
     group[i]->result = (*group[i]->change)();
@@ -153,6 +127,13 @@ absl::Status SqliteJournal::Commit(const std::vector<Waiting*>& group) {
     }
   }
   return status;
+}
+
+HeadsFile::Position SqliteJournal::LogPosition() {
+  // A log that begins anew has another salt.
+  if (log_pages_ <= position_pages_ || log_salt_ == 0) log_salt_ = WalSalt(path_ + "-wal");
+  position_pages_ = log_pages_;
+  return {log_salt_, static_cast<std::uint64_t>(log_pages_)};
 }
 
 absl::Status SqliteJournal::Probe() {
@@ -173,12 +154,15 @@ absl::StatusOr<Journal::Key> SqliteJournal::Create(const std::string& id,
     }
     if (!find.status().ok()) return find.status();
     Statement insert(writer_,
-                     "INSERT INTO meshes(id, description, snapshot, head, checksum) "
-                     "VALUES(?, ?, 0, 0, ?)");
-    insert.BindText(id).BindBytes(description);
+                     "INSERT INTO meshes(key, id, description, snapshot, head, checksum) "
+                     "VALUES(max(?, ifnull((SELECT seq FROM sqlite_sequence WHERE name = "
+                     "'meshes'), 0)) + 1, ?, ?, 0, 0, ?)");
+    // Not one that was given before the journal lost something.
+    insert.Bind(heads_->greatest()).BindText(id).BindBytes(description);
     insert.Bind(RowSumOf(absl::string_view(id), absl::string_view(description)));
     if (absl::Status s = insert.Finish(); !s.ok()) return s;
     key = sqlite3_last_insert_rowid(writer_.get());
+    heads_->Stage({key, id, 0, 0, 0, HeadsFile::State::kThere});
     return Run("INSERT INTO generations VALUES(?, 0, 0, 0)", key);
   });
   if (!status.ok()) return status;
@@ -190,7 +174,14 @@ absl::Status SqliteJournal::Run(const char* sql, Key mesh) {
 }
 
 absl::Status SqliteJournal::Delete(Key mesh) {
-  return Write([&]() -> absl::Status {
+  if (!sealed_.ok()) return sealed_;
+  if (TakeMissing(mesh)) {
+    absl::Status status = heads_->Forget(mesh);
+    return status.ok() ? heads_->Sync() : status;
+  }
+  // What is gone and still on record would be taken for lost.
+  if (absl::Status s = heads_->BeginDelete(mesh); !s.ok()) return s;
+  absl::Status status = Write([&]() -> absl::Status {
     if (auto last = LastOf(mesh); !last.ok()) return last.status();
     for (const char* sql :
          {"DELETE FROM meshes WHERE key = ?", "DELETE FROM generations WHERE mesh = ?",
@@ -199,6 +190,23 @@ absl::Status SqliteJournal::Delete(Key mesh) {
     }
     return absl::OkStatus();
   });
+  if (status.ok()) heads_->EndDelete(mesh);
+  return status;
+}
+
+bool SqliteJournal::TakeMissing(Key mesh) {
+  const std::lock_guard lock(losses_mutex_);
+  const auto it = losses_.find(mesh);
+  if (it == losses_.end() || it->second.found.key != 0) return false;
+  losses_.erase(it);
+  return true;
+}
+
+absl::Status SqliteJournal::CheckWritable(Key mesh) {
+  if (!has_losses_) return absl::OkStatus();
+  const std::lock_guard lock(losses_mutex_);
+  const auto it = losses_.find(mesh);
+  return it == losses_.end() ? absl::OkStatus() : absl::DataLossError(it->second.Text());
 }
 
 absl::StatusOr<std::int64_t> SqliteJournal::LastOf(Key mesh) {
@@ -207,45 +215,62 @@ absl::StatusOr<std::int64_t> SqliteJournal::LastOf(Key mesh) {
   return find.status().ok() ? NoSuchMesh() : find.status();
 }
 
-absl::Status SqliteJournal::Append(Key mesh, const Entry& entry) {
-  const auto revision = static_cast<std::int64_t>(entry.revision);
-  Statement insert(writer_, "INSERT INTO entries VALUES(?, ?, ?, ?)");
-  insert.Bind(mesh).Bind(revision).BindBytes(entry.data);
-  insert.Bind(RowSumOf(mesh, revision, absl::string_view(entry.data)));
-  if (absl::Status s = insert.Finish(); !s.ok()) return s;
+absl::Status SqliteJournal::AppendEntries(Key mesh, const std::vector<Entry>& entries) {
+  std::int64_t bytes = 0;
+  for (const Entry& entry : entries) {
+    const auto revision = static_cast<std::int64_t>(entry.revision);
+    Statement insert(writer_, "INSERT INTO entries VALUES(?, ?, ?, ?)");
+    const std::int64_t sum = RowSumOf(mesh, revision, absl::string_view(entry.data));
+    insert.Bind(mesh).Bind(revision).BindBytes(entry.data).Bind(sum);
+    if (absl::Status s = insert.Finish(); !s.ok()) return s;
+    heads_->StageEntry(mesh, entry.revision, sum);
+    bytes += static_cast<std::int64_t>(entry.data.size());
+  }
   Statement head(writer_, "UPDATE meshes SET head = ?, tail_bytes = tail_bytes + ? WHERE key = ?");
-  return head.Bind(revision).Bind(static_cast<std::int64_t>(entry.data.size())).Bind(mesh).Finish();
+  const auto last = static_cast<std::int64_t>(entries.back().revision);
+  return head.Bind(last).Bind(bytes).Bind(mesh).Finish();
 }
 
-absl::Status SqliteJournal::Append(Key mesh, const Request& request) {
-  Statement last(writer_, "SELECT ifnull(max(number), 0) FROM requests WHERE mesh = ?");
-  last.Bind(mesh).Step();
-  if (!last.status().ok()) return last.status();
-  const std::int64_t number = last.Integer(0) + 1;
-  Statement insert(writer_, "INSERT INTO requests VALUES(?, ?, ?, ?, ?)");
-  insert.Bind(mesh).Bind(number).BindText(request.id).BindBytes(request.answer);
-  insert.Bind(
-      RowSumOf(mesh, number, absl::string_view(request.id), absl::string_view(request.answer)));
-  if (absl::Status s = insert.Finish(); !s.ok()) return s;
+absl::Status SqliteJournal::AppendRequests(Key mesh, const std::vector<Request>& requests) {
+  Statement newest(writer_, "SELECT ifnull(max(number), 0) FROM requests WHERE mesh = ?");
+  newest.Bind(mesh).Step();
+  if (!newest.status().ok()) return newest.status();
+  const std::int64_t before = newest.Integer(0);
+  std::int64_t number = before;
+  for (const Request& request : requests) {
+    ++number;
+    Statement insert(writer_, "INSERT INTO requests VALUES(?, ?, ?, ?, ?)");
+    insert.Bind(mesh).Bind(number).BindText(request.id).BindBytes(request.answer);
+    insert.Bind(
+        RowSumOf(mesh, number, absl::string_view(request.id), absl::string_view(request.answer)));
+    if (absl::Status s = insert.Finish(); !s.ok()) return s;
+  }
+  heads_->StageRequest(mesh, number);
+  // The oldest are far from the newest, a page more to write: they go by the hundred.
+  const auto kept = static_cast<std::int64_t>(options_.remembered_requests);
+  const std::int64_t at_once = 1 + kept / 100;
+  if (number / at_once == before / at_once) return absl::OkStatus();
   Statement trim(writer_, "DELETE FROM requests WHERE mesh = ? AND number <= ?");
-  return trim.Bind(mesh)
-      .Bind(number - static_cast<std::int64_t>(options_.remembered_requests))
-      .Finish();
+  return trim.Bind(mesh).Bind(number - kept).Finish();
 }
 
-absl::Status SqliteJournal::Append(Key mesh, const std::optional<Entry>& entry,
-                                   const std::optional<Request>& request) {
+absl::Status SqliteJournal::Append(Key mesh, const std::vector<Entry>& entries,
+                                   const std::vector<Request>& requests) {
+  if (absl::Status s = CheckWritable(mesh); !s.ok()) return s;
   return Write([&]() -> absl::Status {
-    const absl::StatusOr<std::int64_t> last = LastOf(mesh);
+    absl::StatusOr<std::int64_t> last = LastOf(mesh);
     if (!last.ok()) return last.status();
-    if (entry.has_value()) {
-      if (static_cast<std::int64_t>(entry->revision) != *last + 1) {
+    for (const Entry& entry : entries) {
+      if (static_cast<std::int64_t>(entry.revision) != *last + 1) {
         return absl::FailedPreconditionError(
-            absl::StrCat("revision ", entry->revision, " does not follow the journal's ", *last));
+            absl::StrCat("revision ", entry.revision, " does not follow the journal's ", *last));
       }
-      if (absl::Status s = Append(mesh, *entry); !s.ok()) return s;
+      ++*last;
     }
-    return request.has_value() ? Append(mesh, *request) : absl::OkStatus();
+    absl::Status status;
+    if (!entries.empty()) status = AppendEntries(mesh, entries);
+    if (status.ok() && !requests.empty()) status = AppendRequests(mesh, requests);
+    return status;
   });
 }
 
@@ -259,6 +284,7 @@ absl::Status SqliteJournal::CheckLast(Key mesh, std::uint64_t revision) {
 
 absl::Status SqliteJournal::Compact(Key mesh, std::uint64_t revision,
                                     const std::vector<std::string>& parts) {
+  if (absl::Status s = CheckWritable(mesh); !s.ok()) return s;
   const auto at = static_cast<std::int64_t>(revision);
   bool there = false;
   absl::Status status = Write([&]() -> absl::Status {

@@ -17,6 +17,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -24,7 +25,10 @@
 
 #include "server/journal/checkpointer.h"
 #include "server/journal/folder_lock.h"
+#include "server/journal/heads_file.h"
 #include "server/journal/journal.h"
+#include "server/journal/losses.h"
+#include "server/journal/opening.h"
 #include "server/journal/sqlite.h"
 
 namespace dynmesh::server {
@@ -37,9 +41,12 @@ class SqliteJournal final : public Journal {
     std::uint64_t history_bytes = 64 << 20;
     std::uint64_t piece_bytes = 4 << 20;  // of a transaction, or one row
     const char* vfs = nullptr;            // of SQLite; for tests
+    // Losses that the operator takes, as losses.h says.
+    std::vector<std::string> accept_loss;
   };
 
-  // FAILED_PRECONDITION if another process has the folder or a newer version wrote it.
+  // FAILED_PRECONDITION if another process has the folder, a newer version wrote it, or its files
+  // do not belong together. Meshes that lost something are there, and cannot be written to.
   static absl::StatusOr<std::unique_ptr<SqliteJournal>> Open(const std::string& folder,
                                                              const Options& options);
   ~SqliteJournal() override;
@@ -51,8 +58,9 @@ class SqliteJournal final : public Journal {
   absl::StatusOr<Key> Create(const std::string& id, const std::string& description) override;
   absl::Status Delete(Key mesh) override;
   bool Sweep(Key mesh) override;
-  absl::Status Append(Key mesh, const std::optional<Entry>& entry,
-                      const std::optional<Request>& request) override;
+  using Journal::Append;
+  absl::Status Append(Key mesh, const std::vector<Entry>& entries,
+                      const std::vector<Request>& requests) override;
   absl::Status Read(Key mesh, const Visitor& visitor) override;
   absl::Status ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
                         const Visitor& visitor) override;
@@ -70,10 +78,16 @@ class SqliteJournal final : public Journal {
     bool done = false;
   };
 
-  SqliteJournal(std::string path, const Options& options, FolderLock lock,
-                sqlite::Connection writer, sqlite::Connection mover);
+  SqliteJournal(std::string path, const Options& options, FolderLock lock, OpenedJournal opened,
+                sqlite::Connection mover);
 
   absl::Status Write(const Change& change);
+  // DATA_LOSS if it lost something.
+  absl::Status CheckWritable(Key mesh);
+  bool TakeMissing(Key mesh);
+  void AddLosses(std::vector<Mesh>* meshes);
+  // Of SQLite's log, after a transaction.
+  HeadsFile::Position LogPosition();
   absl::Status CheckLast(Key mesh, std::uint64_t revision);
   void SweepWhole(Key mesh);
   void SweepAll();
@@ -81,8 +95,8 @@ class SqliteJournal final : public Journal {
   void WriteAll(std::unique_lock<std::mutex>& lock);
   absl::Status Commit(const std::vector<Waiting*>& group);
   absl::Status Probe();
-  absl::Status Append(Key mesh, const Entry& entry);
-  absl::Status Append(Key mesh, const Request& request);
+  absl::Status AppendEntries(Key mesh, const std::vector<Entry>& entries);
+  absl::Status AppendRequests(Key mesh, const std::vector<Request>& requests);
   // The mesh's last revision.
   absl::StatusOr<std::int64_t> LastOf(Key mesh);
   absl::Status Run(const char* sql, Key mesh);
@@ -92,10 +106,18 @@ class SqliteJournal final : public Journal {
   const Options options_;
   const FolderLock lock_;
 
+  const absl::Status sealed_;  // not OK: nothing can be written
+  const bool has_losses_;      // when it was opened
+  std::mutex losses_mutex_;
+  std::map<Key, Loss> losses_;
+
   // Belong to whoever writes.
   sqlite::Connection writer_;
   std::atomic<bool> failed_{false};
   int log_pages_ = 0;
+  int position_pages_ = 0;  // when the log's salt was read
+  std::uint64_t log_salt_ = 0;
+  const std::unique_ptr<HeadsFile> heads_;
 
   std::atomic<std::uint64_t> syncs_{0};
   std::atomic<std::uint64_t> failures_{0};

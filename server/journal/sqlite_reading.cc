@@ -1,11 +1,14 @@
 // What a SqliteJournal tells: each call reads one moment, on a connection of its own.
+#include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "server/base/printable.h"
 #include "server/journal/row_sum.h"
 #include "server/journal/sqlite_journal.h"
 
@@ -16,8 +19,8 @@ using sqlite::Connection;
 using sqlite::Statement;
 
 absl::Status Damaged(absl::string_view mesh, absl::string_view what) {
-  return absl::DataLossError(
-      absl::StrCat("of mesh ", mesh, " ", what, " is damaged: its checksum does not fit"));
+  return absl::DataLossError(absl::StrCat("of mesh ", Printable(mesh), " ", Printable(what),
+                                          " is damaged: its checksum does not fit"));
 }
 
 // Reads a mesh in a transaction. Its row first: Find; then any of the rest.
@@ -46,7 +49,7 @@ class MeshReader {
 
   absl::Status OutOfRange(std::uint64_t revision) const {
     return absl::OutOfRangeError(
-        absl::StrCat("revision ", revision, " of mesh ", id_, " is not in the journal"));
+        absl::StrCat("revision ", revision, " of mesh ", Printable(id_), " is not in the journal"));
   }
 
   // The newest snapshot that is not newer than `revision`.
@@ -94,7 +97,8 @@ class MeshReader {
     }
     if (!rows.status().ok()) return rows.status();
     if (there && parts == count.Integer(0)) return absl::OkStatus();
-    return absl::DataLossError(absl::StrCat("of mesh ", id_, " the snapshot of revision ", revision,
+    return absl::DataLossError(absl::StrCat("of mesh ", Printable(id_),
+                                            " the snapshot of revision ", revision,
                                             ", or a part of it, is missing"));
   }
 
@@ -115,8 +119,8 @@ class MeshReader {
     }
     if (!rows.status().ok()) return rows.status();
     if (last == to) return absl::OkStatus();
-    return absl::DataLossError(
-        absl::StrCat("of the revisions of mesh ", id_, " up to ", to, " some are missing"));
+    return absl::DataLossError(absl::StrCat("of the revisions of mesh ", Printable(id_), " up to ",
+                                            to, " some are missing"));
   }
 
  private:
@@ -125,6 +129,22 @@ class MeshReader {
   std::string id_;
   std::int64_t snapshot_ = 0, head_ = 0;
 };
+
+// The id of a row whose checksum does not fit is not to be trusted.
+void NameDamaged(const std::vector<HeadsFile::Head>& recorded,
+                 const std::map<std::string, int>& names, std::vector<Journal::Mesh>* meshes) {
+  for (Journal::Mesh& mesh : *meshes) {
+    if (mesh.damage.ok()) continue;
+    FoundMesh found;
+    found.head.key = mesh.key;
+    found.head.id = mesh.id;
+    found.named = false;
+    const auto record =
+        std::find_if(recorded.begin(), recorded.end(),
+                     [&](const HeadsFile::Head& head) { return head.key == mesh.key; });
+    mesh.id = SayableName(found, record == recorded.end() ? nullptr : &*record, names);
+  }
+}
 
 }  // namespace
 
@@ -140,12 +160,15 @@ absl::StatusOr<std::vector<Journal::Mesh>> SqliteJournal::List() {
   absl::StatusOr<Connection> reader = OpenReader();
   if (!reader.ok()) return reader.status();
   std::vector<Mesh> meshes;
+  std::map<std::string, int> names;
   Statement rows(*reader,
                  "SELECT key, id, description, head - snapshot + (snapshot > 0), checksum "
-                 "FROM meshes ORDER BY id");
+                 "FROM meshes");
   while (rows.Step()) {
-    Mesh mesh{rows.Integer(0), rows.Bytes(1), rows.Bytes(2),
-              static_cast<std::uint64_t>(rows.Integer(3)), absl::OkStatus()};
+    Mesh mesh{rows.Integer(0),  rows.Bytes(1),
+              rows.Bytes(2),    static_cast<std::uint64_t>(rows.Integer(3)),
+              absl::OkStatus(), absl::OkStatus()};
+    ++names[mesh.id];
     if (RowSumOf(absl::string_view(mesh.id), absl::string_view(mesh.description)) !=
         rows.Integer(4)) {
       mesh.damage = Damaged(mesh.id, "the description");
@@ -153,7 +176,19 @@ absl::StatusOr<std::vector<Journal::Mesh>> SqliteJournal::List() {
     meshes.push_back(std::move(mesh));
   }
   if (!rows.status().ok()) return rows.status();
+  NameDamaged(heads_->Heads(), names, &meshes);
+  AddLosses(&meshes);
+  std::sort(meshes.begin(), meshes.end(), [](const Mesh& a, const Mesh& b) { return a.id < b.id; });
   return meshes;
+}
+
+void SqliteJournal::AddLosses(std::vector<Mesh>* meshes) {
+  for (Mesh& mesh : *meshes) mesh.loss = sealed_.ok() ? CheckWritable(mesh.key) : sealed_;
+  const std::lock_guard lock(losses_mutex_);
+  for (const auto& [key, loss] : losses_) {
+    if (loss.found.key != 0) continue;
+    meshes->push_back({key, loss.name, "", 0, absl::DataLossError(loss.Text()), absl::OkStatus()});
+  }
 }
 
 absl::Status SqliteJournal::Read(Key mesh, const Visitor& visitor) {

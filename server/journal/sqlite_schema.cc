@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "server/base/log.h"
 #include "server/journal/row_sum.h"
@@ -60,7 +61,13 @@ constexpr const char* kSteps[kJournalSchema] = {
   UPDATE entries SET checksum = row_sum(mesh, revision, data);
   ALTER TABLE requests ADD COLUMN checksum INTEGER NOT NULL DEFAULT 0;
   UPDATE requests SET checksum = row_sum(mesh, number, id, answer);
-)"};
+)",
+    R"(
+  CREATE TABLE journal(id BLOB NOT NULL);
+)",
+    // Rows name the bits that their hashes belong to (kMeshBits). An older dynmeshd, which knows
+    // none, would take them for damage.
+    ""};
 
 // row_sum(...) in SQL: RowSumOf.
 void SumOfColumns(sqlite3_context* context, int count, sqlite3_value** columns) {
@@ -86,7 +93,14 @@ absl::StatusOr<std::int64_t> VersionOf(Connection& connection) {
 
 }  // namespace
 
-absl::Status PrepareJournal(Connection& connection, const std::string& path) {
+absl::Status CheckJournalSchema(std::int64_t schema) {
+  if (schema <= kJournalSchema) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat("it has schema ", schema,
+                                                    ", this dynmeshd knows ", kJournalSchema,
+                                                    ": take the newer version that wrote it"));
+}
+
+absl::Status PrepareJournal(Connection& connection, const std::string& path, absl::string_view id) {
   if (absl::Status s = connection.Run("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;"
                                       "PRAGMA journal_size_limit=67108864");
       !s.ok()) {
@@ -94,17 +108,16 @@ absl::Status PrepareJournal(Connection& connection, const std::string& path) {
   }
   const absl::StatusOr<std::int64_t> version = VersionOf(connection);
   if (!version.ok()) return version.status();
-  if (*version > kJournalSchema) {
-    return absl::FailedPreconditionError(absl::StrCat(path, " has schema ", *version,
-                                                      ", this dynmeshd knows ", kJournalSchema,
-                                                      ": take the newer version that wrote it"));
-  }
+  if (absl::Status s = CheckJournalSchema(*version); !s.ok()) return s;
   if (*version == kJournalSchema) return absl::OkStatus();
   const int made = sqlite3_create_function_v2(connection.get(), "row_sum", -1, SQLITE_UTF8, nullptr,
                                               &SumOfColumns, nullptr, nullptr, nullptr);
   if (absl::Status s = connection.StatusOf(made, "row_sum"); !s.ok()) return s;
   std::string sql = "BEGIN IMMEDIATE;";
   for (std::int64_t step = *version; step < kJournalSchema; ++step) sql += kSteps[step];
+  if (*version < kSchemaWithId) {
+    absl::StrAppend(&sql, "INSERT INTO journal VALUES(x'", absl::BytesToHexString(id), "');");
+  }
   absl::StrAppend(&sql, "PRAGMA user_version=", kJournalSchema, ";COMMIT");
   absl::Status status = connection.Run(sql.c_str());
   if (status.ok() && *version > 0) {

@@ -44,8 +44,9 @@ class NetRows {
   void Remove(const Key& key) {
     if (added_.erase(key) == 0) removed_.insert(key);
   }
-  void Add(const Key& key) {
-    if (removed_.erase(key) == 0) added_.insert(key);
+  // `is_other`: it is not what was removed under that key.
+  void Add(const Key& key, bool is_other = false) {
+    if (is_other || removed_.erase(key) == 0) added_.insert(key);
   }
   const auto& removed() const { return removed_; }
   const auto& added() const { return added_; }
@@ -53,6 +54,17 @@ class NetRows {
  private:
   absl::flat_hash_set<Key> removed_, added_;
 };
+
+// Ids that stand there with several sets of polygons, as a client can bring about.
+absl::flat_hash_set<RegionId> IdsOfSeveral(const std::vector<RegionSet>& sets) {
+  absl::flat_hash_map<RegionId, const std::vector<FeatureId>*> polygons;
+  absl::flat_hash_set<RegionId> ids;
+  for (const RegionSet& set : sets) {
+    const auto [it, is_new] = polygons.try_emplace(set.id, &set.polygons);
+    if (!is_new && *it->second != set.polygons) ids.insert(set.id);
+  }
+  return ids;
+}
 
 template <class Columns>
 class NetPieces {
@@ -141,8 +153,8 @@ absl::Status PatchSimplices(const Mesh& mesh, const MeshDiff& diff, Mesh& out) {
   out.regions.insert(out.regions.end(), diff.added_regions.begin(), diff.added_regions.end());
   out.regions.resize(out.simplex_count(), kNoRegion);
   data::DropIfIdle(out.regions);
-  out.region_sets = mesh.region_sets;
-  data::AppendSets(out.region_sets, diff.region_sets);
+  out.region_sets = diff.region_sets;  // where ids agree, these count
+  data::AppendSets(out.region_sets, mesh.region_sets);
   data::KeepNamed(out.region_sets, {&out.regions});
   return absl::OkStatus();
 }
@@ -192,6 +204,11 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
   out.hash = diffs.back()->hash;
   const auto corners = static_cast<std::size_t>(out.dimension) + 1;
   NetVertices vertices;
+  // Of sets with one id the last counts.
+  for (auto diff = diffs.rbegin(); diff != diffs.rend(); ++diff) {
+    data::AppendSets(out.region_sets, (*diff)->region_sets);
+  }
+  const absl::flat_hash_set<RegionId> others = IdsOfSeveral(out.region_sets);
   NetRows<SimplexKey> simplices;
   NetPieces<SubsegmentColumns> subsegments;
   NetPieces<SubfacetColumns> subfacets;
@@ -201,15 +218,19 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
     for (std::size_t i = 0; i < d.added_vertices.size(); ++i) {
       vertices.Add(d.added_vertices.ids[i], &d.added_vertices, i);
     }
+    // What goes and comes in one region is in another set, of the same id.
+    absl::flat_hash_set<SimplexKey> gone;
     for (std::size_t i = 0; i < d.removed_simplex_count(); ++i) {
-      simplices.Remove(KeyOfSimplex(d.removed_simplices, d.removed_regions, i, corners));
+      const SimplexKey key = KeyOfSimplex(d.removed_simplices, d.removed_regions, i, corners);
+      simplices.Remove(key);
+      if (key.back() > kLastPolygonId) gone.insert(key);
     }
     for (std::size_t i = 0; i < d.added_simplex_count(); ++i) {
-      simplices.Add(KeyOfSimplex(d.added_simplices, d.added_regions, i, corners));
+      const SimplexKey key = KeyOfSimplex(d.added_simplices, d.added_regions, i, corners);
+      simplices.Add(key, others.contains(key.back()) || gone.contains(key));
     }
     subsegments.Apply(d.removed_subsegments, d.added_subsegments);
     subfacets.Apply(d.removed_subfacets, d.added_subfacets);
-    data::AppendSets(out.region_sets, d.region_sets);
     out.work.executed += d.work.executed;
     out.work.created += d.work.created;
     out.work.dropped += d.work.dropped;

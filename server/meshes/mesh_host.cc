@@ -70,8 +70,14 @@ absl::Status OtherHash(absl::string_view id, const MeshDiff& diff, const MeshHas
 std::shared_ptr<MeshHost> MeshHost::Create(std::string id, std::unique_ptr<DynamicMesh> mesh,
                                            absl::Time now, WorkerPool* writers, WorkerPool* readers,
                                            const Options& options, Past past) {
-  return std::shared_ptr<MeshHost>(new MeshHost(std::move(id), std::move(mesh), now, writers,
-                                                readers, options, std::move(past)));
+  std::shared_ptr<MeshHost> host(new MeshHost(std::move(id), std::move(mesh), now, writers, readers,
+                                              options, std::move(past)));
+  if (host->log_ != nullptr) {
+    host->queue_->OnRest([weak = std::weak_ptr(host)] {
+      if (const auto held = weak.lock()) held->EndGroup();
+    });
+  }
+  return host;
 }
 
 MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time now,
@@ -83,8 +89,10 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
       max_waiting_(options.max_waiting),
       metrics_(options.metrics),
       max_features_(options.max_features),
+      max_operations_(options.max_operations),
       memory_(options.memory),
-      queue_(SerialQueue::Create(writers)),
+      turn_(options.turn),
+      queue_(SerialQueue::Create(writers, past.log == nullptr ? SerialQueue::Turn() : turn_)),
       store_(past.store != nullptr
                  ? std::move(past.store)
                  : std::make_shared<RevisionStore>(std::make_shared<const Mesh>(mesh->Snapshot()),
@@ -93,6 +101,7 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
       history_(past.log == nullptr
                    ? std::nullopt
                    : std::make_optional(past.log->History(past.empty.value_or(mesh->hash())))),
+      read_only_(std::move(past.read_only)),
       mesh_(std::move(mesh)),
       log_(std::move(past.log)),
       requests_(past.requests.has_value() ? *std::move(past.requests)
@@ -105,7 +114,7 @@ absl::Status MeshHost::Apply(EditJob job) {
   const auto self = shared_from_this();  // the job may be done, and nobody else hold this
   auto shared = std::make_shared<EditJob>(std::move(job));
   const auto cancelled = shared->cancelled;
-  if (!queue_->TryPost([self, shared] { self->Run(*shared); }, max_waiting_, OwnerOf(shared))) {
+  if (!queue_->TryPost([self, shared] { self->Run(shared); }, max_waiting_, OwnerOf(shared))) {
     return QueueFull(max_waiting_);
   }
   WithdrawIfCancelled(cancelled);
@@ -116,7 +125,7 @@ void MeshHost::ApplyUnbounded(EditJob job) {
   const auto self = shared_from_this();
   auto shared = std::make_shared<EditJob>(std::move(job));
   const auto cancelled = shared->cancelled;
-  queue_->Post([self, shared] { self->Run(*shared); }, OwnerOf(shared));
+  queue_->Post([self, shared] { self->Run(shared); }, OwnerOf(shared));
   WithdrawIfCancelled(cancelled);
 }
 
@@ -141,6 +150,7 @@ absl::Status MeshHost::Locate(std::vector<double> points,
                               std::function<void(absl::StatusOr<LocateAnswer>)> done) {
   auto shared = std::make_shared<std::vector<double>>(std::move(points));
   const auto task = [self = shared_from_this(), shared, done] {
+    self->EndGroup();
     if (absl::Status status = self->closed(); !status.ok()) return done(status);
     done(LocateAnswer{self->mesh_->revision(), self->mesh_->Locate(*shared)});
   };
@@ -159,7 +169,7 @@ absl::Status MeshHost::Features(std::optional<std::uint64_t> revision,
     return absl::OkStatus();
   }
   const auto task = [self = shared_from_this(), revision, done] {
-    done(self->PresentFeatures(revision));
+    done(self->PresentFeatures(revision));  // without a log, hence nothing held
   };
   const TaskOwner owner{cancelled.get(), [done] { done(CancelledInTime()); }};
   return queue_->TryPost(task, max_waiting_, owner) ? absl::OkStatus() : QueueFull(max_waiting_);
@@ -193,30 +203,44 @@ MeshStats MeshHost::stats() const {
   return stats_;
 }
 
-void MeshHost::Run(EditJob& job) {
+void MeshHost::Run(const std::shared_ptr<EditJob>& job) {
+  if (!CanBeHeld(*job)) EndGroup();
   const std::uint64_t before = mesh_->revision();
-  SetRunning(&job);
-  absl::StatusOr<EditOutcome> outcome = Answer(job);
+  HeldEdit edit(job);
+  SetRunning(job.get());
+  edit.outcome = Answer(edit);
   SetRunning(nullptr);
-  if (!outcome.ok() && job.stop != nullptr) job.stop->store(true);
-  Count(job, outcome);
+  if (!edit.outcome.ok() && job->stop != nullptr) job->stop->store(true);
+  if (edit.unwritten || !group_.empty()) {
+    if (group_.empty()) {
+      group_since_ = MetricsClock::now();
+      while_holding_ = shared_from_this();
+    }
+    return group_.Add(std::move(edit));
+  }
+  // The writer's own caller first: the watchers' threads would compete with it.
+  Finish(std::move(edit));
+  if (mesh_->revision() != before) {
+    hub_->Notify();
+    RebaseIfDue();
+    if (log_ != nullptr) log_->CompactIfDue(*mesh_);
+  }
+}
+
+void MeshHost::Finish(HeldEdit edit) {
+  EditJob& job = *edit.job;
+  Count(job, edit.outcome);
   if (LogEnabled(LogLevel::kDebug)) {
     Log(LogLevel::kDebug, "edit",
         {{"mesh", id_},
          {"call", job.call_id},
          {"request_id", job.request_id},
          {"edits", job.edits.size()},
-         {"revision", mesh_->revision()},
-         {"status", absl::StatusCodeToString(outcome.status().code())},
-         {"message", outcome.status().message()}});
+         {"revision", edit.outcome.ok() ? edit.outcome->diff->to_revision : head().revision},
+         {"status", absl::StatusCodeToString(edit.outcome.status().code())},
+         {"message", edit.outcome.status().message()}});
   }
-  // The writer's own caller first: the watchers' threads would compete with it.
-  job.done(std::move(outcome));
-  if (mesh_->revision() != before) {
-    hub_->Notify();
-    RebaseIfDue();
-    if (log_ != nullptr) log_->CompactIfDue(*mesh_);
-  }
+  job.done(std::move(edit.outcome));
 }
 
 void MeshHost::SetRunning(const EditJob* job) {
@@ -264,10 +288,11 @@ void MeshHost::Count(const EditJob& job, const absl::StatusOr<EditOutcome>& outc
                     : job.validate_only ? EditMetrics::Kind::kValidated
                                         : EditMetrics::Kind::kApplied;
   metrics_->CountAnswer(absl::OkStatus(), kind);
-  if (kind == EditMetrics::Kind::kApplied) metrics_->ObserveWork(outcome->diff->work);
+  if (kind == EditMetrics::Kind::kApplied) metrics_->ObserveWork(outcome->diff->work, job.source);
 }
 
-absl::StatusOr<EditOutcome> MeshHost::Answer(EditJob& job) {
+absl::StatusOr<EditOutcome> MeshHost::Answer(HeldEdit& edit) {
+  EditJob& job = *edit.job;
   if (absl::Status status = closed(); !status.ok()) return status;
   if (job.stop != nullptr && job.stop->load()) {
     return absl::CancelledError("a batch before it was refused");
@@ -276,6 +301,7 @@ absl::StatusOr<EditOutcome> MeshHost::Answer(EditJob& job) {
   if (job.cancelled != nullptr && job.cancelled->load(std::memory_order_relaxed)) {
     return CancelledInTime();
   }
+  edit.judged = true;
   // A retry comes before anything that may have changed since the first time.
   Fingerprint content;
   if (!job.request_id.empty() && !job.validate_only) {
@@ -284,7 +310,16 @@ absl::StatusOr<EditOutcome> MeshHost::Answer(EditJob& job) {
       if (entry->content != content) return IdReused(job.request_id, entry->to_revision);
       return Replay(*entry);
     }
+    if (const HeldEdit* first = group_.Find(job.request_id)) {
+      if (first->answer.content != content) {
+        return IdReused(job.request_id, first->answer.to_revision);
+      }
+      EditOutcome again = *first->outcome;
+      again.replayed = true;
+      return again;
+    }
   }
+  if (!read_only_.ok()) return read_only_;
   if (job.expected_revision.has_value() && *job.expected_revision != mesh_->revision()) {
     return RevisionMismatch(*job.expected_revision, mesh_->revision());
   }
@@ -293,7 +328,7 @@ absl::StatusOr<EditOutcome> MeshHost::Answer(EditJob& job) {
     if (!made.ok()) return made.status();
     job.edits = *std::move(made);
   }
-  return job.validate_only ? CheckOnly(job) : Change(job, content);
+  return job.validate_only ? CheckOnly(job) : Change(edit, content);
 }
 
 absl::StatusOr<EditOutcome> MeshHost::Replay(const RequestMemory::Entry& entry) const {
@@ -319,7 +354,7 @@ absl::StatusOr<EditOutcome> MeshHost::CheckOnly(const EditJob& job) const {
 
 // Batches that only remove always have room: they are the way out.
 absl::Status MeshHost::CheckRoom(std::size_t adds, std::size_t removes) const {
-  if (adds > removes && stats().features + (adds - removes) > max_features_) {
+  if (adds > removes && mesh_->Stats().features + (adds - removes) > max_features_) {
     codec::ServiceError error;
     error.reason = codec::reason::kFeatureLimit;
     return codec::MakeServiceError(absl::StatusCode::kResourceExhausted,
@@ -330,12 +365,13 @@ absl::Status MeshHost::CheckRoom(std::size_t adds, std::size_t removes) const {
   return memory_ == nullptr ? absl::OkStatus() : memory_->CheckRoom();
 }
 
-absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& content) {
+absl::StatusOr<EditOutcome> MeshHost::Change(HeldEdit& edit, const Fingerprint& content) {
+  EditJob& job = *edit.job;
   ApplyOptions apply_options;
   const auto count = [&](Edit::Action action) {
     return static_cast<std::size_t>(
         std::count_if(job.edits.begin(), job.edits.end(),
-                      [action](const Edit& edit) { return edit.action == action; }));
+                      [action](const Edit& e) { return e.action == action; }));
   };
   const std::size_t removes = count(Edit::Action::kRemove);
   const bool grows = removes < job.edits.size();
@@ -345,17 +381,20 @@ absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& co
   }
   apply_options.cancelled = job.cancelled.get();
   apply_options.shares_core = true;
-  apply_options.progress = [&](const ApplyProgress& progress) { SetProgress(job, progress); };
-  RequestMemory::Entry answer{content, 0, 0, {}, {}};
+  apply_options.max_operations = max_operations_;
+  apply_options.progress = [&](const ApplyProgress& progress) {
+    SetProgress(job, progress);
+    RelieveGroup();
+  };
+  const bool held = CanBeHeld(job);
+  apply_options.revocable = held;
   apply_options.commit = [&](const MeshDiff& d) {
-    answer = {content, d.from_revision, d.to_revision, d.hash, d.work};
+    edit.answer = {content, d.from_revision, d.to_revision, d.hash, d.work};
     if (job.expected_hash.value_or(d.hash) != d.hash) return OtherHash(id_, d, *job.expected_hash);
-    if (log_ == nullptr) return absl::OkStatus();
+    if (log_ == nullptr || held) return absl::OkStatus();
     SetProgress(job, BatchProgress::Journal());
-    const auto start = MetricsClock::now();
-    absl::Status written = log_->Append(job.edits, job.request_id, answer);
-    if (metrics_ != nullptr) metrics_->journal_seconds.Observe(SecondsSince(start));
-    return written;
+    const MeshLog::Batch alone{&job.edits, job.request_id, edit.answer};
+    return WriteDown({&alone, 1}, job.source);
   };
   absl::StatusOr<MeshDiff> applied = mesh_->Apply(job.edits, apply_options);
   if (!applied.ok()) {
@@ -364,21 +403,39 @@ absl::StatusOr<EditOutcome> MeshHost::Change(EditJob& job, const Fingerprint& co
     return stopped ? memory_->RefuseGrowth() : applied.status();
   }
   auto diff = std::make_shared<const MeshDiff>(*std::move(applied));
-  if (diff->from_revision != diff->to_revision) {
-    if (absl::Status status = store_->Append(diff); !status.ok()) {
-      // The library broke its promise; readers keep what they have.
-      Log(LogLevel::kError, "lost_revision", {{"mesh", id_}, {"error", status.message()}});
-      const absl::Status lost = absl::InternalError(
-          absl::StrCat("mesh ", id_, " can no longer be followed: ", status.message()));
-      Close(lost);
-      return lost;
-    }
-    const MeshStats stats = mesh_->Stats();
-    const std::lock_guard lock(mutex_);
-    stats_ = stats;
+  edit.stats = mesh_->Stats();
+  if (held) {
+    edit.unwritten = diff->from_revision != diff->to_revision || !job.request_id.empty();
+  } else if (absl::Status s = Publish(edit, diff); !s.ok()) {
+    return s;
   }
-  if (!job.request_id.empty()) requests_.Remember(job.request_id, answer);
   return EditOutcome{std::move(diff)};
+}
+
+absl::Status MeshHost::WriteDown(std::span<const MeshLog::Batch> batches, EditSource source) {
+  const auto start = MetricsClock::now();
+  absl::Status written = log_->Append(batches);
+  if (metrics_ != nullptr) metrics_->of(source).journal.Observe(SecondsSince(start));
+  return written;
+}
+
+absl::Status MeshHost::Publish(const HeldEdit& edit, const std::shared_ptr<const MeshDiff>& diff) {
+  if (diff->from_revision != diff->to_revision) {
+    if (absl::Status status = store_->Append(diff); !status.ok()) return Lose(status.message());
+    const std::lock_guard lock(mutex_);
+    stats_ = edit.stats;
+  }
+  if (!edit.job->request_id.empty()) requests_.Remember(edit.job->request_id, edit.answer);
+  return absl::OkStatus();
+}
+
+// The library broke its promise; readers keep what they have.
+absl::Status MeshHost::Lose(absl::string_view why) {
+  Log(LogLevel::kError, "lost_revision", {{"mesh", id_}, {"error", why}});
+  const absl::Status lost =
+      absl::InternalError(absl::StrCat("mesh ", id_, " can no longer be followed: ", why));
+  Close(lost);
+  return lost;
 }
 
 void MeshHost::RebaseIfDue() {

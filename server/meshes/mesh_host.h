@@ -3,28 +3,39 @@
 // Edits and queries of the DynamicMesh run one at a time on a strand, in the order
 // they were handed in; everything else is answered from immutable snapshots and never
 // waits for them. A batch that is refused, cancelled or stopped changes nothing. With a log, a
-// batch comes into effect, is published and answered when it is written down; if it cannot be, it
-// is undone and refused, and readers are served on. Thread-safe.
+// batch is published and answered when it is written down; if it cannot be, it is undone and
+// refused, and readers are served on.
+//
+// Small batches that wait share a sync: the writer applies one after the other, writes them down
+// together (EditGroup), then publishes and answers them in order. It does so when none waits, so
+// that one alone is not held up, after a turn of the strand, and before anything that is to see the
+// mesh as it is written down: a large batch, a query, a snapshot. What cannot be written down is
+// taken back, the last batch first. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_HOST_H_
 #define DYNMESH_SERVER_MESHES_MESH_HOST_H_
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/access/memory_guard.h"
 #include "server/base/worker_pool.h"
 #include "server/journal/mesh_log.h"
 #include "server/meshes/batch_progress.h"
+#include "server/meshes/edit_group.h"
+#include "server/meshes/edit_job.h"
 #include "server/meshes/request_memory.h"
 #include "server/meshes/revision_store.h"
 #include "server/meshes/watch_hub.h"
@@ -36,38 +47,6 @@ namespace dynmesh::server {
 using MeshFactory = std::function<absl::StatusOr<std::unique_ptr<DynamicMesh>>(
     const MeshOptions&, const ApplyOptions&)>;
 
-// What became of a batch.
-struct EditOutcome {
-  std::shared_ptr<const MeshDiff> diff;
-  bool replayed = false;         // it had been applied before
-  bool columns_omitted = false;  // of such a one the diff is no longer held
-};
-
-struct EditJob {
-  EditBatch edits;
-  std::string request_id;
-  std::string call_id;  // of the call that brought it, for the log
-  std::optional<std::uint64_t> expected_revision;
-  bool validate_only = false;
-  // Not OK: known to be bad; answered with this in its turn and not applied.
-  absl::Status refused;
-  // Given: makes the edits, in the job's turn, when it is known not to be a retry.
-  std::function<absl::StatusOr<EditBatch>(const DynamicMesh&)> make;
-  // What a retry must have in common; none: the edits.
-  std::optional<Fingerprint> content;
-  // The hash that must come out, or the batch is undone: DATA_LOSS.
-  std::optional<MeshHash> expected_hash;
-  // Turns true when the call is cancelled or its deadline passes. May be null.
-  std::shared_ptr<const std::atomic<bool>> cancelled;
-  // Shared by the batches of a stream that ends at the first refused one; may be null.
-  std::shared_ptr<std::atomic<bool>> stop;
-  // Told, on the strand, how far it is: as ApplyOptions::progress, then of the journal. May be
-  // null.
-  std::function<void(const BatchProgress&)> progress;
-  // Called once, on the strand or by Withdraw.
-  std::function<void(absl::StatusOr<EditOutcome>)> done;
-};
-
 class MeshHost : public std::enable_shared_from_this<MeshHost> {
  public:
   struct Options {
@@ -78,13 +57,17 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     MeshLog::Limits compact;
     EditMetrics* metrics = nullptr;  // outlives the host; null: nothing is counted
     std::uint64_t max_features = ~std::uint64_t{0};
+    std::uint64_t max_operations = 0;     // ApplyOptions::max_operations of every batch
     const MemoryGuard* memory = nullptr;  // outlives the host; null: no limit
+    // With a log: what is written down together at most, so much that a sync is a small part of it.
+    SerialQueue::Turn turn = {128, std::chrono::milliseconds(8)};
   };
   // What a mesh brings with it that is not new, or is to outlive the process.
   struct Past {
     std::unique_ptr<MeshLog> log;          // null: nothing is written down
     std::shared_ptr<RevisionStore> store;  // that ends at the mesh; null: it begins there
     std::optional<RequestMemory> requests;
+    absl::Status read_only;         // not OK: what edits are refused with
     std::optional<MeshHash> empty;  // of the mesh without features; none: it is such a one
   };
   struct LocateAnswer {
@@ -132,6 +115,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   Head head() const { return store_->head(); }
   const std::shared_ptr<RevisionStore>& store() const { return store_; }
   const std::shared_ptr<WatchHub>& hub() const { return hub_; }
+  const absl::Status& read_only() const { return read_only_; }  // not OK: why
   const MeshHistory* history() const { return history_.has_value() ? &*history_ : nullptr; }
   MeshStats stats() const;  // at the head or the revision before
   std::size_t waiting() const { return queue_->waiting(); }
@@ -152,14 +136,26 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   TaskOwner OwnerOf(std::shared_ptr<EditJob> job);
   void WithdrawIfCancelled(const std::shared_ptr<const std::atomic<bool>>& cancelled);
   // On the strand.
-  void Run(EditJob& job);
+  void Run(const std::shared_ptr<EditJob>& job);
   absl::StatusOr<FeaturesAt> PresentFeatures(std::optional<std::uint64_t> revision) const;
-  absl::StatusOr<EditOutcome> Answer(EditJob& job);
+  absl::StatusOr<EditOutcome> Answer(HeldEdit& edit);
   absl::StatusOr<EditOutcome> Replay(const RequestMemory::Entry& entry) const;
-  absl::StatusOr<EditOutcome> Change(EditJob& job, const Fingerprint& content);
+  absl::StatusOr<EditOutcome> Change(HeldEdit& edit, const Fingerprint& content);
   absl::Status CheckRoom(std::size_t adds, std::size_t removes) const;
   absl::StatusOr<EditOutcome> CheckOnly(const EditJob& job) const;
+  absl::Status WriteDown(std::span<const MeshLog::Batch> batches, EditSource source);
+  absl::Status Publish(const HeldEdit& edit, const std::shared_ptr<const MeshDiff>& diff);
+  void Finish(HeldEdit edit);
+  absl::Status Lose(absl::string_view why);
   void RebaseIfDue();
+
+  // Whether it may wait for others to be written down with.
+  bool CanBeHeld(const EditJob& job) const;
+  // After which the mesh is as it is written down: nothing is held.
+  void EndGroup();
+  void PublishGroup();
+  void TakeBackGroup(const absl::Status& why);
+  void RelieveGroup();
 
   void SetRunning(const EditJob* job);
   void SetProgress(const EditJob& job, const BatchProgress& progress);
@@ -173,17 +169,22 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   WorkerPool* const readers_;
   const std::size_t max_waiting_;
   EditMetrics* const metrics_;
-  const std::uint64_t max_features_;
+  const std::uint64_t max_features_, max_operations_;
   const MemoryGuard* const memory_;
+  const SerialQueue::Turn turn_;
   const std::shared_ptr<SerialQueue> queue_;
   const std::shared_ptr<RevisionStore> store_;
   const std::shared_ptr<WatchHub> hub_;
   const std::optional<MeshHistory> history_;  // none: nothing is written down
+  const absl::Status read_only_;
 
   // Belong to the strand.
   const std::unique_ptr<DynamicMesh> mesh_;
   const std::unique_ptr<MeshLog> log_;
   RequestMemory requests_;
+  EditGroup group_;
+  MetricsClock::time_point group_since_;     // or longer, if it is not empty
+  std::shared_ptr<MeshHost> while_holding_;  // this, while the group is not empty
 
   std::atomic<bool> rebasing_{false};
   mutable std::mutex mutex_;

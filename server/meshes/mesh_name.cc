@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "proto/codec/status_codec.h"
+#include "server/base/printable.h"
 
 namespace dynmesh::server {
 namespace {
@@ -23,9 +24,16 @@ bool IsMeshId(absl::string_view id) {
   });
 }
 
+std::string RowName(std::int64_t key) { return absl::StrCat("@", key); }
+
+bool IsRowName(absl::string_view id) {
+  return absl::ConsumePrefix(&id, "@") && !id.empty() && id.size() < 20 &&
+         std::all_of(id.begin(), id.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
 absl::StatusOr<std::string> ParseMeshName(absl::string_view name) {
   absl::string_view id = name;
-  if (!absl::ConsumePrefix(&id, kPrefix) || !IsMeshId(id)) {
+  if (!absl::ConsumePrefix(&id, kPrefix) || !(IsMeshId(id) || IsRowName(id))) {
     return BadName("mesh", name, "meshes/{id} with an id [a-z][a-z0-9-]{0,62}");
   }
   return std::string(id);
@@ -39,7 +47,8 @@ absl::Status BadName(absl::string_view field, absl::string_view name, absl::stri
   error.field = std::string(field);
   return codec::MakeServiceError(
       absl::StatusCode::kInvalidArgument,
-      absl::StrCat(field, " '", name.substr(0, 100), "' is not of the form ", form), error);
+      absl::StrCat(field, " '", Printable(name.substr(0, 100)), "' is not of the form ", form),
+      error);
 }
 
 absl::Status MeshError(absl::StatusCode code, const char* reason, absl::string_view id,

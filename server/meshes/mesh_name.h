@@ -2,6 +2,7 @@
 #ifndef DYNMESH_SERVER_MESHES_MESH_NAME_H_
 #define DYNMESH_SERVER_MESHES_MESH_NAME_H_
 
+#include <cstdint>
 #include <string>
 
 #include "absl/status/status.h"
@@ -10,10 +11,14 @@
 
 namespace dynmesh::server {
 
-// "meshes/{id}" to id and back. INVALID_ARGUMENT (BAD_NAME) if it is no such name.
+// "meshes/{id}" to id and back. INVALID_ARGUMENT (BAD_NAME) if it is no such name. A damaged mesh
+// whose id cannot be said is called by its row in the journal: "meshes/@{key}".
 absl::StatusOr<std::string> ParseMeshName(absl::string_view name);
 std::string MeshName(absl::string_view id);
 bool IsMeshId(absl::string_view id);
+// "@{key}", and whether it is such a name.
+std::string RowName(std::int64_t key);
+bool IsRowName(absl::string_view id);
 
 // INVALID_ARGUMENT (BAD_NAME) for what stands in `field`.
 absl::Status BadName(absl::string_view field, absl::string_view name, absl::string_view form);

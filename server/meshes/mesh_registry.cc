@@ -8,6 +8,7 @@
 #include "absl/time/clock.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
+#include "server/base/printable.h"
 #include "server/journal/recovery.h"
 #include "server/journal/recovery_progress.h"
 
@@ -21,7 +22,7 @@ absl::Status NotFound(absl::string_view id) {
 
 absl::Status DamageOf(absl::string_view id, const absl::Status& status) {
   return MeshError(absl::StatusCode::kDataLoss, codec::reason::kMeshDamaged, id,
-                   absl::StrCat("is damaged: ", status.message(),
+                   absl::StrCat("is damaged: ", Printable(status.message()),
                                 ". Restore the server's data folder, or delete the mesh"));
 }
 
@@ -55,8 +56,14 @@ MeshHost::Options MeshRegistry::HostOptions() const {
   options.compact = {config_.compact_bytes, config_.compact_operations};
   if (metrics_ != nullptr) options.metrics = &metrics_->edits;
   options.max_features = config_.max_features;
+  options.max_operations = config_.max_batch_operations;
   options.memory = memory_;
   return options;
+}
+
+std::uint64_t MeshRegistry::MaxVertices(int dimension) const {
+  if (config_.max_vertices != 0) return config_.max_vertices;
+  return memory_ != nullptr ? memory_->MostVertices(dimension) : Limits().max_vertices;
 }
 
 MeshRegistry::~MeshRegistry() {
@@ -157,6 +164,7 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> MeshRegistry::Make(
   ApplyOptions apply;
   apply.cancelled = cancelled;
   apply.shares_core = true;
+  apply.max_operations = config_.max_batch_operations;
   if (memory_ != nullptr) {
     if (absl::Status status = memory_->CheckRoom(); !status.ok()) return status;
     apply.stopped = memory_->full();
@@ -203,6 +211,12 @@ void MeshRegistry::RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progr
     hosts_.emplace(mesh.id, Held{nullptr, DamageOf(mesh.id, found.status()), mesh.key, {}});
     return;
   }
+  absl::Status damage;
+  if (!mesh.loss.ok()) {
+    damage = DamageOf(mesh.id, mesh.loss);
+    found->past.read_only = damage;
+    progress.Damage();
+  }
   const codec::JournalMesh made = found->made;
   HostPtr host = MeshHost::Create(mesh.id, std::move(found->mesh), made.create_time, writers_,
                                   readers_, HostOptions(), std::move(found->past));
@@ -215,7 +229,7 @@ void MeshRegistry::RecoverOne(const Journal::Mesh& mesh, RecoveryProgress& progr
        {"milliseconds", absl::ToInt64Milliseconds(absl::Now() - start)}});
   const std::lock_guard lock(mutex_);
   if (!made.request_id.empty()) made_.emplace(made.request_id, mesh.id);
-  hosts_.emplace(mesh.id, Held{std::move(host), {}, mesh.key, made.request_id});
+  hosts_.emplace(mesh.id, Held{std::move(host), damage, mesh.key, made.request_id});
 }
 
 absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name) const {
@@ -279,6 +293,12 @@ std::vector<MeshRegistry::HostPtr> MeshRegistry::Hosts() const {
 std::size_t MeshRegistry::size() const {
   const std::lock_guard lock(mutex_);
   return hosts_.size();
+}
+
+std::size_t MeshRegistry::damaged() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<std::size_t>(std::count_if(
+      hosts_.begin(), hosts_.end(), [](const auto& held) { return !held.second.damage.ok(); }));
 }
 
 std::size_t MeshRegistry::watchers() const {

@@ -1,6 +1,6 @@
 // The meshes of a server, by id. With a journal, a mesh is there or gone when the journal has it
 // so; what could not be made again from it is there as damaged, answers with why, and can be
-// deleted. Thread-safe.
+// deleted; what lacks revisions that were acknowledged is read only, and says why. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 #define DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 
@@ -51,13 +51,16 @@ class MeshRegistry {
 
   // Makes a mesh; an empty id lets the registry choose. ALREADY_EXISTS (MESH_EXISTS),
   // unless it was made with the same non-empty request_id and options: then that one.
-  // RESOURCE_EXHAUSTED (MESH_LIMIT; MEMORY_LIMIT or VERTEX_LIMIT: with max_edge even an empty mesh
-  // is work); CANCELLED if `cancelled`, which may be null, turned true. May take as long as making
-  // an empty mesh and writing it down.
+  // RESOURCE_EXHAUSTED (MESH_LIMIT; MEMORY_LIMIT, VERTEX_LIMIT or WORK_LIMIT: with max_edge even an
+  // empty mesh is work); CANCELLED if `cancelled`, which may be null, turned true. May take as long
+  // as making an empty mesh and writing it down.
   absl::StatusOr<HostPtr> Create(const std::string& id, const MeshOptions& options,
                                  const std::string& request_id,
                                  const std::atomic<bool>* cancelled = nullptr,
                                  const Origin& origin = {});
+
+  // Most vertices that a mesh of that dimension may be made with.
+  std::uint64_t MaxVertices(int dimension) const;
 
   // NOT_FOUND (MESH_NOT_FOUND); INVALID_ARGUMENT for a malformed name; DATA_LOSS (MESH_DAMAGED).
   absl::StatusOr<HostPtr> Find(absl::string_view name) const;
@@ -66,8 +69,8 @@ class MeshRegistry {
 
   struct Listed {
     std::string id;
-    HostPtr host;         // null if it is damaged
-    absl::Status damage;  // then why
+    HostPtr host;         // null if there is nothing to read
+    absl::Status damage;  // then why; with a host: why that is read only
   };
   // At most `limit` meshes with ids greater than `after`, by id, and only those whose id is
   // `shown`, if that is given.
@@ -77,6 +80,7 @@ class MeshRegistry {
   std::vector<HostPtr> Hosts() const;
 
   std::size_t size() const;
+  std::size_t damaged() const;  // of these
   std::size_t watchers() const;
   void Tick(absl::Time now);
   // What deleted meshes have left in the journal is left for the next start.
@@ -87,8 +91,8 @@ class MeshRegistry {
 
  private:
   struct Held {
-    HostPtr host;         // null if it is damaged
-    absl::Status damage;  // then why
+    HostPtr host;         // null if there is nothing to read
+    absl::Status damage;  // then why; with a host: why that is read only
     Journal::Key key = 0;
     std::string request_id;  // that it was made with, if any
   };

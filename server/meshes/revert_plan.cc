@@ -39,7 +39,7 @@ RevertPlan PlanRevert(const MeshHost& host, std::uint64_t revision,
   }
   plan.weight = codec::Weight(found->edits);
   found->old = std::move(span->from.features);
-  plan.job.expected_hash = span->from.hash;
+  if (span->from_bits == kMeshBits) plan.job.expected_hash = span->from.hash;
   plan.job.make = [found](const DynamicMesh& mesh) -> absl::StatusOr<EditBatch> {
     if (mesh.revision() == found->present) return std::move(found->edits);
     return data::EditsBetween(mesh.Features(), found->old);

@@ -17,6 +17,8 @@ RevisionStore::RevisionStore(MeshPtr base, Limits limits)
     : limits_(limits),
       base_(std::move(base)),
       base_bytes_(ByteSize(*base_)),
+      base_simplices_(base_->simplex_count()),
+      head_simplices_(base_simplices_),
       oldest_hash_(base_->hash),
       oldest_(base_->revision),
       head_{base_->revision, base_->hash} {}
@@ -30,6 +32,7 @@ absl::Status RevisionStore::Append(DiffPtr diff) {
                      " does not continue revision ", head_.revision));
   }
   head_ = {diff->to_revision, diff->hash};
+  head_simplices_ += diff->added_simplex_count() - diff->removed_simplex_count();
   diffs_.push_back(std::move(diff));
   bytes_ += bytes;
   bytes_since_base_ += bytes;
@@ -66,7 +69,9 @@ bool RevisionStore::wants_rebase() const {
   const std::lock_guard lock(mutex_);
   // Many small diffs count as well: those since the base are exempt from the limit.
   const std::size_t since = head_.revision - base_->revision;
-  return bytes_since_base_ > std::max(base_bytes_, kLeastRebaseBytes) || since > limits_.revisions;
+  return bytes_since_base_ > std::max(base_bytes_, kLeastRebaseBytes) ||
+         since > limits_.revisions ||
+         (base_bytes_ > kLeastRebaseBytes && head_simplices_ < base_simplices_ / 4);
 }
 
 std::optional<MeshHash> RevisionStore::HashAt(std::uint64_t revision) const {
@@ -109,6 +114,7 @@ absl::StatusOr<RevisionStore::MeshPtr> RevisionStore::Latest() {
   const std::lock_guard lock(mutex_);
   base_ = mesh;
   base_bytes_ = mesh_bytes;
+  base_simplices_ = mesh->simplex_count();
   bytes_since_base_ = 0;
   for (std::uint64_t r = mesh->revision; r < head_.revision; ++r) {
     bytes_since_base_ += ByteSize(*diffs_[r - oldest_]);

@@ -10,8 +10,9 @@
 //   3. what is handed out never changes.
 // An edit costs the writer O(1) here. A reader that wants the present mesh puts base
 // and diffs together on its own thread, and the result is the next base. When the
-// diffs since the base outweigh it, wants_rebase() asks for such a reader: memory
-// stays within twice the mesh, at amortised O(1) for each row of a diff.
+// diffs since the base outweigh it, or three of four of its simplices are gone, wants_rebase() asks
+// for such a reader: memory stays within some times the mesh, at amortised O(1) for each row of a
+// diff.
 // Thread-safe: one writer (Append), any readers.
 #ifndef DYNMESH_SERVER_MESHES_REVISION_STORE_H_
 #define DYNMESH_SERVER_MESHES_REVISION_STORE_H_
@@ -76,6 +77,7 @@ class RevisionStore {
   mutable std::mutex mutex_;
   MeshPtr base_;
   std::size_t base_bytes_;
+  std::size_t base_simplices_, head_simplices_;
   MeshHash oldest_hash_;
   std::uint64_t oldest_;
   Head head_;

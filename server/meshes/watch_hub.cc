@@ -125,6 +125,12 @@ std::size_t WatchHub::idle() const {
   return idle_.size();
 }
 
+WatchHub::Counts WatchHub::counts() const {
+  const std::lock_guard lock(mutex_);
+  return {size_ - idle_.size(), coalesced_.load(std::memory_order_relaxed),
+          resynced_.load(std::memory_order_relaxed)};
+}
+
 Subscription::Step Subscription::Next(WatchItem* item) {
   const std::lock_guard lock(hub_->mutex_);
   if (cancelled_) {
@@ -166,6 +172,7 @@ WatchItem Subscription::Snapshot(std::uint64_t newer_than) {
     if (!latest.ok()) return latest.status();
     mesh = *std::move(latest);
   }
+  if (cursor_.has_value()) hub_->resynced_.fetch_add(1, std::memory_order_relaxed);
   cursor_ = mesh->revision;
   return mesh;
 }
@@ -180,6 +187,7 @@ WatchItem Subscription::Work() {
   if (base->revision > *cursor_ && bytes > ByteSize(*base)) return Snapshot(*cursor_);
   auto diff =
       diffs->size() == 1 ? diffs->front() : std::make_shared<const MeshDiff>(Compose(*diffs));
+  if (diffs->size() > 1) hub_->coalesced_.fetch_add(1, std::memory_order_relaxed);
   cursor_ = diff->to_revision;
   return diff;
 }

@@ -15,6 +15,7 @@
 #ifndef DYNMESH_SERVER_MESHES_WATCH_HUB_H_
 #define DYNMESH_SERVER_MESHES_WATCH_HUB_H_
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -107,6 +108,13 @@ class WatchHub : public std::enable_shared_from_this<WatchHub> {
   // Watchers that have all there is.
   std::size_t idle() const;
 
+  struct Counts {
+    std::size_t behind = 0;       // watchers that are not idle
+    std::uint64_t coalesced = 0;  // diffs handed out that stand for several revisions
+    std::uint64_t resynced = 0;   // snapshots handed out to watchers that had one
+  };
+  Counts counts() const;
+
  private:
   friend class Subscription;
   using Subscriptions = absl::flat_hash_set<std::shared_ptr<Subscription>>;
@@ -124,6 +132,8 @@ class WatchHub : public std::enable_shared_from_this<WatchHub> {
   std::size_t size_ = 0;
   absl::Time now_ = absl::InfinitePast();
   absl::Status closed_;
+  std::atomic<std::uint64_t> coalesced_{0};
+  std::atomic<std::uint64_t> resynced_{0};
 };
 
 }  // namespace dynmesh::server

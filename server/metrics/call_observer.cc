@@ -17,6 +17,7 @@ namespace {
 using grpc::experimental::InterceptionHookPoints;
 using grpc::experimental::InterceptorBatchMethods;
 
+constexpr double kLongestCall = 1e5;  // seconds: watches last for hours
 constexpr std::size_t kCodes = 17;
 constexpr std::array<const char*, kCodes> kCodeNames = {
     "OK",       "Canceled",       "Unknown",          "InvalidArgument",   "DeadlineExceeded",
@@ -40,27 +41,32 @@ struct Families {
         handled(r.AddCounters("grpc_server_handled_total", "Calls ended, by code.")),
         received(r.AddCounters("grpc_server_msg_received_total", "Messages received.")),
         sent(r.AddCounters("grpc_server_msg_sent_total", "Messages sent.")),
+        sent_bytes(r.AddCounters("dynmesh_sent_bytes_total",
+                                 "Bytes of the messages sent, uncompressed, without framing.")),
         seconds(r.AddHistograms("grpc_server_handling_seconds", "Time of calls until they ended.",
-                                SecondsBounds())) {}
+                                SecondsBounds(kLongestCall))) {}
 
   MetricFamily<Counter>& started;
   MetricFamily<Counter>& handled;
   MetricFamily<Counter>& received;
   MetricFamily<Counter>& sent;
+  MetricFamily<Counter>& sent_bytes;
   MetricFamily<Histogram>& seconds;
 };
 
 }  // namespace
 
 struct CallMetrics::Method {
-  Method(Families& f, const std::string& t, const std::string& s, const std::string& m)
+  Method(Families& f, const std::string& t, const std::string& s, const std::string& m, bool ours)
       : type(t),
         service(s),
         method(m),
+        is_ours(ours),
         families(f),
         started(f.started.With(Labels())),
         received(f.received.With(Labels())),
         sent(f.sent.With(Labels())),
+        sent_bytes(f.sent_bytes.With(Labels())),
         seconds(f.seconds.With(Labels())) {}
 
   MetricLabels Labels() const {
@@ -81,10 +87,12 @@ struct CallMetrics::Method {
   }
 
   const std::string type, service, method;
+  const bool is_ours;  // not of health or reflection: a drain does not wait for their streams
   Families& families;
   Counter& started;
   Counter& received;
   Counter& sent;
+  Counter& sent_bytes;
   Histogram& seconds;
   std::array<std::atomic<Counter*>, kCodes> handled{};
 };
@@ -92,13 +100,15 @@ struct CallMetrics::Method {
 struct CallMetrics::Impl {
   explicit Impl(MetricRegistry& registry) : families(registry), failed(registry) {}
 
-  void Add(const std::string& type, const std::string& service, const std::string& method) {
+  void Add(const std::string& type, const std::string& service, const std::string& method,
+           bool is_ours) {
     methods.emplace(absl::StrCat("/", service, "/", method),
-                    std::make_unique<Method>(families, type, service, method));
+                    std::make_unique<Method>(families, type, service, method, is_ours));
   }
 
   Families families;
   FailedCalls failed;
+  WorkGate open;
   std::map<std::string, std::unique_ptr<Method>, std::less<>> methods;
   std::unique_ptr<Method> other;
 };
@@ -109,12 +119,12 @@ CallMetrics::CallMetrics(MetricRegistry& registry) : impl_(std::make_unique<Impl
     const google::protobuf::ServiceDescriptor& service = *file.service(s);
     for (int m = 0; m < service.method_count(); ++m) {
       const google::protobuf::MethodDescriptor& method = *service.method(m);
-      impl_->Add(TypeOf(method), service.full_name(), method.name());
+      impl_->Add(TypeOf(method), service.full_name(), method.name(), /*is_ours=*/true);
     }
   }
-  impl_->Add("unary", "grpc.health.v1.Health", "Check");
-  impl_->Add("server_stream", "grpc.health.v1.Health", "Watch");
-  impl_->other = std::make_unique<Method>(impl_->families, "other", "other", "other");
+  impl_->Add("unary", "grpc.health.v1.Health", "Check", false);
+  impl_->Add("server_stream", "grpc.health.v1.Health", "Watch", false);
+  impl_->other = std::make_unique<Method>(impl_->families, "other", "other", "other", false);
 }
 
 CallMetrics::~CallMetrics() = default;
@@ -126,13 +136,20 @@ CallMetrics::Method& CallMetrics::Find(const char* path) const {
 
 FailedCalls& CallMetrics::failed() const { return impl_->failed; }
 
+WorkGate& CallMetrics::open() const { return impl_->open; }
+
 namespace {
 
 // Of one call. A stream's reads and writes come at the same time; all else one after the other.
 class CallObserver final : public grpc::experimental::Interceptor {
  public:
-  CallObserver(CallMetrics::Method& method, FailedCalls& failed, grpc::ServerContextBase* context)
-      : method_(method), failed_(failed), context_(context), start_(MetricsClock::now()) {
+  CallObserver(const CallMetrics& metrics, CallMetrics::Method& method,
+               grpc::ServerContextBase* context)
+      : method_(method),
+        failed_(metrics.failed()),
+        context_(context),
+        open_(method.is_ours ? metrics.open().Enter() : nullptr),
+        start_(MetricsClock::now()) {
     method_.started.Add();
   }
   // Of a client that vanished nobody tells the status.
@@ -151,6 +168,8 @@ class CallObserver final : public grpc::experimental::Interceptor {
     }
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_MESSAGE)) {
       method_.sent.Add();
+      // What is sent is serialised here, and not again.
+      method_.sent_bytes.Add(step->GetSerializedSendMessage()->Length());
     }
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) {
       const grpc::Status status = step->GetSendStatus();
@@ -184,6 +203,7 @@ class CallObserver final : public grpc::experimental::Interceptor {
   CallMetrics::Method& method_;
   FailedCalls& failed_;
   const grpc::ServerContextBase* const context_;  // ends before the observer does
+  const WorkGate::Ticket open_;
   const MetricsClock::time_point start_;
   std::string id_;
   std::atomic<bool> ended_{false};
@@ -194,8 +214,7 @@ class CallObservers final : public grpc::experimental::ServerInterceptorFactoryI
   explicit CallObservers(const CallMetrics* metrics) : metrics_(*metrics) {}
   grpc::experimental::Interceptor* CreateServerInterceptor(
       grpc::experimental::ServerRpcInfo* info) override {
-    return new CallObserver(metrics_.Find(info->method()), metrics_.failed(),
-                            info->server_context());
+    return new CallObserver(metrics_, metrics_.Find(info->method()), info->server_context());
   }
 
  private:

@@ -9,6 +9,7 @@
 
 #include <memory>
 
+#include "server/base/work_gate.h"
 #include "server/metrics/failed_calls.h"
 #include "server/metrics/metrics.h"
 
@@ -22,6 +23,9 @@ class CallMetrics {
   struct Method;
   Method& Find(const char* path) const;  // "/package.Service/Method"
   FailedCalls& failed() const;
+  // The calls of the service that are open, until their last byte is with the transport. Closed,
+  // it counts no new ones.
+  WorkGate& open() const;
 
  private:
   struct Impl;

@@ -49,13 +49,14 @@ void WriteMeshes(const MeshRegistry& meshes, MetricsText& out) {
     std::string id;
     MeshStats stats;
     std::size_t watchers;
+    WatchHub::Counts watches;
     std::size_t waiting;
     std::optional<MeshHost::Running> running;
   };
   std::vector<Row> rows;
   for (const auto& host : meshes.Hosts()) {
-    rows.push_back(
-        {host->id(), host->stats(), host->hub()->size(), host->waiting(), host->running()});
+    rows.push_back({host->id(), host->stats(), host->hub()->size(), host->hub()->counts(),
+                    host->waiting(), host->running()});
   }
   const auto write = [&](const char* name, const char* help, auto value) {
     out.Begin(name, "gauge", help);
@@ -73,6 +74,19 @@ void WriteMeshes(const MeshRegistry& meshes, MetricsText& out) {
   write("dynmesh_mesh_bytes", "Memory of the mesh, its trace aside.",
         [](const Row& r) { return r.stats.mesh_bytes; });
   write("dynmesh_mesh_watchers", "Watches.", [](const Row& r) { return r.watchers; });
+  write("dynmesh_mesh_watchers_behind",
+        "Watches that have not been handed all there is, those included that are being sent it.",
+        [](const Row& r) { return r.watches.behind; });
+  const auto count = [&](const char* name, const char* help, auto value) {
+    out.Begin(name, "counter", help);
+    for (const Row& row : rows) out.Sample({{"mesh", row.id}}, static_cast<double>(value(row)));
+  };
+  count("dynmesh_mesh_watch_coalesced_total",
+        "Diffs sent that stand for several revisions, to watches that fell behind.",
+        [](const Row& r) { return r.watches.coalesced; });
+  count("dynmesh_mesh_watch_resynced_total",
+        "Snapshots sent to watches that fell too far behind for diffs.",
+        [](const Row& r) { return r.watches.resynced; });
   write("dynmesh_mesh_waiting_edits", "Batches and queries that wait for their turn.",
         [](const Row& r) { return r.waiting; });
   write("dynmesh_mesh_batch_edits", "Edits of the batch that runs; 0: none does.",
@@ -86,9 +100,17 @@ void WriteMeshes(const MeshRegistry& meshes, MetricsText& out) {
                  static_cast<double>(value(progress)));
     }
   };
-  write_running("dynmesh_mesh_batch_work_done", "How much of the batch's stage is done.",
+  write_running("dynmesh_mesh_batch_done_ratio",
+                "How much of the batch's stage is done: 0 to 1; 0 also if that is not known yet.",
+                [](const BatchProgress& p) {
+                  return p.total == 0 ? 0
+                                      : static_cast<double>(p.done) / static_cast<double>(p.total);
+                });
+  write_running("dynmesh_mesh_batch_work_done",
+                "How much of the batch's stage is done, in whatever the stage counts.",
                 [](const BatchProgress& p) { return p.done; });
-  write_running("dynmesh_mesh_batch_work", "How much the batch's stage is; 0: not known yet.",
+  write_running("dynmesh_mesh_batch_work",
+                "How much the batch's stage is, in the same; 0: not known yet.",
                 [](const BatchProgress& p) { return p.total; });
 }
 
@@ -116,6 +138,14 @@ void WriteLimits(const MemoryGuard& memory, const TlsFiles& tls, MetricsText& ou
   out.Single("dynmesh_certificate_end_time_seconds", "gauge",
              "When the certificate in the file is no longer valid, since 1970.",
              absl::ToDoubleSeconds(*end - absl::UnixEpoch()));
+}
+
+void WriteStreams(const ClientQuotas& streams, MetricsText& out) {
+  out.Single("dynmesh_client_streams_most", "gauge",
+             "Watches, edit streams, loads and snapshots open of the client that has most of them.",
+             static_cast<double>(streams.most()));
+  out.Single("dynmesh_client_streams_limit", "gauge",
+             "How many one client may have; 0: any number.", static_cast<double>(streams.limit()));
 }
 
 void WriteProcess(MetricsText& out) {

@@ -3,6 +3,7 @@
 #ifndef DYNMESH_SERVER_METRICS_COLLECT_H_
 #define DYNMESH_SERVER_METRICS_COLLECT_H_
 
+#include "server/access/client_quotas.h"
 #include "server/access/memory_guard.h"
 #include "server/access/tls.h"
 #include "server/journal/journal.h"
@@ -15,6 +16,8 @@ void WriteMeshes(const MeshRegistry& meshes, MetricsText& out);
 void WriteJournal(const Journal& journal, MetricsText& out);
 // What it must not outgrow or outlive: memory, and the certificate, if there is one.
 void WriteLimits(const MemoryGuard& memory, const TlsFiles& tls, MetricsText& out);
+// How many streams clients have open, and may have.
+void WriteStreams(const ClientQuotas& streams, MetricsText& out);
 // What the kernel tells in /proc, and which dynmeshd this is.
 void WriteProcess(MetricsText& out);
 

@@ -6,6 +6,7 @@
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
+#include "server/base/peer.h"
 
 namespace dynmesh::server {
 namespace {
@@ -45,9 +46,12 @@ void FailedCalls::Tell(const Call& call, const grpc::Status& status) {
     if (!line.has_value()) return;
     left_out = *line;
   }
+  // An error that is not of the client's own doing does not name it.
   std::string client;
   if (error.has_value() && error->metadata.contains("client")) {
     client = error->metadata.at("client");
+  } else if (!call.peer.empty()) {
+    client = ClientAt(AddressOf(call.peer));
   }
   Log(level, level == LogLevel::kInfo ? "call_refused" : "call_failed",
       {{"call", call.id},

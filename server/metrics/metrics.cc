@@ -47,9 +47,14 @@ std::vector<std::uint64_t> Histogram::Cumulative() const {
   return counts;
 }
 
-std::vector<double> SecondsBounds() {
-  return {1e-5,  2.5e-5, 5e-5, 1e-4, 2.5e-4, 5e-4, 1e-3, 2.5e-3, 5e-3, 0.01,
-          0.025, 0.05,   0.1,  0.25, 0.5,    1,    2.5,  5,      10};
+std::vector<double> SecondsBounds(double most) {
+  // Written out, as a text shows them: products would be off by an ulp.
+  std::vector<double> bounds = {1e-5, 2.5e-5, 5e-5,  1e-4, 2.5e-4, 5e-4, 1e-3, 2.5e-3,
+                                5e-3, 0.01,   0.025, 0.05, 0.1,    0.25, 0.5,  1,
+                                2.5,  5,      10,    25,   50,     100,  250,  500,
+                                1e3,  2.5e3,  5e3,   1e4,  2.5e4,  5e4,  1e5};
+  std::erase_if(bounds, [most](double bound) { return bound > most; });
+  return bounds;
 }
 
 std::string MetricsText::LabelText(const MetricLabels& labels) {

@@ -59,8 +59,8 @@ class Histogram {
   std::atomic<double> sum_{0};
 };
 
-// 1e-5, 2.5e-5, 5e-5, 1e-4, ... 10 seconds.
-std::vector<double> SecondsBounds();
+// 1e-5, 2.5e-5, 5e-5, 1e-4, ... seconds, to `most` or what is next below it.
+std::vector<double> SecondsBounds(double most);
 
 using MetricLabels = std::vector<std::pair<absl::string_view, absl::string_view>>;
 

@@ -169,8 +169,15 @@ struct MetricsHttp::Impl {
       response.set_content("alive\n", "text/plain");
     } else if (request.path == "/readyz") {
       const std::string reason = sources.not_ready();
-      if (!reason.empty()) response.status = 503;
-      response.set_content(reason.empty() ? "ready\n" : reason + "\n", "text/plain");
+      const std::string amiss = sources.amiss();
+      std::string text = "ready";
+      if (!reason.empty()) {
+        response.status = 503;
+        text = reason;
+      } else if (!amiss.empty()) {
+        absl::StrAppend(&text, "; ", amiss);
+      }
+      response.set_content(text + "\n", "text/plain");
     } else {
       response.status = 404;
       response.set_content("there are /metrics, /healthz and /readyz\n", "text/plain");

@@ -1,5 +1,9 @@
 // Metrics and health over HTTP: GET /metrics, /healthz, /readyz, and nothing else.
 //
+// /healthz is 200 as long as the process answers. /readyz is 200 from the end of recovery to the
+// drain: also while the journal fails, which its text says. Reads and watches go on then, and it is
+// the next edit that finds out whether the journal can be written again.
+//
 // It cannot hurt the server: two threads, a few connections that wait for them, and of each
 // connection one request of a few kilobytes in a few seconds, whatever the other side does.
 // Requests with a body are answered without reading it. Thread-safe.
@@ -21,6 +25,8 @@ class MetricsHttp {
     std::function<std::string()> metrics;
     // Why the server should get no requests now; empty if it should.
     std::function<std::string()> not_ready;
+    // What is amiss though it is ready, for people; empty if nothing is.
+    std::function<std::string()> amiss;
   };
 
   // Listens when it returns. `listen`: HOST:PORT, of which HOST may be missing and is loopback

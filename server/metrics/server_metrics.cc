@@ -3,22 +3,32 @@
 #include <algorithm>
 
 namespace dynmesh::server {
+namespace {
+
+constexpr double kLongestStage = 1e4;  // seconds
+
+}  // namespace
+
+EditMetrics::Stages::Stages(MetricFamily<Histogram>& stages, absl::string_view kind)
+    : validate(stages.With({{"stage", "validate"}, {"kind", kind}})),
+      propagate(stages.With({{"stage", "propagate"}, {"kind", kind}})),
+      diff(stages.With({{"stage", "diff"}, {"kind", kind}})),
+      journal(stages.With({{"stage", "journal"}, {"kind", kind}})),
+      send(stages.With({{"stage", "send"}, {"kind", kind}})) {}
 
 EditMetrics::EditMetrics(MetricRegistry& registry)
     : EditMetrics(
-          registry.AddHistograms("dynmesh_edit_seconds", "Time of a batch of edits in each stage.",
-                                 SecondsBounds()),
+          registry.AddHistograms("dynmesh_edit_seconds",
+                                 "Time of a batch in each stage, by what brought it: edit, load "
+                                 "or revert.",
+                                 SecondsBounds(kLongestStage)),
           registry.AddCounters("dynmesh_edits_total",
                                "Batches of edits that were answered, by result."),
           registry) {}
 
 EditMetrics::EditMetrics(MetricFamily<Histogram>& stages, MetricFamily<Counter>& results,
                          MetricRegistry& registry)
-    : journal_seconds(stages.With({{"stage", "journal"}})),
-      send_seconds(stages.With({{"stage", "send"}})),
-      validate_seconds_(stages.With({{"stage", "validate"}})),
-      propagate_seconds_(stages.With({{"stage", "propagate"}})),
-      diff_seconds_(stages.With({{"stage", "diff"}})),
+    : stages_{Stages(stages, "edit"), Stages(stages, "load"), Stages(stages, "revert")},
       applied_(results.With({{"result", "applied"}})),
       replayed_(results.With({{"result", "replayed"}})),
       validated_(results.With({{"result", "validated"}})),
@@ -49,12 +59,13 @@ void EditMetrics::CountAnswer(const absl::Status& status, Kind kind) {
   }
 }
 
-void EditMetrics::ObserveWork(const WorkCounters& work) {
+void EditMetrics::ObserveWork(const WorkCounters& work, EditSource source) {
   constexpr double kMicrosecond = 1e-6;
   const double known = work.validate_microseconds + work.diff_microseconds;
-  validate_seconds_.Observe(work.validate_microseconds * kMicrosecond);
-  propagate_seconds_.Observe(std::max(0.0, work.microseconds - known) * kMicrosecond);
-  diff_seconds_.Observe(work.diff_microseconds * kMicrosecond);
+  Stages& stages = of(source);
+  stages.validate.Observe(work.validate_microseconds * kMicrosecond);
+  stages.propagate.Observe(std::max(0.0, work.microseconds - known) * kMicrosecond);
+  stages.diff.Observe(work.diff_microseconds * kMicrosecond);
   operations_.Add(work.executed);
 }
 
@@ -63,13 +74,18 @@ RecoveryMetrics::RecoveryMetrics(MetricRegistry& registry)
                   .AddGauges("dynmesh_recovery_entries",
                              "Snapshots and batches that the journal had when the server started.")
                   .With()),
-      entries_done(registry
-                       .AddGauges("dynmesh_recovery_entries_done",
-                                  "Snapshots and batches of these that are meshes again.")
-                       .With()),
+      entries_done(
+          registry
+              .AddGauges("dynmesh_recovery_entries_done", "As dynmesh_recovery_entries_done_total.")
+              .With()),
+      entries_done_total(registry
+                             .AddCounters("dynmesh_recovery_entries_done_total",
+                                          "Snapshots and batches of these that are meshes again.")
+                             .With()),
       damaged(registry
                   .AddGauges("dynmesh_recovery_meshes_damaged",
-                             "Meshes that could not be made again from the journal.")
+                             "Meshes that could not be made again from the journal, or lack what was "
+                             "acknowledged.")
                   .With()),
       seconds(registry.AddGauges("dynmesh_recovery_seconds", "What making the meshes again took.")
                   .With()) {}

@@ -25,6 +25,7 @@ struct Difference {
 inline LiveMeshTuning AlwaysPropagate() {
   LiveMeshTuning tuning;
   tuning.rebuild.at_least = ~std::size_t{0};
+  tuning.rebuild.at_least_work = ~std::uint64_t{0};
   return tuning;
 }
 
@@ -100,7 +101,8 @@ class Replica {
     Canonicalize(ours);
     Canonicalize(theirs);
     const bool same = ours.vertices == theirs.vertices && ours.simplices == theirs.simplices &&
-                      ours.regions == theirs.regions && ours.subsegments == theirs.subsegments &&
+                      ours.regions == theirs.regions && ours.region_sets == theirs.region_sets &&
+                      ours.subsegments == theirs.subsegments &&
                       ours.subfacets == theirs.subfacets && ours.hash == theirs.hash &&
                       ours.dimension == theirs.dimension;
     return {!same, same ? "" : "the replica differs"};

@@ -180,6 +180,11 @@ TEST(Rebuild, IsPlannedByWhatABatchIsWorth) {
   EXPECT_EQ(PlanFor(one, 100, 200, box, {}), Plan::kRebuild);
   EXPECT_EQ(PlanFor(one, 100'000, 200'000, box, {}), Plan::kPropagate);
   many.added_points.resize(100);
+  // A move keeps what it can.
+  plc::Delta<2> moved = one;
+  moved.removed_sizes = one.added_sizes;
+  EXPECT_EQ(PlanFor(moved, 100, 200, box, {}), Plan::kLook);
+  EXPECT_EQ(PlanFor(many, 100, 10'000, box, {}), Plan::kLook);
   EXPECT_EQ(PlanFor(many, 0, 24, box, {}), Plan::kRebuild);
   EXPECT_EQ(PlanFor(many, 1000, 2000, box, {}), Plan::kLook);
   EXPECT_EQ(PlanFor(many, 10'000, 20'000, box, {}), Plan::kPropagate);

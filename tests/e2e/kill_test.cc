@@ -3,9 +3,11 @@
 // that was under way, whole; its retry says which. Who watches goes on through all of it.
 #include <gtest/gtest.h>
 
-#include <atomic>
+#include <algorithm>
 #include <cstdlib>
+#include <deque>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <random>
 #include <string>
@@ -13,6 +15,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client/edit_session.h"
 #include "client/mesh_client.h"
 #include "client/watch_session.h"
 #include "dynmesh/dynamic_mesh.h"
@@ -42,6 +45,163 @@ std::uint64_t Seed() {
   std::printf("DYNMESH_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed));
   return seed;
 }
+
+using FeatureMap = std::map<FeatureId, Feature>;
+
+void Act(const EditBatch& batch, FeatureMap& features) {
+  for (const Edit& edit : batch) {
+    if (edit.action == Edit::Action::kRemove) {
+      features.erase(edit.feature.id);
+    } else {
+      features[edit.feature.id] = edit.feature;
+    }
+  }
+}
+
+// A legal one. `last_id` is that of the last point added.
+EditBatch RandomBatch(const FeatureMap& features, FeatureId& last_id, std::mt19937_64& random) {
+  // A grid, so that no two are too close.
+  const auto place = [&] { return 0.1 + 0.8 / 64 * static_cast<double>(random() % 64); };
+  EditBatch batch;
+  FeatureMap draft = features;
+  const int count = 1 + static_cast<int>(random() % 4);
+  while (static_cast<int>(batch.size()) < count) {
+    Edit edit = Edit::Add(Feature::Point(++last_id, place(), place()));
+    if (!draft.empty() && (random() % 3 == 0 || draft.size() > 300)) {
+      auto it = draft.begin();
+      std::advance(it, random() % draft.size());
+      edit = random() % 2 == 0 ? Edit::Remove(it->first) : Edit::Move(it->first, place(), place());
+    }
+    const bool taken = edit.action != Edit::Action::kRemove &&
+                       std::any_of(draft.begin(), draft.end(), [&](const auto& f) {
+                         return f.second.position == edit.feature.position;
+                       });
+    if (taken) continue;
+    Act({edit}, draft);
+    batch.push_back(edit);
+  }
+  return batch;
+}
+
+// The server has the mesh of these features, with that hash.
+void ExpectMesh(MeshClient& client, const std::string& id, const FeatureMap& features,
+                const MeshHash& hash) {
+  std::vector<Feature> all;
+  for (const auto& [feature_id, feature] : features) all.push_back(feature);
+  auto scratch = *DynamicMesh::Create(MeshOptions());
+  ASSERT_TRUE(scratch->Apply(AddAll(all)).ok());
+  ASSERT_EQ(hash, scratch->hash());
+  auto theirs = client.GetSnapshot(id);
+  ASSERT_TRUE(theirs.ok()) << theirs.status();
+  Mesh ours = scratch->Snapshot();
+  Canonicalize(ours);
+  Canonicalize(*theirs);
+  ASSERT_EQ(theirs->vertices, ours.vertices);
+  ASSERT_EQ(theirs->simplices, ours.simplices);
+}
+
+// A client that streams into its mesh and does not wait for answers.
+class Streamer {
+ public:
+  Streamer(std::string id, std::uint64_t seed) : id_(std::move(id)), random_(seed) {}
+
+  // Until the server is gone. Answers come in the order sent, each the next revision.
+  void Work(MeshClient& client) {
+    const auto session = client.OpenEdits(id_);
+    std::thread sender([&] {
+      FeatureMap draft = features_;
+      while (Send(*session, draft)) {
+      }
+    });
+    while (const auto answer = session->Receive()) {
+      if (!answer->result.ok()) {
+        EXPECT_TRUE(WasNotAnswered(answer->result.status())) << answer->result.status();
+        break;
+      }
+      Take(*answer);
+    }
+    session->Cancel();
+    sender.join();
+    (void)session->Finish();
+  }
+
+  // After a restart: all that was acknowledged is there, and what was not up to some batch; the
+  // retries of all tell the same.
+  void Check(MeshClient& client) {
+    SCOPED_TRACE("streamed mesh " + id_);
+    const auto info = client.GetMesh(id_);
+    ASSERT_TRUE(info.ok()) << info.status();
+    ASSERT_GE(info->revision, revision_);
+    ASSERT_LE(info->revision, revision_ + pending_.size());
+    FeatureMap expected = features_;
+    for (std::size_t i = 0; i < info->revision - revision_; ++i) Act(pending_[i].edits, expected);
+    ExpectMesh(client, id_, expected, info->hash);
+    if (testing::Test::HasFatalFailure()) return;
+    unacknowledged_ += info->revision - revision_;
+    const auto session = client.OpenEdits(id_);
+    const std::deque<Pending> again = pending_;
+    std::thread sender([&] {
+      for (const Pending& p : again) EXPECT_TRUE(session->Send(p.edits, Params(p)).ok());
+      EXPECT_TRUE(session->DoneSending().ok());
+    });
+    while (const auto answer = session->Receive()) {
+      EXPECT_TRUE(answer->result.ok()) << answer->result.status();
+      if (!answer->result.ok()) break;
+      EXPECT_EQ(answer->result->replayed, revision_ < info->revision);
+      Take(*answer);
+    }
+    sender.join();
+    EXPECT_TRUE(session->Finish().ok());
+    EXPECT_TRUE(pending_.empty());
+    ExpectMesh(client, id_, features_, client.GetMesh(id_)->hash);
+  }
+
+  std::uint64_t acknowledged() const { return acknowledged_; }
+  // Batches that were written down and not answered.
+  std::uint64_t unacknowledged() const { return unacknowledged_; }
+
+ private:
+  struct Pending {
+    std::string request_id;
+    EditBatch edits;
+  };
+
+  static client::EditParams Params(const Pending& pending) {
+    client::EditParams params;
+    params.request_id = pending.request_id;
+    return params;
+  }
+
+  bool Send(client::EditSession& session, FeatureMap& draft) {
+    Pending next{absl::StrCat(id_, "-", ++batches_), RandomBatch(draft, last_id_, random_)};
+    Act(next.edits, draft);
+    {
+      const std::lock_guard lock(mutex_);
+      pending_.push_back(next);
+    }
+    return session.Send(next.edits, Params(next)).ok();
+  }
+
+  void Take(const client::EditSession::Answer& answer) {
+    const std::lock_guard lock(mutex_);
+    EXPECT_FALSE(pending_.empty());
+    EXPECT_EQ(answer.request_id, pending_.front().request_id);
+    EXPECT_EQ(answer.result->diff.to_revision, revision_ + 1);
+    Act(pending_.front().edits, features_);
+    pending_.pop_front();
+    ++revision_;
+    ++acknowledged_;
+  }
+
+  const std::string id_;
+  std::mt19937_64 random_;
+  std::mutex mutex_;
+  FeatureMap features_;  // acknowledged
+  std::uint64_t revision_ = 0;
+  std::deque<Pending> pending_;  // sent, or about to be, and not answered
+  std::uint64_t batches_ = 0, acknowledged_ = 0, unacknowledged_ = 0;
+  FeatureId last_id_ = 0;
+};
 
 // What one client knows of its mesh.
 class Editor {
@@ -79,7 +239,7 @@ class Editor {
     }
     const auto info = client.GetMesh(id_);
     ASSERT_TRUE(info.ok()) << info.status();
-    std::map<FeatureId, Feature> expected = features_;
+    FeatureMap expected = features_;
     const bool applied = info->revision == revision_ + 1;
     if (applied) {
       ASSERT_TRUE(pending_.has_value());
@@ -87,14 +247,14 @@ class Editor {
     } else {
       ASSERT_EQ(info->revision, revision_);
     }
-    ExpectMesh(client, expected, info->hash);
+    ExpectMesh(client, id_, expected, info->hash);
     if (testing::Test::HasFatalFailure() || !pending_.has_value()) return;
     const auto again = client.Apply(id_, *pending_, Params());
     ASSERT_TRUE(again.ok()) << again.status();
     EXPECT_EQ(again->replayed, applied);
     EXPECT_EQ(again->diff.to_revision, revision_ + 1);
     Acknowledge();
-    ExpectMesh(client, features_, again->diff.hash);
+    ExpectMesh(client, id_, features_, again->diff.hash);
   }
 
   bool Create(MeshClient& client) {
@@ -128,7 +288,7 @@ class Editor {
 
   bool Change(MeshClient& client) {
     ++batches_;
-    pending_ = RandomBatch();
+    pending_ = RandomBatch(features_, last_id_, random_);
     const auto result = client.Apply(id_, *pending_, Params());
     if (WasNotAnswered(result.status())) return false;
     EXPECT_TRUE(result.ok()) << result.status();
@@ -136,41 +296,6 @@ class Editor {
     EXPECT_EQ(result->diff.to_revision, revision_ + 1);
     Acknowledge();
     return true;
-  }
-
-  EditBatch RandomBatch() {
-    // A grid, so that no two are too close.
-    const auto place = [&] { return 0.1 + 0.8 / 64 * static_cast<double>(random_() % 64); };
-    EditBatch batch;
-    std::map<FeatureId, Feature> draft = features_;
-    const int count = 1 + static_cast<int>(random_() % 4);
-    while (static_cast<int>(batch.size()) < count) {
-      Edit edit = Edit::Add(Feature::Point(++last_id_, place(), place()));
-      if (!draft.empty() && random_() % 3 == 0) {
-        auto it = draft.begin();
-        std::advance(it, random_() % draft.size());
-        edit =
-            random_() % 2 == 0 ? Edit::Remove(it->first) : Edit::Move(it->first, place(), place());
-      }
-      const bool taken = edit.action != Edit::Action::kRemove &&
-                         std::any_of(draft.begin(), draft.end(), [&](const auto& f) {
-                           return f.second.position == edit.feature.position;
-                         });
-      if (taken) continue;
-      Act({edit}, draft);
-      batch.push_back(edit);
-    }
-    return batch;
-  }
-
-  static void Act(const EditBatch& batch, std::map<FeatureId, Feature>& features) {
-    for (const Edit& edit : batch) {
-      if (edit.action == Edit::Action::kRemove) {
-        features.erase(edit.feature.id);
-      } else {
-        features[edit.feature.id] = edit.feature;
-      }
-    }
   }
 
   void Acknowledge() {
@@ -187,27 +312,11 @@ class Editor {
     revision_ = 0;
   }
 
-  void ExpectMesh(MeshClient& client, const std::map<FeatureId, Feature>& features,
-                  const MeshHash& hash) const {
-    std::vector<Feature> all;
-    for (const auto& [id, feature] : features) all.push_back(feature);
-    auto scratch = *DynamicMesh::Create(MeshOptions());
-    ASSERT_TRUE(scratch->Apply(AddAll(all)).ok());
-    ASSERT_EQ(hash, scratch->hash());
-    auto theirs = client.GetSnapshot(id_);
-    ASSERT_TRUE(theirs.ok()) << theirs.status();
-    Mesh ours = scratch->Snapshot();
-    Canonicalize(ours);
-    Canonicalize(*theirs);
-    ASSERT_EQ(theirs->vertices, ours.vertices);
-    ASSERT_EQ(theirs->simplices, ours.simplices);
-  }
-
   const std::string id_;
   const bool once_;
   std::mt19937_64 random_;
   bool created_ = false, creating_ = false, deleting_ = false;
-  std::map<FeatureId, Feature> features_;  // acknowledged
+  FeatureMap features_;  // acknowledged
   std::uint64_t revision_ = 0;
   std::optional<EditBatch> pending_;  // not answered
   std::uint64_t batches_ = 0, acknowledged_ = 0;
@@ -299,6 +408,46 @@ TEST_F(KillTest, AtRandomMomentsLosesNothingThatWasAcknowledged) {
   EXPECT_GT(acknowledged, static_cast<std::uint64_t>(10 * kills));
   EXPECT_GE(watch->reconnects(), kills - 1);
   EXPECT_TRUE(absl::StrContains(daemon_.Log(), "compacted"));
+}
+
+// Many batches are under way, applied ahead of the disk, written down together.
+TEST_F(KillTest, InTheMiddleOfAStreamLosesNothingThatWasAcknowledged) {
+  const std::uint64_t seed = Seed();
+  SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
+  const int kills = std::getenv("DYNMESH_NIGHTLY") != nullptr ? 200 : 10;
+  std::mt19937_64 random(seed);
+  Streamer streamers[] = {{"s", seed + 1}, {"t", seed + 2}};
+  for (int i = 0; i < kills; ++i) {
+    SCOPED_TRACE(absl::StrCat("start ", i));
+    ASSERT_TRUE(daemon_.Start(Flags(), Listen().c_str())) << daemon_.Log();
+    const auto client = Connect();
+    for (const char* id : {"s", "t"}) {
+      if (i == 0) {
+        ASSERT_TRUE(client->CreateMesh(id, MeshOptions()).ok());
+      }
+    }
+    std::vector<std::thread> threads;
+    for (Streamer& streamer : streamers) {
+      streamer.Check(*client);
+      ASSERT_FALSE(HasFailure()) << daemon_.Log();
+    }
+    for (Streamer& streamer : streamers) {
+      threads.emplace_back([&] { streamer.Work(*Connect()); });
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 300'000));
+    daemon_.End(SIGKILL);
+    for (std::thread& thread : threads) thread.join();
+    ASSERT_FALSE(HasFailure());
+  }
+  std::uint64_t acknowledged = 0, unacknowledged = 0;
+  for (const Streamer& streamer : streamers) {
+    acknowledged += streamer.acknowledged();
+    unacknowledged += streamer.unacknowledged();
+  }
+  std::printf("%llu batches acknowledged, %llu more were written down\n",
+              static_cast<unsigned long long>(acknowledged),
+              static_cast<unsigned long long>(unacknowledged));
+  EXPECT_GT(acknowledged, static_cast<std::uint64_t>(20 * kills));
 }
 
 // A snapshot of several transactions is under way, or about to be, or done.

@@ -1,19 +1,17 @@
 // Figures of the service over loopback, with real meshes: a tool, not a test.
-//   service_load [--server=ADDRESS] [POINTS [PART…]]
-// The server is in this process unless an address is given: better for profiles, worse for
-// figures, because gRPC then runs the calls of both sides on the same few threads.
-// POINTS is the size of the mesh to work on (default 20000); parts are overhead, edits,
-// stream, watchers, silent and snapshot (default all).
-// An edit adds a point anywhere or removes one added before; one a batch.
+// What it takes is in kHelp.
 #include <grpcpp/grpcpp.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <random>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -22,10 +20,26 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "server/base/log.h"
+#include "server/journal/sqlite_journal.h"
 #include "server/server.h"
 
 namespace dynmesh {
 namespace {
+
+constexpr char kHelp[] =
+    "service_load [--server=ADDRESS | --data-dir=FOLDER] [POINTS [PART...]]\n"
+    "Figures of the service over loopback. The server is in this process unless an address is\n"
+    "given: better for profiles, worse for figures, because gRPC then runs the calls of both "
+    "sides\n"
+    "on the same few threads.\n"
+    "POINTS is the size of the mesh to work on, 1 to 10000000 (default 20000).\n"
+    "With a journal: --data-dir for the server in this process, or a server that has one.\n"
+    "PARTs are overhead, edits, stream, requests (edits and stream with and without request ids,\n"
+    "in turn), watchers, silent and snapshot (default all).\n"
+    "An edit adds a point anywhere or removes one added before; one a batch.\n";
+constexpr std::size_t kMostPoints = 10'000'000;
+constexpr std::array<std::string_view, 7> kParts = {"overhead", "edits",  "stream",  "requests",
+                                                    "watchers", "silent", "snapshot"};
 
 using Clock = std::chrono::steady_clock;
 
@@ -43,11 +57,18 @@ using cli::Percentile;
 
 class Load {
  public:
-  Load(std::size_t points, std::string address) : points_(points), address_(std::move(address)) {
+  Load(std::size_t points, std::string address, const std::string& data_dir)
+      : points_(points), address_(std::move(address)) {
     if (address_.empty()) {
       server::ServerConfig config;
       config.listen = "127.0.0.1:0";
-      auto server = server::Server::Start(config, &DynamicMesh::Create);
+      std::unique_ptr<server::Journal> journal;
+      if (!data_dir.empty()) {
+        auto opened = server::SqliteJournal::Open(data_dir, server::SqliteJournal::Options());
+        Check(opened.status());
+        journal = *std::move(opened);
+      }
+      auto server = server::Server::Start(config, &DynamicMesh::Create, std::move(journal));
       Check(server.status());
       server_ = *std::move(server);
       address_ = server_->address();
@@ -65,6 +86,7 @@ class Load {
     if (wants("overhead")) Overhead();
     if (wants("edits")) SingleEdits();
     if (wants("stream")) Stream();
+    if (wants("requests")) Requests();
     if (wants("watchers")) {
       StreamWithWatchers(1);
       // A replica takes about 300 bytes a vertex; all are in this process.
@@ -131,17 +153,23 @@ class Load {
         Percentile(applies, 0.99));
   }
 
-  double StreamEdits(int count) {
+  double StreamEdits(int count, bool with_ids = false) {
     std::vector<EditBatch> batches;
     for (int i = 0; i < count; ++i) batches.push_back({RandomEdit()});
-    return StreamBatches(batches);
+    return StreamBatches(batches, with_ids);
   }
 
-  double StreamBatches(const std::vector<EditBatch>& batches) {
+  client::EditParams Params(bool with_id) {
+    client::EditParams params;
+    if (with_id) params.request_id = "request-" + std::to_string(++requests_);
+    return params;
+  }
+
+  double StreamBatches(const std::vector<EditBatch>& batches, bool with_ids = false) {
     const auto session = client_->OpenEdits("m");
     const auto start = Clock::now();
     std::thread sender([&] {
-      for (const EditBatch& batch : batches) Check(session->Send(batch));
+      for (const EditBatch& batch : batches) Check(session->Send(batch, Params(with_ids)));
       Check(session->DoneSending());
     });
     while (const auto answer = session->Receive()) Check(answer->result.status());
@@ -155,6 +183,25 @@ class Load {
     for (int i = 0; i < 9; ++i) rates.push_back(StreamEdits(10'000));
     std::printf("EditStream: %.0f single edits/s (of 9 runs: least %.0f, most %.0f)\n",
                 Percentile(rates, 0.5), Percentile(rates, 0), Percentile(rates, 1));
+  }
+
+  // More than a journal keeps, so that old ones are taken away.
+  void Requests() {
+    StreamEdits(12'000, /*with_ids=*/true);
+    std::vector<double> trips[2], rates[2];
+    for (int i = 0; i < 2'000; ++i) {
+      const bool with_id = i % 2 == 1;
+      const EditBatch batch = {RandomEdit()};
+      const auto start = Clock::now();
+      Check(client_->Apply("m", batch, Params(with_id)).status());
+      trips[with_id].push_back(Microseconds(Clock::now() - start));
+    }
+    for (int i = 0; i < 10; ++i) rates[i % 2].push_back(StreamEdits(5'000, i % 2 == 1));
+    for (const bool with_id : {false, true}) {
+      std::printf("%s request ids: ApplyEdits p50 %.0f us, p99 %.0f us; EditStream %.0f edits/s\n",
+                  with_id ? "with" : "without", Percentile(trips[with_id], 0.5),
+                  Percentile(trips[with_id], 0.99), Percentile(rates[with_id], 0.5));
+    }
   }
 
   void StreamWithWatchers(int count) {
@@ -229,6 +276,7 @@ class Load {
   const std::size_t points_;
   std::string address_;
   FeatureId next_id_ = 1'000'000'000;
+  std::uint64_t requests_ = 0;
   std::vector<FeatureId> extra_;
   std::mt19937_64 random_{1};
   std::uniform_real_distribution<double> unit_{0, 1};
@@ -239,19 +287,49 @@ class Load {
 }  // namespace
 }  // namespace dynmesh
 
+namespace {
+
+int Refuse(const std::string& what) {
+  std::fprintf(stderr, "service_load: %s\nservice_load --help tells what there is\n", what.c_str());
+  return 2;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  using dynmesh::kMostPoints;
+  using dynmesh::kParts;
   if (!dynmesh::server::SetLogLevel("error").ok()) return 1;
-  std::vector<std::string> arguments(argv + 1, argv + argc);
-  const std::string flag = "--server=";
-  std::string address;
-  if (!arguments.empty() && arguments[0].starts_with(flag)) {
-    address = arguments[0].substr(flag.size());
-    arguments.erase(arguments.begin());
-  }
+  std::vector<std::string> words(argv + 1, argv + argc);
+  std::string address, data_dir;
   std::size_t points = 20'000;
-  if (!arguments.empty()) {
-    points = std::strtoull(arguments[0].c_str(), nullptr, 10);
-    arguments.erase(arguments.begin());
+  const std::string server = "--server=", data = "--data-dir=";
+  if (!words.empty() && words[0] == "--help") return std::fputs(dynmesh::kHelp, stdout) < 0 ? 1 : 0;
+  if (!words.empty() && words[0].starts_with(server)) {
+    address = words[0].substr(server.size());
+    if (address.empty()) return Refuse("--server= is without an address");
+    words.erase(words.begin());
   }
-  dynmesh::Load(points, address).Run(arguments);
+  if (!words.empty() && words[0].starts_with(data)) {
+    data_dir = words[0].substr(data.size());
+    if (data_dir.empty()) return Refuse("--data-dir= is without a folder");
+    if (!address.empty()) return Refuse("--data-dir is of the server in this process");
+    words.erase(words.begin());
+  }
+  if (!words.empty()) {
+    const std::string& word = words[0];
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), points);
+    if (error != std::errc() || end != word.data() + word.size() || points == 0 ||
+        points > kMostPoints) {
+      return Refuse("'" + word + "' is no number of points from 1 to " +
+                    std::to_string(kMostPoints));
+    }
+    words.erase(words.begin());
+  }
+  for (const std::string& part : words) {
+    if (std::find(kParts.begin(), kParts.end(), part) == kParts.end()) {
+      return Refuse("'" + part + "' is no part");
+    }
+  }
+  dynmesh::Load(points, address, data_dir).Run(words);
 }

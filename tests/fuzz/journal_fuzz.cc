@@ -33,7 +33,10 @@ std::string CheckSnapshot(const std::string& bytes, int dimension) {
     std::vector<Feature> features;
     for (const Edit& edit : e.edits) features.push_back(edit.feature);
     std::string all;
-    for (const std::string& p : codec::EncodeJournalSnapshot(features, e.hash, dimension)) all += p;
+    for (const std::string& p :
+         codec::EncodeJournalSnapshot(features, e.hash, dimension, e.bits)) {
+      all += p;
+    }
     return all;
   };
   // Parts that follow each other are, as messages, one.
@@ -59,7 +62,7 @@ std::string FuzzJournal(std::string_view bytes) {
       return CheckRound(
           codec::DecodeJournalEntry(body, dimension),
           [&](const codec::JournalEntry& e) {
-            return codec::EncodeJournalEntry(e.edits, e.hash, dimension);
+            return codec::EncodeJournalEntry(e.edits, e.hash, dimension, e.bits);
           },
           [&](const std::string& b) { return codec::DecodeJournalEntry(b, dimension); });
     case 1:

@@ -1,6 +1,7 @@
 // Prints tests/golden/hashes.txt anew; ends with 1 if a mesh is not that of a run from scratch.
 #include <cstdio>
 
+#include "dynmesh/mesh.h"
 #include "tests/golden/golden_cases.h"
 
 int main() {
@@ -8,6 +9,7 @@ int main() {
       "# Golden hashes: name, revisions, input, mesh, trace:operations, all revisions.\n"
       "# Made by dynmesh_golden_hashes. See golden_cases.h, and \"A change of bits\" in\n"
       "# CONTRIBUTING.md.");
+  std::printf("# Bits %u\n", dynmesh::kMeshBits);
   bool good = true;
   for (const dynmesh::test::GoldenCase& golden : dynmesh::test::GoldenCases()) {
     const dynmesh::test::GoldenResult result = dynmesh::test::RunGoldenCase(golden);

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
 #include <string>
 
+#include "dynmesh/mesh.h"
 #include "tests/golden/golden_cases.h"
 
 namespace dynmesh::test {
@@ -47,6 +49,13 @@ TEST_P(Golden, MeshAndTraceAreThoseRecorded) {
 
 INSTANTIATE_TEST_SUITE_P(Cases, Golden, testing::Range<std::size_t>(0, GoldenCases().size()),
                          [](const auto& given) { return GoldenCases()[given.param].name; });
+
+// New hashes of meshes are new bits.
+TEST(GoldenHashes, AreOfTheBitsThatTheProductTells) {
+  std::ifstream file(DYNMESH_SOURCE_DIR "/tests/golden/hashes.txt");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(text.find("# Bits " + std::to_string(kMeshBits) + "\n"), std::string::npos);
+}
 
 TEST(GoldenHashes, EveryLineIsOfACase) {
   std::set<std::string> names;

@@ -433,11 +433,54 @@ TEST(OptionsCodec, ZerosAreDefaultsAndLimitsHold) {
   proto.set_max_vertices(101);
   EXPECT_EQ(GetServiceError(DecodeOptions(proto, 100).status())->field, "options.max_vertices");
   proto.set_max_vertices(0);
+  constexpr std::uint64_t kAny = std::numeric_limits<std::uint64_t>::max();
+  EXPECT_EQ(DecodeOptions(proto, kAny)->limits.max_vertices, MostVertices(2));
+  EXPECT_EQ(DecodeOptions(proto, kAny - 1)->limits.max_vertices, MostVertices(2));
+  proto.set_max_vertices(kAny - 1);  // in a journal, perhaps, but not of a client
+  EXPECT_EQ(DecodeOptions(proto, kAny)->limits.max_vertices, MostVertices(2));
+  EXPECT_EQ(DecodeOptions(proto, kAny - 1).status().code(), absl::StatusCode::kInvalidArgument);
+  proto.set_max_vertices(0);
   proto.set_quality(std::numeric_limits<double>::quiet_NaN());
   EXPECT_EQ(DecodeOptions(proto, 100).status().code(), absl::StatusCode::kInvalidArgument);
   proto.set_quality(2);
   proto.set_dimension(7);
   EXPECT_EQ(DecodeOptions(proto, 100).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(OptionsCodec, EveryBadOptionIsNamedByItsPathInTheRequest) {
+  v1::MeshOptions good;
+  good.mutable_box()->mutable_lo();
+  good.mutable_box()->mutable_hi()->set_x(2);
+  ASSERT_TRUE(DecodeOptions(good, 100).ok());
+  const auto expect = [&](const char* field, const std::function<void(v1::MeshOptions&)>& spoil) {
+    v1::MeshOptions bad = good;
+    spoil(bad);
+    const absl::Status status = DecodeOptions(bad, 100).status();
+    const auto error = GetServiceError(status);
+    ASSERT_TRUE(error.has_value()) << field << " " << status;
+    EXPECT_EQ(error->reason, dynmesh::reason::kBadOption);
+    EXPECT_EQ(error->field, field);
+    EXPECT_EQ(status.message().find(std::string(field) + ": "), 0u) << status;
+    EXPECT_EQ(status.message().find("limits"), absl::string_view::npos) << status;
+    const v1::Status wire = StatusToProto(status);
+    ASSERT_EQ(wire.details_size(), 2);
+    v1::BadRequest request;
+    ASSERT_TRUE(request.ParseFromString(wire.details(1).value()));
+    EXPECT_EQ(request.field_violations(0).field(), field);
+  };
+  expect("options.quality", [](auto& o) { o.set_quality(0.5); });
+  expect("options.dimension", [](auto& o) { o.set_dimension(4); });
+  expect("options.box", [](auto& o) { o.mutable_box()->mutable_hi()->set_y(-1); });
+  expect("options.box", [](auto& o) { o.clear_box(); });
+  expect("options.max_edge", [](auto& o) { o.set_max_edge(-1); });
+  expect("options.max_depth", [](auto& o) { o.set_max_depth(-3); });
+  expect("options.max_vertices", [](auto& o) { o.set_max_vertices(3); });
+  expect("options.max_vertices", [](auto& o) { o.set_max_vertices(101); });
+  expect("options.criterion", [](auto& o) { o.set_criterion(static_cast<v1::Criterion>(7)); });
+  expect("options.quality", [](auto& o) {
+    o.set_criterion(v1::CRITERION_THESIS);
+    o.set_quality(1.2);
+  });
 }
 
 TEST(OptionsCodec, OfSpaceHaveTheirOwnDefault) {

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "tests/server/server_fixture.h"
+#include "tests/support/raw_http2.h"
 
 namespace dynmesh::server {
 namespace {
@@ -69,6 +70,21 @@ TEST_F(DrainTest, ADrainThatTakesTooLongCancels) {
   EXPECT_FALSE(running.Take().ok());
   EXPECT_EQ(host->head().revision, 0u);
   editor.join();
+}
+
+// It answers nothing, like a client's connection while it has no call. gRPC would wait for an
+// answer to its ping until the calls' five seconds are over.
+TEST_F(DrainTest, AConnectionWithoutCallsIsToldToGoAndDoesNotHoldTheDrain) {
+  StartWithMesh();
+  test::RawConnection silent(server_->port());
+  ASSERT_TRUE(silent.connected() && silent.Greet());
+  ASSERT_TRUE(silent.WaitForBytes(30'000));  // it is a connection of the server's now
+  const absl::Time start = absl::Now();
+  EXPECT_TRUE(server_->Drain(kLong));
+  EXPECT_LT(absl::Now() - start, absl::Seconds(4));  // 0.05, on a machine that is idle
+  std::string frames;
+  EXPECT_TRUE(silent.ReadFrameTypes(0, &frames));
+  EXPECT_NE(frames.find('\x07'), std::string::npos) << "no GOAWAY";
 }
 
 TEST_F(DrainTest, AServerEndsWithAllKindsOfStreamsOpen) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -173,6 +174,10 @@ absl::StatusOr<MeshDiff> FakeDynamicMesh::Apply(const EditBatch& batch,
   absl::StatusOr<FeatureMap> draft = Draft(batch);
   if (!draft.ok()) return draft.status();
   tell(Stage::kValidate, all);
+  if (apply_options.max_operations != 0 && batch.size() > apply_options.max_operations) {
+    return MakeError(absl::StatusCode::kResourceExhausted, "too much work",
+                     {reason::kWorkLimit, {}, std::nullopt});
+  }
   tell(Stage::kRefine, all / 2);
   if (gate_ != nullptr && !gate_->Pass(apply_options)) {
     return MakeError(absl::StatusCode::kCancelled, "cancelled",
@@ -187,9 +192,21 @@ absl::StatusOr<MeshDiff> FakeDynamicMesh::Apply(const EditBatch& batch,
   if (apply_options.commit != nullptr) {
     if (absl::Status status = apply_options.commit(diff); !status.ok()) return status;
   }
+  if (!apply_options.revocable) {
+    Settle();
+  } else if (!batch.empty()) {
+    revocable_.emplace_back(features_, mesh_);
+  }
   features_ = *std::move(draft);
   mesh_ = std::move(next);
   return diff;
+}
+
+void FakeDynamicMesh::TakeBack(std::size_t revisions) {
+  for (; revisions > 0; --revisions) {
+    std::tie(features_, mesh_) = std::move(revocable_.back());
+    revocable_.pop_back();
+  }
 }
 
 absl::Status FakeDynamicMesh::Validate(const EditBatch& batch) const {

@@ -1,7 +1,7 @@
 // A DynamicMesh without geometry, so that server and client can be tested without a
 // mesher: vertices are the points, subsegments the segments, and three points next to
 // each other by id make a "triangle", which lies in the polygons that name all three. Its ids and
-// hashes are the real ones.
+// hashes are the real ones. An edit is an operation.
 #ifndef DYNMESH_TESTS_SERVER_FAKE_DYNAMIC_MESH_H_
 #define DYNMESH_TESTS_SERVER_FAKE_DYNAMIC_MESH_H_
 
@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "dynmesh/dynamic_mesh.h"
@@ -41,7 +42,12 @@ class FakeDynamicMesh final : public DynamicMesh {
 
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch,
                                  const ApplyOptions& apply_options) override;
-  void ResumeAt(std::uint64_t revision) override { mesh_.revision = revision; }
+  void TakeBack(std::size_t revisions) override;
+  void Settle() override { revocable_.clear(); }
+  void ResumeAt(std::uint64_t revision) override {
+    Settle();
+    mesh_.revision = revision;
+  }
   absl::Status Validate(const EditBatch& batch) const override;
   Mesh Snapshot() const override { return mesh_; }
   // All that lies in the box is in the first triangle, if there is one.
@@ -62,6 +68,7 @@ class FakeDynamicMesh final : public DynamicMesh {
   const std::shared_ptr<FakeGate> gate_;
   FeatureMap features_;
   Mesh mesh_;
+  std::vector<std::pair<FeatureMap, Mesh>> revocable_;  // what was before each such batch
 };
 
 // A MeshFactory; without a gate nothing is ever held.

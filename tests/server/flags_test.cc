@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "tests/support/certificates.h"
@@ -94,6 +95,55 @@ TEST(Flags, WhatIsWrongIsNamed) {
   const Parsed none = Parse({"--config", "/no/such/file"});
   EXPECT_EQ(none.code, 2);
   EXPECT_NE(none.error.find("/no/such/file"), std::string::npos) << none.error;
+}
+
+// CLI11 would take -1 for 2^64 - 1, 0x10 for 16 and 1e3 for 1.
+TEST(Flags, NumbersOutOfTheirRangeAreRefusedWithKeyValueAndLine) {
+  const Parsed bare = Parse({});
+  int numbers = 0;
+  for (const CLI::Option* option : bare.app->get_options()) {
+    if (option->get_type_name() != "UINT" && option->get_type_name() != "FLOAT") continue;
+    const std::string key = option->get_single_name();
+    for (const std::string value : {"-1", "many", "nan", "1e300", "99999999999999999999", "0x10"}) {
+      if (option->get_type_name() == "FLOAT" && value == "0x10") continue;
+      const Parsed flag = Parse({("--" + key + "=" + value).c_str()});
+      EXPECT_EQ(flag.code, 2) << key << "=" << value;
+      const std::string named = " level=error event=bad_option key=" + key + " value=" + value;
+      EXPECT_NE(flag.error.find(named + " message=\"is not a "), std::string::npos) << flag.error;
+      EXPECT_EQ(std::count(flag.error.begin(), flag.error.end(), '\n'), 1) << flag.error;
+      const Parsed file =
+          ParseFile("# " + key + " = 7\n\nlisten = \"localhost:0\"\n" + key + " = " + value + "\n");
+      EXPECT_EQ(file.code, 2) << key << "=" << value;
+      EXPECT_NE(file.error.find(named + " file="), std::string::npos) << file.error;
+      EXPECT_NE(file.error.find("conf line=4 message="), std::string::npos) << file.error;
+    }
+    ++numbers;
+  }
+  EXPECT_GT(numbers, 25);
+}
+
+TEST(Flags, LimitsOfRangesAreTaken) {
+  EXPECT_FALSE(Parse({"--drain-timeout=0", "--send-timeout=0", "--max-watchers=0",
+                      "--max-memory-bytes=1000000000000000", "--max-message-bytes=2147483647",
+                      "--max-requests-per-second=0.5"})
+                   .code.has_value());
+  EXPECT_EQ(Parse({"--max-meshes=0"}).code, 2);
+  EXPECT_EQ(Parse({"--idle-timeout=86401"}).code, 2);
+  EXPECT_EQ(Parse({"--writer-threads=1025"}).code, 2);
+}
+
+TEST(Flags, AllErrorsAreInTheFormOfTheLog) {
+  for (const Parsed& p :
+       {Parse({"--max-mashes", "7"}), Parse({"extra"}), Parse({"--log-level", "loud"}),
+        Parse({"--config", "/no/such/file"}), ParseFile("\nmax-mashes = 7\n"),
+        ParseFile("log-level = \"loud\"\n"), ParseFile("max-meshes = 1\nmax-meshes = 2\n")}) {
+    EXPECT_EQ(p.code, 2);
+    EXPECT_EQ(p.error.find("time="), 0u) << p.error;
+    EXPECT_NE(p.error.find(" level=error event=bad_option "), std::string::npos) << p.error;
+    EXPECT_EQ(std::count(p.error.begin(), p.error.end(), '\n'), 1) << p.error;
+  }
+  EXPECT_NE(ParseFile("\nmax-mashes = 7\n").error.find("key=max-mashes file="), std::string::npos);
+  EXPECT_NE(ParseFile("\nmax-mashes = 7\n").error.find(" line=2 "), std::string::npos);
 }
 
 TEST(Flags, ExposureIsRefusedUnlessOnPurpose) {

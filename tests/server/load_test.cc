@@ -226,7 +226,8 @@ TEST_F(LoadTest, ABadFeatureInTheMiddleIsNamedAndNothingChanges) {
     const absl::Status bare = load.Finish();
     EXPECT_EQ(ReasonOf(bare), reason::kWrongKind);
     EXPECT_EQ(codec::GetServiceError(bare)->Features(), std::vector<FeatureId>{77});
-    EXPECT_EQ(codec::GetServiceError(bare)->field, "features[1]");
+    EXPECT_EQ(codec::GetServiceError(bare)->field, "features[0]");
+    EXPECT_EQ(codec::GetServiceError(bare)->metadata.at("message"), "1");
   }
   {
     RawLoad load(*stub_);
@@ -239,6 +240,39 @@ TEST_F(LoadTest, ABadFeatureInTheMiddleIsNamedAndNothingChanges) {
     load.message().mutable_points()->add_ids(1);
     load.message().mutable_points()->add_coordinates(0.5);
     EXPECT_EQ(ReasonOf(load.SendLastAndFinish()), codec::reason::kBadRequest);
+  }
+  ExpectUntouched();
+}
+
+// What only validation finds, by its place in the message that brought it.
+TEST_F(LoadTest, ErrorsNameTheColumnAndTheMessage) {
+  StartSmall();
+  for (const bool in_columns : {true, false}) {
+    RawLoad load(*stub_);
+    ASSERT_TRUE(load.Send());  // nothing but the mesh
+    for (int message = 1; message < 4; ++message) {
+      for (int row = 0; row < 5; ++row) {
+        const FeatureId id = static_cast<FeatureId>(10 * message + row);
+        const bool bad = in_columns && message == 2 && row == 3;
+        load.message().mutable_points()->add_ids(id);
+        load.message().mutable_points()->add_coordinates(bad ? 7 : 1.0 / static_cast<double>(id));
+        load.message().mutable_points()->add_coordinates(0.5);
+      }
+      for (int row = 0; row < 3; ++row) {
+        Feature point = AddPoint(static_cast<FeatureId>(10 * message + 5 + row)).feature;
+        if (!in_columns && message == 3 && row == 2) point.position[0] = 7;
+        load.Add(point);
+      }
+      if (message < 3) {
+        ASSERT_TRUE(load.Send());
+      }
+    }
+    const absl::Status outside = load.SendLastAndFinish();
+    EXPECT_EQ(ReasonOf(outside), reason::kOutsideBox);
+    const auto error = codec::GetServiceError(outside);
+    EXPECT_EQ(error->field, in_columns ? "points.ids[3]" : "features[2]");
+    EXPECT_EQ(error->metadata.at("message"), in_columns ? "2" : "3");
+    EXPECT_EQ(error->Features(), std::vector<FeatureId>{in_columns ? 23u : 37u});
   }
   ExpectUntouched();
 }

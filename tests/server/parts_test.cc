@@ -2,12 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "absl/strings/match.h"
 #include "dynmesh/v1/mesh_service.pb.h"
+#include "server/access/client_quotas.h"
 #include "server/access/quota.h"
 #include "server/base/log.h"
+#include "server/base/printable.h"
 #include "server/base/work_gate.h"
 #include "server/base/worker_pool.h"
 #include "server/calls/admission.h"
@@ -44,6 +49,51 @@ TEST(SerialQueue, TasksRunInOrderAndNeverTwoAtATime) {
   EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
 }
 
+TEST(SerialQueue, RestsWhenNoTaskWaitsAndAfterATurn) {
+  WorkerPool pool(2);
+  const SerialQueue::Turn turn = {4, std::chrono::hours(1)};
+  Mailbox<std::string> rested;
+  std::string ran;  // since the last rest
+  const auto rest = [&] { rested.Put(std::exchange(ran, "")); };
+  const auto queue = SerialQueue::Create(&pool, turn);
+  queue->OnRest(rest);
+  Mailbox<int> go;
+  queue->Post([&] { go.Take(); });
+  for (int i = 0; i < 10; ++i) queue->Post([&, i] { ran += static_cast<char>('a' + i); });
+  go.Put(0);
+  EXPECT_EQ(rested.Take(), "abc");
+  EXPECT_EQ(rested.Take(), "defg");
+  EXPECT_EQ(rested.Take(), "hij");
+  // What comes while it runs is not left lying.
+  const auto other = SerialQueue::Create(&pool, turn);
+  other->OnRest(rest);
+  other->Post([&] {
+    ran += 'y';
+    other->Post([&] { ran += 'z'; });
+  });
+  EXPECT_EQ(rested.Take(), "yz");
+  pool.Stop();
+  EXPECT_EQ(rested.size(), 0u);
+}
+
+TEST(SerialQueue, ATurnEndsWhenItsTimeIsOver) {
+  WorkerPool pool(1);
+  const auto queue = SerialQueue::Create(&pool, {1000, std::chrono::nanoseconds(0)});
+  const auto other = SerialQueue::Create(&pool);
+  Mailbox<int> begun, go;
+  std::string order;  // unguarded on purpose: there is one thread
+  queue->Post([&] {
+    begun.Put(0);
+    go.Take();
+  });
+  begun.Take();
+  for (int i = 0; i < 3; ++i) queue->Post([&] { order += 'a'; });
+  other->Post([&] { order += 'b'; });
+  go.Put(0);
+  pool.Stop();
+  EXPECT_EQ(order, "baaa");
+}
+
 TEST(SerialQueue, WhatIsWithdrawnMakesRoomAndDoesNotRun) {
   WorkerPool pool(1);
   const auto queue = SerialQueue::Create(&pool);
@@ -68,6 +118,31 @@ TEST(SerialQueue, WhatIsWithdrawnMakesRoomAndDoesNotRun) {
   for (const int i : {1, 3, 4}) EXPECT_EQ(ran.Take(), i);
   queue->Withdraw(&other);  // all have run
   EXPECT_EQ(withdrawn.size() + ran.size(), 0u);
+}
+
+TEST(ClientQuotas, EachClientHasItsOwn) {
+  ClientQuotas quotas(2);
+  const Lease a = quotas.Take("a");
+  {
+    const Lease again = quotas.Take("a");
+    EXPECT_TRUE(a && again);
+    EXPECT_FALSE(quotas.Take("a"));
+    EXPECT_TRUE(quotas.Take("b"));
+    EXPECT_EQ(quotas.most(), 2u);
+  }
+  EXPECT_EQ(quotas.most(), 1u);
+  EXPECT_TRUE(quotas.Take("a"));
+  ClientQuotas any(0);
+  std::vector<Lease> leases(5000);
+  for (Lease& lease : leases) EXPECT_TRUE(lease = any.Take("a"));
+}
+
+TEST(ClientQuotas, ForgetsClientsThatHoldNothing) {
+  ClientQuotas quotas(1);
+  const Lease kept = quotas.Take("kept");
+  for (int i = 0; i < 10'000; ++i) EXPECT_TRUE(quotas.Take(std::to_string(i)));
+  EXPECT_LT(quotas.size(), 2000u);
+  EXPECT_FALSE(quotas.Take("kept"));
 }
 
 TEST(Quota, GivesNoMoreThanItsLimitAndTakesBack) {
@@ -207,6 +282,31 @@ TEST(Log, MessagesThatDoNotParseDoNotFillIt) {
     }
   }
   EXPECT_TRUE(SetLogLevel("error").ok());
+}
+
+TEST(Printable, WhatIsNoTextIsEscaped) {
+  const std::pair<absl::string_view, absl::string_view> cases[] = {
+      {"", ""},
+      {"it's a \"name\"", "it's a \"name\""},
+      {"Gr\xc3\xb6\xc3\x9f\x65 \xe2\x82\xac \xf0\x9f\x98\x80",
+       "Gr\xc3\xb6\xc3\x9f\x65 \xe2\x82\xac \xf0\x9f\x98\x80"},
+      {"m\xb3", "m\\xb3"},
+      {absl::string_view("a\0b\n\x7f", 5), "a\\x00b\\x0a\\x7f"},
+      {"\xc3", "\\xc3"},                             // cut
+      {"\xc0\x80", "\\xc0\\x80"},                    // overlong
+      {"\xed\xa0\x80", "\\xed\\xa0\\x80"},           // a surrogate
+      {"\xf4\x90\x80\x80", "\\xf4\\x90\\x80\\x80"},  // too large
+      {"\xe2\x82x", "\\xe2\\x82x"},
+  };
+  for (const auto& [bytes, text] : cases) EXPECT_EQ(Printable(bytes), text);
+}
+
+TEST(Log, BytesThatAreNoTextAreEscaped) {
+  ASSERT_TRUE(SetLogLevel("info").ok());
+  testing::internal::CaptureStderr();
+  Log(LogLevel::kInfo, "test", {{"mesh", "m\xb3"}});
+  const std::string line = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(absl::StrContains(line, "mesh=\"m\\xb3\"")) << line;
 }
 
 TEST(Log, AClientCannotForgeALine) {

@@ -59,8 +59,8 @@ class ServerFixture : public ::testing::Test {
   std::shared_ptr<grpc::Channel> Channel() const {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-    return grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(),
-                                     arguments);
+    return grpc::CreateCustomChannel(server_ != nullptr ? server_->address() : address_,
+                                     grpc::InsecureChannelCredentials(), arguments);
   }
   std::shared_ptr<MeshHost> Host(const char* name = "meshes/m") const {
     return *server_->registry().Find(name);
@@ -101,6 +101,7 @@ class ServerFixture : public ::testing::Test {
 
   std::shared_ptr<FakeGate> gate_ = std::make_shared<FakeGate>();
   std::unique_ptr<Server> server_;
+  std::string address_;  // while there is no server_
   std::unique_ptr<client::MeshClient> client_;
   std::unique_ptr<v1::MeshService::Stub> stub_;
 };

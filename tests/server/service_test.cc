@@ -1,4 +1,5 @@
 // The RPCs over loopback, with fake meshes: what they answer and what they refuse.
+#include <google/protobuf/descriptor.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -100,7 +101,15 @@ TEST_F(ServiceTest, BadOptionsAreNamed) {
   bad.limits.max_vertices = ~std::uint64_t{0};
   const absl::Status status = client_->CreateMesh("m", bad).status();
   EXPECT_EQ(codec::GetServiceError(status)->field, "options.max_vertices");
+  // One whose corners were left out; a line may be meant.
+  bad = MeshOptions();
+  bad.box.hi = bad.box.lo;
+  const absl::Status nowhere = client_->CreateMesh("m", bad).status();
+  EXPECT_EQ(nowhere.code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(codec::GetServiceError(nowhere)->field, "options.box");
   EXPECT_EQ(client_->ListMeshes()->size(), 0u);
+  bad.box.hi[0] += 1;
+  EXPECT_TRUE(client_->CreateMesh("m", bad).ok());
 }
 
 TEST_F(ServiceTest, ListsComeInPages) {
@@ -340,6 +349,80 @@ TEST_F(ServiceTest, HealthAndReflectionAnswer) {
   EXPECT_NE(reply.find("grpc.health.v1.Health"), std::string::npos);
 }
 
+// Bytes that are no request are the caller's fault, and said to be.
+TEST_F(ServiceTest, MessagesThatCannotBeReadAreRefusedWithAText) {
+  StartWithMesh();
+  const auto* service = v1::GetMeshRequest::descriptor()->file()->FindServiceByName("MeshService");
+  ASSERT_GT(service->method_count(), 10);
+  for (int i = 0; i < service->method_count(); ++i) {
+    using google::protobuf::FieldDescriptor;
+    const std::string path = "/dynmesh.v1.MeshService/" + service->method(i)->name();
+    const auto* first = service->method(i)->input_type()->FindFieldByNumber(1);
+    const bool begins_with_text = first->type() == FieldDescriptor::TYPE_STRING;
+    for (const std::string bytes : {"\xff\xff\xff", "\x0a\x03\xff\xfe\xfd", "\x0a\x7fm"}) {
+      // Of another type the field is one that the server does not know.
+      if (bytes[0] == '\x0a' && !begins_with_text) continue;
+      grpc::Status status;
+      CallBytes(path, bytes, &status);
+      EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << path;
+      EXPECT_NE(status.error_message().find(service->method(i)->input_type()->full_name()),
+                std::string::npos)
+          << path << ": " << status.error_message();
+      EXPECT_EQ(ReasonOf(codec::FromGrpcStatus(status)), codec::reason::kBadRequest) << path;
+    }
+  }
+  grpc::Status status;
+  // What a newer client may say is no fault.
+  CallBytes("/dynmesh.v1.MeshService/GetMesh",
+            "\x0a\x08meshes/m\x9a\x06\x01"
+            "a",
+            &status);
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  CallBytes("/dynmesh.v1.MeshService/Bend", "", &status);
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::UNIMPLEMENTED);
+  EXPECT_NE(status.error_message().find("/dynmesh.v1.MeshService/Bend"), std::string::npos)
+      << status.error_message();
+  EXPECT_EQ(HeadOf().revision, 0u);
+}
+
+// Unlike the end of the stream, for which gRPC takes it.
+TEST_F(ServiceTest, AMessageThatCannotBeReadEndsAStreamWithAnError) {
+  StartWithMesh();
+  grpc::GenericStub generic(Channel());
+  grpc::ClientContext context;
+  grpc::CompletionQueue queue;
+  const auto call = generic.PrepareCall(&context, "/dynmesh.v1.MeshService/EditStream", &queue);
+  const auto wait = [&queue] {
+    void* tag = nullptr;
+    bool ok = false;
+    EXPECT_TRUE(queue.Next(&tag, &ok));
+    return ok;
+  };
+  const auto send = [&](const std::string& bytes) {
+    grpc::Slice slice(bytes);
+    call->Write(grpc::ByteBuffer(&slice, 1), nullptr);
+    EXPECT_TRUE(wait());
+  };
+  call->StartCall(nullptr);
+  ASSERT_TRUE(wait());
+  v1::EditBatch batch;
+  batch.set_mesh("meshes/m");
+  codec::EncodeEdit(AddPoint(1), 2, batch.add_edits());
+  send(batch.SerializeAsString());
+  send("\xff\xff\xff");
+  grpc::ByteBuffer answer;
+  call->Read(&answer, nullptr);
+  EXPECT_TRUE(wait());  // what came before it is answered
+  call->Read(&answer, nullptr);
+  EXPECT_FALSE(wait());
+  grpc::Status status;
+  call->Finish(&status, nullptr);
+  EXPECT_TRUE(wait());
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_NE(status.error_message().find("EditBatch"), std::string::npos) << status.error_message();
+  EXPECT_EQ(HeadOf().revision, 1u);
+}
+
 TEST_F(ServiceTest, AnEditPastItsDeadlineIsUndone) {
   StartWithMesh();
   const Head before = HeadOf();
@@ -481,6 +564,29 @@ TEST_F(ServiceTest, LimitsAreKept) {
   ASSERT_TRUE(third->Send({AddPoint(101)}).ok());
   EXPECT_FALSE(third->Receive().has_value());
   EXPECT_EQ(ReasonOf(third->Finish()), codec::reason::kStreamLimit);
+}
+
+TEST_F(ServiceTest, AClientHasSoManyStreams) {
+  ServerConfig config;
+  config.max_streams_per_client = 2;
+  StartWithMesh(config);
+  const auto edits = client_->OpenEdits("m");
+  ASSERT_TRUE(edits->Send({AddPoint(1)}).ok());
+  ASSERT_TRUE(edits->Receive().has_value());
+  client::WatchOptions impatient;
+  impatient.max_attempts = 0;
+  auto watch = client_->Watch("m", impatient, nullptr);
+  ASSERT_TRUE(watch->WaitForRevision(1, kLong));
+
+  const auto second = client_->Watch("m", impatient, nullptr);
+  EXPECT_FALSE(second->WaitForRevision(1, kLong));
+  EXPECT_EQ(ReasonOf(*second->ended()), codec::reason::kClientStreamLimit);
+  EXPECT_FALSE(codec::GetServiceError(*second->ended())->metadata.at("client").empty());
+  EXPECT_EQ(ReasonOf(client_->GetSnapshot("m").status()), codec::reason::kClientStreamLimit);
+  EXPECT_TRUE(client_->Apply("m", {AddPoint(2)}).ok());  // ends by itself
+  watch.reset();
+  while (!client_->GetSnapshot("m").ok()) {  // once the server knows
+  }
 }
 
 TEST_F(ServiceTest, AMeshsOwnVertexLimitHolds) {

@@ -133,6 +133,36 @@ TEST_F(WatchTest, AWatchOfRegionsEndsEqualToAnExportOfThem) {
   EXPECT_EQ(watch->resyncs(), 0);
 }
 
+// What a client that takes nothing leaves in the server is some of them.
+TEST_F(WatchTest, MessagesAreSmallHoweverLargeTheMesh) {
+  StartWithMesh();
+  const auto many = [](FeatureId from) {
+    EditBatch batch;
+    for (FeatureId id = from; id < from + 5000; ++id) batch.push_back(AddPoint(id));
+    return batch;
+  };
+  ASSERT_TRUE(client_->Apply("m", many(1)).ok());
+  v1::WatchRequest request;
+  request.set_mesh("meshes/m");
+  grpc::ClientContext context;
+  const auto reader = stub_->Watch(&context, request);
+  v1::WatchEvent event;
+  std::size_t largest = 0, sum = 0;
+  const auto read_until = [&](auto is_last) {
+    do {
+      ASSERT_TRUE(reader->Read(&event));
+      largest = std::max(largest, event.ByteSizeLong());
+      sum += event.ByteSizeLong();
+    } while (!is_last());
+  };
+  read_until([&] { return event.has_snapshot() && !event.snapshot().more(); });
+  ASSERT_TRUE(client_->Apply("m", many(10'001)).ok());
+  read_until([&] { return event.has_diff() && !event.diff().more(); });
+  EXPECT_GT(sum, 3 * 70'000u);
+  EXPECT_LT(largest, 70'000u);
+  context.TryCancel();
+}
+
 // The watcher takes one message and then none while the writer makes hundreds of large
 // revisions, far more than any buffer on the way holds.
 TEST_F(WatchTest, AWatcherThatStopsReadingDoesNotSlowTheWriterAndEndsEqual) {
@@ -197,7 +227,9 @@ TEST_F(WatchTest, TwoHundredWatchersEndWithTheServersHash) {
 }
 
 TEST_F(WatchTest, AThousandIdleWatchersCostNoThreads) {
-  StartWithMesh();
+  ServerConfig config;
+  config.max_streams_per_client = 2'000;
+  StartWithMesh(config);
   const auto first = client_->Watch("m", {}, nullptr);
   ASSERT_TRUE(first->WaitFor([](const auto& r) { return r.has_mesh(); }, kLong));
   const int before = ThreadsOfThisProcess();

@@ -50,12 +50,30 @@ class RawConnection {
   }
   // Reads, and throws away, until the server closes. False if it does not in that time.
   bool WaitForClose(int milliseconds) {
-    char buffer[4096];
-    pollfd wait = {socket_, POLLIN, 0};
-    while (poll(&wait, 1, milliseconds) > 0) {
-      if (recv(socket_, buffer, sizeof(buffer), 0) <= 0) return true;
+    std::string bytes;
+    return ReadUntilClose(milliseconds, &bytes);
+  }
+
+  // Reads until the server closes, and puts the types of the frames that come, in order, a byte
+  // each, into `types`. False if it takes longer.
+  bool ReadFrameTypes(int milliseconds, std::string* types) {
+    std::string bytes;
+    const bool closed = ReadUntilClose(milliseconds, &bytes);
+    constexpr std::size_t kHeader = 9;
+    for (std::size_t at = 0; at + kHeader <= bytes.size();) {
+      std::size_t length = 0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        length = length << 8 | static_cast<unsigned char>(bytes[at + i]);
+      }
+      types->push_back(bytes[at + 3]);
+      at += kHeader + length;
     }
-    return false;
+    return closed;
+  }
+  // True when something has come.
+  bool WaitForBytes(int milliseconds) const {
+    pollfd wait = {socket_, POLLIN, 0};
+    return poll(&wait, 1, milliseconds) > 0;
   }
 
   // The connection's first words.
@@ -94,6 +112,16 @@ class RawConnection {
   }
 
  private:
+  bool ReadUntilClose(int milliseconds, std::string* bytes) {
+    char buffer[4096];
+    while (WaitForBytes(milliseconds)) {
+      const ssize_t count = recv(socket_, buffer, sizeof(buffer), 0);
+      if (count <= 0) return true;
+      bytes->append(buffer, static_cast<std::size_t>(count));
+    }
+    return false;
+  }
+
   int socket_;
 };
 

@@ -260,6 +260,8 @@ std::string NameOf(Distribution d) {
       return "GridEdges";
     case Distribution::kTurnedGridEdges:
       return "TurnedGridEdges";
+    case Distribution::kSkewGridEdges:
+      return "SkewGridEdges";
     case Distribution::kSpaceSized:
       return "SpaceSized";
   }

@@ -40,6 +40,7 @@ enum class Distribution {
   kGridEdges,        // segments at right angles
   kTurnedGridEdges,  // the same, turned
   kSpaceSized,       // a few points and segments among sizing features of all shapes
+  kSkewGridEdges,    // segments that meet at 60 to 90 degrees
 };
 inline constexpr Distribution kAllDistributions[] = {  // of the plane
     Distribution::kUniform,   Distribution::kClustered,    Distribution::kCircle,
@@ -50,7 +51,8 @@ inline constexpr Distribution kAllDistributions[] = {  // of the plane
 inline constexpr Distribution kSpaceDistributions[] = {
     Distribution::kSpaceUniform, Distribution::kSpaceClustered,  Distribution::kSpaceGrid,
     Distribution::kSphere,       Distribution::kLineAndCircle,   Distribution::kSpaceTwoScale,
-    Distribution::kGridEdges,    Distribution::kTurnedGridEdges, Distribution::kSpaceSized};
+    Distribution::kGridEdges,    Distribution::kTurnedGridEdges, Distribution::kSpaceSized,
+    Distribution::kSkewGridEdges};
 inline int DimensionOf(Distribution d) { return d < Distribution::kSpaceUniform ? 2 : 3; }
 std::string NameOf(Distribution d);
 bool HasSegments(Distribution d);

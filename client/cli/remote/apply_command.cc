@@ -11,6 +11,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/cli/mesh_flags.h"
 #include "client/cli/percentile.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/remote/connection.h"
@@ -79,6 +80,11 @@ class Application {
   absl::Status PrepareMesh() {
     const MeshOptions wanted = script_.Options();
     if (command_.create) {
+      // The server would refuse it, too, but knows no line.
+      if (absl::Status s = ValidateOptions(wanted); !s.ok()) {
+        return NameOption(s, MeshFlags(),
+                          [this](std::string_view option) { return script_.WhereOption(option); });
+      }
       const auto made = client_->CreateMesh(command_.id, wanted);
       if (made.ok() || made.status().code() != absl::StatusCode::kAlreadyExists) {
         return made.status();

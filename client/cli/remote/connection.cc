@@ -91,7 +91,7 @@ absl::StatusOr<std::unique_ptr<client::MeshClient>> Connect(const ServerFlags& f
 
 std::string MeshLine(const client::MeshInfo& mesh, bool json) {
   const MeshOptions& o = mesh.options;
-  if (!mesh.damage.empty()) {
+  if (!mesh.damage.empty() && !(mesh.read_only && json)) {
     return json ? JsonObject().AddText("mesh", mesh.id).AddText("damage", mesh.damage).ToLine()
                 : absl::StrFormat("%s  DAMAGED  %s\n", mesh.id, mesh.damage);
   }
@@ -99,9 +99,10 @@ std::string MeshLine(const client::MeshInfo& mesh, bool json) {
     return absl::StrFormat("%s  revision %d  hash %s  %s\n", mesh.id, mesh.revision,
                            mesh.hash.ToHex(), io::FormatMeshLine(o));
   }
-  return JsonObject()
-      .AddText("mesh", mesh.id)
-      .Add("revision", mesh.revision)
+  JsonObject line;
+  line.AddText("mesh", mesh.id);
+  if (mesh.read_only) line.AddText("damage", mesh.damage);
+  return line.Add("revision", mesh.revision)
       .AddText("hash", mesh.hash.ToHex())
       .Add("dimension", o.dimension)
       .Add("rho", o.quality)

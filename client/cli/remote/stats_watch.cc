@@ -65,7 +65,7 @@ class Figures {
       if (!meshes.ok()) return meshes.status();
       ids.clear();
       for (const client::MeshInfo& info : *meshes) {
-        if (info.damage.empty()) ids.push_back(info.id);
+        if (info.damage.empty() || info.read_only) ids.push_back(info.id);
       }
     }
     std::vector<Row> rows;

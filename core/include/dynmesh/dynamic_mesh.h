@@ -2,7 +2,7 @@
 //
 // Invariants, at every revision:
 //   1. the mesh is a function of options and feature set, bit for bit;
-//   2. a batch that is refused, cancelled, vetoed or over a limit changes nothing;
+//   2. a batch that is refused, cancelled, vetoed, taken back or over a limit changes nothing;
 //   3. every simplex is Delaunay, every input point a vertex, every input segment
 //      a chain of edges, every simplex within the quality asked for.
 //
@@ -11,6 +11,7 @@
 #define DYNMESH_DYNAMIC_MESH_H_
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -48,11 +49,19 @@ struct ApplyOptions {
   // Between operations, some thousand times a second, threads that wait for the core have their
   // turn: for a process that answers others meanwhile. Changes nothing in what is done.
   bool shares_core = false;
+  // Most operations that may be executed for the batch, those of attempts that were given up
+  // included; 0: any number. A batch that needs more is undone: RESOURCE_EXHAUSTED (WORK_LIMIT).
+  // From scratch a mesh takes 2 to 3 operations a vertex. How many an edit takes depends on what
+  // is there, not on the clock; undoing takes about as many again.
+  std::uint64_t max_operations = 0;
   // Asked once, with the diff as Apply would return it, when nothing else can fail any more and
   // before the mesh says that it is at the new revision: such as to write the batch down first.
   // Unless it answers OK the batch is undone, as if cancelled, and Apply returns its answer. An
   // empty batch is asked for, too. It must not use the mesh. May be null.
   std::function<absl::Status(const MeshDiff&)> commit;
+  // The batch can be taken back later (DynamicMesh::TakeBack): for a caller that writes several
+  // batches down at once. One that is applied without this settles those before it.
+  bool revocable = false;
   // Told, on the thread of Apply, when a stage begins and ends and in between, between operations,
   // 50 ms apart or more. It must not use the mesh, and changes nothing in what is done. A batch
   // that is undone is not told of while it is. May be null.
@@ -94,11 +103,21 @@ class DynamicMesh {
   virtual absl::StatusOr<MeshDiff> Apply(const EditBatch& batch,
                                          const ApplyOptions& apply_options = {}) = 0;
 
-  // Says that the mesh as it is now is that revision; nothing but the number changes. For a mesh
-  // that is made again from the features that it had.
+  // Undoes the last `revisions` of those that revocable batches made since Settle, the last one
+  // first: mesh, trace and revision are those of before. Expected time as that of these batches;
+  // O(what they changed) memory is held for it until Settle. REQUIRES: there are so many.
+  virtual void TakeBack(std::size_t revisions) = 0;
+  // The batches applied so far stay.
+  virtual void Settle() = 0;
+
+  // Says that the mesh as it is now is that revision, and settles what was applied; nothing but the
+  // number changes. For a mesh that is made again from the features that it had.
   virtual void ResumeAt(std::uint64_t revision) = 0;
 
-  // Would Apply accept the features of `batch`? (Limits are not tried.) No change.
+  // Would Apply accept the features of `batch`? Of limits only what is told without meshing is
+  // looked at: regions with a target, or features so near each other, that take more than
+  // max_vertices whatever else there is (RESOURCE_EXHAUSTED, VERTEX_LIMIT, with their ids). No
+  // change.
   virtual absl::Status Validate(const EditBatch& batch) const = 0;
 
   // The whole mesh, O(size).

@@ -15,8 +15,10 @@ namespace dynmesh {
 namespace reason {
 inline constexpr char kNotFinite[] = "NOT_FINITE";
 inline constexpr char kOutsideBox[] = "OUTSIDE_BOX";
-inline constexpr char kBadId[] = "BAD_ID";                    // 0, reserved
-inline constexpr char kIdInUse[] = "ID_IN_USE";               // add of a present id
+inline constexpr char kBadId[] = "BAD_ID";       // 0, reserved, not of a polygon
+inline constexpr char kIdInUse[] = "ID_IN_USE";  // add of a present id
+// Vertices or sets of polygons would have the same id, a hash (mesh.h).
+inline constexpr char kIdCollision[] = "ID_COLLISION";
 inline constexpr char kUnknownFeature[] = "UNKNOWN_FEATURE";  // set, remove, move of an absent id
 inline constexpr char kUnknownEnd[] = "UNKNOWN_END";  // an end or corner is no point present
 inline constexpr char kDegenerateSegment[] = "DEGENERATE_SEGMENT";  // both ends the same point
@@ -40,7 +42,9 @@ inline constexpr char kBadPolygon[] = "BAD_POLYGON";  // rings that enclose noth
 inline constexpr char kWrongKind[] = "WRONG_KIND";    // move of a segment, unknown kind
 inline constexpr char kVertexLimit[] = "VERTEX_LIMIT";
 inline constexpr char kPolygonLimit[] = "POLYGON_LIMIT";  // a place in too many (mesh.h)
+inline constexpr char kSizeLimit[] = "SIZE_LIMIT";  // more than indices tell apart (options.h)
 inline constexpr char kDepthLimit[] = "DEPTH_LIMIT";
+inline constexpr char kWorkLimit[] = "WORK_LIMIT";  // more operations than the batch may execute
 inline constexpr char kCancelled[] = "CANCELLED";
 inline constexpr char kBadOption[] = "BAD_OPTION";
 }  // namespace reason

@@ -13,12 +13,17 @@
 
 namespace dynmesh {
 
-// Chosen by the client, at least 1, unique in a mesh over all kinds of feature.
+// Chosen by the client, unique in a mesh over all kinds of feature: 1 to kLastFeatureId, of a
+// polygon (FeatureKind::kPolygon) 1 to kLastPolygonId.
 using FeatureId = std::uint64_t;
 
 inline constexpr FeatureId kNoFeature = 0;
 // Owns the vertices and segments of the domain box. No client may use it.
 inline constexpr FeatureId kBoxFeature = ~FeatureId{0};
+// Greater ids are reserved: 2^64 - 65536 and up.
+inline constexpr FeatureId kLastFeatureId = kBoxFeature - (FeatureId{1} << 16);
+// 2^63 - 1: from 2^63 up a region's id is that of a set of polygons (mesh.h, RegionId).
+inline constexpr FeatureId kLastPolygonId = ~FeatureId{0} >> 1;
 
 enum class FeatureKind : std::uint8_t { kPoint = 1, kSegment = 2, kPolygon = 3, kSize = 4 };
 

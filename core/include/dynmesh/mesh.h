@@ -17,11 +17,14 @@
 
 namespace dynmesh {
 
-// A fixed hash of a vertex's coordinates, never 0.
+// A fixed hash of a vertex's coordinates, never 0. No two vertices of a mesh have one id: a batch
+// after which two would, whatever the salts below, is undone and refused with
+// FAILED_PRECONDITION (ID_COLLISION).
 using VertexId = std::uint64_t;
 
 // The id of the vertex at `coordinates` (dimension of them; -0 counts as +0).
-// `salt` is 0 but for the coordinate-greater of two vertices that collide.
+// `salt` is 0, but 1, 2, ... for vertices that have one id with salt 0 and come after the first in
+// the order of coordinates.
 VertexId VertexIdAt(const double* coordinates, int dimension, std::uint64_t salt = 0);
 
 // 128 bits, added and subtracted per word modulo 2^64: the hash of a mesh is the
@@ -42,20 +45,26 @@ struct MeshHash {
   static absl::StatusOr<MeshHash> FromHex(std::string_view hex);
 };
 
+// The number of the function from features to meshes. It goes up when the mesh of some features
+// changes from one version to the next (CHANGELOG, "Bits"). Hashes are comparable within a number.
+inline constexpr std::uint32_t kMeshBits = 2;
+
 MeshHash HashVertex(const double* coordinates, int dimension, int containing_dimension,
                     FeatureId owner);
 // Which polygon features a simplex lies in: 0 for none, the polygon's id for one alone,
-// else RegionIdOf the several. A function of the set of polygons.
+// else RegionIdOf the several. A function of the set of polygons. Ids of sets are 2^63 and up,
+// those of polygons below. No two sets of a mesh, as regions or at an edge of polygons, have one
+// id: a batch after which two would is undone and refused with FAILED_PRECONDITION (ID_COLLISION).
 //
 // In space, which closed surfaces a tetrahedron lies inside of. Polygons are joined where they
-// share an edge. Those whose inside falls into parts that touch in corners at most do not count, and
-// those that have an edge which belongs to no other are peeled off, again and again, so that plates
-// and flaps that dangle do not count either. What remains falls into pieces joined
-// by edges. Each piece by itself leaves an outside, and chambers between its polygons; those around
-// a chamber are a closed surface, so a wall between two chambers is part of two. A surface stands
-// under the id of one of its polygons wherever a polygon's id is spoken of here: from the outside,
-// and from chambers that have an id, the polygon of least id that leads into a chamber without one
-// gives it its own. For a surface without inner walls that is the least id of its polygons.
+// share an edge. Those whose inside falls into parts that touch in corners at most do not count,
+// and those that have an edge which belongs to no other are peeled off, again and again, so that
+// plates and flaps that dangle do not count either. What remains falls into pieces joined by edges.
+// Each piece by itself leaves an outside, and chambers between its polygons; those around a chamber
+// are a closed surface, so a wall between two chambers is part of two. A surface stands under the
+// id of one of its polygons wherever a polygon's id is spoken of here: from the outside, and from
+// chambers that have an id, the polygon of least id that leads into a chamber without one gives it
+// its own. For a surface without inner walls that is the least id of its polygons.
 using RegionId = std::uint64_t;
 inline constexpr RegionId kNoRegion = 0;
 
@@ -70,7 +79,7 @@ struct RegionSet {
   std::vector<FeatureId> polygons;  // at least two, ascending
   friend bool operator==(const RegionSet&, const RegionSet&) = default;
 };
-// `polygons` ascending, none twice. A fixed hash if there are several.
+// `polygons` ascending, none twice. If there are several a fixed hash, with the top bit set.
 RegionId RegionIdOf(std::span<const FeatureId> polygons);
 // The polygons of a region, ascending. `sets` by ascending id; an id that is not there is
 // that of a polygon.
@@ -163,8 +172,10 @@ struct MeshDiff {
   SubfacetColumns removed_subfacets;
   VertexColumns added_vertices;
   SimplexColumn added_simplices;
-  RegionColumn added_regions;          // of the added simplices
-  std::vector<RegionSet> region_sets;  // those of both with several polygons, by id
+  RegionColumn added_regions;  // of the added simplices
+  // Those of both with several polygons, by id. Where one id is of another set after than before
+  // (only input made for it does that), the set after.
+  std::vector<RegionSet> region_sets;
   SubsegmentColumns added_subsegments;
   SubfacetColumns added_subfacets;
   WorkCounters work;

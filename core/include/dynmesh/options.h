@@ -21,9 +21,24 @@ struct Box {
 // times its nearest-neighbour distance (stronger, 1.6 to 2.2 times the vertices).
 enum class Criterion : std::uint8_t { kEdge = 1, kThesis = 2 };
 
+// As many vertices as a mesh of that dimension can have, whatever its limits: what refers to
+// vertices, simplices and operations has 32 bits, of which some mean something else.
+//   2D: 2^27. An edit may hold the vertices before and after it, and those of its way back: 2^29 of
+//       the 2^30 that outputs of operations tell apart. Triangles are two to a vertex: 2^28 of
+//       2^30; operations about three: 2^29 of 2^31.
+//   3D: 60 million. Tetrahedra are 6.8 to a vertex in meshes of ordinary input, and an insertion
+//       may hold two more for each vertex while it lasts: 528 of 2^29 = 537 million. A mesh with
+//       more of them to a vertex, as a high `quality` allows, has room for fewer vertices.
+// What fills an index all the same is undone and refused with RESOURCE_EXHAUSTED (SIZE_LIMIT), and
+// so is a vertex with more than 2^24 neighbours.
+constexpr std::uint64_t MostVertices(int dimension) {
+  return dimension == 3 ? 60'000'000 : std::uint64_t{1} << 27;
+}
+
 struct Limits {
-  // Most vertices a mesh may have, those of the domain box included. An edit
-  // that would pass it is undone and refused with RESOURCE_EXHAUSTED.
+  // Most vertices a mesh may have, those of the domain box included; at most
+  // MostVertices(dimension). An edit that would pass it is undone and refused with
+  // RESOURCE_EXHAUSTED.
   std::uint64_t max_vertices = 50'000'000;
   // Most halvings of an input segment; a fuse, far above what valid input needs.
   int max_depth = 60;

@@ -106,6 +106,26 @@ TEST_F(CommandLine, ErrorsNameFileAndLine) {
   folder_.Write("twice.txt", "mesh box=0,0,1,1\nadd point 1 .5 .5\ncommit\n\nadd point 1 .6 .6\n");
   EXPECT_NE(Run("replay twice.txt").err.find("twice.txt:5: "), std::string::npos);
   EXPECT_NE(Run("mesh twice.txt").err.find("twice.txt:5: "), std::string::npos);
+  // Options by the words of the script, or of the flag.
+  const auto begins = [this](const std::string& arguments, const std::string& words) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments;
+    EXPECT_EQ(outcome.err.find("dynmesh: " + words), 0u) << arguments << ": " << outcome.err;
+  };
+  folder_.Write("rho.txt", "# a comment\n\nmesh rho=.5 box=0,0,1,1\nadd point 1 .5 .5\n");
+  folder_.Write("tiny.txt", "mesh box=0,0,1e-50,1e-50\nadd point 1 0 0\n");
+  for (const std::string command : {"mesh ", "replay "}) {
+    begins(command + "rho.txt", "rho.txt:3: rho: 0.5 is not in 1 to 100");
+    begins(command + "rho.txt --rho 0.25", "--rho: 0.25 is not in 1 to 100");
+    begins(command + "rho.txt --rho 1 --max-vertices 2", "--max-vertices: 2 is below");
+    begins(command + "tiny.txt", "tiny.txt:1: box: longest side");
+    begins(command + "tiny.txt --box 1e100,0,1e100,1", "--box: ");
+  }
+  // What is missing in an empty file is missing on its first line.
+  for (const std::string name : {"empty", "empty.stl", "empty.node", ".stl"}) {
+    folder_.Write(name, "");
+    begins("mesh " + name, name + ":1: ");
+  }
   folder_.Write("cross.poly", "4 2 0 0\n1 0 0\n2 1 1\n3 1 0\n4 0 1\n2 0\n1 1 2\n2 3 4\n0\n");
   const Outcome cross = Run("mesh cross.poly");
   EXPECT_EQ(cross.code, 2);

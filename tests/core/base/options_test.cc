@@ -82,6 +82,14 @@ TEST(Options, OtherBadFieldsAreRefused) {
   }
   ExpectRefused(with([](MeshOptions& o) { o.criterion = static_cast<Criterion>(0); }), "criterion");
   ExpectRefused(with([](MeshOptions& o) { o.limits.max_vertices = 23; }), "limits.max_vertices");
+  for (const int dimension : {2, 3}) {
+    MeshOptions most;
+    most.dimension = dimension;
+    most.limits.max_vertices = MostVertices(dimension);
+    EXPECT_TRUE(ValidateOptions(most).ok()) << dimension;
+    ++most.limits.max_vertices;
+    ExpectRefused(most, "limits.max_vertices: ");
+  }
   ExpectRefused(with([](MeshOptions& o) { o.limits.max_depth = 0; }), "limits.max_depth");
   ExpectRefused(with([](MeshOptions& o) { o.limits.max_depth = -5; }), "limits.max_depth");
   for (const double quality : {1.0, 2.0, 100.0}) {

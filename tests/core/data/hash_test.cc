@@ -1,5 +1,5 @@
 // Ids and hashes. The literal values come from a second implementation, in Python,
-// of the specification in core/data/hash.cc: they must never change.
+// of the specification in mesh.proto (tests/e2e/mesh_hash.py): they must never change.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -188,6 +188,45 @@ TEST(Hash, OfAMeshChangesWithEveryPart) {
     other.revision = 77;  // no part of the mesh
     EXPECT_EQ(ComputeHash(other), mesh.hash);
   }
+}
+
+// The two meshes of proto/dynmesh/v1/mesh.proto, whose hashes tests/e2e/mesh_hash.py computes as
+// well.
+TEST(Hash, OfTheMeshesInTheProtoIsWhatItSays) {
+  Mesh plane;
+  plane.dimension = 2;
+  const double places[][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, -0.0}};
+  for (const auto& p : places) {
+    plane.vertices.ids.push_back(VertexIdAt(p, 2));
+    plane.vertices.coordinates.insert(plane.vertices.coordinates.end(), p, p + 2);
+  }
+  plane.vertices.containing_dimensions = {0, 0, 0, 1};
+  plane.vertices.owners = {1, 2, 3, 4};
+  const auto id = [&](std::size_t i) { return plane.vertices.ids[i]; };
+  plane.simplices = {id(2), id(0), id(3), id(1), id(2), id(3)};
+  const std::vector<FeatureId> both = {7, 9};
+  plane.regions = {RegionIdOf(both), 7};
+  plane.subsegments.ends = {id(0), id(3), id(1), id(3)};
+  plane.subsegments.owners = {4, 4};
+  EXPECT_EQ(ComputeHash(plane).ToHex(), "5ad29ad96e559f27c02d86611221fbc6");
+
+  Mesh space;
+  space.dimension = 3;
+  const double corners[][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.25, 0.25, -1.5}};
+  for (const auto& p : corners) {
+    space.vertices.ids.push_back(VertexIdAt(p, 3));
+    space.vertices.coordinates.insert(space.vertices.coordinates.end(), p, p + 3);
+  }
+  space.vertices.containing_dimensions = {0, 0, 0, 0, 3};
+  space.vertices.owners = {1, 2, 3, 4, 0};
+  const auto at = [&](std::size_t i) { return space.vertices.ids[i]; };
+  space.simplices = {at(0), at(2), at(3), at(1), at(0), at(4), at(2), at(1)};
+  space.regions = {20, 0};
+  space.subsegments.ends = {at(0), at(1), at(1), at(2), at(2), at(0)};
+  space.subsegments.owners = {20, 20, 20};
+  space.subfacets.corners = {at(0), at(1), at(2)};
+  space.subfacets.owners = {20};
+  EXPECT_EQ(ComputeHash(space).ToHex(), "1d85220eb926333326933084c857d4e2");
 }
 
 TEST(Hash, HexReadsBack) {

@@ -40,7 +40,7 @@ TEST_P(Create, WithMoreIsRefusedBeforeTheyAreMade) {
 }
 
 TEST_P(Create, EndsWhenNobodyWantsItAnyMore) {
-  const MeshOptions options = OptionsIn(GetParam(), 1e-5);
+  const MeshOptions options = OptionsIn(GetParam(), GetParam() == 2 ? 3e-4 : 0.005);
   const std::atomic<bool> yes{true}, no{false};
   for (const bool by_client : {true, false}) {
     ApplyOptions apply;

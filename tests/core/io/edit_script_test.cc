@@ -174,7 +174,7 @@ struct BadScript {
 };
 
 const BadScript kBadScripts[] = {
-    {"", 0, "must start with"},
+    {"", 1, "must start with"},
     {"# only\n", 1, "must start with"},
     {"add point 1 0 0\n", 1, "must start with"},
     {"mesh dim=2\nmesh dim=2\n", 2, "must be the first"},

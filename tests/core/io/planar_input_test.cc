@@ -91,7 +91,7 @@ struct BadFile {
 };
 
 const BadFile kBadFiles[] = {
-    {"node", "", 0, "no vertex header"},
+    {"node", "", 1, "no vertex header"},
     {"node", "# nothing\n", 1, "no vertex header"},
     {"node", "x 2 0 0\n", 1, "number of vertices"},
     {"node", "-1 2 0 0\n", 1, "number of vertices"},

@@ -133,7 +133,7 @@ TEST(SpacePolyFile, TakesItsPointsFromTheNodeFileBesideIt) {
 }
 
 TEST(MalformedSpaceInput, NodesAreRefusedWithFileAndLine) {
-  ExpectRefused({{"", 0, "no vertex header"},
+  ExpectRefused({{"", 1, "no vertex header"},
                  {"1 4\n1 0 0 0\n", 1, "dimension 4 is not 3"},
                  {"1 3\n1 0 0\n", 2, "4 values according to its header, this one 3"},
                  {"1 3\n1 0 0 inf\n", 2, "z is not a finite number"},

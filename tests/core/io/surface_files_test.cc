@@ -171,7 +171,7 @@ TEST(ObjFile, FacesLinesAndPointsAreTaken) {
 
 TEST(MalformedSurface, OffIsRefusedWithFileAndLine) {
   const std::string p = "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";  // 6 lines
-  ExpectRefused({{"", 0, "it has no line OFF"},
+  ExpectRefused({{"", 1, "it has no line OFF"},
                  {"4 2 0\n", 1, "starts with OFF, this one with '4'"},
                  {"4OFF\n4 2 0\n", 1, "'4OFF' files are not supported"},
                  {"OFF BINARY\n", 1, "binary .off"},
@@ -199,8 +199,8 @@ TEST(MalformedSurface, StlIsRefusedWithFileAndLine) {
   const std::string good = AsciiStl(TrianglesOf(kTetrahedron));
   const std::string f = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n";
   ExpectRefused(
-      {{"", 0, "neither 'solid' nor a binary file"},
-       {std::string(200, 'x'), 0, "2021161080 triangles would have 101058054084 bytes, not 200"},
+      {{"", 1, "neither 'solid' nor a binary file"},
+       {std::string(200, 'x'), 1, "2021161080 triangles would have 101058054084 bytes, not 200"},
        {"solid\n", 1, "ends before 'endsolid'"},
        {"solids\n", 1, "'solid' expected here"},
        {"solid\nvertex 0 0 0\n", 2, "'facet' or 'endsolid' expected here, found 'vertex'"},

@@ -373,6 +373,44 @@ TEST(DelaunayInsertOrder, IsAPermutationInSpaceToo) {
   for (std::uint32_t i = 0; i < points.size(); ++i) ASSERT_EQ(order[i], i);
 }
 
+// Half of the points on a circle, half near its centre on a line that the curve follows: if no
+// point of the one kind came among the other's, each would meet half a circle of triangles. A
+// client that knows the hash of points can see to it that any bits of it are alike.
+TEST(DelaunayInsertOrder, NoChoiceOfHashesMakesInsertionsLong) {
+  for (const int direction : {0, 1, 2, 3}) {
+    std::vector<double> each;
+    for (const int n : {5'000, 10'000, 20'000}) {
+      std::mt19937_64 random(17);
+      std::uniform_real_distribution<double> uniform(0, 1);
+      std::vector<Point2> points;
+      while (points.size() < static_cast<std::size_t>(n)) {
+        const double t = uniform(random), angle = 6.283185307179586 * t;
+        const double along = 1e-3 * (t - 0.5), x = direction % 2 == 0 ? along : 0,
+                     y = direction % 2 == 0 ? 0 : along, sign = direction < 2 ? 1 : -1;
+        const Point2 p = points.size() % 2 == 0
+                             ? Point2{{0.5 + 0.4 * std::cos(angle), 0.5 + 0.4 * std::sin(angle)}}
+                             : Point2{{0.5 + sign * x + 1e-9 * angle, 0.5 + sign * y}};
+        // In the last round, if the last bits decide, or the leading ones.
+        const std::uint64_t hash = geometry::HashOf(p);
+        if (hash % 16 != 0 && hash >> 60 != 0) points.push_back(p);
+      }
+      DelaunayTriangulation dt;
+      dt.Reset({{0, 0}}, {{1, 1}}, {0, 1, 2, 3});
+      double made = 0;
+      VertexIndex near = 0;
+      for (const std::uint32_t i : InsertOrder(points)) {
+        dt.Insert(i + 4, points[i], near);
+        near = i + 4;
+        made += static_cast<double>(dt.created().size());
+      }
+      each.push_back(made / n);
+    }
+    // O(lg n) each.
+    EXPECT_LT(each.back(), 20) << "direction " << direction;
+    EXPECT_LT(each.back(), 2 * each.front()) << "direction " << direction;
+  }
+}
+
 // Successive points are near each other, in clusters within clusters far below the first
 // curve's cells too: the way along the order is a small multiple of that of a shortest
 // tour, about 0.7 sqrt(area * count), against half a side per step at random.

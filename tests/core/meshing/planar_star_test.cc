@@ -8,6 +8,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/core/mesh/delaunay_oracle.h"
@@ -177,6 +178,61 @@ TEST_P(StarTest, OfARingGivenAtOnceIsTheSame) {
   }
   EXPECT_GT(within, 10);
   EXPECT_GT(beyond, 0);
+}
+
+// As PlanarStar::SectorOf says it, a sector at a time.
+int PlainSectorOf(const std::vector<Point2>& directions, double x, double y) {
+  const int count = static_cast<int>(directions.size());
+  const auto side = [&](int i) {
+    const Point2& d = directions[static_cast<std::size_t>(i % count)];
+    const double left = d[0] * y, right = d[1] * x;
+    const bool is_sure = std::fabs(left - right) > 1e-15 * (std::fabs(left) + std::fabs(right));
+    return is_sure ? left - right : 0;
+  };
+  for (int i = 0; i < count; ++i) {
+    if (side(i) == 0) return -1;
+    if (side(i) > 0 && side(i + 1) < 0) return i;
+  }
+  return -1;
+}
+
+// Rings of any size, points in the directions of members and opposite to them among others.
+TEST(PlanarStar, TheSectorOfAPointIsTheFirstThatCertainlyHoldsIt) {
+  int found = 0, unsure = 0;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+    const std::size_t count = random() % 5 == 0 ? 3 + random() % 300 : 3 + random() % 12;
+    std::vector<double> angles;
+    for (std::size_t i = 0; i < count; ++i) angles.push_back(6.283185307179586 * unit());
+    std::sort(angles.begin(), angles.end());
+    std::vector<Point2> ring;
+    for (const double angle : angles) {
+      const double length = std::exp2(20 * unit() - 10);
+      ring.push_back({{length * std::cos(angle), length * std::sin(angle)}});
+    }
+    for (int k = 0; k < 20; ++k) {
+      Point2 at = {{unit() - 0.5, unit() - 0.5}};
+      if (k >= 14) {
+        at = ring[random() % count];
+        const double scale = k % 2 == 0 ? 0.75 : -3;
+        for (double& x : at.c) x *= scale;
+      }
+      if (k == 13) at = {{0, 0}};
+      const int sector = PlanarStar::SectorOf(
+          static_cast<int>(count),
+          [&](int i) {
+            const Point2& d = ring[static_cast<std::size_t>(i)];
+            return std::pair(d[0], d[1]);
+          },
+          at[0], at[1]);
+      ASSERT_EQ(sector, PlainSectorOf(ring, at[0], at[1])) << "of " << count;
+      ++(sector < 0 ? unsure : found);
+    }
+  }
+  EXPECT_GT(found, 10000);
+  EXPECT_GT(unsure, 1000);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, StarTest, testing::ValuesIn(mesh::testing::kAllLayouts),

@@ -101,14 +101,17 @@ class Checker {
     if (id == 0 || id >= FeatureId{0} - 65536) return fail(reason::kBadId);
     last_[id] = i;
     if (error_) return;
+    const bool is_set = edit.feature.kind == FeatureKind::kPolygon && id >= FeatureId{1} << 63;
     const bool there = now_.contains(id);
     switch (edit.action) {
       case Edit::Action::kAdd:
         if (there) return fail(reason::kIdInUse);
+        if (is_set) return fail(reason::kBadId);
         now_[id] = edit.feature;
         break;
       case Edit::Action::kSet:
         if (!there) return fail(reason::kUnknownFeature);
+        if (is_set) return fail(reason::kBadId);
         now_[id] = edit.feature;
         break;
       case Edit::Action::kRemove:

@@ -74,6 +74,23 @@ TEST_F(PlcRefusals, BadIds) {
     expect(Edit::Move(id, 0.1, 0.1), id);
   }
   ExpectAccepted({AddPoint(kReserved - 1, 0.1, 0.1)});
+  EXPECT_EQ(kLastFeatureId, kReserved - 1);
+}
+
+// From there up a region's id is that of a set of polygons.
+TEST_F(PlcRefusals, IdsOfPolygonsFrom2To63Up) {
+  constexpr FeatureId kSet = FeatureId{1} << 63;
+  const Rings rings = {{1, 3, 5}};
+  for (const FeatureId id : {kSet, kSet + 7, kReserved - 1}) {
+    ExpectRefused({Edit::Remove(14), Edit::Add(Feature::Polygon(id, rings))},
+                  Code::kInvalidArgument, reason::kBadId, {id}, 1);
+    ExpectRefused({AddPoint(id, 0.1, 0.1), Edit::Set(Feature::Polygon(id, rings))},
+                  Code::kInvalidArgument, reason::kBadId, {id}, 1);
+    const absl::Status status =
+        plc_.Check(EditBatch{Edit::Add(Feature::Polygon(id, rings))}).status();
+    EXPECT_NE(status.message().find("1 to 9223372036854775807"), std::string::npos) << status;
+  }
+  ExpectAccepted({AddPoint(kSet, 0.1, 0.1)});
 }
 
 TEST_F(PlcRefusals, IdsInUse) {
@@ -275,6 +292,19 @@ TEST_F(PlcRefusals, CrossingSegments) {
   ExpectRefused({AddSegment(31, 5, 40), AddPoint(41, 0.1, 0.1), AddPoint(40, 0.5, 0.125)},
                 Code::kFailedPrecondition, reason::kSegmentsCross, {31, 11}, 2);
   ExpectAccepted({AddSegment(31, 5, 6), Edit::Remove(12)});
+}
+
+TEST(Plc, SaysWhereSegmentsCross) {
+  const Plc2 plc{MeshOptions()};
+  const absl::Status status =
+      plc.Check({AddPoint(1, 0.25, 0.25), AddPoint(2, 0.75, 0.5), AddPoint(3, 0.25, 0.5),
+                 AddPoint(4, 0.75, 0.25), AddSegment(5, 1, 2), AddSegment(6, 3, 4)})
+          .status();
+  EXPECT_EQ(
+      status.message(),
+      "segment 6 from point 3 (0.25, 0.5) to point 4 (0.75, 0.25) and segment 5 from point 1 "
+      "(0.25, 0.25) to point 2 (0.75, 0.5) cross at (0.5, 0.375); add a point there and split "
+      "both, or remove feature 5 in the same batch");
 }
 
 TEST_F(PlcRefusals, OverlappingSegments) {

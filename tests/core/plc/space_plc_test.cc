@@ -365,6 +365,28 @@ TEST(SpacePlc, SegmentsPassEachOtherAtTheCloseLimit) {
   ExpectLegal(cross(2 * limit));
 }
 
+TEST(SpacePlc, SaysWhereThingsMeet) {
+  const auto message = [](const EditBatch& batch) {
+    return std::string(Plc3(Cube(0, 1)).Check(batch).status().message());
+  };
+  const std::string cross =
+      message({AddPoint3(1, 0.125, 0.25, 0.5), AddPoint3(2, 0.875, 0.75, 0.5),
+               AddPoint3(3, 0.125, 0.75, 0.5), AddPoint3(4, 0.875, 0.25, 0.5),
+               Edit::Add(Feature::Segment(11, 1, 2)), Edit::Add(Feature::Segment(12, 3, 4))});
+  EXPECT_NE(cross.find(" cross at (0.5, 0.5, 0.5); add a point there and split both, or remove "),
+            std::string::npos)
+      << cross;
+  const std::string through =
+      message(Plate() + EditBatch{AddPoint3(31, 0.375, 0.5, 0.25), AddPoint3(32, 0.5, 0.375, 0.75),
+                                  Edit::Add(Feature::Segment(33, 31, 32))});
+  EXPECT_NE(through.find(" in the inside of the polygon at (0.4375, 0.4375, 0.5); cut "),
+            std::string::npos)
+      << through;
+  // Along the plane there is no one place.
+  const std::string along = message(Plate() + EditBatch{Edit::Add(Feature::Segment(33, 1, 3))});
+  EXPECT_NE(along.find(" meet in the inside of the polygon; cut "), std::string::npos) << along;
+}
+
 TEST(SpacePlc, BadFeaturesAreNamed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   ExpectRefused({AddPoint3(1, 0.5, 0.5, nan)}, reason::kNotFinite, {1});

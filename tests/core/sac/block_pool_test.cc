@@ -20,11 +20,29 @@ TEST(BlockPool, ABlockIsAtLeastAsLargeAsAskedForAndNotMuchLarger) {
   for (std::uint32_t size = 0; size < 3000; ++size) {
     BlockPool::Block b;
     pool.Resize(b, size);
-    EXPECT_GE(b.capacity, size);
-    EXPECT_LE(b.capacity, size <= 64 ? size + 3 : 2 * size);
+    EXPECT_GE(b.capacity(), size);
+    EXPECT_LE(b.capacity(), size <= 64 ? size + 3 : 2 * size);
     pool.Free(b);
-    EXPECT_EQ(b.capacity, 0u);
+    EXPECT_EQ(b.capacity(), 0u);
   }
+}
+
+// Memory for blocks so far off is more than a test has; that they are told apart is not.
+TEST(BlockPool, BlocksBeyond2To32WordsAreWhereTheyWerePut) {
+  for (const std::uint64_t offset :
+       {std::uint64_t{2}, std::uint64_t{0xffff'fffe}, std::uint64_t{1} << 32,
+        (std::uint64_t{1} << 32) + 2, std::uint64_t{0x123'4567'89ab'cdee},
+        (std::uint64_t{1} << 58) - 2}) {
+    for (int size_class = 0; size_class < 64; ++size_class) {
+      const BlockPool::Block b(offset, size_class);
+      ASSERT_EQ(b.offset(), offset);
+      ASSERT_EQ(b.size_class(), size_class);
+      ASSERT_EQ(b.capacity(), size_class <= 32 ? static_cast<std::uint64_t>(2 * size_class)
+                                               : std::uint64_t{128} << (size_class - 33));
+    }
+  }
+  EXPECT_EQ(sizeof(BlockPool::Block), 8u);
+  EXPECT_EQ(alignof(BlockPool::Block), 4u);
 }
 
 TEST(BlockPool, ShrinkingExchangesAMuchTooLargeBlock) {
@@ -33,19 +51,19 @@ TEST(BlockPool, ShrinkingExchangesAMuchTooLargeBlock) {
   pool.Resize(b, 1000);
   for (std::uint32_t i = 0; i < 1000; ++i) pool.data(b)[i] = i * i;
   pool.Resize(b, 10);
-  EXPECT_LE(b.capacity, 24u);
+  EXPECT_LE(b.capacity(), 24u);
   for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(pool.data(b)[i], i * i);
   pool.Resize(b, 0);
-  EXPECT_EQ(b.capacity, 0u);
+  EXPECT_EQ(b.capacity(), 0u);
 }
 
 TEST(BlockPool, ASlightlySmallerSizeKeepsTheBlock) {
   BlockPool pool;
   BlockPool::Block b;
   pool.Resize(b, 40);
-  const std::uint32_t offset = b.offset;
+  const std::uint32_t offset = b.offset();
   for (std::uint32_t size = 40; size > 20; --size) pool.Resize(b, size);
-  EXPECT_EQ(b.offset, offset);
+  EXPECT_EQ(b.offset(), offset);
 }
 
 // Blocks of all sizes grow, shrink and go; each keeps its words.
@@ -58,7 +76,7 @@ TEST(BlockPool, BlocksKeepTheirWordsAndNeverOverlap) {
   std::vector<Told> all(300);
   BlockPool pool;
   const auto verify = [&](const Told& t) {
-    ASSERT_GE(t.block.capacity, t.words.size());
+    ASSERT_GE(t.block.capacity(), t.words.size());
     ASSERT_TRUE(std::equal(t.words.begin(), t.words.end(), pool.data(t.block)));
   };
   for (int step = 0; step < 100'000; ++step) {
@@ -73,7 +91,7 @@ TEST(BlockPool, BlocksKeepTheirWordsAndNeverOverlap) {
       ASSERT_TRUE(std::equal(t.words.begin(), t.words.begin() + static_cast<long>(kept),
                              pool.data(t.block)));
       // To the brim, so that an overlap does not go unseen.
-      t.words.resize(t.block.capacity);
+      t.words.resize(t.block.capacity());
       for (std::uint32_t& w : t.words) w = static_cast<std::uint32_t>(random.Word());
       std::copy(t.words.begin(), t.words.end(), pool.data(t.block));
     }

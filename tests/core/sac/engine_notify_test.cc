@@ -52,17 +52,44 @@ TEST_F(EngineNotifyTest, TheFilterIsAskedOnceAboutThoseInTime) {
   EXPECT_EQ(Run(), "run 5@0, run 7@0");
 }
 
-TEST_F(EngineNotifyTest, TheUninterestedAreNotAsked) {
+// Those that pay attention as of their last execution.
+TEST_F(EngineNotifyTest, OnlyTheAttentiveAreAsked) {
+  for (const Item i : {2, 4, 5, 7, 8})
+    p_[i] = [](Context& c) {
+      c.Subscribe(1);
+      c.payload() = 1;
+    };
+  for (const Item i : {2, 4, 5, 7, 8}) Touch(i);
+  Run();
   std::vector<Item> asked;
-  e_.Notify(
-      1, Parts{0}, At(3), At(7), [&](OpId op) { return e_.item(op) < 6; },
-      [&](OpId op) {
-        asked.push_back(e_.item(op));
-        return true;
-      });
+  const auto all = [&](OpId op) {
+    asked.push_back(e_.item(op));
+    return true;
+  };
+  const auto before = e_.counters().notified;
+  e_.NotifyAttentive(1, At(3), At(7), all);
+  EXPECT_EQ(e_.counters().notified, before + 5);
   std::sort(asked.begin(), asked.end());
-  EXPECT_EQ(asked, (std::vector<Item>{4, 5}));
-  EXPECT_EQ(Run(), "run 4@0, run 5@0");
+  EXPECT_EQ(asked, (std::vector<Item>{4, 5, 7}));
+  p_[5] = [](Context& c) {
+    c.Subscribe(1);
+    c.payload() = 0;
+  };
+  EXPECT_EQ(Run(), "run 4@0, run 5@0, run 7@0");
+  EXPECT_TRUE(Problems(p_).empty());
+  Unrequest(4);
+  Run();
+  e_.NotifyAttentive(1, e_.beginning(), kNoStamp, all);
+  EXPECT_EQ(Run(), "run 2@0, run 7@0, run 8@0");
+  EXPECT_TRUE(Problems(p_).empty());
+}
+
+TEST_F(EngineNotifyTest, OneOperationIsToldIfItIsInTime) {
+  for (const Item i : {2, 3, 6, 7}) {
+    e_.NotifyOperation(p_.OperationOf(i), At(2), At(6), All);
+  }
+  e_.NotifyOperation(p_.OperationOf(4), At(2), At(6), [](OpId) { return false; });
+  EXPECT_EQ(Run(), "run 3@0, run 6@0");
 }
 
 // Who subscribes to parts of a place hears of changes in those, all of them.

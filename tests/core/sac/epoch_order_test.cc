@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -102,6 +105,7 @@ TEST(EpochOrder, OrderEqualsSortedOrderUnderRandomScripts) {
     Random random(seed + script);
     const std::uint64_t epochs = script % 3 == 0 ? 1 : script % 3 == 1 ? 5 : 300;
     const bool ties = script % 4 == 3;  // few distinct priorities
+    const bool clustered = script % 4 == 1;
     Mirrored m;
     std::vector<OpId> removed;  // their stamps are still in the order
     for (int step = 0; step < 8000; ++step) {
@@ -111,8 +115,10 @@ TEST(EpochOrder, OrderEqualsSortedOrderUnderRandomScripts) {
         m.Remove(id);
         removed.push_back(id);
       } else {
-        m.Insert(random.Below(epochs) * 1000,
-                 ties ? std::uint64_t{random.Below(6)} << 61 : random.Word());
+        const std::uint64_t any = random.Word();
+        m.Insert(random.Below(epochs) * 1000, ties        ? std::uint64_t{random.Below(6)} << 61
+                                              : clustered ? any >> (any % 2 == 0 ? 8 : 60)
+                                                          : any);
       }
       if (random.OneIn(50)) {
         for (const OpId id : removed) m.EraseStamp(id);
@@ -164,6 +170,114 @@ TEST(EpochOrder, AnEpochThatEmptiesGivesItsTableBack) {
   EXPECT_LT(m.table_bytes(), 1000u);
   for (int i = 0; i < 1000; ++i) m.Insert(4, random.Word());
   m.ExpectSame();
+}
+
+// What a client that knows the hash of places can do to priorities.
+struct Attack {
+  const char* name;
+  std::function<std::uint64_t(std::uint64_t i, std::uint64_t n, std::uint64_t any)> priority;
+};
+const Attack kAttacks[] = {
+    {"all leading bits agree", [](auto, auto, auto any) { return any >> 32; }},
+    {"all are equal", [](auto, auto, auto) { return std::uint64_t{7} << 40; }},
+    {"ascending in one slot", [](auto i, auto, auto) { return i; }},
+    {"descending in one slot", [](auto i, auto n, auto) { return n - i; }},
+    {"two clusters, the farther one descending",
+     [](auto i, auto n, auto any) { return i < n / 2 ? any >> 20 : ~std::uint64_t{0} - i; }},
+    {"a bit less in common each", [](auto i, auto, auto any) { return any >> (i % 60); }},
+};
+
+struct Counting {
+  const Operations* ops;
+  std::uint64_t* compared;
+  bool operator()(OpId a, OpId b) const {
+    ++*compared;
+    return Before{ops}(a, b);
+  }
+};
+
+// Comparisons, and operations and slots passed, of n that come and go again in any order.
+double StepsOf(const Attack& attack, std::uint64_t n, Random& random) {
+  std::uint64_t compared = 0;
+  Operations ops(n);
+  EpochOrder<Operations, Counting> time(ops, Counting{&ops, &compared});
+  std::vector<OpId> ids;
+  for (OpId id = 0; id < n; ++id) {
+    ops[id] = {attack.priority(id, n, random.Word()), id, 1};
+    time.Insert(1, id);
+    ids.push_back(id);
+    std::swap(ids.back(), ids[random.Below(ids.size())]);
+  }
+  for (const OpId id : ids) {
+    time.Remove(1, id);
+    time.EraseStamp(ops[id].stamp);
+  }
+  return static_cast<double>(compared + time.steps());
+}
+
+TEST(EpochOrder, NoChoiceOfPrioritiesCostsMoreThanASearchEach) {
+  Random random(NewSeed());
+  for (const Attack& attack : kAttacks) {
+    for (const std::uint64_t n : {5'000, 10'000, 20'000}) {
+      const double each = StepsOf(attack, n, random) / static_cast<double>(n);
+      // Coming and going; a tree with its assertions compares three times as often.
+      EXPECT_LT(each, 10 * std::log2(n)) << attack.name << ", " << n;
+    }
+  }
+}
+
+// Priorities as chance makes them are looked up, not searched for.
+TEST(EpochOrder, UniformPrioritiesTakeAFewStepsEach) {
+  Random random(NewSeed());
+  const Attack none = {"uniform", [](auto, auto, auto any) { return any; }};
+  for (const std::uint64_t n : {5'000, 20'000, 200'000}) {
+    EXPECT_LT(StepsOf(none, n, random) / static_cast<double>(n), 10) << n;
+  }
+}
+
+// Of a run from scratch, or a propagation that fills an epoch in which little was: until the last
+// have come, most slots are empty and chains in the others are long.
+TEST(EpochOrder, WhatComesInTheOrderOfTimeTakesAFewStepsEach) {
+  Random random(NewSeed());
+  for (const int before : {0, 20}) {
+    for (const std::size_t n : {5'000, 200'000}) {
+      std::uint64_t compared = 0;
+      Operations ops(n);
+      EpochOrder<Operations, Counting> time(ops, Counting{&ops, &compared});
+      std::vector<OpId> ids;
+      for (OpId id = 0; id < n; ++id) {
+        ops[id] = {random.Word(), id, 1};
+        ids.push_back(id);
+      }
+      std::sort(ids.begin() + before, ids.end(), Before{&ops});
+      for (const OpId id : ids) time.Insert(1, id);
+      EXPECT_LT(static_cast<double>(compared + time.steps()) / static_cast<double>(n), 6)
+          << n << " after " << before;
+      for (std::size_t i = 1; i < n; ++i) {
+        if (i > static_cast<std::size_t>(before)) {
+          ASSERT_TRUE(time.order().Precedes(ops[ids[i - 1]].stamp, ops[ids[i]].stamp));
+        }
+      }
+    }
+  }
+}
+
+TEST(EpochOrder, AnEpochThatWasCrowdedIsATableAgainWhenItWasEmpty) {
+  Random random(NewSeed());
+  Mirrored m;
+  for (int round = 0; round < 2; ++round) {
+    const std::size_t bytes = m.table_bytes();
+    std::vector<OpId> ids;
+    for (int i = 0; i < 1000; ++i) ids.push_back(m.Insert(4, random.Word() >> 32));
+    m.ExpectSame();
+    for (const OpId id : ids) {
+      m.Remove(id);
+      m.EraseStamp(id);
+    }
+    EXPECT_LT(m.table_bytes(), bytes + 200);
+    for (int i = 0; i < 1000; ++i) m.Insert(8 + round, random.Word());
+    m.ExpectSame();
+  }
 }
 
 }  // namespace

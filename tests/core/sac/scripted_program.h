@@ -53,6 +53,7 @@ class ScriptedProgram {
     return kind_a != kind_b ? kind_a < kind_b : a < b;
   }
   OpId& OperationsOf(Kind, Item item) { return operations_.try_emplace(item, kNoOp).first->second; }
+  static bool IsAttentive(Kind, int payload) { return payload == 1; }
   void Execute(Context& context) {
     Log("run " + std::to_string(context.item) + "@" + std::to_string(context.epoch));
     const auto it = bodies_.find(context.item);

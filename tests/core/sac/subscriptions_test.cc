@@ -15,11 +15,19 @@ namespace {
 using testing::NewSeed;
 using testing::Random;
 
-// By operation.
-using Told = std::map<std::uint32_t, Parts>;
+// By operation: which parts, and whether it is attentive.
+using Told = std::map<std::uint32_t, std::pair<Parts, bool>>;
 Told At(const Subscriptions& s, Place place) {
   Told told;
-  for (const auto& [op, parts] : s.at(place)) EXPECT_TRUE(told.emplace(op, parts).second);
+  const auto attentive = s.attentive_at(place);
+  for (const auto& subscriber : s.at(place)) {
+    const bool is_attentive = told.size() < attentive.size();
+    if (is_attentive) {
+      EXPECT_EQ(&attentive[told.size()], &subscriber);
+    }
+    const auto& [op, parts] = subscriber;
+    EXPECT_TRUE(told.emplace(op, std::pair(parts, is_attentive)).second);
+  }
   return told;
 }
 
@@ -40,7 +48,19 @@ TEST(Subscriptions, TakeEmptiesThePlaceAndOnlyThat) {
   EXPECT_TRUE(s.at(0).empty());
   EXPECT_EQ(s.at(1).size(), 25u);
   s.Add(0, 99);
-  EXPECT_EQ(At(s, 0), (Told{{99, kAllParts}}));
+  EXPECT_EQ(At(s, 0), (Told{{99, {kAllParts, false}}}));
+}
+
+TEST(Subscriptions, ALoadSortsTheAttentiveOut) {
+  Subscriptions s;
+  s.BeginLoad();
+  for (std::uint32_t op = 0; op < 60; ++op) s.Add(op % 3, op, op, op % 7 == 0);
+  s.EndLoad();
+  for (Place place = 0; place < 3; ++place) {
+    Told wanted;
+    for (std::uint32_t op = place; op < 60; op += 3) wanted[op] = {op, op % 7 == 0};
+    EXPECT_EQ(At(s, place), wanted);
+  }
 }
 
 TEST(Subscriptions, AgreesWithSetsUnderRandomScripts) {
@@ -58,7 +78,9 @@ TEST(Subscriptions, AgreesWithSetsUnderRandomScripts) {
         std::swap(all[random.Below(all.size())], all.back());
         const auto [place, op] = all.back();
         if (random.Below(4) == 0) {
-          s.SetParts(place, op, told[place][op] = random.Below(1 << 20));
+          const auto [parts, attentive] =
+              told[place][op] = {random.Below(1 << 20), random.Below(3) == 0};
+          s.Set(place, op, parts, attentive);
         } else {
           all.pop_back();
           s.Remove(place, op);
@@ -67,8 +89,9 @@ TEST(Subscriptions, AgreesWithSetsUnderRandomScripts) {
       } else {
         const Place place = random.Below(places);
         const std::uint32_t op = random.Below(1000), parts = random.Below(1 << 20);
-        if (told[place].emplace(op, parts).second) {
-          s.Add(place, op, parts);
+        const bool attentive = random.Below(3) == 0;
+        if (told[place].emplace(op, std::pair(parts, attentive)).second) {
+          s.Add(place, op, parts, attentive);
           all.emplace_back(place, op);
         }
       }

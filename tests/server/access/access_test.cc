@@ -7,6 +7,7 @@
 #include <fstream>
 #include <random>
 
+#include "server/access/certificate_watch.h"
 #include "server/access/memory_guard.h"
 #include "server/base/log.h"
 #include "server/base/process.h"
@@ -40,6 +41,33 @@ TEST(TokenHash, IsSha256) {
   EXPECT_FALSE(codec::TokenHashFromHex(std::string(64, 'g')).has_value());
   EXPECT_EQ(codec::RandomToken().size(), 64u);
   EXPECT_NE(codec::RandomToken(), codec::RandomToken());
+}
+
+TEST(CertificateWatch, TellsAtOnceAndThenNowAndAgain) {
+  using Finding = CertificateWatch::Finding;
+  const absl::Time from = absl::FromUnixSeconds(1'000'000'000);
+  const absl::Time until = from + absl::Hours(24 * 90);
+  CertificateWatch watch;
+  EXPECT_EQ(watch.Due(from), std::nullopt);  // none is in use
+  watch.Use("cert.pem", {from, until});
+  EXPECT_EQ(watch.Due(from - absl::Seconds(1)), Finding::kNotValidYet);
+  EXPECT_EQ(watch.Due(from), std::nullopt);
+  EXPECT_EQ(watch.Due(until - absl::Hours(24 * 14)), std::nullopt);
+  int told = 0;
+  for (absl::Time now = until - absl::Hours(24 * 14) + absl::Seconds(1); now < until;
+       now += absl::Minutes(1)) {
+    const auto finding = watch.Due(now);
+    if (!finding.has_value()) continue;
+    EXPECT_EQ(finding, Finding::kEndsSoon);
+    ++told;
+  }
+  EXPECT_EQ(told, 14);  // once a day
+  EXPECT_EQ(watch.Due(until), Finding::kExpired);
+  EXPECT_EQ(watch.Due(until + absl::Minutes(59)), std::nullopt);
+  EXPECT_EQ(watch.Due(until + absl::Minutes(60)), Finding::kExpired);
+  EXPECT_EQ(watch.Due(from - absl::Hours(1)), Finding::kNotValidYet);  // the clock was set back
+  watch.Use("cert.pem", {from, until + absl::Hours(24 * 90)});
+  EXPECT_EQ(watch.Due(until), std::nullopt);
 }
 
 TEST(Pattern, MatchesAsItsDefinitionSays) {

@@ -4,6 +4,7 @@
 
 #include <thread>
 
+#include "dynmesh/error.h"
 #include "server/base/process.h"
 #include "tests/server/server_fixture.h"
 
@@ -25,6 +26,44 @@ TEST_F(LimitsTest, FeaturesOfAMesh) {
   EXPECT_TRUE(client_->Apply("m", {Edit::Remove(1), AddPoint(4)}).ok());
   EXPECT_TRUE(client_->Apply("m", {Edit::Remove(2)}).ok());
   EXPECT_TRUE(client_->Apply("m", {AddPoint(5)}).ok());
+}
+
+TEST_F(LimitsTest, OperationsOfABatch) {
+  ServerConfig config;
+  config.max_batch_operations = 2;
+  StartWithMesh(config);
+  EXPECT_TRUE(client_->Apply("m", {AddPoint(1), AddPoint(2)}).ok());
+  const absl::Status refused =
+      client_->Apply("m", {AddPoint(3), AddPoint(4), AddPoint(5)}).status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(ReasonOf(refused), dynmesh::reason::kWorkLimit);
+  EXPECT_EQ(HeadOf().revision, 1u);
+}
+
+// Unless told otherwise, as many as half of the memory holds.
+TEST_F(LimitsTest, VerticesOfAMeshFollowFromTheMemory) {
+  const auto of = [&](const char* mesh, int dimension) {
+    MeshOptions options;
+    options.dimension = dimension;
+    options.quality = 2;
+    EXPECT_TRUE(client_->CreateMesh(mesh, options).ok());
+    const auto info = client_->GetMesh(mesh);
+    EXPECT_TRUE(info.ok());
+    return info->options.limits.max_vertices;
+  };
+  ServerConfig config;
+  config.max_memory_bytes = std::uint64_t{100} << 30;
+  StartServer(config);
+  const std::uint64_t planar = of("planar", 2), spatial = of("spatial", 3);
+  EXPECT_EQ(planar, config.max_memory_bytes / 2 / 1000);
+  EXPECT_EQ(spatial, config.max_memory_bytes / 2 / 2500);
+  MeshOptions larger;
+  larger.limits.max_vertices = planar + 1;
+  EXPECT_EQ(client_->CreateMesh("larger", larger).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  config.max_vertices = 12'345;
+  StartServer(config);
+  EXPECT_EQ(of("m", 2), 12'345u);
 }
 
 TEST_F(LimitsTest, RequestsASecond) {

@@ -75,6 +75,50 @@ TEST_F(TlsTest, AnExpiredCertificateIsRefused) {
   EXPECT_EQ(Try("ca").code(), StatusCode::kUnavailable);
 }
 
+// When it is loaded, when a new one is and, as of one that ends in two days, while it is used.
+TEST_F(TlsTest, TheLogWarnsOfCertificatesThatAreNotValidOrSoonNoMore) {
+  const auto told = [&](const std::function<void()>& act) {
+    EXPECT_TRUE(SetLogLevel("warning").ok());
+    testing::internal::CaptureStderr();
+    act();
+    EXPECT_TRUE(SetLogLevel("error").ok());
+    return testing::internal::GetCapturedStderr();
+  };
+  const std::string file = " file=" + Path("cert") + " until=";
+  const std::string late = told([&] { Start(Files("late")); });
+  EXPECT_NE(late.find("event=certificate_expired" + file), std::string::npos) << late;
+  const std::string soon = told([&] {
+    Use("server");
+    EXPECT_TRUE(Try("ca").ok());
+  });
+  EXPECT_NE(soon.find("event=certificate_ends_soon" + file), std::string::npos) << soon;
+  EXPECT_EQ(soon.find("event=certificate_expired"), std::string::npos) << soon;
+  // Without a connection, at the latest after a look.
+  EXPECT_TRUE(SetLogLevel("warning").ok());
+  testing::internal::CaptureStderr();
+  Use("late");
+  std::string expired;
+  Eventually([&] {
+    expired += testing::internal::GetCapturedStderr();
+    const bool is_told = expired.find("event=certificate_expired" + file) != std::string::npos;
+    testing::internal::CaptureStderr();
+    return is_told;
+  });
+  expired += testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(SetLogLevel("error").ok());
+  EXPECT_NE(expired.find("event=certificate_expired" + file), std::string::npos) << expired;
+}
+
+TEST_F(TlsTest, TheAuthorityOfClientsIsWatchedToo) {
+  EXPECT_TRUE(SetLogLevel("warning").ok());
+  testing::internal::CaptureStderr();
+  Start(Files("server", /*mutual=*/true));
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(SetLogLevel("error").ok());
+  EXPECT_NE(log.find("event=certificate_ends_soon file=" + Path("ca") + " "), std::string::npos)
+      << log;
+}
+
 TEST_F(TlsTest, WhenACertificateEndsIsKnown) {
   const TlsFiles files = Files("server");
   const auto end = EndOfCertificate(files.certificate);
@@ -209,6 +253,7 @@ std::map<std::string, Row> Methods() {
                           v1::CreateMeshRequest request;
                           request.set_mesh_id("crack-2");
                           codec::EncodeOptions({}, request.mutable_options());
+                          request.mutable_options()->clear_max_vertices();  // the server's
                           v1::Mesh mesh;
                           return stub.CreateMesh(&c, request, &mesh);
                         }};

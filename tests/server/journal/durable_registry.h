@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "server/journal/sqlite_journal.h"
 #include "server/meshes/mesh_registry.h"
@@ -22,8 +23,10 @@ class DurableRegistry {
 
   // The folder outlives it.
   explicit DurableRegistry(const std::string& folder, const ServerConfig& config = {},
-                           const char* vfs = nullptr) {
+                           const char* vfs = nullptr,
+                           const std::vector<std::string>& accept_loss = {}) {
     SqliteJournal::Options options;
+    options.accept_loss = accept_loss;
     options.vfs = vfs;
     auto journal = SqliteJournal::Open(folder, options);
     status_ = journal.status();
@@ -70,7 +73,7 @@ class DurableRegistry {
 
 // The files as a crash at this moment would leave them.
 inline void CopyJournal(const std::string& from, const std::string& to) {
-  for (const std::string file : {"/journal.sqlite", "/journal.sqlite-wal"}) {
+  for (const std::string file : {"/journal.sqlite", "/journal.sqlite-wal", "/journal.heads"}) {
     if (std::filesystem::exists(from + file)) std::filesystem::copy(from + file, to + file);
   }
 }

@@ -3,12 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "proto/codec/journal_codec.h"
 #include "server/base/log.h"
+#include "server/meshes/revert_plan.h"
 #include "tests/server/journal/durable_registry.h"
 #include "tests/support/temp_folder.h"
 
@@ -23,7 +28,7 @@ class RecoveryTest : public ::testing::Test {
 
   void Open() {
     server_.reset();
-    server_ = std::make_unique<DurableRegistry>(folder_.path(), config_);
+    server_ = std::make_unique<DurableRegistry>(folder_.path(), config_, nullptr, accept_);
     ASSERT_TRUE(server_->status().ok()) << server_->status();
   }
   // With mesh m of points 1..n, one a batch, with request_ids r1..rn.
@@ -62,6 +67,7 @@ class RecoveryTest : public ::testing::Test {
 
   test::TempFolder folder_;
   ServerConfig config_;
+  std::vector<std::string> accept_;
   std::unique_ptr<DurableRegistry> server_;
 };
 
@@ -235,6 +241,83 @@ TEST_F(RecoveryTest, WhatDoesNotMakeTheMeshAgainIsDamageOfThatMeshAlone) {
   }
 }
 
+TEST_F(RecoveryTest, AMeshThatLostRevisionsIsReadOnlyUntilThatIsAccepted) {
+  OpenWithPoints(3);
+  test::TempFolder before;
+  CopyJournal(folder_.path(), before.path());
+  ASSERT_TRUE((*server_)->Create("gone", MeshOptions(), "").ok());
+  ASSERT_TRUE(server_->Apply({AddPoint(4)}, "r4").ok());
+  server_.reset();
+  for (const char* file : {"journal.sqlite", "journal.sqlite-wal"}) {
+    const auto to = std::filesystem::path(folder_.path()) / file;
+    std::filesystem::remove(to);
+    std::filesystem::copy(std::filesystem::path(before.path()) / file, to);
+  }
+  Open();
+  EXPECT_EQ((*server_)->damaged(), 2u);
+  const auto host = server_->Host();
+  EXPECT_EQ(host->head().revision, 3u);
+  const absl::Status refused = server_->Apply({AddPoint(4)}, "r4").status();
+  EXPECT_EQ(refused.code(), StatusCode::kDataLoss);
+  EXPECT_EQ(ReasonOf(refused), codec::reason::kMeshDamaged);
+  EXPECT_TRUE(absl::StrContains(refused.message(), "revision 4 was acknowledged")) << refused;
+  EXPECT_TRUE(absl::StrContains(refused.message(), "--accept-loss=m@3")) << refused;
+  // What is left can be read, and what was answered is answered again.
+  EXPECT_TRUE(server_->Apply({AddPoint(3)}, "r3")->replayed);
+  Mailbox<absl::StatusOr<FeaturesAt>> features;
+  ASSERT_TRUE(host->Features(2, nullptr, [&](auto f) { features.Put(std::move(f)); }).ok());
+  EXPECT_EQ(features.Take()->features.size(), 2u);
+  EXPECT_EQ((*host->store()->Latest())->revision, 3u);
+  const auto listed = (*server_)->List("", 10);
+  ASSERT_EQ(listed.size(), 2u);
+  EXPECT_EQ(listed[0].id, "gone");
+  EXPECT_EQ(listed[0].host, nullptr);
+  EXPECT_EQ(ReasonOf((*server_)->Find("meshes/gone").status()), codec::reason::kMeshDamaged);
+  EXPECT_EQ(ReasonOf((*server_)->Create("gone", MeshOptions(), "").status()),
+            codec::reason::kMeshDamaged);
+  EXPECT_EQ(listed[1].host, host);
+  EXPECT_EQ(listed[1].damage, refused);
+  ASSERT_TRUE((*server_)->Delete("meshes/gone").ok());
+  ASSERT_TRUE((*server_)->Create("gone", MeshOptions(), "").ok());
+  ASSERT_TRUE(server_->Apply({AddPoint(1)}, "", "gone").ok());
+  accept_ = {"m@3"};
+  Open();
+  EXPECT_EQ((*server_)->damaged(), 0u);
+  EXPECT_EQ(server_->Apply({AddPoint(4)}, "r4")->diff->to_revision, 4u);
+  EXPECT_EQ(server_->Host("gone")->head().revision, 1u);
+  accept_.clear();
+  Open();
+  EXPECT_EQ((*server_)->damaged(), 0u);
+}
+
+// One bad row is not in the way of the others, whatever stands in it.
+TEST_F(RecoveryTest, AMeshWithAnUnspeakableNameIsListedAndDeleted) {
+  for (const bool record : {true, false}) {
+    server_.reset();
+    std::filesystem::remove_all(folder_.path());
+    OpenWithPoints(1);
+    ASSERT_TRUE((*server_)->Create("sound", MeshOptions(), "").ok());
+    Sql("UPDATE meshes SET id = CAST(X'6DB3' AS TEXT) WHERE key = 1");
+    if (!record) std::filesystem::remove(folder_.path() + "/journal.heads");
+    if (!record) accept_ = {"sound@0"};
+    Open();
+    const auto listed = (*server_)->List("", 10);
+    ASSERT_EQ(listed.size(), 2u);
+    const std::string name = record ? "m" : "@1";
+    EXPECT_EQ(listed[0].id, name);
+    EXPECT_EQ(ReasonOf(listed[0].damage), codec::reason::kMeshDamaged);
+    EXPECT_TRUE(absl::StrContains(listed[0].damage.message(), "m\\xb3")) << listed[0].damage;
+    EXPECT_EQ((*server_)->List(name, 10).front().id, "sound");  // the next page
+    EXPECT_EQ(ReasonOf((*server_)->Create("@1", MeshOptions(), "").status()),
+              codec::reason::kBadName);
+    ASSERT_TRUE((*server_)->Delete("meshes/" + name).ok());
+    Open();
+    EXPECT_EQ((*server_)->size(), 1u);
+    EXPECT_TRUE(server_->Apply({AddPoint(1)}, "", "sound").ok());
+    accept_.clear();
+  }
+}
+
 // Wherever the file is overwritten: what is served is what was acknowledged.
 TEST_F(RecoveryTest, AnOverwrittenFileIsNeverServedAsAnotherMesh) {
   OpenWithPoints(30);
@@ -265,6 +348,100 @@ TEST_F(RecoveryTest, AnOverwrittenFileIsNeverServedAsAnotherMesh) {
     }
   }
   EXPECT_GT(noticed, 5);
+}
+
+// --- Other bits (kMeshBits) -------------------------------------------------------------
+
+class OtherBitsTest : public RecoveryTest {
+ protected:
+  // Mesh m as another version's program wrote it: points 1..n, one a batch, hashes {7, revision}.
+  void OpenWithOldPoints(FeatureId n) {
+    Open();
+    ASSERT_TRUE((*server_)->Create("m", MeshOptions(), "").ok());
+    for (FeatureId id = 1; id <= n; ++id) Append(id, {AddPoint(id)}, {7, id}, 1);
+  }
+  void Append(std::uint64_t revision, const EditBatch& edits, const MeshHash& hash,
+              std::uint32_t bits) {
+    Journal& journal = server_->journal();
+    const Journal::Entry entry{revision, codec::EncodeJournalEntry(edits, hash, 2, bits)};
+    ASSERT_TRUE(journal.Append(journal.List()->front().key, entry, std::nullopt).ok());
+  }
+  MeshHash HashOfPoints(FeatureId n) {
+    auto mesh = *MakeFake(MeshOptions());
+    for (FeatureId id = 1; id <= n; ++id) EXPECT_TRUE(mesh->Apply({AddPoint(id)}, {}).ok());
+    return mesh->hash();
+  }
+  FeaturesAt FeaturesOf(std::uint64_t revision) {
+    Mailbox<absl::StatusOr<FeaturesAt>> features;
+    EXPECT_TRUE(server_->Host()
+                    ->Features(revision, nullptr, [&](auto f) { features.Put(std::move(f)); })
+                    .ok());
+    return *features.Take();
+  }
+};
+
+TEST_F(OtherBitsTest, TheirFeaturesAreMeshedAnewAsTheNextRevision) {
+  for (const bool snapshot : {false, true}) {
+    SCOPED_TRACE(snapshot);
+    server_.reset();
+    std::filesystem::remove_all(folder_.path());
+    OpenWithOldPoints(3);
+    if (snapshot) {
+      std::vector<Feature> features;
+      for (FeatureId id = 1; id <= 3; ++id) features.push_back(AddPoint(id).feature);
+      const auto parts = codec::EncodeJournalSnapshot(features, {7, 3}, 2, 1);
+      Journal& journal = server_->journal();
+      ASSERT_TRUE(journal.Compact(journal.List()->front().key, 3, parts).ok());
+    }
+    Append(4, {AddPoint(4)}, {7, 4}, 1);
+    Append(5, {Edit::Remove(4)}, {7, 5}, 1);
+    Open();
+    const auto host = server_->Host();
+    EXPECT_EQ(host->head().revision, 6u);
+    EXPECT_EQ(host->head().hash, HashOfPoints(3));
+    EXPECT_EQ(Generation(), std::pair(std::uint64_t{6}, std::uint64_t{0}));
+    // The past is what it was, as features.
+    EXPECT_EQ(FeaturesOf(4).features.size(), 4u);
+    EXPECT_EQ(FeaturesOf(4).hash, (MeshHash{7, 4}));
+    EXPECT_EQ(FeaturesOf(6).features.size(), 3u);
+    EXPECT_EQ(ReasonOf(host->hub()->Subscribe({.revision = 5}, [] {}).status()),
+              codec::reason::kCompacted);
+    EXPECT_TRUE(host->hub()->Subscribe({.revision = 6}, [] {}).ok());
+    // A hash of other bits is none to expect.
+    EXPECT_FALSE(PlanRevert(*host, 4, nullptr).job.expected_hash.has_value());
+    EXPECT_EQ(PlanRevert(*host, 6, nullptr).job.expected_hash, HashOfPoints(3));
+    EXPECT_EQ(server_->Apply({AddPoint(4)})->diff->to_revision, 7u);
+    Open();
+    EXPECT_EQ(server_->Host()->head().revision, 7u);
+    EXPECT_EQ(server_->Host()->head().hash, HashOfPoints(4));
+  }
+}
+
+TEST_F(OtherBitsTest, ASnapshotThatWasNotWrittenIsNotMissed) {
+  for (const bool sound : {true, false}) {
+    SCOPED_TRACE(sound);
+    server_.reset();
+    std::filesystem::remove_all(folder_.path());
+    OpenWithOldPoints(3);
+    Append(4, {}, sound ? HashOfPoints(3) : MeshHash{7, 4}, kMeshBits);
+    Append(5, {AddPoint(4)}, HashOfPoints(4), kMeshBits);
+    Open();
+    if (sound) {
+      EXPECT_EQ(server_->Host()->head().revision, 5u);
+      EXPECT_EQ(server_->Host()->head().hash, HashOfPoints(4));
+      EXPECT_TRUE(server_->Host()->hub()->Subscribe({.revision = 4}, [] {}).ok());
+    } else {
+      const absl::Status damage = (*server_)->Find("meshes/m").status();
+      EXPECT_TRUE(absl::StrContains(damage.message(), "revision 4 made again has the hash"))
+          << damage;
+    }
+  }
+}
+
+TEST_F(OtherBitsTest, AnEmptyMeshHasNone) {
+  OpenWithOldPoints(0);
+  Open();
+  EXPECT_EQ(server_->Host()->head().revision, 0u);
 }
 
 }  // namespace

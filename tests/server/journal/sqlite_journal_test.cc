@@ -6,6 +6,7 @@
 #include <sqlite3.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -109,6 +110,60 @@ TEST_F(SqliteJournalTest, ForgetsTheOldestRequests) {
     ASSERT_TRUE(journal_->Append(key, std::nullopt, Request{id, "A"}).ok());
   }
   EXPECT_EQ(Told(*journal_, key), "?r2=A ?r3=A ");
+}
+
+TEST_F(SqliteJournalTest, TheOldestOfManyRequestsGoByTheHundredth) {
+  SqliteJournal::Options options;
+  options.remembered_requests = 400;
+  Open(options);
+  const auto key = *journal_->Create("a", "");
+  const auto told = [&] {
+    std::vector<std::string> ids;
+    Journal::Visitor visitor;
+    visitor.request = [&](const Request& r) {
+      ids.push_back(r.id);
+      return absl::OkStatus();
+    };
+    visitor.snapshot = [](std::uint64_t, const std::string&) { return absl::OkStatus(); };
+    visitor.entry = [](const Entry&) { return absl::OkStatus(); };
+    EXPECT_TRUE(journal_->Read(key, visitor).ok());
+    return ids;
+  };
+  int last = 0;
+  for (const int count : {399, 1, 3, 2, 7, 500}) {
+    std::vector<Request> requests;
+    for (int i = 0; i < count; ++i) requests.push_back({absl::StrCat("r", ++last), "A"});
+    ASSERT_TRUE(journal_->Append(key, {}, requests).ok());
+    const std::vector<std::string> ids = told();
+    const auto least = static_cast<std::size_t>(std::min(last, 400));
+    EXPECT_GE(ids.size(), least);
+    EXPECT_LT(ids.size(), least + 5);
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      EXPECT_EQ(ids[i], absl::StrCat("r", last - static_cast<int>(ids.size() - 1 - i)));
+    }
+  }
+}
+
+TEST_F(SqliteJournalTest, BatchesThatComeTogetherShareASyncAndFailTogether) {
+  OpenFailing();
+  const auto key = *journal_->Create("a", "");
+  const std::vector<Entry> three = {{1, "one"}, {2, "two"}, {3, "three"}};
+  const std::vector<Request> two = {{"r1", "A1"}, {"r3", "A3"}};
+  FailingVfs::FailAt(1, /*ever=*/false);
+  EXPECT_TRUE(absl::IsUnavailable(journal_->Append(key, three, two)));
+  EXPECT_EQ(Told(*journal_, key), "");
+  // None if one of them does not follow.
+  EXPECT_TRUE(absl::IsFailedPrecondition(journal_->Append(key, {{1, "one"}, {3, "three"}}, two)));
+  EXPECT_TRUE(absl::IsFailedPrecondition(journal_->Append(key, {{2, "two"}}, two)));
+  EXPECT_EQ(Told(*journal_, key), "");
+  const std::uint64_t before = journal_->counts().syncs;
+  ASSERT_TRUE(journal_->Append(key, three, two).ok());
+  EXPECT_EQ(journal_->counts().syncs, before + 1);
+  EXPECT_EQ(Told(*journal_, key), "?r1=A1 ?r3=A3 1:one 2:two 3:three ");
+  ASSERT_TRUE(journal_->Append(key, {{4, "four"}}, std::vector<Request>()).ok());
+  EXPECT_EQ(ToldPast(*journal_, key, 2, 4), "1:one 2:two 3:three 4:four ");
+  ASSERT_TRUE(journal_->Compact(key, 4, {"p"}).ok());
+  EXPECT_EQ(Told(*journal_, key), "?r1=A1 ?r3=A3 @4:p ");
 }
 
 TEST_F(SqliteJournalTest, ADeletedMeshIsGoneAndItsKeyStaysItsOwn) {

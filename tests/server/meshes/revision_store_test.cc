@@ -10,6 +10,7 @@
 #include "server/meshes/diff_algebra.h"
 #include "tests/core/data/made_up_mesh.h"
 #include "tests/server/test_support.h"
+#include "tests/support/crafted.h"
 #include "tests/support/same_diff.h"
 
 namespace dynmesh::server {
@@ -126,6 +127,48 @@ TEST(DiffAlgebra, ASimplexThatComesBackToItsRegionCancels) {
   const MeshDiff both = Compose(diffs);
   EXPECT_EQ(both.added_simplex_count() + both.removed_simplex_count(), 0u);
   EXPECT_TRUE(both.added_regions.empty() && both.removed_regions.empty());
+}
+
+// Two sets of polygons that come to one id, as a client can choose: each revision says which it is,
+// and so does any sum of diffs.
+TEST(DiffAlgebra, AnIdThatComesToStandForAnotherSetStandsForTheLast) {
+  const std::vector<FeatureId> one = {1, 2};
+  const std::vector<FeatureId> other = test::AnyPairOfRegionId(RegionIdOf(one), 3);
+  ASSERT_EQ(RegionIdOf(one), RegionIdOf(other));
+  std::mt19937_64 random(7);
+  Mesh bare = dynmesh::testing::MakeUpMesh(random, 30, 0);
+  Canonicalize(bare);
+  std::vector<Mesh> meshes;
+  for (const std::vector<FeatureId>& set : {one, {}, other, one}) {
+    Mesh mesh = bare;
+    mesh.revision = meshes.size();
+    if (!set.empty()) {
+      mesh.regions.assign(mesh.simplex_count(), kNoRegion);
+      mesh.regions[3] = mesh.regions[7] = RegionIdOf(set);
+      mesh.region_sets = {{RegionIdOf(set), set}};
+    }
+    mesh.hash = ComputeHash(mesh);
+    meshes.push_back(mesh);
+  }
+  std::vector<std::shared_ptr<const MeshDiff>> diffs;
+  for (std::size_t i = 1; i < meshes.size(); ++i) {
+    diffs.push_back(std::make_shared<MeshDiff>(data::DiffMeshes(meshes[i - 1], meshes[i])));
+  }
+  for (std::size_t from = 0; from < meshes.size(); ++from) {
+    for (std::size_t to = from + 1; to < meshes.size(); ++to) {
+      SCOPED_TRACE(::testing::Message() << from << " to " << to);
+      const auto at = [&](std::size_t i) { return diffs.begin() + static_cast<std::ptrdiff_t>(i); };
+      for (const MeshDiff& diff :
+           {Compose({at(from), at(to)}), data::DiffMeshes(meshes[from], meshes[to])}) {
+        Mesh followed = meshes[from];
+        ASSERT_EQ(ApplyDiff(followed, diff), absl::OkStatus());
+        ExpectSameMesh(followed, meshes[to]);
+        const auto patched = Patched(meshes[from], diff);
+        ASSERT_EQ(patched.status(), absl::OkStatus());
+        ExpectSameMesh(*patched, meshes[to]);
+      }
+    }
+  }
 }
 
 TEST(DiffAlgebra, SizesCountRegionsAndTheirSets) {
@@ -251,6 +294,27 @@ TEST(RevisionStore, AGapIsRefused) {
   ASSERT_TRUE(store.Append(walk.diffs[0]).ok());
   EXPECT_EQ(store.Append(walk.diffs[0]).code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_EQ(store.head().revision, 1u);
+}
+
+// It would be held for as long as nothing else is edited.
+TEST(RevisionStore, ABaseOfWhichMostIsGoneIsNotKept) {
+  FakeDynamicMesh fake(MeshOptions(), nullptr);
+  EditBatch all, most;
+  for (FeatureId id = 1; id <= 20'000; ++id) {
+    all.push_back(AddPoint(id));
+    if (id > 100) most.push_back(Edit::Remove(id));
+  }
+  ASSERT_TRUE(fake.Apply(all, {}).ok());
+  RevisionStore store(std::make_shared<Mesh>(fake.Snapshot()), {});
+  EXPECT_FALSE(store.wants_rebase());
+  auto diff = fake.Apply(most, {});
+  ASSERT_TRUE(diff.ok());
+  ASSERT_LT(ByteSize(*diff), ByteSize(*store.base()));  // so that does not tell
+  ASSERT_TRUE(store.Append(std::make_shared<MeshDiff>(*std::move(diff))).ok());
+  EXPECT_TRUE(store.wants_rebase());
+  ASSERT_TRUE(store.Latest().ok());
+  EXPECT_FALSE(store.wants_rebase());
+  EXPECT_LT(ByteSize(*store.base()), 100'000u);
 }
 
 TEST(RevisionStore, HistoryIsBoundedButReachesBackToTheBase) {

@@ -192,6 +192,8 @@ TEST_F(WatchHubTest, ASlowWatcherGetsCoalescedDiffs) {
   watcher.Drain();
   EXPECT_EQ(watcher.steps_, std::vector<std::uint64_t>{60});
   EXPECT_EQ(watcher.snapshots_, 1);
+  EXPECT_EQ(hub_->counts().coalesced, 1u);
+  EXPECT_EQ(hub_->counts().resynced, 0u);
   EXPECT_EQ(watcher.replica_->hash(), store_->head().hash);
 }
 
@@ -201,7 +203,11 @@ TEST_F(WatchHubTest, AWatcherWithinTheQueueGetsEachRevision) {
   watcher.Drain();
   PublishPoints(1, 4);
   watcher.Drain();
+  EXPECT_EQ(hub_->counts().behind, 0u);
   EXPECT_EQ(watcher.steps_, std::vector<std::uint64_t>(4, 1));
+  EXPECT_EQ(hub_->counts().coalesced + hub_->counts().resynced, 0u);
+  PublishPoints(5, 5);
+  EXPECT_EQ(hub_->counts().behind, 1u);
 }
 
 TEST_F(WatchHubTest, AWatcherBehindTheHistoryGetsANewerSnapshot) {
@@ -213,6 +219,7 @@ TEST_F(WatchHubTest, AWatcherBehindTheHistoryGetsANewerSnapshot) {
   PublishPoints(41, 42);
   watcher.Drain();
   EXPECT_EQ(watcher.snapshots_, 2);
+  EXPECT_EQ(hub_->counts().resynced, 1u);
   EXPECT_EQ(watcher.replica_->revision(), 42u);
   EXPECT_EQ(watcher.replica_->hash(), store_->head().hash);
 }

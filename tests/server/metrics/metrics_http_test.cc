@@ -27,6 +27,10 @@ class MetricsHttpTest : public ::testing::Test {
                                               [this] {
                                                 const std::lock_guard lock(mutex_);
                                                 return not_ready_;
+                                              },
+                                              [this] {
+                                                const std::lock_guard lock(mutex_);
+                                                return amiss_;
                                               }});
     ASSERT_TRUE(http.ok()) << http.status();
     http_ = *std::move(http);
@@ -39,6 +43,7 @@ class MetricsHttpTest : public ::testing::Test {
   std::atomic<int> scrapes_{0};
   std::mutex mutex_;
   std::string not_ready_;
+  std::string amiss_;
   std::unique_ptr<MetricsHttp> http_;
 };
 
@@ -70,6 +75,22 @@ TEST_F(MetricsHttpTest, ReadyzSaysWhyNot) {
   EXPECT_EQ(answer.status, 503);
   EXPECT_EQ(answer.body, "recovering\n");
   EXPECT_EQ(Get("/healthz").status, 200);
+}
+
+TEST_F(MetricsHttpTest, ReadyzSaysWhatIsAmissThoughItIsReady) {
+  Listen();
+  {
+    const std::lock_guard lock(mutex_);
+    amiss_ = "edits are refused";
+  }
+  EXPECT_EQ(Get("/readyz").status, 200);
+  EXPECT_EQ(Get("/readyz").body, "ready; edits are refused\n");
+  {
+    const std::lock_guard lock(mutex_);
+    not_ready_ = "draining";
+  }
+  EXPECT_EQ(Get("/readyz").status, 503);
+  EXPECT_EQ(Get("/readyz").body, "draining\n");
 }
 
 TEST_F(MetricsHttpTest, OtherMethodsAreRefusedWithoutReadingTheirBodies) {

@@ -112,6 +112,27 @@ TEST(Metrics, AHistogramPutsABoundIntoItsOwnBucket) {
   EXPECT_EQ(parsed.Value("h_sum", {{"a", "b"}}), 0.0 + 0.1 + 0.5 + 1 + 5 + 10 + 11 + 1e9);
 }
 
+// A load takes minutes, a watch hours: what is above the last bound cannot be told apart.
+TEST(Metrics, TimesOfLoadsAndWatchesAreWithinTheBounds) {
+  ServerMetrics metrics;
+  WorkCounters load;
+  load.microseconds = 90e6;
+  metrics.edits.ObserveWork(load, EditSource::kLoad);
+  const ParsedMetrics now(metrics.registry.Text());
+  EXPECT_EQ(now.error(), "");
+  const auto below = [&](const char* bound) {
+    return now.Value("dynmesh_edit_seconds_bucket",
+                     {{"stage", "propagate"}, {"kind", "load"}, {"le", bound}});
+  };
+  EXPECT_EQ(below("50"), 0);
+  EXPECT_EQ(below("100"), 1);
+  EXPECT_EQ(below("10000"), 1);
+  const std::vector<double> bounds = SecondsBounds(1e5);
+  EXPECT_TRUE(std::is_sorted(bounds.begin(), bounds.end()));
+  EXPECT_EQ(bounds.back(), 1e5);
+  EXPECT_EQ(SecondsBounds(10).back(), 10);
+}
+
 TEST(Metrics, NothingIsLostAndEveryTextIsSoundWhileOthersCount) {
   constexpr int kThreads = 4, kEach = 20'000;
   MetricRegistry registry;
@@ -214,7 +235,11 @@ TEST_F(CollectTest, AMeshIsThereWithItsFiguresUntilItIsDeleted) {
   EXPECT_EQ(now.Value("dynmesh_mesh_simplices", {{"mesh", "m"}}), stats.simplices);
   EXPECT_EQ(now.Value("dynmesh_mesh_trace_bytes", {{"mesh", "m"}}), stats.trace_bytes);
   EXPECT_EQ(now.Value("dynmesh_mesh_bytes", {{"mesh", "m"}}), stats.mesh_bytes);
-  EXPECT_EQ(now.Value("dynmesh_mesh_watchers", {{"mesh", "m"}}), 0);
+  for (const char* name :
+       {"dynmesh_mesh_watchers", "dynmesh_mesh_watchers_behind",
+        "dynmesh_mesh_watch_coalesced_total", "dynmesh_mesh_watch_resynced_total"}) {
+    EXPECT_EQ(now.Value(name, {{"mesh", "m"}}), 0) << name;
+  }
   EXPECT_EQ(now.Value("dynmesh_mesh_waiting_edits", {{"mesh", "m"}}), 0);
   EXPECT_EQ(now.Value("dynmesh_mesh_revision", {{"mesh", "n"}}), 0);
 
@@ -253,9 +278,10 @@ TEST_F(CollectTest, BatchesAreCountedByTheirResult) {
   EXPECT_EQ(edits("failed"), 1);
   EXPECT_EQ(now.Value("dynmesh_operations_executed_total"), 7);  // a fake runs one an edit
   for (const char* stage : {"validate", "propagate", "diff"}) {
-    EXPECT_EQ(now.Value("dynmesh_edit_seconds_count", {{"stage", stage}}), 6) << stage;
+    EXPECT_EQ(now.Value("dynmesh_edit_seconds_count", {{"stage", stage}, {"kind", "edit"}}), 6)
+        << stage;
   }
-  EXPECT_EQ(now.Value("dynmesh_edit_seconds_count", {{"stage", "journal"}}), 0);
+  EXPECT_EQ(now.Value("dynmesh_edit_seconds_count", {{"stage", "journal"}, {"kind", "edit"}}), 0);
 }
 
 TEST_F(CollectTest, ScrapesGoOnWhileMeshesAreEditedMadeAndDeleted) {
@@ -324,6 +350,7 @@ TEST(RecoveryMetricsTest, EntriesAreCountedAsTheyAreApplied) {
   const ParsedMetrics now(metrics.registry.Text());
   EXPECT_EQ(now.Value("dynmesh_recovery_entries"), 4);
   EXPECT_EQ(now.Value("dynmesh_recovery_entries_done"), 4);
+  EXPECT_EQ(now.Value("dynmesh_recovery_entries_done_total"), 4);
   EXPECT_EQ(now.Value("dynmesh_recovery_meshes_damaged"), 0);
   EXPECT_GT(now.Value("dynmesh_recovery_seconds"), 0);
   // Edits made again are no edits of clients.
@@ -359,7 +386,7 @@ TEST(RecoveryMetricsTest, ASnapshotIsOneEntry) {
 TEST(RecoveryMetricsTest, LongRecoveriesTellHowFarTheyAre) {
   ASSERT_TRUE(SetLogLevel("info").ok());
   testing::internal::CaptureStderr();
-  RecoveryProgress progress({{1, "m", "", 10, {}}, {2, "n", "", 5, {}}}, nullptr);
+  RecoveryProgress progress({{1, "m", "", 10, {}, {}}, {2, "n", "", 5, {}, {}}}, nullptr);
   std::thread worker([&] {
     for (int i = 0; i < 7; ++i) progress.Apply();
     absl::SleepFor(absl::Milliseconds(100));

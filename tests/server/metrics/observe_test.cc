@@ -14,14 +14,15 @@
 namespace dynmesh::server {
 namespace {
 
-// The address that the log names.
-std::string MetricsAddress(const std::string& log) {
-  const std::string mark = "event=metrics_listen address=";
+// The address that a line of the log names.
+std::string AddressIn(const std::string& log, const std::string& event) {
+  const std::string mark = "event=" + event + " address=";
   const std::size_t at = log.find(mark);
   if (at == std::string::npos) return "";
   const std::size_t begin = at + mark.size();
-  return log.substr(begin, log.find('\n', begin) - begin);
+  return log.substr(begin, log.find_first_of(" \n", begin) - begin);
 }
+std::string MetricsAddress(const std::string& log) { return AddressIn(log, "metrics_listen"); }
 
 class ObserveTest : public ServerFixture {
  protected:
@@ -70,7 +71,7 @@ TEST_F(ObserveTest, CallsAreCountedByMethodAndCode) {
     ASSERT_TRUE(stream->Finish().ok());
   }
   // Told to the server a moment after the client has its answer.
-  const ParsedMetrics::Labels send = {{"stage", "send"}};
+  const ParsedMetrics::Labels send = {{"stage", "send"}, {"kind", "edit"}};
   while (Scrape().Value("dynmesh_edit_seconds_count", send) < 7) std::this_thread::yield();
   const ParsedMetrics now = Scrape();
   EXPECT_EQ(now.Value("grpc_server_started_total", Of("unary", "CreateMesh")), 1);
@@ -89,9 +90,41 @@ TEST_F(ObserveTest, CallsAreCountedByMethodAndCode) {
   EXPECT_EQ(now.Value("grpc_server_msg_sent_total", Of("bidi_stream", "EditStream")), 5);
   EXPECT_EQ(now.Value("dynmesh_edits_total", {{"result", "applied"}}), 7);
   EXPECT_EQ(now.Value("dynmesh_mesh_revision", {{"mesh", "m"}}), 7);
-  EXPECT_EQ(now.Value("dynmesh_edit_seconds_count", {{"stage", "propagate"}}), 7);
+  EXPECT_EQ(now.Value("dynmesh_edit_seconds_count", {{"stage", "propagate"}, {"kind", "edit"}}), 7);
   EXPECT_EQ(now.Value("dynmesh_edit_seconds_count", send), 7);
   EXPECT_FALSE(now.Has("dynmesh_journal_syncs_total"));  // there is no journal
+}
+
+TEST_F(ObserveTest, LoadsAndRevertsAreTimedApartFromEdits) {
+  StartObserved();
+  const std::vector<Feature> points = {AddPoint(1).feature, AddPoint(2).feature};
+  ASSERT_TRUE(client_->Load("m", points).ok());
+  ASSERT_TRUE(client_->Apply("m", {AddPoint(3)}).ok());
+  ASSERT_TRUE(client_->Apply("m", {AddPoint(4)}).ok());
+  const ParsedMetrics now = Scrape();
+  const auto count = [&](const char* kind) {
+    return now.Value("dynmesh_edit_seconds_count", {{"stage", "propagate"}, {"kind", kind}});
+  };
+  EXPECT_EQ(count("load"), 1);
+  EXPECT_EQ(count("edit"), 2);
+  EXPECT_EQ(count("revert"), 0);
+}
+
+// By the snapshot's own size: what comes on top is what each message says beside it.
+TEST_F(ObserveTest, BytesSentAreCounted) {
+  StartObserved();
+  for (FeatureId id = 1; id <= 5; ++id) ASSERT_TRUE(client_->Apply("m", {AddPoint(id)}).ok());
+  const ParsedMetrics::Labels snapshot = Of("server_stream", "GetSnapshot");
+  EXPECT_EQ(Scrape().Value("dynmesh_sent_bytes_total", snapshot), 0);
+  grpc::ClientContext context;
+  v1::GetSnapshotRequest request;
+  request.set_mesh("meshes/m");
+  const auto reader = stub_->GetSnapshot(&context, request);
+  std::size_t bytes = 0;
+  for (v1::SnapshotChunk chunk; reader->Read(&chunk);) bytes += chunk.ByteSizeLong();
+  ASSERT_TRUE(reader->Finish().ok());
+  EXPECT_GT(bytes, 100u);
+  EXPECT_EQ(Scrape().Value("dynmesh_sent_bytes_total", snapshot), static_cast<double>(bytes));
 }
 
 TEST_F(ObserveTest, ABatchThatRunsShowsHowFarItIs) {
@@ -105,6 +138,7 @@ TEST_F(ObserveTest, ABatchThatRunsShowsHowFarItIs) {
   EXPECT_EQ(running.Value("dynmesh_mesh_batch_edits", m), 2);
   EXPECT_EQ(running.Value("dynmesh_mesh_batch_work_done", stage), 2);
   EXPECT_EQ(running.Value("dynmesh_mesh_batch_work", stage), 4);
+  EXPECT_EQ(running.Value("dynmesh_mesh_batch_done_ratio", stage), 0.5);
   gate_->Release();
   editor.join();
   while (Scrape().Value("dynmesh_mesh_batch_edits", m) != 0) std::this_thread::yield();
@@ -240,6 +274,12 @@ TEST_F(ObserveTest, WhoIsRefusedIsToldNowAndThenAndCountedAlways) {
   refuse();
   calls.Tell({"id", "Watch", "PermissionDenied", "ipv4:10.0.0.7:1234"}, other);
   calls.Tell({"id", "Watch", "Canceled", ""}, grpc::Status::CANCELLED);
+  // The error of a mesh's limit does not name the client.
+  error.reason = codec::reason::kQueueFull;
+  error.metadata.clear();
+  calls.Tell({"id", "ApplyEdits", "ResourceExhausted", "ipv4:10.0.0.7:1234"},
+             codec::ToGrpcStatus(codec::MakeServiceError(absl::StatusCode::kResourceExhausted,
+                                                         "the queue is full", error)));
   const std::string log = testing::internal::GetCapturedStderr();
   ASSERT_TRUE(SetLogLevel("error").ok());
   const std::string line =
@@ -250,6 +290,7 @@ TEST_F(ObserveTest, WhoIsRefusedIsToldNowAndThenAndCountedAlways) {
   EXPECT_EQ(Count(log, line + "0 "), 1u) << log;
   EXPECT_EQ(Count(log, "reason=ROLE_MISSING"), 1u) << log;
   EXPECT_EQ(Count(log, "Canceled"), 0u) << log;
+  EXPECT_EQ(Count(log, "reason=QUEUE_FULL client=\"address ipv4:10.0.0.7\" peer="), 1u) << log;
   const ParsedMetrics now(metrics.Text());
   EXPECT_EQ(now.Value("dynmesh_failed_calls_total", {{"reason", "RATE_LIMIT"}}), told);
   EXPECT_EQ(now.Value("dynmesh_failed_calls_total", {{"reason", "ROLE_MISSING"}}), 1);
@@ -288,14 +329,19 @@ class SlowJournal final : public Journal {
   std::string name() const override { return "slow"; }
   absl::StatusOr<std::vector<Mesh>> List() override {
     asked_->Put(0);
-    answer_->Take();
+    if (answer_->Take() != 0) return absl::DataLossError("nothing can be read");
     return std::vector<Mesh>();
   }
   absl::StatusOr<Key> Create(const std::string&, const std::string&) override { return Key{1}; }
   absl::Status Delete(Key) override { return absl::OkStatus(); }
   bool Sweep(Key) override { return false; }
-  absl::Status Append(Key, const std::optional<Entry>&, const std::optional<Request>&) override {
-    return absl::OkStatus();
+  absl::Status Append(Key, const std::vector<Entry>&, const std::vector<Request>&) override {
+    return failing_ ? absl::UnavailableError("the disk is full") : absl::OkStatus();
+  }
+  Counts counts() const override {
+    Counts counts;
+    counts.failing = failing_;
+    return counts;
   }
   absl::Status Read(Key, const Visitor&) override { return absl::OkStatus(); }
   absl::Status ReadPast(Key, std::uint64_t, std::uint64_t, const Visitor&) override {
@@ -306,9 +352,12 @@ class SlowJournal final : public Journal {
     return absl::OkStatus();
   }
 
+  void SetFailing(bool failing) { failing_ = failing; }
+
  private:
   Mailbox<int>* const asked_;
   Mailbox<int>* const answer_;
+  std::atomic<bool> failing_{false};
 };
 
 TEST_F(ObserveTest, AServerIsReadyFromTheEndOfRecoveryToTheDrain) {
@@ -355,6 +404,103 @@ TEST_F(ObserveTest, AServerIsReadyFromTheEndOfRecoveryToTheDrain) {
   drainer.join();
   server_.reset();
   EXPECT_EQ(HttpGet(metrics_, "/healthz").status, 0);
+}
+
+class RecoveringTest : public ObserveTest {
+ protected:
+  RecoveringTest() {
+    EXPECT_TRUE(SetLogLevel("info").ok());
+    testing::internal::CaptureStderr();
+    ServerConfig config;
+    config.listen = "127.0.0.1:0";
+    starter_ = std::thread([this, config] {
+      started_.Put(Server::Start(
+          config,
+          [gate = gate_](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o, gate); },
+          std::make_unique<SlowJournal>(&asked_, &answer_)));
+    });
+    asked_.Take();
+    address_ = AddressIn(testing::internal::GetCapturedStderr(), "listening");
+    EXPECT_TRUE(SetLogLevel("off").ok());
+  }
+  ~RecoveringTest() override { starter_.join(); }
+
+  Mailbox<int> asked_, answer_;
+  Mailbox<absl::StatusOr<std::unique_ptr<Server>>> started_;
+  std::thread starter_;
+};
+
+TEST_F(RecoveringTest, CallsAreToldToComeAgainAndGetThroughAfterwards) {
+  ASSERT_NE(address_, "");
+  const auto client = client::MeshClient::Connect(address_);
+  const std::vector<Feature> points = {AddPoint(1).feature};
+  for (const absl::Status& status :
+       {client->GetStats().status(), client->CreateMesh("m", MeshOptions()).status(),
+        client->ListMeshes().status(), client->Apply("m", {AddPoint(1)}).status(),
+        client->Load("m", points).status(), client->GetSnapshot("m").status()}) {
+    EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable) << Text(status);
+    EXPECT_EQ(ReasonOf(status), codec::reason::kRecovering) << Text(status);
+    EXPECT_TRUE(codec::GetServiceError(status)->retry_after.has_value());
+  }
+  client::WatchOptions patient;
+  patient.max_attempts = 1'000'000;
+  patient.longest_pause = absl::Milliseconds(20);
+  const auto watch = client->Watch("late", patient, nullptr);
+  EXPECT_EQ(Health(""), 2);
+  EXPECT_EQ(Health("dynmesh.v1.MeshService"), 2);
+
+  answer_.Put(0);
+  server_ = *started_.Take();
+  // Over the same connection, without a pause.
+  ASSERT_TRUE(client->CreateMesh("m", MeshOptions()).ok());
+  EXPECT_TRUE(client->Apply("m", {AddPoint(1)}).ok());
+  EXPECT_EQ(Health(""), 1);
+  EXPECT_EQ(Health("dynmesh.v1.MeshService"), 1);
+  // A watch asks until it knows: there is no such mesh.
+  EXPECT_TRUE(Eventually([&] { return watch->ended().has_value(); }));
+  EXPECT_EQ(ReasonOf(*watch->ended()), codec::reason::kMeshNotFound);
+}
+
+TEST_F(RecoveringTest, AJournalThatCannotBeReadClosesThePortAgain) {
+  const auto client = client::MeshClient::Connect(address_);
+  EXPECT_EQ(ReasonOf(client->GetStats().status()), codec::reason::kRecovering);
+  answer_.Put(1);
+  EXPECT_EQ(started_.Take().status().code(), absl::StatusCode::kDataLoss);
+  const absl::Status gone = client->GetStats().status();
+  EXPECT_EQ(gone.code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(ReasonOf(gone), "");
+}
+
+// Or no edit would come to find out that the journal can be written again.
+TEST_F(ObserveTest, AServerIsReadyThoughItsJournalFailsAndSaysSo) {
+  Mailbox<int> asked, answer;
+  answer.Put(0);
+  auto journal = std::make_unique<SlowJournal>(&asked, &answer);
+  SlowJournal& disk = *journal;
+  ServerConfig config;
+  config.listen = "127.0.0.1:0";
+  config.metrics = "127.0.0.1:0";
+  ASSERT_TRUE(SetLogLevel("info").ok());
+  testing::internal::CaptureStderr();
+  server_ = *Server::Start(
+      config,
+      [gate = gate_](const MeshOptions& o, const ApplyOptions&) { return MakeFake(o, gate); },
+      std::move(journal));
+  metrics_ = MetricsAddress(testing::internal::GetCapturedStderr());
+  ASSERT_TRUE(SetLogLevel("off").ok());
+  client_ = client::MeshClient::Connect(server_->address());
+  ASSERT_TRUE(client_->CreateMesh("m", MeshOptions()).ok());
+  EXPECT_EQ(HttpGet(metrics_, "/readyz").body, "ready\n");
+  disk.SetFailing(true);
+  EXPECT_EQ(ReasonOf(client_->Apply("m", {AddPoint(1)}).status()), codec::reason::kJournalFailed);
+  const HttpAnswer failing = HttpGet(metrics_, "/readyz");
+  EXPECT_EQ(failing.status, 200);
+  EXPECT_EQ(failing.body, "ready; edits are refused: the journal cannot be written\n");
+  EXPECT_EQ(Health(""), 1);
+  EXPECT_TRUE(client_->GetSnapshot("m").ok());
+  disk.SetFailing(false);
+  EXPECT_TRUE(client_->Apply("m", {AddPoint(1)}).ok());
+  EXPECT_EQ(HttpGet(metrics_, "/readyz").body, "ready\n");
 }
 
 TEST_F(ObserveTest, AMetricsPortThatIsTakenIsAnErrorAtTheStart) {

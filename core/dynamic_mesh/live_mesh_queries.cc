@@ -1,0 +1,85 @@
+// What a LiveMesh is asked: its mesh, where places lie, how large it is, whether all is in order.
+#include "core/dynamic_mesh/live_mesh.h"
+
+namespace dynmesh {
+
+template <int D>
+Mesh LiveMesh<D>::Snapshot() const {
+  Mesh mesh = state_->diffs.Snapshot(state_->refinement, state_->features);
+  mesh.revision = revision_;
+  return mesh;
+}
+
+template <int D>
+SimplexColumn LiveMesh<D>::Locate(std::span<const double> points) const {
+  SimplexColumn result;
+  result.reserve(points.size() / D * (D + 1));
+  const auto& triangulation = state_->diffs.triangulation();
+  const auto& rules = state_->refinement.rules();
+  meshing::VertexIndex near = 0;
+  for (; points.size() >= D; points = points.subspan(D)) {
+    geometry::Point<D> p;
+    bool inside = true;
+    for (int k = 0; k < D; ++k) {
+      p[k] = points[static_cast<std::size_t>(k)];
+      inside = inside && rules.lo()[k] <= p[k] && p[k] <= rules.hi()[k];
+    }
+    std::array<VertexId, D + 1> ids = {};
+    if (inside) {
+      const auto t = triangulation.Locate(p, near);
+      if (!triangulation.IsInfinite(t)) {
+        near = triangulation.vertices(t)[0];
+        ids = state_->diffs.CanonicalIds(t);
+      }
+    }
+    result.insert(result.end(), ids.begin(), ids.end());
+  }
+  return result;
+}
+
+template <int D>
+MeshStats LiveMesh<D>::Stats() const {
+  const State& s = *state_;
+  MeshStats stats;
+  stats.revision = revision_;
+  stats.features = plc_.size();
+  stats.vertices = s.refinement.vertex_count();
+  stats.simplices = s.diffs.triangulation().simplex_count();
+  stats.subsegments = s.diffs.subsegment_count();
+  stats.subfacets = s.diffs.subfacet_count();
+  stats.operations = s.refinement.engine().operation_count();
+  stats.trace_bytes = s.refinement.trace_bytes();
+  stats.mesh_bytes = s.refinement.bytes() + s.diffs.bytes() + s.features.bytes() + plc_.bytes();
+  return stats;
+}
+
+template <int D>
+AuditReport LiveMesh<D>::Audit() const {
+  AuditReport report;
+  const std::uint64_t trace = state_->refinement.Audit(&report.problems);
+  report.trace = {trace, state_->refinement.engine().operation_count()};
+  std::string why;
+  if (!state_->diffs.triangulation().Check(&why)) report.problems.push_back("mesh: " + why);
+  if (!state_->diffs.CheckLabels()) {
+    report.problems.push_back("regions of neighbours do not agree with the edges between them");
+  }
+  const Mesh mesh = Snapshot();
+  if (!(ComputeHash(mesh) == mesh.hash)) {
+    report.problems.push_back("the hash kept is not that of the mesh");
+  }
+  if (mesh.vertices.size() != state_->diffs.triangulation().vertex_count()) {
+    report.problems.push_back("the triangulation's vertices are not those present");
+  }
+  return report;
+}
+
+template Mesh LiveMesh<2>::Snapshot() const;
+template Mesh LiveMesh<3>::Snapshot() const;
+template SimplexColumn LiveMesh<2>::Locate(std::span<const double>) const;
+template SimplexColumn LiveMesh<3>::Locate(std::span<const double>) const;
+template MeshStats LiveMesh<2>::Stats() const;
+template MeshStats LiveMesh<3>::Stats() const;
+template AuditReport LiveMesh<2>::Audit() const;
+template AuditReport LiveMesh<3>::Audit() const;
+
+}  // namespace dynmesh

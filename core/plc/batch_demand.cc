@@ -1,0 +1,279 @@
+// The last part of BatchCheck: would the result take more vertices than the mesh may have?
+//
+// Of regions all that come are asked, of things near each other those that come: the longest
+// segments and the largest facets, where there are very many. An answer is a function of features
+// and batch: candidates are picked by measure and id, never by the order in which they are found.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "core/plc/batch_check.h"
+#include "core/plc/least_vertices.h"
+#include "core/plc/messages.h"
+
+namespace dynmesh::plc {
+namespace {
+
+using geometry::Point;
+
+// So many segments or facets are looked at for what is near them.
+constexpr std::size_t kMostProbed = 4096;
+// Of what is near the middle of a segment the nearest.
+constexpr std::size_t kNearest = 4;
+// Segments that end at a point; where more do, two of them meet at less than 60 degrees.
+constexpr std::size_t kMostAround = 6;
+
+// The greatest `count` of those in `things`, which have a size and an order among equals.
+template <class Thing>
+void KeepGreatest(std::vector<Thing>& things, std::size_t count) {
+  if (things.size() <= count) return;
+  std::nth_element(things.begin(), things.begin() + static_cast<std::ptrdiff_t>(count),
+                   things.end(), [](const Thing& a, const Thing& b) { return b < a; });
+  things.resize(count);
+}
+
+// Below 60 degrees, or in doubt?
+template <int D>
+bool IsSharp(const Point<D>& apex, const Point<D>& a, const Point<D>& b) {
+  double dot = 0, aa = 0, bb = 0;
+  for (int k = 0; k < D; ++k) {
+    dot += (a[k] - apex[k]) * (b[k] - apex[k]);
+    aa += (a[k] - apex[k]) * (a[k] - apex[k]);
+    bb += (b[k] - apex[k]) * (b[k] - apex[k]);
+  }
+  return dot > 0.499 * std::sqrt(aa) * std::sqrt(bb);
+}
+
+// One that ends at `apex` leads to where?
+template <int D>
+std::pair<FeatureId, Point<D>> OtherEnd(const SegmentFeature<D>& s, FeatureId apex) {
+  return s.p_id == apex ? std::pair(s.q_id, s.q) : std::pair(s.p_id, s.p);
+}
+
+}  // namespace
+
+template <int D>
+absl::Status BatchCheck<D>::CheckDemand() {
+  if (absl::Status status = CheckRegions(); !status.ok()) return status;
+  if constexpr (D == 3) {
+    if (absl::Status status = CheckFacetGaps(); !status.ok()) return status;
+  }
+  return CheckSegmentGaps();
+}
+
+template <int D>
+absl::Status BatchCheck<D>::CheckRegions() const {
+  const auto& sizes = delta_.added_sizes;
+  if (sizes.empty()) return absl::OkStatus();
+  const Box domain = DomainBox(options_);
+  const double most = static_cast<double>(options_.limits.max_vertices);
+  double sum = 0, largest = 0;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const double vertices = LeastVerticesIn(sizes[i], domain);
+    sum += vertices;
+    if (vertices > largest) largest = vertices, at = i;
+  }
+  if (sum <= most) return absl::OkStatus();
+  const double all = largest > most ? largest : LeastVerticesIn(std::span(sizes), domain);
+  if (all <= most) return absl::OkStatus();
+  return RegionDemandError(sizes[at], largest, all, options_, draft_.BlameOf(sizes[at].id));
+}
+
+// Not those that the batch changes, in which they are as they were.
+template <int D>
+template <class Visit>
+void BatchCheck<D>::ForSegmentsWithin(const Point<D>& p, double distance, Visit visit) {
+  if (present_ != nullptr) {
+    present_->QueryWithin(
+        p, distance,
+        [&](const SegmentFeature<D>& s) {
+          if (!IsHidden(s)) visit(s);
+        },
+        &cost_);
+  }
+  entered_.QueryWithin(p, distance, visit, &cost_);
+}
+
+// What makes most vertices on s, of what is within `distance` of its middle.
+template <int D>
+std::pair<double, SegmentFeature<D>> BatchCheck<D>::CrowdOn(const SegmentFeature<D>& s,
+                                                            double distance) {
+  Point<D> middle;
+  for (int k = 0; k < D; ++k) middle[k] = 0.5 * (s.p[k] + s.q[k]);
+  const EdgeKey own = KeyOf(s);
+  std::vector<std::tuple<double, EdgeKey, SegmentFeature<D>>> near;
+  ForSegmentsWithin(middle, distance, [&](const SegmentFeature<D>& t) {
+    const EdgeKey key = KeyOf(t);
+    if (key == own) return;
+    const double d = DistanceOf(t, middle);
+    if (d > distance) return;
+    const auto before = [&](const auto& entry) {
+      return std::tie(std::get<0>(entry), std::get<1>(entry)) <= std::tie(d, key);
+    };
+    const auto place = std::find_if_not(near.begin(), near.end(), before);
+    if (place != near.begin() && std::get<1>(*std::prev(place)) == key) return;  // seen before
+    near.insert(place, {d, key, t});
+    if (near.size() > kNearest) near.pop_back();
+  });
+  std::pair<double, SegmentFeature<D>> most{0, {}};
+  for (const auto& [d, key, t] : near) {
+    const double vertices = LeastVerticesOn(s, t, options_.quality, limit_);
+    if (vertices > most.first) most = {vertices, t};
+  }
+  return most;
+}
+
+// In the plane the quality is not promised at sharp angles. Is s, or what joins its ends, part of
+// one?
+template <int D>
+bool BatchCheck<D>::IsAtSharpAngle(const SegmentFeature<D>& s) {
+  const auto at = [&](FeatureId end, const Point<D>& p) {
+    std::vector<SegmentFeature<D>> found;
+    ForSegmentsWithin(p, limit_, [&](const SegmentFeature<D>& t) {
+      if (t.p_id != end && t.q_id != end) return;
+      const auto is_same = [&](const SegmentFeature<D>& u) { return KeyOf(u) == KeyOf(t); };
+      if (std::none_of(found.begin(), found.end(), is_same)) found.push_back(t);
+    });
+    return found;
+  };
+  const auto is_sharp_at = [&](FeatureId end, const Point<D>& p, const SegmentFeature<D>& t) {
+    const auto others = at(end, p);
+    if (others.size() > kMostAround) return true;
+    return std::any_of(others.begin(), others.end(), [&](const SegmentFeature<D>& u) {
+      return KeyOf(u) != KeyOf(t) && IsSharp(p, OtherEnd(t, end).second, OtherEnd(u, end).second);
+    });
+  };
+  for (const auto& [end, p] : {std::pair(s.p_id, s.p), std::pair(s.q_id, s.q)}) {
+    if (is_sharp_at(end, p, s)) return true;
+    for (const SegmentFeature<D>& t : at(end, p)) {
+      if (KeyOf(t) == KeyOf(s)) continue;
+      const auto [other, q] = OtherEnd(t, end);
+      if (is_sharp_at(other, q, t)) return true;
+    }
+  }
+  return false;
+}
+
+template <int D>
+absl::Status BatchCheck<D>::CheckSegmentGaps() {
+  const auto& added = delta_.added_segments;
+  if (added.empty()) return absl::OkStatus();
+  const double most = static_cast<double>(options_.limits.max_vertices);
+  const double need = most / static_cast<double>(std::min(added.size(), kMostProbed));
+  struct Probed {
+    double reach;  // what is farther makes fewer vertices than needed
+    std::size_t at;
+    bool operator<(const Probed& other) const {
+      return std::tie(reach, other.at) < std::tie(other.reach, at);
+    }
+  };
+  std::vector<Probed> probed;
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    const double reach = DistanceFor(added[i], need, options_.quality);
+    if (reach > limit_) probed.push_back({reach, i});  // nothing is nearer
+  }
+  KeepGreatest(probed, kMostProbed);
+  struct Gap {
+    double vertices;
+    std::size_t at;
+    SegmentFeature<D> other;
+  };
+  std::vector<Gap> gaps;
+  double sum = 0;
+  for (const Probed& p : probed) {
+    if (steps_.Stop(16)) return InterruptedError();
+    auto [vertices, other] = CrowdOn(added[p.at], p.reach);
+    if (!(vertices > 0)) continue;
+    sum += vertices;
+    gaps.push_back({vertices, p.at, std::move(other)});
+  }
+  if (sum <= most) return absl::OkStatus();
+  if constexpr (D == 2) {
+    std::erase_if(gaps, [&](const Gap& gap) { return IsAtSharpAngle(added[gap.at]); });
+    sum = 0;
+    for (const Gap& gap : gaps) sum += gap.vertices;
+    if (sum <= most) return absl::OkStatus();
+  }
+  const Gap& worst = *std::min_element(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) {
+    return std::tie(b.vertices, a.at) < std::tie(a.vertices, b.at);
+  });
+  const SegmentFeature<D>& s = added[worst.at];
+  const EditIndex edit =
+      std::max({draft_.BlameOf(s.id), draft_.BlameOf(s.p_id), draft_.BlameOf(s.q_id)});
+  return GapDemandError<D>(s, worst.other, LeastDistance(s, worst.other), worst.vertices, sum,
+                           options_, edit);
+}
+
+template <int D>
+absl::Status BatchCheck<D>::CheckFacetGaps() {
+  if constexpr (D == 3) {
+    const auto& added = delta_.added_facets;
+    if (added.empty()) return absl::OkStatus();
+    const double most = static_cast<double>(options_.limits.max_vertices);
+    const double need = most / static_cast<double>(std::min(added.size(), kMostProbed));
+    // Vertices on a facet, and what is over it.
+    struct Gap {
+      double vertices = 0;
+      Facet facet, other;
+    };
+    std::map<FeatureId, Gap> gaps;  // by id: the order of a sum matters to its bits
+    const auto note = [&](const Facet& f, const Facet& g) {
+      const double vertices = LeastVerticesOn(f, g, options_.quality, limit_);
+      if (!(vertices > 0)) return;
+      Gap& gap = gaps[f.id()];
+      if (std::tuple(vertices, gap.other.id()) <= std::tuple(gap.vertices, g.id())) return;
+      gap = {vertices, f, g};
+    };
+    const std::size_t probed = std::min(added.size(), kMostProbed);
+    for (std::size_t i = 0; i < probed; ++i) {
+      if (steps_.Stop(16)) return InterruptedError();
+      const Facet facet(added[i]);
+      const double reach = DistanceFor(facet, need, options_.quality);
+      if (!(reach > limit_)) continue;
+      absl::flat_hash_set<FeatureId> seen;
+      const auto see = [&](const Facet& other) {
+        if (other.id() == facet.id() || !seen.insert(other.id()).second) return;
+        note(facet, other);
+        note(other, facet);
+      };
+      if (present_ != nullptr) {
+        present_->QueryWithin(
+            facet, reach,
+            [&](const Facet& other) {
+              if (!hidden_facets_.contains(other.id())) see(other);
+            },
+            &cost_);
+      }
+      entered_.QueryWithin(facet, reach, see, &cost_);
+    }
+    double sum = 0;
+    const Gap* worst = nullptr;
+    for (const auto& [id, gap] : gaps) {
+      sum += gap.vertices;
+      if (worst == nullptr ||
+          std::tuple(worst->vertices, id) < std::tuple(gap.vertices, worst->facet.id())) {
+        worst = &gap;
+      }
+    }
+    if (sum <= most) return absl::OkStatus();
+    // The one to blame first.
+    const bool is_other = draft_.BlameOf(worst->other.id()) > draft_.BlameOf(worst->facet.id());
+    const Facet &first = is_other ? worst->other : worst->facet,
+                &second = is_other ? worst->facet : worst->other;
+    const double distance =
+        std::abs(worst->other.plane().Height(worst->facet.feature().places.front().front()));
+    return GapDemandError<D>(first, second, distance, worst->vertices, sum, options_,
+                             draft_.BlameOf(first.id()));
+  }
+  return absl::OkStatus();
+}
+
+template absl::Status BatchCheck<2>::CheckDemand();
+template absl::Status BatchCheck<3>::CheckDemand();
+
+}  // namespace dynmesh::plc

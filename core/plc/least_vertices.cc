@@ -1,0 +1,458 @@
+#include "core/plc/least_vertices.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "core/base/rings.h"
+
+namespace dynmesh::plc {
+namespace {
+
+using geometry::Difference;
+using geometry::Dot;
+using geometry::Point;
+using geometry::Point2;
+using geometry::Point3;
+using geometry::Vector3;
+
+// More than any mesh has, and far from where doubles end.
+constexpr double kMost = 1e300;
+// For roundings, of coordinates (QualitySlack) as of what is reckoned here.
+constexpr double kSlack = 1.02;
+
+// --- Regions ----------------------------------------------------------------------------
+
+// Vertices that a region of measure 1 takes at target length 1.
+template <int D>
+constexpr double kDensity = (D == 2 ? 4 / (3 * 1.7320508075688772)
+                                    : 3 / (4 * std::numbers::pi) * 2.8284271247461903) /
+                            kSlack;
+
+// Vertices, rather than 1/h^D by itself, which may not be a double.
+template <int D>
+double Vertices(double measure, double target) {
+  double n = kDensity<D>;
+  const double side = std::pow(measure, 1.0 / D);
+  for (int k = 0; k < D; ++k) n = std::min(n * (side / target), kMost);
+  return n;
+}
+
+template <int D>
+struct Extent {
+  Point<D> lo{}, hi{};
+  double Measure() const {
+    double measure = 1;
+    for (int k = 0; k < D; ++k) measure *= std::max(0.0, hi[k] - lo[k]);
+    return measure;
+  }
+};
+
+template <int D>
+Extent<D> Common(const Extent<D>& a, const Extent<D>& b) {
+  Extent<D> common;
+  for (int k = 0; k < D; ++k) {
+    common.lo[k] = std::max(a.lo[k], b.lo[k]);
+    common.hi[k] = std::min(a.hi[k], b.hi[k]);
+  }
+  return common;
+}
+
+template <int D>
+Extent<D> Around(const Point<D>& centre, double r) {
+  Extent<D> extent;
+  for (int k = 0; k < D; ++k) extent.lo[k] = centre[k] - r, extent.hi[k] = centre[k] + r;
+  return extent;
+}
+
+template <int D>
+Extent<D> ExtentOf(const Box& box) {
+  Extent<D> extent;
+  for (int k = 0; k < D; ++k) extent.lo[k] = box.lo[k], extent.hi[k] = box.hi[k];
+  return extent;
+}
+
+// Of a disc as much as is certainly in the domain.
+template <int D>
+double RadiusIn(const SizeFeature<D>& size, const Box& domain) {
+  double r = size.sizing.radius;
+  for (int k = 0; k < D; ++k) {
+    r = std::min({r, size.at[k] - domain.lo[k], domain.hi[k] - size.at[k]});
+  }
+  return std::max(r, 0.0);
+}
+
+Extent<2> ExtentOf(const std::vector<std::vector<Point2>>& rings) {
+  Extent<2> extent{rings.front().front(), rings.front().front()};
+  for (const auto& ring : rings) {
+    for (const Point2& p : ring) {
+      for (int k = 0; k < 2; ++k) {
+        extent.lo[k] = std::min(extent.lo[k], p[k]);
+        extent.hi[k] = std::max(extent.hi[k], p[k]);
+      }
+    }
+  }
+  return extent;
+}
+
+// The area of what an odd number of rings goes around, in cells that no edge meets: rings may
+// cross.
+double AreaInside(const std::vector<std::vector<Point2>>& rings) {
+  constexpr int kCells = 64;
+  const Extent<2> extent = ExtentOf(rings);
+  const double width = (extent.hi[0] - extent.lo[0]) / kCells,
+               height = (extent.hi[1] - extent.lo[1]) / kCells;
+  if (!(width > 0 && height > 0)) return 0;
+  std::vector<std::uint8_t> met(kCells * kCells), turned(kCells * kCells);
+  const auto cell = [](double x) { return std::clamp(static_cast<int>(x), 0, kCells - 1); };
+  ForEachEdgeOf(rings, [&](const Point2& p, const Point2& q) {
+    // In cells, the lower end first.
+    double x0 = (p[0] - extent.lo[0]) / width, y0 = (p[1] - extent.lo[1]) / height;
+    double x1 = (q[0] - extent.lo[0]) / width, y1 = (q[1] - extent.lo[1]) / height;
+    if (y1 < y0) std::swap(x0, x1), std::swap(y0, y1);
+    const auto at = [&](double y) {
+      return y1 > y0 ? x0 + (x1 - x0) * std::clamp((y - y0) / (y1 - y0), 0.0, 1.0) : x0;
+    };
+    constexpr double kHair = 1e-6;
+    for (int row = cell(y0 - kHair); row <= cell(y1 + kHair); ++row) {
+      const auto [left, right] =
+          y1 > y0 ? std::minmax({at(row - kHair), at(row + 1 + kHair)}) : std::minmax({x0, x1});
+      for (int i = cell(left - kHair); i <= cell(right + kHair); ++i) met[row * kCells + i] = 1;
+      const double middle = row + 0.5;
+      if (!(y0 <= middle && middle < y1)) continue;
+      // Cells whose middles are to the right.
+      const double first = std::ceil(at(middle) - 0.5);
+      if (first < kCells) turned[row * kCells + std::max(0, static_cast<int>(first))] ^= 1;
+    }
+  });
+  int inside = 0;
+  for (int row = 0; row < kCells; ++row) {
+    int parity = 0;
+    for (int i = row * kCells; i < (row + 1) * kCells; ++i) {
+      parity ^= turned[i];
+      inside += parity != 0 && met[i] == 0;
+    }
+  }
+  return inside * width * height;
+}
+
+template <int D>
+double MeasureIn(const SizeFeature<D>& size, const Box& domain) {
+  switch (size.sizing.shape) {
+    case SizeShape::kDisc: {
+      const double r = RadiusIn(size, domain);
+      return std::numbers::pi * r * r * (D == 2 ? 1 : 4 * r / 3);
+    }
+    case SizeShape::kBox: {
+      Extent<D> box{size.at, {}};
+      for (int k = 0; k < D; ++k) box.hi[k] = size.sizing.hi[k];
+      return Common(box, ExtentOf<D>(domain)).Measure();
+    }
+    case SizeShape::kPolygon:
+      if constexpr (D == 2) return AreaInside(size.places);
+      return 0;
+    default:
+      return 0;
+  }
+}
+
+// Cells over some regions: in each the greatest number that one of them has there.
+template <int D>
+class RegionCells {
+ public:
+  explicit RegionCells(const Extent<D>& all) : all_(all) {
+    std::size_t cells = 1;
+    for (int k = 0; k < D; ++k) cells *= kCells;
+    most_.resize(cells);
+  }
+
+  // A region within `around`, which takes `vertices`; of those, where it lies in several cells,
+  // `in` tells how many are certainly in one of them.
+  template <class In>
+  void Add(const Extent<D>& around, double vertices, In in) {
+    std::array<int, D> first, last, at;
+    bool single = true;
+    for (int k = 0; k < D; ++k) {
+      first[k] = CellAt(around.lo[k], k);
+      last[k] = CellAt(around.hi[k], k);
+      single = single && first[k] == last[k];
+    }
+    at = first;
+    while (visits_++ < kMostVisits) {
+      std::size_t index = 0;
+      Extent<D> cell;
+      for (int k = 0; k < D; ++k) {
+        index = index * kCells + at[k];
+        cell.lo[k] = all_.lo[k] + at[k] * Side(k);
+        cell.hi[k] = cell.lo[k] + Side(k);
+      }
+      most_[index] = std::max(most_[index], single ? vertices : in(cell));
+      int k = 0;
+      while (k < D && ++at[k] > last[k]) at[k] = first[k], ++k;
+      if (k == D) return;
+    }
+  }
+
+  double Sum() const {
+    double sum = 0;
+    for (const double most : most_) sum += most;
+    return std::min(sum, kMost);
+  }
+
+ private:
+  static constexpr int kCells = D == 2 ? 64 : 16;
+  static constexpr int kMostVisits = 1 << 22;  // what is left out makes the sum lower
+
+  double Side(int axis) const { return (all_.hi[axis] - all_.lo[axis]) / kCells; }
+  int CellAt(double x, int axis) const {
+    const double side = Side(axis);
+    if (!(side > 0)) return 0;
+    return static_cast<int>(std::clamp((x - all_.lo[axis]) / side, 0.0, kCells - 1.0));
+  }
+
+  Extent<D> all_;
+  std::vector<double> most_;
+  int visits_ = 0;
+};
+
+// All that a region lies in, and a box that is certainly in it.
+template <int D>
+std::pair<Extent<D>, Extent<D>> BoxesOf(const SizeFeature<D>& size, const Box& domain) {
+  if (size.sizing.shape == SizeShape::kDisc) {
+    const double r = RadiusIn(size, domain);
+    return {Around(size.at, r), Around(size.at, r / std::sqrt(D))};
+  }
+  if constexpr (D == 2) {
+    if (size.sizing.shape == SizeShape::kPolygon) {
+      const Extent<2> around = ExtentOf(size.places);
+      return {around, {around.hi, around.lo}};  // none
+    }
+  }
+  Extent<D> box{size.at, size.at};
+  if (size.sizing.shape == SizeShape::kBox) {
+    for (int k = 0; k < D; ++k) box.hi[k] = size.sizing.hi[k];
+    box = Common(box, ExtentOf<D>(domain));
+  }
+  return {box, box};
+}
+
+// Is all of the cell in that disc?
+template <int D>
+bool Holds(const SizeFeature<D>& size, double r, const Extent<D>& cell) {
+  if (size.sizing.shape != SizeShape::kDisc) return false;
+  double sum = 0;
+  for (int k = 0; k < D; ++k) {
+    const double far = std::max(size.at[k] - cell.lo[k], cell.hi[k] - size.at[k]);
+    sum += far * far;
+  }
+  return sum < r * r;
+}
+
+// --- Segments ---------------------------------------------------------------------------
+
+// At most so much longer than the distance of what is beside it is a subsegment.
+template <int D>
+double MostLength(double quality) {
+  const double rho = quality * kSlack;
+  return D == 2 ? 4 * rho : 17.1 * rho * rho;
+}
+
+template <int D>
+double LengthOf(const SegmentFeature<D>& s) {
+  return std::sqrt(geometry::SquaredDistance(s.p, s.q));
+}
+
+constexpr int kPieces = 16;
+
+// How far t is from places along s, from the lesser end on.
+template <int D>
+std::array<double, kPieces + 1> DistancesAlong(const SegmentFeature<D>& s,
+                                               const SegmentFeature<D>& t) {
+  const Point<D>& lo = s.q < s.p ? s.q : s.p;
+  const Point<D>& hi = s.q < s.p ? s.p : s.q;
+  std::array<double, kPieces + 1> distances;
+  for (int i = 0; i <= kPieces; ++i) {
+    Point<D> p;
+    for (int k = 0; k < D; ++k) p[k] = lo[k] + (hi[k] - lo[k]) * i / kPieces;
+    distances[i] = DistanceOf(t, p);
+  }
+  return distances;
+}
+
+// --- Facets -----------------------------------------------------------------------------
+
+const std::vector<Point3>* OnlyRing(const Facet& f) {
+  return f.feature().places.size() == 1 ? &f.feature().places.front() : nullptr;
+}
+
+double NormOf(const Vector3& v) { return std::sqrt(Dot(v, v)); }
+
+Vector3 Cross(const Vector3& a, const Vector3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+// How far the foot of p is outside of the convex ring of g, at most; infinite if it is not convex.
+double Overhang(const std::vector<Point3>& ring, const Vector3& normal, const Point3& p) {
+  // Which way round it goes; then every corner is to turn that way.
+  double turning = 0;
+  for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
+    turning +=
+        Dot(normal, Cross(Difference(ring[i].c, ring[0].c), Difference(ring[i + 1].c, ring[0].c)));
+  }
+  double most = -INFINITY;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point3 &a = ring[i], &b = ring[(i + 1) % ring.size()], &c = ring[(i + 2) % ring.size()];
+    const Vector3 edge = Difference(b.c, a.c), next = Difference(c.c, b.c);
+    const double sign = turning > 0 ? 1 : -1;
+    if (sign * Dot(normal, Cross(edge, next)) < -1e-9 * NormOf(edge) * NormOf(next)) {
+      return INFINITY;
+    }
+    const double inward = sign * Dot(normal, Cross(edge, Difference(p.c, a.c))) / NormOf(edge);
+    most = std::max(most, -inward);
+  }
+  return most;
+}
+
+}  // namespace
+
+template <int D>
+double LeastVerticesIn(const SizeFeature<D>& size, const Box& domain) {
+  return Vertices<D>(MeasureIn(size, domain), size.sizing.target);
+}
+
+template <int D>
+double LeastVerticesIn(std::span<const SizeFeature<D>> sizes, const Box& domain) {
+  Extent<D> all = Around(Point<D>{}, -INFINITY);
+  for (const SizeFeature<D>& size : sizes) {
+    const Extent<D> around = BoxesOf(size, domain).first;
+    for (int k = 0; k < D; ++k) {
+      all.lo[k] = std::min(all.lo[k], around.lo[k]);
+      all.hi[k] = std::max(all.hi[k], around.hi[k]);
+    }
+  }
+  RegionCells<D> cells(all);
+  for (const SizeFeature<D>& size : sizes) {
+    const auto [around, core] = BoxesOf(size, domain);
+    const double r = RadiusIn(size, domain);
+    cells.Add(around, LeastVerticesIn(size, domain), [&](const Extent<D>& cell) {
+      const double measure = Holds(size, r, cell) ? cell.Measure() : Common(core, cell).Measure();
+      return Vertices<D>(measure, size.sizing.target);
+    });
+  }
+  return cells.Sum();
+}
+
+template <int D>
+double TargetFor(const SizeFeature<D>& size, const Box& domain, double most) {
+  return std::pow(MeasureIn(size, domain) * kDensity<D> / most, 1.0 / D);
+}
+
+template <int D>
+SizeFeature<D> RegionOfMaxEdge(const MeshOptions& options) {
+  SizeFeature<D> size;
+  size.sizing = {SizeShape::kBox, options.max_edge, 0, options.box.hi};
+  std::copy_n(options.box.lo.begin(), D, size.at.c.begin());
+  return size;
+}
+
+template <int D>
+double LeastVerticesOn(const SegmentFeature<D>& s, const SegmentFeature<D>& t, double quality,
+                       double limit) {
+  const double piece = LengthOf(s) / kPieces;
+  const auto distances = DistancesAlong(s, t);
+  double vertices = 0;
+  for (const double distance : distances) {
+    const double g = std::max(distance, limit / 2);
+    const double most = MostLength<D>(quality) * g;
+    // The distance from t is convex along s: places within g are one stretch.
+    const auto is_near = [g](double d) { return d <= g; };
+    const auto first = std::find_if(distances.begin(), distances.end(), is_near);
+    const auto last = std::find_if_not(first, distances.end(), is_near);
+    const double stretch = static_cast<double>(last - first - 1) * piece;
+    // At its ends the third corner may be beyond, and so may that of a subsegment.
+    vertices = std::max(vertices, stretch / most - 4);
+  }
+  return std::min(vertices, kMost);
+}
+
+template <int D>
+double DistanceFor(const SegmentFeature<D>& s, double vertices, double quality) {
+  return LengthOf(s) / (MostLength<D>(quality) * vertices);
+}
+
+template <int D>
+double DistanceOf(const SegmentFeature<D>& t, const Point<D>& p) {
+  const Point<D>& lo = t.q < t.p ? t.q : t.p;
+  const Point<D>& hi = t.q < t.p ? t.p : t.q;
+  double length2 = 0, along = 0;
+  for (int k = 0; k < D; ++k) {
+    length2 += (hi[k] - lo[k]) * (hi[k] - lo[k]);
+    along += (hi[k] - lo[k]) * (p[k] - lo[k]);
+  }
+  if (along <= 0) return std::sqrt(geometry::SquaredDistance(p, lo));
+  if (along >= length2) return std::sqrt(geometry::SquaredDistance(p, hi));
+  double cross2 = 0;
+  for (int i = 0; i < D; ++i) {
+    for (int j = i + 1; j < D; ++j) {
+      const double minor = (hi[i] - lo[i]) * (p[j] - lo[j]) - (hi[j] - lo[j]) * (p[i] - lo[i]);
+      cross2 += minor * minor;
+    }
+  }
+  return std::sqrt(cross2 / length2);
+}
+
+template <int D>
+double LeastDistance(const SegmentFeature<D>& s, const SegmentFeature<D>& t) {
+  const auto distances = DistancesAlong(s, t);
+  return *std::min_element(distances.begin(), distances.end());
+}
+
+double LeastVerticesOn(const Facet& f, const Facet& g, double quality, double limit) {
+  const std::vector<Point3>*const below = OnlyRing(f), *const above = OnlyRing(g);
+  if (below == nullptr || above == nullptr) return 0;
+  const double cosine = std::abs(Dot(f.plane().normal, g.plane().normal));
+  if (!(cosine > 0.5)) return 0;
+  double least = INFINITY, most = -INFINITY;
+  for (const Point3& p : *below) {
+    const double h = g.plane().Height(p);
+    least = std::min(least, h);
+    most = std::max(most, h);
+  }
+  if (least * most <= 0) return 0;  // it passes through, or touches
+  const double height =
+      std::max(std::max(-least, most) / cosine + f.deviation() + g.deviation(), limit / 2);
+  for (const Point3& p : *below) {
+    if (!(Overhang(*above, g.plane().normal, p) <= 1e-3 * height)) return 0;
+  }
+  const double rho = quality * kSlack, radius = 4 * rho * rho * height;
+  return std::min(f.area() / (std::numbers::pi * radius * radius), kMost);
+}
+
+double DistanceFor(const Facet& f, double vertices, double quality) {
+  const double rho = quality * kSlack;
+  return std::sqrt(f.area() / (std::numbers::pi * vertices)) / (4 * rho * rho);
+}
+
+template double LeastVerticesIn(const SizeFeature<2>&, const Box&);
+template double LeastVerticesIn(const SizeFeature<3>&, const Box&);
+template double LeastVerticesIn(std::span<const SizeFeature<2>>, const Box&);
+template double LeastVerticesIn(std::span<const SizeFeature<3>>, const Box&);
+template double TargetFor(const SizeFeature<2>&, const Box&, double);
+template double TargetFor(const SizeFeature<3>&, const Box&, double);
+template SizeFeature<2> RegionOfMaxEdge<2>(const MeshOptions&);
+template SizeFeature<3> RegionOfMaxEdge<3>(const MeshOptions&);
+template double LeastVerticesOn(const SegmentFeature<2>&, const SegmentFeature<2>&, double, double);
+template double LeastVerticesOn(const SegmentFeature<3>&, const SegmentFeature<3>&, double, double);
+template double DistanceFor(const SegmentFeature<2>&, double, double);
+template double DistanceFor(const SegmentFeature<3>&, double, double);
+template double DistanceOf(const SegmentFeature<2>&, const Point2&);
+template double DistanceOf(const SegmentFeature<3>&, const Point3&);
+template double LeastDistance(const SegmentFeature<2>&, const SegmentFeature<2>&);
+template double LeastDistance(const SegmentFeature<3>&, const SegmentFeature<3>&);
+
+}  // namespace dynmesh::plc

@@ -1,0 +1,32 @@
+#include "server/meshes/edit_group.h"
+
+#include <utility>
+
+namespace dynmesh::server {
+
+const HeldEdit* EditGroup::Find(absl::string_view request_id) const {
+  for (const HeldEdit& edit : edits_) {
+    if (edit.unwritten && edit.job->request_id == request_id) return &edit;
+  }
+  return nullptr;
+}
+
+std::vector<MeshLog::Batch> EditGroup::Unwritten() const {
+  std::vector<MeshLog::Batch> batches;
+  for (const HeldEdit& edit : edits_) {
+    if (edit.unwritten) batches.push_back({&edit.job->edits, edit.job->request_id, edit.answer});
+  }
+  return batches;
+}
+
+void EditGroup::Add(HeldEdit edit) {
+  if (edit.unwritten && edit.answer.from_revision != edit.answer.to_revision) ++revisions_;
+  edits_.push_back(std::move(edit));
+}
+
+std::vector<HeldEdit> EditGroup::Take() {
+  revisions_ = 0;
+  return std::exchange(edits_, {});
+}
+
+}  // namespace dynmesh::server

@@ -1,0 +1,152 @@
+// Work is asked whether it is to be given up all along, not between operations only: so many times
+// for so many rows, features and points. And wherever it is, everything is as it was.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "core/base/steps.h"
+#include "core/data/diff_meshes.h"
+#include "core/plc/plc.h"
+#include "tests/differential/differential.h"
+#include "tests/support/same_diff.h"
+
+namespace dynmesh::test {
+namespace {
+
+LiveMeshTuning AlwaysRebuild() {
+  LiveMeshTuning tuning;
+  tuning.rebuild.at_least = 0;
+  tuning.rebuild.features = -1;
+  return tuning;
+}
+
+TEST(Steps, AreNeverMoreThanAFewBetweenTwoQuestions) {
+  std::size_t since = 0, asked = 0;
+  const auto stop = [&] {
+    since = 0;
+    return ++asked == 50;
+  };
+  Steps steps(stop);
+  for (std::size_t i = 0; !steps.Stop(1 + i % 7); ++i) {
+    since += 1 + i % 7;
+    ASSERT_LE(since, Steps::kBetween);
+  }
+  EXPECT_EQ(asked, 50u);
+  EXPECT_TRUE(steps.stopped());
+  EXPECT_TRUE(steps.Stop());
+  EXPECT_EQ(asked, 50u);  // no more
+}
+
+TEST(Interrupt, ADifferenceIsAskedAboutAllAlong) {
+  const std::vector<Feature> few = MakeFeatures(Distribution::kUniform, 3'000, 1),
+                             many = MakeFeatures(Distribution::kUniform, 6'000, 2);
+  const Mesh from = *BuildMesh(few, {}), to = *BuildMesh(many, {});
+  std::size_t asked = 0;
+  const auto count = [&] { return ++asked == 0; };
+  Steps counting(count);
+  const MeshDiff diff = data::DiffMeshes(from, to, counting);
+  const std::size_t rows =
+      from.vertices.size() + to.vertices.size() + from.simplex_count() + to.simplex_count();
+  EXPECT_GE(asked, rows / Steps::kBetween);
+  MeshDiff plain = data::DiffMeshes(from, to), same = diff;
+  Canonicalize(plain);
+  Canonicalize(same);
+  ExpectSameRows(plain, same);
+  for (std::size_t stop = 1; stop <= asked; ++stop) {
+    std::size_t left = stop;
+    const auto at = [&] { return --left == 0; };
+    Steps steps(at);
+    data::DiffMeshes(from, to, steps);
+    EXPECT_TRUE(steps.stopped());
+    EXPECT_EQ(left, 0u);
+  }
+}
+
+template <int D>
+void ExpectABuildToBeAskedAllAlong(const std::vector<Feature>& before,
+                                   const std::vector<Feature>& features) {
+  LiveMesh<D> mesh(DefaultsIn<D>(), AlwaysRebuild());
+  ASSERT_TRUE(mesh.Apply(AddAll(before), ApplyOptions()).ok());
+  const MeshHash hash = mesh.hash(), trace = mesh.Audit().trace;
+  const EditBatch batch = AddAll(features);
+
+  // Questions of operations, and others.
+  LiveMesh<D> other(DefaultsIn<D>(), AlwaysRebuild());
+  ASSERT_TRUE(other.Apply(AddAll(before), ApplyOptions()).ok());
+  std::size_t all = 0;
+  const auto diff = other.Apply(batch, [&] { return ++all == 0; });
+  ASSERT_TRUE(diff.ok()) << diff.status();
+  const MeshStats stats = other.Stats();
+  const std::size_t rows = 2 * features.size() + 2 * stats.vertices + 2 * stats.simplices;
+  EXPECT_GE(all, diff->work.executed + rows / Steps::kBetween);
+
+  // Before the operations, and after.
+  std::vector<std::size_t> stops;
+  for (std::size_t i = 1; i <= 30; ++i) stops.push_back(i);
+  for (std::size_t i = 0; i < 60; ++i) stops.push_back(all - i);
+  for (const std::size_t stop : stops) {
+    std::size_t asked = 0;
+    const auto stopped = mesh.Apply(batch, [&] { return ++asked == stop; });
+    ASSERT_TRUE(absl::IsCancelled(stopped.status())) << stop << " of " << all;
+    EXPECT_EQ(mesh.hash(), hash);
+    EXPECT_EQ(mesh.revision(), 1u);
+    EXPECT_EQ(mesh.Features().size(), before.size());
+  }
+  EXPECT_EQ(mesh.Audit().trace, trace);
+  EXPECT_EQ(mesh.Audit().problems, std::vector<std::string>());
+  const auto again = mesh.Apply(batch, ApplyOptions());
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->hash, diff->hash);
+}
+
+std::vector<Feature> WithIdsFrom(FeatureId first, std::vector<Feature> features) {
+  for (Feature& f : features) {
+    f.id += first;
+    for (FeatureId& end : f.ends) end += end == kNoFeature ? 0 : first;
+    for (auto& ring : f.rings) {
+      for (FeatureId& id : ring) id += first;
+    }
+  }
+  return features;
+}
+
+TEST(Interrupt, ABuildIsAskedAboutAllAlong) {
+  const auto later = [](std::vector<Feature> features) {
+    return WithIdsFrom(1'000'000, std::move(features));
+  };
+  ExpectABuildToBeAskedAllAlong<2>({Feature::Point(1, 0.501, 0.502)},
+                                   later(MakeFeatures(Distribution::kUniform, 5'000, 3)));
+  ExpectABuildToBeAskedAllAlong<3>({Feature::Point(1, 0.501, 0.502, 0.503)},
+                                   later(MakeFeatures(Distribution::kSpaceUniform, 2'500, 3)));
+}
+
+TEST(Interrupt, ValidationIsAskedBeforeItsFirstFeature) {
+  plc::Plc2 plc{MeshOptions()};
+  const std::vector<Feature> present = MakeFeatures(Distribution::kUniform, 20'000, 4);
+  plc.Commit(*plc.Check(AddAll(present)));
+  EditBatch most;
+  for (std::size_t i = 0; i < present.size() / 2; ++i) {
+    most.push_back(Edit::Remove(present[i].id));
+  }
+  most.push_back(Edit::Add(Feature::Point(1'000'000, 0.51, 0.49)));
+  std::size_t early = 0;
+  ASSERT_TRUE(plc.Check(most, nullptr,
+                        [&](std::size_t waiting) {
+                          early += waiting == plc::kNotKnown;
+                          return false;
+                        })
+                  .ok());
+  // The edits, what they change, and an index of what stays.
+  EXPECT_GE(early, 2 * most.size() / Steps::kBetween + present.size() / Steps::kBetween);
+  for (std::size_t stop = 1; stop <= early; stop += 3) {
+    std::size_t asked = 0;
+    const auto stopped = plc.Check(most, nullptr, [&](std::size_t) { return ++asked == stop; });
+    EXPECT_TRUE(absl::IsCancelled(stopped.status()));
+    EXPECT_EQ(asked, stop);
+  }
+}
+
+}  // namespace
+}  // namespace dynmesh::test

@@ -1,0 +1,412 @@
+// What validation says that a mesh takes at least, held against what it does take: never more. And
+// the batches that are refused for it: at once, by name, as Apply would refuse them in the end.
+#include "core/plc/least_vertices.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/plc/plc.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/error.h"
+#include "tests/core/plc/plc_test_util.h"
+
+namespace dynmesh {
+namespace {
+
+constexpr std::uint64_t kSeed = 20;
+
+MeshOptions OptionsIn(int dimension, double quality) {
+  MeshOptions options;
+  options.dimension = dimension;
+  options.quality = quality;
+  return options;
+}
+
+// Does validation let all these pass, where a mesh may have so many vertices?
+template <int D>
+absl::Status CheckWith(std::span<const Feature> features, MeshOptions options,
+                       std::uint64_t max_vertices) {
+  options.limits.max_vertices = max_vertices;
+  return plc::Plc<D>(options).Check(AddAll(features)).status();
+}
+
+// The greatest limit that validation finds too low; 0 if there is none.
+template <int D>
+std::uint64_t LeastOf(std::span<const Feature> features, const MeshOptions& options) {
+  std::uint64_t refused = 0, passed = std::uint64_t{1} << 50;
+  while (passed - refused > 1) {
+    const std::uint64_t middle = refused + (passed - refused) / 2;
+    (CheckWith<D>(features, options, middle).ok() ? passed : refused) = middle;
+  }
+  return refused;
+}
+
+class Scenes {
+ public:
+  explicit Scenes(std::uint64_t seed) : random_(seed) {}
+
+  double Uniform(double lo, double hi) {
+    return std::uniform_real_distribution<double>(lo, hi)(random_);
+  }
+  int Count(int lo, int hi) { return std::uniform_int_distribution<int>(lo, hi)(random_); }
+  double Log(double lo, double hi) { return std::exp(Uniform(std::log(lo), std::log(hi))); }
+
+  FeatureId Point(double x, double y, double z = 0) {
+    features.push_back(Feature::Point(next_, x, y, z));
+    return next_++;
+  }
+  void Segment(FeatureId p, FeatureId q) { features.push_back(Feature::Segment(next_++, p, q)); }
+  void Polygon(Rings rings) { features.push_back(Feature::Polygon(next_++, std::move(rings))); }
+  void Size(const std::array<double, 3>& at, const Sizing& sizing, Rings rings = {}) {
+    features.push_back(Feature::Size(next_++, at, sizing));
+    features.back().rings = std::move(rings);
+  }
+
+  // Regions, over each other or not, some out of the box.
+  void Regions(int dimension) {
+    const int n = Count(1, 5);
+    for (int i = 0; i < n; ++i) {
+      const double h = dimension == 2 ? Log(0.008, 0.05) : Log(0.05, 0.2);
+      const std::array<double, 3> at = {Uniform(0, 1), Uniform(0, 1), Uniform(0, 1)};
+      const int kind = Count(0, dimension == 2 ? 3 : 2);
+      if (kind == 0) Size(at, {SizeShape::kPoint, h, 0, {}});
+      if (kind == 1) Size(at, {SizeShape::kDisc, h, Log(0.01, 0.5), {}});
+      if (kind == 2) {
+        Size(at, {SizeShape::kBox,
+                  h,
+                  0,
+                  {at[0] + Log(0.02, 1.5), at[1] + Log(0.02, 1.5), at[2] + Log(0.02, 1.5)}});
+      }
+      // Rings that may cross, themselves or each other.
+      if (kind == 3) {
+        Rings rings(Count(1, 2));
+        for (auto& ring : rings) {
+          const int corners = Count(3, 6);
+          for (int c = 0; c < corners; ++c) ring.push_back(Point(Uniform(0, 1), Uniform(0, 1)));
+        }
+        Size({}, {SizeShape::kPolygon, h, 0, {}}, std::move(rings));
+      }
+    }
+  }
+
+  // Lines that are nearly parallel, each shifted and turned a little.
+  void Lines(int dimension) {
+    const int n = Count(2, 6);
+    const double gap = dimension == 2 ? Log(0.0003, 0.02) : Log(1e-4, 1.5e-3),
+                 angle = Uniform(0, std::numbers::pi);
+    double across = -0.1, beside = 0;
+    for (int i = 0; i < n; ++i) {
+      across += gap * Log(0.3, 4);
+      beside += dimension == 3 ? gap * Uniform(-1, 1) : 0;
+      const double from = Uniform(-0.3, 0.1), to = from + Uniform(0.02, 0.3);
+      const double turn = Count(0, 1) * gap * Uniform(-0.5, 0.5);
+      const auto place = [&](double along, double y) {
+        return Point(0.5 + along * std::cos(angle) - y * std::sin(angle),
+                     0.5 + along * std::sin(angle) + y * std::cos(angle), 0.5 + beside);
+      };
+      const FeatureId p = place(from, across), q = place(to, across + turn);
+      Segment(p, q);
+    }
+  }
+
+  // Parallel lines joined by diagonals, at one end or both: at sharp angles the quality is not
+  // promised, and meshes have few vertices.
+  void Zigzags() {
+    const double gap = Log(1e-4, 0.02), from = 0.2, to = from + Uniform(0.2, 0.6);
+    const int n = Count(2, 5);
+    std::vector<FeatureId> left, right;
+    for (int i = 0; i < n; ++i) {
+      left.push_back(Point(from + Count(0, 1) * Uniform(-0.1, 0.1), 0.5 + i * gap));
+      right.push_back(Point(to + Count(0, 1) * Uniform(-0.1, 0.1), 0.5 + i * gap));
+      Segment(left.back(), right.back());
+    }
+    for (int i = 0; i + 1 < n; ++i) {
+      switch (Count(0, 4)) {
+        case 0:
+          Segment(left[i], right[i + 1]);
+          break;
+        case 1:
+          Segment(right[i], left[i + 1]);
+          break;
+        case 2: {  // a fold between the two
+          const FeatureId fold = Point(from + Uniform(0.02, 0.15), 0.5 + (i + 0.5) * gap);
+          Segment(left[i], fold);
+          Segment(fold, left[i + 1]);
+          break;
+        }
+        case 3: {
+          const FeatureId fold = Point(to - Uniform(0.02, 0.15), 0.5 + (i + 0.5) * gap);
+          Segment(right[i], fold);
+          Segment(fold, right[i + 1]);
+          break;
+        }
+        default:
+          break;
+      }
+    }
+  }
+
+  // A fan of spokes, some of which go on, and lines beside it.
+  void Fan() {
+    const FeatureId hub = Point(0.3, 0.3);
+    const int n = Count(2, 12);
+    double angle = 0;
+    for (int i = 0; i < n; ++i) {
+      angle += Log(0.0005, 0.2);
+      const double r = Uniform(0.3, 0.6);
+      const FeatureId end = Point(0.3 + r * std::cos(angle), 0.3 + r * std::sin(angle));
+      Segment(hub, end);
+      if (Count(0, 3) > 0) continue;
+      const double far = r + 0.05;
+      Segment(end, Point(0.3 + far * std::cos(angle + 0.0001), 0.3 + far * std::sin(angle)));
+    }
+  }
+
+  // Squares in each other.
+  void NestedSquares() {
+    double half = Uniform(0.1, 0.4);
+    const int n = Count(2, 4);
+    for (int i = 0; i < n; ++i) {
+      const FeatureId a = Point(0.5 - half, 0.5 - half), b = Point(0.5 + half, 0.5 - half),
+                      c = Point(0.5 + half, 0.5 + half), d = Point(0.5 - half, 0.5 + half);
+      Polygon({{a, b, c, d}});
+      half -= Log(0.0005, 0.02);
+    }
+  }
+
+  // Plates above each other, as large or smaller, shifted or not.
+  void Plates() {
+    const int n = Count(2, 4);
+    const double gap = Log(0.004, 0.02);
+    const bool same = Count(0, 1) == 0;
+    double z = 0.3, side = Uniform(0.3, 0.6), x = 0.2, y = 0.2;
+    for (int i = 0; i < n; ++i) {
+      if (!same) x += Uniform(0, 0.05), y += Uniform(0, 0.05), side *= Uniform(0.6, 1.1);
+      const double tilt = Count(0, 1) * gap * Uniform(-0.4, 0.4);
+      const FeatureId a = Point(x, y, z), b = Point(x + side, y, z + tilt),
+                      c = Point(x + side, y + side, z + tilt), d = Point(x, y + side, z);
+      Polygon({{a, b, c, d}});
+      z += gap * Uniform(0.6, 2);
+    }
+  }
+
+  std::vector<Feature> features;
+
+ private:
+  std::mt19937_64 random_;
+  FeatureId next_ = 1;
+};
+
+struct Sharpness {
+  int scenes = 0, told = 0;
+  double least = INFINITY, sum = 0;
+};
+
+// Makes scenes and compares; those that are no legal input are left out.
+template <int D, class Make>
+Sharpness ExpectNeverTooHigh(const char* name, std::span<const double> qualities, int rounds,
+                             Make make) {
+  Sharpness found;
+  for (int round = 0; round < rounds; ++round) {
+    const std::uint64_t seed = kSeed + 1000 * static_cast<std::uint64_t>(round);
+    SCOPED_TRACE(std::string(name) + ", seed " + std::to_string(seed));
+    Scenes scenes(seed);
+    make(scenes);
+    MeshOptions options =
+        OptionsIn(D, qualities[static_cast<std::size_t>(round) % qualities.size()]);
+    if (round % 5 == 4 && options.quality >= (D == 2 ? 1.5 : 2)) {
+      options.criterion = Criterion::kThesis;
+    }
+    if (!CheckWith<D>(scenes.features, options, std::uint64_t{1} << 50).ok()) continue;
+    options.limits.max_vertices = D == 2 ? 200'000 : 60'000;
+    const auto mesh = BuildMesh(scenes.features, options);
+    if (!mesh.ok()) continue;
+    ++found.scenes;
+    const auto vertices = static_cast<std::uint64_t>(mesh->vertices.size());
+    // What it takes is not too much.
+    EXPECT_TRUE(CheckWith<D>(scenes.features, options, vertices).ok())
+        << CheckWith<D>(scenes.features, options, vertices) << ", but it took " << vertices;
+    const std::uint64_t least = LeastOf<D>(scenes.features, options);
+    if (least == 0) continue;
+    ++found.told;
+    const double ratio = static_cast<double>(vertices) / static_cast<double>(least);
+    found.least = std::min(found.least, ratio);
+    found.sum += std::log(ratio);
+  }
+  std::printf("%-16s %4d scenes, %4d bounds; vertices / bound: least %.2f, mean %.2f\n", name,
+              found.scenes, found.told, found.least, std::exp(found.sum / found.told));
+  return found;
+}
+
+constexpr double kPlanar[] = {1.0, 1.2, kDefaultQuality2D, 2.0, 5.0};
+constexpr double kSpatial[] = {1.4, 2.0, 3.0};
+
+TEST(LeastVertices, AreNeverMoreThanThereAreInThePlane) {
+  const auto check = [&](const char* name, int rounds, auto make) {
+    const Sharpness found = ExpectNeverTooHigh<2>(name, kPlanar, rounds, make);
+    EXPECT_GT(found.told, rounds / 8);
+  };
+  check("regions", 60, [](Scenes& s) { s.Regions(2); });
+  check("lines", 100, [](Scenes& s) { s.Lines(2); });
+  check("squares", 60, [](Scenes& s) { s.NestedSquares(); });
+}
+
+TEST(LeastVertices, AreNeverMoreThanThereAreAtSharpAngles) {
+  ExpectNeverTooHigh<2>("zigzags", kPlanar, 150, [](Scenes& s) { s.Zigzags(); });
+  ExpectNeverTooHigh<2>("fans", kPlanar, 60, [](Scenes& s) { s.Fan(); });
+}
+
+TEST(LeastVertices, AreNeverMoreThanThereAreInSpace) {
+  const auto check = [&](const char* name, int rounds, auto make) {
+    return ExpectNeverTooHigh<3>(name, kSpatial, rounds, make);
+  };
+  EXPECT_GT(check("regions", 24, [](Scenes& s) { s.Regions(3); }).told, 8);
+  EXPECT_GT(check("lines", 24, [](Scenes& s) { s.Lines(3); }).told, 5);
+  EXPECT_GT(check("plates", 16, [](Scenes& s) { s.Plates(); }).told, 3);
+}
+
+// --- What is refused ---------------------------------------------------------------------------
+
+void ExpectRefused(const absl::Status& status, const std::vector<FeatureId>& features) {
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
+  const auto detail = GetErrorDetail(status);
+  ASSERT_TRUE(detail.has_value());
+  EXPECT_EQ(detail->reason, reason::kVertexLimit);
+  EXPECT_EQ(detail->features, features);
+}
+
+// By a mesh that has something, and by its validation.
+void ExpectRefusedByAll(const MeshOptions& options, const std::vector<Feature>& present,
+                        const EditBatch& batch, const std::vector<FeatureId>& features) {
+  const auto mesh = *DynamicMesh::Create(options);
+  ASSERT_TRUE(mesh->Apply(AddAll(present)).ok());
+  const MeshHash hash = mesh->hash();
+  ExpectRefused(mesh->Validate(batch), features);
+  ExpectRefused(mesh->Apply(batch).status(), features);
+  EXPECT_EQ(mesh->hash(), hash);
+  EXPECT_EQ(mesh->Features().size(), present.size());
+}
+
+TEST(LeastVertices, ATinyTargetIsRefusedByName) {
+  const std::vector<Feature> present = {Feature::Point(1, 0.2, 0.3, 0.4)};
+  ExpectRefusedByAll(OptionsIn(2, kDefaultQuality2D), present,
+                     {Edit::Add(Feature::Point(2, 0.6, 0.6)),
+                      Edit::Add(Feature::SizeDisc(7, 0.5, 0.5, 0.1, 1e-7))},
+                     {7});
+  ExpectRefusedByAll(OptionsIn(2, kDefaultQuality2D), present,
+                     {Edit::Add(Feature::SizeBox(8, 0.1, 0.1, 0.9, 0.2, 1e-6))}, {8});
+  const std::vector<Feature> corners = {Feature::Point(1, 0.1, 0.1), Feature::Point(2, 0.9, 0.1),
+                                        Feature::Point(3, 0.5, 0.9)};
+  ExpectRefusedByAll(OptionsIn(2, kDefaultQuality2D), corners,
+                     {Edit::Add(Feature::SizePolygon(9, {{1, 2, 3}}, 1e-5))}, {9});
+  ExpectRefusedByAll(
+      OptionsIn(3, 2.0), present,
+      {Edit::Add(Feature::Size(7, {0.5, 0.5, 0.5}, {SizeShape::kDisc, 1e-5, 0.1, {}}))}, {7});
+}
+
+TEST(LeastVertices, ManyRegionsCountTogetherWhereTheyAreApart) {
+  MeshOptions options = OptionsIn(2, kDefaultQuality2D);
+  options.limits.max_vertices = 100'000;
+  const auto mesh = *DynamicMesh::Create(options);
+  EditBatch apart, same;
+  for (FeatureId i = 0; i < 100; ++i) {
+    const double x = 0.05 + 0.1 * static_cast<double>(i % 10),
+                 y = 0.05 + 0.1 * static_cast<double>(i / 10);
+    apart.push_back(Edit::Add(Feature::SizeDisc(i + 1, x, y, 0.03, 0.001)));
+    same.push_back(Edit::Add(Feature::SizeDisc(i + 1, 0.5, 0.5, 0.03, 0.001)));
+  }
+  EXPECT_EQ(mesh->Validate(apart).code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_TRUE(mesh->Validate(same).ok());
+  apart.resize(10);
+  EXPECT_TRUE(mesh->Validate(apart).ok());
+}
+
+TEST(LeastVertices, ATinyMaxEdgeIsRefusedAtOnce) {
+  for (const int dimension : {2, 3}) {
+    for (const double max_edge : {1e-5, 1e-100, 1e-300, 5e-324}) {
+      MeshOptions options = OptionsIn(dimension, 2);
+      options.max_edge = max_edge;
+      ApplyOptions apply;
+      apply.max_operations = 1;  // none is run
+      ExpectRefused(DynamicMesh::Create(options, apply).status(), {});
+      ExpectRefused(BuildMesh({}, options).status(), {});
+    }
+  }
+}
+
+std::vector<Feature> Line(FeatureId first, double y, double from, double to, double z = 0) {
+  return {Feature::Point(first, from, y, z), Feature::Point(first + 1, to, y, z),
+          Feature::Segment(first + 2, first, first + 1)};
+}
+
+TEST(LeastVertices, LinesTooNearEachOtherAreRefusedByName) {
+  for (const int dimension : {2, 3}) {
+    const MeshOptions options = OptionsIn(dimension, 2);
+    // The new one is longer, shorter, or beside a part of it.
+    for (const auto& [from, to] : {std::pair(0.1, 0.9), {0.3, 0.7}, {0.0, 1.0}, {0.4, 1.0}}) {
+      ExpectRefusedByAll(options, Line(1, 0.5, 0.1, 0.9), AddAll(Line(11, 0.5 + 1e-10, from, to)),
+                         {13, 3});
+    }
+  }
+}
+
+TEST(LeastVertices, AMovedPointMayBringLinesTogether) {
+  std::vector<Feature> present = Line(1, 0.5, 0.1, 0.9);
+  const std::vector<Feature> other = Line(11, 0.5 + 1e-10, 0.1, 0.9);
+  present.insert(present.end(), other.begin(), other.end());
+  present[4].position[1] = 0.6;
+  ExpectRefusedByAll(OptionsIn(2, 2), present, {Edit::Move(12, 0.9, 0.5 + 1e-10)}, {13, 3});
+}
+
+TEST(LeastVertices, AFineCombIsRefused) {
+  MeshOptions options = OptionsIn(2, kDefaultQuality2D);
+  EditBatch comb;
+  for (FeatureId i = 0; i < 1000; ++i) {
+    for (const Feature& f : Line(3 * i + 1, 0.3 + 1e-6 * static_cast<double>(i), 0.1, 0.9)) {
+      comb.push_back(Edit::Add(f));
+    }
+  }
+  const auto mesh = *DynamicMesh::Create(options);
+  const absl::Status status = mesh->Validate(comb);
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
+  EXPECT_EQ(GetErrorDetail(status)->features.size(), 2u);
+}
+
+TEST(LeastVertices, ThinSlabsAreRefusedByName) {
+  const auto square = [](FeatureId first, double z) {
+    return std::vector<Feature>{
+        Feature::Point(first, 0.1, 0.1, z), Feature::Point(first + 1, 0.9, 0.1, z),
+        Feature::Point(first + 2, 0.9, 0.9, z), Feature::Point(first + 3, 0.1, 0.9, z),
+        Feature::Polygon(first + 4, {{first, first + 1, first + 2, first + 3}})};
+  };
+  for (const double thickness : {1e-6, 1e-9}) {
+    ExpectRefusedByAll(OptionsIn(3, 2), square(1, 0.5), AddAll(square(11, 0.5 + thickness)),
+                       {15, 5});
+  }
+}
+
+// The order of edits, and what is there already, change what is to blame, but not the verdict.
+TEST(LeastVertices, AreAFunctionOfTheFeatures) {
+  MeshOptions options = OptionsIn(2, kDefaultQuality2D);
+  std::vector<Feature> features = Line(1, 0.5, 0.1, 0.9);
+  for (const Feature& f : Line(11, 0.5 + 1e-10, 0.1, 0.9)) features.push_back(f);
+  for (const Feature& f : Line(21, 0.7, 0.1, 0.9)) features.push_back(f);
+  std::mt19937_64 random(kSeed);
+  std::string message;
+  for (int i = 0; i < 20; ++i) {
+    const absl::Status status = plc::Plc2(options).Check(AddAll(features)).status();
+    ExpectRefused(status, {3, 13});
+    if (i == 0) message = std::string(status.message());
+    EXPECT_EQ(status.message(), message);
+    std::shuffle(features.begin(), features.end(), random);
+  }
+}
+
+}  // namespace
+}  // namespace dynmesh

@@ -1,0 +1,571 @@
+// Batches that are written down together: no client sees one before it is, and if they cannot be, all
+// of them are undone and refused.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <thread>
+#include <tuple>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "dynmesh/error.h"
+#include "proto/codec/journal_codec.h"
+#include "server/base/log.h"
+#include "tests/server/meshes/scripted_journal.h"
+#include "tests/server/test_support.h"
+
+namespace dynmesh::server {
+namespace {
+
+using absl::StatusCode;
+using Sizes = std::vector<std::size_t>;
+
+absl::Status DiskFull() { return absl::UnavailableError("the disk is full"); }
+
+// A mesh that knows its audits, for the one behind a host cannot be asked.
+class WatchedMesh final : public DynamicMesh {
+ public:
+  WatchedMesh(std::unique_ptr<DynamicMesh> mesh, std::vector<MeshHash>* traces)
+      : mesh_(std::move(mesh)), traces_(traces) {}
+  absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const ApplyOptions& options) override {
+    traces_->push_back(mesh_->Audit().trace);
+    return mesh_->Apply(batch, options);
+  }
+  void TakeBack(std::size_t revisions) override { mesh_->TakeBack(revisions); }
+  void Settle() override { mesh_->Settle(); }
+  void ResumeAt(std::uint64_t revision) override { mesh_->ResumeAt(revision); }
+  absl::Status Validate(const EditBatch& batch) const override { return mesh_->Validate(batch); }
+  Mesh Snapshot() const override { return mesh_->Snapshot(); }
+  SimplexColumn Locate(std::span<const double> points) const override {
+    return mesh_->Locate(points);
+  }
+  std::vector<Feature> Features() const override { return mesh_->Features(); }
+  const MeshOptions& options() const override { return mesh_->options(); }
+  std::uint64_t revision() const override { return mesh_->revision(); }
+  MeshHash hash() const override { return mesh_->hash(); }
+  MeshStats Stats() const override { return mesh_->Stats(); }
+  AuditReport Audit() const override { return mesh_->Audit(); }
+
+ private:
+  const std::unique_ptr<DynamicMesh> mesh_;
+  std::vector<MeshHash>* const traces_;  // before each Apply
+};
+
+class EditGroupTest : public HostFixture {
+ protected:
+  EditGroupTest() {
+    EXPECT_TRUE(SetLogLevel("off").ok());
+    // What belongs together is not to depend on how fast the machine is.
+    options_.turn = {1000, std::chrono::hours(1)};
+  }
+  ~EditGroupTest() override {
+    gate_->Release();
+    journal_.Release();
+    writers_.Stop();  // before the journal goes
+  }
+
+  std::shared_ptr<MeshHost> MakeHostOf(std::unique_ptr<DynamicMesh> mesh) {
+    MeshHost::Past past;
+    past.log = std::make_unique<MeshLog>(&journal_, 1, "m", 2, MeshLog::Sizes(), options_.compact);
+    return MeshHost::Create("m", std::move(mesh), absl::UnixEpoch(), &writers_, &readers_, options_,
+                            std::move(past));
+  }
+  std::shared_ptr<MeshHost> MakeHost() { return MakeHostOf(*MakeFake(MeshOptions(), gate_)); }
+
+  static EditJob Job(EditBatch edits, std::string request_id = "") {
+    EditJob job;
+    job.edits = std::move(edits);
+    job.request_id = std::move(request_id);
+    return job;
+  }
+  // Number `answers_.size() + what is under way`; its outcome is told with that.
+  void Hand(MeshHost& host, EditJob job) {
+    job.done = [this, number = handed_++](Result outcome) {
+      answers_.Put({number, std::move(outcome)});
+    };
+    host.ApplyUnbounded(std::move(job));
+  }
+  // The next answer, which has to be that of the next batch.
+  Result Next() {
+    auto [number, outcome] = answers_.Take();
+    EXPECT_EQ(number, answered_++);
+    return std::move(outcome);
+  }
+  // Hands all in while the first waits, so that they are one group but for what must not be.
+  void HandAll(MeshHost& host, std::vector<EditJob> jobs) {
+    const auto begun = std::make_shared<Mailbox<int>>(), go = std::make_shared<Mailbox<int>>();
+    // Before whatever comes first of them, even if it is refused at once.
+    ASSERT_TRUE(host.Locate({}, nullptr,
+                            [begun, go](const auto&) {
+                              begun->Put(0);
+                              go->Take();
+                            })
+                    .ok());
+    begun->Take();
+    for (EditJob& job : jobs) Hand(host, std::move(job));
+    go->Put(0);
+  }
+  // The mesh that those points make.
+  static MeshHash HashOf(const std::vector<FeatureId>& points) {
+    const auto mesh = *MakeFake(MeshOptions());
+    EditBatch batch;
+    for (const FeatureId id : points) batch.push_back(AddPoint(id));
+    EXPECT_TRUE(mesh->Apply(batch, {}).ok());
+    return mesh->hash();
+  }
+  static void ExpectHead(const MeshHost& host, std::uint64_t revision,
+                         const std::vector<FeatureId>& points) {
+    EXPECT_EQ(host.head().revision, revision);
+    EXPECT_EQ(host.head().hash, HashOf(points));
+    EXPECT_EQ(host.stats().features, points.size());
+    EXPECT_EQ((*host.store()->Latest())->vertices.size(), points.size());
+  }
+  void ExpectJournalFailed(const Result& result) {
+    EXPECT_EQ(ReasonOf(result.status()), codec::reason::kJournalFailed) << result.status();
+    EXPECT_EQ(result.status().code(), StatusCode::kUnavailable);
+  }
+
+  MeshHost::Options options_;
+  ScriptedJournal journal_;
+  Mailbox<std::pair<int, Result>> answers_;
+  int handed_ = 0, answered_ = 0;
+};
+
+TEST_F(EditGroupTest, OneAloneIsWrittenDownAtOnce) {
+  const auto host = MakeHost();
+  for (FeatureId id = 1; id <= 3; ++id) {
+    Hand(*host, Job({AddPoint(id)}));
+    EXPECT_TRUE(Next().ok());
+  }
+  EXPECT_EQ(journal_.sizes(), (Sizes{1, 1, 1}));
+}
+
+TEST_F(EditGroupTest, ThoseThatWaitAreWrittenDownTogetherAndAnsweredInOrder) {
+  const auto host = MakeHost();
+  std::vector<EditJob> jobs;
+  for (FeatureId id = 1; id <= 50; ++id) jobs.push_back(Job({AddPoint(id)}, absl::StrCat("r", id)));
+  HandAll(*host, std::move(jobs));
+  for (std::uint64_t revision = 1; revision <= 50; ++revision) {
+    const Result result = Next();
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_EQ(result->diff->to_revision, revision);
+  }
+  ASSERT_EQ(journal_.sizes(), (Sizes{50}));
+  for (std::size_t i = 0; i < 50; ++i) {
+    EXPECT_EQ(journal_.groups()[0].entries[i].revision, i + 1);
+    EXPECT_EQ(journal_.groups()[0].requests[i].id, absl::StrCat("r", i + 1));
+  }
+  EXPECT_EQ(host->head().revision, 50u);
+}
+
+TEST_F(EditGroupTest, NobodySeesWhatIsNotWrittenDown) {
+  const auto host = MakeHost();
+  Hand(*host, Job({AddPoint(1)}));
+  ASSERT_TRUE(Next().ok());
+  journal_.Hold();
+  HandAll(*host, {Job({AddPoint(2)}), Job({AddPoint(3)}), Job({AddPoint(2)}), Job({})});
+  journal_.WaitForAppends(2);
+  ExpectHead(*host, 1, {1});
+  EXPECT_EQ(answers_.size(), 0u);
+  EXPECT_EQ(host->running()->progress.stage, BatchProgress::Stage::kJournal);
+  journal_.Release();
+  EXPECT_TRUE(Next().ok());
+  EXPECT_TRUE(Next().ok());
+  EXPECT_EQ(ReasonOf(Next().status()), reason::kIdInUse);
+  EXPECT_EQ(Next()->diff->to_revision, 3u);
+  ExpectHead(*host, 3, {1, 2, 3});
+}
+
+TEST_F(EditGroupTest, OneThatCannotBeWrittenDownIsUndoneAsAWhole) {
+  const auto host = MakeHost();
+  Hand(*host, Job({AddPoint(1)}));
+  ASSERT_TRUE(Next().ok());
+  journal_.Answer([](int n) { return n == 2 ? DiskFull() : absl::OkStatus(); });
+  HandAll(*host, {Job({AddPoint(2)}, "a"), Job({Edit::Remove(1)}, "b"), Job({AddPoint(4)})});
+  for (int i = 0; i < 3; ++i) ExpectJournalFailed(Next());
+  ExpectHead(*host, 1, {1});
+  // What comes next begins there, and the ids of what was refused are as new.
+  HandAll(*host, {Job({AddPoint(2)}, "a"), Job({AddPoint(3)}, "b")});
+  for (std::uint64_t revision = 2; revision <= 3; ++revision) {
+    const Result result = Next();
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_FALSE(result->replayed);
+    EXPECT_EQ(result->diff->to_revision, revision);
+  }
+  ExpectHead(*host, 3, {1, 2, 3});
+}
+
+TEST_F(EditGroupTest, ARefusedBatchDoesNotDisturbTheOthers) {
+  const auto host = MakeHost();
+  const auto jobs = [this](FeatureId first) {
+    EditJob bad = Job({});
+    bad.refused = absl::InvalidArgumentError("cannot be read");
+    return std::vector<EditJob>{Job({AddPoint(first)}), Job({AddPoint(first)}), std::move(bad),
+                                Job({AddPoint(first + 1)})};
+  };
+  HandAll(*host, jobs(1));
+  EXPECT_EQ(Next()->diff->to_revision, 1u);
+  EXPECT_EQ(ReasonOf(Next().status()), reason::kIdInUse);
+  EXPECT_EQ(Next().status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(Next()->diff->to_revision, 2u);
+  EXPECT_EQ(journal_.sizes(), (Sizes{2}));
+  // That the id is in use was true only together with what is undone.
+  journal_.Answer([](int) { return DiskFull(); });
+  HandAll(*host, jobs(3));
+  ExpectJournalFailed(Next());
+  ExpectJournalFailed(Next());
+  EXPECT_EQ(Next().status().code(), StatusCode::kInvalidArgument);
+  ExpectJournalFailed(Next());
+  ExpectHead(*host, 2, {1, 2});
+}
+
+TEST_F(EditGroupTest, ARetryIsKnownBeforeTheFirstIsWrittenDown) {
+  const auto host = MakeHost();
+  const auto jobs = [this] {
+    return std::vector<EditJob>{Job({AddPoint(1)}, "r"), Job({AddPoint(1)}, "r"),
+                                Job({AddPoint(2)}, "r"), Job({}, "empty"), Job({}, "empty")};
+  };
+  journal_.Answer([](int) { return DiskFull(); });
+  HandAll(*host, jobs());
+  for (int i = 0; i < 5; ++i) ExpectJournalFailed(Next());
+  journal_.Answer(nullptr);
+  HandAll(*host, jobs());
+  const Result first = Next(), again = Next(), other = Next();
+  ASSERT_TRUE(first.ok() && again.ok());
+  EXPECT_FALSE(first->replayed);
+  EXPECT_TRUE(again->replayed);
+  EXPECT_EQ(again->diff, first->diff);
+  EXPECT_EQ(ReasonOf(other.status()), codec::reason::kRequestIdReused);
+  EXPECT_EQ(codec::GetServiceError(other.status())->metadata["revision"], "1");
+  EXPECT_FALSE(Next()->replayed);
+  EXPECT_TRUE(Next()->replayed);
+  EXPECT_EQ(journal_.sizes(), (Sizes{1}));
+  EXPECT_EQ(journal_.groups()[0].requests.size(), 2u);
+}
+
+TEST_F(EditGroupTest, ExpectedRevisionsAreThoseWithinTheGroup) {
+  const auto host = MakeHost();
+  std::vector<EditJob> jobs;
+  for (FeatureId id = 1; id <= 4; ++id) {
+    jobs.push_back(Job({AddPoint(id)}));
+    jobs.back().expected_revision = id == 3 ? 7 : id < 3 ? id - 1 : 2;
+  }
+  HandAll(*host, std::move(jobs));
+  EXPECT_TRUE(Next().ok());
+  EXPECT_TRUE(Next().ok());
+  const absl::Status stale = Next().status();
+  EXPECT_EQ(ReasonOf(stale), codec::reason::kRevisionMismatch);
+  EXPECT_EQ(codec::GetServiceError(stale)->metadata["revision"], "2");
+  EXPECT_EQ(Next()->diff->to_revision, 3u);
+  EXPECT_EQ(journal_.sizes(), (Sizes{3}));
+}
+
+TEST_F(EditGroupTest, OneThatIsCancelledOrOnlyValidatedChangesNothing) {
+  const auto host = MakeHost();
+  const auto flag = std::make_shared<std::atomic<bool>>(false);
+  std::vector<EditJob> jobs;
+  for (FeatureId id = 1; id <= 4; ++id) jobs.push_back(Job({AddPoint(id)}));
+  jobs[1].cancelled = flag;  // in the middle of it
+  jobs[1].progress = [&](const BatchProgress&) { flag->store(true); };
+  jobs[2].validate_only = true;
+  HandAll(*host, std::move(jobs));
+  EXPECT_EQ(Next()->diff->to_revision, 1u);
+  EXPECT_EQ(Next().status().code(), StatusCode::kCancelled);
+  EXPECT_EQ(Next()->diff->to_revision, 1u);
+  EXPECT_EQ(Next()->diff->to_revision, 2u);
+  EXPECT_EQ(journal_.sizes(), (Sizes{2}));
+  ExpectHead(*host, 2, {1, 4});
+}
+
+TEST_F(EditGroupTest, OneThatIsCancelledWhenItIsAppliedIsWrittenDown) {
+  const auto host = MakeHost();
+  journal_.Hold();
+  const auto flag = std::make_shared<std::atomic<bool>>(false);
+  std::vector<EditJob> jobs = {};
+  for (FeatureId id = 1; id <= 2; ++id) {
+    jobs.push_back(Job({AddPoint(id)}));
+    jobs.back().cancelled = flag;
+  }
+  HandAll(*host, std::move(jobs));
+  journal_.WaitForAppends(1);
+  flag->store(true);
+  host->Withdraw(flag);
+  journal_.Release();
+  EXPECT_TRUE(Next().ok());
+  EXPECT_TRUE(Next().ok());
+}
+
+TEST_F(EditGroupTest, AStreamThatEndsAtTheFirstRefusedBatchEndsThere) {
+  const auto host = MakeHost();
+  const auto stop = std::make_shared<std::atomic<bool>>(false);
+  const auto jobs = [&] {
+    std::vector<EditJob> made;
+    for (const FeatureId id : {1, 1, 2}) {
+      made.push_back(Job({AddPoint(id)}));
+      made.back().stop = stop;
+    }
+    return made;
+  };
+  HandAll(*host, jobs());
+  EXPECT_TRUE(Next().ok());
+  EXPECT_EQ(ReasonOf(Next().status()), reason::kIdInUse);
+  EXPECT_EQ(Next().status().code(), StatusCode::kCancelled);
+  // One that cannot be written down was refused, too.
+  stop->store(false);
+  journal_.Answer([](int) { return DiskFull(); });
+  std::vector<EditJob> more;
+  for (const FeatureId id : {2, 3}) {
+    more.push_back(Job({AddPoint(id)}));
+    more.back().stop = stop;
+  }
+  HandAll(*host, std::move(more));
+  ExpectJournalFailed(Next());
+  ExpectJournalFailed(Next());
+  EXPECT_TRUE(stop->load());
+}
+
+TEST_F(EditGroupTest, EndsBeforeWhatIsToSeeTheMeshAsItIsWrittenDown) {
+  const auto host = MakeHost();
+  EditBatch large;
+  for (FeatureId id = 100; id < 200; ++id) large.push_back(AddPoint(id));
+  EditJob made = Job({});
+  made.make = [](const DynamicMesh& mesh) -> absl::StatusOr<EditBatch> {
+    EXPECT_EQ(mesh.revision(), 3u);
+    return EditBatch{AddPoint(4)};
+  };
+  HandAll(*host, {Job({AddPoint(1)}), Job({AddPoint(2)}), Job(large), std::move(made),
+                  Job({AddPoint(5)}), Job({AddPoint(6)})});
+  for (std::uint64_t revision = 1; revision <= 6; ++revision) {
+    EXPECT_EQ(Next()->diff->to_revision, revision);
+  }
+  EXPECT_EQ(journal_.sizes(), (Sizes{2, 1, 1, 2}));
+
+  Mailbox<absl::StatusOr<MeshHost::LocateAnswer>> located;
+  gate_->Hold();
+  journal_.Hold();
+  Hand(*host, Job({AddPoint(7)}));
+  ASSERT_TRUE(host->Locate({0.5, 0.5}, nullptr, [&](auto answer) { located.Put(answer); }).ok());
+  Hand(*host, Job({AddPoint(8)}));
+  gate_->Release();
+  journal_.WaitForAppends(5);
+  EXPECT_EQ(located.size(), 0u);
+  journal_.Release();
+  EXPECT_EQ(located.Take()->revision, 7u);
+  EXPECT_TRUE(Next().ok());
+  EXPECT_TRUE(Next().ok());
+  EXPECT_EQ(journal_.sizes(), (Sizes{2, 1, 1, 2, 1, 1}));
+}
+
+TEST_F(EditGroupTest, IsNoLargerThanATurn) {
+  options_.turn.tasks = 4;
+  const auto host = MakeHost();
+  std::vector<EditJob> jobs;
+  for (FeatureId id = 1; id <= 10; ++id) jobs.push_back(Job({AddPoint(id)}));
+  HandAll(*host, std::move(jobs));
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(Next().ok());
+  EXPECT_EQ(journal_.sizes(), (Sizes{3, 4, 3}));
+}
+
+TEST_F(EditGroupTest, DoesNotWaitForALongBatch) {
+  options_.turn.time = std::chrono::milliseconds(20);
+  const auto host = MakeHost();
+  EditJob second = Job({AddPoint(2)}), third = Job({AddPoint(2)});
+  Mailbox<int> go;
+  // It takes longer than a group may; then it tells how far it is.
+  second.progress = [&, told = 0](const BatchProgress&) mutable {
+    if (++told == 1) std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    if (told == 3) go.Take();
+  };
+  HandAll(*host, {Job({AddPoint(1)}), std::move(second), std::move(third)});
+  EXPECT_EQ(Next()->diff->to_revision, 1u);
+  ExpectHead(*host, 1, {1});
+  journal_.Answer([](int) { return DiskFull(); });
+  go.Put(0);
+  ExpectJournalFailed(Next());
+  EXPECT_FALSE(Next().ok());
+  ExpectHead(*host, 1, {1});
+}
+
+TEST_F(EditGroupTest, OfAMeshThatIsDeletedMeanwhileIsRefused) {
+  const auto host = MakeHost();
+  journal_.Answer([](int) { return absl::NotFoundError("no such mesh"); });
+  HandAll(*host, {Job({AddPoint(1)}), Job({AddPoint(2)})});
+  EXPECT_EQ(ReasonOf(Next().status()), codec::reason::kMeshDeleted);
+  EXPECT_EQ(ReasonOf(Next().status()), codec::reason::kMeshDeleted);
+  EXPECT_EQ(host->head().revision, 0u);
+}
+
+TEST_F(EditGroupTest, IsAnsweredAlsoIfTheHostIsClosedAndLetGoMeanwhile) {
+  auto host = MakeHost();
+  journal_.Hold();
+  HandAll(*host, {Job({AddPoint(1)}), Job({AddPoint(2)})});
+  journal_.WaitForAppends(1);
+  host->Close(absl::UnavailableError("the server ends"));
+  Hand(*host, Job({AddPoint(3)}));
+  host.reset();
+  journal_.Release();
+  EXPECT_TRUE(Next().ok());
+  EXPECT_TRUE(Next().ok());
+  EXPECT_EQ(Next().status().message(), "the server ends");
+  EXPECT_EQ(journal_.sizes(), (Sizes{2}));
+}
+
+TEST_F(EditGroupTest, CountsTheFeaturesBeforeItAgainstTheLimit) {
+  options_.max_features = 3;
+  const auto host = MakeHost();
+  std::vector<EditJob> jobs;
+  for (FeatureId id = 1; id <= 4; ++id) jobs.push_back(Job({AddPoint(id)}));
+  jobs.push_back(Job({Edit::Remove(1)}));
+  jobs.push_back(Job({AddPoint(5)}));
+  HandAll(*host, std::move(jobs));
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(Next().ok());
+  EXPECT_EQ(ReasonOf(Next().status()), codec::reason::kFeatureLimit);
+  EXPECT_TRUE(Next().ok());
+  EXPECT_TRUE(Next().ok());
+  ExpectHead(*host, 5, {2, 3, 5});
+}
+
+TEST_F(EditGroupTest, ASnapshotIsOfWhatIsWrittenDown) {
+  options_.compact = {1, 1};
+  const auto host = MakeHost();
+  for (FeatureId id = 1; id <= 20; id += 2) {
+    HandAll(*host, {Job({AddPoint(id)}), Job({AddPoint(id + 1)})});
+    EXPECT_TRUE(Next().ok());
+    EXPECT_TRUE(Next().ok());
+    if (journal_.compacted() > 0) {
+      EXPECT_EQ(journal_.compacted() % 2, 0u);
+    }
+  }
+  Hand(*host, Job({AddPoint(21)}));
+  EXPECT_TRUE(Next().ok());
+  EXPECT_GT(journal_.compacted(), 0u);
+}
+
+// What is undone leaves no trace, in the true sense, either.
+TEST_F(EditGroupTest, OneThatIsUndoneBringsTheFormerTraceBack) {
+  std::vector<MeshHash> traces;
+  const auto host =
+      MakeHostOf(std::make_unique<WatchedMesh>(*DynamicMesh::Create(MeshOptions()), &traces));
+  std::mt19937 random(1);
+  const auto unit = [&] { return static_cast<double>(random() % 10'007) / 10'007; };
+  EditBatch many;
+  for (FeatureId id = 1; id <= 300; ++id)
+    many.push_back(Edit::Add(Feature::Point(id, unit(), unit())));
+  Hand(*host, Job(many));
+  ASSERT_TRUE(Next().ok());
+  const Head head = host->head();
+  for (int round = 0; round < 5; ++round) {
+    SCOPED_TRACE(round);
+    journal_.Answer([](int) { return DiskFull(); });
+    traces.clear();
+    std::vector<EditJob> jobs;
+    for (FeatureId id = 1; id <= 20; ++id) {
+      jobs.push_back(
+          Job({Edit::Add(Feature::Point(1000 + id, unit(), unit())), Edit::Move(id, unit(), unit()),
+               Edit::Remove(20 * static_cast<FeatureId>(round + 1) + id)}));
+    }
+    HandAll(*host, std::move(jobs));
+    for (int i = 0; i < 20; ++i) ExpectJournalFailed(Next());
+    EXPECT_EQ(host->head().hash, head.hash);
+    const MeshHash before = traces.front();
+    EXPECT_NE(traces.back(), before);
+    Hand(*host, Job({}));
+    ASSERT_TRUE(Next().ok());
+    EXPECT_EQ(traces.back(), before);
+  }
+}
+
+// A random script in groups, of which one append after the other fails, once or from then on: what
+// was answered is what the journal has, and the journal's batches make the host's mesh.
+class FailAtEveryAppend : public EditGroupTest,
+                          public ::testing::WithParamInterface<std::tuple<int, bool>> {
+ protected:
+  // Some jobs, now and then a retry of the one before.
+  std::vector<EditJob> RandomJobs(std::mt19937& random) {
+    std::vector<EditJob> jobs;
+    for (std::size_t size = 1 + random() % 6; jobs.size() < size;) {
+      if (!jobs.empty() && random() % 4 == 0) {
+        jobs.push_back(Job(jobs.back().edits, jobs.back().request_id));
+        continue;
+      }
+      const FeatureId some = 1 + random() % next_;
+      EditBatch edits = {random() % 3 == 0 ? Edit::Remove(some) : AddPoint(next_++)};
+      if (random() % 8 == 0) edits.clear();
+      jobs.push_back(Job(edits, absl::StrCat("r", ++requests_)));
+    }
+    return jobs;
+  }
+  void RunGroup(MeshHost& host, std::mt19937& random) {
+    std::vector<EditJob> jobs = RandomJobs(random);
+    std::vector<std::string> ids;
+    for (const EditJob& job : jobs) ids.push_back(job.request_id);
+    HandAll(host, std::move(jobs));
+    bool failed = false, done = false;
+    for (const std::string& id : ids) {
+      const Result result = Next();
+      failed = failed || ReasonOf(result.status()) == codec::reason::kJournalFailed;
+      if (!result.ok()) continue;
+      done = true;
+      if (result->replayed) {
+        EXPECT_EQ(acknowledged_.at(id), result->diff->to_revision);
+        continue;
+      }
+      EXPECT_EQ(result->diff->from_revision, revision_);
+      revision_ = acknowledged_[id] = result->diff->to_revision;
+    }
+    EXPECT_FALSE(failed && done);  // all or none
+    EXPECT_EQ(host.head().revision, revision_);
+  }
+  void ExpectWhatTheJournalHas(const MeshHost& host) {
+    const auto mesh = *MakeFake(MeshOptions());
+    std::size_t requests = 0;
+    for (const auto& group : journal_.groups()) {
+      for (const auto& entry : group.entries) {
+        const auto batch = codec::DecodeJournalEntry(entry.data, 2);
+        ASSERT_TRUE(batch.ok());
+        ASSERT_TRUE(mesh->Apply(batch->edits, {}).ok());
+        EXPECT_EQ(mesh->revision(), entry.revision);
+        EXPECT_EQ(mesh->hash(), batch->hash);
+      }
+      for (const auto& request : group.requests) {
+        EXPECT_TRUE(acknowledged_.contains(request.id)) << request.id;
+        ++requests;
+      }
+    }
+    EXPECT_EQ(requests, acknowledged_.size());
+    EXPECT_EQ(host.head().revision, mesh->revision());
+    EXPECT_EQ(host.head().hash, mesh->hash());
+    EXPECT_EQ(host.stats().features, mesh->Stats().features);
+    EXPECT_EQ((*host.store()->Latest())->hash, mesh->hash());
+  }
+
+  FeatureId next_ = 1;
+  int requests_ = 0;
+  std::uint64_t revision_ = 0;
+  std::map<std::string, std::uint64_t> acknowledged_;  // revision by request
+};
+
+TEST_P(FailAtEveryAppend, AcknowledgesWhatTheJournalHas) {
+  const auto [at, ever] = GetParam();
+  const unsigned seed = 100u + static_cast<unsigned>(at);
+  SCOPED_TRACE(absl::StrCat("append ", at, " fails, seed ", seed));
+  std::mt19937 random(seed);
+  journal_.Answer([at = at, ever = ever](int n) {
+    return n == at || (ever && n > at) ? DiskFull() : absl::OkStatus();
+  });
+  const auto host = MakeHost();
+  for (int group = 0; group < 25 && !HasFailure(); ++group) RunGroup(*host, random);
+  ExpectWhatTheJournalHas(*host);
+  journal_.Answer(nullptr);  // it works again
+  for (int group = 0; group < 5 && !HasFailure(); ++group) RunGroup(*host, random);
+  ExpectWhatTheJournalHas(*host);
+  EXPECT_GT(journal_.appends(), at);
+}
+
+INSTANTIATE_TEST_SUITE_P(OnceAndForGood, FailAtEveryAppend,
+                         ::testing::Combine(::testing::Range(1, 21), ::testing::Bool()));
+
+}  // namespace
+}  // namespace dynmesh::server
