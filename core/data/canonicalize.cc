@@ -53,7 +53,7 @@ void SortByHash(std::span<Item> items, KeyOf key_of, Less less) {
         std::swap(item, items[next[home]++]);
       }
     }
-    std::sort(&items[begin], items.data() + ends[slot], less);
+    std::sort(items.data() + begin, items.data() + ends[slot], less);
   }
 }
 

@@ -386,6 +386,7 @@ void Refinement<D, E>::VerifyStar(Context& context) {
     if (r2 <= worth_a_look) {
       if (InsertAllInCorners(context)) return;
       worth_a_look = r2 / 8;
+      continue;  // some may have been inserted: the largest is another one
     }
     if (VerifyCorner(context, largest)) --insertions_left;
   }
