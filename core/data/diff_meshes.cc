@@ -10,6 +10,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "core/data/pieces.h"
 #include "core/data/regions.h"
+#include "core/data/whole_mesh.h"
 
 namespace dynmesh::data {
 namespace {
@@ -108,7 +109,9 @@ struct Simplices {
 // they are, and the others are copied.
 Simplices TakeSimplicesNotOn(const std::vector<VertexId>& ids, std::size_t width, Mesh& mesh,
                              Steps& steps) {
-  const absl::flat_hash_set<VertexId> known(ids.begin(), ids.end());
+  absl::flat_hash_set<VertexId> known;
+  known.reserve(ids.size());
+  for (std::size_t i = 0; i < ids.size() && !steps.Stop(); ++i) known.insert(ids[i]);
   Simplices all{std::exchange(mesh.simplices, {}), std::exchange(mesh.regions, {})};
   const bool labelled = !all.regions.empty();
   RowKeeper rows(&all.rows, width);
@@ -238,10 +241,9 @@ MeshDiff DiffMeshes(Mesh from, Mesh to, Steps& steps) {
   VertexColumns to_vertices = std::exchange(to.vertices, {});
   DiffVertices(width - 1, from_vertices, to_vertices, steps, diff);
   for (Mesh* mesh : {&from, &to}) {
-    if (steps.Stop(Steps::kBetween)) return {};
-    Canonicalize(*mesh);
+    Canonicalize(*mesh, steps);
+    if (steps.stopped()) return {};
   }
-  if (steps.Stop(Steps::kBetween)) return {};
   diff.dimension = to.dimension;
   diff.from_revision = from.revision;
   diff.to_revision = to.revision;

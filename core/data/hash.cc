@@ -15,8 +15,10 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/steps.h"
 #include "core/data/pieces.h"
 #include "core/data/text.h"
+#include "core/data/whole_mesh.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh {
@@ -82,9 +84,11 @@ MeshHash HashPiece(Tag tag, std::array<VertexId, kIds> ids, FeatureId owner) {
 }
 
 template <class Columns>
-MeshHash HashOfPieces(const Columns& columns) {
+MeshHash HashOfPieces(const Columns& columns, Steps& steps) {
   MeshHash sum;
-  for (std::size_t i = 0; i < columns.size(); ++i) sum += data::HashOf(data::KeyOf(columns, i));
+  for (std::size_t i = 0; i < columns.size() && !steps.Stop(); ++i) {
+    sum += data::HashOf(data::KeyOf(columns, i));
+  }
   return sum;
 }
 
@@ -138,20 +142,25 @@ MeshHash HashSubfacet(const VertexId (&corners)[3], FeatureId owner) {
   return HashPiece(kSubfacetTag, std::to_array(corners), owner);
 }
 
-MeshHash ComputeHash(const Mesh& mesh) {
+MeshHash data::ComputeHash(const Mesh& mesh, Steps& steps) {
   MeshHash sum;
   const int d = mesh.dimension;
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+  for (std::size_t i = 0; i < mesh.vertices.size() && !steps.Stop(); ++i) {
     sum += HashVertex(&mesh.vertices.coordinates[i * d], d, mesh.vertices.containing_dimensions[i],
                       mesh.vertices.owners[i]);
   }
-  for (std::size_t i = 0; i < mesh.simplex_count(); ++i) {
+  for (std::size_t i = 0; i < mesh.simplex_count() && !steps.Stop(); ++i) {
     const VertexId* const ids = &mesh.simplices[i * (d + 1)];
     sum += d == 2 ? HashOfIds<3>(ids, mesh.region(i)) : HashSimplex(ids, d + 1, mesh.region(i));
   }
-  sum += HashOfPieces(mesh.subsegments);
-  sum += HashOfPieces(mesh.subfacets);
+  sum += HashOfPieces(mesh.subsegments, steps);
+  sum += HashOfPieces(mesh.subfacets, steps);
   return sum;
+}
+
+MeshHash ComputeHash(const Mesh& mesh) {
+  AllSteps all;
+  return data::ComputeHash(mesh, all);
 }
 
 std::string MeshHash::ToHex() const { return data::Hex(hi) + data::Hex(lo); }

@@ -7,6 +7,7 @@
 
 #include "core/data/canonical_order.h"
 #include "core/data/regions.h"
+#include "core/data/whole_mesh.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/mesh/delaunay_insert_order.h"
 #include "dynmesh/error.h"
@@ -190,9 +191,9 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
   labels_.LabelAll(steps);
   if (steps.stopped() || !RegionStatus().ok()) return {};
   Mesh mesh = Snapshot(refinement, features, steps);
-  if (steps.Stop(Steps::kBetween)) return {};
+  if (steps.stopped()) return {};
   subsegment_count_ = mesh.subsegments.size();
-  hash_ = mesh.hash = ComputeHash(mesh);
+  hash_ = mesh.hash = data::ComputeHash(mesh, steps);
   return mesh;
 }
 
@@ -217,7 +218,9 @@ void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
     }
     // Piece by piece, each of neighbours.
     ordered.clear();
-    for (const std::uint32_t i : mesh::InsertOrder(places)) ordered.push_back(missing[from + i]);
+    for (const std::uint32_t i : mesh::InsertOrder(places, steps)) {
+      ordered.push_back(missing[from + i]);
+    }
     for (std::size_t at = 0; at < ordered.size(); at += Steps::kBetween) {
       if (steps.Stop(Steps::kBetween)) return;
       const auto piece =

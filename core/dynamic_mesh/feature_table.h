@@ -173,7 +173,7 @@ class FeatureTable {
     std::vector<Point> positions;
     positions.reserve(delta.added_points.size());
     for (const plc::PointFeature<D>& p : delta.added_points) positions.push_back(p.p);
-    const std::vector<std::uint32_t> order = mesh::InsertOrder(positions);
+    const std::vector<std::uint32_t> order = mesh::InsertOrder(positions, steps);
     constexpr std::size_t kAhead = 8;  // asked of memory so much before it is wanted
     for (std::size_t i = 0; i < order.size(); ++i) {
       if (steps.Stop()) return;

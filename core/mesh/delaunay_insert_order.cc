@@ -84,7 +84,7 @@ struct Frame {
 // extreme points of a run fall into different cells, so runs get shorter; as each frame
 // is a fraction of the one before, the depth is bounded by the exponents of doubles.
 template <int D>
-void RefineRuns(std::span<const Point<D>> points, std::span<Keyed> sorted) {
+void RefineRuns(std::span<const Point<D>> points, std::span<Keyed> sorted, Steps& steps) {
   std::vector<std::span<Keyed>> pending = {sorted};
   while (!pending.empty()) {
     const std::span<Keyed> part = pending.back();
@@ -92,6 +92,7 @@ void RefineRuns(std::span<const Point<D>> points, std::span<Keyed> sorted) {
     for (std::size_t i = 0, j = 0; i < part.size(); i = j) {
       while (j < part.size() && part[j].key == part[i].key) ++j;
       const std::span<Keyed> run = part.subspan(i, j - i);
+      if (steps.Stop(run.size())) return;
       if (run.size() <= kSmallRun) continue;
       const Frame<D> frame(points, run);
       if (frame.scale == 0) continue;
@@ -103,13 +104,17 @@ void RefineRuns(std::span<const Point<D>> points, std::span<Keyed> sorted) {
 }
 
 template <int D>
-std::vector<std::uint32_t> OrderOf(std::span<const Point<D>> points) {
+std::vector<std::uint32_t> OrderOf(std::span<const Point<D>> points, Steps& steps) {
   std::vector<Keyed> keyed(points.size());
   for (std::uint32_t i = 0; i < points.size(); ++i) keyed[i].index = i;
   const Frame<D> frame(points, keyed);
-  for (Keyed& k : keyed) k.key = frame.Key(points[k.index]);
+  for (Keyed& k : keyed) {
+    if (steps.Stop()) return {};
+    k.key = frame.Key(points[k.index]);
+  }
   RadixSort(&keyed, D * frame.levels);
-  RefineRuns(points, std::span(keyed));
+  RefineRuns(points, std::span(keyed), steps);
+  if (steps.stopped()) return {};
   // Stable by rounds.
   std::array<std::uint32_t, kMaxRounds + 1> start{};
   for (std::uint32_t rank = 0; rank < keyed.size(); ++rank) {
@@ -125,11 +130,19 @@ std::vector<std::uint32_t> OrderOf(std::span<const Point<D>> points) {
 
 }  // namespace
 
+std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point2> points, Steps& steps) {
+  return OrderOf(points, steps);
+}
+std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point3> points, Steps& steps) {
+  return OrderOf(points, steps);
+}
 std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point2> points) {
-  return OrderOf(points);
+  AllSteps all;
+  return OrderOf(points, all);
 }
 std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point3> points) {
-  return OrderOf(points);
+  AllSteps all;
+  return OrderOf(points, all);
 }
 
 }  // namespace dynmesh::mesh

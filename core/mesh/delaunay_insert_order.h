@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/steps.h"
 #include "core/geometry/point.h"
 
 namespace dynmesh::mesh {
@@ -19,6 +20,9 @@ namespace dynmesh::mesh {
 // the work is expected O(n log n). No choice of coordinates empties a round.
 std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point2> points);
 std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point3> points);
+// The same; empty if `steps` are stopped.
+std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point2> points, Steps& steps);
+std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point3> points, Steps& steps);
 
 }  // namespace dynmesh::mesh
 

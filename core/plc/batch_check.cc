@@ -28,7 +28,9 @@ template <int D>
 absl::StatusOr<Delta<D>> BatchCheck<D>::Run(Interrupted interrupted) {
   Collect();
   if (steps_.stopped()) return InterruptedError();
-  if (IsCertainlyGood()) return TakeDelta();
+  const bool is_good = IsCertainlyGood();
+  if (steps_.stopped()) return InterruptedError();
+  if (is_good) return TakeDelta();
   ChooseIndex();
   if (steps_.stopped()) return InterruptedError();
   std::sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) {
@@ -53,10 +55,10 @@ bool BatchCheck<D>::IsCertainlyGood() const {
     return false;
   }
   const auto is_in_place = [&](const PointFeature<D>& p) {
-    return CheckPlace(p, options_.box, 0).ok();
+    return !steps_.Stop() && CheckPlace(p, options_.box, 0).ok();
   };
   return std::all_of(delta_.added_points.begin(), delta_.added_points.end(), is_in_place) &&
-         AreFarApart<D>(delta_.added_points, options_.box, limit_);
+         AreFarApart<D>(delta_.added_points, options_.box, limit_, steps_);
 }
 
 // A batch that changes much of what is present would step over hidden features again

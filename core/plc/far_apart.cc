@@ -19,7 +19,7 @@ class Columns {
  public:
   using Point = geometry::Point<D>;
 
-  Columns(std::span<const PointFeature<D>> points, const Box& box, double limit) {
+  Columns(std::span<const PointFeature<D>> points, const Box& box, double limit, Steps& steps) {
     const double wanted = std::floor(std::pow(static_cast<double>(points.size()), 1.0 / D));
     std::array<double, D - 1> per_length;
     for (int k = 0; k < D - 1; ++k) {
@@ -43,6 +43,7 @@ class Columns {
     points_.resize(points.size());
     for (const PointFeature<D>& f : points) points_[next[column_of(f.p)]++] = f.p;
     for (std::size_t c = 0; c + 1 < begins_.size(); ++c) {
+      if (steps.Stop(begins_[c + 1] - begins_[c])) return;
       std::sort(points_.begin() + static_cast<std::ptrdiff_t>(begins_[c]),
                 points_.begin() + static_cast<std::ptrdiff_t>(begins_[c + 1]),
                 [](const Point& a, const Point& b) { return a[D - 1] < b[D - 1]; });
@@ -70,10 +71,11 @@ class Columns {
 }  // namespace
 
 template <int D>
-bool AreFarApart(std::span<const PointFeature<D>> points, const Box& box, double limit) {
+bool AreFarApart(std::span<const PointFeature<D>> points, const Box& box, double limit,
+                 Steps& steps) {
   using Point = geometry::Point<D>;
   constexpr int kLast = D - 1;
-  const Columns<D> columns(points, box, limit);
+  const Columns<D> columns(points, box, limit, steps);
   const double limit2 = limit * limit * (1 + 1e-9);
   std::size_t looks_left = 16 * points.size();
   // p against the points of `others` from `from` on that are not above it by more than limit.
@@ -91,6 +93,7 @@ bool AreFarApart(std::span<const PointFeature<D>> points, const Box& box, double
                                  columns.At(i, j + 1), columns.At(i + 1, j + 1)};
       std::array<std::size_t, 4> first = {};  // of each, not below p by more than limit
       for (std::size_t at = 0; at < own.size(); ++at) {
+        if (steps.Stop()) return false;
         const Point& p = own[at];
         if (!is_far(p, own, at + 1)) return false;
         for (std::size_t k = 0; k < others.size(); ++k) {
@@ -104,7 +107,7 @@ bool AreFarApart(std::span<const PointFeature<D>> points, const Box& box, double
   return true;
 }
 
-template bool AreFarApart<2>(std::span<const PointFeature<2>>, const Box&, double);
-template bool AreFarApart<3>(std::span<const PointFeature<3>>, const Box&, double);
+template bool AreFarApart<2>(std::span<const PointFeature<2>>, const Box&, double, Steps&);
+template bool AreFarApart<3>(std::span<const PointFeature<3>>, const Box&, double, Steps&);
 
 }  // namespace dynmesh::plc

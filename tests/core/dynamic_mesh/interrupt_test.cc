@@ -47,8 +47,9 @@ TEST(Interrupt, ADifferenceIsAskedAboutAllAlong) {
   const auto count = [&] { return ++asked == 0; };
   Steps counting(count);
   const MeshDiff diff = data::DiffMeshes(from, to, counting);
-  const std::size_t rows =
-      from.vertices.size() + to.vertices.size() + from.simplex_count() + to.simplex_count();
+  // Vertices are looked up, simplices sorted and merged.
+  const std::size_t rows = from.vertices.size() + to.vertices.size() +
+                           2 * (from.simplex_count() + to.simplex_count());
   EXPECT_GE(asked, rows / Steps::kBetween);
   MeshDiff plain = data::DiffMeshes(from, to), same = diff;
   Canonicalize(plain);
@@ -120,6 +121,22 @@ TEST(Interrupt, ABuildIsAskedAboutAllAlong) {
                                    later(MakeFeatures(Distribution::kUniform, 5'000, 3)));
   ExpectABuildToBeAskedAllAlong<3>({Feature::Point(1, 0.501, 0.502, 0.503)},
                                    later(MakeFeatures(Distribution::kSpaceUniform, 2'500, 3)));
+}
+
+// Points alone are looked at together, not one by one.
+TEST(Interrupt, ValidationOfAFirstLoadIsAskedAllAlong) {
+  const plc::Plc2 plc{MeshOptions()};
+  const EditBatch load = AddAll(MakeFeatures(Distribution::kUniform, 20'000, 4));
+  std::size_t asked = 0;
+  ASSERT_TRUE(plc.Check(load, nullptr, [&](std::size_t) { return ++asked == 0; }).ok());
+  // As edits, as what changes, for their place, their order and their distances.
+  EXPECT_GE(asked, 5 * load.size() / Steps::kBetween);
+  for (std::size_t stop = 1; stop <= asked; ++stop) {
+    std::size_t left = stop;
+    const auto stopped = plc.Check(load, nullptr, [&](std::size_t) { return --left == 0; });
+    EXPECT_TRUE(absl::IsCancelled(stopped.status())) << stop << " of " << asked;
+    EXPECT_EQ(left, 0u);
+  }
 }
 
 TEST(Interrupt, ValidationIsAskedBeforeItsFirstFeature) {

@@ -54,7 +54,8 @@ void CompareWithAllPairs() {
     const double least = LeastDistance<D>(points);
     const double limit =
         std::isfinite(least) ? std::max(least * (0.5 + 0.6 * unit(bits)), 1e-9) : 0.001;
-    const bool are_far = AreFarApart<D>(points, box, limit);
+    AllSteps all;
+    const bool are_far = AreFarApart<D>(points, box, limit, all);
     if (least <= limit) {
       EXPECT_FALSE(are_far) << "round " << round << ": " << least << " of " << limit;
       ++near;
@@ -80,7 +81,8 @@ void IsTrueOfUniformPoints() {
   for (PointFeature<D>& f : points) {
     for (int k = 0; k < D; ++k) f.p[k] = unit(bits);
   }
-  EXPECT_TRUE(AreFarApart<D>(points, {}, 1e-12));
+  AllSteps all;
+  EXPECT_TRUE(AreFarApart<D>(points, {}, 1e-12, all));
 }
 
 TEST(AreFarApart, IsTrueOfUniformPoints) {
