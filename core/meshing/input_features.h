@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/point.h"
@@ -104,6 +105,25 @@ class InputFeatures {
     for (int k = 0; k < D; ++k) child |= (x[k] >= cell.centre[k] ? 1 : 0) << k;
     return child;
   }
+  // Calls f(child) for each that a feature which meets the cell meets, too. Of most features, which
+  // are small beside the cell, it is told by the sides of the planes that they are on.
+  template <class F>
+  void ForChildrenMet(const Cell& cell, const Feature& feature, F f) const {
+    const double slack = 1e-9 * cell.half;
+    int side = 0, crossed = 0;
+    for (int k = 0; k < D; ++k) {
+      const bool below = std::min(feature.p[k], feature.q[k]) <= cell.centre[k] + slack,
+                 above = std::max(feature.p[k], feature.q[k]) >= cell.centre[k] - slack;
+      side |= (below ? 0 : 1) << k;
+      crossed |= (below && above ? 1 : 0) << k;
+    }
+    if (crossed == 0) return f(Child(cell, side));
+    for (int i = 0; i < kChildren; ++i) {
+      if (((i ^ side) & ~crossed) != 0) continue;
+      const Cell child = Child(cell, i);
+      if (Meets(child, feature)) f(child);
+    }
+  }
   // The smallest cell that holds the ball, or the root.
   Cell SmallestAround(const Point& centre, double radius) const {
     Cell cell = root_;
@@ -144,11 +164,8 @@ class InputFeatures {
 template <int D>
 void InputFeatures<D>::Add(const Cell& cell, int depth, const Feature& feature) {
   if (nodes_[cell.node].child != kNone) {
-    for (int i = 0; i < kChildren; ++i) {
-      const Cell child = Child(cell, i);
-      if (Meets(child, feature)) Add(child, depth + 1, feature);
-    }
-    return;
+    return ForChildrenMet(cell, feature,
+                          [&](const Cell& child) { Add(child, depth + 1, feature); });
   }
   Node& node = nodes_[cell.node];
   if (node.features.empty()) {
@@ -158,6 +175,7 @@ void InputFeatures<D>::Add(const Cell& cell, int depth, const Feature& feature) 
       if (!feature.Has(v)) v = kNone;
     }
   }
+  if (node.features.empty()) node.features.reserve(kCapacity / 2);
   node.features.push_back(feature);
   const bool has_common = node.common[0] != kNone || node.common[1] != kNone;
   if (node.features.size() > kCapacity && !has_common && depth < kMostDepth) Cut(cell, depth);
@@ -186,10 +204,7 @@ void InputFeatures<D>::Remove(const Cell& cell, const Feature& feature) {
     features.pop_back();
     return;
   }
-  for (int i = 0; i < kChildren; ++i) {
-    const Cell child = Child(cell, i);
-    if (Meets(child, feature)) Remove(child, feature);
-  }
+  ForChildrenMet(cell, feature, [&](const Cell& child) { Remove(child, feature); });
   Join(cell.node);
 }
 

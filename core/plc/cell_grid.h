@@ -47,6 +47,22 @@ struct Cell {
   }
   double Lo(int axis) const { return static_cast<double>(at[axis]); }
   double Hi(int axis) const { return static_cast<double>(at[axis] + side); }
+
+  // Calls visit(i) for the children that meet the box of a and b grown by `reach`. Conservative:
+  // may visit one that misses it by a unit.
+  template <class Visit>
+  void ForChildrenNear(const UnitPoint<D>& a, const UnitPoint<D>& b, double reach,
+                       Visit visit) const {
+    int below = 0, above = 0;  // a bit for each axis: does the box reach the lower, the upper half?
+    for (int i = 0; i < D; ++i) {
+      const double middle = static_cast<double>(at[i] + side / 2);
+      below |= (std::min(a[i], b[i]) - reach - 1 <= middle ? 1 : 0) << i;
+      above |= (std::max(a[i], b[i]) + reach + 1 >= middle ? 1 : 0) << i;
+    }
+    for (int i = 0; i < kChildren; ++i) {
+      if ((i & ~above) == 0 && (~i & ~below & (kChildren - 1)) == 0) visit(i);
+    }
+  }
 };
 
 template <int D>
@@ -121,6 +137,12 @@ struct GridSegment {
   // Does it meet the closed `cell` grown by `reach` >= 1/4 to every side? May say yes
   // if it misses by a fraction of a unit, never no if it meets.
   bool Meets(const Cell<D>& cell, double reach) const;
+
+  // Calls visit(i) for the children of `cell` of which that may be true.
+  template <class Visit>
+  void ForChildrenNear(const Cell<D>& cell, double reach, Visit visit) const {
+    cell.ForChildrenNear(lo, hi, reach, visit);
+  }
 
   // The minor coordinate of its line where the major one is `major_at`.
   double MinorAt(double major_at) const {

@@ -42,6 +42,11 @@ struct GridFacet {
     }
     return std::abs(distance) <= half * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
   }
+  // Calls visit(i) for the children of `cell` of which that may be true.
+  template <class Visit>
+  void ForChildrenNear(const Cell<3>& cell, double reach, Visit visit) const {
+    cell.ForChildrenNear(lo, hi, reach + thickness, visit);
+  }
 };
 
 }  // namespace dynmesh::plc

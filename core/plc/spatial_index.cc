@@ -152,9 +152,9 @@ void SpatialIndex<D>::InsertThingAt(NodeIndex n, const Cell& cell, Slot slot) {
     InsertInOrder(ListOf<Thing>(nodes_[n]), slot);
     SplitIfCrowded(n, cell);
   } else {
-    for (int i = 0; i < kChildren; ++i) {
+    thing.ForChildrenNear(cell, kCellReach, [&](int i) {
       InsertThingAt<Thing>(nodes_[n].children + i, cell.Child(i), slot);
-    }
+    });
   }
 }
 
@@ -187,9 +187,9 @@ void SpatialIndex<D>::EraseThingAt(NodeIndex n, const Cell& cell, Slot slot) {
   if (nodes_[n].children == 0) {
     EraseInOrder(ListOf<Thing>(nodes_[n]), slot);
   } else {
-    for (int i = 0; i < kChildren; ++i) {
+    thing.ForChildrenNear(cell, kCellReach, [&](int i) {
       EraseThingAt<Thing>(nodes_[n].children + i, cell.Child(i), slot);
-    }
+    });
     MergeIfSparse(n, cell);
   }
 }

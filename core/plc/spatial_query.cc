@@ -12,7 +12,8 @@ constexpr double kQueryReach = kCloseUnits + 1;
 
 }  // namespace
 
-// A query says which cells it enters and which chords of them it wants to see.
+// A query says which cells it enters, which children of one it may enter, and which chords of them
+// it wants to see.
 template <int D>
 template <typename Query>
 void SpatialIndex<D>::Visit(NodeIndex n, const Cell& cell, const Query& query) const {
@@ -30,7 +31,7 @@ void SpatialIndex<D>::Visit(NodeIndex n, const Cell& cell, const Query& query) c
     for (const Slot slot : node.facets) query.visit_facet(*facets_[slot].facet);
   }
   if (node.children == 0) return;
-  for (int i = 0; i < kChildren; ++i) Visit(node.children + i, cell.Child(i), query);
+  query.ForChildrenNear(cell, [&](int i) { Visit(node.children + i, cell.Child(i), query); });
 }
 
 template <int D>
@@ -49,6 +50,11 @@ struct SpatialIndex<D>::PointQuery {
       }
     }
     return true;
+  }
+
+  template <class F>
+  void ForChildrenNear(const Cell& cell, F f) const {
+    cell.ForChildrenNear(at, at, reach, f);
   }
 
   // A chord whose nearest point, in this cell, is at most r away passes, at the cell's
@@ -75,6 +81,10 @@ struct SpatialIndex<D>::SegmentQuery {
   std::uint64_t* cost;
 
   bool Enters(const Cell& cell) const { return segment->Meets(cell, kQueryReach); }
+  template <class F>
+  void ForChildrenNear(const Cell& cell, F f) const {
+    segment->ForChildrenNear(cell, kQueryReach, f);
+  }
 
   // The piece of the segment in the cell grown by a unit, to well below a unit: false
   // if there is none (another cell then has whatever the segment meets).
@@ -126,6 +136,10 @@ struct SpatialIndex<D>::FacetQuery {
   std::uint64_t* cost;
 
   bool Enters(const Cell& cell) const requires(D == 3) { return facet->Meets(cell, reach); }
+  template <class F>
+  void ForChildrenNear(const Cell& cell, F f) const requires(D == 3) {
+    facet->ForChildrenNear(cell, reach, f);
+  }
 };
 
 template <int D>
