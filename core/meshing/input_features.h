@@ -105,21 +105,29 @@ class InputFeatures {
     for (int k = 0; k < D; ++k) child |= (x[k] >= cell.centre[k] ? 1 : 0) << k;
     return child;
   }
-  // Calls f(child) for each that a feature which meets the cell meets, too. Of most features, which
-  // are small beside the cell, it is told by the sides of the planes that they are on.
-  template <class F>
-  void ForChildrenMet(const Cell& cell, const Feature& feature, F f) const {
+  // On which sides of a cell's planes a feature is, and which of them it crosses: a bit for each.
+  struct Sides {
+    int upper = 0, crossed = 0;
+  };
+  static Sides SidesOf(const Cell& cell, const Feature& feature) {
     const double slack = 1e-9 * cell.half;
-    int side = 0, crossed = 0;
+    Sides sides;
     for (int k = 0; k < D; ++k) {
       const bool below = std::min(feature.p[k], feature.q[k]) <= cell.centre[k] + slack,
                  above = std::max(feature.p[k], feature.q[k]) >= cell.centre[k] - slack;
-      side |= (below ? 0 : 1) << k;
-      crossed |= (below && above ? 1 : 0) << k;
+      sides.upper |= (below ? 0 : 1) << k;
+      sides.crossed |= (below && above ? 1 : 0) << k;
     }
-    if (crossed == 0) return f(Child(cell, side));
+    return sides;
+  }
+  // Calls f(child) for each that a feature which meets the cell meets, too. REQUIRES: the cell is
+  // cut.
+  template <class F>
+  void ForChildrenMet(const Cell& cell, const Feature& feature, F f) const {
+    const Sides sides = SidesOf(cell, feature);
+    if (sides.crossed == 0) return f(Child(cell, sides.upper));
     for (int i = 0; i < kChildren; ++i) {
-      if (((i ^ side) & ~crossed) != 0) continue;
+      if (((i ^ sides.upper) & ~sides.crossed) != 0) continue;
       const Cell child = Child(cell, i);
       if (Meets(child, feature)) f(child);
     }
@@ -148,7 +156,7 @@ class InputFeatures {
     return d2 * (1 - 1e-12);
   }
 
-  void Add(const Cell& cell, int depth, const Feature& feature);
+  void Add(Cell cell, int depth, const Feature& feature);
   void Remove(const Cell& cell, const Feature& feature);
   void Cut(const Cell& cell, int depth);
   void Join(std::uint32_t node);
@@ -162,10 +170,15 @@ class InputFeatures {
 };
 
 template <int D>
-void InputFeatures<D>::Add(const Cell& cell, int depth, const Feature& feature) {
-  if (nodes_[cell.node].child != kNone) {
-    return ForChildrenMet(cell, feature,
-                          [&](const Cell& child) { Add(child, depth + 1, feature); });
+void InputFeatures<D>::Add(Cell cell, int depth, const Feature& feature) {
+  // Most features are small beside most cells, and go down one way.
+  for (; nodes_[cell.node].child != kNone; ++depth) {
+    const Sides sides = SidesOf(cell, feature);
+    if (sides.crossed != 0) {
+      return ForChildrenMet(cell, feature,
+                            [&](const Cell& child) { Add(child, depth + 1, feature); });
+    }
+    cell = Child(cell, sides.upper);
   }
   Node& node = nodes_[cell.node];
   if (node.features.empty()) {
