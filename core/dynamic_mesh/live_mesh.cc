@@ -172,8 +172,7 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, const Ap
   Task<Interrupt> job{*delta, meter, cancelled, commit, MostOperations(apply)};
   const Plan plan = PlanFor(*delta, plc_.size(), state_->refinement.vertex_count(), options_.box,
                             tuning_.rebuild);
-  absl::StatusOr<MeshDiff> diff =
-      plan == Plan::kRebuild ? Rebuild(job) : Propagate(job, plan);
+  absl::StatusOr<MeshDiff> diff = plan == Plan::kRebuild ? Rebuild(job) : Propagate(job, plan);
   if (!diff.ok()) return diff;
   revision_ = diff->to_revision;
   if (apply.revocable) {
@@ -205,6 +204,7 @@ Ended LiveMesh<D>::Run(State& state, Job& job, Plan plan) {
   const sac::Counters& counters = refinement.engine().counters();
   const std::uint64_t most_vertices =
       fresh ? options_.limits.max_vertices : MostVerticesOnTheWay(options_.limits);
+  PropagationCost cost(tuning_.rebuild, refinement.engine());
   const auto end = [&] {
     if (refinement.vertex_count() > most_vertices || refinement.hit_depth_limit() ||
         refinement.is_full()) {
@@ -212,11 +212,8 @@ Ended LiveMesh<D>::Run(State& state, Job& job, Plan plan) {
     }
     if (job.executed + counters.executed > job.most_operations) return Ended::kOverWork;
     if (fresh) return Ended::kDone;
-    const auto& engine = refinement.engine();
-    const bool is_stale =
-        plan == Plan::kLook && counters.executed == 0 &&
-        tuning_.rebuild.IsMostlyStale(engine.waiting(), engine.operation_count());
-    return is_stale || IsTooDear() ? Ended::kTooDear : Ended::kDone;
+    const bool is_stale = plan == Plan::kLook && cost.IsMostlyStale();
+    return is_stale || cost.IsTooDear() ? Ended::kTooDear : Ended::kDone;
   };
   Ended ended = Ended::kDone;
   const bool done = refinement.Propagate([&] {
@@ -256,7 +253,8 @@ void LiveMesh<D>::Undo(const plc::Delta<D>& delta) {
   State& state = *state_;
   state.refinement.engine().ResetCounters();
   state.features.Apply(delta.Inverse(), state.refinement);
-  if (!state.refinement.Propagate([&] { return IsTooDear(); })) return BuildPresent();
+  PropagationCost cost(tuning_.rebuild, state.refinement.engine());
+  if (!state.refinement.Propagate([&] { return cost.IsTooDear(); })) return BuildPresent();
   state.refinement.ForgetDepthLimit();
   state.diffs.Update(state.refinement, state.features);
   state.features.Collect();
@@ -272,12 +270,6 @@ void LiveMesh<D>::TakeBack(std::size_t revisions) {
   }
   revision_ -= revisions;
   revocable_.resize(revocable_.size() - revisions);
-}
-
-template <int D>
-bool LiveMesh<D>::IsTooDear() const {
-  const auto& engine = state_->refinement.engine();
-  return tuning_.rebuild.IsTooDear(engine.counters(), engine.operation_count());
 }
 
 // Puts the state of the features present in the place of this one, which stays if it is cancelled.

@@ -136,7 +136,6 @@ class LiveMesh final : public DynamicMesh {
   template <class Interrupt>
   void ReplaceState(Interrupt cancelled);
   void BuildPresent();
-  bool IsTooDear() const;
   template <class Interrupt>
   void GiveMemoryBack(Interrupt cancelled);
 

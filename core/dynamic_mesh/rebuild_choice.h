@@ -1,21 +1,26 @@
 // Whether a batch is propagated or the mesh built anew. Only time depends on it.
 //
-// Measured (dynmesh_edit_tables rebuild), time of propagating / time of building anew, on
-// uniform points, rho sqrt 2, 1 k to 100 k of them, removing (adding):
+// Measured (processor time of propagating / of building anew; 8,000 to 50,000 points, 20,000
+// segments; the share of all operations that is stale once the change is made known, and that is
+// executed in the end; removing and adding are nearly alike):
 //
-//   part of the points     3 %          10 %         20 %         30 %        50 %        80 %
-//   scattered              0.4 (0.5)    1.2 (1.4)    2.7 (2.6)    3.2 (3.0)   4.1 (3.3)   6 (4)
-//   in one place           0.1 (0.1)    0.2 (0.4)    0.4 (0.9)    0.8 (1.4)   1.9 (2.0)   6 (3.5)
+//                   2D points, scattered     3D points, scattered     2D segments, scattered
+//   part of them    1 %    2 %    4 %        1 %    2 %    4 %        1 %    3 %    5 %
+//   stale           0.03   0.07   0.13       0.07   0.13   0.17       0.00   0.06   0.09
+//   executed        0.06   0.10   0.20       0.17   0.28   0.40       0.03   0.08   0.12
+//   time            0.20   0.41   0.80       0.80   1.2    1.8        0.08   0.25   0.38
 //
-// So a count of features tells neither way between 3 % and 50 %. What is stale once the
-// change is made known does: an operation costs about twice as much to run again as to run
-// from scratch, and those stale at the beginning make others stale. Scattered changes are at
-// par at 13 % stale (3 % of the points moved: 0.12 stale, 0.8; 10 % removed: 0.29, 2.2), those
-// in one place at 35 % (removing) and 10 % (adding). Looking costs a snapshot. One sizing feature
-// may be worth any number of vertices: about its area over the square of its target, of which
-// adding (dropping) 0.2, 0.7, 2.4 and 8 times the vertices present came to 0.5 (0.5), 1.5 (2), 2.8
-// (3.5), 3.5 (5 to 10). A region that moves keeps its anchors but at the rim, and a few features may
-// stand in a mesh of very many vertices: there, too, what is stale decides.
+// In one place 5 % cost 0.1 (2D) and 0.45 (3D). So an operation that runs again takes 3 to 4.5
+// times as long as in a build; a count of features tells little, what is stale at the beginning
+// more: two to three times as much is executed. Some edits make the trace stale step by step. Those
+// are known by what they have executed only: given up at 0.12 of the operations, they have cost
+// half a build. More is allowed where more was stale at the beginning.
+//
+// One sizing feature may be worth any number of vertices: about its area over the square of its
+// target, of which adding (dropping) 0.2, 0.7, 2.4 and 8 times the vertices present came to 0.5
+// (0.5), 1.5 (2), 2.8 (3.5), 3.5 (5 to 10) builds. A region that moves keeps its anchors but at the
+// rim, and a few features may stand in a mesh of very many vertices: there, too, what is stale
+// decides.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_REBUILD_CHOICE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_REBUILD_CHOICE_H_
 
@@ -43,23 +48,52 @@ enum class Plan {
 // Parts of what there is, above which a batch is built anew.
 struct RebuildThresholds {
   std::size_t at_least = 64;       // changes of features; fewer are propagated
-  double look_at_features = 0.03;  // from so many on it is worth a look
+  double look_at_features = 0.01;  // from so many on it is worth a look
   double features = 0.5;           // changed, of those there are or of a fourth of the vertices
-  double stale = 0.22;             // operations, of those there are
+  double stale = 0.1;              // operations, of those there are
   double carried = 0.3;            // vertices that sizing features carry
-  // A propagation that has cost so much of a build, and is not at its end, is given up.
-  double work = 0.5;
+  // A propagation that is not at its end is given up when it has executed, beyond those by which
+  // the trace has grown, more operations than this part of all, or than so many times those that
+  // were stale at the beginning, within `most_work`.
+  double work = 0.12, work_of_stale = 3, most_work = 0.25;
   std::uint64_t at_least_work = 1'000;  // operations
+};
 
-  bool IsMostlyStale(std::size_t waiting, std::size_t operations) const {
-    return static_cast<double>(waiting) > stale * static_cast<double>(operations);
+// What a propagation has cost so far, asked before each of its operations.
+template <class Engine>
+class PropagationCost {
+ public:
+  // Both outlive this. REQUIRES: the engine's counters are reset.
+  PropagationCost(const RebuildThresholds& thresholds, const Engine& engine)
+      : thresholds_(thresholds), engine_(engine) {}
+
+  // At the beginning: is so much stale that a build is cheaper?
+  bool IsMostlyStale() const {
+    return engine_.counters().executed == 0 &&
+           static_cast<double>(engine_.waiting()) >
+               thresholds_.stale * static_cast<double>(engine_.operation_count());
   }
-  bool IsTooDear(const sac::Counters& counters, std::size_t operations) const {
+  bool IsTooDear() {
+    const sac::Counters& counters = engine_.counters();
+    const std::size_t operations = engine_.operation_count();
+    if (counters.executed == 0) {
+      operations_ = operations;
+      waiting_ = engine_.waiting();
+    }
     // To ask a subscriber costs a small part of running an operation.
     const std::uint64_t done = counters.executed + counters.notified / 64;
-    return done > at_least_work &&
-           static_cast<double>(done) > work * static_cast<double>(operations);
+    const std::uint64_t grown = std::max(operations, operations_) - operations_;
+    if (done <= thresholds_.at_least_work + grown) return false;
+    const auto all = static_cast<double>(operations);
+    const double of_stale = std::min(thresholds_.work_of_stale * static_cast<double>(waiting_),
+                                     thresholds_.most_work * all);
+    return static_cast<double>(done - grown) > std::max(thresholds_.work * all, of_stale);
   }
+
+ private:
+  const RebuildThresholds& thresholds_;
+  const Engine& engine_;
+  std::size_t operations_ = 0, waiting_ = 0;  // at the beginning
 };
 
 // The area or volume of a sizing feature.

@@ -22,7 +22,7 @@ constexpr std::uint64_t kSeed = 11;
 LiveMeshTuning GivesUpAfter(std::uint64_t operations) {
   LiveMeshTuning tuning = AlwaysPropagate();
   tuning.rebuild.at_least_work = operations;
-  tuning.rebuild.work = 0;
+  tuning.rebuild.work = tuning.rebuild.work_of_stale = 0;
   return tuning;
 }
 
