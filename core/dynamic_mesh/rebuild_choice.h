@@ -81,13 +81,14 @@ class PropagationCost {
       waiting_ = engine_.waiting();
     }
     // To ask a subscriber costs a small part of running an operation.
-    const std::uint64_t done = counters.executed + counters.notified / 64;
+    const std::uint64_t all_done = counters.executed + counters.notified / 64;
     const std::uint64_t grown = std::max(operations, operations_) - operations_;
-    if (done <= thresholds_.at_least_work + grown) return false;
+    const std::uint64_t done = all_done - std::min(all_done, grown);
+    if (done <= thresholds_.at_least_work) return false;
     const auto all = static_cast<double>(operations);
     const double of_stale = std::min(thresholds_.work_of_stale * static_cast<double>(waiting_),
                                      thresholds_.most_work * all);
-    return static_cast<double>(done - grown) > std::max(thresholds_.work * all, of_stale);
+    return static_cast<double>(done) > std::max(thresholds_.work * all, of_stale);
   }
 
  private:
