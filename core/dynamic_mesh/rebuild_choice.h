@@ -80,8 +80,8 @@ class PropagationCost {
       operations_ = operations;
       waiting_ = engine_.waiting();
     }
-    // To ask a subscriber costs a small part of running an operation.
-    const std::uint64_t all_done = counters.executed + counters.notified / 64;
+    // To ask a subscriber takes less than a 200th of what running an operation takes.
+    const std::uint64_t all_done = counters.executed + counters.notified / 256;
     const std::uint64_t grown = std::max(operations, operations_) - operations_;
     const std::uint64_t done = all_done - std::min(all_done, grown);
     if (done <= thresholds_.at_least_work) return false;

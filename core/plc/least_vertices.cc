@@ -339,7 +339,8 @@ double LeastVerticesIn(std::span<const SizeFeature<D>> sizes, const Box& domain)
   for (const SizeFeature<D>& size : sizes) {
     const auto [around, core] = BoxesOf(size, domain);
     const double r = RadiusIn(size, domain);
-    cells.Add(around, LeastVerticesIn(size, domain), [&](const Extent<D>& cell) {
+    // clang 14 does not capture structured bindings by themselves.
+    cells.Add(around, LeastVerticesIn(size, domain), [&, core = core](const Extent<D>& cell) {
       const double measure = Holds(size, r, cell) ? cell.Measure() : Common(core, cell).Measure();
       return Vertices<D>(measure, size.sizing.target);
     });
