@@ -122,7 +122,8 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
   const bool had_sizes = std::exchange(had_sizes_, !levels_.empty());
   for (const auto& [level, count] : levels_) {
     if (!had_sizes) break;
-    for (const auto& [f, appears] : changed_features_) {
+    for (const auto& change : changed_features_) {
+      const InputFeature<D>& f = change.first;
       Extent<D> box = Extent<D>::Nothing();
       box.AddBall(f.p, 0);
       box.AddBall(f.q, 0);
