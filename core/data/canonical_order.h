@@ -16,9 +16,12 @@ namespace dynmesh::data {
 // equal corners, as a broken file may have, the first counts as the least.
 template <class T>
 constexpr std::array<T, 3> InCanonicalOrder(const std::array<T, 3>& corners) {
+  // Which is the least is as good as random: no branch.
   const auto& [a, b, c] = corners;
-  if (b < a) return c < b ? std::array<T, 3>{c, a, b} : std::array<T, 3>{b, c, a};
-  return c < a ? std::array<T, 3>{c, a, b} : corners;
+  const std::array<T, 5> twice = {a, b, c, a, b};
+  const T less = b < a ? b : a;
+  const std::size_t least = c < less ? 2 : b < a ? 1 : 0;
+  return {twice[least], twice[least + 1], twice[least + 2]};
 }
 
 template <class T>

@@ -243,10 +243,11 @@ Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D
     if (!steps.Stop()) Append(mesh.vertices, RowOf(names_.at(v), vertex, features));
   });
   if (steps.stopped()) return mesh;
-  mesh.simplices.reserve((D + 1) * triangulation_.simplex_count());
+  mesh.simplices.resize((D + 1) * triangulation_.simplex_count());
+  auto next = mesh.simplices.begin();
   triangulation_.ForEachSimplex([&](Simplex t) {
     if (steps.Stop()) return;
-    for (const VertexId id : CanonicalIds(t)) mesh.simplices.push_back(id);
+    next = std::ranges::copy(CanonicalIds(t), next).out;
   });
   if (steps.stopped()) return mesh;
   if (!labels_.empty()) {
