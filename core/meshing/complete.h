@@ -133,8 +133,12 @@ sac::Epoch Refinement<D, E>::NoEarlierThan(sac::Epoch now, VertexIndex v, Vertex
 // x, at squared distance d2 from its nearest neighbours, has something to do.
 template <int D, template <class> class E>
 void Refinement<D, E>::RequestFirstComplete(Context& context, VertexIndex x, double d2) {
-  if (is_global() && by_edge()) return;  // done when x is published
-  RequestNoEarlierThanNow(context, x, BucketOf(d2));
+  const int own = BucketOf(d2);
+  if (is_global() && by_edge()) {  // done when x is published
+    gap_buckets_[vertices_[x].ordinal] = static_cast<std::uint16_t>(own);
+    return;
+  }
+  RequestNoEarlierThanNow(context, x, own);
 }
 
 template <int D, template <class> class E>

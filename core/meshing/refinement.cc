@@ -338,7 +338,9 @@ void Refinement<D, E>::RequestFirstGaps() {
   }
 }
 
-// v was inserted just now, by the Complete of near_, and so owns all its edges.
+// v was inserted just now, by the Complete of near_, and so owns all its edges. It looks no earlier
+// than at the time of its nearest neighbours, as it does with a trace: those of the gap that it
+// fills. By rounding the third corner may be nearer by a little, and in an earlier bucket.
 template <int D, template <class> class E>
 void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
   int first = kBuckets;
@@ -364,6 +366,7 @@ void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
     }
   }
   if (first == kBuckets) return;
+  first = std::max<int>(first, gap_buckets_[vertices_[v].ordinal]);
   engine_.Request(kComplete, v, NoEarlierThan(vertices_[v].epoch, near_, v, first));
 }
 

@@ -477,6 +477,8 @@ class Refinement {
   VertexIndex near_ = 0;        // a vertex near where things are published
   // The triangle with the gap that the first vertex to be published fills, if it is known.
   std::uint32_t gap_triangle_ = Triangulation::kNone;
+  // The bucket of what filled a gap last, by the ordinal among what one operation made.
+  std::array<std::uint16_t, kMostOutputs> gap_buckets_ = {};
   sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
 
   std::uint64_t nearest_run_ = 0;
