@@ -33,6 +33,15 @@ inline Edit AddPoint(FeatureId id) {
                                   0.5 + 0.25 / (1.0 + static_cast<double>(id))));
 }
 
+// Of the fake mesh that those points make.
+inline MeshHash HashOfFake(const std::vector<FeatureId>& points) {
+  const auto mesh = *MakeFake(MeshOptions());
+  EditBatch batch;
+  for (const FeatureId id : points) batch.push_back(AddPoint(id));
+  EXPECT_TRUE(mesh->Apply(batch, {}).ok());
+  return mesh->hash();
+}
+
 // Values handed from callbacks to the test, waited for one by one.
 template <typename T>
 class Mailbox {

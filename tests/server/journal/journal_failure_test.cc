@@ -97,14 +97,6 @@ TEST_F(JournalFailureTest, ASnapshotThatCannotBeWrittenCostsNoEdit) {
 // A script of edits with one write after the other failing, once or for good.
 class FailAtEveryWrite : public JournalFailureTest, public ::testing::WithParamInterface<bool> {
  protected:
-  static MeshHash HashOf(const std::vector<FeatureId>& points) {
-    const auto mesh = *MakeFake(MeshOptions());
-    EditBatch batch;
-    for (const FeatureId id : points) batch.push_back(AddPoint(id));
-    EXPECT_TRUE(mesh->Apply(batch, {}).ok());
-    return mesh->hash();
-  }
-
   // After a crash now: what was acknowledged, or that and the batch that was refused last.
   void ExpectAfterCrash(const std::vector<FeatureId>& acknowledged, FeatureId refused) {
     test::TempFolder copy;
@@ -117,7 +109,7 @@ class FailAtEveryWrite : public JournalFailureTest, public ::testing::WithParamI
     std::vector<FeatureId> expected = acknowledged;
     if (head.revision != acknowledged.size()) expected.push_back(refused);
     ASSERT_EQ(head.revision, expected.size());
-    EXPECT_EQ(head.hash, HashOf(expected));
+    EXPECT_EQ(head.hash, HashOfFake(expected));
     ASSERT_TRUE(refused != kNoFeature || expected.size() == acknowledged.size());
   }
 
@@ -138,7 +130,7 @@ class FailAtEveryWrite : public JournalFailureTest, public ::testing::WithParamI
         refused.push_back(id);
       }
       EXPECT_EQ(server_->Host()->head().revision, acknowledged.size());
-      EXPECT_EQ(server_->Host()->head().hash, HashOf(acknowledged));
+      EXPECT_EQ(server_->Host()->head().hash, HashOfFake(acknowledged));
       if (!result.ok() || id % 4 == 0) ExpectAfterCrash(acknowledged, result.ok() ? 0 : id);
       if (HasFailure()) return false;
     }

@@ -107,18 +107,10 @@ class EditGroupTest : public HostFixture {
     for (EditJob& job : jobs) Hand(host, std::move(job));
     go->Put(0);
   }
-  // The mesh that those points make.
-  static MeshHash HashOf(const std::vector<FeatureId>& points) {
-    const auto mesh = *MakeFake(MeshOptions());
-    EditBatch batch;
-    for (const FeatureId id : points) batch.push_back(AddPoint(id));
-    EXPECT_TRUE(mesh->Apply(batch, {}).ok());
-    return mesh->hash();
-  }
   static void ExpectHead(const MeshHost& host, std::uint64_t revision,
                          const std::vector<FeatureId>& points) {
     EXPECT_EQ(host.head().revision, revision);
-    EXPECT_EQ(host.head().hash, HashOf(points));
+    EXPECT_EQ(host.head().hash, HashOfFake(points));
     EXPECT_EQ(host.stats().features, points.size());
     EXPECT_EQ((*host.store()->Latest())->vertices.size(), points.size());
   }
