@@ -11,7 +11,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/base/steps.h"
 #include "core/dynamic_mesh/surface_table.h"
 #include "core/dynamic_mesh/wall.h"

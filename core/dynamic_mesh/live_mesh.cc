@@ -292,6 +292,27 @@ void LiveMesh<D>::BuildPresent() {
   ReplaceState(kNever);
 }
 
+// Hands the change to the refinement, many features in parts, so as to ask in between. Says how many
+// have been handed over: fewer than there are, if the job is cancelled.
+template <int D>
+template <class Job>
+std::size_t LiveMesh<D>::HandOver(Job& job) {
+  constexpr std::size_t kAtOnce = 256;
+  const plc::Delta<D>& delta = job.delta;
+  const std::size_t size = delta.size();
+  // Surfaces are found from all facets that come and go.
+  const bool in_parts = delta.removed_facets.empty() && delta.added_facets.empty();
+  if (size <= kAtOnce || !in_parts) {
+    state_->features.Apply(delta, state_->refinement);
+    return size;
+  }
+  for (std::size_t from = 0; from < size; from += kAtOnce) {
+    if (job.cancelled()) return from;
+    state_->features.Apply(delta.Part(from, std::min(size, from + kAtOnce)), state_->refinement);
+  }
+  return size;
+}
+
 template <int D>
 template <class Job>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(Job& job, Plan plan) {
@@ -300,7 +321,10 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(Job& job, Plan plan) {
   state.refinement.engine().ResetCounters();
   state.refinement.ForgetDepthLimit();
   job.meter.Begin(ApplyProgress::Stage::kRefine);
-  state.features.Apply(job.delta, state.refinement);
+  if (const std::size_t handed_over = HandOver(job); handed_over < job.delta.size()) {
+    Undo(job.delta.Part(0, handed_over));
+    return StatusOf(Ended::kCancelled, job, state);
+  }
   const Ended ended = Run(state, job, plan);
   job.executed += engine.counters().executed;
   if (ended == Ended::kTooDear) {

@@ -127,6 +127,8 @@ class LiveMesh final : public DynamicMesh {
   template <class Job>
   absl::Status StatusOf(Ended ended, const Job& job, const State& state) const;
   template <class Job>
+  std::size_t HandOver(Job& job);
+  template <class Job>
   absl::StatusOr<MeshDiff> Propagate(Job& job, Plan plan);
   template <class Job>
   absl::StatusOr<MeshDiff> Finish(Job& job);

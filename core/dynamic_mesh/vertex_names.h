@@ -19,7 +19,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/hash/hash.h"
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/geometry/point.h"
 #include "core/meshing/elements.h"
 #include "dynmesh/mesh.h"

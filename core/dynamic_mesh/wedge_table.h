@@ -12,7 +12,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/shells.h"
 

@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/geometry/point.h"
 #include "core/mesh/number_table.h"
 #include "core/mesh/vertex_link.h"

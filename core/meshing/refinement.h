@@ -36,7 +36,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/functional/function_ref.h"
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/mesh/delaunay_triangulation.h"
 #include "core/meshing/anchor_lattice.h"

@@ -20,7 +20,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/geometry/point.h"
 
 namespace dynmesh::meshing {

@@ -30,7 +30,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/plc/delta.h"
 #include "core/plc/draft.h"
 #include "core/plc/edits.h"

@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/geometry/point.h"
 #include "core/plc/delta.h"
 #include "dynmesh/options.h"

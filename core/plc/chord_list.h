@@ -13,7 +13,7 @@
 
 #include "absl/container/btree_set.h"
 #include "absl/functional/function_ref.h"
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/plc/cell_grid.h"
 
 namespace dynmesh::plc {

@@ -1,5 +1,7 @@
 #include "core/plc/delta.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <tuple>
 
 namespace dynmesh::plc {
@@ -54,6 +56,30 @@ void Delta<D>::Then(const Delta& next) {
   Replace(added_polygons, next.removed_polygons, next.added_polygons);
   Replace(added_facets, next.removed_facets, next.added_facets);
   Sort();
+}
+
+template <int D>
+Delta<D> Delta<D>::Part(std::size_t from, std::size_t to) const {
+  Delta part;
+  std::size_t at = 0;  // of the list's first
+  const auto take = [&](auto list) {
+    const auto& all = this->*list;
+    const auto within = [&](std::size_t i) { return std::clamp(i, at, at + all.size()) - at; };
+    (part.*list).assign(all.begin() + static_cast<std::ptrdiff_t>(within(from)),
+                        all.begin() + static_cast<std::ptrdiff_t>(within(to)));
+    at += all.size();
+  };
+  take(&Delta::removed_facets);
+  take(&Delta::removed_polygons);
+  take(&Delta::removed_segments);
+  take(&Delta::removed_points);
+  take(&Delta::removed_sizes);
+  take(&Delta::added_sizes);
+  take(&Delta::added_points);
+  take(&Delta::added_segments);
+  take(&Delta::added_polygons);
+  take(&Delta::added_facets);
+  return part;
 }
 
 template struct Delta<2>;

@@ -108,6 +108,11 @@ struct Delta {
     return {added_points,  added_segments, removed_points,   removed_segments, added_sizes,
             removed_sizes, added_polygons, removed_polygons, added_facets,     removed_facets};
   }
+  // The changes from the `from`-th to before the `to`-th, counted so that each can be made once
+  // those before it are: what stands on something goes before it and comes after it.
+  // O(to - from).
+  // REQUIRES: from <= to <= size().
+  Delta Part(std::size_t from, std::size_t to) const;
   friend bool operator==(const Delta&, const Delta&) = default;
 };
 

@@ -16,7 +16,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/base/steps.h"
 #include "core/geometry/point.h"
 #include "core/plc/edits.h"

@@ -24,7 +24,7 @@
 
 #include "absl/container/btree_set.h"
 #include "absl/container/flat_hash_map.h"
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/point.h"
 #include "core/plc/spatial_index.h"

@@ -32,7 +32,7 @@
 #include <vector>
 
 #include "absl/functional/function_ref.h"
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/plc/cell_grid.h"
 #include "core/plc/chord_list.h"
 #include "core/plc/delta.h"

@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 
 namespace dynmesh::sac {
 

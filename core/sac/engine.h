@@ -46,7 +46,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/sac/block_pool.h"
 #include "core/sac/epoch_order.h"
 #include "core/sac/order_list.h"

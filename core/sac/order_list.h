@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 
 namespace dynmesh::sac {
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/huge_pages.h"
+#include "core/base/large_vector.h"
 #include "core/sac/block_pool.h"
 
 namespace dynmesh::sac {

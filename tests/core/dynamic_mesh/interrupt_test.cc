@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -121,6 +123,61 @@ TEST(Interrupt, ABuildIsAskedAboutAllAlong) {
                                    later(MakeFeatures(Distribution::kUniform, 5'000, 3)));
   ExpectABuildToBeAskedAllAlong<3>({Feature::Point(1, 0.501, 0.502, 0.503)},
                                    later(MakeFeatures(Distribution::kSpaceUniform, 2'500, 3)));
+}
+
+// About half of the features go, and come back.
+template <int D>
+void ExpectAPropagationToBeAskedAllAlong(const std::vector<Feature>& features) {
+  EditBatch go, come;
+  std::set<FeatureId> needed;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPoint) continue;
+    if (f.id % 2 == 0) {
+      go.push_back(Edit::Remove(f.id));
+    } else {
+      for (const FeatureId end : f.ends) needed.insert(end);
+      for (const auto& ring : f.rings) needed.insert(ring.begin(), ring.end());
+    }
+  }
+  for (const Feature& f : features) {
+    const bool goes = f.kind != FeatureKind::kPoint ? f.id % 2 == 0 : !needed.contains(f.id);
+    if (goes && f.kind == FeatureKind::kPoint) go.push_back(Edit::Remove(f.id));
+    if (goes) come.push_back(Edit::Add(f));
+  }
+  plc::Plc<D> plc(DefaultsIn<D>());
+  plc.Commit(*plc.Check(AddAll(features)));
+  LiveMesh<D> mesh(DefaultsIn<D>(), AlwaysPropagate());
+  ASSERT_TRUE(mesh.Apply(AddAll(features), ApplyOptions()).ok());
+  for (const EditBatch& batch : {go, come}) {
+    const MeshHash hash = mesh.hash(), trace = mesh.Audit().trace;
+    std::size_t by_validation = 0;
+    const auto delta = plc.Check(batch, nullptr, [&](std::size_t) { return ++by_validation == 0; });
+    ASSERT_TRUE(delta.ok()) << delta.status();
+    constexpr std::size_t kMostAtOnce = 256;
+    const std::size_t parts = (delta->size() + kMostAtOnce - 1) / kMostAtOnce;
+    ASSERT_GE(parts, 3u);
+    // The last time before the first operation.
+    for (std::size_t part = 0; part <= parts; ++part) {
+      std::size_t left = by_validation + 1 + part;
+      const auto stopped = mesh.Apply(batch, [&] { return --left == 0; });
+      ASSERT_TRUE(absl::IsCancelled(stopped.status())) << part << " of " << parts;
+      EXPECT_EQ(mesh.hash(), hash);
+      const AuditReport audit = mesh.Audit();
+      EXPECT_EQ(audit.problems, std::vector<std::string>());
+      EXPECT_EQ(audit.trace, trace) << part << " of " << parts;
+    }
+    ASSERT_TRUE(mesh.Apply(batch, ApplyOptions()).ok());
+    plc.Commit(*delta);
+    const Difference d = CompareWithScratch(mesh, true);
+    EXPECT_FALSE(d.found) << d.what;
+  }
+}
+
+TEST(Interrupt, APropagationIsAskedWhileTheChangeIsHandedOver) {
+  ExpectAPropagationToBeAskedAllAlong<2>(MakeFeatures(Distribution::kUniform, 2'000, 5));
+  ExpectAPropagationToBeAskedAllAlong<2>(MakeFeatures(Distribution::kWedges, 1'500, 5));
+  ExpectAPropagationToBeAskedAllAlong<2>(MakeFeatures(Distribution::kPolygons, 2'000, 5));
+  ExpectAPropagationToBeAskedAllAlong<3>(MakeFeatures(Distribution::kTurnedGridEdges, 1'500, 5));
 }
 
 // Points alone are looked at together, not one by one.
