@@ -9,6 +9,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 #include "server/access/tls.h"
+#include "server/base/process.h"
 
 namespace dynmesh::server {
 
@@ -53,6 +54,8 @@ struct ServerConfig {
   double max_requests_per_second = 100'000;
   // Resident bytes of the process above which nothing grows; 0: nine tenths of what it may have.
   std::uint64_t max_memory_bytes = 0;
+  // What is measured for that. Not an option: for tests.
+  std::uint64_t (*resident_bytes)() = &ResidentBytes;
   // Calls open on one connection; further ones wait in the client.
   int max_streams_per_connection = 10'000;
   // Connections, all together. Those above it are closed at once.

@@ -103,7 +103,7 @@ struct Server::Impl {
       : config(c),
         journal(std::move(j)),
         access(std::move(a)),
-        memory(c.max_memory_bytes),
+        memory(c.max_memory_bytes, c.resident_bytes),
         writers(WriterThreads(c.writer_threads, journal != nullptr)),
         readers(Threads(c.reader_threads), WorkerPool::Priority::kBackground),
         answers(Threads(c.writer_threads) / 2),

@@ -15,7 +15,6 @@
 #include "dynmesh/options.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
-#include "server/base/process.h"
 
 namespace dynmesh::server {
 namespace {
@@ -72,13 +71,13 @@ std::uint64_t AvailableBytes(const std::string& own, const std::string& groups) 
   return std::min(machine, LimitOfGroup(own, groups));
 }
 
-MemoryGuard::MemoryGuard(std::uint64_t limit)
-    : limit_(limit != 0 ? limit : AvailableBytes() / 10 * 9) {
+MemoryGuard::MemoryGuard(std::uint64_t limit, Measurement measurement)
+    : limit_(limit != 0 ? limit : AvailableBytes() / 10 * 9), measurement_(measurement) {
   Measure();
 }
 
 void MemoryGuard::Measure() {
-  const std::uint64_t resident = ResidentBytes();
+  const std::uint64_t resident = measurement_();
   const bool over = resident > limit_;
   const bool was_over = full_.exchange(over, std::memory_order_relaxed);
   if (over != was_over) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "server/base/process.h"
 
 namespace dynmesh::server {
 
@@ -19,8 +20,10 @@ std::uint64_t AvailableBytes(const std::string& own = "/proc/self/cgroup",
 
 class MemoryGuard {
  public:
-  // 0: nine tenths of what there is.
-  explicit MemoryGuard(std::uint64_t limit);
+  using Measurement = std::uint64_t (*)();
+
+  // Of what `measurement` returns, in bytes. 0: nine tenths of what there is.
+  explicit MemoryGuard(std::uint64_t limit, Measurement measurement = &ResidentBytes);
 
   // Looks at the process; if it has too much, asks the allocator to give back what is free.
   void Measure();
@@ -41,6 +44,7 @@ class MemoryGuard {
 
  private:
   const std::uint64_t limit_;
+  const Measurement measurement_;
   std::atomic<bool> full_{false};
   int ticks_over_ = 0;              // the ticker's, as what follows
   std::uint64_t most_streams_ = 0;  // since the allocator was last asked

@@ -294,6 +294,10 @@ TEST(MemoryGuard, HasWhatItsControlGroupAndThoseAboveLeaveIt) {
 TEST(MemoryGuard, TellsBothSidesOfItsLimit) {
   EXPECT_GT(ResidentBytes(), std::uint64_t{1} << 20);
   EXPECT_GE(AvailableBytes(), ResidentBytes());
+  const std::uint64_t before = ResidentBytes();
+  constexpr std::size_t kMore = 64 << 20;
+  const std::vector<char> more(kMore, 'x');
+  EXPECT_GT(ResidentBytes(), before + kMore / 2) << more[kMore / 2];
   EXPECT_TRUE(MemoryGuard(0).CheckRoom().ok());
   const MemoryGuard full(1);
   EXPECT_EQ(ReasonOf(full.CheckRoom()), codec::reason::kMemoryLimit);

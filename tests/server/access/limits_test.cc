@@ -2,10 +2,11 @@
 // streams are in service_test.cc, that of what waits for a mesh in mesh_host_test.cc.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cstdint>
 #include <thread>
 
 #include "dynmesh/error.h"
-#include "server/base/process.h"
 #include "tests/server/server_fixture.h"
 
 namespace dynmesh::server {
@@ -94,13 +95,18 @@ TEST_F(LimitsTest, RequestsASecond) {
   EXPECT_EQ(HeadOf().revision, static_cast<std::uint64_t>(applied));
 }
 
+// What the process has is told by the test: how soon memory that is free is given back is the
+// system's business, and a sanitizer's.
 class MemoryLimitTest : public ServerFixture {
  protected:
-  static constexpr std::size_t kRoom = 64 << 20;
+  static constexpr std::uint64_t kLimit = 1'000'000'000;
+  static inline std::atomic<std::uint64_t> resident = 0;
 
   void Start() {
     ServerConfig config;
-    config.max_memory_bytes = ResidentBytes() + kRoom;
+    config.max_memory_bytes = kLimit;
+    resident = kLimit / 2;
+    config.resident_bytes = [] { return resident.load(); };
     StartWithMesh(config);
     ASSERT_TRUE(client_->Apply("m", {AddPoint(1), AddPoint(2)}).ok());
   }
@@ -121,19 +127,17 @@ class MemoryLimitTest : public ServerFixture {
 
 TEST_F(MemoryLimitTest, AboveItNothingGrowsAndTheRestGoesOn) {
   Start();
-  {
-    const std::vector<char> hog(2 * kRoom, 'x');
-    const absl::Status refused = Until(false, 3);
-    EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
-    EXPECT_EQ(ReasonOf(refused), codec::reason::kMemoryLimit);
-    EXPECT_TRUE(codec::GetServiceError(refused)->retry_after.has_value());
-    EXPECT_EQ(ReasonOf(client_->CreateMesh("n", {}).status()), codec::reason::kMemoryLimit);
-    EXPECT_TRUE(client_->Apply("m", {Edit::Remove(1)}).ok());
-    EXPECT_TRUE(client_->GetSnapshot("m").ok());
-    const auto watch = client_->Watch("m", {}, nullptr);
-    EXPECT_TRUE(watch->WaitForRevision(HeadOf().revision, kLong));
-    EXPECT_EQ(hog[kRoom], 'x');
-  }
+  resident = kLimit + 1;
+  const absl::Status refused = Until(false, 3);
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(ReasonOf(refused), codec::reason::kMemoryLimit);
+  EXPECT_TRUE(codec::GetServiceError(refused)->retry_after.has_value());
+  EXPECT_EQ(ReasonOf(client_->CreateMesh("n", {}).status()), codec::reason::kMemoryLimit);
+  EXPECT_TRUE(client_->Apply("m", {Edit::Remove(1)}).ok());
+  EXPECT_TRUE(client_->GetSnapshot("m").ok());
+  const auto watch = client_->Watch("m", {}, nullptr);
+  EXPECT_TRUE(watch->WaitForRevision(HeadOf().revision, kLong));
+  resident = kLimit;
   EXPECT_TRUE(Until(true, 4).ok());
   EXPECT_TRUE(client_->CreateMesh("n", {}).ok());
 }
@@ -144,11 +148,10 @@ TEST_F(MemoryLimitTest, ABatchUnderWayIsUndone) {
   Mailbox<absl::Status> held;
   std::thread waiting([&] { held.Put(client_->Apply("m", {AddPoint(3)}).status()); });
   gate_->WaitForArrivals(2);
-  const std::vector<char> hog(2 * kRoom, 'x');
+  resident = kLimit + 1;
   const absl::Status status = held.Take();
   EXPECT_EQ(ReasonOf(status), codec::reason::kMemoryLimit) << Text(status);
   EXPECT_EQ(HeadOf().revision, 1u);
-  EXPECT_EQ(hog[kRoom], 'x');
   waiting.join();
   gate_->Release();
 }
