@@ -369,34 +369,39 @@ void Refinement<D, E>::RemoveFeature(const InputFeature<D>& feature) {
   if constexpr (kTraced) changed_features_.emplace_back(feature, false);
 }
 
-// Of features that came or went since the last propagation. A segment that only got another shape
-// went and came.
+// A segment that only got another shape or owner went and came: that is no change.
+template <int D, template <class> class E>
+void Refinement<D, E>::KeepNetChanges() {
+  std::sort(changed_features_.begin(), changed_features_.end(), [](const auto& x, const auto& y) {
+    return std::pair(x.first.a, x.first.b) < std::pair(y.first.a, y.first.b);
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0, next = 0; i < changed_features_.size(); i = next) {
+    const InputFeature<D> f = changed_features_[i].first;
+    int net = 0;
+    for (; next < changed_features_.size() && changed_features_[next].first == f; ++next) {
+      net += changed_features_[next].second ? 1 : -1;
+    }
+    if (net != 0) changed_features_[kept++] = {f, net > 0};
+  }
+  changed_features_.resize(kept);
+}
+
+// Of features that came or went since the last propagation.
 template <int D, template <class> class E>
 void Refinement<D, E>::NotifyOfFeatures() {
-  if constexpr (kTraced) {
-    std::sort(changed_features_.begin(), changed_features_.end(), [](const auto& x, const auto& y) {
-      return std::pair(x.first.a, x.first.b) < std::pair(y.first.a, y.first.b);
-    });
-    for (std::size_t i = 0, next = 0; i < changed_features_.size(); i = next) {
-      const InputFeature<D>& f = changed_features_[i].first;
-      int net = 0;
-      for (next = i; next < changed_features_.size() && changed_features_[next].first == f;
-           ++next) {
-        net += changed_features_[next].second ? 1 : -1;
-      }
-      if (net == 0) continue;
-      Extent<D> box = Extent<D>::Nothing();
-      box.AddBall(f.p, 0);
-      box.AddBall(f.q, 0);
-      NotifyFromBeginning(
-          box,
-          [&](const Point& centre, double half) {
-            return geometry::MayMeetCube(centre, half * (1 + 1e-9), f.p, f.q);
-          },
-          [&](sac::OpId op) { return FeatureMatters(op, f, net > 0); });
-    }
-    changed_features_.clear();
+  for (const auto& [f, came] : changed_features_) {
+    Extent<D> box = Extent<D>::Nothing();
+    box.AddBall(f.p, 0);
+    box.AddBall(f.q, 0);
+    NotifyFromBeginning(
+        box,
+        [&f = f](const Point& centre, double half) {
+          return geometry::MayMeetCube(centre, half * (1 + 1e-9), f.p, f.q);
+        },
+        [this, &f = f, came = came](sac::OpId op) { return FeatureMatters(op, f, came); });
   }
+  changed_features_.clear();
 }
 
 template <int D, template <class> class E>
@@ -409,8 +414,8 @@ bool Refinement<D, E>::FeatureMatters(sac::OpId op, const InputFeature<D>& featu
     const Payload& payload = engine_.payload(op);
     if (!appears) {
       const auto reads = engine_.reads(op);
-      return payload.flag && Counts(Term::kTooNearVanishes) && reads[0] == feature.a &&
-             reads[1] == feature.b;
+      return payload.flag && Counts(Term::kTooNearVanishes) && !reads.empty() &&
+             reads[0] == feature.a && reads[1] == feature.b;
     }
     if (!Counts(payload.flag ? Term::kFeatureNearer : Term::kFeatureTooNear)) return false;
     const Point middle = geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p);

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <span>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "absl/container/inlined_vector.h"
 #include "core/geometry/facet_interior.h"
 #include "core/geometry/facet_plane.h"
+#include "core/geometry/segment_distance.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/region_tree.h"
 #include "core/meshing/spatial_tree.h"
@@ -34,6 +36,15 @@ struct FacetPlace {
       if (!(box.lo[k] - radius <= centre[k] && centre[k] <= box.hi[k] + radius)) return false;
     }
     return std::fabs(plane.Height(centre)) <= radius + margin;
+  }
+  // No place of it is nearer to x.
+  double LeastDistance(const geometry::Point3& x) const {
+    double d2 = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double d = std::max({box.lo[k] - x[k], x[k] - box.hi[k], 0.0});
+      d2 += d * d;
+    }
+    return std::max(std::sqrt(d2), std::fabs(plane.Height(x)) - margin);
   }
 
   Extent<3> box;
@@ -52,8 +63,8 @@ class Facet {
   Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot feature, Position position);
 
   FeatureSlot feature() const { return feature_; }
-  FacetPlace where() const { return {{lo.c, hi.c}, plane_, margin_}; }
-  const geometry::FacetPlane& plane() const { return plane_; }
+  const FacetPlace& where() const { return where_; }
+  const geometry::FacetPlane& plane() const { return where_.plane; }
   const std::vector<geometry::Ring3>& rings() const { return rings_; }
   const std::vector<VertexIndex>& corners() const { return corners_; }
   bool HasCorner(VertexIndex v) const {
@@ -62,21 +73,19 @@ class Facet {
   bool HasEdge(VertexIndex a, VertexIndex b) const {
     return std::binary_search(edges_.begin(), edges_.end(), Edge(std::minmax(a, b)));
   }
+  // From x. O(corners).
+  double Distance(const Point& x) const;
+  // No place of it is farther from all its edges. Conservative: may be too large.
+  double reach() const { return reach_; }
   // Is p, near the plane, inside?
   bool IsInside(const Point& p) const { return interior_.Holds(p); }
-
-  // For RegionTree.
-  Point lo = {}, hi = {};
-  static constexpr double radius = 0;
-  static double LeastCell() { return 0; }
-  static double Key() { return 0; }
 
  private:
   FeatureSlot feature_ = kNil;
   std::vector<geometry::Ring3> rings_;
-  geometry::FacetPlane plane_;
+  FacetPlace where_;
   geometry::FacetInterior interior_;
-  double margin_ = 0;  // FacetPlace's
+  double reach_ = 0;
   std::vector<VertexIndex> corners_;
   std::vector<Edge> edges_;
 };
@@ -95,22 +104,50 @@ Facet::Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot featur
   }
   std::sort(corners_.begin(), corners_.end());
   std::sort(edges_.begin(), edges_.end());
-  plane_ = geometry::PlaneOf(rings_);
-  interior_ = geometry::FacetInterior(rings_, plane_);
-  const geometry::FacetBounds bounds = geometry::BoundsOf(rings_, plane_);
-  lo = bounds.lo;
-  hi = bounds.hi;
-  margin_ = 2 * bounds.deviation;
+  const geometry::FacetPlane plane = geometry::PlaneOf(rings_);
+  interior_ = geometry::FacetInterior(rings_, plane);
+  const geometry::FacetBounds bounds = geometry::BoundsOf(rings_, plane);
+  where_ = {{bounds.lo.c, bounds.hi.c}, plane, 2 * bounds.deviation};
+  // A disc of that radius has no more than the area, and is no wider than the box seen along the
+  // plane's axis allows.
+  double area = 0, widest = INFINITY;
+  for (const geometry::Ring3& ring : rings_) {
+    geometry::Vector3 sum = {0, 0, 0};
+    for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
+      const auto part = geometry::Cross(geometry::Difference(ring[i].c, ring[0].c),
+                                        geometry::Difference(ring[i + 1].c, ring[0].c));
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += 0.5 * part[k];
+    }
+    area += std::sqrt(geometry::Dot(sum, sum));
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (k == plane.axis) continue;
+    const double n = plane.normal[static_cast<std::size_t>(k)];
+    widest = std::min(widest, 0.5 * (bounds.hi[k] - bounds.lo[k]) / std::sqrt(1 - n * n));
+  }
+  reach_ = (1 + 1e-6) * std::min(std::sqrt(area / std::numbers::pi), widest);
+}
+
+inline double Facet::Distance(const Point& x) const {
+  if (interior_.Holds(where_.plane.Foot(x))) return std::fabs(where_.plane.Height(x));
+  double d2 = INFINITY;
+  for (const geometry::Ring3& ring : rings_) {
+    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+      d2 = std::min(d2, geometry::SquaredDistance(x, ring[i], ring[j]));
+    }
+  }
+  return std::sqrt(d2);
 }
 
 class FacetField {
  public:
   using Point = geometry::Point3;
 
-  FacetField(const Point& lo, const Point& hi) : tree_(lo, hi) {}
+  FacetField(const Point& lo, const Point& hi) : places_(lo, hi), reaches_(lo, hi) {}
 
-  bool empty() const { return tree_.empty(); }
-  const Facet& operator[](FacetIndex i) const { return tree_[i]; }
+  bool empty() const { return places_.empty(); }
+  std::size_t size() const { return of_feature_.size(); }
+  const Facet& operator[](FacetIndex i) const { return facets_[i]; }
 
   FacetIndex Add(Facet facet);
   void Remove(FacetIndex index);
@@ -134,47 +171,108 @@ class FacetField {
   // centre, half of the sides) says of a box that all in it is.
   template <class IsHidden, class F>
   void ForEachNear(const Point& centre, double radius, IsHidden is_hidden, F f) const {
-    tree_.Any(centre, radius, INFINITY, is_hidden, [&](FacetIndex i) {
-      const FacetPlace where = tree_[i].where();
-      if (!where.MayMeet(centre, radius)) return false;
+    places_.Any(centre, radius, INFINITY, is_hidden, [&](std::uint32_t i) {
+      const Region& place = places_[i];
+      if (!place.where.MayMeet(centre, radius)) return false;
       Point middle;
       geometry::Vector3 half;
       for (int k = 0; k < 3; ++k) {
-        middle[k] = 0.5 * (where.box.lo[k] + where.box.hi[k]);
-        half[k] = 0.5 * (where.box.hi[k] - where.box.lo[k]);
+        middle[k] = 0.5 * (place.lo[k] + place.hi[k]);
+        half[k] = 0.5 * (place.hi[k] - place.lo[k]);
       }
-      if (!is_hidden(middle, half)) f(tree_[i]);
+      if (!is_hidden(middle, half)) f(facets_[place.facet]);
       return false;
     });
   }
 
+  // Those that may be no farther from something than their reach() is, which lies in the box and
+  // is no nearer to x than distance(x).
+  template <class Distance>
+  std::vector<FacetIndex> Reaching(const Extent<3>& box, Distance distance) const {
+    Point centre;
+    double radius2 = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double half = 0.5 * (box.hi[k] - box.lo[k]);
+      centre[k] = 0.5 * (box.lo[k] + box.hi[k]);
+      radius2 += half * half;
+    }
+    const auto is_hidden = [&](const Point& middle, const geometry::Vector3& half) {
+      return distance(middle) > std::sqrt(geometry::Dot(half, half));
+    };
+    std::vector<FacetIndex> reaching;
+    reaches_.Any(centre, std::sqrt(radius2), INFINITY, is_hidden, [&](std::uint32_t i) {
+      const Region& reach = reaches_[i];
+      Point middle;
+      geometry::Vector3 half;
+      for (int k = 0; k < 3; ++k) {
+        middle[k] = 0.5 * (reach.lo[k] + reach.hi[k]);
+        half[static_cast<std::size_t>(k)] = 0.5 * (reach.hi[k] - reach.lo[k]) + reach.radius;
+      }
+      if (!is_hidden(middle, half)) reaching.push_back(reach.facet);
+      return false;
+    });
+    return reaching;
+  }
+
   std::size_t bytes() const {
-    return tree_.bytes() + at_corner_.capacity() * 32 + of_feature_.capacity() * 9;
+    return places_.bytes() + reaches_.bytes() + facets_.capacity() * sizeof(Facet) +
+           regions_of_.capacity() * sizeof(RegionsOf) + at_corner_.capacity() * 32 + of_feature_.capacity() * 9;
   }
 
  private:
-  RegionTree<3, Facet> tree_;
+  // A facet by place: what is read before the facet is.
+  struct Region {
+    FacetIndex facet = 0;
+    Point lo = {}, hi = {};
+    double radius = 0;  // around the box
+    FacetPlace where = {};
+    static double LeastCell() { return 0; }
+    static double Key() { return 0; }
+  };
+  struct RegionsOf {
+    std::uint32_t place, reach;
+  };
+
+  std::vector<Facet> facets_;
+  std::vector<FacetIndex> free_;
+  std::vector<RegionsOf> regions_of_;  // by facet
+  RegionTree<3, Region> places_;
+  RegionTree<3, Region> reaches_;  // with as much around as may have to do with its anchors
   absl::flat_hash_map<VertexIndex, absl::InlinedVector<FacetIndex, 4>> at_corner_;
   absl::flat_hash_map<FeatureSlot, FacetIndex> of_feature_;
 };
 
 inline FacetIndex FacetField::Add(Facet facet) {
-  const FacetIndex index = tree_.Add(std::move(facet));
-  const Facet& added = tree_[index];
+  if (free_.empty()) {
+    free_.push_back(static_cast<FacetIndex>(facets_.size()));
+    facets_.emplace_back();
+    regions_of_.emplace_back();
+  }
+  const FacetIndex index = free_.back();
+  free_.pop_back();
+  const Facet& added = facets_[index] = std::move(facet);
   for (const VertexIndex v : added.corners()) at_corner_[v].push_back(index);
   of_feature_[added.feature()] = index;
+  const FacetPlace& where = added.where();
+  Region region{index, {where.box.lo}, {where.box.hi}, 0, where};
+  regions_of_[index].place = places_.Add(region);
+  region.radius = added.reach();
+  regions_of_[index].reach = reaches_.Add(region);
   return index;
 }
 
 inline void FacetField::Remove(FacetIndex index) {
-  const Facet& facet = tree_[index];
+  const Facet& facet = facets_[index];
   for (const VertexIndex v : facet.corners()) {
     const auto it = at_corner_.find(v);
     it->second.erase(std::find(it->second.begin(), it->second.end(), index));
     if (it->second.empty()) at_corner_.erase(it);
   }
   of_feature_.erase(facet.feature());
-  tree_.Remove(index);
+  places_.Remove(regions_of_[index].place);
+  reaches_.Remove(regions_of_[index].reach);
+  facets_[index] = {};
+  free_.push_back(index);
 }
 
 }  // namespace dynmesh::meshing

@@ -194,7 +194,8 @@ FacetIndex Refinement<D, E>::AddFacet(std::span<const std::vector<VertexIndex>> 
   if constexpr (D == 3) {
     const FacetIndex index =
         facets_.Add(Facet(rings, feature, [this](VertexIndex v) { return vertices_[v].p; }));
-    changed_facets_.push_back(facets_[index].where());
+    changed_facets_.push_back(facets_[index]);
+    new_facets_.push_back(index);
     return index;
   }
   return kNil;
@@ -203,7 +204,12 @@ FacetIndex Refinement<D, E>::AddFacet(std::span<const std::vector<VertexIndex>> 
 template <int D, template <class> class E>
 void Refinement<D, E>::RemoveFacet(FacetIndex index) {
   if constexpr (D == 3) {
-    changed_facets_.push_back(facets_[index].where());
+    changed_facets_.push_back(facets_[index]);
+    std::erase(new_facets_, index);
+    if (const auto anchors = facet_anchors_.find(index); anchors != facet_anchors_.end()) {
+      for (const auto& [place, v] : anchors->second) RemoveAnchor(v);
+      facet_anchors_.erase(anchors);
+    }
     facets_.Remove(index);
   }
 }
@@ -218,10 +224,10 @@ void Refinement<D, E>::NotifyOfFacets() {
     return std::max({box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]});
   };
   for (std::size_t begin = 0, end = 0; begin < changed_facets_.size(); begin = end) {
-    Extent<3> group = changed_facets_[begin].box;
+    Extent<3> group = changed_facets_[begin].where().box;
     double largest = size(group);
     for (end = begin + 1; end < changed_facets_.size(); ++end) {
-      const Extent<3>& next = changed_facets_[end].box;
+      const Extent<3>& next = changed_facets_[end].where().box;
       Extent<3> all = group;
       all.AddBall({next.lo}, 0);
       all.AddBall({next.hi}, 0);
@@ -235,21 +241,36 @@ void Refinement<D, E>::NotifyOfFacets() {
 }
 
 template <int D, template <class> class E>
-void Refinement<D, E>::NotifyOfFacets(const Extent<3>& box, std::span<const FacetPlace> facets) {
+void Refinement<D, E>::NotifyOfFacets(const Extent<3>& box, std::span<const Facet> facets) {
   if constexpr (kTraced && D == 3) {
     NotifyFromBeginning(
         box,
         [&](const Point& centre, double half) {
-          return std::ranges::any_of(facets, [&](const FacetPlace& facet) {
-            return facet.MayMeet(centre, 1.7321 * half);
+          return std::ranges::any_of(facets, [&](const Facet& facet) {
+            return facet.where().MayMeet(centre, 1.7321 * half);
           });
         },
         [&](sac::OpId op) {
-          return BoxMatters(op, box) && std::ranges::any_of(facets, [&](const FacetPlace& facet) {
+          return BoxMatters(op, box) && std::ranges::any_of(facets, [&](const Facet& facet) {
                    return FacetMatters(op, facet);
                  });
         });
   }
+}
+
+// How far from its piece's middle a facet matters to a Presplit: nearer than what made it split, or
+// in the piece's ball. Conservative.
+template <int D, template <class> class E>
+double Refinement<D, E>::PresplitReach(sac::OpId op) const {
+  if constexpr (kTraced) {
+    const Subsegment& s = subsegments_[engine_.item(op)];
+    const Payload& payload = engine_.payload(op);
+    const double radius2 =
+        payload.flag ? static_cast<double>(payload.radius2)
+                     : 0.25 * geometry::SquaredDistance(vertices_[s.a].p, vertices_[s.b].p);
+    return std::sqrt(radius2) * (1 + 1e-6) + rules_.ulp();
+  }
+  return 0;
 }
 
 // May a ball that the operation read meet the box? Whatever it looked at lies in those balls: a
@@ -261,7 +282,19 @@ void Refinement<D, E>::NotifyOfFacets(const Extent<3>& box, std::span<const Face
 template <int D, template <class> class E>
 bool Refinement<D, E>::BoxMatters(sac::OpId op, const Extent<3>& box) const {
   if constexpr (kTraced && D == 3) {
-    if (engine_.kind(op) > kComplete || !Counts(Term::kOverFacet)) return false;
+    if (!Counts(Term::kOverFacet)) return false;
+    if (engine_.kind(op) == kPresplit) {
+      const Subsegment& s = subsegments_[engine_.item(op)];
+      const Point middle = geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p);
+      const double reach = PresplitReach(op);
+      double away2 = 0;
+      for (int k = 0; k < 3; ++k) {
+        const double away = std::max({box.lo[k] - middle[k], middle[k] - box.hi[k], 0.0});
+        away2 += away * away;
+      }
+      return away2 <= reach * reach;
+    }
+    if (engine_.kind(op) > kComplete) return false;
     const Point& p = vertices_[engine_.item(op)].p;
     const double radius =
         std::sqrt(static_cast<double>(engine_.payload(op).radius2)) * (1 + 1e-6) + rules_.ulp();
@@ -292,8 +325,15 @@ bool Refinement<D, E>::BoxMatters(sac::OpId op, const Extent<3>& box) const {
 }
 
 template <int D, template <class> class E>
-bool Refinement<D, E>::FacetMatters(sac::OpId op, const FacetPlace& facet) const {
+bool Refinement<D, E>::FacetMatters(sac::OpId op, const Facet& changed) const {
   if constexpr (kTraced && D == 3) {
+    const FacetPlace& facet = changed.where();
+    if (engine_.kind(op) == kPresplit) {
+      const Subsegment& s = subsegments_[engine_.item(op)];
+      return !changed.HasCorner(s.whole_a) && !changed.HasCorner(s.whole_b) &&
+             facet.MayMeet(geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p),
+                           PresplitReach(op));
+    }
     if (!BoxMatters(op, facet.box)) return false;
     const double radius = std::sqrt(static_cast<double>(engine_.payload(op).radius2));
     if (!facet.MayMeet(vertices_[engine_.item(op)].p, radius * (1 + 1e-6) + rules_.ulp())) {

@@ -7,6 +7,7 @@
 #include "core/meshing/anchors.h"
 #include "core/meshing/changes.h"
 #include "core/meshing/complete.h"
+#include "core/meshing/facet_anchors.h"
 #include "core/meshing/facet_work.h"
 #include "core/meshing/idle_star.h"
 #include "core/meshing/neighbourhood.h"

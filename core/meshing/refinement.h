@@ -44,6 +44,7 @@
 #include "core/meshing/corner_set.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/facet_field.h"
+#include "core/meshing/facet_lattice.h"
 #include "core/meshing/input_features.h"
 #include "core/meshing/planar_rules.h"
 #include "core/meshing/sizing_field.h"
@@ -117,6 +118,7 @@ class Refinement {
   // if it says true, false is returned. See sac::Engine::Propagate.
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
+    KeepNetChanges();
     if (!UpdateAnchors(interrupt)) return false;
     if constexpr (D == 3) {
       if (!FillTriangulation(interrupt)) return false;
@@ -284,6 +286,7 @@ class Refinement {
   bool IsTooLong(const Subsegment& s, const SizingRegion<D>& region) const;
   bool IsTooNear(const Subsegment& s, const InputFeature<D>& feature, double d2) const;
   std::optional<InputFeature<D>> NearestTooNear(const Subsegment& s, double* d2) const;
+  bool IsFacetTooNear(const Subsegment& s, bool is_near, double* d2) const;
   bool CanSplit(const Subsegment& s) const;
   bool IsGuarded(const Subsegment& s, int bucket) const;
   VertexIndex EmitVertex(Context& context, const Point& p, int ordinal, int dimension,
@@ -342,9 +345,10 @@ class Refinement {
   bool IsJoinedThrough(const Facet& facet) const;
   void MoveToFacet(Candidate* gap) const;
   void NotifyOfFacets();
-  void NotifyOfFacets(const Extent<3>& box, std::span<const FacetPlace> facets);
+  void NotifyOfFacets(const Extent<3>& box, std::span<const Facet> facets);
   bool BoxMatters(sac::OpId op, const Extent<3>& box) const;
-  bool FacetMatters(sac::OpId op, const FacetPlace& facet) const;
+  double PresplitReach(sac::OpId op) const;
+  bool FacetMatters(sac::OpId op, const Facet& changed) const;
 
   // idle_star.h
   bool ReadIdleStar(Context& context, VertexIndex v, double reach);
@@ -428,8 +432,33 @@ class Refinement {
   void DecideAnchor(int level, const Lattice& lattice, const typename Lattice::Index& index,
                     const Point& x);
   VertexIndex AddAnchor(const Point& p);
+  void RemoveAnchor(VertexIndex v);
+
+  // facet_anchors.h
+  struct FacetSurroundings {
+    double feature, edge;  // distances
+  };
+  double FacetSpacing() const;
+  FacetSurroundings Around(const Facet& facet, const Point& x, double radius, double margin) const;
+  bool MayHaveAnchors(const Facet& facet) const;
+  static bool IsWithinReach(const Facet& facet, const InputFeature<D>& f);
+  static bool IsWithinReach(const Facet& facet, const Facet& other);
+  bool HasEdgeWithin(const Facet& facet, const Point& x, double radius) const;
+  bool IsFacetAnchor(const Facet& facet, const FacetLattice& lattice, int level,
+                     const Point& x) const;
+  template <class FeatureChanged, class SizeChanged, class Decide>
+  bool VisitLattice(const Facet& facet, const FacetLattice& lattice, const FacetLattice::Cell& cell,
+                    const FeatureChanged& feature_changed, const SizeChanged& size_changed,
+                    Decide decide) const;
+  template <class FeatureChanged, class SizeChanged>
+  bool UpdateFacetAnchors(FacetIndex i, const FeatureChanged& feature_changed,
+                          const SizeChanged& size_changed, absl::FunctionRef<bool()> interrupt);
+  void DecideFacetAnchor(FacetIndex facet, const FacetLattice::Index& index, const Point& x,
+                         bool is);
+  bool UpdateFacetAnchors(absl::FunctionRef<bool()> interrupt);
 
   void IndexFeatures();
+  void KeepNetChanges();
   InputFeature<D> FeatureOf(VertexIndex a, VertexIndex b) const;
   void AddFeature(const InputFeature<D>& feature);
   void RemoveFeature(const InputFeature<D>& feature);
@@ -462,7 +491,10 @@ class Refinement {
   std::vector<SizingRegion<D>> changed_sizes_;  // came or went since the last Propagate
   std::vector<std::pair<InputFeature<D>, bool>> changed_features_;  // since the last Propagate
   FacetField facets_;                                               // empty in the plane
-  std::vector<FacetPlace> changed_facets_;  // came or went since the last Propagate
+  std::vector<Facet> changed_facets_;   // came or went since the last Propagate
+  std::vector<FacetIndex> new_facets_;  // came since then, and are there
+  absl::flat_hash_map<FacetIndex, absl::flat_hash_map<FacetLattice::Index, VertexIndex>>
+      facet_anchors_;
   LargeVector<Vertex> vertices_;
   LargeVector<Subsegment> subsegments_;
   std::vector<VertexIndex> free_vertices_;

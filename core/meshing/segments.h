@@ -1,8 +1,8 @@
 // Segment work: first by the features alone, then rule (b) as a fixed point.
 //
 // A piece of a segment is split *beforehand* if a feature that is disjoint from the segment is too
-// near: it meets the open ball about the piece's middle, or is nearer to the piece than an eighth
-// of its length. It is Disencroach (Fig. 5.5) by the features instead of by the cells of BuildQT:
+// near: it meets the open ball about the piece's middle, or, no facet, is nearer to the piece than
+// an eighth of its length. It is Disencroach (Fig. 5.5) by the features instead of by the cells of BuildQT:
 // pieces that remain are no longer than 8 times the local feature size. What features far away do
 // to a segment has no say, so an edit changes the pieces near it alone; and as no ball of a piece
 // holds a vertex of a disjoint feature, splits of one segment do not make others be split in turn.
@@ -35,18 +35,20 @@ void Refinement<D, E>::Presplit(Context& context) {
   const Subsegment& sub = subsegments_[s];
   double d2 = 0;
   const auto feature = NearestTooNear(sub, &d2);
-  context.payload().flag = feature.has_value();
-  context.payload().radius2 = feature ? RoundedUp(d2) : 0;
+  const bool facet_is_nearer = IsFacetTooNear(sub, feature.has_value(), &d2),
+             is_too_near = feature.has_value() || facet_is_nearer;
+  context.payload().flag = is_too_near;
+  context.payload().radius2 = is_too_near ? RoundedUp(d2) : 0;
   if constexpr (kTraced) {
     const Point &a = vertices_[sub.a].p, &b = vertices_[sub.b].p;
     const double reach =
-        feature ? std::sqrt(d2) : 0.625 * std::sqrt(geometry::SquaredDistance(a, b));
+        is_too_near ? std::sqrt(d2) : 0.625 * std::sqrt(geometry::SquaredDistance(a, b));
     Extent<D> box = Extent<D>::Nothing();
     box.AddBall(geometry::Midpoint(a, b), reach * (1 + 1e-6) + 2 * rules_.ulp());
     SubscribeBox(context, box);
-    if (feature) context.Read(feature->a), context.Read(feature->b);
+    if (feature && !facet_is_nearer) context.Read(feature->a), context.Read(feature->b);
   }
-  if (!(feature || IsTooLong(sub)) || !CanSplit(sub)) {
+  if (!(is_too_near || IsTooLong(sub)) || !CanSplit(sub)) {
     return context.Request(kCheck, s, FirstCheckEpoch());
   }
   const auto [v, halves] = EmitHalves(context, s);
@@ -109,6 +111,32 @@ std::optional<InputFeature<D>> Refinement<D, E>::NearestTooNear(const Subsegment
       });
   *d2 = least2;
   return nearest;
+}
+
+// Is the inside of a disjoint facet in the open ball about the middle of s, and nearer to it than d2
+// if there is something so near already? d2: then its squared distance. (The facet's edges are
+// features by themselves.)
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsFacetTooNear(const Subsegment& s, bool is_near, double* d2) const {
+  bool found = false;
+  if constexpr (D == 3) {
+    if (facets_.empty()) return false;
+    const Point &a = vertices_[s.a].p, &b = vertices_[s.b].p;
+    const Point middle = geometry::Midpoint(a, b);
+    double least2 = 0.25 * geometry::SquaredDistance(a, b);
+    if (is_near) least2 = std::min(least2, *d2);
+    facets_.ForEachNear(middle, std::sqrt(least2), [&](const Facet& facet) {
+      const double h = facet.plane().Height(middle), h2 = h * h;
+      if (!(h2 < least2) || facet.HasCorner(s.whole_a) || facet.HasCorner(s.whole_b) ||
+          !facet.IsInside(facet.plane().Foot(middle))) {
+        return;
+      }
+      least2 = h2;
+      found = true;
+    });
+    if (found) *d2 = least2;
+  }
+  return found;
 }
 
 template <int D, template <class> class E>

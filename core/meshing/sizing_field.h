@@ -63,6 +63,16 @@ class SizingField {
     return regions_.Any(centre, radius, INFINITY, [&](Index i) { return accept(regions_[i]); });
   }
 
+  // The least target of regions that meet the ball; INFINITY if none does.
+  double LeastTarget(const Point& centre, double radius) const {
+    double least = INFINITY;
+    Any(centre, radius, [&](const Region& region) {
+      if (region.target < least && region.Meets(centre, radius)) least = region.target;
+      return false;
+    });
+    return least;
+  }
+
   std::size_t bytes() const { return regions_.bytes(); }
 
  private:

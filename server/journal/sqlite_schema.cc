@@ -67,6 +67,8 @@ constexpr const char* kSteps[kJournalSchema] = {
 )",
     // Rows name the bits that their hashes belong to (kMeshBits). An older dynmeshd, which knows
     // none, would take them for damage.
+    "",
+    // Bits 3. An older dynmeshd would make their meshes anew with bits 2.
     ""};
 
 // row_sum(...) in SQL: RowSumOf.

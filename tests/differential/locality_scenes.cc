@@ -1,5 +1,6 @@
 #include "tests/differential/locality_scenes.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -249,6 +250,78 @@ Scene ParallelLines(int n) {
   return scene;
 }
 
+Scene InSpace() {
+  Scene scene;
+  scene.options.dimension = 3;
+  scene.options.quality = kDefaultQuality3D;
+  return scene;
+}
+
+// The faces of a box; ids from `first` on.
+void AddBox(FeatureId first, const std::array<double, 3>& lo, const std::array<double, 3>& hi,
+            Scene& scene) {
+  for (FeatureId i = 0; i < 8; ++i) {
+    scene.features.push_back(Feature::Point(first + i, i & 1 ? hi[0] : lo[0],
+                                            i & 2 ? hi[1] : lo[1], i & 4 ? hi[2] : lo[2]));
+  }
+  constexpr FeatureId kFaces[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                      {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
+  for (FeatureId face = 0; face < 6; ++face) {
+    const auto& c = kFaces[face];
+    scene.features.push_back(Feature::Polygon(
+        first + 8 + face, {{first + c[0], first + c[1], first + c[2], first + c[3]}}));
+  }
+}
+
+// A box of thickness 1 / n; points in it and above it.
+Scene Slab(int n) {
+  Scene scene = InSpace();
+  scene.options.box = {{-1, -1, -1}, {2, 2, 2}};
+  const double t = 1.0 / n;
+  AddBox(1, {0, 0, 0}, {1, 1, t}, scene);
+  Random random(7);
+  for (const double height : {0.5 * t, 0.4 * t, 3 * t, 1.3 * t}) {
+    const double x = 0.2 + 0.6 * random.Unit();
+    InAndOut(Feature::Point(kFar, x, 0.2 + 0.6 * random.Unit(), height), scene);
+  }
+  return scene;
+}
+
+// Between two plates that are tilted a little, and so far apart.
+Scene TiltedPlates(int n) {
+  Scene scene = InSpace();
+  const double t = 0.5 / n;
+  for (const int plate : {0, 1}) {
+    const FeatureId first = Id(10 * plate + 1);
+    const double z = 0.3 + plate * t;
+    scene.features.push_back(Feature::Point(first, 0.2, 0.2, z));
+    scene.features.push_back(Feature::Point(first + 1, 0.8, 0.2, z + 0.1));
+    scene.features.push_back(Feature::Point(first + 2, 0.8, 0.8, z + 0.3));
+    scene.features.push_back(Feature::Point(first + 3, 0.2, 0.8, z + 0.2));
+    scene.features.push_back(
+        Feature::Polygon(first + 4, {{first, first + 1, first + 2, first + 3}}));
+  }
+  for (const double along : {0.3, 0.5}) {
+    const double z = 0.3 + 0.1 * (along - 0.2) / 0.6 + 0.2 * (0.5 - 0.2) / 0.6;
+    InAndOut(Feature::Point(kFar, along, 0.5, z + 0.45 * t), scene);
+  }
+  return scene;
+}
+
+// Points beside the face of a box in an area with a target of 1 / n.
+Scene FacetsInASizedBox(int n) {
+  Scene scene = InSpace();
+  const double h = 1.0 / n;
+  AddBox(1, {0.2, 0.2, 0.2}, {0.8, 0.8, 0.8}, scene);
+  scene.features.push_back(Feature::Size(20, {0, 0, 0}, {SizeShape::kBox, h, 0, {1, 1, 1}}));
+  Random random(7);
+  for (const double above : {0.4, -0.6, 0.2}) {
+    const double x = 0.3 + 0.4 * random.Unit();
+    InAndOut(Feature::Point(kFar, x, 0.3 + 0.4 * random.Unit(), 0.2 + above * h), scene);
+  }
+  return scene;
+}
+
 }  // namespace
 
 const std::vector<LocalityScene>& LocalityScenes() {
@@ -267,6 +340,9 @@ const std::vector<LocalityScene>& LocalityScenes() {
       {"SizeOverFinerPoints", SizeOverFinerPoints, 1000, 16'000, 20, 0},
       {"CoarseSizesOverAFineOne", CoarseSizesOverAFineOne, 10, 40, 60, 0},
       {"ParallelLines", ParallelLines, 5, 10, 400, 60},
+      {"Slab", Slab, 12, 48, 700, 150},
+      {"TiltedPlates", TiltedPlates, 12, 48, 750, 130},
+      {"FacetsInASizedBox", FacetsInASizedBox, 12, 24, 180, 30},
   };
   return *scenes;
 }

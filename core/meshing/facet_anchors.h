@@ -1,0 +1,350 @@
+// Anchors of facets: the vertices that a facet has from the beginning where a disjoint feature is
+// near it, or there is a target length: points of its lattice (facet_lattice.h).
+//
+// Between two facets nothing but neighbours would tell where a vertex goes, and an edit would pass
+// on all over them. Let d be the distance of a place x from the nearest feature that is disjoint
+// from the facet, and h the target there. x, a point of level k, is an anchor if
+//   the lattice of level k - 1 is too wide there: its spacing is more than min(w d, 0.8 h)
+//   (FacetSpacing says what w is),
+//   all edges of the facet are farther than min(d, kClearOfEdges h), and x is inside.
+// So spacings are between w d / sqrt 2 and w d, as wide as the bound of quality allows, or within
+// those parts of 0.8 h. That is a function of the features near x. So an edit decides those again
+// that it may concern, and no other changes. Like other anchors these stand outside the time of the
+// trace (anchors.h); they are on their facet as if refinement had put them there.
+#ifndef DYNMESH_CORE_MESHING_FACET_ANCHORS_H_
+#define DYNMESH_CORE_MESHING_FACET_ANCHORS_H_
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/segment_distance.h"
+#include "core/meshing/refinement.h"
+
+namespace dynmesh::meshing {
+
+// w: of two facets at distance 1, four points at the corners of a square of that side on either,
+// one above the other, lie on a ball whose radius is within rho by a little, or within 2.
+template <int D, template <class> class E>
+double Refinement<D, E>::FacetSpacing() const {
+  const double rho = std::min(rules_.quality(), 2.0);
+  return 0.95 * std::sqrt(2 * rho * rho - 0.5);
+}
+
+// As wide as leaves no room for further vertices between the facet and a lattice beside it.
+inline constexpr double kSpacingInTargets = 0.8;
+// In targets. Pieces of edges are shorter than twice that (IsTooLong): no anchor is in their balls.
+inline constexpr double kClearOfEdges = 0.66;
+
+// Does a facet have none of the ends? Then they are disjoint.
+template <int D>
+bool AreDisjoint(const Facet& facet, const InputFeature<D>& f) {
+  return !facet.HasCorner(f.a) && !facet.HasCorner(f.b);
+}
+inline bool AreDisjoint(std::span<const VertexIndex> corners, std::span<const VertexIndex> others) {
+  if (corners.size() > others.size()) std::swap(corners, others);
+  return std::ranges::none_of(
+      corners, [&](VertexIndex v) { return std::ranges::binary_search(others, v); });
+}
+
+// What is nearest to a place x on a facet, if nearer than `radius`: of the features disjoint from the
+// facet, and of its edges. Nothing farther than the nearest edge and `margin` is looked for.
+template <int D, template <class> class E>
+typename Refinement<D, E>::FacetSurroundings Refinement<D, E>::Around(const Facet& facet,
+                                                                       const Point& x,
+                                                                       double radius,
+                                                                       double margin) const {
+  FacetSurroundings near{radius, radius};
+  if constexpr (D == 3) {
+    double within2 = radius * radius;
+    features_.VisitNear(
+        x, within2, {features_.kNone, features_.kNone},
+        [](const Point&, double) { return true; },
+        [&](const InputFeature<D>& f) {
+          const double d2 = geometry::SquaredDistance(x, f.p, f.q);
+          if (!(d2 < within2)) return;
+          if (AreDisjoint(facet, f)) {
+            within2 = d2;
+          } else if (d2 < near.edge * near.edge && facet.HasEdge(f.a, f.b)) {
+            near.edge = std::sqrt(d2);
+            const double within = near.edge + margin;
+            within2 = std::min(within2, within * within);
+          }
+        });
+    near.feature = std::sqrt(within2);
+    // Corners are features: few facets are nearer.
+    facets_.ForEachNear(x, near.feature, [&](const Facet& other) {
+      const double h = std::fabs(other.plane().Height(x));
+      if (!(h < near.feature) || !other.IsInside(other.plane().Foot(x))) return;
+      if (AreDisjoint(facet.corners(), other.corners())) near.feature = h;
+    });
+  }
+  return near;
+}
+
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsFacetAnchor(const Facet& facet, const FacetLattice& lattice, int level,
+                                     const Point& x) const {
+  if constexpr (D == 3) {
+    const double wider = lattice.Spacing(level - 1), target = sizing_.LeastTarget(x, 0),
+                 clear = kClearOfEdges * target;
+    const double radius = std::min(
+        facet.reach(), std::max(wider / FacetSpacing(), clear * (1 + 1e-6)));
+    const auto [feature, edge] = Around(facet, x, radius, 0);
+    const bool for_feature = feature < std::min(edge, radius) && wider > FacetSpacing() * feature,
+               for_target = wider > kSpacingInTargets * target && edge > std::min(feature, clear);
+    return (for_feature || for_target) && feature * feature > 64 * rules_.least_squared_length() &&
+           facet.IsInside(x);
+  }
+  return false;
+}
+
+// Is something disjoint from the facet so near that it may give anchors to it? Conservative: may
+// return true needlessly.
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsWithinReach(const Facet& facet, const InputFeature<D>& f) {
+  if constexpr (D == 3) {
+    const double reach = facet.reach();
+    for (const Point& p : {f.p, f.q}) {
+      if (std::fabs(facet.plane().Height(p)) < reach && facet.IsInside(facet.plane().Foot(p))) {
+        return true;
+      }
+    }
+    for (const auto& ring : facet.rings()) {
+      for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+        if (geometry::SquaredDistance(ring[i], ring[j], f.p, f.q) < reach * reach) return true;
+      }
+    }
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsWithinReach(const Facet& facet, const Facet& other) {
+  if constexpr (D == 3) {
+    constexpr std::size_t kMany = 4096;  // pairs, which take longer than they save
+    if (facet.corners().size() * other.corners().size() > kMany) return true;
+    for (const auto& ring : facet.rings()) {
+      for (const Point& p : ring) {
+        if (std::fabs(other.plane().Height(p)) < facet.reach() &&
+            other.IsInside(other.plane().Foot(p))) {
+          return true;
+        }
+      }
+    }
+    for (const auto& ring : other.rings()) {
+      for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
+        if (IsWithinReach(facet, {kNil, kNil, ring[i], ring[j]})) return true;
+      }
+    }
+  }
+  return false;
+}
+
+// Most facets of a surface have none. Conservative: may return true needlessly.
+template <int D, template <class> class E>
+bool Refinement<D, E>::MayHaveAnchors(const Facet& facet) const {
+  if constexpr (D == 3) {
+    constexpr std::size_t kManyCorners = 32;
+    if (facet.corners().size() > kManyCorners) return true;
+    const double reach = facet.reach() * (1 + 1e-6);
+    const FacetPlace& where = facet.where();
+    Point middle;
+    double radius2 = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      middle[k] = 0.5 * (where.box.lo[k] + where.box.hi[k]);
+      const double half = 0.5 * (where.box.hi[k] - where.box.lo[k]) + reach;
+      radius2 += half * half;
+    }
+    bool may = sizing_.LeastTarget(middle, std::sqrt(radius2)) < INFINITY;
+    features_.VisitNear(
+        middle, radius2, {features_.kNone, features_.kNone},
+        [&](const Point& centre, double half) {
+          return !may && where.MayMeet(centre, 1.7321 * half + reach);
+        },
+        [&](const InputFeature<D>& f) {
+          may = may || (AreDisjoint(facet, f) && IsWithinReach(facet, f));
+        });
+    // Edges of others are features: what is left is a corner over the inside of another one.
+    if (!may) {
+      facets_.ForEachNear(middle, std::sqrt(radius2), [&](const Facet& other) {
+        may = may || (AreDisjoint(facet.corners(), other.corners()) &&
+                      std::ranges::any_of(facet.rings(), [&](const geometry::Ring3& ring) {
+                        return std::ranges::any_of(ring, [&](const Point& p) {
+                          return std::fabs(other.plane().Height(p)) < reach &&
+                                 other.IsInside(other.plane().Foot(p));
+                        });
+                      }));
+      });
+    }
+    return may;
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool Refinement<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, double radius) const {
+  double within2 = radius * radius;
+  bool has = false;
+  features_.VisitNear(
+      x, within2, {features_.kNone, features_.kNone}, [](const Point&, double) { return true; },
+      [&](const InputFeature<D>& f) {
+        if (has || !(geometry::SquaredDistance(x, f.p, f.q) < within2)) return;
+        has = facet.HasEdge(f.a, f.b);
+        if (has) within2 = 0;
+      });
+  return has;
+}
+
+// Calls decide(index, point) for the points of the cell that may be anchors, or may have been before
+// something changed: a feature at the distance feature_changed(x) from x, or sizes where
+// size_changed(x, radius) is the least target in that ball; INFINITY for nothing. Conservative.
+// Until decide says false; false if it did.
+template <int D, template <class> class E>
+template <class FeatureChanged, class SizeChanged, class Decide>
+bool Refinement<D, E>::VisitLattice(const Facet& facet, const FacetLattice& lattice,
+                                    const FacetLattice::Cell& cell,
+                                    const FeatureChanged& feature_changed,
+                                    const SizeChanged& size_changed, Decide decide) const {
+  const Point middle = lattice.MiddleOf(cell);
+  const double radius = lattice.RadiusOf(cell) + 4 * rules_.ulp(), reach = facet.reach(),
+               changed_feature = feature_changed(middle),
+               changed_target = size_changed(middle, radius);
+  const auto [feature, edge] = Around(facet, middle, radius + reach, 2 * radius * (1 + 1e-6));
+  // What is farther than something else everywhere in the cell has no say.
+  const bool is_concerned = changed_target < INFINITY || changed_feature <= feature + 2 * radius;
+  const bool is_all = changed_feature == INFINITY && changed_target == INFINITY;
+  if (!is_concerned && !is_all) return true;
+  const double least = std::min(feature, changed_feature) - radius,  // of what is disjoint
+      target = std::min(sizing_.LeastTarget(middle, radius), changed_target),
+      clear = std::min(least, kClearOfEdges * target);
+  if (!(clear < reach)) return true;
+  if (facet.IsInside(middle)) {
+    if (std::min(edge + radius, reach) < clear) return true;  // an edge is nearer everywhere
+  } else if (!HasEdgeWithin(facet, middle, radius)) {
+    return true;  // nothing of the facet is in the cell
+  }
+  if (clear > 0) {
+    constexpr double kFew = 4;  // along a side
+    const double least_spacing = std::min(FacetSpacing() * least, kSpacingInTargets * target);
+    const int finest = lattice.LevelOf(least_spacing * (1 - 1e-9));
+    if (kFew * lattice.Spacing(finest) >= cell.side()) {
+      return lattice.ForEachIn(cell, finest, decide);
+    }
+  }
+  if (radius * radius < 64 * rules_.least_squared_length()) return true;
+  for (int quadrant = 0; quadrant < 4; ++quadrant) {
+    if (!VisitLattice(facet, lattice, FacetLattice::Child(cell, quadrant), feature_changed,
+                      size_changed, decide)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Decides the anchors of a facet again, as VisitLattice does. False if it was interrupted.
+template <int D, template <class> class E>
+template <class FeatureChanged, class SizeChanged>
+bool Refinement<D, E>::UpdateFacetAnchors(FacetIndex i, const FeatureChanged& feature_changed,
+                                          const SizeChanged& size_changed,
+                                          absl::FunctionRef<bool()> interrupt) {
+  const Facet& facet = facets_[i];
+  const FacetLattice lattice(facet.plane());
+  const Extent<3>& box = facet.where().box;
+  return lattice.ForEachCellOver({box.lo}, {box.hi}, [&](const FacetLattice::Cell& cell) {
+    return VisitLattice(facet, lattice, cell, feature_changed, size_changed,
+                        [&](const FacetLattice::Index& index, const Point& x) {
+                          const bool is = IsFacetAnchor(facet, lattice, index.level, x);
+                          DecideFacetAnchor(i, index, x, is);
+                          return !interrupt();
+                        });
+  });
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::DecideFacetAnchor(FacetIndex facet, const FacetLattice::Index& index,
+                                         const Point& x, bool is) {
+  const auto of_facet = facet_anchors_.find(facet);
+  const bool was = of_facet != facet_anchors_.end() && of_facet->second.contains(index);
+  if (is == was) return;
+  if (is) {
+    const VertexIndex v = AddPoint(x, kNil);
+    vertices_[v].dimension = 2;
+    vertices_[v].feature = facets_[facet].feature();
+    facet_anchors_[facet][index] = v;
+  } else {
+    const auto at = of_facet->second.find(index);
+    RemoveAnchor(at->second);
+    of_facet->second.erase(at);
+    if (of_facet->second.empty()) facet_anchors_.erase(of_facet);
+  }
+}
+
+// Decides those again that what has changed since the last propagation may concern. False if it
+// was interrupted: then the rest is still to be decided.
+template <int D, template <class> class E>
+bool Refinement<D, E>::UpdateFacetAnchors(absl::FunctionRef<bool()> interrupt) {
+  if constexpr (D == 3) {
+    if (facets_.empty()) return true;
+    int decided = 0;
+    const auto sometimes = [&] { return (++decided & 255) == 0 && interrupt(); };
+    const auto is_new = [&](FacetIndex i) {
+      return std::ranges::find(new_facets_, i) != new_facets_.end();
+    };
+    constexpr auto kNoFeature = [](const Point&) { return INFINITY; };
+    constexpr auto kNoSize = [](const Point&, double) { return INFINITY; };
+    for (const FacetIndex i : new_facets_) {
+      if (!MayHaveAnchors(facets_[i])) continue;
+      if (!UpdateFacetAnchors(i, kNoFeature, kNoSize, sometimes)) return false;
+    }
+    if (new_facets_.size() < facets_.size()) {
+      for (const auto& change : changed_features_) {
+        const InputFeature<D>& f = change.first;
+        const auto distance = [&](const Point& x) {
+          return std::sqrt(geometry::SquaredDistance(x, f.p, f.q));
+        };
+        for (const FacetIndex i : facets_.Reaching({f.p.c, f.q.c}, distance)) {
+          const Facet& facet = facets_[i];
+          if (is_new(i) || !AreDisjoint(facet, f) || !IsWithinReach(facet, f)) continue;
+          if (!UpdateFacetAnchors(i, distance, kNoSize, sometimes)) return false;
+        }
+      }
+      for (const Facet& changed : changed_facets_) {
+        const auto least = [&](const Point& x) { return changed.where().LeastDistance(x); };
+        const auto distance = [&](const Point& x) { return changed.Distance(x); };
+        for (const FacetIndex i : facets_.Reaching(changed.where().box, least)) {
+          const Facet& facet = facets_[i];
+          if (is_new(i) || !AreDisjoint(facet.corners(), changed.corners()) ||
+              !IsWithinReach(facet, changed)) {
+            continue;
+          }
+          if (!UpdateFacetAnchors(i, distance, kNoSize, sometimes)) return false;
+        }
+      }
+      for (const SizingRegion<D>& region : changed_sizes_) {
+        const auto target = [&](const Point& x, double radius) {
+          return region.Meets(x, radius) ? region.target : INFINITY;
+        };
+        const Point middle = geometry::Midpoint(region.lo, region.hi);
+        const double radius =
+            region.radius + 0.5 * std::sqrt(geometry::SquaredDistance(region.lo, region.hi));
+        std::vector<FacetIndex> met;
+        facets_.ForEachNear(middle, radius * (1 + 1e-9), [&](const Facet& facet) {
+          met.push_back(facets_.OfFeature(facet.feature()));
+        });
+        for (const FacetIndex i : met) {
+          if (is_new(i)) continue;
+          if (!UpdateFacetAnchors(i, kNoFeature, target, sometimes)) return false;
+        }
+      }
+    }
+    new_facets_.clear();
+  }
+  return true;
+}
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_FACET_ANCHORS_H_
