@@ -292,8 +292,8 @@ void LiveMesh<D>::BuildPresent() {
   ReplaceState(kNever);
 }
 
-// Hands the change to the refinement, many features in parts, so as to ask in between. Says how many
-// have been handed over: fewer than there are, if the job is cancelled.
+// Hands the change to the refinement, many features in parts, so as to ask in between. Says how
+// many have been handed over: fewer than there are, if the job is cancelled.
 template <int D>
 template <class Job>
 std::size_t LiveMesh<D>::HandOver(Job& job) {

@@ -45,40 +45,44 @@ bool AreDisjoint(const Facet& facet, const InputFeature<D>& f) {
 }
 inline bool AreDisjoint(std::span<const VertexIndex> corners, std::span<const VertexIndex> others) {
   if (corners.size() > others.size()) std::swap(corners, others);
-  return std::ranges::none_of(
-      corners, [&](VertexIndex v) { return std::ranges::binary_search(others, v); });
+  return std::ranges::none_of(corners,
+                              [&](VertexIndex v) { return std::ranges::binary_search(others, v); });
 }
 
-// What is nearest to a place x on a facet, if nearer than `radius`: of the features disjoint from the
-// facet, and of its edges. Nothing farther than the nearest edge and `margin` is looked for.
+// What is nearest to a place x on a facet, if nearer than `radius`: of the features disjoint from
+// the facet, and of its edges. Of features farther than the nearest edge and `margin` it is told
+// that they are that far. In whatever order features are found, and however many are as near.
 template <int D, template <class> class E>
 typename Refinement<D, E>::FacetSurroundings Refinement<D, E>::Around(const Facet& facet,
-                                                                       const Point& x,
-                                                                       double radius,
-                                                                       double margin) const {
+                                                                      const Point& x, double radius,
+                                                                      double margin) const {
   FacetSurroundings near{radius, radius};
   if constexpr (D == 3) {
-    double within2 = radius * radius;
+    const double all2 = radius * radius;
+    double feature2 = all2, edge2 = all2, within2 = all2;
     features_.VisitNear(
-        x, within2, {features_.kNone, features_.kNone},
-        [](const Point&, double) { return true; },
+        x, within2, {features_.kNone, features_.kNone}, [](const Point&, double) { return true; },
         [&](const InputFeature<D>& f) {
           const double d2 = geometry::SquaredDistance(x, f.p, f.q);
           if (!(d2 < within2)) return;
           if (AreDisjoint(facet, f)) {
-            within2 = d2;
-          } else if (d2 < near.edge * near.edge && facet.HasEdge(f.a, f.b)) {
-            near.edge = std::sqrt(d2);
-            const double within = near.edge + margin;
-            within2 = std::min(within2, within * within);
+            feature2 = std::min(feature2, d2);
+          } else if (facet.HasEdge(f.a, f.b)) {
+            edge2 = std::min(edge2, d2);
+          } else {
+            return;
           }
+          // What is as near is looked at, too.
+          const double of_edge = std::sqrt(edge2) + margin;
+          within2 = std::min(all2, std::min(feature2, of_edge * of_edge) * (1 + 1e-9));
         });
-    near.feature = std::sqrt(within2);
+    near.edge = std::sqrt(edge2);
+    near.feature = std::min({radius, std::sqrt(feature2), near.edge + margin});
     // Corners are features: few facets are nearer.
     facets_.ForEachNear(x, near.feature, [&](const Facet& other) {
-      const double h = std::fabs(other.plane().Height(x));
-      if (!(h < near.feature) || !other.IsInside(other.plane().Foot(x))) return;
-      if (AreDisjoint(facet.corners(), other.corners())) near.feature = h;
+      if (other.IsOver(x, near.feature) && AreDisjoint(facet.corners(), other.corners())) {
+        near.feature = std::fabs(other.plane().Height(x));
+      }
     });
   }
   return near;
@@ -90,8 +94,8 @@ bool Refinement<D, E>::IsFacetAnchor(const Facet& facet, const FacetLattice& lat
   if constexpr (D == 3) {
     const double wider = lattice.Spacing(level - 1), target = sizing_.LeastTarget(x, 0),
                  clear = kClearOfEdges * target;
-    const double radius = std::min(
-        facet.reach(), std::max(wider / FacetSpacing(), clear * (1 + 1e-6)));
+    const double radius =
+        std::min(facet.reach(), std::max(wider / FacetSpacing(), clear * (1 + 1e-6)));
     const auto [feature, edge] = Around(facet, x, radius, 0);
     const bool for_feature = feature < std::min(edge, radius) && wider > FacetSpacing() * feature,
                for_target = wider > kSpacingInTargets * target && edge > std::min(feature, clear);
@@ -107,14 +111,23 @@ template <int D, template <class> class E>
 bool Refinement<D, E>::IsWithinReach(const Facet& facet, const InputFeature<D>& f) {
   if constexpr (D == 3) {
     const double reach = facet.reach();
-    for (const Point& p : {f.p, f.q}) {
-      if (std::fabs(facet.plane().Height(p)) < reach && facet.IsInside(facet.plane().Foot(p))) {
-        return true;
-      }
-    }
-    for (const auto& ring : facet.rings()) {
+    if (facet.IsOver(f.p, reach) || facet.IsOver(f.q, reach)) return true;
+    for (const geometry::Ring3& ring : facet.rings()) {
       for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
         if (geometry::SquaredDistance(ring[i], ring[j], f.p, f.q) < reach * reach) return true;
+      }
+    }
+  }
+  return false;
+}
+
+// Has the facet a corner over the other one, within its reach?
+template <int D, template <class> class E>
+bool Refinement<D, E>::HasCornerOver(const Facet& facet, const Facet& other) {
+  if constexpr (D == 3) {
+    for (const geometry::Ring3& ring : facet.rings()) {
+      for (const Point& p : ring) {
+        if (other.IsOver(p, facet.reach())) return true;
       }
     }
   }
@@ -126,15 +139,8 @@ bool Refinement<D, E>::IsWithinReach(const Facet& facet, const Facet& other) {
   if constexpr (D == 3) {
     constexpr std::size_t kMany = 4096;  // pairs, which take longer than they save
     if (facet.corners().size() * other.corners().size() > kMany) return true;
-    for (const auto& ring : facet.rings()) {
-      for (const Point& p : ring) {
-        if (std::fabs(other.plane().Height(p)) < facet.reach() &&
-            other.IsInside(other.plane().Foot(p))) {
-          return true;
-        }
-      }
-    }
-    for (const auto& ring : other.rings()) {
+    if (HasCornerOver(facet, other)) return true;
+    for (const geometry::Ring3& ring : other.rings()) {
       for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
         if (IsWithinReach(facet, {kNil, kNil, ring[i], ring[j]})) return true;
       }
@@ -170,13 +176,7 @@ bool Refinement<D, E>::MayHaveAnchors(const Facet& facet) const {
     // Edges of others are features: what is left is a corner over the inside of another one.
     if (!may) {
       facets_.ForEachNear(middle, std::sqrt(radius2), [&](const Facet& other) {
-        may = may || (AreDisjoint(facet.corners(), other.corners()) &&
-                      std::ranges::any_of(facet.rings(), [&](const geometry::Ring3& ring) {
-                        return std::ranges::any_of(ring, [&](const Point& p) {
-                          return std::fabs(other.plane().Height(p)) < reach &&
-                                 other.IsInside(other.plane().Foot(p));
-                        });
-                      }));
+        may = may || (AreDisjoint(facet.corners(), other.corners()) && HasCornerOver(facet, other));
       });
     }
     return may;
@@ -198,8 +198,8 @@ bool Refinement<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, double 
   return has;
 }
 
-// Calls decide(index, point) for the points of the cell that may be anchors, or may have been before
-// something changed: a feature at the distance feature_changed(x) from x, or sizes where
+// Calls decide(index, point) for the points of the cell that may be anchors, or may have been
+// before something changed: a feature at the distance feature_changed(x) from x, or sizes where
 // size_changed(x, radius) is the least target in that ball; INFINITY for nothing. Conservative.
 // Until decide says false; false if it did.
 template <int D, template <class> class E>
@@ -219,7 +219,7 @@ bool Refinement<D, E>::VisitLattice(const Facet& facet, const FacetLattice& latt
   if (!is_concerned && !is_all) return true;
   const double least = std::min(feature, changed_feature) - radius,  // of what is disjoint
       target = std::min(sizing_.LeastTarget(middle, radius), changed_target),
-      clear = std::min(least, kClearOfEdges * target);
+               clear = std::min(least, kClearOfEdges * target);
   if (!(clear < reach)) return true;
   if (facet.IsInside(middle)) {
     if (std::min(edge + radius, reach) < clear) return true;  // an edge is nearer everywhere

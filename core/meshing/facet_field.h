@@ -73,6 +73,10 @@ class Facet {
   bool HasEdge(VertexIndex a, VertexIndex b) const {
     return std::binary_search(edges_.begin(), edges_.end(), Edge(std::minmax(a, b)));
   }
+  // Is p over the inside, or under it, and nearer to the plane than `height`?
+  bool IsOver(const Point& p, double height) const {
+    return std::fabs(plane().Height(p)) < height && IsInside(plane().Foot(p));
+  }
   // From x. O(corners).
   double Distance(const Point& x) const;
   // No place of it is farther from all its edges. Conservative: may be too large.
@@ -216,7 +220,8 @@ class FacetField {
 
   std::size_t bytes() const {
     return places_.bytes() + reaches_.bytes() + facets_.capacity() * sizeof(Facet) +
-           regions_of_.capacity() * sizeof(RegionsOf) + at_corner_.capacity() * 32 + of_feature_.capacity() * 9;
+           regions_of_.capacity() * sizeof(RegionsOf) + at_corner_.capacity() * 32 +
+           of_feature_.capacity() * 9;
   }
 
  private:

@@ -59,9 +59,7 @@ class FacetLattice {
                 (static_cast<double>(cell.j) + 0.5) * side);
   }
   // All places of the cell on the facet are within that of its middle.
-  double RadiusOf(const Cell& cell) const {
-    return widening_ * 0.70711 * cell.side() * (1 + 1e-9);
-  }
+  double RadiusOf(const Cell& cell) const { return widening_ * 0.70711 * cell.side() * (1 + 1e-9); }
   static Cell Child(const Cell& cell, int quadrant) {
     return {cell.depth + 1, 2 * cell.i + (quadrant & 1), 2 * cell.j + (quadrant >> 1)};
   }

@@ -442,6 +442,7 @@ class Refinement {
   FacetSurroundings Around(const Facet& facet, const Point& x, double radius, double margin) const;
   bool MayHaveAnchors(const Facet& facet) const;
   static bool IsWithinReach(const Facet& facet, const InputFeature<D>& f);
+  static bool HasCornerOver(const Facet& facet, const Facet& other);
   static bool IsWithinReach(const Facet& facet, const Facet& other);
   bool HasEdgeWithin(const Facet& facet, const Point& x, double radius) const;
   bool IsFacetAnchor(const Facet& facet, const FacetLattice& lattice, int level,
@@ -487,7 +488,7 @@ class Refinement {
   bool indexes_features_ = false;
   std::map<int, int> levels_;  // of sizing regions: how many of each
   absl::flat_hash_map<std::pair<int, typename AnchorLattice<D>::Index>, VertexIndex> anchors_;
-  bool had_sizes_ = false;  // at the last Propagate
+  bool had_sizes_ = false;                      // at the last Propagate
   std::vector<SizingRegion<D>> changed_sizes_;  // came or went since the last Propagate
   std::vector<std::pair<InputFeature<D>, bool>> changed_features_;  // since the last Propagate
   FacetField facets_;                                               // empty in the plane

@@ -2,10 +2,11 @@
 //
 // A piece of a segment is split *beforehand* if a feature that is disjoint from the segment is too
 // near: it meets the open ball about the piece's middle, or, no facet, is nearer to the piece than
-// an eighth of its length. It is Disencroach (Fig. 5.5) by the features instead of by the cells of BuildQT:
-// pieces that remain are no longer than 8 times the local feature size. What features far away do
-// to a segment has no say, so an edit changes the pieces near it alone; and as no ball of a piece
-// holds a vertex of a disjoint feature, splits of one segment do not make others be split in turn.
+// an eighth of its length. It is Disencroach (Fig. 5.5) by the features instead of by the cells of
+// BuildQT: pieces that remain are no longer than 8 times the local feature size. What features far
+// away do to a segment has no say, so an edit changes the pieces near it alone; and as no ball of a
+// piece holds a vertex of a disjoint feature, splits of one segment do not make others be split in
+// turn.
 //
 // Then rule (b). A subsegment is *encroached* when its open
 // diametral ball holds a vertex, or when a tie on the ball's surface keeps it out of
@@ -113,8 +114,8 @@ std::optional<InputFeature<D>> Refinement<D, E>::NearestTooNear(const Subsegment
   return nearest;
 }
 
-// Is the inside of a disjoint facet in the open ball about the middle of s, and nearer to it than d2
-// if there is something so near already? d2: then its squared distance. (The facet's edges are
+// Is the inside of a disjoint facet in the open ball about the middle of s, and nearer to it than
+// d2 if there is something so near already? d2: then its squared distance. (The facet's edges are
 // features by themselves.)
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsFacetTooNear(const Subsegment& s, bool is_near, double* d2) const {
@@ -126,11 +127,9 @@ bool Refinement<D, E>::IsFacetTooNear(const Subsegment& s, bool is_near, double*
     double least2 = 0.25 * geometry::SquaredDistance(a, b);
     if (is_near) least2 = std::min(least2, *d2);
     facets_.ForEachNear(middle, std::sqrt(least2), [&](const Facet& facet) {
+      if (facet.HasCorner(s.whole_a) || facet.HasCorner(s.whole_b)) return;
       const double h = facet.plane().Height(middle), h2 = h * h;
-      if (!(h2 < least2) || facet.HasCorner(s.whole_a) || facet.HasCorner(s.whole_b) ||
-          !facet.IsInside(facet.plane().Foot(middle))) {
-        return;
-      }
+      if (!(h2 < least2) || !facet.IsInside(facet.plane().Foot(middle))) return;
       least2 = h2;
       found = true;
     });

@@ -65,8 +65,9 @@ Delta<D> Delta<D>::Part(std::size_t from, std::size_t to) const {
   const auto take = [&](auto list) {
     const auto& all = this->*list;
     const auto within = [&](std::size_t i) { return std::clamp(i, at, at + all.size()) - at; };
-    (part.*list).assign(all.begin() + static_cast<std::ptrdiff_t>(within(from)),
-                        all.begin() + static_cast<std::ptrdiff_t>(within(to)));
+    (part.*list)
+        .assign(all.begin() + static_cast<std::ptrdiff_t>(within(from)),
+                all.begin() + static_cast<std::ptrdiff_t>(within(to)));
     at += all.size();
   };
   take(&Delta::removed_facets);

@@ -170,8 +170,8 @@ Scene RotorInAPlate(int n) {
   for (int i = 0; i < kCorners; ++i) {
     const auto [x, y] = corner(i, 0);
     scene.features.push_back(Feature::Point(kFar + Id(i), x, y));
-    scene.features.push_back(Feature::Segment(kFar + Id(kCorners + i), kFar + Id(i),
-                                              kFar + Id((i + 1) % kCorners)));
+    scene.features.push_back(
+        Feature::Segment(kFar + Id(kCorners + i), kFar + Id(i), kFar + Id((i + 1) % kCorners)));
   }
   for (int step = 1; step <= 6; ++step) {
     EditBatch batch;
@@ -261,8 +261,8 @@ Scene InSpace() {
 void AddBox(FeatureId first, const std::array<double, 3>& lo, const std::array<double, 3>& hi,
             Scene& scene) {
   for (FeatureId i = 0; i < 8; ++i) {
-    scene.features.push_back(Feature::Point(first + i, i & 1 ? hi[0] : lo[0],
-                                            i & 2 ? hi[1] : lo[1], i & 4 ? hi[2] : lo[2]));
+    scene.features.push_back(Feature::Point(first + i, i & 1 ? hi[0] : lo[0], i & 2 ? hi[1] : lo[1],
+                                            i & 4 ? hi[2] : lo[2]));
   }
   constexpr FeatureId kFaces[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                       {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};

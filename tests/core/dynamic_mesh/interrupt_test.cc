@@ -50,8 +50,8 @@ TEST(Interrupt, ADifferenceIsAskedAboutAllAlong) {
   Steps counting(count);
   const MeshDiff diff = data::DiffMeshes(from, to, counting);
   // Vertices are looked up, simplices sorted and merged.
-  const std::size_t rows = from.vertices.size() + to.vertices.size() +
-                           2 * (from.simplex_count() + to.simplex_count());
+  const std::size_t rows =
+      from.vertices.size() + to.vertices.size() + 2 * (from.simplex_count() + to.simplex_count());
   EXPECT_GE(asked, rows / Steps::kBetween);
   MeshDiff plain = data::DiffMeshes(from, to), same = diff;
   Canonicalize(plain);

@@ -11,7 +11,6 @@
 #include <tuple>
 #include <vector>
 
-
 namespace dynmesh::meshing {
 namespace {
 
@@ -30,7 +29,7 @@ FacetPlane PlaneAcross(int axis, double slope_u, double slope_v) {
 }
 
 std::map<std::tuple<int, std::int64_t, std::int64_t>, Point3> PlacesOf(const FacetLattice& lattice,
-                                                                         int finest) {
+                                                                       int finest) {
   std::map<std::tuple<int, std::int64_t, std::int64_t>, Point3> places;
   lattice.ForEachCellOver({{0, 0, 0}}, {{1, 1, 1}}, [&](const FacetLattice::Cell& cell) {
     return lattice.ForEachIn(cell, finest, [&](const FacetLattice::Index& index, const Point3& p) {

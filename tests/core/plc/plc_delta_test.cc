@@ -218,11 +218,10 @@ TEST(PlcDeltaParts, MakeTheWholeChange) {
   Plc2 plc(Square(0, 1));
   Apply(plc, before);
   const std::vector<Feature> from = plc.Features();
-  const absl::StatusOr<Delta<2>> whole =
-      plc.Check({Edit::Remove(7), Edit::Remove(5), Edit::Remove(6), Edit::Move(4, 0.3, 0.6),
-                 AddPoint(9, 0.7, 0.7), AddSegment(10, 4, 9), Edit::Remove(8),
-                 Edit::Add(Feature::Polygon(11, {{1, 2, 9}})),
-                 Edit::Add(Feature::SizeAt(8, 0.3, 0.3, 0.1))});
+  const absl::StatusOr<Delta<2>> whole = plc.Check(
+      {Edit::Remove(7), Edit::Remove(5), Edit::Remove(6), Edit::Move(4, 0.3, 0.6),
+       AddPoint(9, 0.7, 0.7), AddSegment(10, 4, 9), Edit::Remove(8),
+       Edit::Add(Feature::Polygon(11, {{1, 2, 9}})), Edit::Add(Feature::SizeAt(8, 0.3, 0.3, 0.1))});
   ASSERT_TRUE(whole.ok()) << whole.status();
   ASSERT_GE(whole->size(), 10u);
   std::vector<Feature> to;
