@@ -5,6 +5,7 @@
 // DYNMESH_NIGHTLY=1 runs the long setting (20,000 revisions).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -88,6 +89,67 @@ INSTANTIATE_TEST_SUITE_P(All, PolygonHistory,
                            return NameOf(std::get<0>(given.param)) +
                                   kAskedInSpace[std::get<1>(given.param)].name;
                          });
+
+// Plates above each other and areas with a target, at multiples of a power of two: points of the
+// plates' lattices are as far from one thing as from another, and on borders of all kinds.
+class LatticePlates {
+ public:
+  explicit LatticePlates(std::uint64_t seed) : random_(seed) {}
+
+  EditBatch Next(const std::vector<Feature>& present) {
+    const auto is_there = [&](FeatureId id) {
+      return std::ranges::any_of(present, [&](const Feature& f) { return f.id == id; });
+    };
+    const FeatureId plate = 10 * static_cast<FeatureId>(1 + random_.Below(5));
+    if (random_.OneIn(4)) {
+      const Feature size = Feature::Size(1, {Place(), Place(), 0.25},
+                                         {SizeShape::kBox,
+                                          random_.OneIn(2) ? 0.125 : 0.1,
+                                          0,
+                                          {Place() + 0.5, Place() + 0.5, 0.75}});
+      return {is_there(1) ? Edit::Remove(1) : Edit::Add(size)};
+    }
+    EditBatch batch;
+    if (is_there(plate)) {
+      for (FeatureId i = 5; i-- > 0;) batch.push_back(Edit::Remove(plate + i));
+      return batch;
+    }
+    const double z = 0.5 + static_cast<double>(plate) / 10 * kStep;
+    const double x = Place(), y = Place(), width = 0.25 + Place(), height = 0.25 + Place();
+    const auto first = static_cast<FeatureId>(random_.Below(4));
+    for (FeatureId i = 0; i < 4; ++i) {
+      batch.push_back(Edit::Add(
+          Feature::Point(plate + i, i == 1 || i == 2 ? x + width : x, i >= 2 ? y + height : y, z)));
+    }
+    Rings rings(1);
+    for (FeatureId i = 0; i < 4; ++i) rings[0].push_back(plate + (first + i) % 4);
+    batch.push_back(Edit::Add(Feature::Polygon(plate + 4, rings)));
+    return batch;
+  }
+
+ private:
+  static constexpr double kStep = 1.0 / 32;
+
+  double Place() { return kStep * random_.Below(13); }
+
+  Random random_;
+};
+
+TEST(PolygonHistoryOnALattice, DynamicIsFromScratchAfterEveryRevision) {
+  const int scripts = IsNightly() ? 200 : 4;
+  for (int k = 0; k < scripts; ++k) {
+    const auto seed = static_cast<std::uint64_t>(500 + k);
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    RunPlan plan;
+    plan.revisions = IsNightly() ? 50 : 10;
+    plan.every_static = 4;
+    const RunReport run = RunScriptOf<3>(LatticePlates(seed), DefaultsIn<3>(), plan);
+    if (run.difference.found) {
+      FAIL() << run.difference.what << "\nshrunk script:\n"
+             << ToScript(DefaultsIn<3>(), Shrink(run.script, DefaultsIn<3>(), plan));
+    }
+  }
+}
 
 // Boxes in a grid, all faces there; `turned`: of box `k`, so many steps of a turn about z.
 std::vector<Feature> BoxAt(FeatureId k, int side, int turned) {
