@@ -70,6 +70,11 @@ class RawConnection {
     }
     return closed;
   }
+  // Waits for the first thing the server does. True if it closes before it has sent a byte.
+  bool IsRefused(int milliseconds) const {
+    char byte = 0;
+    return WaitForBytes(milliseconds) && recv(socket_, &byte, 1, 0) <= 0;
+  }
   // True when something has come.
   bool WaitForBytes(int milliseconds) const {
     pollfd wait = {socket_, POLLIN, 0};
