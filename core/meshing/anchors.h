@@ -25,7 +25,7 @@ namespace dynmesh::meshing {
 // left between is a seam of that width.
 inline constexpr double kClear = 0.6;
 // From facets, which have anchors of their own (facet_anchors.h). With 0.6 the seam had room for a
-// sheet of vertices, all over which an edit passed on: 340 of 6,000 to 25,000 changed, now 11.
+// sheet of vertices, all over which an edit passed on: 340 of 6,000 to 25,000 changed, now 12.
 inline constexpr double kClearOfFacets = 0.3;
 
 template <int D, template <class> class E>
@@ -127,13 +127,10 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
     if (!had_sizes) break;
     for (const auto& change : changed_features_) {
       const InputFeature<D>& f = change.first;
-      Extent<D> box = Extent<D>::Nothing();
-      box.AddBall(f.p, 0);
-      box.AddBall(f.q, 0);
       const auto is_near = [&](const Point& centre, double radius) {
         return geometry::SquaredDistance(centre, f.p, f.q) <= radius * radius;
       };
-      if (!decide_in(level, box, false, is_near)) return false;
+      if (!decide_in(level, BoxOf(f), false, is_near)) return false;
     }
     if constexpr (D == 3) {
       for (const Facet& facet : changed_facets_) {

@@ -346,6 +346,14 @@ InputFeature<D> Refinement<D, E>::FeatureOf(VertexIndex a, VertexIndex b) const 
   return {a, b, vertices_[a].p, vertices_[b].p};
 }
 
+template <int D, template <class> class E>
+Extent<D> Refinement<D, E>::BoxOf(const InputFeature<D>& feature) {
+  Extent<D> box = Extent<D>::Nothing();
+  box.AddBall(feature.p, 0);
+  box.AddBall(feature.q, 0);
+  return box;
+}
+
 // From now on features are kept by place.
 template <int D, template <class> class E>
 void Refinement<D, E>::IndexFeatures() {
@@ -391,11 +399,8 @@ void Refinement<D, E>::KeepNetChanges() {
 template <int D, template <class> class E>
 void Refinement<D, E>::NotifyOfFeatures() {
   for (const auto& [f, came] : changed_features_) {
-    Extent<D> box = Extent<D>::Nothing();
-    box.AddBall(f.p, 0);
-    box.AddBall(f.q, 0);
     NotifyFromBeginning(
-        box,
+        BoxOf(f),
         [&f = f](const Point& centre, double half) {
           return geometry::MayMeetCube(centre, half * (1 + 1e-9), f.p, f.q);
         },

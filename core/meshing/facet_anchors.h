@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/rings.h"
 #include "core/geometry/segment_distance.h"
 #include "core/meshing/refinement.h"
 
@@ -111,12 +112,11 @@ template <int D, template <class> class E>
 bool Refinement<D, E>::IsWithinReach(const Facet& facet, const InputFeature<D>& f) {
   if constexpr (D == 3) {
     const double reach = facet.reach();
-    if (facet.IsOver(f.p, reach) || facet.IsOver(f.q, reach)) return true;
-    for (const geometry::Ring3& ring : facet.rings()) {
-      for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-        if (geometry::SquaredDistance(ring[i], ring[j], f.p, f.q) < reach * reach) return true;
-      }
-    }
+    bool is = facet.IsOver(f.p, reach) || facet.IsOver(f.q, reach);
+    ForEachEdgeOf(facet.rings(), [&](const Point& p, const Point& q) {
+      is = is || geometry::SquaredDistance(p, q, f.p, f.q) < reach * reach;
+    });
+    return is;
   }
   return false;
 }
@@ -139,12 +139,11 @@ bool Refinement<D, E>::IsWithinReach(const Facet& facet, const Facet& other) {
   if constexpr (D == 3) {
     constexpr std::size_t kMany = 4096;  // pairs, which take longer than they save
     if (facet.corners().size() * other.corners().size() > kMany) return true;
-    if (HasCornerOver(facet, other)) return true;
-    for (const geometry::Ring3& ring : other.rings()) {
-      for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-        if (IsWithinReach(facet, {kNil, kNil, ring[i], ring[j]})) return true;
-      }
-    }
+    bool is = HasCornerOver(facet, other);
+    ForEachEdgeOf(other.rings(), [&](const Point& p, const Point& q) {
+      is = is || IsWithinReach(facet, InputFeature<D>{kNil, kNil, p, q});
+    });
+    return is;
   }
   return false;
 }
@@ -305,7 +304,7 @@ bool Refinement<D, E>::UpdateFacetAnchors(absl::FunctionRef<bool()> interrupt) {
         const auto distance = [&](const Point& x) {
           return std::sqrt(geometry::SquaredDistance(x, f.p, f.q));
         };
-        for (const FacetIndex i : facets_.Reaching({f.p.c, f.q.c}, distance)) {
+        for (const FacetIndex i : facets_.Reaching(BoxOf(f), distance)) {
           const Facet& facet = facets_[i];
           if (is_new(i) || !AreDisjoint(facet, f) || !IsWithinReach(facet, f)) continue;
           if (!UpdateFacetAnchors(i, distance, kNoSize, sometimes)) return false;

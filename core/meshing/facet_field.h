@@ -17,6 +17,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
+#include "core/base/rings.h"
 #include "core/geometry/facet_interior.h"
 #include "core/geometry/facet_plane.h"
 #include "core/geometry/segment_distance.h"
@@ -135,11 +136,9 @@ Facet::Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot featur
 inline double Facet::Distance(const Point& x) const {
   if (interior_.Holds(where_.plane.Foot(x))) return std::fabs(where_.plane.Height(x));
   double d2 = INFINITY;
-  for (const geometry::Ring3& ring : rings_) {
-    for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-      d2 = std::min(d2, geometry::SquaredDistance(x, ring[i], ring[j]));
-    }
-  }
+  ForEachEdgeOf(rings_, [&](const Point& p, const Point& q) {
+    d2 = std::min(d2, geometry::SquaredDistance(x, p, q));
+  });
   return std::sqrt(d2);
 }
 

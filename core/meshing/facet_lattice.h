@@ -46,11 +46,15 @@ class FacetLattice {
   explicit FacetLattice(const geometry::FacetPlane& plane)
       : plane_(plane), widening_(1 / plane.normal[static_cast<std::size_t>(plane.axis)]) {}
 
-  // The widest spacing of a level along the facet.
-  double Spacing(int level) const { return widening_ * std::exp2(-0.5 * level); }
+  // The widest spacing of a level along the facet. No logarithm, hence no libm, has a say.
+  double Spacing(int level) const {
+    const double step = (level & 1) != 0 ? 1.4142135623730951 : 1;
+    return widening_ * std::ldexp(step, -((level + 1) >> 1));
+  }
   // The coarsest level with no wider spacing.
   int LevelOf(double spacing) const {
-    return static_cast<int>(std::ceil(-2 * std::log2(spacing / widening_)));
+    const int level = -2 * std::ilogb(spacing / widening_);
+    return Spacing(level - 1) <= spacing ? level - 1 : level;
   }
 
   Point MiddleOf(const Cell& cell) const {
@@ -63,13 +67,13 @@ class FacetLattice {
   static Cell Child(const Cell& cell, int quadrant) {
     return {cell.depth + 1, 2 * cell.i + (quadrant & 1), 2 * cell.j + (quadrant >> 1)};
   }
-  // Calls f(cell) for at most nine cells that hold what is between lo and hi, until f says false.
+  // Calls f(cell) for at most four cells that hold what is between lo and hi, until f says false.
   // False if it did.
   template <class F>
   bool ForEachCellOver(const Point& lo, const Point& hi, F f) const {
     const std::size_t u = U(), v = V();
     const double widest = std::max(hi[u] - lo[u], hi[v] - lo[v]);
-    const int depth = static_cast<int>(std::floor(-std::log2(widest)));
+    const int depth = -1 - std::ilogb(widest);
     const double side = std::ldexp(1.0, -depth);
     const auto at = [side](double x) { return static_cast<std::int64_t>(std::floor(x / side)); };
     for (std::int64_t i = at(lo[u]); i <= at(hi[u]); ++i) {

@@ -460,6 +460,7 @@ class Refinement {
 
   void IndexFeatures();
   void KeepNetChanges();
+  static Extent<D> BoxOf(const InputFeature<D>& feature);
   InputFeature<D> FeatureOf(VertexIndex a, VertexIndex b) const;
   void AddFeature(const InputFeature<D>& feature);
   void RemoveFeature(const InputFeature<D>& feature);
