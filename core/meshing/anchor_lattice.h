@@ -1,16 +1,22 @@
-// The lattices whose points are the vertices of areas with a target length: triangular in 2D,
-// body-centred cubic in 3D. A lattice is a function of its *level* alone, a spacing of eight to the
-// octave, so that regions of nearly the same target share one, wherever they lie and move.
+// The lattices whose points are the vertices of areas with a target length, and of what is around
+// them: triangular in 2D, body-centred cubic in 3D. A lattice is a function of its *level* alone, a
+// spacing of eight to the octave, so that regions of nearly the same target share one, wherever
+// they lie and move.
 //
 // Spacings keep circumradii within target / sqrt 2 (sizing_field.h): triangles have s / sqrt 3,
 // tetrahedra of a cube of side s have s sqrt 5 / 4. Angles are 60 degrees; dihedral angles 60 and
-// 90. Pure; thread-safe.
+// 90.
+//
+// A lattice holds those that are whole octaves wider: they are *nested*. So sizes grow from a
+// region outwards without a seam, an octave at a time. Pure; thread-safe.
 #ifndef DYNMESH_CORE_MESHING_ANCHOR_LATTICE_H_
 #define DYNMESH_CORE_MESHING_ANCHOR_LATTICE_H_
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "core/geometry/point.h"
 #include "core/meshing/spatial_tree.h"
@@ -25,16 +31,47 @@ class AnchorLattice {
   using Index = std::array<std::int64_t, D>;
 
   // The level of the widest lattice that is fine enough for a target > 0.
-  static int LevelOf(double target) {
-    int exponent;
-    const double mantissa = 2 * std::frexp(kMostSpacing * target, &exponent);  // 1 to 2
-    int step = kSteps - 1;
-    while (kStep[step] > mantissa) --step;
-    return kSteps * (exponent - 1) + step;
+  static int LevelOf(double target) { return LevelWithin(kMostSpacing * target); }
+
+  static double Spacing(int level) {
+    return std::ldexp(kStep[level & (kSteps - 1)], level >> kStepBits);
+  }
+  static constexpr int kOctave = 8;
+  static bool AreNested(int level, int other) { return ((level ^ other) & (kSteps - 1)) == 0; }
+
+  // How far from a region of level `own` the lattice of a nested level reaches, own or wider.
+  static double Reach(int own, int level) {
+    return (level == own ? kOwnReach : kWiderReach) * Spacing(level);
+  }
+  // No lattice of a finer level reaches as far.
+  static double MostReach(int level) { return kWiderReach * Spacing(level); }
+  // Nor has one a region of that target.
+  static double MostTarget(int level) { return Spacing(level) / kMostSpacing * (1 + 1e-9); }
+  // No lattice of a finer level reaches as far as that distance > 0.
+  static int LeastLevelAt(double distance) {
+    return LevelWithin(distance / kWiderReach * (1 - 1e-9));
   }
 
-  explicit AnchorLattice(int level)
-      : spacing_(std::ldexp(kStep[level & (kSteps - 1)], level >> kStepBits)) {}
+  // A point, by the widest level that has it.
+  struct Place {
+    int level;
+    Index index;
+
+    friend bool operator==(const Place&, const Place&) = default;
+    template <class H>
+    friend H AbslHashValue(H h, const Place& place) {
+      return H::combine(std::move(h), place.level, place.index);
+    }
+  };
+  static Place PlaceOf(int level, Index index) {
+    while (level < kWidest && IsOfWider(index)) {
+      for (std::int64_t& i : index) i /= 2;
+      level += kOctave;
+    }
+    return {level, index};
+  }
+
+  explicit AnchorLattice(int level) : spacing_(Spacing(level)) {}
 
   double spacing() const { return spacing_; }
   Point At(const Index& index) const {
@@ -67,7 +104,31 @@ class AnchorLattice {
                                            1.6817928305074290,
                                            1.8340080864093424};
   static constexpr double kMostSpacing = D == 2 ? 1.22 : 1.26;
+  // Of the own lattice: what a ball that meets the region and is not too large reaches beyond it,
+  // or a little less. Of wider ones: where one octave follows another, all simplices are within rho
+  // = sqrt 2 in 2D, 1.4 in 3D; with 1.25 there are 4 % fewer vertices, but an edit changes twice as
+  // many.
+  static constexpr double kOwnReach = 1.0, kWiderReach = 1.5;
+  static constexpr int kWidest = 1000 * kSteps;  // the origin is of all
 
+  // The widest level whose spacing is at most that.
+  static int LevelWithin(double spacing) {
+    constexpr int kMantissaBits = 52, kBias = 1023;
+    const auto bits = std::bit_cast<std::uint64_t>(spacing);
+    const int exponent = static_cast<int>(bits >> kMantissaBits);
+    if (exponent == 0) return LevelWithin(spacing * 0x1p64) - 64 * kSteps;
+    const double mantissa = std::bit_cast<double>(
+        (bits & ((std::uint64_t{1} << kMantissaBits) - 1)) | std::uint64_t{kBias} << kMantissaBits);
+    int step = kSteps - 1;
+    while (kStep[step] > mantissa) --step;
+    return kSteps * (exponent - kBias) + step;
+  }
+  static bool IsOfWider(const Index& index) {
+    for (int k = 0; k < D; ++k) {
+      if ((index[k] & 1) != 0 || ((index[k] ^ index[0]) & 2) != 0) return false;
+    }
+    return true;
+  }
   double StepAlong(int axis) const {
     return D == 2 && axis == 1 ? spacing_ * 0.86602540378443865 : spacing_ / 2;
   }

@@ -1,19 +1,23 @@
-// Anchors: the vertices that areas with a target length have from the beginning, points of a
-// lattice (anchor_lattice.h). Refinement fills what is left between them and the features.
+// Anchors: the vertices that areas with a target length, and what is around them, have from the
+// beginning: points of a lattice (anchor_lattice.h). Refinement fills what is left between them and
+// the features.
 //
-// Without them nothing but its neighbours would tell where a vertex of such an area goes, and an
-// edit would pass on from vertex to vertex across all of it. A lattice point is an anchor if
-//   a region of its level holds it,
-//   no region of a finer level is nearer than kClear spacings,
-//   no feature is nearer than that, nor the domain's border; facets may be half as far:
-// a function of the features near it. So an edit decides those again that it may concern, and no
-// other changes. Anchors stand outside the time of the trace, as the input does: an anchor is born
-// with it, lies on no feature and has no owner.
+// Without them nothing but its neighbours would tell where a vertex goes, and an edit would pass on
+// from vertex to vertex across all of the area, or all around it. A region brings its own lattice
+// and, from its border outwards, lattices that are one, two, three ... octaves wider, each as far
+// as its Reach. Where several regions reach, the finest lattice is the one. Its point is an anchor
+// if
+//   no feature is nearer than kClear spacings, nor the domain's border,
+//   no facet and no finer lattice that is not nested is nearer than kClearOfOthers,
+// a function of the regions and features near it. So an edit decides those again that it may
+// concern, and no other changes. Anchors stand outside the time of the trace, as the input does: an
+// anchor is born with it, lies on no feature and has no owner.
 #ifndef DYNMESH_CORE_MESHING_ANCHORS_H_
 #define DYNMESH_CORE_MESHING_ANCHORS_H_
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "core/geometry/segment_distance.h"
@@ -21,25 +25,47 @@
 
 namespace dynmesh::meshing {
 
-// How far an anchor keeps from features and finer regions, in spacings of its lattice. What is
-// left between is a seam of that width.
+// How far an anchor keeps from features, in spacings of its lattice. What is left between is a seam
+// of that width.
 inline constexpr double kClear = 0.6;
-// From facets, which have anchors of their own (facet_anchors.h). With 0.6 the seam had room for a
-// sheet of vertices, all over which an edit passed on: 340 of 6,000 to 25,000 changed, now 12.
-inline constexpr double kClearOfFacets = 0.3;
+// From facets, which have anchors of their own (facet_anchors.h), and from lattices. With 0.6 the
+// seam had room for a sheet of vertices, all over which an edit passed on: beside facets 340 of
+// 6,000 to 25,000 changed, now 12.
+inline constexpr double kClearOfOthers = 0.3;
 
+// The widest lattice has a point or two along the domain; the finest is not finer than vertices
+// may be.
 template <int D, template <class> class E>
-bool Refinement<D, E>::IsAnchor(int level, double spacing, const Point& x) const {
-  const double clear = kClear * spacing, clear2 = clear * clear;
+int Refinement<D, E>::WidestLevel() const {
+  double side = 0;
+  for (int k = 0; k < D; ++k) side = std::max(side, rules_.hi()[k] - rules_.lo()[k]);
+  return Lattice::LevelOf(side / 4);
+}
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsInUse(int level) const {
+  const double spacing = Lattice::Spacing(level);
+  return level <= WidestLevel() && spacing * spacing > 64 * rules_.least_squared_length();
+}
+
+// The level of the finest lattice that reaches x; above WidestLevel() if none does.
+template <int D, template <class> class E>
+int Refinement<D, E>::LevelAt(const Point& x) const {
+  return sizing_.FinestLevel(x, 0, WidestLevel() + 1);
+}
+
+// `level`: the widest of the point's lattices.
+template <int D, template <class> class E>
+bool Refinement<D, E>::IsAnchor(int level, const Point& x) const {
+  const int finest = LevelAt(x);
+  if (finest > level || !Lattice::AreNested(finest, level) || !IsInUse(finest)) return false;
+  const double spacing = Lattice::Spacing(finest), clear = kClear * spacing, clear2 = clear * clear;
   for (int k = 0; k < D; ++k) {
     if (!(rules_.lo()[k] + clear <= x[k] && x[k] <= rules_.hi()[k] - clear)) return false;
   }
-  if (!AnySizeOfLevel(level, x, 0)) return false;
-  if (sizing_.Any(x, clear, [&](const SizingRegion<D>& region) {
-        return Lattice::LevelOf(region.target) < level && region.Meets(x, clear);
-      })) {
-    return false;
-  }
+  const auto is_other = [&](const SizingRegion<D>& region) {
+    return !Lattice::AreNested(Lattice::LevelOf(region.target), finest);
+  };
+  if (sizing_.HasFinerLevel(x, kClearOfOthers * spacing, finest, is_other)) return false;
   bool is_clear = true;
   double reach2 = clear2;
   features_.VisitNear(
@@ -51,18 +77,10 @@ bool Refinement<D, E>::IsAnchor(int level, double spacing, const Point& x) const
       });
   if constexpr (D == 3) {
     if (is_clear && !facets_.empty()) {
-      facets_.ForEachNear(x, kClearOfFacets * spacing, [&](const Facet&) { is_clear = false; });
+      facets_.ForEachNear(x, kClearOfOthers * spacing, [&](const Facet&) { is_clear = false; });
     }
   }
   return is_clear;
-}
-
-// Does a region of that level meet the ball?
-template <int D, template <class> class E>
-bool Refinement<D, E>::AnySizeOfLevel(int level, const Point& centre, double radius) const {
-  return sizing_.Any(centre, radius, [&](const SizingRegion<D>& region) {
-    return Lattice::LevelOf(region.target) == level && region.Meets(centre, radius);
-  });
 }
 
 template <int D, template <class> class E>
@@ -79,65 +97,102 @@ void Refinement<D, E>::RemoveSize(const SizingRegion<D>& region) {
   changed_sizes_.push_back(region);
 }
 
+// Calls f(level) for the lattices of a region of level `own`, until it says false. False if it did.
+template <int D, template <class> class E>
+template <class F>
+bool Refinement<D, E>::ForEachLevel(int own, F f) const {
+  for (int level = own; level <= WidestLevel(); level += Lattice::kOctave) {
+    if (IsInUse(level) && !f(level)) return false;
+  }
+  return true;
+}
+
+template <int D, template <class> class E>
+std::set<int> Refinement<D, E>::LevelsInUse() const {
+  std::set<int> in_use;
+  for (const auto& [own, count] : levels_) {
+    ForEachLevel(own, [&](int level) { return in_use.insert(level), true; });
+  }
+  return in_use;
+}
+
 // Decides those again that what has changed since the last propagation may concern. False if it
 // was interrupted: then the rest is still to be decided.
 template <int D, template <class> class E>
 bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
   int decided = 0;
-  const auto decide = [&](int level, const Lattice& lattice, const typename Lattice::Index& index,
-                          const Point& x) {
-    DecideAnchor(level, lattice, index, x);
-    return (++decided & 255) != 0 || !interrupt();
-  };
-  // Calls decide for points of `level` in the box that the ball around may_be_near may concern.
-  const auto decide_in = [&](int level, const Extent<D>& box, bool everywhere, auto is_near) {
+  const auto sometimes = [&] { return (++decided & 255) == 0 && interrupt(); };
+  // Decides the points of `level` within `margin` of the box, of balls for which is_near says yes.
+  const auto decide_in = [&](int level, const Extent<D>& box, double margin, auto is_near) {
     const Lattice lattice(level);
-    const double clear = kClear * lattice.spacing();
     Extent<D> within;
     for (int k = 0; k < D; ++k) {
-      within.lo[k] = std::max(box.lo[k] - clear, rules_.lo()[k]);
-      within.hi[k] = std::min(box.hi[k] + clear, rules_.hi()[k]);
+      within.lo[k] = std::max(box.lo[k] - margin, rules_.lo()[k]);
+      within.hi[k] = std::min(box.hi[k] + margin, rules_.hi()[k]);
     }
-    return lattice.ForEachIn(
-        within,
-        [&](const Point& centre, double radius) {
-          return is_near(centre, radius + clear) &&
-                 (everywhere || AnySizeOfLevel(level, centre, radius));
-        },
-        [&](const typename Lattice::Index& index, const Point& x) {
-          return decide(level, lattice, index, x);
-        });
+    return lattice.ForEachIn(within, is_near,
+                             [&](const typename Lattice::Index& index, const Point& x) {
+                               DecideAnchor(Lattice::PlaceOf(level, index), x);
+                               return !sometimes();
+                             });
   };
+  std::set<int> in_use = LevelsInUse();
   for (const SizingRegion<D>& region : changed_sizes_) {
     Extent<D> box = Extent<D>::Nothing();
     box.AddBall(region.lo, region.radius);
     box.AddBall(region.hi, region.radius);
-    const auto is_near = [&](const Point& centre, double radius) {
-      return region.Meets(centre, radius);
-    };
     const int own = Lattice::LevelOf(region.target);
-    if (!decide_in(own, box, true, is_near)) return false;
-    for (auto level = levels_.upper_bound(own); level != levels_.end(); ++level) {
-      if (!decide_in(level->first, box, false, is_near)) return false;
+    double finer = -1;  // reach of the lattice an octave finer: it holds the points in there
+    const bool done = ForEachLevel(own, [&](int level) {
+      const double reach = Lattice::Reach(own, level);
+      const auto is_near = [&](const Point& centre, double radius) {
+        return region.Meets(centre, reach + radius) &&
+               !(finer >= radius && region.Meets(centre, finer - radius));
+      };
+      const bool all = decide_in(level, box, reach, is_near);
+      finer = reach;
+      return all;
+    });
+    if (!done) return false;
+    // Wider lattices keep clear of the finer one beside them.
+    for (const int level : in_use) {
+      if (level <= own || Lattice::AreNested(level, own)) continue;
+      const int beside = own + (level - own) / Lattice::kOctave * Lattice::kOctave;
+      const double margin = Lattice::Reach(own, beside) + kClearOfOthers * Lattice::Spacing(level);
+      const auto is_near = [&](const Point& centre, double radius) {
+        return region.Meets(centre, margin + radius) &&
+               sizing_.HasFinerLevel(centre, radius, level + 1);
+      };
+      if (!decide_in(level, box, margin, is_near)) return false;
     }
   }
   // Where there was no size before, all has been decided by now.
-  const bool had_sizes = std::exchange(had_sizes_, !levels_.empty());
-  for (const auto& [level, count] : levels_) {
-    if (!had_sizes) break;
-    for (const auto& change : changed_features_) {
-      const InputFeature<D>& f = change.first;
-      const auto is_near = [&](const Point& centre, double radius) {
-        return geometry::SquaredDistance(centre, f.p, f.q) <= radius * radius;
-      };
-      if (!decide_in(level, BoxOf(f), false, is_near)) return false;
+  if (!std::exchange(had_sizes_, !levels_.empty())) in_use.clear();
+  const auto decide_near = [&](int level, const Extent<D>& box, auto meets) {
+    const double clear = kClear * Lattice::Spacing(level);
+    return decide_in(level, box, clear, [&](const Point& centre, double radius) {
+      return meets(centre, clear + radius) && MayHaveLevel(level, centre, radius);
+    });
+  };
+  for (const auto& change : changed_features_) {
+    const InputFeature<D>& f = change.first;
+    const auto meets = [&](const Point& centre, double radius) {
+      return geometry::SquaredDistance(centre, f.p, f.q) <= radius * radius;
+    };
+    // Within kClear spacings of a point lattices are at most an octave finer than at it.
+    const auto first =
+        f.a != f.b ? in_use.begin() : in_use.lower_bound(LevelAt(f.p) - Lattice::kOctave);
+    for (auto level = first; level != in_use.end(); ++level) {
+      if (!decide_near(*level, BoxOf(f), meets)) return false;
     }
-    if constexpr (D == 3) {
-      for (const Facet& facet : changed_facets_) {
-        const auto is_near = [&](const Point& centre, double radius) {
-          return facet.where().MayMeet(centre, radius);
-        };
-        if (!decide_in(level, facet.where().box, false, is_near)) return false;
+  }
+  if constexpr (D == 3) {
+    for (const Facet& facet : changed_facets_) {
+      const auto meets = [&](const Point& centre, double radius) {
+        return facet.where().MayMeet(centre, radius);
+      };
+      for (const int level : in_use) {
+        if (!decide_near(level, facet.where().box, meets)) return false;
       }
     }
   }
@@ -146,14 +201,20 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
   return true;
 }
 
+// May the level be the finest somewhere in the ball? Conservative: may return true needlessly.
 template <int D, template <class> class E>
-void Refinement<D, E>::DecideAnchor(int level, const Lattice& lattice,
-                                    const typename Lattice::Index& index, const Point& x) {
-  const bool is = IsAnchor(level, lattice.spacing(), x);
-  const auto at = anchors_.find({level, index});
+bool Refinement<D, E>::MayHaveLevel(int level, const Point& centre, double radius) const {
+  return !sizing_.HasFinerLevel(centre, -radius, level) &&
+         sizing_.HasFinerLevel(centre, radius, level + 1);
+}
+
+template <int D, template <class> class E>
+void Refinement<D, E>::DecideAnchor(const typename Lattice::Place& place, const Point& x) {
+  const bool is = IsAnchor(place.level, x);
+  const auto at = anchors_.find(place);
   if (is == (at != anchors_.end())) return;
   if (is) {
-    anchors_[{level, index}] = AddAnchor(x);
+    anchors_[place] = AddAnchor(x);
   } else if constexpr (kTraced) {
     RemoveAnchor(at->second);
     anchors_.erase(at);

@@ -259,15 +259,13 @@ void Refinement<D, E>::NotifyOfFacets(const Extent<3>& box, std::span<const Face
 }
 
 // How far from its piece's middle a facet matters to a Presplit: nearer than what made it split, or
-// in the piece's ball. Conservative.
+// so near that it would. Conservative.
 template <int D, template <class> class E>
 double Refinement<D, E>::PresplitReach(sac::OpId op) const {
   if constexpr (kTraced) {
     const Subsegment& s = subsegments_[engine_.item(op)];
     const Payload& payload = engine_.payload(op);
-    const double radius2 =
-        payload.flag ? static_cast<double>(payload.radius2)
-                     : 0.25 * geometry::SquaredDistance(vertices_[s.a].p, vertices_[s.b].p);
+    const double radius2 = payload.flag ? static_cast<double>(payload.radius2) : FacetReach2(s);
     return std::sqrt(radius2) * (1 + 1e-6) + rules_.ulp();
   }
   return 0;

@@ -28,6 +28,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -286,6 +287,7 @@ class Refinement {
   bool IsTooLong(const Subsegment& s, const SizingRegion<D>& region) const;
   bool IsTooNear(const Subsegment& s, const InputFeature<D>& feature, double d2) const;
   std::optional<InputFeature<D>> NearestTooNear(const Subsegment& s, double* d2) const;
+  double FacetReach2(const Subsegment& s) const;
   bool IsFacetTooNear(const Subsegment& s, bool is_near, double* d2) const;
   bool CanSplit(const Subsegment& s) const;
   bool IsGuarded(const Subsegment& s, int bucket) const;
@@ -424,13 +426,18 @@ class Refinement {
   void NotifyFromBeginning(const Extent<D>& box, Keep keep, Matters matters);
   // anchors.h
   using Lattice = AnchorLattice<D>;
-  bool IsAnchor(int level, double spacing, const Point& x) const;
-  bool AnySizeOfLevel(int level, const Point& centre, double radius) const;
+  int WidestLevel() const;
+  bool IsInUse(int level) const;
+  template <class F>
+  bool ForEachLevel(int own, F f) const;
+  int LevelAt(const Point& x) const;
+  std::set<int> LevelsInUse() const;
+  bool IsAnchor(int level, const Point& x) const;
+  bool MayHaveLevel(int level, const Point& centre, double radius) const;
   void AddSize(const SizingRegion<D>& region);
   void RemoveSize(const SizingRegion<D>& region);
   bool UpdateAnchors(absl::FunctionRef<bool()> interrupt);
-  void DecideAnchor(int level, const Lattice& lattice, const typename Lattice::Index& index,
-                    const Point& x);
+  void DecideAnchor(const typename Lattice::Place& place, const Point& x);
   VertexIndex AddAnchor(const Point& p);
   void RemoveAnchor(VertexIndex v);
 
@@ -487,8 +494,8 @@ class Refinement {
   SizingField<D> sizing_;
   InputFeatures<D> features_;  // of the input; none as long as there are points only
   bool indexes_features_ = false;
-  std::map<int, int> levels_;  // of sizing regions: how many of each
-  absl::flat_hash_map<std::pair<int, typename AnchorLattice<D>::Index>, VertexIndex> anchors_;
+  std::map<int, int> levels_;  // of sizing regions, their own: how many of each
+  absl::flat_hash_map<typename AnchorLattice<D>::Place, VertexIndex> anchors_;
   bool had_sizes_ = false;                      // at the last Propagate
   std::vector<SizingRegion<D>> changed_sizes_;  // came or went since the last Propagate
   std::vector<std::pair<InputFeature<D>, bool>> changed_features_;  // since the last Propagate

@@ -57,6 +57,10 @@ class RegionTree {
   template <class IsHidden, class Accept>
   bool Any(const Point& centre, double radius, double bound, IsHidden is_hidden,
            Accept accept) const;
+  // Calls accept(index) until it says true, but passes over boxes for which enter(least key,
+  // centre, half of the sides) says no. The largest regions are in no box: the half is INFINITY.
+  template <class Enter, class Accept>
+  bool Visit(Enter enter, Accept accept) const;
 
   std::size_t bytes() const {
     return nodes_.capacity() * sizeof(Node) + items_.capacity() * sizeof(Item);
@@ -195,25 +199,35 @@ template <int D, class Region>
 template <class IsHidden, class Accept>
 bool RegionTree<D, Region>::Any(const Point& centre, double radius, double bound,
                                 IsHidden is_hidden, Accept accept) const {
+  return Visit(
+      [&](double least, const Point& middle, double half) {
+        if (!(least < bound)) return false;
+        if (half == INFINITY) return true;
+        bool beyond = false;
+        for (int k = 0; k < D; ++k) beyond |= std::fabs(centre[k] - middle[k]) > half + radius;
+        if (beyond) return false;
+        std::array<double, D> halves;
+        halves.fill(half);
+        return !is_hidden(middle, halves);
+      },
+      [&](Index i) { return items_[i].region.Key() < bound && accept(i); });
+}
+
+template <int D, class Region>
+template <class Enter, class Accept>
+bool RegionTree<D, Region>::Visit(Enter enter, Accept accept) const {
   std::array<Cell, (1 << D) * kMostDepth> stack;
   std::size_t top = 0;
   stack[top++] = root_;
   while (top > 0) {
     const Cell cell = stack[--top];
     const Node& node = nodes_[cell.node];
-    if (!(node.least < bound)) continue;
     // What hangs in a cell reaches its side's length from its centre, and no farther; but
     // the root takes whatever is larger.
-    const double half = 2 * cell.half * (1 + 1e-9), reach = half + radius;
-    bool beyond = false;
-    for (int k = 0; k < D; ++k) beyond |= std::fabs(centre[k] - cell.centre[k]) > reach;
-    if (cell.node != 0) {
-      std::array<double, D> halves;
-      halves.fill(half);
-      if (beyond || is_hidden(cell.centre, halves)) continue;
-    }
+    const double half = cell.node == 0 ? INFINITY : 2 * cell.half * (1 + 1e-9);
+    if (!enter(node.least, cell.centre, half)) continue;
     for (std::uint32_t i = node.first; i != kNone; i = items_[i].next) {
-      if (items_[i].region.Key() < bound && accept(i)) return true;
+      if (accept(i)) return true;
     }
     for (int q = 0; q < 1 << D; ++q) {
       if (node.child[q] != kNone) stack[top++] = Child(cell, q, node.child[q]);

@@ -9,11 +9,13 @@
 #ifndef DYNMESH_CORE_MESHING_SIZING_FIELD_H_
 #define DYNMESH_CORE_MESHING_SIZING_FIELD_H_
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
 
 #include "core/geometry/point.h"
+#include "core/meshing/anchor_lattice.h"
 #include "core/meshing/polygon_area.h"
 #include "core/meshing/region_tree.h"
 
@@ -26,12 +28,19 @@ struct SizingRegion {
   double radius = 0;
   double target = 0;                                  // h
   std::shared_ptr<const PolygonArea> area = nullptr;  // in the plane: between lo and hi; radius 0
-  double most_radius() const { return target * 0.70710678118654752; }
+  double most_radius() const { return KeyOf(target); }
   bool Meets(const geometry::Point<D>& centre, double ball_radius) const;
+  // The finest level of lattice (anchor_lattice.h) that the region has at a place within `margin`
+  // of x, or, if that is below 0, at all places within -margin; `below` if none is finer than that.
+  int LevelNear(const geometry::Point<D>& x, double margin, int below) const;
   // For RegionTree: balls that are not too large for the target need not find it.
   double LeastCell() const { return target; }
   double Key() const { return most_radius(); }
+  static double KeyOf(double target) { return target * 0.70710678118654752; }
   friend bool operator==(const SizingRegion&, const SizingRegion&) = default;
+
+ private:
+  double SquaredDistanceToBox(const geometry::Point<D>& x) const;
 };
 
 template <int D>
@@ -73,11 +82,60 @@ class SizingField {
     return least;
   }
 
+  // The least of what LevelNear says of the regions.
+  int FinestLevel(const Point& x, double margin, int below) const {
+    return LevelNear(x, margin, below, false, [](const Region&) { return true; });
+  }
+  // Is that below `below`, of regions that accept(region) says yes to?
+  template <class Accept>
+  bool HasFinerLevel(const Point& x, double margin, int below, Accept accept) const {
+    return LevelNear(x, margin, below, true, accept) < below;
+  }
+  bool HasFinerLevel(const Point& x, double margin, int below) const {
+    return HasFinerLevel(x, margin, below, [](const Region&) { return true; });
+  }
+
   std::size_t bytes() const { return regions_.bytes(); }
 
  private:
+  template <class Accept>
+  int LevelNear(const Point& x, double margin, int below, bool any, Accept accept) const;
+
   RegionTree<D, Region> regions_;
 };
+
+template <int D>
+template <class Accept>
+int SizingField<D>::LevelNear(const Point& x, double margin, int below, bool any,
+                              Accept accept) const {
+  using Lattice = AnchorLattice<D>;
+  int finest = below;
+  double key = 0, far2 = 0;  // regions of that key, and what is as far, have no finer level here
+  const auto set_bounds = [&] {
+    const double reach = Lattice::MostReach(finest) + margin;
+    key = reach >= 0 ? Region::KeyOf(Lattice::MostTarget(finest)) : 0;
+    far2 = reach * reach * (1 + 1e-9);
+  };
+  set_bounds();
+  regions_.Visit(
+      [&](double least, const Point& centre, double half) {
+        if (!(least < key)) return false;
+        double d2 = 0;
+        for (int k = 0; k < D; ++k) {
+          const double d = std::max(0.0, std::fabs(x[k] - centre[k]) - half);
+          d2 += d * d;
+        }
+        return d2 < far2;
+      },
+      [&](Index i) {
+        const Region& region = regions_[i];
+        if (!(region.Key() < key) || !accept(region)) return false;
+        const int level = region.LevelNear(x, margin, finest);
+        if (level < finest) finest = level, set_bounds();
+        return any && finest < below;
+      });
+  return finest;
+}
 
 }  // namespace dynmesh::meshing
 

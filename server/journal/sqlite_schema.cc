@@ -69,6 +69,8 @@ constexpr const char* kSteps[kJournalSchema] = {
     // none, would take them for damage.
     "",
     // Bits 3. An older dynmeshd would make their meshes anew with bits 2.
+    "",
+    // Bits 4.
     ""};
 
 // row_sum(...) in SQL: RowSumOf.

@@ -1,11 +1,10 @@
-// The tables of the journal in SQLite, and the steps from what an older version wrote. Schema 5:
+// The tables of the journal in SQLite, and the steps from what an older version wrote. Schema 6:
 //
 //   journal      one row: the id of this journal, which stands in journal.heads, too (heads_file.h)
 //   meshes       key, id, description, checksum; snapshot: revision of the newest; head: the last
 //                revision; tail_bytes: of the entries since the snapshot
-//   generations  a row for each whole snapshot, by mesh and revision: its parts, and the bytes of
-//   it
-//                and, once there is a newer one, of the entries between. The first has revision 0
+//   generations  a row for each whole snapshot, by mesh and revision: its parts, and its bytes and,
+//                once there is a newer one, those of the entries between. The first has revision 0
 //                and no parts. What belongs to none is a leftover
 //   snapshots    parts, by mesh, revision and number; checksum
 //   entries      batches, by mesh and revision; checksum
@@ -23,7 +22,7 @@
 namespace dynmesh::server {
 
 // As numbered in the file.
-inline constexpr int kJournalSchema = 5;
+inline constexpr int kJournalSchema = 6;
 // From this one on a journal has an id and a record of its heads, and the tables of today.
 inline constexpr int kSchemaWithId = 3;
 

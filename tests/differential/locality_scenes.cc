@@ -210,6 +210,55 @@ Scene PointsInASizedBox(int n) {
   return scene;
 }
 
+// Points on either side of an area's border, up to eight targets away.
+void PointsAtTheBorder(double border, double h, int dimension, Scene& scene) {
+  Random random(7);
+  for (const double beyond : {-2.5, -1.0, -0.4, 0.4, 1.0, 1.7, 3.0, 8.0}) {
+    std::array<double, 3> p = {{border + beyond * h, 0.35 + 0.3 * random.Unit(), 0.35 + 0.3 * random.Unit()}};
+    if (random.OneIn(2)) std::swap(p[0], p[1]);
+    InAndOut(
+        dimension == 2 ? Feature::Point(kFar, p[0], p[1]) : Feature::Point(kFar, p[0], p[1], p[2]),
+        scene);
+  }
+}
+Scene BorderOfAnArea(int n) {
+  Scene scene;
+  scene.features = {Feature::SizeBox(1, 0.3, 0.3, 0.7, 0.7, 1.0 / n)};
+  PointsAtTheBorder(0.7, 1.0 / n, 2, scene);
+  return scene;
+}
+Scene BorderOfADisc(int n) {
+  Scene scene;
+  scene.features = {Feature::SizeDisc(1, 0.5, 0.5, 0.2, 1.0 / n)};
+  PointsAtTheBorder(0.7, 1.0 / n, 2, scene);
+  return scene;
+}
+Scene BorderOfABox(int n) {
+  Scene scene;
+  scene.options.dimension = 3;
+  scene.options.quality = kDefaultQuality3D;
+  scene.features = {
+      Feature::Size(1, {0.3, 0.3, 0.3}, {SizeShape::kBox, 1.0 / n, 0, {0.7, 0.7, 0.7}})};
+  PointsAtTheBorder(0.7, 1.0 / n, 3, scene);
+  return scene;
+}
+
+// A point among discs of all targets between 1 / n and 4 / n, as a field of sizes has them.
+Scene DiscsOfManyTargets(int n) {
+  Scene scene;
+  Random random(7);
+  for (int i = 0; i < 40; ++i) {
+    const double x = random.Unit(), y = random.Unit();
+    scene.features.push_back(Feature::SizeDisc(Id(i + 1), x, y, 0.05 + 0.1 * random.Unit(),
+                                               (1 + 3 * random.Unit()) / n));
+  }
+  for (int k = 0; k < 12; ++k) {
+    const double x = 0.1 + 0.8 * random.Unit();
+    InAndOut(Feature::Point(kFar, x, 0.1 + 0.8 * random.Unit()), scene);
+  }
+  return scene;
+}
+
 // --- Sizes that ask for nothing -----------------------------------------------------------
 
 // Over points that are nearer to each other.
@@ -308,6 +357,24 @@ Scene TiltedPlates(int n) {
   return scene;
 }
 
+// Points beside a plate that goes through a small area with a target and far beyond it.
+Scene PlateThroughASizedBox(int n) {
+  Scene scene = InSpace();
+  const double h = 1.0 / n;
+  scene.features = {Feature::Point(1, 0.05, 0.05, 0.5),
+                    Feature::Point(2, 0.95, 0.05, 0.5),
+                    Feature::Point(3, 0.95, 0.95, 0.5),
+                    Feature::Point(4, 0.05, 0.95, 0.5),
+                    Feature::Polygon(5, {{1, 2, 3, 4}}),
+                    Feature::Size(20, {0.4, 0.4, 0.4}, {SizeShape::kBox, h, 0, {0.6, 0.6, 0.6}})};
+  Random random(7);
+  for (const double beyond : {-1.0, 0.5, 2.0, 4.0}) {
+    const double y = 0.42 + 0.16 * random.Unit();
+    InAndOut(Feature::Point(kFar, 0.6 + beyond * h, y, 0.5 + 0.6 * h), scene);
+  }
+  return scene;
+}
+
 // Points beside the face of a box in an area with a target of 1 / n.
 Scene FacetsInASizedBox(int n) {
   Scene scene = InSpace();
@@ -333,11 +400,16 @@ const std::vector<LocalityScene>& LocalityScenes() {
       {"Fan", Fan, 20, 80, 150, 40},
       {"Spokes", Spokes, 100, 1600, 180, 15},
       {"RotorInAPlate", RotorInAPlate, 30, 120, 420, 260},
-      {"DiscInAPlate", DiscInAPlate, 30, 120, 420, 440},
+      {"DiscInAPlate", DiscInAPlate, 30, 120, 350, 110},
       {"PointsInAPlate", PointsInAPlate, 20, 80, 60, 20},
       {"CrackInAPlate", CrackInAPlate, 30, 120, 90, 30},
       {"PointsInASizedBox", PointsInASizedBox, 6, 14, 90, 20},
-      {"SizeOverFinerPoints", SizeOverFinerPoints, 1000, 16'000, 20, 0},
+      {"BorderOfAnArea", BorderOfAnArea, 50, 400, 30, 12},
+      {"BorderOfADisc", BorderOfADisc, 50, 400, 40, 18},
+      {"BorderOfABox", BorderOfABox, 30, 60, 55, 16},
+      {"DiscsOfManyTargets", DiscsOfManyTargets, 50, 200, 50, 25},
+      {"PlateThroughASizedBox", PlateThroughASizedBox, 20, 60, 320, 75},
+      {"SizeOverFinerPoints", SizeOverFinerPoints, 1000, 16'000, 90, 30},
       {"CoarseSizesOverAFineOne", CoarseSizesOverAFineOne, 10, 40, 60, 0},
       {"ParallelLines", ParallelLines, 5, 10, 400, 60},
       {"Slab", Slab, 12, 48, 700, 150},

@@ -47,7 +47,7 @@ struct MeshHash {
 
 // The number of the function from features to meshes. It goes up when the mesh of some features
 // changes from one version to the next (CHANGELOG, "Bits"). Hashes are comparable within a number.
-inline constexpr std::uint32_t kMeshBits = 3;
+inline constexpr std::uint32_t kMeshBits = 4;
 
 MeshHash HashVertex(const double* coordinates, int dimension, int containing_dimension,
                     FeatureId owner);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <vector>
 
@@ -143,6 +144,57 @@ TYPED_TEST(AnchorLatticeTest, PassesOverBallsThatDoNotMatterOnly) {
         });
     EXPECT_EQ(found, wanted);
     EXPECT_LE(seen, 4 * wanted.size() + 200);
+  }
+}
+
+// All lattices name a point alike, by the widest that has it.
+TYPED_TEST(AnchorLatticeTest, HoldsThoseThatAreOctavesWider) {
+  constexpr int D = TypeParam();
+  using Lattice = AnchorLattice<D>;
+  constexpr int kOctaves = 4;
+  const auto box = Cube<D>(-1.7, 1.7);
+  const auto all = [](const geometry::Point<D>&, double) { return true; };
+  for (int finest = -24; finest < -16; ++finest) {
+    std::map<geometry::Point<D>, std::set<int>> places;
+    std::map<geometry::Point<D>, typename Lattice::Place> names;
+    for (int octave = 0; octave < kOctaves; ++octave) {
+      const int level = finest + octave * Lattice::kOctave;
+      EXPECT_TRUE(Lattice::AreNested(finest, level));
+      EXPECT_FALSE(Lattice::AreNested(finest, level + 3));
+      Lattice(level).ForEachIn(
+          box, all, [&](const typename Lattice::Index& index, const geometry::Point<D>& p) {
+            places[p].insert(octave);
+            const auto name = Lattice::PlaceOf(level, index);
+            EXPECT_EQ(Lattice(name.level).At(name.index), p);
+            EXPECT_EQ(names.emplace(p, name).first->second, name);
+            return true;
+          });
+    }
+    for (const auto& [p, octaves] : places) {
+      const int widest = *octaves.rbegin();
+      EXPECT_EQ(static_cast<int>(octaves.size()), widest + 1) << "a finer lattice lacks a point";
+      const int level = finest + widest * Lattice::kOctave;
+      if (widest + 1 < kOctaves)
+        EXPECT_EQ(names.at(p).level, level);
+      else
+        EXPECT_GE(names.at(p).level, level);
+    }
+  }
+}
+
+TYPED_TEST(AnchorLatticeTest, NothingFinerReachesTheLeastLevelsDistance) {
+  constexpr int D = TypeParam();
+  using Lattice = AnchorLattice<D>;
+  test::Random random(8);
+  for (int i = 0; i < 1000; ++i) {
+    const double distance = std::ldexp(1 + random.Unit(), random.Below(200) - 100);
+    const int level = Lattice::LeastLevelAt(distance);
+    EXPECT_LT(Lattice::MostReach(level - 1), distance);
+    EXPECT_GE(Lattice::MostReach(level + 1), distance);
+    for (int own = level - 20; own < level; ++own) {
+      EXPECT_LT(Lattice::Reach(own, level - 1), distance);
+      EXPECT_LE(Lattice::Reach(own, level), Lattice::MostReach(level));
+    }
   }
 }
 

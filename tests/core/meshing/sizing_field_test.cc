@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <vector>
 
 #include "tests/support/workload.h"
 
@@ -55,6 +56,54 @@ TEST(SizingField, SaysWhatALookAtEveryRegionSays) {
       }
     }
   }
+}
+
+// The definition: each region has its own lattice and those that are octaves wider, as far as they
+// reach.
+int FinestOfAll(const std::vector<SizingRegion<2>>& regions, const Point2& x, double margin,
+                int below) {
+  using Lattice = AnchorLattice<2>;
+  int finest = below;
+  for (const SizingRegion<2>& region : regions) {
+    const int own = Lattice::LevelOf(region.target);
+    for (int level = own; level < finest; level += Lattice::kOctave) {
+      const double reach = Lattice::Reach(own, level) + margin;
+      if (reach >= 0 && region.Meets(x, reach)) finest = level;
+    }
+  }
+  return finest;
+}
+
+TEST(SizingField, KnowsTheFinestLattice) {
+  test::Random random(kSeed + 1);
+  constexpr int kWidest = 20;
+  int found = 0, asked = 0;
+  for (int round = 0; round < 200; ++round) {
+    SizingField<2> field({{-2.5, -2.5}}, {{3.5, 3.5}});
+    std::vector<SizingRegion<2>> regions;
+    for (int i = random.Below(40); i >= 0; --i) {
+      regions.push_back(RandomRegion(random));
+      field.Add(regions.back());
+    }
+    for (int ask = 0; ask < 200; ++ask, ++asked) {
+      Point2 x{{4 * random.Unit() - 1.5, 4 * random.Unit() - 1.5}};
+      if (random.OneIn(2)) {
+        const SizingRegion<2>& near = regions[random.Below(static_cast<int>(regions.size()))];
+        const double off = 4 * near.target;
+        x = {{near.hi[0] + near.radius + off * random.Unit(), near.hi[1] - off * random.Unit()}};
+      }
+      double margin = std::ldexp(random.Unit(), 1 - random.Below(24));
+      if (random.OneIn(2)) margin = random.OneIn(2) ? 0 : -margin;
+      const int below = random.OneIn(2) ? kWidest : random.Below(160) - 140;
+      const int wanted = FinestOfAll(regions, x, margin, below);
+      ASSERT_EQ(field.FinestLevel(x, margin, below), wanted)
+          << "seed " << kSeed + 1 << ", round " << round << ", ask " << ask;
+      ASSERT_EQ(field.HasFinerLevel(x, margin, below), wanted < below);
+      found += wanted < below ? 1 : 0;
+    }
+  }
+  EXPECT_GT(found, asked / 4);
+  EXPECT_LT(found, asked * 3 / 4);
 }
 
 TEST(SizingRegion, MeetsWhatIsWithinItsRadius) {
