@@ -354,14 +354,15 @@ Extent<D> Refinement<D, E>::BoxOf(const InputFeature<D>& feature) {
   return box;
 }
 
-// From now on features are kept by place.
+// From now on features are kept by place. So far nothing depends on where they are: those that are
+// there have not changed.
 template <int D, template <class> class E>
 void Refinement<D, E>::IndexFeatures() {
   if (std::exchange(indexes_features_, true)) return;
   for (VertexIndex v = 0; v < vertices_.size(); ++v) {
     const Vertex& vertex = vertices_[v];
     const bool is_point = vertex.present && vertex.creator == sac::kNoOp;
-    if (is_point && vertex.feature != 0) AddFeature(FeatureOf(v, v));
+    if (is_point && vertex.feature != 0) features_.Add(FeatureOf(v, v));
   }
 }
 

@@ -269,6 +269,14 @@ Scene SizeOverFinerPoints(int n) {
   return scene;
 }
 
+// The first size in a mesh of points: from now on it matters where features are, and none has moved.
+Scene FirstSize(int n) {
+  Scene scene;
+  scene.features = MakeFeatures(Distribution::kUniform, n, 7);
+  InAndOut(Feature::SizeDisc(kFar, 0.5, 0.5, 1e-3, 3e-4), scene);
+  return scene;
+}
+
 // Discs of a coarse target over a fine one.
 Scene CoarseSizesOverAFineOne(int n) {
   Scene scene;
@@ -410,6 +418,7 @@ const std::vector<LocalityScene>& LocalityScenes() {
       {"DiscsOfManyTargets", DiscsOfManyTargets, 50, 200, 50, 25},
       {"PlateThroughASizedBox", PlateThroughASizedBox, 20, 60, 320, 75},
       {"SizeOverFinerPoints", SizeOverFinerPoints, 1000, 16'000, 90, 30},
+      {"FirstSize", FirstSize, 1000, 64'000, 440, 200},
       {"CoarseSizesOverAFineOne", CoarseSizesOverAFineOne, 10, 40, 60, 0},
       {"ParallelLines", ParallelLines, 5, 10, 400, 60},
       {"Slab", Slab, 12, 48, 700, 150},
