@@ -2,14 +2,14 @@
 #include <utility>
 
 #include "absl/status/status.h"
-#include "core/data/mesh_store.h"
 #include "dynmesh/mesh.h"
+#include "dynmesh/slot_mesh.h"
 
 namespace dynmesh {
 
 // Better than promised: `mesh` is unchanged on failure.
 absl::Status ApplyDiff(Mesh& mesh, const MeshDiff& diff) {
-  absl::StatusOr<data::MeshStore> store = data::MeshStore::FromMesh(mesh);
+  absl::StatusOr<SlotMesh> store = SlotMesh::FromMesh(mesh);
   if (!store.ok()) return store.status();
   if (auto status = store->Apply(diff); !status.ok()) return status;
   mesh = store->ToMesh();

@@ -3,6 +3,11 @@
 
 #include "core/geometry/exact_vector.h"
 
+// A program that builds these sources with its own may set flags for both.
+#ifdef __FAST_MATH__
+#error "dynmesh cannot be compiled with -ffast-math or -Ofast: meshes would depend on the compiler"
+#endif
+
 namespace dynmesh::geometry::internal {
 
 int OrientationExact(const Point2& a, const Point2& b, const Point2& c) {

@@ -4,24 +4,15 @@
 #define DYNMESH_PROTO_CODEC_FEATURES_CODEC_H_
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
-#include <vector>
+#include <utility>
 
 #include "absl/status/statusor.h"
-#include "dynmesh/feature.h"
-#include "dynmesh/mesh.h"
+#include "dynmesh/codec/features_at.h"
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "proto/codec/mesh_codec.h"
 
 namespace dynmesh::codec {
-
-// The features of a mesh at a revision.
-struct FeaturesAt {
-  std::uint64_t revision = 0;
-  MeshHash hash;                  // of the mesh with them
-  std::vector<Feature> features;  // by id
-};
 
 class FeaturesFragmenter {
  public:

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/data/diff_meshes.h"
-#include "core/data/mesh_store.h"
+#include "dynmesh/slot_mesh.h"
 #include "gtest/gtest.h"
 #include "tests/core/data/made_up_mesh.h"
 
@@ -135,7 +135,7 @@ TEST(SimplicesInside, OfDiffsKeepAReplicaOfThePart) {
       const Mesh part = SimplicesInside(mesh, choice);
       MeshHash hidden = mesh.hash;
       hidden -= part.hash;
-      auto store = MeshStore::FromMesh(part);
+      auto store = SlotMesh::FromMesh(part);
       ASSERT_TRUE(store.ok()) << store.status();
       for (std::uint64_t revision = 1; revision <= 10; ++revision) {
         // Every other one changes labels only.

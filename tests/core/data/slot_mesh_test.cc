@@ -1,4 +1,4 @@
-#include "core/data/mesh_store.h"
+#include "dynmesh/slot_mesh.h"
 
 #include <algorithm>
 #include <functional>
@@ -22,10 +22,10 @@ Mesh Sorted(Mesh mesh) {
   return mesh;
 }
 
-TEST(MeshStore, TakesDiffAfterDiffAsTheModelDoes) {
+TEST(SlotMesh, TakesDiffAfterDiffAsTheModelDoes) {
   auto random = MakeRandom();
   for (const int dimension : testing::kDimensions) {
-    MeshStore store(dimension);
+    SlotMesh store(dimension);
     Mesh model;
     model.dimension = dimension;
     model.hash = ComputeHash(model);
@@ -45,7 +45,7 @@ TEST(MeshStore, TakesDiffAfterDiffAsTheModelDoes) {
   }
 }
 
-TEST(MeshStore, KeepsARegionSetAsLongAsASimplexIsInIt) {
+TEST(SlotMesh, KeepsARegionSetAsLongAsASimplexIsInIt) {
   auto random = MakeRandom();
   for (const int dimension : testing::kDimensions) {
     Mesh mesh = MakeUpMesh(random, 10, 1, dimension);
@@ -57,7 +57,7 @@ TEST(MeshStore, KeepsARegionSetAsLongAsASimplexIsInIt) {
     labelled.region_sets = sets;
     Mesh less = labelled;
     less.regions[1] = 3;
-    auto store = MeshStore::FromMesh(mesh);
+    auto store = SlotMesh::FromMesh(mesh);
     ASSERT_TRUE(store.ok());
     const auto step = [&](Mesh to) {
       to.hash = ComputeHash(to);
@@ -74,11 +74,11 @@ TEST(MeshStore, KeepsARegionSetAsLongAsASimplexIsInIt) {
   }
 }
 
-TEST(MeshStore, FindsWhatItHoldsAndNothingElse) {
+TEST(SlotMesh, FindsWhatItHoldsAndNothingElse) {
   auto random = MakeRandom();
   for (const int dimension : testing::kDimensions) {
     const Mesh mesh = MakeUpLabelledMesh(random, 30, 5, dimension);
-    const auto store = MeshStore::FromMesh(mesh);
+    const auto store = SlotMesh::FromMesh(mesh);
     ASSERT_TRUE(store.ok());
     EXPECT_EQ(store->revision(), 5U);
     const auto vertex = store->FindVertex(mesh.vertices.ids[4]);
@@ -233,14 +233,14 @@ std::vector<Refusal> Refusals() {
   };
 }
 
-TEST(MeshStore, RefusesAWrongDiffAndStaysAsItWas) {
+TEST(SlotMesh, RefusesAWrongDiffAndStaysAsItWas) {
   auto random = MakeRandom();
   for (const int dimension : testing::kDimensions) {
     const Mesh mesh = MakeUpLabelledMesh(random, 40, 7, dimension);
     const Mesh next = MakeUpLabelledMesh(random, 40, 8, dimension);
     const MeshDiff good = DiffMeshes(mesh, next);
     ASSERT_GE(good.removed_vertices.size(), 1U);
-    auto store = MeshStore::FromMesh(mesh);
+    auto store = SlotMesh::FromMesh(mesh);
     ASSERT_TRUE(store.ok());
     for (const Refusal& refusal : Refusals()) {
       MeshDiff bad = good;
@@ -253,11 +253,11 @@ TEST(MeshStore, RefusesAWrongDiffAndStaysAsItWas) {
   }
 }
 
-TEST(MeshStore, RefusesToAddWhatIsPresent) {
+TEST(SlotMesh, RefusesToAddWhatIsPresent) {
   auto random = MakeRandom();
   for (const int dimension : testing::kDimensions) {
     const Mesh mesh = MakeUpMesh(random, 20, 1, dimension);
-    auto store = MeshStore::FromMesh(mesh);
+    auto store = SlotMesh::FromMesh(mesh);
     ASSERT_TRUE(store.ok());
     // One kind of row at a time, even where the sum is right.
     const auto add_again = [&](auto keep) {
@@ -285,20 +285,20 @@ TEST(MeshStore, RefusesToAddWhatIsPresent) {
   }
 }
 
-TEST(MeshStore, RefusesASnapshotThatIsNotWhatItsHashSays) {
+TEST(SlotMesh, RefusesASnapshotThatIsNotWhatItsHashSays) {
   auto random = MakeRandom();
   for (const int dimension : testing::kDimensions) {
     Mesh mesh = MakeUpMesh(random, 20, 1, dimension);
     mesh.hash.hi ^= 4;
-    EXPECT_EQ(MeshStore::FromMesh(mesh).status().code(), absl::StatusCode::kDataLoss);
+    EXPECT_EQ(SlotMesh::FromMesh(mesh).status().code(), absl::StatusCode::kDataLoss);
     mesh.hash = ComputeHash(mesh);
     mesh.vertices.owners.pop_back();
-    EXPECT_EQ(MeshStore::FromMesh(mesh).status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_EQ(SlotMesh::FromMesh(mesh).status().code(), absl::StatusCode::kInvalidArgument);
   }
 }
 
-TEST(MeshStore, TakesAnEmptyDiffInPlace) {
-  MeshStore store;
+TEST(SlotMesh, TakesAnEmptyDiffInPlace) {
+  SlotMesh store;
   MeshDiff diff;
   EXPECT_TRUE(store.Apply(diff).ok());
   EXPECT_EQ(store.revision(), 0U);

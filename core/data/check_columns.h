@@ -1,0 +1,17 @@
+// Do the columns of a mesh or a diff fit together? Pure functions, thread-safe.
+#ifndef DYNMESH_CORE_DATA_CHECK_COLUMNS_H_
+#define DYNMESH_CORE_DATA_CHECK_COLUMNS_H_
+
+#include "absl/status/status.h"
+#include "dynmesh/mesh.h"
+
+namespace dynmesh::data {
+
+// INVALID_ARGUMENT unless the columns of the mesh or diff agree in length and the region
+// sets are such, by ascending id. O(columns and region sets), not of their rows.
+absl::Status CheckColumns(const Mesh& mesh);
+absl::Status CheckColumns(const MeshDiff& diff);
+
+}  // namespace dynmesh::data
+
+#endif  // DYNMESH_CORE_DATA_CHECK_COLUMNS_H_

@@ -1,0 +1,209 @@
+// A replica of a mesh in arrays whose indices stay: a vertex or simplex keeps its *slot* for as
+// long as it lives. Takes diffs in time proportional to the diff, and proves itself equal to the
+// original by the hash after each.
+//
+// An array of a program that has one entry a slot needs no renumbering: an edit frees some slots
+// and fills some. What the last diffs did is a *patch*, in slots. Slots that a patch frees are not
+// filled again before the next patch begins, so an array may hold old values in them meanwhile:
+// that is what dynmesh/transfer.h works on.
+//
+// Invariants:
+//   1. hash() is the sum of the hashes of the rows held (ComputeHash);
+//   2. each id, simplex, subsegment and subfacet has one slot; region sets are held while in use;
+//   3. a call that returns an error has changed nothing.
+// Thread-compatible. Copies are deep.
+#ifndef DYNMESH_SLOT_MESH_H_
+#define DYNMESH_SLOT_MESH_H_
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "dynmesh/mesh.h"
+
+namespace dynmesh {
+
+// A place in an array of the mesh: of a vertex, a simplex, a subsegment or a subfacet.
+using Slot = std::int32_t;
+inline constexpr Slot kNoSlot = -1;
+
+namespace slot_mesh_internal {
+// Memory that nothing has been written to; on large pages if it is large.
+std::shared_ptr<void> MakeBlock(std::size_t bytes);
+}  // namespace slot_mesh_internal
+
+// One column of a mesh. It grows by moving to a larger block; a block lives as long as it is
+// shared, so what was shared before stays readable, but is not updated any more.
+template <class T>
+class SlotColumn {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  std::size_t size() const { return size_; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+  T& operator[](std::size_t i) { return data_[i]; }
+  const T* data() const { return data_.get(); }
+  T* data() { return data_.get(); }
+  std::span<const T> span() const { return {data_.get(), size_}; }
+  std::shared_ptr<const T[]> share() const { return data_; }
+
+  void reserve(std::size_t capacity) {
+    if (capacity <= capacity_) return;
+    std::shared_ptr<T[]> block = MakeBlock(capacity);
+    std::copy_n(data_.get(), size_, block.get());
+    data_ = std::move(block), capacity_ = capacity;
+  }
+  void resize(std::size_t size, const T& value) {
+    if (size > capacity_) reserve(size > 2 * capacity_ ? size : 2 * capacity_);
+    if (size > size_) std::fill(data_.get() + size_, data_.get() + size, value);
+    size_ = size;
+  }
+
+  SlotColumn() = default;
+  SlotColumn(const SlotColumn& other) : size_(other.size_), capacity_(other.size_) {
+    if (size_ == 0) return;
+    data_ = MakeBlock(size_);
+    std::copy_n(other.data_.get(), size_, data_.get());
+  }
+  SlotColumn(SlotColumn&& other) noexcept { swap(other); }
+  SlotColumn& operator=(SlotColumn other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~SlotColumn() = default;
+  void swap(SlotColumn& other) noexcept {
+    data_.swap(other.data_);
+    std::swap(size_, other.size_), std::swap(capacity_, other.capacity_);
+  }
+
+ private:
+  static std::shared_ptr<T[]> MakeBlock(std::size_t count) {
+    std::shared_ptr<void> block = slot_mesh_internal::MakeBlock(count * sizeof(T));
+    T* const begin = static_cast<T*>(block.get());
+    return std::shared_ptr<T[]>(std::move(block), begin);
+  }
+
+  std::shared_ptr<T[]> data_;
+  std::size_t size_ = 0, capacity_ = 0;
+};
+
+// What the diffs of one patch did, netted, in slots. Old simplices are given by their corners,
+// since their rows are gone; the slots of old vertices keep their coordinates.
+// The order of all rows is that of ids, so it is a function of the two meshes alone.
+struct MeshPatch {
+  std::uint64_t from_revision = 0;
+  std::uint64_t to_revision = 0;
+  std::vector<Slot> removed_vertices;
+  std::vector<Slot> added_vertices;
+  std::vector<Slot> removed_simplices;
+  std::vector<Slot> removed_corners;      // of these, n x (dimension + 1) slots of vertices
+  std::vector<RegionId> removed_regions;  // of these
+  std::vector<Slot> added_simplices;
+  std::vector<Slot> relabelled_simplices;  // those in both meshes whose region is another now
+  std::vector<RegionId> former_regions;    // of these
+
+  bool empty() const {
+    return removed_vertices.empty() && added_vertices.empty() && removed_simplices.empty() &&
+           added_simplices.empty() && relabelled_simplices.empty();
+  }
+};
+
+// A numbering of the vertices and simplices without gaps, by ascending slot.
+struct CompactNumbering {
+  std::vector<Slot> vertex_slots;            // of vertex 0, 1, ...
+  std::vector<std::int32_t> vertex_numbers;  // of each slot; -1 where it is free
+  std::vector<Slot> simplex_slots;
+  std::vector<std::int32_t> simplex_numbers;
+};
+
+class SlotMesh {
+ public:
+  struct Vertex {
+    std::array<double, 3> coordinates = {0, 0, 0};  // entries past the dimension are 0
+    int containing_dimension = 0;
+    FeatureId owner = kNoFeature;
+  };
+
+  // No part at all, revision 0, hash 0: what the diff from nothing applies to.
+  explicit SlotMesh(int dimension = 2);
+  SlotMesh(const SlotMesh& other);
+  SlotMesh(SlotMesh&& other) noexcept;
+  SlotMesh& operator=(SlotMesh other) noexcept;
+  ~SlotMesh();
+
+  // Takes over a whole mesh (a snapshot), its rows in slots 0, 1, ... O(mesh). INVALID_ARGUMENT if
+  // the columns of the mesh disagree or its region sets are none; DATA_LOSS if a part stands
+  // twice, a simplex has a corner that is absent or mesh.hash is not that of the parts.
+  static absl::StatusOr<SlotMesh> FromMesh(const Mesh& mesh);
+
+  // Becomes diff.to_revision and begins a new patch, that of `diff`. O(diff). INVALID_ARGUMENT if
+  // its columns disagree or the dimension differs; FAILED_PRECONDITION unless diff.from_revision
+  // is revision(); DATA_LOSS if a part to remove is absent (a simplex: in that region), one to add
+  // is present or has a corner that is absent, or the hash does not come out as diff.hash.
+  absl::Status Apply(const MeshDiff& diff);
+  // The same, but `diff` goes on with the patch that there is: it tells the way from where it
+  // began to diff.to_revision. O(diff and patch).
+  absl::Status Extend(const MeshDiff& diff);
+
+  // Of the diffs since the last Apply, that one included.
+  const MeshPatch& patch() const;
+
+  // The whole mesh, O(size). Rows in no particular order.
+  Mesh ToMesh() const;
+  CompactNumbering Compact() const;
+
+  int dimension() const;
+  std::uint64_t revision() const;
+  MeshHash hash() const;
+  std::size_t vertex_count() const;
+  std::size_t simplex_count() const;
+  std::size_t subsegment_count() const;
+  std::size_t subfacet_count() const;
+
+  // Columns by slot of a vertex. Free ones have id 0, and of the rest what they had.
+  const SlotColumn<double>& points() const;  // slots x dimension
+  const SlotColumn<VertexId>& ids() const;
+  const SlotColumn<std::uint8_t>& containing_dimensions() const;
+  const SlotColumn<FeatureId>& owners() const;
+  // Columns by slot of a simplex. `cells`: slots of its corners in canonical order, all -1 where
+  // the slot is free. `neighbours`: the simplex across the face opposite of each corner, -1 at the
+  // border of the mesh (or of the part that is held).
+  const SlotColumn<Slot>& cells() const;       // slots x (dimension + 1)
+  const SlotColumn<Slot>& neighbours() const;  // slots x (dimension + 1)
+  const SlotColumn<RegionId>& regions() const;
+  // Is any simplex in a region?
+  bool has_regions() const;
+  // By slot of a subsegment or subfacet: slots of its corners, -1 where it is free.
+  const SlotColumn<Slot>& subsegments() const;  // slots x 2
+  const SlotColumn<FeatureId>& subsegment_owners() const;
+  const SlotColumn<Slot>& subfacets() const;  // slots x 3
+  const SlotColumn<FeatureId>& subfacet_owners() const;
+  // The sets of several polygons that `regions` names, by id. O(sets lg sets).
+  std::vector<RegionSet> region_sets() const;
+
+  // Expected O(1).
+  Slot FindSlot(VertexId id) const;                           // kNoSlot if absent
+  Slot FindSimplexSlot(std::span<const VertexId> ids) const;  // in canonical order
+  std::optional<Vertex> FindVertex(VertexId id) const;
+  bool HasSimplex(std::span<const VertexId> ids) const;
+  std::optional<RegionId> FindRegion(std::span<const VertexId> ids) const;
+  bool HasSubsegment(VertexId a, VertexId b, FeatureId owner) const;
+  bool HasSubfacet(const std::array<VertexId, 3>& corners, FeatureId owner) const;  // any order
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace dynmesh
+
+#endif  // DYNMESH_SLOT_MESH_H_
