@@ -9,9 +9,9 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "core/data/canonical_order.h"
-#include "core/data/mesh_store.h"
 #include "core/data/text.h"
 #include "core/io/sort_by_vertex.h"
+#include "core/data/check_columns.h"
 
 namespace dynmesh::io {
 

@@ -195,7 +195,7 @@ void Canonicalize(MeshDiff& diff);
 
 // Applies `diff` to `mesh` (revision must be from_revision) and checks the hash.
 // FAILED_PRECONDITION on a gap, DATA_LOSS if a part to remove is missing or the
-// hash disagrees; `mesh` is then unspecified. O(mesh); see core/data/mesh_store.h for O(diff).
+// hash disagrees; `mesh` is then unspecified. O(mesh); see dynmesh/slot_mesh.h for O(diff).
 absl::Status ApplyDiff(Mesh& mesh, const MeshDiff& diff);
 
 }  // namespace dynmesh

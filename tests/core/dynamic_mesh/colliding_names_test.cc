@@ -8,8 +8,8 @@
 #include <string>
 #include <tuple>
 
-#include "core/data/mesh_store.h"
 #include "core/dynamic_mesh/live_mesh.h"
+#include "dynmesh/slot_mesh.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh {
@@ -62,9 +62,7 @@ template <int D>
 class Followed {
  public:
   Followed(const MeshOptions& options, const LiveMeshTuning& tuning)
-      : tuning_(tuning),
-        mesh_(options, tuning),
-        replica_(*data::MeshStore::FromMesh(mesh_.Snapshot())) {}
+      : tuning_(tuning), mesh_(options, tuning), replica_(*SlotMesh::FromMesh(mesh_.Snapshot())) {}
 
   LiveMesh<D>& mesh() { return mesh_; }
 
@@ -97,7 +95,7 @@ class Followed {
 
   LiveMeshTuning tuning_;
   LiveMesh<D> mesh_;
-  data::MeshStore replica_;
+  SlotMesh replica_;
 };
 
 class CollidingNames : public testing::TestWithParam<std::tuple<int, Distribution>> {

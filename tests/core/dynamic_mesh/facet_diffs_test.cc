@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/data/mesh_store.h"
 #include "core/dynamic_mesh/diff_builder.h"
+#include "dynmesh/slot_mesh.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh {
@@ -159,7 +159,7 @@ TEST(FacetDiffs, AreFromScratchAndCoverFacetsAfterEveryChange) {
   test::Random random(kSeed);
   Input input;
   State state;
-  data::MeshStore replica = *data::MeshStore::FromMesh(state.Begin(input));
+  SlotMesh replica = *SlotMesh::FromMesh(state.Begin(input));
   std::size_t most = 0;
   for (int revision = 0; revision < 25; ++revision) {
     SCOPED_TRACE("revision " + std::to_string(revision));

@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "core/data/mesh_store.h"
 #include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/slot_mesh.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh {
@@ -65,7 +65,7 @@ TEST(RegionLabels, AreThoseOfEveryPlaceAfterEveryRevision) {
     const int n = seed % 2 == 0 ? 16 : 60;
     test::ScriptGenerator script(test::Distribution::kPolygons, n, seed);
     const auto mesh = *DynamicMesh::Create({});
-    auto replica = *data::MeshStore::FromMesh(mesh->Snapshot());
+    auto replica = *SlotMesh::FromMesh(mesh->Snapshot());
     for (int revision = 0; revision < 40; ++revision) {
       const auto diff = mesh->Apply(script.Next(mesh->Features()));
       if (!diff.ok()) continue;

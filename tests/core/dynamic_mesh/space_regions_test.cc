@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "core/data/mesh_store.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/error.h"
+#include "dynmesh/slot_mesh.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh {
@@ -404,7 +404,7 @@ TEST(SpaceRegions, OfTwoRoomsFollowTheirWalls) {
     walls[between] = Feature::Polygon(between, {{5, 6, 7, 8}});
     const auto mesh = *DynamicMesh::Create(Space());
     ASSERT_TRUE(mesh->Apply(AddAll(rooms.Points())).ok());
-    auto replica = *data::MeshStore::FromMesh(mesh->Snapshot());
+    auto replica = *SlotMesh::FromMesh(mesh->Snapshot());
     std::set<FeatureId> present;
     for (int revision = 0; revision < 40; ++revision) {
       SCOPED_TRACE("revision " + std::to_string(revision));
@@ -507,7 +507,7 @@ TEST(SpaceRegions, FollowRandomScripts) {
       for (const Feature& f : solid.All()) all.push_back(Edit::Add(f));
     }
     ASSERT_TRUE(mesh->Apply(all).ok());
-    auto replica = *data::MeshStore::FromMesh(mesh->Snapshot());
+    auto replica = *SlotMesh::FromMesh(mesh->Snapshot());
     std::set<FeatureId> present;  // faces
     for (const Solid& solid : solids) present.merge(FacesOf(solid));
     FeatureId next = 5000;

@@ -1,0 +1,102 @@
+#include "core/transfer/nodal_patch.h"
+
+#include <algorithm>
+
+namespace dynmesh::transfer {
+namespace {
+
+// How many simplices ahead of the walk what is beyond their faces is asked for.
+constexpr std::size_t kAhead = 6;
+
+// What the walk reads when it comes to `slot`: the rows of its neighbours.
+template <std::size_t D>
+void Prefetch(const SlotMesh& mesh, Slot slot) {
+  const Slot* const row = mesh.neighbours().data() + At(slot) * (D + 1);
+  for (std::size_t k = 0; k <= D; ++k) {
+    if (row[k] == kNoSlot) continue;
+    __builtin_prefetch(mesh.cells().data() + At(row[k]) * (D + 1));
+    __builtin_prefetch(mesh.neighbours().data() + At(row[k]) * (D + 1));
+  }
+}
+
+}  // namespace
+
+template <std::size_t D>
+NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int rings) {
+  struct Place {
+    Slot slot;
+    std::uint32_t open;  // bits of faces beyond which nothing has been added
+  };
+  constexpr std::uint32_t kAllFaces = (1U << (D + 1)) - 1;
+  std::vector<Place> places;  // of `cells`
+  SlotIndex seen;
+  const bool has_regions = mesh.has_regions();
+  const auto index_of = [&](Slot vertex) {
+    const auto [number, is_new] = indices.Add(vertex);
+    if (is_new) vertices.push_back(vertex);
+    return number;
+  };
+  for (const auto& simplex : overlay.to) {
+    Cell cell;
+    for (std::size_t k = 0; k <= D; ++k) cell.corners[k] = index_of(simplex.vertices[k]);
+    cell.measure = simplex.measure, cell.region = simplex.region;
+    seen.Add(simplex.slot);
+    cells.push_back(cell), places.push_back({simplex.slot, kAllFaces});
+  }
+  cavity_count = vertices.size();
+  // What is around a vertex hangs together by faces that have it.
+  for (int ring = 0; ring <= rings; ++ring) {
+    free_count = vertices.size();
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      if (c + kAhead < cells.size()) Prefetch<D>(mesh, places[c + kAhead].slot);
+      for (std::size_t k = 0; k <= D; ++k) {
+        if ((places[c].open & 1U << k) == 0) continue;
+        bool face_is_free = false;
+        for (std::size_t j = 0; j <= D; ++j) {
+          face_is_free |= j != k && cells[c].corners[j] < free_count;
+        }
+        if (!face_is_free) continue;
+        places[c].open &= ~(1U << k);
+        const Slot other = mesh.neighbours()[At(places[c].slot) * (D + 1) + k];
+        if (other == kNoSlot || !seen.Add(other).second) continue;
+        // Its corners are those of the face and one more.
+        const Slot* row = mesh.cells().data() + At(other) * (D + 1);
+        const Slot* own = mesh.cells().data() + At(places[c].slot) * (D + 1);
+        Cell cell;
+        for (std::size_t i = 0; i <= D; ++i) {
+          const auto shared = static_cast<std::size_t>(std::find(own, own + D + 1, row[i]) - own);
+          cell.corners[i] = shared <= D ? cells[c].corners[shared] : index_of(row[i]);
+        }
+        cell.measure = 0;
+        cell.region = has_regions ? mesh.regions()[At(other)] : kNoRegion;
+        cells.push_back(cell), places.push_back({other, kAllFaces});
+      }
+    }
+  }
+  Measure(mesh, overlay.to.size());
+  lumped.assign(free_count, 0);
+  for (const Cell& cell : cells) {
+    for (const std::uint32_t corner : cell.corners) {
+      if (corner < free_count) lumped[corner] += cell.measure / static_cast<double>(D + 1);
+    }
+  }
+}
+
+// Of cells from `first` on: reads each vertex once.
+template <std::size_t D>
+void NodalPatch<D>::Measure(const SlotMesh& mesh, std::size_t first) {
+  std::vector<Vec<D>> places(vertices.size());
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    std::copy_n(mesh.points().data() + At(vertices[v]) * D, D, places[v].begin());
+  }
+  for (std::size_t c = first; c < cells.size(); ++c) {
+    Corners<D> corners;
+    for (std::size_t k = 0; k <= D; ++k) corners[k] = places[cells[c].corners[k]];
+    cells[c].measure = transfer::Measure<D>(corners);
+  }
+}
+
+template struct NodalPatch<2>;
+template struct NodalPatch<3>;
+
+}  // namespace dynmesh::transfer

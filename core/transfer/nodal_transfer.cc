@@ -1,0 +1,307 @@
+#include "core/transfer/nodal_transfer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/transfer/bounds.h"
+#include "core/transfer/compensated_sum.h"
+
+namespace dynmesh::transfer {
+
+template <std::size_t D>
+NodalTransfer<D>::NodalTransfer(const SlotMesh& mesh, const Overlay<D>& overlay,
+                                const Exchange<D>& exchange, int rings)
+    : overlay_(overlay),
+      exchange_(exchange),
+      rings_(rings),
+      patch_(mesh, overlay, rings),
+      sources_(patch_.vertices) {
+  SlotIndex indices = patch_.indices;
+  for (const auto& simplex : overlay.from) {
+    auto& corners = old_corners_.emplace_back();
+    for (std::size_t k = 0; k <= D; ++k) {
+      const auto [number, is_new] = indices.Add(simplex.vertices[k]);
+      if (is_new) sources_.push_back(simplex.vertices[k]);
+      corners[k] = number;
+    }
+  }
+  is_added_.assign(sources_.size(), false);
+  const std::vector<Slot>& added = mesh.patch().added_vertices;
+  if (!added.empty()) {
+    const BoxTree<D> tree = overlay.MakeTree();
+    for (const Slot slot : added) {
+      const std::uint32_t vertex = patch_.indices[slot];
+      if (vertex == SlotIndex::kNone) continue;  // no simplex has it
+      is_added_[vertex] = true;
+      Vec<D> place;
+      std::copy_n(mesh.points().data() + At(slot) * D, D, place.begin());
+      const auto at = overlay.Locate(tree, place);
+      births_.push_back({vertex, at.from, at.lambda});
+    }
+  }
+  FindParts();
+  // What is coupled to vertices that are not free stands on the diagonal.
+  diagonal_.assign(patch_.free_count, 0);
+  for (const auto& cell : patch_.cells) {
+    const double unit = cell.measure / static_cast<double>((D + 1) * (D + 2));
+    double tied = 0;
+    for (const std::uint32_t corner : cell.corners) tied += corner >= patch_.free_count;
+    for (const std::uint32_t corner : cell.corners) {
+      if (corner < patch_.free_count) diagonal_[corner] += unit * (2 + tied);
+    }
+  }
+}
+
+// Of the cavity's vertices, 0 beyond.
+template <std::size_t D>
+std::vector<double> NodalTransfer<D>::Residual(std::span<const double> from) const {
+  constexpr std::size_t kCorners = D + 1;
+  std::vector<double> residual(patch_.free_count, 0);
+  Sum missing;  // by the measures themselves
+  const auto mean = [&](const auto& corners) {
+    double sum = 0;
+    for (const std::uint32_t corner : corners) sum += from[corner];
+    return sum / static_cast<double>(kCorners);
+  };
+  for (std::size_t i = 0; i < overlay_.from.size(); ++i) {
+    missing.Add(overlay_.from[i].measure * mean(old_corners_[i]));
+  }
+  for (std::size_t j = 0; j < overlay_.to.size(); ++j) {
+    const auto& cell = patch_.cells[j];
+    missing.Add(-cell.measure * mean(cell.corners));
+    std::array<double, kCorners> right{};
+    for (const Piece<D>& piece : overlay_.PiecesOf(j)) {
+      const auto& corners = old_corners_[piece.from];
+      for (std::size_t a = 0; a < kCorners; ++a) {
+        for (std::size_t b = 0; b < kCorners; ++b) {
+          right[b] += piece.mass[a * kCorners + b] * from[corners[a]];
+        }
+      }
+    }
+    const auto& own = overlay_.own[j];
+    double measure = 0;
+    for (const double m : own) measure += m;
+    for (std::size_t a = 0; a < kCorners; ++a) {
+      for (std::size_t b = 0; b < kCorners; ++b) {
+        right[b] -= own[a * kCorners + b] * from[cell.corners[a]];
+      }
+    }
+    // Pieces make up a simplex but for rounding, unless it is as flat as that.
+    const double scale = measure > 0.5 * cell.measure ? cell.measure / measure : 0;
+    for (std::size_t b = 0; b < kCorners; ++b) residual[cell.corners[b]] += scale * right[b];
+  }
+  Sum weights;
+  std::vector<double> in_cavity(patch_.cavity_count, 0);
+  for (std::size_t j = 0; j < overlay_.to.size(); ++j) {
+    const double share = overlay_.to[j].measure / static_cast<double>(kCorners);
+    for (const std::uint32_t corner : patch_.cells[j].corners) in_cavity[corner] += share;
+    weights.Add(overlay_.to[j].measure);
+  }
+  for (const double r : residual) missing.Add(-r);
+  if (const double rest = missing.value(); rest != 0 && weights.value() > 0) {
+    for (std::size_t v = 0; v < in_cavity.size(); ++v) {
+      residual[v] += rest * (in_cavity[v] / weights.value());
+    }
+  }
+  return residual;
+}
+
+// y = M x.
+template <std::size_t D>
+void NodalTransfer<D>::Multiply(std::span<const double> x, std::span<double> y) const {
+  const std::size_t free = patch_.free_count;
+  for (std::size_t v = 0; v < free; ++v) y[v] = diagonal_[v] * x[v];
+  for (const auto& cell : patch_.cells) {
+    const double unit = cell.measure / static_cast<double>((D + 1) * (D + 2));
+    double sum = 0;
+    for (const std::uint32_t corner : cell.corners) sum += corner < free ? x[corner] : 0;
+    for (const std::uint32_t corner : cell.corners) {
+      if (corner < free) y[corner] += unit * (sum - x[corner]);
+    }
+  }
+}
+
+// Conjugate gradients, scaled by the diagonal; then the rest, lumped.
+template <std::size_t D>
+std::vector<double> NodalTransfer<D>::Project(std::vector<double> residual) const {
+  const std::size_t n = patch_.free_count;
+  std::vector<double> x(n, 0);
+  if (rings_ > 0) {
+    constexpr int kMostSteps = 12;
+    constexpr double kGain = 1e-3;
+    std::vector<double> p(n), z(n), mp(n);
+    const auto scaled = [&] {
+      double dot = 0;
+      for (std::size_t v = 0; v < n; ++v) {
+        z[v] = diagonal_[v] > 0 ? residual[v] / diagonal_[v] : 0;
+        dot += z[v] * residual[v];
+      }
+      return dot;
+    };
+    double rz = scaled();
+    const double enough = kGain * kGain * rz;
+    p = z;
+    for (int step = 0; step < kMostSteps && rz > enough; ++step) {
+      Multiply(p, mp);
+      double pmp = 0;
+      for (std::size_t v = 0; v < n; ++v) pmp += p[v] * mp[v];
+      if (!(pmp > 0)) break;
+      const double alpha = rz / pmp;
+      for (std::size_t v = 0; v < n; ++v) x[v] += alpha * p[v], residual[v] -= alpha * mp[v];
+      const double next = scaled();
+      const double beta = next / rz;
+      rz = next;
+      for (std::size_t v = 0; v < n; ++v) p[v] = z[v] + beta * p[v];
+    }
+  }
+  for (std::size_t v = 0; v < n; ++v) {
+    if (patch_.lumped[v] > 0) x[v] += residual[v] / patch_.lumped[v];
+  }
+  return x;
+}
+
+// Of which part of the mesh each simplex of the patch is: a region whose shape stays, or all others
+// together, and how much of each free vertex's hat function lies in which part.
+template <std::size_t D>
+void NodalTransfer<D>::FindParts() {
+  std::map<RegionId, std::uint32_t> changed;  // regions of the overlay, and their groups
+  for (std::size_t i = 0; i < overlay_.from.size(); ++i) {
+    changed[overlay_.from[i].region] = exchange_.group_from(i);
+  }
+  for (std::size_t j = 0; j < overlay_.to.size(); ++j) {
+    changed[overlay_.to[j].region] = exchange_.group_to(j);
+  }
+  std::map<RegionId, std::uint32_t> parts;
+  std::uint32_t others = SlotIndex::kNone;
+  const auto part_of = [&](RegionId region) {
+    const auto it = changed.find(region);
+    if (exchange_.group_count() > 1 && it != changed.end() && it->second == 0) {
+      if (others == SlotIndex::kNone) others = part_count_++;
+      return others;
+    }
+    const auto [part, is_new] = parts.try_emplace(region, part_count_);
+    part_count_ += is_new;
+    return part->second;
+  };
+  for (const auto& simplex : overlay_.from) parts_from_.push_back(part_of(simplex.region));
+  std::vector<std::uint32_t> cell_parts;
+  for (const auto& cell : patch_.cells) cell_parts.push_back(part_of(cell.region));
+  parts_to_.assign(cell_parts.begin(),
+                   cell_parts.begin() + static_cast<std::ptrdiff_t>(overlay_.to.size()));
+  if (part_count_ == 1) return;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, double> shares;
+  for (std::size_t c = 0; c < patch_.cells.size(); ++c) {
+    const auto& cell = patch_.cells[c];
+    for (const std::uint32_t corner : cell.corners) {
+      if (corner >= patch_.free_count) continue;
+      shares[{corner, cell_parts[c]}] += cell.measure / static_cast<double>(D + 1);
+    }
+  }
+  for (const auto& [key, share] : shares) shares_.push_back({key.first, key.second, share});
+}
+
+// The integral over each part is to stay. Of all changes that see to that the least, in the lumped
+// norm: a combination of the parts' shares, found by conjugate gradients.
+template <std::size_t D>
+void NodalTransfer<D>::KeepRegions(std::span<const double> from, std::span<double> change) const {
+  if (part_count_ == 1) return;
+  const auto mean = [&](const auto& corners) {
+    double sum = 0;
+    for (const std::uint32_t corner : corners) sum += from[corner];
+    return sum / static_cast<double>(D + 1);
+  };
+  const auto missing_of = [&] {
+    std::vector<Sum> missing(part_count_);
+    for (std::size_t i = 0; i < overlay_.from.size(); ++i) {
+      missing[parts_from_[i]].Add(overlay_.from[i].measure * mean(old_corners_[i]));
+    }
+    for (std::size_t j = 0; j < overlay_.to.size(); ++j) {
+      missing[parts_to_[j]].Add(-overlay_.to[j].measure * mean(patch_.cells[j].corners));
+    }
+    for (const Share& share : shares_)
+      missing[share.part].Add(-share.amount * change[share.vertex]);
+    std::vector<double> values;
+    for (const Sum& sum : missing) values.push_back(sum.value());
+    return values;
+  };
+  std::vector<double> by_vertex(patch_.free_count);
+  const auto spread = [&](const std::vector<double>& factors) {
+    std::fill(by_vertex.begin(), by_vertex.end(), 0.0);
+    for (const Share& s : shares_) by_vertex[s.vertex] += s.amount * factors[s.part];
+    for (std::size_t v = 0; v < by_vertex.size(); ++v) {
+      by_vertex[v] = patch_.lumped[v] > 0 ? by_vertex[v] / patch_.lumped[v] : 0;
+    }
+  };
+  const auto dot = [](const std::vector<double>& a, const std::vector<double>& b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+    return sum;
+  };
+  // Twice: the second time for what rounding left of the first.
+  for (int pass = 0; pass < 2; ++pass) {
+    std::vector<double> r = missing_of(), p = r, x(part_count_, 0), ap(part_count_);
+    double rr = dot(r, r);
+    const double enough = 1e-32 * rr;
+    for (std::uint32_t step = 0; step < 2 * part_count_ + 10 && rr > enough; ++step) {
+      spread(p);
+      std::fill(ap.begin(), ap.end(), 0.0);
+      for (const Share& s : shares_) ap[s.part] += s.amount * by_vertex[s.vertex];
+      const double pap = dot(p, ap);
+      if (!(pap > 0)) break;
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        x[k] += rr / pap * p[k], r[k] -= rr / pap * ap[k];
+      }
+      const double next = dot(r, r);
+      for (std::size_t k = 0; k < p.size(); ++k) p[k] = r[k] + next / rr * p[k];
+      rr = next;
+    }
+    spread(x);
+    for (std::size_t v = 0; v < change.size(); ++v) change[v] += by_vertex[v];
+  }
+}
+
+template <std::size_t D>
+std::vector<double> NodalTransfer<D>::Values(std::span<double> old, bool bounded) const {
+  // A reference of the old values, the least in size.
+  double reference = 0;
+  bool any = false;
+  for (const auto& corners : old_corners_) {
+    for (const std::uint32_t corner : corners) {
+      if (!any || std::abs(old[corner]) < std::abs(reference)) reference = old[corner];
+      any = true;
+    }
+  }
+  std::vector<double> from(old.size());
+  for (std::size_t v = 0; v < old.size(); ++v) from[v] = is_added_[v] ? 0 : old[v] - reference;
+  for (const Birth& birth : births_) {
+    double sum = 0;
+    for (std::size_t a = 0; a <= D; ++a) {
+      sum += birth.lambda[a] * from[old_corners_[birth.from][a]];
+    }
+    from[birth.vertex] = sum, old[birth.vertex] = sum + reference;
+  }
+  std::vector<double> change = Project(Residual(from));
+  KeepRegions(from, change);
+
+  std::vector<double> result(patch_.free_count);
+  for (std::size_t v = 0; v < result.size(); ++v) {
+    result[v] = change[v] == 0 ? old[v] : old[v] + change[v];
+  }
+  if (bounded) {
+    Range range;
+    for (const auto& corners : old_corners_) {
+      for (const std::uint32_t corner : corners) range.Hold(old[corner]);
+    }
+    for (std::size_t v = 0; v < sources_.size(); ++v) {
+      if (!is_added_[v]) range.Hold(old[v]);
+    }
+    Clamp(range, patch_.lumped, 0, result);
+  }
+  return result;
+}
+
+template class NodalTransfer<2>;
+template class NodalTransfer<3>;
+
+}  // namespace dynmesh::transfer

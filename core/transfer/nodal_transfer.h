@@ -1,0 +1,81 @@
+// Transfer of a field with values at vertices (P1): interpolation at the new ones, and the Galerkin
+// projection of what that misses.
+//
+// The difference e of the old field and the interpolant lives in the cavity. r_i is the integral of
+// e times the hat function of vertex i, over the pieces. Solved is M d = r on the free vertices of
+// a NodalPatch, to a few digits, where what M couples to vertices that are not free is put on its
+// diagonal: so the columns of M add up to the lumped masses. What the solution leaves of r is added
+// lumped: then the integral of d is the sum of r to rounding, however far the solution was
+// driven. (D^-1 M has its eigenvalues in [1/2, 1 + d/2], whatever the shape of the simplices, so d
+// falls by a factor of about three from ring to ring.)
+#ifndef DYNMESH_CORE_TRANSFER_NODAL_TRANSFER_H_
+#define DYNMESH_CORE_TRANSFER_NODAL_TRANSFER_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/transfer/exchange.h"
+#include "core/transfer/nodal_patch.h"
+#include "core/transfer/overlay.h"
+
+namespace dynmesh::transfer {
+
+template <std::size_t D>
+class NodalTransfer {
+ public:
+  NodalTransfer(const SlotMesh& mesh, const Overlay<D>& overlay, const Exchange<D>& exchange,
+                int rings);
+
+  // The vertices whose old values are asked for: those of the patch, of which added ones have
+  // none, then those that went.
+  std::span<const Slot> sources() const { return sources_; }
+  bool is_added(std::size_t source) const { return is_added_[source]; }
+  // The slots of the results.
+  std::span<const Slot> results() const {
+    return std::span<const Slot>(patch_.vertices).first(patch_.free_count);
+  }
+
+  // `old` in the order of sources(); those of added ones are overwritten.
+  std::vector<double> Values(std::span<double> old, bool bounded) const;
+
+  // The corners of old simplex i as sources.
+  const std::array<std::uint32_t, D + 1>& corners(std::size_t i) const { return old_corners_[i]; }
+
+ private:
+  struct Birth {  // of an added vertex
+    std::uint32_t vertex;
+    std::uint32_t from;
+    std::array<double, D + 1> lambda;
+  };
+
+  struct Share {  // of a free vertex's hat function that lies in a part
+    std::uint32_t vertex, part;
+    double amount;
+  };
+
+  void FindParts();
+  std::vector<double> Residual(std::span<const double> from) const;
+  void Multiply(std::span<const double> x, std::span<double> y) const;
+  std::vector<double> Project(std::vector<double> residual) const;
+  void KeepRegions(std::span<const double> from, std::span<double> change) const;
+
+  const Overlay<D>& overlay_;
+  const Exchange<D>& exchange_;
+  int rings_;
+  NodalPatch<D> patch_;
+  std::vector<Slot> sources_;
+  std::vector<bool> is_added_;
+  std::vector<std::array<std::uint32_t, D + 1>> old_corners_;
+  std::vector<Birth> births_;
+  std::vector<double> diagonal_;
+  std::uint32_t part_count_ = 0;
+  std::vector<std::uint32_t> parts_from_, parts_to_;  // of the overlay's simplices
+  std::vector<Share> shares_;                         // if there are several parts
+};
+
+}  // namespace dynmesh::transfer
+
+#endif  // DYNMESH_CORE_TRANSFER_NODAL_TRANSFER_H_

@@ -1,0 +1,92 @@
+// The old and the new simplices of a patch laid over each other. Both fill the same region, the
+// *cavity*; what an old and a new one have in common is a piece.
+//
+// A piece is known by its mixed mass matrix: the integrals of the products of the old simplex's
+// barycentric coordinates with the new one's. Transfer of any kind needs no more. Where pieces
+// should add up to a simplex they do but for rounding of places, and nothing here relies on more.
+//
+// Everything is a function of the two meshes, in the order of the patch: no slot, address or
+// history shows.
+#ifndef DYNMESH_CORE_TRANSFER_OVERLAY_H_
+#define DYNMESH_CORE_TRANSFER_OVERLAY_H_
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/transfer/box_tree.h"
+#include "core/transfer/simplex.h"
+#include "dynmesh/slot_mesh.h"
+
+namespace dynmesh::transfer {
+
+inline std::size_t At(Slot slot) { return static_cast<std::size_t>(slot); }
+
+// The places of D + 1 vertices.
+template <std::size_t D>
+Corners<D> CornersOf(const SlotMesh& mesh, const Slot* vertices) {
+  Corners<D> corners;
+  for (std::size_t k = 0; k <= D; ++k) {
+    std::copy_n(mesh.points().data() + At(vertices[k]) * D, D, corners[k].begin());
+  }
+  return corners;
+}
+
+// A simplex of the patch, old or new.
+template <std::size_t D>
+struct PatchSimplex {
+  Slot slot;
+  std::array<Slot, D + 1> vertices;
+  Corners<D> corners;
+  double measure;
+  RegionId region;
+};
+
+// An old and a new simplex, by their places in the overlay's lists, and what they share:
+// mass[a * (D + 1) + b] is the integral of the old one's coordinate a times the new one's b.
+template <std::size_t D>
+struct Piece {
+  std::uint32_t from;
+  std::uint32_t to;
+  std::array<double, (D + 1) * (D + 1)> mass;
+  double measure() const {
+    double sum = 0;
+    for (const double m : mass) sum += m;
+    return sum;
+  }
+};
+
+template <std::size_t D>
+struct Overlay {
+  // The matrix of a simplex's own coordinates, as its pieces add up to it. Symmetric.
+  using Mass = std::array<double, (D + 1) * (D + 1)>;
+
+  std::vector<PatchSimplex<D>> from, to;  // old and new simplices, in the order of the patch
+  std::vector<Piece<D>> pieces;           // by `to`, then by `from`
+  std::vector<std::uint32_t> begins;      // of the pieces of each new one, and the end
+  // Of each new one, and the same over those pieces that lie in its region.
+  std::vector<Mass> own, own_of_region;
+
+  std::span<const Piece<D>> PiecesOf(std::size_t to_index) const {
+    return {pieces.data() + begins[to_index], begins[to_index + 1] - begins[to_index]};
+  }
+
+  // O((n + p) lg n) for n simplices and p pairs whose boxes meet.
+  static Overlay Make(const SlotMesh& mesh);
+
+  // The old simplex in which `x` lies, or as good as: the one where its least barycentric
+  // coordinate is greatest. `tree` is that of the boxes of `from`. REQUIRES: there is an old one.
+  struct Place {
+    std::uint32_t from;
+    std::array<double, D + 1> lambda;
+  };
+  Place Locate(const BoxTree<D>& tree, const Vec<D>& x) const;
+  BoxTree<D> MakeTree() const;
+};
+
+}  // namespace dynmesh::transfer
+
+#endif  // DYNMESH_CORE_TRANSFER_OVERLAY_H_

@@ -1,0 +1,182 @@
+// Mass and regions: what an edit leaves in its shape keeps its mass, and what changes sides is
+// said.
+#include <map>
+#include <set>
+
+#include "tests/core/geometry/random_points.h"
+#include "tests/core/transfer/field_lab.h"
+
+namespace dynmesh {
+namespace {
+
+using testing::FieldFunction;
+using testing::IsLive;
+using testing::Mass;
+using testing::MassOf;
+using testing::RowCount;
+using testing::Sample;
+
+using Masses = std::map<RegionId, Mass>;
+
+Masses MassesOf(const SlotMesh& mesh, FieldKind kind, const std::vector<double>& u) {
+  std::set<RegionId> regions;
+  for (std::size_t c = 0; c < mesh.regions().size(); ++c) {
+    if (IsLive(mesh, c)) regions.insert(mesh.regions()[c]);
+  }
+  Masses masses;
+  for (const RegionId region : regions) {
+    masses[region] =
+        MassOf(mesh, kind, u, [&](std::size_t c) { return mesh.regions()[c] == region; });
+  }
+  return masses;
+}
+
+// A square (polygon 10) and a triangle beside it (11) with a common edge.
+EditBatch TwoPolygons() {
+  const double corners[5][2] = {{0.2, 0.2}, {0.6, 0.25}, {0.6, 0.7}, {0.25, 0.65}, {0.9, 0.5}};
+  EditBatch batch;
+  for (FeatureId id = 1; id <= 5; ++id) {
+    batch.push_back(Edit::Add(Feature::Point(id, corners[id - 1][0], corners[id - 1][1])));
+  }
+  batch.push_back(Edit::Add(Feature::Polygon(10, {{1, 2, 3, 4}})));
+  batch.push_back(Edit::Add(Feature::Polygon(11, {{2, 5, 3}})));
+  return batch;
+}
+
+// A cube's surface (polygons 11 to 16, whose region is 11).
+EditBatch Cube() {
+  EditBatch batch;
+  FeatureId id = 1;
+  for (const double z : {0.3, 0.7}) {
+    for (const auto& [x, y] : {std::pair{0.3, 0.3}, {0.7, 0.3}, {0.7, 0.7}, {0.3, 0.7}}) {
+      batch.push_back(Edit::Add(Feature::Point(id++, x, y, z)));
+    }
+  }
+  const FeatureId faces[6][4] = {{1, 2, 3, 4}, {5, 6, 7, 8}, {1, 2, 6, 5},
+                                 {2, 3, 7, 6}, {3, 4, 8, 7}, {4, 1, 5, 8}};
+  for (FeatureId f = 0; f < 6; ++f) {
+    batch.push_back(Edit::Add(
+        Feature::Polygon(11 + f, {{faces[f][0], faces[f][1], faces[f][2], faces[f][3]}})));
+  }
+  return batch;
+}
+
+struct Scene {
+  std::unique_ptr<DynamicMesh> mesh;
+  SlotMesh slots;
+  explicit Scene(int dimension) {
+    MeshOptions options = testing::UnitBox(dimension);
+    options.quality = DefaultQuality(dimension);
+    mesh = std::move(DynamicMesh::Create(options)).value();
+    const auto diff = mesh->Apply(dimension == 2 ? TwoPolygons() : Cube());
+    EXPECT_TRUE(diff.ok()) << diff.status();
+    slots = SlotMesh::FromMesh(mesh->Snapshot()).value();
+  }
+  bool Edit(const EditBatch& batch) {
+    const auto diff = mesh->Apply(batch);
+    if (!diff.ok()) return false;
+    EXPECT_TRUE(slots.Apply(*diff).ok());
+    return true;
+  }
+};
+
+double Wave(const double* x) { return 2 + std::sin(7 * x[0]) * std::cos(8 * x[1]); }
+
+class RegionsOf : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Dimension, RegionsOf, ::testing::Values(2, 3),
+                         [](const auto& of) { return std::to_string(of.param) + "D"; });
+
+TEST_P(RegionsOf, KeepTheirMassWhereTheirShapeStays) {
+  const int dimension = GetParam();
+  std::mt19937_64 random(geometry::testing::NewSeed());
+  std::uniform_real_distribution<double> draw(0.1, 0.9);
+  for (const FieldKind kind :
+       {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1, FieldKind::kP1}) {
+    Scene scene(dimension);
+    std::vector<double> u = Sample(scene.slots, kind, Wave), by_region(RowCount(scene.slots, kind));
+    const auto width = static_cast<std::size_t>(dimension + 1);
+    const auto cell_of = [&](std::size_t i) { return kind == FieldKind::kDG1 ? i / width : i; };
+    const auto value_in = [](RegionId region) { return 0.1 + 1e6 * static_cast<double>(region); };
+    if (kind != FieldKind::kP1) {
+      for (std::size_t i = 0; i < by_region.size(); ++i) {
+        by_region[i] = value_in(scene.slots.regions()[cell_of(i)]);
+      }
+    }
+    Masses before = MassesOf(scene.slots, kind, u);
+    int edits = 0;
+    for (FeatureId id = 100; edits < (dimension == 2 ? 60 : 12); ++id) {
+      const double x = draw(random), y = draw(random), z = draw(random);
+      const bool comes = id % 2 == 0;
+      if (!scene.Edit(comes ? EditBatch{Edit::Add(Feature::Point(id, x, y, z))}
+                            : EditBatch{Edit::Remove(id - 1)})) {
+        ++id;
+        continue;
+      }
+      ++edits;
+      u.resize(RowCount(scene.slots, kind)), by_region.resize(u.size());
+      auto transfer = Transfer::Make(scene.slots);
+      ASSERT_TRUE(transfer.ok());
+      const auto flows = transfer->Carry({.kind = kind}, u);
+      ASSERT_TRUE(flows.ok()) << flows.status();
+      EXPECT_TRUE(flows->empty());
+      ASSERT_TRUE(transfer->Carry({.kind = kind}, by_region).ok());
+      const Masses after = MassesOf(scene.slots, kind, u);
+      ASSERT_EQ(after.size(), before.size());
+      for (const auto& [region, mass] : after) {
+        ASSERT_NEAR(mass.sum, before[region].sum, 1e-13 * before[region].size)
+            << "region " << region << ", kind " << static_cast<int>(kind);
+      }
+      before = after;
+      if (kind == FieldKind::kP1) continue;
+      for (std::size_t i = 0; i < by_region.size(); ++i) {
+        if (!IsLive(scene.slots, cell_of(i))) continue;
+        ASSERT_EQ(by_region[i], value_in(scene.slots.regions()[cell_of(i)]));
+      }
+    }
+  }
+}
+
+TEST_P(RegionsOf, ThatChangeTheirShapeTellWhatChangesSides) {
+  const int dimension = GetParam();
+  for (const FieldKind kind : {FieldKind::kP0, FieldKind::kP0Linear, FieldKind::kDG1}) {
+    Scene scene(dimension);
+    std::vector<double> u = Sample(scene.slots, kind, Wave);
+    const std::vector<EditBatch> edits =
+        dimension == 2
+            ? std::vector<EditBatch>{{Edit::Move(3, 0.55, 0.75)},
+                                     {Edit::Move(5, 0.85, 0.55)},
+                                     {Edit::Remove(11)},
+                                     {Edit::Remove(10)}}
+            : std::vector<EditBatch>{{Edit::Move(5, 0.3, 0.3, 0.75), Edit::Move(6, 0.7, 0.3, 0.75),
+                                      Edit::Move(7, 0.7, 0.7, 0.75), Edit::Move(8, 0.3, 0.7, 0.75)},
+                                     {Edit::Remove(13)}};
+    for (const EditBatch& batch : edits) {
+      const Masses before = MassesOf(scene.slots, kind, u);
+      const Mass all_before = MassOf(scene.slots, kind, u);
+      ASSERT_TRUE(scene.Edit(batch));
+      u.resize(RowCount(scene.slots, kind));
+      auto transfer = Transfer::Make(scene.slots);
+      ASSERT_TRUE(transfer.ok());
+      const auto flows = transfer->Carry({.kind = kind}, u);
+      ASSERT_TRUE(flows.ok()) << flows.status();
+      EXPECT_FALSE(flows->empty());
+      const Mass all_after = MassOf(scene.slots, kind, u);
+      EXPECT_NEAR(all_after.sum, all_before.sum, 1e-13 * all_before.size);
+      std::map<RegionId, double> change;
+      for (const auto& [region, mass] : before) change[region] -= mass.sum;
+      for (const auto& [region, mass] : MassesOf(scene.slots, kind, u)) change[region] += mass.sum;
+      for (const RegionFlow& flow : *flows) {
+        ASSERT_EQ(flow.amounts.size(), 1U);
+        change[flow.from] += flow.amounts[0], change[flow.to] -= flow.amounts[0];
+      }
+      for (const auto& [region, rest] : change) {
+        EXPECT_NEAR(rest, 0, 1e-12 * all_before.size)
+            << "region " << region << ", kind " << static_cast<int>(kind) << ", revision "
+            << scene.slots.revision();
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dynmesh
