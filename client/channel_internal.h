@@ -13,10 +13,12 @@
 #include <vector>
 
 #include "absl/time/time.h"
-#include "client/edit_session.h"
-#include "client/load.h"
-#include "client/watch_session.h"
+#include "dynmesh/client/diff_stream.h"
+#include "dynmesh/client/edit_session.h"
+#include "dynmesh/client/load.h"
+#include "dynmesh/client/watch_session.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
+#include "proto/codec/mesh_codec.h"
 
 namespace dynmesh::client {
 
@@ -80,6 +82,9 @@ std::unique_ptr<EditSession> StartEditSession(std::shared_ptr<Stub> stub, const 
 std::unique_ptr<WatchSession> StartWatchSession(std::shared_ptr<Stub> stub, const std::string& mesh,
                                                 const WatchOptions& options,
                                                 WatchListener* listener);
+
+std::unique_ptr<DiffStream> StartDiffStream(std::shared_ptr<Stub> stub, const std::string& mesh,
+                                            const DiffStreamOptions& options);
 
 absl::StatusOr<LoadResult> RunLoad(Stub& stub, const std::string& mesh, const FeatureSource& source,
                                    const LoadParams& params, absl::Duration timeout);

@@ -1,4 +1,4 @@
-#include "client/edit_session.h"
+#include "dynmesh/client/edit_session.h"
 
 #include <utility>
 

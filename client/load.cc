@@ -1,4 +1,4 @@
-#include "client/load.h"
+#include "dynmesh/client/load.h"
 
 #include <thread>
 #include <utility>

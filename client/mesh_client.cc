@@ -1,4 +1,4 @@
-#include "client/mesh_client.h"
+#include "dynmesh/client/mesh_client.h"
 
 #include <algorithm>
 #include <limits>
@@ -6,7 +6,9 @@
 
 #include "client/channel_internal.h"
 #include "proto/codec/edit_codec.h"
+#include "proto/codec/features_codec.h"
 #include "proto/codec/grpc_status.h"
+#include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
 
 namespace dynmesh::client {
@@ -285,6 +287,11 @@ std::unique_ptr<WatchSession> MeshClient::Watch(const std::string& mesh,
                                                 const WatchOptions& options,
                                                 WatchListener* listener) {
   return StartWatchSession(impl_->stub, mesh, options, listener);
+}
+
+std::unique_ptr<DiffStream> MeshClient::StreamDiffs(const std::string& mesh,
+                                                    const DiffStreamOptions& options) {
+  return StartDiffStream(impl_->stub, mesh, options);
 }
 
 absl::StatusOr<Mesh> MeshClient::GetSnapshot(const std::string& mesh,

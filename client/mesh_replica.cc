@@ -1,10 +1,13 @@
-#include "client/mesh_replica.h"
+#include "dynmesh/client/mesh_replica.h"
 
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "dynmesh/v1/mesh_service.pb.h"
+#include "proto/codec/mesh_codec.h"
 
 namespace dynmesh::client {
 namespace {
@@ -15,7 +18,21 @@ absl::Status Gap(const std::string& what) {
 
 }  // namespace
 
-absl::StatusOr<MeshReplica::Change> MeshReplica::Take(const v1::WatchEvent& event) {
+struct MeshReplica::Impl {
+  absl::StatusOr<Change> Take(const v1::WatchEvent& event);
+  absl::StatusOr<Change> TakeSnapshot(const v1::SnapshotChunk& chunk);
+  absl::StatusOr<Change> TakeDiff(const v1::MeshDiff& fragment);
+  absl::StatusOr<Change> TakeProgress(std::uint64_t revision, const std::string& hash) const;
+  void EndOfStream();
+
+  State state = State::kEmpty;
+  bool has_mesh = false;
+  SlotMesh store;
+  codec::SnapshotAssembler snapshot;
+  codec::DiffAssembler diff;
+};
+
+absl::StatusOr<MeshReplica::Change> MeshReplica::Impl::Take(const v1::WatchEvent& event) {
   absl::StatusOr<Change> change = Change();
   switch (event.event_case()) {
     case v1::WatchEvent::kSnapshot:
@@ -31,63 +48,86 @@ absl::StatusOr<MeshReplica::Change> MeshReplica::Take(const v1::WatchEvent& even
       return change;  // from a newer server: nothing that concerns the mesh
   }
   if (!change.ok()) {
-    state_ = State::kBroken;
+    state = State::kBroken;
     EndOfStream();
   }
   return change;
 }
 
-void MeshReplica::EndOfStream() {
-  snapshot_.Reset();
-  diff_.Reset();
+void MeshReplica::Impl::EndOfStream() {
+  snapshot.Reset();
+  diff.Reset();
 }
 
-absl::StatusOr<MeshReplica::Change> MeshReplica::TakeSnapshot(const v1::SnapshotChunk& chunk) {
-  if (!diff_.empty()) return Gap("a snapshot begins inside a diff");
-  absl::StatusOr<std::optional<Mesh>> mesh = snapshot_.Add(chunk);
+absl::StatusOr<MeshReplica::Change> MeshReplica::Impl::TakeSnapshot(
+    const v1::SnapshotChunk& chunk) {
+  if (!diff.empty()) return Gap("a snapshot begins inside a diff");
+  absl::StatusOr<std::optional<Mesh>> mesh = snapshot.Add(chunk);
   if (!mesh.ok()) return mesh.status();
   if (!mesh->has_value()) return Change();
-  absl::StatusOr<data::MeshStore> store = data::MeshStore::FromMesh(**mesh);
-  if (!store.ok()) return absl::DataLossError(store.status().message());
-  store_ = *std::move(store);
-  state_ = State::kLive;
-  has_mesh_ = true;
+  absl::StatusOr<SlotMesh> whole = SlotMesh::FromMesh(**mesh);
+  if (!whole.ok()) return absl::DataLossError(whole.status().message());
+  store = *std::move(whole);
+  state = State::kLive;
+  has_mesh = true;
   return Change(NewSnapshot());
 }
 
-absl::StatusOr<MeshReplica::Change> MeshReplica::TakeDiff(const v1::MeshDiff& fragment) {
-  if (state_ != State::kLive) return Gap("a diff came without a mesh to change");
-  if (!snapshot_.empty()) return Gap("a diff came inside a snapshot");
+absl::StatusOr<MeshReplica::Change> MeshReplica::Impl::TakeDiff(const v1::MeshDiff& fragment) {
+  if (state != State::kLive) return Gap("a diff came without a mesh to change");
+  if (!snapshot.empty()) return Gap("a diff came inside a snapshot");
   // Said before the rest is waited for.
-  if (fragment.from_revision() != store_.revision() ||
+  if (fragment.from_revision() != store.revision() ||
       fragment.to_revision() <= fragment.from_revision()) {
     return Gap(absl::StrCat("a diff from revision ", fragment.from_revision(), " to ",
                             fragment.to_revision(), " does not continue revision ",
-                            store_.revision()));
+                            store.revision()));
   }
   if (fragment.columns_omitted()) return Gap("a diff came without its columns");
-  absl::StatusOr<std::optional<MeshDiff>> diff = diff_.Add(fragment);
-  if (!diff.ok()) return diff.status();
-  if (!diff->has_value()) return Change();
-  if (absl::Status status = store_.Apply(**diff); !status.ok()) {
+  absl::StatusOr<std::optional<MeshDiff>> whole = diff.Add(fragment);
+  if (!whole.ok()) return whole.status();
+  if (!whole->has_value()) return Change();
+  if (absl::Status status = store.Apply(**whole); !status.ok()) {
     return absl::DataLossError(status.message());
   }
-  return Change(**std::move(diff));
+  return Change(**std::move(whole));
 }
 
-absl::StatusOr<MeshReplica::Change> MeshReplica::TakeProgress(std::uint64_t revision,
-                                                              const std::string& hash) const {
-  if (state_ != State::kLive) return Gap("progress came without a mesh");
-  if (!diff_.empty() || !snapshot_.empty()) return Gap("progress came inside a revision");
-  if (revision != store_.revision()) {
+absl::StatusOr<MeshReplica::Change> MeshReplica::Impl::TakeProgress(std::uint64_t revision,
+                                                                    const std::string& hash) const {
+  if (state != State::kLive) return Gap("progress came without a mesh");
+  if (!diff.empty() || !snapshot.empty()) return Gap("progress came inside a revision");
+  if (revision != store.revision()) {
     return Gap(absl::StrCat("the server sent all up to revision ", revision,
-                            ", but the replica is at ", store_.revision()));
+                            ", but the replica is at ", store.revision()));
   }
-  if (hash != store_.hash().ToHex()) {
+  if (hash != store.hash().ToHex()) {
     return absl::DataLossError(absl::StrCat("at revision ", revision, " the server has hash ", hash,
-                                            ", the replica ", store_.hash().ToHex()));
+                                            ", the replica ", store.hash().ToHex()));
   }
   return Change(Progress());
 }
+
+MeshReplica::MeshReplica() : impl_(std::make_unique<Impl>()) {}
+MeshReplica::MeshReplica(MeshReplica&& other) noexcept = default;
+MeshReplica& MeshReplica::operator=(MeshReplica&& other) noexcept = default;
+MeshReplica::~MeshReplica() = default;
+
+absl::StatusOr<MeshReplica::Change> MeshReplica::Take(const v1::WatchEvent& event) {
+  return impl_->Take(event);
+}
+void MeshReplica::EndOfStream() { impl_->EndOfStream(); }
+
+MeshReplica::State MeshReplica::state() const { return impl_->state; }
+bool MeshReplica::has_mesh() const { return impl_->has_mesh; }
+std::uint64_t MeshReplica::revision() const { return impl_->store.revision(); }
+MeshHash MeshReplica::hash() const { return impl_->store.hash(); }
+int MeshReplica::dimension() const { return impl_->store.dimension(); }
+std::size_t MeshReplica::vertex_count() const { return impl_->store.vertex_count(); }
+std::size_t MeshReplica::simplex_count() const { return impl_->store.simplex_count(); }
+std::size_t MeshReplica::subsegment_count() const { return impl_->store.subsegment_count(); }
+std::size_t MeshReplica::subfacet_count() const { return impl_->store.subfacet_count(); }
+const SlotMesh& MeshReplica::mesh() const { return impl_->store; }
+Mesh MeshReplica::ToMesh() const { return impl_->store.ToMesh(); }
 
 }  // namespace dynmesh::client

@@ -1,4 +1,4 @@
-#include "client/watch_session.h"
+#include "dynmesh/client/watch_session.h"
 
 #include <grpcpp/alarm.h>
 

@@ -29,7 +29,7 @@ absl::Status Failed(std::string_view what, const absl::Status& status) {
 
 }  // namespace
 
-absl::Status CheckRevision(const DynamicMesh& mesh, const data::MeshStore& replica) {
+absl::Status CheckRevision(const DynamicMesh& mesh, const SlotMesh& replica) {
   const AuditReport audit = mesh.Audit();
   if (auto s = Clean("the mesh", audit); !s.ok()) return s;
   const Mesh snapshot = mesh.Snapshot();

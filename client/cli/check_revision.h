@@ -3,8 +3,8 @@
 #define DYNMESH_CLIENT_CLI_CHECK_REVISION_H_
 
 #include "absl/status/status.h"
-#include "core/data/mesh_store.h"
 #include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/slot_mesh.h"
 
 namespace dynmesh::cli {
 
@@ -14,7 +14,7 @@ namespace dynmesh::cli {
 //   a fresh dynamic mesh with the same features has the same mesh and the same trace,
 //   the static path makes the same mesh.
 // O(size), several times over.
-absl::Status CheckRevision(const DynamicMesh& mesh, const data::MeshStore& replica);
+absl::Status CheckRevision(const DynamicMesh& mesh, const SlotMesh& replica);
 
 }  // namespace dynmesh::cli
 

@@ -15,11 +15,11 @@
 #include "client/cli/output.h"
 #include "client/cli/percentile.h"
 #include "client/cli/words.h"
-#include "core/data/mesh_store.h"
 #include "core/data/text.h"
 #include "core/io/edit_script.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/error.h"
+#include "dynmesh/slot_mesh.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -65,9 +65,9 @@ class Replay {
     vertices_ = start.vertices;
     simplices_ = start.simplices;
     if (command_.check != 0) {
-      absl::StatusOr<data::MeshStore> replica = data::MeshStore::FromMesh(mesh_->Snapshot());
+      absl::StatusOr<SlotMesh> replica = SlotMesh::FromMesh(mesh_->Snapshot());
       if (!replica.ok()) return replica.status();
-      replica_ = std::make_unique<data::MeshStore>(*std::move(replica));
+      replica_ = std::make_unique<SlotMesh>(*std::move(replica));
     }
     for (std::size_t b = 0; b < script_.batches.size(); ++b) {
       if (auto status = ApplyBatch(b); !status.ok()) return status;
@@ -218,8 +218,8 @@ class Replay {
   const ReplayCommand& command_;
   const io::EditScript& script_;
   std::unique_ptr<DynamicMesh> mesh_;
-  std::unique_ptr<data::MeshStore> replica_;  // with --check
-  std::vector<double> microseconds_;          // of all revisions but the first
+  std::unique_ptr<SlotMesh> replica_;  // with --check
+  std::vector<double> microseconds_;   // of all revisions but the first
   std::uint64_t features_ = 0;
   std::uint64_t vertices_ = 0;
   std::uint64_t simplices_ = 0;

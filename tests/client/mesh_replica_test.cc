@@ -1,5 +1,5 @@
 // The replica: follows diffs, and notices every way in which a stream can lie.
-#include "client/mesh_replica.h"
+#include "dynmesh/client/mesh_replica.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 
 #include "core/data/diff_meshes.h"
 #include "dynmesh/v1/mesh_service.pb.h"
+#include "proto/codec/mesh_codec.h"
 #include "tests/core/data/made_up_mesh.h"
 #include "tests/server/fake_dynamic_mesh.h"
 #include "tests/server/test_support.h"
@@ -98,9 +99,9 @@ TEST_F(MeshReplicaTest, FollowsAMeshOfSpace) {
   Mesh mesh = testing::MakeUpLabelledMesh(random, 40, 3, 3);
   const Mesh other = testing::MakeUpLabelledMesh(random, 50, 4, 3);
   ASSERT_TRUE(Feed(SnapshotEvents(mesh)).ok());
-  EXPECT_EQ(replica_.store().subfacet_count(), 20u);
+  EXPECT_EQ(replica_.subfacet_count(), 20u);
   ASSERT_TRUE(Feed(DiffEvents(data::DiffMeshes(mesh, other))).ok());
-  EXPECT_EQ(replica_.store().subfacet_count(), 25u);
+  EXPECT_EQ(replica_.subfacet_count(), 25u);
   Mesh copy = replica_.ToMesh();
   mesh = other;
   Canonicalize(copy);

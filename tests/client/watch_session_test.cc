@@ -1,6 +1,6 @@
 // The watch session against a server that follows a script: what it asks for after a
 // lie, a broken connection, a refusal.
-#include "client/watch_session.h"
+#include "dynmesh/client/watch_session.h"
 
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <mutex>
 #include <thread>
 
-#include "client/mesh_client.h"
+#include "dynmesh/client/mesh_client.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"

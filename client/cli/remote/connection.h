@@ -9,8 +9,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/cli/json.h"
-#include "client/mesh_client.h"
 #include "core/data/region_filter.h"
+#include "dynmesh/client/mesh_client.h"
 
 namespace dynmesh::cli {
 

@@ -63,17 +63,16 @@ class Printer final : public client::WatchListener {
       return JsonObject()
           .AddText("event", event)
           .Add("revision", replica.revision())
-          .Add("vertices", replica.store().vertex_count())
-          .Add("simplices", replica.store().simplex_count())
-          .Add("subsegments", replica.store().subsegment_count())
-          .Add("subfacets", replica.store().subfacet_count())
+          .Add("vertices", replica.vertex_count())
+          .Add("simplices", replica.simplex_count())
+          .Add("subsegments", replica.subsegment_count())
+          .Add("subfacets", replica.subfacet_count())
           .AddText("hash", replica.hash().ToHex())
           .ToLine();
     }
     return absl::StrFormat("%s at revision %d: %d vertices, %d %s, hash %s\n", event,
-                           replica.revision(), replica.store().vertex_count(),
-                           replica.store().simplex_count(),
-                           SimplicesWord(replica.store().dimension()), replica.hash().ToHex());
+                           replica.revision(), replica.vertex_count(), replica.simplex_count(),
+                           SimplicesWord(replica.dimension()), replica.hash().ToHex());
   }
 
   void Write(const std::string& line, const client::MeshReplica& replica) {

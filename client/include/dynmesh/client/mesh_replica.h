@@ -12,15 +12,14 @@
 #ifndef DYNMESH_CLIENT_MESH_REPLICA_H_
 #define DYNMESH_CLIENT_MESH_REPLICA_H_
 
+#include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <variant>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/data/mesh_store.h"
 #include "dynmesh/mesh.h"
-#include "proto/codec/mesh_codec.h"
+#include "dynmesh/slot_mesh.h"
 
 namespace dynmesh::v1 {
 class WatchEvent;
@@ -42,6 +41,12 @@ class MeshReplica {
   struct Progress {};
   using Change = std::variant<Nothing, NewSnapshot, MeshDiff, Progress>;
 
+  MeshReplica();
+  // One that was moved from may be assigned to and destroyed.
+  MeshReplica(MeshReplica&& other) noexcept;
+  MeshReplica& operator=(MeshReplica&& other) noexcept;
+  ~MeshReplica();
+
   // FAILED_PRECONDITION if the event does not continue what the replica has (lost, sent
   // twice, out of order), DATA_LOSS if it is damaged or the hash disagrees: the replica
   // is broken then.
@@ -50,24 +55,23 @@ class MeshReplica {
   // The stream ended: fragments without their end are dropped. The mesh stays.
   void EndOfStream();
 
-  State state() const { return state_; }
-  bool has_mesh() const { return has_mesh_; }
+  State state() const;
+  bool has_mesh() const;
   // Of the last whole revision, whatever the state; 0 and nothing before the first.
-  std::uint64_t revision() const { return store_.revision(); }
-  MeshHash hash() const { return store_.hash(); }
-  const data::MeshStore& store() const { return store_; }
-  Mesh ToMesh() const { return store_.ToMesh(); }
+  std::uint64_t revision() const;
+  MeshHash hash() const;
+  int dimension() const;
+  std::size_t vertex_count() const;
+  std::size_t simplex_count() const;
+  std::size_t subsegment_count() const;
+  std::size_t subfacet_count() const;
+  // With its slots and the patch of the last diff.
+  const SlotMesh& mesh() const;
+  Mesh ToMesh() const;  // O(size)
 
  private:
-  absl::StatusOr<Change> TakeSnapshot(const v1::SnapshotChunk& chunk);
-  absl::StatusOr<Change> TakeDiff(const v1::MeshDiff& fragment);
-  absl::StatusOr<Change> TakeProgress(std::uint64_t revision, const std::string& hash) const;
-
-  State state_ = State::kEmpty;
-  bool has_mesh_ = false;
-  data::MeshStore store_;
-  codec::SnapshotAssembler snapshot_;
-  codec::DiffAssembler diff_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace dynmesh::client

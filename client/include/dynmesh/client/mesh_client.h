@@ -1,5 +1,6 @@
 // The client library: a server's meshes as typed calls. Errors are absl::Status with a
-// machine-readable detail: codec::GetServiceError(status) has reason, features, field.
+// machine-readable detail: codec::GetServiceError(status) has reason, features, field
+// (dynmesh/codec/service_error.h).
 //
 //   auto client = MeshClient::Connect("127.0.0.1:7878");
 //   auto mesh = client->CreateMesh("plate", options);
@@ -20,14 +21,15 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "client/edit_session.h"
-#include "client/load.h"
-#include "client/watch_session.h"
+#include "dynmesh/client/diff_stream.h"
+#include "dynmesh/client/edit_session.h"
+#include "dynmesh/client/load.h"
+#include "dynmesh/client/watch_session.h"
+#include "dynmesh/codec/features_at.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/options.h"
-#include "proto/codec/features_codec.h"
 
 namespace dynmesh::client {
 
@@ -129,6 +131,10 @@ class MeshClient {
   // null; else it outlives the session.
   std::unique_ptr<WatchSession> Watch(const std::string& mesh, const WatchOptions& options,
                                       WatchListener* listener);
+
+  // The revisions of the mesh, for a caller that keeps it itself.
+  std::unique_ptr<DiffStream> StreamDiffs(const std::string& mesh,
+                                          const DiffStreamOptions& options);
 
   // With `regions`, ids of polygons: the simplices inside at least one of them, and what
   // these need.

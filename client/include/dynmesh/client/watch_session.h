@@ -13,7 +13,7 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
-#include "client/mesh_replica.h"
+#include "dynmesh/client/mesh_replica.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh::client {
@@ -28,7 +28,8 @@ struct WatchOptions {
   absl::Duration first_pause = absl::Milliseconds(50);
   absl::Duration longest_pause = absl::Seconds(5);
   // Reconnections in a row without an event before the session gives up. A server that starts
-  // answers UNAVAILABLE until it has all its meshes: by default it has a quarter of an hour for that.
+  // answers UNAVAILABLE until it has all its meshes: by default it has a quarter of an hour for
+  // that.
   int max_attempts = 200;
 };
 

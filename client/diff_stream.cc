@@ -1,0 +1,184 @@
+#include "dynmesh/client/diff_stream.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "client/channel_internal.h"
+#include "proto/codec/grpc_status.h"
+#include "proto/codec/mesh_codec.h"
+
+namespace dynmesh::client {
+namespace {
+
+constexpr std::size_t kAhead = 16;  // revisions read and not taken
+constexpr absl::Duration kFirstPause = absl::Milliseconds(50), kLongestPause = absl::Seconds(2);
+
+// A server that is away, restarts or is short of something.
+bool IsPassing(const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kOk:  // a watch has no end of its own
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kCancelled:  // by the server
+    case absl::StatusCode::kUnknown:
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kResourceExhausted:
+    case absl::StatusCode::kDeadlineExceeded:
+      return true;
+    default:
+      return false;
+  }
+}
+
+class GrpcDiffStream final : public DiffStream {
+ public:
+  GrpcDiffStream(std::shared_ptr<Stub> stub, const std::string& mesh,
+                 const DiffStreamOptions& options)
+      : stub_(std::move(stub)),
+        mesh_(FullName(mesh)),
+        options_(options),
+        revision_(options.start_revision),
+        hash_(options.start_hash),
+        reader_([this] { Run(); }) {}
+  ~GrpcDiffStream() override {
+    Cancel();
+    reader_.join();
+  }
+
+  absl::StatusOr<std::optional<Event>> Next(absl::Duration limit) override {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, absl::ToChronoNanoseconds(limit),
+                      [this] { return !events_.empty() || ended_.has_value() || cancelled_; });
+    if (cancelled_) return absl::CancelledError("the stream was cancelled");
+    if (!events_.empty()) {
+      std::optional<Event> event(std::move(events_.front()));
+      events_.pop_front();
+      changed_.notify_all();
+      return event;
+    }
+    if (ended_.has_value()) return *ended_;
+    return std::optional<Event>();
+  }
+
+  void Cancel() override {
+    const std::lock_guard lock(mutex_);
+    cancelled_ = true;
+    if (context_ != nullptr) context_->TryCancel();
+    changed_.notify_all();
+  }
+
+ private:
+  void Run() {
+    absl::Duration pause = kFirstPause;
+    absl::Time last_sign = absl::Now();
+    for (;;) {
+      const std::uint64_t revision_before = revision_;
+      const absl::Status status = ReadStream();
+      if (revision_ != revision_before || heard_) last_sign = absl::Now(), pause = kFirstPause;
+      std::unique_lock lock(mutex_);
+      if (cancelled_) return;
+      if (status.code() == absl::StatusCode::kOutOfRange && options_.takes_snapshots &&
+          !from_snapshot_) {
+        from_snapshot_ = true;
+        continue;
+      }
+      if (!IsPassing(status) || absl::Now() - last_sign > options_.patience) {
+        ended_ = status.ok() ? absl::UnavailableError("the stream ended again and again") : status;
+        changed_.notify_all();
+        return;
+      }
+      changed_.wait_for(lock, absl::ToChronoNanoseconds(pause), [this] { return cancelled_; });
+      if (cancelled_) return;
+      pause = std::min(2 * pause, kLongestPause);
+    }
+  }
+
+  // One Watch call, to its end.
+  absl::Status ReadStream() {
+    v1::WatchRequest request;
+    request.set_mesh(mesh_);
+    if (!from_snapshot_) {
+      request.set_start_revision(revision_);
+      request.set_start_hash(hash_.ToHex());
+    }
+    grpc::ClientContext context;
+    stub_->Prepare(context);
+    {
+      const std::lock_guard lock(mutex_);
+      if (cancelled_) return absl::CancelledError("the stream was cancelled");
+      context_ = &context;
+    }
+    heard_ = false;
+    auto stream = stub_->service->Watch(&context, request);
+    codec::SnapshotAssembler snapshot;
+    codec::DiffAssembler diff;
+    absl::Status broken;
+    v1::WatchEvent event;
+    while (broken.ok() && stream->Read(&event)) {
+      heard_ = true;
+      if (event.has_snapshot()) {
+        auto whole = snapshot.Add(event.snapshot());
+        broken = whole.status();
+        if (whole.ok() && whole->has_value()) Hand(Event(**std::move(whole)));
+      } else if (event.has_diff()) {
+        auto whole = diff.Add(event.diff());
+        broken = whole.status();
+        if (!whole.ok() || !whole->has_value()) continue;
+        if ((*whole)->from_revision != revision_) {
+          broken = absl::InternalError("a revision is missing in the stream");
+        } else {
+          Hand(Event(**std::move(whole)));
+        }
+      }
+    }
+    if (!broken.ok()) context.TryCancel();
+    const absl::Status status = codec::FromGrpcStatus(stream->Finish());
+    const std::lock_guard lock(mutex_);
+    context_ = nullptr;
+    return broken.ok() ? status : broken;
+  }
+
+  // Waits for room.
+  void Hand(Event event) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return events_.size() < kAhead || cancelled_; });
+    from_snapshot_ = false;
+    if (const auto* diff = std::get_if<MeshDiff>(&event)) {
+      revision_ = diff->to_revision, hash_ = diff->hash;
+    } else {
+      revision_ = std::get<Mesh>(event).revision, hash_ = std::get<Mesh>(event).hash;
+    }
+    events_.push_back(std::move(event));
+    changed_.notify_all();
+  }
+
+  const std::shared_ptr<Stub> stub_;
+  const std::string mesh_;
+  const DiffStreamOptions options_;
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Event> events_;
+  std::optional<absl::Status> ended_;
+  bool cancelled_ = false;
+  grpc::ClientContext* context_ = nullptr;  // of the call that runs
+
+  // The reader's own.
+  std::uint64_t revision_;
+  MeshHash hash_;
+  bool from_snapshot_ = false;
+  bool heard_ = false;  // something came in the last call
+  std::thread reader_;  // last: it uses the others
+};
+
+}  // namespace
+
+std::unique_ptr<DiffStream> StartDiffStream(std::shared_ptr<Stub> stub, const std::string& mesh,
+                                            const DiffStreamOptions& options) {
+  return std::make_unique<GrpcDiffStream>(std::move(stub), mesh, options);
+}
+
+}  // namespace dynmesh::client

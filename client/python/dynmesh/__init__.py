@@ -1,0 +1,66 @@
+"""Dynamic meshes for simulation programs.
+
+    import dynmesh
+    with dynmesh.connect("localhost:7878") as server:   # or dynmesh.open(box=...) without a server
+        mesh = server.mesh("plate", create=dict(box=[[0, 0], [10, 10]]))
+        u = temperature(mesh.points)
+        diff = mesh.apply(add_points={1: (1, 2)}, move_points={7: (4, 4)})
+        u = diff.transfer(u)                            # kind="P1"; "P0", "DG1", "overlap"
+
+A mesh is a set of numpy arrays with *stable slots*: a vertex or cell keeps its row for as long as it
+lives, so an array of a program needs no renumbering. Rows that are free have id 0 (vertices) and
+corners -1 (cells). `Mesh.compact()` gives a numbering without gaps.
+"""
+from __future__ import annotations
+
+from dynmesh import _core
+from dynmesh._diff import Diff, Patch, Pieces, RegionFlow
+from dynmesh._mesh import CompactMesh, Fields, Mesh
+from dynmesh._server import Server, connect, open  # noqa: A004: as io.open
+from dynmesh._series import Series
+from dynmesh.errors import (
+    AlreadyExists,
+    Cancelled,
+    Conflict,
+    DataLoss,
+    DeadlineExceeded,
+    DynmeshError,
+    FailedPrecondition,
+    InvalidArgument,
+    LimitExceeded,
+    NotFound,
+    OutOfRange,
+    PermissionDenied,
+    StaleDiff,
+    Unavailable,
+)
+
+__version__: str = _core.version
+
+__all__ = [
+    "AlreadyExists",
+    "Cancelled",
+    "CompactMesh",
+    "Conflict",
+    "DataLoss",
+    "DeadlineExceeded",
+    "Diff",
+    "DynmeshError",
+    "FailedPrecondition",
+    "Fields",
+    "InvalidArgument",
+    "LimitExceeded",
+    "Mesh",
+    "NotFound",
+    "OutOfRange",
+    "Patch",
+    "PermissionDenied",
+    "Pieces",
+    "RegionFlow",
+    "Series",
+    "Server",
+    "StaleDiff",
+    "Unavailable",
+    "connect",
+    "open",
+]

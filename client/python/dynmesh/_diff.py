@@ -1,0 +1,309 @@
+"""What an edit did to a mesh, and fields across it."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Callable, Optional, Union
+
+import numpy as np
+
+from dynmesh import _core
+from dynmesh._types import Array
+from dynmesh.errors import StaleDiff
+
+if TYPE_CHECKING:
+    from dynmesh._mesh import Mesh
+
+Kind = Union[str, Callable[[Array, "Pieces"], Array]]
+
+
+@dataclass(frozen=True)
+class Patch:
+    """What changed, in slots. Rows are in the order of ids: a function of the two meshes."""
+
+    from_revision: int
+    to_revision: int
+    removed_vertices: Array
+    added_vertices: Array
+    removed_cells: Array
+    removed_corners: Array  # slots of vertices, a row for each removed cell
+    removed_regions: Array
+    added_cells: Array
+    added_corners: Array
+    relabelled_cells: Array  # that stay but change their region
+    former_regions: Array
+    boundary_faces: Array  # of the cavity: cell, its corner opposite, cell beyond or -1
+
+    @cached_property
+    def vertices(self) -> Array:
+        """Slots of the vertices whose rows of a matrix change: those of the added cells."""
+        return np.unique(self.added_corners)
+
+    @cached_property
+    def neighbours(self) -> Array:
+        """Slots of the kept cells beside the added ones."""
+        beyond = self.boundary_faces[:, 2]
+        return np.unique(beyond[beyond >= 0])
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """What old and new cells have in common, by new cell."""
+
+    old: Array  # slots of removed cells
+    new: Array  # slots of added cells
+    measure: Array
+
+
+@dataclass(frozen=True)
+class RegionFlow:
+    """Mass that changed sides since the edit changed the shape of regions."""
+
+    old: int
+    new: int
+    amounts: tuple[float, ...]  # by component
+
+
+class Diff:
+    """The way from one revision of a mesh to a later one.
+
+    Fields are carried while the mesh is at `to_revision`: before the next edit is applied.
+    """
+
+    def __init__(self, mesh: Mesh, parts: list[Any], old_slots: tuple[int, int]) -> None:
+        self._mesh = mesh
+        self._parts = parts
+        self._old_slots = old_slots
+        self._new_slots = (mesh.vertex_slots, mesh.cell_slots)
+        self._transfer: Optional[Any] = None
+        self.flows: list[RegionFlow] = []
+        """What changed regions in the last transfer."""
+        self.patch = Patch(**mesh._replica.patch()) if parts else _empty_patch(mesh)
+        self.hash: str = mesh.hash
+        self.from_revision: int = self.patch.from_revision
+        self.to_revision: int = self.patch.to_revision
+
+    def __repr__(self) -> str:
+        p = self.patch
+        return (f"<Diff of revisions {self.from_revision} to {self.to_revision}: "
+                f"vertices -{len(p.removed_vertices)} +{len(p.added_vertices)}, "
+                f"cells -{len(p.removed_cells)} +{len(p.added_cells)}>")
+
+    @property
+    def work(self) -> dict[str, float]:
+        """What the mesher did: operations executed, created and dropped, and microseconds."""
+        total = {"executed": 0, "created": 0, "dropped": 0, "microseconds": 0.0}
+        for part in self._parts:
+            for key, value in part.work.items():
+                total[key] += value
+        return total
+
+    @property
+    def replayed(self) -> bool:
+        """Was this a retry of a batch that had been applied before?"""
+        return any(part.replayed for part in self._parts)
+
+    def _check(self) -> None:
+        if self._mesh._current is not self:
+            raise StaleDiff(f"the mesh has left revision {self.to_revision}: carry fields before "
+                            "the next edit is applied")
+
+    def _core_transfer(self) -> Any:
+        self._check()
+        if self._transfer is None:
+            self._transfer = _core.Transfer(self._mesh._replica)
+        return self._transfer
+
+    def transfer(
+        self,
+        u: Array,
+        kind: Kind = "P1",
+        *,
+        bounded: bool = False,
+        order: int = 2,
+        rings: int = 1,
+        inplace: bool = False,
+    ) -> Array:
+        """The field on the new mesh.
+
+        Args:
+            u: the field on the old mesh, a row for each slot (more rows are left alone). P1: of a
+                vertex; else of a cell. Rows are numbers or have a further axis of components; DG1
+                has an axis of corners before that, in the order of `Mesh.cells`.
+            kind: "P1": values at vertices. "P0": means of cells. "DG1": a linear function in each
+                cell. "overlap": each new cell has the row of the old one that it shares most with,
+                of any dtype. A function: called with `u` and `Pieces`, gives the rows of
+                `patch.added_cells`.
+            bounded: no value leaves the range of the old ones in the patch.
+            order: of P0: 1, or 2 with limited gradients.
+            rings: of P1: rings of vertices around the patch that may change.
+            inplace: `u` itself becomes the result. It needs a row for every new slot.
+
+        Returns:
+            A new array, or `u`. Its rows of free slots mean nothing.
+
+        Raises:
+            StaleDiff: the mesh has gone on.
+            ValueError, TypeError: shape, dtype or a value that is not finite. Nothing changes.
+        """
+        self._check()
+        if not callable(kind) and kind != "overlap":
+            self._name_of(kind, order)
+        at_vertices = kind == "P1"
+        u = np.asarray(u)
+        values = self._prepare(u, at_vertices, inplace, kind)
+        if callable(kind) or kind == "overlap":
+            rows = self._by_cells(values, kind)
+            if len(rows) != len(self.patch.added_cells):
+                raise ValueError(f"the function gave {len(rows)} rows for "
+                                 f"{len(self.patch.added_cells)} added cells")
+            values[self.patch.added_cells] = rows
+            self.flows = []
+            return values
+        width, components = self._shape_of(values, kind)
+        slots = self._new_slots[0 if at_vertices else 1]
+        if not self.patch.added_cells.size and not self.patch.relabelled_cells.size:
+            self.flows = []
+            return values
+        self._note(self._core_transfer().carry(values, slots * width * components,
+                                               self._name_of(kind, order), components, rings,
+                                               bounded))
+        return values
+
+    def transfer_momentum(
+        self,
+        density: Array,
+        velocity: Array,
+        kind: str = "P1",
+        *,
+        bounded: bool = False,
+        order: int = 2,
+        rings: int = 1,
+    ) -> tuple[Array, Array]:
+        """Density and velocity on the new mesh, such that density and momentum are conserved."""
+        self._check()
+        at_vertices = kind == "P1"
+        rho = self._prepare(np.asarray(density), at_vertices, False, kind)
+        v = self._prepare(np.asarray(velocity), at_vertices, False, kind)
+        width, components = self._shape_of(v, kind)
+        rho_width, rho_components = self._shape_of(rho, kind)
+        if rho_components != 1 or rho_width != width:
+            raise ValueError("the density has one number for each place of the velocity")
+        slots = self._new_slots[0 if at_vertices else 1]
+        if self.patch.added_cells.size:
+            self._note(self._core_transfer().carry_momentum(
+                rho, slots * width, v, slots * width * components, self._name_of(kind, order),
+                components, rings, bounded))
+        return rho, v
+
+    def pieces(self) -> Pieces:
+        """The pieces that old and new cells have in common."""
+        return Pieces(*self._core_transfer().pieces())
+
+    @property
+    def donors(self) -> Array:
+        """For each added cell of the patch the removed one that it shares most with."""
+        return self._core_transfer().donors()
+
+    @property
+    def old_to_new(self) -> Array:
+        """For each old slot of a vertex its new one, which is the same: -1 where it is gone."""
+        return _map(self._kept(self._mesh.live_vertices, self.patch.added_vertices),
+                    self._old_slots[0])
+
+    @property
+    def new_to_old(self) -> Array:
+        """For each new slot of a vertex its old one: -1 where it came."""
+        return _map(self._kept(self._mesh.live_vertices, self.patch.added_vertices),
+                    self._new_slots[0])
+
+    @property
+    def cells_old_to_new(self) -> Array:
+        """The same for cells."""
+        return _map(self._kept(self._mesh.live_cells, self.patch.added_cells), self._old_slots[1])
+
+    @property
+    def cells_new_to_old(self) -> Array:
+        """The same for cells."""
+        return _map(self._kept(self._mesh.live_cells, self.patch.added_cells), self._new_slots[1])
+
+    @property
+    def kept_cells(self) -> Array:
+        """Slots of the cells that both meshes have. O(mesh)."""
+        kept = self._kept(self._mesh.live_cells, self.patch.added_cells)
+        return np.flatnonzero(kept).astype(np.int32)
+
+    def _kept(self, live: Array, added: Array) -> Array:
+        self._check()
+        live[added] = False
+        return live
+
+    def _prepare(self, u: Array, at_vertices: bool, inplace: bool, kind: Kind) -> Array:
+        """A copy with a row for each new slot, or `u` itself."""
+        which = 0 if at_vertices else 1
+        what = "vertices" if at_vertices else "cells"
+        old, new = self._old_slots[which], self._new_slots[which]
+        if u.ndim == 0:
+            raise ValueError("a field has a row for each slot")
+        any_dtype = callable(kind) or kind == "overlap"
+        if not any_dtype and u.dtype.kind not in "fiu":
+            raise TypeError(f"a field of {u.dtype} cannot be carried: convert it to float64")
+        if inplace:
+            if len(u) < new:
+                raise ValueError(f"the field has {len(u)} rows, the mesh {new} slots of {what}: "
+                                 "to be carried in place it needs a row for each")
+            if not any_dtype and (u.dtype != np.float64 or not u.flags.c_contiguous):
+                raise TypeError("a field that is carried in place is a C-contiguous float64 array")
+            if not u.flags.writeable:
+                raise ValueError("the field is read-only")
+            return u
+        if len(u) < old:
+            raise ValueError(f"the field has {len(u)} rows, the old mesh {old} slots of {what}: "
+                             "a field has a row for each slot")
+        values = np.zeros((max(new, len(u)), *u.shape[1:]), u.dtype if any_dtype else np.float64)
+        values[:len(u)] = u
+        return values
+
+    def _shape_of(self, values: Array, kind: Kind) -> tuple[int, int]:
+        axes = list(values.shape[1:])
+        width = 1
+        if kind == "DG1":
+            width = self._mesh.dimension + 1
+            if not axes or axes.pop(0) != width:
+                raise ValueError(f"a DG1 field has {width} values for each cell: its shape begins "
+                                 f"with (slots, {width})")
+        if len(axes) > 1:
+            raise ValueError("a field has at most one axis of components")
+        return width, (axes[0] if axes else 1)
+
+    @staticmethod
+    def _name_of(kind: Kind, order: int) -> str:
+        if kind not in ("P0", "P1", "DG1"):
+            raise ValueError(f"there is no kind {kind!r}; there are P0, P1, DG1, overlap, or a "
+                             "function")
+        if order not in (1, 2):
+            raise ValueError("the order is 1 or 2")
+        return "P0-linear" if kind == "P0" and order == 2 else str(kind)
+
+    def _by_cells(self, values: Array, kind: Kind) -> Array:
+        if not self.patch.added_cells.size:
+            return values[:0]
+        if kind == "overlap":
+            return values[self.donors]
+        assert callable(kind)
+        return np.asarray(kind(values, self.pieces()))
+
+    def _note(self, flows: list[tuple[int, int, list[float]]]) -> None:
+        self.flows = [RegionFlow(old, new, tuple(amounts)) for old, new, amounts in flows]
+
+
+def _map(kept: Array, slots: int) -> Array:
+    """A slot is its own image where it is kept."""
+    return np.where(kept, np.arange(len(kept), dtype=np.int32), np.int32(-1))[:slots]
+
+
+def _empty_patch(mesh: Mesh) -> Patch:
+    slots, ids = np.zeros(0, np.int32), np.zeros(0, np.uint64)
+    rows = np.zeros((0, mesh.dimension + 1), np.int32)
+    return Patch(mesh.revision, mesh.revision, slots, slots, slots, rows, ids, slots, rows, slots,
+                 ids, np.zeros((0, 3), np.int32))

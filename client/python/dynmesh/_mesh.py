@@ -1,0 +1,368 @@
+"""A mesh that is kept up to date, in process or of a server, and the fields on it."""
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Callable, Optional, Protocol
+
+import numpy as np
+
+from dynmesh import _batch, _core
+from dynmesh._types import Array
+from dynmesh._diff import Diff
+from dynmesh.errors import FailedPrecondition, InvalidArgument
+
+if TYPE_CHECKING:
+    import meshio
+
+Progress = Callable[[str, int, int], None]
+
+
+class Backend(Protocol):
+    """Where a mesh is: in this process, or at a server."""
+
+    def apply(self, mesh: Mesh, batch: Any, *, validate_only: bool,
+              progress: Optional[Progress], request_id: Optional[str],
+              expected_revision: Optional[int]) -> list[Any]:
+        """Makes the next revision; returns the diffs from the mesh's revision to it."""
+
+    def load(self, mesh: Mesh, batch: Any, progress: Optional[Progress]) -> list[Any]: ...
+
+    def revert(self, mesh: Mesh, revision: int) -> list[Any]: ...
+
+    def features(self, revision: Optional[int]) -> list[dict[str, Any]]: ...
+
+    def locate(self, points: Array) -> tuple[int, Array]: ...
+
+    def stream(self, mesh: Mesh, batches: Iterable[Any], window: int) -> Iterator[list[Any]]: ...
+
+    def follow(self, mesh: Mesh, timeout: Optional[float]) -> Iterator[list[Any]]: ...
+
+    def sync(self, mesh: Mesh) -> list[Any]: ...
+
+
+@dataclass(frozen=True)
+class CompactMesh:
+    """A numbering without gaps, by ascending slot, as matrices want it."""
+
+    points: Array
+    cells: Array
+    regions: Array
+    vertex_slots: Array  # of vertex 0, 1, ...
+    vertex_numbers: Array  # of each slot; -1 where it is free
+    cell_slots: Array
+    cell_numbers: Array
+
+
+class Fields(Mapping[str, Array]):
+    """Fields that are carried through every edit of their mesh, in place.
+
+    `mesh.fields.add("T", values)`; then `mesh.fields["T"]` is the field on the mesh as it is, an
+    array with a row for each slot. It is another array after an edit that needs more room.
+    """
+
+    def __init__(self) -> None:
+        self._arrays: dict[str, Array] = {}
+        self._options: dict[str, dict[str, Any]] = {}
+        self._rows: dict[str, int] = {}
+
+    def add(self, name: str, values: Array, kind: Any = "P1", **options: Any) -> Array:
+        """Carries `values` from now on; arguments are those of `Diff.transfer`."""
+        values = np.asarray(values)
+        if kind in ("P0", "P1", "DG1"):
+            values = values.astype(np.float64)
+        self._arrays[name] = np.array(values, order="C")
+        self._options[name] = {"kind": kind, **options}
+        self._rows[name] = len(values)
+        return self[name]
+
+    def drop(self, name: str) -> None:
+        """Carries the field no more."""
+        del self._arrays[name], self._options[name], self._rows[name]
+
+    def __getitem__(self, name: str) -> Array:
+        return self._arrays[name][:self._rows[name]]
+
+    def __setitem__(self, name: str, values: Array) -> None:
+        self[name][...] = values
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arrays)
+
+    def __len__(self) -> int:
+        return len(self._arrays)
+
+    def _carry(self, diff: Diff) -> None:
+        """A field that cannot be carried is dropped, and said; the others are carried."""
+        trouble: dict[str, Exception] = {}
+        for name, array in self._arrays.items():
+            options = self._options[name]
+            rows = diff._new_slots[0 if options["kind"] == "P1" else 1]
+            if len(array) < rows:
+                grown = np.zeros((max(rows, 2 * len(array)), *array.shape[1:]), array.dtype)
+                grown[:len(array)] = array
+                self._arrays[name] = array = grown
+            try:
+                diff.transfer(array, inplace=True, **options)
+                self._rows[name] = rows
+            except (ValueError, TypeError) as error:
+                trouble[name] = error
+        for name in trouble:
+            self.drop(name)
+        if trouble:
+            text = "; ".join(f"{name}: {error}" for name, error in trouble.items())
+            raise InvalidArgument(f"the mesh is at revision {diff.to_revision}; fields that could "
+                                  f"not be carried there were dropped: {text}")
+
+
+class Mesh:
+    """A mesh as numpy arrays with stable slots. Made by `Server.mesh` or `dynmesh.open`.
+
+    Arrays are read-only views of the mesh as it is: after an edit ask for them again. Vertices:
+    `points`, `ids` (0: the slot is free), `owners` (the feature that a vertex lies on),
+    `containing_dimensions`. Cells: `cells` (slots of corners, -1: free), `neighbours` (the cell
+    opposite of each corner, -1 at the border), `regions`.
+    """
+
+    def __init__(self, backend: Backend, replica: Any, options: dict[str, Any]) -> None:
+        self._backend = backend
+        self._replica = replica
+        self._options = options
+        self._current: Optional[Diff] = None
+        self.fields = Fields()
+
+    def __repr__(self) -> str:
+        return (f"<Mesh of {self.dimension} dimensions at revision {self.revision}: "
+                f"{self.vertex_count} vertices, {self.cell_count} cells>")
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What the mesh is asked to be: box, rho, criterion, max_edge, max_vertices."""
+        return dict(self._options)
+
+    @property
+    def dimension(self) -> int:
+        return int(self._replica.dimension)
+
+    @property
+    def revision(self) -> int:
+        return int(self._replica.revision)
+
+    @property
+    def hash(self) -> str:
+        """Of the mesh as it is here: 32 hexadecimal digits, compared with each diff's."""
+        return str(self._replica.hash)
+
+    @property
+    def vertex_count(self) -> int:
+        return int(self._replica.vertex_count)
+
+    @property
+    def cell_count(self) -> int:
+        return int(self._replica.cell_count)
+
+    @property
+    def vertex_slots(self) -> int:
+        """Rows of arrays of vertices, free ones included."""
+        return int(self._replica.vertex_slots)
+
+    @property
+    def cell_slots(self) -> int:
+        """Rows of arrays of cells, free ones included."""
+        return int(self._replica.cell_slots)
+
+    @property
+    def points(self) -> Array:
+        return self._replica.points
+
+    @property
+    def ids(self) -> Array:
+        return self._replica.ids
+
+    @property
+    def owners(self) -> Array:
+        return self._replica.owners
+
+    @property
+    def containing_dimensions(self) -> Array:
+        return self._replica.containing_dimensions
+
+    @property
+    def cells(self) -> Array:
+        return self._replica.cells
+
+    @property
+    def neighbours(self) -> Array:
+        return self._replica.neighbours
+
+    @property
+    def regions(self) -> Array:
+        return self._replica.regions
+
+    @property
+    def region_sets(self) -> dict[int, tuple[int, ...]]:
+        """Of each region that lies in several polygons: these."""
+        return self._replica.region_sets
+
+    @property
+    def subsegments(self) -> Array:
+        """Pieces of segments: slots of their ends, -1 where a row is free."""
+        return self._replica.subsegments
+
+    @property
+    def subsegment_owners(self) -> Array:
+        return self._replica.subsegment_owners
+
+    @property
+    def subfacets(self) -> Array:
+        """In space, pieces of polygons: slots of their corners, -1 where a row is free."""
+        return self._replica.subfacets
+
+    @property
+    def subfacet_owners(self) -> Array:
+        return self._replica.subfacet_owners
+
+    @property
+    def live_vertices(self) -> Array:
+        """Which slots of vertices are in use. O(mesh)."""
+        return self.ids != 0
+
+    @property
+    def live_cells(self) -> Array:
+        """Which slots of cells are in use. O(mesh)."""
+        return self.cells[:, 0] >= 0
+
+    def find(self, ids: Any) -> Array:
+        """Slots of the vertices with these ids; -1 where there is none."""
+        return self._replica.find(np.atleast_1d(np.asarray(ids, dtype=np.uint64)))
+
+    def compact(self) -> CompactMesh:
+        """A copy without free rows, and which row is which. O(mesh)."""
+        return CompactMesh(**self._replica.compact())
+
+    def apply(self, *, validate_only: bool = False, progress: Optional[Progress] = None,
+              request_id: Optional[str] = None, expected_revision: Optional[int] = None,
+              **edits: Any) -> Diff:
+        """Makes the next revision, all of it or, on an error, none.
+
+        Args:
+            edits: in the order in which they act. `add_points`, `set_points`, `move_points`: a
+                dict of id to place, or (ids, array of places). `add_segments`, `set_segments`: of
+                id to two ids of points. `add_polygons`, `set_polygons`: of id to a ring of ids of
+                points, or to several. `add_sizes`, `set_sizes`: of id to dict(target=, at=),
+                dict(target=, at=, radius=), dict(target=, low=, high=) or dict(target=, rings=).
+                `remove`: ids.
+            validate_only: says whether the edits are legal, changes nothing.
+            progress: called with stage, steps done and steps in all (0: not known) of long batches
+                in process, and what it raises cancels them.
+            request_id: makes it safe to send the batch twice; one of its own by default.
+            expected_revision: the server refuses the batch at any other.
+
+        Returns:
+            What changed since the mesh was last looked at: others' edits to a server's mesh
+            included.
+        """
+        batch = _batch.make(self.dimension, edits)
+        return self._advance(self._backend.apply(
+            self, batch, validate_only=validate_only, progress=progress, request_id=request_id,
+            expected_revision=expected_revision))
+
+    def load(self, *, progress: Optional[Progress] = None, **edits: Any) -> Diff:
+        """Adds features, as many as there are, in one batch, with progress; as `apply`."""
+        for name in edits:
+            if not name.startswith("add_"):
+                raise TypeError(f"a load adds features: there is no {name}")
+        return self._advance(
+            self._backend.load(self, _batch.make(self.dimension, edits), progress))
+
+    def stream(self, batches: Iterable[Mapping[str, Any]], window: int = 64) -> Iterator[Diff]:
+        """Applies many batches, each a dict of `apply`'s edits; yields their diffs in order.
+
+        Of a server's mesh up to `window` batches are on their way at a time. Fields are to be
+        carried before the next diff is taken. A batch that is refused raises; the mesh is then
+        as after the batches before it.
+        """
+        made = (_batch.make(self.dimension, batch) for batch in batches)
+        for parts in self._backend.stream(self, made, window):
+            yield self._advance(parts)
+
+    def revert(self, revision: int) -> Diff:
+        """Makes a new revision with the features of an earlier one."""
+        return self._advance(self._backend.revert(self, revision))
+
+    def follow(self, since: Optional[int] = None, timeout: Optional[float] = None) -> Iterator[Diff]:
+        """Yields the mesh's revisions as they come; the mesh is at each when it is yielded.
+
+        Ends when none came for `timeout` seconds. `since`, if given, is the revision that the
+        caller has: that of the mesh. If the server does not have the revisions since then, or was
+        replaced by another, the diff leads to the mesh that it has.
+        """
+        if since is not None and since != self.revision:
+            raise FailedPrecondition(f"the mesh here is at revision {self.revision}: it can be "
+                                     "followed from there only")
+        for parts in self._backend.follow(self, timeout):
+            yield self._advance(parts)
+
+    async def follow_async(self, timeout: Optional[float] = None) -> AsyncIterator[Diff]:
+        """The same for asyncio; waiting is done in a thread."""
+        events = self._backend.follow(self, timeout)
+        try:
+            while True:
+                parts = await asyncio.to_thread(lambda: next(events, None))
+                if parts is None:
+                    return
+                yield self._advance(parts)
+        finally:
+            events.close()  # type: ignore[attr-defined]
+
+    def sync(self) -> Diff:
+        """Goes on to the newest revision, whatever lies between."""
+        return self._advance(self._backend.sync(self))
+
+    def features(self, revision: Optional[int] = None) -> list[dict[str, Any]]:
+        """The features present, or those of an earlier revision that the server keeps."""
+        return self._backend.features(revision)
+
+    def locate(self, points: Any) -> Array:
+        """For each of n places (n x dimension) the slot of a cell that holds it; -1: outside."""
+        places = np.ascontiguousarray(np.atleast_2d(np.asarray(points, dtype=np.float64)))
+        if places.shape[1] != self.dimension:
+            raise ValueError(f"places have {self.dimension} coordinates")
+        if not np.isfinite(places).all():
+            raise ValueError("places have finite coordinates")
+        revision, ids = self._backend.locate(places)
+        if revision != self.revision:
+            raise FailedPrecondition(f"the server's mesh is at revision {revision}, the one here at "
+                                     f"{self.revision}: call sync() first")
+        return self._replica.find_cells(ids)
+
+    def to_meshio(self, point_data: Optional[Mapping[str, Array]] = None,
+                  cell_data: Optional[Mapping[str, Array]] = None) -> meshio.Mesh:
+        """The mesh for meshio, with arrays by slot as its data; regions are cell data, too."""
+        import meshio
+
+        compact = self.compact()
+        points = compact.points
+        if self.dimension == 2:
+            points = np.column_stack([points, np.zeros(len(points))])
+        name = "triangle" if self.dimension == 2 else "tetra"
+        cells = {"region": [compact.regions]}
+        for key, values in (cell_data or {}).items():
+            cells[key] = [np.asarray(values)[compact.cell_slots]]
+        return meshio.Mesh(
+            points, [(name, compact.cells)], cell_data=cells,
+            point_data={key: np.asarray(values)[compact.vertex_slots]
+                        for key, values in (point_data or {}).items()})
+
+    def _advance(self, parts: list[Any]) -> Diff:
+        slots = self.vertex_slots, self.cell_slots
+        parts = [part for part in parts if part.from_revision != part.to_revision]
+        for index, part in enumerate(parts):
+            self._current = None
+            self._replica.apply(part, extends=index > 0)
+        diff = Diff(self, parts, slots)
+        self._current = diff
+        if len(self.fields) > 0:
+            self.fields._carry(diff)
+        return diff

@@ -1,0 +1,33 @@
+"""A time series for ParaView: one .vtu a step, and the .pvd that lists them."""
+from __future__ import annotations
+
+import pathlib
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Optional, Union
+from xml.sax.saxutils import quoteattr
+
+from dynmesh._types import Array
+
+if TYPE_CHECKING:
+    from dynmesh._mesh import Mesh
+
+
+class Series:
+    """`Series("out/heat.pvd")`, then `add(time, mesh, point_data={...})` for each step."""
+
+    def __init__(self, path: Union[str, pathlib.Path]) -> None:
+        self.path = pathlib.Path(path)
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self._steps: list[tuple[float, str]] = []
+
+    def add(self, time: float, mesh: Mesh, point_data: Optional[Mapping[str, Array]] = None,
+            cell_data: Optional[Mapping[str, Array]] = None) -> None:
+        """Writes one step, and the list as it is then. Data have a row for each slot."""
+        name = f"{self.path.stem}_{len(self._steps):05d}.vtu"
+        mesh.to_meshio(point_data, cell_data).write(str(self.path.parent / name), binary=True)
+        self._steps.append((time, name))
+        lines = [f"    <DataSet timestep={quoteattr(repr(float(t)))} file={quoteattr(file)}/>"
+                 for t, file in self._steps]
+        self.path.write_text("\n".join(
+            ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>",
+             *lines, "  </Collection>", "</VTKFile>", ""]), encoding="ascii")

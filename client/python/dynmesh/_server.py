@@ -1,0 +1,303 @@
+"""Meshes of a server, and meshes in this process."""
+from __future__ import annotations
+
+import os
+import pathlib
+import time
+import uuid
+from collections import deque
+from collections.abc import Iterable, Iterator
+from typing import Any, Callable, Optional, TypeVar, Union
+
+import numpy as np
+
+from dynmesh import _core
+from dynmesh._types import Array
+from dynmesh._mesh import Mesh, Progress
+from dynmesh.errors import AlreadyExists, DynmeshError, FailedPrecondition, NotFound, Unavailable
+
+T = TypeVar("T")
+Pem = Union[str, bytes, "os.PathLike[str]", None]
+
+
+def connect(address: str, *, token: str = "", tls_ca: Pem = None, tls_certificate: Pem = None,
+            tls_key: Pem = None, timeout: float = 0.0, retry_for: float = 30.0) -> Server:
+    """A server at `address` ("host:port"). Never fails: the first call tells whether it is there.
+
+    Args:
+        token: shown with every call.
+        tls_ca, tls_certificate, tls_key: PEM texts or paths of files with them. With `tls_ca` the
+            connection is encrypted.
+        timeout: of a call, in seconds; 0: none.
+        retry_for: for how many seconds a call is tried again while the server is away. Edits have
+            ids, so that none is applied twice.
+    """
+    return Server(address, token=token, tls_ca=tls_ca, tls_certificate=tls_certificate,
+                  tls_key=tls_key, timeout=timeout, retry_for=retry_for)
+
+
+def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
+    """A mesh in this process, without a server: the bare box ((x, y), (x, y)), in 3D with z.
+
+    Options: dimension, rho, criterion ("edge" or "thesis"), max_edge, max_vertices.
+    """
+    if box is not None:
+        options["box"] = [list(map(float, corner)) for corner in box]
+    core = _core.LocalMesh(options)
+    return Mesh(_Local(core), _core.Replica(core.snapshot()), core.options())
+
+
+def _pem(text: Pem) -> str:
+    if text is None:
+        return ""
+    if isinstance(text, bytes):
+        text = text.decode()
+    if isinstance(text, str) and "-----BEGIN" in text:
+        return text
+    return pathlib.Path(text).read_text(encoding="ascii")
+
+
+class Server:
+    """A server's meshes. A context manager; thread-safe."""
+
+    def __init__(self, address: str, *, token: str, tls_ca: Pem, tls_certificate: Pem, tls_key: Pem,
+                 timeout: float, retry_for: float) -> None:
+        self.address = address
+        self._client = _core.Client(address, token, _pem(tls_ca), _pem(tls_certificate),
+                                    _pem(tls_key), timeout)
+        self._retry_for = retry_for
+
+    def __enter__(self) -> Server:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Calls after this one fail. Meshes stay readable."""
+        self._client = None
+
+    def __repr__(self) -> str:
+        return f"<Server at {self.address}>"
+
+    def mesh(self, name: str, create: Optional[dict[str, Any]] = None) -> Mesh:
+        """The mesh `name`, made with the options `create` if there is none.
+
+        Options: box, dimension, rho, criterion, max_edge, max_vertices. Of a mesh that is there
+        they must be what it has.
+        """
+        try:
+            info = self.call(lambda client: client.get(name))
+        except NotFound:
+            if create is None:
+                raise
+            return self.create(name, **create)
+        if create is not None:
+            for key, value in create.items():
+                have = info["options"][key]
+                if not np.array_equal(np.asarray(have), np.asarray(value)):
+                    raise FailedPrecondition(f"the mesh {name} has {key} {have}, not {value}")
+        return self._open(info)
+
+    def create(self, name: str = "", **options: Any) -> Mesh:
+        """A new mesh; without a name the server chooses one."""
+        if "box" in options:
+            options["box"] = [list(map(float, corner)) for corner in options["box"]]
+        request = uuid.uuid4().hex
+        try:
+            info = self.call(lambda client: client.create(name, options, request))
+        except AlreadyExists as error:
+            error.args = (f"{error}: open it with Server.mesh",)
+            raise
+        return self._open(info)
+
+    def meshes(self) -> list[dict[str, Any]]:
+        """What meshes there are: id, revision, hash, options, damage."""
+        return self.call(lambda client: client.list())
+
+    def delete(self, name: str) -> None:
+        """Deletes a mesh, with all its revisions."""
+        self.call(lambda client: client.delete(name))
+
+    def stats(self, mesh: str = "") -> dict[str, Any]:
+        """Of the server, and of a mesh if one is named."""
+        return self.call(lambda client: client.stats(mesh))
+
+    def call(self, function: Callable[[Any], T]) -> T:
+        """The function's result, tried again while the server is away."""
+        if self._client is None:
+            raise Unavailable("the connection was closed")
+        until = time.monotonic() + self._retry_for
+        pause = 0.05
+        while True:
+            try:
+                return function(self._client)
+            except Unavailable as error:
+                wait = error.retry_after or pause
+                if time.monotonic() + wait > until:
+                    raise
+                time.sleep(wait)
+                pause = min(2 * pause, 2.0)
+
+    def _open(self, info: dict[str, Any]) -> Mesh:
+        name = info["id"]
+        snapshot = self.call(lambda client: client.snapshot(name))
+        return Mesh(_Remote(self, name, info["options"]["dimension"]), _core.Replica(snapshot),
+                    info["options"])
+
+
+class _Remote:
+    """A mesh of a server."""
+
+    def __init__(self, server: Server, name: str, dimension: int) -> None:
+        self.server = server
+        self.name = name
+        self._dimension = dimension
+
+    def apply(self, mesh: Mesh, batch: Any, *, validate_only: bool, progress: Optional[Progress],
+              request_id: Optional[str], expected_revision: Optional[int]) -> list[Any]:
+        request = request_id or uuid.uuid4().hex
+        diff = self.server.call(lambda client: client.apply(
+            self.name, batch, request, expected_revision, validate_only))
+        if validate_only:
+            return []
+        return self._path(mesh, diff)
+
+    def load(self, mesh: Mesh, batch: Any, progress: Optional[Progress]) -> list[Any]:
+        request = uuid.uuid4().hex
+        loaded = self.server.call(
+            lambda client: client.load(self.name, batch, request, progress))
+        return self._catch_up(mesh, loaded["to_revision"])
+
+    def revert(self, mesh: Mesh, revision: int) -> list[Any]:
+        request = uuid.uuid4().hex
+        return self._path(mesh, self.server.call(
+            lambda client: client.revert(self.name, revision, request)))
+
+    def features(self, revision: Optional[int]) -> list[dict[str, Any]]:
+        return self.server.call(
+            lambda client: client.features(self.name, self._dimension, revision))
+
+    def locate(self, points: Array) -> tuple[int, Array]:
+        return self.server.call(lambda client: client.locate(self.name, self._dimension, points))
+
+    def stream(self, mesh: Mesh, batches: Iterable[Any], window: int) -> Iterator[list[Any]]:
+        waiting: deque[tuple[str, Any]] = deque()
+        source = iter(batches)
+        session: Any = None
+        exhausted = False
+        try:
+            while True:
+                try:
+                    if session is None:  # the first, or after the connection broke: all again
+                        session = self.server.call(
+                            lambda client: client.open_edits(self.name, True))
+                        for request, batch in waiting:
+                            session.send(batch, request)
+                    while not exhausted and len(waiting) < window:
+                        batch = next(source, None)
+                        if batch is None:
+                            exhausted = True
+                            break
+                        waiting.append((uuid.uuid4().hex, batch))
+                        session.send(batch, waiting[-1][0])
+                    if not waiting:
+                        return
+                    diff = session.receive()
+                    if diff is None:
+                        session.finish()  # raises why
+                        raise Unavailable("the stream of edits ended")
+                except Unavailable:
+                    session = None
+                    self.server.call(lambda client: client.get(self.name))  # waits for the server
+                    continue
+                waiting.popleft()
+                yield self._path(mesh, diff)
+        finally:
+            if session is not None:
+                session.cancel()
+
+    def follow(self, mesh: Mesh, timeout: Optional[float]) -> Iterator[list[Any]]:
+        stream = self._open_stream(mesh)
+        try:
+            while True:
+                event = stream.next(timeout if timeout is not None else 1e9)
+                if event is None:
+                    return
+                yield [self._as_diff(mesh, event)]
+        finally:
+            stream.cancel()
+
+    def sync(self, mesh: Mesh) -> list[Any]:
+        info = self.server.call(lambda client: client.get(self.name))
+        if info["revision"] == mesh.revision and info["hash"] == mesh.hash:
+            return []
+        return self._catch_up(mesh, info["revision"])
+
+    def _path(self, mesh: Mesh, diff: Any) -> list[Any]:
+        """The diffs from where the mesh is to where `diff` leads."""
+        if diff.from_revision == mesh.revision or diff.from_revision == diff.to_revision:
+            return [diff]
+        return self._catch_up(mesh, diff.to_revision)
+
+    def _catch_up(self, mesh: Mesh, revision: int) -> list[Any]:
+        if revision == mesh.revision:
+            return []
+        parts: list[Any] = []
+        stream = self._open_stream(mesh)
+        try:
+            while not parts or parts[-1].to_revision < revision:
+                event = stream.next(1e9)
+                parts.append(self._as_diff(mesh, event))
+        finally:
+            stream.cancel()
+        return parts
+
+    def _open_stream(self, mesh: Mesh) -> Any:
+        return self.server.call(lambda client: client.stream(
+            self.name, mesh.revision, mesh.hash, True, self.server._retry_for))
+
+    @staticmethod
+    def _as_diff(mesh: Mesh, event: Any) -> Any:
+        if isinstance(event, _core.Snapshot):
+            return mesh._replica.diff_to(event)
+        return event
+
+
+class _Local:
+    """A mesh in this process."""
+
+    def __init__(self, core: Any) -> None:
+        self._core = core
+
+    def apply(self, mesh: Mesh, batch: Any, *, validate_only: bool, progress: Optional[Progress],
+              request_id: Optional[str], expected_revision: Optional[int]) -> list[Any]:
+        if expected_revision is not None and expected_revision != mesh.revision:
+            raise FailedPrecondition(f"the mesh is at revision {mesh.revision}, not "
+                                     f"{expected_revision}")
+        return [self._core.apply(batch, progress, validate_only)]
+
+    def load(self, mesh: Mesh, batch: Any, progress: Optional[Progress]) -> list[Any]:
+        return [self._core.apply(batch, progress, False)]
+
+    def revert(self, mesh: Mesh, revision: int) -> list[Any]:
+        raise DynmeshError("a mesh in process keeps no past: apply the inverse edits")
+
+    def features(self, revision: Optional[int]) -> list[dict[str, Any]]:
+        if revision is not None:
+            raise DynmeshError("a mesh in process keeps no past")
+        return self._core.features()
+
+    def locate(self, points: Array) -> tuple[int, Array]:
+        return self._core.revision(), self._core.locate(points)
+
+    def stream(self, mesh: Mesh, batches: Iterable[Any], window: int) -> Iterator[list[Any]]:
+        for batch in batches:
+            yield [self._core.apply(batch, None, False)]
+
+    def follow(self, mesh: Mesh, timeout: Optional[float]) -> Iterator[list[Any]]:
+        raise DynmeshError("a mesh in process changes by its own edits only")
+        yield []  # a generator, as the others
+
+    def sync(self, mesh: Mesh) -> list[Any]:
+        return []

@@ -1,0 +1,6 @@
+"""Names of types."""
+from typing import Any
+
+import numpy.typing
+
+Array = numpy.typing.NDArray[Any]

@@ -1,0 +1,40 @@
+// The parts of the extension module; each adds its classes.
+#ifndef DYNMESH_CLIENT_PYTHON_MODULE_BIND_H_
+#define DYNMESH_CLIENT_PYTHON_MODULE_BIND_H_
+
+#include <pybind11/pybind11.h>
+
+#include <memory>
+
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/feature.h"
+#include "dynmesh/mesh.h"
+
+namespace dynmesh::python {
+
+// Shared, so that a diff may be kept and applied later.
+struct Diff {
+  MeshDiff diff;
+  bool replayed = false;
+};
+
+// A batch that Python fills column by column.
+struct Batch {
+  EditBatch edits;
+  int dimension = 2;
+};
+
+// The features of a batch or a mesh as Python objects, and back.
+pybind11::list FeatureDicts(const std::vector<Feature>& features, int dimension);
+pybind11::dict OptionsDict(const MeshOptions& options);
+MeshOptions OptionsOf(const pybind11::dict& options);
+
+void BindEdits(pybind11::module_& module);
+void BindReplica(pybind11::module_& module);
+void BindTransfer(pybind11::module_& module);
+void BindLocalMesh(pybind11::module_& module);
+void BindClient(pybind11::module_& module);
+
+}  // namespace dynmesh::python
+
+#endif  // DYNMESH_CLIENT_PYTHON_MODULE_BIND_H_

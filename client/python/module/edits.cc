@@ -1,0 +1,211 @@
+// Batches from columns, features and options as dicts.
+#include <pybind11/stl.h>
+
+#include "client/python/module/arrays.h"
+#include "client/python/module/bind.h"
+
+namespace dynmesh::python {
+namespace {
+
+using Ids = InArray<std::uint64_t>;
+using Doubles = InArray<double>;
+
+std::size_t RowsOf(const Ids& ids, const Doubles& places, int dimension) {
+  const auto n = static_cast<std::size_t>(ids.size());
+  Require(ids.ndim() == 1, "ids must be a one-dimensional array");
+  Require(places.ndim() == 2 && static_cast<std::size_t>(places.shape(0)) == n &&
+              places.shape(1) == dimension,
+          "there must be one place of " + std::to_string(dimension) + " coordinates for each id");
+  return n;
+}
+
+std::array<double, 3> PlaceOf(const Doubles& places, std::size_t row, int dimension) {
+  std::array<double, 3> place = {0, 0, 0};
+  for (int k = 0; k < dimension; ++k) {
+    place[static_cast<std::size_t>(k)] =
+        places.data()[row * static_cast<std::size_t>(dimension) + static_cast<std::size_t>(k)];
+  }
+  return place;
+}
+
+Edit EditOf(const std::string& action, const Feature& feature) {
+  if (action == "add") return Edit::Add(feature);
+  if (action == "set") return Edit::Set(feature);
+  throw py::value_error("an action is add or set");
+}
+
+void Points(Batch& batch, const std::string& action, const Ids& ids, const Doubles& places) {
+  const std::size_t n = RowsOf(ids, places, batch.dimension);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto p = PlaceOf(places, i, batch.dimension);
+    batch.edits.push_back(EditOf(action, Feature::Point(ids.data()[i], p[0], p[1], p[2])));
+  }
+}
+
+void Moves(Batch& batch, const Ids& ids, const Doubles& places) {
+  const std::size_t n = RowsOf(ids, places, batch.dimension);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto p = PlaceOf(places, i, batch.dimension);
+    batch.edits.push_back(Edit::Move(ids.data()[i], p[0], p[1], p[2]));
+  }
+}
+
+void Segments(Batch& batch, const std::string& action, const Ids& ids, const Ids& ends) {
+  const auto n = static_cast<std::size_t>(ids.size());
+  Require(ends.ndim() == 2 && static_cast<std::size_t>(ends.shape(0)) == n && ends.shape(1) == 2,
+          "there must be two ends, ids of points, for each id");
+  for (std::size_t i = 0; i < n; ++i) {
+    batch.edits.push_back(EditOf(
+        action, Feature::Segment(ids.data()[i], ends.data()[2 * i], ends.data()[2 * i + 1])));
+  }
+}
+
+void Polygon(Batch& batch, const std::string& action, FeatureId id, const Rings& rings) {
+  batch.edits.push_back(EditOf(action, Feature::Polygon(id, rings)));
+}
+
+void Size(Batch& batch, const std::string& action, FeatureId id, const py::dict& size) {
+  const auto number = [&](const char* key) { return py::cast<double>(size[key]); };
+  const auto place = [&](const char* key) {
+    const auto values = py::cast<std::vector<double>>(size[key]);
+    Require(values.size() == static_cast<std::size_t>(batch.dimension),
+            std::string(key) + " must have " + std::to_string(batch.dimension) + " coordinates");
+    std::array<double, 3> result = {0, 0, 0};
+    std::copy(values.begin(), values.end(), result.begin());
+    return result;
+  };
+  Require(size.contains("target"), "a size must have a target");
+  Sizing sizing;
+  sizing.target = number("target");
+  Feature feature;
+  if (size.contains("rings")) {
+    feature = Feature::SizePolygon(id, py::cast<Rings>(size["rings"]), sizing.target);
+  } else if (size.contains("low")) {
+    sizing.shape = SizeShape::kBox;
+    sizing.hi = place("high");
+    feature = Feature::Size(id, place("low"), sizing);
+  } else {
+    Require(size.contains("at"), "a size must have `at`, `low` and `high`, or `rings`");
+    if (size.contains("radius")) {
+      sizing.shape = SizeShape::kDisc;
+      sizing.radius = number("radius");
+    }
+    feature = Feature::Size(id, place("at"), sizing);
+  }
+  batch.edits.push_back(EditOf(action, feature));
+}
+
+void Remove(Batch& batch, const Ids& ids) {
+  for (const std::uint64_t id : SpanOf(ids)) batch.edits.push_back(Edit::Remove(id));
+}
+
+py::tuple Place(const std::array<double, 3>& place, int dimension) {
+  if (dimension == 2) return py::make_tuple(place[0], place[1]);
+  return py::make_tuple(place[0], place[1], place[2]);
+}
+
+}  // namespace
+
+py::list FeatureDicts(const std::vector<Feature>& features, int dimension) {
+  py::list result;
+  for (const Feature& f : features) {
+    py::dict d;
+    d["id"] = f.id;
+    switch (f.kind) {
+      case FeatureKind::kPoint:
+        d["kind"] = "point", d["at"] = Place(f.position, dimension);
+        break;
+      case FeatureKind::kSegment:
+        d["kind"] = "segment", d["ends"] = py::make_tuple(f.ends[0], f.ends[1]);
+        break;
+      case FeatureKind::kPolygon:
+        d["kind"] = "polygon", d["rings"] = py::cast(f.rings);
+        break;
+      case FeatureKind::kSize:
+        d["kind"] = "size", d["target"] = f.sizing.target;
+        if (f.sizing.shape == SizeShape::kPolygon) {
+          d["rings"] = py::cast(f.rings);
+        } else if (f.sizing.shape == SizeShape::kBox) {
+          d["low"] = Place(f.position, dimension), d["high"] = Place(f.sizing.hi, dimension);
+        } else {
+          d["at"] = Place(f.position, dimension);
+          if (f.sizing.shape == SizeShape::kDisc) d["radius"] = f.sizing.radius;
+        }
+        break;
+    }
+    result.append(d);
+  }
+  return result;
+}
+
+py::dict OptionsDict(const MeshOptions& options) {
+  py::dict d;
+  d["dimension"] = options.dimension;
+  d["box"] = py::make_tuple(Place(options.box.lo, options.dimension),
+                            Place(options.box.hi, options.dimension));
+  d["rho"] = options.quality;
+  d["criterion"] = options.criterion == Criterion::kThesis ? "thesis" : "edge";
+  d["max_edge"] = options.max_edge;
+  d["max_vertices"] = options.limits.max_vertices;
+  return d;
+}
+
+MeshOptions OptionsOf(const py::dict& options) {
+  static const std::vector<std::string> known = {"dimension", "box",          "rho",
+                                                 "criterion", "max_vertices", "max_edge"};
+  for (const auto& [key, value] : options) {
+    const auto name = py::cast<std::string>(key);
+    Require(std::find(known.begin(), known.end(), name) != known.end(),
+            "there is no option " + name +
+                "; there are dimension, box, rho, criterion, max_edge, max_vertices");
+  }
+  MeshOptions result;
+  if (options.contains("box")) {
+    const auto box = py::cast<std::vector<std::vector<double>>>(options["box"]);
+    Require(box.size() == 2 && box[0].size() == box[1].size() && box[0].size() >= 2 &&
+                box[0].size() <= 3,
+            "box must be two corners of 2 or 3 coordinates each");
+    result.dimension = static_cast<int>(box[0].size());
+    std::copy(box[0].begin(), box[0].end(), result.box.lo.begin());
+    std::copy(box[1].begin(), box[1].end(), result.box.hi.begin());
+  }
+  if (options.contains("dimension")) {
+    const int dimension = py::cast<int>(options["dimension"]);
+    Require(!options.contains("box") || dimension == result.dimension,
+            "dimension is not that of the box");
+    result.dimension = dimension;
+  }
+  result.quality =
+      options.contains("rho") ? py::cast<double>(options["rho"]) : DefaultQuality(result.dimension);
+  if (options.contains("criterion")) {
+    const auto name = py::cast<std::string>(options["criterion"]);
+    Require(name == "edge" || name == "thesis", "criterion must be edge or thesis");
+    result.criterion = name == "edge" ? Criterion::kEdge : Criterion::kThesis;
+  }
+  if (options.contains("max_edge")) result.max_edge = py::cast<double>(options["max_edge"]);
+  if (options.contains("max_vertices")) {
+    result.limits.max_vertices = py::cast<std::uint64_t>(options["max_vertices"]);
+  }
+  return result;
+}
+
+void BindEdits(py::module_& module) {
+  py::class_<Batch>(module, "Batch")
+      .def(py::init([](int dimension) {
+             return Batch{{}, dimension};
+           }),
+           py::arg("dimension"))
+      .def("__len__", [](const Batch& batch) { return batch.edits.size(); })
+      .def("points", &Points)
+      .def("moves", &Moves)
+      .def("segments", &Segments)
+      .def("polygon", &Polygon)
+      .def("size", &Size)
+      .def("remove", &Remove);
+  module.def("known_options", [] {
+    return std::vector<std::string>{"dimension", "box",      "rho",
+                                    "criterion", "max_edge", "max_vertices"};
+  });
+}
+
+}  // namespace dynmesh::python

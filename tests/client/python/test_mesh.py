@@ -1,0 +1,193 @@
+"""Meshes as arrays: the same in process and at a server."""
+import numpy as np
+import pytest
+
+import dynmesh
+from helpers import measures
+
+
+def test_a_new_mesh_is_its_box(make_mesh):
+    mesh = make_mesh()
+    assert mesh.dimension == 2 and mesh.revision == 0
+    assert mesh.points.shape == (mesh.vertex_slots, 2) and mesh.points.dtype == np.float64
+    assert mesh.cells.shape == (mesh.cell_slots, 3) and mesh.cells.dtype == np.int32
+    assert mesh.ids.dtype == np.uint64 and len(mesh.hash) == 32
+    box = mesh.points.max(axis=0) - mesh.points.min(axis=0)
+    assert np.isclose(measures(mesh).sum(), box.prod())
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_edits_of_all_kinds(make_mesh, dimension):
+    z = (0.5,) * (dimension - 2)
+    mesh = make_mesh(box=[[0] * dimension, [1] * dimension])
+    diff = mesh.apply(
+        add_points={1: (0.2, 0.2, *z), 2: (0.8, 0.2, *z), 3: (0.5, 0.8, *z), 4: (0.4, 0.3, *z)},
+        add_segments={10: (1, 2), 11: (2, 3)},
+    )
+    assert (diff.from_revision, diff.to_revision) == (0, 1) and mesh.revision == 1
+    assert set(mesh.owners[mesh.live_vertices]) >= {1, 2, 3, 4}
+    assert set(mesh.subsegment_owners[mesh.subsegments[:, 0] >= 0]) >= {10, 11}
+    mesh.apply(add_points=(np.array([20, 21]), [[0.1, 0.9, *z], [0.9, 0.9, *z]]),
+               add_sizes={30: dict(at=(0.7, 0.7, *z), radius=0.1, target=0.05),
+                          31: dict(low=(0.1,) * dimension, high=(0.2,) * dimension, target=0.1)})
+    mesh.apply(move_points={20: (0.15, 0.85, *z)}, remove=[10, 31])
+    kinds = {f["id"]: f for f in mesh.features()}
+    assert kinds[20]["at"][:2] == (0.15, 0.85)
+    assert kinds[11]["ends"] == (2, 3) and 10 not in kinds
+    assert kinds[30]["radius"] == 0.1 and kinds[30]["kind"] == "size"
+    # From scratch the mesh is the same.
+    again = dynmesh.open([[0] * dimension, [1] * dimension])
+    again.apply(add_points={i: f["at"] for i, f in kinds.items() if f["kind"] == "point"},
+                add_segments={i: f["ends"] for i, f in kinds.items() if f["kind"] == "segment"},
+                add_sizes={i: {k: f[k] for k in ("at", "radius", "target")}
+                           for i, f in kinds.items() if f["kind"] == "size"})
+    assert again.hash == mesh.hash
+
+
+def test_polygons_are_regions(make_mesh):
+    mesh = make_mesh()
+    mesh.apply(add_points={1: (0.2, 0.2), 2: (0.8, 0.2), 3: (0.8, 0.8), 4: (0.2, 0.8)},
+               add_polygons={7: [1, 2, 3, 4]})
+    inside = mesh.regions == 7
+    assert np.isclose(measures(mesh)[inside].sum(), 0.36)
+    diff = mesh.apply(remove=[7])
+    assert not (mesh.regions == 7).any()
+    assert len(diff.patch.relabelled_cells) > 0 and set(diff.patch.former_regions) == {7}
+
+
+def test_slots_stay(make_mesh, random):
+    mesh = make_mesh()
+    mesh.apply(add_points=(np.arange(1, 101), random.random((100, 2))))
+    for step in range(30):
+        before = {i: s for s, i in enumerate(mesh.ids) if i != 0}
+        cells = {tuple(mesh.ids[c]): s for s, c in enumerate(mesh.cells) if c[0] >= 0}
+        diff = mesh.apply(remove=[step + 1], add_points={1000 + step: random.random(2)})
+        after = {i: s for s, i in enumerate(mesh.ids) if i != 0}
+        cells_after = {tuple(mesh.ids[c]): s for s, c in enumerate(mesh.cells) if c[0] >= 0}
+        assert all(after[i] == s for i, s in before.items() if i in after)
+        assert all(cells_after[c] == s for c, s in cells.items() if c in cells_after)
+        patch = diff.patch
+        assert sorted(patch.removed_vertices) == sorted(before[i] for i in before.keys() - after)
+        assert sorted(patch.added_vertices) == sorted(after[i] for i in after.keys() - before)
+        assert sorted(patch.added_cells) == sorted(
+            cells_after[c] for c in cells_after.keys() - cells)
+        assert sorted(diff.kept_cells) == sorted(cells[c] for c in cells.keys() & cells_after)
+        kept = diff.old_to_new[diff.old_to_new >= 0]
+        assert sorted(kept) == sorted(before[i] for i in before.keys() & after)
+        assert (diff.new_to_old[patch.added_vertices] == -1).all()
+
+
+def test_neighbours_and_boundary_faces(make_mesh, random):
+    mesh = make_mesh()
+    mesh.apply(add_points=(np.arange(1, 51), random.random((50, 2))))
+    diff = mesh.apply(remove=[7])
+    faces = {}
+    for slot in np.flatnonzero(mesh.live_cells):
+        for k in range(3):
+            faces.setdefault(frozenset(np.delete(mesh.cells[slot], k)), []).append((slot, k))
+    for sharing in faces.values():
+        for slot, k in sharing:
+            other = [s for s, _ in sharing if s != slot]
+            assert mesh.neighbours[slot, k] == (other[0] if other else -1)
+    added = set(diff.patch.added_cells)
+    for cell, corner, beyond in diff.patch.boundary_faces:
+        assert cell in added and beyond not in added
+        assert mesh.neighbours[cell, corner] == beyond
+    assert set(diff.patch.neighbours).isdisjoint(added)
+
+
+def test_views_outlive_growth(random):
+    mesh = dynmesh.open([[0, 0], [1, 1]])
+    points, cells = mesh.points, mesh.cells
+    copy = points.copy()
+    mesh.apply(add_points=(np.arange(1, 5001), random.random((5000, 2))))
+    assert (points == copy).all() and cells.shape[1] == 3
+    with pytest.raises(ValueError, match="read-only"):
+        mesh.points[0] = 1
+
+
+def test_compact(make_mesh, random):
+    mesh = make_mesh()
+    mesh.apply(add_points=(np.arange(1, 41), random.random((40, 2))))
+    mesh.apply(remove=np.arange(1, 21))
+    mesh.apply(add_points={99: (0.5, 0.5)})
+    compact = mesh.compact()
+    assert len(compact.points) == mesh.vertex_count and len(compact.cells) == mesh.cell_count
+    assert (compact.points == mesh.points[compact.vertex_slots]).all()
+    assert (compact.vertex_slots[compact.cells] == mesh.cells[compact.cell_slots]).all()
+    assert (compact.vertex_numbers[compact.vertex_slots] == np.arange(mesh.vertex_count)).all()
+    assert (compact.cell_numbers[compact.cell_slots] == np.arange(mesh.cell_count)).all()
+
+
+def test_locate(make_mesh, random):
+    mesh = make_mesh()
+    mesh.apply(add_points=(np.arange(1, 41), random.random((40, 2))))
+    places = random.random((200, 2))
+    slots = mesh.locate(places)
+    corners = mesh.points[mesh.cells[slots]]
+    for place, (a, b, c) in zip(places, corners):
+        lambdas = np.linalg.solve(np.stack([b - a, c - a], axis=1), place - a)
+        assert lambdas.min() >= -1e-12 and lambdas.sum() <= 1 + 1e-12
+    assert mesh.locate([[1e6, 0]]) == [-1]
+    for bad in ([[0, 0, 0]], [[np.nan, 0]]):
+        with pytest.raises(ValueError):
+            mesh.locate(bad)
+
+
+def test_meshio(make_mesh, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    mesh = make_mesh()
+    mesh.apply(add_points={1: (0.2, 0.2), 2: (0.8, 0.2), 3: (0.8, 0.8)},
+               add_polygons={7: [1, 2, 3]})
+    mesh.to_meshio(point_data={"x": mesh.points[:, 0]}).write(tmp_path / "m.vtu")
+    read = meshio.read(tmp_path / "m.vtu")
+    assert len(read.cells_dict["triangle"]) == mesh.cell_count
+    assert (read.point_data["x"] == read.points[:, 0]).all()
+    assert set(read.cell_data["region"][0]) == {0, 7}
+    series = dynmesh.Series(tmp_path / "s" / "t.pvd")
+    series.add(0.0, mesh)
+    series.add(0.5, mesh)
+    assert (tmp_path / "s" / "t.pvd").read_text().count("DataSet") == 2
+    assert (tmp_path / "s" / "t_00001.vtu").exists()
+
+
+def test_bad_input_says_what_to_do_and_changes_nothing(make_mesh):
+    mesh = make_mesh()
+    mesh.apply(add_points={1: (0.2, 0.2), 2: (0.8, 0.8), 3: (0.2, 0.8), 4: (0.8, 0.2)},
+               add_segments={10: (1, 2)})
+    before = mesh.hash, mesh.revision
+    cases = [
+        (dict(add_segments={11: (3, 4)}), dynmesh.DynmeshError, "SEGMENTS_CROSS"),
+        (dict(add_points={1: (0.3, 0.3)}), dynmesh.DynmeshError, "ID_IN_USE"),
+        (dict(remove=[77]), dynmesh.DynmeshError, "UNKNOWN_FEATURE"),
+        (dict(add_points={5: (7, 7)}), dynmesh.DynmeshError, "OUTSIDE_BOX"),
+        (dict(add_points={5: (np.nan, 0.5)}), dynmesh.DynmeshError, "NOT_FINITE"),
+        (dict(add_points={5: (0.5, 0.5, 0.5)}), ValueError, "2 coordinates"),
+        (dict(add_points={-5: (0.5, 0.5)}), ValueError, "from 0 to"),
+        (dict(add_points={5.5: (0.5, 0.5)}), TypeError, "whole numbers"),
+        (dict(add_point={5: (0.5, 0.5)}), TypeError, "there is no edit add_point"),
+        (dict(add_points=7), TypeError, "add_points"),
+        (dict(add_segments={11: (3,)}), ValueError, "two ends"),
+        (dict(add_polygons={12: [1, 2]}), dynmesh.DynmeshError, "BAD_POLYGON"),
+        (dict(add_sizes={12: dict(at=(0.5, 0.5))}), ValueError, "target"),
+        (dict(add_sizes={12: dict(target=0.1, at=(0.5, 0.5), r=2)}), ValueError, "no r of a size"),
+    ]
+    for edits, error, words in cases:
+        with pytest.raises(error, match=words):
+            mesh.apply(**edits)
+        assert (mesh.hash, mesh.revision) == before, edits
+    with pytest.raises(dynmesh.DynmeshError) as caught:
+        mesh.apply(add_points={5: (0.5, 0.9)}, add_segments={11: (3, 4)})
+    assert caught.value.reason == "SEGMENTS_CROSS"
+    assert set(caught.value.features) == {10, 11} and caught.value.edit == 1
+    mesh.apply(validate_only=True, add_points={5: (0.5, 0.9)})
+    with pytest.raises(dynmesh.DynmeshError):
+        mesh.apply(validate_only=True, add_points={1: (0.5, 0.9)})
+    assert (mesh.hash, mesh.revision) == before
+
+
+def test_bad_options():
+    for bad in (dict(rho=0.1), dict(box=[[0, 0], [1]]), dict(box=[[0, 0], [-1, 1]]),
+                dict(quality=2), dict(criterion="best"), dict(dimension=4)):
+        with pytest.raises((ValueError, dynmesh.DynmeshError)):
+            dynmesh.open(**bad)
