@@ -14,7 +14,7 @@ WORKDIR /src
 COPY deploy/packages.txt deploy/install-packages deploy/
 RUN deploy/install-packages build && rm -rf /var/lib/apt/lists/*
 COPY . .
-RUN cmake --preset release -DDYNMESH_TESTS=OFF -DDYNMESH_BENCHMARKS=OFF \
+RUN cmake --preset release -DDYNMESH_TESTS=OFF -DDYNMESH_BENCHMARKS=OFF -DDYNMESH_PYTHON=OFF \
  && cmake --build --preset release --target dynmeshd dynmesh_cli \
  && strip build/release/bin/dynmeshd build/release/bin/dynmesh
 

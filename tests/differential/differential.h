@@ -10,8 +10,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/data/mesh_store.h"
 #include "core/dynamic_mesh/live_mesh.h"
+#include "dynmesh/slot_mesh.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::test {
@@ -92,7 +92,7 @@ inline Difference CompareWithScratch(const DynamicMesh& mesh, bool local, bool w
 // A mesh that follows another by its diffs alone.
 class Replica {
  public:
-  explicit Replica(const DynamicMesh& mesh) : store_(*data::MeshStore::FromMesh(mesh.Snapshot())) {}
+  explicit Replica(const DynamicMesh& mesh) : store_(*SlotMesh::FromMesh(mesh.Snapshot())) {}
 
   // Is it the same, row by row, after `diff` as `mesh`?
   Difference Follow(const MeshDiff& diff, const DynamicMesh& mesh) {
@@ -109,7 +109,7 @@ class Replica {
   }
 
  private:
-  data::MeshStore store_;
+  SlotMesh store_;
 };
 
 struct RunReport {

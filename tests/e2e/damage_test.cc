@@ -10,7 +10,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "client/mesh_client.h"
+#include "dynmesh/client/mesh_client.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "proto/codec/status_codec.h"
 #include "tests/e2e/daemon.h"

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "absl/time/time.h"
-#include "client/mesh_client.h"
+#include "dynmesh/client/mesh_client.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/base/log.h"
 #include "server/server.h"

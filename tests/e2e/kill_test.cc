@@ -15,9 +15,9 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "client/edit_session.h"
-#include "client/mesh_client.h"
-#include "client/watch_session.h"
+#include "dynmesh/client/edit_session.h"
+#include "dynmesh/client/mesh_client.h"
+#include "dynmesh/client/watch_session.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "proto/codec/status_codec.h"
 #include "tests/e2e/daemon.h"

@@ -6,8 +6,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "client/mesh_client.h"
 #include "core/data/feature_set.h"
+#include "dynmesh/client/mesh_client.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/e2e/daemon.h"
 #include "tests/support/temp_folder.h"
@@ -18,9 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 using client::MeshClient;
 
-// Of schema 3: mesh flat, revisions 1 to 6, with a snapshot of 5 and one entry after it; mesh space,
-// revisions 1 to 4, without a snapshot. bits1 is the folder after a kill, with the log and the record
-// of the heads; bits1-backup.sqlite what VACUUM INTO makes of it.
+// Of schema 3: mesh flat, revisions 1 to 6, with a snapshot of 5 and one entry after it; mesh
+// space, revisions 1 to 4, without a snapshot. bits1 is the folder after a kill, with the log and
+// the record of the heads; bits1-backup.sqlite what VACUUM INTO makes of it.
 class JournalsOfOtherBits : public testing::TestWithParam<bool> {
  protected:
   static void CopyTo(const fs::path& data) {

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "client/cli/percentile.h"
-#include "client/mesh_client.h"
+#include "dynmesh/client/mesh_client.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "server/base/log.h"

@@ -20,7 +20,7 @@
 #include "absl/strings/str_cat.h"
 #include "client/cli/json.h"
 #include "client/cli/percentile.h"
-#include "client/mesh_client.h"
+#include "dynmesh/client/mesh_client.h"
 #include "tests/e2e/daemon.h"
 #include "tests/e2e/soak/audience_process.h"
 #include "tests/e2e/soak/figures.h"

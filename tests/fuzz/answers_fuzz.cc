@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "client/mesh_replica.h"
 #include "core/data/diff_meshes.h"
+#include "dynmesh/slot_mesh.h"
 #include "core/io/indexed_mesh.h"
+#include "dynmesh/client/mesh_replica.h"
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "dynmesh/v1/status_details.pb.h"
 #include "proto/codec/grpc_status.h"
@@ -114,7 +115,7 @@ class Watch {
   std::string CheckMesh() const {
     const Mesh mesh = replica_.ToMesh();
     if (ComputeHash(mesh) != replica_.hash()) return "the hash is not that of the rows";
-    if (!data::MeshStore::FromMesh(mesh).ok()) return "the rows are not those of a mesh";
+    if (!SlotMesh::FromMesh(mesh).ok()) return "the rows are not those of a mesh";
     // What the commands do with it.
     if (const auto indexed = io::IndexMesh(mesh); indexed.ok()) {
       for (std::size_t i = 0; i < indexed->simplex_count(); ++i) io::MeasureSimplex(*indexed, i);

@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/data/mesh_store.h"
 #include "core/dynamic_mesh/live_mesh.h"
+#include "dynmesh/slot_mesh.h"
 #include "tests/differential/differential.h"
 #include "tests/fuzz/small_mesh.h"
 #include "tests/support/asked.h"
@@ -184,7 +184,7 @@ template <int D>
 class Run {
  public:
   Run(const MeshOptions& options, const LiveMeshTuning& tuning)
-      : mesh_(options, tuning), replica_(data::MeshStore::FromMesh(mesh_.Snapshot()).value()) {}
+      : mesh_(options, tuning), replica_(SlotMesh::FromMesh(mesh_.Snapshot()).value()) {}
 
   // Empty, or what is wrong.
   std::string Apply(const EditBatch& batch) {
@@ -216,7 +216,7 @@ class Run {
 
  private:
   LiveMesh<D> mesh_;
-  data::MeshStore replica_;
+  SlotMesh replica_;
   std::uint64_t accepted_ = 0;
 };
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "client/mesh_replica.h"
 #include "core/data/region_filter.h"
+#include "dynmesh/client/mesh_replica.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "proto/codec/edit_codec.h"

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "client/mesh_client.h"
+#include "dynmesh/client/mesh_client.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "server/base/log.h"
 #include "server/server.h"

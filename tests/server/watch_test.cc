@@ -4,8 +4,8 @@
 #include <fstream>
 #include <thread>
 
-#include "client/mesh_replica.h"
 #include "core/data/region_filter.h"
+#include "dynmesh/client/mesh_replica.h"
 #include "proto/codec/grpc_status.h"
 #include "tests/server/server_fixture.h"
 
@@ -122,8 +122,8 @@ TEST_F(WatchTest, AWatchOfRegionsEndsEqualToAnExportOfThem) {
       EXPECT_EQ(inside.regions, got.regions);
       EXPECT_EQ(inside.region_sets, got.region_sets);
       EXPECT_EQ(inside.hash, got.hash);
-      EXPECT_EQ(r.store().simplex_count(), got.simplex_count());
-      EXPECT_EQ(r.store().vertex_count(), 60u);
+      EXPECT_EQ(r.simplex_count(), got.simplex_count());
+      EXPECT_EQ(r.vertex_count(), 60u);
     });
   }
   EXPECT_EQ(client_->GetSnapshot("m", regions)->simplex_count(), 37u);  // from 1 to 37

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "client/mesh_client.h"
+#include "dynmesh/client/mesh_client.h"
 #include "dynmesh/mesh.h"
 #include "tests/e2e/soak/ledger.h"
 #include "tests/e2e/soak/watcher.h"

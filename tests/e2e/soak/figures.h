@@ -10,7 +10,7 @@
 
 #include "absl/synchronization/notification.h"
 #include "client/cli/json.h"
-#include "client/mesh_client.h"
+#include "dynmesh/client/mesh_client.h"
 
 namespace dynmesh::soak {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "client/edit_session.h"
+#include "dynmesh/client/edit_session.h"
 #include "tests/e2e/soak/figures.h"
 
 namespace dynmesh::soak {

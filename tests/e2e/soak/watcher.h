@@ -14,8 +14,8 @@
 #include <string>
 
 #include "absl/synchronization/notification.h"
-#include "client/mesh_client.h"
-#include "client/mesh_replica.h"
+#include "dynmesh/client/mesh_client.h"
+#include "dynmesh/client/mesh_replica.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
 #include "tests/e2e/soak/ledger.h"
 #include "tests/e2e/soak/revision_check.h"

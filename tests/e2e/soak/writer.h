@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "absl/synchronization/notification.h"
-#include "client/mesh_client.h"
+#include "dynmesh/client/mesh_client.h"
 #include "tests/e2e/soak/ledger.h"
 
 namespace dynmesh::soak {

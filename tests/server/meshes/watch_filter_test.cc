@@ -6,7 +6,7 @@
 #include <memory>
 #include <random>
 
-#include "core/data/mesh_store.h"
+#include "dynmesh/slot_mesh.h"
 #include "tests/server/test_support.h"
 
 namespace dynmesh::server {
@@ -48,7 +48,7 @@ class WatchFilterTest : public ::testing::Test {
   }
   void Take(const WatchItem& item) {
     if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&item)) {
-      auto store = data::MeshStore::FromMesh(**mesh);
+      auto store = SlotMesh::FromMesh(**mesh);
       ASSERT_TRUE(store.ok()) << Text(store.status());
       replica_ = *std::move(store);
       ++snapshots_;
@@ -108,7 +108,7 @@ class WatchFilterTest : public ::testing::Test {
   std::shared_ptr<WatchHub> hub_;
   std::shared_ptr<Subscription> subscription_;
   std::unique_ptr<WatchFilter> filter_;
-  data::MeshStore replica_;
+  SlotMesh replica_;
   std::set<FeatureId> polygons_;
   int moves_ = 0;
   int snapshots_ = 0, coalesced_ = 0, progress_ = 0;

@@ -6,7 +6,7 @@
 
 #include <thread>
 
-#include "core/data/mesh_store.h"
+#include "dynmesh/slot_mesh.h"
 #include "server/meshes/diff_algebra.h"
 #include "tests/server/test_support.h"
 
@@ -45,7 +45,7 @@ class TestWatcher {
     auto s = hub.Subscribe(start, [wakes = wakes_] { wakes->Put(0); });
     EXPECT_TRUE(s.ok()) << Text(s.status());
     subscription_ = *s;
-    if (start.revision.has_value()) replica_ = *data::MeshStore::FromMesh(held);
+    if (start.revision.has_value()) replica_ = *SlotMesh::FromMesh(held);
   }
   ~TestWatcher() { subscription_->Cancel(); }
 
@@ -73,7 +73,7 @@ class TestWatcher {
     if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&item)) {
       EXPECT_TRUE(!replica_.has_value() || (*mesh)->revision > replica_->revision())
           << "time travel";
-      replica_ = *data::MeshStore::FromMesh(**mesh);
+      replica_ = *SlotMesh::FromMesh(**mesh);
       ++snapshots_;
     } else if (const auto* diff = std::get_if<std::shared_ptr<const MeshDiff>>(&item)) {
       ASSERT_TRUE(replica_.has_value());
@@ -89,7 +89,7 @@ class TestWatcher {
     }
   }
 
-  std::optional<data::MeshStore> replica_;
+  std::optional<SlotMesh> replica_;
   std::vector<std::uint64_t> steps_;  // revisions that each diff covered
   int snapshots_ = 0, works_ = 0, progress_ = 0;
   std::optional<absl::Status> end_;

@@ -1,0 +1,76 @@
+# What `cmake --install` puts where. The components are Debian's packages (package.cmake):
+# `service` has the programs and what runs dynmeshd, `development` the libraries and headers. A
+# Python package will be a third, `python`.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+# ---- the libraries
+set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/dynmesh)
+set(pc_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+cmake_path(RELATIVE_PATH CMAKE_INSTALL_PREFIX
+  BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX}/${pc_folder} OUTPUT_VARIABLE pc_to_prefix)
+
+# install_library(EXPORT TARGETS...)
+function(install_library export)
+  install(TARGETS ${ARGN} EXPORT ${export}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+    INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  install(EXPORT ${export} NAMESPACE dynmesh:: DESTINATION ${config_folder} COMPONENT development)
+endfunction()
+
+# install_pc(FILE TARGETS...): a file of pkg-config; absl::x is Abseil's absl_x there.
+function(install_pc file)
+  set(absl ${ARGN})
+  list(REMOVE_DUPLICATES absl)
+  list(TRANSFORM absl REPLACE "::" "_")
+  list(JOIN absl " " absl)
+  configure_file(${CMAKE_CURRENT_FUNCTION_LIST_DIR}/${file}.in
+    ${CMAKE_CURRENT_BINARY_DIR}/${file} @ONLY)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${file} DESTINATION ${pc_folder} COMPONENT development)
+endfunction()
+
+# install_headers(FOLDER)
+function(install_headers folder)
+  install(DIRECTORY ${folder}/dynmesh DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+    COMPONENT development FILES_MATCHING PATTERN "*.h")
+endfunction()
+
+install_library(dynmesh-targets dynmesh dynmesh_headers)
+install_headers(core/include)
+install_pc(dynmesh.pc absl::status absl::statusor absl::time ${DYNMESH_ABSL})
+if(TARGET dynmesh_client)
+  install_library(dynmesh-client-targets
+    dynmesh_client dynmesh_client_headers dynmesh_codec_headers)
+  install_headers(client/include)
+  install_headers(proto/codec/include)
+  install_pc(dynmesh-client.pc absl::cord absl::strings)
+  # The contract, for clients in other languages; the journal's is not theirs.
+  install(DIRECTORY proto/dynmesh DESTINATION ${CMAKE_INSTALL_DATADIR}/dynmesh/proto
+    COMPONENT development FILES_MATCHING PATTERN "*.proto" PATTERN "journal.proto" EXCLUDE)
+endif()
+
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/dynmesh-config.cmake.in
+  dynmesh-config.cmake INSTALL_DESTINATION ${config_folder} NO_SET_AND_CHECK_MACRO)
+# Below 1.0 a minor version may change the API.
+write_basic_package_version_file(dynmesh-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES
+  ${CMAKE_CURRENT_BINARY_DIR}/dynmesh-config.cmake
+  ${CMAKE_CURRENT_BINARY_DIR}/dynmesh-config-version.cmake
+  DESTINATION ${config_folder} COMPONENT development)
+
+# ---- documents; Debian looks for the licence in `copyright`
+function(install_documents component folder)
+  install(FILES ${ARGN} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${folder} COMPONENT ${component})
+  install(FILES LICENSE RENAME copyright
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${folder} COMPONENT ${component})
+endfunction()
+install_documents(development libdynmesh-dev LICENSE CHANGELOG.md)
+
+# ---- the programs and the service
+if(TARGET dynmesh_cli AND TARGET dynmeshd)
+  install(TARGETS dynmesh_cli dynmeshd
+    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT service)
+  install_documents(service dynmesh LICENSE CHANGELOG.md deploy/RUNBOOK.md)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/install_service.cmake.in install_service.cmake @ONLY)
+  install(SCRIPT ${CMAKE_CURRENT_BINARY_DIR}/install_service.cmake COMPONENT service)
+endif()

@@ -1,0 +1,41 @@
+# Debian packages, a component each: deploy/package makes them.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME dynmesh)
+set(CPACK_PACKAGE_VENDOR dynmesh)
+set(CPACK_PACKAGE_CONTACT "dynmesh maintainers <maintainers@dynmesh.example>")
+set(CPACK_COMPONENTS_ALL service development)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_STRIP_FILES ON)
+# With DESTDIR the prefix is that of the machine where it will be, which the unit names.
+set(CPACK_SET_DESTDIR ON)
+set(CPACK_INSTALL_PREFIX /usr)
+
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(CPACK_DEBIAN_SERVICE_PACKAGE_NAME dynmesh)
+set(CPACK_DEBIAN_SERVICE_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_SERVICE_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_SERVICE_PACKAGE_DEPENDS passwd)      # useradd
+set(CPACK_DEBIAN_SERVICE_PACKAGE_RECOMMENDS sqlite3)  # backups of a journal that is in use
+set(CPACK_COMPONENT_SERVICE_DESCRIPTION "dynamic meshing: service and command line
+Quality Delaunay meshes in the plane and in space that follow edits of their input. dynmeshd serves
+them over gRPC, dynmesh makes, checks and draws them, here or on a server.")
+set(debian ${PROJECT_SOURCE_DIR}/deploy/debian)
+set(CPACK_DEBIAN_SERVICE_PACKAGE_CONTROL_EXTRA
+  ${debian}/conffiles ${debian}/postinst ${debian}/prerm ${debian}/postrm)
+
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libdynmesh-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+# The Abseil that it was compiled with: another one is not compatible in binaries.
+math(EXPR next_absl "${absl_VERSION} + 1")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+  "libabsl-dev (>= ${absl_VERSION}), libabsl-dev (<< ${next_absl})")
+# Those of the client library; the mesher does without.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libgrpc++-dev, libprotobuf-dev, libssl-dev")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "dynamic meshing: C++ libraries and headers
+The mesher as a static library, and the client of dynmeshd, with files for CMake and pkg-config.")
+
+include(CPack)

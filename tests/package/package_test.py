@@ -1,0 +1,319 @@
+"""dynmesh as other projects get it: installed, as sources in a project of theirs, in packages.
+
+    package_test.py BUILD CXX Installed | Subdirectory | Packages
+
+The programs in consumer/ have to build with warnings as errors and to print the hash that the
+`dynmesh` command has. Exit codes: 0 good, 1 not, 77 not run, because a tool is not installed.
+"""
+
+import json
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+NOT_RUN = 77
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+CONSUMER = SOURCE / "tests/package/consumer"
+BUILD = pathlib.Path(sys.argv[1]).resolve()
+CXX = sys.argv[2]
+FOLDERS = ("core/include", "client/include", "proto/codec/include")  # of public headers
+WARNINGS = ["-Werror", "-Wunused", "-Wall", "-Wextra"]
+TOOLS = {
+    "Installed": ["cmake", "ninja", "pkg-config"],
+    "Subdirectory": ["cmake", "ninja"],
+    "Packages": ["cpack", "dpkg-deb", "dpkg-shlibdeps"],
+}
+
+
+def run(*command, **options):
+    said = subprocess.run(
+        [str(word) for word in command],
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, **options
+    )
+    if said.returncode != 0:
+        raise AssertionError(f"{shlex.join(map(str, command))}\n{said.stdout}")
+    return said.stdout
+
+
+def configure(where, *arguments):
+    run("cmake", "-G", "Ninja", "-S", CONSUMER, "-B", where, f"-DCMAKE_CXX_COMPILER={CXX}",
+        "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", *arguments)
+
+
+def expected_hash():
+    said = run(BUILD / "bin/dynmesh", "replay", CONSUMER / "plate.dynmesh")
+    return re.search(r"^hash ([0-9a-f]{32})$", said, re.M)[1]
+
+
+def version():
+    header = (SOURCE / "core/include/dynmesh/version.h").read_text()
+    return ".".join(re.findall(r"^#define DYNMESH_VERSION_[A-Z]+ (\d+)$", header, re.M))
+
+
+def compile_lines(where):
+    """Words of the compilations, by source, without what every one has: compiler, in and out."""
+    lines = {}
+    for entry in json.loads((where / "compile_commands.json").read_text()):
+        words = shlex.split(entry["command"])[1:]
+        words = words[: words.index("-o")]
+        lines[pathlib.Path(entry["file"])] = words
+    return lines
+
+
+class Folder(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        # In the build tree: /tmp may be small, or forbid to run programs.
+        (BUILD / "install").mkdir(exist_ok=True)
+        cls._folder = tempfile.TemporaryDirectory(dir=BUILD / "install")
+        cls.addClassCleanup(cls._folder.cleanup)
+        cls.folder = pathlib.Path(cls._folder.name)
+
+
+class Installed(Folder):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.prefix = cls.folder / "prefix"
+        run("cmake", "--install", BUILD, "--prefix", cls.prefix)
+
+    def pkg_config(self, *arguments):
+        path = next(self.prefix.rglob("dynmesh.pc")).parent
+        environment = {**os.environ, "PKG_CONFIG_PATH": str(path)}
+        return run("pkg-config", *arguments, env=environment).split()
+
+    def test_a_program_finds_it_with_cmake(self):
+        where = self.folder / "cmake"
+        configure(where, f"-DCMAKE_PREFIX_PATH={self.prefix}")
+        for source, words in compile_lines(where).items():
+            mine = [word for word in words if not word.startswith("-D")]
+            self.assertEqual(
+                mine, ["-isystem", f"{self.prefix}/include", *WARNINGS, "-std=gnu++20"], source
+            )
+        run("cmake", "--build", where)
+        self.assertEqual(run(where / "consumer").split(), [version(), expected_hash()])
+        with Server(self.folder / "port") as address:
+            self.assertEqual(run(where / "consumer_client", address).split(), [expected_hash()])
+
+    def test_a_program_finds_it_with_pkg_config(self):
+        self.assertEqual(self.pkg_config("--modversion", "dynmesh"), [version()])
+        flags = self.pkg_config("--cflags", "dynmesh")
+        self.assertFalse([word for word in flags if word[:2] not in ("-I", "-D")], flags)
+        program = self.folder / "by_pkg_config"
+        run(CXX, "-std=c++20", *WARNINGS, *flags, CONSUMER / "main.cc", "-o", program,
+            *self.pkg_config("--libs", "dynmesh"))
+        self.assertEqual(run(program).split(), [version(), expected_hash()])
+
+    def test_a_client_finds_its_libraries_with_pkg_config(self):
+        program = self.folder / "client_by_pkg_config"
+        run(CXX, "-std=c++20", *WARNINGS, *self.pkg_config("--cflags", "dynmesh-client"),
+            CONSUMER / "client.cc", "-o", program, *self.pkg_config("--libs", "dynmesh-client"))
+        with Server(self.folder / "port2") as address:
+            self.assertEqual(run(program, address).split(), [expected_hash()])
+
+    def test_headers_include_what_is_installed(self):
+        include = self.prefix / "include"
+        headers = sorted(str(path.relative_to(include)) for path in include.rglob("*.h"))
+        self.assertIn("dynmesh/client/mesh_client.h", headers)
+        self.assertIn("dynmesh/version.h", headers)
+        all_of_them = self.folder / "all.cc"
+        all_of_them.write_text("".join(f'#include "{header}"\n' for header in headers))
+        run(CXX, "-std=c++20", "-fsyntax-only", *WARNINGS, f"-I{include}", all_of_them)
+
+    def test_a_wrong_version_is_refused(self):
+        project = self.folder / "wrong"
+        project.mkdir()
+        for wanted, found in (("0.1", True), (version(), True), ("0.0", False), ("1.0", False)):
+            (project / "CMakeLists.txt").write_text(
+                "cmake_minimum_required(VERSION 3.24)\nproject(wrong LANGUAGES CXX)\n"
+                f"find_package(dynmesh {wanted} QUIET)\n"
+                f'if(NOT "${{dynmesh_FOUND}}" STREQUAL {int(found)})\n'
+                'message(FATAL_ERROR "found: ${dynmesh_FOUND}")\nendif()\n'
+            )
+            run("cmake", "-G", "Ninja", "-S", project, "-B", project / "build",
+                f"-DCMAKE_CXX_COMPILER={CXX}", f"-DCMAKE_PREFIX_PATH={self.prefix}")
+
+    def test_the_unit_names_what_is_installed(self):
+        unit = (self.prefix / "lib/systemd/system/dynmeshd.service").read_text()
+        (command,) = re.findall(r"^ExecStart=(.*)$", unit, re.M)
+        words = command.split()
+        self.assertEqual(pathlib.Path(words[0]), self.prefix / "bin/dynmeshd")
+        configuration = pathlib.Path(words[words.index("--config") + 1])
+        self.assertEqual(configuration.read_text(), (SOURCE / "deploy/dynmeshd.conf").read_text())
+        (document,) = re.findall(r"^Documentation=file:(.*)$", unit, re.M)
+        self.assertTrue(pathlib.Path(document).exists(), document)
+
+    def test_a_configuration_that_is_there_stays(self):
+        prefix = self.folder / "again"
+        for text in (None, "mine"):
+            run("cmake", "--install", BUILD, "--prefix", prefix, "--component", "service")
+            configuration = prefix / "etc/dynmesh/dynmeshd.conf"
+            if text is None:
+                configuration.write_text("mine")
+        self.assertEqual(configuration.read_text(), "mine")
+
+
+class Server:
+    """A dynmeshd that keeps nothing, while the block lasts. Its value is the address."""
+
+    def __init__(self, port_file):
+        self.port_file = port_file
+
+    def __enter__(self):
+        self.process = subprocess.Popen(
+            [BUILD / "bin/dynmeshd", "--listen", "127.0.0.1:0", "--port-file", self.port_file],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )
+        while not self.port_file.exists():
+            if self.process.poll() is not None:
+                raise AssertionError("dynmeshd ended")
+        return f"127.0.0.1:{self.port_file.read_text().strip()}"
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+
+
+class Subdirectory(Folder):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.where = cls.folder / "build"
+        configure(cls.where, f"-DDYNMESH_FOLDER={SOURCE}")
+        cls.lines = compile_lines(cls.where)
+
+    def test_flags_are_the_programs_own(self):
+        words = self.lines[CONSUMER / "main.cc"]
+        mine = [word for word in words if not word.startswith("-D")]
+        self.assertEqual(mine, [f"-I{SOURCE}/core/include", *WARNINGS, "-std=gnu++20"])
+
+    def test_the_programs_source_compiles(self):
+        run("ninja", "-C", self.where, "CMakeFiles/consumer.dir/main.cc.o")
+
+    def test_the_library_keeps_its_flags(self):
+        for source, words in self.lines.items():
+            if source.is_relative_to(SOURCE / "core"):
+                self.assertLessEqual({"-ffp-contract=off", "-std=c++20"}, set(words))
+                self.assertNotIn("-Werror", words)
+
+    def test_it_is_not_compiled_with_fast_math(self):
+        source = SOURCE / "core/geometry/predicates.cc"
+        with self.assertRaisesRegex(AssertionError, "cannot be compiled with -ffast-math"):
+            run(CXX, "-ffast-math", *self.lines[source], "-fsyntax-only", source)
+        run(CXX, *self.lines[source], "-fsyntax-only", source)
+
+    def test_there_is_the_library_and_no_more(self):
+        parts = {
+            source.relative_to(SOURCE).parts[:2]
+            for source in self.lines if not source.is_relative_to(CONSUMER)
+        }
+        self.assertEqual({part[0] for part in parts}, {"core"})
+        self.assertNotIn(("core", "io"), parts)
+
+    def test_it_installs_nothing(self):
+        rules = (self.where / "dynmesh/cmake_install.cmake").read_text()
+        self.assertNotIn("file(INSTALL", rules)
+        self.assertFalse((self.where / "CPackConfig.cmake").exists())
+
+    def test_no_variable_of_the_project_changes(self):
+        def variables(file):
+            text = (self.where / file).read_text()
+            found = dict(re.findall(r"(?m)^(\w+)=(.*)$", text))
+            return {name: found[name] for name in found if not re.match("ARG|file$", name)}
+
+        before, after = variables("before.txt"), variables("after.txt")
+        for name, value in before.items():
+            self.assertEqual(after.get(name), value, name)
+        # Options, and what find_package remembers.
+        expected = r"DYNMESH_\w+|dynmesh_\w+|absl_DIR|CMAKE_HAVE_LIBC_PTHREAD|FIND_PACKAGE_\w+"
+        new = [name for name in after.keys() - before if not re.fullmatch(expected, name)]
+        self.assertEqual(new, [])
+
+
+class Packages(Folder):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        run("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", cls.folder, umask=0o022)
+        cls.debs = {path.name.split("_")[0]: path for path in cls.folder.glob("*.deb")}
+
+    def listing(self, package):
+        """Modes and owners by name, folders left out."""
+        rows = [line.split(maxsplit=5) for line in
+                run("dpkg-deb", "-c", self.debs[package]).splitlines()]
+        return {row[5].removeprefix("."): row[:2] for row in rows if row[0][0] != "d"}
+
+    def field(self, package, name):
+        return run("dpkg-deb", "-f", self.debs[package], name).strip()
+
+    def test_there_are_two(self):
+        self.assertEqual(set(self.debs), {"dynmesh", "libdynmesh-dev"})
+        for package in self.debs:
+            self.assertEqual(self.field(package, "Version"), f"{version()}-1")
+
+    def test_the_service_is_whole(self):
+        files = self.listing("dynmesh")
+        self.assertEqual(set(files), {
+            "/etc/dynmesh/dynmeshd.conf",
+            "/usr/bin/dynmesh",
+            "/usr/bin/dynmeshd",
+            "/usr/lib/systemd/system/dynmeshd.service",
+            "/usr/share/doc/dynmesh/CHANGELOG.md",
+            "/usr/share/doc/dynmesh/LICENSE",
+            "/usr/share/doc/dynmesh/RUNBOOK.md",
+            "/usr/share/doc/dynmesh/copyright",
+        })
+        for name, (mode, owner) in files.items():
+            self.assertEqual(mode, "-rwxr-xr-x" if "/bin/" in name else "-rw-r--r--", name)
+            self.assertEqual(owner, "root/root", name)
+
+    def test_its_libraries_are_named(self):
+        depends = self.field("dynmesh", "Depends")
+        for package in ("libc6", "libgrpc++1.51", "libsqlite3-0", "libabsl20220623", "passwd"):
+            self.assertIn(package, re.findall(r"[^\s,(]+", depends))
+
+    def test_the_unit_names_files_of_the_package(self):
+        unit = run("sh", "-c", 'dpkg-deb --fsys-tarfile "$1" | tar -xO "$2"', "sh",
+                   self.debs["dynmesh"], "./usr/lib/systemd/system/dynmeshd.service")
+        self.assertIn("ExecStart=/usr/bin/dynmeshd --config /etc/dynmesh/dynmeshd.conf ", unit)
+        self.assertIn("Documentation=file:/usr/share/doc/dynmesh/RUNBOOK.md", unit)
+        self.assertNotIn("/usr/local", unit)
+
+    def test_its_scripts_are_there(self):
+        control = self.folder / "control"
+        run("dpkg-deb", "-e", self.debs["dynmesh"], control)
+        for script in ("postinst", "prerm", "postrm"):
+            self.assertTrue(os.access(control / script, os.X_OK), script)
+        self.assertEqual((control / "conffiles").read_text(), "/etc/dynmesh/dynmeshd.conf\n")
+
+    def test_the_library_is_whole(self):
+        files = set(self.listing("libdynmesh-dev"))
+        include = {str(path.relative_to(root)) for root in
+                   (SOURCE / folder for folder in FOLDERS)
+                   for path in root.rglob("*.h")}
+        self.assertEqual(
+            {name for name in files if name.endswith(".h")},
+            {f"/usr/include/{name}" for name in include},
+        )
+        tails = {re.sub(r"^/usr/lib(/[^/]+-linux-gnu)?/", "", name) for name in files}
+        self.assertLessEqual({
+            "libdynmesh.a", "libdynmesh_client.a", "cmake/dynmesh/dynmesh-config.cmake",
+            "cmake/dynmesh/dynmesh-config-version.cmake", "cmake/dynmesh/dynmesh-targets.cmake",
+            "pkgconfig/dynmesh.pc", "pkgconfig/dynmesh-client.pc",
+        }, tails)
+        self.assertFalse([name for name in files if "/bin/" in name or "journal" in name])
+        self.assertIn("libabsl-dev", self.field("libdynmesh-dev", "Depends"))
+
+
+if __name__ == "__main__":
+    absent = [tool for tool in TOOLS[sys.argv[3]] if shutil.which(tool) is None]
+    if absent:
+        print(f"package_test: not run: not installed: {', '.join(absent)}")
+        sys.exit(NOT_RUN)
+    unittest.main(argv=[sys.argv[0], sys.argv[3]], verbosity=2)
