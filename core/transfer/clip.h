@@ -1,7 +1,7 @@
 // The intersection of two simplices, cut into simplices: what a supermesh is made of.
 //
 // One of them is clipped by the half-spaces of the other, in doubles (Sutherland and Hodgman 1974;
-// in space face by face, with the cut closed by a new face). Each corner keeps its barycentric
+// in 3D edge by edge, with the cut closed by a new face). Each corner keeps its barycentric
 // coordinates in the simplex that is clipped. Half-spaces are taken wider by a slack of some units
 // of rounding: old and new simplices often have faces in one plane, and signs of places on it are
 // noise, which makes no ring. So pieces are a little too large or too small, and what uses them
@@ -10,9 +10,9 @@
 #define DYNMESH_CORE_TRANSFER_CLIP_H_
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 
 #include "core/transfer/simplex.h"
 
@@ -33,6 +33,12 @@ ClipCorner<D> Between(const ClipCorner<D>& a, double da, const ClipCorner<D>& b,
   for (std::size_t k = 0; k < D; ++k) r.place[k] = a.place[k] + t * (b.place[k] - a.place[k]);
   for (std::size_t k = 0; k <= D; ++k) r.lambda[k] = a.lambda[k] + t * (b.lambda[k] - a.lambda[k]);
   return r;
+}
+
+// visit(i) for each bit i of `bits` that is set.
+template <class Visit>
+void ForEachBit(std::uint64_t bits, const Visit& visit) {
+  for (; bits != 0; bits &= bits - 1) visit(static_cast<std::size_t>(std::countr_zero(bits)));
 }
 
 template <std::size_t D>
@@ -86,129 +92,104 @@ class Clipped<2> {
   std::size_t count_;
 };
 
-// A convex polyhedron: faces as rings of corners, counter-clockwise seen from outside.
+// A convex polyhedron, by its edges. An edge goes between two corners and has a face on either
+// side; seen from outside, the left one is on the left of the way from `from` to `to`. A cut shortens
+// edges and adds, on each face that it crosses, an edge of the new face.
 template <>
 class Clipped<3> {
  public:
-  explicit Clipped(const Corners<3>& c) : count_(4), face_count_(4) {
+  explicit Clipped(const Corners<3>& c)
+      : edges_{{{1, 2, 0, 3}, {2, 3, 0, 1}, {3, 1, 0, 2}, {0, 3, 1, 2}, {2, 0, 1, 3}, {0, 1, 2, 3}}},
+        edge_count_(6),
+        face_count_(4),
+        count_(4),
+        in_use_(0b1111) {
     for (std::size_t k = 0; k < 4; ++k) corners_[k] = {c[k], {}}, corners_[k].lambda[k] = 1;
-    Face* const faces = faces_[0].data();
-    faces[0] = {3, {1, 2, 3}}, faces[1] = {3, {0, 3, 2}};
-    faces[2] = {3, {0, 1, 3}}, faces[3] = {3, {0, 2, 1}};
   }
 
   bool By(const HalfSpace<3>& half, double slack) {
     std::array<double, kMost> value;
-    bool any_in = false, any_out = false;
-    for (std::size_t i = 0; i < count_; ++i) {
-      value[i] = half(corners_[i].place) + slack;
-      any_in |= value[i] > 0, any_out |= value[i] < 0;
-    }
+    std::uint64_t in = 0;
+    bool any_in = false;
+    ForEachBit(in_use_, [&](std::size_t v) {
+      value[v] = half(corners_[v].place) + slack;
+      any_in |= value[v] > 0;
+      in |= std::uint64_t{value[v] >= 0} << v;
+    });
     if (!any_in) return false;
-    if (!any_out) return true;
-    Cut cut;
-    const std::size_t old_count = count_;
-    const FaceList& faces = faces_[current_];
-    current_ = 1 - current_;
+    if (in == in_use_) return true;
+    // Where the new face's edge begins and ends on each face.
+    std::array<std::uint8_t, kMostFaces> begin, end;
+    begin.fill(kNone), end.fill(kNone);
     std::size_t kept = 0;
-    for (std::size_t f = 0; f < face_count_; ++f) {
-      Face& clipped = faces_[current_][kept];
-      ClipFace(faces[f], value, cut, clipped);
-      kept += clipped.size >= 3;
+    in_use_ = in;
+    for (std::size_t e = 0; e < edge_count_; ++e) {
+      Edge edge = edges_[e];
+      const bool from_in = (in >> edge.from & 1) != 0, to_in = (in >> edge.to & 1) != 0;
+      if (!from_in && !to_in) continue;
+      if (from_in != to_in) {
+        const auto cut = static_cast<std::uint8_t>(count_++);
+        in_use_ |= std::uint64_t{1} << cut;
+        corners_[cut] =
+            Between(corners_[edge.from], value[edge.from], corners_[edge.to], value[edge.to]);
+        (from_in ? begin : end)[edge.left] = cut, (from_in ? end : begin)[edge.right] = cut;
+        (from_in ? edge.to : edge.from) = cut;
+      }
+      edges_[kept++] = edge;
     }
-    face_count_ = kept;
-    Close(cut, old_count);
-    return face_count_ >= 4;
+    for (std::uint8_t face = 0; face < face_count_; ++face) {
+      if (begin[face] == kNone || end[face] == kNone) continue;
+      edges_[kept++] = {begin[face], end[face], face, face_count_};
+    }
+    edge_count_ = kept;
+    ++face_count_;
+    return true;
   }
 
+  // Corners that were cut off keep their indices.
   std::size_t size() const { return count_; }
   const ClipCorner<3>& corner(std::size_t i) const { return corners_[i]; }
 
   // From a corner to all faces that do not have it.
   template <class Visit>
   void ForEachSimplex(const Visit& visit) const {
-    if (face_count_ == 0) return;
-    const FaceList& faces = faces_[current_];
-    const std::uint8_t apex = faces[0].ring[0];
-    for (std::size_t f = 1; f < face_count_; ++f) {
-      const Face& face = faces[f];
-      bool has_apex = false;
-      for (std::size_t i = 0; i < face.size; ++i) has_apex |= face.ring[i] == apex;
-      if (has_apex) continue;
-      for (std::size_t i = 1; i + 1 < face.size; ++i) {
-        visit(std::array<std::size_t, 4>{apex, face.ring[0], face.ring[i], face.ring[i + 1]});
-      }
+    const std::uint8_t apex = edges_[0].from;
+    std::uint32_t has_apex = 0;  // bits of faces
+    for (std::size_t e = 0; e < edge_count_; ++e) {
+      const Edge& edge = edges_[e];
+      if (edge.from == apex || edge.to == apex) has_apex |= 1U << edge.left | 1U << edge.right;
+    }
+    std::array<std::uint8_t, kMostFaces> first;  // of a face's corners
+    first.fill(kNone);
+    const auto look_at = [&](std::uint8_t face, std::uint8_t from, std::uint8_t to) {
+      if ((has_apex >> face & 1) != 0) return;
+      if (first[face] == kNone) first[face] = from;
+      if (first[face] == from || first[face] == to) return;
+      visit(std::array<std::size_t, 4>{apex, first[face], from, to});
+    };
+    for (std::size_t e = 0; e < edge_count_; ++e) {
+      look_at(edges_[e].left, edges_[e].from, edges_[e].to);
+      look_at(edges_[e].right, edges_[e].to, edges_[e].from);
     }
   }
 
-  // Four cuts of a convex polyhedron with 4 corners, three edges at each: at most 12 in use, and
-  // those that were cut off keep their places.
-  static constexpr std::size_t kMost = 40;
+  // A cut makes at most one corner an edge, and one edge a face: 4, 10, 15 and 21 corners.
+  static constexpr std::size_t kMost = 54;
 
  private:
-  static constexpr std::size_t kMostFaces = 12, kMostSides = 14;
-  struct Face {
-    std::uint8_t size;
-    std::array<std::uint8_t, kMostSides> ring;
+  static constexpr std::size_t kMostFaces = 8, kMostEdges = 28;
+  static constexpr std::uint8_t kNone = 255;
+  struct Edge {
+    std::uint8_t from, to;
+    std::uint8_t left, right;
   };
-  // New corners by the edge that they are on, and the sides of the new face.
-  struct Cut {
-    std::size_t count = 0;
-    std::array<std::array<std::uint8_t, 3>, kMost> edges;  // two ends, new corner
-    std::array<std::uint8_t, kMost> next;                  // along the new face, by new corner
-  };
-
-  // kMost where there is no room, which rounding alone can bring about.
-  std::uint8_t CornerOn(std::uint8_t a, std::uint8_t b, const std::array<double, kMost>& value,
-                        Cut& cut) {
-    if (b < a) std::swap(a, b);
-    for (std::size_t i = 0; i < cut.count; ++i) {
-      if (cut.edges[i][0] == a && cut.edges[i][1] == b) return cut.edges[i][2];
-    }
-    if (count_ == kMost) return kMost;
-    const auto made = static_cast<std::uint8_t>(count_++);
-    corners_[made] = Between(corners_[a], value[a], corners_[b], value[b]);
-    cut.edges[cut.count++] = {a, b, made};
-    cut.next[made] = kMost;
-    return made;
-  }
-
-  void ClipFace(const Face& face, const std::array<double, kMost>& value, Cut& cut, Face& clipped) {
-    clipped.size = 0;
-    std::uint8_t left_at = kMost, came_at = kMost;
-    const auto add = [&](std::uint8_t corner) {
-      if (corner != kMost && clipped.size < kMostSides) clipped.ring[clipped.size++] = corner;
-    };
-    for (std::size_t i = 0; i < face.size; ++i) {
-      const std::uint8_t a = face.ring[i], b = face.ring[i + 1 == face.size ? 0 : i + 1];
-      if (value[a] >= 0) add(a);
-      if ((value[a] < 0) == (value[b] < 0)) continue;
-      const std::uint8_t on = CornerOn(a, b, value, cut);
-      add(on);
-      (value[a] < 0 ? came_at : left_at) = on;
-    }
-    // The new face goes along the same side the other way.
-    if (left_at != kMost && came_at != kMost) cut.next[came_at] = left_at;
-  }
-
-  void Close(const Cut& cut, std::size_t first_new) {
-    if (first_new >= count_ || face_count_ == kMostFaces) return;
-    Face& cap = faces_[current_][face_count_];
-    cap.size = 0;
-    auto at = static_cast<std::uint8_t>(first_new);
-    do {
-      cap.ring[cap.size++] = at;
-      at = cut.next[at];
-    } while (at != kMost && at != first_new && cap.size < kMostSides);
-    face_count_ += cap.size >= 3;
-  }
 
   std::array<ClipCorner<3>, kMost> corners_;
-  // Faces are read from one list and written to the other.
-  using FaceList = std::array<Face, kMostFaces>;
-  std::array<FaceList, 2> faces_;
-  std::size_t current_ = 0;
-  std::size_t count_, face_count_;
+  std::array<Edge, kMostEdges> edges_;
+  std::size_t edge_count_;
+  std::uint8_t face_count_;
+  std::size_t count_;
+  std::uint64_t in_use_;  // bits of corners
 };
 
 }  // namespace dynmesh::transfer

@@ -10,12 +10,12 @@ constexpr std::size_t kAhead = 6;
 
 // What the walk reads when it comes to `slot`: the rows of its neighbours.
 template <std::size_t D>
-void Prefetch(const SlotMesh& mesh, Slot slot) {
-  const Slot* const row = mesh.neighbours().data() + At(slot) * (D + 1);
+void Prefetch(const Slot* cells, const Slot* neighbours, Slot slot) {
+  const Slot* const row = neighbours + At(slot) * (D + 1);
   for (std::size_t k = 0; k <= D; ++k) {
     if (row[k] == kNoSlot) continue;
-    __builtin_prefetch(mesh.cells().data() + At(row[k]) * (D + 1));
-    __builtin_prefetch(mesh.neighbours().data() + At(row[k]) * (D + 1));
+    __builtin_prefetch(cells + At(row[k]) * (D + 1));
+    __builtin_prefetch(neighbours + At(row[k]) * (D + 1));
   }
 }
 
@@ -29,8 +29,14 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
   };
   constexpr std::uint32_t kAllFaces = (1U << (D + 1)) - 1;
   std::vector<Place> places;  // of `cells`
-  SlotIndex seen;
+  // About as many cells and vertices as there are in a mesh of points.
+  const std::size_t expected = overlay.to.size() * (rings == 0 ? 1 : D == 2 ? 4 : 8);
+  SlotIndex seen(4 * expected);
+  indices = SlotIndex(expected);
+  cells.reserve(4 * expected), places.reserve(4 * expected);
   const bool has_regions = mesh.has_regions();
+  const Slot* const all_cells = mesh.cells().data();
+  const Slot* const all_neighbours = mesh.neighbours().data();
   const auto index_of = [&](Slot vertex) {
     const auto [number, is_new] = indices.Add(vertex);
     if (is_new) vertices.push_back(vertex);
@@ -48,7 +54,7 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
   for (int ring = 0; ring <= rings; ++ring) {
     free_count = vertices.size();
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      if (c + kAhead < cells.size()) Prefetch<D>(mesh, places[c + kAhead].slot);
+      if (c + kAhead < cells.size()) Prefetch<D>(all_cells, all_neighbours, places[c + kAhead].slot);
       for (std::size_t k = 0; k <= D; ++k) {
         if ((places[c].open & 1U << k) == 0) continue;
         bool face_is_free = false;
@@ -57,11 +63,11 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
         }
         if (!face_is_free) continue;
         places[c].open &= ~(1U << k);
-        const Slot other = mesh.neighbours()[At(places[c].slot) * (D + 1) + k];
+        const Slot other = all_neighbours[At(places[c].slot) * (D + 1) + k];
         if (other == kNoSlot || !seen.Add(other).second) continue;
         // Its corners are those of the face and one more.
-        const Slot* row = mesh.cells().data() + At(other) * (D + 1);
-        const Slot* own = mesh.cells().data() + At(places[c].slot) * (D + 1);
+        const Slot* row = all_cells + At(other) * (D + 1);
+        const Slot* own = all_cells + At(places[c].slot) * (D + 1);
         Cell cell;
         for (std::size_t i = 0; i <= D; ++i) {
           const auto shared = static_cast<std::size_t>(std::find(own, own + D + 1, row[i]) - own);

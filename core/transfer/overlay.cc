@@ -5,10 +5,14 @@
 #include <limits>
 #include <utility>
 
-#include "core/transfer/clip.h"
+#include "core/data/face_links.h"
+#include "core/transfer/clipper.h"
 
 namespace dynmesh::transfer {
 namespace {
+
+// About as many as there are in 3D.
+constexpr std::size_t kPiecesOfOne = 16;
 
 template <std::size_t D>
 PatchSimplex<D> Read(const SlotMesh& mesh, Slot slot, const Slot* vertices, RegionId region) {
@@ -21,121 +25,51 @@ PatchSimplex<D> Read(const SlotMesh& mesh, Slot slot, const Slot* vertices, Regi
   return simplex;
 }
 
-// Relative to `origin`, so that rounding is that of distances in the simplex.
+// The old simplices of an overlay, to be searched.
 template <std::size_t D>
-Corners<D> Relative(const Corners<D>& corners, const Vec<D>& origin) {
-  Corners<D> result;
-  for (std::size_t k = 0; k <= D; ++k) result[k] = corners[k] - origin;
-  return result;
-}
-
-// Are all corners outside of one of the half-spaces?
-template <std::size_t D>
-bool IsApart(const std::array<HalfSpace<D>, D + 1>& halves, const Corners<D>& corners) {
-  for (const HalfSpace<D>& half : halves) {
-    bool any_in = false;
-    for (const Vec<D>& corner : corners) any_in |= half(corner) > 0;
-    if (!any_in) return true;
-  }
-  return false;
-}
-
-// Coordinates in the old and in the new simplex.
-template <std::size_t D>
-struct TwoCoordinates {
-  std::array<double, D + 1> old, own;
-};
-
-// Adds weight times the products of `c`.
-template <std::size_t D>
-void AddProducts(double weight, const TwoCoordinates<D>& c, double* mass, double* own) {
-  constexpr std::size_t kCorners = D + 1;
-  for (std::size_t a = 0; a < kCorners; ++a) {
-    for (std::size_t b = 0; b < kCorners; ++b) {
-      mass[a * kCorners + b] += weight * c.old[a] * c.own[b];
-      own[a * kCorners + b] += weight * c.own[a] * c.own[b];
-    }
-  }
-}
-
-// A simplex as both sides of a pair are looked at.
-template <std::size_t D>
-using HalfSpacesOf = std::array<HalfSpace<D>, D + 1>;
-
-// A new simplex, ready to clip old ones.
-template <std::size_t D>
-class Clipper {
+class OldSimplices {
  public:
-  explicit Clipper(const PatchSimplex<D>& to)
-      : places_(to.corners),
-        origin_(to.corners[0]),
-        corners_(Relative<D>(to.corners, origin_)),
-        halves_(HalfSpaces(corners_)),
-        coordinates_(corners_) {
-    for (const Vec<D>& corner : corners_) {
-      extent_ = std::max(extent_, GreatestCoordinate(corner));
+  explicit OldSimplices(const Overlay<D>& overlay)
+      : tree_(overlay.MakeTree()), neighbours_(overlay.from.size() * (D + 1), kNoSlot) {
+    data::FaceLinks faces;
+    for (std::size_t i = 0; i < overlay.from.size(); ++i) {
+      halves_.push_back(HalfSpaces(overlay.from[i].corners));
+      for (std::size_t k = 0; k <= D; ++k) {
+        faces.Add(overlay.from[i].vertices.data(), D + 1, k, static_cast<Slot>(i), k);
+      }
     }
+    faces.Link(neighbours_.data(), D + 1);
   }
 
-  // False if they have nothing in common. Adds to `own` what the piece is of the new simplex.
-  // `halves` are the old one's, where it is.
-  bool Clip(const PatchSimplex<D>& from, const HalfSpacesOf<D>& halves, Piece<D>& piece,
-            typename Overlay<D>::Mass& own) const {
-    if (IsApart<D>(halves, places_)) return false;
-    const Corners<D> old = Relative<D>(from.corners, origin_);
-    if (IsApart<D>(halves_, old)) return false;
-    double extent = extent_;
-    for (const Vec<D>& corner : old) extent = std::max(extent, GreatestCoordinate(corner));
-    Clipped<D> clipped(old);
-    for (const HalfSpace<D>& half : halves_) {
-      if (!clipped.By(half, half.Noise(extent))) return false;
-    }
-    // The integral of f g, both linear, over a simplex is its measure / ((D + 1) (D + 2)) times
-    // (sum of f g at its corners + sum of f times sum of g). The first part is gathered by corner.
-    constexpr double kShare = 1.0 / ((D + 1) * (D + 2));
-    std::array<double, Clipped<D>::kMost> weights{};
-    std::array<TwoCoordinates<D>, Clipped<D>::kMost> at;
-    std::array<bool, Clipped<D>::kMost> is_known{};
-    piece.mass.fill(0);
-    bool any = false;
-    clipped.ForEachSimplex([&](const std::array<std::size_t, D + 1>& corners) {
-      Corners<D> places;
-      for (std::size_t k = 0; k <= D; ++k) places[k] = clipped.corner(corners[k]).place;
-      const double share = kShare * Measure<D>(places);
-      if (share <= 0) return;
-      any = true;
-      TwoCoordinates<D> sum{};
-      for (const std::size_t corner : corners) {
-        if (!is_known[corner]) {
-          is_known[corner] = true;
-          at[corner] = {clipped.corner(corner).lambda, coordinates_(clipped.corner(corner).place)};
-        }
-        weights[corner] += share;
-        for (std::size_t k = 0; k <= D; ++k) {
-          sum.old[k] += at[corner].old[k], sum.own[k] += at[corner].own[k];
-        }
-      }
-      AddProducts<D>(share, sum, piece.mass.data(), own.data());
-    });
-    for (std::size_t i = 0; i < clipped.size(); ++i) {
-      if (is_known[i]) AddProducts<D>(weights[i], at[i], piece.mass.data(), own.data());
-    }
-    return any;
+  // The one across face k of old simplex i, or kNoSlot.
+  std::int32_t Across(std::uint32_t i, std::size_t k) const {
+    return neighbours_[std::size_t{i} * (D + 1) + k];
   }
+
+  // The least one that has x in it, border included; kNone if rounding leaves it out of all.
+  std::uint32_t Holding(const Vec<D>& x) const {
+    std::uint32_t found = kNone;
+    tree_.ForEachMeeting({x, x}, [&](std::uint32_t i) {
+      bool inside = i < found;
+      for (std::size_t k = 0; inside && k <= D; ++k) inside = halves_[i][k](x) >= 0;
+      if (inside) found = i;
+    });
+    return found;
+  }
+
+  // Those whose boxes meet that of `corners`, ascending.
+  void NearTo(const Corners<D>& corners, std::vector<std::uint32_t>& found) const {
+    found.clear();
+    tree_.ForEachMeeting(Box<D>::Of(corners), [&](std::uint32_t i) { found.push_back(i); });
+    std::sort(found.begin(), found.end());
+  }
+
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
  private:
-  static double GreatestCoordinate(const Vec<D>& x) {
-    double greatest = 0;
-    for (const double c : x) greatest = std::max(greatest, std::abs(c));
-    return greatest;
-  }
-
-  Corners<D> places_;
-  Vec<D> origin_;
-  Corners<D> corners_;  // relative to the origin
-  double extent_ = 0;
-  HalfSpacesOf<D> halves_;
-  Barycentric<D> coordinates_;
+  BoxTree<D> tree_;
+  std::vector<std::array<HalfSpace<D>, D + 1>> halves_;
+  std::vector<std::int32_t> neighbours_;
 };
 
 }  // namespace
@@ -162,37 +96,62 @@ Overlay<D> Overlay<D>::Make(const SlotMesh& mesh) {
     overlay.to.push_back(
         Read<D>(mesh, slot, mesh.cells().data() + At(slot) * (D + 1), mesh.regions()[At(slot)]));
   }
-  std::vector<HalfSpacesOf<D>> halves;
-  halves.reserve(overlay.from.size());
-  for (const PatchSimplex<D>& simplex : overlay.from) halves.push_back(HalfSpaces(simplex.corners));
-  const BoxTree<D> tree = overlay.MakeTree();
-  overlay.own.assign(overlay.to.size(), {});
-  overlay.own_of_region.assign(overlay.to.size(), {});
-  overlay.begins.reserve(overlay.to.size() + 1);
-  std::vector<std::uint32_t> candidates;
-  for (std::size_t j = 0; j < overlay.to.size(); ++j) {
-    overlay.begins.push_back(static_cast<std::uint32_t>(overlay.pieces.size()));
-    candidates.clear();
-    tree.ForEachMeeting(Box<D>::Of(overlay.to[j].corners),
-                        [&](std::uint32_t i) { candidates.push_back(i); });
-    std::sort(candidates.begin(), candidates.end());
-    const Clipper<D> clipper(overlay.to[j]);
-    Piece<D> piece;
-    piece.to = static_cast<std::uint32_t>(j);
-    for (const std::uint32_t i : candidates) {
-      piece.from = i;
-      typename Overlay<D>::Mass own = {};
-      if (!clipper.Clip(overlay.from[i], halves[i], piece, own)) continue;
-      overlay.pieces.push_back(piece);
-      const bool stays = overlay.from[i].region == overlay.to[j].region;
-      for (std::size_t k = 0; k < own.size(); ++k) {
-        overlay.own[j][k] += own[k];
-        if (stays) overlay.own_of_region[j][k] += own[k];
-      }
-    }
-  }
-  overlay.begins.push_back(static_cast<std::uint32_t>(overlay.pieces.size()));
+  overlay.FindPieces();
   return overlay;
+}
+
+// A new simplex is convex: the old ones that it meets hang together. They are found across faces,
+// from the one at its middle. If what they have of it is not all, to rounding, then all near ones
+// are asked: so a face that rounding hides costs time only.
+template <std::size_t D>
+void Overlay<D>::FindPieces() {
+  constexpr double kWhole = 1e-12;
+  const OldSimplices<D> old(*this);
+  own.assign(to.size(), {});
+  own_of_region.assign(to.size(), {});
+  begins.reserve(to.size() + 1);
+  pieces.reserve(kPiecesOfOne * to.size());
+  std::vector<std::uint32_t> asked(from.size(), OldSimplices<D>::kNone);  // last by which new one
+  std::vector<std::uint32_t> queue;
+  for (std::uint32_t j = 0; j < to.size(); ++j) {
+    begins.push_back(static_cast<std::uint32_t>(pieces.size()));
+    const Clipper<D> clipper(to[j]);
+    const auto clip = [&](std::uint32_t i, std::uint32_t& open) {
+      Piece<D> piece;
+      piece.from = i, piece.to = j;
+      Mass mass;
+      if (!clipper.Clip(from[i], piece, mass, open)) return false;
+      pieces.push_back(piece);
+      const bool stays = from[i].region == to[j].region;
+      for (std::size_t k = 0; k < mass.size(); ++k) {
+        own[j][k] += mass[k];
+        if (stays) own_of_region[j][k] += mass[k];
+      }
+      return true;
+    };
+    queue.clear();
+    if (const std::uint32_t first = old.Holding(Centroid<D>(to[j].corners)); first != old.kNone) {
+      queue.push_back(first), asked[first] = j;
+    }
+    std::uint32_t open = 0;
+    for (std::size_t q = 0; q < queue.size(); ++q) {
+      const std::uint32_t i = queue[q];
+      if (!clip(i, open)) continue;
+      ForEachBit(open, [&](std::size_t k) {
+        const std::int32_t next = old.Across(i, k);
+        if (next == kNoSlot || asked[At(next)] == j) return;
+        queue.push_back(static_cast<std::uint32_t>(next)), asked[At(next)] = j;
+      });
+    }
+    double found = 0;
+    for (const double m : own[j]) found += m;
+    if (std::abs(found - to[j].measure) <= kWhole * to[j].measure) continue;
+    pieces.resize(begins.back());
+    own[j] = {}, own_of_region[j] = {};
+    old.NearTo(to[j].corners, queue);
+    for (const std::uint32_t i : queue) clip(i, open);
+  }
+  begins.push_back(static_cast<std::uint32_t>(pieces.size()));
 }
 
 template <std::size_t D>

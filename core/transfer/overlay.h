@@ -65,7 +65,7 @@ struct Overlay {
   using Mass = std::array<double, (D + 1) * (D + 1)>;
 
   std::vector<PatchSimplex<D>> from, to;  // old and new simplices, in the order of the patch
-  std::vector<Piece<D>> pieces;           // by `to`, then by `from`
+  std::vector<Piece<D>> pieces;           // by `to`
   std::vector<std::uint32_t> begins;      // of the pieces of each new one, and the end
   // Of each new one, and the same over those pieces that lie in its region.
   std::vector<Mass> own, own_of_region;
@@ -74,7 +74,7 @@ struct Overlay {
     return {pieces.data() + begins[to_index], begins[to_index + 1] - begins[to_index]};
   }
 
-  // O((n + p) lg n) for n simplices and p pairs whose boxes meet.
+  // Expected O(n lg n + p) for n simplices and p pieces.
   static Overlay Make(const SlotMesh& mesh);
 
   // The old simplex in which `x` lies, or as good as: the one where its least barycentric
@@ -85,6 +85,9 @@ struct Overlay {
   };
   Place Locate(const BoxTree<D>& tree, const Vec<D>& x) const;
   BoxTree<D> MakeTree() const;
+
+ private:
+  void FindPieces();
 };
 
 }  // namespace dynmesh::transfer

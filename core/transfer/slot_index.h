@@ -3,6 +3,7 @@
 #ifndef DYNMESH_CORE_TRANSFER_SLOT_INDEX_H_
 #define DYNMESH_CORE_TRANSFER_SLOT_INDEX_H_
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -15,6 +16,12 @@ namespace dynmesh::transfer {
 class SlotIndex {
  public:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  SlotIndex() = default;
+  // Has room for `expected` slots; takes more.
+  explicit SlotIndex(std::size_t expected) : entries_(std::bit_ceil(2 * expected + 64)) {
+    SetShift();
+  }
 
   std::size_t size() const { return size_; }
 
@@ -50,12 +57,12 @@ class SlotIndex {
   void Grow() {
     std::vector<Entry> old(entries_.empty() ? 64 : 2 * entries_.size());
     old.swap(entries_);
-    shift_ = 64;
-    for (std::size_t n = entries_.size(); n > 1; n /= 2) --shift_;
+    SetShift();
     for (const Entry& entry : old) {
       if (entry.slot != kNoSlot) Find(entry.slot) = entry;
     }
   }
+  void SetShift() { shift_ = 64 - std::countr_zero(entries_.size()); }
 
   std::vector<Entry> entries_;
   std::size_t size_ = 0;

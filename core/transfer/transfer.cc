@@ -85,9 +85,17 @@ class Transfer::ImplOf final : public Transfer::Impl {
   std::vector<OverlapPiece> Pieces() const override {
     std::vector<OverlapPiece> pieces;
     pieces.reserve(overlay_.pieces.size());
-    for (const auto& piece : overlay_.pieces) {
-      if (!exchange_.Counts(piece)) continue;
-      pieces.push_back({from_slots_[piece.from], to_slots_[piece.to], piece.measure()});
+    std::vector<const transfer::Piece<D>*> of_one;
+    for (std::size_t j = 0; j < overlay_.to.size(); ++j) {
+      of_one.clear();
+      for (const auto& piece : overlay_.PiecesOf(j)) {
+        if (exchange_.Counts(piece)) of_one.push_back(&piece);
+      }
+      std::sort(of_one.begin(), of_one.end(),
+                [](const auto* a, const auto* b) { return a->from < b->from; });
+      for (const auto* piece : of_one) {
+        pieces.push_back({from_slots_[piece->from], to_slots_[j], piece->measure()});
+      }
     }
     return pieces;
   }
