@@ -93,13 +93,18 @@ class Clipped<2> {
 };
 
 // A convex polyhedron, by its edges. An edge goes between two corners and has a face on either
-// side; seen from outside, the left one is on the left of the way from `from` to `to`. A cut shortens
-// edges and adds, on each face that it crosses, an edge of the new face.
+// side; seen from outside, the left one is on the left of the way from `from` to `to`. A cut
+// shortens edges and adds, on each face that it crosses, an edge of the new face.
 template <>
 class Clipped<3> {
  public:
   explicit Clipped(const Corners<3>& c)
-      : edges_{{{1, 2, 0, 3}, {2, 3, 0, 1}, {3, 1, 0, 2}, {0, 3, 1, 2}, {2, 0, 1, 3}, {0, 1, 2, 3}}},
+      : edges_{{{1, 2, 0, 3},
+                {2, 3, 0, 1},
+                {3, 1, 0, 2},
+                {0, 3, 1, 2},
+                {2, 0, 1, 3},
+                {0, 1, 2, 3}}},
         edge_count_(6),
         face_count_(4),
         count_(4),

@@ -61,7 +61,7 @@ class Clipper {
     constexpr double kShare = 1.0 / ((D + 1) * (D + 2));
     std::array<double, Clipped<D>::kMost> weights;
     std::array<TwoCoordinates, Clipped<D>::kMost> at;
-    std::uint64_t known = 0;  // bits of corners
+    std::uint64_t known = 0;                    // bits of corners
     typename Overlay<D>::Mass mixed{}, mine{};  // here, where nothing else can point to
     clipped.ForEachSimplex([&](const std::array<std::size_t, D + 1>& corners) {
       Corners<D> places;
@@ -95,8 +95,8 @@ class Clipper {
   }
 
   // Adds weight times the products of `c`.
-  static void AddProducts(double weight, const TwoCoordinates& c,
-                          typename Overlay<D>::Mass& mass, typename Overlay<D>::Mass& own) {
+  static void AddProducts(double weight, const TwoCoordinates& c, typename Overlay<D>::Mass& mass,
+                          typename Overlay<D>::Mass& own) {
     constexpr std::size_t kCorners = D + 1;
     for (std::size_t a = 0; a < kCorners; ++a) {
       const double old_a = weight * c.old[a], own_a = weight * c.own[a];

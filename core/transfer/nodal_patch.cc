@@ -54,7 +54,8 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
   for (int ring = 0; ring <= rings; ++ring) {
     free_count = vertices.size();
     for (std::size_t c = 0; c < cells.size(); ++c) {
-      if (c + kAhead < cells.size()) Prefetch<D>(all_cells, all_neighbours, places[c + kAhead].slot);
+      if (c + kAhead < cells.size())
+        Prefetch<D>(all_cells, all_neighbours, places[c + kAhead].slot);
       for (std::size_t k = 0; k <= D; ++k) {
         if ((places[c].open & 1U << k) == 0) continue;
         bool face_is_free = false;
