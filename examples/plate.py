@@ -22,7 +22,7 @@ import dynmesh
 # pieces can be told from those of the plate's other sides. All of the wire has the marker WIRE, its
 # segments have ids from there on.
 LEFT, PLATE, DISC, WIRE = 50, 100, 200, 300
-CORNERS = 16  # of the disc; its points are 11, 12, ...
+CORNERS, RADIUS = 16, 0.12  # of the disc; its points are 11, 12, ...
 JOINT = 1000  # the first point of the wire; the others' ids follow
 IN_PLATE, IN_DISC = 1, 2  # markers of cells
 
@@ -78,7 +78,8 @@ def disc(step: int, steps: int) -> dict[int, tuple[float, float]]:
     """The disc's corners."""
     angles = [2 * math.pi * k / CORNERS for k in range(CORNERS)]
     x = 0.3 + 0.4 * step / steps
-    return {11 + k: (x + 0.12 * math.cos(a), 0.3 + 0.12 * math.sin(a)) for k, a in enumerate(angles)}
+    return {11 + k: (x + RADIUS * math.cos(a), 0.3 + RADIUS * math.sin(a))
+            for k, a in enumerate(angles)}
 
 
 def joint(step: int, steps: int) -> tuple[float, float]:
@@ -90,9 +91,19 @@ def length(points: list[tuple[float, float]]) -> float:
     return sum(math.dist(a, b) for a, b in zip(points, points[1:]))
 
 
-def difference(found: dict[int, float], expected: dict[int, float]) -> float:
-    assert found.keys() == expected.keys(), f"markers {sorted(found)}, not {sorted(expected)}"
-    return max(abs(found[key] - expected[key]) for key in expected)
+def expected(step: int, steps: int) -> tuple[dict[int, float], dict[int, float], float]:
+    """What the features after a step say: areas and lengths by marker, and the heat of a step."""
+    area = RADIUS**2 * CORNERS / 2 * math.sin(2 * math.pi / CORNERS)
+    corners = list(disc(step, steps).values())
+    lengths = {LEFT: 1.0, PLATE: 3.0, DISC: length([*corners, corners[0]]),
+               WIRE: length([joint(k, steps) for k in range(step + 1)])}
+    heat = HEATING[DISC] * area + HEATING[WIRE] * lengths[WIRE] + HEATING[LEFT] * lengths[LEFT]
+    return {IN_PLATE: 1 - area, IN_DISC: area}, lengths, TIME_STEP * heat
+
+
+def difference(found: dict[int, float], wanted: dict[int, float]) -> float:
+    assert found.keys() == wanted.keys(), f"markers {sorted(found)}, not {sorted(wanted)}"
+    return max(abs(found[key] - wanted[key]) for key in wanted)
 
 
 def missing(debian_package: str) -> NoReturn:
@@ -103,7 +114,7 @@ def missing(debian_package: str) -> NoReturn:
 
 def run(name: str, solve: Callable[[Part], Answer]) -> None:
     """Ten edits, after each of which the package `name` does a step on the mesh as it is then."""
-    parser = argparse.ArgumentParser(description=f"Heat conduction with {name} on a mesh that changes.")
+    parser = argparse.ArgumentParser(description=f"Heat conduction with {name} on a changing mesh.")
     parser.add_argument("--edge", type=float, default=0.03, help="target length of edges")
     parser.add_argument("--steps", type=int, default=10)
     parser.add_argument("--out", default=f"out/plate_{name}")
@@ -143,24 +154,22 @@ def run(name: str, solve: Callable[[Part], Answer]) -> None:
         spent[name] += time.perf_counter() - start
         u[part.slots] = answer.u
 
-        corners = list(disc(step, steps).values())
-        wire = length([joint(k, steps) for k in range(step + 1)])
-        area = 0.12**2 * CORNERS / 2 * math.sin(2 * math.pi / CORNERS)
-        gained = TIME_STEP * (HEATING[DISC] * area + HEATING[WIRE] * wire + HEATING[LEFT])
-        note("areas", difference(answer.areas, {IN_PLATE: 1 - area, IN_DISC: area}))
-        note("lengths", difference(answer.lengths, {
-            LEFT: 1.0, PLATE: 3.0, DISC: length([*corners, corners[0]]), WIRE: wire}))
+        areas, lengths, heating = expected(step, steps)
+        note("areas", difference(answer.areas, areas))
+        note("lengths", difference(answer.lengths, lengths))
         note("integrals", abs(answer.heat - part.integral()))
         note("edits", abs(part.integral() - held))
-        note("balance", abs(answer.heat_after - answer.heat - gained))
+        note("balance", abs(answer.heat_after - answer.heat - heating))
         series.add(step * TIME_STEP, mesh, point_data={"temperature": u})
 
     print(f"{mesh.vertex_count} vertices, {len(part.cells)} cells in the plate, {steps} edits: "
           f"{np.mean(changed):.0f} vertices changed an edit, {1e3 * spent['edits'] / steps:.1f} ms "
-          f"an edit with transfer, {1e3 * spent[name] / steps:.0f} ms a step of {name}")
+          f"an edit with transfer, {1e3 * spent[name] / steps:.0f} ms a step of {name}; "
+          f"temperatures {answer.u.min():.6f} to {answer.u.max():.6f}")
     print(f"largest differences: areas {worst['areas']:.1e}, lengths {worst['lengths']:.1e}, "
           f"integral of the carried field {worst['integrals']:.1e}, heat that an edit lost "
-          f"{worst['edits']:.1e}, balance of a step {worst['balance']:.1e}; series in {series.path}")
+          f"{worst['edits']:.1e}, balance of a step {worst['balance']:.1e}; series in "
+          f"{series.path}")
     assert worst["areas"] < 1e-12, "a region has another area than its polygon"
     assert worst["lengths"] < 1e-12, "the facets of a marker are not those of the feature"
     assert worst["integrals"] < 1e-12, f"{name} integrates another field"

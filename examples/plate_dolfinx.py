@@ -5,7 +5,7 @@
 
 A disc moves and a wire grows in a plate. After each edit DOLFINx gets the mesh as it is then, from
 arrays, regions as cell tags and features as facet tags, with the temperature that was carried.
-Writes a series for ParaView; plate.py, which the other packages share, tells what is checked.
+Writes a series for ParaView; plate.py, which all packages share, tells what is checked.
 """
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ def read(part: plate.Part) -> tuple[dolfinx.mesh.Mesh, dolfinx.mesh.MeshTags, do
                                     np.ndarray]:
     """The mesh, tags of cells and facets, and which vertex of the part each of its nodes is."""
     triangle = ufl.Mesh(ufl.VectorElement("Lagrange", "triangle", 1))
-    mesh = dolfinx.mesh.create_mesh(MPI.COMM_SELF, part.cells.astype(np.int64), part.points, triangle)
+    mesh = dolfinx.mesh.create_mesh(MPI.COMM_SELF, part.cells.astype(np.int64), part.points,
+                                    triangle)
     mesh.topology.create_connectivity(1, 0)
     mesh.topology.create_connectivity(1, 2)
     # DOLFINx renumbers cells and vertices for locality, and tells from which.

@@ -5,7 +5,7 @@
 
 A disc moves and a wire grows in a plate. After each edit FreeFEM gets the mesh as it is then, as a
 file with regions and labels, with the temperature that was carried; plate_freefem.edp solves.
-Writes a series for ParaView; plate.py, which the other packages share, tells what is checked.
+Writes a series for ParaView; plate.py, which all packages share, tells what is checked.
 """
 from __future__ import annotations
 
@@ -23,11 +23,10 @@ SCRIPT = pathlib.Path(__file__).resolve().with_suffix(".edp")
 
 def write(part: plate.Part, path: pathlib.Path) -> None:
     """FreeFEM's .msh: vertices, triangles and edges, each with a label; they count from 1."""
-    labels = np.zeros(len(part.points), int)
     rows = [f"{len(part.points)} {len(part.cells)} {len(part.facets)}"]
-    rows += [f"{x!r} {y!r} {label}" for (x, y), label in zip(part.points.tolist(), labels)]
-    for corners, markers in ((part.cells, part.cell_markers), (part.facets, part.facet_markers)):
-        rows += [" ".join(map(str, row)) for row in np.column_stack([corners + 1, markers]).tolist()]
+    rows += [f"{x!r} {y!r} 0" for x, y in part.points.tolist()]
+    for corners, labels in ((part.cells, part.cell_markers), (part.facets, part.facet_markers)):
+        rows += [" ".join(map(str, row)) for row in np.column_stack([corners + 1, labels]).tolist()]
     path.write_text("\n".join(rows) + "\n", encoding="ascii")
 
 
