@@ -30,7 +30,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "dynmesh/client/diff_stream.h"
+#include "dynmesh/client/edit_session.h"
 #include "dynmesh/client/mesh_client.h"
+#include "dynmesh/codec/features_at.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/options.h"
@@ -98,24 +101,17 @@ class RemoteMesh {
 
   // Sends a batch and follows the mesh to where it led. The replica's patch is then all that
   // changed since the last call: edits of other clients, too.
-  void Apply(const EditBatch& edits) {
-    const std::uint64_t revision = Send(edits);
-    for (bool first = true; replica_.revision() < revision; first = false) {
-      const auto event = Value(stream_->Next(absl::Minutes(1)));
-      if (!event.has_value()) Fail("no diff came for a minute");
-      // The stream was not asked for whole meshes in the place of diffs.
-      const MeshDiff& diff = std::get<MeshDiff>(*event);
-      Check(first ? replica_.Apply(diff) : replica_.Extend(diff));
-    }
-  }
+  void Apply(const EditBatch& edits) { Follow(Send(edits)); }
 
   const SlotMesh& replica() const { return replica_; }
 
-  // Is this the mesh that the server makes of the same features from scratch?
-  bool IsThatOfItsFeatures(const MeshOptions& options) const {
-    const auto features = Value(client_.GetFeatures(name_, replica_.revision())).features;
+  // Is the mesh as it is now, here and at the server, what the server makes of its features from
+  // scratch?
+  bool IsThatOfItsFeatures(const MeshOptions& options) {
+    const dynmesh::codec::FeaturesAt now = Value(client_.GetFeatures(name_));
+    Follow(now.revision);
     const std::string other = Value(client_.CreateMesh("", options)).id;
-    const EditResult built = Value(client_.AddFeatures(other, features, NoColumns()));
+    const EditResult built = Value(client_.AddFeatures(other, now.features, NoColumns()));
     Check(client_.DeleteMesh(other));
     return built.diff.hash == replica_.hash();
   }
@@ -140,6 +136,17 @@ class RemoteMesh {
         return Value(result).diff.to_revision;
       }
       absl::SleepFor(absl::Milliseconds(100));
+    }
+  }
+
+  // Several diffs become one patch: the first begins it, the others extend it.
+  void Follow(std::uint64_t revision) {
+    for (bool first = true; replica_.revision() < revision; first = false) {
+      const auto event = Value(stream_->Next(absl::Minutes(1)));
+      if (!event.has_value()) Fail("no diff came for a minute");
+      // The stream was not asked for whole meshes in the place of diffs.
+      const MeshDiff& diff = std::get<MeshDiff>(*event);
+      Check(first ? replica_.Apply(diff) : replica_.Extend(diff));
     }
   }
 
