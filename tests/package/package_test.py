@@ -126,18 +126,34 @@ class Installed(Folder):
         all_of_them.write_text("".join(f'#include "{header}"\n' for header in headers))
         run(CXX, "-std=c++20", "-fsyntax-only", *WARNINGS, f"-I{include}", all_of_them)
 
+    def configure_with(self, statements):
+        """A project that does no more than `statements`."""
+        project = self.folder / "statements"
+        project.mkdir(exist_ok=True)
+        (project / "CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.24)\nproject(statements LANGUAGES CXX)\n" + statements)
+        run("cmake", "-G", "Ninja", "-S", project, "-B", project / "build",
+            f"-DCMAKE_CXX_COMPILER={CXX}", f"-DCMAKE_PREFIX_PATH={self.prefix}")
+
     def test_a_wrong_version_is_refused(self):
-        project = self.folder / "wrong"
-        project.mkdir()
-        for wanted, found in (("0.1", True), (version(), True), ("0.0", False), ("1.0", False)):
-            (project / "CMakeLists.txt").write_text(
-                "cmake_minimum_required(VERSION 3.24)\nproject(wrong LANGUAGES CXX)\n"
+        for wanted, found in (("0.1", True), (version(), True), ("0.0", False), ("1.0", False),
+                              ("99", False)):
+            self.configure_with(
                 f"find_package(dynmesh {wanted} QUIET)\n"
                 f'if(NOT "${{dynmesh_FOUND}}" STREQUAL {int(found)})\n'
                 'message(FATAL_ERROR "found: ${dynmesh_FOUND}")\nendif()\n'
             )
-            run("cmake", "-G", "Ninja", "-S", project, "-B", project / "build",
-                f"-DCMAKE_CXX_COMPILER={CXX}", f"-DCMAKE_PREFIX_PATH={self.prefix}")
+
+    def test_an_error_says_which_version_there_is(self):
+        with self.assertRaises(AssertionError) as raised:
+            self.configure_with("find_package(dynmesh 99 REQUIRED)\n")
+        said = " ".join(str(raised.exception).split())
+        self.assertIn('compatible with requested version "99"', said)
+        self.assertRegex(said, rf"dynmesh-config\.cmake, version: {re.escape(version())}\b")
+
+    def test_an_error_names_the_component_that_there_is_not(self):
+        with self.assertRaisesRegex(AssertionError, r"(?s)dynmesh.*\bsurprise\b"):
+            self.configure_with("find_package(dynmesh REQUIRED COMPONENTS surprise)\n")
 
     def test_the_unit_names_what_is_installed(self):
         unit = (self.prefix / "lib/systemd/system/dynmeshd.service").read_text()
