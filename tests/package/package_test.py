@@ -3,7 +3,7 @@
     package_test.py BUILD CXX Installed | Subdirectory | Packages
 
 The programs in consumer/ have to build with warnings as errors and to print the hash that the
-`dynmesh` command has. Exit codes: 0 good, 1 not, 77 not run, because a tool is not installed.
+`dynmesh` command has; the one in Python as well. Exit codes: 0 good, 1 not, 77 not run, because a tool is not installed.
 """
 
 import json
@@ -23,6 +23,8 @@ CONSUMER = SOURCE / "tests/package/consumer"
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 CXX = sys.argv[2]
 FOLDERS = ("core/include", "client/include", "proto/codec/include")  # of public headers
+PYTHON_FOLDER = "lib/python3/dist-packages"
+HAS_PYTHON = any((BUILD / "python/dynmesh").glob("_core*.so"))  # not with -DDYNMESH_PYTHON=OFF
 WARNINGS = ["-Werror", "-Wunused", "-Wall", "-Wextra"]
 TOOLS = {
     "Installed": ["cmake", "ninja", "pkg-config"],
@@ -54,6 +56,14 @@ def expected_hash():
 def version():
     header = (SOURCE / "core/include/dynmesh/version.h").read_text()
     return ".".join(re.findall(r"^#define DYNMESH_VERSION_[A-Z]+ (\d+)$", header, re.M))
+
+
+def run_python(folder):
+    """The Python package in `folder`: what consumer/program.py prints, in words."""
+    # No folder but that one and Debian's; -B leaves nothing compiled there.
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    return run(sys.executable, "-B", "-W", "error", CONSUMER / "program.py",
+               env={**environment, "PYTHONPATH": str(folder)}).split()
 
 
 def compile_lines(where):
@@ -116,6 +126,14 @@ class Installed(Folder):
             CONSUMER / "client.cc", "-o", program, *self.pkg_config("--libs", "dynmesh-client"))
         with Server(self.folder / "port2") as address:
             self.assertEqual(run(program, address).split(), [expected_hash()])
+
+    @unittest.skipUnless(HAS_PYTHON, "built without the Python package")
+    def test_the_python_package_works_from_any_prefix(self):
+        prefix = self.folder / "python"
+        run("cmake", "--install", BUILD, "--prefix", prefix, "--component", "python")
+        folder = prefix / PYTHON_FOLDER
+        self.assertEqual(run_python(folder),
+                         [version(), version(), expected_hash(), f"{folder}/dynmesh/__init__.py"])
 
     def test_headers_include_what_is_installed(self):
         include = self.prefix / "include"
@@ -268,8 +286,9 @@ class Packages(Folder):
     def field(self, package, name):
         return run("dpkg-deb", "-f", self.debs[package], name).strip()
 
-    def test_there_are_two(self):
-        self.assertEqual(set(self.debs), {"dynmesh", "libdynmesh-dev"})
+    def test_there_is_one_for_each_purpose(self):
+        self.assertEqual(set(self.debs), {"dynmesh", "libdynmesh-dev",
+                                          *(["python3-dynmesh"] if HAS_PYTHON else [])})
         for package in self.debs:
             self.assertEqual(self.field(package, "Version"), f"{version()}-1")
 
@@ -293,6 +312,49 @@ class Packages(Folder):
         depends = self.field("dynmesh", "Depends")
         for package in ("libc6", "libgrpc++1.51", "libsqlite3-0", "libabsl20220623", "passwd"):
             self.assertIn(package, re.findall(r"[^\s,(]+", depends))
+
+    @unittest.skipUnless(HAS_PYTHON, "built without the Python package")
+    def test_the_python_package_is_whole(self):
+        files = self.listing("python3-dynmesh")
+        folder = f"/usr/{PYTHON_FOLDER}"
+        sources = {path.name for path in (SOURCE / "client/python/dynmesh").glob("*.py*")
+                   if path.is_file()} | {"py.typed"}
+        (module,) = [name for name in files if name.endswith(".so")]
+        self.assertRegex(module, rf"^{folder}/dynmesh/_core\.cpython-\d+-[a-z0-9_-]+\.so$")
+        self.assertEqual(set(files), {
+            module,
+            *(f"{folder}/dynmesh/{name}" for name in sources),
+            f"{folder}/dynmesh-{version()}.dist-info/METADATA",
+            "/usr/share/doc/python3-dynmesh/CHANGELOG.md",
+            "/usr/share/doc/python3-dynmesh/LICENSE",
+            "/usr/share/doc/python3-dynmesh/copyright",
+        })
+        for name, (mode, owner) in files.items():
+            self.assertEqual((mode, owner), ("-rw-r--r--", "root/root"), name)
+        depends = self.field("python3-dynmesh", "Depends")
+        for package in ("libc6", "libgrpc++1.51", "libprotobuf32", "libabsl20220623",
+                        "python3-numpy"):
+            self.assertIn(package, re.findall(r"[^\s,(]+", depends))
+        python = f"{sys.version_info.major}.{sys.version_info.minor}"
+        next_python = f"{sys.version_info.major}.{sys.version_info.minor + 1}"
+        self.assertIn(f"python3 (>= {python})", depends)
+        self.assertIn(f"python3 (<< {next_python})", depends)
+        self.assertEqual(self.field("python3-dynmesh", "Recommends"), "python3-meshio")
+
+    @unittest.skipUnless(HAS_PYTHON, "built without the Python package")
+    def test_the_python_package_works(self):
+        root = self.folder / "python"
+        run("dpkg-deb", "-x", self.debs["python3-dynmesh"], root)
+        folder = root / "usr" / PYTHON_FOLDER
+        self.assertEqual(run_python(folder),
+                         [version(), version(), expected_hash(), f"{folder}/dynmesh/__init__.py"])
+
+    @unittest.skipUnless(HAS_PYTHON, "built without the Python package")
+    def test_the_python_packages_scripts_are_there(self):
+        control = self.folder / "python_control"
+        run("dpkg-deb", "-e", self.debs["python3-dynmesh"], control)
+        for script in ("postinst", "prerm"):
+            self.assertTrue(os.access(control / script, os.X_OK), script)
 
     def test_the_unit_names_files_of_the_package(self):
         unit = run("sh", "-c", 'dpkg-deb --fsys-tarfile "$1" | tar -xO "$2"', "sh",
