@@ -38,44 +38,54 @@ def marked(lines, indent):
     return out
 
 
+def comment_block(lines, at):
+    """The comment whose first line is `at`, converted, and the line behind it."""
+    end = at
+    while end < len(lines) and ALONE.match(lines[end]):
+        end += 1
+    belongs = at == 0 or (end < len(lines) and lines[end].strip() != "")
+    if not belongs:
+        return lines[at:end], end
+    indent = lines[at][: len(lines[at]) - len(lines[at].lstrip())]
+    return marked([ALONE.match(line)["text"] for line in lines[at:end]], indent), end
+
+
+def trailing_comment(lines, at, found):
+    """The same for one that begins behind code; it may go on below itself."""
+    out = [f"{found['code']}{found['gap']}///<{found['text']}"]
+    column = len(found["code"]) + len(found["gap"])
+    at += 1
+    while at < len(lines) and ALONE.match(lines[at]) and lines[at].index("//") == column:
+        out.append(" " * column + "///<" + ALONE.match(lines[at])["text"])
+        at += 1
+    return out, at
+
+
 def convert(source):
     lines = source.split("\n")
     out = []
     at = 0
+    told = False  # by a comment right above
+    if ALONE.match(lines[0]):
+        out.append("/// @file")
+        # Messages name lines: an empty one below makes up for it.
+        empty = next((i for i, line in enumerate(lines) if not line), None)
+        if empty is not None:
+            del lines[empty]
     while at < len(lines):
         line = lines[at]
-        alone = ALONE.match(line)
-        if alone:
-            end = at
-            while end < len(lines) and ALONE.match(lines[end]):
-                end += 1
-            texts = [ALONE.match(row)["text"] for row in lines[at:end]]
-            indent = line[: len(line) - len(line.lstrip())]
-            if at == 0:
-                out.append("/// @file")
-                out.extend(marked(texts, indent))
-            elif end < len(lines) and lines[end].strip():
-                out.extend(marked(texts, indent))
-            else:
-                out.extend(lines[at:end])
-            at = end
-            continue
-        if SELF_EVIDENT.match(line) and not (at > 0 and ALONE.match(lines[at - 1])):
-            out.append("")  # line numbers stay
-            at += 1
-            continue
         trailing = TRAILING.match(line)
-        if trailing and not SILENT.match(line):
-            out.append(f"{trailing['code']}{trailing['gap']}///<{trailing['text']}")
-            column = line.index("//", len(trailing["code"]))
+        above, told = told, False
+        if ALONE.match(line):
+            block, at = comment_block(lines, at)
+            out.extend(block)
+            told = True
+        elif trailing and not SILENT.match(line):
+            block, at = trailing_comment(lines, at, trailing)
+            out.extend(block)
+        else:
+            out.append("" if SELF_EVIDENT.match(line) and not above else line)
             at += 1
-            # The comment goes on below itself.
-            while at < len(lines) and ALONE.match(lines[at]) and lines[at].index("//") == column:
-                out.append(" " * column + "///<" + ALONE.match(lines[at])["text"])
-                at += 1
-            continue
-        out.append(line)
-        at += 1
     return "\n".join(out)
 
 

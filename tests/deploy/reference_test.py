@@ -89,6 +89,56 @@ class Reference(unittest.TestCase):
                      r"index\.rst does not have dynmesh\.StaleDiff")
 
 
+class Comments(unittest.TestCase):
+    def test_each_goes_to_its_declaration(self):
+        file = WORK / "header.h"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text("""\
+// The file.
+//
+//   code();
+//   * an item
+//     of two lines
+#ifndef A_H_  // a guard
+
+// Of nothing in particular.
+
+// A type.
+struct A {
+  int a;  // one
+  int b;  // two,
+          // in two lines
+  A(const A&);
+  // Takes it over.
+  A(A&& other) noexcept;
+  friend bool operator==(const A&, const A&) = default;
+};
+""")
+        said = subprocess.run([SOURCE / "deploy/docs/doc_comments.py", file], text=True,
+                              stdout=subprocess.PIPE, check=True).stdout
+        self.assertEqual(said, """\
+/// @file
+/// The file.
+///
+///       code();
+///   * an item
+///     of two lines
+#ifndef A_H_  // a guard
+// Of nothing in particular.
+
+/// A type.
+struct A {
+  int a;  ///< one
+  int b;  ///< two,
+          ///< in two lines
+
+  /// Takes it over.
+  A(A&& other) noexcept;
+
+};
+""")
+
+
 if __name__ == "__main__":
     absent = [] if shutil.which("doxygen") else ["doxygen"]
     if importlib.util.find_spec("sphinx") is None:
