@@ -125,8 +125,8 @@ class MeshClient {
                                             const EditParams& params = {});
 
   // Adds the features of `source` to `mesh`, as many as the server lets a batch have, as one atomic
-  // batch; `params` can follow and cancel it. An error names
-  // the feature to blame; what was sent until then changes nothing.
+  // batch; `params` can follow and cancel it. An error names the feature to blame; what was sent
+  // until then changes nothing.
   absl::StatusOr<LoadResult> Load(const std::string& mesh, const FeatureSource& source,
                                   const LoadParams& params = {});
   // The same with `features` to add to `mesh`; `params` as above.
