@@ -1,10 +1,13 @@
 # What `cmake --install` puts where. The components are Debian's packages (package.cmake):
-# `service` has the programs and what runs dynmeshd, `development` the libraries and headers. A
-# Python package will be a third, `python`.
+# `service` has the programs and what runs dynmeshd, `development` the libraries and headers,
+# `python` the Python package.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 # ---- the libraries
+# They are static (core/CMakeLists.txt), whatever BUILD_SHARED_LIBS is: an interface of functions that
+# take and return containers, Abseil's among them, is stable for one compiler and one Abseil only. So
+# there is no VERSION or SOVERSION; a program that has to know asks dynmesh/version.h.
 set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/dynmesh)
 set(pc_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 cmake_path(RELATIVE_PATH CMAKE_INSTALL_PREFIX
@@ -65,6 +68,22 @@ function(install_documents component folder)
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${folder} COMPONENT ${component})
 endfunction()
 install_documents(development libdynmesh-dev LICENSE CHANGELOG.md)
+
+# ---- the Python package
+# Where Debian's Python looks, for the prefix /usr; with another one it is named by PYTHONPATH.
+if(TARGET dynmesh_python)
+  set(DYNMESH_PYTHON_FOLDER lib/python3/dist-packages CACHE STRING
+    "Where the Python package is installed, below the prefix")
+  install(TARGETS dynmesh_python
+    LIBRARY DESTINATION ${DYNMESH_PYTHON_FOLDER}/dynmesh COMPONENT python)
+  install(DIRECTORY client/python/dynmesh DESTINATION ${DYNMESH_PYTHON_FOLDER} COMPONENT python
+    FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed" PATTERN __pycache__ EXCLUDE)
+  # For pip and importlib.metadata.
+  configure_file(client/python/METADATA.in METADATA @ONLY)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/METADATA
+    DESTINATION ${DYNMESH_PYTHON_FOLDER}/dynmesh-${PROJECT_VERSION}.dist-info COMPONENT python)
+  install_documents(python python3-dynmesh LICENSE CHANGELOG.md)
+endif()
 
 # ---- the programs and the service
 if(TARGET dynmesh_cli AND TARGET dynmeshd)

@@ -38,4 +38,23 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libgrpc++-dev, libprotobuf-dev,
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "dynamic meshing: C++ libraries and headers
 The mesher as a static library, and the client of dynmeshd, with files for CMake and pkg-config.")
 
+if(TARGET dynmesh_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-dynmesh)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  # The extension module is for the Python that it was compiled with.
+  get_target_property(python dynmesh_python DYNMESH_PYTHON_VERSION)
+  string(REPLACE "." ";" next_python ${python})
+  list(GET next_python 1 next_python)
+  math(EXPR next_python "${next_python} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= ${python}), python3 (<< 3.${next_python}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS python3-meshio)  # Mesh.to_meshio, Series
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "dynamic meshing: Python package
+Meshes as numpy arrays that follow edits, in the process or of a dynmeshd, and fields that survive an
+edit.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${debian}/python/postinst ${debian}/python/prerm)
+endif()
+
 include(CPack)

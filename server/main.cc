@@ -12,12 +12,12 @@
 #include "absl/strings/str_split.h"
 #include "core/base/process_memory.h"
 #include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/version.h"
 #include "server/access/acceptor.h"
 #include "server/base/log.h"
 #include "server/flags.h"
 #include "server/journal/sqlite_journal.h"
 #include "server/server.h"
-#include "server/version.h"
 
 namespace {
 
@@ -128,7 +128,7 @@ int main(int argc, char** argv) {
   static Signals signals;
   CLI::App app{
       "dynmeshd: serves dynamic meshes over gRPC. Without --data-dir they live in memory only."};
-  app.set_version_flag("--version", std::string("dynmeshd ") + dynmesh::server::kVersion);
+  app.set_version_flag("--version", std::string("dynmeshd ") + dynmesh::kVersion);
   Flags flags;
   dynmesh::server::AddFlags(app, flags);
   if (const auto code = dynmesh::server::ParseFlags(app, argc, argv)) return *code;

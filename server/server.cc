@@ -17,6 +17,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/clock.h"
+#include "dynmesh/version.h"
 #include "server/access/acceptor.h"
 #include "server/access/access.h"
 #include "server/access/memory_guard.h"
@@ -28,7 +29,6 @@
 #include "server/metrics/call_observer.h"
 #include "server/metrics/collect.h"
 #include "server/metrics/metrics_http.h"
-#include "server/version.h"
 
 namespace dynmesh::server {
 namespace {

@@ -6,10 +6,11 @@
 #include <utility>
 
 #include "core/data/text.h"
+#include "dynmesh/version.h"
 
 namespace dynmesh::cli {
 
-std::string VersionText() { return "dynmesh " DYNMESH_VERSION; }
+std::string VersionText() { return "dynmesh " DYNMESH_VERSION_STRING; }
 
 CLI::App* AddCommand(CLI::App& app, CommandSlot& slot, const std::string& name,
                      const std::string& description, std::function<int()> run) {

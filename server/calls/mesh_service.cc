@@ -14,6 +14,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "dynmesh/version.h"
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
@@ -28,7 +29,6 @@
 #include "server/calls/send_timeout.h"
 #include "server/calls/snapshot_call.h"
 #include "server/calls/watch_call.h"
-#include "server/version.h"
 
 namespace dynmesh::server {
 namespace {

@@ -5,8 +5,8 @@
 #include "absl/status/status.h"
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "dynmesh/version.h"
 #include "proto/codec/grpc_status.h"
-#include "server/version.h"
 
 namespace dynmesh::server {
 namespace {

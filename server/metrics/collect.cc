@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "dynmesh/version.h"
 #include "server/base/process.h"
-#include "server/version.h"
 
 namespace dynmesh::server {
 namespace {

@@ -3,7 +3,7 @@
     package_test.py BUILD CXX Installed | Subdirectory | Packages
 
 The programs in consumer/ have to build with warnings as errors and to print the hash that the
-`dynmesh` command has. Exit codes: 0 good, 1 not, 77 not run, because a tool is not installed.
+`dynmesh` command has; the one in Python as well. Exit codes: 0 good, 1 not, 77 not run, because a tool is not installed.
 """
 
 import json
@@ -23,6 +23,8 @@ CONSUMER = SOURCE / "tests/package/consumer"
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 CXX = sys.argv[2]
 FOLDERS = ("core/include", "client/include", "proto/codec/include")  # of public headers
+PYTHON_FOLDER = "lib/python3/dist-packages"
+HAS_PYTHON = any((BUILD / "python/dynmesh").glob("_core*.so"))  # not with -DDYNMESH_PYTHON=OFF
 WARNINGS = ["-Werror", "-Wunused", "-Wall", "-Wextra"]
 TOOLS = {
     "Installed": ["cmake", "ninja", "pkg-config"],
@@ -54,6 +56,14 @@ def expected_hash():
 def version():
     header = (SOURCE / "core/include/dynmesh/version.h").read_text()
     return ".".join(re.findall(r"^#define DYNMESH_VERSION_[A-Z]+ (\d+)$", header, re.M))
+
+
+def run_python(folder):
+    """The Python package in `folder`: what consumer/program.py prints, in words."""
+    # No folder but that one and Debian's; -B leaves nothing compiled there.
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    return run(sys.executable, "-B", "-W", "error", CONSUMER / "program.py",
+               env={**environment, "PYTHONPATH": str(folder)}).split()
 
 
 def compile_lines(where):
@@ -117,6 +127,14 @@ class Installed(Folder):
         with Server(self.folder / "port2") as address:
             self.assertEqual(run(program, address).split(), [expected_hash()])
 
+    @unittest.skipUnless(HAS_PYTHON, "built without the Python package")
+    def test_the_python_package_works_from_any_prefix(self):
+        prefix = self.folder / "python"
+        run("cmake", "--install", BUILD, "--prefix", prefix, "--component", "python")
+        folder = prefix / PYTHON_FOLDER
+        self.assertEqual(run_python(folder),
+                         [version(), version(), expected_hash(), f"{folder}/dynmesh/__init__.py"])
+
     def test_headers_include_what_is_installed(self):
         include = self.prefix / "include"
         headers = sorted(str(path.relative_to(include)) for path in include.rglob("*.h"))
@@ -126,18 +144,34 @@ class Installed(Folder):
         all_of_them.write_text("".join(f'#include "{header}"\n' for header in headers))
         run(CXX, "-std=c++20", "-fsyntax-only", *WARNINGS, f"-I{include}", all_of_them)
 
+    def configure_with(self, statements):
+        """A project that does no more than `statements`."""
+        project = self.folder / "statements"
+        project.mkdir(exist_ok=True)
+        (project / "CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.24)\nproject(statements LANGUAGES CXX)\n" + statements)
+        run("cmake", "-G", "Ninja", "-S", project, "-B", project / "build",
+            f"-DCMAKE_CXX_COMPILER={CXX}", f"-DCMAKE_PREFIX_PATH={self.prefix}")
+
     def test_a_wrong_version_is_refused(self):
-        project = self.folder / "wrong"
-        project.mkdir()
-        for wanted, found in (("0.1", True), (version(), True), ("0.0", False), ("1.0", False)):
-            (project / "CMakeLists.txt").write_text(
-                "cmake_minimum_required(VERSION 3.24)\nproject(wrong LANGUAGES CXX)\n"
+        for wanted, found in (("0.1", True), (version(), True), ("0.0", False), ("1.0", False),
+                              ("99", False)):
+            self.configure_with(
                 f"find_package(dynmesh {wanted} QUIET)\n"
                 f'if(NOT "${{dynmesh_FOUND}}" STREQUAL {int(found)})\n'
                 'message(FATAL_ERROR "found: ${dynmesh_FOUND}")\nendif()\n'
             )
-            run("cmake", "-G", "Ninja", "-S", project, "-B", project / "build",
-                f"-DCMAKE_CXX_COMPILER={CXX}", f"-DCMAKE_PREFIX_PATH={self.prefix}")
+
+    def test_an_error_says_which_version_there_is(self):
+        with self.assertRaises(AssertionError) as raised:
+            self.configure_with("find_package(dynmesh 99 REQUIRED)\n")
+        said = " ".join(str(raised.exception).split())
+        self.assertIn('compatible with requested version "99"', said)
+        self.assertRegex(said, rf"dynmesh-config\.cmake, version: {re.escape(version())}\b")
+
+    def test_an_error_names_the_component_that_there_is_not(self):
+        with self.assertRaisesRegex(AssertionError, r"without\s+the\s+component\s+surprise"):
+            self.configure_with("find_package(dynmesh REQUIRED COMPONENTS surprise)\n")
 
     def test_the_unit_names_what_is_installed(self):
         unit = (self.prefix / "lib/systemd/system/dynmeshd.service").read_text()
@@ -252,8 +286,9 @@ class Packages(Folder):
     def field(self, package, name):
         return run("dpkg-deb", "-f", self.debs[package], name).strip()
 
-    def test_there_are_two(self):
-        self.assertEqual(set(self.debs), {"dynmesh", "libdynmesh-dev"})
+    def test_there_is_one_for_each_purpose(self):
+        self.assertEqual(set(self.debs), {"dynmesh", "libdynmesh-dev",
+                                          *(["python3-dynmesh"] if HAS_PYTHON else [])})
         for package in self.debs:
             self.assertEqual(self.field(package, "Version"), f"{version()}-1")
 
@@ -277,6 +312,49 @@ class Packages(Folder):
         depends = self.field("dynmesh", "Depends")
         for package in ("libc6", "libgrpc++1.51", "libsqlite3-0", "libabsl20220623", "passwd"):
             self.assertIn(package, re.findall(r"[^\s,(]+", depends))
+
+    @unittest.skipUnless(HAS_PYTHON, "built without the Python package")
+    def test_the_python_package_is_whole(self):
+        files = self.listing("python3-dynmesh")
+        folder = f"/usr/{PYTHON_FOLDER}"
+        sources = {path.name for path in (SOURCE / "client/python/dynmesh").glob("*.py*")
+                   if path.is_file()} | {"py.typed"}
+        (module,) = [name for name in files if name.endswith(".so")]
+        self.assertRegex(module, rf"^{folder}/dynmesh/_core\.cpython-\d+-[a-z0-9_-]+\.so$")
+        self.assertEqual(set(files), {
+            module,
+            *(f"{folder}/dynmesh/{name}" for name in sources),
+            f"{folder}/dynmesh-{version()}.dist-info/METADATA",
+            "/usr/share/doc/python3-dynmesh/CHANGELOG.md",
+            "/usr/share/doc/python3-dynmesh/LICENSE",
+            "/usr/share/doc/python3-dynmesh/copyright",
+        })
+        for name, (mode, owner) in files.items():
+            self.assertEqual((mode, owner), ("-rw-r--r--", "root/root"), name)
+        depends = self.field("python3-dynmesh", "Depends")
+        for package in ("libc6", "libgrpc++1.51", "libprotobuf32", "libabsl20220623",
+                        "python3-numpy"):
+            self.assertIn(package, re.findall(r"[^\s,(]+", depends))
+        python = f"{sys.version_info.major}.{sys.version_info.minor}"
+        next_python = f"{sys.version_info.major}.{sys.version_info.minor + 1}"
+        self.assertIn(f"python3 (>= {python})", depends)
+        self.assertIn(f"python3 (<< {next_python})", depends)
+        self.assertEqual(self.field("python3-dynmesh", "Recommends"), "python3-meshio")
+
+    @unittest.skipUnless(HAS_PYTHON, "built without the Python package")
+    def test_the_python_package_works(self):
+        root = self.folder / "python"
+        run("dpkg-deb", "-x", self.debs["python3-dynmesh"], root)
+        folder = root / "usr" / PYTHON_FOLDER
+        self.assertEqual(run_python(folder),
+                         [version(), version(), expected_hash(), f"{folder}/dynmesh/__init__.py"])
+
+    @unittest.skipUnless(HAS_PYTHON, "built without the Python package")
+    def test_the_python_packages_scripts_are_there(self):
+        control = self.folder / "python_control"
+        run("dpkg-deb", "-e", self.debs["python3-dynmesh"], control)
+        for script in ("postinst", "prerm"):
+            self.assertTrue(os.access(control / script, os.X_OK), script)
 
     def test_the_unit_names_files_of_the_package(self):
         unit = run("sh", "-c", 'dpkg-deb --fsys-tarfile "$1" | tar -xO "$2"', "sh",

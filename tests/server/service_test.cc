@@ -6,6 +6,7 @@
 #include <set>
 
 #include "dynmesh/error.h"
+#include "dynmesh/version.h"
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
 #include "tests/server/server_fixture.h"
@@ -327,7 +328,7 @@ TEST_F(ServiceTest, StatsTellOfServerAndMesh) {
   ASSERT_TRUE(client_->Apply("m", {AddPoint(1), AddPoint(2), AddPoint(3)}).ok());
   const auto stats = client_->GetStats("m");
   ASSERT_TRUE(stats.ok());
-  EXPECT_EQ(stats->version, DYNMESH_VERSION);
+  EXPECT_EQ(stats->version, kVersion);
   EXPECT_EQ(stats->meshes, 1u);
   ASSERT_TRUE(stats->mesh.has_value());
   EXPECT_EQ(stats->mesh->stats.revision, 1u);

@@ -30,11 +30,8 @@ def _tag() -> str:
 def _metadata() -> dict[str, str]:
     folder = f"dynmesh-{_version()}.dist-info"
     return {
-        f"{folder}/METADATA": "\n".join([
-            "Metadata-Version: 2.1", "Name: dynmesh", f"Version: {_version()}",
-            "Summary: Dynamic meshes for simulation programs: fields that survive an edit",
-            "License: Apache-2.0", "Requires-Python: >=3.11", "Requires-Dist: numpy",
-            'Requires-Dist: meshio; extra == "files"', "Provides-Extra: files", ""]),
+        f"{folder}/METADATA":
+            (_PACKAGE / "METADATA.in").read_text().replace("@PROJECT_VERSION@", _version()),
         f"{folder}/WHEEL": "\n".join([
             "Wheel-Version: 1.0", "Generator: dynmesh", "Root-Is-Purelib: false",
             f"Tag: {_tag()}", ""]),

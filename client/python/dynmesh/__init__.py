@@ -1,4 +1,4 @@
-"""Dynamic meshes for simulation programs.
+"""Dynamic meshes for simulation programs::
 
     import dynmesh
     with dynmesh.connect("localhost:7878") as server:   # or dynmesh.open(box=...) without a server

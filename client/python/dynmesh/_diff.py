@@ -21,18 +21,19 @@ Kind = Union[str, Callable[[Array, "Pieces"], Array]]
 class Patch:
     """What changed, in slots. Rows are in the order of ids: a function of the two meshes."""
 
-    from_revision: int
-    to_revision: int
-    removed_vertices: Array
-    added_vertices: Array
-    removed_cells: Array
-    removed_corners: Array  # slots of vertices, a row for each removed cell
-    removed_regions: Array
-    added_cells: Array
-    added_corners: Array
-    relabelled_cells: Array  # that stay but change their region
-    former_regions: Array
-    boundary_faces: Array  # of the cavity: cell, its corner opposite, cell beyond or -1
+    from_revision: int  #: The revision before.
+    to_revision: int  #: The revision after.
+    removed_vertices: Array  #: Slots that are free now.
+    added_vertices: Array  #: Slots that are filled now.
+    removed_cells: Array  #: Slots that are free now.
+    removed_corners: Array  #: Slots of vertices, a row for each removed cell.
+    removed_regions: Array  #: Of the removed cells.
+    added_cells: Array  #: Slots that are filled now.
+    added_corners: Array  #: Slots of vertices, a row for each added cell.
+    relabelled_cells: Array  #: Slots of cells that stay but change their region.
+    former_regions: Array  #: Of the relabelled cells.
+    #: Of the cavity, a row for each face: cell, its corner opposite, cell beyond or -1.
+    boundary_faces: Array
 
     @cached_property
     def vertices(self) -> Array:
@@ -50,18 +51,18 @@ class Patch:
 class Pieces:
     """What old and new cells have in common, by new cell."""
 
-    old: Array  # slots of removed cells
-    new: Array  # slots of added cells
-    measure: Array
+    old: Array  #: Slots of removed cells.
+    new: Array  #: Slots of added cells.
+    measure: Array  #: Area or volume of each piece.
 
 
 @dataclass(frozen=True)
 class RegionFlow:
     """Mass that changed sides since the edit changed the shape of regions."""
 
-    old: int
-    new: int
-    amounts: tuple[float, ...]  # by component
+    old: int  #: The region where it lay.
+    new: int  #: The region where it lies.
+    amounts: tuple[float, ...]  #: By component, in the field's unit times area or volume.
 
 
 class Diff:
@@ -76,11 +77,15 @@ class Diff:
         self._old_slots = old_slots
         self._new_slots = (mesh.vertex_slots, mesh.cell_slots)
         self._transfer: Optional[Any] = None
+        #: What changed regions in the last transfer.
         self.flows: list[RegionFlow] = []
-        """What changed regions in the last transfer."""
-        self.patch = Patch(**mesh._replica.patch()) if parts else _empty_patch(mesh)
+        #: What changed, in slots.
+        self.patch: Patch = Patch(**mesh._replica.patch()) if parts else _empty_patch(mesh)
+        #: Of the mesh after the edit: 32 hexadecimal digits.
         self.hash: str = mesh.hash
+        #: The revision before.
         self.from_revision: int = self.patch.from_revision
+        #: The revision after.
         self.to_revision: int = self.patch.to_revision
 
     def __repr__(self) -> str:
@@ -180,7 +185,22 @@ class Diff:
         order: int = 2,
         rings: int = 1,
     ) -> tuple[Array, Array]:
-        """Density and velocity on the new mesh, such that density and momentum are conserved."""
+        """Density and velocity on the new mesh, such that density and momentum are conserved.
+
+        Their product is carried, then divided by the new density. Where that is 0 the velocity
+        is 0.
+
+        Args:
+            density: a number for each slot of a vertex (P1) or cell.
+            velocity: components for each slot, as many as there are.
+            kind: "P1", "P0" or "DG1", as of `transfer`; so are `bounded`, `order` and `rings`.
+
+        Returns:
+            New arrays of density and velocity.
+
+        Raises:
+            StaleDiff, ValueError: as `transfer`.
+        """
         self._check()
         at_vertices = kind == "P1"
         rho = self._prepare(np.asarray(density), at_vertices, False, kind)
@@ -197,7 +217,7 @@ class Diff:
         return rho, v
 
     def pieces(self) -> Pieces:
-        """The pieces that old and new cells have in common."""
+        """The pieces that old and new cells have in common. O(patch)."""
         return Pieces(*self._core_transfer().pieces())
 
     @property

@@ -46,13 +46,13 @@ class Backend(Protocol):
 class CompactMesh:
     """A numbering without gaps, by ascending slot, as matrices want it."""
 
-    points: Array
-    cells: Array
-    regions: Array
-    vertex_slots: Array  # of vertex 0, 1, ...
-    vertex_numbers: Array  # of each slot; -1 where it is free
-    cell_slots: Array
-    cell_numbers: Array
+    points: Array  #: Coordinates, a row for each vertex.
+    cells: Array  #: Numbers of the corners, a row for each cell.
+    regions: Array  #: Of each cell.
+    vertex_slots: Array  #: Of vertex 0, 1, ...
+    vertex_numbers: Array  #: Of each slot of a vertex; -1 where it is free.
+    cell_slots: Array  #: Of cell 0, 1, ...
+    cell_numbers: Array  #: Of each slot of a cell; -1 where it is free.
 
 
 class Fields(Mapping[str, Array]):
@@ -68,7 +68,10 @@ class Fields(Mapping[str, Array]):
         self._rows: dict[str, int] = {}
 
     def add(self, name: str, values: Array, kind: Any = "P1", **options: Any) -> Array:
-        """Carries `values` from now on; arguments are those of `Diff.transfer`."""
+        """Carries a copy of `values` from now on, under `name`; returns it.
+
+        `kind` and `options` are as the arguments of `Diff.transfer`.
+        """
         values = np.asarray(values)
         if kind in ("P0", "P1", "DG1"):
             values = values.astype(np.float64)
@@ -78,7 +81,7 @@ class Fields(Mapping[str, Array]):
         return self[name]
 
     def drop(self, name: str) -> None:
-        """Carries the field no more."""
+        """Carries the field `name` no more."""
         del self._arrays[name], self._options[name], self._rows[name]
 
     def __getitem__(self, name: str) -> Array:
@@ -130,7 +133,8 @@ class Mesh:
         self._replica = replica
         self._options = options
         self._current: Optional[Diff] = None
-        self.fields = Fields()
+        #: Fields that are carried through every edit.
+        self.fields: Fields = Fields()
 
     def __repr__(self) -> str:
         return (f"<Mesh of {self.dimension} dimensions at revision {self.revision}: "
@@ -143,10 +147,12 @@ class Mesh:
 
     @property
     def dimension(self) -> int:
+        """2 or 3."""
         return int(self._replica.dimension)
 
     @property
     def revision(self) -> int:
+        """Of the mesh as it is here; each batch makes the next one."""
         return int(self._replica.revision)
 
     @property
@@ -156,10 +162,12 @@ class Mesh:
 
     @property
     def vertex_count(self) -> int:
+        """Vertices, those of the domain's border included."""
         return int(self._replica.vertex_count)
 
     @property
     def cell_count(self) -> int:
+        """Triangles, in 3D tetrahedra."""
         return int(self._replica.cell_count)
 
     @property
@@ -174,30 +182,40 @@ class Mesh:
 
     @property
     def points(self) -> Array:
+        """Coordinates by slot of a vertex: (slots, dimension), float64."""
         return self._replica.points
 
     @property
     def ids(self) -> Array:
+        """Ids by slot of a vertex, 0 where it is free: uint64. An id is a hash of the place."""
         return self._replica.ids
 
     @property
     def owners(self) -> Array:
+        """The feature that each vertex lies on, by slot: uint64, 0 if it lies on none."""
         return self._replica.owners
 
     @property
     def containing_dimensions(self) -> Array:
+        """By slot of a vertex: 0 for an input point, 1 on a segment, 2 on a facet, else free: uint8."""
         return self._replica.containing_dimensions
 
     @property
     def cells(self) -> Array:
+        """Slots of the corners by slot of a cell: (slots, dimension + 1), int32; -1: free."""
         return self._replica.cells
 
     @property
     def neighbours(self) -> Array:
+        """The cell opposite of each corner: (slots, dimension + 1), int32; -1 at the border."""
         return self._replica.neighbours
 
     @property
     def regions(self) -> Array:
+        """By slot of a cell, the polygon that it lies in, 0 for none: uint64.
+
+        Above 2^63 it is a set of several: see `region_sets`.
+        """
         return self._replica.regions
 
     @property
@@ -212,6 +230,7 @@ class Mesh:
 
     @property
     def subsegment_owners(self) -> Array:
+        """The feature of each row of `subsegments`: uint64."""
         return self._replica.subsegment_owners
 
     @property
@@ -221,6 +240,7 @@ class Mesh:
 
     @property
     def subfacet_owners(self) -> Array:
+        """The polygon of each row of `subfacets`: uint64."""
         return self._replica.subfacet_owners
 
     @property
@@ -234,7 +254,7 @@ class Mesh:
         return self.cells[:, 0] >= 0
 
     def find(self, ids: Any) -> Array:
-        """Slots of the vertices with these ids; -1 where there is none."""
+        """Slots of the vertices with these `ids`; -1 where there is none."""
         return self._replica.find(np.atleast_1d(np.asarray(ids, dtype=np.uint64)))
 
     def compact(self) -> CompactMesh:
@@ -260,8 +280,7 @@ class Mesh:
             expected_revision: the server refuses the batch at any other.
 
         Returns:
-            What changed since the mesh was last looked at: others' edits to a server's mesh
-            included.
+            What changed since the mesh was last looked at, with others' edits to a server's mesh.
         """
         batch = _batch.make(self.dimension, edits)
         return self._advance(self._backend.apply(
@@ -269,7 +288,10 @@ class Mesh:
             expected_revision=expected_revision))
 
     def load(self, *, progress: Optional[Progress] = None, **edits: Any) -> Diff:
-        """Adds features, as many as there are, in one batch, with progress; as `apply`."""
+        """Adds features, as many as there are, in one batch.
+
+        `edits` that add, and `progress`, are as those of `apply`.
+        """
         for name in edits:
             if not name.startswith("add_"):
                 raise TypeError(f"a load adds features: there is no {name}")
@@ -288,7 +310,7 @@ class Mesh:
             yield self._advance(parts)
 
     def revert(self, revision: int) -> Diff:
-        """Makes a new revision with the features of an earlier one."""
+        """Makes a new revision with the features of an earlier `revision`. Needs a server."""
         return self._advance(self._backend.revert(self, revision))
 
     def follow(self, since: Optional[int] = None, timeout: Optional[float] = None) -> Iterator[Diff]:
@@ -305,7 +327,7 @@ class Mesh:
             yield self._advance(parts)
 
     async def follow_async(self, timeout: Optional[float] = None) -> AsyncIterator[Diff]:
-        """The same for asyncio; waiting is done in a thread."""
+        """As `follow`, with its `timeout`, for asyncio; waiting is done in a thread."""
         events = self._backend.follow(self, timeout)
         try:
             while True:
@@ -321,11 +343,15 @@ class Mesh:
         return self._advance(self._backend.sync(self))
 
     def features(self, revision: Optional[int] = None) -> list[dict[str, Any]]:
-        """The features present, or those of an earlier revision that the server keeps."""
+        """The features present, or those of an earlier `revision` that the server keeps.
+
+        A dict for each: `id`, `kind` ("point", "segment", "polygon", "size") and, by kind, `at`,
+        `ends`, `rings`, or what a size has.
+        """
         return self._backend.features(revision)
 
     def locate(self, points: Any) -> Array:
-        """For each of n places (n x dimension) the slot of a cell that holds it; -1: outside."""
+        """For each of n `points` (n x dimension) the slot of a cell that holds it; -1: outside."""
         places = np.ascontiguousarray(np.atleast_2d(np.asarray(points, dtype=np.float64)))
         if places.shape[1] != self.dimension:
             raise ValueError(f"places have {self.dimension} coordinates")
@@ -339,7 +365,12 @@ class Mesh:
 
     def to_meshio(self, point_data: Optional[Mapping[str, Array]] = None,
                   cell_data: Optional[Mapping[str, Array]] = None) -> meshio.Mesh:
-        """The mesh for meshio, with arrays by slot as its data; regions are cell data, too."""
+        """The mesh for meshio; regions are cell data.
+
+        Args:
+            point_data: arrays with a row for each slot of a vertex, by name.
+            cell_data: arrays with a row for each slot of a cell, by name.
+        """
         import meshio
 
         compact = self.compact()

@@ -13,16 +13,20 @@ if TYPE_CHECKING:
 
 
 class Series:
-    """`Series("out/heat.pvd")`, then `add(time, mesh, point_data={...})` for each step."""
+    """Files of a time series at `path`, such as "out/heat.pvd"; `add` writes one for each step."""
 
     def __init__(self, path: Union[str, pathlib.Path]) -> None:
-        self.path = pathlib.Path(path)
+        #: The list of steps, a .pvd.
+        self.path: pathlib.Path = pathlib.Path(path)
         self.path.parent.mkdir(parents=True, exist_ok=True)
         self._steps: list[tuple[float, str]] = []
 
     def add(self, time: float, mesh: Mesh, point_data: Optional[Mapping[str, Array]] = None,
             cell_data: Optional[Mapping[str, Array]] = None) -> None:
-        """Writes one step, and the list as it is then. Data have a row for each slot."""
+        """Writes `mesh` at `time`, and the list as it is then.
+
+        `point_data` and `cell_data` are as those of `Mesh.to_meshio`.
+        """
         name = f"{self.path.stem}_{len(self._steps):05d}.vtu"
         mesh.to_meshio(point_data, cell_data).write(str(self.path.parent / name), binary=True)
         self._steps.append((time, name))

@@ -25,9 +25,12 @@ def connect(address: str, *, token: str = "", tls_ca: Pem = None, tls_certificat
     """A server at `address` ("host:port"). Never fails: the first call tells whether it is there.
 
     Args:
+        address: "host:port".
         token: shown with every call.
-        tls_ca, tls_certificate, tls_key: PEM texts or paths of files with them. With `tls_ca` the
-            connection is encrypted.
+        tls_ca: certificates that sign the server's, as PEM text or a path. With it the connection
+            is encrypted.
+        tls_certificate: the client's own, for a server that asks for one; PEM text or a path.
+        tls_key: of the client's certificate; PEM text or a path.
         timeout: of a call, in seconds; 0: none.
         retry_for: for how many seconds a call is tried again while the server is away. Edits have
             ids, so that none is applied twice.
@@ -37,9 +40,13 @@ def connect(address: str, *, token: str = "", tls_ca: Pem = None, tls_certificat
 
 
 def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
-    """A mesh in this process, without a server: the bare box ((x, y), (x, y)), in 3D with z.
+    """A mesh in this process, without a server.
 
-    Options: dimension, rho, criterion ("edge" or "thesis"), max_edge, max_vertices.
+    Args:
+        box: where features may lie: ((x, y), (x, y)), in 3D with z. By default from 0 to 1.
+        options: `dimension`: 2 or 3. `rho`: the largest circumradius / shortest edge. `criterion`:
+            "edge" or "thesis". `max_edge`: no edge in the box is longer than sqrt 2 times this.
+            `max_vertices`: an edit that would pass it raises `LimitExceeded`.
     """
     if box is not None:
         options["box"] = [list(map(float, corner)) for corner in box]
@@ -62,7 +69,8 @@ class Server:
 
     def __init__(self, address: str, *, token: str, tls_ca: Pem, tls_certificate: Pem, tls_key: Pem,
                  timeout: float, retry_for: float) -> None:
-        self.address = address
+        #: As given: "host:port".
+        self.address: str = address
         self._client = _core.Client(address, token, _pem(tls_ca), _pem(tls_certificate),
                                     _pem(tls_key), timeout)
         self._retry_for = retry_for
@@ -83,8 +91,8 @@ class Server:
     def mesh(self, name: str, create: Optional[dict[str, Any]] = None) -> Mesh:
         """The mesh `name`, made with the options `create` if there is none.
 
-        Options: box, dimension, rho, criterion, max_edge, max_vertices. Of a mesh that is there
-        they must be what it has.
+        Options are those of `open`, with `box`. Of a mesh that is there they must be what it has,
+        else `FailedPrecondition`.
         """
         try:
             info = self.call(lambda client: client.get(name))
@@ -100,7 +108,7 @@ class Server:
         return self._open(info)
 
     def create(self, name: str = "", **options: Any) -> Mesh:
-        """A new mesh; without a name the server chooses one."""
+        """A new mesh `name`; without one the server chooses. `options` are those of `mesh`."""
         if "box" in options:
             options["box"] = [list(map(float, corner)) for corner in options["box"]]
         request = uuid.uuid4().hex
@@ -116,15 +124,18 @@ class Server:
         return self.call(lambda client: client.list())
 
     def delete(self, name: str) -> None:
-        """Deletes a mesh, with all its revisions."""
+        """Deletes the mesh `name`, with all its revisions."""
         self.call(lambda client: client.delete(name))
 
     def stats(self, mesh: str = "") -> dict[str, Any]:
-        """Of the server, and of a mesh if one is named."""
+        """Counts of the server, and of `mesh` if one is named."""
         return self.call(lambda client: client.stats(mesh))
 
     def call(self, function: Callable[[Any], T]) -> T:
-        """The function's result, tried again while the server is away."""
+        """What `function` returns, tried again while the server is away.
+
+        It is called with the extension module's client.
+        """
         if self._client is None:
             raise Unavailable("the connection was closed")
         until = time.monotonic() + self._retry_for

@@ -5,22 +5,20 @@ from typing import Optional, Sequence
 
 
 class DynmeshError(Exception):
-    """An error of the library or the server.
+    """An error of the library or the server."""
 
-    Attributes:
-        code: the status code, such as "INVALID_ARGUMENT".
-        reason: the machine-readable reason, such as "SEGMENTS_CROSS"; "" if there is none.
-        features: ids of the features involved, the offender first.
-        edit: index in the batch of the edit to blame, if one is.
-        field: path of the field of the request to blame, if one is.
-        retry_after: seconds after which to try again, if the server says so.
-    """
-
+    #: The status code, such as "INVALID_ARGUMENT".
     code: str = "UNKNOWN"
+    #: The machine-readable reason, such as "SEGMENTS_CROSS"; "" if there is none. They are those of
+    #: `dynmesh/error.h` and `dynmesh/codec/service_error.h`.
     reason: str = ""
+    #: Ids of the features involved, the offender first.
     features: Sequence[int] = ()
+    #: Index in the batch of the edit to blame, if one is.
     edit: Optional[int] = None
+    #: Path of the field of the request to blame, if one is.
     field: str = ""
+    #: Seconds after which to try again, if the server says so.
     retry_after: Optional[float] = None
 
 

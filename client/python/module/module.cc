@@ -44,7 +44,7 @@ void Raise(const absl::Status& status) {
 PYBIND11_MODULE(_core, module) {
   namespace py = pybind11;
   module.doc() = "The compiled part of dynmesh. Use the package's own names.";
-  module.attr("version") = dynmesh::kVersion;
+  module.attr("version") = dynmesh::LinkedVersion();
   py::register_exception_translator([](std::exception_ptr pointer) {
     try {
       if (pointer) std::rethrow_exception(pointer);

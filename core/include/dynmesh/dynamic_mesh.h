@@ -31,16 +31,18 @@ namespace dynmesh {
 // How far a batch is. Stages come in the order of their names, each once or not at all; within
 // one `done` and the part done / total never fall, and its last words are done == total.
 struct ApplyProgress {
+  // What a batch goes through.
   enum class Stage : std::uint8_t {
     kValidate,  // features that change, with what depends on them, held against the others
     kRefine,    // operations run, of all that are known of: each may ask for more
     kDiff,      // what came and went; ends before `commit` is asked
   };
-  Stage stage = Stage::kValidate;
-  std::uint64_t done = 0;
-  std::uint64_t total = 0;  // 0: not known yet
+  Stage stage = Stage::kValidate;  // the one that is under way
+  std::uint64_t done = 0;          // how much of it is
+  std::uint64_t total = 0;         // 0: not known yet
 };
 
+// How a batch is applied. Nothing here changes the mesh that comes out.
 struct ApplyOptions {
   // Polled between operations; when it turns true the batch is undone: CANCELLED.
   const std::atomic<bool>* cancelled = nullptr;
@@ -68,30 +70,33 @@ struct ApplyOptions {
   std::function<void(const ApplyProgress&)> progress;
 };
 
+// How large a mesh is, and what it takes.
 struct MeshStats {
-  std::uint64_t revision = 0;
-  std::uint64_t features = 0;
-  std::uint64_t vertices = 0;  // those of the domain box included
-  std::uint64_t simplices = 0;
-  std::uint64_t subsegments = 0;
+  std::uint64_t revision = 0;     // the present one
+  std::uint64_t features = 0;     // that are present
+  std::uint64_t vertices = 0;     // those of the domain box included
+  std::uint64_t simplices = 0;    // triangles, in space tetrahedra
+  std::uint64_t subsegments = 0;  // those of the domain box included
   std::uint64_t subfacets = 0;    // in space
   std::uint64_t operations = 0;   // in the trace
   std::uint64_t trace_bytes = 0;  // operations, registrations, requests, order
   std::uint64_t mesh_bytes = 0;   // vertices, triangulation, indices
 };
 
-// What an audit found. `trace` hashes the complete trace: equal to a from-scratch
-// run's exactly if the two computations are the same.
+// What an audit found.
 struct AuditReport {
   std::vector<std::string> problems;  // empty: every invariant holds
+  // Hashes the complete trace: equal to that of a run from scratch exactly if the two computations
+  // are the same.
   MeshHash trace;
 };
 
+// A mesh that follows its features; see dynamic_mesh.h.
 class DynamicMesh {
  public:
-  // A mesh of the bare domain box, revision 0. INVALID_ARGUMENT for bad options. With max_edge that
-  // is work, and RESOURCE_EXHAUSTED (VERTEX_LIMIT) if it asks for more vertices than there may be;
-  // of `apply_options` what stops a batch stops it, too: CANCELLED.
+  // A mesh of the bare domain box, revision 0. INVALID_ARGUMENT for bad `options`. With max_edge
+  // that is work, and RESOURCE_EXHAUSTED (VERTEX_LIMIT) if it asks for more vertices than there may
+  // be; of `apply_options` what stops a batch stops it, too: CANCELLED.
   static absl::StatusOr<std::unique_ptr<DynamicMesh>> Create(
       const MeshOptions& options, const ApplyOptions& apply_options = {});
 
@@ -99,7 +104,8 @@ class DynamicMesh {
 
   // Makes the next revision from `batch`; an empty batch makes none (the diff is
   // then empty, from = to). Expected time O(m_f lg L/s) for the m_f vertices that
-  // the features of the batch carry. Errors name the features (error.h).
+  // the features of the batch carry. Errors name the features (error.h); the mesh is then as it
+  // was. `apply_options` limits and follows it.
   virtual absl::StatusOr<MeshDiff> Apply(const EditBatch& batch,
                                          const ApplyOptions& apply_options = {}) = 0;
 
@@ -110,8 +116,8 @@ class DynamicMesh {
   // The batches applied so far stay.
   virtual void Settle() = 0;
 
-  // Says that the mesh as it is now is that revision, and settles what was applied; nothing but the
-  // number changes. For a mesh that is made again from the features that it had.
+  // Says that the mesh as it is now is that `revision`, and settles what was applied; nothing but
+  // the number changes. For a mesh that is made again from the features that it had.
   virtual void ResumeAt(std::uint64_t revision) = 0;
 
   // Would Apply accept the features of `batch`? Of limits only what is told without meshing is
@@ -123,24 +129,28 @@ class DynamicMesh {
   // The whole mesh, O(size).
   virtual Mesh Snapshot() const = 0;
 
-  // For each of n points (n x dimension coordinates), the canonical ids of a simplex
+  // For each of n `points` (n x dimension coordinates), the canonical ids of a simplex
   // that holds it: n x (dimension + 1) ids, all 0 where a point is outside the domain.
   virtual SimplexColumn Locate(std::span<const double> points) const = 0;
 
   // The features present, by id.
   virtual std::vector<Feature> Features() const = 0;
 
+  // As the mesh was created.
   virtual const MeshOptions& options() const = 0;
+  // How many batches made it what it is; see ResumeAt.
   virtual std::uint64_t revision() const = 0;
+  // Of the mesh as it is, kept up to date: O(1).
   virtual MeshHash hash() const = 0;
+  // Counts and memory, O(1).
   virtual MeshStats Stats() const = 0;
 
   // Checks every invariant of trace and mesh, O(size). For tests and support.
   virtual AuditReport Audit() const = 0;
 };
 
-// The static path: the same mesh as a DynamicMesh with these features, without a
-// trace, hence faster. Revision 1 (0 if there is no feature).
+// The static path: the same mesh as a DynamicMesh of `options` with these `features`, without a
+// trace, hence faster. Revision 1 (0 if there is no feature). Errors are those of Create and Apply.
 absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options);
 
 }  // namespace dynmesh

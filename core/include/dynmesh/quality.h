@@ -17,43 +17,44 @@ namespace dynmesh {
 struct TriangleQuality {
   double radius_edge = 0;    // circumradius / shortest edge, at least 1 / sqrt(3)
   double shortest_edge = 0;  // in the units of the coordinates
-  double min_angle_deg = 0;
-  double max_angle_deg = 0;
+  double min_angle_deg = 0;  // of the three angles, in degrees
+  double max_angle_deg = 0;  // of the three angles, in degrees
   std::array<double, 3> angles_deg = {0, 0, 0};  // at a, b, c
 };
 
-// a, b, c: two coordinates each. Differences are taken first and scaled, so that a
-// tiny triangle far from the origin loses nothing that its coordinates still have;
-// relative error about 1e-15 of the triangle as given, for coordinates whose
-// differences are 0 or normal numbers.
+// The quality of the triangle `a`, `b`, `c`: two coordinates each. Differences are taken first and
+// scaled, so that a tiny triangle far from the origin loses nothing that its coordinates still
+// have; relative error about 1e-15 of the triangle as given, for coordinates whose differences are
+// 0 or normal numbers.
 TriangleQuality MeasureTriangle(const double* a, const double* b, const double* c);
 
 // Of one tetrahedron. A flat or inverted one has ratio infinity.
 struct TetrahedronQuality {
   double radius_edge = 0;    // circumradius / shortest edge, at least sqrt(3/8)
   double shortest_edge = 0;  // in the units of the coordinates
-  double min_angle_deg = 0;  // dihedral, as the others
-  double max_angle_deg = 0;
+  double min_angle_deg = 0;  // of the six dihedral angles, in degrees
+  double max_angle_deg = 0;  // of the six dihedral angles, in degrees
   std::array<double, 6> angles_deg = {0, 0, 0, 0, 0, 0};  // at ab, ac, ad, bc, bd, cd
 };
 
-// a, b, c, d: three coordinates each. However thin it is: where doubles do not tell, exact
-// integers do, so that the ratio has a relative error below 1e-10 (about 1e-15 if it is no
-// sliver) and "flat" is exact; angles are right to some 1e-9 degrees, in needles less. Only
-// beyond coordinates of 2^-250 to 2^250 one that doubles do not tell counts as flat.
+// The quality of the tetrahedron `a`, `b`, `c`, `d`: three coordinates each. However thin it is:
+// where doubles do not tell, exact integers do, so that the ratio has a relative error below 1e-10
+// (about 1e-15 if it is no sliver) and "flat" is exact; angles are right to some 1e-9 degrees, in
+// needles less. Only beyond coordinates of 2^-250 to 2^250 one that doubles do not tell counts as
+// flat.
 TetrahedronQuality MeasureTetrahedron(const double* a, const double* b, const double* c,
                                       const double* d);
 
 // The spacing of doubles at the largest magnitude among `coordinates`; 0 if all are 0.
 double CoordinateUnit(std::span<const double> coordinates);
 
-// The slack h of the test ratio > rho (1 + h). Coordinates are rounded to the unit u,
-// so points placed at distance e are off by about u / e relatively, and no refinement
-// could do better:  h = 2e-9 + 8 u / e',  e' the square root of the largest power of
-// two that is at most e^2 (so that nobody's last bit of e matters).
+// The slack h of the test ratio > rho (1 + h). Coordinates are rounded to the `unit` u, so
+// points placed at distance e, such as that of the `shortest_edge`, are off by about u / e
+// relatively, and no refinement could do better:  h = 2e-9 + 8 u / e',  e' the square root of the
+// largest power of two that is at most e^2 (so that the last bit of e does not matter).
 double QualitySlack(double shortest_edge, double unit);
 
-// radius_edge > rho (1 + QualitySlack).
+// triangle.radius_edge > rho (1 + QualitySlack(triangle.shortest_edge, unit)).
 bool IsOverRho(const TriangleQuality& triangle, double rho, double unit);
 
 // What is to be said of a simplex.
@@ -66,21 +67,23 @@ enum class SimplexVerdict : std::uint8_t {
                           // short for its surroundings already: that might never end
 };
 
-// Is a simplex over rho excused?
+// Is a simplex over rho with the verdict `v` excused?
 inline bool IsExempt(SimplexVerdict v) {
   return v == SimplexVerdict::kSmallInputAngle || v == SimplexVerdict::kTerminationGuard;
 }
 
-// Of each simplex of `mesh`, in its order. A function of the mesh and of options.quality.
+// The verdict on each simplex of `mesh`, in its order. A function of the mesh and of
+// `options`.quality.
 // O(size). In space exact with the bound rho (1 + h) as rounded, and none is exempt. In the
 // plane the guard leaves single triangles: of a mesh with more than 1,000 that no angle
 // excuses, the others are kOverRho.
 std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options);
 
+// How good a whole mesh is.
 struct QualityReport {
-  double worst_radius_edge = 0;
-  double min_angle_deg = 0;
-  double max_angle_deg = 0;
+  double worst_radius_edge = 0;       // the largest circumradius / shortest edge
+  double min_angle_deg = 0;           // the least angle, in degrees; dihedral in space
+  double max_angle_deg = 0;           // the greatest angle, in degrees
   std::uint64_t over_rho = 0;         // simplices over rho, exempt ones included
   std::uint64_t exempt = 0;           // of these, how many are allowed to be
   std::uint64_t exempt_by_guard = 0;  // of these, how many by kTerminationGuard
@@ -88,14 +91,14 @@ struct QualityReport {
   std::array<std::uint64_t, 18> angle_histogram = {};
   // In space, dihedral angles of all, six each, in steps of 5 degrees: [0, 5), ... [175, 180].
   std::array<std::uint64_t, 36> dihedral_histogram = {};
-  // In space, the share of tetrahedra with a dihedral angle below 5 and below 10 degrees. No
-  // bound on the ratio excludes these slivers.
+  // In space, the share of tetrahedra with a dihedral angle below 5 degrees. No bound on the ratio
+  // excludes these slivers.
   double share_below_5_deg = 0;
-  double share_below_10_deg = 0;
+  double share_below_10_deg = 0;  // the same below 10 degrees
 };
 
-// All simplices of `mesh`, the domain's border included; angles are dihedral in space. rho is
-// options.quality. O(size). A simplex that names an unknown vertex counts as flat.
+// Of all simplices of `mesh`, the domain's border included; angles are dihedral in space. rho is
+// `options`.quality. O(size). A simplex that names an unknown vertex counts as flat.
 QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options);
 
 }  // namespace dynmesh

@@ -11,6 +11,7 @@
 //   1. hash() is the sum of the hashes of the rows held (ComputeHash);
 //   2. each id, simplex, subsegment and subfacet has one slot; region sets are held while in use;
 //   3. a call that returns an error has changed nothing.
+//
 // Thread-compatible. Copies are deep.
 #ifndef DYNMESH_SLOT_MESH_H_
 #define DYNMESH_SLOT_MESH_H_
@@ -34,7 +35,7 @@ namespace dynmesh {
 
 // A place in an array of the mesh: of a vertex, a simplex, a subsegment or a subfacet.
 using Slot = std::int32_t;
-inline constexpr Slot kNoSlot = -1;
+inline constexpr Slot kNoSlot = -1;  // the slot of nothing
 
 namespace slot_mesh_internal {
 // Memory that nothing has been written to; on large pages if it is large.
@@ -48,38 +49,51 @@ class SlotColumn {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  std::size_t size() const { return size_; }
+  std::size_t size() const { return size_; }  // the number of values
+  // The value at `i`, which is below size().
   const T& operator[](std::size_t i) const { return data_[i]; }
+  // The same, to be changed.
   T& operator[](std::size_t i) { return data_[i]; }
+  // The first value; valid until the column grows.
   const T* data() const { return data_.get(); }
+  // The same, to be changed.
   T* data() { return data_.get(); }
+  // All values; valid until the column grows.
   std::span<const T> span() const { return {data_.get(), size_}; }
+  // The block that holds the values, for a reader that outlives the column's growth.
   std::shared_ptr<const T[]> share() const { return data_; }
 
+  // Makes room for `capacity` values, so that resize up to there moves nothing.
   void reserve(std::size_t capacity) {
     if (capacity <= capacity_) return;
     std::shared_ptr<T[]> block = MakeBlock(capacity);
     std::copy_n(data_.get(), size_, block.get());
     data_ = std::move(block), capacity_ = capacity;
   }
+  // Has `size` values from now on, new ones equal to `value`. Amortised O(new values).
   void resize(std::size_t size, const T& value) {
     if (size > capacity_) reserve(size > 2 * capacity_ ? size : 2 * capacity_);
     if (size > size_) std::fill(data_.get() + size_, data_.get() + size, value);
     size_ = size;
   }
 
+  // No value.
   SlotColumn() = default;
+  // A copy of the values of `other` in a block of its own.
   SlotColumn(const SlotColumn& other) : size_(other.size_), capacity_(other.size_) {
     if (size_ == 0) return;
     data_ = MakeBlock(size_);
     std::copy_n(other.data_.get(), size_, data_.get());
   }
+  // Takes the block of `other`, which is empty then.
   SlotColumn(SlotColumn&& other) noexcept { swap(other); }
+  // Takes the values of `other`, a copy or one that was moved.
   SlotColumn& operator=(SlotColumn other) noexcept {
     swap(other);
     return *this;
   }
   ~SlotColumn() = default;
+  // Exchanges values with `other`. O(1).
   void swap(SlotColumn& other) noexcept {
     data_.swap(other.data_);
     std::swap(size_, other.size_), std::swap(capacity_, other.capacity_);
@@ -100,17 +114,18 @@ class SlotColumn {
 // since their rows are gone; the slots of old vertices keep their coordinates.
 // The order of all rows is that of ids, so it is a function of the two meshes alone.
 struct MeshPatch {
-  std::uint64_t from_revision = 0;
-  std::uint64_t to_revision = 0;
-  std::vector<Slot> removed_vertices;
-  std::vector<Slot> added_vertices;
-  std::vector<Slot> removed_simplices;
-  std::vector<Slot> removed_corners;      // of these, n x (dimension + 1) slots of vertices
-  std::vector<RegionId> removed_regions;  // of these
-  std::vector<Slot> added_simplices;
+  std::uint64_t from_revision = 0;         // before the first diff
+  std::uint64_t to_revision = 0;           // after the last one
+  std::vector<Slot> removed_vertices;      // free now
+  std::vector<Slot> added_vertices;        // filled now
+  std::vector<Slot> removed_simplices;     // free now
+  std::vector<Slot> removed_corners;       // of these, n x (dimension + 1) slots of vertices
+  std::vector<RegionId> removed_regions;   // of these
+  std::vector<Slot> added_simplices;       // filled now
   std::vector<Slot> relabelled_simplices;  // those in both meshes whose region is another now
   std::vector<RegionId> former_regions;    // of these
 
+  // Is no vertex or simplex another?
   bool empty() const {
     return removed_vertices.empty() && added_vertices.empty() && removed_simplices.empty() &&
            added_simplices.empty() && relabelled_simplices.empty();
@@ -119,29 +134,32 @@ struct MeshPatch {
 
 // A numbering of the vertices and simplices without gaps, by ascending slot.
 struct CompactNumbering {
-  std::vector<Slot> vertex_slots;            // of vertex 0, 1, ...
-  std::vector<std::int32_t> vertex_numbers;  // of each slot; -1 where it is free
-  std::vector<Slot> simplex_slots;
-  std::vector<std::int32_t> simplex_numbers;
+  std::vector<Slot> vertex_slots;             // of vertex 0, 1, ...
+  std::vector<std::int32_t> vertex_numbers;   // of each slot; -1 where it is free
+  std::vector<Slot> simplex_slots;            // of simplex 0, 1, ...
+  std::vector<std::int32_t> simplex_numbers;  // of each slot; -1 where it is free
 };
 
+// The replica; see slot_mesh.h.
 class SlotMesh {
  public:
+  // A vertex as FindVertex tells of it.
   struct Vertex {
     std::array<double, 3> coordinates = {0, 0, 0};  // entries past the dimension are 0
-    int containing_dimension = 0;
-    FeatureId owner = kNoFeature;
+    int containing_dimension = 0;                   // as in VertexColumns
+    FeatureId owner = kNoFeature;                   // as in VertexColumns
   };
 
-  // No part at all, revision 0, hash 0: what the diff from nothing applies to.
+  // A mesh of `dimension` 2 or 3 with no part at all, revision 0, hash 0: what the diff from
+  // nothing applies to.
   explicit SlotMesh(int dimension = 2);
   SlotMesh(const SlotMesh& other);
   SlotMesh(SlotMesh&& other) noexcept;
   SlotMesh& operator=(SlotMesh other) noexcept;
   ~SlotMesh();
 
-  // Takes over a whole mesh (a snapshot), its rows in slots 0, 1, ... O(mesh). INVALID_ARGUMENT if
-  // the columns of the mesh disagree or its region sets are none; DATA_LOSS if a part stands
+  // Takes over a whole `mesh` (a snapshot), its rows in slots 0, 1, ... O(mesh). INVALID_ARGUMENT
+  // if the columns of the mesh disagree or its region sets are none; DATA_LOSS if a part stands
   // twice, a simplex has a corner that is absent or mesh.hash is not that of the parts.
   static absl::StatusOr<SlotMesh> FromMesh(const Mesh& mesh);
 
@@ -159,45 +177,60 @@ class SlotMesh {
 
   // The whole mesh, O(size). Rows in no particular order.
   Mesh ToMesh() const;
+  // Numbers of what is there, without gaps, O(slots).
   CompactNumbering Compact() const;
 
-  int dimension() const;
-  std::uint64_t revision() const;
-  MeshHash hash() const;
-  std::size_t vertex_count() const;
-  std::size_t simplex_count() const;
-  std::size_t subsegment_count() const;
-  std::size_t subfacet_count() const;
+  int dimension() const;                 // 2 or 3
+  std::uint64_t revision() const;        // to_revision of the last diff
+  MeshHash hash() const;                 // of what is held
+  std::size_t vertex_count() const;      // slots in use
+  std::size_t simplex_count() const;     // slots in use
+  std::size_t subsegment_count() const;  // slots in use
+  std::size_t subfacet_count() const;    // slots in use
 
   // Columns by slot of a vertex. Free ones have id 0, and of the rest what they had.
-  const SlotColumn<double>& points() const;  // slots x dimension
-  const SlotColumn<VertexId>& ids() const;
-  const SlotColumn<std::uint8_t>& containing_dimensions() const;
-  const SlotColumn<FeatureId>& owners() const;
-  // Columns by slot of a simplex. `cells`: slots of its corners in canonical order, all -1 where
-  // the slot is free. `neighbours`: the simplex across the face opposite of each corner, -1 at the
-  // border of the mesh (or of the part that is held).
-  const SlotColumn<Slot>& cells() const;       // slots x (dimension + 1)
-  const SlotColumn<Slot>& neighbours() const;  // slots x (dimension + 1)
-  const SlotColumn<RegionId>& regions() const;
+
+  const SlotColumn<double>& points() const;                       // slots x dimension
+  const SlotColumn<VertexId>& ids() const;                        // 0 where the slot is free
+  const SlotColumn<std::uint8_t>& containing_dimensions() const;  // as in VertexColumns
+  const SlotColumn<FeatureId>& owners() const;                    // as in VertexColumns
+
+  // Columns by slot of a simplex.
+
+  // Slots of the dimension + 1 corners in canonical order; all -1 where the slot is free.
+  const SlotColumn<Slot>& cells() const;
+  // The simplex across the face opposite of each corner; -1 at the border of the mesh, or of the
+  // part that is held.
+  const SlotColumn<Slot>& neighbours() const;
+  const SlotColumn<RegionId>& regions() const;  // kNoRegion: in no polygon
   // Is any simplex in a region?
   bool has_regions() const;
-  // By slot of a subsegment or subfacet: slots of its corners, -1 where it is free.
-  const SlotColumn<Slot>& subsegments() const;  // slots x 2
-  const SlotColumn<FeatureId>& subsegment_owners() const;
-  const SlotColumn<Slot>& subfacets() const;  // slots x 3
-  const SlotColumn<FeatureId>& subfacet_owners() const;
+
+  // Columns by slot of a subsegment or subfacet.
+
+  const SlotColumn<Slot>& subsegments() const;  // slots of ends, -1 where it is free: slots x 2
+  const SlotColumn<FeatureId>& subsegment_owners() const;  // the feature of each
+  const SlotColumn<Slot>& subfacets() const;  // slots of corners, -1 where it is free: slots x 3
+  const SlotColumn<FeatureId>& subfacet_owners() const;  // the feature of each
   // The sets of several polygons that `regions` names, by id. O(sets lg sets).
   std::vector<RegionSet> region_sets() const;
 
-  // Expected O(1).
-  Slot FindSlot(VertexId id) const;                           // kNoSlot if absent
-  Slot FindSimplexSlot(std::span<const VertexId> ids) const;  // in canonical order
+  // Each of these takes expected O(1).
+
+  // The slot of the vertex `id`; kNoSlot if it is absent.
+  Slot FindSlot(VertexId id) const;
+  // The slot of the simplex with these vertex `ids` in canonical order; kNoSlot if it is absent.
+  Slot FindSimplexSlot(std::span<const VertexId> ids) const;
+  // The vertex `id`; nothing if it is absent.
   std::optional<Vertex> FindVertex(VertexId id) const;
+  // Is there a simplex with these vertex `ids`, in canonical order?
   bool HasSimplex(std::span<const VertexId> ids) const;
+  // The region of the simplex with these vertex `ids` in canonical order; nothing if it is absent.
   std::optional<RegionId> FindRegion(std::span<const VertexId> ids) const;
+  // Is there a subsegment of `owner` with the ends `a` and `b`, in any order?
   bool HasSubsegment(VertexId a, VertexId b, FeatureId owner) const;
-  bool HasSubfacet(const std::array<VertexId, 3>& corners, FeatureId owner) const;  // any order
+  // Is there a subfacet of `owner` with these `corners`, in any order?
+  bool HasSubfacet(const std::array<VertexId, 3>& corners, FeatureId owner) const;
 
  private:
   struct State;

@@ -16,6 +16,7 @@
 //   * the integral over the cavity and, for P1, what is around it stays but for rounding;
 //   * constants stay to the bit where simplices are in proportion, else to rounding;
 //   * the result is a function of the two meshes and the field: no slot or history shows in it.
+//
 // Mass stays in its region where the edit leaves the region's shape as it was. If the shape
 // changes, what changed sides is reported.
 //
@@ -36,6 +37,7 @@
 
 namespace dynmesh {
 
+// What the values of a field are, and how they are carried.
 enum class FieldKind : std::uint8_t {
   // A mean for each simplex, as of finite volumes. First order: each new one gets the mean over the
   // old ones that it overlaps. Never leaves the range of these.
@@ -55,9 +57,10 @@ enum class FieldKind : std::uint8_t {
   kLargestOverlap,
 };
 
+// How one field is carried.
 struct FieldOptions {
-  FieldKind kind = FieldKind::kP1;
-  int components = 1;  // in a row; of DG1 for each corner
+  FieldKind kind = FieldKind::kP1;  // what its values are
+  int components = 1;               // in a row; of DG1 for each corner
   // Of P1: how many rings of vertices around the cavity the projection may change, 0 to 16. At 0
   // it is lumped, which smears more. Any number conserves.
   int rings = 1;
@@ -67,18 +70,19 @@ struct FieldOptions {
 
 // Mass that lay in region `from` and lies in `to` now, since the edit changed their shapes.
 struct RegionFlow {
-  RegionId from = kNoRegion;
-  RegionId to = kNoRegion;
-  std::vector<double> amounts;  // by component
+  RegionId from = kNoRegion;    // where it lay
+  RegionId to = kNoRegion;      // where it lies
+  std::vector<double> amounts;  // by component, in the field's unit times area or volume
 };
 
 // An old and a new simplex that have something in common.
 struct OverlapPiece {
-  Slot from = kNoSlot;  // slots of simplices
-  Slot to = kNoSlot;
-  double measure = 0;
+  Slot from = kNoSlot;  // of the removed simplex
+  Slot to = kNoSlot;    // of the added one
+  double measure = 0;   // area or volume of what they have in common
 };
 
+// The overlap of the old and the new simplices of one patch, and what it does to fields.
 class Transfer {
  public:
   // For the patch of `mesh`, which must outlive the result and stay at its revision while that is
@@ -90,16 +94,16 @@ class Transfer {
   Transfer& operator=(Transfer&&) noexcept;
   ~Transfer();
 
-  // Carries `field`, in place; returns what changed regions. INVALID_ARGUMENT if the field does not
-  // have one row a slot, has a value in the patch that is not finite, or options are out of range;
-  // FAILED_PRECONDITION if the mesh has gone on since. An error changes nothing. Time is that
-  // of the patch, and of its `rings` for P1.
+  // Carries `field`, in place, as `options` say; returns what changed regions. INVALID_ARGUMENT if
+  // the field does not have one row a slot, has a value in the patch that is not finite, or options
+  // are out of range; FAILED_PRECONDITION if the mesh has gone on since. An error changes nothing.
+  // Time is that of the patch, and of its `rings` for P1.
   absl::StatusOr<std::vector<RegionFlow>> Carry(const FieldOptions& options,
                                                 std::span<double> field);
 
-  // Carries a density and a velocity (options.components of it) such that density and momentum are
-  // conserved: their product is carried, then divided by the new density. Where that is 0 the
-  // velocity is 0. The flows are those of the momentum, then those of the density.
+  // Carries a `density` and a `velocity` (`options`.components of it), in place, such that density
+  // and momentum are conserved: their product is carried, then divided by the new density. Where
+  // that is 0 the velocity is 0. The flows are those of the momentum, then those of the density.
   absl::StatusOr<std::vector<RegionFlow>> CarryMomentum(const FieldOptions& options,
                                                         std::span<double> density,
                                                         std::span<double> velocity);

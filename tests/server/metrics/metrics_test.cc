@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "dynmesh/version.h"
 #include "server/base/log.h"
 #include "server/calls/call_id.h"
 #include "server/journal/recovery_progress.h"
@@ -315,7 +316,7 @@ TEST_F(CollectTest, TheProcessIsDescribed) {
                      now.Value("process_start_time_seconds");
   EXPECT_GT(age, -2);
   EXPECT_LT(age, 3600);
-  EXPECT_EQ(now.Value("dynmesh_build_info", {{"version", DYNMESH_VERSION}}), 1);
+  EXPECT_EQ(now.Value("dynmesh_build_info", {{"version", kVersion}}), 1);
   // One more file is open: one more.
   const double before = Scrape().Value("process_open_fds");
   std::FILE* file = std::fopen("/dev/null", "r");

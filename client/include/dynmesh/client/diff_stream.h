@@ -18,10 +18,12 @@
 
 namespace dynmesh::client {
 
+// Where a stream begins, and what it does when the server is away.
 struct DiffStreamOptions {
-  // Where the caller's mesh is. The server compares the hash and refuses with FAILED_PRECONDITION
-  // (DIVERGED) if its own was another.
+  // Where the caller's mesh is.
   std::uint64_t start_revision = 0;
+  // Of the caller's mesh. The server refuses with FAILED_PRECONDITION (DIVERGED) if its own had
+  // another hash at that revision.
   MeshHash start_hash;
   // If the server has not kept the revisions since: true: a whole mesh comes in their place,
   // false: OUT_OF_RANGE (COMPACTED).
@@ -30,10 +32,12 @@ struct DiffStreamOptions {
   absl::Duration patience = absl::Minutes(15);
 };
 
+// A stream of revisions; see diff_stream.h.
 class DiffStream {
  public:
   virtual ~DiffStream() = default;  // as Cancel
 
+  // The way to the next revision, or a whole mesh (DiffStreamOptions::takes_snapshots).
   using Event = std::variant<MeshDiff, Mesh>;
   // The next revision; nothing if none came within `limit`. An error ends the stream.
   virtual absl::StatusOr<std::optional<Event>> Next(absl::Duration limit) = 0;

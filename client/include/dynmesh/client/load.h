@@ -14,23 +14,27 @@
 
 namespace dynmesh::client {
 
+// How far a load is.
 struct LoadProgress {
+  // What a load goes through, in this order.
   enum class Stage : std::uint8_t {
-    kSend,  // features that the server has received; the client knows no total of a source
-    kWait,  // for the batches ahead
-    kValidate,
-    kRefine,
-    kDiff,
-    kWrite,  // to the server's disk
+    kSend,      // features that the server has received; the client knows no total of a source
+    kWait,      // for the batches ahead
+    kValidate,  // as ApplyProgress::Stage
+    kRefine,    // as ApplyProgress::Stage
+    kDiff,      // as ApplyProgress::Stage
+    kWrite,     // to the server's disk
   };
-  Stage stage = Stage::kSend;
-  std::uint64_t done = 0;
-  std::uint64_t total = 0;  // 0: not known
+  Stage stage = Stage::kSend;  // the one that is under way
+  std::uint64_t done = 0;      // how much of it is
+  std::uint64_t total = 0;     // 0: not known
 };
 
+// What is said with a load.
 struct LoadParams {
   // Makes a retry safe, as EditParams::request_id.
   std::string request_id;
+  // As EditParams::expected_revision.
   std::optional<std::uint64_t> expected_revision;
   int dimension = 2;  // that of the mesh
   // Called about twice a second, from another thread, not after Load has returned. May be null.
@@ -40,12 +44,13 @@ struct LoadParams {
   const std::atomic<bool>* cancelled = nullptr;
 };
 
+// What a load did.
 struct LoadResult {
-  std::uint64_t from_revision = 0;
-  std::uint64_t to_revision = 0;
-  MeshHash hash;  // at to_revision
-  WorkCounters work;
-  bool replayed = false;  // a retry: it had been applied before
+  std::uint64_t from_revision = 0;  // before it
+  std::uint64_t to_revision = 0;    // after it
+  MeshHash hash;                    // at to_revision
+  WorkCounters work;                // what it cost
+  bool replayed = false;            // a retry: it had been applied before
 };
 
 // The features, some at a time, until there are none. What it returns stays until it is called

@@ -18,14 +18,16 @@
 
 namespace dynmesh::client {
 
+// What is watched, and what happens when the connection breaks.
 struct WatchOptions {
   // Polygons: of the simplices, only those inside at least one of them. Empty: all. The
   // replica's vertices, subsegments, subfacets and hash: see MeshReplica.
   std::vector<FeatureId> regions = {};
   // Longest silence of the server; zero: its default.
   absl::Duration progress_interval = absl::ZeroDuration();
-  // Pauses before reconnecting: the first, doubled each time up to the longest.
+  // Before the first reconnection; doubled before each further one.
   absl::Duration first_pause = absl::Milliseconds(50);
+  // Before any reconnection.
   absl::Duration longest_pause = absl::Seconds(5);
   // Reconnections in a row without an event before the session gives up. A server that starts
   // answers UNAVAILABLE until it has all its meshes: by default it has a quarter of an hour for
@@ -38,8 +40,11 @@ struct WatchOptions {
 class WatchListener {
  public:
   virtual ~WatchListener() = default;
+  // The mesh was replaced by a whole one.
   virtual void OnSnapshot(const MeshReplica&) {}
+  // The mesh is at the next revision, by that diff.
   virtual void OnDiff(const MeshReplica&, const MeshDiff&) {}
+  // The server is there, and has nothing new.
   virtual void OnProgress(const MeshReplica&) {}
   // The replica was broken or the connection lost; the session goes on.
   virtual void OnTrouble(const absl::Status&) {}
@@ -47,6 +52,7 @@ class WatchListener {
   virtual void OnEnd(const absl::Status&) {}
 };
 
+// A mesh that is followed; see watch_session.h.
 class WatchSession {
  public:
   virtual ~WatchSession() = default;  // as Stop
@@ -56,9 +62,10 @@ class WatchSession {
   virtual void Stop() = 0;
 
   // Waits until `condition` holds of the replica, looked at after every event; false
-  // if it takes longer or the session ends before.
+  // if it takes longer than `limit` or the session ends before.
   virtual bool WaitFor(const std::function<bool(const MeshReplica&)>& condition,
                        absl::Duration limit) = 0;
+  // The same for the replica to be at `revision` or a later one, within `limit`.
   bool WaitForRevision(std::uint64_t revision, absl::Duration limit) {
     return WaitFor([revision](const MeshReplica& r) { return r.revision() >= revision; }, limit);
   }
@@ -68,8 +75,9 @@ class WatchSession {
 
   // The status with which the session ended, if it has.
   virtual std::optional<absl::Status> ended() const = 0;
-  // Snapshots taken after the first, and streams opened after the first.
+  // Snapshots taken after the first.
   virtual int resyncs() const = 0;
+  // Streams opened after the first.
   virtual int reconnects() const = 0;
 };
 

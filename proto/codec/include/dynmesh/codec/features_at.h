@@ -10,8 +10,9 @@
 
 namespace dynmesh::codec {
 
+// What was put into a mesh until a revision.
 struct FeaturesAt {
-  std::uint64_t revision = 0;
+  std::uint64_t revision = 0;     // whose features these are
   MeshHash hash;                  // of the mesh with them
   std::vector<Feature> features;  // by id
 };
