@@ -50,6 +50,23 @@ inline absl::Status CheckDimension(int dimension) {
   return absl::InvalidArgumentError("dimension is not 2 or 3");
 }
 
+// Is it the end of a watch that is to be opened again: the server is away, restarts or is short of
+// something?
+inline bool IsPassing(const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kOk:  // a watch has no end of its own
+    case absl::StatusCode::kUnavailable:
+    case absl::StatusCode::kCancelled:  // by the server
+    case absl::StatusCode::kUnknown:
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kResourceExhausted:
+    case absl::StatusCode::kDeadlineExceeded:
+      return true;
+    default:
+      return false;
+  }
+}
+
 // Features and ids of one message.
 inline constexpr std::size_t kMessageBytes = 1 << 20;
 inline constexpr std::size_t kFeatureBytes = 96;  // at most, without rings

@@ -17,22 +17,6 @@ namespace {
 constexpr std::size_t kAhead = 16;  // revisions read and not taken
 constexpr absl::Duration kFirstPause = absl::Milliseconds(50), kLongestPause = absl::Seconds(2);
 
-// A server that is away, restarts or is short of something.
-bool IsPassing(const absl::Status& status) {
-  switch (status.code()) {
-    case absl::StatusCode::kOk:  // a watch has no end of its own
-    case absl::StatusCode::kUnavailable:
-    case absl::StatusCode::kCancelled:  // by the server
-    case absl::StatusCode::kUnknown:
-    case absl::StatusCode::kInternal:
-    case absl::StatusCode::kResourceExhausted:
-    case absl::StatusCode::kDeadlineExceeded:
-      return true;
-    default:
-      return false;
-  }
-}
-
 class GrpcDiffStream final : public DiffStream {
  public:
   GrpcDiffStream(std::shared_ptr<Stub> stub, const std::string& mesh,

@@ -138,21 +138,6 @@ class Follower : public std::enable_shared_from_this<Follower> {
   }
 
  private:
-  static bool IsPassing(const absl::Status& status) {
-    switch (status.code()) {
-      case absl::StatusCode::kOk:  // a watch has no end of its own
-      case absl::StatusCode::kUnavailable:
-      case absl::StatusCode::kCancelled:
-      case absl::StatusCode::kUnknown:
-      case absl::StatusCode::kInternal:
-      case absl::StatusCode::kResourceExhausted:
-      case absl::StatusCode::kDeadlineExceeded:
-        return true;
-      default:
-        return false;
-    }
-  }
-
   void Tell(const MeshReplica::Change& change) {
     if (std::holds_alternative<MeshReplica::NewSnapshot>(change)) {
       ++snapshots_;

@@ -43,6 +43,22 @@ double MeanOf(const double* values) {
   return sum / static_cast<double>(D + 1);
 }
 
+// The old simplex that new one j has most of; of equals the first.
+template <std::size_t D>
+std::uint32_t LargestPieceOf(const Overlay<D>& overlay, const Exchange<D>& exchange,
+                             std::size_t j) {
+  double most = -1;
+  std::uint32_t donor = kNone;
+  for (const Piece<D>& piece : overlay.PiecesOf(j)) {
+    if (!exchange.Counts(piece)) continue;
+    const double measure = piece.measure();
+    if (measure > most || (measure == most && piece.from < donor)) {
+      most = measure, donor = piece.from;
+    }
+  }
+  return donor;
+}
+
 }  // namespace
 
 template <std::size_t D>
@@ -65,12 +81,7 @@ template <std::size_t D>
 std::vector<std::uint32_t> DonorsOf(const Overlay<D>& overlay, const Exchange<D>& exchange) {
   std::vector<std::uint32_t> donors = HomesOf(overlay, exchange);
   for (std::size_t j = 0; j < donors.size(); ++j) {
-    if (donors[j] != kNone) continue;
-    double most = -1;
-    for (const Piece<D>& piece : overlay.PiecesOf(j)) {
-      const double measure = piece.measure();
-      if (exchange.Counts(piece) && measure > most) most = measure, donors[j] = piece.from;
-    }
+    if (donors[j] == kNone) donors[j] = LargestPieceOf(overlay, exchange, j);
   }
   return donors;
 }
@@ -244,7 +255,8 @@ std::vector<double> CellTransfer<D>::Functions(std::span<const double> old, bool
       solved = Solve<kCorners>(exchange_.own(j), right);
     }
     if (!solved) {
-      const std::uint32_t i = homes_[j] != kNone ? homes_[j] : DonorsOf(overlay_, exchange_)[j];
+      const std::uint32_t i =
+          homes_[j] != kNone ? homes_[j] : LargestPieceOf(overlay_, exchange_, j);
       const Barycentric<D> coordinates(overlay_.from[i].corners);
       right.fill(Offset(references, i, j));
       for (std::size_t b = 0; b < kCorners; ++b) {
