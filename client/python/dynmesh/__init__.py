@@ -33,6 +33,7 @@ from dynmesh.errors import (
     PermissionDenied,
     StaleDiff,
     Unavailable,
+    VersionMismatch,
 )
 
 __version__: str = _core.version
@@ -61,6 +62,7 @@ __all__ = [
     "Server",
     "StaleDiff",
     "Unavailable",
+    "VersionMismatch",
     "connect",
     "open",
 ]

@@ -14,14 +14,16 @@ import numpy as np
 from dynmesh import _core
 from dynmesh._types import Array
 from dynmesh._mesh import Mesh, Progress
-from dynmesh.errors import AlreadyExists, DynmeshError, FailedPrecondition, NotFound, Unavailable
+from dynmesh.errors import AlreadyExists, DynmeshError, FailedPrecondition, NotFound, Unavailable, \
+    VersionMismatch
 
 T = TypeVar("T")
 Pem = Union[str, bytes, "os.PathLike[str]", None]
 
 
 def connect(address: str, *, token: str = "", tls_ca: Pem = None, tls_certificate: Pem = None,
-            tls_key: Pem = None, timeout: float = 0.0, retry_for: float = 30.0) -> Server:
+            tls_key: Pem = None, timeout: float = 0.0, retry_for: float = 30.0,
+            any_version: bool = False) -> Server:
     """A server at `address` ("host:port"). Never fails: the first call tells whether it is there.
 
     Args:
@@ -34,9 +36,11 @@ def connect(address: str, *, token: str = "", tls_ca: Pem = None, tls_certificat
         timeout: of a call, in seconds; 0: none.
         retry_for: for how many seconds a call is tried again while the server is away. Edits have
             ids, so that none is applied twice.
+        any_version: the server may be of another version than the package. Otherwise the first call
+            raises `VersionMismatch` if the first two numbers differ.
     """
     return Server(address, token=token, tls_ca=tls_ca, tls_certificate=tls_certificate,
-                  tls_key=tls_key, timeout=timeout, retry_for=retry_for)
+                  tls_key=tls_key, timeout=timeout, retry_for=retry_for, any_version=any_version)
 
 
 def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
@@ -68,12 +72,13 @@ class Server:
     """A server's meshes. A context manager; thread-safe."""
 
     def __init__(self, address: str, *, token: str, tls_ca: Pem, tls_certificate: Pem, tls_key: Pem,
-                 timeout: float, retry_for: float) -> None:
+                 timeout: float, retry_for: float, any_version: bool) -> None:
         #: As given: "host:port".
         self.address: str = address
         self._client = _core.Client(address, token, _pem(tls_ca), _pem(tls_certificate),
                                     _pem(tls_key), timeout)
         self._retry_for = retry_for
+        self._version_fits = any_version
 
     def __enter__(self) -> Server:
         return self
@@ -131,6 +136,15 @@ class Server:
         """Counts of the server, and of `mesh` if one is named."""
         return self.call(lambda client: client.stats(mesh))
 
+    def _check_version(self, client: Any) -> None:
+        theirs: str = client.stats("")["version"]
+        if theirs and theirs.split(".")[:2] != _core.version.split(".")[:2]:
+            raise VersionMismatch(
+                f"the server at {self.address} is dynmesh {theirs}, this package is dynmesh "
+                f"{_core.version}: install the same version of both, or connect with "
+                "any_version=True")
+        self._version_fits = True
+
     def call(self, function: Callable[[Any], T]) -> T:
         """What `function` returns, tried again while the server is away.
 
@@ -142,6 +156,8 @@ class Server:
         pause = 0.05
         while True:
             try:
+                if not self._version_fits:
+                    self._check_version(self._client)
                 return function(self._client)
             except Unavailable as error:
                 wait = error.retry_after or pause

@@ -54,6 +54,10 @@ class Unavailable(DynmeshError, ConnectionError):
     """The server cannot be reached, starts or ends. Trying again may help."""
 
 
+class VersionMismatch(DynmeshError):
+    """The server is of another version than this package; nothing was asked of it."""
+
+
 class DeadlineExceeded(DynmeshError, TimeoutError):
     """The call took longer than the timeout."""
 

@@ -1,9 +1,11 @@
 """What only a server's mesh does: followers, streams, other clients, ends and restarts."""
 import asyncio
+import concurrent.futures
 import signal
 import threading
 import time
 
+import grpc
 import numpy as np
 import pytest
 
@@ -165,3 +167,52 @@ def test_no_server():
     assert time.monotonic() - begin < 10
     with pytest.raises(dynmesh.Unavailable, match="closed"):
         server.meshes()
+
+
+class OtherServer(grpc.GenericRpcHandler):
+    """Tells a version, and knows no other call."""
+
+    def __init__(self, version):
+        self.version = version.encode()
+
+    def service(self, details):
+        if not details.method.endswith("/GetStats"):
+            return None
+        return grpc.unary_unary_rpc_method_handler(
+            lambda request, context: b"\x0a" + bytes([len(self.version)]) + self.version)
+
+
+@pytest.fixture
+def start_other_server():
+    servers = []
+
+    def start(version):
+        servers.append(grpc.server(concurrent.futures.ThreadPoolExecutor(2)))
+        servers[-1].add_generic_rpc_handlers([OtherServer(version)])
+        port = servers[-1].add_insecure_port("127.0.0.1:0")
+        servers[-1].start()
+        return f"127.0.0.1:{port}"
+    yield start
+    for server in servers:
+        server.stop(None).wait()
+
+
+def test_a_server_of_another_version_is_refused_by_name(start_other_server):
+    address = start_other_server("9.3.1")
+    with dynmesh.connect(address) as server:
+        for _ in range(2):  # the second time, too
+            with pytest.raises(dynmesh.VersionMismatch) as caught:
+                server.mesh("plate")
+            for part in ("9.3.1", dynmesh.__version__, address, "any_version=True"):
+                assert part in str(caught.value)
+    with dynmesh.connect(address, any_version=True) as server:
+        with pytest.raises(dynmesh.DynmeshError) as caught:
+            server.mesh("plate")
+        assert caught.value.code == "UNIMPLEMENTED"
+        assert server.stats()["version"] == "9.3.1"
+
+
+def test_the_last_number_of_a_version_may_differ(start_other_server):
+    numbers = dynmesh.__version__.split(".")
+    with dynmesh.connect(start_other_server(".".join([*numbers[:2], "99"]))) as server:
+        assert server.stats()["version"].endswith(".99")
