@@ -75,7 +75,8 @@ class Clipped<2> {
     return count_ >= 3;
   }
 
-  std::size_t size() const { return count_; }
+  // Bits of corners.
+  std::uint64_t in_use() const { return (std::uint64_t{1} << count_) - 1; }
   const ClipCorner<2>& corner(std::size_t i) const { return corners_[i]; }
 
   // visit(indices of D + 1 corners) for each simplex of a triangulation.
@@ -93,8 +94,8 @@ class Clipped<2> {
 };
 
 // A convex polyhedron, by its edges. An edge goes between two corners and has a face on either
-// side; seen from outside, the left one is on the left of the way from `from` to `to`. A cut
-// shortens edges and adds, on each face that it crosses, an edge of the new face.
+// side; seen from outside, the left one is on the left of the way from its first end to its second.
+// A cut shortens edges and adds, on each face that it crosses, an edge of the new face.
 template <>
 class Clipped<3> {
  public:
@@ -112,6 +113,7 @@ class Clipped<3> {
     for (std::size_t k = 0; k < 4; ++k) corners_[k] = {c[k], {}}, corners_[k].lambda[k] = 1;
   }
 
+  // Without branches where nothing predicts them: an entry that is not wanted is overwritten.
   bool By(const HalfSpace<3>& half, double slack) {
     std::array<double, kMost> value;
     std::uint64_t in = 0;
@@ -123,58 +125,70 @@ class Clipped<3> {
     });
     if (!any_in) return false;
     if (in == in_use_) return true;
-    // Where the new face's edge begins and ends on each face.
-    std::array<std::uint8_t, kMostFaces> begin, end;
-    begin.fill(kNone), end.fill(kNone);
-    std::size_t kept = 0;
     in_use_ = in;
+    std::array<std::uint8_t, kMostEdges + 1> crossing;  // edges with one end in the half-space
+    std::size_t kept = 0, crossing_count = 0;
     for (std::size_t e = 0; e < edge_count_; ++e) {
-      Edge edge = edges_[e];
-      const bool from_in = (in >> edge.from & 1) != 0, to_in = (in >> edge.to & 1) != 0;
-      if (!from_in && !to_in) continue;
-      if (from_in != to_in) {
-        const auto cut = static_cast<std::uint8_t>(count_++);
-        in_use_ |= std::uint64_t{1} << cut;
-        corners_[cut] =
-            Between(corners_[edge.from], value[edge.from], corners_[edge.to], value[edge.to]);
-        (from_in ? begin : end)[edge.left] = cut, (from_in ? end : begin)[edge.right] = cut;
-        (from_in ? edge.to : edge.from) = cut;
-      }
-      edges_[kept++] = edge;
+      const Edge edge = edges_[e];
+      const bool from_in = (in >> edge.ends[0] & 1) != 0, to_in = (in >> edge.ends[1] & 1) != 0;
+      edges_[kept] = edge;
+      crossing[crossing_count] = static_cast<std::uint8_t>(kept);
+      kept += from_in | to_in;
+      crossing_count += from_in ^ to_in;
+    }
+    // The new face's edge on each face: where it begins, and where it ends.
+    std::array<std::array<std::uint8_t, kMostFaces>, 2> cap;
+    cap[0].fill(kNone), cap[1].fill(kNone);
+    for (std::size_t c = 0; c < crossing_count; ++c) {
+      Edge& edge = edges_[crossing[c]];
+      const auto [from, to] = edge.ends;
+      const bool from_in = (in >> from & 1) != 0;
+      const auto cut = static_cast<std::uint8_t>(count_++);
+      in_use_ |= std::uint64_t{1} << cut;
+      corners_[cut] = Between(corners_[from], value[from], corners_[to], value[to]);
+      cap[!from_in][edge.left] = cut, cap[from_in][edge.right] = cut;
+      edge.ends[from_in] = cut;
     }
     for (std::uint8_t face = 0; face < face_count_; ++face) {
-      if (begin[face] == kNone || end[face] == kNone) continue;
-      edges_[kept++] = {begin[face], end[face], face, face_count_};
+      edges_[kept] = {{cap[0][face], cap[1][face]}, face, face_count_};
+      kept += cap[0][face] != kNone && cap[1][face] != kNone;
     }
     edge_count_ = kept;
     ++face_count_;
     return true;
   }
 
-  // Corners that were cut off keep their indices.
-  std::size_t size() const { return count_; }
+  // Bits of corners; indices of those that were cut off are not used again.
+  std::uint64_t in_use() const { return in_use_; }
   const ClipCorner<3>& corner(std::size_t i) const { return corners_[i]; }
 
   // From a corner to all faces that do not have it.
   template <class Visit>
   void ForEachSimplex(const Visit& visit) const {
-    const std::uint8_t apex = edges_[0].from;
+    const std::uint8_t apex = edges_[0].ends[0];
     std::uint32_t has_apex = 0;  // bits of faces
+    std::array<std::uint8_t, kMostFaces> corner_of;
     for (std::size_t e = 0; e < edge_count_; ++e) {
       const Edge& edge = edges_[e];
-      if (edge.from == apex || edge.to == apex) has_apex |= 1U << edge.left | 1U << edge.right;
+      const std::uint32_t faces = 1U << edge.left | 1U << edge.right;
+      has_apex |= faces & -std::uint32_t{edge.ends[0] == apex || edge.ends[1] == apex};
+      corner_of[edge.left] = corner_of[edge.right] = edge.ends[0];
     }
-    std::array<std::uint8_t, kMostFaces> first;  // of a face's corners
-    first.fill(kNone);
-    const auto look_at = [&](std::uint8_t face, std::uint8_t from, std::uint8_t to) {
-      if ((has_apex >> face & 1) != 0) return;
-      if (first[face] == kNone) first[face] = from;
-      if (first[face] == from || first[face] == to) return;
-      visit(std::array<std::size_t, 4>{apex, first[face], from, to});
+    // Triangles of the other faces, each with a corner of its face.
+    std::array<std::array<std::uint8_t, 3>, 2 * kMostEdges + 1> triangles;
+    std::size_t count = 0;
+    const auto add = [&](std::uint8_t face, std::uint8_t from, std::uint8_t to) {
+      const std::uint8_t corner = corner_of[face];
+      triangles[count] = {corner, from, to};
+      count += ((has_apex >> face & 1) == 0) & (corner != from) & (corner != to);
     };
     for (std::size_t e = 0; e < edge_count_; ++e) {
-      look_at(edges_[e].left, edges_[e].from, edges_[e].to);
-      look_at(edges_[e].right, edges_[e].to, edges_[e].from);
+      add(edges_[e].left, edges_[e].ends[0], edges_[e].ends[1]);
+      add(edges_[e].right, edges_[e].ends[1], edges_[e].ends[0]);
+    }
+    for (std::size_t t = 0; t < count; ++t) {
+      const auto& [a, b, c] = triangles[t];
+      visit(std::array<std::size_t, 4>{apex, a, b, c});
     }
   }
 
@@ -185,12 +199,12 @@ class Clipped<3> {
   static constexpr std::size_t kMostFaces = 8, kMostEdges = 28;
   static constexpr std::uint8_t kNone = 255;
   struct Edge {
-    std::uint8_t from, to;
+    std::array<std::uint8_t, 2> ends;  // from, to
     std::uint8_t left, right;
   };
 
   std::array<ClipCorner<3>, kMost> corners_;
-  std::array<Edge, kMostEdges> edges_;
+  std::array<Edge, kMostEdges + 1> edges_;
   std::size_t edge_count_;
   std::uint8_t face_count_;
   std::size_t count_;

@@ -61,20 +61,19 @@ class Clipper {
     constexpr double kShare = 1.0 / ((D + 1) * (D + 2));
     std::array<double, Clipped<D>::kMost> weights;
     std::array<TwoCoordinates, Clipped<D>::kMost> at;
-    std::uint64_t known = 0;                    // bits of corners
+    ForEachBit(clipped.in_use(), [&](std::size_t corner) {
+      weights[corner] = 0;
+      at[corner] = {clipped.corner(corner).lambda, coordinates_(clipped.corner(corner).place)};
+    });
     typename Overlay<D>::Mass mixed{}, mine{};  // here, where nothing else can point to
+    bool any = false;
     clipped.ForEachSimplex([&](const std::array<std::size_t, D + 1>& corners) {
       Corners<D> places;
       for (std::size_t k = 0; k <= D; ++k) places[k] = clipped.corner(corners[k]).place;
       const double share = kShare * Measure<D>(places);
-      if (share <= 0) return;
+      any |= share > 0;
       TwoCoordinates sum{};
       for (const std::size_t corner : corners) {
-        if ((known >> corner & 1) == 0) {
-          known |= std::uint64_t{1} << corner;
-          weights[corner] = 0;
-          at[corner] = {clipped.corner(corner).lambda, coordinates_(clipped.corner(corner).place)};
-        }
         weights[corner] += share;
         for (std::size_t k = 0; k <= D; ++k) {
           sum.old[k] += at[corner].old[k], sum.own[k] += at[corner].own[k];
@@ -83,7 +82,7 @@ class Clipper {
       AddProducts(share, sum, mixed, mine);
     });
     std::array<std::size_t, D + 1> on_face{};  // corners
-    ForEachBit(known, [&](std::size_t corner) {
+    ForEachBit(clipped.in_use(), [&](std::size_t corner) {
       AddProducts(weights[corner], at[corner], mixed, mine);
       // A cut leaves a coordinate that is 0 at both ends exactly 0.
       for (std::size_t k = 0; k <= D; ++k) on_face[k] += at[corner].old[k] == 0;
@@ -91,7 +90,7 @@ class Clipper {
     piece.mass = mixed, own = mine;
     open = 0;
     for (std::size_t k = 0; k <= D; ++k) open |= std::uint32_t{on_face[k] >= D} << k;
-    return known != 0;
+    return any;
   }
 
   // Adds weight times the products of `c`.

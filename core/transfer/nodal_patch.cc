@@ -1,6 +1,7 @@
 #include "core/transfer/nodal_patch.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace dynmesh::transfer {
 namespace {
@@ -56,27 +57,34 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
     for (std::size_t c = 0; c < cells.size(); ++c) {
       if (c + kAhead < cells.size())
         Prefetch<D>(all_cells, all_neighbours, places[c + kAhead].slot);
+      std::uint32_t free = 0;  // bits of corners
       for (std::size_t k = 0; k <= D; ++k) {
-        if ((places[c].open & 1U << k) == 0) continue;
-        bool face_is_free = false;
-        for (std::size_t j = 0; j <= D; ++j) {
-          face_is_free |= j != k && cells[c].corners[j] < free_count;
-        }
-        if (!face_is_free) continue;
-        places[c].open &= ~(1U << k);
+        free |= std::uint32_t{cells[c].corners[k] < free_count} << k;
+      }
+      // Faces with a free corner: all but the one opposite of a single one.
+      std::uint32_t faces = free == 0 ? 0 : places[c].open;
+      if (std::has_single_bit(free)) faces &= ~free;
+      places[c].open &= ~faces;
+      for (; faces != 0; faces &= faces - 1) {
+        const auto k = static_cast<std::size_t>(std::countr_zero(faces));
         const Slot other = all_neighbours[At(places[c].slot) * (D + 1) + k];
         if (other == kNoSlot || !seen.Add(other).second) continue;
         // Its corners are those of the face and one more.
         const Slot* row = all_cells + At(other) * (D + 1);
         const Slot* own = all_cells + At(places[c].slot) * (D + 1);
         Cell cell;
+        std::uint32_t open = kAllFaces;
         for (std::size_t i = 0; i <= D; ++i) {
           const auto shared = static_cast<std::size_t>(std::find(own, own + D + 1, row[i]) - own);
-          cell.corners[i] = shared <= D ? cells[c].corners[shared] : index_of(row[i]);
+          if (shared <= D) {
+            cell.corners[i] = cells[c].corners[shared];
+          } else {
+            cell.corners[i] = index_of(row[i]), open = kAllFaces & ~(1U << i);
+          }
         }
         cell.measure = 0;
         cell.region = has_regions ? mesh.regions()[At(other)] : kNoRegion;
-        cells.push_back(cell), places.push_back({other, kAllFaces});
+        cells.push_back(cell), places.push_back({other, open});
       }
     }
   }

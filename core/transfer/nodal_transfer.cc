@@ -42,14 +42,21 @@ NodalTransfer<D>::NodalTransfer(const SlotMesh& mesh, const Overlay<D>& overlay,
   }
   FindParts();
   // What is coupled to vertices that are not free stands on the diagonal.
-  diagonal_.assign(patch_.free_count, 0);
+  const auto free = static_cast<std::uint32_t>(patch_.free_count);
+  diagonal_.assign(free, 0);
+  couplings_.reserve(patch_.cells.size());
   for (const auto& cell : patch_.cells) {
-    const double unit = cell.measure / static_cast<double>((D + 1) * (D + 2));
-    double tied = 0;
-    for (const std::uint32_t corner : cell.corners) tied += corner >= patch_.free_count;
-    for (const std::uint32_t corner : cell.corners) {
-      if (corner < patch_.free_count) diagonal_[corner] += unit * (2 + tied);
+    Coupling coupling;
+    coupling.unit = cell.measure / static_cast<double>((D + 1) * (D + 2));
+    std::size_t tied = 0;
+    for (std::size_t k = 0; k <= D; ++k) {
+      coupling.corners[k] = std::min(cell.corners[k], free);
+      tied += coupling.corners[k] == free;
     }
+    for (const std::uint32_t corner : cell.corners) {
+      if (corner < free) diagonal_[corner] += coupling.unit * static_cast<double>(2 + tied);
+    }
+    if (tied < D) couplings_.push_back(coupling);
   }
 }
 
@@ -107,17 +114,15 @@ std::vector<double> NodalTransfer<D>::Residual(std::span<const double> from) con
   return residual;
 }
 
-// y = M x.
+// y = M x. Both have one entry more, for vertices that are not free: it is 0 in x, any in y.
 template <std::size_t D>
 void NodalTransfer<D>::Multiply(std::span<const double> x, std::span<double> y) const {
-  const std::size_t free = patch_.free_count;
-  for (std::size_t v = 0; v < free; ++v) y[v] = diagonal_[v] * x[v];
-  for (const auto& cell : patch_.cells) {
-    const double unit = cell.measure / static_cast<double>((D + 1) * (D + 2));
+  for (std::size_t v = 0; v < diagonal_.size(); ++v) y[v] = diagonal_[v] * x[v];
+  for (const Coupling& coupling : couplings_) {
     double sum = 0;
-    for (const std::uint32_t corner : cell.corners) sum += corner < free ? x[corner] : 0;
-    for (const std::uint32_t corner : cell.corners) {
-      if (corner < free) y[corner] += unit * (sum - x[corner]);
+    for (const std::uint32_t corner : coupling.corners) sum += x[corner];
+    for (const std::uint32_t corner : coupling.corners) {
+      y[corner] += coupling.unit * (sum - x[corner]);
     }
   }
 }
@@ -129,8 +134,8 @@ std::vector<double> NodalTransfer<D>::Project(std::vector<double> residual) cons
   std::vector<double> x(n, 0);
   if (rings_ > 0) {
     constexpr int kMostSteps = 12;
-    constexpr double kGain = 1e-3;
-    std::vector<double> p(n), z(n), mp(n);
+    constexpr double kGain = 1e-2;
+    std::vector<double> p(n + 1), z(n), mp(n + 1);
     const auto scaled = [&] {
       double dot = 0;
       for (std::size_t v = 0; v < n; ++v) {
@@ -141,7 +146,7 @@ std::vector<double> NodalTransfer<D>::Project(std::vector<double> residual) cons
     };
     double rz = scaled();
     const double enough = kGain * kGain * rz;
-    p = z;
+    std::copy(z.begin(), z.end(), p.begin());
     for (int step = 0; step < kMostSteps && rz > enough; ++step) {
       Multiply(p, mp);
       double pmp = 0;
@@ -165,6 +170,13 @@ std::vector<double> NodalTransfer<D>::Project(std::vector<double> residual) cons
 // together, and how much of each free vertex's hat function lies in which part.
 template <std::size_t D>
 void NodalTransfer<D>::FindParts() {
+  const RegionId any = overlay_.from[0].region;
+  const auto is_other = [any](const auto& simplex) { return simplex.region != any; };
+  if (std::none_of(overlay_.from.begin(), overlay_.from.end(), is_other) &&
+      std::none_of(patch_.cells.begin(), patch_.cells.end(), is_other)) {
+    part_count_ = 1;
+    return;
+  }
   std::map<RegionId, std::uint32_t> changed;  // regions of the overlay, and their groups
   for (std::size_t i = 0; i < overlay_.from.size(); ++i) {
     changed[overlay_.from[i].region] = exchange_.group_from(i);

@@ -51,6 +51,12 @@ class NodalTransfer {
     std::array<double, D + 1> lambda;
   };
 
+  // Two corners of a cell are coupled by `unit`. Those that are not free are free_count.
+  struct Coupling {
+    std::array<std::uint32_t, D + 1> corners;
+    double unit;
+  };
+
   struct Share {  // of a free vertex's hat function that lies in a part
     std::uint32_t vertex, part;
     double amount;
@@ -70,7 +76,8 @@ class NodalTransfer {
   std::vector<bool> is_added_;
   std::vector<std::array<std::uint32_t, D + 1>> old_corners_;
   std::vector<Birth> births_;
-  std::vector<double> diagonal_;
+  std::vector<double> diagonal_;     // of free vertices
+  std::vector<Coupling> couplings_;  // of cells with two free corners or more
   std::uint32_t part_count_ = 0;
   std::vector<std::uint32_t> parts_from_, parts_to_;  // of the overlay's simplices
   std::vector<Share> shares_;                         // if there are several parts
