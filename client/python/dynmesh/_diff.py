@@ -139,7 +139,8 @@ class Diff:
                 cell. "overlap": each new cell has the row of the old one that it shares most with,
                 of any dtype. A function: called with `u` and `Pieces`, gives the rows of
                 `patch.added_cells`.
-            bounded: no value leaves the range of the old ones in the patch.
+            bounded: no value leaves the range of the old ones in the patch. Of P1 the regions of the
+                patch then keep their integrals together, not each its own.
             order: of P0: 1, or 2 with limited gradients.
             rings: of P1: rings of vertices around the patch that may change.
             inplace: `u` itself becomes the result. It needs a row for every new slot.

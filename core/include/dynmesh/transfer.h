@@ -64,7 +64,8 @@ struct FieldOptions {
   // Of P1: how many rings of vertices around the cavity the projection may change, 0 to 16. At 0
   // it is lumped, which smears more. Any number conserves.
   int rings = 1;
-  // Each component stays within the old values of the patch, exactly. Costs accuracy at extrema.
+  // Each component stays within the old values of the patch, exactly. Costs accuracy at extrema. Of
+  // P1 the regions of the patch then keep their mass together, not each its own.
   bool bounded = false;
 };
 
