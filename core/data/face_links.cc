@@ -1,6 +1,7 @@
 #include "core/data/face_links.h"
 
 #include <algorithm>
+#include <bit>
 #include <tuple>
 #include <utility>
 
@@ -23,14 +24,19 @@ std::array<Slot, 3> FaceOf(const Slot* corners, std::size_t width, std::size_t k
 
 std::size_t At(Slot slot) { return static_cast<std::size_t>(slot); }
 
+template <class Face>
+void LinkPair(const Face& a, const Face& b, Slot* neighbours, std::size_t width) {
+  neighbours[At(a.simplex) * width + a.side] = b.simplex;
+  neighbours[At(b.simplex) * width + b.side] = a.simplex;
+}
+
 // Of faces that follow each other and are equal, two.
 template <class Face>
 void LinkSorted(std::span<const Face> faces, Slot* neighbours, std::size_t width) {
   for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
     const Face &a = faces[i], &b = faces[i + 1];
     if (a.corners != b.corners || a.simplex == b.simplex) continue;
-    neighbours[At(a.simplex) * width + a.side] = b.simplex;
-    neighbours[At(b.simplex) * width + b.side] = a.simplex;
+    LinkPair(a, b, neighbours, width);
     ++i;
   }
 }
@@ -43,10 +49,32 @@ void FaceLinks::Add(const Slot* corners, std::size_t width, std::size_t k, Slot 
 }
 
 void FaceLinks::Link(Slot* neighbours, std::size_t width) {
-  std::sort(faces_.begin(), faces_.end(), [](const Face& a, const Face& b) {
-    return std::tie(a.corners, a.simplex, a.side) < std::tie(b.corners, b.simplex, b.side);
-  });
-  LinkSorted(std::span<const Face>(faces_), neighbours, width);
+  // A table by open addressing; an entry whose face has both its simplices is passed over.
+  constexpr std::uint32_t kNone = ~std::uint32_t{0}, kBoth = kNone - 1;
+  std::vector<std::uint32_t> table(std::bit_ceil(2 * faces_.size() + 1), kNone);
+  const std::size_t mask = table.size() - 1;
+  const auto hash = [](const std::array<Slot, 3>& face) {
+    std::uint64_t h = 0;
+    for (const Slot slot : face) {
+      h = (h ^ static_cast<std::uint32_t>(slot)) * 0x9e3779b97f4a7c15;
+      h ^= h >> 32;
+    }
+    return static_cast<std::size_t>(h);
+  };
+  for (std::uint32_t i = 0; i < faces_.size(); ++i) {
+    const Face& face = faces_[i];
+    std::size_t at = hash(face.corners) & mask;
+    while (table[at] != kNone && (table[at] == kBoth || faces_[table[at]].corners != face.corners ||
+                                  faces_[table[at]].simplex == face.simplex)) {
+      at = (at + 1) & mask;
+    }
+    if (table[at] == kNone) {
+      table[at] = i;
+    } else {
+      LinkPair(faces_[table[at]], face, neighbours, width);
+      table[at] = kBoth;
+    }
+  }
 }
 
 void LinkAllFaces(std::span<const Slot> cells, std::size_t width, std::size_t vertex_count,

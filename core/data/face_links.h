@@ -23,7 +23,7 @@ class FaceLinks {
   void Add(const Slot* corners, std::size_t width, std::size_t k, Slot simplex, std::size_t side);
 
   // Makes neighbours of simplices that have a face in common. `neighbours` has `width` entries a
-  // simplex. O(f lg f) for f faces. REQUIRES: called once, after all Add.
+  // simplex. Expected O(f) for f faces. REQUIRES: called once, after all Add.
   void Link(Slot* neighbours, std::size_t width);
 
  private:

@@ -108,7 +108,10 @@ void Overlay<D>::FindPieces() {
   constexpr double kWhole = 1e-12;
   const OldSimplices<D> old(*this);
   own.assign(to.size(), {});
-  own_of_region.assign(to.size(), {});
+  const auto is_other = [&](const auto& simplex) { return simplex.region != from[0].region; };
+  const bool has_regions = std::any_of(from.begin(), from.end(), is_other) ||
+                           std::any_of(to.begin(), to.end(), is_other);
+  if (has_regions) own_of_region.assign(to.size(), {});
   begins.reserve(to.size() + 1);
   pieces.reserve(kPiecesOfOne * to.size());
   std::vector<std::uint32_t> asked(from.size(), OldSimplices<D>::kNone);  // last by which new one
@@ -117,16 +120,15 @@ void Overlay<D>::FindPieces() {
     begins.push_back(static_cast<std::uint32_t>(pieces.size()));
     const Clipper<D> clipper(to[j]);
     const auto clip = [&](std::uint32_t i, std::uint32_t& open) {
-      Piece<D> piece;
+      Piece<D>& piece = pieces.emplace_back();
       piece.from = i, piece.to = j;
       Mass mass;
-      if (!clipper.Clip(from[i], piece, mass, open)) return false;
-      pieces.push_back(piece);
-      const bool stays = from[i].region == to[j].region;
-      for (std::size_t k = 0; k < mass.size(); ++k) {
-        own[j][k] += mass[k];
-        if (stays) own_of_region[j][k] += mass[k];
-      }
+      if (!clipper.Clip(from[i], piece, mass, open)) return pieces.pop_back(), false;
+      const auto add_to = [&mass](Mass& sum) {
+        for (std::size_t k = 0; k < mass.size(); ++k) sum[k] += mass[k];
+      };
+      add_to(own[j]);
+      if (has_regions && from[i].region == to[j].region) add_to(own_of_region[j]);
       return true;
     };
     queue.clear();
@@ -147,7 +149,8 @@ void Overlay<D>::FindPieces() {
     for (const double m : own[j]) found += m;
     if (std::abs(found - to[j].measure) <= kWhole * to[j].measure) continue;
     pieces.resize(begins.back());
-    own[j] = {}, own_of_region[j] = {};
+    own[j] = {};
+    if (has_regions) own_of_region[j] = {};
     old.NearTo(to[j].corners, queue);
     for (const std::uint32_t i : queue) clip(i, open);
   }

@@ -67,7 +67,7 @@ struct Overlay {
   std::vector<PatchSimplex<D>> from, to;  // old and new simplices, in the order of the patch
   std::vector<Piece<D>> pieces;           // by `to`
   std::vector<std::uint32_t> begins;      // of the pieces of each new one, and the end
-  // Of each new one, and the same over those pieces that lie in its region.
+  // Of each new one; if there are several regions, the same over those pieces that lie in its own.
   std::vector<Mass> own, own_of_region;
 
   std::span<const Piece<D>> PiecesOf(std::size_t to_index) const {
