@@ -38,6 +38,7 @@ struct Box {
 template <std::size_t D>
 class BoxTree {
  public:
+  BoxTree() = default;  // of no boxes
   explicit BoxTree(std::vector<Box<D>> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
     std::iota(order_.begin(), order_.end(), 0U);
     if (!boxes_.empty()) Build(0, static_cast<std::uint32_t>(order_.size()));

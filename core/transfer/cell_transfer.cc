@@ -43,6 +43,13 @@ double MeanOf(const double* values) {
   return sum / static_cast<double>(D + 1);
 }
 
+// Takes back what rounding of a last sum may have made of values in the range of `old`.
+void ClampToRangeOf(std::span<const double> old, std::span<double> values) {
+  Range range;
+  for (const double value : old) range.Hold(value);
+  for (double& value : values) value = std::clamp(value, range.low, range.high);
+}
+
 // The old simplex that new one j has most of; of equals the first.
 template <std::size_t D>
 std::uint32_t LargestPieceOf(const Overlay<D>& overlay, const Exchange<D>& exchange,
@@ -64,15 +71,10 @@ std::uint32_t LargestPieceOf(const Overlay<D>& overlay, const Exchange<D>& excha
 template <std::size_t D>
 std::vector<std::uint32_t> HomesOf(const Overlay<D>& overlay, const Exchange<D>& exchange) {
   std::vector<std::uint32_t> homes(overlay.to.size(), kNone);
-  std::vector<std::size_t> without;
   for (std::size_t j = 0; j < overlay.to.size(); ++j) {
+    if (exchange.MeasureOf(j) > 0.5 * overlay.to[j].measure) continue;
     // Less than half of it is in pieces: it is as flat as rounding.
-    if (!(exchange.MeasureOf(j) > 0.5 * overlay.to[j].measure)) without.push_back(j);
-  }
-  if (without.empty()) return homes;
-  const BoxTree<D> tree = overlay.MakeTree();
-  for (const std::size_t j : without) {
-    homes[j] = overlay.Locate(tree, Centroid<D>(overlay.to[j].corners)).from;
+    homes[j] = overlay.Locate(Centroid<D>(overlay.to[j].corners)).from;
   }
   return homes;
 }
@@ -169,11 +171,7 @@ std::vector<double> CellTransfer<D>::Means(std::span<const double> old, bool bou
   }
   Balance(from, from, bounded, to);
   for (std::size_t j = 0; j < to.size(); ++j) to[j] += references[exchange_.group_to(j)];
-  if (bounded) {  // what rounding of the last sum may have made of it
-    Range range;
-    for (const double value : old) range.Hold(value);
-    for (double& value : to) value = std::clamp(value, range.low, range.high);
-  }
+  if (bounded) ClampToRangeOf(old, to);
   return to;
 }
 
@@ -209,8 +207,7 @@ std::vector<double> CellTransfer<D>::LinearMeans(const Stencil<D>& stencil,
       const PatchSimplex<D>& simplex = overlay_.from[piece.from];
       double of_piece = 0;
       for (std::size_t a = 0; a <= D; ++a) {
-        double at_corner = 0;
-        for (std::size_t b = 0; b <= D; ++b) at_corner += piece.mass[a * (D + 1) + b];
+        const double at_corner = piece.share(a);
         mass += at_corner * at_corners[piece.from * (D + 1) + a];
         const Vec<D> step = simplex.corners[a] - centroid;
         for (std::size_t k = 0; k < D; ++k) moment[k] += at_corner * step[k];
@@ -227,11 +224,7 @@ std::vector<double> CellTransfer<D>::LinearMeans(const Stencil<D>& stencil,
   for (std::size_t k = 0; k < at_corners.size(); ++k) {
     at_corners[k] += references[exchange_.group_from(k / (D + 1))];
   }
-  if (bounded) {
-    Range range;
-    for (const double value : old.first(from_count)) range.Hold(value);
-    for (double& value : to) value = std::clamp(value, range.low, range.high);
-  }
+  if (bounded) ClampToRangeOf(old.first(from_count), to);
   return to;
 }
 

@@ -19,10 +19,10 @@ struct Extent {
 template <std::size_t D>
 Exchange<D>::Exchange(const Overlay<D>& overlay)
     : overlay_(overlay), groups_from_(overlay.from.size()), groups_to_(overlay.to.size()) {
+  if (!overlay.has_regions) return;
   std::map<RegionId, Extent> regions;
   for (const auto& simplex : overlay.from) regions[simplex.region].measure += simplex.measure;
   for (const auto& simplex : overlay.to) regions[simplex.region].measure += simplex.measure;
-  if (regions.size() <= 1) return;
   for (const Piece<D>& piece : overlay.pieces) {
     const RegionId from = overlay.from[piece.from].region, to = overlay.to[piece.to].region;
     if (from == to) continue;
@@ -43,9 +43,7 @@ Exchange<D>::Exchange(const Overlay<D>& overlay)
 
 template <std::size_t D>
 double Exchange<D>::MeasureOf(std::size_t j) const {
-  double sum = 0;
-  for (const double m : own(j)) sum += m;
-  return sum;
+  return Total(own(j));
 }
 
 template class Exchange<2>;

@@ -27,18 +27,14 @@ NodalTransfer<D>::NodalTransfer(const SlotMesh& mesh, const Overlay<D>& overlay,
     }
   }
   is_added_.assign(sources_.size(), false);
-  const std::vector<Slot>& added = mesh.patch().added_vertices;
-  if (!added.empty()) {
-    const BoxTree<D> tree = overlay.MakeTree();
-    for (const Slot slot : added) {
-      const std::uint32_t vertex = patch_.indices[slot];
-      if (vertex == SlotIndex::kNone) continue;  // no simplex has it
-      is_added_[vertex] = true;
-      Vec<D> place;
-      std::copy_n(mesh.points().data() + At(slot) * D, D, place.begin());
-      const auto at = overlay.Locate(tree, place);
-      births_.push_back({vertex, at.from, at.lambda});
-    }
+  for (const Slot slot : mesh.patch().added_vertices) {
+    const std::uint32_t vertex = patch_.indices[slot];
+    if (vertex == SlotIndex::kNone) continue;  // no simplex has it
+    is_added_[vertex] = true;
+    Vec<D> place;
+    std::copy_n(mesh.points().data() + At(slot) * D, D, place.begin());
+    const auto at = overlay.Locate(place);
+    births_.push_back({vertex, at.from, at.lambda});
   }
   FindParts();
   // What is coupled to vertices that are not free stands on the diagonal.
@@ -87,8 +83,7 @@ std::vector<double> NodalTransfer<D>::Residual(std::span<const double> from) con
       }
     }
     const auto& own = overlay_.own[j];
-    double measure = 0;
-    for (const double m : own) measure += m;
+    const double measure = Total(own);
     for (std::size_t a = 0; a < kCorners; ++a) {
       for (std::size_t b = 0; b < kCorners; ++b) {
         right[b] -= own[a * kCorners + b] * from[cell.corners[a]];
@@ -172,8 +167,7 @@ template <std::size_t D>
 void NodalTransfer<D>::FindParts() {
   const RegionId any = overlay_.from[0].region;
   const auto is_other = [any](const auto& simplex) { return simplex.region != any; };
-  if (std::none_of(overlay_.from.begin(), overlay_.from.end(), is_other) &&
-      std::none_of(patch_.cells.begin(), patch_.cells.end(), is_other)) {
+  if (!overlay_.has_regions && std::none_of(patch_.cells.begin(), patch_.cells.end(), is_other)) {
     part_count_ = 1;
     return;
   }

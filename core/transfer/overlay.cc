@@ -30,7 +30,7 @@ template <std::size_t D>
 class OldSimplices {
  public:
   explicit OldSimplices(const Overlay<D>& overlay)
-      : tree_(overlay.MakeTree()), neighbours_(overlay.from.size() * (D + 1), kNoSlot) {
+      : tree_(overlay.tree), neighbours_(overlay.from.size() * (D + 1), kNoSlot) {
     data::FaceLinks faces;
     for (std::size_t i = 0; i < overlay.from.size(); ++i) {
       halves_.push_back(HalfSpaces(overlay.from[i].corners));
@@ -67,20 +67,12 @@ class OldSimplices {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
  private:
-  BoxTree<D> tree_;
+  const BoxTree<D>& tree_;
   std::vector<std::array<HalfSpace<D>, D + 1>> halves_;
   std::vector<std::int32_t> neighbours_;
 };
 
 }  // namespace
-
-template <std::size_t D>
-BoxTree<D> Overlay<D>::MakeTree() const {
-  std::vector<Box<D>> boxes;
-  boxes.reserve(from.size());
-  for (const PatchSimplex<D>& simplex : from) boxes.push_back(Box<D>::Of(simplex.corners));
-  return BoxTree<D>(std::move(boxes));
-}
 
 template <std::size_t D>
 Overlay<D> Overlay<D>::Make(const SlotMesh& mesh) {
@@ -96,6 +88,15 @@ Overlay<D> Overlay<D>::Make(const SlotMesh& mesh) {
     overlay.to.push_back(
         Read<D>(mesh, slot, mesh.cells().data() + At(slot) * (D + 1), mesh.regions()[At(slot)]));
   }
+  std::vector<Box<D>> boxes;
+  boxes.reserve(overlay.from.size());
+  for (const auto& simplex : overlay.from) boxes.push_back(Box<D>::Of(simplex.corners));
+  overlay.tree = BoxTree<D>(std::move(boxes));
+  const auto is_other = [&](const auto& simplex) {
+    return simplex.region != overlay.from[0].region;
+  };
+  overlay.has_regions = std::any_of(overlay.from.begin(), overlay.from.end(), is_other) ||
+                        std::any_of(overlay.to.begin(), overlay.to.end(), is_other);
   overlay.FindPieces();
   return overlay;
 }
@@ -108,9 +109,6 @@ void Overlay<D>::FindPieces() {
   constexpr double kWhole = 1e-12;
   const OldSimplices<D> old(*this);
   own.assign(to.size(), {});
-  const auto is_other = [&](const auto& simplex) { return simplex.region != from[0].region; };
-  const bool has_regions = std::any_of(from.begin(), from.end(), is_other) ||
-                           std::any_of(to.begin(), to.end(), is_other);
   if (has_regions) own_of_region.assign(to.size(), {});
   begins.reserve(to.size() + 1);
   pieces.reserve(kPiecesOfOne * to.size());
@@ -145,9 +143,7 @@ void Overlay<D>::FindPieces() {
         queue.push_back(static_cast<std::uint32_t>(next)), asked[At(next)] = j;
       });
     }
-    double found = 0;
-    for (const double m : own[j]) found += m;
-    if (std::abs(found - to[j].measure) <= kWhole * to[j].measure) continue;
+    if (std::abs(Total(own[j]) - to[j].measure) <= kWhole * to[j].measure) continue;
     pieces.resize(begins.back());
     own[j] = {};
     if (has_regions) own_of_region[j] = {};
@@ -158,7 +154,7 @@ void Overlay<D>::FindPieces() {
 }
 
 template <std::size_t D>
-typename Overlay<D>::Place Overlay<D>::Locate(const BoxTree<D>& tree, const Vec<D>& x) const {
+typename Overlay<D>::Place Overlay<D>::Locate(const Vec<D>& x) const {
   std::vector<std::uint32_t> candidates;
   tree.ForEachMeeting(Box<D>{x, x}, [&](std::uint32_t i) { candidates.push_back(i); });
   std::sort(candidates.begin(), candidates.end());

@@ -45,6 +45,13 @@ struct PatchSimplex {
   RegionId region;
 };
 
+template <std::size_t N>
+double Total(const std::array<double, N>& terms) {
+  double sum = 0;
+  for (const double term : terms) sum += term;
+  return sum;
+}
+
 // An old and a new simplex, by their places in the overlay's lists, and what they share:
 // mass[a * (D + 1) + b] is the integral of the old one's coordinate a times the new one's b.
 template <std::size_t D>
@@ -52,9 +59,11 @@ struct Piece {
   std::uint32_t from;
   std::uint32_t to;
   std::array<double, (D + 1) * (D + 1)> mass;
-  double measure() const {
+  double measure() const { return Total(mass); }
+  // The integral of the old one's coordinate a.
+  double share(std::size_t a) const {
     double sum = 0;
-    for (const double m : mass) sum += m;
+    for (std::size_t b = 0; b <= D; ++b) sum += mass[a * (D + 1) + b];
     return sum;
   }
 };
@@ -67,6 +76,8 @@ struct Overlay {
   std::vector<PatchSimplex<D>> from, to;  // old and new simplices, in the order of the patch
   std::vector<Piece<D>> pieces;           // by `to`
   std::vector<std::uint32_t> begins;      // of the pieces of each new one, and the end
+  BoxTree<D> tree;                        // of the boxes of `from`
+  bool has_regions = false;               // are there several?
   // Of each new one; if there are several regions, the same over those pieces that lie in its own.
   std::vector<Mass> own, own_of_region;
 
@@ -78,13 +89,12 @@ struct Overlay {
   static Overlay Make(const SlotMesh& mesh);
 
   // The old simplex in which `x` lies, or as good as: the one where its least barycentric
-  // coordinate is greatest. `tree` is that of the boxes of `from`. REQUIRES: there is an old one.
+  // coordinate is greatest. REQUIRES: there is an old one.
   struct Place {
     std::uint32_t from;
     std::array<double, D + 1> lambda;
   };
-  Place Locate(const BoxTree<D>& tree, const Vec<D>& x) const;
-  BoxTree<D> MakeTree() const;
+  Place Locate(const Vec<D>& x) const;
 
  private:
   void FindPieces();

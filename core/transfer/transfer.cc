@@ -278,9 +278,7 @@ class Transfer::ImplOf final : public Transfer::Impl {
   static double MassOf(const transfer::Piece<D>& piece, const std::vector<double>& at_corners) {
     double mass = 0;
     for (std::size_t a = 0; a <= D; ++a) {
-      double share = 0;
-      for (std::size_t b = 0; b <= D; ++b) share += piece.mass[a * (D + 1) + b];
-      mass += share * at_corners[piece.from * (D + 1) + a];
+      mass += piece.share(a) * at_corners[piece.from * (D + 1) + a];
     }
     return mass;
   }
