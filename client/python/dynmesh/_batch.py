@@ -91,9 +91,11 @@ def _remove(batch: Any, action: str, value: Any, what: str) -> None:
 
 
 _Adder = Callable[[Any, str, Any, str], None]
-_KINDS: dict[str, _Adder] = {"points": _points, "segments": _segments, "polygons": _polygons, "sizes": _sizes}
-_ACTIONS: dict[str, tuple[_Adder, str]] = {f"{action}_{kind}": (function, action)
-            for kind, function in _KINDS.items() for action in ("add", "set")}
+_KINDS: dict[str, _Adder] = {"points": _points, "segments": _segments, "polygons": _polygons,
+                             "sizes": _sizes}
+_ACTIONS: dict[str, tuple[_Adder, str]] = {
+    f"{action}_{kind}": (function, action)
+    for kind, function in _KINDS.items() for action in ("add", "set")}
 _ACTIONS["move_points"] = (_points, "move")
 _ACTIONS["remove"] = (_remove, "")
 

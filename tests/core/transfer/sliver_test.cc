@@ -107,16 +107,31 @@ void Check(const Mesh& a, const Mesh& b, bool has_stencils, const std::string& w
   }
 }
 
+// Of two places in a simplex, and of the simplex. Those of the places go down to 1e-9 of the
+// length: angles of 1e-7 degrees.
+struct Heights {
+  double h, g, top;
+};
+
+Heights DrawHeights(Random& random, int trial) {
+  std::uniform_real_distribution<double> draw(0, 1);
+  const double least = trial % 2 == 0 ? 30 : 14;
+  const double h = std::exp2(-1 - least * draw(random)), g = std::exp2(-1 - least * draw(random));
+  return {h, g, trial % 2 == 0 ? 1 : 4 * std::max(h, g)};
+}
+
+std::string Text(const Heights& heights) {
+  return "h " + std::to_string(std::log10(heights.h)) + ", g " +
+         std::to_string(std::log10(heights.g)) + ", top " + std::to_string(heights.top);
+}
+
 TEST(Slivers, OfThePlane) {
   Random random(geometry::testing::NewSeed());
   std::uniform_real_distribution<double> draw(0, 1);
   for (int trial = 0; trial < 300; ++trial) {
     // A triangle in a larger one with three around it; in the inner one two places near an edge,
     // one of them in each mesh.
-    // Heights down to 1e-9 of the length: angles of 1e-7 degrees.
-    const double least = trial % 2 == 0 ? 30 : 14;
-    const double h = std::exp2(-1 - least * draw(random)), g = std::exp2(-1 - least * draw(random));
-    const double top = trial % 2 == 0 ? 1 : 4 * std::max(h, g);
+    const auto [h, g, top] = DrawHeights(random, trial);
     const double x = 0.2 + 0.6 * draw(random), y = 0.2 + 0.6 * draw(random);
     Places<2> places = {{0, 0},
                         {1, 0},
@@ -134,8 +149,7 @@ TEST(Slivers, OfThePlane) {
       cells.push_back({0, 1, q}), cells.push_back({1, 2, q}), cells.push_back({2, 0, q});
       return MakeMesh<2>(places, cells, 0);
     };
-    const std::string what = "h " + std::to_string(std::log10(h)) + ", g " +
-                             std::to_string(std::log10(g)) + ", top " + std::to_string(top);
+    const std::string what = Text({h, g, top});
     Check<2>(with(6), with(7), true, what);
     if (::testing::Test::HasFailure()) return;
     auto without = around;
@@ -149,10 +163,7 @@ TEST(Slivers, OfSpace) {
   Random random(geometry::testing::NewSeed());
   std::uniform_real_distribution<double> draw(0, 1);
   for (int trial = 0; trial < 300; ++trial) {
-    // Heights down to 1e-9 of the length: angles of 1e-7 degrees.
-    const double least = trial % 2 == 0 ? 30 : 14;
-    const double h = std::exp2(-1 - least * draw(random)), g = std::exp2(-1 - least * draw(random));
-    const double top = trial % 2 == 0 ? 1 : 4 * std::max(h, g);
+    const auto [h, g, top] = DrawHeights(random, trial);
     Places<3> places = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, top}};
     for (const double height : {h, g}) {
       const double x = 0.1 + 0.3 * draw(random), y = 0.1 + 0.3 * draw(random);
@@ -162,8 +173,7 @@ TEST(Slivers, OfSpace) {
     const auto with = [&](std::size_t q) {
       return MakeMesh<3>(places, {{0, 1, 2, q}, {0, 1, 3, q}, {1, 2, 3, q}, {0, 2, 3, q}}, 0);
     };
-    const std::string what = "h " + std::to_string(std::log10(h)) + ", g " +
-                             std::to_string(std::log10(g)) + ", top " + std::to_string(top);
+    const std::string what = Text({h, g, top});
     Check<3>(with(4), with(5), false, what);
     if (::testing::Test::HasFailure()) return;
     Check<3>(with(4), MakeMesh<3>(places, {{0, 1, 2, 3}}, 0), false, what);

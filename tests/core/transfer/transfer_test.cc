@@ -43,28 +43,47 @@ EditBatch SomePoints(Random& random, int count) {
   return batch;
 }
 
-// A point comes, goes or moves; ids 1 to `count` are of points.
-EditBatch RandomEdit(Random& random, std::set<FeatureId>& live, FeatureId& next) {
-  const auto pick = [&] {
-    auto it = live.begin();
-    std::advance(it, static_cast<std::ptrdiff_t>(random() % live.size()));
-    return *it;
-  };
-  switch (live.size() < 10 ? 0 : random() % 3) {
-    case 0: {
-      const FeatureId id = next++;
-      live.insert(id);
-      return {Edit::Add(RandomPoint(random, id))};
-    }
-    case 1: {
-      const FeatureId id = pick();
-      live.erase(id);
-      return {Edit::Remove(id)};
-    }
-    default:
-      return {Edit::Move(pick(), Draw(random), Draw(random), Draw(random))};
+// One edit after the other: a point comes, goes or moves.
+class RandomEdits {
+ public:
+  // Points 1 to `points` are there.
+  RandomEdits(Random& random, int points) : random_(random), next_(1000) {
+    for (int i = 1; i <= points; ++i) live_.insert(static_cast<FeatureId>(i));
   }
-}
+  // Those of `mesh` are there; new ones have ids from `next` on.
+  RandomEdits(Random& random, const DynamicMesh& mesh, FeatureId next)
+      : random_(random), next_(next) {
+    for (const Feature& f : mesh.Features()) live_.insert(f.id);
+  }
+
+  EditBatch Next() {
+    switch (live_.size() < 10 ? 0 : random_() % 3) {
+      case 0:
+        live_.insert(next_);
+        return {Edit::Add(RandomPoint(random_, next_++))};
+      case 1: {
+        const FeatureId id = Pick();
+        live_.erase(id);
+        return {Edit::Remove(id)};
+      }
+      default: {
+        const FeatureId id = Pick();
+        return {Edit::Move(id, Draw(random_), Draw(random_), Draw(random_))};
+      }
+    }
+  }
+
+ private:
+  FeatureId Pick() {
+    auto it = live_.begin();
+    std::advance(it, static_cast<std::ptrdiff_t>(random_() % live_.size()));
+    return *it;
+  }
+
+  Random& random_;
+  std::set<FeatureId> live_;
+  FeatureId next_;
+};
 
 struct Kind {
   const char* name;
@@ -105,14 +124,12 @@ TEST_P(TransferOf, KeepsTheMassOfEachKind) {
     lab.Add(kind.options, Wave);
     lab.Add(kind.options, Front);
   }
-  std::set<FeatureId> live;
-  for (int i = 1; i <= points; ++i) live.insert(static_cast<FeatureId>(i));
-  FeatureId next = 1000;
+  RandomEdits random_edits(random, points);
   std::vector<Mass> first, last;
   for (std::size_t f = 0; f < lab.fields().size(); ++f) first.push_back(lab.MassOfField(f));
   last = first;
   for (int e = 0; e < edits; ++e) {
-    if (!lab.Edit(RandomEdit(random, live, next))) continue;
+    if (!lab.Edit(random_edits.Next())) continue;
     for (std::size_t f = 0; f < lab.fields().size(); ++f) {
       const Mass mass = lab.MassOfField(f);
       ASSERT_NEAR(mass.sum, last[f].sum, 1e-14 * last[f].size)
@@ -136,10 +153,8 @@ TEST_P(TransferOf, KeepsConstantsToTheBitAndLinearFieldsToRounding) {
     lab.Add(kind.options, constant);
     lab.Add(kind.options, linear);
   }
-  std::set<FeatureId> live;
-  for (int i = 1; i <= points; ++i) live.insert(static_cast<FeatureId>(i));
-  FeatureId next = 1000;
-  for (int e = 0; e < edits; ++e) lab.Edit(RandomEdit(random, live, next));
+  RandomEdits random_edits(random, points);
+  for (int e = 0; e < edits; ++e) lab.Edit(random_edits.Next());
   for (std::size_t k = 0; k < Kinds().size(); ++k) {
     const Kind& kind = Kinds()[k];
     EXPECT_EQ(GreatestError(lab.slots(), kind.options.kind, lab.fields()[2 * k].values, constant),
@@ -164,11 +179,9 @@ TEST_P(TransferOf, BoundedFieldsStayInTheirRange) {
     low.push_back(*std::min_element(values.begin(), values.end()));
     high.push_back(*std::max_element(values.begin(), values.end()));
   }
-  std::set<FeatureId> live;
-  for (int i = 1; i <= points; ++i) live.insert(static_cast<FeatureId>(i));
-  FeatureId next = 1000;
+  RandomEdits random_edits(random, points);
   for (int e = 0; e < edits; ++e) {
-    lab.Edit(RandomEdit(random, live, next));
+    lab.Edit(random_edits.Next());
     for (std::size_t f = 0; f < lab.fields().size(); ++f) {
       const auto& field = lab.fields()[f];
       for (const double value : field.values) {
@@ -216,16 +229,14 @@ TEST_P(TransferOf, IsAFunctionOfMeshesAndFieldToTheBit) {
   auto mesh = std::move(DynamicMesh::Create(testing::UnitBox(dimension))).value();
   ASSERT_TRUE(mesh->Apply(SomePoints(random, points)).ok());
   SlotMesh follower = SlotMesh::FromMesh(mesh->Snapshot()).value();
-  std::set<FeatureId> live;
-  for (int i = 1; i <= points; ++i) live.insert(static_cast<FeatureId>(i));
-  FeatureId next = 1000;
+  RandomEdits random_edits(random, points);
   for (int round = 0; round < rounds; ++round) {
     Mesh before = mesh->Snapshot();
     Canonicalize(before);
     SlotMesh fresh = SlotMesh::FromMesh(before).value();
     std::vector<MeshDiff> diffs;
     for (int e = 0; e < 3; ++e) {
-      auto diff = mesh->Apply(RandomEdit(random, live, next));
+      auto diff = mesh->Apply(random_edits.Next());
       if (diff.ok()) diffs.push_back(*diff);
     }
     if (diffs.empty()) continue;
@@ -289,13 +300,11 @@ TEST_P(TransferOf, ChangesNothingBeyondItsRings) {
   const int points = dimension == 2 ? 300 : 100, edits = dimension == 2 ? 60 : 15;
   FieldLab lab(testing::UnitBox(dimension), SomePoints(random, points));
   for (const Kind& kind : Kinds()) lab.Add(kind.options, Front);
-  std::set<FeatureId> live;
-  for (int i = 1; i <= points; ++i) live.insert(static_cast<FeatureId>(i));
-  FeatureId next = 1000;
+  RandomEdits random_edits(random, points);
   std::size_t changed_in_rings = 0;
   for (int e = 0; e < edits; ++e) {
     const auto before = lab.fields();
-    if (!lab.Edit(RandomEdit(random, live, next))) continue;
+    if (!lab.Edit(random_edits.Next())) continue;
     const std::vector<int> ring = RingsOf(lab.slots());
     std::set<Slot> touched(lab.slots().patch().added_simplices.begin(),
                            lab.slots().patch().added_simplices.end());
@@ -323,16 +332,14 @@ TEST_P(TransferOf, PiecesFillOldAndNewSimplices) {
   Random random = MakeRandom();
   const int points = dimension == 2 ? 150 : 60;
   FieldLab lab(testing::UnitBox(dimension), SomePoints(random, points));
-  std::set<FeatureId> live;
-  for (int i = 1; i <= points; ++i) live.insert(static_cast<FeatureId>(i));
-  FeatureId next = 1000;
+  RandomEdits random_edits(random, points);
   for (int e = 0; e < 40; ++e) {
     // What the old simplices measured, by slot, while they are there.
     std::vector<double> old_measure(lab.slots().regions().size(), 0);
     for (std::size_t c = 0; c < old_measure.size(); ++c) {
       if (IsLive(lab.slots(), c)) old_measure[c] = testing::MeasureOf(lab.slots(), c);
     }
-    if (!lab.Edit(RandomEdit(random, live, next))) continue;
+    if (!lab.Edit(random_edits.Next())) continue;
     const auto transfer = Transfer::Make(lab.slots());
     ASSERT_TRUE(transfer.ok());
     // What half-spaces are taken wider by: units of rounding, for each piece.
@@ -370,11 +377,9 @@ TEST_P(TransferOf, MomentumIsKeptAndAConstantVelocityIsOne) {
       return MassOf(slots, kind, product);
     };
     const Mass before = momentum(), mass_before = MassOf(slots, kind, density);
-    FeatureId next = 1000 + 1000 * static_cast<FeatureId>(kind);
-    std::set<FeatureId> live;
-    for (const Feature& f : mesh->Features()) live.insert(f.id);
+    RandomEdits random_edits(random, *mesh, 1000 + 1000 * static_cast<FeatureId>(kind));
     for (int e = 0; e < edits; ++e) {
-      const auto diff = mesh->Apply(RandomEdit(random, live, next));
+      const auto diff = mesh->Apply(random_edits.Next());
       if (!diff.ok()) continue;
       ASSERT_TRUE(slots.Apply(*diff).ok());
       density.resize(RowCount(slots, kind)), velocity.resize(2 * density.size());
@@ -400,10 +405,8 @@ TEST_P(TransferOf, LargestOverlapTakesWholeRows) {
   const int points = dimension == 2 ? 100 : 40;
   FieldLab lab(testing::UnitBox(dimension), SomePoints(random, points));
   lab.Add({.kind = FieldKind::kLargestOverlap}, [](const double* x) { return x[0] < 0.5 ? 3 : 7; });
-  std::set<FeatureId> live;
-  for (int i = 1; i <= points; ++i) live.insert(static_cast<FeatureId>(i));
-  FeatureId next = 1000;
-  for (int e = 0; e < 30; ++e) lab.Edit(RandomEdit(random, live, next));
+  RandomEdits random_edits(random, points);
+  for (int e = 0; e < 30; ++e) lab.Edit(random_edits.Next());
   for (std::size_t c = 0; c < lab.slots().regions().size(); ++c) {
     if (!IsLive(lab.slots(), c)) continue;
     const double value = lab.fields()[0].values[c];
