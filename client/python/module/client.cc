@@ -2,10 +2,11 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
-#include "dynmesh/client/mesh_client.h"
 #include "client/python/module/arrays.h"
 #include "client/python/module/bind.h"
+#include "client/python/module/progress_call.h"
 #include "client/python/module/status.h"
+#include "dynmesh/client/mesh_client.h"
 
 namespace dynmesh::python {
 namespace {
@@ -66,24 +67,15 @@ py::dict Load(MeshClient& client, const std::string& mesh, const Batch& batch,
   client::LoadParams params;
   params.request_id = request_id;
   params.dimension = batch.dimension;
-  std::atomic<bool> cancelled = false;
-  params.cancelled = &cancelled;
-  std::unique_ptr<py::error_already_set> raised;
-  params.progress = [&](const client::LoadProgress& p) {
-    py::gil_scoped_acquire acquire;
-    try {
-      if (!progress.is_none()) progress(NameOf(p.stage), p.done, p.total);
-    } catch (py::error_already_set& error) {
-      if (!raised) raised = std::make_unique<py::error_already_set>(std::move(error));
-      cancelled = true;
-    }
-  };
+  ProgressCall call(progress);
+  params.cancelled = call.cancelled();
+  params.progress = [&](const client::LoadProgress& p) { call(NameOf(p.stage), p.done, p.total); };
   absl::StatusOr<client::LoadResult> result = absl::UnknownError("");
   {
     py::gil_scoped_release release;
     result = client.Load(mesh, features, params);
   }
-  if (raised && !result.ok()) throw std::move(*raised);
+  call.RaiseIf(!result.ok());
   const client::LoadResult loaded = Value(std::move(result));
   py::dict d;
   d["from_revision"] = loaded.from_revision, d["to_revision"] = loaded.to_revision;

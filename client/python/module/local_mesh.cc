@@ -2,10 +2,9 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
-#include <atomic>
-
 #include "client/python/module/arrays.h"
 #include "client/python/module/bind.h"
+#include "client/python/module/progress_call.h"
 #include "client/python/module/status.h"
 
 namespace dynmesh::python {
@@ -29,21 +28,9 @@ class LocalMesh {
 
   std::shared_ptr<Diff> Apply(const Batch& batch, const py::object& progress, bool validate_only) {
     ApplyOptions options;
-    std::atomic<bool> cancelled = false;
-    // An exception of the callback, or Ctrl-C, cancels the batch.
-    py::object trouble = py::none();
-    std::unique_ptr<py::error_already_set> raised;
-    options.cancelled = &cancelled;
-    options.progress = [&](const ApplyProgress& p) {
-      py::gil_scoped_acquire acquire;
-      try {
-        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-        if (!progress.is_none()) progress(NameOf(p.stage), p.done, p.total);
-      } catch (py::error_already_set& error) {
-        if (!raised) raised = std::make_unique<py::error_already_set>(std::move(error));
-        cancelled = true;
-      }
-    };
+    ProgressCall call(progress);
+    options.cancelled = call.cancelled();
+    options.progress = [&](const ApplyProgress& p) { call(NameOf(p.stage), p.done, p.total); };
     absl::StatusOr<MeshDiff> diff = absl::UnknownError("");
     {
       py::gil_scoped_release release;
@@ -57,7 +44,7 @@ class LocalMesh {
         diff = mesh_->Apply(batch.edits, options);
       }
     }
-    if (raised && !diff.ok()) throw std::move(*raised);
+    call.RaiseIf(!diff.ok());
     return std::make_shared<Diff>(Diff{Value(std::move(diff)), false});
   }
   std::shared_ptr<Mesh> Snapshot() const {

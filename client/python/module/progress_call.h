@@ -1,0 +1,46 @@
+// A Python callback that a long call tells how far it is, called without Python's lock.
+#ifndef DYNMESH_CLIENT_PYTHON_MODULE_PROGRESS_CALL_H_
+#define DYNMESH_CLIENT_PYTHON_MODULE_PROGRESS_CALL_H_
+
+#include <pybind11/pybind11.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+namespace dynmesh::python {
+
+// An exception of the callback, or Ctrl-C, cancels the call, and is raised when it has failed.
+class ProgressCall {
+ public:
+  // `callback` may be None.
+  explicit ProgressCall(const pybind11::object& callback) : callback_(callback) {}
+
+  void operator()(const char* stage, std::uint64_t done, std::uint64_t total) {
+    pybind11::gil_scoped_acquire acquire;
+    try {
+      if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
+      if (!callback_.is_none()) callback_(stage, done, total);
+    } catch (pybind11::error_already_set& error) {
+      if (!raised_) raised_ = std::make_unique<pybind11::error_already_set>(std::move(error));
+      cancelled_ = true;
+    }
+  }
+
+  const std::atomic<bool>* cancelled() const { return &cancelled_; }
+
+  // After the call, with Python's lock.
+  void RaiseIf(bool failed) {
+    if (raised_ && failed) throw std::move(*raised_);
+  }
+
+ private:
+  const pybind11::object& callback_;
+  std::atomic<bool> cancelled_ = false;
+  std::unique_ptr<pybind11::error_already_set> raised_;
+};
+
+}  // namespace dynmesh::python
+
+#endif  // DYNMESH_CLIENT_PYTHON_MODULE_PROGRESS_CALL_H_
