@@ -19,6 +19,7 @@ import numpy as np
 
 import dynmesh
 import fem
+from opened import opened
 
 CRACK = 10_000  # ids of the crack's segments follow
 
@@ -31,20 +32,20 @@ def main() -> None:
     parser.add_argument("--server", help="address of a dynmeshd; in process without")
     arguments = parser.parse_args()
 
-    options = dict(box=[[0, 0], [2, 1]], max_edge=arguments.edge)
-    if arguments.server:
-        mesh = dynmesh.connect(arguments.server).create(**options)
-    else:
-        mesh = dynmesh.open(**options)
+    with opened(arguments.server, box=[[0, 0], [2, 1]], max_edge=arguments.edge) as mesh:
+        run(mesh, arguments.steps, arguments.out)
+
+
+def run(mesh: dynmesh.Mesh, steps: int, out: str) -> None:
     tip = np.array([0.1, 0.5])
     mesh.apply(add_points={1: tip})
     elements = fem.Elements(mesh)
     temperature = np.ones(mesh.vertex_slots)
-    series = dynmesh.Series(f"{arguments.out}/heat_crack.pvd")
-    step_length, dt = 1.7 / arguments.steps, 0.2 / arguments.steps
+    series = dynmesh.Series(f"{out}/heat_crack.pvd")
+    step_length, dt = 1.7 / steps, 0.2 / steps
     direction, worst, spent, changed = 0.0, 0.0, 0.0, []
 
-    for step in range(1, arguments.steps + 1):
+    for step in range(1, steps + 1):
         # The crack turns a little as it grows. (numpy's sine may differ from heat_crack.cc's in the
         # last bit, and then the mesh differs, too.)
         direction += 0.15 * math.sin(2.5 * step)
@@ -67,8 +68,8 @@ def main() -> None:
         series.add(step * dt, mesh, point_data={"temperature": temperature})
 
     live = temperature[mesh.live_vertices]
-    print(f"{mesh.vertex_count} vertices, {arguments.steps} steps of the crack: "
-          f"{np.mean(changed):.0f} vertices changed a step, {1e3 * spent / arguments.steps:.2f} ms "
+    print(f"{mesh.vertex_count} vertices, {steps} steps of the crack: "
+          f"{np.mean(changed):.0f} vertices changed a step, {1e3 * spent / steps:.2f} ms "
           "a step for edit, transfer and assembly")
     print(f"heat kept by every edit to {worst:.1e} of it; temperatures {live.min():.3f} to "
           f"{live.max():.3f}; series in {series.path}")

@@ -17,6 +17,7 @@ from typing import NoReturn
 import numpy as np
 
 import dynmesh
+from opened import opened
 
 # Ids of features, and so markers of facets. The left side is a segment of its own, so that its
 # pieces can be told from those of the plate's other sides. All of the wire has the marker WIRE, its
@@ -120,18 +121,20 @@ def run(name: str, solve: Callable[[Part], Answer]) -> None:
     parser.add_argument("--out", default=f"out/plate_{name}")
     parser.add_argument("--server", help="address of a dynmeshd; in process without")
     arguments = parser.parse_args()
-    steps = arguments.steps
 
-    options = dict(box=[[0, 0], [1, 1]], max_edge=arguments.edge)
-    mesh = (dynmesh.connect(arguments.server).create(**options) if arguments.server
-            else dynmesh.open(**options))
+    with opened(arguments.server, box=[[0, 0], [1, 1]], max_edge=arguments.edge) as mesh:
+        follow(mesh, name, solve, arguments.steps, arguments.out)
+
+
+def follow(mesh: dynmesh.Mesh, name: str, solve: Callable[[Part], Answer], steps: int,
+           out: str) -> None:
     mesh.apply(
         add_points={1: (0, 0), 2: (1, 0), 3: (1, 1), 4: (0, 1), JOINT: joint(0, steps),
                     **disc(0, steps)},
         add_polygons={PLATE: (1, 2, 3, 4), DISC: range(11, 11 + CORNERS)},
         add_segments={LEFT: (4, 1)})
     u = np.zeros(mesh.vertex_slots)
-    series = dynmesh.Series(f"{arguments.out}/plate.pvd")
+    series = dynmesh.Series(f"{out}/plate.pvd")
     worst = dict.fromkeys(("areas", "lengths", "integrals", "edits", "balance"), 0.0)
     spent, changed = {"edits": 0.0, name: 0.0}, []
 

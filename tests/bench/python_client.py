@@ -62,7 +62,7 @@ def run(address: str, arguments: argparse.Namespace) -> None:
         for i, p in zip(ids[:2000], random.random((2000, 2))):
             mesh.apply(move_points={int(i): p})
         print(f"one at a time: {2000 / (time.perf_counter() - start):.0f} a second")
-        assert mesh.hash == server.mesh(mesh._backend.name).hash
+        assert mesh.hash == server.mesh(mesh.name).hash
 
         large = server.create("large", box=[[0, 0], [1, 1]])
         count = int(arguments.vertices / 1.55)

@@ -1,34 +1,53 @@
 #!/usr/bin/env python3
 """One step of a moving feature: dynmesh and its transfer, and the usual way, which meshes anew and
-interpolates. Prints the table of RESULTS.md.
+interpolates. Writes RESULTS.md.
 
-    tests/bench/remesh_table.py [--quick] [--steps 10] [--feature disc|point]
+    tests/bench/remesh_table.py [--quick] [--steps 10] [--triangle PROGRAM] [--out RESULTS.md]
 
 Features: a disc (in 3D a ball) in which the mesh is finer; a point that is to be a vertex.
-Usual ways: dynmesh from scratch, Gmsh where python3-gmsh is installed; both with the values taken
-from the linear interpolant of the old vertices (scipy). Ratios are to dynmesh with its transfer.
+Usual ways: dynmesh from scratch, and Gmsh, TetGen and Triangle where they are installed. Values are
+taken from the linear interpolant of the old vertices (scipy). A complete run takes about an hour.
 """
 from __future__ import annotations
 
 import argparse
 import math
+import sys
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator
 
 import dynmesh
+from other_meshers import Arrays, Mesher, Scene, installed
+
+SIZES = {2: [0.0103, 0.00325, 0.00103], 3: [0.067, 0.0246]}  # targets of edges
+
+BEFORE = """\
+# One step of a moving feature
+
+What an edit costs when the program's field comes along, beside the usual way: mesh anew, then
+interpolate. `tests/bench/remesh_table.py` writes this page.
+
+The field is `2 + sin(5x + 1) cos(4y)`, linear between vertices (P1). A row is the median of the steps on
+a shared machine: trust ratios, not digits. There are ten steps, of the usual ways fewer where the mesh is
+large. Ratios are to dynmesh with its transfer. Drift is that of the integral, relative, after all steps;
+the error is in L2, against the field itself. "dynmesh anew" meshes the same features from scratch, so it
+shows what the local edit saves. Gmsh is called in process; TetGen and Triangle are programs that read and
+write files. All take values by scipy's `LinearNDInterpolator`.
+"""
+
+AFTER = """\
+A point's step does not grow with the mesh; meshing anew does. A disc that is always finer changes as many
+cells as lie in what it sweeps over and along its border, and these grow with the mesh: there the ratio is
+that of the mesh to the swept part.
+"""
 
 
 def field(x: np.ndarray) -> np.ndarray:
     return 2 + np.sin(5 * x[..., 0] + 1) * np.cos(4 * x[..., 1])
-
-
-Arrays = tuple[np.ndarray, np.ndarray]  # points, cells
-Mesher = Callable[[str, int, float, int], Arrays]  # of scene, dimension, edge, step
 
 
 @dataclass
@@ -81,9 +100,10 @@ class Plain:
         return math.sqrt(total / count / measures.sum())
 
 
-def place_of(step: int, dimension: int) -> tuple[float, ...]:
+def scene_at(feature: str, dimension: int, edge: float, step: int) -> Scene:
     angle = 0.02 * step
-    return (0.5 + 0.2 * math.cos(angle), 0.5 + 0.2 * math.sin(angle), 0.5)[:dimension]
+    at = (0.5 + 0.2 * math.cos(angle), 0.5 + 0.2 * math.sin(angle), 0.5)[:dimension]
+    return Scene(dimension, edge, at, 0.1 if feature == "disc" else 0)
 
 
 def compact(mesh: dynmesh.Mesh, u: np.ndarray) -> Plain:
@@ -91,31 +111,30 @@ def compact(mesh: dynmesh.Mesh, u: np.ndarray) -> Plain:
     return Plain(c.points, c.cells, u[c.vertex_slots])
 
 
-def feature_at(scene: str, step: int, dimension: int, edge: float) -> dict[str, Any]:
+def feature_of(scene: Scene) -> dict[str, Any]:
     """The feature's arguments of Mesh.apply, but for the verb."""
-    at = place_of(step, dimension)
-    if scene == "point":
-        return {"points": {1: at}}
-    return {"sizes": {1: dict(at=at, radius=0.1, target=edge / 2)}}
+    if scene.radius == 0:
+        return {"points": {1: scene.at}}
+    return {"sizes": {1: dict(at=scene.at, radius=scene.radius, target=scene.edge / 2)}}
 
 
-def make(scene: str, dimension: int, edge: float, step: int) -> dynmesh.Mesh:
-    mesh = dynmesh.open([[0] * dimension, [1] * dimension], max_edge=edge)
-    feature = feature_at(scene, step, dimension, edge)
-    mesh.apply(**{f"add_{kind}": value for kind, value in feature.items()})
+def make(scene: Scene) -> dynmesh.Mesh:
+    d = scene.dimension
+    mesh = dynmesh.open([[0] * d, [1] * d], max_edge=scene.edge)
+    mesh.apply(**{f"add_{kind}": value for kind, value in feature_of(scene).items()})
     return mesh
 
 
-def by_dynmesh(scene: str, dimension: int, edge: float, steps: int) -> tuple[int, Row]:
-    mesh = make(scene, dimension, edge, 0)
+def by_dynmesh(feature: str, dimension: int, edge: float, steps: int) -> tuple[int, Row]:
+    mesh = make(scene_at(feature, dimension, edge, 0))
     u = field(mesh.points)
     u = np.concatenate([u, np.zeros(len(u))])  # room
     before = compact(mesh, u).mass()
     times, kept = [], []
     for step in range(1, steps + 1):
         start = time.perf_counter()
-        feature = feature_at(scene, step, dimension, edge)
-        diff = mesh.apply(**{f"set_{kind}": value for kind, value in feature.items()})
+        moved = feature_of(scene_at(feature, dimension, edge, step))
+        diff = mesh.apply(**{f"set_{kind}": value for kind, value in moved.items()})
         diff.transfer(u, inplace=True)
         times.append(time.perf_counter() - start)
         kept.append(1 - len(diff.patch.added_cells) / mesh.cell_count)
@@ -125,14 +144,14 @@ def by_dynmesh(scene: str, dimension: int, edge: float, steps: int) -> tuple[int
                                   float(np.mean(kept)))
 
 
-def anew(mesher: Mesher, name: str, scene: str, dimension: int, edge: float, steps: int) -> Row:
-    points, cells = mesher(scene, dimension, edge, 0)
+def anew(mesher: Mesher, name: str, feature: str, dimension: int, edge: float, steps: int) -> Row:
+    points, cells = mesher(scene_at(feature, dimension, edge, 0))
     old = Plain(points, cells, field(points))
     begin = old.mass()
     times, kept = [], []
     for step in range(1, steps + 1):
         start = time.perf_counter()
-        points, cells = mesher(scene, dimension, edge, step)
+        points, cells = mesher(scene_at(feature, dimension, edge, step))
         u = LinearNDInterpolator(old.points, old.u)(points)
         outside = np.isnan(u)
         u[outside] = field(points[outside])  # rounding at the border
@@ -140,76 +159,50 @@ def anew(mesher: Mesher, name: str, scene: str, dimension: int, edge: float, ste
         new = Plain(points, cells, u)
         kept.append(len(np.intersect1d(old.keys(), new.keys())) / len(new.cells))
         old = new
-    return Row(name, float(np.median(times)), abs(old.mass() / begin - 1), old.error(),
+    return Row(f"{name}, interpolated", float(np.median(times)), abs(old.mass() / begin - 1), old.error(),
                float(np.mean(kept)))
 
 
-def from_scratch(scene: str, dimension: int, edge: float, step: int) -> Arrays:
-    c = make(scene, dimension, edge, step).compact()
+def from_scratch(scene: Scene) -> Arrays:
+    c = make(scene).compact()
     return c.points, c.cells
 
 
-def by_gmsh(scene: str, dimension: int, edge: float, step: int) -> Arrays:
-    import gmsh
-
-    gmsh.initialize()
-    gmsh.option.setNumber("General.Terminal", 0)
-    for option in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
-        gmsh.option.setNumber(f"Mesh.{option}", 0)
-    if dimension == 2:
-        gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
-    else:
-        gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
-    at = (*place_of(step, dimension), 0.0)[:3]
-    point = gmsh.model.occ.addPoint(*at) if scene == "point" else None
-    gmsh.model.occ.synchronize()
-    if point is not None:
-        gmsh.model.mesh.embed(0, [point], dimension, 1)
-    ball = gmsh.model.mesh.field.add("Ball")
-    inside = edge if scene == "point" else edge / 2
-    for key, value in dict(Radius=0.1, Thickness=edge, VIn=inside, VOut=edge, XCenter=at[0],
-                           YCenter=at[1], ZCenter=at[2] if dimension == 3 else 0).items():
-        gmsh.model.mesh.field.setNumber(ball, key, value)
-    gmsh.model.mesh.field.setAsBackgroundMesh(ball)
-    gmsh.model.mesh.generate(dimension)
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    _, nodes = gmsh.model.mesh.getElementsByType(2 if dimension == 2 else 4)
-    number = np.zeros(int(tags.max()) + 1, int)
-    number[tags.astype(int)] = np.arange(len(tags))
-    gmsh.finalize()
-    cells = number[nodes.astype(int)].reshape(-1, dimension + 1)
-    return coordinates.reshape(-1, 3)[:, :dimension].copy(), cells
+def write_table(file: TextIO, feature: str, steps: int, quick: bool,
+                others: dict[int, dict[str, Mesher]]) -> None:
+    print("| dimension, vertices | way | ms a step | ratio | drift of mass | L2 error | cells kept |\n"
+          "|---|---|---|---|---|---|---|", file=file)
+    for dimension, edges in SIZES.items():
+        for edge in edges[:1] if quick else edges:
+            vertices, first = by_dynmesh(feature, dimension, edge, steps)
+            rows = [first]
+            few = steps if vertices < 30_000 else 3 if vertices < 300_000 else 1
+            for name, mesher in {"dynmesh anew": from_scratch, **others[dimension]}.items():
+                rows.append(anew(mesher, name, feature, dimension, edge, min(few, steps)))
+                print(f"{feature}, {dimension}D, {vertices:,}: {rows[-1].text(first)}",
+                      file=sys.stderr, flush=True)
+            for i, row in enumerate(rows):
+                of = f"{dimension}D, {vertices:,}" if i == 0 else ""
+                print(f"| {of} | {row.text(first)} |", file=file)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="the smallest of each dimension")
     parser.add_argument("--steps", type=int, default=10)
-    parser.add_argument("--feature", choices=["disc", "point"], help="both without")
+    parser.add_argument("--triangle", metavar="PROGRAM", help="Triangle's; Debian has none")
+    parser.add_argument("--out", default="RESULTS.md")
     arguments = parser.parse_args()
-    ways: dict[str, Mesher] = {"dynmesh anew, interpolated": from_scratch}
-    try:
-        import gmsh  # noqa: F401
-
-        ways["Gmsh, interpolated"] = by_gmsh
-    except ImportError:
-        print("Gmsh is not installed (python3-gmsh): its rows are left out\n")
-    sizes = {2: [0.0103, 0.00325, 0.00103], 3: [0.067, 0.0305]}
-    for scene in [arguments.feature] if arguments.feature else ["disc", "point"]:
-        print(f"A {scene} that moves\n")
-        print("| dimension, vertices | way | ms a step | ratio | drift of mass | L2 error | "
-              "cells kept |\n|---|---|---|---|---|---|---|")
-        for dimension, edges in sizes.items():
-            for edge in edges[:1] if arguments.quick else edges:
-                vertices, first = by_dynmesh(scene, dimension, edge, arguments.steps)
-                rows = [first]
-                for name, mesher in ways.items():
-                    # Where a step takes minutes, fewer of them.
-                    steps = min(arguments.steps, 3) if vertices > 30_000 else arguments.steps
-                    rows.append(anew(mesher, name, scene, dimension, edge, steps))
-                for row in rows:
-                    print(f"| {dimension}D, {vertices:,} | {row.text(first)} |", flush=True)
-        print()
+    others = installed(arguments.triangle)
+    titles = {"point": "A point that moves by 0.004",
+              "disc": "A disc (3D: a ball) in which the mesh is finer, moving by 0.004"}
+    with open(arguments.out, "w", encoding="utf-8") as file:
+        print(BEFORE, file=file)
+        for feature, title in titles.items():
+            print(f"## {title}\n", file=file)
+            write_table(file, feature, arguments.steps, arguments.quick, others)
+            print(file=file)
+        file.write(AFTER)
 
 
 if __name__ == "__main__":

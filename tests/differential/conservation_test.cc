@@ -150,13 +150,13 @@ INSTANTIATE_TEST_SUITE_P(Dimension, ConservationIn, ::testing::Values(2, 3),
                          [](const auto& of) { return std::to_string(of.param) + "D"; });
 
 TEST_P(ConservationIn, LargeBatches) {
-  const FeatureId size = GetParam() == 2 ? 1000 : 300;
+  constexpr FeatureId kSize = 1000;
   EditBatch first;
-  for (FeatureId id = 1; id <= size; ++id) first.push_back(Edit::Add(AnyPoint(id)));
+  for (FeatureId id = 1; id <= kSize; ++id) first.push_back(Edit::Add(AnyPoint(id)));
   Fields fields(Options(), first);
   for (int step = 0; step < 3 && !HasFailure(); ++step) {
     EditBatch moved, out, in;
-    for (FeatureId id = 1; id <= size; ++id) {
+    for (FeatureId id = 1; id <= kSize; ++id) {
       moved.push_back(Edit::Set(AnyPoint(id)));
       out.push_back(Edit::Remove(id));
       in.push_back(Edit::Add(AnyPoint(id)));

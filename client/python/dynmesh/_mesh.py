@@ -22,6 +22,8 @@ Progress = Callable[[str, int, int], None]
 class Backend(Protocol):
     """Where a mesh is: in this process, or at a server."""
 
+    name: str
+
     def apply(self, mesh: Mesh, batch: Any, *, validate_only: bool,
               progress: Optional[Progress], request_id: Optional[str],
               expected_revision: Optional[int]) -> list[Any]:
@@ -139,6 +141,11 @@ class Mesh:
     def __repr__(self) -> str:
         return (f"<Mesh of {self.dimension} dimensions at revision {self.revision}: "
                 f"{self.vertex_count} vertices, {self.cell_count} cells>")
+
+    @property
+    def name(self) -> str:
+        """The mesh's name at its server; empty for a mesh in process."""
+        return self._backend.name
 
     @property
     def options(self) -> dict[str, Any]:

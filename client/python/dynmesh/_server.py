@@ -294,6 +294,8 @@ class _Remote:
 class _Local:
     """A mesh in this process."""
 
+    name = ""
+
     def __init__(self, core: Any) -> None:
         self._core = core
 

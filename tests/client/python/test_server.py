@@ -1,7 +1,10 @@
 """What only a server's mesh does: followers, streams, other clients, ends and restarts."""
 import asyncio
 import concurrent.futures
+import pathlib
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -32,10 +35,25 @@ def test_meshes_by_name(server):
         mesh.apply(add_points={1: (0.5, 0.5)})
 
 
+def test_a_name_that_the_server_chose(server):
+    mesh = server.create(box=[[0, 0], [1, 1]])
+    assert mesh.name and server.mesh(mesh.name).hash == mesh.hash
+    assert dynmesh.open().name == ""
+    server.delete(mesh.name)
+
+
+def test_examples_leave_no_mesh_at_a_server(daemon, server, tmp_path):
+    before = [mesh["id"] for mesh in server.meshes()]
+    script = pathlib.Path(__file__).parents[3] / "examples" / "heat_crack.py"
+    subprocess.run([sys.executable, "-B", script, "--edge", "0.1", "--steps", "2",
+                    "--out", tmp_path, "--server", daemon.address], check=True)
+    assert [mesh["id"] for mesh in server.meshes()] == before
+
+
 def test_others_edits_are_in_the_diff(server, random):
     mine = server.create(box=[[0, 0], [1, 1]])
     mine.apply(add_points=(np.arange(1, 31), random.random((30, 2))))
-    name = mine._backend.name
+    name = mine.name
     theirs = server.mesh(name)
     u = np.sin(mine.points[:, 0])
     begin = mass(mine, u, "P1")
@@ -54,7 +72,7 @@ def test_others_edits_are_in_the_diff(server, random):
 
 def test_follow(server, random):
     mesh = server.create(box=[[0, 0], [1, 1]])
-    writer = server.mesh(mesh._backend.name)
+    writer = server.mesh(mesh.name)
 
     def write():
         for i in range(20):
@@ -89,12 +107,12 @@ def test_stream(server, random):
     batches = ({"add_points": {i: random.random(2)}} for i in range(1, 301))
     assert [d.to_revision for d in mesh.stream(batches)] == list(range(1, 301))
     assert np.abs(mesh.fields["x"] - mesh.points[:, 0])[mesh.live_vertices].max() < 1e-11
-    assert mesh.hash == server.mesh(mesh._backend.name).hash
+    assert mesh.hash == server.mesh(mesh.name).hash
     with pytest.raises(dynmesh.DynmeshError, match="ID_IN_USE"):
         for _ in mesh.stream([{"add_points": {1: (0.5, 0.5)}}, {"remove": [2]}]):
             pass
     mesh.sync()
-    assert mesh.hash == server.mesh(mesh._backend.name).hash
+    assert mesh.hash == server.mesh(mesh.name).hash
 
 
 def test_load_and_revert(server, random):
@@ -102,7 +120,7 @@ def test_load_and_revert(server, random):
     told = []
     mesh.load(add_points=(np.arange(1, 3001), random.random((3000, 2))),
               progress=lambda *p: told.append(p))
-    assert mesh.revision == 1 and mesh.hash == server.mesh(mesh._backend.name).hash
+    assert mesh.revision == 1 and mesh.hash == server.mesh(mesh.name).hash
     first = mesh.hash
     mesh.apply(remove=np.arange(1, 100))
     mesh.revert(1)
@@ -115,7 +133,7 @@ def test_load_and_revert(server, random):
 def test_request_ids_and_revisions(server):
     mesh = server.create(box=[[0, 0], [1, 1]])
     mesh.apply(request_id="once", add_points={1: (0.5, 0.5)})
-    again = server.mesh(mesh._backend.name)
+    again = server.mesh(mesh.name)
     assert again.apply(request_id="once", add_points={1: (0.5, 0.5)}).to_revision == 1
     assert again.revision == 1
     with pytest.raises(dynmesh.FailedPrecondition) as caught:
