@@ -1,11 +1,11 @@
 // The intersection of two simplices, cut into simplices: what a supermesh is made of.
 //
 // One of them is clipped by the half-spaces of the other, in doubles (Sutherland and Hodgman 1974;
-// in 3D edge by edge, with the cut closed by a new face). Each corner keeps its barycentric
-// coordinates in the simplex that is clipped. Half-spaces are taken wider by a slack of some units
-// of rounding: old and new simplices often have faces in one plane, and signs of places on it are
-// noise, which makes no ring. So pieces are a little too large or too small, and what uses them
-// allows for that. O(1), no allocation.
+// in 3D edge by edge, with the cut closed by a new face). A corner has no place: all that a cut
+// needs is linear along an edge, and so is all that is asked for afterwards. Half-spaces are taken
+// wider by a slack of some units of rounding: old and new simplices often have faces in one plane,
+// and signs of places on it are noise, which makes no ring. So pieces are a little too large or too
+// small, and what uses them allows for that. O(1), no allocation.
 #ifndef DYNMESH_CORE_TRANSFER_CLIP_H_
 #define DYNMESH_CORE_TRANSFER_CLIP_H_
 
@@ -18,20 +18,33 @@
 
 namespace dynmesh::transfer {
 
-// A corner of a piece: its place, and its barycentric coordinates in the clipped simplex.
+// A corner of a piece: its barycentric coordinates in the clipped simplex, and the values there of
+// the half-spaces, each with its slack: what is negative is outside.
 template <std::size_t D>
 struct ClipCorner {
-  Vec<D> place;
-  std::array<double, D + 1> lambda;
+  std::array<double, D + 1> lambda, values;
 };
 
-// Where the segment from a (value da) to b (db) meets value 0.
+// The values of the half-spaces at each corner of the simplex to be clipped.
 template <std::size_t D>
-ClipCorner<D> Between(const ClipCorner<D>& a, double da, const ClipCorner<D>& b, double db) {
-  const double t = da / (da - db);
+using ClipValues = std::array<std::array<double, D + 1>, D + 1>;
+
+template <std::size_t D>
+ClipCorner<D> ClipCornerOf(const ClipValues<D>& values, const std::array<double, D + 1>& slack,
+                           std::size_t c) {
+  ClipCorner<D> corner = {{}, values[c]};
+  corner.lambda[c] = 1;
+  for (std::size_t k = 0; k <= D; ++k) corner.values[k] += slack[k];
+  return corner;
+}
+
+// Where half-space k has value 0 on the segment from a to b, of which it has one.
+template <std::size_t D>
+ClipCorner<D> Between(const ClipCorner<D>& a, const ClipCorner<D>& b, std::size_t k) {
+  const double t = a.values[k] / (a.values[k] - b.values[k]);
   ClipCorner<D> r;
-  for (std::size_t k = 0; k < D; ++k) r.place[k] = a.place[k] + t * (b.place[k] - a.place[k]);
-  for (std::size_t k = 0; k <= D; ++k) r.lambda[k] = a.lambda[k] + t * (b.lambda[k] - a.lambda[k]);
+  for (std::size_t i = 0; i <= D; ++i) r.lambda[i] = a.lambda[i] + t * (b.lambda[i] - a.lambda[i]);
+  for (std::size_t i = 0; i <= D; ++i) r.values[i] = a.values[i] + t * (b.values[i] - a.values[i]);
   return r;
 }
 
@@ -48,17 +61,15 @@ class Clipped;
 template <>
 class Clipped<2> {
  public:
-  explicit Clipped(const Corners<2>& c) : count_(3) {
-    for (std::size_t k = 0; k < 3; ++k) corners_[k] = {c[k], {}}, corners_[k].lambda[k] = 1;
+  Clipped(const ClipValues<2>& values, const std::array<double, 3>& slack) : count_(3) {
+    for (std::size_t i = 0; i < 3; ++i) corners_[i] = ClipCornerOf<2>(values, slack, i);
   }
 
-  // Keeps what lies in `half`, or less than `slack` (of its value) outside; false if nothing does.
-  bool By(const HalfSpace<2>& half, double slack) {
-    std::array<double, kMost> value;
+  // Keeps what lies in half-space k; false if nothing does.
+  bool By(std::size_t k) {
     bool any_in = false, any_out = false;
     for (std::size_t i = 0; i < count_; ++i) {
-      value[i] = half(corners_[i].place) + slack;
-      any_in |= value[i] > 0, any_out |= value[i] < 0;
+      any_in |= corners_[i].values[k] > 0, any_out |= corners_[i].values[k] < 0;
     }
     if (!any_in) return false;
     if (!any_out) return true;
@@ -66,9 +77,10 @@ class Clipped<2> {
     std::size_t kept_count = 0;
     for (std::size_t i = 0; i < count_; ++i) {
       const std::size_t j = i + 1 == count_ ? 0 : i + 1;
-      if (value[i] >= 0 && kept_count < kMost) kept[kept_count++] = corners_[i];
-      if ((value[i] < 0) != (value[j] < 0) && kept_count < kMost) {
-        kept[kept_count++] = Between(corners_[i], value[i], corners_[j], value[j]);
+      const bool is_in = !(corners_[i].values[k] < 0), next_is_in = !(corners_[j].values[k] < 0);
+      if (is_in && kept_count < kMost) kept[kept_count++] = corners_[i];
+      if (is_in != next_is_in && kept_count < kMost) {
+        kept[kept_count++] = Between(corners_[i], corners_[j], k);
       }
     }
     corners_ = kept, count_ = kept_count;
@@ -78,6 +90,18 @@ class Clipped<2> {
   // Bits of corners.
   std::uint64_t in_use() const { return (std::uint64_t{1} << count_) - 1; }
   const ClipCorner<2>& corner(std::size_t i) const { return corners_[i]; }
+
+  // Bits of the clipped simplex's faces that the piece has a side on: k is opposite of corner k.
+  std::uint32_t Sides() const {
+    // A cut leaves a coordinate that is 0 at both ends exactly 0.
+    std::array<std::uint32_t, 3> corners_on{};
+    for (std::size_t i = 0; i < count_; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) corners_on[k] += corners_[i].lambda[k] == 0;
+    }
+    std::uint32_t sides = 0;
+    for (std::size_t k = 0; k < 3; ++k) sides |= std::uint32_t{corners_on[k] >= 2} << k;
+    return sides;
+  }
 
   // visit(indices of D + 1 corners) for each simplex of a triangulation.
   template <class Visit>
@@ -99,7 +123,7 @@ class Clipped<2> {
 template <>
 class Clipped<3> {
  public:
-  explicit Clipped(const Corners<3>& c)
+  Clipped(const ClipValues<3>& values, const std::array<double, 4>& slack)
       : edges_{{{1, 2, 0, 3},
                 {2, 3, 0, 1},
                 {3, 1, 0, 2},
@@ -110,18 +134,17 @@ class Clipped<3> {
         face_count_(4),
         count_(4),
         in_use_(0b1111) {
-    for (std::size_t k = 0; k < 4; ++k) corners_[k] = {c[k], {}}, corners_[k].lambda[k] = 1;
+    for (std::size_t v = 0; v < 4; ++v) corners_[v] = ClipCornerOf<3>(values, slack, v);
   }
 
   // Without branches where nothing predicts them: an entry that is not wanted is overwritten.
-  bool By(const HalfSpace<3>& half, double slack) {
-    std::array<double, kMost> value;
+  bool By(std::size_t k) {
     std::uint64_t in = 0;
     bool any_in = false;
     ForEachBit(in_use_, [&](std::size_t v) {
-      value[v] = half(corners_[v].place) + slack;
-      any_in |= value[v] > 0;
-      in |= std::uint64_t{value[v] >= 0} << v;
+      const double value = corners_[v].values[k];
+      any_in |= value > 0;
+      in |= std::uint64_t{value >= 0} << v;
     });
     if (!any_in) return false;
     if (in == in_use_) return true;
@@ -145,7 +168,7 @@ class Clipped<3> {
       const bool from_in = (in >> from & 1) != 0;
       const auto cut = static_cast<std::uint8_t>(count_++);
       in_use_ |= std::uint64_t{1} << cut;
-      corners_[cut] = Between(corners_[from], value[from], corners_[to], value[to]);
+      corners_[cut] = Between(corners_[from], corners_[to], k);
       cap[!from_in][edge.left] = cut, cap[from_in][edge.right] = cut;
       edge.ends[from_in] = cut;
     }
@@ -162,6 +185,12 @@ class Clipped<3> {
   std::uint64_t in_use() const { return in_use_; }
   const ClipCorner<3>& corner(std::size_t i) const { return corners_[i]; }
 
+  std::uint32_t Sides() const {
+    std::uint32_t faces = 0;
+    for (std::size_t e = 0; e < edge_count_; ++e) faces |= edges_[e].faces();
+    return faces & 0b1111;
+  }
+
   // From a corner to all faces that do not have it.
   template <class Visit>
   void ForEachSimplex(const Visit& visit) const {
@@ -170,8 +199,7 @@ class Clipped<3> {
     std::array<std::uint8_t, kMostFaces> corner_of;
     for (std::size_t e = 0; e < edge_count_; ++e) {
       const Edge& edge = edges_[e];
-      const std::uint32_t faces = 1U << edge.left | 1U << edge.right;
-      has_apex |= faces & -std::uint32_t{edge.ends[0] == apex || edge.ends[1] == apex};
+      has_apex |= edge.faces() & -std::uint32_t{edge.ends[0] == apex || edge.ends[1] == apex};
       corner_of[edge.left] = corner_of[edge.right] = edge.ends[0];
     }
     // Triangles of the other faces, each with a corner of its face.
@@ -201,6 +229,7 @@ class Clipped<3> {
   struct Edge {
     std::array<std::uint8_t, 2> ends;  // from, to
     std::uint8_t left, right;
+    std::uint32_t faces() const { return 1U << left | 1U << right; }  // bits
   };
 
   std::array<ClipCorner<3>, kMost> corners_;

@@ -15,93 +15,165 @@
 
 namespace dynmesh::transfer {
 
+// The matrix of the integrals of f_a f_b over a piece, for N functions that are linear there:
+// at(corner) has their values. `measure` is that of the simplex that was clipped.
+//
+// Over a simplex that is its measure / ((D + 1) (D + 2)) times (sum of f_a f_b at its corners + sum
+// of f_a times sum of f_b). The first part is gathered by corner.
+template <std::size_t N, std::size_t D, class AtCorner>
+std::array<double, N * N> Moments(const Clipped<D>& clipped, double measure, const AtCorner& at) {
+  const double scale = measure / ((D + 1) * (D + 2));
+  std::array<double, N * N> moments{};
+  const auto add = [&moments](double weight, const std::array<double, N>& f) {
+    for (std::size_t a = 0; a < N; ++a) {
+      const double weighted = weight * f[a];
+      for (std::size_t b = 0; b < N; ++b) moments[a * N + b] += weighted * f[b];
+    }
+  };
+  std::array<double, Clipped<D>::kMost> weights;
+  ForEachBit(clipped.in_use(), [&](std::size_t corner) { weights[corner] = 0; });
+  clipped.ForEachSimplex([&](const std::array<std::size_t, D + 1>& corners) {
+    Corners<D> places;
+    for (std::size_t i = 0; i <= D; ++i) {
+      const auto& lambda = clipped.corner(corners[i]).lambda;
+      for (std::size_t k = 0; k < D; ++k) places[i][k] = lambda[k + 1];
+    }
+    const double share = scale * std::max(0.0, ScaledMeasure(places));
+    std::array<double, N> sum{};
+    for (const std::size_t corner : corners) {
+      weights[corner] += share;
+      for (std::size_t a = 0; a < N; ++a) sum[a] += at(corner)[a];
+    }
+    add(share, sum);
+  });
+  ForEachBit(clipped.in_use(), [&](std::size_t corner) { add(weights[corner], at(corner)); });
+  return moments;
+}
+
 // A new simplex, ready to clip old ones. Everything is computed relative to one of its corners, so
 // that rounding is that of distances.
 template <std::size_t D>
 class Clipper {
  public:
+  using Mass = typename Overlay<D>::Mass;
+
   explicit Clipper(const PatchSimplex<D>& to)
       : origin_(to.corners[0]),
         corners_(Relative(to.corners)),
-        halves_(HalfSpaces(corners_)),
-        coordinates_(corners_),
-        extent_(ExtentOf(corners_)) {}
+        scaled_measure_(ScaledMeasure(corners_)),
+        extent_(ExtentOf(corners_)) {
+    const auto halves = HalfSpaces(corners_);
+    for (std::size_t k = 0; k <= D; ++k) {
+      for (std::size_t axis = 0; axis < D; ++axis) normals_[axis][k] = halves[k].normal[axis];
+      offsets_[k] = Dot(halves[k].normal, halves[k].on_plane);
+      noises_[k] = halves[k].Noise(1);
+    }
+  }
 
   // Returns false if they have nothing in common, or rounding alone. Otherwise fills `piece.mass`,
   // puts into `own` what the piece is of the new simplex, and into `open` the bits of the old one's
   // faces that the piece has a side on: face k is opposite of corner k.
-  bool Clip(const PatchSimplex<D>& from, Piece<D>& piece, typename Overlay<D>::Mass& own,
-            std::uint32_t& open) const {
+  bool Clip(const PatchSimplex<D>& from, Piece<D>& piece, Mass& own, std::uint32_t& open) const {
     const Corners<D> old = Relative(from.corners);
     const double extent = std::max(extent_, ExtentOf(old));
-    std::array<double, D + 1> noise;
-    for (std::size_t k = 0; k <= D; ++k) {
-      noise[k] = halves_[k].Noise(extent);
-      bool any_in = false;
-      for (const Vec<D>& corner : old) any_in |= halves_[k](corner) > noise[k];
-      if (!any_in) return false;
+    ByFace noise, greatest, least;
+    for (std::size_t k = 0; k <= D; ++k) noise[k] = noises_[k] * extent;
+    const ClipValues<D> values = ValuesAt(old);
+    greatest = least = values[0];
+    for (std::size_t c = 1; c <= D; ++c) {
+      for (std::size_t k = 0; k <= D; ++k) greatest[k] = std::max(greatest[k], values[c][k]);
+      for (std::size_t k = 0; k <= D; ++k) least[k] = std::min(least[k], values[c][k]);
     }
-    Clipped<D> clipped(old);
     for (std::size_t k = 0; k <= D; ++k) {
-      if (!clipped.By(halves_[k], noise[k])) return false;
+      if (!(greatest[k] > noise[k])) return false;
     }
-    return Integrate(clipped, piece, own, open);
+    Clipped<D> clipped(values, noise);
+    for (std::size_t k = 0; k <= D; ++k) {
+      if (least[k] < -noise[k] && !clipped.By(k)) return false;
+    }
+    open = clipped.Sides();
+    return *std::max_element(noise.begin(), noise.end()) > kFine * scaled_measure_
+               ? IntegrateAtPlaces(clipped, old, from.measure, piece.mass, own)
+               : Integrate(clipped, values, from.measure, piece.mass, own);
   }
 
  private:
-  // Coordinates in the old and in the new simplex.
-  struct TwoCoordinates {
-    std::array<double, D + 1> old, own;
-  };
+  using ByFace = std::array<double, D + 1>;
 
-  // The integral of f g, both linear, over a simplex is its measure / ((D + 1) (D + 2)) times
-  // (sum of f g at its corners + sum of f times sum of g). The first part is gathered by corner.
-  bool Integrate(const Clipped<D>& clipped, Piece<D>& piece, typename Overlay<D>::Mass& own,
-                 std::uint32_t& open) const {
-    constexpr double kShare = 1.0 / ((D + 1) * (D + 2));
-    std::array<double, Clipped<D>::kMost> weights;
-    std::array<TwoCoordinates, Clipped<D>::kMost> at;
-    ForEachBit(clipped.in_use(), [&](std::size_t corner) {
-      weights[corner] = 0;
-      at[corner] = {clipped.corner(corner).lambda, coordinates_(clipped.corner(corner).place)};
-    });
-    typename Overlay<D>::Mass mixed{}, mine{};  // here, where nothing else can point to
-    bool any = false;
-    clipped.ForEachSimplex([&](const std::array<std::size_t, D + 1>& corners) {
-      Corners<D> places;
-      for (std::size_t k = 0; k <= D; ++k) places[k] = clipped.corner(corners[k]).place;
-      const double share = kShare * Measure<D>(places);
-      any |= share > 0;
-      TwoCoordinates sum{};
-      for (const std::size_t corner : corners) {
-        weights[corner] += share;
-        for (std::size_t k = 0; k <= D; ++k) {
-          sum.old[k] += at[corner].old[k], sum.own[k] += at[corner].own[k];
-        }
+  // What rounding may make of the new simplex's coordinates at corners of the old one, if linear
+  // functions of these are to stay linear to rounding. Such coordinates are below 64.
+  static constexpr double kFine = 0x1p-43;
+
+  // Of its half-spaces.
+  ClipValues<D> ValuesAt(const Corners<D>& places) const {
+    ClipValues<D> values;
+    for (std::size_t c = 0; c <= D; ++c) {
+      for (std::size_t k = 0; k <= D; ++k) values[c][k] = -offsets_[k];
+      for (std::size_t axis = 0; axis < D; ++axis) {
+        for (std::size_t k = 0; k <= D; ++k) values[c][k] += normals_[axis][k] * places[c][axis];
       }
-      AddProducts(share, sum, mixed, mine);
-    });
-    std::array<std::size_t, D + 1> on_face{};  // corners
-    ForEachBit(clipped.in_use(), [&](std::size_t corner) {
-      AddProducts(weights[corner], at[corner], mixed, mine);
-      // A cut leaves a coordinate that is 0 at both ends exactly 0.
-      for (std::size_t k = 0; k <= D; ++k) on_face[k] += at[corner].old[k] == 0;
-    });
-    piece.mass = mixed, own = mine;
-    open = 0;
-    for (std::size_t k = 0; k <= D; ++k) open |= std::uint32_t{on_face[k] >= D} << k;
-    return any;
+    }
+    return values;
   }
 
-  // Adds weight times the products of `c`.
-  static void AddProducts(double weight, const TwoCoordinates& c, typename Overlay<D>::Mass& mass,
-                          typename Overlay<D>::Mass& own) {
-    constexpr std::size_t kCorners = D + 1;
-    for (std::size_t a = 0; a < kCorners; ++a) {
-      const double old_a = weight * c.old[a], own_a = weight * c.own[a];
-      for (std::size_t b = 0; b < kCorners; ++b) mass[a * kCorners + b] += old_a * c.own[b];
-      for (std::size_t b = 0; b < kCorners; ++b) own[a * kCorners + b] += own_a * c.own[b];
+  // The new one's coordinates are linear in those of the old one: moments of the latter are enough.
+  bool Integrate(const Clipped<D>& clipped, const ClipValues<D>& values, double measure,
+                 Mass& mixed, Mass& own) const {
+    Mass to_new;  // the new one's coordinates at the corners of the old one
+    const double scale = 1 / scaled_measure_;
+    for (std::size_t c = 0; c <= D; ++c) {
+      for (std::size_t k = 0; k <= D; ++k) to_new[c * (D + 1) + k] = scale * values[c][k];
     }
+    const auto at = [&](std::size_t i) -> const auto& { return clipped.corner(i).lambda; };
+    const Mass moments = Moments<D + 1>(clipped, measure, at);
+    mixed = TransposedTimes(moments, to_new);
+    own = TransposedTimes(to_new, mixed);
+    return HasAny(moments);
+  }
+
+  // Of a sliver: its coordinates are found at each corner's place. What they are elsewhere may be
+  // large and say nothing.
+  bool IntegrateAtPlaces(const Clipped<D>& clipped, const Corners<D>& old, double measure,
+                         Mass& mixed, Mass& own) const {
+    constexpr std::size_t kCorners = D + 1, kBoth = 2 * kCorners;
+    const Barycentric<D> coordinates(corners_);
+    std::array<std::array<double, kBoth>, Clipped<D>::kMost> both;  // coordinates: old, new
+    ForEachBit(clipped.in_use(), [&](std::size_t corner) {
+      const auto& lambda = clipped.corner(corner).lambda;
+      Vec<D> place{};
+      for (std::size_t c = 0; c < kCorners; ++c) {
+        for (std::size_t k = 0; k < D; ++k) place[k] += lambda[c] * old[c][k];
+      }
+      std::copy_n(lambda.begin(), kCorners, both[corner].begin());
+      std::copy_n(coordinates(place).begin(), kCorners, both[corner].begin() + kCorners);
+    });
+    const auto at = [&](std::size_t i) -> const auto& { return both[i]; };
+    const auto moments = Moments<kBoth>(clipped, measure, at);
+    for (std::size_t a = 0; a < kCorners; ++a) {
+      std::copy_n(&moments[a * kBoth + kCorners], kCorners, &mixed[a * kCorners]);
+      std::copy_n(&moments[(kCorners + a) * kBoth + kCorners], kCorners, &own[a * kCorners]);
+    }
+    return HasAny(moments);
+  }
+
+  // Of the matrices a and b: the transpose of a, times b.
+  static Mass TransposedTimes(const Mass& a, const Mass& b) {
+    constexpr std::size_t kCorners = D + 1;
+    Mass product;
+    for (std::size_t i = 0; i < kCorners; ++i) {
+      std::array<double, kCorners> row{};
+      for (std::size_t c = 0; c < kCorners; ++c) {
+        const double factor = a[c * kCorners + i];
+        for (std::size_t j = 0; j < kCorners; ++j) row[j] += factor * b[c * kCorners + j];
+      }
+      std::copy_n(row.begin(), kCorners, &product[i * kCorners]);
+    }
+    return product;
+  }
+
+  template <std::size_t N>
+  static bool HasAny(const std::array<double, N>& moments) {
+    return std::any_of(moments.begin(), moments.end(), [](double m) { return m != 0; });
   }
 
   Corners<D> Relative(const Corners<D>& corners) const {
@@ -121,8 +193,11 @@ class Clipper {
 
   Vec<D> origin_;
   Corners<D> corners_;
-  std::array<HalfSpace<D>, D + 1> halves_;
-  Barycentric<D> coordinates_;
+  // The half-spaces of its faces: normals by axis and face, values at the origin but for their
+  // sign, and what rounding may make of a value in parts of the extent.
+  std::array<ByFace, D> normals_;
+  ByFace offsets_, noises_;
+  double scaled_measure_;
   double extent_;
 };
 
