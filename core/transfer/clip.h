@@ -2,15 +2,18 @@
 //
 // One of them is clipped by the half-spaces of the other, in doubles (Sutherland and Hodgman 1974;
 // in 3D edge by edge, with the cut closed by a new face). A corner has no place: all that a cut
-// needs is linear along an edge, and so is all that is asked for afterwards. Half-spaces are taken
-// wider by a slack of some units of rounding: old and new simplices often have faces in one plane,
-// and signs of places on it are noise, which makes no ring. So pieces are a little too large or too
-// small, and what uses them allows for that. O(1), no allocation.
+// needs is linear along an edge, and so is all that is asked for afterwards. A corner whose
+// distance to a half-space's plane may be rounding is on it: old and new simplices often have
+// vertices and faces in common, and signs of places on these are noise. It is kept, and no edge is
+// cut next to it. So pieces are a little too large or too small, and what uses them allows for
+// that. O(1), no allocation.
 #ifndef DYNMESH_CORE_TRANSFER_CLIP_H_
 #define DYNMESH_CORE_TRANSFER_CLIP_H_
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -19,7 +22,7 @@
 namespace dynmesh::transfer {
 
 // A corner of a piece: its barycentric coordinates in the clipped simplex, and the values there of
-// the half-spaces, each with its slack: what is negative is outside.
+// the half-spaces: what is negative is outside, but for noise.
 template <std::size_t D>
 struct ClipCorner {
   std::array<double, D + 1> lambda, values;
@@ -30,11 +33,9 @@ template <std::size_t D>
 using ClipValues = std::array<std::array<double, D + 1>, D + 1>;
 
 template <std::size_t D>
-ClipCorner<D> ClipCornerOf(const ClipValues<D>& values, const std::array<double, D + 1>& slack,
-                           std::size_t c) {
+ClipCorner<D> ClipCornerOf(const ClipValues<D>& values, std::size_t c) {
   ClipCorner<D> corner = {{}, values[c]};
   corner.lambda[c] = 1;
-  for (std::size_t k = 0; k <= D; ++k) corner.values[k] += slack[k];
   return corner;
 }
 
@@ -61,27 +62,28 @@ class Clipped;
 template <>
 class Clipped<2> {
  public:
-  Clipped(const ClipValues<2>& values, const std::array<double, 3>& slack) : count_(3) {
-    for (std::size_t i = 0; i < 3; ++i) corners_[i] = ClipCornerOf<2>(values, slack, i);
+  explicit Clipped(const ClipValues<2>& values) : count_(3) {
+    for (std::size_t i = 0; i < 3; ++i) corners_[i] = ClipCornerOf<2>(values, i);
   }
 
-  // Keeps what lies in half-space k; false if nothing does.
-  bool By(std::size_t k) {
+  // Keeps what lies in half-space k, whose values are up to `noise` where they should be 0; false
+  // if nothing does.
+  bool By(std::size_t k, double noise) {
     bool any_in = false, any_out = false;
     for (std::size_t i = 0; i < count_; ++i) {
-      any_in |= corners_[i].values[k] > 0, any_out |= corners_[i].values[k] < 0;
+      any_in |= corners_[i].values[k] > noise, any_out |= corners_[i].values[k] < -noise;
     }
     if (!any_in) return false;
     if (!any_out) return true;
     std::array<ClipCorner<2>, kMost> kept;
     std::size_t kept_count = 0;
     for (std::size_t i = 0; i < count_; ++i) {
-      const std::size_t j = i + 1 == count_ ? 0 : i + 1;
-      const bool is_in = !(corners_[i].values[k] < 0), next_is_in = !(corners_[j].values[k] < 0);
-      if (is_in && kept_count < kMost) kept[kept_count++] = corners_[i];
-      if (is_in != next_is_in && kept_count < kMost) {
-        kept[kept_count++] = Between(corners_[i], corners_[j], k);
-      }
+      const ClipCorner<2>&corner = corners_[i], &next = corners_[i + 1 == count_ ? 0 : i + 1];
+      const double value = corner.values[k], next_value = next.values[k];
+      if (value >= -noise && kept_count < kMost) kept[kept_count++] = corner;
+      const bool is_cut =
+          std::min(value, next_value) < -noise && std::max(value, next_value) > noise;
+      if (is_cut && kept_count < kMost) kept[kept_count++] = Between(corner, next, k);
     }
     corners_ = kept, count_ = kept_count;
     return count_ >= 3;
@@ -119,11 +121,12 @@ class Clipped<2> {
 
 // A convex polyhedron, by its edges. An edge goes between two corners and has a face on either
 // side; seen from outside, the left one is on the left of the way from its first end to its second.
-// A cut shortens edges and adds, on each face that it crosses, an edge of the new face.
+// A cut shortens edges and adds, on each face that it crosses, an edge of the new face. A face that
+// it leaves no more than an edge or a corner of goes.
 template <>
 class Clipped<3> {
  public:
-  Clipped(const ClipValues<3>& values, const std::array<double, 4>& slack)
+  explicit Clipped(const ClipValues<3>& values)
       : edges_{{{1, 2, 0, 3},
                 {2, 3, 0, 1},
                 {3, 1, 0, 2},
@@ -134,47 +137,58 @@ class Clipped<3> {
         face_count_(4),
         count_(4),
         in_use_(0b1111) {
-    for (std::size_t v = 0; v < 4; ++v) corners_[v] = ClipCornerOf<3>(values, slack, v);
+    for (std::size_t v = 0; v < 4; ++v) corners_[v] = ClipCornerOf<3>(values, v);
   }
 
   // Without branches where nothing predicts them: an entry that is not wanted is overwritten.
-  bool By(std::size_t k) {
-    std::uint64_t in = 0;
-    bool any_in = false;
+  bool By(std::size_t k, double noise) {
+    std::uint64_t in = 0, on = 0;
     ForEachBit(in_use_, [&](std::size_t v) {
       const double value = corners_[v].values[k];
-      any_in |= value > 0;
-      in |= std::uint64_t{value >= 0} << v;
+      in |= std::uint64_t{value > noise} << v;
+      on |= std::uint64_t{std::abs(value) <= noise} << v;
     });
-    if (!any_in) return false;
-    if (in == in_use_) return true;
-    in_use_ = in;
-    std::array<std::uint8_t, kMostEdges + 1> crossing;  // edges with one end in the half-space
-    std::size_t kept = 0, crossing_count = 0;
+    if (in == 0) return false;
+    if ((in | on) == in_use_) return true;
+    in_use_ = in | on;
+    // Edges with one end that goes: of the other one the cut makes a new corner, or it is on the
+    // plane and the edge goes. And edges on the plane.
+    std::array<std::uint8_t, kMostEdges + 1> cut, flat;
+    std::array<Edge, kMostEdges + 1> gone;
+    std::size_t kept = 0, cut_count = 0, flat_count = 0, gone_count = 0;
     for (std::size_t e = 0; e < edge_count_; ++e) {
       const Edge edge = edges_[e];
-      const bool from_in = (in >> edge.ends[0] & 1) != 0, to_in = (in >> edge.ends[1] & 1) != 0;
-      edges_[kept] = edge;
-      crossing[crossing_count] = static_cast<std::uint8_t>(kept);
-      kept += from_in | to_in;
-      crossing_count += from_in ^ to_in;
+      const std::uint64_t from_in = in >> edge.ends[0] & 1, to_in = in >> edge.ends[1] & 1;
+      const std::uint64_t from_on = on >> edge.ends[0] & 1, to_on = on >> edge.ends[1] & 1;
+      edges_[kept] = gone[gone_count] = edge;
+      cut[cut_count] = flat[flat_count] = static_cast<std::uint8_t>(kept);
+      kept += from_in | to_in | (from_on & to_on);
+      cut_count += (from_in ^ to_in) & ~(from_on | to_on);
+      flat_count += from_on & to_on;
+      gone_count += (from_on ^ to_on) & ~(from_in | to_in);
     }
-    // The new face's edge on each face: where it begins, and where it ends.
-    std::array<std::array<std::uint8_t, kMostFaces>, 2> cap;
+    Cap cap;
     cap[0].fill(kNone), cap[1].fill(kNone);
-    for (std::size_t c = 0; c < crossing_count; ++c) {
-      Edge& edge = edges_[crossing[c]];
+    for (std::size_t c = 0; c < cut_count; ++c) {
+      Edge& edge = edges_[cut[c]];
       const auto [from, to] = edge.ends;
       const bool from_in = (in >> from & 1) != 0;
-      const auto cut = static_cast<std::uint8_t>(count_++);
-      in_use_ |= std::uint64_t{1} << cut;
-      corners_[cut] = Between(corners_[from], corners_[to], k);
-      cap[!from_in][edge.left] = cut, cap[from_in][edge.right] = cut;
-      edge.ends[from_in] = cut;
+      const auto corner = static_cast<std::uint8_t>(count_++);
+      in_use_ |= std::uint64_t{1} << corner;
+      corners_[corner] = Between(corners_[from], corners_[to], k);
+      cap[!from_in][edge.left] = cap[from_in][edge.right] = corner;
+      edge.ends[from_in] = corner;
     }
+    for (std::size_t g = 0; g < gone_count; ++g) {
+      const Edge& edge = gone[g];
+      const bool from_on = (on >> edge.ends[0] & 1) != 0;
+      cap[!from_on][edge.left] = cap[from_on][edge.right] = edge.ends[!from_on];
+    }
+    for (std::size_t f = 0; f < flat_count; ++f) TurnToCap(cap, edges_[flat[f]]);
     for (std::uint8_t face = 0; face < face_count_; ++face) {
-      edges_[kept] = {{cap[0][face], cap[1][face]}, face, face_count_};
-      kept += cap[0][face] != kNone && cap[1][face] != kNone;
+      const std::uint8_t from = cap[0][face], to = cap[1][face];
+      edges_[kept] = {{from, to}, face, face_count_};
+      kept += (from != kNone) & (to != kNone) & (from != to);
     }
     edge_count_ = kept;
     ++face_count_;
@@ -231,6 +245,20 @@ class Clipped<3> {
     std::uint8_t left, right;
     std::uint32_t faces() const { return 1U << left | 1U << right; }  // bits
   };
+
+  // The new face's edge on each face: where it begins, and where it ends.
+  using Cap = std::array<std::array<std::uint8_t, kMostFaces>, 2>;
+
+  // If all that is left of a face is an edge on the plane, that is the new face's.
+  void TurnToCap(Cap& cap, Edge& edge) const {
+    const auto [from, to] = edge.ends;
+    const auto turn = [&](std::uint8_t& face, std::uint8_t begin, std::uint8_t end) {
+      if (cap[0][face] != begin || cap[1][face] != end) return;
+      cap[0][face] = kNone;
+      face = face_count_;
+    };
+    turn(edge.left, to, from), turn(edge.right, from, to);
+  }
 
   std::array<ClipCorner<3>, kMost> corners_;
   std::array<Edge, kMostEdges + 1> edges_;

@@ -87,9 +87,9 @@ class Clipper {
     for (std::size_t k = 0; k <= D; ++k) {
       if (!(greatest[k] > noise[k])) return false;
     }
-    Clipped<D> clipped(values, noise);
+    Clipped<D> clipped(values);
     for (std::size_t k = 0; k <= D; ++k) {
-      if (least[k] < -noise[k] && !clipped.By(k)) return false;
+      if (least[k] < -noise[k] && !clipped.By(k, noise[k])) return false;
     }
     open = clipped.Sides();
     return *std::max_element(noise.begin(), noise.end()) > kFine * scaled_measure_
