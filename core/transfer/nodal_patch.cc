@@ -63,7 +63,7 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
       }
       // Faces with a free corner: all but the one opposite of a single one.
       std::uint32_t faces = free == 0 ? 0 : places[c].open;
-      if (std::has_single_bit(free)) faces &= ~free;
+      if ((free & (free - 1)) == 0) faces &= ~free;  // std::has_single_bit calls a library
       places[c].open &= ~faces;
       for (; faces != 0; faces &= faces - 1) {
         const auto k = static_cast<std::size_t>(std::countr_zero(faces));
