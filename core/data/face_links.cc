@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <bit>
-#include <tuple>
 #include <utility>
+
+#include "core/base/large_vector.h"
 
 namespace dynmesh::data {
 namespace {
 
-std::array<Slot, 3> FaceOf(const Slot* corners, std::size_t width, std::size_t k) {
+inline std::array<Slot, 3> FaceOf(const Slot* corners, std::size_t width, std::size_t k) {
   std::array<Slot, 3> face = {kNoSlot, kNoSlot, kNoSlot};
   std::size_t count = 0;
   for (std::size_t j = 0; j < width; ++j) {
@@ -80,32 +81,34 @@ void FaceLinks::Link(Slot* neighbours, std::size_t width) {
 void LinkAllFaces(std::span<const Slot> cells, std::size_t width, std::size_t vertex_count,
                   Slot* neighbours) {
   struct Face {
-    std::array<Slot, 2> corners;  // without the least, by which they lie in rows
+    std::uint64_t corners;  // without the least, by which they lie in rows
     Slot simplex;
     std::uint32_t side;
   };
-  const auto least_of = [&](std::size_t row, std::size_t k) {
-    return At(FaceOf(&cells[row * width], width, k)[0]);
-  };
   const std::size_t rows = cells.size() / width;
-  std::vector<std::size_t> ends(vertex_count + 1, 0);
+  LargeVector<std::size_t> ends(vertex_count + 1, 0);
   for (std::size_t row = 0; row < rows; ++row) {
-    for (std::size_t k = 0; k < width; ++k) ++ends[least_of(row, k) + 1];
+    for (std::size_t k = 0; k < width; ++k) {
+      ++ends[At(FaceOf(&cells[row * width], width, k)[0]) + 1];
+    }
   }
   for (std::size_t v = 0; v < vertex_count; ++v) ends[v + 1] += ends[v];
-  std::vector<std::size_t> place(ends.begin(), ends.end() - 1);
-  std::vector<Face> faces(rows * width);
+  LargeVector<std::size_t> place = ends;
+  LargeVector<Face> faces(rows * width);
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t k = 0; k < width; ++k) {
       const std::array<Slot, 3> face = FaceOf(&cells[row * width], width, k);
-      faces[place[At(face[0])]++] = {
-          {face[1], face[2]}, static_cast<Slot>(row), static_cast<std::uint32_t>(k)};
+      const auto high = static_cast<std::uint32_t>(face[1]),
+                 low = static_cast<std::uint32_t>(face[2]);
+      faces[place[At(face[0])]++] = {std::uint64_t{high} << 32 | low, static_cast<Slot>(row),
+                                     static_cast<std::uint32_t>(k)};
     }
   }
   for (std::size_t v = 0; v < vertex_count; ++v) {
     const std::span<Face> of_vertex(faces.data() + ends[v], ends[v + 1] - ends[v]);
     std::sort(of_vertex.begin(), of_vertex.end(), [](const Face& a, const Face& b) {
-      return std::tie(a.corners, a.simplex, a.side) < std::tie(b.corners, b.simplex, b.side);
+      if (a.corners != b.corners) return a.corners < b.corners;
+      return a.simplex != b.simplex ? a.simplex < b.simplex : a.side < b.side;
     });
     LinkSorted(std::span<const Face>(of_vertex), neighbours, width);
   }

@@ -13,15 +13,6 @@ namespace dynmesh {
 
 using data::At;
 using data::Concat;
-using data::Lost;
-using data::VertexName;
-
-namespace {
-
-// How many rows ahead a snapshot's corners are asked for.
-constexpr std::size_t kAhead = 12;
-
-}  // namespace
 
 namespace slot_mesh_internal {
 
@@ -55,66 +46,6 @@ absl::Status SlotMesh::State::Apply(const MeshDiff& diff, bool extends) {
   netting = Netting();
   if (auto status = Net(whole, netting); !status.ok()) return status;
   Commit(whole, netting, extends);
-  return absl::OkStatus();
-}
-
-// Into nothing: every row gets its slot at once, and nothing needs netting.
-absl::Status SlotMesh::State::Fill(const Mesh& mesh) {
-  const std::size_t vertex_count = mesh.vertices.size(), simplex_count = mesh.simplex_count();
-  if (std::max(vertex_count, simplex_count) >= std::size_t{1} << 31) {
-    return absl::InvalidArgumentError("a mesh of 2^31 rows or more has no slots");
-  }
-  MeshHash sum;
-  points.reserve(vertex_count * d()), ids.reserve(vertex_count);
-  containing_dimensions.reserve(vertex_count), owners.reserve(vertex_count);
-  vertices.reserve(vertex_count);
-  for (std::size_t i = 0; i < vertex_count; ++i) {
-    const Slot slot = vertex_pool.Take();
-    const VertexId id = mesh.vertices.ids[i];
-    if (id == 0) return Lost("a vertex", "has no id");
-    if (!vertices.emplace(id, slot).second) return Lost(VertexName(id), "comes twice");
-    PlaceVertex(slot, id, &mesh.vertices.coordinates[i * d()],
-                mesh.vertices.containing_dimensions[i], mesh.vertices.owners[i]);
-    sum += HashOfVertex(slot);
-  }
-  cells.reserve(simplex_count * width()), neighbours.reserve(simplex_count * width());
-  regions.reserve(simplex_count), simplices.reserve(simplex_count);
-  for (std::size_t i = 0; i < simplex_count; ++i) {
-    const VertexId* row = &mesh.simplices[i * width()];
-    // Vertices are found at random places: asked for ahead, they are there in time.
-    if (i + kAhead < simplex_count) {
-      for (std::size_t k = 0; k < width(); ++k) vertices.prefetch(row[kAhead * width() + k]);
-    }
-    SlotKey corners;
-    if (!SlotsOfRow(row, corners)) return Lost("a simplex", "has a corner that is absent");
-    if (!PlaceSimplex(simplex_pool.Take(), corners, mesh.region(i))) {
-      return Lost("a simplex", "comes twice");
-    }
-    sum += HashSimplex(row, dimension + 1, mesh.region(i));
-  }
-  data::LinkAllFaces(cells.span(), width(), vertex_count, neighbours.data());
-
-  MeshDiff rest;  // pieces and sets as if they came with a diff
-  rest.dimension = dimension;
-  if (auto s = subsegments.Net({}, mesh.subsegments, sum); !s.ok()) return s;
-  if (auto s = subfacets.Net({}, mesh.subfacets, sum); !s.ok()) return s;
-  if (sum != mesh.hash) {
-    return Lost("the mesh",
-                Concat("has hash ", sum.ToHex(), " where ", mesh.hash.ToHex(), " was promised"));
-  }
-  for (const auto* ends : {&mesh.subsegments.ends, &mesh.subfacets.corners}) {
-    for (const VertexId id : *ends) {
-      if (!vertices.contains(id))
-        return Lost("a piece of a feature", "has a corner that is absent");
-    }
-  }
-  const auto slot_of = [this](VertexId id) { return FindVertex(id); };
-  subsegments.Commit({}, mesh.subsegments, slot_of);
-  subfacets.Commit({}, mesh.subfacets, slot_of);
-  rest.region_sets = mesh.region_sets, rest.added_regions = mesh.regions;
-  CommitSets(rest);
-  revision = patch.from_revision = patch.to_revision = mesh.revision;
-  hash = mesh.hash;
   return absl::OkStatus();
 }
 

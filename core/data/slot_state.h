@@ -1,6 +1,6 @@
 // What a SlotMesh holds, and how a diff becomes a patch: first it is netted, which checks it
 // against what is there and changes nothing (slot_netting.cc), then committed, which cannot fail
-// (slot_patch.cc). For these files and slot_mesh.cc alone.
+// (slot_patch.cc). A whole mesh is filled in (slot_fill.cc). For these files and slot_mesh.cc alone.
 #ifndef DYNMESH_CORE_DATA_SLOT_STATE_H_
 #define DYNMESH_CORE_DATA_SLOT_STATE_H_
 
@@ -159,6 +159,8 @@ struct SlotMesh::State {
   void WritePatch();
   absl::Status Apply(const MeshDiff& diff, bool extends);
   absl::Status Fill(const Mesh& mesh);
+  absl::Status FillVertices(const Mesh& mesh, MeshHash& sum);
+  absl::Status FillSimplices(const Mesh& mesh, MeshHash& sum);
   void AppendRegions(Mesh& mesh) const;
 
   int dimension;

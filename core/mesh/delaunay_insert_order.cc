@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/mesh/hilbert_curve.h"
+#include "core/geometry/hilbert_curve.h"
 
 namespace dynmesh::mesh {
 namespace {
@@ -76,7 +76,7 @@ struct Frame {
   std::uint32_t Key(const Point<D>& p) const {
     std::array<std::uint32_t, D> cell;
     for (int i = 0; i < D; ++i) cell[i] = static_cast<std::uint32_t>((p[i] - low[i]) * scale);
-    return HilbertCurve<D>::Key(cell, levels);
+    return geometry::HilbertCurve<D>::Key(cell, levels);
   }
 };
 

@@ -158,8 +158,9 @@ class SlotMesh {
   SlotMesh& operator=(SlotMesh other) noexcept;
   ~SlotMesh();
 
-  // Takes over a whole `mesh` (a snapshot), its rows in slots 0, 1, ... O(mesh). INVALID_ARGUMENT
-  // if the columns of the mesh disagree or its region sets are none; DATA_LOSS if a part stands
+  // Takes over a whole `mesh` (a snapshot). Slots 0, 1, ... are filled such that what is near in the
+  // mesh is near in memory, whatever the order of its rows. O(mesh lg mesh). INVALID_ARGUMENT if the
+  // columns of the mesh disagree or its region sets are none; DATA_LOSS if a part stands
   // twice, a simplex has a corner that is absent or mesh.hash is not that of the parts.
   static absl::StatusOr<SlotMesh> FromMesh(const Mesh& mesh);
 

@@ -5,14 +5,14 @@
 // there is the same curve again, turned: it begins at corner `entry` of the part and ends at
 // the neighbouring corner in direction `axis`, so that each part ends next to where the
 // following one begins. (entry, axis) is the state of the descent.
-#ifndef DYNMESH_CORE_MESH_HILBERT_CURVE_H_
-#define DYNMESH_CORE_MESH_HILBERT_CURVE_H_
+#ifndef DYNMESH_CORE_GEOMETRY_HILBERT_CURVE_H_
+#define DYNMESH_CORE_GEOMETRY_HILBERT_CURVE_H_
 
 #include <array>
 #include <bit>
 #include <cstdint>
 
-namespace dynmesh::mesh {
+namespace dynmesh::geometry {
 
 template <int D>
 class HilbertCurve {
@@ -74,6 +74,6 @@ constexpr std::array<std::array<typename HilbertCurve<D>::Step, HilbertCurve<D>:
                      HilbertCurve<D>::kParts * D>
     HilbertCurve<D>::kSteps = HilbertCurve<D>::MakeSteps();
 
-}  // namespace dynmesh::mesh
+}  // namespace dynmesh::geometry
 
-#endif  // DYNMESH_CORE_MESH_HILBERT_CURVE_H_
+#endif  // DYNMESH_CORE_GEOMETRY_HILBERT_CURVE_H_

@@ -1,12 +1,12 @@
 // The curve visits every cell once, each next to the one before, and coarser curves in order.
-#include "core/mesh/hilbert_curve.h"
+#include "core/geometry/hilbert_curve.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <vector>
 
-namespace dynmesh::mesh {
+namespace dynmesh::geometry {
 namespace {
 
 template <int D>
@@ -45,4 +45,4 @@ TEST(HilbertCurve, GoesFromCellToCell) {
 }
 
 }  // namespace
-}  // namespace dynmesh::mesh
+}  // namespace dynmesh::geometry
