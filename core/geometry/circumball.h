@@ -58,6 +58,10 @@ struct Circumball {
 // The same of four points that are not coplanar, seen from the first: right to a few roundings
 // however flat they are. By long integers: slow.
 Circumball ExactCircumball(const Point3& p, const Point3& a, const Point3& b, const Point3& c);
+// By doubles where these tell the centre to a billionth of the shortest of pa, pb and pc, else by
+// ExactCircumball: the same bits in whatever order a, b and c come. REQUIRES: (p, a, b, c) is
+// positive.
+Circumball CircumballOf(const Point3& p, const Point3& a, const Point3& b, const Point3& c);
 
 }  // namespace dynmesh::geometry
 

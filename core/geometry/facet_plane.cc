@@ -25,6 +25,15 @@ Vector3 AreaOf(const Ring3& ring, const Point3& least, std::size_t at) {
 
 }  // namespace
 
+std::array<Vector3, 2> AxesOf(const FacetPlane& plane) {
+  Vector3 first = {0, 0, 0};
+  const int k = (plane.axis + 1) % 3;
+  for (int i = 0; i < 3; ++i) first[i] = (i == k ? 1 : 0) - plane.normal[k] * plane.normal[i];
+  const double length = std::sqrt(Dot(first, first));
+  for (double& x : first) x /= length;
+  return {first, Cross(plane.normal, first)};
+}
+
 FacetPlane PlaneOf(std::span<const Ring3> rings) {
   FacetPlane plane;
   double most = -1;

@@ -7,6 +7,7 @@
 #ifndef DYNMESH_CORE_GEOMETRY_FACET_PLANE_H_
 #define DYNMESH_CORE_GEOMETRY_FACET_PLANE_H_
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct FacetPlane {
     return {{p[0] - h * normal[0], p[1] - h * normal[1], p[2] - h * normal[2]}};
   }
 };
+
+// Two directions in the plane, at right angles, of length 1 up to rounding.
+std::array<Vector3, 2> AxesOf(const FacetPlane& plane);
 
 // Of the ring that goes around the largest area. The normal is not a number if that is 0.
 // O(corners).

@@ -278,6 +278,44 @@ void DelaunayTetrahedralization::FindCavity(const Point3& p, SimplexIndex start)
   }
 }
 
+// As FindCavity, but marks nothing: a tetrahedron may be asked once for each of its facets.
+void DelaunayTetrahedralization::CavityOf(const Point3& p, SimplexIndex conflicting,
+                                          Cavity* cavity) const {
+  assert(Conflicts(conflicting, p));
+  cavity->simplices.Clear();
+  cavity->facets.clear();
+  cavity->simplices.Number({conflicting});
+  for (std::size_t next = 0; next < cavity->simplices.keys().size(); ++next) {
+    const Tetrahedron& from = tetrahedra_[cavity->simplices.keys()[next][0]];
+    for (std::size_t i = 0; i < 4; ++i) {
+      const SimplexIndex t = from.opposite[i] >> 2;
+      if (cavity->simplices.Find({t}) != NumberTable<1>::kNone) continue;
+      if (Conflicts(t, p)) {
+        cavity->simplices.Number({t});
+        continue;
+      }
+      const auto& [a, b, c] = kFacet[i];
+      cavity->facets.push_back({from.v[a], from.v[b], from.v[c]});
+    }
+  }
+}
+
+void DelaunayTetrahedralization::Copy(const DelaunayTetrahedralization& other) {
+  tetrahedra_ = other.tetrahedra_;
+  tags_ = other.tags_;
+  places_ = other.places_;
+  free_ = other.free_;
+  infinite_incident_ = other.infinite_incident_;
+  vertex_count_ = other.vertex_count_;
+  infinite_count_ = other.infinite_count_;
+  most_simplices_ = other.most_simplices_;
+  is_full_ = other.is_full_;
+  corners_ = other.corners_;
+  created_.clear();
+  deleted_.clear();
+  deleted_tags_.clear();
+}
+
 // One tetrahedron per facet of the rim. Corner 3 is v, the others are those of the facet.
 void DelaunayTetrahedralization::FillCavityFrom(VertexIndex v) {
   const std::size_t count = rim_.size();

@@ -181,6 +181,18 @@ class DelaunayTetrahedralization {
   }
   SimplexIndex LocateFrom(const geometry::Point3& p, SimplexIndex start) const;
 
+  // What inserting p would do: `simplices` would go, and each of `facets` and p, in this order
+  // positive, would come. `cavity` is the caller's, to be kept from call to call. O(its size).
+  // REQUIRES: p is inside the hull, no vertex, and Conflicts(conflicting, p).
+  struct Cavity {
+    NumberTable<1> simplices;
+    std::vector<std::array<VertexIndex, 3>> facets;
+  };
+  void CavityOf(const geometry::Point3& p, SimplexIndex conflicting, Cavity* cavity) const;
+
+  // Becomes what `other` is.
+  void Copy(const DelaunayTetrahedralization& other);
+
   // Calls f(t) for each finite tetrahedron.
   template <class F>
   void ForEachSimplex(F f) const {

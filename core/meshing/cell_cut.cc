@@ -9,7 +9,6 @@
 namespace dynmesh::meshing {
 namespace {
 
-using geometry::Cross;
 using geometry::Dot;
 using geometry::Point3;
 using geometry::Vector3;
@@ -18,16 +17,6 @@ using geometry::Vector3;
 constexpr double kSlack = 1e-11;
 // An area smaller than this in units of the squared distance is none.
 constexpr double kNoArea = 1e-9;
-
-// Two directions in the plane, at right angles.
-std::array<Vector3, 2> AxesOf(const geometry::FacetPlane& plane) {
-  Vector3 first = {0, 0, 0};
-  const int k = (plane.axis + 1) % 3;
-  for (int i = 0; i < 3; ++i) first[i] = (i == k ? 1 : 0) - plane.normal[k] * plane.normal[i];
-  const double length = std::sqrt(Dot(first, first));
-  for (double& x : first) x /= length;
-  return {first, Cross(plane.normal, first)};
-}
 
 }  // namespace
 
@@ -90,7 +79,7 @@ std::optional<CellCut::Cut> CellCut::Of(const Facet& facet) {
   const Point3& p = star_->position();
   const Vector3& normal = facet.plane().normal;
   const double height = facet.plane().Height(p);
-  const auto [x, y] = AxesOf(facet.plane());
+  const auto [x, y] = geometry::AxesOf(facet.plane());
   const double side = 2 * star_->reach();
   polygon_ = {{-side, -side}, {side, -side}, {side, side}, {-side, side}};
   for (const SpaceStar::Neighbour* u : neighbours_) {

@@ -6,6 +6,7 @@
 
 #include "absl/container/inlined_vector.h"
 #include "core/geometry/circumball.h"
+#include "core/meshing/directions.h"
 
 namespace dynmesh::meshing {
 namespace {
@@ -20,24 +21,6 @@ Vector Unit(const Vector& a) {
   const double length = std::sqrt(Dot(a, a));
   return {a[0] / length, a[1] / length, a[2] / length};
 }
-
-// Cosine and sine of k / 32 of a turn. Not from libm: they are part of what a mesh is.
-constexpr int kDirections = 32;
-constexpr double kSines[9] = {0.0,
-                              0.19509032201612825,
-                              0.38268343236508977,
-                              0.55557023301960218,
-                              0.70710678118654757,
-                              0.83146961230254524,
-                              0.92387953251128674,
-                              0.98078528040323043,
-                              1.0};
-double Sine(int k) {
-  k &= kDirections - 1;
-  if (k >= 16) return -Sine(k - 16);
-  return kSines[k <= 8 ? k : 16 - k];
-}
-double Cosine(int k) { return Sine(k + 8); }
 
 }  // namespace
 
@@ -87,7 +70,7 @@ class SpaceRules::Face {
       for (int k = 0; k < kDirections; k += step) {
         Vector c;
         for (int a = 0; a < 3; ++a) {
-          c[a] = 0.5 * u_.d[a] + height * (Cosine(k) * f[a] + Sine(k) * g[a]);
+          c[a] = 0.5 * u_.d[a] + height * (CosineOf(k) * f[a] + SineOf(k) * g[a]);
         }
         const Point3 x = At(c);
         if (!IsInDomain(x)) continue;

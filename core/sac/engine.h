@@ -104,12 +104,14 @@ class Engine {
   // operation; when it says true the propagation stops (false is returned) in a
   // state from which another Propagate, after further changes of input, goes on.
   // Likewise if an operation says more than limits allow, or there are too many: `overflowed`.
+  // Epochs from `until` on are left for another call, which must follow: nothing is released
+  // before. In between the environment may request operations of these epochs.
   template <class Interrupt>
-  bool Propagate(Interrupt interrupt) {
+  bool Propagate(Interrupt interrupt, Epoch until = kForever) {
     queue_.Rewind();
     overflowed_ = kNoOp;
     if (IsFromScratch()) subscriptions_.BeginLoad();  // subscribers are never later than what comes
-    while (!queue_.empty()) {
+    while (!queue_.empty() && (until == kForever || queue_.first_epoch() < until)) {
       if (interrupt() || overflowed_ != kNoOp) {
         subscriptions_.EndLoad();
         return false;
@@ -128,7 +130,7 @@ class Engine {
       }
     }
     subscriptions_.EndLoad();
-    ReleaseWithdrawn();
+    if (until == kForever) ReleaseWithdrawn();
     return true;
   }
   void Propagate() {

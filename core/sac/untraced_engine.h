@@ -34,10 +34,10 @@ class UntracedEngine {
     queue_.Push(epoch, {program_.Priority(kind, item), item, kind});
   }
 
-  // False if `interrupt` stopped it.
+  // False if `interrupt` stopped it. Epochs from `until` on are left for another call.
   template <class Interrupt>
-  bool Propagate(Interrupt interrupt) {
-    while (!queue_.empty()) {
+  bool Propagate(Interrupt interrupt, Epoch until = kForever) {
+    while (!queue_.empty() && (until == kForever || queue_.first_epoch() < until)) {
       if (interrupt()) return false;
       const auto [epoch, entry] = queue_.Pop();
       PrefetchAhead(program_, queue_, [](const Entry& e) -> const Entry& { return e; });

@@ -21,6 +21,7 @@
 namespace dynmesh::sac {
 
 using Epoch = std::uint64_t;
+inline constexpr Epoch kForever = ~Epoch{0};  // later than all
 
 // Entry: has a field `priority`. Less(a, b): a before b among equal priorities.
 template <class Entry, class Less>
@@ -34,6 +35,14 @@ class WorkQueue {
     const auto it = waiting_.find(epoch);
     return (it == waiting_.end() ? 0 : it->second.size()) +
            (open_ && epoch == open_epoch_ ? sorted_.size() + late_.size() : 0);
+  }
+
+  // Of the earliest entry. REQUIRES: not empty.
+  Epoch first_epoch() const {
+    const bool is_open = open_ && !(sorted_.empty() && late_.empty());
+    if (waiting_.empty()) return open_epoch_;
+    const Epoch first = waiting_.begin()->first;
+    return is_open ? std::min(open_epoch_, first) : first;
   }
 
   void Push(Epoch epoch, const Entry& entry) {

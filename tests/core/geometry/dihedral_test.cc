@@ -1,0 +1,101 @@
+// Dihedral angles beside a bound, against angles by atan2 of each pair of faces.
+#include "core/geometry/dihedral.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace dynmesh::geometry {
+namespace {
+
+using Corners = std::array<Point3, 4>;
+
+// At the edge from a to b, between c and d: seen along the edge.
+double NaiveAngle(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
+  const Vector3 edge = Difference(b.c, a.c);
+  const Vector3 u = Cross(edge, Difference(c.c, a.c)), w = Cross(edge, Difference(d.c, a.c));
+  const Vector3 across = Cross(u, w);
+  return std::atan2(std::sqrt(Dot(across, across)), Dot(u, w)) * 180 / std::numbers::pi;
+}
+
+double NaiveLeast(const Corners& p) {
+  double least = 180;
+  for (const auto& [a, b, c, d] : {std::array{0, 1, 2, 3},
+                                   {0, 2, 1, 3},
+                                   {0, 3, 1, 2},
+                                   {1, 2, 0, 3},
+                                   {1, 3, 0, 2},
+                                   {2, 3, 0, 1}}) {
+    least = std::min(least, NaiveAngle(p[a], p[b], p[c], p[d]));
+  }
+  return least;
+}
+
+TEST(Dihedral, IsBelowWhereSomeAngleIs) {
+  constexpr std::uint64_t kSeed = 5;
+  SCOPED_TRACE("seed " + std::to_string(kSeed));
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> within(0, 1);
+  int below = 0;
+  for (int n = 0; n < 20'000; ++n) {
+    Corners p;
+    for (Point3& x : p) {
+      for (double& c : x.c) c = within(random);
+    }
+    if (n % 3 == 0) p[3][2] = p[0][2] = p[1][2] = p[2][2] + 0.05 * within(random);  // nearly flat
+    const double least = NaiveLeast(p);
+    for (const double degrees : {1.0, 5.0, 10.0, 20.0, 30.0}) {
+      if (std::abs(least - degrees) < 1e-6) continue;
+      const bool is_below = DihedralBound(degrees).IsBelow(p);
+      ASSERT_EQ(is_below, least < degrees) << least << " beside " << degrees;
+      below += is_below;
+    }
+  }
+  EXPECT_GT(below, 10'000);
+}
+
+TEST(Dihedral, IsTheSameInWhateverOrderCornersCome) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> within(0, 1);
+  for (int n = 0; n < 500; ++n) {
+    Corners p;
+    for (Point3& x : p) {
+      for (double& c : x.c) c = within(random);
+    }
+    // A bound that is one of the angles, so that rounding decides.
+    const DihedralBound bound(std::min(30.0, NaiveLeast(p)));
+    std::array<int, 4> order = {0, 1, 2, 3};
+    const bool first = bound.IsBelow(p);
+    do {
+      EXPECT_EQ(bound.IsBelow({p[order[0]], p[order[1]], p[order[2]], p[order[3]]}), first);
+    } while (std::next_permutation(order.begin(), order.end()));
+  }
+}
+
+TEST(Dihedral, FlatIsBelow) {
+  const Corners square = {{{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}, {{1, 1, 0}}}};
+  const Corners line = {{{{0, 0, 0}}, {{1, 0, 0}}, {{2, 0, 0}}, {{3, 0, 0}}}};
+  EXPECT_TRUE(DihedralBound(1e-9).IsBelow(square));
+  EXPECT_TRUE(DihedralBound(1e-9).IsBelow(line));
+}
+
+// A regular tetrahedron: 70.53 degrees. The corner of a cube: 54.74 and 90. At any scale.
+TEST(Dihedral, OfKnownTetrahedra) {
+  for (const double scale : {1e-40, 1.0, 1e40}) {
+    const auto at = [scale](double x, double y, double z) {
+      return Point3{{scale * x, scale * y, scale * z}};
+    };
+    const Corners regular = {{at(1, 1, 1), at(1, -1, -1), at(-1, 1, -1), at(-1, -1, 1)}};
+    const Corners wedge = {{at(0, 0, 0), at(1, 0, 0), at(0, 1, 0), at(0, 0, 0.1)}};  // 8.05
+    EXPECT_FALSE(DihedralBound(30).IsBelow(regular));
+    EXPECT_FALSE(DihedralBound(8.04).IsBelow(wedge));
+    EXPECT_TRUE(DihedralBound(8.06).IsBelow(wedge));
+  }
+}
+
+}  // namespace
+}  // namespace dynmesh::geometry
