@@ -120,6 +120,11 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
                   "No edge in the box longer than sqrt 2 times this (default: any)")
       ->type_name("H");
   command
+      .add_option("--min-dihedral", flags.min_dihedral,
+                  "In 3D: no dihedral angle below this, 0 to 20 degrees, where Steiner points can "
+                  "see to it (default: 0, slivers stay); 10 suits most")
+      ->type_name("DEGREES");
+  command
       .add_option("--max-vertices", flags.max_vertices,
                   "Give up when the mesh would have more vertices")
       ->type_name("N");
@@ -157,6 +162,7 @@ absl::Status NameOption(const absl::Status& status, const MeshFlags& flags,
        {std::tuple{"quality", "--rho", flags.rho.has_value()},
         std::tuple{"box", "--box", !flags.box.empty()},
         std::tuple{"max_edge", "--hmax", flags.max_edge.has_value()},
+        std::tuple{"min_dihedral", "--min-dihedral", flags.min_dihedral.has_value()},
         std::tuple{"criterion", "--criterion", !flags.criterion.empty()},
         std::tuple{"limits.max_vertices", "--max-vertices", flags.max_vertices.has_value()}}) {
     if (name == option && is_given) word = flag;
@@ -176,6 +182,7 @@ absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options) {
   }
   if (flags.rho) options.quality = *flags.rho;
   if (flags.max_edge) options.max_edge = *flags.max_edge;
+  if (flags.min_dihedral) options.min_dihedral = *flags.min_dihedral;
   if (flags.max_vertices) options.limits.max_vertices = *flags.max_vertices;
   if (!flags.criterion.empty()) {
     const absl::StatusOr<Criterion> criterion = io::ParseCriterion(flags.criterion);

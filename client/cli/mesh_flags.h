@@ -23,14 +23,14 @@ struct MeshFlags {
   std::string criterion;
   std::string engine = "dynamic";
   std::string box;
-  std::optional<double> max_edge;
+  std::optional<double> max_edge, min_dihedral;
   std::optional<std::uint64_t> max_vertices;
 };
 
 // The value of a --box that may be one of space.
 inline constexpr char kBoxOfEither[] = "X0,Y0[,Z0],X1,Y1[,Z1]";
 
-// --rho --criterion --engine --box --hmax --max-vertices
+// --rho --criterion --engine --box --hmax --min-dihedral --max-vertices
 void AddMeshFlags(CLI::App& command, MeshFlags& flags);
 
 // The rho that a mesh file is judged by, if it is given: 1 to 100.

@@ -136,6 +136,14 @@ absl::Status ValidateOptions(const MeshOptions& options) {
     return BadOption(absl::StrCat("max_edge: ", Shortest(options.max_edge),
                                   " is no length; leave it 0 for none"));
   }
+  if (!(options.min_dihedral >= 0 && options.min_dihedral <= kMaxMinDihedral)) {
+    return BadOption(absl::StrCat("min_dihedral: ", Shortest(options.min_dihedral),
+                                  " is not in 0 to ", Shortest(kMaxMinDihedral), " degrees"));
+  }
+  if (options.min_dihedral > 0 && options.dimension != 3) {
+    return BadOption(absl::StrCat("min_dihedral: ", Shortest(options.min_dihedral),
+                                  " is for meshes of dimension 3; leave it 0"));
+  }
   const std::uint64_t least_vertices = LeastVertices(options);
   if (options.limits.max_vertices < least_vertices) {
     return BadOption(absl::StrCat("limits.max_vertices: ", options.limits.max_vertices,

@@ -52,11 +52,12 @@ std::string FormatSize(const Feature& f, int dimension) {
 
 std::string FormatMeshLine(const MeshOptions& options) {
   const Box& box = options.box;
-  return Concat("mesh dim=", options.dimension,
-                " box=", FormatPlace(box.lo, options.dimension, ","), ",",
-                FormatPlace(box.hi, options.dimension, ","), " rho=", FormatDouble(options.quality),
-                " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge",
-                options.max_edge > 0 ? Concat(" hmax=", FormatDouble(options.max_edge)) : "");
+  return Concat(
+      "mesh dim=", options.dimension, " box=", FormatPlace(box.lo, options.dimension, ","), ",",
+      FormatPlace(box.hi, options.dimension, ","), " rho=", FormatDouble(options.quality),
+      " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge",
+      options.max_edge > 0 ? Concat(" hmax=", FormatDouble(options.max_edge)) : "",
+      options.min_dihedral > 0 ? Concat(" min_dihedral=", FormatDouble(options.min_dihedral)) : "");
 }
 
 std::string FormatEdit(const Edit& edit, int dimension) {

@@ -119,8 +119,16 @@ class ScriptParser {
       script_.max_edge = hmax;
       return absl::OkStatus();
     }
-    return Error(
-        Concat("unknown key ", Quoted(key), ": expected dim, box, rho, criterion or hmax"));
+    if (key == "min_dihedral") {
+      double degrees = 0;
+      if (!ParseDouble(value, &degrees)) {
+        return Error(Concat("min_dihedral is not a finite number: ", Quoted(value)));
+      }
+      script_.min_dihedral = degrees;
+      return absl::OkStatus();
+    }
+    return Error(Concat("unknown key ", Quoted(key),
+                        ": expected dim, box, rho, criterion, hmax or min_dihedral"));
   }
 
   absl::Status ParseCommit() {
@@ -314,6 +322,7 @@ std::string EditScript::WhereOption(std::string_view option) const {
        {std::tuple{"quality", "rho", quality.has_value()},
         std::tuple{"box", "box", box.has_value()},
         std::tuple{"max_edge", "hmax", max_edge.has_value()},
+        std::tuple{"min_dihedral", "min_dihedral", min_dihedral.has_value()},
         std::tuple{"criterion", "criterion", criterion.has_value()},
         std::tuple{"dimension", "dim", has_dimension}}) {
     if (option == name_of && is_there) return Concat(name, ":", header_line, ": ", word);

@@ -40,6 +40,7 @@ struct EditScript {
   std::optional<double> quality;
   std::optional<Criterion> criterion;
   std::optional<double> max_edge;  // hmax
+  std::optional<double> min_dihedral;
   int header_line = 0;
   std::vector<ScriptBatch> batches;
 

@@ -111,10 +111,15 @@ void Refinement<D, E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   ++vertex_count_;
   // Where a triangulation answers everything but what a point encroaches on, the tree need
   // only be as fine as the subsegments.
-  if (!is_global() || (vertex.dimension < D && !box_only_)) tree_.Insert(v, vertex.p);
+  const bool is_of_cure = IsOfCure(vertex);
+  if (is_of_cure) {
+    cured_.Insert(v, vertex.p);
+  } else if (!is_global() || (vertex.dimension < D && !box_only_)) {
+    tree_.Insert(v, vertex.p);
+  }
   const bool is_in = InsertIntoTriangulation(v);
   MarkChanged(v);
-  if (kTraced && triangulation_ == nullptr) appeared_.push_back(v);
+  if (kTraced && triangulation_ == nullptr && !is_of_cure) appeared_.push_back(v);
   NotifyOfVertex(v, true, at);
   if constexpr (!kTraced) {
     if (is_in && by_edge() && IsQualityEpoch(vertex.epoch)) RequestFirstGap(v);
@@ -140,7 +145,9 @@ void Refinement<D, E>::WithdrawVertex(VertexIndex v, sac::Stamp at) {
   --vertex_count_;
   MarkChanged(v);
   NotifyOfVertex(v, false, at);
-  if constexpr (kTraced) {
+  if (IsOfCure(vertex)) {
+    cured_.Remove(v, vertex.p, [](std::uint32_t, std::uint32_t) {});
+  } else if constexpr (kTraced) {
     tree_.Remove(v, vertex.p, [this](std::uint32_t first_child, std::uint32_t parent) {
       MovePlaces(first_child, parent);
     });
@@ -197,6 +204,9 @@ bool Refinement<D, E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) 
         if (item == v || !payload.RegionMayHold(vertices_[item].p, y)) return false;
         return appears ? Counts(Term::kAppearsInCorner) && ConflictsWithStar(op, y)
                        : Counts(Term::kVanishesFromRing) && is_read();
+      case kCure:
+        return Counts(Term::kNearCure) && payload.RegionMayHold(CentreOfReads(op), y) &&
+               CureMatters(op, v, appears);
       case kNearest:
         return item != v && geometry::SquaredDistance(vertices_[item].p, y) <= payload.radius2 &&
                Counts(appears ? Term::kAppearsNearer : Term::kNearestVanishes) &&
@@ -471,6 +481,9 @@ bool Refinement<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region
     if (engine_.kind(op) == kPresplit) {
       return !engine_.payload(op).flag && IsTooLong(subsegments_[engine_.item(op)], region);
     }
+    if (engine_.kind(op) == kCure) {
+      return region.Meets(CentreOfReads(op), std::sqrt(double{engine_.payload(op).radius2}));
+    }
     if (engine_.kind(op) != kComplete) return false;
     const auto outputs = engine_.outputs(op);
     const bool made = std::any_of(outputs.begin(), outputs.end(),
@@ -536,21 +549,23 @@ void Refinement<D, E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, s
     const Point middle = geometry::Midpoint(a, b);
     const double radius = RadiusOf(s);
     double r2 = radius * radius;
-    tree_.VisitBall(middle, r2, [&](std::uint32_t x, const Point& p, double) {
+    const auto notify_maker = [&](std::uint32_t x, const Point& p, double) {
       const sac::OpId maker = vertices_[x].creator;
       if (maker == sac::kNoOp || x == s.a || x == s.b) return;
       engine_.NotifyOperation(maker, after, until, [&](sac::OpId op) {
-        const bool complete = engine_.kind(op) == kComplete;
-        return Counts(complete ? Term::kOverSteinerPoint : Term::kOverMidpoint) &&
+        const bool is_steiner = engine_.kind(op) == kComplete || engine_.kind(op) == kCure;
+        return Counts(is_steiner ? Term::kOverSteinerPoint : Term::kOverMidpoint) &&
                DiametralBallSign(a, b, p) <= 0;
       });
-    });
+    };
+    tree_.VisitBall(middle, r2, notify_maker);
+    if (slivers_.is_on()) cured_.VisitBall(middle, r2, notify_maker);
     tree_.VisitCells({middle, r2}, [&](sac::Place place) {
       engine_.NotifyAttentive(place, after, until, [&](sac::OpId op) {
         // Its candidate was in one of the balls read.
         const double far = std::sqrt(engine_.payload(op).radius2) + radius;
         return Counts(Term::kOverYieldedCandidate) &&
-               geometry::SquaredDistance(vertices_[engine_.item(op)].p, middle) <= far * far;
+               geometry::SquaredDistance(CentreOfReads(op), middle) <= far * far;
       });
     });
   }
@@ -558,8 +573,29 @@ void Refinement<D, E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, s
 
 // --- Book-keeping ---------------------------------------------------------------------
 
+// A vertex near which the operation works.
+template <int D, template <class> class E>
+VertexIndex Refinement<D, E>::VertexOf(sac::Kind kind, sac::Item item) const {
+  if (kind == kCure) return slivers_[item].v[0];
+  return kind <= kComplete ? item : subsegments_[item].a;
+}
+
+// Around which the payload of a Complete or a Cure measures what was read.
+template <int D, template <class> class E>
+geometry::Point<D> Refinement<D, E>::CentreOfReads(sac::OpId op) const {
+  if constexpr (kTraced) {
+    const sac::Item item = engine_.item(op);
+    if constexpr (D == 3) {
+      if (engine_.kind(op) == kCure) return slivers_[item].centre;
+    }
+    return vertices_[item].p;
+  }
+  return {};
+}
+
 template <int D, template <class> class E>
 void Refinement<D, E>::MarkChanged(VertexIndex v) {
+  if (slivers_.is_on() && !IsOfCure(vertices_[v])) changed_base_.push_back(v);
   if (vertices_[v].changed) return;
   vertices_[v].changed = true;
   changed_vertices_.push_back(v);

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "core/geometry/point.h"
+#include "core/meshing/rules.h"
 #include "core/meshing/shells.h"
 #include "core/meshing/star_region.h"
 #include "core/sac/engine.h"
@@ -23,7 +24,7 @@ using FeatureSlot = std::uint32_t;  // an input feature; the box's own are slot 
 inline constexpr std::uint32_t kNil = ~std::uint32_t{0};
 inline constexpr int kMostOutputs = 255;  // vertices that one operation may make
 
-// Procedures. kNearest and kComplete work on vertices, the others on subsegments.
+// Procedures. kNearest and kComplete work on vertices, kCure on slivers, the others on subsegments.
 enum Procedure : sac::Kind {
   kNearest,   // ComputeNN: when does the vertex's first Complete come?
   kComplete,  // insert Steiner points until no edge that it owns has a gap
@@ -31,6 +32,7 @@ enum Procedure : sac::Kind {
   kSplit,     // split it: somebody encroaches on it
   kRecheck,   // split it if it is encroached by now
   kPresplit,  // a piece of a segment: halve it if a disjoint feature is too near, else check it
+  kCure,      // a sliver: a point that unmakes it and makes none
 };
 
 // Time. Epochs run through buckets, in each through rounds, in each through steps of
@@ -56,6 +58,10 @@ inline sac::Epoch PresplitEpoch(int depth = 0) {
   return MakeEpoch(0, 0, static_cast<std::uint64_t>(depth) + 1);
 }
 inline sac::Epoch FirstCheckEpoch() { return MakeEpoch(0, 1, 0); }
+// Cures come after all buckets.
+inline sac::Epoch CureEpoch(std::uint64_t round) {
+  return MakeEpoch(kBuckets, round, kQualityStep);
+}
 inline sac::Epoch NearestEpoch() { return MakeEpoch(0, 1, kQualityStep); }
 
 template <int D>
@@ -72,6 +78,11 @@ struct Vertex {
   bool in_mesh = false;            // part of the last reported mesh
   bool changed = false;            // stands in the list of changes
 };
+
+template <int D>
+bool IsOfCure(const Vertex<D>& v) {
+  return v.epoch >= CureEpoch(0);
+}
 
 template <int D>
 struct Subsegment {

@@ -292,8 +292,8 @@ bool Refinement<D, E>::BoxMatters(sac::OpId op, const Extent<3>& box) const {
       }
       return away2 <= reach * reach;
     }
-    if (engine_.kind(op) > kComplete) return false;
-    const Point& p = vertices_[engine_.item(op)].p;
+    if (engine_.kind(op) > kComplete && engine_.kind(op) != kCure) return false;
+    const Point p = CentreOfReads(op);
     const double radius =
         std::sqrt(static_cast<double>(engine_.payload(op).radius2)) * (1 + 1e-6) + rules_.ulp();
     double away2 = 0, w2 = 0, s2 = 0;
@@ -307,6 +307,7 @@ bool Refinement<D, E>::BoxMatters(sac::OpId op, const Extent<3>& box) const {
       s2 += half * half;
     }
     if (!(away2 <= radius * radius)) return false;
+    if (engine_.kind(op) == kCure) return true;
     const double s = std::sqrt(s2) + 4 * rules_.ulp();
     const double beyond = w2 * (1 - 1e-6) - radius * s - s * s;  // radius: twice the largest r
     if (engine_.kind(op) != kComplete || !(beyond > 0)) return true;
@@ -334,7 +335,7 @@ bool Refinement<D, E>::FacetMatters(sac::OpId op, const Facet& changed) const {
     }
     if (!BoxMatters(op, facet.box)) return false;
     const double radius = std::sqrt(static_cast<double>(engine_.payload(op).radius2));
-    if (!facet.MayMeet(vertices_[engine_.item(op)].p, radius * (1 + 1e-6) + rules_.ulp())) {
+    if (!facet.MayMeet(CentreOfReads(op), radius * (1 + 1e-6) + rules_.ulp())) {
       return false;
     }
     if (engine_.kind(op) != kComplete) return true;

@@ -22,6 +22,7 @@ enum class Term {
   kFeatureNearer,         // ... or nearer than the one that is
   kTooNearVanishes,       // the one that is vanishes
   kOverFacet,             // a facet comes or goes that meets the balls read
+  kNearCure,              // a vertex appears or vanishes in the balls that a Cure read
   kCount,
 };
 

@@ -7,6 +7,7 @@
 #include "core/meshing/anchors.h"
 #include "core/meshing/changes.h"
 #include "core/meshing/complete.h"
+#include "core/meshing/cure.h"
 #include "core/meshing/facet_anchors.h"
 #include "core/meshing/facet_work.h"
 #include "core/meshing/idle_star.h"
@@ -34,10 +35,13 @@ Refinement<D, E>::Refinement(const MeshOptions& options, Triangulation* triangul
     : rules_(options),
       limits_(options.limits),
       triangulation_(triangulation),
+      domain_(triangulation),
       tree_(rules_.lo(), rules_.hi()),
       sizing_(rules_.lo(), rules_.hi()),
       features_(rules_.lo(), rules_.hi()),
       facets_(FacetBox(rules_.lo()), FacetBox(rules_.hi())),
+      slivers_(D == 3 ? options.min_dihedral : 0),
+      cured_(rules_.lo(), rules_.hi()),
       engine_(*this) {
   AddBox();
   if (options.max_edge > 0) {
@@ -234,6 +238,7 @@ void Refinement<D, E>::RemoveSizing(typename SizingField<D>::Index index) {
 template <int D, template <class> class E>
 std::uint64_t Refinement<D, E>::Priority(sac::Kind kind, sac::Item item) const {
   if (kind <= kComplete) return geometry::HashOf(vertices_[item].p);
+  if (kind == kCure) return slivers_[item].hash;
   return geometry::Mix(HashOfSubsegment(subsegments_[item]) + kind);
 }
 
@@ -246,6 +251,14 @@ template <int D, template <class> class E>
 bool Refinement<D, E>::Before(sac::Kind kind_a, sac::Item a, sac::Kind kind_b, sac::Item b) const {
   if (kind_a != kind_b) return kind_a < kind_b;
   if (kind_a <= kComplete) return vertices_[a].p < vertices_[b].p;
+  if (kind_a == kCure) {
+    const auto places = [this](sac::Item item) {
+      std::array<Point, 4> p;
+      for (std::size_t i = 0; i < 4; ++i) p[i] = vertices_[slivers_[item].v[i]].p;
+      return p;
+    };
+    return places(a) < places(b);
+  }
   const Subsegment &s = subsegments_[a], &t = subsegments_[b];
   if (vertices_[s.a].p != vertices_[t.a].p) return vertices_[s.a].p < vertices_[t.a].p;
   return vertices_[s.b].p < vertices_[t.b].p;
@@ -271,6 +284,8 @@ void Refinement<D, E>::Execute(Context& context) {
     case kPresplit:
       near_ = subsegments_[context.item].a;
       return Presplit(context);
+    case kCure:
+      return Cure(context);
   }
 }
 
@@ -441,7 +456,8 @@ std::size_t Refinement<D, E>::trace_bytes() const {
 template <int D, template <class> class E>
 std::size_t Refinement<D, E>::bytes() const {
   return vertices_.size() * sizeof(Vertex) + subsegments_.capacity() * sizeof(Subsegment) +
-         tree_.bytes() + sizing_.bytes() + features_.bytes() + facets_.bytes() +
+         tree_.bytes() + cured_.bytes() + slivers_.bytes() + sizing_.bytes() + features_.bytes() +
+         facets_.bytes() +
          anchors_.capacity() * (sizeof(typename decltype(anchors_)::value_type) + 1);
 }
 
@@ -462,8 +478,12 @@ std::uint64_t Refinement<D, E>::Audit(std::vector<std::string>* problems) const 
     std::uint64_t made = 0;
     const auto hash_op = [&](sac::OpId op) {
       const Payload& payload = engine_.payload(op);
-      std::uint64_t h = mix(std::bit_cast<std::uint32_t>(payload.radius2), payload.flag);
-      h = mix(h, payload.region());
+      // What told a Cure that candidates will not do may be any of several things.
+      std::uint64_t h = 0;
+      if (engine_.kind(op) != kCure) {
+        h = mix(std::bit_cast<std::uint32_t>(payload.radius2), payload.flag);
+        h = mix(h, payload.region());
+      }
       std::uint64_t sum = 0;
       for (const sac::Output o : engine_.outputs(op)) {
         const std::uint32_t i = IndexOf(o);

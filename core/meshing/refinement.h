@@ -6,6 +6,7 @@
 //   anchors.h     vertices of areas with a target length that are there from the beginning
 //   complete.h    Complete: no edge has a gap (rule a, either criterion), yielding (c)
 //   facet_work.h  in space: no vertex has a part of a facet that it is not on (rule b)
+//   cure.h        in space: no tetrahedron has a small dihedral angle, if that is asked for
 //   planar_gaps.h, space_gaps.h   which gap an edge has
 //   star_search.h  the star of a vertex, found locally or read off a triangulation
 //   idle_star.h   the same for stars without a gap, as most are, at a glance
@@ -49,6 +50,7 @@
 #include "core/meshing/input_features.h"
 #include "core/meshing/planar_rules.h"
 #include "core/meshing/sizing_field.h"
+#include "core/meshing/sliver_table.h"
 #include "core/meshing/space_rules.h"
 #include "core/meshing/spatial_tree.h"
 #include "core/meshing/star.h"
@@ -129,11 +131,22 @@ class Refinement {
     NotifyOfFacets();
     if constexpr (kTraced) numbers_by_age_ = engine_.IsFromScratch() && free_vertices_.empty();
     first_made_ = static_cast<VertexIndex>(vertices_.size());
-    const bool done = engine_.Propagate(interrupt);
+    const bool done = RunAll(interrupt);
     numbers_by_age_ = false;
     if (done) appeared_.clear();
     nearest_ = std::vector<Near>();
     return done;
+  }
+
+  // Refinement, then cures.
+  template <class Interrupt>
+  bool RunAll(Interrupt interrupt) {
+    if (!slivers_.is_on()) return engine_.Propagate(interrupt);
+    if (!engine_.Propagate(interrupt, CureEpoch(0))) return false;
+    numbers_by_age_ = false;
+    if (!UpdateSlivers(interrupt) || !engine_.Propagate(interrupt)) return false;
+    slivers_.Forget();
+    return true;
   }
 
   // From now on neighbourhoods are found in the spatial tree.
@@ -186,6 +199,11 @@ class Refinement {
   template <class F>
   void ForSomeNeighbours(VertexIndex v, F f) const {
     if constexpr (kTraced) {
+      if (IsOfCure(vertices_[v])) {
+        for (const VertexIndex u : slivers_[engine_.item(vertices_[v].creator)].v) {
+          if (f(u)) return;
+        }
+      }
       for (sac::OpId o = vertices_[v].operations; o != sac::kNoOp; o = engine_.next_of_item(o)) {
         for (const std::uint32_t u : engine_.reads(o)) {
           if (!Star::IsGhost(u) && f(u)) return;
@@ -211,7 +229,7 @@ class Refinement {
       const sac::OpId op = engine_.overflowed();
       if (op == sac::kNoOp) return std::nullopt;
       const sac::Item item = engine_.item(op);
-      return vertices_[engine_.kind(op) <= kComplete ? item : subsegments_[item].a].p;
+      return vertices_[VertexOf(engine_.kind(op), item)].p;
     }
     return std::nullopt;
   }
@@ -235,6 +253,7 @@ class Refinement {
   std::uint64_t Priority(sac::Kind kind, sac::Item item) const;
   bool Before(sac::Kind kind_a, sac::Item a, sac::Kind kind_b, sac::Item b) const;
   sac::OpId& OperationsOf(sac::Kind kind, sac::Item item) {
+    if (kind == kCure) return slivers_.operations(item);
     return kind <= kComplete ? vertices_[item].operations : subsegments_[item].operations;
   }
   const sac::OpId& OperationsOf(sac::Kind kind, sac::Item item) const {
@@ -244,7 +263,7 @@ class Refinement {
   // Does it matter to the operation which subsegments are visible, beside those whose balls hold
   // what it made? Where its candidates were is not kept.
   static bool IsAttentive(sac::Kind kind, const Payload& payload) {
-    return kind == kComplete && payload.flag;
+    return (kind == kComplete || kind == kCure) && payload.flag;
   }
   static constexpr int kPrefetchSteps = Triangulation::kPrefetchSteps;
   void Prefetch(sac::Kind kind, sac::Item item, int step) const;
@@ -352,6 +371,36 @@ class Refinement {
   double PresplitReach(sac::OpId op) const;
   bool FacetMatters(sac::OpId op, const Facet& changed) const;
 
+  // cure.h
+  struct CureReads {
+    CureReads(Context& of, const Point& centre) : context(of), region(centre) {}
+    void Read(std::uint32_t ordinal, VertexIndex a, VertexIndex b, VertexIndex c) {
+      for (const std::uint32_t word : {ordinal, a, b, c}) context.Read(word);
+    }
+    Context& context;
+    StarRegion<D> region;
+    std::uint32_t candidate = 0;  // the one being looked at
+    bool is_attentive = false;    // one encroached on a subsegment
+  };
+  bool UpdateSlivers(absl::FunctionRef<bool()> interrupt);
+  bool FillBase(Triangulation* base, absl::FunctionRef<bool()> interrupt) const;
+  void UpdateBase();
+  void Cure(Context& context);
+  template <class F>
+  bool AnyCureIn(Context& context, const Point& centre, double radius, F f) const;
+  VertexIndex UnmakerOf(Context& context, const Sliver& sliver) const;
+  static Point CandidateAt(const Sliver& sliver, std::uint32_t ordinal);
+  template <class F>
+  bool ForEachCandidate(const Sliver& sliver, F f) const;
+  std::vector<const Facet*> FacetsNear(const Point& c, double radius) const;
+  bool Suits(Context& context, const Sliver& sliver, const Point& x, FeatureSlot facet,
+             CureReads* reads);
+  void MakeStarOf(Context& context, const Sliver& sliver, const Point& x);
+  bool IsGoodCorner(int i, const Sliver& sliver) const;
+  bool LeavesFacetsWhole(FeatureSlot on);
+  void AddCornerTo(CureReads* reads, int i) const;
+  bool CureMatters(sac::OpId op, VertexIndex v, bool appears) const;
+
   // idle_star.h
   bool ReadIdleStar(Context& context, VertexIndex v, double reach);
   bool AddBallsOfLink(StarRegion<D>* region, double* doubt) const;
@@ -403,6 +452,8 @@ class Refinement {
   double RadiusOf(const Subsegment& s) const;
 
   // changes.h
+  VertexIndex VertexOf(sac::Kind kind, sac::Item item) const;
+  Point CentreOfReads(sac::OpId op) const;
   VertexIndex NewVertex();
   SubsegmentIndex NewSubsegment();
   void PublishVertex(VertexIndex v, sac::Stamp at);
@@ -490,6 +541,7 @@ class Refinement {
   Rules rules_;
   Limits limits_;
   Triangulation* triangulation_;
+  Triangulation* const domain_;  // the one given
   SpatialTree<D> tree_;
   SizingField<D> sizing_;
   InputFeatures<D> features_;  // of the input; none as long as there are points only
@@ -500,8 +552,11 @@ class Refinement {
   std::vector<SizingRegion<D>> changed_sizes_;  // came or went since the last Propagate
   std::vector<std::pair<InputFeature<D>, bool>> changed_features_;  // since the last Propagate
   FacetField facets_;                                               // empty in the plane
-  std::vector<Facet> changed_facets_;   // came or went since the last Propagate
-  std::vector<FacetIndex> new_facets_;  // came since then, and are there
+  SliverTable slivers_;                                             // none in the plane
+  SpatialTree<D> cured_;                   // the vertices of cures; these are not in tree_
+  std::vector<VertexIndex> changed_base_;  // other vertices that came or went since cures ran
+  std::vector<Facet> changed_facets_;      // came or went since the last Propagate
+  std::vector<FacetIndex> new_facets_;     // came since then, and are there
   absl::flat_hash_map<FacetIndex, absl::flat_hash_map<FacetLattice::Index, VertexIndex>>
       facet_anchors_;
   LargeVector<Vertex> vertices_;
@@ -543,6 +598,8 @@ class Refinement {
   std::vector<typename SpatialTree<D>::Ball> balls_;
   std::vector<typename Triangulation::Corner> corners_;
   std::vector<VertexIndex> pending_;  // in space: not yet in the triangulation
+  mesh::DelaunayTetrahedralization::Cavity cavity_;
+  mesh::NumberTable<1> rim_;
   mesh::DelaunayTetrahedralization::VertexLink link_;
 
   Engine engine_;

@@ -41,6 +41,15 @@ class StarRegion {
       half2_[o] = std::max(half2_[o], sum);
     }
   }
+  // One that need not have p on its boundary.
+  void AddDistantBall(const Point& c, double radius) {
+    box_.AddBall(c, radius);
+    double distance2 = 0;
+    for (int k = 0; k < D; ++k) distance2 += (c[k] - p_[k]) * (c[k] - p_[k]);
+    const double reach = std::sqrt(distance2) * (1 + 1e-15) + radius;
+    radius2_ = std::max(radius2_, reach * reach);
+    for (double& half2 : half2_) half2 = std::max(half2, 0.25 * reach * reach);
+  }
   // All that is in view of p: nothing is known of a ball.
   void AddAll(double squared_distance) {
     box_.AddBall(p_, std::sqrt(squared_distance));

@@ -214,6 +214,7 @@ absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
   }
   if (proto.max_depth() != 0) options.limits.max_depth = proto.max_depth();
   options.max_edge = proto.max_edge();
+  options.min_dihedral = proto.min_dihedral();
   if (absl::Status status = ValidateOptions(options); !status.ok()) return OnWire(status);
   return options;
 }
@@ -228,6 +229,7 @@ void EncodeOptions(const MeshOptions& options, v1::MeshOptions* out) {
   out->set_max_vertices(options.limits.max_vertices);
   out->set_max_depth(options.limits.max_depth);
   out->set_max_edge(options.max_edge);
+  out->set_min_dihedral(options.min_dihedral);
 }
 
 absl::Status DecodeEdits(const google::protobuf::RepeatedPtrField<v1::Edit>& proto, int dimension,

@@ -31,6 +31,7 @@ void ExpectFromScratch(Distribution distribution, const Asked& asked,
   options.dimension = DimensionOf(distribution);
   options.quality = asked.quality;
   options.criterion = asked.criterion;
+  options.min_dihedral = asked.min_dihedral;
   const std::uint64_t base = IsNightly() ? 77'000 : 1'000;
   for (const Setting& s : settings) {
     for (int k = 0; k < s.scripts; ++k) {

@@ -46,6 +46,7 @@ MeshOptions OptionsOf(const Asked& asked) {
   MeshOptions options = DefaultsIn<3>();
   options.quality = asked.quality;
   options.criterion = asked.criterion;
+  options.min_dihedral = asked.min_dihedral;
   return options;
 }
 

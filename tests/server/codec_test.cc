@@ -473,6 +473,11 @@ TEST(OptionsCodec, EveryBadOptionIsNamedByItsPathInTheRequest) {
   expect("options.box", [](auto& o) { o.mutable_box()->mutable_hi()->set_y(-1); });
   expect("options.box", [](auto& o) { o.clear_box(); });
   expect("options.max_edge", [](auto& o) { o.set_max_edge(-1); });
+  expect("options.min_dihedral", [](auto& o) { o.set_min_dihedral(10); });  // in 2D
+  expect("options.min_dihedral", [](auto& o) {
+    o.set_dimension(3);
+    o.set_min_dihedral(21);
+  });
   expect("options.max_depth", [](auto& o) { o.set_max_depth(-3); });
   expect("options.max_vertices", [](auto& o) { o.set_max_vertices(3); });
   expect("options.max_vertices", [](auto& o) { o.set_max_vertices(101); });
@@ -495,6 +500,12 @@ TEST(OptionsCodec, OfSpaceHaveTheirOwnDefault) {
   ASSERT_TRUE(options.ok()) << options.status();
   EXPECT_EQ(options->quality, kDefaultQuality3D);
   EXPECT_EQ(options->box, (Box{{-1, 0, -2}, {2, 0, 3}}));
+  EXPECT_EQ(options->min_dihedral, 0);
+  proto.set_min_dihedral(12.5);
+  EXPECT_EQ(DecodeOptions(proto, 1000)->min_dihedral, 12.5);
+  v1::MeshOptions with_bound;
+  EncodeOptions(*DecodeOptions(proto, 1000), &with_bound);
+  EXPECT_EQ(DecodeOptions(with_bound, 1000)->min_dihedral, 12.5);
   v1::MeshOptions back;
   EncodeOptions(*options, &back);
   EXPECT_EQ(*DecodeOptions(back, 1000), *options);

@@ -12,6 +12,7 @@ struct Asked {
   const char* name;
   double quality;
   Criterion criterion;
+  double min_dihedral = 0;
 };
 
 inline constexpr Asked kAsked[] = {{"Rho2", 2.0, Criterion::kEdge},
@@ -21,9 +22,12 @@ inline constexpr Asked kAsked[] = {{"Rho2", 2.0, Criterion::kEdge},
                                    {"ThesisRho2", 2.0, Criterion::kThesis},
                                    {"ThesisRhoSqrt2", kDefaultQuality2D, Criterion::kThesis},
                                    {"ThesisRho1p6", 1.6, Criterion::kThesis}};
-inline constexpr Asked kAskedInSpace[] = {{"Rho2", kDefaultQuality3D, Criterion::kEdge},
-                                          {"RhoSqrt2", kDefaultQuality2D, Criterion::kEdge},
-                                          {"ThesisRho2", kMinThesisQuality3D, Criterion::kThesis}};
+inline constexpr Asked kAskedInSpace[] = {
+    {"Rho2", kDefaultQuality3D, Criterion::kEdge},
+    {"RhoSqrt2", kDefaultQuality2D, Criterion::kEdge},
+    {"ThesisRho2", kMinThesisQuality3D, Criterion::kThesis},
+    {"Cured10", kDefaultQuality3D, Criterion::kEdge, 10},
+    {"Cured15RhoSqrt2", kDefaultQuality2D, Criterion::kEdge, 15}};
 inline constexpr int kAskedCount = static_cast<int>(std::size(kAsked));
 inline constexpr int kAskedInSpaceCount = static_cast<int>(std::size(kAskedInSpace));
 

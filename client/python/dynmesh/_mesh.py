@@ -149,7 +149,8 @@ class Mesh:
 
     @property
     def options(self) -> dict[str, Any]:
-        """What the mesh is asked to be: box, rho, criterion, max_edge, max_vertices."""
+        """What the mesh is asked to be: box, rho, criterion, max_edge, min_dihedral, max_vertices.
+        """
         return dict(self._options)
 
     @property

@@ -50,6 +50,8 @@ def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
         box: where features may lie: ((x, y), (x, y)), in 3D with z. By default from 0 to 1.
         options: `dimension`: 2 or 3. `rho`: the largest circumradius / shortest edge. `criterion`:
             "edge" or "thesis". `max_edge`: no edge in the box is longer than sqrt 2 times this.
+            `min_dihedral`: in 3D, no dihedral angle is less, in degrees, where Steiner points can
+            see to it.
             `max_vertices`: an edit that would pass it raises `LimitExceeded`.
     """
     if box is not None:

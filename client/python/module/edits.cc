@@ -146,18 +146,19 @@ py::dict OptionsDict(const MeshOptions& options) {
   d["rho"] = options.quality;
   d["criterion"] = options.criterion == Criterion::kThesis ? "thesis" : "edge";
   d["max_edge"] = options.max_edge;
+  d["min_dihedral"] = options.min_dihedral;
   d["max_vertices"] = options.limits.max_vertices;
   return d;
 }
 
 MeshOptions OptionsOf(const py::dict& options) {
-  static const std::vector<std::string> known = {"dimension", "box",          "rho",
-                                                 "criterion", "max_vertices", "max_edge"};
+  static const std::vector<std::string> known = {
+      "dimension", "box", "rho", "criterion", "max_vertices", "max_edge", "min_dihedral"};
   for (const auto& [key, value] : options) {
     const auto name = py::cast<std::string>(key);
     Require(std::find(known.begin(), known.end(), name) != known.end(),
             "there is no option " + name +
-                "; there are dimension, box, rho, criterion, max_edge, max_vertices");
+                "; there are dimension, box, rho, criterion, max_edge, min_dihedral, max_vertices");
   }
   MeshOptions result;
   if (options.contains("box")) {
@@ -183,6 +184,9 @@ MeshOptions OptionsOf(const py::dict& options) {
     result.criterion = name == "edge" ? Criterion::kEdge : Criterion::kThesis;
   }
   if (options.contains("max_edge")) result.max_edge = py::cast<double>(options["max_edge"]);
+  if (options.contains("min_dihedral")) {
+    result.min_dihedral = py::cast<double>(options["min_dihedral"]);
+  }
   if (options.contains("max_vertices")) {
     result.limits.max_vertices = py::cast<std::uint64_t>(options["max_vertices"]);
   }
@@ -203,8 +207,8 @@ void BindEdits(py::module_& module) {
       .def("size", &Size)
       .def("remove", &Remove);
   module.def("known_options", [] {
-    return std::vector<std::string>{"dimension", "box",      "rho",
-                                    "criterion", "max_edge", "max_vertices"};
+    return std::vector<std::string>{"dimension", "box",          "rho",         "criterion",
+                                    "max_edge",  "min_dihedral", "max_vertices"};
   });
 }
 

@@ -55,6 +55,7 @@ inline constexpr double kMinThesisQuality3D = 2.0;     // the thesis's proof wan
 inline constexpr double kMaxQuality = 100.0;           // the greatest
 inline constexpr double kDefaultQuality2D = 1.4142135623730951;  // no angle below 20.7 degrees
 inline constexpr double kDefaultQuality3D = 2.0;                 // suits most input
+inline constexpr double kMaxMinDihedral = 20;  // the greatest MeshOptions::min_dihedral
 // What the service, scripts and commands take for a mesh of `dimension` (2 or 3) where no quality
 // is asked for.
 constexpr double DefaultQuality(int dimension) {
@@ -73,6 +74,10 @@ struct MeshOptions {
   Criterion criterion = Criterion::kEdge;  // what `quality` bounds
   // No edge of a simplex that meets `box` is longer than sqrt(2) times this; 0: any may be.
   double max_edge = 0;
+  // In 3D: no tetrahedron is to have a dihedral angle less than that many degrees. Of those that
+  // have, each gets a Steiner point where there is one that makes no other: up to
+  // kMaxMinDihedral, 10 suits most. 0: slivers stay.
+  double min_dihedral = 0;
   Limits limits;  // an edit that would pass one is refused
   friend bool operator==(const MeshOptions&, const MeshOptions&) = default;
 };

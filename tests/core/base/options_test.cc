@@ -54,6 +54,23 @@ TEST(Options, EntriesPastTheDimensionAreIgnored) {
   EXPECT_TRUE(ValidateOptions(options).ok());
 }
 
+TEST(Options, ALeastDihedralAngleIsOfSpace) {
+  MeshOptions options;
+  options.dimension = 3;
+  options.quality = 2;
+  for (const double degrees : {0.0, 1e-9, 10.0, kMaxMinDihedral}) {
+    options.min_dihedral = degrees;
+    EXPECT_TRUE(ValidateOptions(options).ok()) << degrees;
+  }
+  for (const double degrees : {-1.0, 20.001, kNan, kInf}) {
+    options.min_dihedral = degrees;
+    ExpectRefused(options, "min_dihedral");
+  }
+  options = MeshOptions();
+  options.min_dihedral = 10;
+  ExpectRefused(options, "min_dihedral");
+}
+
 TEST(Options, BadBoxesAreRefused) {
   ExpectRefused(InBox(kNan, 0, 1, 1), "box: x");
   ExpectRefused(InBox(0, 0, 1, kInf), "box: y");

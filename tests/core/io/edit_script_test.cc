@@ -151,6 +151,7 @@ TEST(EditScript, OfSpaceFormattedReadsBack) {
       Edit::Add(Feature::Size(4, {0.1, 0.2, third}, {SizeShape::kDisc, third, 0.7, {}})),
       Edit::Add(Feature::Size(4, {0, 0.2, third}, {SizeShape::kBox, 1, 0, {0.1, 0.3, third}})),
       Edit::Remove(4)};
+  options.min_dihedral = 12.5;
   std::string text = FormatMeshLine(options) + "\n";
   for (const Edit& edit : edits) text += FormatEdit(edit, 3) + "\n";
   const auto script = Parse(text);
@@ -224,6 +225,7 @@ const BadScript kBadScripts[] = {
     {"mesh dim=3\nadd size 5 box 0 0 0 1 1 1 1 1\n", 2, "unexpected '1'"},
     {"mesh hmax=0\n", 1, "hmax is not a length above 0"},
     {"mesh hmax=much\n", 1, "hmax is not a length above 0"},
+    {"mesh dim=3 min_dihedral=much\n", 1, "min_dihedral is not a finite number"},
     {"mesh\nadd polygon\n", 2, "the polygon's id is missing"},
     {"mesh\nadd polygon 5\n", 2, "a point's id is missing"},
     {"mesh\nadd polygon 5 1 2 x\n", 2, "a point's id is not a whole number"},

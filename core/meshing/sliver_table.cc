@@ -1,0 +1,135 @@
+#include "core/meshing/sliver_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/circumball.h"
+
+namespace dynmesh::meshing {
+namespace {
+
+// A tetrahedron's corners in the order of their places. Odd: that turns it round.
+struct Corners {
+  std::array<VertexIndex, 4> v;
+  std::array<geometry::Point3, 4> p;
+  bool is_odd = false;
+
+  Corners(const std::array<VertexIndex, 4>& corners, const mesh::DelaunayTetrahedralization& base)
+      : v(corners) {
+    for (std::size_t i = 0; i < 4; ++i) p[i] = base.position(v[i]);
+    const auto sort = [this](std::size_t i, std::size_t j) {
+      if (!(p[j] < p[i])) return;
+      std::swap(p[i], p[j]), std::swap(v[i], v[j]);
+      is_odd = !is_odd;
+    };
+    sort(0, 1), sort(2, 3), sort(0, 2), sort(1, 3), sort(1, 2);
+  }
+};
+
+void SetBall(const Corners& corners, Sliver* sliver) {
+  const auto& [p, q, r, t] = corners.p;
+  sliver->shortest2 = std::min({geometry::SquaredDistance(p, q), geometry::SquaredDistance(p, r),
+                                geometry::SquaredDistance(p, t), geometry::SquaredDistance(q, r),
+                                geometry::SquaredDistance(q, t), geometry::SquaredDistance(r, t)});
+  const geometry::Circumball ball =
+      corners.is_odd ? geometry::CircumballOf(p, q, t, r) : geometry::CircumballOf(p, q, r, t);
+  for (int k = 0; k < 3; ++k) sliver->centre[k] = p[k] + ball.w[static_cast<std::size_t>(k)];
+  sliver->radius = std::sqrt(ball.r2);
+}
+
+}  // namespace
+
+bool SliverTable::Begin(const Base& whole, bool is_to_change, absl::FunctionRef<bool()> interrupt) {
+  constexpr std::uint32_t kAtOnce = 4096;
+  if (is_to_change) own_.Copy(whole);
+  base_ = is_to_change ? &own_ : &whole;
+  for (std::uint32_t t = 0; t < base_->simplex_limit(); ++t) {
+    if (t % kAtOnce == 0 && interrupt()) return false;
+    if (base_->IsInfinite(t)) continue;
+    if (is_to_change) own_.set_tag(t, 0);
+    Look(t);
+  }
+  return true;
+}
+
+void SliverTable::Remove(VertexIndex v) {
+  own_.Remove(v);
+  RecordChanges();
+}
+
+void SliverTable::Insert(VertexIndex v, const Point& p, VertexIndex near) {
+  own_.Insert(v, p, near);
+  RecordChanges();
+}
+
+// A tetrahedron's tag is its sliver + 1, or 0.
+void SliverTable::RecordChanges() {
+  for (const std::uint64_t tag : own_.deleted_tags()) {
+    if (tag == 0) continue;
+    const auto i = static_cast<SliverIndex>(tag - 1);
+    slivers_[i].is_there = false;
+    auto key = slivers_[i].v;
+    std::sort(key.begin(), key.end());
+    leaving_[key] = i;
+    Touch(i);
+  }
+  const auto created = own_.created();
+  fresh_.insert(fresh_.end(), created.begin(), created.end());
+}
+
+void SliverTable::FindSlivers() {
+  // Some were unmade again, some indices used twice.
+  std::sort(fresh_.begin(), fresh_.end());
+  fresh_.erase(std::unique(fresh_.begin(), fresh_.end()), fresh_.end());
+  for (const std::uint32_t t : fresh_) {
+    if (!own_.IsInfinite(t)) Look(t);
+  }
+  fresh_.clear();
+}
+
+void SliverTable::Look(std::uint32_t simplex) {
+  const Corners corners(base_->vertices(simplex), *base_);
+  if (!bound_.IsBelowSorted(corners.p)) return;
+  const SliverIndex i = Find(corners.v);
+  Sliver& sliver = slivers_[i];
+  sliver.v = corners.v;
+  sliver.simplex = simplex;
+  sliver.is_there = true;
+  sliver.hash = 0;
+  for (const Point& p : corners.p) sliver.hash = geometry::Mix(sliver.hash ^ geometry::HashOf(p));
+  SetBall(corners, &sliver);
+  if (base_ == &own_) own_.set_tag(simplex, std::uint64_t{i} + 1);
+  Touch(i);
+}
+
+// The item that the tetrahedron was before, if an operation of it may be left; else a new one.
+SliverIndex SliverTable::Find(const std::array<VertexIndex, 4>& v) {
+  auto key = v;
+  std::sort(key.begin(), key.end());
+  if (const auto it = leaving_.find(key); it != leaving_.end()) {
+    const SliverIndex i = it->second;
+    leaving_.erase(it);
+    return i;
+  }
+  if (free_.empty()) {
+    slivers_.emplace_back();
+    return static_cast<SliverIndex>(slivers_.size() - 1);
+  }
+  const SliverIndex i = free_.back();
+  free_.pop_back();
+  slivers_[i] = {};
+  return i;
+}
+
+void SliverTable::Touch(SliverIndex i) {
+  if (slivers_[i].is_touched) return;
+  slivers_[i].is_touched = true;
+  touched_.push_back(i);
+}
+
+void SliverTable::Forget() {
+  for (const auto& [key, i] : leaving_) free_.push_back(i);
+  leaving_.clear();
+}
+
+}  // namespace dynmesh::meshing
