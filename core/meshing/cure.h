@@ -388,6 +388,7 @@ template <int D, template <class> class E>
 bool Refinement<D, E>::CureMatters(sac::OpId op, VertexIndex v, bool appears) const {
   if constexpr (kTraced && D == 3) {
     const Sliver& sliver = slivers_[engine_.item(op)];
+    if (!sliver.is_there) return false;  // the operation is about to go
     const auto words = engine_.reads(op);
     const Point& y = vertices_[v].p;
     if (!words.empty() && words[0] == kUnmade) return !appears && words[1] == v;

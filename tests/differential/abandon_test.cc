@@ -40,9 +40,10 @@ int StopAgainAndAgain(LiveMesh<D>& mesh, const EditBatch& batch) {
 constexpr std::uint64_t kSeed = 4;
 
 template <int D, class Generator>
-void ExpectStopsToChangeNothing(Generator generator, int revisions) {
+void ExpectStopsToChangeNothing(Generator generator, int revisions, double min_dihedral = 0) {
   SCOPED_TRACE("seed " + std::to_string(kSeed));
   MeshOptions options = DefaultsIn<D>();
+  options.min_dihedral = min_dihedral;
   LiveMesh<D> mesh(options, AlwaysPropagate());
   int tried = 0;
   for (int revision = 0; revision < revisions;) {
@@ -71,6 +72,10 @@ class AbandonPolygons : public testing::TestWithParam<PolygonKind> {};
 
 TEST_P(AbandonPolygons, AtAnyOperationBringsTheFormerTraceBack) {
   ExpectStopsToChangeNothing<3>(PolygonScript(GetParam(), 2, kSeed), 3);
+}
+
+TEST_P(AbandonPolygons, AmongCuresBringsTheFormerTraceBack) {
+  ExpectStopsToChangeNothing<3>(PolygonScript(GetParam(), 2, kSeed), 4, 15);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Abandon, testing::ValuesIn(kAllDistributions),
