@@ -476,6 +476,8 @@ TEST(OptionsCodec, EveryBadOptionIsNamedByItsPathInTheRequest) {
   expect("options.min_dihedral", [](auto& o) { o.set_min_dihedral(10); });  // in 2D
   expect("options.min_dihedral", [](auto& o) {
     o.set_dimension(3);
+    o.mutable_box()->mutable_lo()->set_z(0);
+    o.mutable_box()->mutable_hi()->set_z(1);
     o.set_min_dihedral(21);
   });
   expect("options.max_depth", [](auto& o) { o.set_max_depth(-3); });
