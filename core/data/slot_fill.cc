@@ -44,8 +44,8 @@ LargeVector<std::uint32_t> RowsAlongCurve(const std::vector<double>& coordinates
   for (std::size_t i = 0; i < count; ++i) {
     std::array<std::uint32_t, D> cell;
     for (std::size_t k = 0; k < D; ++k) {
-      const double at = scale[k] == 0 ? 0 : (coordinates[i * D + k] - low[k]) * scale[k];
-      cell[k] = static_cast<std::uint32_t>(at);
+      const double at = (coordinates[i * D + k] - low[k]) * scale[k];
+      cell[k] = at > 0 ? static_cast<std::uint32_t>(at) : 0;  // or no number
     }
     keyed[i] = std::uint64_t{geometry::HilbertCurve<D>::Key(cell, kLevels)} << 32 | i;
   }
