@@ -97,12 +97,12 @@ class ScriptParser {
       script_.box = *box;
       return absl::OkStatus();
     }
-    if (key == "rho") {
-      double rho = 0;
-      if (!ParseDouble(value, &rho)) {
-        return Error(Concat("rho is not a finite number: ", Quoted(value)));
+    if (key == "rho" || key == "min_dihedral") {
+      double number = 0;
+      if (!ParseDouble(value, &number)) {
+        return Error(Concat(key, " is not a finite number: ", Quoted(value)));
       }
-      script_.quality = rho;
+      (key == "rho" ? script_.quality : script_.min_dihedral) = number;
       return absl::OkStatus();
     }
     if (key == "criterion") {
@@ -117,14 +117,6 @@ class ScriptParser {
         return Error(Concat("hmax is not a length above 0: ", Quoted(value)));
       }
       script_.max_edge = hmax;
-      return absl::OkStatus();
-    }
-    if (key == "min_dihedral") {
-      double degrees = 0;
-      if (!ParseDouble(value, &degrees)) {
-        return Error(Concat("min_dihedral is not a finite number: ", Quoted(value)));
-      }
-      script_.min_dihedral = degrees;
       return absl::OkStatus();
     }
     return Error(Concat("unknown key ", Quoted(key),
