@@ -37,6 +37,22 @@ void SetBall(const Corners& corners, Sliver* sliver) {
   sliver->radius = std::sqrt(ball.r2);
 }
 
+// Across the two opposite edges that span most: the diagonals, if it looks like a square.
+void SetNormal(const Corners& corners, Sliver* sliver) {
+  const auto& p = corners.p;
+  double most2 = 0;
+  const auto offer = [&](std::size_t i, std::size_t j, std::size_t k, std::size_t l) {
+    const geometry::Vector3 n = geometry::Cross(geometry::Difference(p[j].c, p[i].c),
+                                                geometry::Difference(p[l].c, p[k].c));
+    const double n2 = geometry::Dot(n, n);
+    if (!(n2 > most2)) return;
+    most2 = n2;
+    const double length = std::sqrt(n2);
+    for (std::size_t a = 0; a < 3; ++a) sliver->normal[a] = n[a] / length;
+  };
+  offer(0, 1, 2, 3), offer(0, 2, 1, 3), offer(0, 3, 1, 2);
+}
+
 }  // namespace
 
 bool SliverTable::Begin(const Base& whole, bool is_to_change, absl::FunctionRef<bool()> interrupt) {
@@ -98,6 +114,7 @@ void SliverTable::Look(std::uint32_t simplex) {
   sliver.hash = 0;
   for (const Point& p : corners.p) sliver.hash = geometry::Mix(sliver.hash ^ geometry::HashOf(p));
   SetBall(corners, &sliver);
+  SetNormal(corners, &sliver);
   if (base_ == &own_) own_.set_tag(simplex, std::uint64_t{i} + 1);
   Touch(i);
 }

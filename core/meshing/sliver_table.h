@@ -18,6 +18,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/functional/function_ref.h"
+#include "core/geometry/circumball.h"
 #include "core/geometry/dihedral.h"
 #include "core/geometry/point.h"
 #include "core/mesh/delaunay_tetrahedralization.h"
@@ -34,6 +35,9 @@ struct Sliver {
   std::uint64_t hash = 0;             // of the places
   geometry::Point3 centre = {};       // of the circumscribed ball
   double radius = 0;
+  // Its corners are nearly on a circle: the unit normal of that plane. Of a thin one with corners
+  // nearly on a line, some direction across.
+  geometry::Vector3 normal = {};
   double shortest2 = 0;  // squared length of its shortest edge
   sac::OpId operations = sac::kNoOp;
   bool is_there = false;    // in the base
