@@ -92,6 +92,7 @@ absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
   Input input;
   input.options.dimension = 3;
   input.options.quality = DefaultQuality(3);
+  input.options.min_dihedral = DefaultMinDihedral(3);
   input.options.box = io::BoundingBox(file.features, 3);
   if (flags.merge_coplanar) {
     input.features = std::move(file.features);

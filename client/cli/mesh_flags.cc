@@ -122,7 +122,7 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
   command
       .add_option("--min-dihedral", flags.min_dihedral,
                   "In 3D: no dihedral angle below this, 0 to 20 degrees, where Steiner points can "
-                  "see to it (default: 0, slivers stay); 10 suits most")
+                  "see to it; 0: slivers stay (default: 10)")
       ->type_name("DEGREES");
   command
       .add_option("--max-vertices", flags.max_vertices,

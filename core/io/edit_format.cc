@@ -57,7 +57,7 @@ std::string FormatMeshLine(const MeshOptions& options) {
       FormatPlace(box.hi, options.dimension, ","), " rho=", FormatDouble(options.quality),
       " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge",
       options.max_edge > 0 ? Concat(" hmax=", FormatDouble(options.max_edge)) : "",
-      options.min_dihedral > 0 ? Concat(" min_dihedral=", FormatDouble(options.min_dihedral)) : "");
+      options.dimension == 3 ? Concat(" min_dihedral=", FormatDouble(options.min_dihedral)) : "");
 }
 
 std::string FormatEdit(const Edit& edit, int dimension) {

@@ -54,7 +54,7 @@ MeshOptions EditScript::Options() const {
   options.quality = quality.value_or(DefaultQuality(dimension));
   if (criterion) options.criterion = *criterion;
   if (max_edge) options.max_edge = *max_edge;
-  if (min_dihedral) options.min_dihedral = *min_dihedral;
+  options.min_dihedral = min_dihedral.value_or(DefaultMinDihedral(dimension));
   if (box) {
     options.box = *box;
     return options;

@@ -35,9 +35,11 @@ inline constexpr std::uint64_t kCureRounds = 3;
 // Candidates have ordinals: the centre; places across the sliver, up and down by these parts of R;
 // a shell of grid directions for each of these parts of R; then places on facets, which all have
 // the last one. What lies across has the best chances, as it is well off the sliver's plane: half
-// of them do, of the nearest grid directions a fifth.
+// of them do, of the nearest grid directions a fifth. Most slivers that find nothing have two
+// corners on a facet.
 inline constexpr std::array<double, 4> kCureHeights = {0.3, 0.45, 0.6, 0.15};
-inline constexpr std::array<double, 5> kCureShells = {0.15, 0.3, 0.45, 0.6, 0.75};
+inline constexpr std::array<double, 12> kCureShells = {0.15,  0.3,   0.45,  0.6,   0.75,  0.9,
+                                                       0.075, 0.225, 0.375, 0.525, 0.675, 0.825};
 inline constexpr std::uint32_t kFirstInShell = 1 + 2 * kCureHeights.size();
 inline constexpr std::uint32_t kOnFacet =
     kFirstInShell + kCureShells.size() * kGridDirections.size();
@@ -223,9 +225,9 @@ bool Refinement<D, E>::ForEachCandidate(const Sliver& sliver, F f) const {
       const double h = plane.Height(c), wide2 = sliver.radius * sliver.radius - h * h;
       if (!(wide2 > 0)) continue;
       const auto [x, y] = geometry::AxesOf(plane);
-      for (const double part : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+      for (const double part : {0.0, 0.2, 0.4, 0.6, 0.8, 0.1, 0.3, 0.5, 0.7, 0.9}) {
         const double out = part * std::sqrt(wide2);
-        for (int k = 0; k < (part == 0 ? 1 : kDirections); k += 2) {
+        for (int k = 0; k < (part == 0 ? 1 : kDirections); ++k) {
           Point p = c;
           for (int i = 0; i < 3; ++i) {
             const auto j = static_cast<std::size_t>(i);

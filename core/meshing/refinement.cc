@@ -40,7 +40,7 @@ Refinement<D, E>::Refinement(const MeshOptions& options, Triangulation* triangul
       sizing_(rules_.lo(), rules_.hi()),
       features_(rules_.lo(), rules_.hi()),
       facets_(FacetBox(rules_.lo()), FacetBox(rules_.hi())),
-      slivers_(D == 3 ? options.min_dihedral : 0),
+      slivers_(D == 3 ? std::max(options.min_dihedral, kFlat) : 0),
       cured_(rules_.lo(), rules_.hi()),
       engine_(*this) {
   AddBox();

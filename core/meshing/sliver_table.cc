@@ -42,8 +42,8 @@ void SetNormal(const Corners& corners, Sliver* sliver) {
   const auto& p = corners.p;
   double most2 = 0;
   const auto offer = [&](std::size_t i, std::size_t j, std::size_t k, std::size_t l) {
-    const geometry::Vector3 n = geometry::Cross(geometry::Difference(p[j].c, p[i].c),
-                                                geometry::Difference(p[l].c, p[k].c));
+    const geometry::Vector3 n =
+        geometry::Cross(geometry::Difference(p[j].c, p[i].c), geometry::Difference(p[l].c, p[k].c));
     const double n2 = geometry::Dot(n, n);
     if (!(n2 > most2)) return;
     most2 = n2;

@@ -29,6 +29,11 @@ namespace dynmesh::meshing {
 
 using SliverIndex = std::uint32_t;
 
+// In degrees. Symmetric input and facets that are no coordinate planes make tetrahedra of four
+// corners that lie on a circle but for rounding. They are cured even if slivers may stay: the
+// entries of a finite-element matrix grow as the cotangent.
+inline constexpr double kFlat = 0.01;
+
 struct Sliver {
   std::array<VertexIndex, 4> v = {};  // by place
   std::uint32_t simplex = 0;          // of the base

@@ -214,7 +214,8 @@ absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
   }
   if (proto.max_depth() != 0) options.limits.max_depth = proto.max_depth();
   options.max_edge = proto.max_edge();
-  options.min_dihedral = proto.min_dihedral();
+  options.min_dihedral =
+      proto.has_min_dihedral() ? proto.min_dihedral() : DefaultMinDihedral(options.dimension);
   if (absl::Status status = ValidateOptions(options); !status.ok()) return OnWire(status);
   return options;
 }

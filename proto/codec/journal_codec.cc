@@ -49,8 +49,10 @@ std::string EncodeJournalMesh(const JournalMesh& mesh) {
 }
 
 absl::StatusOr<JournalMesh> DecodeJournalMesh(const std::string& bytes) {
-  const auto proto = Parse<v1::JournalMesh>(bytes);
+  auto proto = Parse<v1::JournalMesh>(bytes);
   if (!proto.ok()) return proto.status();
+  // Before bits 5 there was no such option, and slivers stayed.
+  if (!proto->options().has_min_dihedral()) proto->mutable_options()->set_min_dihedral(0);
   const auto options = DecodeOptions(proto->options(), std::numeric_limits<std::uint64_t>::max());
   if (!options.ok()) return Damage(options.status());
   return JournalMesh{*options,

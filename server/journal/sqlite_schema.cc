@@ -71,6 +71,9 @@ constexpr const char* kSteps[kJournalSchema] = {
     // Bits 3. An older dynmeshd would make their meshes anew with bits 2.
     "",
     // Bits 4.
+    "",
+    // Bits 5. Descriptions name min_dihedral; those that do not are of meshes without
+    // (DecodeJournalMesh).
     ""};
 
 // row_sum(...) in SQL: RowSumOf.

@@ -48,14 +48,15 @@ TEST_P(JournalsOfOtherBits, GoOnAsTheNextRevision) {
   test::Daemon daemon(folder.path());
   ASSERT_TRUE(daemon.Start({"--data-dir", data})) << daemon.Log();
   const std::string log = daemon.Log();
-  EXPECT_TRUE(absl::StrContains(log, "event=bits_changed mesh=flat revision=7 from=1 to=4")) << log;
-  EXPECT_TRUE(absl::StrContains(log, "event=bits_changed mesh=space revision=5 from=1 to=4"));
+  EXPECT_TRUE(absl::StrContains(log, "event=bits_changed mesh=flat revision=7 from=1 to=5")) << log;
+  EXPECT_TRUE(absl::StrContains(log, "event=bits_changed mesh=space revision=5 from=1 to=5"));
   {
     const auto client = MeshClient::Connect(daemon.address());
     for (const auto& [id, revision] : {std::pair("flat", 7u), std::pair("space", 5u)}) {
       const auto info = client->GetMesh(id);
       ASSERT_TRUE(info.ok()) << info.status();
       EXPECT_EQ(info->revision, revision);
+      EXPECT_EQ(info->options.min_dihedral, 0);  // as that version meshed
       const auto present = client->GetFeatures(id);
       const auto before = client->GetFeatures(id, revision - 1);
       ASSERT_TRUE(present.ok() && before.ok());

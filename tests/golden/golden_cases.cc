@@ -25,6 +25,7 @@ struct Asking {
   double quality;
   Criterion criterion = Criterion::kEdge;
   double max_edge = 0;
+  double min_dihedral = 0;
 };
 
 std::string NameOf(const Asking& asking) {
@@ -32,6 +33,7 @@ std::string NameOf(const Asking& asking) {
   std::snprintf(text, sizeof text, "%s_rho%.4g%s", asking.max_edge > 0 ? "_hmax" : "",
                 asking.quality, asking.criterion == Criterion::kThesis ? "_thesis" : "");
   std::string name = text;
+  if (asking.min_dihedral > 0) name += "_cured" + std::to_string(std::lround(asking.min_dihedral));
   std::replace(name.begin(), name.end(), '.', 'p');
   return name;
 }
@@ -42,6 +44,7 @@ MeshOptions OptionsOf(int dimension, const Asking& asking) {
   options.quality = asking.quality;
   options.criterion = asking.criterion;
   options.max_edge = asking.max_edge;
+  options.min_dihedral = asking.min_dihedral;
   return options;
 }
 
@@ -186,6 +189,13 @@ std::vector<GoldenCase> MakeCases() {
     cases.push_back(SolidsCase(kind, {kSqrt2}));
   }
   cases.push_back(SolidsCase(PolygonKind::kNestedBoxes, {2.0, Criterion::kThesis}));
+  const Asking cured = {.quality = 2.0, .min_dihedral = 10};
+  for (const Distribution d : {kSpaceUniform, kSphere, kTurnedGridEdges, kSpaceSized}) {
+    cases.push_back(WorkloadCase(d, 40, cured));
+  }
+  for (const PolygonKind kind : {PolygonKind::kNestedBoxes, PolygonKind::kMixture}) {
+    cases.push_back(SolidsCase(kind, cured));
+  }
   AddRegressCases(cases);
   AddCoastCases(cases);
   AddBoxCase(cases);

@@ -39,6 +39,7 @@ int RunCreate(const CreateCommand& command) {
   } else {
     options.dimension = command.dimension.value_or(2);
     options.quality = DefaultQuality(options.dimension);
+    options.min_dihedral = DefaultMinDihedral(options.dimension);
   }
   if (auto status = ApplyMeshFlags(command.mesh, options); !status.ok()) {
     return ReportError(status);

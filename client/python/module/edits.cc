@@ -184,9 +184,8 @@ MeshOptions OptionsOf(const py::dict& options) {
     result.criterion = name == "edge" ? Criterion::kEdge : Criterion::kThesis;
   }
   if (options.contains("max_edge")) result.max_edge = py::cast<double>(options["max_edge"]);
-  if (options.contains("min_dihedral")) {
-    result.min_dihedral = py::cast<double>(options["min_dihedral"]);
-  }
+  result.min_dihedral = options.contains("min_dihedral") ? py::cast<double>(options["min_dihedral"])
+                                                         : DefaultMinDihedral(result.dimension);
   if (options.contains("max_vertices")) {
     result.limits.max_vertices = py::cast<std::uint64_t>(options["max_vertices"]);
   }

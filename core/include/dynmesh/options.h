@@ -55,11 +55,16 @@ inline constexpr double kMinThesisQuality3D = 2.0;     // the thesis's proof wan
 inline constexpr double kMaxQuality = 100.0;           // the greatest
 inline constexpr double kDefaultQuality2D = 1.4142135623730951;  // no angle below 20.7 degrees
 inline constexpr double kDefaultQuality3D = 2.0;                 // suits most input
-inline constexpr double kMaxMinDihedral = 20;  // the greatest MeshOptions::min_dihedral
+inline constexpr double kMaxMinDihedral = 20;        // the greatest MeshOptions::min_dihedral
+inline constexpr double kDefaultMinDihedral3D = 10;  // suits most input
 // What the service, scripts and commands take for a mesh of `dimension` (2 or 3) where no quality
 // is asked for.
 constexpr double DefaultQuality(int dimension) {
   return dimension == 3 ? kDefaultQuality3D : kDefaultQuality2D;
+}
+// The same where no MeshOptions::min_dihedral is asked for: 10 in 3D, 0 in 2D.
+constexpr double DefaultMinDihedral(int dimension) {
+  return dimension == 3 ? kDefaultMinDihedral3D : 0;
 }
 
 // What is asked of a mesh. The length of everything is in the units of `box`.
@@ -76,7 +81,8 @@ struct MeshOptions {
   double max_edge = 0;
   // In 3D: no tetrahedron is to have a dihedral angle less than that many degrees. Of those that
   // have, each gets a Steiner point where there is one that makes no other: up to
-  // kMaxMinDihedral, 10 suits most. 0: slivers stay.
+  // kMaxMinDihedral; DefaultMinDihedral(3) suits most. Below 0.01 as if it were 0.01: 0 leaves
+  // slivers, but no tetrahedron that is flat but for rounding.
   double min_dihedral = 0;
   Limits limits;  // an edit that would pass one is refused
   friend bool operator==(const MeshOptions&, const MeshOptions&) = default;

@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
-#include <string>
 #include <vector>
 
 #include "core/geometry/circumball.h"
 #include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/meshing/refinement.h"
+#include "tests/support/dihedral.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::meshing {
@@ -19,6 +18,7 @@ namespace {
 
 using geometry::Point3;
 using Untraced = Refinement<3, sac::UntracedEngine>;
+using test::LeastDihedral;
 using test::Random;
 
 MeshOptions Options(double degrees) {
@@ -27,28 +27,6 @@ MeshOptions Options(double degrees) {
   options.quality = 2;
   options.min_dihedral = degrees;
   return options;
-}
-
-// The least dihedral angle in degrees, by atan2.
-double LeastAngle(const std::array<Point3, 4>& p) {
-  double least = 180;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < i; ++j) {
-      std::array<int, 2> rest;
-      int count = 0;
-      for (int k = 0; k < 4; ++k) {
-        if (k != i && k != j) rest[static_cast<std::size_t>(count++)] = k;
-      }
-      const auto edge = geometry::Difference(p[j].c, p[i].c);
-      const auto u = geometry::Cross(edge, geometry::Difference(p[rest[0]].c, p[i].c));
-      const auto w = geometry::Cross(edge, geometry::Difference(p[rest[1]].c, p[i].c));
-      const auto across = geometry::Cross(u, w);
-      least = std::min(
-          least, std::atan2(std::sqrt(geometry::Dot(across, across)), geometry::Dot(u, w)) * 180 /
-                     std::numbers::pi);
-    }
-  }
-  return least;
 }
 
 struct Meshed {
@@ -81,10 +59,10 @@ Meshed MeshPoints(const std::vector<Point3>& points, double degrees) {
   };
   const double bound = degrees == 0 ? 10 : degrees;
   before.ForEachSimplex(
-      [&](auto t) { meshed.slivers += LeastAngle(corners_of(before, t)) < bound; });
+      [&](auto t) { meshed.slivers += LeastDihedral(corners_of(before, t)) < bound; });
   after.ForEachSimplex([&](auto t) {
     const std::array<Point3, 4> p = corners_of(after, t);
-    const bool is_left = LeastAngle(p) < bound;
+    const bool is_left = LeastDihedral(p) < bound;
     meshed.left += is_left;
     const auto& v = after.vertices(t);
     if (std::ranges::none_of(v, [&](VertexIndex u) { return IsOfCure(refinement.vertex(u)); })) {

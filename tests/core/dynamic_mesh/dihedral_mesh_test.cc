@@ -1,0 +1,175 @@
+// Dihedral angles of whole meshes: none is flat but for rounding, asked for or not; and how much
+// more an edit changes where a bound is asked for.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "dynmesh/dynamic_mesh.h"
+#include "tests/support/dihedral.h"
+#include "tests/support/polygon_script.h"
+#include "tests/support/workload.h"
+
+namespace dynmesh {
+namespace {
+
+using test::Distribution;
+using test::PolygonKind;
+
+MeshOptions Options(double degrees) {
+  MeshOptions options;
+  options.dimension = 3;
+  options.quality = kDefaultQuality3D;
+  options.min_dihedral = degrees;
+  return options;
+}
+
+std::vector<double> AnglesOf(const std::vector<Feature>& features, const MeshOptions& options) {
+  const auto mesh = BuildMesh(features, options);
+  EXPECT_TRUE(mesh.ok()) << mesh.status();
+  return mesh.ok() ? test::LeastDihedrals(*mesh) : std::vector{0.0};
+}
+double LeastOf(const std::vector<Feature>& features, const MeshOptions& options) {
+  return std::ranges::min(AnglesOf(features, options));
+}
+
+// A prism over a regular polygon of `sides`, about the axis (1, 1, 1): no face lies in a coordinate
+// plane, so that its vertices are in it but for rounding, and opposite ones on circles.
+std::vector<Feature> SlantedPrism(int sides) {
+  const double a = 1 / std::sqrt(3.0), b = 1 / std::sqrt(2.0), c = 1 / std::sqrt(6.0);
+  std::vector<Feature> features;
+  std::vector<std::vector<FeatureId>> ends(2);
+  for (int end = 0; end < 2; ++end) {
+    for (int k = 0; k < sides; ++k) {
+      const double turn = 2 * std::numbers::pi * k / sides;
+      const double x = 0.25 * std::cos(turn), y = 0.25 * std::sin(turn), z = end == 0 ? -0.3 : 0.3;
+      const auto id = static_cast<FeatureId>(100 * (end + 1) + k);
+      features.push_back(Feature::Point(id, 0.5 + z * a + x * b + y * c,
+                                        0.5 + z * a - x * b + y * c, 0.5 + z * a - 2 * y * c));
+      ends[static_cast<std::size_t>(end)].push_back(id);
+    }
+  }
+  for (std::size_t k = 0; k < ends[0].size(); ++k) {
+    const std::size_t next = (k + 1) % ends[0].size();
+    features.push_back(
+        Feature::Polygon(300 + k, {{ends[0][k], ends[0][next], ends[1][next], ends[1][k]}}));
+  }
+  features.push_back(Feature::Polygon(400, {ends[0]}));
+  features.push_back(Feature::Polygon(401, {ends[1]}));
+  return features;
+}
+
+std::vector<Feature> UnitCube() {
+  std::vector<Feature> features;
+  for (FeatureId k = 0; k < 8; ++k) {
+    features.push_back(Feature::Point(k + 1, k & 1, (k >> 1) & 1, (k >> 2) & 1));
+  }
+  const std::vector<std::vector<FeatureId>> faces = {{1, 2, 4, 3}, {5, 6, 8, 7}, {1, 2, 6, 5},
+                                                     {3, 4, 8, 7}, {1, 3, 7, 5}, {2, 4, 8, 6}};
+  for (std::size_t f = 0; f < 6; ++f) features.push_back(Feature::Polygon(20 + f, {faces[f]}));
+  return features;
+}
+
+constexpr double kFlat = 0.0099;
+
+TEST(Dihedral, NoTetrahedronIsFlatEvenIfSliversMayStay) {
+  const auto check = [](const std::vector<Feature>& features, MeshOptions options) {
+    EXPECT_GT(LeastOf(features, options), kFlat);
+  };
+  for (const double wide : {0.0, 0.5, 2.0}) {
+    SCOPED_TRACE("a cube in a box that is wider by " + std::to_string(wide));
+    MeshOptions options = Options(0);
+    options.box = {{-wide, -wide, -wide}, {1 + wide, 1 + wide, 1 + wide}};
+    check(UnitCube(), options);
+    options.max_edge = 0.25;
+    check(UnitCube(), options);
+  }
+  for (const int sides : {4, 6}) {
+    SCOPED_TRACE("a prism of " + std::to_string(sides));
+    MeshOptions options = Options(0);
+    options.max_edge = 0.1;
+    check(SlantedPrism(sides), options);
+  }
+  for (const Distribution d : test::kSpaceDistributions) {
+    SCOPED_TRACE(test::NameOf(d));
+    check(test::MakeFeatures(d, 200, 3), Options(0));
+  }
+}
+
+// The limit of that: a symmetric solid that stands askew and has hardly any vertex but its corners.
+// These lie on one sphere, some four in one plane but for rounding; and whatever vertex there could
+// be has a neighbour so near, or one so far, that rho would not hold.
+TEST(Dihedral, AskewAndCoarseSolidsKeepFewFlatTetrahedra) {
+  const auto flat_in = [](const std::vector<Feature>& features) {
+    return std::ranges::count_if(AnglesOf(features, Options(0)),
+                                 [](double angle) { return angle < kFlat; });
+  };
+  EXPECT_LE(flat_in(SlantedPrism(4)), 1);
+  EXPECT_LE(flat_in(SlantedPrism(6)), 1);
+  for (const PolygonKind kind : test::kPolygonKinds) {
+    SCOPED_TRACE(test::NameOf(kind));
+    std::vector<Feature> features;
+    for (const Edit& edit : test::PolygonScript(kind, 4, 3).Next({})) {
+      features.push_back(edit.feature);
+    }
+    EXPECT_LE(flat_in(features), kind == PolygonKind::kManyBoxes ? 4 : 1);
+  }
+}
+
+TEST(Dihedral, FacetsAndRegionsReachTheBoundAskedFor) {
+  for (const double degrees : {5.0, 10.0}) {
+    SCOPED_TRACE(degrees);
+    MeshOptions options = Options(degrees);
+    options.box = {{-1, -1, -1}, {2, 2, 2}};
+    EXPECT_GE(LeastOf(UnitCube(), options), degrees);
+    options.max_edge = 0.25;
+    EXPECT_GE(LeastOf(UnitCube(), options), degrees);
+    options.max_edge = 0.15;
+    EXPECT_GE(LeastOf(SlantedPrism(6), options), degrees);
+  }
+}
+
+// Tetrahedra that come and go, of moves of points of uniform ones, in order.
+std::vector<double> ChangesOfMoves(const MeshOptions& options, int moves) {
+  constexpr int kPoints = 2000;
+  const auto mesh = *DynamicMesh::Create(options);
+  EXPECT_TRUE(
+      mesh->Apply(AddAll(test::MakeFeatures(Distribution::kSpaceUniform, kPoints, 5))).ok());
+  test::Random random(99);
+  std::vector<double> changes;
+  for (int k = 0; k < moves; ++k) {
+    const auto id = static_cast<FeatureId>(1 + random.Below(kPoints));
+    const double x = random.Unit(), y = random.Unit();
+    const auto diff = mesh->Apply({Edit::Move(id, x, y, random.Unit())});
+    EXPECT_TRUE(diff.ok()) << diff.status();
+    if (!diff.ok()) break;
+    changes.push_back(
+        static_cast<double>(diff->added_simplex_count() + diff->removed_simplex_count()));
+  }
+  std::ranges::sort(changes);
+  return changes;
+}
+
+// Measured at 3,000 to 60,000 points: 1.6 to 1.7 in the mean, 1.4 to 1.6 for the 99th percentile.
+// A sliver that comes brings a vertex of its own with it, of some 25 tetrahedra.
+TEST(Dihedral, ABoundAskedForChangesABoundedPartMore) {
+  const auto off = ChangesOfMoves(Options(0), 200), on = ChangesOfMoves(Options(10), 200);
+  ASSERT_EQ(off.size(), on.size());
+  const auto mean = [](const std::vector<double>& all) {
+    double sum = 0;
+    for (const double one : all) sum += one;
+    return sum / static_cast<double>(all.size());
+  };
+  RecordProperty("mean_ratio", std::to_string(mean(on) / mean(off)));
+  EXPECT_LE(mean(on), 1.8 * mean(off));
+  EXPECT_LE(on[198], 1.8 * off[198]);
+}
+
+}  // namespace
+}  // namespace dynmesh
