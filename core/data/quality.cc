@@ -11,6 +11,7 @@
 #include "core/data/guarded_gaps.h"
 #include "core/data/seditious_edges.h"
 #include "core/data/tetrahedron_quality.h"
+#include "core/geometry/dihedral.h"
 #include "core/geometry/products.h"
 
 namespace dynmesh {
@@ -118,12 +119,12 @@ class Judge<2> {
  public:
   using Quality = TriangleQuality;
 
-  Judge(const Mesh& mesh, const RowOf& row_of, double rho, double unit)
+  Judge(const Mesh& mesh, const RowOf& row_of, const MeshOptions& options, double unit)
       : coordinates_(mesh.vertices.coordinates),
-        rho_(rho),
+        rho_(options.quality),
         unit_(unit),
         seditious_(mesh, row_of),
-        guarded_(mesh, row_of, rho) {}
+        guarded_(mesh, row_of, rho_) {}
 
   static Quality Flat() { return dynmesh::Flat(); }
   Quality Measure(const Rows<2>& rows) const {
@@ -162,32 +163,53 @@ class Judge<3> {
  public:
   using Quality = TetrahedronQuality;
 
-  Judge(const Mesh& mesh, const RowOf&, double rho, double unit)
-      : coordinates_(mesh.vertices.coordinates), rho_(rho), unit_(unit) {}
+  Judge(const Mesh& mesh, const RowOf&, const MeshOptions& options, double unit)
+      : coordinates_(mesh.vertices.coordinates),
+        rho_(options.quality),
+        unit_(unit),
+        dihedral_(options.min_dihedral) {}
 
   static Quality Flat() { return data::FlatTetrahedron(); }
   Quality Measure(const Rows<3>& rows) const {
     return MeasureTetrahedron(At(rows[0]), At(rows[1]), At(rows[2]), At(rows[3]));
   }
   SimplexVerdict operator()(const Rows<3>& rows, const Quality& q) const {
-    std::array<geometry::Point3, 4> corners;
-    for (std::size_t k = 0; k < 4; ++k) std::copy_n(At(rows[k]), 3, corners[k].c.begin());
     const double bound = Bound(rho_, q.shortest_edge, unit_);
-    return data::IsOverBound(corners, q, bound) ? SimplexVerdict::kOverRho : SimplexVerdict::kGood;
+    if (data::IsOverBound(CornersOf(rows), q, bound)) return SimplexVerdict::kOverRho;
+    return IsBelowDihedral(rows, q) ? SimplexVerdict::kBelowDihedral : SimplexVerdict::kGood;
+  }
+  bool HasDihedralBound() const { return dihedral_.degrees() > 0; }
+  // As the mesher sees it; turned inside out, too.
+  bool IsBelowDihedral(const Rows<3>& rows, const Quality& q) const {
+    return HasDihedralBound() && (std::isinf(q.radius_edge) || dihedral_.IsBelow(CornersOf(rows)));
+  }
+  std::array<double, 3> CentroidOf(const Rows<3>& rows) const {
+    std::array<double, 3> mean = {0, 0, 0};
+    for (const std::size_t row : rows) {
+      for (std::size_t k = 0; k < 3; ++k) mean[k] += At(row)[k] / 4;
+    }
+    return mean;
   }
 
  private:
   const double* At(std::size_t row) const { return &coordinates_[3 * row]; }
+  std::array<geometry::Point3, 4> CornersOf(const Rows<3>& rows) const {
+    std::array<geometry::Point3, 4> corners;
+    for (std::size_t k = 0; k < 4; ++k) std::copy_n(At(rows[k]), 3, corners[k].c.begin());
+    return corners;
+  }
 
   const std::vector<double>& coordinates_;
   const double rho_, unit_;
+  const geometry::DihedralBound dihedral_;
 };
 
-// Calls f(quality, verdict) for each simplex, in order.
+// Calls f(judge, rows, quality, verdict) for each simplex, in order. `rows`: null if it names an
+// unknown vertex.
 template <int D, class F>
 void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, F f) {
   const RowOf row_of = RowsById(mesh);
-  Judge<D> judge(mesh, row_of, options.quality, CoordinateUnit(mesh.vertices.coordinates));
+  Judge<D> judge(mesh, row_of, options, CoordinateUnit(mesh.vertices.coordinates));
   for (std::size_t s = 0; s < mesh.simplex_count(); ++s) {
     Rows<D> rows = {};
     bool known = true;
@@ -196,12 +218,9 @@ void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, F f) {
       known = known && it != row_of.end();
       if (known) rows[k] = it->second;
     }
-    if (!known) {
-      f(Judge<D>::Flat(), SimplexVerdict::kOverRho);
-      continue;
-    }
-    const auto q = judge.Measure(rows);
-    f(q, judge(rows, q));
+    const Rows<D>* const at = known ? &rows : nullptr;
+    const auto q = known ? judge.Measure(rows) : Judge<D>::Flat();
+    f(judge, at, q, known ? judge(rows, q) : SimplexVerdict::kOverRho);
   }
 }
 
@@ -229,12 +248,37 @@ void CountAngles(const TetrahedronQuality& q, QualityReport& report) {
   report.share_below_10_deg += q.min_angle_deg < 10;
 }
 
+// The least first, at most kWorstDihedral. What comes later has a greater index.
+void NoteWorst(const WorstTetrahedron& t, std::vector<WorstTetrahedron>& worst) {
+  if (worst.size() == kWorstDihedral) {
+    if (t.angle_deg >= worst.back().angle_deg) return;
+    worst.pop_back();
+  }
+  const auto is_less = [](double angle, const WorstTetrahedron& u) { return angle < u.angle_deg; };
+  worst.insert(std::upper_bound(worst.begin(), worst.end(), t.angle_deg, is_less), t);
+}
+
+void CountSlivers(const Judge<2>&, const Rows<2>*, const TriangleQuality&, std::uint64_t,
+                  QualityReport&) {}
+
+void CountSlivers(const Judge<3>& judge, const Rows<3>* rows, const TetrahedronQuality& q,
+                  std::uint64_t index, QualityReport& report) {
+  if (rows == nullptr) {
+    report.below_dihedral += judge.HasDihedralBound();
+    return;
+  }
+  report.below_dihedral += judge.IsBelowDihedral(*rows, q);
+  NoteWorst({q.min_angle_deg, index, judge.CentroidOf(*rows)}, report.worst_dihedral);
+}
+
 }  // namespace
 
 std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options) {
   std::vector<SimplexVerdict> verdicts;
   verdicts.reserve(mesh.simplex_count());
-  ForEachSimplex(mesh, options, [&](const auto&, SimplexVerdict v) { verdicts.push_back(v); });
+  ForEachSimplex(mesh, options, [&](const auto&, const auto*, const auto&, SimplexVerdict verdict) {
+    verdicts.push_back(verdict);
+  });
   return verdicts;
 }
 
@@ -242,16 +286,17 @@ QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options) {
   QualityReport report;
   report.min_angle_deg = 180;
   std::uint64_t all = 0;
-  ForEachSimplex(mesh, options, [&](const auto& q, SimplexVerdict verdict) {
-    ++all;
-    report.worst_radius_edge = std::max(report.worst_radius_edge, q.radius_edge);
-    report.min_angle_deg = std::min(report.min_angle_deg, q.min_angle_deg);
-    report.max_angle_deg = std::max(report.max_angle_deg, q.max_angle_deg);
-    if (verdict != SimplexVerdict::kGood) ++report.over_rho;
-    if (IsExempt(verdict)) ++report.exempt;
-    if (verdict == SimplexVerdict::kTerminationGuard) ++report.exempt_by_guard;
-    CountAngles(q, report);
-  });
+  ForEachSimplex(mesh, options,
+                 [&](const auto& judge, const auto* rows, const auto& q, SimplexVerdict verdict) {
+                   CountSlivers(judge, rows, q, all++, report);
+                   report.worst_radius_edge = std::max(report.worst_radius_edge, q.radius_edge);
+                   report.min_angle_deg = std::min(report.min_angle_deg, q.min_angle_deg);
+                   report.max_angle_deg = std::max(report.max_angle_deg, q.max_angle_deg);
+                   if (IsOverRho(verdict)) ++report.over_rho;
+                   if (IsExempt(verdict)) ++report.exempt;
+                   if (verdict == SimplexVerdict::kTerminationGuard) ++report.exempt_by_guard;
+                   CountAngles(q, report);
+                 });
   if (all == 0) return QualityReport();
   report.share_below_5_deg /= static_cast<double>(all);
   report.share_below_10_deg /= static_cast<double>(all);

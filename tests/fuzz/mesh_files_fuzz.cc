@@ -15,14 +15,19 @@ std::string Measure(const io::MeshFiles& files) {
   if (!(ComputeHash(mesh) == mesh.hash)) return "the hash is not that of the parts";
   MeshOptions options;
   options.dimension = mesh.dimension;
+  if (mesh.dimension == 3) options.min_dihedral = 10;
   const std::vector<SimplexVerdict> verdicts = JudgeSimplices(mesh, options);
   const QualityReport quality = MeasureQuality(mesh, options);
-  std::uint64_t exempt = 0, over = 0;
+  std::uint64_t exempt = 0, over = 0, below = 0;
   for (const SimplexVerdict verdict : verdicts) {
     exempt += IsExempt(verdict) ? 1 : 0;
-    over += verdict != SimplexVerdict::kGood ? 1 : 0;
+    over += IsOverRho(verdict) ? 1 : 0;
+    below += verdict == SimplexVerdict::kBelowDihedral ? 1 : 0;
   }
   if (exempt != quality.exempt || over != quality.over_rho) return "two verdicts disagree";
+  if (below > quality.below_dihedral || quality.below_dihedral > below + over) {
+    return "two verdicts on dihedral angles disagree";
+  }
   // A file may repeat what a mesh has once; then there is no index, but an error.
   const absl::StatusOr<io::IndexedMesh> indexed = io::IndexMesh(mesh);
   if (indexed.ok() && indexed->simplex_count() != files.mesh.simplex_count()) {

@@ -4,6 +4,7 @@
 #define DYNMESH_QUALITY_H_
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -65,19 +66,41 @@ enum class SimplexVerdict : std::uint8_t {
   kOverRho = 2,           // over rho without excuse
   kTerminationGuard = 3,  // over rho, because mending it would split a subsegment that is too
                           // short for its surroundings already: that might never end
+  kBelowDihedral = 4,     // a tetrahedron within rho with a dihedral angle below min_dihedral: no
+                          // Steiner point mends it without making another
 };
 
-// Is a simplex over rho with the verdict `v` excused?
+// Is a simplex with the verdict `v` over rho, excused or not?
+inline bool IsOverRho(SimplexVerdict v) {
+  return v != SimplexVerdict::kGood && v != SimplexVerdict::kBelowDihedral;
+}
+
+// Is a simplex over rho with the verdict `v` excused? One within rho needs no excuse: false.
 inline bool IsExempt(SimplexVerdict v) {
   return v == SimplexVerdict::kSmallInputAngle || v == SimplexVerdict::kTerminationGuard;
 }
 
-// The verdict on each simplex of `mesh`, in its order. A function of the mesh and of
-// `options`.quality.
+// The verdict on each simplex of `mesh`, in its order. A function of the mesh, of
+// `options`.quality and, in space, of `options`.min_dihedral.
 // O(size). In space exact with the bound rho (1 + h) as rounded, and none is exempt. In the
 // plane the guard leaves single triangles: of a mesh with more than 1,000 that no angle
 // excuses, the others are kOverRho.
+// Below min_dihedral is what the mesher takes for a sliver, to the bit: tetrahedra that it calls
+// good are not below, and none that is not below has an angle less than the bound. One whose
+// least angle is the bound but for rounding may count as below: up to 1e-9 degrees more where the
+// bound is 5 degrees or more, up to 1e-4 more where it is next to nothing.
 std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options);
+
+// A tetrahedron that stands out by its least dihedral angle.
+struct WorstTetrahedron {
+  double angle_deg = 0;                        // the least of its six, in degrees
+  std::uint64_t index = 0;                     // in the mesh's order of simplices, from 0
+  std::array<double, 3> centroid = {0, 0, 0};  // the mean of its corners
+  friend bool operator==(const WorstTetrahedron&, const WorstTetrahedron&) = default;
+};
+
+// How many QualityReport::worst_dihedral holds at most.
+inline constexpr std::size_t kWorstDihedral = 10;
 
 // How good a whole mesh is.
 struct QualityReport {
@@ -95,10 +118,17 @@ struct QualityReport {
   // excludes these slivers.
   double share_below_5_deg = 0;
   double share_below_10_deg = 0;  // the same below 10 degrees
+  // In space, tetrahedra below MeshOptions::min_dihedral as JudgeSimplices has it, those over rho
+  // and flat ones included; 0 if that is 0.
+  std::uint64_t below_dihedral = 0;
+  // In space, the kWorstDihedral tetrahedra with the least angles, all if there are fewer, the
+  // least first; of equal angles the lesser index. Those that name an unknown vertex are left out.
+  std::vector<WorstTetrahedron> worst_dihedral;
 };
 
-// Of all simplices of `mesh`, the domain's border included; angles are dihedral in space. rho is
-// `options`.quality. O(size). A simplex that names an unknown vertex counts as flat.
+// Of all simplices of `mesh`, the domain's border included; angles are dihedral in space. The
+// bounds are `options`.quality and `options`.min_dihedral. O(size). A simplex that names an unknown
+// vertex counts as flat.
 QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options);
 
 }  // namespace dynmesh

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "dynmesh/quality.h"
@@ -286,6 +287,81 @@ TEST(MeasureQuality, AllowsTheSlackInSpaceAndNoMore) {
   EXPECT_EQ(MeasureQuality(mesh, options).min_angle_deg, 0);
 }
 
+// The corner of a cube pressed flat has its least angle, atan(h sqrt 2), at the long edges.
+TEST(MeasureQuality, TellsWhatIsBelowAKnownDihedralAngle) {
+  const double height = 0.1, angle = std::atan(height * std::sqrt(2.0)) * 45 / std::atan(1.0);
+  Mesh mesh;
+  mesh.dimension = 3;
+  mesh.vertices.ids = {1, 2, 3, 4, 5};
+  mesh.vertices.coordinates = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, height, 0, 0, 1};
+  mesh.vertices.containing_dimensions = {0, 0, 0, 0, 0};
+  mesh.vertices.owners = {1, 2, 3, 4, 5};
+  mesh.simplices = {1, 2, 3, 5, 1, 2, 3, 4};
+  MeshOptions options;
+  options.dimension = 3;
+  options.quality = 100;
+  using enum SimplexVerdict;
+  QualityReport report = MeasureQuality(mesh, options);
+  EXPECT_EQ(report.below_dihedral, 0U);
+  ASSERT_EQ(report.worst_dihedral.size(), 2U);
+  EXPECT_NEAR(report.worst_dihedral[0].angle_deg, angle, 1e-9);
+  EXPECT_EQ(report.worst_dihedral[0].index, 1U);
+  EXPECT_EQ(report.worst_dihedral[0].centroid, (std::array<double, 3>{0.25, 0.25, height / 4}));
+  EXPECT_EQ(report.worst_dihedral[1].index, 0U);
+  options.min_dihedral = angle - 1e-8;
+  EXPECT_EQ(MeasureQuality(mesh, options).below_dihedral, 0U);
+  EXPECT_EQ(JudgeSimplices(mesh, options), (std::vector{kGood, kGood}));
+  options.min_dihedral = angle + 1e-8;
+  report = MeasureQuality(mesh, options);
+  EXPECT_EQ(report.below_dihedral, 1U);
+  EXPECT_EQ(report.over_rho, 0U);
+  EXPECT_EQ(report.exempt, 0U);
+  EXPECT_EQ(JudgeSimplices(mesh, options), (std::vector{kGood, kBelowDihedral}));
+  EXPECT_FALSE(IsExempt(kBelowDihedral) || IsOverRho(kBelowDihedral));
+  options.quality = 2;  // its ratio is more: that is said, and it still counts
+  report = MeasureQuality(mesh, options);
+  EXPECT_EQ(report.below_dihedral, 1U);
+  EXPECT_EQ(report.over_rho, 1U);
+  EXPECT_EQ(JudgeSimplices(mesh, options), (std::vector{kGood, kOverRho}));
+  std::swap(mesh.simplices[0], mesh.simplices[1]);  // turned inside out
+  EXPECT_EQ(MeasureQuality(mesh, options).below_dihedral, 2U);
+  mesh.simplices[0] = 77;  // a vertex that is not there
+  report = MeasureQuality(mesh, options);
+  EXPECT_EQ(report.below_dihedral, 2U);
+  EXPECT_EQ(report.worst_dihedral.size(), 1U);
+}
+
+TEST(MeasureQuality, FindsTheWorstTetrahedraInOrder) {
+  auto random = testing::MakeRandom();
+  for (const std::size_t count : {0, 1, 9, 10, 11, 300}) {
+    Mesh mesh = Heap(random, count);
+    for (std::size_t i = 0; i + 1 < count; i += 7) {  // some twice
+      std::copy_n(&mesh.vertices.coordinates[12 * i], 12, &mesh.vertices.coordinates[12 * i + 12]);
+    }
+    MeshOptions options;
+    options.dimension = 3;
+    options.min_dihedral = 10;
+    std::vector<std::pair<double, std::uint64_t>> expected;
+    std::uint64_t below = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double* const x = &mesh.vertices.coordinates[12 * i];
+      expected.emplace_back(MeasureTetrahedron(x, x + 3, x + 6, x + 9).min_angle_deg, i);
+      below += expected.back().first < 10;
+    }
+    std::sort(expected.begin(), expected.end());
+    const QualityReport report = MeasureQuality(mesh, options);
+    EXPECT_EQ(report.below_dihedral, below);
+    ASSERT_EQ(report.worst_dihedral.size(), std::min(count, kWorstDihedral));
+    for (std::size_t k = 0; k < report.worst_dihedral.size(); ++k) {
+      EXPECT_EQ(report.worst_dihedral[k].angle_deg, expected[k].first) << k;
+      EXPECT_EQ(report.worst_dihedral[k].index, expected[k].second) << k;
+    }
+    const std::vector<SimplexVerdict> verdicts = JudgeSimplices(mesh, options);
+    for (std::size_t i = 0; i < count; ++i) below -= verdicts[i] == SimplexVerdict::kBelowDihedral;
+    EXPECT_LE(below, report.over_rho);
+  }
+}
+
 TEST(JudgeSimplices, TakesAnyCoordinates) {
   auto random = testing::MakeRandom();
   for (int round = 0; round < 500; ++round) {
@@ -298,7 +374,9 @@ TEST(JudgeSimplices, TakesAnyCoordinates) {
     }
     MeshOptions options;
     options.dimension = 3;
+    options.min_dihedral = 10;
     ASSERT_EQ(JudgeSimplices(mesh, options).size(), 1U);
+    ASSERT_EQ(MeasureQuality(mesh, options).worst_dihedral.size(), 1U);
   }
 }
 
