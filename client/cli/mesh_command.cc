@@ -25,8 +25,8 @@ struct MeshCommand {
   bool json = false;
 };
 
-std::string Summarise(const Mesh& mesh, const QualityReport& quality, double build_seconds,
-                      bool json) {
+std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min_dihedral,
+                      double build_seconds, bool json) {
   if (json) {
     return JsonObject()
         .Add("vertices", mesh.vertices.size())
@@ -39,6 +39,7 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double bui
         .Add("over_rho", quality.over_rho)
         .Add("exempt", quality.exempt)
         .Add("exempt_by_guard", quality.exempt_by_guard)
+        .Add("below_dihedral", quality.below_dihedral)
         .Add("build_seconds", build_seconds)
         .AddText("hash", mesh.hash.ToHex())
         .ToLine();
@@ -52,6 +53,7 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double bui
       "%-17s  %.2f to %.2f degrees\n"
       "worst radius-edge  %.6g\n"
       "over rho           %d (%d exempt, %d of them by the termination guard)\n"
+      "%s"
       "built in           %.3f s\n"
       "hash               %s\n",
       mesh.vertices.size(), SimplicesWord(mesh.dimension), mesh.simplex_count(),
@@ -59,7 +61,7 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double bui
       in_space ? absl::StrFormat("subfacets          %d\n", mesh.subfacets.size()) : "",
       AnglesWord(mesh.dimension), quality.min_angle_deg, quality.max_angle_deg,
       quality.worst_radius_edge, quality.over_rho, quality.exempt, quality.exempt_by_guard,
-      build_seconds, mesh.hash.ToHex());
+      BelowDihedralText(quality.below_dihedral, min_dihedral), build_seconds, mesh.hash.ToHex());
 }
 
 int Run(const MeshCommand& command) {
@@ -84,6 +86,9 @@ int Run(const MeshCommand& command) {
   if (auto status = ApplyMeshFlags(command.mesh, options); !status.ok()) {
     return ReportError(status);
   }
+  if (auto status = CheckOutputsOf(options.dimension, command.output); !status.ok()) {
+    return ReportError(status);
+  }
   const auto start = std::chrono::steady_clock::now();
   absl::StatusOr<Mesh> mesh = BuildMesh(input->features, options);
   const std::chrono::duration<double> build = std::chrono::steady_clock::now() - start;
@@ -97,7 +102,9 @@ int Run(const MeshCommand& command) {
   if (auto status = WriteOutputs(*mesh, options, command.output); !status.ok()) {
     return ReportError(status);
   }
-  return PrintOut(Summarise(*mesh, quality, build.count(), command.json)) ? kExitDone : kExitFailed;
+  return PrintOut(Summarise(*mesh, quality, options.min_dihedral, build.count(), command.json))
+             ? kExitDone
+             : kExitFailed;
 }
 
 }  // namespace

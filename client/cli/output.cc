@@ -53,6 +53,7 @@ absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Me
   svg.fill = *fill;
   svg.width = flags.width;
   svg.rho = options.quality;
+  svg.min_dihedral = options.min_dihedral;
   svg.crop = options.box;
   if (!flags.cut.empty()) {
     if (auto status = ParseCut(flags.cut, svg); !status.ok()) return status;
@@ -84,11 +85,14 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
       ->take_all()
       ->allow_extra_args(false);
   command
-      .add_option("--fill", flags.fill,
-                  "Colours of a picture (default: angle; plain with --highlight): by least angle, "
-                  "by circumradius / shortest edge, by shortest edge, by whether a small input "
-                  "angle excuses a triangle over rho, by the polygons it lies in")
-      ->type_name("angle|quality|size|exempt|region|plain|none");
+      .add_option(
+          "--fill", flags.fill,
+          "Colours of a picture (default: angle; plain with --highlight): by least angle, "
+          "in space dihedral (dihedral: with a legend), by circumradius / shortest edge, by "
+          "shortest edge, by whether a small input angle excuses a triangle over rho and, "
+          "with a legend, which tetrahedra are below --min-dihedral, by the polygons it "
+          "lies in")
+      ->type_name("angle|dihedral|quality|size|exempt|region|plain|none");
   command
       .add_option("--crop", flags.crop,
                   "What a picture shows (default: the box of the features), of a cut along its "
@@ -118,6 +122,15 @@ absl::Status CheckOutputs(const OutputFlags& flags) {
   return MakeSvgOptions(flags, MeshOptions(), false).status();
 }
 
+absl::Status CheckOutputsOf(int dimension, const OutputFlags& flags) {
+  if (flags.fill.empty()) return absl::OkStatus();
+  const absl::StatusOr<io::SvgOptions::Fill> fill = io::ParseFill(flags.fill);
+  if (!fill.ok()) return fill.status();
+  const absl::Status status = io::CheckFill(*fill, dimension);
+  if (status.ok()) return status;
+  return absl::InvalidArgumentError(data::Concat("--fill: ", data::View(status.message())));
+}
+
 absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const OutputFlags& flags,
                           const SimplexColumn& highlight) {
   if (flags.paths.empty()) return absl::OkStatus();
@@ -127,7 +140,7 @@ absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const Ou
     const std::string extension = ExtensionOf(path);
     absl::Status status;
     if (extension == ".vtu") {
-      status = io::WriteVtu(*indexed, options.quality, path);
+      status = io::WriteVtu(*indexed, options.quality, path, options.min_dihedral);
     } else if (extension == ".msh") {
       status = io::WriteMsh(*indexed, path);
     } else if (extension == ".mesh") {

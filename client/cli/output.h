@@ -27,6 +27,9 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags);
 // is a pity to mesh for an hour and then not to know where to.
 absl::Status CheckOutputs(const OutputFlags& flags);
 
+// The same once the dimension of the mesh (2 or 3) is known.
+absl::Status CheckOutputsOf(int dimension, const OutputFlags& flags);
+
 // Writes every file. Pictures show the box of `options` unless cropped, and let the
 // simplices `highlight` stand out.
 absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const OutputFlags& flags,

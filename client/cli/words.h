@@ -2,6 +2,11 @@
 #ifndef DYNMESH_CLIENT_CLI_WORDS_H_
 #define DYNMESH_CLIENT_CLI_WORDS_H_
 
+#include <cstdint>
+#include <string>
+
+#include "absl/strings/str_format.h"
+
 namespace dynmesh::cli {
 
 constexpr const char* SimplicesWord(int dimension) {
@@ -9,6 +14,12 @@ constexpr const char* SimplicesWord(int dimension) {
 }
 constexpr const char* AnglesWord(int dimension) {
   return dimension == 3 ? "dihedral angles" : "angles";
+}
+// A line on how many tetrahedra have an angle below that many degrees; none if there is no bound.
+inline std::string BelowDihedralText(std::uint64_t count, double min_dihedral) {
+  if (!(min_dihedral > 0)) return "";
+  return absl::StrFormat("below dihedral     %d with an angle below %.6g degrees\n", count,
+                         min_dihedral);
 }
 
 }  // namespace dynmesh::cli

@@ -9,9 +9,9 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "core/data/canonical_order.h"
+#include "core/data/check_columns.h"
 #include "core/data/text.h"
 #include "core/io/sort_by_vertex.h"
-#include "core/data/check_columns.h"
 
 namespace dynmesh::io {
 
@@ -343,10 +343,12 @@ SimplexMeasures MeasureSimplex(const IndexedMesh& mesh, std::size_t i) {
   return mesh.dimension == 2 ? brief(MeasureTriangle(mesh, i)) : brief(MeasureTetrahedron(mesh, i));
 }
 
-std::vector<SimplexVerdict> JudgeSimplices(const IndexedMesh& mesh, double rho) {
+std::vector<SimplexVerdict> JudgeSimplices(const IndexedMesh& mesh, double rho,
+                                           double min_dihedral) {
   MeshOptions options;
   options.dimension = mesh.dimension;
   options.quality = rho;
+  options.min_dihedral = min_dihedral;
   return dynmesh::JudgeSimplices(ToMesh(mesh), options);
 }
 

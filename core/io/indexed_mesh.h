@@ -108,8 +108,10 @@ struct SimplexMeasures {
   double min_angle_deg = 0;
 };
 SimplexMeasures MeasureSimplex(const IndexedMesh& mesh, std::size_t i);
-// What dynmesh::JudgeSimplices says of each simplex, in the order of rows. O(size).
-std::vector<SimplexVerdict> JudgeSimplices(const IndexedMesh& mesh, double rho);
+// What dynmesh::JudgeSimplices says of each simplex, in the order of rows. `min_dihedral` in
+// degrees is of space, 0: no bound. O(size).
+std::vector<SimplexVerdict> JudgeSimplices(const IndexedMesh& mesh, double rho,
+                                           double min_dihedral = 0);
 
 }  // namespace dynmesh::io
 

@@ -14,6 +14,7 @@
 #include "core/io/colour_ramp.h"
 #include "core/io/file_writer.h"
 #include "core/io/mesh_picture.h"
+#include "core/io/svg_legend.h"
 #include "dynmesh/quality.h"
 
 namespace dynmesh::io {
@@ -26,6 +27,10 @@ constexpr std::string_view kPlainFill = "#eaf1f6";
 constexpr std::string_view kHighlightFill = "#f6a821";
 constexpr std::string_view kExemptFill = "#f6a821";
 constexpr std::string_view kOverRhoFill = "#b2182b";
+constexpr std::string_view kBelowDihedralFill = "#7b3294";
+// The least angle of the best simplex, in degrees.
+constexpr double kBestAngle2D = 60;
+constexpr double kBestAngle3D = 70.528779365509308;
 // Where on the ramp a triangle stands that is just within rho.
 constexpr double kAtRho = 0.15;
 
@@ -82,6 +87,7 @@ class SvgDrawing {
     DrawLines();
     DrawSubsegments();
     if (options_.points) DrawPoints();
+    DrawLegend();
     out_ << "</svg>\n";
   }
 
@@ -171,7 +177,8 @@ class SvgDrawing {
 
   void Open() {
     const double width = std::ceil(options_.width);
-    const double height = std::ceil(height_);
+    const double height =
+        std::ceil(height_) + (HasLegend() ? std::ceil(LegendHeight(options_.width)) : 0);
     out_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\""
          << height << "\" viewBox=\"0 0 " << width << ' ' << height << "\">\n<title>Delaunay mesh, "
          << mesh_.vertices.size() << " vertices, " << mesh_.simplex_count();
@@ -216,20 +223,27 @@ class SvgDrawing {
       case SvgOptions::Fill::kSize:
         return FillByValue(kSizeRamp, SizesOnRamp());
       case SvgOptions::Fill::kAngle:
+      case SvgOptions::Fill::kDihedral:
       case SvgOptions::Fill::kQuality:
         return FillByValue(kQualityRamp, GoodnessOnRamp());
     }
   }
 
   void FillByVerdict() {
-    const std::vector<SimplexVerdict> verdicts = JudgeSimplices(mesh_, options_.rho);
-    std::vector<std::uint32_t> of[3];
+    const std::vector<SimplexVerdict> verdicts =
+        JudgeSimplices(mesh_, options_.rho, options_.min_dihedral);
+    constexpr std::string_view kFills[] = {kPlainFill, kExemptFill, kOverRhoFill,
+                                           kBelowDihedralFill};
+    std::vector<std::uint32_t> of[4];
     for (const std::uint32_t i : cells_) {
       const SimplexVerdict verdict = verdicts[SimplexOf(i)];
-      of[verdict == SimplexVerdict::kGood ? 0 : IsExempt(verdict) ? 1 : 2].push_back(i);
+      of[verdict == SimplexVerdict::kGood            ? 0
+         : IsExempt(verdict)                         ? 1
+         : verdict == SimplexVerdict::kBelowDihedral ? 3
+                                                     : 2]
+          .push_back(i);
     }
-    constexpr std::string_view kFills[] = {kPlainFill, kExemptFill, kOverRhoFill};
-    for (std::size_t v = 0; v < 3; ++v) {
+    for (std::size_t v = 0; v < 4; ++v) {
       if (!of[v].empty()) FillCells(of[v], kFills[v]);
     }
   }
@@ -258,10 +272,10 @@ class SvgDrawing {
 
   // Of each cell shown, 0 (bad) to 1 (equilateral).
   std::vector<double> GoodnessOnRamp() const {
-    const bool by_angle = options_.fill == SvgOptions::Fill::kAngle;
+    const bool by_angle = options_.fill != SvgOptions::Fill::kQuality;
     const bool in_space = mesh_.dimension == 3;
     const double best = in_space ? std::sqrt(0.375) : 1 / std::sqrt(3.0);
-    const double best_angle = in_space ? 70.528779365509308 : 60;
+    const double best_angle = in_space ? kBestAngle3D : kBestAngle2D;
     std::vector<SimplexVerdict> verdicts;
     if (!by_angle) verdicts = JudgeSimplices(mesh_, options_.rho);
     std::vector<double> values;
@@ -269,7 +283,7 @@ class SvgDrawing {
       const SimplexMeasures q = MeasureSimplex(mesh_, SimplexOf(i));
       if (by_angle) {
         values.push_back(q.min_angle_deg / best_angle);
-      } else if (verdicts[SimplexOf(i)] != SimplexVerdict::kGood) {
+      } else if (IsOverRho(verdicts[SimplexOf(i)])) {
         values.push_back(0);
       } else {
         const double part = (options_.rho - q.radius_edge) / (options_.rho - best);
@@ -287,9 +301,12 @@ class SvgDrawing {
       const double t = std::clamp(values[i], 0.0, 1.0);
       groups[static_cast<int>(t * (kFillSteps - 1))].push_back(cells_[i]);
     }
-    for (const auto& [step, triangles] : groups) {
-      FillCells(triangles, ColourAt(ramp, static_cast<double>(step) / (kFillSteps - 1)));
-    }
+    for (const auto& [step, triangles] : groups) FillCells(triangles, StepColour(ramp, step));
+  }
+
+  template <std::size_t N>
+  static std::string StepColour(const ColourRamp<N>& ramp, int step) {
+    return ColourAt(ramp, static_cast<double>(step) / (kFillSteps - 1));
   }
 
   void DrawHighlight() {
@@ -301,6 +318,33 @@ class SvgDrawing {
       if (i < cell_of.size() && cell_of[i] != kNone) shown.push_back(cell_of[i]);
     }
     if (!shown.empty()) FillCells(shown, kHighlightFill);
+  }
+
+  bool HasLegend() const {
+    return options_.fill == SvgOptions::Fill::kDihedral ||
+           options_.fill == SvgOptions::Fill::kExempt;
+  }
+
+  void DrawLegend() {
+    const double top = std::ceil(height_);
+    if (options_.fill == SvgOptions::Fill::kDihedral) {
+      std::vector<std::string> colours;
+      for (int step = 0; step < kFillSteps; ++step) {
+        colours.push_back(StepColour(kQualityRamp, step));
+      }
+      WriteScale(colours, "least dihedral angle, degrees", kBestAngle3D, 10, top, options_.width,
+                 out_);
+    } else if (options_.fill == SvgOptions::Fill::kExempt) {
+      std::vector<LegendEntry> entries = {{std::string(kPlainFill), "within rho"}};
+      if (mesh_.dimension == 2) entries.push_back({std::string(kExemptFill), "over rho, exempt"});
+      entries.push_back({std::string(kOverRhoFill), "over rho"});
+      if (mesh_.dimension == 3 && options_.min_dihedral > 0) {
+        entries.push_back(
+            {std::string(kBelowDihedralFill),
+             absl::StrFormat("dihedral angle below %g degrees", options_.min_dihedral)});
+      }
+      WriteLegend(entries, top, options_.width, out_);
+    }
   }
 
   void WriteLine(const MeshPicture::Line& line) {
@@ -384,6 +428,10 @@ absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const 
   if (options.cut_axis < 0 || options.cut_axis > 2) {
     return absl::InvalidArgumentError("a picture is cut across axis 0, 1 or 2");
   }
+  if (!(options.min_dihedral >= 0) || !(options.min_dihedral <= kMaxMinDihedral)) {
+    return absl::InvalidArgumentError("the least dihedral angle of a picture must be 0 to 20");
+  }
+  if (auto status = CheckFill(options.fill, mesh.dimension); !status.ok()) return status;
   FileWriter out(path);
   SvgDrawing(mesh, options, out).Draw();
   return out.Close();
@@ -392,14 +440,21 @@ absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const 
 absl::StatusOr<SvgOptions::Fill> ParseFill(std::string_view text) {
   using Fill = SvgOptions::Fill;
   constexpr std::pair<std::string_view, Fill> kNames[] = {
-      {"angle", Fill::kAngle},   {"quality", Fill::kQuality}, {"size", Fill::kSize},
-      {"exempt", Fill::kExempt}, {"region", Fill::kRegion},   {"plain", Fill::kPlain},
-      {"none", Fill::kNone}};
+      {"angle", Fill::kAngle}, {"dihedral", Fill::kDihedral}, {"quality", Fill::kQuality},
+      {"size", Fill::kSize},   {"exempt", Fill::kExempt},     {"region", Fill::kRegion},
+      {"plain", Fill::kPlain}, {"none", Fill::kNone}};
   for (const auto& [name, fill] : kNames) {
     if (text == name) return fill;
   }
-  return absl::InvalidArgumentError(Concat(
-      "a fill is angle, quality, size, exempt, region, plain or none, found ", data::Quoted(text)));
+  return absl::InvalidArgumentError(
+      Concat("a fill is angle, dihedral, quality, size, exempt, region, plain or none, found ",
+             data::Quoted(text)));
+}
+
+absl::Status CheckFill(SvgOptions::Fill fill, int dimension) {
+  if (fill != SvgOptions::Fill::kDihedral || dimension == 3) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "a fill by dihedral angle is of space, and the mesh is of the plane: use angle");
 }
 
 }  // namespace dynmesh::io

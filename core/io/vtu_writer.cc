@@ -109,7 +109,23 @@ void WritePointData(const IndexedMesh& mesh, FileWriter& out) {
   out << "      </PointData>\n";
 }
 
-void WriteCellData(const IndexedMesh& mesh, double rho, FileWriter& out) {
+// The numbers of the array `exempt`. kOverRho has none of its own: a ratio shows it.
+std::uint8_t ExemptNumber(SimplexVerdict verdict) {
+  switch (verdict) {
+    case SimplexVerdict::kSmallInputAngle:
+      return 1;
+    case SimplexVerdict::kTerminationGuard:
+      return 2;
+    case SimplexVerdict::kBelowDihedral:
+      return 3;
+    case SimplexVerdict::kGood:
+    case SimplexVerdict::kOverRho:
+      return 0;
+  }
+  return 0;
+}
+
+void WriteCellData(const IndexedMesh& mesh, double rho, double min_dihedral, FileWriter& out) {
   std::vector<double> ratios;
   std::vector<double> angles;
   std::vector<std::uint8_t> exempt;
@@ -118,10 +134,8 @@ void WriteCellData(const IndexedMesh& mesh, double rho, FileWriter& out) {
     ratios.push_back(q.radius_edge);
     angles.push_back(q.min_angle_deg);
   }
-  for (const SimplexVerdict verdict : JudgeSimplices(mesh, rho)) {
-    exempt.push_back(verdict == SimplexVerdict::kSmallInputAngle    ? 1
-                     : verdict == SimplexVerdict::kTerminationGuard ? 2
-                                                                    : 0);
+  for (const SimplexVerdict verdict : JudgeSimplices(mesh, rho, min_dihedral)) {
+    exempt.push_back(ExemptNumber(verdict));
   }
   std::vector<std::uint32_t> regions = mesh.regions.numbers;
   std::vector<std::int64_t> owners(mesh.simplex_count(), 0);
@@ -142,13 +156,17 @@ void WriteCellData(const IndexedMesh& mesh, double rho, FileWriter& out) {
   if (mesh.regions.count() != 0) {
     WriteArray("UInt32", "region", 1, regions, out);
   }
-  if (mesh.dimension == 3) WriteArray("Int64", "owner", 1, owners, out);
+  if (mesh.dimension == 3) {
+    WriteArray("Float64", "min_dihedral", 1, angles, out);
+    WriteArray("Int64", "owner", 1, owners, out);
+  }
   out << "      </CellData>\n";
 }
 
 }  // namespace
 
-absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& path) {
+absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& path,
+                      double min_dihedral) {
   FileWriter out(path);
   out << "<?xml version=\"1.0\"?>\n"
          "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
@@ -160,7 +178,7 @@ absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& pa
   WritePoints(mesh, out);
   WriteCells(mesh, out);
   WritePointData(mesh, out);
-  WriteCellData(mesh, rho, out);
+  WriteCellData(mesh, rho, min_dihedral, out);
   out << "    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
   return out.Close();
 }

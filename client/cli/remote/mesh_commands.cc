@@ -84,6 +84,9 @@ int RunExport(const NamedCommand& command) {
   if (!client.ok()) return ReportError(client.status());
   const auto info = (*client)->GetMesh(command.id);
   if (!info.ok()) return ReportError(info.status());
+  if (auto status = CheckOutputsOf(info->options.dimension, command.output); !status.ok()) {
+    return ReportError(status);
+  }
   const auto mesh = (*client)->GetSnapshot(command.id, region->in);
   if (!mesh.ok()) return ReportError(mesh.status());
   WarnOfUnknownRegions(*region, *mesh);

@@ -116,6 +116,9 @@ int Run(const WatchCommand& command) {
   // Asked first, so that a wrong address or name is an error and not waited for.
   const auto info = client->GetMesh(command.id);
   if (!info.ok()) return ReportError(info.status());
+  if (auto status = CheckOutputsOf(info->options.dimension, command.output); !status.ok()) {
+    return ReportError(status);
+  }
   Printer printer(command, *region);
   client::WatchOptions options;
   options.regions = region->in;

@@ -102,8 +102,8 @@ TEST(Svg, OfAMeshOfSpaceShowsACut) {
   const TempFolder folder;
   const IndexedMesh mesh = IndexMesh(MakeGoodSpaceMesh(3, 60).mesh).value();
   using Fill = SvgOptions::Fill;
-  for (const Fill fill : {Fill::kAngle, Fill::kQuality, Fill::kSize, Fill::kExempt, Fill::kRegion,
-                          Fill::kPlain, Fill::kNone}) {
+  for (const Fill fill : {Fill::kAngle, Fill::kDihedral, Fill::kQuality, Fill::kSize, Fill::kExempt,
+                          Fill::kRegion, Fill::kPlain, Fill::kNone}) {
     SvgOptions options;
     options.fill = fill;
     options.cut_axis = 1;
@@ -125,6 +125,51 @@ TEST(Svg, OfAMeshOfSpaceShowsACut) {
   options.cut_axis = 3;
   EXPECT_EQ(WriteSvg(mesh, options, folder.Path("m.svg")).code(),
             absl::StatusCode::kInvalidArgument);
+}
+
+// From a fill's paths to the first line, what a picture draws.
+std::string FillsOf(const std::string& svg) {
+  const std::size_t from = svg.find("<path");
+  return svg.substr(from, svg.find("<path fill=\"none\"") - from);
+}
+
+TEST(Svg, OfDihedralAnglesHasTheColoursOfAngleAndALegend) {
+  const TempFolder folder;
+  const IndexedMesh mesh = IndexMesh(MakeGoodSpaceMesh(3, 60).mesh).value();
+  SvgOptions options;
+  ASSERT_TRUE(WriteSvg(mesh, options, folder.Path("a.svg")).ok());
+  options.fill = SvgOptions::Fill::kDihedral;
+  ASSERT_TRUE(WriteSvg(mesh, options, folder.Path("d.svg")).ok());
+  const std::string svg = folder.Read("d.svg");
+  EXPECT_EQ(FillsOf(svg), FillsOf(folder.Read("a.svg")));
+  EXPECT_NE(svg.find(">least dihedral angle, degrees<"), std::string::npos);
+  for (const char* tick : {">0<", ">10<", ">70<"}) EXPECT_NE(svg.find(tick), std::string::npos);
+  EXPECT_EQ(svg.find(">80<"), std::string::npos);
+}
+
+TEST(Svg, ShowsWhatIsBelowADihedralAngleInAColourOfItsOwn) {
+  const TempFolder folder;
+  const IndexedMesh mesh = IndexMesh(MakeGoodSpaceMesh(3, 60).mesh).value();
+  SvgOptions options;
+  options.fill = SvgOptions::Fill::kExempt;
+  options.rho = 3;
+  constexpr char kColour[] = "<path fill=\"#7b3294\"";
+  ASSERT_TRUE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+  EXPECT_EQ(folder.Read("m.svg").find("#7b3294"), std::string::npos);
+  options.min_dihedral = 20;
+  ASSERT_TRUE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+  const std::string svg = folder.Read("m.svg");
+  EXPECT_NE(svg.find(">dihedral angle below 20 degrees<"), std::string::npos);
+  const std::vector<SimplexVerdict> verdicts = JudgeSimplices(mesh, 3, 20);
+  std::ptrdiff_t expected = 0;
+  for (const MeshPicture::Cell& cell : CutThrough(mesh, 2, 4).cells) {
+    expected += verdicts[cell.simplex] == SimplexVerdict::kBelowDihedral;
+  }
+  ASSERT_GT(expected, 0);
+  const std::size_t at = svg.find(kColour);
+  ASSERT_NE(at, std::string::npos);
+  const std::string path = svg.substr(at, svg.find("/>", at) - at);
+  EXPECT_EQ(std::count(path.begin(), path.end(), 'z'), expected);
 }
 
 }  // namespace

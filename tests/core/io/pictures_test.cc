@@ -178,6 +178,10 @@ TEST(Svg, ShowsWhatIsExempt) {
   EXPECT_EQ(Filled(svg, "#f6a821"), 1U);
   EXPECT_EQ(Filled(svg, "#b2182b"), count(SimplexVerdict::kOverRho));
   EXPECT_EQ(Filled(svg, "#eaf1f6"), count(SimplexVerdict::kGood));
+  for (const char* label : {">within rho<", ">over rho, exempt<", ">over rho<"}) {
+    EXPECT_EQ(CountOf(svg, label), 1U) << label;
+  }
+  EXPECT_EQ(CountOf(svg, "dihedral"), 0U);
 }
 
 TEST(Svg, RegionsHaveColoursOfTheirOwn) {
@@ -253,7 +257,23 @@ TEST(Svg, TakesOddOptionsWithoutHarm) {
   options.width = 100;
   options.rho = std::nan("");
   EXPECT_FALSE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
-  for (const char* fill : {"angle", "quality", "size", "exempt", "region", "plain", "none"}) {
+  options = {};
+  options.fill = SvgOptions::Fill::kExempt;
+  for (const double width : {1.0, 100.0, 1e5}) {
+    options.width = width;
+    EXPECT_TRUE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
+    EXPECT_EQ(CountOf(folder.Read("m.svg"), "nan"), 0U);
+  }
+  for (const double degrees : {-1.0, 21.0, std::nan("")}) {
+    options.min_dihedral = degrees;
+    EXPECT_FALSE(WriteSvg(mesh, options, folder.Path("m.svg")).ok()) << degrees;
+  }
+  options = {};
+  options.fill = SvgOptions::Fill::kDihedral;  // of the plane
+  EXPECT_EQ(WriteSvg(mesh, options, folder.Path("m.svg")).code(),
+            absl::StatusCode::kInvalidArgument);
+  for (const char* fill :
+       {"angle", "dihedral", "quality", "size", "exempt", "region", "plain", "none"}) {
     EXPECT_TRUE(ParseFill(fill).ok()) << fill;
   }
   EXPECT_FALSE(ParseFill("blue").ok());

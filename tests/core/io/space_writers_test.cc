@@ -92,6 +92,32 @@ TEST(SpaceVtu, HoldsTetrahedraAndSubfacets) {
   }
 }
 
+TEST(SpaceVtu, TellsWhichTetrahedraAreBelowADihedralAngle) {
+  const TempFolder folder;
+  const IndexedMesh mesh = LabelledMesh();
+  const std::size_t n = mesh.tetrahedra.size(), cells = n + mesh.subfacet_count();
+  constexpr double kRho = 3;
+  const std::vector<SimplexVerdict> verdicts = JudgeSimplices(mesh, kRho, 20);
+  ASSERT_GT(std::count(verdicts.begin(), verdicts.end(), SimplexVerdict::kBelowDihedral), 0);
+  for (const double bound : {0.0, 20.0}) {
+    ASSERT_TRUE(WriteVtu(mesh, kRho, folder.Path("m.vtu"), bound).ok());
+    const std::string xml = folder.Read("m.vtu");
+    const auto angles = ReadArray<double>(xml, "min_dihedral");
+    const auto exempt = ReadArray<std::uint8_t>(xml, "exempt");
+    ASSERT_TRUE(angles.size() == cells && exempt.size() == cells);
+    for (std::size_t i = 0; i < cells; ++i) {
+      if (i >= n) {
+        EXPECT_TRUE(std::isnan(angles[i]) && exempt[i] == 0);
+        continue;
+      }
+      const TetrahedronQuality q = MeasureTetrahedron(mesh, i);
+      EXPECT_EQ(angles[i], q.min_angle_deg);
+      const bool is_below = q.min_angle_deg < bound && q.radius_edge <= kRho;
+      EXPECT_EQ(exempt[i], is_below ? 3 : 0) << q.min_angle_deg << ", " << q.radius_edge;
+    }
+  }
+}
+
 TEST(SpaceMedit, HoldsTheMesh) {
   const TempFolder folder;
   const IndexedMesh mesh = LabelledMesh();
