@@ -502,7 +502,9 @@ TEST(OptionsCodec, OfSpaceHaveTheirOwnDefault) {
   ASSERT_TRUE(options.ok()) << options.status();
   EXPECT_EQ(options->quality, kDefaultQuality3D);
   EXPECT_EQ(options->box, (Box{{-1, 0, -2}, {2, 0, 3}}));
-  EXPECT_EQ(options->min_dihedral, 0);
+  EXPECT_EQ(options->min_dihedral, kDefaultMinDihedral3D);
+  proto.set_min_dihedral(0);
+  EXPECT_EQ(DecodeOptions(proto, 1000)->min_dihedral, 0);
   proto.set_min_dihedral(12.5);
   EXPECT_EQ(DecodeOptions(proto, 1000)->min_dihedral, 12.5);
   v1::MeshOptions with_bound;

@@ -116,6 +116,9 @@ TEST(EditScript, OfSpaceHasAThirdCoordinate) {
                  Edit::Set(Feature::Size(12, {1, 2, 3}, {SizeShape::kBox, 0.5, 0, {4, 5, 6}})),
                  Edit::Add(Feature::SizePolygon(13, {{1, 2, 3}}, 0.5))}));
   EXPECT_EQ(Parse("mesh dim=3 rho=3\n")->Options().quality, 3);
+  EXPECT_EQ(Parse("mesh dim=3\n")->Options().min_dihedral, kDefaultMinDihedral3D);
+  EXPECT_EQ(Parse("mesh dim=3 min_dihedral=0\n")->Options().min_dihedral, 0);
+  EXPECT_EQ(Parse("mesh dim=2\n")->Options().min_dihedral, 0);
 }
 
 TEST(EditScript, OfSpaceWithoutABoxTakesThatOfItsPlaces) {
