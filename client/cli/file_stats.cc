@@ -14,6 +14,7 @@ namespace {
 
 absl::Status CheckFlags(const std::string& path, const FileStatsFlags& flags) {
   if (auto status = CheckRhoFlag(flags.rho); !status.ok()) return status;
+  if (auto status = CheckMinDihedralFlag(flags.min_dihedral); !status.ok()) return status;
   if (!flags.svg.empty() && io::ExtensionOf(flags.svg) != ".svg") {
     return absl::InvalidArgumentError(data::Concat("--svg ", flags.svg, ": must end in .svg"));
   }
@@ -45,6 +46,11 @@ void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags) {
       .add_option("--rho", flags.rho,
                   "Of a file: the quality it is judged by (default: sqrt 2, of space 2)")
       ->type_name("R");
+  command
+      .add_option("--min-dihedral", flags.min_dihedral,
+                  "Of a file of space: count the tetrahedra with a dihedral angle below this, 0 to "
+                  "20 degrees (default: 0, none)")
+      ->type_name("DEGREES");
 }
 
 bool IsMeshFile(const std::string& name) { return name.find_first_of("./") != std::string::npos; }
@@ -54,8 +60,11 @@ int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json
   const absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(path);
   if (!files.ok()) return ReportError(files.status());
   const int dimension = files->mesh.dimension;
-  const MeshStatistics statistics =
-      ComputeStatistics(files->mesh, flags.rho.value_or(DefaultQuality(dimension)));
+  if (auto status = CheckMinDihedralFlag(flags.min_dihedral, path, dimension); !status.ok()) {
+    return ReportError(status);
+  }
+  const MeshStatistics statistics = ComputeStatistics(
+      files->mesh, flags.rho.value_or(DefaultQuality(dimension)), flags.min_dihedral.value_or(0));
   if (!flags.svg.empty()) {
     io::HistogramOptions options;
     options.width = flags.width;

@@ -11,13 +11,13 @@
 namespace dynmesh::cli {
 
 struct FileStatsFlags {
-  std::optional<double> rho;
+  std::optional<double> rho, min_dihedral;
   std::string svg;
   bool log_scale = false;
   double width = 1000;
 };
 
-// --rho, --svg, --log, --width
+// --rho, --min-dihedral, --svg, --log, --width
 void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags);
 
 // Is `name` a file's? No id of a mesh has a dot or a slash.

@@ -29,6 +29,8 @@ std::size_t SequenceLength(std::string_view text) {
   return length;
 }
 
+std::string Number(double value) { return std::isfinite(value) ? data::Concat(value) : "null"; }
+
 }  // namespace
 
 std::string JsonQuote(std::string_view text) {
@@ -57,7 +59,7 @@ JsonObject& JsonObject::AddRaw(std::string_view key, std::string_view value) {
 }
 
 JsonObject& JsonObject::Add(std::string_view key, double value) {
-  return AddRaw(key, std::isfinite(value) ? data::Concat(value) : "null");
+  return AddRaw(key, Number(value));
 }
 
 JsonObject& JsonObject::AddText(std::string_view key, std::string_view value) {
@@ -77,6 +79,12 @@ JsonObject& JsonObject::AddCounts(std::string_view key, const std::vector<std::u
   for (const std::uint64_t value : values) {
     list += (list.empty() ? "" : ", ") + std::to_string(value);
   }
+  return AddRaw(key, "[" + list + "]");
+}
+
+JsonObject& JsonObject::AddNumbers(std::string_view key, const std::vector<double>& values) {
+  std::string list;
+  for (const double value : values) list += (list.empty() ? "" : ", ") + Number(value);
   return AddRaw(key, "[" + list + "]");
 }
 

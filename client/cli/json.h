@@ -26,6 +26,7 @@ class JsonObject {
   JsonObject& AddText(std::string_view key, std::string_view value);
   JsonObject& AddTexts(std::string_view key, const std::vector<std::string>& values);
   JsonObject& AddCounts(std::string_view key, const std::vector<std::uint64_t>& values);
+  JsonObject& AddNumbers(std::string_view key, const std::vector<double>& values);
   JsonObject& AddObject(std::string_view key, const JsonObject& value);
   JsonObject& AddObjects(std::string_view key, const std::vector<JsonObject>& values);
 

@@ -43,6 +43,20 @@ absl::Status CheckRhoFlag(std::optional<double> rho) {
   return absl::InvalidArgumentError("--rho must be 1 to 100");
 }
 
+absl::Status CheckMinDihedralFlag(std::optional<double> min_dihedral) {
+  if (!min_dihedral || (*min_dihedral >= 0 && *min_dihedral <= kMaxMinDihedral)) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError("--min-dihedral must be 0 to 20 degrees");
+}
+
+absl::Status CheckMinDihedralFlag(std::optional<double> min_dihedral, const std::string& path,
+                                  int dimension) {
+  if (!min_dihedral || dimension == 3) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      data::Concat("--min-dihedral: ", path, " is of the plane, and dihedral angles are of space"));
+}
+
 void AddBoxFlag(CLI::App& command, std::string& text) {
   command.add_option("--box", text, "Where features may lie (default: the input's bounding box)")
       ->type_name("X0,Y0,X1,Y1");

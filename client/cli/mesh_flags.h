@@ -36,6 +36,12 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags);
 // The rho that a mesh file is judged by, if it is given: 1 to 100.
 absl::Status CheckRhoFlag(std::optional<double> rho);
 
+// The least dihedral angle that a mesh file is judged by, if it is given: 0 to 20 degrees, and only
+// of a mesh of space.
+absl::Status CheckMinDihedralFlag(std::optional<double> min_dihedral);
+absl::Status CheckMinDihedralFlag(std::optional<double> min_dihedral, const std::string& path,
+                                  int dimension);
+
 // --box alone, and what it says if it was given.
 void AddBoxFlag(CLI::App& command, std::string& text);
 absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options);

@@ -69,18 +69,54 @@ const char* SizeWord(int dimension) { return dimension == 3 ? "volume" : "area";
 std::string BoundsText(const MeshStatistics& s) {
   if (s.dimension == 3) {
     return absl::StrFormat(
-        "slivers            %.3g %% of the tetrahedra below 5 degrees, %.3g %% below 10\n",
-        100 * s.quality.share_below_5_deg, 100 * s.quality.share_below_10_deg);
+               "slivers            %.3g %% of the tetrahedra below 5 degrees, %.3g %% below 10\n",
+               100 * s.quality.share_below_5_deg, 100 * s.quality.share_below_10_deg) +
+           BelowDihedralText(s.quality.below_dihedral, s.min_dihedral);
   }
   return absl::StrFormat("rho allows         %.2f to %.2f degrees\n", LeastAngle(s.rho),
                          180 - 2 * LeastAngle(s.rho));
+}
+
+std::vector<WorstDihedral> NameWorst(const io::IndexedMesh& mesh, const QualityReport& quality) {
+  std::vector<WorstDihedral> worst;
+  for (const WorstTetrahedron& t : quality.worst_dihedral) {
+    WorstDihedral& named = worst.emplace_back();
+    named.angle_deg = t.angle_deg;
+    named.at = t.centroid;
+    const io::IndexedMesh::Tetrahedron& corners = mesh.tetrahedra[t.index];
+    for (std::size_t k = 0; k < 4; ++k) named.vertices[k] = std::uint64_t{corners[k]} + 1;
+  }
+  return worst;
+}
+
+std::string WorstText(const MeshStatistics& s) {
+  if (s.worst_dihedral.empty()) return "";
+  std::string text = absl::StrFormat("\n%12s  %-42s  %s\n", "least angle", "at", "vertices");
+  for (const WorstDihedral& t : s.worst_dihedral) {
+    const auto& [x, y, z] = t.at;
+    const auto& [a, b, c, d] = t.vertices;
+    absl::StrAppendFormat(&text, "%12.4f  %-42s  %d %d %d %d\n", t.angle_deg,
+                          absl::StrFormat("%.6g %.6g %.6g", x, y, z), a, b, c, d);
+  }
+  return text;
+}
+
+std::vector<JsonObject> WorstJson(const MeshStatistics& s) {
+  std::vector<JsonObject> worst;
+  for (const WorstDihedral& t : s.worst_dihedral) {
+    worst.push_back(JsonObject()
+                        .Add("angle_deg", t.angle_deg)
+                        .AddNumbers("at", {t.at.begin(), t.at.end()})
+                        .AddCounts("vertices", {t.vertices.begin(), t.vertices.end()}));
+  }
+  return worst;
 }
 
 }  // namespace
 
 double LeastAngle(double rho) { return std::asin(1 / (2 * rho)) * (180 / std::numbers::pi); }
 
-MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho) {
+MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho, double min_dihedral) {
   MeshStatistics s;
   s.rho = rho;
   s.vertices = mesh.vertices.size();
@@ -93,7 +129,9 @@ MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho) {
   MeshOptions options;
   options.dimension = mesh.dimension;
   options.quality = rho;
+  options.min_dihedral = s.min_dihedral = min_dihedral;
   s.quality = MeasureQuality(io::ToMesh(mesh), options);
+  s.worst_dihedral = NameWorst(mesh, s.quality);
   std::vector<double> least;
   least.reserve(s.simplices);
   for (std::size_t i = 0; i < s.simplices; ++i) {
@@ -134,6 +172,7 @@ std::string StatisticsText(const MeshStatistics& s) {
                             polygons.empty() ? "no polygon" : polygons);
     }
   }
+  text += WorstText(s);
   absl::StrAppendFormat(&text, "\n%7s  %12s  %12s\n", "degrees", "least angles", "all angles");
   for (std::size_t i = 0; i < s.angles.size(); ++i) {
     const std::uint64_t least = i < s.least_angles.size() ? s.least_angles[i] : 0;
@@ -170,6 +209,8 @@ std::string StatisticsJson(const MeshStatistics& s) {
   if (s.dimension == 3) {
     object.Add("share_below_5_deg", s.quality.share_below_5_deg)
         .Add("share_below_10_deg", s.quality.share_below_10_deg);
+    if (s.min_dihedral > 0) object.Add("below_dihedral", s.quality.below_dihedral);
+    object.AddObjects("worst_dihedral", WorstJson(s));
   } else {
     object.Add("rho_min_angle_deg", LeastAngle(s.rho))
         .Add("rho_max_angle_deg", 180 - 2 * LeastAngle(s.rho));

@@ -2,6 +2,7 @@
 #ifndef DYNMESH_CLIENT_CLI_MESH_STATISTICS_H_
 #define DYNMESH_CLIENT_CLI_MESH_STATISTICS_H_
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -19,6 +20,13 @@ struct RegionStatistics {
   double size = 0;  // area, in space volume
 };
 
+// One of the tetrahedra with the least dihedral angles.
+struct WorstDihedral {
+  double angle_deg = 0;
+  std::array<double, 3> at = {0, 0, 0};                  // its centroid
+  std::array<std::uint64_t, 4> vertices = {0, 0, 0, 0};  // as the files number them, from 1
+};
+
 struct MeshStatistics {
   int dimension = 2;
   double rho = kDefaultQuality2D;
@@ -27,7 +35,9 @@ struct MeshStatistics {
   std::uint64_t subsegments = 0;
   std::uint64_t subfacets = 0;  // in space
   QualityReport quality;
-  double median_min_angle_deg = 0;  // of the simplices' least angles; 0 if there is none
+  double min_dihedral = 0;                    // what `quality` counts by; 0: no bound is known
+  std::vector<WorstDihedral> worst_dihedral;  // in space, those of `quality`, the least first
+  double median_min_angle_deg = 0;            // of the simplices' least angles; 0 if there is none
   // By degrees: [i, i + 1), the last one with its end. In space of dihedral angles.
   std::vector<std::uint64_t> least_angles;  // one a simplex; 60, in space 75
   std::vector<std::uint64_t> angles;        // three a triangle, six a tetrahedron; 180
@@ -37,8 +47,8 @@ struct MeshStatistics {
 // The least angle that a triangle within rho may have, in degrees.
 double LeastAngle(double rho);
 
-// O(size).
-MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho);
+// `min_dihedral` in degrees is of space, 0: no bound is known. O(size).
+MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho, double min_dihedral = 0);
 
 // For people and for programs; both have all the numbers. JSON: one object on a line.
 std::string StatisticsText(const MeshStatistics& statistics);

@@ -123,7 +123,7 @@ void CheckPlane(const io::MeshFiles& files, double rho, VerifyReport& report) {
 }
 
 void CheckSpace(const io::MeshFiles& files, const std::vector<Face>& faces, double rho,
-                VerifyReport& report) {
+                std::optional<double> min_dihedral, VerifyReport& report) {
   const io::IndexedMesh& mesh = files.mesh;
   report.checks.push_back(CheckManifold(mesh, faces));
   report.checks.push_back(CheckBox(mesh, faces));
@@ -131,12 +131,13 @@ void CheckSpace(const io::MeshFiles& files, const std::vector<Face>& faces, doub
   report.checks.push_back(CheckEdges(files, EdgesOf(mesh, faces)));
   report.checks.push_back(CheckFaces(files, faces));
   report.checks.push_back(CheckSpaceQuality(mesh, rho, report));
+  if (min_dihedral) report.checks.push_back(CheckDihedral(mesh, *min_dihedral, report));
 }
 
 }  // namespace
 
 VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
-                        const std::vector<Feature>* features) {
+                        const std::vector<Feature>* features, std::optional<double> min_dihedral) {
   const io::IndexedMesh& mesh = files.mesh;
   const bool in_space = mesh.dimension == 3;
   VerifyReport report;
@@ -152,7 +153,7 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
   report.checks.push_back(CheckOrientation(mesh));
   const std::vector<Face> faces = in_space ? CollectFaces(mesh) : std::vector<Face>();
   if (in_space) {
-    CheckSpace(files, faces, rho, report);
+    CheckSpace(files, faces, rho, min_dihedral, report);
   } else {
     CheckPlane(files, rho, report);
   }

@@ -36,11 +36,13 @@
 //                nearly flat tetrahedron whose corners are all on a polygon, one side counts
 //   regions      (if the input is given) every tetrahedron says which closed surfaces it is inside
 //                of, told by going from one to the next through all that is no subfacet
+//   dihedral     (if a bound is given) no dihedral angle is less, exactly where the bound is near
 // and what is bad for the sake of a small angle is not excused.
 #ifndef DYNMESH_CLIENT_CLI_VERIFY_H_
 #define DYNMESH_CLIENT_CLI_VERIFY_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -69,14 +71,17 @@ struct VerifyReport {
   std::uint64_t over_rho = 0;
   std::uint64_t exempt = 0;           // of those over rho
   std::uint64_t exempt_by_guard = 0;  // of the exempt: mending would split a subsegment
+  std::uint64_t below_dihedral = 0;   // in space, tetrahedra below the bound that was given
   MeshHash hash;
 
   bool Passed() const;
 };
 
-// `features`: what the mesh was made of; null: unknown. O(n lg n).
+// `features`: what the mesh was made of; null: unknown. `min_dihedral`: in space, what no dihedral
+// angle may be less than, in degrees, 0 to 20; none: there is no such check. O(n lg n).
 VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
-                        const std::vector<Feature>* features);
+                        const std::vector<Feature>* features,
+                        std::optional<double> min_dihedral = std::nullopt);
 
 }  // namespace dynmesh::cli
 

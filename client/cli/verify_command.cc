@@ -1,4 +1,5 @@
-// dynmesh verify MESH [--input INPUT] [--rho R]: is this file a mesh as it should be?
+// dynmesh verify MESH [--input INPUT] [--rho R] [--min-dihedral DEGREES]: is this file a mesh as it
+// should be?
 #include <memory>
 #include <optional>
 
@@ -19,11 +20,11 @@ struct VerifyCommand {
   std::string mesh;
   std::string input;
   InputFlags reading;
-  std::optional<double> rho;
+  std::optional<double> rho, min_dihedral;
   bool json = false;
 };
 
-std::string FormatJson(const VerifyReport& report, double rho) {
+std::string FormatJson(const VerifyReport& report, double rho, std::optional<double> min_dihedral) {
   JsonObject checks;
   std::vector<std::string> problems;
   for (const VerifyCheck& check : report.checks) {
@@ -32,8 +33,8 @@ std::string FormatJson(const VerifyReport& report, double rho) {
       problems.push_back(check.name + ": " + example);
     }
   }
-  return JsonObject()
-      .Add("ok", report.Passed())
+  JsonObject object;
+  object.Add("ok", report.Passed())
       .Add("vertices", report.vertices)
       .Add("simplices", report.simplices)
       .Add("subsegments", report.subsegments)
@@ -44,14 +45,16 @@ std::string FormatJson(const VerifyReport& report, double rho) {
       .Add("max_angle_deg", report.max_angle_deg)
       .Add("over_rho", report.over_rho)
       .Add("exempt", report.exempt)
-      .Add("exempt_by_guard", report.exempt_by_guard)
-      .AddText("hash", report.hash.ToHex())
+      .Add("exempt_by_guard", report.exempt_by_guard);
+  if (report.dimension == 3) object.Add("min_dihedral_deg", report.min_angle_deg);
+  if (min_dihedral) object.Add("below_dihedral", report.below_dihedral);
+  return object.AddText("hash", report.hash.ToHex())
       .AddObject("checks", checks)
       .AddTexts("problems", problems)
       .ToLine();
 }
 
-std::string FormatText(const VerifyReport& report, double rho) {
+std::string FormatText(const VerifyReport& report, double rho, std::optional<double> min_dihedral) {
   const std::string subfacets =
       report.dimension == 3 ? absl::StrFormat("%d subfacets, ", report.subfacets) : "";
   std::string text = absl::StrFormat(
@@ -61,6 +64,10 @@ std::string FormatText(const VerifyReport& report, double rho) {
       report.vertices, report.simplices, SimplicesWord(report.dimension), report.subsegments,
       subfacets, AnglesWord(report.dimension), report.min_angle_deg, report.max_angle_deg,
       report.worst_radius_edge, report.over_rho, rho, report.exempt, report.exempt_by_guard);
+  if (min_dihedral) {
+    text += absl::StrFormat("%d tetrahedra with a dihedral angle below %.6g degrees\n",
+                            report.below_dihedral, *min_dihedral);
+  }
   for (const VerifyCheck& check : report.checks) {
     if (check.failures == 0) {
       text += absl::StrFormat("  %-12s ok\n", check.name);
@@ -75,8 +82,15 @@ std::string FormatText(const VerifyReport& report, double rho) {
 
 int Run(const VerifyCommand& command) {
   if (auto status = CheckRhoFlag(command.rho); !status.ok()) return ReportError(status);
+  if (auto status = CheckMinDihedralFlag(command.min_dihedral); !status.ok()) {
+    return ReportError(status);
+  }
   const absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(command.mesh);
   if (!files.ok()) return ReportError(files.status());
+  if (auto status = CheckMinDihedralFlag(command.min_dihedral, command.mesh, files->mesh.dimension);
+      !status.ok()) {
+    return ReportError(status);
+  }
   Input input;
   if (!command.input.empty()) {
     absl::StatusOr<Input> loaded = LoadInput(command.input, command.reading);
@@ -90,9 +104,10 @@ int Run(const VerifyCommand& command) {
     if (auto status = AddSeedPolygons(input); !status.ok()) return ReportError(status);
   }
   const double rho = command.rho.value_or(DefaultQuality(files->mesh.dimension));
-  const VerifyReport report =
-      VerifyMesh(*files, rho, command.input.empty() ? nullptr : &input.features);
-  if (!PrintOut(command.json ? FormatJson(report, rho) : FormatText(report, rho))) {
+  const VerifyReport report = VerifyMesh(
+      *files, rho, command.input.empty() ? nullptr : &input.features, command.min_dihedral);
+  if (!PrintOut(command.json ? FormatJson(report, rho, command.min_dihedral)
+                             : FormatText(report, rho, command.min_dihedral))) {
     return kExitFailed;
   }
   return report.Passed() ? kExitDone : kExitFailed;
@@ -114,6 +129,10 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
   AddInputFlags(*sub, command->reading);
   sub->add_option("--rho", command->rho, "The quality asked for (default: sqrt 2, of space 2)")
       ->type_name("R");
+  sub->add_option("--min-dihedral", command->min_dihedral,
+                  "Of space: no dihedral angle may be below this, 0 to 20 degrees; a mesh made "
+                  "with --min-dihedral may have a few (default: not judged)")
+      ->type_name("DEGREES");
   sub->add_flag("--json", command->json, "Print one JSON object");
 }
 

@@ -135,6 +135,8 @@ VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Face>& faces
 VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
 VerifyCheck CheckFaces(const io::MeshFiles& files, const std::vector<Face>& faces);
 VerifyCheck CheckSpaceQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report);
+// Names the worst first. Fills below_dihedral of `report`.
+VerifyCheck CheckDihedral(const io::IndexedMesh& mesh, double min_dihedral, VerifyReport& report);
 VerifyCheck CheckFacets(const io::IndexedMesh& mesh, const std::vector<Feature>& features,
                         const Chains& chains);
 VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& faces,
@@ -147,6 +149,7 @@ struct Shape {
   double shortest = 0;
   double min_angle = 0;
   double max_angle = 180;
+  double least_area = 0;  // of a tetrahedron: twice that of a face over the longest edge squared
 };
 // Enters it into the measures of the report.
 void Record(const Shape& shape, VerifyReport& report);

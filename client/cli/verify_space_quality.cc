@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
+#include <vector>
 
 #include "client/cli/verify_internal.h"
 #include "core/data/text.h"
@@ -26,13 +28,19 @@ Vector Cross(const Vector& u, const Vector& v) {
 }
 Real Norm(const Vector& u) { return std::hypot(u[0], u[1], u[2]); }
 
-// The ratio squared; infinity if flat or turned inside out.
-Real ExactRatioSquared(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t) {
+std::array<ExactKernel::Point_3, 4> ExactCorners(const io::IndexedMesh& mesh,
+                                                 const io::IndexedMesh::Tetrahedron& t) {
   std::array<ExactKernel::Point_3, 4> p;
   for (std::size_t k = 0; k < 4; ++k) {
     const auto& v = mesh.vertices[t[k]];
     p[k] = {v.x, v.y, v.z};
   }
+  return p;
+}
+
+// The ratio squared; infinity if flat or turned inside out.
+Real ExactRatioSquared(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t) {
+  const std::array<ExactKernel::Point_3, 4> p = ExactCorners(mesh, t);
   if (CGAL::orientation(p[0], p[1], p[2], p[3]) != CGAL::POSITIVE) {
     return std::numeric_limits<Real>::infinity();
   }
@@ -44,6 +52,35 @@ Real ExactRatioSquared(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetra
   }
   return CGAL::to_double(
       CGAL::Exact_rational(CGAL::squared_radius(p[0], p[1], p[2], p[3]) / shortest));
+}
+
+using ExactVector = ExactKernel::Vector_3;
+
+// sin^2 of the angle between two faces at their common edge is
+//   |n x m|^2 / (|n|^2 |m|^2)
+// with normals n, m, and the angle is acute where n m < 0, both to the outside: rational, and
+// beside the bound's sine, which has 64 bits, as good as exact.
+bool IsBelowExactly(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t,
+                    Real degrees) {
+  const std::array<ExactKernel::Point_3, 4> p = ExactCorners(mesh, t);
+  if (CGAL::orientation(p[0], p[1], p[2], p[3]) != CGAL::POSITIVE) return degrees > 0;
+  const ExactVector a = p[1] - p[0], b = p[2] - p[0], c = p[3] - p[0];
+  const std::array<ExactVector, 4> n = {CGAL::cross_product(b - a, c - a),
+                                        CGAL::cross_product(c, b), CGAL::cross_product(a, c),
+                                        CGAL::cross_product(b, a)};
+  const Real sine = std::sin(degrees * std::numbers::pi_v<Real> / 180);
+  // A long double is two doubles.
+  const auto high = static_cast<double>(sine);
+  const CGAL::Exact_rational s =
+      CGAL::Exact_rational(high) + CGAL::Exact_rational(static_cast<double>(sine - high));
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = i + 1; j < 4; ++j) {
+      if (n[i] * n[j] >= 0) continue;
+      const CGAL::Exact_rational across = CGAL::cross_product(n[i], n[j]).squared_length();
+      if (across < s * s * n[i].squared_length() * n[j].squared_length()) return true;
+    }
+  }
+  return false;
 }
 
 Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t) {
@@ -89,6 +126,10 @@ Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t
   for (std::size_t i = 1; i < 4; ++i) {
     for (Real& c : normal[i]) c = -c;
   }
+  shape.least_area = std::numeric_limits<double>::infinity();
+  for (const Vector& n : normal) {
+    shape.least_area = std::min(shape.least_area, static_cast<double>(Norm(n)));
+  }
   shape.min_angle = 180, shape.max_angle = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     for (std::size_t j = i + 1; j < 4; ++j) {
@@ -115,6 +156,41 @@ VerifyCheck CheckSpaceQuality(const io::IndexedMesh& mesh, double rho, VerifyRep
     ++report.over_rho;
     findings.Add(
         data::Concat(TetrahedronName(t), " has circumradius / shortest edge ", shape.ratio));
+  }
+  return findings.Take();
+}
+
+VerifyCheck CheckDihedral(const io::IndexedMesh& mesh, double min_dihedral, VerifyReport& report) {
+  // Angles as measured are right to less, but in needles.
+  constexpr double kUnsure = 1e-9;
+  constexpr double kNeedle = 1e-7;
+  struct Below {
+    double angle;
+    std::uint32_t tetrahedron;
+  };
+  std::vector<Below> all;
+  for (std::uint32_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+    const Shape shape = Measure(mesh, mesh.tetrahedra[t]);
+    const bool is_unsure =
+        std::abs(shape.min_angle - min_dihedral) <= kUnsure || shape.least_area < kNeedle;
+    if (is_unsure ? IsBelowExactly(mesh, mesh.tetrahedra[t], min_dihedral)
+                  : shape.min_angle < min_dihedral) {
+      all.push_back({shape.min_angle, t});
+    }
+  }
+  report.below_dihedral = all.size();
+  std::sort(all.begin(), all.end(), [](const Below& s, const Below& t) {
+    return std::tie(s.angle, s.tetrahedron) < std::tie(t.angle, t.tetrahedron);
+  });
+  Findings findings("dihedral");
+  for (const Below& below : all) {
+    Vector at = {0, 0, 0};
+    for (const std::uint32_t v : mesh.tetrahedra[below.tetrahedron]) {
+      for (std::size_t k = 0; k < 3; ++k) at[k] += Real{mesh.vertices[v].place()[k]} / 4;
+    }
+    findings.Add(data::Concat(TetrahedronName(below.tetrahedron), " has a dihedral angle of ",
+                              below.angle, " degrees, around ", static_cast<double>(at[0]), " ",
+                              static_cast<double>(at[1]), " ", static_cast<double>(at[2])));
   }
   return findings.Take();
 }

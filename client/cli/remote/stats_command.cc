@@ -112,6 +112,10 @@ int Run(const StatsCommand& command) {
     return ReportError(absl::InvalidArgumentError(
         "--svg draws a mesh file's angles: export the mesh (-o MESH.node) and give that file"));
   }
+  if (command.file.min_dihedral) {
+    return ReportError(absl::InvalidArgumentError(
+        "--min-dihedral is of a mesh file: export the mesh (-o MESH.node) and give that file"));
+  }
   const auto client = Connect(command.server);
   if (!client.ok()) return ReportError(client.status());
   const auto status = (*client)->GetStats(command.mesh);

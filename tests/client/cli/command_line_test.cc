@@ -72,6 +72,8 @@ TEST_F(CommandLine, BadUsageAndBadInputAreTwo) {
                                 "mesh square.poly -o m.png",
                                 "mesh square.poly -o m.svg --fill blue",
                                 "mesh square.poly -o m.svg --fill change",
+                                "mesh square.poly -o m.svg --fill dihedral",
+                                "replay edits.txt -o m.svg --fill dihedral",
                                 "mesh square.poly -o m.svg --crop 1",
                                 "stats none.node",
                                 "stats bad.node",
@@ -80,6 +82,8 @@ TEST_F(CommandLine, BadUsageAndBadInputAreTwo) {
                                 "stats none.node --svg picture.png",
                                 "stats none.node --width 10",
                                 "stats plate --svg plate.svg",
+                                "stats plate --min-dihedral 10",
+                                "stats none.node --min-dihedral 21",
                                 "mesh square.stl",
                                 "replay",
                                 "replay none.txt",
@@ -90,6 +94,7 @@ TEST_F(CommandLine, BadUsageAndBadInputAreTwo) {
                                 "verify",
                                 "verify none",
                                 "verify none --rho 0",
+                                "verify none --min-dihedral -1",
                                 "diff none",
                                 "diff none none"}) {
     const Outcome outcome = Run(arguments);
@@ -211,6 +216,12 @@ TEST_F(CommandLine, StatsOfAFileNeedNoServer) {
   ASSERT_EQ(Run("stats ./m --svg log.svg --log --rho 2").code, 0);
   EXPECT_NE(folder_.Read("log.svg"), folder_.Read("h.svg"));
   EXPECT_NE(Run("stats m.node").out.find("degrees"), std::string::npos);
+  EXPECT_EQ(json.out.find("dihedral"), std::string::npos);
+  for (const std::string command : {"stats", "verify"}) {
+    const Outcome refused = Run(command + " m.node --min-dihedral 10");
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_NE(refused.err.find("m.node is of the plane"), std::string::npos) << refused.err;
+  }
 }
 
 TEST_F(CommandLine, VerifyFailsOnADamagedFile) {

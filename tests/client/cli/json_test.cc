@@ -8,20 +8,21 @@ namespace dynmesh::cli {
 namespace {
 
 TEST(Json, ObjectsKeepTheOrderOfTheirKeys) {
-  EXPECT_EQ(
-      JsonObject()
-          .Add("z", 1)
-          .Add("a", ~std::uint64_t{0})
-          .Add("f", 0.1)
-          .Add("t", true)
-          .AddText("s", "x")
-          .AddTexts("l", {"p", "q"})
-          .AddCounts("c", {0, ~std::uint64_t{0}})
-          .AddObject("o", JsonObject().Add("k", -1))
-          .AddObjects("e", {})
-          .ToLine(),
-      "{\"z\": 1, \"a\": 18446744073709551615, \"f\": 0.1, \"t\": true, \"s\": \"x\", "
-      "\"l\": [\"p\", \"q\"], \"c\": [0, 18446744073709551615], \"o\": {\"k\": -1}, \"e\": []}\n");
+  EXPECT_EQ(JsonObject()
+                .Add("z", 1)
+                .Add("a", ~std::uint64_t{0})
+                .Add("f", 0.1)
+                .Add("t", true)
+                .AddText("s", "x")
+                .AddTexts("l", {"p", "q"})
+                .AddCounts("c", {0, ~std::uint64_t{0}})
+                .AddNumbers("n", {0.5, std::numeric_limits<double>::quiet_NaN()})
+                .AddObject("o", JsonObject().Add("k", -1))
+                .AddObjects("e", {})
+                .ToLine(),
+            "{\"z\": 1, \"a\": 18446744073709551615, \"f\": 0.1, \"t\": true, \"s\": \"x\", "
+            "\"l\": [\"p\", \"q\"], \"c\": [0, 18446744073709551615], \"n\": [0.5, null], \"o\": "
+            "{\"k\": -1}, \"e\": []}\n");
 }
 
 TEST(Json, HasNoNumberThatIsNotFinite) {

@@ -1,6 +1,8 @@
 #include "client/cli/mesh_statistics.h"
 
+#include <array>
 #include <numeric>
+#include <utility>
 
 #include "gtest/gtest.h"
 
@@ -86,6 +88,32 @@ TEST(MeshStatistics, OfSpaceCountDihedralAnglesAndVolume) {
   EXPECT_NE(StatisticsText(s).find("dihedral angles"), std::string::npos);
   EXPECT_NE(StatisticsJson(s).find("\"volume\": 0.5"), std::string::npos);
   EXPECT_TRUE(StatisticsHistograms(s)[1].marks.empty());
+}
+
+TEST(MeshStatistics, OfSpaceNameTheWorstTetrahedra) {
+  // A regular tetrahedron, and the corner of a cube pressed flat: atan(0.2 sqrt 2), 15.79 degrees.
+  io::IndexedMesh mesh;
+  mesh.dimension = 3;
+  mesh.vertices = {{0, 0, 0, 1, 0}, {1, 1, 0, 5, 0}, {1, 0, 0, 6, 1},  {0, 1, 0, 7, 1},
+                   {1, 0, 0, 2, 0}, {0, 1, 0, 3, 0}, {0, 0, 0, 4, 0.2}};
+  mesh.tetrahedra = {{0, 1, 3, 2}, {0, 4, 5, 6}};
+  for (const auto& [bound, below] : {std::pair(0.0, 0U), {15.79, 0U}, {15.8, 1U}}) {
+    const MeshStatistics s = ComputeStatistics(mesh, 100, bound);
+    EXPECT_EQ(s.quality.below_dihedral, below) << bound;
+    ASSERT_EQ(s.worst_dihedral.size(), 2U);
+    EXPECT_NEAR(s.worst_dihedral[0].angle_deg, 15.7931691, 1e-6);
+    EXPECT_EQ(s.worst_dihedral[0].vertices, (std::array<std::uint64_t, 4>{1, 5, 6, 7}));
+    EXPECT_NEAR(s.worst_dihedral[1].angle_deg, 70.528779, 1e-6);
+    const std::string json = StatisticsJson(s), text = StatisticsText(s);
+    EXPECT_NE(json.find("\"worst_dihedral\": [{\"angle_deg\": 15.79"), std::string::npos) << json;
+    EXPECT_NE(json.find("\"at\": [0.25, 0.25, 0.05], \"vertices\": [1, 5, 6, 7]}, {"),
+              std::string::npos)
+        << json;
+    EXPECT_EQ(json.find("\"below_dihedral\": ") != std::string::npos, bound > 0);
+    EXPECT_EQ(text.find("below dihedral ") != std::string::npos, bound > 0);
+    EXPECT_NE(text.find("     15.7932  0.25 0.25 0.05 "), std::string::npos) << text;
+    EXPECT_NE(text.find("  1 5 6 7\n"), std::string::npos) << text;
+  }
 }
 
 TEST(MeshStatistics, OfNothingAreZero) {

@@ -151,6 +151,45 @@ TEST_F(SpaceCommands, AMeshOfSpaceIsMadeJudgedAndMeasured) {
   EXPECT_EQ(Run("mesh box.off --box=0,0,4,4").code, 2);
 }
 
+TEST_F(SpaceCommands, TellOfDihedralAngles) {
+  folder_.Write("box.off", kBoxInBox);
+  const Outcome made =
+      Run("mesh box.off --min-dihedral 10 --json -o m.node -o d.svg -o m.vtu --fill dihedral");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const std::string below = Value(made.out, "below_dihedral");
+  EXPECT_LE(std::stoi(below), 2);
+  EXPECT_NE(folder_.Read("d.svg").find(">least dihedral angle, degrees<"), std::string::npos);
+  EXPECT_NE(folder_.Read("m.vtu").find("Name=\"min_dihedral\""), std::string::npos);
+  Outcome judged = Run("verify m.node --json --input box.off --min-dihedral 10");
+  EXPECT_EQ(judged.code, below == "0" ? 0 : 1) << judged.out;
+  EXPECT_EQ(Value(judged.out, "below_dihedral"), below);
+  EXPECT_NEAR(std::stod(Value(judged.out, "min_dihedral_deg")),
+              std::stod(Value(made.out, "min_angle_deg")), 1e-9);
+  EXPECT_EQ(Value(Run("stats m.node --json --min-dihedral 10").out, "below_dihedral"), below);
+  EXPECT_NE(Run("mesh box.off --min-dihedral 10").out.find("below dihedral "), std::string::npos);
+
+  // Slivers that were left in peace.
+  const Outcome other = Run("mesh box.off --json -o s.node");
+  EXPECT_EQ(Value(other.out, "below_dihedral"), "0");  // of no bound
+  const Outcome measured = Run("stats s.node --json --min-dihedral 10");
+  ASSERT_EQ(measured.code, 0) << measured.err;
+  EXPECT_GT(std::stoi(Value(measured.out, "below_dihedral")), 10);
+  EXPECT_NE(measured.out.find("\"worst_dihedral\": [{\"angle_deg\": "), std::string::npos);
+  judged = Run("verify s.node --json");
+  EXPECT_EQ(judged.code, 0) << judged.out;
+  EXPECT_EQ(judged.out.find("below_dihedral"), std::string::npos);
+  EXPECT_EQ(judged.out.find("\"dihedral\""), std::string::npos);
+  judged = Run("verify s.node --json --min-dihedral 10");
+  EXPECT_EQ(judged.code, 1);
+  EXPECT_EQ(Value(judged.out, "ok"), "false");
+  EXPECT_EQ(Value(judged.out, "dihedral"), "false");
+  EXPECT_EQ(Value(judged.out, "below_dihedral"), Value(measured.out, "below_dihedral"));
+  EXPECT_NE(judged.out.find(" has a dihedral angle of "), std::string::npos);
+  const double least = std::stod(Value(judged.out, "min_dihedral_deg"));
+  EXPECT_EQ(Run("verify s.node --min-dihedral " + io::FormatDouble(least - 1e-8)).code, 0);
+  EXPECT_EQ(Run("verify s.node --min-dihedral " + io::FormatDouble(least + 1e-8)).code, 1);
+}
+
 TEST_F(SpaceCommands, PolygonsWantRhoOf1Point4) {
   folder_.Write("box.off", kBoxInBox);
   const Outcome refused = Run("mesh box.off --rho 1.39");
