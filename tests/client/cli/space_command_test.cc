@@ -1,6 +1,7 @@
 // Commands that take meshes and input of space.
 #include <algorithm>
 #include <map>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -188,6 +189,40 @@ TEST_F(SpaceCommands, TellOfDihedralAngles) {
   const double least = std::stod(Value(judged.out, "min_dihedral_deg"));
   EXPECT_EQ(Run("verify s.node --min-dihedral " + io::FormatDouble(least - 1e-8)).code, 0);
   EXPECT_EQ(Run("verify s.node --min-dihedral " + io::FormatDouble(least + 1e-8)).code, 1);
+}
+
+TEST_F(SpaceCommands, VerifyCountsBelowADihedralAngleAsTheMesherDoes) {
+  const std::uint64_t seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> within(0, 1);
+  for (const int count : {20, 150, 400}) {
+    std::string nodes = std::to_string(count) + " 3 0 0\n";
+    for (int i = 1; i <= count; ++i) {
+      nodes += std::to_string(i);
+      for (int k = 0; k < 3; ++k) nodes += " " + io::FormatDouble(within(random));
+      nodes += "\n";
+    }
+    folder_.Write("points.node", nodes);
+    for (const std::string bound : {"5", "10", "20"}) {  // at 20 some are left
+      const Outcome made =
+          Run("mesh points.node --json -o m.node -o e.svg --fill exempt --min-dihedral " + bound);
+      ASSERT_EQ(made.code, 0) << made.err;
+      const std::string below = Value(made.out, "below_dihedral");
+      for (const std::string asked : {"5", "10", "20"}) {
+        const std::string flags = " m.node --json --min-dihedral " + asked;
+        const Outcome judged = Run("verify" + flags);
+        const std::string counted = Value(judged.out, "below_dihedral");
+        EXPECT_EQ(counted, Value(Run("stats" + flags).out, "below_dihedral"));
+        EXPECT_EQ(judged.code, counted == "0" ? 0 : 1) << judged.out;
+        if (asked == bound) {
+          EXPECT_EQ(counted, below);
+        }
+      }
+      EXPECT_NE(folder_.Read("e.svg").find(">dihedral angle below " + bound + " degrees<"),
+                std::string::npos);
+    }
+  }
 }
 
 TEST_F(SpaceCommands, PolygonsWantRhoOf1Point4) {
