@@ -65,8 +65,8 @@ std::string FormatText(const VerifyReport& report, double rho, std::optional<dou
       subfacets, AnglesWord(report.dimension), report.min_angle_deg, report.max_angle_deg,
       report.worst_radius_edge, report.over_rho, rho, report.exempt, report.exempt_by_guard);
   if (min_dihedral) {
-    text += absl::StrFormat("%d tetrahedra with a dihedral angle below %.6g degrees\n",
-                            report.below_dihedral, *min_dihedral);
+    text += absl::StrFormat("tetrahedra with a dihedral angle below %.6g degrees: %d\n",
+                            *min_dihedral, report.below_dihedral);
   }
   for (const VerifyCheck& check : report.checks) {
     if (check.failures == 0) {
