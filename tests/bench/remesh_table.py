@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import pathlib
 import sys
 import time
 from dataclasses import dataclass
@@ -23,6 +24,7 @@ from scipy.interpolate import LinearNDInterpolator
 
 import dynmesh
 from other_meshers import Arrays, Mesher, Scene, installed
+from results_page import section_of
 
 MOST_SECONDS = 90.0  # of a step, foreseen from that of the size before
 SIZES = {2: [0.0103, 0.00325, 0.00103], 3: [0.067, 0.0246]}  # targets of edges
@@ -204,11 +206,12 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="the smallest of each dimension")
     parser.add_argument("--steps", type=int, default=10)
     parser.add_argument("--triangle", metavar="PROGRAM", help="Triangle's; Debian has none")
-    parser.add_argument("--out", default="RESULTS.md")
+    parser.add_argument("--out", type=pathlib.Path, default="RESULTS.md")
     arguments = parser.parse_args()
     others = installed(arguments.triangle)
     titles = {"point": "A point that moves by 0.004",
               "disc": "A disc (3D: a ball) in which the mesh is finer, moving by 0.004"}
+    other = section_of(arguments.out)
     with open(arguments.out, "w", encoding="utf-8") as file:
         print(BEFORE, file=file)
         for feature, title in titles.items():
@@ -216,6 +219,8 @@ def main() -> None:
             write_table(file, feature, arguments.steps, arguments.quick, others)
             print(file=file)
         file.write(AFTER)
+        if other:
+            file.write("\n" + other)
 
 
 if __name__ == "__main__":
