@@ -163,7 +163,7 @@ class Runner:
                                  self.folder / "out.node"]
         if given.h > 0:
             command += ["--hmax", given.h]
-        return command + (["--min-dihedral", bound] if bound > 0 else [])
+        return command + ["--min-dihedral", bound]
 
 
 def report_left(mesh: tetrahedra.Mesh, angles: np.ndarray, bound: float, of: str) -> None:
