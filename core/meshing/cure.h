@@ -33,16 +33,16 @@ namespace dynmesh::meshing {
 
 inline constexpr std::uint64_t kCureRounds = 3;
 // Candidates have ordinals: the centre; places across the sliver, up and down by these parts of R;
-// a shell of grid directions for each of these parts of R; then places on facets, which all have
-// the last one. What lies across has the best chances, as it is well off the sliver's plane: half
-// of them do, of the nearest grid directions a fifth. Most slivers that find nothing have two
-// corners on a facet.
+// a shell of grid directions for each of these parts of R; places all over the ball; then places on
+// facets, which all have the last one. What lies across has the best chances, as it is well off the
+// sliver's plane: half of them do, of the nearest grid directions a fifth. What finds nothing in
+// shells has two corners on a facet, mostly; then one place in a hundred to a thousand may do.
 inline constexpr std::array<double, 4> kCureHeights = {0.3, 0.45, 0.6, 0.15};
-inline constexpr std::array<double, 12> kCureShells = {0.15,  0.3,   0.45,  0.6,   0.75,  0.9,
-                                                       0.075, 0.225, 0.375, 0.525, 0.675, 0.825};
+inline constexpr std::array<double, 5> kCureShells = {0.15, 0.3, 0.45, 0.6, 0.75};
 inline constexpr std::uint32_t kFirstInShell = 1 + 2 * kCureHeights.size();
-inline constexpr std::uint32_t kOnFacet =
+inline constexpr std::uint32_t kFirstInBall =
     kFirstInShell + kCureShells.size() * kGridDirections.size();
+inline constexpr std::uint32_t kOnFacet = kFirstInBall + kBallPlaces.size();
 // What a Cure has read, four words each: a tetrahedron that there would be with a candidate, by its
 // ordinal and the other corners, such that the candidate and they are positive; or, of a sliver
 // that another cure unmade, this and three times the other's vertex.
@@ -197,13 +197,20 @@ geometry::Point<D> Refinement<D, E>::CandidateAt(const Sliver& sliver, std::uint
   if constexpr (D == 3) {
     x = sliver.centre;
     if (ordinal == 0) return x;
-    const bool is_across = ordinal < kFirstInShell;
-    const std::size_t i = ordinal - (is_across ? 1 : kFirstInShell);
-    const geometry::Vector3& d =
-        is_across ? sliver.normal : kGridDirections[i % kGridDirections.size()];
-    const double part = is_across ? (i % 2 == 0 ? 1 : -1) * kCureHeights[i / 2]
-                                  : kCureShells[i / kGridDirections.size()];
-    for (int k = 0; k < 3; ++k) x[k] += part * sliver.radius * d[static_cast<std::size_t>(k)];
+    const geometry::Vector3* direction = &sliver.normal;
+    double part = 1;
+    if (ordinal < kFirstInShell) {
+      const std::size_t i = ordinal - 1;
+      part = (i % 2 == 0 ? 1 : -1) * kCureHeights[i / 2];
+    } else if (ordinal < kFirstInBall) {
+      const std::size_t i = ordinal - kFirstInShell;
+      direction = &kGridDirections[i % kGridDirections.size()];
+      part = kCureShells[i / kGridDirections.size()];
+    } else {
+      direction = &kBallPlaces[ordinal - kFirstInBall];
+    }
+    const double out = part * sliver.radius;
+    for (std::size_t k = 0; k < 3; ++k) x.c[k] += out * (*direction)[k];
   }
   return x;
 }

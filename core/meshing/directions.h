@@ -1,5 +1,5 @@
-// Directions as data: sines of parts of a turn, and the 26 directions to the neighbours of a
-// cell in a grid. Not from libm: they are part of what a mesh is.
+// Directions and places as data: sines of parts of a turn, the 26 directions to the neighbours of a
+// cell in a grid, places all over a ball. Not from libm: they are part of what a mesh is.
 #ifndef DYNMESH_CORE_MESHING_DIRECTIONS_H_
 #define DYNMESH_CORE_MESHING_DIRECTIONS_H_
 
@@ -40,6 +40,25 @@ inline constexpr std::array<geometry::Vector3, 26> kGridDirections = [] {
         if (length > 0) all[count++] = {x * length, y * length, z * length};
       }
     }
+  }
+  return all;
+}();
+
+// Spread evenly over the open ball of radius 1: those of a Halton sequence of bases 2, 3 and 5.
+inline constexpr std::array<geometry::Vector3, 1000> kBallPlaces = [] {
+  const auto part = [](int i, int base) {
+    double sum = 0, unit = 1;
+    for (; i > 0; i /= base) {
+      unit /= base;
+      sum += unit * (i % base);
+    }
+    return 2 * sum - 1;
+  };
+  std::array<geometry::Vector3, 1000> all{};
+  std::size_t count = 0;
+  for (int i = 1; count < all.size(); ++i) {
+    const geometry::Vector3 x = {part(i, 2), part(i, 3), part(i, 5)};
+    if (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < 1) all[count++] = x;
   }
   return all;
 }();
