@@ -62,7 +62,7 @@ inline constexpr double kDefaultMinDihedral3D = 10;  // suits most input
 constexpr double DefaultQuality(int dimension) {
   return dimension == 3 ? kDefaultQuality3D : kDefaultQuality2D;
 }
-// The same where no MeshOptions::min_dihedral is asked for: 10 in 3D, 0 in 2D.
+// The same of MeshOptions::min_dihedral: 10 if `dimension` is 3, 0 if it is 2.
 constexpr double DefaultMinDihedral(int dimension) {
   return dimension == 3 ? kDefaultMinDihedral3D : 0;
 }
