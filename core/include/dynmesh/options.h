@@ -82,7 +82,7 @@ struct MeshOptions {
   // In 3D: no tetrahedron is to have a dihedral angle less than that many degrees. Of those that
   // have, each gets a Steiner point where there is one that makes no other: up to
   // kMaxMinDihedral; DefaultMinDihedral(3) suits most. Below 0.01 as if it were 0.01: 0 leaves
-  // slivers, but no tetrahedron that is flat but for rounding.
+  // slivers, but hardly a tetrahedron that is flat but for rounding.
   double min_dihedral = 0;
   Limits limits;  // an edit that would pass one is refused
   friend bool operator==(const MeshOptions&, const MeshOptions&) = default;

@@ -66,8 +66,8 @@ enum class SimplexVerdict : std::uint8_t {
   kOverRho = 2,           // over rho without excuse
   kTerminationGuard = 3,  // over rho, because mending it would split a subsegment that is too
                           // short for its surroundings already: that might never end
-  kBelowDihedral = 4,     // a tetrahedron within rho with a dihedral angle below min_dihedral: no
-                          // Steiner point mends it without making another
+  kBelowDihedral = 4,     // a tetrahedron within rho with a dihedral angle below min_dihedral: of
+                          // a mesh made with that, no place tried for a Steiner point would do
 };
 
 // Is a simplex with the verdict `v` over rho, excused or not?
