@@ -32,13 +32,17 @@
 namespace dynmesh::meshing {
 
 inline constexpr std::uint64_t kCureRounds = 3;
-// Candidates have ordinals: the centre; places across the sliver, up and down by these parts of R;
-// a shell of grid directions for each of these parts of R; places all over the ball; then places on
-// facets, which all have the last one. What lies across has the best chances, as it is well off the
-// sliver's plane: half of them do, of the nearest grid directions a fifth. What finds nothing in
-// shells has two corners on a facet, mostly; then one place in a hundred to a thousand may do.
+// Candidates have ordinals: the centre; positions across the sliver, up and down by these parts of
+// R; a shell of grid directions for each of these parts of R; positions all over the ball. All on
+// facets have the last ordinal; they come before those all over the ball, which cost the most.
+// Across the sliver half of them suit, as they are well off its plane; of the nearest grid
+// directions a fifth. A sliver that finds nothing in the shells has two corners on a facet, mostly.
+// Then one position in a hundred to a thousand may suit.
 inline constexpr std::array<double, 4> kCureHeights = {0.3, 0.45, 0.6, 0.15};
 inline constexpr std::array<double, 5> kCureShells = {0.15, 0.3, 0.45, 0.6, 0.75};
+// On a facet: this part of the radius of the circle that the ball cuts out of its plane.
+inline constexpr std::array<double, 10> kCircleParts = {0,   0.2, 0.4, 0.6, 0.8,
+                                                        0.1, 0.3, 0.5, 0.7, 0.9};
 inline constexpr std::uint32_t kFirstInShell = 1 + 2 * kCureHeights.size();
 inline constexpr std::uint32_t kFirstInBall =
     kFirstInShell + kCureShells.size() * kGridDirections.size();
@@ -216,23 +220,25 @@ geometry::Point<D> Refinement<D, E>::CandidateAt(const Sliver& sliver, std::uint
 }
 
 // Calls f(ordinal, x, facet) for the candidates in their order, until it says true. Does it? kNil:
-// x is on no facet. First the centre and places around it, then places on the facets that the ball
-// meets.
+// x is on no facet. The order is that of kCureHeights and what follows it.
 template <int D, template <class> class E>
 template <class F>
 bool Refinement<D, E>::ForEachCandidate(const Sliver& sliver, F f) const {
   if constexpr (D == 3) {
-    for (std::uint32_t ordinal = 0; ordinal < kOnFacet; ++ordinal) {
-      if (f(ordinal, CandidateAt(sliver, ordinal), kNil)) return true;
-    }
+    const auto any_of = [&](std::uint32_t first, std::uint32_t end) {
+      for (std::uint32_t ordinal = first; ordinal < end; ++ordinal) {
+        if (f(ordinal, CandidateAt(sliver, ordinal), kNil)) return true;
+      }
+      return false;
+    };
+    if (any_of(0, kFirstInBall)) return true;
     const Point& c = sliver.centre;
-    if (facets_.empty()) return false;
     for (const Facet* facet : FacetsNear(c, sliver.radius)) {
       const geometry::FacetPlane& plane = facet->plane();
       const double h = plane.Height(c), wide2 = sliver.radius * sliver.radius - h * h;
       if (!(wide2 > 0)) continue;
       const auto [x, y] = geometry::AxesOf(plane);
-      for (const double part : {0.0, 0.2, 0.4, 0.6, 0.8, 0.1, 0.3, 0.5, 0.7, 0.9}) {
+      for (const double part : kCircleParts) {
         const double out = part * std::sqrt(wide2);
         for (int k = 0; k < (part == 0 ? 1 : kDirections); ++k) {
           Point p = c;
@@ -245,6 +251,7 @@ bool Refinement<D, E>::ForEachCandidate(const Sliver& sliver, F f) const {
         }
       }
     }
+    return any_of(kFirstInBall, kOnFacet);
   }
   return false;
 }
@@ -254,6 +261,7 @@ template <int D, template <class> class E>
 std::vector<const Facet*> Refinement<D, E>::FacetsNear(const Point& c, double radius) const {
   std::vector<const Facet*> near;
   if constexpr (D == 3) {
+    if (facets_.empty()) return near;
     facets_.ForEachNear(c, radius, [&](const Facet& facet) { near.push_back(&facet); });
     const auto key = [&](const Facet* facet) {
       std::uint64_t corners = 0;

@@ -74,6 +74,8 @@ constexpr const char* kSteps[kJournalSchema] = {
     "",
     // Bits 5. Descriptions name min_dihedral; those that do not are of meshes without
     // (DecodeJournalMesh).
+    "",
+    // Bits 6.
     ""};
 
 // row_sum(...) in SQL: RowSumOf.

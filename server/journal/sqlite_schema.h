@@ -1,4 +1,4 @@
-// The tables of the journal in SQLite, and the steps from what an older version wrote. Schema 7:
+// The tables of the journal in SQLite, and the steps from what an older version wrote. Schema 8:
 //
 //   journal      one row: the id of this journal, which stands in journal.heads, too (heads_file.h)
 //   meshes       key, id, description, checksum; snapshot: revision of the newest; head: the last
@@ -22,7 +22,7 @@
 namespace dynmesh::server {
 
 // As numbered in the file.
-inline constexpr int kJournalSchema = 7;
+inline constexpr int kJournalSchema = 8;
 // From this one on a journal has an id and a record of its heads, and the tables of today.
 inline constexpr int kSchemaWithId = 3;
 

@@ -50,7 +50,7 @@ struct MeshHash {
 
 // The number of the function from features to meshes. It goes up when the mesh of some features
 // changes from one version to the next (CHANGELOG, "Bits"). Hashes are comparable within a number.
-inline constexpr std::uint32_t kMeshBits = 5;
+inline constexpr std::uint32_t kMeshBits = 6;
 
 // What a vertex adds to the hash of its mesh: its `coordinates` (`dimension` of them), its
 // `containing_dimension` and its `owner`, as in VertexColumns.
