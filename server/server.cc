@@ -20,14 +20,14 @@
 #include "dynmesh/version.h"
 #include "server/access/acceptor.h"
 #include "server/access/access.h"
-#include "server/access/memory_guard.h"
 #include "server/access/tls.h"
 #include "server/base/log.h"
+#include "server/base/memory_guard.h"
 #include "server/calls/admission.h"
 #include "server/calls/mesh_service.h"
 #include "server/calls/unknown_methods.h"
+#include "server/collect.h"
 #include "server/metrics/call_observer.h"
-#include "server/metrics/collect.h"
 #include "server/metrics/metrics_http.h"
 
 namespace dynmesh::server {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/config.h"
+#include "server/config/config.h"
 #include "server/journal/journal.h"
 #include "server/meshes/mesh_host.h"
 #include "server/meshes/mesh_registry.h"

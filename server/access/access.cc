@@ -8,8 +8,8 @@
 #include "absl/time/clock.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
+#include "server/base/mesh_name.h"
 #include "server/base/peer.h"
-#include "server/meshes/mesh_name.h"
 
 namespace dynmesh::server {
 namespace {

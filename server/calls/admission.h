@@ -20,7 +20,7 @@
 #include "server/base/work_gate.h"
 #include "server/base/worker_pool.h"
 #include "server/calls/open_sends.h"
-#include "server/config.h"
+#include "server/config/config.h"
 #include "server/meshes/mesh_registry.h"
 
 namespace dynmesh::server {

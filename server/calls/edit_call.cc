@@ -7,7 +7,7 @@
 
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
-#include "server/calls/call_id.h"
+#include "server/base/call_id.h"
 #include "server/calls/requests.h"
 #include "server/calls/send_timeout.h"
 #include "server/meshes/revert_plan.h"

@@ -11,8 +11,8 @@
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
+#include "server/base/call_id.h"
 #include "server/base/log.h"
-#include "server/calls/call_id.h"
 #include "server/calls/load_pieces.h"
 #include "server/calls/send_timeout.h"
 

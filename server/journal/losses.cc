@@ -4,8 +4,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "server/base/mesh_name.h"
 #include "server/journal/row_sum.h"
-#include "server/meshes/mesh_name.h"
 
 namespace dynmesh::server {
 namespace {

@@ -6,8 +6,8 @@
 #include "core/data/feature_set.h"
 #include "proto/codec/journal_codec.h"
 #include "proto/codec/status_codec.h"
-#include "server/meshes/mesh_name.h"
-#include "server/meshes/revision_error.h"
+#include "server/base/mesh_name.h"
+#include "server/revisions/revision_error.h"
 
 namespace dynmesh::server {
 namespace {

@@ -14,7 +14,7 @@
 #include "dynmesh/mesh.h"
 #include "proto/codec/features_codec.h"
 #include "server/journal/journal.h"
-#include "server/meshes/revision_store.h"
+#include "server/revisions/revision_store.h"
 
 namespace dynmesh::server {
 

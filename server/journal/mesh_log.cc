@@ -6,7 +6,7 @@
 
 #include "proto/codec/journal_codec.h"
 #include "server/base/log.h"
-#include "server/meshes/mesh_name.h"
+#include "server/base/mesh_name.h"
 
 namespace dynmesh::server {
 

@@ -20,7 +20,7 @@
 #include "dynmesh/dynamic_mesh.h"
 #include "server/journal/journal.h"
 #include "server/journal/mesh_history.h"
-#include "server/meshes/request_memory.h"
+#include "server/revisions/request_memory.h"
 
 namespace dynmesh::server {
 

@@ -13,8 +13,8 @@
 #include "absl/status/statusor.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "server/meshes/batch_progress.h"
-#include "server/meshes/request_memory.h"
 #include "server/metrics/server_metrics.h"
+#include "server/revisions/request_memory.h"
 
 namespace dynmesh::server {
 

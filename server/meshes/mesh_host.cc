@@ -6,8 +6,8 @@
 #include "absl/strings/str_cat.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
-#include "server/meshes/mesh_name.h"
-#include "server/meshes/revision_error.h"
+#include "server/base/mesh_name.h"
+#include "server/revisions/revision_error.h"
 
 namespace dynmesh::server {
 namespace {

@@ -30,16 +30,16 @@
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 #include "dynmesh/dynamic_mesh.h"
-#include "server/access/memory_guard.h"
+#include "server/base/memory_guard.h"
 #include "server/base/worker_pool.h"
 #include "server/journal/mesh_log.h"
 #include "server/meshes/batch_progress.h"
 #include "server/meshes/edit_group.h"
 #include "server/meshes/edit_job.h"
-#include "server/meshes/request_memory.h"
-#include "server/meshes/revision_store.h"
 #include "server/meshes/watch_hub.h"
 #include "server/metrics/server_metrics.h"
+#include "server/revisions/request_memory.h"
+#include "server/revisions/revision_store.h"
 
 namespace dynmesh::server {
 

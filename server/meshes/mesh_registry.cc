@@ -9,8 +9,8 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/base/printable.h"
-#include "server/journal/recovery.h"
-#include "server/journal/recovery_progress.h"
+#include "server/meshes/recovery.h"
+#include "server/meshes/recovery_progress.h"
 
 namespace dynmesh::server {
 namespace {

@@ -18,10 +18,10 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "proto/codec/journal_codec.h"
-#include "server/config.h"
+#include "server/base/mesh_name.h"
+#include "server/config/config.h"
 #include "server/journal/journal.h"
 #include "server/meshes/mesh_host.h"
-#include "server/meshes/mesh_name.h"
 #include "server/metrics/server_metrics.h"
 
 namespace dynmesh::server {

@@ -4,7 +4,7 @@
 
 #include "core/data/feature_set.h"
 #include "proto/codec/edit_codec.h"
-#include "server/meshes/mesh_name.h"
+#include "server/base/mesh_name.h"
 
 namespace dynmesh::server {
 namespace {

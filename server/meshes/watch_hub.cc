@@ -6,8 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "proto/codec/status_codec.h"
-#include "server/meshes/diff_algebra.h"
-#include "server/meshes/revision_error.h"
+#include "server/revisions/diff_algebra.h"
+#include "server/revisions/revision_error.h"
 
 namespace dynmesh::server {
 namespace {

@@ -29,7 +29,7 @@
 #include "absl/time/time.h"
 #include "dynmesh/mesh.h"
 #include "server/base/worker_pool.h"
-#include "server/meshes/revision_store.h"
+#include "server/revisions/revision_store.h"
 
 namespace dynmesh::server {
 

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "dynmesh/v1/mesh_service.pb.h"
-#include "server/calls/call_id.h"
+#include "server/base/call_id.h"
 #include "server/metrics/server_metrics.h"
 
 namespace dynmesh::server {

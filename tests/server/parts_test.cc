@@ -16,9 +16,9 @@
 #include "server/base/work_gate.h"
 #include "server/base/worker_pool.h"
 #include "server/calls/admission.h"
-#include "server/config.h"
+#include "server/config/config.h"
 #include "server/meshes/mesh_registry.h"
-#include "server/meshes/request_memory.h"
+#include "server/revisions/request_memory.h"
 #include "tests/server/test_support.h"
 
 namespace dynmesh::server {

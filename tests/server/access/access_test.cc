@@ -8,8 +8,8 @@
 #include <random>
 
 #include "server/access/certificate_watch.h"
-#include "server/access/memory_guard.h"
 #include "server/base/log.h"
+#include "server/base/memory_guard.h"
 #include "server/base/process.h"
 #include "tests/server/test_support.h"
 #include "tests/support/certificates.h"

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "dynmesh/slot_mesh.h"
-#include "server/meshes/diff_algebra.h"
+#include "server/revisions/diff_algebra.h"
 #include "tests/server/test_support.h"
 
 namespace dynmesh::server {

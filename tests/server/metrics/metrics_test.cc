@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "dynmesh/version.h"
+#include "server/base/call_id.h"
 #include "server/base/log.h"
-#include "server/calls/call_id.h"
-#include "server/journal/recovery_progress.h"
-#include "server/metrics/collect.h"
+#include "server/collect.h"
+#include "server/meshes/recovery_progress.h"
 #include "server/metrics/server_metrics.h"
 #include "tests/server/journal/durable_registry.h"
 #include "tests/server/metrics/metrics_parser.h"

@@ -1,5 +1,5 @@
 // Meshes that come back: as they were, or named as damaged.
-#include "server/journal/recovery.h"
+#include "server/meshes/recovery.h"
 
 #include <gtest/gtest.h>
 

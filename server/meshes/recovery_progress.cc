@@ -1,4 +1,4 @@
-#include "server/journal/recovery_progress.h"
+#include "server/meshes/recovery_progress.h"
 
 #include "server/base/log.h"
 

@@ -1,4 +1,4 @@
-#include "server/access/memory_guard.h"
+#include "server/base/memory_guard.h"
 
 #include <malloc.h>
 #include <unistd.h>

@@ -14,8 +14,8 @@
 // for such a reader: memory stays within some times the mesh, at amortised O(1) for each row of a
 // diff.
 // Thread-safe: one writer (Append), any readers.
-#ifndef DYNMESH_SERVER_MESHES_REVISION_STORE_H_
-#define DYNMESH_SERVER_MESHES_REVISION_STORE_H_
+#ifndef DYNMESH_SERVER_REVISIONS_REVISION_STORE_H_
+#define DYNMESH_SERVER_REVISIONS_REVISION_STORE_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -88,4 +88,4 @@ class RevisionStore {
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_MESHES_REVISION_STORE_H_
+#endif  // DYNMESH_SERVER_REVISIONS_REVISION_STORE_H_

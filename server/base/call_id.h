@@ -2,8 +2,8 @@
 // metadata (x-request-id) that is short and printable, else a fresh one. It goes back in the
 // initial metadata. Not to be confused with the request_id of a batch, which makes retries safe.
 // Thread-safe.
-#ifndef DYNMESH_SERVER_CALLS_CALL_ID_H_
-#define DYNMESH_SERVER_CALLS_CALL_ID_H_
+#ifndef DYNMESH_SERVER_BASE_CALL_ID_H_
+#define DYNMESH_SERVER_BASE_CALL_ID_H_
 
 #include <grpcpp/server_context.h>
 
@@ -24,4 +24,4 @@ std::string CallIdOf(const grpc::CallbackServerContext& call);
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_CALLS_CALL_ID_H_
+#endif  // DYNMESH_SERVER_BASE_CALL_ID_H_

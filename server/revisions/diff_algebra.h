@@ -1,7 +1,7 @@
 // Diffs as sets of rows: their size, their sum, their application to a whole mesh.
 // No geometry. Pure functions, thread-safe.
-#ifndef DYNMESH_SERVER_MESHES_DIFF_ALGEBRA_H_
-#define DYNMESH_SERVER_MESHES_DIFF_ALGEBRA_H_
+#ifndef DYNMESH_SERVER_REVISIONS_DIFF_ALGEBRA_H_
+#define DYNMESH_SERVER_REVISIONS_DIFF_ALGEBRA_H_
 
 #include <cstddef>
 #include <memory>
@@ -28,4 +28,4 @@ absl::StatusOr<Mesh> Patched(const Mesh& mesh, const MeshDiff& diff);
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_MESHES_DIFF_ALGEBRA_H_
+#endif  // DYNMESH_SERVER_REVISIONS_DIFF_ALGEBRA_H_

@@ -1,4 +1,4 @@
-#include "server/meshes/request_memory.h"
+#include "server/revisions/request_memory.h"
 
 #include <bit>
 #include <utility>

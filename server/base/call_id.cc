@@ -1,4 +1,4 @@
-#include "server/calls/call_id.h"
+#include "server/base/call_id.h"
 
 #include <algorithm>
 #include <atomic>

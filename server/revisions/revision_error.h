@@ -1,7 +1,7 @@
 // Errors about revisions that a mesh does not have, or no longer: OUT_OF_RANGE with the mesh's
 // revision and, where it is known, the oldest one that is held as metadata. Pure, thread-safe.
-#ifndef DYNMESH_SERVER_MESHES_REVISION_ERROR_H_
-#define DYNMESH_SERVER_MESHES_REVISION_ERROR_H_
+#ifndef DYNMESH_SERVER_REVISIONS_REVISION_ERROR_H_
+#define DYNMESH_SERVER_REVISIONS_REVISION_ERROR_H_
 
 #include <cstdint>
 #include <optional>
@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
-#include "server/meshes/revision_store.h"
+#include "server/revisions/revision_store.h"
 
 namespace dynmesh::server {
 
@@ -23,4 +23,4 @@ absl::Status CompactedRevision(std::uint64_t asked, const Head& head, std::uint6
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_MESHES_REVISION_ERROR_H_
+#endif  // DYNMESH_SERVER_REVISIONS_REVISION_ERROR_H_

@@ -1,4 +1,4 @@
-#include "server/journal/recovery.h"
+#include "server/meshes/recovery.h"
 
 #include <utility>
 

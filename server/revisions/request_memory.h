@@ -1,7 +1,7 @@
 // What became of the last batches that carried a request_id, so that a retry is
 // answered and not applied again. Thread-compatible.
-#ifndef DYNMESH_SERVER_MESHES_REQUEST_MEMORY_H_
-#define DYNMESH_SERVER_MESHES_REQUEST_MEMORY_H_
+#ifndef DYNMESH_SERVER_REVISIONS_REQUEST_MEMORY_H_
+#define DYNMESH_SERVER_REVISIONS_REQUEST_MEMORY_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -51,4 +51,4 @@ class RequestMemory {
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_MESHES_REQUEST_MEMORY_H_
+#endif  // DYNMESH_SERVER_REVISIONS_REQUEST_MEMORY_H_

@@ -1,4 +1,4 @@
-#include "server/metrics/collect.h"
+#include "server/collect.h"
 
 #include <time.h>
 #include <unistd.h>

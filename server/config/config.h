@@ -1,6 +1,6 @@
 // What a server is told: where to listen, and limits with safe defaults. Plain data.
-#ifndef DYNMESH_SERVER_CONFIG_H_
-#define DYNMESH_SERVER_CONFIG_H_
+#ifndef DYNMESH_SERVER_CONFIG_CONFIG_H_
+#define DYNMESH_SERVER_CONFIG_CONFIG_H_
 
 #include <cstdint>
 #include <string>
@@ -104,4 +104,4 @@ absl::Status ValidateConfig(const ServerConfig& config);
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_CONFIG_H_
+#endif  // DYNMESH_SERVER_CONFIG_CONFIG_H_

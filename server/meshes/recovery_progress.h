@@ -1,7 +1,7 @@
 // How far making the journal's meshes again has come, for the log and for the metrics. Meshes are
 // made at the same time; one thread waits for all, and tells meanwhile. Thread-safe.
-#ifndef DYNMESH_SERVER_JOURNAL_RECOVERY_PROGRESS_H_
-#define DYNMESH_SERVER_JOURNAL_RECOVERY_PROGRESS_H_
+#ifndef DYNMESH_SERVER_MESHES_RECOVERY_PROGRESS_H_
+#define DYNMESH_SERVER_MESHES_RECOVERY_PROGRESS_H_
 
 #include <atomic>
 #include <condition_variable>
@@ -42,4 +42,4 @@ class RecoveryProgress {
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_JOURNAL_RECOVERY_PROGRESS_H_
+#endif  // DYNMESH_SERVER_MESHES_RECOVERY_PROGRESS_H_

@@ -1,5 +1,5 @@
 // Snapshots and history of one mesh, and the algebra of diffs they rest on.
-#include "server/meshes/revision_store.h"
+#include "server/revisions/revision_store.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core/data/diff_meshes.h"
-#include "server/meshes/diff_algebra.h"
+#include "server/revisions/diff_algebra.h"
 #include "tests/core/data/made_up_mesh.h"
 #include "tests/server/test_support.h"
 #include "tests/support/crafted.h"

@@ -9,8 +9,8 @@
 //
 // Takes as long as making the snapshot's mesh and applying the batches, of which there are no more
 // bytes than of the snapshot, or of a least size. Pure but for what it reads; thread-safe.
-#ifndef DYNMESH_SERVER_JOURNAL_RECOVERY_H_
-#define DYNMESH_SERVER_JOURNAL_RECOVERY_H_
+#ifndef DYNMESH_SERVER_MESHES_RECOVERY_H_
+#define DYNMESH_SERVER_MESHES_RECOVERY_H_
 
 #include <cstdint>
 #include <functional>
@@ -40,4 +40,4 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_JOURNAL_RECOVERY_H_
+#endif  // DYNMESH_SERVER_MESHES_RECOVERY_H_

@@ -1,4 +1,4 @@
-#include "server/meshes/revision_error.h"
+#include "server/revisions/revision_error.h"
 
 #include "absl/strings/str_cat.h"
 #include "proto/codec/status_codec.h"

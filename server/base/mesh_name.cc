@@ -1,4 +1,4 @@
-#include "server/meshes/mesh_name.h"
+#include "server/base/mesh_name.h"
 
 #include <algorithm>
 

@@ -1,9 +1,9 @@
-#include "server/meshes/revision_store.h"
+#include "server/revisions/revision_store.h"
 
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/meshes/diff_algebra.h"
+#include "server/revisions/diff_algebra.h"
 
 namespace dynmesh::server {
 namespace {

@@ -1,8 +1,8 @@
 // Keeps meshes from growing when the process has all the memory that it may have. The resident
 // size is measured at intervals, by the server's ticker; between two of them asking costs one
 // load. Thread-safe.
-#ifndef DYNMESH_SERVER_ACCESS_MEMORY_GUARD_H_
-#define DYNMESH_SERVER_ACCESS_MEMORY_GUARD_H_
+#ifndef DYNMESH_SERVER_BASE_MEMORY_GUARD_H_
+#define DYNMESH_SERVER_BASE_MEMORY_GUARD_H_
 
 #include <atomic>
 #include <cstdint>
@@ -52,4 +52,4 @@ class MemoryGuard {
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_ACCESS_MEMORY_GUARD_H_
+#endif  // DYNMESH_SERVER_BASE_MEMORY_GUARD_H_

@@ -1,4 +1,4 @@
-#include "server/meshes/diff_algebra.h"
+#include "server/revisions/diff_algebra.h"
 
 #include <array>
 #include <utility>

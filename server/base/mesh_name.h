@@ -1,6 +1,6 @@
 // How meshes are named, and errors that name one. Pure functions, thread-safe.
-#ifndef DYNMESH_SERVER_MESHES_MESH_NAME_H_
-#define DYNMESH_SERVER_MESHES_MESH_NAME_H_
+#ifndef DYNMESH_SERVER_BASE_MESH_NAME_H_
+#define DYNMESH_SERVER_BASE_MESH_NAME_H_
 
 #include <cstdint>
 #include <string>
@@ -35,4 +35,4 @@ absl::Status JournalError(const absl::Status& status, absl::string_view id);
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_MESHES_MESH_NAME_H_
+#endif  // DYNMESH_SERVER_BASE_MESH_NAME_H_

@@ -1,11 +1,11 @@
 // Figures that are looked up when somebody asks for them: of each mesh, of the journal, of the
 // process. Thread-safe; O(meshes).
-#ifndef DYNMESH_SERVER_METRICS_COLLECT_H_
-#define DYNMESH_SERVER_METRICS_COLLECT_H_
+#ifndef DYNMESH_SERVER_COLLECT_H_
+#define DYNMESH_SERVER_COLLECT_H_
 
 #include "server/access/client_quotas.h"
-#include "server/access/memory_guard.h"
 #include "server/access/tls.h"
+#include "server/base/memory_guard.h"
 #include "server/journal/journal.h"
 #include "server/meshes/mesh_registry.h"
 #include "server/metrics/metrics.h"
@@ -23,4 +23,4 @@ void WriteProcess(MetricsText& out);
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_METRICS_COLLECT_H_
+#endif  // DYNMESH_SERVER_COLLECT_H_
