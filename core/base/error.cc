@@ -1,8 +1,8 @@
 // ErrorDetail as the payload of a status: three lines of text,
 //   reason
-//   index of the edit, or nothing
+//   index of the edit, or empty
 //   feature ids, separated by spaces
-// so that it survives a copy of the status and is legible in a log.
+// Copies of the status keep it, and it is readable in a log.
 #include "dynmesh/error.h"
 
 #include <cstddef>

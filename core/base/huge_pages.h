@@ -1,8 +1,8 @@
-// Memory for the few large arrays that are read at random: vertices, triangles.
+// Memory for the few large arrays with random reads: vertices, triangles.
 //
-// With pages of 4 KiB nearly each such read misses the processor's address cache too;
-// with pages of 2 MiB, where the system grants them, a fifth of the time of a whole
-// build is saved. Such a block grows without a copy: its pages move. Thread-safe.
+// With pages of 4 KiB nearly each such read also misses the TLB. Pages of 2 MiB, if the system
+// grants them, save a fifth of the time of a whole build. Such a block grows without a copy: its
+// pages are remapped. Thread-safe.
 #ifndef DYNMESH_CORE_BASE_HUGE_PAGES_H_
 #define DYNMESH_CORE_BASE_HUGE_PAGES_H_
 
@@ -20,12 +20,12 @@ inline constexpr std::size_t kPage = std::size_t{2} << 20;
 
 #ifdef __linux__
 
-// Is a block of that size made of such pages? Smaller ones are ordinary ones.
+// Does a block of that size get huge pages? Smaller blocks get ordinary ones.
 inline bool AreFor(std::size_t bytes) { return bytes >= 2 * kPage; }
 inline std::size_t RoundedUp(std::size_t bytes) { return (bytes + kPage - 1) / kPage * kPage; }
 
-// Addresses from a multiple of kPage on, `bytes` of them, another such multiple. A page more than
-// needed is mapped, for what is not aligned at both ends to go again.
+// Maps `bytes` (a multiple of kPage) at an address that is a multiple of kPage: maps a page more,
+// then unmaps what is not aligned at both ends.
 inline void* MapAligned(std::size_t bytes, int protection) {
   void* const all =
       mmap(nullptr, bytes + kPage, protection, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -37,21 +37,21 @@ inline void* MapAligned(std::size_t bytes, int protection) {
   return begin + before;
 }
 
-// At least `bytes`, AreFor(bytes). Costs memory where it is written to only.
+// At least `bytes`; REQUIRES: AreFor(bytes). Uses physical memory only where it is written to.
 inline void* Map(std::size_t bytes) {
   void* const block = MapAligned(RoundedUp(bytes), PROT_READ | PROT_WRITE);
-  madvise(block, RoundedUp(bytes), MADV_HUGEPAGE);  // refused is as good
+  madvise(block, RoundedUp(bytes), MADV_HUGEPAGE);  // a refusal is harmless
   return block;
 }
 
 inline void Unmap(void* block, std::size_t bytes) { munmap(block, RoundedUp(bytes)); }
 
-// The block with its content, at least `more` bytes now, where it was or elsewhere: then its pages
-// are entered there, 2 MiB at a time. Null, and nothing changed, where the system cannot do that.
+// Grows the block to at least `more` bytes with its content, in place or elsewhere. Moving remaps
+// the pages, 2 MiB at a time. Returns null, with nothing changed, if the system cannot do it.
 inline void* Grow(void* block, std::size_t bytes, std::size_t more) {
   const std::size_t from = RoundedUp(bytes), to = RoundedUp(more);
   if (from == to || mremap(block, from, to, 0) != MAP_FAILED) return block;
-  // Elsewhere, aligned as well: or the pages would be broken up on the way.
+  // Elsewhere the address must be aligned too: otherwise the huge pages would be split.
   void* const place = MapAligned(to, PROT_NONE);
   if (mremap(block, from, to, MREMAP_MAYMOVE | MREMAP_FIXED, place) == place) return place;
   munmap(place, to);

@@ -1,5 +1,5 @@
-// A std::vector for arrays that may become very large: on huge pages (huge_pages.h). One of plain
-// data grows without a copy, so that no step that makes it longer takes long, however long it is.
+// A std::vector for arrays that may become very large: on huge pages (huge_pages.h). An array of
+// trivially copyable elements grows without a copy, so no push_back takes long.
 //
 // Members do what those of std::vector do. Below 4 MiB it is an ordinary array. As thread-safe as
 // std::vector.
@@ -88,7 +88,7 @@ class LargeVector {
   }
   void resize(std::size_t size, const T& value) {
     if (size <= size_) return Shrink(size);
-    const T copy = value;  // it may be in here
+    const T copy = value;  // `value` may be an element
     MakeRoom(size);
     std::uninitialized_fill(data_ + size_, data_ + size, copy);
     size_ = size;
@@ -103,7 +103,7 @@ class LargeVector {
   template <class... Arguments>
   T& emplace_back(Arguments&&... arguments) {
     if (size_ == capacity_) {
-      T made(std::forward<Arguments>(arguments)...);  // of what may be in here
+      T made(std::forward<Arguments>(arguments)...);  // arguments may refer to elements
       MakeRoom(size_ + 1);
       return *new (data_ + size_++) T(std::move(made));
     }
@@ -117,7 +117,7 @@ class LargeVector {
  private:
   static constexpr std::size_t kFirst = std::max<std::size_t>(1, 64 / sizeof(T));
 
-  // As the standard library's containers do, where it is told to.
+  // Like the containers of the standard library with assertions on.
   static void Require([[maybe_unused]] bool holds) {
 #ifdef _GLIBCXX_ASSERTIONS
     if (!holds) __builtin_trap();

@@ -1,10 +1,9 @@
-// Which options a mesh can be made with, and the domain that they span.
+// Validation of MeshOptions, and the domain that they define.
 //
-// Rounding of the domain: everything is rounded to multiples of one power of two
-// g, two ulps of (a bound of) the domain's largest coordinate. The side l goes up to
-// a multiple of g, the centre to the nearest one; then i*l and lo + i*l are exact for
-// i = 0..N-1, so the domain is a square or cube to the bit, its border points are exact, and
-// (hi - lo) / (N-1) gives l back. The user's box lies in its middle.
+// Rounding of the domain: everything is a multiple of one power of two g, two ulps of (a bound of)
+// the domain's largest coordinate. The side l is rounded up to a multiple of g, the centre to the
+// nearest one. Then i*l and lo + i*l are exact for i = 0..N-1. So the domain is exactly a square or
+// cube, its border points are exact, and (hi - lo) / (N-1) == l. The user's box is in its middle.
 #include "dynmesh/options.h"
 
 #include <algorithm>
@@ -21,17 +20,17 @@
 namespace dynmesh {
 namespace {
 
-// Must stay within the exponents of a double, of coordinates of the domain as of the smallest
-// distances allowed in a box: products of four in the plane (in-circle), of six in space (the
-// square of a volume; in-sphere is one of five). The domain is up to 17 times as large as the
-// box, the smallest distance 2^-42 of it: in space 2^(6 * 155) and 2^(-6 * 152).
+// Bounds that keep all products within the exponents of a double. In 2D, products of four
+// coordinates or distances occur (in-circle), in 3D of six (the square of a volume; in-sphere has
+// five). The domain is up to 17 times as large as the box. The least distance is 2^-42 of it. So in
+// 3D the extremes are 2^(6 * 155) and 2^(-6 * 152).
 struct Range {
   int most_magnitude, least_extent;  // powers of two
 };
 constexpr Range RangeIn(int dimension) {
   return dimension == 2 ? Range{200, -140} : Range{150, -110};
 }
-// Longest side of the box, in ulps of its largest coordinate.
+// The least longest side of the box, in ulps of its largest coordinate.
 constexpr double kMinExtentUlps = 0x1p20;
 
 std::string Shortest(double x) {
@@ -46,7 +45,7 @@ absl::Status BadOption(std::string message) {
 
 double UlpOf(double magnitude) { return std::ldexp(1.0, std::ilogb(magnitude) - 52); }
 
-// The longest side; 1 for a box of no extent.
+// The longest side; 1 for a box without extent.
 double LongestSide(const Box& box, int dimension) {
   double l = 0;
   for (int i = 0; i < dimension; ++i) l = std::max(l, box.hi[i] - box.lo[i]);
@@ -114,8 +113,8 @@ absl::Status ValidateQuality(const MeshOptions& options) {
   return absl::OkStatus();
 }
 
-// Room for the bare domain box: a grid on its border, and in space what refinement puts inside, up
-// to 0.45 times as many (at rho 1.2; a few at 2).
+// Vertices of the bare domain box: a grid on its border, and in 3D those that refinement adds
+// inside, up to 0.45 times as many (at rho 1.2; a few at 2).
 std::uint64_t LeastVertices(const MeshOptions& options) {
   const auto n = static_cast<std::uint64_t>(BorderVertices(options));
   std::uint64_t all = 1, inside = 1;
@@ -162,9 +161,9 @@ absl::Status ValidateOptions(const MeshOptions& options) {
   return absl::OkStatus();
 }
 
-// N of Sec. 4.4, odd so that the grid has a middle. In the plane no accepted quality needs more
-// than 7. In space the proof's bound explodes towards 1; below 1.2 it is more than practice
-// needs, and kept.
+// N of Sec. 4.4, odd so that the grid has a middle. 2D: no accepted quality needs more than 7. 3D:
+// the proof's bound tends to infinity for rho -> 1; below 1.2 it is more than practice needs, but
+// kept.
 int BorderVertices(const MeshOptions& options) {
   if (options.dimension == 2) return 7;
   const double rho = options.quality;
@@ -178,8 +177,8 @@ Box DomainBox(const MeshOptions& options) {
   const int dimension = options.dimension;
   const double longest = LongestSide(box, dimension);
   const double half = (BorderVertices(options) - 1) / 2;
-  // Above every coordinate of the result, |centre| + half l, and above half its side: what
-  // is a multiple of g and less than twice this needs no more than 53 bits.
+  // At least every coordinate of the result, |centre| + half l, plus half its side. A multiple of g
+  // below twice this needs at most 53 bits.
   const double bound = LargestMagnitude(box, dimension) + (half + 0.5) * longest;
   const double g = 2 * UlpOf(bound);
   const double l = std::ceil(longest / g) * g;

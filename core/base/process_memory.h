@@ -1,4 +1,4 @@
-// How a process that builds meshes should keep its memory. For the first line of main().
+// Malloc settings for a process that builds meshes. Call it first in main().
 #ifndef DYNMESH_CORE_BASE_PROCESS_MEMORY_H_
 #define DYNMESH_CORE_BASE_PROCESS_MEMORY_H_
 
@@ -8,9 +8,9 @@
 
 namespace dynmesh {
 
-// Large arrays grow by doubling. By default glibc soon keeps the former, smaller
-// blocks of tens of megabytes in its heap, where nothing else needs them: a fifth of
-// the process. From here on blocks of 1 MiB and more go back to the system when freed.
+// Large arrays grow by doubling. By default glibc soon keeps the smaller former blocks, of tens of
+// megabytes, unused in its heap: a fifth of the process. After this call blocks of 1 MiB and more
+// return to the system when freed.
 inline void ReturnLargeBlocks() {
 #ifdef __GLIBC__
   mallopt(M_MMAP_THRESHOLD, 1 << 20);

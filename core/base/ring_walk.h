@@ -1,5 +1,5 @@
-// Cuts closed chains of edges into rings that visit nothing twice. What lies inside by the
-// even-odd rule is a function of the edges, however they are cut.
+// Cuts closed chains of edges into rings that visit no vertex twice. The inside by the even-odd
+// rule depends on the edges only, not on the cuts.
 //
 // Pure, thread-safe. Expected O(edges).
 #ifndef DYNMESH_CORE_BASE_RING_WALK_H_
@@ -13,9 +13,9 @@
 
 namespace dynmesh {
 
-// Walks from `start` on: `step(v)` takes an edge away that leaves v and says where it ends, or
-// that there is none. Where the walk comes to a vertex again it has closed a ring: appended, as it
-// was walked. As many edges have to end in each vertex as leave it.
+// Walks from `start`. `step(v)` removes an edge that leaves v and returns its end, or nothing if
+// there is none. Whenever the walk reaches a vertex again it has closed a ring: appends it, in the
+// order walked. REQUIRES: each vertex has as many incoming as outgoing edges.
 template <class Vertex, class Step>
 void WalkRings(Vertex start, Step step, std::vector<std::vector<Vertex>>& rings) {
   std::vector<Vertex> path = {start};

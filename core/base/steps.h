@@ -1,8 +1,8 @@
-// Long work that can be given up between its elementary steps: it counts them, and asks every so
-// many whether to stop.
+// Long work that can be cancelled between its elementary steps: counts steps, and polls a cancel
+// function every kBetween steps.
 //
-// An elementary step is of microseconds: a row, a feature, a point that is inserted. So an answer
-// is not more than some milliseconds late. Costs a counter a step. One thread.
+// An elementary step takes microseconds: a row, a feature, an inserted point. So cancellation is at
+// most some milliseconds late. Costs a counter per step. One thread.
 #ifndef DYNMESH_CORE_BASE_STEPS_H_
 #define DYNMESH_CORE_BASE_STEPS_H_
 
@@ -15,15 +15,15 @@ namespace dynmesh {
 
 class Steps {
  public:
-  // Most steps between two questions.
+  // The most steps between two polls.
   static constexpr std::size_t kBetween = 1024;
 
-  // `stop` outlives this. Once it has said yes it is not asked again.
+  // `stop` must outlive this. Not called again after it has returned true.
   explicit Steps(absl::FunctionRef<bool()> stop) : stop_(stop) {}
   Steps(const Steps&) = delete;
   Steps& operator=(const Steps&) = delete;
 
-  // So many steps are about to be taken. Is the work to be given up instead?
+  // Call it before `count` steps. True: cancel the work instead.
   bool Stop(std::size_t count = 1) {
     if (count <= left_ && !stopped_) {
       left_ -= count;
@@ -31,7 +31,7 @@ class Steps {
     }
     return Ask(count);
   }
-  // Has it been given up?
+  // Has Stop returned true?
   bool stopped() const { return stopped_; }
 
  private:
@@ -46,7 +46,7 @@ class Steps {
   bool stopped_ = false;
 };
 
-// Work that is done whatever happens.
+// Steps of work that cannot be cancelled.
 class AllSteps : public Steps {
  public:
   AllSteps() : Steps(&Never) {}

@@ -1,9 +1,9 @@
 // Makes long work share its core.
 //
-// A kernel that is not built to preempt lets a thread that has just become ready wait behind one
-// that computes until the next tick of the clock, up to 4 ms, even where another core falls idle
-// in the meantime: longer than most edits take in all. So who computes for long calls Step now
-// and then, which lets the others have their turn some thousand times a second. One thread.
+// A kernel without preemption lets a thread that has just become ready wait behind a computing
+// thread until the next clock tick: up to 4 ms, even if another core becomes idle meanwhile. That
+// is longer than most edits take. So long computations call Step often, which yields to others some
+// thousand times a second. One thread.
 #ifndef DYNMESH_CORE_BASE_TIME_SLICE_H_
 #define DYNMESH_CORE_BASE_TIME_SLICE_H_
 
@@ -14,7 +14,7 @@ namespace dynmesh {
 
 class TimeSlice {
  public:
-  // Some tens of nanoseconds; where another thread is ready on this core, its turn.
+  // Takes some tens of nanoseconds, plus another thread's turn if one is ready on this core.
   void Step() {
     if (++steps_ % kStepsBetweenLooks != 0 || Clock::now() < end_) return;
     std::this_thread::yield();

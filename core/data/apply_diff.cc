@@ -1,4 +1,4 @@
-// ApplyDiff of dynmesh/mesh.h: the convenient way, for a mesh held as columns.
+// ApplyDiff of dynmesh/mesh.h, for a mesh held as columns.
 #include <utility>
 
 #include "absl/status/status.h"
@@ -7,7 +7,7 @@
 
 namespace dynmesh {
 
-// Better than promised: `mesh` is unchanged on failure.
+// Stronger than promised: `mesh` is unchanged on failure.
 absl::Status ApplyDiff(Mesh& mesh, const MeshDiff& diff) {
   absl::StatusOr<SlotMesh> store = SlotMesh::FromMesh(mesh);
   if (!store.ok()) return store.status();

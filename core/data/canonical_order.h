@@ -1,5 +1,5 @@
-// The canonical order of a simplex's corners (dynmesh/mesh.h), of ids or of whatever else
-// names them. Pure functions, thread-safe, O(1).
+// The canonical order of a simplex's corners (dynmesh/mesh.h), by ids or other names. Pure
+// functions, thread-safe, O(1).
 #ifndef DYNMESH_CORE_DATA_CANONICAL_ORDER_H_
 #define DYNMESH_CORE_DATA_CANONICAL_ORDER_H_
 
@@ -10,13 +10,13 @@
 
 namespace dynmesh::data {
 
-// The same corners with the least first and, of four, the next least second. Orientation
-// stays: of three corners this is a turn, of four an even permutation. So what is positively
-// oriented becomes canonical, whichever of its orders it came in. Of
-// equal corners, as a broken file may have, the first counts as the least.
+// The same corners with the least first and, of four, the second least second. Keeps the
+// orientation: of three corners it is a rotation, of four an even permutation. So any positively
+// oriented order becomes the canonical one. Of equal corners, as in a broken file, the first counts
+// as the least.
 template <class T>
 constexpr std::array<T, 3> InCanonicalOrder(const std::array<T, 3>& corners) {
-  // Which is the least is as good as random: no branch.
+  // The least is random: no branch.
   const auto& [a, b, c] = corners;
   const std::array<T, 5> twice = {a, b, c, a, b};
   const T less = b < a ? b : a;
@@ -31,7 +31,7 @@ constexpr std::array<T, 4> InCanonicalOrder(std::array<T, 4> corners) {
   if (least != 0) {
     const std::size_t second = least == 1 ? 2 : 1, third = 6 - least - second;
     std::swap(corners[0], corners[least]);
-    std::swap(corners[second], corners[third]);  // two swaps are even
+    std::swap(corners[second], corners[third]);  // two swaps are an even permutation
   }
   const auto rest = InCanonicalOrder(std::array<T, 3>{corners[1], corners[2], corners[3]});
   return {corners[0], rest[0], rest[1], rest[2]};

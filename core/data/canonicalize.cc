@@ -1,5 +1,4 @@
-// The canonical order of rows: what makes two equal meshes equal byte by byte.
-// O(n lg n) in the number of rows.
+// The canonical order of rows: equal meshes become equal byte by byte. O(n lg n) for n rows.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -19,7 +18,7 @@
 namespace dynmesh {
 namespace {
 
-// Rows of `width` entries, rearranged so that row i is the former row order[i].
+// Rearranges rows of `width` entries: row i becomes the former row order[i].
 template <class T>
 void Permute(const std::vector<std::uint32_t>& order, std::size_t width, Steps& steps,
              std::vector<T>& column) {
@@ -33,9 +32,9 @@ void Permute(const std::vector<std::uint32_t>& order, std::size_t width, Steps& 
   column = std::move(sorted);
 }
 
-// Sorts items by a leading key that is an id, hence a uniform hash, and what `less` adds to
-// it: dealt out, in place, to about as many slots as there are items, by leading bits, they
-// stand nearly in order.
+// Sorts items by a leading key (an id, hence a uniform hash) and by `less`. First distributes them
+// in place, by leading bits, to about as many buckets as there are items: then they are nearly in
+// order.
 template <class Item, class KeyOf, class Less>
 void SortByHash(std::span<Item> items, Steps& steps, KeyOf key_of, Less less) {
   const int bits = std::bit_width(items.size() / 2);
@@ -80,8 +79,7 @@ void SortVertices(int dimension, Steps& steps, VertexColumns& v) {
   Permute(order, 1, steps, v.owners);
 }
 
-// Whole rows are sorted, where they are: no cache miss per comparison, no copy of the
-// largest column.
+// Sorts whole rows in place: no cache miss per comparison, no copy of the largest column.
 template <std::size_t kWidth>
 void SortRows(Steps& steps, SimplexColumn& simplices) {
   using Row = std::array<VertexId, kWidth>;

@@ -1,4 +1,4 @@
-// Do the columns of a mesh or a diff fit together? Pure functions, thread-safe.
+// Consistency of the columns of a mesh or a diff. Pure functions, thread-safe.
 #ifndef DYNMESH_CORE_DATA_CHECK_COLUMNS_H_
 #define DYNMESH_CORE_DATA_CHECK_COLUMNS_H_
 
@@ -7,8 +7,8 @@
 
 namespace dynmesh::data {
 
-// INVALID_ARGUMENT unless the columns of the mesh or diff agree in length and the region
-// sets are such, by ascending id. O(columns and region sets), not of their rows.
+// INVALID_ARGUMENT unless the columns agree in length and the region sets are valid, by ascending
+// id. O(columns and region sets), independent of the number of rows.
 absl::Status CheckColumns(const Mesh& mesh);
 absl::Status CheckColumns(const MeshDiff& diff);
 

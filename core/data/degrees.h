@@ -1,4 +1,4 @@
-// Degrees of radians, written once. Pure.
+// Conversion from radians to degrees. Pure.
 #ifndef DYNMESH_CORE_DATA_DEGREES_H_
 #define DYNMESH_CORE_DATA_DEGREES_H_
 

@@ -15,9 +15,8 @@
 namespace dynmesh::data {
 namespace {
 
-// Walks two sorted sequences of rows. `order(i, j)` is negative if row i of the old ones
-// comes before row j of the new ones, 0 if they stand for the same thing, and so on.
-// Calls gone(i), both(i, j), come(j).
+// Merges two sorted sequences of rows. `order(i, j)` is negative if old row i comes before new row
+// j, 0 if they are the same item, else positive. Calls gone(i), both(i, j), come(j).
 template <class Order, class Gone, class Both, class Come>
 void Merge(std::size_t old_rows, std::size_t new_rows, Steps& steps, Order order, Gone gone,
            Both both, Come come) {
@@ -35,7 +34,7 @@ void Merge(std::size_t old_rows, std::size_t new_rows, Steps& steps, Order order
   }
 }
 
-// Keeps some rows of a column, in their order, where they are: no second copy.
+// Keeps some rows of a column in place, in their order, without a second copy.
 template <class T>
 class RowKeeper {
  public:
@@ -56,7 +55,7 @@ class RowKeeper {
   std::size_t kept_ = 0;
 };
 
-// Same place, containing dimension and owner (-0 is +0, as in ids and hashes).
+// Same coordinates, containing dimension and owner (-0 equals +0, as in ids and hashes).
 bool SameVertex(std::size_t d, const VertexColumns& a, std::size_t i, const VertexColumns& b,
                 std::size_t j) {
   for (std::size_t k = 0; k < d; ++k) {
@@ -105,8 +104,8 @@ struct Simplices {
   RegionColumn regions;
 };
 
-// Takes those with a vertex that is not among `ids` out of the mesh: nearly all, so they stay where
-// they are, and the others are copied.
+// Removes from the mesh the simplices with a vertex that is not among `ids`, and returns them.
+// These are nearly all, so they stay in place and the others are copied.
 Simplices TakeSimplicesNotOn(const std::vector<VertexId>& ids, std::size_t width, Mesh& mesh,
                              Steps& steps) {
   absl::flat_hash_set<VertexId> known;
@@ -131,7 +130,7 @@ Simplices TakeSimplicesNotOn(const std::vector<VertexId>& ids, std::size_t width
   return {rows.Take(), regions.Take()};
 }
 
-// The larger of the two stays where it is: rows are in no particular order.
+// Appends to the larger column: rows are in no particular order.
 void AppendAlone(Simplices alone, bool labelled, SimplexColumn& rows, RegionColumn& regions,
                  std::size_t width) {
   if (labelled) {
@@ -146,8 +145,8 @@ void AppendAlone(Simplices alone, bool labelled, SimplexColumn& rows, RegionColu
   regions.insert(regions.end(), alone.regions.begin(), alone.regions.end());
 }
 
-// Ids of sets of polygons that are others in `to` than in `from`, as a client can bring about. Both
-// by ascending id.
+// Ids of different sets of polygons in `from` and `to`; only crafted input has such. Both are
+// sorted by id.
 absl::flat_hash_set<RegionId> OtherSets(const std::vector<RegionSet>& from,
                                         const std::vector<RegionSet>& to) {
   absl::flat_hash_set<RegionId> others;
@@ -160,8 +159,8 @@ absl::flat_hash_set<RegionId> OtherSets(const std::vector<RegionSet>& from,
   return others;
 }
 
-// A simplex with the same corners in another region goes and comes. `from_alone` and `to_alone`
-// are of one mesh only, and not in it any more.
+// A simplex with the same corners in another region is removed and added. `from_alone` and
+// `to_alone` occur in one mesh only, and are no longer in it.
 void DiffSimplices(const Mesh& from, Mesh& to, Simplices from_alone, Simplices to_alone,
                    Steps& steps, MeshDiff& diff) {
   const std::size_t width = static_cast<std::size_t>(to.dimension) + 1;
@@ -222,9 +221,9 @@ void DiffPieces(const Columns& from, Columns& to, Steps& steps, Columns& removed
 
 }  // namespace
 
-// Sorting is what takes time here: vertices are looked up instead. Simplices with a vertex that the
-// other mesh has not need no place in the order, and where one mesh is much smaller that is nearly
-// all of the larger's.
+// Sorting dominates the time, so vertices are looked up instead. A simplex with a vertex that the
+// other mesh lacks needs no sorting. If one mesh is much smaller, these are nearly all of the
+// larger one.
 MeshDiff DiffMeshes(Mesh from, Mesh to, Steps& steps) {
   const std::size_t width = static_cast<std::size_t>(to.dimension) + 1;
   Simplices from_alone, to_alone;
@@ -236,7 +235,7 @@ MeshDiff DiffMeshes(Mesh from, Mesh to, Steps& steps) {
   }
   MeshDiff diff;
   diff.region_sets = to.region_sets;
-  AppendSets(diff.region_sets, from.region_sets);  // where ids agree, the former counts
+  AppendSets(diff.region_sets, from.region_sets);  // if sets with one id differ, the latter is kept
   const VertexColumns from_vertices = std::exchange(from.vertices, {});
   VertexColumns to_vertices = std::exchange(to.vertices, {});
   DiffVertices(width - 1, from_vertices, to_vertices, steps, diff);

@@ -7,12 +7,11 @@
 
 namespace dynmesh::data {
 
-// What Apply would have to return to get from `from` to `to`: netted, no work counted, rows in
-// no particular order. O(n lg n), n the size of both, O(n) if one is much smaller. Both must have
-// the same dimension and agreeing columns; to.hash is taken as given. Taken by value: hand over
-// what is not needed any more, its columns become the diff's.
-// Where `steps` are stopped, so is this, at the latest when a column has been sorted: then what is
-// returned is nothing.
+// The diff that Apply would return to get from `from` to `to`: netted, without work counters, rows
+// in no particular order. REQUIRES: equal dimensions and consistent columns; to.hash is not
+// checked. O(n lg n) for the size n of both, O(n) if one is much smaller. Takes the meshes by
+// value: move in meshes no longer needed, their columns become the diff's. If `steps` stop, it
+// stops at the latest after sorting one column, and the result is unspecified.
 MeshDiff DiffMeshes(Mesh from, Mesh to, Steps& steps);
 MeshDiff DiffMeshes(Mesh from, Mesh to);
 

@@ -31,7 +31,7 @@ void LinkPair(const Face& a, const Face& b, Slot* neighbours, std::size_t width)
   neighbours[At(b.simplex) * width + b.side] = a.simplex;
 }
 
-// Of faces that follow each other and are equal, two.
+// Links pairs of equal adjacent faces.
 template <class Face>
 void LinkSorted(std::span<const Face> faces, Slot* neighbours, std::size_t width) {
   for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
@@ -50,7 +50,7 @@ void FaceLinks::Add(const Slot* corners, std::size_t width, std::size_t k, Slot 
 }
 
 void FaceLinks::Link(Slot* neighbours, std::size_t width) {
-  // A table by open addressing; an entry whose face has both its simplices is passed over.
+  // A hash table with open addressing. Entries of faces with both simplices are skipped.
   constexpr std::uint32_t kNone = ~std::uint32_t{0}, kBoth = kNone - 1;
   std::vector<std::uint32_t> table(std::bit_ceil(2 * faces_.size() + 1), kNone);
   const std::size_t mask = table.size() - 1;
@@ -81,7 +81,7 @@ void FaceLinks::Link(Slot* neighbours, std::size_t width) {
 void LinkAllFaces(std::span<const Slot> cells, std::size_t width, std::size_t vertex_count,
                   Slot* neighbours) {
   struct Face {
-    std::uint64_t corners;  // without the least, by which they lie in rows
+    std::uint64_t corners;  // all but the least, which is the row
     Slot simplex;
     std::uint32_t side;
   };

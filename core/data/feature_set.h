@@ -1,7 +1,7 @@
-// Features by id: what a batch makes of a set, and which batch makes one set of another.
+// Features by id: applies batches to a set, and computes the batch between two sets.
 //
-// Nothing is validated but what a set needs to stay one: for features that a mesh has accepted.
-// Costs: an edit O(1), Sorted O(n log n), EditsBetween O(n). A value; thread-compatible.
+// Validates only what keeps it a set: for features that a mesh has accepted. Costs: an edit O(1),
+// Sorted O(n log n), EditsBetween O(n). A value; thread-compatible.
 #ifndef DYNMESH_CORE_DATA_FEATURE_SET_H_
 #define DYNMESH_CORE_DATA_FEATURE_SET_H_
 
@@ -17,8 +17,8 @@ namespace dynmesh::data {
 
 class FeatureSet {
  public:
-  // As DynamicMesh::Apply does. ALREADY_EXISTS or NOT_FOUND at the first edit that cannot act;
-  // those before it have.
+  // As DynamicMesh::Apply. ALREADY_EXISTS or NOT_FOUND at the first invalid edit; those before it
+  // are applied.
   absl::Status Apply(const EditBatch& batch);
 
   std::size_t size() const { return features_.size(); }
@@ -28,8 +28,8 @@ class FeatureSet {
   absl::flat_hash_map<FeatureId, Feature> features_;
 };
 
-// What makes `to` of `from`, both by ascending id: removes, sets and adds, at most one of a
-// feature, by ascending id. Empty if they are the same.
+// The batch that turns `from` into `to`, both by ascending id: removes, sets and adds, at most one
+// per feature, by ascending id. Empty if they are equal.
 EditBatch EditsBetween(std::span<const Feature> from, std::span<const Feature> to);
 
 }  // namespace dynmesh::data

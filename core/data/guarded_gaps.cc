@@ -8,10 +8,10 @@
 namespace dynmesh::data {
 namespace {
 
-// Of squared radii: points are rounded.
+// For squared radii: points are rounded.
 constexpr double kTolerance = 1 + 1e-6;
-// A chain of splits that the guard ended is about as fine as the edges that it left: the
-// subsegment kept whole is at most so many times as long (seen: 1.4 to 1.8).
+// Splits that the guard stopped leave edges about as long as the subsegment kept whole: it is at
+// most so many times as long (observed: 1.4 to 1.8).
 constexpr double kMostTimesEdge = 4;
 
 }  // namespace
@@ -29,7 +29,7 @@ void GuardedGaps::FindBalls() {
 bool GuardedGaps::Has(const std::array<std::size_t, 3>& rows) {
   if (++questions_ > kMostQuestions) return false;
   if (questions_ == 1) FindBalls();
-  // Does x, which would mend an edge of that squared length, lie in the circle of such a
+  // Is x, a point that would fix an edge of that squared length, in the circle of a kept
   // subsegment?
   const auto is_kept_out = [&](const geometry::Point2& x, double e2) {
     return std::ranges::any_of(balls_, [&](const Ball& ball) {
@@ -37,8 +37,8 @@ bool GuardedGaps::Has(const std::array<std::size_t, 3>& rows) {
              geometry::SquaredDistance(ball.centre, x) <= ball.radius2;
     });
   };
-  // Any edge that the circumcenter is too far from may have been the one with the gap, and the
-  // point to mend it the circumcenter or, nearer, the off-center (Rules::OffCenter).
+  // The edge with the gap may be any that is too far from the circumcenter. The point that would
+  // fix it is the circumcenter or, nearer, the off-center (Rules::OffCenter).
   const double rho2 = rho_ * rho_;
   const double height = std::sqrt(2 * rho2 + std::sqrt(4 * rho2 * rho2 - rho2) - 0.25);
   const geometry::Point2 centre = geometry::Circumcenter(At(rows[0]), At(rows[1]), At(rows[2]));

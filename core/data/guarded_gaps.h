@@ -1,8 +1,7 @@
-// Which triangles over rho are so because the point that would mend them would lie in the
-// diametral circle of a subsegment as fine as the triangle: a finished mesh has such ones only
-// where the termination guard kept that subsegment from being split (meshing/rules.h). Found
-// from the mesh alone.
-// Thread-compatible.
+// Triangles over rho because of the termination guard: the point that would fix one lies in the
+// diametral circle of a subsegment about as short as the triangle's edges. A finished mesh has such
+// triangles only where the guard kept the subsegment from being split (meshing/rules.h). Found from
+// the mesh alone. Thread-compatible.
 #ifndef DYNMESH_CORE_DATA_GUARDED_GAPS_H_
 #define DYNMESH_CORE_DATA_GUARDED_GAPS_H_
 
@@ -18,14 +17,14 @@ namespace dynmesh::data {
 
 class GuardedGaps {
  public:
-  // `mesh` (of dimension 2) and `row_of`, the rows of its vertices by id, must outlive the
-  // object. O(1); the first question O(size).
+  // `mesh` (of dimension 2) and `row_of`, the rows of its vertices by id, must outlive the object.
+  // O(1); the first query O(size).
   GuardedGaps(const Mesh& mesh, const absl::flat_hash_map<VertexId, std::size_t>& row_of,
               double rho)
       : mesh_(mesh), row_of_(row_of), rho_(rho) {}
 
-  // Is the triangle of these rows, counter-clockwise and over rho, one? O(subsegments), for
-  // the first kMostQuestions; of later ones: no.
+  // Is the triangle of these rows, counter-clockwise and over rho, such a triangle? O(subsegments)
+  // for the first kMostQuestions queries; false for later ones.
   bool Has(const std::array<std::size_t, 3>& rows);
 
  private:

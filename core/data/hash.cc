@@ -1,11 +1,11 @@
-// Vertex ids and mesh hashes. Fixed for good: clients in other languages, journals
-// and files depend on every bit, so this is a specification as much as code.
+// Vertex ids and mesh hashes. Never change them: clients in other languages, journals and files
+// depend on every bit.
 //
-// What they are stands in proto/dynmesh/v1/mesh.proto, with two meshes to try a client with; here
-// is the same in C++, and in tests/e2e/mesh_hash.py in Python.
+// The specification is proto/dynmesh/v1/mesh.proto, with two meshes to test a client. This is the
+// same in C++, tests/e2e/mesh_hash.py in Python.
 //
-// Two unlike bijective mixes (A and B there) under unlike keys: a collision must happen in both
-// words at once. Good against accidents; not meant against an adversary.
+// Two different bijective mixers (A and B there) with different keys: a collision must occur in
+// both words at once. Good against accidents. It is not cryptographic.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -60,7 +60,7 @@ class WordHasher {
   MeshHash hash_{kHiKey, kLoKey};
 };
 
-// Of a simplex with so many ids: what they all begin with is hashed once, by the compiler.
+// The hash of a simplex with kIds ids. The compiler hashes the common prefix once.
 template <std::uint64_t kIds>
 MeshHash HashOfIds(const VertexId* ids, RegionId region) {
   constexpr WordHasher kBegun = [] {

@@ -1,8 +1,7 @@
-// The pieces into which vertices cut the input, subsegments and subfacets, as one kind of
-// column: rows of K ids and an owner. What walks columns treats both alike through this
-// header. Pure functions, thread-safe.
+// Subsegments and subfacets as one kind of column: rows of K ids and an owner. Code for columns
+// treats both alike by this header. Pure functions, thread-safe.
 //
-// A row is one thing with its owner: under another owner it is another piece.
+// A row includes its owner: the same ids under another owner are another piece.
 #ifndef DYNMESH_CORE_DATA_PIECES_H_
 #define DYNMESH_CORE_DATA_PIECES_H_
 
@@ -17,7 +16,7 @@
 
 namespace dynmesh::data {
 
-// How many ids a row has.
+// The number of ids of a row.
 template <class Columns>
 inline constexpr std::size_t kCorners = 0;
 template <>
@@ -31,7 +30,7 @@ using PieceRow = std::array<std::uint64_t, kIds + 1>;
 template <class Columns>
 using PieceKey = PieceRow<kCorners<Columns>>;
 
-// For messages.
+// The name for messages.
 template <class Columns>
 inline constexpr const char* kPieceName =
     std::is_same_v<Columns, SubsegmentColumns> ? "subsegment" : "subfacet";

@@ -36,7 +36,7 @@ RowOf RowsById(const Mesh& mesh) {
   return row_of;
 }
 
-// The most that a ratio may be.
+// The greatest allowed ratio.
 double Bound(double rho, double shortest_edge, double unit) {
   return rho * (1 + QualitySlack(shortest_edge, unit));
 }
@@ -52,26 +52,25 @@ TriangleQuality Flat() {
 }  // namespace
 
 TriangleQuality MeasureTriangle(const double* a, const double* b, const double* c) {
-  // edge[i] runs opposite corner i, counter-clockwise.
+  // edge[i] is opposite to corner i, counter-clockwise.
   Vector edge[3] = {
       {c[0] - b[0], c[1] - b[1]}, {a[0] - c[0], a[1] - c[1]}, {b[0] - a[0], b[1] - a[1]}};
   double largest = 0;
   for (const Vector& e : edge) largest = std::max({largest, std::abs(e.x), std::abs(e.y)});
   if (!(largest > 0) || !std::isfinite(largest)) return Flat();
-  // Scaled by a power of two, exactly: no product below overflows, and none that
-  // matters underflows.
+  // Scaled by a power of two, exactly: no product below overflows, and no relevant one underflows.
   const int scale = std::ilogb(largest);
   for (Vector& e : edge) e = {std::scalbn(e.x, -scale), std::scalbn(e.y, -scale)};
   double length[3];
   for (int i = 0; i < 3; ++i) length[i] = std::sqrt(Dot(edge[i], edge[i]));
   const int longest = static_cast<int>(std::max_element(length, length + 3) - length);
   const int shortest = static_cast<int>(std::min_element(length, length + 3) - length);
-  // The two shorter edges have the smallest relative error.
+  // The two shorter edges have the least relative error.
   const double cross = Cross(edge[(longest + 1) % 3], edge[(longest + 2) % 3]);
   if (!(cross > 0)) return Flat();
   TriangleQuality q;
   q.shortest_edge = std::scalbn(length[shortest], scale);
-  // R = abc / (2 cross); over the shortest edge two factors are left.
+  // R = abc / (2 cross); divided by the shortest edge, two factors remain.
   q.radius_edge = length[(shortest + 1) % 3] * length[(shortest + 2) % 3] / (2 * cross);
   for (int i = 0; i < 3; ++i) {
     const double dot = -Dot(edge[(i + 1) % 3], edge[(i + 2) % 3]);
@@ -91,8 +90,8 @@ double CoordinateUnit(std::span<const double> coordinates) {
 
 double QualitySlack(double shortest_edge, double unit) {
   if (!(shortest_edge > 0)) return 0;
-  // 2^k <= e^2 < 2^(k+1) with e = m 2^j, 1 <= m < 2: k is 2j or 2j + 1. By m, not by
-  // e^2, which may underflow.
+  // 2^k <= e^2 < 2^(k+1) with e = m 2^j, 1 <= m < 2: k is 2j or 2j + 1. Decided by m, since e^2 may
+  // underflow.
   const int j = std::ilogb(shortest_edge);
   const double m = std::scalbn(shortest_edge, -j);
   const double below = std::scalbn(m * m >= 2 ? std::numbers::sqrt2 : 1.0, j);
@@ -109,8 +108,7 @@ namespace {
 template <int D>
 using Rows = std::array<std::size_t, D + 1>;  // of a simplex's corners
 
-// What is to be said of a simplex, by its corners. Flat() stands for one that names an
-// unknown vertex.
+// The verdict on a simplex, from its corners. Flat() stands for a simplex with an unknown vertex.
 template <int D>
 class Judge;
 
@@ -133,7 +131,7 @@ class Judge<2> {
   SimplexVerdict operator()(const Rows<2>& rows, const Quality& q) {
     using enum SimplexVerdict;
     if (!IsOverRho(q, rho_, unit_)) return kGood;
-    double shortest = std::numeric_limits<double>::infinity();  // of the others
+    double shortest = std::numeric_limits<double>::infinity();  // of the other edges
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t p = rows[k], r = rows[(k + 1) % 3];
       if (seditious_.Has(p, r)) continue;
@@ -179,7 +177,7 @@ class Judge<3> {
     return IsBelowDihedral(rows, q) ? SimplexVerdict::kBelowDihedral : SimplexVerdict::kGood;
   }
   bool HasDihedralBound() const { return dihedral_.degrees() > 0; }
-  // As the mesher sees it; turned inside out, too.
+  // As the mesher decides it; true for inverted tetrahedra, too.
   bool IsBelowDihedral(const Rows<3>& rows, const Quality& q) const {
     return HasDihedralBound() && (std::isinf(q.radius_edge) || dihedral_.IsBelow(CornersOf(rows)));
   }
@@ -204,7 +202,7 @@ class Judge<3> {
   const geometry::DihedralBound dihedral_;
 };
 
-// Calls f(judge, rows, quality, verdict) for each simplex, in order. `rows`: null if it names an
+// Calls f(judge, rows, quality, verdict) for each simplex, in order. `rows` is null if it names an
 // unknown vertex.
 template <int D, class F>
 void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, F f) {
@@ -230,7 +228,7 @@ void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, F f) {
   if (mesh.dimension == 3) ForEachSimplex<3>(mesh, options, f);
 }
 
-// Steps of equal width up to 180 degrees.
+// Buckets of equal width up to 180 degrees.
 template <std::size_t kSteps>
 void Count(double angle_deg, std::array<std::uint64_t, kSteps>& histogram) {
   const double width = 180.0 / kSteps;
@@ -241,14 +239,14 @@ void CountAngles(const TriangleQuality& q, QualityReport& report) {
   for (const double angle : q.angles_deg) Count(angle, report.angle_histogram);
 }
 
-// The shares are counts as yet.
+// The shares are counts here.
 void CountAngles(const TetrahedronQuality& q, QualityReport& report) {
   for (const double angle : q.angles_deg) Count(angle, report.dihedral_histogram);
   report.share_below_5_deg += q.min_angle_deg < 5;
   report.share_below_10_deg += q.min_angle_deg < 10;
 }
 
-// The least first, at most kWorstDihedral. What comes later has a greater index.
+// Keeps `worst` sorted, the least first, at most kWorstDihedral. Later calls have greater indices.
 void NoteWorst(const WorstTetrahedron& t, std::vector<WorstTetrahedron>& worst) {
   if (worst.size() == kWorstDihedral) {
     if (t.angle_deg >= worst.back().angle_deg) return;

@@ -12,7 +12,7 @@
 namespace dynmesh::data {
 namespace {
 
-// `ids` and `polygons` ascend.
+// REQUIRES: `ids` and `polygons` ascend.
 bool Meet(const std::vector<FeatureId>& ids, std::span<const FeatureId> polygons) {
   auto i = ids.begin();
   auto p = polygons.begin();
@@ -28,7 +28,7 @@ void Normalize(std::vector<FeatureId>& ids) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-// Copies the chosen rows; returns the sum of the hashes of the others.
+// Copies the chosen rows. Returns the sum of the hashes of the others.
 MeshHash Choose(int dimension, const SimplexColumn& simplices, const RegionColumn& regions,
                 RegionFilter& filter, SimplexColumn& chosen, RegionColumn& chosen_regions) {
   const auto width = static_cast<std::size_t>(dimension) + 1;
@@ -61,7 +61,7 @@ VertexColumns RowsOf(const absl::flat_hash_set<VertexId>& ids, std::size_t dimen
   return to;
 }
 
-// Those pieces that are an edge, or a facet, of a simplex.
+// The pieces that are an edge, or a facet, of a simplex.
 template <class Columns>
 Columns PiecesOf(const SimplexColumn& simplices, std::size_t width, const Columns& from) {
   constexpr std::size_t kIds = kCorners<Columns>;
@@ -72,7 +72,7 @@ Columns PiecesOf(const SimplexColumn& simplices, std::size_t width, const Column
     std::copy_n(key.begin(), kIds, corners.begin());
     return corners;
   };
-  // Of pieces, not of edges and facets, which are many more.
+  // A set of pieces, not of edges and facets, which are many more.
   absl::flat_hash_set<Corners> open;
   for (std::size_t i = 0; i < from.size(); ++i) open.insert(corners_of(i));
   if (open.empty()) return {};

@@ -1,5 +1,5 @@
-// The part of a mesh, or of a diff, that lies in chosen polygons. Pure functions of rows,
-// no geometry: whether a simplex is inside, its region tells. Thread-safe.
+// The part of a mesh, or of a diff, that lies in chosen polygons. Pure functions of rows, no
+// geometry: a simplex's region determines whether it is inside. Thread-safe.
 #ifndef DYNMESH_CORE_DATA_REGION_FILTER_H_
 #define DYNMESH_CORE_DATA_REGION_FILTER_H_
 
@@ -11,8 +11,8 @@
 
 namespace dynmesh::data {
 
-// A simplex is chosen if it lies in at least one polygon of `in` (with in_any: of all there
-// are; if neither is given: anywhere, in polygons or not) and in none of `out`.
+// Chooses simplices in at least one polygon of `in` and in none of `out`. With in_any, `in` means
+// all polygons present. Without `in` and in_any, all simplices count as in it.
 struct RegionChoice {
   std::vector<FeatureId> in;  // ascending, none twice
   bool in_any = false;
@@ -21,11 +21,11 @@ struct RegionChoice {
   bool Has(std::span<const FeatureId> polygons) const;
   friend bool operator==(const RegionChoice&, const RegionChoice&) = default;
 };
-// Sorts both lists and drops what stands twice.
+// Sorts both lists and removes duplicates.
 void Normalize(RegionChoice& choice);
 
-// Decides region by region, each once. `sets` of the mesh or diff in question, by ascending
-// id; they must outlive it. Thread-compatible.
+// Decides once per region. `sets` of the mesh or diff, by ascending id, must outlive it.
+// Thread-compatible.
 class RegionFilter {
  public:
   RegionFilter(const RegionChoice& choice, std::span<const RegionSet> sets);
@@ -39,17 +39,16 @@ class RegionFilter {
   absl::flat_hash_map<RegionId, bool> known_;
 };
 
-// The chosen simplices with their vertices and those subsegments and subfacets that are edges
-// and facets of them; rows in the order that they have, revision as it was, the hash that of
-// what is left. O(mesh).
+// The chosen simplices, their vertices, and the subsegments and subfacets that are their edges and
+// facets. Keeps the order of rows and the revision. The hash is that of the result. O(mesh).
 Mesh OnlyInside(const Mesh& mesh, const RegionChoice& choice);
 
-// The chosen simplices with all vertices, subsegments and subfacets, as a diff can keep up
-// with: which of them are in use it does not say. The hash is that of what is left.
+// The chosen simplices with all vertices, subsegments and subfacets: a diff does not show which of
+// these are in use. The hash is that of the result.
 Mesh SimplicesInside(const Mesh& mesh, const RegionChoice& choice);
 
-// The same of a diff. `hidden` is the sum of the hashes of the simplices that were left out
-// of the mesh so far, and is brought up to date; the hash becomes that of what is left.
+// The same for a diff. `hidden` is the sum of the hashes of the simplices omitted so far; it is
+// updated. The hash becomes that of the result.
 MeshDiff SimplicesInside(const MeshDiff& diff, const RegionChoice& choice, MeshHash& hidden);
 
 }  // namespace dynmesh::data

@@ -17,7 +17,7 @@ void KeepNamed(std::vector<RegionSet>& sets, std::initializer_list<const RegionC
   sets.erase(std::unique(sets.begin(), sets.end(), same_id), sets.end());
   std::vector<bool> named(sets.size());
   for (const RegionColumn* column : columns) {
-    RegionId last = kNoRegion;  // neighbours in a mesh often share theirs
+    RegionId last = kNoRegion;  // adjacent simplices often share it
     for (const RegionId region : *column) {
       if (region == last) continue;
       last = region;

@@ -1,8 +1,8 @@
-// Columns of regions, which stand beside columns of simplices, and the sets that they
-// name. Pure functions, thread-safe.
+// Columns of regions, parallel to columns of simplices, and the sets that they name. Pure
+// functions, thread-safe.
 //
-// In canonical form a column has an entry that is not 0 or is empty, and there are those
-// sets, by ascending id, that some column names.
+// Canonical form: a column is empty or has a nonzero entry; the sets are those that some column
+// names, by ascending id.
 #ifndef DYNMESH_CORE_DATA_REGIONS_H_
 #define DYNMESH_CORE_DATA_REGIONS_H_
 
@@ -14,19 +14,19 @@
 
 namespace dynmesh::data {
 
-// Clears a column that says nothing. O(the zeros at its beginning).
+// Clears a column of zeros. O(leading zeros).
 void DropIfIdle(RegionColumn& regions);
 
-// Orders `sets` and keeps of them each once what the columns name. O(rows) if there are any.
+// Sorts `sets` and keeps each that the columns name once. O(rows) if there are sets.
 void KeepNamed(std::vector<RegionSet>& sets, std::initializer_list<const RegionColumn*> columns);
 
 // Appends the sets of `from` to those of `to`; KeepNamed puts them in order.
 void AppendSets(std::vector<RegionSet>& to, const std::vector<RegionSet>& from);
 
-// Two polygons at least, ascending, and the id is theirs.
+// At least two polygons, ascending, and the id is that of these.
 bool IsRegionSet(const RegionSet& set);
 
-// Each is one, and their ids ascend.
+// All are valid, and their ids ascend.
 bool AreRegionSets(const std::vector<RegionSet>& sets);
 
 // Memory of the sets.

@@ -10,21 +10,21 @@
 namespace dynmesh::data {
 namespace {
 
-// Coordinates of vertices on segments are off by a few spacings of doubles.
+// Vertices on segments are off by a few ulps.
 constexpr double kToleranceUnits = 16;
 
 }  // namespace
 
-// An owner may have many segments, if it is a polygon: which vertices lie on one of them,
-// only the chains of subsegments tell.
+// A polygon owns many segments. Which vertices lie on one segment follows from the chains of
+// subsegments.
 SeditiousEdges::SeditiousEdges(const Mesh& mesh,
                                const absl::flat_hash_map<VertexId, std::size_t>& row_of)
     : mesh_(mesh), tolerance_(kToleranceUnits * CoordinateUnit(mesh.vertices.coordinates)) {
   using Row = std::size_t;
   const auto is_inner = [&](Row row) { return mesh.vertices.containing_dimensions[row] == 1; };
-  // Each vertex inside a segment has one on either side of it.
+  // Each vertex inside a segment has a neighbour on either side.
   absl::flat_hash_map<Row, std::array<Row, 2>> beside;
-  std::vector<std::array<Row, 2>> starts;  // an end of a segment, and the vertex next to it
+  std::vector<std::array<Row, 2>> starts;  // the end of a segment, and the vertex next to it
   for (std::size_t s = 0; s < mesh.subsegments.size(); ++s) {
     if (mesh.subsegments.owners[s] == kBoxFeature) continue;
     const auto a = row_of.find(mesh.subsegments.ends[2 * s]);
@@ -40,7 +40,7 @@ SeditiousEdges::SeditiousEdges(const Mesh& mesh,
     }
   }
   for (const auto& [end, next] : starts) {
-    if (segment_of_.contains(next)) continue;  // from the other end
+    if (segment_of_.contains(next)) continue;  // found from the other end
     const auto segment = static_cast<std::uint32_t>(ends_.size());
     Row before = end, row = next;
     while (is_inner(row) && segment_of_.try_emplace(row, segment).second) {

@@ -1,6 +1,6 @@
-// Which edges of a mesh are as short as a small input angle makes them: they join two
-// vertices that were put on segments with a common end, a small angle apart, at the same
-// distance from it. Found from the mesh alone. Thread-safe once made.
+// Edges that are short because of a small input angle: they join vertices on two segments with a
+// common end and a small angle, at the same distance from that end. Found from the mesh alone.
+// Thread-safe once constructed.
 #ifndef DYNMESH_CORE_DATA_SEDITIOUS_EDGES_H_
 #define DYNMESH_CORE_DATA_SEDITIOUS_EDGES_H_
 
@@ -16,11 +16,11 @@ namespace dynmesh::data {
 
 class SeditiousEdges {
  public:
-  // `row_of`: the rows of the mesh's vertices, by id. `mesh` (of dimension 2) must outlive
-  // the object. O(size).
+  // `row_of`: the rows of the mesh's vertices, by id. `mesh` (of dimension 2) must outlive the
+  // object. O(size).
   SeditiousEdges(const Mesh& mesh, const absl::flat_hash_map<VertexId, std::size_t>& row_of);
 
-  // Is the edge between the vertices in these rows one? O(1).
+  // Is the edge between the vertices in these rows such an edge? O(1).
   bool Has(std::size_t p, std::size_t q) const;
 
  private:

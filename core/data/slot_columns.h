@@ -1,4 +1,4 @@
-// Columns of a SlotMesh with the slots that are free: subsegments or subfacets by key. One thread.
+// Columns of a SlotMesh with their free slots: subsegments or subfacets by key. One thread.
 #ifndef DYNMESH_CORE_DATA_SLOT_COLUMNS_H_
 #define DYNMESH_CORE_DATA_SLOT_COLUMNS_H_
 
@@ -18,15 +18,15 @@ namespace dynmesh::data {
 
 inline std::size_t At(Slot slot) { return static_cast<std::size_t>(slot); }
 
-// A diff that does not fit what is there.
+// The error of a diff that does not fit the mesh.
 inline absl::Status Lost(std::string_view what, std::string_view trouble) {
   return absl::DataLossError(Concat(what, " ", trouble, ": take a new snapshot"));
 }
 
-// Slots that are free, and how many there are of a kind.
+// Free slots of a kind, and their total number.
 struct SlotPool {
   std::vector<Slot> free;
-  Slot end = 0;  // slots 0, 1, ... have been handed out
+  Slot end = 0;  // slots 0 ... end - 1 were handed out
   Slot Take() {
     if (free.empty()) return end++;
     const Slot slot = free.back();
@@ -46,7 +46,7 @@ struct PieceTable {
   SlotColumn<FeatureId> owners;
   SlotPool pool;
 
-  // Finds what a diff does, and adds to `hash`.
+  // Computes the net effect of a diff, and adds it to `hash`.
   absl::Status Net(const Columns& removed, const Columns& added, MeshHash& hash) const {
     const std::string what = Concat("a ", kPieceName<Columns>);
     absl::flat_hash_set<Key> gone, come;
@@ -91,7 +91,7 @@ struct PieceTable {
     }
   }
 
-  // Appends to both what stays and has a corner that is replaced.
+  // Appends to both the rows that stay and have a replaced corner.
   template <class IsReplaced>
   void AddReplaced(const IsReplaced& is_replaced, Columns& removed, Columns& added) const {
     absl::flat_hash_set<Key> gone;

@@ -1,9 +1,8 @@
-// Filling from a whole mesh: every row gets its slot at once, and nothing needs netting.
+// Fills slots from a whole mesh: every row gets its slot at once, without netting.
 //
-// Rows of a mesh are sorted by ids, which are hashes: neighbours are anywhere. In slots what is
-// near in the mesh is near in memory: vertices lie along a Hilbert curve, simplices by the least
-// slot of their corners. So a walk through the mesh reads the cache, here and in programs that use
-// it.
+// Rows of a mesh are sorted by ids, which are hashes: neighbours are far apart. In slots they are
+// near in memory: vertices are sorted along a Hilbert curve, simplices by the least slot of their
+// corners. So a walk through the mesh hits the cache, here and in programs that use the slots.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,10 +21,10 @@ using data::VertexName;
 
 namespace {
 
-// How many rows ahead what is found at random places is asked for.
+// Random accesses are prefetched so many rows ahead.
 constexpr std::size_t kAhead = 12;
 
-// The vertices' rows along the curve.
+// The rows of the vertices along the curve.
 template <std::size_t D>
 LargeVector<std::uint32_t> RowsAlongCurve(const std::vector<double>& coordinates) {
   constexpr int kLevels = 32 / D;
@@ -38,14 +37,14 @@ LargeVector<std::uint32_t> RowsAlongCurve(const std::vector<double>& coordinates
       low[k] = std::min(low[k], coordinates[i]), high = std::max(high, coordinates[i]);
     }
     scale[k] = ((1 << kLevels) - 1) / (high - low[k]);
-    if (!(scale[k] < INFINITY)) scale[k] = 0;  // of no extent, or none that doubles hold
+    if (!(scale[k] < INFINITY)) scale[k] = 0;  // no extent, or one that doubles cannot hold
   }
   LargeVector<std::uint64_t> keyed(count);  // the key, then the row
   for (std::size_t i = 0; i < count; ++i) {
     std::array<std::uint32_t, D> cell;
     for (std::size_t k = 0; k < D; ++k) {
       const double at = (coordinates[i * D + k] - low[k]) * scale[k];
-      cell[k] = at > 0 ? static_cast<std::uint32_t>(at) : 0;  // or no number
+      cell[k] = at > 0 ? static_cast<std::uint32_t>(at) : 0;  // also for NaN
     }
     keyed[i] = std::uint64_t{geometry::HilbertCurve<D>::Key(cell, kLevels)} << 32 | i;
   }
@@ -55,7 +54,7 @@ LargeVector<std::uint32_t> RowsAlongCurve(const std::vector<double>& coordinates
   return rows;
 }
 
-// The simplices' rows by the least slot of their corners.
+// The rows of the simplices by the least slot of their corners.
 LargeVector<std::uint32_t> RowsByLeastCorner(const LargeVector<Slot>& corners, std::size_t width,
                                              std::size_t vertex_count) {
   const std::size_t count = corners.size() / width;
@@ -133,7 +132,7 @@ absl::Status SlotMesh::State::Fill(const Mesh& mesh) {
   if (auto status = FillVertices(mesh, sum); !status.ok()) return status;
   if (auto status = FillSimplices(mesh, sum); !status.ok()) return status;
 
-  MeshDiff rest;  // pieces and sets as if they came with a diff
+  MeshDiff rest;  // pieces and sets are added as by a diff
   rest.dimension = dimension;
   if (auto s = subsegments.Net({}, mesh.subsegments, sum); !s.ok()) return s;
   if (auto s = subfacets.Net({}, mesh.subfacets, sum); !s.ok()) return s;

@@ -1,4 +1,4 @@
-// Netting: what a diff does, checked against what is there. Nothing changes.
+// Netting: checks a diff against the mesh and computes its net effect. Changes nothing.
 #include <algorithm>
 
 #include "core/data/slot_state.h"
@@ -28,7 +28,7 @@ absl::Status SlotMesh::State::NetVertices(const MeshDiff& diff, Netting& netting
       return Lost(VertexName(id), "is to come but is present");
     }
     if (!netting.added_vertices.insert(id).second) return Lost(VertexName(id), "comes twice");
-    // The same id at another place (of two vertices whose hashes agree) is another vertex.
+    // The same id with other coordinates (hash collision) is another vertex.
     const double* place = &added.coordinates[i * d()];
     const auto removed = netting.removed_vertices.find(id);
     const bool stays = removed != netting.removed_vertices.end() &&
@@ -45,8 +45,8 @@ absl::Status SlotMesh::State::NetSimplices(const MeshDiff& diff, Netting& nettin
   for (std::size_t i = 0; i < diff.removed_simplex_count(); ++i) {
     const VertexId* row = &diff.removed_simplices[i * width()];
     const RegionId region = RegionOfRow(diff.removed_regions, i);
-    // In another region it is another simplex, as a subsegment is with another owner. Not
-    // left to the hash: what filters or adds up diffs believes their regions.
+    // A simplex in another region is another simplex, as a subsegment with another owner is. The
+    // check is explicit, not left to the hash: filters and sums of diffs rely on regions.
     const Slot slot = FindSimplex(row);
     if (slot == kNoSlot || regions[At(slot)] != region) {
       return Lost("a simplex", "is to go but is absent");
@@ -104,9 +104,9 @@ absl::Status SlotMesh::State::Net(const MeshDiff& diff, Netting& netting) const 
   return absl::OkStatus();
 }
 
-// Where an id stands for another vertex after the diff (of vertices whose hashes agree), rows that
-// name it by ids alone are the same before and after, so the diff leaves them out. As slots they
-// change: here they go and come, too. O(mesh).
+// If an id stands for another vertex after the diff (hash collision), rows that name it by id alone
+// are the same before and after, and the diff omits them. As slots they change: here they are
+// removed and added. O(mesh).
 MeshDiff SlotMesh::State::WithReplaced(MeshDiff diff, const Netting& netting) const {
   const auto is_replaced = [&](VertexId id) { return netting.replaced.contains(id); };
   const bool labels = labelled > 0 || !diff.removed_regions.empty() || !diff.added_regions.empty();

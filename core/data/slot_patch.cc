@@ -1,4 +1,4 @@
-// Committing: a netted diff is carried out, and what the patch did so far is written down.
+// Committing: applies a netted diff and records its effect in the patch.
 #include <algorithm>
 #include <utility>
 
@@ -9,7 +9,7 @@ namespace dynmesh {
 using data::At;
 using data::RegionOfRow;
 
-// Slots that the last patch freed may be filled from now on.
+// From now on the slots that the last patch freed may be filled.
 void SlotMesh::State::BeginPatch() {
   const auto free = [](const std::vector<Slot>& slots, data::SlotPool& pool) {
     pool.free.insert(pool.free.end(), slots.rbegin(), slots.rend());
@@ -21,7 +21,7 @@ void SlotMesh::State::BeginPatch() {
   patch.from_revision = patch.to_revision = revision;
 }
 
-// A simplex of the patch's beginning is kept in mind; one that came with the patch is forgotten.
+// A simplex from before the patch is recorded. One that the patch added is forgotten.
 void SlotMesh::State::RemoveSimplices(const MeshDiff& diff, const Netting& netting,
                                       data::FaceLinks& faces) {
   const absl::flat_hash_set<Slot> kept(netting.kept_simplices.begin(),
@@ -54,7 +54,7 @@ void SlotMesh::State::RemoveSimplices(const MeshDiff& diff, const Netting& netti
                                    GoneSimplex{slot, corners, region});
     }
   }
-  // Rows are cleared when nothing looks for them any more.
+  // Rows are cleared when they are not needed for lookups any more.
   for (const Slot slot : netting.removed_rows) {
     if (kept.contains(slot)) continue;
     for (std::size_t k = 0; k < width(); ++k) {
@@ -92,7 +92,7 @@ void SlotMesh::State::PlaceVertex(Slot slot, VertexId id, const double* place, i
   owners[At(slot)] = owner;
 }
 
-// A vertex that went earlier in the patch comes back to its slot.
+// A vertex that was removed earlier in the patch returns to its slot.
 void SlotMesh::State::AddVertices(const MeshDiff& diff, const Netting& netting) {
   const VertexColumns& added = diff.added_vertices;
   for (std::size_t i = 0; i < added.size(); ++i) {
@@ -135,7 +135,7 @@ void SlotMesh::State::RelabelSimplex(Slot slot, RegionId region) {
   regions[At(slot)] = region;
 }
 
-// So does a simplex.
+// A simplex that was removed earlier in the patch returns to its slot.
 void SlotMesh::State::AddSimplices(const MeshDiff& diff, const Netting& netting,
                                    data::FaceLinks& faces) {
   for (std::size_t i = 0; i < diff.added_simplex_count(); ++i) {
@@ -162,11 +162,11 @@ void SlotMesh::State::AddSimplices(const MeshDiff& diff, const Netting& netting,
   }
 }
 
-// Additions first, so that a set which stays in use is not dropped in between.
+// Additions first: a set that stays in use is not dropped meanwhile.
 void SlotMesh::State::CommitSets(const MeshDiff& diff) {
   for (const RegionSet& set : diff.region_sets) {
     const auto [it, is_new] = sets.try_emplace(set.id, set.polygons, 0);
-    if (!is_new) it->second.first = set.polygons;  // may be another set's id now
+    if (!is_new) it->second.first = set.polygons;  // the id may stand for another set now
   }
   if (sets.empty()) return;
   for (const RegionId region : diff.added_regions) {
@@ -197,7 +197,7 @@ void SlotMesh::State::Commit(const MeshDiff& diff, const Netting& netting, bool 
   WritePatch();
 }
 
-// Writes `going` down in the order of ids.
+// Writes `going` to the patch in the order of ids.
 void SlotMesh::State::WritePatch() {
   const auto by_key = [](auto& rows, auto&& write) {
     std::sort(rows.begin(), rows.end());

@@ -1,6 +1,6 @@
-// What a SlotMesh holds, and how a diff becomes a patch: first it is netted, which checks it
-// against what is there and changes nothing (slot_netting.cc), then committed, which cannot fail
-// (slot_patch.cc). A whole mesh is filled in (slot_fill.cc). For these files and slot_mesh.cc alone.
+// The state of a SlotMesh. A diff is first netted: checked against the mesh, without a change
+// (slot_netting.cc). Then it is committed, which cannot fail (slot_patch.cc). A whole mesh is
+// filled in (slot_fill.cc). Only for these files and slot_mesh.cc.
 #ifndef DYNMESH_CORE_DATA_SLOT_STATE_H_
 #define DYNMESH_CORE_DATA_SLOT_STATE_H_
 
@@ -26,7 +26,7 @@ struct SlotMesh::State {
   using IdKey = std::array<VertexId, 4>;
   using SlotKey = std::array<Slot, 4>;
 
-  // Finds simplices by the corners in their rows: no second copy of these.
+  // Hashes a simplex by the corners in its row: no second copy of these.
   struct CellHash {
     using is_transparent = void;
     const State* state;
@@ -44,7 +44,7 @@ struct SlotMesh::State {
   };
   using CellSet = absl::flat_hash_set<Slot, CellHash, CellEqual>;
 
-  // What a patch has done so far.
+  // The effect of the patch so far.
   struct GoneSimplex {
     Slot slot;
     SlotKey corners;
@@ -54,20 +54,20 @@ struct SlotMesh::State {
     absl::flat_hash_map<VertexId, Slot> gone_vertices;
     absl::flat_hash_map<IdKey, GoneSimplex> gone_simplices;
     absl::flat_hash_set<Slot> come_vertices, come_simplices;
-    absl::flat_hash_map<Slot, RegionId> relabelled;  // and the region before
+    absl::flat_hash_map<Slot, RegionId> relabelled;  // and the region before the patch
   };
 
-  // What has been seen of a diff while nothing has been changed yet.
+  // The net effect of a diff, before anything is changed.
   struct Netting {
     MeshHash hash;
     absl::flat_hash_map<VertexId, Slot> removed_vertices;
     absl::flat_hash_set<VertexId> added_vertices;
     absl::flat_hash_set<VertexId> replaced;  // ids that stand for another vertex after the diff
-    // Of each added row: the slot of the vertex or simplex that stays, but changes its owner or
-    // its region; else kNoSlot.
+    // Per added row: the slot of the vertex or simplex that stays, but changes its owner or region;
+    // else kNoSlot.
     std::vector<Slot> kept_vertices, kept_simplices;
     absl::flat_hash_set<Slot> removed_simplices;
-    std::vector<Slot> removed_rows;  // the simplex of each
+    std::vector<Slot> removed_rows;  // the simplex of each removed row
   };
 
   explicit State(int of_dimension)
@@ -152,7 +152,7 @@ struct SlotMesh::State {
   void AddSimplices(const MeshDiff& diff, const Netting& netting, data::FaceLinks& faces);
   void RelabelSimplex(Slot slot, RegionId region);
   void PlaceVertex(Slot slot, VertexId id, const double* place, int containing, FeatureId owner);
-  // False if there is such a simplex: then the slot must not stay.
+  // False if the simplex exists already: then the caller must free the slot.
   bool PlaceSimplex(Slot slot, const SlotKey& corners, RegionId region);
   void CommitSets(const MeshDiff& diff);
   void Commit(const MeshDiff& diff, const Netting& netting, bool extends);
@@ -178,7 +178,7 @@ struct SlotMesh::State {
 
   absl::flat_hash_map<VertexId, Slot> vertices;
   CellSet simplices;
-  // Polygons and number of simplices, of regions in several polygons.
+  // The polygons of each region in several polygons, and its number of simplices.
   absl::flat_hash_map<RegionId, std::pair<std::vector<FeatureId>, std::size_t>> sets;
   data::PieceTable<SubsegmentColumns> subsegments;
   data::PieceTable<SubfacetColumns> subfacets;
@@ -189,7 +189,7 @@ struct SlotMesh::State {
 
 namespace data {
 
-// Of a column of regions, which is empty where all are kNoRegion.
+// An empty column stands for kNoRegion in all rows.
 inline RegionId RegionOfRow(const RegionColumn& regions, std::size_t row) {
   return regions.empty() ? kNoRegion : regions[row];
 }

@@ -1,4 +1,4 @@
-// MeasureTetrahedron of dynmesh/quality.h, and what is exact about it.
+// MeasureTetrahedron of dynmesh/quality.h, and its exact parts.
 #include "core/data/tetrahedron_quality.h"
 
 #include <algorithm>
@@ -18,12 +18,11 @@ using geometry::Vector3;
 
 constexpr double kRatioError = 1e-10;  // as promised
 
-// Edges in the order of TetrahedronQuality::angles_deg; of each its ends, then the two other
-// corners.
+// Edges in the order of TetrahedronQuality::angles_deg: the two ends, then the two other corners.
 constexpr std::size_t kEdges[6][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 3, 1, 2},
                                       {1, 2, 0, 3}, {1, 3, 0, 2}, {2, 3, 0, 1}};
 
-// Where exact integers can be had.
+// Are exact integers possible?
 bool IsInDomain(const Point3& p) {
   return std::all_of(p.c.begin(), p.c.end(), [](double x) {
     return x == 0 || (std::fabs(x) >= 0x1p-250 && std::fabs(x) <= 0x1p250);
@@ -37,10 +36,10 @@ bool AreInDomain(const std::array<Point3, 4>& corners) {
 double Length(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
 
 // A tetrahedron scaled by a power of two, exactly, so that its largest extent is about 1: no
-// product overflows, and none that matters underflows.
+// product overflows, and no relevant one underflows.
 struct Scaled {
   int scale = 0;
-  bool valid = false;     // there is an extent, and it is finite
+  bool valid = false;     // the extent is positive and finite
   Vector3 to[4][4] = {};  // from corner i to corner j
 
   explicit Scaled(const std::array<Point3, 4>& corners) {
@@ -65,15 +64,15 @@ struct Scaled {
   }
 };
 
-// Determinant (of the scaled one; not positive: flat or inverted) and ratio.
+// The determinant of the scaled tetrahedron (not positive: flat or inverted) and the ratio.
 geometry::TetrahedronShape MeasureShape(const std::array<Point3, 4>& corners, const Scaled& s,
                                         double shortest) {
   const Vector3 &u = s.to[0][1], &v = s.to[0][2], &w = s.to[0][3];
   const geometry::Circumball ball(u, geometry::Dot(u, u), v, geometry::Dot(v, v), w,
                                   geometry::Dot(w, w), false);
   const double radius = std::sqrt(ball.r2);
-  // Below that edge products might underflow, and the ball's bound does not know. An error
-  // this small vouches for the determinant, too: it grows with what that has lost.
+  // Shorter edges may make products underflow, which the ball's error bound ignores. So small an
+  // error also bounds the error of the determinant: it increases with the determinant's loss.
   if (shortest > 0x1p-250 && ball.error < kRatioError / 4 * radius) {
     return {geometry::Dot(u, geometry::AccurateCross(v, w)), radius / shortest};
   }
@@ -104,7 +103,7 @@ TetrahedronQuality MeasureTetrahedron(const double* a, const double* b, const do
     const auto& [i, j, k, l] = kEdges[e];
     Vector3 along = s.to[i][j];
     for (double& x : along) x /= length[e];
-    // Of the heights of k and l over the edge, the inner and the outer product.
+    // The inner and the outer product of the heights of k and l over the edge.
     const double cosine = geometry::Dot(geometry::AccurateCross(along, s.to[i][k]),
                                         geometry::AccurateCross(along, s.to[i][l]));
     q.angles_deg[e] = data::Degrees(std::atan2(det / length[e], cosine));

@@ -1,4 +1,4 @@
-// Is a tetrahedron over a bound? What is flat? Pure, thread-safe.
+// Exact tests of tetrahedra: ratio over a bound, flatness. Pure, thread-safe.
 #ifndef DYNMESH_CORE_DATA_TETRAHEDRON_QUALITY_H_
 #define DYNMESH_CORE_DATA_TETRAHEDRON_QUALITY_H_
 
@@ -9,11 +9,11 @@
 
 namespace dynmesh::data {
 
-// What MeasureTetrahedron says of a flat one.
+// The result of MeasureTetrahedron for a flat tetrahedron.
 TetrahedronQuality FlatTetrahedron();
 
-// Is the ratio of the tetrahedron with these corners, as MeasureTetrahedron has it in `q`,
-// more than `bound`? By the exact ratio where q's is too near to tell.
+// Is the ratio of the tetrahedron with these corners greater than `bound`? `q` is its
+// MeasureTetrahedron. Computes the exact ratio if that of q is too close to decide.
 bool IsOverBound(const std::array<geometry::Point3, 4>& corners, const TetrahedronQuality& q,
                  double bound);
 

@@ -1,5 +1,5 @@
-// Small text tools over std::string_view, which Abseil's own may or may not be
-// (it depends on how Abseil was built). Pure functions.
+// Small text functions with std::string_view. Abseil's string_view may be another type, depending
+// on its build. Pure functions.
 #ifndef DYNMESH_CORE_DATA_TEXT_H_
 #define DYNMESH_CORE_DATA_TEXT_H_
 
@@ -14,7 +14,7 @@
 
 namespace dynmesh::data {
 
-// As std::string_view, whichever type Abseil's is.
+// Abseil's string_view as std::string_view.
 inline std::string_view View(absl::string_view text) { return {text.data(), text.size()}; }
 
 inline void Append(std::string& to, std::string_view text) { to.append(text); }
@@ -26,7 +26,7 @@ void Append(std::string& to, T value) {  // floating point: shortest, reads back
   to.append(digits, std::to_chars(digits, digits + sizeof(digits), value).ptr);
 }
 
-// Texts, characters and numbers, one after the other.
+// The concatenation of texts, characters and numbers.
 template <class... Parts>
 std::string Concat(const Parts&... parts) {
   std::string result;
@@ -41,8 +41,8 @@ inline std::string Hex(std::uint64_t word) {
   return digits;
 }
 
-// In quotes for a message: no control characters, cut after 40 bytes. Input may be
-// binary or endless.
+// Quoted for a message: without control characters, cut after 40 bytes. The input may be binary or
+// very long.
 inline std::string Quoted(std::string_view text) {
   constexpr std::size_t kLongest = 40;
   std::string result = "'";
@@ -58,7 +58,7 @@ inline std::string Quoted(std::string_view text) {
   return result + (text.size() > kLongest ? "...'" : "'");
 }
 
-// The parts between separators, empty ones included.
+// The parts between separators, including empty ones.
 inline std::vector<std::string_view> Split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   for (;;) {

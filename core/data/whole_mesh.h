@@ -1,6 +1,5 @@
-// What is done to all rows of a mesh and can be given up: Canonicalize and ComputeHash of
-// dynmesh/mesh.h, asked between rows whether to go on. Where `steps` are stopped, so is the work:
-// then the mesh is of no use, and the hash none. One thread.
+// Cancellable work on all rows of a mesh: Canonicalize and ComputeHash of dynmesh/mesh.h, polling
+// `steps` between rows. If `steps` stop, the mesh or hash is unspecified. One thread.
 #ifndef DYNMESH_CORE_DATA_WHOLE_MESH_H_
 #define DYNMESH_CORE_DATA_WHOLE_MESH_H_
 

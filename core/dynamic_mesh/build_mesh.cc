@@ -1,4 +1,4 @@
-// The static path: no trace, neighbourhoods read off one growing triangulation.
+// BuildMesh: no trace; reads neighbourhoods from one growing triangulation.
 #include <memory>
 
 #include "core/dynamic_mesh/limits.h"

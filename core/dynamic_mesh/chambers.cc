@@ -21,7 +21,7 @@ using geometry::Dot;
 using geometry::Vector3;
 using plc::Facet;
 
-// Of facet i: 2i is the side that its normal points to, 2i + 1 the other.
+// Side 2i of facet i is the one that its normal points to, 2i + 1 the other.
 using Side = std::size_t;
 constexpr Side kOutside = ~Side{0};
 
@@ -40,10 +40,10 @@ class Sides {
   std::vector<Side> parents_;
 };
 
-// A facet at an edge: which way it leads, as one turns about the edge, and its side that one sees
-// who turns on.
+// A facet at an edge: its direction in a rotation about the edge, and its side that faces onward in
+// that rotation.
 struct AtEdge {
-  double turn;  // grows with the angle, from 0 to below 4
+  double turn;  // increases with the angle, from 0 to below 4
   Side ahead;
   friend bool operator<(const AtEdge& a, const AtEdge& b) { return a.turn < b.turn; }
 };
@@ -53,7 +53,7 @@ double TurnOf(double x, double y) {
   return y >= 0 ? 1 - along : 3 + along;
 }
 
-// Joins what meets between the facets at each edge.
+// Joins the sides that face each other between neighbouring facets at each edge.
 void JoinAroundEdges(std::span<const Facet> piece, Sides& sides) {
   absl::flat_hash_map<plc::EdgeKey, std::vector<std::pair<std::size_t, Facet::Corner>>> edges;
   for (std::size_t i = 0; i < piece.size(); ++i) {
@@ -66,7 +66,7 @@ void JoinAroundEdges(std::span<const Facet> piece, Sides& sides) {
     const auto& [first, corner] = facets.front();
     const Vector3 edge = Difference(piece[first].PlaceOf(piece[first].Beside(corner, true)).c,
                                     piece[first].PlaceOf(corner).c);
-    // From here turns are counted.
+    // The zero of turns.
     const Vector3 x = piece[first].InwardOf(corner), y = Cross(edge, x);
     const double length = std::sqrt(Dot(edge, edge));
     around.clear();
@@ -84,7 +84,7 @@ void JoinAroundEdges(std::span<const Facet> piece, Sides& sides) {
   }
 }
 
-// As long as the facet is large, to where its normal points.
+// The area vector: along the normal, its length is the area.
 Vector3 AreaOf(const Facet& facet) {
   Vector3 sum = {0, 0, 0};
   const geometry::Point3 origin = facet.plane().origin;
@@ -98,7 +98,7 @@ Vector3 AreaOf(const Facet& facet) {
   return sum;
 }
 
-// Of each side, one that stands for its chamber, or kOutside.
+// For each side, a representative of its chamber, or kOutside.
 std::vector<Side> ChambersOf(std::span<const Facet> piece) {
   Sides sides(piece.size());
   JoinAroundEdges(piece, sides);
@@ -109,7 +109,8 @@ std::vector<Side> ChambersOf(std::span<const Facet> piece) {
     for (const Side side : {2 * i, 2 * i + 1}) {
       const Side chamber = sides.Find(side);
       if (first[chamber] == kOutside) first[chamber] = side;
-      // Relative to the place of one of its corners, or small ones would not be seen.
+      // Relative to the position of one of the chamber's corners: otherwise small chambers drown in
+      // rounding.
       const Vector3 to =
           Difference(piece[i].plane().origin.c, piece[first[chamber] / 2].plane().origin.c);
       const double cone = Dot(to, area);
@@ -128,7 +129,7 @@ std::vector<Side> ChambersOf(std::span<const Facet> piece) {
 
 std::vector<SurfaceIds> FindSurfaces(std::span<const Facet> piece) {
   const std::vector<Side> chambers = ChambersOf(piece);
-  // The walls of each, those of the outside last.
+  // The walls of each chamber, last those of the outside.
   const auto slot_of = [&](Side chamber) {
     return chamber == kOutside ? chambers.size() : chamber;
   };
@@ -136,7 +137,7 @@ std::vector<SurfaceIds> FindSurfaces(std::span<const Facet> piece) {
   for (Side side = 0; side < chambers.size(); ++side) {
     if (chambers[side] != chambers[side ^ 1]) walls[slot_of(chambers[side])].push_back(side / 2);
   }
-  // From the outside through the wall of least id that leads to a chamber without a name.
+  // From the outside: through the wall of least id that leads to a chamber without a name.
   std::vector<FeatureId> names(chambers.size() + 1, kNoFeature);
   using Wall = std::pair<FeatureId, std::size_t>;
   std::priority_queue<Wall, std::vector<Wall>, std::greater<>> ahead;

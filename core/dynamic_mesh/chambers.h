@@ -1,10 +1,10 @@
-// The chambers that polygons of space leave between them, and the polygons around each: its closed
-// surface (mesh.h, RegionId).
+// The chambers between polygons in 3D, and the closed surface of polygons around each (mesh.h,
+// RegionId).
 //
-// Each polygon has two sides. Around an edge, whoever leaves one polygon meets a side of the next:
-// such sides belong to one chamber, or to the outside. No two facets are at less than 70 degrees
-// there, so doubles tell which is next. What hangs together so encloses a volume, seen from the
-// chamber; seen from the outside that is negative.
+// Each polygon has two sides. Around an edge, a side of each polygon faces a side of the next one:
+// such sides belong to the same chamber, or to the outside. The angle between facets is at least 70
+// degrees, so doubles order them. Each component of sides bounds a chamber. Its signed volume is >
+// 0; the outside's is < 0.
 //
 // Pure, thread-safe.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_CHAMBERS_H_
@@ -19,12 +19,13 @@
 
 namespace dynmesh {
 
-// Of a polygon: the surfaces that it is part of, by their ids, ascending. Both if it has a chamber
-// on either side, none if it has the same on both.
+// The surfaces that a polygon is part of, by their ids, ascending. Two if there is a chamber on
+// either side; none if both sides are in the same chamber.
 using SurfaceIds = absl::InlinedVector<FeatureId, 2>;
 
-// Of each polygon of a piece, which is joined by edges and has at least two polygons at each. None
-// of them falls apart (facet_parts.h). `piece` by ascending id. O(k lg k) expected for k corners.
+// The surfaces of each polygon of `piece`, which is sorted by id. REQUIRES: the piece is connected
+// by edges, each edge has at least two polygons, no polygon falls apart (facet_parts.h). O(k lg k)
+// expected for k corners.
 std::vector<SurfaceIds> FindSurfaces(std::span<const plc::Facet> piece);
 
 }  // namespace dynmesh

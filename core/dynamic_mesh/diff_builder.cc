@@ -50,7 +50,7 @@ std::string ListOf(const std::vector<FeatureId>& polygons) {
 
 absl::Status CollisionError(int dimension, const RegionSets::Collision& collision) {
   const auto& [first, second] = collision;
-  // One that is not in both.
+  // A polygon that is not in both.
   std::vector<FeatureId> either;
   std::ranges::set_symmetric_difference(first, second, std::back_inserter(either));
   const FeatureId id = either.back();
@@ -89,7 +89,7 @@ void DiffBuilder<D>::AppendAll(const std::vector<SimplexRow<D>>& rows, SimplexCo
   }
 }
 
-// Drops columns that say nothing; lists the sets of polygons that the others name.
+// Clears columns without a region; lists the sets of polygons that the others name.
 template <int D>
 void DiffBuilder<D>::NameRegions(std::initializer_list<RegionColumn*> columns,
                                  std::vector<RegionSet>* sets) const {
@@ -162,7 +162,8 @@ template <class Refinement>
 Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& features, Steps& steps) {
   refinement.TakeChanges([](VertexIndex, bool, bool) {}, [](SubsegmentIndex, bool, bool) {});
   names_.Reserve(refinement.vertex_count());
-  std::vector<VertexIndex> all, missing;  // the triangulation may have grown along
+  std::vector<VertexIndex> all,
+      missing;  // the triangulation may have been filled during refinement
   all.reserve(refinement.vertex_count());
   refinement.ForEachVertex([&](VertexIndex v, const Vertex&) {
     all.push_back(v);
@@ -197,8 +198,8 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
   return mesh;
 }
 
-// Steiner points of long edges first, the input last: so that there are never many simplices to a
-// vertex, as there would be among points of curves in space.
+// Steiner points of long edges first, the input last. This keeps the number of simplices per vertex
+// small; it would be large among points of curves in 3D.
 template <int D>
 template <class Refinement>
 void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
@@ -216,7 +217,7 @@ void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
     for (; to < missing.size() && bucket(missing[to]) == bucket(missing[from]); ++to) {
       places.push_back(refinement.vertex(missing[to]).p);
     }
-    // Piece by piece, each of neighbours.
+    // In chunks of neighbouring points.
     ordered.clear();
     for (const std::uint32_t i : mesh::InsertOrder(places, steps)) {
       ordered.push_back(missing[from + i]);
@@ -265,7 +266,7 @@ Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D
   return mesh;
 }
 
-// --- What has changed -----------------------------------------------------------------
+// --- Changes --------------------------------------------------------------------------
 
 template <int D>
 template <class Refinement>
@@ -304,7 +305,7 @@ void DiffBuilder<D>::TakeChanges(Refinement& refinement) {
       });
 }
 
-// Names of what goes stay readable: by OldId, like those of the renamed.
+// Ids of removed vertices stay readable by OldId, like those of renamed ones.
 template <int D>
 template <class Refinement>
 void DiffBuilder<D>::UpdateNames(const Refinement& refinement) {
@@ -316,7 +317,7 @@ void DiffBuilder<D>::UpdateNames(const Refinement& refinement) {
   for (const VertexIndex v : vertices_.gone) names_.Remove(v, position, keep_old);
   for (const VertexIndex v : vertices_.come) names_.Add(v, position, keep_old);
   if (renamed_.empty()) return;
-  // Of one renamed several times, the first entry counts.
+  // Of a vertex renamed several times, the first entry counts.
   std::stable_sort(renamed_.begin(), renamed_.end(),
                    [](const Renamed& a, const Renamed& b) { return a.v < b.v; });
   const auto again = std::unique(renamed_.begin(), renamed_.end(),
@@ -325,7 +326,7 @@ void DiffBuilder<D>::UpdateNames(const Refinement& refinement) {
   std::erase_if(renamed_, [&](const Renamed& r) { return names_.at(r.v) == r.old_id; });
 }
 
-// First what goes: what comes may lie at the same place.
+// Removals first: an added vertex may have the same coordinates.
 template <int D>
 template <class Refinement>
 void DiffBuilder<D>::UpdateTriangulation(const Refinement& refinement) {
@@ -340,13 +341,13 @@ void DiffBuilder<D>::UpdateTriangulation(const Refinement& refinement) {
     InsertVertex(refinement, v);
     RecordSimplices();
   }
-  // Some were unmade again, some indices used twice.
+  // Some were removed again, some indices were reused.
   std::erase_if(fresh_, [&](auto t) { return triangulation_.IsInfinite(t); });
   std::sort(fresh_.begin(), fresh_.end());
   fresh_.erase(std::unique(fresh_.begin(), fresh_.end()), fresh_.end());
 }
 
-// A neighbour that refinement saw is a good place to start looking from.
+// A neighbour in the refinement is a good start of the search.
 template <int D>
 template <class Refinement>
 void DiffBuilder<D>::InsertVertex(const Refinement& refinement, VertexIndex v) {
@@ -359,7 +360,7 @@ void DiffBuilder<D>::InsertVertex(const Refinement& refinement, VertexIndex v) {
   triangulation_.Insert(v, refinement.vertex(v).p, near);
 }
 
-// What is made and unmade again in the same update never shows.
+// A simplex that the same update adds and removes does not appear.
 template <int D>
 void DiffBuilder<D>::RecordSimplices() {
   const auto deleted = triangulation_.deleted();
@@ -380,7 +381,7 @@ typename DiffBuilder<D>::IndexRow DiffBuilder<D>::RowOf(Simplex t) const {
   return {InCanonicalOrder(triangulation_.vertices(t)), labels_.at(t)};
 }
 
-// Subfacets that stay under other names go and come, too.
+// Subfacets that stay under other vertex ids are removed and added, too.
 template <int D>
 template <class Refinement>
 void DiffBuilder<D>::UpdateSubfacets(const Refinement& refinement,
@@ -401,7 +402,7 @@ void DiffBuilder<D>::UpdateSubfacets(const Refinement& refinement,
   }
 }
 
-// First what goes: what comes may be the same side.
+// Removals first: an added subsegment may have the same ends.
 template <int D>
 template <class Refinement>
 void DiffBuilder<D>::UpdateWalls(const Refinement& refinement, const FeatureTable<D>& features) {
@@ -440,7 +441,7 @@ void DiffBuilder<D>::UpdateLabels(const Refinement& refinement, const FeatureTab
   }
 }
 
-// Calls f(t) for the simplices at renamed vertices, for some several times.
+// Calls f(t) for the simplices at renamed vertices, for some of them several times.
 template <int D>
 template <class F>
 void DiffBuilder<D>::ForEachRenamed(F f) const {
@@ -452,7 +453,7 @@ void DiffBuilder<D>::ForEachRenamed(F f) const {
   }
 }
 
-// Simplices that stay, under other names.
+// Simplices that stay under other vertex ids.
 template <int D>
 void DiffBuilder<D>::AddSimplicesOfRenamed() {
   simplices_.Net();
@@ -496,7 +497,7 @@ void DiffBuilder<D>::Report(Rows<PieceRow<N>>* rows, Columns* removed, Columns* 
   for (const PieceRow<N>& row : rows->come) Append(*added, row);
 }
 
-// Those that look the same before and after are not reported.
+// Vertices with equal rows before and after are not reported.
 template <int D>
 template <class Refinement>
 void DiffBuilder<D>::ReportVertices(const Refinement& refinement, const FeatureTable<D>& features,
@@ -564,7 +565,7 @@ void DiffBuilder<D>::ReportSubfacets(const FeatureTable<D>& features, MeshDiff* 
   }
 }
 
-// Once more netted, as the client sees them: a vertex may have come where one has gone.
+// Nets again by ids: an added vertex may have the id of a removed one.
 template <int D>
 void DiffBuilder<D>::ReportSimplices(MeshDiff* diff) {
   simplex_rows_.Clear();

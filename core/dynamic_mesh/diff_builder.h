@@ -1,21 +1,18 @@
-// From what refinement changed to what the client sees: keeps the Delaunay
-// triangulation of the vertices present, their public ids and the hash of the mesh,
-// and nets each propagation into a MeshDiff.
+// From changes of the refinement to a MeshDiff. Keeps the Delaunay triangulation of the vertices
+// present, their public ids and the hash of the mesh. Nets each propagation into a diff.
 //
-// The triangulation is a function of the vertex set, so it stands outside the trace:
-// a propagation's few vertices are inserted and removed, O(degree) each. Cheaper by an
-// order of magnitude than a star operation per vertex, and what a run from scratch
-// reads its neighbourhoods off.
+// The triangulation is a function of the vertex set, so it is outside the trace: the few vertices
+// of a propagation are inserted and removed, O(degree) each. That is cheaper by an order of
+// magnitude than a star operation per vertex. A run from scratch reads its neighbourhoods from it.
 //
-// An id may change while its vertex stays, if one that collides comes or goes
-// (vertex_names.h). Such a vertex leaves under the old name and comes back under the
-// new, and so does all that it is part of.
+// A vertex's id may change while the vertex stays, if another with the same unsalted id is added or
+// removed (vertex_names.h). The diff then removes the vertex under the old id and adds it under the
+// new one, with everything that it is part of.
 //
-// Simplices carry the regions that they lie in as labels (region_labels.h). In space faces of
-// tetrahedra that lie on facets are subfacets (subfacet_table.h).
+// Labels of simplices are their regions (region_labels.h). In 3D, faces of tetrahedra on facets are
+// subfacets (subfacet_table.h).
 //
-// Thread-compatible. Keeps its lists from call to call: an update allocates little but
-// the diff.
+// Thread-compatible. Keeps its lists between calls: an update allocates little but the diff.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_DIFF_BUILDER_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_DIFF_BUILDER_H_
 
@@ -53,8 +50,8 @@ class DiffBuilder {
 
   Triangulation& triangulation() { return triangulation_; }
   const Triangulation& triangulation() const { return triangulation_; }
-  // The first time: the whole mesh, of a run from scratch. Rows in no order, see mesh.h. Where
-  // `steps` are stopped, so is this: then what is returned is nothing, and the builder of no use.
+  // The first call, for a run from scratch: returns the whole mesh. Rows are unordered, see mesh.h.
+  // If `steps` stop, the result is unspecified and the builder unusable.
   template <class Refinement>
   Mesh Begin(Refinement& refinement, const FeatureTable<D>& features, Steps& steps);
   template <class Refinement>
@@ -63,13 +60,13 @@ class DiffBuilder {
     return Begin(refinement, features, all);
   }
 
-  // What has changed since the last call. Rows sorted as Canonicalize does it. Work
-  // counters are the caller's.
+  // The diff since the last call. Rows are sorted as by Canonicalize. The caller sets the work
+  // counters.
   template <class Refinement>
   MeshDiff Update(Refinement& refinement, const FeatureTable<D>& features);
 
-  // The whole mesh as it stood at the last Update, even if the refinement has gone on, or is in
-  // the middle of it. Rows in no order, see mesh.h.
+  // The whole mesh of the last Update, even if the refinement has been changed since, or is being
+  // run. Rows are unordered, see mesh.h.
   template <class Refinement>
   Mesh Snapshot(const Refinement& refinement, const FeatureTable<D>& features, Steps& steps) const;
   template <class Refinement>
@@ -84,12 +81,12 @@ class DiffBuilder {
   }
 
   // RESOURCE_EXHAUSTED if the last Begin or Update filled the triangulation (SIZE_LIMIT) or found a
-  // place in too many polygons (POLYGON_LIMIT), FAILED_PRECONDITION (ID_COLLISION) if two sets of
-  // polygons have one id; after an Update these may be of the past. What it returned is nothing
-  // then, and no more may be done with the builder.
+  // position in too many polygons (POLYGON_LIMIT). FAILED_PRECONDITION (ID_COLLISION) if two sets
+  // of polygons have the same id; after an Update these sets may be former ones. After an error its
+  // result is invalid and the builder unusable.
   absl::Status RegionStatus() const;
-  // FAILED_PRECONDITION (ID_COLLISION) if two vertices have one id after the last Begin or Update:
-  // then what it returned must not be shown, but an Update may lead out of it.
+  // FAILED_PRECONDITION (ID_COLLISION) if two vertices have the same id after the last Begin or
+  // Update. Then its result is invalid, but a further Update may be valid.
   template <class Refinement>
   absl::Status NameStatus(const Refinement& refinement, const FeatureTable<D>& features) const;
 
@@ -151,7 +148,7 @@ class DiffBuilder {
   void AddSimplicesOfRenamed();
   IndexRow RowOf(Simplex t) const;
 
-  // The id at the last call of a vertex that was in the mesh then.
+  // The id, at the last call, of a vertex that was in the mesh then.
   VertexId OldId(meshing::VertexIndex v) const {
     return renamed_.empty() ? names_.at(v) : OldIdOfRenamed(v);
   }
@@ -170,15 +167,15 @@ class DiffBuilder {
     return ids;
   }
   static VertexRow<D> RowOf(VertexId id, const Vertex& v, const FeatureTable<D>& features);
-  // Nets the rows and counts their hashes.
+  // Nets the rows and adds their hashes.
   template <class Row>
   void NetAndHash(Rows<Row>* rows);
-  // The same, and hands them to the diff.
+  // The same, and appends them to the diff.
   template <int N, class Columns>
   void Report(Rows<PieceRow<N>>* rows, Columns* removed, Columns* added);
   void AppendAll(const std::vector<SimplexRow<D>>& rows, SimplexColumn* simplices,
                  RegionColumn* regions);
-  // If there is one in that slot.
+  // If there is a wall in that slot.
   void AddWall(const typename Labels::Side& side, meshing::FeatureSlot slot,
                const FeatureTable<D>& features);
   void NameRegions(std::initializer_list<RegionColumn*> columns,
@@ -187,15 +184,15 @@ class DiffBuilder {
   Triangulation triangulation_;
   VertexNames<D> names_;
   Labels labels_;
-  SubfacetTable subfacets_;  // in space
+  SubfacetTable subfacets_;  // 3D only
   MeshHash hash_;
   std::size_t subsegment_count_ = 0;
 
-  // Of the update under way.
+  // Of the current update.
   Rows<meshing::VertexIndex> vertices_;
   Rows<meshing::SubsegmentIndex> subsegments_;
-  std::vector<Renamed> renamed_;  // were in the mesh; by index
-  std::vector<Simplex> fresh_;    // finite ones just made
+  std::vector<Renamed> renamed_;  // were in the mesh; sorted by index
+  std::vector<Simplex> fresh_;    // new finite ones
   Rows<IndexRow> simplices_;      // finite ones
   std::vector<IndexRow> stay_;
   Rows<VertexRow<D>> vertex_rows_;

@@ -1,5 +1,5 @@
-// Rows of a mesh and of a diff, as the client sees them: how they are ordered, netted, hashed and
-// appended to columns. Pure functions and plain data.
+// Rows of a mesh and of a diff by public ids: sorting, netting, hashing, appending to columns. Pure
+// functions and plain data.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_DIFF_ROWS_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_DIFF_ROWS_H_
 
@@ -22,7 +22,7 @@ struct VertexRow {
   FeatureId owner;
   friend auto operator<=>(const VertexRow&, const VertexRow&) = default;
 };
-// Of a piece of a segment or of a facet.
+// A subsegment or subfacet.
 template <int N>
 struct PieceRow {
   std::array<VertexId, N> corners;  // ascending
@@ -42,12 +42,12 @@ PieceRow<static_cast<int>(N)> PieceRowOf(std::array<VertexId, N> corners, Featur
   return {corners, owner};
 }
 
-// What leaves the mesh and what comes.
+// Removed and added rows.
 template <class Row>
 struct Rows {
   std::vector<Row> gone, come;
   void Clear() { gone.clear(), come.clear(); }
-  // Takes away what stands in both, and leaves the rest sorted.
+  // Removes rows that are in both lists, and sorts the rest.
   void Net() {
     std::sort(gone.begin(), gone.end());
     std::sort(come.begin(), come.end());

@@ -1,5 +1,5 @@
-// The input as the mesher knows it: client ids on one side, vertices, subsegments and
-// small slots on the other. Thread-compatible.
+// Maps the client's feature ids to the mesher's vertices, subsegments and small slots.
+// Thread-compatible.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_FEATURE_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_FEATURE_TABLE_H_
 
@@ -38,8 +38,8 @@ class FeatureTable {
     return slot == meshing::kNil ? kNoFeature : ids_[slot];
   }
 
-  // Hands a change of input to the refinement: what goes first, each kind after those that
-  // stand on it. Where `steps` are stopped, so is this: then table and refinement are of no use.
+  // Applies a change of input to the refinement. Removals first; a feature is removed before, and
+  // added after, those that it depends on. If `steps` stop, table and refinement are unusable.
   template <class Refinement>
   void Apply(const Delta& delta, Refinement& refinement, Steps& steps) {
     ApplySizes(delta, refinement);
@@ -62,11 +62,12 @@ class FeatureTable {
     Apply(delta, refinement, all);
   }
 
-  // Walls that came or went since Collect. One that only changed owners counts as what went and
-  // what came.
+  // Walls added or removed since Collect. A wall that only changed owners counts as removed and
+  // added.
   const std::vector<Wall<D>>& toggled_walls() const { return toggled_walls_; }
-  // Who is inside on one side of the wall in that slot, ascending: in the plane the polygons that
-  // have an edge where the segment lies, in space the closed surfaces that the facet is part of.
+  // The owners of the wall in that slot, ascending: the polygons (2D) or closed surfaces (3D) that
+  // lie on one side of it. 2D: the polygons with an edge on the segment. 3D: the surfaces that the
+  // facet is part of.
   std::span<const FeatureId> OwnersOfWall(meshing::FeatureSlot slot) const {
     if constexpr (D == 3) return surfaces_.SurfacesOf(ids_[slot]);
     if (walls_.empty()) return {};
@@ -74,7 +75,7 @@ class FeatureTable {
     return it == walls_.end() ? std::span<const FeatureId>() : it->second;
   }
 
-  // Facets of space that went since Collect, and those that came and stayed.
+  // 3D: facets removed since Collect, and facets added since and still present.
   struct NewFacet {
     meshing::FeatureSlot slot;
     std::vector<meshing::VertexIndex> corners;
@@ -82,11 +83,11 @@ class FeatureTable {
   const std::vector<NewFacet>& new_facets() const { return new_facets_; }
   const std::vector<meshing::FeatureSlot>& gone_facets() const { return gone_facets_; }
   bool has_facets() const { return !facets_.empty(); }
-  // Those that stay where they are, as part of other closed surfaces than before. Some may be gone
-  // by now.
+  // Facets that stay but belong to other closed surfaces than before. Some may have been removed
+  // since.
   const std::vector<meshing::FeatureSlot>& resurfaced_facets() const { return resurfaced_facets_; }
 
-  // Slots of removed features keep their ids until here.
+  // Slots of removed features keep their ids until this call.
   void Collect() {
     if (!walls_.empty()) {
       for (const meshing::FeatureSlot slot : freed_) walls_.erase(slot);
@@ -108,7 +109,7 @@ class FeatureTable {
   }
 
  private:
-  // For so few, finding an order costs more than it saves.
+  // For fewer points, sorting costs more than it saves.
   static constexpr std::size_t kFewPoints = 16;
   struct Facet {
     meshing::FacetIndex index;
@@ -142,7 +143,7 @@ class FeatureTable {
 
   template <class Refinement>
   void RemoveFacets(const Delta& delta, Refinement& refinement) {
-    // An edit that is undone: facets that it brought go, and their corners may be gone, too.
+    // If an edit is undone, its facets are removed, and their corners may be removed, too.
     if (!new_facets_.empty()) {
       absl::flat_hash_set<meshing::FeatureSlot> gone;
       for (const plc::FacetFeature& f : delta.removed_facets) gone.insert(facets_.at(f.id).slot);
@@ -158,7 +159,7 @@ class FeatureTable {
     }
   }
 
-  // Many points go in an order that suits a triangulation that grows along.
+  // Adds many points in an order that suits a triangulation that is filled meanwhile.
   template <class Refinement>
   void AddPoints(const Delta& delta, Refinement& refinement, Steps& steps) {
     const auto add = [&](const plc::PointFeature<D>& p) {
@@ -174,7 +175,7 @@ class FeatureTable {
     positions.reserve(delta.added_points.size());
     for (const plc::PointFeature<D>& p : delta.added_points) positions.push_back(p.p);
     const std::vector<std::uint32_t> order = mesh::InsertOrder(positions, steps);
-    constexpr std::size_t kAhead = 8;  // asked of memory so much before it is wanted
+    constexpr std::size_t kAhead = 8;  // prefetched so many steps ahead
     for (std::size_t i = 0; i < order.size(); ++i) {
       if (steps.Stop()) return;
       if (i + 2 * kAhead < order.size()) {
@@ -224,7 +225,7 @@ class FeatureTable {
     }
   }
 
-  // After all facets have come and gone.
+  // Call after all facets were removed and added.
   template <class Refinement>
   void UpdateSurfaces(const Delta& delta, const Refinement& refinement) {
     if constexpr (D == 3) {
@@ -281,8 +282,8 @@ class FeatureTable {
   absl::flat_hash_map<FeatureId, typename meshing::SizingField<D>::Index> sizes_;
   WedgeTable<D> segments_;
   absl::flat_hash_map<FeatureId, Facet> facets_;
-  absl::flat_hash_map<meshing::FeatureSlot, std::vector<FeatureId>> walls_;  // in the plane
-  SurfaceTable surfaces_;                                                    // in space
+  absl::flat_hash_map<meshing::FeatureSlot, std::vector<FeatureId>> walls_;  // 2D
+  SurfaceTable surfaces_;                                                    // 3D
   std::vector<Wall<D>> toggled_walls_;
   std::vector<NewFacet> new_facets_;
   std::vector<meshing::FeatureSlot> gone_facets_, resurfaced_facets_;

@@ -1,4 +1,4 @@
-// What a run may not exceed, asked while it goes on and at its end.
+// Limits of a run, checked during it and at its end.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_LIMITS_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_LIMITS_H_
 
@@ -25,7 +25,7 @@ inline absl::Status VertexLimitError(const Limits& limits) {
       {reason::kVertexLimit, {}, {}});
 }
 
-// More than indices can tell apart (options.h, MostVertices).
+// More than indices can distinguish (options.h, MostVertices).
 inline absl::Status SizeLimitError() {
   return MakeError(absl::StatusCode::kResourceExhausted,
                    "the mesh would have more vertices, segments or simplices than can be told "
@@ -34,7 +34,7 @@ inline absl::Status SizeLimitError() {
                    {reason::kSizeLimit, {}, {}});
 }
 
-// The error of a run that is over a limit; OK of another.
+// The error of a run that exceeds a limit; else OK.
 template <class Refinement>
 absl::Status LimitsStatus(const Refinement& refinement, const Limits& limits) {
   if (refinement.hit_depth_limit()) {
@@ -58,7 +58,7 @@ absl::Status LimitsStatus(const Refinement& refinement, const Limits& limits) {
   return absl::OkStatus();
 }
 
-// A batch that would execute more operations than it may.
+// The error of a batch that needs more than max_operations.
 inline absl::Status WorkLimitError(std::uint64_t max_operations) {
   return MakeError(absl::StatusCode::kResourceExhausted,
                    "the batch takes more than max_operations = " + std::to_string(max_operations) +

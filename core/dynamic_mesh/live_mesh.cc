@@ -34,7 +34,7 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> DynamicMesh::Create(const MeshOptio
 
 namespace {
 
-// Asked before each operation: is the work to be given up?
+// Polled before each operation: is the batch cancelled?
 class Stopper {
  public:
   explicit Stopper(const ApplyOptions& apply)
@@ -62,7 +62,7 @@ std::uint64_t MostOperations(const ApplyOptions& apply) {
                                    : std::numeric_limits<std::uint64_t>::max();
 }
 
-// A propagation holds what is new and what is about to go; so much more may be there on its way.
+// A propagation holds new and obsolete vertices at once: so many are allowed during it.
 std::uint64_t MostVerticesOnTheWay(const Limits& limits) {
   return limits.max_vertices + limits.max_vertices / 8 + 64;
 }
@@ -184,8 +184,8 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::ApplyWith(const EditBatch& batch, const Ap
   return diff;
 }
 
-// Runs what is stale until nothing is, or there is a reason not to go on. What is built anew has
-// nothing to fall back on.
+// Runs stale operations until there are none, or there is a reason to stop. A fresh state (from
+// scratch) is never too dear, since there is no alternative.
 template <int D>
 template <class Job>
 Ended LiveMesh<D>::Run(State& state, Job& job, Plan plan) {
@@ -194,7 +194,8 @@ Ended LiveMesh<D>::Run(State& state, Job& job, Plan plan) {
   const std::uint64_t nearest_before = refinement.nearest_run();
   std::uint64_t taken = 0;
   const auto work = [&] {
-    // Beside the others' a third of the time: measured, of uniform points and segments.
+    // Each takes a third of the time of another operation: measured with uniform points and
+    // segments.
     const std::uint64_t nearest = refinement.nearest_run() - nearest_before;
     const std::uint64_t done = taken - nearest / 3 * 2;
     const auto waiting = refinement.engine().waiting() -
@@ -226,13 +227,13 @@ Ended LiveMesh<D>::Run(State& state, Job& job, Plan plan) {
     ended = end();
     if (ended == Ended::kTooDear) ended = Ended::kDone;
   }
-  // More than the engine can keep.
+  // The engine's capacity is exceeded.
   if (!done && ended == Ended::kDone) ended = Ended::kOverLimits;
   if (ended == Ended::kDone) job.meter.End(work().done);
   return ended;
 }
 
-// Why a run has ended before its end; OK if it has not.
+// The error of a run that was stopped; OK if it was not.
 template <int D>
 template <class Job>
 absl::Status LiveMesh<D>::StatusOf(Ended ended, const Job& job, const State& state) const {
@@ -246,8 +247,8 @@ absl::Status LiveMesh<D>::StatusOf(Ended ended, const Job& job, const State& sta
   }
 }
 
-// The inverse edit brings the former trace back, bit for bit; where that would be too dear, a run
-// from scratch does.
+// The inverse edit restores the former trace, bit for bit. If that is too expensive, rebuilds from
+// scratch.
 template <int D>
 void LiveMesh<D>::Undo(const plc::Delta<D>& delta) {
   State& state = *state_;
@@ -264,15 +265,15 @@ template <int D>
 void LiveMesh<D>::TakeBack(std::size_t revisions) {
   const auto last = std::span(revocable_).last(revisions);
   for (std::size_t i = revisions; i-- > 0;) {
-    plc_.Commit(last[i].Inverse());  // first: Undo may build what is present
+    plc_.Commit(last[i].Inverse());  // first: Undo may rebuild the present features
     Undo(last[i]);
-    if (!state_->diffs.RegionStatus().ok()) BuildPresent();  // of what is past, maybe
+    if (!state_->diffs.RegionStatus().ok()) BuildPresent();  // perhaps of past sets
   }
   revision_ -= revisions;
   revocable_.resize(revocable_.size() - revisions);
 }
 
-// Puts the state of the features present in the place of this one, which stays if it is cancelled.
+// Replaces the state by a new one of the present features. Keeps the old one if cancelled.
 template <int D>
 template <class Interrupt>
 void LiveMesh<D>::ReplaceState(Interrupt cancelled) {
@@ -285,22 +286,22 @@ void LiveMesh<D>::ReplaceState(Interrupt cancelled) {
   if (built.ok()) state_ = std::move(built->state);
 }
 
-// Throws the state away, whatever it is, and makes that of the features present.
+// Discards the state and builds that of the present features.
 template <int D>
 void LiveMesh<D>::BuildPresent() {
-  state_.reset();  // room for the other
+  state_.reset();  // frees its memory first
   ReplaceState(kNever);
 }
 
-// Hands the change to the refinement, many features in parts, so as to ask in between. Says how
-// many have been handed over: fewer than there are, if the job is cancelled.
+// Applies the change to the refinement, many features in parts, so as to poll in between. Returns
+// how many were applied: fewer than all if the job is cancelled.
 template <int D>
 template <class Job>
 std::size_t LiveMesh<D>::HandOver(Job& job) {
   constexpr std::size_t kAtOnce = 256;
   const plc::Delta<D>& delta = job.delta;
   const std::size_t size = delta.size();
-  // Surfaces are found from all facets that come and go.
+  // Surfaces are found from all removed and added facets together.
   const bool in_parts = delta.removed_facets.empty() && delta.added_facets.empty();
   if (size <= kAtOnce || !in_parts) {
     state_->features.Apply(delta, state_->refinement);
@@ -328,16 +329,16 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(Job& job, Plan plan) {
   const Ended ended = Run(state, job, plan);
   job.executed += engine.counters().executed;
   if (ended == Ended::kTooDear) {
-    // The state is half that of before, half that of after. It stays until the other is there:
-    // from it the way back is as long as the way that was come, at most.
+    // The state is partly old, partly new. It is kept until the new state exists: undoing from here
+    // costs at most as much as the propagation so far.
     absl::StatusOr<MeshDiff> diff = Rebuild(job);
     if (!diff.ok()) Undo(job.delta);
     return diff;
   }
   absl::Status status = StatusOf(ended, job, state);
   if (!status.ok()) {
-    // At its end a propagation has the vertices that the features ask for. Other limits it may have
-    // met on its way, which depends on history: then only a run from scratch can say.
+    // A completed propagation has exactly the vertices that the features need. Other limits may be
+    // exceeded only on the way, which depends on history: then a build from scratch decides.
     const bool is_told =
         ended == Ended::kCancelled || ended == Ended::kOverWork ||
         (ended == Ended::kDone && state.refinement.vertex_count() > options_.limits.max_vertices);
@@ -347,7 +348,7 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Propagate(Job& job, Plan plan) {
   return Finish(job);
 }
 
-// What a propagation that came to its end has changed, if that may come into effect.
+// The diff of a completed propagation, if the batch may take effect.
 template <int D>
 template <class Job>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Finish(Job& job) {
@@ -357,8 +358,8 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Finish(Job& job) {
   MeshDiff diff = state.diffs.Update(state.refinement, state.features);
   diff.work.diff_microseconds = MicrosecondsSince(propagated);
   if (!state.diffs.RegionStatus().ok()) {
-    // Labels are left half made, so that there is nothing to undo; and which polygon is to be
-    // named, too, only a run from scratch can say.
+    // Labels are incomplete, so there is nothing to undo. Only a build from scratch determines
+    // which polygon the error names.
     BuildPresent();
     return Rebuild(job);
   }
@@ -368,7 +369,7 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Finish(Job& job) {
   diff.work.dropped = counters.dropped;
   job.meter.End();
   absl::Status status = state.diffs.NameStatus(state.refinement, state.features);
-  // The diff has taken what changed: the way back, too, begins with nothing that has.
+  // The diff has consumed the changes: an undo starts with none.
   state.features.Collect();
   if (status.ok()) status = job.commit(diff);
   if (!status.ok()) {
@@ -407,7 +408,7 @@ absl::StatusOr<typename LiveMesh<D>::Built> LiveMesh<D>::Build(const plc::Delta<
   return built;
 }
 
-// From scratch, beside what is there, which may be half propagated.
+// Builds from scratch, beside the present state, which may be partly propagated.
 template <int D>
 template <class Job>
 absl::StatusOr<MeshDiff> LiveMesh<D>::Rebuild(Job& job) {
@@ -438,11 +439,11 @@ absl::StatusOr<MeshDiff> LiveMesh<D>::Rebuild(Job& job) {
   return diff;
 }
 
-// What is gone leaves its place behind for what is to come. Once most of what is held is such room,
-// the state is made anew, which is the same to the bit and has none. That costs a run of the
-// operations present, at least half as many of which have gone since there was no room: O(1)
-// for each. In small meshes, which are made in a millisecond, sooner. If it is cancelled, a batch
-// does it that comes when half as much is left.
+// Removed items leave free room for later ones. Once most of the memory is free room, rebuilds the
+// state: the same to the bit, without free room. It costs a run of the present operations. At least
+// half as many were removed since there was no free room, so it is O(1) for each. Small meshes,
+// built in a millisecond, are rebuilt sooner. If it is cancelled, a later batch rebuilds, once at
+// most half as many operations are left.
 template <int D>
 template <class Interrupt>
 void LiveMesh<D>::GiveMemoryBack(Interrupt cancelled) {

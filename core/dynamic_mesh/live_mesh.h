@@ -1,6 +1,6 @@
-// DynamicMesh in the plane and in space. One edit, walked: Plc validates the batch, FeatureTable
-// hands the change to Refinement, the engine propagates it, DiffBuilder nets what came
-// and went. The only place that picks an engine.
+// DynamicMesh in 2D and 3D. An edit passes through: Plc validates the batch, FeatureTable applies
+// the change to Refinement, the engine propagates it, DiffBuilder nets the changes. The only place
+// that chooses an engine.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_LIVE_MESH_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_LIVE_MESH_H_
 
@@ -20,24 +20,24 @@
 
 namespace dynmesh {
 
-// How a LiveMesh goes about its work; none of it changes a bit of any result.
+// Tuning of a LiveMesh; it changes no bit of any result.
 struct LiveMeshTuning {
   RebuildThresholds rebuild;
-  // From scratch: read neighbourhoods off the growing triangulation.
+  // From scratch: read neighbourhoods from the growing triangulation.
   bool global_neighbourhoods = true;
   VertexHash vertex_hash = &VertexIdAt;
-  // Lesser ones are for tests.
+  // Smaller limits are for tests.
   sac::EngineLimits engine_limits = {};
-  std::size_t most_tetrahedra = 0;  // 0: as many as it can
+  std::size_t most_tetrahedra = 0;  // 0: no limit but the indices
 };
 
-// How a run of what is stale has ended.
+// How a propagation or build has ended.
 enum class Ended {
   kDone,
   kCancelled,
   kOverLimits,  // of the mesh
   kOverWork,    // more operations than the batch may execute
-  kTooDear,     // it is cheaper to build anew
+  kTooDear,     // a build from scratch is cheaper
 };
 
 template <int D>
@@ -46,12 +46,12 @@ class LiveMesh final : public DynamicMesh {
   // REQUIRES: ValidateOptions(options) is OK, the dimension is D; the bare box is within the
   // limits.
   explicit LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning = {});
-  // The same, or why not. REQUIRES: as above but for limits.
+  // The same as a status. REQUIRES: as above, without the limits.
   static absl::StatusOr<std::unique_ptr<DynamicMesh>> Make(const MeshOptions& options,
                                                            const ApplyOptions& apply);
 
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const ApplyOptions& apply) override;
-  // The same, asked whether to go on before each operation.
+  // The same; polls `cancelled` before each operation.
   absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const std::function<bool()>& cancelled);
 
   void TakeBack(std::size_t revisions) override;
@@ -75,11 +75,11 @@ class LiveMesh final : public DynamicMesh {
   struct Unbegun {};
 
   LiveMesh(Unbegun, const MeshOptions& options, const LiveMeshTuning& tuning);
-  // Meshes the bare box. False if that was interrupted: then it is no mesh.
+  // Meshes the bare box. False if it was interrupted: the state is then no mesh.
   template <class Interrupt>
   bool Begin(Interrupt interrupt);
 
-  // All that is computed from the features.
+  // Everything computed from the features.
   struct State {
     State(const MeshOptions& options, const LiveMeshTuning& tuning)
         : diffs(tuning.vertex_hash),
@@ -97,24 +97,25 @@ class LiveMesh final : public DynamicMesh {
     Refinement refinement;
   };
 
-  // Whether the batch with that diff, but for revisions, may come into effect; completes it.
+  // Completes the diff of a batch, but for the revisions, and decides whether the batch takes
+  // effect.
   using Commit = absl::FunctionRef<absl::Status(MeshDiff&)>;
 
-  // A batch under way.
+  // A running batch.
   template <class Interrupt>
   struct Task {
     const plc::Delta<D>& delta;
     ProgressMeter& meter;
     Interrupt& cancelled;
     Commit commit;
-    std::uint64_t most_operations;  // to be executed
-    std::uint64_t executed = 0;     // by propagations and builds that are over
+    std::uint64_t most_operations;  // of the batch
+    std::uint64_t executed = 0;     // by finished propagations and builds
   };
 
   template <class Interrupt>
   absl::StatusOr<MeshDiff> ApplyWith(const EditBatch& batch, const ApplyOptions& apply,
                                      Interrupt cancelled);
-  // A state of the features that `all` adds, and its mesh.
+  // A state of the features that `all` adds, with its mesh.
   struct Built {
     std::unique_ptr<State> state;
     Mesh mesh;
@@ -146,8 +147,8 @@ class LiveMesh final : public DynamicMesh {
   plc::Plc<D> plc_;
   std::unique_ptr<State> state_;
   std::uint64_t revision_ = 0;
-  std::vector<plc::Delta<D>> revocable_;  // made the last revisions, in this order
-  // Operations from which down memory is given back.
+  std::vector<plc::Delta<D>> revocable_;  // of the last revisions, in this order
+  // Memory is freed when there are at most so many operations.
   std::size_t give_back_at_ = std::numeric_limits<std::size_t>::max();
 };
 

@@ -1,4 +1,4 @@
-// What a LiveMesh is asked: its mesh, where places lie, how large it is, whether all is in order.
+// Queries of a LiveMesh: snapshot, point location, counts, audit.
 #include "core/dynamic_mesh/live_mesh.h"
 
 namespace dynmesh {

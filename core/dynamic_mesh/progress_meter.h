@@ -1,9 +1,9 @@
-// Tells a listener how far a batch is: when a stage begins and ends, and seldom in between.
+// Reports progress of a batch to a listener: when a stage begins and ends, and rarely in between.
 //
-// What is told keeps to the promises of ApplyProgress whatever it is fed with: a total that grows
-// as work asks for more work, or stages that begin again when a batch is worked out another way.
-// Costs a load where nobody listens; else a counter a step and a look at the clock every few
-// steps. No decision sees the clock. One batch, one thread.
+// Keeps the promises of ApplyProgress for any input: totals that grow as operations create others,
+// and stages that begin again when a batch is rebuilt. Without a listener a call costs a load; else
+// a counter per step and reading the clock every few steps. No decision depends on the clock. One
+// batch, one thread.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_PROGRESS_METER_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_PROGRESS_METER_H_
 
@@ -23,7 +23,7 @@ class ProgressMeter {
   using Stage = ApplyProgress::Stage;
   using Listener = std::function<void(const ApplyProgress&)>;
 
-  // The listener, which may be null, outlives the meter.
+  // The listener, which may be null, must outlive the meter.
   explicit ProgressMeter(const Listener& listener) : listener_(listener ? &listener : nullptr) {}
   ProgressMeter(const ProgressMeter&) = delete;
   ProgressMeter& operator=(const ProgressMeter&) = delete;
@@ -38,7 +38,7 @@ class ProgressMeter {
     Tell(0, 0);
   }
 
-  // A step of the stage is about to be taken; work() is what is done and all that is known of.
+  // Call it before each step of the stage. work() returns the work done and the total known.
   struct Work {
     std::uint64_t done, total;
   };
@@ -47,12 +47,12 @@ class ProgressMeter {
     if (listener_ == nullptr) return;
     if (steps_++ % kStepsBetweenLooks != 0 || is_past_ || Clock::now() < next_) return;
     const auto [done, total] = work();
-    if (total < done_) return;  // the stage began again, with less to do
+    if (total < done_) return;  // the stage began again with a smaller total
     const auto least = static_cast<std::uint64_t>(std::ceil(part_ * static_cast<double>(total)));
     Tell(std::max({done, done_, std::min(total, least)}), total);
   }
 
-  // The stage is done, `all` of it.
+  // Ends the stage, with `all` its work.
   void End(std::uint64_t all = 1) {
     if (listener_ == nullptr || is_past_) return;
     all = std::max({all, done_, std::uint64_t{1}});
@@ -72,11 +72,11 @@ class ProgressMeter {
   }
 
   const Listener* const listener_;
-  std::optional<Stage> stage_;  // the latest that was told of
-  bool is_past_ = false;        // the one under way is an earlier one
+  std::optional<Stage> stage_;  // the latest reported
+  bool is_past_ = false;        // the current one is an earlier one
   std::uint64_t steps_ = 0;
-  std::uint64_t done_ = 0;  // as told last
-  double part_ = 0;         // the same, of all
+  std::uint64_t done_ = 0;  // as last reported
+  double part_ = 0;         // done / total as last reported
   Clock::time_point next_;
 };
 

@@ -1,26 +1,26 @@
-// Whether a batch is propagated or the mesh built anew. Only time depends on it.
+// Decides whether a batch is propagated or the mesh rebuilt. Only time depends on it.
 //
-// Measured (processor time of propagating / of building anew; 8,000 to 50,000 points, 20,000
-// segments; the share of all operations that is stale once the change is made known, and that is
-// executed in the end; removing and adding are nearly alike):
+// Measured: processor time of propagating / of rebuilding. 8,000 to 50,000 points, 20,000 segments.
+// "stale" is the share of all operations that are stale once the change is applied, "executed" the
+// share executed in the end. Removing and adding are nearly alike.
 //
 //                   2D points, scattered     3D points, scattered     2D segments, scattered
-//   part of them    1 %    2 %    4 %        1 %    2 %    4 %        1 %    3 %    5 %
+//   share of them   1 %    2 %    4 %        1 %    2 %    4 %        1 %    3 %    5 %
 //   stale           0.03   0.07   0.13       0.07   0.13   0.17       0.00   0.06   0.09
 //   executed        0.06   0.10   0.20       0.17   0.28   0.40       0.03   0.08   0.12
 //   time            0.20   0.41   0.80       0.80   1.2    1.8        0.08   0.25   0.38
 //
-// In one place 5 % cost 0.1 (2D) and 0.45 (3D). So an operation that runs again takes 3 to 4.5
-// times as long as in a build; a count of features tells little, what is stale at the beginning
-// more: two to three times as much is executed. Some edits make the trace stale step by step. Those
-// are known by what they have executed only: given up at 0.12 of the operations, they have cost
-// half a build. More is allowed where more was stale at the beginning.
+// Concentrated in one place, 5 % cost 0.1 (2D) and 0.45 (3D). So an operation that runs again takes
+// 3 to 4.5 times as long as in a build. The number of features predicts little. The number stale at
+// the beginning predicts more: two to three times as many are executed. Some edits make the trace
+// stale step by step. Only the executed operations reveal these: stopped at 0.12 of the operations,
+// they have cost half a build. The limit is higher if more was stale at the beginning.
 //
-// One sizing feature may be worth any number of vertices: about its area over the square of its
-// target, of which adding (dropping) 0.2, 0.7, 2.4 and 8 times the vertices present came to 0.5
-// (0.5), 1.5 (2), 2.8 (3.5), 3.5 (5 to 10) builds. A region that moves keeps its anchors but at the
-// rim, and a few features may stand in a mesh of very many vertices: there, too, what is stale
-// decides.
+// One sizing feature may need any number of vertices: about its area over the square of its target.
+// Adding (removing) features of 0.2, 0.7, 2.4 and 8 times the vertices present cost 0.5 (0.5), 1.5
+// (2), 2.8 (3.5), 3.5 (5 to 10) builds. A region that moves keeps its anchors except near its
+// border, and a few features may belong to a mesh of very many vertices. In these cases, too, the
+// stale operations decide.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_REBUILD_CHOICE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_REBUILD_CHOICE_H_
 
@@ -45,29 +45,29 @@ enum class Plan {
   kRebuild,
 };
 
-// Parts of what there is, above which a batch is built anew.
+// Thresholds above which a batch is rebuilt, as shares of what is present.
 struct RebuildThresholds {
-  std::size_t at_least = 64;       // changes of features; fewer are propagated
-  double look_at_features = 0.01;  // from so many on it is worth a look
-  double features = 0.5;           // changed, of those there are or of a fourth of the vertices
-  double stale = 0.1;              // operations, of those there are
-  double carried = 0.3;            // vertices that sizing features carry
-  // A propagation that is not at its end is given up when it has executed, beyond those by which
-  // the trace has grown, more operations than this part of all, or than so many times those that
-  // were stale at the beginning, within `most_work`.
+  std::size_t at_least = 64;       // changed features; fewer are propagated
+  double look_at_features = 0.01;  // from this share on, count stale operations first
+  double features = 0.5;           // changed, of the present ones or of a fourth of the vertices
+  double stale = 0.1;              // of the operations
+  double carried = 0.3;            // vertices that sizing features need
+  // A running propagation is stopped when it has executed more operations than allowed, not
+  // counting those by which the trace has grown. Allowed are `work` of all operations, or
+  // `work_of_stale` times those stale at the beginning but at most `most_work` of all.
   double work = 0.12, work_of_stale = 3, most_work = 0.25;
   std::uint64_t at_least_work = 1'000;  // operations
 };
 
-// What a propagation has cost so far, asked before each of its operations.
+// The cost of a propagation so far, evaluated before each of its operations.
 template <class Engine>
 class PropagationCost {
  public:
-  // Both outlive this. REQUIRES: the engine's counters are reset.
+  // Both must outlive this. REQUIRES: the engine's counters are reset.
   PropagationCost(const RebuildThresholds& thresholds, const Engine& engine)
       : thresholds_(thresholds), engine_(engine) {}
 
-  // At the beginning: is so much stale that a build is cheaper?
+  // At the beginning: is so much stale that a rebuild is cheaper?
   bool IsMostlyStale() const {
     return engine_.counters().executed == 0 &&
            static_cast<double>(engine_.waiting()) >
@@ -80,7 +80,7 @@ class PropagationCost {
       operations_ = operations;
       waiting_ = engine_.waiting();
     }
-    // To ask a subscriber takes less than a 200th of what running an operation takes.
+    // Notifying a subscriber takes less than 1/200 of the time of running an operation.
     const std::uint64_t all_done = counters.executed + counters.notified / 256;
     const std::uint64_t grown = std::max(operations, operations_) - operations_;
     const std::uint64_t done = all_done - std::min(all_done, grown);
@@ -107,8 +107,8 @@ double MeasureOf(const plc::SizeFeature<D>& f) {
   } else if (f.sizing.shape == SizeShape::kBox) {
     measure = 1;
     for (int k = 0; k < D; ++k) measure *= f.sizing.hi[k] - f.at[k];
-  } else if (f.sizing.shape == SizeShape::kPolygon) {  // in the plane
-    const auto& o = f.places.front().front();          // near all: little is lost to rounding
+  } else if (f.sizing.shape == SizeShape::kPolygon) {  // 2D only
+    const auto& o = f.places.front().front();          // near all others: little rounding
     ForEachEdgeOf(f.places, [&](const auto& p, const auto& q) {
       measure += 0.5 * ((p[0] - o[0]) * (q[1] - o[1]) - (q[0] - o[0]) * (p[1] - o[1]));
     });
@@ -116,7 +116,7 @@ double MeasureOf(const plc::SizeFeature<D>& f) {
   return std::abs(measure);
 }
 
-// How many vertices sizing features may carry: an upper estimate.
+// An upper estimate of the vertices that sizing features may need.
 template <int D>
 double VerticesCarried(const std::vector<plc::SizeFeature<D>>& sizes, const Box& box) {
   double whole = 1;

@@ -20,7 +20,7 @@ void RegionLabels<D>::RemoveWall(const Side& side) {
   wall_ends_.insert(side.begin(), side.end());
 }
 
-// On the side of t opposite to its corner `corner`.
+// The owners of the wall opposite to corner `corner` of t; kNoRegion if there is none.
 template <int D>
 RegionId RegionLabels<D>::WallAcross(Simplex t, int corner) const {
   const auto it = walls_.find(SideOpposite(triangulation_.vertices(t), corner));
@@ -52,11 +52,11 @@ const std::vector<typename RegionLabels<D>::Relabelled>& RegionLabels<D>::Update
   return relabelled_;
 }
 
-// Settles `start` and all that is touched and connected with it.
+// Settles `start` and all touched simplices connected with it.
 template <int D>
 void RegionLabels<D>::SettleFrom(Simplex start, absl::FunctionRef<bool(Vertex)> is_rounded) {
   if (settled_.contains(start) || !overfull().empty()) return;
-  // The nearest simplex whose true label can be told.
+  // Breadth-first search for the nearest simplex with a known true label.
   looked_at_.clear();
   looked_at_.insert(start);
   queue_.assign(1, start);
@@ -78,7 +78,7 @@ void RegionLabels<D>::SettleFrom(Simplex start, absl::FunctionRef<bool(Vertex)> 
   assert(false);  // the hull is outside of all polygons
 }
 
-// What the label of t has to be, if that can be seen from t alone.
+// The true label of t, if t alone determines it.
 template <int D>
 std::optional<RegionId> RegionLabels<D>::TruthAt(Simplex t,
                                                  absl::FunctionRef<bool(Vertex)> is_rounded) {
@@ -86,7 +86,7 @@ std::optional<RegionId> RegionLabels<D>::TruthAt(Simplex t,
   if (at(t) != kPending) {
     if (toggled_.empty()) return at(t);
     for (const Vertex v : triangulation_.vertices(t)) {
-      // Inside a segment or a facet coordinates are rounded: no telling on which side of a wall.
+      // Inside a segment or a facet coordinates are rounded: the side of a wall is unknown.
       if (is_rounded(v)) continue;
       const std::optional<RegionId> change = ChangeAt(triangulation_.position(v));
       if (change) return sets_.Toggle(at(t), *change);
@@ -96,8 +96,8 @@ std::optional<RegionId> RegionLabels<D>::TruthAt(Simplex t,
   return std::nullopt;
 }
 
-// The owners of the changed walls that a ray from p crosses, as often as it does; nothing if it
-// cannot tell.
+// The owners of the changed walls that a ray from p crosses, once per crossing; nothing if the ray
+// cannot decide.
 template <int D>
 std::optional<std::vector<FeatureId>> RegionLabels<D>::CrossedBy(int ray, const Point& p) const {
   std::vector<FeatureId> crossed;
@@ -109,15 +109,15 @@ std::optional<std::vector<FeatureId>> RegionLabels<D>::CrossedBy(int ray, const 
   return crossed;
 }
 
-// How the changed walls change the label of a place; nothing on such a wall, and where no ray
-// tells.
+// The change of the label at a position by the changed walls; nothing on such a wall, or if no ray
+// can decide.
 template <int D>
 std::optional<RegionId> RegionLabels<D>::ChangeAt(const Point& p) {
   std::optional<std::vector<FeatureId>> crossed;
   for (int ray = 0; ray < kRays<D> && !crossed; ++ray) crossed = CrossedBy(ray, p);
   if (!crossed) return std::nullopt;
   std::sort(crossed->begin(), crossed->end());
-  // Those crossed an odd number of times.
+  // The owners crossed an odd number of times.
   std::vector<FeatureId> change;
   for (const FeatureId id : *crossed) {
     if (change.empty() || change.back() != id) {
@@ -212,7 +212,7 @@ void RegionLabels<D>::LabelAll(Steps& steps) {
 
 template <int D>
 bool RegionLabels<D>::Check() {
-  if (empty()) return true;  // nobody has ever set one
+  if (empty()) return true;  // no label was ever set
   bool good = true;
   triangulation_.ForEachSimplex([&](Simplex t) {
     for (int c = 0; c <= D; ++c) {

@@ -1,20 +1,19 @@
-// Which regions the simplices of a mesh lie in: a label in each simplex's tag, the id of the set
-// of polygons in the plane, of closed surfaces in space.
+// The regions of the simplices of a mesh. The tag of each simplex is its label: the id of a set of
+// polygons (2D) or of closed surfaces (3D).
 //
-// A label is a function of the input at a place; two neighbours' differ by the owners of the
-// *wall* between them: in the plane an edge of polygons, in space a subfacet on closed surfaces.
-// So a simplex just made takes its label from a neighbour that stays, and an edit that changes
-// no wall of the input costs its own simplices only.
+// The label is a function of the input at a position. Labels of neighbours differ by the owners of
+// the *wall* between them: an edge of polygons (2D) or a subfacet on closed surfaces (3D). So a new
+// simplex gets its label from a neighbour that stays, and an edit that changes no wall of the input
+// costs its own simplices only.
 //
-// Where walls of the input change, so may labels of simplices that stay: whole parts of the mesh
-// change sides without a wall near them. How a place's label changes is found once, at a
-// vertex, by counting the changed walls that a ray from there crosses (wall.h); from there truth
-// is spread over all that the change has touched, and further as long as labels disagree with
-// it: O(changed walls + simplices touched or relabelled), for each connected part of what
-// was touched.
+// If walls of the input change, labels of simplices that stay may change: whole parts of the mesh,
+// with no changed wall near them. Per connected part of touched simplices, the change is computed
+// once, at a vertex, by counting the changed walls that a ray from it crosses (wall.h). From there
+// the correct labels spread over all touched simplices, and further while labels disagree:
+// O(changed walls + simplices touched or relabelled).
 //
-// No label stands for more than kMostPolygonsAtAPlace owners: then labels are left half made,
-// and what is there has to be thrown away.
+// A label stands for at most kMostPolygonsAtAPlace owners. If one would have more, labels are left
+// incomplete, and the state must be discarded.
 //
 // Thread-compatible.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_REGION_LABELS_H_
@@ -52,46 +51,46 @@ class RegionLabels {
 
   explicit RegionLabels(Triangulation* triangulation) : triangulation_(*triangulation) {}
 
-  // A side of simplices that is a wall, with its owners, comes; one that may be a wall goes.
+  // AddWall: a side of simplices becomes a wall with these owners. RemoveWall: a side that may be a
+  // wall is removed.
   void AddWall(const Side& side, std::span<const FeatureId> owners);
   void RemoveWall(const Side& side);
 
-  // Is there nothing to label, every label 0?
+  // Is there nothing to label (every label 0)?
   bool empty() const { return walls_.empty() && !labelled_; }
 
-  // A simplex that stays, and the label that it had.
+  // A simplex that stays, and its former label.
   struct Relabelled {
     Simplex simplex;
     RegionId before;
   };
-  // Labels `fresh`, all pending simplices there are, and simplices that stay whose label
-  // `toggled` walls (FeatureTable) changed: the result, in no order, valid until the next
-  // call. is_rounded(v): does v lie inside a segment or a facet?
+  // Labels `fresh`, all pending simplices, and the kept simplices with a label changed by the
+  // `toggled` walls (FeatureTable). Returns the latter, unordered, valid until the next call.
+  // is_rounded(v): does v lie inside a segment or a facet?
   const std::vector<Relabelled>& Update(std::span<const Simplex> fresh,
                                         std::span<const Wall<D>> toggled,
                                         absl::FunctionRef<bool(Vertex)> is_rounded);
-  // Labels every simplex. O(mesh). Where `steps` are stopped, so is this: then labels are of no
-  // use.
+  // Labels every simplex. O(mesh). If `steps` stop, labels are unspecified.
   void LabelAll(Steps& steps);
   void LabelAll() {
     AllSteps all;
     LabelAll(all);
   }
-  // The owners that a place lies inside of that has too many; empty if there is none. After
-  // LabelAll, of the places where there are too many for those who come from outside and pass
-  // none such: the first by its owners. A function of the input.
+  // The owners around a position that has too many; empty if there is none. After LabelAll a
+  // function of the input: of the positions that a path from outside enters as the first ones with
+  // too many owners, the first by its owners.
   std::span<const FeatureId> overfull() const { return sets_.overfull(); }
-  // Sets of owners that have one id: of labels and walls, and since the last LabelAll of some that
-  // were. After LabelAll a function of the input.
+  // Two sets of owners with the same id: of labels and walls, and of some former ones since the
+  // last LabelAll. After LabelAll a function of the input.
   std::optional<RegionSets::Collision> collision() const { return sets_.collision(); }
-  // Forgets sets of owners that were here once, if there are many. Call when no label
-  // from before an update is of interest any more. O(mesh), amortised O(1) a new set.
+  // Drops former sets of owners, if there are many. Call when labels from before an update are not
+  // needed any more. O(mesh), amortised O(1) per new set.
   void Collect();
 
   RegionId at(Simplex t) const { return triangulation_.tag(t); }
   // RegionSets::SetsOf.
   std::vector<RegionSet> SetsOf(std::vector<RegionId>* ids) const { return sets_.SetsOf(ids); }
-  // Do neighbours' labels agree with the walls, and is the outside in no region? O(mesh).
+  // Do labels of neighbours agree with the walls, and has the outside no region? O(mesh).
   bool Check();
   std::size_t bytes() const { return walls_.capacity() * (sizeof(Side) + sizeof(RegionId) + 1); }
 
@@ -108,13 +107,13 @@ class RegionLabels {
   void Spread(Simplex from);
 
   Triangulation& triangulation_;
-  RegionSets sets_;  // those of walls and labels, and some that were
+  RegionSets sets_;  // of walls and labels, and some former ones
   absl::flat_hash_map<Side, RegionId> walls_;
-  absl::flat_hash_set<Vertex> wall_ends_;  // of walls that came or went since the last Update
-  bool labelled_ = false;                  // a label may be other than 0
-  std::size_t collect_at_ = 1024;          // sets known
+  absl::flat_hash_set<Vertex> wall_ends_;  // of walls added or removed since the last Update
+  bool labelled_ = false;                  // some label may not be 0
+  std::size_t collect_at_ = 1024;          // number of sets
 
-  // Of the update under way.
+  // Of the current update.
   std::span<const Wall<D>> toggled_;
   absl::flat_hash_set<Simplex> settled_, looked_at_;
   std::vector<Simplex> queue_, stack_;

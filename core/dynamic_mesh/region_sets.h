@@ -1,10 +1,10 @@
-// Sets of polygons by their ids (mesh.h, RegionId): what a triangle lies in, and what changes
-// from one side of an edge to the other.
+// Sets of polygons by their ids (mesh.h, RegionId): the region of a simplex, and the owners of a
+// wall.
 //
-// Ids are hashes, and clients choose polygons' ids: two sets may have the same. Then one of them
-// goes by another number here, so that labels stay right, and `collision` tells of it: what is
-// made of these labels must not be shown.
-// Thread-compatible; even const members may not run at the same time. O(1) expected.
+// Ids are hashes, and clients choose polygons' ids: two sets may have the same id. Then one of them
+// gets another number here, so that labels stay correct, and `collision` reports it: a mesh made of
+// these labels must not be returned. Thread-compatible; even const members must not run
+// concurrently. O(1) expected.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_REGION_SETS_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_REGION_SETS_H_
 
@@ -26,19 +26,19 @@ namespace dynmesh {
 
 class RegionSets {
  public:
-  // The tag of a finite simplex that has no label yet; no region's id.
+  // The tag of a finite simplex without a label; not a region's id.
   static constexpr RegionId kPending = ~RegionId{0};
-  // What Toggle gives for more than kMostPolygonsAtAPlace; no region's id.
+  // The result of Toggle for more than kMostPolygonsAtAPlace polygons; not a region's id.
   static constexpr RegionId kTooMany = ~RegionId{0} - 1;
 
-  // `polygons` ascending.
+  // REQUIRES: `polygons` ascend.
   RegionId Add(std::span<const FeatureId> polygons) {
     const RegionId id = RegionIdOf(polygons);
     if (polygons.size() < 2 || Enter(id, polygons)) return id;
     return AddElsewhere(id, polygons);
   }
-  // The polygons in one of the two and not in the other. If these are too many, they are not
-  // kept, but for the first by order of such sets (`overfull`). `a` is not too large.
+  // The polygons in exactly one of the two sets. If these are too many the set is not kept, except
+  // the least such set in lexicographic order (`overfull`). REQUIRES: `a` is not kTooMany.
   RegionId Toggle(RegionId a, RegionId b) {
     if (b == kNoRegion) return a;
     if (a == kNoRegion) return Checked(b);
@@ -58,10 +58,9 @@ class RegionSets {
 
   using Polygons = std::vector<FeatureId>;
   struct Collision {
-    Polygons first, second;  // no second: the id of the first means something else
+    Polygons first, second;  // no second: the id of the first is reserved
   };
-  // Two of the sets that were added have one id. Of the least such id, the first two: a function of
-  // the sets.
+  // Two added sets with the same id: the least such id, the first two sets. A function of the sets.
   std::optional<Collision> collision() const {
     for (const auto& [id, sets] : collided_) {
       if (sets.size() > 1) return Collision{*sets.begin(), *std::next(sets.begin())};
@@ -73,7 +72,7 @@ class RegionSets {
     const auto it = sets_.find(id);
     return it != sets_.end() ? it->second : std::vector<FeatureId>{id};
   }
-  // Those of `ids` with several polygons, by ascending id. `ids` is sorted by this.
+  // The sets of several polygons among `ids`, by ascending id. Sorts `ids`.
   std::vector<RegionSet> SetsOf(std::vector<RegionId>* ids) const {
     std::sort(ids->begin(), ids->end());
     ids->erase(std::unique(ids->begin(), ids->end()), ids->end());
@@ -85,7 +84,7 @@ class RegionSets {
     return sets;
   }
 
-  // Forgets the sets whose ids are not among `used`.
+  // Drops the sets with ids not among `used`.
   template <class Ids>
   void Keep(const Ids& used) {
     toggles_.clear();
@@ -96,7 +95,7 @@ class RegionSets {
  private:
   static constexpr RegionId kFirstSetId = kLastPolygonId + 1;
 
-  // Is the number that of these polygons now?
+  // Is the number now that of these polygons?
   bool Enter(RegionId number, std::span<const FeatureId> polygons) {
     if (number >= kTooMany) return false;
     const auto [it, is_new] = sets_.try_emplace(number, polygons.begin(), polygons.end());
@@ -105,7 +104,7 @@ class RegionSets {
   RegionId AddElsewhere(RegionId id, std::span<const FeatureId> polygons) {
     Polygons set(polygons.begin(), polygons.end());
     const auto it = sets_.find(id);
-    // Or it is there for another id's sake.
+    // Otherwise it has that number because of another collision.
     if (it != sets_.end() && RegionIdOf(it->second) == id) collided_[id].insert(it->second);
     RegionId number = absl::HashOf(set) | kFirstSetId;
     while (!Enter(number, polygons)) number = (number + 1) | kFirstSetId;
@@ -125,7 +124,7 @@ class RegionSets {
   absl::flat_hash_map<RegionId, std::vector<FeatureId>> sets_;  // of several polygons
   absl::flat_hash_map<std::pair<RegionId, RegionId>, RegionId> toggles_;
   std::vector<FeatureId> overfull_;
-  std::map<RegionId, std::set<Polygons>> collided_;  // by the id that they should have
+  std::map<RegionId, std::set<Polygons>> collided_;  // by the id of RegionIdOf
 };
 
 }  // namespace dynmesh

@@ -1,14 +1,14 @@
-// The subfacets of a mesh of space: faces of its tetrahedra that lie on facets. Follows the
-// triangulation, and lists what came and went.
+// The subfacets of a 3D mesh: faces of its tetrahedra that lie on facets. Follows the
+// triangulation, and lists changes.
 //
-// A face has two tetrahedra; it is kept with the one that says that it is a subfacet, and goes with
-// that: `facet_of(a, b, c, d)` is the slot of the facet that face abc is a part of as seen from
-// d's side, the fourth corner, kNil on the other side and if there is none. It is asked of
-// tetrahedra just made, and of those near the corners of a facet that is new: from there all its
-// subfacets are reached over common vertices, since every part of a polygon has corners.
+// `facet_of(a, b, c, d)` is the slot of the facet that contains face abc, as seen from the side of
+// the fourth corner d; kNil on the other side, and if there is none. So of the two tetrahedra at a
+// subfacet only one reports it: the face is kept and removed with that one. Evaluated for new
+// tetrahedra, and for those near the corners of a new facet. From its corners all subfacets of a
+// facet are reached over common vertices, since every part of a polygon has corners.
 //
-// Thread-compatible. O(1) expected for each tetrahedron, and for each subfacet of a facet that
-// comes or goes O(tetrahedra at its corners).
+// Thread-compatible. Expected O(1) for each tetrahedron; for each subfacet of a facet that is added
+// or removed, O(tetrahedra at its corners).
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_SUBFACET_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_SUBFACET_TABLE_H_
 
@@ -40,13 +40,13 @@ class SubfacetTable {
   };
 
   std::size_t size() const { return kept_.size(); }
-  // Calls f(face, slot) for each, in no order.
+  // Calls f(face, slot) for each, in no particular order.
   template <class F>
   void ForEach(F f) const {
     for (const auto& [face, kept] : kept_) f(face, kept.slot);
   }
 
-  // Calls f(face) for those of the facet in that slot, in no order.
+  // Calls f(face) for the subfacets of the facet in that slot, in no particular order.
   template <class F>
   void ForEachOf(Slot slot, F f) const {
     const auto it = faces_.find(slot);
@@ -54,7 +54,7 @@ class SubfacetTable {
     for (const Face& face : it->second) f(face);
   }
 
-  // What came and went since the last Clear, some in both.
+  // Subfacets removed and added since the last ClearChanges; some may be in both lists.
   const std::vector<Row>& gone() const { return gone_; }
   const std::vector<Row>& come() const { return come_; }
   void ClearChanges() {
@@ -62,8 +62,8 @@ class SubfacetTable {
     come_.clear();
   }
 
-  // A change: first the facets that go, then the tetrahedra that go, those that come, and the
-  // facets that come. `facet_of` answers as of after all of it.
+  // A change, in this order: removed facets, removed tetrahedra, added tetrahedra, added facets.
+  // `facet_of` describes the state after all of them.
   void RemoveFacet(Slot slot) {
     const auto it = faces_.find(slot);
     if (it == faces_.end()) return;
@@ -93,7 +93,7 @@ class SubfacetTable {
       if (slot != meshing::kNil) Keep(side, slot);
     }
   }
-  // `corners`: of the facet.
+  // `corners` of the facet.
   template <class FacetOf>
   void AddFacet(Slot slot, std::span<const Vertex> corners, const Triangulation& triangulation,
                 FacetOf facet_of) {

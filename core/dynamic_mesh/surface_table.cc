@@ -11,7 +11,7 @@ namespace dynmesh {
 
 namespace {
 
-// Of a list sorted by id, or null.
+// Finds `id` in a list sorted by id; null if absent.
 const plc::FacetFeature* Find(std::span<const plc::FacetFeature> sorted, FeatureId id) {
   const auto it =
       std::lower_bound(sorted.begin(), sorted.end(), id,
@@ -31,7 +31,7 @@ const std::vector<SurfaceTable::Change>& SurfaceTable::Update(
   changes_.clear();
   seeds_.clear();
   const auto seed = [this](FeatureId p, FeatureId q) { seeds_.push_back(plc::KeyOf(p, q)); };
-  // A polygon that only moves stands in both lists with the same rings, but may fall apart now.
+  // A polygon that only moves is in both lists with the same rings, but may fall apart now.
   const auto is_same = [](const plc::FacetFeature& f, std::span<const plc::FacetFeature> others) {
     const plc::FacetFeature* other = Find(others, f.id);
     return other != nullptr && other->rings == f.rings;
@@ -85,7 +85,7 @@ void SurfaceTable::Add(const plc::FacetFeature& polygon) {
                 [&](FeatureId p, FeatureId q) { edges_[plc::KeyOf(p, q)].push_back(polygon.id); });
 }
 
-// All that hang together with an edge that has changed.
+// Collects all polygons connected with a changed edge.
 void SurfaceTable::CollectTouched() {
   touched_.clear();
   stack_.clear();
@@ -105,9 +105,9 @@ void SurfaceTable::CollectTouched() {
   }
 }
 
-// What is left is the same in whatever order polygons are peeled off.
+// The result does not depend on the order in which polygons are removed.
 void SurfaceTable::Peel() {
-  absl::flat_hash_map<plc::EdgeKey, std::size_t> left;  // polygons at an edge
+  absl::flat_hash_map<plc::EdgeKey, std::size_t> left;  // polygons left at an edge
   const auto has_lone_edge = [&](FeatureId id) {
     bool found = false;
     ForEachEdgeOf(polygons_.at(id).rings, [&](FeatureId p, FeatureId q) {

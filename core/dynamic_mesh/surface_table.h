@@ -1,16 +1,17 @@
-// The closed surfaces that polygons of space make up (mesh.h, RegionId): which polygon is part of
-// which.
+// The closed surfaces of polygons in 3D (mesh.h, RegionId): which polygon is part of which.
 //
-// Polygons are joined where they share an edge, by the ids of its ends. Those that fall apart have
-// no sides to speak of and do not count; those with an edge of their own are peeled off, again and
-// again. What is left falls into pieces joined by edges. One with two
-// polygons at each of its edges is a closed surface, wherever it is; in others it matters who is
-// next to whom around an edge (chambers.h). A function of the set of polygons.
+// Polygons are joined where they share an edge, by the ids of its ends. Polygons that fall apart do
+// not count, since they have no two sides. Polygons with an edge that no other has are removed
+// repeatedly. The rest falls into components joined by edges. A component with two polygons at each
+// edge is one closed surface, wherever it is. In other components the order of polygons around an
+// edge decides (chambers.h). A function of the set of polygons.
 //
-// Thread-compatible. A change costs O(k lg k) expected, k the edges of all polygons that hang
-// together with one that comes, goes, gets other rings, or moves and has more than two polygons at
-// some edge of its piece, or falls apart by that or no longer; for others that only move O(1), or
-// of several rings O(k lg^2 k) for k corners.
+// Thread-compatible. Let k be the number of edges of all polygons connected with a changed one.
+// Expected cost of an added, removed or changed polygon:
+//   * O(k lg k) if it is added, removed or gets other rings;
+//   * O(k lg k) if it moves and an edge of its component has more than two polygons, or it starts
+//     or stops to fall apart by the move;
+//   * O(1) if it moves otherwise; with several rings O(c lg^2 c) for its c corners.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_SURFACE_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_SURFACE_TABLE_H_
 
@@ -29,14 +30,15 @@ namespace dynmesh {
 
 class SurfaceTable {
  public:
-  // A polygon whose surfaces are others than before.
+  // A polygon with other surfaces than before.
   struct Change {
     FeatureId polygon;
     SurfaceIds before, after;
     friend bool operator==(const Change&, const Change&) = default;
   };
-  // Both sorted by id, as in a Delta; `place_of`: where corners are by now. Returns the changes of
-  // polygons that were there before and stayed where they are, by id, valid until the next call.
+  // REQUIRES: both are sorted by id, as in a Delta. `place_of` returns the present position of a
+  // corner. Returns the changes of polygons that were present and did not move, by id, valid until
+  // the next call.
   const std::vector<Change>& Update(std::span<const plc::FacetFeature> removed,
                                     std::span<const plc::FacetFeature> added,
                                     absl::FunctionRef<geometry::Point3(FeatureId)> place_of);
@@ -64,9 +66,9 @@ class SurfaceTable {
   void FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> place_of);
 
   absl::flat_hash_map<FeatureId, Polygon> polygons_;
-  absl::flat_hash_map<plc::EdgeKey, Neighbours> edges_;  // the polygons at each
+  absl::flat_hash_map<plc::EdgeKey, Neighbours> edges_;  // the polygons at each edge
 
-  // Of the update under way.
+  // Of the current update.
   std::vector<plc::EdgeKey> seeds_;  // edges that gained or lost a polygon
   struct Touched {
     bool peeled = false;

@@ -1,10 +1,9 @@
-// Public ids of vertices: a hash of the coordinates, and what happens when two collide.
+// Public ids of vertices: a hash of the coordinates, with a salt for collisions.
 //
-// Vertices whose unsalted ids agree form a group; in the order of their coordinates
-// they take salts 0, 1, 2, ... So a vertex's id is a function of the set of vertices
-// present, and changes only if one that collides comes or goes. A salted id may be another
-// vertex's, too, if coordinates were chosen for that: no salt mends it, Clash tells of it.
-// Thread-compatible.
+// Vertices with the same unsalted id form a group. In the order of their coordinates they get salts
+// 0, 1, 2, ... So a vertex's id is a function of the set of vertices present, and changes only if a
+// vertex of its group is added or removed. Coordinates can be crafted such that a salted id is
+// another vertex's, too: no salt helps then, and Clash reports it. Thread-compatible.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_VERTEX_NAMES_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_VERTEX_NAMES_H_
 
@@ -26,7 +25,7 @@
 
 namespace dynmesh {
 
-// Tests put a poor hash here, to make collisions.
+// Tests use a poor hash, to make collisions.
 using VertexHash = VertexId (*)(const double* coordinates, int dimension, std::uint64_t salt);
 
 template <int D>
@@ -45,18 +44,17 @@ class VertexNames {
     alone_.reserve(vertices);
   }
 
-  // Vertex v comes. Calls renamed(w) for each other vertex *before* its id changes on that
-  // account.
+  // Adds vertex v. Calls renamed(w) for each other vertex *before* its id changes because of v.
   template <class Position, class Renamed>
   void Add(Index v, Position position, Renamed renamed) {
     Name(v, position);
     Enter(v, position, renamed);
   }
 
-  // Many come, one after the other.
+  // Adds many vertices, one after the other.
   template <class Position>
   void AddAll(std::span<const Index> vertices, Position position) {
-    constexpr std::size_t kBlock = 16;  // asked of memory together
+    constexpr std::size_t kBlock = 16;  // prefetched together
     for (; !vertices.empty(); vertices = vertices.subspan(std::min(kBlock, vertices.size()))) {
       const auto block = vertices.first(std::min(kBlock, vertices.size()));
       for (const Index v : block) {
@@ -67,7 +65,7 @@ class VertexNames {
     }
   }
 
-  // Vertex v goes; its id stays readable until the index is added again.
+  // Removes vertex v; its id stays readable until the index is added again.
   template <class Position, class Renamed>
   void Remove(Index v, Position position, Renamed renamed) {
     const VertexId name = Unsalted(position(v));
@@ -83,8 +81,8 @@ class VertexNames {
     crowded_.erase(crowd);
   }
 
-  // Two vertices that have one id: of the least such id, the first two in the order of coordinates,
-  // so a function of the vertices. O(vertices in groups of several).
+  // Two vertices with the same id: the least such id, the first two in the order of coordinates. So
+  // it is a function of the vertices. O(vertices in groups of several).
   template <class Position>
   std::optional<std::array<Index, 2>> Clash(Position position) const {
     if (crowded_.empty()) return std::nullopt;
@@ -99,7 +97,7 @@ class VertexNames {
     std::sort(named.begin(), named.end(), [&](const auto& a, const auto& b) {
       return a.first != b.first ? a.first < b.first : position(a.second) < position(b.second);
     });
-    // The same vertex may stand there several times.
+    // The same vertex may be there several times.
     for (std::size_t i = 1; i < named.size(); ++i) {
       if (named[i].first == named[i - 1].first && named[i].second != named[i - 1].second) {
         return std::array{named[i - 1].second, named[i].second};
@@ -113,8 +111,8 @@ class VertexNames {
   }
 
  private:
-  // Vertices that are alone in their group are known by their ids, which need not be kept
-  // twice.
+  // A set of vertices alone in their group, hashed by their ids in `ids_`: no second copy of the
+  // ids.
   struct NameOnly {
     VertexId id;
   };

@@ -12,14 +12,14 @@ namespace {
 using geometry::Point2;
 using geometry::Point3;
 
-// A wall whose plane is at a smaller sine to the ray is grazed; nothing is told of a place that is
-// nearer to a wall's plane than this share of its distance from the wall's least corner. Doubles
-// would do for far less: who does not know here asks elsewhere.
+// A ray grazes a wall if the sine of its angle to the wall's plane is smaller than this. A position
+// is undecided if its distance to the wall's plane is less than this share of its distance from the
+// wall's least corner. Doubles would allow far less; an undecided ray is replaced by another.
 constexpr double kGrazes = 1e-3;
 constexpr double kNear = 1e-10;
 
-// Does a ray from p to the right cross the edge ab, which counts its lower end and not its
-// upper? Nothing if p is on the edge. Exact.
+// Does a ray from p to the right cross the edge ab? The lower end counts as part of the edge, the
+// upper one not. Nothing if p is on the edge. Exact.
 std::optional<bool> CrossesEdge(const Point2& p, const Point2& a, const Point2& b) {
   const Point2& lo = a[1] < b[1] || (a[1] == b[1] && a[0] < b[0]) ? a : b;
   const Point2& hi = &lo == &a ? b : a;
@@ -32,7 +32,7 @@ std::optional<bool> CrossesEdge(const Point2& p, const Point2& a, const Point2& 
   return side > 0 && p[1] < hi[1];
 }
 
-// Is p, moved right and much less up, in the wall's shadow along the axis?
+// Is p, moved right and much less up, in the projection of the wall along the axis?
 bool IsInShadow(const Point3& p, const Wall<3>& wall, int axis) {
   const int x = (axis + 1) % 3, y = (axis + 2) % 3;
   if (p[x] < wall.lo[x] || p[x] > wall.hi[x] || p[y] < wall.lo[y] || p[y] > wall.hi[y]) {
@@ -73,7 +73,7 @@ std::optional<bool> RayCrosses(int, const Point2& p, const Wall<2>& wall) {
 
 std::optional<bool> RayCrosses(int ray, const Point3& p, const Wall<3>& wall) {
   if (IsCorner(p, wall)) return std::nullopt;
-  // Up along the axis: what is below is not crossed, whatever its shadow.
+  // The ray goes up along the axis: a wall below is not crossed, whatever its projection.
   const int axis = ray;
   if (p[axis] > wall.hi[axis] || !IsInShadow(p, wall, axis)) return false;
   if (p[axis] < wall.lo[axis]) return true;

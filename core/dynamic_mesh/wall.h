@@ -1,11 +1,11 @@
-// Walls that come or go: what one has to cross to get from one region into another. In the plane
-// an edge of polygons, in space a polygon that is part of a closed surface.
+// Walls that were added or removed. A wall separates two regions: an edge of polygons (2D) or a
+// polygon that is part of a closed surface (3D).
 //
-// What the walls that changed change at a place is told by a ray from there: all those that it
-// crosses an odd number of times. Shadows along the ray are decided by exact predicates. A place
-// in line with an end or an edge of a wall counts as moved aside by an infinitesimal amount, which
-// is the same for all walls: so a ray passes between two walls that join, or crosses both or one
-// of them, as it would if it passed at a little distance. Pure functions, thread-safe.
+// A ray from a position determines the change of its region: the owners of changed walls that it
+// crosses an odd number of times. Exact predicates decide the projections along the ray. A position
+// in line with an end or edge of a wall counts as moved aside by an infinitesimal amount, the same
+// for all walls. So at a joint of two walls the ray crosses as many of them as a nearby ray would.
+// Pure functions, thread-safe.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_WALL_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_WALL_H_
 
@@ -27,25 +27,25 @@ struct Wall<2> {
   std::vector<FeatureId> owners;  // polygons with an edge there, ascending
 };
 
-// Planar up to its thickness: corners are off the plane by less.
+// Planar up to its thickness: corners are off the plane by less than that.
 template <>
 struct Wall<3> {
   Wall(std::vector<geometry::Ring3> rings, std::vector<FeatureId> owners);
 
   std::vector<geometry::Ring3> rings;
-  std::vector<FeatureId> owners;  // closed surfaces that it was or is part of, ascending
+  std::vector<FeatureId> owners;  // closed surfaces that it is or was part of, ascending
   geometry::FacetPlane plane;
   double thickness;
   geometry::Point3 lo, hi;
 };
 
-// Rays to choose from: which one is taken makes no difference to what is told, but some cannot
-// tell. In space, along an axis, a ray cannot that grazes a wall, or starts next to one.
+// The rays to choose from. All that can decide agree. In 3D, a ray along an axis cannot decide if
+// it grazes a wall or starts close to one.
 template <int D>
 inline constexpr int kRays = D == 2 ? 1 : 3;
 
-// Does ray number `ray` from p cross the wall? Nothing if that cannot be told, which is so at its
-// corners and inside of it. In space p is not inside one of its edges. O(corners).
+// Does ray number `ray` from p cross the wall? Nothing if undecided, as at the wall's corners and
+// in its inside. In 3D, p must not be inside one of its edges. O(corners).
 std::optional<bool> RayCrosses(int ray, const geometry::Point2& p, const Wall<2>& wall);
 std::optional<bool> RayCrosses(int ray, const geometry::Point3& p, const Wall<3>& wall);
 

@@ -1,7 +1,7 @@
-// The segments, by their two ends, and which meet at a point, at what angles: the shape of a
-// segment, by which it is split (meshing/shells.h), depends on its neighbours in angle at both
-// ends. Tells whose shape has changed after some have come or gone, and keeps what stands for each
-// in the mesher. In space segments have no shapes: all are halved. Thread-compatible.
+// The segments by their two ends, and the segments at each point with their angles. A segment's
+// shape determines how it is split (meshing/shells.h), and depends on its neighbours in angle at
+// both ends. Reports the segments with changed shapes after additions and removals, and keeps the
+// mesher's data of each. In 3D segments have no shapes: all are halved. Thread-compatible.
 #ifndef DYNMESH_CORE_DYNAMIC_MESH_WEDGE_TABLE_H_
 #define DYNMESH_CORE_DYNAMIC_MESH_WEDGE_TABLE_H_
 
@@ -28,14 +28,14 @@ class WedgeTable {
     std::array<meshing::WedgeEnd, 2> wedges = {};
     meshing::SegmentShape shape = {};
     meshing::FeatureSlot slot = meshing::kNil;      // the caller's
-    meshing::SubsegmentIndex root = meshing::kNil;  // the caller's; kNil: not made yet
+    meshing::SubsegmentIndex root = meshing::kNil;  // the caller's; kNil: does not exist yet
   };
 
   using Index = std::uint32_t;  // of a segment; may be reused after it is removed
 
   void Reserve(std::size_t segments) { segments_.reserve(segments_.size() + segments); }
 
-  // REQUIRES: no segment joins the two yet.
+  // REQUIRES: no segment joins the two points yet.
   Index Add(Vertex lesser, Vertex greater, meshing::FeatureSlot slot) {
     Index index = static_cast<Index>(segments_.size());
     if (free_.empty()) {
@@ -53,7 +53,7 @@ class WedgeTable {
     return index;
   }
   const Segment& operator[](Index index) const { return segments_[index]; }
-  // The segment between two points, which must be there. O(segments at one of them).
+  // The segment between two points, which must exist. O(segments at one of them).
   Index Find(Vertex a, Vertex b) const {
     const Users& at_a = at_.at(a);
     const Users& at_b = at_.at(b);
@@ -73,9 +73,8 @@ class WedgeTable {
     free_.push_back(index);
   }
 
-  // Calls changed(&segment) for each segment that is new or has another shape since the
-  // last call; changed sets its root. position(v) is v's point. O(k log k) for a point where k
-  // segments meet.
+  // Calls changed(&segment) for each segment that is new or has another shape since the last call;
+  // changed sets its root. position(v) is v's point. O(k log k) for a point with k segments.
   template <class Position, class Changed>
   void Update(Position position, Changed changed) {
     std::vector<Index> affected;

@@ -1,4 +1,4 @@
-// Angles as the mesher draws its lines. Pure functions, thread-safe.
+// Tests of angles for the mesher. Pure functions, thread-safe.
 #ifndef DYNMESH_CORE_GEOMETRY_ANGLES_H_
 #define DYNMESH_CORE_GEOMETRY_ANGLES_H_
 
@@ -7,8 +7,8 @@
 
 namespace dynmesh::geometry {
 
-// Do apex-p and apex-q make an angle below 60 degrees? Less a hair, so that a lattice of
-// regular triangles as rounded on entry has none. In doubles; symmetric in p and q to the bit.
+// True if apex-p and apex-q make an angle below 60 degrees, less a tiny margin: a lattice of
+// regular triangles, rounded on entry, has none. In doubles; symmetric in p and q to the bit.
 template <int D>
 inline bool IsSmallAngle(const Point<D>& apex, const Point<D>& p, const Point<D>& q) {
   constexpr double kSquaredCosine = 0.25 * (1 + 4e-6);
@@ -20,7 +20,7 @@ inline bool IsSmallAngle(const Point<D>& apex, const Point<D>& p, const Point<D>
   return dot > 0 && dot * dot > kSquaredCosine * (p2 * q2);
 }
 
-// Does the direction apex-p come before apex-q, counter-clockwise from straight up? Exact.
+// True if the direction apex-p comes before apex-q, counter-clockwise from straight up. Exact.
 // REQUIRES: neither is the apex.
 inline bool PrecedesInAngle(const Point2& apex, const Point2& p, const Point2& q) {
   const bool p_right = apex < p, q_right = apex < q;

@@ -24,7 +24,7 @@ Circumball CircumballOf(const Point3& p, const Point3& a, const Point3& b, const
   return ExactCircumball(p, a, b, c);
 }
 
-// Numerators and determinant of the formula as integers, then one division.
+// Computes the numerators and the determinant of the formula as integers, then divides once.
 Circumball ExactCircumball(const Point3& p, const Point3& a, const Point3& b, const Point3& c) {
   Circumball ball;
   internal::SignOf({&p, &a, &b, &c}, [&](auto n, int exponent) {

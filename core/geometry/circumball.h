@@ -1,5 +1,5 @@
-// Vectors of space in doubles, and the ball through the origin and three others with a bound
-// of its error. Pure, thread-safe.
+// 3D vectors in doubles, and the ball through the origin and three other points with an error
+// bound. Pure, thread-safe.
 #ifndef DYNMESH_CORE_GEOMETRY_CIRCUMBALL_H_
 #define DYNMESH_CORE_GEOMETRY_CIRCUMBALL_H_
 
@@ -22,16 +22,17 @@ inline Vector3 Difference(const Vector3& a, const Vector3& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-// The ball whose surface holds 0, a, b and c; a2 is a . a, and so on. a . (b x c) must be
-// positive, negative if `odd`; where doubles do not tell, nothing is known of the ball.
+// The ball with 0, a, b and c on its surface; a2 is a . a, and so on. a . (b x c) must be positive
+// (negative if `odd`). Where doubles cannot tell, nothing is known of the ball.
 //
-// w = (a^2 b x c + b^2 c x a + c^2 a x b) / (2 a . b x c). Relative to
-// S = (a^2 |b||c| + ...) / (2 det), which bounds |w|, sums and products are right to 12 roundings
-// and the quotient to as many as the determinant has lost: |a||b||c| / det.
+// w = (a^2 b x c + b^2 c x a + c^2 a x b) / (2 a . b x c). Its error, relative to
+// S = (a^2 |b||c| + ...) / (2 det) >= |w|:
+// 1. sums and products are right to 12 roundings;
+// 2. the quotient to as many as the determinant has lost: |a||b||c| / det.
 struct Circumball {
   Vector3 w = {0, 0, 0};    // the centre
   double r2 = INFINITY;     // the squared radius
-  double error = INFINITY;  // bounds that of each of w
+  double error = INFINITY;  // bounds the error of each coordinate of w
 
   Circumball() = default;
   Circumball(const Vector3& a, double a2, const Vector3& b, double b2, const Vector3& c, double c2,
@@ -55,12 +56,11 @@ struct Circumball {
   }
 };
 
-// The same of four points that are not coplanar, seen from the first: right to a few roundings
-// however flat they are. By long integers: slow.
+// The same for four points that are not coplanar, seen from the first. Right to a few roundings
+// however flat they are. Uses long integers: slow.
 Circumball ExactCircumball(const Point3& p, const Point3& a, const Point3& b, const Point3& c);
-// By doubles where these tell the centre to a billionth of the shortest of pa, pb and pc, else by
-// ExactCircumball: the same bits in whatever order a, b and c come. REQUIRES: (p, a, b, c) is
-// positive.
+// By doubles if these give the centre to a billionth of the shortest of pa, pb and pc, else by
+// ExactCircumball. The same bits for any order of a, b and c. REQUIRES: (p, a, b, c) is positive.
 Circumball CircumballOf(const Point3& p, const Point3& a, const Point3& b, const Point3& c);
 
 }  // namespace dynmesh::geometry

@@ -1,7 +1,7 @@
-// Inexact constructions in doubles: new coordinates from old ones. Each is one fixed
-// sequence of roundings, and symmetric to the bit where its comment says so; a caller
-// that must not depend on history passes the points in a canonical order.
-// Pure functions, thread-safe. Coordinates as in predicates.h.
+// Inexact constructions in doubles: new coordinates from old ones. Each is one fixed sequence of
+// roundings, and symmetric to the bit where its comment says so. A caller that must not depend on
+// history passes the points in a canonical order. Pure functions, thread-safe. Coordinates as in
+// predicates.h.
 #ifndef DYNMESH_CORE_GEOMETRY_CONSTRUCTIONS_H_
 #define DYNMESH_CORE_GEOMETRY_CONSTRUCTIONS_H_
 
@@ -36,7 +36,7 @@ inline Point2 Circumcenter(const Point2& p, const Point2& q, const Point2& c) {
   return {{c[0] + (qy * p2 - py * q2) * scale, c[1] + (px * q2 - qx * p2) * scale}};
 }
 
-// The same of the corners of a simplex and another one, about that other.
+// The same for the corners of a simplex and another point c, computed about c.
 inline Point2 Circumcenter(const std::array<Point2, 2>& corners, const Point2& c) {
   return Circumcenter(corners[0], corners[1], c);
 }

@@ -1,5 +1,5 @@
-// Dihedral angles of a tetrahedron beside a bound. Pure functions of coordinates, to the bit:
-// corners are taken in the order of their places, and no libm has a say. Thread-safe; O(1).
+// Compares the dihedral angles of a tetrahedron to a bound. Pure functions of coordinates, to the
+// bit: corners are sorted by position, and libm is not used. Thread-safe; O(1).
 #ifndef DYNMESH_CORE_GEOMETRY_DIHEDRAL_H_
 #define DYNMESH_CORE_GEOMETRY_DIHEDRAL_H_
 
@@ -19,8 +19,9 @@ class DihedralBound {
 
   double degrees() const { return degrees_; }
 
-  // Is one of the six angles less than the bound? True of flat tetrahedra, and of angles that are
-  // the bound but for rounding: of what is not below, no angle is less, whatever rounds it.
+  // True if one of the six angles is less than the bound. Also true for flat tetrahedra, and for
+  // angles that equal the bound within rounding. If it is false, no angle is less, however angles
+  // are rounded.
   bool IsBelow(std::array<Point3, 4> corners) const {
     // A network of five comparisons.
     const auto sort = [&](int i, int j) {
@@ -29,12 +30,12 @@ class DihedralBound {
     sort(0, 1), sort(2, 3), sort(0, 2), sort(1, 3), sort(1, 2);
     return IsBelowSorted(corners);
   }
-  // The same of corners in the order of their places.
+  // The same for corners sorted by position.
   bool IsBelowSorted(const std::array<Point3, 4>& p) const {
     const Vector3 a = Difference(p[1].c, p[0].c), b = Difference(p[2].c, p[0].c),
                   c = Difference(p[3].c, p[0].c), u = Difference(p[2].c, p[1].c),
                   w = Difference(p[3].c, p[1].c);
-    // Of the faces, all inwards or all outwards.
+    // The normals of the faces, all inwards or all outwards.
     const std::array<Vector3, 4> n = {Cross(w, u), Cross(b, c), Cross(c, a), Cross(a, b)};
     std::array<double, 4> length;
     for (int i = 0; i < 4; ++i) length[i] = std::sqrt(Dot(n[i], n[i]));
@@ -48,7 +49,7 @@ class DihedralBound {
   }
 
  private:
-  // Taylor's series, in an order of its own; a little less than the cosine.
+  // Taylor's series, in a fixed order of operations; a little less than the cosine.
   static double CosineOf(double degrees) {
     if (degrees == 0) return 2;
     const double x = degrees * 0.017453292519943295, x2 = x * x;

@@ -1,12 +1,11 @@
-// Exact signed integers of a fixed number of 64-bit limbs, and the way from doubles
-// to them: any handful of doubles are integers in a common power-of-two unit, so a
-// polynomial predicate is an integer polynomial whose sign is plain to see.
+// Exact signed integers of a fixed number of 64-bit limbs, and the conversion from doubles. Any
+// handful of doubles are integers in a common power-of-two unit. So a polynomial predicate is an
+// integer polynomial, with an obvious sign.
 //
-// Why integers and not floating-point expansions: the domain of the predicates
-// (magnitudes 2^-250 .. 2^250, hence units down to 2^-302) makes products of four
-// differences multiples of 2^-1208, below the least double; expansions would lose
-// them. Integers know no underflow, the number of limbs follows from the inputs
-// (one for anything like an ordinary mesh), and each bound is one line.
+// Why integers and not floating-point expansions: the domain of the predicates (magnitudes 2^-250
+// .. 2^250, hence units down to 2^-302) makes products of four differences multiples of 2^-1208,
+// below the least double. Expansions would lose them. Integers have no underflow, the number of
+// limbs follows from the inputs (one for an ordinary mesh), and each bound is one line.
 //
 // Pure values, thread-safe. Multiplication is O(N M).
 #ifndef DYNMESH_CORE_GEOMETRY_EXACT_INTEGER_H_
@@ -22,8 +21,8 @@ namespace dynmesh::geometry {
 
 __extension__ using Uint128 = unsigned __int128;
 
-// Two's complement, least limb first: values in [-2^(64N-1), 2^(64N-1)). Sums and
-// differences wrap; the caller's bounds say that they do not.
+// Two's complement, least limb first: values in [-2^(64N-1), 2^(64N-1)). Sums and differences wrap;
+// the caller's bounds exclude that.
 template <int N>
 struct WideInt {
   std::array<std::uint64_t, N> limb;
@@ -73,8 +72,8 @@ inline WideInt<N + M> operator*(const WideInt<N>& a, const WideInt<M>& b) {
     }
     r.limb[i + M] = carry;
   }
-  // So far the patterns were multiplied as unsigned: a pattern of a negative value is
-  // too great by 2^(64N), so the product is too great by 2^(64N) b (and alike for b).
+  // So far the patterns were multiplied as unsigned. The pattern of a negative value is too great
+  // by 2^(64N), so the product is too great by 2^(64N) b (and alike for b).
   const auto subtract_at = [&r](int at, const auto& x) {
     std::uint64_t borrow = 0;
     for (std::uint64_t l : x.limb) {
@@ -113,7 +112,7 @@ inline CommonUnit FindCommonUnit(std::span<const double> values) {
   return {low, high - low};
 }
 
-// x in the unit 2^exponent, of which it is a multiple; |x| < 2^(exponent + 64N - 1).
+// x in the unit 2^exponent. REQUIRES: x is a multiple of the unit, |x| < 2^(exponent + 64N - 1).
 template <int N>
 inline WideInt<N> ToInteger(double x, int exponent) {
   WideInt<N> r{};
@@ -139,7 +138,7 @@ struct ScaledDouble {
   int exponent;
 };
 
-// As near to x as 2^-52 of it.
+// x with a relative error of at most 2^-52.
 template <int N>
 inline ScaledDouble ToScaledDouble(const WideInt<N>& x) {
   if (x.Sign() == 0) return {0, 0};

@@ -14,22 +14,22 @@
 
 namespace dynmesh::geometry::internal {
 
-// Sizes. With coordinates of `width` bits in their common unit, differences stay below
-// 2^(width+1). For N limbs we ask width + 1 <= 64N - 2, so differences d < 2^(64N-2);
-// d*d < 2^(128N-4), sums of up to four of these < 2^(128N-2): 2N limbs with sign.
-// In the in-circle polynomial, squares and cross products are sums of two, below
-// 2^(128N-3); their products below 2^(256N-6), three of them below 2^(256N-4): 4N limbs.
-// In space a triple product is a sum of six, below 2^(192N-3): 3N limbs. In the in-sphere
-// polynomial it is multiplied by a sum of three squares, below 2^(128N-2); four of those
-// products are below 2^(320N-3): 5N limbs.
+// Sizes. With coordinates of `width` bits in their common unit, differences stay below 2^(width+1).
+// For N limbs we require width + 1 <= 64N - 2, so differences d < 2^(64N-2).
+//   d*d < 2^(128N-4), sums of up to four of these < 2^(128N-2): 2N limbs with sign.
+//   In-circle polynomial: squares and cross products are sums of two, below 2^(128N-3); their
+//   products below 2^(256N-6), three of them below 2^(256N-4): 4N limbs.
+//   3D triple product: a sum of six, below 2^(192N-3): 3N limbs.
+//   In-sphere polynomial: a triple product times a sum of three squares, below 2^(128N-2); four of
+//   those products are below 2^(320N-3): 5N limbs.
 constexpr int MaxWidth(int limbs) { return 64 * limbs - 3; }
 
 // The whole domain: below 2^251 in units of 2^-302, width 553 <= MaxWidth(9) = 573.
 inline constexpr int kMaxLimbs = 9;
 static_assert(MaxWidth(kMaxLimbs) >= 251 + 302);
 
-// Calls polynomial(integral<N>, exponent) with the least N of 1, 2, kMaxLimbs that the
-// coordinates need, and returns what that returns.
+// Calls polynomial(integral<N>, exponent) with the least N of 1, 2, kMaxLimbs that suffices for the
+// coordinates. Returns its result.
 template <int D, class Polynomial>
 auto Evaluate(std::initializer_list<const Point<D>*> points, Polynomial polynomial) {
   std::array<double, 5 * D> coordinates;
@@ -91,11 +91,11 @@ WideInt<3 * N> TripleProduct(const Vector<N, 3>& a, const Vector<N, 3>& b, const
   return a.c[0] * bc[0] + a.c[1] * bc[1] + a.c[2] * bc[2];
 }
 
-// The centre of the ball through four points of space, seen from the first: n / (2 det) with
-// u, v, w from there to the others,
+// The centre of the ball through four 3D points, seen from the first: n / (2 det). With u, v, w
+// from it to the others,
 //   n = u^2 v x w + v^2 w x u + w^2 u x v,  det = u . v x w.
-// A square is below 2^(128N-2), an entry of a cross product below 2^(128N-3), so those of n
-// are below 2^(256N-3): 4N limbs.
+// A square is below 2^(128N-2), an entry of a cross product below 2^(128N-3), so those of n are
+// below 2^(256N-3): 4N limbs.
 template <int N>
 struct ExactCentre {
   Vector<N, 3> u, v, w;

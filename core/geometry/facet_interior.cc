@@ -7,7 +7,7 @@
 namespace dynmesh::geometry {
 namespace {
 
-// So few edges are looked at one by one.
+// Polygons with at most so many edges are searched edge by edge.
 constexpr std::size_t kFewEdges = 48;
 
 double Cross2(const Point2& u, const Point2& w) { return u[0] * w[1] - u[1] * w[0]; }
@@ -30,8 +30,8 @@ bool FacetInterior::Holds(const Point3& p) const {
   return IsOdd(at[1], false, [&](const Edge& e) { return IsLeftOf(at, e); });
 }
 
-// A small step from the corner: its own edges are passed at an angle, all others are far away.
-// A step down is at heights just below the corner's.
+// Takes a small step from the corner. It passes the corner's own edges at an angle; all other edges
+// are far away. A step down is at heights just below the corner's.
 bool FacetInterior::OpensTo(const Point3& corner, const Vector3& direction) const {
   const Point2 at = Shadow(corner), to = Shadow({direction});
   return IsOdd(at[1], to[1] < 0, [&](const Edge& e) {
@@ -41,7 +41,7 @@ bool FacetInterior::OpensTo(const Point3& corner, const Vector3& direction) cons
   });
 }
 
-// Of an edge that has that height.
+// The x of edge e at `height`, from e.a on.
 double FacetInterior::At(const Edge& e, double height) {
   return (e.b[0] - e.a[0]) * ((height - e.a[1]) / (e.b[1] - e.a[1]));
 }
@@ -79,8 +79,8 @@ void FacetInterior::MakeTree() {
   for (std::uint32_t node = 1; node < 2 * leaves_; ++node) SortNode(node);
 }
 
-// Do the edges, which have an end in common and span the same heights, lie from left to right?
-// True as well if they have none.
+// True if the edges, which span the same heights and have a common end, lie from left to right.
+// Also true if they have no common end.
 bool FacetInterior::IsOrderedAtEnd(const Edge& e, const Edge& f) {
   for (const bool at_a : {false, true}) {
     const Point2 &end = at_a ? e.a : e.b, &along = at_a ? e.b : e.a;
@@ -91,8 +91,8 @@ bool FacetInterior::IsOrderedAtEnd(const Edge& e, const Edge& f) {
   return true;
 }
 
-// Half-way up the node's heights, edges are farther apart than rounding errors, but for those that
-// meet at its top or bottom if it is very low; these stand side by side then.
+// Sorts a node's edges half-way up its heights. There they are farther apart than rounding errors.
+// Exceptions: edges that meet at the top or bottom of a very low node; these are adjacent then.
 void FacetInterior::SortNode(std::uint32_t node) {
   const std::span<std::uint32_t> edges(order_.data() + first_[node],
                                        first_[node + 1] - first_[node]);
@@ -116,9 +116,9 @@ void FacetInterior::SortNode(std::uint32_t node) {
   }
 }
 
-// Is the number of edges to the right of a place at that height odd? An edge has the height of its
-// lower end and not that of its upper one; if `below`, the other way round. `is_left(e)`: of an
-// edge of that height, is the place to the left of it?
+// True if the number of edges to the right of a point at that height is odd. An edge includes the
+// height of its lower end, not that of its upper end; if `below`, the other way round. is_left(e):
+// the point is to the left of e, an edge at that height.
 template <class IsLeft>
 bool FacetInterior::IsOdd(double height, bool below, IsLeft is_left) const {
   bool odd = false;

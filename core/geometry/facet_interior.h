@@ -1,15 +1,14 @@
-// What lies inside a polygon in space, for as many questions as it has corners, or more.
+// Point-in-polygon tests in 3D, for at least as many queries as the polygon has corners.
 //
-// Inside is what an odd number of rings goes around. Seen along the plane's axis, that is a place
-// with an odd number of edges to its right at its height. Edges that span the same heights do not
-// cross there, so they have an order from left to right, and how many are to the right is found by
-// bisection: each edge hangs at O(lg corners) nodes of a tree over the corners' heights (a segment
-// tree: Bentley, Solutions to Klee's rectangle problems, 1977). Polygons of few corners do without.
+// A point is inside if an odd number of rings goes around it. Seen along the plane's axis, its
+// height has an odd number of edges to its right. Edges that span the same heights do not cross
+// there, so they are ordered from left to right, and bisection finds how many are to the right.
+// Each edge is stored at O(lg corners) nodes of a tree over the corners' heights (a segment tree:
+// Bentley, Solutions to Klee's rectangle problems, 1977). Polygons with few corners need no tree.
 //
-// Everything is a function of the rings as chains, to the bit: the same wherever a ring begins,
-// whichever way it goes, and in whatever order rings come. Rings that cross make answers of no
-// meaning, and no harm.
-// Immutable, thread-safe. Making one O(corners lg corners), questions O(lg^2 corners).
+// Everything is a function of the rings as chains, to the bit: it does not depend on a ring's first
+// corner, its direction, or the order of rings. If rings cross, answers have no meaning but do no
+// harm. Immutable, thread-safe. Construction O(corners lg corners), a query O(lg^2 corners).
 #ifndef DYNMESH_CORE_GEOMETRY_FACET_INTERIOR_H_
 #define DYNMESH_CORE_GEOMETRY_FACET_INTERIOR_H_
 
@@ -25,13 +24,13 @@ namespace dynmesh::geometry {
 
 class FacetInterior {
  public:
-  FacetInterior() = default;  // of nothing
-  // `plane`: that of the rings (PlaneOf).
+  FacetInterior() = default;  // an empty interior
+  // `plane`: the plane of the rings (PlaneOf).
   FacetInterior(std::span<const Ring3> rings, const FacetPlane& plane);
 
-  // Is p, near the plane, inside? Near an edge rounding decides.
+  // True if p, near the plane, is inside. Near an edge rounding decides.
   bool Holds(const Point3& p) const;
-  // Does a `direction` in the plane lead from a corner into the inside? Along an edge rounding
+  // True if `direction`, in the plane, leads from `corner` into the inside. Along an edge rounding
   // decides.
   bool OpensTo(const Point3& corner, const Vector3& direction) const;
 
@@ -41,7 +40,7 @@ class FacetInterior {
   }
 
  private:
-  // Seen along the axis: x to the right, y up. From the end that is less in space.
+  // Seen along the axis: x to the right, y up. a is the lesser end in 3D.
   struct Edge {
     Point2 a, b;
   };
@@ -59,8 +58,8 @@ class FacetInterior {
 
   int axis_ = 0;
   std::vector<Edge> edges_;
-  // The tree, if there are many. Leaf i is what is between heights_[i] and heights_[i + 1]; nodes
-  // are numbered as in a heap, from 1 on.
+  // The tree, if there are many edges. Leaf i is between heights_[i] and heights_[i + 1]. Nodes are
+  // numbered as in a heap, from 1 on.
   std::vector<double> heights_;               // of corners, ascending, each once
   std::uint32_t leaves_ = 0;                  // a power of two
   std::vector<std::uint32_t> first_, order_;  // by node: its edges from left to right

@@ -8,7 +8,7 @@
 namespace dynmesh::geometry {
 namespace {
 
-// Twice the vector area, summed from the least corner on towards its lesser neighbour.
+// Twice the vector area, summed from the least corner towards its lesser neighbour.
 Vector3 AreaOf(const Ring3& ring, const Point3& least, std::size_t at) {
   const std::size_t n = ring.size();
   const bool forward = ring[(at + 1) % n] < ring[(at + n - 1) % n];

@@ -1,9 +1,8 @@
-// The plane of a polygon in space.
+// The plane of a polygon in 3D.
 //
-// The polygon is given by its rings, closed chains of corners that lie in one plane up to
-// rounding. Everything here is a function of the rings as chains, to the bit: the same wherever a
-// ring begins, whichever way it goes, and in whatever order rings come. Pure functions,
-// thread-safe.
+// The polygon is given by its rings: closed chains of corners that lie in one plane up to rounding.
+// Everything here is a function of the rings as chains, to the bit: it does not depend on a ring's
+// first corner, its direction, or the order of rings. Pure functions, thread-safe.
 #ifndef DYNMESH_CORE_GEOMETRY_FACET_PLANE_H_
 #define DYNMESH_CORE_GEOMETRY_FACET_PLANE_H_
 
@@ -21,9 +20,9 @@ using Ring3 = std::vector<Point3>;
 struct FacetPlane {
   Point3 origin = {};   // a corner
   Vector3 normal = {};  // of length 1 up to rounding; component `axis` is positive
-  int axis = 0;         // the normal's largest component: shadows are along it
+  int axis = 0;         // index of the normal's largest component; shadows are along this axis
 
-  // The distance from the plane, positive on the normal's side.
+  // The signed distance from the plane, positive on the normal's side.
   double Height(const Point3& p) const { return Dot(normal, Difference(p.c, origin.c)); }
   Point3 Foot(const Point3& p) const {
     const double h = Height(p);
@@ -31,14 +30,13 @@ struct FacetPlane {
   }
 };
 
-// Two directions in the plane, at right angles, of length 1 up to rounding.
+// Two orthogonal directions in the plane, of length 1 up to rounding.
 std::array<Vector3, 2> AxesOf(const FacetPlane& plane);
 
-// Of the ring that goes around the largest area. The normal is not a number if that is 0.
-// O(corners).
+// The plane of the ring around the largest area. The normal is NaN if that area is 0. O(corners).
 FacetPlane PlaneOf(std::span<const Ring3> rings);
 
-// How far the rings reach along the axes, and off the plane.
+// The extent of the rings along the axes, and their deviation from the plane.
 struct FacetBounds {
   Point3 lo = {}, hi = {};
   double deviation = 0;  // of the corner farthest from the plane

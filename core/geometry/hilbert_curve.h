@@ -1,10 +1,10 @@
-// The Hilbert curve through the 2^levels cells a side of a square or a cube.
-// Pure, thread-safe. A table look-up per level.
+// The Hilbert curve through a square or a cube of 2^levels cells a side. Pure, thread-safe. One
+// table look-up per level.
 //
-// A curve through 2^D parts visits them in the order of the Gray code. Within each part
-// there is the same curve again, turned: it begins at corner `entry` of the part and ends at
-// the neighbouring corner in direction `axis`, so that each part ends next to where the
-// following one begins. (entry, axis) is the state of the descent.
+// A curve through 2^D parts visits them in the order of the Gray code. Each part contains the same
+// curve again, rotated: it begins at corner `entry` of the part and ends at the neighbouring corner
+// in direction `axis`. So each part ends next to the beginning of the following one. (entry, axis)
+// is the state of the descent.
 #ifndef DYNMESH_CORE_GEOMETRY_HILBERT_CURVE_H_
 #define DYNMESH_CORE_GEOMETRY_HILBERT_CURVE_H_
 
@@ -17,7 +17,7 @@ namespace dynmesh::geometry {
 template <int D>
 class HilbertCurve {
  public:
-  // How many cells come before `cell`. levels * D <= 32; coordinates below 2^levels.
+  // The number of cells before `cell`. levels * D <= 32; coordinates below 2^levels.
   static std::uint32_t Key(const std::array<std::uint32_t, D>& cell, int levels) {
     std::uint32_t key = 0;
     unsigned state = 0;
@@ -35,15 +35,15 @@ class HilbertCurve {
   static constexpr unsigned kParts = 1u << D;
 
   struct Step {
-    std::uint8_t place, state;  // of the part in the order; within the part
+    std::uint8_t place, state;  // rank of the part; state within the part
   };
 
   static constexpr unsigned Gray(unsigned i) { return i ^ i >> 1; }
   static constexpr unsigned Turn(unsigned bits, unsigned by) {
     return (bits << by | bits >> (D - by)) & (kParts - 1);
   }
-  // Where the curve within the i-th part begins, and along which axis from there it ends,
-  // if the whole begins at 0 and ends along the last axis.
+  // The corner at which the curve within the i-th part begins (AxisOf: the axis along which it
+  // ends), if the whole curve begins at 0 and ends along the last axis.
   static constexpr unsigned EntryOf(unsigned i) { return i == 0 ? 0 : Gray((i - 1) & ~1u); }
   static constexpr unsigned AxisOf(unsigned i) {
     if (i == 0) return 0;

@@ -1,4 +1,4 @@
-// Points of D-space as plain values.
+// Points in D dimensions, as plain values.
 #ifndef DYNMESH_CORE_GEOMETRY_POINT_H_
 #define DYNMESH_CORE_GEOMETRY_POINT_H_
 
@@ -41,9 +41,8 @@ inline std::uint64_t Mix(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
-// The random priority of a place (-0 counts as +0): what orders work within a
-// bucket, and breaks the chains of Fig. 4.8 on every input. Two points may
-// collide; coordinates then decide.
+// The random priority of a position (-0 counts as +0). It orders work within a bucket and breaks
+// the chains of Fig. 4.8 on every input. Two points may collide; then coordinates decide.
 template <int D>
 inline std::uint64_t HashOf(const Point<D>& p) {
   std::uint64_t h = 0x2545f4914f6cdd1dULL;

@@ -1,15 +1,15 @@
-// Exact predicates of the plane, and those that are alike in all dimensions; those of space
-// are in space_predicates.h. Each is a ladder: a filter in doubles that may
-// not know (inline, here), exact integer arithmetic (exact_integer.h), and, where a
-// tie has to be broken, a symbolic perturbation that depends on the coordinates alone
-// (never on ids, addresses or order of arrival), so that the Delaunay triangulation of
-// a set of points is one and the same whoever computes it.
+// Exact predicates in 2D, and those that are alike in all dimensions; those in 3D are in
+// space_predicates.h. Each is a ladder of rungs:
+// 1. a filter in doubles that may not know (inline, here);
+// 2. exact integer arithmetic (exact_integer.h);
+// 3. where a tie has to be broken, a symbolic perturbation. It depends on coordinates alone, never
+//    on ids, addresses or order of arrival. So the Delaunay triangulation of a set of points is
+//    unique.
 //
-// Coordinates: finite, magnitude 0 or in [2^-250, 2^250]; the caller has checked it.
-// So differences are 0 or in [2^-302, 2^251]: products of two are normal numbers,
-// products of four cannot overflow (below 2^1008), and where they underflow the
-// filters say that they do not know.
-// Pure functions, thread-safe. Built without contraction into FMA.
+// Coordinates: finite, magnitude 0 or in [2^-250, 2^250]; the caller has checked it. So differences
+// are 0 or in [2^-302, 2^251]. Products of two are normal numbers. Products of four cannot overflow
+// (below 2^1008), and where they underflow the filters return that they do not know. Pure
+// functions, thread-safe. Built without contraction into FMA.
 #ifndef DYNMESH_CORE_GEOMETRY_PREDICATES_H_
 #define DYNMESH_CORE_GEOMETRY_PREDICATES_H_
 
@@ -31,9 +31,9 @@ template <int D>
 int InDiametralBallExact(const Point<D>& a, const Point<D>& b, const Point<D>& x);
 template <int D>
 int CompareDistanceExact(const Point<D>& p, const Point<D>& a, const Point<D>& b);
-// What InCircle says of four points on one circle.
+// The result of InCircle for four points on one circle.
 bool InCircleTie(const Point2& a, const Point2& b, const Point2& c, const Point2& d);
-// InCircle where the filter does not know.
+// InCircle if the filter does not know.
 bool InCircleSlow(const Point2& a, const Point2& b, const Point2& c, const Point2& d);
 
 // The sign of `value` if it exceeds `bound`, the greatest possible error.
@@ -43,13 +43,14 @@ inline int FilteredSign(double value, double bound) {
   return kUnsure;
 }
 
-// How the bounds below come about, u = 2^-53: a sum of products is computed from
-// differences of coordinates, each operation with a relative error of at most u. If
-// every product (one term of the expanded polynomial) passes through at most n
-// roundings on its way to the result, the result errs by at most
-// ((1+u)^n - 1) sum|terms|; the computed sum of |terms| (its own roundings at most n)
-// is at least (1-u)^n of the true one. Thus (n + 1) u times the computed sum bounds
-// the error, for n < 100, with room for the roundings of the bound itself.
+// How the bounds below come about, u = 2^-53.
+// 1. A sum of products is computed from differences of coordinates; each operation has a relative
+//    error of at most u.
+// 2. If every product (one term of the expanded polynomial) passes through at most n roundings on
+//    its way to the result, the result errs by at most ((1+u)^n - 1) sum|terms|.
+// 3. The computed sum of |terms| (its own roundings at most n) is at least (1-u)^n of the true one.
+// 4. Thus (n + 1) u times the computed sum bounds the error, for n < 100, with room for the
+//    roundings of the bound itself.
 
 inline int OrientationFilter(const Point2& a, const Point2& b, const Point2& c) {
   const double left = (a[0] - c[0]) * (b[1] - c[1]);
@@ -111,16 +112,16 @@ inline int InCircleSign(const Point2& a, const Point2& b, const Point2& c, const
   return sign != internal::kUnsure ? sign : internal::InCircleExact(a, b, c, d);
 }
 
-// Is d inside the circumdisc of counter-clockwise (a, b, c), ties broken by the
-// lexicographic perturbation? Never "on": four distinct points always get an
-// answer, consistent over any set of points, so Delaunay is unique.
-// Precondition: a, b, c not collinear, counter-clockwise; d distinct from them.
+// True if d is inside the circumdisc of counter-clockwise (a, b, c), ties broken by the
+// lexicographic perturbation. Never "on": four distinct points always get an answer, consistent
+// over any set of points. So Delaunay is unique. Precondition: a, b, c not collinear,
+// counter-clockwise; d distinct from them.
 inline bool InCircle(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
   const int sign = internal::InCircleFilter(a, b, c, d);
   return sign != internal::kUnsure ? sign > 0 : internal::InCircleSlow(a, b, c, d);
 }
 
-// Is x strictly inside the ball whose diameter is ab, (a - x).(b - x) < 0? Exact.
+// True if x is strictly inside the ball with diameter ab: (a - x).(b - x) < 0. Exact.
 template <int D>
 inline bool InDiametralBall(const Point<D>& a, const Point<D>& b, const Point<D>& x) {
   const int sign = internal::InDiametralBallFilter(a, b, x);

@@ -1,4 +1,4 @@
-// Distances of points and segments, in doubles: for rules that place vertices, and for filters that
+// Distances of points and segments in doubles, for rules that place vertices and for filters that
 // leave room for rounding. The same arguments give the same bits. Thread-safe.
 #ifndef DYNMESH_CORE_GEOMETRY_SEGMENT_DISTANCE_H_
 #define DYNMESH_CORE_GEOMETRY_SEGMENT_DISTANCE_H_
@@ -34,7 +34,7 @@ inline double SquaredDistance(const Point<D>& a, const Point<D>& b, const Point<
   double best = std::min(std::min(SquaredDistance(a, p, q), SquaredDistance(b, p, q)),
                          std::min(SquaredDistance(p, a, b), SquaredDistance(q, a, b)));
   if constexpr (D == 3) {
-    // Skew lines may be nearest inside both.
+    // Skew lines may be nearest in the interiors of both segments.
     double uu = 0, uv = 0, vv = 0, uw = 0, vw = 0;
     for (int k = 0; k < D; ++k) {
       const double u = b[k] - a[k], v = q[k] - p[k], w = p[k] - a[k];
@@ -56,7 +56,7 @@ inline double SquaredDistance(const Point<D>& a, const Point<D>& b, const Point<
   return best;
 }
 
-// May segment pq meet the closed cube about `centre`? Conservative: true needlessly only where the
+// May segment pq meet the closed cube about `centre`? Conservative: true needlessly only if the
 // segment is within rounding of the cube.
 template <int D>
 inline bool MayMeetCube(const Point<D>& centre, double half, const Point<D>& p, const Point<D>& q) {

@@ -31,12 +31,13 @@ int InSphereExact(const Point3& a, const Point3& b, const Point3& c, const Point
   });
 }
 
-// As in the plane (predicates.cc, InCircleTie) every place rises by an infinitesimal, one
-// infinitely greater than that of any place before it in lexicographic order. The
-// determinant is linear in the heights. The coefficient of one of a, b, c, d is the volume
-// of the four with e in its place, that of e minus the volume of the four. At a tie the
-// greatest place decides whose coefficient is not zero. Here a coefficient may be: that of
-// a point whose four others lie on one circle. Not all are, since e's is not.
+// As in 2D (predicates.cc, InCircleTie) every position rises by an infinitesimal, which is
+// infinitely greater than that of any position before it in lexicographic order.
+// 1. The determinant is linear in the heights. The coefficient of one of a, b, c, d is the volume
+//    of the four with e in its place; that of e is minus the volume of the four.
+// 2. At a tie the greatest position with a nonzero coefficient decides.
+// 3. In 3D a coefficient may be zero: if the four other points lie on one circle. Not all are zero,
+//    since that of e is not.
 bool InSphereTie(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
                  const Point3& e) {
   std::array<const Point3*, 5> by_place = {&a, &b, &c, &d, &e};

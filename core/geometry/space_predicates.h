@@ -1,11 +1,11 @@
-// Exact predicates of space: which side of a plane, inside which sphere. Ladders as in
-// predicates.h, with the same domain of coordinates; products of five differences may
-// overflow or underflow in doubles, and then the filter does not know.
+// Exact predicates in 3D: on which side of a plane, inside which sphere. Ladders as in
+// predicates.h, with the same domain of coordinates. Products of five differences may overflow or
+// underflow in doubles; then the filter does not know.
 //
-// Ties of InSphere are broken by one fixed infinitesimal lifting of all places, so that the
-// Delaunay tetrahedralisation of a set of points is one and the same whoever computes it, and
-// has no flat tetrahedron: it is the regular triangulation of generic heights.
-// Pure functions, thread-safe. Built without contraction into FMA.
+// Ties of InSphere are broken by one fixed infinitesimal lifting of all positions. So the Delaunay
+// tetrahedralisation of a set of points is unique and has no flat tetrahedron: it is the regular
+// triangulation of generic heights. Pure functions, thread-safe. Built without contraction into
+// FMA.
 #ifndef DYNMESH_CORE_GEOMETRY_SPACE_PREDICATES_H_
 #define DYNMESH_CORE_GEOMETRY_SPACE_PREDICATES_H_
 
@@ -20,10 +20,10 @@ namespace internal {
 int OrientationExact(const Point3& a, const Point3& b, const Point3& c, const Point3& d);
 int InSphereExact(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
                   const Point3& e);
-// What InSphere says of five points on one sphere.
+// The result of InSphere for five points on one sphere.
 bool InSphereTie(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
                  const Point3& e);
-// InSphere where the filter does not know.
+// InSphere if the filter does not know.
 bool InSphereSlow(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
                   const Point3& e);
 
@@ -63,16 +63,16 @@ inline int InSphereFilter(const Point3& a, const Point3& b, const Point3& c, con
   const double det = a2 * bcd.det - b2 * acd.det + (c2 * abd.det - d2 * abc.det);
   const double sum = a2 * bcd.sum + b2 * acd.sum + (c2 * abd.sum + d2 * abc.sum);
   // Per term: squares 3, sum of three 2; triple product 8; product 1, sum of four 2: n = 16.
-  // The products of five may underflow, an absolute error of 2^-1074 each; 2^-1000 covers
-  // these and what `sum` lost by them. What overflows compares with nothing.
+  // Products of five may underflow, an absolute error of 2^-1074 each; 2^-1000 covers these and
+  // what `sum` lost by them. If a product overflows, every comparison is false.
   return FilteredSign(det, 17 * kRoundoff * sum + 0x1p-1000);
 }
 
 }  // namespace internal
 
-// Sign of the volume of (a, b, c, d), that is of (b - a) . ((c - a) x (d - a)): > 0 if d is
-// where b, c and d, seen from a, ... turn counter-clockwise; 0 if coplanar.
-// Laws: even permutations keep it, odd ones negate it. Exact.
+// Sign of the volume of (a, b, c, d), that is of (b - a) . ((c - a) x (d - a)): > 0 if the normal
+// (c - b) x (d - b) points away from a; 0 if coplanar. Laws: even permutations keep it, odd ones
+// negate it. Exact.
 inline int Orientation(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
   const int sign = internal::OrientationFilter(a, b, c, d);
   return sign != internal::kUnsure ? sign : internal::OrientationExact(a, b, c, d);
@@ -86,8 +86,8 @@ inline int InSphereSign(const Point3& a, const Point3& b, const Point3& c, const
   return sign != internal::kUnsure ? sign : internal::InSphereExact(a, b, c, d, e);
 }
 
-// Is e inside the circumball of positively oriented (a, b, c, d), ties broken by the
-// perturbation? Never "on". Precondition: e distinct from the four.
+// True if e is inside the circumball of positively oriented (a, b, c, d), ties broken by the
+// perturbation. Never "on". Precondition: e distinct from the four.
 inline bool InSphere(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
                      const Point3& e) {
   const int sign = internal::InSphereFilter(a, b, c, d, e);

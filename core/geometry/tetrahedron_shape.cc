@@ -9,9 +9,9 @@
 namespace dynmesh::geometry {
 namespace {
 
-// (circumradius / shortest edge)^2 = n^2 / (4 det^2 e^2), with n and det of the centre, and all
-// of them integers. Sizes, see exact_vector.h: n^2 is below 2^(512N-4), with sign 8N limbs;
-// det^2 is below 2^(384N-6), times e^2 below 2^(512N-8).
+// (circumradius / shortest edge)^2 = n^2 / (4 det^2 e^2), with n and det of the centre. All are
+// integers. Sizes, see exact_vector.h: n^2 is below 2^(512N-4), with sign 8N limbs; det^2 is below
+// 2^(384N-6), times e^2 below 2^(512N-8).
 template <int N>
 struct ExactShape {
   WideInt<3 * N> det;
@@ -62,12 +62,12 @@ TetrahedronShape ShapeOf(const Point3& a, const Point3& b, const Point3& c, cons
 
 int CompareRadiusEdge(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
                       double bound) {
-  if (!(bound > 0.5)) return 1;  // the regular one has sqrt(3/8), none less
+  if (!(bound > 0.5)) return 1;  // the regular one has sqrt(3/8), the least
   return internal::SignOf<3>({&a, &b, &c, &d}, [&](auto n, int exponent) {
     const ExactShape<n()> shape(a, b, c, d, exponent);
     if (shape.det.Sign() == 0) return 1;
     if (bound > 0x1p52) return shape.RadiusEdge() > bound ? 1 : -1;
-    // bound = m 2^-k, m below 2^54, 1 <= k <= 54: n^2 2^(2k-2) against det^2 e^2 m^2, both
+    // bound = m 2^-k, m below 2^54, 1 <= k <= 54. Compares n^2 2^(2k-2) to det^2 e^2 m^2, both
     // below 2^(512N+102).
     const int k = 53 - std::ilogb(bound);
     const auto m = static_cast<std::uint64_t>(std::scalbn(bound, k));

@@ -18,7 +18,7 @@ struct Rgb {
 template <std::size_t N>
 using ColourRamp = std::array<Rgb, N>;
 
-// Bad to good: what no mesh of ours should have is red, what is usual is pale.
+// Bad to good: values that no mesh of dynmesh has are red, usual ones are pale.
 inline constexpr ColourRamp<7> kQualityRamp = {{{178, 24, 43},
                                                 {214, 96, 77},
                                                 {249, 214, 178},
@@ -47,15 +47,14 @@ std::string ColourAt(const ColourRamp<N>& ramp, double t) {
                          blend(ramp[i].g, ramp[i + 1].g), blend(ramp[i].b, ramp[i + 1].b));
 }
 
-// "#rrggbb" for the n-th of any number of things: hues a golden angle apart, so that no two of
-// a long run are near each other, light and dark by turns, so that the next in line differs
-// for whoever sees no hues.
+// "#rrggbb" for item n of any number of items. Hues are a golden angle apart, so no two of a long
+// run are close to each other. Light and dark alternate, so neighbours also differ without hues.
 inline std::string DistinctColour(std::size_t n) {
   const double hue = std::fmod(0.618033988749895 * static_cast<double>(n), 1.0);
   const double lightness = n % 2 == 0 ? 0.82 : 0.66;
   const double reach = 0.6 * (1 - std::abs(2 * lightness - 1)) / 2;
   const auto channel = [&](double offset) {
-    // Around the circle: up in a sixth, on for a third, down in a sixth.
+    // Around the circle: rises for a sixth, constant for a third, falls for a sixth.
     const double at = std::fmod(hue + offset, 1.0) * 6;
     const double level = std::clamp(std::abs(at - 3) - 1, 0.0, 1.0);
     return static_cast<unsigned>(std::lround(255 * (lightness + reach * (2 * level - 1))));

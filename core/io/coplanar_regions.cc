@@ -28,7 +28,7 @@ double NormOf(const std::array<double, 3>& v) {
   return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-// The plane of a ring, as thick as the tolerance says to either side.
+// The plane of a ring, with the tolerance as thickness on either side.
 class Plane {
  public:
   Plane(const PointRing& ring, AxisView view, double tolerance)
@@ -44,8 +44,8 @@ class Plane {
                     normal_[2] * (p[2] - o[2])) <= reach_;
   }
 
-  // Does the way from o to p rise just over the one to q, which is in the plane, at an angle that
-  // meshes allow over edges of polygons, but not over their insides?
+  // Is the angle between o-p and o-q, which is in the plane, too small for meshes over a polygon's
+  // inside, but not over its edges?
   bool IsSharpOver(const Point3& o, const Point3& q, const Point3& p) const {
     const geometry::Vector3 d = geometry::Difference(p.c, o.c);
     const geometry::Vector3 e = geometry::Difference(q.c, o.c);
@@ -56,7 +56,7 @@ class Plane {
   }
 
  private:
-  // Of 70 degrees, and a hair more.
+  // sin 70 degrees, plus a millionth.
   static constexpr double kSineOver = 0.9396926207859084 * (1 + 1e-6);
   static constexpr double kJustOver = 1e-6;
 
@@ -65,7 +65,7 @@ class Plane {
   double reach_;
 };
 
-// The edges that a growing region has on one side only, and how many of them end at a corner.
+// The edges with a growing region on one side only, and their number at each corner.
 class Rim {
  public:
   void Toggle(const FaceRings& face) {
@@ -138,12 +138,12 @@ class Finder {
     CornerPair edge;
     std::size_t face;
     std::size_t ring;
-    bool up;  // goes from the lesser corner to the greater
+    bool up;  // from the lesser corner to the greater
   };
   struct State {
     bool taken = false;
-    bool exact_only = false;  // was in a region that was too thick: nothing near is asked twice
-    // In the view of the region to which the face belongs: does a ring have the face on its left?
+    bool exact_only = false;  // was in a region that was too thick: do not try the tolerance again
+    // In the view of the face's region: is the face on the left of each ring?
     std::vector<bool> is_left;
   };
 
@@ -161,7 +161,7 @@ class Finder {
     return places;
   }
 
-  // The ring around all others of its face, and twice its area.
+  // The outer ring of a face, and twice its area.
   std::pair<PointRing, double> OuterRing(std::size_t f) const {
     std::pair<PointRing, double> outer = {{}, -1};
     for (const CornerRing& ring : faces_[f]) {
@@ -193,7 +193,7 @@ class Finder {
     return true;
   }
 
-  // None if a ring is degenerate in the view, or touches another one everywhere.
+  // None if a ring is degenerate in the view, or has all corners on another one.
   std::optional<std::vector<bool>> SidesOf(std::size_t f, AxisView view) const {
     std::vector<PointRing> rings;
     for (const CornerRing& ring : faces_[f]) rings.push_back(PlacesOf(ring));
@@ -208,10 +208,10 @@ class Finder {
     return is_left;
   }
 
-  // Does the edge go up, walked with the face on the left? REQUIRES: the face's sides are known.
+  // Does the edge go up, with the face on the left? REQUIRES: the face's sides are known.
   bool GoesUp(const Use& use) const { return use.up == state_[use.face].is_left[use.ring]; }
 
-  // The only other use of the edge, if it has two.
+  // The only other use of the edge; null unless it has exactly two.
   const Use* Other(std::size_t i) const {
     const CornerPair& edge = uses_[i].edge;
     const bool before = i > 0 && uses_[i - 1].edge == edge;
@@ -221,7 +221,7 @@ class Finder {
     return i + 2 < uses_.size() && uses_[i + 2].edge == edge ? nullptr : &uses_[i + 1];
   }
 
-  // Is there something at the corner that is not in the plane, or not for faces to decide?
+  // Does the corner have a feature outside the plane, or one other than faces?
   bool IsNeeded(Corner c, const Plane& plane) const {
     return kept_.corners[c] || std::any_of(faces_at_[c].begin(), faces_at_[c].end(),
                                            [&](std::size_t f) { return !IsIn(plane, f); });
@@ -250,7 +250,7 @@ class Finder {
     return {first, last};
   }
 
-  // Takes a face into the rim, unless an edge or a corner that is needed would no longer be on it.
+  // Adds a face to the rim, unless a needed edge or corner would then not be on it.
   bool Enclose(std::size_t f, const Plane& plane, Rim& rim) const {
     rim.Toggle(faces_[f]);
     bool good = true;
@@ -263,7 +263,7 @@ class Finder {
     return good;
   }
 
-  // As a mesh will measure it, but for what is rounded otherwise without straight corners.
+  // As the mesh will measure it, except for rounding that differs without straight corners.
   bool IsTooThick(const FaceRings& rings) const {
     if (!most_) return false;
     std::vector<PointRing> outline;
@@ -309,8 +309,8 @@ class Finder {
     return region;
   }
 
-  // Edges with the faces on one side only, from corner to corner with that on the left. None if
-  // on one side of an edge there are two faces.
+  // Edges with the faces on one side only, from corner to corner with the faces on the left. None
+  // if an edge has two faces on one side.
   std::optional<std::vector<CornerPair>> BoundaryOf(const std::vector<std::size_t>& faces) const {
     std::vector<CornerPair> up, down;
     for (const std::size_t f : faces) {

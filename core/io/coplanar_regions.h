@@ -1,16 +1,16 @@
-// Which faces lie in one plane and hang together, and the rings around them: what
-// merge_coplanar.h is made of.
+// Finds connected coplanar faces, and the rings around them: the algorithm of merge_coplanar.h.
 //
-// Faces are joined across an edge that they and no others use, if they lie on either side of it
-// and in the plane of the region's largest face, and if nothing else needs what the region would
-// have in its inside then: an edge or a corner where a face of another plane, or what is `Kept`,
-// ends, or an edge over which a segment leans. A face that would enclose one, however the region
-// came around it, is left out. So a region is flat as a whole, however many small steps its faces
-// make. Regions are grown from the largest face down, ties broken by coordinates; what is left of
-// the order of faces and corners is nothing.
+// Two faces are joined across an edge if:
+//   * they and no others have the edge;
+//   * they lie on either side of it and in the plane of the region's largest face;
+//   * the region's inside then contains no edge or corner at which a face of another plane, or a
+//     `Kept` item, ends, and no edge over which a segment leans.
+// A face that would enclose such an item, in any order of growth, is left out. So a region is flat
+// as a whole, however many small steps its faces make. Regions grow from the largest face down;
+// coordinates break ties. The result does not depend on the order of faces and corners.
 //
-// Pure, thread-safe. O(n lg n) for n corners, and with a tolerance what faces at the rim of
-// several regions cost more than once.
+// Pure, thread-safe. O(n lg n) for n corners. With a tolerance, faces at the border of several
+// regions are checked several times.
 #ifndef DYNMESH_CORE_IO_COPLANAR_REGIONS_H_
 #define DYNMESH_CORE_IO_COPLANAR_REGIONS_H_
 
@@ -24,40 +24,41 @@
 
 namespace dynmesh::io {
 
-// A corner is the number of a place in the lexicographic order of all places, so what orders
-// corners orders coordinates.
+// The index of a position in the lexicographic order of all positions: the order of corners is that
+// of coordinates.
 using Corner = std::uint32_t;
 using CornerRing = std::vector<Corner>;
 using FaceRings = std::vector<CornerRing>;
 using CornerPair = std::pair<Corner, Corner>;  // first < second
 
-// Each ring from its least corner towards the lesser neighbour, and the rings sorted.
+// Each ring starts at its least corner and goes to the lesser neighbour; the rings are sorted.
 FaceRings Canonical(FaceRings rings);
 
-// What is there for other reasons than faces.
+// Edges and corners that are needed for other reasons than faces.
 struct Kept {
   std::vector<CornerPair> edges;  // segments, ascending
-  std::vector<bool> corners;      // by corner: an end of one of them or of anything else
+  std::vector<bool> corners;      // by corner: an end of such an edge or of another feature
 };
 
-// How thick a region may be that a tolerance has joined, by its extent along the axes.
+// The allowed thickness of a region joined with a tolerance, as a function of its extent along the
+// axes.
 using Thickness = std::function<double(double extent)>;
 
 struct FlatRegion {
   std::vector<std::size_t> faces;  // two or more
-  // Canonical. Edges that the region has on both sides are on none.
+  // Canonical. Edges with the region on both sides are in none.
   FaceRings rings;
 };
 
 struct FlatRegions {
   std::vector<FlatRegion> regions;
-  std::size_t too_thick = 0;  // that were not joined for that reason
+  std::size_t too_thick = 0;  // regions not joined for that reason
 };
 
-// The regions of more than one face. What a tolerance would make thicker than `most` allows is
-// joined where it is exactly flat only. Those whose faces overlap in the plane are left out:
-// joining them would hide it. `places` in lexicographic order; `faces` canonical, of rings of three
-// corners and more.
+// The regions of more than one face. A region that the tolerance would make thicker than `most` is
+// joined only where it is exactly flat. Regions with overlapping faces are left out: joining would
+// hide the overlap. REQUIRES: `places` are in lexicographic order; `faces` are canonical, with
+// rings of at least three corners.
 FlatRegions FindFlatRegions(const std::vector<geometry::Point3>& places,
                             const std::vector<FaceRings>& faces, const Kept& kept, double tolerance,
                             const Thickness& most);

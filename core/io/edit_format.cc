@@ -1,4 +1,4 @@
-// Edits as lines of a script; edit_script.h says what they look like.
+// Formats edits as lines of a script; see edit_script.h.
 #include <array>
 #include <string>
 #include <string_view>

@@ -76,7 +76,7 @@ class ScriptParser {
         return Error(Concat("key ", key, " stands twice"));
       }
     }
-    // First of all, for how many numbers a box has depends on it.
+    // First, since the number of values of a box depends on it.
     if (const auto dim = values.find("dim"); dim != values.end()) {
       if (dim->second != "2" && dim->second != "3") {
         return Error(Concat("dim must be 2 or 3, found ", Quoted(dim->second)));
@@ -200,8 +200,8 @@ class ScriptParser {
     return absl::OkStatus();
   }
 
-  // Tokens begin, ..., end - 1: ids of points, a lone / between rings. How many points a ring
-  // needs is for validation to say; one without any has no way to be written.
+  // Tokens begin, ..., end - 1: ids of points, with a lone / between rings. Validation checks the
+  // number of points of a ring; an empty ring cannot be written.
   absl::StatusOr<Rings> ParseRings(std::size_t begin, std::size_t end) const {
     Rings rings(1);
     for (std::size_t i = begin; i < end; ++i) {
@@ -218,8 +218,8 @@ class ScriptParser {
     return Error(rings.size() > 1 ? "no point stands after the last /" : "a point's id is missing");
   }
 
-  // "add|set size ID point X Y H", "... disc X Y RADIUS H", "... box X0 Y0 X1 Y1 H",
-  // "... polygon P1 P2 P3 ... H"; in space with a Z after each Y.
+  // "add|set size ID point X Y H", "... disc X Y RADIUS H", "... box X0 Y0 X1 Y1 H", "... polygon
+  // P1 P2 P3 ... H"; in 3D with a Z after each Y.
   absl::Status ParseSize(Edit::Action action) {
     const absl::StatusOr<FeatureId> id = Id(2, "the sizing feature's id");
     if (!id.ok()) return id.status();
@@ -257,7 +257,7 @@ class ScriptParser {
   using Place = std::array<double, 3>;
   std::size_t Axes() const { return static_cast<std::size_t>(script_.dimension); }
 
-  // The tokens from `first` on, one an axis; in messages x, y, z with `suffix`.
+  // The tokens from `first` on, one per axis; named x, y, z with `suffix` in messages.
   absl::StatusOr<Place> ParsePlace(std::size_t first, std::string_view suffix) const {
     Place place = {0, 0, 0};
     for (std::size_t i = 0; i < Axes(); ++i) {
@@ -309,7 +309,7 @@ std::string EditScript::Where(std::size_t batch, std::optional<std::size_t> edit
 }
 
 std::string EditScript::WhereOption(std::string_view option) const {
-  const bool has_dimension = has_header;  // whether said or not
+  const bool has_dimension = has_header;  // even if the header does not set it
   for (const auto& [name_of, word, is_there] :
        {std::tuple{"quality", "rho", quality.has_value()},
         std::tuple{"box", "box", box.has_value()},

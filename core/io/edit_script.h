@@ -8,11 +8,11 @@
 //                                 ... polygon P1 P2 P3 ... [/ Q1 Q2 Q3 ...] H
 //   commit                        ends a batch = one revision
 //
-// With dim=3 every place has a z after its y: box=x0,y0,z0,x1,y1,z1, `add point ID X Y Z`,
-// `... disc X Y Z RADIUS H` (a ball), `... box X0 Y0 Z0 X1 Y1 Z1 H`. Polygons are then planar
-// facets. Without dim the dimension is 2; rho is by default sqrt 2, in space 2.
+// With dim=3 every position has a z after its y: box=x0,y0,z0,x1,y1,z1, `add point ID X Y Z`, `...
+// disc X Y Z RADIUS H` (a ball), `... box X0 Y0 Z0 X1 Y1 Z1 H`. Polygons are then planar facets.
+// The default of dim is 2, that of rho sqrt 2 in 2D and 2 in 3D.
 //
-// What follows the last commit is a batch too; a batch without an edit is none.
+// The edits after the last commit are a batch, too; a batch without an edit is none.
 #ifndef DYNMESH_CORE_IO_EDIT_SCRIPT_H_
 #define DYNMESH_CORE_IO_EDIT_SCRIPT_H_
 
@@ -33,10 +33,10 @@ struct ScriptBatch {
 };
 
 struct EditScript {
-  std::string name;         // stands in messages: the path
+  std::string name;         // for messages: the path
   bool has_header = false;  // the `mesh` line
   int dimension = 2;
-  std::optional<Box> box;  // if the header gives one
+  std::optional<Box> box;  // if the header has one
   std::optional<double> quality;
   std::optional<Criterion> criterion;
   std::optional<double> max_edge;  // hmax
@@ -44,19 +44,18 @@ struct EditScript {
   int header_line = 0;
   std::vector<ScriptBatch> batches;
 
-  // The header's options; what it leaves out has its default. Without a box: that
-  // of all points the script mentions, those of sizing features included.
+  // The header's options, with defaults for missing ones. Without a box: the box of all points in
+  // the script, those of sizing features included.
   MeshOptions Options() const;
   // "name:line" of an edit; of the batch's first line if there is no such edit.
   std::string Where(std::size_t batch, std::optional<std::size_t> edit) const;
-  // "name:line: rho", what in the header says the member of MeshOptions of that name;
-  // empty if nothing does.
+  // "name:line: rho": the header's key for that member of MeshOptions; empty if it has none.
   std::string WhereOption(std::string_view option) const;
 };
 
 struct ScriptParseOptions {
-  bool require_header = true;  // not needed where a mesh is there already
-  int dimension = 2;           // where no header says it: that mesh's
+  bool require_header = true;  // false if a mesh exists already
+  int dimension = 2;           // without a header: that of the existing mesh
 };
 
 // INVALID_ARGUMENT as `file:line: ...`.
@@ -65,17 +64,17 @@ absl::StatusOr<EditScript> ParseEditScript(TextReader reader,
 absl::StatusOr<EditScript> ReadEditScript(const std::string& path,
                                           const ScriptParseOptions& options = {});
 
-// The other way: a script that parses to the same thing.
+// The inverse: a script that parses to the same content.
 std::string FormatMeshLine(const MeshOptions& options);  // "mesh dim=2 ...", no newline
 // One line, no newline.
 std::string FormatEdit(const Edit& edit, int dimension = 2);
 
-// "x0,y0,x1,y1", in space "x0,y0,z0,x1,y1,z1": finite numbers, x0 <= x1 and so on.
+// "x0,y0,x1,y1", in 3D "x0,y0,z0,x1,y1,z1": finite numbers, x0 <= x1 and so on.
 absl::StatusOr<Box> ParseBox(std::string_view text, int dimension = 2);
 // "edge" or "thesis".
 absl::StatusOr<Criterion> ParseCriterion(std::string_view text);
 
-// The least box around all points among `features` and places of sizing features; the unit
+// The least box around all points among `features` and the positions of sizing features; the unit
 // box if there is none.
 Box BoundingBox(const std::vector<Feature>& features, int dimension = 2);
 

@@ -1,4 +1,4 @@
-// Which mesh a script asks for; the box that its places span.
+// The mesh options of a script, and the box of its positions.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -35,7 +35,7 @@ class BoxBuilder {
   double hi_[3] = {-kInfinity, -kInfinity, -kInfinity};
 };
 
-// Does it name a place that must lie in the mesh's box?
+// Does it name a position that must lie in the mesh's box?
 bool HasPosition(const Feature& f) {
   return f.kind == FeatureKind::kPoint ||
          (f.kind == FeatureKind::kSize &&

@@ -1,4 +1,4 @@
-// The extension of a path, which tells what kind of file it is. Pure, thread-safe.
+// The extension of a path, which determines the kind of file. Pure, thread-safe.
 #ifndef DYNMESH_CORE_IO_EXTENSION_H_
 #define DYNMESH_CORE_IO_EXTENSION_H_
 
@@ -7,7 +7,7 @@
 
 namespace dynmesh::io {
 
-// With its dot, in lower case: systems that write PART.STL mean part.stl. Empty if there is none.
+// With its dot, in lower case: some systems write part.stl as PART.STL. Empty if there is none.
 inline std::string ExtensionOf(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension) {

@@ -16,7 +16,7 @@ using geometry::Point3;
 
 namespace {
 
-// Where validation draws the line; the predicates could do with 2^250.
+// The limit of validation; the predicates allow 2^250.
 constexpr double kMaxMagnitude = 0x1p200;
 constexpr double kMinMagnitude = 0x1p-200;
 

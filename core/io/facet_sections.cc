@@ -24,8 +24,8 @@ absl::StatusOr<FacetHeader> ReadHeader(TextReader& reader) {
   return FacetHeader{*count, *has_markers};
 }
 
-// "count corner corner ...", from the start of the current line on. `next` becomes the token
-// behind them, on what is then the current line.
+// Reads "count corner corner ..." from the start of the current line. Sets `next` to the token
+// after them, on the then current line.
 absl::StatusOr<FacetPolygon> ReadPolygon(TextReader& reader, const NodeSection& nodes,
                                          std::size_t& next) {
   FacetPolygon polygon;
@@ -47,7 +47,7 @@ absl::StatusOr<FacetPolygon> ReadPolygon(TextReader& reader, const NodeSection& 
   return polygon;
 }
 
-// What may stand behind token `next`: the facet's marker, if the header says so.
+// Reads what may follow at token `next`: the facet's marker, if the header says so.
 absl::Status ReadRest(const TextReader& reader, std::size_t next, bool has_markers, Facet& facet) {
   if (has_markers && next < reader.size()) {
     const absl::StatusOr<std::uint64_t> marker = Marker(reader, next);
@@ -61,7 +61,7 @@ absl::Status ReadRest(const TextReader& reader, std::size_t next, bool has_marke
              reader.token(next).substr(0, 20), "' on"));
 }
 
-// The polygon from the start of the current line on, and nothing behind it.
+// Reads the polygon from the start of the current line to the end of the facet.
 absl::Status AddPolygon(TextReader& reader, const NodeSection& nodes, bool has_markers,
                         Facet& facet) {
   std::size_t next = 0;

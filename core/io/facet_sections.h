@@ -1,5 +1,5 @@
-// Facets as TetGen's `.poly` and `.smesh` files have them: of one polygon in a `.smesh`, of
-// several and of places of holes in a `.poly`. Corners of a polygon may go on over lines.
+// Facets of TetGen's `.poly` and `.smesh` files: one polygon in a `.smesh`; several polygons and
+// positions of holes in a `.poly`. A polygon's corners may continue on further lines.
 #ifndef DYNMESH_CORE_IO_FACET_SECTIONS_H_
 #define DYNMESH_CORE_IO_FACET_SECTIONS_H_
 

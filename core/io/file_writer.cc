@@ -24,7 +24,7 @@ FileWriter::FileWriter(std::string path) : path_(std::move(path)) {
   const bool renameable =
       kind == std::filesystem::file_type::not_found || kind == std::filesystem::file_type::regular;
   if (renameable) {
-    // Through a link to the file behind it: the link stays one.
+    // Resolves a link to the file behind it: the link stays a link.
     const auto target = std::filesystem::weakly_canonical(path_, error);
     if (!error && !target.empty()) path_ = target.string();
     partial_ = path_ + ".partial";

@@ -1,5 +1,5 @@
-// Buffered text output that never leaves half a file: writes beside the target and
-// renames when all is on disk. Numbers are the shortest that read back bit for bit.
+// Buffered text output that never leaves an incomplete file: writes to a file beside the target,
+// and renames it when all is on disk. Numbers are the shortest that read back bit for bit.
 #ifndef DYNMESH_CORE_IO_FILE_WRITER_H_
 #define DYNMESH_CORE_IO_FILE_WRITER_H_
 
@@ -17,12 +17,12 @@ namespace dynmesh::io {
 // The shortest decimal that reads back as the same double; "-0", "1e+300", "0.1".
 std::string FormatDouble(double value);
 
-// Thread-compatible. Errors stick and come out of Close.
+// Thread-compatible. The first error is kept and returned by Close.
 class FileWriter {
  public:
-  // Opens path. What is no regular file (a pipe, /dev/stdout) is written directly.
+  // Opens path. Writes directly to what is not a regular file (a pipe, /dev/stdout).
   explicit FileWriter(std::string path);
-  ~FileWriter();  // without Close: the target is as it was before
+  ~FileWriter();  // without Close: the target stays as it was
   FileWriter(const FileWriter&) = delete;
   FileWriter& operator=(const FileWriter&) = delete;
 
@@ -47,11 +47,11 @@ class FileWriter {
     return *this << std::string_view(digits, static_cast<std::size_t>(end - digits));
   }
 
-  // All is written out, the target still as before. To be called on each of several
-  // files that belong together before Close on any. Nothing may be written after it.
+  // Flushes all output; the target is still as before. Call it on each of several files that belong
+  // together before Close on any. Do not write after it.
   absl::Status Finish();
 
-  // Puts the file in place. UNAVAILABLE, naming the path, if anything went wrong.
+  // Renames the file to its target. UNAVAILABLE, naming the path, on any error.
   absl::Status Close();
 
  private:
@@ -61,7 +61,7 @@ class FileWriter {
   void Discard();
 
   std::string path_;
-  std::string partial_;  // where it is written; empty: straight to path_
+  std::string partial_;  // the file written; empty: writes directly to path_
   std::FILE* file_ = nullptr;
   std::string buffer_;
   absl::Status status_;

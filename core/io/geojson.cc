@@ -17,7 +17,7 @@ using data::Quoted;
 using Index = JsonDocument::Index;
 using Kind = JsonDocument::Kind;
 
-// Recursion goes no deeper than the document does, which is limited.
+// Recursion is as deep as the document, which is limited.
 class GeoJsonReader {
  public:
   GeoJsonReader(const JsonDocument& json, bool polygons) : json_(json), polygons_(polygons) {}
@@ -65,7 +65,7 @@ class GeoJsonReader {
       if (!members.ok()) return members.status();
       return json_.ForEach(*members, [this](Index g) { return ReadGeometry(g); });
     }
-    // What a geometry is an array, of arrays, of ...
+    // The nesting depth of arrays in a geometry's coordinates.
     constexpr struct {
       std::string_view type;
       int arrays;  // around what `read` takes
@@ -82,7 +82,7 @@ class GeoJsonReader {
       if (*type != geometry.type) continue;
       const auto coordinates = Member(json_, v, "coordinates", Kind::kArray, *type);
       if (!coordinates.ok()) return coordinates.status();
-      // Without coordinates it is a geometry of nothing (RFC 7946, section 3.1).
+      // Without coordinates it is an empty geometry (RFC 7946, section 3.1).
       if (json_.First(*coordinates) == json_.End(*coordinates)) return absl::OkStatus();
       absl::Status status = ReadNested(*coordinates, geometry.arrays, geometry.read);
       if (status.ok() && !rings_.empty()) {
@@ -146,8 +146,8 @@ class GeoJsonReader {
   const JsonDocument& json_;
   const bool polygons_;
   LineWork work_;
-  PolygonName names_;        // of the feature that is being read
-  std::vector<Path> rings_;  // of the geometry that is being read, if they are to be a polygon
+  PolygonName names_;        // of the current feature
+  std::vector<Path> rings_;  // of the current geometry, if it becomes a polygon
   std::uint64_t heights_ = 0;
 };
 

@@ -71,7 +71,7 @@ class Plot {
  private:
   double X(double value) const { return kLeft + value / h_.hi * width_; }
 
-  // Of a count. One is half a decade high on a logarithmic scale, so that it is seen.
+  // The height of a count. On a logarithmic scale 1 is half a decade high, so that it is visible.
   double Y(double count) const {
     const auto height = [this](double c) {
       if (!log_) return c;

@@ -1,4 +1,4 @@
-// Histograms as a picture, one under the other.
+// Histograms as a picture, one below the other.
 #ifndef DYNMESH_CORE_IO_HISTOGRAM_SVG_H_
 #define DYNMESH_CORE_IO_HISTOGRAM_SVG_H_
 
@@ -16,20 +16,20 @@ struct Histogram {
     std::string label;
   };
   std::string title;
-  std::string unit;                   // below the axis
-  double hi = 1;                      // the axis runs from 0 to here
-  double tick = 1;                    // a number every so far, at most 1000 of them
-  std::vector<std::uint64_t> counts;  // of equal parts of the axis
-  std::vector<Mark> marks;            // upright lines; those off the axis are left out
+  std::string unit;                   // of the axis, printed below it
+  double hi = 1;                      // the end of the axis; it starts at 0
+  double tick = 1;                    // the distance of numbers at the axis, at most 1000 of them
+  std::vector<std::uint64_t> counts;  // of equal intervals of the axis
+  std::vector<Mark> marks;            // vertical lines; those outside the axis are omitted
 };
 
 struct HistogramOptions {
   double width = 1000;     // pixels
-  bool log_scale = false;  // bars by the logarithm of their count
+  bool log_scale = false;  // logarithmic heights of bars
 };
 
-// INVALID_ARGUMENT for bad options, UNAVAILABLE, naming the path, if it cannot be written. The
-// same histograms and options make the same bytes.
+// INVALID_ARGUMENT for bad options; UNAVAILABLE, naming the path, if it cannot be written. The same
+// histograms and options give the same bytes.
 absl::Status WriteHistogramSvg(const std::string& title, const std::vector<Histogram>& histograms,
                                const HistogramOptions& options, const std::string& path);
 

@@ -31,7 +31,7 @@ auto VertexKey(const IndexedMesh::Vertex& v) {
   return std::tuple(RankOf(v) == 0 ? v.owner : kNoFeature, v.x, v.y, v.z);
 }
 
-// The rows in that order. Mostly the input's stand in it already.
+// The rows in that order. Most inputs have it already.
 std::vector<std::uint32_t> OrderOf(const std::vector<IndexedMesh::Vertex>& rows) {
   std::vector<std::vector<std::uint32_t>> by_rank;
   for (std::uint32_t i = 0; i < rows.size(); ++i) {
@@ -126,7 +126,7 @@ absl::Status IndexSimplices(const SimplexColumn& simplices, const NumberOf& numb
   return absl::OkStatus();
 }
 
-// Subsegments and the simplices' edges, merged: where both name an edge the owner stays.
+// Merges subsegments and the simplices' edges. If both have an edge, its owner stays.
 absl::Status IndexEdges(const SubsegmentColumns& subsegments, const NumberOf& number_of,
                         IndexedMesh& indexed) {
   std::vector<IndexedMesh::Edge>& edges = indexed.edges;
@@ -146,7 +146,7 @@ absl::Status IndexEdges(const SubsegmentColumns& subsegments, const NumberOf& nu
     const auto [a, b] = std::minmax((*ends)[0], (*ends)[1]);
     edges.push_back({a, b, subsegments.owners[i]});
   }
-  // Owned rows first, so that the copies without an owner fall to unique().
+  // Owned rows first, so that unique() removes the copies without an owner.
   SortByVertex(
       edges, indexed.vertices.size(), [](const auto& e) { return e.a; },
       [](const auto& e, const auto& f) {
@@ -160,7 +160,7 @@ absl::Status IndexEdges(const SubsegmentColumns& subsegments, const NumberOf& nu
   return absl::OkStatus();
 }
 
-// The triangles that only one tetrahedron has, as the box's.
+// Adds the triangles with only one tetrahedron, owned by the box.
 void AddBorder(IndexedMesh& indexed) {
   std::vector<std::array<std::uint32_t, 3>> sides;
   sides.reserve(4 * indexed.tetrahedra.size());
@@ -275,9 +275,9 @@ Mesh ToMesh(const IndexedMesh& indexed) {
   Mesh mesh;
   mesh.dimension = indexed.dimension;
   const auto d = static_cast<std::ptrdiff_t>(indexed.dimension);
-  // Id to the next salt for its place: linear however often a damaged file repeats one.
-  // (Of two places that truly collide the first takes salt 0; at 10^7 vertices the
-  // chance of one such pair is 3e-6.)
+  // The next salt per id: linear however often a damaged file repeats a vertex. (Of two positions
+  // that truly collide the first takes salt 0; at 10^7 vertices the chance of one such pair is
+  // 3e-6.)
   absl::flat_hash_map<VertexId, std::uint64_t> next_salt;
   next_salt.reserve(indexed.vertices.size());
   for (const auto& v : indexed.vertices) {

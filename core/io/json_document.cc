@@ -20,7 +20,7 @@ namespace {
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-// How far the parser has read, kept by the iterators that it reads through.
+// The position of the parser, updated by the iterators through which it reads.
 class Cursor {
  public:
   explicit Cursor(std::string_view text) : text_(text) {}
@@ -29,8 +29,8 @@ class Cursor {
   void Advance() { ++at_; }
   bool AtEnd() const { return at_ >= text_.size(); }
 
-  // The line of the value that the parser has just told of. It may have read one
-  // character past it, to see that a number ends.
+  // The line of the value that the parser has just reported. It may have read one character past
+  // it, to find the end of a number.
   int Line() {
     std::size_t last = at_;
     while (last > counted_ && IsBlank(text_[last - 1])) --last;
@@ -64,7 +64,7 @@ class CursorIterator {
     ++*this;
     return before;
   }
-  // Compared with the end only, which has no cursor.
+  // Only for comparison with the end, which has no cursor.
   friend bool operator==(const CursorIterator& a, const CursorIterator& b) {
     return a.IsEnd() == b.IsEnd();
   }
@@ -77,7 +77,7 @@ class CursorIterator {
 
 }  // namespace
 
-// Told by the parser, value after value.
+// Called by the parser for each value.
 class JsonBuilder {
  public:
   using Json = nlohmann::json;
@@ -113,7 +113,7 @@ class JsonBuilder {
 
   template <class Exception>
   bool parse_error(std::size_t, const std::string& last_token, const Exception& error) {
-    // Of the library's numbers of errors, 406 is one for a number past all doubles.
+    // The library's error 406: a number outside the range of doubles.
     if (error.id == 406) {
       return Fail(Concat("the number ", Quoted(last_token), " is outside a double's range"));
     }

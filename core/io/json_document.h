@@ -1,6 +1,5 @@
-// A JSON text as a flat list of values, each with the line that it stands on. A JSON
-// library knows no lines, and its trees are many times the size of a map's text; this is
-// 24 bytes a value.
+// A JSON text as a flat list of values, each with its line. A JSON library has no lines, and its
+// trees take many times the size of a map's text; this takes 24 bytes per value.
 #ifndef DYNMESH_CORE_IO_JSON_DOCUMENT_H_
 #define DYNMESH_CORE_IO_JSON_DOCUMENT_H_
 
@@ -17,18 +16,19 @@
 namespace dynmesh::io {
 
 struct JsonLimits {
-  int depth = 64;                            // of arrays and objects in each other
+  int depth = 64;                            // of nested arrays and objects
   std::size_t bytes = std::size_t{1} << 30;  // of the text
 };
 
-// Immutable once parsed, so thread-safe. Values are named by their index; 0 is the whole.
+// Immutable after parsing, so thread-safe. Values are named by their index; 0 is the whole
+// document.
 class JsonDocument {
  public:
   using Index = std::uint32_t;
   enum class Kind : std::uint8_t { kNull, kBool, kNumber, kString, kArray, kObject };
 
-  // INVALID_ARGUMENT as `name:line: ...` for what is no JSON, for a number that no double
-  // holds, and for what is past a limit.
+  // INVALID_ARGUMENT as `name:line: ...` for invalid JSON, for a number outside the range of
+  // doubles, and beyond a limit.
   static absl::StatusOr<JsonDocument> Parse(std::string name, std::string_view text,
                                             const JsonLimits& limits = {});
   // The file at `path`; NOT_FOUND and the like if it cannot be read.
@@ -43,17 +43,17 @@ class JsonDocument {
     return strings_[static_cast<std::size_t>(nodes_[v].number)];
   }
 
-  // The first member of an object with that key, if there is one. O(members).
+  // The first member of an object with that key; nothing if absent. O(members).
   std::optional<Index> Find(Index object, std::string_view key) const;
 
-  // The elements of an array, the values of an object: from First(v), each followed by
-  // Next, until End(v). The key of an object's value v is text(v - 1).
+  // The elements of an array or the values of an object: from First(v), by Next, to End(v). The key
+  // of an object's value v is text(v - 1).
   Index First(Index v) const { return v + (kind(v) == Kind::kObject ? 2 : 1); }
   Index Next(Index parent, Index v) const {
     return nodes_[v].end + (kind(parent) == Kind::kObject ? 1 : 0);
   }
   Index End(Index v) const { return nodes_[v].end; }
-  // As a range-for would, for as long as `visit(Index)` returns OK.
+  // Like a range-for, as long as `visit(Index)` returns OK.
   template <class Visit>
   absl::Status ForEach(Index v, Visit visit) const {
     for (Index i = First(v); i < End(v); i = Next(v, i)) {
@@ -62,17 +62,17 @@ class JsonDocument {
     return absl::OkStatus();
   }
 
-  // "name:line: message", INVALID_ARGUMENT, the line being that of a value.
+  // "name:line: message", INVALID_ARGUMENT, with the line of a value.
   absl::Status Error(Index v, std::string_view message) const;
 
  private:
   friend class JsonBuilder;
-  // Preorder; an object's values have a string each before them, the key.
+  // Preorder. In an object each value comes after a string, its key.
   struct Node {
     Kind kind = Kind::kNull;
     int line = 0;
-    Index end = 0;      // past the last of what is inside
-    double number = 0;  // or the place of a string in strings_
+    Index end = 0;      // past the last value inside
+    double number = 0;  // or the index of a string in strings_
   };
 
   std::string name_;

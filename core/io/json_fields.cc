@@ -13,7 +13,7 @@ using Kind = JsonDocument::Kind;
 
 namespace {
 
-constexpr double kMaxMagnitude = 0x1p200;  // of the box of a mesh
+constexpr double kMaxMagnitude = 0x1p200;  // the limit for the box of a mesh
 
 std::string_view NameOf(Kind kind) {
   switch (kind) {

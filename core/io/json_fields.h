@@ -1,4 +1,4 @@
-// What the readers of both kinds of map ask of a JSON value.
+// Access to JSON values for the readers of both kinds of maps.
 #ifndef DYNMESH_CORE_IO_JSON_FIELDS_H_
 #define DYNMESH_CORE_IO_JSON_FIELDS_H_
 
@@ -13,8 +13,8 @@
 
 namespace dynmesh::io {
 
-// The member `key` of a value, which must be an object that has it and of that kind.
-// Errors name `what`, the thing that the object is.
+// The member `key` of an object. Error if the value is no object, or has no such member of that
+// kind. Errors name `what`, the meaning of the object.
 absl::StatusOr<JsonDocument::Index> Member(const JsonDocument& json, JsonDocument::Index object,
                                            std::string_view key, JsonDocument::Kind kind,
                                            std::string_view what);
@@ -25,17 +25,17 @@ absl::StatusOr<std::string_view> TypeOf(const JsonDocument& json, JsonDocument::
 absl::Status ExpectArray(const JsonDocument& json, JsonDocument::Index v, std::string_view what);
 std::size_t Count(const JsonDocument& json, JsonDocument::Index v);
 
-// The member `id` and, in `properties`, the member `name` of an object: texts as they are, numbers
-// as text, empty where there is none.
+// The member `id` of an object, and the member `name` of its `properties`: texts as they are,
+// numbers as text, empty if absent.
 PolygonName NamesOf(const JsonDocument& json, JsonDocument::Index object);
 
 struct Position {
   std::array<double, 2> at{};
-  bool has_more = false;  // a height, measures
+  bool has_more = false;  // more numbers: a height, measures
 };
 // [x, y, ...].
 absl::StatusOr<Position> ReadPosition(const JsonDocument& json, JsonDocument::Index v);
-// Within what the mesher can compute with?
+// Can the mesher compute with it?
 absl::Status CheckMagnitude(const JsonDocument& json, JsonDocument::Index v,
                             const std::array<double, 2>& at);
 

@@ -1,5 +1,5 @@
-// Points, lines and polygons of a map as features: equal coordinates are one point, an edge
-// that stands twice is one segment, an edge of no length is none. Thread-compatible.
+// Points, lines and polygons of a map as features: equal coordinates are one point, a repeated edge
+// is one segment, an edge of length 0 is omitted. Thread-compatible.
 #ifndef DYNMESH_CORE_IO_LINE_WORK_H_
 #define DYNMESH_CORE_IO_LINE_WORK_H_
 
@@ -17,17 +17,16 @@ namespace dynmesh::io {
 
 class LineWork {
  public:
-  // A position, or the one before it again. `line` is where it stands in the file.
+  // The index of a position, repeated positions included once. `line` is its line in the file.
   using Place = std::uint32_t;
   Place Add(const std::array<double, 2>& position, int line);
   void Connect(Place from, Place to, int line);
 
-  // A polygon of closed chains of places, the last of each joined to the first. Without a chain
-  // there is none. `names` need no id.
+  // A polygon of closed chains of positions; the last one is joined to the first. Without a chain
+  // none is added. `names` need no id.
   void AddPolygon(std::vector<std::vector<Place>> rings, PolygonName names, int line);
 
-  // Points 1..n in the order in which they were first added, segments n+1..n+m likewise, then
-  // polygons.
+  // Points 1..n in the order of first addition, segments n+1..n+m likewise, then polygons.
   FileFeatures Take(const std::string& file);
 
  private:

@@ -11,7 +11,7 @@ namespace dynmesh::io {
 
 namespace {
 
-// A section of rows that features own, with their references. `corners` gives those of a row.
+// A section of rows with owners and their references. `corners` returns the corners of a row.
 template <class Rows, class Corners>
 void WriteOwned(const char* name, const Rows& rows, const References& references, Corners corners,
                 FileWriter& out) {

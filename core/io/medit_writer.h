@@ -13,13 +13,13 @@ namespace dynmesh::io {
 // numbered from 1:
 //   Vertices   x y [z] reference of the owner, 0 if free; coordinates read back bit for bit
 //   Edges      the subsegments, with the reference of the owner
-//   Triangles  in the plane: counter-clockwise, reference 1; in polygons 1 + the number of the
-//              region (region_numbers.h). In space: the subfacets and the other triangles of the
+//   Triangles  2D: counter-clockwise, reference 1; in polygons 1 + the number of the
+//              region (region_numbers.h). 3D: the subfacets and the other triangles of the
 //              domain's border, with the reference of the owner or the box
-//   Tetrahedra in space; positively oriented, with references as triangles of the plane
-// The other references are those of references.h; comments after the dimension list which is
-// which.
-// INVALID_ARGUMENT if there are too many rows, UNAVAILABLE, naming the path, on trouble.
+//   Tetrahedra 3D; positively oriented, with references as triangles in 2D
+// The other references are those of references.h; comments after the dimension list them.
+// INVALID_ARGUMENT if there are too many rows; UNAVAILABLE, naming the path, if it cannot be
+// written.
 absl::Status WriteMedit(const IndexedMesh& mesh, const std::string& path);
 
 }  // namespace dynmesh::io

@@ -53,7 +53,7 @@ class Merger {
     return absl::OkStatus();
   }
 
-  // How many regions were too thick.
+  // Returns the number of regions that were too thick.
   std::size_t Merge(double tolerance, const Thickness& most) {
     std::vector<FaceRings> canonical;
     for (const FaceRings& face : faces_) canonical.push_back(Canonical(face));
@@ -125,7 +125,7 @@ class Merger {
     return named;
   }
 
-  // By segments and by sizing polygons.
+  // Kept by segments and by sizing polygons.
   Kept KeptElsewhere() const {
     Kept kept = {{}, std::vector<bool>(places_.size(), false)};
     const auto name = [&](FeatureId id) {

@@ -21,7 +21,7 @@ using data::View;
 namespace {
 
 constexpr std::string_view kHashNote = "hash ";
-// Of vertices of the box, by containing dimension.
+// The notes for vertices of the box, by containing dimension.
 constexpr std::string_view kBoxNotes[] = {"", "box-side-vertices ", "box-face-vertices "};
 constexpr std::string_view kRegionNote = "region ";
 constexpr std::size_t kNumbersPerNote = 16;
@@ -35,7 +35,7 @@ std::string Stem(const std::string& path) {
   return (p.parent_path() / p.stem()).string();
 }
 
-// The box prints as -1, which is its id in two's complement.
+// The box is written as -1, which is its id in two's complement.
 void WriteMarker(FeatureId owner, FileWriter& out) {
   if (owner == kBoxFeature) {
     out << -1;
@@ -48,7 +48,7 @@ FeatureId VertexMarker(const IndexedMesh::Vertex& v) {
   return v.containing_dimension == 0 || v.owner == kBoxFeature ? v.owner : kNoFeature;
 }
 
-// The vertices of the box that refinement put into its sides or faces.
+// The vertices that refinement put on the sides or faces of the box.
 void WriteBoxNotes(const IndexedMesh& mesh, int containing_dimension, FileWriter& out) {
   std::vector<std::size_t> listed;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -117,17 +117,18 @@ void WriteEdges(const IndexedMesh& mesh, FileWriter& out) {
   }
 }
 
-// A corner of a piece of `owner`, of dimension `containing`, unless what it lies on is of less.
+// Assigns `owner` to a corner of its piece, of dimension `containing`, unless the vertex lies on
+// input of lower dimension.
 void OwnCorner(IndexedMesh::Vertex& v, int containing, FeatureId owner) {
   if (v.containing_dimension < containing) return;
-  // The least id, whatever the order of rows; a valid mesh leaves no choice.
+  // The least id, whatever the order of rows; a valid mesh has no choice.
   v.owner = v.containing_dimension == containing ? std::min(v.owner, owner) : owner;
   v.containing_dimension = containing;
 }
 
-// Owner and containing dimension from the markers: input points and the box say so;
-// of the rest, those at a subsegment's end lie on that segment, those at a subfacet's corner on
-// that polygon.
+// Infers owner and containing dimension from the markers. Markers of input points and of the box
+// suffice. Of the others, ends of a subsegment lie on its segment, corners of a subfacet on its
+// polygon.
 void InferOwners(const NodeSection& nodes, IndexedMesh& mesh) {
   for (std::size_t i = 0; i < nodes.positions.size(); ++i) {
     const FeatureId marker = nodes.markers[i];
@@ -144,7 +145,7 @@ void InferOwners(const NodeSection& nodes, IndexedMesh& mesh) {
   }
 }
 
-// "12 40 ...": vertices of the box whose containing dimension this is.
+// "12 40 ...": the vertices of the box with this containing dimension.
 absl::Status ReadBoxNote(const TextReader& reader, std::string_view name, std::string_view text,
                          int containing_dimension, IndexedMesh& mesh) {
   for (const std::string_view number : Split(text, ' ')) {
@@ -257,7 +258,7 @@ absl::Status ParseSimplices(TextReader& reader, const NodeSection& nodes, MeshFi
   return absl::OkStatus();
 }
 
-// The file beside the others, none if there is none.
+// Opens the file beside the others; none if absent.
 absl::StatusOr<std::optional<TextReader>> OpenIfThere(const std::string& path) {
   absl::StatusOr<TextReader> file = TextReader::Open(path);
   if (file.ok()) return std::optional<TextReader>(*std::move(file));

@@ -25,7 +25,7 @@ class Cut {
       const Polygon line = Section(f.corners);
       if (line.size == 2) AddLine(line.corners[0], line.corners[1], f.owner);
     }
-    // What is owned first, so that it stays.
+    // Owned lines first, so that unique() keeps them.
     std::vector<MeshPicture::Line>& lines = picture_.lines;
     std::sort(lines.begin(), lines.end(), [](const auto& e, const auto& f) {
       return std::tuple(e.a, e.b, e.owner == kNoFeature, e.owner) <
@@ -40,7 +40,7 @@ class Cut {
   struct Polygon {
     std::array<std::uint32_t, 4> corners = {0, 0, 0, 0};
     std::uint32_t size = 0;
-    // A corner that is the one before already adds nothing.
+    // Ignores a corner equal to the one before.
     void Add(std::uint32_t corner) {
       if (size == 0 || (corners[size - 1] != corner && corners[0] != corner)) {
         corners[size++] = corner;
@@ -48,7 +48,7 @@ class Cut {
     }
   };
 
-  // Where the plane cuts a triangle or a tetrahedron, in order around.
+  // The section of a triangle or tetrahedron, in order around.
   Polygon Section(std::span<const std::uint32_t> corners) {
     std::array<std::uint32_t, 4> below, above;
     std::size_t lows = 0, highs = 0;
@@ -61,7 +61,7 @@ class Cut {
     }
     Polygon polygon;
     for (std::size_t i = 0; i < lows; ++i) {
-      // Forth and back, so that neighbours in the list share a triangle.
+      // Back and forth, so that neighbours in the list share a triangle.
       for (std::size_t k = 0; k < highs; ++k) {
         polygon.Add(PlaceOn(below[i], above[i % 2 == 0 ? k : highs - 1 - k]));
       }
@@ -85,7 +85,7 @@ class Cut {
 
   double Height(std::uint32_t v) const { return mesh_.vertices[v].place()[axis_]; }
 
-  // Of the edge from `below` to `above`; what begins at a vertex in the plane is one place.
+  // The section's corner on the edge from `below` to `above`; a vertex in the plane is one corner.
   std::uint32_t PlaceOn(std::uint32_t below, std::uint32_t above) {
     const double low = Height(below), high = Height(above);
     if (low == position_) above = below;

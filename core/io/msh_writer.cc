@@ -21,7 +21,7 @@ using data::Concat;
 
 namespace {
 
-// The format's limit for the names of physical groups: Gmsh reads what is behind as something else.
+// The format's limit for the names of physical groups: Gmsh misreads longer ones.
 constexpr std::size_t kMostNameLength = 127;
 constexpr int kPointElement = 15;
 constexpr int kElementOf[] = {kPointElement, 1, 2, 4};  // by dimension: line, triangle, tetrahedron
@@ -32,8 +32,8 @@ struct PointEntity {
   int physical = 0;
 };
 
-// Of dimension k: what is one feature's, the box's border or, of the mesh's dimension, one region
-// or what lies in no polygon.
+// An entity of dimension k: of one feature, of the box's border or, if k is the mesh's dimension,
+// of one region or of the domain outside all polygons.
 struct Entity {
   std::vector<std::uint32_t> elements;
   std::vector<std::uint32_t> inner;  // vertices of this dimension
@@ -51,7 +51,7 @@ class Corners {
   const std::uint32_t* begin() const { return v_.data(); }
   const std::uint32_t* end() const { return v_.data() + size_; }
   std::size_t size() const { return size_; }
-  // A key: its vertices ascending, but for corner `without`.
+  // A key: its vertices ascending, except corner `without`.
   std::array<std::uint32_t, 4> Key(std::size_t without = 4) const {
     std::array<std::uint32_t, 4> key;
     key.fill(~std::uint32_t{0});
@@ -102,8 +102,8 @@ class MshFile {
   }
 
  private:
-  // Puts every vertex, subsegment and face on the entity of the least dimension that it is part
-  // of. The box's border has no points: it is a grid's, and its corners are nobody's input.
+  // Assigns every vertex, subsegment and face to the entity of least dimension that contains it.
+  // The box's border has no points: its vertices are a grid's, and its corners are not input.
   void Classify() {
     int next = references_.box() + 1;
     std::set<int> used;
@@ -118,7 +118,7 @@ class MshFile {
         const int dimension = v.containing_dimension == 0 ? top_ - 1 : v.containing_dimension;
         entities_[dimension][reference].inner.push_back(i);
       } else {
-        // Only a damaged mesh has a second vertex for the same point.
+        // Only a damaged mesh has two vertices for the same point.
         const int tag = used.insert(reference).second ? reference : next++;
         points_.push_back({tag, i, reference});
         point_of_[i] = tag;
@@ -150,7 +150,8 @@ class MshFile {
     return Corners(top_ == 2 ? mesh_.triangles[i] : mesh_.faces[i].corners);
   }
 
-  // That of a simplex around it. Where these differ, the vertex is on the border of regions.
+  // The region of a simplex around each vertex. Where these differ, the vertex is on the border of
+  // regions.
   std::vector<std::uint32_t> RegionsOfVertices() const {
     std::vector<std::uint32_t> region_of(mesh_.vertices.size(), 0);
     std::size_t i = 0;
@@ -161,7 +162,8 @@ class MshFile {
     return region_of;
   }
 
-  // A curve borders a surface that has one of its edges on one side only; so surfaces, volumes.
+  // A curve borders a surface that has one of its edges on one side only; likewise surfaces and
+  // volumes.
   void FindBorders(int dimension) {
     using Key = std::array<std::uint32_t, 4>;
     absl::flat_hash_map<Key, int> tag_of;
@@ -227,7 +229,8 @@ class MshFile {
 
   void WriteEntity(int dimension, int tag, const Entity& entity) {
     BoundingRange range;
-    // Which of 0 and -0 is the least is for the first to say: of curves a vertex inside.
+    // Which of 0 and -0 is the least depends on the first value; for curves that is an inner
+    // vertex.
     const auto add_inner = [&] {
       for (const std::uint32_t i : entity.inner) range.Add(mesh_.vertices[i]);
     };
@@ -248,7 +251,7 @@ class MshFile {
     out_ << '\n';
   }
 
-  // A chain has a first and a last point; a border, run round, has none.
+  // A chain has a first and a last point; a closed border has none.
   void WriteEnds(const Entity& curve) {
     std::map<int, int> uses;  // of the points at its edges' ends
     for (const std::uint32_t i : curve.elements) {
@@ -327,7 +330,7 @@ class MshFile {
   FileWriter& out_;
   const int top_ = mesh_.dimension;
   std::vector<PointEntity> points_;  // by tag
-  std::vector<int> point_of_;        // the point that a vertex is, 0 if none
+  std::vector<int> point_of_;        // the point of each vertex, 0 if none
   // By dimension from 1. Tags are the owner's reference; of the mesh's dimension 1 + the region's
   // number.
   std::array<Entities, 4> entities_;

@@ -1,5 +1,5 @@
-// What the `.node`, `.poly` and `.smesh` files of plane and space have in common: vertices,
-// which become the points 1..n, in the file or in a `.node` beside it, and seeds at the end.
+// The common parts of 2D and 3D `.node`, `.poly` and `.smesh` files: vertices, which become the
+// points 1..n, in the file or in a `.node` beside it; and seeds at the end.
 #ifndef DYNMESH_CORE_IO_NODE_INPUT_H_
 #define DYNMESH_CORE_IO_NODE_INPUT_H_
 
@@ -14,19 +14,19 @@
 
 namespace dynmesh::io {
 
-// All of a `.node` file.
+// A whole `.node` file.
 absl::StatusOr<FileFeatures> ParsePoints(TextReader& nodes, int dimension);
 
-// Opens the `.node` file that has the vertices of a file without any.
+// Opens the `.node` file with the vertices of a file that has none.
 using OpenNodes = std::function<absl::StatusOr<TextReader>()>;
 OpenNodes OpenNodesBeside(const std::string& path);
 
-// The vertices of a `.poly` or `.smesh`, its own or those of the external file; `input` gets
-// them as points. NOT_FOUND from `open_nodes` becomes an error of `poly`.
+// The vertices of a `.poly` or `.smesh`, its own or the external file's; added to `input` as
+// points. NOT_FOUND from `open_nodes` becomes an error of `poly`.
 absl::StatusOr<NodeSection> ReadPointsOfPoly(TextReader& poly, int dimension,
                                              const OpenNodes& open_nodes, FileFeatures& input);
 
-// The last sections: holes, regions, and nothing behind them.
+// The last sections, holes and regions, up to the end of the file.
 absl::Status ReadSeedSections(TextReader& poly, int dimension, FileFeatures& input);
 
 }  // namespace dynmesh::io

@@ -15,7 +15,7 @@ using data::Concat;
 using data::Quoted;
 namespace {
 
-// "v", "v/vt", "v//vn" or "v/vt/vn": only v counts.
+// "v", "v/vt", "v//vn" or "v/vt/vn": only v is used.
 absl::StatusOr<SurfaceWork::Vertex> Corner(const TextReader& obj, std::size_t i,
                                            std::size_t count) {
   const std::string_view text = obj.token(i);

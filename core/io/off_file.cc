@@ -15,7 +15,7 @@ using data::Concat;
 using data::Quoted;
 namespace {
 
-// Goes past the header; the counts are then the tokens from the returned one on.
+// Skips the header; the counts are then the tokens from the returned one on.
 absl::StatusOr<std::size_t> ReadHeader(TextReader& off) {
   if (!off.Next()) return off.Error("the file is empty: it has no line OFF");
   std::string_view kind = off.token(0);

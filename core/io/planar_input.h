@@ -1,5 +1,5 @@
-// Triangle's `.node` and `.poly` files as features of the plane: points of the file become
-// 1..n and its segments n+1..n+m, in file order. Those of space: space_input.h.
+// Triangle's `.node` and `.poly` files as 2D features: points of the file become 1..n and its
+// segments n+1..n+m, in file order. For 3D: space_input.h.
 #ifndef DYNMESH_CORE_IO_PLANAR_INPUT_H_
 #define DYNMESH_CORE_IO_PLANAR_INPUT_H_
 
@@ -12,14 +12,14 @@
 
 namespace dynmesh::io {
 
-// INVALID_ARGUMENT as `file:line: what is wrong`, UNIMPLEMENTED for 3 dimensions,
-// NOT_FOUND and the like if a file cannot be read. Geometry is not judged here.
+// INVALID_ARGUMENT as `file:line: what is wrong`, UNIMPLEMENTED for 3 dimensions, NOT_FOUND and the
+// like if a file cannot be read. Does not check geometry.
 absl::StatusOr<FileFeatures> ReadNodeFile(const std::string& path);
-// With no vertices of its own the file takes those of the `.node` beside it.
+// A file without vertices uses those of the `.node` beside it.
 absl::StatusOr<FileFeatures> ReadPolyFile(const std::string& path);
 
-// The same of text that is there already. `open_nodes` is called for the vertices of a
-// .poly that has none of its own; NOT_FOUND from it becomes an error of the .poly.
+// The same from texts in memory. Calls `open_nodes` for the vertices of a .poly without any;
+// NOT_FOUND from it becomes an error of the .poly.
 absl::StatusOr<FileFeatures> ParseNodeText(TextReader nodes);
 absl::StatusOr<FileFeatures> ParsePolyText(TextReader poly, const OpenNodes& open_nodes);
 

@@ -1,8 +1,8 @@
-// Small numbers in the place of feature ids, for formats whose references are 32-bit ints
-// (Gmsh's physical tags, Medit's references): feature ids have 64 bits.
+// Small numbers for feature ids. Feature ids have 64 bits; some formats have 32-bit references
+// (Gmsh's physical tags, Medit's references).
 //
 // The features that own a vertex, an edge or a face of the mesh are numbered from 1, by ascending
-// id; the domain box comes after them; 0 is none. So the features 1..n of a `.node` or `.poly` file
+// id. The domain box comes after them; 0 is none. So the features 1..n of a `.node` or `.poly` file
 // keep their numbers. Immutable.
 #ifndef DYNMESH_CORE_IO_REFERENCES_H_
 #define DYNMESH_CORE_IO_REFERENCES_H_
@@ -21,12 +21,12 @@ class References {
   // INVALID_ARGUMENT if the mesh has more rows than 32 bits can number. O(n lg n).
   static absl::StatusOr<References> Of(const IndexedMesh& mesh);
 
-  // `owner` must be one of the mesh's, the box or none. O(lg n).
+  // REQUIRES: `owner` is one of the mesh's, the box or none. O(lg n).
   int Find(FeatureId owner) const;
   int box() const { return static_cast<int>(features_.size()) + 1; }
   // The feature of reference i + 1.
   const std::vector<FeatureId>& features() const { return features_; }
-  // Of a reference from 1 on: "feature 30" or "box".
+  // The name of a reference from 1 on: "feature 30" or "box".
   std::string Name(int reference) const;
 
  private:

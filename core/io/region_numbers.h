@@ -1,9 +1,8 @@
-// Regions by small numbers, for files: region ids are hashes where polygons overlap, and a
-// file has to say which polygons a number stands for.
+// Small numbers for regions in files: region ids are hashes where polygons overlap, and a file must
+// list the polygons of a number.
 //
-// The regions that occur are numbered from 1, in the lexicographic order of their polygons'
-// ids; 0 is in no polygon. So a number is a function of the mesh, and every writer takes it
-// from here. Plain data.
+// The regions present are numbered from 1, in the lexicographic order of their polygons' ids; 0 is
+// in no polygon. So a number is a function of the mesh, and all writers use it. Plain data.
 #ifndef DYNMESH_CORE_IO_REGION_NUMBERS_H_
 #define DYNMESH_CORE_IO_REGION_NUMBERS_H_
 
@@ -24,17 +23,17 @@ struct RegionNumbers {
 
   std::uint32_t Of(std::size_t simplex) const { return numbers.empty() ? 0 : numbers[simplex]; }
   std::size_t count() const { return polygons.size(); }
-  // Of a number from 0 on: "domain", "polygon 12", "polygons 12 40".
+  // The name of a number from 0 on: "domain", "polygon 12", "polygons 12 40".
   std::string Name(std::uint32_t number) const;
   friend bool operator==(const RegionNumbers&, const RegionNumbers&) = default;
 };
 
-// Columns of `mesh` must agree. O(n + k lg k), k the number of regions.
+// REQUIRES: columns of `mesh` agree. O(n + k lg k) for k regions.
 RegionNumbers NumberRegions(const Mesh& mesh);
-// The other way: mesh.regions and mesh.region_sets, of simplices in the order of `numbers`.
+// The inverse: sets mesh.regions and mesh.region_sets, for simplices in the order of `numbers`.
 void SetRegions(const RegionNumbers& regions, Mesh& mesh);
 
-// "12 40": what NumberRegions and its readers mean by the polygons of a row.
+// "12 40": the format of a row's polygons.
 std::string FormatPolygons(std::span<const FeatureId> polygons);
 
 }  // namespace dynmesh::io

@@ -1,4 +1,4 @@
-// Sorts rows that are ordered by the number of a vertex first, as all rows of mesh files are.
+// Sorts rows by the number of a vertex first, as all rows of mesh files.
 #ifndef DYNMESH_CORE_IO_SORT_BY_VERTEX_H_
 #define DYNMESH_CORE_IO_SORT_BY_VERTEX_H_
 
@@ -8,13 +8,13 @@
 
 namespace dynmesh::io {
 
-// What std::sort with `less` makes, but in linear time where few rows begin with the same vertex:
-// first(row), below `vertices`, is what `less` compares first. Room for the rows once more.
-// Rows that are equal by `less` come in any order.
+// The same result as std::sort with `less`, but in linear time if few rows begin with the same
+// vertex. first(row), below `vertices`, must be the first key of `less`. Needs memory for a copy of
+// the rows. Rows that are equal by `less` are in any order.
 template <class Row, class First, class Less>
 void SortByVertex(std::vector<Row>& rows, std::size_t vertices, First first, Less less) {
   std::vector<std::size_t> place(vertices + 1,
-                                 0);  // by vertex: of its first row, then past its last
+                                 0);  // by vertex: the index of its first row, then past its last
   for (const Row& row : rows) ++place[first(row) + std::size_t{1}];
   for (std::size_t v = 1; v <= vertices; ++v) place[v] += place[v - 1];
   std::vector<Row> sorted(rows.size());

@@ -17,7 +17,7 @@ using data::Concat;
 using geometry::Point3;
 namespace {
 
-// Finds out whether even-odd means by the rings of a facet what its places of holes do.
+// Checks whether even-odd and the positions of holes give the same inside of a facet.
 class HoleCheck {
  public:
   HoleCheck(const std::string& file, const Facet& facet, const std::vector<PointRing>& rings,

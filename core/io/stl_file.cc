@@ -20,7 +20,7 @@ using data::Concat;
 using data::Quoted;
 namespace {
 
-// Of a binary file: a header of 80 bytes, the number of triangles, and for each its normal, its
+// A binary file: a header of 80 bytes, the number of triangles, and for each its normal, its
 // corners, and two bytes of attributes. All numbers are little-endian.
 constexpr std::size_t kHeader = 84;
 constexpr std::size_t kTriangle = 50;
@@ -31,7 +31,7 @@ std::uint32_t Word(std::string_view bytes, std::size_t at) {
   return word;
 }
 
-// ASCII at bytes 80 to 83 would be the count of a file of 25 GB and more: nothing is both.
+// ASCII at bytes 80 to 83 would be the count of a file of 25 GB and more: no file is both.
 bool IsBinary(std::string_view bytes) {
   return bytes.size() >= kHeader &&
          bytes.size() - kHeader == std::uint64_t{Word(bytes, 80)} * kTriangle;
@@ -97,7 +97,7 @@ absl::StatusOr<FileFeatures> ParseBinary(const TextReader& stl) {
   return triangles.Take();
 }
 
-// Does the line start with these words, however they are written?
+// Does the line start with these words, in any case of letters?
 bool Starts(const TextReader& stl, std::string_view word, std::string_view second = "") {
   const auto is = [&](std::size_t i, std::string_view expected) {
     return i < stl.size() && absl::AsciiStrToLower(std::string(stl.token(i))) == expected;

@@ -39,7 +39,7 @@ class Dropper {
         --sizes_[nodes_[n].ring];
       }
       at_[c].clear();
-      open.push_back(ends->first);  // what they see has changed
+      open.push_back(ends->first);  // their neighbours have changed
       open.push_back(ends->second);
     }
   }
@@ -79,7 +79,7 @@ class Dropper {
     return true;
   }
 
-  // The corners between which c is and need not be.
+  // The two corners around c, if c is not needed between them.
   std::optional<CornerPair> EndsOf(Corner c) const {
     if (kept_[c] || at_[c].empty()) return std::nullopt;
     std::optional<CornerPair> ends;

@@ -9,9 +9,9 @@
 
 namespace dynmesh::io {
 
-// Takes a corner out of all rings that have it if each goes straight through it, from the same
-// corner to the same corner, and it is not `kept`. Three corners stay of each ring. Exact.
-// `places` in lexicographic order. O(corners) expected.
+// Removes a corner from all its rings if each goes straight through it, between the same two
+// corners, and it is not `kept`. Each ring keeps at least three corners. Exact. REQUIRES: `places`
+// are in lexicographic order. O(corners) expected.
 void DropStraightCorners(const std::vector<geometry::Point3>& places, const std::vector<bool>& kept,
                          std::vector<FaceRings>& faces);
 

@@ -1,6 +1,6 @@
-// Points, segments and faces of a file of space on their way to features: what the readers of
-// all formats have in common. Points become 1..n, segments follow, then polygons.
-// Thread-compatible. A face costs O(corners lg corners).
+// Collects points, segments and faces of a 3D file into features: the common part of all readers.
+// Points become 1..n; segments follow, then polygons. Thread-compatible. A face costs O(corners lg
+// corners).
 #ifndef DYNMESH_CORE_IO_SURFACE_WORK_H_
 #define DYNMESH_CORE_IO_SURFACE_WORK_H_
 
@@ -22,21 +22,21 @@ class SurfaceWork {
   using Vertex = std::uint32_t;  // from 0
   using Ring = std::vector<Vertex>;
 
-  // `file` has the faces; its first vertex has the number `first_number`, for messages.
+  // `file` contains the faces; its first vertex has the number `first_number` in messages.
   SurfaceWork(std::string file, std::uint64_t first_number)
       : file_(std::move(file)), first_number_(first_number) {}
 
   Vertex AddPoint(const std::array<double, 3>& position, int line);
-  // Points that are there already, of this file or another one, and what came with them.
+  // Starts with points that were read already, from this or another file, and their data.
   void StartFrom(FileFeatures points) { input_ = std::move(points); }
   std::size_t point_count() const { return input_.features.size(); }
   const std::array<double, 3>& position(Vertex v) const { return input_.features[v].position; }
 
-  // A segment that stands twice is one. Ends that are one point are an error.
+  // A repeated segment is added once. Equal ends are an error.
   absl::Status AddSegment(Vertex p, Vertex q, int line);
 
-  // A polygon of rings, which may touch in corners. An error: a ring of fewer than three corners
-  // or with a corner twice, an edge twice, and a second face with the same corners.
+  // A polygon of rings, which may touch in corners. Errors: a ring of fewer than three corners or
+  // with a repeated corner, a repeated edge, and a second face with the same corners.
   absl::Status AddFace(std::vector<Ring> rings, int line);
 
   FileFeatures Take();

@@ -20,7 +20,7 @@ void WriteText(double x, double y, std::string_view text, FileWriter& out) {
   out << absl::StrFormat("<text x=\"%.2f\" y=\"%.2f\">%s</text>\n", x, y, text);
 }
 
-// White behind all, then a group of texts.
+// A white background, then a group of texts.
 void Open(double top, double width, FileWriter& out) {
   const double height = LegendHeight(width);
   WriteRectangle(0, top, std::ceil(width), std::ceil(height) + 1, "#ffffff", out);

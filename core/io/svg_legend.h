@@ -1,4 +1,4 @@
-// What the colours of a picture mean: a strip below it, as wide as the picture is.
+// The legend of a picture: a strip below it, as wide as the picture.
 #ifndef DYNMESH_CORE_IO_SVG_LEGEND_H_
 #define DYNMESH_CORE_IO_SVG_LEGEND_H_
 
@@ -11,14 +11,14 @@ namespace dynmesh::io {
 
 struct LegendEntry {
   std::string colour;  // "#rrggbb"
-  std::string label;   // without characters that XML gives a meaning to
+  std::string label;   // without XML's special characters
 };
 
-// How high the strip of a picture `width` pixels wide is, in pixels.
+// The height of the strip for a picture `width` pixels wide, in pixels.
 double LegendHeight(double width);
 
-// A box and its label for each of `entries`, side by side; `top` is where the strip begins, in
-// pixels. White behind them: what sticks out of the picture does not show.
+// A box and its label for each of `entries`, side by side; `top` is the top of the strip, in
+// pixels. On white, which hides what extends beyond the picture.
 void WriteLegend(const std::vector<LegendEntry>& entries, double top, double width,
                  FileWriter& out);
 

@@ -31,10 +31,10 @@ constexpr std::string_view kBelowDihedralFill = "#7b3294";
 // The least angle of the best simplex, in degrees.
 constexpr double kBestAngle2D = 60;
 constexpr double kBestAngle3D = 70.528779365509308;
-// Where on the ramp a triangle stands that is just within rho.
+// The position on the ramp of a triangle just within rho.
 constexpr double kAtRho = 0.15;
 
-// Lines over a fill: dark on the pale ones, light on the dark one.
+// Lines over a fill: dark on pale fills, light on dark ones.
 struct LineStyle {
   std::string_view edge;
   double edge_opacity;
@@ -44,7 +44,7 @@ struct LineStyle {
 constexpr LineStyle kDarkLines = {"#38495c", 0.75, "#14213d", "#7a8794"};
 constexpr LineStyle kLightLines = {"#ffffff", 0.35, "#ffb703", "#dfe7ea"};
 
-// Hundredths of a pixel: small files, and relative moves without drift.
+// Hundredths of a pixel: small files, and relative moves without accumulated error.
 struct Pixel {
   std::int64_t x, y;
 };
@@ -103,7 +103,7 @@ class SvgDrawing {
     return lo / 2 + hi / 2;
   }
 
-  // Chooses the part shown and its scale; a crop without extent shows a little around it.
+  // Chooses the visible part and its scale; a crop without extent shows a little around it.
   void FitView() {
     double lo[2] = {0, 0};
     double hi[2] = {1, 1};
@@ -122,7 +122,7 @@ class SvgDrawing {
     }
     double extent = std::max(hi[0] - lo[0], hi[1] - lo[1]);
     if (!(extent > 0)) extent = 1;
-    // A margin, and no side less than a tenth of the other.
+    // A margin, and each side at least a tenth of the other.
     for (std::size_t i = 0; i < 2; ++i) {
       const double grow = 0.02 * extent + std::max(0.0, 0.1 * extent - (hi[i] - lo[i])) / 2;
       lo_[i] = lo[i] - grow;
@@ -168,7 +168,7 @@ class SvgDrawing {
   }
 
   Pixel At(std::uint32_t place) const {
-    // Far outside a narrow crop precision does not matter, range does.
+    // Far outside a narrow crop precision is irrelevant, the range is not.
     constexpr double kFar = 1e15;
     const double x = (picture_.places[place][0] - lo_[0]) * scale_ * 100;
     const double y = (hi_[1] - picture_.places[place][1]) * scale_ * 100;
@@ -203,7 +203,7 @@ class SvgDrawing {
   }
 
   void FillCells(const std::vector<std::uint32_t>& cells, std::string_view colour) {
-    // The stroke covers the hairlines that smoothing leaves between neighbours.
+    // The stroke covers the hairlines of antialiasing between neighbours.
     out_ << "<path fill=\"" << colour << "\" stroke=\"" << colour << "\" stroke-width=\".4\" d=\"";
     for (const std::uint32_t i : cells) WriteCell(picture_.cells[i]);
     out_ << "\"/>\n";
@@ -256,7 +256,7 @@ class SvgDrawing {
     }
   }
 
-  // Of each cell shown, 0 (finest) to 1.
+  // Of each visible cell, 0 (finest) to 1.
   std::vector<double> SizesOnRamp() const {
     std::vector<double> values;
     for (const std::uint32_t i : cells_) {
@@ -270,7 +270,7 @@ class SvgDrawing {
     return values;
   }
 
-  // Of each cell shown, 0 (bad) to 1 (equilateral).
+  // Of each visible cell, 0 (bad) to 1 (equilateral).
   std::vector<double> GoodnessOnRamp() const {
     const bool by_angle = options_.fill != SvgOptions::Fill::kQuality;
     const bool in_space = mesh_.dimension == 3;
@@ -293,7 +293,7 @@ class SvgDrawing {
     return values;
   }
 
-  // Groups the cells by colour: one path each keeps the file small.
+  // Groups the cells by colour: one path per colour keeps the file small.
   template <std::size_t N>
   void FillByValue(const ColourRamp<N>& ramp, const std::vector<double>& values) {
     std::map<int, std::vector<std::uint32_t>> groups;
@@ -407,12 +407,12 @@ class SvgDrawing {
   const LineStyle& style_ = options_.fill == SvgOptions::Fill::kSize ? kLightLines : kDarkLines;
   double lo_[2] = {0, 0};
   double hi_[2] = {1, 1};
-  double scale_ = 1;    // pixels a unit
+  double scale_ = 1;    // pixels per unit
   double height_ = 1;   // pixels
-  double typical_ = 1;  // length of an edge shown, pixels
-  double cut_at_ = 0;   // in space
+  double typical_ = 1;  // length of a visible edge, pixels
+  double cut_at_ = 0;   // 3D
   MeshPicture picture_;
-  std::vector<std::uint32_t> cells_;  // those in view
+  std::vector<std::uint32_t> cells_;  // visible ones
   std::vector<std::uint32_t> lines_;
 };
 

@@ -122,7 +122,7 @@ void TextReader::Split(std::string_view line) {
 }
 
 absl::Status TextReader::ErrorAt(std::string_view name, int line, std::string_view message) {
-  // Before the first line, as of an empty file: what is missing should begin there.
+  // Line 1 before the first line, as for an empty file: missing content should begin there.
   return absl::InvalidArgumentError(Concat(name, ":", std::max(line, 1), ": ", message));
 }
 

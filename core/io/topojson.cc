@@ -33,7 +33,7 @@ class TopoJsonReader {
     if (!objects.ok()) return objects.status();
     if (auto status = ReadTransform(); !status.ok()) return status;
     arcs_.resize(Count(json_, *arcs));
-    // First which arcs are used and which points there are, then the arcs.
+    // First finds the used arcs and the points, then reads the arcs.
     const absl::Status status =
         json_.ForEach(*objects, [this](Index g) { return ReadGeometry(g); });
     if (!status.ok()) return status;
@@ -58,8 +58,8 @@ class TopoJsonReader {
  private:
   using Path = std::vector<LineWork::Place>;
   struct Arc {
-    bool is_line = false;    // its edges are to be segments
-    bool is_border = false;  // a polygon has it
+    bool is_line = false;    // its edges become segments
+    bool is_border = false;  // a polygon uses it
     Path path = {};
   };
   struct ArcUse {
@@ -99,7 +99,7 @@ class TopoJsonReader {
     if (*type == "Point" || *type == "MultiPoint") return ReadPoints(v, *type);
     constexpr struct {
       std::string_view type;
-      int arrays;  // around the numbers of arcs
+      int arrays;  // nesting depth around the numbers of arcs
     } kOfArcs[] = {{"LineString", 1}, {"MultiLineString", 2}, {"Polygon", 2}, {"MultiPolygon", 3}};
     for (const auto& kind : kOfArcs) {
       if (*type != kind.type) continue;
@@ -131,7 +131,7 @@ class TopoJsonReader {
     });
   }
 
-  // Of arrays of arrays of ... numbers of arcs. Arc n backwards is ~n, that is -1 - n.
+  // Visits arrays of arrays of ... numbers of arcs. Arc n reversed is ~n = -1 - n.
   template <class Visit>
   absl::Status ForEachArc(Index v, int arrays, const Visit& visit) {
     if (arrays > 0) {
@@ -148,8 +148,8 @@ class TopoJsonReader {
     return visit(ArcUse{static_cast<std::size_t>(arc), number < 0});
   }
 
-  // Its arcs are read and good by now. Where one does not begin where the one before it ends, or
-  // the last does not end where the first begins (it occurs: us-atlas), an edge closes the gap.
+  // Its arcs are read and valid already. If an arc does not begin where the one before ends, or
+  // the last does not end where the first begins (as in us-atlas), an edge closes the gap.
   absl::Status AddPolygon(Index v) {
     std::vector<Path> rings;
     const auto add_ring = [&](Index ring) {
@@ -188,7 +188,7 @@ class TopoJsonReader {
       if (!position.ok()) return position.status();
       heights_ += position->has_more ? 1 : 0;
       for (std::size_t k = 0; k < 2; ++k) {
-        // A quantised arc is a first position and steps from it.
+        // A quantised arc is a first position, then differences.
         sum[k] = quantised_ ? sum[k] + position->at[k] : position->at[k];
       }
       const Pair at = Place(sum);
@@ -216,8 +216,8 @@ class TopoJsonReader {
   Pair scale_ = {1, 1};
   Pair translate_ = {0, 0};
   std::vector<Arc> arcs_;
-  std::vector<Index> points_;  // positions of the objects' own
-  std::vector<Index> areas_;   // geometries that are to be polygons
+  std::vector<Index> points_;  // positions of the objects' own points
+  std::vector<Index> areas_;   // geometries that become polygons
   LineWork work_;
   std::uint64_t heights_ = 0;
   std::uint64_t gaps_ = 0;

@@ -46,7 +46,7 @@ absl::StatusOr<NodeHeader> ReadNodeHeader(TextReader& reader, int wanted) {
   return NodeHeader{static_cast<int>(dimension), *count, *attributes, *has_markers};
 }
 
-// The vertices that the current row names, after its number.
+// The vertices of the current row, after its number.
 template <std::size_t K>
 absl::Status ReadCorners(const TextReader& reader, const NodeSection& nodes,
                          std::array<std::uint32_t, K>& corners) {
@@ -59,7 +59,7 @@ absl::Status ReadCorners(const TextReader& reader, const NodeSection& nodes,
   return absl::OkStatus();
 }
 
-// None if there is no such section.
+// Empty if there is no such section.
 absl::StatusOr<std::vector<SeedRow>> ReadSeeds(TextReader& reader, const char* what, int dimension,
                                                std::size_t more) {
   if (!reader.Next()) return std::vector<SeedRow>();

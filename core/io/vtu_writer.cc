@@ -18,8 +18,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the file says LittleEndian");
 
-// One <DataArray>: the byte count, then the values, as one base64 text. `shape` are the
-// attributes that say how many values there are.
+// One <DataArray>: the byte count, then the values, as one base64 text. The attributes `shape` give
+// the number of values.
 template <class T>
 void WriteShapedArray(std::string_view type, std::string_view name, std::string_view shape,
                       const std::vector<T>& values, FileWriter& out) {
@@ -38,7 +38,7 @@ void WriteArray(std::string_view type, std::string_view name, int components,
   WriteShapedArray(type, name, shape, values, out);
 }
 
-// Which polygons a region's number means.
+// The polygons of each region's number.
 void WriteRegionTable(const RegionNumbers& regions, FileWriter& out) {
   if (regions.count() == 0) return;
   std::vector<std::int64_t> polygons;
@@ -109,7 +109,7 @@ void WritePointData(const IndexedMesh& mesh, FileWriter& out) {
   out << "      </PointData>\n";
 }
 
-// The numbers of the array `exempt`. kOverRho has none of its own: a ratio shows it.
+// The numbers of the array `exempt`. kOverRho has none: the ratio shows it.
 std::uint8_t ExemptNumber(SimplexVerdict verdict) {
   switch (verdict) {
     case SimplexVerdict::kSmallInputAngle:
@@ -142,7 +142,7 @@ void WriteCellData(const IndexedMesh& mesh, double rho, double min_dihedral, Fil
   for (const auto& f : mesh.faces) {
     if (IsSubfacet(f)) owners.push_back(static_cast<std::int64_t>(f.owner));
   }
-  // What does not apply to subfacets.
+  // Values that do not apply to subfacets.
   ratios.resize(owners.size(), std::numeric_limits<double>::quiet_NaN());
   angles.resize(owners.size(), std::numeric_limits<double>::quiet_NaN());
   exempt.resize(owners.size(), 0);

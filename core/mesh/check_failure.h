@@ -1,4 +1,4 @@
-// How the checkers of triangulations say what is wrong. For core/mesh only.
+// Error reports of the checkers of triangulations. For core/mesh only.
 #ifndef DYNMESH_CORE_MESH_CHECK_FAILURE_H_
 #define DYNMESH_CORE_MESH_CHECK_FAILURE_H_
 
@@ -7,7 +7,7 @@
 
 namespace dynmesh::mesh {
 
-// Sets *why to the parts, one after the other; false.
+// Sets *why to the concatenation of the parts. Returns false.
 template <class... Parts>
 bool Fail(std::string* why, const Parts&... parts) {
   std::ostringstream text;

@@ -1,4 +1,4 @@
-// The checker of DelaunayTriangulation: every invariant by its definition, for tests.
+// The checker of DelaunayTriangulation, for tests: every invariant by its definition.
 #include "core/geometry/predicates.h"
 #include "core/mesh/check_failure.h"
 #include "core/mesh/delaunay_triangulation.h"
@@ -27,7 +27,7 @@ bool DelaunayTriangulation::Check(std::string* why) const {
     if (!triangles_[t].IsUnused()) return Fail(why, "triangle ", t, " is in use and free");
   }
   if (listed != unused) return Fail(why, "free list has ", listed, " of ", unused);
-  // The sphere: n + 1 vertices, infinity being one, make 2(n + 1) - 4 triangles.
+  // The sphere has n + 1 vertices, one of them infinity, so 2(n + 1) - 4 triangles.
   const std::size_t used = triangles_.size() - unused;
   if (used != 2 * vertex_count_ - 2 || used - infinite != simplex_count()) {
     return Fail(why, "Euler: ", vertex_count_, " vertices, ", used, " triangles");
@@ -50,8 +50,8 @@ bool DelaunayTriangulation::CheckTriangle(SimplexIndex t, std::string* why) cons
         triangle.v[PreviousIndex(i)] != other[NextIndex(across.index)]) {
       return Fail(why, "triangles ", t, " and ", across.simplex, " share no edge");
     }
-    // Locally Delaunay everywhere is Delaunay; for infinite triangles it says that the
-    // hull is convex. The cached circle must agree with the exact test.
+    // Locally Delaunay everywhere implies Delaunay. For infinite triangles this says that the hull
+    // is convex. The cached circle must agree with the exact test.
     const VertexIndex apex = other[across.index];
     if (apex == kInfinite) continue;
     const Point2& p = points_[apex];

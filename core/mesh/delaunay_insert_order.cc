@@ -15,7 +15,7 @@ namespace {
 
 using geometry::Point;
 
-// A point belongs to one of the earlier rounds with probability 2^-kRoundBits.
+// A point is in an earlier round than the last one with probability 2^-kRoundBits.
 constexpr int kRoundBits = 4;
 constexpr int kMaxRounds = 15;
 constexpr int kKeyBits = 28;
@@ -42,17 +42,17 @@ void RadixSort(std::vector<Keyed>* keyed, int key_bits) {
   }
 }
 
-// Of the point of that rank along the curve. Round 0 is inserted first.
+// The round of the point with that rank along the curve. Round 0 is inserted first.
 std::size_t RoundOf(std::uint32_t rank) {
   const int zeros = std::countr_zero(geometry::Mix(rank));
   return static_cast<std::size_t>(kMaxRounds - std::min(kMaxRounds, zeros / kRoundBits));
 }
 
-// The square (cube) around some points, with at least as many cells as there are points.
+// The square (cube) around some points, with at least as many cells as points.
 template <int D>
 struct Frame {
   Point<D> low;
-  double scale;  // 0 if they have no extent
+  double scale;  // 0 if the points have no extent
   int levels;
 
   Frame(std::span<const Point<D>> points, std::span<const Keyed> run) {
@@ -80,9 +80,9 @@ struct Frame {
   }
 };
 
-// Orders every long run of equal keys along a curve of its own frame, and so on. The two
-// extreme points of a run fall into different cells, so runs get shorter; as each frame
-// is a fraction of the one before, the depth is bounded by the exponents of doubles.
+// Sorts every long run of equal keys along a curve of its own frame, recursively. The two extreme
+// points of a run fall into different cells, so runs get shorter. Each frame is a fraction of the
+// one before, so the depth is bounded by the exponents of doubles.
 template <int D>
 void RefineRuns(std::span<const Point<D>> points, std::span<Keyed> sorted, Steps& steps) {
   std::vector<std::span<Keyed>> pending = {sorted};
@@ -115,7 +115,7 @@ std::vector<std::uint32_t> OrderOf(std::span<const Point<D>> points, Steps& step
   RadixSort(&keyed, D * frame.levels);
   RefineRuns(points, std::span(keyed), steps);
   if (steps.stopped()) return {};
-  // Stable by rounds.
+  // Sorts by rounds; stable.
   std::array<std::uint32_t, kMaxRounds + 1> start{};
   for (std::uint32_t rank = 0; rank < keyed.size(); ++rank) {
     keyed[rank].key = static_cast<std::uint32_t>(RoundOf(rank));

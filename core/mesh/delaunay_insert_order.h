@@ -1,5 +1,5 @@
-// An order in which many points are quickly inserted into a Delaunay triangulation.
-// Pure, thread-safe. O(n log n).
+// A fast order for inserting many points into a Delaunay triangulation. Pure, thread-safe.
+// O(n log n).
 #ifndef DYNMESH_CORE_MESH_DELAUNAY_INSERT_ORDER_H_
 #define DYNMESH_CORE_MESH_DELAUNAY_INSERT_ORDER_H_
 
@@ -12,15 +12,17 @@
 
 namespace dynmesh::mesh {
 
-// A permutation of 0 .. points.size()-1: a biased randomized insertion order. Points are
-// sorted along a Hilbert curve; where many share one of the curve's cells, along a finer curve
-// of their own. They fall into rounds by a hash of their rank there, each round some times larger
-// than all before it together, and within a round go along the curve, so that each is near the one
-// before. Each stretch of the curve has its share of every round, points on a circle included, so
-// the work is expected O(n log n). No choice of coordinates empties a round.
+// A permutation of 0 .. points.size()-1: a biased randomized insertion order.
+// 1. Points are sorted along a Hilbert curve. Where many share one of the curve's cells, they are
+//    sorted along a finer curve of their own.
+// 2. A hash of their rank in this order puts them into rounds. Each round is some times larger than
+//    all before it together.
+// 3. Within a round they keep the order of the curve, so that each is near the one before.
+// 4. Each stretch of the curve has its share of every round, for points on a circle, too. So the
+//    work is expected O(n log n). No choice of coordinates empties a round.
 std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point2> points);
 std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point3> points);
-// The same; empty if `steps` are stopped.
+// The same; empty if `steps` stop it.
 std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point2> points, Steps& steps);
 std::vector<std::uint32_t> InsertOrder(std::span<const geometry::Point3> points, Steps& steps);
 

@@ -1,7 +1,7 @@
-// Removal of a vertex. The triangles around it make way, and the hole they leave is
-// filled by the Delaunay triangulation of the vertices on its rim: in the triangulation
-// without the vertex only triangles whose circle it lies in are new, these lie in the
-// hole, and so have their corners on the rim.
+// Removal of a vertex. The triangles around it are removed. The hole is filled by the Delaunay
+// triangulation of the vertices on its rim. Why: in the triangulation without the vertex, the only
+// new triangles are those with the vertex in their circle. These lie in the hole, so their corners
+// are on the rim.
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
@@ -16,8 +16,8 @@ using geometry::Point2;
 
 namespace {
 
-// Up to this degree apexes are found by scanning the rim, O(degree^2) tests; above it a
-// triangulation of the rim is made, O(degree log degree) expected.
+// Up to this degree apexes are found by scanning the rim: O(degree^2) tests. Above it the rim is
+// triangulated: O(degree log degree) expected.
 constexpr std::size_t kMaxScannedRim = 48;
 
 }  // namespace
@@ -40,7 +40,7 @@ void DelaunayTriangulation::Remove(VertexIndex v) {
   for (SimplexIndex t : cavity_) FreeTriangle(t);
 }
 
-// Collects the star of v in cavity_ and deleted_, its rim counter-clockwise in rim_.
+// Collects the star of v in cavity_ and deleted_, and its rim counter-clockwise in rim_.
 void DelaunayTriangulation::OpenHole(VertexIndex v) {
   cavity_.clear();
   rim_.clear();
@@ -53,7 +53,7 @@ void DelaunayTriangulation::OpenHole(VertexIndex v) {
     const auto next = NextIndex(c.index);
     const auto previous = PreviousIndex(c.index);
     rim_.push_back({t.v[next], t.v[previous], t.opposite[c.index]});
-    // Wanted soon: the neighbour to link to, the place of the rim vertex.
+    // Prefetches what is needed soon: the neighbour to link to, the position of the rim vertex.
     __builtin_prefetch(&triangles_[rim_.back().outside >> 2]);
     if (t.v[next] != kInfinite) __builtin_prefetch(&points_[t.v[next]]);
     cavity_.push_back(c.simplex);
@@ -64,7 +64,7 @@ void DelaunayTriangulation::OpenHole(VertexIndex v) {
   } while (c != start);
 }
 
-// A triangle of the hole for reuse.
+// Takes a triangle of the hole for reuse.
 DelaunayTriangulation::SimplexIndex DelaunayTriangulation::TakeSlot() {
   const SimplexIndex t = cavity_.back();
   cavity_.pop_back();
@@ -72,9 +72,8 @@ DelaunayTriangulation::SimplexIndex DelaunayTriangulation::TakeSlot() {
   return t;
 }
 
-// If v lay on the hull, between x and y say, the hull edge is now xy, since v lay on the
-// side of the box. Makes its infinite triangle, and leaves a rim of finite vertices that
-// ends with the edge x->y.
+// If v lay on the hull, between x and y, the hull edge is now xy, since v lay on a side of the box.
+// Makes its infinite triangle. Leaves a rim of finite vertices that ends with the edge x->y.
 void DelaunayTriangulation::CloseHullGap() {
   const auto from_infinity =
       std::find_if(rim_.begin(), rim_.end(), [](const RimEdge& e) { return e.a == kInfinite; });
@@ -91,7 +90,8 @@ void DelaunayTriangulation::CloseHullGap() {
   rim_.push_back({enter.a, leave.b, ToCode(t, 1)});
 }
 
-// Triangle by triangle: the one on the closing edge of a chain cuts it into two.
+// Fills the hole triangle by triangle: the one on the closing edge of a chain cuts the chain into
+// two.
 void DelaunayTriangulation::FillHoleByScanning() {
   gaps_.clear();
   gaps_.push_back({0, rim_.size() - 1, rim_.back().outside});
@@ -114,13 +114,15 @@ void DelaunayTriangulation::FillHoleByScanning() {
   }
 }
 
-// Which vertex of the chain makes the Delaunay triangle with its closing edge. The circles
-// through the ends of an edge are a pencil: of two points left of the edge exactly one
-// lies inside the circle through the other, and this orders them all, so one pass finds
-// the least. In the circle of the true apex there is no vertex: it is the least, though
-// the pass may look at vertices that the edge does not see. Vertices right of the edge
-// never win: right of it, circles shrink as their third point recedes, so that part of
-// any candidate's circle is within the true apex's. On the edge there is none.
+// The vertex of the chain that makes the Delaunay triangle with its closing edge.
+// 1. The circles through the ends of an edge are a pencil. Of two points left of the edge exactly
+//    one lies inside the circle through the other. This orders all of them, so one pass finds the
+//    least.
+// 2. In the circle of the true apex there is no vertex. So it is the least, though the pass may
+//    test vertices that the edge does not see.
+// 3. Vertices right of the edge never win. Right of the edge, circles shrink as their third point
+//    recedes. So that part of any candidate's circle is within the true apex's.
+// 4. There is no vertex on the edge.
 std::size_t DelaunayTriangulation::FindApex(const Gap& gap) const {
   std::size_t best = gap.first + 1;
   if (gap.last - gap.first == 2) return best;  // no choice
@@ -134,10 +136,10 @@ std::size_t DelaunayTriangulation::FindApex(const Gap& gap) const {
   return best;
 }
 
-// For great degrees: triangulate the rim in the same box, insertion in random order. What
-// the removed point conflicts with there is just what fills the hole here: the triangles
-// that fill the hole are empty of all vertices, so they occur there too, and either set
-// is bounded by the rim.
+// For large degrees: triangulates the rim in the same box, inserting in random order. The triangles
+// there in conflict with the removed point are exactly those that fill the hole here. Those that
+// fill the hole are empty of all vertices, so they occur there, too; and either set is bounded by
+// the rim.
 void DelaunayTriangulation::FillHoleByTriangulating(const Point2& removed) {
   DelaunayTriangulation local;
   local.Reset(points_[corners_[0]], points_[corners_[2]], {0, 1, 2, 3});
@@ -165,7 +167,7 @@ void DelaunayTriangulation::FillHoleByTriangulating(const Point2& removed) {
   };
   local.FindCavity(removed, local.Locate(removed, 0));
 
-  // Local triangle -> its copy here, remembered in the tag; 0 is "none".
+  // The tag of a local triangle is its copy here + 1; 0 is "none".
   for (SimplexIndex t : local.cavity_) local.set_tag(t, TakeSlot() + std::uint64_t{1});
   for (SimplexIndex from : local.cavity_) {
     const Triangle& source = local.triangles_[from];

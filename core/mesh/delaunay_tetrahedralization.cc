@@ -1,25 +1,27 @@
 // Construction, point location and insertion; links, removal and checks have files of their own.
 //
-// Why insertion is right whatever the degeneracy. InSphere decides as if each place had,
-// besides |x|^2, a fixed infinitesimal height of its own. So the finite tetrahedra are the
-// regular triangulation T(S) of the set S with generic heights: unique, without flat
-// tetrahedra, all of S being vertices since |x|^2 is strictly convex; in any plane that
-// supports the hull it is the regular triangulation of the points in that plane with the
-// same heights. Close T(S) to a triangulated 3-sphere with kInfinite. What p unmakes must
-// then be what T(S) has and T(S + p) has not:
-//  * A finite tetrahedron goes iff InSphere holds of it and p.
-//  * The infinite one on hull facet f goes iff f is no facet of the new hull. If p is
-//    strictly beyond f, it goes; if p is strictly on the inner side, it stays. If p is in the
-//    plane of f, this plane supports the new hull as well, and f stays iff it stays in the
-//    planar regular triangulation there. For any d off the plane, the in-sphere determinant
-//    of f, d and p is the in-circle determinant of f and p in the plane times the distance
-//    of d, and in its ties the coefficient of d is the volume of f and p, which is zero,
-//    the others' not all. So InSphere of f, d and p does not depend on d and is the planar
-//    decision: that of the finite tetrahedron on the other side of f.
-// Both spheres have the rest in common, so what goes is the inside of the star of p in the
-// new one: a ball without inner vertices, connected through its facets, whose surface is the
-// link of p. Joining p to its surface gives just T(S + p), where nothing is flat. p may be
-// outside the hull; so a box can start from any four of its corners.
+// Why insertion is right whatever the degeneracy.
+// 1. InSphere decides as if each position x had the height |x|^2 plus a fixed infinitesimal of its
+//    own. So the finite tetrahedra are the regular triangulation T(S) of the set S with generic
+//    heights. It is unique and without flat tetrahedra. All of S are vertices since |x|^2 is
+//    strictly convex. In any plane that supports the hull, it is the regular triangulation of the
+//    points in that plane with the same heights.
+// 2. kInfinite closes T(S) to a triangulated 3-sphere. Inserting p must remove exactly what T(S)
+//    has and T(S + p) has not.
+// 3. A finite tetrahedron goes iff InSphere holds of it and p.
+// 4. The infinite tetrahedron on hull facet f goes iff f is no facet of the new hull. If p is
+//    strictly beyond f, it goes; if p is strictly on the inner side, it stays. If p is in the plane
+//    of f, this plane supports the new hull as well, and f stays iff it stays in the planar regular
+//    triangulation there.
+// 5. This planar decision is InSphere of f, d and p for any d off the plane. The in-sphere
+//    determinant is the in-circle determinant of f and p in the plane times the distance of d. In
+//    its ties the coefficient of d is the volume of f and p, which is zero; the others are not all
+//    zero. So the result does not depend on d: it is that of the finite tetrahedron on the other
+//    side of f.
+// 6. Both spheres have the rest in common. So what goes is the inside of the star of p in the new
+//    one: a ball without inner vertices, connected through its facets, with the link of p as its
+//    surface. Joining p to this surface gives exactly T(S + p), where nothing is flat.
+// 7. p may be outside the hull. So a box can start from any four of its corners.
 #include "core/mesh/delaunay_tetrahedralization.h"
 
 #include <algorithm>
@@ -62,8 +64,8 @@ void DelaunayTetrahedralization::StartFrom(const std::array<VertexIndex, 4>& v,
   for (std::size_t i = 0; i < 4; ++i) AddVertex(v[i], p[i]);
   Allocate(5);
   Make(0, v);
-  // Across facet i is tetrahedron i + 1: the same corners, two of them exchanged to turn it
-  // round, with kInfinite in place of corner i.
+  // Across facet i is tetrahedron i + 1. It has the same corners with kInfinite in place of corner
+  // i, and two of them exchanged to reverse it.
   for (int i = 0; i < 4; ++i) {
     std::array<VertexIndex, 4> outside = v;
     const int j = i ^ 1;
@@ -152,22 +154,24 @@ void DelaunayTetrahedralization::SetNoSphere(Tetrahedron* t) {
   t->high = kNoHigh;
 }
 
-// The error of the cached sphere, u = 2^-53, to first order in u. About d, with p = b - d,
-// q = a - d, s = c - d, volume v = p.(q x s), N = p^2 (q x s) + q^2 (s x p) + s^2 (p x q),
-// the center is w = N / 2v, its length the radius R; k = |p||q||s| / v >= 1.
-//   |q_i s_j| + |q_j s_i| over the three i, j is a vector no longer than sqrt 2 |q||s|. So v
-// errs by 8u of its terms, 11.4 u k of itself; N by 12u of its terms, that is by
-// 17 u |p||q||s| (|p|+|q|+|s|), which in w is 8.5 u k (|p|+|q|+|s|) <= 51 u k R. Dividing adds
-// 2u. In all |dw| <= 65 u k R. Adding d rounds by m u, m the sum of |center|: the center
-// errs by at most e = 65 u k R + m u.
-//   A test compares the computed |x - center|^2, with a relative error of 5u, to a bound. It
-// grows with the true distance from the true center but for these errors: so an x outside
-// comes to at least R^2 - 2 R e - 5 u R^2, one inside to at most R^2 + 2 R e + e^2 + 5 u R^2.
-// The computed R^2 errs by 2 R (65 u k R) + 5 u R^2. Together 270 u k R^2 + 2 u R m. Taken are
-// 340 and 3: the quarter more covers the terms of second order as long as the whole is
-// below R^2 / 4; beyond, the sphere is declared useless. R is bounded by the sum of |w|.
-//   Bounds are kept as floats, moved outwards by more than their rounding, if far from
-// where floats end. Overflow, underflow and cancelled v end as NaNs or there: useless.
+// The error of the cached sphere, u = 2^-53, to first order in u. Seen from d, with
+// p = b - d, q = a - d, s = c - d, volume v = p.(q x s), N = p^2 (q x s) + q^2 (s x p) + s^2 (p x
+// q), the center is w = N / 2v, its length the radius R. Let k = |p||q||s| / v >= 1.
+// 1. |q_i s_j| + |q_j s_i| over the three i, j is a vector no longer than sqrt 2 |q||s|. So v errs
+//    by 8u of its terms, 11.4 u k of itself.
+// 2. N errs by 12u of its terms, that is by 17 u |p||q||s| (|p|+|q|+|s|). In w this is
+//    8.5 u k (|p|+|q|+|s|) <= 51 u k R.
+// 3. Dividing adds 2u. In all |dw| <= 65 u k R.
+// 4. Adding d rounds by m u, m the sum of |center|. So the center errs by at most
+//    e = 65 u k R + m u.
+// 5. A test compares the computed |x - center|^2, with a relative error of 5u, to a bound. Except
+//    for these errors it grows with the true distance from the true center. So an x outside comes
+//    to at least R^2 - 2 R e - 5 u R^2, one inside to at most R^2 + 2 R e + e^2 + 5 u R^2.
+// 6. The computed R^2 errs by 2 R (65 u k R) + 5 u R^2. Together 270 u k R^2 + 2 u R m.
+// 7. Taken are 340 and 3. The extra quarter covers the terms of second order as long as the whole
+//    is below R^2 / 4; beyond, the sphere is declared useless. R is bounded by the sum of |w|.
+// 8. Bounds are kept as floats, moved outwards by more than their rounding, if far from where
+//    floats end. Overflow, underflow and cancelled v end as NaNs or there: useless.
 void DelaunayTetrahedralization::SetSphere(Tetrahedron* t, const Point3& a, const Point3& b,
                                            const Point3& c, const Point3& d) {
   constexpr double kRoundoff = 0x1p-53;
@@ -190,7 +194,7 @@ void DelaunayTetrahedralization::SetSphere(Tetrahedron* t, const Point3& a, cons
   const double radius = std::fabs(wx) + std::fabs(wy) + std::fabs(wz);
   const double k = 2 * std::sqrt(p2 * q2 * s2) * scale;
   const double error = kRoundoff * (340 * k * r2 + 3 * radius * m);
-  // A negative scale makes the first term negative; it must not pass either.
+  // If the scale is negative, so is the first term; this must not pass either.
   const bool useful = scale > 0 && error < 0.25 * r2 && r2 > kLeast && r2 < kMost;
   constexpr double kOutwards = 0x1p-22;
   t->low = useful ? static_cast<float>((r2 - error) * (1 - kOutwards)) : kNoLow;
@@ -208,9 +212,8 @@ bool DelaunayTetrahedralization::ConflictsExactly(const Tetrahedron& t, const Po
   return across.IsMarked() || Conflicts(t.opposite[infinite] >> 2, p);
 }
 
-// The visibility walk: over any facet that has p strictly beyond. In a Delaunay
-// triangulation (of a lifted set, so with ties broken too) it cannot cycle: the power of
-// p falls with each step.
+// The visibility walk: crosses any facet that has p strictly beyond. In a Delaunay triangulation
+// (of a lifted set, so with ties broken, too) it cannot cycle: the power of p falls with each step.
 DelaunayTetrahedralization::SimplexIndex DelaunayTetrahedralization::LocateFrom(
     const Point3& p, SimplexIndex start) const {
   SimplexIndex at = start;
@@ -249,8 +252,8 @@ void DelaunayTetrahedralization::InsertAt(VertexIndex v, const Point3& p,
   FillCavityFrom(v);
 }
 
-// Breadth first; the cavity is its own queue. Afterwards its tetrahedra have numbers of rim
-// facets for neighbours outside.
+// Breadth first; the cavity is its own queue. Afterwards the outer neighbours of its tetrahedra are
+// replaced by numbers of rim facets.
 void DelaunayTetrahedralization::FindCavity(const Point3& p, SimplexIndex start) {
   cavity_.clear();
   rim_.clear();
@@ -278,7 +281,7 @@ void DelaunayTetrahedralization::FindCavity(const Point3& p, SimplexIndex start)
   }
 }
 
-// As FindCavity, but marks nothing: a tetrahedron may be asked once for each of its facets.
+// As FindCavity, but marks nothing: a tetrahedron may be tested once for each of its facets.
 void DelaunayTetrahedralization::CavityOf(const Point3& p, SimplexIndex conflicting,
                                           Cavity* cavity) const {
   assert(Conflicts(conflicting, p));
@@ -316,7 +319,7 @@ void DelaunayTetrahedralization::Copy(const DelaunayTetrahedralization& other) {
   deleted_tags_.clear();
 }
 
-// One tetrahedron per facet of the rim. Corner 3 is v, the others are those of the facet.
+// Makes one tetrahedron per facet of the rim. Corner 3 is v; the others are the facet's.
 void DelaunayTetrahedralization::FillCavityFrom(VertexIndex v) {
   const std::size_t count = rim_.size();
   Allocate(count);
@@ -339,9 +342,9 @@ void DelaunayTetrahedralization::FillCavityFrom(VertexIndex v) {
   Delete(cavity_);
 }
 
-// Links the new tetrahedra with each other: their facets on v stand in a table by the
-// directed edge that they have on the rim. Each edge is there in both directions, so
-// everything that is read has just been written.
+// Links the new tetrahedra with each other. Their facets on v are in a table by the directed edge
+// that they have on the rim. Each edge is there in both directions, so every entry read has just
+// been written.
 void DelaunayTetrahedralization::LinkByTable() {
   const std::size_t count = created_.size();
   edge_entries_.resize(count);
@@ -378,15 +381,15 @@ void DelaunayTetrahedralization::LinkByTable() {
   }
 }
 
-// The same for one of them on a rim of any size; an insertion would take a third longer: turns
-// inside the cavity about each edge of the facet, until the next facet of the rim. All turns
-// together are at most six for each tetrahedron of the cavity.
+// The same for one tetrahedron, on a rim of any size; used for insertion it would cost a third more
+// time. Turns inside the cavity about each edge of the facet, until the next facet of the rim. All
+// turns together are at most six per tetrahedron of the cavity.
 void DelaunayTetrahedralization::LinkAroundRim(std::uint32_t number) {
   const SimplexIndex made = created_[number];
   const Corner start = ToCorner(rim_[number].inside);
   for (int i = 0; i < 3; ++i) {
     if (tetrahedra_[made].opposite[i] != kNone) continue;
-    // `third` is the corner that the facet to be crossed has beside the edge.
+    // `third` is the corner of the facet to be crossed that is not on the edge.
     const Tetrahedron* t = &tetrahedra_[start.simplex];
     VertexIndex third = t->v[start.index];
     Code code = t->opposite[kFacet[start.index][i]];

@@ -1,18 +1,18 @@
-// The Delaunay tetrahedralisation of a changing set of points in space: exact, and unique
-// because ties are broken by coordinates (geometry/space_predicates.h). It is a function
-// of the point set alone, whatever order points came and went in, and has no flat
-// tetrahedron. The sibling in space of DelaunayTriangulation.
+// The Delaunay tetrahedralisation of a changing set of 3D points. Exact, and unique because ties
+// are broken by coordinates (geometry/space_predicates.h). It is a function of the point set alone,
+// whatever the order of insertions and removals, and has no flat tetrahedron. The 3D sibling of
+// DelaunayTriangulation.
 //
-// The first eight points are the corners of a box that holds all others in its closed
-// inside. Further points may lie on the box's faces and edges; these may be removed like
-// any other, only the corners stay. Beyond the hull there is one symbolic vertex,
-// kInfinite, so that every facet has two tetrahedra.
+// The first eight points are the corners of a box that holds all others in its closed inside.
+// Further points may lie on the box's faces and edges. These may be removed like any other; only
+// the corners stay. Beyond the hull there is one symbolic vertex, kInfinite, so that every facet
+// has two tetrahedra.
 //
-// Topology stands apart from meaning: vertices are the caller's indices.
-// Movable. Thread-compatible. Insert costs O(tetrahedra that come and go) with a good hint,
-// Remove about as much as inserting all neighbours of the vertex. Neither allocates once
-// warm, but Remove where there are more than 64 neighbours. Memory is 72 bytes per
-// tetrahedron, of which there are some 6.8 per vertex, and 32 per vertex index.
+// This class holds topology only; vertices are the caller's indices. Movable. Thread-compatible.
+// Insert costs O(tetrahedra that come and go) with a good hint. Remove costs about as much as
+// inserting all neighbours of the vertex. Neither allocates once warm, except Remove if there are
+// more than 64 neighbours. Memory is 72 bytes per tetrahedron (some 6.8 per vertex) and 32 per
+// vertex index.
 #ifndef DYNMESH_CORE_MESH_DELAUNAY_TETRAHEDRALIZATION_H_
 #define DYNMESH_CORE_MESH_DELAUNAY_TETRAHEDRALIZATION_H_
 
@@ -40,70 +40,68 @@ class DelaunayTetrahedralization {
 
   struct Corner {
     SimplexIndex simplex;
-    int index;  // the tetrahedron's vertex `index`, and the facet opposite to it
+    int index;  // the tetrahedron's corner `index`, and the facet opposite to it
     friend bool operator==(const Corner&, const Corner&) = default;
   };
 
-  // The corners of facet i, opposite to corner i: they and i, in this order, turn as
-  // 0 1 2 3 do. So of a finite tetrahedron Orientation(they, x) > 0 if x is on its side.
+  // The corners of facet i, opposite to corner i. With i behind them they turn as 0 1 2 3 do. So in
+  // a finite tetrahedron Orientation(facet i, x) > 0 if x is on its side.
   static constexpr std::array<std::array<std::uint8_t, 3>, 4> kFacet = {
       {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
 
-  // Starts over with the box between lo and hi, lo < hi in all coordinates. Its corners
-  // become vertices `corners`: bit k of i is set if corner i is high in coordinate k.
+  // Starts over with the box between lo and hi, lo < hi in all coordinates. Its corners become
+  // vertices `corners`: bit k of i is set if corner i is high in coordinate k.
   void Reset(const geometry::Point3& lo, const geometry::Point3& hi,
              const std::array<VertexIndex, 8>& corners);
 
-  // Makes p, distinct from all points present, vertex v (an index not in use).
-  // `near` is any present vertex; the nearer, the faster. Returns nothing; see
-  // created() and deleted().
+  // Makes p, distinct from all points present, vertex v (an index not in use). `near` is any
+  // present vertex; the nearer, the faster. See created() and deleted() for the changes.
   void Insert(VertexIndex v, const geometry::Point3& p, VertexIndex near) {
     InsertAt(v, p, Locate(p, near));
   }
 
-  // Insert that saves the walk: `conflicting` is any tetrahedron with Conflicts(it, p).
+  // Insert without the walk: `conflicting` is any tetrahedron with Conflicts(it, p).
   void InsertAt(VertexIndex v, const geometry::Point3& p, SimplexIndex conflicting);
 
-  // Codes have 29 bits for a tetrahedron. An insertion holds those that it unmakes until it has
-  // made others, less than two for each vertex; a removal likewise. Where there might not be room
-  // for that, Insert and Remove do nothing, and what this holds is no longer the tetrahedralisation
-  // of what was asked for, until Reset.
+  // True if room for tetrahedra ran out: a code has 29 bits for one. An insertion or a removal
+  // keeps the tetrahedra that it deletes until it has made others, less than two for each vertex.
+  // If there might be no room for that, Insert and Remove do nothing. From then on, until Reset,
+  // this is not the tetrahedralisation of the requested points.
   bool is_full() const { return is_full_; }
   void set_most_simplices(std::size_t most) { most_simplices_ = most; }  // for tests
 
   // Removes vertex v, none of the eight corners.
   void Remove(VertexIndex v);
 
-  // Inserts many in an order that is fast whatever the input (rounds of random
-  // priority, Hilbert order within a round). indices.size() == points.size(). Leaves
-  // created() and deleted() empty. Stops when it is full.
+  // Inserts many points in an order that is fast whatever the input (rounds of random priority,
+  // Hilbert order within a round). indices.size() == points.size(). Leaves created() and deleted()
+  // empty. Stops when it is full.
   void InsertAll(std::span<const VertexIndex> indices, std::span<const geometry::Point3> points);
 
   bool Contains(VertexIndex v) const { return v < places_.size() && places_[v].incident != kNone; }
   const geometry::Point3& position(VertexIndex v) const { return places_[v].point; }
   std::size_t vertex_count() const { return vertex_count_; }  // without kInfinite
-  std::size_t simplex_count() const {                         // finite ones
+  std::size_t simplex_count() const {                         // finite ones only
     return tetrahedra_.size() - free_.size() - infinite_count_;
   }
 
-  // Tetrahedra that the last Insert or Remove made / unmade, infinite ones included.
-  // Indices of deleted ones may be reused by created ones: deleted ones are given by their
-  // vertices. Valid until the next change. Created ones of an Insert have the new vertex
-  // as corner 3.
+  // Tetrahedra that the last Insert or Remove made / deleted, infinite ones included. Created ones
+  // may reuse indices of deleted ones, so deleted ones are given by their vertices. Valid until the
+  // next change. Created ones of an Insert have the new vertex as corner 3.
   std::span<const SimplexIndex> created() const { return created_; }
   std::span<const std::array<VertexIndex, 4>> deleted() const { return deleted_; }
   // Their tags.
   std::span<const std::uint64_t> deleted_tags() const { return deleted_tags_; }
 
-  // Some corner at v (kInfinite too).
+  // Some corner at v (also for kInfinite).
   Corner Around(VertexIndex v) const {
     return ToCorner(v == kInfinite ? infinite_incident_ : places_[v].incident);
   }
-  // All tetrahedra at v (kInfinite too), each as the key of one number. `star` is the
-  // caller's, to be kept from call to call.
+  // All tetrahedra at v (also for kInfinite), as keys of one number each. `star` is the caller's,
+  // to be reused from call to call.
   using Star = NumberTable<1>;
   void SimplicesAround(VertexIndex v, Star* star) const;
-  // Calls f(t) for each tetrahedron at v. Allocates: where that does not matter.
+  // Calls f(t) for each tetrahedron at v. Allocates: for use where that does not matter.
   template <class F>
   void ForEachSimplexAround(VertexIndex v, F f) const {
     Star star;
@@ -111,12 +109,12 @@ class DelaunayTetrahedralization {
     for (const auto& [t] : star.keys()) f(t);
   }
   using VertexLink = mesh::VertexLink;
-  // The link of v, kInfinite being a neighbour like others, which makes it no closed one; but for
-  // what is across its edges, which link->Join() finds. `link` is the caller's, to be kept from
-  // call to call. O(its size).
+  // The link of v. kInfinite is a neighbour like others, but makes the link no closed one. What is
+  // across its edges is left to link->Join(). `link` is the caller's, to be reused from call to
+  // call. O(its size).
   void LinkOf(VertexIndex v, VertexLink* link) const;
-  // Brings what a walk around v reads first into the cache, if called for each step, 0 to
-  // kPrefetchSteps - 1, with some time between. v must be present.
+  // Prefetches what a walk around v reads first. Call it for each step, 0 to kPrefetchSteps - 1,
+  // with some time between. v must be present.
   static constexpr int kPrefetchSteps = 4;
   void PrefetchAround(VertexIndex v, int step) const {
     if (step == 0) {
@@ -142,12 +140,13 @@ class DelaunayTetrahedralization {
 
   // Vertices of a tetrahedron, positively oriented; one may be kInfinite.
   const std::array<VertexIndex, 4>& vertices(SimplexIndex t) const { return tetrahedra_[t].v; }
-  // True of unused indices too, so a loop below simplex_limit() needs no other test.
+  // Also true for unused indices, so a loop below simplex_limit() needs no other test.
   bool IsInfinite(SimplexIndex t) const { return tetrahedra_[t].HasInfinite(); }
   bool IsUnused(SimplexIndex t) const { return tetrahedra_[t].IsUnused(); }
   SimplexIndex simplex_limit() const { return static_cast<SimplexIndex>(tetrahedra_.size()); }
 
-  // Would p, distinct from all vertices, unmake tetrahedron t? Exact, ties by coordinates.
+  // True if inserting p, distinct from all vertices, would delete tetrahedron t. Exact, ties by
+  // coordinates.
   bool Conflicts(SimplexIndex t, const geometry::Point3& p) const {
     const Tetrahedron& tetrahedron = tetrahedra_[t];
     const double distance = tetrahedron.SquaredDistance(p);
@@ -156,11 +155,11 @@ class DelaunayTetrahedralization {
     return ConflictsExactly(tetrahedron, p);
   }
 
-  // Does t keep its circumscribed sphere in doubles, so that conflicts rarely need more? Not
-  // if it is infinite or flat as far as doubles tell.
+  // True if t keeps its circumscribed sphere in doubles, so that conflicts rarely need more. False
+  // if t is infinite, or flat as far as doubles can tell.
   bool HasSphere(SimplexIndex t) const { return tetrahedra_[t].low >= 0; }
-  // The squared radius is between low and high, and the true center not farther from this one than
-  // (high - low) / sqrt(high) is. REQUIRES: HasSphere(t).
+  // The squared radius is between low and high. The true center is at most (high - low) /
+  // sqrt(high) away from `center`. REQUIRES: HasSphere(t).
   struct Sphere {
     geometry::Point3 center;
     double low, high;
@@ -170,27 +169,27 @@ class DelaunayTetrahedralization {
     return {{tetrahedron.center}, tetrahedron.low, tetrahedron.high};
   }
 
-  // Eight bytes of each tetrahedron for the caller; zero in one just made.
+  // Eight bytes of each tetrahedron for the caller; zero in a new one.
   std::uint64_t tag(SimplexIndex t) const { return tags_[t]; }
   void set_tag(SimplexIndex t, std::uint64_t tag) { tags_[t] = tag; }
 
-  // A tetrahedron that holds p (closed; infinite only if p is outside the box), from
+  // A tetrahedron that contains p (closed; infinite only if p is outside the box), searched from
   // `near`. If p is no vertex, the tetrahedron conflicts with p.
   SimplexIndex Locate(const geometry::Point3& p, VertexIndex near) const {
     return LocateFrom(p, (Contains(near) ? places_[near].incident : infinite_incident_) >> 2);
   }
   SimplexIndex LocateFrom(const geometry::Point3& p, SimplexIndex start) const;
 
-  // What inserting p would do: `simplices` would go, and each of `facets` and p, in this order
-  // positive, would come. `cavity` is the caller's, to be kept from call to call. O(its size).
-  // REQUIRES: p is inside the hull, no vertex, and Conflicts(conflicting, p).
+  // What inserting p would do: `simplices` would go; a tetrahedron of each of `facets` and p,
+  // positive in this order, would come. `cavity` is the caller's, to be reused from call to call.
+  // O(its size). REQUIRES: p is inside the hull, no vertex, and Conflicts(conflicting, p).
   struct Cavity {
     NumberTable<1> simplices;
     std::vector<std::array<VertexIndex, 3>> facets;
   };
   void CavityOf(const geometry::Point3& p, SimplexIndex conflicting, Cavity* cavity) const;
 
-  // Becomes what `other` is.
+  // Becomes a copy of `other`.
   void Copy(const DelaunayTetrahedralization& other);
 
   // Calls f(t) for each finite tetrahedron.
@@ -201,17 +200,18 @@ class DelaunayTetrahedralization {
     }
   }
 
-  // Room for that many vertices (indices below it) without further allocation, unless they
-  // are placed so that there are more than 7 tetrahedra to each.
+  // Reserves room for that many vertices (indices below it). No further allocation, unless they are
+  // placed so that there are more than 7 tetrahedra per vertex.
   void Reserve(std::size_t vertices);
 
-  // Every topological and Delaunay invariant, O(size log size); false with `*why` set.
+  // Checks every topological and Delaunay invariant, O(size log size). False with `*why` set if one
+  // is violated.
   bool Check(std::string* why) const;
   std::size_t bytes() const;
 
  private:
-  // A corner packed: tetrahedron * 4 + index. During an insertion a facet of the cavity's
-  // surface has its number there instead, plus kRim.
+  // A packed corner: tetrahedron * 4 + index. During an insertion a facet of the cavity's surface
+  // has its number + kRim instead.
   using Code = std::uint32_t;
   static constexpr Code kRim = Code{1} << 31;
   static constexpr Code ToCode(SimplexIndex t, int index) {
@@ -219,8 +219,8 @@ class DelaunayTetrahedralization {
   }
   static constexpr Corner ToCorner(Code c) { return {c >> 2, static_cast<int>(c & 3)}; }
 
-  // One cache line. The sphere answers most conflict tests with a few operations; see
-  // SetSphere for its error. Unused ones have only kInfinite as vertices.
+  // One cache line. The sphere answers most conflict tests with a few operations; see SetSphere for
+  // its error. Unused ones have only kInfinite as vertices.
   struct alignas(64) Tetrahedron {
     std::array<VertexIndex, 4> v;
     std::array<Code, 4> opposite;  // the corner that faces corner i across its facet
@@ -232,7 +232,7 @@ class DelaunayTetrahedralization {
     int InfiniteCorner() const {
       return v[0] == kInfinite ? 0 : v[1] == kInfinite ? 1 : v[2] == kInfinite ? 2 : 3;
     }
-    // Without branches: any corner is as likely. REQUIRES: u is one.
+    // Without branches, as all corners are equally likely. REQUIRES: u is a corner.
     int CornerOf(VertexIndex u) const {
       return static_cast<int>(v[1] == u) + 2 * static_cast<int>(v[2] == u) +
              3 * static_cast<int>(v[3] == u);
@@ -241,7 +241,7 @@ class DelaunayTetrahedralization {
       const double x = p[0] - center[0], y = p[1] - center[1], z = p[2] - center[2];
       return x * x + y * y + z * z;
     }
-    // In the cavity that is just being collected.
+    // True if in the cavity that is being collected.
     bool IsMarked() const { return low == kMarkedLow; }
     void Mark() { low = kMarkedLow, high = kNoHigh; }
   };
@@ -251,7 +251,7 @@ class DelaunayTetrahedralization {
   struct Place {
     geometry::Point3 point;
     Code incident = kNone;         // some corner
-    std::uint32_t number = kNone;  // of the vertex on the rim, while that is linked
+    std::uint32_t number = kNone;  // number of the vertex on the rim, while the rim is linked
   };
 
   // A facet of a cavity's surface, by the corners on both sides.
@@ -271,16 +271,17 @@ class DelaunayTetrahedralization {
   // Starts over with one positively oriented tetrahedron.
   void StartFrom(const std::array<VertexIndex, 4>& v, const std::array<geometry::Point3, 4>& p);
   void AddVertex(VertexIndex v, const geometry::Point3& p);
-  // Is there no room for so many more? Says so from then on, and reports no change.
+  // True if there is no room for `more` tetrahedra. Then is_full() from now on, and no change is
+  // reported.
   bool Overflows(std::size_t more);
-  // Makes created_ so many unused tetrahedra.
+  // Fills created_ with so many unused tetrahedra.
   void Allocate(std::size_t count);
-  // Sets vertices, sphere, tag, incidences and counts; links remain to be set.
+  // Sets vertices, sphere, tag, incidences and counts, but not the links.
   void Make(SimplexIndex t, const std::array<VertexIndex, 4>& v);
-  // Reports them as deleted and frees them.
+  // Reports the tetrahedra as deleted and frees them.
   void Delete(std::span<const SimplexIndex> all);
 
-  // Fills cavity_ with the tetrahedra in conflict with p and rim_ with the facets around.
+  // Fills cavity_ with the tetrahedra in conflict with p and rim_ with the facets around them.
   void FindCavity(const geometry::Point3& p, SimplexIndex start);
   void FillCavityFrom(VertexIndex v);
   void LinkByTable();
@@ -301,7 +302,7 @@ class DelaunayTetrahedralization {
   LargeVector<Tetrahedron> tetrahedra_;
   LargeVector<std::uint64_t> tags_;  // by tetrahedron
   LargeVector<Place> places_;        // by vertex
-  std::vector<SimplexIndex> free_;   // unused tetrahedra, the last are reused first
+  std::vector<SimplexIndex> free_;   // unused tetrahedra; the last ones are reused first
   Code infinite_incident_ = kNone;
   std::size_t vertex_count_ = 0;
   std::size_t infinite_count_ = 0;  // infinite tetrahedra
@@ -313,13 +314,13 @@ class DelaunayTetrahedralization {
   std::vector<std::array<VertexIndex, 4>> deleted_;
   std::vector<std::uint64_t> deleted_tags_;
 
-  // Kept from call to call so that none allocates.
+  // Reused from call to call to avoid allocation.
   std::vector<SimplexIndex> cavity_;
   std::vector<RimFacet> rim_;
   static constexpr std::uint32_t kMaxTableVertices = 32;
   std::array<Code, kMaxTableVertices * kMaxTableVertices> edges_;
   std::vector<std::array<std::uint32_t, 3>> edge_entries_;
-  struct Hole;  // what removals keep
+  struct Hole;  // scratch of removals
   struct DeleteHole {
     void operator()(Hole* hole) const;
   };

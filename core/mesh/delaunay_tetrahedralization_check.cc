@@ -1,4 +1,4 @@
-// The checker of DelaunayTetrahedralization: every invariant by its definition, for tests.
+// The checker of DelaunayTetrahedralization, for tests: every invariant by its definition.
 #include <algorithm>
 
 #include "core/geometry/space_predicates.h"
@@ -55,8 +55,8 @@ bool DelaunayTetrahedralization::CheckTetrahedron(SimplexIndex t, std::string* w
     if (facet != back) {
       return Fail(why, "tetrahedra ", t, " and ", across.simplex, " share no facet");
     }
-    // Locally Delaunay everywhere is Delaunay; for infinite ones it says that the hull is
-    // convex. The cached sphere must agree with the exact test.
+    // Locally Delaunay everywhere implies Delaunay. For infinite tetrahedra this says that the hull
+    // is convex. The cached sphere must agree with the exact test.
     const VertexIndex apex = other[across.index];
     if (apex == kInfinite) continue;
     const Point3& p = places_[apex].point;
@@ -72,9 +72,9 @@ bool DelaunayTetrahedralization::CheckTetrahedron(SimplexIndex t, std::string* w
   return true;
 }
 
-// The tetrahedra at a vertex must be one connected star, and its surface a sphere: F
-// triangles with F / 2 + 2 vertices. Then the whole is a closed manifold, and Euler's
-// V - E + T = 0 (each facet having two tetrahedra) says that nothing is missing.
+// The tetrahedra at a vertex must be one connected star with a sphere as its surface: F triangles
+// with F / 2 + 2 vertices. Then the whole is a closed manifold. Euler's V - E + T = 0 (each facet
+// has two tetrahedra) then says that nothing is missing.
 bool DelaunayTetrahedralization::CheckStars(std::string* why) const {
   Star star;
   NumberTable<1> neighbours;

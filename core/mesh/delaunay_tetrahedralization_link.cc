@@ -1,7 +1,7 @@
 // The walk around a vertex, from triangle to triangle of its link.
 //
-// Tetrahedra are asked for when they are found and read when their turn comes: between the two is
-// time to fetch them. To be known, none need be looked up: a triangle is, if one of its edges is.
+// A tetrahedron is prefetched when it is found and read later, at its turn. To test whether a
+// triangle is known, no tetrahedron is read: it is known if one of its edges is.
 #include "core/mesh/delaunay_tetrahedralization.h"
 
 namespace dynmesh::mesh {
@@ -29,7 +29,7 @@ bool DelaunayTetrahedralization::WalkAround(VertexIndex v, Tables& tables, Verte
     link->simplices.push_back(t);
   };
   std::size_t end = 0;
-  // From the last triangle over the edge opposite to its corner k, which is (a, b) beyond.
+  // From the last triangle across the edge opposite to its corner k: (a, b) as seen from beyond.
   const auto cross = [&](Code beyond, std::size_t k, int a, int b) {
     __builtin_prefetch(&tetrahedra_[beyond >> 2]);
     crossings[end] = std::uint64_t{beyond} << 32 | (triangles.size() - 1) << 2 | k;

@@ -1,10 +1,11 @@
-// Removal of a vertex v. Its star makes way. What fills the hole are tetrahedra that v
-// would unmake: v's insertion would restore the star. They are empty of all vertices and
-// their corners are on the hole's surface, the link of v, so they occur in the
-// tetrahedralisation of the link's vertices alone; and there they are all that v unmakes,
-// since the star occurs in that of the link and v, too. So the link is tetrahedralised by
-// itself, and what conflicts with v copied into the hole. If v was on a face of the box,
-// kInfinite is in its link, and infinite tetrahedra are copied like others.
+// Removal of a vertex v. Its star is removed, and the hole is filled.
+// 1. What fills the hole are tetrahedra that v would delete: inserting v would restore the star.
+// 2. They are empty of all vertices, and their corners are on the hole's surface, the link of v. So
+//    they occur in the tetrahedralisation of the link's vertices alone.
+// 3. There they are all that v deletes, since the star occurs in that of the link and v, too.
+// 4. So the link is tetrahedralised by itself, and what conflicts with v is copied into the hole.
+//    If v was on a face of the box, kInfinite is in its link, and infinite tetrahedra are copied
+//    like others.
 #include <algorithm>
 #include <cassert>
 #include <utility>
@@ -19,7 +20,7 @@ using geometry::Point3;
 
 namespace {
 
-// Up to so many vertices of a link are inserted as they come.
+// Up to so many vertices of a link are inserted in the given order.
 constexpr std::size_t kSmallLink = 64;
 
 std::array<std::uint32_t, 3> Sorted(std::array<std::uint32_t, 3> facet) {
@@ -76,14 +77,14 @@ void DelaunayTetrahedralization::Remove(VertexIndex v) {
   FillHole();
 }
 
-// Leaves in hole_->link the tetrahedralisation of v's link, its cavity_ being what v unmakes.
+// Tetrahedralises the vertices of v's link into hole_->link. Its cavity_ becomes what v deletes.
 void DelaunayTetrahedralization::TriangulateLink(VertexIndex v) {
   DelaunayTetrahedralization& link = hole_->link;
   const auto vertices = hole_->vertices.keys();
   const auto count = static_cast<std::uint32_t>(vertices.size());
   const auto place = [&](VertexIndex i) -> const Point3& { return places_[vertices[i][0]].point; };
-  // It starts from a finite tetrahedron of v, with another vertex in place of v that is
-  // off its facet's plane.
+  // Starts from a finite tetrahedron of v, with v replaced by another vertex off the plane of the
+  // opposite facet.
   const auto star = hole_->star.keys();
   const auto finite =
       std::find_if(star.begin(), star.end(), [&](const auto& t) { return !IsInfinite(t[0]); });
@@ -125,7 +126,7 @@ void DelaunayTetrahedralization::FillHole() {
   const auto to_vertex = [&](VertexIndex u) {
     return u == kInfinite ? kInfinite : hole_->vertices.keys()[u][0];
   };
-  // Number in link.cavity_, then in created_, remembered in the tag.
+  // The tag is the index in link.cavity_, which is also the index in created_.
   Allocate(link.cavity_.size());
   for (std::uint32_t n = 0; n < created_.size(); ++n) hole_->link.set_tag(link.cavity_[n], n);
   assert(link.rim_.size() == hole_->outside.size());

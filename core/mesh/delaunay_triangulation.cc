@@ -39,7 +39,7 @@ void DelaunayTriangulation::Reset(const Point2& lo, const Point2& hi,
   AddVertex(b, {{hi[0], lo[1]}});
   AddVertex(c, hi);
   AddVertex(d, {{lo[0], hi[1]}});
-  // The four are cocircular, and c, the greatest, is the one cut off.
+  // The four are cocircular; c, the greatest, is cut off.
   triangles_.resize(6);
   MakeTriangle(0, a, b, d);
   MakeTriangle(1, c, d, b);
@@ -120,22 +120,23 @@ void DelaunayTriangulation::SetNoCircle(Triangle* t) {
   t->power_error = std::numeric_limits<double>::infinity();
 }
 
-// The error of the cached circle, u = 2^-53, to first order in u. About c, with
-// p = a - c, q = b - c, r = p x q, the center is w = (q_y p^2 - p_y q^2, ...) / 2r, its
-// length the radius R; k = |p||q|/r >= 1.
-//   Coordinates of p, q: u. p^2: 4u. So each product of the numerator errs by 7u of
-// itself, the vector by 7u |p||q|(|p|+|q|) / 2r <= 14 u k R since |p|, |q| <= 2R. r errs
-// by 4u |p||q|, 4 u k of itself; scaling adds 2u. In all |dw| <= 20 u k R. Adding c
-// rounds by m u, m = |center_x| + |center_y|; so the center errs by at most
-// e = 20 u k R + m u. The squared radius errs by 40 u k R^2 + 2 u R^2.
-//   For x within 2R of the true center the test errs by 4 R e for the center, the error
-// of the squared radius, 16 u R^2 for the squares and 3 u R^2 for the last difference:
-// below 141 u k R^2 + 4 u R m. Taken are 176 and 5: the quarter more covers the terms of
-// second order as long as the whole is below R^2 / 4 (then u k < 2^-9); beyond, the
-// circle is declared useless. R is bounded by |w_x| + |w_y|, k by (p^2 + q^2) / 2r.
-//   For x farther away, s > 2R, the true value exceeds 3/4 s^2, and the same terms come
-// to less than s^2/10: what is computed exceeds 2 R^2 > R^2 / 4, and rightly says outside.
-//   Overflow, underflow and cancelled r end as infinities or NaNs: useless as well.
+// The error of the cached circle, u = 2^-53, to first order in u. Seen from c, with
+// p = a - c, q = b - c, r = p x q, the center is w = (q_y p^2 - p_y q^2, ...) / 2r, its length the
+// radius R. Let k = |p||q|/r >= 1.
+// 1. Coordinates of p, q err by u, p^2 by 4u. So each product of the numerator errs by 7u of
+//    itself, the vector by 7u |p||q|(|p|+|q|) / 2r <= 14 u k R since |p|, |q| <= 2R.
+// 2. r errs by 4u |p||q|, 4 u k of itself; scaling adds 2u. In all |dw| <= 20 u k R.
+// 3. Adding c rounds by m u, m = |center_x| + |center_y|. So the center errs by at most
+//    e = 20 u k R + m u. The squared radius errs by 40 u k R^2 + 2 u R^2.
+// 4. For x within 2R of the true center the test errs by 4 R e for the center, the error of the
+//    squared radius, 16 u R^2 for the squares and 3 u R^2 for the last difference: below
+//    141 u k R^2 + 4 u R m.
+// 5. Taken are 176 and 5. The extra quarter covers the terms of second order as long as the whole
+//    is below R^2 / 4 (then u k < 2^-9); beyond, the circle is declared useless. R is bounded by
+//    |w_x| + |w_y|, k by (p^2 + q^2) / 2r.
+// 6. For x farther away, s > 2R, the true value exceeds 3/4 s^2, and the same terms come to less
+//    than s^2/10. So the computed value exceeds 2 R^2 > R^2 / 4, and rightly says outside.
+// 7. Overflow, underflow and cancelled r end as infinities or NaNs: useless as well.
 void DelaunayTriangulation::SetCircle(Triangle* t, const Point2& a, const Point2& b,
                                       const Point2& c) {
   constexpr double kRoundoff = 0x1p-53;
@@ -151,15 +152,15 @@ void DelaunayTriangulation::SetCircle(Triangle* t, const Point2& a, const Point2
   const double m = std::fabs(t->center_x) + std::fabs(t->center_y);
   const double error = 176 * kRoundoff * ((p2 + q2) * scale) * r2 +
                        5 * kRoundoff * (std::fabs(wx) + std::fabs(wy)) * m;
-  // A negative scale makes the first term negative; it must not pass either.
+  // If the scale is negative, so is the first term; this must not pass either.
   const bool useful = scale > 0 && error < 0.25 * r2;
   t->power_error = useful ? error : std::numeric_limits<double>::infinity();
 }
 
 bool DelaunayTriangulation::ConflictsExactly(const Triangle& t, const Point2& p) const {
   if (!t.HasInfinite()) return InCircle(points_[t.v[0]], points_[t.v[1]], points_[t.v[2]], p);
-  // The "circle" of an infinite triangle is the open half-plane beyond its edge and the
-  // edge itself, whose ends p is not.
+  // The "circle" of an infinite triangle is the open half-plane beyond its edge and the edge
+  // itself. (p is none of the edge's ends.)
   const std::size_t i = t.v[0] == kInfinite ? 0 : t.v[1] == kInfinite ? 1 : 2;
   const Point2& a = points_[t.v[(i + 1) % 3]];
   const Point2& b = points_[t.v[(i + 2) % 3]];
@@ -172,9 +173,8 @@ DelaunayTriangulation::SimplexIndex DelaunayTriangulation::Locate(const Point2& 
   return LocateFrom(p, (Contains(near) ? incident_[near] : infinite_incident_) >> 2);
 }
 
-// The visibility walk: over any edge that has p strictly beyond. In a Delaunay
-// triangulation (of a lifted set, so with ties broken too) it cannot cycle: the power of
-// p falls with each step.
+// The visibility walk: crosses any edge that has p strictly beyond. In a Delaunay triangulation (of
+// a lifted set, so with ties broken, too) it cannot cycle: the power of p falls with each step.
 DelaunayTriangulation::SimplexIndex DelaunayTriangulation::LocateFrom(const Point2& p,
                                                                       SimplexIndex start) const {
   const Triangle* t = &triangles_[start];
@@ -205,9 +205,9 @@ void DelaunayTriangulation::InsertAt(VertexIndex v, const Point2& p, SimplexInde
   FillCavityFrom(v, p);
 }
 
-// Depth first, each triangle's edges in counter-clockwise order, so that the rim comes
-// out in that order too. The triangles in conflict form a tree: together they are a disc
-// with no vertex inside. So none is met twice and none needs a mark.
+// Depth first, each triangle's edges in counter-clockwise order, so that the rim comes out in that
+// order, too. The triangles in conflict form a tree: together they are a disc with no vertex
+// inside. So each is met only once and needs no mark.
 void DelaunayTriangulation::FindCavity(const Point2& p, SimplexIndex start) {
   cavity_.clear();
   rim_.clear();
@@ -236,12 +236,12 @@ void DelaunayTriangulation::FindCavity(const Point2& p, SimplexIndex start) {
     } else {
       const VertexIndex a = t.v[NextIndex(inside.index)];
       rim_.push_back({a, t.v[PreviousIndex(inside.index)], code});
-      if (a != kInfinite) __builtin_prefetch(&points_[a]);  // wanted by the filling
+      if (a != kInfinite) __builtin_prefetch(&points_[a]);  // needed when the cavity is filled
     }
   }
 }
 
-// One triangle per rim edge. Corner 2 is v, corner 0 the start of the edge.
+// Makes one triangle per rim edge. Corner 2 is v, corner 0 the start of the edge.
 void DelaunayTriangulation::FillCavityFrom(VertexIndex v, const Point2& p) {
   const std::size_t count = rim_.size();
   assert(count == cavity_.size() + 2);
@@ -277,7 +277,7 @@ void DelaunayTriangulation::FillCavityFrom(VertexIndex v, const Point2& p) {
       SetNoCircle(&triangle);
       if (edge.a == kInfinite) {
         infinite_incident_ = ToCode(t, 0);
-        ++hull_count_;  // v has this one edge to infinity
+        ++hull_count_;  // this is v's edge to infinity
       } else {
         incident[edge.a] = ToCode(t, 0);
       }

@@ -1,15 +1,14 @@
-// The Delaunay triangulation of a changing set of points in the plane: exact, and
-// unique because ties are broken by coordinates (geometry/predicates.h). It is a
-// function of the point set alone, whatever order points came and went in.
+// The Delaunay triangulation of a changing set of 2D points. Exact, and unique because ties are
+// broken by coordinates (geometry/predicates.h). It is a function of the point set alone, whatever
+// the order of insertions and removals.
 //
-// The first four points are the corners of a box that holds all others in its closed
-// inside. Further points may lie on the box's sides; these may be removed like any
-// other, only the corners stay. Beyond the hull there is one symbolic vertex,
-// kInfinite, so that every edge has two triangles.
+// The first four points are the corners of a box that holds all others in its closed inside.
+// Further points may lie on the box's sides. These may be removed like any other; only the corners
+// stay. Beyond the hull there is one symbolic vertex, kInfinite, so that every edge has two
+// triangles.
 //
-// Topology stands apart from meaning: vertices are the caller's indices.
-// Thread-compatible. Insert and Remove cost O(degree) with a good hint; memory is 64
-// bytes per triangle, 20 per vertex index.
+// This class holds topology only; vertices are the caller's indices. Thread-compatible. Insert and
+// Remove cost O(degree) with a good hint. Memory is 64 bytes per triangle, 20 per vertex index.
 #ifndef DYNMESH_CORE_MESH_DELAUNAY_TRIANGULATION_H_
 #define DYNMESH_CORE_MESH_DELAUNAY_TRIANGULATION_H_
 
@@ -32,57 +31,58 @@ class DelaunayTriangulation {
   static constexpr VertexIndex kInfinite = ~VertexIndex{0};
   static constexpr SimplexIndex kNone = ~SimplexIndex{0};
 
-  // Where a walk turns counter-clockwise around a vertex.
+  // A triangle and one of its corners: the position of a walk that turns counter-clockwise around a
+  // vertex.
   struct Corner {
     SimplexIndex simplex;
     int index;  // the vertex is the triangle's corner `index`
     friend bool operator==(const Corner&, const Corner&) = default;
   };
 
-  // Starts over with the box whose corners are lo and hi; they become vertices
-  // `corners` in the order (lo,lo) (hi,lo) (hi,hi) (lo,hi). lo < hi in both coordinates.
+  // Starts over with the box that has corners lo and hi. Its corners become vertices `corners` in
+  // the order (lo,lo) (hi,lo) (hi,hi) (lo,hi). lo < hi in both coordinates.
   void Reset(const geometry::Point2& lo, const geometry::Point2& hi,
              const std::array<VertexIndex, 4>& corners);
 
-  // Makes p, distinct from all points present, vertex v (an index not in use).
-  // `near` is any present vertex; the nearer, the faster. Returns nothing; see
-  // created() and deleted().
+  // Makes p, distinct from all points present, vertex v (an index not in use). `near` is any
+  // present vertex; the nearer, the faster. See created() and deleted() for the changes.
   void Insert(VertexIndex v, const geometry::Point2& p, VertexIndex near) {
     InsertAt(v, p, Locate(p, near));
   }
 
-  // Insert that saves the walk: `conflicting` is any triangle with Conflicts(it, p).
+  // Insert without the walk: `conflicting` is any triangle with Conflicts(it, p).
   void InsertAt(VertexIndex v, const geometry::Point2& p, SimplexIndex conflicting);
 
-  // There are exactly 2 n - 2 triangles of n vertices, infinite ones included, and never more slots
-  // than there once were triangles. Codes have 30 bits for a triangle: enough below 2^29 vertices.
+  // n vertices have exactly 2 n - 2 triangles, infinite ones included, and there are never more
+  // slots than there once were triangles. Codes have 30 bits for a triangle: enough below 2^29
+  // vertices.
   static constexpr bool is_full() { return false; }
 
   // Removes vertex v, none of the four corners. O(degree log degree) expected.
   void Remove(VertexIndex v);
 
-  // Inserts many in an order that is fast whatever the input (rounds of random
-  // priority, Hilbert order within a round). indices.size() == points.size(). Leaves
-  // created() and deleted() empty.
+  // Inserts many points in an order that is fast whatever the input (rounds of random priority,
+  // Hilbert order within a round). indices.size() == points.size(). Leaves created() and deleted()
+  // empty.
   void InsertAll(std::span<const VertexIndex> indices, std::span<const geometry::Point2> points);
 
   bool Contains(VertexIndex v) const { return v < incident_.size() && incident_[v] != kNone; }
   const geometry::Point2& position(VertexIndex v) const { return points_[v]; }
   std::size_t vertex_count() const { return vertex_count_; }  // without kInfinite
-  std::size_t simplex_count() const {                         // finite ones, by Euler
+  std::size_t simplex_count() const {                         // finite ones only, by Euler
     return vertex_count_ == 0 ? 0 : 2 * vertex_count_ - 2 - hull_count_;
   }
 
-  // Triangles that the last Insert or Remove made / unmade, infinite ones included.
-  // Indices of deleted triangles may be reused by created ones: deleted ones are
-  // given by their vertices. Valid until the next change. Created ones of an Insert have
-  // the new vertex as corner 2 and stand in counter-clockwise order around it.
+  // Triangles that the last Insert or Remove made / deleted, infinite ones included. Created ones
+  // may reuse indices of deleted ones, so deleted ones are given by their vertices. Valid until the
+  // next change. Created ones of an Insert have the new vertex as corner 2, in counter-clockwise
+  // order around it.
   std::span<const SimplexIndex> created() const { return created_; }
   std::span<const std::array<VertexIndex, 3>> deleted() const { return deleted_; }
   // Their tags.
   std::span<const std::uint64_t> deleted_tags() const { return deleted_tags_; }
 
-  // Some corner at v (kInfinite too); NextAround turns counter-clockwise about the vertex.
+  // Some corner at v (also for kInfinite). NextAround turns counter-clockwise about the vertex.
   Corner Around(VertexIndex v) const {
     return ToCorner(v == kInfinite ? infinite_incident_ : incident_[v]);
   }
@@ -94,8 +94,8 @@ class DelaunayTriangulation {
     const Corner across = Opposite({c.simplex, PreviousIndex(c.index)});
     return {across.simplex, PreviousIndex(across.index)};
   }
-  // All corners at v, counter-clockwise. Walks both ways at once: each step waits for the
-  // memory read in the one before, but not for the other way's.
+  // All corners at v, counter-clockwise. Walks both ways at once: each step waits for the memory
+  // read by the step before, but not for the other way's.
   void CornersAround(VertexIndex v, std::vector<Corner>* corners) const {
     corners->clear();
     std::array<Corner, 16> behind;
@@ -123,9 +123,8 @@ class DelaunayTriangulation {
       corner = NextAround(corner);
     } while (corner.simplex != first.simplex);
   }
-  // Brings what a walk around v reads into the cache, if called for each step, 0 to
-  // kPrefetchSteps - 1, with some time between: each reads what the one before has brought.
-  // v must be present.
+  // Prefetches what a walk around v reads. Call it for each step, 0 to kPrefetchSteps - 1, with
+  // some time between: each step reads what the one before has fetched. v must be present.
   static constexpr int kPrefetchSteps = 3;
   void PrefetchAround(VertexIndex v, int step) const {
     if (step == 0) {
@@ -145,7 +144,7 @@ class DelaunayTriangulation {
   }
   // The corner that faces c across the edge opposite to c.
   Corner Opposite(Corner c) const { return ToCorner(triangles_[c.simplex].opposite[c.index]); }
-  // Brings the triangle of Opposite(c) into the cache.
+  // Prefetches the triangle of Opposite(c).
   void PrefetchOpposite(Corner c) const {
     __builtin_prefetch(&triangles_[triangles_[c.simplex].opposite[c.index] >> 2]);
   }
@@ -160,11 +159,12 @@ class DelaunayTriangulation {
   }
   // Vertices of a triangle, counter-clockwise; one may be kInfinite.
   const std::array<VertexIndex, 3>& vertices(SimplexIndex t) const { return triangles_[t].v; }
-  // True of unused indices too, so a loop below simplex_limit() needs no other test.
+  // Also true for unused indices, so a loop below simplex_limit() needs no other test.
   bool IsInfinite(SimplexIndex t) const { return triangles_[t].HasInfinite(); }
   SimplexIndex simplex_limit() const { return static_cast<SimplexIndex>(triangles_.size()); }
 
-  // Would p, distinct from all vertices, unmake triangle t? Exact, ties by coordinates.
+  // True if inserting p, distinct from all vertices, would delete triangle t. Exact, ties by
+  // coordinates.
   bool Conflicts(SimplexIndex t, const geometry::Point2& p) const {
     const Triangle& triangle = triangles_[t];
     const double dx = p[0] - triangle.center_x;
@@ -175,22 +175,22 @@ class DelaunayTriangulation {
     return ConflictsExactly(triangle, p);
   }
 
-  // The circumscribed circle as rounded once when t was made. Not canonical: its last
-  // bits depend on which corner came first. circle_error(t) bounds the error of
-  // |x - center|^2 - squared_radius for any x not far outside; it is infinite where the
-  // circle is useless (infinite or needle-like triangles).
+  // The circumscribed circle, rounded when t was made. Not canonical: its last bits depend on which
+  // corner came first. circle_error(t) bounds the error of |x - center|^2 - squared_radius for any
+  // x not far outside. It is infinite where the circle is useless (infinite or needle-like
+  // triangles).
   geometry::Point2 circumcenter(SimplexIndex t) const {
     return {{triangles_[t].center_x, triangles_[t].center_y}};
   }
   double squared_circumradius(SimplexIndex t) const { return triangles_[t].squared_radius; }
   double circle_error(SimplexIndex t) const { return triangles_[t].power_error; }
 
-  // Eight bytes of each triangle for the caller; zero in a triangle just made.
+  // Eight bytes of each triangle for the caller; zero in a new one.
   std::uint64_t tag(SimplexIndex t) const { return triangles_[t].tag; }
   void set_tag(SimplexIndex t, std::uint64_t tag) { triangles_[t].tag = tag; }
 
-  // A triangle that holds p (closed; infinite only if p is outside the box), from `near`.
-  // If p is no vertex, the triangle conflicts with p.
+  // A triangle that contains p (closed; infinite only if p is outside the box), searched from
+  // `near`. If p is no vertex, the triangle conflicts with p.
   SimplexIndex Locate(const geometry::Point2& p, VertexIndex near) const;
 
   // Calls f(t) for each finite triangle.
@@ -201,15 +201,16 @@ class DelaunayTriangulation {
     }
   }
 
-  // Room for that many vertices (indices below it) without further allocation.
+  // Reserves room for that many vertices (indices below it) without further allocation.
   void Reserve(std::size_t vertices);
 
-  // Every topological and Delaunay invariant, O(size); false with `*why` set.
+  // Checks every topological and Delaunay invariant, O(size). False with `*why` set if one is
+  // violated.
   bool Check(std::string* why) const;
   std::size_t bytes() const;
 
  private:
-  // A corner packed: triangle * 4 + index.
+  // A packed corner: triangle * 4 + index.
   using Code = std::uint32_t;
   static constexpr Code ToCode(SimplexIndex t, int index) {
     return t << 2 | static_cast<Code>(index);
@@ -228,15 +229,15 @@ class DelaunayTriangulation {
     bool IsUnused() const { return (v[0] & v[1]) == kInfinite; }
   };
 
-  // An edge a->b of the rim of a hole, the hole on its left, and the corner that faces
-  // it from outside.
+  // An edge a->b of the rim of a hole, with the hole on its left, and the corner that faces it from
+  // outside.
   struct RimEdge {
     VertexIndex a, b;
     Code outside;
   };
 
-  // A chain rim_[first..last] (by its vertices a) that waits to be filled, together with
-  // the corner that faces its closing edge last->first.
+  // A chain rim_[first..last] (by its vertices a) that is still to be filled, and the corner that
+  // faces its closing edge last->first.
   struct Gap {
     std::size_t first, last;
     Code outside;
@@ -253,12 +254,12 @@ class DelaunayTriangulation {
   }
 
   void AddVertex(VertexIndex v, const geometry::Point2& p);
-  // Sets vertices, circle and the incidences; links remain to be set.
+  // Sets vertices, circle and incidences, but not the links.
   void MakeTriangle(SimplexIndex t, VertexIndex a, VertexIndex b, VertexIndex c);
   SimplexIndex AllocateTriangle();
   void FreeTriangle(SimplexIndex t);
 
-  // Fills cavity_ with the triangles in conflict with p and rim_ with the edges around.
+  // Fills cavity_ with the triangles in conflict with p and rim_ with the edges around them.
   void FindCavity(const geometry::Point2& p, SimplexIndex start);
   void FillCavityFrom(VertexIndex v, const geometry::Point2& p);
 
@@ -288,7 +289,7 @@ class DelaunayTriangulation {
   std::vector<std::array<VertexIndex, 3>> deleted_;
   std::vector<std::uint64_t> deleted_tags_;
 
-  // Kept from call to call so that none allocates.
+  // Reused from call to call to avoid allocation.
   std::vector<SimplexIndex> cavity_;
   std::vector<RimEdge> rim_;
   std::vector<Code> stack_;

@@ -1,7 +1,6 @@
-// Numbers keys 0, 1, 2, ... in the order in which they come: a set for searches through a
-// mesh that is kept from search to search. Clear costs nothing and keeps the memory, so a
-// search no larger than one before allocates nothing.
-// Thread-compatible. Each operation O(1) expected.
+// Numbers keys 0, 1, 2, ... in the order of their arrival: a set for searches through a mesh,
+// reused from search to search. Clear is free and keeps the memory, so a search no larger than an
+// earlier one allocates nothing. Thread-compatible. Each operation O(1) expected.
 #ifndef DYNMESH_CORE_MESH_NUMBER_TABLE_H_
 #define DYNMESH_CORE_MESH_NUMBER_TABLE_H_
 
@@ -24,7 +23,7 @@ class NumberTable {
   void Clear() {
     keys_.clear();
     if (++stamp_ != 0) return;
-    for (Slot& s : slots_) s.stamp = 0;  // the stamps have come round
+    for (Slot& s : slots_) s.stamp = 0;  // the stamps have wrapped around
     stamp_ = 1;
   }
 
@@ -37,7 +36,7 @@ class NumberTable {
     return slot.stamp == stamp_ ? slot.number : kNone;
   }
 
-  // The number of key, which gets the next one if it has none yet.
+  // The number of key; a new key gets the next number.
   std::uint32_t Number(const Key& key) {
     if (2 * (keys_.size() + 1) > slots_.size()) Grow();
     Slot& slot = slots_[Probe(key)];
@@ -53,19 +52,19 @@ class NumberTable {
   }
 
  private:
-  // In use if stamped as the table is.
+  // In use if its stamp is the table's.
   struct Slot {
     std::uint32_t stamp, number;
   };
 
-  // The library compares arrays by a call, which takes longer than all else here.
+  // The library compares arrays by a call, which costs more than everything else here.
   static bool Same(const Key& a, const Key& b) {
     std::uint32_t differs = 0;
     for (std::size_t i = 0; i < N; ++i) differs |= a[i] ^ b[i];
     return differs == 0;
   }
 
-  // Where key is, or would be put.
+  // The slot of key, or the one where it would be put.
   std::size_t Probe(const Key& key) const {
     std::uint64_t hash = 0;
     for (const std::uint32_t k : key) hash = (hash ^ k) * 0x9e3779b97f4a7c15ULL;

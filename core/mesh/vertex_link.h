@@ -1,7 +1,7 @@
 // The link of a vertex: its neighbours in a tetrahedralisation, and for each tetrahedron at it the
-// triangle of the other three. A closed one is a triangulated sphere.
+// triangle of the other three. A closed link is a triangulated sphere.
 //
-// What the walk around the vertex needs is kept from vertex to vertex, so that none allocates once
+// The scratch of the walk around the vertex is reused from vertex to vertex: no allocation once
 // warm. Thread-compatible.
 #ifndef DYNMESH_CORE_MESH_VERTEX_LINK_H_
 #define DYNMESH_CORE_MESH_VERTEX_LINK_H_
@@ -15,10 +15,10 @@
 
 namespace dynmesh::mesh {
 
-// The tables of a walk from triangle to triangle of a link: numbers for the neighbours, as they
-// come, and the triangle to whose left each directed edge between two of them is. These are for up
-// to kMost neighbours: what is asked is answered by one place in the first-level cache, without a
-// branch that would be mispredicted.
+// The tables of a walk from triangle to triangle of a link: numbers for the neighbours, in order of
+// arrival, and for each directed edge between two of them the triangle to its left. For at most
+// kMost neighbours: a query reads one entry in the first-level cache, without a branch that would
+// be mispredicted.
 class SmallLinkTables {
  public:
   static constexpr int kMost = 64;
@@ -27,10 +27,10 @@ class SmallLinkTables {
     slots_.fill(kFree);
     count_ = 0;
     if (++stamp_ < 1u << (32 - kTriangleBits)) return;
-    edges_.fill(0);  // the stamps have come round
+    edges_.fill(0);  // the stamps have wrapped around
     stamp_ = 1;
   }
-  // The number of neighbour u, who gets the next one if he has none yet.
+  // The number of neighbour u; a new one gets the next number.
   int Number(std::uint32_t u) {
     ids_[count_] = u;
     for (std::uint32_t at = u * 0x9e3779b1u >> 24;; at = (at + 1) % kSlots) {
@@ -41,7 +41,7 @@ class SmallLinkTables {
       return number;
     }
   }
-  // With more neighbours than that nothing may be asked any more.
+  // With more than kMost neighbours no query is allowed.
   bool IsTooSmall() const { return count_ > kMost; }
   int count() const { return count_; }
   std::uint32_t id(int number) const { return ids_[number]; }
@@ -57,11 +57,11 @@ class SmallLinkTables {
  private:
   static constexpr std::uint32_t kSlots = 256;
   static constexpr std::uint8_t kFree = 255;
-  static constexpr int kRow = kMost + 1;   // numbers go to kMost
+  static constexpr int kRow = kMost + 1;   // numbers are 0 .. kMost
   static constexpr int kTriangleBits = 8;  // there are at most 2 kMost - 4
 
   std::array<std::uint8_t, kSlots> slots_;   // numbers, by hash
-  std::array<std::uint32_t, kRow + 1> ids_;  // by number; behind them, who is asked for
+  std::array<std::uint32_t, kRow + 1> ids_;  // by number; behind them a sentinel for the query
   int count_ = 0;
   std::uint32_t stamp_ = 0;
   std::array<std::uint32_t, kRow* kRow> edges_ = {};
@@ -99,21 +99,23 @@ class LargeLinkTables {
 
 struct VertexLink {
   using Triple = std::array<int, 3>;
-  std::vector<std::uint32_t> neighbours;  // as they come
-  std::vector<Triple> triangles;          // numbers of neighbours; the vertex and they are positive
+  std::vector<std::uint32_t> neighbours;  // in order of arrival
+  std::vector<Triple> triangles;          // numbers of neighbours; with the vertex first they are
+                                          // positive
   std::vector<std::uint32_t> simplices;   // of the triangles
-  bool is_closed = true;                  // all neighbours are finite
+  bool is_closed = true;                  // true if all neighbours are finite
 
-  // By triangle: the one beyond the edge opposite to corner k. Once Join() was called.
+  // By triangle: the triangles beyond the edges opposite to its corners k. Valid after Join().
   std::vector<Triple> across;
   void Join() { is_small ? JoinWith(small) : JoinWith(large); }
 
-  // Of the walk: edges to be crossed. The corner, packed, that faces the triangle being left; below
-  // it that triangle's number times 4 and which of its edges. One word, lest it be waited for.
+  // Scratch of the walk: edges to be crossed. One word each, to need no wait for a second load: the
+  // packed corner that faces the triangle being left, and below it 4 * the triangle's number + its
+  // edge.
   std::vector<std::uint64_t> crossings;
   SmallLinkTables small;
   LargeLinkTables large;
-  bool is_small = true;  // enough
+  bool is_small = true;  // the small tables suffice
 
  private:
   template <class Tables>

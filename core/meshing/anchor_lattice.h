@@ -1,14 +1,14 @@
-// The lattices whose points are the vertices of areas with a target length, and of what is around
-// them: triangular in 2D, body-centred cubic in 3D. A lattice is a function of its *level* alone, a
-// spacing of eight to the octave, so that regions of nearly the same target share one, wherever
-// they lie and move.
+// The lattices of anchors (anchors.h), the vertices of areas with a target length and of their
+// surroundings: triangular in 2D, body-centred cubic in 3D. A lattice is a function of its *level*
+// alone; an octave of spacing has eight levels. So regions of nearly the same target share a
+// lattice, wherever they lie and move.
 //
-// Spacings keep circumradii within target / sqrt 2 (sizing_field.h): triangles have s / sqrt 3,
-// tetrahedra of a cube of side s have s sqrt 5 / 4. Angles are 60 degrees; dihedral angles 60 and
+// Spacings s keep circumradii within target / sqrt 2 (sizing_field.h): s / sqrt 3 for triangles, s
+// sqrt 5 / 4 for the tetrahedra of a cube of side s. Angles are 60 degrees; dihedral angles 60 and
 // 90.
 //
-// A lattice holds those that are whole octaves wider: they are *nested*. So sizes grow from a
-// region outwards without a seam, an octave at a time. Pure; thread-safe.
+// Lattices that differ by whole octaves are *nested*: the finer one contains the wider one. So
+// sizes grow from a region outwards without a seam, octave by octave. Pure; thread-safe.
 #ifndef DYNMESH_CORE_MESHING_ANCHOR_LATTICE_H_
 #define DYNMESH_CORE_MESHING_ANCHOR_LATTICE_H_
 
@@ -27,7 +27,7 @@ template <int D>
 class AnchorLattice {
  public:
   using Point = geometry::Point<D>;
-  // In half spacings along each axis, in 2D in rows along the second: all even or all odd.
+  // In half spacings along each axis (in 2D in rows along the second): all even or all odd.
   using Index = std::array<std::int64_t, D>;
 
   // The level of the widest lattice that is fine enough for a target > 0.
@@ -39,20 +39,21 @@ class AnchorLattice {
   static constexpr int kOctave = 8;
   static bool AreNested(int level, int other) { return ((level ^ other) & (kSteps - 1)) == 0; }
 
-  // How far from a region of level `own` the lattice of a nested level reaches, own or wider.
+  // How far the lattice of `level` extends from a region of level `own`. `level`: own, or wider and
+  // nested.
   static double Reach(int own, int level) {
     return (level == own ? kOwnReach : kWiderReach) * Spacing(level);
   }
-  // No lattice of a finer level reaches as far.
+  // An upper bound for finer levels: no lattice finer than `level` extends as far.
   static double MostReach(int level) { return kWiderReach * Spacing(level); }
-  // Nor has one a region of that target.
+  // A region with this target or more has no lattice finer than `level`.
   static double MostTarget(int level) { return Spacing(level) / kMostSpacing * (1 + 1e-9); }
-  // No lattice of a finer level reaches as far as that distance > 0.
+  // No lattice of a finer level extends as far as `distance` > 0.
   static int LeastLevelAt(double distance) {
     return LevelWithin(distance / kWiderReach * (1 - 1e-9));
   }
 
-  // A point, by the widest level that has it.
+  // A point, identified by the widest level that contains it.
   struct Place {
     int level;
     Index index;
@@ -80,8 +81,8 @@ class AnchorLattice {
     return p;
   }
 
-  // Calls f(index, point) for the points in the box, until f says false. Passes over balls for
-  // which may_matter(centre, radius) says no. False if f did.
+  // Calls f(index, point) for the points in the box until f returns false. Returns false if it did.
+  // Skips balls for which may_matter(centre, radius) is false.
   template <class MayMatter, class F>
   bool ForEachIn(const Extent<D>& box, MayMatter may_matter, F f) const {
     Index lo, hi;
@@ -104,14 +105,13 @@ class AnchorLattice {
                                            1.6817928305074290,
                                            1.8340080864093424};
   static constexpr double kMostSpacing = D == 2 ? 1.22 : 1.26;
-  // Of the own lattice: what a ball that meets the region and is not too large reaches beyond it,
-  // or a little less. Of wider ones: where one octave follows another, all simplices are within rho
-  // = sqrt 2 in 2D, 1.4 in 3D; with 1.25 there are 4 % fewer vertices, but an edit changes twice as
-  // many.
+  // kOwnReach: what a ball that meets the region and is not too large extends beyond it, or a
+  // little less. kWiderReach: where one octave follows another, all simplices have R / e <= sqrt 2
+  // in 2D, 1.4 in 3D. With 1.25 there are 4 % fewer vertices, but an edit changes twice as many.
   static constexpr double kOwnReach = 1.0, kWiderReach = 1.5;
-  static constexpr int kWidest = 1000 * kSteps;  // the origin is of all
+  static constexpr int kWidest = 1000 * kSteps;  // the origin belongs to all levels
 
-  // The widest level whose spacing is at most that.
+  // The widest level with a spacing of at most `spacing`.
   static int LevelWithin(double spacing) {
     constexpr int kMantissaBits = 52, kBias = 1023;
     const auto bits = std::bit_cast<std::uint64_t>(spacing);

@@ -1,17 +1,17 @@
-// Anchors: the vertices that areas with a target length, and what is around them, have from the
-// beginning: points of a lattice (anchor_lattice.h). Refinement fills what is left between them and
-// the features.
+// Anchors: vertices that areas with a target length and their surroundings have from the beginning.
+// They are points of a lattice (anchor_lattice.h). Refinement fills the rest, between anchors and
+// features.
 //
-// Without them nothing but its neighbours would tell where a vertex goes, and an edit would pass on
-// from vertex to vertex across all of the area, or all around it. A region brings its own lattice
-// and, from its border outwards, lattices that are one, two, three ... octaves wider, each as far
-// as its Reach. Where several regions reach, the finest lattice is the one. Its point is an anchor
-// if
-//   no feature is nearer than kClear spacings, nor the domain's border,
-//   no facet and no finer lattice that is not nested is nearer than kClearOfOthers,
-// a function of the regions and features near it. So an edit decides those again that it may
-// concern, and no other changes. Anchors stand outside the time of the trace, as the input does: an
-// anchor is born with it, lies on no feature and has no owner.
+// Without anchors the position of a vertex would depend on its neighbours alone, and an edit would
+// propagate from vertex to vertex across the whole area, or all around it. A region has its own
+// lattice and, from its border outwards, lattices that are one, two, three ... octaves wider, each
+// as far as its Reach. Where several regions reach, the finest lattice counts. Its point is an
+// anchor if
+//   neither a feature nor the domain's border is nearer than kClear spacings,
+//   neither a facet nor a finer lattice that is not nested is nearer than kClearOfOthers spacings.
+// This is a function of the regions and features near the point. So an edit decides again only the
+// points that it may affect. Anchors stand outside the time of the trace, as the input does: an
+// anchor is born with the input, lies on no feature and has no owner.
 #ifndef DYNMESH_CORE_MESHING_ANCHORS_H_
 #define DYNMESH_CORE_MESHING_ANCHORS_H_
 
@@ -25,16 +25,16 @@
 
 namespace dynmesh::meshing {
 
-// How far an anchor keeps from features, in spacings of its lattice. What is left between is a seam
-// of that width.
+// The distance of anchors from features, in spacings of their lattice: the width of the seam
+// between them.
 inline constexpr double kClear = 0.6;
-// From facets, which have anchors of their own (facet_anchors.h), and from lattices. With 0.6 the
-// seam had room for a sheet of vertices, all over which an edit passed on: beside facets 340 of
-// 6,000 to 25,000 changed, now 12.
+// The same from facets, which have anchors of their own (facet_anchors.h), and from other lattices.
+// With 0.6 the seam had room for a sheet of vertices, and an edit propagated all over it: beside
+// facets 340 of 6,000 to 25,000 vertices changed, now 12.
 inline constexpr double kClearOfOthers = 0.3;
 
-// The widest lattice has a point or two along the domain; the finest is not finer than vertices
-// may be.
+// WidestLevel: this lattice has a point or two along the domain. IsInUse: no lattice is finer than
+// vertices may be.
 template <int D, template <class> class E>
 int Refinement<D, E>::WidestLevel() const {
   double side = 0;
@@ -47,13 +47,13 @@ bool Refinement<D, E>::IsInUse(int level) const {
   return level <= WidestLevel() && spacing * spacing > 64 * rules_.least_squared_length();
 }
 
-// The level of the finest lattice that reaches x; above WidestLevel() if none does.
+// The level of the finest lattice that reaches x; more than WidestLevel() if none does.
 template <int D, template <class> class E>
 int Refinement<D, E>::LevelAt(const Point& x) const {
   return sizing_.FinestLevel(x, 0, WidestLevel() + 1);
 }
 
-// `level`: the widest of the point's lattices.
+// `level`: the widest level that contains the point.
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsAnchor(int level, const Point& x) const {
   const int finest = LevelAt(x);
@@ -97,7 +97,8 @@ void Refinement<D, E>::RemoveSize(const SizingRegion<D>& region) {
   changed_sizes_.push_back(region);
 }
 
-// Calls f(level) for the lattices of a region of level `own`, until it says false. False if it did.
+// Calls f(level) for the lattices of a region of level `own` until f returns false. Returns false
+// if it did.
 template <int D, template <class> class E>
 template <class F>
 bool Refinement<D, E>::ForEachLevel(int own, F f) const {
@@ -116,13 +117,13 @@ std::set<int> Refinement<D, E>::LevelsInUse() const {
   return in_use;
 }
 
-// Decides those again that what has changed since the last propagation may concern. False if it
-// was interrupted: then the rest is still to be decided.
+// Decides again the anchors that changes since the last propagation may affect. False if it was
+// interrupted: then the rest remains to be decided.
 template <int D, template <class> class E>
 bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
   int decided = 0;
   const auto sometimes = [&] { return (++decided & 255) == 0 && interrupt(); };
-  // Decides the points of `level` within `margin` of the box, of balls for which is_near says yes.
+  // Decides the points of `level` within `margin` of the box, in balls for which is_near is true.
   const auto decide_in = [&](int level, const Extent<D>& box, double margin, auto is_near) {
     const Lattice lattice(level);
     Extent<D> within;
@@ -142,7 +143,8 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
     box.AddBall(region.lo, region.radius);
     box.AddBall(region.hi, region.radius);
     const int own = Lattice::LevelOf(region.target);
-    double finer = -1;  // reach of the lattice an octave finer: it holds the points in there
+    double finer = -1;  // Reach of the lattice that is an octave finer; it contains the points
+                        // within that reach.
     const bool done = ForEachLevel(own, [&](int level) {
       const double reach = Lattice::Reach(own, level);
       const auto is_near = [&](const Point& centre, double radius) {
@@ -154,7 +156,7 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
       return all;
     });
     if (!done) return false;
-    // Wider lattices keep clear of the finer one beside them.
+    // Wider lattices keep a distance from the finer one beside them.
     for (const int level : in_use) {
       if (level <= own || Lattice::AreNested(level, own)) continue;
       const int beside = own + (level - own) / Lattice::kOctave * Lattice::kOctave;
@@ -166,7 +168,7 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
       if (!decide_in(level, box, margin, is_near)) return false;
     }
   }
-  // Where there was no size before, all has been decided by now.
+  // If there were no sizes before, every point has been decided above.
   if (!std::exchange(had_sizes_, !levels_.empty())) in_use.clear();
   const auto decide_near = [&](int level, const Extent<D>& box, auto meets) {
     const double clear = kClear * Lattice::Spacing(level);
@@ -179,7 +181,7 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
     const auto meets = [&](const Point& centre, double radius) {
       return geometry::SquaredDistance(centre, f.p, f.q) <= radius * radius;
     };
-    // Within kClear spacings of a point lattices are at most an octave finer than at it.
+    // Within kClear spacings of a point, lattices are at most an octave finer than at the point.
     const auto first =
         f.a != f.b ? in_use.begin() : in_use.lower_bound(LevelAt(f.p) - Lattice::kOctave);
     for (auto level = first; level != in_use.end(); ++level) {
@@ -201,7 +203,7 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
   return true;
 }
 
-// May the level be the finest somewhere in the ball? Conservative: may return true needlessly.
+// May `level` be the finest somewhere in the ball? Conservative: may return true needlessly.
 template <int D, template <class> class E>
 bool Refinement<D, E>::MayHaveLevel(int level, const Point& centre, double radius) const {
   return !sizing_.HasFinerLevel(centre, -radius, level) &&

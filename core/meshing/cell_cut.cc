@@ -13,9 +13,9 @@ using geometry::Dot;
 using geometry::Point3;
 using geometry::Vector3;
 
-// So much is the cell enlarged, relative to lengths at hand: what is nearer than this touches.
+// The cell is enlarged by this much, relative to the lengths at hand. A cut within it only touches.
 constexpr double kSlack = 1e-11;
-// An area smaller than this in units of the squared distance is none.
+// A smaller area, in units of the squared distance, counts as none.
 constexpr double kNoArea = 1e-9;
 
 }  // namespace
@@ -24,13 +24,13 @@ void CellCut::Begin(const SpaceStar& star) {
   star_ = &star;
   neighbours_.clear();
   star.ForEachNeighbour([&](const SpaceStar::Neighbour& u) { neighbours_.push_back(&u); });
-  // The nearest cut off most.
+  // The nearest ones first: they cut off most.
   std::sort(neighbours_.begin(), neighbours_.end(), [](const auto* a, const auto* b) {
     return a->d2 != b->d2 ? a->d2 < b->d2 : a->p < b->p;
   });
 }
 
-// Keeps what has a x + b y <= c.
+// Keeps the part with a x + b y <= c.
 void CellCut::Clip(double a, double b, double c) {
   const auto over = [&](const Place& p) { return a * p[0] + b * p[1] - c; };
   const std::size_t n = polygon_.size();

@@ -1,13 +1,15 @@
-// What a vertex's Voronoi cell has of a facet.
+// The intersection of a vertex's Voronoi cell with a facet.
 //
-// The cell of a vertex that is not on the facet has nothing of it where the facet's vertices are
-// dense enough: every place of the facet is then nearest to one of them, and the triangles that
-// they span there have empty balls about centres in the facet: they are in the triangulation.
-// Subsegments have empty balls already, so that no cell of others reaches the facet's border:
-// what there is of the facet's plane is inside the facet as a whole, or outside.
+// Where the vertices of a facet are dense enough, the cells of other vertices do not meet it:
+// 1. Every point of the facet is then nearest to a vertex of the facet.
+// 2. The triangles that these vertices span there have empty balls with centres in the facet. So
+//    they are in the triangulation.
+// 3. Subsegments have empty balls already. So the cell of another vertex does not reach the facet's
+//    border: its intersection with the facet's plane is either entirely inside the facet or
+//    entirely outside.
 //
-// A function of the set of neighbours of the star and of the facet, to the bit. One object is
-// used for many stars: no allocation once warm. Thread-compatible.
+// The result is a function of the star's set of neighbours and of the facet, to the bit. One object
+// is used for many stars: no allocation once warm. Thread-compatible.
 #ifndef DYNMESH_CORE_MESHING_CELL_CUT_H_
 #define DYNMESH_CORE_MESHING_CELL_CUT_H_
 
@@ -23,24 +25,25 @@ namespace dynmesh::meshing {
 
 class CellCut {
  public:
-  // From now on of that star, which must not change meanwhile.
+  // Selects the star. It must not change while it is used.
   void Begin(const SpaceStar& star);
 
   struct Cut {
-    geometry::Point3 nearest = {};  // to the vertex, of what the cell has of the facet
-    double distance2 = 0;           // from there to the vertex
-    // The cell only touches the facet, as far as rounding can tell: only a neighbour on the
-    // facet's far side, joined through it, would keep the facet out of the triangulation.
+    geometry::Point3 nearest = {};  // the intersection's point nearest to the vertex
+    double distance2 = 0;           // its squared distance from the vertex
+    // The cell only touches the facet, within rounding. Then the facet is missing from the
+    // triangulation only if an edge from the vertex to a neighbour on the facet's far side goes
+    // through it.
     bool touches = false;
   };
-  // Nothing if the cell has none of the facet. O(neighbours x corners of the cut).
+  // Nothing if the cell does not meet the facet. O(neighbours x corners of the cut).
   std::optional<Cut> Of(const Facet& facet);
 
   // Does the edge from the vertex to the neighbour in `slot` go through the facet?
   static bool GoesThrough(const SpaceStar& star, int slot, const Facet& facet);
 
  private:
-  using Place = std::array<double, 2>;  // in the facet's plane, from the vertex's foot
+  using Place = std::array<double, 2>;  // coordinates in the facet's plane, from the vertex's foot
   void Clip(double a, double b, double c);
   Place NearestToOrigin() const;
   double Area2() const;

@@ -1,6 +1,6 @@
-// What changes, and who has to be told. A vertex appears or vanishes at its creator's
-// time; a subsegment is visible between its exposure and its death. Operations with a
-// later time whose reads are touched become stale; the filters here say which.
+// Changes of state and their notifications. A vertex appears or vanishes at its creator's time; a
+// subsegment is visible between its exposure and its death. Later operations that have read it
+// become stale; the filters below decide which ones.
 #ifndef DYNMESH_CORE_MESHING_CHANGES_H_
 #define DYNMESH_CORE_MESHING_CHANGES_H_
 
@@ -37,7 +37,7 @@ void Refinement<D, E>::Publish(sac::Output output, sac::Stamp at) {
       s.death = at;
       MarkSubsegmentChanged(i);
       NotifyOfSubsegment(i, at, old);
-      if constexpr (!kTraced) HideSubsegment(i);  // nobody looks back
+      if constexpr (!kTraced) HideSubsegment(i);  // no later operation reads it
       if constexpr (kTraced) {
         if (Counts(Term::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
       }
@@ -65,8 +65,8 @@ void Refinement<D, E>::Withdraw(sac::Output output, sac::Stamp at) {
     }
     case Made::kDeath: {
       Subsegment& s = subsegments_[i];
-      if (s.death != at) break;  // an earlier split has taken over
-      // A later one may be waiting, if a propagation was abandoned between the two.
+      if (s.death != at) break;  // an earlier split is in force
+      // A later split may exist, if a propagation was abandoned between the two.
       s.death = NextDeath(s, at);
       MarkSubsegmentChanged(i);
       NotifyOfSubsegment(i, at, s.death);
@@ -78,7 +78,7 @@ void Refinement<D, E>::Withdraw(sac::Output output, sac::Stamp at) {
   }
 }
 
-// The earliest split of s, but for that at time `except`.
+// The earliest split of s other than that at time `except`.
 template <int D, template <class> class E>
 sac::Stamp Refinement<D, E>::NextDeath(const Subsegment& s, sac::Stamp except) const {
   sac::Stamp earliest = sac::kNoStamp;
@@ -109,8 +109,8 @@ void Refinement<D, E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   Vertex& vertex = vertices_[v];
   vertex.present = true;
   ++vertex_count_;
-  // Where a triangulation answers everything but what a point encroaches on, the tree need
-  // only be as fine as the subsegments.
+  // Where a triangulation answers everything except what a point encroaches on, the tree need only
+  // be as fine as the subsegments.
   const bool is_of_cure = IsOfCure(vertex);
   if (is_of_cure) {
     cured_.Insert(v, vertex.p);
@@ -126,7 +126,7 @@ void Refinement<D, E>::PublishVertex(VertexIndex v, sac::Stamp at) {
   }
 }
 
-// False if there is none, or it is full.
+// False if there is no triangulation, or if it is full.
 template <int D, template <class> class E>
 bool Refinement<D, E>::InsertIntoTriangulation(VertexIndex v) {
   if (triangulation_ == nullptr) return false;
@@ -154,7 +154,7 @@ void Refinement<D, E>::WithdrawVertex(VertexIndex v, sac::Stamp at) {
   }
 }
 
-// Leaves become their parent's: who subscribed there now does so at the parent.
+// Leaves merge into their parent: their subscribers now subscribe at the parent.
 template <int D, template <class> class E>
 void Refinement<D, E>::MovePlaces(std::uint32_t first_child, std::uint32_t parent) {
   if constexpr (kTraced) {
@@ -225,8 +225,8 @@ bool Refinement<D, E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) 
   return false;
 }
 
-// Does v, as near as the nearest that `op` read or nearer, make it another one? Of those at one
-// distance, which may be very many, the one read stands for all.
+// True if v changes the result of a Nearest. v is at most as far as the nearest vertex that `op`
+// read. There may be very many at that distance: the one read stands for all.
 template <int D, template <class> class E>
 bool Refinement<D, E>::NearestMatters(sac::OpId op, VertexIndex v, bool appears) const {
   if constexpr (kTraced) {
@@ -240,7 +240,7 @@ bool Refinement<D, E>::NearestMatters(sac::OpId op, VertexIndex v, bool appears)
   return false;
 }
 
-// Would y be a neighbour in the star that `op` read?
+// True if y would be a neighbour in the star that `op` read.
 template <int D, template <class> class E>
 bool Refinement<D, E>::ConflictsWithStar(sac::OpId op, const Point& y) const {
   if constexpr (kTraced) {
@@ -257,7 +257,7 @@ bool Refinement<D, E>::ConflictsWithStar(sac::OpId op, const Point& y) const {
   return false;
 }
 
-// Of a vertex or a ghost of the star at p.
+// The position of a vertex or a ghost of the star at p.
 template <int D, template <class> class E>
 geometry::Point<D> Refinement<D, E>::PlaceOf(std::uint32_t id, const Point& p, double reach) const {
   return Star::IsGhost(id) ? Star::Ghost(p, reach, static_cast<int>(id - Star::kFirstGhost))
@@ -287,7 +287,7 @@ bool Refinement<D, E>::ConflictsWithRing(std::span<const std::uint32_t> ring, co
   return false;
 }
 
-// Of the corners in `words` the one that is farthest in a direction, if that is certain.
+// The corner in `words` that is farthest in the given direction, if rounding leaves no doubt.
 template <int D, template <class> class E>
 std::optional<typename Refinement<D, E>::Corner> Refinement<D, E>::CornerTowards(
     std::span<const std::uint32_t> words, const Point& p, double reach,
@@ -311,7 +311,7 @@ std::optional<typename Refinement<D, E>::Corner> Refinement<D, E>::CornerTowards
   return std::nullopt;
 }
 
-// `words` as read: neighbours and triangles.
+// `words`: as read, neighbours and then triangles.
 template <int D, template <class> class E>
 bool Refinement<D, E>::ConflictsWithLink(std::span<const std::uint32_t> words, const Point& p,
                                          double reach, const Point& y) const {
@@ -328,7 +328,7 @@ bool Refinement<D, E>::ConflictsWithLink(std::span<const std::uint32_t> words, c
   return false;
 }
 
-// The ball about a corner that `op` read; nothing if it is not well known.
+// The ball about a corner that `op` read; nothing if its error may be large.
 template <int D, template <class> class E>
 std::optional<typename SpatialTree<D>::Ball> Refinement<D, E>::BallOfCorner(
     sac::OpId op, const Corner& ids) const {
@@ -364,8 +364,8 @@ Extent<D> Refinement<D, E>::BoxOf(const InputFeature<D>& feature) {
   return box;
 }
 
-// From now on features are kept by place. So far nothing depends on where they are: those that are
-// there have not changed.
+// From now on features are kept by position. Nothing has depended on their positions so far, so the
+// present ones count as unchanged.
 template <int D, template <class> class E>
 void Refinement<D, E>::IndexFeatures() {
   if (std::exchange(indexes_features_, true)) return;
@@ -388,7 +388,7 @@ void Refinement<D, E>::RemoveFeature(const InputFeature<D>& feature) {
   if constexpr (kTraced) changed_features_.emplace_back(feature, false);
 }
 
-// A segment that only got another shape or owner went and came: that is no change.
+// A segment of which only the shape or the owner changed was removed and added: no change.
 template <int D, template <class> class E>
 void Refinement<D, E>::KeepNetChanges() {
   std::sort(changed_features_.begin(), changed_features_.end(), [](const auto& x, const auto& y) {
@@ -406,7 +406,7 @@ void Refinement<D, E>::KeepNetChanges() {
   changed_features_.resize(kept);
 }
 
-// Of features that came or went since the last propagation.
+// Notifies of features that came or went since the last propagation.
 template <int D, template <class> class E>
 void Refinement<D, E>::NotifyOfFeatures() {
   for (const auto& [f, came] : changed_features_) {
@@ -443,9 +443,9 @@ bool Refinement<D, E>::FeatureMatters(sac::OpId op, const InputFeature<D>& featu
 
 // --- Sizing ---------------------------------------------------------------------------
 
-// What stands outside the time of the trace is there from the beginning or not at all. Tells those
-// who read in cells that meet the box, if keep(centre, half the side) of the cell, and to whom it
-// matters(operation).
+// Notifies of a change of state outside the time of the trace, which holds from the beginning.
+// Visits the operations that read in cells that meet the box and for which keep(centre, half the
+// side) is true. Marks stale those for which matters(operation) is true.
 template <int D, template <class> class E>
 template <class Keep, class Matters>
 void Refinement<D, E>::NotifyFromBeginning(const Extent<D>& box, Keep keep, Matters matters) {
@@ -457,8 +457,9 @@ void Refinement<D, E>::NotifyFromBeginning(const Extent<D>& box, Keep keep, Matt
   }
 }
 
-// An operation subscribes where cells are at least half as large as the box of what it read
-// (SpatialTree::Cover). In smaller cells than the region allows balls there is none to notify.
+// An operation subscribes in cells at least half as large as the box of what it read
+// (SpatialTree::Cover). So cells smaller than the balls that the region allows have no subscriber
+// to notify.
 template <int D, template <class> class E>
 void Refinement<D, E>::NotifyOfSizing(const SizingRegion<D>& region) {
   Extent<D> box = Extent<D>::Nothing();
@@ -470,10 +471,10 @@ void Refinement<D, E>::NotifyOfSizing(const SizingRegion<D>& region) {
       [&](sac::OpId op) { return SizingMatters(op, region); });
 }
 
-// May `op` have found a ball too large for the region, or find one now? It judged the balls about
-// the corners of the star that it read. If it made vertices, it also judged the corners of the
-// smaller stars that they left: those balls lie within the union of the former, and none is larger
-// than the largest of them. Conservative: may return true needlessly.
+// May `op` have found a ball too large for the region, or find one now? Conservative: may return
+// true needlessly. It judged the balls about the corners of the star that it read. If it made
+// vertices, it also judged the corners of the smaller stars that they left. Those balls lie within
+// the union of the former, and none is larger than the largest of them.
 template <int D, template <class> class E>
 bool Refinement<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region) const {
   if constexpr (kTraced) {
@@ -494,7 +495,7 @@ bool Refinement<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region
     bool meets = false, too_large = false, both = false, unsure = false;
     const bool kept = ForEachCornerIn<D>(engine_.reads(op), [&](const Corner& ids) {
       const bool at_end = std::ranges::any_of(ids, Star::IsGhost);
-      // By edges, a size is asked of triangles and tetrahedra of the mesh alone.
+      // By edges, a size limits triangles and tetrahedra of the mesh alone.
       if (at_end && by_edge() && !made) return true;
       const auto ball = BallOfCorner(op, ids);
       if (!ball.has_value() && !at_end) {
@@ -537,9 +538,9 @@ void Refinement<D, E>::HideSubsegment(SubsegmentIndex i) {
   s.place_count = 0;
 }
 
-// Notifies operations that read as of a time in (after, until], if s is exposed at all: those that
-// made a vertex in its ball, and those that yielded or were kept out, perhaps because of it. Most
-// operations did neither, and are not looked at.
+// If s is exposed, notifies operations with a time in (after, until]: those that made a vertex in
+// its ball, and those that yielded or were kept out, perhaps because of it. Most operations did
+// neither and are not visited.
 template <int D, template <class> class E>
 void Refinement<D, E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, sac::Stamp until) {
   if constexpr (kTraced) {
@@ -562,7 +563,7 @@ void Refinement<D, E>::NotifyOfSubsegment(SubsegmentIndex i, sac::Stamp after, s
     if (slivers_.is_on()) cured_.VisitBall(middle, r2, notify_maker);
     tree_.VisitCells({middle, r2}, [&](sac::Place place) {
       engine_.NotifyAttentive(place, after, until, [&](sac::OpId op) {
-        // Its candidate was in one of the balls read.
+        // The candidate was in one of the balls read.
         const double far = std::sqrt(engine_.payload(op).radius2) + radius;
         return Counts(Term::kOverYieldedCandidate) &&
                geometry::SquaredDistance(CentreOfReads(op), middle) <= far * far;
@@ -580,7 +581,7 @@ VertexIndex Refinement<D, E>::VertexOf(sac::Kind kind, sac::Item item) const {
   return kind <= kComplete ? item : subsegments_[item].a;
 }
 
-// Around which the payload of a Complete or a Cure measures what was read.
+// The point from which the payload of a Complete or a Cure measures what was read.
 template <int D, template <class> class E>
 geometry::Point<D> Refinement<D, E>::CentreOfReads(sac::OpId op) const {
   if constexpr (kTraced) {

@@ -1,16 +1,16 @@
-// Complete (rule a): insert Steiner points until there is no gap in this bucket or an
-// earlier one. Two criteria of what a gap is:
+// Complete (rule a): inserts Steiner points until there is no gap in this bucket or an earlier one.
+// Two criteria define a gap:
 //
-// *By edges* (ours, the default): no edge that v owns has a gap, that is, a corner of its
-// Voronoi edge, in space its Voronoi face, farther than rho times its own length. An edge is owned
-// by its younger end: born in a later epoch or by a later operation; of two born together in
-// segment work or with the input, the one of greater hash. New edges always have the newborn at an
-// end, and Voronoi edges and faces only shrink: an edge done once is done for good, so only
-// newborns ever have to be queued.
+// *By edges* (the default): an edge that v owns has a gap if a corner of its Voronoi edge (3D:
+// Voronoi face) is farther than rho times the edge's length. An edge is owned by its younger end:
+// the one born in a later epoch or by a later operation; of two ends born together in segment work
+// or with the input, the one of greater hash. New edges always have the newborn at an end, and
+// Voronoi edges and faces only shrink. So an edge without a gap stays so, and only newborns are
+// ever queued.
 //
-// *The thesis's* (Def. 4.2.3): no corner of v's Voronoi cell is farther than
-// rho NN(v). Every vertex sees to its own cell; a newborn queues those whose NN it may
-// have lowered (Fig. 5.6, INSERT).
+// *The thesis's* (Def. 4.2.3): no corner of v's Voronoi cell is farther than rho NN(v). Every
+// vertex deals with its own cell. A newborn queues its neighbours where it may have lowered
+// their NN (Fig. 5.6, INSERT).
 //
 //   v       the vertex          u       a neighbour
 #ifndef DYNMESH_CORE_MESHING_COMPLETE_H_
@@ -24,7 +24,7 @@
 
 namespace dynmesh::meshing {
 
-// ComputeNN. Edges of v are at least NN(v) long: nothing to do in earlier buckets.
+// ComputeNN. Edges of v have length >= NN(v), so there is no work in earlier buckets.
 template <int D, template <class> class E>
 void Refinement<D, E>::Nearest(Context& context) {
   const VertexIndex v = context.item;
@@ -54,13 +54,13 @@ void Refinement<D, E>::Complete(Context& context) {
   Candidate gap;
   int ordinal = 0;
   bool yielded = false, kept_out = false;
-  // Each point fills its gap, and there is room for a few only. Should a view be wrong, so
-  // that neither is true, the loop ends all the same.
+  // Each point fills its gap, and there is room for only a few. The bound kMostOutputs ends the
+  // loop even if a wrong view violates this.
   while (ordinal < kMostOutputs && FindNext(bucket, &gap)) {
     FindEncroached(context, gap.x);
     if (!encroached_.empty()) {
-      // Yield: the subsegments first; then v looks again. One that is not to be split any
-      // more keeps the point out for good.
+      // Yield: the subsegments are split first, then v runs again. A subsegment that may not be
+      // split any more keeps the point out for good.
       const bool is_guarded =
           !gap.required && std::ranges::any_of(encroached_, [&](SubsegmentIndex s) {
             return IsGuarded(subsegments_[s], bucket);
@@ -97,7 +97,7 @@ void Refinement<D, E>::Complete(Context& context) {
     const int next = NextBucket(bucket);
     if (next < kBuckets - 1) context.Request(kComplete, v, MakeEpoch(next, 0, kQualityStep));
   } else {
-    // With nobody in view that counts, v looks again when views are wider.
+    // If no neighbour in view counts, v runs again in a bucket with a wider view.
     const double nn2 = NearestInStar();
     const int own = nn2 < INFINITY ? BucketOf(nn2) : rules_.LastKnownBucket(bucket) + 1;
     if (own > bucket && own < kBuckets - 1)
@@ -106,8 +106,8 @@ void Refinement<D, E>::Complete(Context& context) {
   }
 }
 
-// The cavity of the point in the gap of corner i begins with that corner's triangle. What is beyond
-// it and the two beside it is wanted next, and was not read for the star.
+// The cavity of the point in the gap of corner i begins with that corner's triangle. Next it needs
+// what lies beyond this triangle and the two beside it, opposite to v: the star did not read it.
 template <int D, template <class> class E>
 void Refinement<D, E>::PrefetchBeyond(int i) const {
   if constexpr (D == 2) {
@@ -117,9 +117,9 @@ void Refinement<D, E>::PrefetchBeyond(int i) const {
   }
 }
 
-// When is x, asked for at epoch `now` by v's Complete, to do what belongs to bucket `own`?
-// Then, or if that has come, now: later in this round if its turn is still to come, else in
-// the next.
+// The epoch at which x does the work of bucket `own`, requested by v's Complete at epoch `now`.
+// That bucket, if it is later than now's. Else now's bucket: in this round if x follows v in it,
+// else in the next round.
 template <int D, template <class> class E>
 sac::Epoch Refinement<D, E>::NoEarlierThan(sac::Epoch now, VertexIndex v, VertexIndex x,
                                            int own) const {
@@ -130,7 +130,7 @@ sac::Epoch Refinement<D, E>::NoEarlierThan(sac::Epoch now, VertexIndex v, Vertex
   return later ? now : MakeEpoch(bucket, RoundOfEpoch(now) + 1, kQualityStep);
 }
 
-// x, at squared distance d2 from its nearest neighbours, has something to do.
+// Requests x's first Complete. d2: its squared distance from its nearest neighbours.
 template <int D, template <class> class E>
 void Refinement<D, E>::RequestFirstComplete(Context& context, VertexIndex x, double d2) {
   const int own = BucketOf(d2);
@@ -146,7 +146,7 @@ void Refinement<D, E>::RequestNoEarlierThanNow(Context& context, VertexIndex x, 
   context.Request(kComplete, x, NoEarlierThan(context.epoch, context.item, x, own));
 }
 
-// Facets first: they are not to have vertices that gaps would put next to them.
+// Facet points come first, so that facets get no vertices next to them from gaps.
 template <int D, template <class> class E>
 bool Refinement<D, E>::FindNext(int bucket, Candidate* next) {
   *next = {};
@@ -186,8 +186,8 @@ bool Refinement<D, E>::IsSkipped(const Point& neighbour, bool left) const {
 
 // --- The thesis's criterion -----------------------------------------------------------
 
-// NN(v)^2, seditious edges left out. Features need no mention: no subsegment is encroached, so one
-// that v is not on is at least NN(v) / sqrt 2 away.
+// NN(v)^2 without seditious edges. Features are left out: no subsegment is encroached, so one that
+// v is not on is at least NN(v) / sqrt 2 away.
 template <int D, template <class> class E>
 double Refinement<D, E>::NearestInStar() const {
   double nn2 = INFINITY;
@@ -226,7 +226,7 @@ bool Refinement<D, E>::FarthestCorner(int bucket, Candidate* best) const {
   return found;
 }
 
-// Is the ball about corner i too large for a sizing feature?
+// True if the ball about corner i is too large for a sizing region.
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsTooLargeCorner(int i) const {
   const auto& n = star_.corner(i);
@@ -234,8 +234,7 @@ bool Refinement<D, E>::IsTooLargeCorner(int i) const {
          sizing_.IsTooLarge(CentreOf(i), std::sqrt(n.r2));
 }
 
-// Is corner i between neighbours, or ghosts, of which none is inside the domain's side
-// that v lies on?
+// True if v lies on a side of the domain and the centre of corner i is beyond that side.
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsBeyondBorder(int i) const {
   const auto& n = star_.corner(i);
@@ -246,8 +245,8 @@ bool Refinement<D, E>::IsBeyondBorder(int i) const {
   return false;
 }
 
-// v, a newborn at its first Complete, may be nearer to a neighbour u than anyone was:
-// then u has to look again, in the bucket of that distance.
+// v, a newborn at its first Complete, may be the nearest vertex of a neighbour u. Then u runs
+// again, in the bucket of that distance.
 template <int D, template <class> class E>
 void Refinement<D, E>::RequestNeighbours(Context& context) {
   if (vertices_[star_.vertex()].epoch == kBirthOfInput) return;
@@ -262,9 +261,9 @@ void Refinement<D, E>::RequestNeighbours(Context& context) {
   });
 }
 
-// --- What comes later ---------------------------------------------------------------
+// --- Later buckets ------------------------------------------------------------------
 
-// The next bucket in which v may have something to do; kBuckets if none.
+// The next bucket in which v may have work; kBuckets if there is none.
 template <int D, template <class> class E>
 int Refinement<D, E>::NextBucket(int bucket) const {
   const bool open = !is_global() && IsOpen();
@@ -282,7 +281,7 @@ int Refinement<D, E>::NextBucket(int bucket) const {
   return next;
 }
 
-// Does the view end within the domain? Told from the boxes around what each ghost cuts off.
+// May the view end within the domain? Tests for each ghost the box around the corners at it.
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsOpen() const {
   std::array<Extent<D>, 2 * D> ends;
@@ -305,8 +304,8 @@ bool Refinement<D, E>::Owns(VertexIndex u) const {
   return IsOlder(u, star_.vertex());
 }
 
-// In a run from scratch indices tell, unless both are of the input or of the same segment work:
-// then u, which is anywhere in memory, need not be read.
+// In a run from scratch the indices decide, unless both vertices are of the input or of the same
+// segment work. Then u's record, which is anywhere in memory, is not read.
 template <int D, template <class> class E>
 inline bool Refinement<D, E>::IsOlder(VertexIndex u, VertexIndex v) const {
   if (NumbersByAge()) {
@@ -339,7 +338,7 @@ bool Refinement<D, E>::InDomain(const Point& p) const {
   return true;
 }
 
-// Of corner i of the star.
+// The centre of corner i of the star.
 template <int D, template <class> class E>
 geometry::Point<D> Refinement<D, E>::CentreOf(int i) const {
   Point centre = star_.position();

@@ -1,8 +1,8 @@
-// A few corners of stars, by their neighbours' ids, and whether one is among them: which corners a
-// star still has of those that were read.
+// A small set of corners of stars, by their neighbours' ids. It answers which corners of a former
+// star a star still has.
 //
-// Corners come in any order, equal ones are given alike. O(1) to add, no allocation once warm;
-// O(n) to ask for few, O(log n) for many. Thread-compatible.
+// Corners are added in any order; equal corners must be given alike. O(1) to add, no allocation
+// once warm. A query is O(n) for few corners, O(log n) for many. Thread-compatible.
 #ifndef DYNMESH_CORE_MESHING_CORNER_SET_H_
 #define DYNMESH_CORE_MESHING_CORNER_SET_H_
 
@@ -21,13 +21,14 @@ class CornerSet {
 
   void Clear() { corners_.clear(); }
   void Add(const Corner& corner) { corners_.push_back(corner); }
-  // After the last Add, before the first Has.
+  // Call after the last Add and before the first Has.
   void Close() {
     if (!AreFew()) std::sort(corners_.begin(), corners_.end());
   }
   bool Has(const Corner& corner) const {
     if (!AreFew()) return std::binary_search(corners_.begin(), corners_.end(), corner);
-    // Nearly all sets. With all of them and without a branch, which would be mispredicted.
+    // Nearly all sets are small: compares with every corner, without branches, which would be
+    // mispredicted.
     bool has = false;
     for (const Corner& other : corners_) {
       std::uint32_t differ = 0;

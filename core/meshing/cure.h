@@ -1,12 +1,13 @@
-// Cure: no tetrahedron is to have a dihedral angle below the bound. After refinement each that has
-// one, a *sliver*, gets a Steiner point: the first of a fixed list of candidates with which all
-// tetrahedra around it would be good, that is, reach the bound and keep rho and sizes, and which
-// leaves facets and subsegments whole. If there is none, the sliver stays.
+// Cure: removes tetrahedra with a dihedral angle below the bound, the *slivers*. After refinement
+// each sliver gets a Steiner point: the first of a fixed list of candidates such that
+//   all tetrahedra around it would be good: they reach the bound and keep rho and sizes, and
+//   facets and subsegments stay whole.
+// If there is none, the sliver stays.
 //
-// A point makes no sliver, and unmakes one: so cures end, whatever the input. All slivers are those
-// of the triangulation of refinement's vertices (sliver_table.h), each an item, in the order of a
-// hash of their corners. One that finds no candidate tries again in the next rounds, when
-// others around it have got theirs.
+// A point makes no sliver and unmakes at least one, so cures end, whatever the input. The slivers
+// are those of the triangulation of refinement's vertices (sliver_table.h). Each is an item, in the
+// order of a hash of its corners. A sliver without a candidate is tried again in the next rounds,
+// after other slivers around it got their points.
 //
 //   T       the sliver     c, R    centre and radius of its circumscribed ball
 //   e       length of its shortest edge
@@ -32,12 +33,15 @@
 namespace dynmesh::meshing {
 
 inline constexpr std::uint64_t kCureRounds = 3;
-// Candidates have ordinals: the centre; positions across the sliver, up and down by these parts of
-// R; a shell of grid directions for each of these parts of R; positions all over the ball. All on
-// facets have the last ordinal; they come before those all over the ball, which cost the most.
-// Across the sliver half of them suit, as they are well off its plane; of the nearest grid
-// directions a fifth. A sliver that finds nothing in the shells has two corners on a facet, mostly.
-// Then one position in a hundred to a thousand may suit.
+// Candidates have ordinals. They are tried in this order:
+//   the centre;
+//   points on the sliver's normal through the centre, at +-kCureHeights R;
+//   shells of grid directions, at kCureShells R;
+//   points on facets, which all have the last ordinal;
+//   points all over the ball, which cost the most.
+// Points on the normal succeed most often, as they are far from the sliver's plane: half of them
+// do, of the nearest grid directions a fifth. A sliver without success in the shells mostly has two
+// corners on a facet. Then one point in 100 to 1000 may succeed.
 inline constexpr std::array<double, 4> kCureHeights = {0.3, 0.45, 0.6, 0.15};
 inline constexpr std::array<double, 5> kCureShells = {0.15, 0.3, 0.45, 0.6, 0.75};
 // On a facet: this part of the radius of the circle that the ball cuts out of its plane.
@@ -47,17 +51,18 @@ inline constexpr std::uint32_t kFirstInShell = 1 + 2 * kCureHeights.size();
 inline constexpr std::uint32_t kFirstInBall =
     kFirstInShell + kCureShells.size() * kGridDirections.size();
 inline constexpr std::uint32_t kOnFacet = kFirstInBall + kBallPlaces.size();
-// What a Cure has read, four words each: a tetrahedron that there would be with a candidate, by its
-// ordinal and the other corners, such that the candidate and they are positive; or, of a sliver
-// that another cure unmade, this and three times the other's vertex.
+// The reads of a Cure are records of four words.
+//   A tetrahedron that a candidate would make: the candidate's ordinal and the other corners. The
+//   candidate and they, in this order, are positively oriented.
+//   A sliver that another cure unmade: kUnmade and three times the vertex of that cure.
 inline constexpr std::uint32_t kUnmade = kOnFacet + 1;
-// No vertex may be nearer to a candidate, in units of e.
+// No vertex may be nearer to a candidate than this, in units of e.
 inline constexpr double kCureDistance = 0.4;
 
 // --- Between refinement and cures -----------------------------------------------------------
 
-// Brings the base up to date and requests what is to be done. From scratch the base is what
-// refinement read neighbourhoods off, if that has all vertices.
+// Brings the base up to date and requests the cures that are due. From scratch the base is the
+// triangulation that refinement read neighbourhoods from, if it has all vertices.
 template <int D, template <class> class E>
 bool Refinement<D, E>::UpdateSlivers(absl::FunctionRef<bool()> interrupt) {
   if constexpr (D == 3) {
@@ -85,7 +90,7 @@ bool Refinement<D, E>::UpdateSlivers(absl::FunctionRef<bool()> interrupt) {
   return true;
 }
 
-// All that refinement made, in an order that is quick.
+// Inserts all vertices that refinement made, in a fast order.
 template <int D, template <class> class E>
 bool Refinement<D, E>::FillBase(Triangulation* base, absl::FunctionRef<bool()> interrupt) const {
   if constexpr (D == 3) {
@@ -112,7 +117,7 @@ bool Refinement<D, E>::FillBase(Triangulation* base, absl::FunctionRef<bool()> i
   return true;
 }
 
-// First what goes: what comes may lie at the same place.
+// Removes before it inserts: a new vertex may have the position of an old one.
 template <int D, template <class> class E>
 void Refinement<D, E>::UpdateBase() {
   if constexpr (D == 3) {
@@ -168,7 +173,8 @@ void Refinement<D, E>::Cure(Context& context) {
   }
 }
 
-// Calls f(x, vertex) for the vertices of cures in the ball as of now, until it says true. Does it?
+// Calls f(v, position) for vertices of cures in the ball, as of now, until f returns true. Returns
+// whether it did.
 template <int D, template <class> class E>
 template <class F>
 bool Refinement<D, E>::AnyCureIn(Context& context, const Point& centre, double radius, F f) const {
@@ -180,7 +186,7 @@ bool Refinement<D, E>::AnyCureIn(Context& context, const Point& centre, double r
   return any;
 }
 
-// The vertex of another cure that unmade it; kNil if there is none.
+// The vertex of another cure that unmade the sliver; kNil if there is none.
 template <int D, template <class> class E>
 VertexIndex Refinement<D, E>::UnmakerOf(Context& context, const Sliver& sliver) const {
   VertexIndex found = kNil;
@@ -194,7 +200,7 @@ VertexIndex Refinement<D, E>::UnmakerOf(Context& context, const Sliver& sliver) 
   return found;
 }
 
-// The candidate of that ordinal, if it is on no facet.
+// The candidate of that ordinal, for ordinals below kOnFacet.
 template <int D, template <class> class E>
 geometry::Point<D> Refinement<D, E>::CandidateAt(const Sliver& sliver, std::uint32_t ordinal) {
   Point x = {};
@@ -219,8 +225,9 @@ geometry::Point<D> Refinement<D, E>::CandidateAt(const Sliver& sliver, std::uint
   return x;
 }
 
-// Calls f(ordinal, x, facet) for the candidates in their order, until it says true. Does it? kNil:
-// x is on no facet. The order is that of kCureHeights and what follows it.
+// Calls f(ordinal, x, facet) for the candidates in their order until f returns true. Returns
+// whether it did. facet = kNil: x is on no facet. The order is that of kCureHeights
+// and what follows it.
 template <int D, template <class> class E>
 template <class F>
 bool Refinement<D, E>::ForEachCandidate(const Sliver& sliver, F f) const {
@@ -256,7 +263,7 @@ bool Refinement<D, E>::ForEachCandidate(const Sliver& sliver, F f) const {
   return false;
 }
 
-// Those that the ball may meet, the nearest to its centre first.
+// The facets that the ball may meet, sorted by the distance of their planes from its centre.
 template <int D, template <class> class E>
 std::vector<const Facet*> Refinement<D, E>::FacetsNear(const Point& c, double radius) const {
   std::vector<const Facet*> near;
@@ -274,8 +281,9 @@ std::vector<const Facet*> Refinement<D, E>::FacetsNear(const Point& c, double ra
   return near;
 }
 
-// May x become a vertex, on the facet if that is not kNil? Most that may not are told by one
-// tetrahedron that there would be: if no vertex of a cure unmakes it, it is there.
+// True if x may become a vertex (on `facet` unless that is kNil). Most unsuitable points are found
+// by one bad tetrahedron that x would make with a facet of its cavity in the base. It counts unless
+// a vertex of a cure unmakes it.
 template <int D, template <class> class E>
 bool Refinement<D, E>::Suits(Context& context, const Sliver& sliver, const Point& x,
                              FeatureSlot facet, CureReads* reads) {
@@ -316,8 +324,8 @@ bool Refinement<D, E>::Suits(Context& context, const Sliver& sliver, const Point
   return false;
 }
 
-// That of x among all vertices of now. Its cell reaches no farther than the balls of good
-// tetrahedra do.
+// Makes the star of x among all vertices as of now. x's cell reaches no farther than the balls of
+// good tetrahedra.
 template <int D, template <class> class E>
 void Refinement<D, E>::MakeStarOf(Context& context, const Sliver& sliver, const Point& x) {
   if constexpr (D == 3) {
@@ -330,13 +338,13 @@ void Refinement<D, E>::MakeStarOf(Context& context, const Sliver& sliver, const 
       return slot;
     };
     for (const auto& [a, b, c] : cavity_.facets) {
-      const int first = slot_of(a), second = slot_of(c);  // and x: positive
+      const int first = slot_of(a), second = slot_of(c);  // with x: positively oriented
       star_.AddCorner({first, second, slot_of(b)});
     }
     star_.JoinCorners();
     star_.Close();
-    // Inserting makes no ball that reaches out of those it replaces and their neighbours': one look
-    // is enough (InsertAllInCorners).
+    // Insertion makes no ball that extends beyond those it replaces and their neighbours'. So one
+    // query is enough (InsertAllInCorners).
     Extent<D> box = Extent<D>::Nothing();
     balls_.clear();
     for (int i = 0; i < star_.corner_count(); ++i) {
@@ -352,7 +360,7 @@ void Refinement<D, E>::MakeStarOf(Context& context, const Sliver& sliver, const 
   }
 }
 
-// Would the tetrahedron at that corner of the star do?
+// True if the tetrahedron at corner i of the star is good.
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsGoodCorner(int i, const Sliver& sliver) const {
   if constexpr (D == 3) {
@@ -376,7 +384,7 @@ bool Refinement<D, E>::IsGoodCorner(int i, const Sliver& sliver) const {
   return false;
 }
 
-// Has the star's vertex, which is to lie on that facet, nothing of others in its cell?
+// True if the cell of the star's vertex, which is to lie on facet `on`, meets no other facet.
 template <int D, template <class> class E>
 bool Refinement<D, E>::LeavesFacetsWhole(FeatureSlot on) {
   bool found = false;
@@ -407,13 +415,14 @@ void Refinement<D, E>::AddCornerTo(CureReads* reads, int i) const {
 
 // --- Changes ----------------------------------------------------------------------------------
 
-// Does v, in the region that `op` read, make it another one? A vertex of refinement in the sliver's
-// ball does not: then there is no such sliver. What a candidate on a facet read is not looked at.
+// True if v, in the region that `op` read, may change the operation's result. A vertex of
+// refinement in the sliver's ball is not tested: then the sliver is gone. Reads of candidates on
+// facets are not examined: the answer is true.
 template <int D, template <class> class E>
 bool Refinement<D, E>::CureMatters(sac::OpId op, VertexIndex v, bool appears) const {
   if constexpr (kTraced && D == 3) {
     const Sliver& sliver = slivers_[engine_.item(op)];
-    if (!sliver.is_there) return false;  // the operation is about to go
+    if (!sliver.is_there) return false;  // the operation will be dropped
     const auto words = engine_.reads(op);
     const Point& y = vertices_[v].p;
     if (!words.empty() && words[0] == kUnmade) return !appears && words[1] == v;

@@ -1,5 +1,6 @@
-// Directions and places as data: sines of parts of a turn, the 26 directions to the neighbours of a
-// cell in a grid, places all over a ball. Not from libm: they are part of what a mesh is.
+// Directions and points as data: sines of parts of a turn, the 26 directions to the neighbours of a
+// grid cell, points spread over a ball. They are not computed by libm, because meshes depend on
+// their bits.
 #ifndef DYNMESH_CORE_MESHING_DIRECTIONS_H_
 #define DYNMESH_CORE_MESHING_DIRECTIONS_H_
 
@@ -28,7 +29,7 @@ inline double SineOf(int k) {
 }
 inline double CosineOf(int k) { return SineOf(k + 8); }
 
-// Of length 1, in lexicographic order.
+// Unit vectors, in lexicographic order.
 inline constexpr std::array<geometry::Vector3, 26> kGridDirections = [] {
   constexpr double kLength[4] = {0, 1, 0.70710678118654757, 0.57735026918962576};
   std::array<geometry::Vector3, 26> all{};
@@ -44,7 +45,7 @@ inline constexpr std::array<geometry::Vector3, 26> kGridDirections = [] {
   return all;
 }();
 
-// Spread evenly over the open ball of radius 1: those of a Halton sequence of bases 2, 3 and 5.
+// Points spread evenly over the open unit ball: a Halton sequence of bases 2, 3 and 5.
 inline constexpr std::array<geometry::Vector3, 1000> kBallPlaces = [] {
   const auto part = [](int i, int base) {
     double sum = 0, unit = 1;

@@ -1,5 +1,4 @@
-// What refinement makes and works on: vertices and subsegments, and how its time is
-// divided into epochs.
+// The elements of refinement (vertices and subsegments), and how its time is divided into epochs.
 #ifndef DYNMESH_CORE_MESHING_ELEMENTS_H_
 #define DYNMESH_CORE_MESHING_ELEMENTS_H_
 
@@ -29,16 +28,16 @@ enum Procedure : sac::Kind {
   kNearest,   // ComputeNN: when does the vertex's first Complete come?
   kComplete,  // insert Steiner points until no edge that it owns has a gap
   kCheck,     // a new subsegment: split it if it is encroached, else expose it
-  kSplit,     // split it: somebody encroaches on it
-  kRecheck,   // split it if it is encroached by now
+  kSplit,     // split it: a vertex encroaches on it
+  kRecheck,   // split it if it is encroached as of now
   kPresplit,  // a piece of a segment: halve it if a disjoint feature is too near, else check it
-  kCure,      // a sliver: a point that unmakes it and makes none
+  kCure,      // a sliver: insert a point that unmakes it and makes none
 };
 
-// Time. Epochs run through buckets, in each through rounds, in each through steps of
-// segment work and then the quality work. Bucket 0 is the input's: in round 0 segments are split
-// as the features near them ask, in round 1 until none is encroached; then every vertex asks for
-// its nearest neighbour.
+// Time. Epochs run through buckets, each bucket through rounds, each round through steps of segment
+// work and then the quality work. Bucket 0 is the input's. In its round 0 segments are split
+// because of features near them, in round 1 until none is encroached. Then every vertex finds its
+// nearest neighbour.
 inline constexpr int kSubBits = 24, kRoundBits = 24;  // the bucket has 16
 inline constexpr std::uint64_t kQualityStep = (std::uint64_t{1} << kSubBits) - 1;
 
@@ -53,7 +52,7 @@ inline std::uint64_t StepOfEpoch(sac::Epoch e) { return e & kQualityStep; }
 inline bool IsQualityEpoch(sac::Epoch e) { return StepOfEpoch(e) == kQualityStep; }
 
 inline constexpr sac::Epoch kBirthOfInput = 0;
-// Of pieces that come of `depth` splits. Step 0 is the beginning.
+// The epoch of pieces after `depth` splits. Step 0 is the beginning.
 inline sac::Epoch PresplitEpoch(int depth = 0) {
   return MakeEpoch(0, 0, static_cast<std::uint64_t>(depth) + 1);
 }
@@ -68,13 +67,13 @@ template <int D>
 struct Vertex {
   geometry::Point<D> p = {};
   sac::Epoch epoch = kBirthOfInput;  // of its creator
-  sac::Stamp birth = 0;              // its creator's time, or the beginning
+  sac::Stamp birth = 0;              // its creator's time, or beginning()
   sac::OpId operations = sac::kNoOp;
-  sac::OpId creator = sac::kNoOp;  // untraced: its item
-  FeatureSlot feature = kNil;      // what it lies on
+  sac::OpId creator = sac::kNoOp;  // untraced: the creator's item
+  FeatureSlot feature = kNil;      // the feature that it lies on
   std::uint8_t dimension = D;      // containing dimension, 0 to D
   std::uint8_t ordinal = 0;        // which of its creator's outputs
-  bool present = false;            // published, not withdrawn
+  bool present = false;            // published and not withdrawn
   bool in_mesh = false;            // part of the last reported mesh
   bool changed = false;            // stands in the list of changes
 };
@@ -89,9 +88,8 @@ struct Subsegment {
   VertexIndex a = kNil, b = kNil;              // the lesser end of the segment first
   VertexIndex whole_a = kNil, whole_b = kNil;  // ends of the segment
   FeatureSlot feature = kNil;
-  Piece piece;  // how it is to be split
-  // Visible to quality work from its exposure on (a Check found it clean) until its
-  // death (a split).
+  Piece piece;  // determines how it is split
+  // Quality work sees it from its exposure (a Check found it clean) until its death (a split).
   sac::Stamp exposed = sac::kNoStamp;
   sac::Stamp death = sac::kNoStamp;
   sac::OpId operations = sac::kNoOp;
@@ -106,37 +104,37 @@ inline float RoundedUp(double x) {
   const float f = static_cast<float>(x);
   return f < x ? std::nextafter(f, INFINITY) : f;
 }
-// To 7 bits behind the leading one, so that little doubt of x is no doubt of the result.
+// Rounds up to 7 bits behind the leading one. So a small error of x rarely changes the result.
 inline float RoundedFarUp(double x) {
   constexpr std::uint32_t kRest = (1u << 16) - 1;
   return std::bit_cast<float>((std::bit_cast<std::uint32_t>(RoundedUp(x)) + kRest) & ~kRest);
 }
 
-// What an operation keeps beside its reads. Small: there is one of each operation.
+// What an operation keeps beside its reads. Small, as every operation has one.
 template <int D>
 class Payload {
  public:
   using Point = geometry::Point<D>;
 
-  // kComplete: squared distance beyond which no vertex can be in a ball that was
-  // read; kNearest: squared distance of the nearest. Rounded up.
+  // kComplete: no vertex beyond this squared distance can be in a ball that was read. kNearest: the
+  // squared distance of the nearest vertex. Rounded up.
   float radius2 = 0;
-  // kComplete: a candidate yielded to encroached subsegments, or was kept out by them.
-  // Checks: encroached (then the reads are the witnesses).
+  // kComplete: a candidate yielded to encroached subsegments, or was kept out by them. Checks:
+  // encroached (then the reads are the witnesses).
   std::uint32_t flag : 1 = 0;
 
-  // kComplete: the balls read are those of `region`. False if its measures are in doubt by so much
-  // that it might have to be kept otherwise.
+  // kComplete: stores the balls of `region`, coarsely. `doubt`: an error bound of its measures.
+  // False if such an error could change the stored bits.
   bool SetRegion(const StarRegion<D>& region, double doubt = 0) {
     const double r2 = region.radius2(),
                  doubt2 = doubt > 0 ? doubt * (2 * std::sqrt(r2) + doubt) : 0;
     radius2 = RoundedFarUp(r2 + doubt2);
     bool is_certain = RoundedFarUp(r2 - doubt2) == radius2;
-    // The radius may have overflowed: then nothing is known of the rest either.
+    // If the radius overflows, nothing is known of the extents either.
     const double radius = radius2 < INFINITY ? std::sqrt(radius2) * (1 - 1e-6) : 0;
     const auto fraction = [&](double distance, int units) {
       const auto rounded = [&](double d) {
-        const double x = std::min<double>(units, d / radius * units);  // units if not a number
+        const double x = std::min<double>(units, d / radius * units);  // a NaN becomes `units`
         const auto down = static_cast<std::uint32_t>(std::max(x, 0.0));
         return down + (down < x ? 1 : 0);
       };
@@ -159,7 +157,8 @@ class Payload {
     }
     return is_certain;
   }
-  // May y be in one of them, p being their vertex? Never no if it is.
+  // May y be in one of the balls, p being their vertex? Conservative: may return true needlessly,
+  // never false wrongly.
   bool RegionMayHold(const Point& p, const Point& y) const {
     constexpr double kPart2 = 1.0 / (kExtentUnits * kExtentUnits);
     double sum = 0;
@@ -178,14 +177,14 @@ class Payload {
     }
     return sum <= radius2;
   }
-  // What SetRegion kept beside the radius, as one number.
+  // What SetRegion stored beside the radius, as one number.
   std::uint64_t region() const {
     if constexpr (kByOrthant) return std::uint64_t{outline_} << 32 | extents_;
     return extents_;
   }
 
  private:
-  // In the plane the test that follows costs less than this one.
+  // Not in 2D: there the test that follows costs less than this one.
   static constexpr bool kByOrthant = D > 2;
   static constexpr int kExtentBits = D == 2 ? 6 : 5, kReachBits = 4;
   static constexpr int kExtentUnits = (1 << kExtentBits) - 1, kReachUnits = (1 << kReachBits) - 1;
@@ -195,8 +194,8 @@ class Payload {
     return static_cast<int>(word >> (i * bits)) & ((1 << bits) - 1);
   }
 
-  // In fractions of the radius, rounded up: how far the balls read extend from the vertex along
-  // each axis, downwards and upwards; how far they reach in each orthant.
+  // In fractions of the radius, rounded up. extents_: how far the balls extend from the vertex
+  // along each axis, downwards and upwards. outline_: how far in each orthant.
   std::uint32_t extents_ : 2 * D* kExtentBits = 0;
   [[no_unique_address]] std::conditional_t<kByOrthant, std::uint32_t, Nothing> outline_ = {};
 };

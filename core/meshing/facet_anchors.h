@@ -1,16 +1,17 @@
-// Anchors of facets: the vertices that a facet has from the beginning where a disjoint feature is
-// near it, or there is a target length: points of its lattice (facet_lattice.h).
+// Anchors of facets: vertices that a facet has from the beginning, where a disjoint feature is near
+// it or a target length applies. They are points of the facet's lattice (facet_lattice.h).
 //
-// Between two facets nothing but neighbours would tell where a vertex goes, and an edit would pass
-// on all over them. Let d be the distance of a place x from the nearest feature that is disjoint
-// from the facet, and h the target there. x, a point of level k, is an anchor if
-//   the lattice of level k - 1 is too wide there: its spacing is more than min(w d, 0.8 h)
-//   (FacetSpacing says what w is),
-//   all edges of the facet are farther than min(d, kClearOfEdges h), and x is inside.
-// So spacings are between w d / sqrt 2 and w d, as wide as the bound of quality allows, or within
-// those parts of 0.8 h. That is a function of the features near x. So an edit decides those again
-// that it may concern, and no other changes. Like other anchors these stand outside the time of the
-// trace (anchors.h); they are on their facet as if refinement had put them there.
+// Between two facets the position of a vertex would otherwise depend on neighbours alone, and an
+// edit would propagate all over the facets. Let d be the distance of a point x from the nearest
+// feature disjoint from the facet, h the target at x, and w as in FacetSpacing. x, a point of level
+// k, is an anchor if
+//   the spacing of level k - 1 is too wide at x: more than min(w d, 0.8 h),
+//   all edges of the facet are farther than min(d, kClearOfEdges h), and
+//   x is inside the facet.
+// So spacings are between w d / sqrt 2 and w d, as wide as the quality bound allows, or between
+// 0.8 h / sqrt 2 and 0.8 h. This is a function of the features near x. So an edit decides again
+// only the points that it may affect. Like other anchors these stand outside the time of the trace
+// (anchors.h). They are on their facet as if refinement had put them there.
 #ifndef DYNMESH_CORE_MESHING_FACET_ANCHORS_H_
 #define DYNMESH_CORE_MESHING_FACET_ANCHORS_H_
 
@@ -26,20 +27,21 @@
 
 namespace dynmesh::meshing {
 
-// w: of two facets at distance 1, four points at the corners of a square of that side on either,
-// one above the other, lie on a ball whose radius is within rho by a little, or within 2.
+// w. Take two facets at distance 1, and on each a square of side w, one above the other. The ball
+// through the eight corners has R^2 = (2 w^2 + 1) / 4 < min(rho, 2)^2.
 template <int D, template <class> class E>
 double Refinement<D, E>::FacetSpacing() const {
   const double rho = std::min(rules_.quality(), 2.0);
   return 0.95 * std::sqrt(2 * rho * rho - 0.5);
 }
 
-// As wide as leaves no room for further vertices between the facet and a lattice beside it.
+// The widest spacing that leaves no room for vertices between the facet and a lattice beside it.
 inline constexpr double kSpacingInTargets = 0.8;
-// In targets. Pieces of edges are shorter than twice that (IsTooLong): no anchor is in their balls.
+// In targets. Pieces of edges are shorter than twice that (IsTooLong), so their balls hold no
+// anchor.
 inline constexpr double kClearOfEdges = 0.66;
 
-// Does a facet have none of the ends? Then they are disjoint.
+// True if none of the feature's ends is a corner of the facet.
 template <int D>
 bool AreDisjoint(const Facet& facet, const InputFeature<D>& f) {
   return !facet.HasCorner(f.a) && !facet.HasCorner(f.b);
@@ -50,9 +52,10 @@ inline bool AreDisjoint(std::span<const VertexIndex> corners, std::span<const Ve
                               [&](VertexIndex v) { return std::ranges::binary_search(others, v); });
 }
 
-// What is nearest to a place x on a facet, if nearer than `radius`: of the features disjoint from
-// the facet, and of its edges. Of features farther than the nearest edge and `margin` it is told
-// that they are that far. In whatever order features are found, and however many are as near.
+// The distances from a point x on the facet to the nearest feature disjoint from the facet, and to
+// the facet's nearest edge; each at most `radius`. Features farther than the nearest edge +
+// `margin` count as that far. The result depends neither on the order in which features are found
+// nor on how many are equally near.
 template <int D, template <class> class E>
 typename Refinement<D, E>::FacetSurroundings Refinement<D, E>::Around(const Facet& facet,
                                                                       const Point& x, double radius,
@@ -73,13 +76,13 @@ typename Refinement<D, E>::FacetSurroundings Refinement<D, E>::Around(const Face
           } else {
             return;
           }
-          // What is as near is looked at, too.
+          // Features at exactly this distance are visited, too.
           const double of_edge = std::sqrt(edge2) + margin;
           within2 = std::min(all2, std::min(feature2, of_edge * of_edge) * (1 + 1e-9));
         });
     near.edge = std::sqrt(edge2);
     near.feature = std::min({radius, std::sqrt(feature2), near.edge + margin});
-    // Corners are features: few facets are nearer.
+    // Corners are features, so few facets are nearer than the nearest feature.
     facets_.ForEachNear(x, near.feature, [&](const Facet& other) {
       if (other.IsOver(x, near.feature) && AreDisjoint(facet.corners(), other.corners())) {
         near.feature = std::fabs(other.plane().Height(x));
@@ -106,8 +109,8 @@ bool Refinement<D, E>::IsFacetAnchor(const Facet& facet, const FacetLattice& lat
   return false;
 }
 
-// Is something disjoint from the facet so near that it may give anchors to it? Conservative: may
-// return true needlessly.
+// May feature f, disjoint from the facet, be near enough to cause anchors? Conservative: may return
+// true needlessly.
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsWithinReach(const Facet& facet, const InputFeature<D>& f) {
   if constexpr (D == 3) {
@@ -121,7 +124,7 @@ bool Refinement<D, E>::IsWithinReach(const Facet& facet, const InputFeature<D>& 
   return false;
 }
 
-// Has the facet a corner over the other one, within its reach?
+// True if `facet` has a corner over `other`, within facet's reach.
 template <int D, template <class> class E>
 bool Refinement<D, E>::HasCornerOver(const Facet& facet, const Facet& other) {
   if constexpr (D == 3) {
@@ -137,7 +140,7 @@ bool Refinement<D, E>::HasCornerOver(const Facet& facet, const Facet& other) {
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsWithinReach(const Facet& facet, const Facet& other) {
   if constexpr (D == 3) {
-    constexpr std::size_t kMany = 4096;  // pairs, which take longer than they save
+    constexpr std::size_t kMany = 4096;  // testing more pairs takes longer than it saves
     if (facet.corners().size() * other.corners().size() > kMany) return true;
     bool is = HasCornerOver(facet, other);
     ForEachEdgeOf(other.rings(), [&](const Point& p, const Point& q) {
@@ -148,7 +151,7 @@ bool Refinement<D, E>::IsWithinReach(const Facet& facet, const Facet& other) {
   return false;
 }
 
-// Most facets of a surface have none. Conservative: may return true needlessly.
+// Most facets of a surface have no anchors. Conservative: may return true needlessly.
 template <int D, template <class> class E>
 bool Refinement<D, E>::MayHaveAnchors(const Facet& facet) const {
   if constexpr (D == 3) {
@@ -172,7 +175,8 @@ bool Refinement<D, E>::MayHaveAnchors(const Facet& facet) const {
         [&](const InputFeature<D>& f) {
           may = may || (AreDisjoint(facet, f) && IsWithinReach(facet, f));
         });
-    // Edges of others are features: what is left is a corner over the inside of another one.
+    // Edges of other facets are features. What remains is a corner over the inside of another
+    // facet.
     if (!may) {
       facets_.ForEachNear(middle, std::sqrt(radius2), [&](const Facet& other) {
         may = may || (AreDisjoint(facet.corners(), other.corners()) && HasCornerOver(facet, other));
@@ -197,10 +201,11 @@ bool Refinement<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, double 
   return has;
 }
 
-// Calls decide(index, point) for the points of the cell that may be anchors, or may have been
-// before something changed: a feature at the distance feature_changed(x) from x, or sizes where
-// size_changed(x, radius) is the least target in that ball; INFINITY for nothing. Conservative.
-// Until decide says false; false if it did.
+// Calls decide(index, point) until it returns false, for the points of the cell that may be
+// anchors, or may have been before a change. Returns false if decide did. The change: a feature at
+// distance feature_changed(x) from x, or sizes, where size_changed(x, radius) is the least changed
+// target in that ball. INFINITY: no such change; if both are INFINITY everywhere, all points are
+// decided. Conservative.
 template <int D, template <class> class E>
 template <class FeatureChanged, class SizeChanged, class Decide>
 bool Refinement<D, E>::VisitLattice(const Facet& facet, const FacetLattice& lattice,
@@ -212,18 +217,19 @@ bool Refinement<D, E>::VisitLattice(const Facet& facet, const FacetLattice& latt
                changed_feature = feature_changed(middle),
                changed_target = size_changed(middle, radius);
   const auto [feature, edge] = Around(facet, middle, radius + reach, 2 * radius * (1 + 1e-6));
-  // What is farther than something else everywhere in the cell has no say.
+  // If another feature is nearer everywhere in the cell, the changed one has no effect.
   const bool is_concerned = changed_target < INFINITY || changed_feature <= feature + 2 * radius;
   const bool is_all = changed_feature == INFINITY && changed_target == INFINITY;
   if (!is_concerned && !is_all) return true;
-  const double least = std::min(feature, changed_feature) - radius,  // of what is disjoint
+  const double least = std::min(feature, changed_feature) - radius,  // distance of disjoint
+                                                                     // features
       target = std::min(sizing_.LeastTarget(middle, radius), changed_target),
                clear = std::min(least, kClearOfEdges * target);
   if (!(clear < reach)) return true;
   if (facet.IsInside(middle)) {
     if (std::min(edge + radius, reach) < clear) return true;  // an edge is nearer everywhere
   } else if (!HasEdgeWithin(facet, middle, radius)) {
-    return true;  // nothing of the facet is in the cell
+    return true;  // the cell holds nothing of the facet
   }
   if (clear > 0) {
     constexpr double kFew = 4;  // along a side
@@ -243,7 +249,7 @@ bool Refinement<D, E>::VisitLattice(const Facet& facet, const FacetLattice& latt
   return true;
 }
 
-// Decides the anchors of a facet again, as VisitLattice does. False if it was interrupted.
+// Decides the facet's anchors again, as VisitLattice does. False if it was interrupted.
 template <int D, template <class> class E>
 template <class FeatureChanged, class SizeChanged>
 bool Refinement<D, E>::UpdateFacetAnchors(FacetIndex i, const FeatureChanged& feature_changed,
@@ -281,8 +287,8 @@ void Refinement<D, E>::DecideFacetAnchor(FacetIndex facet, const FacetLattice::I
   }
 }
 
-// Decides those again that what has changed since the last propagation may concern. False if it
-// was interrupted: then the rest is still to be decided.
+// Decides again the anchors that changes since the last propagation may affect. False if it was
+// interrupted: then the rest remains to be decided.
 template <int D, template <class> class E>
 bool Refinement<D, E>::UpdateFacetAnchors(absl::FunctionRef<bool()> interrupt) {
   if constexpr (D == 3) {

@@ -1,8 +1,9 @@
-// The polygons of a complex in space, as refinement sees them: where they are and who is on them.
+// The polygons of a 3D complex, as refinement sees them: their extents and the vertices on them.
 //
-// Like sizing features they stand outside the time of the trace: there from the beginning or not
-// at all. Who is on a facet is a matter of combination, never of coordinates: its corners, what
-// split its edges, what was put there for its sake. Thread-compatible.
+// Like sizing regions they stand outside the time of the trace: there from the beginning or not at
+// all. Whether a vertex is on a facet is decided by combinatorics, never by coordinates. On a facet
+// are its corners, the vertices that split its edges, and those inserted for its sake.
+// Thread-compatible.
 #ifndef DYNMESH_CORE_MESHING_FACET_FIELD_H_
 #define DYNMESH_CORE_MESHING_FACET_FIELD_H_
 
@@ -29,16 +30,16 @@ namespace dynmesh::meshing {
 
 using FacetIndex = std::uint32_t;
 
-// Where a facet is, nearly.
+// The approximate extent of a facet.
 struct FacetPlace {
-  // May the ball hold a place of it? Never no if it does.
+  // May the ball meet the facet? Conservative: may return true needlessly, never false wrongly.
   bool MayMeet(const geometry::Point3& centre, double radius) const {
     for (int k = 0; k < 3; ++k) {
       if (!(box.lo[k] - radius <= centre[k] && centre[k] <= box.hi[k] + radius)) return false;
     }
     return std::fabs(plane.Height(centre)) <= radius + margin;
   }
-  // No place of it is nearer to x.
+  // A lower bound of the distance from x to the facet.
   double LeastDistance(const geometry::Point3& x) const {
     double d2 = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -50,7 +51,7 @@ struct FacetPlace {
 
   Extent<3> box;
   geometry::FacetPlane plane;
-  double margin = 0;  // more than corners are off the plane
+  double margin = 0;  // more than any corner's distance from the plane
 };
 
 class Facet {
@@ -59,7 +60,7 @@ class Facet {
   using Edge = std::pair<VertexIndex, VertexIndex>;  // the lesser index first
 
   Facet() = default;
-  // `position(v)`: of a corner.
+  // `position(v)`: the position of corner v.
   template <class Position>
   Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot feature, Position position);
 
@@ -74,15 +75,15 @@ class Facet {
   bool HasEdge(VertexIndex a, VertexIndex b) const {
     return std::binary_search(edges_.begin(), edges_.end(), Edge(std::minmax(a, b)));
   }
-  // Is p over the inside, or under it, and nearer to the plane than `height`?
+  // True if p is less than `height` away from the plane and its foot is inside the facet.
   bool IsOver(const Point& p, double height) const {
     return std::fabs(plane().Height(p)) < height && IsInside(plane().Foot(p));
   }
-  // From x. O(corners).
+  // The distance from x to the facet. O(corners).
   double Distance(const Point& x) const;
-  // No place of it is farther from all its edges. Conservative: may be too large.
+  // An upper bound of the distance from a point of the facet to the nearest edge of the facet.
   double reach() const { return reach_; }
-  // Is p, near the plane, inside?
+  // True if p, near the plane, is inside.
   bool IsInside(const Point& p) const { return interior_.Holds(p); }
 
  private:
@@ -113,8 +114,8 @@ Facet::Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot featur
   interior_ = geometry::FacetInterior(rings_, plane);
   const geometry::FacetBounds bounds = geometry::BoundsOf(rings_, plane);
   where_ = {{bounds.lo.c, bounds.hi.c}, plane, 2 * bounds.deviation};
-  // A disc of that radius has no more than the area, and is no wider than the box seen along the
-  // plane's axis allows.
+  // A disc of radius r in the facet has an area of at most the facet's. Along axis k it extends by
+  // r sqrt(1 - n_k^2), at most half of the box.
   double area = 0, widest = INFINITY;
   for (const geometry::Ring3& ring : rings_) {
     geometry::Vector3 sum = {0, 0, 0};
@@ -155,23 +156,23 @@ class FacetField {
   FacetIndex Add(Facet facet);
   void Remove(FacetIndex index);
 
-  // The facets with a corner at an input point.
+  // The facets that have input point v as a corner.
   std::span<const FacetIndex> AtCorner(VertexIndex v) const {
     const auto it = at_corner_.find(v);
     return it == at_corner_.end() ? std::span<const FacetIndex>() : it->second;
   }
-  // kNil if there is none of that feature.
+  // The facet of that feature; kNil if there is none.
   FacetIndex OfFeature(FeatureSlot feature) const {
     const auto it = of_feature_.find(feature);
     return it == of_feature_.end() ? kNil : it->second;
   }
-  // Calls f(facet) for those that the ball may meet.
+  // Calls f(facet) for the facets that the ball may meet.
   template <class F>
   void ForEachNear(const Point& centre, double radius, F f) const {
     ForEachNear(centre, radius, kNothingHidden, f);
   }
-  // The same, but for some that are hidden: is_hidden(
-  // centre, half of the sides) says of a box that all in it is.
+  // The same, but may skip facets in hidden boxes. is_hidden(centre, half of the sides): all in the
+  // box is hidden.
   template <class IsHidden, class F>
   void ForEachNear(const Point& centre, double radius, IsHidden is_hidden, F f) const {
     places_.Any(centre, radius, INFINITY, is_hidden, [&](std::uint32_t i) {
@@ -188,8 +189,8 @@ class FacetField {
     });
   }
 
-  // Those that may be no farther from something than their reach() is, which lies in the box and
-  // is no nearer to x than distance(x).
+  // Take something that lies in the box and is no nearer to any x than distance(x). These are the
+  // facets that may be within their reach() of it.
   template <class Distance>
   std::vector<FacetIndex> Reaching(const Extent<3>& box, Distance distance) const {
     Point centre;
@@ -224,11 +225,11 @@ class FacetField {
   }
 
  private:
-  // A facet by place: what is read before the facet is.
+  // The part of a facet that searches read first.
   struct Region {
     FacetIndex facet = 0;
     Point lo = {}, hi = {};
-    double radius = 0;  // around the box
+    double radius = 0;  // margin around the box
     FacetPlace where = {};
     static double LeastCell() { return 0; }
     static double Key() { return 0; }
@@ -241,7 +242,8 @@ class FacetField {
   std::vector<FacetIndex> free_;
   std::vector<RegionsOf> regions_of_;  // by facet
   RegionTree<3, Region> places_;
-  RegionTree<3, Region> reaches_;  // with as much around as may have to do with its anchors
+  RegionTree<3, Region> reaches_;  // enlarged by reach(): the surroundings that may affect the
+                                   // facet's anchors
   absl::flat_hash_map<VertexIndex, absl::InlinedVector<FacetIndex, 4>> at_corner_;
   absl::flat_hash_map<FeatureSlot, FacetIndex> of_feature_;
 };

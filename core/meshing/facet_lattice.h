@@ -1,11 +1,11 @@
-// The lattices whose points are vertices of a facet from the beginning (facet_anchors.h): squares,
-// each lattice with the centres of the former's squares added, so that from one *level* to the next
-// spacings shrink by sqrt 2 and each lattice holds all coarser ones. So a place can be looked at by
-// itself: it is of the coarsest level that has it, and a finer neighbourhood takes nothing away.
+// The lattices of facet anchors (facet_anchors.h): squares. Each *level* adds the centres of the
+// squares of the level before. So spacings shrink by sqrt 2 from level to level, and each lattice
+// contains all coarser ones. A point can be decided by itself: it belongs to the coarsest level
+// that contains it, and a finer neighbourhood does not remove it.
 //
-// Lattices are those of the coordinates other than the normal's largest, with steps that are powers
-// of two: on facets one above the other points lie one above the other. Seen along the
-// normal, spacings are up to sqrt 3 times as wide. Pure; thread-safe.
+// The lattice coordinates are those other than the normal's largest, with steps that are powers of
+// two. So on facets one above the other, points lie one above the other. Measured in the facet,
+// spacings are up to sqrt 3 times as wide. Pure; thread-safe.
 #ifndef DYNMESH_CORE_MESHING_FACET_LATTICE_H_
 #define DYNMESH_CORE_MESHING_FACET_LATTICE_H_
 
@@ -24,7 +24,7 @@ class FacetLattice {
  public:
   using Point = geometry::Point3;
 
-  // A place, by the coarsest level that has it.
+  // A point, identified by the coarsest level that contains it.
   struct Index {
     int level = 0;
     std::int64_t i = 0, j = 0;  // in steps of 2^-ceil(level / 2)
@@ -46,12 +46,12 @@ class FacetLattice {
   explicit FacetLattice(const geometry::FacetPlane& plane)
       : plane_(plane), widening_(1 / plane.normal[static_cast<std::size_t>(plane.axis)]) {}
 
-  // The widest spacing of a level along the facet. No logarithm, hence no libm, has a say.
+  // The widest spacing of a level along the facet. Uses no logarithm, hence no libm.
   double Spacing(int level) const {
     const double step = (level & 1) != 0 ? 1.4142135623730951 : 1;
     return widening_ * std::ldexp(step, -((level + 1) >> 1));
   }
-  // The coarsest level with no wider spacing.
+  // The coarsest level with spacing <= `spacing`.
   int LevelOf(double spacing) const {
     const int level = -2 * std::ilogb(spacing / widening_);
     return Spacing(level - 1) <= spacing ? level - 1 : level;
@@ -62,13 +62,13 @@ class FacetLattice {
     return Lift((static_cast<double>(cell.i) + 0.5) * side,
                 (static_cast<double>(cell.j) + 0.5) * side);
   }
-  // All places of the cell on the facet are within that of its middle.
+  // An upper bound of the distance from the cell's middle to a point of the cell on the facet.
   double RadiusOf(const Cell& cell) const { return widening_ * 0.70711 * cell.side() * (1 + 1e-9); }
   static Cell Child(const Cell& cell, int quadrant) {
     return {cell.depth + 1, 2 * cell.i + (quadrant & 1), 2 * cell.j + (quadrant >> 1)};
   }
-  // Calls f(cell) for at most four cells that hold what is between lo and hi, until f says false.
-  // False if it did.
+  // Calls f(cell) for at most four cells that cover the box from lo to hi, until f returns false.
+  // Returns false if it did.
   template <class F>
   bool ForEachCellOver(const Point& lo, const Point& hi, F f) const {
     const std::size_t u = U(), v = V();
@@ -83,8 +83,8 @@ class FacetLattice {
     }
     return true;
   }
-  // Calls f(index, place) for the points in the cell, its upper sides aside, of the levels up to
-  // `finest`, until f says false. False if it did.
+  // Calls f(index, point) for the points of levels up to `finest` in the cell, without its upper
+  // sides, until f returns false. Returns false if it did.
   template <class F>
   bool ForEachIn(const Cell& cell, int finest, F f) const {
     const int steps = (finest + 1) >> 1;  // the step is 2^-steps
@@ -109,7 +109,7 @@ class FacetLattice {
     return Lift(std::ldexp(static_cast<double>(i), -steps),
                 std::ldexp(static_cast<double>(j), -steps));
   }
-  // The place of the plane that is seen along the axis at (u, v).
+  // The point of the plane with coordinates (u, v), projected along the axis.
   Point Lift(double u, double v) const {
     const std::size_t a = static_cast<std::size_t>(plane_.axis);
     Point p;
@@ -125,7 +125,7 @@ class FacetLattice {
     const bool is_middle = (i & j & 1) != 0;
     return {2 * steps - (is_middle ? 1 : 0), i, j};
   }
-  // Of a cell narrower than the lattice's squares: its lowest corner, if that is a point.
+  // For a cell narrower than the lattice's squares: its lowest corner, if that is a point.
   template <class F>
   bool ForCorner(const Cell& cell, int finest, F f) const {
     const Index index = Coarsest(cell.depth, cell.i, cell.j);

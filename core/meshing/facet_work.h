@@ -1,10 +1,11 @@
-// Facet work (rule b): a vertex that is not on a facet must not have a part of it in its Voronoi
-// cell. If it has, the place there nearest to the vertex becomes a vertex of the facet, unless it
-// encroaches on a subsegment: then that is split first, and the vertex looks again. In the end
-// each facet is a union of triangles of the triangulation, its subfacets (cell_cut.h says why).
+// Facet work (rule b): the Voronoi cell of a vertex that is not on a facet must not meet the facet.
+// If it does, the point of the intersection nearest to the vertex becomes a vertex of the facet. If
+// that point would encroach on a subsegment, the subsegment is split first and the vertex runs
+// again. In the end each facet is a union of triangles of the triangulation, its subfacets
+// (cell_cut.h says why).
 //
-// And a gap's Steiner point that is nearer to a facet than kNearFacet of what it is away from
-// its vertices moves to the facet: else the facet would soon get a vertex next to it.
+// A gap's Steiner point at distance r from its vertices moves to a facet at distance h <=
+// kNearFacet r. Else the facet would soon get a vertex next to it.
 #ifndef DYNMESH_CORE_MESHING_FACET_WORK_H_
 #define DYNMESH_CORE_MESHING_FACET_WORK_H_
 
@@ -22,7 +23,7 @@ namespace dynmesh::meshing {
 // 0.5 and 0.6 make meshes 3 to 5 % larger.
 inline constexpr double kNearFacet = 0.7;
 
-// --- Who is on a facet ------------------------------------------------------------------
+// --- Vertices on a facet ------------------------------------------------------------------
 
 // The ends of the input segment that v, of containing dimension 1, lies on.
 template <int D, template <class> class E>
@@ -41,8 +42,8 @@ bool Refinement<D, E>::IsOnFacet(VertexIndex v, const Facet& facet) const {
   return facet.HasEdge(a, b);
 }
 
-// Is d on the side of triangle abc, which lies on the facet, to which the facet's normal points?
-// Exact: d may be nearer to the facet's plane than the corners of the triangle are.
+// True if d is on the side to which the facet's normal points, seen from triangle abc, which lies
+// on the facet. Exact: d may be nearer to the facet's plane than the triangle's corners are.
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsOnNormalsSide(const Facet& facet, VertexIndex a, VertexIndex b,
                                        VertexIndex c, VertexIndex d) const {
@@ -56,9 +57,9 @@ bool Refinement<D, E>::IsOnNormalsSide(const Facet& facet, VertexIndex a, Vertex
   return false;
 }
 
-// The facet that triangle abc, a side of a tetrahedron with the fourth corner d, is a part of, as
-// seen from the side to which its normal points; kNil if there is none. Four vertices of a facet
-// may span a flat tetrahedron: counted on one side, the facet is covered once all the same.
+// The facet that contains triangle abc, a side of a tetrahedron with fourth corner d, seen from the
+// side to which the facet's normal points; kNil if there is none. Four vertices of a facet may span
+// a flat tetrahedron. Counting on one side only, the facet is covered exactly once all the same.
 template <int D, template <class> class E>
 FacetIndex Refinement<D, E>::FacetOf(VertexIndex a, VertexIndex b, VertexIndex c,
                                      VertexIndex d) const {
@@ -89,10 +90,10 @@ FacetIndex Refinement<D, E>::FacetOf(VertexIndex a, VertexIndex b, VertexIndex c
   return kNil;
 }
 
-// --- What there is to do ------------------------------------------------------------------
+// --- Work on facets -----------------------------------------------------------------------
 
-// The squared distance from v to the nearest facet that it is not on, if less than d2, else d2.
-// Beside a facet's edges others see to it.
+// min(d2, squared distance from v to the nearest facet that it is not on). Counts a facet only if
+// v's foot is inside: else an edge of it, which is a feature of its own, is nearest.
 template <int D, template <class> class E>
 double Refinement<D, E>::FacetDistance2(VertexIndex v, double d2) const {
   if constexpr (D == 3) {
@@ -105,8 +106,8 @@ double Refinement<D, E>::FacetDistance2(VertexIndex v, double d2) const {
   return d2;
 }
 
-// A place that the star's vertex has of a facet that it is not on. One that is not certainly in
-// view can wait until views are wider.
+// Finds the nearest point of a facet in the cell of the star's vertex, which is not on that facet.
+// A point that is not certainly in view waits until views are wider.
 template <int D, template <class> class E>
 bool Refinement<D, E>::FindFacetPoint(Candidate* best) {
   if constexpr (D == 3) {
@@ -116,12 +117,12 @@ bool Refinement<D, E>::FindFacetPoint(Candidate* best) {
     }
     const double far = std::min(std::sqrt(far2), star_.reach()) * (1 + 1e-6);
     bool found = false, begun = false;
-    // Behind a neighbour's bisector there is nothing of the cell.
+    // A box behind a neighbour's bisector is outside of the cell.
     const auto is_hidden = [&](const Point& centre, const geometry::Vector3& half) {
       const auto d = geometry::Difference(centre.c, star_.position().c);
       return std::ranges::any_of(star_.neighbours(), [&](const typename Star::Neighbour& u) {
         if (!Star::IsUsed(u)) return false;
-        double least = -0.5 * (1 + 1e-6) * u.d2;  // over the box
+        double least = -0.5 * (1 + 1e-6) * u.d2;  // minimum over the box
         for (int k = 0; k < 3; ++k) {
           least += d[k] * u.d[k] - (half[k] + 4 * rules_.ulp()) * std::fabs(u.d[k]);
         }
@@ -150,7 +151,7 @@ bool Refinement<D, E>::FindFacetPoint(Candidate* best) {
   return false;
 }
 
-// Does an edge of the star go through a facet that neither end is on?
+// True if an edge of the star goes through the facet, with neither end on it.
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsJoinedThrough(const Facet& facet) const {
   if constexpr (D == 3) {
@@ -162,9 +163,9 @@ bool Refinement<D, E>::IsJoinedThrough(const Facet& facet) const {
   return false;
 }
 
-// Moves a gap's point to the facet next to it, if there is one. Nobody is nearer to the point
-// than its vertices are, at distance r: so nobody is nearer to the new place than
-// (1 - kNearFacet) r.
+// Moves a gap's point to the facet next to it, if there is one. No vertex is nearer to the point
+// than its vertices are, at distance r. So no vertex is nearer to the new position than (1 -
+// kNearFacet) r.
 template <int D, template <class> class E>
 void Refinement<D, E>::MoveToFacet(Candidate* gap) const {
   if constexpr (D == 3) {
@@ -214,9 +215,9 @@ void Refinement<D, E>::RemoveFacet(FacetIndex index) {
   }
 }
 
-// Tells of facets that came or went. Those that are close together have nearly the same readers:
-// who has nothing to do with the box around them is asked but once. (Who read a vertex that went
-// since then is stale, and is not asked.)
+// Notifies of facets that came or went. Facets close together have nearly the same readers: an
+// operation that read nothing in the box around a group is tested only once. (An operation that
+// read a vertex removed since then is stale and is not tested.)
 template <int D, template <class> class E>
 void Refinement<D, E>::NotifyOfFacets() {
   if constexpr (!kTraced) return changed_facets_.clear();
@@ -258,8 +259,8 @@ void Refinement<D, E>::NotifyOfFacets(const Extent<3>& box, std::span<const Face
   }
 }
 
-// How far from its piece's middle a facet matters to a Presplit: nearer than what made it split, or
-// so near that it would. Conservative.
+// A facet affects a Presplit within this distance from its piece's middle: nearer than what made it
+// split, or near enough to make it split. Conservative.
 template <int D, template <class> class E>
 double Refinement<D, E>::PresplitReach(sac::OpId op) const {
   if constexpr (kTraced) {
@@ -271,12 +272,12 @@ double Refinement<D, E>::PresplitReach(sac::OpId op) const {
   return 0;
 }
 
-// May a ball that the operation read meet the box? Whatever it looked at lies in those balls: a
-// place of the cell is in the ball about some corner, and so is all that is nearer to that place
-// than the vertex is. Rather yes than no.
+// May a ball that the operation read meet the box? All that it read lies in those balls: a point of
+// the cell is in the ball about some corner, and so is everything nearer to that point than the
+// vertex is. Conservative: may return true needlessly, never false wrongly.
 //
-// A ball of radius r about the corner v + e meets a ball of radius s about v + w only if
-// w.w - 2 e.w <= 2 r s + s s: so it is enough to look at the corner with the largest e.w.
+// A ball of radius r about the corner v + e meets a ball of radius s about v + w only if w.w - 2
+// e.w <= 2 r s + s s (as |e| = r). So it is enough to test the corner with the largest e.w.
 template <int D, template <class> class E>
 bool Refinement<D, E>::BoxMatters(sac::OpId op, const Extent<3>& box) const {
   if constexpr (kTraced && D == 3) {

@@ -1,6 +1,6 @@
-// The terms of the notification filters: each a reason why a change makes an
-// operation stale. A test build (DYNMESH_MUTATE_FILTERS) can switch any one of them
-// off, and the differential tests must then fail; elsewhere they cost nothing.
+// The terms of the notification filters: each is a reason why a change makes an operation stale. A
+// test build (DYNMESH_MUTATE_FILTERS) can switch off any one of them; then the differential tests
+// must fail. In other builds they cost nothing.
 #ifndef DYNMESH_CORE_MESHING_FILTER_TERMS_H_
 #define DYNMESH_CORE_MESHING_FILTER_TERMS_H_
 
@@ -13,14 +13,14 @@ enum class Term {
   kNearestVanishes,       // the nearest vertex vanishes
   kAppearsInBall,         // a vertex appears in a clean subsegment's ball
   kWitnessVanishes,       // the vertex that encroached vanishes
-  kOverSteinerPoint,      // a subsegment changes whose ball holds an inserted point
+  kOverSteinerPoint,      // a subsegment with an inserted point in its ball changes
   kOverYieldedCandidate,  // ... or may hold a candidate that yielded
   kOverMidpoint,          // ... or holds the midpoint that a split made
   kDeathOfSubsegment,     // a subsegment dies earlier or later than before
-  kOverSize,              // a sizing feature comes or goes that a ball read is too large for
+  kOverSize,              // a sizing region comes or goes that a ball read is too large for
   kFeatureTooNear,        // a point or segment comes too near to a piece of a segment
-  kFeatureNearer,         // ... or nearer than the one that is
-  kTooNearVanishes,       // the one that is vanishes
+  kFeatureNearer,         // ... or nearer than the nearest such feature
+  kTooNearVanishes,       // the nearest such feature vanishes
   kOverFacet,             // a facet comes or goes that meets the balls read
   kNearCure,              // a vertex appears or vanishes in the balls that a Cure read
   kCount,

@@ -1,9 +1,12 @@
-// Most stars of a load have no gap, and the triangulation knows as much: with each simplex it keeps
-// its circle or sphere. So what such an operation has read can be told without making the star
-// (star_search.h), whose corners would be computed one by one.
+// Stars without a gap, read off the triangulation at a glance. Most stars of a load have no gap,
+// and the triangulation keeps the circle or sphere of each simplex. So the reads of such an
+// operation can be recorded without making the star (star_search.h), which computes its corners one
+// by one.
 //
-// To the bit what it would be: what depends on roundings is kept so coarsely that it is nearly
-// always certain in spite of them; where it is not, the star is made.
+// The record is the same to the bit:
+// 1. Of everything that depends on rounding the payload stores only a coarse value (SetRegion).
+// 2. An error bound shows in nearly all cases that both ways give the same stored value.
+// 3. In the other cases the star is made.
 #ifndef DYNMESH_CORE_MESHING_IDLE_STAR_H_
 #define DYNMESH_CORE_MESHING_IDLE_STAR_H_
 
@@ -17,8 +20,8 @@
 
 namespace dynmesh::meshing {
 
-// Records what v's Complete reads, if that has certainly nothing to do; else false, and nothing is
-// recorded. REQUIRES: with a triangulation, FindLink(v) was called.
+// Records the reads of v's Complete if it certainly has no work. Else returns false and records
+// nothing. REQUIRES: if there is a triangulation, FindLink(v) was called.
 template <int D, template <class> class E>
 bool Refinement<D, E>::ReadIdleStar(Context& context, VertexIndex v, double reach) {
   if constexpr (kTraced) {
@@ -33,9 +36,14 @@ bool Refinement<D, E>::ReadIdleStar(Context& context, VertexIndex v, double reac
     StarRegion<D> region(p);
     double doubt = 0;
     if (!AddBallsOfLink(&region, &doubt)) return false;
-    // Centre and radius of a corner differ by less than `doubt` from the sphere's, its margin,
-    // which counts four times at most, by less than a tenth of that; what is kept are distances
-    // from v, twice the length of what of the centre points into an orthant at most.
+    // Let doubt bound the difference between a corner of the star and the ball of its simplex.
+    // 1. Centres and radii differ by less than doubt, margins by less than doubt / 10.
+    // 2. The stored values are distances from v: centre + radius, twice the radius, or at most
+    //    twice the length of what of the centre points into an orthant. Each changes by at most 2
+    //    doubt.
+    // 3. A margin counts at most four times in a stored value: 4 doubt / 10.
+    // 4. So a stored value changes by less than 2.4 doubt < 8 doubt. 8 ulps more cover the rounding
+    //    of coordinates.
     doubt = 8 * doubt + 8 * rules_.ulp();
     if (!context.payload().SetRegion(region, doubt)) return false;
     context.payload().flag = 0;
@@ -52,10 +60,15 @@ bool Refinement<D, E>::ReadIdleStar(Context& context, VertexIndex v, double reac
   return false;
 }
 
-// The balls of the simplices at v, as the triangulation keeps them, and by how much those of the
-// star may differ; false if that may be much, or if some are not within reach. Seen from v, a
-// corner's centre errs by 2e-15 of the radius times the square of how much doubles lose in it
-// (planar_star.cc), in space by 1e-9 of the least edge (space_star.cc).
+// Adds the balls of the simplices at v, as the triangulation keeps them. False if the balls of the
+// star may differ much, or if a ball is not within reach. *doubt: how much they may differ. R: the
+// radius.
+// 1. 2D, the star: T = 1 / sin(angle at v) < 1000 is what doubles lose in a corner. Its centre errs
+//    by 2e-15 R times T squared (planar_star.cc), that is by about 2e-9 R.
+// 2. 2D, the circle: |circle_error| < 1e-8 R^2 (MayHaveGap). Both are far below doubt = 4e-7 R.
+// 3. 3D, the star: a centre errs by at most 1e-9 of the least edge at v (space_star.cc), <= 2e-9 R.
+// 4. 3D, the sphere: doubt is its own bound (high - low) / R (Sphere), about 4e-7 R as low and high
+//    are floats.
 template <int D, template <class> class E>
 bool Refinement<D, E>::AddBallsOfLink(StarRegion<D>* region, double* doubt) const {
   const double margin = MarginOf(0);
@@ -68,7 +81,7 @@ bool Refinement<D, E>::AddBallsOfLink(StarRegion<D>* region, double* doubt) cons
           triangulation_->position(triangulation_->NextVertex(corner)),
           triangulation_->position(triangulation_->PreviousVertex(corner)));
       const double r2 = triangulation_->squared_circumradius(t), radius = std::sqrt(r2);
-      // The sine of the angle at v is more than 1 / 1000. Circles are known (MayHaveGap).
+      // sin(angle at v) = facing / (2 r) > 1 / 1000. Circles are known (MayHaveGap).
       if (!(facing2 > 4e-6 * r2) || !(radius < most_radius)) return false;
       largest = std::max(largest, radius);
       region->AddBall(triangulation_->circumcenter(t), radius, margin);
@@ -79,20 +92,22 @@ bool Refinement<D, E>::AddBallsOfLink(StarRegion<D>* region, double* doubt) cons
       const auto sphere = triangulation_->SphereOf(t);
       const double radius = std::sqrt(sphere.high);
       if (!(radius < most_radius)) return false;
-      *doubt = std::max(*doubt, (sphere.high - sphere.low) / radius);  // 4e-7 of it: floats
+      *doubt = std::max(*doubt, (sphere.high - sphere.low) / radius);  // about 4e-7 R, from the
+                                                                       // rounding to floats
       region->AddBall(sphere.center, radius, margin);
     }
   }
   return true;
 }
 
-// Rather yes than no. REQUIRES: FindLink(v) was called.
+// Conservative: may return true needlessly, never false wrongly. REQUIRES: FindLink(v) was called.
 template <int D, template <class> class E>
 bool Refinement<D, E>::MayHaveGap(VertexIndex v) const {
   if constexpr (D == 2) {
     const Point& p = triangulation_->position(v);
-    // The largest squared radius of a circle at an edge without a gap; its side of the circle's
-    // centre and what is beyond the edge, which may fill a gap, are not looked at.
+    // An edge has no gap if its circles have at most this squared radius. Two conditions that may
+    // exclude a gap are left out: on which side of the edge the centre lies, and the apex beyond
+    // the edge.
     const auto most_near2 = [&](VertexIndex u) {
       return rules_.MostNear2(geometry::SquaredDistance(triangulation_->position(u), p)) *
              (1 - 1e-6);

@@ -1,10 +1,10 @@
-// The input's points and segments by place: which of them is nearest to the middle of a piece of a
-// segment, among those that are too near to the piece (segments.h, Presplit).
+// The input's points and segments by position. The query: which feature is nearest to the middle of
+// a piece of a segment, of those too near to the piece (segments.h, Presplit).
 //
-// A quadtree or octree of cells that list the features which meet them. A cell is cut when it
-// lists more than kCapacity features, unless all of these have a common vertex: however many
-// segments meet at a point, no cut would part them there. So a segment is listed in O(m) cells,
-// m the number of vertices that it carries: cells are about as large as the local feature size.
+// A quadtree or octree of cells; a cell lists the features that meet it. A cell is cut if it lists
+// more than kCapacity features, unless all of these have a common vertex: cutting would not
+// separate segments that meet at a point. So a segment is listed in O(m) cells, m the number of
+// vertices on it: cells are about as large as the local feature size.
 //
 // Answers are a function of the features present. Thread-compatible.
 #ifndef DYNMESH_CORE_MESHING_INPUT_FEATURES_H_
@@ -50,7 +50,7 @@ class InputFeatures {
     nodes_.emplace_back();
   }
 
-  // O(cells that it meets), and what is cut for it.
+  // O(cells that it meets), plus the cells cut because of it.
   void Add(const Feature& feature) { Add(root_, 0, feature); }
   // REQUIRES: it is there.
   void Remove(const Feature& feature) { Remove(root_, feature); }
@@ -59,11 +59,11 @@ class InputFeatures {
   using Vertices = std::array<std::uint32_t, 2>;
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-  // Calls visit(feature) for each feature nearer to `centre` than the square root of `radius2`,
-  // some more than once, in cells for which may_matter(centre of the cell, half of its side);
-  // `radius2` may shrink meanwhile. Near cells first. Passes over cells in which all features have
-  // one of the `ends`: of thousands of segments that meet at a point none is asked for a piece of
-  // one of them.
+  // Calls visit(feature) for the features nearer to `centre` than sqrt(radius2), near cells first;
+  // some are visited more than once. `radius2` may shrink meanwhile. Skips
+  //   cells for which may_matter(centre of the cell, half of its side) is false, and
+  //   cells in which all features have one of the `ends`. So of thousands of segments that meet at
+  //   a point, none is visited for a piece of one of them.
   template <class MayMatter, class Visit>
   void VisitNear(const Point& centre, const double& radius2, const Vertices& ends,
                  MayMatter may_matter, Visit visit) const {
@@ -83,10 +83,10 @@ class InputFeatures {
 
   struct Node {
     std::uint32_t child = kNone;  // the first of kChildren
-    // Vertices that all features here have; kNone: fewer than two such. Conservative: after
-    // removals there may be others.
+    // Vertices that all features of the cell have; kNone if there are fewer than two. Conservative:
+    // after removals there may be more.
     Vertices common = {kNone, kNone};
-    std::vector<Feature> features;  // of a cell that is not cut
+    std::vector<Feature> features;  // empty if the cell is cut
   };
   struct Cell {
     std::uint32_t node = 0;
@@ -105,7 +105,8 @@ class InputFeatures {
     for (int k = 0; k < D; ++k) child |= (x[k] >= cell.centre[k] ? 1 : 0) << k;
     return child;
   }
-  // On which sides of a cell's planes a feature is, and which of them it crosses: a bit for each.
+  // The sides of a cell's middle planes on which a feature is, and the planes that it crosses: a
+  // bit for each axis.
   struct Sides {
     int upper = 0, crossed = 0;
   };
@@ -120,8 +121,8 @@ class InputFeatures {
     }
     return sides;
   }
-  // Calls f(child) for each that a feature which meets the cell meets, too. REQUIRES: the cell is
-  // cut.
+  // Calls f(child) for each child of the cell that the feature meets. REQUIRES: the feature meets
+  // the cell, and the cell is cut.
   template <class F>
   void ForChildrenMet(const Cell& cell, const Feature& feature, F f) const {
     const Sides sides = SidesOf(cell, feature);
@@ -132,7 +133,7 @@ class InputFeatures {
       if (Meets(child, feature)) f(child);
     }
   }
-  // The smallest cell that holds the ball, or the root.
+  // The smallest cell that contains the ball; the root if none does.
   Cell SmallestAround(const Point& centre, double radius) const {
     Cell cell = root_;
     while (nodes_[cell.node].child != kNone) {
@@ -161,8 +162,8 @@ class InputFeatures {
   void Cut(const Cell& cell, int depth);
   void Join(std::uint32_t node);
   template <class MayMatter, class Visit>
-  void VisitNear(const Cell& cell, const Point& centre, const double& radius2,
-                 const Vertices& ends, MayMatter& may_matter, Visit& visit) const;
+  void VisitNear(const Cell& cell, const Point& centre, const double& radius2, const Vertices& ends,
+                 MayMatter& may_matter, Visit& visit) const;
 
   Cell root_;
   std::vector<Node> nodes_;
@@ -171,7 +172,7 @@ class InputFeatures {
 
 template <int D>
 void InputFeatures<D>::Add(Cell cell, int depth, const Feature& feature) {
-  // Most features are small beside most cells, and go down one way.
+  // Most features are small beside most cells, and descend into one child.
   for (; nodes_[cell.node].child != kNone; ++depth) {
     const Sides sides = SidesOf(cell, feature);
     if (sides.crossed != 0) {
@@ -221,7 +222,7 @@ void InputFeatures<D>::Remove(const Cell& cell, const Feature& feature) {
   Join(cell.node);
 }
 
-// Children that list few features between them become one cell again.
+// Merges children that together list few features.
 template <int D>
 void InputFeatures<D>::Join(std::uint32_t n) {
   const std::uint32_t first = nodes_[n].child;
@@ -264,7 +265,7 @@ void InputFeatures<D>::VisitNear(const Cell& cell, const Point& centre, const do
     for (const Feature& f : node.features) visit(f);
     return;
   }
-  // The nearest child first; others are on the other side of some planes.
+  // The nearest child first, then those across one plane, two planes, three planes.
   const int nearest = ChildTowards(cell, centre);
   constexpr std::array<int, 8> kByPlanes = {0, 1, 2, 4, 3, 5, 6, 7};
   for (const int differs : kByPlanes) {

@@ -1,5 +1,5 @@
-// What refinement reads beside stars (star_search.h): how far the nearest vertex is, who lies in
-// a subsegment's ball, whom a point encroaches on.
+// What refinement reads beside stars (star_search.h): the distance of the nearest vertex, the
+// vertices in a subsegment's ball, the subsegments that a point encroaches on.
 //
 // All reads are as of the operation's time, and all are recorded as a region.
 #ifndef DYNMESH_CORE_MESHING_NEIGHBOURHOOD_H_
@@ -33,7 +33,7 @@ typename Refinement<D, E>::Near Refinement<D, E>::NearestTo(Context& context, Ve
   Near best;
   double r2 = INFINITY;
   tree_.VisitBall(vertices_[v].p, r2, [&](std::uint32_t id, const Point&, double d2) {
-    // There may be very many as near as the nearest: one will do.
+    // Very many vertices may be equally near: any one will do.
     if (id == v || d2 >= best.d2 || !context.Sees(vertices_[id].birth)) return;
     best = {d2, id};
     r2 = d2;
@@ -41,8 +41,9 @@ typename Refinement<D, E>::Near Refinement<D, E>::NearestTo(Context& context, Ve
   return best;
 }
 
-// The nearest neighbour is a Delaunay neighbour. All at once, triangle by triangle, is
-// quicker than vertex by vertex in random order; nothing is inserted in that epoch.
+// Finds all nearest neighbours at once, as the nearest neighbour is a Delaunay neighbour. A pass
+// over the triangles is faster than vertex by vertex in random order. Nothing is inserted in that
+// epoch.
 template <int D, template <class> class E>
 void Refinement<D, E>::FindAllNearest() {
   nearest_.assign(vertices_.size(), {});
@@ -60,9 +61,9 @@ void Refinement<D, E>::FindAllNearest() {
   });
 }
 
-// Is subsegment s encroached as of now? Then witnesses_ says by whom: any one vertex
-// in the open ball, or two on its surface of whom one hides the subsegment from the
-// other (see segments.h).
+// True if subsegment s is encroached as of now. Then witnesses_ are the vertices that encroach: one
+// vertex in the open ball, or vertices on its surface that keep s out of the triangulation (see
+// segments.h).
 template <int D, template <class> class E>
 bool Refinement<D, E>::FindEncroaching(Context& context, SubsegmentIndex s) {
   if (D == 2 && is_global()) return FindEncroachingInTriangulation(s);
@@ -85,7 +86,7 @@ bool Refinement<D, E>::FindEncroaching(Context& context, SubsegmentIndex s) {
   return !witnesses_.empty() || FindHiding(sub);
 }
 
-// Do some of those on the surface of the subsegment's ball keep it out of the triangulation?
+// True if vertices on the surface of the subsegment's ball keep it out of the triangulation.
 template <int D, template <class> class E>
 bool Refinement<D, E>::FindHiding(const Subsegment& sub) {
   if (on_surface_.size() < 2) return false;
@@ -103,7 +104,8 @@ bool Refinement<D, E>::FindHiding(const Subsegment& sub) {
     }
     return false;
   } else {
-    // b is a neighbour of a among these alone, and the ghosts do not reach so far, or it is none.
+    // Take the star of a among these vertices alone. The ghosts are too far to matter. The
+    // subsegment is an edge iff b is a neighbour in it.
     star_.Begin(sub.a, a, 4 * RadiusOf(sub));
     star_.Insert(sub.b, b);
     for (const VertexIndex c : on_surface_) star_.Insert(c, vertices_[c].p);
@@ -143,7 +145,7 @@ bool Refinement<D, E>::IsVisible(const Context& context, const Subsegment& s) co
          !(s.death != sac::kNoStamp && context.Sees(s.death));
 }
 
-// The visible subsegments whose closed diametral ball holds x.
+// Finds the visible subsegments that have x in their closed diametral balls.
 template <int D, template <class> class E>
 void Refinement<D, E>::FindEncroached(Context& context, const Point& x) {
   encroached_.clear();

@@ -1,5 +1,5 @@
-// Which gap an edge of the star has, in the plane: on either side of it a triangle may be
-// skinny, or too large for a sizing feature.
+// The gaps of an edge in 2D: on either side of it a triangle may be skinny, or too large for a
+// sizing region.
 //
 //   v, u    the edge's ends       c, d    apexes of the triangles left and right of it
 #ifndef DYNMESH_CORE_MESHING_PLANAR_GAPS_H_
@@ -13,7 +13,7 @@
 
 namespace dynmesh::meshing {
 
-// Looks at a Refinement `R`. Cheap to make.
+// Reads a Refinement `R`. Cheap to make.
 template <class R>
 class PlanarGaps {
  public:
@@ -22,18 +22,19 @@ class PlanarGaps {
 
   explicit PlanarGaps(const R& refinement) : r_(refinement) {}
 
-  // Quickly: may an edge of that squared length have a gap?
+  // A quick test: may an edge of squared length e2 have a gap?
   static bool MayHave(double /*e2*/) { return true; }
 
-  // Has the i-th edge of the star a gap that a point may be put into? The left side first, as
-  // seen from the edge's lesser end.
+  // True if the i-th edge of the star has a gap with room for a point. The left side is tested
+  // first, seen from the edge's lesser end.
   bool OfNeighbour(int i, Candidate* gap) const {
     const bool left_first = r_.star_.position() < r_.star_[i].p;
     return OnSide(i, left_first, gap) || OnSide(i, !left_first, gap);
   }
 
-  // The bucket of edge pq if it has a gap on the side of c, (p, q, c) counter-clockwise, else
-  // kBuckets. d, if there is one, is the apex on the other side. Read off the triangulation.
+  // The bucket of edge pq if it has a gap on the side of c, else kBuckets. (p, q, c) is
+  // counter-clockwise; d is the apex on the other side, if there is one. For vertices of the
+  // triangulation.
   int BucketOf(VertexIndex p, VertexIndex q, VertexIndex c, VertexIndex d) const {
     constexpr VertexIndex kInfinite = R::Triangulation::kInfinite;
     if (c == kInfinite) return kBuckets;  // beyond the border
@@ -67,8 +68,8 @@ class PlanarGaps {
     return true;
   }
 
-  // The gap of edge vu as the rules see it, or that its triangle with w is too large for a
-  // sizing feature; p, q, c: the ends and w's place as for the rules.
+  // The gap of edge vu according to the rules, or because its triangle with w is too large for a
+  // sizing region. p, q, c: the positions of the ends and of w, as for the rules.
   [[gnu::always_inline]] inline Gap Of(VertexIndex v, const Point2& p, VertexIndex u,
                                        const Point2& q, double e2, VertexIndex w, const Point2* c,
                                        const Point2* d) const {
@@ -77,9 +78,9 @@ class PlanarGaps {
     return !r_.sizing_.empty() && c != nullptr ? OfSize(v, p, u, q, e2, w, *c) : Gap::kNone;
   }
 
-  // A triangle stays as large as it is: the last of its corners to come deals with it, at one
-  // of its own two edges that have the circumcenter on the third corner's side. So here, too,
-  // newborns only need be queued.
+  // A triangle never changes its size while it exists. Its youngest corner deals with it, at one of
+  // its own two edges that have the circumcenter on the third corner's side. So here, too, only
+  // newborns are queued.
   Gap OfSize(VertexIndex v, const Point2& p, VertexIndex u, const Point2& q, double e2,
              VertexIndex w, const Point2& c) const {
     if (!IsTooLarge(p, q, c, e2)) return Gap::kNone;
@@ -97,7 +98,7 @@ class PlanarGaps {
     return r2 > least2 && r_.sizing_.IsTooLarge(x, std::sqrt(r2));
   }
 
-  // Is the left side of pq outside of the domain?
+  // True if the left side of pq is outside of the domain.
   bool IsOutside(const Point2& p, const Point2& q) const {
     const Point2 &lo = r_.rules_.lo(), &hi = r_.rules_.hi();
     return (p[1] == lo[1] && q[1] == lo[1] && q[0] < p[0]) ||

@@ -1,4 +1,4 @@
-// The gap of an edge in the plane, and its Steiner point.
+// The gap of an edge in 2D, and its Steiner point.
 //
 //   B       the off-center's triangle has longer sides of squared length B e^2
 // Immutable once made; thread-safe.
@@ -18,9 +18,9 @@ class PlanarRules : public CommonRules<2> {
  public:
   explicit PlanarRules(const MeshOptions& options);
 
-  // What is beyond edge pq on the side of c, (p, q, c) counter-clockwise: no gap,
-  // or one too large for the edge, r > rho (1+h) e (edge criterion), and whether
-  // its circumcenter is nearer than the off-center. Symmetric in p and q to the bit.
+  // The gap of edge pq on the side of c, (p, q, c) counter-clockwise. There is one if r > rho (1+h)
+  // e (edge criterion). Its kind says whether the circumcenter is nearer than the off-center.
+  // Symmetric in p and q to the bit.
   [[gnu::always_inline]] inline Gap GapAt(const geometry::Point2& p, const geometry::Point2& q,
                                           const geometry::Point2& c, int bucket) const {
     const double px = p[0] - c[0], py = p[1] - c[1], qx = q[0] - c[0], qy = q[1] - c[1];
@@ -31,10 +31,10 @@ class PlanarRules : public CommonRules<2> {
     return product > off_center_ * cross * cross ? Gap::kOffCenter : Gap::kCircumcenter;
   }
 
-  // Does the Voronoi edge of pq begin so far out on the *other* side of the edge,
-  // seen from d, (q, p, d) counter-clockwise, that the gap's Steiner point would not
-  // lie on it? Then shorter edges, to d, have the same gap, and pq is left alone for
-  // good: Voronoi edges only shrink.
+  // True if the Voronoi edge of pq begins on the *other* side of the edge, seen from d, and so far
+  // out that the gap's Steiner point would not lie on it. (q, p, d) is counter-clockwise. Then
+  // shorter edges, to d, have the same gap, and pq is left alone for good, as Voronoi edges only
+  // shrink.
   bool BeginsBeyond(const geometry::Point2& p, const geometry::Point2& q,
                     const geometry::Point2& d) const {
     const double px = p[0] - d[0], py = p[1] - d[1], qx = q[0] - d[0], qy = q[1] - d[1];
@@ -43,9 +43,9 @@ class PlanarRules : public CommonRules<2> {
     return (px * px + py * py) * (qx * qx + qy * qy) > off_center_ * cross * cross;
   }
 
-  // The gap of edge pq, of squared length e2, that a point may be put into on the side of
-  // c, (p, q, c) counter-clockwise; without a c the view ends there, and the off-center
-  // fits. d, if there is one, is the apex on the other side.
+  // The gap of edge pq, of squared length e2, with room for a point on the side of c. (p, q, c) is
+  // counter-clockwise. c = null: the view ends there, and the off-center fits. d: the apex on the
+  // other side, or null.
   [[gnu::always_inline]] inline Gap GapOfEdge(const geometry::Point2& p, const geometry::Point2& q,
                                               double e2, const geometry::Point2* c,
                                               const geometry::Point2* d) const {
@@ -54,7 +54,7 @@ class PlanarRules : public CommonRules<2> {
     return gap != Gap::kNone && d != nullptr && BeginsBeyond(p, q, *d) ? Gap::kNone : gap;
   }
 
-  // The off-center of pq to its left: on the bisector, at sqrt(B) e from both ends.
+  // The off-center of pq to its left: on the bisector, at distance sqrt(B) e from both ends.
   geometry::Point2 OffCenter(const geometry::Point2& p, const geometry::Point2& q) const {
     return {{0.5 * (p[0] + q[0]) - kappa_ * (q[1] - p[1]),
              0.5 * (p[1] + q[1]) + kappa_ * (q[0] - p[0])}};

@@ -4,9 +4,11 @@
 
 namespace dynmesh::meshing {
 
-// w = (|b|^2 a^perp - |a|^2 b^perp) / (2 a x b), as seen from v. Each product is right
-// to 2 ulps; relative to S = (|b||a|^2 + |a||b|^2) / (2 a x b), which bounds |w|, the
-// sums add 4 and the quotient as many as a x b has lost: T = |a||b| / (a x b).
+// w = (|b|^2 a^perp - |a|^2 b^perp) / (2 a x b), as seen from v. Its error, relative to
+// S = (|b||a|^2 + |a||b|^2) / (2 a x b) >= |w|:
+// 1. each product is right to 2 ulps;
+// 2. the sums add 4;
+// 3. the quotient adds as many as a x b has lost, T = |a||b| / (a x b).
 void PlanarStar::ComputeCorner(int i) {
   Neighbour& a = ring_[i];
   const Neighbour& b = ring_[Next(i)];
@@ -28,12 +30,12 @@ void PlanarStar::ComputeCorner(int i) {
   a.error = 2e-15 * s * (1 + 2 * la * lb * scale);
 }
 
-// Is plainly no corner in conflict with q? Half of those asked about are in none, and mostly it is
-// plain from how far the corners reach towards q. If not, *at is the one that reaches farthest. In
-// one pass without a branch; of corners of which nothing is known it is never plain.
+// True if certainly no corner is in conflict with q. Else *at is the corner that reaches farthest
+// towards q. Half of the queries have no conflict, and mostly the corners' reach towards q shows
+// it. One pass without branches. If nothing is known of a corner, the result is false.
 bool PlanarStar::IsClearOfCorners(const Point2& q, int* at) const {
   const double x = q[0] - p_[0], y = q[1] - p_[1];
-  // The error of Conflicts, and once more for the other order of the sums.
+  // The error of Conflicts, twice: once more for the other order of the sums.
   const double near2 = (x * x + y * y) * (1 - 8e-15), slack = 2 * (std::fabs(x) + std::fabs(y));
   double farthest = -INFINITY;
   bool is_clear = true;
@@ -47,7 +49,7 @@ bool PlanarStar::IsClearOfCorners(const Point2& q, int* at) const {
   return is_clear;
 }
 
-// A corner in conflict with q, or -1.
+// A corner in conflict with q, or -1 if there is none.
 int PlanarStar::FindConflict(const Point2& q) const {
   if (is_closed_) {
     int at = 0;
@@ -71,7 +73,7 @@ bool PlanarStar::Insert(Id u, const Point2& q) {
   int last = first;
   while (Prev(first) != last && Conflicts(Prev(first), q)) first = Prev(first);
   while (Next(last) != first && Conflicts(Next(last), q)) last = Next(last);
-  // Neighbours strictly inside the run go; u comes between its two ends.
+  // Neighbours strictly inside the run are dropped; u is inserted between its two ends.
   const int k = size();
   const int gone = (last - first + k) % k;
   if (gone == 0) {

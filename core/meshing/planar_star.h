@@ -1,11 +1,10 @@
-// The star of a vertex: its neighbours in the Delaunay triangulation of a set of
-// points, counter-clockwise, built one point at a time and looked at no farther
-// than a reach H.
+// The star of a vertex v in 2D: its neighbours in the Delaunay triangulation of a set of points,
+// counter-clockwise. It is built one point at a time and reaches no farther than H.
 //
-// Four *ghosts* at distance 2H stand for everything beyond: the star is that of v
-// in the triangulation of the set and the ghosts. So a corner of v's Voronoi cell
-// within the square of half-width H is a true one, and nothing outside matters
-// (Lemma 4.3.3: at its time, that is O(1) vertices). Exact; unique for a set.
+// Four *ghosts* at distance 2H stand for everything beyond: the star is that of v in the
+// triangulation of the set and the ghosts. So a corner of v's Voronoi cell within the square of
+// half-width H is a true one, and nothing outside matters (Lemma 4.3.3: at its time, that is O(1)
+// vertices). Exact; unique for a set.
 //
 // One object is used for many vertices: no allocation once warm. Thread-compatible.
 #ifndef DYNMESH_CORE_MESHING_PLANAR_STAR_H_
@@ -38,8 +37,9 @@ class PlanarStar {
     // The corner between this neighbour and the next: a vertex of v's Voronoi cell.
     std::array<double, 2> w;  // its centre, from v
     double r2;                // squared radius
-    double error;             // bounds that of each of w; infinite if nothing is known
-    bool verified;            // nobody else conflicts with it
+    double error;             // bounds the error of each coordinate of w; infinite if nothing is
+                              // known
+    bool verified;            // no other vertex conflicts with it
   };
 
   void Begin(Id v, const Point2& p, double reach) {
@@ -56,9 +56,9 @@ class PlanarStar {
     const double d = k < 2 ? 2 * reach : -2 * reach;
     return k % 2 == 0 ? Point2{{p[0] + d, p[1]}} : Point2{{p[0], p[1] + d}};
   }
-  // A ring given at once: begin, append its members counter-clockwise, close. They must
-  // be the star of some set of points (and maybe ghosts). Not closed, its corners are
-  // not known, but members may be inserted: every test is then an exact one.
+  // Takes a whole ring: BeginRing, append its members counter-clockwise, Close. They must be the
+  // star of some set of points (and maybe ghosts). Before Close corners are unknown, but members
+  // may be inserted: then every test is exact.
   void BeginRing(Id v, const Point2& p, double reach) {
     v_ = v;
     p_ = p;
@@ -70,7 +70,7 @@ class PlanarStar {
   void AppendGhost(Id ghost) {
     Push(ghost, Ghost(p_, reach_, static_cast<int>(ghost - kFirstGhost)));
   }
-  // False if two neighbours in a row are half a turn or more apart: this is no star yet.
+  // False if two consecutive neighbours are half a turn or more apart: then it is no star yet.
   bool Close() {
     is_closed_ = true;
     bool proper = size() >= 3;
@@ -80,13 +80,13 @@ class PlanarStar {
     }
     return proper;
   }
-  // Those of the four that are not in the ring.
+  // Inserts those of the four ghosts that are not in the ring.
   void InsertGhosts() {
-    for (Id ghost = kFirstGhost; ghost != 0; ++ghost) {  // the last one is the last Id
+    for (Id ghost = kFirstGhost; ghost != 0; ++ghost) {  // the last ghost is the largest Id
       if (!Has(ghost)) Insert(ghost, Ghost(p_, reach_, static_cast<int>(ghost - kFirstGhost)));
     }
   }
-  // Are all corners within the square? Then no ghost would have a part in the star.
+  // True if all corners are within the square. Then no ghost would be in the star.
   bool IsWithinReach() const {
     for (const Neighbour& n : ring_) {
       const double e = n.error + 1e-9 * reach_;
@@ -95,25 +95,26 @@ class PlanarStar {
     return true;
   }
 
-  // Adds u at q, if the star of the enlarged set has it. REQUIRES: not present.
+  // Inserts u at q if it is in the star of the enlarged set. Returns whether it is. REQUIRES: not
+  // present.
   bool Insert(Id u, const Point2& q);
-  // The same if `admits()`, where q conflicts with a corner.
+  // The same, if also `admits()`.
   template <class Admits>
   bool InsertIf(Id u, const Point2& q, Admits admits) {
     return admits() && Insert(u, q);
   }
 
-  // Of the sectors between consecutive directions, count of them given by
-  // direction(i) = (dx, dy), counter-clockwise, none of pi or more: the one that holds
-  // (x, y). -1 where rounding could decide.
+  // The sector between consecutive directions that holds (x, y); -1 if rounding could decide.
+  // direction(i) = (dx, dy), for i < count, counter-clockwise; no sector is of pi or more.
   //
-  // A new point takes away from a Voronoi cell first the corner that is extreme in its
-  // direction, which is the one whose two neighbours have the point between them. So if
-  // the corner of its sector does not conflict with it, none does.
+  // A new point first cuts off the corner of a Voronoi cell that is extreme in its direction. That
+  // is the corner with the point between its two neighbours. So if the corner of its sector does
+  // not conflict with the point, none does.
   template <class Direction>
   static int SectorOf(int count, Direction direction, double x, double y) {
-    // On which side of each direction it lies, a bit for each, the first highest: as good as
-    // random, so without branches. The last of a block, and of all, begins what follows.
+    // One bit for each direction, the first one highest: on which side of it the point lies. The
+    // bits are as good as random, so no branches. A block ends with the direction that begins the
+    // next block; the last one ends with the first direction.
     constexpr int kBlock = 63;
     for (int from = 0; from < count; from += kBlock) {
       const int sectors = std::min(kBlock, count - from);
@@ -128,16 +129,18 @@ class PlanarStar {
       };
       for (int i = from; i < from + sectors; ++i) add(i);
       add(from + sectors == count ? 0 : from + sectors);
-      // By a sector's first direction: is the point between its two? Can it not be said?
+      // Bits by a sector's first direction: the point is between its two directions; it is unclear.
       const std::uint64_t found = to_left & to_right << 1;
       const std::uint64_t unsure = ~(to_left | to_right) & ((std::uint64_t{2} << sectors) - 2);
-      if (unsure > found) return -1;  // it is earlier, or there is none found
+      if (unsure > found)
+        return -1;  // an unclear sector comes before the one found, or none is
+                    // found
       if (found != 0) return from + sectors - std::bit_width(found) + 1;
     }
     return -1;
   }
 
-  // Is q inside the circumdisc of corner i?
+  // True if q is inside the circumdisc of corner i.
   bool Conflicts(int i, const Point2& q) const {
     const Neighbour& n = ring_[i];
     const double x = q[0] - p_[0], y = q[1] - p_[1];
@@ -156,11 +159,12 @@ class PlanarStar {
     return false;
   }
 
-  // As of SpaceStar, for code that serves both; corner i is between neighbour i and the next.
+  // The names of SpaceStar, for code that serves both. Corner i is between neighbour i and the
+  // next.
   int corner_count() const { return size(); }
   const Neighbour& corner(int i) const { return ring_[i]; }
   std::array<Id, 2> IdsOf(int i) const { return {ring_[i].id, ring_[Next(i)].id}; }
-  // Of the corner's neighbours from v.
+  // The squared distance from v to the nearer of the corner's neighbours.
   double LeastDistance2(int i) const { return std::min(ring_[i].d2, ring_[Next(i)].d2); }
   template <class F>
   void ForEachNeighbour(F f) const {
@@ -192,7 +196,7 @@ class PlanarStar {
   Id v_ = 0;
   Point2 p_ = {};
   double reach_ = 0;
-  bool is_closed_ = false;  // are corners known?
+  bool is_closed_ = false;  // true if corners are known
   std::vector<Neighbour> ring_, kept_;
 };
 

@@ -1,9 +1,9 @@
-// The inside of some rings as a region in the plane: does a ball meet it? A hierarchy of
-// boxes over the edges. A place is inside what an odd number of rings goes around.
+// The inside of rings as a 2D region: does a ball meet it? A hierarchy of boxes over the edges. A
+// point is inside if an odd number of rings goes around it.
 //
-// In doubles, not exact near the border; but the answers are functions of the rings as sets
-// of edges: neither where a ring begins nor which way it goes matters to a bit.
-// Immutable, thread-safe. O(log edges + edges near the ball or to the right of its centre).
+// Computed in doubles, not exact near the border. But answers are functions of the rings as sets of
+// edges: neither a ring's first point nor its direction changes a bit. Immutable, thread-safe.
+// O(log edges + edges near the ball or to the right of its centre).
 #ifndef DYNMESH_CORE_MESHING_POLYGON_AREA_H_
 #define DYNMESH_CORE_MESHING_POLYGON_AREA_H_
 
@@ -17,7 +17,7 @@ namespace dynmesh::meshing {
 
 class PolygonArea {
  public:
-  // Each ring of at least three points, the last joined to the first.
+  // Each ring has at least three points; the last is joined to the first.
   explicit PolygonArea(std::span<const std::vector<geometry::Point2>> rings);
 
   bool Meets(const geometry::Point2& centre, double radius) const;

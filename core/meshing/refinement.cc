@@ -182,7 +182,7 @@ template <int D, template <class> class E>
 SubsegmentIndex Refinement<D, E>::AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
                                              const SegmentShape& shape) {
   if (is_global() && box_only_ && feature != 0) {
-    // The tree was not needed so far; subsegments are found through it.
+    // So far nothing needed the tree. Subsegments are found through it.
     for (VertexIndex v = 0; v < vertices_.size(); ++v) tree_.Insert(v, vertices_[v].p);
   }
   if (feature != 0) {
@@ -191,7 +191,7 @@ SubsegmentIndex Refinement<D, E>::AddSegment(VertexIndex a, VertexIndex b, Featu
   }
   const SubsegmentIndex s = NewSubsegment();
   Subsegment& sub = subsegments_[s];
-  // One direction whatever the client's, so that rounding and hashes agree.
+  // The direction does not depend on the client's, so that rounding and hashes agree.
   const bool forward = vertices_[a].p < vertices_[b].p;
   sub.a = sub.whole_a = forward ? a : b;
   sub.b = sub.whole_b = forward ? b : a;
@@ -298,10 +298,9 @@ void Refinement<D, E>::Prefetch(sac::Kind kind, sac::Item item, int step) const 
 
 // --- Untraced and global: only vertices that own a gap are ever queued ------------------
 
-// Once the input's subsegments are settled all gaps there are get looked for at once,
-// triangle by triangle; later ones when their owner, the newborn, is published. Segment
-// work of bucket 0 comes first: this is asked for through Nearest, the last step of that
-// bucket.
+// Once the input's subsegments are settled, all present gaps are found at once, triangle by
+// triangle; later gaps when their owner, the newborn, is published. The segment work of bucket 0
+// comes first. So the pass is requested as a Nearest, the last step of that bucket.
 template <int D, template <class> class E>
 void Refinement<D, E>::BeginUntraced() {
   if (triangulation_ != nullptr && by_edge()) {
@@ -322,7 +321,7 @@ void Refinement<D, E>::RequestFirstGaps() {
       for (int i = 0; i < 3; ++i) {
         const VertexIndex p = v[triangulation_->NextIndex(i)],
                           q = v[triangulation_->PreviousIndex(i)];
-        // Whether something is beyond the edge's other side is seldom asked for.
+        // The vertex beyond the edge is rarely needed.
         if (gaps.BucketOf(p, q, v[i], Triangulation::kInfinite) == kBuckets) continue;
         const auto across = triangulation_->Opposite({t, i});
         const int bucket =
@@ -354,9 +353,9 @@ void Refinement<D, E>::RequestFirstGaps() {
   }
 }
 
-// v was inserted just now, by the Complete of near_, and so owns all its edges. It looks no earlier
-// than at the time of its nearest neighbours, as it does with a trace: those of the gap that it
-// fills. By rounding the third corner may be nearer by a little, and in an earlier bucket.
+// v has just been inserted by the Complete of near_, so it owns all its edges. Its first Complete
+// is not before the bucket of its nearest neighbours, the vertices of the gap that it fills, as in
+// a traced run. By rounding the third corner may be slightly nearer, and in an earlier bucket.
 template <int D, template <class> class E>
 void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
   int first = kBuckets;
@@ -386,15 +385,16 @@ void Refinement<D, E>::RequestFirstGap(VertexIndex v) {
   engine_.Request(kComplete, v, NoEarlierThan(vertices_[v].epoch, near_, v, first));
 }
 
-// --- In space: the triangulation of the input need not be small -------------------------
+// --- 3D: the triangulation of the input need not be small ------------------------------
 
-// All that was added, in an order that is quick. Where there are many tetrahedra to a vertex,
-// as between curves, there would be more still: neighbourhoods are then found without.
+// Inserts the points added so far, in a fast order. If there are many tetrahedra per vertex, as
+// between curves, refinement would make still more. Then neighbourhoods are found without a
+// triangulation.
 template <int D, template <class> class E>
 bool Refinement<D, E>::FillTriangulation(absl::FunctionRef<bool()> interrupt) {
   if constexpr (D == 3) {
     if (triangulation_ == nullptr || pending_.empty()) return true;
-    // Gaps are looked for in a triangulation tetrahedron by tetrahedron, facets are not.
+    // In a triangulation gaps are found tetrahedron by tetrahedron; facets are not.
     if (!facets_.empty()) {
       LeaveTriangulation();
       return true;
@@ -402,8 +402,9 @@ bool Refinement<D, E>::FillTriangulation(absl::FunctionRef<bool()> interrupt) {
     constexpr std::size_t kMostPerVertex = 16, kFirst = 512, kAtOnce = 2048;
     std::vector<VertexIndex> part;
     std::vector<Point> places;
-    // By random rounds, each as large as all before it: few points tell. By a hash of the rank, as
-    // coordinates are a client's to choose.
+    // Random rounds, each as large as all earlier ones together: a few points show whether there
+    // are too many tetrahedra. Rounds follow a hash of the rank, as coordinates are the client's
+    // choice.
     const int rounds = std::bit_width(pending_.size() / kFirst);
     for (int round = rounds; round >= 0; --round) {
       part.clear();
@@ -478,7 +479,8 @@ std::uint64_t Refinement<D, E>::Audit(std::vector<std::string>* problems) const 
     std::uint64_t made = 0;
     const auto hash_op = [&](sac::OpId op) {
       const Payload& payload = engine_.payload(op);
-      // What told a Cure that candidates will not do may be any of several things.
+      // The payload and the reads of a Cure are not hashed: which of several reasons refused a
+      // candidate is not determined.
       std::uint64_t h = 0;
       if (engine_.kind(op) != kCure) {
         h = mix(std::bit_cast<std::uint32_t>(payload.radius2), payload.flag);
@@ -498,8 +500,8 @@ std::uint64_t Refinement<D, E>::Audit(std::vector<std::string>* problems) const 
         }
       }
       h = mix(h, sum);
-      if (engine_.kind(op) != kComplete) return h;  // witnesses may be any
-      // The sum over the corners, each the same whichever of its neighbours it begins with.
+      if (engine_.kind(op) != kComplete) return h;  // which witnesses were read is not determined
+      // The sum over the corners. It does not depend on the neighbour with which a corner begins.
       std::uint64_t corners = 0;
       ForEachCornerIn<D>(engine_.reads(op), [&](const Corner& ids) {
         for (int k = 0; k < (D == 2 ? 1 : D); ++k) {

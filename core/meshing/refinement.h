@@ -1,25 +1,25 @@
-// Refinement: the program that the self-adjusting engine runs. From input points and
-// segments it makes the vertices and subsegments of a quality mesh, bottom up
-// (ChooseSteiners, Figs. 4.10, 5.6, 6.2), and keeps them when the input changes.
+// Refinement: the program that the self-adjusting engine runs. From input points and segments it
+// makes the vertices and subsegments of a quality mesh, bottom up (ChooseSteiners, Figs. 4.10, 5.6,
+// 6.2), and keeps them when the input changes. core/sac/engine.h draws the calls between the two.
 //
 //   segments.h    Presplit, Check, Split: no subsegment is encroached (rule b)
 //   anchors.h     vertices of areas with a target length that are there from the beginning
 //   complete.h    Complete: no edge has a gap (rule a, either criterion), yielding (c)
-//   facet_work.h  in space: no vertex has a part of a facet that it is not on (rule b)
-//   cure.h        in space: no tetrahedron has a small dihedral angle, if that is asked for
+//   facet_work.h  3D: no vertex has a part of a facet that it is not on (rule b)
+//   cure.h        3D: no tetrahedron has a small dihedral angle, if requested
 //   planar_gaps.h, space_gaps.h   which gap an edge has
 //   star_search.h  the star of a vertex, found locally or read off a triangulation
-//   idle_star.h   the same for stars without a gap, as most are, at a glance
+//   idle_star.h   the reads of stars without a gap, which most are, read off at a glance
 //   neighbourhood.h  what is in a ball, what a point encroaches on
-//   changes.h     publishing and withdrawing, and who has to be told
+//   changes.h     publishing, withdrawing and notifying
 //
-// Invariants of quality work, at its every operation: no subsegment is encroached,
-// hence each is an edge of the Delaunay triangulation; a gap's Steiner point that
-// would encroach is not inserted, the subsegments are split in the next round.
+// Invariants at every operation of quality work: no subsegment is encroached, hence each is an edge
+// of the Delaunay triangulation. A gap's Steiner point that would encroach is not inserted; the
+// subsegments are split in the next round.
 //
-// The same code runs traced (sac::Engine) and untraced (sac::UntracedEngine), with
-// neighbourhoods found locally, in the spatial tree, or read off a triangulation of
-// all vertices present, where the run is from scratch. All four give the same bits.
+// The same code runs traced (sac::Engine) and untraced (sac::UntracedEngine). Neighbourhoods are
+// found locally, in the spatial tree, or, in a run from scratch, read off a triangulation of all
+// vertices present. All four combinations give the same bits.
 //
 // Thread-compatible.
 #ifndef DYNMESH_CORE_MESHING_REFINEMENT_H_
@@ -94,31 +94,30 @@ class Refinement {
   using Triangulation =
       std::conditional_t<D == 2, mesh::DelaunayTriangulation, mesh::DelaunayTetrahedralization>;
 
-  // If `triangulation` is given, neighbourhoods are read off it, and every published
-  // vertex is inserted into it: for runs from scratch only, until DetachTriangulation.
-  // It must hold nothing yet.
+  // If `triangulation` is given, neighbourhoods are read off it, and every published vertex is
+  // inserted into it: for runs from scratch only, until DetachTriangulation. It must be empty.
   Refinement(const MeshOptions& options, Triangulation* triangulation);
 
   // --- Input: call between propagations. --------------------------------------------
 
-  // Room for a mesh of that many input points and as many Steiner points: a guess that
-  // saves copying, and costs no memory where it is too high.
+  // Reserves room for so many input points and as many Steiner points. This saves copying; a guess
+  // that is too high costs no memory.
   void Reserve(std::size_t points);
   VertexIndex AddPoint(const Point& p, FeatureSlot feature);
   void RemovePoint(VertexIndex v);
-  // `shape`: of the segment from the lesser of the two to the greater.
+  // `shape`: of the segment from the lesser end to the greater.
   SubsegmentIndex AddSegment(VertexIndex a, VertexIndex b, FeatureSlot feature,
                              const SegmentShape& shape = {});
   void RemoveSegment(SubsegmentIndex s);
   typename SizingField<D>::Index AddSizing(const SizingRegion<D>& region);
   void RemoveSizing(typename SizingField<D>::Index index);
-  // In space, a polygon: its rings' corners are input points, its edges input segments that are
-  // there already (and go later).
+  // 3D: a polygon. The corners of its rings are input points. Its edges are input segments that are
+  // present before it is added and are removed after it.
   FacetIndex AddFacet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot feature);
   void RemoveFacet(FacetIndex index);
 
-  // Runs or re-runs what is to be done. `interrupt()` is asked before each operation;
-  // if it says true, false is returned. See sac::Engine::Propagate.
+  // Runs what is due, for the first time or again. `interrupt()` is called before each operation;
+  // if it returns true, Propagate returns false. See sac::Engine::Propagate.
   template <class Interrupt>
   bool Propagate(Interrupt interrupt) {
     KeepNetChanges();
@@ -152,7 +151,7 @@ class Refinement {
   // From now on neighbourhoods are found in the spatial tree.
   void DetachTriangulation() { triangulation_ = nullptr; }
 
-  // Makes it that of the domain's corners, which are the first vertices.
+  // Resets the triangulation to the domain's corners, which are the first vertices.
   void ResetToDomain(Triangulation* triangulation) const;
 
   // --- Results ---------------------------------------------------------------------
@@ -164,12 +163,12 @@ class Refinement {
     return s.exposed != sac::kNoStamp && s.death == sac::kNoStamp;
   }
 
-  // Calls on_vertex(index, is, was) and on_subsegment(index, is, was) for whatever
-  // came or went since the last call, then forgets what is gone.
+  // Calls on_vertex(index, is, was) and on_subsegment(index, is, was) for those that came or went
+  // since the last call. Then forgets those that are gone.
   template <class OnVertex, class OnSubsegment>
   void TakeChanges(OnVertex on_vertex, OnSubsegment on_subsegment);
 
-  // Calls f(vertex index, vertex) / f(subsegment) for whatever is in the mesh.
+  // Calls f(vertex index, vertex) / f(subsegment) for those in the mesh.
   template <class F>
   void ForEachVertex(F f) const {
     for (VertexIndex v = 0; v < vertices_.size(); ++v) {
@@ -182,7 +181,8 @@ class Refinement {
       if (InMesh(s)) f(s);
     }
   }
-  // The same for what was in the mesh when changes were last taken, at any time.
+  // The same for those that were in the mesh when changes were last taken. May be called at any
+  // time.
   template <class F>
   void ForEachTakenVertex(F f) const {
     for (VertexIndex v = 0; v < vertices_.size(); ++v) {
@@ -195,7 +195,7 @@ class Refinement {
       if (s.in_mesh) f(s);
     }
   }
-  // Calls f(u) for vertices u near v, until it says true.
+  // Calls f(u) for vertices u near v until f returns true.
   template <class F>
   void ForSomeNeighbours(VertexIndex v, F f) const {
     if constexpr (kTraced) {
@@ -212,18 +212,18 @@ class Refinement {
     }
   }
 
-  // How often operations of kNearest were run, ever.
+  // How many operations of kNearest have run so far.
   std::uint64_t nearest_run() const { return nearest_run_; }
 
-  // Was an insertion or a split refused because it would be finer than limits allow?
+  // True if an insertion or a split was refused because it would be finer than limits allow.
   bool hit_depth_limit() const { return hit_depth_limit_; }
   void ForgetDepthLimit() { hit_depth_limit_ = is_full_ = false; }
-  // Are there as many vertices or subsegments as there may be, or simplices? From then on what is
-  // made is to be undone, which may take as many more vertices and subsegments as there were
-  // before: outputs have 30 bits for them.
+  // True if the greatest number of vertices, subsegments or simplices is reached. Then what was
+  // made must be undone, which may take as many more vertices and subsegments as there were before:
+  // outputs have 30 bits for an index.
   bool is_full() const { return is_full_; }
   static constexpr std::size_t kMostElements = std::size_t{1} << 29;
-  // Where the operation is that limits stopped (sac::EngineLimits), if one did.
+  // The position of the operation at which limits stopped the propagation (sac::EngineLimits).
   std::optional<Point> OverflowAt() const {
     if constexpr (kTraced) {
       const sac::OpId op = engine_.overflowed();
@@ -234,7 +234,7 @@ class Refinement {
     return std::nullopt;
   }
 
-  // In space: who is on which facet (facet_work.h).
+  // 3D: which vertices are on which facet (facet_work.h).
   const FacetField& facets() const { return facets_; }
   bool IsOnFacet(VertexIndex v, const Facet& facet) const;
   FacetIndex FacetOf(VertexIndex a, VertexIndex b, VertexIndex c, VertexIndex d) const;
@@ -260,8 +260,8 @@ class Refinement {
     return const_cast<Refinement*>(this)->OperationsOf(kind, item);
   }
   void Execute(Context& context);
-  // Does it matter to the operation which subsegments are visible, beside those whose balls hold
-  // what it made? Where its candidates were is not kept.
+  // True if further visible subsegments matter to the operation, beside those with what it made in
+  // their balls. Then its candidates yielded or were kept out; their positions are not kept.
   static bool IsAttentive(sac::Kind kind, const Payload& payload) {
     return (kind == kComplete || kind == kCure) && payload.flag;
   }
@@ -275,22 +275,22 @@ class Refinement {
   using Gaps = std::conditional_t<D == 2, PlanarGaps<Refinement>, SpaceGaps<Refinement>>;
   friend Gaps;
   friend class TetrahedronGaps<Refinement>;
-  // An edge with a gap, or a facet that is not covered, and the point to put there.
+  // An edge with a gap, or a facet with a missing part, and the point to insert there.
   struct Candidate {
-    double e2 = 0;  // squared, at most the distance from the point to its nearest neighbour
+    double e2 = 0;  // squared; at most the distance from the point to its nearest neighbour
     Point neighbour = {};
-    bool left = false;  // in the plane: the side of the gap, from the lesser end of the edge
-    int corner = 0;     // in the plane: of the star, the one in the gap
+    bool left = false;  // 2D: the side of the gap, seen from the lesser end of the edge
+    int corner = 0;     // 2D: the star's corner in the gap
     Point x = {};
-    FeatureSlot facet = kNil;  // on which x lies
-    bool required = false;     // for the facet's sake: it cannot be left out
+    FeatureSlot facet = kNil;  // the facet on which x lies
+    bool required = false;     // a facet needs it: it cannot be left out
   };
   struct Skipped {
     Point neighbour;
     bool left;
   };
 
-  // The border of the domain: a grid of points; in the plane, the segments between them, too.
+  // The border of the domain: a grid of points and, in 2D, the segments between them.
   void AddBox();
   void AddSquare();
   void AddCube();
@@ -330,7 +330,7 @@ class Refinement {
   }
   bool FindNext(int bucket, Candidate* next);
   bool by_edge() const { return rules_.criterion() == Criterion::kEdge; }
-  // Are whole stars read off a triangulation, for nobody to trace?
+  // True if whole stars are read off a triangulation, untraced.
   bool is_global() const { return !kTraced && triangulation_ != nullptr; }
   bool ShortestGap(int bucket, Candidate* candidate) const;
   bool FarthestCorner(int bucket, Candidate* candidate) const;
@@ -345,8 +345,8 @@ class Refinement {
   bool Owns(VertexIndex u) const;
   [[gnu::always_inline]] inline bool IsOlder(VertexIndex u, VertexIndex v) const;
   bool IsOlder(const Vertex& u, const Vertex& v) const;
-  // Do vertices made later have greater indices? In a run from scratch: operations come in the
-  // order of time, and no index is used twice.
+  // True if vertices made later have greater indices, as in a run from scratch: operations come in
+  // the order of time, and no index is used twice.
   bool NumbersByAge() const { return !kTraced || numbers_by_age_; }
   void PrefetchBeyond(int i) const;
   int NextBucket(int bucket) const;
@@ -379,8 +379,8 @@ class Refinement {
     }
     Context& context;
     StarRegion<D> region;
-    std::uint32_t candidate = 0;  // the one being looked at
-    bool is_attentive = false;    // one encroached on a subsegment
+    std::uint32_t candidate = 0;  // the one being tested
+    bool is_attentive = false;    // a candidate encroached on a subsegment
   };
   bool UpdateSlivers(absl::FunctionRef<bool()> interrupt);
   bool FillBase(Triangulation* base, absl::FunctionRef<bool()> interrupt) const;
@@ -421,7 +421,7 @@ class Refinement {
     return geometry::SquaredDistance(vertices_[u].p, star_.position());
   }
   bool UpdateStar(Context& context, VertexIndex v, double reach);
-  using Corner = typename CornerSet<D>::Corner;  // its neighbours
+  using Corner = typename CornerSet<D>::Corner;  // by its neighbours
   static Corner Turned(Corner ids);
   bool RebuildStar(Context& context, VertexIndex v, double reach,
                    std::span<const std::uint32_t> ids);
@@ -437,7 +437,7 @@ class Refinement {
   // neighbourhood.h
   struct Near {
     double d2 = INFINITY;  // squared distance
-    VertexIndex v = kNil;  // any one at that distance
+    VertexIndex v = kNil;  // any vertex at that distance
   };
   Near NearestTo(Context& context, VertexIndex v);
   void FindAllNearest();
@@ -544,19 +544,19 @@ class Refinement {
   Triangulation* const domain_;  // the one given
   SpatialTree<D> tree_;
   SizingField<D> sizing_;
-  InputFeatures<D> features_;  // of the input; none as long as there are points only
+  InputFeatures<D> features_;  // of the input; empty while there are only points
   bool indexes_features_ = false;
-  std::map<int, int> levels_;  // of sizing regions, their own: how many of each
+  std::map<int, int> levels_;  // of sizing regions: their own levels, with counts
   absl::flat_hash_map<typename AnchorLattice<D>::Place, VertexIndex> anchors_;
   bool had_sizes_ = false;                      // at the last Propagate
   std::vector<SizingRegion<D>> changed_sizes_;  // came or went since the last Propagate
   std::vector<std::pair<InputFeature<D>, bool>> changed_features_;  // since the last Propagate
-  FacetField facets_;                                               // empty in the plane
-  SliverTable slivers_;                                             // none in the plane
+  FacetField facets_;                                               // empty in 2D
+  SliverTable slivers_;                                             // empty in 2D
   SpatialTree<D> cured_;                   // the vertices of cures; these are not in tree_
   std::vector<VertexIndex> changed_base_;  // other vertices that came or went since cures ran
   std::vector<Facet> changed_facets_;      // came or went since the last Propagate
-  std::vector<FacetIndex> new_facets_;     // came since then, and are there
+  std::vector<FacetIndex> new_facets_;     // came since then and are present
   absl::flat_hash_map<FacetIndex, absl::flat_hash_map<FacetLattice::Index, VertexIndex>>
       facet_anchors_;
   LargeVector<Vertex> vertices_;
@@ -569,18 +569,18 @@ class Refinement {
   bool is_full_ = false;
   bool looked_for_gaps_ = false;
   bool numbers_by_age_ = false;
-  VertexIndex first_made_ = 0;  // the input's vertices are below
-  VertexIndex near_ = 0;        // a vertex near where things are published
-  // The triangle with the gap that the first vertex to be published fills, if it is known.
+  VertexIndex first_made_ = 0;  // vertices of the input have lower indices
+  VertexIndex near_ = 0;        // a vertex near the next published one
+  // The triangle with the gap that the next published vertex fills, if known.
   std::uint32_t gap_triangle_ = Triangulation::kNone;
-  // The bucket of what filled a gap last, by the ordinal among what one operation made.
+  // The bucket of the gap that a vertex last filled, by the vertex's ordinal in its operation.
   std::array<std::uint16_t, kMostOutputs> gap_buckets_ = {};
-  sac::Subscriptions exposures_;  // subsegments by place: whose ball meets the cell
+  sac::Subscriptions exposures_;  // by place: subsegments with balls that meet the cell
 
   std::uint64_t nearest_run_ = 0;
-  std::vector<Near> nearest_;  // in a run from scratch: by vertex, when first asked for
+  std::vector<Near> nearest_;  // from scratch: by vertex; computed at the first query
 
-  // Published since the last propagation that was completed.
+  // Vertices published since the last completed propagation.
   std::vector<VertexIndex> appeared_;
   std::vector<VertexIndex> changed_vertices_, released_vertices_;
   std::vector<SubsegmentIndex> changed_subsegments_, released_subsegments_;
@@ -597,7 +597,7 @@ class Refinement {
   std::vector<std::pair<double, std::uint32_t>> by_distance_;
   std::vector<typename SpatialTree<D>::Ball> balls_;
   std::vector<typename Triangulation::Corner> corners_;
-  std::vector<VertexIndex> pending_;  // in space: not yet in the triangulation
+  std::vector<VertexIndex> pending_;  // 3D: not yet in the triangulation
   mesh::DelaunayTetrahedralization::Cavity cavity_;
   mesh::NumberTable<1> rim_;
   mesh::DelaunayTetrahedralization::VertexLink link_;

@@ -1,9 +1,10 @@
-// Regions of any size, and which of them a ball may meet. A loose quadtree or octree: a region
-// hangs in the smallest cell of about its own size, and may stick out of the cell by half its
-// side. Each has a key, and a search may leave out those of large key.
+// Regions of any size: which ones may meet a ball? A loose quadtree or octree. A region is kept in
+// the smallest cell of about its own size, and may extend beyond the cell by half of the cell's
+// side. Each region has a key; a search may skip those of large key.
 //
-// A Region has corners `lo` and `hi` and a `radius`: it lies within that of the box between them.
-// LeastCell() is the size of the smallest cell that is of use, at least 0; Key() any number.
+// A Region has corners `lo` and `hi` and a `radius`: it lies within that distance of the box
+// between them. LeastCell() >= 0 is the size of the smallest cell that is useful for it; Key() is
+// any number.
 //
 // Answers are a function of the regions present. Thread-compatible.
 #ifndef DYNMESH_CORE_MESHING_REGION_TREE_H_
@@ -20,7 +21,7 @@
 
 namespace dynmesh::meshing {
 
-// For searches that pass over nothing.
+// For searches that skip nothing.
 inline constexpr auto kNothingHidden = [](const auto& /*centre*/, const auto& /*half*/) {
   return false;
 };
@@ -40,25 +41,26 @@ class RegionTree {
     nodes_.emplace_back();
   }
 
-  // O(depth), at most 40, and the regions of the same cell.
+  // O(depth), at most 40, plus the regions in the same cell.
   Index Add(Region region);
   void Remove(Index index);
   bool empty() const { return count_ == 0; }
   const Region& operator[](Index index) const { return items_[index].region; }
 
-  // Is there a region of key below `bound` near the ball for which accept(index) says yes? Asks
-  // of all that meet the ball until one does, and of some others. O(cells of its size nearby)
-  // where none does.
+  // True if accept(index) holds for a region of key below `bound` near the ball. Calls accept for
+  // all that meet the ball, until one is accepted, and for some others. If none is: O(cells of its
+  // size nearby).
   template <class Accept>
   bool Any(const Point& centre, double radius, double bound, Accept accept) const {
     return Any(centre, radius, bound, kNothingHidden, accept);
   }
-  // The same, but those in boxes for which is_hidden(centre, half of the sides) need not be asked.
+  // The same, but may skip regions in boxes for which is_hidden(centre, half of the sides) is true.
   template <class IsHidden, class Accept>
   bool Any(const Point& centre, double radius, double bound, IsHidden is_hidden,
            Accept accept) const;
-  // Calls accept(index) until it says true, but passes over boxes for which enter(least key,
-  // centre, half of the sides) says no. The largest regions are in no box: the half is INFINITY.
+  // Calls accept(index) until it returns true, and returns whether it did. Skips boxes for which
+  // enter(least key, centre, half of the sides) is false. The largest regions are in no box: for
+  // them the half is INFINITY.
   template <class Enter, class Accept>
   bool Visit(Enter enter, Accept accept) const;
 
@@ -77,8 +79,8 @@ class RegionTree {
   struct Node {
     std::array<std::uint32_t, 1 << D> child = Filled();
     std::uint32_t parent = kNone;
-    std::uint32_t first = kNone;  // item
-    double least = INFINITY;      // key in the subtree
+    std::uint32_t first = kNone;  // the first item, or kNone
+    double least = INFINITY;      // the least key in the subtree
   };
   struct Item {
     Region region;
@@ -174,7 +176,7 @@ std::uint32_t RegionTree<D, Region>::NewNode(std::uint32_t parent) {
   return n;
 }
 
-// From a node whose items have changed up to the root; cells left empty go.
+// Updates `least` from a node with changed items up to the root. Frees empty cells.
 template <int D, class Region>
 void RegionTree<D, Region>::UpdateLeast(std::uint32_t n) {
   while (n != kNone) {
@@ -222,8 +224,8 @@ bool RegionTree<D, Region>::Visit(Enter enter, Accept accept) const {
   while (top > 0) {
     const Cell cell = stack[--top];
     const Node& node = nodes_[cell.node];
-    // What hangs in a cell reaches its side's length from its centre, and no farther; but
-    // the root takes whatever is larger.
+    // A region extends at most by the side's length from the centre of its cell. The root is an
+    // exception: it holds all larger regions.
     const double half = cell.node == 0 ? INFINITY : 2 * cell.half * (1 + 1e-9);
     if (!enter(node.least, cell.centre, half)) continue;
     for (std::uint32_t i = node.first; i != kNone; i = items_[i].next) {

@@ -29,7 +29,7 @@ CommonRules<D>::CommonRules(const MeshOptions& options, double farthest)
   for (int i = 0; i < D; ++i) lo_[i] = domain.lo[i], hi_[i] = domain.hi[i];
   ulp_ = UlpOfDomain(domain, D);
   least_squared_length_ = std::ldexp(ulp_ * ulp_, 12);  // 64 ulps
-  // Lengths whose squares are no normal doubles keep the nearest legal bucket.
+  // If the square of a length is not a normal double, it keeps the nearest legal bucket.
   constexpr int kLeast = 1 << kBucketFractionBits;
   constexpr int kGreatest = (2047 << kBucketFractionBits) - 1;
   too_far_.resize(kBuckets);

@@ -1,12 +1,12 @@
-// The numbers of refinement in any dimension: buckets, slack, how far is looked. What a gap of
-// an edge is, and the Steiner point for it, planar_rules.h and space_rules.h say. Everything
-// there and here is a function of coordinates to the bit, so that whoever computes it, from
-// whichever view of the neighbourhood, gets the same.
+// The numbers of refinement in any dimension: buckets, slack, reach. The gap of an edge and its
+// Steiner point are in planar_rules.h and space_rules.h. Everything there and here is a function of
+// coordinates to the bit. So it does not depend on the view of the neighbourhood from which it is
+// computed.
 //
-//   rho     quality asked for: circumradius / shortest edge
+//   rho     quality bound: circumradius / shortest edge
 //   e       length of the edge in question
 //   h       slack of the quality test: coordinates are rounded
-//   H       reach: how far a neighbourhood is looked at
+//   H       reach: the radius of the neighbourhood that is read
 // Immutable once made; thread-safe.
 #ifndef DYNMESH_CORE_MESHING_RULES_H_
 #define DYNMESH_CORE_MESHING_RULES_H_
@@ -20,10 +20,10 @@
 
 namespace dynmesh::meshing {
 
-// Bucket of a squared length: its binary exponent and the first bits of its mantissa,
-// so four buckets to a binade, each a factor of at most sqrt(1.25) in length, and no
-// logarithm, hence no libm, has a say. Finer than the thesis asks (beta = rho / 2^(d-1))
-// because shorter edges first makes smaller meshes (ARCHITECTURE.md).
+// Bucket of a squared length: its binary exponent and the first bits of its mantissa. So there are
+// four buckets to a binade, each a factor of at most sqrt(1.25) in length. Uses no logarithm, hence
+// no libm. Finer than the thesis's beta = rho / 2^(d-1): shorter edges first makes smaller meshes
+// (docs/refinement.md).
 inline constexpr int kBucketFractionBits = 2;
 inline constexpr int kBuckets = 2048 << kBucketFractionBits;
 inline int BucketOf(double squared_length) {
@@ -35,50 +35,53 @@ inline double LeastOfBucket(int bucket) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(bucket) << (52 - kBucketFractionBits));
 }
 
-// What belongs to any dimension.
+// The rules common to all dimensions.
 template <int D>
 class CommonRules {
  public:
   using Point = geometry::Point<D>;
 
-  // Thesis criterion: is a corner of v's Voronoi cell at squared distance r2 too far for
-  // a vertex whose nearest neighbour is at squared distance nn2 (Def. 4.2.3)?
+  // Thesis criterion: true if a corner of v's Voronoi cell at squared distance r2 is too far, for a
+  // vertex with its nearest neighbour at squared distance nn2 (Def. 4.2.3).
   bool IsTooFar(double r2, double nn2) const { return r2 > MostNear2(nn2); }
-  // The largest squared distance that is not.
+  // The largest squared distance that is not too far.
   double MostNear2(double nn2) const { return too_far_[BucketOf(nn2)] * nn2; }
-  // gamma / NN: from how far out a Steiner point is taken at most.
+  // gamma / NN: the greatest distance at which a Steiner point is inserted.
   double gamma() const { return 1.5 * quality_; }
 
-  // H for work in `bucket`: more than any length in the bucket times what its Steiner points
-  // are away in units of that length, so that no decision about an edge of that bucket depends
-  // on what lies farther away.
+  // H for work in `bucket`. A Steiner point is at most f e away from the ends of its edge, e the
+  // edge's length. H > f e for every e of the bucket. So no decision about an edge of the bucket
+  // depends on anything farther away.
   double Reach(int bucket) const { return reach_[bucket]; }
-  // Every edge of a bucket up to this one is judged rightly by a view of Reach(bucket).
+  // A view of Reach(bucket) judges every edge of a bucket up to this one rightly.
   int LastKnownBucket(int bucket) const { return bucket + kReachBuckets; }
 
-  // Shortest squared length at which anything is inserted or split: below, rounding
-  // of coordinates would decide. A fuse; valid input stays far above.
+  // The shortest squared length at which anything is inserted or split. Below it rounding of
+  // coordinates would decide. A safety limit; valid input stays far above.
   double least_squared_length() const { return least_squared_length_; }
 
-  // Termination guard: is a subsegment of squared length s2 too short to be split for the
-  // sake of a gap in `bucket`? Work of a bucket of edges of length l makes nothing much
-  // shorter than l (Lemmas 4.3.1, 5.3.4); where segments meet at angles that rho is too near
-  // to 1 for, each split can ask for a shorter one, round after round of one bucket. Halves
-  // shorter than l/64 end that. A function of the place in time, which is one of the input.
+  // Termination guard: true if a subsegment of squared length s2 is too short to be split for a gap
+  // in `bucket`.
+  // 1. Work of a bucket of edges of length l makes nothing much shorter than l (Lemmas 4.3.1,
+  //    5.3.4).
+  // 2. Exception: where segments meet at angles for which rho is too near to 1, each split can
+  //    require a shorter one, round after round of one bucket.
+  // 3. The guard ends that once halves are shorter than l / 64. It is a function of the place in
+  //    time, which is a function of the input.
   static bool IsGuarded(double s2, int bucket) { return s2 < 0x1p-10 * LeastOfBucket(bucket); }
 
-  // Spacing of doubles at the largest coordinates: what a centre may be off by rounding.
+  // Spacing of doubles at the largest coordinates: the rounding error of a centre.
   double ulp() const { return ulp_; }
   double quality() const { return quality_; }
   Criterion criterion() const { return criterion_; }
   const Point& lo() const { return lo_; }
   const Point& hi() const { return hi_; }
-  // Cells of the grid of vertices on the domain's border, along each axis, and their side.
+  // Number and side of the cells of the grid of vertices on the domain's border, along each axis.
   int grid_cells() const { return grid_cells_; }
   double grid_spacing() const { return (hi_[0] - lo_[0]) / grid_cells_; }
 
  protected:
-  // Steiner points are at most `farthest` lengths of their edge away from its ends.
+  // `farthest`: Steiner points are at most so many lengths of their edge away from its ends.
   CommonRules(const MeshOptions& options, double farthest);
   static constexpr int kReachBuckets = 2 << kBucketFractionBits;
 
@@ -94,10 +97,10 @@ class CommonRules {
   std::vector<double> reach_;  // H by bucket
 };
 
-// The relative slack h of the quality test for edges of squared length `e2`:
-// 2e-9 + 8 u / e', u the ulp of the largest coordinate in the domain, e'^2 the
-// largest power of two <= e2. A coordinate is rounded by u/2 and R/e changes by at
-// most (1/2 + small) |dx| / e; 8 leaves room for the roundings of constructions.
+// The relative slack h of the quality test for edges of squared length `e2`: 2e-9 + 8 u / e'. u is
+// the ulp of the largest coordinate in the domain, e'^2 the largest power of two <= e2. A
+// coordinate is rounded by u/2, and R/e changes by at most (1/2 + small) |dx| / e. The factor 8
+// leaves room for the roundings of constructions.
 double QualitySlack(double e2, double u);
 
 // The spacing of doubles at the largest coordinate of the domain box.

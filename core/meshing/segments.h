@@ -1,21 +1,22 @@
-// Segment work: first by the features alone, then rule (b) as a fixed point.
+// Segment work: first splits because of features alone (Presplit), then rule (b) as a fixed point.
 //
-// A piece of a segment is split *beforehand* if a feature that is disjoint from the segment is too
-// near: it meets the open ball about the piece's middle, or, no facet, is nearer to the piece than
-// an eighth of its length. It is Disencroach (Fig. 5.5) by the features instead of by the cells of
-// BuildQT: pieces that remain are no longer than 8 times the local feature size. What features far
-// away do to a segment has no say, so an edit changes the pieces near it alone; and as no ball of a
-// piece holds a vertex of a disjoint feature, splits of one segment do not make others be split in
-// turn.
+// Presplit. A piece of a segment is split if a feature disjoint from the segment is too near:
+//   a point or segment that meets the open ball about the piece's middle, or is nearer to the piece
+//   than an eighth of its length;
+//   a facet at squared distance < FacetReach2 from the piece's middle.
+// This is Disencroach (Fig. 5.5) by features instead of by the cells of BuildQT: remaining pieces
+// are no longer than 8 times the local feature size. Features far away have no influence on a
+// segment, so an edit changes only the pieces near it. No ball of a piece holds a vertex of a
+// disjoint feature, so splits of one segment do not cause splits of others.
 //
-// Then rule (b). A subsegment is *encroached* when its open
-// diametral ball holds a vertex, or when a tie on the ball's surface keeps it out of
-// the Delaunay triangulation; it is then split, in the middle if nothing speaks against it.
+// Rule (b). A subsegment is *encroached* if its open diametral ball holds a vertex, or if a tie on
+// the ball's surface keeps it out of the Delaunay triangulation. Then it is split: in the middle,
+// or where its piece says (SplitOf).
 //
-// Encroached once, encroached until split, whatever else is inserted: so the set of
-// splits is the least fixed point of a monotone rule, the same in whatever order
-// subsegments are looked at. It is finite: pieces of segments that meet at a small angle are
-// split on shells (shells.h).
+// Once encroached, a subsegment stays so until it is split, whatever else is inserted. So the set
+// of splits is the least fixed point of a monotone rule, and does not depend on the order in which
+// subsegments are checked. It is finite: pieces of segments that meet at a small angle are split on
+// shells (shells.h).
 #ifndef DYNMESH_CORE_MESHING_SEGMENTS_H_
 #define DYNMESH_CORE_MESHING_SEGMENTS_H_
 
@@ -58,8 +59,8 @@ void Refinement<D, E>::Presplit(Context& context) {
   context.Request(kNearest, v, NearestEpoch());
 }
 
-// Is s too long for a sizing region that its ball meets? Pieces that are not keep anchors out of
-// their balls (anchors.h).
+// True if s is too long for a sizing region that its ball meets. The balls of shorter pieces hold
+// no anchor (anchors.h).
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsTooLong(const Subsegment& s, const SizingRegion<D>& region) const {
   constexpr double kMost = 1.3;  // in targets
@@ -85,8 +86,8 @@ bool Refinement<D, E>::IsTooNear(const Subsegment& s, const InputFeature<D>& fea
   return 4 * d2 < length2 || 64 * geometry::SquaredDistance(a, b, feature.p, feature.q) < length2;
 }
 
-// Of the features that are too near the one nearest to the middle of s: by packing a feature is
-// that of few pieces of a length. d2: its squared distance from the middle.
+// The feature nearest to the middle of s, of those too near. d2: its squared distance from the
+// middle. By packing, one feature is the nearest of only a few pieces of a given length.
 template <int D, template <class> class E>
 std::optional<InputFeature<D>> Refinement<D, E>::NearestTooNear(const Subsegment& s,
                                                                 double* d2) const {
@@ -114,16 +115,17 @@ std::optional<InputFeature<D>> Refinement<D, E>::NearestTooNear(const Subsegment
   return nearest;
 }
 
-// Facets that are farther leave s whole, though they may meet its ball: where a vertex is in the
-// ball, it is an anchor of the facet. With the whole ball 125 boxes have 4 % more vertices.
+// A facet farther than this from the middle leaves s whole, though it may meet the ball of s: a
+// vertex in the ball is then an anchor of the facet. Using the whole ball, 125 boxes have 4 % more
+// vertices.
 template <int D, template <class> class E>
 double Refinement<D, E>::FacetReach2(const Subsegment& s) const {
   return 0.125 * geometry::SquaredDistance(vertices_[s.a].p, vertices_[s.b].p);
 }
 
-// Is the inside of a disjoint facet nearer to the middle of s than FacetReach2, and than d2 if
-// there is something so near already? d2: then its squared distance. (The facet's edges are
-// features by themselves.)
+// True if the inside of a disjoint facet is nearer to the middle of s than FacetReach2 and, if
+// is_near, than *d2. Then *d2 becomes its squared distance. (The facet's edges are features of
+// their own.)
 template <int D, template <class> class E>
 bool Refinement<D, E>::IsFacetTooNear(const Subsegment& s, bool is_near, double* d2) const {
   bool found = false;
@@ -149,7 +151,7 @@ void Refinement<D, E>::Check(Context& context) {
   const SubsegmentIndex s = context.item;
   if (context.kind == kRecheck && subsegments_[s].death != sac::kNoStamp &&
       context.Sees(subsegments_[s].death)) {
-    return;  // split by now
+    return;  // split in the meantime
   }
   bool encroached = FindEncroaching(context, s);
   if (encroached && !CanSplit(subsegments_[s])) {
@@ -181,7 +183,7 @@ void Refinement<D, E>::Split(Context& context) {
   }
 }
 
-// The vertex at which s is split, and its parts.
+// Emits the vertex at which s is split, and the two parts.
 template <int D, template <class> class E>
 std::pair<VertexIndex, std::array<SubsegmentIndex, 2>> Refinement<D, E>::EmitHalves(
     Context& context, SubsegmentIndex s) {
@@ -218,7 +220,7 @@ void Refinement<D, E>::SplitInto(Context& context, SubsegmentIndex s) {
   } else {
     context.Request(kComplete, v, MakeEpoch(bucket, round, kQualityStep));
   }
-  // Whom does v encroach on? Those not yet exposed will look for themselves.
+  // Subsegments that v encroaches on. Those not yet exposed will check for themselves.
   FindEncroached(context, p);
   for (std::size_t i = 0; i < encroached_.size(); ++i) {
     const Subsegment& other = subsegments_[encroached_[i]];
@@ -240,7 +242,7 @@ bool Refinement<D, E>::IsGuarded(const Subsegment& s, int bucket) const {
   return Rules::IsGuarded(geometry::SquaredDistance(vertices_[s.a].p, vertices_[s.b].p), bucket);
 }
 
-// An output of the previous execution is kept if it is the same thing.
+// Emits the previous execution's output again if it is equal; else makes a new one.
 template <int D, template <class> class E>
 VertexIndex Refinement<D, E>::EmitVertex(Context& context, const Point& p, int ordinal,
                                          int dimension, FeatureSlot feature) {
@@ -287,7 +289,7 @@ SubsegmentIndex Refinement<D, E>::EmitSubsegment(Context& context, const Subsegm
 
 // --- Small angles -----------------------------------------------------------------------
 
-// Where s is split, and into what.
+// The point at which s is split, and the rules of its parts.
 template <int D, template <class> class E>
 std::pair<geometry::Point<D>, std::array<Piece, 2>> Refinement<D, E>::SplitOf(
     const Subsegment& s) const {
@@ -302,7 +304,7 @@ std::pair<geometry::Point<D>, std::array<Piece, 2>> Refinement<D, E>::SplitOf(
   return {geometry::Midpoint(vertices_[s.a].p, vertices_[s.b].p), {}};
 }
 
-// What was split at v, of containing dimension 1.
+// The subsegment that was split at v. REQUIRES: v has containing dimension 1.
 template <int D, template <class> class E>
 const Subsegment<D>& Refinement<D, E>::SplitAt(VertexIndex v) const {
   SubsegmentIndex parent = vertices_[v].creator;
@@ -310,7 +312,7 @@ const Subsegment<D>& Refinement<D, E>::SplitAt(VertexIndex v) const {
   return subsegments_[parent];
 }
 
-// The shell that v lies on, if it was put there by a split.
+// The shell on which v lies, if a split put it there.
 template <int D, template <class> class E>
 std::optional<typename Refinement<D, E>::Shell> Refinement<D, E>::ShellOf(VertexIndex v) const {
   if (vertices_[v].dimension != 1) return std::nullopt;

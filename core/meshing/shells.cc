@@ -47,9 +47,9 @@ std::vector<WedgeEnd> FindWedges(const Point2& apex, std::span<const Point2> oth
   return ends;
 }
 
-// Where both wedges are equally wide, if that is beyond the shadows of the neighbours, or
-// in between them; else the end of the nearer shadow. A little off that one, to the side:
-// at its very foot the neighbour's end would lie on the balls of both parts.
+// The handover is where both wedges are equally wide, if that is beyond the neighbours' shadows or
+// in between them. Else it is the end of the nearer shadow, moved a little to the side: exactly at
+// that foot the neighbour's end would lie on the balls of both parts.
 SegmentShape ShapeOf(double length, const WedgeEnd& a, const WedgeEnd& b) {
   SegmentShape shape{a.acute, b.acute, 0};
   if (!a.acute || !b.acute) return shape;

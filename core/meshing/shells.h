@@ -1,14 +1,16 @@
-// Small input angles. Two segments that meet in a sharp angle would split each other for
-// ever if both were halved: a midpoint of one encroaches on the other, closer to their
-// common end, the *apex*, each time. So a segment with a sharp angle at its end is split on
-// *shells* instead: at distances from the apex that are round dyadic numbers, the same ones
-// on whatever segments meet there. Pieces between the same two shells never encroach on
-// each other, and splitting a piece at the coarsest dyadic in its middle half makes those
-// of two segments agree after finitely many splits and never finer than either needs.
+// Small input angles. If two segments that meet at a sharp angle were both halved, they would split
+// each other for ever: each time a midpoint of one encroaches on the other, closer to their common
+// end, the *apex*.
 //
-// An edge between two segments of a wedge that joins vertices of one shell is *seditious*:
-// as short as the angle makes it. Nothing is asked of it, or the wedge would be refined
-// for ever; triangles that are bad for its sake alone are exempt (SMALL_INPUT_ANGLE).
+// So a segment with a sharp angle at its end is split on *shells* instead: at distances from the
+// apex that are round dyadic numbers, the same for all segments that meet there.
+// 1. Pieces between the same two shells never encroach on each other.
+// 2. A piece is split at the coarsest dyadic number in its middle half. So the pieces of two
+//    segments agree after finitely many splits, and are never finer than either segment needs.
+//
+// An edge between two segments of a wedge that joins vertices of one shell is *seditious*: it is as
+// short as the angle makes it. No criterion applies to it, or the wedge would be refined for ever.
+// Triangles that are bad only because of it are exempt (SMALL_INPUT_ANGLE).
 //
 // Everything here is a function of the segment and of the segments at its ends, to the bit:
 // distances are kept as chosen and never recomputed from rounded coordinates.
@@ -26,20 +28,21 @@ namespace dynmesh::meshing {
 
 // One end of a segment, among the segments that meet there.
 struct WedgeEnd {
-  bool acute = false;  // a neighbour in angle makes a small one with it (geometry/angles.h)
+  bool acute = false;  // the next segment by angle makes a small angle with it (geometry/angles.h)
   double sine = 1;     // of the least such angle
-  double reach = 0;    // how far the shadows of such neighbours fall on the segment
+  double reach = 0;    // length of the longest shadow of such a neighbour on the segment
   friend bool operator==(const WedgeEnd&, const WedgeEnd&) = default;
 };
 
-// For each segment from apex to others[i]. No two in one direction. O(n log n).
+// For each segment from apex to others[i]. REQUIRES: no two have one direction. O(n log n).
 std::vector<WedgeEnd> FindWedges(const geometry::Point2& apex,
                                  std::span<const geometry::Point2> others);
 
 // How a segment from a to b, a < b, is to be split.
 struct SegmentShape {
   bool acute_at_a = false, acute_at_b = false;
-  // If at both: the distance from a where one apex hands over to the other. Split first.
+  // If both ends are acute: the distance from a where one apex hands over to the other. Split there
+  // first.
   double handover = 0;
   friend bool operator==(const SegmentShape&, const SegmentShape&) = default;
 };
@@ -48,33 +51,32 @@ SegmentShape ShapeOf(double length, const WedgeEnd& a, const WedgeEnd& b);
 // The dyadic number m 2^e of the largest e within [lo, hi], 0 < lo <= hi.
 double Coarsest(double lo, double hi);
 
-// A piece of a segment, as far as splitting goes.
+// How a piece of a segment is to be split.
 struct Piece {
   enum class Rule : std::uint8_t {
     kHalve,     // no acute end
-    kHandOver,  // the whole of a segment with two
+    kHandOver,  // a whole segment with two acute ends
     kShells,
   };
   Rule rule = Rule::kHalve;
   bool from_b = false;  // the apex is the greater end of the whole segment
-  // kShells: distances of the piece's lesser and greater end from the apex.
-  // kHandOver: 0 and the distance from the lesser end where the piece is to be split.
+  // kShells: distances of the piece's lesser and greater end from the apex. kHandOver: 0, and the
+  // distance from the lesser end at which to split.
   double at_a = 0, at_b = 0;
 
   static Piece Whole(const SegmentShape& shape, double length);
 };
 
-// Where a piece that is not to be halved is split: a distance from the apex (kHandOver:
-// from the lesser end), and the two parts, the lesser one first.
+// SplitDistance: where a piece that is not halved is split, as a distance from the apex (kHandOver:
+// from the lesser end). SplitPiece: its two parts, the lesser one first.
 double SplitDistance(const Piece& piece);
 std::array<Piece, 2> SplitPiece(const Piece& piece, double length);
 
-// The point of segment ab at a distance from a. Exact on axis-parallel segments as far as
-// the sum is.
+// The point of segment ab at `distance` from a. On axis-parallel segments as exact as the sum.
 geometry::Point2 PointAt(const geometry::Point2& a, const geometry::Point2& b, double length,
                          double distance);
 
-// |ab|, correctly rounded but for its sum; the same for ba.
+// ab|, correctly rounded except for its sum; the same for ba.
 double LengthOf(const geometry::Point2& a, const geometry::Point2& b);
 
 }  // namespace dynmesh::meshing

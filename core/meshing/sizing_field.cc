@@ -26,7 +26,7 @@ bool SizingRegion<D>::Meets(const geometry::Point<D>& centre, double ball_radius
 template <int D>
 int SizingRegion<D>::LevelNear(const geometry::Point<D>& x, double margin, int below) const {
   using Lattice = AnchorLattice<D>;
-  // Where nothing finer than `below` reaches.
+  // Nothing finer than `below` reaches farther.
   const double far = Lattice::MostReach(below) + margin + radius;
   const double d2 = SquaredDistanceToBox(x);
   if (!(far >= 0) || d2 > far * far * (1 + 1e-9)) return below;

@@ -1,9 +1,9 @@
-// Where the mesh is to be finer than its geometry asks: regions with a target length, and
-// which balls are too large for them.
+// Sizing regions, where the mesh is to be finer than its geometry requires, with their target
+// lengths; and which balls are too large for them.
 //
-// A triangle that meets a region of target h is to have no edge longer than sqrt(2) h: its
-// circumradius is at most h / sqrt(2). Asked of the triangle's circumscribed *ball* if that
-// meets the region, so that no triangle which meets it escapes.
+// A triangle that meets a region of target h may have no edge longer than sqrt(2) h: its
+// circumradius must be at most h / sqrt(2). The test is applied if the triangle's circumscribed
+// *ball* meets the region, so no triangle that meets it is missed.
 //
 // Answers are a function of the regions present. Thread-compatible.
 #ifndef DYNMESH_CORE_MESHING_SIZING_FIELD_H_
@@ -21,19 +21,21 @@
 
 namespace dynmesh::meshing {
 
-// All places within `radius` of a box: a point, a disc, a box; or what is inside some rings.
+// All points within `radius` of a box (a point, a disc, a box), or the inside of rings.
 template <int D>
 struct SizingRegion {
   geometry::Point<D> lo = {}, hi = {};
   double radius = 0;
   double target = 0;                                  // h
-  std::shared_ptr<const PolygonArea> area = nullptr;  // in the plane: between lo and hi; radius 0
+  std::shared_ptr<const PolygonArea> area = nullptr;  // 2D: rings between lo and hi; then radius is
+                                                      // 0
   double most_radius() const { return KeyOf(target); }
   bool Meets(const geometry::Point<D>& centre, double ball_radius) const;
-  // The finest level of lattice (anchor_lattice.h) that the region has at a place within `margin`
-  // of x, or, if that is below 0, at all places within -margin; `below` if none is finer than that.
+  // The finest level of lattice (anchor_lattice.h) that the region has at a point within `margin`
+  // of x. margin < 0: at all points within -margin. Returns `below` if no level finer than that
+  // applies.
   int LevelNear(const geometry::Point<D>& x, double margin, int below) const;
-  // For RegionTree: balls that are not too large for the target need not find it.
+  // For RegionTree: a ball that is not too large for the target need not find the region.
   double LeastCell() const { return target; }
   double Key() const { return most_radius(); }
   static double KeyOf(double target) { return target * 0.70710678118654752; }
@@ -58,21 +60,21 @@ class SizingField {
   bool empty() const { return regions_.empty(); }
   const Region& operator[](Index index) const { return regions_[index]; }
 
-  // Is there a region that the ball meets and is too large for? O(cells of its size nearby)
-  // where none is, less where one is.
+  // True if the ball meets a region for which it is too large. If not: O(cells of its size nearby);
+  // else less.
   bool IsTooLarge(const Point& centre, double radius) const {
     return regions_.Any(centre, radius, radius,
                         [&](Index i) { return regions_[i].Meets(centre, radius); });
   }
 
-  // Is there a region near the ball for which accept(region) says yes? Asks of all that meet the
-  // ball, and of some others.
+  // True if accept(region) holds for a region near the ball. Calls accept for all that meet the
+  // ball and for some others.
   template <class Accept>
   bool Any(const Point& centre, double radius, Accept accept) const {
     return regions_.Any(centre, radius, INFINITY, [&](Index i) { return accept(regions_[i]); });
   }
 
-  // The least target of regions that meet the ball; INFINITY if none does.
+  // The least target of the regions that meet the ball; INFINITY if there is none.
   double LeastTarget(const Point& centre, double radius) const {
     double least = INFINITY;
     Any(centre, radius, [&](const Region& region) {
@@ -82,11 +84,11 @@ class SizingField {
     return least;
   }
 
-  // The least of what LevelNear says of the regions.
+  // The least LevelNear of all regions.
   int FinestLevel(const Point& x, double margin, int below) const {
     return LevelNear(x, margin, below, false, [](const Region&) { return true; });
   }
-  // Is that below `below`, of regions that accept(region) says yes to?
+  // True if LevelNear of a region with accept(region) is less than `below`.
   template <class Accept>
   bool HasFinerLevel(const Point& x, double margin, int below, Accept accept) const {
     return LevelNear(x, margin, below, true, accept) < below;
@@ -110,7 +112,8 @@ int SizingField<D>::LevelNear(const Point& x, double margin, int below, bool any
                               Accept accept) const {
   using Lattice = AnchorLattice<D>;
   int finest = below;
-  double key = 0, far2 = 0;  // regions of that key, and what is as far, have no finer level here
+  double key = 0, far2 = 0;  // Regions with this key or more, or this far away, have no finer level
+                             // here.
   const auto set_bounds = [&] {
     const double reach = Lattice::MostReach(finest) + margin;
     key = reach >= 0 ? Region::KeyOf(Lattice::MostTarget(finest)) : 0;

@@ -8,7 +8,7 @@
 namespace dynmesh::meshing {
 namespace {
 
-// A tetrahedron's corners in the order of their places. Odd: that turns it round.
+// A tetrahedron's corners, sorted by position. is_odd: sorting reversed its orientation.
 struct Corners {
   std::array<VertexIndex, 4> v;
   std::array<geometry::Point3, 4> p;
@@ -37,7 +37,7 @@ void SetBall(const Corners& corners, Sliver* sliver) {
   sliver->radius = std::sqrt(ball.r2);
 }
 
-// Across the two opposite edges that span most: the diagonals, if it looks like a square.
+// The normal of the two opposite edges that span most: the diagonals, if it looks like a square.
 void SetNormal(const Corners& corners, Sliver* sliver) {
   const auto& p = corners.p;
   double most2 = 0;
@@ -78,7 +78,7 @@ void SliverTable::Insert(VertexIndex v, const Point& p, VertexIndex near) {
   RecordChanges();
 }
 
-// A tetrahedron's tag is its sliver + 1, or 0.
+// The tag of a tetrahedron is its sliver + 1, or 0.
 void SliverTable::RecordChanges() {
   for (const std::uint64_t tag : own_.deleted_tags()) {
     if (tag == 0) continue;
@@ -94,7 +94,7 @@ void SliverTable::RecordChanges() {
 }
 
 void SliverTable::FindSlivers() {
-  // Some were unmade again, some indices used twice.
+  // Some were deleted again, some indices were used twice.
   std::sort(fresh_.begin(), fresh_.end());
   fresh_.erase(std::unique(fresh_.begin(), fresh_.end()), fresh_.end());
   for (const std::uint32_t t : fresh_) {
@@ -119,7 +119,7 @@ void SliverTable::Look(std::uint32_t simplex) {
   Touch(i);
 }
 
-// The item that the tetrahedron was before, if an operation of it may be left; else a new one.
+// The tetrahedron's former item, if it may still have an operation; else a new item.
 SliverIndex SliverTable::Find(const std::array<VertexIndex, 4>& v) {
   auto key = v;
   std::sort(key.begin(), key.end());

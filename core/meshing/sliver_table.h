@@ -1,12 +1,12 @@
-// The tetrahedra of the refined mesh that have a dihedral angle below the bound: what Cure
-// (cure.h) works on.
+// The slivers: tetrahedra of the refined mesh with a dihedral angle below the bound. Cure (cure.h)
+// works on them.
 //
 // *Base*: the triangulation of the vertices that refinement made, without those of cures. It is a
-// function of the vertex set, so it stands outside the trace: between refinement and cures it
-// is brought up to date, and the slivers of what came and went are found. A sliver stays the
-// same item as long as its tetrahedron is there.
+// function of the vertex set, so it stands outside the trace. Between refinement and cures it is
+// brought up to date, and slivers that came and went are found. A sliver stays the same item while
+// its tetrahedron exists.
 //
-// Thread-compatible. O(tetrahedra that come and go) an update.
+// Thread-compatible. O(tetrahedra that come and go) per update.
 #ifndef DYNMESH_CORE_MESHING_SLIVER_TABLE_H_
 #define DYNMESH_CORE_MESHING_SLIVER_TABLE_H_
 
@@ -29,19 +29,19 @@ namespace dynmesh::meshing {
 
 using SliverIndex = std::uint32_t;
 
-// In degrees. Symmetric input and facets that are no coordinate planes make tetrahedra of four
-// corners that lie on a circle but for rounding. They are cured even if slivers may stay: the
-// entries of a finite-element matrix grow as the cotangent.
+// In degrees. Symmetric input and facets off the coordinate planes make tetrahedra with four
+// corners on a circle, within rounding. They are cured even if slivers may stay: the entries of a
+// finite-element matrix grow as the cotangent.
 inline constexpr double kFlat = 0.01;
 
 struct Sliver {
-  std::array<VertexIndex, 4> v = {};  // by place
+  std::array<VertexIndex, 4> v = {};  // sorted by position
   std::uint32_t simplex = 0;          // of the base
-  std::uint64_t hash = 0;             // of the places
+  std::uint64_t hash = 0;             // of the positions
   geometry::Point3 centre = {};       // of the circumscribed ball
   double radius = 0;
-  // Its corners are nearly on a circle: the unit normal of that plane. Of a thin one with corners
-  // nearly on a line, some direction across.
+  // The unit normal of the plane near which its corners lie, nearly on a circle. For a thin one,
+  // with corners nearly on a line: some direction across the line.
   geometry::Vector3 normal = {};
   double shortest2 = 0;  // squared length of its shortest edge
   sac::OpId operations = sac::kNoOp;
@@ -55,7 +55,7 @@ class SliverTable {
   using Base = mesh::DelaunayTetrahedralization;
   using Point = geometry::Point3;
 
-  // `degrees`: the bound, 0: there are no slivers.
+  // `degrees`: the bound. 0: there are no slivers.
   explicit SliverTable(double degrees) : bound_(degrees) {}
 
   bool is_on() const { return bound_.degrees() > 0; }
@@ -66,20 +66,20 @@ class SliverTable {
   sac::OpId& operations(SliverIndex i) { return slivers_[i].operations; }
   std::size_t bytes() const { return own_.bytes() + slivers_.capacity() * sizeof(Sliver); }
 
-  // The base is `whole`, which stays what it is while it is used; or, if it is to change
-  // later, a copy of it. `interrupt` is asked now and then; false if it says true.
+  // The base is `whole`, which must not change while it is used; if is_to_change, a copy of it.
+  // `interrupt` is called now and then; returns false if it returns true.
   bool Begin(const Base& whole, bool is_to_change, absl::FunctionRef<bool()> interrupt);
 
-  // The base loses and gets these vertices. REQUIRES: the base is a copy.
+  // Changes one vertex of the base. REQUIRES: the base is a copy.
   void Remove(VertexIndex v);
   void Insert(VertexIndex v, const Point& p, VertexIndex near);
-  // Finds the slivers of what was changed.
+  // Finds the slivers among changed tetrahedra.
   void FindSlivers();
 
-  // Calls ask(i) for slivers that came and drop(i) for those that went since the last call.
+  // Calls ask(i) for slivers that came and drop(i) for slivers that went since the last call.
   template <class Ask, class Drop>
   void TakeChanges(Ask ask, Drop drop);
-  // No operation is left of slivers that went.
+  // Forgets slivers that went. REQUIRES: they have no operations left.
   void Forget();
 
  private:

@@ -1,5 +1,5 @@
-// Which gap an edge of the star has, in space: all around it is its Voronoi face; or a tetrahedron
-// at it is too large for a sizing feature.
+// The gaps of an edge in 3D: its Voronoi face reaches too far, or a tetrahedron at it is too large
+// for a sizing region.
 #ifndef DYNMESH_CORE_MESHING_SPACE_GAPS_H_
 #define DYNMESH_CORE_MESHING_SPACE_GAPS_H_
 
@@ -13,7 +13,7 @@
 
 namespace dynmesh::meshing {
 
-// Of the star of a Refinement `R`, for as long as that is not changed.
+// Views the star of a Refinement `R`, as long as the star does not change.
 template <class R>
 class SpaceGaps {
  public:
@@ -25,10 +25,10 @@ class SpaceGaps {
     }
   }
 
-  // Quickly: may an edge of that squared length have a gap?
+  // A quick test: may an edge of squared length e2 have a gap?
   bool MayHave(double e2) const { return !r_.sizing_.empty() || IsFarFromCorner(e2); }
 
-  // Has the edge to the neighbour in slot i a gap that a point may be put into?
+  // True if the edge to the neighbour in slot i has a gap with room for a point.
   bool OfNeighbour(int i, Candidate* gap) const {
     const auto& u = r_.star_[i];
     if (r_.IsSkipped(u.p, false)) return false;
@@ -46,10 +46,14 @@ class SpaceGaps {
  private:
   bool IsFarFromCorner(double e2) const { return r_.rules_.IsTooFar(most_radius2_, e2); }
 
-  // A tetrahedron stays as large as it is: the last of its corners to come deals with it, at one of
-  // its own edges, of which none is shorter than the ball is large over kCap rho once nothing else
-  // is to be done: so here, too, newborns only need be queued, and any view knows the ball. The
-  // largest of those at the edge to the neighbour in slot i; none whose centre is outside.
+  // The centre of the largest ball among the tetrahedra at the edge to the neighbour in slot i that
+  // are too large for a sizing region and are owned by the star's vertex, their youngest corner.
+  // Skips centres outside the domain.
+  // 1. A tetrahedron never changes its size while it exists. So its youngest corner deals with it,
+  //    and here, too, only newborns are queued.
+  // 2. It does so at one of its own edges, of length e. Once there is no other work,
+  //    e >= R / (kCap rho), R the radius of the ball. So every view that judges the edge knows the
+  //    ball.
   std::optional<geometry::Point3> CentreOfTooLarge(int i) const {
     const SpaceStar& star = r_.star_;
     std::optional<geometry::Point3> best;
@@ -74,8 +78,8 @@ class SpaceGaps {
   double most_radius2_ = 0;
 };
 
-// The same of a tetrahedron of the triangulation, rather yes than no: whoever looks at a whole star
-// decides. Cheap to make.
+// The same test for a tetrahedron of the triangulation. Conservative: may find a gap needlessly,
+// never misses one; the operation that reads the whole star decides. Cheap to make.
 template <class R>
 class TetrahedronGaps {
  public:
@@ -83,11 +87,11 @@ class TetrahedronGaps {
 
   explicit TetrahedronGaps(const R& refinement) : r_(refinement) {}
 
-  // The circumradius of tetrahedron t, squared, at most; infinite if the ball may be too large for
-  // a sizing feature.
+  // An upper bound of the squared circumradius of tetrahedron t; infinite if the ball may be too
+  // large for a sizing region.
   double MostRadius2(SimplexIndex t) const {
     const auto& triangulation = *r_.triangulation_;
-    // What a star computes of the same corner is larger by less than 4e-9 (space_star.cc).
+    // A star computes at most a relative 4e-9 more for this corner (space_star.cc).
     if (r_.sizing_.empty() && triangulation.HasSphere(t)) {
       return triangulation.SphereOf(t).high * (1 + 1e-8);
     }
@@ -110,7 +114,7 @@ class TetrahedronGaps {
     return r * r;
   }
 
-  // The bucket of edge pq of a tetrahedron of that circumradius if it may have a gap, else
+  // The bucket of edge pq of a tetrahedron with that circumradius if the edge may have a gap, else
   // kBuckets.
   int BucketOf(VertexIndex p, VertexIndex q, double most_radius2) const {
     const double e2 = geometry::SquaredDistance(r_.vertices_[p].p, r_.vertices_[q].p);

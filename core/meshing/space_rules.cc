@@ -51,7 +51,7 @@ class SpaceRules::Face {
   }
 
   std::optional<Point3> PointInDirection() const {
-    // One frame, whichever end's star this is.
+    // The frame does not depend on which end's star this is.
     const Vector axis = u_.p < star_.position() ? Difference({0, 0, 0}, u_.d) : u_.d;
     int least = 0;
     for (int k = 1; k < 3; ++k) {
@@ -79,7 +79,7 @@ class SpaceRules::Face {
         if (clearance < slack || (best && !(clearance > best_clearance))) continue;
         best = x;
         best_clearance = clearance;
-        if (clearance == enough) return best;  // none is better
+        if (clearance == enough) return best;  // no point has more
       }
       if (best) break;
     }
@@ -117,11 +117,11 @@ class SpaceRules::Face {
     } while (i != first_);
   }
 
-  // A side of the face: on the plane midway to a third vertex.
+  // A side of the face: in the plane midway to a third vertex.
   struct Side {
     Vector d;
     double d2;
-    double twice_across;  // its distance from the edge's line, doubled; else 1
+    double twice_across;  // twice its distance from the edge's line; 1 if that is 0
   };
   using SideList = absl::InlinedVector<Side, 24>;
   SideList Sides() const {
@@ -138,8 +138,8 @@ class SpaceRules::Face {
     return sides;
   }
 
-  // How far c, in the plane of the face, is inside of its border; negative outside. If that is
-  // less than `enough_less`, anything less.
+  // How far c, in the plane of the face, is inside the face's border; negative outside. If that is
+  // less than `enough_less`, the result is any lesser number.
   static double Clearance(const SideList& sides, const Vector& c, double enough_less) {
     double least = INFINITY;
     for (const Side& side : sides) {
@@ -149,8 +149,8 @@ class SpaceRules::Face {
     return least;
   }
 
-  // The face's edge from `corner` to `end` lies on a line through the centre of the circle
-  // of v, u and w, its third vertex. Where does it leave the ball of radius c?
+  // Offers the points where the face's edge from `corner` to `end` leaves the ball of radius c. The
+  // edge lies on a line through the centre of the circle of v, u and the third vertex, w.
   template <class Offer>
   void OfferCrossings(const SpaceStar::Corner& corner, const SpaceStar::Corner& end, double cap2,
                       Offer offer) const {

@@ -26,7 +26,7 @@ void SpaceStar::Begin(Id v, const Point3& p, double reach) {
       c.across[k] = m ^ (1 << k);
       ++neighbours_[c.n[k]].degree;
     }
-    if ((0b10010110 >> m & 1) != 0) {  // an odd number of axes turned round
+    if ((0b10010110 >> m & 1) != 0) {  // an odd number of axes is reversed
       std::swap(c.n[1], c.n[2]);
       std::swap(c.across[1], c.across[2]);
     }
@@ -72,7 +72,8 @@ void SpaceStar::AddCorner(const std::array<int, 3>& slots, const std::array<int,
 void SpaceStar::JoinCorners() {
   const std::size_t n = neighbours_.size();
   if (corner_at_.size() < n * n) corner_at_.resize(n * n);
-  // By edge (a, b): whose it is. Each is one corner's, so that none is read that was not written.
+  // The corner at directed edge (a, b). Each edge belongs to one corner, so only written entries
+  // are read.
   const auto at = [&](int a, int b) -> int& {
     return corner_at_[static_cast<std::size_t>(a) * n + static_cast<std::size_t>(b)];
   };
@@ -104,12 +105,12 @@ bool SpaceStar::IsWithinReach() const {
   });
 }
 
-// In the order of the points: the same bits whatever the link's triangle begins with.
+// Computed in the order of the points: the same bits whatever neighbour the triangle begins with.
 void SpaceStar::ComputeCorner(int i) {
   Corner& corner = corners_[i];
   std::array<int, 3> s = corner.n;
   int odd = 0;
-  // Without branches, which would be mispredicted half of the times.
+  // Without branches: half of them would be mispredicted.
   const auto sort = [&](int& x, int& y) {
     const Point3 &p = neighbours_[x].p, &q = neighbours_[y].p;
     int swaps = static_cast<int>(q[0] < p[0]);
@@ -123,8 +124,8 @@ void SpaceStar::ComputeCorner(int i) {
   sort(s[0], s[1]);
   const Neighbour &a = neighbours_[s[0]], &b = neighbours_[s[1]], &c = neighbours_[s[2]];
   geometry::Circumball ball(a.d, a.d2, b.d, b.d2, c.d, c.d2, odd != 0);
-  // Of nearly flat tetrahedra doubles know nothing: what is decided by the centre must not be
-  // decided by noise. There are few.
+  // Of nearly flat tetrahedra doubles know nothing. Decisions by the centre must not be decisions
+  // by noise. There are few such tetrahedra.
   if (!(ball.error <= 1e-9 * std::sqrt(std::min({a.d2, b.d2, c.d2})))) {
     ball = geometry::ExactCircumball(p_, a.p, b.p, c.p);
   }
@@ -141,7 +142,7 @@ void SpaceStar::ComputeCorner(int i) {
   errors_[i] = ball.error;
 }
 
-// Sets margins_: as in ConflictsAt, for all corners at once.
+// Computes margins_ as in ConflictsAt, for all corners at once. True if some corner may conflict.
 bool SpaceStar::MayConflict(const Point3& q) {
   const double x = q[0] - p_[0], y = q[1] - p_[1], z = q[2] - p_[2];
   const double x2 = x * x + y * y + z * z;
@@ -158,7 +159,7 @@ bool SpaceStar::MayConflict(const Point3& q) {
   return near > 0;
 }
 
-// REQUIRES: margins_ is q's.
+// REQUIRES: margins_ are those of q.
 bool SpaceStar::InsertNear(Id u, const Point3& q) {
   const Vector x = {q[0] - p_[0], q[1] - p_[1], q[2] - p_[2]};
   const double x2 = Dot(x, x);
@@ -170,7 +171,7 @@ bool SpaceStar::InsertNear(Id u, const Point3& q) {
   FindBorder();
   const int slot = NewNeighbour(u, q);
   starts_.resize(neighbours_.size());
-  // New corners take the places of those in conflict.
+  // New corners reuse the slots of those in conflict.
   const std::size_t reused = std::min(border_.size(), conflicts_.size());
   for (std::size_t j = 0; j < border_.size(); ++j) {
     const BorderEdge& e = border_[j];
@@ -199,7 +200,8 @@ bool SpaceStar::InsertNear(Id u, const Point3& q) {
   return true;
 }
 
-// Takes the corners in conflicts_ off their neighbours; what is around them is border_.
+// Removes the corners in conflicts_ from their neighbours' degrees. border_ becomes the edges
+// around them.
 void SpaceStar::FindBorder() {
   in_conflict_.assign(corners_.size(), 0);
   for (const int i : conflicts_) in_conflict_[i] = 1;
@@ -220,7 +222,7 @@ void SpaceStar::FindBorder() {
   }
 }
 
-// Those that FindBorder has left without a corner and that have got none since.
+// Frees the neighbours that FindBorder left without a corner and that have none since.
 void SpaceStar::FreeNeighbours() {
   for (const int slot : left_) {
     if (neighbours_[slot].degree > 0) continue;
@@ -229,12 +231,13 @@ void SpaceStar::FreeNeighbours() {
   }
 }
 
-// Ear by ear: a corner of three that follow each other on the rim is one of the new star if none
-// of the rim conflicts with it, and the one removed does.
+// Cuts ear by ear: three consecutive neighbours on the rim make a corner of the new star if no
+// other on the rim conflicts with it and the removed one does.
 //
-// For the cell grows beyond the facet of the one removed only. A facet of the larger cell that has
-// a part there, and of the cell before, crosses that facet's plane in it, so it is a neighbour
-// on the rim: nobody else has a part in what comes.
+// Why the rim is enough:
+// 1. v's cell grows only beyond its face towards the removed neighbour.
+// 2. Every other neighbour had a face of the former cell. If its face gets a part in the new space,
+//    it crosses the plane of the removed face within that face. So this neighbour is on the rim.
 bool SpaceStar::Remove(int slot) {
   conflicts_.clear();
   for (int i = 0; i < corner_count(); ++i) {
@@ -242,7 +245,7 @@ bool SpaceStar::Remove(int slot) {
     if (n[0] == slot || n[1] == slot || n[2] == slot) conflicts_.push_back(i);
   }
   FindBorder();
-  // In the order of the rim.
+  // Sorts the edges in the order of the rim.
   for (std::size_t j = 0; j + 1 < border_.size(); ++j) {
     const auto next =
         std::find_if(border_.begin() + static_cast<std::ptrdiff_t>(j) + 1, border_.end(),
@@ -271,7 +274,8 @@ bool SpaceStar::Remove(int slot) {
   return true;
 }
 
-// Makes the three on the rim from edge j on corner i, if that is right in place of `removed`.
+// Makes a corner, in slot i, of the three neighbours on the rim from edge j on, if that is right in
+// place of `removed`.
 bool SpaceStar::CutEar(std::size_t j, int i, const Point3& removed) {
   const std::size_t after = j + 1 == border_.size() ? 0 : j + 1;
   const BorderEdge e = border_[j], f = border_[after];
@@ -297,9 +301,9 @@ bool SpaceStar::CutEar(std::size_t j, int i, const Point3& removed) {
   return true;
 }
 
-// Drops the corners in conflicts_ but the first `reused`.
+// Drops the corners in conflicts_ after the first `reused`.
 void SpaceStar::DropLeftOver(std::size_t reused) {
-  // The last ones first: they move into no gap that is still to be closed.
+  // The last ones first: then no corner moves into a slot that is still to be dropped.
   std::sort(conflicts_.begin() + static_cast<std::ptrdiff_t>(reused), conflicts_.end());
   while (conflicts_.size() > reused) {
     Drop(conflicts_.back());
@@ -307,7 +311,7 @@ void SpaceStar::DropLeftOver(std::size_t reused) {
   }
 }
 
-// The last corner takes its place.
+// The last corner moves into its slot.
 void SpaceStar::Drop(int i) {
   const int last = static_cast<int>(corners_.size()) - 1;
   if (i != last) {

@@ -1,10 +1,10 @@
-// The star of a vertex in space: its neighbours in the Delaunay tetrahedralisation of a set of
-// points, built one point at a time and looked at no farther than a reach H.
+// The star of a vertex v in 3D: its neighbours in the Delaunay tetrahedralisation of a set of
+// points. It is built one point at a time and reaches no farther than H.
 //
 // The *link* is a triangulated sphere: a triangle of neighbours stands for a tetrahedron at v,
-// which is a *corner* of v's Voronoi cell. Six ghosts at distance 2H stand for everything
-// beyond, as the four do in the plane (planar_star.h): a corner within the cube of half-width H is
-// a true one. Exact; unique for a set.
+// which is a *corner* of v's Voronoi cell. Six ghosts at distance 2H stand for everything beyond,
+// as the four do in 2D (planar_star.h): a corner within the cube of half-width H is a true one.
+// Exact; unique for a set.
 //
 // One object is used for many vertices: no allocation once warm. Thread-compatible.
 #ifndef DYNMESH_CORE_MESHING_SPACE_STAR_H_
@@ -28,7 +28,7 @@ class SpaceStar {
   using Point3 = geometry::Point3;
   using Id = std::uint32_t;
   static constexpr Id kFirstGhost = ~Id{0} - 5;
-  static constexpr Id kNobody = kFirstGhost - 1;  // in free slots
+  static constexpr Id kNobody = kFirstGhost - 1;  // the id in free slots
   static bool IsGhost(Id id) { return id >= kFirstGhost; }
 
   struct Neighbour {
@@ -36,15 +36,16 @@ class SpaceStar {
     Point3 p;
     std::array<double, 3> d;  // from v
     double d2;
-    int degree;  // corners at it; 0: the slot is free
+    int degree;  // number of its corners; 0: the slot is free
   };
   struct Corner {
     std::array<int, 3> n;       // slots of neighbours: (v, n0, n1, n2) is positive
     std::array<int, 3> across;  // the corner beyond the edge opposite to n[k]
     std::array<double, 3> w;    // its centre, from v
     double r2;                  // squared radius
-    double error;               // bounds that of each of w; infinite if nothing is known
-    bool verified;              // nobody else conflicts with it
+    double error;               // bounds the error of each coordinate of w; infinite if nothing is
+                                // known
+    bool verified;              // no other vertex conflicts with it
   };
 
   void Begin(Id v, const Point3& p, double reach);
@@ -55,45 +56,46 @@ class SpaceStar {
     return ghost;
   }
 
-  // A link given at once: begin, add its members, then its corners as triples of their slots
-  // and the corners across, numbered in the order in which they come, close. It must be that
-  // of a star of some set of points.
+  // Takes a whole link: BeginLink; add its members; then its corners, as triples of members' slots
+  // with the corners across, numbered in the order in which they are added; Close. It must be the
+  // link of a star of some set of points.
   void BeginLink(Id v, const Point3& p, double reach);
   int AddNeighbour(Id u, const Point3& q) { return NewNeighbour(u, q); }
   void AddCorner(const std::array<int, 3>& slots, const std::array<int, 3>& across = {});
-  // Finds the corners across, if they were not given. O(square of the number of members) space.
+  // Finds the corners across, if they were not given. Needs O(members^2) space.
   void JoinCorners();
   void Close();
-  // Are all corners within the cube? Then no ghost would have a part in the star.
+  // True if all corners are within the cube. Then no ghost would be in the star.
   bool IsWithinReach() const;
 
-  // Adds u at q, if the star of the enlarged set has it. REQUIRES: not present.
+  // Inserts u at q if it is in the star of the enlarged set. Returns whether it is. REQUIRES: not
+  // present.
   bool Insert(Id u, const Point3& q) {
     return InsertIf(u, q, [] { return true; });
   }
-  // The same if `admits()`, which is not asked about most that the star would not have.
+  // The same, if also `admits()`, which is not called for most points outside of the star.
   template <class Admits>
   bool InsertIf(Id u, const Point3& q, Admits admits) {
     return MayConflict(q) && admits() && InsertNear(u, q);
   }
 
-  // Makes it the star that v has among its other neighbours alone. False, and no star any more,
-  // if v is on their border.
+  // Makes it the star that v has among its other neighbours alone. If v is on their border, returns
+  // false and leaves no star.
   bool Remove(int slot);
-  // Those of the six that are not in the star.
+  // Inserts those of the six ghosts that are not in the star.
   void InsertGhosts();
 
-  // Of the corners of a star, `count` triples corner(i) of places among the directions of the
-  // neighbours from v: the one whose cone holds x. -1 where rounding could decide.
+  // The corner of a star with direction x in its cone; -1 if rounding could decide. `directions`:
+  // of the neighbours, from v. corner(i), for i < count: a triple of indices into `directions`.
   //
-  // The cones are those of the outward normals at the corners of v's Voronoi cell. So the
-  // corner found is extreme in direction x, and is the first one that a new point there takes
-  // away (as in the plane: PlanarStar::SectorOf).
+  // The cones are those of the outward normals at the corners of v's Voronoi cell. So the corner
+  // found is extreme in direction x, and is the first one that a new point there cuts off (as in
+  // 2D: PlanarStar::SectorOf).
   template <class Places>
   static int CornerTowards(std::span<const std::array<double, 3>> directions, int count,
                            Places corner, const std::array<double, 3>& x);
 
-  // Is q inside the circumball of corner i?
+  // True if q is inside the circumball of corner i.
   bool Conflicts(int i, const Point3& q) const {
     const std::array<double, 3> x = {q[0] - p_[0], q[1] - p_[1], q[2] - p_[2]};
     return ConflictsAt(i, x, x[0] * x[0] + x[1] * x[1] + x[2] * x[2], q);
@@ -111,7 +113,7 @@ class SpaceStar {
     const auto& n = corners_[i].n;
     return {neighbours_[n[0]].id, neighbours_[n[1]].id, neighbours_[n[2]].id};
   }
-  // Of the corner's neighbours from v.
+  // The squared distance from v to the nearest of the corner's neighbours.
   double LeastDistance2(int i) const {
     const auto& n = corners_[i].n;
     return std::min({neighbours_[n[0]].d2, neighbours_[n[1]].d2, neighbours_[n[2]].d2});
@@ -129,8 +131,8 @@ class SpaceStar {
   // By slot; free ones have degree 0.
   const std::vector<Neighbour>& neighbours() const { return neighbours_; }
   void MarkVerified(int i) { corners_[i].verified = true; }
-  // The corner after i around its k-th neighbour, counter-clockwise seen from outside, and
-  // which of its neighbours that is.
+  // The corner after i around its k-th neighbour, counter-clockwise seen from outside, and the
+  // index of that neighbour in it.
   std::pair<int, int> NextAround(int i, int k) const {
     const int across = corners_[i].across[(k + 1) % 3];
     return {across, IndexOf(across, corners_[i].n[k])};
@@ -169,32 +171,32 @@ class SpaceStar {
   Point3 p_ = {};
   double reach_ = 0;
   std::vector<Neighbour> neighbours_;
-  std::vector<Id> ids_;  // the neighbours' by slot, kNobody in free ones
+  std::vector<Id> ids_;  // the neighbours' ids by slot, kNobody in free ones
   std::vector<int> free_neighbours_;
   std::vector<Corner> corners_;
-  // Once more centres and errors of the corners, each in a row, to look at all at once; room for
-  // more than there are.
+  // Copies of the corners' centres and errors, in rows, to test all corners at once. There may be
+  // unused room at the ends.
   std::array<std::vector<double>, 3> centres_;
   std::vector<double> errors_;
   std::vector<double> margins_;  // by corner: if > 0, certainly no conflict
 
   struct BorderEdge {
-    int a, b;     // slots: the edge as the corner inside has it
+    int a, b;     // slots: the edge as in the corner inside
     int outside;  // the corner beyond
-    int index;    // where that keeps the one inside
+    int index;    // position of the inner corner in the outer one's `across`
   };
   std::vector<int> conflicts_;
   std::vector<char> in_conflict_;  // by corner
   std::vector<BorderEdge> border_;
-  std::vector<int> left_, rim_;  // slots that may be free; those around a hole
+  std::vector<int> left_, rim_;  // slots that may be free; slots around a hole
   std::vector<int> corner_at_;
-  std::vector<int> starts_;  // by slot: the new corner whose border edge starts there
+  std::vector<int> starts_;  // by slot: the new corner with a border edge from there
 };
 
 template <class Places>
 int SpaceStar::CornerTowards(std::span<const std::array<double, 3>> directions, int count,
                              Places corner, const std::array<double, 3>& x) {
-  // Along x onto a plane between two axes: there, the cone's shadow is a triangle about 0.
+  // Projects along x onto a plane between two axes. There the cone's shadow is a triangle around 0.
   int axis = 0;
   for (int k = 1; k < 3; ++k) {
     if (std::fabs(x[k]) > std::fabs(x[axis])) axis = k;
@@ -220,8 +222,8 @@ int SpaceStar::CornerTowards(std::span<const std::array<double, 3>> directions, 
     if (!(bc > 0)) continue;
     const double ca = side(c, a);
     if (!(ca > 0)) continue;
-    // A shadow is right to four roundings of its terms, the cross product of two to ten.
-    // Products may underflow.
+    // Each coordinate of a shadow errs by four roundings of its terms, the cross product of two by
+    // ten. Products may underflow.
     const auto size = [&](int j) {
       const auto& d = directions[j];
       return std::fabs(d[0]) + std::fabs(d[1]) + std::fabs(d[2]);

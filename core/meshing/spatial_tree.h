@@ -1,13 +1,12 @@
-// A bucket quadtree / octree over points: where are the vertices near here, and
-// who is interested in what happens here. Its nodes are the *places* of the
-// self-adjusting engine.
+// A bucket quadtree / octree over points. It finds the vertices near a position. Its nodes are the
+// *places* of the self-adjusting engine, where operations subscribe to changes.
 //
-// It is the thesis's quadtree with relaxed crowding (a leaf holds up to kCapacity
-// points instead of one): the same queries, an order of magnitude fewer cells. It
-// is a plain function of the present points, outside the time of the trace;
-// who asks filters by birth. Nothing an operation outputs may depend on its shape.
+// It is the thesis's quadtree with relaxed crowding: a leaf holds up to kCapacity points instead of
+// one. The queries are the same, with an order of magnitude fewer cells. It is a plain function of
+// the present points, outside the time of the trace; queries filter by birth. No output of an
+// operation may depend on its shape.
 //
-// Thread-compatible. Node 0 is the root. Removing merges leaves; on_merge tells.
+// Thread-compatible. Node 0 is the root. Removal merges leaves and reports each merge by on_merge.
 #ifndef DYNMESH_CORE_MESHING_SPATIAL_TREE_H_
 #define DYNMESH_CORE_MESHING_SPATIAL_TREE_H_
 
@@ -59,9 +58,9 @@ class SpatialTree {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
   static constexpr int kCapacity = 16;
 
-  // Covers the box [lo, hi] by a cube whose side is a power of two and whose centre is
-  // a round number, so that the borders of cells are exact. Cells are half-open: a
-  // point on a border belongs to the upper one.
+  // Covers the box [lo, hi] by a cube. Its side is a power of two and its centre a round number, so
+  // that the borders of cells are exact. Cells are half-open: a point on a border belongs to the
+  // upper cell.
   SpatialTree(const Point& lo, const Point& hi) {
     double side = 0, largest = 0;
     for (int i = 0; i < D; ++i) {
@@ -84,8 +83,8 @@ class SpatialTree {
     Append(cell.node, id, p);
   }
 
-  // REQUIRES: inserted with that id and point. on_merge(children's first node,
-  // parent) is called for each merge, before the children's nodes are freed.
+  // Removes a point. on_merge(children's first node, parent) is called for each merge, before the
+  // children's nodes are freed. REQUIRES: it was inserted with that id and point.
   template <class OnMerge>
   void Remove(std::uint32_t id, const Point& p, OnMerge on_merge) {
     Cell cell = LeafOf(p);
@@ -95,8 +94,8 @@ class SpatialTree {
     }
   }
 
-  // Calls visit(id, point) for each point in a leaf whose cell meets the ball; visit
-  // may shrink `radius2`.
+  // Calls visit(id, point, squared distance) for each point in the ball; visit may shrink
+  // `radius2`.
   template <class Visit>
   void VisitBall(const Point& centre, double& radius2, Visit visit) const {
     Cell stack[kStack];
@@ -128,17 +127,18 @@ class SpatialTree {
   }
 
   struct Ball {
-    Ball() {}  // room for one: nothing is written
+    Ball() {}  // uninitialised room
     Ball(const Point& c, double r2) : centre(c), radius2(r2) {}
     Point centre;
     double radius2;
   };
-  // Calls visit(id, point) for each point in one of the balls, which lie in the box. Stops and
-  // returns false when it has looked at more than `most` points. Uses room behind the balls.
+  // Calls visit(id, point) for each point in one of the balls. The balls lie in the box. Returns
+  // false as soon as it has looked at more than `most` points. Uses room behind the balls as
+  // scratch.
   template <class Visit>
   bool VisitBalls(std::vector<Ball>& balls, const Extent<D>& box, int most, Visit visit) const {
-    // A cell, and which balls its parent meets: that part of the vector. What lies behind
-    // belongs to cells that are done.
+    // A cell, and the part of the vector with the balls that its parent meets. Balls behind that
+    // part belong to finished cells.
     struct Entry {
       Cell cell;
       std::size_t begin, end;
@@ -187,9 +187,9 @@ class SpatialTree {
   }
 
   static constexpr int kSlabs = 32 / D;
-  // The nodes on the way from the root to the leaf of p, each with the part of its cell in which
-  // p is. A *part* is a bit for each axis, out of kSlabs for the slabs into which the cell is
-  // cut along it: a box has p only if the bits of its slabs include p's.
+  // Visits the nodes on the path from the root to the leaf of p, each with p's *part* of its cell.
+  // Along each axis a cell is cut into kSlabs slabs. Parts are a bit for each slab of each axis. A
+  // box holds p only if the bits of its slabs include those of p.
   template <class Visit>
   void VisitPath(const Point& p, Visit visit) const {
     Cell cell = Root();
@@ -200,13 +200,14 @@ class SpatialTree {
     }
   }
 
-  // Every node whose cell meets the box, ancestors included.
+  // Visits every node with a cell that meets the box, ancestors included.
   template <class Visit>
   void VisitBox(const Extent<D>& box, Visit visit) const {
     VisitBoxIf(
         box, [](const Point&, double) { return true; }, visit);
   }
-  // The same but for cells, given by their centre and half their side, for which keep says no.
+  // The same, without the cells for which keep(centre, half the side) is false, and those below
+  // them.
   template <class Keep, class Visit>
   void VisitBoxIf(const Extent<D>& box, Keep keep, Visit visit) const {
     Cell stack[kStack];
@@ -220,8 +221,8 @@ class SpatialTree {
     }
   }
 
-  // Every node whose cell meets the closed ball, ancestors included. Conservative: a cell that the
-  // ball misses by rounding may be visited.
+  // Visits every node with a cell that meets the closed ball, ancestors included. Conservative: may
+  // visit a cell that the ball misses by rounding.
   template <class Visit>
   void VisitCells(const Ball& ball, Visit visit) const {
     Extent<D> box = Extent<D>::Nothing();
@@ -234,9 +235,9 @@ class SpatialTree {
         visit);
   }
 
-  // Few nodes (2^D unless the box pokes out) whose cells together cover the part of
-  // the box inside the tree, each no smaller than the box or a leaf: any point of
-  // the box has one of them on its path. Each with the box's parts of its cell.
+  // Visits a few nodes (2^D unless the box extends beyond the tree). Their cells together cover the
+  // part of the box inside the tree. Each cell is no smaller than the box, or a leaf. So any point
+  // of the box has one of the nodes on its path. Each node comes with the box's parts of its cell.
   template <class Visit>
   void Cover(const Extent<D>& box, Visit visit) const {
     double side = 0;
@@ -283,17 +284,16 @@ class SpatialTree {
 
   Cell Root() const { return {0, centre_, half_}; }
 
-  // What lies outside of the cell counts to its outermost slabs.
+  // Points outside of the cell count as in its outermost slabs.
   static std::uint32_t PartsOf(const Extent<D>& box, const Cell& cell) {
     const double slabs = kSlabs / (2 * cell.half);
     std::uint32_t parts = 0;
     for (int k = 0; k < D; ++k) {
       const double low = cell.centre[k] - cell.half;
-      // Rounded alike for points and boxes, so that the order is kept. What is not a number counts
-      // as 0.
+      // Rounds points and boxes alike, so that their order is kept. NaN counts as 0.
       const auto slab = [&](double x) {
         const double at = (x - low) * slabs;
-        const double from_0 = at > 0 ? at : 0;  // one instruction each, as std::max is not
+        const double from_0 = at > 0 ? at : 0;  // one instruction each, unlike std::max
         return static_cast<int>(from_0 < kSlabs - 1.0 ? from_0 : kSlabs - 1.0);
       };
       const std::uint32_t up_to = (std::uint32_t{2} << slab(box.hi[k])) - 1,
@@ -322,7 +322,7 @@ class SpatialTree {
   void Descend(const Point& p, Cell& cell) const {
     while (nodes_[cell.node].child != kNone) cell = Child(cell, Quadrant(p, cell));
   }
-  // The smallest cell that holds the part of the ball inside the tree.
+  // The smallest cell that contains the part of the ball inside the tree.
   Cell SmallestAround(const Point& centre, double radius2) const {
     if (!(radius2 < half_ * half_)) return Root();
     const double r = std::sqrt(radius2) * (1 + 1e-15);
@@ -334,8 +334,8 @@ class SpatialTree {
     }
     return SmallestAround(box);
   }
-  // The smallest cell that holds the part of the box inside the tree, of those with
-  // half >= least_half or none smaller.
+  // The smallest cell that contains the part of the box inside the tree, of those with half >=
+  // least_half or no smaller cell.
   Cell SmallestAround(const Extent<D>& box, double least_half = 0) const {
     const Point lo{box.lo}, hi{box.hi};
     Cell cell = SharedByPrefix(lo, hi, least_half);
@@ -346,9 +346,9 @@ class SpatialTree {
     }
     return cell;
   }
-  // A cell that holds what lies between lo and hi, and nearly the smallest: that of the
-  // leading bits which their coordinates share, counted in 2^-30 of the root. Rounding
-  // moves a count by less than one, so counts are taken one farther out.
+  // A cell that contains all between lo and hi, and nearly the smallest one: the cell of the
+  // leading bits that their coordinates share, counted in 2^-30 of the root. Rounding moves a count
+  // by less than one, so counts are taken one farther out.
   Cell SharedByPrefix(const Point& lo, const Point& hi, double least_half) const {
     constexpr int kLevels = 30;
     constexpr double kMost = (1 << kLevels) - 1;
@@ -377,27 +377,28 @@ class SpatialTree {
     }
     return cell;
   }
-  // Squared distance from p to the closed cell, rounded down: to no more than what is
-  // computed for any point in it. Points beyond the root's border belong to its outermost
-  // cells, but no point lies there.
+  // Squared distance from p to the closed cell, rounded down: at most what is computed for any
+  // point in the cell. Points beyond the root's border would belong to its outermost cells, but
+  // there are none.
   static double DistanceToCell2(const Point& p, const Cell& cell) {
     const double half = cell.half * (1 + 0x1p-50);
     double d2 = 0;
     for (int i = 0; i < D; ++i) {
       const double beyond = std::fabs(p[i] - cell.centre[i]) - half;
-      const double d = beyond + std::fabs(beyond);  // twice, or 0 if negative, without a branch
+      const double d = beyond + std::fabs(beyond);  // 2 * beyond, or 0 if negative, without a
+                                                    // branch
       d2 += d * d;
     }
     return d2 * (0.25 * (1 - 0x1p-50));
   }
-  // Most leaves hold but a few points: where those are.
+  // Prefetches where the points are: most leaves hold only a few.
   static void PrefetchLeaf(const Leaf& leaf) {
     __builtin_prefetch(&leaf.count);
     for (const auto& row : leaf.x) __builtin_prefetch(&row[2]);
     __builtin_prefetch(&leaf.id[0]);
   }
-  // For VisitBalls. In the plane balls are few, and to look at a cell costs as much as at its
-  // points. Without branches on coordinates, which would be mispredicted as often as not.
+  // For VisitBalls. In 2D balls are few, and testing a cell costs as much as testing its points. No
+  // branches on coordinates, as half of them would be mispredicted.
   template <class Visit>
   static void VisitPointwise(const Leaf& leaf, std::span<const Ball> balls, const Extent<D>& box,
                              Visit& visit) {
@@ -425,8 +426,7 @@ class SpatialTree {
   }
   template <class Visit>
   static void VisitBallwise(const Leaf& leaf, std::span<const Ball> balls, Visit& visit) {
-    // By fours, which stay in registers as two pairs; what stands behind the last point is not
-    // looked at.
+    // Four points at a time, in registers as two pairs. Entries after the last point are ignored.
     using Pair [[gnu::vector_size(2 * sizeof(double))]] = double;
     using Flags [[gnu::vector_size(2 * sizeof(double))]] = std::int64_t;
     static_assert(kCapacity % 4 == 0);
@@ -454,10 +454,10 @@ class SpatialTree {
       }
     }
   }
-  // Of a cell that meets the box: those of its children that do.
+  // Calls f(child) for the children of the cell that meet the box. REQUIRES: the cell meets it.
   template <class F>
   void ForEachChildIn(const Extent<D>& box, const Cell& cell, F f) const {
-    int low = 0, high = 0;  // axes along which the lower or upper half does
+    int low = 0, high = 0;  // axes along which the lower or upper half meets it
     for (int i = 0; i < D; ++i) {
       low |= (box.lo[i] < cell.centre[i]) << i;
       high |= (box.hi[i] >= cell.centre[i]) << i;
@@ -517,7 +517,7 @@ class SpatialTree {
         i = 0;
       }
     }
-    // The last point of the chain takes the place.
+    // The last point of the chain moves into its slot.
     std::uint32_t last = first, before_last = kNone;
     while (leaves_[last].next != kNone) {
       before_last = last;

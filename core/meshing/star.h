@@ -1,4 +1,4 @@
-// The star of a vertex, in the plane or in space.
+// The star of a vertex, in 2D or 3D.
 #ifndef DYNMESH_CORE_MESHING_STAR_H_
 #define DYNMESH_CORE_MESHING_STAR_H_
 

@@ -1,8 +1,8 @@
-// How an operation keeps the star that it has read, among its words.
+// How an operation encodes the star that it read in its words.
 //
-// In the plane: the neighbours in a ring, counter-clockwise. In space: the neighbours in any
-// order, then the link's triangles, three places in that list to a word with the highest bit
-// set. Vertices stay below 2^31, ghosts are above all triangles.
+// 2D: the neighbours in a ring, counter-clockwise. 3D: the neighbours in any order, then the link's
+// triangles, one word each: three indices into that list, and the highest bit set. Vertices are
+// below 2^31, ghosts above all triangles.
 #ifndef DYNMESH_CORE_MESHING_STAR_READS_H_
 #define DYNMESH_CORE_MESHING_STAR_READS_H_
 
@@ -25,7 +25,7 @@ void WriteStar(const PlanarStar& star, Read read) {
 }
 template <class Read>
 void WriteStar(const SpaceStar& star, Read read);
-// The star whose link that is, closed, of less than 2^10 neighbours.
+// The star with this link. REQUIRES: the link is closed, with less than 2^10 neighbours.
 template <class Read>
 void WriteStar(const mesh::VertexLink& link, Read read);
 
@@ -33,14 +33,14 @@ void WriteStar(const mesh::VertexLink& link, Read read);
 template <int D>
 std::span<const std::uint32_t> NeighboursIn(std::span<const std::uint32_t> words);
 
-// Calls f(ids) for each corner of the star, in its orientation, until f says false.
-// False if it did, or if the corners were not kept.
+// Calls f(ids) for each corner of the star, in its orientation, until f returns false. Returns
+// false if it did, or if the corners were not kept.
 template <int D, class F>
 bool ForEachCornerIn(std::span<const std::uint32_t> words, F f);
 
-// In space: the words of the corners; none if they were not kept.
+// 3D: the words of the corners; none if they were not kept.
 inline std::span<const std::uint32_t> TrianglesIn(std::span<const std::uint32_t> words);
-// Of a triangle's three neighbours, the places in the list.
+// The three neighbours of a triangle, as indices into the list.
 inline std::array<int, 3> PlacesIn(std::uint32_t triangle_word);
 
 // --- Implementation ---------------------------------------------------------------------
@@ -53,7 +53,7 @@ inline constexpr std::uint32_t kPlaceMask = (1u << kPlaceBits) - 1;
 inline bool IsTriangleWord(std::uint32_t word) {
   return !IsVertexWord(word) && !SpaceStar::IsGhost(word);
 }
-// Of the places of its corners.
+// a, b, c: indices of the corners in the list.
 inline std::uint32_t TriangleWord(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   return 1u << 31 | a | b << kPlaceBits | c << (2 * kPlaceBits);
 }
@@ -62,7 +62,7 @@ inline std::uint32_t TriangleWord(std::uint32_t a, std::uint32_t b, std::uint32_
 
 template <class Read>
 void WriteStar(const SpaceStar& star, Read read) {
-  // Few have more neighbours than a handful; their triangles are not kept.
+  // Most stars have only a handful of neighbours. Of larger ones the triangles are not kept.
   std::array<std::uint32_t, 1u << internal::kPlaceBits> place_of_slot;
   std::uint32_t count = 0;
   for (int slot = 0; slot < star.slot_count(); ++slot) {

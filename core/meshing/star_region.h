@@ -1,4 +1,4 @@
-// Where the balls about the corners of a star lie: a vertex elsewhere does not change the star.
+// The region of the balls about a star's corners. A vertex outside of it does not change the star.
 #ifndef DYNMESH_CORE_MESHING_STAR_REGION_H_
 #define DYNMESH_CORE_MESHING_STAR_REGION_H_
 
@@ -11,11 +11,10 @@
 
 namespace dynmesh::meshing {
 
-// What is no farther from the star's vertex p than the balls reach, measured by axis and, in space,
-// by orthant.
+// How far the balls extend from the star's vertex p, by axis and, in 3D, by orthant.
 //
-// All balls have p on their boundary. So one about p + c reaches 2 c.u in direction u, in an
-// orthant at most twice the length of what of c points into it.
+// All balls have p on their boundary. So a ball about p + c extends by 2 c.u in direction u. Within
+// an orthant it extends by at most twice the length of the part of c that points into the orthant.
 template <int D>
 class StarRegion {
  public:
@@ -24,7 +23,7 @@ class StarRegion {
 
   explicit StarRegion(const Point& p) : p_(p) {}
 
-  // The ball about c, which is known to `slack` in each direction.
+  // Adds the ball about c. Each coordinate of c may err by `slack`.
   void AddBall(const Point& c, double radius, double slack) {
     box_.AddBall(c, radius + 2 * slack);
     radius2_ = std::max(radius2_, 4 * (radius + slack) * (radius + slack));
@@ -41,7 +40,7 @@ class StarRegion {
       half2_[o] = std::max(half2_[o], sum);
     }
   }
-  // One that need not have p on its boundary.
+  // Adds a ball that need not have p on its boundary.
   void AddDistantBall(const Point& c, double radius) {
     box_.AddBall(c, radius);
     double distance2 = 0;
@@ -50,7 +49,7 @@ class StarRegion {
     radius2_ = std::max(radius2_, reach * reach);
     for (double& half2 : half2_) half2 = std::max(half2, 0.25 * reach * reach);
   }
-  // All that is in view of p: nothing is known of a ball.
+  // Adds everything in view of p, for a ball of which nothing is known.
   void AddAll(double squared_distance) {
     box_.AddBall(p_, std::sqrt(squared_distance));
     radius2_ = squared_distance;
@@ -60,7 +59,7 @@ class StarRegion {
   const Point& centre() const { return p_; }
   const Extent<D>& box() const { return box_; }
   double radius2() const { return radius2_; }
-  // In space: how far it reaches in an orthant: bit k says that coordinate k is above that of p.
+  // 3D: how far it extends in an orthant. Bit k set: coordinate k is above that of p.
   double Reach(int orthant) const { return 2 * std::sqrt(half2_[orthant]); }
 
  private:

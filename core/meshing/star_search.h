@@ -1,7 +1,6 @@
-// The star of a vertex as of an operation's time. Two providers, one result: *local*, by
-// gap-ball queries in the spatial tree, seeded with whatever ring is at hand and verified; and
-// *global*, read off a triangulation of all vertices present, where the run is from scratch.
-// What was read is recorded as a region.
+// The star of a vertex as of an operation's time. Two ways give one result: *local*, by gap-ball
+// queries in the spatial tree, seeded with any ring at hand and verified; and *global*, read off a
+// triangulation of all vertices present, in a run from scratch. The reads are recorded as a region.
 #ifndef DYNMESH_CORE_MESHING_STAR_SEARCH_H_
 #define DYNMESH_CORE_MESHING_STAR_SEARCH_H_
 
@@ -15,7 +14,7 @@
 
 namespace dynmesh::meshing {
 
-// What there is to read off a triangulation: all around v.
+// Reads all simplices around v off the triangulation, if there is one.
 template <int D, template <class> class E>
 void Refinement<D, E>::FindLink(VertexIndex v) {
   if (triangulation_ == nullptr) return;
@@ -56,13 +55,13 @@ void Refinement<D, E>::FindStar(Context& context, VertexIndex v, double reach) {
   }
 }
 
-// Any ball through v within the ghosts is within this squared distance of v.
+// The greatest squared distance from v within a ball through v inside the ghosts.
 template <int D, template <class> class E>
 double Refinement<D, E>::FarthestInView2(double reach) const {
   return 4 * D * reach * reach * (1 + 1e-6);
 }
 
-// How far a corner's centre may be from where it is computed to be.
+// A bound of the error of a corner's computed centre.
 template <int D, template <class> class E>
 double Refinement<D, E>::MarginOf(double error) const {
   return error + 1e-9 * star_.reach() + 2 * rules_.ulp();
@@ -78,14 +77,13 @@ void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
       if (u != Triangulation::kInfinite) {
         star_.Append(u, triangulation_->position(u));
       } else if (!kTraced) {
-        // On the border: something beyond it, in the outward direction.
+        // On the border: a ghost beyond it, in the outward direction.
         const Point &lo = rules_.lo(), &hi = rules_.hi();
         const int k = p[0] == hi[0] ? 0 : p[1] == hi[1] ? 1 : p[0] == lo[0] ? 2 : 3;
         star_.AppendGhost(Star::kFirstGhost + k);
       }
     }
-    // By edges no decision depends on corners or on the reach: without a trace the ring is
-    // enough.
+    // By edges, no decision depends on corners or on the reach: untraced, the ring is enough.
     if (!kTraced && by_edge()) return;
     star_.Close();
     if (star_.IsWithinReach()) return;
@@ -109,11 +107,11 @@ void Refinement<D, E>::StarFromTriangulation(VertexIndex v, double reach) {
   }
 }
 
-// Makes the star of link_, which is v's. On a side of the border, where the link is open, the ghost
-// beyond takes the place of what is infinite: two of its corners that are neighbours conflict no
-// more than do their triangles on that side, whose decisions do not depend on who is off it. False,
-// and no star any more, if the ghost conflicts with one of the others, or if there is more than one
-// side.
+// Makes the star of link_, the link of v. If v is on a side of the border, the link is open, and
+// the ghost beyond that side replaces the infinite vertex. Two adjacent corners at the ghost
+// conflict no more than their triangles on that side do, and these do not depend on points off the
+// side. Returns false, and leaves no star, if the ghost conflicts with another corner or if there
+// is more than one side.
 template <int D, template <class> class E>
 bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
   if constexpr (D == 3) {
@@ -126,7 +124,7 @@ bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
     star_.BeginLink(v, p, reach);
     for (const VertexIndex u : link_.neighbours) {
       const std::uint32_t id = u != Triangulation::kInfinite ? u : beyond;
-      star_.AddNeighbour(id, PlaceOf(id, p, reach));  // near what else is asked of it
+      star_.AddNeighbour(id, PlaceOf(id, p, reach));  // early, near the other reads of it
     }
     link_.Join();
     for (std::size_t i = 0; i < link_.triangles.size(); ++i) {
@@ -145,8 +143,8 @@ bool Refinement<D, E>::LinkFromTriangulation(VertexIndex v, double reach) {
   return false;
 }
 
-// In space: the ghost of p beyond the side of the domain that it is on; kNobody unless it is on
-// just one.
+// 3D: the ghost beyond the side of the domain on which p is; kNobody unless p is on exactly one
+// side.
 template <int D, template <class> class E>
 std::uint32_t Refinement<D, E>::GhostBeyond(const Point& p) const {
   std::uint32_t ghost = SpaceStar::kNobody;
@@ -158,11 +156,11 @@ std::uint32_t Refinement<D, E>::GhostBeyond(const Point& p) const {
   return ghost;
 }
 
-// From the star that the previous execution read. Whoever conflicted with one of its
-// corners since then has appeared in this propagation (or the operation would have been
-// re-run in an earlier one): so if none of its neighbours has gone, inserting those that
-// appeared makes it exact; else the corners whose neighbours are still there are.
-// False, with nothing done, if that is not worth trying.
+// Starts from the star that the previous execution read. A vertex that conflicts with one of its
+// corners has appeared in this propagation; otherwise the operation would have run in an earlier
+// one. So if all of its neighbours are still there, inserting the vertices that appeared makes it
+// exact. Else the corners with all neighbours still there are exact. Returns false, with
+// nothing done, if it is not worth trying.
 template <int D, template <class> class E>
 bool Refinement<D, E>::UpdateStar(Context& context, VertexIndex v, double reach) {
   constexpr std::size_t kFew = 200;
@@ -171,7 +169,7 @@ bool Refinement<D, E>::UpdateStar(Context& context, VertexIndex v, double reach)
   bool all_stay = true;
   const bool is_joined = RejoinStar(context, v, reach, words, &all_stay);
   if (!is_joined) all_stay = RebuildStar(context, v, reach, NeighboursIn<D>(words));
-  // Beyond this nobody was in a ball that was read.
+  // No vertex beyond this distance was in a ball that was read.
   const double far2 = context.payload().radius2;
   for (const VertexIndex u : appeared_) {
     if (geometry::SquaredDistance(vertices_[u].p, star_.position()) <= far2) Offer(context, u);
@@ -184,7 +182,7 @@ bool Refinement<D, E>::UpdateStar(Context& context, VertexIndex v, double reach)
   return true;
 }
 
-// Those that were in the star read then.
+// Marks the corners of the former star as verified.
 template <int D, template <class> class E>
 void Refinement<D, E>::MarkOldCorners(std::span<const std::uint32_t> words) {
   old_corners_.Clear();
@@ -198,7 +196,8 @@ void Refinement<D, E>::MarkOldCorners(std::span<const std::uint32_t> words) {
   }
 }
 
-// In space as it is; begun with the least there, as a corner may be given by any of its turns.
+// 3D: rotates the ids so that the least is first, as a corner may be given by any rotation. 2D: as
+// given.
 template <int D, template <class> class E>
 typename Refinement<D, E>::Corner Refinement<D, E>::Turned(Corner ids) {
   if constexpr (D == 3)
@@ -206,14 +205,14 @@ typename Refinement<D, E>::Corner Refinement<D, E>::Turned(Corner ids) {
   return ids;
 }
 
-// Is it still there?
+// True if the neighbour is still there.
 template <int D, template <class> class E>
 bool Refinement<D, E>::Stays(const Context& context, std::uint32_t id) const {
   return Star::IsGhost(id) || (vertices_[id].present && context.Sees(vertices_[id].birth));
 }
 
-// In space: the star that was read, but for the neighbours that have gone; the corners that it had
-// are verified. False if that cannot be done.
+// 3D: makes the star that was read without the neighbours that have gone. The corners that it had
+// are marked verified. False if that is not possible.
 template <int D, template <class> class E>
 bool Refinement<D, E>::RejoinStar(Context& context, VertexIndex v, double reach,
                                   std::span<const std::uint32_t> words, bool* all_stay) {
@@ -239,7 +238,7 @@ bool Refinement<D, E>::RejoinStar(Context& context, VertexIndex v, double reach,
   return false;
 }
 
-// The star of those of `ids` that are there still. Are all?
+// Makes the star of those of `ids` that are still there. Returns whether all are.
 template <int D, template <class> class E>
 bool Refinement<D, E>::RebuildStar(Context& context, VertexIndex v, double reach,
                                    std::span<const std::uint32_t> ids) {
@@ -263,8 +262,8 @@ bool Refinement<D, E>::RebuildStar(Context& context, VertexIndex v, double reach
   return std::ranges::all_of(ids, [&](std::uint32_t id) { return Stays(context, id); });
 }
 
-// Whatever is likely to be in the star makes verifying it quick; what is offered
-// has no influence on the outcome.
+// Offers vertices that are likely to be in the star, which makes verification fast. What is offered
+// does not influence the result.
 template <int D, template <class> class E>
 void Refinement<D, E>::SeedStar(Context& context, VertexIndex v) {
   bool newborn = false;
@@ -290,8 +289,8 @@ void Refinement<D, E>::SeedStar(Context& context, VertexIndex v) {
     }
   }
   if (offers_.empty()) {
-    // The nearest few within a little more than the lengths of this bucket; in space, within
-    // more if these are too few. Where sizes are asked for, there may be thousands.
+    // The nearest few within a little more than the lengths of this bucket; in 3D, within more if
+    // these are too few. Where target lengths apply, there may be thousands.
     double r2 = 2.25 * LeastOfBucket(BucketOfEpoch(context.epoch) + 1);
     constexpr std::size_t kEnough = D == 2 ? 0 : 16, kMost = 32;
     const double most2 = 10 * r2;
@@ -319,7 +318,7 @@ void Refinement<D, E>::SeedStar(Context& context, VertexIndex v) {
   if (newborn) OfferBeyondNeighbours(context);
 }
 
-// The nearest first: fewer corners are made that do not last.
+// The nearest first: then fewer temporary corners are made.
 template <int D, template <class> class E>
 void Refinement<D, E>::SortByDistance(std::vector<std::uint32_t>* ids) {
   by_distance_.clear();
@@ -332,8 +331,8 @@ void Refinement<D, E>::SortByDistance(std::vector<std::uint32_t>* ids) {
   for (const auto& [d2, id] : by_distance_) ids->push_back(id);
 }
 
-// The creator of a newborn has seen one side of it only. What lies on the other, the rings
-// of its neighbours there know: those that have a large corner still.
+// The creator of a newborn has seen only one side of it. What lies on the other side is in the
+// rings of its neighbours there: those that still have a large corner.
 template <int D, template <class> class E>
 void Refinement<D, E>::OfferBeyondNeighbours(Context& context) {
   if constexpr (kTraced) {
@@ -367,13 +366,13 @@ void Refinement<D, E>::Offer(Context& context, std::uint32_t id) {
   star_.Insert(id, u.p);
 }
 
-// The largest balls first, one by one, as they may be huge and full; the others together once
-// that is worth while.
+// The largest balls first, one by one, as they may be huge and full. The rest together, once that
+// is worth while.
 template <int D, template <class> class E>
 void Refinement<D, E>::VerifyStar(Context& context) {
   double worth_a_look = INFINITY;
-  // Each vertex is inserted once at most, unless two are seen at one place, which would
-  // be an error elsewhere: it must not become an endless loop here.
+  // Each vertex is inserted at most once, unless two have one position. That would be an error
+  // elsewhere; it must not become an endless loop here.
   std::size_t insertions_left = vertex_count_;
   while (insertions_left > 0) {
     int largest = -1;
@@ -386,16 +385,16 @@ void Refinement<D, E>::VerifyStar(Context& context) {
     if (r2 <= worth_a_look) {
       if (InsertAllInCorners(context)) return;
       worth_a_look = r2 / 8;
-      continue;  // some may have been inserted: the largest is another one
+      continue;  // Some may have been inserted: then another corner is the largest.
     }
     if (VerifyCorner(context, largest)) --insertions_left;
   }
 }
 
-// Where the corners not yet verified are near what they will be, few vertices lie about
-// their balls: one query finds them all. Inserting makes no ball that reaches out of
-// those it replaces and their neighbours', so each vertex need be looked at but once.
-// False if there is more to look at than that is worth: balls may be huge and full.
+// If the unverified corners are near their final state, few vertices lie about their balls, and one
+// query finds them all. Insertion makes no ball that extends beyond those it replaces and their
+// neighbours', so each vertex is tested only once. Returns false if there are too many vertices to
+// test: balls may be huge and full.
 template <int D, template <class> class E>
 bool Refinement<D, E>::InsertAllInCorners(Context& context) {
   constexpr int kFew = D == 2 ? 96 : 400;
@@ -417,7 +416,7 @@ bool Refinement<D, E>::InsertAllInCorners(Context& context) {
   });
 }
 
-// Looks for a vertex in the ball of corner i. True if one was found and inserted.
+// Searches for a vertex in the ball of corner i. True if one was found and inserted.
 template <int D, template <class> class E>
 bool Refinement<D, E>::VerifyCorner(Context& context, int i) {
   const auto& n = star_.corner(i);
@@ -438,8 +437,8 @@ bool Refinement<D, E>::VerifyCorner(Context& context, int i) {
   };
   const double margin = MarginOf(n.error);
   if (margin < 1e-3 * star_.reach()) {
-    // A tentative ball may be huge and full: balls inside it that touch it at v come
-    // first, growing from the scale of what is known.
+    // A tentative ball may be huge and full. So first balls inside it that touch it at v, growing
+    // from the scale of what is known.
     const double r = std::sqrt(n.r2);
     const double nearest = std::sqrt(star_.LeastDistance2(i));
     for (double s = nearest; 0 < s && s < r / 2; s *= 2.5) {

@@ -47,7 +47,7 @@ absl::StatusOr<Delta<D>> BatchCheck<D>::Run(Interrupted interrupted) {
   return TakeDelta();
 }
 
-// A first load of points, all far apart: nothing to find fault with, no need of an order.
+// True for a first load of points that are all far apart: no problem is possible, no order needed.
 template <int D>
 bool BatchCheck<D>::IsCertainlyGood() const {
   if (store_.size() > 0 || draft_.error_edit() != kNever || !affected_segments_.empty() ||
@@ -61,8 +61,8 @@ bool BatchCheck<D>::IsCertainlyGood() const {
          AreFarApart<D>(delta_.added_points, options_.box, limit_, steps_);
 }
 
-// A batch that changes much of what is present would step over hidden features again
-// and again; it then pays for an index of those that stay.
+// A batch that changes many present features would visit hidden ones again and again. Then a new
+// index of the features that stay is cheaper.
 template <int D>
 void BatchCheck<D>::ChooseIndex() {
   constexpr std::size_t kWorthwhile = 8;
@@ -124,7 +124,7 @@ namespace {
 
 using geometry::Point;
 
-// What the index asks to be near to.
+// The argument of a query of the index.
 template <int D>
 const Point<D>& Place(const PointFeature<D>& f) {
   return f.p;
@@ -136,7 +136,7 @@ const SegmentFeature<D>& Place(const SegmentFeature<D>& f) {
 
 [[maybe_unused]] const Facet& Place(const Facet& f) { return f; }
 
-// The rules, whichever way round.
+// The rules with both orders of arguments.
 template <class F, class G>
 Conflict Judge(const F& f, const G& other, double limit) {
   return Between(f, other, limit);
@@ -152,7 +152,7 @@ Conflict Judge(const SegmentFeature<D>& f, const PointFeature<D>& other, double 
   return Between(other, f, limit);
 }
 
-// What is wrong with a feature by itself.
+// Checks a feature by itself.
 template <int D>
 absl::Status CheckAlone(const PointFeature<D>& f, const MeshOptions& options, double,
                         EditIndex edit) {
@@ -187,7 +187,7 @@ template <int D>
 template <typename F>
 typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
   Obstacle least;
-  // Edges of a polygon have one id: then their ends decide.
+  // Edges of a polygon have the same id: then their ends decide.
   EdgeKey least_ends;
   FeatureId least_id = kNoFeature;
   const auto better = [&](Conflict conflict, FeatureId id, const EdgeKey& ends) {
@@ -208,8 +208,7 @@ typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
     if (!better(Judge(feature, other, limit_), other.id, KeyOf(other))) return;
     least.other = other;
   };
-  // Two facets may be near each other in as many cells as they have corners, each of which is
-  // looked at: so once.
+  // Two facets may be near each other in as many visited cells as they have corners: judge once.
   absl::flat_hash_set<FeatureId> judged;
   const auto see_facet = [&](const Facet& other) {
     if constexpr (std::is_same_v<F, Facet>) {

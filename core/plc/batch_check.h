@@ -1,22 +1,22 @@
 // Validates one batch against the features present.
 //
-// Every problem has an edit to blame: the last one that names a feature involved and
-// in the end changed; a segment's ends are involved in whatever it is. That is the edit
-// at which one who enters the batch's *result* in this order would be stopped, so the
-// check does just that: features that change are entered one by one, in order of their
-// edit, into an index of their own, each checked against the features that stay and
-// those entered before; an edge of polygons with the first of them, a facet when its edges and
-// corners are in. The first problem met is the
-// earliest, whatever the index's shape.
+// Every problem has an edit to blame: the last edit that names a feature involved and changes it in
+// the end. The ends of a segment are involved in each of its problems. So it is the edit at which
+// entering the batch's *result* in this order would fail. The check does exactly this: it enters
+// changed features one by one, in order of their edit, into a separate index, and checks each
+// against the features that stay and those entered before. An edge of polygons is entered with the
+// first of them, a facet after its edges and corners. The first problem found is the earliest,
+// whatever the shape of the index.
 //
-// A batch with an edit that cannot act (draft.h) is refused for it, unless the edits
-// before it already are to blame for another problem that no later edit bears on.
+// An edit that cannot act (draft.h) is the batch's error, unless the edits before it already have
+// another problem that no later edit affects.
 //
-// Expected time O(b lg b) for a batch that changes b features (segments that a moved
-// point takes along included), plus their queries of the index.
-// Last comes whether the result would take more vertices than the mesh may have, as far as that can
-// be told at once (batch_demand.cc, least_vertices.h): what is refused here, meshing would refuse.
-// One object, one run, one thread. The complex and its store are only read.
+// At last it checks whether the result certainly needs more vertices than the mesh may have
+// (batch_demand.cc, least_vertices.h): meshing would fail, too.
+//
+// Expected time O(b lg b) for a batch that changes b features (including segments of a moved
+// point), plus their queries of the index. One object, one run, one thread. Only reads the complex
+// and its store.
 #ifndef DYNMESH_CORE_PLC_BATCH_CHECK_H_
 #define DYNMESH_CORE_PLC_BATCH_CHECK_H_
 
@@ -46,47 +46,47 @@ namespace dynmesh::plc {
 template <int D>
 class BatchCheck {
  public:
-  // All arguments must outlive the object and not change.
-  // `steps` are those before and after the features that change are looked at one by one.
+  // All arguments must outlive the object and not change. `steps` are for the work before and after
+  // the loop over changed features.
   BatchCheck(const MeshOptions& options, double limit, const CellGrid<D>& grid,
              const FeatureStore<D>& store, const FeatureIndex<D>& index, const Edits& batch,
              Steps& steps);
 
   absl::StatusOr<Delta<D>> Run(Interrupted interrupted);
-  // Index cells and features looked at.
+  // Index cells and features visited.
   std::uint64_t cost() const { return cost_; }
 
  private:
-  // Something to look at, in order of (edit, rank, id, kind, at).
+  // A check to do, in order of (edit, rank, id, kind, at).
   struct Event {
     enum class Kind : std::uint8_t {
-      kPoint,       // a point comes or moves: `at` in delta_.added_points
+      kPoint,       // a new or moved point: `at` in delta_.added_points
       kPointGone,   // users_of_missing_[id] need it
-      kSegment,     // a segment comes or changes: `at` in delta_.added_segments
-      kDegenerate,  // both ends the same point
+      kSegment,     // a new or changed segment: `at` in delta_.added_segments
+      kDegenerate,  // both ends are the same point
       kUnknownEnd,
-      kPolygon,  // its rings are no polygon, or the mesh can have none
-      kEdge,     // of a polygon, comes or changes: `at` in edges_
-      kSize,     // a sizing feature comes or changes: `at` in delta_.added_sizes
-      kFacet,    // comes or changes: `at` in delta_.added_facets
+      kPolygon,  // its rings are no polygon, or the mesh allows none
+      kEdge,     // a new or changed edge of a polygon: `at` in edges_
+      kSize,     // a new or changed sizing feature: `at` in delta_.added_sizes
+      kFacet,    // a new or changed facet: `at` in delta_.added_facets
     };
     EditIndex edit;
     FeatureId id;
     Kind kind;
     std::uint32_t at = 0;
-    // Facets are looked at when their edges are in order.
+    // Facets are checked after their edges.
     int rank() const {
       return kind == Kind::kPoint || kind == Kind::kPointGone ? 0 : kind == Kind::kFacet ? 2 : 1;
     }
   };
 
-  // What stands in the way of a feature: the least conflict, of the least id.
+  // The conflict of a feature to report: the least conflict, with the least id.
   struct Obstacle {
     Conflict conflict = Conflict::kNone;
     AnyFeature<D> other;
   };
 
-  // All that changes: delta_, events_, and what of the store is hidden.
+  // Collects all changes: delta_, events_, and the hidden features of the store.
   void Collect();
   void CollectPoint(const typename Draft<D>::Entry& entry);
   void CollectUsers(FeatureId point, bool is_point);
@@ -131,18 +131,18 @@ class BatchCheck {
   const Draft<D> draft_;
   Delta<D> delta_;
   LargeVector<Event> events_;
-  // Features of the store that the result does not have as they are.
+  // Features of the store that are removed or changed in the result.
   absl::flat_hash_set<FeatureId> hidden_;
   absl::flat_hash_set<EdgeKey> hidden_edges_;
   absl::flat_hash_set<FeatureId> hidden_facets_;
   std::vector<FeatureId> affected_segments_, affected_sizes_, affected_polygons_, affected_facets_;
   std::vector<EdgeKey> affected_edges_;
-  // Polygons of the store whose rings the result does not have; edges of those that come;
-  // segment features that the batch names, by their ends.
+  // Polygons of the store with removed or changed rings; edges of added polygons; segment
+  // features that the batch names, by their ends.
   absl::flat_hash_set<FeatureId> changed_polygons_;
   absl::flat_hash_map<EdgeKey, std::vector<FeatureId>> new_users_;
   absl::flat_hash_map<EdgeKey, FeatureId> drafted_segments_;
-  std::vector<SegmentFeature<D>> edges_;  // each with the polygon to blame, and that alone
+  std::vector<SegmentFeature<D>> edges_;  // `polygons` has only the polygon to blame
   absl::flat_hash_map<FeatureId, std::vector<FeatureId>> users_of_missing_;
   FeatureIndex<D> entered_;
   std::uint64_t cost_ = 0;

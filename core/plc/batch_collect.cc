@@ -1,4 +1,4 @@
-// The first half of BatchCheck: what the batch changes, and who is to blame for each.
+// The first half of BatchCheck: the changes of the batch, and the edit to blame for each.
 #include <algorithm>
 #include <cstddef>
 #include <utility>
@@ -18,7 +18,7 @@ void SortUnique(std::vector<T>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-// Each once, ascending.
+// All points, without duplicates, ascending.
 std::vector<FeatureId> PointsOf(const Rings& rings) {
   std::vector<FeatureId> points;
   for (const auto& ring : rings) points.insert(points.end(), ring.begin(), ring.end());
@@ -55,13 +55,13 @@ void BatchCheck<D>::Collect() {
   for (const EdgeKey& key : affected_edges_) CollectEdge(key);
 }
 
-// Events from the draft's error on mean nothing: their features are unknown.
+// Events from the draft's error on are void: their features are unknown.
 template <int D>
 void BatchCheck<D>::Schedule(const Event& event) {
   if (event.edit < draft_.error_edit()) events_.push_back(event);
 }
 
-// What `entry` was and is, as far as it is a point; the other kinds are noted for later.
+// The part of `entry` that is or was a point. Other kinds are collected later.
 template <int D>
 void BatchCheck<D>::CollectPoint(const typename Draft<D>::Entry& entry) {
   const auto is_or_was = [&](DraftState state, bool was) { return entry.state == state || was; };
@@ -89,8 +89,7 @@ void BatchCheck<D>::CollectPoint(const typename Draft<D>::Entry& entry) {
   }
 }
 
-// A point of the store moves, or is none any more. Rings of a polygon stay what they are
-// if a point moves.
+// A point of the store is moved or removed. A moved point does not change the rings of a polygon.
 template <int D>
 void BatchCheck<D>::CollectUsers(FeatureId point, bool is_point) {
   const auto segments = store_.SegmentsAt(point);
@@ -105,7 +104,7 @@ void BatchCheck<D>::CollectUsers(FeatureId point, bool is_point) {
   for (const FeatureId end : store_.EdgesAt(point)) affected_edges_.push_back(KeyOf(point, end));
 }
 
-// A sizing feature that the batch names, or a polygon that follows a point that changed.
+// A sizing feature that the batch names, or a sizing polygon with a changed point.
 template <int D>
 void BatchCheck<D>::CollectSize(FeatureId id) {
   const SizeFeature<D>* was = store_.FindSize(id);
@@ -137,8 +136,8 @@ void BatchCheck<D>::CollectSize(FeatureId id) {
   Schedule({edit, id, Event::Kind::kSize, at});
 }
 
-// A polygon that the batch names, or that loses a point: its rings. Where its points lie
-// is a matter of its edges.
+// A polygon that the batch names, or that loses a point: its rings. Positions of its points concern
+// its edges.
 template <int D>
 void BatchCheck<D>::CollectPolygon(FeatureId id) {
   const Rings* was = store_.FindPolygon(id);
@@ -166,8 +165,7 @@ void BatchCheck<D>::CollectPolygon(FeatureId id) {
   delta_.added_polygons.push_back(std::move(now));
 }
 
-// A polygon of space that the batch names, or that follows a point that changed. What it lacks is
-// noted already.
+// A 3D polygon that the batch names, or with a changed point. Missing points are reported already.
 template <int D>
 void BatchCheck<D>::CollectFacet(FeatureId id) {
   if constexpr (D == 3) {
@@ -204,8 +202,8 @@ void BatchCheck<D>::CollectFacet(FeatureId id) {
   }
 }
 
-// Where polygons have edges, and segment features come, go or change there, both are
-// affected: who comes later finds what is in `affected_edges_` and `affected_segments_`.
+// If a segment feature is added, removed or changed where polygons have an edge, both are affected:
+// adds them to `affected_edges_` and `affected_segments_`.
 template <int D>
 void BatchCheck<D>::FindAffectedEdges() {
   for (const typename Draft<D>::Entry& entry : draft_.entries()) {
@@ -242,7 +240,7 @@ std::vector<FeatureId> BatchCheck<D>::PolygonsAfter(const EdgeKey& key) const {
   return polygons;
 }
 
-// A segment feature of the result between the two points, if there is one.
+// A segment feature of the result between the two points; kNoFeature if there is none.
 template <int D>
 FeatureId BatchCheck<D>::SegmentAfter(const EdgeKey& key) const {
   const FeatureId was = store_.SegmentBetween(key);
@@ -251,8 +249,8 @@ FeatureId BatchCheck<D>::SegmentAfter(const EdgeKey& key) const {
   return it == drafted_segments_.end() ? kNoFeature : it->second;
 }
 
-// Of a segment feature, or an edge of a polygon. One that the polygon had before is not the
-// fault of who changed its other edges.
+// The edit to blame for a segment feature, or for an edge of a polygon. Other changes of the
+// polygon are not to blame for an edge that it had before.
 template <int D>
 EditIndex BatchCheck<D>::BlameOfEdge(FeatureId feature, const EdgeKey& key) const {
   const EdgeRecord* record = store_.FindEdge(key);
@@ -262,7 +260,7 @@ EditIndex BatchCheck<D>::BlameOfEdge(FeatureId feature, const EdgeKey& key) cons
                    draft_.BlameOf(key.second)});
 }
 
-// An edge where polygons are or were, and no segment feature is or was.
+// An edge that polygons have or had, without a segment feature before or after.
 template <int D>
 void BatchCheck<D>::CollectEdge(const EdgeKey& key) {
   const std::vector<FeatureId> polygons = PolygonsAfter(key);
@@ -271,7 +269,7 @@ void BatchCheck<D>::CollectEdge(const EdgeKey& key) {
   const Point<D>* q = draft_.FindPoint(key.second);
   const bool is_edge = !polygons.empty() && p != nullptr && q != nullptr;
   SegmentFeature<D> now;
-  FeatureId first = kNoFeature;  // of the polygons to have it
+  FeatureId first = kNoFeature;  // the polygon with the earliest edit to blame
   EditIndex edit = kUntouched;
   if (is_edge) {
     now = {polygons.front(), key.first, key.second, *p, *q, polygons};
@@ -290,7 +288,7 @@ void BatchCheck<D>::CollectEdge(const EdgeKey& key) {
   }
   if (!is_edge) return;
   if (segment == kNoFeature) delta_.added_segments.push_back(now);
-  // A segment feature that is there as early stands for it.
+  // A segment feature with an earlier or equal edit represents the edge.
   if (segment != kNoFeature && BlameOfEdge(segment, key) <= edit) return;
   now.id = first;
   now.polygons = {now.id};
@@ -299,7 +297,7 @@ void BatchCheck<D>::CollectEdge(const EdgeKey& key) {
       {edit, edges_.back().id, Event::Kind::kEdge, static_cast<std::uint32_t>(edges_.size() - 1)});
 }
 
-// A segment that the batch names, or that ends at a point that changed.
+// A segment that the batch names, or that ends at a changed point.
 template <int D>
 void BatchCheck<D>::CollectSegment(FeatureId id) {
   const SegmentRecord* was = store_.FindSegment(id);
@@ -329,9 +327,9 @@ void BatchCheck<D>::CollectSegment(FeatureId id) {
   Schedule({edit, id, Event::Kind::kSegment, at});
 }
 
-// Are all of `points`, none twice, which feature `id` needs, points? If not, schedules the problem:
-// one that is missing because of a later edit than the feature's is a point in use, else the
-// feature's fault.
+// Are all of `points` (no duplicates), which feature `id` needs, points of the result? Otherwise
+// schedules the problem. If a later edit than the feature's removed a point: a point in use. Else
+// the feature is to blame.
 template <int D>
 bool BatchCheck<D>::CheckPoints(FeatureId id, std::span<const FeatureId> points, EditIndex own) {
   bool whole = true, own_fault = false;

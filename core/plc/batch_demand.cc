@@ -1,8 +1,8 @@
-// The last part of BatchCheck: would the result take more vertices than the mesh may have?
+// The last part of BatchCheck: does the result need more vertices than the mesh may have?
 //
-// Of regions all that come are asked, of things near each other those that come: the longest
-// segments and the largest facets, where there are very many. An answer is a function of features
-// and batch: candidates are picked by measure and id, never by the order in which they are found.
+// Checks all added regions, and added features near each other; if there are very many, the longest
+// segments and the largest facets. The answer is a function of features and batch: candidates are
+// chosen by measure and id, never by the order of visits.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,14 +20,14 @@ namespace {
 
 using geometry::Point;
 
-// So many segments or facets are looked at for what is near them.
+// The most segments or facets for which neighbours are searched.
 constexpr std::size_t kMostProbed = 4096;
-// Of what is near the middle of a segment the nearest.
+// The most neighbours per segment: the nearest to its middle.
 constexpr std::size_t kNearest = 4;
-// Segments that end at a point; where more do, two of them meet at less than 60 degrees.
+// Most segments at a point without a sharp angle: of more, two meet at less than 60 degrees.
 constexpr std::size_t kMostAround = 6;
 
-// The greatest `count` of those in `things`, which have a size and an order among equals.
+// Keeps the greatest `count` of `things`; their order breaks ties.
 template <class Thing>
 void KeepGreatest(std::vector<Thing>& things, std::size_t count) {
   if (things.size() <= count) return;
@@ -36,7 +36,7 @@ void KeepGreatest(std::vector<Thing>& things, std::size_t count) {
   things.resize(count);
 }
 
-// Below 60 degrees, or in doubt?
+// Below 60 degrees, or undecided?
 template <int D>
 bool IsSharp(const Point<D>& apex, const Point<D>& a, const Point<D>& b) {
   double dot = 0, aa = 0, bb = 0;
@@ -48,7 +48,7 @@ bool IsSharp(const Point<D>& apex, const Point<D>& a, const Point<D>& b) {
   return dot > 0.499 * std::sqrt(aa) * std::sqrt(bb);
 }
 
-// One that ends at `apex` leads to where?
+// The other end of a segment that ends at `apex`.
 template <int D>
 std::pair<FeatureId, Point<D>> OtherEnd(const SegmentFeature<D>& s, FeatureId apex) {
   return s.p_id == apex ? std::pair(s.q_id, s.q) : std::pair(s.p_id, s.p);
@@ -84,7 +84,7 @@ absl::Status BatchCheck<D>::CheckRegions() const {
   return RegionDemandError(sizes[at], largest, all, options_, draft_.BlameOf(sizes[at].id));
 }
 
-// Not those that the batch changes, in which they are as they were.
+// Visits present segments except those that the batch changes, which are hidden.
 template <int D>
 template <class Visit>
 void BatchCheck<D>::ForSegmentsWithin(const Point<D>& p, double distance, Visit visit) {
@@ -99,7 +99,7 @@ void BatchCheck<D>::ForSegmentsWithin(const Point<D>& p, double distance, Visit 
   entered_.QueryWithin(p, distance, visit, &cost_);
 }
 
-// What makes most vertices on s, of what is within `distance` of its middle.
+// The neighbour within `distance` of the middle of s that makes the most vertices on s.
 template <int D>
 std::pair<double, SegmentFeature<D>> BatchCheck<D>::CrowdOn(const SegmentFeature<D>& s,
                                                             double distance) {
@@ -116,7 +116,7 @@ std::pair<double, SegmentFeature<D>> BatchCheck<D>::CrowdOn(const SegmentFeature
       return std::tie(std::get<0>(entry), std::get<1>(entry)) <= std::tie(d, key);
     };
     const auto place = std::find_if_not(near.begin(), near.end(), before);
-    if (place != near.begin() && std::get<1>(*std::prev(place)) == key) return;  // seen before
+    if (place != near.begin() && std::get<1>(*std::prev(place)) == key) return;  // visited before
     near.insert(place, {d, key, t});
     if (near.size() > kNearest) near.pop_back();
   });
@@ -128,8 +128,8 @@ std::pair<double, SegmentFeature<D>> BatchCheck<D>::CrowdOn(const SegmentFeature
   return most;
 }
 
-// In the plane the quality is not promised at sharp angles. Is s, or what joins its ends, part of
-// one?
+// 2D: the quality bound does not hold at sharp angles. Is s, or a segment that joins its ends, part
+// of one?
 template <int D>
 bool BatchCheck<D>::IsAtSharpAngle(const SegmentFeature<D>& s) {
   const auto at = [&](FeatureId end, const Point<D>& p) {
@@ -166,7 +166,7 @@ absl::Status BatchCheck<D>::CheckSegmentGaps() {
   const double most = static_cast<double>(options_.limits.max_vertices);
   const double need = most / static_cast<double>(std::min(added.size(), kMostProbed));
   struct Probed {
-    double reach;  // what is farther makes fewer vertices than needed
+    double reach;  // neighbours farther away make fewer vertices than needed
     std::size_t at;
     bool operator<(const Probed& other) const {
       return std::tie(reach, other.at) < std::tie(other.reach, at);
@@ -175,7 +175,7 @@ absl::Status BatchCheck<D>::CheckSegmentGaps() {
   std::vector<Probed> probed;
   for (std::size_t i = 0; i < added.size(); ++i) {
     const double reach = DistanceFor(added[i], need, options_.quality);
-    if (reach > limit_) probed.push_back({reach, i});  // nothing is nearer
+    if (reach > limit_) probed.push_back({reach, i});  // no features are nearer than limit_
   }
   KeepGreatest(probed, kMostProbed);
   struct Gap {
@@ -216,12 +216,12 @@ absl::Status BatchCheck<D>::CheckFacetGaps() {
     if (added.empty()) return absl::OkStatus();
     const double most = static_cast<double>(options_.limits.max_vertices);
     const double need = most / static_cast<double>(std::min(added.size(), kMostProbed));
-    // Vertices on a facet, and what is over it.
+    // Vertices on a facet, and the facet over it.
     struct Gap {
       double vertices = 0;
       Facet facet, other;
     };
-    std::map<FeatureId, Gap> gaps;  // by id: the order of a sum matters to its bits
+    std::map<FeatureId, Gap> gaps;  // by id: a fixed order keeps the bits of the sum
     const auto note = [&](const Facet& f, const Facet& g) {
       const double vertices = LeastVerticesOn(f, g, options_.quality, limit_);
       if (!(vertices > 0)) return;

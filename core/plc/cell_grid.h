@@ -1,10 +1,10 @@
-// Dyadic cells over the user's box, and segments as seen by them, in the plane and in space.
+// Dyadic cells over the user's box, and segments in the units of cells, in 2D and 3D.
 //
-// The unit of length is 1/16 of the distance below which features are too close, a
-// power of two. A cell is a square or cube of 2^k units at integer multiples of its side.
-// A coordinate is *quantised* (rounded down to a whole number of units) by monotone
-// roundings, so that "left of cell c" is exact and means the same to everyone; real
-// positions in units are doubles with an error below 1/16. Pure, thread-safe, O(1).
+// The unit of length is 1/16 of the distance below which features are too close, a power of two. A
+// cell is a square or cube of 2^k units at integer multiples of its side. Coordinates are
+// *quantised* (rounded down to a whole number of units) by monotone roundings, so "left of cell c"
+// is exact and consistent. Real positions in units are doubles with an error below 1/16. Pure,
+// thread-safe, O(1).
 #ifndef DYNMESH_CORE_PLC_CELL_GRID_H_
 #define DYNMESH_CORE_PLC_CELL_GRID_H_
 
@@ -21,7 +21,7 @@
 
 namespace dynmesh::plc {
 
-// Close features lie less than this many units apart.
+// Close features are less than this many units apart.
 inline constexpr double kCloseUnits = 16;
 
 // Index of a feature in a table of its index.
@@ -39,7 +39,7 @@ struct Cell {
   std::array<std::int64_t, D> at{};
   std::int64_t side = 1;
 
-  // By the halves of the axes: bit i says whether it is the upper one of axis i.
+  // Bit i of `which`: the upper half of axis i.
   Cell Child(int which) const {
     Cell child = {at, side / 2};
     for (int i = 0; i < D; ++i) child.at[i] += ((which >> i) & 1) * child.side;
@@ -49,11 +49,11 @@ struct Cell {
   double Hi(int axis) const { return static_cast<double>(at[axis] + side); }
 
   // Calls visit(i) for the children that meet the box of a and b grown by `reach`. Conservative:
-  // may visit one that misses it by a unit.
+  // may visit a child that misses it by a unit.
   template <class Visit>
   void ForChildrenNear(const UnitPoint<D>& a, const UnitPoint<D>& b, double reach,
                        Visit visit) const {
-    int below = 0, above = 0;  // a bit for each axis: does the box reach the lower, the upper half?
+    int below = 0, above = 0;  // a bit per axis: does the box meet the lower, the upper half?
     for (int i = 0; i < D; ++i) {
       const double middle = static_cast<double>(at[i] + side / 2);
       below |= (std::min(a[i], b[i]) - reach - 1 <= middle ? 1 : 0) << i;
@@ -68,7 +68,7 @@ struct Cell {
 template <int D>
 class CellGrid {
  public:
-  // `limit` is CloseLimit of the mesh whose features lie in `box`.
+  // `limit` is CloseLimit of the mesh, `box` its box.
   CellGrid(const Box& box, double limit) : per_length_(kCloseUnits / limit) {
     double extent = 0;
     for (int i = 0; i < D; ++i) {
@@ -98,8 +98,8 @@ class CellGrid {
   Cell<D> root_;
 };
 
-// A segment in units. In the plane it is *flat* if |dy| <= |dx|, else *steep*; its major axis is
-// x if flat, else y; lo and hi are its ends by the coordinate of the major axis.
+// A segment in units. In 2D it is *flat* if |dy| <= |dx|, else *steep*. Its major axis is x if
+// flat, else y; lo and hi are its ends by the major coordinate.
 template <int D>
 struct GridSegment {
   SegmentFeature<D> feature;
@@ -134,17 +134,17 @@ struct GridSegment {
     return CellGrid<D>::Quantise(lo[axis]) < cell.at[axis] &&
            CellGrid<D>::Quantise(hi[axis]) >= cell.at[axis] + cell.side;
   }
-  // Does it meet the closed `cell` grown by `reach` >= 1/4 to every side? May say yes
-  // if it misses by a fraction of a unit, never no if it meets.
+  // Does it meet the closed `cell` grown by `reach` >= 1/4 on every side? Conservative: may return
+  // true needlessly (if it misses by a fraction of a unit), never false wrongly.
   bool Meets(const Cell<D>& cell, double reach) const;
 
-  // Calls visit(i) for the children of `cell` of which that may be true.
+  // Calls visit(i) for the children of `cell` that it may meet.
   template <class Visit>
   void ForChildrenNear(const Cell<D>& cell, double reach, Visit visit) const {
     cell.ForChildrenNear(lo, hi, reach, visit);
   }
 
-  // The minor coordinate of its line where the major one is `major_at`.
+  // The minor coordinate of its line at the major coordinate `major_at`.
   double MinorAt(double major_at) const {
     const int a = major(), b = 1 - a;
     return lo[b] + (hi[b] - lo[b]) * ((major_at - lo[a]) / (hi[a] - lo[a]));
@@ -158,7 +158,7 @@ template <int D>
 inline bool GridSegment<D>::Meets(const Cell<D>& cell, double reach) const {
   const double half = static_cast<double>(cell.side) / 2 + reach;
   UnitPoint<D> c, d;  // from lo: the cell's centre, hi
-  // Separating axes: those of coordinates, and across the segment and one of these each.
+  // Separating axes: the coordinate axes, and those normal to the segment and one of these.
   for (int i = 0; i < D; ++i) {
     c[i] = cell.Lo(i) + static_cast<double>(cell.side) / 2 - lo[i];
     d[i] = hi[i] - lo[i];

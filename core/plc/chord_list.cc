@@ -14,12 +14,12 @@ bool ChordBefore::operator()(Slot i, Slot j) const {
   const GridSegment<2>& s = (*table)[i];
   const GridSegment<2>& t = (*table)[j];
   const int axis = s.major();
-  // Left of a chord taken from lo to hi is above a flat one, but before a steep one.
+  // "Left of a chord from lo to hi" is above a flat chord, but before a steep one.
   const int sign = s.flat ? 1 : -1;
   const Point2 &s_lo = s.lo_point(), &s_hi = s.hi_point();
   const Point2 &t_lo = t.lo_point(), &t_hi = t.hi_point();
-  // An end of one within the range of the other says which side it is on, unless
-  // they share it; then the other ends say.
+  // The end of one chord within the range of the other determines the order. If they share that
+  // end, the other ends do.
   const int at_lo =
       s_lo[axis] <= t_lo[axis] ? Orientation(s_lo, s_hi, t_lo) : -Orientation(t_lo, t_hi, s_lo);
   if (at_lo != 0) return sign * at_lo > 0;
@@ -35,8 +35,8 @@ void ChordList::AppendTo(std::vector<Slot>& slots) const {
 void ChordList::Visit(int major, const ChordProbe& places, double margin,
                       absl::FunctionRef<void(const GridSegment<2>&)> visit) const {
   const Set& set = sets_[major];
-  // MinorAt errs by less than 1/16 unit, so bisection may stop that far from the true
-  // place, not farther; the margin has room for it.
+  // MinorAt errs by less than 1/16 unit, so bisection stops at most that far from the true
+  // position. The margin covers it.
   ChordProbe below = places;
   below.minor_a -= margin;
   below.minor_b -= margin;

@@ -1,9 +1,8 @@
-// The chords of one cell: segments that run right through it, in order.
+// The chords of one cell: segments that cross the whole cell, in order.
 //
-// Flat segments that span a cell's range of x and do not cross are totally ordered
-// by y, the same at every x of the range; steep ones by x. Hence, of any number of
-// chords those near a place are found by bisection.
-// Not thread-safe; const members may run at the same time. O(log size) each.
+// Flat segments that span a cell's range of x and do not cross are totally ordered by y, at every x
+// alike; steep ones by x. So bisection finds the chords near a position. Not thread-safe; const
+// members may run concurrently. O(log size) each.
 #ifndef DYNMESH_CORE_PLC_CHORD_LIST_H_
 #define DYNMESH_CORE_PLC_CHORD_LIST_H_
 
@@ -18,7 +17,7 @@
 
 namespace dynmesh::plc {
 
-// Two places (major coordinate, minor coordinate), maybe the same.
+// Two positions (major coordinate, minor coordinate), maybe equal.
 struct ChordProbe {
   double major_a, minor_a, major_b, minor_b;
 };
@@ -51,9 +50,9 @@ class ChordList {
   std::size_t size() const { return sets_[0].size() + sets_[1].size(); }
   void AppendTo(std::vector<Slot>& slots) const;
 
-  // Of the chords whose major axis is `major`, visits those that pass within `margin`
-  // of one of the two places, and those that pass between: above one, below the other.
-  // REQUIRES: the places' major coordinates are in the cell's closed range.
+  // Visits the chords with major axis `major` that pass within `margin` of one of the two
+  // positions, or between them: above one, below the other. REQUIRES: the positions' major
+  // coordinates are in the cell's closed range.
   void Visit(int major, const ChordProbe& places, double margin,
              absl::FunctionRef<void(const GridSegment<2>&)> visit) const;
 

@@ -61,7 +61,7 @@ void Delta<D>::Then(const Delta& next) {
 template <int D>
 Delta<D> Delta<D>::Part(std::size_t from, std::size_t to) const {
   Delta part;
-  std::size_t at = 0;  // of the list's first
+  std::size_t at = 0;  // index of the list's first element
   const auto take = [&](auto list) {
     const auto& all = this->*list;
     const auto within = [&](std::size_t i) { return std::clamp(i, at, at + all.size()) - at; };

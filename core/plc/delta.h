@@ -1,5 +1,5 @@
-// The net change of a feature set of the plane or of space, as plain data: what a validated
-// batch of edits comes to. A value; no invariants beyond those below.
+// The net change of a 2D or 3D feature set, as plain data: the effect of a validated batch of
+// edits. A value; no invariants except those below.
 #ifndef DYNMESH_CORE_PLC_DELTA_H_
 #define DYNMESH_CORE_PLC_DELTA_H_
 
@@ -20,9 +20,9 @@ struct PointFeature {
   friend bool operator==(const PointFeature&, const PointFeature&) = default;
 };
 
-// A segment with the ids of its ends, in the client's order, and where they lie. An edge of
-// polygons is one as well: with the id of the segment feature that joins the same points
-// (there is one at most), else of the polygon of least id, the end of lesser id first.
+// A segment with its ends' ids, in the client's order, and positions. Also an edge of polygons: it
+// has the id of the segment feature with the same ends (at most one), else of the polygon of least
+// id with the end of lesser id first.
 template <int D>
 struct SegmentFeature {
   FeatureId id = kNoFeature;
@@ -30,13 +30,13 @@ struct SegmentFeature {
   FeatureId q_id = kNoFeature;
   geometry::Point<D> p{};
   geometry::Point<D> q{};
-  std::vector<FeatureId> polygons = {};  // whose edge it is, ascending
+  std::vector<FeatureId> polygons = {};  // with this edge, ascending
 
   bool IsOfPolygon() const { return !polygons.empty() && polygons.front() == id; }
   friend bool operator==(const SegmentFeature&, const SegmentFeature&) = default;
 };
 
-// Two points, whatever joins them: the lesser id first.
+// Two points, in any relation: the lesser id first.
 using EdgeKey = std::pair<FeatureId, FeatureId>;
 inline EdgeKey KeyOf(FeatureId p, FeatureId q) { return std::minmax(p, q); }
 template <int D>
@@ -51,8 +51,8 @@ struct PolygonFeature {
   friend bool operator==(const PolygonFeature&, const PolygonFeature&) = default;
 };
 
-// A polygon of space as the mesher sees it: a planar facet, its rings by id and by place. Its edges
-// are segments as well.
+// A 3D polygon for the mesher: a planar facet, its rings by id and by position. Its edges are
+// segments as well.
 struct FacetFeature {
   FeatureId id = kNoFeature;
   Rings rings;
@@ -60,7 +60,7 @@ struct FacetFeature {
   friend bool operator==(const FacetFeature&, const FacetFeature&) = default;
 };
 
-// A sizing feature: its point, centre or lower corner, and the rest.
+// A sizing feature; `at` is its point, centre or lower corner.
 template <int D>
 struct SizeFeature {
   FeatureId id = kNoFeature;
@@ -71,14 +71,13 @@ struct SizeFeature {
   friend bool operator==(const SizeFeature&, const SizeFeature&) = default;
 };
 
-// Each list is sorted by id, segments of one id by their ends. No element stands in both the
-// removed and the added list of its kind; an id may, when its feature changed (a point that moved,
-// and the segments that it took along). An id that changed kind stands in the removed list of one
-// kind and the added list of the other.
+// Each list is sorted by id, segments of one id by their ends. No element is in both the removed
+// and the added list of its kind. An id is in both if its feature changed (a moved point and its
+// segments). If it changed kind, it is in the removed list of one kind and the added list of the
+// other.
 //
-// In space a polygon is a facet, too: a facet comes and goes with the polygon and its rings, and
-// changes when one of its corners moves, which is no change of the polygon. In the plane there are
-// no facets.
+// In 3D a polygon is also a facet. The facet is added and removed with the polygon and its rings.
+// It also changes if one of its corners moves, unlike the polygon. In 2D there are no facets.
 template <int D>
 struct Delta {
   std::vector<PointFeature<D>> removed_points;
@@ -100,18 +99,17 @@ struct Delta {
   }
   bool empty() const { return size() == 0; }
   void Sort();
-  // Makes this, which only adds, the addition of what is there after `next`, a change of what it
-  // adds. Sorts. O(n lg n).
+  // Appends `next`, a change of what this adds. REQUIRES: this only adds. The result only adds,
+  // too, and is sorted. O(n lg n).
   void Then(const Delta& next);
   // The change that undoes this one.
   Delta Inverse() const {
     return {added_points,  added_segments, removed_points,   removed_segments, added_sizes,
             removed_sizes, added_polygons, removed_polygons, added_facets,     removed_facets};
   }
-  // The changes from the `from`-th to before the `to`-th, counted so that each can be made once
-  // those before it are: what stands on something goes before it and comes after it.
-  // O(to - from).
-  // REQUIRES: from <= to <= size().
+  // The changes number `from` to `to` - 1. In this numbering each change is valid after those
+  // before it: a feature is removed before, and added after, those that it depends on. O(to -
+  // from). REQUIRES: from <= to <= size().
   Delta Part(std::size_t from, std::size_t to) const;
   friend bool operator==(const Delta&, const Delta&) = default;
 };

@@ -60,7 +60,7 @@ geometry::Point<D> PlaceOf(const Feature& feature) {
   return p;
 }
 
-// `entry` becomes `feature`, whatever it was.
+// Sets `entry` to `feature`, whatever it was.
 template <int D>
 absl::Status Become(const Feature& feature, typename Draft<D>::Entry& entry) {
   switch (feature.kind) {
@@ -147,7 +147,7 @@ const typename Draft<D>::Entry* Draft<D>::Find(FeatureId id) const {
   return at == entries_.size() ? nullptr : &entries_[at];
 }
 
-// Of what is named after the error nothing is known.
+// Features named after the error are unknown.
 template <int D>
 bool Draft<D>::IsAsBefore(const Entry& entry) const {
   if (entry.edit >= error_edit_) return false;

@@ -1,9 +1,8 @@
-// The feature set that a batch of edits asks for, as a difference to the one present.
+// The feature set that a batch of edits requests, as a difference to the present one.
 //
-// Edits act in order; an edit that cannot (bad id, wrong kind, id in use, unknown
-// feature) is the draft's error. Nothing else is validated here. What the batch says
-// after its error is not acted, only noted as touched.
-// Thread-safe once made. O(batch).
+// Edits act in order. An edit that cannot act (bad id, wrong kind, id in use, unknown feature) is
+// the draft's error. There is no other validation here. Edits after the error are not applied;
+// their features are only marked as touched. Thread-safe once constructed. O(batch).
 #ifndef DYNMESH_CORE_PLC_DRAFT_H_
 #define DYNMESH_CORE_PLC_DRAFT_H_
 
@@ -25,13 +24,13 @@
 
 namespace dynmesh::plc {
 
-// Index of an edit in its batch; kUntouched: no edit, the feature is as it was.
+// The index of an edit in its batch; kUntouched: no edit, the feature is as before.
 using EditIndex = std::int64_t;
 inline constexpr EditIndex kUntouched = -1;
 inline constexpr EditIndex kNever = std::numeric_limits<EditIndex>::max();
 
-// A feature of kind kSize without what does not matter to its shape; -0 is +0. A polygon's
-// places are left open.
+// A feature of kind kSize, with fields cleared that its shape does not use; -0 becomes +0. Leaves a
+// polygon's positions empty.
 template <int D>
 SizeFeature<D> SizeOf(const Feature& feature);
 
@@ -42,41 +41,41 @@ class Draft {
  public:
   using State = DraftState;
 
-  // A feature that the batch names, as the batch leaves it.
+  // A feature named by the batch, in its final state.
   struct Entry {
     FeatureId id = kNoFeature;
     EditIndex edit = kUntouched;  // the last that names it
     State state = State::kAbsent;
     geometry::Point<D> p{};           // kPoint; -0 is +0
     std::array<FeatureId, 2> ends{};  // kSegment
-    // kPolygon, kSize: as the batch has it; null: as before it.
+    // kPolygon, kSize: as given by the batch; null: as before it.
     const Feature* given = nullptr;
   };
 
-  // `base` and what `batch` views must outlive the draft and not change. Where `steps` are stopped,
-  // so is this: then it is no draft.
+  // `base` and the data of `batch` must outlive the draft and not change. If `steps` stop, the
+  // draft is unusable.
   Draft(const FeatureStore<D>& base, const Edits& batch, Steps& steps);
 
-  // The first edit that could not act, kNever if all could; why.
+  // The first edit that could not act (kNever if all could), and the reason.
   EditIndex error_edit() const { return error_edit_; }
   const absl::Status& error() const { return error_; }
 
   // In the order in which the batch first names them.
   const LargeVector<Entry>& entries() const { return entries_; }
   const Entry* Find(FeatureId id) const;
-  // The edit to blame for the feature as it is in the result: the last that names it;
-  // kUntouched if that is how it was before the batch.
+  // The edit to blame for the feature's final state: the last that names it; kUntouched if the
+  // batch does not change it.
   EditIndex BlameOf(FeatureId id) const;
-  // Is that feature in the result what it was before the batch?
+  // Is the feature's final state that of before the batch?
   bool IsAsBefore(const Entry& entry) const;
 
   // Does the batch name a polygon?
   bool has_polygons() const { return has_polygons_; }
-  // A polygon or sizing feature of the resulting set that the batch names.
+  // A polygon or sizing feature of the result that the batch names.
   PolygonFeature PolygonOf(const Entry& entry) const;
   SizeFeature<D> SizeFeatureOf(const Entry& entry) const;
 
-  // The point with that id in the resulting set, else null.
+  // The point with that id in the result; null if there is none.
   const geometry::Point<D>* FindPoint(FeatureId id) const;
 
  private:
@@ -86,10 +85,10 @@ class Draft {
 
   const FeatureStore<D>& base_;
   LargeVector<Entry> entries_;
-  // Ids that come in ascending order, as in most large batches, need no index.
+  // Ascending ids, as in most large batches, need no index.
   bool ascending_ = true;
   bool has_polygons_ = false;
-  absl::flat_hash_map<FeatureId, std::size_t> positions_;  // in entries_; else empty
+  absl::flat_hash_map<FeatureId, std::size_t> positions_;  // in entries_; empty while ascending_
   EditIndex error_edit_ = kNever;
   absl::Status error_;
 };

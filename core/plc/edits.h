@@ -1,5 +1,5 @@
-// The edits of a batch, in order, wherever they stand: a view, so that a first load need not
-// copy its features into a batch. A value; what it looks at must outlive it and not change.
+// A view of the edits of a batch, in order. So a first load need not copy its features into a
+// batch. A value; the viewed data must outlive it and not change.
 #ifndef DYNMESH_CORE_PLC_EDITS_H_
 #define DYNMESH_CORE_PLC_EDITS_H_
 
@@ -11,15 +11,15 @@
 
 namespace dynmesh::plc {
 
-// Asked whether to stop, with how many features are still to be looked at; kNotKnown before they
-// are counted.
+// Polled with the number of features still to check, or kNotKnown before they are counted; true
+// stops the check.
 inline constexpr std::size_t kNotKnown = ~std::size_t{0};
 using Interrupted = absl::FunctionRef<bool(std::size_t waiting)>;
 
 class Edits {
  public:
   explicit Edits(const EditBatch& batch) : edits_(batch) {}
-  // All of them are to be added.
+  // A batch that adds all of them.
   static Edits Adding(std::span<const Feature> features) { return Edits(features); }
 
   std::size_t size() const { return edits_.size() + added_.size(); }

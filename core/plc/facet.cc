@@ -14,7 +14,7 @@ using geometry::Vector3;
 
 namespace {
 
-// Edges that meet make angles larger than 2 atan of this.
+// Edges that meet have angles larger than 2 atan of this.
 constexpr double kAside = 0.25;
 
 Vector3 Sum(const Vector3& u, double factor, const Vector3& w) {
@@ -74,7 +74,7 @@ bool Facet::OpensTo(FeatureId point, const Vector3& direction) const {
   for (const Corner& c : visits) {
     for (const bool next : {false, true}) {
       const Vector3 edge = Difference(PlaceOf(Beside(c, next)).c, PlaceOf(c).c);
-      // Seen along the axis, as the interior is.
+      // Projected along the axis, as the interior is.
       if (geometry::Cross(edge, to)[static_cast<std::size_t>(plane_.axis)] == 0 &&
           Dot(edge, to) > 0) {
         return false;

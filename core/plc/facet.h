@@ -1,9 +1,9 @@
-// A facet of space with its plane, to ask what lies in it and what is beside its edges.
+// A 3D facet with its plane: queries for points in it and for the sides of its edges.
 //
-// Inside is even-odd (geometry/facet_interior.h); near an edge rounding decides, far nearer than
-// features may be. A facet is looked at after its edges: these meet in corners only. Rings may
-// cross there. Immutable, thread-safe. Making one O(corners lg^2 corners), `Holds`, `OpensTo`,
-// `IsInsideLeftOf` and `InwardOf` O(lg^2 corners), the others O(lg corners).
+// The inside is even-odd (geometry/facet_interior.h). Near an edge rounding decides, far nearer
+// than features may be. A facet is checked after its edges: these meet in corners only. Rings may
+// cross there. Immutable, thread-safe. Construction O(corners lg^2 corners); `Holds`, `OpensTo`,
+// `IsInsideLeftOf` and `InwardOf` O(lg^2 corners); the others O(lg corners).
 #ifndef DYNMESH_CORE_PLC_FACET_H_
 #define DYNMESH_CORE_PLC_FACET_H_
 
@@ -22,7 +22,7 @@ namespace dynmesh::plc {
 
 class Facet {
  public:
-  // A visit of a ring to a point.
+  // One visit of a ring to a point.
   struct Corner {
     FeatureId id;
     std::size_t ring, at;
@@ -37,16 +37,16 @@ class Facet {
   FeatureId id() const { return feature_.id; }
   const FacetFeature& feature() const { return feature_; }
   const geometry::FacetPlane& plane() const { return plane_; }
-  // Of the corner farthest from the plane.
+  // The largest distance of a corner from the plane.
   double deviation() const { return bounds_.deviation; }
-  // Of the largest ring.
+  // The area of the largest ring.
   double area() const { return area_; }
-  // The box around its corners.
+  // The box of its corners.
   const geometry::Point3& lo() const { return bounds_.lo; }
   const geometry::Point3& hi() const { return bounds_.hi; }
   double Extent() const;
 
-  // All visits, sorted by id; those to one point.
+  // All visits, sorted by id; the visits to one point.
   const std::vector<Corner>& corners() const { return corners_; }
   std::span<const Corner> At(FeatureId point) const;
   bool HasCorner(FeatureId point) const { return !At(point).empty(); }
@@ -55,18 +55,19 @@ class Facet {
   Corner Beside(const Corner& c, bool next) const;
   bool HasEdge(FeatureId p, FeatureId q) const;
 
-  // Is the foot of `p` in the inside?
+  // Is the projection of `p` inside?
   bool Holds(const geometry::Point3& p) const { return interior_.Holds(plane_.Foot(p)); }
-  // Does `direction`, laid into the plane, lead from the corner `point` into the inside? Not if it
-  // leads along an edge.
+  // Does `direction`, projected into the plane, lead from the corner `point` into the inside? False
+  // if it leads along an edge.
   bool OpensTo(FeatureId point, const geometry::Vector3& direction) const;
-  // Is the inside to the left of the edge from `c` to the next corner, seen from the normal's tip?
+  // Is the inside to the left of the edge from `c` to the next corner, seen against the normal?
   bool IsInsideLeftOf(const Corner& c) const;
-  // Of length 1, in the plane, across the edge from `c` to the next corner, into the inside.
+  // The unit vector in the plane, normal to the edge from `c` to the next corner, into the inside.
   geometry::Vector3 InwardOf(const Corner& c) const;
 
  private:
-  // In the plane, across the edge from `c` to the next corner, to the left; as long as the edge.
+  // The vector in the plane, normal to the edge from `c` to the next corner, to the left; as long
+  // as the edge.
   geometry::Vector3 LeftOf(const Corner& c) const;
 
   FacetFeature feature_;

@@ -18,7 +18,7 @@ using geometry::Dot;
 using geometry::Point3;
 using geometry::Vector3;
 
-// The border of the inside, as loops of edges that have it on their left.
+// The border of the inside, as loops of edges with the inside on their left.
 class Border {
  public:
   explicit Border(const Facet& facet) : facet_(facet) {
@@ -33,13 +33,13 @@ class Border {
     next_.resize(count_);
     for (const Facet::Corner& c : facet.corners()) {
       const Facet::Corner before = facet.Beside(c, false);
-      // Of the ring's two edges at the corner: those that lead here.
+      // Of the ring's two edges at the corner: those that lead to it.
       if (forward_[NumberOf(before)]) FindNext(NumberOf(before), c, before);
       if (!forward_[NumberOf(c)]) FindNext(NumberOf(c), c, facet.Beside(c, true));
     }
   }
 
-  // Loops as places, in the order in which they go around.
+  // The loops as positions, in order.
   std::vector<geometry::Ring3> Loops() const {
     std::vector<geometry::Ring3> loops;
     std::vector<bool> done(count_, false);
@@ -55,7 +55,7 @@ class Border {
   }
 
  private:
-  // What follows an edge, and the corner between them.
+  // The next edge after an edge, and the corner between them.
   struct Next {
     std::size_t edge = 0;
     Facet::Corner at;
@@ -65,8 +65,8 @@ class Border {
   // The number of the edge from a corner to the next one of its ring.
   std::size_t NumberOf(const Facet::Corner& c) const { return first_[c.ring] + c.at; }
 
-  // `edge` leads from `from` to `at`, the inside on its left: the first one clockwise from there
-  // leads on.
+  // `edge` leads from `from` to `at`, with the inside on its left. The next edge is the first one
+  // clockwise from it.
   void FindNext(std::size_t edge, const Facet::Corner& at, const Facet::Corner& from) {
     const Vector3 back = Difference(PlaceOf(from).c, PlaceOf(at).c);
     const Vector3 aside = Cross(back, facet_.plane().normal);  // clockwise
@@ -87,11 +87,11 @@ class Border {
   const Facet& facet_;
   std::vector<std::size_t> first_;  // by ring: the number of its first edge
   std::size_t count_ = 0;
-  std::vector<bool> forward_;  // by edge: it has the inside on its left
+  std::vector<bool> forward_;  // by edge: is the inside on its left?
   std::vector<Next> next_;
 };
 
-// Along the normal; negative if it goes around a hole.
+// Along the normal; negative for a loop around a hole.
 double AreaOf(const geometry::Ring3& loop, const Vector3& normal) {
   double area = 0;
   for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
@@ -104,7 +104,7 @@ double AreaOf(const geometry::Ring3& loop, const Vector3& normal) {
 
 }  // namespace
 
-// A part has one loop around it, and one for each of its holes.
+// A part has one outer loop, and one for each of its holes.
 bool FallsApart(const Facet& facet) {
   if (facet.feature().rings.size() == 1) return false;
   const std::vector<geometry::Ring3> loops = Border(facet).Loops();

@@ -20,16 +20,16 @@ using geometry::Vector3;
 
 constexpr double kPlanarity = 1e-9;
 constexpr double kOnShare = 1.0 / 64;
-// Angles are compared by the sine of what they lack to 90 degrees: sin 20 degrees, and a hair.
+// Compares angles by the sine of their difference to 90 degrees: sin(20 degrees), plus a millionth.
 constexpr double kMostLack = 0.3420201433256687 * (1 + 1e-6);
-// Facets at a smaller angle than 1e-6 lie in each other.
+// Facets at an angle below 1e-6 overlap.
 constexpr double kSameSide = 1 - 5e-13;
 
 double Degrees(double cosine) {
   return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-// The cosine of the angle at which `d` rises from the corner `point` of f over its inside, 0 if it
+// The cosine of the angle between `d`, from the corner `point` of f over its inside, and f; 0 if it
 // leads elsewhere.
 double CosineOver(const Facet& f, FeatureId point, const Vector3& d) {
   if (!f.OpensTo(point, d)) return 0;
@@ -37,15 +37,15 @@ double CosineOver(const Facet& f, FeatureId point, const Vector3& d) {
   return std::sqrt(std::max(0.0, 1 - up * up / length2));
 }
 
-// What two facets have in common.
+// The common parts of two facets.
 struct Common {
   std::size_t edges = 0;
-  double cosine = -1;                               // the greatest of the angles at common edges
-  std::vector<FeatureId> corners;                   // each once, ascending
+  double cosine = -1;              // the greatest cosine of the angles at common edges
+  std::vector<FeatureId> corners;  // ascending, no duplicates
   std::vector<std::pair<FeatureId, Vector3>> ways;  // along common edges, from each end; by id
 };
 
-// f has no more corners than g.
+// REQUIRES: f has no more corners than g.
 Common FindCommon(const Facet& f, const Facet& g) {
   Common common;
   for (const Facet::Corner& c : f.corners()) {
@@ -67,9 +67,9 @@ Common FindCommon(const Facet& f, const Facet& g) {
   return common;
 }
 
-// The greatest cosine of edges of g over f at common corners. Where they have edges in common these
-// say how g rises beside them; what is left are edges that lead away from all of them, over another
-// part of f.
+// The greatest cosine of edges of g over f at common corners. Beside common edges, the angle at
+// these is decisive. So only edges that lead away from all common edges count, over another part of
+// f.
 double CosineAtCorners(const Facet& f, const Facet& g, const Common& common) {
   double cosine = 0;
   for (const FeatureId point : common.corners) {
@@ -88,8 +88,8 @@ double CosineAtCorners(const Facet& f, const Facet& g, const Common& common) {
   return cosine;
 }
 
-// Do the insides meet along a line from one common corner to another? All common corners are on
-// the line where the planes meet, if they are two planes.
+// Do the insides meet along a line between two common corners? If the planes differ, all common
+// corners are on their line of intersection.
 bool MeetBetween(const Facet& f, const Facet& g, const std::vector<FeatureId>& corners) {
   std::vector<std::pair<Point3, FeatureId>> at;
   for (const FeatureId id : corners) at.emplace_back(f.PlaceOf(f.At(id).front()), id);
@@ -124,7 +124,7 @@ Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit) {
   }
   const double at_p = f.plane().Height(s.p), at_q = f.plane().Height(s.q);
   if (from_p || from_q) {
-    if (s.IsOfPolygon()) return Conflict::kNone;  // its facets are judged
+    if (s.IsOfPolygon()) return Conflict::kNone;  // its facets are checked instead
     const Vector3 d = from_p ? Difference(s.q.c, s.p.c) : Difference(s.p.c, s.q.c);
     if (CosineOver(f, from_p ? s.p_id : s.q_id, d) <= kMostLack) return Conflict::kNone;
     const bool in_plane = std::fabs(from_p ? at_q : at_p) < f.deviation() + limit;

@@ -1,15 +1,16 @@
-// The rules between a facet and what is near it, pair by pair. As rules.h: pure functions of the
-// two features, thread-safe, decided in doubles at stated distances and angles.
+// The rules between a facet and a feature near it, pair by pair. As rules.h: pure functions of the
+// two features, thread-safe. Decided in doubles at the stated distances and angles.
 //
-// A facet is as thick as its corners are off its plane (`deviation`, 0 where coordinates allow).
-// What lies no farther than that from the plane, give or take a 64th of the close limit, is on it.
-// Distances of places over the inside of a facet are to its plane; what is nearest to it beside the
-// inside is nearest to one of its edges, and those are segments with rules of their own. So the
-// rules here need only find places over the inside and lines that pass through it.
+// A facet's thickness is the largest distance of a corner from its plane (`deviation`, 0 where
+// coordinates allow). A position is on the plane if it is at most that distance away, within a 64th
+// of the close limit. The distance of a position over the inside of a facet is that to its plane.
+// Beside the inside, the nearest part is an edge, and edges are segments with rules of their own.
+// So these rules need to treat only positions over the inside and lines that pass through it.
 //
-// Angles: at least 70 degrees (less a millionth of the sine) between two facets at a common edge,
-// and between a facet and a segment, or an edge of another facet that has only the corner in
-// common, that rises from a corner over the facet's inside. Regular tetrahedra have 70.53.
+// Angles are at least 70 degrees (less a millionth of the sine; regular tetrahedra have 70.53):
+//   * between two facets at a common edge;
+//   * between a facet and a segment that rises from one of its corners over its inside;
+//   * between a facet and such an edge of another facet, if only the corner is common.
 #ifndef DYNMESH_CORE_PLC_FACET_RULES_H_
 #define DYNMESH_CORE_PLC_FACET_RULES_H_
 
@@ -21,21 +22,22 @@ namespace dynmesh::plc {
 
 inline constexpr double kLeastFacetAngle = 70;  // degrees
 
-// How far corners may be off the plane: 1e-9 of the facet's extent, at least 8 spacings of doubles.
+// The greatest allowed distance of corners from the plane: 1e-9 of the facet's extent, at least 8
+// ulps.
 double PlanarityTolerance(double extent, double limit);
 
-// kPointOnPolygon, kTooClose. None for its corners.
+// kPointOnPolygon, kTooClose. kNone for its corners.
 Conflict Between(const PointFeature<3>& p, const Facet& f, double limit);
 
-// kSegmentMeetsPolygon: it passes through the inside, or joins two corners across it; kSmallAngle,
-// of segment features only. None for its edges.
+// kSegmentMeetsPolygon: it passes through the inside, or joins two corners across it. kSmallAngle:
+// for segment features only. kNone for its edges.
 Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit);
 
-// kDuplicatePolygon, the same edges; kPolygonsMeet, the insides have something in common;
-// kSmallAngle. What an edge or a corner of one does in the other is left to the rules above.
+// kDuplicatePolygon: the same edges. kPolygonsMeet: the insides intersect. kSmallAngle. Edges and
+// corners of one in the other are left to the rules above.
 Conflict Between(const Facet& f, const Facet& g, double limit);
 
-// The least angle, in degrees, of those that kSmallAngle is about; 180 if there are none.
+// The least angle, in degrees, of those that kSmallAngle bounds; 180 if there are none.
 double LeastAngle(const SegmentFeature<3>& s, const Facet& f);
 double LeastAngle(const Facet& f, const Facet& g);
 

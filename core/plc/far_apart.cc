@@ -11,9 +11,9 @@
 namespace dynmesh::plc {
 namespace {
 
-// Points by columns of the box (strips in the plane), which stand side by side along all axes but
-// the last, and in each by the last coordinate. Two points that are close stand in the same column
-// or in neighbouring ones.
+// Points by columns of the box (2D: strips). Columns divide all axes but the last; in each column
+// points are sorted by the last coordinate. Two close points are in the same column or in
+// neighbouring ones.
 template <int D>
 class Columns {
  public:
@@ -50,7 +50,7 @@ class Columns {
     }
   }
   const std::array<int, 2>& counts() const { return counts_; }
-  // Nobody is outside.
+  // Columns outside are empty.
   std::span<const Point> At(int i, int j) const {
     if (i < 0 || i >= counts_[0] || j >= counts_[1]) return {};
     const std::size_t c = IndexOf(i, j);
@@ -78,7 +78,8 @@ bool AreFarApart(std::span<const PointFeature<D>> points, const Box& box, double
   const Columns<D> columns(points, box, limit, steps);
   const double limit2 = limit * limit * (1 + 1e-9);
   std::size_t looks_left = 16 * points.size();
-  // p against the points of `others` from `from` on that are not above it by more than limit.
+  // Compares p with the points of `others`, from `from` on, that are not above it by more than
+  // limit.
   const auto is_far = [&](const Point& p, std::span<const Point> others, std::size_t from) {
     for (std::size_t i = from; i < others.size() && others[i][kLast] - p[kLast] <= limit; ++i) {
       if (looks_left-- == 0 || geometry::SquaredDistance(p, others[i]) <= limit2) return false;
@@ -88,10 +89,11 @@ bool AreFarApart(std::span<const PointFeature<D>> points, const Box& box, double
   for (int j = 0; j < columns.counts()[1]; ++j) {
     for (int i = 0; i < columns.counts()[0]; ++i) {
       const auto own = columns.At(i, j);
-      // Those that have not looked at this one.
+      // The neighbours that are compared with this column here.
       const std::array others = {columns.At(i + 1, j), columns.At(i - 1, j + 1),
                                  columns.At(i, j + 1), columns.At(i + 1, j + 1)};
-      std::array<std::size_t, 4> first = {};  // of each, not below p by more than limit
+      std::array<std::size_t, 4> first =
+          {};  // per column: the first point not below p by more than limit
       for (std::size_t at = 0; at < own.size(); ++at) {
         if (steps.Stop()) return false;
         const Point& p = own[at];

@@ -1,4 +1,4 @@
-// A certificate for many points at once, cheaper than a query of each.
+// A test for many points at once, cheaper than a query for each.
 #ifndef DYNMESH_CORE_PLC_FAR_APART_H_
 #define DYNMESH_CORE_PLC_FAR_APART_H_
 
@@ -10,10 +10,9 @@
 
 namespace dynmesh::plc {
 
-// True only if no two of the points are nearer than `limit`, so none are equal. False
-// says nothing: it is also the answer where finding out would take longer than O(n lg n), or
-// where `steps` are stopped.
-// REQUIRES: the points are finite and in `box`, limit > 0. Pure, thread-safe.
+// True only if no two of the points are nearer than `limit` (so none are equal). Conservative: may
+// return false needlessly: if a decision takes longer than O(n lg n), or if `steps` stop. REQUIRES:
+// the points are finite and in `box`, limit > 0. Pure, thread-safe.
 template <int D>
 bool AreFarApart(std::span<const PointFeature<D>> points, const Box& box, double limit,
                  Steps& steps);

@@ -62,7 +62,7 @@ void FeatureIndex<2>::CountAt(const SegmentFeature<2>& segment, int change) {
   }
 }
 
-// Of two hubs the greater.
+// The end that is a hub; of two hubs the one with more segments.
 FeatureId FeatureIndex<2>::HubFor(const SegmentFeature<2>& segment) const {
   FeatureId hub = kNoFeature;
   std::uint32_t most = 0;
@@ -75,7 +75,7 @@ FeatureId FeatureIndex<2>::HubFor(const SegmentFeature<2>& segment) const {
   return hub;
 }
 
-// May the hub's segments be near the box from lo to hi, or so far from it?
+// May the hub's segments be close to the box from lo to hi, or within `distance` of it?
 bool FeatureIndex<2>::IsNear(const Hub& hub, const Point2& lo, const Point2& hi,
                              double distance) const {
   const double reach = grid_.LengthOf(2 * kCloseUnits) + distance;
@@ -119,7 +119,7 @@ void FeatureIndex<2>::QueryNear(const SegmentFeature<2>& s, VisitPoint visit_poi
   }
 }
 
-// Both ways round, until angles are too large for a conflict.
+// In both directions, until angles are too large for a conflict.
 void FeatureIndex<2>::VisitNeighbours(const Hub& hub, const Point2& end, VisitSegment visit_segment,
                                       std::uint64_t* cost) {
   const auto& spokes = hub.by_angle;

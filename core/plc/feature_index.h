@@ -1,18 +1,18 @@
-// What SpatialIndex does, in the plane for any number of segments that meet at a point. In space
-// angles are too large for more than a few.
+// Extends SpatialIndex, in 2D, to any number of segments at a point. In 3D angles are too large for
+// more than a few.
 //
-// Near a *hub*, a point where many segments meet, all of them are near each other, so an
-// index of places tells nothing. But a segment that ends there can be in conflict with its
-// neighbours in angle only (those present make no small angles with each other). So segments
-// that come to a point where many end already are kept apart: in an index of that hub's own,
-// for all others to ask, and in order of angle, for those that end there.
+// At a *hub*, a point with many segments, all of these are near each other, so a spatial index
+// cannot separate them. But a segment that ends there can conflict only with its neighbours in
+// angle (those present make no small angles with each other). So segments added at a point with
+// many segments are kept apart: in a separate index of that hub, for queries by all others, and in
+// order of angle, for queries by segments that end there.
 //
-// Which segments are a hub's depends on history. No verdict does: *answers* are supersets, as
-// those of SpatialIndex, hence filter by exact rules and pick by id.
+// Which segments belong to a hub depends on history. No verdict does: *answers* are supersets, as
+// those of SpatialIndex. So filter by exact rules and choose by id.
 //
-// Cost: as SpatialIndex, and O(1) for each hub there is; of a segment at a hub of k
-// O(depth log k), whatever the index of places would have to visit there.
-// Thread-compatible: const members may run at the same time.
+// Cost: as SpatialIndex, plus O(1) per hub. For a segment at a hub of k segments, O(depth log k),
+// independent of the number that a spatial index would visit there. Thread-compatible: const
+// members may run concurrently.
 #ifndef DYNMESH_CORE_PLC_FEATURE_INDEX_H_
 #define DYNMESH_CORE_PLC_FEATURE_INDEX_H_
 
@@ -40,8 +40,8 @@ class FeatureIndex<2> {
   using VisitPoint = SpatialIndex<2>::VisitPoint;
   using VisitSegment = SpatialIndex<2>::VisitSegment;
 
-  // A point where so many segments end is a hub for those that come later. Fewer would make
-  // hubs of ordinary points, more would cost each segment there that many looks.
+  // A point with this many segments is a hub for later ones. A lower value would make hubs of
+  // ordinary points; a higher one would cost each segment there that many visits.
   static constexpr std::uint32_t kHubDegree = 64;
 
   explicit FeatureIndex(const CellGrid<2>& grid, std::uint32_t hub_degree = kHubDegree)
@@ -49,20 +49,19 @@ class FeatureIndex<2> {
   FeatureIndex(const FeatureIndex&) = delete;
   FeatureIndex& operator=(const FeatureIndex&) = delete;
 
-  // The slot is what Erase takes; it may be reused after that.
+  // Returns the slot for Erase; a slot may be reused after that.
   Slot Insert(const PointFeature<2>& point) { return general_.Insert(point); }
   Slot Insert(const SegmentFeature<2>& segment);
   void ErasePoint(Slot slot) { general_.ErasePoint(slot); }
   void EraseSegment(Slot slot);
 
-  // Visits every feature less than 16 units (CloseLimit) away from `p`, and maybe
-  // others. Adds the number of cells and features looked at to *cost.
+  // Visits every feature less than 16 units (CloseLimit) away from `p`, and maybe others. Adds the
+  // number of cells and features visited to *cost.
   void QueryNear(const geometry::Point2& p, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
 
-  // Visits every point less than 16 units away from segment `s`; every segment that meets
-  // it elsewhere than at an end that they share, or at too small an angle there; and maybe
-  // others.
+  // Visits every point less than 16 units away from segment `s`; every segment that meets it
+  // elsewhere than at a common end, or at too small an angle there; and maybe others.
   void QueryNear(const SegmentFeature<2>& s, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
 
@@ -75,7 +74,7 @@ class FeatureIndex<2> {
   std::uint32_t hub_degree() const { return hub_degree_; }
 
  private:
-  // A segment at a hub: where it leads, and its slot in the hub's own index.
+  // A segment at a hub: its other end, and its slot in the hub's index.
   struct Spoke {
     geometry::Point2 end;
     Slot slot;
@@ -98,13 +97,13 @@ class FeatureIndex<2> {
     Hub(const CellGrid<2>& grid, const geometry::Point2& at)
         : apex(at), lo(at), hi(at), segments(grid), by_angle(ByAngle{at}) {}
     geometry::Point2 apex;
-    geometry::Point2 lo, hi;  // what its segments have spanned
+    geometry::Point2 lo, hi;  // the box of all its segments so far
     SpatialIndex<2> segments;
     absl::btree_set<Spoke, ByAngle> by_angle;
   };
-  // Where a segment is kept.
+  // The location of a segment.
   struct Placement {
-    FeatureId hub = kNoFeature;  // none: in general_
+    FeatureId hub = kNoFeature;  // kNoFeature: in general_
     Slot slot = 0;               // there
   };
 

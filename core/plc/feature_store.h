@@ -1,5 +1,5 @@
-// The features present, by id, and what uses a point or joins two. No geometry.
-// Not thread-safe; const members may run at the same time. Lookups O(1).
+// The features present, by id, with the users of each point and pair of points. No geometry. Not
+// thread-safe; const members may run concurrently. Lookups O(1).
 #ifndef DYNMESH_CORE_PLC_FEATURE_STORE_H_
 #define DYNMESH_CORE_PLC_FEATURE_STORE_H_
 
@@ -30,10 +30,10 @@ struct SegmentRecord {
   Slot slot = 0;  // in the spatial index
 };
 
-// What joins two points, if polygons have an edge there.
+// Two points that are joined by an edge of polygons.
 struct EdgeRecord {
   std::vector<FeatureId> polygons;  // ascending, at least one
-  FeatureId segment = kNoFeature;   // the segment feature that joins them, too
+  FeatureId segment = kNoFeature;   // the segment feature that joins them as well, if any
   Slot slot = 0;                    // in the spatial index, if there is no segment feature
 };
 
@@ -51,7 +51,8 @@ class FeatureStore {
   const SizeFeature<D>* FindSize(FeatureId id) const { return Find(sizes_, id); }
   const Rings* FindPolygon(FeatureId id) const { return Find(polygons_, id); }
   const EdgeRecord* FindEdge(const EdgeKey& key) const { return Find(edges_, key); }
-  // The segment feature between two points, kNoFeature if there is none. O(segments at one).
+  // The segment feature between two points, kNoFeature if there is none. O(segments at one of
+  // them).
   FeatureId SegmentBetween(const EdgeKey& key) const {
     const auto at_p = SegmentsAt(key.first), at_q = SegmentsAt(key.second);
     for (const FeatureId id : at_p.size() < at_q.size() ? at_p : at_q) {
@@ -60,17 +61,17 @@ class FeatureStore {
     }
     return kNoFeature;
   }
-  // The segments that end at a point, in no order.
+  // The segments that end at a point, in no particular order.
   std::span<const FeatureId> SegmentsAt(FeatureId point) const {
     const auto it = segments_at_.find(point);
     return it == segments_at_.end() ? std::span<const FeatureId>() : it->second;
   }
-  // The polygons and sizing polygons with a corner at a point, in no order, maybe twice.
+  // The polygons and sizing polygons with a corner at a point, in no particular order, maybe twice.
   std::span<const FeatureId> PolygonsAt(FeatureId point) const {
     const auto it = corners_.find(point);
     return it == corners_.end() ? std::span<const FeatureId>() : it->second.users;
   }
-  // Where the edges of polygons at a point lead, in no order.
+  // The other ends of the edges of polygons at a point, in no particular order.
   std::span<const FeatureId> EdgesAt(FeatureId point) const {
     const auto it = corners_.find(point);
     return it == corners_.end() ? std::span<const FeatureId>() : it->second.ends;
@@ -78,7 +79,7 @@ class FeatureStore {
   std::size_t size() const {
     return points_.size() + segments_.size() + sizes_.size() + polygons_.size();
   }
-  // About.
+  // Approximate.
   std::size_t bytes() const {
     const auto of = [](const auto& map) { return map.capacity() * (sizeof(*map.begin()) + 1); };
     return of(points_) + of(segments_) + of(sizes_) + of(polygons_) + of(edges_) +
@@ -90,7 +91,7 @@ class FeatureStore {
   const Polygons& polygons() const { return polygons_; }
   const Edges& edges() const { return edges_; }
 
-  // The segment with its ends' places. REQUIRES: `record` is of segment `id` here.
+  // The segment with its ends' positions. REQUIRES: `record` is that of segment `id` here.
   SegmentFeature<D> Expand(FeatureId id, const SegmentRecord& record) const {
     const auto [p, q] = record.ends;
     SegmentFeature<D> f = {id, p, q, points_.at(p).p, points_.at(q).p};
@@ -98,13 +99,13 @@ class FeatureStore {
     if (const EdgeRecord* edge = FindEdge(KeyOf(p, q))) f.polygons = edge->polygons;
     return f;
   }
-  // An edge of polygons where there is no segment feature.
+  // An edge of polygons without a segment feature.
   SegmentFeature<D> Expand(const EdgeKey& key, const EdgeRecord& record) const {
     const auto [p, q] = key;
     return {record.polygons.front(), p, q, points_.at(p).p, points_.at(q).p, record.polygons};
   }
 
-  // A polygon of space with its corners' places.
+  // A 3D polygon with its corners' positions.
   FacetFeature FacetOf(FeatureId id, const Rings& rings) const {
     FacetFeature facet{id, rings, {}};
     for (const auto& ring : rings) {
@@ -114,7 +115,7 @@ class FeatureStore {
     return facet;
   }
 
-  // Room for that many more.
+  // Reserves room for so many more.
   void Reserve(std::size_t points, std::size_t segments) {
     points_.reserve(points_.size() + points);
     segments_.reserve(segments_.size() + segments);
@@ -145,9 +146,9 @@ class FeatureStore {
     polygons_[f.id] = f.rings;
     AddCorners(f.id, f.rings);
   }
-  // Only where it is kept: its rings are the polygon's.
+  // Stores the slot only: the rings are the polygon's.
   void AddFacet(FeatureId id, Slot slot) { facet_slots_[id] = slot; }
-  // REQUIRES: present; nothing needs a removed point.
+  // REQUIRES: present; no feature needs a removed point.
   void RemovePoint(FeatureId id) { points_.erase(id); }
   void RemoveSize(FeatureId id) {
     RemoveCorners(id, sizes_.at(id).rings);
@@ -186,7 +187,7 @@ class FeatureStore {
   }
 
  private:
-  // What polygons do at a point.
+  // The polygons at a point.
   struct Corner {
     std::vector<FeatureId> users, ends;
   };
@@ -221,10 +222,10 @@ class FeatureStore {
   Sizes sizes_;
   Polygons polygons_;
   Edges edges_;
-  // Apart from the points: most have none.
+  // Not in the points' records: most points have none.
   absl::flat_hash_map<FeatureId, absl::InlinedVector<FeatureId, 2>> segments_at_;
   Corners corners_;
-  absl::flat_hash_map<FeatureId, Slot> facet_slots_;  // of polygons of space
+  absl::flat_hash_map<FeatureId, Slot> facet_slots_;  // of 3D polygons
 };
 
 }  // namespace dynmesh::plc

@@ -1,4 +1,4 @@
-// A facet as seen by the cells of an index. Immutable, thread-safe.
+// A facet in the units of an index's cells. Immutable, thread-safe.
 #ifndef DYNMESH_CORE_PLC_GRID_FACET_H_
 #define DYNMESH_CORE_PLC_GRID_FACET_H_
 
@@ -14,7 +14,7 @@ namespace dynmesh::plc {
 struct GridFacet {
   std::shared_ptr<const Facet> facet;
   UnitPoint<3> lo{}, hi{};  // its box
-  double offset = 0;        // of its plane from 0, in units
+  double offset = 0;        // distance of its plane from the origin, in units
   double thickness = 0;     // its deviation, in units
 
   GridFacet() = default;
@@ -27,9 +27,9 @@ struct GridFacet {
 
   double Extent() const { return std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}); }
 
-  // Does the part of its plane in its box meet the closed `cell` grown by `reach` >= 1/4 to every
-  // side, either as thick as it is? May say yes if it misses by a fraction of a unit, never no if
-  // it meets.
+  // Does the part of its plane in its box, both with its thickness, meet the closed `cell` grown by
+  // `reach` >= 1/4 on every side? Conservative: may return true needlessly (if it misses by a
+  // fraction of a unit), never false wrongly.
   bool Meets(const Cell<3>& cell, double reach) const {
     const double half = static_cast<double>(cell.side) / 2 + reach + thickness;
     const geometry::Vector3& n = facet->plane().normal;
@@ -42,7 +42,7 @@ struct GridFacet {
     }
     return std::abs(distance) <= half * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
   }
-  // Calls visit(i) for the children of `cell` of which that may be true.
+  // Calls visit(i) for the children of `cell` that it may meet.
   template <class Visit>
   void ForChildrenNear(const Cell<3>& cell, double reach, Visit visit) const {
     cell.ForChildrenNear(lo, hi, reach + thickness, visit);

@@ -21,20 +21,20 @@ using geometry::Point2;
 using geometry::Point3;
 using geometry::Vector3;
 
-// More than any mesh has, and far from where doubles end.
+// More than any mesh has, and far from overflow.
 constexpr double kMost = 1e300;
-// For roundings, of coordinates (QualitySlack) as of what is reckoned here.
+// For rounding, of coordinates (QualitySlack) and in this file.
 constexpr double kSlack = 1.02;
 
 // --- Regions ----------------------------------------------------------------------------
 
-// Vertices that a region of measure 1 takes at target length 1.
+// Vertices of a region of measure 1 at target length 1.
 template <int D>
 constexpr double kDensity = (D == 2 ? 4 / (3 * 1.7320508075688772)
                                     : 3 / (4 * std::numbers::pi) * 2.8284271247461903) /
                             kSlack;
 
-// Vertices, rather than 1/h^D by itself, which may not be a double.
+// The number of vertices, not 1/h^D alone, which may overflow.
 template <int D>
 double Vertices(double measure, double target) {
   double n = kDensity<D>;
@@ -77,7 +77,7 @@ Extent<D> ExtentOf(const Box& box) {
   return extent;
 }
 
-// Of a disc as much as is certainly in the domain.
+// The part of a disc that is certainly in the domain.
 template <int D>
 double RadiusIn(const SizeFeature<D>& size, const Box& domain) {
   double r = size.sizing.radius;
@@ -100,8 +100,7 @@ Extent<2> ExtentOf(const std::vector<std::vector<Point2>>& rings) {
   return extent;
 }
 
-// The area of what an odd number of rings goes around, in cells that no edge meets: rings may
-// cross.
+// The area enclosed by an odd number of rings, of cells that no edge meets: rings may cross.
 double AreaInside(const std::vector<std::vector<Point2>>& rings) {
   constexpr int kCells = 64;
   const Extent<2> extent = ExtentOf(rings);
@@ -125,7 +124,7 @@ double AreaInside(const std::vector<std::vector<Point2>>& rings) {
       for (int i = cell(left - kHair); i <= cell(right + kHair); ++i) met[row * kCells + i] = 1;
       const double middle = row + 0.5;
       if (!(y0 <= middle && middle < y1)) continue;
-      // Cells whose middles are to the right.
+      // Cells with middles to the right.
       const double first = std::ceil(at(middle) - 0.5);
       if (first < kCells) turned[row * kCells + std::max(0, static_cast<int>(first))] ^= 1;
     }
@@ -161,7 +160,7 @@ double MeasureIn(const SizeFeature<D>& size, const Box& domain) {
   }
 }
 
-// Cells over some regions: in each the greatest number that one of them has there.
+// Cells over some regions; in each the greatest number of vertices that one region has there.
 template <int D>
 class RegionCells {
  public:
@@ -171,8 +170,8 @@ class RegionCells {
     most_.resize(cells);
   }
 
-  // A region within `around`, which takes `vertices`; of those, where it lies in several cells,
-  // `in` tells how many are certainly in one of them.
+  // Adds a region within `around` with `vertices`. If it lies in several cells, `in` returns how
+  // many of these are certainly in a given cell.
   template <class In>
   void Add(const Extent<D>& around, double vertices, In in) {
     std::array<int, D> first, last, at;
@@ -206,7 +205,7 @@ class RegionCells {
 
  private:
   static constexpr int kCells = D == 2 ? 64 : 16;
-  static constexpr int kMostVisits = 1 << 22;  // what is left out makes the sum lower
+  static constexpr int kMostVisits = 1 << 22;  // omitted visits make the sum smaller
 
   double Side(int axis) const { return (all_.hi[axis] - all_.lo[axis]) / kCells; }
   int CellAt(double x, int axis) const {
@@ -220,7 +219,7 @@ class RegionCells {
   int visits_ = 0;
 };
 
-// All that a region lies in, and a box that is certainly in it.
+// A box around a region, and a box that is certainly in it.
 template <int D>
 std::pair<Extent<D>, Extent<D>> BoxesOf(const SizeFeature<D>& size, const Box& domain) {
   if (size.sizing.shape == SizeShape::kDisc) {
@@ -230,7 +229,7 @@ std::pair<Extent<D>, Extent<D>> BoxesOf(const SizeFeature<D>& size, const Box& d
   if constexpr (D == 2) {
     if (size.sizing.shape == SizeShape::kPolygon) {
       const Extent<2> around = ExtentOf(size.places);
-      return {around, {around.hi, around.lo}};  // none
+      return {around, {around.hi, around.lo}};  // empty
     }
   }
   Extent<D> box{size.at, size.at};
@@ -241,7 +240,7 @@ std::pair<Extent<D>, Extent<D>> BoxesOf(const SizeFeature<D>& size, const Box& d
   return {box, box};
 }
 
-// Is all of the cell in that disc?
+// Is the whole cell in that disc?
 template <int D>
 bool Holds(const SizeFeature<D>& size, double r, const Extent<D>& cell) {
   if (size.sizing.shape != SizeShape::kDisc) return false;
@@ -255,7 +254,7 @@ bool Holds(const SizeFeature<D>& size, double r, const Extent<D>& cell) {
 
 // --- Segments ---------------------------------------------------------------------------
 
-// At most so much longer than the distance of what is beside it is a subsegment.
+// A subsegment is at most so many times as long as the distance of its neighbour.
 template <int D>
 double MostLength(double quality) {
   const double rho = quality * kSlack;
@@ -269,7 +268,7 @@ double LengthOf(const SegmentFeature<D>& s) {
 
 constexpr int kPieces = 16;
 
-// How far t is from places along s, from the lesser end on.
+// The distance of t from positions along s, from the lesser end on.
 template <int D>
 std::array<double, kPieces + 1> DistancesAlong(const SegmentFeature<D>& s,
                                                const SegmentFeature<D>& t) {
@@ -296,9 +295,10 @@ Vector3 Cross(const Vector3& a, const Vector3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-// How far the foot of p is outside of the convex ring of g, at most; infinite if it is not convex.
+// The greatest distance of p's projection outside of the convex ring of g; infinite if the ring is
+// not convex.
 double Overhang(const std::vector<Point3>& ring, const Vector3& normal, const Point3& p) {
-  // Which way round it goes; then every corner is to turn that way.
+  // The ring's orientation; every corner must turn that way.
   double turning = 0;
   for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
     turning +=
@@ -339,7 +339,7 @@ double LeastVerticesIn(std::span<const SizeFeature<D>> sizes, const Box& domain)
   for (const SizeFeature<D>& size : sizes) {
     const auto [around, core] = BoxesOf(size, domain);
     const double r = RadiusIn(size, domain);
-    // clang 14 does not capture structured bindings by themselves.
+    // clang 14 cannot capture structured bindings directly.
     cells.Add(around, LeastVerticesIn(size, domain), [&, core = core](const Extent<D>& cell) {
       const double measure = Holds(size, r, cell) ? cell.Measure() : Common(core, cell).Measure();
       return Vertices<D>(measure, size.sizing.target);
@@ -370,7 +370,7 @@ double LeastVerticesOn(const SegmentFeature<D>& s, const SegmentFeature<D>& t, d
   for (const double distance : distances) {
     const double g = std::max(distance, limit / 2);
     const double most = MostLength<D>(quality) * g;
-    // The distance from t is convex along s: places within g are one stretch.
+    // The distance from t is convex along s: positions within g form one interval.
     const auto is_near = [g](double d) { return d <= g; };
     const auto first = std::find_if(distances.begin(), distances.end(), is_near);
     const auto last = std::find_if_not(first, distances.end(), is_near);

@@ -29,7 +29,7 @@ using geometry::Dot;
 using geometry::Point;
 using geometry::Vector3;
 
-// As many features as an error names; a client needs no longer list to act on.
+// The most features that an error names; enough for a client to act on.
 constexpr std::size_t kMostNamed = 16;
 // Targets of sizing features, in units of the least distance between features.
 constexpr double kLeastTargetLimits = 64;
@@ -85,15 +85,15 @@ absl::Status Error(absl::StatusCode code, const char* reason, std::vector<Featur
   return MakeError(code, std::move(message), std::move(detail));
 }
 
-// Where two segments cross: rounded, on the first. They are neither parallel nor apart.
+// The intersection of two segments: rounded, on the first. They are neither parallel nor apart.
 Point<2> CrossingOf(const SegmentFeature<2>& s, const SegmentFeature<2>& t) {
   const double before = Cross(t.p, t.q, s.p), after = Cross(t.p, t.q, s.q);
   const double along = before / (before - after);
   return {{s.p[0] + along * (s.q[0] - s.p[0]), s.p[1] + along * (s.q[1] - s.p[1])}};
 }
 
-// In space they do so in one plane: of the two normals that the ends of s make with t, both along
-// the plane's, one is the other's opposite.
+// The 3D segments intersect in one plane. The two normals of t with the ends of s both lie along
+// that of the plane, in opposite directions.
 Point<3> CrossingOf(const SegmentFeature<3>& s, const SegmentFeature<3>& t) {
   const Vector3 v = Difference(t.q.c, t.p.c);
   const Vector3 before = Cross(v, Difference(s.p.c, t.p.c));
@@ -105,7 +105,8 @@ Point<3> CrossingOf(const SegmentFeature<3>& s, const SegmentFeature<3>& t) {
   return p;
 }
 
-// Where a segment passes through a facet's plane; none if it lies in it or does not reach it.
+// The intersection of a segment with a facet's plane; none if it lies in the plane or does not
+// reach it.
 std::optional<Point<3>> PassageOf(const SegmentFeature<3>& s, const Facet& facet) {
   const double before = facet.plane().Height(s.p), after = facet.plane().Height(s.q);
   if (!(before * after < 0)) return std::nullopt;
@@ -115,7 +116,7 @@ std::optional<Point<3>> PassageOf(const SegmentFeature<3>& s, const Facet& facet
   return p;
 }
 
-// Where a conflict is, beyond what the features' own places tell.
+// The position of a conflict, if the features' own positions do not show it.
 template <int D>
 std::optional<Point<D>> PlaceOf(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& b) {
   const auto* s = std::get_if<SegmentFeature<D>>(&a);
@@ -130,7 +131,7 @@ std::optional<Point<D>> PlaceOf(Conflict conflict, const AnyFeature<D>& a, const
   return std::nullopt;
 }
 
-// The angle between two segments that share an end, for a person to read.
+// The angle between two segments that share an end, for messages.
 template <int D>
 std::string AngleText(const SegmentFeature<D>& s, const SegmentFeature<D>& t) {
   const bool s_from_p = s.p_id == t.p_id || s.p_id == t.q_id;
@@ -151,7 +152,7 @@ std::string AngleText(const SegmentFeature<D>& s, const SegmentFeature<D>& t) {
                          Text(at));
 }
 
-// What the angle between two features is, and what it should be.
+// The angle between two features, and the least allowed one.
 template <int D>
 std::string SmallAngleText(const AnyFeature<D>& a, const AnyFeature<D>& b) {
   const auto* s = std::get_if<SegmentFeature<D>>(&a);
@@ -289,7 +290,8 @@ absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
   }
   const double tolerance = PlanarityTolerance(facet.Extent(), limit);
   if (facet.deviation() <= tolerance) return absl::OkStatus();
-  // The plane goes through a corner that may be the one to blame; that is told by where most are.
+  // The plane goes through a corner that may be the one to blame. The median of the distances shows
+  // where most corners are.
   std::vector<double> distances;
   for (const Facet::Corner& c : facet.corners()) {
     distances.push_back(facet.plane().Height(facet.PlaceOf(c)));
@@ -431,7 +433,7 @@ std::string DemandText(double vertices, double all, const MeshOptions& options) 
                          vertices, others, options.limits.max_vertices);
 }
 
-// Meshes have more vertices than are certain: about twice as many in 2D, five times in 3D.
+// Meshes have more vertices than these lower bounds: about twice as many in 2D, five times in 3D.
 template <int D>
 std::string BetterTarget(const SizeFeature<D>& size, double vertices, double all,
                          const MeshOptions& options) {

@@ -39,12 +39,12 @@ void Plc<D>::Commit(const Delta<D>& delta) {
   }
   for (const SizeFeature<D>& f : delta.removed_sizes) store_.RemoveSize(f.id);
   Insert(delta);
-  constexpr std::size_t kFew = 16;  // take no room to speak of
+  constexpr std::size_t kFew = 16;  // these use little memory
   most_ = std::max(most_, size());
   if (most_ > kFew && size() <= most_ / 4) GiveMemoryBack();
 }
 
-// What the delta adds.
+// Inserts what the delta adds.
 template <int D>
 void Plc<D>::Insert(const Delta<D>& delta) {
   store_.Reserve(delta.added_points.size(), delta.added_segments.size());
@@ -59,7 +59,7 @@ void Plc<D>::Insert(const Delta<D>& delta) {
   }
 }
 
-// Tables keep the room of all that was ever in them at a time: those made anew do not.
+// Tables keep the memory of their largest size; new ones do not.
 template <int D>
 void Plc<D>::GiveMemoryBack() {
   const Delta<D> all = FromNothing();

@@ -1,25 +1,23 @@
-// The piecewise linear complex: the features of a mesh of the plane or of space, by id, and what
-// is legal input.
+// The piecewise linear complex: the features of a 2D or 3D mesh, by id, and the rules of legal
+// input.
 //
 // Invariants, after every Commit of a Delta that Check returned:
 //   0. sizing features are legal by themselves (messages.h, CheckSize);
-//   1. every point is finite, in the user's closed box, its coordinates 0 or of
-//      magnitude at least 2^-200, never -0;
-//   2. every segment joins two points present, different ones; rings of polygons are of
-//      points present, and as messages.h, CheckRings, wants them;
-//   3. no two features are too close, cross, overlap or coincide, no point is in the
-//      inside of a segment, no two segments that share an end are nearly one, in space below
-//      60 degrees (rules.h). Edges of polygons are segments in this, once where several join the
-//      same points;
-//   4. in space polygons are facets: flat (messages.h, CheckFacet); they have no more than corners
-//      and edges in common with each other, with points and with segments, nothing comes too close
-//      to their insides, and angles are 70 degrees or more (facet_rules.h); there are none in a
-//      mesh whose quality is below 1.4 (options.h).
-// Whether a batch is accepted, its Delta and its error are functions of the feature
-// set and the batch, never of history.
+//   1. every point is finite, in the user's closed box, its coordinates 0 or of magnitude at least
+//      2^-200, never -0;
+//   2. every segment joins two different points present; rings of polygons are of points present
+//      and legal by messages.h, CheckRings;
+//   3. no two features are too close, cross, overlap or coincide; no point is in the inside of a
+//      segment; no two segments with a common end are nearly equal, in 3D below 60 degrees
+//      (rules.h). Edges of polygons are segments here, once if several join the same points;
+//   4. 3D: polygons are facets, and flat (messages.h, CheckFacet). With each other, with points and
+//      with segments they have only corners and edges in common. No feature is too close to their
+//      insides, and angles are 70 degrees or more (facet_rules.h). A mesh with a quality below 1.4
+//      has none (options.h).
+// The acceptance of a batch, its Delta and its error are functions of the feature set and the
+// batch, never of history.
 //
-// Thread-compatible: one thread may Commit while none reads; const members may run
-// at the same time.
+// Thread-compatible: Commit excludes all other calls; const members may run concurrently.
 #ifndef DYNMESH_CORE_PLC_PLC_H_
 #define DYNMESH_CORE_PLC_PLC_H_
 
@@ -45,31 +43,30 @@ template <int D>
 class Plc {
  public:
   // REQUIRES: ValidateOptions(options) is OK.
-  // `hub_degree` decides how features are kept (feature_index.h), no answer depends on it.
+  // `hub_degree` affects how features are kept (feature_index.h), not the answers.
   explicit Plc(const MeshOptions& options, std::uint32_t hub_degree = FeatureIndex<D>::kHubDegree);
   Plc(const Plc&) = delete;
   Plc& operator=(const Plc&) = delete;
 
-  // Acts the batch on a draft, validates the result, returns the net change. No change
-  // here. If the result is illegal: the problem of the earliest edit to blame, with
-  // ErrorDetail (error.h); which edit that is stands in batch_check.h.
+  // Applies the batch to a draft, validates the result, returns the net change. Changes nothing. If
+  // the result is illegal: the error of the earliest edit to blame, with ErrorDetail (error.h).
+  // batch_check.h defines that edit.
   //   INVALID_ARGUMENT     BAD_ID, WRONG_KIND, NOT_FINITE, OUTSIDE_BOX, DEGENERATE_SEGMENT,
   //                        TOO_CLOSE (a coordinate to 0), BAD_SIZE, BAD_POLYGON
   //   NOT_FOUND            UNKNOWN_FEATURE
   //   ALREADY_EXISTS       ID_IN_USE
   //   FAILED_PRECONDITION  UNKNOWN_END, POINT_IN_USE, DUPLICATE_POINT, DUPLICATE_SEGMENT,
   //                        POINT_ON_SEGMENT, SEGMENTS_CROSS, SEGMENTS_OVERLAP,
-  //                        SMALL_INPUT_ANGLE, TOO_CLOSE; of polygons in space
+  //                        SMALL_INPUT_ANGLE, TOO_CLOSE; of 3D polygons
   //                        NON_PLANAR, DUPLICATE_POLYGON, POINT_ON_POLYGON,
   //                        SEGMENT_MEETS_POLYGON, POLYGONS_MEET, QUALITY_TOO_LOW
-  //   RESOURCE_EXHAUSTED   VERTEX_LIMIT, if the features need more vertices than the mesh may have,
-  //                        as far as that can be told at once (least_vertices.h)
-  // Cost: of the batch and its neighbourhood (batch_check.h, feature_index.h). If `cost`
-  // is not null, adds to it the number of index cells and features looked at. Large batches
-  // of long segments take minutes, so `interrupted` is asked for each feature that changes, with
-  // how many are still to be looked at, and before they are counted once in Steps::kBetween
-  // features: once it says yes, the answer is CANCELLED (reason
-  // CANCELLED).
+  //   RESOURCE_EXHAUSTED   VERTEX_LIMIT, if the features certainly need more vertices than the mesh
+  //                        may have (least_vertices.h)
+  // Cost: that of the batch and its neighbourhood (batch_check.h, feature_index.h). If `cost` is
+  // not null, adds the number of index cells and features visited to it. Large batches of long
+  // segments take minutes, so it polls `interrupted`: for each changed feature, with the number
+  // still to check; and before these are counted, once every Steps::kBetween features. Once
+  // `interrupted` returns true, the result is CANCELLED (reason CANCELLED).
   absl::StatusOr<Delta<D>> Check(
       const Edits& batch, std::uint64_t* cost = nullptr,
       Interrupted interrupted = [](std::size_t) { return false; }) const;
@@ -79,16 +76,16 @@ class Plc {
     return Check(Edits(batch), cost, interrupted);
   }
 
-  // Applies a change. REQUIRES: `delta` is Check's on the features present, or the
-  // inverse of the one that made these. O(delta) insertions and removals in the index, amortised:
-  // once three of four features are gone, what is held is made anew, so that memory follows them.
+  // Applies a change. REQUIRES: `delta` is Check's for the features present, or the inverse of the
+  // last one. O(delta) insertions and removals in the index, amortised: once three of four features
+  // are removed, all structures are rebuilt to free memory.
   void Commit(const Delta<D>& delta);
 
-  // All features, sorted by id; entries that do not matter are 0. O(n lg n).
+  // All features, sorted by id; unused members are 0. O(n lg n).
   std::vector<Feature> Features() const;
 
-  // The change that makes all of it from nothing. O(n lg n). Where `steps` are stopped, so is
-  // this: then it is nothing.
+  // The change from no features to all present. O(n lg n). If `steps` stop, the result is
+  // unspecified.
   Delta<D> FromNothing(Steps& steps) const;
   Delta<D> FromNothing() const {
     AllSteps all;
@@ -113,7 +110,7 @@ class Plc {
   double close_limit() const { return limit_; }
   // Nodes of the spatial index, for tests of its size.
   std::size_t index_nodes() const { return index_->node_count(); }
-  // Memory of what is kept by feature; about.
+  // Approximate memory of what is kept per feature.
   std::size_t bytes() const { return store_.bytes() + index_->bytes(); }
 
  private:
@@ -125,7 +122,7 @@ class Plc {
   const CellGrid<D> grid_;
   FeatureStore<D> store_;
   std::unique_ptr<FeatureIndex<D>> index_;
-  std::size_t most_ = 0;  // features at a time, since memory was given back
+  std::size_t most_ = 0;  // most features since memory was freed
 };
 
 using Plc2 = Plc<2>;

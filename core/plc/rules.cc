@@ -20,7 +20,7 @@ using geometry::Point3;
 using geometry::SquaredDistance;
 
 constexpr double kCloseLimitUlps = 0x1p10;
-// sin^2 of the least angle between segments in the plane, 0.001 degrees, less a hair.
+// sin^2 of the least angle between 2D segments, 0.001 degrees, less a millionth.
 constexpr double kAngleBound = 3.046174197557781e-10 * (1 - 1e-6);
 
 template <int D>
@@ -52,7 +52,7 @@ double SquaredCross(const std::array<double, D>& u, const std::array<double, D>&
 
 Point2 Without(int axis, const Point3& p) { return {{p[(axis + 1) % 3], p[(axis + 2) % 3]}}; }
 
-// Exact: in space if they are in all projections.
+// Exact: in 3D iff they are collinear in all projections.
 bool AreCollinear(const Point2& a, const Point2& b, const Point2& c) {
   return Orientation(a, b, c) == 0;
 }
@@ -77,7 +77,7 @@ template <int D>
 Conflict AtSharedEnd(const Point<D>& apex, const Point<D>& a, const Point<D>& b) {
   const auto u = Minus(a, apex), w = Minus(b, apex);
   const double d = Dot(u, w);
-  // Collinear vectors are opposite or parallel, far from d = 0: its sign is right.
+  // Collinear vectors are opposite or parallel, far from d = 0: the sign of d is right.
   if (d > 0 && AreCollinear(apex, a, b)) return Conflict::kSegmentsOverlap;
   if constexpr (D == 3) {
     return geometry::IsSmallAngle(apex, a, b) ? Conflict::kSmallAngle : Conflict::kNone;
@@ -106,7 +106,7 @@ Conflict Disjoint(const Point2& a, const Point2& b, const Point2& c, const Point
                                                          : Conflict::kNone;
 }
 
-// Those of one plane meet where they do in a projection that keeps them apart.
+// Segments in one plane meet iff they do in a projection that keeps them apart.
 Conflict Disjoint(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
   if (Orientation(a, b, c, d) != 0) return Conflict::kNone;
   for (int axis = 0; axis < 3; ++axis) {
@@ -127,8 +127,8 @@ double SquaredDistanceToSegment(const Point3& p, const Point3& lo, const Point3&
   return SquaredCross(d, w) / length2;
 }
 
-// Do two segments pass each other nearer than `limit`, where neither ends? The ends are points,
-// which have a rule of their own.
+// Do two segments pass each other nearer than `limit`, away from their ends? The ends are points,
+// with a rule of their own.
 bool PassNear(std::pair<Point3, Point3> s, std::pair<Point3, Point3> t, double limit) {
   if (s.second < s.first) std::swap(s.first, s.second);
   if (t.second < t.first) std::swap(t.first, t.second);
@@ -138,7 +138,7 @@ bool PassNear(std::pair<Point3, Point3> s, std::pair<Point3, Point3> t, double l
   const double uu = Dot(u, u), vv = Dot(v, v), uv = Dot(u, v), uw = Dot(u, w), vw = Dot(v, w);
   const double det = SquaredCross(u, v);
   const double limit2 = limit * limit;
-  // Far from parallel the places nearest to each other are well determined.
+  // Far from parallel the nearest positions are well determined.
   constexpr double kParallel = 1e-6;
   if (det > kParallel * uu * vv) {
     const double at_s = (uw * vv - uv * vw) / det, at_t = (uv * uw - uu * vw) / det;
@@ -147,7 +147,7 @@ bool PassNear(std::pair<Point3, Point3> s, std::pair<Point3, Point3> t, double l
                           w[2] * (u[0] * v[1] - u[1] * v[0]);
     return volume * volume < limit2 * det;
   }
-  // Else a search finds them: the distance to t is convex along s, and right to an ulp.
+  // Otherwise a search: the distance to t is convex along s, with an error of an ulp.
   double from = 0, to = 1;
   for (int i = 0; i < 100; ++i) {
     const double third = (to - from) / 3;
@@ -168,7 +168,7 @@ bool PassNear(std::pair<Point3, Point3> s, std::pair<Point3, Point3> t, double l
 
 bool AreAtClearAngle(const Point2& apex, const Point2& a, const Point2& b) {
   const auto u = Minus(a, apex), w = Minus(b, apex);
-  // Far beyond all rounding.
+  // Far above all rounding errors.
   return Dot(u, w) <= 0 || SquaredCross(u, w) > 4 * kAngleBound * (Dot(u, u) * Dot(w, w));
 }
 

@@ -1,9 +1,9 @@
-// The rules between features, pair by pair: what may not be near, on or across
-// what. Pure functions of coordinates and ids, thread-safe, O(1).
+// The rules between two features: which may not be near, on or across each other. Pure functions of
+// coordinates and ids, thread-safe, O(1).
 //
-// What touches is decided exactly (geometry/predicates.h); what is *too close* and
-// what is *too acute* in doubles, by formulas whose bits do not depend on the order
-// of their arguments, so that a verdict is a function of the two features alone.
+// Contacts are decided exactly (geometry/predicates.h). *Too close* and *too acute* are decided in
+// doubles, by formulas with bits that do not depend on the order of arguments. So a verdict is a
+// function of the two features alone.
 #ifndef DYNMESH_CORE_PLC_RULES_H_
 #define DYNMESH_CORE_PLC_RULES_H_
 
@@ -15,15 +15,15 @@
 
 namespace dynmesh::plc {
 
-// Coordinates are 0 or at least this in magnitude: products of four of their
-// differences are then exact multiples of 2^-1008 and cannot underflow.
+// Coordinates are 0 or at least this in magnitude: products of four of their differences are then
+// exact multiples of 2^-1008 and cannot underflow.
 inline constexpr double kMinCoordinate = 0x1p-200;
 
 // The distance below which two features are too close: 2^10 ulps of the domain's
 // largest coordinate, a power of two (2^-41 in the unit square).
 double CloseLimit(const MeshOptions& options);
 
-// What is wrong between two features; of several, the least is reported.
+// The conflict of two features; of several, the least is reported.
 enum class Conflict : std::uint8_t {
   kDuplicatePoint,
   kDuplicateSegment,
@@ -39,7 +39,7 @@ enum class Conflict : std::uint8_t {
   kNone,
 };
 
-// Same coordinates: kDuplicatePoint; nearer than `limit`: kTooClose.
+// Equal coordinates: kDuplicatePoint; nearer than `limit`: kTooClose.
 template <int D>
 Conflict Between(const PointFeature<D>& p, const PointFeature<D>& q, double limit);
 
@@ -47,13 +47,12 @@ Conflict Between(const PointFeature<D>& p, const PointFeature<D>& q, double limi
 template <int D>
 Conflict Between(const PointFeature<D>& p, const SegmentFeature<D>& s, double limit);
 
-// Two segments. Polygons share their edges with each other and with segment features: no
-// conflict. An end of one *in* the other is left to the rule for point and
-// segment. Segments that share an end must not be nearly one: with u, w the vectors from
-// the shared point, u.w > 0 and (u x w)^2 < sin^2(0.001 degrees) (1 - 1e-6)|u|^2|w|^2 is
-// kSmallAngle.
-// In space that is any angle below 60 degrees (less a hair: geometry/angles.h), since nothing there
-// takes care of sharper ones, and segments that do not meet may not be nearer than `limit`.
+// Two segments. The edges that polygons share with each other and with segment features are no
+// conflict. The end of one *in* the other is left to the rule for point and segment. Segments with
+// a common end must have an angle. With u, w the vectors from the common point:
+//   2D: kSmallAngle iff u.w > 0 and (u x w)^2 < sin^2(0.001 degrees) (1 - 1e-6) |u|^2 |w|^2.
+//   3D: kSmallAngle below 60 degrees (less a tolerance: geometry/angles.h), since refinement does
+//   not treat sharper angles. Segments that do not meet may not be nearer than `limit`.
 template <int D>
 Conflict Between(const SegmentFeature<D>& s, const SegmentFeature<D>& t, double limit);
 
@@ -62,8 +61,8 @@ Conflict Between(const SegmentFeature<D>& s, const SegmentFeature<D>& t, double 
 bool AreAtClearAngle(const geometry::Point2& apex, const geometry::Point2& a,
                      const geometry::Point2& b);
 
-// Is the distance of p to segment ab below `limit`? In doubles, error of an ulp of
-// the domain, to the bit the same for ba.
+// Is the distance of p to segment ab below `limit`? In doubles, with an error of an ulp of the
+// domain; the same to the bit for ba.
 template <int D>
 bool IsNear(const geometry::Point<D>& p, const geometry::Point<D>& a, const geometry::Point<D>& b,
             double limit);

@@ -7,9 +7,9 @@
 namespace dynmesh::plc {
 namespace {
 
-// Room for the error of positions in units, and for closed cells.
+// Covers the error of positions in units, and closed cells.
 constexpr double kCellReach = 0.25;
-// Segments and facets of space call for smaller cells until those are so much smaller.
+// 3D: segments and facets count towards splitting until cells are so much smaller.
 constexpr double kMostCellsLong = 16;
 constexpr double kMostCellsWide = 4;
 
@@ -73,7 +73,7 @@ Slot SpatialIndex<D>::Insert(const SegmentFeature<D>& segment) {
 template <int D>
 Slot SpatialIndex<D>::Insert(const Facet& facet) requires(D == 3) {
   Slot slot = {};
-  if constexpr (D == 3) {  // clang 14 instantiates it for the plane all the same
+  if constexpr (D == 3) {  // clang 14 instantiates it for 2D, too
     slot = Put(facets_, free_facets_, GridFacet(facet, grid_));
     InsertThingAt<GridFacet>(0, grid_.root(), slot);
   }
@@ -133,8 +133,8 @@ void SpatialIndex<D>::InsertPointAt(NodeIndex n, const Cell& cell, Slot slot,
   InsertPointAt(nodes_[n].children + child, cell.Child(child), slot, at);
 }
 
-// The decisions (meets, spans, leaf) are functions of segment, cell and the tree, and
-// EraseThingAt repeats them.
+// The decisions (meets, spans, leaf) are functions of segment, cell and tree, and EraseThingAt
+// repeats them.
 template <int D>
 template <typename Thing>
 void SpatialIndex<D>::InsertThingAt(NodeIndex n, const Cell& cell, Slot slot) {
@@ -205,7 +205,7 @@ typename SpatialIndex<D>::NodeIndex SpatialIndex<D>::AllocateChildren() {
   return block;
 }
 
-// How many features of a leaf call for smaller cells.
+// How many features of a leaf count towards splitting it.
 template <int D>
 std::size_t SpatialIndex<D>::CrowdIn(const Node& node, const Cell& cell) const {
   const std::size_t all = node.points.size() + node.loose.size();
@@ -246,8 +246,8 @@ void SpatialIndex<D>::SplitIfCrowded(NodeIndex n, const Cell& cell) {
   }
 }
 
-// What children hold of a segment, chord or loose, is loose in the parent: there it
-// spans nothing, or it would not have got below.
+// A segment that is in children, as a chord or loose, is loose in the parent: it does not span the
+// parent, or it would be a chord there.
 template <int D>
 void SpatialIndex<D>::MergeIfSparse(NodeIndex n, const Cell& cell) {
   const NodeIndex children = nodes_[n].children;

@@ -1,27 +1,27 @@
-// Which features may be near a point or a segment? A quadtree or octree over the user's box.
+// Finds the features that may be near a point or a segment: a quadtree or octree over the user's
+// box.
 //
-// A point lies in one leaf. In the plane a segment is registered top down: as a *chord* of every
-// highest cell that it meets and spans (chord_list.h), else in the children, else
-// *loose* in a leaf. A leaf with more than kCapacity points and loose segments is
-// split. So a long segment has O(1) chords per level near its ends and none in the
-// small cells that it passes far from its ends, many long parallel segments cost a
-// bisection. A cell of unit size meets one point or the segments of one end at most, since
-// features are 16 units apart, and is not split (of ends of very many segments feature_index.h
-// takes care).
+// A point is in one leaf. In 2D a segment is registered top down: as a *chord* of every highest
+// cell that it meets and spans (chord_list.h), else in the children, else *loose* in a leaf. A leaf
+// with more than kCapacity points and loose segments is split. So a long segment has O(1) chords
+// per level near its ends, and none in the small cells far from its ends. Many long parallel
+// segments cost a bisection. A cell of unit size meets at most one point or the segments of one
+// end, since features are 16 units apart; it is not split (feature_index.h treats ends of very many
+// segments).
 //
-// In space segments and facets are loose in every leaf that they meet. Chords have no order there,
-// so one counts as a reason to split a leaf only where it is no more than 16 (a facet: 4) times as
-// large as the leaf: for its own sake it is in few cells, and many large ones side by side cost
-// their number where they are that near.
+// In 3D segments and facets are loose in every leaf that they meet. Chords have no order there. A
+// segment counts towards splitting a leaf only if it is at most 16 (a facet: 4) times as large as
+// the leaf. So a large feature is not in many cells for its own sake, and many large ones side by
+// side cost their number where they are that close.
 //
-// Invariant: the segments present do not cross (ChordBefore needs it), so a feature
-// is checked before it is inserted. The *answers* are supersets: every feature that
-// conflicts with the query is among them, some others and duplicates may be; the tree's
-// shape depends on history, hence filter by exact rules and pick by id.
+// Invariant: the segments present do not cross (ChordBefore needs it), so check a feature before
+// inserting it. The *answers* are supersets: they contain every feature that conflicts with the
+// query, and maybe others and duplicates. The tree's shape depends on history, so filter by exact
+// rules and choose by id.
 //
-// Cost: insert, erase and a point's query O(depth log n); a segment's query that for
-// every leaf it meets. Depth is that of a quadtree of the feature's neighbourhood.
-// Thread-compatible: const members may run at the same time.
+// Cost: insert, erase and a point's query O(depth log n); a segment's query that for every leaf it
+// meets. Depth is that of a quadtree of the feature's neighbourhood. Thread-compatible: const
+// members may run concurrently.
 #ifndef DYNMESH_CORE_PLC_SPATIAL_INDEX_H_
 #define DYNMESH_CORE_PLC_SPATIAL_INDEX_H_
 
@@ -51,7 +51,7 @@ class SpatialIndex {
   SpatialIndex(const SpatialIndex&) = delete;
   SpatialIndex& operator=(const SpatialIndex&) = delete;
 
-  // The slot is what Erase takes; it may be reused after that.
+  // Returns the slot for Erase; a slot may be reused after that.
   Slot Insert(const PointFeature<D>& point);
   Slot Insert(const SegmentFeature<D>& segment);
   Slot Insert(const Facet& facet) requires(D == 3);
@@ -59,18 +59,18 @@ class SpatialIndex {
   void EraseSegment(Slot slot);
   void EraseFacet(Slot slot) requires(D == 3);
 
-  // Visits every feature less than 16 units (CloseLimit) away from `p`, and maybe
-  // others. Adds the number of cells and features looked at to *cost.
+  // Visits every feature less than 16 units (CloseLimit) away from `p`, and maybe others. Adds the
+  // number of cells and features visited to *cost.
   void QueryNear(const geometry::Point<D>& p, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
 
-  // Visits every point less than 16 units away from segment `s`, every segment that
-  // meets it (in space: that is less than 16 units away), and maybe others.
+  // Visits every point less than 16 units away from segment `s`, every segment that meets it (3D:
+  // that is less than 16 units away), and maybe others.
   void QueryNear(const SegmentFeature<D>& s, VisitPoint visit_point, VisitSegment visit_segment,
                  std::uint64_t* cost) const;
 
-  // In space, facets as well: those that may be less than 16 units away, beyond what they are
-  // thick; near facets also what lies beside them in their box.
+  // 3D: also visits facets that may be less than 16 units away, beyond their thickness. The query
+  // of a facet also visits features beside it in its box.
   void QueryNear(const geometry::Point<D>& p, VisitPoint visit_point, VisitSegment visit_segment,
                  VisitFacet visit_facet, std::uint64_t* cost) const;
   void QueryNear(const SegmentFeature<D>& s, VisitPoint visit_point, VisitSegment visit_segment,
@@ -78,16 +78,16 @@ class SpatialIndex {
   void QueryNear(const Facet& f, VisitPoint visit_point, VisitSegment visit_segment,
                  VisitFacet visit_facet, std::uint64_t* cost) const requires(D == 3);
 
-  // Visits every segment, in space every facet, that is less than `distance` away from `p`, and
-  // maybe others; every facet that is less than `distance` away from f, and maybe others.
+  // Visits every segment (3D: and every facet) less than `distance` away from `p`, and maybe
+  // others; every facet less than `distance` away from f, and maybe others.
   void QueryWithin(const geometry::Point<D>& p, double distance, VisitSegment visit_segment,
                    std::uint64_t* cost) const;
   void QueryWithin(const Facet& f, double distance, VisitFacet visit_facet,
                    std::uint64_t* cost) const requires(D == 3);
 
-  // A segment that has been inserted.
+  // A segment that was inserted.
   const SegmentFeature<D>& segment(Slot slot) const { return segments_[slot].feature; }
-  // Without what nodes list; about.
+  // Approximate; without the lists of nodes.
   std::size_t bytes() const {
     return nodes_.size() * sizeof(Node) + points_.size() * sizeof(points_[0]) +
            segments_.size() * sizeof(segments_[0]) + facets_.size() * sizeof(facets_[0]);
@@ -102,13 +102,13 @@ class SpatialIndex {
   static constexpr std::size_t kMergeBelow = 8;
 
   struct PlaneNode {
-    std::unique_ptr<ChordList> chords;  // maybe none
+    std::unique_ptr<ChordList> chords;  // may be null
   };
   struct SpaceNode {
     std::vector<Slot> facets;  // ascending
   };
   struct Node : std::conditional_t<D == 2, PlaneNode, SpaceNode> {
-    NodeIndex children = 0;  // the first of kChildren in a row; 0: a leaf
+    NodeIndex children = 0;  // the first of kChildren consecutive ones; 0: a leaf
     std::vector<Slot> points;
     std::vector<Slot> loose;  // segments, ascending
   };
@@ -117,7 +117,7 @@ class SpatialIndex {
   struct FacetQuery;
 
   void InsertPointAt(NodeIndex n, const Cell& cell, Slot slot, const UnitPoint<D>& at);
-  // Of segments and facets.
+  // For segments and facets.
   template <typename Thing>
   const LargeVector<Thing>& TableOf() const;
   template <typename Thing>

@@ -1,4 +1,4 @@
-// Questions to a SpatialIndex.
+// Queries of a SpatialIndex.
 #include <algorithm>
 #include <cstdint>
 
@@ -7,13 +7,12 @@
 namespace dynmesh::plc {
 namespace {
 
-// Room for the error of positions in units, and for closed cells.
+// Covers the error of positions in units, and closed cells.
 constexpr double kQueryReach = kCloseUnits + 1;
 
 }  // namespace
 
-// A query says which cells it enters, which children of one it may enter, and which chords of them
-// it wants to see.
+// A query defines which cells and children it enters, and which of their chords it visits.
 template <int D>
 template <typename Query>
 void SpatialIndex<D>::Visit(NodeIndex n, const Cell& cell, const Query& query) const {
@@ -57,8 +56,8 @@ struct SpatialIndex<D>::PointQuery {
     cell.ForChildrenNear(at, at, reach, f);
   }
 
-  // A chord whose nearest point, in this cell, is at most r away passes, at the cell's
-  // coordinate nearest to `at`, at most 2 r from it: slopes are at most 1.
+  // If the nearest point of a chord in this cell is at most r away, then at the cell's coordinate
+  // nearest to `at` the chord passes at most 2 r from it: slopes are at most 1.
   void VisitChords(const ChordList& chords, const Cell& cell) const requires(D == 2) {
     for (int major = 0; major < 2; ++major) {
       const double along = std::clamp(at[major], cell.Lo(major), cell.Hi(major));
@@ -86,8 +85,8 @@ struct SpatialIndex<D>::SegmentQuery {
     segment->ForChildrenNear(cell, kQueryReach, f);
   }
 
-  // The piece of the segment in the cell grown by a unit, to well below a unit: false
-  // if there is none (another cell then has whatever the segment meets).
+  // The part of the segment in the cell grown by a unit, with an error well below a unit. False if
+  // there is none: then another cell has all that the segment meets.
   bool Clip(const Cell& cell, UnitPoint<2>& a, UnitPoint<2>& b) const requires(D == 2) {
     const UnitPoint<2>&lo = segment->lo, &hi = segment->hi;
     double from = 0, to = 1;
@@ -109,8 +108,8 @@ struct SpatialIndex<D>::SegmentQuery {
     return true;
   }
 
-  // A chord that meets the piece ab in the cell passes on one side of a and on the other
-  // of b. Its places are taken in the cell's own range, at most a unit from a and b.
+  // A chord that meets the part ab in the cell passes on different sides of a and b. Its positions
+  // are taken in the cell's own range, at most a unit from a and b.
   void VisitChords(const ChordList& chords, const Cell& cell) const requires(D == 2) {
     UnitPoint<2> a, b;
     if (!Clip(cell, a, b)) return;

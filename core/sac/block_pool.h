@@ -1,9 +1,8 @@
-// Blocks of 32-bit words in one contiguous array: what an operation remembers is a
-// short list of ids whose length changes now and then. Blocks come in a few
-// sizes, freed ones are kept per size. No allocation per operation but the
-// array's own growth.
+// Blocks of 32-bit words in one contiguous array. What an operation remembers is a short list of
+// ids; its length changes now and then. Blocks come in a few sizes; freed blocks are kept per
+// size. The only allocation is the array's own growth.
 //
-// References into the pool are indices; pointers die at the next Resize.
+// References into the pool are indices; pointers are invalidated by the next Resize.
 // Thread-compatible.
 #ifndef DYNMESH_CORE_SAC_BLOCK_POOL_H_
 #define DYNMESH_CORE_SAC_BLOCK_POOL_H_
@@ -20,8 +19,8 @@ namespace dynmesh::sac {
 
 class BlockPool {
  public:
-  // Where a block is and how large, in eight bytes: offsets have 58 bits, so that memory ends
-  // before they do.
+  // Position and size class of a block, in eight bytes. Offsets have 58 bits: memory runs out
+  // first.
   class Block {
    public:
     Block() = default;
@@ -42,7 +41,7 @@ class BlockPool {
   std::uint32_t* data(Block b) { return words_.data() + b.offset(); }
   const std::uint32_t* data(Block b) const { return words_.data() + b.offset(); }
 
-  // Makes room for `size` words; old content is kept up to the lesser capacity.
+  // Makes room for `size` words. The old content is kept, up to the smaller of the two capacities.
   // A block much larger than needed is exchanged for a smaller one. REQUIRES: size <= 2^37.
   void Resize(Block& b, std::uint64_t size) {
     const std::uint64_t wanted = RoundUp(size), capacity = b.capacity();
@@ -59,7 +58,7 @@ class BlockPool {
   }
 
   void Reserve(std::size_t words) { words_.reserve(words); }
-  // Of bytes(), what belongs to no block.
+  // The part of bytes() that belongs to no block.
   std::size_t free_bytes() const {
     std::size_t sum = 0;
     for (std::size_t c = 0; c < free_.size(); ++c) {

@@ -1,30 +1,29 @@
-// The self-adjusting engine: runs a program, remembers what it did, and after a
-// change of input re-runs just the operations whose reads changed.
+// The self-adjusting engine. It runs a program and records what each operation read and made (the
+// *trace*). After a change of input it re-runs only the operations with changed reads.
 //
-// A *program* is a set of procedures over *items* (opaque indices). An operation is
-// (kind, item, epoch); its place in time is (epoch, priority, tie-break of the
-// program), a function of the three, so that neither who asked for it nor when can
-// move it. It reads the state as of its time, emits *outputs* (opaque words: objects
-// it makes, states it sets) and requests later operations. Operations exist while
-// something requests them.
+// A *program* is a set of procedures over *items* (opaque indices). An operation is a triple (kind,
+// item, epoch). Its time is (epoch, priority, tie-break of the program), a function of the triple
+// alone: neither the requester nor the time of the request changes it. An operation reads the state
+// as of its time, emits *outputs* (opaque words: objects it makes, states it sets) and requests
+// later operations. An operation exists while it is requested.
 //
-// What an operation depends on is a *region*, not a list of reads: it subscribes to
-// a few places; whoever changes something at a place notifies those subscribed there
-// whose time is later and who pass the program's own filter.
+// An operation depends on a *region*, not on a list of reads: it subscribes to a few places. A
+// change at a place notifies those subscribers of the place that are later than the change and pass
+// the program's own filter.
 //
-// A run from scratch is change propagation from the empty trace. Invariants, all
-// checked by Audit():
+// A run from scratch is change propagation from the empty trace. Invariants, all checked by
+// Audit():
 //   1. requests and notifications go only to later times;
 //   2. refs(o) = number of requests for o by live operations and the environment;
 //      o exists iff refs(o) > 0, or it is queued to be dropped;
 //   3. the subscribers of a place are the operations that name it, once each;
-//   4. after Propagate nothing is queued, everything alive has been executed.
-// Why the result equals a from-scratch run: by induction over time. When o is popped
-// everything earlier is final; either its region changed, and it was notified, or
-// its stored outputs are what it would compute again.
+//   4. after Propagate nothing is queued, and every live operation has been executed.
+// Why the result equals that of a run from scratch, by induction over time: when o is popped, all
+// earlier operations are final. If o's region changed, o was notified and runs again. Else its
+// stored outputs are what it would compute again.
 //
-// The engine knows no geometry. Thread-compatible. REQUIRES of a program, see
-// tests/core/sac/ for a small one:
+// The engine knows no geometry. Thread-compatible. REQUIRES of a program (a small one is in
+// tests/core/sac/):
 //   PayloadOf<Program>::Type                  what it keeps per operation (trivially copyable)
 //   Priority(kind, item) -> uint64            uniform; a function of what the item *is*
 //   Before(kind, item, kind, item) -> bool    strict order among equal priorities
@@ -35,7 +34,52 @@
 //   Release(output)                           after the propagation, once for each Withdraw:
 //                                             forget it, unless it was published again
 // and may have:
-//   IsAttentive(kind, payload) -> bool        is it told by NotifyAttentive? As executed last
+//   IsAttentive(kind, payload) -> bool        does NotifyAttentive reach it? As executed last
+//   kPrefetchSteps, Prefetch(kind, item, step)   see prefetch.h
+//
+// Callback graph, with the names of the mesher in brackets.
+//
+//      caller (LiveMesh)
+//         | changes of input, Propagate
+//         v
+//    +-----------------+   Request, Unrequest, Propagate       +------------------------+
+//    | Program         | ------------------------------------> | Engine                 |
+//    | (Refinement)    |   Notify..., ReplacePlace, reads, ... | queue, records, time   |
+//    |                 | <------------------------------------ |                        |
+//    +-----------------+   Execute, Publish, Withdraw,         +------------------------+
+//       |          ^       Release, affected, Priority, ...        | Add, Set, Remove, at
+//       | Insert,  | visit(place, parts),                          v
+//       v Remove   | on_merge                                  +------------------------+
+//    +-----------------+                                       | Subscriptions          |
+//    | index of places |   Take: called by the program's       | place -> operations    |
+//    | (SpatialTree)   |   on_merge, which moves subscribers   |                        |
+//    +-----------------+                                       +------------------------+
+//
+//   1. Input changes, between propagations.
+//      Program (AddPoint, RemovePoint, ...)
+//        -> Engine::Request, Unrequest -> Program::OperationsOf, Priority; queue the operation
+//        -> index: Insert, Remove; then notify (4) as of beginning()
+//   2. Propagate: the same loop from scratch and after a change.
+//      Engine: pop the earliest operation (ties: Program::Before)
+//        stale    -> Program::Execute(Context)  reads program state, fills the Context's lists
+//                 -> commit (3)
+//        refs = 0 -> drop: Program::Withdraw of each output -> notify (4); release its requests
+//      at the end -> Program::Release, once for each Withdraw
+//      From scratch subscriptions are only collected until the end (Subscriptions::BeginLoad),
+//      and notifications are skipped: nothing later has been executed (AnyAfter).
+//   3. Commit of an operation.
+//      create requested operations; Subscriptions::Remove, Set, Add;
+//      new outputs  -> Program::Publish  -> index: Insert; notify (4)
+//      lost outputs -> Program::Withdraw -> index: Remove; notify (4)
+//                        merge of leaves -> Subscriptions::Take, Engine::ReplacePlace
+//      release the requests of the previous execution; refs = 0 -> queue
+//   4. Notify.
+//      Program (NotifyOfVertex, ...) -> index: visit places
+//        -> Engine::Notify(place, parts, after, until, affected) -> Subscriptions::at
+//          -> affected(op) (Refinement::VertexMatters, ...) -> Engine::kind, item, payload, reads
+//          true -> op is stale and queued; it is later than the change, so (2) pops it later
+//   5. Undo. The engine has no rollback: the caller applies the inverse change of input (1) and
+//      propagates again (2). This holds after an interrupted propagation, too.
 #ifndef DYNMESH_CORE_SAC_ENGINE_H_
 #define DYNMESH_CORE_SAC_ENGINE_H_
 
@@ -64,12 +108,12 @@ using Kind = std::uint8_t;
 using Item = std::uint32_t;
 using Output = std::uint32_t;
 
-// What one operation may say, and how many there may be. More is not kept: the propagation ends
-// before anything of it shows (Propagate). Lesser ones are for tests.
+// Limits of one operation's lists, and of the number of operations. Where one is exceeded the
+// propagation ends, and the excessive operation is not committed (Propagate). Tests set lower ones.
 struct EngineLimits {
   std::uint32_t outputs = (1u << 16) - 1, places = (1u << 16) - 1;
   std::uint32_t requests = (1u << 24) - 1, reads = (1u << 24) - 1;
-  // Half of what indices can tell apart: the way back makes again, at most, what was dropped.
+  // Half of the range of OpId: an undo makes at most as many operations again as were dropped.
   std::uint32_t operations = 1u << 31;
 };
 
@@ -96,21 +140,21 @@ class Engine {
   Stamp beginning() const { return time_.order().first(); }
   bool Precedes(Stamp a, Stamp b) const { return time_.order().Precedes(a, b); }
 
-  // The environment's own requests: what the input asks to be done.
+  // Requests of the environment: the operations that the input needs.
   void Request(Kind kind, Item item, Epoch epoch) { ++ops_[FindOrCreate(kind, item, epoch)].refs; }
   void Unrequest(Kind kind, Item item, Epoch epoch) { DropReference(Find(kind, item, epoch)); }
 
-  // Re-runs what is stale until nothing is. `interrupt()` is asked before each
-  // operation; when it says true the propagation stops (false is returned) in a
-  // state from which another Propagate, after further changes of input, goes on.
-  // Likewise if an operation says more than limits allow, or there are too many: `overflowed`.
-  // Epochs from `until` on are left for another call, which must follow: nothing is released
-  // before. In between the environment may request operations of these epochs.
+  // Re-runs stale operations until there are none. `interrupt()` is called before each operation.
+  // If it returns true, the propagation stops and returns false. Another Propagate, possibly after
+  // further changes of input, continues from that state. The same happens if an operation exceeds
+  // its limits or there are too many operations: see overflowed(). Epochs >= `until` are left for
+  // another call, which must follow: nothing is released before it. Between the two calls the
+  // environment may request operations of these epochs.
   template <class Interrupt>
   bool Propagate(Interrupt interrupt, Epoch until = kForever) {
     queue_.Rewind();
     overflowed_ = kNoOp;
-    if (IsFromScratch()) subscriptions_.BeginLoad();  // subscribers are never later than what comes
+    if (IsFromScratch()) subscriptions_.BeginLoad();  // no subscriber is later than what follows
     while (!queue_.empty() && (until == kForever || queue_.first_epoch() < until)) {
       if (interrupt() || overflowed_ != kNoOp) {
         subscriptions_.EndLoad();
@@ -136,21 +180,21 @@ class Engine {
   void Propagate() {
     Propagate([] { return false; });
   }
-  // The operation at which limits stopped the last propagation, else kNoOp.
+  // The operation at which limits stopped the last propagation; kNoOp if none did.
   OpId overflowed() const { return overflowed_; }
   void set_limits(const EngineLimits& limits) { limits_ = limits; }
 
   // --- Notification -------------------------------------------------------------
 
-  // Marks stale each subscriber of `place` with a time in (after, until] for which
-  // affected(op) holds. `until` is kNoStamp for ever. Not asked about those that subscribe to
-  // some parts of the place but not to all of `parts`.
+  // Marks stale each subscriber of `place` with a time in (after, until] for which affected(op)
+  // holds. until = kNoStamp: no upper bound. Reaches a subscriber only if (subscribed parts &
+  // parts) == parts.
   template <class Affected>
   void Notify(Place place, Parts parts, Stamp after, Stamp until, Affected affected) {
     const std::span<const OpId> asked = SubscribersOfAll(place, parts);
     counters_.notified += asked.size();
-    // Far from the last edit none is in a cache: what is asked soon is fetched step by step, as
-    // each step reads where the one before has pointed.
+    // After an edit far away no subscriber is in a cache. So they are prefetched in two steps: each
+    // step reads the address that the step before has fetched.
     constexpr std::size_t kFar = 24, kNear = 12;
     for (std::size_t i = 0; i < std::min(kFar, asked.size()); ++i) PrefetchOp(asked[i]);
     for (std::size_t i = 0; i < asked.size(); ++i) {
@@ -159,27 +203,28 @@ class Engine {
       Tell(asked[i], after, until, affected);
     }
   }
-  // Whichever parts they subscribe to.
+  // The same for all subscribers of the place, whatever parts they subscribe to.
   template <class Affected>
   void Notify(Place place, Stamp after, Stamp until, Affected affected) {
     Notify(place, Parts{0}, after, until, affected);
   }
-  // Has nothing been executed yet? Then operations will be in the order of time, once each.
+  // True if no operation has been executed yet. Then operations run in the order of time, once
+  // each.
   bool IsFromScratch() const { return frontier_ == beginning(); }
-  // Only those that are attentive, whichever parts they subscribe to: O(their number).
+  // The same for attentive subscribers alone, whatever parts they subscribe to. O(their number).
   template <class Affected>
   void NotifyAttentive(Place place, Stamp after, Stamp until, Affected affected) {
     const auto asked = subscriptions_.attentive_at(place);
     counters_.notified += asked.size();
     for (const auto& [op, parts] : asked) Tell(op, after, until, affected);
   }
-  // That one, if its time is in (after, until] and affected(id) holds.
+  // Marks operation `id` stale if its time is in (after, until] and affected(id) holds.
   template <class Affected>
   void NotifyOperation(OpId id, Stamp after, Stamp until, Affected affected) {
     ++counters_.notified;
     Tell(id, after, until, affected);
   }
-  // Is there anything that a change at time `after` could make stale?
+  // True if a change at time `after` may make an operation stale.
   bool AnyAfter(Stamp after) const { return Precedes(after, frontier_); }
   // Marks stale every executed operation of the chain at `head` later than `after`.
   void NotifyChain(OpId head, Stamp after) {
@@ -188,10 +233,10 @@ class Engine {
       if (!(op.flags & kStale) && Precedes(after, op.stamp)) MarkStale(id);
     }
   }
-  // Moves subscriptions when the program's places are rebuilt.
+  // For moving subscriptions when the program's places are rebuilt.
   Subscriptions& subscriptions() { return subscriptions_; }
-  // Operation `id` now names `to` where it named `from`, and subscribes to all of it. (Its
-  // subscription at `from` is the caller's to take.)
+  // Operation `id` names `to` in place of `from`, and subscribes to all parts of it. The caller
+  // removes its subscription at `from`.
   void ReplacePlace(OpId id, Place from, Place to);
 
   // --- What an operation remembers ------------------------------------------------
@@ -215,8 +260,8 @@ class Engine {
   }
 
   std::size_t operation_count() const { return ops_.size() - free_ops_.size(); }
-  // Operations that are gone leave their places, and room for what they remembered. Do those that
-  // are there take less than `part` of either? O(1).
+  // Dropped operations leave free slots and free blocks. True if less than `part` of the slots, of
+  // the records' pool or of the subscriptions' pool is in use; small stores do not count. O(1).
   bool IsMostlyRoom(double part) const {
     constexpr std::size_t kFew = 64, kFewBytes = 64 << 10;
     const auto is_room = [part](std::size_t free, std::size_t all, std::size_t few) {
@@ -232,10 +277,9 @@ class Engine {
   std::size_t waiting_in(Epoch epoch) const { return queue_.SizeIn(epoch); }
   const Counters& counters() const { return counters_; }
   void ResetCounters() { counters_ = {}; }
-  // What finding their places in time took (epoch_order.h).
+  // The steps taken so far to find the operations' positions in time (epoch_order.h).
   std::uint64_t order_steps() const { return time_.steps(); }
-  // Room for that many operations that remember so many words each. What is not used costs no
-  // memory.
+  // Reserves room for so many operations with so many words each. Unused room costs no memory.
   void Reserve(std::size_t operations, std::size_t words) {
     ops_.reserve(operations);
     pool_.Reserve(words * operations);
@@ -247,9 +291,9 @@ class Engine {
            subscriptions_.bytes() + queue_.bytes() + free_ops_.capacity() * sizeof(OpId);
   }
 
-  // Checks every invariant. `hash(op) -> uint64` must hash what the operation is and
-  // remembers (item, payload, outputs, reads) by value; the sum over all operations,
-  // with epochs, references and requests mixed in, is the hash of the trace.
+  // Checks every invariant. `hash_op(op) -> uint64` must hash by value what the operation remembers
+  // (payload, outputs, reads), `hash_item(kind, item) -> uint64` what it is. The result is the hash
+  // of the trace: the sum over all operations, with epochs, references and requests mixed in.
   template <class HashItem, class HashOp>
   std::uint64_t Audit(HashItem hash_item, HashOp hash_op, std::vector<std::string>* problems) const;
 
@@ -259,12 +303,12 @@ class Engine {
   struct Operation {
     std::uint64_t priority = 0;
     Epoch epoch = 0;
-    Stamp stamp = kNoStamp;  // from its first execution on
+    Stamp stamp = kNoStamp;  // assigned at its first execution
     Item item = 0;
     OpId next_of_item = kNoOp;
     OpId next_in_epoch = kNoOp;
-    BlockPool::Block links;  // outputs, requests, places, reads, one after the other
-    // Few outputs and places, but a point may encroach on very many segments at once.
+    BlockPool::Block links;  // outputs, requests, places and reads, in this order
+    // Outputs and places are few, but a point may encroach on very many segments at once.
     std::uint64_t reads : 24 = 0, requests : 24 = 0, outputs : 16 = 0;
     std::uint32_t refs = 0;
     std::uint16_t places = 0;
@@ -277,7 +321,7 @@ class Engine {
     __builtin_prefetch(op);
     __builtin_prefetch(op + sizeof(Operation) - 1);
   }
-  // What Notify needs beside the operation.
+  // Prefetches what Notify reads beside the operation.
   void PrefetchReads(const Operation& op) const {
     time_.order().Prefetch(op.stamp);
     if constexpr (requires { program_.Prefetch(op.kind, op.item, 0); }) {
@@ -309,8 +353,8 @@ class Engine {
     return {pool_.data(op.links) + from, count};
   }
 
-  // Those at `place` that subscribe to all of `parts`, until the next call. Without a branch, as
-  // which do is not to be predicted.
+  // The subscribers of `place` that subscribe to all of `parts`. Valid until the next call.
+  // Branchless: which subscribers do is unpredictable.
   std::span<const OpId> SubscribersOfAll(Place place, Parts parts) {
     const auto subscribers = subscriptions_.at(place);
     if (asked_.size() <= subscribers.size()) asked_.resize(2 * subscribers.size() + 1);
@@ -409,7 +453,7 @@ class Engine {
   Stamp frontier_ = 0;  // no executed operation is later
   Counters counters_;
 
-  // What the operation being executed has said so far.
+  // The lists of the operation being executed.
   struct Requested {
     Item item;
     Epoch epoch;
@@ -418,8 +462,8 @@ class Engine {
   std::vector<Output> new_outputs_;
   std::vector<Requested> new_requests_;
   std::vector<std::pair<Place, Parts>> new_subscriptions_;
-  std::vector<Place> new_places_;  // of them
-  std::vector<OpId> asked_;        // room for SubscribersOfAll
+  std::vector<Place> new_places_;  // the places of new_subscriptions_
+  std::vector<OpId> asked_;        // scratch of SubscribersOfAll
   std::vector<std::uint32_t> new_reads_;
   std::vector<OpId> new_ops_;
   std::vector<std::uint32_t> scratch_;
@@ -429,7 +473,7 @@ class Engine {
   std::vector<OpId> dropped_;
 };
 
-// What an operation sees of the engine while it runs.
+// An operation's view of the engine while it runs.
 template <class Program>
 class Engine<Program>::Context {
  public:
@@ -446,7 +490,7 @@ class Engine<Program>::Context {
   const Epoch epoch;
   const Stamp now;
 
-  // Did what was born at `birth` exist when this operation runs?
+  // True if an object born at time `birth` exists as of this operation.
   bool Sees(Stamp birth) const { return engine_.Precedes(birth, now); }
 
   void Emit(Output output) { engine_.new_outputs_.push_back(output); }
@@ -456,8 +500,8 @@ class Engine<Program>::Context {
   }
   void Read(std::uint32_t word) { engine_.new_reads_.push_back(word); }
 
-  // What the previous execution emitted and read: keep an output by emitting the
-  // same word, else make a new object. Both empty the first time.
+  // The outputs and reads of the previous execution; both are empty the first time. Emitting an old
+  // word keeps that output; else the program makes a new object.
   std::span<const Output> old_outputs() const { return engine_.outputs(id_); }
   std::span<const std::uint32_t> old_reads() const { return engine_.reads(id_); }
   typename PayloadOf<Program>::Type& payload() { return engine_.ops_[id_].payload; }
@@ -485,8 +529,9 @@ void Engine<Program>::Execute(OpId id) {
   if (Precedes(frontier_, ops_[id].stamp)) frontier_ = ops_[id].stamp;
 }
 
-// What it said is forgotten, as if it had not run: it is stale, so nothing asks for what it keeps
-// of before. But it may have made objects, so what follows is no run from scratch.
+// Forgets the lists of the execution, as if it had not run. The operation stays stale, so its
+// previous record is not used. But it may have made objects, so later operations are no run from
+// scratch.
 template <class Program>
 void Engine<Program>::Forgo(OpId id) {
   overflowed_ = id;
@@ -498,8 +543,8 @@ void Engine<Program>::Forgo(OpId id) {
   if (Precedes(frontier_, ops_[id].stamp)) frontier_ = ops_[id].stamp;
 }
 
-// New requests and outputs are acquired before the old ones are released, or whole
-// sub-traces that both share would be dropped and made again.
+// New requests and outputs are acquired before old ones are released. Else sub-traces that both
+// share would be dropped and made again.
 template <class Program>
 void Engine<Program>::Commit(OpId id) {
   new_ops_.clear();
@@ -558,7 +603,7 @@ void Engine<Program>::Commit(OpId id) {
   for (const OpId r : was_requests) DropReference(r);
 }
 
-// Sorts them and makes them one for each place, of all parts named there.
+// Sorts the subscriptions and merges those of one place: their parts are united.
 template <class Program>
 void Engine<Program>::JoinNewSubscriptions() {
   std::sort(new_subscriptions_.begin(), new_subscriptions_.end());
@@ -603,7 +648,7 @@ void Engine<Program>::ReleaseWithdrawn() {
   withdrawn_.clear();
   for (const OpId id : dropped_) {
     if (ops_[id].stamp != kNoStamp) {
-      // Conservative: whatever the frontier was, nothing is later than the end.
+      // Conservative: the true frontier is unknown here, but nothing is later than last().
       if (ops_[id].stamp == frontier_) frontier_ = time_.order().last();
       time_.EraseStamp(ops_[id].stamp);
     }
@@ -620,7 +665,7 @@ bool Engine<Program>::IsLater(OpId id, OpId than) const {
   return BeforeInEpoch{this}(than, id);
 }
 
-// May be called while an operation is being committed: uses no shared scratch.
+// May run while an operation is being committed: uses no shared scratch.
 template <class Program>
 void Engine<Program>::ReplacePlace(OpId id, Place from, Place to) {
   Operation& op = ops_[id];
@@ -632,7 +677,7 @@ void Engine<Program>::ReplacePlace(OpId id, Place from, Place to) {
     subscriptions_.Add(to, id, kAllParts, IsAttentive(op));
   } else {
     subscriptions_.Set(to, id, kAllParts, IsAttentive(op));
-    std::copy(at + 1, end + op.reads, at);  // one place less, the reads move up
+    std::copy(at + 1, end + op.reads, at);  // one place less: the reads move up
     --op.places;
   }
   std::sort(begin, begin + op.places);

@@ -1,12 +1,14 @@
-// Where a new operation belongs in the order of time: within its epoch by random
-// priority, epochs by their number. Finds the neighbour after which its stamp is
-// to be placed, in O(1) expected where priorities are uniform: then a table of slots by
-// their leading bits, each a short sorted chain, is an ordered set. What comes in the order of
-// time, as in a run from scratch, is put after what came before it.
+// The positions of operations in time: epochs by their number, operations within an epoch by random
+// priority. For a new operation it finds the neighbour after which its stamp is placed.
 //
-// Priorities are a public function of the input, so a client can choose input whose priorities
-// cluster. An epoch in which a chain or a row of empty slots gets longer than chance makes it
-// becomes a search tree, until it is empty: then all costs O(lg n), whatever the priorities.
+// O(1) expected where priorities are uniform: an epoch is a table of slots, indexed by the leading
+// bits of the priority, each slot a short sorted chain. An operation that arrives in the order of
+// time, as in a run from scratch, is placed after the latest one.
+//
+// Priorities are a public function of the input, so a client can choose input with clustered
+// priorities. If a chain or a run of empty slots in an epoch is longer than chance explains, the
+// epoch becomes a search tree, until it is empty. Then every operation costs O(lg n), whatever the
+// priorities.
 #ifndef DYNMESH_CORE_SAC_EPOCH_ORDER_H_
 #define DYNMESH_CORE_SAC_EPOCH_ORDER_H_
 
@@ -26,13 +28,13 @@ namespace dynmesh::sac {
 using OpId = std::uint32_t;
 inline constexpr OpId kNoOp = ~OpId{0};
 
-// Operations: ops[id] has fields priority, stamp and next_in_epoch (owned here).
+// ops[id] has fields priority, stamp and next_in_epoch; the last one is written here.
 template <class Operations, class Before>
 class EpochOrder {
  public:
   EpochOrder(Operations& ops, Before before) : ops_(ops), before_(before) {}
 
-  // Gives ops[id] its stamp. REQUIRES: it has none.
+  // Assigns ops[id] its stamp. REQUIRES: it has none.
   void Insert(Epoch epoch, OpId id) {
     Table& table = TableOf(epoch);
     const Stamp neighbour =
@@ -40,7 +42,7 @@ class EpochOrder {
     ops_[id].stamp = order_.InsertAfter(neighbour);
   }
 
-  // Takes ops[id] out; its stamp stays in the order until EraseStamp.
+  // Removes ops[id] from its epoch. Its stamp stays in the order until EraseStamp.
   void Remove(Epoch epoch, OpId id) {
     Table& table = TableOf(epoch);
     if (table.tree != nullptr) return RemoveFromTree(table, id);
@@ -52,7 +54,7 @@ class EpochOrder {
     if (table.latest == id) table.latest = kNoOp;
     steps_ += passed;
     if (passed > kMostInChain) return MakeTree(table);
-    // Insert walks past empty slots: few there must be.
+    // Insert walks past empty slots, so they must be few.
     const std::size_t slots = table.slots.size();
     if (slots > 64 && table.count < slots / 16) Rehash(table, slots / 4);
   }
@@ -61,7 +63,7 @@ class EpochOrder {
   void Reserve(std::size_t operations) { order_.Reserve(operations); }
   const OrderList& order() const { return order_; }
   std::size_t epochs() const { return tables_.size(); }
-  // Operations and empty slots passed so far on the way to a place.
+  // Operations and empty slots passed so far while searching positions.
   std::uint64_t steps() const { return steps_; }
 
   // Calls f(epoch, id) in the order of time.
@@ -86,18 +88,18 @@ class EpochOrder {
   }
 
  private:
-  // Of n slots, at least a 16th as many operations and at most n in them, chance makes longer
-  // chains, or rows of empty slots, with a probability of n 10^-36, n 10^-27.
+  // Let an epoch have n slots and between n / 16 and n operations in them. Chance makes a longer
+  // chain with probability n 10^-36, a longer run of empty slots with n 10^-27.
   static constexpr std::size_t kMostInChain = 32, kMostEmpty = 1024;
 
-  // An item that goes and an equal one that comes in one batch have equal operations.
+  // A multiset: if one batch removes an item and adds an equal one, their operations are equal.
   using Tree = absl::btree_multiset<OpId, Before>;
   struct Table {
     Stamp head = kNoStamp;  // before all operations of the epoch
     std::vector<OpId> slots;
     std::size_t count = 0;       // in slots
-    OpId latest = kNoOp;         // the last to come to these, if it is still there
-    std::unique_ptr<Tree> tree;  // null, or all of the epoch; then there are no slots
+    OpId latest = kNoOp;         // the operation inserted last into the slots, while it is there
+    std::unique_ptr<Tree> tree;  // null, or it holds the whole epoch and there are no slots
   };
 
   Table& TableOf(Epoch epoch) {
@@ -117,7 +119,7 @@ class EpochOrder {
     const int bits = std::countr_zero(table.slots.size());
     return bits == 0 ? 0 : priority >> (64 - bits);
   }
-  // Both return the stamp after which that of ops[id] belongs.
+  // InsertIntoSlots and InsertIntoTree return the stamp after which that of ops[id] is placed.
   Stamp InsertIntoSlots(Table& table, OpId id) {
     if (table.count >= table.slots.size()) Rehash(table, table.slots.size() * 4);
     std::uint64_t slot = SlotOf(table, ops_[id].priority);
@@ -135,7 +137,7 @@ class EpochOrder {
     (before == kNoOp ? table.slots[slot] : ops_[before].next_in_epoch) = id;
     ++table.count;
     table.latest = id;
-    // If it is the first in its slot, after the last in one before.
+    // If it is the first in its slot, its predecessor is the last one of an earlier slot.
     for (; before == kNoOp && slot > 0; ++empty) {
       after = --slot == latest_slot && follows ? latest : table.slots[slot];
       for (; after != kNoOp; ++passed) {

@@ -78,8 +78,8 @@ void OrderList::SpreadItems(GroupIndex gi) {
   }
 }
 
-// The right part moves to a new group. At the end of the list little is moved, so
-// that appending fills groups; elsewhere both halves have room to grow.
+// Moves the right part to a new group. At the end of the list only a few elements move, so that
+// appending fills groups. Elsewhere half of them move, so that both groups have room to grow.
 void OrderList::SplitGroup(GroupIndex gi) {
   const GroupIndex ni = NewGroupAfter(gi);
   Group& g = groups_[gi];
@@ -120,10 +120,10 @@ OrderList::GroupIndex OrderList::NewGroupAfter(GroupIndex gi) {
   return ni;
 }
 
-// Spreads the labels of the smallest aligned range of label space around a group
-// that is sparse enough: a range of 2^i labels may be (2/3)^i full (Bender et al.). The
-// whole space holds some 10^5 groups by that measure; a longer list goes by (4/5)^i,
-// dearer per insertion, but enough for as many groups as there can be stamps.
+// Spreads labels evenly over a range of label space around a group: the smallest aligned range that
+// is sparse enough. A range of 2^i labels may be (2/3)^i full (Bender et al.). By that measure the
+// whole space holds some 10^5 groups. A longer list uses (4/5)^i: insertions cost more, but there
+// is room for as many groups as there can be stamps.
 void OrderList::SpreadGroups(GroupIndex around) {
   const double growth = groups_.size() < (1u << 14) ? 4.0 / 3.0 : 1.6;
   double limit = 1;

@@ -1,11 +1,10 @@
-// An order-maintenance list: a total order in which a new element can be placed
-// right after any other, and any two be compared, at any time.
+// An order-maintenance list: a total order in which a new element can be placed right after any
+// other, and any two elements can be compared, at any time.
 //
-// Two levels (after Dietz and Sleator): elements live in groups of at most
-// kGroupSize; a group has a 40-bit label, an element the 24 bits below it. The
-// whole 64-bit label stands with the element, so that comparing two costs one
-// load each and no more. Inserting is O(1) amortised while groups are sparse in
-// their label space, as they are for any list that fits in memory.
+// Two levels (after Dietz and Sleator). Elements live in groups of at most kGroupSize. A group has
+// a 40-bit label; an element adds 24 bits below it. The whole 64-bit label is stored with the
+// element, so a comparison costs one load for each of the two. Inserting is O(1) amortised while
+// groups are sparse in their label space, as they are for any list that fits in memory.
 //
 // Thread-compatible. Elements are dense indices, reused after Erase.
 #ifndef DYNMESH_CORE_SAC_ORDER_LIST_H_
@@ -41,9 +40,9 @@ class OrderList {
   // REQUIRES: s is present, neither first() nor last().
   void Erase(Stamp s);
 
-  // Does a stand before b? False if a == b.
+  // True if a comes before b. False if a == b.
   bool Precedes(Stamp a, Stamp b) const { return labels_[a] < labels_[b]; }
-  // Of any stamp, kNoStamp too.
+  // `s`: any stamp, kNoStamp too.
   void Prefetch(Stamp s) const { __builtin_prefetch(labels_.data() + s); }
 
   // Neighbours in the order; kNoStamp past the ends. O(kGroupSize).
@@ -55,7 +54,7 @@ class OrderList {
   std::uint64_t relabelled_groups() const { return relabelled_groups_; }
   std::size_t bytes() const;
 
-  // Every invariant, O(size); false with `*why` set.
+  // Checks every invariant, O(size). False with `*why` set if one is violated.
   bool Check(std::string* why) const;
 
  private:

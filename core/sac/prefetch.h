@@ -1,12 +1,12 @@
-// Random order is hard on caches, but the queue knows what comes next.
+// Prefetching for operations in random order. The queue knows which ones come next.
 #ifndef DYNMESH_CORE_SAC_PREFETCH_H_
 #define DYNMESH_CORE_SAC_PREFETCH_H_
 
 namespace dynmesh::sac {
 
-// Asks for what the operations taken soon will read, step by step, as each step reads where the one
-// before has pointed. operation(entry) is anything with a `kind` and an `item`. A program that
-// knows how has kPrefetchSteps and Prefetch(kind, item, step).
+// Prefetches what the next operations will read, in steps: each step reads the address that the
+// step before has fetched. operation(entry) is anything with a `kind` and an `item`. Does nothing
+// unless the program has kPrefetchSteps and Prefetch(kind, item, step).
 template <class Program, class Queue, class Operation>
 void PrefetchAhead(const Program& program, const Queue& queue, Operation operation) {
   if constexpr (requires { Program::kPrefetchSteps; }) {

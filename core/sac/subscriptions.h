@@ -1,7 +1,8 @@
-// Which operations subscribe to which place, and to which parts of it. Some are *attentive*: a kind
-// of change that matters to few asks those alone, and passes thousands of others by. In a list the
-// attentive come first; else it has no order, and differs between histories that end in the same
-// trace: nothing may depend on the order. Thread-compatible.
+// For each place the operations that subscribe to it, and to which parts of it. Some subscribers
+// are *attentive*: a kind of change that concerns only these notifies them alone and skips
+// thousands of others. In a list the attentive ones come first. Otherwise lists have no order: it
+// differs between histories that end in the same trace, so no result may depend on it.
+// Thread-compatible.
 #ifndef DYNMESH_CORE_SAC_SUBSCRIPTIONS_H_
 #define DYNMESH_CORE_SAC_SUBSCRIPTIONS_H_
 
@@ -18,8 +19,8 @@
 namespace dynmesh::sac {
 
 using Place = std::uint32_t;  // dense, chosen by the program
-// Bits that the program gives a meaning: who subscribes to some of them is not told of a change
-// unless it has all bits of the change.
+// A set of bits with a meaning of the program's. Notify(parts) reaches a subscriber iff (subscribed
+// & parts) == parts.
 using Parts = std::uint32_t;
 inline constexpr Parts kAllParts = ~Parts{0};
 
@@ -33,15 +34,15 @@ class Subscriptions {
     if (place >= lists_.size()) return {};
     return {data(lists_[place]), lists_[place].count};
   }
-  // The attentive of them.
+  // The attentive subscribers of `place`.
   std::span<const Subscriber> attentive_at(Place place) const {
     if (place >= lists_.size()) return {};
     return {data(lists_[place]), lists_[place].attentive};
   }
 
-  // Where very many come one after the other, as in a run from scratch, they are only written down,
-  // and sorted in the end: no list grows. Until then places are empty for who asks; who moves one
-  // ends the load. REQUIRES: nobody subscribes yet, and nobody unsubscribes meanwhile.
+  // Bulk load, for a run from scratch: until EndLoad subscriptions are only collected, then sorted
+  // by place, so that no list grows step by step. Before EndLoad queries find no entries. Take ends
+  // the load by itself. REQUIRES: there is no subscription yet, and none is removed before EndLoad.
   void BeginLoad() { loading_ = true; }
   void EndLoad();
 
@@ -60,7 +61,7 @@ class Subscriptions {
     List& list = lists_[place];
     Subscriber* s = Find(list, op);
     if (s < data(list) + list.attentive) {
-      // The last attentive one takes the place, and leaves its own to be filled.
+      // The last attentive subscriber moves here; its own slot is filled below.
       Subscriber* const last = data(list) + --list.attentive;
       *s = *last;
       s = last;
@@ -78,7 +79,7 @@ class Subscriptions {
     if (!attentive && was) std::swap(*s, data(list)[--list.attentive]);
   }
 
-  // Empties a place and returns who was there (their own records still name it).
+  // Empties a place and returns its subscribers. Their own records still name the place.
   std::vector<std::uint32_t> Take(Place place) {
     EndLoad();
     std::vector<std::uint32_t> result;
@@ -90,7 +91,7 @@ class Subscriptions {
     return result;
   }
 
-  // Room for so many subscriptions.
+  // Reserves room for so many subscriptions.
   void Reserve(std::size_t count) {
     lists_.reserve(count / 4);
     loaded_.reserve(count);

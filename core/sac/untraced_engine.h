@@ -1,6 +1,5 @@
-// The same programs without a trace: operations run once, in the same order, and
-// nothing is remembered but what is still to be done. See engine.h for what a
-// program is. Thread-compatible.
+// Runs the same programs without a trace: operations run once, in the same order. Only pending
+// requests are remembered. engine.h says what a program is. Thread-compatible.
 #ifndef DYNMESH_CORE_SAC_UNTRACED_ENGINE_H_
 #define DYNMESH_CORE_SAC_UNTRACED_ENGINE_H_
 
@@ -24,7 +23,7 @@ class UntracedEngine {
   UntracedEngine(const UntracedEngine&) = delete;
   UntracedEngine& operator=(const UntracedEngine&) = delete;
 
-  OpId overflowed() const { return kNoOp; }  // nothing is kept
+  OpId overflowed() const { return kNoOp; }  // there are no limits: nothing is kept
 
   Stamp beginning() const { return 0; }
   bool Precedes(Stamp a, Stamp b) const { return a < b; }
@@ -34,14 +33,14 @@ class UntracedEngine {
     queue_.Push(epoch, {program_.Priority(kind, item), item, kind});
   }
 
-  // False if `interrupt` stopped it. Epochs from `until` on are left for another call.
+  // False if `interrupt` stopped it. Epochs >= `until` are left for another call.
   template <class Interrupt>
   bool Propagate(Interrupt interrupt, Epoch until = kForever) {
     while (!queue_.empty() && (until == kForever || queue_.first_epoch() < until)) {
       if (interrupt()) return false;
       const auto [epoch, entry] = queue_.Pop();
       PrefetchAhead(program_, queue_, [](const Entry& e) -> const Entry& { return e; });
-      // Several requests for one operation are one operation.
+      // Several requests for one operation run it once.
       if (epoch == last_epoch_ && entry.item == last_.item && entry.kind == last_.kind) continue;
       last_epoch_ = epoch;
       last_ = entry;
@@ -73,7 +72,7 @@ class UntracedEngine {
   Program& program_;
   WorkQueue<Entry, BeforeInQueue> queue_;
   std::vector<Output> outputs_;
-  Entry last_{0, ~Item{0}, 0};  // what ran last, if it did
+  Entry last_{0, ~Item{0}, 0};  // the last operation that ran, if any
   Epoch last_epoch_ = ~Epoch{0};
   Stamp now_ = 0;
   std::uint64_t executed_ = 0;

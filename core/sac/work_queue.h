@@ -1,14 +1,14 @@
-// The bucketed priority queue (Sec. 1.5, Fig. 1.5), at once the algorithm's work
-// queue and the queue of change propagation.
+// The bucketed priority queue (Sec. 1.5, Fig. 1.5): both the algorithm's work queue and the queue
+// of change propagation.
 //
-// Time has a leading field, the *epoch* (for a mesher: bucket, round, class), and
-// within it a random priority. Entries of later epochs lie unsorted in that
-// epoch's list; the earliest epoch is sorted when it is opened, and what arrives
-// for it while it is open goes to a small heap. Both operations are O(1) amortised
-// but for the sort, as long as new work belongs to the open or a few later epochs.
+// Time has a leading field, the *epoch* (for a mesher: bucket, round, class), and within it a
+// random priority. Entries of later epochs are kept unsorted in that epoch's list. The earliest
+// epoch is sorted when it is opened; entries that arrive while it is open go to a small heap. Push
+// and Pop are O(1) amortised except for the sort, as long as new work belongs to the open epoch or
+// a few later ones.
 //
-// Ties of the priority are broken by Less, a strict order that is a function of
-// what the entries stand for. Thread-compatible.
+// Ties of the priority are broken by Less, a strict order that is a function of what the entries
+// stand for. Thread-compatible.
 #ifndef DYNMESH_CORE_SAC_WORK_QUEUE_H_
 #define DYNMESH_CORE_SAC_WORK_QUEUE_H_
 
@@ -21,7 +21,7 @@
 namespace dynmesh::sac {
 
 using Epoch = std::uint64_t;
-inline constexpr Epoch kForever = ~Epoch{0};  // later than all
+inline constexpr Epoch kForever = ~Epoch{0};  // later than all epochs
 
 // Entry: has a field `priority`. Less(a, b): a before b among equal priorities.
 template <class Entry, class Less>
@@ -37,7 +37,7 @@ class WorkQueue {
            (open_ && epoch == open_epoch_ ? sorted_.size() + late_.size() : 0);
   }
 
-  // Of the earliest entry. REQUIRES: not empty.
+  // The epoch of the earliest entry. REQUIRES: not empty.
   Epoch first_epoch() const {
     const bool is_open = open_ && !(sorted_.empty() && late_.empty());
     if (waiting_.empty()) return open_epoch_;
@@ -78,13 +78,13 @@ class WorkQueue {
     return {open_epoch_, entry};
   }
 
-  // The entry that will be taken after `ahead` others, if nothing else comes; null if there
-  // is none in this epoch.
+  // The entry that will be popped after `ahead` others if nothing else arrives; null if there is
+  // none in this epoch.
   const Entry* Ahead(std::size_t ahead) const {
     return ahead < sorted_.size() ? &sorted_[sorted_.size() - 1 - ahead] : nullptr;
   }
 
-  // Work for times already passed may arrive now (a new propagation begins).
+  // Call at the beginning of a propagation: work for earlier times may arrive now.
   void Rewind() {
     if (!open_) return;
     open_ = false;

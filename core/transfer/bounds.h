@@ -1,5 +1,4 @@
-// Puts values back into a range and what they lose or gain into the others, by weight.
-// Pure functions.
+// Clamps values to a range and distributes the excess to the others, by weight. Pure functions.
 #ifndef DYNMESH_CORE_TRANSFER_BOUNDS_H_
 #define DYNMESH_CORE_TRANSFER_BOUNDS_H_
 
@@ -18,9 +17,9 @@ struct Range {
   void Hold(double value) { low = std::min(low, value), high = std::max(high, value); }
 };
 
-// Clamps `values` to `range`; the sum of weight times value stays, as far as there is room. With
-// slack for it in the range, which holds if the sum is that of values in it, it stays but for
-// rounding. `extra` is added to the sum beforehand. Weights are not negative.
+// Clamps `values` to `range` and keeps the sum of weight times value, plus `extra`, as far as the
+// range has room. It has room, up to rounding, if that sum is one of values in the range. REQUIRES:
+// weights >= 0.
 inline void Clamp(const Range& range, std::span<const double> weights, double extra,
                   std::span<double> values) {
   Sum owed;

@@ -1,5 +1,5 @@
-// Finds which of n boxes meet a box: a tree over their middles, built once. Conservative only as
-// boxes are. One thread; O(n lg n) to build, no allocation to ask.
+// Finds which of n boxes meet a box: a tree over their centres, built once. As conservative as
+// boxes are. One thread; O(n lg n) to build; queries do not allocate.
 #ifndef DYNMESH_CORE_TRANSFER_BOX_TREE_H_
 #define DYNMESH_CORE_TRANSFER_BOX_TREE_H_
 
@@ -38,7 +38,7 @@ struct Box {
 template <std::size_t D>
 class BoxTree {
  public:
-  BoxTree() = default;  // of no boxes
+  BoxTree() = default;  // without boxes
   explicit BoxTree(std::vector<Box<D>> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
     std::iota(order_.begin(), order_.end(), 0U);
     if (!boxes_.empty()) Build(0, static_cast<std::uint32_t>(order_.size()));
@@ -47,7 +47,7 @@ class BoxTree {
   // visit(index) for each box that meets `box`, in no particular order.
   template <class Visit>
   void ForEachMeeting(const Box<D>& box, const Visit& visit) const {
-    // Left subtrees follow their root; the right one is found by its number.
+    // A left subtree follows its root; the right one has a stored index.
     std::array<std::uint32_t, 64> stack;
     std::size_t depth = 0;
     if (!nodes_.empty()) stack[depth++] = 0;

@@ -43,14 +43,14 @@ double MeanOf(const double* values) {
   return sum / static_cast<double>(D + 1);
 }
 
-// Takes back what rounding of a last sum may have made of values in the range of `old`.
+// Undoes what rounding of a last sum may have added beyond the range of `old`.
 void ClampToRangeOf(std::span<const double> old, std::span<double> values) {
   Range range;
   for (const double value : old) range.Hold(value);
   for (double& value : values) value = std::clamp(value, range.low, range.high);
 }
 
-// The old simplex that new one j has most of; of equals the first.
+// The old simplex with the largest overlap with new one j; of equals the first.
 template <std::size_t D>
 std::uint32_t LargestPieceOf(const Overlay<D>& overlay, const Exchange<D>& exchange,
                              std::size_t j) {
@@ -73,7 +73,7 @@ std::vector<std::uint32_t> HomesOf(const Overlay<D>& overlay, const Exchange<D>&
   std::vector<std::uint32_t> homes(overlay.to.size(), kNone);
   for (std::size_t j = 0; j < overlay.to.size(); ++j) {
     if (exchange.MeasureOf(j) > 0.5 * overlay.to[j].measure) continue;
-    // Less than half of it is in pieces: it is as flat as rounding.
+    // Less than half of it is in pieces: it is flat up to rounding.
     homes[j] = overlay.Locate(Centroid<D>(overlay.to[j].corners)).from;
   }
   return homes;
@@ -92,8 +92,7 @@ template <std::size_t D>
 CellTransfer<D>::CellTransfer(const Overlay<D>& overlay, const Exchange<D>& exchange)
     : overlay_(overlay), exchange_(exchange), homes_(HomesOf(overlay, exchange)) {}
 
-// References are the least in size: sums of differences to it round as little as sums of the
-// values.
+// References have the least magnitude: sums of differences then round as little as sums of values.
 template <std::size_t D>
 std::vector<double> CellTransfer<D>::Relative(std::span<const double> old, std::size_t width,
                                               std::vector<double>& references) const {
@@ -113,7 +112,7 @@ std::vector<double> CellTransfer<D>::Relative(std::span<const double> old, std::
   return from;
 }
 
-// Between the references of an old and a new simplex.
+// The difference between the references of an old and a new simplex.
 template <std::size_t D>
 double CellTransfer<D>::Offset(const std::vector<double>& references, std::size_t i,
                                std::size_t j) const {
@@ -182,7 +181,7 @@ std::vector<double> CellTransfer<D>::LinearMeans(const Stencil<D>& stencil,
   const std::size_t from_count = overlay_.from.size();
   std::vector<double> references, to(overlay_.to.size());
   const std::vector<double> from = Relative(old, 1, references);
-  // Of each old one: its gradient, and its function at its corners.
+  // Of each old simplex: its gradient, and its function at its corners.
   std::vector<Vec<D>> gradients(from_count);
   at_corners.resize(from_count * (D + 1));
   for (std::size_t i = 0; i < from_count; ++i) {
@@ -216,7 +215,7 @@ std::vector<double> CellTransfer<D>::LinearMeans(const Stencil<D>& stencil,
       for (std::size_t k = 0; k < D; ++k) gradient[k] += of_piece * gradients[piece.from][k];
       measure += of_piece;
     }
-    // The pieces' centroid is the simplex's but for rounding, which matters on slivers.
+    // The pieces' centroid is the simplex's up to rounding, which matters for slivers.
     to[j] = mass / measure - Dot(moment, gradient) / (measure * measure);
   }
   Balance(from, from, bounded, to);
@@ -273,7 +272,7 @@ std::vector<double> CellTransfer<D>::Functions(std::span<const double> old, bool
     if (shift != 0) {
       for (std::size_t k = 0; k < kCorners; ++k) values[k] += shift;
     }
-    // Towards the mean until all corners are within the range (Zhang and Shu 2010).
+    // Scaled towards the mean until all corners are within the range (Zhang and Shu 2010).
     double part = 1;
     if (bounded) {
       for (std::size_t k = 0; k < kCorners; ++k) {

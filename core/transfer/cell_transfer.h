@@ -1,10 +1,10 @@
-// Transfer of fields with values in simplices: means (P0), means made linear, and linear functions
-// of their own in each (DG1). One component at a time, on arrays in the order of the overlay.
+// Transfer of fields with values in simplices: means (P0), means made linear, and separate linear
+// functions in each simplex (DG1). One component at a time, on arrays in the order of the overlay.
 //
-// Sums are over differences to a reference value, an old one of the group, so that a constant comes
-// out as it was whatever rounding makes of measures, and so does one for each region. Then the
-// group's balance is drawn up from the measures themselves, and what is missing, which is rounding,
-// is spread over the group.
+// Sums are over differences to a reference value, an old value of the group. So a constant is
+// preserved exactly, whatever the rounding of measures, also a separate constant per region. Then
+// the group's balance is computed from the measures themselves. What is missing is rounding, and is
+// distributed over the group.
 #ifndef DYNMESH_CORE_TRANSFER_CELL_TRANSFER_H_
 #define DYNMESH_CORE_TRANSFER_CELL_TRANSFER_H_
 
@@ -19,12 +19,12 @@
 
 namespace dynmesh::transfer {
 
-// Of each new simplex, the old one that takes its place where no piece counts: the one that holds
-// its centroid. Such simplices are as flat as rounding.
+// For each new simplex, the old one to use if no piece counts: the one that contains its centroid.
+// Such simplices are flat up to rounding.
 template <std::size_t D>
 std::vector<std::uint32_t> HomesOf(const Overlay<D>& overlay, const Exchange<D>& exchange);
 
-// Of each new simplex the old one with which it shares most; the first of several.
+// For each new simplex the old one with the largest overlap; the first of several.
 template <std::size_t D>
 std::vector<std::uint32_t> DonorsOf(const Overlay<D>& overlay, const Exchange<D>& exchange);
 
@@ -33,17 +33,18 @@ class CellTransfer {
  public:
   CellTransfer(const Overlay<D>& overlay, const Exchange<D>& exchange);
 
-  // `old` has a mean for each old simplex; the result for each new one.
+  // `old` has a mean for each old simplex; the result has one for each new one.
   std::vector<double> Means(std::span<const double> old, bool bounded) const;
-  // `old` has behind those the means of the stencil's kept simplices. `at_corners` gets the old
-  // ones' linear functions at their corners.
+  // `old` also has, at its end, the means of the stencil's kept simplices. Writes to `at_corners`
+  // the old simplices' linear functions at their corners.
   std::vector<double> LinearMeans(const Stencil<D>& stencil, std::span<const double> old,
                                   bool bounded, std::vector<double>& at_corners) const;
-  // D + 1 values a simplex.
+  // D + 1 values per simplex.
   std::vector<double> Functions(std::span<const double> old, bool bounded) const;
 
  private:
-  // `old` of the overlay's simplices less the reference of its group, `width` values each.
+  // The values `old` of the overlay's simplices minus the reference of their group, `width` values
+  // each.
   std::vector<double> Relative(std::span<const double> old, std::size_t width,
                                std::vector<double>& references) const;
   double Offset(const std::vector<double>& references, std::size_t i, std::size_t j) const;

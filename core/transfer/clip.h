@@ -1,12 +1,11 @@
-// The intersection of two simplices, cut into simplices: what a supermesh is made of.
+// The intersection of two simplices, cut into simplices: the pieces of a supermesh.
 //
-// One of them is clipped by the half-spaces of the other, in doubles (Sutherland and Hodgman 1974;
-// in 3D edge by edge, with the cut closed by a new face). A corner has no place: all that a cut
-// needs is linear along an edge, and so is all that is asked for afterwards. A corner whose
-// distance to a half-space's plane may be rounding is on it: old and new simplices often have
-// vertices and faces in common, and signs of places on these are noise. It is kept, and no edge is
-// cut next to it. So pieces are a little too large or too small, and what uses them allows for
-// that. O(1), no allocation.
+// Clips one simplex by the half-spaces of the other, in doubles (Sutherland and Hodgman 1974; in 3D
+// edge by edge, with the cut closed by a new face). A corner has no position: all quantities needed
+// are linear along an edge. If a corner's distance to a half-space's plane may be rounding, it
+// counts as on the plane. It is kept, and no edge is cut next to it. Such corners are frequent: old
+// and new simplices often share vertices and faces, and signs of distances there are noise. So
+// pieces are slightly too large or too small; their users allow for that. O(1), no allocation.
 #ifndef DYNMESH_CORE_TRANSFER_CLIP_H_
 #define DYNMESH_CORE_TRANSFER_CLIP_H_
 
@@ -21,8 +20,8 @@
 
 namespace dynmesh::transfer {
 
-// A corner of a piece: its barycentric coordinates in the clipped simplex, and the values there of
-// the half-spaces: what is negative is outside, but for noise.
+// A corner of a piece: its barycentric coordinates in the clipped simplex, and the values of the
+// half-spaces there. Negative is outside, up to noise.
 template <std::size_t D>
 struct ClipCorner {
   std::array<double, D + 1> lambda, values;
@@ -39,7 +38,7 @@ ClipCorner<D> ClipCornerOf(const ClipValues<D>& values, std::size_t c) {
   return corner;
 }
 
-// Where half-space k has value 0 on the segment from a to b, of which it has one.
+// Where half-space k has value 0 on the segment from a to b. REQUIRES: it changes sign there.
 template <std::size_t D>
 ClipCorner<D> Between(const ClipCorner<D>& a, const ClipCorner<D>& b, std::size_t k) {
   const double t = a.values[k] / (a.values[k] - b.values[k]);
@@ -49,7 +48,7 @@ ClipCorner<D> Between(const ClipCorner<D>& a, const ClipCorner<D>& b, std::size_
   return r;
 }
 
-// visit(i) for each bit i of `bits` that is set.
+// Calls visit(i) for each bit i of `bits` that is set.
 template <class Visit>
 void ForEachBit(std::uint64_t bits, const Visit& visit) {
   for (; bits != 0; bits &= bits - 1) visit(static_cast<std::size_t>(std::countr_zero(bits)));
@@ -66,8 +65,7 @@ class Clipped<2> {
     for (std::size_t i = 0; i < 3; ++i) corners_[i] = ClipCornerOf<2>(values, i);
   }
 
-  // Keeps what lies in half-space k, whose values are up to `noise` where they should be 0; false
-  // if nothing does.
+  // Keeps the part in half-space k; values up to `noise` may be 0. False if no part remains.
   bool By(std::size_t k, double noise) {
     bool any_in = false, any_out = false;
     for (std::size_t i = 0; i < count_; ++i) {
@@ -93,9 +91,10 @@ class Clipped<2> {
   std::uint64_t in_use() const { return (std::uint64_t{1} << count_) - 1; }
   const ClipCorner<2>& corner(std::size_t i) const { return corners_[i]; }
 
-  // Bits of the clipped simplex's faces that the piece has a side on: k is opposite of corner k.
+  // Bits of the clipped simplex's faces on which the piece has a side: face k is opposite to corner
+  // k.
   std::uint32_t Sides() const {
-    // A cut leaves a coordinate that is 0 at both ends exactly 0.
+    // Cutting keeps a coordinate exactly 0 if it is 0 at both ends.
     std::array<std::uint32_t, 3> corners_on{};
     for (std::size_t i = 0; i < count_; ++i) {
       for (std::size_t k = 0; k < 3; ++k) corners_on[k] += corners_[i].lambda[k] == 0;
@@ -105,7 +104,7 @@ class Clipped<2> {
     return sides;
   }
 
-  // visit(indices of D + 1 corners) for each simplex of a triangulation.
+  // Calls visit(indices of D + 1 corners) for each simplex of a triangulation.
   template <class Visit>
   void ForEachSimplex(const Visit& visit) const {
     for (std::size_t i = 1; i + 1 < count_; ++i) visit(std::array<std::size_t, 3>{0, i, i + 1});
@@ -119,10 +118,10 @@ class Clipped<2> {
   std::size_t count_;
 };
 
-// A convex polyhedron, by its edges. An edge goes between two corners and has a face on either
-// side; seen from outside, the left one is on the left of the way from its first end to its second.
-// A cut shortens edges and adds, on each face that it crosses, an edge of the new face. A face that
-// it leaves no more than an edge or a corner of goes.
+// A convex polyhedron, by its edges. An edge has two corners and a face on either side. Seen from
+// outside, the left face is to the left of the direction from the first end to the second. A cut
+// shortens edges, and adds an edge of the new face on each face that it crosses. It removes a face
+// of which only an edge or a corner is left.
 template <>
 class Clipped<3> {
  public:
@@ -140,7 +139,7 @@ class Clipped<3> {
     for (std::size_t v = 0; v < 4; ++v) corners_[v] = ClipCornerOf<3>(values, v);
   }
 
-  // Without branches where nothing predicts them: an entry that is not wanted is overwritten.
+  // Without unpredictable branches: an unwanted entry is overwritten.
   bool By(std::size_t k, double noise) {
     std::uint64_t in = 0, on = 0;
     ForEachBit(in_use_, [&](std::size_t v) {
@@ -151,8 +150,8 @@ class Clipped<3> {
     if (in == 0) return false;
     if ((in | on) == in_use_) return true;
     in_use_ = in | on;
-    // Edges with one end that goes: of the other one the cut makes a new corner, or it is on the
-    // plane and the edge goes. And edges on the plane.
+    // Edges with one end that is removed: the cut makes a new corner on it, or the other end is on
+    // the plane and the edge is removed. And edges on the plane.
     std::array<std::uint8_t, kMostEdges + 1> cut, flat;
     std::array<Edge, kMostEdges + 1> gone;
     std::size_t kept = 0, cut_count = 0, flat_count = 0, gone_count = 0;
@@ -195,7 +194,7 @@ class Clipped<3> {
     return true;
   }
 
-  // Bits of corners; indices of those that were cut off are not used again.
+  // Bits of corners; indices of removed corners are not reused.
   std::uint64_t in_use() const { return in_use_; }
   const ClipCorner<3>& corner(std::size_t i) const { return corners_[i]; }
 
@@ -205,7 +204,7 @@ class Clipped<3> {
     return faces & 0b1111;
   }
 
-  // From a corner to all faces that do not have it.
+  // From one corner to all faces without it.
   template <class Visit>
   void ForEachSimplex(const Visit& visit) const {
     const std::uint8_t apex = edges_[0].ends[0];
@@ -216,7 +215,7 @@ class Clipped<3> {
       has_apex |= edge.faces() & -std::uint32_t{edge.ends[0] == apex || edge.ends[1] == apex};
       corner_of[edge.left] = corner_of[edge.right] = edge.ends[0];
     }
-    // Triangles of the other faces, each with a corner of its face.
+    // Triangles of the other faces, each with one corner of its face.
     std::array<std::array<std::uint8_t, 3>, 2 * kMostEdges + 1> triangles;
     std::size_t count = 0;
     const auto add = [&](std::uint8_t face, std::uint8_t from, std::uint8_t to) {
@@ -234,7 +233,8 @@ class Clipped<3> {
     }
   }
 
-  // A cut makes at most one corner an edge, and one edge a face: 4, 10, 15 and 21 corners.
+  // A cut turns at most one corner into an edge, and one edge into a face: 4, 10, 15 and 21
+  // corners.
   static constexpr std::size_t kMost = 54;
 
  private:
@@ -246,10 +246,10 @@ class Clipped<3> {
     std::uint32_t faces() const { return 1U << left | 1U << right; }  // bits
   };
 
-  // The new face's edge on each face: where it begins, and where it ends.
+  // The new face's edge on each face: its begin and its end.
   using Cap = std::array<std::array<std::uint8_t, kMostFaces>, 2>;
 
-  // If all that is left of a face is an edge on the plane, that is the new face's.
+  // If only an edge on the plane is left of a face, it becomes the new face's edge.
   void TurnToCap(Cap& cap, Edge& edge) const {
     const auto [from, to] = edge.ends;
     const auto turn = [&](std::uint8_t& face, std::uint8_t begin, std::uint8_t end) {

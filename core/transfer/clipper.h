@@ -1,5 +1,5 @@
-// What an old simplex and a new one share: the piece's mixed mass matrix, and across which faces of
-// the old one the new one goes on. For overlay.cc alone.
+// The overlap of an old simplex and a new one: the piece's mixed mass matrix, and the faces of the
+// old simplex across which the new one continues. Only for overlay.cc.
 #ifndef DYNMESH_CORE_TRANSFER_CLIPPER_H_
 #define DYNMESH_CORE_TRANSFER_CLIPPER_H_
 
@@ -16,10 +16,10 @@
 namespace dynmesh::transfer {
 
 // The matrix of the integrals of f_a f_b over a piece, for N functions that are linear there:
-// at(corner) has their values. `measure` is that of the simplex that was clipped.
+// at(corner) returns their values. `measure` is that of the clipped simplex.
 //
-// Over a simplex that is its measure / ((D + 1) (D + 2)) times (sum of f_a f_b at its corners + sum
-// of f_a times sum of f_b). The first part is gathered by corner.
+// For a simplex it is measure / ((D + 1) (D + 2)) times (sum of f_a f_b at its corners + sum of f_a
+// times sum of f_b). The first part is gathered by corner.
 template <std::size_t N, std::size_t D, class AtCorner>
 std::array<double, N * N> Moments(const Clipped<D>& clipped, double measure, const AtCorner& at) {
   const double scale = measure / ((D + 1) * (D + 2));
@@ -50,8 +50,8 @@ std::array<double, N * N> Moments(const Clipped<D>& clipped, double measure, con
   return moments;
 }
 
-// A new simplex, ready to clip old ones. Everything is computed relative to one of its corners, so
-// that rounding is that of distances.
+// A new simplex, prepared to clip old ones. All computations are relative to one of its corners, so
+// rounding is that of distances.
 template <std::size_t D>
 class Clipper {
  public:
@@ -70,9 +70,9 @@ class Clipper {
     }
   }
 
-  // Returns false if they have nothing in common, or rounding alone. Otherwise fills `piece.mass`,
-  // puts into `own` what the piece is of the new simplex, and into `open` the bits of the old one's
-  // faces that the piece has a side on: face k is opposite of corner k.
+  // Returns false if they have nothing in common, up to rounding. Otherwise fills `piece.mass`,
+  // writes the piece's part of the new simplex to `own`, and to `open` the bits of the old
+  // simplex's faces on which the piece has a side: face k is opposite to corner k.
   bool Clip(const PatchSimplex<D>& from, Piece<D>& piece, Mass& own, std::uint32_t& open) const {
     const Corners<D> old = Relative(from.corners);
     const double extent = std::max(extent_, ExtentOf(old));
@@ -100,11 +100,11 @@ class Clipper {
  private:
   using ByFace = std::array<double, D + 1>;
 
-  // What rounding may make of the new simplex's coordinates at corners of the old one, if linear
-  // functions of these are to stay linear to rounding. Such coordinates are below 64.
+  // The largest rounding error of the new simplex's coordinates at the old one's corners for which
+  // linear functions of these stay linear up to rounding. Such coordinates are below 64.
   static constexpr double kFine = 0x1p-43;
 
-  // Of its half-spaces.
+  // The values of its half-spaces.
   ClipValues<D> ValuesAt(const Corners<D>& places) const {
     ClipValues<D> values;
     for (std::size_t c = 0; c <= D; ++c) {
@@ -116,7 +116,7 @@ class Clipper {
     return values;
   }
 
-  // The new one's coordinates are linear in those of the old one: moments of the latter are enough.
+  // The new simplex's coordinates are linear in the old one's, so moments of the latter suffice.
   bool Integrate(const Clipped<D>& clipped, const ClipValues<D>& values, double measure,
                  Mass& mixed, Mass& own) const {
     Mass to_new;  // the new one's coordinates at the corners of the old one
@@ -131,8 +131,8 @@ class Clipper {
     return HasAny(moments);
   }
 
-  // Of a sliver: its coordinates are found at each corner's place. What they are elsewhere may be
-  // large and say nothing.
+  // For slivers: computes the new simplex's coordinates at each corner's position. Elsewhere they
+  // may be large and meaningless.
   bool IntegrateAtPlaces(const Clipped<D>& clipped, const Corners<D>& old, double measure,
                          Mass& mixed, Mass& own) const {
     constexpr std::size_t kCorners = D + 1, kBoth = 2 * kCorners;
@@ -156,7 +156,7 @@ class Clipper {
     return HasAny(moments);
   }
 
-  // Of the matrices a and b: the transpose of a, times b.
+  // The product of the transpose of a with b.
   static Mass TransposedTimes(const Mass& a, const Mass& b) {
     constexpr std::size_t kCorners = D + 1;
     Mass product;
@@ -182,7 +182,7 @@ class Clipper {
     return result;
   }
 
-  // The greatest coordinate.
+  // The greatest coordinate in magnitude.
   static double ExtentOf(const Corners<D>& corners) {
     double extent = 0;
     for (const Vec<D>& corner : corners) {
@@ -193,8 +193,8 @@ class Clipper {
 
   Vec<D> origin_;
   Corners<D> corners_;
-  // The half-spaces of its faces: normals by axis and face, values at the origin but for their
-  // sign, and what rounding may make of a value in parts of the extent.
+  // The half-spaces of its faces: normals by axis and face, negated values at the origin, and the
+  // rounding error of a value relative to the extent.
   std::array<ByFace, D> normals_;
   ByFace offsets_, noises_;
   double scaled_measure_;

@@ -1,4 +1,4 @@
-// A sum whose rounding does not grow with the number of terms (Neumaier 1974).
+// A sum with a rounding error that does not grow with the number of terms (Neumaier 1974).
 #ifndef DYNMESH_CORE_TRANSFER_COMPENSATED_SUM_H_
 #define DYNMESH_CORE_TRANSFER_COMPENSATED_SUM_H_
 

@@ -5,8 +5,8 @@
 namespace dynmesh::transfer {
 namespace {
 
-// Of a region's measure in the cavity, what may lie in other regions for its shape to be as it was:
-// more than rounding makes of it, less than any edit.
+// The share of a region's measure in the cavity that may overlap other regions if its shape is
+// unchanged: more than rounding, less than any edit.
 constexpr double kRounding = 1e-10;
 
 struct Extent {

@@ -18,12 +18,12 @@ inline constexpr std::size_t kMostRows = 96;
 template <std::size_t D>
 struct LinearFit {
   Vec<D> solution{};
-  // The least pivot in parts of the greatest: 0 if the rows leave a direction open.
+  // The least pivot relative to the greatest: 0 if the rows leave a direction undetermined.
   double strength = 0;
 };
 
 // The least-squares solution of rows . g = right sides, by Householder reflections with column
-// pivoting; directions in which the rows say nothing get 0. Overwrites both. O(n).
+// pivoting. Undetermined directions get 0. Overwrites both. O(n).
 template <std::size_t D>
 LinearFit<D> LeastSquares(std::span<Vec<D>> rows, std::span<double> right) {
   LinearFit<D> fit;
@@ -49,7 +49,7 @@ LinearFit<D> LeastSquares(std::span<Vec<D>> rows, std::span<double> right) {
     if (rank == 0) first = norm;
     fit.strength = rank + 1 < D || first == 0 ? 0 : norm / first;
     if (norm <= 1e-13 * first || norm == 0) break;
-    // Reflect the column to (-sign norm, 0, ...).
+    // Reflects the column to (-sign norm, 0, ...).
     const double alpha = rows[rank][c] > 0 ? -norm : norm;
     std::array<double, kMostRows> v{};
     for (std::size_t i = rank; i < n; ++i) v[i - rank] = rows[i][c];

@@ -6,10 +6,10 @@
 namespace dynmesh::transfer {
 namespace {
 
-// How many simplices ahead of the walk what is beyond their faces is asked for.
+// The walk prefetches so many simplices ahead.
 constexpr std::size_t kAhead = 6;
 
-// What the walk reads when it comes to `slot`: the rows of its neighbours.
+// The data that the walk reads at `slot`: the rows of its neighbours.
 template <std::size_t D>
 void Prefetch(const Slot* cells, const Slot* neighbours, Slot slot) {
   const Slot* const row = neighbours + At(slot) * (D + 1);
@@ -26,11 +26,11 @@ template <std::size_t D>
 NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int rings) {
   struct Place {
     Slot slot;
-    std::uint32_t open;  // bits of faces beyond which nothing has been added
+    std::uint32_t open;  // bits of faces beyond which no simplex was added yet
   };
   constexpr std::uint32_t kAllFaces = (1U << (D + 1)) - 1;
   std::vector<Place> places;  // of `cells`
-  // About as many cells and vertices as there are in a mesh of points.
+  // About as many cells and vertices as in a mesh of points.
   const std::size_t expected = overlay.to.size() * (rings == 0 ? 1 : D == 2 ? 4 : 8);
   SlotIndex seen(4 * expected);
   indices = SlotIndex(expected);
@@ -51,7 +51,7 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
     cells.push_back(cell), places.push_back({simplex.slot, kAllFaces});
   }
   cavity_count = vertices.size();
-  // What is around a vertex hangs together by faces that have it.
+  // The simplices around a vertex are connected by faces with that vertex.
   for (int ring = 0; ring <= rings; ++ring) {
     free_count = vertices.size();
     for (std::size_t c = 0; c < cells.size(); ++c) {
@@ -61,7 +61,7 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
       for (std::size_t k = 0; k <= D; ++k) {
         free |= std::uint32_t{cells[c].corners[k] < free_count} << k;
       }
-      // Faces with a free corner: all but the one opposite of a single one.
+      // Faces with a free corner: all, except the one opposite to the only free corner.
       std::uint32_t faces = free == 0 ? 0 : places[c].open;
       if ((free & (free - 1)) == 0) faces &= ~free;  // std::has_single_bit calls a library
       places[c].open &= ~faces;
@@ -97,7 +97,7 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
   }
 }
 
-// Of cells from `first` on: reads each vertex once.
+// For cells from `first` on: reads each vertex once.
 template <std::size_t D>
 void NodalPatch<D>::Measure(const SlotMesh& mesh, std::size_t first) {
   std::vector<Vec<D>> places(vertices.size());

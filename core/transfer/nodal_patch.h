@@ -1,7 +1,7 @@
-// The part of the new mesh that a transfer of vertex values works on: the cavity's vertices, rings
-// of vertices around them, and the simplices that these are corners of.
+// The part of the new mesh that changes in a transfer of vertex values: the cavity's vertices,
+// rings of vertices around them, and the simplices with these as corners.
 //
-// Order is that of a walk from the patch's simplices across faces, so it is a function of the mesh.
+// The order is that of a walk from the patch's simplices across faces: a function of the mesh.
 #ifndef DYNMESH_CORE_TRANSFER_NODAL_PATCH_H_
 #define DYNMESH_CORE_TRANSFER_NODAL_PATCH_H_
 
@@ -26,9 +26,9 @@ struct NodalPatch {
 
   std::vector<Slot> vertices;  // first the cavity's, then ring by ring
   std::size_t cavity_count;    // vertices of the cavity
-  std::size_t free_count;      // these and the rings: all simplices around them are in `cells`
+  std::size_t free_count;      // these and the rings: `cells` has all simplices around them
   std::vector<Cell> cells;     // the new simplices of the overlay first, in its order
-  std::vector<double> lumped;  // of each free vertex: the integral of its hat function
+  std::vector<double> lumped;  // per free vertex: the integral of its hat function
   SlotIndex indices;           // of vertices
 
   NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int rings);

@@ -29,7 +29,7 @@ NodalTransfer<D>::NodalTransfer(const SlotMesh& mesh, const Overlay<D>& overlay,
   is_added_.assign(sources_.size(), false);
   for (const Slot slot : mesh.patch().added_vertices) {
     const std::uint32_t vertex = patch_.indices[slot];
-    if (vertex == SlotIndex::kNone) continue;  // no simplex has it
+    if (vertex == SlotIndex::kNone) continue;  // in no simplex
     is_added_[vertex] = true;
     Vec<D> place;
     std::copy_n(mesh.points().data() + At(slot) * D, D, place.begin());
@@ -37,7 +37,7 @@ NodalTransfer<D>::NodalTransfer(const SlotMesh& mesh, const Overlay<D>& overlay,
     births_.push_back({vertex, at.from, at.lambda});
   }
   FindParts();
-  // What is coupled to vertices that are not free stands on the diagonal.
+  // Couplings to vertices that are not free are added to the diagonal.
   const auto free = static_cast<std::uint32_t>(patch_.free_count);
   diagonal_.assign(free, 0);
   couplings_.reserve(patch_.cells.size());
@@ -56,12 +56,12 @@ NodalTransfer<D>::NodalTransfer(const SlotMesh& mesh, const Overlay<D>& overlay,
   }
 }
 
-// Of the cavity's vertices, 0 beyond.
+// For the cavity's vertices; 0 for the others.
 template <std::size_t D>
 std::vector<double> NodalTransfer<D>::Residual(std::span<const double> from) const {
   constexpr std::size_t kCorners = D + 1;
   std::vector<double> residual(patch_.free_count, 0);
-  Sum missing;  // by the measures themselves
+  Sum missing;  // computed from the measures
   const auto mean = [&](const auto& corners) {
     double sum = 0;
     for (const std::uint32_t corner : corners) sum += from[corner];
@@ -89,7 +89,7 @@ std::vector<double> NodalTransfer<D>::Residual(std::span<const double> from) con
         right[b] -= own[a * kCorners + b] * from[cell.corners[a]];
       }
     }
-    // Pieces make up a simplex but for rounding, unless it is as flat as that.
+    // Pieces fill a simplex up to rounding, unless it is flat up to rounding.
     const double scale = measure > 0.5 * cell.measure ? cell.measure / measure : 0;
     for (std::size_t b = 0; b < kCorners; ++b) residual[cell.corners[b]] += scale * right[b];
   }
@@ -109,7 +109,7 @@ std::vector<double> NodalTransfer<D>::Residual(std::span<const double> from) con
   return residual;
 }
 
-// y = M x. Both have one entry more, for vertices that are not free: it is 0 in x, any in y.
+// y = M x. Both have a last entry for all vertices that are not free: 0 in x, arbitrary in y.
 template <std::size_t D>
 void NodalTransfer<D>::Multiply(std::span<const double> x, std::span<double> y) const {
   for (std::size_t v = 0; v < diagonal_.size(); ++v) y[v] = diagonal_[v] * x[v];
@@ -122,7 +122,7 @@ void NodalTransfer<D>::Multiply(std::span<const double> x, std::span<double> y) 
   }
 }
 
-// Conjugate gradients, scaled by the diagonal; then the rest, lumped.
+// Conjugate gradients, scaled by the diagonal; then adds the residual, lumped.
 template <std::size_t D>
 std::vector<double> NodalTransfer<D>::Project(std::vector<double> residual) const {
   const std::size_t n = patch_.free_count;
@@ -161,8 +161,8 @@ std::vector<double> NodalTransfer<D>::Project(std::vector<double> residual) cons
   return x;
 }
 
-// Of which part of the mesh each simplex of the patch is: a region whose shape stays, or all others
-// together, and how much of each free vertex's hat function lies in which part.
+// Finds the part of the mesh of each simplex of the patch: a region that keeps its shape, or all
+// others together. And the shares of each free vertex's hat function in the parts.
 template <std::size_t D>
 void NodalTransfer<D>::FindParts() {
   const RegionId any = overlay_.from[0].region;
@@ -207,8 +207,8 @@ void NodalTransfer<D>::FindParts() {
   for (const auto& [key, share] : shares) shares_.push_back({key.first, key.second, share});
 }
 
-// The integral over each part is to stay. Of all changes that see to that the least, in the lumped
-// norm: a combination of the parts' shares, found by conjugate gradients.
+// Keeps the integral over each part by the change with the least lumped norm: a combination of the
+// parts' shares, found by conjugate gradients.
 template <std::size_t D>
 void NodalTransfer<D>::KeepRegions(std::span<const double> from, std::span<double> change) const {
   if (part_count_ == 1) return;
@@ -244,7 +244,7 @@ void NodalTransfer<D>::KeepRegions(std::span<const double> from, std::span<doubl
     for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
     return sum;
   };
-  // Twice: the second time for what rounding left of the first.
+  // Twice: the second pass corrects the rounding of the first.
   for (int pass = 0; pass < 2; ++pass) {
     std::vector<double> r = missing_of(), p = r, x(part_count_, 0), ap(part_count_);
     double rr = dot(r, r);
@@ -269,7 +269,7 @@ void NodalTransfer<D>::KeepRegions(std::span<const double> from, std::span<doubl
 
 template <std::size_t D>
 std::vector<double> NodalTransfer<D>::Values(std::span<double> old, bool bounded) const {
-  // A reference of the old values, the least in size.
+  // A reference: the old value of least magnitude.
   double reference = 0;
   bool any = false;
   for (const auto& corners : old_corners_) {

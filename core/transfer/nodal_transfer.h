@@ -1,13 +1,13 @@
-// Transfer of a field with values at vertices (P1): interpolation at the new ones, and the Galerkin
-// projection of what that misses.
+// Transfer of a field with values at vertices (P1): interpolation at new vertices, then the
+// Galerkin projection of the error.
 //
-// The difference e of the old field and the interpolant lives in the cavity. r_i is the integral of
-// e times the hat function of vertex i, over the pieces. Solved is M d = r on the free vertices of
-// a NodalPatch, to a few digits, where what M couples to vertices that are not free is put on its
-// diagonal: so the columns of M add up to the lumped masses. What the solution leaves of r is added
-// lumped: then the integral of d is the sum of r to rounding, however far the solution was
-// driven. (D^-1 M has its eigenvalues in [1/2, 1 + d/2], whatever the shape of the simplices, so d
-// falls by a factor of about three from ring to ring.)
+// The difference e of the old field and the interpolant is zero outside the cavity. r_i is the
+// integral of e times the hat function of vertex i, over the pieces. Solves M d = r on the free
+// vertices of a NodalPatch, to a few digits. In M, couplings to vertices that are not free are
+// added to the diagonal: so the columns of M add up to the lumped masses. The residual is added
+// lumped: then the integral of d is the sum of r up to rounding, at any accuracy of the solution.
+// The eigenvalues of D^-1 M are in [1/2, 1 + d/2], whatever the shape of the simplices, so d
+// decreases by a factor of about three from ring to ring.
 #ifndef DYNMESH_CORE_TRANSFER_NODAL_TRANSFER_H_
 #define DYNMESH_CORE_TRANSFER_NODAL_TRANSFER_H_
 
@@ -29,8 +29,8 @@ class NodalTransfer {
   NodalTransfer(const SlotMesh& mesh, const Overlay<D>& overlay, const Exchange<D>& exchange,
                 int rings);
 
-  // The vertices whose old values are asked for: those of the patch, of which added ones have
-  // none, then those that went.
+  // The vertices that the transfer reads: those of the patch (added ones have none), then the
+  // removed ones.
   std::span<const Slot> sources() const { return sources_; }
   bool is_added(std::size_t source) const { return is_added_[source]; }
   // The slots of the results.
@@ -38,7 +38,7 @@ class NodalTransfer {
     return std::span<const Slot>(patch_.vertices).first(patch_.free_count);
   }
 
-  // `old` in the order of sources(); those of added ones are overwritten.
+  // `old` is in the order of sources(); values of added vertices are overwritten.
   std::vector<double> Values(std::span<double> old, bool bounded) const;
 
   // The corners of old simplex i as sources.
@@ -51,13 +51,13 @@ class NodalTransfer {
     std::array<double, D + 1> lambda;
   };
 
-  // Two corners of a cell are coupled by `unit`. Those that are not free are free_count.
+  // Two corners of a cell are coupled by `unit`. A corner that is not free has index free_count.
   struct Coupling {
     std::array<std::uint32_t, D + 1> corners;
     double unit;
   };
 
-  struct Share {  // of a free vertex's hat function that lies in a part
+  struct Share {  // the share of a free vertex's hat function in a part
     std::uint32_t vertex, part;
     double amount;
   };
@@ -80,7 +80,7 @@ class NodalTransfer {
   std::vector<Coupling> couplings_;  // of cells with two free corners or more
   std::uint32_t part_count_ = 0;
   std::vector<std::uint32_t> parts_from_, parts_to_;  // of the overlay's simplices
-  std::vector<Share> shares_;                         // if there are several parts
+  std::vector<Share> shares_;                         // empty if there is one part only
 };
 
 }  // namespace dynmesh::transfer

@@ -11,7 +11,7 @@
 namespace dynmesh::transfer {
 namespace {
 
-// About as many as there are in 3D.
+// About the number in 3D.
 constexpr std::size_t kPiecesOfOne = 16;
 
 template <std::size_t D>
@@ -25,7 +25,7 @@ PatchSimplex<D> Read(const SlotMesh& mesh, Slot slot, const Slot* vertices, Regi
   return simplex;
 }
 
-// The old simplices of an overlay, to be searched.
+// A search structure for the old simplices of an overlay.
 template <std::size_t D>
 class OldSimplices {
  public:
@@ -41,12 +41,12 @@ class OldSimplices {
     faces.Link(neighbours_.data(), D + 1);
   }
 
-  // The one across face k of old simplex i, or kNoSlot.
+  // The simplex across face k of old simplex i, or kNoSlot.
   std::int32_t Across(std::uint32_t i, std::size_t k) const {
     return neighbours_[std::size_t{i} * (D + 1) + k];
   }
 
-  // The least one that has x in it, border included; kNone if rounding leaves it out of all.
+  // The first one that contains x, border included; kNone if by rounding there is none.
   std::uint32_t Holding(const Vec<D>& x) const {
     std::uint32_t found = kNone;
     tree_.ForEachMeeting({x, x}, [&](std::uint32_t i) {
@@ -57,7 +57,7 @@ class OldSimplices {
     return found;
   }
 
-  // Those whose boxes meet that of `corners`, ascending.
+  // The simplices with boxes that meet that of `corners`, ascending.
   void NearTo(const Corners<D>& corners, std::vector<std::uint32_t>& found) const {
     found.clear();
     tree_.ForEachMeeting(Box<D>::Of(corners), [&](std::uint32_t i) { found.push_back(i); });
@@ -101,9 +101,9 @@ Overlay<D> Overlay<D>::Make(const SlotMesh& mesh) {
   return overlay;
 }
 
-// A new simplex is convex: the old ones that it meets hang together. They are found across faces,
-// from the one at its middle. If what they have of it is not all, to rounding, then all near ones
-// are asked: so a face that rounding hides costs time only.
+// A new simplex is convex, so the old ones that it meets are connected. They are found across
+// faces, from the one at its centroid. If their pieces do not fill it, up to rounding, all near
+// ones are clipped. So a face that rounding hides costs only time.
 template <std::size_t D>
 void Overlay<D>::FindPieces() {
   constexpr double kWhole = 1e-12;
@@ -112,7 +112,8 @@ void Overlay<D>::FindPieces() {
   if (has_regions) own_of_region.assign(to.size(), {});
   begins.reserve(to.size() + 1);
   pieces.reserve(kPiecesOfOne * to.size());
-  std::vector<std::uint32_t> asked(from.size(), OldSimplices<D>::kNone);  // last by which new one
+  std::vector<std::uint32_t> asked(from.size(),
+                                   OldSimplices<D>::kNone);  // last new simplex that used it
   std::vector<std::uint32_t> queue;
   for (std::uint32_t j = 0; j < to.size(); ++j) {
     begins.push_back(static_cast<std::uint32_t>(pieces.size()));
@@ -168,7 +169,7 @@ typename Overlay<D>::Place Overlay<D>::Locate(const Vec<D>& x) const {
     if (least > best_least) best_least = least, best = {i, lambda};
   };
   for (const std::uint32_t i : candidates) look_at(i);
-  // No box holds x: it lies on the cavity's border, but for rounding.
+  // No box contains x: it is on the cavity's border, up to rounding.
   if (best_least < -1e-6) {
     for (std::uint32_t i = 0; i < from.size(); ++i) look_at(i);
   }

@@ -1,12 +1,12 @@
-// The old and the new simplices of a patch laid over each other. Both fill the same region, the
-// *cavity*; what an old and a new one have in common is a piece.
+// The intersections of the old and the new simplices of a patch. Both fill the same region, the
+// *cavity*. A piece is the intersection of an old and a new simplex.
 //
-// A piece is known by its mixed mass matrix: the integrals of the products of the old simplex's
-// barycentric coordinates with the new one's. Transfer of any kind needs no more. Where pieces
-// should add up to a simplex they do but for rounding of places, and nothing here relies on more.
+// A piece is stored as its mixed mass matrix: the integrals of the products of the old simplex's
+// barycentric coordinates with the new one's. All transfers need only that. The pieces of a simplex
+// add up to it up to the rounding of positions; no code relies on more.
 //
-// Everything is a function of the two meshes, in the order of the patch: no slot, address or
-// history shows.
+// Everything is a function of the two meshes, in the order of the patch, not of slots, addresses or
+// history.
 #ifndef DYNMESH_CORE_TRANSFER_OVERLAY_H_
 #define DYNMESH_CORE_TRANSFER_OVERLAY_H_
 
@@ -25,7 +25,7 @@ namespace dynmesh::transfer {
 
 inline std::size_t At(Slot slot) { return static_cast<std::size_t>(slot); }
 
-// The places of D + 1 vertices.
+// The positions of D + 1 vertices.
 template <std::size_t D>
 Corners<D> CornersOf(const SlotMesh& mesh, const Slot* vertices) {
   Corners<D> corners;
@@ -52,7 +52,7 @@ double Total(const std::array<double, N>& terms) {
   return sum;
 }
 
-// An old and a new simplex, by their places in the overlay's lists, and what they share:
+// The intersection of an old and a new simplex, given by their indices in the overlay's lists.
 // mass[a * (D + 1) + b] is the integral of the old one's coordinate a times the new one's b.
 template <std::size_t D>
 struct Piece {
@@ -70,15 +70,16 @@ struct Piece {
 
 template <std::size_t D>
 struct Overlay {
-  // The matrix of a simplex's own coordinates, as its pieces add up to it. Symmetric.
+  // The matrix of a simplex's own coordinates, summed over its pieces. Symmetric.
   using Mass = std::array<double, (D + 1) * (D + 1)>;
 
   std::vector<PatchSimplex<D>> from, to;  // old and new simplices, in the order of the patch
   std::vector<Piece<D>> pieces;           // by `to`
-  std::vector<std::uint32_t> begins;      // of the pieces of each new one, and the end
+  std::vector<std::uint32_t> begins;      // of the pieces of each new simplex, and the end
   BoxTree<D> tree;                        // of the boxes of `from`
   bool has_regions = false;               // are there several?
-  // Of each new one; if there are several regions, the same over those pieces that lie in its own.
+  // Per new simplex, over all its pieces; if there are several regions, also over those in its own
+  // region.
   std::vector<Mass> own, own_of_region;
 
   std::span<const Piece<D>> PiecesOf(std::size_t to_index) const {
@@ -88,8 +89,8 @@ struct Overlay {
   // Expected O(n lg n + p) for n simplices and p pieces.
   static Overlay Make(const SlotMesh& mesh);
 
-  // The old simplex in which `x` lies, or as good as: the one where its least barycentric
-  // coordinate is greatest. REQUIRES: there is an old one.
+  // The old simplex that contains `x`, up to rounding: the one where its least barycentric
+  // coordinate is greatest. REQUIRES: there is an old simplex.
   struct Place {
     std::uint32_t from;
     std::array<double, D + 1> lambda;

@@ -1,5 +1,5 @@
-// A simplex of D dimensions as transfer needs it: its measure, the half-spaces that bound it, and
-// barycentric coordinates that are right on slivers, too. Pure functions of coordinates, O(1).
+// A simplex of D dimensions: its measure, its half-spaces, and barycentric coordinates that are
+// correct on slivers, too. Pure functions of coordinates, O(1).
 #ifndef DYNMESH_CORE_TRANSFER_SIMPLEX_H_
 #define DYNMESH_CORE_TRANSFER_SIMPLEX_H_
 
@@ -43,7 +43,7 @@ inline double ScaledMeasure(const Corners<3>& c) {
   return Dot(c[1] - c[0], Cross(c[2] - c[0], c[3] - c[0]));
 }
 
-// Not negative: what rounding turned over is as good as nothing.
+// Not negative: a simplex inverted by rounding counts as 0.
 template <std::size_t D>
 double Measure(const Corners<D>& c) {
   constexpr double kFactorial = D == 2 ? 2 : 6;
@@ -60,15 +60,15 @@ Vec<D> Centroid(const Corners<D>& corners) {
   return sum;
 }
 
-// The half-space of a face's plane in which the simplex lies: normal . (x - on_plane) >= 0.
-// The left side is, up to rounding, D! measure times the barycentric coordinate.
+// The half-space of a face's plane that contains the simplex: normal . (x - on_plane) >= 0. The
+// left side is, up to rounding, D! measure times the barycentric coordinate.
 template <std::size_t D>
 struct HalfSpace {
   Vec<D> normal;
   Vec<D> on_plane;
   double operator()(const Vec<D>& x) const { return Dot(normal, x - on_plane); }
-  // More than rounding may make of the value of a place on the plane, if it and the simplex have no
-  // coordinate greater than `extent`.
+  // A bound for the rounding error of the value at a position on the plane, if all coordinates of
+  // it and the simplex are at most `extent` in magnitude.
   double Noise(double extent) const {
     double sum = 0;
     for (const double n : normal) sum += std::abs(n);
@@ -85,7 +85,7 @@ inline std::array<HalfSpace<2>, 3> HalfSpaces(const Corners<2>& c) {
   return result;
 }
 inline std::array<HalfSpace<3>, 4> HalfSpaces(const Corners<3>& c) {
-  // The corners of the face opposite of each corner, such that the cross product points inwards.
+  // The corners of the face opposite to each corner, such that the cross product points inwards.
   constexpr std::size_t kFaces[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
   std::array<HalfSpace<3>, 4> result;
   for (std::size_t k = 0; k < 4; ++k) {
@@ -95,9 +95,9 @@ inline std::array<HalfSpace<3>, 4> HalfSpaces(const Corners<3>& c) {
   return result;
 }
 
-// Barycentric coordinates by elimination with complete pivoting. That is backward stable: the
-// coordinates found for x are those of a place within rounding of x, however thin the simplex is,
-// as long as they are not large. So a linear function is interpolated to rounding.
+// Barycentric coordinates by elimination with complete pivoting. It is backward stable: the result
+// for x is exact for a position within rounding of x, however thin the simplex is, as long as the
+// coordinates are not large. So linear functions are interpolated up to rounding.
 template <std::size_t D>
 class Barycentric {
  public:
@@ -112,10 +112,10 @@ class Barycentric {
     for (std::size_t k = 0; k < D; ++k) Pivot(k);
   }
 
-  // Is there a direction in which the simplex does not extend?
+  // Has the simplex no extent in some direction?
   bool is_flat() const { return flat_; }
 
-  // All 0 but the first if the simplex is flat.
+  // All 0 except the first if the simplex is flat.
   std::array<double, D + 1> operator()(const Vec<D>& x) const {
     std::array<double, D + 1> lambda = {1};
     if (flat_) return lambda;

@@ -1,5 +1,5 @@
-// Numbers slots in the order in which they are first asked for: a small table by open addressing,
-// for walks over a patch, which ask it for every face. One thread.
+// Numbers slots in the order of first use: a small hash table with open addressing, for walks over
+// a patch, which query it for every face. One thread.
 #ifndef DYNMESH_CORE_TRANSFER_SLOT_INDEX_H_
 #define DYNMESH_CORE_TRANSFER_SLOT_INDEX_H_
 
@@ -25,7 +25,7 @@ class SlotIndex {
 
   std::size_t size() const { return size_; }
 
-  // The number of `slot`, and whether it is new: then it is size() before the call.
+  // The number of `slot`, and whether it is new; a new one gets size() before the call.
   std::pair<std::uint32_t, bool> Add(Slot slot) {
     if (2 * (size_ + 1) > entries_.size()) Grow();
     Entry& entry = Find(slot);
@@ -46,7 +46,7 @@ class SlotIndex {
     Slot slot = kNoSlot;
     std::uint32_t number = kNone;
   };
-  // Where `slot` is or belongs.
+  // The entry of `slot`, or the free entry for it.
   Entry& Find(Slot slot) {
     const std::size_t mask = entries_.size() - 1;
     std::size_t at =

@@ -11,7 +11,7 @@
 namespace dynmesh::transfer {
 namespace {
 
-// Two rings, and more, up to five, while they leave a direction open, as in corners of the mesh.
+// Two rings, or up to five while a direction is undetermined, as in corners of the mesh.
 constexpr int kRings = 2, kMostRings = 5;
 constexpr double kStrong = 0.01;
 constexpr std::size_t kMostNeighbours = kMostRows;
@@ -30,8 +30,8 @@ FaceKey<D> FaceOf(const Slot* corners, std::size_t k) {
   return face;
 }
 
-// The simplices of the mesh before the patch and their neighbours: old ones by their index in
-// the overlay, kept ones by slot.
+// The simplices of the mesh before the patch and their neighbours: old ones by their index in the
+// overlay, kept ones by slot.
 template <std::size_t D>
 class OldMesh {
  public:
@@ -51,7 +51,7 @@ class OldMesh {
       }
     }
     for (const auto& simplex : overlay.to) came_[simplex.slot] = true;
-    // The cavity's border is that of the new simplices, too; there they know what is outside.
+    // The cavity's border is also that of the new simplices; these know their neighbours outside.
     for (const auto& simplex : overlay.to) {
       for (std::size_t k = 0; k <= D; ++k) {
         const Slot other = mesh.neighbours()[At(simplex.slot) * (D + 1) + k];
@@ -87,7 +87,7 @@ class OldMesh {
   absl::flat_hash_map<Slot, bool> came_;
 };
 
-// How the field grows from one place to others, per length: near ones count as much as far ones.
+// The growth of the field to other positions, per length: near and far ones have equal weight.
 template <std::size_t D>
 struct Steps {
   std::array<Vec<D>, kMostNeighbours> rows;
@@ -174,7 +174,7 @@ Vec<D> Stencil<D>::Gradient(std::size_t i, std::span<const double> values) const
   if (spread == 0) return {};
   Vec<D> g = steps.Fit().solution;
 
-  // How far the means are from linear, in parts of their spread.
+  // The deviation of the means from linear, relative to their spread.
   double off = 0;
   for (const std::uint32_t other : neighbours) {
     const double predicted = Dot(g, centroids_[other] - centroids_[i]);
@@ -182,7 +182,7 @@ Vec<D> Stencil<D>::Gradient(std::size_t i, std::span<const double> values) const
   }
   constexpr double kSmooth = 0.1, kRough = 0.3;
   const double smooth = std::clamp((kRough - off / spread) / (kRough - kSmooth), 0.0, 1.0);
-  // Where they are not smooth: as much of the gradient as keeps the corners within the means.
+  // Where they are not smooth: the share of the gradient that keeps the corners within the means.
   double limit = 1;
   for (const Vec<D>& corner : overlay_.from[i].corners) {
     const double growth = Dot(g, corner - centroids_[i]);

@@ -1,8 +1,8 @@
-// The old simplices around each old simplex of a patch, and the gradient of a field of means there.
+// The neighbourhood of each old simplex of a patch, and the gradient of a field of means there.
 //
-// A stencil is two rings of neighbours across faces on the old mesh, nine triangles or sixteen
-// tetrahedra, of its region; more rings where these lie in a plane or a line, as in corners. The
-// ones that the edit kept are looked up in the mesh.
+// A stencil is two rings of neighbours across faces on the old mesh, in the simplex's region: nine
+// triangles or sixteen tetrahedra. It has more rings if these are coplanar or collinear, as in
+// corners. Simplices that the edit kept are looked up in the mesh.
 #ifndef DYNMESH_CORE_TRANSFER_STENCIL_H_
 #define DYNMESH_CORE_TRANSFER_STENCIL_H_
 
@@ -22,20 +22,20 @@ class Stencil {
  public:
   Stencil(const SlotMesh& mesh, const Overlay<D>& overlay);
 
-  // Slots of the kept simplices that some stencil has. Values of a field are those of the
-  // overlay's old simplices, then those of these.
+  // Slots of the kept simplices in stencils. Values of a field are first those of the overlay's old
+  // simplices, then those of these.
   std::span<const Slot> kept() const { return kept_; }
 
-  // Of old simplex i: the limited gradient of the linear function with its mean. Linear fields
-  // have theirs; where the means leave off being smooth the function stays within those of the
-  // stencil at the simplex's corners.
+  // The limited gradient of the linear function with the mean of old simplex i. Exact for linear
+  // fields. Where the means are not smooth, the function at the simplex's corners stays within the
+  // range of the stencil's means.
   Vec<D> Gradient(std::size_t i, std::span<const double> values) const;
 
   const Vec<D>& centroid(std::size_t i) const { return centroids_[i]; }
 
  private:
   std::vector<Slot> kept_;
-  std::vector<Vec<D>> centroids_;                       // of the old ones, then of `kept_`
+  std::vector<Vec<D>> centroids_;                       // of the old simplices, then of `kept_`
   std::vector<std::vector<std::uint32_t>> neighbours_;  // by old simplex
   const Overlay<D>& overlay_;
 };

@@ -24,8 +24,8 @@ using transfer::At;
 constexpr int kMostRings = 16;
 constexpr int kMostComponents = 4096;
 
-// Where old values are read and new ones written, in rows of a field: those of `slots`.
-// `width` numbers of a component in a row (of DG1 one for each corner).
+// The rows of a field for old values and for new ones: those of `slots`. `width` numbers of a
+// component in a row (for DG1 one per corner).
 struct Rows {
   std::span<const Slot> slots;
   std::size_t width = 1;
@@ -141,7 +141,8 @@ class Transfer::ImplOf final : public Transfer::Impl {
     return check("field", field.size(), static_cast<std::size_t>(options.components));
   }
 
-  // Component c of the rows, as a dense array; with a density, times that. `skip` rows are 0.
+  // Component c of the rows as a dense array, multiplied by the density if there is one. Rows with
+  // `skip` are 0.
   template <class Skip>
   static absl::StatusOr<std::vector<double>> Gather(const Rows& rows, std::size_t c,
                                                     std::size_t components, bool of_vertices,
@@ -162,7 +163,7 @@ class Transfer::ImplOf final : public Transfer::Impl {
     return values;
   }
 
-  // What Carry writes, before anything is written: by component, in the order of the rows.
+  // Writes the results, computed before, to the field: by component, in the order of the rows.
   static void Scatter(const Rows& rows, const std::vector<std::vector<double>>& results,
                       std::span<const double> new_density, std::span<double> field) {
     const std::size_t components = results.size();
@@ -180,7 +181,7 @@ class Transfer::ImplOf final : public Transfer::Impl {
   }
 
   // Carries all components, then the density, with `carry_one` (dense old values to dense new
-  // ones), and writes them at last.
+  // ones). Writes them at the end.
   template <class Skip, class CarryOne, class AddFlows>
   absl::StatusOr<std::vector<RegionFlow>> CarryAll(const FieldOptions& options, const Rows& sources,
                                                    const Rows& results, const Skip& skip,
@@ -274,7 +275,8 @@ class Transfer::ImplOf final : public Transfer::Impl {
         });
   }
 
-  // The integral over a piece of the functions that old simplices have at their corners.
+  // The integral over a piece of the functions with the values `at_corners` at old simplices'
+  // corners.
   static double MassOf(const transfer::Piece<D>& piece, const std::vector<double>& at_corners) {
     double mass = 0;
     for (std::size_t a = 0; a <= D; ++a) {

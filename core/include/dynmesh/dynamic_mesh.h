@@ -1,12 +1,18 @@
-// One dynamic mesh: features in, differences out.
+// One dynamic mesh: features in, diffs out.
+//
+//   dynmesh::MeshOptions options;                       // 2D, the unit square
+//   auto mesh = dynmesh::DynamicMesh::Create(options);  // check mesh.ok()
+//   auto diff = (*mesh)->Apply({dynmesh::Edit::Add(dynmesh::Feature::Point(1, 0.5, 0.5))});
+//   if (!diff.ok()) std::cerr << diff.status() << "\n";  // the mesh is as it was
+//   dynmesh::Mesh whole = (*mesh)->Snapshot();
 //
 // Invariants, at every revision:
 //   1. the mesh is a function of options and feature set, bit for bit;
-//   2. a batch that is refused, cancelled, vetoed, taken back or over a limit changes nothing;
-//   3. every simplex is Delaunay, every input point a vertex, every input segment
-//      a chain of edges, every simplex within the quality asked for.
+//   2. a batch that fails, is cancelled, vetoed or taken back changes nothing;
+//   3. every simplex is Delaunay, every input point is a vertex, every input segment is a chain of
+//      edges, every simplex meets the quality bound (exceptions: quality.h, SimplexVerdict).
 //
-// Thread-safety: thread-compatible. One thread may change a mesh while none reads.
+// Thread-safety: thread-compatible. A call that changes the mesh excludes all other calls.
 #ifndef DYNMESH_DYNAMIC_MESH_H_
 #define DYNMESH_DYNAMIC_MESH_H_
 
@@ -28,129 +34,143 @@
 
 namespace dynmesh {
 
-// How far a batch is. Stages come in the order of their names, each once or not at all; within
-// one `done` and the part done / total never fall, and its last words are done == total.
+// Progress of a batch. Stages come in the order of their declaration, each at most once. Within a
+// stage, `done` and done / total never decrease, and the last report has done == total.
 struct ApplyProgress {
-  // What a batch goes through.
+  // The stages of a batch.
   enum class Stage : std::uint8_t {
-    kValidate,  // features that change, with what depends on them, held against the others
-    kRefine,    // operations run, of all that are known of: each may ask for more
-    kDiff,      // what came and went; ends before `commit` is asked
+    kValidate,  // checks the features that change, and those that depend on them, against the
+                // others
+    kRefine,    // runs operations; total: those known so far (an operation may create others)
+    kDiff,      // computes the diff; ends before `commit` is called
   };
-  Stage stage = Stage::kValidate;  // the one that is under way
-  std::uint64_t done = 0;          // how much of it is
-  std::uint64_t total = 0;         // 0: not known yet
+  Stage stage = Stage::kValidate;  // the current one
+  std::uint64_t done = 0;          // units of it that are done
+  std::uint64_t total = 0;         // all its units; 0: not known yet
 };
 
-// How a batch is applied. Nothing here changes the mesh that comes out.
+// How a batch is applied. No option changes the resulting mesh.
 struct ApplyOptions {
-  // Polled between operations; when it turns true the batch is undone: CANCELLED.
+  // Polled between operations. Once true, the batch is undone: CANCELLED.
   const std::atomic<bool>* cancelled = nullptr;
-  // The same, for a second party: the caller's own reasons, beside its client's.
+  // A second flag with the same effect, for a caller that passes its client's flag as `cancelled`.
   const std::atomic<bool>* stopped = nullptr;
-  // Between operations, some thousand times a second, threads that wait for the core have their
-  // turn: for a process that answers others meanwhile. Changes nothing in what is done.
+  // If true, Apply yields the core to waiting threads some thousand times a second, between
+  // operations. For a process that serves other requests meanwhile.
   bool shares_core = false;
-  // Most operations that may be executed for the batch, those of attempts that were given up
-  // included; 0: any number. A batch that needs more is undone: RESOURCE_EXHAUSTED (WORK_LIMIT).
-  // From scratch a mesh takes 2 to 3 operations a vertex. How many an edit takes depends on what
-  // is there, not on the clock; undoing takes about as many again.
+  // The most operations to execute for the batch, those of abandoned attempts included; 0: no
+  // limit. A batch that needs more is undone: RESOURCE_EXHAUSTED (WORK_LIMIT). Building from
+  // scratch takes 2 to 3 operations a vertex. The count of an edit depends on the mesh, not on the
+  // clock. Undoing takes about as many again.
   std::uint64_t max_operations = 0;
-  // Asked once, with the diff as Apply would return it, when nothing else can fail any more and
-  // before the mesh says that it is at the new revision: such as to write the batch down first.
-  // Unless it answers OK the batch is undone, as if cancelled, and Apply returns its answer. An
-  // empty batch is asked for, too. It must not use the mesh. May be null.
+  // Called once, with the diff that Apply would return, after all other checks and before the new
+  // revision is visible. For example to write the batch to a journal. If it returns an error the
+  // batch is undone, and Apply returns that error. Called for an empty batch, too. It must not use
+  // the mesh. May be null.
   std::function<absl::Status(const MeshDiff&)> commit;
-  // The batch can be taken back later (DynamicMesh::TakeBack): for a caller that writes several
-  // batches down at once. One that is applied without this settles those before it.
+  // The batch can be undone later (DynamicMesh::TakeBack). For a caller that writes several batches
+  // to a journal at once. Applying a batch without it settles all batches before.
   bool revocable = false;
-  // Told, on the thread of Apply, when a stage begins and ends and in between, between operations,
-  // 50 ms apart or more. It must not use the mesh, and changes nothing in what is done. A batch
-  // that is undone is not told of while it is. May be null.
+  // Called on the thread of Apply: when a stage begins, when it ends, and between operations at
+  // intervals of 50 ms or more. Not called while a batch is being undone. It must not use the mesh.
+  // May be null.
   std::function<void(const ApplyProgress&)> progress;
 };
 
-// How large a mesh is, and what it takes.
+// Size and memory of a mesh.
 struct MeshStats {
-  std::uint64_t revision = 0;     // the present one
-  std::uint64_t features = 0;     // that are present
-  std::uint64_t vertices = 0;     // those of the domain box included
-  std::uint64_t simplices = 0;    // triangles, in space tetrahedra
-  std::uint64_t subsegments = 0;  // those of the domain box included
-  std::uint64_t subfacets = 0;    // in space
-  std::uint64_t operations = 0;   // in the trace
-  std::uint64_t trace_bytes = 0;  // operations, registrations, requests, order
-  std::uint64_t mesh_bytes = 0;   // vertices, triangulation, indices
+  std::uint64_t revision = 0;     // the current one
+  std::uint64_t features = 0;     // features present
+  std::uint64_t vertices = 0;     // domain box included
+  std::uint64_t simplices = 0;    // triangles, in 3D tetrahedra
+  std::uint64_t subsegments = 0;  // domain box included
+  std::uint64_t subfacets = 0;    // 3D only; 0 in 2D
+  std::uint64_t operations = 0;   // operations in the trace
+  std::uint64_t trace_bytes = 0;  // of operations, registrations, requests, order
+  std::uint64_t mesh_bytes = 0;   // of vertices, triangulation, indices
 };
 
-// What an audit found.
+// The result of an audit.
 struct AuditReport {
   std::vector<std::string> problems;  // empty: every invariant holds
-  // Hashes the complete trace: equal to that of a run from scratch exactly if the two computations
-  // are the same.
+  // A hash of the complete trace. It equals that of a run from scratch iff the two computations are
+  // the same.
   MeshHash trace;
 };
 
-// A mesh that follows its features; see dynamic_mesh.h.
+// A mesh that follows its features; see dynamic_mesh.h. Errors are absl statuses with a reason and
+// the features involved (error.h, with the status code of each reason).
 class DynamicMesh {
  public:
-  // A mesh of the bare domain box, revision 0. INVALID_ARGUMENT for bad `options`. With max_edge
-  // that is work, and RESOURCE_EXHAUSTED (VERTEX_LIMIT) if it asks for more vertices than there may
-  // be; of `apply_options` what stops a batch stops it, too: CANCELLED.
+  // Makes a mesh of the bare domain box, revision 0. Of `apply_options`, cancelled, stopped,
+  // shares_core and max_operations apply. Errors: INVALID_ARGUMENT (BAD_OPTION) for bad `options`;
+  // RESOURCE_EXHAUSTED if max_edge needs more than `options`.limits (VERTEX_LIMIT), indices
+  // (SIZE_LIMIT) or max_operations (WORK_LIMIT) allow; CANCELLED.
   static absl::StatusOr<std::unique_ptr<DynamicMesh>> Create(
       const MeshOptions& options, const ApplyOptions& apply_options = {});
 
   virtual ~DynamicMesh() = default;
 
-  // Makes the next revision from `batch`; an empty batch makes none (the diff is
-  // then empty, from = to). Expected time O(m_f lg L/s) for the m_f vertices that
-  // the features of the batch carry. Errors name the features (error.h); the mesh is then as it
-  // was. `apply_options` limits and follows it.
+  // Makes the next revision from `batch`, as `apply_options` say, and returns the diff. An empty
+  // batch makes none: its diff is empty and has from_revision == to_revision.
+  //
+  // Expected time O(m_f lg(L / s)): m_f vertices lie on the features of the batch, L is the side of
+  // the domain, s the least distance between features that do not touch.
+  //
+  // On an error the mesh is as it was. Errors (reasons: error.h):
+  //   * INVALID_ARGUMENT: a feature or edit is malformed by itself;
+  //   * NOT_FOUND: it edits an absent feature; ALREADY_EXISTS: it adds a present id;
+  //   * FAILED_PRECONDITION: features conflict, or need absent points;
+  //   * RESOURCE_EXHAUSTED: a limit of MeshOptions, of indices or of `apply_options` is exceeded;
+  //   * CANCELLED: by `apply_options`; any status that ApplyOptions::commit returns.
   virtual absl::StatusOr<MeshDiff> Apply(const EditBatch& batch,
                                          const ApplyOptions& apply_options = {}) = 0;
 
-  // Undoes the last `revisions` of those that revocable batches made since Settle, the last one
-  // first: mesh, trace and revision are those of before. Expected time as that of these batches;
-  // O(what they changed) memory is held for it until Settle. REQUIRES: there are so many.
+  // Undoes the last `revisions` revisions, the latest first. Mesh, trace and revision number are
+  // then those of before. Expected time: that of the undone batches. The memory for it, O(what the
+  // batches changed), is held until Settle. REQUIRES: at least `revisions` revocable batches were
+  // applied since the last Settle.
   virtual void TakeBack(std::size_t revisions) = 0;
-  // The batches applied so far stay.
+  // Makes the batches applied so far permanent: TakeBack cannot undo them.
   virtual void Settle() = 0;
 
-  // Says that the mesh as it is now is that `revision`, and settles what was applied; nothing but
-  // the number changes. For a mesh that is made again from the features that it had.
+  // Sets the revision number to `revision` and settles. Nothing else changes. For a mesh that was
+  // rebuilt from stored features.
   virtual void ResumeAt(std::uint64_t revision) = 0;
 
-  // Would Apply accept the features of `batch`? Of limits only what is told without meshing is
-  // looked at: regions with a target, or features so near each other, that take more than
-  // max_vertices whatever else there is (RESOURCE_EXHAUSTED, VERTEX_LIMIT, with their ids). No
-  // change.
+  // Checks without a change whether Apply would accept the features of `batch`; returns Apply's
+  // error. Limits are checked only where that needs no meshing: RESOURCE_EXHAUSTED (VERTEX_LIMIT),
+  // with feature ids, if sizing regions or features close to each other certainly need more than
+  // max_vertices.
   virtual absl::Status Validate(const EditBatch& batch) const = 0;
 
   // The whole mesh, O(size).
   virtual Mesh Snapshot() const = 0;
 
-  // For each of n `points` (n x dimension coordinates), the canonical ids of a simplex
-  // that holds it: n x (dimension + 1) ids, all 0 where a point is outside the domain.
+  // For each of n `points` (n x dimension coordinates), the vertex ids of a simplex that contains
+  // it, in canonical order: n x (dimension + 1) ids. All are 0 for a point outside the domain.
   virtual SimplexColumn Locate(std::span<const double> points) const = 0;
 
   // The features present, by id.
   virtual std::vector<Feature> Features() const = 0;
 
-  // As the mesh was created.
+  // The options that the mesh was created with.
   virtual const MeshOptions& options() const = 0;
-  // How many batches made it what it is; see ResumeAt.
+  // The number of batches applied; see ResumeAt.
   virtual std::uint64_t revision() const = 0;
-  // Of the mesh as it is, kept up to date: O(1).
+  // The hash of the current mesh, O(1).
   virtual MeshHash hash() const = 0;
   // Counts and memory, O(1).
   virtual MeshStats Stats() const = 0;
 
-  // Checks every invariant of trace and mesh, O(size). For tests and support.
+  // Checks every invariant of trace and mesh, O(size). For tests and support. Returns the problems
+  // found.
   virtual AuditReport Audit() const = 0;
 };
 
-// The static path: the same mesh as a DynamicMesh of `options` with these `features`, without a
-// trace, hence faster. Revision 1 (0 if there is no feature). Errors are those of Create and Apply.
+// Builds a mesh without a trace, hence faster: the same mesh as that of a DynamicMesh of `options`
+// with `features`. Its revision is 1 (0 if `features` is empty). Errors: those of Create and Apply,
+// without CANCELLED.
 absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options);
 
 }  // namespace dynmesh

@@ -1,5 +1,8 @@
-// How good a mesh is: radius-edge ratios and angles, in space those between the faces of a
-// tetrahedron (dihedral). Pure functions, thread-safe.
+// Quality of a mesh: radius-edge ratios and angles, in 3D dihedral angles. Pure functions,
+// thread-safe.
+//
+//   const dynmesh::QualityReport report = dynmesh::MeasureQuality(mesh, options);
+//   const bool good = report.over_rho == report.exempt;
 #ifndef DYNMESH_QUALITY_H_
 #define DYNMESH_QUALITY_H_
 
@@ -14,7 +17,7 @@
 
 namespace dynmesh {
 
-// Of one triangle. A flat or inverted one has ratio infinity.
+// Quality of a triangle. A flat or inverted one has ratio infinity.
 struct TriangleQuality {
   double radius_edge = 0;    // circumradius / shortest edge, at least 1 / sqrt(3)
   double shortest_edge = 0;  // in the units of the coordinates
@@ -23,13 +26,12 @@ struct TriangleQuality {
   std::array<double, 3> angles_deg = {0, 0, 0};  // at a, b, c
 };
 
-// The quality of the triangle `a`, `b`, `c`: two coordinates each. Differences are taken first and
-// scaled, so that a tiny triangle far from the origin loses nothing that its coordinates still
-// have; relative error about 1e-15 of the triangle as given, for coordinates whose differences are
-// 0 or normal numbers.
+// The quality of the triangle `a`, `b`, `c`: two coordinates each. Relative error about 1e-15 of
+// the triangle as given, if the differences of its coordinates are 0 or normal numbers. Also for a
+// tiny triangle far from the origin: differences are taken first, then scaled.
 TriangleQuality MeasureTriangle(const double* a, const double* b, const double* c);
 
-// Of one tetrahedron. A flat or inverted one has ratio infinity.
+// Quality of a tetrahedron. A flat or inverted one has ratio infinity.
 struct TetrahedronQuality {
   double radius_edge = 0;    // circumradius / shortest edge, at least sqrt(3/8)
   double shortest_edge = 0;  // in the units of the coordinates
@@ -38,36 +40,36 @@ struct TetrahedronQuality {
   std::array<double, 6> angles_deg = {0, 0, 0, 0, 0, 0};  // at ab, ac, ad, bc, bd, cd
 };
 
-// The quality of the tetrahedron `a`, `b`, `c`, `d`: three coordinates each. However thin it is:
-// where doubles do not tell, exact integers do, so that the ratio has a relative error below 1e-10
-// (about 1e-15 if it is no sliver) and "flat" is exact; angles are right to some 1e-9 degrees, in
-// needles less. Only beyond coordinates of 2^-250 to 2^250 one that doubles do not tell counts as
-// flat.
+// The quality of the tetrahedron `a`, `b`, `c`, `d`: three coordinates each. However thin it is,
+// "flat" is exact and the ratio has a relative error below 1e-10 (about 1e-15 if it is no sliver):
+// exact integers decide where doubles cannot. Angles have an error of some 1e-9 degrees, more in
+// needles. Outside coordinates of 2^-250 to 2^250 a tetrahedron counts as flat if doubles cannot
+// decide.
 TetrahedronQuality MeasureTetrahedron(const double* a, const double* b, const double* c,
                                       const double* d);
 
 // The spacing of doubles at the largest magnitude among `coordinates`; 0 if all are 0.
 double CoordinateUnit(std::span<const double> coordinates);
 
-// The slack h of the test ratio > rho (1 + h). Coordinates are rounded to the `unit` u, so
-// points placed at distance e, such as that of the `shortest_edge`, are off by about u / e
-// relatively, and no refinement could do better:  h = 2e-9 + 8 u / e',  e' the square root of the
-// largest power of two that is at most e^2 (so that the last bit of e does not matter).
+// The slack h of the test ratio > rho (1 + h). Coordinates are multiples of the `unit` u. So a
+// point placed at distance e, such as `shortest_edge`, is off by about u / e relatively, which no
+// refinement can improve. h = 2e-9 + 8 u / e', with e' = sqrt(2^k), 2^k <= e^2 < 2^(k+1): the last
+// bit of e does not matter.
 double QualitySlack(double shortest_edge, double unit);
 
 // triangle.radius_edge > rho (1 + QualitySlack(triangle.shortest_edge, unit)).
 bool IsOverRho(const TriangleQuality& triangle, double rho, double unit);
 
-// What is to be said of a simplex.
+// The verdict on a simplex.
 enum class SimplexVerdict : std::uint8_t {
-  kGood = 0,              // within rho
-  kSmallInputAngle = 1,   // over rho, for the sake of an edge that is as short as an angle of the
-                          // input makes it; within rho of its shortest other edge
-  kOverRho = 2,           // over rho without excuse
-  kTerminationGuard = 3,  // over rho, because mending it would split a subsegment that is too
-                          // short for its surroundings already: that might never end
-  kBelowDihedral = 4,     // a tetrahedron within rho with a dihedral angle below min_dihedral: of
-                          // a mesh made with that, no place tried for a Steiner point would do
+  kGood = 0,             // within rho
+  kSmallInputAngle = 1,  // over rho because a small input angle makes one edge short; within rho of
+                         // its shortest other edge
+  kOverRho = 2,          // over rho without an excuse
+  kTerminationGuard = 3,  // over rho: fixing it would split a subsegment that is too short for its
+                          // surroundings already, which might never end
+  kBelowDihedral = 4,     // a tetrahedron within rho with a dihedral angle below min_dihedral; in a
+                          // mesh made with that, no tried Steiner point was good
 };
 
 // Is a simplex with the verdict `v` over rho, excused or not?
@@ -80,18 +82,20 @@ inline bool IsExempt(SimplexVerdict v) {
   return v == SimplexVerdict::kSmallInputAngle || v == SimplexVerdict::kTerminationGuard;
 }
 
-// The verdict on each simplex of `mesh`, in its order. A function of the mesh, of
-// `options`.quality and, in space, of `options`.min_dihedral.
-// O(size). In space exact with the bound rho (1 + h) as rounded, and none is exempt. In the
-// plane the guard leaves single triangles: of a mesh with more than 1,000 that no angle
-// excuses, the others are kOverRho.
-// Below min_dihedral is what the mesher takes for a sliver, to the bit: tetrahedra that it calls
-// good are not below, and none that is not below has an angle less than the bound. One whose
-// least angle is the bound but for rounding may count as below: up to 1e-9 degrees more where the
-// bound is 5 degrees or more, up to 1e-4 more where it is next to nothing.
+// The verdict on each simplex of `mesh`, in its order. A function of the mesh, of `options`.quality
+// and, in 3D, of `options`.min_dihedral. O(size).
+//
+// 2D: the guard leaves single triangles. If more than 1,000 are over rho without a small input
+// angle, the others are kOverRho. 3D: exact with the bound rho (1 + h) as rounded, and no simplex
+// is exempt.
+//
+// kBelowDihedral is what the mesher takes for a sliver, to the bit. A tetrahedron that is not
+// kBelowDihedral has no angle less than the bound. A tetrahedron may be kBelowDihedral with a least
+// angle slightly above the bound: by up to 1e-9 degrees if the bound is 5 degrees or more, by up to
+// 1e-4 if it is close to 0.
 std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options);
 
-// A tetrahedron that stands out by its least dihedral angle.
+// A tetrahedron with one of the least dihedral angles.
 struct WorstTetrahedron {
   double angle_deg = 0;                        // the least of its six, in degrees
   std::uint64_t index = 0;                     // in the mesh's order of simplices, from 0
@@ -99,36 +103,36 @@ struct WorstTetrahedron {
   friend bool operator==(const WorstTetrahedron&, const WorstTetrahedron&) = default;
 };
 
-// How many QualityReport::worst_dihedral holds at most.
+// The most entries of QualityReport::worst_dihedral.
 inline constexpr std::size_t kWorstDihedral = 10;
 
-// How good a whole mesh is.
+// Quality of a whole mesh.
 struct QualityReport {
   double worst_radius_edge = 0;       // the largest circumradius / shortest edge
-  double min_angle_deg = 0;           // the least angle, in degrees; dihedral in space
-  double max_angle_deg = 0;           // the greatest angle, in degrees
+  double min_angle_deg = 0;           // the least angle, in degrees; dihedral in 3D
+  double max_angle_deg = 0;           // the greatest angle, in degrees; dihedral in 3D
   std::uint64_t over_rho = 0;         // simplices over rho, exempt ones included
-  std::uint64_t exempt = 0;           // of these, how many are allowed to be
-  std::uint64_t exempt_by_guard = 0;  // of these, how many by kTerminationGuard
-  // In the plane, angles of all simplices, in steps of 10 degrees: [0, 10), ... [170, 180].
+  std::uint64_t exempt = 0;           // of these, the exempt ones
+  std::uint64_t exempt_by_guard = 0;  // of these, those by kTerminationGuard
+  // 2D: angles of all simplices, in steps of 10 degrees: [0, 10), ... [170, 180].
   std::array<std::uint64_t, 18> angle_histogram = {};
-  // In space, dihedral angles of all, six each, in steps of 5 degrees: [0, 5), ... [175, 180].
+  // 3D: dihedral angles of all, six each, in steps of 5 degrees: [0, 5), ... [175, 180].
   std::array<std::uint64_t, 36> dihedral_histogram = {};
-  // In space, the share of tetrahedra with a dihedral angle below 5 degrees. No bound on the ratio
+  // 3D: the share of tetrahedra with a dihedral angle below 5 degrees. No bound on the ratio
   // excludes these slivers.
   double share_below_5_deg = 0;
   double share_below_10_deg = 0;  // the same below 10 degrees
-  // In space, tetrahedra below MeshOptions::min_dihedral as JudgeSimplices has it, those over rho
-  // and flat ones included; 0 if that is 0.
+  // 3D: tetrahedra below MeshOptions::min_dihedral by the test of JudgeSimplices, those over rho
+  // and flat ones included; 0 if min_dihedral is 0.
   std::uint64_t below_dihedral = 0;
-  // In space, the kWorstDihedral tetrahedra with the least angles, all if there are fewer, the
-  // least first; of equal angles the lesser index. Those that name an unknown vertex are left out.
+  // 3D: the kWorstDihedral tetrahedra with the least angles (all, if there are fewer), the least
+  // first; equal angles by index. Those that name an unknown vertex are left out.
   std::vector<WorstTetrahedron> worst_dihedral;
 };
 
-// Of all simplices of `mesh`, the domain's border included; angles are dihedral in space. The
-// bounds are `options`.quality and `options`.min_dihedral. O(size). A simplex that names an unknown
-// vertex counts as flat.
+// Measures all simplices of `mesh`, the domain's border included; angles are dihedral in 3D. The
+// bounds are `options`.quality and `options`.min_dihedral. A simplex that names an unknown vertex
+// counts as flat. O(size).
 QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options);
 
 }  // namespace dynmesh

@@ -1,9 +1,11 @@
-// The version of the library, for the preprocessor and for the program. It stands here and nowhere
-// else: CMake reads the three numbers.
+// The version of the library, for the preprocessor and at run time. The only place of it: CMake
+// reads the three numbers.
+//
+//   if (dynmesh::LinkedVersionNumber() != dynmesh::kVersionNumber) Warn();
 #ifndef DYNMESH_VERSION_H_
 #define DYNMESH_VERSION_H_
 
-// Below 1.0 another minor version may change the API; a patch never does.
+// Below 1.0 a new minor version may change the API; a new patch never does.
 #define DYNMESH_VERSION_MAJOR 0
 // The second number.
 #define DYNMESH_VERSION_MINOR 1
@@ -33,8 +35,8 @@ inline constexpr int kVersionPatch = DYNMESH_VERSION_PATCH;  // of these headers
 inline constexpr int kVersionNumber = DYNMESH_VERSION;       // the three as one number
 inline constexpr char kVersion[] = DYNMESH_VERSION_STRING;   // "MAJOR.MINOR.PATCH"
 
-// "MAJOR.MINOR.PATCH" of the library that the program is linked with. It differs from kVersion if
-// the program was compiled with headers of another version.
+// "MAJOR.MINOR.PATCH" of the linked library. It differs from kVersion if the program was compiled
+// with headers of another version.
 const char* LinkedVersion();
 // The same as one number, as DYNMESH_VERSION.
 int LinkedVersionNumber();
