@@ -1,5 +1,5 @@
-// What the parts of the client library share: stub, names, statuses. Includes gRPC;
-// no public header may.
+// Shared by the parts of the client library: stub, names, statuses. Includes gRPC, which no public
+// header may do.
 #ifndef DYNMESH_CLIENT_CHANNEL_INTERNAL_H_
 #define DYNMESH_CLIENT_CHANNEL_INTERNAL_H_
 
@@ -22,13 +22,13 @@
 
 namespace dynmesh::client {
 
-// The service at the other end, and the token that every call shows it.
+// The service's stub, and the token that every call sends.
 struct Stub {
   explicit Stub(const std::shared_ptr<grpc::Channel>& channel, const std::string& token)
       : service(v1::MeshService::NewStub(channel)),
         authorization(token.empty() ? "" : "Bearer " + token) {}
 
-  // Before the call begins.
+  // To be called before the call begins.
   void Prepare(grpc::ClientContext& context,
                absl::Duration timeout = absl::InfiniteDuration()) const {
     if (!authorization.empty()) context.AddMetadata("authorization", authorization);
@@ -50,11 +50,11 @@ inline absl::Status CheckDimension(int dimension) {
   return absl::InvalidArgumentError("dimension is not 2 or 3");
 }
 
-// Is it the end of a watch that is to be opened again: the server is away, restarts or is short of
-// something?
+// True if a watch that ended with `status` is to be reopened: the server is unavailable, restarts
+// or lacks resources.
 inline bool IsPassing(const absl::Status& status) {
   switch (status.code()) {
-    case absl::StatusCode::kOk:  // a watch has no end of its own
+    case absl::StatusCode::kOk:  // a watch does not end by itself
     case absl::StatusCode::kUnavailable:
     case absl::StatusCode::kCancelled:  // by the server
     case absl::StatusCode::kUnknown:
@@ -67,12 +67,12 @@ inline bool IsPassing(const absl::Status& status) {
   }
 }
 
-// Features and ids of one message.
+// Size limit of the features and ids of one message.
 inline constexpr std::size_t kMessageBytes = 1 << 20;
-inline constexpr std::size_t kFeatureBytes = 96;  // at most, without rings
+inline constexpr std::size_t kFeatureBytes = 96;  // upper bound, without rings
 inline constexpr std::size_t kIdsPerMessage = kMessageBytes / kFeatureBytes;
 
-// At most.
+// An upper bound.
 inline std::size_t WireBytes(const Feature& feature) {
   std::size_t bytes = kFeatureBytes;
   for (const std::vector<FeatureId>& ring : feature.rings) bytes += 10 * ring.size() + 8;
@@ -80,7 +80,7 @@ inline std::size_t WireBytes(const Feature& feature) {
 }
 inline std::size_t WireBytes(const Edit& edit) { return WireBytes(edit.feature); }
 
-// The end of as many edits or features from `begin` on as fit into a message; of one at least.
+// The end of the edits or features from `begin` on that fit into a message; at least one does.
 template <typename Item>
 std::size_t PieceEnd(std::span<const Item> items, std::size_t begin) {
   std::size_t bytes = 0;
@@ -106,7 +106,7 @@ std::unique_ptr<DiffStream> StartDiffStream(std::shared_ptr<Stub> stub, const st
 absl::StatusOr<LoadResult> RunLoad(Stub& stub, const std::string& mesh, const FeatureSource& source,
                                    const LoadParams& params, absl::Duration timeout);
 
-// Puts the fragments of a diff together; done when one without `more` was taken.
+// Joins the fragments of a diff; done after a fragment without `more`.
 struct ResultAssembler {
   codec::DiffAssembler assembler;
   // Nothing while fragments are missing.

@@ -14,7 +14,7 @@
 namespace dynmesh::client {
 namespace {
 
-constexpr std::size_t kAhead = 16;  // revisions read and not taken
+constexpr std::size_t kAhead = 16;  // revisions read ahead
 constexpr absl::Duration kFirstPause = absl::Milliseconds(50), kLongestPause = absl::Seconds(2);
 
 class GrpcDiffStream final : public DiffStream {
@@ -80,7 +80,7 @@ class GrpcDiffStream final : public DiffStream {
     }
   }
 
-  // One Watch call, to its end.
+  // One Watch call, until it ends.
   absl::Status ReadStream() {
     v1::WatchRequest request;
     request.set_mesh(mesh_);
@@ -125,7 +125,7 @@ class GrpcDiffStream final : public DiffStream {
     return broken.ok() ? status : broken;
   }
 
-  // Waits for room.
+  // Blocks until there is room.
   void Hand(Event event) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return events_.size() < kAhead || cancelled_; });
@@ -148,14 +148,14 @@ class GrpcDiffStream final : public DiffStream {
   std::deque<Event> events_;
   std::optional<absl::Status> ended_;
   bool cancelled_ = false;
-  grpc::ClientContext* context_ = nullptr;  // of the call that runs
+  grpc::ClientContext* context_ = nullptr;  // of the running call
 
-  // The reader's own.
+  // Used by the reader only.
   std::uint64_t revision_;
   MeshHash hash_;
   bool from_snapshot_ = false;
-  bool heard_ = false;  // something came in the last call
-  std::thread reader_;  // last: it uses the others
+  bool heard_ = false;  // the last call received an event
+  std::thread reader_;  // last member: it uses the others
 };
 
 }  // namespace

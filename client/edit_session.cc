@@ -93,8 +93,8 @@ class GrpcEditSession final : public EditSession {
   std::unique_ptr<grpc::ClientReaderWriter<v1::EditBatch, v1::MeshDiff>> stream_;
   bool named_ = false;
   bool finished_ = false;
-  v1::EditBatch message_;  // the sender's
-  v1::MeshDiff answer_;    // the receiver's
+  v1::EditBatch message_;  // used by the sender
+  v1::MeshDiff answer_;    // used by the receiver
   ResultAssembler results_;
 };
 

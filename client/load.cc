@@ -13,7 +13,7 @@ namespace {
 
 using Response = v1::LoadFeaturesResponse;
 
-constexpr std::size_t kPointBytes = 34;  // of a row, at most
+constexpr std::size_t kPointBytes = 34;  // upper bound of a row
 
 LoadProgress::Stage StageOf(Response::Stage stage) {
   switch (stage) {
@@ -60,7 +60,7 @@ class Loader {
   }
 
  private:
-  // Ends early where the stream does: why, Finish tells.
+  // Ends early if the stream ends; Finish reports why.
   void SendAll(const FeatureSource& source) {
     for (auto some = source(); !some.empty(); some = source()) {
       for (const Feature& feature : some) {
@@ -71,7 +71,7 @@ class Loader {
     if (Write()) stream_->WritesDone();
   }
 
-  // Features stay in order: the points of a message come before all else in it.
+  // Keeps the order of features: the points of a message precede its other features.
   bool Add(const Feature& feature) {
     if (feature.kind == FeatureKind::kPoint && message_.features_size() == 0) {
       codec::EncodePointRow(feature, params_.dimension, message_.mutable_points());
@@ -112,8 +112,8 @@ class Loader {
   const LoadParams& params_;
   grpc::ClientContext context_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::LoadFeaturesRequest, Response>> stream_;
-  v1::LoadFeaturesRequest message_;  // the sender's
-  std::size_t bytes_ = 0;            // of it, at most
+  v1::LoadFeaturesRequest message_;  // used by the sender
+  std::size_t bytes_ = 0;            // upper bound of its size
   std::optional<v1::LoadResult> result_;
 };
 

@@ -15,7 +15,7 @@ namespace dynmesh::client {
 namespace {
 
 constexpr int kPageSize = 1000;
-constexpr std::size_t kLocatePoints = 30'000;  // of one request
+constexpr std::size_t kLocatePoints = 30'000;  // per request
 
 absl::StatusOr<MeshInfo> DecodeMesh(const v1::Mesh& proto) {
   MeshInfo info;
@@ -67,7 +67,7 @@ void EncodeParams(const std::string& mesh, const EditParams& params, Request* re
   request->set_omit_columns(params.omit_columns);
 }
 
-// What comes in chunks, put together. Reads to the end whatever they are.
+// Joins a chunked value. Reads to the end even after an error.
 template <typename Whole, typename Chunk, typename Assembler>
 absl::StatusOr<Whole> ReadWhole(grpc::ClientReader<Chunk>& reader, Assembler assembler,
                                 const char* missing) {
@@ -134,7 +134,7 @@ std::unique_ptr<MeshClient> MeshClient::Connect(const std::string& address,
   grpc::ChannelArguments arguments;
   if (options.own_connection) arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
-  // A server that restarts is back soon; gRPC alone would look only every two minutes in the end.
+  // A restarting server returns soon; gRPC alone would retry only every two minutes eventually.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 5'000);
   auto impl = std::make_unique<Impl>();
@@ -304,7 +304,7 @@ absl::StatusOr<Mesh> MeshClient::GetSnapshot(const std::string& mesh,
   const auto reader = impl_->stub->service->GetSnapshot(&context, request);
   absl::StatusOr<Mesh> found =
       ReadWhole<Mesh>(*reader, codec::SnapshotAssembler(), "the server sent no whole snapshot");
-  // The rows must be those that the hash tells of.
+  // The rows must have the hash that came with them.
   if (found.ok() && ComputeHash(*found) != found->hash) {
     return absl::DataLossError("the snapshot's rows do not have its hash");
   }

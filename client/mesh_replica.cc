@@ -45,7 +45,7 @@ absl::StatusOr<MeshReplica::Change> MeshReplica::Impl::Take(const v1::WatchEvent
       change = TakeProgress(event.progress().revision(), event.progress().hash());
       break;
     case v1::WatchEvent::EVENT_NOT_SET:
-      return change;  // from a newer server: nothing that concerns the mesh
+      return change;  // from a newer server: does not change the mesh
   }
   if (!change.ok()) {
     state = State::kBroken;
@@ -76,7 +76,7 @@ absl::StatusOr<MeshReplica::Change> MeshReplica::Impl::TakeSnapshot(
 absl::StatusOr<MeshReplica::Change> MeshReplica::Impl::TakeDiff(const v1::MeshDiff& fragment) {
   if (state != State::kLive) return Gap("a diff came without a mesh to change");
   if (!snapshot.empty()) return Gap("a diff came inside a snapshot");
-  // Said before the rest is waited for.
+  // Reported before the remaining fragments are received.
   if (fragment.from_revision() != store.revision() ||
       fragment.to_revision() <= fragment.from_revision()) {
     return Gap(absl::StrCat("a diff from revision ", fragment.from_revision(), " to ",

@@ -40,9 +40,8 @@ class Stream final : public grpc::ClientReadReactor<v1::WatchEvent> {
   v1::WatchEvent event_;
 };
 
-// What outlives the streams: the replica, and what to do when one ends. Either a
-// stream is open (stream_) or about to tell its end, or an alarm is set (alarm_), or it
-// has ended.
+// The state that outlives the streams: the replica, and the reconnect logic. Invariant: a stream is
+// open (stream_) or about to report its end, or an alarm is set (alarm_), or the watch has ended.
 class Follower : public std::enable_shared_from_this<Follower> {
  public:
   // The stub outlives Stop.
@@ -58,7 +57,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
     OpenLocked();
   }
 
-  // False: the stream is of no more use.
+  // False: the stream is to be cancelled.
   bool Take(const v1::WatchEvent& event) {
     const std::lock_guard lock(mutex_);
     if (stopping_) return false;
@@ -75,7 +74,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
     return true;
   }
 
-  // The stream is about to go: it must not be cancelled any more. StreamEnded follows.
+  // The stream is about to be deleted and must not be cancelled any more. StreamEnded follows.
   void StreamGoes() {
     const std::lock_guard lock(mutex_);
     stream_ = nullptr;
@@ -95,7 +94,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
     ++reconnects_;
     if (from_snapshot) {
       from_snapshot_ = true;
-      if (attempts_ == 1) return OpenLocked();  // the server is there
+      if (attempts_ == 1) return OpenLocked();  // the server is available
     }
     SetAlarmLocked();
   }
@@ -153,7 +152,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
     v1::WatchRequest request;
     request.set_mesh(FullName(mesh_));
     request.mutable_regions()->Add(options_.regions.begin(), options_.regions.end());
-    // A filtered watch begins with a snapshot each time.
+    // A filtered watch always begins with a snapshot.
     if (replica_.state() == MeshReplica::State::kLive && !from_snapshot_ &&
         options_.regions.empty()) {
       request.set_start_revision(replica_.revision());
@@ -169,7 +168,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
   }
 
   void SetAlarmLocked() {
-    // A fresh one each time: the one that fired may still be in its callback.
+    // A new alarm each time: the previous one may still be in its callback.
     alarm_ = std::make_unique<grpc::Alarm>();
     alarm_->Set(std::chrono::system_clock::now() + absl::ToChronoNanoseconds(pause_),
                 [self = shared_from_this()](bool) { self->AlarmFired(); });
@@ -204,7 +203,7 @@ class Follower : public std::enable_shared_from_this<Follower> {
   int attempts_ = 0;  // streams that ended since the last event
   bool from_snapshot_ = false;
   bool stopping_ = false;
-  absl::Status trouble_;  // why the replica gave the stream up
+  absl::Status trouble_;  // why the replica rejected the stream
   std::optional<absl::Status> ended_;
   int snapshots_ = 0;
   int reconnects_ = 0;
@@ -222,8 +221,8 @@ void Stream::OnReadDone(bool ok) {
 void Stream::OnDone(const grpc::Status& status) {
   const std::shared_ptr<Follower> follower = follower_;
   const absl::Status ended = codec::FromGrpcStatus(status);
-  // First the stream goes, then its end is told: who hears of it may drop the channel,
-  // and gRPC does not bear the last reference to go in a thread of its own.
+  // Delete the stream before reporting its end: the receiver may drop the channel, and gRPC must
+  // not release the last reference to it in one of its own threads.
   follower->StreamGoes();
   delete this;
   follower->StreamEnded(ended);

@@ -1,13 +1,13 @@
-# What `cmake --install` puts where. The components are Debian's packages (package.cmake):
-# `service` has the programs and what runs dynmeshd, `development` the libraries and headers,
-# `python` the Python package.
+# The files of `cmake --install`. The components are Debian's packages (package.cmake): `service`
+# has the programs and the unit of dynmeshd, `development` the libraries and headers, `python` the
+# Python package.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 # ---- the libraries
-# They are static (core/CMakeLists.txt), whatever BUILD_SHARED_LIBS is: an interface of functions that
-# take and return containers, Abseil's among them, is stable for one compiler and one Abseil only. So
-# there is no VERSION or SOVERSION; a program that has to know asks dynmesh/version.h.
+# They are static (core/CMakeLists.txt), whatever BUILD_SHARED_LIBS is: the interface passes
+# containers, including Abseil's, by value, so it is stable only for the same compiler and Abseil.
+# So there is no VERSION or SOVERSION; programs can check dynmesh/version.h.
 set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/dynmesh)
 set(pc_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 cmake_path(RELATIVE_PATH CMAKE_INSTALL_PREFIX
@@ -21,7 +21,7 @@ function(install_library export)
   install(EXPORT ${export} NAMESPACE dynmesh:: DESTINATION ${config_folder} COMPONENT development)
 endfunction()
 
-# install_pc(FILE TARGETS...): a file of pkg-config; absl::x is Abseil's absl_x there.
+# install_pc(FILE TARGETS...): installs a pkg-config file; absl::x is named absl_x there.
 function(install_pc file)
   set(absl ${ARGN})
   list(REMOVE_DUPLICATES absl)
@@ -47,7 +47,7 @@ if(TARGET dynmesh_client)
   install_headers(client/include)
   install_headers(proto/codec/include)
   install_pc(dynmesh-client.pc absl::cord absl::strings)
-  # The contract, for clients in other languages; the journal's is not theirs.
+  # The protocol, for clients in other languages; the journal's format is not part of it.
   install(DIRECTORY proto/dynmesh DESTINATION ${CMAKE_INSTALL_DATADIR}/dynmesh/proto
     COMPONENT development FILES_MATCHING PATTERN "*.proto" PATTERN "journal.proto" EXCLUDE)
 endif()
@@ -61,7 +61,7 @@ install(FILES
   ${CMAKE_CURRENT_BINARY_DIR}/dynmesh-config-version.cmake
   DESTINATION ${config_folder} COMPONENT development)
 
-# ---- documents; Debian looks for the licence in `copyright`
+# ---- documents; Debian expects the licence in `copyright`
 function(install_documents component folder)
   install(FILES ${ARGN} DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${folder} COMPONENT ${component})
   install(FILES LICENSE RENAME copyright
@@ -70,7 +70,7 @@ endfunction()
 install_documents(development libdynmesh-dev LICENSE CHANGELOG.md)
 
 # ---- the Python package
-# Where Debian's Python looks, for the prefix /usr; with another one it is named by PYTHONPATH.
+# Debian's Python searches there with the prefix /usr; with another prefix set PYTHONPATH.
 if(TARGET dynmesh_python)
   set(DYNMESH_PYTHON_FOLDER lib/python3/dist-packages CACHE STRING
     "Where the Python package is installed, below the prefix")

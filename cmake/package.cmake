@@ -1,4 +1,4 @@
-# Debian packages, a component each: deploy/package makes them.
+# Debian packages, one per component; made by deploy/package.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME dynmesh)
 set(CPACK_PACKAGE_VENDOR dynmesh)
@@ -6,7 +6,7 @@ set(CPACK_PACKAGE_CONTACT "dynmesh maintainers <maintainers@dynmesh.example>")
 set(CPACK_COMPONENTS_ALL service development)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_STRIP_FILES ON)
-# With DESTDIR the prefix is that of the machine where it will be, which the unit names.
+# With DESTDIR the prefix is the one on the target machine, which the unit names.
 set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_PREFIX /usr)
 
@@ -29,11 +29,11 @@ set(CPACK_DEBIAN_SERVICE_PACKAGE_CONTROL_EXTRA
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libdynmesh-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
-# The Abseil that it was compiled with: another one is not compatible in binaries.
+# The Abseil with which it was compiled; others are not binary compatible.
 math(EXPR next_absl "${absl_VERSION} + 1")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "libabsl-dev (>= ${absl_VERSION}), libabsl-dev (<< ${next_absl})")
-# Those of the client library; the mesher does without.
+# For the client library only; the mesher does not need them.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "libgrpc++-dev, libprotobuf-dev, libssl-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "dynamic meshing: C++ libraries and headers
 The mesher as a static library, and the client of dynmeshd, with files for CMake and pkg-config.")
@@ -43,7 +43,7 @@ if(TARGET dynmesh_python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-dynmesh)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
-  # The extension module is for the Python that it was compiled with.
+  # The extension module requires the Python with which it was compiled.
   get_target_property(python dynmesh_python DYNMESH_PYTHON_VERSION)
   string(REPLACE "." ";" next_python ${python})
   list(GET next_python 1 next_python)

@@ -1,4 +1,4 @@
-"""P1 finite elements whose element matrices follow a mesh: what the examples have in common."""
+"""P1 finite elements, shared by the examples: element matrices that follow a mesh."""
 from __future__ import annotations
 
 import math
@@ -11,9 +11,9 @@ import dynmesh
 
 
 class Elements:
-    """Mass and stiffness matrices of each cell, by slot; 0 where a slot is free.
+    """Mass and stiffness matrices of each cell, by slot; 0 for free slots.
 
-    `follow` assembles those of the patch alone.
+    `follow` assembles those of the patch only.
     """
 
     def __init__(self, mesh: dynmesh.Mesh) -> None:
@@ -49,7 +49,7 @@ class Elements:
                                                                    gradients)
 
     def matrix(self, values: np.ndarray, size: int) -> csr_matrix:
-        """The sum of the cells' matrices, a row for each slot of a vertex."""
+        """The sum of the cells' matrices, one row per vertex slot."""
         rows = np.repeat(self.cells, self._width, axis=1).ravel()
         columns = np.tile(self.cells, (1, self._width)).ravel()
         return coo_matrix((values.ravel(), (rows, columns)), shape=(size, size)).tocsr()
@@ -59,7 +59,7 @@ class Elements:
 
 
 def solve(system: csr_matrix, right: np.ndarray, u: np.ndarray, fixed: np.ndarray) -> np.ndarray:
-    """The solution that has u's values where `fixed` says; u is the first guess."""
+    """The solution with the values of u where `fixed`; u is also the initial guess."""
     free = np.flatnonzero(~fixed)
     known = np.where(fixed, u, 0)
     rest = (right - system @ known)[free]
@@ -71,7 +71,7 @@ def solve(system: csr_matrix, right: np.ndarray, u: np.ndarray, fixed: np.ndarra
 
 
 def vertices_of(mesh: dynmesh.Mesh, first: int, last: int) -> np.ndarray:
-    """Which slots are vertices on segments with ids from `first` to `last`, or in between."""
+    """Mask of the vertices on segments with ids from `first` to `last`."""
     mask = np.zeros(mesh.vertex_slots, bool)
     owners = mesh.subsegment_owners
     mask[mesh.subsegments[(owners >= first) & (owners <= last)]] = True
@@ -79,7 +79,7 @@ def vertices_of(mesh: dynmesh.Mesh, first: int, last: int) -> np.ndarray:
 
 
 def rebuilt(mesh: dynmesh.Mesh) -> dynmesh.Mesh:
-    """The mesh of the same features from scratch."""
+    """A mesh made from scratch of the same features."""
     again = dynmesh.open(**mesh.options)
     features = mesh.features()
     keys = ("at", "radius", "low", "high", "rings", "target")

@@ -2,13 +2,13 @@
 //
 //   heat_crack --server HOST:PORT [--edge 0.02] [--steps 40] [--out out/heat_crack_cc]
 //
-// The mesh is the server's. The program sends an edit a step and follows the stream of diffs with a
-// replica in slots: arrays with an entry for each slot need no renumbering. P1 finite elements,
-// implicit Euler; each step assembles the element matrices of the patch alone and carries the
+// The mesh is at a server. The program sends one edit per step and follows the stream of diffs with
+// a replica in slots: arrays with one entry per slot need no renumbering. P1 finite elements,
+// implicit Euler. Each step assembles the element matrices of the patch only and transfers the
 // temperature across the edit.
 //
-// Writes a series for ParaView, and ends with what it checks: heat is kept by every edit,
-// temperatures stay within their bounds, and the mesh is that of a run from scratch.
+// Writes a series for ParaView, and finally checks that every edit conserves heat, temperatures
+// stay within their bounds, and the mesh equals one made from scratch.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -78,8 +78,8 @@ T Value(absl::StatusOr<T> result) {
   return *std::move(result);
 }
 
-// A mesh of the server, and the replica of it here. The server's is deleted with this object; if
-// the program fails it stays, to be looked at.
+// A mesh at the server, and its replica here. The destructor deletes the server's mesh; if the
+// program fails, the mesh stays for inspection.
 class RemoteMesh {
  public:
   // A new mesh with `edits` as its first revision.
@@ -99,14 +99,14 @@ class RemoteMesh {
     (void)client_.DeleteMesh(name_);
   }
 
-  // Sends a batch and follows the mesh to where it led. The replica's patch is then all that
-  // changed since the last call: edits of other clients, too.
+  // Sends a batch and follows the mesh to the resulting revision. Then the replica's patch has all
+  // changes since the last call, including those by other clients.
   void Apply(const EditBatch& edits) { Follow(Send(edits)); }
 
   const SlotMesh& replica() const { return replica_; }
 
-  // Is the mesh as it is now, here and at the server, what the server makes of its features from
-  // scratch?
+  // True if the present mesh, here and at the server, equals the one made from scratch of its
+  // features.
   bool IsThatOfItsFeatures(const MeshOptions& options) {
     const dynmesh::codec::FeaturesAt now = Value(client_.GetFeatures(name_));
     Follow(now.revision);
@@ -124,8 +124,8 @@ class RemoteMesh {
     return params;
   }
 
-  // The revision that `edits` made. The request's id lets a batch be sent again when its answer
-  // was lost: the server applies it once. The stream reconnects by itself.
+  // The revision made by `edits`. The request's id allows to send a batch again if its answer was
+  // lost: the server applies it once. The stream reconnects by itself.
   std::uint64_t Send(const EditBatch& edits) {
     EditParams params = NoColumns();
     params.request_id = absl::StrCat("batch ", ++batches_);
@@ -139,12 +139,12 @@ class RemoteMesh {
     }
   }
 
-  // Several diffs become one patch: the first begins it, the others extend it.
+  // Joins several diffs to one patch: the first begins it, the others extend it.
   void Follow(std::uint64_t revision) {
     for (bool first = true; replica_.revision() < revision; first = false) {
       const auto event = Value(stream_->Next(absl::Minutes(1)));
       if (!event.has_value()) Fail("no diff came for a minute");
-      // The stream was not asked for whole meshes in the place of diffs.
+      // The stream was opened without snapshots in place of diffs.
       const MeshDiff& diff = std::get<MeshDiff>(*event);
       Check(first ? replica_.Apply(diff) : replica_.Extend(diff));
     }
@@ -157,7 +157,7 @@ class RemoteMesh {
   std::unique_ptr<DiffStream> stream_;
 };
 
-// The element matrices of mass and stiffness of each cell, by slot; 0 where a slot is free.
+// The mass and stiffness matrices of each cell, by slot; 0 for free slots.
 class Elements {
  public:
   explicit Elements(const SlotMesh& mesh) : elements_(mesh.regions().size()) {
@@ -166,7 +166,7 @@ class Elements {
     }
   }
 
-  // Assembles what the mesh's patch changed.
+  // Reassembles the cells changed by the mesh's patch.
   void Follow(const SlotMesh& mesh) {
     elements_.resize(mesh.regions().size());
     for (const Slot cell : mesh.patch().removed_simplices) elements_[Index(cell)] = {};
@@ -175,7 +175,7 @@ class Elements {
     }
   }
 
-  // (M + dt K) u, with mass M and stiffness K. Element by element: no global matrix is needed.
+  // (M + dt K) u, with mass M and stiffness K. Element by element, without a global matrix.
   Field Multiply(double dt, const Field& u) const {
     Field result(u.size());
     for (const Element& e : elements_) {
@@ -190,7 +190,7 @@ class Elements {
     return result;
   }
 
-  // The diagonal of M + dt K, an entry for each of so many slots.
+  // The diagonal of M + dt K, with `slots` entries.
   Field Diagonal(double dt, std::size_t slots) const {
     Field result(slots);
     for (const Element& e : elements_) {
@@ -225,7 +225,8 @@ class Elements {
       e.corners[i] = Index(mesh.cells()[3 * cell + i]);
       at[i] = {mesh.points()[2 * e.corners[i]], mesh.points()[2 * e.corners[i] + 1]};
     }
-    // A hat function's gradient is the edge opposite of its corner, turned, over twice the area.
+    // The gradient of a hat function is the edge opposite to its corner, rotated, over twice the
+    // area.
     std::array<std::array<double, 2>, 3> edge;
     for (std::size_t i = 0; i < 3; ++i) {
       const auto &a = at[(i + 1) % 3], &b = at[(i + 2) % 3];
@@ -251,7 +252,7 @@ double Dot(const Field& a, const Field& b) {
 }
 
 // One step of implicit Euler: (M + dt K) u = M u_old, by conjugate gradients with the diagonal as
-// preconditioner. Where `fixed`, u stays as it is: 0.
+// preconditioner. Where `fixed`, u stays 0.
 void DiffuseFor(double dt, const Elements& elements, const std::vector<bool>& fixed, Field& u) {
   const std::size_t n = u.size();
   Field diagonal = elements.Diagonal(dt, n);
@@ -286,7 +287,7 @@ void DiffuseFor(double dt, const Elements& elements, const std::vector<bool>& fi
   }
 }
 
-// The slots where the temperature is 0: vertices on the crack, and what is free.
+// The slots with temperature 0: vertices on the crack, and free slots.
 std::vector<bool> ColdSlots(const SlotMesh& mesh) {
   std::vector<bool> cold(mesh.ids().size());
   for (std::size_t i = 0; i < cold.size(); ++i) cold[i] = mesh.ids()[i] == 0;
@@ -328,9 +329,9 @@ std::optional<Arguments> Parse(const std::vector<std::string>& words) {
 }
 
 struct Figures {
-  double worst_loss = 0;  // of heat in an edit, of all there is
+  double worst_loss = 0;  // largest relative loss of heat in an edit
   double milliseconds = 0;
-  std::size_t changed = 0;  // vertices
+  std::size_t changed = 0;  // number of vertices
 };
 
 void PrintAndCheck(const Arguments& arguments, const Figures& figures, const SlotMesh& mesh,

@@ -2,12 +2,12 @@
 """Heat conduction in a plate through which a cooled crack grows.
 
 P1 finite elements, implicit Euler. The mesh follows the crack; each step assembles the element
-matrices of the patch alone and carries the temperature across the edit.
+matrices of the patch only and transfers the temperature across the edit.
 
     examples/heat_crack.py [--edge 0.02] [--steps 40] [--out out/heat_crack] [--server HOST:PORT]
 
-Writes a series for ParaView, and ends with what it checks: heat is kept by every edit, temperatures
-stay within their bounds, and the mesh is that of a run from scratch.
+Writes a series for ParaView, and finally checks that every edit conserves heat, temperatures stay
+within their bounds, and the mesh equals one made from scratch.
 """
 from __future__ import annotations
 

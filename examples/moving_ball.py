@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Diffusion around a ball that moves through a box, in 3D.
 
-The ball is a closed surface of triangles whose points move; inside of it the concentration is held
-at 1. Means of cells (P0) and values at vertices (P1) are carried by every edit.
+The ball is a closed surface of triangles with moving points; inside of it the concentration is held
+at 1. Every edit transfers means of cells (P0) and values at vertices (P1).
 
     examples/moving_ball.py [--steps 8] [--out out/moving_ball]
 
-Writes a series for ParaView, and checks that mass is kept by every edit, in all and, where the ball
-leaves it, in the region of the ball, and that the mesh is that of a run from scratch.
+Writes a series for ParaView. Checks that every edit conserves mass, in total and, except for what
+the ball's motion moves across its surface, in the region of the ball, and that the mesh equals one
+made from scratch.
 """
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ import numpy as np
 import dynmesh
 import fem
 
-# An octahedron, its corners 1 to 6, its faces 11 to 18.
+# An octahedron with corners 1 to 6 and faces 11 to 18.
 CORNERS = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
 FACES = [(1, 3, 5), (3, 2, 5), (2, 4, 5), (4, 1, 5), (3, 1, 6), (2, 3, 6), (4, 2, 6), (1, 4, 6)]
 

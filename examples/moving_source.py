@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 """A heat source that moves around a plate, with a fine mesh where it is.
 
-A sizing disc goes with the source: the mesh refines ahead of it and coarsens behind. P1 finite
-elements, implicit Euler; the temperature is carried by every edit.
+A sizing disc moves with the source: the mesh refines ahead of it and coarsens behind. P1 finite
+elements, implicit Euler; every edit transfers the temperature.
 
     examples/moving_source.py [--edge 0.05] [--steps 60] [--out out/moving_source]
 
-Writes a series for ParaView, and checks that heat is what the source brought, however often the
-mesh changed.
+Writes a series for ParaView, and checks that the heat equals the source's input after all edits.
 """
 from __future__ import annotations
 

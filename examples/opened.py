@@ -1,4 +1,4 @@
-"""The mesh of an example: in process, or a server's for as long as the example runs."""
+"""The mesh of an example: in process, or at a server while the example runs."""
 from __future__ import annotations
 
 from collections.abc import Iterator
@@ -12,8 +12,8 @@ import dynmesh
 def opened(server: Optional[str], **options: Any) -> Iterator[dynmesh.Mesh]:
     """A new mesh with the `options` of `dynmesh.open`.
 
-    `server` is the address of a dynmeshd. The mesh is deleted there at the end. Without an address
-    the mesh is in this process.
+    `server` is the address of a dynmeshd, where the mesh is deleted at the end. If it is empty, the
+    mesh is in this process.
     """
     if server is None:
         yield dynmesh.open(**options)

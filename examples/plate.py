@@ -1,8 +1,8 @@
-"""A plate in which a warm disc moves and a wire grows: what the examples of packages share.
+"""A plate in which a warm disc moves and a wire grows; shared by the examples of FEM packages.
 
-A package is given the triangles of the plate alone, with a marker for each cell (is it in the
-disc?) and each facet of interest (which feature is it a piece of?). It does one step of heat
-conduction and tells what it integrated: that is compared with the features.
+A package gets the triangles of the plate only, with a marker for each cell (in the disc or not) and
+for each marked facet (its feature). It does one step of heat conduction and returns its integrals,
+which are compared with those of the features.
 """
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ import numpy as np
 import dynmesh
 from opened import opened
 
-# Ids of features, and so markers of facets. The left side is a segment of its own, so that its
-# pieces can be told from those of the plate's other sides. All of the wire has the marker WIRE, its
-# segments have ids from there on.
+# Ids of features, and so markers of facets. The left side is a segment feature, so that its
+# subsegments have a marker of their own. The whole wire has the marker WIRE; its segments have ids
+# from there on.
 LEFT, PLATE, DISC, WIRE = 50, 100, 200, 300
 CORNERS, RADIUS = 16, 0.12  # of the disc; its points are 11, 12, ...
 JOINT = 1000  # the first point of the wire; the others' ids follow
 IN_PLATE, IN_DISC = 1, 2  # markers of cells
 
-# What the packages solve: u' = div(k grad u), heated in the disc, along the wire and from the left.
+# The problem: u' = div(k grad u), heated in the disc, along the wire and from the left.
 TIME_STEP = 0.02
 CONDUCTIVITY = {IN_PLATE: 0.1, IN_DISC: 1.0}
 HEATING = {DISC: 20.0, WIRE: 5.0, LEFT: -0.5}
@@ -52,7 +52,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a package found: areas and lengths by marker, heat before and after its step."""
+    """A package's results: areas and lengths by marker, heat before and after its step."""
 
     areas: dict[int, float]
     lengths: dict[int, float]
@@ -62,10 +62,10 @@ class Answer:
 
 
 def part_of(mesh: dynmesh.Mesh, u: np.ndarray) -> Part:
-    """The part of a mesh that lies in the plate: what is in no polygon is left out."""
+    """The part of a mesh in the plate, without the cells in no polygon."""
     inside = mesh.live_cells & (mesh.regions != 0)
     slots, cells = np.unique(mesh.cells[inside], return_inverse=True)
-    # A region in several polygons has an id of its own. The mesh tells which they are.
+    # A set of several polygons has its own region id. region_sets has the polygons.
     in_disc = np.array([region for region, polygons in mesh.region_sets.items()
                         if DISC in polygons], np.uint64)
     owned = (mesh.subsegments[:, 0] >= 0) & (mesh.subsegment_owners < 2**31)  # not the box's
@@ -84,7 +84,7 @@ def disc(step: int, steps: int) -> dict[int, tuple[float, float]]:
 
 
 def joint(step: int, steps: int) -> tuple[float, float]:
-    """Where the wire ends after a step."""
+    """The wire's end after a step."""
     return 0.15 + 0.7 * step / steps, 0.75 + 0.08 * math.sin(2.1 * step)
 
 
@@ -93,7 +93,7 @@ def length(points: list[tuple[float, float]]) -> float:
 
 
 def expected(step: int, steps: int) -> tuple[dict[int, float], dict[int, float], float]:
-    """What the features after a step say: areas and lengths by marker, and the heat of a step."""
+    """Expected values after a step, from the features: areas and lengths by marker, heat gained."""
     area = RADIUS**2 * CORNERS / 2 * math.sin(2 * math.pi / CORNERS)
     corners = list(disc(step, steps).values())
     lengths = {LEFT: 1.0, PLATE: 3.0, DISC: length([*corners, corners[0]]),
@@ -108,13 +108,13 @@ def difference(found: dict[int, float], wanted: dict[int, float]) -> float:
 
 
 def missing(debian_package: str) -> NoReturn:
-    """Ends the program as one that could not run; CTest lists it as skipped."""
+    """Ends the program with the exit code that CTest lists as skipped."""
     print(f"not run: install Debian's package {debian_package}")
     sys.exit(77)
 
 
 def run(name: str, solve: Callable[[Part], Answer]) -> None:
-    """Ten edits, after each of which the package `name` does a step on the mesh as it is then."""
+    """Applies ten edits; after each, the package `name` does a step on the present mesh."""
     parser = argparse.ArgumentParser(description=f"Heat conduction with {name} on a changing mesh.")
     parser.add_argument("--edge", type=float, default=0.03, help="target length of edges")
     parser.add_argument("--steps", type=int, default=10)

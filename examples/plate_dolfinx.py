@@ -3,9 +3,9 @@
 
     examples/plate_dolfinx.py [--edge 0.03] [--out out/plate_dolfinx] [--server HOST:PORT]
 
-A disc moves and a wire grows in a plate. After each edit DOLFINx gets the mesh as it is then, from
-arrays, regions as cell tags and features as facet tags, with the temperature that was carried.
-Writes a series for ParaView; plate.py, which all packages share, tells what is checked.
+A disc moves and a wire grows in a plate. After each edit DOLFINx gets the present mesh from arrays,
+regions as cell tags and features as facet tags, with the transferred temperature. Writes a series
+for ParaView; plate.py, shared by all packages, describes the checks.
 """
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ except ModuleNotFoundError:
 
 def read(part: plate.Part) -> tuple[dolfinx.mesh.Mesh, dolfinx.mesh.MeshTags, dolfinx.mesh.MeshTags,
                                     np.ndarray]:
-    """The mesh, tags of cells and facets, and which vertex of the part each of its nodes is."""
+    """The mesh, tags of cells and facets, and the part's vertex of each of its nodes."""
     triangle = ufl.Mesh(ufl.VectorElement("Lagrange", "triangle", 1))
     mesh = dolfinx.mesh.create_mesh(MPI.COMM_SELF, part.cells.astype(np.int64), part.points,
                                     triangle)
     mesh.topology.create_connectivity(1, 0)
     mesh.topology.create_connectivity(1, 2)
-    # DOLFINx renumbers cells and vertices for locality, and tells from which.
+    # DOLFINx renumbers cells and vertices for locality; these arrays have the original numbers.
     nodes = np.array(mesh.geometry.input_global_indices)
     cells = mesh.topology.original_cell_index
     cell_tags = dolfinx.mesh.meshtags(mesh, 2, np.arange(len(cells), dtype=np.int32),
@@ -60,7 +60,7 @@ def solve(part: plate.Part) -> plate.Answer:
     row = np.zeros(len(nodes), np.int64)  # of the part, for each number in the space
     row[space.dofmap.list.array] = nodes[mesh.geometry.dofmap.array]
 
-    # Numbers that are constants and not part of the form: so it is compiled once, not each step.
+    # Constants instead of literals in the form, so that it is compiled once and not in each step.
     def constant(value: float) -> fem.Constant:
         return fem.Constant(mesh, value)
 

@@ -3,9 +3,9 @@
 
     examples/plate_freefem.py [--edge 0.03] [--out out/plate_freefem] [--server HOST:PORT]
 
-A disc moves and a wire grows in a plate. After each edit FreeFEM gets the mesh as it is then, as a
-file with regions and labels, with the temperature that was carried; plate_freefem.edp solves.
-Writes a series for ParaView; plate.py, which all packages share, tells what is checked.
+A disc moves and a wire grows in a plate. After each edit FreeFEM gets the present mesh as a file
+with regions and labels, with the transferred temperature; plate_freefem.edp solves. Writes a series
+for ParaView; plate.py, shared by all packages, describes the checks.
 """
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SCRIPT = pathlib.Path(__file__).resolve().with_suffix(".edp")
 
 
 def write(part: plate.Part, path: pathlib.Path) -> None:
-    """FreeFEM's .msh: vertices, triangles and edges, each with a label; they count from 1."""
+    """Writes FreeFEM's .msh: vertices, triangles and edges, each with a label, numbered from 1."""
     rows = [f"{len(part.points)} {len(part.cells)} {len(part.facets)}"]
     rows += [f"{x!r} {y!r} 0" for x, y in part.points.tolist()]
     for corners, labels in ((part.cells, part.cell_markers), (part.facets, part.facet_markers)):

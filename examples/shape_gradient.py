@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Shape optimisation: a cooled hole in a heated plate moves to where it cools best.
 
-The hole is a polygon. The gradient of the mean temperature is taken by differences: the hole is
-moved a little and moved back. The mesh is a function of its features, so it comes back to the bit,
-and differences see the shape alone and not the mesher's mood.
+The hole is a polygon. The gradient of the mean temperature is computed by finite differences: the
+hole is moved a little and back. The mesh is a function of its features, so it is restored to the
+bit, and the differences depend on the shape only, not on the history of edits.
 
     examples/shape_gradient.py [--edge 0.04] [--steps 12] [--out out/shape_gradient]
 
-Writes a series for ParaView, and checks that the mean temperature falls, that the hole finds the
-heat, and that the mesh comes back after each difference.
+Writes a series for ParaView. Checks that the mean temperature falls, that the hole moves to the
+heat, and that the mesh is restored after each difference.
 """
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-// A series for ParaView: one .vtu a step, and the .pvd that lists them. For the examples in C++; in
-// the plane, with one field of values at vertices.
+// A series for ParaView: one .vtu per step, and the .pvd that lists them. For the C++ examples; in
+// 2D, with one field of values at vertices.
 #ifndef DYNMESH_EXAMPLES_VTU_SERIES_H_
 #define DYNMESH_EXAMPLES_VTU_SERIES_H_
 
@@ -21,11 +21,11 @@ class VtuSeries {
   VtuSeries(std::filesystem::path folder, std::string name)
       : folder_(std::move(folder)), name_(std::move(name)) {}
 
-  // Of the list.
+  // The path of the .pvd.
   std::string path() const { return (folder_ / (name_ + ".pvd")).string(); }
 
-  // Writes one step, and the list as it is then. `values` by slot of a vertex. False if a file
-  // cannot be written.
+  // Writes one step, and updates the list. `values` is by vertex slot. False if a file cannot be
+  // written.
   bool Add(double time, const dynmesh::SlotMesh& mesh, const std::string& field,
            std::span<const double> values) {
     std::error_code error;
@@ -91,7 +91,7 @@ class VtuSeries {
   const std::filesystem::path folder_;
   const std::string name_;
   int steps_ = 0;
-  std::ostringstream lines_;  // of the list, one a step
+  std::ostringstream lines_;  // of the list, one per step
 };
 
 }  // namespace examples

@@ -17,8 +17,8 @@
 namespace dynmesh::server {
 namespace {
 
-// Field `n` of /proc/self/stat, as proc(5) counts them; n > 2. Field 2, the command's name, may
-// hold anything and ends at the last parenthesis.
+// Field `n` > 2 of /proc/self/stat, numbered as in proc(5). Field 2, the command's name, may
+// contain anything and ends at the last parenthesis.
 double StatField(const std::string& stat, int n) {
   std::istringstream fields(stat.substr(std::min(stat.size(), stat.rfind(')') + 1)));
   std::string word;
@@ -39,7 +39,7 @@ double SecondsOf(clockid_t clock) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// When the system started, in seconds since 1970. Not from /proc/stat, which a service may not see.
+// Boot time in seconds since 1970. Not from /proc/stat, which may be hidden from a service.
 double BootTime() { return SecondsOf(CLOCK_REALTIME) - SecondsOf(CLOCK_BOOTTIME); }
 
 }  // namespace
@@ -134,7 +134,7 @@ void WriteLimits(const MemoryGuard& memory, const TlsFiles& tls, MetricsText& ou
              static_cast<double>(memory.limit()));
   if (!tls.enabled()) return;
   const absl::StatusOr<absl::Time> end = EndOfCertificate(tls.certificate);
-  if (!end.ok()) return;  // the one before is in use, and the log says so
+  if (!end.ok()) return;  // the one before is in use; a log line reports the failure
   out.Single("dynmesh_certificate_end_time_seconds", "gauge",
              "When the certificate in the file is no longer valid, since 1970.",
              absl::ToDoubleSeconds(*end - absl::UnixEpoch()));
@@ -151,7 +151,7 @@ void WriteStreams(const ClientQuotas& streams, MetricsText& out) {
 void WriteProcess(MetricsText& out) {
   const std::string stat = ReadAll("/proc/self/stat");
   const auto ticks = static_cast<double>(sysconf(_SC_CLK_TCK));
-  // Told alike ever after, though clocks are adjusted.
+  // Computed once: constant even if clocks are adjusted.
   static const double start = BootTime() + StatField(stat, 22) / ticks;
   out.Single("process_resident_memory_bytes", "gauge", "Memory of the process.",
              static_cast<double>(ResidentBytes()));

@@ -1,5 +1,5 @@
-// Figures that are looked up when somebody asks for them: of each mesh, of the journal, of the
-// process. Thread-safe; O(meshes).
+// Figures that are computed per request: of each mesh, of the journal, of the process. Thread-safe;
+// O(meshes).
 #ifndef DYNMESH_SERVER_COLLECT_H_
 #define DYNMESH_SERVER_COLLECT_H_
 
@@ -14,11 +14,11 @@ namespace dynmesh::server {
 
 void WriteMeshes(const MeshRegistry& meshes, MetricsText& out);
 void WriteJournal(const Journal& journal, MetricsText& out);
-// What it must not outgrow or outlive: memory, and the certificate, if there is one.
+// The memory limit, and the end of the certificate, if there is one.
 void WriteLimits(const MemoryGuard& memory, const TlsFiles& tls, MetricsText& out);
-// How many streams clients have open, and may have.
+// The number of clients' open streams, and its limit.
 void WriteStreams(const ClientQuotas& streams, MetricsText& out);
-// What the kernel tells in /proc, and which dynmeshd this is.
+// Figures from /proc, and the version of dynmeshd.
 void WriteProcess(MetricsText& out);
 
 }  // namespace dynmesh::server

@@ -19,12 +19,12 @@
 namespace dynmesh::server {
 namespace {
 
-// As far as counts go: more than any machine holds.
+// Upper bound of counts: more than any machine holds.
 constexpr std::uint64_t kMost = 1'000'000'000'000'000;
 constexpr double kDay = 86400;
 constexpr int kMostThreads = 1024;
 
-// A value that its option does not take.
+// A value that its option does not accept.
 class BadValue final : public CLI::ValidationError {
  public:
   BadValue(std::string key, std::string value, const std::string& why)
@@ -37,8 +37,8 @@ class BadValue final : public CLI::ValidationError {
   std::string key_, value_, why_;
 };
 
-// An option whose value is a number from `least` to `most`, the whole of the text: CLI11 takes -1
-// for 2^64 - 1, and 1e3 for 1.
+// An option that takes a number from `least` to `most` and nothing after it. (CLI11 itself reads -1
+// as 2^64 - 1, and 1e3 as 1.)
 template <typename T>
 CLI::Option* AddNumber(CLI::App& app, const std::string& key, T least, T most, const char* help,
                        std::function<void(T)> set) {
@@ -69,7 +69,7 @@ void AddCount(CLI::App& app, const char* key, T& target, T least, const char* he
       ->type_name("UINT");
 }
 
-// A duration, in seconds, of `least` to a day.
+// A duration in seconds, from `least` to one day.
 void AddSeconds(CLI::App& app, const char* key, absl::Duration& target, double least,
                 const char* help) {
   AddNumber<double>(app, key, least, kDay, help,
@@ -148,8 +148,8 @@ void AddClientLimits(CLI::App& app, ServerConfig& c) {
              "seconds until a call is ended whose client takes nothing of it; 0: never");
 }
 
-// Where a key stands in a configuration file: its line, from 1. The one with that value if it
-// stands there twice; 0 if nowhere.
+// The line (from 1) of a key in a configuration file. If the key is there twice: the line with that
+// value. 0 if the key is absent.
 int LineOf(const std::string& path, absl::string_view key, absl::string_view value) {
   std::ifstream in(path);
   int line = 0, found = 0;
@@ -170,7 +170,7 @@ bool IsOnCommandLine(absl::string_view key, int argc, const char* const* argv) {
   });
 }
 
-// In the log's form: a server is mostly started by a program, which keeps its log.
+// In the log's form: usually a program starts the server and keeps its log.
 void TellBadValue(const CLI::App& app, const BadValue& bad, int argc, const char* const* argv) {
   if (IsOnCommandLine(bad.key(), argc, argv)) {
     Log(LogLevel::kError, "bad_option",
@@ -187,12 +187,12 @@ void TellBadValue(const CLI::App& app, const BadValue& bad, int argc, const char
 }
 
 void TellBadFile(const CLI::App& app, const CLI::ConfigError& error) {
-  // CLI11's own words end with the key, and name neither the file nor what is wrong with it.
+  // CLI11's message ends with the key. It names neither the file nor the fault.
   constexpr char kExtra[] = "INI was not able to parse ";
   const std::string what = error.what();
   absl::string_view key = what;
   const bool unknown = absl::ConsumePrefix(&key, kExtra);
-  // "lab.++" is how it calls the beginning of a section.
+  // CLI11 reports the beginning of a section as "lab.++".
   const bool section = absl::ConsumeSuffix(&key, ".++");
   const auto path = app.get_config_ptr()->as<std::string>();
   if (!unknown) {

@@ -1,5 +1,5 @@
-// What dynmeshd is told: the command line, and the configuration file, whose keys are the same
-// names. What the command line says goes before the file. deploy/dynmeshd.conf shows every key.
+// The options of dynmeshd: the command line, and a configuration file with the same names as keys.
+// The command line takes precedence. deploy/dynmeshd.conf shows every key.
 #ifndef DYNMESH_SERVER_FLAGS_H_
 #define DYNMESH_SERVER_FLAGS_H_
 
@@ -16,16 +16,16 @@ struct Flags {
   ServerConfig config;
   std::string port_file;
   std::string data_dir;
-  std::string accept_loss;  // with commas between
+  std::string accept_loss;  // comma-separated
   std::string log_level = "info";
 };
 
 // `flags` outlives the parsing.
 void AddFlags(CLI::App& app, Flags& flags);
 
-// Parses. Empty if the program is to go on; else its exit code, after having said why: 0 for help
-// and version, 2 for bad usage, of which the log tells: key, value, and file and line if it came
-// from there (bad_option).
+// Parses. Returns nothing if the program continues, else its exit code after the reason was
+// printed: 0 for help and version, 2 for bad usage. Bad usage is logged as bad_option with key and
+// value, and with file and line if it is from the configuration file.
 std::optional<int> ParseFlags(CLI::App& app, int argc, const char* const* argv);
 
 }  // namespace dynmesh::server

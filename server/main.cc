@@ -30,7 +30,7 @@ int Fail(int code, const absl::Status& status) {
   return code;
 }
 
-// Complete or absent: whoever waits for the file may read it when it is there.
+// Atomic: the file is complete or absent, so that a process that waits for it can read it.
 bool WritePortFile(const std::string& path, int port) {
   const std::string temporary = path + ".tmp";
   std::ofstream out(temporary);
@@ -39,25 +39,25 @@ bool WritePortFile(const std::string& path, int port) {
   return out.good() && std::rename(temporary.c_str(), path.c_str()) == 0;
 }
 
-// What the process is told from outside, on a thread of its own: from its beginning on, as making
-// meshes again may take long.
+// Handles signals on its own thread. It starts first, since recovery may take long.
 class Signals {
  public:
-  // Before any other thread is made, so that all inherit the mask and only sigwait sees them.
+  // To be made before any other thread: all threads inherit the mask, so only sigwait gets the
+  // signals.
   Signals() {
     sigemptyset(&signals_);
     for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals_, signal);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-    // For as long as the process.
+    // Runs until the process ends.
     std::thread([this] { Run(); }).detach();
   }
 
-  // From now on there is something to end in good order.
+  // From now on a signal drains `server` instead of ending the process.
   void Serves(Server* server) {
     const std::lock_guard lock(mutex_);
     server_ = server;
   }
-  // Until the process is told to end. A signal to end that comes later does not wait.
+  // Blocks until a signal asks the process to end. A second one ends the process at once.
   void WaitForEnd() {
     std::unique_lock lock(mutex_);
     ended_.wait(lock, [this] { return ending_; });
@@ -74,7 +74,7 @@ class Signals {
       } else if (ending_) {
         std::_Exit(1);
       } else if (server_ == nullptr) {
-        std::_Exit(0);  // nobody has been answered yet
+        std::_Exit(0);  // no call has been answered yet
       } else {
         ending_ = true;
         ended_.notify_one();
@@ -89,7 +89,7 @@ class Signals {
   bool ending_ = false;
 };
 
-// Null if nothing is to be kept.
+// Null without a data folder.
 absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flags& flags) {
   using dynmesh::server::SqliteJournal;
   if (flags.data_dir.empty()) return nullptr;
@@ -101,7 +101,7 @@ absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flag
 }
 
 int Serve(const Flags& flags, Signals& signals) {
-  // Before anything is made in the folder.
+  // Before any file is made in the folder.
   if (absl::Status s = dynmesh::server::ValidateConfig(flags.config); !s.ok()) return Fail(2, s);
   auto journal = OpenJournal(flags);
   if (!journal.ok()) return Fail(1, journal.status());

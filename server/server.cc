@@ -34,12 +34,12 @@ namespace dynmesh::server {
 namespace {
 
 constexpr char kServiceName[] = "dynmesh.v1.MeshService";
-// How finely idle watchers' progress is timed.
+// Resolution of the progress timer of idle watchers.
 constexpr std::chrono::milliseconds kTick{100};
-// For the last calls of a drain to be told, and for cancelled ones to unwind.
+// For the last calls of a drain to be answered, and for cancelled calls to unwind.
 constexpr absl::Duration kCallGrace = absl::Seconds(5);
-// For clients to read that the server goes away and to close their connections themselves. Those
-// without a call often do not look before their next one.
+// For clients to read the GOAWAY and to close their connections themselves. A client without a call
+// often notices only at its next call.
 constexpr std::chrono::milliseconds kConnectionGrace{50};
 
 int Threads(int configured) {
@@ -47,7 +47,7 @@ int Threads(int configured) {
   return std::max(2, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-// Those that wait for a journal use no core, and share its sync the more they are.
+// A thread that waits for the journal uses no core. More threads share one sync.
 int WriterThreads(int configured, bool journal) {
   constexpr int kLeastWithJournal = 8;
   if (configured > 0 || !journal) return Threads(configured);
@@ -60,12 +60,12 @@ void LimitConnections(const ServerConfig& config, grpc::ServerBuilder& builder) 
   const auto set = [&builder](const char* name, int value) {
     builder.AddChannelArgument(name, value);
   };
-  // Finds out about clients that vanished without a word.
+  // Detects clients that vanished without closing their connection.
   set(GRPC_ARG_KEEPALIVE_TIME_MS, Milliseconds(config.keepalive_interval));
   set(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, Milliseconds(config.keepalive_timeout));
   set(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 10'000);
   set(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  // And those that never said one, or have nothing to say.
+  // Closes connections without a handshake, and idle ones.
   set(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, Milliseconds(config.handshake_timeout));
   set(GRPC_ARG_MAX_CONNECTION_IDLE_MS, Milliseconds(config.idle_timeout));
   set(GRPC_ARG_MAX_CONCURRENT_STREAMS, config.max_streams_per_connection);
@@ -112,13 +112,13 @@ struct Server::Impl {
         context(c, &registry, &writers, &readers, &answers, &metrics, access.get(), absl::Now()),
         service(&context) {}
 
-  // A start that fails has opened the port already.
+  // A Listen that fails has opened the port already.
   ~Impl() {
     acceptor.reset();
     if (server != nullptr) server->Shutdown(std::chrono::system_clock::now());
   }
 
-  // From here on calls are answered, though only that the meshes are not there yet.
+  // From here on calls are answered, with RECOVERING until the meshes are recovered.
   absl::Status Listen() {
     grpc::EnableDefaultHealthCheckService(true);
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
@@ -175,7 +175,7 @@ struct Server::Impl {
   }
 
   void Tick() {
-    // Not the time of day, which may be set back.
+    // Not the time of day, which can be set back.
     const absl::Time now =
         absl::UnixEpoch() + absl::FromChrono(std::chrono::steady_clock::now().time_since_epoch());
     registry.Tick(now);
@@ -194,8 +194,8 @@ struct Server::Impl {
     }
   }
 
-  // No reason to send no requests: reads are answered, and the next edit tries the journal again.
-  // Neither are damaged meshes: the others are served.
+  // Neither makes the server unready. While the journal fails, reads are answered and the next edit
+  // retries the journal. Besides damaged meshes, the others are served.
   std::string Amiss() const {
     std::vector<std::string> amiss;
     if (journal != nullptr && journal->counts().failing) {
@@ -207,7 +207,7 @@ struct Server::Impl {
     return absl::StrJoin(amiss, "; ");
   }
 
-  // Before the meshes are there, so that whoever asks learns that they are being made again.
+  // Before recovery, so that clients of HTTP see that it is under way.
   absl::Status ListenForMetrics() {
     metrics.registry.AddSource([this](MetricsText& out) {
       WriteMeshes(registry, out);
@@ -232,7 +232,7 @@ struct Server::Impl {
     return absl::OkStatus();
   }
 
-  // Destroyed in reverse: first the calls end (Stop), then the tasks, then the meshes.
+  // Destroyed in reverse order: first the calls end (Stop), then the tasks, then the meshes.
   const ServerConfig config;
   const std::unique_ptr<Journal> journal;  // null: nothing outlives this process
   const std::unique_ptr<Access> access;
@@ -240,7 +240,7 @@ struct Server::Impl {
   ServerMetrics metrics;
   WorkerPool writers;
   WorkerPool readers;
-  WorkerPool answers;  // not shared with readers, whose tasks may be as long as a mesh
+  WorkerPool answers;  // not shared with readers: their tasks may take O(mesh)
   MeshRegistry registry;
   CallMetrics calls;
   ServiceContext context;
@@ -249,12 +249,12 @@ struct Server::Impl {
   std::shared_ptr<grpc::ServerCredentials> credentials;  // outlive the server
   std::shared_ptr<TlsCredentials> tls;                   // the same, if it is TLS
   std::unique_ptr<grpc::Server> server;
-  std::unique_ptr<Acceptor> acceptor;  // null: gRPC listens itself
+  std::unique_ptr<Acceptor> acceptor;  // null: gRPC itself listens
   int port = 0;
   std::unique_ptr<Ticker> ticker;
   std::mutex drain_mutex;
   bool drained = false;
-  // What /readyz answers; empty: ready.
+  // The answer of /readyz; empty: ready.
   std::atomic<const char*> not_ready{"recovering"};
   std::unique_ptr<MetricsHttp> http;
 };
@@ -324,7 +324,7 @@ bool Server::Drain(absl::Duration limit) {
   impl_->calls.open().Close();
   const bool done = impl_->context.gate.WaitEmpty(limit);
   if (impl_->acceptor != nullptr) impl_->acceptor->Stop();
-  // Of calls that are still there edits are cancelled, and undone. All others are being told.
+  // Edits of calls that are still open are cancelled and undone. The other calls are being ended.
   if (done) impl_->calls.open().WaitEmpty(kCallGrace);
   impl_->server->Shutdown(std::chrono::system_clock::now() +
                           (done ? kConnectionGrace : std::chrono::milliseconds(0)));

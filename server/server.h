@@ -1,4 +1,4 @@
-// A whole server: listens, serves, drains. Thread-safe but for destruction.
+// A whole server: listens, serves, drains. Thread-safe except destruction.
 #ifndef DYNMESH_SERVER_SERVER_H_
 #define DYNMESH_SERVER_SERVER_H_
 
@@ -15,26 +15,27 @@ namespace dynmesh::server {
 
 class Server {
  public:
-  // Serves when it returns. INVALID_ARGUMENT for a bad config, UNAVAILABLE if the
-  // address cannot be had or the journal not be read. Meshes are made by `factory`. With a journal,
-  // its meshes are there again, and edits answered when it has them; else nothing is kept. While
-  // they are made again, the port is open and calls are answered UNAVAILABLE (RECOVERING).
+  // Returns when the server serves. Meshes are made by `factory`. INVALID_ARGUMENT for a bad
+  // `config`, UNAVAILABLE if the address or the journal is not available. With a `journal`, its
+  // meshes are recovered, and edits are answered after the journal has them; without one, nothing
+  // outlives the process. During recovery the port is open and calls are answered UNAVAILABLE
+  // (RECOVERING).
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config,
                                                        MeshFactory factory,
                                                        std::unique_ptr<Journal> journal = nullptr);
-  // Cuts off what is still under way; call Drain first to be polite.
+  // Cuts off running calls; call Drain first to let them end.
   ~Server();
 
   int port() const;
-  std::string address() const;  // host:port with the port chosen
+  std::string address() const;  // host:port with the chosen port
 
-  // Health says NOT_SERVING, new work is refused (UNAVAILABLE), watches end, what is
-  // under way ends, at most for `limit`; what is not done by then is cancelled, and
-  // changes nothing. True if all ended by itself. Returns when nothing runs any more. Connections
-  // without calls are told to go (GOAWAY) and closed a moment later; they do not hold it up.
+  // Health becomes NOT_SERVING, new work is refused (UNAVAILABLE), watches end, and running work
+  // has up to `limit` to end. After that it is cancelled and changes nothing. True if all ended in
+  // time. Returns when nothing runs any more. Connections without calls get a GOAWAY and are closed
+  // a moment later; Drain does not wait for them.
   bool Drain(absl::Duration limit);
 
-  // Reads the file of tokens again; without being told to, it does when the file changed.
+  // Reads the token file again. A change of the file is also noticed without this.
   void Reload();
 
   MeshRegistry& registry();

@@ -1,1 +1,1 @@
-// Nothing of its own: owns the headers that are compiled once for all tests.
+// Empty: owns the headers that are precompiled for all tests.

@@ -20,8 +20,8 @@ namespace {
 using data::Concat;
 
 constexpr double kMaxMagnitude = 0x1p200;
-constexpr double kMinCoordinate = 0x1p-200;       // nearer to 0 nothing can be computed with
-constexpr double kMinTolerance = 0x1p-41;         // of the largest coordinate: 2^11 ulps
+constexpr double kMinCoordinate = 0x1p-200;       // nearer to 0 is rounded to 0
+constexpr double kMinTolerance = 0x1p-41;         // relative to the largest coordinate: 2^11 ulps
 constexpr FeatureId kMaxId = ~FeatureId{0} >> 1;  // leaves room for new ones
 
 absl::Status Refuse(const char* reason, std::vector<FeatureId> ids, std::string message) {
@@ -122,7 +122,7 @@ class Cleaner {
     std::vector<Entry> entries;
     for (const Feature& f : features_) {
       if (f.kind != FeatureKind::kPoint) continue;
-      const Point given = {f.position[0] + 0.0, f.position[1] + 0.0};  // -0 is 0
+      const Point given = {f.position[0] + 0.0, f.position[1] + 0.0};  // -0 becomes 0
       Point at = given;
       for (double& x : at) {
         if (std::abs(x) < kMinCoordinate) x = 0;
@@ -164,8 +164,8 @@ class Cleaner {
     return places;
   }
 
-  // Of a polygon's rings as they come, sorted, one that stands twice twice; reports those of no
-  // length.
+  // The edges of a polygon's rings, sorted; a repeated edge is repeated here. Reports edges of
+  // length 0.
   std::vector<PlacePair> EdgesOf(const Feature& polygon) {
     std::vector<PlacePair> edges;
     ForEachEdgeOf(PlacesOf(polygon.rings), [&](Place p, Place q) {
@@ -194,7 +194,7 @@ class Cleaner {
     return result;
   }
 
-  // What is neither point nor segment.
+  // Features that are neither points nor segments.
   std::vector<Feature> FinishOthers() {
     absl::flat_hash_map<FeatureId, std::vector<PlacePair>> edges;
     for (const Edge& e : graph_.edges) {
@@ -215,7 +215,7 @@ class Cleaner {
     return others;
   }
 
-  // Of a sizing polygon, whose edges are not in the graph.
+  // The edges with odd count of a sizing polygon. They are not in the graph.
   std::vector<PlacePair> OddEdgesOf(const Feature& size) {
     std::vector<PlacePair> odd;
     for (const PlacePair& edge : EdgesOf(size)) {

@@ -36,7 +36,7 @@ void LineGraph::Settle() {
   edges = std::move(kept);
 }
 
-// Two edges with the same ends become one; of the owners the one that is there is the least.
+// Merges two edges with the same ends. The owner of `on`, which is the least, is kept.
 void LineGraph::Lay(const Edge& e, Edge& on) {
   const auto report = [&](ChangeKind kind, std::vector<FeatureId> ids) {
     changes.push_back({kind, std::move(ids), places.at(e.a), places.at(e.b)});
@@ -44,7 +44,7 @@ void LineGraph::Lay(const Edge& e, Edge& on) {
   on.born = std::max(on.born, e.born);
   if (on.owner == kNoFeature) {
     on.owner = e.owner;
-  } else if (e.owner != on.owner && e.owner != kNoFeature) {  // or it met itself again
+  } else if (e.owner != on.owner && e.owner != kNoFeature) {  // or a segment folded onto itself
     report(ChangeKind::kDoubled, {e.owner, on.owner});
   }
   for (const FeatureId polygon : e.polygons) {

@@ -1,7 +1,8 @@
-// The input while it is being cleaned: places, and edges between them.
+// The input during cleaning: points ("places") and edges between them.
 //
-// Everything is numbered by coordinates (places as they were added, in each round by
-// coordinates; edges by their ends), so that whoever goes through it in order does what does
+// All numbering is by coordinates (places in order of insertion, in each round by coordinates;
+// edges by their ends). So results of iterations in this order do not depend on the input's order.
+// Thread-compatible.
 // not depend on the input's order. Thread-compatible.
 #ifndef DYNMESH_CLIENT_CLEANING_LINE_GRAPH_H_
 #define DYNMESH_CLIENT_CLEANING_LINE_GRAPH_H_
@@ -16,17 +17,17 @@
 
 namespace dynmesh::cleaning {
 
-// Ascending. Few: on a map an edge is the border of two.
+// Ascending. Usually few: on a map an edge borders two polygons.
 using EdgePolygons = absl::InlinedVector<FeatureId, 2>;
 
 struct Edge {
   Place a = 0;  // a < b
   Place b = 0;
-  FeatureId owner = kNoFeature;  // the input's segment that it is a piece of; of several the least
-  int born = 0;                  // the round since which it may have meetings nobody has seen
-  EdgePolygons polygons;         // of which it is a piece of an odd number of edges
+  FeatureId owner = kNoFeature;  // the input segment that contains it, the least id
+  int born = 0;                  // its intersections are unchecked since this round
+  EdgePolygons polygons;         // that contain it an odd number of times
 
-  // For reports: the segment, or else the least polygon.
+  // For reports: the segment, else the least polygon.
   FeatureId name() const { return owner != kNoFeature ? owner : polygons.front(); }
   bool IsDead() const { return owner == kNoFeature && polygons.empty(); }
 };
@@ -35,12 +36,12 @@ class LineGraph {
  public:
   explicit LineGraph(double tolerance) : places(tolerance) {}
 
-  // A place made in this round, for a point with that id.
+  // A place made in this round, for a point with id `id`.
   Place AddPlace(const Point& p, FeatureId id);
 
-  // Adds an edge, in any order, unless both ends are one.
+  // Adds an edge, in any order, unless both ends are equal.
   void Connect(Place a, Place b, FeatureId owner, const EdgePolygons& polygons = {});
-  // After edges were added and marked dead: sorted again, none dead, none doubled.
+  // To be called after edges were added or marked dead: sorts, removes dead and duplicate edges.
   void Settle();
 
   void Kill(std::size_t edge) {
@@ -48,9 +49,9 @@ class LineGraph {
     edges[edge].polygons.clear();
   }
 
-  // The ends in the order of their coordinates.
+  // The ends in lexicographic order of their coordinates.
   std::pair<Place, Place> Ordered(const Edge& e) const;
-  // A strict order of all pairs of places by their distance; ties by coordinates.
+  // A strict order of all pairs of places by distance; ties by coordinates.
   bool IsShorter(Place a, Place b, const Edge& than) const;
 
   PointPlaces places;

@@ -10,7 +10,7 @@
 namespace dynmesh::cleaning {
 namespace {
 
-// A square, by its middle.
+// A square, given by its centre.
 struct Cell {
   double x = 0;
   double y = 0;
@@ -22,8 +22,8 @@ struct Cell {
   }
 };
 
-// Does segment pq come nearer than `reach` to the cell? Or nearly so: separating axes, in
-// doubles; callers' reach has room for their error.
+// Conservative test by separating axes in doubles whether segment pq is nearer than `reach` to the
+// cell: may return true needlessly. The callers' reach includes a margin for rounding.
 bool Meets(const Point& p, const Point& q, const Cell& cell, double reach) {
   const double half = cell.half + reach;
   const double cx = cell.x - p[0], cy = cell.y - p[1];
@@ -35,7 +35,7 @@ bool Meets(const Point& p, const Point& q, const Cell& cell, double reach) {
 
 class Walk {
  public:
-  // Cells overlap by `reach` as edges see them.
+  // For edges, cells overlap by `reach`.
   Walk(const LineGraph& graph, double reach, int since)
       : graph_(graph), reach_(reach), since_(since) {}
 
@@ -64,7 +64,7 @@ class Walk {
     }
     if (lo[0] > hi[0]) return {};
     return {lo[0] + (hi[0] - lo[0]) / 2, lo[1] + (hi[1] - lo[1]) / 2,
-            std::max(hi[0] - lo[0], hi[1] - lo[1])};  // twice as large as need be
+            std::max(hi[0] - lo[0], hi[1] - lo[1])};  // twice as large as necessary
   }
 
   EdgeList AllEdges() const {
@@ -87,7 +87,7 @@ class Walk {
   bool AnyFresh(const EdgeList& edges) const {
     return std::any_of(edges.begin(), edges.end(), [this](EdgeIndex e) { return IsFresh(e); });
   }
-  // Places are a tolerance apart, so a cell of a few holds few.
+  // Places are at least a tolerance apart, so such a cell has few.
   bool IsSmall(const Cell& cell) const { return cell.half <= 2 * graph_.places.tolerance(); }
 
   void WalkPlaces(const Cell& cell, const PlaceList& places, const EdgeList& edges,
@@ -118,7 +118,7 @@ class Walk {
     }
   }
 
-  // All end at one place: they meet there and nowhere else.
+  // True if all edges share an end: then they intersect nowhere else.
   bool AreAStar(const EdgeList& edges) const {
     const Edge& first = graph_.edges[edges[0]];
     for (const Place hub : {first.a, first.b}) {
@@ -141,8 +141,8 @@ class Walk {
     return true;
   }
 
-  // Segments that pass right through a cell are in about half of its quarters each: four
-  // times the pairs of half as many, no gain. `futile`: levels like that, one after the other.
+  // Segments that cross the whole cell are in about two of its quarters each: four times the pairs
+  // of half as many edges, without a gain. `futile` counts such consecutive levels.
   bool WalkEdges(const Cell& cell, const EdgeList& edges, int futile,
                  absl::FunctionRef<bool(EdgeIndex, EdgeIndex)> visit) {
     constexpr std::size_t kFewEdges = 12;
@@ -161,7 +161,7 @@ class Walk {
       most = std::max(most, in.size());
     }
     const double size = static_cast<double>(edges.size());
-    // Nearly all in one quarter: there may be a dense corner to find.
+    // Nearly all are in one quarter: there may be a dense spot deeper.
     const bool zooms = static_cast<double>(most) > 0.9 * size;
     if (!zooms) futile = pairs > 0.75 * size * size ? futile + 1 : 0;
     for (int q = 0; q < 4; ++q) {
@@ -181,7 +181,7 @@ class Walk {
 
 void VisitPlacesNearEdges(const LineGraph& graph, double reach, int since,
                           absl::FunctionRef<void(EdgeIndex, Place)> visit) {
-  // The tolerance is 2^11 ulps of the coordinates or more: an eighth covers all rounding.
+  // The tolerance is at least 2^11 ulps of the coordinates, so an eighth of it covers all rounding.
   Walk(graph, reach + graph.places.tolerance() / 8, since).Places(visit);
 }
 

@@ -1,6 +1,6 @@
-// Who meets whom? A quadtree over the input's box that is walked, not kept: a cell passes
-// what is in it on to its four quarters until it holds few. So neither long diagonal
-// segments nor dense corners of a large map make many pairs to look at. Pure, thread-safe.
+// Finds candidate intersections with an implicit quadtree over the input's box: a cell passes its
+// content on to its four quarters until it has few. So neither long diagonal segments nor dense
+// spots of a large map produce many pairs. Pure, thread-safe.
 #ifndef DYNMESH_CLIENT_CLEANING_MEETING_SEARCH_H_
 #define DYNMESH_CLIENT_CLEANING_MEETING_SEARCH_H_
 
@@ -13,13 +13,13 @@ namespace dynmesh::cleaning {
 
 using EdgeIndex = std::uint32_t;
 
-// Visits at least all pairs of an edge and a place less than `reach` apart of which one
-// was born in round `since` or later, each once.
+// Visits a superset of all pairs of an edge and a place that are less than `reach` apart and of
+// which one has born >= `since`, each pair once.
 void VisitPlacesNearEdges(const LineGraph& graph, double reach, int since,
                           absl::FunctionRef<void(EdgeIndex, Place)> visit);
 
-// Visits at least all pairs of edges that meet, of which one was born in round `since` or
-// later; some of them several times, lower index first. Ends early once `visit` says false.
+// Visits a superset of all pairs of intersecting edges of which one has born >= `since`; some pairs
+// several times, lower index first. Ends early when `visit` returns false.
 void VisitEdgesThatMeet(const LineGraph& graph, int since,
                         absl::FunctionRef<bool(EdgeIndex, EdgeIndex)> visit);
 

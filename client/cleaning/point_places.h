@@ -1,8 +1,7 @@
-// The places that points of the cleaned input may have: no two nearer than the tolerance.
-// Places are only ever added, and there can never be more of them than fit into the input's
-// box.
+// The positions of the cleaned input's points: no two are nearer than the tolerance. Places are
+// only added, and only finitely many fit into the input's box.
 //
-// Thread-compatible. Expected O(1) an operation.
+// Thread-compatible. Expected O(1) per operation.
 #ifndef DYNMESH_CLIENT_CLEANING_POINT_PLACES_H_
 #define DYNMESH_CLIENT_CLEANING_POINT_PLACES_H_
 
@@ -20,16 +19,16 @@ namespace dynmesh::cleaning {
 using Point = std::array<double, 2>;  // < is lexicographic
 using Place = std::uint32_t;
 
-// To the bit the same both ways round.
+// Symmetric to the bit.
 double SquaredDistance(const Point& a, const Point& b);
 
 class PointPlaces {
  public:
   explicit PointPlaces(double tolerance) : tolerance_(tolerance) {}
 
-  // The place nearest to p within the tolerance, of several the oldest.
+  // The place nearest to p within the tolerance; the oldest one of several.
   std::optional<Place> Near(const Point& p) const;
-  // REQUIRES: there is no place near.
+  // REQUIRES: no place is within the tolerance.
   Place Add(const Point& p);
 
   const Point& at(Place v) const { return points_[v]; }
@@ -37,13 +36,13 @@ class PointPlaces {
   double tolerance() const { return tolerance_; }
 
  private:
-  using Cell = std::pair<std::int64_t, std::int64_t>;  // squares of the tolerance's size
+  using Cell = std::pair<std::int64_t, std::int64_t>;  // squares with the tolerance as side
   Cell CellOf(const Point& p) const;
   static constexpr Place kNone = ~Place{0};
 
   double tolerance_;
   std::vector<Point> points_;
-  std::vector<Place> next_;  // in the same cell
+  std::vector<Place> next_;  // the next place in the same cell
   absl::flat_hash_map<Cell, Place> first_;
 };
 

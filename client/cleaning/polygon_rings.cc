@@ -14,7 +14,7 @@ class Remaker {
  public:
   explicit Remaker(const std::vector<PlacePair>& edges) : edges_(edges), taken_(edges.size()) {}
 
-  // Takes the ring's edges if they make a ring of a polygon and nobody has one of them.
+  // Uses the ring's edges if all are the polygon's and none is used yet.
   bool Keep(const PlaceRing& ring) {
     PlaceRing sorted = ring;
     std::sort(sorted.begin(), sorted.end());
@@ -33,7 +33,7 @@ class Remaker {
     return true;
   }
 
-  // All that is not taken: what is at each place, and where that is more than one ring.
+  // Collects the unused edges at each place, and the places with more than one ring.
   void Open(std::vector<Place>& cuts) {
     for (std::size_t e = edges_.size(); e-- > 0;) {
       if (taken_[e]) continue;
@@ -46,7 +46,7 @@ class Remaker {
     std::sort(cuts.begin(), cuts.end());
   }
 
-  // Rings that can be walked from `start`: the least edge first.
+  // Walks rings from `start`, the least edge first.
   void WalkFrom(Place start, std::vector<PlaceRing>& rings) {
     const auto step = [this](Place v) -> std::optional<Place> {
       const auto it = open_.find(v);
@@ -63,7 +63,7 @@ class Remaker {
 
  private:
   const std::vector<PlacePair>& edges_;
-  std::vector<bool> taken_;  // by edge
+  std::vector<bool> taken_;  // used edges, by index
   absl::flat_hash_map<Place, std::vector<std::size_t>> open_;
 };
 

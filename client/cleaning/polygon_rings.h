@@ -1,7 +1,7 @@
-// Rings of a polygon from the edges that it has: what is left when corners were merged, edges
-// became chains, and what was used twice has gone. Edges that stand an odd number of times
-// along closed chains are an even number at each place, so they can always be cut into rings;
-// and the even-odd inside is a function of the edges, however that is done.
+// Rings of a polygon from its remaining edges, after corners were merged, edges became chains, and
+// doubly used edges were removed. In closed chains, the edges with odd count have even degree at
+// each place, so they can always be cut into rings. The even-odd inside is a function of the edges,
+// however they are cut.
 //
 // Pure, thread-safe. O(n lg n) for n edges.
 #ifndef DYNMESH_CLIENT_CLEANING_POLYGON_RINGS_H_
@@ -18,12 +18,13 @@ using PlaceRing = std::vector<Place>;
 using PlacePair = std::pair<Place, Place>;  // first < second
 
 struct RemadeRings {
-  // In the order of the rings that they come from. One whose edges are all there is as it was.
+  // In the order of the rings that they come from. A ring with all its edges left is unchanged.
   std::vector<PlaceRing> rings;
-  std::vector<Place> cuts;  // places through which rings that are not as they were go twice
+  std::vector<Place> cuts;  // places that changed rings pass twice
 };
 
-// `edges` sorted, each once; `were` closed chains, whose corners need not be on them any more.
+// `edges` must be sorted and unique; `were`: the old closed chains. Their corners may no longer be
+// on edges.
 RemadeRings RemakeRings(const std::vector<PlaceRing>& were, const std::vector<PlacePair>& edges);
 
 }  // namespace dynmesh::cleaning

@@ -17,7 +17,7 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Rational = CGAL::Exact_rational;
 
-// sin^2 of 0.001 degrees, and a hair: what is left alone must not be refused.
+// sin^2 of 0.001 degrees and a margin, so that accepted angles pass the mesh's check.
 constexpr double kAngleBound = 3.046174197557781e-10 * (1 + 1e-6);
 
 int Orientation(const Point& a, const Point& b, const Point& c) {
@@ -25,7 +25,7 @@ int Orientation(const Point& a, const Point& b, const Point& c) {
                            Kernel::Point_2(c[0], c[1]));
 }
 
-// Do the open segments ab and cd cross? Exact.
+// True if the open segments ab and cd cross. Exact.
 bool Cross(const Point& a, const Point& b, const Point& c, const Point& d) {
   for (std::size_t i = 0; i < 2; ++i) {
     if (std::max(a[i], b[i]) < std::min(c[i], d[i])) return false;
@@ -35,8 +35,8 @@ bool Cross(const Point& a, const Point& b, const Point& c, const Point& d) {
          Orientation(c, d, a) * Orientation(c, d, b) < 0;
 }
 
-// Where they do: computed exactly, each coordinate rounded to a double next to it. So it
-// does not depend on the order of the arguments and is within both bounding boxes.
+// The crossing point, computed exactly, each coordinate rounded to an adjacent double. So it does
+// not depend on the order of the arguments and is within both bounding boxes.
 Point CrossingOf(const Point& a, const Point& b, const Point& c, const Point& d) {
   const Rational ax(a[0]), ay(a[1]), cx(c[0]), cy(c[1]);
   const Rational ux = Rational(b[0]) - ax, uy = Rational(b[1]) - ay;
@@ -45,8 +45,8 @@ Point CrossingOf(const Point& a, const Point& b, const Point& c, const Point& d)
   return {CGAL::to_double(Rational(ax + t * ux)), CGAL::to_double(Rational(ay + t * uy))};
 }
 
-// Is p beside the inside of lo-hi, nearer than `reach`? In doubles; callers give the ends in
-// the order of their coordinates, so that the verdict depends on nothing else.
+// True if p projects into the open segment lo-hi and is nearer to it than `reach`. In doubles;
+// callers pass the ends in lexicographic order, so that the result depends on nothing else.
 bool IsBeside(const Point& p, const Point& lo, const Point& hi, double reach) {
   const double dx = hi[0] - lo[0], dy = hi[1] - lo[1];
   const double px = p[0] - lo[0], py = p[1] - lo[1];
@@ -104,7 +104,7 @@ std::vector<Rounds::Split> Rounds::FindTouching() const {
   return splits;
 }
 
-// Of all segments at a point those next to each other in angle are enough.
+// Testing neighbours in angular order suffices.
 void Rounds::FindSmallAngles(std::vector<Split>& splits) const {
   struct Spoke {
     Place hub;
@@ -228,14 +228,14 @@ void Rounds::ApplyToEdge(EdgeIndex edge, std::vector<Split> splits) {
     return std::pair(along(s), s.at) < std::pair(along(t), t.at);
   });
   if (TryChain(edge, splits)) return;
-  // One alone will do for this round: its pieces are looked at again in the next.
+  // One split suffices for this round: its pieces are checked again in the next one.
   for (const Split& split : splits) {
     if (TryChain(edge, {split})) return;
   }
-  assert(false);  // round.h
+  assert(false);  // impossible by the proof in round.h
 }
 
-// Replaces the edge by the chain through all of `splits`, if that is a step forward.
+// Replaces the edge by the chain through all of `splits`, if all pieces precede it in the order.
 bool Rounds::TryChain(EdgeIndex edge, const std::vector<Split>& splits) {
   const Edge e = graph_.edges[edge];
   std::vector<Place> chain = {graph_.Ordered(e).first};
@@ -253,7 +253,7 @@ bool Rounds::TryChain(EdgeIndex edge, const std::vector<Split>& splits) {
 }
 
 void Rounds::Report(const Edge& e, const Split& split) {
-  if (split.kind == ChangeKind::kSegmentsCrossed) return;  // told when it was found
+  if (split.kind == ChangeKind::kSegmentsCrossed) return;  // reported when it was found
   const auto [lo, hi] = graph_.Ordered(e);
   const Point& to = graph_.places.at(split.at);
   Change change = {split.kind, {e.name()}, {}, to};

@@ -1,29 +1,27 @@
-// One round of cleaning: finds all that is not clean of one kind and mends it.
+// One round of cleaning: finds all faults of one kind and repairs them.
 //
-// First what touches: a point nearer than half the tolerance to a segment, or a segment's
-// end across a small angle from a longer one. The segment is split there. Only where
-// nothing touches: what crosses. The two segments get a common point, an old one if one is
-// within the tolerance of the crossing.
+// First contacts: a point nearer than half the tolerance to a segment, or the end of a segment at a
+// small angle to a longer one. The segment is split there. If there are no contacts: crossings. The
+// two segments get a common point; an existing one if it is within the tolerance of the crossing.
 //
-// Why rounds end. Places are a tolerance T apart: only finitely many fit into the input's
-// box, so only finitely many rounds make one. Between these the places are a fixed set, and
-// every change replaces an edge pq by edges that come before it in one strict order of all
-// pairs of places, by length: the list of edges, sorted downwards, comes down
-// lexicographically, in a finite set of such lists; where edges cancel, it gets shorter. For a
-// split of pq at v:
-//  * v touches: it is at least T from both ends and less than T/2 off the segment, hence the
-//    top of a triangle whose other sides are shorter than its base;
-//  * v is the far end of a segment pv at a small angle to the longer pq: pv comes before pq
-//    by the order itself, and vq is shorter still;
-//  * v is the place nearest to a crossing x, no farther from x than p and q are. With
-//    |xv| <= |xq| is |pv|^2 = |px|^2 + |xv|^2 + 2 px.xv at most (|px| + |xq|)^2, and equal
-//    only for v = q. Nothing touches by then, so x is T/2 or more from p and q, and
-//    the difference is far above what rounding does.
-// Where several splits of one edge would leave a piece that is no shorter, one is made, and
-// the rest is found again in the next round.
+// Why rounds end. Places are a tolerance T apart, so only finitely many fit into the input's box,
+// and only finitely many rounds add one. Between these rounds the places are a fixed set. Order all
+// pairs of places strictly by length. Every change replaces an edge pq by edges that precede it in
+// this order. So the list of edges, sorted downwards, decreases lexicographically in a finite set
+// of such lists; where edges cancel, it gets shorter. For a split of pq at v:
+//  * contact: v is at least T from both ends and less than T/2 from the segment, hence the apex of
+//    a triangle with base pq and two shorter sides;
+//  * small angle: v is the far end of a segment pv at a small angle to the longer pq: pv precedes
+//    pq in the order, and vq is shorter still;
+//  * crossing: v is the place nearest to a crossing x, no farther from x than p and q are. With
+//    |xv| <= |xq|, |pv|^2 = |px|^2 + |xv|^2 + 2 px.xv <= (|px| + |xq|)^2, with equality only for
+//    v = q. There are no contacts then, so x is T/2 or more from p and q, and the difference is
+//    far above rounding errors.
+// If several splits of one edge would leave a piece that is no shorter, one is made, and the next
+// round finds the rest again.
 //
 // All decisions are functions of coordinates: crossings are decided by exact predicates and
-// made by exact arithmetic, rounded once.
+// constructed exactly, rounded once.
 #ifndef DYNMESH_CLIENT_CLEANING_ROUND_H_
 #define DYNMESH_CLIENT_CLEANING_ROUND_H_
 
@@ -39,25 +37,26 @@ namespace dynmesh::cleaning {
 
 class Rounds {
  public:
-  // Points that crossings make get ids from `next_id` on. The graph must be settled.
+  // Points made at crossings get ids from `next_id` on. The graph must be settled. `max_crossings`
+  // is per round.
   Rounds(LineGraph& graph, FeatureId next_id, std::size_t max_crossings)
       : graph_(graph), next_id_(next_id), max_crossings_(max_crossings) {}
 
-  // False if there was nothing left to do. RESOURCE_EXHAUSTED if more crosses than allowed.
+  // False if there was nothing left to do. RESOURCE_EXHAUSTED above max_crossings.
   absl::StatusOr<bool> Run();
 
-  // What the last round found: segments to split, and a place where.
+  // Number of splits found by the last round, and the position of one.
   std::size_t found() const { return found_; }
   const Point& where() const { return where_; }
   FeatureId next_id() const { return next_id_; }
 
  private:
-  // Edge `edge` is to go through `at`.
+  // Edge `edge` is to be split at `at`.
   struct Split {
     EdgeIndex edge = 0;
     Place at = 0;
     ChangeKind kind = ChangeKind::kSegmentSplit;
-    FeatureId other = kNoFeature;  // kSmallAngle: whose edge ends at `at`
+    FeatureId other = kNoFeature;  // kSmallAngle: owner of the edge that ends at `at`
   };
   struct Crossing {
     EdgeIndex e = 0;
@@ -78,7 +77,7 @@ class Rounds {
   LineGraph& graph_;
   FeatureId next_id_;
   const std::size_t max_crossings_;
-  int crossings_seen_ = 0;  // all crossings of edges born before this round are mended
+  int crossings_seen_ = 0;  // all crossings of edges born before this round are repaired
   std::size_t found_ = 0;
   Point where_{};
 };

@@ -18,9 +18,9 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Exact = Kernel::Point_2;
-using Half = std::uint32_t;    // of segment e: 2 e from its lesser vertex, 2 e + 1 back
-using Vertex = std::uint32_t;  // numbered by the order of the features
-using Cycle = std::uint32_t;   // half-edges that have one face on their left, end to end
+using Half = std::uint32_t;    // of segment e: 2 e from its lesser vertex, 2 e + 1 the opposite
+using Vertex = std::uint32_t;  // numbered in the order of the features
+using Cycle = std::uint32_t;   // a closed chain of half-edges with a common face on the left
 
 Half Twin(Half h) { return h ^ 1U; }
 
@@ -32,7 +32,7 @@ class Faces {
     FindParts();
   }
 
-  // The segment that the place is on.
+  // The segment that contains the point.
   FeatureId SegmentAt(const Exact& at) const {
     for (std::size_t e = 0; e < segments_.size(); ++e) {
       const Exact &p = points_[from_[2 * e]], &q = points_[from_[2 * e + 1]];
@@ -43,11 +43,11 @@ class Faces {
     return kNoFeature;
   }
 
-  // The cycle that runs round the place's face on its outside; none in the unbounded face.
+  // The outer boundary cycle of the point's face; none in the unbounded face.
   std::optional<Cycle> CycleAround(const Exact& at) const {
     const std::vector<std::uint32_t> parts = PartsAround(at);
     if (parts.empty()) return std::nullopt;
-    // Parts around one place lie in each other.
+    // Parts around one point are nested.
     const std::uint32_t innermost =
         *std::max_element(parts.begin(), parts.end(),
                           [&](std::uint32_t p, std::uint32_t q) { return depth_[p] < depth_[q]; });
@@ -61,12 +61,12 @@ class Faces {
     return odd.empty() ? std::nullopt : std::optional(*odd.begin());
   }
 
-  // Of the face inside `cycle`.
+  // The boundary of the face inside `cycle`.
   Rings Boundary(Cycle cycle) const {
     std::vector<Half> sides = OneSided(cycle);
     const std::uint32_t part = part_of_cycle_[cycle];
     for (std::uint32_t p = 0; p < outer_.size(); ++p) {
-      // Next inside: one deeper, and in no other face of this part.
+      // A direct hole: one level deeper, and not in another face of this part.
       if (depth_[p] != depth_[part] + 1 || !IsIn(cycle, points_[least_[p]])) continue;
       const std::vector<Half> hole = OneSided(outer_[p]);
       sides.insert(sides.end(), hole.begin(), hole.end());
@@ -106,7 +106,7 @@ class Faces {
     }
   }
 
-  // Counter-clockwise, from straight down (which comes last) on.
+  // Counter-clockwise, beginning after straight down.
   bool TurnsBefore(Half g, Half h) const {
     const Exact &at = points_[from_[g]], &p = points_[from_[Twin(g)]], &q = points_[from_[Twin(h)]];
     const bool left_p = p < at, left_q = q < at;  // lexicographically
@@ -118,7 +118,7 @@ class Faces {
   void TraceCycles() {
     around_.resize(points_.size());
     for (Half h = 0; h < from_.size(); ++h) around_[from_[h]].push_back(h);
-    std::vector<Half> before(from_.size());  // clockwise from it, around its start
+    std::vector<Half> before(from_.size());  // the clockwise predecessor around its start
     for (std::vector<Half>& halves : around_) {
       std::sort(halves.begin(), halves.end(), [&](Half g, Half h) { return TurnsBefore(g, h); });
       for (std::size_t i = 0; i < halves.size(); ++i) {
@@ -138,7 +138,7 @@ class Faces {
     }
   }
 
-  // Connected parts, their outer cycles, and how many others each lies in.
+  // Connected parts, their outer cycles, and the number of other parts around each.
   void FindParts() {
     std::vector<std::uint32_t> part(points_.size(), 0);
     std::vector<bool> seen(points_.size(), false);
@@ -162,7 +162,7 @@ class Faces {
           seen[next] = true;
         }
       }
-      // All go right from the leftmost point; what is left of the last one is outside.
+      // All half-edges at the leftmost point go right; left of the last one is the outside.
       outer_.push_back(cycle_[around_[least_[p]].back()]);
     }
     for (std::uint32_t p = 0; p < least_.size(); ++p) {
@@ -170,7 +170,8 @@ class Faces {
     }
   }
 
-  // Does a ray from the place to the right cross the edge? Of its ends the lower one counts.
+  // True if a ray from the point to the right crosses the edge. An edge includes its lower end
+  // only.
   bool CrossesRay(Half h, const Exact& at) const {
     const Exact &p = points_[from_[h]], &q = points_[from_[Twin(h)]];
     if ((p.y() > at.y()) == (q.y() > at.y())) return false;
@@ -204,7 +205,7 @@ class Faces {
     return sides;
   }
 
-  // As many of them end as begin in each point, so a walk along them comes round.
+  // In each point as many half-edges end as begin, so each walk is closed.
   Rings CutIntoRings(std::vector<Half> sides) const {
     std::sort(sides.begin(), sides.end());
     absl::flat_hash_map<Vertex, std::vector<Half>> leaving;
@@ -230,14 +231,14 @@ class Faces {
   std::vector<FeatureId> ids_;  // of vertices
   std::vector<Exact> points_;
   std::vector<FeatureId> segments_;
-  std::vector<Vertex> from_;               // where a half-edge starts
+  std::vector<Vertex> from_;               // start vertex of a half-edge
   std::vector<std::vector<Half>> around_;  // half-edges from a vertex, counter-clockwise
   std::vector<Cycle> cycle_;               // of half-edges
   std::vector<std::vector<Half>> halves_in_;
   std::vector<std::uint32_t> part_of_cycle_;
-  // Of connected parts.
+  // By connected part.
   std::vector<std::vector<Half>> halves_of_;
-  std::vector<Vertex> least_;  // the leftmost point, of several the lowest
+  std::vector<Vertex> least_;  // the leftmost point, the lowest one of several
   std::vector<Cycle> outer_;
   std::vector<int> depth_;
 };
@@ -249,7 +250,7 @@ std::vector<SeedFace> FindSeedFaces(const std::vector<Feature>& features,
   std::vector<SeedFace> result(seeds.size());
   if (seeds.empty()) return result;
   const Faces faces(features);
-  absl::flat_hash_map<Cycle, std::size_t> first;  // seed in a face
+  absl::flat_hash_map<Cycle, std::size_t> first;  // first seed in a face
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     const Exact at(seeds[i][0], seeds[i][1]);
     result[i].on = faces.SegmentAt(at);

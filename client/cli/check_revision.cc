@@ -37,7 +37,7 @@ absl::Status CheckRevision(const DynamicMesh& mesh, const SlotMesh& replica) {
   if (auto s = SameHash("the replica", mesh.hash(), replica.hash()); !s.ok()) return s;
 
   std::vector<Feature> features = mesh.Features();
-  // Another order than the edits came in: history must not matter.
+  // In another order than the edits: the mesh must not depend on the history.
   std::reverse(features.begin(), features.end());
   const absl::StatusOr<Mesh> built = BuildMesh(features, mesh.options());
   if (!built.ok()) return Failed("the static run", built.status());

@@ -1,4 +1,4 @@
-// Is a dynamic mesh what a from-scratch run makes of its features? For --check.
+// Compares a dynamic mesh with one made from scratch of the same features. For --check.
 #ifndef DYNMESH_CLIENT_CLI_CHECK_REVISION_H_
 #define DYNMESH_CLIENT_CLI_CHECK_REVISION_H_
 
@@ -8,12 +8,12 @@
 
 namespace dynmesh::cli {
 
-// INTERNAL, saying what differs, unless
+// INTERNAL, naming the difference, unless
 //   the audit of `mesh` finds nothing,
-//   its hash is that of its snapshot and of `replica`, which took all its diffs,
+//   its hash is that of its snapshot and of `replica`, which applied all its diffs,
 //   a fresh dynamic mesh with the same features has the same mesh and the same trace,
 //   the static path makes the same mesh.
-// O(size), several times over.
+// O(size), several times.
 absl::Status CheckRevision(const DynamicMesh& mesh, const SlotMesh& replica);
 
 }  // namespace dynmesh::cli

@@ -41,7 +41,7 @@ MeshComparison CompareMeshes(const Mesh& a, const Mesh& b) {
   MeshDiff diff = data::DiffMeshes(a, b);
   Canonicalize(diff);
   MeshComparison result;
-  // A vertex in both lists kept its place. Both are sorted by id.
+  // A vertex in both lists kept its position. Both are sorted by id.
   std::size_t next = 0;
   for (const VertexId id : diff.removed_vertices) {
     while (next < diff.added_vertices.size() && diff.added_vertices.ids[next] < id) ++next;

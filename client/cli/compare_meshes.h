@@ -1,5 +1,5 @@
-// What two meshes of one dimension share. Vertices are the same if their coordinates are,
-// simplices, subsegments and subfacets if their vertices (and feature) are.
+// Compares two meshes of one dimension. Vertices are equal if their coordinates are; simplices,
+// subsegments and subfacets are equal if their vertices (and feature) are.
 #ifndef DYNMESH_CLIENT_CLI_COMPARE_MESHES_H_
 #define DYNMESH_CLIENT_CLI_COMPARE_MESHES_H_
 
@@ -19,7 +19,7 @@ struct MeshComparison {
   Part simplices;
   Part subsegments;
   Part subfacets;
-  std::uint64_t remarked_vertices = 0;     // shared, but with other owner or containing dimension
+  std::uint64_t remarked_vertices = 0;     // shared, but with another owner or containing dimension
   std::uint64_t relabelled_simplices = 0;  // shared, but in other polygons
   MeshHash hash_a;
   MeshHash hash_b;

@@ -1,4 +1,4 @@
-// dynmesh diff A B: what two mesh files share and what they do not.
+// dynmesh diff A B: common and different parts of two mesh files.
 #include <memory>
 
 #include "absl/strings/str_format.h"

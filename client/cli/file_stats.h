@@ -20,10 +20,10 @@ struct FileStatsFlags {
 // --rho, --min-dihedral, --svg, --log, --width
 void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags);
 
-// Is `name` a file's? No id of a mesh has a dot or a slash.
+// True if `name` is a file name: the id of a mesh has neither dot nor slash.
 bool IsMeshFile(const std::string& name);
 
-// Prints the figures and writes the picture, if one is asked for. The exit code.
+// Prints the figures and writes the picture, if requested. Returns the exit code.
 int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json);
 
 }  // namespace dynmesh::cli

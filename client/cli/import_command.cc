@@ -1,4 +1,4 @@
-// dynmesh import INPUT -o OUT: any input as .poly or edit script, cleaned if asked.
+// dynmesh import INPUT -o OUT: converts any input to .poly or an edit script, cleaned on request.
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -27,9 +27,9 @@ using cleaning::ChangeKind;
 using cleaning::CleanResult;
 using data::Concat;
 
-// The default tolerance, in distances below which a mesh refuses features as too close. At
-// half the tolerance from a segment nothing is left, so 4 leaves a factor of 2 for what
-// rounding and a box that shrank can do; 2 leaves none.
+// The default tolerance, in units of the distance below which a mesh refuses features as too close.
+// Cleaning keeps half the tolerance from a segment. So 4 leaves a factor of 2 for rounding and a
+// smaller box; 2 leaves none.
 constexpr double kDefaultCloseLimits = 4;
 constexpr double kLeastCloseLimits = 2.5;
 
@@ -60,7 +60,7 @@ std::size_t CountOf(const std::vector<Feature>& features, FeatureKind kind) {
 }
 
 double DistanceOf(const Change& change) {
-  // The two ends of what stood twice are no way that anything went.
+  // For these kinds `from` and `to` are the ends of an edge, not a motion.
   if (change.kind == ChangeKind::kDoubled || change.kind == ChangeKind::kCancelled) return 0;
   return std::hypot(change.from[0] - change.to[0], change.from[1] - change.to[1]);
 }
@@ -78,7 +78,7 @@ std::string ToJson(const Change& change) {
       .ToLine();
 }
 
-// Which is which: a map's own words for the polygons that are left.
+// The remaining polygons with the map's own names for them.
 std::string ToJson(const std::vector<io::PolygonName>& names,
                    const std::vector<Feature>& features) {
   std::set<FeatureId> left;
@@ -152,14 +152,14 @@ std::string ToText(const Summary& s, bool json) {
                     s.largest_step, s.tolerance, s.clean_seconds, s.rounds);
 }
 
-// Would a mesh take these? What was cleaned is not believed but checked.
+// Checks that a mesh accepts these: the result of cleaning is verified, too.
 absl::Status ValidateFeatures(const std::vector<Feature>& features, const MeshOptions& options) {
   const auto mesh = DynamicMesh::Create(options);
   if (!mesh.ok()) return mesh.status();
   return (*mesh)->Validate(AddAll(features));
 }
 
-// An input's own box holds it; one that was given need not.
+// An input's own box contains it; a given box may not.
 absl::Status CheckInside(const Input& input) {
   const Box& box = input.options.box;
   for (const Feature& f : input.features) {
@@ -212,7 +212,7 @@ absl::Status Clean(const ImportCommand& command, const Input& input, CleanResult
   return absl::OkStatus();
 }
 
-// What a .poly has no place for.
+// Features that a .poly cannot represent.
 absl::Status CheckForPoly(const std::string& path, const std::vector<Feature>& features) {
   if (const std::size_t polygons = CountOf(features, FeatureKind::kPolygon); polygons != 0) {
     return absl::InvalidArgumentError(Concat("-o: ", path, ": a .poly has no place for the ",
@@ -225,7 +225,7 @@ absl::Status CheckForPoly(const std::string& path, const std::vector<Feature>& f
   return absl::OkStatus();
 }
 
-// Polygons for the holes and regions of `input`, by the segments that are now in `features`.
+// Makes polygons for the holes and regions of `input`, from the segments in `features`.
 absl::Status MarkSeeds(bool cleaned, Input& input, std::vector<Feature>& features) {
   if (input.holes.empty() && input.regions.empty()) return absl::OkStatus();
   if (!cleaned && !ValidateFeatures(features, input.options).ok()) {

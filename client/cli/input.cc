@@ -23,7 +23,7 @@ namespace {
 
 using data::Concat;
 
-// Keeps of `file` only what tells where features stand.
+// Keeps only the positions of features in the file.
 void SetWhere(io::FileFeatures file, Input& input) {
   file.features.clear();
   auto source = std::make_shared<const io::FileFeatures>(std::move(file));
@@ -63,7 +63,7 @@ Input FromPlanar(io::FileFeatures planar, const std::string& path) {
   return input;
 }
 
-// Joins faces of space in one plane, as flat as the mesh will want them.
+// Merges coplanar faces of 3D input, with the tolerance that the mesh requires of polygons.
 absl::Status Merge(const std::string& path, const InputFlags& flags, Input& input) {
   const double limit = plc::CloseLimit(input.options);
   absl::StatusOr<io::MergedFaces> merged =
@@ -112,8 +112,7 @@ absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
   return input;
 }
 
-// The features that are there after the last line of a script, and where each was
-// last spoken of.
+// The features after a script's last line, and the line of the last edit of each.
 class ScriptState {
  public:
   absl::Status Apply(const Edit& edit, const std::string& where) {
@@ -191,7 +190,7 @@ bool IsMap(const std::string& path) {
   return extension == ".geojson" || extension == ".topojson" || extension == ".json";
 }
 
-// Geometry and meshes of kinds that are not read: no edit scripts, whatever their lines look like.
+// Extensions of geometry and meshes that cannot be read: not to be taken for edit scripts.
 bool IsOtherGeometry(std::string_view extension) {
   constexpr std::array<std::string_view, 33> kKinds = {
       ".3ds",  ".3mf", ".bdf", ".brep", ".cdb", ".cgns", ".dae", ".dxf",  ".e",
@@ -251,7 +250,7 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
       if (flags.merge_coplanar) return RefuseMerge(path);
       return FromPlanar(*std::move(planar), path);
     }
-    // That is how the plane's readers say that a file has three dimensions.
+    // The 2D readers report 3D files so.
     if (!absl::IsUnimplemented(planar.status())) return planar.status();
   }
   if (const auto read = in_space.find(extension); read != in_space.end()) {

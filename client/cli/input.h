@@ -20,54 +20,54 @@ namespace dynmesh::cli {
 struct Input {
   std::vector<Feature> features;
   MeshOptions options;                // the box: the input's own, or its bounding box
-  std::vector<std::string> warnings;  // what was read and left out
-  // Places of a .poly that mark holes and regions: AddSeedPolygons makes polygons of them.
+  std::vector<std::string> warnings;  // content that was skipped
+  // Seeds of holes and regions in a .poly: AddSeedPolygons converts them to polygons.
   std::vector<io::SeedRow> holes;
   std::vector<io::SeedRow> regions;
   std::string seed_file;
-  std::vector<FeatureId> hole_polygons;        // those of holes, ascending
+  std::vector<FeatureId> hole_polygons;        // of `holes`, ascending
   std::vector<io::PolygonName> polygon_names;  // of a map's polygons
   // "file:line" of a feature, empty if unknown.
   std::function<std::string(FeatureId)> where;
-  // "file:line: rho" of what says a member of MeshOptions; empty if nothing does.
+  // "file:line: rho" of the input's setting of a member of MeshOptions; empty if there is none.
   std::function<std::string(std::string_view)> where_option = [](std::string_view) {
     return std::string();
   };
 };
 
-// How input is read. INVALID_ARGUMENT if faces are to be joined and the input is of the plane.
+// Flags for reading. INVALID_ARGUMENT if faces are to be merged and the input is 2D.
 struct InputFlags {
-  bool merge_coplanar = false;  // of space: faces that lie in one plane become polygons
+  bool merge_coplanar = false;  // 3D: merge coplanar faces to polygons
   double coplanar_tolerance = 0;
 };
 // --merge-coplanar and --coplanar-tolerance.
 void AddInputFlags(CLI::App& command, InputFlags& flags);
 
-// By extension, in whatever case: .node, .poly; of space also .smesh, .off, .stl and .obj;
-// .geojson, .topojson, .json (whichever of the two it holds); any other that is no known kind of
-// geometry is an edit script, whose last revision counts. The dimension stands in `options`; places
-// of holes and regions of space are left out with a warning. Errors as `file:line: ...`.
+// Reads a file by its extension, in any case: .node, .poly; in 3D also .smesh, .off, .stl and .obj;
+// .geojson, .topojson, .json (either of both). Any extension that is not a known kind of geometry
+// is an edit script; its last revision counts. `options` has the dimension. Seeds of 3D holes and
+// regions are skipped with a warning. Errors as `file:line: ...`.
 inline constexpr char kInputKinds[] = ".node, .poly, .geojson, .topojson or an edit script";
 inline constexpr char kSpaceInputKinds[] =
     ".node, .poly, .geojson, .topojson or an edit script; of space .node, .poly, .smesh, .off, "
     ".stl or .obj";
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags = {});
-// Features of the plane are all that some commands can do with: UNIMPLEMENTED for others.
+// UNIMPLEMENTED for 3D features, for commands that support 2D only.
 absl::Status ExpectPlanar(const Input& input, const std::string& path);
-// A map whose polygons stay polygons (io/map_files.h). INVALID_ARGUMENT for any other file.
+// Reads a map and keeps its polygons (io/map_files.h). INVALID_ARGUMENT for any other file.
 absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path);
 
-// Appends a polygon for each hole, then for each region: the face of the segments in which its
-// seed lies, with the ids after the greatest one, one for each seed. As in Triangle, a seed
-// outside everything marks nothing, and of several in one face the first one counts: those
-// are left out, with a warning each. INVALID_ARGUMENT as `file:line: ...` for a seed on a
-// segment. Segments must not cross; the mesh will tell if they do.
+// Appends a polygon for each hole, then for each region: the face of the segments that contains its
+// seed. Ids follow the greatest one, one per seed. As in Triangle, a seed outside of everything is
+// ignored, and of several seeds in one face the first counts: the others are skipped, with a
+// warning each. INVALID_ARGUMENT as `file:line: ...` for a seed on a segment. Segments must not
+// cross; the mesh refuses them otherwise.
 absl::Status AddSeedPolygons(Input& input);
 
-// `status` with its message preceded by where the first feature to blame stands, and
-// followed by where the others do.
+// `status` with the position of the first feature to blame before its message, and those of the
+// others after it.
 absl::Status Locate(const absl::Status& status, const std::function<std::string(FeatureId)>& where);
-// The same of features that somebody else read out of the status.
+// The same for features that the caller has extracted from the status.
 absl::Status LocateFeatures(const absl::Status& status, const std::vector<FeatureId>& features,
                             const std::function<std::string(FeatureId)>& where);
 

@@ -1,5 +1,5 @@
-// One JSON object on one line: what --json prints. Keys are literals of ours and in
-// the order added; doubles are the shortest that read back exactly, null if not finite.
+// One JSON object on one line: the output of --json. Keys are literals, in the order added. Doubles
+// are the shortest that read back exactly, null if not finite.
 #ifndef DYNMESH_CLIENT_CLI_JSON_H_
 #define DYNMESH_CLIENT_CLI_JSON_H_
 
@@ -39,7 +39,7 @@ class JsonObject {
   std::string members_;
 };
 
-// A JSON string, quotes included. Bytes that are no valid UTF-8 become U+FFFD.
+// A JSON string, with quotes. Invalid UTF-8 becomes U+FFFD.
 std::string JsonQuote(std::string_view text);
 
 }  // namespace dynmesh::cli

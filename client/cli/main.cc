@@ -1,4 +1,4 @@
-// The `dynmesh` command. Adding a command: a file with Register*Command (command.h),
+// The `dynmesh` command. To add a command: write a file with Register*Command (command.h), and add
 // one line below.
 #include <csignal>
 #include <cstdio>
@@ -30,8 +30,8 @@ int Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    // Help and version are "errors" too, with code 0; for CLI11 every kind of bad
-    // usage has a code of its own, for us there is one.
+    // CLI11 reports help and version as errors with code 0. It has a code for each kind of bad
+    // usage; here all have the same.
     return app.exit(error) == 0 ? kExitDone : kExitBadInput;
   }
   if (slot.run) return slot.run();
@@ -44,7 +44,7 @@ int Main(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   dynmesh::ReturnLargeBlocks();
-  // A reader that went away shows as a failed write, not as a silent death.
+  // If the reader closes the pipe, the write fails instead of a signal ending the process.
   std::signal(SIGPIPE, SIG_IGN);
   try {
     return dynmesh::cli::Main(argc, argv);

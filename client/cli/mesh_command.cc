@@ -1,4 +1,4 @@
-// dynmesh mesh INPUT [-o OUT]: a mesh from scratch, in process.
+// dynmesh mesh INPUT [-o OUT]: makes a mesh from scratch, in process.
 #include <chrono>
 #include <memory>
 

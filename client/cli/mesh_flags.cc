@@ -18,7 +18,7 @@ absl::Status Flag(const char* flag, const absl::Status& status) {
   return absl::InvalidArgumentError(data::Concat(flag, ": ", data::View(status.message())));
 }
 
-// "ID,ID,...". `word` is what else the flag takes.
+// "ID,ID,...". `word` is the alternative that the flag accepts.
 absl::StatusOr<std::vector<FeatureId>> ParseIds(const char* flag, const std::string& text,
                                                 const char* word) {
   std::vector<FeatureId> ids;

@@ -1,4 +1,4 @@
-// The flags that say what a mesh is to be, shared by the commands that make one.
+// The flags for mesh options, shared by the commands that make a mesh.
 #ifndef DYNMESH_CLIENT_CLI_MESH_FLAGS_H_
 #define DYNMESH_CLIENT_CLI_MESH_FLAGS_H_
 
@@ -27,44 +27,43 @@ struct MeshFlags {
   std::optional<std::uint64_t> max_vertices;
 };
 
-// The value of a --box that may be one of space.
+// The value of a --box in 2D or 3D.
 inline constexpr char kBoxOfEither[] = "X0,Y0[,Z0],X1,Y1[,Z1]";
 
 // --rho --criterion --engine --box --hmax --min-dihedral --max-vertices
 void AddMeshFlags(CLI::App& command, MeshFlags& flags);
 
-// The rho that a mesh file is judged by, if it is given: 1 to 100.
+// Checks the rho for judging a mesh file, if given: 1 to 100.
 absl::Status CheckRhoFlag(std::optional<double> rho);
 
-// The least dihedral angle that a mesh file is judged by, if it is given: 0 to 20 degrees, and only
-// of a mesh of space.
+// Checks the least dihedral angle for judging a mesh file, if given: 0 to 20 degrees, 3D only.
 absl::Status CheckMinDihedralFlag(std::optional<double> min_dihedral);
 absl::Status CheckMinDihedralFlag(std::optional<double> min_dihedral, const std::string& path,
                                   int dimension);
 
-// --box alone, and what it says if it was given.
+// --box alone, and its parsed value if given.
 void AddBoxFlag(CLI::App& command, std::string& text);
 absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options);
 
-// --region: of the mesh, only what lies in these polygons. Everything if it was not given.
+// --region: only the part of the mesh in these polygons. Default: everything.
 void AddRegionFlag(CLI::App& command, std::string& text);
 absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text);
 
-// --outside: of the mesh, nothing that lies in one of these polygons. `holes` stands for
-// those of a file's holes; null if the input is of a kind that has none.
+// --outside: only the part of the mesh outside these polygons. `holes` stands for the polygons of a
+// file's holes; null if the input's kind has none.
 void AddOutsideFlag(CLI::App& command, std::string& text);
 absl::Status ApplyOutsideFlag(const std::string& text, const std::vector<FeatureId>* holes,
                               data::RegionChoice& choice);
 
-// Tells which ids of the two are those of no region of `mesh`, all of it.
+// Warns of ids in the two that are not a region of `mesh`, the whole mesh.
 void WarnOfUnknownRegions(const data::RegionChoice& choice, const Mesh& mesh);
 
-// An error of an option, with the word by which the user gave it in place of the library's: a
-// flag, else what `where` knows (Input::where_option), "file:line: rho". Others as they are.
+// Renames the option in an error of the library to its name for the user: a flag, else the result
+// of `where` (Input::where_option), "file:line: rho". Other errors are unchanged.
 absl::Status NameOption(const absl::Status& status, const MeshFlags& flags,
                         const std::function<std::string(std::string_view)>& where);
 
-// Flags that were given override `options`.
+// Given flags override `options`.
 absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options);
 
 }  // namespace dynmesh::cli

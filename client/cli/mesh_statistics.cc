@@ -56,7 +56,7 @@ std::vector<RegionStatistics> CountRegions(const io::IndexedMesh& mesh) {
   return regions;
 }
 
-// `quality`: of a triangle or a tetrahedron.
+// `quality` is of a triangle or a tetrahedron.
 template <class Quality>
 void CountAngles(const Quality& quality, MeshStatistics& s, std::vector<double>& least) {
   Count(quality.min_angle_deg, s.least_angles);
@@ -121,7 +121,7 @@ MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho, double
   s.rho = rho;
   s.vertices = mesh.vertices.size();
   s.dimension = mesh.dimension;
-  s.least_angles.resize(mesh.dimension == 3 ? 75 : 60);  // at most 70.53 degrees, 60
+  s.least_angles.resize(mesh.dimension == 3 ? 75 : 60);  // at most 70.53 degrees in 3D, 60 in 2D
   s.angles.resize(180);
   s.simplices = mesh.simplex_count();
   s.subsegments = mesh.subsegment_count();

@@ -1,4 +1,4 @@
-// Figures of a mesh file: counts, quality, and how its angles are distributed. Pure functions.
+// Figures of a mesh file: counts, quality, and the distribution of its angles. Pure functions.
 #ifndef DYNMESH_CLIENT_CLI_MESH_STATISTICS_H_
 #define DYNMESH_CLIENT_CLI_MESH_STATISTICS_H_
 
@@ -13,11 +13,11 @@
 
 namespace dynmesh::cli {
 
-// What lies in one set of polygons, or in none.
+// The part of the mesh in one set of polygons, or in none.
 struct RegionStatistics {
   std::vector<FeatureId> polygons;
   std::uint64_t simplices = 0;
-  double size = 0;  // area, in space volume
+  double size = 0;  // area, in 3D volume
 };
 
 // One of the tetrahedra with the least dihedral angles.
@@ -33,28 +33,28 @@ struct MeshStatistics {
   std::uint64_t vertices = 0;
   std::uint64_t simplices = 0;
   std::uint64_t subsegments = 0;
-  std::uint64_t subfacets = 0;  // in space
+  std::uint64_t subfacets = 0;  // in 3D
   QualityReport quality;
-  double min_dihedral = 0;                    // what `quality` counts by; 0: no bound is known
-  std::vector<WorstDihedral> worst_dihedral;  // in space, those of `quality`, the least first
-  double median_min_angle_deg = 0;            // of the simplices' least angles; 0 if there is none
-  // By degrees: [i, i + 1), the last one with its end. In space of dihedral angles.
-  std::vector<std::uint64_t> least_angles;  // one a simplex; 60, in space 75
-  std::vector<std::uint64_t> angles;        // three a triangle, six a tetrahedron; 180
-  std::vector<RegionStatistics> regions;    // by number, that of no polygon first
+  double min_dihedral = 0;                    // the bound for `quality`; 0: no bound is known
+  std::vector<WorstDihedral> worst_dihedral;  // in 3D, those of `quality`, the least first
+  double median_min_angle_deg = 0;            // of the simplices' least angles; 0 without simplices
+  // Histogram by degrees: [i, i + 1), the last one closed. In 3D of dihedral angles.
+  std::vector<std::uint64_t> least_angles;  // one per simplex; 60 entries, in 3D 75
+  std::vector<std::uint64_t> angles;        // three per triangle, six per tetrahedron; 180 entries
+  std::vector<RegionStatistics> regions;    // by number; no polygon first
 };
 
-// The least angle that a triangle within rho may have, in degrees.
+// The least angle, in degrees, that a triangle with radius-edge ratio <= rho can have.
 double LeastAngle(double rho);
 
-// `min_dihedral` in degrees is of space, 0: no bound is known. O(size).
+// `min_dihedral` in degrees is for 3D; 0: no bound is known. O(size).
 MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho, double min_dihedral = 0);
 
-// For people and for programs; both have all the numbers. JSON: one object on a line.
+// Text for people and for programs; both have all figures. JSON: one object on a line.
 std::string StatisticsText(const MeshStatistics& statistics);
 std::string StatisticsJson(const MeshStatistics& statistics);
 
-// Least angles above, all angles below; in the plane rho's bounds are marked in both.
+// Least angles above, all angles below; in 2D with the bounds from rho.
 std::vector<io::Histogram> StatisticsHistograms(const MeshStatistics& statistics);
 
 }  // namespace dynmesh::cli

@@ -46,7 +46,7 @@ absl::Status ParseCut(std::string_view text, io::SvgOptions& svg) {
 absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const MeshOptions& options,
                                               bool highlighting) {
   io::SvgOptions svg;
-  // What stands out needs a quiet ground.
+  // Highlights need a plain background.
   const std::string chosen = flags.fill.empty() ? (highlighting ? "plain" : "angle") : flags.fill;
   const absl::StatusOr<io::SvgOptions::Fill> fill = io::ParseFill(chosen);
   if (!fill.ok()) return fill.status();
@@ -63,7 +63,7 @@ absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Me
   } else if (!flags.crop.empty()) {
     const absl::StatusOr<Box> crop = io::ParseBox(flags.crop);
     if (!crop.ok()) return crop.status();
-    // Along the picture's axes; across it the box stays, in whose middle a cut is.
+    // In the picture's axes. Across them the box stays, since a cut is in its middle.
     const auto axes = io::AxesAcross(options.dimension == 3 ? svg.cut_axis : 2);
     for (std::size_t k = 0; k < 2; ++k) {
       svg.crop->lo[axes[k]] = crop->lo[k];

@@ -1,4 +1,4 @@
-// Meshes into files, the kind chosen by extension.
+// Writes meshes to files; the extension selects the kind.
 #ifndef DYNMESH_CLIENT_CLI_OUTPUT_H_
 #define DYNMESH_CLIENT_CLI_OUTPUT_H_
 
@@ -14,24 +14,24 @@ namespace dynmesh::cli {
 
 struct OutputFlags {
   std::vector<std::string> paths;
-  std::string fill;  // empty: by what is to be seen
+  std::string fill;  // empty: depends on the other flags
   std::string crop;
-  std::string cut;  // of space: empty for the middle, else an axis and a place
+  std::string cut;  // 3D: empty for the middle, else an axis and a position
   double width = 1000;
 };
 
 // -o, and --fill --crop --cut --width for pictures.
 void AddOutputFlags(CLI::App& command, OutputFlags& flags);
 
-// Are all paths of a kind that can be written, and the flags in order? Ask first: it
-// is a pity to mesh for an hour and then not to know where to.
+// Checks that all paths are of a writable kind and the flags are valid. To be called before
+// meshing, which may take long.
 absl::Status CheckOutputs(const OutputFlags& flags);
 
-// The same once the dimension of the mesh (2 or 3) is known.
+// The same when the dimension of the mesh (2 or 3) is known.
 absl::Status CheckOutputsOf(int dimension, const OutputFlags& flags);
 
-// Writes every file. Pictures show the box of `options` unless cropped, and let the
-// simplices `highlight` stand out.
+// Writes every file. Pictures show the box of `options` unless cropped, and highlight the simplices
+// `highlight`.
 absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const OutputFlags& flags,
                           const SimplexColumn& highlight = {});
 

@@ -9,8 +9,7 @@
 
 namespace dynmesh::cli {
 
-// The least sample that at least `part` (0 to 1) of all samples do not exceed; NaN if there
-// is none. O(n).
+// The least sample with at least `part` (0 to 1) of all samples <= it; NaN if there is none. O(n).
 inline double Percentile(std::vector<double> samples, double part) {
   if (samples.empty()) return std::nan("");
   const auto rank = static_cast<std::size_t>(

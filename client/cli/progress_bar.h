@@ -1,5 +1,4 @@
-// A line on standard error that shows how far something is, for people: nothing where that is no
-// terminal. Thread-compatible.
+// A progress line on standard error; empty unless that is a terminal. Thread-compatible.
 #ifndef DYNMESH_CLIENT_CLI_PROGRESS_BAR_H_
 #define DYNMESH_CLIENT_CLI_PROGRESS_BAR_H_
 
@@ -16,7 +15,7 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar() { End(); }
 
-  // Ten times a second at most, but for what is done. `total` 0: not known.
+  // At most ten times a second, except at the end. `total` 0: unknown.
   void Show(std::uint64_t done, std::uint64_t total, const std::string& what = "");
   // Ends the line.
   void End();
@@ -28,7 +27,7 @@ class ProgressBar {
   std::chrono::steady_clock::time_point shown_at_;
 };
 
-// "\r[####....] 4/10 what"; without a bar, and without what is not known.
+// "\r[####....] 4/10 what"; unknown parts and the bar for an unknown total are left out.
 std::string ProgressLine(std::uint64_t done, std::uint64_t total, const std::string& what);
 
 }  // namespace dynmesh::cli

@@ -1,5 +1,5 @@
-// dynmesh replay SCRIPT [--check N] [-o OUT]: an edit script in process, one revision
-// a batch. With --check the mesh and its trace are compared with a from-scratch run.
+// dynmesh replay SCRIPT [--check N] [-o OUT]: runs an edit script in process, one revision per
+// batch. --check compares the mesh and its trace with a run from scratch.
 #include <sys/resource.h>
 
 #include <chrono>
@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 struct ReplayCommand {
   std::string script;
-  std::uint64_t check = 0;  // every so many revisions; 0: never
+  std::uint64_t check = 0;  // interval in revisions; 0: never
   MeshFlags mesh;
   OutputFlags output;
   std::string region;
@@ -85,7 +85,7 @@ class Replay {
     if (!diff.ok()) return AtLine(b, diff.status());
     Count(batch, *diff);
     if (b > 0) microseconds_.push_back(elapsed.count());
-    // The last revision is always among those checked.
+    // The last revision is always checked.
     const bool checked = command_.check != 0 && (diff->to_revision % command_.check == 0 ||
                                                  b + 1 == script_.batches.size());
     if (auto status = Check(*diff, checked); !status.ok()) {
@@ -99,7 +99,7 @@ class Replay {
     return PrintRevision(*diff, elapsed.count(), checked);
   }
 
-  // An error of a batch, at the line of the edit that it names.
+  // The error of a batch, at the line of the edit to blame.
   absl::Status AtLine(std::size_t b, const absl::Status& status) const {
     const std::optional<ErrorDetail> detail = GetErrorDetail(status);
     std::optional<std::size_t> edit;
@@ -108,7 +108,7 @@ class Replay {
                         data::Concat(script_.Where(b, edit), ": ", data::View(status.message())));
   }
 
-  // Where in the batch the first feature to blame that occurs in it was last touched.
+  // The batch's last edit of the first feature to blame that occurs in it.
   std::optional<std::size_t> LastEditOf(std::size_t b, const ErrorDetail& detail) const {
     const EditBatch& batch = script_.batches[b].edits;
     for (const FeatureId id : detail.features) {
@@ -206,7 +206,7 @@ class Replay {
                         command_.highlight ? last_added_ : SimplexColumn());
   }
 
-  // Where results go to the same terminal, their lines are progress enough.
+  // If results go to the same terminal, their lines show the progress.
   void ShowProgress(std::size_t done) {
     if (!show_progress_) return;
     const Clock::time_point now = Clock::now();
@@ -226,7 +226,7 @@ class Replay {
   std::uint64_t simplices_ = 0;
   std::uint64_t added_simplices_ = 0;
   std::uint64_t edits_ = 0;
-  data::RegionChoice choice_;  // what of the last mesh is written
+  data::RegionChoice choice_;  // the part of the last mesh to write
   SimplexColumn last_added_;
   const bool show_progress_ = ErrorIsTerminal() && !OutIsTerminal();
   Clock::time_point progress_shown_;

@@ -1,4 +1,4 @@
-// Holes and regions of a .poly as polygons: the core knows no seeds.
+// Converts holes and regions of a .poly to polygons: the core has no seeds.
 #include <algorithm>
 #include <map>
 #include <memory>

@@ -148,7 +148,7 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
   report.subfacets = mesh.subfacet_count();
   report.hash = io::ToMesh(mesh).hash;
   report.checks.push_back(CheckVertices(mesh));
-  // Exact predicates know no NaN; no file holds one, but callers might.
+  // Exact predicates do not support NaN. Files cannot contain one, but callers might pass one.
   if (!AllFinite(mesh)) return report;
   report.checks.push_back(CheckOrientation(mesh));
   const std::vector<Face> faces = in_space ? CollectFaces(mesh) : std::vector<Face>();

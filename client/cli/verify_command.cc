@@ -1,5 +1,4 @@
-// dynmesh verify MESH [--input INPUT] [--rho R] [--min-dihedral DEGREES]: is this file a mesh as it
-// should be?
+// dynmesh verify MESH [--input INPUT] [--rho R] [--min-dihedral DEGREES]: checks a mesh file.
 #include <memory>
 #include <optional>
 

@@ -1,6 +1,7 @@
-// Do the subfacets of every polygon cover it exactly once? Modulo 2, what triangles cover is told
-// by their border: where it is the polygon's rings, each place inside is covered an odd number of
-// times and each outside an even one. If the areas sum up as well, it is one and none.
+// Checks that the subfacets of every polygon cover it exactly once. Modulo 2, the area covered by
+// triangles is determined by their border: if the border is the polygon's rings, each point inside
+// is covered an odd number of times and each point outside an even number. If the areas sum up as
+// well, these numbers are 1 and 0.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,13 +31,13 @@ Vector Cross(const Vector& u, const Vector& v) {
 Real Dot(const Vector& u, const Vector& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
 Vector ToVector(const std::array<double, 3>& p) { return {p[0], p[1], p[2]}; }
 
-// A polygon's plane, by its largest ring, and its rings there without the axis along which the
-// plane is seen best.
+// A polygon's plane, by its largest ring, and its rings projected along the axis with the largest
+// component of the normal.
 class FlatPolygon {
  public:
   explicit FlatPolygon(std::vector<std::vector<Vector>> rings) : rings_(std::move(rings)) {
     for (const auto& ring : rings_) {
-      Vector normal = {0, 0, 0};  // as long as twice the area
+      Vector normal = {0, 0, 0};  // twice the area as length
       for (std::size_t i = 0; i < ring.size(); ++i) {
         const Vector c =
             Cross(Minus(ring[i], ring[0]), Minus(ring[(i + 1) % ring.size()], ring[0]));
@@ -55,9 +56,9 @@ class FlatPolygon {
   }
 
   bool HasPlane() const { return std::isfinite(normal_[axis_]); }
-  // From the plane.
+  // Distance from the plane.
   Real Distance(const Vector& p) const { return std::abs(Dot(Minus(p, origin_), normal_)); }
-  // How far its own corners are off.
+  // Largest distance of its own corners from the plane.
   Real bend() const { return bend_; }
 
   Flat Project(const Vector& p) const {
@@ -65,9 +66,9 @@ class FlatPolygon {
             p[(axis_ + 2) % 3] - origin_[(axis_ + 2) % 3]};
   }
 
-  // Projected, of what lies in an odd number of rings. Their edges meet in corners only: each edge
-  // has what its own ring goes around on one side, and all of it in as many others as its middle
-  // is.
+  // Projected area of the points in an odd number of rings. Edges of rings meet in corners only. So
+  // along each edge the number of other rings around both sides is constant, and its midpoint
+  // decides it.
   Real Area() const {
     Real sum = 0;
     const Flat origin = Project(rings_[0][0]);
@@ -214,8 +215,8 @@ class FacetCheck {
     return true;
   }
 
-  // Every edge of the subfacets is one of two of them, or of one and on a ring; and so is every
-  // edge that is on a ring.
+  // True if every edge of the subfacets is an edge of two of them, or of one and on a ring, and
+  // every edge on a ring is an edge of one.
   bool IsBorderRight(const Feature& f, const std::vector<std::array<std::uint32_t, 3>>& faces) {
     std::map<Ends, int> uses;
     for (const auto& face : faces) {

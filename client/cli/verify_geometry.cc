@@ -51,7 +51,7 @@ VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& 
     if (count != 2) return;
     const auto& t = mesh.triangles[side[0].triangle];
     const std::uint32_t across = mesh.triangles[side[1].triangle][(side[1].k + 2U) % 3];
-    if (!IsCounterClockwise(mesh, t)) return;  // has no circle, and is reported elsewhere
+    if (!IsCounterClockwise(mesh, t)) return;  // without a circle; reported elsewhere
     if (CGAL::side_of_oriented_circle(At(mesh, t[0]), At(mesh, t[1]), At(mesh, t[2]),
                                       At(mesh, across)) == CGAL::ON_POSITIVE_SIDE) {
       findings.Add(data::Concat(VertexName(across), " is inside the circle of ",
@@ -68,7 +68,7 @@ VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Face>& 
     if (count != 2) return;
     const auto& t = mesh.tetrahedra[face[0].tetrahedron];
     const std::uint32_t across = mesh.tetrahedra[face[1].tetrahedron][face[1].k];
-    if (!IsPositive(mesh, t)) return;  // has no sphere, and is reported elsewhere
+    if (!IsPositive(mesh, t)) return;  // without a sphere; reported elsewhere
     if (CGAL::side_of_oriented_sphere(InSpace(mesh, t[0]), InSpace(mesh, t[1]), InSpace(mesh, t[2]),
                                       InSpace(mesh, t[3]),
                                       InSpace(mesh, across)) == CGAL::ON_POSITIVE_SIDE) {

@@ -1,4 +1,4 @@
-// Is the input in the mesh, and nothing in the mesh that is not in the input?
+// Checks that the input is in the mesh, and that the mesh's owners are all in the input.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ using data::Concat;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Place = std::array<std::uint64_t, 3>;
 
-// In the plane z is 0, whatever it says.
+// In 2D z is 0, whatever the file has.
 Place PlaceOf(const std::array<double, 3>& p, int dimension) {
   Place place = {};
   for (std::size_t k = 0; k < static_cast<std::size_t>(dimension); ++k) {
@@ -33,7 +33,7 @@ Place PlaceOf(const std::array<double, 3>& p, int dimension) {
 
 using Ends = std::pair<std::uint32_t, std::uint32_t>;
 
-// Two points that a segment or an edge of a polygon joins.
+// Two points joined by a segment or by an edge of a polygon.
 struct Joint {
   const Feature* feature;
   FeatureId from;
@@ -88,8 +88,8 @@ class InputCheck {
     }
   }
 
-  // Every pair of points that a segment or a polygon joins has an owner: the segment, else the
-  // first polygon.
+  // The owner of every pair of points joined by a segment or a polygon: the segment, else the first
+  // polygon.
   void FindOwners() {
     for (const Feature& f : features_) {
       if (f.kind == FeatureKind::kSegment) Join(f, f.ends[0], f.ends[1]);
@@ -115,7 +115,7 @@ class InputCheck {
     wanted_[f.id].push_back({&f, from, to});
   }
 
-  // All that an owner joins, and that it owns nothing else.
+  // Checks all joints of an owner, and that it owns nothing else.
   void CheckOwner(FeatureId owner, const std::vector<Joint>& wanted) {
     std::map<Ends, const Joint*> at;  // by vertices
     const std::size_t failures = findings_.count();
@@ -128,7 +128,7 @@ class InputCheck {
       }
       const std::optional<std::uint32_t> from = VertexOf(*p->second);
       const std::optional<std::uint32_t> to = VertexOf(*q->second);
-      if (from && to) at.emplace(std::minmax(*from, *to), &joint);  // else said already
+      if (from && to) at.emplace(std::minmax(*from, *to), &joint);  // otherwise reported already
     }
     std::set<std::uint32_t> stops;
     for (const auto& [ends, joint] : at) stops.insert({ends.first, ends.second});
@@ -149,7 +149,7 @@ class InputCheck {
     for (const auto& [ends, joint] : at) {
       findings_.Add(Concat(NameOf(*joint), " is no chain of edges with its marker, ", owner));
     }
-    if (findings_.count() != failures) return;  // what else there is follows from that
+    if (findings_.count() != failures) return;  // further failures would follow from that
     for (const auto& chain : others) {
       findings_.Add(Concat(EdgeName(chain[0], chain[1]), " has the marker ", owner,
                            ", but is on nothing that this feature joins"));
@@ -163,8 +163,8 @@ class InputCheck {
     return Concat("edge ", joint.from, " - ", joint.to, " of input polygon ", joint.feature->id);
   }
 
-  // Cuts what the edges form into paths that end at `stops` and where the edges end or
-  // branch; a ring without any of these is left as it is.
+  // Cuts the graph of the edges into paths that end at `stops` and where edges end or branch. A
+  // ring without any of these stays whole.
   static std::vector<std::vector<std::uint32_t>> ChainsOf(
       const std::vector<io::IndexedMesh::Edge>& edges, const std::set<std::uint32_t>& stops) {
     std::map<std::uint32_t, std::vector<std::pair<std::uint32_t, std::size_t>>> around;
@@ -185,7 +185,7 @@ class InputCheck {
         while (!is_stop(chain.back()) && chain.back() != start) {
           const auto& two = around.at(chain.back());
           const auto& [next, along] = used[two[0].second] ? two[1] : two[0];
-          if (used[along]) break;  // an edge that stands twice
+          if (used[along]) break;  // a duplicate edge
           used[along] = true;
           chain.push_back(next);
         }
@@ -203,7 +203,7 @@ class InputCheck {
     return {mesh_.vertices[v].x, mesh_.vertices[v].y, mesh_.vertices[v].z};
   }
 
-  // Every step goes forward (exactly), no vertex is off the line by more than rounding.
+  // True if every step goes forward (exactly) and no vertex is off the line by more than rounding.
   bool IsStraight(const std::vector<std::uint32_t>& chain) const {
     using Real = long double;
     const auto from = [&](std::uint32_t v) {

@@ -1,4 +1,4 @@
-// The parts of `verify` (verify.h says what each checks), for verify.cc and its tests.
+// The parts of `verify`, for verify.cc and its tests (verify.h describes the checks).
 #ifndef DYNMESH_CLIENT_CLI_VERIFY_INTERNAL_H_
 #define DYNMESH_CLIENT_CLI_VERIFY_INTERNAL_H_
 
@@ -31,7 +31,7 @@ class Findings {
   VerifyCheck check_;
 };
 
-// Which of 0 .. n - 1 hang together.
+// Disjoint sets of 0 .. n - 1.
 class UnionFind {
  public:
   explicit UnionFind(std::size_t n) : parent_(n) {
@@ -63,7 +63,7 @@ struct Side {
   bool forward = false;  // runs from a to b
 };
 
-// All sides, those of one edge together, edges in lexicographic order.
+// All sides; those of one edge are adjacent, edges in lexicographic order.
 std::vector<Side> CollectSides(const io::IndexedMesh& mesh);
 // Calls f(first, count) for the sides of each edge.
 template <class F>
@@ -84,10 +84,10 @@ struct Face {
   std::array<std::uint32_t, 3> v = {0, 0, 0};  // ascending
   std::uint32_t tetrahedron = 0;
   std::uint8_t k = 0;
-  bool even = false;  // v turns as the tetrahedron's orientation does
+  bool even = false;  // v has the tetrahedron's orientation
 };
 
-// All, those of one triangle together, triangles in lexicographic order.
+// All faces; those of one triangle are adjacent, triangles in lexicographic order.
 std::vector<Face> CollectFaces(const io::IndexedMesh& mesh);
 // Calls f(first, count) for the faces of each triangle.
 template <class F>
@@ -102,65 +102,65 @@ void ForEachTriangle(const std::vector<Face>& faces, F f) {
 // Each edge of a tetrahedron once, in lexicographic order.
 std::vector<MeshEdge> EdgesOf(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
 
-// Vertices and simplices as the files number them.
+// Names of vertices and simplices, numbered as in the files.
 std::string VertexName(std::uint32_t vertex);
 std::string EdgeName(std::uint32_t a, std::uint32_t b);
 std::string FaceName(const std::array<std::uint32_t, 3>& v);
 std::string TriangleName(std::uint32_t triangle);
 std::string TetrahedronName(std::uint32_t tetrahedron);
 
-// Of both dimensions.
+// For both dimensions.
 VerifyCheck CheckVertices(const io::IndexedMesh& mesh);
 VerifyCheck CheckOrientation(const io::IndexedMesh& mesh);
 VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& edges);
-// What CheckFacets wants to know of CheckInput: the chain of vertices between two joined points,
-// by the ids of these, the lesser first. Those that are not as they should be are missing.
+// The result of CheckInput for CheckFacets: the chain of vertices between two joined points, by
+// their ids, the lesser first. Incorrect chains are absent.
 using Chains = std::map<std::pair<FeatureId, FeatureId>, std::vector<std::uint32_t>>;
 VerifyCheck CheckInput(const io::IndexedMesh& mesh, const std::vector<Feature>& features,
                        Chains* chains = nullptr);
 
-// Of the plane.
+// For 2D.
 VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
 VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
 VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& sides);
-// Fills the measures of `report` too.
+// Also fills the measures of `report`.
 VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report);
 // Expected O((n + m) lg m + k) for n triangles, m edges of polygons and k crossings of these
 // with horizontal lines through the triangles.
 VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Feature>& features);
 
-// Of space.
+// For 3D.
 VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
 VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
 VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Face>& faces);
 VerifyCheck CheckFaces(const io::MeshFiles& files, const std::vector<Face>& faces);
 VerifyCheck CheckSpaceQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& report);
-// Names the worst first. Fills below_dihedral of `report`.
+// Reports the worst first. Fills below_dihedral of `report`.
 VerifyCheck CheckDihedral(const io::IndexedMesh& mesh, double min_dihedral, VerifyReport& report);
 VerifyCheck CheckFacets(const io::IndexedMesh& mesh, const std::vector<Feature>& features,
                         const Chains& chains);
 VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& faces,
                          const std::vector<Feature>& features);
 
-// Of a simplex: circumradius over shortest edge, and angles in degrees, dihedral in space. As
-// given if it is flat or turned inside out.
+// Measures of a simplex: circumradius / shortest edge, and angles in degrees, dihedral in 3D. The
+// initial values are for a flat or inverted simplex.
 struct Shape {
   double ratio = std::numeric_limits<double>::infinity();
   double shortest = 0;
   double min_angle = 0;
   double max_angle = 180;
-  double least_area = 0;  // of a tetrahedron: twice that of a face over the longest edge squared
+  double least_area = 0;  // of a tetrahedron: least of 2 area of a face / (longest edge)^2
 };
-// Enters it into the measures of the report.
+// Updates the measures of the report.
 void Record(const Shape& shape, VerifyReport& report);
 
 // The spacing of doubles at the largest coordinate of the mesh.
 double LargestUlp(const io::IndexedMesh& mesh);
-// Vertices that refinement puts on a segment or a polygon are rounded to the grid of doubles;
-// each may inherit the roundings of those it was placed between.
+// Vertices that refinement puts on a segment or a polygon are rounded to doubles. Each may inherit
+// the rounding errors of the vertices between which it was placed.
 inline constexpr double kStraightnessUlps = 16;
-// How far rounded coordinates may take a simplex over rho: 2e-9 + 8 u / e', e' the root of the
-// largest power of two that is at most e^2.
+// The tolerance of rho for rounded coordinates: 2e-9 + 8 u / e', where e' is the root of the
+// largest power of two <= e^2, e the shortest edge and u the ulp.
 double Slack(double shortest, double ulp);
 
 }  // namespace dynmesh::cli

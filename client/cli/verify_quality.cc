@@ -1,6 +1,6 @@
-// Radius-edge ratio and angles, computed anew and in another way than
-// dynmesh/quality.h: squared, in long double. And which triangles may be bad: those whose
-// short edges a small angle of the input makes short.
+// Radius-edge ratio and angles, computed independently of dynmesh/quality.h: squared, in long
+// double. Also finds the triangles that may exceed rho since a small angle of the input makes their
+// edges short.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,7 +34,7 @@ Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
   if (!(cross > 0)) return shape;
   // (R / e)^2 = product of the two greater squares / (2 cross)^2.
   shape.ratio = static_cast<double>(std::sqrt(squared[1] * squared[2] / (4 * cross * cross)));
-  // The least angle is opposite the shortest edge, the greatest opposite the longest.
+  // The least angle is opposite the shortest edge, the greatest one opposite the longest.
   const auto angle = [&](Real opposite, Real p, Real q) {
     return static_cast<double>(std::atan2(2 * cross, p + q - opposite) * 180 /
                                std::numbers::pi_v<Real>);
@@ -44,14 +44,14 @@ Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
   return shape;
 }
 
-// An edge is excused if its ends lie on two segments that leave a common point less than
-// 60 degrees apart, equally far from it.
+// An edge is excused if its ends lie on two segments that meet at less than 60 degrees, at the same
+// distance from the common point.
 class Excuses {
  public:
   using Real = long double;
   Excuses(const io::IndexedMesh& mesh, double ulp)
       : mesh_(mesh), tolerance_(16 * ulp), segment_(mesh.vertices.size()) {
-    // Pieces that share a vertex inside a segment are of one segment.
+    // Subsegments with a common vertex inside a segment are of the same segment.
     std::iota(segment_.begin(), segment_.end(), 0u);
     const auto is_inner = [&](std::uint32_t v) {
       return mesh.vertices[v].containing_dimension == 1;
@@ -76,13 +76,13 @@ class Excuses {
     for (const std::uint32_t apex : s->second) {
       if (std::ranges::find(t->second, apex) == t->second.end()) continue;
       const Real to_p = Distance(apex, p), to_q = Distance(apex, q), across = Distance(p, q);
-      // By the chord: across = 2 r sin(angle / 2), and sin 30 degrees is a half.
+      // By the chord: across = 2 r sin(angle / 2), and sin 30 degrees = 1/2.
       if (std::abs(to_p - to_q) <= tolerance_ && across < std::max(to_p, to_q)) return true;
     }
     return false;
   }
 
-  // (circumradius / shortest edge not excused)^2; 0 if all are.
+  // (circumradius / shortest edge that is not excused)^2; 0 if all are excused.
   Real RatioSquared(const io::IndexedMesh::Triangle& t, Real* shortest) const {
     Real product = 1;
     *shortest = std::numeric_limits<Real>::infinity();
@@ -104,7 +104,7 @@ class Excuses {
     return std::hypot(Real{a.x} - b.x, Real{a.y} - b.y);
   }
 
-  // A vertex that stands for the segment in whose inside v lies.
+  // The representative of the segment with v in its inside.
   std::uint32_t SegmentOf(std::uint32_t v) const {
     while (segment_[v] != v) v = segment_[v] = segment_[segment_[v]];
     return v;
@@ -112,21 +112,21 @@ class Excuses {
 
   const io::IndexedMesh& mesh_;
   const Real tolerance_;
-  mutable std::vector<std::uint32_t> segment_;  // by vertex; as a forest of disjoint sets
+  mutable std::vector<std::uint32_t> segment_;  // by vertex; a union-find forest
   absl::flat_hash_map<std::uint32_t, std::vector<std::uint32_t>> ends_;  // of a segment
 };
 
-// The termination guard lets a triangle be bad when what would mend it, its circumcenter or a
-// point nearer to one of its edges at which that edge's triangle would just do, lies in the
-// circle that has a subsegment for its diameter, one of at most four times the edge's length:
-// what it leaves is about as fine as where it stopped. By the angle there: at least a right one.
+// The termination guard accepts a bad triangle if its repair point (its circumcenter, or the point
+// nearer to an edge at which that edge's triangle is just good) lies in the diametral circle of a
+// subsegment of at most four times the edge's length. So the remaining triangle is about as fine as
+// the subsegment. Tested by the angle at the point: at least a right one.
 class Guarded {
  public:
   using Real = long double;
   Guarded(const io::IndexedMesh& mesh, double rho) : mesh_(mesh), rho_(rho) {}
 
   bool Excuses(const io::IndexedMesh::Triangle& t) {
-    constexpr int kMost = 1000;  // the guard leaves single triangles; O(edges) each
+    constexpr int kMost = 1000;  // the guard affects few triangles; O(edges) each
     if (++asked_ > kMost) return false;
     const Point a = At(t[0]), b = At(t[1]), c = At(t[2]);
     const Real bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
@@ -138,9 +138,9 @@ class Guarded {
     for (int i = 0; i < 3; ++i) {
       const Point p = At(t[i]), q = At(t[(i + 1) % 3]);
       const Real edge = std::hypot(q.x - p.x, q.y - p.y);
-      if (radius <= rho_ * edge) continue;  // nothing to mend here
+      if (radius <= rho_ * edge) continue;  // good: needs no repair
       if (IsSeenAtRightAngle(centre, edge)) return true;
-      // The apex of the isosceles triangle over pq of circumradius rho |pq|, the far one.
+      // The far apex of the isosceles triangle over pq with circumradius rho |pq|.
       const Real height = rho_ + std::sqrt(rho_ * rho_ - Real{0.25});
       const Point x = {(p.x + q.x) / 2 - height * (q.y - p.y),
                        (p.y + q.y) / 2 + height * (q.x - p.x)};

@@ -1,7 +1,7 @@
-// Does every triangle say which polygons it lies in? Asked of one place strictly inside each
-// triangle, by counting crossings, exactly. That one place speaks for the whole triangle if no
-// edge of a polygon runs through it; and none does where CheckInput finds these edges to be
-// chains of the mesh's edges, and the other checks that triangles do not overlap.
+// Checks every triangle's set of polygons, by exact point location of one point strictly inside it,
+// by counting crossings. This point represents the whole triangle if no edge of a polygon runs
+// through it. That follows if CheckInput finds these edges to be chains of mesh edges, and the
+// other checks find that triangles do not overlap.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Exact_rational.h>
 #include <CGAL/Simple_cartesian.h>
@@ -22,16 +22,16 @@ using data::Concat;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using ExactKernel = CGAL::Simple_cartesian<CGAL::Exact_rational>;
 
-// Of a polygon, from its lower end to its upper one.
+// An edge of a polygon, from its lower end to its upper one.
 struct RisingEdge {
   double x0, y0, x1, y1;
   std::uint32_t polygon;  // row in `ids`
 };
 
-// Where a place is.
+// The location of a point.
 struct Location {
   std::vector<FeatureId> inside;   // polygons, ascending
-  FeatureId on_edge = kNoFeature;  // one on whose edge it is
+  FeatureId on_edge = kNoFeature;  // a polygon with the point on its edge
 };
 
 class PolygonIndex {
@@ -72,7 +72,7 @@ class PolygonIndex {
     return Finish(std::move(crossed), std::move(location));
   }
 
-  // Of any rational place; goes through all edges.
+  // For any rational point; O(edges).
   Location Locate(const ExactKernel::Point_2& at) const {
     std::vector<std::uint32_t> crossed;
     Location location;
@@ -87,7 +87,7 @@ class PolygonIndex {
     edges_.push_back({a[0], a[1], b[0], b[1], static_cast<std::uint32_t>(ids_.size())});
   }
 
-  // As many bands as make their lists a few times as long as that of the edges.
+  // Chooses the number of bands so that their lists are a few times as long as the edge list.
   void MakeBands() {
     double lo = 0, hi = 0, rise = 0;
     for (const RisingEdge& e : edges_) {
@@ -107,14 +107,15 @@ class PolygonIndex {
     }
   }
 
-  // Never falls as y rises, rounded or not: an edge is in the bands of all its places.
+  // Monotone in y even after rounding, so an edge is in the bands of all its points.
   std::size_t BandOf(double y) const {
     const double band = (y - lowest_) * scale_;
     if (!(band > 0)) return 0;
     return std::min(static_cast<std::size_t>(std::min(band, 1e15)), bands_.size() - 1);
   }
 
-  // Does a ray from the place to the right cross the edge? Of its ends the lower one counts.
+  // True if a ray from the point to the right crosses the edge. An edge includes its lower end
+  // only.
   template <class K>
   void Cross(const RisingEdge& e, const typename K::Point_2& at,
              std::vector<std::uint32_t>& crossed, Location& location) const {
@@ -146,8 +147,8 @@ class PolygonIndex {
   double scale_ = 0;
 };
 
-// The centroid, rounded, if it is still strictly inside; which it is in all but triangles
-// of the size of the doubles' spacing.
+// The rounded centroid, if it is still strictly inside. It is, except in triangles of the size of
+// an ulp.
 std::optional<Kernel::Point_2> RoundedCentroid(const Kernel::Point_2 (&corner)[3]) {
   const Kernel::Point_2 at((corner[0].x() + corner[1].x() + corner[2].x()) / 3,
                            (corner[0].y() + corner[1].y() + corner[2].y()) / 3);

@@ -1,4 +1,4 @@
-// How tetrahedra hang together and fill their box.
+// Checks the topology of the tetrahedra, and that they fill their box.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -43,10 +43,10 @@ bool IsOnASide(const Bounds& b, const io::IndexedMesh& mesh, const Triple& v) {
   return false;
 }
 
-// The sum of volumes, signed, over that of the box.
+// The sum of the signed volumes, divided by the box's volume.
 long double VolumeShare(const io::IndexedMesh& mesh, const Bounds& b) {
   using Real = long double;
-  // In units of the box: nothing overflows.
+  // In units of the box, to avoid overflow.
   const auto scaled = [&](std::uint32_t v) {
     const std::array<double, 3> p = mesh.vertices[v].place();
     std::array<Real, 3> q;
@@ -71,7 +71,7 @@ long double VolumeShare(const io::IndexedMesh& mesh, const Bounds& b) {
 }  // namespace
 
 std::vector<Face> CollectFaces(const io::IndexedMesh& mesh) {
-  // The corners opposite to each, as seen from outside a positive tetrahedron.
+  // The corners opposite to each, as seen from outside of a positive tetrahedron.
   constexpr std::uint8_t kOpposite[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   std::vector<Face> faces;
   faces.reserve(4 * mesh.tetrahedra.size());
@@ -150,7 +150,7 @@ VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Face>& faces
     findings.Add("there is no border");
     return findings.Take();
   }
-  // Where faces are in order this is a whole number, so that rounding does not matter.
+  // If the faces are correct, this is an integer, so rounding does not matter.
   const long double share = VolumeShare(mesh, bounds);
   if (!(std::abs(share - 1) < 1e-9L)) {
     findings.Add(Concat("the volumes sum up to ", static_cast<double>(share),

@@ -1,5 +1,5 @@
-// Radius-edge ratio and dihedral angles of tetrahedra, computed anew and in another way than
-// dynmesh/quality.h: squared, in long double; where these do not tell, in rationals.
+// Radius-edge ratio and dihedral angles of tetrahedra, computed independently of dynmesh/quality.h:
+// squared, in long double; in rationals if that is not accurate enough.
 #include <CGAL/Exact_rational.h>
 #include <CGAL/Simple_cartesian.h>
 
@@ -38,7 +38,7 @@ std::array<ExactKernel::Point_3, 4> ExactCorners(const io::IndexedMesh& mesh,
   return p;
 }
 
-// The ratio squared; infinity if flat or turned inside out.
+// The ratio squared; infinity if flat or inverted.
 Real ExactRatioSquared(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t) {
   const std::array<ExactKernel::Point_3, 4> p = ExactCorners(mesh, t);
   if (CGAL::orientation(p[0], p[1], p[2], p[3]) != CGAL::POSITIVE) {
@@ -58,8 +58,8 @@ using ExactVector = ExactKernel::Vector_3;
 
 // sin^2 of the angle between two faces at their common edge is
 //   |n x m|^2 / (|n|^2 |m|^2)
-// with normals n, m, and the angle is acute where n m < 0, both to the outside: rational, and
-// beside the bound's sine, which has 64 bits, as good as exact.
+// with outward normals n, m, and the angle is acute iff n m < 0. This is rational. The bound's sine
+// has 64 bits, so the comparison is practically exact.
 bool IsBelowExactly(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t,
                     Real degrees) {
   const std::array<ExactKernel::Point_3, 4> p = ExactCorners(mesh, t);
@@ -69,7 +69,7 @@ bool IsBelowExactly(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahed
                                         CGAL::cross_product(c, b), CGAL::cross_product(a, c),
                                         CGAL::cross_product(b, a)};
   const Real sine = std::sin(degrees * std::numbers::pi_v<Real> / 180);
-  // A long double is two doubles.
+  // A long double is the sum of two doubles.
   const auto high = static_cast<double>(sine);
   const CGAL::Exact_rational s =
       CGAL::Exact_rational(high) + CGAL::Exact_rational(static_cast<double>(sine - high));
@@ -106,7 +106,7 @@ Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t
     for (Real& c : e[i]) c /= longest;
   }
   const Vector bc = Cross(e[1], e[2]), ca = Cross(e[2], e[0]), ab = Cross(e[0], e[1]);
-  const Real volume = Dot(e[0], bc);  // six times
+  const Real volume = Dot(e[0], bc);  // times 6
   Real squared;
   if (std::abs(volume) > 1e-6L) {
     if (volume < 0) return shape;
@@ -120,7 +120,7 @@ Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t
     if (std::isinf(squared)) return shape;
   }
   shape.ratio = static_cast<double>(std::sqrt(squared));
-  // Normals to the outside, as long as twice the areas. Opposite to a, b, c, d.
+  // Outward normals, twice the areas as length. Opposite to a, b, c, d.
   const Vector from_b = Minus(e[1], e[0]), from_c = Minus(e[2], e[0]);
   std::array<Vector, 4> normal = {Cross(from_b, from_c), bc, ca, ab};
   for (std::size_t i = 1; i < 4; ++i) {
@@ -161,7 +161,7 @@ VerifyCheck CheckSpaceQuality(const io::IndexedMesh& mesh, double rho, VerifyRep
 }
 
 VerifyCheck CheckDihedral(const io::IndexedMesh& mesh, double min_dihedral, VerifyReport& report) {
-  // Angles as measured are right to less, but in needles.
+  // The error of measured angles is smaller, except in needles.
   constexpr double kUnsure = 1e-9;
   constexpr double kNeedle = 1e-7;
   struct Below {

@@ -1,7 +1,7 @@
-// Does every tetrahedron say which closed surfaces it lies inside of? Polygons cut the mesh into
-// cells, which are found by going from tetrahedron to tetrahedron; what one piece of them alone
-// leaves between it, its chambers, are cells joined across all others. CheckFacets finds that
-// subfacets are the polygons, exactly once, and other checks that tetrahedra fill the box.
+// Checks every tetrahedron's set of closed surfaces around it. Polygons cut the mesh into cells,
+// found by flood fill. The chambers of one piece (connected polygons) are the cells joined across
+// all other pieces. CheckFacets checks that subfacets cover the polygons exactly once, and other
+// checks that tetrahedra fill the box.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -24,7 +24,7 @@ using data::Concat;
 using Joint = std::pair<FeatureId, FeatureId>;
 using Corners = std::array<std::uint32_t, 3>;
 
-// Polygons whose subfacets do not all hang together by edges.
+// Polygons with subfacets that are not connected by edges.
 std::set<FeatureId> FindApart(const io::IndexedMesh& mesh) {
   UnionFind joined(mesh.faces.size());
   std::map<std::pair<FeatureId, std::array<std::uint32_t, 2>>, std::size_t> at;
@@ -46,8 +46,8 @@ std::set<FeatureId> FindApart(const io::IndexedMesh& mesh) {
   return apart;
 }
 
-// By the definition of dynmesh/mesh.h: polygons that may be part of a closed surface, by piece.
-// `apart`: those whose inside falls into parts.
+// The connected pieces of polygons that may be part of a closed surface, as dynmesh/mesh.h defines.
+// `apart`: polygons with a disconnected inside.
 class Pieces {
  public:
   Pieces(const std::vector<Feature>& features, const std::set<FeatureId>& apart) {
@@ -90,7 +90,7 @@ class Pieces {
     }
   }
 
-  // All that hangs together with the polygon.
+  // Collects the polygons connected to this one.
   void TakePiece(FeatureId polygon) {
     std::vector<FeatureId> ahead = {polygon};
     piece_of_[polygon] = count_;
@@ -112,16 +112,16 @@ class Pieces {
   std::size_t count_ = 0;
 };
 
-// What a polygon separates.
+// The two cells on both sides of a polygon.
 struct Wall {
   FeatureId polygon;
   std::array<std::size_t, 2> cells;  // the lesser first
   friend auto operator<=>(const Wall&, const Wall&) = default;
 };
 
-// The id of each chamber's surface; that of the outside is kNoFeature. `walls`: those of the piece,
-// by ascending id; `chamber_of(cell)`. From the outside the polygon of least id that leads into a
-// chamber without a name gives it its own.
+// The id of each chamber's surface; kNoFeature for the outside. `walls`: those of the piece, by
+// ascending id; `chamber_of(cell)`. Starts at the outside. Repeatedly, the polygon of least id that
+// leads from a named chamber to an unnamed one gives it its id.
 template <class ChamberOf>
 std::map<std::size_t, FeatureId> NameChambers(const std::vector<Wall>& walls, std::size_t outside,
                                               ChamberOf chamber_of) {
@@ -159,7 +159,7 @@ VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& f
   for (const auto& face : mesh.faces) {
     if (pieces.Has(face.owner)) polygon_of.emplace(face.corners, face.owner);
   }
-  // Tetrahedra that no polygon separates are one cell; what is beyond the box is one, too.
+  // Tetrahedra without a polygon in between are one cell; the outside of the box is one, too.
   const std::size_t beyond = mesh.tetrahedra.size();
   UnionFind joined(beyond + 1);
   const auto for_each_pair = [&](auto f) {
@@ -173,7 +173,7 @@ VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& f
     if (polygon == kNoFeature) joined.Unite(here, there);
   });
   std::vector<std::size_t> cell_of(beyond + 1);
-  std::map<std::size_t, std::size_t> cells;  // numbered
+  std::map<std::size_t, std::size_t> cells;  // numbered consecutively
   for (std::size_t t = 0; t <= beyond; ++t) {
     cell_of[t] = cells.emplace(joined.Find(t), cells.size()).first->second;
   }

@@ -1,4 +1,4 @@
-// How the triangles hang together: no geometry here but comparisons of coordinates.
+// Checks how triangles are connected. The only geometry is comparisons of coordinates.
 #include <algorithm>
 #include <limits>
 
@@ -10,14 +10,14 @@ namespace {
 
 using data::Concat;
 
-// Which corner of the side's triangle is vertex v.
+// The corner of the side's triangle at vertex v.
 std::size_t CornerAt(const io::IndexedMesh& mesh, const Side& side, std::uint32_t v) {
   const auto& t = mesh.triangles[side.triangle];
   return 3 * std::size_t{side.triangle} + (t[side.k] == v ? side.k : (side.k + 1U) % 3);
 }
 
-// Corners that share a vertex and a side across which one can step between them must
-// be all corners at that vertex.
+// The corners reachable from each other across sides at a common vertex must be all corners at that
+// vertex.
 void CheckFans(const io::IndexedMesh& mesh, const std::vector<Side>& sides, Findings& findings) {
   UnionFind corners(3 * mesh.triangles.size());
   ForEachEdge(sides, [&](const Side* side, std::size_t count) {
@@ -56,7 +56,7 @@ struct BorderEdge {
   std::uint32_t to;
 };
 
-// With the mesh on the left.
+// Border edges with the mesh on the left.
 std::vector<BorderEdge> CollectBorder(const std::vector<Side>& sides) {
   std::vector<BorderEdge> border;
   ForEachEdge(sides, [&](const Side* side, std::size_t count) {
@@ -79,7 +79,7 @@ Rectangle BoundsOf(const io::IndexedMesh& mesh) {
   return r;
 }
 
-// Does the edge run counter-clockwise along a side of the rectangle?
+// True if the edge runs counter-clockwise along a side of the rectangle.
 bool RunsAlong(const Rectangle& r, const io::IndexedMesh::Vertex& p,
                const io::IndexedMesh::Vertex& q) {
   return (p.y == r.y0 && q.y == r.y0 && p.x < q.x) || (p.x == r.x1 && q.x == r.x1 && p.y < q.y) ||
@@ -134,7 +134,7 @@ VerifyCheck CheckBox(const io::IndexedMesh& mesh, const std::vector<Side>& sides
     findings.Add("there is no border");
     return findings.Take();
   }
-  // One loop takes all border edges; as each runs along its side, it goes round once.
+  // One loop contains all border edges. Each runs along its side, so the loop goes round once.
   std::size_t steps = 0;
   std::uint32_t at = border.front().from;
   do {
@@ -188,7 +188,7 @@ VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& 
       continue;
     }
     const bool marked = listed[row++].owner == kBoxFeature;
-    // In space the border is marked by its faces.
+    // In 3D the border is marked on its faces.
     if (border && !marked && !in_space) {
       findings.Add(EdgeName(a, b) + " is on the border without the marker -1");
     } else if (marked && !border) {

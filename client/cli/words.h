@@ -1,4 +1,4 @@
-// What the parts of a mesh are called, by its dimension.
+// Names of the parts of a mesh, by its dimension.
 #ifndef DYNMESH_CLIENT_CLI_WORDS_H_
 #define DYNMESH_CLIENT_CLI_WORDS_H_
 
@@ -15,7 +15,8 @@ constexpr const char* SimplicesWord(int dimension) {
 constexpr const char* AnglesWord(int dimension) {
   return dimension == 3 ? "dihedral angles" : "angles";
 }
-// A line on how many tetrahedra have an angle below that many degrees; none if there is no bound.
+// A line with the number of tetrahedra with an angle below the bound in degrees; empty without a
+// bound.
 inline std::string BelowDihedralText(std::uint64_t count, double min_dihedral) {
   if (!(min_dihedral > 0)) return "";
   return absl::StrFormat("below dihedral     %d with an angle below %.6g degrees\n", count,

@@ -32,8 +32,8 @@ absl::Status OptionError(absl::string_view field, absl::string_view message) {
                           absl::StrCat("options.", field, ": ", message), error);
 }
 
-// An error of ValidateOptions, whose message begins with the member's name, with the wire's path:
-// there the members of `limits` are flat.
+// Converts an error of ValidateOptions, which begins with the member's name, to the field's path in
+// the message: the members of `limits` are direct fields there.
 absl::Status OnWire(const absl::Status& status) {
   const absl::string_view message = status.message();
   const std::size_t colon = message.find(": ");
@@ -208,7 +208,8 @@ absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
   const std::uint64_t most = MostVertices(options.dimension);
   options.limits.max_vertices =
       proto.max_vertices() != 0 ? proto.max_vertices() : std::min(max_vertices, most);
-  // A journal, or a server's answer: limits were once free, and no mesh has come near that one.
+  // From a journal or a server's answer. Limits were once unrestricted, and no mesh has come near
+  // this one.
   if (max_vertices == std::numeric_limits<std::uint64_t>::max()) {
     options.limits.max_vertices = std::min(options.limits.max_vertices, most);
   }
@@ -282,7 +283,7 @@ absl::Status DecodeAdds(const google::protobuf::RepeatedPtrField<v1::Feature>& p
 
 namespace {
 
-// A ring without any takes room as three do.
+// A ring without points takes as much memory as three points.
 constexpr std::size_t kPointsOfRing = sizeof(Rings::value_type) / sizeof(FeatureId);
 
 std::size_t Points(const v1::Polygon& polygon) {
@@ -310,7 +311,7 @@ std::size_t Points(const Edit& edit) {
 
 template <typename Items>
 std::size_t WeightOf(const Items& items) {
-  constexpr std::size_t kPointsOfOne = 8;  // bytes as of an edit without a polygon
+  constexpr std::size_t kPointsOfOne = 8;  // bytes of an edit without a polygon
   std::size_t points = 0;
   for (const auto& item : items) points += Points(item);
   return static_cast<std::size_t>(items.size()) + points / kPointsOfOne;

@@ -1,8 +1,7 @@
-// Options, features and edits between wire and library. Pure, thread-safe.
+// Options, features and edits: messages <-> library types. Pure, thread-safe.
 //
-// Decoding checks only what the wire form can get wrong (a missing geometry, a z in
-// the plane); whether features are legal is the library's business. Errors name the
-// feature and the edit's index.
+// Decoding checks only errors of the message's form (a missing geometry, a z in 2D). The library
+// checks whether features are legal. Errors name the feature and the edit's index.
 #ifndef DYNMESH_PROTO_CODEC_EDIT_CODEC_H_
 #define DYNMESH_PROTO_CODEC_EDIT_CODEC_H_
 
@@ -17,28 +16,28 @@
 
 namespace dynmesh::codec {
 
-// Zeros become defaults; `max_vertices` is the default and the most of that limit. If it is the
-// greatest number, `proto` is what was accepted once: then a limit above MostVertices becomes that.
-// INVALID_ARGUMENT naming the field if no mesh can be made with them.
+// Zeros become defaults. `max_vertices` is the default and the maximum of that limit. If it is the
+// greatest number, `proto` was accepted before: then a limit above MostVertices becomes
+// MostVertices. INVALID_ARGUMENT, naming the field, for options of which no mesh can be made.
 absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto, std::uint64_t max_vertices);
 void EncodeOptions(const MeshOptions& options, v1::MeshOptions* out);
 
-// Appends the decoded edits to `out`, whose size is the index of the first in its
-// batch. On an error `out` is unspecified.
+// Appends the decoded edits to `out`; the first gets the index out->size(). On an error `out` is
+// unspecified.
 absl::Status DecodeEdits(const google::protobuf::RepeatedPtrField<v1::Edit>& proto, int dimension,
                          EditBatch* out);
-// Features to add, as edits.
+// Decodes features as edits that add them.
 absl::Status DecodeAdds(const google::protobuf::RepeatedPtrField<v1::Feature>& proto, int dimension,
                         EditBatch* out);
 
-// Points to add, as edits. INVALID_ARGUMENT (BAD_REQUEST or WRONG_DIMENSION) if there are not
-// `dimension` coordinates for each id.
+// Decodes points as edits that add them. INVALID_ARGUMENT (BAD_REQUEST or WRONG_DIMENSION) unless
+// there are `dimension` coordinates for each id.
 absl::Status DecodePointColumns(const v1::PointColumns& proto, int dimension, EditBatch* out);
-// A row more of `out`.
+// Appends a row to `out`.
 void EncodePointRow(const Feature& point, int dimension, v1::PointColumns* out);
 
-// What edits or features weigh in limits: one each, and one for 8 points of polygons, of which a
-// ring counts as 3 more.
+// Weight of edits or features for limits: 1 each, plus 1 for 8 points of polygons; each ring counts
+// as 3 more points.
 std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Edit>& proto);
 std::size_t Weight(const google::protobuf::RepeatedPtrField<v1::Feature>& proto);
 std::size_t Weight(const EditBatch& edits);

@@ -1,5 +1,5 @@
-// Features between wire and library, in chunks below 1 MB: as mesh_codec.h does it for meshes.
-// A feature that is larger by itself has a chunk of its own. Thread-compatible.
+// Features: messages <-> library types, in chunks below 1 MB, like mesh_codec.h for meshes. A
+// feature that is larger has a chunk of its own. Thread-compatible.
 #ifndef DYNMESH_PROTO_CODEC_FEATURES_CODEC_H_
 #define DYNMESH_PROTO_CODEC_FEATURES_CODEC_H_
 
@@ -19,7 +19,7 @@ class FeaturesFragmenter {
   FeaturesFragmenter(FeaturesAt features, int dimension, std::size_t chunk_bytes = kFragmentBytes)
       : features_(std::move(features)), dimension_(dimension), chunk_bytes_(chunk_bytes) {}
 
-  // Fills `out` (cleared first) with the next chunk; false if there was none left.
+  // Fills `out` (cleared first) with the next chunk. False if none is left.
   bool Next(v1::FeaturesChunk* out);
   bool done() const { return done_; }
 
@@ -35,8 +35,8 @@ class FeaturesAssembler {
  public:
   explicit FeaturesAssembler(int dimension) : dimension_(dimension) {}
 
-  // All features when the last chunk came, nullopt before. DATA_LOSS for chunks that do not fit
-  // each other.
+  // All features after the last chunk, nullopt before. DATA_LOSS for chunks that do not fit
+  // together.
   absl::StatusOr<std::optional<FeaturesAt>> Add(const v1::FeaturesChunk& chunk);
 
  private:

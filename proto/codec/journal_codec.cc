@@ -21,7 +21,7 @@ absl::StatusOr<Message> Parse(const std::string& bytes) {
       absl::StrCat("these ", bytes.size(), " bytes are no ", message.GetTypeName()));
 }
 
-// What was written by this program and does not decode is damage, not somebody's bad argument.
+// An undecodable record of this program is damage, not an invalid argument of a caller.
 absl::Status Damage(const absl::Status& status) {
   return status.ok() ? status : absl::DataLossError(status.message());
 }
@@ -32,7 +32,7 @@ absl::Status DecodeHash(const std::string& hex, MeshHash* out) {
   return Damage(hash.status());
 }
 
-// The first programs wrote none.
+// The first versions wrote no bits.
 template <typename Message>
 std::uint32_t DecodeBits(const Message& message) {
   return message.bits() == 0 ? 1 : message.bits();

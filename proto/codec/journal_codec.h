@@ -1,5 +1,5 @@
-// What a journal keeps of a mesh, as bytes and back. Pure, thread-safe. Decoding trusts nothing:
-// DATA_LOSS for bytes that are not what they should be.
+// A journal's records of a mesh: encoding and decoding. Pure, thread-safe. Decoding validates
+// everything: DATA_LOSS for malformed bytes.
 #ifndef DYNMESH_PROTO_CODEC_JOURNAL_CODEC_H_
 #define DYNMESH_PROTO_CODEC_JOURNAL_CODEC_H_
 
@@ -28,17 +28,17 @@ absl::StatusOr<JournalMesh> DecodeJournalMesh(const std::string& bytes);
 struct JournalEntry {
   EditBatch edits;
   MeshHash hash;                   // of the mesh after them
-  std::uint32_t bits = kMeshBits;  // that the hash belongs to
+  std::uint32_t bits = kMeshBits;  // to which the hash belongs
 };
 std::string EncodeJournalEntry(const EditBatch& edits, const MeshHash& hash, int dimension,
                                std::uint32_t bits = kMeshBits);
 absl::StatusOr<JournalEntry> DecodeJournalEntry(const std::string& bytes, int dimension);
 
-// Features in parts of about a megabyte, at least one; each has the hash.
+// Features in parts of about a megabyte, at least one part; each part has the hash.
 std::vector<std::string> EncodeJournalSnapshot(std::span<const Feature> features,
                                                const MeshHash& hash, int dimension,
                                                std::uint32_t bits = kMeshBits);
-// Appends a part's features to the edits, as such that add them.
+// Appends a part's features to `out` as edits that add them.
 absl::Status DecodeJournalSnapshot(const std::string& bytes, int dimension, JournalEntry* out);
 
 struct JournalAnswer {

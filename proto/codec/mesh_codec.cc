@@ -15,17 +15,17 @@ namespace {
 
 constexpr std::size_t kIdBytes = 8;
 constexpr std::size_t kOwnerBytes = 10;  // the longest varint
-constexpr std::size_t kSetBytes = 24;    // of a region set but for its polygons
+constexpr std::size_t kSetBytes = 24;    // of a region set without its polygons
 
-// One pass over the columns in a fixed order, stopped when the budget of a message
-// is used up and taken up again at (section, row).
+// Passes over the columns in a fixed order. Stops when a message's budget is used up, and resumes
+// at (section, row).
 class Cutter {
  public:
   Cutter(std::size_t budget, std::size_t* section, std::size_t* row)
       : budget_(budget), section_(section), row_(row) {}
 
-  // Offers the next column to the pass, `size` rows of `row_bytes`; copy(begin, end)
-  // takes those rows. At least one row goes into a message, whatever the budget.
+  // Offers the next column: `size` rows of `row_bytes`; copy(begin, end) takes those rows. A
+  // message gets at least one row, whatever the budget.
   template <typename Copy>
   void Column(std::size_t size, std::size_t row_bytes, Copy copy) {
     if (!Begin()) return;
@@ -35,8 +35,8 @@ class Cutter {
     End(size);
   }
 
-  // The same with rows that differ: bytes(row) is asked of each in turn, until one does not
-  // fit, which may be asked of again in another message.
+  // The same for rows of different size. Calls bytes(row) for each row in turn until one does not
+  // fit; the next message calls it for that row again.
   template <typename Bytes, typename Copy>
   void UnevenColumn(std::size_t size, Bytes bytes, Copy copy) {
     if (!Begin()) return;
@@ -54,7 +54,7 @@ class Cutter {
   bool AtEnd() const { return *section_ == seen_; }
 
  private:
-  // Is it this column's turn?
+  // True iff the pass is at this column.
   bool Begin() {
     const std::size_t self = seen_++;
     return !full_ && self == *section_;
@@ -104,7 +104,7 @@ void CutVertices(Cutter& cutter, const VertexColumns& v, std::size_t dimension, 
       });
 }
 
-// Simplices and what says where they lie.
+// Simplices with their regions.
 struct LabelledSimplices {
   const SimplexColumn& simplices;
   const RegionColumn& regions;
@@ -116,7 +116,7 @@ const RegionSet* FindSet(const std::vector<RegionSet>& sets, RegionId region) {
   return it != sets.end() && it->id == region ? &*it : nullptr;
 }
 
-// Regions of rows, and the sets that these rows need. None if they say nothing.
+// Regions of rows, and the sets that these rows name. Empty if all are 0.
 void AddRegions(const LabelledSimplices& s, std::size_t begin, std::size_t end,
                 v1::SimplexColumn* to) {
   const auto first = s.regions.begin() + static_cast<std::ptrdiff_t>(begin);
@@ -195,7 +195,7 @@ void CutDiff(Cutter& cutter, const MeshDiff& diff, v1::MeshDiff* out) {
                [](D* d) { return d->mutable_added_simplices(); });
 }
 
-// ---------------------------------------------------------------- assembling
+// ---------------------------------------------------------------- assembly
 
 absl::Status Broken(absl::string_view what) {
   return absl::DataLossError(absl::StrCat("broken message from the server: ", what));
@@ -219,7 +219,7 @@ bool AppendVertices(VertexColumns& to, const v1::VertexColumns& from, int dimens
   return true;
 }
 
-// Sets that came before may come again: KeepNamed makes one list of them.
+// Sets of earlier messages may be repeated: KeepNamed merges them.
 bool AppendSets(std::vector<RegionSet>& to, const v1::SimplexColumn& from) {
   std::vector<RegionSet> sets;
   for (const v1::RegionSet& set : from.region_sets()) {
@@ -237,7 +237,7 @@ bool AppendSimplices(SimplexColumn& to, RegionColumn& regions, const v1::Simplex
   if (size % corners != 0) return false;
   if (from.regions_size() > 0) {
     if (static_cast<std::size_t>(from.regions_size()) != size / corners) return false;
-    regions.resize(to.size() / corners, kNoRegion);  // of messages that had none to tell
+    regions.resize(to.size() / corners, kNoRegion);  // of messages without regions
     Append(regions, from.regions());
   } else if (!regions.empty()) {
     regions.resize((to.size() + size) / corners, kNoRegion);

@@ -1,8 +1,8 @@
-// Meshes and diffs between wire and library, in fragments below 1 MB.
+// Meshes and diffs: messages <-> library types, in fragments below 1 MB.
 //
-// A Fragmenter cuts a value that it shares, one message at a time, so that a slow
-// receiver costs one message of memory, not a second copy of the mesh. An Assembler
-// puts the messages together again and trusts none of them. Thread-compatible.
+// A Fragmenter shares a value and cuts it into messages, one at a time, so that a slow receiver
+// costs the memory of one message, not of a second mesh. An Assembler joins the messages and
+// validates all of them. Thread-compatible.
 #ifndef DYNMESH_PROTO_CODEC_MESH_CODEC_H_
 #define DYNMESH_PROTO_CODEC_MESH_CODEC_H_
 
@@ -17,8 +17,8 @@
 
 namespace dynmesh::codec {
 
-// What a fragment's columns may take, by a row estimate that is never too low. Real
-// messages come out at 70 to 100 % of it.
+// Size limit of a fragment's columns, by an estimate per row that is never too low. Real messages
+// have 70 to 100 % of it.
 inline constexpr std::size_t kFragmentBytes = 640'000;
 
 void EncodeWork(const WorkCounters& work, v1::WorkCounters* out);
@@ -27,11 +27,11 @@ void EncodeTime(absl::Time time, google::protobuf::Timestamp* out);
 
 class DiffFragmenter {
  public:
-  // Without columns there is one fragment, with revisions, work and hash.
+  // With `omit_columns` there is one fragment, with revisions, work and hash.
   explicit DiffFragmenter(std::shared_ptr<const MeshDiff> diff, bool omit_columns = false,
                           std::size_t fragment_bytes = kFragmentBytes);
 
-  // Fills `out` (cleared first) with the next fragment; false if there was none left.
+  // Fills `out` (cleared first) with the next fragment. False if none is left.
   bool Next(v1::MeshDiff* out);
   bool done() const { return done_; }
 
@@ -40,8 +40,8 @@ class DiffFragmenter {
   std::size_t fragment_bytes_;
   bool omit_columns_;
   bool done_ = false;
-  std::size_t section_ = 0;  // which column
-  std::size_t row_ = 0;      // first row of it not sent
+  std::size_t section_ = 0;  // index of the current column
+  std::size_t row_ = 0;      // its first row not sent
 };
 
 class SnapshotFragmenter {
@@ -62,8 +62,8 @@ class SnapshotFragmenter {
 
 class DiffAssembler {
  public:
-  // The whole diff when its last fragment came, nullopt before. DATA_LOSS if the
-  // fragments do not fit each other; the assembler is then empty again.
+  // The whole diff after its last fragment, nullopt before. DATA_LOSS if the fragments do not fit
+  // together; then the assembler is empty again.
   absl::StatusOr<std::optional<MeshDiff>> Add(const v1::MeshDiff& fragment);
   bool empty() const { return !diff_.has_value(); }
   void Reset() { diff_.reset(); }

@@ -21,7 +21,7 @@ constexpr char kDomain[] = "dynmesh";
 constexpr std::size_t kMaxMessageBytes = 1024;
 constexpr std::size_t kMaxFeatures = 32;
 
-// Cuts at a character's border: half a character is no UTF-8, and no proto3 string.
+// Cuts between characters: a part of one is invalid UTF-8, which a proto3 string must not contain.
 std::string Shorten(absl::string_view text) {
   if (text.size() <= kMaxMessageBytes) return std::string(text);
   std::size_t end = kMaxMessageBytes - 3;
@@ -68,7 +68,7 @@ std::optional<ServiceError> FromPayloads(const absl::Status& status) {
   return error;
 }
 
-// The detail of either kind; the library's names edits by index only.
+// Converts the detail of either kind. The library's detail names edits by index only.
 std::optional<ServiceError> Detail(const absl::Status& status, absl::string_view edits_field) {
   if (const auto detail = GetErrorDetail(status)) return FromDetail(*detail, edits_field);
   return FromPayloads(status);
@@ -139,7 +139,7 @@ v1::Status StatusToProto(const absl::Status& status, absl::string_view edits_fie
 }
 
 absl::Status StatusFromProto(const v1::Status& proto) {
-  // A code from a newer peer is UNKNOWN here.
+  // An unknown code, of a newer peer, becomes UNKNOWN.
   const int code = proto.code() >= 0 && proto.code() <= 16 ? proto.code() : 2;
   absl::Status status(static_cast<absl::StatusCode>(code), proto.message());
   if (status.ok()) return status;

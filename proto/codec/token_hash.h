@@ -1,5 +1,5 @@
-// Bearer tokens: clients show them, servers know their hashes. Pure functions but for
-// RandomToken, thread-safe.
+// Bearer tokens: clients send them, servers store their hashes. Pure functions except RandomToken,
+// thread-safe.
 #ifndef DYNMESH_PROTO_CODEC_TOKEN_HASH_H_
 #define DYNMESH_PROTO_CODEC_TOKEN_HASH_H_
 
@@ -14,17 +14,17 @@ namespace dynmesh::codec {
 
 using TokenHash = std::array<std::uint8_t, 32>;
 
-// SHA-256. No salt and no stretching: a token is random, there is nothing to guess.
+// SHA-256. No salt and no stretching, since a token is random and cannot be guessed.
 TokenHash HashToken(absl::string_view token);
 
 std::string ToHex(const TokenHash& hash);
 // Nothing unless `hex` is 64 hexadecimal digits.
 std::optional<TokenHash> TokenHashFromHex(absl::string_view hex);
 
-// In a time that does not tell where they differ.
+// In constant time.
 bool SameHash(const TokenHash& a, const TokenHash& b);
 
-// 256 random bits of the system's, as 64 hexadecimal digits; empty if it has none.
+// 256 random bits from the system as 64 hexadecimal digits; empty if there are none.
 std::string RandomToken();
 
 }  // namespace dynmesh::codec

@@ -20,9 +20,9 @@
 namespace dynmesh::server {
 namespace {
 
-// For files, and what gRPC opens for itself.
+// For files, and for sockets that gRPC opens itself.
 constexpr std::uint64_t kReserve = 67;
-// No more often than that are descriptors counted while there is no room.
+// Least time between two counts of descriptors while there is no room.
 constexpr absl::Duration kCountEvery = absl::Milliseconds(50);
 constexpr absl::Duration kWarnEvery = absl::Seconds(10);
 
@@ -38,7 +38,7 @@ int PortOf(int socket) {
                                              : reinterpret_cast<sockaddr_in&>(address).sin_port);
 }
 
-// A socket that listens; -1 if it cannot be had.
+// A listening socket, or -1.
 int ListenOn(const addrinfo& info, int port) {
   sockaddr_storage address{};
   std::copy_n(reinterpret_cast<const char*>(info.ai_addr), info.ai_addrlen,
@@ -48,7 +48,7 @@ int ListenOn(const addrinfo& info, int port) {
       : reinterpret_cast<sockaddr_in&>(address).sin_port) = htons(static_cast<uint16_t>(port));
   const int listening = socket(info.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (listening < 0) return -1;
-  // After a restart; two servers on one port it does not allow.
+  // To rebind after a restart; two servers on one port stay impossible.
   SetOption(listening, SOL_SOCKET, SO_REUSEADDR, 1);
   if (v6) SetOption(listening, IPPROTO_IPV6, IPV6_V6ONLY, 0);
   if (bind(listening, reinterpret_cast<const sockaddr*>(&address), info.ai_addrlen) == 0 &&
@@ -141,7 +141,8 @@ void Acceptor::Run() {
 void Acceptor::AcceptOne(int listening) {
   const int connection = accept4(listening, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
   if (connection < 0) {
-    // Not even enough to refuse it: those that wait for their handshake will go.
+    // Not even a descriptor to refuse it with. Connections without a handshake time out and free
+    // some.
     if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) absl::SleepFor(kCountEvery);
     return;
   }
@@ -168,7 +169,7 @@ bool Acceptor::IsRoom() {
   const absl::Time now = absl::Now();
   if (now - counted_ < kCountEvery) return false;
   counted_ = now;
-  const std::uint64_t descriptors = OpenDescriptors() - 1;  // the new one is not in yet
+  const std::uint64_t descriptors = OpenDescriptors() - 1;  // gRPC does not have the new one yet
   open_ = descriptors - std::min(descriptors, others_);
   if (open_ < most) return true;
   if (now - warned_ > kWarnEvery) {

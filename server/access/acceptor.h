@@ -1,12 +1,12 @@
-// Listens, and hands each new connection to gRPC, as long as there are not too many.
+// Listens, and passes each new connection to gRPC while their number is within the limit.
 //
-// gRPC 1.51 can listen by itself, but knows no limit of connections, and after one accept() that
-// failed for want of file descriptors it never accepts again. Here a connection too many is
-// closed at once, and those that there are go on. How many are open is told by the process's file
-// descriptors: counted anew now and then, and in between by what was accepted.
+// gRPC 1.51 can listen by itself, but it has no limit of connections, and after one accept() that
+// failed for lack of file descriptors it never accepts again. Here an excess connection is closed
+// at once, and the open ones continue. The number of open connections is derived from the process's
+// file descriptors: counted now and then, and in between incremented per accept.
 //
-// Thread-safe: one thread of its own. A connection costs an accept; counting, a look at each open
-// descriptor.
+// Thread-safe: has one thread of its own. A connection costs an accept; a count costs O(open
+// descriptors).
 #ifndef DYNMESH_SERVER_ACCESS_ACCEPTOR_H_
 #define DYNMESH_SERVER_ACCESS_ACCEPTOR_H_
 
@@ -23,25 +23,25 @@
 
 namespace dynmesh::server {
 
-// Lets this process have as many file descriptors as it may, once.
+// Raises this process's limit of file descriptors to its maximum, once.
 void RaiseDescriptorLimit();
 
 class Acceptor {
  public:
   using Sink = std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>;
 
-  // Binds to all that host:port stands for; port 0 to one that is free. UNAVAILABLE if that
-  // cannot be had. Nothing is accepted before Start.
+  // Binds to all addresses of `host_port`; port 0 picks a free one. UNAVAILABLE if none can be
+  // bound. Nothing is accepted before Start.
   static absl::StatusOr<std::unique_ptr<Acceptor>> Listen(const std::string& host_port,
                                                           std::uint64_t max_connections);
   // As Stop.
   ~Acceptor();
 
   int port() const { return port_; }
-  // To the server that the sink is of, which has been started. A client that does not take what
-  // it is sent for `silence` is gone.
+  // Passes connections to `sink`; its server must have been started. A client that acknowledges no
+  // data for `silence` is disconnected.
   void Start(Sink sink, absl::Duration silence);
-  // Accepts no more. Before the server is shut down.
+  // Stops accepting. To be called before the server shuts down.
   void Stop();
 
  private:
@@ -57,9 +57,9 @@ class Acceptor {
   int silence_ms_ = 0;
   int stop_pipe_[2] = {-1, -1};
   std::thread thread_;
-  // The thread's.
-  std::uint64_t others_ = 0;  // descriptors that are no connections
-  std::uint64_t open_ = 0;    // connections, at most
+  // Used by the thread only.
+  std::uint64_t others_ = 0;  // descriptors that are not connections
+  std::uint64_t open_ = 0;    // connections; an upper bound
   absl::Time counted_ = absl::InfinitePast();
   absl::Time warned_ = absl::InfinitePast();
 };

@@ -24,7 +24,7 @@ absl::Status Unauthenticated(const char* reason, absl::string_view client,
   return codec::MakeServiceError(absl::StatusCode::kUnauthenticated, message, error);
 }
 
-// Nothing unless it is "Bearer TOKEN".
+// Nothing unless the text is "Bearer TOKEN".
 std::optional<absl::string_view> BearerToken(absl::string_view authorization) {
   constexpr absl::string_view kScheme = "bearer ";
   if (!absl::StartsWithIgnoreCase(authorization, kScheme)) return std::nullopt;
@@ -130,7 +130,7 @@ absl::StatusOr<Pass> Access::Admit(const Caller& caller) {
     }
   }
   pass.bucket_ = rate_.BucketOf(pass.client_, absl::Now());
-  // Those who are refused are counted too: guessing is not free.
+  // Refused calls count too, so that guessing tokens is limited.
   if (absl::Status status = pass.TakeRequest(); !status.ok()) return status;
   if (!refused.ok()) return refused;
   return pass;
@@ -145,7 +145,7 @@ absl::StatusOr<Access::Stream> Access::Open(const Pass& pass, Role role, absl::s
   Stream stream;
   if (pass.token_ == nullptr) return stream;
   const std::lock_guard lock(mutex_);
-  // The tokens may have been read again since the pass was given.
+  // The tokens may have been reloaded since the pass was made.
   Pass now;
   now.client_ = pass.client_;
   now.token_ = Current(*pass.token_);
@@ -188,7 +188,7 @@ void Access::ReadAgain(const FileStamp& stamp) {
     for (auto& [key, entry] : streams_) {
       const std::shared_ptr<const Token> token = Current(*entry.token);
       if (token != nullptr && token->Allows(entry.role, entry.mesh_id)) continue;
-      // Under the lock, so that the stream is still there.
+      // Under the lock, so that the stream still exists.
       entry.cancel();
       ++ended;
     }

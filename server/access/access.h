@@ -1,12 +1,11 @@
-// Who is calling, and whether they may: tokens and their roles, requests a second, and the right
-// of streams to stay open. Knows no gRPC. Thread-safe; admitting a call costs a hash of its token
-// and a comparison with each that there is.
+// Authenticates callers: tokens and their roles, the rate limit, and the rights of open streams.
+// Does not depend on gRPC. Thread-safe. Admitting a call costs one hash of its token and a
+// comparison with each known token.
 //
-// Without a file of tokens everybody may do everything. With one, it is read again when it
-// changed and then stayed the same for a second: one that is being written may be empty so far. One
-// that is gone or bad by then is logged, and the tokens stay what they were. A token
-// that is taken out, or loses a role, ends the streams that need it at once; calls that end by
-// themselves do so.
+// Without a token file every client may do everything. The file is read again when it changed and
+// then stayed the same for a second, since a file that is being written may be incomplete. If it is
+// missing or invalid then, this is logged and the tokens stay. If a token is removed or loses a
+// role, the streams that need it end at once; other calls run to their end.
 #ifndef DYNMESH_SERVER_ACCESS_ACCESS_H_
 #define DYNMESH_SERVER_ACCESS_ACCESS_H_
 
@@ -28,36 +27,36 @@
 
 namespace dynmesh::server {
 
-// What a call tells of itself.
+// The identity that a call presents.
 struct Caller {
   std::optional<absl::string_view> authorization;  // the metadata of that name
   absl::string_view address;                       // without a port
 };
 
-// One who was let in. Copies share the bucket.
+// An authenticated caller. Copies share the bucket.
 class Pass {
  public:
   // PERMISSION_DENIED (ROLE_MISSING); INVALID_ARGUMENT (BAD_NAME) for a malformed name.
   absl::Status Check(Role role, absl::string_view mesh_name) const;
   absl::Status CheckId(Role role, absl::string_view mesh_id) const;
   bool Allows(Role role, absl::string_view mesh_id) const;
-  // One more request: RESOURCE_EXHAUSTED (RATE_LIMIT, with RetryInfo).
+  // Counts one more request: RESOURCE_EXHAUSTED (RATE_LIMIT, with RetryInfo).
   absl::Status TakeRequest() const;
   // "" without tokens.
   std::string name() const { return token_ == nullptr ? "" : token_->name; }
-  // For people: "token lab" or, without tokens, "address ipv4:10.0.0.7".
+  // For messages: "token lab" or, without tokens, "address ipv4:10.0.0.7".
   const std::string& client() const { return client_; }
 
  private:
   friend class Access;
   std::string client_;
   std::shared_ptr<const Token> token_;  // null: everything is allowed
-  std::shared_ptr<RateBucket> bucket_;  // null: at any rate
+  std::shared_ptr<RateBucket> bucket_;  // null: no limit
 };
 
 class Access {
  public:
-  // A stream that is open, until destroyed or Closed. Its `cancel` is not called after that.
+  // An open stream, until destroyed or Closed. Its `cancel` is not called after that.
   class Stream {
    public:
     Stream() = default;
@@ -72,21 +71,22 @@ class Access {
     std::uint64_t key_ = 0;
   };
 
-  // INVALID_ARGUMENT if the file of tokens cannot be used. Empty: none.
+  // INVALID_ARGUMENT if the token file is unusable. An empty path: no tokens.
   static absl::StatusOr<std::unique_ptr<Access>> Create(const std::string& tokens_file,
                                                         double requests_per_second);
 
-  // Takes a request off the caller's rate. UNAUTHENTICATED (TOKEN_MISSING, TOKEN_UNKNOWN).
+  // Counts a request of the caller. UNAUTHENTICATED (TOKEN_MISSING, TOKEN_UNKNOWN).
   absl::StatusOr<Pass> Admit(const Caller& caller);
 
-  // Calls `cancel` when the pass no longer allows that; refused at once if it is so already.
+  // Calls `cancel` when the pass loses the role on the mesh. Refuses at once if it does not have
+  // it.
   absl::StatusOr<Stream> Open(const Pass& pass, Role role, absl::string_view mesh_id,
                               std::function<void()> cancel);
 
-  // Looks at the file of tokens, to read it again a second after it changed. To be called now and
-  // then; `now` is that of any clock that only goes forward.
+  // Checks the token file, and reads it again a second after a change. To be called periodically;
+  // `now` is from a monotonic clock.
   void ReloadIfChanged(absl::Time now);
-  // Reads it again in any case.
+  // Reads it again unconditionally.
   void Reload();
 
  private:
@@ -101,7 +101,7 @@ class Access {
       : tokens_file_(std::move(tokens_file)), rate_(requests_per_second) {}
   absl::StatusOr<TokenTable> Read() const;
   void ReadAgain(const FileStamp& stamp);
-  // The token with that hash as it is now.
+  // The present token with that hash.
   std::shared_ptr<const Token> Current(const Token& token) const;
 
   const std::string tokens_file_;
@@ -110,9 +110,9 @@ class Access {
   std::shared_ptr<const TokenTable> table_;  // null: no authentication
   std::map<std::uint64_t, Entry> streams_;
   std::uint64_t next_key_ = 1;
-  std::mutex reload_mutex_;  // taken first
-  FileStamp stamp_;          // of the file when it was read
-  FileStamp last_seen_;      // of the file at the last look, and when it first looked so
+  std::mutex reload_mutex_;  // acquired first
+  FileStamp stamp_;          // of the file when it was last read
+  FileStamp last_seen_;      // of the file at the last check; changed_ is when it was first seen
   absl::Time changed_;
 };
 

@@ -5,7 +5,7 @@
 namespace dynmesh::server {
 namespace {
 
-// As deploy/alerts.yml has it.
+// The same as in deploy/alerts.yml.
 constexpr absl::Duration kSoon = absl::Hours(14 * 24);
 
 std::string Text(absl::Time time) {
@@ -30,7 +30,7 @@ std::optional<CertificateWatch::Finding> CertificateWatch::FindAt(absl::Time now
 std::optional<CertificateWatch::Finding> CertificateWatch::Due(absl::Time now) {
   const std::optional<Finding> finding = FindAt(now);
   const absl::Duration pause = finding == Finding::kEndsSoon ? absl::Hours(24) : absl::Hours(1);
-  // The time of day may be set back.
+  // The time of day can be set back.
   const bool is_news = finding != told_ || now - told_at_ >= pause || now < told_at_;
   told_ = finding;
   if (!finding.has_value() || !is_news) return std::nullopt;

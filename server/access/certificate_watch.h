@@ -1,5 +1,6 @@
-// Warns, in the log, of a certificate that is not valid, or soon no more: when it comes into use,
-// and while it is. Clients refuse such a one, and the server is the last to know. Not thread-safe.
+// Logs a warning for a certificate that is not valid, or expires soon: when it comes into use, and
+// repeatedly while in use. Clients refuse an invalid certificate without the server noticing. Not
+// thread-safe.
 #ifndef DYNMESH_SERVER_ACCESS_CERTIFICATE_WATCH_H_
 #define DYNMESH_SERVER_ACCESS_CERTIFICATE_WATCH_H_
 
@@ -10,7 +11,7 @@
 
 namespace dynmesh::server {
 
-// When a certificate, or each of some, is valid.
+// Validity of a certificate, or the intersection of several.
 struct Validity {
   absl::Time from = absl::InfinitePast();
   absl::Time until = absl::InfiniteFuture();
@@ -23,10 +24,10 @@ class CertificateWatch {
   // The certificates of `file` are in use from now on.
   void Use(const std::string& file, const Validity& validity);
 
-  // What is to be told at `now`, the time of day: a finding at once, then once a day, of those that
-  // are not valid once an hour.
+  // The finding to log at `now`, the time of day. A new finding is due at once, then once a day;
+  // for certificates that are not valid once an hour.
   std::optional<Finding> Due(absl::Time now);
-  // Due, told.
+  // Logs what is Due.
   void Look(absl::Time now);
 
  private:

@@ -1,5 +1,5 @@
-// Counted limits of each client: a quota a client, named as in Pass::client(). Clients that hold
-// nothing are forgotten. Thread-safe; taking costs a lock and a look-up.
+// A quota per client, named as in Pass::client(). Clients without leases are forgotten.
+// Thread-safe; Take costs a lock and a look-up.
 #ifndef DYNMESH_SERVER_ACCESS_CLIENT_QUOTAS_H_
 #define DYNMESH_SERVER_ACCESS_CLIENT_QUOTAS_H_
 
@@ -18,10 +18,10 @@ namespace dynmesh::server {
 
 class ClientQuotas {
  public:
-  // Of one client. 0: any number.
+  // `limit` is per client. 0: no limit.
   explicit ClientQuotas(std::uint64_t limit) : limit_(limit) {}
 
-  // An empty lease if that would pass the client's limit.
+  // An empty lease if the client is at its limit.
   Lease Take(absl::string_view client) {
     const std::lock_guard lock(mutex_);
     if (quotas_.size() >= sweep_at_) {
@@ -32,14 +32,14 @@ class ClientQuotas {
   }
 
   std::uint64_t limit() const { return limit_; }
-  // What the client has that has most.
+  // The largest use of a client.
   std::uint64_t most() const {
     const std::lock_guard lock(mutex_);
     std::uint64_t most = 0;
     for (const auto& [client, quota] : quotas_) most = std::max(most, quota.used());
     return most;
   }
-  // Clients that are remembered.
+  // Number of clients held.
   std::size_t size() const {
     const std::lock_guard lock(mutex_);
     return quotas_.size();
@@ -52,7 +52,7 @@ class ClientQuotas {
   const std::uint64_t limit_;
   mutable std::mutex mutex_;
   absl::flat_hash_map<std::string, Quota> quotas_;
-  std::size_t sweep_at_ = kFirstSweep;  // clients at which those that hold nothing are forgotten
+  std::size_t sweep_at_ = kFirstSweep;  // number of clients at which unused ones are removed
 };
 
 }  // namespace dynmesh::server

@@ -1,5 +1,5 @@
-// Files that an operator may replace while the server runs: read whole, and told apart from
-// what was read before by a stamp. Pure functions, thread-safe; a stamp costs one stat.
+// Files that an operator may replace while the server runs: read as a whole; a stamp detects
+// changes. Pure functions, thread-safe; a stamp costs one stat.
 #ifndef DYNMESH_SERVER_ACCESS_FILE_STAMP_H_
 #define DYNMESH_SERVER_ACCESS_FILE_STAMP_H_
 
@@ -10,7 +10,7 @@
 
 namespace dynmesh::server {
 
-// Equal while the file is the same and was not written to. A file that is not there has one too.
+// Equal while the file is the same and was not written. A missing file has a stamp too.
 struct FileStamp {
   std::int64_t modified_ns = 0;
   std::uint64_t size = 0;
@@ -20,7 +20,7 @@ struct FileStamp {
 
 FileStamp StampOf(const std::string& path);
 
-// INVALID_ARGUMENT, naming the flag and the file, if it cannot be read or has over 1 MiB.
+// INVALID_ARGUMENT, naming the flag and the file, if it is unreadable or larger than 1 MiB.
 absl::StatusOr<std::string> ReadSmallFile(const char* flag, const std::string& path);
 
 }  // namespace dynmesh::server

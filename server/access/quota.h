@@ -1,4 +1,4 @@
-// Counted limits whose shares give themselves back. Thread-safe.
+// Counted limits with RAII leases. Thread-safe.
 #ifndef DYNMESH_SERVER_ACCESS_QUOTA_H_
 #define DYNMESH_SERVER_ACCESS_QUOTA_H_
 
@@ -11,7 +11,7 @@ namespace dynmesh::server {
 
 class Quota;
 
-// A share of a quota, given back when it is destroyed. Empty: nothing was to be had.
+// A share of a quota, returned on destruction. Empty: refused.
 class Lease {
  public:
   Lease() = default;
@@ -35,7 +35,7 @@ class Lease {
   friend class Quota;
   Lease(std::shared_ptr<std::atomic<std::uint64_t>> used, std::uint64_t amount)
       : used_(std::move(used)), amount_(amount) {}
-  // Shared, because a call may end after the server that admitted it.
+  // Shared, because a call may outlive the server that admitted it.
   std::shared_ptr<std::atomic<std::uint64_t>> used_;
   std::uint64_t amount_ = 0;
 };

@@ -5,7 +5,7 @@
 namespace dynmesh::server {
 namespace {
 
-constexpr char kLatecomers[] = "";  // no client's name
+constexpr char kLatecomers[] = "";  // not a client's name
 
 }  // namespace
 
@@ -41,7 +41,7 @@ std::shared_ptr<RateBucket> RateLimit::BucketOf(absl::string_view client, absl::
   const std::lock_guard lock(mutex_);
   if (const auto it = buckets_.find(client); it != buckets_.end()) return it->second;
   if (buckets_.size() >= std::min(sweep_at_, max_clients_)) {
-    // A bucket that is full and nobody's is as good as a new one.
+    // A full bucket that is not in use equals a new one.
     absl::erase_if(buckets_, [now](const auto& entry) {
       return entry.second.use_count() == 1 && entry.second->IsFull(now);
     });

@@ -1,5 +1,5 @@
-// How many requests each client may make: a bucket a client, that fills at a constant rate and
-// from which each request takes one. Thread-safe; a request costs a lock of its own bucket.
+// Limits the request rate of each client with a token bucket per client. Thread-safe; a request
+// costs a lock of the client's bucket.
 #ifndef DYNMESH_SERVER_ACCESS_RATE_LIMIT_H_
 #define DYNMESH_SERVER_ACCESS_RATE_LIMIT_H_
 
@@ -16,10 +16,10 @@ namespace dynmesh::server {
 
 class RateBucket {
  public:
-  // Holds what comes in a second, one at least, and is full at first.
+  // Capacity: the requests of one second, at least 1. Full at first.
   RateBucket(double per_second, absl::Time now);
 
-  // Zero: taken. Else when there will be one, if nobody else takes it.
+  // Zero: taken. Else the time until the next is available, unless another request takes it.
   absl::Duration Take(absl::Time now);
   bool IsFull(absl::Time now);
 
@@ -35,8 +35,8 @@ class RateBucket {
 
 class RateLimit {
  public:
-  // 0: any number, and no buckets. Of more than `max_clients` that are not at rest, those that
-  // came late share one: memory is bounded, whoever calls.
+  // `per_second` 0: no limit and no buckets. Beyond `max_clients` active clients, new ones share
+  // one bucket, which bounds the memory.
   explicit RateLimit(double per_second, std::size_t max_clients = 100'000)
       : per_second_(per_second), max_clients_(max_clients) {}
 
@@ -49,7 +49,7 @@ class RateLimit {
   const std::size_t max_clients_;
   mutable std::mutex mutex_;
   absl::flat_hash_map<std::string, std::shared_ptr<RateBucket>> buckets_;
-  std::size_t sweep_at_ = 1024;  // buckets at which those that are full are forgotten
+  std::size_t sweep_at_ = 1024;  // number of buckets at which full ones are removed
 };
 
 }  // namespace dynmesh::server

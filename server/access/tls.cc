@@ -32,7 +32,7 @@ using Owned = std::unique_ptr<T, Free>;
 
 constexpr absl::Duration kBetweenLooks = absl::Seconds(1);
 
-// What one reading of the files found.
+// The result of one reading of the files.
 struct Material {
   std::string certificate;
   std::string key;
@@ -48,7 +48,7 @@ Owned<BIO> Open(const std::string& pem) {
   return Owned<BIO>(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size())));
 }
 
-// No password: it would be asked for at the terminal.
+// No password: OpenSSL would prompt on the terminal.
 int NoPassword(char*, int, int, void*) { return -1; }
 
 absl::Status CheckMaterial(const TlsFiles& files, const Material& m) {
@@ -78,7 +78,7 @@ absl::Status CheckMaterial(const TlsFiles& files, const Material& m) {
   return ERR_clear_error(), absl::OkStatus();
 }
 
-// The infinite future if it is none.
+// The infinite future if `time` is invalid.
 absl::Time TimeOf(const ASN1_TIME* time) {
   std::tm utc = {};
   if (ASN1_TIME_to_tm(time, &utc) == 1) return absl::FromTM(utc, absl::UTCTimeZone());
@@ -86,7 +86,7 @@ absl::Time TimeOf(const ASN1_TIME* time) {
   return absl::InfiniteFuture();
 }
 
-// Of all certificates in a text together: a chain is as good as the worst of it.
+// The intersection over all certificates in a text, as a chain needs all of them.
 Validity ValidityOf(const std::string& pem) {
   Validity all;
   const Owned<BIO> chain = Open(pem);
@@ -146,7 +146,7 @@ class FileCredentials final : public TlsCredentials {
     return grpc_server_add_http2_port(server, address.c_str(), credentials_);
   }
 
-  // gRPC calls it as it begins to listen and at every new connection.
+  // gRPC calls it when it starts to listen and at every new connection.
   static grpc_ssl_certificate_config_reload_status Fetch(void* self,
                                                          grpc_ssl_server_certificate_config** out) {
     return static_cast<FileCredentials*>(self)->Refresh(out);
@@ -158,13 +158,13 @@ class FileCredentials final : public TlsCredentials {
     if (std::exchange(fetched_, true)) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
     const grpc_ssl_pem_key_cert_pair pair = {material_.key.c_str(), material_.certificate.c_str()};
     *out = grpc_ssl_server_certificate_config_create(
-        // gRPC wants roots even where it asks no client for a certificate.
+        // gRPC requires roots even if it requests no client certificate.
         (files_.client_ca.empty() ? material_.certificate : material_.client_ca).c_str(), &pair, 1);
     return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
   }
 
   void ReadAgainIfChanged() {
-    // Before the reading: what is written during it is seen the next time.
+    // Before the reading: a change during it is noticed the next time.
     const std::array<FileStamp, 3> stamps = Stamps(files_);
     if (stamps == stamps_) return;
     stamps_ = stamps;
@@ -196,7 +196,7 @@ class FileCredentials final : public TlsCredentials {
   absl::Time looked_ = absl::InfinitePast();
   std::array<FileStamp, 3> stamps_;
   Material material_;
-  bool fetched_ = false;  // gRPC has what material_ holds
+  bool fetched_ = false;  // gRPC has the content of material_
 };
 
 }  // namespace

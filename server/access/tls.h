@@ -1,13 +1,13 @@
 // TLS for the server's port, from files that may be replaced while it runs.
 //
-// At every new connection the files' stamps are looked at. If they changed, the files are read
-// and checked: certificate, key that belongs to it, authority for clients. What passes is used
-// from then on; what does not is logged, and what was used before stays. Connections that are
-// open keep what they began with. A certificate that is not valid is used, as a clock may be wrong,
-// but the log warns of it. Thread-safe.
+// Each new connection checks the files' stamps. If they changed, the files are read and checked:
+// the certificate, that the key belongs to it, the authority for clients. Valid files are used from
+// then on; a failure is logged, and the previous ones stay in use. Open connections keep theirs. A
+// certificate outside its validity period is used, since the clock may be wrong, but a warning is
+// logged. Thread-safe.
 //
-// gRPC's own watcher of files is not used: it hands on what it read unchecked, a certificate with
-// another one's key too.
+// gRPC's own file watcher is not used: it does not check the files, not even that the key belongs
+// to the certificate.
 #ifndef DYNMESH_SERVER_ACCESS_TLS_H_
 #define DYNMESH_SERVER_ACCESS_TLS_H_
 
@@ -31,17 +31,17 @@ struct TlsFiles {
 
 class TlsCredentials : public grpc::ServerCredentials {
  public:
-  // To be called now and then with the time of day: reads files again that changed, and warns of
-  // certificates that are not valid, or soon no more (certificate_watch.h).
+  // To be called periodically with the time of day. Reads changed files again, and warns of
+  // certificates that are not valid or expire soon (certificate_watch.h).
   virtual void Look(absl::Time now) = 0;
 };
 
-// INVALID_ARGUMENT, naming flag and file, if they cannot be used. The credentials outlive the
+// INVALID_ARGUMENT, naming flag and file, if `files` are unusable. The credentials must outlive the
 // server that listens with them.
 absl::StatusOr<std::shared_ptr<TlsCredentials>> MakeTlsCredentials(const TlsFiles& files);
 
-// When the certificate in a file, the first if it has several, is no longer valid; INVALID_ARGUMENT
-// if there is none. Reads the file.
+// End of validity of the first certificate in `file`; INVALID_ARGUMENT if there is none. Reads the
+// file.
 absl::StatusOr<absl::Time> EndOfCertificate(const std::string& file);
 
 }  // namespace dynmesh::server

@@ -26,8 +26,8 @@ bool IsPattern(absl::string_view text) {
   });
 }
 
-// An error without the line's number. Nothing of the line is repeated but names: who writes a
-// token in place of its hash should not find it in a log.
+// The error lacks the line number. It repeats only names: a token written in place of its hash must
+// not reach a log.
 absl::StatusOr<Token> ParseToken(const std::vector<absl::string_view>& words) {
   if (words.size() < 3) return absl::InvalidArgumentError("want: NAME SHA256 ROLE=MESHES ...");
   Token token;
@@ -67,7 +67,7 @@ const char* RoleName(Role role) {
 }
 
 bool MatchesPattern(absl::string_view pattern, absl::string_view text) {
-  // After a failure only the last * has to try again, one character further on.
+  // After a mismatch only the last * retries, one character further.
   std::size_t p = 0, t = 0;
   std::size_t star = absl::string_view::npos, resume = 0;
   while (t < text.size()) {

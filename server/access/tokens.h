@@ -1,12 +1,12 @@
-// Who may do what: a table of bearer tokens, by their hashes, and the roles they have on meshes.
-// Immutable, so thread-safe. Its file has a token a line, # begins a comment:
+// A table of bearer tokens, by their hashes, and their roles on meshes. Immutable, so thread-safe.
+// Its file has a token per line; # begins a comment:
 //
 //   # name   SHA-256 of the token in hex   role=meshes ...
 //   alice    9f86d081884c7d659a2f...       admin=*
 //   lab      60303ae22b998861bce3...       edit=crack-* read=*
 //
-// A role includes those below it: admin (create and delete), edit, read (watches too). Meshes are
-// an id, in which every * stands for any characters.
+// A role includes those below it: admin (create and delete), edit, read (includes watch). Meshes
+// are given by an id pattern; each * matches any characters.
 #ifndef DYNMESH_SERVER_ACCESS_TOKENS_H_
 #define DYNMESH_SERVER_ACCESS_TOKENS_H_
 
@@ -23,7 +23,7 @@ namespace dynmesh::server {
 enum class Role { kRead, kEdit, kAdmin };
 const char* RoleName(Role role);
 
-// Does `text` match `pattern`, in which every * stands for any characters?
+// True iff `text` matches `pattern`. Each * matches any characters.
 bool MatchesPattern(absl::string_view pattern, absl::string_view text);
 
 struct Token {
@@ -35,16 +35,16 @@ struct Token {
   codec::TokenHash hash = {};
   std::vector<Grant> grants;
 
-  // A mesh whose id the server is yet to choose is "": only those may make it who may make any.
+  // "" stands for an id that the server is yet to choose: it needs the role on all meshes.
   bool Allows(Role role, absl::string_view mesh_id) const;
 };
 
 class TokenTable {
  public:
-  // INVALID_ARGUMENT with the line. No tokens at all are a table too: it lets nobody in.
+  // INVALID_ARGUMENT with the line number. An empty file is a valid table that admits no client.
   static absl::StatusOr<TokenTable> Parse(absl::string_view text);
 
-  // Null if there is none. Its time does not tell how near a hash came.
+  // Null if there is none. Takes constant time, whatever part of a hash matches.
   std::shared_ptr<const Token> Find(const codec::TokenHash& hash) const;
   std::size_t size() const { return tokens_.size(); }
 

@@ -24,7 +24,7 @@ std::string ChooseCallId(absl::string_view given) {
   if (IsUsable(given)) return std::string(given);
   static std::atomic<std::uint64_t> next{(std::uint64_t{std::random_device{}()} << 32) +
                                          std::random_device{}()};
-  // Distinct for distinct numbers, since each step of Mix can be undone.
+  // Distinct for distinct numbers, since Mix is invertible.
   return absl::StrFormat("%016x", Mix(next.fetch_add(1, std::memory_order_relaxed)));
 }
 

@@ -42,8 +42,8 @@ spdlog::logger& Logger() {
   return *logger;
 }
 
-// Of its own accord protobuf tells stderr of each message that does not parse, in lines of its own
-// form: any client could fill a disk with them. Whoever sent it gets an error, and that is counted.
+// By default protobuf writes a line to stderr for each message that does not parse, in its own
+// form: a client could fill a disk. The sender gets an error anyway, which is counted.
 void TakeFromProtobuf(google::protobuf::LogLevel level, const char*, int,
                       const std::string& message) {
   const bool fatal = level == google::protobuf::LOGLEVEL_FATAL;  // the process ends after this
@@ -93,7 +93,7 @@ void Log(LogLevel level, absl::string_view event, std::initializer_list<LogField
       absl::StrAppend(&line, " ", f.key, "=\"", Printable(absl::Utf8SafeCEscape(f.value)), "\"");
     }
   }
-  // The line is data, never a format.
+  // The line is data, never a format string.
   Logger().log(Translate(level), "{}", line);
 }
 

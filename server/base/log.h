@@ -1,5 +1,5 @@
-// Structured logs: one line an event, key=value, values quoted where needed, so that
-// no client can forge a line. UTC, to stderr. Thread-safe.
+// Structured logs: one line per event, key=value. Values are quoted where needed, so that no client
+// can forge a line. UTC, to stderr. Thread-safe.
 #ifndef DYNMESH_SERVER_BASE_LOG_H_
 #define DYNMESH_SERVER_BASE_LOG_H_
 
@@ -27,7 +27,7 @@ struct LogField {
   std::string value;
 };
 
-// Fields are made before the call: guard a hot path with LogEnabled.
+// The fields are evaluated before the call: guard a hot path with LogEnabled.
 void Log(LogLevel level, absl::string_view event, std::initializer_list<LogField> fields = {});
 
 }  // namespace dynmesh::server

@@ -19,15 +19,15 @@
 namespace dynmesh::server {
 namespace {
 
-// Trimming walks the whole heap: not at every tick.
+// Trimming walks the whole heap, so it is not done at every tick.
 constexpr int kTicksBetweenTrims = 10;
 
-// So many streams that end leave enough behind to be worth it.
+// From this many streams on, the memory they leave is worth a trim.
 constexpr std::uint64_t kManyStreams = 64;
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
-// What a file of one number says; kNoLimit, if it is not there or says "max".
+// The number in a file; kNoLimit if the file is missing or says "max".
 std::uint64_t NumberIn(const std::string& path) {
   std::string word;
   std::ifstream(path) >> word;
@@ -35,7 +35,7 @@ std::uint64_t NumberIn(const std::string& path) {
   return absl::SimpleAtoi(word, &number) ? number : kNoLimit;
 }
 
-// The least that the file `name` says of a group and those that it is in, down to the root.
+// The least value of the files `name` of a group and its ancestors up to the root.
 std::uint64_t LeastUpwards(const std::string& root, std::string group, const std::string& name) {
   std::uint64_t least = kNoLimit;
   while (true) {
@@ -45,8 +45,8 @@ std::uint64_t LeastUpwards(const std::string& root, std::string group, const std
   }
 }
 
-// A line is NUMBER:CONTROLLERS:/PATH, of version 2 without controllers. In a container the path may
-// be that of the host, where nothing is: the root then says what holds.
+// A line is NUMBER:CONTROLLERS:/PATH; CONTROLLERS is empty for cgroup version 2. In a container the
+// path may be the host's and not exist: then the root's limit counts.
 std::uint64_t LimitOfGroup(const std::string& own, const std::string& groups) {
   std::uint64_t least = kNoLimit;
   std::ifstream lines(own);
@@ -92,7 +92,7 @@ void MemoryGuard::Measure() {
 }
 
 std::uint64_t MemoryGuard::MostVertices(int dimension) const {
-  // With its trace and what a process has beside it. Measured of uniform points, at the most.
+  // Includes the trace and the process's overhead. The maximum measured with uniform points.
   const std::uint64_t bytes_per_vertex = dimension == 2 ? 1'000 : 2'500;
   constexpr std::uint64_t kLeast = 100'000;
   return std::clamp(limit_ / 2 / bytes_per_vertex, kLeast, dynmesh::MostVertices(dimension));

@@ -1,6 +1,5 @@
-// Keeps meshes from growing when the process has all the memory that it may have. The resident
-// size is measured at intervals, by the server's ticker; between two of them asking costs one
-// load. Thread-safe.
+// Stops the growth of meshes when the process is at its memory limit. The server's ticker measures
+// the resident size periodically; a check costs one load. Thread-safe.
 #ifndef DYNMESH_SERVER_BASE_MEMORY_GUARD_H_
 #define DYNMESH_SERVER_BASE_MEMORY_GUARD_H_
 
@@ -13,8 +12,8 @@
 
 namespace dynmesh::server {
 
-// Of the machine or, where that is less, of the control group that the process is in, or one that
-// this is in. For tests, where the system tells of groups.
+// The machine's memory, or the limit of the process's cgroup or an ancestor of it if that is less.
+// The parameters `own` and `groups` are the system's files, for tests.
 std::uint64_t AvailableBytes(const std::string& own = "/proc/self/cgroup",
                              const std::string& groups = "/sys/fs/cgroup");
 
@@ -22,31 +21,31 @@ class MemoryGuard {
  public:
   using Measurement = std::uint64_t (*)();
 
-  // Of what `measurement` returns, in bytes. 0: nine tenths of what there is.
+  // `limit` in bytes, of what `measurement` returns. 0: nine tenths of AvailableBytes().
   explicit MemoryGuard(std::uint64_t limit, Measurement measurement = &ResidentBytes);
 
-  // Looks at the process; if it has too much, asks the allocator to give back what is free.
+  // Measures the process. If it is over the limit, makes the allocator release free memory.
   void Measure();
 
-  // Told, as often as it measures, how many streams are open: when of many most have ended, the
-  // allocator is asked to give back what they left. By the ticker only.
+  // Gets the number of open streams at each tick. When more than half of many streams have ended,
+  // makes the allocator release their memory. By the ticker only.
   void NoteStreams(std::uint64_t open);
 
   // RESOURCE_EXHAUSTED (MEMORY_LIMIT, with RetryInfo) if nothing may grow.
   absl::Status CheckRoom() const;
-  // That error, for who was stopped in the middle.
+  // That error, for work interrupted by full().
   absl::Status RefuseGrowth() const;
   std::uint64_t limit() const { return limit_; }
-  // Of a mesh that takes half of the limit: a mesh that is made anew is there twice for a while.
+  // Vertices of a mesh that takes half of the limit: during a rebuild a mesh exists twice.
   std::uint64_t MostVertices(int dimension) const;
-  // True while nothing may grow: for what may be stopped in the middle.
+  // True while nothing may grow. For work that can be interrupted.
   const std::atomic<bool>* full() const { return &full_; }
 
  private:
   const std::uint64_t limit_;
   const Measurement measurement_;
   std::atomic<bool> full_{false};
-  int ticks_over_ = 0;              // the ticker's, as what follows
+  int ticks_over_ = 0;              // used by the ticker only, as most_streams_
   std::uint64_t most_streams_ = 0;  // since the allocator was last asked
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr absl::string_view kPrefix = "meshes/";
 constexpr std::size_t kMaxIdLength = 63;
-// Somebody has to make room on the disk first.
+// An operator has to free disk space first.
 constexpr absl::Duration kRetryJournal = absl::Seconds(1);
 
 }  // namespace

@@ -1,4 +1,4 @@
-// How meshes are named, and errors that name one. Pure functions, thread-safe.
+// Names of meshes, and errors that name a mesh. Pure functions, thread-safe.
 #ifndef DYNMESH_SERVER_BASE_MESH_NAME_H_
 #define DYNMESH_SERVER_BASE_MESH_NAME_H_
 
@@ -11,16 +11,16 @@
 
 namespace dynmesh::server {
 
-// "meshes/{id}" to id and back. INVALID_ARGUMENT (BAD_NAME) if it is no such name. A damaged mesh
-// whose id cannot be said is called by its row in the journal: "meshes/@{key}".
+// Converts "meshes/{id}" to the id and back. INVALID_ARGUMENT (BAD_NAME) if `name` has not that
+// form. A damaged mesh with an unreadable id is named by its row in the journal: "meshes/@{key}".
 absl::StatusOr<std::string> ParseMeshName(absl::string_view name);
 std::string MeshName(absl::string_view id);
 bool IsMeshId(absl::string_view id);
-// "@{key}", and whether it is such a name.
+// "@{key}", and a test for such a name.
 std::string RowName(std::int64_t key);
 bool IsRowName(absl::string_view id);
 
-// INVALID_ARGUMENT (BAD_NAME) for what stands in `field`.
+// INVALID_ARGUMENT (BAD_NAME) for the value `name` of `field`.
 absl::Status BadName(absl::string_view field, absl::string_view name, absl::string_view form);
 
 // "meshes/{id} {what}".
@@ -29,8 +29,8 @@ absl::Status MeshError(absl::StatusCode code, const char* reason, absl::string_v
 absl::Status MeshDeletedError(absl::string_view id);
 // FAILED_PRECONDITION (NO_HISTORY).
 absl::Status NoHistoryError(absl::string_view id);
-// Why the journal of that mesh refused a call, as clients are told: NOT_FOUND (MESH_DELETED),
-// UNAVAILABLE (JOURNAL_FAILED, with RetryInfo) if it may pass, else DATA_LOSS (JOURNAL_FAILED).
+// Translates an error of the mesh's journal for clients: NOT_FOUND (MESH_DELETED), UNAVAILABLE
+// (JOURNAL_FAILED, with RetryInfo) if it may be temporary, else DATA_LOSS (JOURNAL_FAILED).
 absl::Status JournalError(const absl::Status& status, absl::string_view id);
 
 }  // namespace dynmesh::server

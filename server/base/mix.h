@@ -1,5 +1,5 @@
-// The finaliser of splitmix64: every bit of the input moves every bit of the output. Files keep
-// what is made with it, so it never changes. Pure.
+// The finaliser of splitmix64: each input bit affects every output bit. Journals store its results,
+// so it never changes. Pure.
 #ifndef DYNMESH_SERVER_BASE_MIX_H_
 #define DYNMESH_SERVER_BASE_MIX_H_
 

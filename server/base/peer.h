@@ -1,4 +1,4 @@
-// The other end of a connection, as gRPC writes it: "ipv4:127.0.0.1:54321". Pure.
+// The peer of a connection in gRPC's format: "ipv4:127.0.0.1:54321". Pure.
 #ifndef DYNMESH_SERVER_BASE_PEER_H_
 #define DYNMESH_SERVER_BASE_PEER_H_
 
@@ -14,7 +14,7 @@ inline absl::string_view AddressOf(absl::string_view peer) {
   return peer.substr(0, peer.rfind(':'));
 }
 
-// How a client without a token is called, in the log and in errors. No token's name begins so.
+// The name of a client without a token, in the log and in errors. No token's name begins so.
 inline std::string ClientAt(absl::string_view address) { return absl::StrCat("address ", address); }
 
 }  // namespace dynmesh::server

@@ -8,8 +8,8 @@
 namespace dynmesh::server {
 namespace {
 
-// How many bytes the character at the beginning of `text` has; 0 if there is none. No overlong
-// forms, no surrogates, nothing above U+10FFFF.
+// Number of bytes of the UTF-8 character at the start of `text`; 0 if there is none. Rejects
+// overlong forms, surrogates and code points above U+10FFFF.
 std::size_t CharacterBytes(absl::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::uint8_t first = byte(0);

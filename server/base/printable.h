@@ -1,5 +1,5 @@
-// Bytes that may be anything, made fit for a message, an answer or a line of the log: what is not
-// UTF-8, and control characters, as \x and two hex digits. All else stays as it is. Pure, O(bytes).
+// Escapes arbitrary bytes for a message, an answer or a log line: invalid UTF-8 and control
+// characters become \x and two hex digits. All else is unchanged. Pure, O(bytes).
 #ifndef DYNMESH_SERVER_BASE_PRINTABLE_H_
 #define DYNMESH_SERVER_BASE_PRINTABLE_H_
 

@@ -31,7 +31,7 @@ std::uint64_t OpenDescriptors() {
 }
 
 void YieldToOtherThreads() {
-  // Linux takes 0 as the calling thread, not the process; a weight of 110 beside 1024.
+  // Linux takes 0 as the calling thread, not the process. Nice 10 gives weight 110 against 1024.
   if (setpriority(PRIO_PROCESS, 0, 10) == 0) return;
   static std::once_flag told;
   std::call_once(told, [error = errno] {

@@ -1,4 +1,4 @@
-// What the kernel tells of this process, and is told. Thread-safe; what counts reads /proc.
+// Figures and settings of this process in the kernel. Thread-safe; the figures read /proc.
 #ifndef DYNMESH_SERVER_BASE_PROCESS_H_
 #define DYNMESH_SERVER_BASE_PROCESS_H_
 
@@ -6,13 +6,13 @@
 
 namespace dynmesh::server {
 
-// Memory that it has; 0 where it cannot be told.
+// Resident memory; 0 if unknown.
 std::uint64_t ResidentBytes();
 
-// Files and connections that are open, the one that counts them aside; 0 where it cannot be told.
+// Open files and connections, without the descriptor used to count; 0 if unknown.
 std::uint64_t OpenDescriptors();
 
-// The calling thread gets a tenth of the time of others, where there are not cores for all.
+// Lowers the calling thread's priority: with too few cores it gets a tenth of the time of others.
 void YieldToOtherThreads();
 
 }  // namespace dynmesh::server

@@ -1,5 +1,5 @@
-// Counts the work that is under way, so that a drain can refuse more and wait for the
-// rest. Thread-safe.
+// Counts running work. A drain closes the gate to refuse new work, then waits for the rest.
+// Thread-safe.
 #ifndef DYNMESH_SERVER_BASE_WORK_GATE_H_
 #define DYNMESH_SERVER_BASE_WORK_GATE_H_
 
@@ -15,7 +15,7 @@ namespace dynmesh::server {
 
 class WorkGate {
  public:
-  // Held while a piece of work is under way; may outlive the gate. Null: none.
+  // Held while the work runs; may outlive the gate. Null: refused.
   using Ticket = std::shared_ptr<void>;
 
   // Null if the gate is closed.
@@ -23,7 +23,7 @@ class WorkGate {
     const std::lock_guard lock(state_->mutex);
     if (state_->closed) return nullptr;
     ++state_->count;
-    // The deleter runs when the last holder lets go.
+    // The deleter runs when the last copy is released.
     return Ticket(state_.get(), [state = state_](void*) {
       const std::lock_guard leaving(state->mutex);
       if (--state->count == 0) state->empty.notify_all();
@@ -40,7 +40,7 @@ class WorkGate {
     return state_->closed;
   }
 
-  // Waits until nothing is under way; false if that takes longer.
+  // Blocks until no work runs. False after `limit`.
   bool WaitEmpty(absl::Duration limit) const {
     std::unique_lock lock(state_->mutex);
     return state_->empty.wait_for(lock, absl::ToChronoNanoseconds(limit),

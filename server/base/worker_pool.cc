@@ -25,7 +25,7 @@ void WorkerPool::Post(Task task) {
   tasks_.push_back(std::move(task));
   if (idle_.empty()) return;
   idle_.back()->woken = true;
-  // Under the lock: one that was woken may be gone as soon as it is free.
+  // Under the lock: a woken thread may end, with its Idle, as soon as the lock is free.
   idle_.back()->wake.notify_one();
   idle_.pop_back();
 }
@@ -52,7 +52,7 @@ void WorkerPool::Run() {
   Idle self;
   std::unique_lock lock(mutex_);
   while (true) {
-    // A running task may post more, so nobody leaves before all are done.
+    // A running task may post more, so threads stay until all tasks are done.
     while (tasks_.empty() && !(stopping_ && running_ == 0)) {
       self.woken = false;
       idle_.push_back(&self);
@@ -64,7 +64,7 @@ void WorkerPool::Run() {
     ++running_;
     lock.unlock();
     task();
-    task = nullptr;  // what it holds is freed outside the lock
+    task = nullptr;  // destroyed outside the lock
     lock.lock();
     --running_;
     if (stopping_) WakeAll();
@@ -136,7 +136,7 @@ void SerialQueue::Run() {
     if (!next.has_value() && !rested) {
       rest_();
       rested = true;
-      next = Next(rested);  // one may have come meanwhile
+      next = Next(rested);  // a task may have been posted meanwhile
     }
     if (!next.has_value()) return;
     next->task();

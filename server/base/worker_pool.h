@@ -1,6 +1,6 @@
-// Threads that run posted tasks, first come first served, and a queue on top that
-// runs its tasks one at a time. Thread-safe. Of idle threads the one that worked last is woken:
-// its stack and its part of the heap are still in the core's caches.
+// Threads that run posted tasks in FIFO order, and on top a queue that runs its tasks one at a
+// time. Thread-safe. Of the idle threads the last active one is woken: its stack and its part of
+// the heap are still in the core's caches.
 #ifndef DYNMESH_SERVER_BASE_WORKER_POOL_H_
 #define DYNMESH_SERVER_BASE_WORKER_POOL_H_
 
@@ -21,18 +21,18 @@ namespace dynmesh::server {
 class WorkerPool {
  public:
   using Task = std::function<void()>;
-  // Background threads yield the cores to the others of this process.
+  // Background threads yield the cores to the other threads of this process.
   enum class Priority { kNormal, kBackground };
 
   explicit WorkerPool(int threads, Priority priority = Priority::kNormal);
   // As Stop.
   ~WorkerPool();
 
-  // After Stop began a task from outside the pool is dropped; one posted by a running
-  // task still runs.
+  // After Stop began, a task from outside the pool is dropped; one posted by a running task still
+  // runs.
   void Post(Task task);
 
-  // Runs what is queued, then joins. Not from a task of this pool.
+  // Runs the queued tasks, then joins. Not to be called by a task of this pool.
   void Stop();
 
  private:
@@ -45,26 +45,26 @@ class WorkerPool {
   void WakeAll();
 
   std::mutex mutex_;
-  std::vector<Idle*> idle_;  // the last to become idle is the last
+  std::vector<Idle*> idle_;  // as a stack: the most recent is last
   std::deque<Task> tasks_;
   std::size_t running_ = 0;
   bool stopping_ = false;
   std::vector<std::thread> threads_;
 };
 
-// Whose a task of a strand is, if its owner may want it back, and what is done in its place then.
+// The owner of a strand's task, for Withdraw, and the function called in place of the task then.
 struct TaskOwner {
   const void* key = nullptr;
   WorkerPool::Task withdrawn;
 };
 
-// A strand: tasks run on the pool in the order posted, never two at a time, and take
-// turns with the other strands of the pool. Tasks may leave work to be done together: `rest`.
+// A strand: its tasks run on the pool in FIFO order, never two at a time, and take turns with the
+// other strands of the pool. Tasks may defer work to be done together to OnRest.
 class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
  public:
   using Task = WorkerPool::Task;
-  // What a strand runs before another one has its turn, the last task whole: enough to spare the
-  // pool's lock under load, little enough to be fair.
+  // What a strand runs before the next strand's turn; the last task is not interrupted. Large
+  // enough to spare the pool's lock under load, small enough to be fair.
   struct Turn {
     int tasks = 16;
     std::chrono::steady_clock::duration time = std::chrono::milliseconds(4);
@@ -76,17 +76,17 @@ class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
   static std::shared_ptr<SerialQueue> Create(WorkerPool* pool) { return Create(pool, Turn()); }
 
   void Post(Task task, TaskOwner owner = {});
-  // False, and nothing posted, if `limit` tasks wait already.
+  // False, and nothing is posted, if `limit` tasks wait already.
   bool TryPost(Task task, std::size_t limit, TaskOwner owner = {});
-  // Takes out the owner's tasks that wait, makes room for others, then calls their `withdrawn`, on
-  // this thread. One that has begun goes on.
+  // Removes the waiting tasks of owner `key`, then calls their `withdrawn` on this thread. A
+  // running task continues.
   void Withdraw(const void* key);
 
-  // Called on the strand before it pauses: when no task waits, and before others have their turn.
-  // To be given before the first task.
+  // `rest` is called on the strand before it pauses: when no task waits, and before another
+  // strand's turn. Call this before the first Post.
   void OnRest(Task rest) { rest_ = std::move(rest); }
 
-  // Tasks that wait; the one that runs not counted.
+  // Number of waiting tasks, without the running one.
   std::size_t waiting() const;
 
  private:
@@ -98,7 +98,7 @@ class SerialQueue : public std::enable_shared_from_this<SerialQueue> {
 
   void Schedule();
   void Run();
-  // The next task; without one that was the strand's last if `ends`.
+  // The next task. If there is none and `ends`, the strand is unscheduled.
   std::optional<Waiting> Next(bool ends);
 
   WorkerPool* const pool_;

@@ -1,5 +1,4 @@
-// What every call passes before it may work: the drain, the limits, the names. Knows
-// no gRPC. Thread-safe.
+// Checks of every call before it works: drain, limits, names. Does not depend on gRPC. Thread-safe.
 #ifndef DYNMESH_SERVER_CALLS_ADMISSION_H_
 #define DYNMESH_SERVER_CALLS_ADMISSION_H_
 
@@ -25,7 +24,7 @@
 
 namespace dynmesh::server {
 
-// What the calls of a service share.
+// Shared by the calls of a service.
 struct ServiceContext {
   ServiceContext(const ServerConfig& c, MeshRegistry* r, WorkerPool* w, WorkerPool* rd,
                  WorkerPool* a, ServerMetrics* m, Access* ac, absl::Time now)
@@ -47,12 +46,12 @@ struct ServiceContext {
   MeshRegistry* const registry;
   WorkerPool* const writers;
   WorkerPool* const readers;
-  WorkerPool* const answers;  // starts writes that a mesh's writer has no time for; never blocks
+  WorkerPool* const answers;  // starts writes in place of a mesh's strand; never blocks
   ServerMetrics* const metrics;
   Access* const access;
   const absl::Time start_time;
   WorkGate gate;
-  std::atomic<bool> recovering{false};  // meshes are being made again: nothing is answered yet
+  std::atomic<bool> recovering{false};  // meshes are being recovered: no call is answered yet
   Quota watchers;
   Quota edit_streams;
   Quota snapshot_streams;
@@ -61,32 +60,32 @@ struct ServiceContext {
   OpenSends sends;
 };
 
-// UNAVAILABLE (DRAINING), with the time after which another server should be there.
+// UNAVAILABLE (DRAINING), with the time after which to retry with another server.
 absl::Status DrainingError();
 
-// UNAVAILABLE (RECOVERING), likewise with a time.
+// UNAVAILABLE (RECOVERING), with the time after which to retry.
 absl::Status RecoveringError();
 
 // A ticket, or DrainingError.
 absl::StatusOr<WorkGate::Ticket> EnterWork(ServiceContext& context);
 
-// RESOURCE_EXHAUSTED (STREAM_LIMIT). `what`: "watches", ...
+// RESOURCE_EXHAUSTED (STREAM_LIMIT). `what` names the streams of `quota`: "watches", ...
 absl::StatusOr<Lease> TakeStream(Quota& quota, absl::string_view what);
 
-// A stream's place among all of its kind, and among all of its client.
+// A stream's leases: of the quota of its kind, and of its client's.
 struct StreamPlace {
   Lease of_kind;
   Lease of_client;
 };
-// As above, or CLIENT_STREAM_LIMIT if the client has as many streams as it may.
+// As above; RESOURCE_EXHAUSTED (CLIENT_STREAM_LIMIT) if the client is at its limit.
 absl::StatusOr<StreamPlace> TakeStream(ServiceContext& context, Quota& quota,
                                        absl::string_view what, const Pass& pass);
 
-// Room for edits that weigh `count` more in a batch that weighs `before`: INVALID_ARGUMENT
+// Reserves edits of weight `count` for a batch of weight `before`: INVALID_ARGUMENT
 // (BATCH_TOO_LARGE) or RESOURCE_EXHAUSTED (PENDING_LIMIT).
 absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std::size_t count);
 
-// The same, piece by piece: the room that a batch has while it is received and waits.
+// The same, piece by piece: the reservation of a batch while it is received and waits.
 class HeldEdits {
  public:
   absl::Status Take(ServiceContext& context, std::size_t count);
@@ -97,8 +96,8 @@ class HeldEdits {
   std::vector<Lease> leases_;
 };
 
-// The mesh that a stream is to edit, the stream's right to it, `cancel` being called when the pass
-// no longer has it, and its place among the edit streams: who has no right takes none.
+// The mesh of an edit stream, the stream's right to edit it (`cancel` is called when it is lost),
+// and its place among the edit streams. Without the right no place is taken.
 struct EditTarget {
   MeshRegistry::HostPtr host;
   Access::Stream allowed;

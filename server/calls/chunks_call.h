@@ -1,5 +1,4 @@
-// What the calls that stream a state of a mesh have in common: chunk after chunk, as the client
-// takes them.
+// Base of the calls that stream a state of a mesh, chunk by chunk at the client's pace.
 #ifndef DYNMESH_SERVER_CALLS_CHUNKS_CALL_H_
 #define DYNMESH_SERVER_CALLS_CHUNKS_CALL_H_
 
@@ -19,8 +18,8 @@
 
 namespace dynmesh::server {
 
-// `Call` derives from this; its Begin(context, request) sees to it that Stream or Fail is called,
-// once, on whatever thread, or returns an error. A call frees itself.
+// `Call` derives from this. Its Begin(context, request) either returns an error or ensures that
+// Stream or Fail is called once, on any thread. A call frees itself.
 template <class Call, class Chunk, class Fragmenter>
 class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
  public:
@@ -58,7 +57,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   }
 
  protected:
-  // What holds for all: the mesh must be there, and only so many states are under way at once.
+  // Checks of all such calls: the mesh must exist, and the number of concurrent states is limited.
   absl::StatusOr<MeshRegistry::HostPtr> Enter(ServiceContext& context, const std::string& mesh) {
     absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context);
     if (!ticket.ok()) return ticket.status();
@@ -100,7 +99,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
   Pass pass_;
   WorkGate::Ticket ticket_;
   StreamPlace place_;
-  MeshRegistry::HostPtr host_;  // before OnCancel may be called
+  MeshRegistry::HostPtr host_;  // set before OnCancel can be called
   std::optional<Fragmenter> fragmenter_;
   Chunk chunk_;
 };

@@ -31,7 +31,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     auto call = std::make_shared<EditCall>(context, EditsField(request), rpc);
     call->self_ = call;
     const absl::Status status = admitted.ok() ? call->Begin(request) : admitted;
-    // Not after a job was handed in: it may have been answered, and the call be gone.
+    // Only before the job is submitted: after that the call may be answered and gone.
     if (!status.ok()) call->Fail(status);
     return call.get();
   }
@@ -76,7 +76,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     return Apply(*taken.host, std::move(taken.job));
   }
 
-  // Features of two revisions are held until it is done, as much as a snapshot.
+  // Holds the features of two revisions until it is done, as much memory as a snapshot.
   absl::Status HandIn(const v1::RevertToRequest& request, EditRequest taken) {
     absl::StatusOr<Lease> lease = TakeStream(context_.snapshot_streams, "snapshots under way");
     if (!lease.ok()) return lease.status();
@@ -140,7 +140,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<EditCall> self_;  // until OnDone
   WorkGate::Ticket ticket_;
-  MeshRegistry::HostPtr host_;  // before OnCancel may be called
+  MeshRegistry::HostPtr host_;  // set before OnCancel can be called
   Lease lease_;
   Lease snapshot_lease_;
   bool omit_columns_ = false;

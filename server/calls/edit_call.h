@@ -1,5 +1,5 @@
-// One AddFeatures, RemoveFeatures, ApplyEdits or RevertTo: hands its batch to the mesh, then
-// streams the diff fragment by fragment as the client takes them.
+// An AddFeatures, RemoveFeatures, ApplyEdits or RevertTo call: submits its batch to the mesh, then
+// streams the diff in fragments at the client's pace.
 #ifndef DYNMESH_SERVER_CALLS_EDIT_CALL_H_
 #define DYNMESH_SERVER_CALLS_EDIT_CALL_H_
 
@@ -10,8 +10,8 @@
 
 namespace dynmesh::server {
 
-// Each starts a call that frees itself; one that was not admitted ends with why. `request` is not
-// used after the return, `rpc` until the call is done.
+// Each starts a call that frees itself. A call that is not admitted ends with the error. `request`
+// is not used after the return; `rpc` is used until the call is done.
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::AddFeaturesRequest& request,
                                                       const absl::Status& admitted,
@@ -24,7 +24,7 @@ grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::ApplyEditsRequest& request,
                                                       const absl::Status& admitted,
                                                       grpc::CallbackServerContext* rpc);
-// Its batch is made on a reader's thread first.
+// The batch is made on a reader's thread first.
 grpc::ServerWriteReactor<v1::MeshDiff>* StartEditCall(ServiceContext& context,
                                                       const v1::RevertToRequest& request,
                                                       const absl::Status& admitted,

@@ -18,9 +18,9 @@
 
 namespace dynmesh::server {
 
-// Three parties: the reader (gRPC, one message at a time), the mesh's strand that
-// answers, the writer (gRPC, one message at a time). What they share is guarded by
-// mutex_; operations on the stream are started after it is released.
+// Three threads of control: the reader (gRPC, one message at a time), the mesh's strand, which
+// answers, and the writer (gRPC, one message at a time). mutex_ guards what they share. Operations
+// on the stream are started after it is released.
 class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>,
                              public OpenStream {
  public:
@@ -36,7 +36,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     if (status.ok()) {
       call->pass_ = *pass;
       streams.Add(call);
-      // After Add, so that a drain sees either the closed gate here or the stream there.
+      // After Add: a drain either is seen here by the closed gate, or finds the stream in the list.
       if (context.gate.closed()) status = DrainingError();
     }
     if (!status.ok()) {
@@ -47,7 +47,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     return call.get();
   }
 
-  // Answers what was received whole, then ends the stream.
+  // Answers the completely received batches, then ends the stream.
   void End(const absl::Status& status) override {
     bool finish = false;
     {
@@ -123,7 +123,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   }
 
  private:
-  // What is owed to the client for one batch.
+  // The pending answer to one batch.
   struct Answer {
     std::string request_id;
     absl::Status status;
@@ -138,8 +138,8 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
 
   // ------------------------------------------------------------------ reading
 
-  // Takes the message just read. An error ends the stream; what is wrong with a batch
-  // only is answered in the batch's turn.
+  // Handles the message just read. An error ends the stream. An error of one batch is answered in
+  // the batch's turn.
   absl::Status Receive() {
     if (ended()) return absl::OkStatus();
     if (host_ == nullptr) {
@@ -186,7 +186,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   void Submit() {
     {
       const std::lock_guard lock(mutex_);
-      // Ended meanwhile: what gets no answer must not be applied.
+      // The stream ended meanwhile: a batch without an answer must not be applied.
       if (ended_) return DropPartial();
       ++in_flight_;
     }
@@ -243,8 +243,8 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
 
   // ------------------------------------------------------------------ answering
 
-  // On the strand. Starts no read: unlike a write that is decided on, and unlike gRPC's
-  // own calls of this object, a read does not keep the stream from ending meanwhile.
+  // On the strand. Starts no read. A started write, or one of gRPC's own calls of this object,
+  // keeps the stream from ending meanwhile; a read does not.
   void Deliver(Answer answer) {
     bool write = false;
     bool hand_on = false;
@@ -252,7 +252,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     {
       const std::lock_guard lock(mutex_);
       if (broken_ || stopped_) {
-        --in_flight_;  // nobody listens, or the stream ended at a batch before
+        --in_flight_;  // the client is gone, or an earlier batch ended the stream
       } else {
         if (!answer.status.ok() && stop_on_error_) {
           stopped_ = true;
@@ -264,7 +264,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
         write = TakeAnswerLocked();
         writing_ = write;
       }
-      // The mesh's next batch waits, and a write costs up to half of what an edit does.
+      // The mesh's next batch waits, and a write costs up to half as much as an edit.
       hand_on = write && in_flight_ > 1;
       finish = !write && FinishLocked();
     }
@@ -286,7 +286,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     }
     message_.set_request_id(current_->request_id);
     grpc::WriteOptions options;
-    // More is ready: let the transport put several small messages into one packet.
+    // More answers are ready: lets the transport put several small messages into one packet.
     if (more_answers_) options.set_buffer_hint();
     sender_.Begin();
     StartWrite(&message_, options);
@@ -321,7 +321,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
     return true;
   }
 
-  // True once: the caller is to call Finish.
+  // True once: the caller then has to call Finish.
   bool FinishLocked() {
     if (!ended_ || finished_ || in_flight_ > 0 || writing_) return false;
     finished_ = true;
@@ -349,17 +349,17 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
   const std::shared_ptr<std::atomic<bool>> stop_ = std::make_shared<std::atomic<bool>>(false);
 
-  // The reader's.
+  // Used by the reader.
   Received<v1::EditBatch> received_;
   v1::EditBatch& request_ = received_.message;
   MeshRegistry::HostPtr host_;  // written under mutex_
   std::string mesh_name_;
   bool stop_on_error_ = false;
-  bool brought_ = true;                  // the last message began a batch, or had some of it
-  std::optional<PartialBatch> partial_;  // that is being received
-  WorkGate::Ticket ticket_;              // that one's
+  bool brought_ = true;                  // the last message began a batch or added edits
+  std::optional<PartialBatch> partial_;  // the batch being received
+  WorkGate::Ticket ticket_;              // of partial_
 
-  // The writer's, while writing_.
+  // Used by the writer, while writing_.
   OpenSends::Sender sender_;
   v1::MeshDiff message_;
   bool more_answers_ = false;
@@ -367,14 +367,14 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
   std::mutex mutex_;
   bool reading_ = false;
   bool writing_ = false;
-  bool ended_ = false;    // nothing more is taken from the client
+  bool ended_ = false;    // no more input is accepted
   bool stopped_ = false;  // a refused batch ended the stream
   bool broken_ = false;   // a write failed: the client is gone
   bool finished_ = false;
-  int in_flight_ = 0;  // batches handed in and not fully answered
+  int in_flight_ = 0;  // submitted batches that are not fully answered
   absl::Status final_status_;
   std::deque<Answer> answers_;
-  std::optional<Answer> current_;  // the one being written
+  std::optional<Answer> current_;  // the answer being written
 };
 
 grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>* StartEditStreamCall(

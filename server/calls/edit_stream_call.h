@@ -1,7 +1,7 @@
-// One EditStream: batches in, in order; answers out, in the same order.
+// An EditStream call: batches in, answers out in the same order.
 //
-// Back-pressure: at most config.edit_window batches are received and not fully
-// answered; until then nothing more is read, and HTTP/2 flow control holds the client.
+// Back-pressure: at most config.edit_window batches are received and not fully answered. At that
+// limit the call stops reading, and HTTP/2 flow control holds the client.
 #ifndef DYNMESH_SERVER_CALLS_EDIT_STREAM_CALL_H_
 #define DYNMESH_SERVER_CALLS_EDIT_STREAM_CALL_H_
 
@@ -14,8 +14,8 @@
 
 namespace dynmesh::server {
 
-// Starts a call that frees itself; one that was not admitted ends with why. `rpc` is
-// cancelled when the pass no longer allows to edit the mesh that the first message names.
+// Starts a call that frees itself. A call that is not admitted ends with the error. `rpc` is
+// cancelled when the pass loses the right to edit the mesh named in the first message.
 grpc::ServerBidiReactor<Received<v1::EditBatch>, v1::MeshDiff>* StartEditStreamCall(
     ServiceContext& context, OpenStreams& streams, const absl::StatusOr<Pass>& pass,
     grpc::CallbackServerContext* rpc);

@@ -29,8 +29,8 @@ class FeaturesCall final
 }  // namespace
 
 grpc::ServerWriteReactor<v1::FeaturesChunk>* StartFeaturesCall(
-    ServiceContext& context, const v1::GetFeaturesRequest& request, const absl::StatusOr<Pass>& pass,
-    grpc::CallbackServerContext* rpc) {
+    ServiceContext& context, const v1::GetFeaturesRequest& request,
+    const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
   return FeaturesCall::Start(context, request, pass, rpc);
 }
 

@@ -1,4 +1,4 @@
-// One GetFeatures: the features are read on another thread, then streamed as the client takes them.
+// A GetFeatures call: reads the features on another thread, then streams them at the client's pace.
 #ifndef DYNMESH_SERVER_CALLS_FEATURES_CALL_H_
 #define DYNMESH_SERVER_CALLS_FEATURES_CALL_H_
 
@@ -9,8 +9,8 @@
 
 namespace dynmesh::server {
 
-// Starts a call that frees itself; one that was not admitted ends with why. `request` is not used
-// after the return, `rpc` until the call is done.
+// Starts a call that frees itself. A call that is not admitted ends with the error. `request` is
+// not used after the return; `rpc` is used until the call is done.
 grpc::ServerWriteReactor<v1::FeaturesChunk>* StartFeaturesCall(
     ServiceContext& context, const v1::GetFeaturesRequest& request,
     const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc);

@@ -37,10 +37,10 @@ Response::Stage StageOf(BatchProgress::Stage stage) {
   return Response::STAGE_UNSPECIFIED;
 }
 
-// Three parties: the reader, until the last piece; then the mesh's strand; and the writer, one
-// message at a time. What they share is guarded by mutex_; operations on the stream are started
-// after it is released. The call ends when all of the reader's or the strand's is done and
-// nothing is being written.
+// Three threads of control: the reader, until the last piece; then the mesh's strand; and the
+// writer, one message at a time. mutex_ guards what they share. Operations on the stream are
+// started after it is released. The call ends when the reader or the strand is done and no message
+// is being written.
 class LoadCall final
     : public grpc::ServerBidiReactor<Received<v1::LoadFeaturesRequest>, v1::LoadFeaturesResponse>,
       public OpenStream {
@@ -66,7 +66,7 @@ class LoadCall final
     return call.get();
   }
 
-  // Of a load that is received whole, the strand decides how it ends.
+  // Has no effect on a completely received load: the strand decides how it ends.
   void End(const absl::Status& status) override {
     bool finish = false;
     {
@@ -100,7 +100,7 @@ class LoadCall final
       const std::lock_guard lock(mutex_);
       read = phase_ == Phase::kReceiving;
     }
-    // Unless a drain ended it meanwhile. The read does not keep the next one from doing so.
+    // A drain may have ended it meanwhile. (The read itself does not prevent that.)
     if (!read) return;
     Read(/*anew=*/first || job_.edits.size() > edits);
   }
@@ -138,7 +138,7 @@ class LoadCall final
   absl::Status Enter(OpenStreams& streams, const Pass& pass) {
     pass_ = pass;
     streams.Add(self_);
-    // After Add, so that a drain sees either the closed gate here or the stream there.
+    // After Add: a drain either is seen here by the closed gate, or finds the stream in the list.
     return context_.gate.closed() ? DrainingError() : absl::OkStatus();
   }
 
@@ -147,7 +147,7 @@ class LoadCall final
     StartRead(&received_);
   }
 
-  // Takes the message just read.
+  // Handles the message just read.
   absl::Status Receive() {
     if (host_ == nullptr) {
       if (absl::Status s = Begin(); !s.ok()) return s;
@@ -180,7 +180,7 @@ class LoadCall final
     return absl::OkStatus();
   }
 
-  // The last piece is in: from here on a drain waits for it.
+  // After the last piece. From here on a drain waits for the load.
   void Submit() {
     absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
     if (!ticket.ok()) return End(ticket.status());
@@ -199,7 +199,7 @@ class LoadCall final
     job_.done = [call = self_](absl::StatusOr<EditOutcome> outcome) {
       call->Answer(std::move(outcome));
     };
-    // Not after it was handed in: the call may be gone by then.
+    // Held here: after the submission the call may be gone.
     const auto call = self_;
     if (absl::Status s = host_->Apply(std::move(job_)); !s.ok()) call->Answer(s);
   }
@@ -226,7 +226,7 @@ class LoadCall final
     result.set_replayed(outcome.replayed);
   }
 
-  // Nothing if it is too early, or the message before is still under way.
+  // Sends progress, unless it is too early or the last message is still being written.
   void Tell(Response::Stage stage, std::uint64_t done, std::uint64_t total, bool now = false) {
     {
       const std::lock_guard lock(mutex_);
@@ -241,14 +241,14 @@ class LoadCall final
     StartWrite(&progress_);
   }
 
-  // Only from here on the client must read: until then nothing waits for how far it is.
+  // Begins the send timeout: before, a client that does not read progress delays nothing.
   void EndLocked(const absl::Status& status) {
     phase_ = Phase::kEnded;
     final_status_ = status;
     sender_.Begin();
   }
 
-  // True once: the caller is to Close.
+  // True once: the caller then has to call Close.
   bool FinishLocked() {
     if (phase_ != Phase::kEnded || writing_ || finished_) return false;
     finished_ = true;
@@ -269,7 +269,7 @@ class LoadCall final
   std::shared_ptr<LoadCall> self_;  // until OnDone
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
 
-  // The reader's, then the strand's.
+  // Used by the reader, then by the strand.
   Pass pass_;
   Received<v1::LoadFeaturesRequest> received_;
   v1::LoadFeaturesRequest& request_ = received_.message;
@@ -281,7 +281,7 @@ class LoadCall final
   LoadPieces pieces_;
   EditJob job_;
 
-  Response progress_;  // the writer's, while writing_
+  Response progress_;  // used by the writer, while writing_
   OpenSends::Sender sender_;
 
   std::mutex mutex_;

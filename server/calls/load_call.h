@@ -1,7 +1,7 @@
-// One LoadFeatures: pieces in, one batch of them, how far it is and what became of it out.
+// A LoadFeatures call: pieces in, applied as one batch; progress and the result out.
 //
-// Nothing is applied before the last piece is there; a load that ends before changes nothing, and
-// one that is cancelled later is undone. What it holds counts as edits that wait.
+// Nothing is applied before the last piece has arrived. A load that ends earlier changes nothing;
+// one that is cancelled later is undone. Its edits count as pending edits.
 #ifndef DYNMESH_SERVER_CALLS_LOAD_CALL_H_
 #define DYNMESH_SERVER_CALLS_LOAD_CALL_H_
 

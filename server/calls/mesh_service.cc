@@ -71,7 +71,7 @@ grpc::ServerUnaryReactor* Finished(grpc::CallbackServerContext* call, const absl
   return reactor;
 }
 
-// Knows when nobody waits for the mesh any more.
+// Records whether the call was cancelled.
 class CreateReactor final : public grpc::ServerUnaryReactor {
  public:
   const std::atomic<bool>* cancelled() const { return &cancelled_; }
@@ -96,7 +96,7 @@ class LocateCall final : public grpc::ServerUnaryReactor {
                       [this](absl::StatusOr<MeshHost::LocateAnswer> a) { Answer(std::move(a)); });
     if (!status.ok()) Finish(codec::ToGrpcStatus(status));
   }
-  // Not before Start has returned.
+  // gRPC calls it after Start has returned.
   void OnCancel() override {
     cancelled_->store(true, std::memory_order_relaxed);
     host_->Withdraw(cancelled_);
@@ -116,14 +116,14 @@ class LocateCall final : public grpc::ServerUnaryReactor {
 
   const MeshRegistry::HostPtr host_;
   WorkGate::Ticket ticket_;
-  v1::LocatePointsResponse* const response_;  // until it is finished
+  v1::LocatePointsResponse* const response_;  // valid until the call is finished
   const std::shared_ptr<std::atomic<bool>> cancelled_ = std::make_shared<std::atomic<bool>>(false);
 };
 
-// Who calls. Valid as long as the call.
+// The caller's identity. Valid as long as `call` and `peer`.
 Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer) {
   Caller caller;
-  // Of two, neither is taken: which one the next server would take nobody knows.
+  // Of two headers neither is used: other servers might choose the other one.
   const auto [begin, end] = call.client_metadata().equal_range("authorization");
   if (begin != end) {
     caller.authorization = std::next(begin) == end
@@ -134,7 +134,7 @@ Caller CallerOf(const grpc::CallbackServerContext& call, const std::string& peer
   return caller;
 }
 
-// The end of a call that sends a stream, before anything was sent.
+// Ends a streaming call before anything was sent.
 template <typename Response>
 class FailedCall final : public grpc::ServerWriteReactor<Response> {
  public:
@@ -352,7 +352,7 @@ grpc::ServerUnaryReactor* MeshServiceImpl::DeleteMesh(grpc::CallbackServerContex
   absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
   if (!ticket.ok()) return Finished(call, ticket.status());
   auto* reactor = call->DefaultReactor();
-  // It may wait for a disk.
+  // It may wait for the disk.
   context_.writers->Post(
       [this, reactor, request, held = *ticket,
        origin = MeshRegistry::Origin{pass->client(), CallIdOf(*call)}]() mutable {
@@ -366,7 +366,7 @@ grpc::ServerUnaryReactor* MeshServiceImpl::DeleteMesh(grpc::CallbackServerContex
 grpc::ServerUnaryReactor* MeshServiceImpl::GetStats(grpc::CallbackServerContext* call,
                                                     const v1::GetStatsRequest* request,
                                                     v1::GetStatsResponse* response) {
-  // Anybody who was let in may ask about the server.
+  // Every authenticated client may query the server's own figures.
   const absl::StatusOr<Pass> pass =
       request->mesh().empty() ? Admit(call) : Admit(call, Role::kRead, request->mesh());
   if (!pass.ok()) return Finished(call, pass.status());

@@ -1,5 +1,5 @@
-// MeshService over gRPC's callback API: decode, hand on, encode. Calls that stream
-// live in edit_call, edit_stream_call, load_call and watch_call.
+// MeshService over gRPC's callback API: decodes, delegates, encodes. The streaming calls are in
+// edit_call, edit_stream_call, load_call and watch_call.
 #ifndef DYNMESH_SERVER_CALLS_MESH_SERVICE_H_
 #define DYNMESH_SERVER_CALLS_MESH_SERVICE_H_
 
@@ -22,14 +22,14 @@ class MeshServiceImpl final : public grpc::Service {
  public:
   explicit MeshServiceImpl(ServiceContext* context);
 
-  // Refuses new work and ends all streams, after what they hold is answered.
+  // Refuses new work and ends all streams after their complete batches are answered.
   void BeginDrain();
-  // Now and then: ends streams whose client leaves a batch unfinished, and calls whose client
-  // does not take what they send.
+  // To be called periodically: ends streams with an unfinished batch that waits too long, and calls
+  // with a message that the client does not take.
   void Tick();
 
  private:
-  // The method of that name in the proto.
+  // Registers the method with that name in the proto.
   void Register(const char* name, grpc::internal::MethodHandler* handler);
   template <typename Request, typename Response>
   void RegisterUnary(const char* name,
@@ -80,10 +80,10 @@ class MeshServiceImpl final : public grpc::Service {
   grpc::ServerWriteReactor<v1::MeshDiff>* RevertTo(grpc::CallbackServerContext* call,
                                                    const v1::RevertToRequest* request);
 
-  // What a call without a message is answered: as any other, it has to be admitted first.
+  // The answer to a call without a parsable message. It has to be admitted first, as any other.
   absl::Status Refuse(const grpc::CallbackServerContext* call,
                       const google::protobuf::MessageLite& message);
-  // Who calls and, with the other, that it has the role on the mesh of that name.
+  // Authenticates the caller; the second form also checks the role on the named mesh.
   absl::StatusOr<Pass> Admit(const grpc::CallbackServerContext* call);
   absl::StatusOr<Pass> Admit(const grpc::CallbackServerContext* call, Role role,
                              const std::string& mesh);

@@ -1,6 +1,7 @@
-// The calls that send, so that one whose client takes nothing can be ended: what it holds, a place
-// among the streams and perhaps an old mesh, it holds for nobody. Pings do not find it out: a
-// client's gRPC answers them for an application that does not read. Knows no gRPC. Thread-safe.
+// The calls that are sending. A call is ended if its client takes no message, since it holds a
+// place among the streams and perhaps an old mesh for no use. Keepalive does not detect this: the
+// client's gRPC answers pings even if the application does not read. Does not depend on gRPC.
+// Thread-safe.
 #ifndef DYNMESH_SERVER_CALLS_OPEN_SENDS_H_
 #define DYNMESH_SERVER_CALLS_OPEN_SENDS_H_
 
@@ -19,7 +20,7 @@ class OpenSends {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // What one call sends, message by message. Belongs to whoever drives the call's writes.
+  // The messages of one call. Used by the thread that drives the call's writes.
   class Sender {
    public:
     Sender() = default;
@@ -27,7 +28,7 @@ class OpenSends {
     Sender& operator=(const Sender&) = delete;
     ~Sender() { Leave(); }
 
-    // `end` is called, once, if a message is under way for too long; not after Leave.
+    // `end` is called once if a message takes too long to send; not after Leave.
     void Enter(OpenSends& sends, std::function<void()> end) {
       Leave();
       sends_ = &sends;
@@ -42,9 +43,8 @@ class OpenSends {
       sends_ = nullptr;
     }
 
-    // A message is handed over; the client has taken it, or as much as makes room for the next.
-    // What was done before the one is seen after the other: gRPC sees to that, but no checker of
-    // threads sees gRPC.
+    // Begin: a message is handed to gRPC. Done: the client has taken it, or enough to make room for
+    // the next. gRPC orders the memory accesses between both, which thread checkers do not see.
     void Begin(Clock::time_point now = Clock::now()) {
       since_.store(now.time_since_epoch().count(), std::memory_order_release);
     }
@@ -63,13 +63,13 @@ class OpenSends {
     std::atomic<bool> ended_ = false;
   };
 
-  // Ends the calls whose message has been under way since `time` or longer.
+  // Ends the calls with a message that has been sending since `time` or longer.
   void EndSlow(Clock::time_point time) {
     const std::lock_guard lock(mutex_);
     for (Sender* const sender : senders_) {
       if (sender->since_.load(std::memory_order_relaxed) > time.time_since_epoch().count())
         continue;
-      // Under the lock, so that the call is still there.
+      // Under the lock, so that the call still exists.
       if (!sender->ended_.exchange(true)) sender->end_();
     }
   }

@@ -1,6 +1,5 @@
-// The streams of clients that are open, so that a drain can end them, and those whose client is
-// there but does not say which mesh it means, or leaves a batch unfinished, for what it has sent
-// of it takes room. Thread-safe.
+// The clients' open streams. A drain ends them. A stream is also ended if its client does not name
+// its mesh or leaves a batch unfinished, since the received part takes memory. Thread-safe.
 #ifndef DYNMESH_SERVER_CALLS_OPEN_STREAMS_H_
 #define DYNMESH_SERVER_CALLS_OPEN_STREAMS_H_
 
@@ -22,17 +21,17 @@ class OpenStream {
   using Clock = std::chrono::steady_clock;
 
   virtual ~OpenStream() = default;
-  // Answers what was received whole, then ends the stream. From any thread.
+  // Answers the completely received batches, then ends the stream. From any thread.
   virtual void End(const absl::Status& status) = 0;
 
-  // True if it waits for its first message, or for more of a batch, since `time` or longer.
+  // True if it has waited for its first message, or for more of a batch, since `time` or longer.
   bool WaitsSince(Clock::time_point time) const {
     return waits_since_.load(std::memory_order_relaxed) <= time.time_since_epoch().count();
   }
 
  protected:
-  // The reader's: the client is waited for, from now on or, if what it sent last brought nothing,
-  // from when it was before.
+  // By the reader: begins to wait for the client. With `anew` the wait counts from now. Without it
+  // (the last message added nothing) from the last time with `anew`.
   void SetWaits(bool anew) {
     if (anew) since_ = Clock::now().time_since_epoch().count();
     waits_since_.store(since_, std::memory_order_relaxed);
@@ -65,7 +64,7 @@ class OpenStreams {
       if (const auto stream = weak.lock()) stream->End(status);
     }
   }
-  // Those that wait for so long.
+  // Ends the streams that have waited for `limit`.
   void EndWaiting(OpenStream::Clock::duration limit, const absl::Status& status) {
     const auto since = OpenStream::Clock::now() - limit;
     std::vector<std::shared_ptr<OpenStream>> waiting;

@@ -1,6 +1,6 @@
-// A message as it came in: gRPC's callback API answers bytes that are no message of the method's
-// type with UNIMPLEMENTED and no text, and takes them for the end of a stream. With this as the
-// type of the request, the call itself learns of them. Costs a bool a message. Pure.
+// A request message with its parse result. If bytes are not a valid message, gRPC's callback API
+// answers unary calls with UNIMPLEMENTED without text, and on streams takes it for the end. With
+// this request type the call itself sees the failure. Costs a bool per message. Pure.
 #ifndef DYNMESH_SERVER_CALLS_RECEIVED_H_
 #define DYNMESH_SERVER_CALLS_RECEIVED_H_
 
@@ -17,7 +17,7 @@ namespace dynmesh::server {
 template <typename Message>
 struct Received {
   Message message;
-  bool is_parsed = false;  // else the message is unspecified
+  bool is_parsed = false;  // if false, the message is unspecified
 };
 
 // INVALID_ARGUMENT (BAD_REQUEST).

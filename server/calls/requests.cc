@@ -34,7 +34,7 @@ std::size_t Weight(const v1::RemoveFeaturesRequest& r) {
 }
 std::size_t Weight(const v1::ApplyEditsRequest& r) { return codec::Weight(r.edits()); }
 
-// What all messages that make a batch have in common.
+// Fields common to all messages that make a batch.
 template <typename Request>
 void TakeParams(const Request& request, EditJob& job) {
   job.request_id = request.request_id();
@@ -93,7 +93,7 @@ PartialBatch::PartialBatch(const v1::EditBatch& first) : omit_columns(first.omit
 }
 
 void PartialBatch::Add(ServiceContext& context, const v1::EditBatch& piece, int dimension) {
-  if (!job.refused.ok()) return;  // the rest of a bad batch is skipped
+  if (!job.refused.ok()) return;  // the rest of a refused batch is skipped
   job.refused = held.Take(context, codec::Weight(piece.edits()));
   if (job.refused.ok()) job.refused = codec::DecodeEdits(piece.edits(), dimension, &job.edits);
   if (!job.refused.ok()) {

@@ -1,5 +1,5 @@
-// What requests say, in the server's own types: checked as far as that goes without the mesh.
-// Knows no gRPC: what comes over the wire can be tried without one. Thread-safe.
+// Converts requests to the server's own types, with all checks that do not need the mesh. Does not
+// depend on gRPC, so that wire input can be tested without it. Thread-safe.
 #ifndef DYNMESH_SERVER_CALLS_REQUESTS_H_
 #define DYNMESH_SERVER_CALLS_REQUESTS_H_
 
@@ -14,11 +14,11 @@
 
 namespace dynmesh::server {
 
-// A batch that came in one message, and what it holds of the limits.
+// A batch that came in one message, and its share of the limits.
 struct EditRequest {
   MeshRegistry::HostPtr host;
   Lease lease;
-  EditJob job;  // but for who waits for it
+  EditJob job;  // without its callbacks
 };
 absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
                                             const v1::AddFeaturesRequest& request);
@@ -26,12 +26,12 @@ absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
                                             const v1::RemoveFeaturesRequest& request);
 absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
                                             const v1::ApplyEditsRequest& request);
-// What the batch is to be, the mesh's past must tell: no edits yet, and nothing held.
+// The batch depends on the mesh's history: no edits yet, and nothing reserved.
 absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
                                             const v1::RevertToRequest& request);
 
-// A batch of an edit stream that is being received. What is wrong with it goes to job.refused, to
-// be answered in its turn; its edits are dropped then.
+// A batch of an edit stream that is being received. An error goes to job.refused, to be answered in
+// the batch's turn; its edits are dropped then.
 struct PartialBatch {
   explicit PartialBatch(const v1::EditBatch& first);
   void Add(ServiceContext& context, const v1::EditBatch& piece, int dimension);
@@ -45,8 +45,8 @@ absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request);
 absl::StatusOr<data::RegionChoice> DecodeRegions(
     const google::protobuf::RepeatedField<std::uint64_t>& regions);
 
-// The box of a mesh to be made: INVALID_ARGUMENT if it is a single place, as one is whose corners
-// were left out.
+// The box of a new mesh: INVALID_ARGUMENT if it is a single point, as when its corners were left
+// out.
 absl::Status CheckBoxOfNew(const MeshOptions& options);
 
 absl::Status CheckLocate(const v1::LocatePointsRequest& request, int dimension);

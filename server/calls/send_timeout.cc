@@ -18,7 +18,7 @@ std::string SlowReceiver(absl::Duration limit) {
 }  // namespace
 
 // Finish would wait behind the message that is not taken. Cancelling does not, and its status
-// reaches the client; details it cannot have, so that the text names the reason.
+// reaches the client. It cannot carry details, so the text names the reason.
 void LimitSends(ServiceContext& context, grpc::CallbackServerContext* rpc,
                 OpenSends::Sender& sender) {
   sender.Enter(context.sends, [rpc, limit = context.config.send_timeout] {

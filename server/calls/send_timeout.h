@@ -1,4 +1,4 @@
-// How a call ends whose client does not take what is sent to it.
+// Ends calls if the client does not take the messages.
 #ifndef DYNMESH_SERVER_CALLS_SEND_TIMEOUT_H_
 #define DYNMESH_SERVER_CALLS_SEND_TIMEOUT_H_
 
@@ -10,17 +10,17 @@
 
 namespace dynmesh::server {
 
-// From now until sender.Leave the call is ended if a message takes longer than the limit. `rpc`
-// must be there until then.
+// From now until sender.Leave: ends the call if a message takes longer than the limit. `rpc` must
+// live until then.
 void LimitSends(ServiceContext& context, grpc::CallbackServerContext* rpc,
                 OpenSends::Sender& sender);
 
-// Why gRPC says that a message did not go, or that the call is cancelled: DEADLINE_EXCEEDED
-// (SLOW_RECEIVER) if the limit ended it, else CANCELLED with `otherwise`.
+// The cause of a failed write or a cancelled call: DEADLINE_EXCEEDED (SLOW_RECEIVER) if the limit
+// ended it, else CANCELLED with the text `otherwise`.
 absl::Status WhyCut(const ServiceContext& context, const OpenSends::Sender& sender,
                     absl::string_view otherwise);
 
-// Now and then.
+// To be called periodically.
 void EndSlowReceivers(ServiceContext& context);
 
 }  // namespace dynmesh::server

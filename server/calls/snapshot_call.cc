@@ -34,8 +34,8 @@ class SnapshotCall final
 }  // namespace
 
 grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
-    ServiceContext& context, const v1::GetSnapshotRequest& request, const absl::StatusOr<Pass>& pass,
-    grpc::CallbackServerContext* rpc) {
+    ServiceContext& context, const v1::GetSnapshotRequest& request,
+    const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
   return SnapshotCall::Start(context, request, pass, rpc);
 }
 

@@ -1,4 +1,4 @@
-// One GetSnapshot: the mesh at its present revision, chunk by chunk as the client takes them.
+// A GetSnapshot call: the mesh at its present revision, in chunks at the client's pace.
 #ifndef DYNMESH_SERVER_CALLS_SNAPSHOT_CALL_H_
 #define DYNMESH_SERVER_CALLS_SNAPSHOT_CALL_H_
 
@@ -9,8 +9,8 @@
 
 namespace dynmesh::server {
 
-// Starts a call that frees itself; one that was not admitted ends with why. `request` is not used
-// after the return, `rpc` until the call is done.
+// Starts a call that frees itself. A call that is not admitted ends with the error. `request` is
+// not used after the return; `rpc` is used until the call is done.
 grpc::ServerWriteReactor<v1::SnapshotChunk>* StartSnapshotCall(
     ServiceContext& context, const v1::GetSnapshotRequest& request,
     const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc);

@@ -1,5 +1,5 @@
-// Answers calls of methods that the server does not have: UNIMPLEMENTED, with their name. Without
-// it gRPC does, without a text. Thread-safe.
+// Answers calls of unknown methods: UNIMPLEMENTED, with the method's name. gRPC itself would answer
+// without a text. Thread-safe.
 #ifndef DYNMESH_SERVER_CALLS_UNKNOWN_METHODS_H_
 #define DYNMESH_SERVER_CALLS_UNKNOWN_METHODS_H_
 

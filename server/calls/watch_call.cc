@@ -17,12 +17,12 @@
 namespace dynmesh::server {
 namespace {
 
-// What a client that takes nothing leaves in the server is a few of these: one prepared, one on
-// its way through gRPC. Small ones cost some microseconds of a core more for each.
+// A client that reads nothing leaves a few of these in the server: one prepared, one in gRPC. A
+// smaller size costs some microseconds more per fragment.
 constexpr std::size_t kFragmentBytes = 64'000;
 
-// Exactly one party drives the call at a time, handing it on: Pump hands it to the
-// hub (idle), to the pool (work) or to gRPC (a write). So nothing here needs a lock.
+// Exactly one party drives the call at a time. Pump hands it to the hub (idle), to the pool (work)
+// or to gRPC (a write), so no lock is needed.
 class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
  public:
   static WatchCall* Start(ServiceContext& context, const v1::WatchRequest& request,
@@ -36,7 +36,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     if (!status.ok()) {
       call->Finish(codec::ToGrpcStatus(status));
     } else {
-      // Tells the client that it is being listened to, though nothing may come for long.
+      // Shows the client that the watch is set up, though no event may come for long.
       call->StartSendInitialMetadata();
     }
     return call.get();
@@ -45,7 +45,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   void OnSendInitialMetadataDone(bool ok) override { Continue(ok); }
   void OnWriteDone(bool ok) override {
     sender_.Done();
-    // Clearing a message keeps its memory: after one of many fragments that is given back.
+    // Clear keeps a message's memory, so after a diff of many fragments the message is replaced.
     if (std::exchange(was_last_of_many_, false)) event_ = v1::WatchEvent();
     Continue(ok);
   }
@@ -77,7 +77,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     absl::StatusOr<StreamPlace> place = TakeStream(context, context.watchers, "watches", pass);
     if (!place.ok()) return place.status();
     place_ = *std::move(place);
-    // The hub outlives a wake-up that is under way, this call may not.
+    // The hub outlives a running wake-up; this call may not.
     const auto wake = [weak = std::weak_ptr<WatchCall>(self_)] {
       if (const auto call = weak.lock()) call->Pump();
     };
@@ -133,8 +133,8 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     SendFragment();
   }
 
-  // False if the watch ends. A part of a mesh is a copy of its own, unlike whole meshes, of
-  // which all watchers share one: there are no more of them than of other snapshots.
+  // False if the watch ends. A filtered mesh is a copy, while all watchers share one whole mesh. So
+  // the number of filtered ones counts against the limit of snapshots.
   bool Filter(WatchItem& item) {
     if (std::holds_alternative<std::shared_ptr<const Mesh>>(item)) {
       absl::StatusOr<Lease> lease = TakeStream(context_->snapshot_streams, "snapshots under way");
@@ -148,12 +148,12 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     return true;
   }
 
-  // False if no mesh or diff is under way.
+  // False if no mesh or diff is being sent.
   bool SendFragment() {
     if (snapshot_.has_value() && snapshot_->Next(event_.mutable_snapshot())) {
       if (snapshot_->done()) {
         was_last_of_many_ = true;
-        snapshot_.reset();  // the mesh is not held while waiting
+        snapshot_.reset();  // releases the mesh before waiting
         snapshot_lease_.Release();
       }
     } else if (diff_.has_value() && diff_->Next(event_.mutable_diff())) {
@@ -184,12 +184,12 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   Access::Stream allowed_;
   std::shared_ptr<Subscription> subscription_;
   std::optional<WatchFilter> filter_;
-  Lease snapshot_lease_;  // of a filtered snapshot under way
+  Lease snapshot_lease_;  // of a filtered snapshot being sent
   std::optional<codec::SnapshotFragmenter> snapshot_;
   std::optional<codec::DiffFragmenter> diff_;
   v1::WatchEvent event_;
-  bool is_of_many_ = false;        // the diff under way is
-  bool was_last_of_many_ = false;  // what event_ holds
+  bool is_of_many_ = false;        // the diff being sent has more than one fragment
+  bool was_last_of_many_ = false;  // event_ holds the last of several fragments
 };
 
 }  // namespace

@@ -1,6 +1,5 @@
-// One Watch: a stream that is driven by whoever has the next thing to do - the hub
-// that wakes it, the pool that prepares a snapshot, gRPC when a message is out. No
-// thread belongs to it.
+// A Watch call. It has no thread of its own. The thread with the next step drives it: the hub that
+// wakes it, the pool that prepares a snapshot, or gRPC when a message was sent.
 #ifndef DYNMESH_SERVER_CALLS_WATCH_CALL_H_
 #define DYNMESH_SERVER_CALLS_WATCH_CALL_H_
 
@@ -11,8 +10,8 @@
 
 namespace dynmesh::server {
 
-// Starts a call that frees itself; one that was not admitted ends with why. `request` is not used
-// after the return. `rpc` is cancelled when the pass no longer allows to read.
+// Starts a call that frees itself. A call that is not admitted ends with the error. `request` is
+// not used after the return. `rpc` is cancelled when the pass loses the right to read.
 grpc::ServerWriteReactor<v1::WatchEvent>* StartWatchCall(ServiceContext& context,
                                                          const v1::WatchRequest& request,
                                                          const absl::StatusOr<Pass>& pass,

@@ -7,7 +7,8 @@
 namespace dynmesh::server {
 namespace {
 
-// Waits for nobody: not for readers, whose part of the log stays, nor for the other who moves it.
+// Does not block: the log's pages that readers still use stay, and so does all while the other
+// thread moves it.
 void MoveLog(const sqlite::Connection& connection) {
   const int code = sqlite3_wal_checkpoint_v2(connection.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE,
                                              nullptr, nullptr);
@@ -34,7 +35,7 @@ Checkpointer::~Checkpointer() {
 void Checkpointer::Committed(int log_pages, const sqlite::Connection& writer) {
   {
     const std::lock_guard lock(mutex_);
-    if (log_pages < log_pages_) due_ = kMany;  // it began anew
+    if (log_pages < log_pages_) due_ = kMany;  // the log began anew
     log_pages_ = log_pages;
     if (log_pages < due_) return;
     if (log_pages < kFarTooMany) return wake_.notify_one();
@@ -48,7 +49,7 @@ void Checkpointer::Run() {
   while (true) {
     wake_.wait(lock, [this] { return stopping_ || log_pages_ >= due_; });
     if (stopping_) return;
-    // Not at each of the next commits again: the writer may be faster, or the disk be full.
+    // Not again at each of the next commits: the writer may be faster than this, or the disk full.
     due_ = log_pages_ + kMany;
     lock.unlock();
     MoveLog(mover_);

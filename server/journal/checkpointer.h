@@ -1,10 +1,10 @@
-// Moves SQLite's log into the database beside the writer. By default SQLite does it within every
-// thousandth page's commit, whose caller would wait ten times as long as any other.
+// Moves SQLite's log into the database on its own thread. By default SQLite does this within the
+// commit of every thousandth page, which takes ten times as long as other commits.
 //
-// What is in the log is durable already, so that nothing hangs on when it is moved, or on whether
-// it can be: a log that cannot be moved grows. It begins anew when all of it has been moved and
-// nothing was added meanwhile; a writer who never pauses long enough for that moves it himself
-// once it has kFarTooMany pages.
+// The log's content is durable already, so correctness does not depend on when it is moved, or on
+// success: if it cannot be moved, the log grows. The log begins anew when all of it has been moved
+// and nothing was added meanwhile. If the writer never pauses long enough for that, the writer's
+// thread moves it once it has kFarTooMany pages.
 #ifndef DYNMESH_SERVER_JOURNAL_CHECKPOINTER_H_
 #define DYNMESH_SERVER_JOURNAL_CHECKPOINTER_H_
 
@@ -20,11 +20,12 @@ class Checkpointer {
  public:
   static constexpr int kMany = 1'000, kFarTooMany = 4'000;
 
-  // `mover` is a connection of its own to the same database.
+  // `mover` is a separate connection to the same database.
   explicit Checkpointer(sqlite::Connection mover);
   ~Checkpointer();
 
-  // After each transaction of `writer`, by whoever writes: the log has so many pages now.
+  // To be called by the writing thread after each transaction of `writer`; the log has `log_pages`
+  // pages now.
   void Committed(int log_pages, const sqlite::Connection& writer);
 
  private:
@@ -34,7 +35,7 @@ class Checkpointer {
   std::mutex mutex_;
   std::condition_variable wake_;
   int log_pages_ = 0;
-  int due_ = kMany;  // pages at which the next turn comes
+  int due_ = kMany;  // the number of pages at which it is moved next
   bool stopping_ = false;
   std::thread thread_;
 };

@@ -18,7 +18,7 @@ namespace dynmesh::server {
 absl::StatusOr<FolderLock> FolderLock::Take(const std::string& folder) {
   std::error_code error;
   const bool is_new = std::filesystem::create_directories(folder, error);
-  // For nobody else to read; what was there before is as its owner wants it.
+  // Readable by its owner only. The rights of an existing folder are not changed.
   if (is_new) {
     std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
   }
@@ -39,7 +39,7 @@ absl::StatusOr<FolderLock> FolderLock::Take(const std::string& folder) {
                      n > 0 && !owner.empty() ? absl::StrCat("process ", owner) : "another process",
                      ": stop that, or take another folder"));
   }
-  // For people only; that it cannot be written says nothing about the lock.
+  // For information only: a failure to write it does not affect the lock.
   const std::string mine = absl::StrCat(getpid(), "\n");
   if (ftruncate(lock.file_, 0) != 0 || pwrite(lock.file_, mine.data(), mine.size(), 0) < 0) {
     return lock;

@@ -1,4 +1,4 @@
-// A folder that belongs to one process at a time, by a lock that ends with the process.
+// Locks a folder for one process at a time. The lock ends with the process.
 #ifndef DYNMESH_SERVER_JOURNAL_FOLDER_LOCK_H_
 #define DYNMESH_SERVER_JOURNAL_FOLDER_LOCK_H_
 
@@ -10,8 +10,8 @@ namespace dynmesh::server {
 
 class FolderLock {
  public:
-  // Makes the folder if it is not there. FAILED_PRECONDITION, with the pid, if another process
-  // (or another lock of this one) has it.
+  // Makes the folder if it is missing. FAILED_PRECONDITION, with the pid, if another process (or
+  // another lock of this one) has it.
   static absl::StatusOr<FolderLock> Take(const std::string& folder);
 
   FolderLock(FolderLock&& other) noexcept;

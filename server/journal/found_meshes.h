@@ -1,5 +1,5 @@
-// The meshes of an SQLite journal as their rows say, to be compared with what is on record. Reads
-// only; O(meshes) searches.
+// The meshes of an SQLite journal by its rows, to be compared with the record. Reads only;
+// O(meshes) searches.
 #ifndef DYNMESH_SERVER_JOURNAL_FOUND_MESHES_H_
 #define DYNMESH_SERVER_JOURNAL_FOUND_MESHES_H_
 
@@ -12,7 +12,7 @@
 
 namespace dynmesh::server {
 
-// In a journal of the present schema. `recorded`: what is on record. Errors are SQLite's.
+// For a journal of the present schema. `recorded` is the record. Errors are SQLite's.
 absl::StatusOr<std::vector<FoundMesh>> FindMeshes(sqlite::Connection& connection,
                                                   const std::vector<HeadsFile::Head>& recorded);
 

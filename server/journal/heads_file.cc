@@ -66,7 +66,7 @@ absl::StatusOr<std::unique_ptr<HeadsFile>> HeadsFile::Make(const std::string& fo
   for (const Head& head : heads) {
     if (status.ok()) status = made->Put(head);
   }
-  // All of it becomes durable together.
+  // The heads become durable together with the header.
   made->confirmed_ = made->greatest_;
   for (int copy = 0; status.ok() && copy < 2; ++copy) status = made->WriteHeader();
   if (status.ok()) status = made->Sync();
@@ -88,7 +88,7 @@ HeadsFile::~HeadsFile() {
     }
     wake_.notify_all();
     thread_.join();
-    (void)Sync();  // what fails is logged
+    (void)Sync();  // a failure is logged
   }
   close(file_);
 }
@@ -142,7 +142,7 @@ void HeadsFile::LoadSlot(std::size_t slot, const std::string& bytes) {
   const std::size_t size = reader.Byte();
   head.id = reader.Bytes(std::min(size, kMaxNameBytes));
   greatest_ = std::max(greatest_, head.key);
-  // Of two slots of one mesh, which there never are, the one that says more.
+  // No mesh has two slots. If one does, the slot with more is used.
   if (head.key != 0) {
     const auto [place, is_new] = places_.emplace(head.key, slot);
     if (is_new || slots_[place->second].head.revision >= head.revision) return;
@@ -195,7 +195,7 @@ absl::Status HeadsFile::WriteHead(std::size_t slot) {
   return status;
 }
 
-// ------------------------------------------------------------------ what it says
+// ------------------------------------------------------------------ content
 
 HeadsFile::Taking HeadsFile::taking() const {
   const std::lock_guard lock(mutex_);
@@ -294,7 +294,7 @@ absl::Status HeadsFile::PutNow(const Head& head) {
   greatest_ = std::max(greatest_, head.key);
   const std::size_t slot = place->second;
   const absl::Status status = WriteHead(slot);
-  return status.ok() && is_new ? WriteHead(slot) : status;  // what was there is another's
+  return status.ok() && is_new ? WriteHead(slot) : status;  // new: overwrite both copies
 }
 
 absl::Status HeadsFile::ForgetNow(Key mesh) {

@@ -1,26 +1,26 @@
-// What was acknowledged, written down beside the database and its log: journal.heads has for each
-// mesh its last revision with the checksum of that entry's row, and how many requests with ids were
-// answered. If the log is damaged, cut or gone, or the database is a copy without it, this tells
-// which mesh lost what.
+// The record of what was acknowledged, kept beside the database and its log. For each mesh
+// journal.heads has its last revision, the checksum of that entry's row, and the number of answered
+// requests with ids. It shows what each mesh lost if the log is damaged, cut or missing, or if the
+// database is a copy without its log.
 //
-// For a mesh that is made, and for an edit, it is written when the commit is on the disk, before
-// that is acknowledged. A process that is killed in between leaves a file that says less than the
-// journal has: no loss. It never says more than was committed. For a mesh that is deleted it is
-// written, and synced, before the commit: "being deleted" fits both ends.
+// When a mesh is made or edited, the record is written after the commit is on the disk, and before
+// the acknowledgement. If the process is killed in between, the record is behind the journal: that
+// is no loss. It is never ahead of the commits. When a mesh is deleted, the record is written and
+// synced before the commit: the state "being deleted" is valid with both outcomes.
 //
-// The file is synced by a thread of its own, at most once a second, never by a commit, whose price
-// is a write of 128 bytes or two into the page cache. So after the end of a process, however it
-// came, the file has all; after a loss of power it may lack the last second. No file could do
-// better with one sync for a commit: whether the last transaction was acknowledged, or was torn
-// on its way, nothing on a disk tells that was not synced in between.
+// A separate thread syncs the file, at most once a second. A commit does not sync it; it costs one
+// or two writes of 128 bytes into the page cache. So after any end of the process the file is
+// complete; after a loss of power it may lack the last second. With one sync per commit no file can
+// do better: without a second sync the disk cannot tell whether the last transaction was
+// acknowledged or torn while it was written.
 //
-// Layout: blocks of 4096 bytes with 32 slots of 128. Each block is there twice, side by side, and
-// slots are written to the one and the other by turns, so that what was written before is there
-// if the last is not whole. Slot 0 is the header: the journal's id, and which log (salt) had how
-// many frames. Numbers are little-endian; each slot has a checksum over its place and its bytes.
-// Files keep the layout: it never changes but with the magic.
+// Layout: blocks of 4096 bytes with 32 slots of 128. Each block has two adjacent copies. A slot is
+// written to its copies alternately, so that the older content survives a torn write. Slot 0 is the
+// header: the journal's id, the log's salt and its number of frames. Numbers are little-endian.
+// Each slot has a checksum over its position and its bytes. The layout never changes without a new
+// magic number.
 //
-// Thread-safe, but Stage, Drop and Publish: for the thread that writes into the journal.
+// Thread-safe, except Stage, Drop and Publish: these are for the thread that writes the journal.
 #ifndef DYNMESH_SERVER_JOURNAL_HEADS_FILE_H_
 #define DYNMESH_SERVER_JOURNAL_HEADS_FILE_H_
 
@@ -46,30 +46,31 @@ class HeadsFile {
   enum class State : std::uint8_t {
     kThere = 1,
     kDeleting = 2,     // or deleted
-    kUnconfirmed = 3,  // taken over in doubt: something may be missing
+    kUnconfirmed = 3,  // created from a journal in doubt: something may be missing
   };
   struct Head {
     Key key = 0;
-    std::string id;              // at most 63 bytes of it
+    std::string id;              // its first 63 bytes at most
     std::uint64_t revision = 0;  // the last one
     std::int64_t sum = 0;        // checksum of its entry; 0: none
-    std::int64_t requests = 0;   // the number of the last
+    std::int64_t requests = 0;   // number of the last one
     State state = State::kThere;
     bool operator==(const Head&) const = default;
   };
-  // Of SQLite's log: so many frames of the log with this salt were committed.
+  // How many frames of SQLite's log with this salt were committed.
   struct Position {
     std::uint64_t salt = 0;
     std::uint64_t frames = 0;
   };
-  // Of a journal that had no such file: it has not got the id yet, and its meshes no slots.
+  // A journal without this file is taken over: it does not have the id yet, nor the meshes their
+  // slots.
   enum class Taking : std::uint8_t { kNo = 0, kYes = 1, kInDoubt = 2 };
   static constexpr std::size_t kIdBytes = 16, kMaxNameBytes = 63;
   static constexpr char kFileName[] = "journal.heads";
 
-  // NOT_FOUND; DATA_LOSS if not even the header can be read; UNAVAILABLE.
+  // NOT_FOUND; DATA_LOSS if the header is unreadable; UNAVAILABLE.
   static absl::StatusOr<std::unique_ptr<HeadsFile>> Open(const std::string& folder);
-  // In the place of what is there, whole and synced or not at all.
+  // Replaces the file atomically, synced.
   static absl::StatusOr<std::unique_ptr<HeadsFile>> Make(const std::string& folder,
                                                          const std::string& journal,
                                                          const std::vector<Head>& heads,
@@ -79,38 +80,39 @@ class HeadsFile {
 
   const std::string& journal() const { return journal_; }  // kIdBytes
   Taking taking() const;
-  // Durable.
+  // Marks the take-over as done, durably.
   absl::Status TookOver();
   Position position() const;
-  std::size_t unreadable() const { return unreadable_; }  // slots, when it was opened
-  // Each mesh with a key up to this one had a slot on the disk, or was deleted.
+  std::size_t unreadable() const { return unreadable_; }  // slots, at Open
+  // Each mesh with a key up to this one had a slot on the disk or was deleted.
   Key confirmed() const;
-  // No key that the file knows of is greater.
+  // The greatest key in the file.
   Key greatest() const;
   std::vector<Head> Heads() const;  // by key
 
-  // Changes that belong to a transaction: staged, then published when it is committed, or dropped.
-  // A mesh that is not known is passed over by the latter two.
+  // Changes of a transaction: staged, then published after the commit, or dropped. StageEntry and
+  // StageRequest ignore unknown meshes.
   void Stage(const Head& head);
   void StageEntry(Key mesh, std::uint64_t revision, std::int64_t sum);
   void StageRequest(Key mesh, std::int64_t number);
   void Drop() { staged_.clear(); }
-  // What cannot be written is logged, once, and tried again with the next.
+  // A failed write is logged once, and retried with the next Publish.
   void Publish(const Position& position);
 
-  // At once, not durable; UNAVAILABLE.
+  // Immediate, not durable; UNAVAILABLE.
   absl::Status Put(const Head& head);
   absl::Status Forget(Key mesh);
-  // Durable: marks a mesh that is known.
+  // Durable: marks a known mesh as being deleted.
   absl::Status BeginDelete(Key mesh);
-  // It is gone. A deletion that failed is not told: how it ended is known at the next start.
+  // The mesh is deleted. After a failed deletion it is not called: the next start finds out the
+  // outcome.
   void EndDelete(Key mesh);
   absl::Status Sync();
 
  private:
   struct Slot {
     Head head;     // key 0: free
-    int copy = 0;  // that was written last
+    int copy = 0;  // the copy written last
   };
   explicit HeadsFile(int file) : file_(file), slots_(1) {}
 
@@ -120,7 +122,7 @@ class HeadsFile {
   void LoadSlot(std::size_t slot, const std::string& bytes);
   void StartSyncing();
   void Run();
-  // With the mutex held.
+  // REQUIRES: mutex_ is held.
   absl::Status Write(std::size_t slot, const std::string& content);
   absl::Status WriteHeader();
   absl::Status WriteHead(std::size_t slot);
@@ -139,10 +141,10 @@ class HeadsFile {
   Position position_;
   Key confirmed_ = 0, greatest_ = 0;
   std::uint64_t sequence_ = 0;         // of the last write
-  std::vector<Slot> slots_;            // the first is the header's
-  std::vector<std::size_t> free_;      // slots
+  std::vector<Slot> slots_;            // the first is the header
+  std::vector<std::size_t> free_;      // free slots
   std::map<Key, std::size_t> places_;  // slots by mesh
-  std::set<std::size_t> unwritten_;    // slots that could not be
+  std::set<std::size_t> unwritten_;    // slots with a failed write
   bool failing_ = false;
 
   std::condition_variable wake_;

@@ -7,7 +7,7 @@
 namespace dynmesh::server::heads {
 namespace {
 
-// Before the content: the checksum of what follows it, and a number that grows.
+// Before the content: the checksum of all after it, and an increasing sequence number.
 constexpr std::size_t kSumBytes = 8, kContentAt = 16;
 static_assert(kContentAt + kContentBytes == kSlotBytes);
 

@@ -1,5 +1,5 @@
-// The slots of heads_file.h as bytes: where a slot's two copies stand, how they are checked, which
-// one counts. Pure functions.
+// The byte format of the slots of heads_file.h: the positions of a slot's two copies, their check,
+// and the choice between them. Pure functions.
 #ifndef DYNMESH_SERVER_JOURNAL_HEADS_SLOT_H_
 #define DYNMESH_SERVER_JOURNAL_HEADS_SLOT_H_
 
@@ -15,27 +15,27 @@ namespace dynmesh::server::heads {
 inline constexpr std::size_t kSlotBytes = 128, kSlotsInBlock = 32, kBlockBytes = 4'096;
 inline constexpr std::size_t kContentBytes = 112;
 
-// In the file; `copy`: 0 or 1.
+// Position in the file; `copy`: 0 or 1.
 std::size_t OffsetOf(std::size_t slot, int copy);
 
 void AddNumber(std::uint64_t number, std::string* out);
 
-// kSlotBytes, to be written there; `content` has at most kContentBytes.
+// The kSlotBytes to write at `offset`; `content` has at most kContentBytes.
 std::string EncodeSlot(std::size_t offset, std::uint64_t sequence, const std::string& content);
 
-// What a slot holds.
+// The content of a slot.
 struct FoundSlot {
   std::uint64_t sequence = 0;
   int copy = 0;
   std::string content;  // kContentBytes
-  bool blank = true;    // nothing was ever written
+  bool blank = true;    // never written
 };
 
-// The newer of its copies that are whole; nullopt if none is, though something was written. `file`:
-// all bytes of it.
+// The newer valid copy of the slot; nullopt if none is valid although something was written.
+// `file`: all bytes of the file.
 std::optional<FoundSlot> FindSlot(std::size_t slot, const std::string& file);
 
-// Takes numbers and bytes off the front of content, of which there are enough.
+// Reads numbers and bytes from the front of a content. The content must have enough bytes.
 class SlotReader {
  public:
   explicit SlotReader(absl::string_view bytes) : left_(bytes) {}

@@ -1,25 +1,26 @@
-// What outlives the process: which meshes there are, and for each a snapshot of its features, the
-// batches since, and the last answers to batches with a request_id. An interface; what the bytes
-// mean stands in proto/codec/journal_codec.h.
+// The persistent state: the meshes, and for each a snapshot of its features, the batches since, and
+// the last answers to batches with a request_id. An interface; proto/codec/journal_codec.h defines
+// the bytes.
 //
-// A snapshot and the batches up to the next one are a generation. The newest is what a mesh is made
-// again from; the one before is kept, and more if there is room for them, so that older revisions
-// can be read: the mesh's history. Its first generation begins at revision 0, with no feature.
+// A snapshot and the batches up to the next one are a generation. A mesh is recovered from the
+// newest generation. The previous one is kept, and more within a size limit, so that older
+// revisions can be read: the mesh's history. The first generation begins at revision 0, without
+// features.
 //
 // Invariants of an implementation:
-//   1. a call that returned OK is durable: it survives the process and a loss of power;
-//   2. a call that returned an error changed nothing that will be seen while the journal is open.
-//      (After a crash a change that failed may turn out to have been made, whole.)
+//   1. a call that returned OK is durable: it survives the end of the process and a loss of power;
+//   2. a call that returned an error has no visible effect while the journal is open.
+//      (After a crash a failed change may turn out to have been made, completely.)
 //   3. the entries of a mesh follow its oldest snapshot one by one, without a gap;
-//   4. each row has a checksum: one that was damaged is told as DATA_LOSS with mesh and revision;
-//   5. a mesh that lacks what was acknowledged, whatever was done to the files, is told so when the
-//      journal is opened, and not written to.
-// Calls block until the disk is done; calls that wait at the same time may share a sync. After a
-// failed write all calls that write fail until one has been tried and done. Thread-safe.
+//   4. each row has a checksum: a damaged row gives DATA_LOSS with the mesh and the revision;
+//   5. at opening, each mesh that lacks acknowledged data is detected, whatever was done to the
+//      files, and becomes read only.
+// Calls block until the disk is done; concurrent calls may share a sync. After a failed write all
+// writing calls fail until a test write succeeds. Thread-safe.
 //
-// Errors: UNAVAILABLE if it may pass (a full disk), DATA_LOSS if what is stored is no longer sound,
-// NOT_FOUND for a mesh that was deleted, FAILED_PRECONDITION for a revision that does not follow,
-// OUT_OF_RANGE for one that is not, or no longer, there.
+// Errors: UNAVAILABLE if it may be temporary (a full disk), DATA_LOSS if stored data is damaged,
+// NOT_FOUND for a deleted mesh, FAILED_PRECONDITION for a revision out of sequence, OUT_OF_RANGE
+// for a revision that does not exist or no longer exists.
 #ifndef DYNMESH_SERVER_JOURNAL_JOURNAL_H_
 #define DYNMESH_SERVER_JOURNAL_JOURNAL_H_
 
@@ -37,26 +38,26 @@ namespace dynmesh::server {
 
 class Journal {
  public:
-  // Of one mesh; never given again, also not to a mesh with the same id.
+  // Of one mesh; never reused, even for a mesh with the same id.
   using Key = std::int64_t;
 
   struct Mesh {
     Key key = 0;
-    std::string id;  // "@" and the key, if its own is damaged and cannot be said
+    std::string id;  // "@" and the key, if the id is damaged
     std::string description;
     std::uint64_t entries = 0;  // a snapshot counts as one
-    absl::Status damage;        // not OK: the rest is not to be trusted, or there is nothing
-    absl::Status loss;  // not OK: it lacks what was acknowledged. It can be read and deleted only
+    absl::Status damage;        // not OK: other fields may be wrong, or there is no data
+    absl::Status loss;          // not OK: lacks acknowledged data; it can only be read and deleted
   };
-  // What it did since it was opened.
+  // Counts since it was opened.
   struct Counts {
-    std::uint64_t syncs = 0;     // transactions on the disk
-    std::uint64_t failures = 0;  // transactions that were not
-    bool failing = false;        // the last one was not
+    std::uint64_t syncs = 0;     // successful transactions
+    std::uint64_t failures = 0;  // failed transactions
+    bool failing = false;        // the last transaction failed
   };
-  // What a batch did.
+  // The changes of a batch.
   struct Entry {
-    std::uint64_t revision = 0;  // that it made
+    std::uint64_t revision = 0;  // the revision after it
     std::string data;
   };
   // A request_id and its answer.
@@ -64,8 +65,8 @@ class Journal {
     std::string id;
     std::string answer;
   };
-  // What is read of a mesh, in this order, revisions without a gap up to the last. An error ends
-  // the reading and is returned. Slow visitors make the files grow meanwhile.
+  // Receives the data of a mesh, in this order; revisions have no gap up to the last. An error ends
+  // the reading and is returned. While a visitor runs, the files may grow.
   struct Visitor {
     std::function<absl::Status(const Request&)> request;  // the oldest first; null: not read
     std::function<absl::Status(std::uint64_t revision, const std::string& part)> snapshot;
@@ -74,45 +75,45 @@ class Journal {
 
   virtual ~Journal() = default;
 
-  // Where it is, for people.
+  // Its location, for messages.
   virtual std::string name() const = 0;
 
   virtual Counts counts() const { return {}; }
-  // That it takes where it is.
+  // Its size on the disk.
   virtual std::uint64_t bytes() const { return 0; }
 
   virtual absl::StatusOr<std::vector<Mesh>> List() = 0;  // by id
-  // ALREADY_EXISTS for an id that is there.
+  // ALREADY_EXISTS for an existing id.
   virtual absl::StatusOr<Key> Create(const std::string& id, const std::string& description) = 0;
-  // Quick, however much there is of it: nobody finds it any more, and its rows are left.
+  // Quick, whatever the size: the mesh becomes invisible, and its rows remain.
   virtual absl::Status Delete(Key mesh) = 0;
-  // Takes away a piece of what nobody finds any more; others' calls are done in between. True if
-  // there is more. What is left when the journal ends is taken away when it is opened.
+  // Removes a piece of the invisible rows; other calls run in between. True if there is more. What
+  // is left when the journal is closed is removed at the next opening.
   virtual bool Sweep(Key mesh) = 0;
 
-  // All of it or nothing. The entries follow the last one, and each other. Of the requests of a
-  // mesh only the newest are kept.
+  // Atomic. The entries follow the last one, and each other. Only the newest requests of a mesh are
+  // kept.
   virtual absl::Status Append(Key mesh, const std::vector<Entry>& entries,
                               const std::vector<Request>& requests) = 0;
-  // The same of one batch; either may be missing.
+  // The same for one batch; either part may be missing.
   absl::Status Append(Key mesh, const std::optional<Entry>& entry,
                       const std::optional<Request>& request) {
     return Append(mesh, entry.has_value() ? std::vector{*entry} : std::vector<Entry>(),
                   request.has_value() ? std::vector{*request} : std::vector<Request>());
   }
 
-  // The newest generation. DATA_LOSS if something that was told is missing.
+  // The newest generation. DATA_LOSS if something acknowledged is missing.
   virtual absl::Status Read(Key mesh, const Visitor& visitor) = 0;
 
   // History: the newest snapshot that is not newer than `from`, and the entries after it up to the
-  // revision `to` >= from; no requests. A snapshot of revision 0 has no parts and is not told.
+  // revision `to` >= from; no requests. A snapshot of revision 0 has no parts and is not visited.
   virtual absl::Status ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
                                 const Visitor& visitor) = 0;
-  // The earliest revision that ReadPast may begin at.
+  // The earliest `from` that ReadPast accepts.
   virtual absl::StatusOr<std::uint64_t> Oldest(Key mesh) = 0;
 
-  // Begins a generation with `parts`, a snapshot at `revision`, which is the last one. Others'
-  // calls are done in between. One call at a time for a mesh.
+  // Begins a generation with `parts`, a snapshot at `revision`, which must be the last one. Other
+  // calls run in between. At most one call at a time per mesh.
   virtual absl::Status Compact(Key mesh, std::uint64_t revision,
                                const std::vector<std::string>& parts) = 0;
 };

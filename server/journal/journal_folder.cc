@@ -21,7 +21,7 @@ namespace dynmesh::server {
 namespace fs = std::filesystem;
 using sqlite::Statement;
 
-// The versions that may read and write a file stand in its header: 2 for the WAL mode.
+// The file's header has the versions required to read and to write it: 2 for the WAL mode.
 DatabaseFormat DatabaseFormatOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   char header[20] = {};
@@ -71,7 +71,7 @@ absl::StatusOr<std::string> JournalIdOf(sqlite::Connection& connection) {
   const bool row = statement.Step();
   if (!statement.status().ok()) return statement.status();
   const std::string found = row ? statement.Bytes(0) : std::string();
-  // Of a damaged one, as many bytes as of any.
+  // If the id is damaged: the same number of bytes.
   std::string id(HeadsFile::kIdBytes, '\0');
   std::copy_n(found.begin(), std::min(found.size(), id.size()), id.begin());
   return id;

@@ -13,7 +13,7 @@ namespace {
 using Head = HeadsFile::Head;
 using State = HeadsFile::State;
 
-// nullopt: nothing is lost.
+// nullopt: no loss.
 std::optional<Loss::Kind> KindOf(const Head& recorded, const FoundMesh& found) {
   if (recorded.state == State::kUnconfirmed) return Loss::Kind::kUnconfirmed;
   if (found.named && found.head.id.substr(0, HeadsFile::kMaxNameBytes) != recorded.id) {
@@ -115,7 +115,7 @@ std::vector<Loss> FindLosses(const std::vector<Head>& recorded, HeadsFile::Key c
   }
   std::vector<Loss> all;
   for (auto& [key, loss] : losses) {
-    // Another may have taken its name, in the journal of a later time.
+    // A later mesh may have the same name.
     if (loss.kind == Loss::Kind::kMissing && names.contains(loss.name)) loss.name = RowName(key);
     all.push_back(std::move(loss));
   }

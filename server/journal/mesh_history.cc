@@ -14,7 +14,7 @@ namespace {
 
 constexpr char kAdvice[] = "ask for one that is";
 
-// Takes what the journal tells of the past, up to a revision.
+// Collects the features from the journal, up to a revision.
 class Past {
  public:
   Past(int dimension, const MeshHash& empty, const std::atomic<bool>* cancelled)

@@ -1,5 +1,5 @@
-// The features that one mesh had at its revisions, as far back as the journal goes: a snapshot's,
-// changed by the batches since. Immutable and thread-safe; reads a moment of its own and waits for
+// The features of one mesh at its revisions, as far back as the journal goes: those of a snapshot,
+// changed by the batches since. Immutable and thread-safe; reads a consistent state and waits for
 // no writer. O(features + edits since the snapshot) in time and memory.
 #ifndef DYNMESH_SERVER_JOURNAL_MESH_HISTORY_H_
 #define DYNMESH_SERVER_JOURNAL_MESH_HISTORY_H_
@@ -22,21 +22,21 @@ using codec::FeaturesAt;
 
 class MeshHistory {
  public:
-  // `empty`: the hash of the mesh without features. The journal outlives it.
+  // `empty`: the hash of the mesh without features. The journal outlives this object.
   MeshHistory(Journal* journal, Journal::Key key, std::string id, int dimension,
               const MeshHash& empty)
       : journal_(journal), key_(key), id_(std::move(id)), dimension_(dimension), empty_(empty) {}
 
-  // OUT_OF_RANGE (COMPACTED, with the oldest revision in the metadata; FUTURE_REVISION after
-  // `head`, the mesh's), NOT_FOUND (MESH_DELETED), DATA_LOSS or UNAVAILABLE (JOURNAL_FAILED),
-  // CANCELLED soon after the flag turned true, which may be null.
+  // OUT_OF_RANGE (COMPACTED, with the oldest revision in the metadata; FUTURE_REVISION if
+  // `revision` is after `head`, the mesh's), NOT_FOUND (MESH_DELETED), DATA_LOSS or UNAVAILABLE
+  // (JOURNAL_FAILED), CANCELLED soon after `cancelled`, which may be null, turned true.
   absl::StatusOr<FeaturesAt> At(std::uint64_t revision, const Head& head,
                                 const std::atomic<bool>* cancelled) const;
 
-  // Two revisions at the price of one, the first not later than the other.
+  // Two revisions at the cost of one; the first is not later than the second.
   struct Span {
     FeaturesAt from, to;
-    std::uint32_t from_bits = kMeshBits;  // that from.hash belongs to
+    std::uint32_t from_bits = kMeshBits;  // the bits of from.hash
   };
   absl::StatusOr<Span> Between(std::uint64_t from, std::uint64_t to, const Head& head,
                                const std::atomic<bool>* cancelled) const;

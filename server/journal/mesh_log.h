@@ -1,13 +1,13 @@
-// What one mesh writes into the journal: every batch before anybody sees what it did, those that
-// are ready at once together, and now and then a snapshot of its features, from which the mesh is
-// made again then.
+// Writes one mesh to the journal: every batch before its effects become visible, batches that are
+// ready together in one write, and now and then a snapshot of its features, from which the mesh is
+// recovered.
 //
-// A snapshot is due when the batches since the last one outweigh it, in bytes or in the work of
-// doing them again, and some least weight: amortised O(1) for each byte and each operation of a
-// batch. So a generation (journal.h) has at most twice the features' bytes, and a mesh is made
-// again in at most three times what making it from its features takes, or those least weights. The
-// first batch, often a whole load, is as good as a snapshot: none is made of the same again.
-// Calls block. Thread-compatible: it belongs to the mesh's strand.
+// A snapshot is due when the batches since the last one exceed a minimum and outweigh it, in bytes
+// or in the work to replay them: amortised O(1) for each byte and each operation of a batch. So,
+// above those minimums, a generation (journal.h) has at most twice the features' bytes, and
+// recovery takes at most three times as long as making the mesh from its features. The first batch,
+// often a whole load, serves as a snapshot. Calls block. Thread-compatible: belongs to the mesh's
+// strand.
 #ifndef DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 #define DYNMESH_SERVER_JOURNAL_MESH_LOG_H_
 
@@ -26,11 +26,11 @@ namespace dynmesh::server {
 
 class MeshLog {
  public:
-  // What the generation weighs.
+  // Sizes of the generation.
   struct Sizes {
     std::uint64_t snapshot = 0;    // bytes of the snapshot, or of the first batch
     std::uint64_t entries = 0;     // bytes of the batches since
-    std::uint64_t operations = 0;  // that these executed
+    std::uint64_t operations = 0;  // operations executed by these
 
     void Add(std::uint64_t revision, std::uint64_t bytes, const WorkCounters& work) {
       if (revision == 1) {
@@ -41,10 +41,10 @@ class MeshLog {
       }
     }
   };
-  // No snapshot for less since the last one.
+  // Minimums since the last snapshot for the next one.
   struct Limits {
     std::uint64_t bytes = 1 << 20;
-    std::uint64_t operations = 1'000'000;  // some seconds to do again
+    std::uint64_t operations = 1'000'000;  // some seconds to replay
   };
 
   MeshLog(Journal* journal, Journal::Key key, std::string id, int dimension, const Sizes& sizes,
@@ -56,20 +56,21 @@ class MeshLog {
     absl::string_view request_id;
     RequestMemory::Entry answer;
   };
-  // Returns when all of them are durable; not OK: none is. In the order of their revisions. Errors
+  // Returns when all batches are durable; not OK: none is. In the order of their revisions. Errors
   // as JournalError.
   absl::Status Append(std::span<const Batch> batches);
 
-  // What it writes, to be read. `empty`: as MeshHistory's.
+  // Reads what this writes. `empty`: as MeshHistory's.
   MeshHistory History(const MeshHash& empty) const {
     return MeshHistory(journal_, key_, id_, dimension_, empty);
   }
 
-  // The mesh's last revision has the features of the one before, and other bits (kMeshBits): writes
-  // it down, and a snapshot. Errors as Append; a snapshot that fails is logged.
+  // The mesh's last revision has the features of the previous one, and other bits (kMeshBits).
+  // Writes that revision and a snapshot. Errors as Append; a failed snapshot is logged.
   absl::Status AppendOtherBits(const DynamicMesh& mesh);
 
-  // After a batch; O(1) but for when it is due. What fails is logged, and tried again later.
+  // To be called after a batch; O(1) unless a snapshot is due. A failure is logged, and retried
+  // later.
   void CompactIfDue(const DynamicMesh& mesh);
 
  private:
@@ -82,7 +83,7 @@ class MeshLog {
   const int dimension_;
   const Limits limits_;
   Sizes sizes_;
-  std::uint64_t failed_at_ = 0;  // bytes of entries when a snapshot failed, since the last one
+  std::uint64_t failed_at_ = 0;  // bytes of entries at the last failed snapshot
 };
 
 }  // namespace dynmesh::server

@@ -71,12 +71,12 @@ class Opener {
   WalWalk walk_;
   std::int64_t version_ = 0;
   bool is_new_ = false;
-  std::string id_;  // of the journal; empty: it has none yet
+  std::string id_;  // of the journal; empty: none yet
   std::vector<FoundMesh> found_;
   OpenedJournal out_;
 };
 
-// What was lost is on record, durable, before anything is written that would hide it.
+// The losses are recorded, durably, before any write that would hide them.
 absl::Status Opener::Steps() {
   if (absl::Status s = Look(); !s.ok()) return s;
   if (absl::Status s = TakeRecord(); !s.ok()) return s;
@@ -102,7 +102,7 @@ absl::Status Opener::Steps() {
   return out_.sealed.ok() ? Prepare() : absl::OkStatus();
 }
 
-// ------------------------------------------------------------------ what is there
+// ------------------------------------------------------------------ existing files
 
 absl::Status Opener::Look() {
   const absl::StatusOr<WalWalk> walk = WalkWal(log_path_);
@@ -132,7 +132,7 @@ absl::Status Opener::LookIntoDatabase() {
   absl::StatusOr<Connection> connection = Connection::Open(path_, vfs_);
   if (!connection.ok()) return connection.status();
   out_.connection = *std::move(connection);
-  out_.connection.MoveLogAtEnd(false);  // until it is known to be sound
+  out_.connection.MoveLogAtEnd(false);  // until it is known to be valid
   const auto version = NumberOf(out_.connection, "PRAGMA user_version");
   if (!version.ok()) return version.status();
   version_ = *version;
@@ -147,7 +147,7 @@ absl::Status Opener::LookIntoDatabase() {
   return absl::OkStatus();
 }
 
-// ------------------------------------------------------------------ the record
+// ------------------------------------------------------------------ record
 
 absl::Status Opener::TakeRecord() {
   absl::StatusOr<std::unique_ptr<HeadsFile>> heads = HeadsFile::Open(folder_);
@@ -190,7 +190,7 @@ absl::Status Opener::MakeRecord(const std::string& id, State state) {
   const char* const message =
       doubt ? "nothing tells what was acknowledged: a copy of journal.sqlite alone is no backup"
       : version_ < kSchemaWithId ? "a journal from before there was a record: taken over as it is"
-                                  : "a backup: taken over as it is";
+                                 : "a backup: taken over as it is";
   Log(doubt ? LogLevel::kError : LogLevel::kInfo, "heads_made",
       {{"journal", path_}, {"message", message}});
   return absl::OkStatus();
@@ -219,7 +219,7 @@ absl::Status Opener::CheckSameJournal() {
 
 // ------------------------------------------------------------------ losses
 
-// Of the whole database, so only when something was found already.
+// Reads the whole database, so it is done only after another fault was found.
 absl::Status Opener::CheckStructure() {
   Statement check(out_.connection, "PRAGMA quick_check(1)");
   const bool row = check.Step();
@@ -232,8 +232,8 @@ absl::Status Opener::CheckStructure() {
   return absl::OkStatus();
 }
 
-// The log shows transactions that are lost, and the record is older than these: after a loss of
-// power it may be.
+// True if the log shows lost transactions and the record is older than these, as is possible after
+// a loss of power.
 bool Opener::LogSaysMore() const {
   if (!walk_.damaged()) return false;
   const HeadsFile::Position known = out_.heads->position();
@@ -259,8 +259,8 @@ absl::Status Opener::Compare() {
   return absl::OkStatus();
 }
 
-// The record may say less than the journal has, if the server ended in between. What cannot be
-// written is as good as before, unless it is a doubt.
+// Brings a record up to date that is behind the journal because the server was killed. A failed
+// write matters only in doubt, or if there are losses.
 absl::Status Opener::BringUpToDate(bool doubt) {
   HeadsFile& heads = *out_.heads;
   std::set<HeadsFile::Key> lost;
@@ -282,9 +282,9 @@ absl::Status Opener::BringUpToDate(bool doubt) {
     mesh.sum_on_record = head.sum;
   }
   for (const auto& [key, head] : recorded) {
-    if (!lost.contains(key)) status.Update(heads.Forget(key));  // its deletion was done
+    if (!lost.contains(key)) status.Update(heads.Forget(key));  // its deletion was completed
   }
-  // What the log shows has been looked at.
+  // The frames shown by the log have been checked.
   const HeadsFile::Position log{walk_.salt, std::max(walk_.taken, walk_.shown)};
   const HeadsFile::Position known = heads.position();
   const bool newer = log.salt != known.salt || log.frames > known.frames;
@@ -317,10 +317,10 @@ absl::Status Opener::Accept() {
   return out_.heads->Sync();
 }
 
-// ------------------------------------------------------------------ making it fit to be written
+// ------------------------------------------------------------------ preparation for writing
 
-// A damaged log is kept as it is, and what SQLite takes of it moved into the database, so that what
-// is left of its end does not stand behind what is written next.
+// Keeps a copy of a damaged log, and moves into the database what SQLite accepts of it, so that its
+// rest does not stand behind later frames.
 absl::Status Opener::SetLogAside() {
   if (!walk_.damaged()) return absl::OkStatus();
   const std::string kept =
@@ -347,7 +347,7 @@ absl::Status Opener::Prepare() {
     return s;
   }
   if (version_ == kJournalSchema) return absl::OkStatus();
-  // So that a copy without the log can be told from a new journal.
+  // So that a copy without the log differs from a new journal.
   return out_.connection.Run("PRAGMA wal_checkpoint(PASSIVE)");
 }
 

@@ -1,11 +1,11 @@
-// What is looked at before a journal is written to: whether its files belong together, whether the
-// log is whole, and whether all is there that was acknowledged (wal_walk.h, heads_file.h,
-// losses.h).
+// Checks before a journal is written: whether its files belong together, whether the log is
+// undamaged, and whether all acknowledged data is present (wal_walk.h, heads_file.h, losses.h).
 //
-// Refused, with nothing changed: files that do not belong together. Served read only, mesh by mesh:
-// meshes that lost something, until an operator accepts it. Taken over, and told: a journal from
-// before there was a record, and a backup, which is a whole database without a log (SQLite's
-// VACUUM INTO makes one; a copy of a journal's file says in its header that there was a log).
+// Files that do not belong together are refused, with nothing changed. Meshes with losses are
+// served read only until an operator accepts the losses. Two kinds of journal are taken over and
+// logged: one older than the record, and a backup, which is a whole database without a log.
+// (SQLite's VACUUM INTO makes one. A plain copy of a journal's file is not one: its header says
+// that there was a log.)
 #ifndef DYNMESH_SERVER_JOURNAL_OPENING_H_
 #define DYNMESH_SERVER_JOURNAL_OPENING_H_
 
@@ -25,11 +25,11 @@ struct OpenedJournal {
   sqlite::Connection connection;
   std::unique_ptr<HeadsFile> heads;
   std::vector<Loss> losses;  // not accepted
-  // Not OK: the database itself is damaged, nothing may be written.
+  // Not OK: the database itself is damaged and read only.
   absl::Status sealed;
 };
 
-// Of the folder, which the caller has locked. `accepted`: losses, as losses.h says.
+// Opens `folder`, which the caller has locked. `accepted`: losses, as in losses.h.
 // FAILED_PRECONDITION for files that do not belong together or of a newer version, DATA_LOSS,
 // UNAVAILABLE.
 absl::StatusOr<OpenedJournal> OpenJournalFiles(const std::string& folder, const char* vfs,

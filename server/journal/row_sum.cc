@@ -9,7 +9,7 @@
 namespace dynmesh::server {
 namespace {
 
-// The next `count` <= 8 bytes, the first the lowest on every machine.
+// The next `count` <= 8 bytes in little-endian order on every machine.
 std::uint64_t WordAt(const char* bytes, std::size_t count) {
   std::uint64_t word = 0;
   std::memcpy(&word, bytes, count);

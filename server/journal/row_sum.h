@@ -1,7 +1,7 @@
-// The checksum of a row of the journal: 64 bits over its numbers and its texts, the key included,
-// so that a row that was damaged, or stands in another's place, is found when it is read. Files
-// keep it: it never changes. Chance overlooks one damage in 2^64; nobody is kept out by it.
-// Pure, O(bytes), some gigabytes a second.
+// The checksum of a row of the journal: 64 bits over its numbers and its texts, including the key.
+// It detects, at reading, a damaged row or a row in another's place. Journals store it, so it never
+// changes. It misses a random damage with probability 2^-64. It is not cryptographic. Pure,
+// O(bytes), some gigabytes per second.
 #ifndef DYNMESH_SERVER_JOURNAL_ROW_SUM_H_
 #define DYNMESH_SERVER_JOURNAL_ROW_SUM_H_
 
@@ -11,12 +11,12 @@
 
 namespace dynmesh::server {
 
-// Of what is added, in this order. A text is told from two that make it together.
+// The sum of the added values, in this order. A text differs from the same text in two parts.
 class RowSum {
  public:
   RowSum& Add(std::int64_t number);
   RowSum& Add(absl::string_view text);
-  // As SQLite keeps it.
+  // As SQLite stores it.
   std::int64_t value() const { return static_cast<std::int64_t>(state_); }
 
  private:

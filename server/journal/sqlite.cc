@@ -19,7 +19,7 @@ absl::Status StatusOf(int code, absl::string_view doing, absl::string_view messa
   if (primary == SQLITE_OK || primary == SQLITE_ROW || primary == SQLITE_DONE) {
     return absl::OkStatus();
   }
-  // A schema that cannot be read is repeated in the message.
+  // If a schema is unreadable, SQLite repeats it in the message.
   std::string what = absl::StrCat(doing, ": ", Printable(message), " (SQLite ", code, ")");
   if (primary == SQLITE_CORRUPT || primary == SQLITE_NOTADB) return absl::DataLossError(what);
   return absl::UnavailableError(what);

@@ -1,5 +1,5 @@
-// As much of SQLite's C interface as the journal needs: connections and statements that close
-// themselves, results as statuses. Thread-compatible.
+// A wrapper of the part of SQLite's C interface that the journal needs: RAII connections and
+// statements, results as statuses. Thread-compatible.
 #ifndef DYNMESH_SERVER_JOURNAL_SQLITE_H_
 #define DYNMESH_SERVER_JOURNAL_SQLITE_H_
 
@@ -16,16 +16,16 @@
 
 namespace dynmesh::server::sqlite {
 
-// UNAVAILABLE, or DATA_LOSS if `code` says that the file is not sound. OK for SQLITE_OK.
+// UNAVAILABLE, or DATA_LOSS if `code` means a damaged file. OK for SQLITE_OK.
 absl::Status StatusOf(int code, absl::string_view doing, absl::string_view message);
 
 class Connection {
  public:
-  // `vfs` null: the default one. Waits for other connections up to some seconds.
+  // `vfs` null: the default one. Waits up to some seconds for other connections.
   static absl::StatusOr<Connection> Open(const std::string& path, const char* vfs);
 
-  // Whether SQLite moves its log into the database, and deletes it, when the last connection is
-  // closed. It does, unless it is told otherwise.
+  // Whether SQLite moves its log into the database and deletes it when the last connection is
+  // closed. The default is true.
   void MoveLogAtEnd(bool yes);
   // Statements without a result, separated by semicolons.
   absl::Status Run(const char* sql);
@@ -42,15 +42,15 @@ class Connection {
   };
   using Prepared = std::unique_ptr<sqlite3_stmt, Close>;
 
-  // One that was put by, or null.
+  // A cached statement, or null.
   Prepared TakePrepared(const char* sql);
 
   std::unique_ptr<sqlite3, Close> db_;
-  std::vector<Prepared> put_by_;  // to parse one takes longer than to run it
+  std::vector<Prepared> put_by_;  // a cache: parsing takes longer than running
 };
 
-// A prepared statement. Errors stick: bind, step and read, then ask status(). What is bound
-// outlives the stepping. The connection keeps it prepared for the next that has the same text.
+// A prepared statement. Errors are kept: bind, step and read, then check status(). Bound values
+// must outlive the stepping. The connection caches it for the next statement with the same text.
 class Statement {
  public:
   Statement(Connection& connection, const char* sql);
@@ -58,7 +58,7 @@ class Statement {
   Statement& operator=(const Statement&) = delete;
   ~Statement();
 
-  // The next parameter.
+  // Binds the next parameter.
   Statement& Bind(std::int64_t value);
   Statement& BindText(absl::string_view text);
   Statement& BindBytes(absl::string_view bytes);

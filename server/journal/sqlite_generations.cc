@@ -13,7 +13,7 @@ namespace {
 using sqlite::Connection;
 using sqlite::Statement;
 
-// Rows without bytes cost something, too.
+// A row without bytes has a cost, too.
 constexpr std::uint64_t kRowBytes = 64;
 
 std::uint64_t BytesOf(const std::vector<std::string>& parts) {
@@ -22,7 +22,7 @@ std::uint64_t BytesOf(const std::vector<std::string>& parts) {
   return bytes;
 }
 
-// Entries of a mesh up to this revision belong to no generation. nullopt: nothing can be said.
+// Entries of a mesh up to this revision belong to no generation. nullopt: unknown.
 absl::StatusOr<std::optional<std::int64_t>> LeftoversUpTo(Connection& connection,
                                                           std::int64_t mesh) {
   Statement found(connection, "SELECT snapshot FROM meshes WHERE key = ?");

@@ -1,9 +1,9 @@
 // Generations of a mesh in SQLite: a snapshot and the entries after it, up to the next snapshot.
-// Which rows belong to one, what may go, and pieces of changes that are too large for one
-// transaction. All run in a transaction of the caller's. Thread-compatible.
+// Determines the rows of a generation and the rows to delete, and splits changes that are too large
+// for one transaction. All functions run in the caller's transaction. Thread-compatible.
 //
-// A snapshot counts from the moment it has its row in `generations`; one that was not finished, and
-// what is older than the oldest row, is leftover, seen by nobody.
+// A snapshot exists from the moment it has its row in `generations`. An unfinished snapshot, and
+// all that is older than the oldest row, is leftover: no reader sees it.
 #ifndef DYNMESH_SERVER_JOURNAL_SQLITE_GENERATIONS_H_
 #define DYNMESH_SERVER_JOURNAL_SQLITE_GENERATIONS_H_
 
@@ -17,25 +17,25 @@
 
 namespace dynmesh::server {
 
-// Writes parts from `first` on, as many as have `bytes` together and at least one. The number of
-// the first part that is left.
+// Writes parts from `first` on: as many as have `bytes` together, at least one. Returns the number
+// of the first part that is left.
 absl::StatusOr<std::size_t> WriteParts(sqlite::Connection& connection, std::int64_t mesh,
                                        std::int64_t revision, const std::vector<std::string>& parts,
                                        std::size_t first, std::uint64_t bytes);
 
-// The snapshot that was written is the newest from now on. Of the generations before it those that
-// have more than `history_bytes` together stop to count, the oldest first, the last one never.
+// Makes the written snapshot the newest. Generations before the newest that have more than
+// `history_bytes` together become leftovers, the oldest first; the last of them is always kept.
 // O(generations).
 absl::Status SwitchOver(sqlite::Connection& connection, std::int64_t mesh, std::int64_t revision,
                         const std::vector<std::string>& parts, std::uint64_t history_bytes);
 
-// Deletes leftovers of a mesh, also of one that is deleted: about `bytes`, at least a row. False if
-// there are none. Nothing is one while the mesh's newest snapshot is not what the mesh says: then
-// its rows are damaged, and perhaps all that is left of it.
+// Deletes leftovers of a mesh, also of a deleted one: about `bytes`, at least one row. False if
+// there are none. Deletes nothing if the mesh's newest snapshot differs from the one in its row:
+// then rows are damaged, and the rest may be all that is left of the mesh.
 absl::StatusOr<bool> SweepPiece(sqlite::Connection& connection, std::int64_t mesh,
                                 std::uint64_t bytes);
 
-// The meshes that have rows, deleted ones included. O(meshes) searches.
+// The meshes with rows, including deleted ones. O(meshes) searches.
 absl::StatusOr<std::vector<std::int64_t>> MeshesWithRows(sqlite::Connection& connection);
 
 }  // namespace dynmesh::server

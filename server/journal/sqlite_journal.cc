@@ -31,7 +31,7 @@ absl::StatusOr<std::unique_ptr<SqliteJournal>> SqliteJournal::Open(const std::st
   if (!mover.ok()) return mover.status();
   std::unique_ptr<SqliteJournal> journal(
       new SqliteJournal(path, options, *std::move(lock), *std::move(opened), *std::move(mover)));
-  // What looks like a leftover may be all that is left.
+  // With losses, a leftover may be all that is left of a mesh.
   if (!journal->has_losses_) journal->SweepAll();
   return journal;
 }
@@ -47,7 +47,7 @@ SqliteJournal::SqliteJournal(std::string path, const Options& options, FolderLoc
       heads_(std::move(opened.heads)),
       checkpointer_(std::move(mover)) {
   for (Loss& loss : opened.losses) losses_.emplace(loss.key(), std::move(loss));
-  // In the place of SQLite's own, which moves the log within a commit.
+  // Replaces SQLite's own hook, which moves the log within a commit.
   sqlite3_wal_hook(
       writer_.get(),
       [](void* journal, sqlite3*, const char*, int pages) {
@@ -81,7 +81,7 @@ absl::Status SqliteJournal::Write(const Change& change) {
   return mine.result;
 }
 
-// On the caller's own thread: another one would have to wait for a core, and then the caller again.
+// On the caller's own thread, which saves two thread switches.
 void SqliteJournal::WriteAll(std::unique_lock<std::mutex>& lock) {
   writing_ = true;
   const std::vector<Waiting*> group = std::exchange(waiting_, {});
@@ -109,7 +109,7 @@ void SqliteJournal::WriteAll(std::unique_lock<std::mutex>& lock) {
   ended_.notify_all();
 }
 
-// Not OK: nothing of the group was done.
+// Not OK: the group had no effect.
 absl::Status SqliteJournal::Commit(const std::vector<Waiting*>& group) {
   heads_->Drop();
   absl::Status status = Statement(writer_, "BEGIN IMMEDIATE").Finish();
@@ -121,7 +121,7 @@ absl::Status SqliteJournal::Commit(const std::vector<Waiting*>& group) {
   }
   if (status.ok()) status = Statement(writer_, "COMMIT").Finish();
   if (!status.ok() && !writer_.autocommit()) {
-    // It cannot be left open: the next transaction would go on with it.
+    // It must not stay open: the next transaction would continue it.
     if (absl::Status s = writer_.Run("ROLLBACK"); !s.ok()) {
       Log(LogLevel::kError, "rollback_failed", {{"journal", path_}, {"error", s.message()}});
     }
@@ -157,7 +157,7 @@ absl::StatusOr<Journal::Key> SqliteJournal::Create(const std::string& id,
                      "INSERT INTO meshes(key, id, description, snapshot, head, checksum) "
                      "VALUES(max(?, ifnull((SELECT seq FROM sqlite_sequence WHERE name = "
                      "'meshes'), 0)) + 1, ?, ?, 0, 0, ?)");
-    // Not one that was given before the journal lost something.
+    // Greater than any key given before the journal lost something.
     insert.Bind(heads_->greatest()).BindText(id).BindBytes(description);
     insert.Bind(RowSumOf(absl::string_view(id), absl::string_view(description)));
     if (absl::Status s = insert.Finish(); !s.ok()) return s;
@@ -179,7 +179,7 @@ absl::Status SqliteJournal::Delete(Key mesh) {
     absl::Status status = heads_->Forget(mesh);
     return status.ok() ? heads_->Sync() : status;
   }
-  // What is gone and still on record would be taken for lost.
+  // A deleted mesh that is still on record would count as lost.
   if (absl::Status s = heads_->BeginDelete(mesh); !s.ok()) return s;
   absl::Status status = Write([&]() -> absl::Status {
     if (auto last = LastOf(mesh); !last.ok()) return last.status();
@@ -246,7 +246,8 @@ absl::Status SqliteJournal::AppendRequests(Key mesh, const std::vector<Request>&
     if (absl::Status s = insert.Finish(); !s.ok()) return s;
   }
   heads_->StageRequest(mesh, number);
-  // The oldest are far from the newest, a page more to write: they go by the hundred.
+  // The oldest rows are far from the newest: deleting them writes one more page. So they are
+  // deleted by the hundred.
   const auto kept = static_cast<std::int64_t>(options_.remembered_requests);
   const std::int64_t at_once = 1 + kept / 100;
   if (number / at_once == before / at_once) return absl::OkStatus();
@@ -294,7 +295,7 @@ absl::Status SqliteJournal::Compact(Key mesh, std::uint64_t revision,
     return same.status();
   });
   if (!status.ok() || there) return status;
-  SweepWhole(mesh);  // of a snapshot that was not finished
+  SweepWhole(mesh);  // of an unfinished snapshot
   for (std::size_t part = 0; status.ok() && part < parts.size();) {
     status = Write([&]() -> absl::Status {
       if (absl::Status s = CheckLast(mesh, revision); !s.ok()) return s;
@@ -313,7 +314,7 @@ absl::Status SqliteJournal::Compact(Key mesh, std::uint64_t revision,
   return status;
 }
 
-// What cannot be taken away is left for the next time.
+// After a failure the rest is left for the next time.
 bool SqliteJournal::Sweep(Key mesh) {
   bool more = false;
   const absl::Status status = Write([&]() -> absl::Status {

@@ -1,17 +1,17 @@
 // The journal in a folder: an SQLite database in WAL mode, synced at every commit, and a lock.
 //
-// One caller writes at a time, what he wants and all that waits by then, in one transaction, so
-// that they share its sync; the others wait. A transaction that fails is rolled back and fails all
-// that were in it, also the innocent: what a failed sync left on the disk nobody knows. Before
-// anything else is written a probe is, over the same place of the log; until one is done, all
-// writes fail.
+// One caller at a time writes its own change and all that wait, in one transaction, so that they
+// share a sync; the others wait. A failed transaction is rolled back and all its changes fail,
+// since the state on the disk after a failed sync is unknown. Before anything else is written, a
+// probe is written at the same place of the log. Until a probe succeeds, all writes fail.
 //
-// What is large is written and deleted in pieces, each a transaction, between which others have
-// their turn. What a piece leaves behind is not seen (sqlite_generations.h), and is deleted at the
-// mesh's next snapshot or when the journal is opened.
+// Large data is written and deleted in pieces, each in a transaction of its own, between which
+// other changes are written. Leftovers of an interrupted sequence are not visible
+// (sqlite_generations.h). They are deleted at the mesh's next snapshot or when the journal is
+// opened.
 //
-// Cost: a sync for each group, O(bytes) and a search in a B-tree. Reads have connections of their
-// own and wait for no writer. Thread-safe.
+// Cost: a sync per group, O(bytes) and a search in a B-tree. Reads have connections of their own
+// and wait for no writer. Thread-safe.
 #ifndef DYNMESH_SERVER_JOURNAL_SQLITE_JOURNAL_H_
 #define DYNMESH_SERVER_JOURNAL_SQLITE_JOURNAL_H_
 
@@ -37,16 +37,16 @@ class SqliteJournal final : public Journal {
  public:
   struct Options {
     std::size_t remembered_requests = 10'000;  // of a mesh
-    // Of a mesh's generations before the newest. The last of them is kept whatever it has.
+    // Limit of a mesh's generations before the newest. The last of them is always kept.
     std::uint64_t history_bytes = 64 << 20;
     std::uint64_t piece_bytes = 4 << 20;  // of a transaction, or one row
     const char* vfs = nullptr;            // of SQLite; for tests
-    // Losses that the operator takes, as losses.h says.
+    // Losses that the operator accepts, as in losses.h.
     std::vector<std::string> accept_loss;
   };
 
   // FAILED_PRECONDITION if another process has the folder, a newer version wrote it, or its files
-  // do not belong together. Meshes that lost something are there, and cannot be written to.
+  // do not belong together. Meshes with losses are listed, read only.
   static absl::StatusOr<std::unique_ptr<SqliteJournal>> Open(const std::string& folder,
                                                              const Options& options);
   ~SqliteJournal() override;
@@ -69,8 +69,8 @@ class SqliteJournal final : public Journal {
                        const std::vector<std::string>& parts) override;
 
  private:
-  // What a caller wants done in a transaction. An error that it found before it wrote anything is
-  // its own; one that SQLite had is that of all.
+  // A change of one caller in a transaction. An error found before it wrote anything fails that
+  // change only; an error of SQLite fails the whole group.
   using Change = std::function<absl::Status()>;
   struct Waiting {
     const Change* change;
@@ -82,16 +82,16 @@ class SqliteJournal final : public Journal {
                 sqlite::Connection mover);
 
   absl::Status Write(const Change& change);
-  // DATA_LOSS if it lost something.
+  // DATA_LOSS if the mesh has a loss.
   absl::Status CheckWritable(Key mesh);
   bool TakeMissing(Key mesh);
   void AddLosses(std::vector<Mesh>* meshes);
-  // Of SQLite's log, after a transaction.
+  // The position in SQLite's log, after a transaction.
   HeadsFile::Position LogPosition();
   absl::Status CheckLast(Key mesh, std::uint64_t revision);
   void SweepWhole(Key mesh);
   void SweepAll();
-  // By whoever writes.
+  // Called by the writing thread.
   void WriteAll(std::unique_lock<std::mutex>& lock);
   absl::Status Commit(const std::vector<Waiting*>& group);
   absl::Status Probe();
@@ -106,12 +106,12 @@ class SqliteJournal final : public Journal {
   const Options options_;
   const FolderLock lock_;
 
-  const absl::Status sealed_;  // not OK: nothing can be written
+  const absl::Status sealed_;  // not OK: read only
   const bool has_losses_;      // when it was opened
   std::mutex losses_mutex_;
   std::map<Key, Loss> losses_;
 
-  // Belong to whoever writes.
+  // Used by the writing thread only.
   sqlite::Connection writer_;
   std::atomic<bool> failed_{false};
   int log_pages_ = 0;
@@ -123,7 +123,7 @@ class SqliteJournal final : public Journal {
   std::atomic<std::uint64_t> failures_{0};
 
   std::mutex mutex_;
-  std::condition_variable ended_;  // a transaction
+  std::condition_variable ended_;  // a transaction ended
   std::vector<Waiting*> waiting_;
   bool writing_ = false;
 

@@ -1,4 +1,5 @@
-// What a SqliteJournal tells: each call reads one moment, on a connection of its own.
+// The reading part of SqliteJournal: each call reads one consistent state on a connection of its
+// own.
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -23,7 +24,7 @@ absl::Status Damaged(absl::string_view mesh, absl::string_view what) {
                                           " is damaged: its checksum does not fit"));
 }
 
-// Reads a mesh in a transaction. Its row first: Find; then any of the rest.
+// Reads a mesh in a transaction. Call Find first, which reads its row; then the others.
 class MeshReader {
  public:
   MeshReader(Connection& connection, Journal::Key mesh) : connection_(connection), mesh_(mesh) {}
@@ -102,7 +103,7 @@ class MeshReader {
                                             ", or a part of it, is missing"));
   }
 
-  // Those after `from` up to `to`, all, and none after `bound` >= to.
+  // All entries in (from, to], in order, and none after `bound` >= to.
   absl::Status Entries(std::int64_t from, std::int64_t to, std::int64_t bound,
                        const Journal::Visitor& visitor) const {
     Statement rows(connection_,
@@ -130,7 +131,7 @@ class MeshReader {
   std::int64_t snapshot_ = 0, head_ = 0;
 };
 
-// The id of a row whose checksum does not fit is not to be trusted.
+// An id is not reliable if its row's checksum is invalid.
 void NameDamaged(const std::vector<HeadsFile::Head>& recorded,
                  const std::map<std::string, int>& names, std::vector<Journal::Mesh>* meshes) {
   for (Journal::Mesh& mesh : *meshes) {
@@ -148,7 +149,7 @@ void NameDamaged(const std::vector<HeadsFile::Head>& recorded,
 
 }  // namespace
 
-// In a transaction, so that all is of one moment.
+// In a transaction, so that all reads see one state.
 absl::StatusOr<Connection> SqliteJournal::OpenReader() const {
   absl::StatusOr<Connection> reader = Connection::Open(path_, options_.vfs);
   if (!reader.ok()) return reader.status();

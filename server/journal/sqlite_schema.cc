@@ -13,9 +13,9 @@ namespace {
 using sqlite::Connection;
 using sqlite::Statement;
 
-// kSteps[n] leads from schema n to the next. A new file goes through all, so that it has the same
-// tables as one that grew old. Rows are small or far larger than a page; WITHOUT ROWID spares each
-// a second tree.
+// kSteps[n] leads from schema n to the next. A new file goes through all steps, so it has the same
+// tables as an upgraded one. Rows are small or far larger than a page; WITHOUT ROWID saves each
+// table a second tree.
 constexpr const char* kSteps[kJournalSchema] = {
     R"(
   CREATE TABLE meshes(
@@ -36,7 +36,7 @@ constexpr const char* kSteps[kJournalSchema] = {
   CREATE TABLE probes(number INTEGER PRIMARY KEY);
   INSERT INTO probes VALUES(0);
 )",
-    // A snapshot of which no part is there goes on to be missing.
+    // A snapshot without any part remains missing.
     R"(
   ALTER TABLE meshes ADD COLUMN tail_bytes INTEGER NOT NULL DEFAULT 0;
   ALTER TABLE meshes ADD COLUMN checksum INTEGER NOT NULL DEFAULT 0;
@@ -65,20 +65,20 @@ constexpr const char* kSteps[kJournalSchema] = {
     R"(
   CREATE TABLE journal(id BLOB NOT NULL);
 )",
-    // Rows name the bits that their hashes belong to (kMeshBits). An older dynmeshd, which knows
-    // none, would take them for damage.
+    // Rows name the bits that their hashes belong to (kMeshBits). An older dynmeshd without bits
+    // would take them for damage.
     "",
-    // Bits 3. An older dynmeshd would make their meshes anew with bits 2.
+    // Bits 3. An older dynmeshd would recover their meshes with bits 2.
     "",
     // Bits 4.
     "",
-    // Bits 5. Descriptions name min_dihedral; those that do not are of meshes without
+    // Bits 5. Descriptions name min_dihedral; those without it are of meshes without
     // (DecodeJournalMesh).
     "",
     // Bits 6.
     ""};
 
-// row_sum(...) in SQL: RowSumOf.
+// The SQL function row_sum(...): RowSumOf.
 void SumOfColumns(sqlite3_context* context, int count, sqlite3_value** columns) {
   RowSum sum;
   for (int i = 0; i < count; ++i) {

@@ -42,7 +42,7 @@ Sum SumAt(const unsigned char* at) { return {Big(at), Big(at + 4)}; }
 
 struct Header {
   bool sound = false;
-  bool big = false;  // the words of checksums
+  bool big = false;  // byte order of the checksums' words
   std::uint32_t page = 0;
   std::uint64_t salt = 0;
   Sum sum;
@@ -62,7 +62,7 @@ Header HeaderOf(const unsigned char* at) {
   return header;
 }
 
-// Takes the frames in turn.
+// Processes the frames in order.
 class Walk {
  public:
   explicit Walk(const Header& header) : header_(header), before_(header.sum), made_(header.sum) {
@@ -75,7 +75,7 @@ class Walk {
     const std::uint64_t salt = Long(frame + 8);
     const Sum written = SumAt(frame + 16);
     const Sum sum = SumOf(frame, before_);
-    // The damage may be in the sum that is written in the frame before.
+    // The damage may be in the checksum of the frame before.
     const bool continues = Big(frame) != 0 && (sum == written || SumOf(frame, made_) == written);
     const bool ends = Big(frame + 4) != 0;
     follows_ = follows_ && Big(frame) != 0 && sum == written && salt == header_.salt;
@@ -98,15 +98,16 @@ class Walk {
     before.Add(frame + kFrameHeaderBytes, header_.page, header_.big);
     return before;
   }
-  // What is left of a log that was moved into the database stands behind the present one's frames.
+  // The salt expected of a frame. Frames left of an older log may stand behind those of the present
+  // one.
   std::uint64_t SaltToHave() const { return header_.sound ? header_.salt : salt_; }
 
   const Header header_;
-  Sum before_;  // as written in the frame before, or in the header
-  Sum made_;    // as it should be there, by the frame before that
+  Sum before_;  // as stored in the frame before, or in the header
+  Sum made_;    // as computed, from the checksum of the frame before that
   bool ended_ = false;
   std::uint64_t salt_ = 0;
-  bool follows_ = false;  // SQLite comes here
+  bool follows_ = false;  // SQLite reads up to here
   std::uint32_t number_ = 0;
   WalWalk walk_;
 };
@@ -128,7 +129,7 @@ absl::StatusOr<WalWalk> WalkWal(const std::string& path) {
   if (!read(bytes)) return WalWalk();
   Header header = HeaderOf(bytes.data());
   if (!header.sound) {
-    // As this program's databases have it.
+    // The values of this program's databases.
     header.page = kUsualPage;
     header.big = false;
   }

@@ -1,4 +1,4 @@
-// How far the batch is that a mesh's writer is at. Plain data.
+// Progress of the batch that a mesh's writer is applying. Plain data.
 #ifndef DYNMESH_SERVER_MESHES_BATCH_PROGRESS_H_
 #define DYNMESH_SERVER_MESHES_BATCH_PROGRESS_H_
 
@@ -9,7 +9,7 @@
 namespace dynmesh::server {
 
 struct BatchProgress {
-  // Those of ApplyProgress, and what the server itself does after them.
+  // The stages of ApplyProgress, then the server's own.
   enum class Stage : std::uint8_t { kValidate, kRefine, kDiff, kJournal };
 
   BatchProgress() = default;
@@ -23,12 +23,12 @@ struct BatchProgress {
 
   Stage stage = Stage::kValidate;
   std::uint64_t done = 0;
-  std::uint64_t total = 0;  // 0: not known
+  std::uint64_t total = 0;  // 0: unknown
 };
 static_assert(static_cast<int>(BatchProgress::Stage::kDiff) ==
               static_cast<int>(ApplyProgress::Stage::kDiff));
 
-// As logs and metrics call it.
+// The stage's name in logs and metrics.
 inline const char* NameOf(BatchProgress::Stage stage) {
   switch (stage) {
     case BatchProgress::Stage::kValidate:

@@ -1,7 +1,7 @@
-// Batches that a mesh's writer has been through and that wait to be written down together, in its
-// order. Until then no client is told of them. What was judged by a mesh that has the changes before
-// it stands or falls with these: if they cannot be written down, it is refused as they are.
-// Thread-compatible: it belongs to the mesh's strand.
+// Batches that a mesh's writer has applied and that wait to be written to the journal together, in
+// order. They are answered only after that. The group also holds answers that depend on these
+// changes, such as refusals: if the write fails, they fail with the same error. Thread-compatible:
+// belongs to the mesh's strand.
 #ifndef DYNMESH_SERVER_MESHES_EDIT_GROUP_H_
 #define DYNMESH_SERVER_MESHES_EDIT_GROUP_H_
 
@@ -23,25 +23,25 @@ struct HeldEdit {
 
   std::shared_ptr<EditJob> job;
   absl::StatusOr<EditOutcome> outcome;
-  bool judged = false;          // the outcome says something of the mesh
-  bool unwritten = false;       // it went well and is to be written down:
-  RequestMemory::Entry answer;  // with this
-  MeshStats stats;              // of the mesh then
+  bool judged = false;          // the outcome depends on the mesh's state
+  bool unwritten = false;       // it succeeded and waits for the journal,
+  RequestMemory::Entry answer;  // to be written with this answer
+  MeshStats stats;              // of the mesh after it
 };
 
 class EditGroup {
  public:
   bool empty() const { return edits_.empty(); }
   const HeldEdit& front() const { return edits_.front(); }
-  // Revisions that its batches made.
+  // Number of revisions that its batches made.
   std::size_t revisions() const { return revisions_; }
-  // The batch to be written down that has this request_id; null: none.
+  // The unwritten batch with this request_id; null if there is none.
   const HeldEdit* Find(absl::string_view request_id) const;
-  // What is to be written down. Valid until Add or Take.
+  // The batches for the journal. Valid until Add or Take.
   std::vector<MeshLog::Batch> Unwritten() const;
 
   void Add(HeldEdit edit);
-  // All, in order; leaves it empty.
+  // Returns all, in order, and empties the group.
   std::vector<HeldEdit> Take();
 
  private:

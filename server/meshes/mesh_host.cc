@@ -111,7 +111,7 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
 MeshHost::~MeshHost() { hub_->Close(absl::UnavailableError("the mesh is gone")); }
 
 absl::Status MeshHost::Apply(EditJob job) {
-  const auto self = shared_from_this();  // the job may be done, and nobody else hold this
+  const auto self = shared_from_this();  // the job may finish and release the last other reference
   auto shared = std::make_shared<EditJob>(std::move(job));
   const auto cancelled = shared->cancelled;
   if (!queue_->TryPost([self, shared] { self->Run(shared); }, max_waiting_, OwnerOf(shared))) {
@@ -129,7 +129,7 @@ void MeshHost::ApplyUnbounded(EditJob job) {
   WithdrawIfCancelled(cancelled);
 }
 
-// The flag may have turned true before there was something to withdraw.
+// The flag may have turned true before the job was queued.
 void MeshHost::WithdrawIfCancelled(const std::shared_ptr<const std::atomic<bool>>& cancelled) {
   if (cancelled != nullptr && cancelled->load()) Withdraw(cancelled);
 }
@@ -169,7 +169,7 @@ absl::Status MeshHost::Features(std::optional<std::uint64_t> revision,
     return absl::OkStatus();
   }
   const auto task = [self = shared_from_this(), revision, done] {
-    done(self->PresentFeatures(revision));  // without a log, hence nothing held
+    done(self->PresentFeatures(revision));  // there is no log, so no group
   };
   const TaskOwner owner{cancelled.get(), [done] { done(CancelledInTime()); }};
   return queue_->TryPost(task, max_waiting_, owner) ? absl::OkStatus() : QueueFull(max_waiting_);
@@ -218,7 +218,7 @@ void MeshHost::Run(const std::shared_ptr<EditJob>& job) {
     }
     return group_.Add(std::move(edit));
   }
-  // The writer's own caller first: the watchers' threads would compete with it.
+  // Answer the writer's caller first: the watchers' threads would compete with it.
   Finish(std::move(edit));
   if (mesh_->revision() != before) {
     hub_->Notify();
@@ -302,7 +302,7 @@ absl::StatusOr<EditOutcome> MeshHost::Answer(HeldEdit& edit) {
     return CancelledInTime();
   }
   edit.judged = true;
-  // A retry comes before anything that may have changed since the first time.
+  // Look for a retry before any check of state that may have changed since the first attempt.
   Fingerprint content;
   if (!job.request_id.empty() && !job.validate_only) {
     content = job.content.has_value() ? *job.content : FingerprintOf(job.edits);
@@ -352,7 +352,7 @@ absl::StatusOr<EditOutcome> MeshHost::CheckOnly(const EditJob& job) const {
   return EditOutcome{EmptyDiff(mesh_options_.dimension, mesh_->revision(), mesh_->hash())};
 }
 
-// Batches that only remove always have room: they are the way out.
+// Batches that only remove are always accepted: they make room.
 absl::Status MeshHost::CheckRoom(std::size_t adds, std::size_t removes) const {
   if (adds > removes && mesh_->Stats().features + (adds - removes) > max_features_) {
     codec::ServiceError error;
@@ -429,7 +429,7 @@ absl::Status MeshHost::Publish(const HeldEdit& edit, const std::shared_ptr<const
   return absl::OkStatus();
 }
 
-// The library broke its promise; readers keep what they have.
+// The mesh broke an invariant. Readers keep the last good state.
 absl::Status MeshHost::Lose(absl::string_view why) {
   Log(LogLevel::kError, "lost_revision", {{"mesh", id_}, {"error", why}});
   const absl::Status lost =

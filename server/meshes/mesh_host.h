@@ -1,16 +1,16 @@
-// One mesh of the server: its single writer, its past for readers, its watchers.
+// One mesh of the server: its single writer, its history for readers, its watchers.
 //
-// Edits and queries of the DynamicMesh run one at a time on a strand, in the order
-// they were handed in; everything else is answered from immutable snapshots and never
-// waits for them. A batch that is refused, cancelled or stopped changes nothing. With a log, a
-// batch is published and answered when it is written down; if it cannot be, it is undone and
-// refused, and readers are served on.
+// Edits and queries of the DynamicMesh run one at a time on a strand, in the order of submission.
+// Everything else is answered from immutable snapshots and never waits for them. A batch that is
+// refused, cancelled or stopped changes nothing. With a log, a batch is published and answered
+// after it was written to the journal. If the write fails, the batch is undone and refused, and
+// readers are served on.
 //
-// Small batches that wait share a sync: the writer applies one after the other, writes them down
-// together (EditGroup), then publishes and answers them in order. It does so when none waits, so
-// that one alone is not held up, after a turn of the strand, and before anything that is to see the
-// mesh as it is written down: a large batch, a query, a snapshot. What cannot be written down is
-// taken back, the last batch first. Thread-safe.
+// Small waiting batches share a sync: the writer applies them one after the other, writes them
+// together (EditGroup), then publishes and answers them in order. A group ends when no batch waits
+// (so a single batch is not delayed), after the strand's turn, and before any job that needs the
+// mesh as written: a large batch, a query, a snapshot. If the write fails, the group's batches are
+// undone, the last one first. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_HOST_H_
 #define DYNMESH_SERVER_MESHES_MESH_HOST_H_
 
@@ -43,7 +43,7 @@
 
 namespace dynmesh::server {
 
-// Makes the mesh that a host drives; DynamicMesh::Create but for tests.
+// Makes the mesh of a host; DynamicMesh::Create except in tests.
 using MeshFactory = std::function<absl::StatusOr<std::unique_ptr<DynamicMesh>>(
     const MeshOptions&, const ApplyOptions&)>;
 
@@ -59,54 +59,54 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
     std::uint64_t max_features = ~std::uint64_t{0};
     std::uint64_t max_operations = 0;     // ApplyOptions::max_operations of every batch
     const MemoryGuard* memory = nullptr;  // outlives the host; null: no limit
-    // With a log: what is written down together at most, so much that a sync is a small part of it.
+    // With a log: the largest group, large enough that a sync is a small part of its cost.
     SerialQueue::Turn turn = {128, std::chrono::milliseconds(8)};
   };
-  // What a mesh brings with it that is not new, or is to outlive the process.
+  // The state of a mesh that is recovered, or is to outlive the process.
   struct Past {
-    std::unique_ptr<MeshLog> log;          // null: nothing is written down
-    std::shared_ptr<RevisionStore> store;  // that ends at the mesh; null: it begins there
+    std::unique_ptr<MeshLog> log;          // null: there is no journal
+    std::shared_ptr<RevisionStore> store;  // ends at the mesh; null: begins there
     std::optional<RequestMemory> requests;
-    absl::Status read_only;         // not OK: what edits are refused with
-    std::optional<MeshHash> empty;  // of the mesh without features; none: it is such a one
+    absl::Status read_only;         // not OK: edits are refused with this
+    std::optional<MeshHash> empty;  // hash without features; none: there are none
   };
   struct LocateAnswer {
     std::uint64_t revision = 0;
     SimplexColumn simplices;
   };
 
-  // Takes `mesh`, O(its size). The pools outlive the host.
+  // Takes `mesh`, O(its size). The pools `writers` and `readers` outlive the host.
   static std::shared_ptr<MeshHost> Create(std::string id, std::unique_ptr<DynamicMesh> mesh,
                                           absl::Time now, WorkerPool* writers, WorkerPool* readers,
                                           const Options& options, Past past = {});
   ~MeshHost();
 
-  // Hands in a batch. RESOURCE_EXHAUSTED (QUEUE_FULL), and `done` is not called, if
-  // too many wait.
+  // Submits a batch. RESOURCE_EXHAUSTED (QUEUE_FULL), without a call of `done`, if too many wait.
   absl::Status Apply(EditJob job);
-  // The same without that limit, for callers that bound themselves.
+  // The same without that limit, for callers with a limit of their own.
   void ApplyUnbounded(EditJob job);
 
-  // As DynamicMesh::Locate, in turn with the edits. `done` is called on the strand or by Withdraw.
+  // DynamicMesh::Locate, in turn with the edits. `done` is called on the strand or by Withdraw.
   // `cancelled` may be null.
   absl::Status Locate(std::vector<double> points,
                       std::shared_ptr<const std::atomic<bool>> cancelled,
                       std::function<void(absl::StatusOr<LocateAnswer>)> done);
 
-  // The features at a revision, by default the present one: from the journal on a reader's thread,
-  // in nobody's way; without a journal in turn with the edits, the present ones only (NO_HISTORY).
-  // Errors as MeshHistory::At. `done` is called once, unless an error is returned.
+  // The features at a revision; default: the present one. With a journal they are read on a
+  // reader's thread and block no other call. Without one, in turn with the edits and the present
+  // ones only (NO_HISTORY). Errors as MeshHistory::At. `done` is called once, unless an error is
+  // returned.
   absl::Status Features(std::optional<std::uint64_t> revision,
                         std::shared_ptr<const std::atomic<bool>> cancelled,
                         std::function<void(absl::StatusOr<FeaturesAt>)> done);
 
-  // Of what has that flag, now true, all that has not begun gives its place to others and is
-  // answered CANCELLED, on this thread.
+  // Removes all jobs with the flag `cancelled`, which is now true, that have not begun. Answers
+  // them CANCELLED on this thread.
   void Withdraw(const std::shared_ptr<const std::atomic<bool>>& cancelled) {
     queue_->Withdraw(cancelled.get());
   }
 
-  // Refuses and ends all that waits or watches with `status`.
+  // Refuses all waiting jobs and ends all watches with `status`.
   void Close(const absl::Status& status);
 
   const std::string& id() const { return id_; }
@@ -115,18 +115,18 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   Head head() const { return store_->head(); }
   const std::shared_ptr<RevisionStore>& store() const { return store_; }
   const std::shared_ptr<WatchHub>& hub() const { return hub_; }
-  const absl::Status& read_only() const { return read_only_; }  // not OK: why
+  const absl::Status& read_only() const { return read_only_; }  // not OK: the reason
   const MeshHistory* history() const { return history_.has_value() ? &*history_ : nullptr; }
-  MeshStats stats() const;  // at the head or the revision before
+  MeshStats stats() const;  // of the head or the revision before it
   std::size_t waiting() const { return queue_->waiting(); }
 
-  // The batch that runs, if one does.
+  // The running batch, if there is one.
   struct Running {
     std::size_t edits = 0;
     BatchProgress progress;
   };
   std::optional<Running> running() const;
-  // Logs the batch that runs, if it has for longer than `interval`; no more than once in one.
+  // Logs the running batch if it has run for more than `interval`; at most once per interval.
   void ReportLongWork(absl::Duration interval);
 
  private:
@@ -149,9 +149,9 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   absl::Status Lose(absl::string_view why);
   void RebaseIfDue();
 
-  // Whether it may wait for others to be written down with.
+  // True if the batch may be written with others in a group.
   bool CanBeHeld(const EditJob& job) const;
-  // After which the mesh is as it is written down: nothing is held.
+  // Writes the group. Then the mesh equals the journal's state, and the group is empty.
   void EndGroup();
   void PublishGroup();
   void TakeBackGroup(const absl::Status& why);
@@ -175,23 +175,23 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   const std::shared_ptr<SerialQueue> queue_;
   const std::shared_ptr<RevisionStore> store_;
   const std::shared_ptr<WatchHub> hub_;
-  const std::optional<MeshHistory> history_;  // none: nothing is written down
+  const std::optional<MeshHistory> history_;  // none: there is no journal
   const absl::Status read_only_;
 
-  // Belong to the strand.
+  // Used on the strand only.
   const std::unique_ptr<DynamicMesh> mesh_;
   const std::unique_ptr<MeshLog> log_;
   RequestMemory requests_;
   EditGroup group_;
-  MetricsClock::time_point group_since_;     // or longer, if it is not empty
-  std::shared_ptr<MeshHost> while_holding_;  // this, while the group is not empty
+  MetricsClock::time_point group_since_;     // when the group's first batch was added
+  std::shared_ptr<MeshHost> while_holding_;  // keeps this alive while the group is not empty
 
   std::atomic<bool> rebasing_{false};
   mutable std::mutex mutex_;
   MeshStats stats_;
   absl::Status closed_;
   const EditJob* running_ = nullptr;
-  BatchProgress progress_;  // of it
+  BatchProgress progress_;  // of the running batch
   MetricsClock::time_point running_since_;
   MetricsClock::time_point reported_;  // or running_since_
 };

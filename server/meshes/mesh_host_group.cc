@@ -1,4 +1,4 @@
-// What waits to be written down together: MeshHost's part that ends a group, one way or the other.
+// The part of MeshHost that ends a group: writes it to the journal, or undoes it.
 #include <utility>
 #include <vector>
 
@@ -8,12 +8,12 @@
 namespace dynmesh::server {
 namespace {
 
-// A larger batch takes far longer than a sync: it is written down by itself.
+// A larger batch takes far longer than a sync, so it is written alone.
 constexpr std::size_t kMostEditsHeld = 64;
 
 }  // namespace
 
-// Going back looks at the mesh, and is undone if another hash comes out.
+// A revert reads the mesh, and is undone if its hash differs.
 bool MeshHost::CanBeHeld(const EditJob& job) const {
   return log_ != nullptr && job.edits.size() <= kMostEditsHeld && job.make == nullptr &&
          !job.expected_hash.has_value();
@@ -32,7 +32,7 @@ void MeshHost::EndGroup() {
   log_->CompactIfDue(*mesh_);
 }
 
-// They are written down.
+// After the group was written.
 void MeshHost::PublishGroup() {
   const std::shared_ptr<MeshHost> self = std::move(while_holding_);
   std::vector<HeldEdit> edits = group_.Take();
@@ -45,7 +45,7 @@ void MeshHost::PublishGroup() {
   RebaseIfDue();
 }
 
-// None is written down, and no client has seen what they did.
+// After the write failed. No client has seen the group's effects.
 void MeshHost::TakeBackGroup(const absl::Status& why) {
   const std::shared_ptr<MeshHost> self = std::move(while_holding_);
   mesh_->TakeBack(group_.revisions());
@@ -63,8 +63,9 @@ void MeshHost::TakeBackGroup(const absl::Status& why) {
   }
 }
 
-// While a batch runs for longer than expected: those before it are not to wait for its end. The
-// mesh is in the middle of it, so what cannot be written down waits all the same.
+// Called while a batch runs longer than expected, so that the batches before it do not wait for its
+// end. The mesh is in the middle of that batch and cannot undo: if the write fails, the group goes
+// on waiting.
 void MeshHost::RelieveGroup() {
   if (group_.empty() || MetricsClock::now() - group_since_ < turn_.time) return;
   if (WriteDown(group_.Unwritten(), group_.front().job->source).ok()) PublishGroup();

@@ -26,7 +26,7 @@ absl::Status DamageOf(absl::string_view id, const absl::Status& status) {
                                 ". Restore the server's data folder, or delete the mesh"));
 }
 
-// Piece by piece among the pool's other work. Uses no registry, which may be gone before its pools.
+// One piece per task of the pool. Does not use the registry, which is destroyed before its pools.
 void SweepOn(WorkerPool* pool, Journal* journal, Journal::Key mesh,
              const std::shared_ptr<std::atomic<bool>>& ended) {
   pool->Post([=] {
@@ -118,7 +118,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
   if (!id.empty() && !IsMeshId(id)) {
     return BadName("mesh_id", id, "[a-z][a-z0-9-]{0,62}");
   }
-  // Looked at before the mesh is made, to spare the work, and again after.
+  // Checked before the mesh is made, to save the work, and again after.
   {
     const std::lock_guard lock(mutex_);
     auto created = FindCreated(id, options, request_id);
@@ -253,7 +253,7 @@ absl::Status MeshRegistry::Delete(absl::string_view name, const Origin& origin) 
     if (it == hosts_.end()) return NotFound(*id);
     held = it->second;
   }
-  // From here on the journal takes no more of its edits.
+  // From here on the journal refuses the mesh's edits.
   if (journal_ != nullptr) {
     if (absl::Status s = journal_->Delete(held.key); !s.ok()) return JournalError(s, *id);
   }

@@ -1,6 +1,6 @@
-// The meshes of a server, by id. With a journal, a mesh is there or gone when the journal has it
-// so; what could not be made again from it is there as damaged, answers with why, and can be
-// deleted; what lacks revisions that were acknowledged is read only, and says why. Thread-safe.
+// The meshes of a server, by id. With a journal, a mesh exists iff the journal has it. A mesh that
+// cannot be recovered is listed as damaged: calls get the reason, and it can be deleted. A mesh
+// that lacks acknowledged revisions is read only, with the reason. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 #define DYNMESH_SERVER_MESHES_MESH_REGISTRY_H_
 
@@ -33,68 +33,68 @@ class MeshRegistry {
   using HostPtr = std::shared_ptr<MeshHost>;
 
   // The pools, the journal, the metrics and the guard outlive the registry. Without a journal
-  // nothing outlives it; without metrics nothing is counted.
+  // nothing outlives the registry; without metrics nothing is counted.
   MeshRegistry(const ServerConfig& config, MeshFactory factory, WorkerPool* writers,
                WorkerPool* readers, Journal* journal = nullptr, ServerMetrics* metrics = nullptr,
                const MemoryGuard* memory = nullptr);
   // As CloseAll.
   ~MeshRegistry();
 
-  // Makes the journal's meshes again, several at a time. Before any other call.
+  // Recovers the journal's meshes, several at a time. Before any other call.
   absl::Status Recover();
 
-  // Who asks, for the log.
+  // The caller, for the log.
   struct Origin {
     std::string client;  // Pass::client
     std::string call;    // CallIdOf
   };
 
-  // Makes a mesh; an empty id lets the registry choose. ALREADY_EXISTS (MESH_EXISTS),
-  // unless it was made with the same non-empty request_id and options: then that one.
+  // Makes a mesh; with an empty `id` the registry chooses the id. ALREADY_EXISTS (MESH_EXISTS),
+  // unless the mesh was made with the same non-empty `request_id` and `options`: then returns it.
   // RESOURCE_EXHAUSTED (MESH_LIMIT; MEMORY_LIMIT, VERTEX_LIMIT or WORK_LIMIT: with max_edge even an
-  // empty mesh is work); CANCELLED if `cancelled`, which may be null, turned true. May take as long
-  // as making an empty mesh and writing it down.
+  // empty mesh costs work). CANCELLED if `cancelled`, which may be null, turned true. Blocks while
+  // an empty mesh is made and written.
   absl::StatusOr<HostPtr> Create(const std::string& id, const MeshOptions& options,
                                  const std::string& request_id,
                                  const std::atomic<bool>* cancelled = nullptr,
                                  const Origin& origin = {});
 
-  // Most vertices that a mesh of that dimension may be made with.
+  // The largest max_vertices for a mesh of that dimension.
   std::uint64_t MaxVertices(int dimension) const;
 
   // NOT_FOUND (MESH_NOT_FOUND); INVALID_ARGUMENT for a malformed name; DATA_LOSS (MESH_DAMAGED).
   absl::StatusOr<HostPtr> Find(absl::string_view name) const;
-  // Waits for the journal, which is rid of the mesh's bytes later.
+  // Waits for the journal. The journal frees the mesh's bytes later.
   absl::Status Delete(absl::string_view name, const Origin& origin = {});
 
   struct Listed {
     std::string id;
-    HostPtr host;         // null if there is nothing to read
-    absl::Status damage;  // then why; with a host: why that is read only
+    HostPtr host;         // null: not readable
+    absl::Status damage;  // the reason; with a host: why it is read only
   };
-  // At most `limit` meshes with ids greater than `after`, by id, and only those whose id is
-  // `shown`, if that is given.
+  // At most `limit` meshes with ids > `after`, sorted by id. If `shown` is given, only ids for
+  // which it returns true.
   std::vector<Listed> List(absl::string_view after, std::size_t limit,
                            const std::function<bool(absl::string_view)>& shown = nullptr) const;
-  // All that are not damaged, by id.
+  // All meshes that are not damaged, by id.
   std::vector<HostPtr> Hosts() const;
 
   std::size_t size() const;
   std::size_t damaged() const;  // of these
   std::size_t watchers() const;
   void Tick(absl::Time now);
-  // What deleted meshes have left in the journal is left for the next start.
+  // Stops the removal of deleted meshes' rows from the journal. The next start continues it.
   void EndSweeps() { *sweeps_ended_ = true; }
-  // Ends all watches and refuses what waits, with `status`.
+  // Ends all watches and refuses all waiting jobs with `status`.
   void CloseAll(const absl::Status& status);
   void CloseWatches(const absl::Status& status);
 
  private:
   struct Held {
-    HostPtr host;         // null if there is nothing to read
-    absl::Status damage;  // then why; with a host: why that is read only
+    HostPtr host;         // null: not readable
+    absl::Status damage;  // the reason; with a host: why it is read only
     Journal::Key key = 0;
-    std::string request_id;  // that it was made with, if any
+    std::string request_id;  // of its creation, if any
   };
 
   MeshHost::Options HostOptions() const;
@@ -115,12 +115,12 @@ class MeshRegistry {
   ServerMetrics* const metrics_;
   const MemoryGuard* const memory_;
 
-  // Held while a mesh is made or deleted, which may take a disk's time; taken first.
+  // Held while a mesh is made or deleted, which includes disk writes. Acquired first.
   std::mutex changing_mutex_;
   mutable std::mutex mutex_;
   std::map<std::string, Held, std::less<>> hosts_;
-  // By request_id, a mesh that was made with it: for who lets the registry choose the name. Whoever
-  // names one is told of that one only, as others may not be his to know of.
+  // The mesh made with a request_id, for Create without an id. Create with an id looks at that mesh
+  // only: the caller may lack the rights to know of others.
   std::map<std::string, std::string> made_;
   const std::shared_ptr<std::atomic<bool>> sweeps_ended_ =
       std::make_shared<std::atomic<bool>>(false);

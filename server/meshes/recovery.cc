@@ -9,7 +9,7 @@
 namespace dynmesh::server {
 namespace {
 
-// Takes what the journal tells, in its order: requests, parts of the snapshot, entries.
+// Applies the journal's data in its order: requests, parts of the snapshot, entries.
 class Replay {
  public:
   Replay(RecoveredMesh& out, const MeshHost::Options& options, const std::function<void()>& applied)
@@ -49,12 +49,13 @@ class Replay {
     applied_();
     RevisionStore& store = *out_.past.store;
     absl::Status status = store.Append(std::make_shared<const MeshDiff>(*std::move(diff)));
-    // Nobody reads yet who would ask for it.
+    // There are no readers yet that would rebase it.
     if (status.ok() && store.wants_rebase()) status = store.Latest().status();
     return status;
   }
 
-  // What precedes the first entry that is applied by itself, or was all there is.
+  // Makes the mesh before the first entry that is applied by itself, or the whole mesh if there is
+  // no such entry.
   absl::Status Begin() {
     if (has_begun()) return absl::OkStatus();
     if (start_revision_ > 0) {
@@ -76,7 +77,7 @@ class Replay {
     return absl::OkStatus();
   }
 
-  // After Begin: all that was read is of other bits than this program's.
+  // After Begin: all that was read has other bits than this program's.
   bool has_other_bits() const { return has_other_bits_; }
   std::uint32_t bits() const { return start_.bits; }
   const MeshLog::Sizes& sizes() const { return sizes_; }
@@ -84,7 +85,7 @@ class Replay {
  private:
   bool has_begun() const { return out_.past.store != nullptr; }
 
-  // An entry that follows others of other bits belongs to the start. So does the first of these.
+  // Joins an entry of other bits to the start. All entries up to here had other bits.
   absl::Status Gather(const Journal::Entry& entry, codec::JournalEntry& batch) {
     absl::Status status = gathered_.Apply(std::exchange(start_.edits, {}));
     if (status.ok()) status = gathered_.Apply(batch.edits);
@@ -109,7 +110,7 @@ class Replay {
   const MeshHost::Options& options_;
   const std::function<void()>& applied_;
   const int dimension_;
-  // What is made in one batch: the snapshot, and what is gathered.
+  // Made in one batch: the snapshot and the gathered entries.
   std::uint64_t start_revision_ = 0;
   codec::JournalEntry start_;
   data::FeatureSet gathered_;

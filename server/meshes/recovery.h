@@ -1,14 +1,15 @@
-// A mesh made again from the journal: its snapshot's features as one batch, the batches since one
-// by one, so that their diffs are there for watchers. The mesh is a function of its features, so
-// revision, hash and ids are those from before; each hash is compared with the one written down.
+// Recovers a mesh from the journal: applies its snapshot's features as one batch, and the batches
+// since one by one, so that watchers get their diffs. The mesh is a function of its features, so
+// revision, hash and ids are the same as before; each hash is compared with the one in the journal.
 //
-// Hashes of other bits (kMeshBits) cannot be compared. What was written with them is gathered and
-// made in one batch. The mesh then is the next revision, with the same features, and the first that
-// watchers can resume at; earlier ones can be read as features and reverted to. It is written down
-// with a snapshot. (Not so if the mesh cannot be written to: then each start makes it so again.)
+// Hashes of other bits (kMeshBits) cannot be compared. The features written with other bits are
+// gathered and applied in one batch. The mesh is then the next revision, with the same features,
+// and watchers can resume from there on; earlier revisions can be read as features and reverted to.
+// The new revision is written with a snapshot. (Not if the mesh is read only: then each start
+// repeats this.)
 //
-// Takes as long as making the snapshot's mesh and applying the batches, of which there are no more
-// bytes than of the snapshot, or of a least size. Pure but for what it reads; thread-safe.
+// Takes as long as making the snapshot's mesh and applying the batches. These have at most the
+// bytes of the snapshot, or of a minimum. Pure except for reading; thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_RECOVERY_H_
 #define DYNMESH_SERVER_MESHES_RECOVERY_H_
 
@@ -31,8 +32,8 @@ struct RecoveredMesh {
   std::uint64_t entries = 0;  // applied one by one
 };
 
-// An error says what does not fit; there is then no mesh to be trusted. `applied` is called after
-// each snapshot and each entry.
+// Returns an error if the data is inconsistent. `applied` is called after each snapshot and each
+// entry.
 absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh& found,
                                           const MeshFactory& factory,
                                           const MeshHost::Options& options,

@@ -23,7 +23,7 @@ void RecoveryProgress::Damage() {
 }
 
 void RecoveryProgress::EndMesh() {
-  // Notified with the lock held: as soon as the waiting thread knows, this object may be gone.
+  // Notified under the lock: as soon as the waiting thread continues, this object may be destroyed.
   const std::lock_guard lock(mutex_);
   ++meshes_done_;
   ended_.notify_all();

@@ -1,5 +1,5 @@
-// How far making the journal's meshes again has come, for the log and for the metrics. Meshes are
-// made at the same time; one thread waits for all, and tells meanwhile. Thread-safe.
+// Progress of the recovery of the journal's meshes, for the log and the metrics. Several meshes are
+// recovered concurrently; one thread waits for all and logs the progress. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_RECOVERY_PROGRESS_H_
 #define DYNMESH_SERVER_MESHES_RECOVERY_PROGRESS_H_
 
@@ -23,9 +23,9 @@ class RecoveryProgress {
 
   void Apply();    // a snapshot or an entry is applied
   void Damage();   // a mesh turned out to be damaged
-  void EndMesh();  // made, or damaged
+  void EndMesh();  // recovered or damaged
 
-  // Until all meshes have ended. Logs done and total, once an interval.
+  // Blocks until all meshes have ended. Logs done and total once per interval.
   void Wait(absl::Duration interval);
 
  private:

@@ -12,7 +12,7 @@ namespace {
 struct Comparison {
   std::vector<Feature> old;  // by id
   std::uint64_t present = 0;
-  EditBatch edits;  // from that revision's features to the old ones
+  EditBatch edits;  // from that revision's features to `old`
 };
 
 }  // namespace

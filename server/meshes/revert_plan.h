@@ -1,6 +1,6 @@
-// Going back to an earlier revision as a batch of edits: what is between the features of now and of
-// then. Read in the journal and compared on a reader's thread; only if edits came in between is it
-// compared again, in the job's turn. Thread-safe.
+// Revert to an earlier revision as a batch of edits: the difference between the present features
+// and those of the revision. It is read from the journal and computed on a reader's thread. Only if
+// edits came in between is it computed again, in the job's turn. Thread-safe.
 #ifndef DYNMESH_SERVER_MESHES_REVERT_PLAN_H_
 #define DYNMESH_SERVER_MESHES_REVERT_PLAN_H_
 
@@ -18,8 +18,8 @@ struct RevertPlan {
   std::size_t weight = 0;  // of the edits
 };
 
-// O(features). What is wrong with the revision the job says in its turn: a retry is answered as the
-// first time, whatever became of the revision since.
+// O(features). An error about `revision` is reported by the job in its turn: a retry must get its
+// first answer even if the revision is no longer available.
 RevertPlan PlanRevert(const MeshHost& host, std::uint64_t revision,
                       std::shared_ptr<const std::atomic<bool>> cancelled);
 

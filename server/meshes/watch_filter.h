@@ -1,8 +1,8 @@
-// What a watcher gets who asked for some polygons only: of each item of its subscription
-// the part inside, with the hash of that part.
+// Filters a watch by polygons: of each item of the subscription, the part inside them, with that
+// part's hash.
 //
-// Invariant: hidden_ is the sum of the hashes of the simplices that were left out of the mesh
-// which the watcher has. Begins with a snapshot. Thread-compatible.
+// Invariant: hidden_ is the sum of the hashes of the simplices left out of the watcher's mesh. The
+// first item is a snapshot. Thread-compatible.
 #ifndef DYNMESH_SERVER_MESHES_WATCH_FILTER_H_
 #define DYNMESH_SERVER_MESHES_WATCH_FILTER_H_
 
@@ -18,7 +18,7 @@ class WatchFilter {
  public:
   explicit WatchFilter(data::RegionChoice choice) : choice_(std::move(choice)) {}
 
-  // Items in the order in which they are sent. O(item): a mesh is copied.
+  // To be called with the items in order. O(item): a mesh is copied.
   WatchItem Apply(const WatchItem& item);
 
  private:

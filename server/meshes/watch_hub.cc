@@ -13,8 +13,8 @@ namespace dynmesh::server {
 namespace {
 
 constexpr absl::Duration kLeastProgressInterval = absl::Milliseconds(100);
-// Watchers woken by one task of the pool: enough to be cheap, few enough that two
-// threads share the work of a few hundred.
+// Watchers woken by one task of the pool: large enough to be cheap, small enough that two threads
+// share the work of a few hundred.
 constexpr std::size_t kWakeSlice = 32;
 
 constexpr char kWithout[] = "watch without start_revision";
@@ -51,7 +51,7 @@ absl::StatusOr<std::shared_ptr<Subscription>> WatchHub::Subscribe(const Start& s
   if (absl::Status status = CheckStart(start); !status.ok()) return status;
   std::shared_ptr<Subscription> s(new Subscription(shared_from_this(), std::move(wake)));
   s->cursor_ = start.revision;
-  // Who asked for past revisions gets each of them; who did not may lag like any other.
+  // A watcher that resumes gets each past revision. Other watchers may lag and get coalesced diffs.
   if (start.revision.has_value()) s->replay_until_ = store_->head().revision;
   s->progress_interval_ = start.progress_interval > absl::ZeroDuration()
                               ? std::max(start.progress_interval, kLeastProgressInterval)
@@ -164,8 +164,8 @@ Subscription::Step Subscription::Next(WatchItem* item) {
 }
 
 WatchItem Subscription::Snapshot(std::uint64_t newer_than) {
-  // The base costs nothing and is shared by all that begin or lag; what came since
-  // follows as diffs. Not if it would take the watcher back in time.
+  // The base costs nothing and all new or lagging watchers share it; later diffs follow. Not used
+  // if it is not newer than what the watcher has.
   std::shared_ptr<const Mesh> mesh = hub_->store_->base();
   if (cursor_.has_value() && mesh->revision <= newer_than) {
     auto latest = hub_->store_->Latest();

@@ -1,17 +1,17 @@
-// Who watches a mesh, and what each gets next.
+// The watchers of a mesh, and the next item of each.
 //
-// A watcher is a cursor into the mesh's RevisionStore, not a queue of its own: the
-// writer does O(1) for all of them, and a thousand watchers that stand still cost no
-// memory but their cursors. What can go wrong with watches, and what rules it out:
-//   a revision is lost or sent twice   a cursor moves by what was handed out only
-//   lost wake-up                       a watcher turns idle under the hub's lock, after
-//                                      looking for news under it; Notify takes that lock
-//   time travel                        a snapshot replaces what a watcher has only if it
-//                                      is newer
+// A watcher is a cursor into the mesh's RevisionStore, without a queue of its own. The writer does
+// O(1) for all of them, and an idle watcher costs only its cursor. Possible faults of a watch, and
+// what rules them out:
+//   a revision is lost or sent twice   a cursor advances only by returned items
+//   lost wake-up                       a watcher becomes idle under the hub's lock, after it
+//                                      looked for news under it; Notify takes that lock
+//   older state                        a snapshot is sent to a watcher only if it is newer
+//                                      than what the watcher has
 //   a future or compacted start        Subscribe refuses it
-//   a watcher falls behind             coalesced diffs or, when they would outweigh the
-//                                      mesh or are no longer held, a new snapshot
-// Thread-safe, but one Subscription is driven by one thread at a time.
+//   a watcher falls behind             coalesced diffs, or a new snapshot if the diffs
+//                                      outweigh the mesh or are no longer held
+// Thread-safe, but only one thread at a time drives a Subscription.
 #ifndef DYNMESH_SERVER_MESHES_WATCH_HUB_H_
 #define DYNMESH_SERVER_MESHES_WATCH_HUB_H_
 
@@ -35,7 +35,7 @@ namespace dynmesh::server {
 
 class WatchHub;
 
-// The next thing to send: a whole mesh, a diff, "nothing new", or the end.
+// The next item to send: a whole mesh, a diff, a progress message (nothing new), or the end.
 using WatchItem =
     std::variant<std::shared_ptr<const Mesh>, std::shared_ptr<const MeshDiff>, Head, absl::Status>;
 
@@ -44,17 +44,17 @@ class Subscription : public std::enable_shared_from_this<Subscription> {
   enum class Step {
     kItem,  // `item` is set: send it, then call Next again
     kIdle,  // nothing now; `wake` will be called once, then call Next again
-    kWork,  // call Work on a thread that may take a while, send what it returns
+    kWork,  // call Work on a thread that may block, send its result
   };
 
   // Quick. After kIdle another thread may call `wake` before this returns.
   Step Next(WatchItem* item);
 
-  // What a watcher that lags or begins gets; O(mesh) at worst.
+  // The item for a new or lagging watcher; up to O(mesh).
   WatchItem Work();
 
-  // Ends the subscription. True if it was idle, that is if `wake` will not be called
-  // any more and the caller is to end the stream.
+  // Ends the subscription. True if it was idle: then `wake` is not called any more, and the caller
+  // has to end the stream.
   bool Cancel();
 
  private:
@@ -66,9 +66,9 @@ class Subscription : public std::enable_shared_from_this<Subscription> {
 
   const std::shared_ptr<WatchHub> hub_;
   const std::function<void()> wake_;
-  // Belong to the thread that drives the subscription.
-  std::optional<std::uint64_t> cursor_;  // the revision the watcher has; none at first
-  std::uint64_t replay_until_ = 0;       // it asked for the revisions up to here
+  // Used only by the thread that drives the subscription.
+  std::optional<std::uint64_t> cursor_;  // the watcher's revision; none at first
+  std::uint64_t replay_until_ = 0;       // past revisions were requested up to this one
   // Guarded by the hub's mutex.
   bool cancelled_ = false;
   bool progress_due_ = false;
@@ -79,12 +79,12 @@ class Subscription : public std::enable_shared_from_this<Subscription> {
 class WatchHub : public std::enable_shared_from_this<WatchHub> {
  public:
   struct Options {
-    std::uint64_t queue = 64;  // revisions a watcher may lag
+    std::uint64_t queue = 64;  // revisions that a watcher may lag
     absl::Duration progress_interval = absl::Seconds(10);
   };
   struct Start {
-    std::optional<std::uint64_t> revision = {};  // none: a snapshot first
-    std::optional<MeshHash> hash = {};           // the watcher's at that revision
+    std::optional<std::uint64_t> revision = {};  // none: begin with a snapshot
+    std::optional<MeshHash> hash = {};           // the watcher's hash at that revision
     absl::Duration progress_interval = {};       // zero: the default
   };
 
@@ -92,26 +92,26 @@ class WatchHub : public std::enable_shared_from_this<WatchHub> {
   static std::shared_ptr<WatchHub> Create(std::shared_ptr<RevisionStore> store, WorkerPool* pool,
                                           Options options);
 
-  // Neither idle nor driven at first: call Next. OUT_OF_RANGE with reason COMPACTED,
-  // FUTURE_REVISION or DIVERGED; after Close, its status.
+  // The subscription is neither idle nor driven at first: call Next. OUT_OF_RANGE with reason
+  // COMPACTED, FUTURE_REVISION or DIVERGED; after Close, its status.
   absl::StatusOr<std::shared_ptr<Subscription>> Subscribe(const Start& start,
                                                           std::function<void()> wake);
 
-  // The store has a new revision.
+  // To be called when the store has a new revision.
   void Notify();
-  // Tells the hub the time: progress for those idle too long. Times must not fall.
+  // Sends progress to watchers that have been idle for their interval. `now` must not decrease.
   void Tick(absl::Time now);
   // Ends all watches with `status` and refuses new ones.
   void Close(absl::Status status);
 
   std::size_t size() const;
-  // Watchers that have all there is.
+  // Number of watchers that are up to date.
   std::size_t idle() const;
 
   struct Counts {
     std::size_t behind = 0;       // watchers that are not idle
-    std::uint64_t coalesced = 0;  // diffs handed out that stand for several revisions
-    std::uint64_t resynced = 0;   // snapshots handed out to watchers that had one
+    std::uint64_t coalesced = 0;  // returned diffs that cover several revisions
+    std::uint64_t resynced = 0;   // returned snapshots of watchers that already had one
   };
   Counts counts() const;
 

@@ -73,7 +73,7 @@ struct CallMetrics::Method {
     return {{"grpc_type", type}, {"grpc_service", service}, {"grpc_method", method}};
   }
 
-  // A code's counter is made when the code is first seen: few ever are.
+  // A code's counter is made at its first use: few codes ever occur.
   Counter& Handled(grpc::StatusCode code) {
     const std::size_t index = IndexOf(code);
     Counter* counter = handled[index].load(std::memory_order_acquire);
@@ -87,7 +87,7 @@ struct CallMetrics::Method {
   }
 
   const std::string type, service, method;
-  const bool is_ours;  // not of health or reflection: a drain does not wait for their streams
+  const bool is_ours;  // not health or reflection: a drain does not wait for their streams
   Families& families;
   Counter& started;
   Counter& received;
@@ -140,7 +140,7 @@ WorkGate& CallMetrics::open() const { return impl_->open; }
 
 namespace {
 
-// Of one call. A stream's reads and writes come at the same time; all else one after the other.
+// Observes one call. A stream's reads and writes are concurrent; all else is sequential.
 class CallObserver final : public grpc::experimental::Interceptor {
  public:
   CallObserver(const CallMetrics& metrics, CallMetrics::Method& method,
@@ -152,7 +152,7 @@ class CallObserver final : public grpc::experimental::Interceptor {
         start_(MetricsClock::now()) {
     method_.started.Add();
   }
-  // Of a client that vanished nobody tells the status.
+  // If the client vanished, no status arrives.
   ~CallObserver() override { End(grpc::Status::CANCELLED, ""); }
 
   void Intercept(InterceptorBatchMethods* step) override {
@@ -168,7 +168,7 @@ class CallObserver final : public grpc::experimental::Interceptor {
     }
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_MESSAGE)) {
       method_.sent.Add();
-      // What is sent is serialised here, and not again.
+      // Serialises the message here; gRPC does not do so again.
       method_.sent_bytes.Add(step->GetSerializedSendMessage()->Length());
     }
     if (step->QueryInterceptionHookPoint(InterceptionHookPoints::PRE_SEND_STATUS)) {
@@ -181,7 +181,7 @@ class CallObserver final : public grpc::experimental::Interceptor {
  private:
   using Metadata = std::multimap<grpc::string_ref, grpc::string_ref>;
 
-  // The id replaces what the client sent, so that whoever handles the call reads it there.
+  // The id replaces the client's in the metadata, from which the handler of the call reads it.
   void TakeId(Metadata& metadata) {
     const auto given = metadata.find(kCallIdKey);
     id_ = ChooseCallId(given == metadata.end()

@@ -1,7 +1,7 @@
-// Sees every call of the gRPC server, as an interceptor: counts it, times it, gives it an id
-// (call_id.h), and tells it if it fails. The names are those that Prometheus' middleware for gRPC
-// uses elsewhere. Methods that are not ours (reflection, what does not exist) are one, "other".
-// Thread-safe; a few atomic operations a message.
+// Observes every call of the gRPC server, as an interceptor: counts it, times it, gives it an id
+// (call_id.h), and logs failures. The metrics have the names of the Prometheus middleware for gRPC.
+// Methods of other services (reflection) and unknown methods share the label "other". Thread-safe;
+// a few atomic operations per message.
 #ifndef DYNMESH_SERVER_METRICS_CALL_OBSERVER_H_
 #define DYNMESH_SERVER_METRICS_CALL_OBSERVER_H_
 
@@ -23,8 +23,8 @@ class CallMetrics {
   struct Method;
   Method& Find(const char* path) const;  // "/package.Service/Method"
   FailedCalls& failed() const;
-  // The calls of the service that are open, until their last byte is with the transport. Closed,
-  // it counts no new ones.
+  // The open calls of the service, until their last byte is with the transport. After Close it
+  // counts no new ones.
   WorkGate& open() const;
 
  private:

@@ -46,7 +46,7 @@ void FailedCalls::Tell(const Call& call, const grpc::Status& status) {
     if (!line.has_value()) return;
     left_out = *line;
   }
-  // An error that is not of the client's own doing does not name it.
+  // Only errors caused by the client name it.
   std::string client;
   if (error.has_value() && error->metadata.contains("client")) {
     client = error->metadata.at("client");

@@ -1,6 +1,5 @@
-// Calls that failed: counted by their reason, and told to the log. Those that a client can do
-// something about are of interest to whoever looks for that client, but there may be thousands a
-// second: of each reason at most one line a second, with how many were left out before it.
+// Failed calls: counted by reason, and logged. There may be thousands of refusals per second, so at
+// most one line a second is logged for each reason, with the number left out before it.
 // Thread-safe.
 #ifndef DYNMESH_SERVER_METRICS_FAILED_CALLS_H_
 #define DYNMESH_SERVER_METRICS_FAILED_CALLS_H_
@@ -26,11 +25,12 @@ class FailedCalls {
   struct Call {
     absl::string_view id;
     absl::string_view method;
-    absl::string_view code;  // the name of the status's
+    absl::string_view code;  // name of the status code
     std::string peer;        // address and port
   };
-  // Once for each. What failed through the server's own doing is a warning. A refusal (no token, no
-  // right, a limit) is an info line, call_refused, as above. All else is of interest in debugging.
+  // To be called once per failed call. A failure caused by the server is logged as a warning. A
+  // refusal (no token, missing role, a limit) is logged as an info line call_refused, limited as
+  // above. All else is logged at debug level.
   void Tell(const Call& call, const grpc::Status& status);
 
  private:
@@ -38,12 +38,13 @@ class FailedCalls {
     MetricsClock::time_point last;
     std::uint64_t left_out = 0;
   };
-  // How many refusals of that reason were left out before this one, or nothing if this one is.
+  // How many refusals of that reason were left out before this one; nothing if this one is left
+  // out.
   std::optional<std::uint64_t> TakeLine(const std::string& reason);
 
   MetricFamily<Counter>& by_reason_;
   std::mutex mutex_;
-  std::map<std::string, Told> told_;  // by reason, of which there are few
+  std::map<std::string, Told> told_;  // by reason; few reasons exist
 };
 
 }  // namespace dynmesh::server

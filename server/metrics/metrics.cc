@@ -10,7 +10,7 @@
 namespace dynmesh::server {
 namespace {
 
-// The shortest that reads back exactly.
+// The shortest text that reads back exactly.
 std::string NumberText(double value) {
   if (std::isnan(value)) return "NaN";
   if (std::isinf(value)) return value > 0 ? "+Inf" : "-Inf";
@@ -48,7 +48,7 @@ std::vector<std::uint64_t> Histogram::Cumulative() const {
 }
 
 std::vector<double> SecondsBounds(double most) {
-  // Written out, as a text shows them: products would be off by an ulp.
+  // Literals, as the text shows them: computed products would be off by an ulp.
   std::vector<double> bounds = {1e-5, 2.5e-5, 5e-5,  1e-4, 2.5e-4, 5e-4, 1e-3, 2.5e-3,
                                 5e-3, 0.01,   0.025, 0.05, 0.1,    0.25, 0.5,  1,
                                 2.5,  5,      10,    25,   50,     100,  250,  500,

@@ -1,10 +1,10 @@
-// Figures for Prometheus: counters, gauges and histograms, families of them that differ in their
+// Metrics for Prometheus: counters, gauges and histograms, families of them that differ in their
 // labels, and a registry that writes all as text (exposition format 0.0.4).
 //
-// Counting is a few relaxed atomic operations, without a lock and without memory: a family is
-// asked for its member once, and the member kept. Writing the text takes the families' locks, and
-// is O(its length). A text is of no single moment, but a histogram's count is always the sum of its
-// buckets. Members live as long as their registry. Thread-safe.
+// Counting is a few relaxed atomic operations, without a lock or an allocation: look a member up in
+// its family once and keep it. Writing the text locks the families and is O(its length). The text
+// is not one consistent moment, but a histogram's count is always the sum of its buckets. Members
+// live as long as their registry. Thread-safe.
 #ifndef DYNMESH_SERVER_METRICS_METRICS_H_
 #define DYNMESH_SERVER_METRICS_METRICS_H_
 
@@ -44,12 +44,12 @@ class Gauge {
 
 class Histogram {
  public:
-  // Upper bounds of the buckets, ascending; the last one, without a bound, is there by itself.
+  // Upper bounds of the buckets, ascending. A last bucket without a bound is added.
   explicit Histogram(std::vector<double> bounds);
   void Observe(double value);
 
   const std::vector<double>& bounds() const { return bounds_; }
-  // Observations no greater than each bound, then all.
+  // Number of observations <= each bound, then of all.
   std::vector<std::uint64_t> Cumulative() const;
   double sum() const { return sum_.load(std::memory_order_relaxed); }
 
@@ -59,21 +59,21 @@ class Histogram {
   std::atomic<double> sum_{0};
 };
 
-// 1e-5, 2.5e-5, 5e-5, 1e-4, ... seconds, to `most` or what is next below it.
+// 1e-5, 2.5e-5, 5e-5, 1e-4, ... seconds, up to the last that is <= `most`.
 std::vector<double> SecondsBounds(double most);
 
 using MetricLabels = std::vector<std::pair<absl::string_view, absl::string_view>>;
 
-// The text, family by family. Not thread-safe.
+// Writes the text family by family. Not thread-safe.
 class MetricsText {
  public:
-  // `type`: counter, gauge or histogram. Samples that follow are of this family.
+  // Begins a family; the samples that follow belong to it. `type`: counter, gauge or histogram.
   void Begin(absl::string_view name, absl::string_view type, absl::string_view help);
   void Sample(const MetricLabels& labels, double value);
-  // A family of one.
+  // A family with one sample.
   void Single(absl::string_view name, absl::string_view type, absl::string_view help, double value);
 
-  // With labels as LabelText gives them.
+  // `labels` as from LabelText.
   void Add(const std::string& labels, const Counter& counter);
   void Add(const std::string& labels, const Gauge& gauge);
   void Add(const std::string& labels, const Histogram& histogram);
@@ -90,7 +90,7 @@ class MetricsText {
   std::string text_;
 };
 
-// What a registry writes.
+// A source of text for a registry.
 class MetricSource {
  public:
   virtual ~MetricSource() = default;
@@ -107,8 +107,8 @@ class MetricFamily final : public MetricSource {
         help_(std::move(help)),
         make_(std::move(make)) {}
 
-  // The member with these labels, which is made if there is none. All members of a family have
-  // the same names of labels. A lock and a search: once, not each time.
+  // The member with these labels; made if absent. All members of a family have the same label
+  // names. Costs a lock and a search: call it once and keep the result.
   T& With(const MetricLabels& labels = {}) {
     const std::string key = MetricsText::LabelText(labels);
     const std::lock_guard lock(mutex_);
@@ -138,7 +138,7 @@ class MetricRegistry {
   MetricFamily<Gauge>& AddGauges(const std::string& name, const std::string& help);
   MetricFamily<Histogram>& AddHistograms(const std::string& name, const std::string& help,
                                          const std::vector<double>& bounds);
-  // Called for each text, for figures that are looked up then.
+  // `write` is called for each text, for figures computed then.
   void AddSource(std::function<void(MetricsText&)> write);
 
   std::string Text() const;

@@ -27,7 +27,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kThreads = 2;
-constexpr std::size_t kMaxWaiting = 16;  // connections that have no thread yet
+constexpr std::size_t kMaxWaiting = 16;  // connections not yet taken by a thread
 constexpr std::size_t kMaxRequestBytes = 16 << 10;
 constexpr std::chrono::seconds kMaxTime{5};  // of a connection
 constexpr std::chrono::milliseconds kStopCheck{50};
@@ -54,7 +54,7 @@ absl::StatusOr<Address> ParseAddress(absl::string_view listen) {
   return address;
 }
 
-// The library's pool takes any number of connections; this one makes the next wait unaccepted.
+// The library's pool takes any number of connections; this one leaves further ones unaccepted.
 class BoundedPool final : public httplib::TaskQueue {
  public:
   void enqueue(std::function<void()> task) override {
@@ -78,12 +78,12 @@ class BoundedPool final : public httplib::TaskQueue {
  private:
   std::mutex mutex_;
   std::condition_variable room_;
-  std::size_t waiting_ = 0;  // that no thread has taken
+  std::size_t waiting_ = 0;  // not yet taken by a thread
   WorkerPool pool_{kThreads};
 };
 
-// A connection that ends after some bytes, some time, or when the server stops. The library bounds
-// neither the length of a line nor the time in which one byte follows the other.
+// A connection that ends after a number of bytes, a time, or when the server stops. The library
+// bounds neither a line's length nor the time between two bytes.
 class BoundedStream final : public httplib::Stream {
  public:
   BoundedStream(int socket, const std::atomic<bool>& stopping)
@@ -197,7 +197,7 @@ absl::StatusOr<std::unique_ptr<MetricsHttp>> MetricsHttp::Listen(const std::stri
   auto impl = std::make_unique<Impl>(std::move(sources));
   httplib::Server& server = impl->server;
   server.new_task_queue = [] { return new BoundedPool; };
-  // Not the library's: two servers on one port would share its requests.
+  // Not the library's options: with those, two servers could share a port and its requests.
   server.set_socket_options([](socket_t socket) {
     const int yes = 1;
     setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
@@ -220,7 +220,7 @@ absl::StatusOr<std::unique_ptr<MetricsHttp>> MetricsHttp::Listen(const std::stri
   const bool bracket = absl::StrContains(wanted->host, ':');
   impl->address = absl::StrCat(bracket ? "[" : "", wanted->host, bracket ? "]" : "", ":", port);
   impl->thread = std::thread([&server] { server.listen_after_bind(); });
-  // Until then it could not be stopped.
+  // Before it runs, it cannot be stopped.
   while (!server.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return std::unique_ptr<MetricsHttp>(new MetricsHttp(std::move(impl)));
 }

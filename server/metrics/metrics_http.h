@@ -1,12 +1,11 @@
 // Metrics and health over HTTP: GET /metrics, /healthz, /readyz, and nothing else.
 //
 // /healthz is 200 as long as the process answers. /readyz is 200 from the end of recovery to the
-// drain: also while the journal fails, which its text says. Reads and watches go on then, and it is
-// the next edit that finds out whether the journal can be written again.
+// drain. It stays 200 while the journal fails, which its text says: reads and watches continue
+// then, and the next edit retries the journal.
 //
-// It cannot hurt the server: two threads, a few connections that wait for them, and of each
-// connection one request of a few kilobytes in a few seconds, whatever the other side does.
-// Requests with a body are answered without reading it. Thread-safe.
+// Its load is bounded: two threads, a few waiting connections, and per connection one request of a
+// few kilobytes in a few seconds. Request bodies are not read. Thread-safe.
 #ifndef DYNMESH_SERVER_METRICS_METRICS_HTTP_H_
 #define DYNMESH_SERVER_METRICS_METRICS_HTTP_H_
 
@@ -20,24 +19,23 @@ namespace dynmesh::server {
 
 class MetricsHttp {
  public:
-  // Called on its threads, also at the same time.
+  // Called on its threads, also concurrently.
   struct Sources {
     std::function<std::string()> metrics;
-    // Why the server should get no requests now; empty if it should.
+    // Why the server should get no requests now; empty if it is ready.
     std::function<std::string()> not_ready;
-    // What is amiss though it is ready, for people; empty if nothing is.
+    // Faults that do not make it unready, as text; empty if there are none.
     std::function<std::string()> amiss;
   };
 
-  // Listens when it returns. `listen`: HOST:PORT, of which HOST may be missing and is loopback
-  // then; port 0 takes a free one. INVALID_ARGUMENT for what is no address, UNAVAILABLE if it
-  // cannot be had.
+  // Returns when it listens. `listen`: HOST:PORT. Without HOST: loopback; port 0 picks a free one.
+  // INVALID_ARGUMENT for a malformed address, UNAVAILABLE if it cannot be bound.
   static absl::StatusOr<std::unique_ptr<MetricsHttp>> Listen(const std::string& listen,
                                                              Sources sources);
-  // What is under way is cut off.
+  // Cuts off running requests.
   ~MetricsHttp();
 
-  const std::string& address() const;  // host:port with the port chosen
+  const std::string& address() const;  // host:port with the chosen port
 
  private:
   struct Impl;

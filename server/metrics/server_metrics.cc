@@ -55,7 +55,7 @@ void EditMetrics::CountAnswer(const absl::Status& status, Kind kind) {
     case absl::StatusCode::kUnavailable:
       return failed_.Add();
     default:
-      return refused_.Add();  // what a client can do something about
+      return refused_.Add();  // an error that the client can fix
   }
 }
 
@@ -82,11 +82,12 @@ RecoveryMetrics::RecoveryMetrics(MetricRegistry& registry)
                              .AddCounters("dynmesh_recovery_entries_done_total",
                                           "Snapshots and batches of these that are meshes again.")
                              .With()),
-      damaged(registry
-                  .AddGauges("dynmesh_recovery_meshes_damaged",
-                             "Meshes that could not be made again from the journal, or lack what was "
-                             "acknowledged.")
-                  .With()),
+      damaged(
+          registry
+              .AddGauges("dynmesh_recovery_meshes_damaged",
+                         "Meshes that could not be made again from the journal, or lack what was "
+                         "acknowledged.")
+              .With()),
       seconds(registry.AddGauges("dynmesh_recovery_seconds", "What making the meshes again took.")
                   .With()) {}
 

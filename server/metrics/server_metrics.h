@@ -1,5 +1,5 @@
-// What a dynmeshd counts and measures, by name. The members are made with the server, so that each
-// is there from the first scrape on. Thread-safe.
+// The counters and histograms of a dynmeshd, by name. The members are made with the server, so that
+// each is present from the first scrape on. Thread-safe.
 #ifndef DYNMESH_SERVER_METRICS_SERVER_METRICS_H_
 #define DYNMESH_SERVER_METRICS_SERVER_METRICS_H_
 
@@ -20,7 +20,7 @@ inline double SecondsSince(MetricsClock::time_point start) {
   return std::chrono::duration<double>(MetricsClock::now() - start).count();
 }
 
-// What brought a batch: times of loads say nothing of edits.
+// The source of a batch: times of loads say nothing about edits.
 enum class EditSource { kEdit, kLoad, kRevert };
 
 // Batches of edits, of all meshes.
@@ -34,13 +34,13 @@ class EditMetrics {
     Histogram& validate;
     Histogram& propagate;
     Histogram& diff;
-    Histogram& journal;  // writing down a batch, or once a group of those that waited
+    Histogram& journal;  // writing a batch, or a group of waiting ones at once, to the journal
     Histogram& send;     // from an answer to its last byte handed to the transport
   };
   Stages& of(EditSource source) { return stages_[static_cast<std::size_t>(source)]; }
 
   enum class Kind { kApplied, kReplayed, kValidated };
-  // Once for each batch that was answered; `kind` counts if it went well.
+  // To be called once per answered batch; `kind` counts if it succeeded.
   void CountAnswer(const absl::Status& status, Kind kind);
   // Of a batch that made a revision.
   void ObserveWork(const WorkCounters& work, EditSource source);
@@ -59,18 +59,18 @@ class EditMetrics {
   Counter& operations_;
 };
 
-// Meshes made again from the journal.
+// Meshes recovered from the journal.
 struct RecoveryMetrics {
   explicit RecoveryMetrics(MetricRegistry& registry);
 
   Gauge& entries;       // snapshots and batches to be applied
-  Gauge& entries_done;  // the same as a gauge, as it was called first
+  Gauge& entries_done;  // the same as a gauge, under its first name
   Counter& entries_done_total;
-  Gauge& damaged;  // meshes that could not be made again
-  Gauge& seconds;  // that it took
+  Gauge& damaged;  // meshes that could not be recovered
+  Gauge& seconds;  // duration of the recovery
 };
 
-// All of a server's. What else a server tells it adds to the registry as sources.
+// All metrics of a server. Its other figures are added to the registry as sources.
 struct ServerMetrics {
   MetricRegistry registry;
   EditMetrics edits{registry};

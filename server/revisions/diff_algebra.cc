@@ -12,7 +12,7 @@
 namespace dynmesh::server {
 namespace {
 
-using SimplexKey = std::array<std::uint64_t, 5>;  // ids, unused ones 0, and region
+using SimplexKey = std::array<std::uint64_t, 5>;  // ids, unused ones 0, then the region
 
 SimplexKey KeyOfSimplex(const SimplexColumn& column, const RegionColumn& regions, std::size_t row,
                         std::size_t corners) {
@@ -37,14 +37,14 @@ void AddVertex(VertexColumns& to, const VertexColumns& from, std::size_t row,
   to.owners.push_back(from.owners[row]);
 }
 
-// Rows without content beside their key: what was removed and what was added, net.
+// The net change of rows that consist of a key only.
 template <typename Key>
 class NetRows {
  public:
   void Remove(const Key& key) {
     if (added_.erase(key) == 0) removed_.insert(key);
   }
-  // `is_other`: it is not what was removed under that key.
+  // `is_other`: the row differs from the one removed under that key.
   void Add(const Key& key, bool is_other = false) {
     if (is_other || removed_.erase(key) == 0) added_.insert(key);
   }
@@ -55,7 +55,7 @@ class NetRows {
   absl::flat_hash_set<Key> removed_, added_;
 };
 
-// Ids that stand there with several sets of polygons, as a client can bring about.
+// Region ids that `sets` gives with different polygons. Such edits are possible.
 absl::flat_hash_set<RegionId> IdsOfSeveral(const std::vector<RegionSet>& sets) {
   absl::flat_hash_map<RegionId, const std::vector<FeatureId>*> polygons;
   absl::flat_hash_set<RegionId> ids;
@@ -82,8 +82,8 @@ class NetPieces {
   NetRows<data::PieceKey<Columns>> rows_;
 };
 
-// Vertices carry content: a removal says only the id, so it can cancel an addition
-// but no addition can cancel a removal.
+// Vertices have content, and a removal has the id only. So a removal cancels an earlier addition,
+// but an addition does not cancel an earlier removal.
 class NetVertices {
  public:
   void Remove(VertexId id) {
@@ -153,7 +153,7 @@ absl::Status PatchSimplices(const Mesh& mesh, const MeshDiff& diff, Mesh& out) {
   out.regions.insert(out.regions.end(), diff.added_regions.begin(), diff.added_regions.end());
   out.regions.resize(out.simplex_count(), kNoRegion);
   data::DropIfIdle(out.regions);
-  out.region_sets = diff.region_sets;  // where ids agree, these count
+  out.region_sets = diff.region_sets;  // where ids agree, these take precedence
   data::AppendSets(out.region_sets, mesh.region_sets);
   data::KeepNamed(out.region_sets, {&out.regions});
   return absl::OkStatus();
@@ -204,7 +204,7 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
   out.hash = diffs.back()->hash;
   const auto corners = static_cast<std::size_t>(out.dimension) + 1;
   NetVertices vertices;
-  // Of sets with one id the last counts.
+  // For each id the last set counts.
   for (auto diff = diffs.rbegin(); diff != diffs.rend(); ++diff) {
     data::AppendSets(out.region_sets, (*diff)->region_sets);
   }
@@ -218,7 +218,7 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
     for (std::size_t i = 0; i < d.added_vertices.size(); ++i) {
       vertices.Add(d.added_vertices.ids[i], &d.added_vertices, i);
     }
-    // What goes and comes in one region is in another set, of the same id.
+    // A diff removes and adds a simplex in one region iff the region's set of polygons changed.
     absl::flat_hash_set<SimplexKey> gone;
     for (std::size_t i = 0; i < d.removed_simplex_count(); ++i) {
       const SimplexKey key = KeyOfSimplex(d.removed_simplices, d.removed_regions, i, corners);
@@ -247,8 +247,8 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
   }
   subsegments.Write(out.removed_subsegments, out.added_subsegments);
   subfacets.Write(out.removed_subfacets, out.added_subfacets);
-  // The order of hash sets differs between runs; what is sent must not. Drops regions that
-  // say nothing, too.
+  // Hash sets iterate in a different order in each run; the output must not depend on it. Also
+  // drops entries without information.
   Canonicalize(out);
   return out;
 }

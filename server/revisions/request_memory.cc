@@ -38,7 +38,7 @@ Fingerprint FingerprintOf(const EditBatch& batch) {
 
 Fingerprint FingerprintOfRevert(std::uint64_t revision) {
   Edit edit;
-  edit.action = static_cast<Edit::Action>(0);  // of no edit
+  edit.action = static_cast<Edit::Action>(0);  // no edit has this value
   edit.feature.id = revision;
   return FingerprintOf({edit});
 }

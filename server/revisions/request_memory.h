@@ -1,4 +1,4 @@
-// What became of the last batches that carried a request_id, so that a retry is
+// Idempotency cache: the outcomes of the last batches with a request_id, so that a retry is
 // answered and not applied again. Thread-compatible.
 #ifndef DYNMESH_SERVER_REVISIONS_REQUEST_MEMORY_H_
 #define DYNMESH_SERVER_REVISIONS_REQUEST_MEMORY_H_
@@ -15,14 +15,14 @@
 
 namespace dynmesh::server {
 
-// 128 bits that two different batches will not share by accident. Journals keep them: how they are
-// made never changes.
+// 128 bits; two different batches do not share them by chance. Journals store them, so the function
+// never changes.
 struct Fingerprint {
   std::uint64_t a = 0, b = 0;
   friend bool operator==(const Fingerprint&, const Fingerprint&) = default;
 };
 Fingerprint FingerprintOf(const EditBatch& batch);
-// Of going back to a revision, whatever edits that takes. No batch has it.
+// For a revert to `revision`, whatever edits it takes. No batch has it.
 Fingerprint FingerprintOfRevert(std::uint64_t revision);
 
 class RequestMemory {
@@ -37,9 +37,9 @@ class RequestMemory {
 
   explicit RequestMemory(std::size_t capacity) : capacity_(capacity) {}
 
-  // Null if the id is unknown or forgotten. Valid until the next Remember.
+  // Null if the id is unknown or evicted. Valid until the next Remember.
   const Entry* Find(absl::string_view request_id) const;
-  // The id must be unknown. Forgets the oldest if there are too many.
+  // `request_id` must be unknown. Evicts the oldest entry at the limit.
   void Remember(std::string request_id, const Entry& entry);
   std::size_t size() const { return order_.size(); }
 

@@ -1,5 +1,5 @@
-// Errors about revisions that a mesh does not have, or no longer: OUT_OF_RANGE with the mesh's
-// revision and, where it is known, the oldest one that is held as metadata. Pure, thread-safe.
+// Errors about revisions that a mesh does not have or no longer has: OUT_OF_RANGE with metadata:
+// the mesh's revision and, if known, the oldest one held. Pure, thread-safe.
 #ifndef DYNMESH_SERVER_REVISIONS_REVISION_ERROR_H_
 #define DYNMESH_SERVER_REVISIONS_REVISION_ERROR_H_
 
@@ -15,7 +15,7 @@ namespace dynmesh::server {
 
 absl::Status RevisionError(const char* reason, absl::string_view message, const Head& head,
                            std::optional<std::uint64_t> oldest);
-// FUTURE_REVISION and COMPACTED; `advice` ends the message.
+// FUTURE_REVISION and COMPACTED for the revision `asked`; `advice` ends the message.
 absl::Status FutureRevision(std::uint64_t asked, const Head& head,
                             std::optional<std::uint64_t> oldest, absl::string_view advice);
 absl::Status CompactedRevision(std::uint64_t asked, const Head& head, std::uint64_t oldest,

@@ -8,7 +8,7 @@
 namespace dynmesh::server {
 namespace {
 
-// A small mesh is not put together anew after every few edits.
+// A small mesh is not rebased after every few edits.
 constexpr std::size_t kLeastRebaseBytes = 1 << 20;
 
 }  // namespace
@@ -67,7 +67,7 @@ RevisionStore::MeshPtr RevisionStore::base() const {
 
 bool RevisionStore::wants_rebase() const {
   const std::lock_guard lock(mutex_);
-  // Many small diffs count as well: those since the base are exempt from the limit.
+  // Many small diffs count as well: Limits does not apply to the diffs since the base.
   const std::size_t since = head_.revision - base_->revision;
   return bytes_since_base_ > std::max(base_bytes_, kLeastRebaseBytes) ||
          since > limits_.revisions ||

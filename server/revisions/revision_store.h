@@ -1,5 +1,5 @@
-// The past and present of one mesh for its readers: a whole snapshot at some revision,
-// and the diffs since then and from a while before.
+// The history of one mesh for its readers: a whole snapshot at some revision, and diffs before and
+// after it.
 //
 //   oldest ........ base ............ head
 //          diffs kept     diffs since
@@ -7,13 +7,12 @@
 // Invariants:
 //   1. oldest() <= base()->revision <= head().revision;
 //   2. every diff from oldest to head is held, in order, without a gap;
-//   3. what is handed out never changes.
-// An edit costs the writer O(1) here. A reader that wants the present mesh puts base
-// and diffs together on its own thread, and the result is the next base. When the
-// diffs since the base outweigh it, or three of four of its simplices are gone, wants_rebase() asks
-// for such a reader: memory stays within some times the mesh, at amortised O(1) for each row of a
-// diff.
-// Thread-safe: one writer (Append), any readers.
+//   3. returned objects never change.
+// An edit costs the writer O(1) here. A reader that wants the present mesh applies the diffs to the
+// base on its own thread, and the result is the next base. wants_rebase() requests such a read when
+// the diffs since the base outweigh it, or three of four of its simplices are removed. So memory is
+// bounded by a multiple of the mesh, at amortised O(1) per row of a diff. Thread-safe: one writer
+// (Append), any number of readers.
 #ifndef DYNMESH_SERVER_REVISIONS_REVISION_STORE_H_
 #define DYNMESH_SERVER_REVISIONS_REVISION_STORE_H_
 
@@ -40,8 +39,7 @@ class RevisionStore {
   using DiffPtr = std::shared_ptr<const MeshDiff>;
   using MeshPtr = std::shared_ptr<const Mesh>;
 
-  // Diffs older than the base are dropped, the oldest first, while they are more than
-  // this. The newest diff is always kept.
+  // Bounds the diffs before the base: the oldest are dropped first. The newest diff is always kept.
   struct Limits {
     std::size_t revisions = 10'000;
     std::size_t bytes = 64 << 20;
@@ -49,8 +47,8 @@ class RevisionStore {
 
   RevisionStore(MeshPtr base, Limits limits);
 
-  // FAILED_PRECONDITION, and nothing happens, unless the diff leads from the head to
-  // the revision after it.
+  // FAILED_PRECONDITION, without an effect, unless the diff leads from the head to the next
+  // revision.
   absl::Status Append(DiffPtr diff);
 
   Head head() const;
@@ -58,22 +56,22 @@ class RevisionStore {
   MeshPtr base() const;
   bool wants_rebase() const;
 
-  // The mesh's hash at a revision from oldest to head.
+  // The mesh's hash at a revision in [oldest, head].
   std::optional<MeshHash> HashAt(std::uint64_t revision) const;
-  // The diff that leaves `revision`; null if it is not held.
+  // The diff from `revision` to the next; null if it is not held.
   DiffPtr DiffFrom(std::uint64_t revision) const;
-  // All diffs from `revision` to the head; empty at the head, nullopt if not all are held.
+  // All diffs from `revision` to the head: empty at the head, nullopt if not all are held.
   std::optional<std::vector<DiffPtr>> DiffsFrom(std::uint64_t revision) const;
 
-  // The mesh at the head. O(mesh) if edits came since the last call. Calls wait for
-  // each other but never for the writer.
+  // The mesh at the head. O(mesh) if edits came since the last call. Calls wait for each other but
+  // never for the writer.
   absl::StatusOr<MeshPtr> Latest();
 
  private:
   void TrimLocked();
 
   const Limits limits_;
-  std::mutex latest_mutex_;  // held while base and diffs are put together; taken first
+  std::mutex latest_mutex_;  // held while diffs are applied to the base; acquired first
   mutable std::mutex mutex_;
   MeshPtr base_;
   std::size_t base_bytes_;
@@ -81,7 +79,7 @@ class RevisionStore {
   MeshHash oldest_hash_;
   std::uint64_t oldest_;
   Head head_;
-  std::deque<DiffPtr> diffs_;  // diffs_[i] leaves revision oldest_ + i
+  std::deque<DiffPtr> diffs_;  // diffs_[i] leads from revision oldest_ + i
   std::size_t bytes_ = 0;      // of all diffs held
   std::size_t bytes_since_base_ = 0;
 };

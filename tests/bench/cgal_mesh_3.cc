@@ -2,9 +2,9 @@
 //
 //     dynmesh_cgal_mesh_3 INPUT.off EDGE STEM
 //
-// The largest closed surface bounds the solid, the others are walls inside of it. Edges sharper
-// than 10 degrees are kept. Edges, facets and tetrahedra are of the size EDGE; then the mesh is
-// perturbed and exuded. Writes STEM.node and STEM.ele.
+// The largest closed surface bounds the solid; the others are internal facets. Edges sharper than
+// 10 degrees are kept. Edges, facets and tetrahedra have the size EDGE; then the mesh is perturbed
+// and exuded. Writes STEM.node and STEM.ele.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>

@@ -1,4 +1,4 @@
-// Runs a program to its end and tells what it took: for peers that are programs of their own.
+// Runs a program to its end and measures it: for peers that are separate programs.
 #ifndef DYNMESH_TESTS_BENCH_CHILD_PROCESS_H_
 #define DYNMESH_TESTS_BENCH_CHILD_PROCESS_H_
 
@@ -14,8 +14,8 @@
 namespace dynmesh {
 
 // Processor time of the process, user's and system's, from its start to its end.
-// `arguments` begin with the program: a path, or a name to be looked for in PATH. What it prints
-// goes to the file `output`. Nothing if it cannot be run or fails.
+// `arguments` begin with the program: a path, or a name searched in PATH. Its output goes to the
+// file `output`. Nothing if it cannot be run or fails.
 inline std::optional<double> SecondsOfProcess(const std::vector<std::string>& arguments,
                                               const std::string& output) {
   std::vector<char*> argv;

@@ -5,8 +5,8 @@ of RESULTS.md.
     tests/bench/dihedral_table.py [--quick] [--bin build/release/bin] [--corpus FOLDER] [--out RESULTS.md]
 
 FOLDER has boxes125.off, cgal_pipe.off, cgal_P.off, cgal_cross.off and cgal_cube.off; without it only
-what is made here is meshed: points, a box, a box in a box. Methods whose programs are not there are
-left out. What is left below the bound is listed on standard error, and counted in the table.
+generated input is meshed: points, a box, a box in a box. Skips methods without an installed program.
+Tetrahedra below the bound are listed on standard error, and counted in the table.
 """
 from __future__ import annotations
 

@@ -1,15 +1,15 @@
-// What edits cost, as tables on standard output.
+// The cost of edits, as tables on standard output.
 //
 //   dynmesh_edit_tables edits   [FILE.poly ...]   kinds of single edits, by percentiles
 //   dynmesh_edit_tables batches [FILE.poly ...]   k nearby edits at once against one by one
 //   dynmesh_edit_tables rebuild [FILE.poly ...]   propagating a large batch against building
 //                                                 anew (LiveMeshTuning)
 //
-// On uniform points, and on each file: coastlines, where pieces are removed and put back,
-// points move with their segments, and small sizing discs come and go. Times are microseconds
-// of this thread's processor time in Apply: others that take its core do not count, only what
-// they do to the caches. Every edit is undone before the next is tried, so all see the same
-// mesh.
+// On uniform points, and on each file: coastlines, where subsegments are removed and put back,
+// points move with their segments, and small sizing discs are added and removed. Times are
+// microseconds of this thread's processor time in Apply: processes that take its core do not count,
+// except for their effect on the caches. Every edit is undone before the next one, so all start
+// from the same mesh.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -72,7 +72,7 @@ struct Input {
                &b = features[row_of.at(segment.ends[1])].position;
     return std::hypot(a[0] - b[0], a[1] - b[1]);
   }
-  // How far it is from a point to others, about.
+  // About the distance from the point to others.
   double ScaleAt(const Feature& point) const {
     double scale = spacing();
     const auto at = segments_at.find(point.id);
@@ -119,7 +119,7 @@ std::unique_ptr<LiveMesh<2>> Make(const Input& input, double rho, const LiveMesh
   return nullptr;
 }
 
-// --- Edits and what undoes them -----------------------------------------------------------
+// --- Edits and their inverses -------------------------------------------------------------
 
 struct Change {
   EditBatch edits, inverse;  // edits[i] is undone by inverse[n-1-i]
@@ -149,7 +149,8 @@ Change MakeChange(const Input& input, Kind kind, int k, Random& random) {
     change.edits.push_back(std::move(edit));
     change.inverse.insert(change.inverse.begin(), std::move(inverse));
   };
-  // Rows near the centre's are near it in space: points along a coast. Others are sought.
+  // Rows near the centre's row are usually near it in position: points along a coast. Others are
+  // searched.
   std::vector<std::size_t> near;
   if (kind == Kind::kMovePoint || kind == Kind::kRemoveSegment) {
     const auto& rows = kind == Kind::kMovePoint ? input.points : input.segments;
@@ -197,7 +198,7 @@ struct Cost {
   }
 };
 
-// False if it is refused; then nothing has happened.
+// False if it is refused; then nothing has changed.
 bool Do(LiveMesh<2>& mesh, const EditBatch& batch, Cost* cost) {
   const double start = ThreadSeconds();
   const auto diff = mesh.Apply(batch, ApplyOptions{});
@@ -205,12 +206,12 @@ bool Do(LiveMesh<2>& mesh, const EditBatch& batch, Cost* cost) {
   return diff.ok();
 }
 
-// All at once, and back.
+// All at once, then undone.
 bool AtOnce(LiveMesh<2>& mesh, const Change& change, Cost* there, Cost* back) {
   return Do(mesh, change.edits, there) && Do(mesh, change.inverse, back);
 }
 
-// One by one, and back; what a refusal leaves half done is undone.
+// One by one, then undone; also after a refusal in the middle.
 bool OneByOne(LiveMesh<2>& mesh, const Change& change, Cost* there, Cost* back) {
   std::size_t done = 0;
   while (done < change.edits.size() && Do(mesh, {change.edits[done]}, there)) ++done;
@@ -280,7 +281,7 @@ void PrintBatches(const Input& input, double rho) {
         const Change change = MakeChange(input, kind, k, random);
         if (change.edits.empty()) break;
         Cost once, single;
-        // Which comes first takes turns: the second finds warm caches.
+        // The order alternates, since the second one finds warm caches.
         const bool ok =
             i % 2 == 0
                 ? AtOnce(*mesh, change, &once, &once) && OneByOne(*mesh, change, &single, &single)
@@ -307,7 +308,7 @@ LiveMeshTuning Always(bool rebuild) {
   return tuning;
 }
 
-// A part of the points and what hangs on them: each k-th, or the leftmost.
+// A part of the points and the features that depend on them: each k-th, or the leftmost.
 std::vector<std::size_t> Chosen(const Input& input, double part, bool in_one_place) {
   std::vector<std::size_t> rows = input.points;
   Random random(3);
@@ -386,7 +387,7 @@ void PrintRebuild(const Input& input, double rho) {
       }
     }
   }
-  // One feature that is worth many vertices.
+  // One feature that creates many vertices.
   for (const double fraction : {0.3, 1.0, 3.0, 10.0}) {
     const double area = input.width() * input.width() * 0.25;  // of a disc of this size below
     const double target = std::sqrt(area / (fraction * static_cast<double>(n)));

@@ -33,7 +33,7 @@ struct Key {
     return false;
   }
 };
-// Keys stand among what else an operation remembers.
+// Keys are stored among an operation's other data.
 template <int kDimension>
 struct Operation {
   Key<kDimension> key;
@@ -42,7 +42,7 @@ struct Operation {
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-// Pairs of elements anywhere: ids have no locality, hash order sees to that.
+// Pairs of random elements: ids have no locality, because of the hash order.
 Pairs RandomPairs(std::size_t elements) {
   std::mt19937_64 random(1);
   Pairs pairs(1 << 16);
@@ -53,7 +53,7 @@ Pairs RandomPairs(std::size_t elements) {
   return pairs;
 }
 
-// A list of `n` elements whose stamps are not in their order, as after many edits.
+// A list of `n` elements with stamps out of order, as after many edits.
 OrderList ShuffledList(std::size_t n) {
   OrderList list;
   std::mt19937_64 random(2);
@@ -76,7 +76,7 @@ void BM_PrecedesByStamp(benchmark::State& state) {
 }
 BENCHMARK(BM_PrecedesByStamp)->Arg(kFew)->Arg(kMany);
 
-// Epochs as a mesher has them: the greater part in a few, a tail of small ones.
+// Epochs as in a mesher: most elements in a few epochs, and a tail of small ones.
 template <class Record, class KeyOf>
 void FillKeys(std::vector<Record>& records, KeyOf key_of) {
   std::mt19937_64 random(3);
@@ -141,7 +141,7 @@ void BM_InsertAtRandom(benchmark::State& state) {
 }
 BENCHMARK(BM_InsertAtRandom)->Arg(kFew)->Arg(kMany)->Unit(benchmark::kMillisecond);
 
-// The worst place there is: each at the same spot, in a list that was appended.
+// The worst case: each at the same position, in a list made by appending.
 void BM_InsertAtOneSpot(benchmark::State& state) {
   for (auto _ : state) {
     state.PauseTiming();
@@ -160,7 +160,7 @@ void BM_InsertAtOneSpot(benchmark::State& state) {
 }
 BENCHMARK(BM_InsertAtOneSpot)->Arg(kFew)->Arg(kMany)->Unit(benchmark::kMillisecond);
 
-// What edits do all day: a few elements go, a few come, anywhere.
+// The usual work of edits: a few elements are erased, a few inserted, anywhere.
 void BM_EraseAndInsert(benchmark::State& state) {
   OrderList list = ShuffledList(state.range(0));
   const Pairs pairs = RandomPairs(state.range(0));

@@ -109,7 +109,7 @@ def program_mesher(program: str) -> Mesher:
                 subprocess.run([program, switches, source], check=True, stdout=subprocess.DEVNULL)
                 return _read(pathlib.Path(f"{stem}.{part + 1}"))
 
-            # Of a triangle, or tetrahedron, whose edges are as long as the target.
+            # Of a triangle, or tetrahedron, with edges of the target length.
             share = math.sqrt(3) / 4 if scene.dimension == 2 else 1 / (6 * math.sqrt(2))
             quality = "q" if scene.dimension == 2 else "q2"
             bound = share * scene.edge ** scene.dimension

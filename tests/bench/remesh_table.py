@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""One step of a moving feature: dynmesh and its transfer, and the usual way, which meshes anew and
-interpolates. Writes RESULTS.md.
+"""One step of a moving feature: dynmesh with its transfer, and the usual way, which remeshes from
+scratch and interpolates. Writes RESULTS.md.
 
     tests/bench/remesh_table.py [--quick] [--steps 10] [--triangle PROGRAM] [--out RESULTS.md]
 
 Features: a disc (in 3D a ball) in which the mesh is finer; a point that is to be a vertex.
 Usual ways: dynmesh from scratch, and Gmsh, TetGen and Triangle where they are installed. Values are
-taken from the linear interpolant of the old vertices (scipy). A way whose step would take longer
-than a minute and a half is left out, and the table says so. A complete run takes half an hour.
+taken from the linear interpolant of the old vertices (scipy). A way is skipped if a step would take
+longer than a minute and a half, and the table says so. A complete run takes half an hour.
 """
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-// Meshes of space as a table on standard output: size, vertices per second without a trace and
-// with one, memory, and what edits of one point cost.
+// 3D meshes as a table on standard output: size, vertices per second without a trace and with one,
+// memory, and the cost of edits of one point.
 //
 //   dynmesh_space_tables [KIND-POINTS | FILE.node ...]
 //
@@ -74,7 +74,7 @@ struct Edits {
 void Apply(DynamicMesh& mesh, const Edit& edit, Edits* edits) {
   const double start = ThreadSeconds();
   const auto diff = mesh.Apply({edit});
-  if (!diff.ok()) return;  // too close to another
+  if (!diff.ok()) return;  // too close to another point
   edits->times.push_back(1e6 * (ThreadSeconds() - start));
   edits->executed += static_cast<double>(diff->work.executed);
   edits->changed +=
@@ -97,7 +97,7 @@ Edits EditsOf(DynamicMesh& mesh, const std::vector<Feature>& points) {
 void PrintRow(const std::string& name, const std::vector<Feature>& points) {
   const MeshOptions options = OptionsFor(points);
   const EditBatch batch = AddAll(points);
-  // In turn, as often as some seconds allow: the machine's speed is not the same all the time.
+  // In turn, for some seconds, since the machine's speed varies.
   std::vector<double> untraced_times, traced_times, ratios;
   absl::StatusOr<Mesh> built;
   std::unique_ptr<DynamicMesh> mesh;

@@ -1,5 +1,5 @@
-// Processor time of this thread: others that take its core do not count, only what they do to
-// the caches.
+// Processor time of this thread. Other processes on its core do not count, except for their effect
+// on the caches.
 #ifndef DYNMESH_TESTS_BENCH_THREAD_CLOCK_H_
 #define DYNMESH_TESTS_BENCH_THREAD_CLOCK_H_
 

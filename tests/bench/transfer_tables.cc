@@ -1,4 +1,5 @@
-// What carrying fields across an edit costs, beside the edit: medians over random moves of points.
+// The cost of transferring fields across an edit, beside the edit: medians over random moves of
+// points.
 //
 //   dynmesh_transfer_tables [DIMENSION [POINTS [EDITS]]]
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The replica: follows diffs, and notices every way in which a stream can lie.
+// The replica: follows diffs, and detects every kind of invalid stream.
 #include "dynmesh/client/mesh_replica.h"
 
 #include <gtest/gtest.h>
@@ -93,7 +93,7 @@ TEST_F(MeshReplicaTest, FollowsSnapshotAndDiffsInFragments) {
   EXPECT_EQ(copy.subfacets, original.subfacets);
 }
 
-// Snapshot and diffs of meshes of space, in fragments, subfacets included.
+// Snapshot and diffs of 3D meshes, in fragments, subfacets included.
 TEST_F(MeshReplicaTest, FollowsAMeshOfSpace) {
   auto random = testing::MakeRandom();
   Mesh mesh = testing::MakeUpLabelledMesh(random, 40, 3, 3);
@@ -122,9 +122,8 @@ TEST_F(MeshReplicaTest, SaysWhatAnEventDid) {
   EXPECT_EQ(std::get<MeshDiff>(*change).to_revision, diffs_[0].to_revision);
 }
 
-// Every broken stream of a table: after start and the first diff come its events, one
-// of which must be refused; the replica keeps the last good mesh and takes nothing
-// more until a snapshot.
+// Every invalid stream of a table: after start and the first diff come its events, one of which
+// must be refused. The replica keeps the last good mesh and accepts nothing more until a snapshot.
 TEST_F(MeshReplicaTest, NoticesEveryLieAndRecoversBySnapshotOnly) {
   struct Lie {
     const char* name;
@@ -212,7 +211,7 @@ TEST_F(MeshReplicaTest, NoticesEveryLieAndRecoversBySnapshotOnly) {
     EXPECT_EQ(replica_.state(), MeshReplica::State::kBroken);
     EXPECT_EQ(replica_.revision(), diffs_[0].to_revision);
     EXPECT_EQ(ComputeHash(replica_.ToMesh()), diffs_[0].hash);
-    // Not even the right diff is trusted now.
+    // Even the right diff is refused now.
     EXPECT_FALSE(Feed(whole(1)).ok());
     ASSERT_TRUE(Feed(SnapshotEvents(fake_.Snapshot())).ok());
     EXPECT_EQ(replica_.state(), MeshReplica::State::kLive);

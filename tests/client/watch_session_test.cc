@@ -1,5 +1,5 @@
-// The watch session against a server that follows a script: what it asks for after a
-// lie, a broken connection, a refusal.
+// The watch session against a server that follows a script: its requests after invalid data, a
+// broken connection, a refusal.
 #include "dynmesh/client/watch_session.h"
 
 #include <grpcpp/grpcpp.h>
@@ -203,7 +203,7 @@ TEST_F(WatchSessionTest, TellsItsListenerEverythingInOrder) {
     progress.mutable_progress()->set_revision(1);
     progress.mutable_progress()->set_hash(diffs_[0].hash.ToHex());
     writer.Write(progress);
-    Send(writer, diffs_[0]);  // again: a lie
+    Send(writer, diffs_[0]);  // again: invalid
     return Down();
   }});
   Recorder recorder;
@@ -240,7 +240,7 @@ TEST_F(WatchSessionTest, StopsInEveryState) {
     ASSERT_TRUE(open->WaitFor([](const MeshReplica& r) { return r.has_mesh(); }, kLong));
     open->Stop();
     EXPECT_EQ(open->ended()->code(), absl::StatusCode::kCancelled);
-    open->Stop();  // again is harmless
+    open->Stop();  // a second Stop has no effect
   }
   struct Waiter : WatchListener {
     void OnTrouble(const absl::Status&) override { trouble.Put(0); }
@@ -250,7 +250,7 @@ TEST_F(WatchSessionTest, StopsInEveryState) {
   waiter.trouble.Take();
   pausing->Stop();
   EXPECT_EQ(pausing->ended()->code(), absl::StatusCode::kCancelled);
-  // Destroyed at once, whatever it is doing.
+  // Destroyed at once, in any state.
   for (int i = 0; i < 20; ++i) client->Watch("m", options_, nullptr);
 }
 

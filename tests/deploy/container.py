@@ -1,8 +1,8 @@
 """Processes in a root folder of their own, as a container engine runs them, without the engine.
 
-Each has its own mount and process namespaces, in which it is process 1, and the network of who
-starts it. What it mounts, /proc among it, is seen by nobody else and gone when it ends; it ends
-when the program that started it does. It needs root and what `missing` asks for.
+Each has its own mount and process namespaces, in which it is process 1, and the network of the
+starting program. Its mounts, including /proc, are private and are removed when it ends; it ends
+together with the program that started it. Needs root and the features checked by `missing`.
 """
 
 import contextlib
@@ -22,7 +22,7 @@ import sys
 import tempfile
 import time
 
-# What an engine sets, and no more.
+# Exactly the variables that an engine sets.
 PATH = "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"
 _TOOLS = ("unshare", "nsenter", "setpriv", "mount", "debootstrap", "tar", "git")
 
@@ -40,7 +40,7 @@ def missing(where):
         return f"not installed: {', '.join(absent)}"
     where.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=where) as folder:
-        # All that is asked of the kernel, in small.
+        # A small test of all kernel features in use.
         asked = (
             'mount --bind "$1" "$1" && mount -o remount,bind,ro "$1" &&'
             ' ! touch "$1/a" 2>/dev/null && mount -t proc proc /proc && [ $$ = 1 ]'
@@ -58,7 +58,7 @@ def missing(where):
     return None
 
 
-# The first dies with who started it, and what it started with it.
+# The first process dies with its parent, and its children with it.
 _NAMESPACES = (
     *("setpriv", "--pdeathsig", "KILL"),
     *("unshare", "--mount", "--propagation", "private", "--pid", "--fork", "--kill-child"),
@@ -78,7 +78,7 @@ class Container:
     environment: dict = dataclasses.field(default_factory=dict)
 
     def start(self, command, **popen):
-        """Process 1 of a new container; `pid_of` knows its number here."""
+        """Process 1 of a new container; `pid_of` returns its number here."""
         uid, gid, groups, home = identity(self.root, self.user)
         with tempfile.NamedTemporaryFile("r", suffix=".pid", delete=False) as file:
             pid_file = file.name
@@ -141,8 +141,8 @@ def _finish(process, timeout):
 
 
 def take_own_network():
-    """From here on this program, and what it starts, has a network of its own: a loopback that
-    nobody else reaches, on which every port is free."""
+    """Gives this program and its children a network of their own from here on: a private loopback
+    with all ports free."""
     if ctypes.CDLL(None).unshare(0x40000000) != 0:  # CLONE_NEWNET
         raise OSError("no network of its own")
     with socket.socket() as any_socket:
@@ -162,7 +162,7 @@ def pid_of(process, timeout=20):
 
 @contextlib.contextmanager
 def finally_ended(process):
-    """Whatever happens, the container is gone afterwards."""
+    """Removes the container in any case."""
     try:
         yield process
     finally:
@@ -212,7 +212,7 @@ def _enter(what):
     if uid != 0 and ctypes.CDLL(None).prctl(38, 1, 0, 0, 0) != 0:  # PR_SET_NO_NEW_PRIVS
         raise OSError("no_new_privs")
     os.umask(0o022)
-    # Now it may be found: who enters beside it finds its root and its mounts.
+    # From now on `exec` may enter: root and mounts are ready.
     pid_file.write(pid + "\n")
     pid_file.close()
     os.execvpe(what["command"][0], what["command"], what["environment"])

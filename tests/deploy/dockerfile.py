@@ -1,5 +1,5 @@
-"""Reads a Dockerfile and a .dockerignore, strictly: what is not known here is an error that names
-the line, never skipped, so that who builds from what was read builds the whole image.
+"""Reads a Dockerfile and a .dockerignore, strictly: an unknown instruction is an error that names
+the line, never skipped, so that a build from the result builds the whole image.
 
 Known: FROM AS, WORKDIR, COPY (--from), RUN, USER, VOLUME, EXPOSE, ENTRYPOINT, CMD, HEALTHCHECK, in
 shell and JSON form; comments, lines that are continued. Refused: every other instruction and flag,
@@ -114,7 +114,7 @@ def _take(stages, name, value):
 
 
 def _plain_words(value):
-    """Words in which Docker replaces and expands nothing."""
+    """Words without substitution or expansion by Docker."""
     words = value.split()
     for word in words:
         if re.search(r"[$*?\[\]\"'\\]|<<", word):
@@ -169,8 +169,8 @@ def _work_dir(value, _):
 
 
 def _command(value):
-    """JSON form or, through a shell, the shell form. JSON that is none is an error here; Docker
-    would give it to the shell."""
+    """JSON form or, through a shell, the shell form. Invalid JSON is an error here; Docker would
+    give it to the shell."""
     if not value.startswith("["):
         return ("/bin/sh", "-c", value)
     try:
@@ -237,7 +237,7 @@ _READERS = {
 
 
 def read_ignore(text):
-    """A function that tells whether a path of the sources is left out, by a .dockerignore."""
+    """A function that returns whether a .dockerignore excludes a path of the sources."""
     rules = []
     for line in text.splitlines():
         line = line.strip()
@@ -245,7 +245,7 @@ def read_ignore(text):
             continue
         negated = line.startswith("!")
         pattern = line.removeprefix("!").strip().strip("/")
-        # Whatever lies in a folder that matches, matches.
+        # Everything in a matching folder matches.
         rules.append((re.compile(_ignore_pattern(pattern) + r"(/.*)?"), negated))
 
     def ignored(path):

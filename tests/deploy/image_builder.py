@@ -139,7 +139,7 @@ class Builder:
 
     def _of_sources(self, source):
         """The files that `source`, a file or a folder, stands for."""
-        # Whoever owns them: this runs as root.
+        # Regardless of the owner: this runs as root.
         command = ["git", "-c", "safe.directory=*", "-C", self._source, "ls-files", "-z"]
         known = subprocess.run(command, capture_output=True, text=True, check=True).stdout
         ignored = dockerfile.read_ignore((self._source / ".dockerignore").read_text())

@@ -12,7 +12,7 @@ replaced: the network is one of the test's own, in which every port is free. The
 has to succeed, clients of the same image load and watch a mesh, and a second run has to find it in
 the volume.
 
-Exit codes: 0 good, 1 not, 77 not run, because it cannot be here.
+Exit codes: 0 passed, 1 failed, 77 not run, because this system lacks something.
 """
 
 import argparse
@@ -124,7 +124,7 @@ def running(image, log):
 
 
 def healthy(image, server, process):
-    """What the health check, beside the process, says."""
+    """The result of the health check beside the process."""
     health = image.stage.health
     return server.run_beside(process, health.command, health.timeout)[0] == 0
 
@@ -135,7 +135,7 @@ def read(log):
 
 
 def check_rights(image, process):
-    """Who the process is, what it may write, and where it listens."""
+    """The process's user, write access, and listening address."""
     folder = pathlib.Path(f"/proc/{container.pid_of(process)}")
     lines = (folder / "status").read_text().splitlines()
     status = dict(line.split(":\t", 1) for line in lines if ":\t" in line)
@@ -175,7 +175,7 @@ class Client:
         return output
 
     def wait_for_server(self):
-        """Healthy is who lives, even while it still recovers meshes."""
+        """A live process is healthy, even during recovery."""
         deadline = time.monotonic() + CLIENT
         while self.container.run(("dynmesh", "stats"), CLIENT)[0] != 0:
             expect(time.monotonic() < deadline, "the server is healthy, and answers nobody")
@@ -187,7 +187,7 @@ class Client:
         )
 
     def state(self):
-        """What has to outlive the server."""
+        """The data that must outlive the server."""
         known = json.loads(self("stats", "coast", "--json"))
         return {key: known[key] for key in ("hash", "revision", "features", "vertices")}
 
@@ -226,7 +226,7 @@ def end(process, log):
 
 
 def check_health_is_told(image, process):
-    """The health check of a server that does not go on fails, and then succeeds again."""
+    """The health check of a stopped process fails, and succeeds again when it continues."""
     pid = container.pid_of(process)
     os.kill(pid, signal.SIGSTOP)
     stopped = healthy(image, image.server(), process)

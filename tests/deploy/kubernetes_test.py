@@ -130,7 +130,7 @@ class Kubernetes(unittest.TestCase):
 
     def test_probes_have_patience(self):
         start, alive = self.container["startupProbe"], self.container["livenessProbe"]
-        # Recovery of the largest mesh there may be; nobody kills it half-way.
+        # Long enough to recover the largest possible mesh without being killed.
         self.assertGreaterEqual(start["periodSeconds"] * start["failureThreshold"], 1800)
         self.assertGreaterEqual(alive["periodSeconds"] * alive.get("failureThreshold", 3), 30)
         self.assertGreaterEqual(alive["timeoutSeconds"], 5)

@@ -17,7 +17,7 @@ from deployed_files import DAEMON, DEPLOY
 
 NOT_RUN = 77
 # What it may find missing. The service listens, logs through a socket, and has the system's files;
-# who may connect is a matter of the place, not of the unit.
+# access to the port depends on the site, not on the unit.
 LEFT_OPEN = {
     *("RootDirectory=/RootImage=", "PrivateMounts=", "PrivateNetwork=", "IPAddressDeny="),
     *("RestrictAddressFamilies=~AF_UNIX", "RestrictAddressFamilies=~AF_(INET|INET6)"),

@@ -1,5 +1,4 @@
-// A propagation that is stopped, at whatever operation, leaves the former trace and
-// mesh, bit for bit.
+// A propagation that is stopped, at any operation, restores the former trace and mesh, bit for bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +19,7 @@ int StopAgainAndAgain(LiveMesh<D>& mesh, const EditBatch& batch) {
   const MeshHash trace = mesh.Audit().trace;
   const std::uint64_t at = mesh.revision();
   int tried = 0;
-  // In space an operation is dear: not at each of them.
+  // In 3D an operation is expensive: not at each of them.
   for (int stop = 0;; stop += D == 2 ? 1 : 1 + stop / 3) {
     int asked = 0;
     const auto diff = mesh.Apply(batch, [&] { return asked++ == stop; });
@@ -203,8 +202,8 @@ TEST_P(PolygonLimit, OfOnesThatAreAlikeRefusesTheBatchAndChangesNothing) {
   ExpectLikeScratch();
 }
 
-// Two lots of polygons, each below the limit, that a move puts over each other: it changes
-// labels of triangles that it leaves alone.
+// Two sets of polygons, each below the limit, that a move puts over each other. This changes labels
+// of triangles that it does not rebuild.
 TEST_P(PolygonLimit, OfOnesThatMoveOverEachOtherRefusesTheBatchAndChangesNothing) {
   std::vector<Feature> all = Square(1, 0.25, 0.5, 0.0625);
   const std::vector<Feature> other = Square(11, 0.75, 0.5, 0.03125);

@@ -1,5 +1,5 @@
-// What fields hold in all stays, whatever happens to the mesh: every kind of transfer, over the
-// scenes of locality_scenes.h, the edits of deploy/data, large batches, and a mesh that loses all.
+// Every kind of transfer conserves the fields' sums, over the scenes of locality_scenes.h, the
+// edits of deploy/data, large batches, and a mesh that loses all features.
 //
 // DYNMESH_NIGHTLY=1 runs 10,000 edits where the default runs 200.
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ class Fields {
     last_ = first_;
   }
 
-  // Applies the batch; each field is to hold what it held. False if the mesh refuses it.
+  // Applies the batch; each field must keep its sum. False if the mesh refuses it.
   bool Edit(const EditBatch& batch, const std::string& what) {
     if (!lab_.Edit(batch)) return false;
     Check(what);

@@ -1,6 +1,6 @@
-// Ids and coordinates that a client chose for the hashes' sake: after every edit, in any order, the
-// mesh is what its features make from scratch and a replica has it, or the edit is refused, and
-// then from scratch as well, with the same words.
+// Ids and coordinates chosen by a client for their hashes. After every edit, in any order, the mesh
+// equals one from scratch and a replica has it; or the edit is refused, and then also from scratch,
+// with the same message.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ absl::Status StatusFromScratch(const std::vector<Feature>& features, const MeshO
   return fresh.Apply(AddAll(features), ApplyOptions{}).status();
 }
 
-// A mesh that some groups of features come to and go from, each as a whole.
+// A mesh with some groups of features, each added or removed as a whole.
 template <int D>
 class Toggled {
  public:
@@ -183,8 +183,7 @@ TEST(CraftedIds, ASetMayFollowAnotherWithItsId) {
   }
 }
 
-// Walls have owners, too, and three sets may agree. Ids that stand for something else count as
-// taken.
+// Walls have owners, too, and three sets may agree. Ids used for something else count as taken.
 TEST(CraftedIds, SetsAtAnEdgeAndReservedIdsAreRefused) {
   const RegionId id = RegionIdOf(std::vector<FeatureId>{1, 2});
   const auto& other = Other();
@@ -221,7 +220,7 @@ TEST(CraftedIds, TwoSetsOfSurfacesWithOneIdAreRefused) {
     for (std::size_t f = 0; f < solid.faces.size(); ++f) {
       Rings rings = solid.faces[f][0];
       for (FeatureId& corner : rings[0]) corner += first;
-      // The others' ids are greater and of no interest.
+      // The others' ids are greater and do not matter.
       features.push_back(Feature::Polygon(f == 0 ? least : kLastPolygonId - first - f, rings));
     }
     return features;

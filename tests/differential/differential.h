@@ -42,7 +42,7 @@ inline std::unique_ptr<DynamicMesh> NewMesh(const MeshOptions& options) {
   });
 }
 
-// The options that most will want in D dimensions.
+// The usual options in D dimensions.
 template <int D>
 MeshOptions DefaultsIn() {
   MeshOptions options;
@@ -51,8 +51,8 @@ MeshOptions DefaultsIn() {
   return options;
 }
 
-// Is `mesh` what its features make from scratch? `local` picks the provider of
-// neighbourhoods of the fresh run; the static path's mesh is compared as well if asked for.
+// True if `mesh` equals one from scratch. `local` selects the provider of neighbourhoods of the
+// fresh run; optionally the static path's mesh is compared as well.
 template <int D>
 Difference CompareWithScratchIn(const DynamicMesh& mesh, bool local, bool with_static) {
   LiveMeshTuning tuning;
@@ -94,7 +94,7 @@ class Replica {
  public:
   explicit Replica(const DynamicMesh& mesh) : store_(*SlotMesh::FromMesh(mesh.Snapshot())) {}
 
-  // Is it the same, row by row, after `diff` as `mesh`?
+  // True if it equals `mesh`, row by row, after `diff`.
   Difference Follow(const MeshDiff& diff, const DynamicMesh& mesh) {
     if (const absl::Status s = store_.Apply(diff); !s.ok()) return {true, s.ToString()};
     Mesh ours = store_.ToMesh(), theirs = mesh.Snapshot();
@@ -120,8 +120,8 @@ struct RunReport {
 };
 
 // How a script is run: `revisions` applied batches, compared after each `every`, with the static
-// path after each `every_static`, and after each `every_judged` and the last looked at by `judge`,
-// which says what is wrong.
+// path after each `every_static`; after each `every_judged` and the last one `judge` checks the
+// mesh and returns its faults.
 struct RunPlan {
   int revisions = 1;
   int every = 1, every_static = 1, every_judged = 50;
@@ -154,8 +154,8 @@ RunReport RunScriptOf(Generator generator, const MeshOptions& options, const Run
     if (batch.empty()) continue;
     const MeshHash before = mesh.hash();
     report.script.push_back(batch);
-    // A propagation that goes on for ever is a difference as well (the mesh is given up
-    // as it is, so the exception may pass through it).
+    // A propagation that does not end is a difference as well (the mesh is abandoned as it is, so
+    // the exception may pass through it).
     struct NeverEnds {};
     int operations = 0;
     absl::StatusOr<MeshDiff> diff;
@@ -204,7 +204,7 @@ inline RunReport RunScript(Distribution d, int n, double quality, std::uint64_t 
   return RunScript(d, n, options, seed, revisions, every, most_operations);
 }
 
-// Does the script, batch by batch, lead to a difference at its end or before?
+// True if the script leads to a difference at its end or before.
 inline Difference Replay(const std::vector<EditBatch>& script, const MeshOptions& options,
                          const RunPlan& plan = {}) {
   const auto mesh = NewMesh(options);

@@ -90,7 +90,7 @@ void ExpectSameCounts(const MeshDiff& a, const MeshDiff& b) {
   EXPECT_EQ(a.removed_simplices.size(), b.removed_simplices.size());
 }
 
-// What is large is rebuilt, what is small propagated: nobody can tell.
+// Large batches rebuild, small ones propagate: the results are the same.
 template <int D>
 void ExpectRebuiltIsPropagated(Distribution d) {
   const EditBatch all = AddAll(MakeFeatures(d, 200, 5));
@@ -116,7 +116,7 @@ LiveMeshTuning AlwaysLook() {
   return looking;
 }
 
-// Looked at, found large and built anew: the same diffs.
+// Probed, found large and rebuilt: the same diffs.
 template <int D, class Generator>
 void ExpectLookedAtIsPropagated(const std::string& name, Generator generator, int batches) {
   SCOPED_TRACE(name);
@@ -151,7 +151,7 @@ TEST(Rebuild, AfterALookIsPropagation) {
   }
 }
 
-// Too many vertices: found out while building anew, and undone.
+// Too many vertices: detected during the rebuild, and undone.
 template <int D>
 void ExpectUndone() {
   MeshOptions options = DefaultsIn<D>();
@@ -172,7 +172,7 @@ TEST(Rebuild, OverALimitIsUndone) {
   ExpectUndone<3>();
 }
 
-// What one sizing feature carries decides, not that it is one.
+// The effect of a sizing feature decides, not its presence.
 TEST(Rebuild, IsPlannedByWhatABatchIsWorth) {
   const Box box;
   plc::Delta<2> one, many;
@@ -190,7 +190,7 @@ TEST(Rebuild, IsPlannedByWhatABatchIsWorth) {
   EXPECT_EQ(PlanFor(many, 1000, 2000, box, {}), Plan::kLook);
   EXPECT_EQ(PlanFor(many, 10'000, 20'000, box, {}), Plan::kPropagate);
   EXPECT_EQ(PlanFor(plc::Delta<2>{}, 0, 24, box, {}), Plan::kPropagate);
-  // In space by volume: a ball of 0.3 holds 113 cells of 0.1, 113,000 of 0.01.
+  // In 3D by volume: a ball of 0.3 has 113 cells of 0.1, 113,000 of 0.01.
   plc::Delta<3> ball;
   ball.added_sizes.resize(1);
   ball.added_sizes[0].sizing = {SizeShape::kDisc, 0.1, 0.3, {}};

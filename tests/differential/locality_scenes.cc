@@ -214,7 +214,8 @@ Scene PointsInASizedBox(int n) {
 void PointsAtTheBorder(double border, double h, int dimension, Scene& scene) {
   Random random(7);
   for (const double beyond : {-2.5, -1.0, -0.4, 0.4, 1.0, 1.7, 3.0, 8.0}) {
-    std::array<double, 3> p = {{border + beyond * h, 0.35 + 0.3 * random.Unit(), 0.35 + 0.3 * random.Unit()}};
+    std::array<double, 3> p = {
+        {border + beyond * h, 0.35 + 0.3 * random.Unit(), 0.35 + 0.3 * random.Unit()}};
     if (random.OneIn(2)) std::swap(p[0], p[1]);
     InAndOut(
         dimension == 2 ? Feature::Point(kFar, p[0], p[1]) : Feature::Point(kFar, p[0], p[1], p[2]),
@@ -259,7 +260,7 @@ Scene DiscsOfManyTargets(int n) {
   return scene;
 }
 
-// --- Sizes that ask for nothing -----------------------------------------------------------
+// --- Sizes without effect ------------------------------------------------------------------
 
 // Over points that are nearer to each other.
 Scene SizeOverFinerPoints(int n) {
@@ -269,7 +270,7 @@ Scene SizeOverFinerPoints(int n) {
   return scene;
 }
 
-// The first size in a mesh of points: from now on it matters where features are, and none has moved.
+// The first size in a mesh of points: from now on feature positions matter, and none has moved.
 Scene FirstSize(int n) {
   Scene scene;
   scene.features = MakeFeatures(Distribution::kUniform, n, 7);

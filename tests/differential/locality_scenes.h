@@ -1,5 +1,5 @@
-// Scenes in which an edit has to stay local, of any size: points and segments beside long
-// segments, areas with a target length, sizes that ask for nothing.
+// Scenes of any size in which an edit must stay local: points and segments beside long segments,
+// areas with a target length, sizes without effect.
 #ifndef DYNMESH_TESTS_DIFFERENTIAL_LOCALITY_SCENES_H_
 #define DYNMESH_TESTS_DIFFERENTIAL_LOCALITY_SCENES_H_
 

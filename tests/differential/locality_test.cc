@@ -1,6 +1,6 @@
-// An edit runs operations in proportion to what it changes, however large the rest of the scene.
-// The bounds are upper ones and the same at both sizes: a filter that notifies operations
-// needlessly exceeds them, and so does a rule by which a change is handed on.
+// The number of operations of an edit is proportional to its changes, for any size of the scene.
+// The bounds are upper ones and the same at both sizes. A filter that notifies operations
+// needlessly exceeds them, and so does a rule that propagates changes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ class Locality : public testing::TestWithParam<LocalityScene> {
 
 TEST_P(Locality, AnEditCostsWhatItChanges) { Check(0, 1); }
 
-// Cures come and go with the slivers of what an edit changes.
+// Cures are added and removed with the slivers of the changed part.
 class LocalityAmongCures : public Locality {};
 TEST_P(LocalityAmongCures, AnEditCostsTwiceThatAtMost) { Check(kDefaultMinDihedral3D, 2); }
 

@@ -1,5 +1,6 @@
-// A real map under random edits: pieces of coast go and come back, points move, storms come
-// and go. After every revision mesh and complete trace are those of a run from scratch.
+// A real map under random edits: parts of the coast are removed and added again, points move,
+// storms come and go. After every revision mesh and complete trace equal those of a run from
+// scratch.
 //
 // DYNMESH_NIGHTLY=1 runs 1,000 revisions, DYNMESH_REVISIONS=N so many; DYNMESH_MAP=FILE.poly
 // takes another map.
@@ -136,7 +137,7 @@ TEST(Map, IsFromScratchAfterEveryRevision) {
     const EditBatch batch = edits.Next();
     const auto diff = mesh.Apply(batch, ApplyOptions{});
     if (!diff.ok()) {
-      // A moved point may run into its neighbours, a piece of coast into points that moved.
+      // A moved point may meet its neighbours, a part of the coast may meet moved points.
       ASSERT_TRUE(batch[0].action == Edit::Action::kMove ||
                   batch[0].feature.kind == FeatureKind::kSegment)
           << diff.status();

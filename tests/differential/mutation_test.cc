@@ -1,5 +1,5 @@
-// The differential test has teeth: with any one term of a notification filter
-// switched off it fails. Built from its own copy of the mesher, in which they can be.
+// Mutation test of the differential test: with any single term of a notification filter switched
+// off it fails. Built from its own copy of the mesher, which has the switches.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,8 +57,8 @@ bool WedgeFails(const MeshOptions& options) {
   return Replay(script, options).found;
 }
 
-// Three segments at one point. What is near the first splits it, its vertices encroach on the
-// second, at whose midpoints the third is encroached on; that one comes and goes.
+// Three segments at one point. Points near the first split it, its vertices encroach on the second,
+// and the midpoints of that encroach on the third, which is added and removed.
 bool FanFails(const MeshOptions& options) {
   for (const double degrees : {62.0, 66.0, 70.0, 75.0}) {
     const double turn = degrees * std::numbers::pi / 180;
@@ -88,7 +88,8 @@ bool FanFails(const MeshOptions& options) {
   return false;
 }
 
-// Few points, among which segments come and go: balls of pieces hold what was made without them.
+// Few points, among which segments are added and removed: balls of subsegments contain vertices
+// made before them.
 bool CloudFails(const MeshOptions& options) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
@@ -108,7 +109,7 @@ bool CloudFails(const MeshOptions& options) {
   return false;
 }
 
-// In space, by scripts with polygons: the kinds that notice much come first.
+// In 3D, by scripts with polygons: the kinds with the most findings come first.
 bool SpaceSuiteFails() {
   RunPlan plan;
   plan.revisions = 10;

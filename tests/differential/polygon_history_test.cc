@@ -1,6 +1,6 @@
-// The promises in space, with polygons: after every revision of random scripts the dynamic mesh
-// is, in mesh and complete trace, what its features make from scratch, a replica that follows the
-// diffs has it, and the judge of mesh files, which shares no code with the mesher, finds nothing.
+// The guarantees in 3D with polygons: after every revision of random scripts the dynamic mesh
+// equals, in mesh and complete trace, one from scratch; a replica that follows the diffs has it;
+// and the verifier of mesh files, which shares no code with the mesher, finds no fault.
 //
 // DYNMESH_NIGHTLY=1 runs the long setting (20,000 revisions).
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ bool IsNightly() {
   return set != nullptr && *set != '\0' && *set != '0';
 }
 
-// What the judge finds wrong with the mesh; empty if nothing.
+// The verifier's findings; empty if there are none.
 std::string Judge(const DynamicMesh& mesh) {
   const Mesh snapshot = mesh.Snapshot();
   const std::vector<Feature> features = mesh.Features();
@@ -91,8 +91,8 @@ INSTANTIATE_TEST_SUITE_P(All, PolygonHistory,
                                   kAskedInSpace[std::get<1>(given.param)].name;
                          });
 
-// Plates above each other and areas with a target, at multiples of a power of two: points of the
-// plates' lattices are as far from one thing as from another, and on borders of all kinds.
+// Plates above each other and areas with a target, at multiples of a power of two: many points of
+// the plates' lattices are equidistant from two features, and on borders of all kinds.
 class LatticePlates {
  public:
   explicit LatticePlates(std::uint64_t seed) : random_(seed) {}
@@ -174,7 +174,7 @@ std::vector<Feature> BoxAt(FeatureId k, int side, int turned) {
   return features;
 }
 
-// The box in the middle of 125 turns at the same cost as that of 27, in operations.
+// The box in the middle of 125 turns at the same cost, in operations, as that of 27.
 TEST(PolygonWork, OfABoxDoesNotGrowWithTheInput) {
   std::vector<double> executed;
   for (const int side : {3, 5}) {

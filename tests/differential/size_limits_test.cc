@@ -1,5 +1,5 @@
-// Meshes that fill an index: the edit is refused and undone, as from scratch, and what comes after
-// is as if it had not been. With indices much smaller than they are.
+// Meshes that exceed the range of an index: the edit is refused and undone, as from scratch, and
+// later edits are not affected. Uses much smaller indices than the real ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ int RunBatches(const std::vector<EditBatch>& batches, const LiveMeshTuning& tuni
   return refused;
 }
 
-// Spokes from..to of a hundred around point 1, which they all make a neighbour of theirs.
+// Spokes from..to of a hundred around point 1, all neighbours of it.
 EditBatch Spokes(FeatureId from, FeatureId to) {
   EditBatch batch;
   for (FeatureId i = from; i < to; ++i) {
@@ -88,12 +88,12 @@ TEST(SizeLimits, OfTheNeighboursOfAVertex) {
 TEST(SizeLimits, OfTheRequestsOfAnOperation) {
   LiveMeshTuning tuning = AlwaysPropagate();
   tuning.engine_limits.requests = 4;
-  // Segments at one point, and a point beside it: what is made there lies in the balls of many.
+  // Segments at one point, and a point beside it: the new vertices lie in many balls.
   EditBatch segments = {Edit::Add(Feature::Point(1, 0.5, 0.5))};
   for (FeatureId i = 0; i < 36; ++i) {
     const double turn = 2 * std::numbers::pi * static_cast<double>(i) / 36;
-    segments.push_back(Edit::Add(
-        Feature::Point(10 + i, 0.5 + 0.4 * std::cos(turn), 0.5 + 0.4 * std::sin(turn))));
+    segments.push_back(
+        Edit::Add(Feature::Point(10 + i, 0.5 + 0.4 * std::cos(turn), 0.5 + 0.4 * std::sin(turn))));
     segments.push_back(Edit::Add(Feature::Segment(100 + i, 1, 10 + i)));
   }
   tuning.engine_limits.requests = 1u << 20;
@@ -125,7 +125,7 @@ TEST(SizeLimits, OfTetrahedra) {
   }
 }
 
-// So many points that no mesh of them could be within the limit are not even begun with.
+// Too many points for any mesh within the limit are refused without a start.
 TEST(SizeLimits, MorePointsThanVerticesAreRefusedAtOnce) {
   MeshOptions options = DefaultsIn<2>();
   options.limits.max_vertices = 100;

@@ -1,5 +1,5 @@
-// Revisions that are taken back, several at once, leave the mesh and the trace from before them,
-// bit for bit; the same batches make the same revisions again.
+// Undoing several revisions at once restores the mesh and the trace from before them, bit for bit;
+// the same batches make the same revisions again.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -106,7 +106,7 @@ class TakeBack : public testing::TestWithParam<std::pair<Distribution, bool>> {}
 
 TEST_P(TakeBack, BringsTheFormerTraceBack) {
   const auto [given, rebuild] = GetParam();
-  // Built anew, there and back, whenever more than a few operations run: at any step of several.
+  // Rebuilds, forth and back, whenever more than a few operations run: at any step of several.
   LiveMeshTuning anew;
   anew.rebuild.at_least = 4;
   anew.rebuild.at_least_work = 30;

@@ -1,7 +1,7 @@
-// The termination guard: segments at one point, at angles that leave rho = 1 no room, would
-// be split for ever, each for the sake of the one before. Every such run ends, at the scale at
-// which it began; what is left is told apart from what is bad without excuse; and with the
-// guard at work, too, the dynamic mesh is what its features make from scratch.
+// The termination guard. Segments at one point, at angles that leave no room at rho = 1, would be
+// split forever, each because of the previous one. Every such run ends, at the scale at which it
+// began; the remaining triangles are distinguished from bad ones without excuse; and with the guard
+// at work, too, the dynamic mesh equals one from scratch.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,8 +15,8 @@
 namespace dynmesh::test {
 namespace {
 
-// Four segments around a point: one angle is small, the others are about 105 degrees, where
-// splits go round and round.
+// Four segments around a point: one angle is small, the others are about 105 degrees, where splits
+// go round forever.
 std::vector<Feature> MakeStar(std::uint64_t seed) {
   Random random(seed);
   constexpr double kDegree = std::numbers::pi / 180;
@@ -82,7 +82,7 @@ TEST(TerminationGuard, StarsAroundAPoint) {
   RecordProperty("fired", fired);
 }
 
-// Nothing that users ask for comes near it.
+// Usual options do not come near it.
 TEST(TerminationGuard, LeavesOtherInputAlone) {
   for (const Distribution d : kAllDistributions) {
     for (const double quality : {1.0, kDefaultQuality2D}) {

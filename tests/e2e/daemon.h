@@ -69,7 +69,7 @@ class Daemon {
 
   const std::string& address() const { return address_; }
   pid_t process() const { return child_; }  // 0 if it does not run
-  // Of one that did not come up.
+  // The log of one that did not start.
   int exit_code() const { return exit_code_; }
 
   void Signal(int signal) const { kill(child_, signal); }

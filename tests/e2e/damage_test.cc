@@ -1,5 +1,5 @@
-// dynmeshd on a folder that was damaged while it did not run: what lost something is named, in the
-// log, in lists and by /readyz, and read only; the rest serves; an operator goes on.
+// dynmeshd on a folder that was damaged while it did not run: meshes with losses are named in the
+// log, in lists and by /readyz, and are read only; the others work; an operator continues.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -69,8 +69,8 @@ class DamagedDaemonTest : public ::testing::Test {
       }
     }
   }
-  // As listed: "id revision" of what is whole, "id revision!" of what is read only, "id!" of the
-  // rest.
+  // As listed: "id revision" for intact meshes, "id revision!" for read-only ones, "id!" for the
+  // others.
   std::string List() {
     std::string text;
     const auto meshes = client_->ListMeshes();

@@ -1,5 +1,5 @@
-// The real mesher behind the real service: what arrives is what the library makes, bit
-// for bit, and what is refused leaves no trace.
+// The real mesher behind the real service: results equal the library's, bit for bit, and refused
+// edits leave no trace.
 #include <gtest/gtest.h>
 
 #include <limits>

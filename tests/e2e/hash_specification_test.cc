@@ -1,5 +1,5 @@
-// The hash as mesh.proto specifies it: a client in another language, of no code of this project,
-// computes it from the bytes that GetSnapshot sends.
+// The hash as specified in mesh.proto: a client in another language, without code of this project,
+// computes it from the bytes of GetSnapshot.
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ class HashSpecification : public EndToEndTest {
     }
     ASSERT_TRUE(reader->Finish().ok());
   }
-  // Runs the script; what it prints, or "" if it fails.
+  // Runs the script; returns its output, or "" if it fails.
   std::string Check(const std::string& files) const {
     const std::string printed = folder_.Path("printed");
     const std::string command = DYNMESH_PYTHON " -B " DYNMESH_SOURCE_DIR
@@ -98,7 +98,7 @@ TEST_F(HashSpecification, IsEnoughForMeshesOfSpace) {
   EXPECT_NE(printed.find("\n" + loaded->hash.ToHex() + " "), std::string::npos) << printed;
 }
 
-// One bit of a coordinate, an owner, a region: whatever it is, it shows.
+// A change of one bit of a coordinate, an owner or a region is detected.
 TEST_F(HashSpecification, TheCheckFailsOfADamagedSnapshot) {
   ASSERT_TRUE(client_->Load("m", Square(1, 0.125, 0.5)).ok());
   WriteSnapshot("meshes/m", folder_.Path("whole"));

@@ -1,5 +1,5 @@
-// Earlier revisions of real meshes over gRPC: read, and gone back to, across compactions and
-// restarts, each compared with a mesh made from scratch of the features that it had.
+// Earlier revisions of real meshes over gRPC: read, and reverted to, across compactions and
+// restarts, each compared with a mesh made from scratch of its features.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -51,7 +51,7 @@ class HistoryTest : public ::testing::Test {
     client_ = client::MeshClient::Connect(server_->address());
   }
 
-  // What a revision is to be.
+  // The expected content of a revision.
   struct Revision {
     std::vector<Feature> features;
     MeshHash hash;
@@ -174,7 +174,7 @@ TEST_F(HistoryTest, WhatIsTooOldOrNotYetThereIsSaid) {
     return client_->Apply("m", batch).status();
   };
   for (FeatureId id = 1; id <= 6; ++id) ASSERT_TRUE(add(id).ok());
-  // The last snapshot may be under way.
+  // The last snapshot may be in progress.
   ASSERT_TRUE(client_->Locate("m", 2, std::vector{0.5, 0.5}).ok());
   EXPECT_EQ(client_->GetFeatures("m", 5)->features.size(), 5u);
   for (const absl::Status& old :

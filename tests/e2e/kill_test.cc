@@ -1,6 +1,6 @@
 // dynmeshd with a data folder, killed at random moments: under load, while it writes snapshots,
-// while it starts. After every start each mesh is what was acknowledged, or that and the one batch
-// that was under way, whole; its retry says which. Who watches goes on through all of it.
+// while it starts. After every start each mesh has the acknowledged batches, and possibly all of
+// the one in progress; the retry shows which. Watchers resume through all of it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ std::string ReasonOf(const absl::Status& status) {
   return error.has_value() ? error->reason : "";
 }
 
-// No answer came: whether it was done, only the server's journal knows.
+// No answer came: only the server's journal determines whether it was applied.
 bool WasNotAnswered(const absl::Status& status) { return absl::IsUnavailable(status); }
 
 std::uint64_t Seed() {
@@ -125,8 +125,8 @@ class Streamer {
     (void)session->Finish();
   }
 
-  // After a restart: all that was acknowledged is there, and what was not up to some batch; the
-  // retries of all tell the same.
+  // After a restart: all acknowledged batches are present, and the others up to some batch; the
+  // retries agree with that.
   void Check(MeshClient& client) {
     SCOPED_TRACE("streamed mesh " + id_);
     const auto info = client.GetMesh(id_);
@@ -157,7 +157,7 @@ class Streamer {
   }
 
   std::uint64_t acknowledged() const { return acknowledged_; }
-  // Batches that were written down and not answered.
+  // Batches that are in the journal and not answered.
   std::uint64_t unacknowledged() const { return unacknowledged_; }
 
  private:
@@ -203,7 +203,7 @@ class Streamer {
   FeatureId last_id_ = 0;
 };
 
-// What one client knows of its mesh.
+// A client's knowledge of its mesh.
 class Editor {
  public:
   // `once`: its mesh is made once and never deleted.
@@ -220,7 +220,7 @@ class Editor {
     }
   }
 
-  // After a restart: compares, and brings to an end what was under way.
+  // After a restart: compares, and completes the pending batch.
   void Check(MeshClient& client) {
     SCOPED_TRACE("mesh " + id_);
     if (deleting_ || !created_) {
@@ -231,7 +231,7 @@ class Editor {
         return;
       }
       if (!created_) {
-        // The creation that was not answered was done.
+        // The unanswered creation was done.
         ASSERT_TRUE(creating_);
         created_ = true;
       }
@@ -328,7 +328,7 @@ class KillTest : public ::testing::Test {
   std::vector<std::string> Flags() const {
     return {"--data-dir", folder_.path() + "/data", "--compact-bytes", "2000"};
   }
-  // The same after every start, so that who was connected comes back by himself.
+  // The same after every start, so that connected clients reconnect.
   std::string Listen() const { return "unix:" + folder_.path() + "/socket"; }
   std::unique_ptr<MeshClient> Connect() const {
     client::ClientOptions options;
@@ -410,7 +410,7 @@ TEST_F(KillTest, AtRandomMomentsLosesNothingThatWasAcknowledged) {
   EXPECT_TRUE(absl::StrContains(daemon_.Log(), "compacted"));
 }
 
-// Many batches are under way, applied ahead of the disk, written down together.
+// Many batches in progress, applied ahead of the disk, written together.
 TEST_F(KillTest, InTheMiddleOfAStreamLosesNothingThatWasAcknowledged) {
   const std::uint64_t seed = Seed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
@@ -450,7 +450,7 @@ TEST_F(KillTest, InTheMiddleOfAStreamLosesNothingThatWasAcknowledged) {
   EXPECT_GT(acknowledged, static_cast<std::uint64_t>(20 * kills));
 }
 
-// A snapshot of several transactions is under way, or about to be, or done.
+// A snapshot of several transactions is in progress, or about to be, or done.
 TEST_F(KillTest, InTheMiddleOfALargeSnapshotLosesNothing) {
   std::mt19937_64 random(Seed());
   constexpr FeatureId kPoints = 100'000;
@@ -465,7 +465,7 @@ TEST_F(KillTest, InTheMiddleOfALargeSnapshotLosesNothing) {
     ASSERT_TRUE(Connect()->CreateMesh(id, MeshOptions()).ok());
     client::EditParams params;
     params.omit_columns = true;
-    // What a mesh begins with is no reason for a snapshot.
+    // A mesh's first batch does not cause a snapshot.
     ASSERT_TRUE(Connect()->Apply(id, {batch.front()}, params).ok());
     EditBatch rest(batch.begin() + 1, batch.end());
     const auto made = Connect()->Apply(id, rest, params);

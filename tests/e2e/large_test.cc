@@ -1,5 +1,5 @@
-// Large meshes and large batches over the wire: messages stay small, and what is wrong
-// in a batch of any size is named and changes nothing.
+// Large meshes and large batches over the network: messages stay small, and a fault in a batch of
+// any size is named and changes nothing.
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 

@@ -70,7 +70,7 @@ def varint(data, at):
 
 
 def fields(data):
-    """By number: a list of what was said, a number (of varints) or bytes."""
+    """By number: a list of the values, a number (of varints) or bytes."""
     found, at = {}, 0
     while at < len(data):
         key, at = varint(data, at)
@@ -101,7 +101,7 @@ def rows(flat, n):
 
 
 def read(data):
-    """The mesh, as mesh_hash wants it, and the hash that the last chunk tells."""
+    """The mesh, in the form for mesh_hash, and the hash in the last chunk."""
     mesh, told, at = ([], [], [], []), "", 0
     while at < len(data):
         size = struct.unpack(">I", data[at + 1:at + 5])[0]
@@ -111,7 +111,7 @@ def read(data):
         v, s, e, f = part(4), part(5), part(6), part(12)
         places = rows(column(v, 2, "d"), d)
         mesh[0].extend(zip(places, b"".join(v.get(3, [])), column(v, 4, "v")))
-        # Of two vertices whose ids would be the same, one has the next salt.
+        # If two vertices would have the same id, one has the next salt.
         for vertex, xs in zip(column(v, 1, "Q"), places):
             assert vertex in (vertex_id(xs), vertex_id(xs, 1)), "id %x is not that of %s" % (vertex, xs)
         for region in map(fields, s.get(3, [])):
@@ -148,7 +148,7 @@ def least_first(*ids):
 
 
 def canonical(*ids):
-    """Of a tetrahedron: the least first, the next least second; the other two as the sign wants."""
+    """Of a tetrahedron: the least first, the next least second; the other two by the sign."""
     ids, even = list(ids), True
     for to in (0, 1):
         at = ids.index(min(ids[to:]))

@@ -56,7 +56,7 @@ TEST_P(JournalsOfOtherBits, GoOnAsTheNextRevision) {
       const auto info = client->GetMesh(id);
       ASSERT_TRUE(info.ok()) << info.status();
       EXPECT_EQ(info->revision, revision);
-      EXPECT_EQ(info->options.min_dihedral, 0);  // as that version meshed
+      EXPECT_EQ(info->options.min_dihedral, 0);  // as meshed by that version
       const auto present = client->GetFeatures(id);
       const auto before = client->GetFeatures(id, revision - 1);
       ASSERT_TRUE(present.ok() && before.ok());
@@ -65,7 +65,7 @@ TEST_P(JournalsOfOtherBits, GoOnAsTheNextRevision) {
       EXPECT_EQ(info->hash, scratch(*info, present->features));
     }
     EXPECT_EQ(client->GetFeatures("flat", 3)->features.size(), 8u);
-    // The sizing feature makes lattice points, which other bits had not.
+    // The sizing feature makes lattice points, which other bits did not have.
     EXPECT_NE(client->GetFeatures("flat", 6)->hash, client->GetFeatures("flat", 7)->hash);
     const auto back = client->RevertTo("flat", 3);
     ASSERT_TRUE(back.ok()) << back.status();

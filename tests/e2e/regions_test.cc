@@ -1,5 +1,5 @@
-// Regions of real meshes over the wire: who watches some polygons ends with what an export
-// of them gives, however far it lagged.
+// Regions of real meshes over the network: a watcher of some polygons ends with the same mesh as an
+// export of them, however far it lagged.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -108,7 +108,7 @@ TEST_F(RemoteCommandsTest, AMeshOfSpaceFromCreationToExport) {
   ASSERT_EQ(created.code, kExitDone) << created.err;
   EXPECT_EQ(Value(created.out, "dimension"), "3");
   EXPECT_EQ(Value(created.out, "rho"), "2");
-  // Without a first line a script is as the mesh.
+  // A script without a first line has the mesh's dimension.
   const std::string edits =
       "add point 1 1 1 1\nadd point 2 3 1 1\nadd point 3 3 3 1\nadd point 4 1 3 1\n"
       "add polygon 5 1 2 3 4\ncommit\nadd size 6 box 0 0 0 1 1 1 0.5\nmove point 1 1 1.1 1\n";
@@ -129,7 +129,7 @@ TEST_F(RemoteCommandsTest, AMeshOfSpaceFromCreationToExport) {
       Remote({"export", "room", "-o", Path("r.node"), "-o", Path("r.svg"), "--cut", "z=1.5"});
   ASSERT_EQ(exported.code, kExitDone) << exported.err;
   EXPECT_TRUE(fs::exists(Path("r.face")));
-  // Not of the plane, and not turned into it.
+  // Not 2D, and not converted to it.
   const Ran flat = Remote({"apply", "room", Write("f.txt", kScript)});
   EXPECT_EQ(flat.code, kExitBadInput);
   EXPECT_NE(flat.err.find("2 dimensions"), std::string::npos) << flat.err;
@@ -285,7 +285,7 @@ TEST_F(RemoteCommandsTest, StatsAreWatchedAsOftenAsAsked) {
   ASSERT_EQ(Lines(json.out), 3u) << json.out;
   EXPECT_NE(json.out.find("\"mesh\": \"plate\", \"revision\": 3"), std::string::npos) << json.out;
   EXPECT_EQ(Value(json.out, "mesh"), "room");
-  // No rate before there are two of a mesh; none of these changes.
+  // No rate before there are two samples of a mesh; none of these changes.
   const std::string first = json.out.substr(0, json.out.find('\n'));
   EXPECT_EQ(Value(first, "edits_per_second"), "null");
   EXPECT_EQ(std::stod(Value(json.out, "edits_per_second")), 0);
@@ -308,7 +308,7 @@ TEST_F(RemoteCommandsTest, StatsAreWatchedAsOftenAsAsked) {
 TEST_F(RemoteCommandsTest, WatchedStatsEndWellWithASignal) {
   StartDaemon();
   for (const int signal : {SIGINT, SIGTERM}) {
-    // To this thread: others of this process have it not blocked.
+    // Sent to this thread: others of this process do not block it.
     const pthread_t self = pthread_self();
     std::thread later([self, signal] {
       std::this_thread::sleep_for(std::chrono::milliseconds(300));

@@ -1,4 +1,4 @@
-// dynmeshd with certificates and tokens, as a process, and the commands that talk to it.
+// dynmeshd with certificates and tokens, as a process, and the commands that use it.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -50,7 +50,7 @@ TEST_F(SecureDaemonTest, CommandsShowCertificateAndToken) {
     const std::vector<std::string> lines = absl::StrSplit(ran.out, '\n');
     EXPECT_GE(lines.size(), 3u) << ran.out;
     Write(name, lines[0] + "\n");
-    EXPECT_EQ(lines[2].find(lines[0]), std::string::npos);  // the server never learns it
+    EXPECT_EQ(lines[2].find(lines[0]), std::string::npos);  // the server never gets it
     return lines[2] + "\n";
   };
   const std::string admin = make_token("admin", "admin"), reader = make_token("reader", "read");
@@ -73,7 +73,7 @@ TEST_F(SecureDaemonTest, CommandsShowCertificateAndToken) {
   EXPECT_EQ(Run({"stats", "crack-1"}, Path("reader")).code, 0);
   setenv("DYNMESH_TOKEN", test::ReadAll(Path("reader")).c_str(), 1);
   EXPECT_EQ(Run({"stats", "crack-1"}, "").code, 0);
-  // Without TLS nobody gets as far as a token.
+  // Without TLS a call does not get as far as the token check.
   EXPECT_EQ(RunDynmesh({"stats", "--server", daemon_.address(), "--timeout", "5"}).code, 1);
   EXPECT_EQ(Run({"stats"}, Path("none")).code, 2);
   EXPECT_EQ(Run({"stats"}, Write("spoiled", "two words")).code, 2);
@@ -106,7 +106,7 @@ TEST_F(SecureDaemonTest, WhatIsNotSafeOrNotThereIsRefusedWithCodeTwo) {
   EXPECT_EQ(daemon_.Log().find("secret"), std::string::npos);
 }
 
-// Making meshes again may take long; here it waits for a file that nobody writes.
+// Recovery may take long; here it waits for a file that no process writes.
 TEST_F(SecureDaemonTest, EndsAtOnceWhileItStarts) {
   const std::string never = Path("never");
   ASSERT_EQ(mkfifo(never.c_str(), 0600), 0);

@@ -1,10 +1,10 @@
 // A long run of everything at once: a dynmeshd with a journal, over TLS, four meshes, two writers
-// on each, a hundred watchers of whom some are slow and some come and go. A tool; a test runs it
-// for some seconds.
-//   dynmesh_soak [--seconds 3600] [--rate 5] [--vertices 100000] ...      --help tells the rest
+// on each, a hundred watchers, some slow and some reconnecting. A tool; a test runs it for some
+// seconds.
+//   dynmesh_soak [--seconds 3600] [--rate 5] [--vertices 100000] ...      see --help
 // One line of JSON a minute, and one in the end. Exit code 1 if a revision was lost or came twice,
-// a hash differs, a watcher does not get to the end, an edit was answered otherwise than it should,
-// the server does not come back with its meshes after a restart, or its memory grew.
+// a hash differs, a watcher does not reach the end, an edit got an unexpected answer, the server
+// does not recover its meshes after a restart, or its memory grew.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <csignal>
@@ -165,7 +165,7 @@ class Soak {
       MeshOptions options;
       options.dimension = plan.dimension;
       options.quality = DefaultQuality(plan.dimension);
-      // In space the bare box has some hundreds.
+      // In 3D the bare box has some hundreds.
       options.limits.max_vertices = plan.vertices * 13 / 10 + 4'000;
       if (const auto made = control_->CreateMesh(plan.name, options); !made.ok()) {
         return Fail(made.status().ToString()) == 0;
@@ -285,7 +285,7 @@ class Soak {
     }
   }
 
-  // What was answered must be on the disk.
+  // Answered edits must be on the disk.
   void Restart() {
     if (const int code = daemon_->End(SIGTERM); code != 0) {
       faults_.Add(absl::StrCat("dynmeshd ended with ", code));
@@ -342,7 +342,7 @@ class Soak {
       meshes.back().AddObject("single_ms", Spread(site.ledger.single.All()));
       meshes.back().AddObject("batch_ms", Spread(site.ledger.batch.All()));
     }
-    // What is promised of the large mesh.
+    // The guarantees for the large mesh.
     line.Add("large_single_p99_ms", Percentile(sites_.front().ledger.single.All(), 0.99));
     line.AddObjects("meshes", meshes);
     line.AddObject("disk_sync_ms", Spread(disk_.All()));

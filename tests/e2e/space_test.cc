@@ -1,5 +1,5 @@
-// Meshes of space through the service: the library's mesh after every edit, whatever comes; bad
-// input is named and changes nothing.
+// 3D meshes through the service: the library's mesh after every edit; bad input is named and
+// changes nothing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -174,7 +174,7 @@ struct Bad {
   absl::StatusCode code;
 };
 
-// What is wrong beside BoxFeatures(100, {0.2, 0.2, 0.2}, 0.5).
+// Faults beside BoxFeatures(100, {0.2, 0.2, 0.2}, 0.5).
 std::vector<Bad> BadBatches() {
   using Code = absl::StatusCode;
   const auto point = [](FeatureId id, double x, double y, double z) {
@@ -185,7 +185,7 @@ std::vector<Bad> BadBatches() {
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
-  // A long rectangle at z = 0.8, whose diagonals are steep, and a square upright through the box.
+  // A long rectangle at z = 0.8 with steep diagonals, and a square upright through the box.
   const EditBatch flat = {point(301, 0.3, 0.3, 0.8), point(302, 0.4, 0.3, 0.8),
                           point(303, 0.4, 0.7, 0.8), point(304, 0.3, 0.7, 0.8)};
   const EditBatch upright = {point(301, 0.3, 0.4, 0.1), point(302, 0.6, 0.4, 0.1),
@@ -240,7 +240,7 @@ TEST_F(SpaceEndToEnd, BadInputIsNamedAndChangesNothing) {
   for (const Bad& bad : BadBatches()) {
     SCOPED_TRACE(testing::Message() << bad.reason << " " << bad.feature);
     EditBatch batch = bad.edits;
-    batch.push_back(Edit::Add(Feature::Point(900, 0.9, 0.9, 0.9)));  // good, and goes with it
+    batch.push_back(Edit::Add(Feature::Point(900, 0.9, 0.9, 0.9)));  // good, but undone
     const absl::Status status = client_->Apply("s", batch, Params()).status();
     const auto error = codec::GetServiceError(status);
     EXPECT_TRUE(error.has_value()) << status;

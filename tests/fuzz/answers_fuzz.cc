@@ -1,7 +1,7 @@
-// What a server may send, from one that lies. A part of the input is a kind and a message; a watch
-// has an honest server's events to begin with, which messages may be merged into (protobuf
-// appends to columns and replaces numbers), with the hash put right where that can be done: lies
-// that only a look at the rows finds out.
+// Answers of a faulty server. A part of the input is a kind and a message. A watch begins with the
+// events of a correct server, into which messages may be merged (protobuf appends to columns and
+// replaces numbers). The hash is corrected if possible, so that only a check of the rows finds the
+// fault.
 #include <memory>
 #include <optional>
 #include <random>
@@ -100,7 +100,7 @@ class Watch {
 
   void EndOfStream() { replica_.EndOfStream(); }
 
-  // A watch begins anew, from a snapshot, and nothing is left of what was before.
+  // The watch restarts from a snapshot, and nothing of the old state is left.
   std::string BeginAnew(int dimension) {
     replica_.EndOfStream();
     for (const v1::WatchEvent& event : Honest(dimension)) {
@@ -116,7 +116,7 @@ class Watch {
     const Mesh mesh = replica_.ToMesh();
     if (ComputeHash(mesh) != replica_.hash()) return "the hash is not that of the rows";
     if (!SlotMesh::FromMesh(mesh).ok()) return "the rows are not those of a mesh";
-    // What the commands do with it.
+    // The commands' use of it.
     if (const auto indexed = io::IndexMesh(mesh); indexed.ok()) {
       for (std::size_t i = 0; i < indexed->simplex_count(); ++i) io::MeasureSimplex(*indexed, i);
     }
@@ -126,7 +126,7 @@ class Watch {
   MeshReplica replica_;
 };
 
-// The answer to an edit: what is put together must come apart into the same.
+// The answer to an edit: assembled and fragmented again, it must be the same.
 std::string CheckDiff(codec::DiffAssembler& assembler, const v1::MeshDiff& fragment) {
   const auto whole = assembler.Add(fragment);
   if (!whole.ok()) {
@@ -184,8 +184,8 @@ std::string FuzzAnswers(std::string_view bytes) {
     v1::MeshDiff diff;
     v1::Status status;
     switch (kind % 8) {
-      case 0:  // what the honest server says next, mixed with something
-      case 1:  // or only what it says some place else
+      case 0:  // the correct server's next event, mixed with something
+      case 1:  // or an event out of order
         if (kind % 8 == 1 && !body.empty()) next = static_cast<unsigned char>(body[0]);
         event = Honest(dimension)[next++ % Honest(dimension).size()];
         if (kind % 8 == 0 && !event.MergeFromString(body)) break;

@@ -1,8 +1,7 @@
-// Batches, packed: a byte of options, then edits. An edit is a byte (its low bits the
-// action, or the end of the batch), an id, and what it needs: a position, two ends, rings or
-// a region with its target.
-// Positions are mostly on a coarse grid of the box, so that points coincide, segments meet and
-// polygons of space are plane; some are near others, some are any double.
+// Batches, packed: a byte of options, then edits. An edit is a byte (its low bits the action, or
+// the end of the batch), an id, and its data: a position, two ends, rings or a region with its
+// target. Positions are mostly on a coarse grid of the box, so that points coincide, segments meet
+// and 3D polygons are planar; some are near others, some are any double.
 #ifndef DYNMESH_TESTS_FUZZ_BATCHES_H_
 #define DYNMESH_TESTS_FUZZ_BATCHES_H_
 
@@ -48,13 +47,13 @@ class Unpacker {
       default:
         options.box = {{-3e-9, 5e-10, -1e-9}, {1e-9, 6e-10, 1e-9}};
     }
-    // In space the border alone has some hundreds.
+    // In 3D the border alone has some hundreds.
     options.limits.max_vertices = (D == 2 ? 1 : 5) * kMostVertices;
     box_ = options.box;
     return options;
   }
 
-  // How the mesh goes about it, which must not show: edit by edit, or often from scratch.
+  // The way of computing, which must not affect the result: edit by edit, or often from scratch.
   LiveMeshTuning Tuning() const {
     LiveMeshTuning tuning = test::AlwaysPropagate();
     if (first_ / (4 * kAskedCount) % 2 == 1) tuning.rebuild.at_least = 3;
@@ -144,7 +143,7 @@ class Unpacker {
     return Feature::Size(id, p, {SizeShape::kBox, target, 0, hi});
   }
 
-  // The third number is 0 in the plane.
+  // The third number is 0 in 2D.
   Place Position() {
     const std::uint8_t mode = Byte() % 8;
     Place place = {0, 0, 0};

@@ -1,5 +1,5 @@
-// Every file of tests/fuzz/corpus/TARGET (seeds) and tests/fuzz/found/TARGET (what once went
-// wrong) goes through its target, in the ordinary test run, without a fuzzer.
+// Runs every file of tests/fuzz/corpus/TARGET (seeds) and tests/fuzz/found/TARGET (former failures)
+// through its target, in the ordinary test run, without a fuzzer.
 #include <gtest/gtest.h>
 
 #include <algorithm>

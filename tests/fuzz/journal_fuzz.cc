@@ -1,5 +1,5 @@
-// What stands in a journal. A byte says what it is taken for; what decodes must come out again as
-// it went in, and what does not must be said to be damage.
+// Records of a journal. A byte selects the kind. A record that decodes must encode to the same
+// bytes; one that does not must be reported as damage.
 #include <string>
 
 #include "proto/codec/journal_codec.h"
@@ -14,8 +14,8 @@ std::string CheckError(const absl::Status& status) {
   return status.message().empty() ? "a refusal without a message" : "";
 }
 
-// `first` was decoded from bytes, and `Encode` and `Decode` turn it round. Compared as bytes: what
-// is not a number equals nothing, not even itself.
+// `first` was decoded from bytes; `Encode` and `Decode` are applied again. Compared as bytes, since
+// NaN equals nothing, not even itself.
 template <typename T, typename Encode, typename Decode>
 std::string CheckRound(const absl::StatusOr<T>& first, Encode encode, Decode decode) {
   if (!first.ok()) return CheckError(first.status());
@@ -33,8 +33,7 @@ std::string CheckSnapshot(const std::string& bytes, int dimension) {
     std::vector<Feature> features;
     for (const Edit& edit : e.edits) features.push_back(edit.feature);
     std::string all;
-    for (const std::string& p :
-         codec::EncodeJournalSnapshot(features, e.hash, dimension, e.bits)) {
+    for (const std::string& p : codec::EncodeJournalSnapshot(features, e.hash, dimension, e.bits)) {
       all += p;
     }
     return all;

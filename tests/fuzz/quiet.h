@@ -1,4 +1,4 @@
-// Protobuf says on stderr of every message what is wrong with it. Who includes this hears nothing.
+// Protobuf reports on stderr every message that does not parse. Including this file silences it.
 #ifndef DYNMESH_TESTS_FUZZ_QUIET_H_
 #define DYNMESH_TESTS_FUZZ_QUIET_H_
 

@@ -1,6 +1,6 @@
-// What a client may send. A part of the input is a kind and a message, decoded by what the server's
-// calls use and given to its meshes; or batches in the packing of batches.h, encoded first, so that
-// whoever changes bytes at random gets deep as well. There is no network.
+// Requests of a client. A part of the input is a kind and a message, decoded by the code of the
+// server's calls and given to its meshes; or batches in the packing of batches.h, encoded first, so
+// that random changes of bytes reach deep code as well. There is no network.
 #include <chrono>
 #include <condition_variable>
 #include <future>
@@ -53,7 +53,7 @@ server::ServerConfig Config() {
   return config;
 }
 
-// A refusal is somebody's fault and says so.
+// A refusal must name its cause.
 std::string CheckRefusal(const absl::Status& status) {
   switch (status.code()) {
     case absl::StatusCode::kInvalidArgument:
@@ -302,7 +302,7 @@ class Service {
   }
 
  private:
-  // Hands the batch in and waits.
+  // Submits the batch and waits.
   std::string Run(const std::string& id, EditJob job) {
     const auto found = meshes_.find(id);
     if (found == meshes_.end()) return "";  // of a stream to a mesh that is gone
@@ -349,7 +349,7 @@ class Service {
   std::optional<server::PartialBatch> partial_;
 };
 
-// Parses as the wire does. What does not parse never reaches a server.
+// Parses like the server. Messages that do not parse never reach it.
 template <typename Message, typename Do>
 std::string Parsed(const std::string& body, Do use) {
   Message message;

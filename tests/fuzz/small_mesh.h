@@ -15,7 +15,7 @@ inline constexpr std::uint64_t kMostVertices = 300;
 inline constexpr std::uint64_t kMostVerticesInSpace = 1000;  // the bare box alone has 386
 inline constexpr std::size_t kMostFeatures = 60;
 
-// Empty, or what is wrong: a refusal without a message, a mesh whose hash is not its own.
+// Empty, or the fault: a refusal without a message, or a mesh with a wrong hash.
 inline std::string MeshOrRefuse(const std::vector<Feature>& features, MeshOptions options) {
   if (features.size() > kMostFeatures) return "";
   options.limits.max_vertices = options.dimension == 3 ? kMostVerticesInSpace : kMostVertices;

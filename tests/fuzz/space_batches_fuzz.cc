@@ -3,7 +3,7 @@
 
 namespace dynmesh::fuzz {
 
-// A mesh of space is dear: fewer batches.
+// A 3D mesh is expensive: fewer batches.
 std::string FuzzSpaceBatches(std::string_view bytes) { return TryBatches<3>(bytes, 8); }
 
 }  // namespace dynmesh::fuzz

@@ -6,10 +6,10 @@
 // mesh's hash at the end; `trace`: the hash of the complete trace and the number of operations in
 // it; `all`: a hash of the meshes and traces of all revisions.
 //
-// Random inputs use sines and cosines, whose last bits differ between processors. So coordinates
-// are rounded to multiples of 2^-32 (solids, whose faces have to stay flat: 2^-44) where that
-// changes nothing that the input is for. If `input` differs from the file's, the machine made other
-// input, and the other hashes say nothing.
+// Random inputs use sines and cosines, and these differ in the last bits between processors. So
+// coordinates are rounded to multiples of 2^-32 (solids with faces that must stay flat: 2^-44)
+// where the purpose of the input allows it. If `input` differs from the file's, the machine made
+// another input, and the other hashes say nothing.
 #ifndef DYNMESH_TESTS_GOLDEN_GOLDEN_CASES_H_
 #define DYNMESH_TESTS_GOLDEN_GOLDEN_CASES_H_
 
@@ -35,7 +35,7 @@ const std::vector<GoldenCase>& GoldenCases();
 
 struct GoldenResult {
   std::string line;
-  // What is wrong with it, apart from any golden hash: dynamic, from scratch and static differ.
+  // Its faults, independent of any golden hash: dynamic, from scratch and static differ.
   std::string problem;
 };
 GoldenResult RunGoldenCase(const GoldenCase& golden);

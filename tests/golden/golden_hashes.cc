@@ -1,4 +1,5 @@
-// Prints tests/golden/hashes.txt anew; ends with 1 if a mesh is not that of a run from scratch.
+// Prints a new tests/golden/hashes.txt; ends with 1 if a mesh differs from that of a run from
+// scratch.
 #include <cstdio>
 
 #include "dynmesh/mesh.h"

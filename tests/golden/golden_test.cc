@@ -50,7 +50,7 @@ TEST_P(Golden, MeshAndTraceAreThoseRecorded) {
 INSTANTIATE_TEST_SUITE_P(Cases, Golden, testing::Range<std::size_t>(0, GoldenCases().size()),
                          [](const auto& given) { return GoldenCases()[given.param].name; });
 
-// New hashes of meshes are new bits.
+// New hashes of meshes require a new number of bits (kMeshBits).
 TEST(GoldenHashes, AreOfTheBitsThatTheProductTells) {
   std::ifstream file(DYNMESH_SOURCE_DIR "/tests/golden/hashes.txt");
   const std::string text{std::istreambuf_iterator<char>(file), {}};

@@ -1,4 +1,4 @@
-// The codec: what goes out comes back, in pieces below 1 MB, and nothing else gets in.
+// The codec: round trips, in pieces below 1 MB; all else is refused.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -55,7 +55,7 @@ SubfacetColumns RandomSubfacets(std::mt19937_64& random, std::size_t n) {
 
 const std::vector<std::vector<FeatureId>> kPolygons = {{}, {5}, {5, 6}, {5, 6, 7}, {1, 8, 9, 10}};
 
-// Mostly in none, so that some messages have nothing to tell.
+// Mostly in none, so that some messages have no regions.
 RegionColumn RandomRegions(std::mt19937_64& random, std::size_t n) {
   RegionColumn regions;
   for (std::size_t i = 0; i < n; ++i) {
@@ -355,7 +355,7 @@ TEST(EditCodec, EveryKindOfEditOfSpaceComesBackWithItsZ) {
   EditBatch back;
   ASSERT_TRUE(DecodeEdits(wire, 3, &back).ok());
   EXPECT_EQ(back, batch);
-  // Every place needs its z, both corners of a box too.
+  // Every position needs its z, both corners of a box too.
   for (const int i : {0, 1, 2, 5, 6, 7}) {
     google::protobuf::RepeatedPtrField<v1::Edit> flat;
     EncodeEdit(batch[static_cast<std::size_t>(i)], 2, flat.Add());

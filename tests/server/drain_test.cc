@@ -1,4 +1,4 @@
-// The end of a server: polite, impatient, sudden.
+// The end of a server: in order, with a short limit, abrupt.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -47,7 +47,7 @@ TEST_F(DrainTest, ADrainEndsWhatRunsAndRefusesWhatIsNew) {
   const auto result = running.Take();
   ASSERT_TRUE(result.ok()) << Text(result.status());
   EXPECT_EQ(result->diff.to_revision, 2u);
-  // What the stream had handed in is answered, then the stream ends.
+  // The submitted batches of the stream are answered, then the stream ends.
   const auto answer = stream->Receive();
   ASSERT_TRUE(answer.has_value());
   EXPECT_EQ(answer->request_id, "s2");
@@ -72,8 +72,8 @@ TEST_F(DrainTest, ADrainThatTakesTooLongCancels) {
   editor.join();
 }
 
-// It answers nothing, like a client's connection while it has no call. gRPC would wait for an
-// answer to its ping until the calls' five seconds are over.
+// It answers nothing, like a client's connection without a call. gRPC would wait for an answer to
+// its ping until the calls' five seconds are over.
 TEST_F(DrainTest, AConnectionWithoutCallsIsToldToGoAndDoesNotHoldTheDrain) {
   StartWithMesh();
   test::RawConnection silent(server_->port());

@@ -151,7 +151,7 @@ TEST_F(EditStreamTest, ABatchLeftUnfinishedIsGivenUp) {
   const absl::Status status = stream.Finish();
   EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded);
   EXPECT_EQ(ReasonOf(status), codec::reason::kBatchIncomplete);
-  // What it held is soon free, and who is idle between batches goes on.
+  // Its reservations are released soon, and a client that is idle between batches continues.
   absl::Status applied;
   do {
     ASSERT_TRUE(idle->Send({AddPoint(3), AddPoint(4)}, Id("b")).ok());
@@ -206,7 +206,7 @@ TEST_F(EditStreamTest, ADrainEndsAStreamThatSaysNothing) {
   RawEditStream stream(*stub_);
   grpc::ClientContext context;
   const auto load = stub_->LoadFeatures(&context);
-  // The server has taken both when it has answered what came behind them.
+  // The server has received both when it has answered the batches after them.
   v1::GetMeshRequest request;
   request.set_mesh("meshes/m");
   v1::Mesh mesh;
@@ -318,8 +318,8 @@ TEST_F(EditStreamTest, ACancelledStreamLeavesTheMeshUsable) {
   EXPECT_TRUE(client_->OpenEdits("m")->Send({AddPoint(1001)}).ok());
 }
 
-// Reads, writes and the end of a stream meet in every order; nothing may be started on a
-// stream that is gone. Mostly of use under a sanitizer.
+// Reads, writes and the end of a stream occur in every order; nothing may be started on a deleted
+// stream. Mostly useful with a sanitizer.
 TEST_F(EditStreamTest, StreamsMayBeCancelledAtAnyMoment) {
   ServerConfig config;
   config.edit_window = 3;  // reading stops and goes on all the time

@@ -16,8 +16,8 @@
 
 namespace dynmesh::server {
 
-// Holds a fake's Apply between validation and change, when it has told that half of the latter is
-// done, to put a test's steps in order.
+// Holds a fake's Apply between validation and change, after it has reported half of the latter, so
+// that a test can order its steps.
 // Thread-safe.
 class FakeGate {
  public:
@@ -50,7 +50,7 @@ class FakeDynamicMesh final : public DynamicMesh {
   }
   absl::Status Validate(const EditBatch& batch) const override;
   Mesh Snapshot() const override { return mesh_; }
-  // All that lies in the box is in the first triangle, if there is one.
+  // All points in the box are in the first triangle, if there is one.
   SimplexColumn Locate(std::span<const double> points) const override;
   std::vector<Feature> Features() const override;
   const MeshOptions& options() const override { return options_; }

@@ -56,7 +56,7 @@ TEST(Flags, TheExampleHasEveryOptionAtItsDefault) {
     ++options;
   }
   EXPECT_GT(options, 25);
-  // And what the server gets is what it has anyway.
+  // And the server gets its defaults.
   const ServerConfig &a = bare.flags->config, &b = example.flags->config;
   EXPECT_EQ(a.listen, b.listen);
   EXPECT_EQ(a.tls.enabled(), b.tls.enabled());

@@ -1,5 +1,5 @@
 // LoadFeatures over loopback, with fake meshes: one batch out of many pieces, and all the ways in
-// which a load ends before it is one.
+// which a load ends before.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -25,7 +25,7 @@ std::vector<Feature> Points(FeatureId first, std::size_t count) {
   return points;
 }
 
-// Refused when its turn comes, whatever it brings.
+// Refused in its turn, whatever its content.
 LoadParams AtRevision7() {
   LoadParams params;
   params.expected_revision = 7;
@@ -51,7 +51,7 @@ class RawLoad {
     if (!stream_->Read(&response)) return std::nullopt;
     return response;
   }
-  // Returns when the server has taken what was sent: it tells of that when half a second is over.
+  // Returns when the server has received the messages: it reports that after half a second.
   void WaitUntilReceived() {
     absl::SleepFor(absl::Milliseconds(600));
     ASSERT_TRUE(Send());
@@ -60,7 +60,7 @@ class RawLoad {
     EXPECT_EQ(response->stage(), Response::RECEIVING);
   }
   void HalfClose() { stream_->WritesDone(); }
-  // How it ends; what it sends until then goes to responses().
+  // Reads to the end and returns the status; messages before it go to responses().
   absl::Status Finish() {
     while (auto response = Receive()) responses_.push_back(*response);
     return codec::FromGrpcStatus(stream_->Finish());
@@ -92,7 +92,7 @@ class LoadTest : public ServerFixture {
     config.keepalive_timeout = absl::Milliseconds(500);
     StartWithMesh(config);
   }
-  // Nothing has changed, and whatever a load held is given back: all there is can be had again.
+  // Nothing has changed, and all reservations of the loads are released.
   void ExpectUntouched() {
     EXPECT_EQ(HeadOf().revision, 0u);
     for (int i = 0; i < 1000; ++i) {
@@ -244,7 +244,7 @@ TEST_F(LoadTest, ABadFeatureInTheMiddleIsNamedAndNothingChanges) {
   ExpectUntouched();
 }
 
-// What only validation finds, by its place in the message that brought it.
+// Faults found by validation, by their position in the message.
 TEST_F(LoadTest, ErrorsNameTheColumnAndTheMessage) {
   StartSmall();
   for (const bool in_columns : {true, false}) {
@@ -346,7 +346,8 @@ TEST_F(LoadTest, CancelledInTheMiddleOrWhileItRunsChangesNothing) {
     load.context().TryCancel();
     EXPECT_EQ(load.Finish().code(), StatusCode::kCancelled);
   }
-  // The client is not told when the server knows: then it ends without being let through.
+  // The client cannot see when the server handles the cancellation. After that the load ends while
+  // the gate is still closed, and Locate runs.
   Mailbox<int> turn;
   ASSERT_TRUE(Host()->Locate({}, nullptr, [&](auto) { turn.Put(0); }).ok());
   turn.Take();
@@ -388,7 +389,7 @@ TEST_F(LoadTest, AHalfOpenLoadHoldsNothingForLong) {
   v1::LoadFeaturesRequest piece;
   piece.set_mesh("meshes/m");
   for (const Feature& f : Points(1, 90)) codec::EncodePointRow(f, 2, piece.mutable_points());
-  // Asking takes room too: what comes meanwhile has none.
+  // The test's own query reserves edits, too: a load that arrives meanwhile is refused.
   std::optional<test::RawConnection> half_open;
   ASSERT_TRUE(Eventually([&] {
     if (client_->Load("m", Points(1, 90), AtRevision7()).status().code() ==

@@ -64,7 +64,7 @@ TEST(SerialQueue, RestsWhenNoTaskWaitsAndAfterATurn) {
   EXPECT_EQ(rested.Take(), "abc");
   EXPECT_EQ(rested.Take(), "defg");
   EXPECT_EQ(rested.Take(), "hij");
-  // What comes while it runs is not left lying.
+  // A task posted meanwhile still runs.
   const auto other = SerialQueue::Create(&pool, turn);
   other->OnRest(rest);
   other->Post([&] {

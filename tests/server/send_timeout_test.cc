@@ -1,5 +1,5 @@
-// Calls whose client takes what is sent to it slowly or not at all, over loopback, with fake meshes
-// far larger than what gRPC has of a call on the way.
+// Calls with a client that reads slowly or not at all, over loopback, with fake meshes far larger
+// than gRPC's buffers of a call.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ class SendTimeoutTest : public ServerFixture {
     }
     ExpectEnded(reader.Finish());
   }
-  // What `start` opens is not read: `given_up` waits until what it held is free.
+  // Does not read the stream that `start` opens; `given_up` waits until its lease is free.
   template <typename Message, typename Request, typename Start, typename GivenUp>
   void ExpectEndsUnread(Start start, GivenUp given_up) {
     StartLarge(absl::Milliseconds(300));
@@ -125,7 +125,7 @@ TEST_F(SendTimeoutTest, WhoReadsSlowlyGetsAll) {
   v1::GetSnapshotRequest request;
   request.set_mesh("meshes/m");
   bool steady = false;
-  // Again if this machine kept the reader from reading in time.
+  // Repeated if the machine delayed the reader too much.
   for (int i = 0; i < 10 && !steady; ++i) {
     grpc::ClientContext context;
     const auto reader = stub_->GetSnapshot(&context, request);
@@ -162,7 +162,7 @@ TEST_F(SendTimeoutTest, ZeroIsNever) {
   const auto reader = stub_->GetSnapshot(&context, request);
   v1::SnapshotChunk chunk;
   ASSERT_TRUE(reader->Read(&chunk));
-  absl::SleepFor(absl::Milliseconds(300));  // three looks at the clock
+  absl::SleepFor(absl::Milliseconds(300));  // three ticks
   while (reader->Read(&chunk)) {
   }
   EXPECT_TRUE(reader->Finish().ok());

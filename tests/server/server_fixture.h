@@ -42,7 +42,7 @@ class ServerFixture : public ::testing::Test {
     client_ = client::MeshClient::Connect(server_->address());
     stub_ = v1::MeshService::NewStub(Channel());
   }
-  // Asks for up to 20 seconds.
+  // Polls for up to 20 seconds.
   template <typename Condition>
   static bool Eventually(const Condition& condition) {
     for (int i = 0; i < 1000; ++i) {
@@ -88,7 +88,7 @@ class ServerFixture : public ::testing::Test {
     }
     return std::string(reinterpret_cast<const char*>(whole.begin()), whole.size());
   }
-  // 1 SERVING, 2 NOT_SERVING, as grpc.health.v1 numbers them; 0 if it cannot be asked.
+  // 1 SERVING, 2 NOT_SERVING, as grpc.health.v1 numbers them; 0 if the query fails.
   int Health(const std::string& service) {
     grpc::Status status;
     std::string request;

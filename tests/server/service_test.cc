@@ -1,4 +1,4 @@
-// The RPCs over loopback, with fake meshes: what they answer and what they refuse.
+// The RPCs over loopback, with fake meshes: answers and refusals.
 #include <google/protobuf/descriptor.h>
 #include <gtest/gtest.h>
 
@@ -68,12 +68,13 @@ TEST_F(ServiceTest, CreateIsIdempotentByRequestIdOnly) {
   EXPECT_EQ(ReasonOf(client_->CreateMesh("", other, "c1").status()),
             codec::reason::kRequestIdReused);
   EXPECT_EQ(ReasonOf(client_->CreateMesh(first->id, {}).status()), codec::reason::kMeshExists);
-  // With its mesh the request is forgotten.
+  // Deleting the mesh also forgets the request.
   ASSERT_TRUE(client_->DeleteMesh(first->id).ok());
   EXPECT_TRUE(client_->CreateMesh("", other, "c1").ok());
 }
 
-// Another may have made its mesh with the same request_id: nobody is told of that one.
+// Another client may have made its mesh with the same request_id: this client does not get that
+// one.
 TEST_F(ServiceTest, ARequestIdIsOfTheMeshThatItNames) {
   StartServer();
   ASSERT_TRUE(client_->CreateMesh("secret", {}, "create-1").ok());
@@ -102,7 +103,7 @@ TEST_F(ServiceTest, BadOptionsAreNamed) {
   bad.limits.max_vertices = ~std::uint64_t{0};
   const absl::Status status = client_->CreateMesh("m", bad).status();
   EXPECT_EQ(codec::GetServiceError(status)->field, "options.max_vertices");
-  // One whose corners were left out; a line may be meant.
+  // A box without corners; a line may be intended.
   bad = MeshOptions();
   bad.box.hi = bad.box.lo;
   const absl::Status nowhere = client_->CreateMesh("m", bad).status();
@@ -350,7 +351,7 @@ TEST_F(ServiceTest, HealthAndReflectionAnswer) {
   EXPECT_NE(reply.find("grpc.health.v1.Health"), std::string::npos);
 }
 
-// Bytes that are no request are the caller's fault, and said to be.
+// Invalid request bytes are reported as the caller's fault.
 TEST_F(ServiceTest, MessagesThatCannotBeReadAreRefusedWithAText) {
   StartWithMesh();
   const auto* service = v1::GetMeshRequest::descriptor()->file()->FindServiceByName("MeshService");
@@ -373,7 +374,7 @@ TEST_F(ServiceTest, MessagesThatCannotBeReadAreRefusedWithAText) {
     }
   }
   grpc::Status status;
-  // What a newer client may say is no fault.
+  // Unknown fields of a newer client are not a fault.
   CallBytes("/dynmesh.v1.MeshService/GetMesh",
             "\x0a\x08meshes/m\x9a\x06\x01"
             "a",
@@ -386,7 +387,7 @@ TEST_F(ServiceTest, MessagesThatCannotBeReadAreRefusedWithAText) {
   EXPECT_EQ(HeadOf().revision, 0u);
 }
 
-// Unlike the end of the stream, for which gRPC takes it.
+// gRPC takes it for the end of the stream; the server distinguishes both.
 TEST_F(ServiceTest, AMessageThatCannotBeReadEndsAStreamWithAnError) {
   StartWithMesh();
   grpc::GenericStub generic(Channel());
@@ -413,7 +414,7 @@ TEST_F(ServiceTest, AMessageThatCannotBeReadEndsAStreamWithAnError) {
   send("\xff\xff\xff");
   grpc::ByteBuffer answer;
   call->Read(&answer, nullptr);
-  EXPECT_TRUE(wait());  // what came before it is answered
+  EXPECT_TRUE(wait());  // earlier batches are answered
   call->Read(&answer, nullptr);
   EXPECT_FALSE(wait());
   grpc::Status status;
@@ -432,7 +433,7 @@ TEST_F(ServiceTest, AnEditPastItsDeadlineIsUndone) {
   hurried.timeout = absl::Milliseconds(50);
   const auto client = client::MeshClient::Connect(server_->address(), hurried);
   EXPECT_EQ(client->Apply("m", {AddPoint(1)}).status().code(), StatusCode::kDeadlineExceeded);
-  // The gate still holds: the edit can only end because it was cancelled.
+  // The gate still holds: the edit can only end by the cancellation.
   Mailbox<int> turn;
   ASSERT_TRUE(Host()->Locate({}, nullptr, [&](auto) { turn.Put(0); }).ok());
   turn.Take();
@@ -476,7 +477,7 @@ TEST_F(ServiceTest, CancelledCallsGiveUpTheirPlacesWhileTheirMeshIsBusy) {
   gate_->WaitForArrivals(1);
   for (FeatureId id = 2; id <= 4; ++id) codec::EncodeEdit(AddPoint(id), 2, request.add_edits());
 
-  // A call, a stream and a load of which each holds much; and a query.
+  // A call, a stream and a load that reserve much each; and a query.
   grpc::ClientContext call_context, stream_context, load_context, locate_context;
   const auto call = stub_->ApplyEdits(&call_context, request);
   const auto stream = stub_->EditStream(&stream_context);
@@ -508,7 +509,7 @@ TEST_F(ServiceTest, CancelledCallsGiveUpTheirPlacesWhileTheirMeshIsBusy) {
   }
   EXPECT_EQ(located.Take().error_code(), grpc::StatusCode::CANCELLED);
   EXPECT_TRUE(Eventually([&] { return Host()->waiting() == 0; }));
-  // All but the one edit that is under way can be had for another mesh.
+  // All except the one running edit can be used for another mesh.
   EXPECT_TRUE(Eventually([&] { return client_->Apply("n", nine, dry).ok(); }));
   EXPECT_EQ(HeadOf().revision, 0u);
   gate_->Release();

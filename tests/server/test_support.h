@@ -1,4 +1,4 @@
-// Shorthands of the server's tests.
+// Helpers of the server's tests.
 #ifndef DYNMESH_TESTS_SERVER_TEST_SUPPORT_H_
 #define DYNMESH_TESTS_SERVER_TEST_SUPPORT_H_
 
@@ -33,7 +33,7 @@ inline Edit AddPoint(FeatureId id) {
                                   0.5 + 0.25 / (1.0 + static_cast<double>(id))));
 }
 
-// Of the fake mesh that those points make.
+// The fake mesh of those points.
 inline MeshHash HashOfFake(const std::vector<FeatureId>& points) {
   const auto mesh = *MakeFake(MeshOptions());
   EditBatch batch;
@@ -79,7 +79,7 @@ class HostFixture : public ::testing::Test {
                             &readers_, options);
   }
 
-  // Hands a job in; its outcome goes to `box`.
+  // Submits a job; its outcome goes to `box`.
   static absl::Status Submit(MeshHost& host, EditJob job, Mailbox<Result>& box) {
     job.done = [&box](Result outcome) { box.Put(std::move(outcome)); };
     return host.Apply(std::move(job));

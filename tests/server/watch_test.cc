@@ -1,4 +1,4 @@
-// Watch over loopback, with fake meshes: following, falling behind, leaving, many at once.
+// Watch over loopback, with fake meshes: following, lagging, cancelling, many at once.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -133,7 +133,7 @@ TEST_F(WatchTest, AWatchOfRegionsEndsEqualToAnExportOfThem) {
   EXPECT_EQ(watch->resyncs(), 0);
 }
 
-// What a client that takes nothing leaves in the server is some of them.
+// A client that reads nothing leaves a few of these in the server.
 TEST_F(WatchTest, MessagesAreSmallHoweverLargeTheMesh) {
   StartWithMesh();
   const auto many = [](FeatureId from) {
@@ -255,7 +255,7 @@ TEST_F(WatchTest, WatchersThatLeaveAreForgotten) {
       ASSERT_TRUE(watch->WaitFor([](const auto& r) { return r.has_mesh(); }, kLong));
     }
   }
-  // The server hears of it a little later: of the places first, of the calls then.
+  // The server notices it a little later: the places are released first, the calls then.
   const absl::Time deadline = absl::Now() + kLong;
   while (client_->GetStats()->watchers > 0 && absl::Now() < deadline) std::this_thread::yield();
   EXPECT_EQ(client_->GetStats()->watchers, 0u);

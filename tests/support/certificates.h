@@ -19,7 +19,7 @@ inline std::string ReadAll(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-// Complete or as before, as whoever replaces such a file should do it.
+// Atomic: complete or as before, as an operator should replace such a file.
 inline void WriteAtOnce(const std::string& path, const std::string& text) {
   std::ofstream(path + ".new", std::ios::binary) << text;
   std::filesystem::rename(path + ".new", path);
@@ -31,7 +31,7 @@ class Certificates {
   std::string Certificate(const std::string& name) const { return ReadAll(Path(name + ".pem")); }
   std::string Key(const std::string& name) const { return ReadAll(Path(name + ".key")); }
 
-  // NAME.pem and NAME.key, signed by itself.
+  // NAME.pem and NAME.key, self-signed.
   void MakeAuthority(const std::string& name) {
     Run("openssl req -x509 " + NewKey(name) + " -days 2 -out " + name + ".pem");
   }

@@ -1,4 +1,4 @@
-// Input that a client can make that knows the hashes: they are fixed, public and invertible.
+// Input that a client can make with knowledge of the hashes: they are fixed, public and invertible.
 // Ids of vertices and of sets of polygons: core/data/hash.cc; priorities: geometry::HashOf.
 #ifndef DYNMESH_TESTS_SUPPORT_CRAFTED_H_
 #define DYNMESH_TESTS_SUPPORT_CRAFTED_H_
@@ -48,8 +48,8 @@ inline std::uint64_t KeyOfVertexIds(std::uint64_t salt) {
   return Mix(0xa0761d6478bd642fULL ^ salt);
 }
 
-// A place in the middle half of the unit square or cube whose folded coordinates, from `key`, are
-// what `wanted` says; it is asked again and again.
+// A point in the middle half of the unit square or cube with folded coordinates, from `key`, that
+// equal the result of `wanted`, which is called repeatedly.
 template <int D>
 std::array<double, D> PlaceOfHash(std::uint64_t key, const std::function<std::uint64_t()>& wanted,
                                   std::mt19937_64& random) {

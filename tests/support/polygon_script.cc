@@ -271,7 +271,7 @@ void PolygonScript::BreakARule(std::size_t k, const Present& present, EditBatch&
   const Home& home = homes_[k];
   const auto corner =
       static_cast<std::size_t>(random_.Below(static_cast<int>(home.solid.corners.size())));
-  // One that no face needed may be gone.
+  // A face that is no longer needed may be removed.
   const auto place_of = [&](std::size_t i) -> Place {
     const auto it = present.find(PointId(k, i));
     return it != present.end() ? it->second.position : PlacesOf(home)[i];
@@ -320,7 +320,7 @@ void PolygonScript::EditSolid(std::size_t k, const Present& present, EditBatch& 
   BreakARule(k, present, batch);
 }
 
-// A point or a size without a home.
+// A point or a size that belongs to no solid.
 void PolygonScript::EditFree(const Present& present, EditBatch& batch) {
   std::vector<const Feature*> free;
   for (auto it = present.lower_bound(1'000'000); it != present.end(); ++it) {

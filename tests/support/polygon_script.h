@@ -1,10 +1,11 @@
-// Random scripts in space with polygons: solids that polygons bound, plates with holes and single
-// segments come and go, turn, grow and move as a whole, so that faces stay plane; they lose faces
-// and get them back, and faces get other rings. Free points and sizing features among them.
+// Random scripts in 3D with polygons: solids bounded by polygons, plates with holes and single
+// segments are added and removed, turn, grow and move as a whole, so that faces stay planar; they
+// lose faces and get them back, and faces get other rings. Free points and sizing features among
+// them.
 //
-// Each solid has a home with room for it to turn in; where it is now is told from the features
-// present, so a refused batch is no trouble. Now and then a batch is proposed that has to be
-// refused. Deterministic for a seed.
+// Each solid has a home with room for it to turn in. Its present position is derived from the
+// present features, so a refused batch causes no inconsistency. Now and then it proposes a batch
+// that must be refused. Deterministic for a seed.
 #ifndef DYNMESH_TESTS_SUPPORT_POLYGON_SCRIPT_H_
 #define DYNMESH_TESTS_SUPPORT_POLYGON_SCRIPT_H_
 
@@ -34,7 +35,7 @@ inline constexpr PolygonKind kPolygonKinds[] = {PolygonKind::kNestedBoxes, Polyg
                                                 PolygonKind::kSticks,      PolygonKind::kMixture};
 std::string NameOf(PolygonKind kind);
 
-// Corners about the origin, within a ball of radius 1; points are told by their numbers.
+// Corners about the origin, within a ball of radius 1; points are identified by their numbers.
 struct Solid {
   using Place = std::array<double, 3>;
 

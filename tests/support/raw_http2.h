@@ -1,5 +1,5 @@
 // HTTP/2 by hand, for tests that do what no client library would: stop reading, stop answering,
-// lie about lengths. One connection to 127.0.0.1.
+// send wrong lengths. One connection to 127.0.0.1.
 #ifndef DYNMESH_TESTS_SUPPORT_RAW_HTTP2_H_
 #define DYNMESH_TESTS_SUPPORT_RAW_HTTP2_H_
 
@@ -37,7 +37,7 @@ class RawConnection {
     socket_ = -1;
   }
 
-  // False when the server has closed. Waits for nothing.
+  // False after the server has closed. Does not block.
   bool Send(const std::string& bytes) {
     std::size_t sent = 0;
     while (sent < bytes.size()) {
@@ -81,7 +81,7 @@ class RawConnection {
     return poll(&wait, 1, milliseconds) > 0;
   }
 
-  // The connection's first words.
+  // The connection preface.
   bool Greet() { return Send("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + Frame(4, 0, 0, "")); }
   // Begins a call of the service.
   bool Call(std::uint32_t stream, const std::string& method) {

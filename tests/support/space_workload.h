@@ -1,4 +1,4 @@
-// Random inputs of space (workload.h).
+// Random 3D inputs (workload.h).
 #ifndef DYNMESH_TESTS_SUPPORT_SPACE_WORKLOAD_H_
 #define DYNMESH_TESTS_SUPPORT_SPACE_WORKLOAD_H_
 
@@ -8,7 +8,7 @@
 
 namespace dynmesh::test {
 
-// MakeFeatures for a distribution of space.
+// MakeFeatures for a 3D distribution.
 std::vector<Feature> MakeSpaceFeatures(Distribution d, int n, std::uint64_t seed);
 
 }  // namespace dynmesh::test

@@ -157,9 +157,9 @@ std::vector<Feature> Sized(int n, Random& random) {
   return features;
 }
 
-// Rectangles of cells of a crooked grid, whose edges are those of the grid: they share
-// some, lie in each other, touch; some have a hole, some a second part. Segment features on
-// some edges of the grid, and regions of such rings that are to be finer.
+// Rectangles of cells of a crooked grid, with edges of the grid as their edges: they share some,
+// are nested, touch; some have a hole, some a second part. Segment features on some edges of the
+// grid, and sizing regions with such rings.
 std::vector<Feature> Polygons(int n, Random& random) {
   std::vector<Feature> features;
   const int side = std::max(3, static_cast<int>(std::sqrt(n)) - 1);

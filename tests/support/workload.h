@@ -1,7 +1,7 @@
-// Random inputs and edit scripts for tests: every distribution on which the promises
-// are tested. Deterministic for a seed, on every machine (own mapping from random bits
-// to numbers; no libm but sqrt and the trigonometric functions, whose last bits do not
-// matter to a test).
+// Random inputs and edit scripts for tests: every distribution on which the guarantees are tested.
+// Deterministic for a seed, on every machine (own mapping from random bits to numbers; no libm
+// except sqrt and the trigonometric functions, which differ only in last bits that do not matter to
+// a test).
 #ifndef DYNMESH_TESTS_SUPPORT_WORKLOAD_H_
 #define DYNMESH_TESTS_SUPPORT_WORKLOAD_H_
 
@@ -30,7 +30,7 @@ enum class Distribution {
   kWedges,          // fans of segments at angles down to 0.002 degrees, some acute at both ends
   kSized,           // a few points and segments among sizing features of all shapes
   kPolygons,        // polygons that share edges, lie in each other, have holes; some sizing
-  // Of space.
+  // 3D.
   kSpaceUniform,
   kSpaceClustered,
   kSpaceGrid,  // cospherical everywhere
@@ -42,7 +42,7 @@ enum class Distribution {
   kSpaceSized,       // a few points and segments among sizing features of all shapes
   kSkewGridEdges,    // segments that meet at 60 to 90 degrees
 };
-inline constexpr Distribution kAllDistributions[] = {  // of the plane
+inline constexpr Distribution kAllDistributions[] = {  // 2D
     Distribution::kUniform,   Distribution::kClustered,    Distribution::kCircle,
     Distribution::kGrid,      Distribution::kLine,         Distribution::kDyadicLine,
     Distribution::kTwoScale,  Distribution::kSegmentsAxis, Distribution::kSegmentsTurned,

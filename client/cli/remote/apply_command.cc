@@ -1,6 +1,6 @@
-// dynmesh apply MESH SCRIPT --server ADDR: an edit script to a server, one revision a
-// batch. Batches are pipelined and their diffs stream back; with --one-by-one each
-// waits for the one before, and the time it takes is that of a whole round trip.
+// dynmesh apply MESH SCRIPT --server ADDR: sends an edit script to a server, one revision per
+// batch. Batches are pipelined and their diffs stream back. With --one-by-one each waits for the
+// previous one, and the measured time is a whole round trip.
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -39,7 +39,7 @@ double Microseconds(Clock::duration d) {
   return std::chrono::duration<double, std::micro>(d).count();
 }
 
-// What a script's first line can say of a mesh.
+// True if the options that a script's first line can set agree.
 bool SameMesh(const MeshOptions& a, const MeshOptions& b) {
   return io::FormatMeshLine(a) == io::FormatMeshLine(b);
 }
@@ -61,8 +61,8 @@ class Application {
   }
 
  private:
-  // A script without a first line has places of as many coordinates as the mesh has dimensions,
-  // so that is asked for first. With --create a bad script makes no mesh.
+  // A script without a first line has as many coordinates per point as the mesh has dimensions, so
+  // the mesh is queried first. With --create, a bad script makes no mesh.
   absl::Status ReadScript() {
     io::ScriptParseOptions parse;
     parse.require_header = command_.create;
@@ -80,7 +80,7 @@ class Application {
   absl::Status PrepareMesh() {
     const MeshOptions wanted = script_.Options();
     if (command_.create) {
-      // The server would refuse it, too, but knows no line.
+      // The server would refuse it, too, but without the line.
       if (absl::Status s = ValidateOptions(wanted); !s.ok()) {
         return NameOption(s, MeshFlags(),
                           [this](std::string_view option) { return script_.WhereOption(option); });
@@ -127,9 +127,9 @@ class Application {
     const auto session = client_->OpenEdits(command_.id, /*stop_on_error=*/true);
     std::thread sender([&] {
       for (std::size_t b = 0; b < script_.batches.size(); ++b) {
-        if (!session->Send(script_.batches[b].edits, Params(b)).ok()) return;  // Receive tells
+        if (!session->Send(script_.batches[b].edits, Params(b)).ok()) return;  // Receive reports it
       }
-      // If that fails, Finish tells why.
+      // If that fails, Finish reports why.
       static_cast<void>(session->DoneSending());
     });
     absl::Status status;
@@ -164,7 +164,7 @@ class Application {
     return absl::UnavailableError("cannot write to standard output");
   }
 
-  // A refused batch, at the line of the edit to blame.
+  // The error of a refused batch, at the line of the edit to blame.
   absl::Status AtLine(std::size_t batch, const absl::Status& status) const {
     const auto error = codec::GetServiceError(status);
     std::optional<std::size_t> edit;
@@ -212,7 +212,7 @@ class Application {
   std::uint64_t edits_ = 0;
   std::uint64_t replayed_ = 0;
   MeshHash hash_;
-  // Where results go to the same terminal, their lines are progress enough.
+  // If results go to the same terminal, their lines show the progress.
   ProgressBar progress_{ErrorIsTerminal() && (command_.quiet || !OutIsTerminal())};
 };
 

@@ -17,7 +17,7 @@ namespace dynmesh::cli {
 
 namespace {
 
-// Nothing, if no file was given.
+// Leaves `text` unchanged if no file was given.
 absl::Status ReadFlagFile(const char* flag, const std::string& path, std::string* text) {
   if (path.empty()) return absl::OkStatus();
   std::ifstream in(path, std::ios::binary);
@@ -27,7 +27,7 @@ absl::Status ReadFlagFile(const char* flag, const std::string& path, std::string
       absl::StrFormat("%s: %s cannot be read, or is empty", flag, path));
 }
 
-// What HTTP/2 would not take as a header ends the process that sends it.
+// A character that HTTP/2 forbids in a header would abort the process.
 absl::Status CheckToken(const std::string& token) {
   const bool good =
       std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c < 0x7f; });

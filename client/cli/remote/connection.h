@@ -1,4 +1,4 @@
-// What the remote commands share: where the server is, how meshes are shown.
+// Shared by the remote commands: connecting, and printing meshes.
 #ifndef DYNMESH_CLIENT_CLI_REMOTE_CONNECTION_H_
 #define DYNMESH_CLIENT_CLI_REMOTE_CONNECTION_H_
 
@@ -16,7 +16,7 @@ namespace dynmesh::cli {
 
 struct ServerFlags {
   std::string address = "127.0.0.1:7878";
-  double timeout_seconds = 0;  // none
+  double timeout_seconds = 0;  // 0: none
   bool json = false;
   std::string tls_ca;
   std::string tls_certificate;
@@ -27,11 +27,11 @@ struct ServerFlags {
 // --server --timeout --json --tls-ca --tls-cert --tls-key --token-file
 void AddServerFlags(CLI::App& command, ServerFlags& flags);
 
-// --region, as ParseRegionFlag reads it. A server wants to know the polygons, not `any`.
+// Parses --region, as ParseRegionFlag. A server needs the polygons' ids: `any` is refused.
 absl::StatusOr<data::RegionChoice> ParseServerRegionFlag(const std::string& text);
 
-// With the token of --token-file, else of the environment's DYNMESH_TOKEN. Fails where a file
-// cannot be read, not where nobody listens.
+// Connects with the token of --token-file, else of the environment's DYNMESH_TOKEN. Fails if a file
+// is unreadable, but not if the server is unreachable.
 absl::StatusOr<std::unique_ptr<client::MeshClient>> Connect(const ServerFlags& flags);
 
 // One line for a mesh, as text or JSON.
@@ -39,7 +39,7 @@ std::string MeshLine(const client::MeshInfo& mesh, bool json);
 // One line for a revision.
 std::string DiffLine(const MeshDiff& diff, const char* event, bool json);
 
-// Prints, or says that standard output is gone. The exit code.
+// Prints, or reports that standard output failed. Returns the exit code.
 int Print(const std::string& text);
 
 }  // namespace dynmesh::cli

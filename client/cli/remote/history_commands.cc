@@ -1,4 +1,4 @@
-// dynmesh features|revert --server ADDR: what was put into a mesh, and going back to it.
+// dynmesh features|revert --server ADDR: shows a mesh's features, and reverts to a revision.
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -21,7 +21,7 @@ struct FeaturesCommand {
   std::string output;
 };
 
-// What `replay` makes the same mesh of.
+// A script from which `replay` makes the same mesh.
 std::string ScriptOf(const codec::FeaturesAt& found, const MeshOptions& options) {
   std::string text = absl::StrCat(io::FormatMeshLine(options), "\n");
   for (const Feature& feature : found.features) {

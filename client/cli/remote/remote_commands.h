@@ -1,6 +1,6 @@
-// The commands of `dynmesh` that talk to a server: create, list, delete, apply, load, watch,
-// export, features, revert, stats; and token, which makes what a server knows a client by. Each is
-// registered as those of command.h are.
+// The commands of `dynmesh` for servers: create, list, delete, apply, load, watch, export,
+// features, revert, stats; and token, which makes a client's token. They are registered like those
+// of command.h.
 #ifndef DYNMESH_CLIENT_CLI_REMOTE_REMOTE_COMMANDS_H_
 #define DYNMESH_CLIENT_CLI_REMOTE_REMOTE_COMMANDS_H_
 

@@ -1,5 +1,5 @@
-// dynmesh stats [MESH] --server ADDR: figures of a server and of a mesh; dynmesh stats
-// MESHFILE: of a file, in process. With --watch again and again (stats_watch.h).
+// dynmesh stats [MESH] --server ADDR: figures of a server and of a mesh; dynmesh stats MESHFILE: of
+// a file, in process. With --watch repeatedly (stats_watch.h).
 #include <memory>
 #include <string>
 
@@ -18,7 +18,7 @@ struct StatsCommand {
   std::string mesh;  // an id or a file
   ServerFlags server;
   FileStatsFlags file;
-  CLI::Option* watch = nullptr;  // its text is the seconds, which may be missing
+  CLI::Option* watch = nullptr;  // its text is the seconds, which are optional
   std::string watch_seconds;
   std::uint64_t count = 0;
 };

@@ -18,17 +18,17 @@
 namespace dynmesh::cli {
 namespace {
 
-// A request that hangs would keep a signal from being looked at.
+// A request that hangs would delay the handling of a signal.
 constexpr double kTimeoutSeconds = 10;
 
 struct Row {
   std::string mesh;
   client::MeshStatus status;
-  double rate = std::numeric_limits<double>::quiet_NaN();  // revisions a second; at first unknown
+  double rate = std::numeric_limits<double>::quiet_NaN();  // revisions per second; unknown at first
 };
 
-// Takes SIGINT and SIGTERM in turn with the work, while it exists. Made before any other thread,
-// which would be interrupted in its place.
+// Blocks SIGINT and SIGTERM during its lifetime, so that the loop polls for them. To be made before
+// any other thread, which would otherwise get the signals.
 class SignalsInTurn {
  public:
   SignalsInTurn() {
@@ -39,7 +39,7 @@ class SignalsInTurn {
   }
   ~SignalsInTurn() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
-  // True if one came before that time.
+  // True if a signal came before `time`.
   bool WaitUntil(absl::Time time) const {
     while (true) {
       const timespec left = absl::ToTimespec(std::max(absl::ZeroDuration(), time - absl::Now()));
@@ -53,7 +53,7 @@ class SignalsInTurn {
   sigset_t before_;
 };
 
-// The meshes' figures, again and again; remembers what rates are made of.
+// The meshes' figures, refreshed repeatedly, with the previous ones for the rates.
 class Figures {
  public:
   Figures(client::MeshClient& client, std::string mesh) : client_(client), only_(std::move(mesh)) {}
@@ -72,12 +72,12 @@ class Figures {
     std::map<std::string, Seen> seen;
     for (const std::string& id : ids) {
       const auto status = client_.GetStats(id);
-      // One of a list may have been deleted since.
+      // A listed mesh may have been deleted since.
       if (only_.empty() && absl::IsNotFound(status.status())) continue;
       if (!status.ok()) return status.status();
       Row row{id, *status->mesh};
       const Seen now{row.status.stats.revision, absl::Now()};
-      // A mesh that was deleted and made anew begins anew.
+      // A mesh that was deleted and made again restarts.
       if (const auto it = seen_.find(id);
           it != seen_.end() && it->second.revision <= now.revision) {
         row.rate = static_cast<double>(now.revision - it->second.revision) /
@@ -156,7 +156,7 @@ int RunStatsWatch(const std::string& mesh, const StatsWatch& watch, const Server
     if (!rows.ok()) return ReportError(rows.status());
     std::string text = server.json ? Line(*rows) : Table(*rows);
     if (!server.json) {
-      // On a terminal from its top, cleared; else one table after the other.
+      // On a terminal redraws from the top; else prints one table after the other.
       text.insert(0, terminal ? "\033[H\033[2J" : i > 0 ? "\n" : "");
     }
     if (const int code = Print(text); code != kExitDone) return code;

@@ -1,4 +1,4 @@
-// dynmesh stats --watch: a table of a server's meshes that is made anew every few seconds.
+// dynmesh stats --watch: a table of a server's meshes, refreshed every few seconds.
 #ifndef DYNMESH_CLIENT_CLI_REMOTE_STATS_WATCH_H_
 #define DYNMESH_CLIENT_CLI_REMOTE_STATS_WATCH_H_
 
@@ -12,10 +12,10 @@ namespace dynmesh::cli {
 
 struct StatsWatch {
   absl::Duration interval = absl::Seconds(2);
-  std::uint64_t count = 0;  // refreshes; 0: until SIGINT or SIGTERM
+  std::uint64_t count = 0;  // number of refreshes; 0: until SIGINT or SIGTERM
 };
 
-// Of one mesh, or of all if `mesh` is empty. Returns the exit code; a signal is a good end.
+// Shows one mesh, or all if `mesh` is empty. Returns the exit code; a signal ends with success.
 int RunStatsWatch(const std::string& mesh, const StatsWatch& watch, const ServerFlags& server);
 
 }  // namespace dynmesh::cli

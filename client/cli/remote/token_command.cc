@@ -1,4 +1,4 @@
-// dynmesh token: a new bearer token and the line by which a server knows it.
+// dynmesh token: makes a new bearer token, and its line for the server's token file.
 #include <memory>
 #include <string>
 
@@ -24,7 +24,7 @@ int Run(const TokenCommand& command) {
   if (command.json) {
     return Print(JsonObject().AddText("token", token).AddText("sha256", hash).ToLine());
   }
-  // The token alone on its line, so that it can be cut into a file.
+  // The token is alone on its line, so that it can be cut into a file.
   return Print(absl::StrFormat("%s\n# for the server's file of tokens:\n%s %s %s=%s\n", token,
                                command.name, hash, command.role, command.meshes));
 }

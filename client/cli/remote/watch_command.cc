@@ -1,5 +1,5 @@
-// dynmesh watch MESH --server ADDR: follows a mesh in a replica that checks every step,
-// one line an event, until a revision or for ever.
+// dynmesh watch MESH --server ADDR: follows a mesh in a replica that verifies every step. Prints
+// one line per event, until a revision or indefinitely.
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -27,8 +27,8 @@ struct WatchCommand {
   bool progress = false;
 };
 
-// Prints what happens; done when the revision asked for is there, when nothing can be
-// printed, or when the watch ends.
+// Prints the events. Done when the requested revision is reached, when output fails, or when the
+// watch ends.
 class Printer final : public client::WatchListener {
  public:
   Printer(const WatchCommand& command, const data::RegionChoice& region)
@@ -50,7 +50,7 @@ class Printer final : public client::WatchListener {
 
   const Mesh& mesh() const { return mesh_; }  // after Wait returned OK
 
-  // How it ended: OK if the revision was reached.
+  // Blocks until done. OK if the revision was reached.
   absl::Status Wait() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return result_.has_value(); });
@@ -79,7 +79,7 @@ class Printer final : public client::WatchListener {
     if (finished()) return;
     if (!PrintOut(line)) Finish(absl::UnavailableError("cannot write to standard output"));
     if (command_.until.has_value() && replica.revision() >= *command_.until) {
-      // The mesh goes on; what is written is what was asked for.
+      // The mesh may change further; the output is of the requested revision.
       if (!command_.output.paths.empty()) mesh_ = data::OnlyInside(replica.ToMesh(), region_);
       Finish(absl::OkStatus());
     }
@@ -113,7 +113,7 @@ int Run(const WatchCommand& command) {
   const auto connection = Connect(command.server);
   if (!connection.ok()) return ReportError(connection.status());
   client::MeshClient* const client = connection->get();
-  // Asked first, so that a wrong address or name is an error and not waited for.
+  // Queried first, so that a wrong address or name is an error at once.
   const auto info = client->GetMesh(command.id);
   if (!info.ok()) return ReportError(info.status());
   if (auto status = CheckOutputsOf(info->options.dimension, command.output); !status.ok()) {

@@ -7,9 +7,9 @@
         diff = mesh.apply(add_points={1: (1, 2)}, move_points={7: (4, 4)})
         u = diff.transfer(u)                            # kind="P1"; "P0", "DG1", "overlap"
 
-A mesh is a set of numpy arrays with *stable slots*: a vertex or cell keeps its row for as long as it
-lives, so an array of a program needs no renumbering. Rows that are free have id 0 (vertices) and
-corners -1 (cells). `Mesh.compact()` gives a numbering without gaps.
+A mesh is a set of numpy arrays with *stable slots*: a vertex or cell keeps its row while it exists,
+so a program's arrays need no renumbering. Free rows have id 0 (vertices) or corners -1 (cells).
+`Mesh.compact()` gives a numbering without gaps.
 """
 from __future__ import annotations
 

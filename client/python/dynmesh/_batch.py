@@ -1,4 +1,4 @@
-"""Edits as keyword arguments, into a batch of the extension module."""
+"""Converts edits from keyword arguments to a batch of the extension module."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
@@ -101,7 +101,7 @@ _ACTIONS["remove"] = (_remove, "")
 
 
 def make(dimension: int, edits: Mapping[str, Any]) -> Any:
-    """The batch of `edits`, which act in their order."""
+    """A batch of `edits`, applied in their order."""
     batch = _core.Batch(dimension)
     for name, value in edits.items():
         if name not in _ACTIONS:

@@ -1,4 +1,4 @@
-"""What an edit did to a mesh, and fields across it."""
+"""The change of a mesh by an edit, and the transfer of fields across it."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -19,25 +19,25 @@ Kind = Union[str, Callable[[Array, "Pieces"], Array]]
 
 @dataclass(frozen=True)
 class Patch:
-    """What changed, in slots. Rows are in the order of ids: a function of the two meshes."""
+    """The changed slots. Rows are in the order of ids: a function of the two meshes."""
 
     from_revision: int  #: The revision before.
     to_revision: int  #: The revision after.
-    removed_vertices: Array  #: Slots that are free now.
-    added_vertices: Array  #: Slots that are filled now.
-    removed_cells: Array  #: Slots that are free now.
-    removed_corners: Array  #: Slots of vertices, a row for each removed cell.
-    removed_regions: Array  #: Of the removed cells.
-    added_cells: Array  #: Slots that are filled now.
-    added_corners: Array  #: Slots of vertices, a row for each added cell.
-    relabelled_cells: Array  #: Slots of cells that stay but change their region.
-    former_regions: Array  #: Of the relabelled cells.
-    #: Of the cavity, a row for each face: cell, its corner opposite, cell beyond or -1.
+    removed_vertices: Array  #: Slots of the removed vertices.
+    added_vertices: Array  #: Slots of the added vertices.
+    removed_cells: Array  #: Slots of the removed cells.
+    removed_corners: Array  #: Vertex slots, one row per removed cell.
+    removed_regions: Array  #: Regions of the removed cells.
+    added_cells: Array  #: Slots of the added cells.
+    added_corners: Array  #: Vertex slots, one row per added cell.
+    relabelled_cells: Array  #: Slots of kept cells with a changed region.
+    former_regions: Array  #: Former regions of the relabelled cells.
+    #: The cavity's boundary, one row per face: cell, its opposite corner, cell beyond or -1.
     boundary_faces: Array
 
     @cached_property
     def vertices(self) -> Array:
-        """Slots of the vertices whose rows of a matrix change: those of the added cells."""
+        """Slots of the vertices of the added cells: their rows of a matrix change."""
         return np.unique(self.added_corners)
 
     @cached_property
@@ -49,26 +49,26 @@ class Patch:
 
 @dataclass(frozen=True)
 class Pieces:
-    """What old and new cells have in common, by new cell."""
+    """The intersections of old and new cells, sorted by new cell."""
 
     old: Array  #: Slots of removed cells.
     new: Array  #: Slots of added cells.
-    measure: Array  #: Area or volume of each piece.
+    measure: Array  #: Area or volume of each intersection.
 
 
 @dataclass(frozen=True)
 class RegionFlow:
-    """Mass that changed sides since the edit changed the shape of regions."""
+    """Mass that changed its region because the edit changed the shape of regions."""
 
-    old: int  #: The region where it lay.
-    new: int  #: The region where it lies.
+    old: int  #: The old region.
+    new: int  #: The new region.
     amounts: tuple[float, ...]  #: By component, in the field's unit times area or volume.
 
 
 class Diff:
-    """The way from one revision of a mesh to a later one.
+    """The change from one revision of a mesh to a later one.
 
-    Fields are carried while the mesh is at `to_revision`: before the next edit is applied.
+    Transfer fields while the mesh is at `to_revision`: before the next edit is applied.
     """
 
     def __init__(self, mesh: Mesh, parts: list[Any], old_slots: tuple[int, int]) -> None:
@@ -77,11 +77,11 @@ class Diff:
         self._old_slots = old_slots
         self._new_slots = (mesh.vertex_slots, mesh.cell_slots)
         self._transfer: Optional[Any] = None
-        #: What changed regions in the last transfer.
+        #: Mass that changed its region in the last transfer.
         self.flows: list[RegionFlow] = []
-        #: What changed, in slots.
+        #: The changed slots.
         self.patch: Patch = Patch(**mesh._replica.patch()) if parts else _empty_patch(mesh)
-        #: Of the mesh after the edit: 32 hexadecimal digits.
+        #: The hash of the mesh after the edit: 32 hexadecimal digits.
         self.hash: str = mesh.hash
         #: The revision before.
         self.from_revision: int = self.patch.from_revision
@@ -96,7 +96,7 @@ class Diff:
 
     @property
     def work(self) -> dict[str, float]:
-        """What the mesher did: operations executed, created and dropped, and microseconds."""
+        """The mesher's work: operations executed, created and dropped, and microseconds."""
         total = {"executed": 0, "created": 0, "dropped": 0, "microseconds": 0.0}
         for part in self._parts:
             for key, value in part.work.items():
@@ -105,7 +105,7 @@ class Diff:
 
     @property
     def replayed(self) -> bool:
-        """Was this a retry of a batch that had been applied before?"""
+        """True if this was a retry of a batch that had been applied before."""
         return any(part.replayed for part in self._parts)
 
     def _check(self) -> None:
@@ -132,25 +132,26 @@ class Diff:
         """The field on the new mesh.
 
         Args:
-            u: the field on the old mesh, a row for each slot (more rows are left alone). P1: of a
-                vertex; else of a cell. Rows are numbers or have a further axis of components; DG1
-                has an axis of corners before that, in the order of `Mesh.cells`.
+            u: the field on the old mesh, one row per slot (further rows are not changed). P1:
+                vertex slots; else cell slots. Rows are numbers or have a further axis of
+                components; DG1 has an axis of corners before that, in the order of `Mesh.cells`.
             kind: "P1": values at vertices. "P0": means of cells. "DG1": a linear function in each
-                cell. "overlap": each new cell has the row of the old one that it shares most with,
-                of any dtype. A function: called with `u` and `Pieces`, gives the rows of
+                cell. "overlap": each new cell gets the row, of any dtype, of the old cell with the
+                largest intersection. A function: called with `u` and `Pieces`, returns the rows of
                 `patch.added_cells`.
-            bounded: no value leaves the range of the old ones in the patch. Of P1 the regions of the
-                patch then keep their integrals together, not each its own.
+            bounded: keeps all values in the range of the old ones in the patch. With P1 the regions
+                of the patch then keep the sum of their integrals, not each its own.
             order: of P0: 1, or 2 with limited gradients.
-            rings: of P1: rings of vertices around the patch that may change.
-            inplace: `u` itself becomes the result. It needs a row for every new slot.
+            rings: of P1: number of rings of vertices around the patch that may change.
+            inplace: writes the result to `u`, which needs a row for every new slot.
 
         Returns:
-            A new array, or `u`. Its rows of free slots mean nothing.
+            A new array, or `u`. Its rows of free slots are undefined.
 
         Raises:
-            StaleDiff: the mesh has gone on.
-            ValueError, TypeError: shape, dtype or a value that is not finite. Nothing changes.
+            StaleDiff: the mesh has a later revision.
+            ValueError, TypeError: wrong shape or dtype, or a value that is not finite. Nothing
+                changes.
         """
         self._check()
         if not callable(kind) and kind != "overlap":
@@ -188,19 +189,18 @@ class Diff:
     ) -> tuple[Array, Array]:
         """Density and velocity on the new mesh, such that density and momentum are conserved.
 
-        Their product is carried, then divided by the new density. Where that is 0 the velocity
-        is 0.
+        Transfers their product, then divides by the new density. If that is 0, the velocity is 0.
 
         Args:
-            density: a number for each slot of a vertex (P1) or cell.
-            velocity: components for each slot, as many as there are.
-            kind: "P1", "P0" or "DG1", as of `transfer`; so are `bounded`, `order` and `rings`.
+            density: a number for each vertex slot (P1) or cell slot.
+            velocity: any number of components for each slot.
+            kind: "P1", "P0" or "DG1", as in `transfer`; so are `bounded`, `order` and `rings`.
 
         Returns:
             New arrays of density and velocity.
 
         Raises:
-            StaleDiff, ValueError: as `transfer`.
+            StaleDiff, ValueError: as in `transfer`.
         """
         self._check()
         at_vertices = kind == "P1"
@@ -218,34 +218,34 @@ class Diff:
         return rho, v
 
     def pieces(self) -> Pieces:
-        """The pieces that old and new cells have in common. O(patch)."""
+        """The intersections of old and new cells. O(patch)."""
         return Pieces(*self._core_transfer().pieces())
 
     @property
     def donors(self) -> Array:
-        """For each added cell of the patch the removed one that it shares most with."""
+        """For each added cell of the patch the removed cell with the largest intersection."""
         return self._core_transfer().donors()
 
     @property
     def old_to_new(self) -> Array:
-        """For each old slot of a vertex its new one, which is the same: -1 where it is gone."""
+        """For each old vertex slot the new one, which is the same; -1 if it was removed."""
         return _map(self._kept(self._mesh.live_vertices, self.patch.added_vertices),
                     self._old_slots[0])
 
     @property
     def new_to_old(self) -> Array:
-        """For each new slot of a vertex its old one: -1 where it came."""
+        """For each new vertex slot the old one, which is the same; -1 if it was added."""
         return _map(self._kept(self._mesh.live_vertices, self.patch.added_vertices),
                     self._new_slots[0])
 
     @property
     def cells_old_to_new(self) -> Array:
-        """The same for cells."""
+        """`old_to_new` for cells."""
         return _map(self._kept(self._mesh.live_cells, self.patch.added_cells), self._old_slots[1])
 
     @property
     def cells_new_to_old(self) -> Array:
-        """The same for cells."""
+        """`new_to_old` for cells."""
         return _map(self._kept(self._mesh.live_cells, self.patch.added_cells), self._new_slots[1])
 
     @property
@@ -319,7 +319,7 @@ class Diff:
 
 
 def _map(kept: Array, slots: int) -> Array:
-    """A slot is its own image where it is kept."""
+    """Maps each kept slot to itself, others to -1."""
     return np.where(kept, np.arange(len(kept), dtype=np.int32), np.int32(-1))[:slots]
 
 

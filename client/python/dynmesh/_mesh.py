@@ -1,4 +1,4 @@
-"""A mesh that is kept up to date, in process or of a server, and the fields on it."""
+"""A mesh in process or at a server, kept up to date, and the fields on it."""
 from __future__ import annotations
 
 import asyncio
@@ -20,7 +20,7 @@ Progress = Callable[[str, int, int], None]
 
 
 class Backend(Protocol):
-    """Where a mesh is: in this process, or at a server."""
+    """The host of a mesh: this process, or a server."""
 
     name: str
 
@@ -46,22 +46,22 @@ class Backend(Protocol):
 
 @dataclass(frozen=True)
 class CompactMesh:
-    """A numbering without gaps, by ascending slot, as matrices want it."""
+    """A numbering without gaps, by ascending slot, for matrices."""
 
-    points: Array  #: Coordinates, a row for each vertex.
-    cells: Array  #: Numbers of the corners, a row for each cell.
-    regions: Array  #: Of each cell.
-    vertex_slots: Array  #: Of vertex 0, 1, ...
-    vertex_numbers: Array  #: Of each slot of a vertex; -1 where it is free.
-    cell_slots: Array  #: Of cell 0, 1, ...
-    cell_numbers: Array  #: Of each slot of a cell; -1 where it is free.
+    points: Array  #: Coordinates, one row per vertex.
+    cells: Array  #: Numbers of the corners, one row per cell.
+    regions: Array  #: The region of each cell.
+    vertex_slots: Array  #: The slots of vertices 0, 1, ...
+    vertex_numbers: Array  #: The vertex number of each slot; -1 if the slot is free.
+    cell_slots: Array  #: The slots of cells 0, 1, ...
+    cell_numbers: Array  #: The cell number of each slot; -1 if the slot is free.
 
 
 class Fields(Mapping[str, Array]):
-    """Fields that are carried through every edit of their mesh, in place.
+    """Fields that every edit of their mesh transfers to the new mesh, in place.
 
-    `mesh.fields.add("T", values)`; then `mesh.fields["T"]` is the field on the mesh as it is, an
-    array with a row for each slot. It is another array after an edit that needs more room.
+    After `mesh.fields.add("T", values)`, `mesh.fields["T"]` is the field on the present mesh, an
+    array with one row per slot. An edit that needs more rows replaces the array.
     """
 
     def __init__(self) -> None:
@@ -70,7 +70,7 @@ class Fields(Mapping[str, Array]):
         self._rows: dict[str, int] = {}
 
     def add(self, name: str, values: Array, kind: Any = "P1", **options: Any) -> Array:
-        """Carries a copy of `values` from now on, under `name`; returns it.
+        """Adds a copy of `values` under `name`, transferred from now on; returns it.
 
         `kind` and `options` are as the arguments of `Diff.transfer`.
         """
@@ -83,7 +83,7 @@ class Fields(Mapping[str, Array]):
         return self[name]
 
     def drop(self, name: str) -> None:
-        """Carries the field `name` no more."""
+        """Removes the field `name`."""
         del self._arrays[name], self._options[name], self._rows[name]
 
     def __getitem__(self, name: str) -> Array:
@@ -99,7 +99,7 @@ class Fields(Mapping[str, Array]):
         return len(self._arrays)
 
     def _carry(self, diff: Diff) -> None:
-        """A field that cannot be carried is dropped, and said; the others are carried."""
+        """Transfers all fields. Drops those that cannot be transferred, then raises their names."""
         trouble: dict[str, Exception] = {}
         for name, array in self._arrays.items():
             options = self._options[name]
@@ -124,10 +124,10 @@ class Fields(Mapping[str, Array]):
 class Mesh:
     """A mesh as numpy arrays with stable slots. Made by `Server.mesh` or `dynmesh.open`.
 
-    Arrays are read-only views of the mesh as it is: after an edit ask for them again. Vertices:
+    Arrays are read-only views of the present mesh: get them again after an edit. Vertices:
     `points`, `ids` (0: the slot is free), `owners` (the feature that a vertex lies on),
     `containing_dimensions`. Cells: `cells` (slots of corners, -1: free), `neighbours` (the cell
-    opposite of each corner, -1 at the border), `regions`.
+    opposite to each corner, -1 at the border), `regions`.
     """
 
     def __init__(self, backend: Backend, replica: Any, options: dict[str, Any]) -> None:
@@ -135,7 +135,7 @@ class Mesh:
         self._replica = replica
         self._options = options
         self._current: Optional[Diff] = None
-        #: Fields that are carried through every edit.
+        #: Fields that every edit transfers to the new mesh.
         self.fields: Fields = Fields()
 
     def __repr__(self) -> str:
@@ -149,8 +149,7 @@ class Mesh:
 
     @property
     def options(self) -> dict[str, Any]:
-        """What the mesh is asked to be: box, rho, criterion, max_edge, min_dihedral, max_vertices.
-        """
+        """The mesh's options: box, rho, criterion, max_edge, min_dihedral, max_vertices."""
         return dict(self._options)
 
     @property
@@ -160,80 +159,80 @@ class Mesh:
 
     @property
     def revision(self) -> int:
-        """Of the mesh as it is here; each batch makes the next one."""
+        """The revision of this replica; each batch makes the next one."""
         return int(self._replica.revision)
 
     @property
     def hash(self) -> str:
-        """Of the mesh as it is here: 32 hexadecimal digits, compared with each diff's."""
+        """The hash of this replica: 32 hexadecimal digits, compared with each diff's."""
         return str(self._replica.hash)
 
     @property
     def vertex_count(self) -> int:
-        """Vertices, those of the domain's border included."""
+        """Number of vertices, including those of the domain's border."""
         return int(self._replica.vertex_count)
 
     @property
     def cell_count(self) -> int:
-        """Triangles, in 3D tetrahedra."""
+        """Number of triangles, in 3D of tetrahedra."""
         return int(self._replica.cell_count)
 
     @property
     def vertex_slots(self) -> int:
-        """Rows of arrays of vertices, free ones included."""
+        """Number of rows of vertex arrays, including free ones."""
         return int(self._replica.vertex_slots)
 
     @property
     def cell_slots(self) -> int:
-        """Rows of arrays of cells, free ones included."""
+        """Number of rows of cell arrays, including free ones."""
         return int(self._replica.cell_slots)
 
     @property
     def points(self) -> Array:
-        """Coordinates by slot of a vertex: (slots, dimension), float64."""
+        """Coordinates by vertex slot: (slots, dimension), float64."""
         return self._replica.points
 
     @property
     def ids(self) -> Array:
-        """Ids by slot of a vertex, 0 where it is free: uint64. An id is a hash of the place."""
+        """Ids by vertex slot, 0 if it is free: uint64. An id is a hash of the coordinates."""
         return self._replica.ids
 
     @property
     def owners(self) -> Array:
-        """The feature that each vertex lies on, by slot: uint64, 0 if it lies on none."""
+        """The feature that each vertex lies on, by slot: uint64, 0 for none."""
         return self._replica.owners
 
     @property
     def containing_dimensions(self) -> Array:
-        """By slot of a vertex: 0 for an input point, 1 on a segment, 2 on a facet, else free: uint8."""
+        """By vertex slot: 0 for an input point, 1 on a segment, 2 on a facet, else free: uint8."""
         return self._replica.containing_dimensions
 
     @property
     def cells(self) -> Array:
-        """Slots of the corners by slot of a cell: (slots, dimension + 1), int32; -1: free."""
+        """Slots of the corners by cell slot: (slots, dimension + 1), int32; -1: free."""
         return self._replica.cells
 
     @property
     def neighbours(self) -> Array:
-        """The cell opposite of each corner: (slots, dimension + 1), int32; -1 at the border."""
+        """The cell opposite to each corner: (slots, dimension + 1), int32; -1 at the border."""
         return self._replica.neighbours
 
     @property
     def regions(self) -> Array:
-        """By slot of a cell, the polygon that it lies in, 0 for none: uint64.
+        """The polygon around each cell, by cell slot: uint64, 0 for none.
 
-        Above 2^63 it is a set of several: see `region_sets`.
+        From 2^63 up it is a set of several polygons: see `region_sets`.
         """
         return self._replica.regions
 
     @property
     def region_sets(self) -> dict[int, tuple[int, ...]]:
-        """Of each region that lies in several polygons: these."""
+        """The polygons of each region that is a set of several."""
         return self._replica.region_sets
 
     @property
     def subsegments(self) -> Array:
-        """Pieces of segments: slots of their ends, -1 where a row is free."""
+        """Subsegments: slots of their ends, -1 if a row is free."""
         return self._replica.subsegments
 
     @property
@@ -243,7 +242,7 @@ class Mesh:
 
     @property
     def subfacets(self) -> Array:
-        """In space, pieces of polygons: slots of their corners, -1 where a row is free."""
+        """In 3D, subfacets: slots of their corners, -1 if a row is free."""
         return self._replica.subfacets
 
     @property
@@ -253,42 +252,43 @@ class Mesh:
 
     @property
     def live_vertices(self) -> Array:
-        """Which slots of vertices are in use. O(mesh)."""
+        """Mask of the vertex slots in use. O(mesh)."""
         return self.ids != 0
 
     @property
     def live_cells(self) -> Array:
-        """Which slots of cells are in use. O(mesh)."""
+        """Mask of the cell slots in use. O(mesh)."""
         return self.cells[:, 0] >= 0
 
     def find(self, ids: Any) -> Array:
-        """Slots of the vertices with these `ids`; -1 where there is none."""
+        """Slots of the vertices with these `ids`; -1 for unknown ids."""
         return self._replica.find(np.atleast_1d(np.asarray(ids, dtype=np.uint64)))
 
     def compact(self) -> CompactMesh:
-        """A copy without free rows, and which row is which. O(mesh)."""
+        """A copy without free rows, and the mapping of rows. O(mesh)."""
         return CompactMesh(**self._replica.compact())
 
     def apply(self, *, validate_only: bool = False, progress: Optional[Progress] = None,
               request_id: Optional[str] = None, expected_revision: Optional[int] = None,
               **edits: Any) -> Diff:
-        """Makes the next revision, all of it or, on an error, none.
+        """Applies a batch of edits atomically: makes the next revision or, on an error, none.
 
         Args:
-            edits: in the order in which they act. `add_points`, `set_points`, `move_points`: a
-                dict of id to place, or (ids, array of places). `add_segments`, `set_segments`: of
-                id to two ids of points. `add_polygons`, `set_polygons`: of id to a ring of ids of
-                points, or to several. `add_sizes`, `set_sizes`: of id to dict(target=, at=),
-                dict(target=, at=, radius=), dict(target=, low=, high=) or dict(target=, rings=).
-                `remove`: ids.
-            validate_only: says whether the edits are legal, changes nothing.
-            progress: called with stage, steps done and steps in all (0: not known) of long batches
-                in process, and what it raises cancels them.
-            request_id: makes it safe to send the batch twice; one of its own by default.
-            expected_revision: the server refuses the batch at any other.
+            edits: applied in their order. `add_points`, `set_points`, `move_points`: a dict of id
+                to coordinates, or (ids, array of coordinates). `add_segments`, `set_segments`: a
+                dict of id to two ids of points. `add_polygons`, `set_polygons`: a dict of id to a
+                ring of ids of points, or to a list of rings. `add_sizes`, `set_sizes`: a dict of id
+                to dict(target=, at=), dict(target=, at=, radius=), dict(target=, low=, high=) or
+                dict(target=, rings=). `remove`: ids.
+            validate_only: checks whether the edits are legal, and changes nothing.
+            progress: called during long batches in process with the stage, the steps done and the
+                total (0: unknown). An exception from it cancels the batch.
+            request_id: makes it safe to send the batch twice; unique by default.
+            expected_revision: the server refuses the batch at any other revision.
 
         Returns:
-            What changed since the mesh was last looked at, with others' edits to a server's mesh.
+            All changes since the previous revision of this replica, including edits of other
+            clients of a server's mesh.
         """
         batch = _batch.make(self.dimension, edits)
         return self._advance(self._backend.apply(
@@ -296,9 +296,9 @@ class Mesh:
             expected_revision=expected_revision))
 
     def load(self, *, progress: Optional[Progress] = None, **edits: Any) -> Diff:
-        """Adds features, as many as there are, in one batch.
+        """Adds any number of features in one batch.
 
-        `edits` that add, and `progress`, are as those of `apply`.
+        `edits` (only those that add) and `progress` are as in `apply`.
         """
         for name in edits:
             if not name.startswith("add_"):
@@ -307,11 +307,10 @@ class Mesh:
             self._backend.load(self, _batch.make(self.dimension, edits), progress))
 
     def stream(self, batches: Iterable[Mapping[str, Any]], window: int = 64) -> Iterator[Diff]:
-        """Applies many batches, each a dict of `apply`'s edits; yields their diffs in order.
+        """Applies many batches, each a dict of edits as in `apply`; yields their diffs in order.
 
-        Of a server's mesh up to `window` batches are on their way at a time. Fields are to be
-        carried before the next diff is taken. A batch that is refused raises; the mesh is then
-        as after the batches before it.
+        With a server, up to `window` batches are sent ahead. Transfer fields before taking the next
+        diff. A refused batch raises; the earlier batches stay applied.
         """
         made = (_batch.make(self.dimension, batch) for batch in batches)
         for parts in self._backend.stream(self, made, window):
@@ -322,11 +321,11 @@ class Mesh:
         return self._advance(self._backend.revert(self, revision))
 
     def follow(self, since: Optional[int] = None, timeout: Optional[float] = None) -> Iterator[Diff]:
-        """Yields the mesh's revisions as they come; the mesh is at each when it is yielded.
+        """Yields the diff of each new revision; the mesh is at that revision then.
 
-        Ends when none came for `timeout` seconds. `since`, if given, is the revision that the
-        caller has: that of the mesh. If the server does not have the revisions since then, or was
-        replaced by another, the diff leads to the mesh that it has.
+        Ends after `timeout` seconds without a new revision. `since`, if given, must be the mesh's
+        revision. If the server no longer has the revisions since then, or was replaced by another
+        server, the diff leads to the server's present mesh.
         """
         if since is not None and since != self.revision:
             raise FailedPrecondition(f"the mesh here is at revision {self.revision}: it can be "
@@ -335,7 +334,7 @@ class Mesh:
             yield self._advance(parts)
 
     async def follow_async(self, timeout: Optional[float] = None) -> AsyncIterator[Diff]:
-        """As `follow`, with its `timeout`, for asyncio; waiting is done in a thread."""
+        """`follow` with its `timeout` for asyncio; waits in a thread."""
         events = self._backend.follow(self, timeout)
         try:
             while True:
@@ -347,19 +346,19 @@ class Mesh:
             events.close()  # type: ignore[attr-defined]
 
     def sync(self) -> Diff:
-        """Goes on to the newest revision, whatever lies between."""
+        """Advances to the newest revision in one diff."""
         return self._advance(self._backend.sync(self))
 
     def features(self, revision: Optional[int] = None) -> list[dict[str, Any]]:
-        """The features present, or those of an earlier `revision` that the server keeps.
+        """The present features, or those of an earlier `revision` that the server keeps.
 
         A dict for each: `id`, `kind` ("point", "segment", "polygon", "size") and, by kind, `at`,
-        `ends`, `rings`, or what a size has.
+        `ends`, `rings`, or the members of a size.
         """
         return self._backend.features(revision)
 
     def locate(self, points: Any) -> Array:
-        """For each of n `points` (n x dimension) the slot of a cell that holds it; -1: outside."""
+        """The slot of a cell around each of n `points` (n x dimension); -1: outside."""
         places = np.ascontiguousarray(np.atleast_2d(np.asarray(points, dtype=np.float64)))
         if places.shape[1] != self.dimension:
             raise ValueError(f"places have {self.dimension} coordinates")
@@ -376,8 +375,8 @@ class Mesh:
         """The mesh for meshio; regions are cell data.
 
         Args:
-            point_data: arrays with a row for each slot of a vertex, by name.
-            cell_data: arrays with a row for each slot of a cell, by name.
+            point_data: arrays with one row per vertex slot, by name.
+            cell_data: arrays with one row per cell slot, by name.
         """
         import meshio
 

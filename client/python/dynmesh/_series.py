@@ -1,4 +1,4 @@
-"""A time series for ParaView: one .vtu a step, and the .pvd that lists them."""
+"""A time series for ParaView: one .vtu per step, and the .pvd that lists them."""
 from __future__ import annotations
 
 import pathlib
@@ -23,9 +23,9 @@ class Series:
 
     def add(self, time: float, mesh: Mesh, point_data: Optional[Mapping[str, Array]] = None,
             cell_data: Optional[Mapping[str, Array]] = None) -> None:
-        """Writes `mesh` at `time`, and the list as it is then.
+        """Writes `mesh` at `time`, and updates the list.
 
-        `point_data` and `cell_data` are as those of `Mesh.to_meshio`.
+        `point_data` and `cell_data` are as in `Mesh.to_meshio`.
         """
         name = f"{self.path.stem}_{len(self._steps):05d}.vtu"
         mesh.to_meshio(point_data, cell_data).write(str(self.path.parent / name), binary=True)

@@ -1,4 +1,4 @@
-"""Meshes of a server, and meshes in this process."""
+"""Meshes at a server, and meshes in this process."""
 from __future__ import annotations
 
 import os
@@ -24,20 +24,21 @@ Pem = Union[str, bytes, "os.PathLike[str]", None]
 def connect(address: str, *, token: str = "", tls_ca: Pem = None, tls_certificate: Pem = None,
             tls_key: Pem = None, timeout: float = 0.0, retry_for: float = 30.0,
             any_version: bool = False) -> Server:
-    """A server at `address` ("host:port"). Never fails: the first call tells whether it is there.
+    """The server at `address`. Does not connect yet: the first call fails if it is unreachable.
 
     Args:
         address: "host:port".
-        token: shown with every call.
-        tls_ca: certificates that sign the server's, as PEM text or a path. With it the connection
+        token: sent with every call.
+        tls_ca: certificates that sign the server's, as PEM text or a path. If given, the connection
             is encrypted.
-        tls_certificate: the client's own, for a server that asks for one; PEM text or a path.
-        tls_key: of the client's certificate; PEM text or a path.
-        timeout: of a call, in seconds; 0: none.
-        retry_for: for how many seconds a call is tried again while the server is away. Edits have
-            ids, so that none is applied twice.
-        any_version: the server may be of another version than the package. Otherwise the first call
-            raises `VersionMismatch` if the first two numbers differ.
+        tls_certificate: the client's certificate, for a server that requires one; PEM text or a
+            path.
+        tls_key: the key of the client's certificate; PEM text or a path.
+        timeout: limit of a call, in seconds; 0: none.
+        retry_for: for how many seconds a call is retried while the server is unavailable. Edits
+            have ids, so none is applied twice.
+        any_version: accepts a server of another version. Otherwise the first call raises
+            `VersionMismatch` if the first two numbers of the versions differ.
     """
     return Server(address, token=token, tls_ca=tls_ca, tls_certificate=tls_certificate,
                   tls_key=tls_key, timeout=timeout, retry_for=retry_for, any_version=any_version)
@@ -47,12 +48,12 @@ def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
     """A mesh in this process, without a server.
 
     Args:
-        box: where features may lie: ((x, y), (x, y)), in 3D with z. By default from 0 to 1.
+        box: the box of the features: ((x, y), (x, y)), in 3D with z. Default: from 0 to 1.
         options: `dimension`: 2 or 3. `rho`: the largest circumradius / shortest edge. `criterion`:
             "edge" or "thesis". `max_edge`: no edge in the box is longer than sqrt 2 times this.
-            `min_dihedral`: in 3D, no dihedral angle is less, in degrees, where Steiner points can
-            see to it; 0 leaves slivers. 10 if it is left out, in 2D 0.
-            `max_vertices`: an edit that would pass it raises `LimitExceeded`.
+            `min_dihedral`: in 3D, tetrahedra with a dihedral angle below it, in degrees, are
+            removed where Steiner points can do so; 0 leaves slivers. Default: 10, in 2D 0.
+            `max_vertices`: an edit that would exceed it raises `LimitExceeded`.
     """
     if box is not None:
         options["box"] = [list(map(float, corner)) for corner in box]
@@ -75,7 +76,7 @@ class Server:
 
     def __init__(self, address: str, *, token: str, tls_ca: Pem, tls_certificate: Pem, tls_key: Pem,
                  timeout: float, retry_for: float, any_version: bool) -> None:
-        #: As given: "host:port".
+        #: The given "host:port".
         self.address: str = address
         self._client = _core.Client(address, token, _pem(tls_ca), _pem(tls_certificate),
                                     _pem(tls_key), timeout)
@@ -89,17 +90,17 @@ class Server:
         self.close()
 
     def close(self) -> None:
-        """Calls after this one fail. Meshes stay readable."""
+        """Closes the connection: later calls fail. Meshes stay readable."""
         self._client = None
 
     def __repr__(self) -> str:
         return f"<Server at {self.address}>"
 
     def mesh(self, name: str, create: Optional[dict[str, Any]] = None) -> Mesh:
-        """The mesh `name`, made with the options `create` if there is none.
+        """The mesh `name`, made with the options `create` if it does not exist.
 
-        Options are those of `open`, with `box`. Of a mesh that is there they must be what it has,
-        else `FailedPrecondition`.
+        Options are those of `open`, with `box`. If the mesh exists with other options, raises
+        `FailedPrecondition`.
         """
         try:
             info = self.call(lambda client: client.get(name))
@@ -115,7 +116,7 @@ class Server:
         return self._open(info)
 
     def create(self, name: str = "", **options: Any) -> Mesh:
-        """A new mesh `name`; without one the server chooses. `options` are those of `mesh`."""
+        """Makes a mesh `name`; if empty, the server chooses it. `options` are those of `open`."""
         if "box" in options:
             options["box"] = [list(map(float, corner)) for corner in options["box"]]
         request = uuid.uuid4().hex
@@ -127,7 +128,7 @@ class Server:
         return self._open(info)
 
     def meshes(self) -> list[dict[str, Any]]:
-        """What meshes there are: id, revision, hash, options, damage."""
+        """All meshes: id, revision, hash, options, damage."""
         return self.call(lambda client: client.list())
 
     def delete(self, name: str) -> None:
@@ -135,7 +136,7 @@ class Server:
         self.call(lambda client: client.delete(name))
 
     def stats(self, mesh: str = "") -> dict[str, Any]:
-        """Counts of the server, and of `mesh` if one is named."""
+        """Figures of the server, and of `mesh` if given."""
         return self.call(lambda client: client.stats(mesh))
 
     def _check_version(self, client: Any) -> None:
@@ -148,9 +149,9 @@ class Server:
         self._version_fits = True
 
     def call(self, function: Callable[[Any], T]) -> T:
-        """What `function` returns, tried again while the server is away.
+        """Calls `function`, retried while the server is unavailable; returns its result.
 
-        It is called with the extension module's client.
+        Its argument is the extension module's client.
         """
         if self._client is None:
             raise Unavailable("the connection was closed")
@@ -176,7 +177,7 @@ class Server:
 
 
 class _Remote:
-    """A mesh of a server."""
+    """A mesh at a server."""
 
     def __init__(self, server: Server, name: str, dimension: int) -> None:
         self.server = server
@@ -218,7 +219,7 @@ class _Remote:
         try:
             while True:
                 try:
-                    if session is None:  # the first, or after the connection broke: all again
+                    if session is None:  # at first, or after the connection broke: resend all
                         session = self.server.call(
                             lambda client: client.open_edits(self.name, True))
                         for request, batch in waiting:
@@ -234,7 +235,7 @@ class _Remote:
                         return
                     diff = session.receive()
                     if diff is None:
-                        session.finish()  # raises why
+                        session.finish()  # raises the reason
                         raise Unavailable("the stream of edits ended")
                 except Unavailable:
                     session = None
@@ -264,7 +265,7 @@ class _Remote:
         return self._catch_up(mesh, info["revision"])
 
     def _path(self, mesh: Mesh, diff: Any) -> list[Any]:
-        """The diffs from where the mesh is to where `diff` leads."""
+        """The diffs from the mesh's revision to `diff.to_revision`."""
         if diff.from_revision == mesh.revision or diff.from_revision == diff.to_revision:
             return [diff]
         return self._catch_up(mesh, diff.to_revision)

@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions: each has the reason, the features and the edit to blame."""
+"""Errors as exceptions: each has the reason, the features and the edit to blame."""
 from __future__ import annotations
 
 from typing import Optional, Sequence
@@ -9,25 +9,25 @@ class DynmeshError(Exception):
 
     #: The status code, such as "INVALID_ARGUMENT".
     code: str = "UNKNOWN"
-    #: The machine-readable reason, such as "SEGMENTS_CROSS"; "" if there is none. They are those of
-    #: `dynmesh/error.h` and `dynmesh/codec/service_error.h`.
+    #: The machine-readable reason, such as "SEGMENTS_CROSS"; "" if there is none. Reasons are
+    #: defined in `dynmesh/error.h` and `dynmesh/codec/service_error.h`.
     reason: str = ""
     #: Ids of the features involved, the offender first.
     features: Sequence[int] = ()
-    #: Index in the batch of the edit to blame, if one is.
+    #: Index in the batch of the edit to blame, if any.
     edit: Optional[int] = None
-    #: Path of the field of the request to blame, if one is.
+    #: Path of the request's field to blame, if any.
     field: str = ""
-    #: Seconds after which to try again, if the server says so.
+    #: Seconds after which to retry, if the server sent them.
     retry_after: Optional[float] = None
 
 
 class InvalidArgument(DynmeshError, ValueError):
-    """The input cannot be what is meant; nothing has changed."""
+    """The input is invalid for any mesh; nothing has changed."""
 
 
 class FailedPrecondition(DynmeshError):
-    """The input does not fit the state of the mesh; nothing has changed."""
+    """The input is invalid for the mesh's present state; nothing has changed."""
 
 
 class Conflict(FailedPrecondition):
@@ -39,23 +39,23 @@ class NotFound(DynmeshError, LookupError):
 
 
 class AlreadyExists(DynmeshError):
-    """There is one already."""
+    """A mesh or feature with that name or id exists already."""
 
 
 class OutOfRange(DynmeshError):
-    """A revision that the server does not have, or not any more."""
+    """The server does not have this revision, or no longer has it."""
 
 
 class LimitExceeded(DynmeshError):
-    """A limit of the mesh or the server; nothing has changed."""
+    """A limit of the mesh or the server is exceeded; nothing has changed."""
 
 
 class Unavailable(DynmeshError, ConnectionError):
-    """The server cannot be reached, starts or ends. Trying again may help."""
+    """The server cannot be reached, is starting or is shutting down. Retrying may help."""
 
 
 class VersionMismatch(DynmeshError):
-    """The server is of another version than this package; nothing was asked of it."""
+    """The server has another version than this package; no call was made."""
 
 
 class DeadlineExceeded(DynmeshError, TimeoutError):
@@ -63,11 +63,11 @@ class DeadlineExceeded(DynmeshError, TimeoutError):
 
 
 class PermissionDenied(DynmeshError, PermissionError):
-    """The token is missing, unknown or of a lesser role."""
+    """The token is missing, unknown or lacks the role."""
 
 
 class DataLoss(DynmeshError):
-    """Mesh and diff do not fit together: `Mesh.sync` takes the mesh anew."""
+    """Mesh and diff do not fit together: `Mesh.sync` fetches the mesh again."""
 
 
 class Cancelled(DynmeshError):
@@ -75,7 +75,7 @@ class Cancelled(DynmeshError):
 
 
 class StaleDiff(DynmeshError, ValueError):
-    """The mesh has gone on: fields are carried before the next edit is applied."""
+    """The mesh has a later revision: transfer fields before the next edit is applied."""
 
 
 _CLASSES: dict[str, type[DynmeshError]] = {
@@ -104,7 +104,7 @@ def make(
     field: str,
     retry_after: Optional[float],
 ) -> DynmeshError:
-    """The exception of a status; called by the extension module."""
+    """The exception for a status; called by the extension module."""
     error = _CLASSES.get(code, DynmeshError)(f"{reason}: {message}" if reason else message)
     error.code = code
     error.reason = reason

@@ -1,4 +1,4 @@
-// numpy arrays of columns: views that keep alive what they look at.
+// numpy arrays over columns: views that keep the owner of the data alive.
 #ifndef DYNMESH_CLIENT_PYTHON_MODULE_ARRAYS_H_
 #define DYNMESH_CLIENT_PYTHON_MODULE_ARRAYS_H_
 
@@ -21,7 +21,7 @@ namespace py = pybind11;
 template <class T>
 using InArray = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
-// Rows of `width` entries, one-dimensional if that is 0. Not to be written to.
+// Rows of `width` entries, one-dimensional if `width` is 0. Read-only.
 template <class T>
 py::array View(std::shared_ptr<const T[]> block, std::size_t size, std::size_t width) {
   const T* const data = block.get();
@@ -45,7 +45,7 @@ py::array View(const SlotColumn<T>& column, std::size_t width = 0) {
   return View<T>(column.share(), column.size(), width);
 }
 
-// A vector's entries, which the array takes over.
+// An array that takes over a vector's entries.
 template <class T>
 py::array Take(std::vector<T> values, std::size_t width = 0) {
   auto* const held = new std::vector<T>(std::move(values));

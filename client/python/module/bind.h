@@ -12,7 +12,7 @@
 
 namespace dynmesh::python {
 
-// Shared, so that a diff may be kept and applied later.
+// Shared, so that a diff can be kept and applied later.
 struct Diff {
   MeshDiff diff;
   bool replayed = false;
@@ -24,7 +24,7 @@ struct Batch {
   int dimension = 2;
 };
 
-// The features of a batch or a mesh as Python objects, and back.
+// Converts the features of a batch or a mesh to Python objects, and back.
 pybind11::list FeatureDicts(const std::vector<Feature>& features, int dimension);
 pybind11::dict OptionsDict(const MeshOptions& options);
 MeshOptions OptionsOf(const pybind11::dict& options);

@@ -83,7 +83,7 @@ py::dict Load(MeshClient& client, const std::string& mesh, const Batch& batch,
   return d;
 }
 
-// Waits in slices, so that Ctrl-C is heard.
+// Waits in slices, so that Ctrl-C is handled.
 py::object Next(client::DiffStream& stream, double seconds) {
   constexpr double kSlice = 0.1;
   for (double left = seconds; left > 0; left -= kSlice) {
@@ -120,7 +120,7 @@ void BindClient(py::module_& module) {
              py::gil_scoped_release release;
              Check(session.DoneSending());
            })
-      // The next answer, or nothing at the end; raises what the server says of the batch.
+      // The next answer, or nothing at the end; raises the server's error of the batch.
       .def("receive",
            [](client::EditSession& session) -> std::shared_ptr<Diff> {
              std::optional<client::EditSession::Answer> answer;

@@ -1,5 +1,5 @@
-// The extension module of the Python package: the library's replica, transfer, mesher and client
-// under the classes that dynmesh/*.py make of them.
+// The extension module of the Python package: the library's replica, transfer, mesher and client,
+// which the classes in dynmesh/*.py wrap.
 #include <pybind11/pybind11.h>
 
 #include <exception>
@@ -14,7 +14,7 @@ namespace {
 
 namespace py = pybind11;
 
-// Of the field "edits[i]" the i.
+// The index i of the field "edits[i]".
 py::object EditOf(const std::string& field) {
   const std::size_t open = field.find("edits[");
   if (open == std::string::npos) return py::none();

@@ -1,4 +1,4 @@
-// A Python callback that a long call tells how far it is, called without Python's lock.
+// A Python callback for the progress of a long call, which runs without the GIL.
 #ifndef DYNMESH_CLIENT_PYTHON_MODULE_PROGRESS_CALL_H_
 #define DYNMESH_CLIENT_PYTHON_MODULE_PROGRESS_CALL_H_
 
@@ -11,7 +11,8 @@
 
 namespace dynmesh::python {
 
-// An exception of the callback, or Ctrl-C, cancels the call, and is raised when it has failed.
+// An exception of the callback, or Ctrl-C, cancels the call, and is raised after the call has
+// failed.
 class ProgressCall {
  public:
   // `callback` may be None.
@@ -30,7 +31,7 @@ class ProgressCall {
 
   const std::atomic<bool>* cancelled() const { return &cancelled_; }
 
-  // After the call, with Python's lock.
+  // To be called after the call, with the GIL.
   void RaiseIf(bool failed) {
     if (raised_ && failed) throw std::move(*raised_);
   }

@@ -9,8 +9,8 @@
 namespace dynmesh::python {
 namespace {
 
-// Of the new simplices of a patch, the faces that they do not share with each other: the cavity's
-// border. Rows of slots: simplex, the corner opposite of the face, the simplex beyond or -1.
+// The boundary of a patch's cavity: the faces of its new simplices that they do not share with each
+// other. Rows of slots: simplex, the corner opposite the face, the simplex beyond or -1.
 py::array BoundaryFaces(const SlotMesh& mesh) {
   const auto width = static_cast<std::size_t>(mesh.dimension() + 1);
   const std::vector<Slot>& added = mesh.patch().added_simplices;
@@ -127,7 +127,7 @@ void BindReplica(py::module_& module) {
             Check(extends ? replica.Extend(d.diff) : replica.Apply(d.diff));
           },
           py::arg("diff"), py::arg("extends") = false)
-      // The diff that leads from the replica to a whole mesh, whatever lies between.
+      // The diff from the replica to a whole mesh of any revision.
       .def("diff_to",
            [](const Replica& replica, const Mesh& mesh) {
              py::gil_scoped_release release;
@@ -182,7 +182,7 @@ void BindReplica(py::module_& module) {
              for (const std::uint64_t id : SpanOf(ids)) slots.push_back(r.FindSlot(id));
              return Take(std::move(slots));
            })
-      // Slots of simplices by the ids of their corners; -1 where there is none.
+      // Slots of simplices by the ids of their corners; -1 if there is none.
       .def("find_cells", [](const Replica& r, const InArray<std::uint64_t>& ids) {
         const auto width = static_cast<std::size_t>(r.dimension() + 1);
         const auto all = SpanOf(ids);

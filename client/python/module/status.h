@@ -1,4 +1,4 @@
-// Statuses as Python exceptions: dynmesh.errors makes them.
+// Converts statuses to Python exceptions, which dynmesh.errors makes.
 #ifndef DYNMESH_CLIENT_PYTHON_MODULE_STATUS_H_
 #define DYNMESH_CLIENT_PYTHON_MODULE_STATUS_H_
 
@@ -11,7 +11,7 @@
 
 namespace dynmesh::python {
 
-// Thrown in this module only; what leaves it is an exception of dynmesh.errors.
+// Thrown inside this module only; callers get an exception of dynmesh.errors.
 class StatusError : public std::exception {
  public:
   explicit StatusError(absl::Status status)

@@ -12,7 +12,7 @@
 namespace dynmesh::python {
 namespace {
 
-// Written to, so never converted.
+// Written in place, so never converted.
 using Field = py::array_t<double, py::array::c_style>;
 
 FieldKind KindOf(const std::string& name) {

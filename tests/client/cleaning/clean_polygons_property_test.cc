@@ -1,4 +1,4 @@
-// Random messy polygons: what comes out is accepted, has the same inside, and is a function of
+// Random messy polygons: the result is accepted, has the same inside, and is a function of
 // coordinates.
 #include <algorithm>
 #include <array>
@@ -89,7 +89,7 @@ class CleanMessyPolygons : public ::testing::TestWithParam<double> {
     return result.ok() ? *result : CleanResult();
   }
 
-  // How far from where it was something may be.
+  // The largest allowed displacement.
   static double Allowed(const CleanResult& result) {
     double allowed = 3 * Tolerance();
     for (const Change& change : result.changes) {  // needles may be wider than the tolerance
@@ -137,7 +137,7 @@ TEST_P(CleanMessyPolygons, WhatIsInsideStaysInside) {
       const auto it = after.find(id);
       const Sides& now = it == after.end() ? Sides() : it->second;
       for (int i = 0; i < kSamples; ++i) {
-        // Half of them near an edge: that is where something can go wrong.
+        // Half of them near an edge, where errors are likely.
         Spot x = {unit(), unit()};
         if (i % 2 == 0) {
           const auto& [p, q] = sides[random() % sides.size()];

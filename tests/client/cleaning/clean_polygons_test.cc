@@ -1,4 +1,4 @@
-// What becomes of polygons in CleanInput, case by case.
+// Polygons in CleanInput, case by case.
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -38,7 +38,7 @@ std::vector<ChangeKind> KindsOf(const CleanResult& result) {
   return kinds;
 }
 
-// Where a ring starts, which way it goes and which is first means nothing.
+// A ring's start, direction and position in the list do not matter.
 Rings Canonical(Rings rings) {
   for (auto& ring : rings) {
     std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end()), ring.end());

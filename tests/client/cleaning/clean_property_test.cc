@@ -1,4 +1,4 @@
-// Random messy input: what comes out is accepted, is where it was, and is a function of
+// Random messy input: the result is accepted, is close to the input, and is a function of
 // coordinates.
 #include <algorithm>
 #include <array>
@@ -51,7 +51,7 @@ double Distance(const Place& p, const Place& a, const Place& b) {
   return std::hypot(p[0] - a[0] - t * dx, p[1] - a[1] - t * dy);
 }
 
-// The largest distance of a place on `of` from all of `from`.
+// The largest distance of a point of `of` from all of `from`.
 double Deviation(const Pieces& of, const Pieces& from) {
   constexpr int kSteps = 16;
   double largest = 0;
@@ -168,7 +168,7 @@ TEST_P(CleanMessyInput, IdsAreKeptWherePossible) {
       if (f.kind == FeatureKind::kSegment) continue;
       EXPECT_EQ(f.position, before[f.id].position);
     }
-    // Who is not there any more was reported.
+    // Removed points are reported.
     std::set<FeatureId> reported;
     for (const Change& change : result.changes) reported.insert(change.ids.front());
     for (const Feature& f : input) EXPECT_TRUE(seen.contains(f.id) || reported.contains(f.id));

@@ -1,4 +1,4 @@
-// Whether the core takes cleaned input.
+// Whether the core accepts cleaned input.
 #ifndef DYNMESH_TESTS_CLIENT_CLEANING_IS_LEGAL_H_
 #define DYNMESH_TESTS_CLIENT_CLEANING_IS_LEGAL_H_
 
@@ -7,8 +7,8 @@
 
 namespace dynmesh::cleaning {
 
-// OK, or more vertices than a mesh may have, where the tolerance is near the last bits of
-// coordinates: what is a few tolerances apart stays apart, and is legal in itself.
+// OK, or more vertices than a mesh may have. The latter occurs if the tolerance is near an ulp of
+// the coordinates: points a few tolerances apart stay apart, and are legal in themselves.
 inline bool IsLegal(const absl::Status& status, double tolerance) {
   constexpr double kLastBits = 1e-10;
   const auto detail = GetErrorDetail(status);

@@ -15,10 +15,10 @@
 
 namespace dynmesh::cleaning {
 
-// In the unit square: polygons that overlap; neighbours that share points, or have copies of
-// them up to `near` away; rings that cross themselves, come to a point again, go there and
-// back, stand twice or are smaller than `near`; holes and islands; sizing polygons. In half of
-// them among points and segments of MessyInput.
+// In the unit square: polygons that overlap; neighbours that share points, or have copies of them
+// up to `near` away; rings that cross themselves, visit a point twice, go there and back, are
+// duplicated or are smaller than `near`; holes and islands; sizing polygons. Half of them among
+// points and segments of MessyInput.
 class MessyPolygons {
  public:
   MessyPolygons(std::uint64_t seed, double near) : random_(seed * 2 + 1), near_(near) {

@@ -16,7 +16,7 @@ TEST(PolygonRings, RingsWhoseEdgesAreAllThereStayAsTheyAre) {
 }
 
 TEST(PolygonRings, ASplitEdgeIsTheChainOfItsPieces) {
-  // 0-1 goes through 7 now; the other ring does not notice.
+  // 0-1 goes through 7 now; the other ring is unchanged.
   const RemadeRings remade =
       RemakeRings({{0, 1, 2}, {5, 3, 4}}, {{0, 2}, {0, 7}, {1, 2}, {1, 7}, {3, 4}, {3, 5}, {4, 5}});
   EXPECT_EQ(remade.rings, (PlaceRings{{0, 2, 1, 7}, {5, 3, 4}}));

@@ -80,8 +80,8 @@ TEST(SeedFaces, BridgesAndLooseEndsAreNoBoundary) {
   Drawing drawing;
   const auto a = drawing.Square(0, 10), b = drawing.Square(4, 6);
   drawing.Segment(a[0], b[0]);                                // a bridge
-  drawing.Segment(a[1], drawing.Point(8, 2));                 // an end that is loose
-  drawing.Segment(drawing.Point(1, 8), drawing.Point(2, 9));  // in nobody's way
+  drawing.Segment(a[1], drawing.Point(8, 2));                 // a dangling end
+  drawing.Segment(drawing.Point(1, 8), drawing.Point(2, 9));  // an isolated segment
   const auto outside = drawing.Point(-5, -5);
   drawing.Segment(outside, a[0]);
   const auto faces = drawing.Find({{1, 5}, {5, 5}, {-1, 0}});
@@ -129,7 +129,7 @@ TEST(SeedFaces, OfNothingAreOutside) {
           .rings.empty());
 }
 
-// Whatever crosses or overlaps: some rings along the segments, and an end.
+// Any input that crosses or overlaps: some rings along the segments, and termination.
 TEST(SeedFaces, TakeAnySegments) {
   const std::uint64_t seed = std::random_device{}();
   std::cout << "seed " << seed << "\n";
@@ -153,8 +153,8 @@ TEST(SeedFaces, TakeAnySegments) {
   }
 }
 
-// A grid with random edges left out. The oracle floods cells: a face is what hangs together, and
-// its boundary the edges with it on one side.
+// A grid with random edges left out. The oracle floods cells: a face is a connected set, and its
+// boundary is the edges with it on one side.
 TEST(SeedFaces, EqualFloodedCells) {
   const std::uint64_t seed = std::random_device{}();
   std::cout << "seed " << seed << "\n";
@@ -165,7 +165,7 @@ TEST(SeedFaces, EqualFloodedCells) {
     Drawing drawing;
     std::vector<std::vector<FeatureId>> id(static_cast<std::size_t>(n + 1));
     for (int x = 0; x <= n; ++x) {
-      // Sheared, so that no ray is along an edge only by luck.
+      // Sheared, so that a ray is along an edge only by chance.
       for (int y = 0; y <= n; ++y) {
         id[static_cast<std::size_t>(x)].push_back(drawing.Point(x, y + (round % 2) * 0.25 * x));
       }

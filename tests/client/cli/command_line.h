@@ -1,4 +1,4 @@
-// Runs the `dynmesh` program as its users do.
+// Runs the `dynmesh` program like its users.
 #ifndef DYNMESH_TESTS_CLIENT_CLI_COMMAND_LINE_H_
 #define DYNMESH_TESTS_CLIENT_CLI_COMMAND_LINE_H_
 

@@ -1,4 +1,4 @@
-// The `dynmesh` program as its users meet it: arguments, output, exit codes.
+// The `dynmesh` program from the user's side: arguments, output, exit codes.
 #include "tests/client/cli/command_line.h"
 
 #include <sys/wait.h>
@@ -111,7 +111,7 @@ TEST_F(CommandLine, ErrorsNameFileAndLine) {
   folder_.Write("twice.txt", "mesh box=0,0,1,1\nadd point 1 .5 .5\ncommit\n\nadd point 1 .6 .6\n");
   EXPECT_NE(Run("replay twice.txt").err.find("twice.txt:5: "), std::string::npos);
   EXPECT_NE(Run("mesh twice.txt").err.find("twice.txt:5: "), std::string::npos);
-  // Options by the words of the script, or of the flag.
+  // Options named as in the script, or by the flag.
   const auto begins = [this](const std::string& arguments, const std::string& words) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.code, 2) << arguments;

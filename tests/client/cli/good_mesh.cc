@@ -59,7 +59,7 @@ class Builder {
     return points_[id];
   }
 
-  // Edges that a feature before it has are that one's.
+  // Edges that an earlier feature has belong to that one.
   void AddPolygon(FeatureId id, const Rings& rings) {
     features_.push_back(Feature::Polygon(id, rings));
     for (const auto& ring : rings) {
@@ -79,7 +79,7 @@ class Builder {
   }
 
   // Splits pieces in the middle until all are edges.
-  // `polygons_at` tells in which polygons a place is, ascending.
+  // `polygons_at` returns the polygons around a point, ascending.
   template <class PolygonsAt>
   GoodMesh Finish(PolygonsAt polygons_at) {
     for (std::size_t i = 0; i < pieces_.size();) {

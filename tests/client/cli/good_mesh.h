@@ -1,5 +1,5 @@
-// Meshes that `verify` must accept, made by another code than the mesher: CGAL's
-// Delaunay triangulation of random points in a box, with some segments.
+// Meshes that `verify` must accept, made independently of the mesher: CGAL's Delaunay triangulation
+// of random points in a box, with some segments.
 #ifndef DYNMESH_TESTS_CLIENT_CLI_GOOD_MESH_H_
 #define DYNMESH_TESTS_CLIENT_CLI_GOOD_MESH_H_
 

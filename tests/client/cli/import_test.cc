@@ -124,11 +124,11 @@ TEST_F(Import, PolygonsOfAMapStayPolygons) {
   for (const char* region : {"3  14\n", "3  15\n", "1  14 15\n"}) {
     EXPECT_NE(stats.find(region), std::string::npos) << region << stats;
   }
-  // As it is: polygons, which a .poly has no place for.
+  // Unchanged: polygons, which a .poly cannot represent.
   ASSERT_EQ(Run("import m.geojson --polygons -o raw.dynmesh").code, 0);
   EXPECT_NE(folder_.Read("raw.dynmesh").find("add polygon 14 1 2 3 4\n"), std::string::npos);
   EXPECT_EQ(Run("import m.geojson --polygons -o raw.poly").code, 2);
-  // And segments as ever.
+  // And segments as before.
   EXPECT_EQ(Value(Run("import m.geojson --json -o raw.poly").out, "polygons"), "0");
 }
 

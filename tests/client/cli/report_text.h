@@ -1,4 +1,4 @@
-// What a report of `verify` says, for assertions.
+// The text of a report of `verify`, for assertions.
 #ifndef DYNMESH_TESTS_CLIENT_CLI_REPORT_TEXT_H_
 #define DYNMESH_TESTS_CLIENT_CLI_REPORT_TEXT_H_
 

@@ -1,4 +1,4 @@
-// Holes and regions of a .poly as polygons, and the flags that choose by polygon.
+// Holes and regions of a .poly as polygons, and the flags that select by polygon.
 #include <string>
 #include <vector>
 
@@ -55,7 +55,7 @@ TEST_F(SeedPolygons, WhatMarksNothingIsLeftOutWithAWarning) {
   Input input = Load("3\n1 20 20\n2 2 2\n3 3 3\n2\n1 2 3\n2 -1 0\n");
   ASSERT_TRUE(AddSeedPolygons(input).ok());
   ASSERT_EQ(input.features.size(), 33U);
-  EXPECT_EQ(input.features[32].id, 34U);  // ids tell the row, whatever is left out
+  EXPECT_EQ(input.features[32].id, 34U);  // ids follow the row, whatever is left out
   ASSERT_EQ(input.warnings.size(), 4U);
   const std::string file = Folder() + "p.poly:";
   EXPECT_EQ(input.warnings[0],
@@ -92,7 +92,7 @@ TEST_F(SeedPolygons, AreImportedAsPolygonsOrStaySeeds) {
       << outcome.err;
 }
 
-// What the seeds mean is asked of the segments as they are in the end.
+// Seeds are located among the final segments.
 TEST_F(SeedPolygons, AreMarkedAfterCleaning) {
   // Two long bars that cross two others: the hole is the square between them.
   folder_.Write("bars.poly",

@@ -1,4 +1,4 @@
-// Commands that take meshes and input of space.
+// Commands with 3D meshes and input.
 #include <algorithm>
 #include <map>
 #include <random>
@@ -18,7 +18,7 @@ using testing::GoodSpaceMesh;
 
 class SpaceCommands : public CommandLineFixture {
  protected:
-  // m.node and so on, a mesh of what is in input.poly.
+  // m.node and so on: a mesh of input.poly.
   void WriteMeshAndInput() {
     GoodSpaceMesh good = testing::MakeGoodSpaceMesh(4, 0);
     // A file numbers points, segments and polygons in this order.
@@ -169,9 +169,9 @@ TEST_F(SpaceCommands, TellOfDihedralAngles) {
   EXPECT_EQ(Value(Run("stats m.node --json --min-dihedral 10").out, "below_dihedral"), below);
   EXPECT_NE(Run("mesh box.off --min-dihedral 10").out.find("below dihedral "), std::string::npos);
 
-  // Slivers that were left in peace.
+  // Slivers that were not removed.
   const Outcome other = Run("mesh box.off --min-dihedral 0 --json -o s.node");
-  EXPECT_EQ(Value(other.out, "below_dihedral"), "0");  // of no bound
+  EXPECT_EQ(Value(other.out, "below_dihedral"), "0");  // without a bound
   const Outcome measured = Run("stats s.node --json --min-dihedral 10");
   ASSERT_EQ(measured.code, 0) << measured.err;
   EXPECT_GT(std::stoi(Value(measured.out, "below_dihedral")), 10);
@@ -204,7 +204,7 @@ TEST_F(SpaceCommands, VerifyCountsBelowADihedralAngleAsTheMesherDoes) {
       nodes += "\n";
     }
     folder_.Write("points.node", nodes);
-    for (const std::string bound : {"5", "10", "20"}) {  // at 20 some are left
+    for (const std::string bound : {"5", "10", "20"}) {  // at 20 some remain
       const Outcome made =
           Run("mesh points.node --json -o m.node -o e.svg --fill exempt --min-dihedral " + bound);
       ASSERT_EQ(made.code, 0) << made.err;
@@ -239,7 +239,7 @@ TEST_F(SpaceCommands, PolygonsWantRhoOf1Point4) {
 
 TEST_F(SpaceCommands, ACropIsAlongTheAxesOfTheCut) {
   folder_.Write("box.off", kBoxInBox);
-  // Cut in the middle of the box, not of what is cropped away.
+  // Cut in the middle of the box, not of the cropped part.
   for (const std::string axis : {"x", "y", "z"}) {
     ASSERT_EQ(Run("mesh box.off -o all.svg --cut " + axis).code, 0);
     ASSERT_EQ(Run("mesh box.off -o crop.svg --crop 0,0,4,4 --cut " + axis).code, 0);
@@ -269,7 +269,7 @@ TEST_F(SpaceCommands, AScriptOfSpaceIsReplayed) {
   EXPECT_NE(bad.err.find("bad.dynmesh:6: polygon 5 is not flat"), std::string::npos) << bad.err;
 }
 
-// Six squares, and a wall that stands where four of them meet.
+// Six squares, and a wall where four of them meet.
 TEST_F(SpaceCommands, AWallOnAMergedFloorIsMeshed) {
   std::string floor = "OFF\n14 7 0\n";
   for (const char* y : {"0", "2", "4"}) {
@@ -305,7 +305,7 @@ TEST_F(SpaceCommands, CoplanarFacesAreMergedOnDemand) {
   };
   EXPECT_EQ(count({}), 2);
   EXPECT_EQ(count({true, 0}), 2);
-  EXPECT_EQ(count({true, 0.01}), 2);  // no mesh would have it
+  EXPECT_EQ(count({true, 0.01}), 2);  // no mesh would accept it
   const Outcome warned = Run("mesh m.off --merge-coplanar --coplanar-tolerance 0.01");
   EXPECT_NE(warned.err.find("m.off: 1 part(s) within the tolerance"), std::string::npos)
       << warned.err;

@@ -170,7 +170,7 @@ TEST(VerifyRegions, FindsEveryChangedLabel) {
   }
 }
 
-// A triangle whose only doubles are its corners.
+// A triangle without doubles other than its corners.
 TEST(VerifyRegions, KnowWhereTheSmallestTriangleIs) {
   constexpr double kTiny = std::numeric_limits<double>::denorm_min();
   io::IndexedMesh mesh;
@@ -187,8 +187,8 @@ TEST(VerifyRegions, KnowWhereTheSmallestTriangleIs) {
   EXPECT_EQ(CheckRegions(mesh, features).failures, 2U);
 }
 
-// A quarter of the triangles of a large mesh in a comb of many teeth. By hand, as nothing but
-// the labels matters: a square grid, cut along one diagonal.
+// A quarter of the triangles of a large mesh in a comb of many teeth. Built by hand, as only the
+// labels matter: a square grid, cut along one diagonal.
 TEST(VerifyRegions, OfALargeMeshAndLongPolygonsAreQuick) {
   constexpr std::uint32_t kSide = 256;
   constexpr FeatureId kComb = 1'000'000;

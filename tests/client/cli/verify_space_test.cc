@@ -1,4 +1,4 @@
-// `verify` must accept every good mesh of space and find every kind of damage, by the right check.
+// `verify` must accept every good 3D mesh and find every kind of damage, by the right check.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -126,7 +126,7 @@ TEST(VerifySpace, CountsBelowADihedralAngleAsTheLibraryDoes) {
         continue;
       }
       EXPECT_EQ(FailedChecks(report), std::set<std::string>{"dihedral"});
-      // The worst is named first, with its place; of several as bad, any.
+      // The worst is named first, with its position; of several equally bad ones, any.
       const auto check = std::find_if(report.checks.begin(), report.checks.end(),
                                       [](const auto& c) { return c.name == "dihedral"; });
       const std::string before = " has a dihedral angle of ";
@@ -154,7 +154,7 @@ auto& FindOwned(Rows& rows, FeatureId owner) {
   return *std::find_if(rows.begin(), rows.end(), [&](const auto& r) { return r.owner == owner; });
 }
 
-// A face that two tetrahedra have and no polygon.
+// A face of two tetrahedra and of no polygon.
 std::array<std::uint32_t, 3> InnerFace(const IndexedMesh& mesh) {
   std::array<std::uint32_t, 3> found = {0, 0, 0};
   ForEachTriangle(CollectFaces(mesh), [&](const Face* face, std::size_t count) {
@@ -165,8 +165,8 @@ std::array<std::uint32_t, 3> InnerFace(const IndexedMesh& mesh) {
   return found;
 }
 
-// Of two tetrahedra that share a face and form a convex body, three around the edge between their
-// apexes: everything else stays in order.
+// Flips two tetrahedra that share a face and form a convex body into three around the edge between
+// their apexes: everything else stays valid.
 void FlipAFace(IndexedMesh& mesh) {
   bool done = false;
   ForEachTriangle(CollectFaces(mesh), [&](const Face* face, std::size_t count) {
@@ -386,7 +386,7 @@ TEST(VerifySpace, FindsEveryKindOfDamageByTheRightCheck) {
     const VerifyReport report = VerifyMesh(good.files, kAnyQuality, &good.features);
     std::set<std::string> failed = FailedChecks(report);
     failed.erase("hash");
-    // Flat tetrahedra and those turned inside out are over any rho.
+    // Flat and inverted tetrahedra are over any rho.
     if (damage.checks.contains("orientation")) failed.erase("quality");
     EXPECT_EQ(failed, damage.checks) << damage.name << "\n" << Describe(report);
   }
@@ -455,7 +455,7 @@ TEST(VerifySpace, CountsOneSideOfWhatLiesFlatOnAPolygon) {
   EXPECT_GT(flat, 0);
 }
 
-// Modulo 2 its border is the polygon's: the area tells.
+// Modulo 2 its border is the polygon's: only the area differs.
 TEST(VerifySpace, FindsASheetThatFoldsOverItself) {
   io::MeshFiles files;
   IndexedMesh& mesh = files.mesh;
@@ -481,7 +481,7 @@ TEST(VerifySpace, OfAnEmptyFileFails) {
   EXPECT_FALSE(VerifyMesh(files, kAnyQuality, nullptr).Passed());
 }
 
-// Whatever one index is changed to, it shows, even where nobody recorded a hash.
+// Any change of one index is detected, even without a recorded hash.
 TEST(VerifySpace, FindsEveryChangedCorner) {
   const std::uint64_t seed = NewSeed();
   std::mt19937_64 random(seed);
@@ -503,7 +503,7 @@ TEST(VerifySpace, FindsEveryChangedCorner) {
   }
 }
 
-// Nor may a vertex be moved: coordinates of input, planes, lines or spheres show it.
+// Nor may a vertex be moved: coordinates of input, planes, lines or spheres detect it.
 TEST(VerifySpace, FindsEveryMovedVertexThatMatters) {
   const std::uint64_t seed = NewSeed();
   const GoodFiles good = MakeGoodFiles(seed, 40);
@@ -512,7 +512,7 @@ TEST(VerifySpace, FindsEveryMovedVertexThatMatters) {
     io::MeshFiles files = good.files;
     files.recorded_hash.reset();
     IndexedMesh::Vertex& vertex = files.mesh.vertices[v];
-    // By more than rounding, across whatever it lies on.
+    // By more than rounding, across the feature that it lies on.
     vertex.x += 1e-9, vertex.y += 2e-9, vertex.z -= 3e-9;
     EXPECT_FALSE(VerifyMesh(files, kAnyQuality, &good.features).Passed()) << v;
   }

@@ -1,5 +1,5 @@
-// `verify` must know the closed surfaces of an input of space, and find every wrong label: on a
-// grid of cubes, each cut into six tetrahedra, whose sides are polygons or not.
+// `verify` must find the closed surfaces of a 3D input, and every wrong label. Uses a grid of
+// cubes, each cut into six tetrahedra; some sides of cubes are polygons.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -69,7 +69,7 @@ class Grid {
       }
     }
   }
-  // Region `number` is that in those surfaces; labels the cubes of a block.
+  // Region `number` is the one in those surfaces; labels the cubes of a block.
   void Name(std::vector<FeatureId> surfaces) { mesh_.regions.polygons.push_back(surfaces); }
   void Label(std::uint32_t number, const Cell& lo, const Cell& hi) {
     for (std::size_t t = 0; t < cells_.size(); ++t) {

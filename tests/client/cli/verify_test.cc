@@ -87,8 +87,8 @@ double Area(const IndexedMesh& mesh, std::uint32_t a, std::uint32_t b, std::uint
   return (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
 }
 
-// Turns one inner edge without owner, whose two triangles form a convex quadrangle,
-// into the other diagonal; everything else stays in order.
+// Flips one inner edge without owner and with a convex quadrangle to the other diagonal; everything
+// else stays valid.
 void FlipAnEdge(IndexedMesh& mesh) {
   bool done = false;
   ForEachEdge(CollectSides(mesh), [&](const Side* side, std::size_t count) {
@@ -101,7 +101,7 @@ void FlipAnEdge(IndexedMesh& mesh) {
     const std::uint32_t p = s[side[0].k];  // the edge in s runs from p to q
     const std::uint32_t q = s[(side[0].k + 1U) % 3];
     const std::uint32_t r = s[(side[0].k + 2U) % 3];
-    const std::uint32_t o = t[(side[1].k + 2U) % 3];  // o and r see it from both sides
+    const std::uint32_t o = t[(side[1].k + 2U) % 3];  // o and r are the apexes on both sides
     if (Area(mesh, o, q, r) < 0.01 || Area(mesh, p, o, r) < 0.01) return;
     s = {o, q, r};
     t = {p, o, r};
@@ -262,7 +262,7 @@ TEST(Verify, FindsEveryKindOfDamageByTheRightCheck) {
     // Flat and clockwise triangles are over any rho.
     if (damage.checks.contains("orientation")) failed.erase("quality");
     EXPECT_EQ(failed, damage.checks) << damage.name << "\n" << Describe(report);
-    // The hash sees whatever changes the mesh.
+    // The hash detects any change of the mesh.
     if (report.checks.size() > 1) {
       const bool hash_failed = FailedChecks(report).contains("hash");
       EXPECT_EQ(hash_failed, !features_only) << damage.name;
@@ -305,8 +305,7 @@ TEST(Verify, OfAnEmptyFileFails) {
   EXPECT_FALSE(report.Passed());
 }
 
-// Whatever one index is changed to, the topology or geometry shows it, even where
-// nobody recorded a hash.
+// Any change of one index is detected by topology or geometry, even without a recorded hash.
 TEST(Verify, FindsEveryChangedCorner) {
   const std::uint64_t seed = std::random_device{}();
   std::cout << "seed " << seed << "\n";

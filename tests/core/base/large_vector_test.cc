@@ -1,4 +1,4 @@
-// It does what std::vector does, at sizes below and above those of huge pages.
+// Same behaviour as std::vector, at sizes below and above those of huge pages.
 #include "core/base/large_vector.h"
 
 #include <gtest/gtest.h>
@@ -109,7 +109,7 @@ TEST(LargeVector, TakesItsOwnElementsWhileItGrows) {
   EXPECT_EQ(words.front(), std::string(40, 'x'));
 }
 
-// Whatever lies behind it: in place, and elsewhere.
+// In place, and moved elsewhere, with any memory behind it.
 TEST(LargeVector, GrowsOverAndOver) {
   std::vector<LargeVector<std::uint64_t>> side_by_side(6);
   constexpr std::uint64_t kEach = 4'000'000;  // 32 MB

@@ -160,7 +160,7 @@ TEST(Options, BoxesOfSpace) {
   EXPECT_NE(ValidateOptions(tiny).message().find("below 2^-110"), std::string::npos);
 }
 
-// Half as many again as the border has; BorderVertices says how many to a side.
+// Half as many again as the border has; BorderVertices is the number per side.
 TEST(Options, LeastVerticesInSpaceGoWithQuality) {
   for (const auto& [quality, least] : {std::pair(2.0, 579u), std::pair(1.2, 2307u)}) {
     MeshOptions options = InSpace(quality);
@@ -214,8 +214,8 @@ TEST(DomainBox, OfABoxWithoutExtentHasUnitLength) {
   EXPECT_EQ(domain.hi[1], 2);
 }
 
-// Whatever the box: the domain is a square to the bit, its border points are exact,
-// and the user's box lies inside, at least two sides from the border.
+// For any box: the domain is a square to the bit, its border points are exact, and the user's box
+// lies inside, at least two sides from the border.
 TEST(DomainBox, IsAnExactSquareAroundAnyBox) {
   const unsigned seed = 20240611;
   std::mt19937_64 random(seed);

@@ -7,7 +7,7 @@
 namespace dynmesh {
 namespace {
 
-// What a program asks before it uses what a version brought.
+// The version check of a program before it uses newer features.
 #if DYNMESH_VERSION < DYNMESH_MAKE_VERSION(0, 1, 0)
 #error "the preprocessor cannot compare versions"
 #endif

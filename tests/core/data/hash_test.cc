@@ -180,7 +180,7 @@ TEST(Hash, OfAMeshChangesWithEveryPart) {
       EXPECT_NE(ComputeHash(other), mesh.hash);
     }
     other = mesh;
-    other.regions.assign(other.simplex_count(), kNoRegion);  // says nothing
+    other.regions.assign(other.simplex_count(), kNoRegion);  // without information
     EXPECT_EQ(ComputeHash(other), mesh.hash);
     other.regions[5] = 3;
     EXPECT_NE(ComputeHash(other), mesh.hash);
@@ -190,8 +190,7 @@ TEST(Hash, OfAMeshChangesWithEveryPart) {
   }
 }
 
-// The two meshes of proto/dynmesh/v1/mesh.proto, whose hashes tests/e2e/mesh_hash.py computes as
-// well.
+// The two meshes of proto/dynmesh/v1/mesh.proto; tests/e2e/mesh_hash.py also computes their hashes.
 TEST(Hash, OfTheMeshesInTheProtoIsWhatItSays) {
   Mesh plane;
   plane.dimension = 2;

@@ -1,5 +1,5 @@
-// Meshes that look right to everything that knows only rows and hashes: random ids,
-// rows that are no triangulation of anything.
+// Meshes that are valid for code that knows only rows and hashes: random ids, rows that do not form
+// a triangulation.
 #ifndef DYNMESH_TESTS_CORE_DATA_MADE_UP_MESH_H_
 #define DYNMESH_TESTS_CORE_DATA_MADE_UP_MESH_H_
 
@@ -68,8 +68,8 @@ Columns AnyPieces(Random& random, const std::vector<VertexId>& ids, std::size_t 
 
 }  // namespace internal
 
-// `count` vertices on a grid of some 1,600 places (so that two meshes share some), twice
-// as many simplices, half as many subsegments and, in space, subfacets.
+// `count` vertices on a grid of some 1,600 positions (so that two meshes share some), twice as many
+// simplices, half as many subsegments and, in 3D, subfacets.
 inline Mesh MakeUpMesh(Random& random, int count, std::uint64_t revision, int dimension = 2) {
   Mesh mesh;
   mesh.dimension = dimension;

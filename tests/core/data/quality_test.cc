@@ -71,7 +71,7 @@ TEST(TriangleQuality, AgreesWithLongDoublesOnThinTriangles) {
     const Real ux = Real{p[1][0]} - p[0][0], uy = Real{p[1][1]} - p[0][1];
     const Real vx = Real{p[2][0]} - p[0][0], vy = Real{p[2][1]} - p[0][1];
     const Real cross = ux * vy - uy * vx;
-    // A cross product that long doubles do not know either is no oracle.
+    // If long doubles cannot represent the cross product either, they are no oracle.
     if (cross < 1e-11L) continue;
     Real e[3] = {std::hypot(ux, uy), std::hypot(vx, vy), std::hypot(ux - vx, uy - vy)};
     std::sort(e, e + 3);
@@ -128,7 +128,7 @@ TEST(MeasureQuality, CountsWhatIsOverRho) {
   EXPECT_EQ(report.angle_histogram[8] + report.angle_histogram[9], 2U);
   options.quality = 0.83;
   EXPECT_EQ(MeasureQuality(mesh, options).over_rho, 2U);
-  mesh.simplices[2] = 77;  // a vertex that is not there
+  mesh.simplices[2] = 77;  // a missing vertex
   report = MeasureQuality(mesh, options);
   EXPECT_TRUE(std::isinf(report.worst_radius_edge));
 }

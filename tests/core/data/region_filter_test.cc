@@ -22,7 +22,7 @@ Mesh Sorted(Mesh mesh) {
   return mesh;
 }
 
-// Word for word what a choice says.
+// The text of a choice, literally.
 bool NaiveHas(const RegionChoice& choice, const std::vector<FeatureId>& polygons) {
   const auto inside = [&](FeatureId id) { return std::ranges::count(polygons, id) > 0; };
   if (std::ranges::any_of(choice.out, inside)) return false;
@@ -46,7 +46,7 @@ Mesh NaiveSimplicesInside(const Mesh& mesh, const RegionChoice& choice) {
   return Sorted(part);
 }
 
-// Those of whose ids all are corners of one simplex.
+// Rows with only corners of one simplex as ids.
 template <class Columns>
 Columns NaivePiecesOf(const Mesh& mesh, const Columns& from) {
   const auto corners = static_cast<std::ptrdiff_t>(mesh.dimension) + 1;
@@ -126,7 +126,7 @@ TEST(OnlyInside, OfAMeshWithoutPolygonsIsNothingOrAllOfItsSimplices) {
   }
 }
 
-// A replica of the part, fed by filtered diffs only, is at any time the part.
+// A replica of the part that gets filtered diffs only equals the part at any time.
 TEST(SimplicesInside, OfDiffsKeepAReplicaOfThePart) {
   auto random = MakeRandom();
   for (const int dimension : testing::kDimensions) {

@@ -106,14 +106,14 @@ TEST(SlotMesh, FindsWhatItHoldsAndNothingElse) {
   }
 }
 
-// Every way in which a diff or a mesh can be wrong, and what is said to it.
+// Every kind of invalid diff or mesh, and its error.
 struct Refusal {
   const char* name;
   absl::StatusCode code;
   std::function<void(MeshDiff&)> damage;
 };
 
-// Even where the sum would be right.
+// Even if the sum is right.
 template <class Columns>
 void GoesTwice(MeshDiff& d, Columns& pieces) {
   const auto key = KeyOf(pieces, 0);
@@ -127,7 +127,7 @@ void ComesTwice(MeshDiff& d, Columns& pieces) {
   d.hash += HashOf(key);
 }
 
-// In the plane, where there are no subfacets to damage, another damage with the same code.
+// In 2D, where there are no subfacets to damage, another damage with the same code.
 template <class Damage>
 void InSpace(MeshDiff& d, Damage damage) {
   d.dimension == 3 ? damage() : static_cast<void>(d.hash.lo ^= 1);
@@ -165,7 +165,7 @@ std::vector<Refusal> Refusals() {
        }},
       {"simplex to remove is in another region", StatusCode::kDataLoss,
        [](MeshDiff& d) {
-         // Even where the sum would be right.
+         // Even if the sum is right.
          d.hash += HashSimplex(&d.removed_simplices[0], d.dimension + 1, d.removed_regions[0]);
          d.removed_regions[0] ^= 1;
          d.hash -= HashSimplex(&d.removed_simplices[0], d.dimension + 1, d.removed_regions[0]);

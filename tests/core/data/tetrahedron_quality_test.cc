@@ -39,8 +39,8 @@ Real Determinant(const Corners& p) {
   return Dot(From(p[0], p[1]), Cross(From(p[0], p[2]), From(p[0], p[3])));
 }
 
-// The angle between the faces at p and q, whose other corners are r and s: that between what
-// is left of r - p and s - p without their parts along q - p.
+// The dihedral angle at edge pq between the faces with the other corners r and s: the angle between
+// r - p and s - p without their components along q - p.
 double NaiveDihedral(const Point3& p, const Point3& q, const Point3& r, const Point3& s) {
   const RealVector e = From(p, q);
   const auto across = [&](RealVector v) {
@@ -54,8 +54,8 @@ double NaiveDihedral(const Point3& p, const Point3& q, const Point3& r, const Po
   return static_cast<double>(Real(acos(cosine) * 180 / pi));
 }
 
-// By Heron's formula for space: with the products of opposite edges x, y, z,
-// 24 volume radius = sqrt((x + y + z) (x + y - z) (y + z - x) (z + x - y)).
+// The 3D Heron formula: with the products of opposite edges x, y, z, 24 volume radius = sqrt((x + y
+// + z) (x + y - z) (y + z - x) (z + x - y)).
 Real NaiveRatio(const Corners& p) {
   const auto length = [&](int i, int j) {
     const RealVector e = From(p[static_cast<std::size_t>(i)], p[static_cast<std::size_t>(j)]);
@@ -103,7 +103,7 @@ TEST(TetrahedronQuality, OfFlatOrInvertedOnesIsInfinite) {
   EXPECT_TRUE(is_flat({a, a, a, a}));
   EXPECT_TRUE(is_flat({a, b, c, {{0, 0, std::nan("")}}}));
   EXPECT_TRUE(is_flat({a, b, c, {{0, 0, INFINITY}}}));
-  // A plane that doubles are not on but by luck; and one step off it, up and down.
+  // A plane that contains doubles only by chance; and one step off it, up and down.
   const Point3 p = {{0.1, 0.2, 0.1 + 0.2}}, q = {{0.3, 0.5, 0.3 + 0.5}};
   const Point3 r = {{0.7, 0.1, 0.7 + 0.1}};
   const Point3 s = {{0.2, 0.4, 0.2 + 0.4}};
@@ -169,7 +169,7 @@ TEST(TetrahedronQuality, AgreesWithAHundredDigits) {
         NaiveDihedral(p[0], p[3], p[1], p[2]), NaiveDihedral(p[1], p[2], p[0], p[3]),
         NaiveDihedral(p[1], p[3], p[0], p[2]), NaiveDihedral(p[2], p[3], p[0], p[1])};
     for (std::size_t e = 0; e < 6; ++e) {
-      if (kind == 3) continue;  // no promise
+      if (kind == 3) continue;  // no guarantee
       ASSERT_NEAR(q.angles_deg[e], expected[e], 1e-9) << "kind " << kind << ", edge " << e;
     }
     ASSERT_EQ(q.min_angle_deg, *std::min_element(q.angles_deg.begin(), q.angles_deg.end()));
@@ -279,7 +279,7 @@ TEST(MeasureQuality, AllowsTheSlackInSpaceAndNoMore) {
   EXPECT_EQ(MeasureQuality(mesh, options).over_rho, 1U);
   EXPECT_EQ(JudgeSimplices(mesh, options), std::vector{SimplexVerdict::kOverRho});
   options.quality = 2;
-  mesh.simplices[2] = 77;  // a vertex that is not there
+  mesh.simplices[2] = 77;  // a missing vertex
   const QualityReport report = MeasureQuality(mesh, options);
   EXPECT_TRUE(std::isinf(report.worst_radius_edge));
   EXPECT_EQ(report.over_rho, 1U);
@@ -318,14 +318,14 @@ TEST(MeasureQuality, TellsWhatIsBelowAKnownDihedralAngle) {
   EXPECT_EQ(report.exempt, 0U);
   EXPECT_EQ(JudgeSimplices(mesh, options), (std::vector{kGood, kBelowDihedral}));
   EXPECT_FALSE(IsExempt(kBelowDihedral) || IsOverRho(kBelowDihedral));
-  options.quality = 2;  // its ratio is more: that is said, and it still counts
+  options.quality = 2;  // its ratio is more: reported, and still counted
   report = MeasureQuality(mesh, options);
   EXPECT_EQ(report.below_dihedral, 1U);
   EXPECT_EQ(report.over_rho, 1U);
   EXPECT_EQ(JudgeSimplices(mesh, options), (std::vector{kGood, kOverRho}));
   std::swap(mesh.simplices[0], mesh.simplices[1]);  // turned inside out
   EXPECT_EQ(MeasureQuality(mesh, options).below_dihedral, 2U);
-  mesh.simplices[0] = 77;  // a vertex that is not there
+  mesh.simplices[0] = 77;  // a missing vertex
   report = MeasureQuality(mesh, options);
   EXPECT_EQ(report.below_dihedral, 2U);
   EXPECT_EQ(report.worst_dihedral.size(), 1U);

@@ -1,6 +1,6 @@
-// Ids of vertices that collide, which a hash of 64 bits never shows: with a poor hash in
-// its place an edit renames vertices all over the mesh. After every revision the diff
-// takes a replica to the snapshot, and everything is as from scratch, ids included.
+// Ids of vertices that collide, which does not occur by chance with a hash of 64 bits. With a poor
+// hash instead, an edit renames vertices all over the mesh. After every revision the diff leads a
+// replica to the snapshot, and all is as from scratch, ids included.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -172,7 +172,7 @@ TEST_P(CollidingNames, DiffLeadsToTheSnapshotAfterEveryRevision) {
   Run<2>(tuning, 12, 14, 15);
 }
 
-// A batch that is cancelled gives back every name.
+// A cancelled batch restores every name.
 TEST_P(CollidingNames, ACancelledBatchLeavesThemAsTheyWere) {
   if (DimensionOf(distribution()) == 3) {
     RunCancelled<3>(12, 300);

@@ -1,5 +1,5 @@
-// A batch that is not let come into effect leaves everything as it was, however it was worked out;
-// one that is, was shown as it is returned. And meshes that go on from a revision.
+// A vetoed batch leaves everything as it was, however it was computed. An accepted one was shown as
+// it is returned. Also meshes that resume at a revision.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -19,7 +19,7 @@ LiveMeshTuning AlwaysRebuild() {
   return tuning;
 }
 
-// As it was before `refused`, in all that can be asked.
+// The state before `refused`, by all queries.
 struct Before {
   explicit Before(const DynamicMesh& mesh)
       : revision(mesh.revision()),
@@ -49,7 +49,7 @@ struct Before {
   Mesh snapshot;
 };
 
-// Every batch is refused once, then let pass.
+// Every batch is refused once, then accepted.
 template <int D, class Generator>
 void ExpectVetoesToChangeNothing(Generator generator, const LiveMeshTuning& tuning, int revisions) {
   SCOPED_TRACE("seed " + std::to_string(kSeed));
@@ -107,7 +107,7 @@ TEST(Commit, ARefusedPropagationIsUndone) {
   ExpectVetoesToChangeNothing<3>(PolygonScript(kPolygonKinds[0], 2, kSeed), AlwaysPropagate(), 4);
 }
 
-// Polygons far apart, of which one goes or moves: labels are told from the walls that changed.
+// Polygons far apart, of which one is removed or moves: labels are derived from the changed walls.
 TEST(Commit, RegionsComeBackWithARefusedEdit) {
   SCOPED_TRACE("seed " + std::to_string(kSeed));
   std::mt19937_64 random(kSeed);

@@ -1,4 +1,4 @@
-// Meshes of the bare box, which max_edge may make large.
+// Meshes of the bare box; max_edge may make them large.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -30,7 +30,7 @@ TEST_P(Create, WithFewerVerticesThanThereMayBeIsAMesh) {
 }
 
 TEST_P(Create, WithMoreIsRefusedBeforeTheyAreMade) {
-  // By area and by volume a million times as many as may be.
+  // By area and by volume a million times too many.
   MeshOptions options = OptionsIn(GetParam(), GetParam() == 2 ? 1e-5 : 1e-3);
   options.limits.max_vertices = 5'000;
   const absl::Status status = DynamicMesh::Create(options).status();

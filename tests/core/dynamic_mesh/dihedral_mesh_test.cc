@@ -1,5 +1,5 @@
-// Dihedral angles of whole meshes: none is flat but for rounding, asked for or not; and how much
-// more an edit changes where a bound is asked for.
+// Dihedral angles of whole meshes: with or without a bound none is flat except for rounding; and
+// how much more an edit changes with a bound.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,8 +39,8 @@ double LeastOf(const std::vector<Feature>& features, const MeshOptions& options)
   return std::ranges::min(AnglesOf(features, options));
 }
 
-// A prism over a regular polygon of `sides`, about the axis (1, 1, 1): no face lies in a coordinate
-// plane, so that its vertices are in it but for rounding, and opposite ones on circles.
+// A prism over a regular polygon of `sides`, about the axis (1, 1, 1). No face lies in a coordinate
+// plane, so its vertices are in it up to rounding, and opposite ones on circles.
 std::vector<Feature> SlantedPrism(int sides) {
   const double a = 1 / std::sqrt(3.0), b = 1 / std::sqrt(2.0), c = 1 / std::sqrt(6.0);
   std::vector<Feature> features;
@@ -102,9 +102,9 @@ TEST(Dihedral, NoTetrahedronIsFlatEvenIfSliversMayStay) {
   }
 }
 
-// The limit of that: a symmetric solid that stands askew and has hardly any vertex but its corners.
-// These lie on one sphere, some four in one plane but for rounding; and whatever vertex there could
-// be has a neighbour so near, or one so far, that rho would not hold.
+// The limit of that: a symmetric solid in a skew position with hardly any vertices except its
+// corners. These lie on one sphere, some four in one plane up to rounding. Every possible vertex
+// has a neighbour so near, or one so far, that rho would be violated.
 TEST(Dihedral, AskewAndCoarseSolidsKeepFewFlatTetrahedra) {
   const auto flat_in = [](const std::vector<Feature>& features) {
     return std::ranges::count_if(AnglesOf(features, Options(0)),
@@ -135,7 +135,7 @@ TEST(Dihedral, FacetsAndRegionsReachTheBoundAskedFor) {
   }
 }
 
-// Tetrahedra that come and go, of moves of points of uniform ones, in order.
+// Counts of created and removed tetrahedra, sorted, for moves of uniform points.
 std::vector<double> ChangesOfMoves(const MeshOptions& options, int moves) {
   constexpr int kPoints = 2000;
   const auto mesh = *DynamicMesh::Create(options);
@@ -157,7 +157,7 @@ std::vector<double> ChangesOfMoves(const MeshOptions& options, int moves) {
 }
 
 // Measured at 3,000 to 60,000 points: 1.6 to 1.7 in the mean, 1.4 to 1.6 for the 99th percentile.
-// A sliver that comes brings a vertex of its own with it, of some 25 tetrahedra.
+// A new sliver brings a vertex of its own, with some 25 tetrahedra.
 TEST(Dihedral, ABoundAskedForChangesABoundedPartMore) {
   const auto off = ChangesOfMoves(Options(0), 200), on = ChangesOfMoves(Options(10), 200);
   ASSERT_EQ(off.size(), on.size());

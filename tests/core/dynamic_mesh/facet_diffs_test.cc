@@ -1,6 +1,6 @@
-// Facets in the diffs of space: changes of input made by hand go to refinement and come out as
-// subfacets. A replica follows the diffs, and everything is as from scratch; every facet is
-// covered by its subfacets.
+// Facets in 3D diffs: changes of input made by hand go to refinement and result in subfacets. A
+// replica follows the diffs, and everything is as from scratch; every facet is covered by its
+// subfacets.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -26,8 +26,8 @@ MeshOptions Options() {
   return options;
 }
 
-// Squares of a grid on three planes through the box, two of them sharing edges, and points. All
-// that may be there has its id.
+// Squares of a grid on three planes through the box, two of them sharing edges, and points. Each
+// possible feature has its id.
 class Input {
  public:
   static constexpr int kSide = 2, kPlanes = 3;  // squares along a side
@@ -75,7 +75,7 @@ class Input {
   }
 };
 
-// What leads from one input to another.
+// The changes from one input to another.
 Delta Between(const Input& from, const Input& to) {
   Delta delta;
   for (const auto& [id, p] : from.points) {
@@ -196,7 +196,7 @@ TEST(FacetDiffs, AreFromScratchAndCoverFacetsAfterEveryChange) {
     if (input.facets.empty()) {
       ASSERT_EQ(whole.subfacets.size(), 0u);
     }
-    // Undone and done again before anybody looks: nothing has changed.
+    // Undone and done again before the diff is taken: nothing has changed.
     const Delta there = Between(before, input);
     state.features.Apply(there.Inverse(), state.refinement);
     state.refinement.Propagate([] { return false; });

@@ -1,6 +1,5 @@
-// A propagation that turns out dearer than a build is given up for one: mesh, trace and diff are the
-// same, and no edit executes many more operations than building anew does. And batches
-// that may execute so many operations only.
+// A propagation that costs more than a build is replaced by one: mesh, trace and diff are the same,
+// and no edit executes many more operations than a build. Also batches with a limit of operations.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 11;
 
-// Gives up after so many operations, whatever there is.
+// Gives up after a number of operations, whatever the mesh.
 LiveMeshTuning GivesUpAfter(std::uint64_t operations) {
   LiveMeshTuning tuning = AlwaysPropagate();
   tuning.rebuild.at_least_work = operations;
@@ -136,8 +135,8 @@ std::vector<Feature> Slab(double thickness) {
   return features;
 }
 
-// A point comes and goes; each time no more is executed than one and a half builds of it, and what
-// has to be tried before anything is given up.
+// A point is added and removed. Each time the operations are at most those of one and a half
+// builds, plus the minimum before a propagation is given up.
 template <int D>
 void ExpectAtMostOneAndAHalfBuilds(const std::vector<Feature>& scene, const Feature& point) {
   const RebuildThresholds thresholds;
@@ -194,7 +193,7 @@ void ExpectTheWorkLimitToHold(const std::vector<Feature>& scene, const LiveMeshT
     EXPECT_EQ(mesh.hash(), hash);
     EXPECT_EQ(mesh.Audit().trace, trace);
   }
-  // What was refused may have left smaller cells behind, in which others are found to be stale.
+  // The refused batch may have left smaller cells, in which more operations are found stale.
   apply.max_operations = unlimited->work.executed + unlimited->work.executed / 100;
   const auto diff = mesh.Apply(AddAll(scene), apply);
   ASSERT_TRUE(diff.ok()) << diff.status();

@@ -1,5 +1,5 @@
-// Where very many segments meet, or very many points are equally near, an edit costs about what it
-// changes.
+// At points with very many segments or very many equidistant neighbours, the cost of an edit is
+// about proportional to its changes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 using Refinement = meshing::Refinement<2, sac::Engine>;
 
-// The mesher with its input, whose counters can be seen.
+// The mesher with its input and visible counters.
 class Scene {
  public:
   Scene() : plc_(Options()), refinement_(Options(), nullptr) {}
@@ -47,7 +47,7 @@ Edit AddPointAt(FeatureId id, double radius, double angle) {
   return Edit::Add(Feature::Point(id, radius * std::cos(angle), radius * std::sin(angle)));
 }
 
-// Subscribers looked at, for each operation that ran or went: one for each segment, and some pieces.
+// Subscribers visited per executed or removed operation: one per segment, and some subsegments.
 TEST(Hub, AnEditBesideItAsksAboutItsDegreeForEachOperation) {
   constexpr int kPieces = 60;
   for (const int spokes : {100, 200, 400}) {
@@ -72,8 +72,8 @@ TEST(Hub, AnEditBesideItAsksAboutItsDegreeForEachOperation) {
   }
 }
 
-// Points at exactly the same distance from the origin, all that there are on a lattice; each goes
-// and comes back. How often the nearest of a point was looked for.
+// Points at exactly the same distance from the origin, all that a lattice has; each is removed and
+// added again. Returns how often a nearest neighbour was searched.
 std::uint64_t SearchesOnACircle(bool with_centre) {
   constexpr int kSquared = 5 * 13 * 17 * 29 * 37;
   constexpr double kScale = 1.0 / 2048;

@@ -1,5 +1,5 @@
-// Work is asked whether it is to be given up all along, not between operations only: so many times
-// for so many rows, features and points. And wherever it is, everything is as it was.
+// Work polls for cancellation all the time, not only between operations: a number of times per row,
+// feature and point. Wherever it is cancelled, the state is restored.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -75,7 +75,7 @@ void ExpectABuildToBeAskedAllAlong(const std::vector<Feature>& before,
   const MeshHash hash = mesh.hash(), trace = mesh.Audit().trace;
   const EditBatch batch = AddAll(features);
 
-  // Questions of operations, and others.
+  // Polls of operations, and others.
   LiveMesh<D> other(DefaultsIn<D>(), AlwaysRebuild());
   ASSERT_TRUE(other.Apply(AddAll(before), ApplyOptions()).ok());
   std::size_t all = 0;
@@ -180,13 +180,13 @@ TEST(Interrupt, APropagationIsAskedWhileTheChangeIsHandedOver) {
   ExpectAPropagationToBeAskedAllAlong<3>(MakeFeatures(Distribution::kTurnedGridEdges, 600, 5));
 }
 
-// Points alone are looked at together, not one by one.
+// Points alone are processed together, not one by one.
 TEST(Interrupt, ValidationOfAFirstLoadIsAskedAllAlong) {
   const plc::Plc2 plc{MeshOptions()};
   const EditBatch load = AddAll(MakeFeatures(Distribution::kUniform, 20'000, 4));
   std::size_t asked = 0;
   ASSERT_TRUE(plc.Check(load, nullptr, [&](std::size_t) { return ++asked == 0; }).ok());
-  // As edits, as what changes, for their place, their order and their distances.
+  // As edits, as changes, for their cell, their order and their distances.
   EXPECT_GE(asked, 5 * load.size() / Steps::kBetween);
   for (std::size_t stop = 1; stop <= asked; ++stop) {
     std::size_t left = stop;

@@ -1,5 +1,5 @@
-// What validation says that a mesh takes at least, held against what it does take: never more. And
-// the batches that are refused for it: at once, by name, as Apply would refuse them in the end.
+// The lower bound of vertices by validation, compared with the actual number: never more. Also the
+// batches refused for it: at once, with names, as Apply would refuse them in the end.
 #include "core/plc/least_vertices.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ MeshOptions OptionsIn(int dimension, double quality) {
   return options;
 }
 
-// Does validation let all these pass, where a mesh may have so many vertices?
+// True if validation accepts all these with such a limit of vertices.
 template <int D>
 absl::Status CheckWith(std::span<const Feature> features, MeshOptions options,
                        std::uint64_t max_vertices) {
@@ -36,7 +36,7 @@ absl::Status CheckWith(std::span<const Feature> features, MeshOptions options,
   return plc::Plc<D>(options).Check(AddAll(features)).status();
 }
 
-// The greatest limit that validation finds too low; 0 if there is none.
+// The greatest limit that validation refuses; 0 if there is none.
 template <int D>
 std::uint64_t LeastOf(std::span<const Feature> features, const MeshOptions& options) {
   std::uint64_t refused = 0, passed = std::uint64_t{1} << 50;
@@ -116,7 +116,7 @@ class Scenes {
   }
 
   // Parallel lines joined by diagonals, at one end or both: at sharp angles the quality is not
-  // promised, and meshes have few vertices.
+  // guaranteed, and meshes have few vertices.
   void Zigzags() {
     const double gap = Log(1e-4, 0.02), from = 0.2, to = from + Uniform(0.2, 0.6);
     const int n = Count(2, 5);
@@ -208,7 +208,7 @@ struct Sharpness {
   double least = INFINITY, sum = 0;
 };
 
-// Makes scenes and compares; those that are no legal input are left out.
+// Makes scenes and compares; skips illegal input.
 template <int D, class Make>
 Sharpness ExpectNeverTooHigh(const char* name, std::span<const double> qualities, int rounds,
                              Make make) {
@@ -229,7 +229,7 @@ Sharpness ExpectNeverTooHigh(const char* name, std::span<const double> qualities
     if (!mesh.ok()) continue;
     ++found.scenes;
     const auto vertices = static_cast<std::uint64_t>(mesh->vertices.size());
-    // What it takes is not too much.
+    // The actual number is not much larger.
     EXPECT_TRUE(CheckWith<D>(scenes.features, options, vertices).ok())
         << CheckWith<D>(scenes.features, options, vertices) << ", but it took " << vertices;
     const std::uint64_t least = LeastOf<D>(scenes.features, options);
@@ -271,7 +271,7 @@ TEST(LeastVertices, AreNeverMoreThanThereAreInSpace) {
   EXPECT_GT(check("plates", 16, [](Scenes& s) { s.Plates(); }).told, 3);
 }
 
-// --- What is refused ---------------------------------------------------------------------------
+// --- Refusals ------------------------------------------------------------------------------------
 
 void ExpectRefused(const absl::Status& status, const std::vector<FeatureId>& features) {
   EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
@@ -281,7 +281,7 @@ void ExpectRefused(const absl::Status& status, const std::vector<FeatureId>& fea
   EXPECT_EQ(detail->features, features);
 }
 
-// By a mesh that has something, and by its validation.
+// By a mesh with content, and by its validation.
 void ExpectRefusedByAll(const MeshOptions& options, const std::vector<Feature>& present,
                         const EditBatch& batch, const std::vector<FeatureId>& features) {
   const auto mesh = *DynamicMesh::Create(options);
@@ -391,7 +391,7 @@ TEST(LeastVertices, ThinSlabsAreRefusedByName) {
   }
 }
 
-// The order of edits, and what is there already, change what is to blame, but not the verdict.
+// The order of edits and the present features change the blamed feature, but not the verdict.
 TEST(LeastVertices, AreAFunctionOfTheFeatures) {
   MeshOptions options = OptionsIn(2, kDefaultQuality2D);
   std::vector<Feature> features = Line(1, 0.5, 0.1, 0.9);

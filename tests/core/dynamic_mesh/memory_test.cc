@@ -1,4 +1,4 @@
-// What is held follows what is there: memory goes back when features go.
+// Memory follows the present features: it is released when features are removed.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -51,7 +51,7 @@ TEST_P(Memory, OfAMeshFromWhichAllIsRemovedIsThatOfAFreshOne) {
   EXPECT_LE(BytesOf(*mesh), 2 * BytesOf(*fresh));
 }
 
-// At every size on the way down, too; and the trace stays that of a run from scratch.
+// At every size while shrinking, too; and the trace stays that of a run from scratch.
 TEST_P(Memory, FollowsWhatIsThereOnTheWayDown) {
   test::Random random(GetParam() + 10);
   const auto mesh = *DynamicMesh::Create(Options(GetParam()));

@@ -1,5 +1,5 @@
-// What ApplyOptions::progress is told: stages in order, parts that never fall, all done at the end;
-// and that nothing depends on who listens.
+// Calls of ApplyOptions::progress: stages in order, increasing parts, done == total at the end. The
+// callback has no effect on the result.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -24,8 +24,8 @@ double PartOf(const ApplyProgress& p) {
   return p.total == 0 ? 0 : static_cast<double>(p.done) / static_cast<double>(p.total);
 }
 
-// Stages do not go back; within one neither `done` nor the part does. Where `complete`, each stage
-// was told to its end.
+// Stages do not go back; within one neither `done` nor the part decreases. With `complete`, each
+// stage is reported to its end.
 void ExpectSound(const Told& told, bool complete) {
   for (std::size_t i = 0; i < told.size(); ++i) {
     EXPECT_LE(told[i].done, told[i].total) << i;
@@ -58,7 +58,7 @@ ApplyOptions Into(Told& told) {
   return options;
 }
 
-// The same script with and without somebody who listens.
+// The same script with and without a callback.
 template <int D, class Generator>
 void ExpectListeningChangesNothing(Generator generator, const LiveMeshTuning& tuning,
                                    int revisions) {
@@ -99,7 +99,7 @@ TEST(Progress, ListeningChangesNothing) {
   }
 }
 
-// Long enough to be told of on the way, on any machine that is slow enough for anybody to wait.
+// Long enough to be reported, on any machine on which a user would wait noticeably.
 template <int D>
 void ExpectToldOfOnTheWay(Distribution distribution, std::size_t count) {
   SCOPED_TRACE(NameOf(distribution));
@@ -199,7 +199,7 @@ TEST(Progress, AnotherThreadMayCancelAtAnyStage) {
   }
 }
 
-// What the meter says of work that grows faster than it is done, and of stages that begin again.
+// The meter with work that grows faster than it is done, and with repeated stages.
 TEST(ProgressMeter, KeepsItsPromiseWhateverItIsFedWith) {
   Told told;
   const ProgressMeter::Listener listener = [&](const ApplyProgress& p) { told.push_back(p); };
@@ -213,14 +213,14 @@ TEST(ProgressMeter, KeepsItsPromiseWhateverItIsFedWith) {
   meter.End(10);
   meter.Begin(Stage::kRefine);
   feed(50, 100);
-  feed(60, 1000);  // half is done, and stays so
+  feed(60, 1000);  // half is done, and stays done
   feed(900, 1000);
-  meter.Begin(Stage::kRefine);  // again: from the beginning, with less to do
+  meter.Begin(Stage::kRefine);  // again from the beginning, with less to do
   feed(10, 100);
   feed(10, 2000);
   meter.End(1500);
   meter.Begin(Stage::kDiff);
-  meter.Begin(Stage::kRefine);  // too late to tell of that
+  meter.Begin(Stage::kRefine);  // too late to report that
   feed(5, 10);
   meter.End(10);
   meter.Begin(Stage::kDiff);

@@ -1,5 +1,4 @@
-// Which polygons each triangle lies in, against a look at every polygon, and what edits of
-// polygons cost.
+// The polygons of each triangle, against testing every polygon, and the cost of edits of polygons.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +14,7 @@ namespace {
 
 using Place = std::array<double, 2>;
 
-// Is p inside an odd number of the rings? In doubles: p must not be near an edge.
+// True if p is inside an odd number of the rings. In doubles: p must not be near an edge.
 bool NaiveIsInside(const Place& p, const Rings& rings, const std::map<FeatureId, Place>& points) {
   bool inside = false;
   for (const auto& ring : rings) {
@@ -118,7 +117,7 @@ TEST(RegionLabels, APolygonOverSegmentsChangesLabelsInsideAndNothingElse) {
   EXPECT_TRUE(added->removed_regions.empty());
   EXPECT_EQ(added->added_regions, RegionColumn(inside, 2000));
   EXPECT_TRUE(added->added_vertices.ids.empty());
-  EXPECT_TRUE(added->added_subsegments.owners.empty());  // still the segment features'
+  EXPECT_TRUE(added->added_subsegments.owners.empty());  // still owned by the segment features
   const auto removed = mesh->Apply({Edit::Remove(2000)});
   ASSERT_TRUE(removed.ok());
   EXPECT_EQ(mesh->hash(), before.hash);
@@ -139,7 +138,7 @@ TEST(RegionLabels, AnEditElsewhereCostsTheSameWithPolygonsAndWithout) {
   EXPECT_EQ(inside->added_regions, RegionColumn(inside->added_simplex_count(), 2000));
 }
 
-// A corner jumps over a part of the mesh that stays as it is: the part changes sides.
+// A corner jumps over an unchanged part of the mesh: the part changes its region.
 TEST(RegionLabels, FollowACornerThatJumpsFar) {
   const auto mesh = *DynamicMesh::Create({});
   std::vector<Feature> features;
@@ -158,7 +157,7 @@ TEST(RegionLabels, FollowACornerThatJumpsFar) {
     const auto moved = mesh->Apply({Edit::Move(1003, 0.5, y)});
     ASSERT_TRUE(moved.ok()) << moved.status();
     ASSERT_EQ(FindWrongRegion(mesh->Snapshot(), mesh->Features()), "") << "at y " << y;
-    // Some stay and change sides: they stand in both lists.
+    // Some stay and change their region: they are in both lists.
     std::set<std::array<VertexId, 3>> gone;
     for (std::size_t t = 0; t < moved->removed_simplex_count(); ++t) {
       const VertexId* v = &moved->removed_simplices[3 * t];

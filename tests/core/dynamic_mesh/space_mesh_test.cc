@@ -1,5 +1,5 @@
-// DynamicMesh in space: what it promises of a mesh, looked at from outside. That it is the mesh
-// from scratch after every edit, tests/differential says.
+// The guarantees of DynamicMesh in 3D, tested from outside. tests/differential tests that it equals
+// the mesh from scratch after every edit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,7 +57,7 @@ double LongestEdge(const Corners& t) {
   return std::sqrt(longest2);
 }
 
-// What the options' least limit has room for, whatever the quality and the box.
+// The options' least limit suffices for this, whatever the quality and the box.
 TEST(SpaceMesh, OfTheBareBoxIsItsGridAndLittleElse) {
   for (const double rho : {1.2, 1.25, kDefaultQuality2D, 1.5, 1.9, 2.0, 3.0, 100.0}) {
     SCOPED_TRACE("rho " + std::to_string(rho));
@@ -194,8 +194,8 @@ TEST(SpaceMesh, LocatesPoints) {
   }
 }
 
-// No tetrahedron that meets the box has an edge longer than that; a corner within is enough to
-// meet it.
+// No tetrahedron that meets the box has an edge longer than that. It meets the box if a corner is
+// inside.
 TEST(SpaceMesh, MaxEdgeHoldsInTheBox) {
   MeshOptions options = Space();
   options.max_edge = 0.2;

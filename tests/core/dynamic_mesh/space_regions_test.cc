@@ -1,5 +1,5 @@
-// Which closed surfaces each tetrahedron lies inside of, against counting crossings in exact
-// numbers, and that it is the same from scratch and in the diffs.
+// The closed surfaces around each tetrahedron, against counting crossings in exact numbers; the
+// same from scratch and in the diffs.
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <gtest/gtest.h>
 
@@ -127,8 +127,8 @@ bool Crosses(const Exact& p, const Exact& q, const std::array<Exact, 3>& t) {
   return true;
 }
 
-// `surfaces`: the polygons of each, by its id. Flat tetrahedra beside a facet are passed over:
-// where the facet is exactly, they know better.
+// `surfaces`: the polygons of each, by its id. Skips flat tetrahedra beside a facet: the mesh knows
+// the exact position of the facet better.
 std::string FindWrongRegion(const Mesh& mesh, const std::vector<Feature>& features,
                             const std::map<FeatureId, std::set<FeatureId>>& surfaces,
                             std::size_t* counted = nullptr) {
@@ -209,7 +209,7 @@ TEST(SpaceRegions, AreThoseOfBoxesInBoxesAndBesideThem) {
     const Solid b = Box(101, 900, {0.6, 0.6, 0.6}, 0.1, 1.4 * turn);
     const Solid c = Box(201, 1200, {0.61, 0.6, 0.59}, 0.04, -turn);
     const Solid d = Box(301, 1300, {0.15, 0.15, 0.15}, 0.05, turn);
-    // A plate between two of them: encloses nothing.
+    // A plate between two of them encloses nothing.
     Solid plate = Box(401, 1400, {0.6, 0.45, 0.6}, 0.02, turn);
     plate.corners.resize(4), plate.faces.resize(1);
     const std::vector<Feature> features = a.All() + b.All() + c.All() + d.All() + plate.All();
@@ -224,7 +224,7 @@ TEST(SpaceRegions, AreThoseOfBoxesInBoxesAndBesideThem) {
     EXPECT_EQ(RegionsOf(*mesh),
               (std::set<RegionId>{0, 1000, 1300, RegionIdOf(two), RegionIdOf(three)}));
     EXPECT_EQ(mesh->region_sets.size(), 2u);
-    // The plate is what makes the mesh finer, not what makes regions.
+    // The plate refines the mesh, but makes no regions.
     const auto dynamic = *DynamicMesh::Create(Space());
     ASSERT_TRUE(dynamic->Apply(AddAll(plate.All() + c.All())).ok());
     ASSERT_TRUE(dynamic->Apply(AddAll(d.All() + a.All() + b.All())).ok());
@@ -234,7 +234,7 @@ TEST(SpaceRegions, AreThoseOfBoxesInBoxesAndBesideThem) {
   EXPECT_GT(counted, 5000u);
 }
 
-// Each face that comes or goes changes nothing but the mesh, until the last.
+// Adding or removing a face changes only the mesh, until the last one.
 TEST(SpaceRegions, ComeWithTheLastFaceAndGoWithTheFirst) {
   const Solid box = Box(1, 1000, {0.5, 0.5, 0.5}, 0.2, 0.4);
   const auto mesh = *DynamicMesh::Create(Space());
@@ -246,7 +246,7 @@ TEST(SpaceRegions, ComeWithTheLastFaceAndGoWithTheFirst) {
   const Mesh whole = mesh->Snapshot();
   EXPECT_EQ(RegionsOf(whole), (std::set<RegionId>{0, 1000}));
   EXPECT_EQ(FindWrongRegion(whole, mesh->Features(), {{1000, FacesOf(box)}}), "");
-  // Another polygon of lesser id in the place of a face: the surface goes by that.
+  // Another polygon of lesser id replaces a face: the surface gets its id.
   Feature other = box.Face(3);
   other.id = 70;
   const auto renamed = mesh->Apply({Edit::Remove(1003), Edit::Add(other)});
@@ -260,7 +260,7 @@ TEST(SpaceRegions, ComeWithTheLastFaceAndGoWithTheFirst) {
   EXPECT_EQ(RegionsOf(mesh->Snapshot()), std::set<RegionId>{0});
 }
 
-// Nearest to the walls that change are places inside: they have to know by how much they change.
+// The points nearest to the changed walls are inside: their change must be computed.
 TEST(SpaceRegions, OfABoxFullOfPointsFollowItsFaces) {
   constexpr std::uint64_t kSeed = 8;
   SCOPED_TRACE("seed " + std::to_string(kSeed));
@@ -283,7 +283,7 @@ TEST(SpaceRegions, OfABoxFullOfPointsFollowItsFaces) {
   }
 }
 
-// A surface each, whatever they share.
+// One surface each, whatever they share.
 TEST(SpaceRegions, OfBoxesThatShareAWallOrAnEdge) {
   const Solid two = Box(1, 1000, {0.5, 0.5, 0.5}, 0.2, 0.4, 2);
   std::vector<Feature> features = two.All();
@@ -321,8 +321,8 @@ TEST(SpaceRegions, OfBoxesThatShareAWallOrAnEdge) {
   EXPECT_EQ(RegionsOf(*mesh), (std::set<RegionId>{0, 100, 200}));
 }
 
-// Two boxes beside each other under one lid of two rings: no closed surface, as the lid falls
-// apart. With a lid for each there are two.
+// Two boxes beside each other under one lid of two rings: no closed surface, as the lid is
+// disconnected. With a lid for each there are two.
 TEST(SpaceRegions, OfBoxesUnderOneLid) {
   const Solid left = Box(1, 1000, {0.25, 0.5, 0.5}, 0.1, 0),
               right = Box(21, 2000, {0.75, 0.5, 0.5}, 0.1, 0);
@@ -355,8 +355,8 @@ TEST(SpaceRegions, OfBoxesUnderOneLid) {
   }
 }
 
-// A box among others that moves is nothing to those beyond its neighbours, nor to the vertices at
-// the border of the domain, whose balls are large.
+// A box among others that moves affects neither simplices beyond its neighbours nor the vertices at
+// the border of the domain, which have large balls.
 TEST(SpaceRegions, AMoveCostsWhatIsNearIt) {
   std::vector<std::uint64_t> executed;
   for (const int n : {3, 5}) {
@@ -390,7 +390,7 @@ TEST(SpaceRegions, AMoveCostsWhatIsNearIt) {
   for (const std::uint64_t operations : executed) EXPECT_LT(operations, 250u);
 }
 
-// Walls come and go, one of them between the rooms, and both rooms move.
+// Walls are added and removed, one of them between the rooms, and both rooms move.
 TEST(SpaceRegions, OfTwoRoomsFollowTheirWalls) {
   std::size_t both = 0, one = 0;
   for (const FeatureId between : {FeatureId{2000}, FeatureId{70}}) {
@@ -465,7 +465,7 @@ TEST(SpaceRegions, OfTwoRoomsFollowTheirWalls) {
   EXPECT_GT(one, 5u);
 }
 
-// What stays keeps its label, and is not reported.
+// Unchanged simplices keep their label, and are not reported.
 TEST(SpaceRegions, AnEditThatTouchesNoPolygonReportsOnlyWhatIsNew) {
   const Solid box = Box(1, 1000, {0.6, 0.6, 0.6}, 0.2, 0.4);
   const auto mesh = *DynamicMesh::Create(Space());
@@ -487,7 +487,7 @@ TEST(SpaceRegions, AnEditThatTouchesNoPolygonReportsOnlyWhatIsNew) {
   }
 }
 
-// A box jumps over a part of the mesh, and out of another box: all follows.
+// A box jumps over a part of the mesh, and out of another box: all labels follow.
 TEST(SpaceRegions, FollowRandomScripts) {
   std::size_t counted = 0, revisions = 0, labelled = 0;
   const std::uint64_t seeds = std::getenv("DYNMESH_NIGHTLY") != nullptr ? 60 : 4;

@@ -1,4 +1,4 @@
-// Subfacets that follow a triangulation, against a look at all its faces after every change.
+// Subfacets that follow a triangulation, against examining all its faces after every change.
 #include "core/dynamic_mesh/subfacet_table.h"
 
 #include <gtest/gtest.h>
@@ -21,8 +21,9 @@ using Vertex = SubfacetTable::Vertex;
 using geometry::Point3;
 using meshing::kNil;
 
-// A plane of squares across a cube, each square part of a facet or of none. Points come and go,
-// in the middle of squares and off the plane, none so near that a square is not made of faces.
+// A plane of squares across a cube, each square part of a facet or of none. Points are added and
+// removed, in the middle of squares and off the plane, none so near that a square is not made of
+// faces.
 class Plane {
  public:
   static constexpr int kSide = 6;  // squares
@@ -171,7 +172,7 @@ TEST(SubfacetTable, IsWhatAllFacesSayAfterEveryChange) {
     const std::map<Face, Slot> now = Subfacets(plane);
     ASSERT_EQ(Kept(table), now) << "revision " << revision;
     ASSERT_EQ(table.size(), now.size());
-    // What had been, less what is gone, and what is come.
+    // The old ones, minus the removed ones, plus the added ones.
     std::map<std::pair<Face, Slot>, int> sum;
     for (const auto& row : had) ++sum[row];
     for (const auto& [face, slot] : table.gone()) --sum[{face, slot}];

@@ -1,5 +1,5 @@
-// Closed surfaces of random sets of polygons, against the definition taken literally: chambers of a
-// grid of cubes, found by going from cube to cube.
+// Closed surfaces of random sets of polygons, against the literal definition: chambers of a grid of
+// cubes, found by flood fill.
 #include "core/dynamic_mesh/surface_table.h"
 
 #include <gtest/gtest.h>
@@ -76,8 +76,8 @@ struct Square {
 };
 using PresentSquares = std::map<FeatureId, Square>;
 
-// The surfaces of each polygon: cubes that no square separates are one chamber, or the outside.
-// The squares that dangle have the same on both sides.
+// The surfaces of each polygon: cubes without a square in between are one chamber, or the outside.
+// Dangling squares have the same one on both sides.
 std::map<FeatureId, SurfaceIds> NaiveSurfaces(const PresentSquares& squares) {
   constexpr int kSide = 4;  // the grid and a layer around it
   const auto cell = [](const std::array<int, 3>& c) {
@@ -185,7 +185,7 @@ TEST(SurfaceTable, IsWhatTheDefinitionSaysAfterEveryChange) {
       }
       std::vector<FacetFeature> removed = Features(before, present);
       std::vector<FacetFeature> added = Features(present, before);
-      // One that stays moves, or all: it stands in both.
+      // One moves, or all: it is in both lists.
       const bool all_move = random.OneIn(6);
       if (all_move) places.Change(random);
       for (const auto& [id, rings] : present) {
@@ -227,7 +227,8 @@ TEST(SurfaceTable, IsWhatTheDefinitionSaysAfterEveryChange) {
 }
 
 TEST(SurfaceTable, ClosesAHoleWithARimOfItsOwn) {
-  // A box whose face 1 has a hole, from which a tube of four leads to nowhere: then its end.
+  // A box with a hole in face 1, from which a tube of four leads outwards without an end; then its
+  // end is added.
   SurfaceTable table;
   const geometry::Ring3 outside = {{{0, 0, 0}}, {{4, 0, 0}}, {{4, 4, 0}}, {{0, 4, 0}}};
   const geometry::Ring3 hole = {{{1, 1, 0}}, {{3, 1, 0}}, {{3, 3, 0}}, {{1, 3, 0}}};
@@ -253,8 +254,9 @@ TEST(SurfaceTable, ClosesAHoleWithARimOfItsOwn) {
   EXPECT_EQ(table.SurfacesOf(20)[0], 1u);
 }
 
-// Two boxes with one lid, and a wall between them and the lid's two rings: while these are beside
-// each other the lid counts for neither box, as it has no one side; in each other, it does.
+// Two boxes with one lid, and a wall between them and the lid's two rings. While the boxes are
+// beside each other, the lid belongs to neither, as its rings have different sides; when nested, it
+// does.
 TEST(SurfaceTable, APolygonThatFallsApartDoesNotCount) {
   const auto square = [](double x, double size) {
     return geometry::Ring3{

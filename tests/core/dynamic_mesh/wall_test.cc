@@ -1,4 +1,4 @@
-// Rays that cross the faces of turned boxes, against where the place is in the box's own axes.
+// Rays that cross the faces of turned boxes, against the point's position in the box's own axes.
 #include "core/dynamic_mesh/wall.h"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ TEST(Wall, RaysThatTellSayWhatIsInside) {
     Point3 p;  // every other one in line with edges and corners of a cube that is not turned
     for (int k = 0; k < 3; ++k)
       p[k] = i % 2 == 0 ? 0.5 * random.Below(9) - 2 : 4 * random.Unit() - 2;
-    // On a face nothing is to be said.
+    // On a face the result is unspecified.
     if (std::max({std::fabs(p[0]), std::fabs(p[1]), std::fabs(p[2])}) == 1) continue;
     const bool is_inside = std::max({std::fabs(p[0]), std::fabs(p[1]), std::fabs(p[2])}) < 1;
     for (int ray = 0; ray < kRays<3>; ++ray) {

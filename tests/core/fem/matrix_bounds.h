@@ -1,5 +1,5 @@
-// What dihedral angles of at least so many degrees and sizes say of the matrix of linear elements
-// for Poisson's equation, whatever else a mesh is like.
+// Consequences of a lower bound of dihedral angles and of sizes for the matrix of linear elements
+// for Poisson's equation, whatever the rest of the mesh.
 //
 //   w       minus the entry of an element's matrix for two corners: |ij| cot(the angle at ij) / 6,
 //           where ij is the edge opposite to that of the two
@@ -28,11 +28,11 @@ namespace dynmesh::test {
 
 double CotangentOf(double degrees);
 
-// What the tetrahedra come to, and what follows of that (1 to 4).
+// The sums over the tetrahedra, and the resulting bounds (1 to 4).
 struct Shape {
   double least_angle = 180, greatest_angle = 0;  // dihedral, degrees
   int slivers = 0;                               // tetrahedra with an angle below the bound
-  int flat = 0;                                  // those without a volume: there is no matrix
+  int flat = 0;                                  // without a volume: there is no matrix
   double worst_cotangent = 0;                    // the greatest w / (|ij| / 6)
   double worst_entry = 0;                        // the greatest |entry| / (L / 2)
   double worst_difference = 0;  // between w and its formula, in units of the greatest entry
@@ -43,7 +43,7 @@ struct Shape {
 // `bound` in degrees.
 Shape ShapeOf(const Domain& domain, double bound);
 
-// The lower and the upper corner of the box that the domain takes.
+// The lower and the upper corner of the domain's bounding box.
 std::pair<Vector, Vector> BoxOf(const Domain& domain);
 
 }  // namespace dynmesh::test

@@ -68,7 +68,7 @@ double Product(const std::vector<double>& x, const std::vector<double>& y) {
   return sum;
 }
 
-// How many eigenvalues of the tridiagonal matrix are below x? Sylvester's law of inertia.
+// The number of eigenvalues of the tridiagonal matrix below x, by Sylvester's law of inertia.
 int CountBelow(const std::vector<double>& diagonal, const std::vector<double>& off2, double x) {
   int count = 0;
   double pivot = 1;
@@ -80,7 +80,7 @@ int CountBelow(const std::vector<double>& diagonal, const std::vector<double>& o
   return count;
 }
 
-// The greatest x with no more than that many eigenvalues below it, by bisection from 0 on.
+// The greatest x with at most that many eigenvalues below it, by bisection from 0 on.
 double Eigenvalue(const std::vector<double>& diagonal, const std::vector<double>& off2, int below) {
   double lo = 0, hi = 1;
   while (CountBelow(diagonal, off2, hi) <= below && std::isfinite(hi)) hi *= 2;

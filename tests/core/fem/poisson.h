@@ -1,8 +1,8 @@
 // Poisson's equation on tetrahedra with linear elements: -Laplace u = f, u given on the border.
 //
-// What a mesh's shape does to such a matrix: its entries, its condition number, the errors of its
-// solution. Small and plain, for tests; O(tetrahedra) memory, and a sort. Entries come from
-// gradients; the formula with cotangents of dihedral angles is left to the test, which compares.
+// The effect of a mesh's shape on this matrix: its entries, its condition number, the errors of its
+// solution. Small and simple, for tests; O(tetrahedra) memory, and a sort. Entries are computed
+// from gradients; the test compares them with the formula with cotangents of dihedral angles.
 #ifndef DYNMESH_TESTS_CORE_FEM_POISSON_H_
 #define DYNMESH_TESTS_CORE_FEM_POISSON_H_
 
@@ -30,14 +30,14 @@ inline Vector Cross(const Vector& a, const Vector& b) {
 using Corners = std::array<Vector, 4>;
 using Matrix4 = std::array<std::array<double, 4>, 4>;
 
-// The tetrahedra that are looked at, with the vertices that they have.
+// The tetrahedra in use, with their vertices.
 struct Domain {
   std::vector<Vector> points;
   std::vector<std::array<std::size_t, 4>> cells;  // positively oriented
   std::vector<char> is_on_border;                 // of each point
   Corners CornersOf(std::size_t cell) const;
 };
-// Those of `mesh` that lie in a region; `is_whole`: all.
+// The tetrahedra of `mesh` in a region; `is_whole`: all.
 Domain DomainOf(const Mesh& mesh, bool is_whole);
 
 double VolumeOf(const Corners& p);
@@ -61,8 +61,8 @@ class StiffnessMatrix {
   explicit StiffnessMatrix(const Domain& domain);
   std::size_t size() const { return diagonal_.size(); }
   const std::vector<double>& diagonal() const { return diagonal_; }
-  double largest_entry() const { return largest_; }                // off the diagonal, as it is
-  double largest_scaled_entry() const { return largest_scaled_; }  // the diagonal made 1
+  double largest_entry() const { return largest_; }                // off the diagonal, unscaled
+  double largest_scaled_entry() const { return largest_scaled_; }  // with the diagonal scaled to 1
   // The row of that point; kNoRow on the border.
   std::size_t row(std::size_t point) const { return rows_[point]; }
   std::vector<double> Times(const std::vector<double>& x) const;
@@ -74,7 +74,7 @@ class StiffnessMatrix {
   double largest_ = 0, largest_scaled_ = 0;
 };
 
-// What conjugate gradients came to. The extreme eigenvalues are those of Lanczos's tridiagonal
+// The result of conjugate gradients. The extreme eigenvalues are those of Lanczos's tridiagonal
 // matrix, so they lie within the true ones, and near them if the method has converged.
 struct Solved {
   std::vector<double> x;
@@ -92,7 +92,7 @@ Solved ConjugateGradients(const StiffnessMatrix& matrix, const std::vector<doubl
 struct Errors {
   double l2 = 0, h1 = 0;  // of u, of its gradient, both in L2
 };
-// Solves with u on the border; what it did for the scaled matrix is left in `solved`.
+// Solves with u on the border; `solved` gets the statistics for the scaled matrix.
 Errors SolvePoisson(const Domain& domain, const StiffnessMatrix& matrix, const Solution& solution,
                     Solved* solved);
 

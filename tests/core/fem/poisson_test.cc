@@ -1,6 +1,6 @@
-// What min_dihedral is for: with it the matrix of linear elements for Poisson's equation has bounds
-// that follow from angle and sizes alone; without, nothing bounds its entries.
-// Why, and which, matrix_bounds.h says.
+// The purpose of min_dihedral: with it the matrix of linear elements for Poisson's equation has
+// bounds that depend on angle and sizes only; without it, its entries are unbounded.
+// matrix_bounds.h has the bounds and their derivation.
 #include "tests/core/fem/poisson.h"
 
 #include <gtest/gtest.h>
@@ -32,10 +32,10 @@ struct Input {
   std::vector<Feature> features;
   Box box;
   double max_edge = 0;
-  bool is_whole = false;  // the whole mesh is the domain, else what lies within walls
+  bool is_whole = false;  // the whole mesh is the domain, else the part within walls
 };
 
-// Point and polygon features of a prism over a polygon of the plane, whose corners turn left.
+// Point and polygon features of a prism over a 2D polygon with counter-clockwise corners.
 void AddPrism(const std::vector<std::pair<double, double>>& base, double z0, double z1,
               std::vector<Feature>* features) {
   const FeatureId first = features->size() + 1;
@@ -74,7 +74,7 @@ Input Cube(double max_edge) {
   return input;
 }
 
-// The features that an edit script of tests/regress leaves.
+// The features after an edit script of tests/regress.
 Input Script(const std::string& name) {
   Input input{name + ", whole", {}, {}, 0, true};
   const auto script = io::ReadEditScript(DYNMESH_SOURCE_DIR "/tests/regress/" + name + ".dynmesh");
@@ -158,9 +158,9 @@ Solution Exponential(double width) {
       }};
 }
 
-// --- What the matrix comes to ---------------------------------------------------------------
+// --- The matrix -----------------------------------------------------------------------------
 
-// Solves for something in which all eigenvectors are.
+// Solves for a vector with components in all eigenvectors.
 Solved ExtremesOf(const StiffnessMatrix& matrix) {
   Random random(5);
   std::vector<double> b(matrix.size());
@@ -176,9 +176,8 @@ double Rayleigh(const StiffnessMatrix& matrix, const std::vector<double>& x) {
   return above / below;
 }
 
-// Extremes that were found lie within the true ones: are they as far apart as those that other
-// vectors show? One step of inverse iteration, and twenty of power iteration from the greatest
-// entry on.
+// The extreme eigenvalues found lie within the true ones. Compares them with those found with other
+// vectors: one step of inverse iteration, and twenty of power iteration from the greatest entry on.
 void CheckExtremes(const StiffnessMatrix& matrix, const Solved& found) {
   EXPECT_LE(found.least, 1.001 * Rayleigh(matrix, found.x));
   std::vector<double> x(matrix.size(), 0);

@@ -1,5 +1,5 @@
-// Insides of polygons: the tree against one pass over all edges, however many there are, whatever
-// heights they have in common, and however the rings are written down.
+// Insides of polygons: the tree against one pass over all edges, for any number of edges, with
+// equal heights, and for any form of the rings.
 #include "core/geometry/facet_interior.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ constexpr double kTurn = 6.283185307179586;
 
 using Ring2 = std::vector<Point2>;
 
-// A plane in space to draw in.
+// A plane in 3D to draw in.
 struct Sheet {
   Point3 origin;
   Vector3 u, v;
@@ -44,7 +44,7 @@ struct Sheet {
   }
 };
 
-// Along the axes; turned by less than rounding can tell; any.
+// Axis-parallel; turned by less than rounding; arbitrary.
 std::vector<Sheet> Sheets(test::Random& random) {
   std::vector<Sheet> sheets = {{{{0, 0, 2}}, {1, 0, 0}, {0, 1, 0}},
                                {{{3, 0, 0}}, {0, 0, 1}, {0, 1, 0}},
@@ -74,7 +74,7 @@ std::vector<Ring2> Stars(test::Random& random, int corners) {
   return rings;
 }
 
-// A comb whose teeth all span the same heights, or a stair: right angles, many equal heights.
+// A comb with all teeth over the same heights, or a stair: right angles, many equal heights.
 Ring2 Comb(int teeth) {
   Ring2 ring = {{{0, -1}}};
   for (int i = 0; i < teeth; ++i) {
@@ -182,7 +182,7 @@ TEST_F(FacetInteriors, HoldWhatIsInside) {
   EXPECT_GT(outside, 5'000);
 }
 
-// Which way a corner opens is what is found a little way off, where that is not near an edge.
+// The direction of a corner's opening is tested a little way off, if that is not near an edge.
 TEST_F(FacetInteriors, OpenFromCorners) {
   int opens = 0, shut = 0;
   ForEach([&](test::Random& random, const Sheet& sheet, const auto& drawn, const auto& rings,
@@ -250,7 +250,7 @@ TEST(FacetInterior, IsEvenOdd) {
   }
 }
 
-// Rings that cross, that have no area, or that are no numbers: any answer, and an end.
+// Rings that cross, that have no area, or that contain NaN: any answer, and termination.
 TEST(FacetInterior, TakesWhatIsNoPolygon) {
   test::Random random(kSeed);
   std::vector<Ring3> rings(3);
@@ -271,7 +271,7 @@ TEST(FacetInterior, TakesWhatIsNoPolygon) {
   EXPECT_FALSE(FacetInterior().Holds({{0, 0, 0}}));
 }
 
-// A million steps of bisection, not a million edges a question.
+// A million steps of bisection, not a million edges per query.
 TEST(FacetInterior, HasManyCorners) {
   constexpr int kTeeth = 100'000;
   const Sheet sheet = {{{0, 0, 0}}, {1, 0, 0}, {0, 1, 0.25}};

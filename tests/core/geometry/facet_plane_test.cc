@@ -1,4 +1,4 @@
-// Planes of polygons: the same however the rings are written down.
+// Planes of polygons: the same for any form of the rings.
 #include "core/geometry/facet_plane.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261121;
 
-// A star-shaped ring about a place of a plane, and one inside it.
+// A star-shaped ring about a point of a plane, and one inside it.
 std::vector<Ring3> RandomRings(test::Random& random) {
   const Vector3 n = {random.Unit() - 0.5, random.Unit() - 0.5, random.Unit() - 0.5};
   const Vector3 u = Cross(n, {0.3, 0.5, 0.7}), v = Cross(n, u);

@@ -115,7 +115,7 @@ TEST(Perturbation, DoesNotDependOnTheOrderOfTheList) {
   }
 }
 
-// What makes it canonical: answers about four points do not change with the set.
+// The reason that it is canonical: answers about four points do not depend on the set.
 TEST(Perturbation, TrianglesOfASubsetSurviveUnlessANewPointKillsThem) {
   const std::uint64_t seed = testing::NewSeed();
   SCOPED_TRACE("seed " + std::to_string(seed));

@@ -1,4 +1,4 @@
-// The exact predicates: against rational arithmetic, and by their laws.
+// The exact predicates: against rational arithmetic, and by their algebraic laws.
 #include "core/geometry/predicates.h"
 
 #include <CGAL/Exact_rational.h>
@@ -111,7 +111,7 @@ TEST_P(PredicatesOn, InCircleNeverTiesAndNamesOneDiagonalOfAConvexQuadrangle) {
     const bool inside = InCircle(a, b, c, d);
     ASSERT_EQ(inside, InCircle(b, c, a, d));
     ASSERT_EQ(inside, InCircle(c, a, b, d));
-    ASSERT_EQ(inside, InCircle(a, c, d, b));  // the triangle beyond ac sees it alike
+    ASSERT_EQ(inside, InCircle(a, c, d, b));  // the same from the triangle beyond ac
     if (const int sign = InCircleSign(a, b, c, d); sign != 0) {
       ASSERT_EQ(inside, sign > 0);
     }

@@ -1,5 +1,5 @@
-// Random planar points that are hard on predicates, for tests. Each generator names
-// the kind of trouble it makes.
+// Random 2D points that are hard for predicates, for tests. Each generator names its kind of
+// difficulty.
 #ifndef DYNMESH_TESTS_CORE_GEOMETRY_RANDOM_POINTS_H_
 #define DYNMESH_TESTS_CORE_GEOMETRY_RANDOM_POINTS_H_
 

@@ -1,5 +1,5 @@
-// Random points of space that are hard on predicates, for tests. Each generator names the
-// kind of trouble it makes; see random_points.h for those of the plane.
+// Random 3D points that are hard for predicates, for tests. Each generator names its kind of
+// difficulty; see random_points.h for 2D.
 #ifndef DYNMESH_TESTS_CORE_GEOMETRY_RANDOM_SPACE_POINTS_H_
 #define DYNMESH_TESTS_CORE_GEOMETRY_RANDOM_SPACE_POINTS_H_
 

@@ -1,4 +1,4 @@
-// Vectors of space in CGAL's rationals: the slow arithmetic of oracles.
+// 3D vectors in CGAL's rationals: the slow arithmetic of oracles.
 #ifndef DYNMESH_TESTS_CORE_GEOMETRY_RATIONAL_VECTORS_H_
 #define DYNMESH_TESTS_CORE_GEOMETRY_RATIONAL_VECTORS_H_
 

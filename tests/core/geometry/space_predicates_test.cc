@@ -1,5 +1,5 @@
-// The exact predicates of space: against rational arithmetic, by their laws, and by what
-// the perturbation promises: one tetrahedralisation, whatever set.
+// The exact 3D predicates: against rational arithmetic, by their algebraic laws, and by the
+// guarantee of the perturbation: one tetrahedralisation of any set.
 #include "core/geometry/space_predicates.h"
 
 #include <gtest/gtest.h>
@@ -99,7 +99,7 @@ TEST_P(SpacePredicatesOn, PermutationsOfThePointsGiveTheSameAnswers) {
     const bool inside = InSphere(a, b, c, d, e);
     ASSERT_EQ(InSphere(b, c, a, d, e), inside) << "round " << i;
     ASSERT_EQ(InSphere(b, a, d, c, e), inside) << "round " << i;
-    // The tetrahedron beyond face abc, if e is there, sees d alike.
+    // The tetrahedron beyond face abc, if e is there, has the same result for d.
     if (Orientation(a, c, b, e) > 0) {
       ASSERT_EQ(InSphere(a, c, b, e, d), inside) << "round " << i;
     }

@@ -1,4 +1,4 @@
-// Files that have to be refused, with the line at which the message must point.
+// Files that must be refused, with the line that the message must name.
 #ifndef DYNMESH_TESTS_CORE_IO_BAD_TEXT_H_
 #define DYNMESH_TESTS_CORE_IO_BAD_TEXT_H_
 
@@ -15,8 +15,8 @@ namespace dynmesh::testing {
 
 struct BadText {
   std::string text;
-  int line;             // where the message must point
-  const char* message;  // what it must contain
+  int line;             // that the message must name
+  const char* message;  // a required part of it
 };
 
 inline void ExpectRefused(const std::vector<BadText>& texts, const std::string& name,

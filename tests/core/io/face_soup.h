@@ -1,5 +1,5 @@
-// Triangles of space for tests: cut at random, shuffled, and as features; and polygons of
-// features by their coordinates alone, to be compared whatever ids they have.
+// 3D triangles for tests: cut at random, shuffled, and as features; and polygons of features by
+// their coordinates only, to be compared independently of ids.
 #ifndef DYNMESH_TESTS_CORE_IO_FACE_SOUP_H_
 #define DYNMESH_TESTS_CORE_IO_FACE_SOUP_H_
 
@@ -29,8 +29,8 @@ struct FaceSoup {
     faces.push_back({a, c, d});
   }
 
-  // Puts a point into a triangle or onto an edge, `steps` times. Places have few enough bits
-  // to be exact, however much is sheared after that: none is made at a depth above 14.
+  // Puts a point into a triangle or onto an edge, `steps` times. Positions have few enough bits to
+  // be exact after any shear: none is made at a depth above 14.
   void Cut(int steps, std::mt19937& rng) {
     depths_.resize(faces.size(), 0);
     for (int i = 0; i < steps; ++i) {

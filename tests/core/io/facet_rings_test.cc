@@ -1,4 +1,5 @@
-// Rings in planes of space, seen along axes: against sums of angles, and by how they were made.
+// Rings in planes in 3D, projected along axes: against sums of angles, and against their
+// construction.
 #include "core/io/facet_rings.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +23,7 @@ std::mt19937 NewRandom() {
   return std::mt19937(seed);
 }
 
-// In the plane z = 2 x - 3 y + 1, which no axis lies in. Exact for small whole numbers.
+// In the plane z = 2 x - 3 y + 1, which is parallel to no axis. Exact for small whole numbers.
 Point3 Lift(double x, double y) { return {{x, y, 2 * x - 3 * y + 1}}; }
 
 // A simple ring around a place, counter-clockwise in x and y: corners by angle, with no gap of half
@@ -51,7 +52,7 @@ PointRing Star(std::mt19937& rng, int x, int y, int size) {
   }
 }
 
-// How often the ring goes around the place, by angles; nothing if the place is on it.
+// The winding number of the ring around the point, by angles; nothing if the point is on it.
 std::optional<int> NaiveWinding(const PointRing& ring, const Point3& place) {
   double sum = 0;
   for (std::size_t i = 0; i < ring.size(); ++i) {

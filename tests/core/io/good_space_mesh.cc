@@ -170,7 +170,7 @@ class SpaceBuilder {
     return 3000 + 10 * static_cast<FeatureId>(std::abs(i)) + (i > 0 ? 2 : 0) + (j > 0 ? 1 : 0);
   }
 
-  // What lies flat on the plate counts as above it, so that one side of it is subfacets.
+  // Points flat on the plate count as above it, so that subfacets are on one side.
   bool IsAbove(Triangulation::Cell_handle c) const {
     double height = 0;
     bool flat = true;

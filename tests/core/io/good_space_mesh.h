@@ -1,6 +1,6 @@
-// Meshes of space that `verify` must accept, made by another code than the mesher: CGAL's
-// Delaunay triangulation of points in a box, with a segment and a polygon among them that are
-// sampled so finely that their pieces are edges and faces.
+// 3D meshes that `verify` must accept, made independently of the mesher: CGAL's Delaunay
+// triangulation of points in a box. A segment and a polygon are sampled so finely that their pieces
+// are edges and faces.
 #ifndef DYNMESH_TESTS_CORE_IO_GOOD_SPACE_MESH_H_
 #define DYNMESH_TESTS_CORE_IO_GOOD_SPACE_MESH_H_
 

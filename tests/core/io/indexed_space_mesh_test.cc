@@ -1,4 +1,4 @@
-// IndexMesh, ToMesh and mesh files in space.
+// IndexMesh, ToMesh and mesh files in 3D.
 #include <algorithm>
 #include <bit>
 #include <map>

@@ -164,7 +164,7 @@ TEST_F(MapFiles, DeepNestingIsRefused) {
   EXPECT_NE(Error(text).find("64 deep"), std::string::npos);
 }
 
-// Two squares side by side; arc 1 is their common side, arc 3 nobody's.
+// Two squares side by side; arc 1 is their common side, arc 3 is unused.
 constexpr char kSquares[] = R"({
   "type": "Topology",
   "arcs": [

@@ -1,4 +1,4 @@
-// .mesh, read back by a small reader that knows the format and nothing of the writer.
+// .mesh, read back by a small reader, written from the format's specification only.
 #include "core/io/medit_writer.h"
 
 #include <bit>

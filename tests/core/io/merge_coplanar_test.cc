@@ -1,5 +1,5 @@
-// Solids cut into random triangles have to come back as the faces that they were cut from, and
-// random cells of a grid as what a look at every cell says.
+// Solids cut into random triangles must be merged to their original faces, and random cells of a
+// grid must match an oracle that examines every cell.
 #include "core/io/merge_coplanar.h"
 
 #include <gtest/gtest.h>
@@ -60,8 +60,8 @@ class Shear {
 
 using Outline = std::vector<std::array<double, 2>>;
 
-// What stands over triangles of the plane, from z = 0 to 2; and its faces. `rings` are around the
-// triangles and have no straight corners.
+// A prism of height 2 over 2D triangles, and its faces. `rings` are around the triangles and have
+// no straight corners.
 struct Prism {
   FaceSoup soup;
   std::multiset<Shape> faces;
@@ -206,7 +206,7 @@ class Cells {
 
   using CellSet = std::set<std::pair<int, int>>;
 
-  // That hang together across edges.
+  // The connected sets across edges.
   std::multiset<CellSet> Components() const {
     std::multiset<CellSet> components;
     CellSet seen;
@@ -225,7 +225,7 @@ class Cells {
     return components;
   }
 
-  // Whose middles have an odd number of the shape's upright edges to their right.
+  // The cells with midpoints that have an odd number of the shape's vertical edges to their right.
   CellSet Inside(const Shape& shape) const {
     CellSet inside;
     for (int x = 0; x < kSide; ++x) {
@@ -264,7 +264,7 @@ class Cells {
   std::map<Place, Place> flat_at_;
 };
 
-// Nothing stands twice in a polygon, and no corner is straight that only one ring has.
+// No duplicates in a polygon, and no straight corner that only one ring has.
 void ExpectClean(const std::vector<Feature>& merged) {
   std::map<FeatureId, int> uses;
   std::map<FeatureId, Place> at;
@@ -359,10 +359,10 @@ std::vector<Feature> Without(std::vector<Feature> features, const std::set<Featu
 TEST(MergeCoplanar, PointsThatNothingNamesAnyMoreGoAndOthersStay) {
   std::vector<Feature> expected = Without(Floor(), {5, 6, 22, 23, 24});
   expected.back() = Feature::Polygon(21, {{1, 4, 3, 2}});
-  EXPECT_EQ(Merged(Floor()), expected);  // 7 to 10 were there for themselves
+  EXPECT_EQ(Merged(Floor()), expected);  // 7 to 10 were used only there
 }
 
-// Of the floor's faces all but one, so that 5 and 6 stay on rings, and that one.
+// All of the floor's faces except one, so that 5 and 6 stay on rings, and that one.
 std::vector<Feature> FloorOfTwo() {
   std::vector<Feature> f = Without(Floor(), {23, 24});
   f.back() = Feature::Polygon(22, {{1, 4, 3, 2, 6, 5}});
@@ -394,7 +394,7 @@ TEST(MergeCoplanar, AWallInTheFloorStandsOnRings) {
 
 TEST(MergeCoplanar, WhereTwoWallsCrossTheirEdgeStaysOnRings) {
   std::vector<Feature> f = Floor();
-  // A wall through the floor, of two halves that hang together beside the edge as well.
+  // A wall through the floor, of two halves that are connected beside the edge as well.
   f.push_back(Feature::Point(11, 2, 4, 1));
   f.push_back(Feature::Point(12, 1, 4, -1));
   f.push_back(Feature::Polygon(30, {{5, 6, 8, 7, 11}}));
@@ -418,8 +418,8 @@ TEST(MergeCoplanar, WhereTwoWallsCrossTheirEdgeStaysOnRings) {
 
 constexpr std::array<std::size_t, 3> kStep = {1, 4, 16};
 
-// Of a grid's squares and edges any may be there. Merged, they are legal again: on no square is
-// anything left that stands on its inside.
+// Any of a grid's squares and edges may be present. Merged, they are legal again: nothing is left
+// on the inside of a merged square.
 TEST(MergeCoplanar, WhatIsLegalStaysLegal) {
   std::mt19937 rng = NewRandom();
   MeshOptions options;
@@ -457,7 +457,7 @@ TEST(MergeCoplanar, WhatIsLegalStaysLegal) {
     ASSERT_TRUE(check(merged).ok()) << round << ": " << check(merged);
     before += soup.faces.size();
     after += ShapesOf(merged).size();
-    // The order of faces says nothing.
+    // The order of faces has no effect.
     if (!segments.empty()) continue;
     soup.Shuffle(rng);
     ASSERT_EQ(ShapesOf(Merged(soup.Features())), ShapesOf(merged));
@@ -493,7 +493,7 @@ TEST(MergeCoplanar, AFaceFoldedOntoAnotherIsNotJoinedWithIt) {
   EXPECT_EQ(Merged(f), With(points, {{{1, 3, 5, 2}}, {{1, 2, 4}}}));
 }
 
-// An arch that stands with both of its feet on one edge, which they overlap at.
+// An arch with both feet on one edge, which they overlap.
 TEST(MergeCoplanar, ARegionThatOverlapsItselfIsLeftToValidation) {
   const std::vector<Feature> points = Points({{1, 0, 0},
                                               {3, 0, 0},
@@ -523,8 +523,8 @@ TEST(MergeCoplanar, ACornerWhereAnotherFaceTurnsStays) {
   EXPECT_EQ(Merged(f).back(), Feature::Polygon(8, {{1, 3, 4, 5}}));  // not joined, yet straight
 }
 
-// One face has two corners on an edge, the other one of them: that is straight in both only when
-// the first has gone.
+// One face has two corners on an edge, the other has one of them: they are straight in both only
+// after the first is removed.
 TEST(MergeCoplanar, ACornerCanGoBecauseItsNeighbourWent) {
   for (const double way : {1, -1}) {
     const std::vector<Feature> f = With(Points({{0, 0, 0},
@@ -580,7 +580,7 @@ TEST(MergeCoplanar, FacesAreNotJoinedBelowASegmentThatLeansOverTheirEdge) {
   }
 }
 
-// A flat floor beside a sheet that is as flat as the tolerance only.
+// A flat floor beside a sheet that is flat only within the tolerance.
 TEST(MergeCoplanar, WhatIsThickerThanAllowedIsJoinedWhereItIsFlat) {
   const std::vector<Feature> points = Points({{0, 0, 0},
                                               {4, 0, 0},
@@ -601,19 +601,19 @@ TEST(MergeCoplanar, WhatIsThickerThanAllowedIsJoinedWhereItIsFlat) {
   const std::multiset<Shape> shapes = ShapesOf(flat->features);
   EXPECT_EQ(shapes.size(), 3U);
   EXPECT_TRUE(shapes.contains(ShapeOf({{{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {0, 2, 0}}})));
-  // What is thin enough is joined, beside what is not as well.
+  // Thin parts are merged, also beside parts that are not.
   const auto thin = MergeCoplanar(With(points, {{{2, 7, 8}}, {{2, 8, 3}}}), 1e-5, most);
   ASSERT_TRUE(thin.ok());
   EXPECT_EQ(thin->too_thick, 0U);
   EXPECT_EQ(ShapesOf(thin->features).size(), 1U);
-  // Without a tolerance nobody is asked.
+  // Without a tolerance the planarity is not tested.
   const auto exact = MergeCoplanar(f, 0, [](double) { return -1.0; });
   ASSERT_TRUE(exact.ok());
   EXPECT_EQ(exact->too_thick, 0U);
   EXPECT_EQ(ShapesOf(exact->features).size(), 3U);
 }
 
-// However fine its faces, a round thing stays round, and the order says nothing.
+// However fine its faces, a round body stays round, and the order has no effect.
 TEST(MergeCoplanar, WithAToleranceNoRegionIsThickerThanThatToEitherSide) {
   std::mt19937 rng = NewRandom();
   for (int round = 0; round < 20; ++round) {
@@ -650,7 +650,7 @@ TEST(MergeCoplanar, WithAToleranceNoRegionIsThickerThanThatToEitherSide) {
   }
 }
 
-// A folding screen of equal panels: which of them begins decides what is joined.
+// A folding screen of equal panels: the starting panel determines the result.
 TEST(MergeCoplanar, AmongEqualFacesCoordinatesDecideWhoBegins) {
   std::mt19937 rng = NewRandom();
   FaceSoup soup;

@@ -244,7 +244,7 @@ TEST(MeshFiles, MissingOnesAreNamed) {
 TEST(MeshFiles, ThatCannotBeWrittenLeaveTheOldOnes) {
   const TempFolder folder;
   folder.Write("m.node", "old");
-  std::filesystem::create_directory(folder.Path("m.edge"));  // no file can go there
+  std::filesystem::create_directory(folder.Path("m.edge"));  // blocks the file
   EXPECT_FALSE(WriteMeshFiles(IndexMesh(SampleMesh()).value(), folder.Path("m")).ok());
   EXPECT_EQ(folder.Read("m.node"), "old");
   EXPECT_EQ(folder.FileCount(), 2U);

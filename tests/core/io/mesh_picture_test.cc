@@ -1,4 +1,4 @@
-// What a cut through a mesh of space shows, and the picture of it.
+// The cut through a 3D mesh, and its picture.
 #include "core/io/mesh_picture.h"
 
 #include <algorithm>

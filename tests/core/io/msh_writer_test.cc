@@ -1,4 +1,4 @@
-// .msh, read back by a small reader that knows the format and nothing of the writer.
+// .msh, read back by a small reader, written from the format's specification only.
 #include "core/io/msh_writer.h"
 
 #include <algorithm>
@@ -61,7 +61,7 @@ class Section {
   long Int() {
     long value = 0;
     EXPECT_TRUE(in_ >> value);
-    // What an int cannot hold, Gmsh cannot read.
+    // Gmsh cannot read numbers beyond an int.
     EXPECT_LE(std::abs(value), std::numeric_limits<std::int32_t>::max());
     return value;
   }
@@ -197,7 +197,7 @@ std::string NameOf(FeatureId owner) {
   return owner == kBoxFeature ? "box" : "feature " + std::to_string(owner);
 }
 
-// Everything that the mesh has stands in the file, and nothing else.
+// Everything that the mesh has is in the file, and nothing else.
 void ExpectHolds(const MshContent& content, const IndexedMesh& mesh) {
   ASSERT_EQ(content.nodes.size(), mesh.vertices.size());
   // A free vertex is part of the region of some triangle around it.

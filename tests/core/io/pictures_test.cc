@@ -221,7 +221,7 @@ TEST(Svg, LeavesOutWhatIsFarFromTheCrop) {
   options.fill = SvgOptions::Fill::kPlain;
   options.crop = Box{{0, 4, 0}, {0.1, 4.1, 1}};  // inside the triangle at the left side
   ASSERT_TRUE(WriteSvg(mesh, options, folder.Path("m.svg")).ok());
-  // That one and the two whose bounding boxes reach there, of eleven.
+  // This triangle and two with bounding boxes that reach there, of eleven.
   EXPECT_EQ(CountOf(folder.Read("m.svg"), "z"), 3U);
 }
 
@@ -269,7 +269,7 @@ TEST(Svg, TakesOddOptionsWithoutHarm) {
     EXPECT_FALSE(WriteSvg(mesh, options, folder.Path("m.svg")).ok()) << degrees;
   }
   options = {};
-  options.fill = SvgOptions::Fill::kDihedral;  // of the plane
+  options.fill = SvgOptions::Fill::kDihedral;  // in 2D
   EXPECT_EQ(WriteSvg(mesh, options, folder.Path("m.svg")).code(),
             absl::StatusCode::kInvalidArgument);
   for (const char* fill :

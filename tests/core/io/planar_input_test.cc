@@ -86,8 +86,8 @@ TEST(PolyFile, TakesItsPointsFromTheNodeFileBesideIt) {
 struct BadFile {
   const char* extension;
   const char* text;
-  int line;             // where the message must point
-  const char* message;  // what it must contain
+  int line;             // that the message must name
+  const char* message;  // a required part of it
 };
 
 const BadFile kBadFiles[] = {
@@ -162,7 +162,7 @@ TEST(MalformedInput, ThreeDimensionsAreSaidToBeToCome) {
             std::string::npos);
 }
 
-// A poor man's fuzzing: damage of every byte must give an answer, never a crash.
+// Simple fuzzing: damage of any byte must give an answer, never a crash.
 TEST(MalformedInput, ByteByByteNeverCrashes) {
   const TempFolder folder;
   const std::string good =

@@ -64,7 +64,7 @@ TEST(RegionNumbers, AndBackAreTheSameRegions) {
     Canonicalize(mesh);
     const Mesh before = back;
     Canonicalize(back);
-    // What comes back says nothing that need not be said.
+    // The result has no redundant entries.
     EXPECT_EQ(before.regions.empty(), back.regions.empty());
     EXPECT_EQ(before.region_sets, back.region_sets);
     EXPECT_EQ(back.regions, mesh.regions);

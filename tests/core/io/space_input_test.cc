@@ -1,4 +1,4 @@
-// Points and facets of space: what becomes of them, and what is said of files that are wrong.
+// 3D points and facets: the resulting features, and the errors for invalid files.
 #include "core/io/space_input.h"
 
 #include <gtest/gtest.h>
@@ -90,7 +90,7 @@ TEST(SpacePolyFile, AnIslandInAHoleIsKeptWithoutAPlace) {
       "7 3 30 33\n8 3 40 43\n9 13 30 43\n";
   const std::string facet = "1\n3 1\n3 7 8 9\n3 1 2 3\n3 4 5 6\n";
   EXPECT_TRUE(Poly(points + facet + "1 2 25 27\n").ok());
-  // A place on the island would take that away, too.
+  // A seed on the island would remove that, too.
   const auto more = Poly(points + "1\n3 2\n3 7 8 9\n3 1 2 3\n3 4 5 6\n1 2 25 27\n2 5 33 38\n");
   EXPECT_NE(std::string(more.status().message()).find("a.poly:17: the place of a hole is on"),
             std::string::npos)
@@ -196,7 +196,7 @@ TEST(MalformedSpaceInput, PolyFilesAreRefusedWithFileAndLine) {
                 "a.poly", Poly);
 }
 
-// What is cut short or damaged must give an answer, never a crash.
+// Truncated or damaged input must give an answer, never a crash.
 TEST(MalformedSpaceInput, ByteByByteNeverCrashes) {
   const std::string poly = kSquares +
                            "1 1\n3 1 1\n4 1 2 3 4\n4 5 6 7 8\n2 1 5\n1 4 4 0\n"

@@ -1,4 +1,4 @@
-// .vtu and .mesh of meshes of space, read back by what knows the formats and not the writers.
+// .vtu and .mesh of 3D meshes, read back by code written from the formats only.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -137,7 +137,7 @@ TEST(SpaceMedit, HoldsTheMesh) {
       sections[section].push_back(row);
     }
   }
-  // "# reference N: NAME" says which feature a reference is.
+  // "# reference N: NAME" maps a reference to its feature.
   const auto name_of = [&](const char* kind, const std::string& reference) {
     const std::string start = std::string("# ") + kind + " " + reference + ": ";
     const std::size_t at = text.find(start);

@@ -1,4 +1,4 @@
-// OFF, STL and OBJ: what becomes of points and faces, and what is said of files that are wrong.
+// OFF, STL and OBJ: the resulting points and faces, and the errors for invalid files.
 #include "core/io/surface_files.h"
 
 #include <gtest/gtest.h>

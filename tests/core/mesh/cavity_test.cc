@@ -1,4 +1,4 @@
-// What CavityOf says an insertion would do is what it does; a copy is what it is a copy of.
+// An insertion has the effect that CavityOf predicts; a copy equals the original.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What a Delaunay triangulation should be, by means other than the one under test, and
-// point sets that are hard on it.
+// Properties of a Delaunay triangulation, tested independently of the code under test, and point
+// sets that are hard for it.
 #ifndef DYNMESH_TESTS_CORE_MESH_DELAUNAY_ORACLE_H_
 #define DYNMESH_TESTS_CORE_MESH_DELAUNAY_ORACLE_H_
 
@@ -25,7 +25,7 @@ using geometry::Point2;
 using VertexIndex = DelaunayTriangulation::VertexIndex;
 using SimplexIndex = DelaunayTriangulation::SimplexIndex;
 
-// A triangle by the places of its corners, counter-clockwise, the least first.
+// A triangle by the positions of its corners, counter-clockwise, the least first.
 using PlacedTriangle = std::array<Point2, 3>;
 using TriangleSet = std::set<PlacedTriangle>;
 

@@ -1,6 +1,5 @@
-// Random scripts of insertions and removals: after each operation the triangulation
-// must be the one that its points have by definition, and created() and deleted() must
-// tell what changed.
+// Random scripts of insertions and removals: after each operation the triangulation must equal the
+// one defined by its points, and created() and deleted() must report the changes.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -21,7 +20,7 @@ IndexTriangle Rotated(IndexTriangle t) {
   return t;
 }
 
-// A triangulation, the list of its points, and its triangles as the reports tell them.
+// A triangulation, the list of its points, and its triangles according to the reports.
 class Script {
  public:
   explicit Script(std::uint64_t seed) : random_(seed), dt_(EmptyBox()) {

@@ -1,5 +1,5 @@
-// Removal of vertices, of great degree and on the box's faces and edges among them: what
-// is left must be as if they had never been.
+// Removal of vertices, including those of large degree and on the box's faces and edges: the result
+// must be as if they had never been inserted.
 #include <gtest/gtest.h>
 
 #include "tests/core/geometry/random_points.h"
@@ -11,7 +11,8 @@ namespace {
 using namespace testing;
 using geometry::testing::NewSeed;
 
-// What a hub in the midst of points of one sphere leaves must be as if it had never been.
+// After the removal of a hub in the midst of points of one sphere, all is as if it had never been
+// inserted.
 void ExpectHubLeavesNoTrace(const Point3& hub, std::size_t least_degree) {
   std::vector<Point3> rim;
   for (const Point3& p : IntegerSphere(hub, 1.0 / 16)) {

@@ -1,6 +1,5 @@
-// Random scripts of insertions and removals: after each operation the tetrahedralisation
-// must be the one that its points have by definition, and created() and deleted() must
-// tell what changed.
+// Random scripts of insertions and removals: after each operation the tetrahedralisation must equal
+// the one defined by its points, and created() and deleted() must report the changes.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -21,7 +20,7 @@ IndexTetrahedron Sorted(IndexTetrahedron t) {
   return t;
 }
 
-// A tetrahedralisation, the list of its points, and its tetrahedra as the reports tell them.
+// A tetrahedralisation, the list of its points, and its tetrahedra according to the reports.
 class Script {
  public:
   explicit Script(std::uint64_t seed) : random_(seed), dt_(EmptyBox()) {

@@ -74,7 +74,7 @@ TEST(DelaunayTetrahedralization, ResetStartsOver) {
   EXPECT_EQ(TetrahedraOf(dt), TetrahedraOf(EmptyBox()));
 }
 
-// A set without ties has one Delaunay tetrahedralisation, whoever computes it.
+// A set without ties has one Delaunay tetrahedralisation, independent of the algorithm.
 TEST(DelaunayTetrahedralization, OfGenericPointsAgreesWithCgal) {
   const std::uint64_t seed = NewSeed();
   SCOPED_TRACE("seed " + std::to_string(seed));
@@ -234,8 +234,8 @@ TEST(DelaunayTetrahedralization, LocateOutsideTheBoxIsInfinite) {
   }
 }
 
-// Points on a sphere but for an ulp, and by chance: the cached sphere says no more than it
-// knows, and knows nearly all spheres.
+// Points on a sphere up to an ulp, and by chance: the cached sphere is conservative, and decides
+// for nearly all spheres.
 TEST(DelaunayTetrahedralization, ConflictsIsExact) {
   const std::uint64_t seed = NewSeed();
   SCOPED_TRACE("seed " + std::to_string(seed));
@@ -318,7 +318,7 @@ TEST(DelaunayTetrahedralization, StarsAreAllTetrahedraAtAVertex) {
   }
 }
 
-// Is the link of v the facets opposite to it, joined across their edges?
+// True if the link of v is the facets opposite to it, joined across their edges.
 void CheckLink(const DelaunayTetrahedralization& dt, VertexIndex v,
                DelaunayTetrahedralization::VertexLink* link) {
   dt.LinkOf(v, link);

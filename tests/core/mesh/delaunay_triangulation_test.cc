@@ -1,5 +1,5 @@
-// DelaunayTriangulation piece by piece: batch insertion, location, walks, conflict tests,
-// removals of great degree, and that the checker sees what is wrong.
+// DelaunayTriangulation piece by piece: batch insertion, location, walks, conflict tests, removals
+// of large degree, and that the checker finds errors.
 #include "core/mesh/delaunay_triangulation.h"
 
 #include <gtest/gtest.h>
@@ -373,9 +373,9 @@ TEST(DelaunayInsertOrder, IsAPermutationInSpaceToo) {
   for (std::uint32_t i = 0; i < points.size(); ++i) ASSERT_EQ(order[i], i);
 }
 
-// Half of the points on a circle, half near its centre on a line that the curve follows: if no
-// point of the one kind came among the other's, each would meet half a circle of triangles. A
-// client that knows the hash of points can see to it that any bits of it are alike.
+// Half of the points on a circle, half near its centre on a line that the curve follows. If no
+// point of one kind came among the other's, each would meet half a circle of triangles. A client
+// that knows the hash of points can make any of its bits alike.
 TEST(DelaunayInsertOrder, NoChoiceOfHashesMakesInsertionsLong) {
   for (const int direction : {0, 1, 2, 3}) {
     std::vector<double> each;

@@ -1,5 +1,5 @@
-// What a Delaunay tetrahedralisation should be, by means other than the one under test, and
-// point sets that are hard on it.
+// Properties of a Delaunay tetrahedralisation, tested independently of the code under test, and
+// point sets that are hard for it.
 #ifndef DYNMESH_TESTS_CORE_MESH_TETRAHEDRA_ORACLE_H_
 #define DYNMESH_TESTS_CORE_MESH_TETRAHEDRA_ORACLE_H_
 
@@ -25,7 +25,7 @@ using geometry::Point3;
 using VertexIndex = DelaunayTetrahedralization::VertexIndex;
 using SimplexIndex = DelaunayTetrahedralization::SimplexIndex;
 
-// A tetrahedron by the places of its corners, ascending.
+// A tetrahedron by the positions of its corners, ascending.
 using PlacedTetrahedron = std::array<Point3, 4>;
 using TetrahedronSet = std::set<PlacedTetrahedron>;
 

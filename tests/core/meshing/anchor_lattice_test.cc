@@ -80,7 +80,7 @@ TYPED_TEST(AnchorLatticeTest, NearestNeighboursAreASpacingAwayOrInTheMiddleOfACu
   EXPECT_NEAR(inner, D == 2 ? 29 : 250, D == 2 ? 6 : 100);
 }
 
-// No place is farther from the lattice than circumradii are.
+// No position is farther from the lattice than the circumradii.
 TYPED_TEST(AnchorLatticeTest, CoversWithBallsOfTheCircumradius) {
   constexpr int D = TypeParam();
   const AnchorLattice<D> lattice(0);
@@ -147,7 +147,7 @@ TYPED_TEST(AnchorLatticeTest, PassesOverBallsThatDoNotMatterOnly) {
   }
 }
 
-// All lattices name a point alike, by the widest that has it.
+// All lattices have the same name for a point, by the widest one that contains it.
 TYPED_TEST(AnchorLatticeTest, HoldsThoseThatAreOctavesWider) {
   constexpr int D = TypeParam();
   using Lattice = AnchorLattice<D>;

@@ -1,4 +1,5 @@
-// What a Voronoi cell has of a facet, against places of the facet and the vertex nearest to each.
+// The intersection of a Voronoi cell and a facet, against points of the facet and the vertex
+// nearest to each.
 #include "core/meshing/cell_cut.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +52,7 @@ TEST(CellCut, IsTheNearestOfThePlacesThatAreNearestToTheVertex) {
     CellCut cut;
     cut.Begin(star);
     const auto found = cut.Of(facet);
-    // The oracle: a grid of places about the foot.
+    // The oracle: a grid of points about the foot.
     const Point3 foot = facet.plane().Foot(points[0]);
     double nearest = INFINITY;
     constexpr double kStep = 0.02;

@@ -1,4 +1,4 @@
-// Points whose priorities, a public hash, a client has chosen: a run takes as many steps for each
+// Points with priorities (a public hash) chosen by a client: a run takes as many steps per
 // operation as on any other input.
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ std::vector<geometry::Point<D>> ClusteredPoints(int n, std::uint64_t seed) {
   return points;
 }
 
-// What finding the places in time of all operations takes, for each.
+// The number of steps to find the times of all operations, per operation.
 template <int D>
 double StepsEach(int n) {
   const auto points = ClusteredPoints<D>(n, 5);

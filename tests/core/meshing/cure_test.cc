@@ -1,5 +1,6 @@
-// Cures: what refinement made stays, no tetrahedron at a vertex of a cure is bad, and hardly any
-// sliver is left. That what edits lead to is the same as from scratch, tests/differential shows.
+// Cures: they keep the vertices of refinement, no tetrahedron at a vertex of a cure is bad, and
+// hardly any sliver is left. tests/differential tests that edits lead to the same result as from
+// scratch.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Lattices of a facet: each holds all coarser ones, and places are told apart by their indices.
+// Lattices of a facet: each contains all coarser ones, and points are distinguished by their
+// indices.
 #include "core/meshing/facet_lattice.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The nearest of the features that matter, against a look at all of them.
+// The nearest relevant feature, against examining all of them.
 #include "core/meshing/input_features.h"
 
 #include <gtest/gtest.h>
@@ -81,8 +81,8 @@ TYPED_TEST(InputFeaturesTest, NearestIsThatOfAllAfterAnyEdits) {
     double best = INFINITY;
     Ends ends = {index.kNone, index.kNone};
     if (!features.empty() && random.OneIn(2)) {
-      const auto& f = features[static_cast<std::size_t>(random.Below(
-          static_cast<int>(features.size())))];
+      const auto& f =
+          features[static_cast<std::size_t>(random.Below(static_cast<int>(features.size())))];
       ends = {f.a, f.b};
     }
     index.VisitNear(
@@ -101,7 +101,7 @@ TYPED_TEST(InputFeaturesTest, NearestIsThatOfAllAfterAnyEdits) {
   }
 }
 
-// Of thousands of segments that meet at a point none is asked for a piece of one of them.
+// With thousands of segments at a point, none is queried for a subsegment of one of them.
 TEST(InputFeatures, SegmentsAtOnePointAreNotAskedForOneOfThem) {
   InputFeatures<2> index({{-1, -1}}, {{1, 1}});
   for (std::uint32_t i = 1; i <= 1000; ++i) {
@@ -120,7 +120,7 @@ TEST(InputFeatures, SegmentsAtOnePointAreNotAskedForOneOfThem) {
   }
 }
 
-// However many segments meet at a point, cells are not cut for them.
+// Any number of segments at a point causes no further cells.
 TEST(InputFeatures, SegmentsAtOnePointAreListedOnceEach) {
   InputFeatures<2> index({{-1, -1}}, {{1, 1}});
   const std::size_t before = index.bytes();

@@ -212,7 +212,7 @@ std::set<Edge> FindSeditious(const Judged& j, const std::vector<Feature>& featur
   const std::vector<Joint> joints = JointsOf(features);
   std::map<FeatureId, std::vector<std::size_t>> joints_of;
   for (std::size_t i = 0; i < joints.size(); ++i) joints_of[joints[i].owner].push_back(i);
-  // Of an owner's segments, that on whose line the vertex lies.
+  // The owner's segment with the vertex on its line.
   const auto joint_at = [&](FeatureId owner, const Point2& x) {
     const auto off = [&](std::size_t i) {
       const Point2 &p = place[joints[i].ends[0]], &q = place[joints[i].ends[1]];
@@ -299,7 +299,7 @@ void CheckVoronoiAspect(const Judged& j, const std::set<Edge>& seditious) {
   }
 }
 
-// Does the triangle meet the region of a sizing feature, by more than rounding?
+// True if the triangle meets the region of a sizing feature, by more than rounding.
 bool Meets(const std::array<Point2, 3>& t, const Feature& size) {
   const Point2 lo{{size.position[0], size.position[1]}};
   const bool is_box = size.sizing.shape == SizeShape::kBox;

@@ -1,4 +1,4 @@
-// What an operation remembers of the region it read: never too small, and not idly large.
+// The read region stored by an operation: never too small, and not needlessly large.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,8 +22,8 @@ constexpr std::uint64_t kSeed = 20261121;
 template <int D>
 using Direction = std::array<double, D>;
 
-// By numbers that are symmetric about 0, of which now and then some are left out: directions in
-// which boxes and orthants end are of interest.
+// By numbers symmetric about 0, some left out now and then: directions in which the ends of boxes
+// and orthants matter.
 template <int D>
 Direction<D> AnyDirection(test::Random& random) {
   while (true) {
@@ -46,7 +46,7 @@ Point<D> Along(const Point<D>& p, const std::type_identity_t<Direction<D>>& u, d
   return y;
 }
 
-// Balls through p, as those about the corners of its Voronoi cell are.
+// Balls through p, like those about the vertices of its Voronoi cell.
 template <int D>
 struct Balls {
   Point<D> p;
@@ -127,7 +127,7 @@ TEST(Payload, RegionIsHardlyLargerThanItsBox) {
   ExpectLittleBeyondTheBox<3>(1.0 / 31);
 }
 
-// Of each octant, what the balls reach along directions all over it, the edges included.
+// For each octant, the reach of the balls along directions all over it, including the edges.
 TEST(Payload, InSpaceTheRegionIsHardlyLargerThanWhatBallsReachInEachOctant) {
   test::Random random(kSeed);
   constexpr int kSteps = 24;
@@ -168,7 +168,7 @@ TEST(Payload, RadiusIsHardlyLargerThanTheRegions) {
   }
 }
 
-// What is certain in spite of doubt is what is kept of any region within it.
+// The region that is certain despite doubt is the one stored for any region within it.
 template <int D>
 void ExpectTheSameOfWhatMightBeMeant(double part) {
   test::Random random(kSeed);

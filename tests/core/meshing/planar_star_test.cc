@@ -113,8 +113,8 @@ TEST_P(StarTest, IsThatOfTheTriangulationOfPointsAndGhosts) {
   EXPECT_GT(without, 0);
 }
 
-// What lies outside of the square of half-width H has no say in a corner inside it: the
-// star with ghosts and the one without have the same corners there.
+// Points outside of the square of half-width H do not affect a Voronoi vertex inside it: the star
+// with ghosts and the one without have the same Voronoi vertices there.
 TEST_P(StarTest, CornersWithinReachAreThoseOfTheTriangulationWithoutGhosts) {
   int within = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -147,8 +147,8 @@ TEST_P(StarTest, CornersWithinReachAreThoseOfTheTriangulationWithoutGhosts) {
   EXPECT_GT(within, 500);
 }
 
-// A ring given at once becomes the star with ghosts when these are inserted; within
-// reach, it is that already.
+// A ring given at once equals the star with ghosts after these are inserted; within reach, it
+// equals it already.
 TEST_P(StarTest, OfARingGivenAtOnceIsTheSame) {
   int within = 0, beyond = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -180,7 +180,7 @@ TEST_P(StarTest, OfARingGivenAtOnceIsTheSame) {
   EXPECT_GT(beyond, 0);
 }
 
-// As PlanarStar::SectorOf says it, a sector at a time.
+// As defined at PlanarStar::SectorOf, one sector at a time.
 int PlainSectorOf(const std::vector<Point2>& directions, double x, double y) {
   const int count = static_cast<int>(directions.size());
   const auto side = [&](int i) {

@@ -22,7 +22,7 @@ double DistanceToEdge(const Point2& p, const Point2& a, const Point2& b) {
   return std::hypot(p[0] - a[0] - t * dx, p[1] - a[1] - t * dy);
 }
 
-// By the winding of every edge; how near the verdict is to changing goes to *margin.
+// By the winding of every edge; *margin gets the distance of the verdict from changing.
 bool NaiveMeets(const std::vector<Ring>& rings, const Point2& p, double radius, double* margin) {
   bool inside = false;
   double nearest = INFINITY;

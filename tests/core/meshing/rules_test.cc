@@ -1,4 +1,4 @@
-// The numbers of refinement, against exact rationals and against what they are for.
+// The numbers of refinement, against exact rationals and against their purpose.
 #include "core/meshing/planar_rules.h"
 
 #include <CGAL/Exact_rational.h>
@@ -138,8 +138,8 @@ TEST(Rules, AreSymmetricInTheEndsOfTheEdgeToTheBit) {
   }
 }
 
-// The Voronoi edge begins at the circumcenter of the triangle on the other side; seen
-// from there it is beyond the edge if the angle is obtuse.
+// The Voronoi edge begins at the circumcenter of the triangle on the other side. That is beyond the
+// edge if the angle is obtuse.
 TEST(Rules, BeginsBeyondIsExactAwayFromTheThreshold) {
   const std::uint64_t seed = 33;
   test::Random random(seed);
@@ -208,7 +208,7 @@ TEST(Buckets, AreMonotoneAndNarrow) {
   }
 }
 
-// What is decided of an edge depends on nothing farther than its off-center.
+// A decision about an edge depends on nothing farther than its off-center.
 TEST(Rules, ReachIsBeyondTheOffCenterOfEveryEdgeThatIsJudgedWithIt) {
   for (const double quality : kQualities) {
     const PlanarRules rules(WithQuality(quality));

@@ -1,5 +1,5 @@
-// Small angles: which ends are sharp, where a segment changes its apex, and that shells of
-// two segments come to agree.
+// Small angles: sharp ends, the point where a segment changes its apex, and agreement of the shells
+// of two segments.
 #include "core/meshing/shells.h"
 
 #include <gtest/gtest.h>

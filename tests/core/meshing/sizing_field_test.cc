@@ -1,4 +1,4 @@
-// The sizing field against a look at every region.
+// The sizing field against examining every region.
 #include "core/meshing/sizing_field.h"
 
 #include <gtest/gtest.h>
@@ -119,7 +119,7 @@ TEST(SizingRegion, MeetsWhatIsWithinItsRadius) {
   EXPECT_FALSE(point.Meets({{3, 4}}, 4.9));
 }
 
-// Cells that are no longer needed are given back.
+// Unused cells are released.
 TEST(SizingField, DoesNotGrowAsARegionTravels) {
   SizingField<2> field({{0, 0}}, {{1, 1}});
   std::size_t most = 0;

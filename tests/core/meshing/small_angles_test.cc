@@ -1,6 +1,6 @@
-// Small input angles, swept: every run ends, no triangle is over rho without excuse, no
-// angle is much smaller than the input's, and vertices grow with the logarithm of one over
-// the angle only.
+// Small input angles, swept: every run ends, no triangle is over rho without excuse, no angle is
+// much smaller than the input's, and the number of vertices grows only with the logarithm of one
+// over the angle.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// Facets in space: after every edit refinement is what a run from scratch makes, in vertices,
-// subsegments and complete trace; the triangulation of the vertices covers each facet once, and
-// no tetrahedron is over rho.
+// Facets in 3D: after every edit refinement equals a run from scratch, in vertices, subsegments and
+// complete trace. The triangulation of the vertices covers each facet once, and no tetrahedron is
+// over rho.
 //
 // Facets are faces of a grid, at right angles or in one plane where they meet, and frames between
 // its planes, not convex and with a hole. DYNMESH_NIGHTLY=1 runs long scripts.
@@ -103,8 +103,8 @@ MeshOptions Options() {
   return options;
 }
 
-// A refinement whose features are known by their places; edges and corners of several facets are
-// there once.
+// A refinement with features identified by their positions; common edges and corners of facets
+// exist once.
 template <class R>
 class Complex {
  public:
@@ -291,8 +291,8 @@ std::string NameOf(const testing::TestParamInfo<Place>& info) {
 INSTANTIATE_TEST_SUITE_P(Grids, SpaceFacets,
                          testing::Values(Place::kStraight, Place::kTurned, Place::kSkew), NameOf);
 
-// The corners of an octahedron, four of them a facet's: all six lie on one ball. Whichever pairs
-// ties would join, the facet is covered.
+// The corners of an octahedron, four of them a facet's: all six lie on one ball. However ties are
+// broken, the facet is covered.
 TEST(SpaceFacets, AreCoveredWhereTheFarSideIsEquallyNear) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto corner = [&](int k, double at) {

@@ -1,5 +1,5 @@
-// Refinement in space, points only: after every edit it is what a run from scratch makes, in
-// vertices and complete trace, and no tetrahedron is over rho.
+// Refinement in 3D, points only: after every edit it equals a run from scratch, in vertices and
+// complete trace, and no tetrahedron is over rho.
 //
 // DYNMESH_NIGHTLY=1 runs long scripts.
 #include <CGAL/Delaunay_triangulation_3.h>
@@ -77,7 +77,7 @@ Point3 RandomPoint(Kind kind, Random& random) {
   }
 }
 
-// Circumradius over the shortest edge, by rationals: of the nearly flat doubles know nothing.
+// Circumradius over the shortest edge, by rationals: doubles are useless for nearly flat ones.
 double Ratio(const std::array<Point3, 4>& p, double shortest2) {
   using Exact = CGAL::Simple_cartesian<CGAL::Exact_rational>;
   const auto at = [&](int i) { return Exact::Point_3(p[i][0], p[i][1], p[i][2]); };
@@ -225,7 +225,7 @@ class WithSegments {
   WithSegments(const MeshOptions& options, const GridEdges& grid,
                typename R::Triangulation* triangulation = nullptr)
       : grid_(grid), refinement_(options, triangulation) {}
-  // Those that were not there, and their ends, come; those that were there go.
+  // Adds the missing ones with their ends; removes the present ones.
   void Toggle(const std::pair<int, int>& edge) {
     const auto it = segments_.find(edge);
     if (it != segments_.end()) {
@@ -339,7 +339,7 @@ TEST_P(SpaceSegments, AreFromScratchAfterEveryEditAndInTheTriangulation) {
 
 INSTANTIATE_TEST_SUITE_P(Grid, SpaceSegments, testing::Bool());
 
-// An edit of one point costs what it costs, however many there are.
+// The cost of an edit of one point does not depend on the number of points.
 TEST(SpaceRefinementWork, AnEditDoesNotGrowWithTheInput) {
   std::vector<double> executed;
   for (const int n : {300, 3000}) {

@@ -1,4 +1,4 @@
-// The star of a vertex in space against all triples of the points and ghosts, by definition.
+// The star of a vertex in 3D against all triples of the points and ghosts, by definition.
 #include "core/meshing/space_star.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ std::set<Triangle> LinkOf(const SpaceStar& star) {
   return link;
 }
 
-// By definition: nobody is inside the ball of v and the three.
+// By definition: no point is inside the ball of v and the three.
 std::set<Triangle> LinkByDefinition(const std::vector<Point3>& others, const Point3& v) {
   std::set<Triangle> link;
   const std::size_t n = others.size();
@@ -198,7 +198,7 @@ TEST_P(SpaceStarTest, IsThatOfTheTetrahedralisationOfPointsAndGhosts) {
   EXPECT_GT(errors_known, 0);
 }
 
-// What it has read, an operation keeps as neighbours and triangles.
+// An operation stores its reads as neighbours and triangles.
 SpaceStar Rejoined(const SpaceStar& star) {
   SpaceStar joined;
   joined.BeginLink(star.vertex(), star.position(), star.reach());
@@ -257,7 +257,7 @@ TEST_P(SpaceStarTest, LosesNeighboursAsIfTheyHadNotBeenThere) {
     ExpectSound(star);
     EXPECT_EQ(LinkOf(star), LinkOf(wanted));
     ExpectCentresRight(star);
-    // It is as good as any for what comes.
+    // It can be used for later points like any other.
     for (int i = 0; i < 5; ++i) {
       const Point3 q = source.Next();
       if (set.insert(q).second) {
@@ -327,7 +327,7 @@ TEST(SpaceStar, AloneItIsACube) {
   }
 }
 
-// A corner that holds nobody else stays as it is, verified or not.
+// A Voronoi vertex without other points in its ball stays unchanged, verified or not.
 TEST(SpaceStar, WhatIsVerifiedStaysSo) {
   SpaceStar star;
   star.Begin(1, {{0, 0, 0}}, 2);

@@ -1,5 +1,5 @@
-// The bucket quadtree against a plain list of points. Cells are not visible from
-// outside, but on a lattice the paths of all lattice points tell everything of them.
+// The bucket quadtree against a plain list of points. Cells are not visible from outside, but on a
+// lattice the paths of all lattice points determine them.
 #include "core/meshing/spatial_tree.h"
 
 #include <gtest/gtest.h>
@@ -62,8 +62,7 @@ geometry::Point<D> RandomPointAround(test::Random& random) {
   return PointOf<D>([&] { return 1.4 * random.Unit() - 0.2; });
 }
 
-// A tree and the list that it stands for; and who has subscribed where, as the engine
-// keeps them.
+// A tree and its list model; and the subscribers of each node, as the engine stores them.
 template <int D>
 class Pair {
  public:
@@ -210,8 +209,8 @@ void CheckUnions(const Pair<D>& pair, test::Random& random) {
   ASSERT_LE(static_cast<int>(visited.size()), few);
 }
 
-// Whoever subscribed to a cover of a box is on the path of all points in it, whatever
-// has been split and merged since.
+// A subscriber to a cover of a box is on the path of all points in it, after any splits and merges
+// since.
 template <int D>
 void CheckSubscriptions(Pair<D>& pair, test::Random& random) {
   for (const auto& [box, places] : pair.subscribed) {
@@ -233,8 +232,8 @@ void CheckSubscriptions(Pair<D>& pair, test::Random& random) {
   pair.subscribed.emplace_back(box, cover);
 }
 
-// In a node of the cover a point of the box is in the box's parts, and few points outside are: not
-// one that is farther from it than a slab along some axis.
+// In a node of the cover a point of the box is in the box's parts. Few points outside are: none
+// that is farther from it than a slab along some axis.
 template <int D>
 void CheckParts(const Pair<D>& pair, test::Random& random) {
   const Extent<D> box = RandomBox<D>(random);
@@ -346,7 +345,7 @@ TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABox) {
   }
 }
 
-// The same tree: a cell is as large as the lattice points whose paths go through it say.
+// The same tree: a cell's size follows from the lattice points with paths through it.
 TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABall) {
   const std::uint64_t seed = 11;
   test::Random random(seed);

@@ -1,4 +1,4 @@
-// Cells and segments: what is exact is exact, what is generous errs to one side.
+// Cells and segments: exact tests are exact, conservative ones err to one side.
 #include "core/plc/cell_grid.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Does the inside of a facet hang together? Against flooding the squares of a grid, whose border is
+// Whether the inside of a facet is connected, against flooding the squares of a grid; its border is
 // cut into rings at random.
 #include "core/plc/facet_parts.h"
 
@@ -96,7 +96,7 @@ TEST(FacetParts, AreWhatFloodingFinds) {
     test::Random random(seed);
     Cells cells;
     const int most = 1 + random.Below(kSide * kSide);
-    // Grown from one cell, so that many hang together; some scattered.
+    // Grown from one cell, so that many are connected; some scattered.
     cells.emplace(random.Below(kSide), random.Below(kSide));
     const bool scattered = random.OneIn(3);
     for (int n = 0; n < most; ++n) {

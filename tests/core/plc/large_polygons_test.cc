@@ -1,5 +1,5 @@
-// Polygons with very many corners: what they have to do with each other takes about as long as
-// reading them.
+// Polygons with very many corners: checking them against each other takes about as long as reading
+// them.
 #include <gtest/gtest.h>
 
 #include <utility>

@@ -55,7 +55,7 @@ class Checker {
   Checker(const FeatureMap& present, const std::vector<Edit>& batch)
       : before_(present), now_(present) {
     for (std::size_t i = 0; i < batch.size(); ++i) Act(batch[i], static_cast<long>(i));
-    // An edit that changed nothing in the end is not to blame for anything.
+    // An edit without a net effect is not to blame for anything.
     for (const auto& [id, f] : now_) {
       if (last_.contains(id) && last_[id] < error_at_ && IsAsBefore(f)) last_.erase(id);
     }
@@ -156,7 +156,7 @@ class Checker {
   void Report(long edit, int rank, const std::string& reason, std::vector<FeatureId> features,
               Pair ends = {}) {
     const auto at = std::find(kOrder.begin(), kOrder.end(), reason);
-    // What is wrong with a feature by itself comes first.
+    // Errors of a feature by itself come first.
     const int order = at == kOrder.end() ? -1 : static_cast<int>(at - kOrder.begin());
     const FeatureId other = features.size() > 1 ? features[1] : 0;
     found_.push_back({{edit, rank, features[0], ends, order, other}, {edit, reason, features}});
@@ -209,7 +209,7 @@ class Checker {
     if (features.size() > 1) Report(last, 0, reason::kPointInUse, features);
   }
 
-  // What lies in the plane: points, segments, and edges of polygons, each once.
+  // The 2D objects: points, segments, and edges of polygons, each once.
   struct Thing {
     Feature f;
     long blame = 0;
@@ -264,7 +264,7 @@ class Checker {
     for (const auto& ring : polygon.rings) corners.insert(ring.begin(), ring.end());
     return corners;
   }
-  // The features to name if the rings are no polygon's, else none.
+  // The features to name if the rings do not form a polygon, else none.
   static std::vector<FeatureId> FindRingFault(const Feature& polygon) {
     if (polygon.rings.empty()) return {polygon.id};
     for (const auto& ring : polygon.rings) {
@@ -345,7 +345,7 @@ class Checker {
   }
 
   std::string Shared(Place apex, Place a, Place b) {
-    if (apex == a || apex == b) return "";  // duplicate points, said elsewhere
+    if (apex == a || apex == b) return "";  // duplicate points, reported elsewhere
     const Wide dot = Dot(apex, a, b);
     if (dot <= 0) return "";
     if (Cross(apex, a, b) == 0) return reason::kSegmentsOverlap;

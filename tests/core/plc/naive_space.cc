@@ -46,7 +46,7 @@ Q Distance2(const Edge& s, const Edge& t) {
   return std::min(least, ((s.p + at_s * u) - (t.p + at_t * v)).squared_length());
 }
 
-// Is the angle between u and v below the one with that squared cosine?
+// True if the angle between u and v is below the one with that squared cosine.
 bool IsBelow(const V& u, const V& v, double squared_cosine) {
   const Q d = u * v;
   return d > 0 && d * d > Q(squared_cosine) * (u * u) * (v * v);
@@ -94,7 +94,7 @@ class Face {
     return std::any_of(edges_.begin(), edges_.end(),
                        [&](const Edge& e) { return Distance2(x, e.p, e.q) == 0; });
   }
-  // In the open inside? `x` is in the plane. By crossings of a ray.
+  // True if `x`, a point of the plane, is in the open inside. By crossings of a ray.
   bool Holds(const P& x) const {
     if (IsOnBoundary(x)) return false;
     const int i = (axis_ + 1) % 3, j = (axis_ + 2) % 3;
@@ -106,7 +106,7 @@ class Face {
     }
     return inside;
   }
-  // Does d, from the corner, rise over the inside at less than 70 degrees?
+  // True if d, from the corner, rises over the inside at less than 70 degrees.
   bool IsBelowSeventyOver(const P& corner, const V& d) const {
     const V flat = d - (d * normal_) / (normal_ * normal_) * normal_;
     return Holds(corner + kStep * flat) && IsBelow(d, flat, kSeventy);
@@ -138,7 +138,7 @@ std::vector<Q> Cuts(const P& a, const P& b, const Face& f) {
   return cuts;
 }
 
-// Has the open segment a place in the inside, or on the boundary beside common corners?
+// True if the open segment has a point in the inside, or on the boundary except common corners.
 bool Meets(const Edge& s, const Face& f) {
   const Q at_p = f.Side(s.p), at_q = f.Side(s.q);
   if (at_p == 0 && at_q == 0) {
@@ -153,7 +153,7 @@ bool Meets(const Edge& s, const Face& f) {
   return f.Holds(s.p + at_p / (at_p - at_q) * (s.q - s.p));
 }
 
-// Have the insides of two faces a place in common?
+// True if the insides of two faces have a common point.
 bool Overlap(const Face& f, const Face& g) {
   const V line = CGAL::cross_product(f.normal(), g.normal());
   if (line == V(0, 0, 0)) {
@@ -273,7 +273,7 @@ std::vector<Offence> FindOffences(const FeatureMap& features, double limit) {
       if (what) found.push_back({*what, s.ids, t.ids});
     }
   }
-  // What is no facet by itself is said, here or above, and not compared.
+  // Invalid facets are reported, here or above, and not compared.
   std::erase_if(faces, [&](const Face& f) {
     if (f.HasEdgeOfNoLength()) return true;
     if (f.IsFlat()) return false;

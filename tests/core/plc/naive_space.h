@@ -1,7 +1,7 @@
-// Oracle for Plc<3> in the unit cube: what is wrong with a set of features, every pair, by exact
-// rationals and from the definitions: places in common, distances, angles. Shares no code with
-// core/plc. Who is to blame is not for here. Features must be whole: ends and corners present,
-// rings combinatorially sound, coordinates finite and in the cube.
+// Oracle for Plc<3> in the unit cube: the faults of a set of features, every pair, by exact
+// rationals and from the definitions: common points, distances, angles. Shares no code with
+// core/plc. Does not determine the blamed feature. Features must be complete: ends and corners
+// present, rings combinatorially valid, coordinates finite and in the cube.
 #ifndef DYNMESH_TESTS_CORE_PLC_NAIVE_SPACE_H_
 #define DYNMESH_TESTS_CORE_PLC_NAIVE_SPACE_H_
 
@@ -15,9 +15,9 @@
 namespace dynmesh::plc {
 
 struct Offence {
-  std::string what;  // for a person
-  // The ids that either side may go by: an edge has those of all its polygons. One side only: a
-  // polygon by itself.
+  std::string what;  // for messages
+  // The possible ids of both sides: an edge has those of all its polygons. One side only: a polygon
+  // by itself.
   std::set<FeatureId> one, other;
 };
 

@@ -1,5 +1,5 @@
-// What a check costs: index cells and features looked at, which time follows, depend on
-// the batch and its neighbourhood, not on how much there is elsewhere.
+// The cost of a check: visited index cells and features, which determine the time, depend on the
+// batch and its neighbourhood, not on the total number.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -87,7 +87,7 @@ TEST(PlcCost, OfALocalEditGrowsWithTheDepthOnly) {
   EXPECT_LT(costs[1], costs[0] * 2);
 }
 
-// n long segments side by side: what lies between two of them sees those two.
+// n long segments side by side: a point between two of them visits those two.
 TEST(PlcCost, LongParallelSegmentsCostABisection) {
   for (const bool slanted : {false, true}) {
     std::vector<double> costs;
@@ -128,7 +128,7 @@ TEST(PlcCost, LongParallelSegmentsCostABisection) {
   }
 }
 
-// All is replaced again and again: the index neither grows nor slows.
+// All is replaced repeatedly: the index neither grows nor slows.
 // `count` spokes from the middle to a circle, of different lengths.
 EditBatch Wheel(int count) {
   EditBatch batch = {AddPoint(1, 0.5, 0.5)};
@@ -172,7 +172,7 @@ TEST(PlcCost, TheIndexDoesNotAge) {
   EXPECT_LE(CostOf(plc, LocalEdit(0.51, 0.51, 0.05, 1'000'000)), 2 * cost);
 }
 
-// One bad feature in a large batch: found, named, and not by looking at all pairs.
+// One bad feature in a large batch: found and named without examining all pairs.
 TEST(PlcCost, ALargeBatchWithOneBadFeatureIsRefusedAtThePriceOfReadingIt) {
   Plc2 plc(Square(0, 1));
   EditBatch batch = Streets(200, 0, 1, 1);  // 119,600 features

@@ -1,4 +1,4 @@
-// What Check returns and Commit does: the net change, no more, no less.
+// The results of Check and the effects of Commit: exactly the net change.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -169,7 +169,7 @@ TEST_F(PlcDelta, OfSizes) {
   const Feature disc = Feature::SizeDisc(7, 0.5, -0.0, 0.25, 0.125);
   Apply(plc, {AddPoint(1, 0.5, 0.5), Edit::Add(disc)});
   EXPECT_EQ(plc.size(), 2u);
-  // -0 is +0; what a disc has no use for is forgotten.
+  // -0 is +0; members unused by a disc are dropped.
   Feature untidy = Feature::SizeDisc(7, 0.5, 0.0, 0.25, 0.125);
   untidy.sizing.hi = {4, 4, 4};
   EXPECT_TRUE(plc.Check({Edit::Set(untidy)})->empty());
@@ -205,7 +205,7 @@ TEST_F(PlcDelta, OfSizes) {
   EXPECT_EQ(plc.size(), 1u);
 }
 
-// Whatever the parts, made one after the other they are the whole.
+// However it is split, the parts together equal the whole.
 TEST(PlcDeltaParts, MakeTheWholeChange) {
   const EditBatch before = {AddPoint(1, 0.1, 0.1),
                             AddPoint(2, 0.9, 0.1),

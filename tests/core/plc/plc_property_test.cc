@@ -22,7 +22,7 @@
 namespace dynmesh::plc {
 namespace {
 
-// Legal is what geometry lets be: that some of it would take very many vertices is no matter here.
+// Legal means geometrically legal: a very large number of vertices does not matter here.
 MeshOptions Unlimited() {
   MeshOptions options = Square(0, 1);
   options.limits.max_vertices = std::uint64_t{1} << 60;
@@ -31,7 +31,7 @@ MeshOptions Unlimited() {
 
 using geometry::Point2;
 
-// Makes batches that are likely to hit a rule, and as likely not to.
+// Makes batches with about even chances to break a rule.
 class Generator {
  public:
   enum class Style { kGrid, kFineGrid, kReal, kHatch, kClusters, kNearMisses };
@@ -67,7 +67,7 @@ class Generator {
     return choice[Int(0, static_cast<int>(choice.size()) - 1)];
   }
 
-  // A place on or next to something that is there.
+  // A position on or next to a present feature.
   Point2 NearSomething(const FeatureMap& draft) {
     const double steps[] = {0, 0x1p-52, 0x1p-44, 0x1p-42, 0x1p-41, 0x1p-40, 0x1p-38};
     const double step = steps[Int(0, 6)];
@@ -132,7 +132,7 @@ class Generator {
     if (!p || Chance(0.02)) return Feature::Segment(id, Int(0, 400), Int(1, 400));
     Feature q = *Pick(draft, FeatureKind::kPoint);
     const auto distance = [&](const Feature& f) {
-      // In a hatch: long ones are wanted, but parallel.
+      // In a hatch: long ones, but parallel.
       const double dx = f.position[0] - p->position[0], dy = f.position[1] - p->position[1];
       if (style_ == Style::kHatch) return std::min(std::abs(dx), std::abs(dy)) + (f.id == p->id);
       return f.id == p->id ? 9 : dx * dx + dy * dy;
@@ -370,7 +370,7 @@ void RunScripts(std::uint64_t first_seed, int scripts, Generator::Style style, i
   }
   std::cout << "seeds from " << first_seed << ": " << tally.accepted << " accepted, "
             << tally.refused << " refused, " << tally.ambiguous << " ambiguous;" << reasons << "\n";
-  // Else the scripts test nothing.
+  // Otherwise the scripts would test nothing.
   EXPECT_GT(tally.accepted, scripts / 2);
   EXPECT_GT(tally.refused, scripts / 2);
   EXPECT_LT(tally.ambiguous, (tally.accepted + tally.refused) / 10);
@@ -409,7 +409,7 @@ TEST(PlcProperty, ScriptsWithPolygonsAgreeWithTheOracle) {
   RunScripts(83000, 300, Style::kFineGrid, 12, 25, true);
 }
 
-// A set that grew by many batches and the same set entered at once judge alike.
+// A set that grew by many batches and the same set entered at once have the same verdicts.
 TEST(PlcProperty, AnswersDoNotDependOnHistory) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     const Style style = static_cast<Style>(seed % 6);

@@ -125,7 +125,7 @@ TEST_F(PlcRefusals, WrongKinds) {
   Edit strange = AddPoint(30, 0.1, 0.1);
   strange.action = static_cast<Edit::Action>(9);
   ExpectRefused({strange}, Code::kInvalidArgument, reason::kWrongKind, {30}, 0);
-  // Move and remove do not look at the kind that the edit gives.
+  // Move and remove ignore the kind in the edit.
   Edit move = Edit::Move(5, 0.4, 0.5);
   move.feature.kind = static_cast<FeatureKind>(0);
   ExpectAccepted({move});
@@ -137,7 +137,7 @@ TEST_F(PlcRefusals, CoordinatesThatAreNotFinite) {
     ExpectRefused({AddPoint(30, 0.5, bad)}, Code::kInvalidArgument, reason::kNotFinite, {30}, 0);
     ExpectRefused({Edit::Move(5, bad, 0.5)}, Code::kInvalidArgument, reason::kNotFinite, {5}, 0);
     ExpectRefused({SetPoint(2, bad, 0.5)}, Code::kInvalidArgument, reason::kNotFinite, {2}, 0);
-    // Only the result counts, and in the plane only x and y.
+    // Only the result counts, and in 2D only x and y.
     ExpectAccepted({AddPoint(30, bad, 0.5), Edit::Move(30, 0.1, 0.1)});
     ExpectAccepted({Edit::Add(Feature::Point(30, 0.1, 0.1, bad))});
   }
@@ -202,7 +202,7 @@ TEST_F(PlcRefusals, PointsInUseNameNoMoreThanSixteenSegments) {
     batch.push_back(AddSegment(201 + i, 100, 101 + i));
   }
   ExpectAccepted(batch);
-  // Sixteen and more can only be met when the batch itself is at fault.
+  // Sixteen and more occur only if the batch itself is at fault.
   for (FeatureId i = 0; i < 20; ++i) batch.push_back(AddSegment(301 + i, 100, 1));
   batch.push_back(Edit::Remove(100));
   const absl::Status status = plc_.Check(batch).status();
@@ -286,7 +286,7 @@ TEST_F(PlcRefusals, CrossingSegments) {
                 reason::kSegmentsCross, {31, 12}, 1);
   ExpectRefused({AddSegment(31, 5, 6), AddSegment(10, 5, 7)}, Code::kFailedPrecondition,
                 reason::kSegmentsCross, {31, 12}, 0);
-  // A moved point's segment, and a segment whose point comes later.
+  // A moved point's segment, and a segment with a point that comes later.
   ExpectRefused({Edit::Move(7, 0.5, 0.375)}, Code::kFailedPrecondition, reason::kSegmentsCross,
                 {14, 12}, 0);
   ExpectRefused({AddSegment(31, 5, 40), AddPoint(41, 0.1, 0.1), AddPoint(40, 0.5, 0.125)},
@@ -308,8 +308,8 @@ TEST(Plc, SaysWhereSegmentsCross) {
 }
 
 TEST_F(PlcRefusals, OverlappingSegments) {
-  // With a common end; without one it is also an end in the inside of a segment, and which
-  // of the two is said depends on what comes last.
+  // With a common end. Without one, it is also an end in the inside of a segment; which of both is
+  // reported depends on what comes last.
   ExpectRefused({AddPoint(30, 0.875, 0.875), AddPoint(31, 0.9375, 0.9375), AddSegment(32, 30, 31),
                  AddPoint(33, 1, 1), AddSegment(34, 30, 33)},
                 Code::kFailedPrecondition, reason::kSegmentsOverlap, {34, 32}, 4);
@@ -371,7 +371,7 @@ TEST_F(PlcRefusals, Sizes) {
   Feature odd = Feature::SizeAt(30, 0.5, 0.5, 0.1);
   odd.sizing.shape = static_cast<SizeShape>(9);
   refused(odd, reason::kBadSize);
-  // What is no point cannot move, nor be an end.
+  // Only a point can move or be an end.
   ExpectRefused({Edit::Add(Feature::SizeAt(30, 0.5, 0.5, 0.1)), Edit::Move(30, 0.1, 0.1)},
                 Code::kInvalidArgument, reason::kWrongKind, {30}, 1);
   ExpectRefused({Edit::Add(Feature::SizeAt(30, 0.5, 0.5, 0.1)), AddSegment(31, 5, 30)},
@@ -419,7 +419,7 @@ TEST_F(PlcRefusals, SizingPolygons) {
   ExpectRefused({size({{1, 2, 3}}, 0)}, Code::kInvalidArgument, reason::kBadSize, {30}, 0);
   ExpectRefused({size({{1, 5, 3}}, 0.1), Edit::Remove(5)}, Code::kFailedPrecondition,
                 reason::kPointInUse, {5, 30}, 1);
-  // It has no edges: it may cross what it likes, itself too.
+  // It has no edges: it may cross anything, itself too.
   ExpectAccepted({size({{1, 3, 2, 4}, {6, 5, 1}}, 0.1)});
 }
 
@@ -433,7 +433,7 @@ TEST_F(PlcRefusals, TheEarliestEditToBlameIsReported) {
   ExpectRefused({ok, use, nan, dup}, Code::kFailedPrecondition, reason::kPointInUse, {2, 11, 12},
                 1);
   ExpectRefused({end, use, nan, dup}, Code::kFailedPrecondition, reason::kUnknownEnd, {32, 50}, 0);
-  // What a later edit mends is no problem of an earlier one, even if that cannot act.
+  // A fault that a later edit repairs is not reported, even if the earlier edit cannot act.
   ExpectRefused({dup, ok, unknown, Edit::Move(30, 0.2, 0.2)}, Code::kNotFound,
                 reason::kUnknownFeature, {77}, 2);
   ExpectRefused({dup, ok, unknown, Edit::Remove(5)}, Code::kNotFound, reason::kUnknownFeature, {77},

@@ -1,4 +1,4 @@
-// Small helps for the tests of core/plc.
+// Helpers for the tests of core/plc.
 #ifndef DYNMESH_TESTS_CORE_PLC_PLC_TEST_UTIL_H_
 #define DYNMESH_TESTS_CORE_PLC_PLC_TEST_UTIL_H_
 

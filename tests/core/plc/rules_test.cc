@@ -21,7 +21,7 @@ SegmentFeature<2> Segment(FeatureId id, FeatureId p_id, FeatureId q_id, Point2 p
 }
 SegmentFeature<2> Reversed(const SegmentFeature<2>& s) { return {s.id, s.q_id, s.p_id, s.q, s.p}; }
 
-// All eight ways to ask must agree.
+// All eight argument orders must agree.
 Conflict Ask(const SegmentFeature<2>& s, const SegmentFeature<2>& t) {
   const Conflict answer = Between(s, t, kLimit);
   for (const SegmentFeature<2>& a : {s, Reversed(s)}) {
@@ -46,7 +46,7 @@ TEST(Rules, SegmentsApart) {
   EXPECT_EQ(with({{0.5, -1}}, {{0.5, 1}}), Conflict::kSegmentsCross);
   EXPECT_EQ(with({{0.5, 0x1p-52}}, {{0.5, 1}}), Conflict::kNone);
   EXPECT_EQ(with({{1 + 0x1p-52, -1}}, {{1 + 0x1p-52, 1}}), Conflict::kNone);
-  EXPECT_EQ(with({{0.5, 0}}, {{0.5, 1}}), Conflict::kNone);  // the point's rule says it
+  EXPECT_EQ(with({{0.5, 0}}, {{0.5, 1}}), Conflict::kNone);  // the point's rule reports it
   EXPECT_EQ(with({{0.5, 0}}, {{2, 0}}), Conflict::kSegmentsOverlap);
   EXPECT_EQ(with({{-1, 0}}, {{2, 0}}), Conflict::kSegmentsOverlap);
   EXPECT_EQ(with({{0.25, 0}}, {{0.5, 0}}), Conflict::kSegmentsOverlap);
@@ -61,7 +61,7 @@ TEST(Rules, SegmentsThatShareAnEnd) {
   EXPECT_EQ(with({{1, 1}}), Conflict::kNone);
   EXPECT_EQ(with({{1, least}}), Conflict::kNone);
   EXPECT_EQ(with({{1, -least}}), Conflict::kNone);
-  EXPECT_EQ(with({{1, least * (1 - 1e-7)}}), Conflict::kNone);        // within the hair
+  EXPECT_EQ(with({{1, least * (1 - 1e-7)}}), Conflict::kNone);        // within the margin
   EXPECT_EQ(with({{1, least * (1 - 2e-6)}}), Conflict::kSmallAngle);  // outside it
   EXPECT_EQ(with({{1, -least * (1 - 2e-6)}}), Conflict::kSmallAngle);
   EXPECT_EQ(with({{1, 0x1p-52}}), Conflict::kSmallAngle);

@@ -1,4 +1,4 @@
-// The index in space against looking at everything, and what a check costs there.
+// The 3D index against examining everything, and the cost of a check there.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 using geometry::Point3;
 
-// Anything anywhere: the index of space does not mind what crosses.
+// Arbitrary features anywhere: the 3D index accepts crossings.
 class Things {
  public:
   explicit Things(std::uint64_t seed)
@@ -86,7 +86,7 @@ class Things {
     });
   }
 
-  // Does the answer have whatever conflicts with f? Returns how many do.
+  // Checks that the answer has all features that conflict with f. Returns their number.
   template <class F, class Where>
   std::size_t Ask(const F& f, const Where& where) {
     std::set<FeatureId> wanted, got;
@@ -169,8 +169,8 @@ EditBatch Boxes(int n, double lo, double hi, FeatureId first) {
   return batch;
 }
 
-// A facet in a box, and a box that is dented where four of its faces meet would not be flat, so a
-// whole face moves.
+// A facet in a box. A box dented at a corner of four faces would not be flat, so a whole face
+// moves.
 std::uint64_t CostOfEdits(const Plc3& plc, int n, double hi) {
   std::uint64_t cost = 0;
   const double step = hi / n;
@@ -213,8 +213,8 @@ TEST(SpaceCost, OfALocalEditGrowsWithTheDepthOnly) {
   EXPECT_LT(costs[1], 2 * costs[0]);
 }
 
-// Plates side by side, each as large as all: what is between two of them sees these, if plates are
-// no nearer to each other than a 64th of their size.
+// Plates side by side, of equal size: a feature between two of them visits these, if plates are no
+// nearer to each other than a 64th of their size.
 TEST(SpaceCost, LargePlatesAreTheirNumberNearby) {
   for (const int n : {10, 30}) {
     Plc3 plc(Cube(0, 1));

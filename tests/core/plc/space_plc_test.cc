@@ -1,4 +1,4 @@
-// What is legal in space and what is refused, case by case.
+// Legal and refused 3D input, case by case.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -118,7 +118,7 @@ TEST(SpacePlc, TwoBoxesMayShareAFace) {
   Apply(plc, batch);
   // A second polygon where they touch is one too many, whichever way round.
   ExpectRefused(plc, {AddPolygon(40, {{4, 8, 6, 2}})}, reason::kDuplicatePolygon, {40, 21});
-  // One that is half of it overlaps.
+  // One that overlaps half of it.
   ExpectRefused(plc, {AddPolygon(40, {{4, 8, 6}})}, reason::kSegmentMeetsPolygon, {40, 21});
 }
 

@@ -1,5 +1,5 @@
-// Random scripts in space: legal or not as the oracle says, the error about what it found; the net
-// change as the sets say; and verdict, error and change functions of the set and the batch.
+// Random scripts in 3D: legality as in the oracle, the error about a fault that it found; the net
+// change as the sets define; and verdict, error and change are functions of the set and the batch.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -200,7 +200,7 @@ class Generator {
   EditBatch batch_;
 };
 
-// `after` is `before` without what went, with what came, and nothing stands on both sides.
+// `after` is `before` without the removed and with the added ones; none is on both sides.
 template <class F>
 void ExpectChange(std::vector<F> before, const std::vector<F>& removed, const std::vector<F>& added,
                   const std::vector<F>& after) {
@@ -250,7 +250,7 @@ void RunScript(std::uint64_t seed, int batches, int most, Tally& tally) {
     const auto delta = grown.Check(batch);
     ASSERT_EQ(delta.ok(), offences.empty())
         << delta.status() << "; oracle: " << (offences.empty() ? "legal" : offences[0].what);
-    // Entered at once, in another order, the set answers alike.
+    // Entered at once, in another order, the set gives the same answers.
     Plc3 fresh(Cube(0, 1));
     EditBatch all = AddAll(grown.Features());
     std::reverse(all.begin(), all.end());

@@ -1,4 +1,4 @@
-// Small solids for the tests of core/plc in space.
+// Small solids for the 3D tests of core/plc.
 #ifndef DYNMESH_TESTS_CORE_PLC_SPACE_TEST_UTIL_H_
 #define DYNMESH_TESTS_CORE_PLC_SPACE_TEST_UTIL_H_
 

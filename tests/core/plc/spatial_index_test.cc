@@ -1,5 +1,5 @@
-// The index against looking at everything: nothing that matters is ever left out, with
-// many features, long segments, deep clusters, and after removals.
+// The index against examining everything: no relevant feature is ever missed, with many features,
+// long segments, deep clusters, and after removals.
 #include "core/plc/spatial_index.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ class Both {
     const SegmentFeature<2> f{next_id_++, p_id, q_id, p, q};
     segments_.push_back({f, index_.Insert(f)});
   }
-  // If it has no conflict with what is there.
+  // Adds it if it has no conflict with present features.
   void AddIfLegal(Point2 p, Point2 q) {
     const PointFeature<2> pf{next_id_, p}, qf{next_id_ + 1, q};
     const SegmentFeature<2> f{next_id_ + 2, pf.id, qf.id, p, q};
@@ -93,7 +93,7 @@ class Both {
     return result;
   }
 
-  // Asks about a place and fails if a conflict is not among the answers.
+  // Queries a position and fails if a conflict is missing in the answer.
   int Ask(Point2 p) const {
     std::uint64_t cost = 0;
     return Compare(Conflicts(PointFeature<2>{kAsker, p}), Answer(p, &cost));
@@ -163,7 +163,7 @@ void AskMuch(const Both& both, std::mt19937_64& random, int times) {
   }
 }
 
-// Asks, then takes features away in portions and asks again; at last nothing is left.
+// Queries, then removes features in portions and queries again, until nothing is left.
 void Exercise(Both& both, std::uint64_t seed) {
   SCOPED_TRACE(testing::Message() << "seed " << seed << ", " << both.size() << " features");
   std::mt19937_64 random(seed);

@@ -27,7 +27,7 @@ TEST(BlockPool, ABlockIsAtLeastAsLargeAsAskedForAndNotMuchLarger) {
   }
 }
 
-// Memory for blocks so far off is more than a test has; that they are told apart is not.
+// The test does not have the memory for blocks at such offsets; only their distinctness is tested.
 TEST(BlockPool, BlocksBeyond2To32WordsAreWhereTheyWerePut) {
   for (const std::uint64_t offset :
        {std::uint64_t{2}, std::uint64_t{0xffff'fffe}, std::uint64_t{1} << 32,

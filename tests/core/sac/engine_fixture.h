@@ -1,5 +1,5 @@
-// A scripted program under the engine, and words to drive it. Sound at the end, or the
-// test fails.
+// A scripted program under the engine, and commands to drive it. The test fails unless the engine
+// is sound at the end.
 #ifndef DYNMESH_TESTS_CORE_SAC_ENGINE_FIXTURE_H_
 #define DYNMESH_TESTS_CORE_SAC_ENGINE_FIXTURE_H_
 
@@ -35,7 +35,7 @@ class EngineTest : public ::testing::Test {
   void Unrequest(Item item, Epoch epoch = 0) { e_.Unrequest(kOnly, item, epoch); }
   // Makes the operations of an item stale, as a change of input does.
   void Touch(Item item) { e_.NotifyChain(p_.OperationOf(item), e_.beginning()); }
-  // Propagates, and tells what happened.
+  // Propagates, and returns what happened.
   std::string Run() {
     EXPECT_TRUE(e_.Propagate([] { return false; }));
     return p_.TakeLog();

@@ -1,5 +1,5 @@
-// An operation that says more than the engine can keep: the propagation ends before anything of it
-// shows, and the way back is open.
+// An operation that emits more than the engine can store: the propagation ends before any of it is
+// visible, and can be undone.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -25,7 +25,7 @@ class EngineLimitsTest : public EngineTest {
   }
 };
 
-// Says so many things of each kind, all at most as many as it may.
+// Emits that many items of each kind, all within the limits.
 Program::Body Says(std::uint32_t outputs, Place places, Item requests, std::uint32_t reads) {
   return [=](Context& c) {
     for (std::uint32_t i = 0; i < outputs; ++i) c.Emit(100 + i);
@@ -60,7 +60,7 @@ TEST_F(EngineLimitsTest, OneMoreOfAnythingEndsThePropagationWithoutATrace) {
     EXPECT_FALSE(e_.IsFromScratch());
     EXPECT_TRUE(e_.outputs(e_.overflowed()).empty());
     Unrequest(1);
-    // What it made is given back, though nothing of it was ever shown.
+    // Its results are released, though none was visible.
     const std::string log = Run();
     EXPECT_EQ(log.find('+'), std::string::npos) << log;
     EXPECT_EQ(log.find('-'), std::string::npos) << log;

@@ -1,5 +1,5 @@
-// The promises of the engine, one by one: windows of notification, places that move,
-// deferred release, interruption.
+// The guarantees of the engine, one by one: windows of notification, moved subscriptions, deferred
+// release, interruption.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,13 +46,13 @@ TEST_F(EngineNotifyTest, TheFilterIsAskedOnceAboutThoseInTime) {
     return e_.item(op) % 2 == 1;
   };
   e_.Notify(1, At(3), At(7), odd);
-  e_.Notify(1, At(3), At(7), odd);  // not about those that are stale already
+  e_.Notify(1, At(3), At(7), odd);  // not those that are stale already
   std::sort(asked.begin(), asked.end());
   EXPECT_EQ(asked, (std::vector<Item>{4, 4, 5, 6, 6, 7}));
   EXPECT_EQ(Run(), "run 5@0, run 7@0");
 }
 
-// Those that pay attention as of their last execution.
+// The operations that were attentive at their last execution.
 TEST_F(EngineNotifyTest, OnlyTheAttentiveAreAsked) {
   for (const Item i : {2, 4, 5, 7, 8})
     p_[i] = [](Context& c) {
@@ -92,7 +92,7 @@ TEST_F(EngineNotifyTest, OneOperationIsToldIfItIsInTime) {
   EXPECT_EQ(Run(), "run 3@0, run 6@0");
 }
 
-// Who subscribes to parts of a place hears of changes in those, all of them.
+// A subscriber to some parts of a place is notified iff (subscribed & parts) == parts.
 TEST_F(EngineNotifyTest, ReachesThoseWhoSubscribeToAllPartsOfTheChange) {
   p_[3] = [](Context& c) { c.Subscribe(1, 0b0011); };
   p_[4] = [](Context& c) { c.Subscribe(1, 0b0110); };
@@ -172,7 +172,7 @@ TEST_F(EngineNotifyTest, NothingCanBeStaleAfterTheLastOperation) {
   Request(3, 5);
   Run();
   EXPECT_TRUE(e_.AnyAfter(At(9)));
-  // Whatever is dropped, no one who is there is forgotten.
+  // After any removals, no remaining subscriber is forgotten.
   Unrequest(3, 5);
   Run();
   for (Item i = 0; i < 9; ++i) EXPECT_TRUE(e_.AnyAfter(At(i)));
@@ -239,7 +239,7 @@ TEST_F(EngineTest, StampsAndOperationsAreReusedOnlyAfterTheEnd) {
   EXPECT_EQ(p_.OperationOf(4), one);
 }
 
-// The inverse of an edit after a drop: the operation is made again beside its former self.
+// The inverse of an edit after a drop: the operation is made again beside its former version.
 TEST_F(EngineTest, WhatWasDroppedMayComeBackBeforeTheEnd) {
   p_[1] = [](Context& c) {
     c.Emit(10);
@@ -252,7 +252,8 @@ TEST_F(EngineTest, WhatWasDroppedMayComeBackBeforeTheEnd) {
   Touch(2);
   EXPECT_EQ(RunUntil(1), "-10");
   Request(1);
-  // The word is published again before it is released: a program must not take a
+  // The word is published again before it is released: the program must not take the release for
+  // the end of the word.
   // release of a word that it has published again for its end.
   EXPECT_EQ(Run(), "run 1@0, +10, run 2@0, free 10");
   EXPECT_EQ(e_.operation_count(), 2u);

@@ -1,5 +1,5 @@
-// The promises of the engine, one by one: order, reference counts, what an operation
-// remembers, cut-off.
+// The guarantees of the engine, one by one: order, reference counts, an operation's stored state,
+// cut-off.
 #include "core/sac/engine.h"
 
 #include <gtest/gtest.h>
@@ -166,7 +166,7 @@ TEST_F(EngineTest, WhatIsRequestedAgainIsNotMadeAgain) {
   EXPECT_EQ(e_.counters().dropped, 0u);
 }
 
-// In either direction: the one who lets go may come before the one who takes over.
+// In either direction: the operation that releases may come before the one that acquires.
 TEST_F(EngineTest, ASharedSubTraceIsHandedOver) {
   p_[8] = Requests({9}, 2);
   p_[9] = Emits({90});
@@ -215,7 +215,7 @@ TEST_F(EngineTest, ALongChainIsDroppedWithoutRecursion) {
   EXPECT_EQ(e_.operation_count(), 0u);
 }
 
-// A point that encroaches on a whole bundle of segments asks for every one of them.
+// A point that encroaches on many segments requests every one of them.
 TEST_F(EngineTest, AnOperationMayRequestAndReadVeryMany) {
   const Item many = 70'000;
   p_[0] = [&](Context& c) {
@@ -233,7 +233,7 @@ TEST_F(EngineTest, AnOperationMayRequestAndReadVeryMany) {
   EXPECT_EQ(e_.operation_count(), 2u);
 }
 
-// --- What is remembered, and cut-off --------------------------------------------------------
+// --- Stored state, and cut-off ----------------------------------------------------------------
 
 TEST_F(EngineTest, ARerunFindsWhatTheLastRunLeft) {
   int runs = 0;
@@ -264,7 +264,7 @@ TEST_F(EngineTest, ARerunFindsWhatTheLastRunLeft) {
   EXPECT_EQ(std::vector<Place>(e_.places(op).begin(), e_.places(op).end()),
             (std::vector<Place>{3, 4}));
   EXPECT_EQ(e_.subscriptions().at(4).size(), 1u);
-  // Dropped and requested again it remembers nothing.
+  // Dropped and requested again it has no stored state.
   Unrequest(1);
   Run();
   runs = 0;

@@ -155,7 +155,7 @@ TEST(EpochOrder, EqualOperationsMayStandSideBySide) {
   for (const OpId id : left) EXPECT_EQ(id % 2, 1u);
 }
 
-// Else whoever comes to a deserted epoch would walk past the slots of all that left.
+// Otherwise a new stamp in an emptied epoch would have to walk past the slots of all removed ones.
 TEST(EpochOrder, AnEpochThatEmptiesGivesItsTableBack) {
   Random random(NewSeed());
   Mirrored m;
@@ -172,7 +172,7 @@ TEST(EpochOrder, AnEpochThatEmptiesGivesItsTableBack) {
   m.ExpectSame();
 }
 
-// What a client that knows the hash of places can do to priorities.
+// The effect on priorities of a client that knows the hash of positions.
 struct Attack {
   const char* name;
   std::function<std::uint64_t(std::uint64_t i, std::uint64_t n, std::uint64_t any)> priority;
@@ -196,7 +196,7 @@ struct Counting {
   }
 };
 
-// Comparisons, and operations and slots passed, of n that come and go again in any order.
+// Comparisons, and operations and slots visited, of n that are removed and added in any order.
 double StepsOf(const Attack& attack, std::uint64_t n, Random& random) {
   std::uint64_t compared = 0;
   Operations ops(n);
@@ -226,7 +226,7 @@ TEST(EpochOrder, NoChoiceOfPrioritiesCostsMoreThanASearchEach) {
   }
 }
 
-// Priorities as chance makes them are looked up, not searched for.
+// With random priorities the position is looked up, not searched.
 TEST(EpochOrder, UniformPrioritiesTakeAFewStepsEach) {
   Random random(NewSeed());
   const Attack none = {"uniform", [](auto, auto, auto any) { return any; }};
@@ -235,8 +235,8 @@ TEST(EpochOrder, UniformPrioritiesTakeAFewStepsEach) {
   }
 }
 
-// Of a run from scratch, or a propagation that fills an epoch in which little was: until the last
-// have come, most slots are empty and chains in the others are long.
+// In a run from scratch, or a propagation that fills a nearly empty epoch: until the last stamps
+// are inserted, most slots are empty and chains in the others are long.
 TEST(EpochOrder, WhatComesInTheOrderOfTimeTakesAFewStepsEach) {
   Random random(NewSeed());
   for (const int before : {0, 20}) {

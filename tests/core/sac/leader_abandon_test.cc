@@ -1,5 +1,5 @@
-// Propagations that stop half-way: the inverse edit brings the former trace back, more
-// edits or none lead to what they would have led to anyway.
+// Propagations that stop half-way: the inverse edit restores the former trace; other edits, or
+// none, lead to the same result as without the stop.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -60,7 +60,7 @@ TEST(LeaderAbandon, TheInverseEditBringsTheFormerTraceBack) {
   EXPECT_GT(abandoned, 1000u);
 }
 
-// The way back is interrupted too, at every operation, and then gone on with.
+// The undo is interrupted too, at every operation, and then resumed.
 TEST(LeaderAbandon, TheWayBackMayBeInterrupted) {
   Random random(NewSeed());
   const Line line{5, 4};
@@ -79,7 +79,7 @@ TEST(LeaderAbandon, TheWayBackMayBeInterrupted) {
         Apply(inverse, &program, &input);
         const bool whole = program.Propagate(After(back));
         if (!whole) {
-          // Forth and back once more, without ever coming to an end in between.
+          // Forth and back once more, without ever finishing in between.
           Apply(batch, &program, &input);
           program.Propagate(After(back / 2));
           Apply(inverse, &program, &input);

@@ -1,5 +1,5 @@
-// What changes in a LeaderProgram, and who has to be told; the other half of
-// leader_program.h. Each filter says when a change at a place leaves an operation as it is.
+// The changes in a LeaderProgram and their notifications; the other half of leader_program.h. Each
+// filter defines when a change at a place does not affect an operation.
 #ifndef DYNMESH_TESTS_CORE_SAC_LEADER_CHANGES_H_
 #define DYNMESH_TESTS_CORE_SAC_LEADER_CHANGES_H_
 
@@ -55,7 +55,7 @@ void LeaderProgram<E>::Withdraw(Output output, Stamp at) {
     NotifyJoins(i, false, at, EndOf(r));
     NotifyGathers(i, false, at);
   } else {
-    // Nobody to be told: a new one has been published, or its reader goes as well.
+    // No notification: a new one has been published, or its reader is removed as well.
     std::uint32_t& summit = points_[r.point].summit[r.level];
     if (summit == i) summit = kNone;
   }
@@ -68,7 +68,7 @@ void LeaderProgram<E>::Release(Output output) {
   free_records_.push_back(RecordOf(output));
 }
 
-// Those between the old and the new end see the leader who did not, or the reverse.
+// Those between the old and the new end: the leader is visible from one of both only.
 template <template <class> class E>
 void LeaderProgram<E>::DeposedChanged(std::uint32_t link, Stamp before, Stamp now) {
   const Record& r = records_[link];

@@ -41,7 +41,7 @@ struct Line {
   }
 };
 
-// Level 0 to levels - 1: whom a point follows. Level 1 to levels: what a leader gathered.
+// Level 0 to levels - 1: the leader that a point follows. Level 1 to levels: a leader's sum.
 struct LeaderRow {
   int level;
   bool is_link;

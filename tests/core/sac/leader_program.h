@@ -1,42 +1,41 @@
 // A small program for the self-adjusting engine, complete, and how to write one.
 //
 // THE PROBLEM. Points with weights on a line of integers choose leaders, level by level.
-// At level l points speak in a random order that is theirs for good. A point looks at the
-// leaders not deposed so far within 2^l of it, and of those at the nearest (ties: the left
-// one). If there is none, it becomes a leader; if it has a greater value, it deposes that
-// leader and becomes one; else it follows it. When all have spoken, the greatest value
-// among a leader's followers is added to its own, and leaders not deposed go on to level
-// l+1.
-// leader_oracle.h says the same in forty lines of plain loops.
+// At level l the points take turns in a fixed random order. A point looks at the nearest leader
+// (ties: the left one) that is within 2^l of it and not deposed so far. If there is none, the point
+// becomes a leader. If the point has a greater value, it deposes that leader and becomes one. Else
+// it follows that leader. After all turns, the greatest value among a leader's followers is added
+// to its own, and leaders not deposed enter level l+1. leader_oracle.h does the same in forty lines
+// of plain loops.
 //
-// Here are the class and the procedures; leader_changes.h publishes what they make and
-// tells who has to be told.
+// This file has the class and the procedures; leader_changes.h publishes their outputs and sends
+// the notifications.
 //
 // HOW TO WRITE A PROGRAM
 //  1. Cut the algorithm into *operations* (kind, item, epoch) that each do O(1) work:
-//     Join(point, level) speaks for a point; Gather(leader, level) sums a leader up.
-//     The *epoch* is what of the order is known when an operation is requested (here 2l
-//     for Join, 2l+1 for Gather), a hash of the item gives the order within it. Both are
-//     functions of what the item is, never of its index.
-//  2. What an operation makes are *outputs*, words that name objects or states. Objects
-//     (here Records) have a birth, their maker's time; whoever reads them asks whether
-//     it Sees(birth). States (here Deposed) make an object invisible from their time on.
-//     An output is kept, and nothing behind it re-run, by emitting the same word again:
-//     so look among old_outputs() for one that says the same before making a new object.
+//     Join(point, level) is a point's turn; Gather(leader, level) sums a leader up. The
+//     *epoch* is the part of the order known at the request (here 2l for Join, 2l+1 for
+//     Gather); a hash of the item gives the order within it. Both are functions of the
+//     item's identity, never of its index.
+//  2. An operation's results are *outputs*: words that name objects or states. Objects
+//     (here Records) have a birth, the time of the operation that made them; a reader
+//     checks Sees(birth). States (here Deposed) make an object invisible from their time
+//     on. Emitting the same word again keeps an output, and nothing after it is re-run. So
+//     search old_outputs() for an equal one before making a new object.
 //  3. Everything an operation reads that another may write is covered by *places* that it
-//     subscribes to, or lies on its own item (NotifyChain). Publish and Withdraw notify
-//     there, with a filter as sharp as one can prove. What the filter asks about an
-//     operation is kept in its payload and reads.
-//  4. Two operations may set the same state while a propagation is under way, or when
-//     one was given up: keep all of them, and let the earliest count.
+//     subscribes to, or is on its own item (NotifyChain). Publish and Withdraw notify
+//     there, with the sharpest filter that can be proved. The filter's data about an
+//     operation is in its payload and reads.
+//  4. Two operations may set the same state during a propagation, or after an abandoned
+//     one: keep all of them; the earliest counts.
 //  5. Nothing is reused before Release. Words of states may be published again before
-//     that, so there is nothing to do for them.
-//  6. Request only what is later. The engine asserts it.
-//  7. Nothing an operation decides may depend on indices, on the order of lists or on how
-//     fine the places are. Tests compare hashes of traces that were made in other ways.
+//     that, so they need no action.
+//  6. Request only later operations. The engine asserts it.
+//  7. No decision of an operation may depend on indices, on the order of lists or on the
+//     size of places. Tests compare hashes of traces that were made in other ways.
 //
-// The places are the nodes of a binary tree over the line; level l lives at height
-// l + fold, and Fold() moves everything one height up, as a tree that merges leaves does.
+// The places are the nodes of a binary tree over the line; level l is at height l + fold, and
+// Fold() moves everything one height up, like a tree that merges leaves.
 #ifndef DYNMESH_TESTS_CORE_SAC_LEADER_PROGRAM_H_
 #define DYNMESH_TESTS_CORE_SAC_LEADER_PROGRAM_H_
 
@@ -152,7 +151,7 @@ class LeaderProgram {
   int folds() const { return fold_; }
   std::size_t record_limit() const { return records_.size(); }
   std::uint64_t Audit(std::vector<std::string>* problems) const;
-  // To plant corruption: what the engine believes to be its own.
+  // To plant corruption: the engine's own data.
   OpId& OperationsAt(Position x) { return points_[input_.at(x)].operations; }
   Position& PositionAt(Position x) { return points_[input_.at(x)].x; }
   std::uint32_t AnyPresentLink() const {
@@ -185,8 +184,8 @@ class LeaderProgram {
     OpId operations = kNoOp;
     std::array<std::uint32_t, kMaxLevels + 1> summit;  // records, by level
   };
-  // A link says whom a point follows; a summit what a leader has gathered for the next
-  // level. Objects never change: another value is another record.
+  // A link has the leader that a point follows; a summit has a leader's sum for the next level.
+  // Objects never change: another value is another record.
   struct Record {
     bool is_link = false;
     bool present = false;

@@ -1,5 +1,5 @@
-// The engine under a whole program: dynamic equals from scratch equals by definition,
-// traced and untraced; the work of an edit; and what an audit finds.
+// The engine with a whole program: dynamic equals from scratch equals by definition, traced and
+// untraced; the work of an edit; and the findings of an audit.
 #include "tests/core/sac/leader_program.h"
 
 #include <gtest/gtest.h>
@@ -206,7 +206,7 @@ TEST(LeaderProgram, EqualOutputsStopThePropagation) {
       program.engine().ResetCounters();
       Apply({{r.x, true, r.value + 1}}, &program, &input);
       program.Propagate();
-      // It speaks again, and its leader need not be told.
+      // It runs again, and its leader need not be notified.
       EXPECT_EQ(program.engine().counters().executed, 1u);
       EXPECT_EQ(program.engine().counters().created, 0u);
       EXPECT_EQ(program.engine().counters().dropped, 0u);

@@ -1,4 +1,4 @@
-// Random scripts of edits for leader_program.h, and what must hold after each.
+// Random scripts of edits for leader_program.h, and the invariants after each.
 #ifndef DYNMESH_TESTS_CORE_SAC_LEADER_SCRIPT_H_
 #define DYNMESH_TESTS_CORE_SAC_LEADER_SCRIPT_H_
 

@@ -1,5 +1,5 @@
-// OrderList against a std::list that spells the order out, and its cost under
-// insertion patterns that crowd the label space.
+// OrderList against a std::list as its model, and its cost under insertion patterns that crowd the
+// label space.
 #include "core/sac/order_list.h"
 
 #include <gtest/gtest.h>
@@ -159,7 +159,7 @@ TEST(OrderList, AgreesWithAListUnderRandomScripts) {
   m.ExpectSame();
 }
 
-// Where the next element goes, as a hostile client would choose it.
+// The next insertion position of a hostile client.
 enum class Spot { kAfterHead, kBeforeLast, kSameSpot, kZigZag, kNewest, kBursts };
 
 Stamp InsertAtSpot(Mirrored& m, Spot spot, int step, Stamp* memory, Random& random) {

@@ -1,5 +1,5 @@
-// What the random tests of this folder share: where the seed comes from, and that it
-// is told. Set DYNMESH_TEST_SEED to repeat a run.
+// Shared by the random tests of this folder: the seed, which is printed. Set DYNMESH_TEST_SEED to
+// repeat a run.
 #ifndef DYNMESH_TESTS_CORE_SAC_RANDOM_SCRIPT_H_
 #define DYNMESH_TESTS_CORE_SAC_RANDOM_SCRIPT_H_
 

@@ -1,5 +1,5 @@
-// A program whose operations do what a test tells them, and that writes down whatever
-// the engine asks of it. For tests of the engine's promises one by one.
+// A program with operations scripted by a test. It records every call of the engine. For tests of
+// the engine's guarantees one by one.
 #ifndef DYNMESH_TESTS_CORE_SAC_SCRIPTED_PROGRAM_H_
 #define DYNMESH_TESTS_CORE_SAC_SCRIPTED_PROGRAM_H_
 
@@ -35,9 +35,9 @@ class ScriptedProgram {
 
   ScriptedProgram() : engine_(*this) {}
 
-  // What operations of this item do, from now on. By default nothing.
+  // The behaviour of this item's operations from now on. By default nothing.
   Body& operator[](Item item) { return bodies_[item]; }
-  // What else happens when an output is published or withdrawn.
+  // Further effects when an output is published or withdrawn.
   std::function<void(Output, Stamp)> on_publish, on_withdraw;
   bool one_priority = false;
 

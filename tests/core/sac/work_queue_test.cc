@@ -84,8 +84,8 @@ TEST(WorkQueue, RewindLosesNothing) {
   EXPECT_TRUE(queue.empty());
 }
 
-// An algorithm's way with it: what is requested is at or after what was popped; now and
-// then time turns back. Epochs collide in whatever caches by a remainder.
+// The usual pattern of an algorithm: requests are at or after what was popped; now and then time
+// goes back. Epochs collide in caches that use a remainder.
 TEST(WorkQueue, AgreesWithASetUnderRandomScripts) {
   const std::uint64_t seed = NewSeed();
   for (int script = 0; script < 30; ++script) {

@@ -1,5 +1,5 @@
-// How much of a field is left after many edits and their inverses ("ping-pong"), against the
-// global Galerkin projection and under refinement.
+// The accuracy of a field after many edits and their inverses ("ping-pong"), against the global
+// Galerkin projection and under refinement.
 #include <cstdio>
 
 #include "core/transfer/overlay.h"
@@ -124,7 +124,8 @@ struct Errors {
   double projected = 0;  // the same by the global projection, of P1
 };
 
-// `rounds` times points come all over the mesh, one to `share` vertices, and go again.
+// In each of `rounds` rounds points are added all over the mesh, one per `share` vertices, and
+// removed.
 template <std::size_t D>
 Errors PingPong(FieldOptions options, double max_edge, int rounds, double share, bool globally) {
   std::mt19937_64 random(11);

@@ -1,4 +1,4 @@
-// A dynamic mesh, its replica in slots and fields on it that are carried through every edit.
+// A dynamic mesh, its replica in slots, and fields on it that every edit transfers.
 #ifndef DYNMESH_TESTS_CORE_TRANSFER_FIELD_LAB_H_
 #define DYNMESH_TESTS_CORE_TRANSFER_FIELD_LAB_H_
 

@@ -1,5 +1,5 @@
-// Mass and regions: what an edit leaves in its shape keeps its mass, and what changes sides is
-// said.
+// Mass and regions: mass in unchanged regions is conserved, and mass that changes its region is
+// reported.
 #include <map>
 #include <set>
 
@@ -43,7 +43,7 @@ EditBatch TwoPolygons() {
   return batch;
 }
 
-// A cube's surface (polygons 11 to 16, whose region is 11).
+// A cube's surface (polygons 11 to 16 with the region 11).
 EditBatch Cube() {
   EditBatch batch;
   FeatureId id = 1;

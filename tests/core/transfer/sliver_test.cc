@@ -1,5 +1,5 @@
-// Meshes made by hand, of simplices so thin that rounding shows in their measures: constants stay
-// to the bit and linear fields to rounding all the same.
+// Meshes made by hand of simplices so thin that rounding affects their measures: constants are
+// nevertheless preserved to the bit and linear fields up to rounding.
 #include <cmath>
 #include <functional>
 #include <string>

@@ -1,5 +1,5 @@
-// Slots over histories of real edits: they stay, patches say what came and went, neighbours are
-// those of a mesh made anew.
+// Slots over histories of real edits: they are stable, patches list the removed and added ones,
+// neighbours equal those of a new mesh.
 #include <map>
 #include <set>
 
@@ -53,7 +53,7 @@ std::map<Key, std::vector<Key>> NeighboursOf(const SlotMesh& mesh) {
   return all;
 }
 
-// Expects that what is in both has the slot that it had, and that the patch is the rest.
+// Expects that common vertices and simplices keep their slots, and that the patch has the rest.
 template <class T>
 void ExpectPatch(const std::map<T, Slot>& before, const std::map<T, Slot>& after,
                  const std::vector<Slot>& removed, const std::vector<Slot>& added) {
@@ -136,7 +136,7 @@ TEST_P(SlotsOf, StayAndPatchesSayTheRest) {
   EXPECT_LE(slots.ids().size(), 2 * most_vertices);
 }
 
-// What goes and comes again within one patch has its slot, whatever happened in between.
+// Elements removed and added again within one patch keep their slot, whatever happened in between.
 TEST_P(SlotsOf, ComeBackWithinAPatch) {
   const int dimension = GetParam();
   std::mt19937_64 random(geometry::testing::NewSeed());

@@ -448,7 +448,7 @@ TEST_P(TransferOf, RefusesWhatItCannotCarryAndChangesNothing) {
   bad[Index(slots.patch().removed_simplices[0])] = std::numeric_limits<double>::infinity();
   expect({.kind = FieldKind::kP0}, bad, kInvalid, "finite");
 
-  // The mesh goes on: the transfer is of no use any more.
+  // The mesh has advanced: the transfer is no longer usable.
   SlotMesh moving = slots;
   auto late = Transfer::Make(moving);
   ASSERT_TRUE(late.ok());
@@ -458,7 +458,7 @@ TEST_P(TransferOf, RefusesWhatItCannotCarryAndChangesNothing) {
   u.resize(moving.ids().size());
   EXPECT_EQ(late->Carry({}, u).status().code(), absl::StatusCode::kFailedPrecondition);
 
-  // From nothing there is nothing to carry.
+  // From an empty mesh there is nothing to transfer.
   SlotMesh empty(dimension);
   const Mesh all = lab.mesh().Snapshot();
   Mesh none;

@@ -30,7 +30,8 @@ void Audience::Start(const std::string& address, const std::string& authority,
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
     if (i == kChannels) {
-      // By default gRPC lets megabytes wait on the way: the server would hear of nothing for hours.
+      // By default gRPC buffers megabytes, so that the server would not notice a slow client for
+      // hours.
       arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
       arguments.SetInt(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, 16 << 10);
     }
@@ -50,7 +51,7 @@ void Audience::Start(const std::string& address, const std::string& authority,
     config.manner = beyond_slow < 0       ? Watcher::Manner::kSlow
                     : beyond_restless < 0 ? Watcher::Manner::kRestless
                                           : Watcher::Manner::kSteady;
-    // Of the slow and of the restless one for each mesh holds it.
+    // One slow and one restless watcher of each mesh has a replica.
     config.replica = i < meshes || (beyond_slow >= 0 && beyond_slow < meshes);
     config.nap = absl::Seconds(plan_.nap_seconds);
     config.seed = plan_.seed + static_cast<std::uint64_t>(i);
@@ -88,7 +89,7 @@ void Audience::Close(std::span<const MeshHead> heads, double seconds) {
 }
 
 Audience::Report Audience::ReportOf(std::span<const MeshHead> heads) const {
-  // Watchers may be ahead of what a writer has heard.
+  // Watchers may be ahead of the writers' last answers.
   const auto lag = [&](const std::string& mesh, std::uint64_t revision) {
     const std::uint64_t head = heads[IndexOf(mesh)].revision;
     return head < revision ? 0 : static_cast<double>(head - revision);

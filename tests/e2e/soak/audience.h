@@ -1,4 +1,4 @@
-// All watchers of a soak: who they are, how far behind they are, and whether all got to the end.
+// All watchers of a soak: their kinds, how far behind they are, and whether all reached the end.
 //
 // Belongs to one thread; the watchers have their own.
 #ifndef DYNMESH_TESTS_E2E_SOAK_AUDIENCE_H_
@@ -34,12 +34,12 @@ class Audience {
     double nap_seconds = 1;
     std::uint64_t seed = 1;
   };
-  // Plain words, to be sent from process to process.
+  // Plain values, to be sent from process to process.
   struct Report {
     double lag_steady_max = 0, lag_slow_p50 = 0, lag_slow_max = 0;  // revisions
     std::uint64_t revisions = 0, coalesced = 0, resyncs = 0, reconnects = 0, compacted = 0;
     std::uint64_t broken = 0, lost = 0, doubled = 0, damaged = 0;
-    std::uint64_t watchers = 0, at_end = 0;  // after Close: who got to the end, with its hash
+    std::uint64_t watchers = 0, at_end = 0;  // after Close: at the end, with its hash
     std::uint64_t faults = 0;
   };
   Audience(const Plan& plan, std::vector<std::string> meshes, Faults* faults);
@@ -48,11 +48,11 @@ class Audience {
   // On a few channels of TLS; sessions go through `client`.
   void Start(const std::string& address, const std::string& authority, client::MeshClient& client);
 
-  // Nobody edits any more, and these are the ends: waits until all watchers are there, and ends
-  // them.
+  // No more edits follow, and these are the ends: waits until all watchers have reached them, and
+  // ends them.
   void Close(std::span<const MeshHead> heads, double seconds);
 
-  // `heads`: the last revision of each mesh that a writer was told of.
+  // `heads`: the last revision of each mesh that a writer was notified of.
   Report ReportOf(std::span<const MeshHead> heads) const;
 
  private:

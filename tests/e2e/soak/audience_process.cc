@@ -22,7 +22,7 @@ namespace dynmesh::soak {
 namespace {
 
 // The first message is text: address, authority, names of meshes. All others are orders, each
-// answered by a report with faults in words after it.
+// answered by a report followed by the faults as text.
 constexpr char kBetween = '\0';
 constexpr std::size_t kLargestMessage = 64 << 10;
 
@@ -43,7 +43,7 @@ bool Send(int socket, std::string_view message) {
          static_cast<ssize_t>(message.size());
 }
 
-// Empty if there is nobody any more.
+// Empty if the other process has ended.
 std::string Receive(int socket) {
   std::string message(kLargestMessage, '\0');
   const ssize_t size = recv(socket, message.data(), message.size(), 0);
@@ -108,7 +108,7 @@ Audience::Report AudienceProcess::Ask(std::span<const MeshHead> heads, double cl
 }
 
 void AudienceProcess::Serve(int socket, const Audience::Plan& plan, Share share) {
-  // Who interrupts the run wants its summary, for which the watchers have to be there.
+  // The summary after an interruption needs the watchers, so they ignore the signal.
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_IGN);
   Take(share);
   const std::string start = Receive(socket);

@@ -1,6 +1,6 @@
-// The audience in a process of its own: watchers stand for other machines. Among the writers they
-// would share gRPC's one poller, by which any thread that waits reads for all connections of its
-// process, so that answers to writers would wait for a watcher's turn on a core.
+// The audience in a process of its own: watchers stand for other machines. In the writers' process
+// they would share gRPC's single poller, with which any waiting thread reads for all connections of
+// the process, so that answers to writers would wait for a watcher's turn on a core.
 //
 // Belongs to one thread.
 #ifndef DYNMESH_TESTS_E2E_SOAK_AUDIENCE_PROCESS_H_
@@ -18,10 +18,10 @@ namespace dynmesh::soak {
 
 class AudienceProcess {
  public:
-  // How much of this machine it gets beside server and writers.
+  // Its share of this machine beside server and writers.
   enum class Share {
-    kTenth,  // where there are not cores for all
-    kRest,   // what nobody else wants, as if it took no core from them; on a busy machine nothing
+    kTenth,  // if there are not cores for all
+    kRest,   // only idle cores, as if on another machine; on a busy machine nothing
   };
 
   // Makes the process. REQUIRES: this one has no other threads and has not used gRPC.
@@ -33,12 +33,12 @@ class AudienceProcess {
   void Start(const std::string& address, const std::string& authority,
              const std::vector<std::string>& meshes);
 
-  // As of Audience. If the process is gone, that is a fault.
+  // As of Audience. It is a fault if the process has ended.
   Audience::Report ReportOf(std::span<const MeshHead> heads) { return Ask(heads, kGoOn); }
   Audience::Report Close(std::span<const MeshHead> heads, double seconds) {
     return Ask(heads, seconds);
   }
-  // Of the last report, the first few in words.
+  // Of the last report, the first few as text.
   const std::vector<std::string>& faults() const { return faults_; }
 
  private:

@@ -96,7 +96,7 @@ void ProbeDisk(const std::string& file, double pause_seconds, const absl::Notifi
   constexpr std::size_t kBlock = 4096, kBlocks = 64;
   const int fd = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (fd < 0) return;
-  // The file has its size before: what is measured is the data's way, as in a journal that
+  // The file has its final size before: this measures the transfer of data, as in a journal that
   // overwrites its log.
   std::string block(kBlock * kBlocks, 'x');
   bool good = pwrite(fd, block.data(), block.size(), 0) > 0 && fsync(fd) == 0;

@@ -1,4 +1,4 @@
-// What the soak measures: latencies, memory over time, the disk's own sync.
+// The soak's measurements: latencies, memory over time, the disk's own sync.
 #ifndef DYNMESH_TESTS_E2E_SOAK_FIGURES_H_
 #define DYNMESH_TESTS_E2E_SOAK_FIGURES_H_
 
@@ -46,11 +46,11 @@ struct MemorySample {
   double megabytes = 0;
 };
 
-// How memory went after a warm-up of a fifth of the time.
+// The course of memory after a warm-up of a fifth of the time.
 struct Growth {
   double warm = 0;      // MB: median of the tenth after the warm-up
-  double last = 0;      // MB: median of the last tenth; last - warm is what is judged
-  double highest = 0;   // MB after the warm-up, with what is held for moments only
+  double last = 0;      // MB: median of the last tenth; last - warm is checked
+  double highest = 0;   // MB after the warm-up, including short peaks
   double per_hour = 0;  // MB: slope of the line through all after the warm-up
 };
 // Samples in order of time. All 0 if there are less than ten.
@@ -62,13 +62,12 @@ double ResidentMegabytes(pid_t process);
 double FolderMegabytes(const std::string& folder);
 
 // Every `pause_seconds` writes 4 kB in the middle of a file and waits until they are on the disk,
-// until `stop`; milliseconds go to `times`. What the file system costs without the server.
+// until `stop`; milliseconds go to `times`. This is the file system's cost without the server.
 void ProbeDisk(const std::string& file, double pause_seconds, const absl::Notification& stop,
                Latencies& times);
 
-// Every `pause_seconds` asks for a mesh that is not there, until `stop`; milliseconds go to
-// `times`. What a call costs that does nothing: the ways between threads, TLS, and the wait for a
-// core that others use.
+// Every `pause_seconds` queries a missing mesh, until `stop`; milliseconds go to `times`. This is
+// the cost of a call that does nothing: thread switches, TLS, and the wait for a core.
 void ProbeCalls(client::MeshClient& client, double pause_seconds, const absl::Notification& stop,
                 Latencies& times);
 

@@ -1,5 +1,5 @@
-// What the writers of one mesh were answered. Every revision of the mesh must have been the answer
-// to exactly one batch: what was answered twice was doubled, what was answered to nobody lost.
+// The answers to the writers of one mesh. Every revision of the mesh must have been the answer to
+// exactly one batch: a revision answered twice was applied twice, one without an answer is lost.
 //
 // Thread-safe. An answer costs O(1).
 #ifndef DYNMESH_TESTS_E2E_SOAK_LEDGER_H_
@@ -23,7 +23,7 @@ class Ledger {
     if (result.diff.from_revision == to) return;  // edits that cancelled each other
     const std::lock_guard lock(mutex_);
     if (to >= answered_.size()) answered_.resize(to + 1);
-    // What was done before its answer got lost is answered to the retry, once.
+    // If an answer got lost, the retry is answered once.
     if (answered_[to] || result.diff.from_revision + 1 != to) ++doubled_;
     answered_[to] = true;
     if (to > head_) head_ = to;
@@ -35,7 +35,7 @@ class Ledger {
     const std::lock_guard lock(mutex_);
     return doubled_;
   }
-  // Revisions up to the server's head that nobody was answered, or answers beyond it.
+  // Revisions up to the server's head without an answer, or answers beyond it.
   std::uint64_t Lost(std::uint64_t server_head) const {
     const std::lock_guard lock(mutex_);
     std::uint64_t lost = 0;
@@ -57,7 +57,7 @@ class Ledger {
   std::uint64_t doubled_ = 0;
 };
 
-// What went wrong, for the summary: the first few in words. Thread-safe.
+// The faults, for the summary: the first few as text. Thread-safe.
 class Faults {
  public:
   void Add(const std::string& what) {

@@ -1,6 +1,6 @@
-// What a watcher may rely on, checked without a mesh: every revision once, in order, fragments
-// and chunks whole, and the server's word on the hash kept. A model of MeshReplica that holds
-// no rows, so that a hundred of them cost nothing.
+// The guarantees for a watcher, checked without a mesh: every revision once, in order, fragments
+// and chunks complete, and consistent hashes. A model of MeshReplica without rows, so that a
+// hundred of them cost nothing.
 //
 // Thread-compatible. An event costs O(1).
 #ifndef DYNMESH_TESTS_E2E_SOAK_REVISION_CHECK_H_
@@ -26,11 +26,11 @@ class RevisionCheck {
     kProgress,
   };
 
-  // OUT_OF_RANGE if a revision was lost, ALREADY_EXISTS if one came twice or time ran backwards,
+  // OUT_OF_RANGE if a revision was lost, ALREADY_EXISTS if one came twice or revisions went back,
   // DATA_LOSS if the parts do not fit together.
   absl::StatusOr<Step> Take(const v1::WatchEvent& event);
 
-  // The stream ended: parts without their end do not count.
+  // The stream ended: incomplete parts do not count.
   void EndOfStream();
   // As new: the next event has to be a snapshot.
   void Forget() { *this = RevisionCheck(); }

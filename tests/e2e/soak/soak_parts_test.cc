@@ -1,5 +1,5 @@
-// The soak finds nothing in a server without faults. So that this means something, its parts are
-// shown faults here.
+// The soak finds nothing in a server without faults. Here its parts get faults, to show that they
+// find them.
 #include <gtest/gtest.h>
 
 #include <cmath>

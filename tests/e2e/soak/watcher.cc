@@ -44,7 +44,7 @@ bool Watcher::Has(std::uint64_t last_revision, const std::string& hash) const {
 v1::WatchRequest Watcher::Request() const {
   v1::WatchRequest request;
   request.set_mesh("meshes/" + config_.mesh);
-  // Short, for who has the last revision already must hear that he may go.
+  // Short, since a watcher that has the last revision already must be released.
   request.mutable_progress_interval()->set_seconds(1);
   if (check_.revision().has_value()) {
     request.set_start_revision(*check_.revision());
@@ -95,7 +95,7 @@ bool Watcher::Take(const v1::WatchEvent& event) {
   }
   if (replica_.has_value()) {
     const absl::Status taken = replica_->Take(event).status();
-    // A replica proves each revision by its hash; that it agrees on what the revision is, is new.
+    // A replica verifies each revision by its hash; here the revision numbers are compared as well.
     const bool same =
         *step == RevisionCheck::Step::kPart ||
         (replica_->revision() == check_.revision() && replica_->hash().ToHex() == check_.hash());
@@ -183,7 +183,7 @@ void SessionWatcher::OnDiff(const client::MeshReplica& replica, const MeshDiff& 
 }
 
 void SessionWatcher::OnTrouble(const absl::Status& status) {
-  // A gap, or a mesh that is another one: what a replica finds. All else is the connection.
+  // A gap, or another mesh: found by a replica. All else is the connection.
   if (absl::IsFailedPrecondition(status)) {
     ++counts_->lost;
   } else if (absl::IsDataLoss(status)) {

@@ -1,7 +1,7 @@
-// Who follows a mesh of the soak, in one of three manners: steadily; slowly, with pauses between
-// the events, so that the server has to coalesce; or restlessly, hanging up at random and coming
-// back at the revision that it has. None may miss or see twice a revision, and in the end all must
-// have the last one, with its hash.
+// A watcher of a soak's mesh, of one of three kinds: steady; slow, with pauses between the events,
+// so that the server has to coalesce; or restless, disconnecting at random and resuming at its
+// revision. None may miss a revision or see one twice, and in the end all must have the last one,
+// with its hash.
 #ifndef DYNMESH_TESTS_E2E_SOAK_WATCHER_H_
 #define DYNMESH_TESTS_E2E_SOAK_WATCHER_H_
 
@@ -28,7 +28,7 @@ struct WatchCounts {
   std::atomic<std::uint64_t> coalesced = 0;   // diffs of several
   std::atomic<std::uint64_t> resyncs = 0;     // snapshots in the place of diffs
   std::atomic<std::uint64_t> reconnects = 0;  // planned, resumed by revision
-  std::atomic<std::uint64_t> compacted = 0;   // the revision to resume from was held no more
+  std::atomic<std::uint64_t> compacted = 0;   // the revision to resume from was no longer held
   std::atomic<std::uint64_t> broken = 0;      // streams that ended by themselves
   std::atomic<std::uint64_t> lost = 0, doubled = 0, damaged = 0;
 };
@@ -47,10 +47,10 @@ class Watcher {
   Watcher(const Config& config, std::shared_ptr<grpc::Channel> channel, WatchCounts* counts,
           Faults* faults);
 
-  // Until it has the revision told to Close, or Abandon.
+  // Until it has the revision given to Close, or Abandon.
   void Run();
 
-  // No revision will follow this one, and nobody sleeps any more.
+  // No revision will follow this one, and no watcher sleeps any more.
   void Close(std::uint64_t last_revision);
   void Abandon();
 
@@ -62,7 +62,7 @@ class Watcher {
  private:
   bool Done() const { return abandoned_ || (closing_.HasBeenNotified() && revision_ >= last_); }
   void FollowOnce();
-  // False if the stream is of no more use.
+  // False if the stream is to be closed.
   bool Take(const v1::WatchEvent& event);
   void Ended(const absl::Status& status, bool planned);
   void Blame(const absl::Status& status);

@@ -74,7 +74,7 @@ void Writer::Run(const absl::Notification& stop) {
   while (true) {
     next += std::chrono::duration_cast<std::chrono::nanoseconds>(
         std::chrono::duration<double>(gap(random_)));
-    // What could not be kept up with is not made up for: the rate is that of a calm client.
+    // Missed edits are not made up for: the rate is that of a steady client.
     next = std::max(next, std::chrono::steady_clock::now() - std::chrono::seconds(1));
     const auto pause = next - std::chrono::steady_clock::now();
     if (stop.WaitForNotificationWithTimeout(absl::FromChrono(pause))) return;
@@ -151,7 +151,7 @@ void Writer::Refused() {
   ++ledger_->refused;
 }
 
-// A cancelled batch was done or was not; its retry tells, and does it if it was not.
+// A cancelled batch was applied or not; its retry finds out, and applies it if it was not.
 void Writer::Cancelled() {
   Own own = own_;
   const EditBatch batch = RandomBatch(own);
@@ -170,7 +170,7 @@ void Writer::Cancelled() {
 
 Edit Writer::PointEdit(Own& own) {
   const std::size_t dice = Below(4);
-  // Adds and removes pull the number back to what it shall be.
+  // Adds and removes keep the number near its target.
   const bool few = own.points.size() < kOwnPoints / 2 + Below(kOwnPoints);
   if (dice == 0 && few) {
     own.points.push_back({own.next_id++, Anywhere()});
@@ -194,7 +194,7 @@ EditBatch Writer::RandomBatch(Own& own) {
   return batch;
 }
 
-// A segment with its ends, in every third slot a disc, comes or goes.
+// Adds or removes a segment with its ends, in every third slot a disc.
 EditBatch Writer::Toggle(Own& own, std::size_t slot) {
   const FeatureId first = kFirstOwnId + kIdsOfWriter * static_cast<FeatureId>(config_.index) +
                           4 * static_cast<FeatureId>(slot);
@@ -203,7 +203,7 @@ EditBatch Writer::Toggle(Own& own, std::size_t slot) {
   const double spacing = config_.plan.Spacing();
   if (slot % 3 == 0) {
     if (there) return {Edit::Remove(first)};
-    // Some dozens of vertices come and go with it.
+    // Adds or removes some dozens of vertices.
     const bool plane = config_.plan.dimension == 2;
     const Sizing disc = {SizeShape::kDisc, spacing / 2, (plane ? 2 : 0.7) * spacing, {}};
     return {Edit::Add(Feature::Size(first, InCell(slot), disc))};
@@ -230,7 +230,7 @@ bool Writer::Apply(const EditBatch& batch, const client::EditParams& params, Lat
 void Writer::Fault(const std::string& what, const absl::Status& status) {
   faults_->Add(absl::StrCat("writer ", config_.index, " of ", config_.plan.name, ": ", what, ": ",
                             status.ToString()));
-  // A server that is gone is found out by whoever waits for it; here it must not fill the log.
+  // The waiting thread detects a server that has ended; here it must not fill the log.
   if (absl::IsUnavailable(status)) std::this_thread::sleep_for(std::chrono::milliseconds(100));
 }
 

@@ -1,7 +1,7 @@
-// One writer of a mesh: points of its own that come, move and go, a few segments and discs,
-// batches, batches that must be refused, and edits that are cancelled under way and then tried
-// again. How much there is of everything stays the same on average, so that the server's memory has
-// no reason to grow.
+// One writer of a mesh: points of its own that are added, moved and removed, a few segments and
+// discs, batches, batches that must be refused, and edits that are cancelled while they run and
+// then retried. The amounts stay the same on average, so that the server's memory has no reason to
+// grow.
 //
 // Run belongs to one thread.
 #ifndef DYNMESH_TESTS_E2E_SOAK_WRITER_H_
@@ -20,19 +20,18 @@
 
 namespace dynmesh::soak {
 
-// A mesh of the soak, as its writers see it. Its box is the unit square or cube.
+// A mesh of the soak, from the writers' side. Its box is the unit square or cube.
 struct MeshPlan {
   std::string name;
   int dimension = 2;
   std::uint64_t vertices = 0;  // after loading
-  // Whether edits that run into the vertex limit are tried: they hold up the others for as long as
-  // they take.
+  // Whether to try edits that exceed the vertex limit: they delay the others while they run.
   bool beyond_limit = false;
 
   double Spacing() const;  // of vertices
 };
 
-// Fills the mesh with points, whose ids are below kFirstOwnId, until it has its vertices.
+// Fills the mesh with points with ids below kFirstOwnId, until it has its vertices.
 inline constexpr FeatureId kFirstOwnId = 1'000'000'000;
 absl::Status LoadMesh(const MeshPlan& plan, client::MeshClient& client, std::uint64_t seed,
                       Ledger& ledger);
@@ -70,7 +69,7 @@ class Writer {
   void Refused();
   void Cancelled();
 
-  // Make an edit, and what the writer owns after it.
+  // Makes an edit, and the writer's features after it.
   Edit PointEdit(Own& own);
   EditBatch RandomBatch(Own& own);
   EditBatch Toggle(Own& own, std::size_t slot);

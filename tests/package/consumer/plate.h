@@ -1,4 +1,4 @@
-// What both programs put in: a plate, and an edit of it.
+// The input of both programs: a plate, and an edit of it.
 #ifndef CONSUMER_PLATE_H_
 #define CONSUMER_PLATE_H_
 

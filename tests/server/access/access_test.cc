@@ -1,4 +1,4 @@
-// Who is let in: the table of tokens, patterns, rates, and what a changed file does.
+// Access control: the table of tokens, patterns, rates, and the effect of a changed file.
 #include "server/access/access.h"
 
 #include <gtest/gtest.h>
@@ -133,7 +133,7 @@ TEST(RateBucket, GivesItsRateAndSaysHowLongToWait) {
   int taken = 0;
   while (bucket.Take(now) == absl::ZeroDuration()) ++taken;
   EXPECT_EQ(taken, 10);
-  // A clock that is set back stops nobody for long.
+  // A clock that is set back does not block a client for long.
   now -= absl::Hours(2);
   EXPECT_NE(bucket.Take(now), absl::ZeroDuration());
   EXPECT_EQ(bucket.Take(now + absl::Seconds(1)), absl::ZeroDuration());
@@ -239,7 +239,7 @@ TEST_F(AccessTest, StreamsEndWithTheirRights) {
   access_->Reload();
   EXPECT_EQ(edits, 1);
   EXPECT_EQ(reads, 0);
-  // A pass of before is worth what the token is worth now.
+  // An older pass has the token's present rights.
   EXPECT_EQ(ReasonOf(open(pass, Role::kEdit, &closed).status()), codec::reason::kRoleMissing);
   Tokens(other);
   access_->Reload();
@@ -272,7 +272,7 @@ TEST(MemoryGuard, HasWhatItsControlGroupAndThoseAboveLeaveIt) {
     std::filesystem::create_directories(std::filesystem::path(path).parent_path());
     std::ofstream(path) << text << "\n";
   };
-  const std::uint64_t machine = AvailableBytes(own, groups);  // nothing is told
+  const std::uint64_t machine = AvailableBytes(own, groups);  // no cgroup files
   EXPECT_GT(machine, 3'000'000u);
   write(own, "0::/system.slice/dynmeshd.service");
   write(groups + "/system.slice/dynmeshd.service/memory.max", "max");
@@ -281,7 +281,7 @@ TEST(MemoryGuard, HasWhatItsControlGroupAndThoseAboveLeaveIt) {
   EXPECT_EQ(AvailableBytes(own, groups), 3'000'000u);
   write(groups + "/system.slice/dynmeshd.service/memory.max", "2000000");
   EXPECT_EQ(AvailableBytes(own, groups), 2'000'000u);
-  // As in a container, whose root is its own group and whose path is the host's.
+  // As in a container: its root is its own group, and its path is the host's.
   write(own, "0::/elsewhere");
   write(groups + "/memory.max", "1000000");
   EXPECT_EQ(AvailableBytes(own, groups), 1'000'000u);

@@ -1,5 +1,5 @@
-// Clients that mean harm, on real sockets. After each of them the server answers others within a
-// second, has not grown, and nothing has changed.
+// Hostile clients on real sockets. After each of them the server answers others within a second,
+// has not grown, and nothing has changed.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -32,7 +32,7 @@ class HostileTest : public ServerFixture {
 
   RawConnection Open() const { return RawConnection(server_->port()); }
 
-  // One that was never here before connects, reads and writes.
+  // A new client connects, reads and writes.
   void ExpectServed() {
     EXPECT_EQ(HeadOf().revision, before_.revision);
     EXPECT_EQ(HeadOf().hash, before_.hash);
@@ -88,11 +88,11 @@ TEST_F(HostileTest, ConnectionsAboveTheLimitAreClosedAtOnce) {
       many.push_back(Open());
       many.back().Greet();
     }
-    // The server greets a connection that it takes.
+    // The server sends its settings on an accepted connection.
     int refused = 0;
     for (RawConnection& connection : many) refused += connection.IsRefused(20'000) ? 1 : 0;
     EXPECT_GE(refused, 250);
-    // Connections made before are served on.
+    // Older connections are still served.
     EXPECT_TRUE(client_->GetMesh("m").ok());
   }
   EXPECT_TRUE(Eventually([&] {
@@ -129,7 +129,7 @@ TEST_F(HostileTest, ABatchThatNeverEndsHoldsNothingForLong) {
     const EditBatch three = {AddPoint(10), AddPoint(11), AddPoint(12)};
     return ReasonOf(client_->Apply("m", three, params).status()) != codec::reason::kPendingLimit;
   };
-  // Asking takes room too: what comes meanwhile has none.
+  // The test's own query reserves edits, too: a batch that arrives meanwhile is refused.
   std::vector<RawConnection> half_open;
   ASSERT_TRUE(Eventually([&] {
     if (!can_edit()) return true;

@@ -1,5 +1,5 @@
-// Limits that a server sets its clients, met from both sides. Those of meshes, batches and
-// streams are in service_test.cc, that of what waits for a mesh in mesh_host_test.cc.
+// Limits for clients, tested from both sides. service_test.cc has those of meshes, batches and
+// streams, mesh_host_test.cc that of the jobs that wait for a mesh.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -41,7 +41,7 @@ TEST_F(LimitsTest, OperationsOfABatch) {
   EXPECT_EQ(HeadOf().revision, 1u);
 }
 
-// Unless told otherwise, as many as half of the memory holds.
+// By default, as many as half of the memory holds.
 TEST_F(LimitsTest, VerticesOfAMeshFollowFromTheMemory) {
   const auto of = [&](const char* mesh, int dimension) {
     MeshOptions options;
@@ -95,8 +95,8 @@ TEST_F(LimitsTest, RequestsASecond) {
   EXPECT_EQ(HeadOf().revision, static_cast<std::uint64_t>(applied));
 }
 
-// What the process has is told by the test: how soon memory that is free is given back is the
-// system's business, and a sanitizer's.
+// The test sets the process's memory size, since the system (and a sanitizer) decides when free
+// memory is returned.
 class MemoryLimitTest : public ServerFixture {
  protected:
   static constexpr std::uint64_t kLimit = 1'000'000'000;
@@ -110,7 +110,7 @@ class MemoryLimitTest : public ServerFixture {
     StartWithMesh(config);
     ASSERT_TRUE(client_->Apply("m", {AddPoint(1), AddPoint(2)}).ok());
   }
-  // Until the server has looked.
+  // Until the server has measured.
   absl::Status Until(bool ok, FeatureId id) {
     absl::Status status;
     for (int i = 0; i < 100; ++i) {

@@ -1,5 +1,4 @@
-// TLS and tokens over real connections: who gets in, who may do what, and new files without a
-// restart.
+// TLS and tokens over real connections: authentication, roles, and new files without a restart.
 #include <google/protobuf/descriptor.h>
 #include <gtest/gtest.h>
 
@@ -75,7 +74,7 @@ TEST_F(TlsTest, AnExpiredCertificateIsRefused) {
   EXPECT_EQ(Try("ca").code(), StatusCode::kUnavailable);
 }
 
-// When it is loaded, when a new one is and, as of one that ends in two days, while it is used.
+// When it is loaded, when a new one is and, for one that ends in two days, while it is used.
 TEST_F(TlsTest, TheLogWarnsOfCertificatesThatAreNotValidOrSoonNoMore) {
   const auto told = [&](const std::function<void()>& act) {
     EXPECT_TRUE(SetLogLevel("warning").ok());
@@ -145,7 +144,7 @@ TEST_F(TlsTest, NewConnectionsSeeANewCertificateAndOldOnesGoOn) {
   options.tls_ca = made_->Certificate("ca");
   const auto old = client::MeshClient::Connect(server_->address(), options);
   ASSERT_TRUE(old->GetStats().ok());
-  Use("intruder");  // of another authority, so that one can tell
+  Use("intruder");  // of another authority, to be distinguishable
   EXPECT_EQ(Try("ca").code(), StatusCode::kUnavailable);
   EXPECT_TRUE(Try("stranger").ok());
   Use("second");
@@ -227,7 +226,7 @@ class TokenTest : public ServerFixture {
 struct Row {
   std::string role;  // that it needs; "any": a token
   std::function<grpc::Status(v1::MeshService::Stub&, grpc::ClientContext&)> call;
-  std::string reason = {};  // of the error of who was let in: the server has no journal
+  std::string reason = {};  // of the error for an authorized caller: the server has no journal
 };
 
 template <typename Response, typename Reader>
@@ -323,7 +322,7 @@ std::map<std::string, Row> Methods() {
   return rows;
 }
 
-// "" if it may.
+// "" if it is allowed.
 std::string ExpectedReason(const std::string& token, const std::string& role) {
   if (token.empty()) return codec::reason::kTokenMissing;
   if (token == "wrong") return codec::reason::kTokenUnknown;
@@ -377,7 +376,7 @@ TEST_F(TokenTest, ListsShowWhatTheTokenMayRead) {
   const auto listed = As("lab")->ListMeshes();
   ASSERT_EQ(listed->size(), 2u);
   EXPECT_EQ((*listed)[1].id, "crack-2");
-  // In pages as well, and what there is else does not make pages short.
+  // In pages as well, and meshes of others do not make pages short.
   grpc::ClientContext context;
   context.AddMetadata("authorization", "Bearer lab");
   v1::ListMeshesRequest request;
@@ -386,7 +385,7 @@ TEST_F(TokenTest, ListsShowWhatTheTokenMayRead) {
   ASSERT_TRUE(stub_->ListMeshes(&context, request, &response).ok());
   EXPECT_EQ(response.meshes_size(), 2);
   EXPECT_EQ(response.next_page_token(), "");
-  // Whether a mesh exists is not told to those who may not read it.
+  // A caller without the right to read a mesh does not learn whether it exists.
   EXPECT_EQ(Text(As("lab")->GetMesh("m").status()).find("not exist"), std::string::npos);
   EXPECT_EQ(ReasonOf(As("lab")->GetMesh("none").status()), codec::reason::kRoleMissing);
 }

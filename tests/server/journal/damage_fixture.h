@@ -120,7 +120,7 @@ class DamageTest : public ::testing::Test {
   // As a crash leaves them.
   Files Snap() const { return ReadFiles(folder_.path()); }
 
-  // The meshes that are named as having lost something; what is not named must be whole.
+  // The meshes reported with a loss; all others must be intact.
   std::vector<std::string> Named() {
     std::vector<std::string> named;
     const auto meshes = journal_->List();

@@ -1,5 +1,5 @@
-// A journal whose log was damaged or cut anywhere, or torn by a loss of power: nothing that was
-// acknowledged is lost in silence, and nothing is called lost that is not.
+// A journal with a log that was damaged or cut anywhere, or torn by a loss of power: no
+// acknowledged change is lost silently, and no false loss is reported.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -97,7 +97,7 @@ TEST_P(EveryByteOfTheLog, FlippedAfterALossOfPowerIsStillNamed) {
     if (LossOf("c").ok() && Told(*journal_, truth_["c"].key) != truth_["c"].told) ++silent;
     ASSERT_FALSE(HasFailure()) << "byte " << at;
   }
-  // A loss of the last transaction alone cannot be told.
+  // A loss of only the last transaction cannot be detected.
   EXPECT_LT(silent * 3, size / kParts / 7);
 }
 
@@ -105,8 +105,8 @@ INSTANTIATE_TEST_SUITE_P(Parts, EveryByteOfTheLog, ::testing::Range(0, kParts));
 
 // ------------------------------------------------------------------ no false alarms
 
-// The last transaction on its way when the power went, in any state that a disk may leave, and a
-// record as old as any: nothing that was acknowledged is lost, and nothing is called so.
+// The power failed during the last transaction, with any state that a disk may leave, and a record
+// of any age: no acknowledged change is lost, and no loss is reported.
 TEST_F(DamageTest, ATornTransactionIsNoDamage) {
   const unsigned seed = std::random_device{}();
   SCOPED_TRACE(absl::StrCat("seed ", seed));
@@ -197,7 +197,7 @@ TEST_F(DamageTest, ADeletionThatIsUndoneIsNamed) {
   EXPECT_EQ(Named(), Names({"b"}));
 }
 
-// One damage to the record alone, of a journal that has all.
+// Damage of the record alone; the journal is complete.
 TEST_F(DamageTest, ADamagedRecordLosesNothing) {
   OpenFresh();
   Fill();
@@ -216,7 +216,7 @@ TEST_F(DamageTest, ADamagedRecordLosesNothing) {
     ++trials;
   }
   EXPECT_GT(trials, 400);
-  // Cut, it may not be known what was in it; what there is can be read.
+  // If it was cut, its content may be unknown; the rest can be read.
   for (std::size_t size = 0; size < record.size(); size += 128) {
     Files damaged = files;
     damaged[HeadsFile::kFileName].resize(size);

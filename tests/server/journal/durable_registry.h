@@ -1,4 +1,4 @@
-// A registry of fake meshes with a journal in a folder, that can end, crash and come back.
+// A registry of fake meshes with a journal in a folder, that can end, crash and restart.
 #ifndef DYNMESH_TESTS_SERVER_JOURNAL_DURABLE_REGISTRY_H_
 #define DYNMESH_TESTS_SERVER_JOURNAL_DURABLE_REGISTRY_H_
 

@@ -1,5 +1,5 @@
-// SQLite's files on a disk that fails when it is told to: writes, syncs and truncations of all
-// files opened through it are counted, and one of them, or all from one on, go wrong. Thread-safe.
+// SQLite's files on a disk with scripted failures: counts writes, syncs and truncations of all
+// files opened through it; one of them, or all from one on, fail. Thread-safe.
 #ifndef DYNMESH_TESTS_SERVER_JOURNAL_FAILING_VFS_H_
 #define DYNMESH_TESTS_SERVER_JOURNAL_FAILING_VFS_H_
 

@@ -1,4 +1,4 @@
-// The history in a journal: what is kept and what goes, also when that is cut short.
+// The history in a journal: what is kept and what is deleted, also after an interruption.
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -202,9 +202,8 @@ TEST_F(GenerationsTest, ADamagedRowIsNamed) {
   }
 }
 
-// Snapshots and a deletion in pieces, with each write failing in turn, for good: as a crash there
-// would leave it. What the journal then tells is the old state or the new one; whoever opens it
-// deletes what was left behind.
+// Snapshots and a deletion in pieces, with each write failing in turn, permanently, as a crash
+// would. Then the journal has the old or the new state, and the next opening deletes the leftovers.
 TEST_F(GenerationsTest, CutShortAnywhereLeaveAValidStateAndNoRows) {
   SqliteJournal::Options options;
   options.vfs = FailingVfs::Name();
@@ -232,7 +231,7 @@ TEST_F(GenerationsTest, CutShortAnywhereLeaveAValidStateAndNoRows) {
     const absl::Status deleted = journal_->Delete(b);
     while (deleted.ok() && journal_->Sweep(b)) {
     }
-    // It need not have been said that it failed: what was left to sweep is nobody's.
+    // A failure may be unreported: then only leftovers were to be swept.
     const bool failed = FailingVfs::failures() > 0;
 
     test::TempFolder copy;
@@ -264,7 +263,7 @@ TEST_F(GenerationsTest, CutShortAnywhereLeaveAValidStateAndNoRows) {
   EXPECT_GT(swept, 5);
 }
 
-// However much there is of it: nobody waits for its rows to go.
+// Whatever its size: no call waits for the removal of its rows.
 TEST_F(GenerationsTest, ADeletedMeshGoesAtOnceAndItsRowsPieceByPiece) {
   SqliteJournal::Options options;
   options.piece_bytes = 100;

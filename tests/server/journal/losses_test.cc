@@ -1,5 +1,5 @@
-// Files that lack something, are mixed up, or are not what they seem: what is named, what is
-// refused, and how an operator goes on.
+// Files that are incomplete, mixed up, or not what they seem: reported losses, refusals, and how an
+// operator continues.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Entry = Journal::Entry;
 
-// ------------------------------------------------------------------ what an operator sees and does
+// ------------------------------------------------------------------ the operator's view
 
 TEST_F(DamageTest, ALostTailNamesTheMeshesAndStaysReadOnlyUntilItIsAccepted) {
   OpenFresh();
@@ -65,7 +65,7 @@ TEST_F(DamageTest, ALogThatIsGoneIsToldOfEachMesh) {
   EXPECT_EQ(Named(), Names({"a", "b", "c"}));
   EXPECT_TRUE(absl::StrContains(LossOf("a").message(), "nothing of the mesh")) << LossOf("a");
   EXPECT_TRUE(absl::StrContains(LossOf("a").message(), "--accept-loss=a@none")) << LossOf("a");
-  // New meshes are none of the old.
+  // New meshes do not reuse the old ones' keys.
   const auto fresh = journal_->Create("d", "");
   ASSERT_TRUE(fresh.ok());
   EXPECT_GT(*fresh, truth_["c"].key);
@@ -95,7 +95,7 @@ TEST_F(DamageTest, ADatabaseThatIsGoneIsToldOfEachMesh) {
       WriteFiles(files, folder_.path());
       ASSERT_TRUE(Open().ok());
       EXPECT_EQ(Named(), Names({"a", "b", "c"}));
-      // What an expert may still want.
+      // For experts.
       if (with_log) {
         EXPECT_EQ(ReadFile(folder_.path() + "/journal.lost.wal"), log);
       }
@@ -194,7 +194,7 @@ TEST_F(DamageTest, ABackupOverAFolderInUseIsNamedMeshByMesh) {
   ASSERT_TRUE(Open().ok());
   EXPECT_TRUE(absl::StrContains(LossOf("a").message(), "--accept-loss=a@2")) << LossOf("a");
   EXPECT_TRUE(absl::StrContains(LossOf("c").message(), "--accept-loss=c@1")) << LossOf("c");
-  // It was deleted, and is back: perhaps that is what the backup is for.
+  // It was deleted, and is back: perhaps the backup was restored for it.
   EXPECT_TRUE(absl::StrContains(LossOf("b").message(), "--accept-loss=b@1")) << LossOf("b");
   ASSERT_TRUE(Open({"a@2", "b@1", "c@1"}).ok());
   for (const char* id : {"a", "b", "c"}) EXPECT_TRUE(LossOf(id).ok()) << id;

@@ -1,5 +1,5 @@
-// What a journal promises, of the one in SQLite: by itself, on a failing disk, with old, new and
-// broken files.
+// The guarantees of a journal, for the one in SQLite: by itself, on a failing disk, with old, new
+// and broken files.
 #include "server/journal/sqlite_journal.h"
 
 #include <gtest/gtest.h>
@@ -190,7 +190,7 @@ TEST_F(SqliteJournalTest, ManyWritersAtOnceLoseNothing) {
     threads.emplace_back([&, w] {
       for (std::uint64_t r = 1; r <= kEach; ++r) {
         EXPECT_TRUE(journal_->Append(keys[w], Entry{r, absl::StrCat(w)}, std::nullopt).ok());
-        // One's mistake is not another's.
+        // An error of one caller does not affect others.
         EXPECT_TRUE(absl::IsFailedPrecondition(
             journal_->Append(keys[w], Entry{r + 5, "no"}, std::nullopt)));
       }
@@ -205,7 +205,7 @@ TEST_F(SqliteJournalTest, ManyWritersAtOnceLoseNothing) {
   }
 }
 
-// Far more than the log is to have, from many at once, so that hardly ever nobody writes.
+// Far more than the log should have, from many threads, so that almost always one writes.
 TEST_F(SqliteJournalTest, TheLogIsMovedIntoTheDatabaseAndBeginsAnew) {
   Open();
   constexpr int kWriters = 4, kEntries = 2'500;
@@ -267,7 +267,7 @@ TEST_F(SqliteJournalTest, ABackupUnderAnotherNameIsNotPassedOverInSilence) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-// As the runbook has it, while others write.
+// As in the runbook, while others write.
 TEST_F(SqliteJournalTest, ABackupMadeUnderLoadIsAMomentOfIt) {
   Open();
   const auto key = *journal_->Create("a", "");
@@ -338,9 +338,9 @@ TEST_F(SqliteJournalTest, AfterAFailedWriteNothingIsWrittenUntilAProbeWas) {
   EXPECT_EQ(Told(*journal_, key), "1:x 2:z ");
 }
 
-// A short life of a journal. Every step is tried until it succeeds, `healed` times at most.
-// What is acknowledged stands in `model`; the journal must tell that, at once and to whoever opens
-// the files as a crash would leave them.
+// A short script of a journal. Every step is repeated until it succeeds, `healed` times at most.
+// `model` has what is acknowledged; the journal must have the same, at once and when the files are
+// opened as a crash would leave them.
 class FailureAtEveryWrite : public SqliteJournalTest,
                             public ::testing::WithParamInterface<std::tuple<bool, int>> {
  protected:
@@ -350,7 +350,7 @@ class FailureAtEveryWrite : public SqliteJournalTest,
       acknowledged();
     } else {
       EXPECT_TRUE(absl::IsUnavailable(status)) << status;
-      // A step that failed may come out as done after a crash, whole; not before.
+      // After a crash a failed step may be complete; not before.
       ExpectModel(*journal_);
       FailingVfs::Heal();
       const absl::Status again = step();

@@ -15,8 +15,8 @@
 namespace dynmesh::server {
 namespace {
 
-// Schema 1: mesh a with a snapshot of two parts and entries, b without a snapshot, c whose snapshot
-// is lost; the highest key was given to a mesh that is deleted.
+// Schema 1: mesh a with a snapshot of two parts and entries, b without a snapshot, c with a lost
+// snapshot; the highest key belonged to a deleted mesh.
 constexpr char kFirst[] = R"(
   PRAGMA journal_mode=WAL;
   CREATE TABLE meshes(
@@ -111,7 +111,7 @@ TEST_F(SqliteSchemaTest, ANewFileHasTheSameTables) {
   EXPECT_EQ(columns(folder_.path()), columns(fresh.path()));
 }
 
-// What cannot be brought to the present schema is as it was.
+// A file that cannot be upgraded is unchanged.
 TEST_F(SqliteSchemaTest, AnUpgradeThatFailsChangesNothing) {
   {
     auto db = *sqlite::Connection::Open(folder_.path() + "/journal.sqlite", nullptr);

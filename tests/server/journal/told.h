@@ -1,4 +1,4 @@
-// All that a journal says of a mesh, as text: "?request=answer @revision:part revision:entry".
+// The content of a journal for one mesh, as text: "?request=answer @revision:part revision:entry".
 #ifndef DYNMESH_TESTS_SERVER_JOURNAL_TOLD_H_
 #define DYNMESH_TESTS_SERVER_JOURNAL_TOLD_H_
 

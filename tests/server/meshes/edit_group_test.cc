@@ -1,5 +1,5 @@
-// Batches that are written down together: no client sees one before it is, and if they cannot be, all
-// of them are undone and refused.
+// Batches that are written together: no client sees one before it is written, and if the write
+// fails, all of them are undone and refused.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ using Sizes = std::vector<std::size_t>;
 
 absl::Status DiskFull() { return absl::UnavailableError("the disk is full"); }
 
-// A mesh that knows its audits, for the one behind a host cannot be asked.
+// A mesh that records its audits, since the one in a host cannot be queried.
 class WatchedMesh final : public DynamicMesh {
  public:
   WatchedMesh(std::unique_ptr<DynamicMesh> mesh, std::vector<MeshHash>* traces)
@@ -57,7 +57,7 @@ class EditGroupTest : public HostFixture {
  protected:
   EditGroupTest() {
     EXPECT_TRUE(SetLogLevel("off").ok());
-    // What belongs together is not to depend on how fast the machine is.
+    // The grouping must not depend on the machine's speed.
     options_.turn = {1000, std::chrono::hours(1)};
   }
   ~EditGroupTest() override {
@@ -80,7 +80,7 @@ class EditGroupTest : public HostFixture {
     job.request_id = std::move(request_id);
     return job;
   }
-  // Number `answers_.size() + what is under way`; its outcome is told with that.
+  // Has the number `answers_.size()` + the number in progress; its outcome carries it.
   void Hand(MeshHost& host, EditJob job) {
     job.done = [this, number = handed_++](Result outcome) {
       answers_.Put({number, std::move(outcome)});
@@ -93,10 +93,11 @@ class EditGroupTest : public HostFixture {
     EXPECT_EQ(number, answered_++);
     return std::move(outcome);
   }
-  // Hands all in while the first waits, so that they are one group but for what must not be.
+  // Submits all while the first waits, so that they are one group except for those that must not
+  // be.
   void HandAll(MeshHost& host, std::vector<EditJob> jobs) {
     const auto begun = std::make_shared<Mailbox<int>>(), go = std::make_shared<Mailbox<int>>();
-    // Before whatever comes first of them, even if it is refused at once.
+    // Before the first of them, even if it is refused at once.
     ASSERT_TRUE(host.Locate({}, nullptr,
                             [begun, go](const auto&) {
                               begun->Put(0);
@@ -178,7 +179,7 @@ TEST_F(EditGroupTest, OneThatCannotBeWrittenDownIsUndoneAsAWhole) {
   HandAll(*host, {Job({AddPoint(2)}, "a"), Job({Edit::Remove(1)}, "b"), Job({AddPoint(4)})});
   for (int i = 0; i < 3; ++i) ExpectJournalFailed(Next());
   ExpectHead(*host, 1, {1});
-  // What comes next begins there, and the ids of what was refused are as new.
+  // Later batches begin there, and the ids of refused ones are free.
   HandAll(*host, {Job({AddPoint(2)}, "a"), Job({AddPoint(3)}, "b")});
   for (std::uint64_t revision = 2; revision <= 3; ++revision) {
     const Result result = Next();
@@ -203,7 +204,7 @@ TEST_F(EditGroupTest, ARefusedBatchDoesNotDisturbTheOthers) {
   EXPECT_EQ(Next().status().code(), StatusCode::kInvalidArgument);
   EXPECT_EQ(Next()->diff->to_revision, 2u);
   EXPECT_EQ(journal_.sizes(), (Sizes{2}));
-  // That the id is in use was true only together with what is undone.
+  // The id was in use only because of a batch that is undone.
   journal_.Answer([](int) { return DiskFull(); });
   HandAll(*host, jobs(3));
   ExpectJournalFailed(Next());
@@ -304,7 +305,7 @@ TEST_F(EditGroupTest, AStreamThatEndsAtTheFirstRefusedBatchEndsThere) {
   EXPECT_TRUE(Next().ok());
   EXPECT_EQ(ReasonOf(Next().status()), reason::kIdInUse);
   EXPECT_EQ(Next().status().code(), StatusCode::kCancelled);
-  // One that cannot be written down was refused, too.
+  // A batch with a failed write counts as refused, too.
   stop->store(false);
   journal_.Answer([](int) { return DiskFull(); });
   std::vector<EditJob> more;
@@ -435,7 +436,7 @@ TEST_F(EditGroupTest, ASnapshotIsOfWhatIsWrittenDown) {
   EXPECT_GT(journal_.compacted(), 0u);
 }
 
-// What is undone leaves no trace, in the true sense, either.
+// An undone batch leaves no trace, in the mesh's trace either.
 TEST_F(EditGroupTest, OneThatIsUndoneBringsTheFormerTraceBack) {
   std::vector<MeshHash> traces;
   const auto host =
@@ -469,8 +470,8 @@ TEST_F(EditGroupTest, OneThatIsUndoneBringsTheFormerTraceBack) {
   }
 }
 
-// A random script in groups, of which one append after the other fails, once or from then on: what
-// was answered is what the journal has, and the journal's batches make the host's mesh.
+// A random script in groups, with one append after the other failing, once or from then on: the
+// answers match the journal, and the journal's batches make the host's mesh.
 class FailAtEveryAppend : public EditGroupTest,
                           public ::testing::WithParamInterface<std::tuple<int, bool>> {
  protected:

@@ -1,4 +1,5 @@
-// Meshes on a disk that fails: nothing is acknowledged that is not safe, nothing is lost that was.
+// Meshes on a failing disk: only durable changes are acknowledged, and no acknowledged change is
+// lost.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -97,7 +98,7 @@ TEST_F(JournalFailureTest, ASnapshotThatCannotBeWrittenCostsNoEdit) {
 // A script of edits with one write after the other failing, once or for good.
 class FailAtEveryWrite : public JournalFailureTest, public ::testing::WithParamInterface<bool> {
  protected:
-  // After a crash now: what was acknowledged, or that and the batch that was refused last.
+  // After a crash now: the acknowledged changes, possibly with the last refused batch.
   void ExpectAfterCrash(const std::vector<FeatureId>& acknowledged, FeatureId refused) {
     test::TempFolder copy;
     CopyJournal(folder_.path(), copy.path());

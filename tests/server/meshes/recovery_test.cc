@@ -1,4 +1,4 @@
-// Meshes that come back: as they were, or named as damaged.
+// Recovered meshes: as they were, or reported as damaged.
 #include "server/meshes/recovery.h"
 
 #include <gtest/gtest.h>
@@ -262,7 +262,7 @@ TEST_F(RecoveryTest, AMeshThatLostRevisionsIsReadOnlyUntilThatIsAccepted) {
   EXPECT_EQ(ReasonOf(refused), codec::reason::kMeshDamaged);
   EXPECT_TRUE(absl::StrContains(refused.message(), "revision 4 was acknowledged")) << refused;
   EXPECT_TRUE(absl::StrContains(refused.message(), "--accept-loss=m@3")) << refused;
-  // What is left can be read, and what was answered is answered again.
+  // The rest can be read, and answered requests are answered again.
   EXPECT_TRUE(server_->Apply({AddPoint(3)}, "r3")->replayed);
   Mailbox<absl::StatusOr<FeaturesAt>> features;
   ASSERT_TRUE(host->Features(2, nullptr, [&](auto f) { features.Put(std::move(f)); }).ok());
@@ -290,7 +290,7 @@ TEST_F(RecoveryTest, AMeshThatLostRevisionsIsReadOnlyUntilThatIsAccepted) {
   EXPECT_EQ((*server_)->damaged(), 0u);
 }
 
-// One bad row is not in the way of the others, whatever stands in it.
+// A bad row does not affect the others, whatever its content.
 TEST_F(RecoveryTest, AMeshWithAnUnspeakableNameIsListedAndDeleted) {
   for (const bool record : {true, false}) {
     server_.reset();
@@ -318,7 +318,7 @@ TEST_F(RecoveryTest, AMeshWithAnUnspeakableNameIsListedAndDeleted) {
   }
 }
 
-// Wherever the file is overwritten: what is served is what was acknowledged.
+// The file overwritten anywhere: only acknowledged data is served.
 TEST_F(RecoveryTest, AnOverwrittenFileIsNeverServedAsAnotherMesh) {
   OpenWithPoints(30);
   const MeshHash hash = server_->Host()->head().hash;
@@ -400,7 +400,7 @@ TEST_F(OtherBitsTest, TheirFeaturesAreMeshedAnewAsTheNextRevision) {
     EXPECT_EQ(host->head().revision, 6u);
     EXPECT_EQ(host->head().hash, HashOfPoints(3));
     EXPECT_EQ(Generation(), std::pair(std::uint64_t{6}, std::uint64_t{0}));
-    // The past is what it was, as features.
+    // The history stays the same, as features.
     EXPECT_EQ(FeaturesOf(4).features.size(), 4u);
     EXPECT_EQ(FeaturesOf(4).hash, (MeshHash{7, 4}));
     EXPECT_EQ(FeaturesOf(6).features.size(), 3u);

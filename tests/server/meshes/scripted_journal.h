@@ -1,4 +1,4 @@
-// A journal in memory of one mesh, whose appends wait and fail as a test wants it. Thread-safe.
+// A journal in memory of one mesh, with scripted delays and failures of its appends. Thread-safe.
 #ifndef DYNMESH_TESTS_SERVER_MESHES_SCRIPTED_JOURNAL_H_
 #define DYNMESH_TESTS_SERVER_MESHES_SCRIPTED_JOURNAL_H_
 
@@ -21,7 +21,7 @@ class ScriptedJournal final : public Journal {
     std::vector<Request> requests;
   };
 
-  // What append number `n`, from 1 on, is answered with; not OK: it is not done. Null: all are.
+  // The answer to append number `n`, from 1 on; not OK: it is not done. Null: all are OK.
   void Answer(std::function<absl::Status(int n)> answer) {
     const std::lock_guard lock(mutex_);
     answer_ = std::move(answer);

@@ -1,4 +1,4 @@
-// A filtered watch: whatever its subscription hands out, a replica of the part is the part.
+// A filtered watch: a replica of the filtered items always equals the filtered mesh.
 #include "server/meshes/watch_filter.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Watches, along the list of how watch APIs break: revisions lost or sent twice, lost
-// wake-ups, time travel, future and compacted starts, slow watchers.
+// Watches, by the list of their possible faults: revisions lost or sent twice, lost wake-ups, older
+// states, future and compacted starts, slow watchers.
 #include "server/meshes/watch_hub.h"
 
 #include <gtest/gtest.h>
@@ -316,8 +316,8 @@ TEST_F(WatchHubTest, CancelSaysWhoEndsTheStream) {
   EXPECT_EQ(hub_->idle(), 0u);
 }
 
-// A writer and watchers at full speed: each watcher is driven by whoever wakes it, as
-// in the server. Lost wake-ups would hang, lost or repeated revisions break a replica.
+// A writer and watchers at full speed: the thread that wakes a watcher drives it, as in the server.
+// Lost wake-ups would hang; a replica detects lost or repeated revisions.
 TEST_F(WatchHubTest, NothingIsLostWhileAWriterAndManyWatchersRace) {
   Begin({.revisions = 50}, {.queue = 8});
   constexpr FeatureId kRevisions = 400;

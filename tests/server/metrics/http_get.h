@@ -43,7 +43,7 @@ inline std::string ReceiveAll(int socket) {
 inline std::string SendHttp(const std::string& address, const std::string& bytes) {
   const int socket = ConnectHttp(address);
   if (socket < 0) return "no connection";
-  // What the other side no longer reads is no error here.
+  // It is not an error if the server no longer reads.
   (void)!send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   return ReceiveAll(socket);
 }

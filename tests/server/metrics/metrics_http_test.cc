@@ -1,4 +1,4 @@
-// The HTTP side of metrics: what it serves, and that nothing it is sent can hurt.
+// The HTTP side of metrics: its content, and its robustness against hostile requests.
 #include "server/metrics/metrics_http.h"
 
 #include <gtest/gtest.h>
@@ -129,7 +129,7 @@ TEST_F(MetricsHttpTest, WhatIsNoHttpEndsTheConnectionAndNotTheServer) {
     malformed.push_back(noise + "\r\n\r\n");
   }
   for (const std::string& bytes : malformed) {
-    // The client says that no more comes, else some of these are waited for.
+    // The client ends its request; the server would wait for more otherwise.
     const int socket = ConnectHttp(http_->address());
     ASSERT_GE(socket, 0);
     (void)!send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);

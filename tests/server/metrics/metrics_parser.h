@@ -1,6 +1,6 @@
-// A strict reader of Prometheus' text format, 0.0.4, written from the format's description: what
-// is not exactly so is an error. It asks for more than the format does: HELP and TYPE of each
-// family, once and together; counters that end in _total; histograms that are sound.
+// A strict reader of Prometheus' text format, 0.0.4, written from the format's specification: any
+// deviation is an error. It requires more than the format does: HELP and TYPE of each family, once
+// and together; counters that end in _total; consistent histograms.
 #ifndef DYNMESH_TESTS_SERVER_METRICS_METRICS_PARSER_H_
 #define DYNMESH_TESTS_SERVER_METRICS_METRICS_PARSER_H_
 

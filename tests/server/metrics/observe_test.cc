@@ -1,4 +1,4 @@
-// What a server tells of itself: calls counted, ids of calls, ready or not, from start to drain.
+// What a server reports of itself: counted calls, ids of calls, readiness, from start to drain.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -70,7 +70,7 @@ TEST_F(ObserveTest, CallsAreCountedByMethodAndCode) {
     EXPECT_FALSE(stream->Receive().has_value());
     ASSERT_TRUE(stream->Finish().ok());
   }
-  // Told to the server a moment after the client has its answer.
+  // The server counts it a moment after the client has its answer.
   const ParsedMetrics::Labels send = {{"stage", "send"}, {"kind", "edit"}};
   while (Scrape().Value("dynmesh_edit_seconds_count", send) < 7) std::this_thread::yield();
   const ParsedMetrics now = Scrape();
@@ -110,7 +110,7 @@ TEST_F(ObserveTest, LoadsAndRevertsAreTimedApartFromEdits) {
   EXPECT_EQ(count("revert"), 0);
 }
 
-// By the snapshot's own size: what comes on top is what each message says beside it.
+// By the snapshot's own size: the rest is each message's overhead.
 TEST_F(ObserveTest, BytesSentAreCounted) {
   StartObserved();
   for (FeatureId id = 1; id <= 5; ++id) ASSERT_TRUE(client_->Apply("m", {AddPoint(id)}).ok());
@@ -250,7 +250,7 @@ std::size_t Count(const std::string& text, const std::string& part) {
   return count;
 }
 
-// Of many refusals a second one is told.
+// Of many refusals one per second is logged.
 TEST_F(ObserveTest, WhoIsRefusedIsToldNowAndThenAndCountedAlways) {
   MetricRegistry metrics;
   FailedCalls calls(metrics);
@@ -321,7 +321,7 @@ TEST_F(ObserveTest, LinesTellWhoMadeAndDeletedAMesh) {
 
 // ------------------------------------------------------------------ ready or not
 
-// A journal that has nothing and takes its time to say so.
+// A journal without meshes that is slow to list them.
 class SlowJournal final : public Journal {
  public:
   explicit SlowJournal(Mailbox<int>* asked, Mailbox<int>* answer)
@@ -456,7 +456,7 @@ TEST_F(RecoveringTest, CallsAreToldToComeAgainAndGetThroughAfterwards) {
   EXPECT_TRUE(client->Apply("m", {AddPoint(1)}).ok());
   EXPECT_EQ(Health(""), 1);
   EXPECT_EQ(Health("dynmesh.v1.MeshService"), 1);
-  // A watch asks until it knows: there is no such mesh.
+  // A watch retries until it gets the answer: there is no such mesh.
   EXPECT_TRUE(Eventually([&] { return watch->ended().has_value(); }));
   EXPECT_EQ(ReasonOf(*watch->ended()), codec::reason::kMeshNotFound);
 }
@@ -471,7 +471,7 @@ TEST_F(RecoveringTest, AJournalThatCannotBeReadClosesThePortAgain) {
   EXPECT_EQ(ReasonOf(gone), "");
 }
 
-// Or no edit would come to find out that the journal can be written again.
+// Otherwise no edit would test whether the journal can be written again.
 TEST_F(ObserveTest, AServerIsReadyThoughItsJournalFailsAndSaysSo) {
   Mailbox<int> asked, answer;
   answer.Put(0);

@@ -1,4 +1,4 @@
-// Snapshots and history of one mesh, and the algebra of diffs they rest on.
+// Snapshots and history of one mesh, and the diff algebra.
 #include "server/revisions/revision_store.h"
 
 #include <gtest/gtest.h>
@@ -129,8 +129,8 @@ TEST(DiffAlgebra, ASimplexThatComesBackToItsRegionCancels) {
   EXPECT_TRUE(both.added_regions.empty() && both.removed_regions.empty());
 }
 
-// Two sets of polygons that come to one id, as a client can choose: each revision says which it is,
-// and so does any sum of diffs.
+// Two sets of polygons with the same id, as a client can choose: each revision has the right one,
+// and so does any composition of diffs.
 TEST(DiffAlgebra, AnIdThatComesToStandForAnotherSetStandsForTheLast) {
   const std::vector<FeatureId> one = {1, 2};
   const std::vector<FeatureId> other = test::AnyPairOfRegionId(RegionIdOf(one), 3);
@@ -199,7 +199,7 @@ void CheckComposition(const Walk& walk) {
     for (std::size_t to = from + 1; to <= walk.diffs.size(); to += 5) {
       const MeshDiff diff = Compose({walk.diffs.begin() + static_cast<std::ptrdiff_t>(from),
                                      walk.diffs.begin() + static_cast<std::ptrdiff_t>(to)});
-      // The library's own ApplyDiff is the judge: it checks every row and the hash.
+      // The library's own ApplyDiff checks it: every row and the hash.
       Mesh mesh = *walk.meshes[from];
       const absl::Status status = ApplyDiff(mesh, diff);
       ASSERT_TRUE(status.ok()) << from << ".." << to << ": " << Text(status);

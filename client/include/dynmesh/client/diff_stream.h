@@ -1,7 +1,16 @@
-// The revisions of one mesh since a given one, to be taken one after the other: a Watch stream that
-// reconnects where it was when the connection breaks. For a caller that keeps the mesh itself.
+// The revisions of one mesh since a given one, in order: a Watch stream that reconnects and resumes
+// where it was. For a caller that keeps the mesh itself.
 //
-// A thread of its own reads ahead, a few revisions far. Thread-safe.
+//   auto stream = client->StreamDiffs("plate", {.start_revision = mesh.revision,
+//                                               .start_hash = mesh.hash});
+//   while (true) {
+//     auto event = stream->Next(absl::Seconds(1));
+//     if (!event.ok()) break;               // the stream has ended
+//     if (!event->has_value()) continue;    // no revision came in a second
+//     absl::Status status = dynmesh::ApplyDiff(mesh, std::get<dynmesh::MeshDiff>(**event));
+//   }
+//
+// Its own thread reads ahead, up to 16 revisions. Thread-safe.
 #ifndef DYNMESH_CLIENT_DIFF_STREAM_H_
 #define DYNMESH_CLIENT_DIFF_STREAM_H_
 
@@ -18,17 +27,19 @@
 
 namespace dynmesh::client {
 
-// Where a stream begins, and what it does when the server is away.
+// Where a stream begins, and how long it retries.
 struct DiffStreamOptions {
-  // Where the caller's mesh is.
+  // The revision of the caller's mesh.
   std::uint64_t start_revision = 0;
-  // Of the caller's mesh. The server refuses with FAILED_PRECONDITION (DIVERGED) if its own had
-  // another hash at that revision.
+  // The hash of the caller's mesh. OUT_OF_RANGE (DIVERGED) if the server's mesh had another hash at
+  // that revision.
   MeshHash start_hash;
-  // If the server has not kept the revisions since: true: a whole mesh comes in their place,
-  // false: OUT_OF_RANGE (COMPACTED).
+  // What to do if the server does not hold the revisions since, or the meshes diverged. true: send
+  // the whole mesh instead. false: OUT_OF_RANGE (COMPACTED, FUTURE_REVISION, DIVERGED).
   bool takes_snapshots = false;
-  // For how long in a row the server may not be reached.
+  // The longest time without a message from the server. The stream reconnects after pauses of 50
+  // ms, doubled up to 2 s, on UNAVAILABLE, CANCELLED, UNKNOWN, INTERNAL, RESOURCE_EXHAUSTED and
+  // DEADLINE_EXCEEDED. After this time, or on another status, it ends with that status.
   absl::Duration patience = absl::Minutes(15);
 };
 
@@ -37,11 +48,13 @@ class DiffStream {
  public:
   virtual ~DiffStream() = default;  // as Cancel
 
-  // The way to the next revision, or a whole mesh (DiffStreamOptions::takes_snapshots).
+  // The next diff, or a whole mesh (DiffStreamOptions::takes_snapshots).
   using Event = std::variant<MeshDiff, Mesh>;
-  // The next revision; nothing if none came within `limit`. An error ends the stream.
+  // Waits for the next revision; nothing if none came within `limit`. An error is the stream's end:
+  // CANCELLED after Cancel, else the status of DiffStreamOptions::patience. Revisions that were
+  // read before the end come first.
   virtual absl::StatusOr<std::optional<Event>> Next(absl::Duration limit) = 0;
-  // Ends the stream, from any thread: Next returns CANCELLED.
+  // Ends the stream from any thread: Next returns CANCELLED.
   virtual void Cancel() = 0;
 };
 

@@ -1,9 +1,17 @@
-// A pipeline of edit batches to one mesh: batches go out before the answers to earlier
-// ones are in. For simulation loops.
+// A pipeline of edit batches to one mesh: it sends batches before earlier ones are answered. For
+// simulation loops.
 //
-// Send and Receive may be called from two threads, each from one at a time. The server
-// stops reading when too many answers wait to be taken: a caller that sends many batches without
-// receiving blocks. Destroying a session cancels what is under way.
+//   auto session = client->OpenEdits("plate");
+//   for (const dynmesh::EditBatch& batch : batches) {
+//     if (!session->Send(batch).ok()) break;
+//   }
+//   session->DoneSending();
+//   while (auto answer = session->Receive()) Use(answer->result);
+//   absl::Status status = session->Finish();
+//
+// One thread may call Send and DoneSending while another calls Receive. The server stops reading
+// while too many answers are not received. So Send blocks a caller that sends many batches without
+// receiving. The destructor cancels unfinished batches. A session does not reconnect.
 #ifndef DYNMESH_CLIENT_EDIT_SESSION_H_
 #define DYNMESH_CLIENT_EDIT_SESSION_H_
 
@@ -19,23 +27,25 @@
 
 namespace dynmesh::client {
 
-// What is said with a batch.
+// Parameters of a batch.
 struct EditParams {
-  // Makes a retry safe: the server remembers the last 10,000 of a mesh.
+  // Makes a retry safe: the server remembers the last 10,000 ids of a mesh and answers a repeated
+  // batch with its first result. At most 128 bytes (INVALID_ARGUMENT, BAD_REQUEST_ID).
+  // ALREADY_EXISTS (REQUEST_ID_REUSED) if the edits differ.
   std::string request_id;
-  // If given, the mesh has to be at this revision: else ABORTED (REVISION_MISMATCH).
+  // If set, the mesh must be at this revision, else ABORTED (REVISION_MISMATCH).
   std::optional<std::uint64_t> expected_revision;
-  bool validate_only = false;  // would the batch be accepted? Nothing changes
-  bool omit_columns = false;   // only revisions, work and hash are wanted
-  // That of the mesh: in space places have a z. The server refuses what does not fit
-  // (WRONG_DIMENSION).
+  bool validate_only = false;  // only check the batch; change nothing
+  bool omit_columns = false;   // return revisions, work and hash only
+  // The dimension of the mesh: in 3D, positions have a z. INVALID_ARGUMENT (WRONG_DIMENSION) if it
+  // is not the mesh's.
   int dimension = 2;
 };
 
-// What a batch did.
+// The result of a batch.
 struct EditResult {
-  MeshDiff diff;                 // from the revision before it
-  bool replayed = false;         // a retry: it had been applied before
+  MeshDiff diff;                 // from the revision before
+  bool replayed = false;         // a retry of a batch that had been applied
   bool columns_omitted = false;  // diff has no columns
 };
 
@@ -45,21 +55,24 @@ class EditSession {
   // The answer to one batch.
   struct Answer {
     std::string request_id;             // the batch's
-    absl::StatusOr<EditResult> result;  // what it did, or why it did nothing
+    absl::StatusOr<EditResult> result;  // or why it was refused (errors: MeshClient::Apply)
   };
 
   virtual ~EditSession() = default;
 
-  // Sends `edits` as one batch, as `params` say. Blocks while the server takes no more. UNAVAILABLE
-  // or the like if the stream has ended: Receive what is left, then Finish tells why.
+  // Sends `edits` as one batch, as `params` say. Blocks while the server reads no more.
+  // INVALID_ARGUMENT if `params`.dimension is not 2 or 3. UNAVAILABLE if the stream has ended: then
+  // call Receive until it returns nothing, and Finish.
   virtual absl::Status Send(const EditBatch& edits, const EditParams& params = {}) = 0;
-  // No batch will follow.
+  // Ends the sequence of batches. UNAVAILABLE if the stream has ended.
   virtual absl::Status DoneSending() = 0;
-  // The answer to the next batch, in the order sent; nothing if the stream has ended.
+  // Waits for the answer to the next batch, in the order sent; nothing if the stream has ended.
   virtual std::optional<Answer> Receive() = 0;
-  // How the stream ended. After Receive returned nothing.
+  // The status with which the stream ended. Call it after Receive has returned nothing. CANCELLED
+  // after Cancel; DEADLINE_EXCEEDED (BATCH_INCOMPLETE) if no batch was sent for too long after
+  // opening; else as of MeshClient.
   virtual absl::Status Finish() = 0;
-  // Ends the stream from any thread.
+  // Ends the stream from any thread. Batches that the server has not applied change nothing.
   virtual void Cancel() = 0;
 };
 

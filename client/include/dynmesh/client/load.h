@@ -1,4 +1,8 @@
-// A load: many features, one atomic batch, with progress. For MeshClient::Load.
+// A load: many features as one atomic batch, with progress. For MeshClient::Load.
+//
+//   dynmesh::client::LoadParams params;
+//   params.progress = [](const dynmesh::client::LoadProgress& p) { Show(p.done, p.total); };
+//   auto result = client->Load("plate", features, params);
 #ifndef DYNMESH_CLIENT_LOAD_H_
 #define DYNMESH_CLIENT_LOAD_H_
 
@@ -14,47 +18,47 @@
 
 namespace dynmesh::client {
 
-// How far a load is.
+// Progress of a load.
 struct LoadProgress {
-  // What a load goes through, in this order.
+  // The stages of a load, in this order; some may not be reported.
   enum class Stage : std::uint8_t {
-    kSend,      // features that the server has received; the client knows no total of a source
-    kWait,      // for the batches ahead
+    kSend,      // features received by the server; the client knows no total of a source
+    kWait,      // waits for the batches ahead
     kValidate,  // as ApplyProgress::Stage
     kRefine,    // as ApplyProgress::Stage
     kDiff,      // as ApplyProgress::Stage
-    kWrite,     // to the server's disk
+    kWrite,     // writes to the server's disk
   };
-  Stage stage = Stage::kSend;  // the one that is under way
-  std::uint64_t done = 0;      // how much of it is
-  std::uint64_t total = 0;     // 0: not known
+  Stage stage = Stage::kSend;  // the current one
+  std::uint64_t done = 0;      // units of it that are done
+  std::uint64_t total = 0;     // all its units; 0: not known
 };
 
-// What is said with a load.
+// Parameters of a load.
 struct LoadParams {
   // Makes a retry safe, as EditParams::request_id.
   std::string request_id;
   // As EditParams::expected_revision.
   std::optional<std::uint64_t> expected_revision;
-  int dimension = 2;  // that of the mesh
-  // Called about twice a second, from another thread, not after Load has returned. May be null.
+  int dimension = 2;  // the dimension of the mesh
+  // Called about twice a second from another thread, never after Load has returned. May be null.
   std::function<void(const LoadProgress&)> progress;
-  // Asked between pieces and answers; when it turns true the load is cancelled and changes nothing,
-  // unless it has been applied already. May be null.
+  // Polled between messages in both directions. Once true, the load is cancelled: CANCELLED. It
+  // then changes nothing, unless it was applied already. May be null.
   const std::atomic<bool>* cancelled = nullptr;
 };
 
-// What a load did.
+// The result of a load.
 struct LoadResult {
-  std::uint64_t from_revision = 0;  // before it
-  std::uint64_t to_revision = 0;    // after it
+  std::uint64_t from_revision = 0;  // before the load
+  std::uint64_t to_revision = 0;    // after the load
   MeshHash hash;                    // at to_revision
-  WorkCounters work;                // what it cost
-  bool replayed = false;            // a retry: it had been applied before
+  WorkCounters work;                // its cost
+  bool replayed = false;            // a retry of a load that had been applied
 };
 
-// The features, some at a time, until there are none. What it returns stays until it is called
-// again. Called by Load, on its thread.
+// Returns the next features, an empty span at the end. The span must be valid until the next call.
+// Load calls it on its own thread.
 using FeatureSource = std::function<std::span<const Feature>()>;
 
 }  // namespace dynmesh::client

@@ -1,13 +1,13 @@
-// The client library: a server's meshes as typed calls. Errors are absl::Status with a
-// machine-readable detail: codec::GetServiceError(status) has reason, features, field
-// (dynmesh/codec/service_error.h).
+// The client library: a server's meshes as typed calls.
 //
 //   auto client = MeshClient::Connect("127.0.0.1:7878");
 //   auto mesh = client->CreateMesh("plate", options);
 //   auto result = client->Apply("plate", {Edit::Add(Feature::Point(1, 0.5, 0.5))});
 //   auto replica = client->Watch("plate", {}, nullptr);   // follows the mesh
 //
-// Meshes are named by id ("plate") or by resource name ("meshes/plate"). Thread-safe.
+// Errors are absl::Status with a machine-readable detail: codec::GetServiceError(status) has
+// reason, features, field and retry_after (dynmesh/codec/service_error.h). Meshes are named by id
+// ("plate") or by resource name ("meshes/plate"). Thread-safe.
 #ifndef DYNMESH_CLIENT_MESH_CLIENT_H_
 #define DYNMESH_CLIENT_MESH_CLIENT_H_
 
@@ -33,134 +33,165 @@
 
 namespace dynmesh::client {
 
-// A mesh as the server tells of it.
+// A mesh as described by the server.
 struct MeshInfo {
   std::string id;              // "plate"
   MeshOptions options;         // as it was created
   absl::Time create_time;      // by the server's clock
-  std::uint64_t revision = 0;  // the present one
+  std::uint64_t revision = 0;  // the current one
   MeshHash hash;               // at that revision
-  // Why it is damaged. In lists only, with nothing else but the id: the server could not make it
-  // again. With all else, and read_only: acknowledged revisions are gone.
+  // Why the mesh is damaged; empty: it is not. ListMeshes sets only this and id if the server could
+  // not recover the mesh. With read_only all fields are set, and acknowledged revisions are lost.
   std::string damage;
-  bool read_only = false;  // edits are refused
+  bool read_only = false;  // the server refuses edits: DATA_LOSS (MESH_DAMAGED)
 };
 
-// How a mesh of the server is.
+// The state of a mesh of the server.
 struct MeshStatus {
   int dimension = 2;                  // 2 or 3
   MeshStats stats;                    // counts and memory
-  MeshHash hash;                      // at the present revision
-  std::uint64_t oldest_revision = 0;  // the earliest a watch may start from
-  std::uint64_t watchers = 0;         // streams that follow it
-  std::uint64_t waiting_edits = 0;    // batches that wait for their turn
+  MeshHash hash;                      // at the current revision
+  std::uint64_t oldest_revision = 0;  // the earliest from which a watch may start
+  std::uint64_t watchers = 0;         // open watch streams
+  std::uint64_t waiting_edits = 0;    // batches that wait
 };
 
-// How the server is.
+// The state of the server.
 struct ServerStatus {
   std::string version;             // "MAJOR.MINOR.PATCH"
   absl::Duration uptime;           // since its start
-  std::uint64_t meshes = 0;        // that it has
-  std::uint64_t watchers = 0;      // of all meshes
-  std::optional<MeshStatus> mesh;  // if one was asked for
+  std::uint64_t meshes = 0;        // number of meshes
+  std::uint64_t watchers = 0;      // open watch streams of all meshes
+  std::optional<MeshStatus> mesh;  // if requested
 };
 
-// Where points lie.
+// The result of Locate.
 struct Located {
-  std::uint64_t revision = 0;  // of the mesh that was looked at
+  std::uint64_t revision = 0;  // of the mesh that was searched
   // dimension + 1 vertex ids for each point, all 0 outside the domain.
   SimplexColumn simplices;
 };
 
 // How a client connects.
 struct ClientOptions {
-  // For each call that is not a stream of unknown length.
+  // The deadline of each RPC except OpenEdits, Watch and StreamDiffs. ListMeshes, GetFeatures and
+  // Locate may make several RPCs.
   absl::Duration timeout = absl::InfiniteDuration();
-  // A connection of its own, not shared with other clients of this process.
+  // If true, a separate connection; else clients of this process with equal options share one.
   bool own_connection = false;
 
-  // TLS is described by PEM texts. All empty: no encryption.
+  // PEM texts for TLS. All empty: no encryption.
 
-  std::string tls_ca;           // certificates that sign the server's
-  std::string tls_certificate;  // the client's own, for a server that asks for one
-  std::string tls_key;          // of the client's certificate
-  // Sent with every call. Without TLS it can be read on the way.
+  std::string tls_ca;           // certificates of the server's issuers
+  std::string tls_certificate;  // the client's own, for a server that requires one
+  std::string tls_key;          // the private key of the client's certificate
+  // Sent with every call. Without TLS it is readable on the network.
   std::string token;
 
   // Is the connection encrypted?
   bool tls() const { return !tls_ca.empty() || !tls_certificate.empty(); }
 };
 
-// A server; see mesh_client.h. Calls return UNAVAILABLE while it cannot be reached, and
-// DEADLINE_EXCEEDED after ClientOptions::timeout.
+// A server; see mesh_client.h. Errors of every call:
+//   * UNAVAILABLE: the server cannot be reached; DRAINING: it stops; RECOVERING: it reads its
+//     journal;
+//   * DEADLINE_EXCEEDED: after ClientOptions::timeout;
+//   * UNAUTHENTICATED (TOKEN_MISSING, TOKEN_UNKNOWN), PERMISSION_DENIED (ROLE_MISSING);
+//   * RESOURCE_EXHAUSTED (RATE_LIMIT): too many requests of this client;
+//   * INVALID_ARGUMENT: BAD_NAME, or BAD_REQUEST of a malformed parameter;
+//   * NOT_FOUND (MESH_NOT_FOUND, MESH_DELETED), DATA_LOSS (MESH_DAMAGED): of calls on a mesh;
+//   * DATA_LOSS without a reason: the answer is incomplete or damaged.
+//
+// The client never repeats a call. It reconnects to the server by itself, after pauses of 0.1 to 5
+// seconds. If ServiceError::retry_after is set, repeat the call after that time. Changes are safe
+// to repeat with the same request_id; reads always are. Watch and StreamDiffs reconnect and resume
+// by themselves.
 class MeshClient {
  public:
   // A client of the server at `address` ("host:port"), as `options` say. Never fails: the first
-  // call tells whether the server is there.
+  // call reports an unreachable server.
   static std::unique_ptr<MeshClient> Connect(const std::string& address,
                                              const ClientOptions& options = {});
   ~MeshClient();
 
-  // Makes a mesh `id` with `options`; an empty id lets the server choose. limits.max_vertices at
-  // its default takes the server's limit. `request_id` makes a retry safe. ALREADY_EXISTS
-  // (MESH_EXISTS).
+  // Makes a mesh `id` with `options`; with an empty id the server chooses one. If
+  // limits.max_vertices has its default, the server's limit applies. `request_id` makes a retry
+  // safe. ALREADY_EXISTS (MESH_EXISTS; REQUEST_ID_REUSED: with other `options`); INVALID_ARGUMENT
+  // (BAD_OPTION); RESOURCE_EXHAUSTED (MESH_LIMIT, MEMORY_LIMIT, VERTEX_LIMIT); UNAVAILABLE or
+  // DATA_LOSS (JOURNAL_FAILED).
   absl::StatusOr<MeshInfo> CreateMesh(const std::string& id, const MeshOptions& options,
                                       const std::string& request_id = "");
-  // What the server tells of `mesh`; NOT_FOUND (MESH_NOT_FOUND).
+  // Describes `mesh`. Errors: those of every call.
   absl::StatusOr<MeshInfo> GetMesh(const std::string& mesh);
-  // All meshes that the client may read, by id.
+  // All meshes that the client may read, by id. Errors: those of every call.
   absl::StatusOr<std::vector<MeshInfo>> ListMeshes();
-  // Deletes `mesh` with all its revisions, and ends its watches.
+  // Deletes `mesh` with all its revisions and ends its watches. UNAVAILABLE or DATA_LOSS
+  // (JOURNAL_FAILED).
   absl::Status DeleteMesh(const std::string& mesh);
 
-  // Applies `edits` to `mesh` as one atomic batch, as `params` say. Batches too large for a message
-  // go in pieces. Of a mesh of space, params.dimension must be 3.
+  // Applies `edits` to `mesh` as one atomic batch, as `params` say; in pieces if it is too large
+  // for one message. In 3D, params.dimension must be 3. On an error nothing is changed, except that
+  // after DEADLINE_EXCEEDED, CANCELLED or UNAVAILABLE without a reason the batch may have been
+  // applied: repeat it with its request_id. Errors: those of DynamicMesh::Apply and EditParams, and
+  //   * INVALID_ARGUMENT: WRONG_DIMENSION, BATCH_TOO_LARGE (more edits than the server allows);
+  //   * RESOURCE_EXHAUSTED: FEATURE_LIMIT; QUEUE_FULL, PENDING_LIMIT, MEMORY_LIMIT: retry later;
+  //   * UNAVAILABLE or DATA_LOSS: JOURNAL_FAILED, the batch could not be written.
   absl::StatusOr<EditResult> Apply(const std::string& mesh, const EditBatch& edits,
                                    const EditParams& params = {});
-  // The same with edits that add `features` to `mesh`; `params` as of Apply.
+  // Applies edits that add `features` to `mesh`; `params` and errors as of Apply.
   absl::StatusOr<EditResult> AddFeatures(const std::string& mesh, std::span<const Feature> features,
                                          const EditParams& params = {});
-  // The same with edits that remove the features `ids` of `mesh`; `params` as of Apply.
+  // Applies edits that remove the features `ids` of `mesh`; `params` and errors as of Apply.
   absl::StatusOr<EditResult> RemoveFeatures(const std::string& mesh, std::span<const FeatureId> ids,
                                             const EditParams& params = {});
 
-  // Adds the features of `source` to `mesh`, as many as the server lets a batch have, as one atomic
-  // batch; `params` can follow and cancel it. An error names the feature to blame; what was sent
-  // until then changes nothing.
+  // Adds the features of `source` to `mesh` as one atomic batch, as large as the server allows;
+  // `params` can report its progress and cancel it. An error names the feature to blame, and
+  // nothing is changed. Errors as of Apply; CANCELLED by `params`; DEADLINE_EXCEEDED
+  // (BATCH_INCOMPLETE) if `source` returns nothing for too long.
   absl::StatusOr<LoadResult> Load(const std::string& mesh, const FeatureSource& source,
                                   const LoadParams& params = {});
-  // The same with `features` to add to `mesh`; `params` as above.
+  // Adds `features` to `mesh`; `params` and errors as above.
   absl::StatusOr<LoadResult> Load(const std::string& mesh, std::span<const Feature> features,
                                   const LoadParams& params = {});
-  // The features of `mesh` at a `revision`, by default the present one. OUT_OF_RANGE for one that
-  // the server does not have.
+  // The features of `mesh` at a `revision`, by default the current one. OUT_OF_RANGE (COMPACTED,
+  // FUTURE_REVISION) for one that the server does not have; FAILED_PRECONDITION (NO_HISTORY) for an
+  // earlier one of a server without a journal; JOURNAL_FAILED if it cannot be read. Calls GetMesh
+  // first.
   absl::StatusOr<codec::FeaturesAt> GetFeatures(const std::string& mesh,
                                                 std::optional<std::uint64_t> revision = {});
-  // Makes a new revision of `mesh` with the features of an earlier `revision`.
-  // `params`.validate_only and dimension are not looked at.
+  // Makes a new revision of `mesh` with the features of an earlier `revision`. Ignores
+  // `params`.validate_only and dimension. Errors as of GetFeatures and Apply.
   absl::StatusOr<EditResult> RevertTo(const std::string& mesh, std::uint64_t revision,
                                       const EditParams& params = {});
 
-  // A pipeline of batches to `mesh`. With `stop_on_error` a batch that is refused ends it. To be
-  // opened when there is a batch: a server does not wait for it for ever.
+  // A pipeline of batches to `mesh`. With `stop_on_error` a refused batch ends it. Open it when
+  // there is a batch to send: the server ends a stream without one after some minutes.
   std::unique_ptr<EditSession> OpenEdits(const std::string& mesh, bool stop_on_error = false);
 
-  // Follows `mesh` in a replica, as `options` say, until the session is destroyed. `listener` may
-  // be null; else it outlives the session.
+  // Follows `mesh` in a replica, as `options` say, until the session is destroyed. `listener` is
+  // null or outlives the session. Errors: WatchSession::ended.
   std::unique_ptr<WatchSession> Watch(const std::string& mesh, const WatchOptions& options,
                                       WatchListener* listener);
 
-  // The revisions of `mesh` from where `options` say, for a caller that keeps it itself.
+  // The revisions of `mesh` from where `options` say, for a caller that keeps the mesh itself.
+  // Errors: DiffStream::Next.
   std::unique_ptr<DiffStream> StreamDiffs(const std::string& mesh,
                                           const DiffStreamOptions& options);
 
-  // The present `mesh`, whole. With `regions`, ids of polygons: the simplices inside at least one
-  // of them, and what these need.
+  // The whole `mesh` at its current revision. With `regions`, ids of polygons: only the simplices
+  // inside at least one of them, with their vertices, subsegments and subfacets. Checks the hash:
+  // DATA_LOSS. INVALID_ARGUMENT if `regions` has more than 10,000 ids.
   absl::StatusOr<Mesh> GetSnapshot(const std::string& mesh,
                                    std::span<const FeatureId> regions = {});
-  // How the server and `mesh` are; an empty name asks for the server only.
+  // The state of the server and of `mesh`; an empty name: of the server only. Errors: those of
+  // every call.
   absl::StatusOr<ServerStatus> GetStats(const std::string& mesh = "");
-  // For each of n `points` (n x `dimension` coordinates, any n) a simplex of `mesh` that holds it.
+  // For each of n `points` (n x `dimension` coordinates, any n) the vertex ids of a simplex of
+  // `mesh` that contains it. The server applies the edits before it first. INVALID_ARGUMENT:
+  // `dimension` is not 2 or 3, the number of coordinates is not a multiple of the mesh's, or one is
+  // not finite (NOT_FINITE). RESOURCE_EXHAUSTED (QUEUE_FULL). ABORTED: the mesh changed between two
+  // RPCs of up to 30,000 points each; repeat the call.
   absl::StatusOr<Located> Locate(const std::string& mesh, int dimension,
                                  std::span<const double> points);
 

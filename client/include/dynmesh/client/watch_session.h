@@ -1,7 +1,12 @@
-// Follows one mesh: a Watch stream that feeds a replica, begins again from a snapshot
-// when an event does not fit, and reconnects when the connection breaks.
+// Follows one mesh: a Watch stream updates a replica. It starts again from a snapshot if an event
+// does not fit, and reconnects if the connection breaks.
 //
-// No thread belongs to a session: gRPC's own threads run it. Thread-safe.
+//   auto session = client->Watch("plate", {}, nullptr);
+//   if (session->WaitForRevision(result->diff.to_revision, absl::Seconds(5))) {
+//     session->Read([](const dynmesh::client::MeshReplica& replica) { Use(replica.mesh()); });
+//   }
+//
+// A session has no thread of its own: gRPC's threads run it. Thread-safe.
 #ifndef DYNMESH_CLIENT_WATCH_SESSION_H_
 #define DYNMESH_CLIENT_WATCH_SESSION_H_
 
@@ -18,66 +23,68 @@
 
 namespace dynmesh::client {
 
-// What is watched, and what happens when the connection breaks.
+// What is watched, and how the session reconnects.
 struct WatchOptions {
-  // Polygons: of the simplices, only those inside at least one of them. Empty: all. The
-  // replica's vertices, subsegments, subfacets and hash: see MeshReplica.
+  // Ids of polygons: only the simplices inside at least one of them. Empty: all. For vertices,
+  // subsegments, subfacets and hash see MeshReplica.
   std::vector<FeatureId> regions = {};
-  // Longest silence of the server; zero: its default.
+  // The longest interval between messages of the server; zero: its default.
   absl::Duration progress_interval = absl::ZeroDuration();
-  // Before the first reconnection; doubled before each further one.
+  // The pause before the first reconnection; doubled before each further one.
   absl::Duration first_pause = absl::Milliseconds(50);
-  // Before any reconnection.
+  // The longest pause before a reconnection.
   absl::Duration longest_pause = absl::Seconds(5);
-  // Reconnections in a row without an event before the session gives up. A server that starts
-  // answers UNAVAILABLE until it has all its meshes: by default it has a quarter of an hour for
-  // that.
+  // The most reconnections in a row without an event; then the session ends. A starting server
+  // answers UNAVAILABLE until it has recovered its meshes: the default allows a quarter of an hour.
   int max_attempts = 200;
 };
 
-// Told of what happens, one call at a time, by gRPC's threads: be quick. The replica
-// is the session's, to be read during the call only. Do not call the session here.
+// Receives the events of a session, one call at a time, on gRPC's threads: return quickly. The
+// replica is the session's; read it during the call only. Do not call the session here.
 class WatchListener {
  public:
   virtual ~WatchListener() = default;
-  // The mesh was replaced by a whole one.
+  // A snapshot replaced the mesh.
   virtual void OnSnapshot(const MeshReplica&) {}
-  // The mesh is at the next revision, by that diff.
+  // That diff was applied: the mesh is at the next revision.
   virtual void OnDiff(const MeshReplica&, const MeshDiff&) {}
-  // The server is there, and has nothing new.
+  // The server is alive and has nothing new.
   virtual void OnProgress(const MeshReplica&) {}
-  // The replica was broken or the connection lost; the session goes on.
+  // The replica is broken or the connection lost; the session continues.
   virtual void OnTrouble(const absl::Status&) {}
-  // Nothing will follow.
+  // The last call.
   virtual void OnEnd(const absl::Status&) {}
 };
 
-// A mesh that is followed; see watch_session.h.
+// A followed mesh; see watch_session.h.
 class WatchSession {
  public:
   virtual ~WatchSession() = default;  // as Stop
 
-  // Ends the session and returns when no listener call is under way. Not from a
-  // listener.
+  // Ends the session; returns when no listener call is running. Do not call it from a listener.
   virtual void Stop() = 0;
 
-  // Waits until `condition` holds of the replica, looked at after every event; false
-  // if it takes longer than `limit` or the session ends before.
+  // Waits until `condition` holds for the replica; evaluates it after every event. False if `limit`
+  // is exceeded or the session ends first.
   virtual bool WaitFor(const std::function<bool(const MeshReplica&)>& condition,
                        absl::Duration limit) = 0;
-  // The same for the replica to be at `revision` or a later one, within `limit`.
+  // Waits until the replica is at `revision` or a later one, at most `limit`.
   bool WaitForRevision(std::uint64_t revision, absl::Duration limit) {
     return WaitFor([revision](const MeshReplica& r) { return r.revision() >= revision; }, limit);
   }
 
-  // Runs `reader` on the replica while no event comes in between.
+  // Runs `reader` on the replica; no event is applied meanwhile.
   virtual void Read(const std::function<void(const MeshReplica&)>& reader) const = 0;
 
-  // The status with which the session ended, if it has.
+  // The status with which the session ended; nothing while it runs. CANCELLED after Stop. The
+  // session reconnects on UNAVAILABLE, CANCELLED, UNKNOWN, INTERNAL, RESOURCE_EXHAUSTED,
+  // DEADLINE_EXCEEDED and the stream's end, and starts from a snapshot on OUT_OF_RANGE or an event
+  // that does not fit. It ends after WatchOptions::max_attempts, or with any other status, such as
+  // NOT_FOUND (MESH_NOT_FOUND, MESH_DELETED).
   virtual std::optional<absl::Status> ended() const = 0;
-  // Snapshots taken after the first.
+  // Snapshots after the first.
   virtual int resyncs() const = 0;
-  // Streams opened after the first.
+  // Streams after the first.
   virtual int reconnects() const = 0;
 };
 

@@ -1,4 +1,7 @@
-// The features of a mesh at a revision, as a server tells them.
+// The features of a mesh at a revision, as returned by MeshClient::GetFeatures.
+//
+//   auto at = client->GetFeatures("plate", 7);
+//   auto mesh = dynmesh::BuildMesh(at->features, options);  // if at.ok()
 #ifndef DYNMESH_CODEC_FEATURES_AT_H_
 #define DYNMESH_CODEC_FEATURES_AT_H_
 
@@ -10,10 +13,10 @@
 
 namespace dynmesh::codec {
 
-// What was put into a mesh until a revision.
+// The feature set of a mesh at a revision.
 struct FeaturesAt {
-  std::uint64_t revision = 0;     // whose features these are
-  MeshHash hash;                  // of the mesh with them
+  std::uint64_t revision = 0;     // the revision of the features
+  MeshHash hash;                  // of the mesh at that revision
   std::vector<Feature> features;  // by id
 };
 
