@@ -13,7 +13,7 @@ namespace dynmesh::client {
 namespace {
 
 absl::Status Gap(const std::string& what) {
-  return absl::FailedPreconditionError(absl::StrCat(what, ": watch anew, from a snapshot"));
+  return absl::FailedPreconditionError(absl::StrCat(what, ": start a new watch, with a snapshot"));
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ void WriteMeshes(const MeshRegistry& meshes, MetricsText& out) {
   write("dynmesh_mesh_revision", "Revision.", [](const Row& r) { return r.stats.revision; });
   write("dynmesh_mesh_features", "Features.", [](const Row& r) { return r.stats.features; });
   write("dynmesh_mesh_vertices", "Vertices.", [](const Row& r) { return r.stats.vertices; });
-  write("dynmesh_mesh_simplices", "Triangles, in space tetrahedra.",
+  write("dynmesh_mesh_simplices", "Triangles, in 3D tetrahedra.",
         [](const Row& r) { return r.stats.simplices; });
   write("dynmesh_mesh_trace_bytes", "Memory of the trace, which makes edits quick.",
         [](const Row& r) { return r.stats.trace_bytes; });

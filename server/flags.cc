@@ -94,7 +94,7 @@ void AddSecurityFlags(CLI::App& app, ServerConfig& c) {
   app.add_flag("--insecure-listen", c.insecure_listen,
                "listen elsewhere than on loopback without TLS");
   app.add_option("--tokens", c.tokens_file,
-                 "file that says which tokens may do what; read again when it changes");
+                 "file of tokens and their roles; read again when it changes");
 }
 
 void AddMeshLimits(CLI::App& app, ServerConfig& c) {
@@ -111,7 +111,7 @@ void AddMeshLimits(CLI::App& app, ServerConfig& c) {
   AddCount<std::uint64_t>(app, "max-watchers", c.max_watchers, 0, "watches open");
   AddCount<std::uint64_t>(app, "max-edit-streams", c.max_edit_streams, 0, "edit streams open");
   AddCount<std::uint64_t>(app, "max-snapshot-streams", c.max_snapshot_streams, 0,
-                          "snapshots under way");
+                          "concurrent snapshots");
   AddCount<std::uint64_t>(app, "max-waiting-edits", c.max_waiting_edits, 1,
                           "batches that wait for one mesh");
   AddCount<std::uint64_t>(app, "history-revisions", c.history_revisions, 1, "diffs kept of a mesh");
@@ -130,22 +130,22 @@ void AddClientLimits(CLI::App& app, ServerConfig& c) {
                           "watches, edit streams, loads and snapshots open of one client, a token "
                           "or an address; 0: any number");
   AddCount<std::uint64_t>(app, "max-memory-bytes", c.max_memory_bytes, 0,
-                          "resident bytes above which nothing grows; 0: nine tenths of what there "
-                          "is");
+                          "resident bytes above which nothing grows; 0: nine tenths of "
+                          "the available memory");
   AddCount<std::uint64_t>(app, "max-connections", c.max_connections, 1, "connections open");
   AddCount(app, "max-streams-per-connection", c.max_streams_per_connection, 1,
            "calls open on one connection");
   AddSeconds(app, "handshake-timeout", c.handshake_timeout, 0.1,
-             "seconds for a client's first words");
+             "seconds for the TLS handshake and a client's first bytes of HTTP/2");
   AddSeconds(app, "keepalive-interval", c.keepalive_interval, 0.1,
-             "seconds of silence after which a client is asked whether it is there");
+             "seconds of silence after which a client is pinged");
   AddSeconds(app, "keepalive-timeout", c.keepalive_timeout, 0.1, "seconds for its answer");
   AddSeconds(app, "idle-timeout", c.idle_timeout, 0.1,
              "seconds without calls after which a connection is closed");
   AddSeconds(app, "batch-timeout", c.batch_timeout, 0.001,
              "seconds that a batch in pieces, or a load, waits for its next piece");
   AddSeconds(app, "send-timeout", c.send_timeout, 0,
-             "seconds until a call is ended whose client takes nothing of it; 0: never");
+             "seconds after which a call ends if its client reads nothing of it; 0: never");
 }
 
 // The line (from 1) of a key in a configuration file. If the key is there twice: the line with that
@@ -224,10 +224,10 @@ void AddFlags(CLI::App& app, Flags& f) {
       ->type_name("LOSS");
   AddCount<std::uint64_t>(
       app, "compact-bytes", c.compact_bytes, 0,
-      "bytes of a mesh's edits in the folder before a snapshot, from which it is made again");
+      "bytes of a mesh's edits in the folder before a snapshot, from which it is recovered");
   AddCount<std::uint64_t>(
       app, "compact-operations", c.compact_operations, 0,
-      "operations that a mesh's edits executed before a snapshot, from which it is made again");
+      "operations that a mesh's edits executed before a snapshot, from which it is recovered");
   AddMebibytes(app, "journal-history-mib", c.journal_history_bytes,
                "MiB kept in the folder of a mesh's past before that snapshot; at least back to the "
                "one before it");

@@ -227,7 +227,8 @@ struct Server::Impl {
     if (!IsLoopback(http->address())) {
       Log(LogLevel::kWarning, "exposed",
           {{"address", http->address()},
-           {"message", "metrics name the meshes to whoever can connect"}});
+           {"message",
+            "every client that can connect to the metrics reads the names of the meshes"}});
     }
     return absl::OkStatus();
   }
@@ -293,9 +294,10 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
     Log(LogLevel::kWarning, "exposed",
         {{"address", config.listen},
          {"encrypted", config.tls.enabled() ? "yes" : "no"},
-         {"message", authenticates ? "tokens and meshes cross the network unencrypted"
-                                   : "no authentication: whoever can connect can make, edit and "
-                                     "delete every mesh; give --tokens or --tls-client-ca"}});
+         {"message", authenticates
+                         ? "tokens and meshes cross the network unencrypted"
+                         : "no authentication: every client that can connect can make, edit "
+                           "and delete every mesh; give --tokens or --tls-client-ca"}});
   }
   return server;
 }

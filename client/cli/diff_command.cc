@@ -63,7 +63,7 @@ int Run(const DiffCommand& command) {
   const absl::StatusOr<io::MeshFiles> b = io::ReadMeshFiles(command.b);
   if (!b.ok()) return ReportError(b.status());
   if (a->mesh.dimension != b->mesh.dimension) {
-    return ReportError(absl::InvalidArgumentError("one mesh is of the plane, the other of space"));
+    return ReportError(absl::InvalidArgumentError("one mesh is 2D, the other 3D"));
   }
   const bool in_space = a->mesh.dimension == 3;
   const MeshComparison comparison = CompareMeshes(io::ToMesh(a->mesh), io::ToMesh(b->mesh));
@@ -80,8 +80,7 @@ void RegisterDiffCommand(CLI::App& app, CommandSlot& slot) {
   CLI::App* const sub = AddCommand(
       app, slot, "diff", "Compare two mesh files: exit code 0 if they are the same, 1 if not",
       [command] { return Run(*command); });
-  sub->add_option("A", command->a, "A mesh as .node, .ele and .edge; of space with .face")
-      ->required();
+  sub->add_option("A", command->a, "A mesh as .node, .ele and .edge; in 3D with .face")->required();
   sub->add_option("B", command->b, "Another")->required();
   sub->add_flag("--json", command->json, "Print one JSON object");
 }

@@ -34,7 +34,7 @@ absl::Status CheckFlags(const std::string& path, const FileStatsFlags& flags) {
 void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags) {
   command
       .add_option("--svg", flags.svg,
-                  "Of a file: draw histograms of its angles, in space the dihedral ones")
+                  "Of a file: draw histograms of its angles, in 3D the dihedral ones")
       ->type_name("OUT.svg");
   command.add_flag("--log", flags.log_scale, "Bars of the histograms by logarithm");
   command
@@ -44,11 +44,11 @@ void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags) {
       ->check(CLI::Range(200.0, 1e5));
   command
       .add_option("--rho", flags.rho,
-                  "Of a file: the quality it is judged by (default: sqrt 2, of space 2)")
+                  "Of a file: the quality it is judged by (default: sqrt 2, in 3D 2)")
       ->type_name("R");
   command
       .add_option("--min-dihedral", flags.min_dihedral,
-                  "Of a file of space: count the tetrahedra with a dihedral angle below this, 0 to "
+                  "Of a 3D file: count the tetrahedra with a dihedral angle below this, 0 to "
                   "20 degrees (default: 0, none)")
       ->type_name("DEGREES");
 }

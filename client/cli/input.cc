@@ -84,7 +84,7 @@ absl::Status Merge(const std::string& path, const InputFlags& flags, Input& inpu
 
 absl::Status RefuseMerge(const std::string& path) {
   return absl::InvalidArgumentError(
-      Concat("--merge-coplanar: ", path, " is of the plane; it joins faces of input of space"));
+      Concat("--merge-coplanar: ", path, " is 2D; it joins faces of 3D input"));
 }
 
 absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
@@ -105,7 +105,7 @@ absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
   WarnOfMarkers(file, path, input);
   if (const std::size_t places = file.holes.size() + file.regions.size(); places != 0) {
     input.warnings.push_back(
-        Concat(path, ": ", places, " place(s) of holes and regions of space ignored"));
+        Concat(path, ": ", places, " 3D seed(s) of holes and regions ignored"));
   }
   input.features = std::move(file.features);
   SetWhere(std::move(file), input);
@@ -219,7 +219,7 @@ absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path) {
 void AddInputFlags(CLI::App& command, InputFlags& flags) {
   CLI::Option* const merge =
       command.add_flag("--merge-coplanar", flags.merge_coplanar,
-                       "Of input of space: join faces that lie in one plane and share edges");
+                       "Of 3D input: join faces that lie in one plane and share edges");
   command
       .add_option("--coplanar-tolerance", flags.coplanar_tolerance,
                   "How far from the plane corners may be for that (default: 0, exactly in it); "

@@ -49,7 +49,7 @@ void AddInputFlags(CLI::App& command, InputFlags& flags);
 // regions are skipped with a warning. Errors as `file:line: ...`.
 inline constexpr char kInputKinds[] = ".node, .poly, .geojson, .topojson or an edit script";
 inline constexpr char kSpaceInputKinds[] =
-    ".node, .poly, .geojson, .topojson or an edit script; of space .node, .poly, .smesh, .off, "
+    ".node, .poly, .geojson, .topojson or an edit script; in 3D .node, .poly, .smesh, .off, "
     ".stl or .obj";
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags = {});
 // UNIMPLEMENTED for 3D features, for commands that support 2D only.

@@ -73,7 +73,7 @@ int Run(const MeshCommand& command) {
   if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
   if (command.outside == "holes" && input->options.dimension == 3) {
     return ReportError(absl::InvalidArgumentError(
-        absl::StrFormat("--outside: holes are marked in a .poly of the plane, and %s is of space; "
+        absl::StrFormat("--outside: holes are marked in a 2D .poly, and %s is 3D; "
                         "give ids of polygons",
                         command.input)));
   }

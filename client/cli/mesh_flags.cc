@@ -54,7 +54,7 @@ absl::Status CheckMinDihedralFlag(std::optional<double> min_dihedral, const std:
                                   int dimension) {
   if (!min_dihedral || dimension == 3) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      data::Concat("--min-dihedral: ", path, " is of the plane, and dihedral angles are of space"));
+      data::Concat("--min-dihedral: ", path, " is 2D, and dihedral angles are of 3D"));
 }
 
 void AddBoxFlag(CLI::App& command, std::string& text) {
@@ -73,7 +73,7 @@ absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options) {
 void AddRegionFlag(CLI::App& command, std::string& text) {
   command
       .add_option("--region", text,
-                  "Only what lies in at least one of these polygons (any: in any at all); in space "
+                  "Only what lies in at least one of these polygons (any: in any at all); in 3D "
                   "in closed surfaces, each by the id that `dynmesh stats` has for it")
       ->type_name("ID[,ID...]|any");
 }
@@ -95,8 +95,8 @@ absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text) {
 void AddOutsideFlag(CLI::App& command, std::string& text) {
   command
       .add_option("--outside", text,
-                  "Nothing that lies in one of these polygons (holes: in one that a .poly of the "
-                  "plane marks as a hole); in space in closed surfaces, each by the id that "
+                  "Nothing that lies in one of these polygons (holes: in one that a 2D .poly "
+                  "marks as a hole); in 3D in closed surfaces, each by the id that "
                   "`dynmesh stats` has for it")
       ->type_name("ID[,ID...]|holes");
 }

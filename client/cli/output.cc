@@ -77,21 +77,19 @@ absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Me
 
 void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
   command
-      .add_option(
-          "-o,--output", flags.paths,
-          "Where to write the mesh: .node (with .ele, .edge and, of space, .face beside it), "
-          ".vtu, .msh (Gmsh 4.1), .mesh (Medit) or .svg; may be given several times")
+      .add_option("-o,--output", flags.paths,
+                  "Where to write the mesh: .node (with .ele, .edge and, in 3D, .face beside it), "
+                  ".vtu, .msh (Gmsh 4.1), .mesh (Medit) or .svg; may be given several times")
       ->type_name("OUT")
       ->take_all()
       ->allow_extra_args(false);
   command
-      .add_option(
-          "--fill", flags.fill,
-          "Colours of a picture (default: angle; plain with --highlight): by least angle, "
-          "in space dihedral (dihedral: with a legend), by circumradius / shortest edge, by "
-          "shortest edge, by whether a small input angle excuses a triangle over rho and, "
-          "with a legend, which tetrahedra are below --min-dihedral, by the polygons it "
-          "lies in")
+      .add_option("--fill", flags.fill,
+                  "Colours of a picture (default: angle; plain with --highlight): by least angle, "
+                  "in 3D dihedral (dihedral: with a legend), by circumradius / shortest edge, by "
+                  "shortest edge, by whether a small input angle excuses a triangle over rho and, "
+                  "with a legend, which tetrahedra are below --min-dihedral, by the polygons it "
+                  "lies in")
       ->type_name("angle|dihedral|quality|size|exempt|region|plain|none");
   command
       .add_option("--crop", flags.crop,
@@ -100,7 +98,7 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
       ->type_name("X0,Y0,X1,Y1");
   command
       .add_option("--cut", flags.cut,
-                  "Of a mesh of space, a picture shows a cut across an axis, as z=0.5 (default: "
+                  "Of a 3D mesh, a picture shows a cut across an axis, as z=0.5 (default: "
                   "across z, in the middle of the box)")
       ->type_name("AXIS=PLACE");
   command.add_option("--width", flags.width, "Width of a picture in pixels (default: 1000)")

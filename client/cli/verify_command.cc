@@ -120,13 +120,13 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
       AddCommand(app, slot, "verify",
                  "Check a mesh file with exact predicates: exit code 0 if it is good, 1 if not",
                  [command] { return Run(*command); });
-  sub->add_option("MESH", command->mesh, "A mesh as .node, .ele and .edge; of space with .face")
+  sub->add_option("MESH", command->mesh, "A mesh as .node, .ele and .edge; in 3D with .face")
       ->required();
   sub->add_option("--input", command->input,
                   std::string("What it was made of: ") + kSpaceInputKinds)
       ->type_name("INPUT");
   AddInputFlags(*sub, command->reading);
-  sub->add_option("--rho", command->rho, "The quality asked for (default: sqrt 2, of space 2)")
+  sub->add_option("--rho", command->rho, "The quality asked for (default: sqrt 2, in 3D 2)")
       ->type_name("R");
   sub->add_option("--min-dihedral", command->min_dihedral,
                   "Of space: no dihedral angle may be below this, 0 to 20 degrees; a mesh made "

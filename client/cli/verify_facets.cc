@@ -241,7 +241,7 @@ class FacetCheck {
       if (count == wanted) continue;
       findings_.Add(Concat(EdgeName(e.first, e.second), " has ", count,
                            " subfacets of input polygon ", f.id,
-                           wanted == 1 ? ", on whose edge it is" : ", in which it is"));
+                           wanted == 1 ? ", which has it on an edge" : ", in which it is"));
       return false;
     }
     return true;

@@ -454,7 +454,7 @@ absl::StatusOr<SvgOptions::Fill> ParseFill(std::string_view text) {
 absl::Status CheckFill(SvgOptions::Fill fill, int dimension) {
   if (fill != SvgOptions::Fill::kDihedral || dimension == 3) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      "a fill by dihedral angle is of space, and the mesh is of the plane: use angle");
+      "a fill by dihedral angle is of 3D, and the mesh is 2D: use angle");
 }
 
 }  // namespace dynmesh::io

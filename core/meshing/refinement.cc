@@ -525,7 +525,7 @@ std::uint64_t Refinement<D, E>::Audit(std::vector<std::string>* problems) const 
       inputs += v.present && v.creator == sac::kNoOp;
     }
     if (present != vertex_count_) problems->push_back("vertices present are not those counted");
-    if (present != made + inputs) problems->push_back("a vertex is present that nobody made");
+    if (present != made + inputs) problems->push_back("a vertex is present that no operation made");
     return hash;
   }
 }

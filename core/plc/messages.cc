@@ -275,12 +275,12 @@ absl::Status CheckRings(FeatureId id, const Rings& rings, EditIndex edit) {
 
 absl::Status CheckQuality(FeatureId id, const MeshOptions& options, EditIndex edit) {
   if (options.dimension == 2 || options.quality >= kMinPolygonQuality3D) return absl::OkStatus();
-  return Error(absl::StatusCode::kFailedPrecondition, reason::kQualityTooLow, {id}, edit,
-               absl::StrCat("polygon ", id, " is in a mesh of space of quality (rho) ",
-                            Shortest(options.quality), ", which has none below ",
-                            Shortest(kMinPolygonQuality3D), ": refinement beside them might not ",
-                            "end; make the mesh with ", Shortest(kMinPolygonQuality3D),
-                            " or more, or leave polygons out"));
+  return Error(
+      absl::StatusCode::kFailedPrecondition, reason::kQualityTooLow, {id}, edit,
+      absl::StrCat("polygon ", id, " is in a 3D mesh of quality (rho) ", Shortest(options.quality),
+                   ", which has none below ", Shortest(kMinPolygonQuality3D),
+                   ": refinement beside them might not ", "end; make the mesh with ",
+                   Shortest(kMinPolygonQuality3D), " or more, or leave polygons out"));
 }
 
 absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
@@ -320,9 +320,8 @@ absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit,
                  absl::StrCat("sizing feature ", size.id, " at ", Text(size.at), " ", what));
   };
   if (D == 3 && s.shape == SizeShape::kPolygon) {
-    return refuse(
-        reason::kBadSize,
-        "is a sizing polygon, which has no inside in space; give a point, a disc or a box");
+    return refuse(reason::kBadSize,
+                  "is a sizing polygon, which has no inside in 3D; give a point, a disc or a box");
   }
   if (s.shape == SizeShape::kPolygon) {
     if (absl::Status status = CheckRings(size.id, size.rings, edit); !status.ok()) return status;

@@ -727,7 +727,7 @@ std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op,
     sum += mix(mix(h, requests), mix(op.refs, op.kind));
     for (const Place p : places(id)) {
       if (p >= subscribed.size()) {
-        complain(id, "names a place where nobody subscribes");
+        complain(id, "names a place without its subscription");
       } else {
         subscribed[p] += mix(1, id);
       }

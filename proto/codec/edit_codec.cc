@@ -184,8 +184,8 @@ absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
   if (!proto.has_box()) return OptionError("box", "is missing: say where features may lie");
   for (const v1::Point* corner : {&proto.box().lo(), &proto.box().hi()}) {
     if (corner->has_z() != (options.dimension == 3)) {
-      return OptionError("box", options.dimension == 3 ? "its corners need a z"
-                                                       : "its corners have a z in the plane");
+      return OptionError(
+          "box", options.dimension == 3 ? "its corners need a z" : "its corners have a z in 2D");
     }
   }
   DecodeCorner(proto.box().lo(), &options.box.lo);

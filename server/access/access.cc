@@ -117,7 +117,7 @@ absl::StatusOr<Pass> Access::Admit(const Caller& caller) {
   if (table == nullptr) {
   } else if (!caller.authorization.has_value()) {
     refused = Unauthenticated(codec::reason::kTokenMissing, pass.client_,
-                              "this server asks for a token: metadata authorization: Bearer TOKEN "
+                              "this server requires a token: metadata authorization: Bearer TOKEN "
                               "(dynmesh --token-file, or DYNMESH_TOKEN)");
   } else {
     const auto shown = BearerToken(*caller.authorization);
@@ -150,7 +150,7 @@ absl::StatusOr<Access::Stream> Access::Open(const Pass& pass, Role role, absl::s
   now.client_ = pass.client_;
   now.token_ = Current(*pass.token_);
   if (now.token_ == nullptr) {
-    return Unauthenticated(codec::reason::kTokenUnknown, pass.client_, "the token was taken out");
+    return Unauthenticated(codec::reason::kTokenUnknown, pass.client_, "the token was removed");
   }
   if (absl::Status status = now.CheckId(role, mesh_id); !status.ok()) return status;
   stream.access_ = this;

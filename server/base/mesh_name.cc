@@ -77,10 +77,11 @@ absl::Status JournalError(const absl::Status& status, absl::string_view id) {
   if (may_pass) error.retry_after = kRetryJournal;
   return codec::MakeServiceError(
       may_pass ? absl::StatusCode::kUnavailable : absl::StatusCode::kDataLoss,
-      absl::StrCat(MeshName(id),
-                   ": nothing was changed, since it could not be written down: ", status.message(),
-                   may_pass ? "; see to the server's disk and try again"
-                            : "; restore the server's data folder"),
+      absl::StrCat(
+          MeshName(id),
+          ": nothing was changed, since it could not be written to the journal: ", status.message(),
+          may_pass ? "; see to the server's disk and try again"
+                   : "; restore the server's data folder"),
       error);
 }
 

@@ -44,7 +44,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
     if (ok) {
       Send();
     } else {
-      Fail(WhyCut(*context_, sender_, "the client is gone"));
+      Fail(WhyCut(*context_, sender_, "the client disconnected"));
     }
   }
   void OnCancel() override {
@@ -65,7 +65,7 @@ class ChunksCall : public grpc::ServerWriteReactor<Chunk> {
     absl::StatusOr<MeshRegistry::HostPtr> host = context.registry->Find(mesh);
     if (!host.ok()) return host.status();
     absl::StatusOr<StreamPlace> place =
-        TakeStream(context, context.snapshot_streams, "snapshots under way", pass_);
+        TakeStream(context, context.snapshot_streams, "concurrent snapshots", pass_);
     if (!place.ok()) return place.status();
     place_ = *std::move(place);
     host_ = *host;

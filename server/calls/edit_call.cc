@@ -41,7 +41,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
     if (ok) {
       Send();
     } else {
-      Fail(WhyCut(context_, sender_, "the client is gone"));
+      Fail(WhyCut(context_, sender_, "the client disconnected"));
     }
   }
   void OnCancel() override {
@@ -78,7 +78,7 @@ class EditCall final : public grpc::ServerWriteReactor<v1::MeshDiff> {
 
   // Holds the features of two revisions until it is done, as much memory as a snapshot.
   absl::Status HandIn(const v1::RevertToRequest& request, EditRequest taken) {
-    absl::StatusOr<Lease> lease = TakeStream(context_.snapshot_streams, "snapshots under way");
+    absl::StatusOr<Lease> lease = TakeStream(context_.snapshot_streams, "concurrent snapshots");
     if (!lease.ok()) return lease.status();
     snapshot_lease_ = *std::move(lease);
     taken.job.source = source_ = EditSource::kRevert;

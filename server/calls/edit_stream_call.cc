@@ -82,7 +82,7 @@ class EditStreamCall final : public grpc::ServerBidiReactor<Received<v1::EditBat
       const std::lock_guard lock(mutex_);
       if (!ok) {
         broken_ = true;
-        EndLocked(WhyCut(context_, sender_, "the client is gone"));
+        EndLocked(WhyCut(context_, sender_, "the client disconnected"));
       }
       if (broken_ || current_->finished()) {
         context_.metrics->edits.of(EditSource::kEdit)

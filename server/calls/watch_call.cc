@@ -51,7 +51,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   }
   void OnCancel() override {
     if (subscription_ != nullptr && subscription_->Cancel())
-      Finish(codec::ToGrpcStatus(WhyCut(*context_, sender_, "the client is gone")));
+      Finish(codec::ToGrpcStatus(WhyCut(*context_, sender_, "the client disconnected")));
   }
   void OnDone() override {
     allowed_.Close();
@@ -97,7 +97,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     if (ok) {
       Pump();
     } else {
-      Finish(codec::ToGrpcStatus(WhyCut(*context_, sender_, "the client is gone")));
+      Finish(codec::ToGrpcStatus(WhyCut(*context_, sender_, "the client disconnected")));
     }
   }
 
@@ -137,7 +137,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
   // the number of filtered ones counts against the limit of snapshots.
   bool Filter(WatchItem& item) {
     if (std::holds_alternative<std::shared_ptr<const Mesh>>(item)) {
-      absl::StatusOr<Lease> lease = TakeStream(context_->snapshot_streams, "snapshots under way");
+      absl::StatusOr<Lease> lease = TakeStream(context_->snapshot_streams, "concurrent snapshots");
       if (!lease.ok()) {
         Finish(codec::ToGrpcStatus(lease.status()));
         return false;

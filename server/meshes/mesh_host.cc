@@ -108,7 +108,7 @@ MeshHost::MeshHost(std::string id, std::unique_ptr<DynamicMesh> mesh, absl::Time
                                           : RequestMemory(options.remembered_requests)),
       stats_(mesh_->Stats()) {}
 
-MeshHost::~MeshHost() { hub_->Close(absl::UnavailableError("the mesh is gone")); }
+MeshHost::~MeshHost() { hub_->Close(absl::UnavailableError("the mesh was closed")); }
 
 absl::Status MeshHost::Apply(EditJob job) {
   const auto self = shared_from_this();  // the job may finish and release the last other reference

@@ -99,10 +99,10 @@ class Replay {
   }
   static absl::Status At(std::uint64_t revision, const absl::Status& status) {
     return absl::DataLossError(absl::StrCat(
-        "revision ", revision, " cannot be made again from the journal: ", status.message()));
+        "revision ", revision, " cannot be recovered from the journal: ", status.message()));
   }
   absl::Status OtherHash(std::uint64_t revision, const MeshHash& expected) const {
-    return absl::DataLossError(absl::StrCat("revision ", revision, " made again has the hash ",
+    return absl::DataLossError(absl::StrCat("revision ", revision, " recovered has the hash ",
                                             out_.mesh->hash().ToHex(), ", not ", expected.ToHex()));
   }
 

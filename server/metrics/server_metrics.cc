@@ -82,13 +82,14 @@ RecoveryMetrics::RecoveryMetrics(MetricRegistry& registry)
                              .AddCounters("dynmesh_recovery_entries_done_total",
                                           "Snapshots and batches of these that are meshes again.")
                              .With()),
-      damaged(
-          registry
-              .AddGauges("dynmesh_recovery_meshes_damaged",
-                         "Meshes that could not be made again from the journal, or lack what was "
-                         "acknowledged.")
-              .With()),
-      seconds(registry.AddGauges("dynmesh_recovery_seconds", "What making the meshes again took.")
+      damaged(registry
+                  .AddGauges("dynmesh_recovery_meshes_damaged",
+                             "Meshes that could not be recovered from the journal, or lack "
+                             "acknowledged changes.")
+                  .With()),
+      seconds(registry
+                  .AddGauges("dynmesh_recovery_seconds",
+                             "Seconds that the recovery of the meshes took.")
                   .With()) {}
 
 }  // namespace dynmesh::server

@@ -210,7 +210,7 @@ def main() -> None:
                         help="where dynmesh and dynmesh_cgal_mesh_3 are")
     parser.add_argument("--corpus", type=pathlib.Path, help="a folder of OFF files")
     parser.add_argument("--out", type=pathlib.Path, default="RESULTS.md")
-    parser.add_argument("--only", help="inputs whose name begins so; writes no section")
+    parser.add_argument("--only", help="inputs with names that begin so; writes no section")
     arguments = parser.parse_args()
     rows: list[str] = []
     for given in inputs(arguments.corpus, arguments.quick):

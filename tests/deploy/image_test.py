@@ -178,7 +178,7 @@ class Client:
         """A live process is healthy, even during recovery."""
         deadline = time.monotonic() + CLIENT
         while self.container.run(("dynmesh", "stats"), CLIENT)[0] != 0:
-            expect(time.monotonic() < deadline, "the server is healthy, and answers nobody")
+            expect(time.monotonic() < deadline, "the server is healthy, but does not answer")
             time.sleep(0.1)
 
     def start(self, *words):

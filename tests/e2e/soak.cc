@@ -71,8 +71,8 @@ void AddFlags(CLI::App& app, Settings& s) {
   add("--vertices", s.vertices,
       "of the first mesh; the others have a fifth, a tenth (space), a 20th");
   add("--watchers", s.audience.watchers, "of all meshes together");
-  add("--slow", s.audience.slow, "of these, who pause between events");
-  add("--restless", s.audience.restless, "of these, who hang up and come back");
+  add("--slow", s.audience.slow, "of these, which pause between events");
+  add("--restless", s.audience.restless, "of these, which disconnect and return");
   add("--sessions", s.audience.sessions, "of these, with a mesh of their own in a WatchSession");
   add("--nap-seconds", s.audience.nap_seconds, "mean pause of the slow and the restless");
   app.add_flag("--idle-watchers", s.idle_watchers,

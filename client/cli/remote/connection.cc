@@ -47,7 +47,7 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags) {
   CLI::Option* const ca =
       command
           .add_option("--tls-ca", flags.tls_ca,
-                      "Use TLS; PEM file of who signed the server's certificate")
+                      "Use TLS; PEM file of the authority that signed the server's certificate")
           ->type_name("FILE");
   CLI::Option* const certificate =
       command.add_option("--tls-cert", flags.tls_certificate, "PEM file: the certificate to show")
@@ -68,7 +68,8 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags) {
 absl::StatusOr<data::RegionChoice> ParseServerRegionFlag(const std::string& text) {
   absl::StatusOr<data::RegionChoice> choice = ParseRegionFlag(text);
   if (!choice.ok() || !choice->in_any) return choice;
-  return absl::InvalidArgumentError("--region: a server has to be told which polygons, not any");
+  return absl::InvalidArgumentError(
+      "--region: name the polygons by their ids; a server does not take any");
 }
 
 absl::StatusOr<std::unique_ptr<client::MeshClient>> Connect(const ServerFlags& flags) {

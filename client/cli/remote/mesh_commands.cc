@@ -126,7 +126,7 @@ void RegisterCreateCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_option(
       "--rho", command->mesh.rho,
       "Largest circumradius / shortest edge, 1 to 100, from 1.4142 with criterion thesis "
-      "(default: sqrt 2); in space 1.2 to 100, from 1.4 with polygons, from 2 with criterion "
+      "(default: sqrt 2); in 3D 1.2 to 100, from 1.4 with polygons, from 2 with criterion "
       "thesis (default: 2)");
   sub->add_option("--criterion", command->mesh.criterion, "What rho bounds (default: edge)")
       ->type_name("edge|thesis");

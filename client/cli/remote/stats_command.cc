@@ -133,8 +133,8 @@ void RegisterStatsCommand(CLI::App& app, CommandSlot& slot) {
   sub->add_option("MESH", command->mesh,
                   "Its id (default: of the server only), or a .node file, which needs no server");
   command->watch = sub->add_option("--watch", command->watch_seconds,
-                                   "A table of the server's meshes, made anew every so many "
-                                   "seconds (default: 2) until Ctrl-C")
+                                   "A table of the server's meshes, refreshed every SECONDS "
+                                   "(default: 2) until Ctrl-C")
                        ->type_name("SECONDS")
                        ->expected(0, 1);
   sub->add_option("--count", command->count, "With --watch: end after so many tables")

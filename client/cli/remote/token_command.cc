@@ -36,7 +36,7 @@ void RegisterTokenCommand(CLI::App& app, CommandSlot& slot) {
   CLI::App* const sub = AddCommand(
       app, slot, "token", "Make a random token, and the line for the file of `dynmeshd --tokens`",
       [command] { return Run(*command); });
-  sub->add_option("NAME", command->name, "Whose it is, for that line");
+  sub->add_option("NAME", command->name, "Name of the token's owner, for that line");
   sub->add_option("--role", command->role, "What it may do (default: read)")
       ->check(CLI::IsMember({"read", "edit", "admin"}));
   sub->add_option("--meshes", command->meshes, "With which meshes: an id, or crack-* (default: *)");

@@ -313,11 +313,11 @@ class _Local:
         return [self._core.apply(batch, progress, False)]
 
     def revert(self, mesh: Mesh, revision: int) -> list[Any]:
-        raise DynmeshError("a mesh in process keeps no past: apply the inverse edits")
+        raise DynmeshError("a mesh in process keeps no history: apply the inverse edits")
 
     def features(self, revision: Optional[int]) -> list[dict[str, Any]]:
         if revision is not None:
-            raise DynmeshError("a mesh in process keeps no past")
+            raise DynmeshError("a mesh in process keeps no history")
         return self._core.features()
 
     def locate(self, points: Array) -> tuple[int, Array]:

@@ -220,7 +220,7 @@ TEST_F(CommandLine, StatsOfAFileNeedNoServer) {
   for (const std::string command : {"stats", "verify"}) {
     const Outcome refused = Run(command + " m.node --min-dihedral 10");
     EXPECT_EQ(refused.code, 2);
-    EXPECT_NE(refused.err.find("m.node is of the plane"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("m.node is 2D"), std::string::npos) << refused.err;
   }
 }
 

@@ -340,7 +340,7 @@ TEST_F(SpaceCommands, InThePlaneThereAreNoFacesToMerge) {
   for (const std::string input : {"s.dynmesh", "p.node", "p.poly", "p.geojson"}) {
     const Outcome refused = Run("mesh " + input + " --merge-coplanar");
     EXPECT_EQ(refused.code, 2) << input;
-    EXPECT_NE(refused.err.find(input + " is of the plane"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find(input + " is 2D"), std::string::npos) << refused.err;
   }
   EXPECT_EQ(Run("mesh s.dynmesh --coplanar-tolerance 1").code, 2);  // of what?
 }
@@ -374,7 +374,7 @@ TEST_F(SpaceCommands, HolesOfSpaceAreNotLeftOut) {
   WriteMeshAndInput();
   const Outcome refused = Run("mesh input.poly --outside holes");
   EXPECT_EQ(refused.code, 2);
-  EXPECT_NE(refused.err.find("input.poly is of space"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("input.poly is 3D"), std::string::npos) << refused.err;
 }
 
 TEST_F(SpaceCommands, ExtensionsAreThoseOfAnyCase) {

@@ -193,7 +193,7 @@ TEST(Progress, AnotherThreadMayCancelAtAnyStage) {
     EXPECT_TRUE(absl::IsCancelled(mesh.Apply(load, options).status()));
     canceller.join();
     ExpectSound(told, false);
-    EXPECT_EQ(told.back().stage, stage) << "nobody is told of an undoing";
+    EXPECT_EQ(told.back().stage, stage) << "undoing is not reported";
     EXPECT_EQ(mesh.hash(), before);
     EXPECT_EQ(mesh.Audit().trace, trace);
   }

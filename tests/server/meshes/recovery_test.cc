@@ -432,7 +432,7 @@ TEST_F(OtherBitsTest, ASnapshotThatWasNotWrittenIsNotMissed) {
       EXPECT_TRUE(server_->Host()->hub()->Subscribe({.revision = 4}, [] {}).ok());
     } else {
       const absl::Status damage = (*server_)->Find("meshes/m").status();
-      EXPECT_TRUE(absl::StrContains(damage.message(), "revision 4 made again has the hash"))
+      EXPECT_TRUE(absl::StrContains(damage.message(), "revision 4 recovered has the hash"))
           << damage;
     }
   }
