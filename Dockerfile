@@ -3,7 +3,7 @@
 #   docker build -t dynmesh .
 #   docker run --rm --read-only --stop-timeout 30 -p 127.0.0.1:7878:7878 -v meshes:/var/lib/dynmesh dynmesh
 #
-# As it is, whoever reaches the container, other containers of its network too, may do everything.
+# As it is, every client that reaches the container, from its network too, may do everything.
 # What follows the image's name takes the place of that; certificate, key and tokens have to be
 # readable for user 10001 (`dynmesh token` makes a token, and its line for the file):
 #   docker run ... -v /etc/dynmesh:/etc/dynmesh:ro dynmesh --tls-cert /etc/dynmesh/server.pem \

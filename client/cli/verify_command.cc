@@ -7,8 +7,8 @@
 #include "client/cli/input.h"
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
-#include "client/cli/verify.h"
 #include "client/cli/words.h"
+#include "client/verify/verify.h"
 #include "core/io/mesh_files.h"
 #include "dynmesh/options.h"
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env node
 // Derives coastline-110m.poly from the npm package world-atlas. Run once, by hand; the
-// result is committed, so that nobody needs node or the network to use it.
+// result is committed, so that no build needs node or the network to use it.
 //
 //   npm pack world-atlas@2.0.2 && tar xzf world-atlas-2.0.2.tgz
 //   deploy/data/derive-coastline.mjs package/land-110m.json > deploy/data/coastline-110m.poly

@@ -13,7 +13,7 @@
 #include <tuple>
 #include <vector>
 
-#include "client/cli/verify.h"
+#include "client/verify/verify.h"
 #include "core/io/indexed_mesh.h"
 #include "tests/differential/differential.h"
 #include "tests/support/asked.h"

@@ -210,9 +210,9 @@ TEST_F(RemoteCommandsTest, ErrorsNameTheLineAndHaveTheirExitCodes) {
   EXPECT_EQ(RunDynmesh({}).code, kExitBadInput);
   const std::string live = daemon_.address();
   EXPECT_EQ(daemon_.End(SIGTERM), 0);
-  const Ran nobody = RunDynmesh({"list", "--server", live});
-  EXPECT_EQ(nobody.code, kExitFailed);
-  EXPECT_NE(nobody.err, "");
+  const Ran unreachable = RunDynmesh({"list", "--server", live});
+  EXPECT_EQ(unreachable.code, kExitFailed);
+  EXPECT_NE(unreachable.err, "");
 }
 
 TEST_F(RemoteCommandsTest, AFileIsLoadedAsOneRevisionAndKept) {

@@ -1,6 +1,6 @@
 #include <optional>
 
-#include "client/cli/verify.h"
+#include "client/verify/verify.h"
 #include "core/io/mesh_files.h"
 #include "dynmesh/quality.h"
 #include "tests/fuzz/small_mesh.h"

@@ -1,13 +1,13 @@
 // The text of a report of `verify`, for assertions.
-#ifndef DYNMESH_TESTS_CLIENT_CLI_REPORT_TEXT_H_
-#define DYNMESH_TESTS_CLIENT_CLI_REPORT_TEXT_H_
+#ifndef DYNMESH_TESTS_CLIENT_VERIFY_REPORT_TEXT_H_
+#define DYNMESH_TESTS_CLIENT_VERIFY_REPORT_TEXT_H_
 
 #include <gtest/gtest.h>
 
 #include <set>
 #include <string>
 
-#include "client/cli/verify.h"
+#include "client/verify/verify.h"
 
 namespace dynmesh::cli {
 
@@ -31,4 +31,4 @@ inline std::string Describe(const VerifyReport& report) {
 
 }  // namespace dynmesh::cli
 
-#endif  // DYNMESH_TESTS_CLIENT_CLI_REPORT_TEXT_H_
+#endif  // DYNMESH_TESTS_CLIENT_VERIFY_REPORT_TEXT_H_

@@ -1,4 +1,4 @@
-#include "tests/client/cli/good_mesh.h"
+#include "tests/client/verify/good_mesh.h"
 
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

@@ -38,8 +38,8 @@
 //                flood fill across all faces that are not subfacets
 //   dihedral     (if a bound is given) no smaller dihedral angle, exactly if close to the bound;
 //                without exemptions for small input angles
-#ifndef DYNMESH_CLIENT_CLI_VERIFY_H_
-#define DYNMESH_CLIENT_CLI_VERIFY_H_
+#ifndef DYNMESH_CLIENT_VERIFY_VERIFY_H_
+#define DYNMESH_CLIENT_VERIFY_VERIFY_H_
 
 #include <cstdint>
 #include <optional>
@@ -85,4 +85,4 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
 
 }  // namespace dynmesh::cli
 
-#endif  // DYNMESH_CLIENT_CLI_VERIFY_H_
+#endif  // DYNMESH_CLIENT_VERIFY_VERIFY_H_

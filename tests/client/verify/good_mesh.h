@@ -1,7 +1,7 @@
 // Meshes that `verify` must accept, made independently of the mesher: CGAL's Delaunay triangulation
 // of random points in a box, with some segments.
-#ifndef DYNMESH_TESTS_CLIENT_CLI_GOOD_MESH_H_
-#define DYNMESH_TESTS_CLIENT_CLI_GOOD_MESH_H_
+#ifndef DYNMESH_TESTS_CLIENT_VERIFY_GOOD_MESH_H_
+#define DYNMESH_TESTS_CLIENT_VERIFY_GOOD_MESH_H_
 
 #include <cstdint>
 #include <vector>
@@ -33,4 +33,4 @@ GoodMesh MakeGridMesh(int n);
 
 }  // namespace dynmesh::testing
 
-#endif  // DYNMESH_TESTS_CLIENT_CLI_GOOD_MESH_H_
+#endif  // DYNMESH_TESTS_CLIENT_VERIFY_GOOD_MESH_H_

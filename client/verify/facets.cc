@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
-#include "client/cli/verify_internal.h"
+#include "client/verify/verify_internal.h"
 #include "core/data/text.h"
 
 namespace dynmesh::cli {

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/verify.h"
-#include "client/cli/verify_internal.h"
+#include "client/verify/verify.h"
+#include "client/verify/verify_internal.h"
 #include "gtest/gtest.h"
-#include "tests/client/cli/good_mesh.h"
-#include "tests/client/cli/report_text.h"
+#include "tests/client/verify/good_mesh.h"
+#include "tests/client/verify/report_text.h"
 
 namespace dynmesh::cli {
 namespace {

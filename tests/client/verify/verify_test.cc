@@ -1,6 +1,6 @@
 // `verify` must accept every good mesh and find every kind of damage, by the right
 // check.
-#include "client/cli/verify.h"
+#include "client/verify/verify.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/verify_internal.h"
+#include "client/verify/verify_internal.h"
 #include "dynmesh/quality.h"
 #include "gtest/gtest.h"
-#include "tests/client/cli/good_mesh.h"
-#include "tests/client/cli/report_text.h"
+#include "tests/client/verify/good_mesh.h"
+#include "tests/client/verify/report_text.h"
 
 namespace dynmesh::cli {
 namespace {

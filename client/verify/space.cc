@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "client/cli/verify_internal.h"
+#include "client/verify/verify_internal.h"
 #include "core/data/text.h"
 
 namespace dynmesh::cli {

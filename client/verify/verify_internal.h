@@ -1,6 +1,6 @@
 // The parts of `verify`, for verify.cc and its tests (verify.h describes the checks).
-#ifndef DYNMESH_CLIENT_CLI_VERIFY_INTERNAL_H_
-#define DYNMESH_CLIENT_CLI_VERIFY_INTERNAL_H_
+#ifndef DYNMESH_CLIENT_VERIFY_VERIFY_INTERNAL_H_
+#define DYNMESH_CLIENT_VERIFY_VERIFY_INTERNAL_H_
 
 #include <array>
 #include <cstddef>
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/cli/verify.h"
+#include "client/verify/verify.h"
 
 namespace dynmesh::cli {
 
@@ -165,4 +165,4 @@ double Slack(double shortest, double ulp);
 
 }  // namespace dynmesh::cli
 
-#endif  // DYNMESH_CLIENT_CLI_VERIFY_INTERNAL_H_
+#endif  // DYNMESH_CLIENT_VERIFY_VERIFY_INTERNAL_H_

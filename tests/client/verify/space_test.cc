@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/verify.h"
-#include "client/cli/verify_internal.h"
+#include "client/verify/verify.h"
+#include "client/verify/verify_internal.h"
 #include "dynmesh/quality.h"
 #include "gtest/gtest.h"
-#include "tests/client/cli/report_text.h"
+#include "tests/client/verify/report_text.h"
 #include "tests/core/io/good_space_mesh.h"
 
 namespace dynmesh::cli {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "client/cli/verify_internal.h"
+#include "client/verify/verify_internal.h"
 #include "core/data/text.h"
 
 namespace dynmesh::cli {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/verify_internal.h"
+#include "client/verify/verify_internal.h"
 
 namespace dynmesh::cli {
 namespace {

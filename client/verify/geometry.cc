@@ -1,7 +1,7 @@
 // The checks that need exact predicates: CGAL's kernel decides.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
-#include "client/cli/verify_internal.h"
+#include "client/verify/verify_internal.h"
 #include "core/data/text.h"
 
 namespace dynmesh::cli {

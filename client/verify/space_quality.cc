@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include "client/cli/verify_internal.h"
+#include "client/verify/verify_internal.h"
 #include "core/data/text.h"
 
 namespace dynmesh::cli {

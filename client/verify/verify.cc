@@ -1,11 +1,11 @@
-#include "client/cli/verify.h"
+#include "client/verify/verify.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <tuple>
 
-#include "client/cli/verify_internal.h"
+#include "client/verify/verify_internal.h"
 #include "core/data/text.h"
 
 namespace dynmesh::cli {
