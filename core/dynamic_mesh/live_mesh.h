@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "absl/functional/function_ref.h"
@@ -69,6 +70,9 @@ class LiveMesh final : public DynamicMesh {
   MeshHash hash() const override { return state_->diffs.hash(); }
   MeshStats Stats() const override;
   AuditReport Audit() const override;
+  // The first operation, in the order of time, in which the trace differs from that of `other`:
+  // two lines, one for each; empty if the traces are equal. O(trace).
+  std::string FirstDifference(const LiveMesh& other) const;
 
  private:
   using Refinement = meshing::Refinement<D, sac::Engine>;

@@ -1,6 +1,11 @@
 // Queries of a LiveMesh: snapshot, point location, counts, audit.
 #include "core/dynamic_mesh/live_mesh.h"
 
+#include <algorithm>
+#include <string>
+#include <type_traits>
+#include <vector>
+
 namespace dynmesh {
 
 template <int D>
@@ -73,6 +78,26 @@ AuditReport LiveMesh<D>::Audit() const {
   return report;
 }
 
+template <int D>
+std::string LiveMesh<D>::FirstDifference(const LiveMesh& other) const {
+  using Traced = std::remove_cvref_t<decltype(state_->refinement)>;
+  std::vector<std::string> problems;
+  std::vector<typename Traced::OperationHash> ours, theirs;
+  state_->refinement.Audit(&problems, &ours);
+  other.state_->refinement.Audit(&problems, &theirs);
+  std::size_t i = 0;
+  const std::size_t shared = std::min(ours.size(), theirs.size());
+  while (i < shared && ours[i].identity == theirs[i].identity && ours[i].whole == theirs[i].whole) {
+    ++i;
+  }
+  if (i == ours.size() && i == theirs.size()) return "";
+  const auto describe = [i](const auto& refinement, const auto& operations) {
+    return i < operations.size() ? refinement.Describe(operations[i].op) : "no operation";
+  };
+  return "operation " + std::to_string(i) + "\n  here:  " + describe(state_->refinement, ours) +
+         "\n  there: " + describe(other.state_->refinement, theirs);
+}
+
 template Mesh LiveMesh<2>::Snapshot() const;
 template Mesh LiveMesh<3>::Snapshot() const;
 template SimplexColumn LiveMesh<2>::Locate(std::span<const double>) const;
@@ -81,5 +106,7 @@ template MeshStats LiveMesh<2>::Stats() const;
 template MeshStats LiveMesh<3>::Stats() const;
 template AuditReport LiveMesh<2>::Audit() const;
 template AuditReport LiveMesh<3>::Audit() const;
+template std::string LiveMesh<2>::FirstDifference(const LiveMesh& other) const;
+template std::string LiveMesh<3>::FirstDifference(const LiveMesh& other) const;
 
 }  // namespace dynmesh

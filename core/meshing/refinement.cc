@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdio>
+#include <string>
 #include <utility>
 
 #include "core/meshing/anchors.h"
@@ -463,7 +465,8 @@ std::size_t Refinement<D, E>::bytes() const {
 }
 
 template <int D, template <class> class E>
-std::uint64_t Refinement<D, E>::Audit(std::vector<std::string>* problems) const {
+std::uint64_t Refinement<D, E>::Audit(std::vector<std::string>* problems,
+                                      std::vector<OperationHash>* operations) const {
   if constexpr (!kTraced) {
     return 0;
   } else {
@@ -518,7 +521,12 @@ std::uint64_t Refinement<D, E>::Audit(std::vector<std::string>* problems) const 
       }
       return mix(h, corners);
     };
-    const std::uint64_t hash = engine_.Audit(hash_item, hash_op, problems);
+    const auto on_op = [&](sac::OpId op, std::uint64_t whole) {
+      if (operations == nullptr) return;
+      const std::uint64_t item = hash_item(engine_.kind(op), engine_.item(op));
+      operations->push_back({mix(item, engine_.epoch(op)), whole, op});
+    };
+    const std::uint64_t hash = engine_.Audit(hash_item, hash_op, on_op, problems);
     std::size_t present = 0, inputs = 0;
     for (const Vertex& v : vertices_) {
       present += v.present;
@@ -528,6 +536,56 @@ std::uint64_t Refinement<D, E>::Audit(std::vector<std::string>* problems) const 
     if (present != made + inputs) problems->push_back("a vertex is present that no operation made");
     return hash;
   }
+}
+
+template <int D, template <class> class E>
+std::string Refinement<D, E>::Describe(sac::OpId op) const {
+  std::string text;
+  if constexpr (kTraced) {
+    constexpr const char* kNames[] = {"Nearest", "Complete", "Check", "Split",
+                                      "Recheck", "Presplit", "Cure"};
+    const auto add = [&text](const auto&... parts) { (text.append(parts), ...); };
+    const auto add_vertex = [&](VertexIndex v) {
+      if (Star::IsGhost(v)) return add(" ghost");
+      for (int k = 0; k < D; ++k) {
+        char number[32];
+        std::snprintf(number, sizeof(number), "%.17g", vertices_[v].p[k]);
+        add(k == 0 ? " (" : ", ", number);
+      }
+      add(")");
+    };
+    const sac::Kind kind = engine_.kind(op);
+    const sac::Item item = engine_.item(op);
+    add(kNames[kind], " of");
+    if (kind <= kComplete) {
+      add_vertex(item);
+    } else if (kind == kCure) {
+      for (const VertexIndex v : slivers_[item].v) add_vertex(v);
+    } else {
+      add_vertex(subsegments_[item].a);
+      add_vertex(subsegments_[item].b);
+    }
+    const sac::Epoch epoch = engine_.epoch(op);
+    add(", bucket ", std::to_string(BucketOfEpoch(epoch)), ", round ",
+        std::to_string(RoundOfEpoch(epoch)), ", step ", std::to_string(StepOfEpoch(epoch)),
+        ", made:");
+    for (const sac::Output o : engine_.outputs(op)) {
+      if (WhatOf(o) == Made::kVertex) {
+        add_vertex(IndexOf(o));
+      } else {
+        const Subsegment& s = subsegments_[IndexOf(o)];
+        add(" subsegment");
+        add_vertex(s.a), add_vertex(s.b);
+      }
+    }
+    if (kind == kComplete) {
+      add(", read:");
+      for (const std::uint32_t v : NeighboursIn<D>(engine_.reads(op))) add_vertex(v);
+    } else {
+      add(", words read: ", std::to_string(engine_.reads(op).size()));
+    }
+  }
+  return text;
 }
 
 template class Refinement<2, sac::Engine>;

@@ -245,8 +245,18 @@ class Refinement {
   std::size_t trace_bytes() const;
   std::size_t bytes() const;
 
-  // Checks the invariants of engine and program; returns the hash of the whole trace.
-  std::uint64_t Audit(std::vector<std::string>* problems) const;
+  // An operation, to compare traces: hashes of its kind, item and time; and of these and all that
+  // it made, requested and read.
+  struct OperationHash {
+    std::uint64_t identity = 0, whole = 0;
+    sac::OpId op = sac::kNoOp;
+  };
+  // Checks the invariants of engine and program; returns the hash of the whole trace. `operations`,
+  // if given, gets all operations in the order of time.
+  std::uint64_t Audit(std::vector<std::string>* problems,
+                      std::vector<OperationHash>* operations = nullptr) const;
+  // For people: kind, item and time of an operation, what it made and what it read.
+  std::string Describe(sac::OpId op) const;
 
   // --- For the engine (engine.h says what these are) --------------------------------
 

@@ -294,8 +294,10 @@ class Engine {
   // Checks every invariant. `hash_op(op) -> uint64` must hash by value what the operation remembers
   // (payload, outputs, reads), `hash_item(kind, item) -> uint64` what it is. The result is the hash
   // of the trace: the sum over all operations, with epochs, references and requests mixed in.
-  template <class HashItem, class HashOp>
-  std::uint64_t Audit(HashItem hash_item, HashOp hash_op, std::vector<std::string>* problems) const;
+  // Calls on_op(op, its summand) in the order of time.
+  template <class HashItem, class HashOp, class OnOp>
+  std::uint64_t Audit(HashItem hash_item, HashOp hash_op, OnOp on_op,
+                      std::vector<std::string>* problems) const;
 
  private:
   enum : std::uint8_t { kQueued = 1, kExecuted = 2, kStale = 4 };
@@ -684,8 +686,8 @@ void Engine<Program>::ReplacePlace(OpId id, Place from, Place to) {
 }
 
 template <class Program>
-template <class HashItem, class HashOp>
-std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op,
+template <class HashItem, class HashOp, class OnOp>
+std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op, OnOp on_op,
                                      std::vector<std::string>* problems) const {
   auto mix = [](std::uint64_t h, std::uint64_t x) {
     h = (h ^ x) * 0x9e3779b97f4a7c15ULL;
@@ -724,7 +726,9 @@ std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op,
       if (!IsLater(r, id)) complain(r, "is not later than its requester");
       requests += mix(mix(hash_item(ops_[r].kind, ops_[r].item), ops_[r].epoch), ops_[r].kind);
     }
-    sum += mix(mix(h, requests), mix(op.refs, op.kind));
+    const std::uint64_t summand = mix(mix(h, requests), mix(op.refs, op.kind));
+    sum += summand;
+    on_op(id, summand);
     for (const Place p : places(id)) {
       if (p >= subscribed.size()) {
         complain(id, "names a place without its subscription");

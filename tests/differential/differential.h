@@ -66,17 +66,18 @@ Difference CompareWithScratchIn(const DynamicMesh& mesh, bool local, bool with_s
       return {true, "from scratch: " + diff.status().ToString()};
     }
   }
-  if (!(fresh.hash() == mesh.hash())) {
-    return {true,
-            "mesh differs: " + mesh.hash().ToHex() + " but from scratch " + fresh.hash().ToHex()};
-  }
+  // Names the first operation that differs, which is where to look.
+  const auto differs = [&](const std::string& what, const MeshHash& ours, const MeshHash& theirs) {
+    const auto* live = dynamic_cast<const LiveMesh<D>*>(&mesh);
+    return Difference{true, what + " differs: " + ours.ToHex() + " but from scratch " +
+                                theirs.ToHex() + ", first in " +
+                                (live == nullptr ? "" : live->FirstDifference(fresh))};
+  };
+  if (!(fresh.hash() == mesh.hash())) return differs("mesh", mesh.hash(), fresh.hash());
   const AuditReport ours = mesh.Audit(), theirs = fresh.Audit();
   if (!ours.problems.empty()) return {true, "dynamic: " + ours.problems.front()};
   if (!theirs.problems.empty()) return {true, "from scratch: " + theirs.problems.front()};
-  if (!(ours.trace == theirs.trace)) {
-    return {true,
-            "trace differs: " + ours.trace.ToHex() + " but from scratch " + theirs.trace.ToHex()};
-  }
+  if (!(ours.trace == theirs.trace)) return differs("trace", ours.trace, theirs.trace);
   if (!with_static) return {};
   const auto built = BuildMesh(features, mesh.options());
   if (!built.ok()) return {true, "static: " + built.status().ToString()};

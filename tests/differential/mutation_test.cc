@@ -172,6 +172,21 @@ TEST_P(MutationInSpace, OfOneFilterTermIsNoticed) {
 INSTANTIATE_TEST_SUITE_P(EveryTerm, MutationInSpace,
                          testing::ValuesIn(TermsBut({meshing::Term::kDeathOfSubsegment})));
 
+// A difference names the first operation in which the traces differ, and both versions of it.
+TEST(Mutation, ADifferenceNamesTheFirstOperation) {
+  meshing::switched_off = meshing::Term::kAppearsInCorner;
+  Difference difference;
+  for (std::uint64_t seed = 1; seed <= 60 && !difference.found; ++seed) {
+    difference =
+        RunScript(Distribution::kUniform, 12, kDefaultQuality2D, seed, 15, 1, kEnough).difference;
+  }
+  meshing::switched_off = meshing::Term::kCount;
+  ASSERT_TRUE(difference.found);
+  EXPECT_NE(difference.what.find("first in operation "), std::string::npos) << difference.what;
+  EXPECT_NE(difference.what.find("\n  here:  "), std::string::npos) << difference.what;
+  EXPECT_NE(difference.what.find(" of ("), std::string::npos) << difference.what;
+}
+
 TEST(Mutation, WithNothingSwitchedOffNothingFails) {
   for (const Distribution d : kAllDistributions) {
     const RunReport run = RunScript(d, 12, 1.2, 3, 10);

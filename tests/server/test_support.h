@@ -4,11 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -51,9 +53,12 @@ class Mailbox {
     values_.push_back(std::move(value));
     changed_.notify_all();
   }
+  // Fails the test, by an exception, after a minute without a value.
   T Take() {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !values_.empty(); });
+    if (!changed_.wait_for(lock, std::chrono::minutes(1), [this] { return !values_.empty(); })) {
+      throw std::runtime_error("no value came for a minute");
+    }
     T value = std::move(values_.front());
     values_.pop_front();
     return value;

@@ -36,8 +36,8 @@ TEST_F(WatchTest, AnIdleWatcherHearsOfProgress) {
   client::WatchOptions options;
   options.progress_interval = absl::Milliseconds(100);
   const auto watch = client_->Watch("m", options, &listener);
-  listener.progress.Take();
-  listener.progress.Take();
+  EXPECT_EQ(listener.progress.Take(), 0);
+  EXPECT_EQ(listener.progress.Take(), 0);
 }
 
 TEST_F(WatchTest, WatchesRefuseBadStarts) {

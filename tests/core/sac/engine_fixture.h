@@ -21,7 +21,7 @@ inline constexpr Kind kOnly = 0;
 inline std::vector<std::string> Problems(Program& p) {
   std::vector<std::string> problems;
   p.engine().Audit([](Kind, Item item) { return std::uint64_t{item}; },
-                   [](OpId) { return std::uint64_t{0}; }, &problems);
+                   [](OpId) { return std::uint64_t{0}; }, [](OpId, std::uint64_t) {}, &problems);
   return problems;
 }
 

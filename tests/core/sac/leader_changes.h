@@ -149,8 +149,9 @@ std::uint64_t LeaderProgram<E>::Audit(std::vector<std::string>* problems) const 
     }
     return h;
   };
-  const std::uint64_t hash = engine_.Audit(
-      [&](Kind kind, Item item) { return Line::Mix(points_[item].x, kind); }, hash_op, problems);
+  const std::uint64_t hash =
+      engine_.Audit([&](Kind kind, Item item) { return Line::Mix(points_[item].x, kind); }, hash_op,
+                    [](OpId, std::uint64_t) {}, problems);
   for (const Record& r : records_) present += r.present;
   if (made != present) problems->push_back("a record is present that no operation made");
   return hash;
