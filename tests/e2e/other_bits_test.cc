@@ -48,8 +48,11 @@ TEST_P(JournalsOfOtherBits, GoOnAsTheNextRevision) {
   test::Daemon daemon(folder.path());
   ASSERT_TRUE(daemon.Start({"--data-dir", data})) << daemon.Log();
   const std::string log = daemon.Log();
-  EXPECT_TRUE(absl::StrContains(log, "event=bits_changed mesh=flat revision=7 from=1 to=5")) << log;
-  EXPECT_TRUE(absl::StrContains(log, "event=bits_changed mesh=space revision=5 from=1 to=5"));
+  EXPECT_TRUE(absl::StrContains(
+      log, absl::StrCat("event=bits_changed mesh=flat revision=7 from=1 to=", kMeshBits)))
+      << log;
+  EXPECT_TRUE(absl::StrContains(
+      log, absl::StrCat("event=bits_changed mesh=space revision=5 from=1 to=", kMeshBits)));
   {
     const auto client = MeshClient::Connect(daemon.address());
     for (const auto& [id, revision] : {std::pair("flat", 7u), std::pair("space", 5u)}) {
