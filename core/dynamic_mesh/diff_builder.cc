@@ -10,6 +10,8 @@
 #include "core/data/whole_mesh.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/mesh/delaunay_insert_order.h"
+#include "core/meshing/facet_membership.h"
+#include "core/meshing/neighbours.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
@@ -27,8 +29,8 @@ bool IsFinite(const std::array<VertexIndex, N>& v) {
 template <class Refinement>
 auto FacetsOf(const Refinement& refinement) {
   return [&](VertexIndex a, VertexIndex b, VertexIndex c, VertexIndex d) {
-    const meshing::FacetIndex facet = refinement.FacetOf(a, b, c, d);
-    return facet == meshing::kNil ? meshing::kNil : refinement.facets()[facet].feature();
+    const meshing::FacetIndex facet = meshing::FacetOf(refinement.complex(), a, b, c, d);
+    return facet == meshing::kNil ? meshing::kNil : refinement.complex().facets[facet].feature();
   };
 }
 
@@ -165,7 +167,7 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
   std::vector<VertexIndex> all,
       missing;  // the triangulation may have been filled during refinement
   all.reserve(refinement.vertex_count());
-  refinement.ForEachVertex([&](VertexIndex v, const Vertex&) {
+  refinement.elements().ForEachVertex([&](VertexIndex v, const Vertex&) {
     all.push_back(v);
     if (!triangulation_.Contains(v)) missing.push_back(v);
   });
@@ -179,7 +181,7 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
   }
   if (steps.stopped()) return {};
   if constexpr (D == 2) {
-    refinement.ForEachSubsegment(
+    refinement.elements().ForEachSubsegment(
         [&](const Subsegment& s) { AddWall(SideOf(s), s.feature, features); });
   } else if (features.has_facets()) {
     triangulation_.ForEachSimplex(
@@ -240,7 +242,7 @@ Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D
   Mesh mesh;
   mesh.dimension = D;
   Reserve(mesh.vertices, D, triangulation_.vertex_count());
-  refinement.ForEachTakenVertex([&](VertexIndex v, const Vertex& vertex) {
+  refinement.elements().ForEachTakenVertex([&](VertexIndex v, const Vertex& vertex) {
     if (!steps.Stop()) Append(mesh.vertices, RowOf(names_.at(v), vertex, features));
   });
   if (steps.stopped()) return mesh;
@@ -256,7 +258,7 @@ Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D
     triangulation_.ForEachSimplex([&](Simplex t) { mesh.regions.push_back(labels_.at(t)); });
     NameRegions({&mesh.regions}, &mesh.region_sets);
   }
-  refinement.ForEachTakenSubsegment([&](const Subsegment& s) {
+  refinement.elements().ForEachTakenSubsegment([&](const Subsegment& s) {
     Append(mesh.subsegments, PieceRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
   });
   subfacets_.ForEach([&](const SubfacetTable::Face& face, meshing::FeatureSlot slot) {
@@ -352,7 +354,7 @@ template <int D>
 template <class Refinement>
 void DiffBuilder<D>::InsertVertex(const Refinement& refinement, VertexIndex v) {
   VertexIndex near = 0;
-  refinement.ForSomeNeighbours(v, [&](VertexIndex u) {
+  meshing::ForSomeNeighbours(refinement.complex(), v, [&](VertexIndex u) {
     if (!triangulation_.Contains(u)) return false;
     near = u;
     return true;
@@ -537,7 +539,7 @@ void DiffBuilder<D>::ReportSubsegments(const Refinement& refinement,
   for (const SubsegmentIndex s : subsegments_.gone) goes(refinement.subsegment(s));
   for (const SubsegmentIndex s : subsegments_.come) comes(refinement.subsegment(s));
   if (!renamed_.empty()) {
-    refinement.ForEachSubsegment([&](const Subsegment& s) {
+    refinement.elements().ForEachSubsegment([&](const Subsegment& s) {
       if (!IsRenamed(s.a) && !IsRenamed(s.b)) return;
       for (const SubsegmentIndex i : subsegments_.come) {
         if (&refinement.subsegment(i) == &s) return;

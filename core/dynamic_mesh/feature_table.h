@@ -245,7 +245,8 @@ class FeatureTable {
         std::set_symmetric_difference(change.before.begin(), change.before.end(),
                                       change.after.begin(), change.after.end(),
                                       std::back_inserter(owners));
-        toggled_walls_.push_back({refinement.facets()[facet.index].rings(), std::move(owners)});
+        toggled_walls_.push_back(
+            {refinement.complex().facets[facet.index].rings(), std::move(owners)});
       }
     }
   }

@@ -88,7 +88,7 @@ class LiveMesh final : public DynamicMesh {
     State(const MeshOptions& options, const LiveMeshTuning& tuning)
         : diffs(tuning.vertex_hash),
           refinement(options, tuning.global_neighbourhoods ? &diffs.triangulation() : nullptr) {
-      if (!tuning.global_neighbourhoods) refinement.ResetToDomain(&diffs.triangulation());
+      if (!tuning.global_neighbourhoods) refinement.complex().ResetToDomain(&diffs.triangulation());
       refinement.engine().set_limits(tuning.engine_limits);
       if constexpr (D == 3) {
         if (tuning.most_tetrahedra > 0) {

@@ -1,10 +1,11 @@
 // Queries of a LiveMesh: snapshot, point location, counts, audit.
-#include "core/dynamic_mesh/live_mesh.h"
-
 #include <algorithm>
 #include <string>
 #include <type_traits>
 #include <vector>
+
+#include "core/dynamic_mesh/live_mesh.h"
+#include "core/meshing/trace_audit.h"
 
 namespace dynmesh {
 
@@ -20,7 +21,7 @@ SimplexColumn LiveMesh<D>::Locate(std::span<const double> points) const {
   SimplexColumn result;
   result.reserve(points.size() / D * (D + 1));
   const auto& triangulation = state_->diffs.triangulation();
-  const auto& rules = state_->refinement.rules();
+  const auto& rules = state_->refinement.complex().rules;
   meshing::VertexIndex near = 0;
   for (; points.size() >= D; points = points.subspan(D)) {
     geometry::Point<D> p;
@@ -61,7 +62,7 @@ MeshStats LiveMesh<D>::Stats() const {
 template <int D>
 AuditReport LiveMesh<D>::Audit() const {
   AuditReport report;
-  const std::uint64_t trace = state_->refinement.Audit(&report.problems);
+  const std::uint64_t trace = meshing::Audit(state_->refinement, &report.problems);
   report.trace = {trace, state_->refinement.engine().operation_count()};
   std::string why;
   if (!state_->diffs.triangulation().Check(&why)) report.problems.push_back("mesh: " + why);
@@ -80,11 +81,10 @@ AuditReport LiveMesh<D>::Audit() const {
 
 template <int D>
 std::string LiveMesh<D>::FirstDifference(const LiveMesh& other) const {
-  using Traced = std::remove_cvref_t<decltype(state_->refinement)>;
   std::vector<std::string> problems;
-  std::vector<typename Traced::OperationHash> ours, theirs;
-  state_->refinement.Audit(&problems, &ours);
-  other.state_->refinement.Audit(&problems, &theirs);
+  std::vector<meshing::OperationHash> ours, theirs;
+  meshing::Audit(state_->refinement, &problems, &ours);
+  meshing::Audit(other.state_->refinement, &problems, &theirs);
   std::size_t i = 0;
   const std::size_t shared = std::min(ours.size(), theirs.size());
   while (i < shared && ours[i].identity == theirs[i].identity && ours[i].whole == theirs[i].whole) {
@@ -92,7 +92,7 @@ std::string LiveMesh<D>::FirstDifference(const LiveMesh& other) const {
   }
   if (i == ours.size() && i == theirs.size()) return "";
   const auto describe = [i](const auto& refinement, const auto& operations) {
-    return i < operations.size() ? refinement.Describe(operations[i].op) : "no operation";
+    return i < operations.size() ? meshing::Describe(refinement, operations[i].op) : "no operation";
   };
   return "operation " + std::to_string(i) + "\n  here:  " + describe(state_->refinement, ours) +
          "\n  there: " + describe(other.state_->refinement, theirs);

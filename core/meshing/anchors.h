@@ -20,8 +20,12 @@
 #include <set>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
+#include "absl/functional/function_ref.h"
 #include "core/geometry/segment_distance.h"
-#include "core/meshing/refinement.h"
+#include "core/meshing/anchor_lattice.h"
+#include "core/meshing/complex.h"
+#include "core/meshing/input_editor.h"
 
 namespace dynmesh::meshing {
 
@@ -33,75 +37,65 @@ inline constexpr double kClear = 0.6;
 // facets 340 of 6,000 to 25,000 vertices changed, now 12.
 inline constexpr double kClearOfOthers = 0.3;
 
-// WidestLevel: this lattice has a point or two along the domain. IsInUse: no lattice is finer than
-// vertices may be.
 template <int D, template <class> class E>
-int Refinement<D, E>::WidestLevel() const {
+class Anchors {
+ public:
+  using Point = geometry::Point<D>;
+  using Lattice = AnchorLattice<D>;
+  static constexpr bool kTraced = kIsTraced<D, E>;
+
+  Anchors(Complex<D, E>& complex, InputEditor<D, E>& input) : complex_(complex), input_(input) {}
+
+  // Decides again the anchors that changes since the last propagation may affect. False if it was
+  // interrupted: then the rest remains to be decided.
+  bool Update(absl::FunctionRef<bool()> interrupt);
+  std::size_t bytes() const {
+    return anchors_.capacity() * (sizeof(typename decltype(anchors_)::value_type) + 1);
+  }
+
+ private:
+  // This lattice has a point or two along the domain.
+  int WidestLevel() const;
+  // No lattice is finer than vertices may be.
+  bool IsInUse(int level) const;
+  // Calls f(level) for the lattices of a region of level `own` until f returns false. Returns false
+  // if it did.
+  template <class F>
+  bool ForEachLevel(int own, F f) const;
+  std::set<int> LevelsInUse() const;
+  // The level of the finest lattice that reaches x; more than WidestLevel() if none does.
+  int LevelAt(const Point& x) const;
+  // `level`: the widest level that contains the point.
+  bool IsAnchor(int level, const Point& x) const;
+  // May `level` be the finest somewhere in the ball? Conservative: may return true needlessly.
+  bool MayHaveLevel(int level, const Point& centre, double radius) const;
+  void DecideAnchor(const typename Lattice::Place& place, const Point& x);
+
+  Complex<D, E>& complex_;
+  InputEditor<D, E>& input_;
+  absl::flat_hash_map<typename Lattice::Place, VertexIndex> anchors_;
+  bool had_sizes_ = false;  // at the last Update
+};
+
+// --- Implementation -------------------------------------------------------------------------
+
+template <int D, template <class> class E>
+int Anchors<D, E>::WidestLevel() const {
   double side = 0;
-  for (int k = 0; k < D; ++k) side = std::max(side, rules_.hi()[k] - rules_.lo()[k]);
+  for (int k = 0; k < D; ++k)
+    side = std::max(side, complex_.rules.hi()[k] - complex_.rules.lo()[k]);
   return Lattice::LevelOf(side / 4);
 }
+
 template <int D, template <class> class E>
-bool Refinement<D, E>::IsInUse(int level) const {
+bool Anchors<D, E>::IsInUse(int level) const {
   const double spacing = Lattice::Spacing(level);
-  return level <= WidestLevel() && spacing * spacing > 64 * rules_.least_squared_length();
+  return level <= WidestLevel() && spacing * spacing > 64 * complex_.rules.least_squared_length();
 }
 
-// The level of the finest lattice that reaches x; more than WidestLevel() if none does.
-template <int D, template <class> class E>
-int Refinement<D, E>::LevelAt(const Point& x) const {
-  return sizing_.FinestLevel(x, 0, WidestLevel() + 1);
-}
-
-// `level`: the widest level that contains the point.
-template <int D, template <class> class E>
-bool Refinement<D, E>::IsAnchor(int level, const Point& x) const {
-  const int finest = LevelAt(x);
-  if (finest > level || !Lattice::AreNested(finest, level) || !IsInUse(finest)) return false;
-  const double spacing = Lattice::Spacing(finest), clear = kClear * spacing, clear2 = clear * clear;
-  for (int k = 0; k < D; ++k) {
-    if (!(rules_.lo()[k] + clear <= x[k] && x[k] <= rules_.hi()[k] - clear)) return false;
-  }
-  const auto is_other = [&](const SizingRegion<D>& region) {
-    return !Lattice::AreNested(Lattice::LevelOf(region.target), finest);
-  };
-  if (sizing_.HasFinerLevel(x, kClearOfOthers * spacing, finest, is_other)) return false;
-  bool is_clear = true;
-  double reach2 = clear2;
-  features_.VisitNear(
-      x, reach2, {features_.kNone, features_.kNone}, [](const Point&, double) { return true; },
-      [&](const InputFeature<D>& f) {
-        if (!(geometry::SquaredDistance(x, f.p, f.q) < clear2)) return;
-        is_clear = false;
-        reach2 = 0;
-      });
-  if constexpr (D == 3) {
-    if (is_clear && !facets_.empty()) {
-      facets_.ForEachNear(x, kClearOfOthers * spacing, [&](const Facet&) { is_clear = false; });
-    }
-  }
-  return is_clear;
-}
-
-template <int D, template <class> class E>
-void Refinement<D, E>::AddSize(const SizingRegion<D>& region) {
-  ++levels_[Lattice::LevelOf(region.target)];
-  changed_sizes_.push_back(region);
-  IndexFeatures();
-}
-
-template <int D, template <class> class E>
-void Refinement<D, E>::RemoveSize(const SizingRegion<D>& region) {
-  const auto level = levels_.find(Lattice::LevelOf(region.target));
-  if (--level->second == 0) levels_.erase(level);
-  changed_sizes_.push_back(region);
-}
-
-// Calls f(level) for the lattices of a region of level `own` until f returns false. Returns false
-// if it did.
 template <int D, template <class> class E>
 template <class F>
-bool Refinement<D, E>::ForEachLevel(int own, F f) const {
+bool Anchors<D, E>::ForEachLevel(int own, F f) const {
   for (int level = own; level <= WidestLevel(); level += Lattice::kOctave) {
     if (IsInUse(level) && !f(level)) return false;
   }
@@ -109,18 +103,54 @@ bool Refinement<D, E>::ForEachLevel(int own, F f) const {
 }
 
 template <int D, template <class> class E>
-std::set<int> Refinement<D, E>::LevelsInUse() const {
+std::set<int> Anchors<D, E>::LevelsInUse() const {
   std::set<int> in_use;
-  for (const auto& [own, count] : levels_) {
+  for (const auto& [own, count] : complex_.sizing.levels()) {
     ForEachLevel(own, [&](int level) { return in_use.insert(level), true; });
   }
   return in_use;
 }
 
-// Decides again the anchors that changes since the last propagation may affect. False if it was
-// interrupted: then the rest remains to be decided.
 template <int D, template <class> class E>
-bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
+int Anchors<D, E>::LevelAt(const Point& x) const {
+  return complex_.sizing.FinestLevel(x, 0, WidestLevel() + 1);
+}
+
+template <int D, template <class> class E>
+bool Anchors<D, E>::IsAnchor(int level, const Point& x) const {
+  const int finest = LevelAt(x);
+  if (finest > level || !Lattice::AreNested(finest, level) || !IsInUse(finest)) return false;
+  const double spacing = Lattice::Spacing(finest), clear = kClear * spacing, clear2 = clear * clear;
+  for (int k = 0; k < D; ++k) {
+    if (!(complex_.rules.lo()[k] + clear <= x[k] && x[k] <= complex_.rules.hi()[k] - clear))
+      return false;
+  }
+  const auto is_other = [&](const SizingRegion<D>& region) {
+    return !Lattice::AreNested(Lattice::LevelOf(region.target), finest);
+  };
+  if (complex_.sizing.HasFinerLevel(x, kClearOfOthers * spacing, finest, is_other)) return false;
+  bool is_clear = true;
+  double reach2 = clear2;
+  complex_.features.VisitNear(
+      x, reach2, {complex_.features.kNone, complex_.features.kNone},
+      [](const Point&, double) { return true; },
+      [&](const InputFeature<D>& f) {
+        if (!(geometry::SquaredDistance(x, f.p, f.q) < clear2)) return;
+        is_clear = false;
+        reach2 = 0;
+      });
+  if constexpr (D == 3) {
+    if (is_clear && !complex_.facets.empty()) {
+      complex_.facets.ForEachNear(x, kClearOfOthers * spacing,
+                                  [&](const Facet&) { is_clear = false; });
+    }
+  }
+  return is_clear;
+}
+
+template <int D, template <class> class E>
+bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
+  const auto& changes = input_.changes();
   int decided = 0;
   const auto sometimes = [&] { return (++decided & 255) == 0 && interrupt(); };
   // Decides the points of `level` within `margin` of the box, in balls for which is_near is true.
@@ -128,8 +158,8 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
     const Lattice lattice(level);
     Extent<D> within;
     for (int k = 0; k < D; ++k) {
-      within.lo[k] = std::max(box.lo[k] - margin, rules_.lo()[k]);
-      within.hi[k] = std::min(box.hi[k] + margin, rules_.hi()[k]);
+      within.lo[k] = std::max(box.lo[k] - margin, complex_.rules.lo()[k]);
+      within.hi[k] = std::min(box.hi[k] + margin, complex_.rules.hi()[k]);
     }
     return lattice.ForEachIn(within, is_near,
                              [&](const typename Lattice::Index& index, const Point& x) {
@@ -138,7 +168,7 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
                              });
   };
   std::set<int> in_use = LevelsInUse();
-  for (const SizingRegion<D>& region : changed_sizes_) {
+  for (const SizingRegion<D>& region : changes.sizes) {
     Extent<D> box = Extent<D>::Nothing();
     box.AddBall(region.lo, region.radius);
     box.AddBall(region.hi, region.radius);
@@ -163,20 +193,20 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
       const double margin = Lattice::Reach(own, beside) + kClearOfOthers * Lattice::Spacing(level);
       const auto is_near = [&](const Point& centre, double radius) {
         return region.Meets(centre, margin + radius) &&
-               sizing_.HasFinerLevel(centre, radius, level + 1);
+               complex_.sizing.HasFinerLevel(centre, radius, level + 1);
       };
       if (!decide_in(level, box, margin, is_near)) return false;
     }
   }
   // If there were no sizes before, every point has been decided above.
-  if (!std::exchange(had_sizes_, !levels_.empty())) in_use.clear();
+  if (!std::exchange(had_sizes_, !complex_.sizing.empty())) in_use.clear();
   const auto decide_near = [&](int level, const Extent<D>& box, auto meets) {
     const double clear = kClear * Lattice::Spacing(level);
     return decide_in(level, box, clear, [&](const Point& centre, double radius) {
       return meets(centre, clear + radius) && MayHaveLevel(level, centre, radius);
     });
   };
-  for (const auto& change : changed_features_) {
+  for (const auto& change : changes.features) {
     const InputFeature<D>& f = change.first;
     const auto meets = [&](const Point& centre, double radius) {
       return geometry::SquaredDistance(centre, f.p, f.q) <= radius * radius;
@@ -189,7 +219,7 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
     }
   }
   if constexpr (D == 3) {
-    for (const Facet& facet : changed_facets_) {
+    for (const Facet& facet : changes.facets) {
       const auto meets = [&](const Point& centre, double radius) {
         return facet.where().MayMeet(centre, radius);
       };
@@ -198,45 +228,26 @@ bool Refinement<D, E>::UpdateAnchors(absl::FunctionRef<bool()> interrupt) {
       }
     }
   }
-  if (!UpdateFacetAnchors(interrupt)) return false;
-  changed_sizes_.clear();
   return true;
 }
 
-// May `level` be the finest somewhere in the ball? Conservative: may return true needlessly.
 template <int D, template <class> class E>
-bool Refinement<D, E>::MayHaveLevel(int level, const Point& centre, double radius) const {
-  return !sizing_.HasFinerLevel(centre, -radius, level) &&
-         sizing_.HasFinerLevel(centre, radius, level + 1);
+bool Anchors<D, E>::MayHaveLevel(int level, const Point& centre, double radius) const {
+  return !complex_.sizing.HasFinerLevel(centre, -radius, level) &&
+         complex_.sizing.HasFinerLevel(centre, radius, level + 1);
 }
 
 template <int D, template <class> class E>
-void Refinement<D, E>::DecideAnchor(const typename Lattice::Place& place, const Point& x) {
+void Anchors<D, E>::DecideAnchor(const typename Lattice::Place& place, const Point& x) {
   const bool is = IsAnchor(place.level, x);
   const auto at = anchors_.find(place);
   if (is == (at != anchors_.end())) return;
   if (is) {
-    anchors_[place] = AddAnchor(x);
+    anchors_[place] = input_.AddAnchor(x, kNil);
   } else if constexpr (kTraced) {
-    RemoveAnchor(at->second);
+    input_.RemovePoint(at->second);
     anchors_.erase(at);
   }
-}
-
-template <int D, template <class> class E>
-void Refinement<D, E>::RemoveAnchor(VertexIndex v) {
-  if constexpr (kTraced) {
-    engine_.Unrequest(kNearest, v, NearestEpoch());
-    WithdrawVertex(v, engine_.beginning());
-    released_vertices_.push_back(v);
-  }
-}
-
-template <int D, template <class> class E>
-VertexIndex Refinement<D, E>::AddAnchor(const Point& p) {
-  const VertexIndex v = AddPoint(p, kNil);
-  vertices_[v].dimension = D;
-  return v;
 }
 
 }  // namespace dynmesh::meshing

@@ -21,19 +21,15 @@
 #include <utility>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
+#include "absl/functional/function_ref.h"
 #include "core/base/rings.h"
 #include "core/geometry/segment_distance.h"
-#include "core/meshing/refinement.h"
+#include "core/meshing/complex.h"
+#include "core/meshing/facet_lattice.h"
+#include "core/meshing/input_editor.h"
 
 namespace dynmesh::meshing {
-
-// w. Take two facets at distance 1, and on each a square of side w, one above the other. The ball
-// through the eight corners has R^2 = (2 w^2 + 1) / 4 < min(rho, 2)^2.
-template <int D, template <class> class E>
-double Refinement<D, E>::FacetSpacing() const {
-  const double rho = std::min(rules_.quality(), 2.0);
-  return 0.95 * std::sqrt(2 * rho * rho - 0.5);
-}
 
 // The widest spacing that leaves no room for vertices between the facet and a lattice beside it.
 inline constexpr double kSpacingInTargets = 0.8;
@@ -52,20 +48,79 @@ inline bool AreDisjoint(std::span<const VertexIndex> corners, std::span<const Ve
                               [&](VertexIndex v) { return std::ranges::binary_search(others, v); });
 }
 
+template <int D, template <class> class E>
+class FacetAnchors {
+ public:
+  using Point = geometry::Point<D>;
+
+  FacetAnchors(Complex<D, E>& complex, InputEditor<D, E>& input)
+      : complex_(complex), input_(input) {}
+
+  // Decides again the anchors that changes since the last propagation may affect. False if it was
+  // interrupted: then the rest remains to be decided.
+  bool Update(absl::FunctionRef<bool()> interrupt);
+  // Removes the facet's anchors.
+  void Remove(FacetIndex facet);
+
+ private:
+  struct Surroundings {
+    double feature, edge;  // distances
+  };
+  double Spacing() const;
+  Surroundings Around(const Facet& facet, const Point& x, double radius, double margin) const;
+  bool MayHaveAnchors(const Facet& facet) const;
+  static bool IsWithinReach(const Facet& facet, const InputFeature<D>& f);
+  static bool HasCornerOver(const Facet& facet, const Facet& other);
+  static bool IsWithinReach(const Facet& facet, const Facet& other);
+  bool HasEdgeWithin(const Facet& facet, const Point& x, double radius) const;
+  bool IsAnchor(const Facet& facet, const FacetLattice& lattice, int level, const Point& x) const;
+  template <class FeatureChanged, class SizeChanged, class F>
+  bool VisitLattice(const Facet& facet, const FacetLattice& lattice, const FacetLattice::Cell& cell,
+                    const FeatureChanged& feature_changed, const SizeChanged& size_changed,
+                    F decide) const;
+  template <class FeatureChanged, class SizeChanged>
+  bool Decide(FacetIndex i, const FeatureChanged& feature_changed, const SizeChanged& size_changed,
+              absl::FunctionRef<bool()> interrupt);
+  void DecideAnchor(FacetIndex facet, const FacetLattice::Index& index, const Point& x, bool is);
+
+  Complex<D, E>& complex_;
+  InputEditor<D, E>& input_;
+  absl::flat_hash_map<FacetIndex, absl::flat_hash_map<FacetLattice::Index, VertexIndex>> anchors_;
+};
+
+// --- Implementation -------------------------------------------------------------------------
+
+template <int D, template <class> class E>
+void FacetAnchors<D, E>::Remove(FacetIndex facet) {
+  const auto anchors = anchors_.find(facet);
+  if (anchors == anchors_.end()) return;
+  for (const auto& [index, v] : anchors->second) input_.RemovePoint(v);
+  anchors_.erase(anchors);
+}
+
+// w. Take two facets at distance 1, and on each a square of side w, one above the other. The ball
+// through the eight corners has R^2 = (2 w^2 + 1) / 4 < min(rho, 2)^2.
+template <int D, template <class> class E>
+double FacetAnchors<D, E>::Spacing() const {
+  const double rho = std::min(complex_.rules.quality(), 2.0);
+  return 0.95 * std::sqrt(2 * rho * rho - 0.5);
+}
+
 // The distances from a point x on the facet to the nearest feature disjoint from the facet, and to
 // the facet's nearest edge; each at most `radius`. Features farther than the nearest edge +
 // `margin` count as that far. The result depends neither on the order in which features are found
 // nor on how many are equally near.
 template <int D, template <class> class E>
-typename Refinement<D, E>::FacetSurroundings Refinement<D, E>::Around(const Facet& facet,
-                                                                      const Point& x, double radius,
-                                                                      double margin) const {
-  FacetSurroundings near{radius, radius};
+typename FacetAnchors<D, E>::Surroundings FacetAnchors<D, E>::Around(const Facet& facet,
+                                                                     const Point& x, double radius,
+                                                                     double margin) const {
+  Surroundings near{radius, radius};
   if constexpr (D == 3) {
     const double all2 = radius * radius;
     double feature2 = all2, edge2 = all2, within2 = all2;
-    features_.VisitNear(
-        x, within2, {features_.kNone, features_.kNone}, [](const Point&, double) { return true; },
+    complex_.features.VisitNear(
+        x, within2, {complex_.features.kNone, complex_.features.kNone},
+        [](const Point&, double) { return true; },
         [&](const InputFeature<D>& f) {
           const double d2 = geometry::SquaredDistance(x, f.p, f.q);
           if (!(d2 < within2)) return;
@@ -83,7 +138,7 @@ typename Refinement<D, E>::FacetSurroundings Refinement<D, E>::Around(const Face
     near.edge = std::sqrt(edge2);
     near.feature = std::min({radius, std::sqrt(feature2), near.edge + margin});
     // Corners are features, so few facets are nearer than the nearest feature.
-    facets_.ForEachNear(x, near.feature, [&](const Facet& other) {
+    complex_.facets.ForEachNear(x, near.feature, [&](const Facet& other) {
       if (other.IsOver(x, near.feature) && AreDisjoint(facet.corners(), other.corners())) {
         near.feature = std::fabs(other.plane().Height(x));
       }
@@ -93,18 +148,17 @@ typename Refinement<D, E>::FacetSurroundings Refinement<D, E>::Around(const Face
 }
 
 template <int D, template <class> class E>
-bool Refinement<D, E>::IsFacetAnchor(const Facet& facet, const FacetLattice& lattice, int level,
-                                     const Point& x) const {
+bool FacetAnchors<D, E>::IsAnchor(const Facet& facet, const FacetLattice& lattice, int level,
+                                  const Point& x) const {
   if constexpr (D == 3) {
-    const double wider = lattice.Spacing(level - 1), target = sizing_.LeastTarget(x, 0),
+    const double wider = lattice.Spacing(level - 1), target = complex_.sizing.LeastTarget(x, 0),
                  clear = kClearOfEdges * target;
-    const double radius =
-        std::min(facet.reach(), std::max(wider / FacetSpacing(), clear * (1 + 1e-6)));
+    const double radius = std::min(facet.reach(), std::max(wider / Spacing(), clear * (1 + 1e-6)));
     const auto [feature, edge] = Around(facet, x, radius, 0);
-    const bool for_feature = feature < std::min(edge, radius) && wider > FacetSpacing() * feature,
+    const bool for_feature = feature < std::min(edge, radius) && wider > Spacing() * feature,
                for_target = wider > kSpacingInTargets * target && edge > std::min(feature, clear);
-    return (for_feature || for_target) && feature * feature > 64 * rules_.least_squared_length() &&
-           facet.IsInside(x);
+    return (for_feature || for_target) &&
+           feature * feature > 64 * complex_.rules.least_squared_length() && facet.IsInside(x);
   }
   return false;
 }
@@ -112,7 +166,7 @@ bool Refinement<D, E>::IsFacetAnchor(const Facet& facet, const FacetLattice& lat
 // May feature f, disjoint from the facet, be near enough to cause anchors? Conservative: may return
 // true needlessly.
 template <int D, template <class> class E>
-bool Refinement<D, E>::IsWithinReach(const Facet& facet, const InputFeature<D>& f) {
+bool FacetAnchors<D, E>::IsWithinReach(const Facet& facet, const InputFeature<D>& f) {
   if constexpr (D == 3) {
     const double reach = facet.reach();
     bool is = facet.IsOver(f.p, reach) || facet.IsOver(f.q, reach);
@@ -126,7 +180,7 @@ bool Refinement<D, E>::IsWithinReach(const Facet& facet, const InputFeature<D>& 
 
 // True if `facet` has a corner over `other`, within facet's reach.
 template <int D, template <class> class E>
-bool Refinement<D, E>::HasCornerOver(const Facet& facet, const Facet& other) {
+bool FacetAnchors<D, E>::HasCornerOver(const Facet& facet, const Facet& other) {
   if constexpr (D == 3) {
     for (const geometry::Ring3& ring : facet.rings()) {
       for (const Point& p : ring) {
@@ -138,7 +192,7 @@ bool Refinement<D, E>::HasCornerOver(const Facet& facet, const Facet& other) {
 }
 
 template <int D, template <class> class E>
-bool Refinement<D, E>::IsWithinReach(const Facet& facet, const Facet& other) {
+bool FacetAnchors<D, E>::IsWithinReach(const Facet& facet, const Facet& other) {
   if constexpr (D == 3) {
     constexpr std::size_t kMany = 4096;  // testing more pairs takes longer than it saves
     if (facet.corners().size() * other.corners().size() > kMany) return true;
@@ -153,7 +207,7 @@ bool Refinement<D, E>::IsWithinReach(const Facet& facet, const Facet& other) {
 
 // Most facets of a surface have no anchors. Conservative: may return true needlessly.
 template <int D, template <class> class E>
-bool Refinement<D, E>::MayHaveAnchors(const Facet& facet) const {
+bool FacetAnchors<D, E>::MayHaveAnchors(const Facet& facet) const {
   if constexpr (D == 3) {
     constexpr std::size_t kManyCorners = 32;
     if (facet.corners().size() > kManyCorners) return true;
@@ -166,9 +220,9 @@ bool Refinement<D, E>::MayHaveAnchors(const Facet& facet) const {
       const double half = 0.5 * (where.box.hi[k] - where.box.lo[k]) + reach;
       radius2 += half * half;
     }
-    bool may = sizing_.LeastTarget(middle, std::sqrt(radius2)) < INFINITY;
-    features_.VisitNear(
-        middle, radius2, {features_.kNone, features_.kNone},
+    bool may = complex_.sizing.LeastTarget(middle, std::sqrt(radius2)) < INFINITY;
+    complex_.features.VisitNear(
+        middle, radius2, {complex_.features.kNone, complex_.features.kNone},
         [&](const Point& centre, double half) {
           return !may && where.MayMeet(centre, 1.7321 * half + reach);
         },
@@ -178,7 +232,7 @@ bool Refinement<D, E>::MayHaveAnchors(const Facet& facet) const {
     // Edges of other facets are features. What remains is a corner over the inside of another
     // facet.
     if (!may) {
-      facets_.ForEachNear(middle, std::sqrt(radius2), [&](const Facet& other) {
+      complex_.facets.ForEachNear(middle, std::sqrt(radius2), [&](const Facet& other) {
         may = may || (AreDisjoint(facet.corners(), other.corners()) && HasCornerOver(facet, other));
       });
     }
@@ -188,11 +242,12 @@ bool Refinement<D, E>::MayHaveAnchors(const Facet& facet) const {
 }
 
 template <int D, template <class> class E>
-bool Refinement<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, double radius) const {
+bool FacetAnchors<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, double radius) const {
   double within2 = radius * radius;
   bool has = false;
-  features_.VisitNear(
-      x, within2, {features_.kNone, features_.kNone}, [](const Point&, double) { return true; },
+  complex_.features.VisitNear(
+      x, within2, {complex_.features.kNone, complex_.features.kNone},
+      [](const Point&, double) { return true; },
       [&](const InputFeature<D>& f) {
         if (has || !(geometry::SquaredDistance(x, f.p, f.q) < within2)) return;
         has = facet.HasEdge(f.a, f.b);
@@ -207,13 +262,13 @@ bool Refinement<D, E>::HasEdgeWithin(const Facet& facet, const Point& x, double 
 // target in that ball. INFINITY: no such change; if both are INFINITY everywhere, all points are
 // decided. Conservative.
 template <int D, template <class> class E>
-template <class FeatureChanged, class SizeChanged, class Decide>
-bool Refinement<D, E>::VisitLattice(const Facet& facet, const FacetLattice& lattice,
-                                    const FacetLattice::Cell& cell,
-                                    const FeatureChanged& feature_changed,
-                                    const SizeChanged& size_changed, Decide decide) const {
+template <class FeatureChanged, class SizeChanged, class F>
+bool FacetAnchors<D, E>::VisitLattice(const Facet& facet, const FacetLattice& lattice,
+                                      const FacetLattice::Cell& cell,
+                                      const FeatureChanged& feature_changed,
+                                      const SizeChanged& size_changed, F decide) const {
   const Point middle = lattice.MiddleOf(cell);
-  const double radius = lattice.RadiusOf(cell) + 4 * rules_.ulp(), reach = facet.reach(),
+  const double radius = lattice.RadiusOf(cell) + 4 * complex_.rules.ulp(), reach = facet.reach(),
                changed_feature = feature_changed(middle),
                changed_target = size_changed(middle, radius);
   const auto [feature, edge] = Around(facet, middle, radius + reach, 2 * radius * (1 + 1e-6));
@@ -223,7 +278,7 @@ bool Refinement<D, E>::VisitLattice(const Facet& facet, const FacetLattice& latt
   if (!is_concerned && !is_all) return true;
   const double least = std::min(feature, changed_feature) - radius,  // distance of disjoint
                                                                      // features
-      target = std::min(sizing_.LeastTarget(middle, radius), changed_target),
+      target = std::min(complex_.sizing.LeastTarget(middle, radius), changed_target),
                clear = std::min(least, kClearOfEdges * target);
   if (!(clear < reach)) return true;
   if (facet.IsInside(middle)) {
@@ -233,13 +288,13 @@ bool Refinement<D, E>::VisitLattice(const Facet& facet, const FacetLattice& latt
   }
   if (clear > 0) {
     constexpr double kFew = 4;  // along a side
-    const double least_spacing = std::min(FacetSpacing() * least, kSpacingInTargets * target);
+    const double least_spacing = std::min(Spacing() * least, kSpacingInTargets * target);
     const int finest = lattice.LevelOf(least_spacing * (1 - 1e-9));
     if (kFew * lattice.Spacing(finest) >= cell.side()) {
       return lattice.ForEachIn(cell, finest, decide);
     }
   }
-  if (radius * radius < 64 * rules_.least_squared_length()) return true;
+  if (radius * radius < 64 * complex_.rules.least_squared_length()) return true;
   for (int quadrant = 0; quadrant < 4; ++quadrant) {
     if (!VisitLattice(facet, lattice, FacetLattice::Child(cell, quadrant), feature_changed,
                       size_changed, decide)) {
@@ -252,83 +307,79 @@ bool Refinement<D, E>::VisitLattice(const Facet& facet, const FacetLattice& latt
 // Decides the facet's anchors again, as VisitLattice does. False if it was interrupted.
 template <int D, template <class> class E>
 template <class FeatureChanged, class SizeChanged>
-bool Refinement<D, E>::UpdateFacetAnchors(FacetIndex i, const FeatureChanged& feature_changed,
-                                          const SizeChanged& size_changed,
-                                          absl::FunctionRef<bool()> interrupt) {
-  const Facet& facet = facets_[i];
+bool FacetAnchors<D, E>::Decide(FacetIndex i, const FeatureChanged& feature_changed,
+                                const SizeChanged& size_changed,
+                                absl::FunctionRef<bool()> interrupt) {
+  const Facet& facet = complex_.facets[i];
   const FacetLattice lattice(facet.plane());
   const Extent<3>& box = facet.where().box;
   return lattice.ForEachCellOver({box.lo}, {box.hi}, [&](const FacetLattice::Cell& cell) {
     return VisitLattice(facet, lattice, cell, feature_changed, size_changed,
                         [&](const FacetLattice::Index& index, const Point& x) {
-                          const bool is = IsFacetAnchor(facet, lattice, index.level, x);
-                          DecideFacetAnchor(i, index, x, is);
+                          const bool is = IsAnchor(facet, lattice, index.level, x);
+                          DecideAnchor(i, index, x, is);
                           return !interrupt();
                         });
   });
 }
 
 template <int D, template <class> class E>
-void Refinement<D, E>::DecideFacetAnchor(FacetIndex facet, const FacetLattice::Index& index,
-                                         const Point& x, bool is) {
-  const auto of_facet = facet_anchors_.find(facet);
-  const bool was = of_facet != facet_anchors_.end() && of_facet->second.contains(index);
+void FacetAnchors<D, E>::DecideAnchor(FacetIndex facet, const FacetLattice::Index& index,
+                                      const Point& x, bool is) {
+  const auto of_facet = anchors_.find(facet);
+  const bool was = of_facet != anchors_.end() && of_facet->second.contains(index);
   if (is == was) return;
   if (is) {
-    const VertexIndex v = AddPoint(x, kNil);
-    vertices_[v].dimension = 2;
-    vertices_[v].feature = facets_[facet].feature();
-    facet_anchors_[facet][index] = v;
+    anchors_[facet][index] = input_.AddAnchor(x, complex_.facets[facet].feature());
   } else {
     const auto at = of_facet->second.find(index);
-    RemoveAnchor(at->second);
+    input_.RemovePoint(at->second);
     of_facet->second.erase(at);
-    if (of_facet->second.empty()) facet_anchors_.erase(of_facet);
+    if (of_facet->second.empty()) anchors_.erase(of_facet);
   }
 }
 
-// Decides again the anchors that changes since the last propagation may affect. False if it was
-// interrupted: then the rest remains to be decided.
 template <int D, template <class> class E>
-bool Refinement<D, E>::UpdateFacetAnchors(absl::FunctionRef<bool()> interrupt) {
+bool FacetAnchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
   if constexpr (D == 3) {
-    if (facets_.empty()) return true;
+    if (complex_.facets.empty()) return true;
+    const auto& changes = input_.changes();
     int decided = 0;
     const auto sometimes = [&] { return (++decided & 255) == 0 && interrupt(); };
     const auto is_new = [&](FacetIndex i) {
-      return std::ranges::find(new_facets_, i) != new_facets_.end();
+      return std::ranges::find(changes.new_facets, i) != changes.new_facets.end();
     };
     constexpr auto kNoFeature = [](const Point&) { return INFINITY; };
     constexpr auto kNoSize = [](const Point&, double) { return INFINITY; };
-    for (const FacetIndex i : new_facets_) {
-      if (!MayHaveAnchors(facets_[i])) continue;
-      if (!UpdateFacetAnchors(i, kNoFeature, kNoSize, sometimes)) return false;
+    for (const FacetIndex i : changes.new_facets) {
+      if (!MayHaveAnchors(complex_.facets[i])) continue;
+      if (!Decide(i, kNoFeature, kNoSize, sometimes)) return false;
     }
-    if (new_facets_.size() < facets_.size()) {
-      for (const auto& change : changed_features_) {
+    if (changes.new_facets.size() < complex_.facets.size()) {
+      for (const auto& change : changes.features) {
         const InputFeature<D>& f = change.first;
         const auto distance = [&](const Point& x) {
           return std::sqrt(geometry::SquaredDistance(x, f.p, f.q));
         };
-        for (const FacetIndex i : facets_.Reaching(BoxOf(f), distance)) {
-          const Facet& facet = facets_[i];
+        for (const FacetIndex i : complex_.facets.Reaching(BoxOf(f), distance)) {
+          const Facet& facet = complex_.facets[i];
           if (is_new(i) || !AreDisjoint(facet, f) || !IsWithinReach(facet, f)) continue;
-          if (!UpdateFacetAnchors(i, distance, kNoSize, sometimes)) return false;
+          if (!Decide(i, distance, kNoSize, sometimes)) return false;
         }
       }
-      for (const Facet& changed : changed_facets_) {
+      for (const Facet& changed : changes.facets) {
         const auto least = [&](const Point& x) { return changed.where().LeastDistance(x); };
         const auto distance = [&](const Point& x) { return changed.Distance(x); };
-        for (const FacetIndex i : facets_.Reaching(changed.where().box, least)) {
-          const Facet& facet = facets_[i];
+        for (const FacetIndex i : complex_.facets.Reaching(changed.where().box, least)) {
+          const Facet& facet = complex_.facets[i];
           if (is_new(i) || !AreDisjoint(facet.corners(), changed.corners()) ||
               !IsWithinReach(facet, changed)) {
             continue;
           }
-          if (!UpdateFacetAnchors(i, distance, kNoSize, sometimes)) return false;
+          if (!Decide(i, distance, kNoSize, sometimes)) return false;
         }
       }
-      for (const SizingRegion<D>& region : changed_sizes_) {
+      for (const SizingRegion<D>& region : changes.sizes) {
         const auto target = [&](const Point& x, double radius) {
           return region.Meets(x, radius) ? region.target : INFINITY;
         };
@@ -336,16 +387,15 @@ bool Refinement<D, E>::UpdateFacetAnchors(absl::FunctionRef<bool()> interrupt) {
         const double radius =
             region.radius + 0.5 * std::sqrt(geometry::SquaredDistance(region.lo, region.hi));
         std::vector<FacetIndex> met;
-        facets_.ForEachNear(middle, radius * (1 + 1e-9), [&](const Facet& facet) {
-          met.push_back(facets_.OfFeature(facet.feature()));
+        complex_.facets.ForEachNear(middle, radius * (1 + 1e-9), [&](const Facet& facet) {
+          met.push_back(complex_.facets.OfFeature(facet.feature()));
         });
         for (const FacetIndex i : met) {
           if (is_new(i)) continue;
-          if (!UpdateFacetAnchors(i, kNoFeature, target, sometimes)) return false;
+          if (!Decide(i, kNoFeature, target, sometimes)) return false;
         }
       }
     }
-    new_facets_.clear();
   }
   return true;
 }

@@ -1,6 +1,6 @@
 // Stars without a gap, read off the triangulation at a glance. Most stars of a load have no gap,
 // and the triangulation keeps the circle or sphere of each simplex. So the reads of such an
-// operation can be recorded without making the star (star_search.h), which computes its corners one
+// operation can be recorded without making the star (star_finder.h), which computes its corners one
 // by one.
 //
 // The record is the same to the bit:
@@ -15,27 +15,46 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/meshing/refinement.h"
+#include "core/meshing/complex.h"
+#include "core/meshing/link.h"
+#include "core/meshing/star_finder.h"
 #include "core/meshing/star_reads.h"
+#include "core/meshing/star_region.h"
 
 namespace dynmesh::meshing {
 
-// Records the reads of v's Complete if it certainly has no work. Else returns false and records
-// nothing. REQUIRES: if there is a triangulation, FindLink(v) was called.
 template <int D, template <class> class E>
-bool Refinement<D, E>::ReadIdleStar(Context& context, VertexIndex v, double reach) {
+class IdleStars {
+ public:
+  using Context = ContextOf<D, E>;
+  using Point = geometry::Point<D>;
+  using Link = LinkOf<D>;
+  static constexpr bool kTraced = kIsTraced<D, E>;
+
+  explicit IdleStars(const Complex<D, E>& complex) : complex_(complex) {}
+
+  // Records the reads of v's Complete if it certainly has no work. Else returns false and records
+  // nothing. `link`: of v in the triangulation.
+  bool Read(Context& context, VertexIndex v, double reach, const Link& link) const;
+
+ private:
+  bool AddBallsOf(const Link& link, double reach, StarRegion<D>* region, double* doubt) const;
+  bool MayHaveGap(VertexIndex v, const Link& link) const;
+
+  const Complex<D, E>& complex_;
+};
+
+// --- Implementation -------------------------------------------------------------------------
+
+template <int D, template <class> class E>
+bool IdleStars<D, E>::Read(Context& context, VertexIndex v, double reach, const Link& link) const {
   if constexpr (kTraced) {
-    const bool by_edge_alone = by_edge() && sizing_.empty() && facets_.empty();
-    if (triangulation_ == nullptr || !by_edge_alone || MayHaveGap(v)) return false;
-    const Point& p = vertices_[v].p;
-    if constexpr (D == 2) {
-      star_.BeginRing(v, p, reach);
-    } else {
-      star_.BeginLink(v, p, reach);
-    }
+    const bool by_edge_alone = complex_.by_edge() && complex_.sizing.empty() && complex_.facets.empty();
+    if (!by_edge_alone || MayHaveGap(v, link)) return false;
+    const Point& p = complex_.vertex(v).p;
     StarRegion<D> region(p);
     double doubt = 0;
-    if (!AddBallsOfLink(&region, &doubt)) return false;
+    if (!AddBallsOf(link, reach, &region, &doubt)) return false;
     // Let doubt bound the difference between a corner of the star and the ball of its simplex.
     // 1. Centres and radii differ by less than doubt, margins by less than doubt / 10.
     // 2. The stored values are distances from v: centre + radius, twice the radius, or at most
@@ -44,17 +63,17 @@ bool Refinement<D, E>::ReadIdleStar(Context& context, VertexIndex v, double reac
     // 3. A margin counts at most four times in a stored value: 4 doubt / 10.
     // 4. So a stored value changes by less than 2.4 doubt < 8 doubt. 8 ulps more cover the rounding
     //    of coordinates.
-    doubt = 8 * doubt + 8 * rules_.ulp();
+    doubt = 8 * doubt + 8 * complex_.rules.ulp();
     if (!context.payload().SetRegion(region, doubt)) return false;
     context.payload().flag = 0;
     if constexpr (D == 2) {
-      for (const auto corner : corners_) context.Read(triangulation_->NextVertex(corner));
+      for (const auto corner : link.corners) context.Read(complex_.triangulation->NextVertex(corner));
     } else {
-      WriteStar(link_, [&](std::uint32_t word) { context.Read(word); });
+      WriteStar(link, [&](std::uint32_t word) { context.Read(word); });
     }
     Extent<D> box = region.box();
     for (int k = 0; k < D; ++k) box.lo[k] -= doubt, box.hi[k] += doubt;
-    SubscribeBox(context, box);
+    complex_.Subscribe(context, box);
     return true;
   }
   return false;
@@ -70,26 +89,27 @@ bool Refinement<D, E>::ReadIdleStar(Context& context, VertexIndex v, double reac
 // 4. 3D, the sphere: doubt is its own bound (high - low) / R (Sphere), about 4e-7 R as low and high
 //    are floats.
 template <int D, template <class> class E>
-bool Refinement<D, E>::AddBallsOfLink(StarRegion<D>* region, double* doubt) const {
-  const double margin = MarginOf(0);
-  const double most_radius = 0.9 * star_.reach();
+bool IdleStars<D, E>::AddBallsOf(const Link& link, double reach, StarRegion<D>* region,
+                                double* doubt) const {
+  const double margin = MarginOf<D>(complex_.rules, reach, 0);
+  const double most_radius = 0.9 * reach;
   if constexpr (D == 2) {
     double largest = 0;
-    for (const auto corner : corners_) {
+    for (const auto corner : link.corners) {
       const auto t = corner.simplex;
       const double facing2 = geometry::SquaredDistance(
-          triangulation_->position(triangulation_->NextVertex(corner)),
-          triangulation_->position(triangulation_->PreviousVertex(corner)));
-      const double r2 = triangulation_->squared_circumradius(t), radius = std::sqrt(r2);
+          complex_.triangulation->position(complex_.triangulation->NextVertex(corner)),
+          complex_.triangulation->position(complex_.triangulation->PreviousVertex(corner)));
+      const double r2 = complex_.triangulation->squared_circumradius(t), radius = std::sqrt(r2);
       // sin(angle at v) = facing / (2 r) > 1 / 1000. Circles are known (MayHaveGap).
       if (!(facing2 > 4e-6 * r2) || !(radius < most_radius)) return false;
       largest = std::max(largest, radius);
-      region->AddBall(triangulation_->circumcenter(t), radius, margin);
+      region->AddBall(complex_.triangulation->circumcenter(t), radius, margin);
     }
     *doubt = 4e-7 * largest;
   } else {
-    for (const auto t : link_.simplices) {
-      const auto sphere = triangulation_->SphereOf(t);
+    for (const auto t : link.simplices) {
+      const auto sphere = complex_.triangulation->SphereOf(t);
       const double radius = std::sqrt(sphere.high);
       if (!(radius < most_radius)) return false;
       *doubt = std::max(*doubt, (sphere.high - sphere.low) / radius);  // about 4e-7 R, from the
@@ -100,48 +120,48 @@ bool Refinement<D, E>::AddBallsOfLink(StarRegion<D>* region, double* doubt) cons
   return true;
 }
 
-// Conservative: may return true needlessly, never false wrongly. REQUIRES: FindLink(v) was called.
+// Conservative: may return true needlessly, never false wrongly.
 template <int D, template <class> class E>
-bool Refinement<D, E>::MayHaveGap(VertexIndex v) const {
+bool IdleStars<D, E>::MayHaveGap(VertexIndex v, const Link& link) const {
   if constexpr (D == 2) {
-    const Point& p = triangulation_->position(v);
+    const Point& p = complex_.triangulation->position(v);
     // An edge has no gap if its circles have at most this squared radius. Two conditions that may
     // exclude a gap are left out: on which side of the edge the centre lies, and the apex beyond
     // the edge.
     const auto most_near2 = [&](VertexIndex u) {
-      return rules_.MostNear2(geometry::SquaredDistance(triangulation_->position(u), p)) *
+      return complex_.rules.MostNear2(geometry::SquaredDistance(complex_.triangulation->position(u), p)) *
              (1 - 1e-6);
     };
-    VertexIndex u = triangulation_->NextVertex(corners_.front());
-    if (u == Triangulation::kInfinite) return true;
+    VertexIndex u = complex_.triangulation->NextVertex(link.corners.front());
+    if (u == TriangulationOf<D>::kInfinite) return true;
     double near2 = most_near2(u);
-    for (const auto corner : corners_) {
-      const VertexIndex left = triangulation_->PreviousVertex(corner);
-      const double r2 = triangulation_->squared_circumradius(corner.simplex);
-      if (!(triangulation_->circle_error(corner.simplex) < 1e-8 * r2)) return true;  // or infinite
+    for (const auto corner : link.corners) {
+      const VertexIndex left = complex_.triangulation->PreviousVertex(corner);
+      const double r2 = complex_.triangulation->squared_circumradius(corner.simplex);
+      if (!(complex_.triangulation->circle_error(corner.simplex) < 1e-8 * r2)) return true;  // or infinite
       const double left_near2 = most_near2(left);
-      if (r2 > near2 && IsOlder(u, v)) return true;
-      if (r2 > left_near2 && IsOlder(left, v)) return true;
+      if (r2 > near2 && complex_.IsOlder(u, v)) return true;
+      if (r2 > left_near2 && complex_.IsOlder(left, v)) return true;
       u = left;
       near2 = left_near2;
     }
     return false;
   } else {
     constexpr std::size_t kMost = mesh::SmallLinkTables::kMost;
-    const auto& neighbours = link_.neighbours;
-    if (!link_.is_closed || neighbours.size() > kMost) return true;
+    const auto& neighbours = link.neighbours;
+    if (!link.is_closed || neighbours.size() > kMost) return true;
     std::array<double, kMost> most_near2;  // by neighbour
     for (std::size_t i = 0; i < neighbours.size(); ++i) {
-      const double d2 = geometry::SquaredDistance(triangulation_->position(neighbours[i]),
-                                                  triangulation_->position(v));
-      most_near2[i] = rules_.MostNear2(d2) * (1 - 1e-6);
+      const double d2 = geometry::SquaredDistance(complex_.triangulation->position(neighbours[i]),
+                                                  complex_.triangulation->position(v));
+      most_near2[i] = complex_.rules.MostNear2(d2) * (1 - 1e-6);
     }
-    for (std::size_t i = 0; i < link_.triangles.size(); ++i) {
-      const auto t = link_.simplices[i];
-      if (!triangulation_->HasSphere(t)) return true;
-      const double r2 = triangulation_->SphereOf(t).high;
-      for (const int u : link_.triangles[i]) {
-        if (r2 > most_near2[u] && IsOlder(neighbours[u], v)) return true;
+    for (std::size_t i = 0; i < link.triangles.size(); ++i) {
+      const auto t = link.simplices[i];
+      if (!complex_.triangulation->HasSphere(t)) return true;
+      const double r2 = complex_.triangulation->SphereOf(t).high;
+      for (const int u : link.triangles[i]) {
+        if (r2 > most_near2[u] && complex_.IsOlder(neighbours[u], v)) return true;
       }
     }
     return false;

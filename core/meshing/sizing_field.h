@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <memory>
 
 #include "core/geometry/point.h"
@@ -55,8 +56,17 @@ class SizingField {
   // Covers the box: regions should meet it.
   SizingField(const Point& lo, const Point& hi) : regions_(lo, hi) {}
 
-  Index Add(const Region& region) { return regions_.Add(region); }
-  void Remove(Index index) { regions_.Remove(index); }
+  Index Add(const Region& region) {
+    ++levels_[AnchorLattice<D>::LevelOf(region.target)];
+    return regions_.Add(region);
+  }
+  void Remove(Index index) {
+    const auto level = levels_.find(AnchorLattice<D>::LevelOf(regions_[index].target));
+    if (--level->second == 0) levels_.erase(level);
+    regions_.Remove(index);
+  }
+  // The levels of the regions' own lattices, with how many regions have each.
+  const std::map<int, int>& levels() const { return levels_; }
   bool empty() const { return regions_.empty(); }
   const Region& operator[](Index index) const { return regions_[index]; }
 
@@ -104,6 +114,7 @@ class SizingField {
   int LevelNear(const Point& x, double margin, int below, bool any, Accept accept) const;
 
   RegionTree<D, Region> regions_;
+  std::map<int, int> levels_;
 };
 
 template <int D>

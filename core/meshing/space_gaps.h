@@ -9,32 +9,33 @@
 #include <optional>
 
 #include "core/geometry/circumball.h"
-#include "core/meshing/refinement.h"
+#include "core/meshing/candidate.h"
+#include "core/meshing/complex.h"
+#include "core/meshing/star.h"
 
 namespace dynmesh::meshing {
 
-// Views the star of a Refinement `R`, as long as the star does not change.
-template <class R>
+// Of the edges of a star. Views it, as long as it does not change.
+template <template <class> class E>
 class SpaceGaps {
  public:
-  using Candidate = typename R::Candidate;
-
-  explicit SpaceGaps(const R& refinement) : r_(refinement) {
-    for (const SpaceStar::Corner& corner : r_.star_.corners()) {
+  SpaceGaps(const Complex<3, E>& complex, const SpaceStar& star, const SkippedGaps<3>& skipped)
+      : complex_(complex), star_(star), skipped_(skipped) {
+    for (const SpaceStar::Corner& corner : star_.corners()) {
       most_radius2_ = std::max(most_radius2_, corner.r2);
     }
   }
 
   // A quick test: may an edge of squared length e2 have a gap?
-  bool MayHave(double e2) const { return !r_.sizing_.empty() || IsFarFromCorner(e2); }
+  bool MayHave(double e2) const { return !complex_.sizing.empty() || IsFarFromCorner(e2); }
 
   // True if the edge to the neighbour in slot i has a gap with room for a point.
-  bool OfNeighbour(int i, Candidate* gap) const {
-    const auto& u = r_.star_[i];
-    if (r_.IsSkipped(u.p, false)) return false;
+  bool OfNeighbour(int i, Candidate<3>* gap) const {
+    const auto& u = star_[i];
+    if (skipped_.Has(u.p, false)) return false;
     std::optional<geometry::Point3> x;
-    if (IsFarFromCorner(u.d2)) x = r_.rules_.PointInGap(r_.star_, i);
-    if (!x && !r_.sizing_.empty()) x = CentreOfTooLarge(i);
+    if (IsFarFromCorner(u.d2)) x = complex_.rules.PointInGap(star_, i);
+    if (!x && !complex_.sizing.empty()) x = CentreOfTooLarge(i);
     if (!x) return false;
     gap->e2 = u.d2;
     gap->neighbour = u.p;
@@ -44,7 +45,7 @@ class SpaceGaps {
   }
 
  private:
-  bool IsFarFromCorner(double e2) const { return r_.rules_.IsTooFar(most_radius2_, e2); }
+  bool IsFarFromCorner(double e2) const { return complex_.rules.IsTooFar(most_radius2_, e2); }
 
   // The centre of the largest ball among the tetrahedra at the edge to the neighbour in slot i that
   // are too large for a sizing region and are owned by the star's vertex, their youngest corner.
@@ -55,61 +56,62 @@ class SpaceGaps {
   //    e >= R / (kCap rho), R the radius of the ball. So every view that judges the edge knows the
   //    ball.
   std::optional<geometry::Point3> CentreOfTooLarge(int i) const {
-    const SpaceStar& star = r_.star_;
     std::optional<geometry::Point3> best;
     double most = 0;
-    for (int c = 0; c < star.corner_count(); ++c) {
-      const auto& corner = star.corner(c);
+    for (int c = 0; c < star_.corner_count(); ++c) {
+      const auto& corner = star_.corner(c);
       if (std::ranges::find(corner.n, i) == corner.n.end() || corner.r2 < most) continue;
-      if (!r_.rules_.IsWithinCap(corner.r2, star[i].d2)) continue;
-      const auto ids = star.IdsOf(c);
+      if (!complex_.rules.IsWithinCap(corner.r2, star_[i].d2)) continue;
+      const auto ids = star_.IdsOf(c);
       const bool owned =
-          std::ranges::all_of(ids, [&](auto id) { return !SpaceStar::IsGhost(id) && r_.Owns(id); });
-      if (!owned || !r_.IsTooLargeCorner(c)) continue;
-      const geometry::Point3 x = r_.CentreOf(c);
-      if (!r_.InDomain(x) || (best && corner.r2 == most && *best < x)) continue;
+          std::ranges::all_of(ids, [&](auto id) { return !SpaceStar::IsGhost(id) && complex_.IsOlder(id, star_.vertex()); });
+      if (!owned || !complex_.IsTooLarge(CentreOf(star_, c), corner.r2)) continue;
+      const geometry::Point3 x = CentreOf(star_, c);
+      if (!complex_.InDomain(x) || (best && corner.r2 == most && *best < x)) continue;
       best = x;
       most = corner.r2;
     }
     return best;
   }
 
-  const R& r_;
+  const Complex<3, E>& complex_;
+  const SpaceStar& star_;
+  const SkippedGaps<3>& skipped_;
   double most_radius2_ = 0;
 };
 
 // The same test for a tetrahedron of the triangulation. Conservative: may find a gap needlessly,
 // never misses one; the operation that reads the whole star decides. Cheap to make.
-template <class R>
+template <template <class> class E>
 class TetrahedronGaps {
  public:
-  using SimplexIndex = typename R::Triangulation::SimplexIndex;
+  using SimplexIndex = mesh::DelaunayTetrahedralization::SimplexIndex;
 
-  explicit TetrahedronGaps(const R& refinement) : r_(refinement) {}
+  explicit TetrahedronGaps(const Complex<3, E>& complex) : complex_(complex) {}
 
   // An upper bound of the squared circumradius of tetrahedron t; infinite if the ball may be too
   // large for a sizing region.
   double MostRadius2(SimplexIndex t) const {
-    const auto& triangulation = *r_.triangulation_;
+    const auto& triangulation = *complex_.triangulation;
     // A star computes at most a relative 4e-9 more for this corner (space_star.cc).
-    if (r_.sizing_.empty() && triangulation.HasSphere(t)) {
+    if (complex_.sizing.empty() && triangulation.HasSphere(t)) {
       return triangulation.SphereOf(t).high * (1 + 1e-8);
     }
     const auto& corners = triangulation.vertices(t);
     std::array<geometry::Vector3, 3> d;
     std::array<double, 3> d2;
-    const geometry::Point3& p = r_.vertices_[corners[3]].p;
+    const geometry::Point3& p = complex_.vertex(corners[3]).p;
     for (int i = 0; i < 3; ++i) {
-      d[i] = geometry::Difference(r_.vertices_[corners[i]].p.c, p.c);
+      d[i] = geometry::Difference(complex_.vertex(corners[i]).p.c, p.c);
       d2[i] = geometry::Dot(d[i], d[i]);
     }
     // (0 1 2 3) is positive, so seen from 3 the others turn the other way.
     const geometry::Circumball ball(d[0], d2[0], d[1], d2[1], d[2], d2[2], true);
     const double r = std::sqrt(ball.r2) * (1 + 1e-9) + 2 * ball.error;
-    if (!r_.sizing_.empty() && r < INFINITY) {
+    if (!complex_.sizing.empty() && r < INFINITY) {
       geometry::Point3 centre = p;
       for (int k = 0; k < 3; ++k) centre[k] += ball.w[k];
-      if (r_.sizing_.IsTooLarge(centre, r + 2 * ball.error + r_.rules_.ulp())) return INFINITY;
+      if (complex_.sizing.IsTooLarge(centre, r + 2 * ball.error + complex_.rules.ulp())) return INFINITY;
     }
     return r * r;
   }
@@ -117,14 +119,14 @@ class TetrahedronGaps {
   // The bucket of edge pq of a tetrahedron with that circumradius if the edge may have a gap, else
   // kBuckets.
   int BucketOf(VertexIndex p, VertexIndex q, double most_radius2) const {
-    const double e2 = geometry::SquaredDistance(r_.vertices_[p].p, r_.vertices_[q].p);
+    const double e2 = geometry::SquaredDistance(complex_.vertex(p).p, complex_.vertex(q).p);
     const bool may_have =
-        e2 >= r_.rules_.least_squared_length() && r_.rules_.IsTooFar(most_radius2, e2);
+        e2 >= complex_.rules.least_squared_length() && complex_.rules.IsTooFar(most_radius2, e2);
     return may_have ? meshing::BucketOf(e2) : kBuckets;
   }
 
  private:
-  const R& r_;
+  const Complex<3, E>& complex_;
 };
 
 }  // namespace dynmesh::meshing

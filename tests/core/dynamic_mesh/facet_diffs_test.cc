@@ -117,7 +117,7 @@ struct State {
   FeatureTable<3> features;
   meshing::Refinement<3, sac::Engine> refinement{Options(), nullptr};
 
-  State() { refinement.ResetToDomain(&diffs.triangulation()); }
+  State() { refinement.complex().ResetToDomain(&diffs.triangulation()); }
   Mesh Begin(const Input& input) {
     features.Apply(Between({}, input), refinement);
     refinement.Propagate([] { return false; });

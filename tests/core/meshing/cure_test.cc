@@ -44,8 +44,8 @@ Meshed MeshPoints(const std::vector<Point3>& points, double degrees) {
   EXPECT_TRUE(refinement.Propagate([] { return false; }));
   Meshed meshed;
   mesh::DelaunayTetrahedralization before, after;
-  for (auto* each : {&before, &after}) refinement.ResetToDomain(each);
-  refinement.ForEachVertex([&](VertexIndex v, const auto& vertex) {
+  for (auto* each : {&before, &after}) refinement.complex().ResetToDomain(each);
+  refinement.elements().ForEachVertex([&](VertexIndex v, const auto& vertex) {
     (IsOfCure(vertex) ? meshed.cures : meshed.refined).push_back(vertex.p);
     if (v < 8) return;
     if (!IsOfCure(vertex)) before.Insert(v, vertex.p, 0);

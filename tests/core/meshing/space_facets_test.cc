@@ -19,7 +19,9 @@
 #include "core/geometry/circumball.h"
 #include "core/geometry/constructions.h"
 #include "core/mesh/delaunay_tetrahedralization.h"
+#include "core/meshing/facet_membership.h"
 #include "core/meshing/refinement.h"
+#include "core/meshing/trace_audit.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::meshing {
@@ -191,7 +193,7 @@ class Complex {
 template <class R>
 std::vector<std::pair<Point3, int>> VerticesOf(const R& refinement) {
   std::vector<std::pair<Point3, int>> vertices;
-  refinement.ForEachVertex(
+  refinement.elements().ForEachVertex(
       [&](VertexIndex, const auto& v) { vertices.emplace_back(v.p, v.dimension); });
   std::sort(vertices.begin(), vertices.end());
   return vertices;
@@ -212,8 +214,9 @@ void ExpectGoodMesh(const Complex<Traced>& complex, const Traced& refinement) {
   mesh::DelaunayTetrahedralization triangulation;
   std::vector<VertexIndex> ids;
   std::vector<Point3> places;
-  triangulation.Reset(refinement.rules().lo(), refinement.rules().hi(), {0, 1, 2, 3, 4, 5, 6, 7});
-  refinement.ForEachVertex([&](VertexIndex v, const auto& vertex) {
+  triangulation.Reset(refinement.complex().rules.lo(), refinement.complex().rules.hi(),
+                      {0, 1, 2, 3, 4, 5, 6, 7});
+  refinement.elements().ForEachVertex([&](VertexIndex v, const auto& vertex) {
     if (v < 8) return;
     ids.push_back(v);
     places.push_back(vertex.p);
@@ -229,8 +232,8 @@ void ExpectGoodMesh(const Complex<Traced>& complex, const Traced& refinement) {
       for (int j = 0; j < i; ++j) {
         shortest2 = std::min(shortest2, geometry::SquaredDistance(at(i), at(j)));
       }
-      const FacetIndex facet =
-          refinement.FacetOf(v[(i + 1) % 4], v[(i + 2) % 4], v[(i + 3) % 4], v[i]);
+      const FacetIndex facet = meshing::FacetOf(refinement.complex(), v[(i + 1) % 4],
+                                                v[(i + 2) % 4], v[(i + 3) % 4], v[i]);
       if (facet != kNil) area[facet] += AreaOf({at(i + 1), at(i + 2), at(i + 3)});
     }
     over += geometry::ExactCircumball(at(0), at(1), at(2), at(3)).r2 > 4 * (1 + 1e-6) * shortest2;
@@ -276,7 +279,7 @@ TEST_P(SpaceFacets, AreFromScratchAfterEveryEditAndCovered) {
     ASSERT_EQ(VerticesOf(traced), VerticesOf(fresh_refinement));
     ASSERT_EQ(VerticesOf(traced), VerticesOf(untraced_refinement));
     std::vector<std::string> problems;
-    ASSERT_EQ(traced.Audit(&problems), fresh_refinement.Audit(&problems));
+    ASSERT_EQ(Audit(traced, &problems), Audit(fresh_refinement, &problems));
     ASSERT_TRUE(problems.empty()) << problems[0];
     if (revision % 5 == 4) ExpectGoodMesh(dynamic, traced);
     if (testing::Test::HasFailure()) return;

@@ -19,6 +19,7 @@
 
 #include "core/geometry/constructions.h"
 #include "core/meshing/refinement.h"
+#include "core/meshing/trace_audit.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::meshing {
@@ -88,7 +89,7 @@ double Ratio(const std::array<Point3, 4>& p, double shortest2) {
 template <class R>
 std::set<Point3> VerticesOf(const R& refinement) {
   std::set<Point3> vertices;
-  refinement.ForEachVertex([&](VertexIndex, const auto& v) { vertices.insert(v.p); });
+  refinement.elements().ForEachVertex([&](VertexIndex, const auto& v) { vertices.insert(v.p); });
   return vertices;
 }
 
@@ -132,7 +133,7 @@ TEST_P(SpaceRefinement, IsFromScratchAfterEveryEdit) {
     Fill(fresh, points);
     std::vector<std::string> problems;
     ASSERT_EQ(VerticesOf(dynamic), VerticesOf(fresh)) << "revision " << revision;
-    const std::uint64_t ours = dynamic.Audit(&problems), theirs = fresh.Audit(&problems);
+    const std::uint64_t ours = Audit(dynamic, &problems), theirs = Audit(fresh, &problems);
     ASSERT_TRUE(problems.empty()) << "revision " << revision << ": " << problems[0];
     ASSERT_EQ(ours, theirs) << "revision " << revision;
     if (revision % 4 == 0) {
@@ -154,7 +155,7 @@ TEST_P(SpaceRefinement, NoTetrahedronIsOverRho) {
   std::vector<Kernel::Point_3> vertices;
   for (const Point3& p : VerticesOf(refinement)) vertices.emplace_back(p[0], p[1], p[2]);
   const CGAL::Delaunay_triangulation_3<Kernel> triangulation(vertices.begin(), vertices.end());
-  const double ulp = refinement.rules().ulp();
+  const double ulp = refinement.complex().rules.ulp();
   int over = 0, all = 0;
   for (auto t = triangulation.finite_cells_begin(); t != triangulation.finite_cells_end(); ++t) {
     std::array<Point3, 4> p;
@@ -284,7 +285,7 @@ class WithSegments {
 template <class R>
 std::set<std::pair<Point3, Point3>> SubsegmentsOf(const R& refinement) {
   std::set<std::pair<Point3, Point3>> all;
-  refinement.ForEachSubsegment(
+  refinement.elements().ForEachSubsegment(
       [&](const auto& s) { all.emplace(refinement.vertex(s.a).p, refinement.vertex(s.b).p); });
   return all;
 }
@@ -318,7 +319,7 @@ TEST_P(SpaceSegments, AreFromScratchAfterEveryEditAndInTheTriangulation) {
     ASSERT_EQ(VerticesOf(dynamic.refinement()), VerticesOf(untraced.refinement())) << revision;
     ASSERT_EQ(SubsegmentsOf(dynamic.refinement()), SubsegmentsOf(untraced.refinement()));
     std::vector<std::string> problems;
-    ASSERT_EQ(dynamic.refinement().Audit(&problems), fresh.refinement().Audit(&problems));
+    ASSERT_EQ(Audit(dynamic.refinement(), &problems), Audit(fresh.refinement(), &problems));
     ASSERT_TRUE(problems.empty()) << problems[0];
     // Every subsegment is an edge of the triangulation.
     std::set<std::pair<Point3, Point3>> edges;

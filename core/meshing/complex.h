@@ -1,0 +1,293 @@
+// The complex that refinement makes: its elements, the indices over them, and the input beside
+// which they are made. Procedures read it; what they emit changes it when it is published
+// (publisher.h). Nothing here notifies an operation.
+#ifndef DYNMESH_CORE_MESHING_COMPLEX_H_
+#define DYNMESH_CORE_MESHING_COMPLEX_H_
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/angles.h"
+#include "core/geometry/constructions.h"
+#include "core/meshing/element_store.h"
+#include "core/meshing/facet_field.h"
+#include "core/meshing/input_features.h"
+#include "core/meshing/sizing_field.h"
+#include "core/meshing/sliver_table.h"
+#include "core/meshing/spatial_tree.h"
+#include "core/meshing/types.h"
+#include "core/sac/subscriptions.h"
+#include "dynmesh/options.h"
+
+namespace dynmesh::meshing {
+
+// What is part of the trace's time, and so is read as of an operation: vertices from their birth
+// on, subsegments from their exposure to their death. The rest stands outside of time: input
+// features, facets and sizes change between propagations only; tree, exposures and triangulation
+// are found through, and hold what is there now.
+template <int D, template <class> class E>
+struct Complex {
+  using Engine = EngineOf<D, E>;
+  using Context = ContextOf<D, E>;
+  using Point = geometry::Point<D>;
+  using Vertex = meshing::Vertex<D>;
+  using Subsegment = meshing::Subsegment<D>;
+  using Rules = RulesOf<D>;
+  using Triangulation = TriangulationOf<D>;
+  static constexpr bool kTraced = kIsTraced<D, E>;
+
+  Complex(const MeshOptions& options, const Engine& engine, Triangulation* triangulation);
+
+  // --- Elements ---------------------------------------------------------------------------
+
+  Vertex& vertex(VertexIndex v) { return elements.vertex(v); }
+  const Vertex& vertex(VertexIndex v) const { return elements.vertex(v); }
+  Subsegment& subsegment(SubsegmentIndex s) { return elements.subsegment(s); }
+  const Subsegment& subsegment(SubsegmentIndex s) const { return elements.subsegment(s); }
+  // The vertex appears or vanishes. REQUIRES: this is a change.
+  void SetPresent(VertexIndex v, bool is) {
+    if (slivers.is_on() && !IsOfCure(vertex(v))) changed_base.push_back(v);
+    elements.SetPresent(v, is);
+  }
+
+  // True if u was born before v: in an earlier epoch or by an earlier operation. Of two vertices
+  // born together in segment work or with the input, the one of lesser hash is older.
+  [[gnu::always_inline]] inline bool IsOlder(VertexIndex u, VertexIndex v) const;
+
+  bool IsVisible(const Context& context, const Subsegment& s) const {
+    return s.exposed != sac::kNoStamp && context.Sees(s.exposed) &&
+           !(s.death != sac::kNoStamp && context.Sees(s.death));
+  }
+  double SquaredLength(const Subsegment& s) const {
+    return geometry::SquaredDistance(vertex(s.a).p, vertex(s.b).p);
+  }
+  // A little more than the radius of the diametral ball: its centre is rounded.
+  double RadiusOf(const Subsegment& s) const;
+  // The box of that ball.
+  Extent<D> BallOf(const Subsegment& s) const;
+  std::uint64_t HashOf(const Subsegment& s) const {
+    return geometry::HashOf(vertex(s.a).p) + 3 * geometry::HashOf(vertex(s.b).p);
+  }
+
+  // --- What a vertex lies on ----------------------------------------------------------------
+
+  // The subsegment that was split at v. REQUIRES: v has containing dimension 1.
+  const Subsegment& SplitAt(VertexIndex v) const;
+  // The ends of the input segment that v, of containing dimension 1, lies on.
+  Facet::Edge SegmentOf(VertexIndex v) const;
+  bool IsOnFacet(VertexIndex v, const Facet& facet) const;
+  // The shell on which v lies, if a split put it there (shells.h).
+  struct Shell {
+    VertexIndex apex, other;  // of the segment that it is on
+    double distance;          // from the apex
+  };
+  std::optional<Shell> ShellOf(VertexIndex v) const;
+  // 2D: true if both lie on one shell, on segments that meet at a small angle.
+  bool IsSeditious(VertexIndex v, VertexIndex u) const;
+
+  // --- Input ------------------------------------------------------------------------------
+
+  // The point a (b = a) or the segment ab.
+  InputFeature<D> FeatureOf(VertexIndex a, VertexIndex b) const {
+    return {a, b, vertex(a).p, vertex(b).p};
+  }
+  bool InDomain(const Point& p) const;
+  // True if the ball is too large for a sizing region.
+  bool IsTooLarge(const Point& centre, double r2) const {
+    return !sizing.empty() && r2 > rules.least_squared_length() &&
+           sizing.IsTooLarge(centre, std::sqrt(r2));
+  }
+
+  // --- How neighbourhoods are found -----------------------------------------------------------
+
+  bool by_edge() const { return rules.criterion() == Criterion::kEdge; }
+  // True if whole stars are read off a triangulation, untraced.
+  bool is_global() const { return !kTraced && triangulation != nullptr; }
+  // Records that the operation reads what is in the box.
+  void Subscribe(Context& context, const Extent<D>& box) const {
+    if constexpr (kTraced) {
+      tree.Cover(box, [&](sac::Place place, sac::Parts parts) { context.Subscribe(place, parts); });
+    }
+  }
+  // Resets the triangulation to the domain's corners, which are the first vertices.
+  void ResetToDomain(Triangulation* to) const;
+  // True if the greatest number of vertices, subsegments or simplices is reached.
+  bool is_full() const { return triangulation_full || elements.is_full(); }
+  std::size_t bytes() const;
+
+  Rules rules;
+  Limits limits;
+  const Engine& engine;  // tells times apart
+  ElementStore<D> elements;
+
+  SpatialTree<D> tree;           // vertices, but those of cures
+  SpatialTree<D> cured;          // the vertices of cures
+  sac::Subscriptions exposures;  // by place: subsegments with balls that meet the cell
+  // Vertices published since the last completed propagation.
+  std::vector<VertexIndex> appeared;
+  // Of all vertices present, in a run from scratch; else null.
+  Triangulation* triangulation;
+  // Where the next published vertex goes. It saves searching and changes no result.
+  struct Hints {
+    VertexIndex near = 0;  // a vertex near it
+    // The triangle with the gap that it fills, if known.
+    std::uint32_t triangle = Triangulation::kNone;
+    // The bucket of the gap that a vertex last filled, by the vertex's ordinal in its operation.
+    std::array<std::uint16_t, kMostOutputs> buckets = {};
+  };
+  Hints hints;
+
+  SizingField<D> sizing;
+  InputFeatures<D> features;  // empty while there are only points
+  FacetField facets;          // empty in 2D
+  SliverTable slivers;        // empty in 2D
+  // Vertices but those of cures that came or went since cures ran.
+  std::vector<VertexIndex> changed_base;
+
+  bool border_only = true;  // no client segment has ever been added
+  // Vertices made later have greater indices, as in a run from scratch: operations come in the
+  // order of time, and no index is used twice.
+  bool numbers_by_age = !kTraced;
+  VertexIndex first_made = 0;  // vertices of the input have lower indices
+  // An insertion or a split was refused because it would be finer than limits allow.
+  bool hit_depth_limit = false;
+  bool triangulation_full = false;
+
+ private:
+  bool IsOlder(const Vertex& u, const Vertex& v) const;
+};
+
+// --- Implementation -------------------------------------------------------------------------
+
+namespace internal {
+inline geometry::Point3 FacetBox(const geometry::Point3& p) { return p; }
+inline geometry::Point3 FacetBox(const geometry::Point2&) { return {}; }
+}  // namespace internal
+
+template <int D, template <class> class E>
+Complex<D, E>::Complex(const MeshOptions& options, const Engine& times, Triangulation* given)
+    : rules(options),
+      limits(options.limits),
+      engine(times),
+      tree(rules.lo(), rules.hi()),
+      cured(rules.lo(), rules.hi()),
+      triangulation(given),
+      sizing(rules.lo(), rules.hi()),
+      features(rules.lo(), rules.hi()),
+      facets(internal::FacetBox(rules.lo()), internal::FacetBox(rules.hi())),
+      slivers(D == 3 ? std::max(options.min_dihedral, kFlat) : 0) {}
+
+// In a run from scratch the indices decide, unless both vertices are of the input or of the same
+// segment work. Then u's record, which is anywhere in memory, is not read.
+template <int D, template <class> class E>
+inline bool Complex<D, E>::IsOlder(VertexIndex u, VertexIndex v) const {
+  if (!kTraced || numbers_by_age) {
+    const sac::Epoch birth = vertex(v).epoch;
+    if (IsQualityEpoch(birth) || (birth == kBirthOfInput && u >= first_made)) {
+      assert((u < v) == IsOlder(vertex(u), vertex(v)));
+      return u < v;
+    }
+  }
+  return IsOlder(vertex(u), vertex(v));
+}
+
+template <int D, template <class> class E>
+bool Complex<D, E>::IsOlder(const Vertex& u, const Vertex& v) const {
+  if (u.epoch != v.epoch) return u.epoch < v.epoch;
+  if (IsQualityEpoch(u.epoch)) {
+    if (u.birth != v.birth) return engine.Precedes(u.birth, v.birth);
+    return u.ordinal < v.ordinal;
+  }
+  const std::uint64_t hu = geometry::HashOf(u.p), hv = geometry::HashOf(v.p);
+  return hu != hv ? hu < hv : u.p < v.p;
+}
+
+template <int D, template <class> class E>
+double Complex<D, E>::RadiusOf(const Subsegment& s) const {
+  return std::sqrt(SquaredLength(s)) / 2 * (1 + 1e-6) + 2 * rules.ulp();
+}
+
+template <int D, template <class> class E>
+Extent<D> Complex<D, E>::BallOf(const Subsegment& s) const {
+  Extent<D> box = Extent<D>::Nothing();
+  box.AddBall(geometry::Midpoint(vertex(s.a).p, vertex(s.b).p), RadiusOf(s));
+  return box;
+}
+
+template <int D, template <class> class E>
+const Subsegment<D>& Complex<D, E>::SplitAt(VertexIndex v) const {
+  SubsegmentIndex parent = vertex(v).creator;
+  if constexpr (kTraced) parent = engine.item(parent);
+  return subsegment(parent);
+}
+
+template <int D, template <class> class E>
+Facet::Edge Complex<D, E>::SegmentOf(VertexIndex v) const {
+  const Subsegment& split = SplitAt(v);
+  return std::minmax(split.whole_a, split.whole_b);
+}
+
+template <int D, template <class> class E>
+bool Complex<D, E>::IsOnFacet(VertexIndex v, const Facet& facet) const {
+  const Vertex& on = vertex(v);
+  if (on.dimension == 0) return facet.HasCorner(v);
+  if (on.dimension == 2) return on.feature == facet.feature();
+  if (on.dimension == D) return false;
+  const auto [a, b] = SegmentOf(v);
+  return facet.HasEdge(a, b);
+}
+
+template <int D, template <class> class E>
+std::optional<typename Complex<D, E>::Shell> Complex<D, E>::ShellOf(VertexIndex v) const {
+  if (vertex(v).dimension != 1) return std::nullopt;
+  const Subsegment& s = SplitAt(v);
+  if (s.piece.rule != Piece::Rule::kShells) return std::nullopt;
+  const bool from_b = s.piece.from_b;
+  return Shell{from_b ? s.whole_b : s.whole_a, from_b ? s.whole_a : s.whole_b,
+               SplitDistance(s.piece)};
+}
+
+template <int D, template <class> class E>
+bool Complex<D, E>::IsSeditious(VertexIndex v, VertexIndex u) const {
+  if (vertex(v).dimension != 1 || vertex(u).dimension != 1) return false;
+  if constexpr (D == 2) {
+    const auto of_v = ShellOf(v), of_u = ShellOf(u);
+    return of_v && of_u && of_v->apex == of_u->apex && of_v->distance == of_u->distance &&
+           of_v->other != of_u->other &&
+           geometry::IsSmallAngle(vertex(of_v->apex).p, vertex(of_v->other).p,
+                                  vertex(of_u->other).p);
+  }
+  return false;
+}
+
+template <int D, template <class> class E>
+bool Complex<D, E>::InDomain(const Point& p) const {
+  const Point &lo = rules.lo(), &hi = rules.hi();
+  for (int k = 0; k < D; ++k) {
+    if (!(lo[k] <= p[k] && p[k] <= hi[k])) return false;
+  }
+  return true;
+}
+
+template <int D, template <class> class E>
+void Complex<D, E>::ResetToDomain(Triangulation* to) const {
+  std::array<VertexIndex, 1 << D> corners;
+  for (VertexIndex v = 0; v < corners.size(); ++v) corners[v] = v;
+  to->Reset(rules.lo(), rules.hi(), corners);
+}
+
+template <int D, template <class> class E>
+std::size_t Complex<D, E>::bytes() const {
+  return elements.bytes() + tree.bytes() + cured.bytes() + slivers.bytes() + sizing.bytes() +
+         features.bytes() + facets.bytes();
+}
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_COMPLEX_H_

@@ -1,0 +1,112 @@
+// The candidates of a cure: points, in a fixed order, of which the first suitable one becomes a
+// vertex.
+#ifndef DYNMESH_CORE_MESHING_CURE_CANDIDATES_H_
+#define DYNMESH_CORE_MESHING_CURE_CANDIDATES_H_
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/facet_plane.h"
+#include "core/meshing/complex.h"
+#include "core/meshing/directions.h"
+#include "core/meshing/sliver_table.h"
+
+namespace dynmesh::meshing {
+
+// Candidates have ordinals. They are tried in this order:
+//   the centre;
+//   points on the sliver's normal through the centre, at +-kCureHeights R;
+//   shells of grid directions, at kCureShells R;
+//   points on facets, which all have the last ordinal;
+//   points all over the ball, which cost the most.
+// Points on the normal succeed most often, as they are far from the sliver's plane: half of them
+// do, of the nearest grid directions a fifth. A sliver without success in the shells mostly has two
+// corners on a facet. Then one point in 100 to 1000 may succeed.
+inline constexpr std::array<double, 4> kCureHeights = {0.3, 0.45, 0.6, 0.15};
+inline constexpr std::array<double, 5> kCureShells = {0.15, 0.3, 0.45, 0.6, 0.75};
+// On a facet: this part of the radius of the circle that the ball cuts out of its plane.
+inline constexpr std::array<double, 10> kCircleParts = {0,   0.2, 0.4, 0.6, 0.8,
+                                                        0.1, 0.3, 0.5, 0.7, 0.9};
+inline constexpr std::uint32_t kFirstInShell = 1 + 2 * kCureHeights.size();
+inline constexpr std::uint32_t kFirstInBall =
+    kFirstInShell + kCureShells.size() * kGridDirections.size();
+inline constexpr std::uint32_t kOnFacet = kFirstInBall + kBallPlaces.size();
+
+// The candidate of that ordinal, for ordinals below kOnFacet.
+inline geometry::Point3 CandidateAt(const Sliver& sliver, std::uint32_t ordinal) {
+  geometry::Point3 x = sliver.centre;
+  if (ordinal == 0) return x;
+  const geometry::Vector3* direction = &sliver.normal;
+  double part = 1;
+  if (ordinal < kFirstInShell) {
+    const std::size_t i = ordinal - 1;
+    part = (i % 2 == 0 ? 1 : -1) * kCureHeights[i / 2];
+  } else if (ordinal < kFirstInBall) {
+    const std::size_t i = ordinal - kFirstInShell;
+    direction = &kGridDirections[i % kGridDirections.size()];
+    part = kCureShells[i / kGridDirections.size()];
+  } else {
+    direction = &kBallPlaces[ordinal - kFirstInBall];
+  }
+  const double out = part * sliver.radius;
+  for (std::size_t k = 0; k < 3; ++k) x.c[k] += out * (*direction)[k];
+  return x;
+}
+
+// The facets that the ball may meet, sorted by the distance of their planes from its centre.
+template <template <class> class E>
+std::vector<const Facet*> FacetsNear(const Complex<3, E>& complex, const geometry::Point3& c,
+                                     double radius) {
+  std::vector<const Facet*> near;
+  if (complex.facets.empty()) return near;
+  complex.facets.ForEachNear(c, radius, [&](const Facet& facet) { near.push_back(&facet); });
+  const auto key = [&](const Facet* facet) {
+    std::uint64_t corners = 0;
+    for (const VertexIndex v : facet->corners()) corners += geometry::HashOf(complex.vertex(v).p);
+    return std::pair(std::fabs(facet->plane().Height(c)), corners);
+  };
+  std::sort(near.begin(), near.end(),
+            [&](const Facet* a, const Facet* b) { return key(a) < key(b); });
+  return near;
+}
+
+// Calls f(ordinal, x, facet) for the candidates in their order until f returns true. Returns
+// whether it did. facet = kNil: x is on no facet.
+template <template <class> class E, class F>
+bool ForEachCandidate(const Complex<3, E>& complex, const Sliver& sliver, F f) {
+  const auto any_of = [&](std::uint32_t first, std::uint32_t end) {
+    for (std::uint32_t ordinal = first; ordinal < end; ++ordinal) {
+      if (f(ordinal, CandidateAt(sliver, ordinal), kNil)) return true;
+    }
+    return false;
+  };
+  if (any_of(0, kFirstInBall)) return true;
+  const geometry::Point3& c = sliver.centre;
+  for (const Facet* facet : FacetsNear(complex, c, sliver.radius)) {
+    const geometry::FacetPlane& plane = facet->plane();
+    const double h = plane.Height(c), wide2 = sliver.radius * sliver.radius - h * h;
+    if (!(wide2 > 0)) continue;
+    const auto [x, y] = geometry::AxesOf(plane);
+    for (const double part : kCircleParts) {
+      const double out = part * std::sqrt(wide2);
+      for (int k = 0; k < (part == 0 ? 1 : kDirections); ++k) {
+        geometry::Point3 p = c;
+        for (int i = 0; i < 3; ++i) {
+          const auto j = static_cast<std::size_t>(i);
+          p[i] += out * (CosineOf(k) * x[j] + SineOf(k) * y[j]);
+        }
+        p = plane.Foot(p);
+        if (facet->IsInside(p) && f(kOnFacet, p, facet->feature())) return true;
+      }
+    }
+  }
+  return any_of(kFirstInBall, kOnFacet);
+}
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_CURE_CANDIDATES_H_

@@ -1,0 +1,99 @@
+// ComputeNN: the distance of a vertex from its nearest neighbour, and so the bucket of its first
+// Complete.
+#ifndef DYNMESH_CORE_MESHING_NEAREST_H_
+#define DYNMESH_CORE_MESHING_NEAREST_H_
+
+#include <cmath>
+#include <vector>
+
+#include "core/meshing/complex.h"
+#include "core/meshing/facet_work.h"
+
+namespace dynmesh::meshing {
+
+// The procedure kNearest. Thread-compatible.
+template <int D, template <class> class E>
+class NearestWork {
+ public:
+  using Context = ContextOf<D, E>;
+  using Point = geometry::Point<D>;
+  static constexpr bool kTraced = kIsTraced<D, E>;
+
+  explicit NearestWork(const Complex<D, E>& complex) : complex_(complex), facets_(complex) {}
+
+  // Edges of v have length >= NN(v), so there is no work in earlier buckets.
+  void Run(Context& context);
+  // Call after a run from scratch.
+  void Forget() { all_ = std::vector<Near>(); }
+
+ private:
+  struct Near {
+    double d2 = INFINITY;  // squared distance
+    VertexIndex v = kNil;  // any vertex at that distance
+  };
+  Near Find(const Context& context, VertexIndex v);
+  void FindAll();
+
+  const Complex<D, E>& complex_;
+  FacetWork<D, E> facets_;
+  std::vector<Near> all_;  // from scratch: by vertex; computed at the first query
+};
+
+// --- Implementation -------------------------------------------------------------------------
+
+template <int D, template <class> class E>
+void NearestWork<D, E>::Run(Context& context) {
+  const VertexIndex v = context.item;
+  const Near nearest = Find(context, v);
+  double d2 = nearest.d2;
+  if (facets_.is_needed()) d2 = facets_.Distance2(v, d2);
+  context.payload().radius2 = RoundedUp(d2);
+  context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
+  if constexpr (kTraced) {
+    if (nearest.v != kNil) context.Read(nearest.v);
+    Extent<D> box = Extent<D>::Nothing();
+    box.AddBall(complex_.vertex(v).p, std::sqrt(d2) * (1 + 1e-9) + 2 * complex_.rules.ulp());
+    complex_.Subscribe(context, box);
+  }
+}
+
+template <int D, template <class> class E>
+typename NearestWork<D, E>::Near NearestWork<D, E>::Find(const Context& context, VertexIndex v) {
+  if (complex_.triangulation != nullptr) {
+    if (all_.empty()) FindAll();
+    return all_[v];
+  }
+  Near best;
+  double r2 = INFINITY;
+  complex_.tree.VisitBall(complex_.vertex(v).p, r2, [&](std::uint32_t id, const Point&, double d2) {
+    // Very many vertices may be equally near: any one will do.
+    if (id == v || d2 >= best.d2 || !context.Sees(complex_.vertex(id).birth)) return;
+    best = {d2, id};
+    r2 = d2;
+  });
+  return best;
+}
+
+// Finds all nearest neighbours at once, as the nearest neighbour is a Delaunay neighbour. A pass
+// over the triangles is faster than vertex by vertex in random order. Nothing is inserted in that
+// epoch.
+template <int D, template <class> class E>
+void NearestWork<D, E>::FindAll() {
+  all_.assign(complex_.elements.vertex_end(), {});
+  complex_.triangulation->ForEachSimplex([&](auto t) {
+    const auto& corners = complex_.triangulation->vertices(t);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const VertexIndex p = corners[i], q = corners[j];
+        const double d2 =
+            geometry::SquaredDistance(complex_.triangulation->position(p), complex_.triangulation->position(q));
+        if (d2 < all_[p].d2) all_[p] = {d2, q};
+        if (d2 < all_[q].d2) all_[q] = {d2, p};
+      }
+    }
+  });
+}
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_NEAREST_H_

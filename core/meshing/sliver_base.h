@@ -1,0 +1,124 @@
+// Between refinement and cures: which slivers there are, and so which cures.
+#ifndef DYNMESH_CORE_MESHING_SLIVER_BASE_H_
+#define DYNMESH_CORE_MESHING_SLIVER_BASE_H_
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "absl/functional/function_ref.h"
+#include "core/meshing/complex.h"
+#include "core/meshing/neighbours.h"
+#include "core/meshing/sliver_table.h"
+
+namespace dynmesh::meshing {
+
+// Brings the base up to date: the triangulation of refinement's vertices, of which the slivers are.
+template <int D, template <class> class E>
+class SliverBase {
+ public:
+  using Triangulation = TriangulationOf<D>;
+  static constexpr bool kTraced = kIsTraced<D, E>;
+
+  // `domain`: a triangulation that may be used; null if there is none.
+  SliverBase(Complex<D, E>& complex, EngineOf<D, E>& engine, Triangulation* domain)
+      : complex_(complex), engine_(engine), domain_(domain) {}
+
+  // Brings the base up to date and requests the cures that are due. From scratch the base is the
+  // triangulation that refinement read neighbourhoods from, if it has all vertices. False if it
+  // was interrupted.
+  bool Update(absl::FunctionRef<bool()> interrupt);
+
+ private:
+  bool Fill(Triangulation* base, absl::FunctionRef<bool()> interrupt) const;
+  void Follow();
+
+  Complex<D, E>& complex_;
+  EngineOf<D, E>& engine_;
+  Triangulation* const domain_;
+};
+
+// --- Implementation -------------------------------------------------------------------------
+
+template <int D, template <class> class E>
+bool SliverBase<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
+  if constexpr (D == 3) {
+    if (complex_.slivers.has_base()) {
+      Follow();
+    } else {
+      TriangulationOf<D> whole;
+      TriangulationOf<D>* base = complex_.triangulation;
+      if (base == nullptr) {
+        base = domain_ != nullptr ? domain_ : &whole;
+        if (!Fill(base, interrupt)) return false;
+      }
+      if (base->is_full()) return complex_.triangulation_full = true;
+      const bool is_to_change = kTraced || base == &whole;
+      if (!complex_.slivers.Begin(*base, is_to_change, interrupt)) return false;
+      complex_.triangulation = nullptr;
+    }
+    complex_.changed_base.clear();
+    const sac::Epoch first = CureEpoch(0);
+    complex_.slivers.TakeChanges([&](SliverIndex i) { engine_.Request(kCure, i, first); },
+                         [&]([[maybe_unused]] SliverIndex i) {
+                           if constexpr (kTraced) engine_.Unrequest(kCure, i, first);
+                         });
+  }
+  return true;
+}
+
+// Inserts all vertices that refinement made, in a fast order.
+template <int D, template <class> class E>
+bool SliverBase<D, E>::Fill(TriangulationOf<D>* base, absl::FunctionRef<bool()> interrupt) const {
+  if constexpr (D == 3) {
+    constexpr std::size_t kAtOnce = 2048;
+    complex_.ResetToDomain(base);
+    base->Reserve(complex_.elements.vertex_count());
+    // Steiner points of long edges first, the input last (DiffBuilder::FillTriangulation).
+    std::vector<VertexIndex> all;
+    complex_.elements.ForEachVertex([&](VertexIndex v, const Vertex<D>&) {
+      if (!base->Contains(v)) all.push_back(v);
+    });
+    std::stable_sort(all.begin(), all.end(), [this](VertexIndex v, VertexIndex u) {
+      return BucketOfEpoch(complex_.vertex(v).epoch) > BucketOfEpoch(complex_.vertex(u).epoch);
+    });
+    std::vector<geometry::Point<D>> positions;
+    for (std::size_t from = 0; from < all.size(); from += kAtOnce) {
+      if (interrupt()) return false;
+      const auto part = std::span(all).subspan(from, std::min(kAtOnce, all.size() - from));
+      positions.clear();
+      for (const VertexIndex v : part) positions.push_back(complex_.vertex(v).p);
+      base->InsertAll(part, positions);
+    }
+  }
+  return true;
+}
+
+// Removes before it inserts: a new vertex may have the position of an old one.
+template <int D, template <class> class E>
+void SliverBase<D, E>::Follow() {
+  if constexpr (D == 3) {
+    const auto is_wanted = [this](VertexIndex v) {
+      return complex_.vertex(v).present && !IsOfCure(complex_.vertex(v));
+    };
+    for (const VertexIndex v : complex_.changed_base) {
+      if (complex_.slivers.base().Contains(v) && !is_wanted(v)) complex_.slivers.Remove(v);
+    }
+    for (const VertexIndex v : complex_.changed_base) {
+      if (complex_.slivers.base().Contains(v) || !is_wanted(v)) continue;
+      VertexIndex near = 0;
+      ForSomeNeighbours(complex_, v, [&](VertexIndex u) {
+        if (!complex_.slivers.base().Contains(u)) return false;
+        near = u;
+        return true;
+      });
+      complex_.slivers.Insert(v, complex_.vertex(v).p, near);
+    }
+    if (complex_.slivers.base().is_full()) complex_.triangulation_full = true;
+    if (!complex_.is_full()) complex_.slivers.FindSlivers();
+  }
+}
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_SLIVER_BASE_H_

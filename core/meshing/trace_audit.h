@@ -1,0 +1,32 @@
+// The trace of refinement, checked, hashed and described: for tests and for people.
+#ifndef DYNMESH_CORE_MESHING_TRACE_AUDIT_H_
+#define DYNMESH_CORE_MESHING_TRACE_AUDIT_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/meshing/refinement.h"
+
+namespace dynmesh::meshing {
+
+// An operation, to compare traces: hashes of its kind, item and time; and of these and all that it
+// made, requested and read.
+struct OperationHash {
+  std::uint64_t identity = 0, whole = 0;
+  sac::OpId op = sac::kNoOp;
+};
+
+// Checks the invariants of engine and program; returns the hash of the whole trace. `operations`,
+// if given, gets all operations in the order of time. Untraced: 0.
+template <int D, template <class> class E>
+std::uint64_t Audit(const Refinement<D, E>& refinement, std::vector<std::string>* problems,
+                    std::vector<OperationHash>* operations = nullptr);
+
+// For people: kind, item and time of an operation, what it made and what it read.
+template <int D, template <class> class E>
+std::string Describe(const Refinement<D, E>& refinement, sac::OpId op);
+
+}  // namespace dynmesh::meshing
+
+#endif  // DYNMESH_CORE_MESHING_TRACE_AUDIT_H_
