@@ -209,7 +209,7 @@ void CureWork<D, E>::MakeStarOf(Context& context, const Sliver& sliver, const Po
     star_.JoinCorners();
     star_.Close();
     // Insertion makes no ball that extends beyond those it replaces and their neighbours'. So one
-    // query is enough (InsertAllInCorners).
+    // query is enough (StarVerifier).
     Extent<D> box = Extent<D>::Nothing();
     balls_.clear();
     for (int i = 0; i < star_.corner_count(); ++i) {

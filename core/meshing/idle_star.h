@@ -17,7 +17,7 @@
 
 #include "core/meshing/complex.h"
 #include "core/meshing/link.h"
-#include "core/meshing/star_finder.h"
+#include "core/meshing/star_view.h"
 #include "core/meshing/star_reads.h"
 #include "core/meshing/star_region.h"
 

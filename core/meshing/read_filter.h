@@ -18,8 +18,8 @@
 #include "core/meshing/filter_terms.h"
 #include "core/meshing/presplit.h"
 #include "core/meshing/star.h"
-#include "core/meshing/star_finder.h"
 #include "core/meshing/star_reads.h"
+#include "core/meshing/star_view.h"
 
 namespace dynmesh::meshing {
 

@@ -74,9 +74,9 @@
 //                        merge of leaves -> Subscriptions::Take, Engine::ReplacePlace
 //      release the requests of the previous execution; refs = 0 -> queue
 //   4. Notify.
-//      Program (NotifyOfVertex, ...) -> index: visit places
+//      Program (Notifier::OfVertex, ...) -> index: visit places
 //        -> Engine::Notify(place, parts, after, until, affected) -> Subscriptions::at
-//          -> affected(op) (Refinement::VertexMatters, ...) -> Engine::kind, item, payload, reads
+//          -> affected(op) (ReadFilter::VertexMatters, ...) -> Engine::kind, item, payload, reads
 //          true -> op is stale and queued; it is later than the change, so (2) pops it later
 //   5. Undo. The engine has no rollback: the caller applies the inverse change of input (1) and
 //      propagates again (2). This holds after an interrupted propagation, too.
