@@ -1,7 +1,7 @@
 // A bucket quadtree / octree over points. It finds the vertices near a position. Its nodes are the
 // *places* of the self-adjusting engine, where operations subscribe to changes.
 //
-// It is the thesis's quadtree with relaxed crowding: a leaf holds up to kCapacity points instead of
+// It is the thesis's quadtree with relaxed crowding: a leaf holds up to 16 points instead of
 // one. The queries are the same, with an order of magnitude fewer cells. It is a plain function of
 // the present points, outside the time of the trace; queries filter by birth. No output of an
 // operation may depend on its shape.
@@ -15,39 +15,15 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <vector>
 
 #include "core/base/large_vector.h"
 #include "core/geometry/point.h"
+#include "core/meshing/extent.h"
+#include "core/meshing/leaf_chains.h"
 
 namespace dynmesh::meshing {
-
-// An axis-parallel box, closed.
-template <int D>
-struct Extent {
-  std::array<double, D> lo, hi;
-
-  static Extent Nothing() {
-    Extent e;
-    e.lo.fill(INFINITY);
-    e.hi.fill(-INFINITY);
-    return e;
-  }
-  [[gnu::always_inline]] inline void AddBall(const geometry::Point<D>& centre, double radius) {
-    for (int i = 0; i < D; ++i) {
-      lo[i] = std::min(lo[i], centre[i] - radius);
-      hi[i] = std::max(hi[i], centre[i] + radius);
-    }
-  }
-  bool Contains(const geometry::Point<D>& p) const {
-    for (int i = 0; i < D; ++i) {
-      if (!(lo[i] <= p[i] && p[i] <= hi[i])) return false;
-    }
-    return true;
-  }
-};
 
 template <int D>
 class SpatialTree {
@@ -56,7 +32,7 @@ class SpatialTree {
   using NodeIndex = std::uint32_t;
   static constexpr int kChildren = 1 << D;
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  static constexpr int kCapacity = 16;
+  using Ball = meshing::Ball<D>;
 
   // Covers the box [lo, hi] by a cube. Its side is a power of two and its centre a round number, so
   // that the borders of cells are exact. Cells are half-open: a point on a border belongs to the
@@ -76,11 +52,11 @@ class SpatialTree {
 
   void Insert(std::uint32_t id, const Point& p) {
     Cell cell = LeafOf(p);
-    while (IsFull(cell.node) && cell.half > least_half_) {
+    while (leaves_.IsFull(nodes_[cell.node].leaves) && cell.half > least_half_) {
       Split(cell.node, cell);
       Descend(p, cell);
     }
-    Append(cell.node, id, p);
+    leaves_.Append(nodes_[cell.node].leaves, id, p);
   }
 
   // Removes a point. on_merge(children's first node, parent) is called for each merge, before the
@@ -88,7 +64,7 @@ class SpatialTree {
   template <class OnMerge>
   void Remove(std::uint32_t id, const Point& p, OnMerge on_merge) {
     Cell cell = LeafOf(p);
-    RemoveFromLeaf(cell.node, id);
+    leaves_.Remove(nodes_[cell.node].leaves, id);
     for (NodeIndex n = nodes_[cell.node].parent; n != kNone; n = nodes_[n].parent) {
       if (!TryMerge(n, on_merge)) break;
     }
@@ -106,18 +82,10 @@ class SpatialTree {
       if (DistanceToCell2(centre, cell) > radius2) continue;
       const Node& node = nodes_[cell.node];
       if (node.child == kNone) {
-        for (std::uint32_t l = node.leaf; l != kNone; l = leaves_[l].next) {
-          const Leaf& leaf = leaves_[l];
-          for (std::uint32_t i = 0; i < leaf.count; ++i) {
-            Point p;
-            double d2 = 0;
-            for (int k = 0; k < D; ++k) {
-              p[k] = leaf.x[k][i];
-              d2 += (p[k] - centre[k]) * (p[k] - centre[k]);
-            }
-            if (d2 <= radius2) visit(leaf.id[i], p, d2);
-          }
-        }
+        leaves_.ForEach(node.leaves, [&](std::uint32_t id, const Point& p) {
+          const double d2 = geometry::SquaredDistance(p, centre);
+          if (d2 <= radius2) visit(id, p, d2);
+        });
         continue;
       }
       // Nearest child on top.
@@ -126,12 +94,6 @@ class SpatialTree {
     }
   }
 
-  struct Ball {
-    Ball() {}  // uninitialised room
-    Ball(const Point& c, double r2) : centre(c), radius2(r2) {}
-    Point centre;
-    double radius2;
-  };
   // Calls visit(id, point) for each point in one of the balls. The balls lie in the box. Returns
   // false as soon as it has looked at more than `most` points. Uses room behind the balls as
   // scratch.
@@ -163,22 +125,14 @@ class SpatialTree {
       }
       if (node.child == kNone) {
         const std::span<const Ball> near(balls.data() + begin, end - begin);
-        for (std::uint32_t l = node.leaf; l != kNone; l = leaves_[l].next) {
-          most -= static_cast<int>(leaves_[l].count);
-          if (most < 0) return false;
-          if constexpr (D == 2) {
-            VisitPointwise(leaves_[l], near, box, visit);
-          } else {
-            VisitBallwise(leaves_[l], near, visit);
-          }
-        }
+        if (!leaves_.VisitBalls(node.leaves, near, box, &most, visit)) return false;
         continue;
       }
       // clang 14 does not capture structured bindings by themselves.
       ForEachChildIn(box, cell, [&, begin = begin, end = end](const Cell& child) {
         if (const Node& n = nodes_[child.node]; n.child == kNone) {
-          if (n.leaf == kNone) return;
-          PrefetchLeaf(leaves_[n.leaf]);
+          if (n.leaves == kNone) return;
+          leaves_.Prefetch(n.leaves);
         }
         stack[top++] = {child, begin, end};
       });
@@ -257,24 +211,19 @@ class SpatialTree {
 
   void Reserve(std::size_t points) {
     nodes_.reserve(points);
-    leaves_.reserve(points / 2);
+    leaves_.Reserve(points / 2);
   }
   std::size_t node_count() const { return nodes_.size(); }
-  std::size_t bytes() const { return nodes_.size() * sizeof(Node) + leaves_.size() * sizeof(Leaf); }
+  std::size_t bytes() const { return nodes_.size() * sizeof(Node) + leaves_.bytes(); }
 
  private:
+  using Leaves = LeafChains<D>;
   static constexpr int kStack = 16 + 64 * (kChildren - 1) * 2;
 
   struct Node {
-    std::uint32_t child;  // first of kChildren consecutive nodes, or kNone
-    std::uint32_t leaf;   // kNone if it has children or is empty, as most are around curves
+    std::uint32_t child;   // first of kChildren consecutive nodes, or kNone
+    std::uint32_t leaves;  // a chain; kNone if it has children or is empty, as most around curves
     NodeIndex parent;
-  };
-  struct Leaf {
-    std::uint32_t count = 0;
-    std::uint32_t next = kNone;  // overflow, only where points coincide
-    double x[D][kCapacity];
-    std::uint32_t id[kCapacity];
   };
   struct Cell {
     NodeIndex node;
@@ -391,69 +340,6 @@ class SpatialTree {
     }
     return d2 * (0.25 * (1 - 0x1p-50));
   }
-  // Prefetches where the points are: most leaves hold only a few.
-  static void PrefetchLeaf(const Leaf& leaf) {
-    __builtin_prefetch(&leaf.count);
-    for (const auto& row : leaf.x) __builtin_prefetch(&row[2]);
-    __builtin_prefetch(&leaf.id[0]);
-  }
-  // For VisitBalls. In 2D balls are few, and testing a cell costs as much as testing its points. No
-  // branches on coordinates, as half of them would be mispredicted.
-  template <class Visit>
-  static void VisitPointwise(const Leaf& leaf, std::span<const Ball> balls, const Extent<D>& box,
-                             Visit& visit) {
-    std::array<std::uint8_t, kCapacity> in_box;
-    std::uint32_t count = 0;
-    for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      bool is_in = true;
-      for (int k = 0; k < D; ++k) {
-        is_in &= box.lo[k] <= leaf.x[k][i];
-        is_in &= leaf.x[k][i] <= box.hi[k];
-      }
-      in_box[count] = static_cast<std::uint8_t>(i);
-      count += is_in ? 1 : 0;
-    }
-    for (std::uint32_t j = 0; j < count; ++j) {
-      const std::uint32_t i = in_box[j];
-      Point p;
-      for (int k = 0; k < D; ++k) p[k] = leaf.x[k][i];
-      bool is_in = false;
-      for (const Ball& ball : balls) {
-        is_in |= geometry::SquaredDistance(p, ball.centre) <= ball.radius2;
-      }
-      if (is_in) visit(leaf.id[i], p);
-    }
-  }
-  template <class Visit>
-  static void VisitBallwise(const Leaf& leaf, std::span<const Ball> balls, Visit& visit) {
-    // Four points at a time, in registers as two pairs. Entries after the last point are ignored.
-    using Pair [[gnu::vector_size(2 * sizeof(double))]] = double;
-    using Flags [[gnu::vector_size(2 * sizeof(double))]] = std::int64_t;
-    static_assert(kCapacity % 4 == 0);
-    for (std::uint32_t from = 0; from < leaf.count; from += 4) {
-      Pair x[2][D];
-      for (int j = 0; j < 2; ++j) {
-        for (int k = 0; k < D; ++k) std::memcpy(&x[j][k], &leaf.x[k][from + 2 * j], sizeof(Pair));
-      }
-      Flags is_in[2] = {};
-      for (const Ball& ball : balls) {
-        for (int j = 0; j < 2; ++j) {
-          Pair d2 = {};
-          for (int k = 0; k < D; ++k) {
-            const Pair d = x[j][k] - ball.centre[k];
-            d2 += d * d;
-          }
-          is_in[j] |= d2 <= ball.radius2;
-        }
-      }
-      for (std::uint32_t i = from; i < std::min(from + 4, leaf.count); ++i) {
-        if (is_in[(i - from) / 2][i % 2] == 0) continue;
-        Point p;
-        for (int k = 0; k < D; ++k) p[k] = leaf.x[k][i];
-        visit(leaf.id[i], p);
-      }
-    }
-  }
   // Calls f(child) for the children of the cell that meet the box. REQUIRES: the cell meets it.
   template <class F>
   void ForEachChildIn(const Extent<D>& box, const Cell& cell, F f) const {
@@ -478,60 +364,6 @@ class SpatialTree {
     return true;
   }
 
-  std::uint32_t NewLeaf() {
-    if (!free_leaves_.empty()) {
-      const std::uint32_t l = free_leaves_.back();
-      free_leaves_.pop_back();
-      leaves_[l].count = 0;
-      leaves_[l].next = kNone;
-      return l;
-    }
-    leaves_.emplace_back();
-    return static_cast<std::uint32_t>(leaves_.size() - 1);
-  }
-
-  bool IsFull(NodeIndex n) const {
-    return nodes_[n].leaf != kNone && leaves_[nodes_[n].leaf].count == kCapacity;
-  }
-  void Append(NodeIndex n, std::uint32_t id, const Point& p) {
-    if (nodes_[n].leaf == kNone) nodes_[n].leaf = NewLeaf();
-    std::uint32_t l = nodes_[n].leaf;
-    while (leaves_[l].count == kCapacity) {
-      if (leaves_[l].next == kNone) {
-        const std::uint32_t fresh = NewLeaf();
-        leaves_[l].next = fresh;
-      }
-      l = leaves_[l].next;
-    }
-    Leaf& leaf = leaves_[l];
-    for (int k = 0; k < D; ++k) leaf.x[k][leaf.count] = p[k];
-    leaf.id[leaf.count++] = id;
-  }
-
-  void RemoveFromLeaf(NodeIndex n, std::uint32_t id) {
-    const std::uint32_t first = nodes_[n].leaf;
-    std::uint32_t l = first, i = 0;
-    while (leaves_[l].id[i] != id) {
-      if (++i == leaves_[l].count) {
-        l = leaves_[l].next;
-        i = 0;
-      }
-    }
-    // The last point of the chain moves into its slot.
-    std::uint32_t last = first, before_last = kNone;
-    while (leaves_[last].next != kNone) {
-      before_last = last;
-      last = leaves_[last].next;
-    }
-    Leaf& tail = leaves_[last];
-    const std::uint32_t j = --tail.count;
-    for (int k = 0; k < D; ++k) leaves_[l].x[k][i] = tail.x[k][j];
-    leaves_[l].id[i] = tail.id[j];
-    if (tail.count > 0) return;
-    (before_last != kNone ? leaves_[before_last].next : nodes_[n].leaf) = kNone;
-    free_leaves_.push_back(last);
-  }
-
   void Split(NodeIndex n, const Cell& cell) {
     NodeIndex first;
     if (free_nodes_.empty()) {
@@ -541,16 +373,13 @@ class SpatialTree {
       first = free_nodes_.back();
       free_nodes_.pop_back();
     }
-    const std::uint32_t old = nodes_[n].leaf;
+    const std::uint32_t old = nodes_[n].leaves;
     nodes_[n].child = first;
-    nodes_[n].leaf = kNone;
+    nodes_[n].leaves = kNone;
     for (int k = 0; k < kChildren; ++k) nodes_[first + k] = {kNone, kNone, n};
-    for (std::uint32_t i = 0; i < leaves_[old].count; ++i) {
-      Point p;
-      for (int k = 0; k < D; ++k) p[k] = leaves_[old].x[k][i];
-      Append(first + Quadrant(p, cell), leaves_[old].id[i], p);
-    }
-    free_leaves_.push_back(old);
+    leaves_.MoveAll(old, [&](const Point& p) -> std::uint32_t& {
+      return nodes_[first + Quadrant(p, cell)].leaves;
+    });
   }
 
   template <class OnMerge>
@@ -560,22 +389,17 @@ class SpatialTree {
     for (int k = 0; k < kChildren; ++k) {
       const Node& c = nodes_[first + k];
       if (c.child != kNone) return false;
-      if (c.leaf == kNone) continue;
-      if (leaves_[c.leaf].next != kNone) return false;
-      sum += leaves_[c.leaf].count;
+      if (c.leaves == kNone) continue;
+      if (leaves_.IsLong(c.leaves)) return false;
+      sum += leaves_.CountOfFirst(c.leaves);
     }
-    if (sum > kCapacity / 2) return false;
+    if (sum > Leaves::kCapacity / 2) return false;
     on_merge(first, n);
     nodes_[n].child = kNone;
     for (int k = 0; k < kChildren; ++k) {
-      const std::uint32_t old = nodes_[first + k].leaf;
+      const std::uint32_t old = nodes_[first + k].leaves;
       if (old == kNone) continue;
-      for (std::uint32_t i = 0; i < leaves_[old].count; ++i) {
-        Point p;
-        for (int d = 0; d < D; ++d) p[d] = leaves_[old].x[d][i];
-        Append(n, leaves_[old].id[i], p);
-      }
-      free_leaves_.push_back(old);
+      leaves_.MoveAll(old, [&](const Point&) -> std::uint32_t& { return nodes_[n].leaves; });
     }
     free_nodes_.push_back(first);
     return true;
@@ -585,8 +409,7 @@ class SpatialTree {
   double half_;
   double least_half_;  // smaller cells would not have exact borders
   LargeVector<Node> nodes_;
-  LargeVector<Leaf> leaves_;
-  std::vector<std::uint32_t> free_leaves_;
+  Leaves leaves_;
   std::vector<NodeIndex> free_nodes_;
 };
 

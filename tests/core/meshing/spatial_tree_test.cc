@@ -312,7 +312,7 @@ void InsertLatticePoints(Pair<2>& pair, test::Random& random) {
         random.OneIn(3) ? p : geometry::Point2{{p[0] / 4 + 0.25, p[1] / 4 + 0.5}};
     const geometry::Point2 r = {
         {std::floor(q[0] * kLattice) / kLattice, std::floor(q[1] * kLattice) / kLattice}};
-    if (++copies[{r[0], r[1]}] <= SpatialTree<2>::kCapacity) pair.Insert(id, r);
+    if (++copies[{r[0], r[1]}] <= static_cast<int>(LeafChains<2>::kCapacity)) pair.Insert(id, r);
   }
 }
 
