@@ -4,8 +4,8 @@
 // The specification is proto/dynmesh/v1/mesh.proto, with two meshes to test a client. This is the
 // same in C++, tests/e2e/mesh_hash.py in Python.
 //
-// Two different bijective mixers (A and B there) with different keys: a collision must occur in
-// both words at once. Good against accidents. It is not cryptographic.
+// Two different bijective mixers (A, which is Mix, and B there) with different keys: a collision
+// must occur in both words at once. Good against accidents. It is not cryptographic.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/mix.h"
 #include "core/base/steps.h"
 #include "core/data/pieces.h"
 #include "core/data/text.h"
@@ -23,13 +24,6 @@
 
 namespace dynmesh {
 namespace {
-
-constexpr std::uint64_t MixA(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15ULL;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
 
 constexpr std::uint64_t MixB(std::uint64_t z) {
   z += 0xd1b54a32d192ed03ULL;
@@ -51,7 +45,7 @@ class WordHasher {
  public:
   constexpr explicit WordHasher(Tag tag) { Add(tag); }
   constexpr void Add(std::uint64_t word) {
-    hash_.hi = MixA(hash_.hi ^ word);
+    hash_.hi = Mix(hash_.hi ^ word);
     hash_.lo = MixB(hash_.lo ^ word);
   }
   MeshHash Get() const { return hash_; }
@@ -95,8 +89,8 @@ MeshHash HashOfPieces(const Columns& columns, Steps& steps) {
 }  // namespace
 
 VertexId VertexIdAt(const double* coordinates, int dimension, std::uint64_t salt) {
-  std::uint64_t h = MixA(kIdKey ^ salt);
-  for (int i = 0; i < dimension; ++i) h = MixA(h ^ Bits(coordinates[i]));
+  std::uint64_t h = Mix(kIdKey ^ salt);
+  for (int i = 0; i < dimension; ++i) h = Mix(h ^ Bits(coordinates[i]));
   return h == 0 ? 1 : h;
 }
 
@@ -112,8 +106,8 @@ MeshHash HashVertex(const double* coordinates, int dimension, int containing_dim
 
 RegionId RegionIdOf(std::span<const FeatureId> polygons) {
   if (polygons.size() < 2) return polygons.empty() ? kNoRegion : polygons.front();
-  std::uint64_t h = MixA(kRegionKey);
-  for (const FeatureId id : polygons) h = MixA(h ^ id);
+  std::uint64_t h = Mix(kRegionKey);
+  for (const FeatureId id : polygons) h = Mix(h ^ id);
   return h | std::uint64_t{1} << 63;
 }
 

@@ -6,6 +6,8 @@
 #include <bit>
 #include <cstdint>
 
+#include "core/base/mix.h"
+
 namespace dynmesh::geometry {
 
 template <int D>
@@ -33,13 +35,7 @@ inline double SquaredDistance(const Point<D>& a, const Point<D>& b) {
   return sum;
 }
 
-// The finalizer of SplitMix64: a bijection that spreads every bit over all.
-inline std::uint64_t Mix(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15ULL;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
+using dynmesh::Mix;
 
 // The random priority of a position (-0 counts as +0). It orders work within a bucket and breaks
 // the chains of Fig. 4.8 on every input. Two points may collide; then coordinates decide.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/mix.h"
 #include "core/geometry/hilbert_curve.h"
 
 namespace dynmesh::mesh {
@@ -44,7 +45,7 @@ void RadixSort(std::vector<Keyed>* keyed, int key_bits) {
 
 // The round of the point with that rank along the curve. Round 0 is inserted first.
 std::size_t RoundOf(std::uint32_t rank) {
-  const int zeros = std::countr_zero(geometry::Mix(rank));
+  const int zeros = std::countr_zero(Mix(rank));
   return static_cast<std::size_t>(kMaxRounds - std::min(kMaxRounds, zeros / kRoundBits));
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/mix.h"
 #include "core/geometry/circumball.h"
 
 namespace dynmesh::meshing {
@@ -112,7 +113,7 @@ void SliverTable::Look(std::uint32_t simplex) {
   sliver.simplex = simplex;
   sliver.is_there = true;
   sliver.hash = 0;
-  for (const Point& p : corners.p) sliver.hash = geometry::Mix(sliver.hash ^ geometry::HashOf(p));
+  for (const Point& p : corners.p) sliver.hash = Mix(sliver.hash ^ geometry::HashOf(p));
   SetBall(corners, &sliver);
   SetNormal(corners, &sliver);
   if (base_ == &own_) own_.set_tag(simplex, std::uint64_t{i} + 1);

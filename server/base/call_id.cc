@@ -6,7 +6,7 @@
 #include <random>
 
 #include "absl/strings/str_format.h"
-#include "server/base/mix.h"
+#include "core/base/mix.h"
 
 namespace dynmesh::server {
 namespace {
@@ -24,8 +24,8 @@ std::string ChooseCallId(absl::string_view given) {
   if (IsUsable(given)) return std::string(given);
   static std::atomic<std::uint64_t> next{(std::uint64_t{std::random_device{}()} << 32) +
                                          std::random_device{}()};
-  // Distinct for distinct numbers, since Mix is invertible.
-  return absl::StrFormat("%016x", Mix(next.fetch_add(1, std::memory_order_relaxed)));
+  // Distinct for distinct numbers, since MixBits is invertible.
+  return absl::StrFormat("%016x", MixBits(next.fetch_add(1, std::memory_order_relaxed)));
 }
 
 std::string CallIdOf(const grpc::CallbackServerContext& call) {

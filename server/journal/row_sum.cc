@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "server/base/mix.h"
+#include "core/base/mix.h"
 
 namespace dynmesh::server {
 namespace {
@@ -19,15 +19,15 @@ std::uint64_t WordAt(const char* bytes, std::size_t count) {
 }  // namespace
 
 RowSum& RowSum::Add(std::int64_t number) {
-  state_ = Mix(state_ + static_cast<std::uint64_t>(number));
+  state_ = MixBits(state_ + static_cast<std::uint64_t>(number));
   return *this;
 }
 
 RowSum& RowSum::Add(absl::string_view text) {
   Add(static_cast<std::int64_t>(text.size()));
   std::size_t at = 0;
-  for (; at + 8 <= text.size(); at += 8) state_ = Mix(state_ + WordAt(text.data() + at, 8));
-  if (at < text.size()) state_ = Mix(state_ + WordAt(text.data() + at, text.size() - at));
+  for (; at + 8 <= text.size(); at += 8) state_ = MixBits(state_ + WordAt(text.data() + at, 8));
+  if (at < text.size()) state_ = MixBits(state_ + WordAt(text.data() + at, text.size() - at));
   return *this;
 }
 

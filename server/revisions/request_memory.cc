@@ -4,15 +4,15 @@
 #include <utility>
 #include <vector>
 
-#include "server/base/mix.h"
+#include "core/base/mix.h"
 
 namespace dynmesh::server {
 
 Fingerprint FingerprintOf(const EditBatch& batch) {
   Fingerprint f{0x9e3779b97f4a7c15u, 0xd1b54a32d192ed03u};
   const auto add = [&f](std::uint64_t word) {
-    f.a = Mix(f.a + word);
-    f.b = Mix(f.b ^ (word + 0x632be59bd9b4e019u));
+    f.a = MixBits(f.a + word);
+    f.b = MixBits(f.b ^ (word + 0x632be59bd9b4e019u));
   };
   add(batch.size());
   for (const Edit& edit : batch) {

@@ -9,7 +9,7 @@
 #include <memory>
 #include <utility>
 
-#include "core/geometry/point.h"
+#include "core/base/mix.h"
 #include "core/io/edit_script.h"
 #include "core/io/planar_input.h"
 #include "tests/differential/differential.h"
@@ -204,7 +204,7 @@ std::vector<GoldenCase> MakeCases() {
 
 std::uint64_t HashOf(const std::string& text) {
   std::uint64_t hash = text.size();
-  for (const char c : text) hash = geometry::Mix(hash ^ static_cast<unsigned char>(c));
+  for (const char c : text) hash = Mix(hash ^ static_cast<unsigned char>(c));
   return hash;
 }
 
@@ -224,7 +224,7 @@ GoldenResult RunGoldenCase(const GoldenCase& golden) {
     if (!mesh->Apply(next(done, mesh->Features())).ok()) continue;
     trace = mesh->Audit().trace;
     for (const std::uint64_t part : {mesh->hash().hi, mesh->hash().lo, trace.hi, trace.lo}) {
-      all = geometry::Mix(all ^ part);
+      all = Mix(all ^ part);
     }
   }
   std::string input;

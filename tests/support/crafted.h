@@ -10,18 +10,14 @@
 #include <random>
 #include <vector>
 
+#include "core/base/mix.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh::test {
 
 // All of them fold words by h = Mix(h ^ word), from a key.
-inline std::uint64_t Mix(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15ULL;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
+
 // Mix(Unmix(h)) == h.
 inline std::uint64_t Unmix(std::uint64_t h) {
   const auto unshift = [](std::uint64_t z, int by) {
