@@ -15,6 +15,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/rounding.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
@@ -43,19 +44,11 @@ absl::Status BadOption(std::string message) {
                    {reason::kBadOption, {}, std::nullopt});
 }
 
-double UlpOf(double magnitude) { return std::ldexp(1.0, std::ilogb(magnitude) - 52); }
-
 // The longest side; 1 for a box without extent.
 double LongestSide(const Box& box, int dimension) {
   double l = 0;
   for (int i = 0; i < dimension; ++i) l = std::max(l, box.hi[i] - box.lo[i]);
   return l > 0 ? l : 1;
-}
-
-double LargestMagnitude(const Box& box, int dimension) {
-  double m = 0;
-  for (int i = 0; i < dimension; ++i) m = std::max({m, std::abs(box.lo[i]), std::abs(box.hi[i])});
-  return m;
 }
 
 absl::Status ValidateBox(const Box& box, int dimension) {

@@ -1,7 +1,6 @@
 #include "core/data/guarded_gaps.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/geometry/constructions.h"
 
@@ -11,7 +10,8 @@ namespace {
 // For squared radii: points are rounded.
 constexpr double kTolerance = 1 + 1e-6;
 // Splits that the guard stopped leave edges about as long as the subsegment kept whole: it is at
-// most so many times as long (observed: 1.4 to 1.8).
+// most so many times as long (observed: 1.4 to 1.8). The guard itself (CommonRules::IsGuarded)
+// compares with the bucket, which a finished mesh does not tell.
 constexpr double kMostTimesEdge = 4;
 
 }  // namespace
@@ -38,9 +38,8 @@ bool GuardedGaps::Has(const std::array<std::size_t, 3>& rows) {
     });
   };
   // The edge with the gap may be any that is too far from the circumcenter. The point that would
-  // fix it is the circumcenter or, nearer, the off-center (Rules::OffCenter).
-  const double rho2 = rho_ * rho_;
-  const double height = std::sqrt(2 * rho2 + std::sqrt(4 * rho2 * rho2 - rho2) - 0.25);
+  // fix it is the circumcenter or, nearer, the off-center (geometry::OffCenter).
+  const double rho2 = rho_ * rho_, height = geometry::OffCenterHeight(rho_);
   const geometry::Point2 centre = geometry::Circumcenter(At(rows[0]), At(rows[1]), At(rows[2]));
   const double r2 = geometry::SquaredDistance(centre, At(rows[0]));
   for (std::size_t i = 0; i < 3; ++i) {
@@ -48,8 +47,7 @@ bool GuardedGaps::Has(const std::array<std::size_t, 3>& rows) {
     const double e2 = geometry::SquaredDistance(p, q);
     if (r2 <= rho2 * e2) continue;
     if (is_kept_out(centre, e2)) return true;
-    const geometry::Point2 off_center = {{0.5 * (p[0] + q[0]) - height * (q[1] - p[1]),
-                                          0.5 * (p[1] + q[1]) + height * (q[0] - p[0])}};
+    const geometry::Point2 off_center = geometry::OffCenter(p, q, height);
     if (geometry::SquaredDistance(off_center, p) < r2 && is_kept_out(off_center, e2)) return true;
   }
   return false;

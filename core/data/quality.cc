@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 
 #include "absl/container/flat_hash_map.h"
+#include "core/base/rounding.h"
 #include "core/data/degrees.h"
 #include "core/data/guarded_gaps.h"
 #include "core/data/seditious_edges.h"
@@ -85,7 +85,7 @@ double CoordinateUnit(std::span<const double> coordinates) {
   double largest = 0;
   for (const double c : coordinates) largest = std::max(largest, std::abs(c));
   if (!(largest > 0) || !std::isfinite(largest)) return 0;
-  return std::scalbn(1.0, std::ilogb(largest) - 52);
+  return UlpOf(largest);
 }
 
 double QualitySlack(double shortest_edge, double unit) {
@@ -94,8 +94,7 @@ double QualitySlack(double shortest_edge, double unit) {
   // underflow.
   const int j = std::ilogb(shortest_edge);
   const double m = std::scalbn(shortest_edge, -j);
-  const double below = std::scalbn(m * m >= 2 ? std::numbers::sqrt2 : 1.0, j);
-  return 2e-9 + 8 * unit / below;
+  return QualitySlackAt(2 * j + (m * m >= 2 ? 1 : 0), unit);
 }
 
 bool IsOverRho(const TriangleQuality& triangle, double rho, double unit) {

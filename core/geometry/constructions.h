@@ -6,6 +6,7 @@
 #define DYNMESH_CORE_GEOMETRY_CONSTRUCTIONS_H_
 
 #include <array>
+#include <cmath>
 
 #include "core/geometry/circumball.h"
 #include "core/geometry/point.h"
@@ -24,6 +25,19 @@ inline Point<D> Midpoint(const Point<D>& a, const Point<D>& b) {
   Point<D> m;
   for (int i = 0; i < D; ++i) m[i] = 0.5 * (a[i] + b[i]);
   return m;
+}
+
+// The off-center of an edge of length e: the apex of the isosceles triangle over it with ratio
+// rho. So its other sides have length sqrt(B) e, and it is `height` e above the edge's middle.
+inline double OffCenterB(double rho) {
+  const double rho2 = rho * rho;
+  return 2 * rho2 + std::sqrt(4 * rho2 * rho2 - rho2);
+}
+inline double OffCenterHeight(double rho) { return std::sqrt(OffCenterB(rho) - 0.25); }
+// To the left of pq.
+inline Point2 OffCenter(const Point2& p, const Point2& q, double height) {
+  return {
+      {0.5 * (p[0] + q[0]) - height * (q[1] - p[1]), 0.5 * (p[1] + q[1]) + height * (q[0] - p[0])}};
 }
 
 // The circumcenter of (p, q, c), computed about c; symmetric in p and q to the bit. Not

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/geometry/constructions.h"
 #include "core/meshing/rules.h"
 
 namespace dynmesh::meshing {
@@ -54,10 +55,9 @@ class PlanarRules : public CommonRules<2> {
     return gap != Gap::kNone && d != nullptr && BeginsBeyond(p, q, *d) ? Gap::kNone : gap;
   }
 
-  // The off-center of pq to its left: on the bisector, at distance sqrt(B) e from both ends.
+  // The off-center of pq to its left.
   geometry::Point2 OffCenter(const geometry::Point2& p, const geometry::Point2& q) const {
-    return {{0.5 * (p[0] + q[0]) - kappa_ * (q[1] - p[1]),
-             0.5 * (p[1] + q[1]) + kappa_ * (q[0] - p[0])}};
+    return geometry::OffCenter(p, q, kappa_);
   }
 
  private:

@@ -5,7 +5,7 @@
 //
 //   rho     quality bound: circumradius / shortest edge
 //   e       length of the edge in question
-//   h       slack of the quality test: coordinates are rounded
+//   h       slack of the quality test: coordinates are rounded (base/rounding.h)
 //   H       reach: the radius of the neighbourhood that is read
 // Immutable once made; thread-safe.
 #ifndef DYNMESH_CORE_MESHING_RULES_H_
@@ -96,15 +96,6 @@ class CommonRules {
   double ulp_;
   std::vector<double> reach_;  // H by bucket
 };
-
-// The relative slack h of the quality test for edges of squared length `e2`: 2e-9 + 8 u / e'. u is
-// the ulp of the largest coordinate in the domain, e'^2 the largest power of two <= e2. A
-// coordinate is rounded by u/2, and R/e changes by at most (1/2 + small) |dx| / e. The factor 8
-// leaves room for the roundings of constructions.
-double QualitySlack(double e2, double u);
-
-// The spacing of doubles at the largest coordinate of the domain box.
-double UlpOfDomain(const Box& domain, int dimension);
 
 }  // namespace dynmesh::meshing
 

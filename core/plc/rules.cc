@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/rounding.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/predicates.h"
 #include "core/geometry/space_predicates.h"
@@ -173,12 +174,7 @@ bool AreAtClearAngle(const Point2& apex, const Point2& a, const Point2& b) {
 }
 
 double CloseLimit(const MeshOptions& options) {
-  const Box domain = DomainBox(options);
-  double magnitude = 0;
-  for (int i = 0; i < options.dimension; ++i) {
-    magnitude = std::max({magnitude, std::abs(domain.lo[i]), std::abs(domain.hi[i])});
-  }
-  return kCloseLimitUlps * std::ldexp(1.0, std::ilogb(magnitude) - 52);
+  return kCloseLimitUlps * UlpOf(DomainBox(options), options.dimension);
 }
 
 template <int D>

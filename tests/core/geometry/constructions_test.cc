@@ -41,6 +41,18 @@ TEST(Constructions, AreSymmetricToTheBit) {
   }
 }
 
+TEST(Constructions, TheOffCentersTriangleHasTheRatio) {
+  for (const double rho : {1.0, 1.2, 1.4142135623730951, 3.0}) {
+    const Point2 p = {{3, 1}}, q = {{1, 4}}, apex = OffCenter(p, q, OffCenterHeight(rho));
+    EXPECT_GT(Cross(p, q, apex), 0);
+    const double e2 = SquaredDistance(p, q);
+    EXPECT_NEAR(SquaredDistance(p, apex), OffCenterB(rho) * e2, 1e-12 * e2);
+    EXPECT_NEAR(SquaredDistance(q, apex), OffCenterB(rho) * e2, 1e-12 * e2);
+    const double r2 = SquaredDistance(p, Circumcenter(p, q, apex));
+    EXPECT_NEAR(r2, rho * rho * e2, 1e-12 * e2);
+  }
+}
+
 TEST(Constructions, MidpointLiesBetween) {
   const Point2 m = Midpoint(Point2{{0, 2}}, Point2{{1, 5}});
   EXPECT_EQ(m, (Point2{{0.5, 3.5}}));

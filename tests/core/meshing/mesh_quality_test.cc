@@ -13,7 +13,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/meshing/rules.h"
+#include "core/base/rounding.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/core/mesh/delaunay_oracle.h"
 #include "tests/support/asked.h"
@@ -58,9 +58,7 @@ struct Judged {
       }
     }
   }
-  double slack(double e2) const {
-    return meshing::QualitySlack(e2, meshing::UlpOfDomain(domain, 2));
-  }
+  double slack(double e2) const { return QualitySlackAt(std::ilogb(e2), UlpOf(domain, 2)); }
   bool OnOneSideOfTheDomain(const Point2& a, const Point2& b) const {
     for (int k = 0; k < 2; ++k) {
       if (a[k] == b[k] && (a[k] == domain.lo[k] || a[k] == domain.hi[k])) return true;
@@ -163,7 +161,7 @@ void CheckInputIsKept(const Judged& j, const std::vector<Feature>& features) {
     ASSERT_EQ(j.mesh.vertices.owners[row->second], f.id);
     ASSERT_EQ(j.mesh.vertices.containing_dimensions[row->second], 0);
   }
-  const double ulp = meshing::UlpOfDomain(j.domain, 2);
+  const double ulp = UlpOf(j.domain, 2);
   std::map<FeatureId, std::size_t> pieces_met;
   for (const Joint& f : JointsOf(features)) {
     const Point2 &p = place.at(f.ends[0]), &q = place.at(f.ends[1]);
@@ -232,7 +230,7 @@ std::set<Edge> FindSeditious(const Judged& j, const std::vector<Feature>& featur
       segment_of[j.mesh.vertices.ids[i]] = joint_at(owner, j.at.at(j.mesh.vertices.ids[i]));
     }
   }
-  const double ulp = meshing::UlpOfDomain(j.domain, 2);
+  const double ulp = UlpOf(j.domain, 2);
   const auto distance = [](const Point2& a, const Point2& b) {
     return std::hypot(a[0] - b[0], a[1] - b[1]);
   };

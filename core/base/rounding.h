@@ -1,0 +1,37 @@
+// How coordinates are rounded, and the slack that the quality test has for it. Shared by the mesher
+// (meshing/rules.h) and the measure of its result (dynmesh/quality.h). Pure, O(1).
+#ifndef DYNMESH_CORE_BASE_ROUNDING_H_
+#define DYNMESH_CORE_BASE_ROUNDING_H_
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "dynmesh/options.h"
+
+namespace dynmesh {
+
+inline double LargestMagnitude(const Box& box, int dimension) {
+  double m = 0;
+  for (int i = 0; i < dimension; ++i) m = std::max({m, std::abs(box.lo[i]), std::abs(box.hi[i])});
+  return m;
+}
+
+// The spacing of doubles at a magnitude. REQUIRES: it is positive and finite.
+inline double UlpOf(double magnitude) { return std::ldexp(1.0, std::ilogb(magnitude) - 52); }
+// At the largest coordinate of a box.
+inline double UlpOf(const Box& box, int dimension) {
+  return UlpOf(LargestMagnitude(box, dimension));
+}
+
+// The relative slack h of the quality test for edges of length e, 2^k <= e^2 < 2^(k+1):
+// 2e-9 + 8 u / sqrt(2^k). u is the ulp of the largest coordinate. A coordinate is rounded by u/2,
+// and R/e changes by at most (1/2 + small) |dx| / e. The factor 8 leaves room for the roundings of
+// constructions. From k, not from e: the last bit of e does not matter, and e^2 may underflow.
+inline double QualitySlackAt(int k, double u) {
+  return 2e-9 + 8 * u / std::ldexp(k & 1 ? std::numbers::sqrt2 : 1.0, k >> 1);
+}
+
+}  // namespace dynmesh
+
+#endif  // DYNMESH_CORE_BASE_ROUNDING_H_
