@@ -18,20 +18,6 @@ using geometry::Point3;
 constexpr double kGrazes = 1e-3;
 constexpr double kNear = 1e-10;
 
-// Does a ray from p to the right cross the edge ab? The lower end counts as part of the edge, the
-// upper one not. Nothing if p is on the edge. Exact.
-std::optional<bool> CrossesEdge(const Point2& p, const Point2& a, const Point2& b) {
-  const Point2& lo = a[1] < b[1] || (a[1] == b[1] && a[0] < b[0]) ? a : b;
-  const Point2& hi = &lo == &a ? b : a;
-  if (p[1] < lo[1] || p[1] > hi[1]) return false;
-  if (lo[1] == hi[1]) {
-    return lo[0] <= p[0] && p[0] <= hi[0] ? std::nullopt : std::optional(false);
-  }
-  const int side = geometry::Orientation(lo, hi, p);
-  if (side == 0) return std::nullopt;
-  return side > 0 && p[1] < hi[1];
-}
-
 // Is p, moved right and much less up, in the projection of the wall along the axis?
 bool IsInShadow(const Point3& p, const Wall<3>& wall, int axis) {
   const int x = (axis + 1) % 3, y = (axis + 2) % 3;
@@ -42,7 +28,7 @@ bool IsInShadow(const Point3& p, const Wall<3>& wall, int axis) {
   bool inside = false;
   for (const geometry::Ring3& ring : wall.rings) {
     for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-      inside ^= CrossesEdge(shadow(p), shadow(ring[i]), shadow(ring[j])).value_or(false);
+      inside ^= geometry::CrossesEdge(shadow(p), shadow(ring[i]), shadow(ring[j])).value_or(false);
     }
   }
   return inside;
@@ -68,7 +54,7 @@ Wall<3>::Wall(std::vector<geometry::Ring3> its_rings, std::vector<FeatureId> its
 }
 
 std::optional<bool> RayCrosses(int, const Point2& p, const Wall<2>& wall) {
-  return CrossesEdge(p, wall.p, wall.q);
+  return geometry::CrossesEdge(p, wall.p, wall.q);
 }
 
 std::optional<bool> RayCrosses(int ray, const Point3& p, const Wall<3>& wall) {

@@ -14,6 +14,7 @@
 #define DYNMESH_CORE_GEOMETRY_PREDICATES_H_
 
 #include <cmath>
+#include <optional>
 
 #include "core/geometry/point.h"
 
@@ -126,6 +127,22 @@ template <int D>
 inline bool InDiametralBall(const Point<D>& a, const Point<D>& b, const Point<D>& x) {
   const int sign = internal::InDiametralBallFilter(a, b, x);
   return (sign != internal::kUnsure ? sign : internal::InDiametralBallExact(a, b, x)) < 0;
+}
+
+// Does the ray from p to the right cross the edge ab, of which the lower end is part and the upper
+// one is not? A horizontal edge is never crossed. Nothing if p is on the closed edge. So p is
+// inside a polygon, off its edges, if it crosses an odd number of them. Symmetric in a and b.
+// Exact.
+inline std::optional<bool> CrossesEdge(const Point2& p, const Point2& a, const Point2& b) {
+  const Point2& lo = a[1] < b[1] || (a[1] == b[1] && a[0] < b[0]) ? a : b;
+  const Point2& hi = &lo == &a ? b : a;
+  if (p[1] < lo[1] || p[1] > hi[1]) return false;
+  if (lo[1] == hi[1]) {
+    return lo[0] <= p[0] && p[0] <= hi[0] ? std::nullopt : std::optional(false);
+  }
+  const int side = Orientation(lo, hi, p);
+  if (side == 0) return std::nullopt;
+  return side > 0 && p[1] < hi[1];
 }
 
 // Sign of |pa|^2 - |pb|^2: < 0 if a is nearer to p than b. Exact.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
-#include <utility>
 
 #include "core/base/rings.h"
 #include "core/geometry/predicates.h"
@@ -80,11 +79,7 @@ bool IsInside(const PointRing& ring, const Point3& place, AxisView view) {
   const Point2 p = view.Of(place);
   bool inside = false;
   ForEachEdgeOf(std::span(&ring, 1), [&](const Point3& from, const Point3& to) {
-    Point2 low = view.Of(from), high = view.Of(to);
-    if (high[1] < low[1]) std::swap(low, high);
-    if (low[1] <= p[1] && p[1] < high[1] && geometry::Orientation(low, high, p) > 0) {
-      inside = !inside;
-    }
+    inside ^= geometry::CrossesEdge(p, view.Of(from), view.Of(to)).value_or(false);
   });
   return inside;
 }

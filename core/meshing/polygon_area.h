@@ -2,7 +2,8 @@
 // point is inside if an odd number of rings goes around it.
 //
 // Computed in doubles, not exact near the border. But answers are functions of the rings as sets of
-// edges: neither a ring's first point nor its direction changes a bit. Immutable, thread-safe.
+// edges: neither a ring's first point nor its direction changes a bit. The side of an edge rounds
+// otherwise than in geometry/facet_interior.h, and meshes depend on both. Immutable, thread-safe.
 // O(log edges + edges near the ball or to the right of its centre).
 #ifndef DYNMESH_CORE_MESHING_POLYGON_AREA_H_
 #define DYNMESH_CORE_MESHING_POLYGON_AREA_H_

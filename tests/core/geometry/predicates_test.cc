@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <optional>
 
 #include "tests/core/geometry/random_points.h"
 
@@ -73,6 +74,26 @@ TEST_P(PredicatesOn, FiltersNeverContradictTheExactRung) {
     expect(internal::CompareDistanceFilter(a, b, c), internal::CompareDistanceExact(a, b, c));
     ASSERT_EQ(internal::OrientationExact(a, b, c), SlowOrientation(a, b, c));
     ASSERT_EQ(internal::InCircleExact(a, b, c, d), SlowInCircle(a, b, c, d));
+  }
+}
+
+// Where a horizontal line meets the edge, by rationals.
+std::optional<bool> SlowCrossesEdge(const Point2& p, const Point2& a, const Point2& b) {
+  const double lo = std::min(a[1], b[1]), hi = std::max(a[1], b[1]);
+  const bool is_on = SlowOrientation(a, b, p) == 0 && SlowDiametral(a, b, p) <= 0;
+  if (is_on || a == p || b == p) return std::nullopt;
+  if (!(lo <= p[1] && p[1] < hi)) return false;
+  return X(a) + (Y(p) - Y(a)) * (X(b) - X(a)) / (Y(b) - Y(a)) > X(p);
+}
+
+TEST_P(PredicatesOn, CrossesEdgeAgreesWithRationals) {
+  SCOPED_TRACE(Trace());
+  for (int i = 0; i < kRounds; ++i) {
+    const Point2 a = source_.Next(), b = source_.Next(), p = source_.Next();
+    const std::optional<bool> crosses = SlowCrossesEdge(p, a, b);
+    ASSERT_EQ(CrossesEdge(p, a, b), crosses) << "round " << i;
+    ASSERT_EQ(CrossesEdge(p, b, a), crosses) << "round " << i;
+    ASSERT_EQ(CrossesEdge(a, a, b), std::nullopt);
   }
 }
 
