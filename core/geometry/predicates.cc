@@ -36,19 +36,8 @@ int InDiametralBallExact(const Point<D>& a, const Point<D>& b, const Point<D>& x
   });
 }
 
-template <int D>
-int CompareDistanceExact(const Point<D>& p, const Point<D>& a, const Point<D>& b) {
-  return SignOf({&p, &a, &b}, [&](auto n, int exponent) {
-    using V = Vector<n(), D>;
-    const V pa(p, a, exponent), pb(p, b, exponent);
-    return (DotProduct(pa, pa) - DotProduct(pb, pb)).Sign();
-  });
-}
-
 template int InDiametralBallExact(const Point2&, const Point2&, const Point2&);
 template int InDiametralBallExact(const Point3&, const Point3&, const Point3&);
-template int CompareDistanceExact(const Point2&, const Point2&, const Point2&);
-template int CompareDistanceExact(const Point3&, const Point3&, const Point3&);
 
 // The Delaunay triangulation is the lower hull of the points lifted to z = x^2 + y^2.
 // 1. Perturb the lifting: let every point q of the 2D plane rise by an infinitesimal e(q) > 0,

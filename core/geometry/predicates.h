@@ -27,11 +27,11 @@ inline constexpr int kUnsure = 2;
 inline constexpr double kRoundoff = 0x1p-53;
 
 int OrientationExact(const Point2& a, const Point2& b, const Point2& c);
+// Sign of the in-circle determinant of counter-clockwise (a, b, c) and d: > 0 inside the open
+// circumdisc, 0 on the circle. No perturbation.
 int InCircleExact(const Point2& a, const Point2& b, const Point2& c, const Point2& d);
 template <int D>
 int InDiametralBallExact(const Point<D>& a, const Point<D>& b, const Point<D>& x);
-template <int D>
-int CompareDistanceExact(const Point<D>& p, const Point<D>& a, const Point<D>& b);
 // The result of InCircle for four points on one circle.
 bool InCircleTie(const Point2& a, const Point2& b, const Point2& c, const Point2& d);
 // InCircle if the filter does not know.
@@ -90,13 +90,6 @@ inline int InDiametralBallFilter(const Point<D>& a, const Point<D>& b, const Poi
   return FilteredSign(dot, (D + 3) * kRoundoff * sum);
 }
 
-template <int D>
-inline int CompareDistanceFilter(const Point<D>& p, const Point<D>& a, const Point<D>& b) {
-  const double to_a = SquaredDistance(p, a), to_b = SquaredDistance(p, b);
-  // Squares 3, sum of squares D - 1 (that with 0 is exact), difference 1: n = D + 3.
-  return FilteredSign(to_a - to_b, (D + 4) * kRoundoff * (to_a + to_b));
-}
-
 }  // namespace internal
 
 // Sign of the signed area of (a, b, c): > 0 counter-clockwise, 0 collinear.
@@ -104,13 +97,6 @@ inline int CompareDistanceFilter(const Point<D>& p, const Point<D>& a, const Poi
 inline int Orientation(const Point2& a, const Point2& b, const Point2& c) {
   const int sign = internal::OrientationFilter(a, b, c);
   return sign != internal::kUnsure ? sign : internal::OrientationExact(a, b, c);
-}
-
-// Sign of the in-circle determinant of counter-clockwise (a, b, c) and d: > 0
-// inside the open circumdisc, 0 on the circle. Exact, no perturbation.
-inline int InCircleSign(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
-  const int sign = internal::InCircleFilter(a, b, c, d);
-  return sign != internal::kUnsure ? sign : internal::InCircleExact(a, b, c, d);
 }
 
 // True if d is inside the circumdisc of counter-clockwise (a, b, c), ties broken by the
@@ -143,13 +129,6 @@ inline std::optional<bool> CrossesEdge(const Point2& p, const Point2& a, const P
   const int side = Orientation(lo, hi, p);
   if (side == 0) return std::nullopt;
   return side > 0 && p[1] < hi[1];
-}
-
-// Sign of |pa|^2 - |pb|^2: < 0 if a is nearer to p than b. Exact.
-template <int D>
-inline int CompareDistance(const Point<D>& p, const Point<D>& a, const Point<D>& b) {
-  const int sign = internal::CompareDistanceFilter(p, a, b);
-  return sign != internal::kUnsure ? sign : internal::CompareDistanceExact(p, a, b);
 }
 
 }  // namespace dynmesh::geometry

@@ -18,6 +18,8 @@ namespace dynmesh::geometry {
 namespace internal {
 
 int OrientationExact(const Point3& a, const Point3& b, const Point3& c, const Point3& d);
+// Sign of the in-sphere determinant of positively oriented (a, b, c, d) and e: > 0 inside the open
+// circumball, 0 on the sphere. No perturbation.
 int InSphereExact(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
                   const Point3& e);
 // The result of InSphere for five points on one sphere.
@@ -76,14 +78,6 @@ inline int InSphereFilter(const Point3& a, const Point3& b, const Point3& c, con
 inline int Orientation(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
   const int sign = internal::OrientationFilter(a, b, c, d);
   return sign != internal::kUnsure ? sign : internal::OrientationExact(a, b, c, d);
-}
-
-// Sign of the in-sphere determinant of positively oriented (a, b, c, d) and e: > 0 inside
-// the open circumball, 0 on the sphere. Exact, no perturbation.
-inline int InSphereSign(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
-                        const Point3& e) {
-  const int sign = internal::InSphereFilter(a, b, c, d, e);
-  return sign != internal::kUnsure ? sign : internal::InSphereExact(a, b, c, d, e);
 }
 
 // True if e is inside the circumball of positively oriented (a, b, c, d), ties broken by the

@@ -154,14 +154,8 @@ class SpatialTree {
     }
   }
 
-  // Visits every node with a cell that meets the box, ancestors included.
-  template <class Visit>
-  void VisitBox(const Extent<D>& box, Visit visit) const {
-    VisitBoxIf(
-        box, [](const Point&, double) { return true; }, visit);
-  }
-  // The same, without the cells for which keep(centre, half the side) is false, and those below
-  // them.
+  // Visits every node with a cell that meets the box, ancestors included, without the cells for
+  // which keep(centre, half the side) is false, and those below them.
   template <class Keep, class Visit>
   void VisitBoxIf(const Extent<D>& box, Keep keep, Visit visit) const {
     Cell stack[kStack];

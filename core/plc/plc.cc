@@ -118,35 +118,6 @@ Delta<D> Plc<D>::FromNothing(Steps& steps) const {
   return all;
 }
 
-template <int D>
-std::optional<PointFeature<D>> Plc<D>::FindPoint(FeatureId id) const {
-  const PointRecord<D>* record = store_.FindPoint(id);
-  if (record == nullptr) return std::nullopt;
-  return PointFeature<D>{id, record->p};
-}
-
-template <int D>
-std::optional<SegmentFeature<D>> Plc<D>::FindSegment(FeatureId id) const {
-  const SegmentRecord* record = store_.FindSegment(id);
-  if (record == nullptr) return std::nullopt;
-  return store_.Expand(id, *record);
-}
-
-template <int D>
-std::optional<SizeFeature<D>> Plc<D>::FindSize(FeatureId id) const {
-  const SizeFeature<D>* size = store_.FindSize(id);
-  if (size == nullptr) return std::nullopt;
-  return *size;
-}
-
-template <int D>
-std::vector<FeatureId> Plc<D>::SegmentsAt(FeatureId point) const {
-  const auto at = store_.SegmentsAt(point);
-  std::vector<FeatureId> segments(at.begin(), at.end());
-  std::sort(segments.begin(), segments.end());
-  return segments;
-}
-
 template class Plc<2>;
 template class Plc<3>;
 

@@ -24,7 +24,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -93,25 +92,12 @@ class Plc {
   }
 
   std::size_t size() const { return store_.size(); }
-  std::size_t point_count() const { return store_.points().size(); }
-  std::size_t segment_count() const { return store_.segments().size(); }
-
-  // O(1).
-  std::optional<PointFeature<D>> FindPoint(FeatureId id) const;
-  std::optional<SegmentFeature<D>> FindSegment(FeatureId id) const;
-  std::optional<SizeFeature<D>> FindSize(FeatureId id) const;
-  bool HasPoint(FeatureId id) const { return store_.FindPoint(id) != nullptr; }
-  bool HasSegment(FeatureId id) const { return store_.FindSegment(id) != nullptr; }
-  // The segments that end at a point, sorted; none if there is no such point.
-  std::vector<FeatureId> SegmentsAt(FeatureId point) const;
-
-  const MeshOptions& options() const { return options_; }
-  // Features nearer than this are too close (a power of two).
-  double close_limit() const { return limit_; }
-  // Nodes of the spatial index, for tests of its size.
-  std::size_t index_nodes() const { return index_->node_count(); }
   // Approximate memory of what is kept per feature.
   std::size_t bytes() const { return store_.bytes() + index_->bytes(); }
+
+  // For tests: what is kept.
+  const FeatureStore<D>& store() const { return store_; }
+  const FeatureIndex<D>& index() const { return *index_; }
 
  private:
   void Insert(const Delta<D>& delta);

@@ -62,7 +62,6 @@ class EpochOrder {
 
   void Reserve(std::size_t operations) { order_.Reserve(operations); }
   const OrderList& order() const { return order_; }
-  std::size_t epochs() const { return tables_.size(); }
   // Operations and empty slots passed so far while searching positions.
   std::uint64_t steps() const { return steps_; }
 

@@ -51,6 +51,7 @@ class OrderList {
 
   void Reserve(std::size_t elements);
   std::size_t size() const { return size_; }
+  // For tests of costs: so far.
   std::uint64_t relabelled_groups() const { return relabelled_groups_; }
   std::size_t bytes() const;
 

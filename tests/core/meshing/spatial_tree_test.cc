@@ -339,8 +339,9 @@ TEST(SpatialTree, VisitsExactlyTheCellsThatMeetABox) {
       }
     }
     Nodes visited;
-    pair.tree.VisitBox(
-        box, [&](NodeIndex n) { EXPECT_TRUE(visited.insert(n).second) << "visited twice"; });
+    pair.tree.VisitBoxIf(
+        box, [](const geometry::Point2&, double) { return true; },
+        [&](NodeIndex n) { EXPECT_TRUE(visited.insert(n).second) << "visited twice"; });
     ASSERT_EQ(visited, wanted) << "seed " << seed << " box " << i;
   }
 }

@@ -120,9 +120,9 @@ TEST(PlcCost, LongParallelSegmentsCostABisection) {
       }
       costs.push_back(cost / 200.0);
       std::cout << n << " long segments: " << cost / 200 << " per edit, " << build / n
-                << " each to enter, " << plc.index_nodes() << " nodes\n";
+                << " each to enter, " << plc.index().node_count() << " nodes\n";
       EXPECT_LT(build / n, 1000u);
-      EXPECT_LT(plc.index_nodes(), 20u * n);
+      EXPECT_LT(plc.index().node_count(), 20u * n);
     }
     EXPECT_LT(costs[2], costs[0] * 3);
   }
@@ -159,16 +159,16 @@ TEST(PlcCost, OfASegmentDoesNotGrowWithThoseThatMeetAtItsEnd) {
 TEST(PlcCost, TheIndexDoesNotAge) {
   Plc2 plc(Square(0, 1));
   Apply(plc, Streets(20, 0, 1, 1));
-  const std::size_t nodes = plc.index_nodes();
+  const std::size_t nodes = plc.index().node_count();
   const std::uint64_t cost = CostOf(plc, LocalEdit(0.51, 0.51, 0.05, 1'000'000));
   EditBatch away, back = Streets(20, 0, 1, 1);
   for (const Edit& edit : back) away.push_back(Edit::Remove(edit.feature.id));
   for (int i = 0; i < 20; ++i) {
     Apply(plc, away);
-    EXPECT_EQ(plc.index_nodes(), 4u);
+    EXPECT_EQ(plc.index().node_count(), 4u);
     Apply(plc, back);
   }
-  EXPECT_LE(plc.index_nodes(), 2 * nodes);
+  EXPECT_LE(plc.index().node_count(), 2 * nodes);
   EXPECT_LE(CostOf(plc, LocalEdit(0.51, 0.51, 0.05, 1'000'000)), 2 * cost);
 }
 

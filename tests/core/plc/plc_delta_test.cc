@@ -15,6 +15,18 @@ namespace {
 
 const geometry::Point2 kA{{0.25, 0.25}}, kB{{0.75, 0.25}}, kC{{0.5, 0.75}};
 
+SegmentFeature<2> SegmentOf(const Plc2& plc, FeatureId id) {
+  return plc.store().Expand(id, *plc.store().FindSegment(id));
+}
+
+// Sorted.
+std::vector<FeatureId> SegmentsAt(const Plc2& plc, FeatureId point) {
+  const auto at = plc.store().SegmentsAt(point);
+  std::vector<FeatureId> segments(at.begin(), at.end());
+  std::sort(segments.begin(), segments.end());
+  return segments;
+}
+
 // Triangle 1, 2, 3 with sides 11 = (1, 2) and 12 = (2, 3).
 class PlcDelta : public testing::Test {
  protected:
@@ -40,10 +52,10 @@ TEST_F(PlcDelta, FirstBatchAddsEverythingSortedById) {
 TEST_F(PlcDelta, NothingChangesUntilCommit) {
   const absl::StatusOr<Delta<2>> delta = plc_.Check({AddPoint(4, 0.1, 0.1)});
   ASSERT_TRUE(delta.ok());
-  EXPECT_FALSE(plc_.HasPoint(4));
+  EXPECT_EQ(plc_.store().FindPoint(4), nullptr);
   EXPECT_EQ(plc_.size(), 5u);
   plc_.Commit(*delta);
-  EXPECT_TRUE(plc_.HasPoint(4));
+  EXPECT_NE(plc_.store().FindPoint(4), nullptr);
   EXPECT_EQ(plc_.size(), 6u);
 }
 
@@ -72,7 +84,7 @@ TEST_F(PlcDelta, AMovedPointTakesItsSegmentsAlong) {
             (std::vector<SegmentFeature<2>>{{11, 1, 2, kA, kB}, {12, 2, 3, kB, kC}}));
   EXPECT_EQ(delta.added_segments,
             (std::vector<SegmentFeature<2>>{{11, 1, 2, kA, to}, {12, 2, 3, to, kC}}));
-  EXPECT_EQ(plc_.FindSegment(12)->p, to);
+  EXPECT_EQ(SegmentOf(plc_, 12), (SegmentFeature<2>{12, 2, 3, to, kC}));
 }
 
 TEST_F(PlcDelta, AReplacedSegmentAppearsInBothLists) {
@@ -89,8 +101,8 @@ TEST_F(PlcDelta, AFeatureMayChangeItsKind) {
   EXPECT_EQ(delta.removed_points, (std::vector<PointFeature<2>>{{3, kC}}));
   EXPECT_EQ(delta.added_points, (std::vector<PointFeature<2>>{{12, {{0.1, 0.1}}}}));
   Apply(plc_, {SetSegment(12, 1, 5), AddPoint(5, 0.1, 0.3)});
-  EXPECT_TRUE(plc_.HasSegment(12));
-  EXPECT_FALSE(plc_.HasPoint(12));
+  EXPECT_NE(plc_.store().FindSegment(12), nullptr);
+  EXPECT_EQ(plc_.store().FindPoint(12), nullptr);
 }
 
 TEST_F(PlcDelta, InverseOfACommitRestoresTheFeatures) {
@@ -101,7 +113,7 @@ TEST_F(PlcDelta, InverseOfACommitRestoresTheFeatures) {
   EXPECT_EQ(delta.Inverse().Inverse(), delta);
   plc_.Commit(delta.Inverse());
   EXPECT_EQ(plc_.Features(), before);
-  EXPECT_EQ(plc_.SegmentsAt(2), (std::vector<FeatureId>{11, 12}));
+  EXPECT_EQ(SegmentsAt(plc_, 2), (std::vector<FeatureId>{11, 12}));
   // The index is back, too.
   EXPECT_FALSE(plc_.Check({AddPoint(30, 0.5, 0.25)}).ok());
   EXPECT_TRUE(plc_.Check({AddPoint(30, 0.1, 0.9)}).ok());
@@ -109,8 +121,8 @@ TEST_F(PlcDelta, InverseOfACommitRestoresTheFeatures) {
 
 TEST_F(PlcDelta, MinusZeroIsStoredAsZero) {
   Apply(plc_, {AddPoint(4, -0.0, -0.0)});
-  EXPECT_FALSE(std::signbit(plc_.FindPoint(4)->p[0]));
-  EXPECT_FALSE(std::signbit(plc_.FindPoint(4)->p[1]));
+  EXPECT_FALSE(std::signbit(plc_.store().FindPoint(4)->p[0]));
+  EXPECT_FALSE(std::signbit(plc_.store().FindPoint(4)->p[1]));
   EXPECT_TRUE(plc_.Check({Edit::Move(4, 0, -0.0)})->empty());
 }
 
@@ -119,14 +131,14 @@ TEST_F(PlcDelta, FeaturesAreSortedAndLookedUpById) {
             (std::vector<Feature>{Feature::Point(1, kA[0], kA[1]), Feature::Point(2, kB[0], kB[1]),
                                   Feature::Point(3, kC[0], kC[1]), Feature::Segment(11, 1, 2),
                                   Feature::Segment(12, 2, 3)}));
-  EXPECT_EQ(plc_.FindPoint(2), (PointFeature<2>{2, kB}));
-  EXPECT_EQ(plc_.FindPoint(11), std::nullopt);
-  EXPECT_EQ(plc_.FindSegment(11), (SegmentFeature<2>{11, 1, 2, kA, kB}));
-  EXPECT_EQ(plc_.FindSegment(2), std::nullopt);
-  EXPECT_EQ(plc_.SegmentsAt(2), (std::vector<FeatureId>{11, 12}));
-  EXPECT_TRUE(plc_.SegmentsAt(77).empty());
-  EXPECT_EQ(plc_.point_count(), 3u);
-  EXPECT_EQ(plc_.segment_count(), 2u);
+  EXPECT_EQ(plc_.store().FindPoint(2)->p, kB);
+  EXPECT_EQ(plc_.store().FindPoint(11), nullptr);
+  EXPECT_EQ(SegmentOf(plc_, 11), (SegmentFeature<2>{11, 1, 2, kA, kB}));
+  EXPECT_EQ(plc_.store().FindSegment(2), nullptr);
+  EXPECT_EQ(SegmentsAt(plc_, 2), (std::vector<FeatureId>{11, 12}));
+  EXPECT_TRUE(SegmentsAt(plc_, 77).empty());
+  EXPECT_EQ(plc_.store().points().size(), 3u);
+  EXPECT_EQ(plc_.store().segments().size(), 2u);
 }
 
 TEST_F(PlcDelta, ACheckMayBeInterruptedAtEveryFeature) {
@@ -186,7 +198,7 @@ TEST_F(PlcDelta, OfSizes) {
   EXPECT_EQ(finer->Inverse().Inverse(), *finer);
   plc.Commit(*finer);
   plc.Commit(finer->Inverse());
-  EXPECT_EQ(plc.FindSize(7)->sizing.target, 0.125);
+  EXPECT_EQ(plc.store().FindSize(7)->sizing.target, 0.125);
 
   // Kinds change in place.
   const auto point = plc.Check({Edit::Set(Feature::Point(7, 0.25, 0.25))});
@@ -194,13 +206,13 @@ TEST_F(PlcDelta, OfSizes) {
   EXPECT_EQ(point->removed_sizes.size(), 1u);
   EXPECT_EQ(point->added_points.size(), 1u);
   plc.Commit(*point);
-  EXPECT_FALSE(plc.FindSize(7).has_value());
+  EXPECT_EQ(plc.store().FindSize(7), nullptr);
   const auto back = plc.Check({Edit::Set(disc)});
   ASSERT_TRUE(back.ok());
   EXPECT_EQ(back->removed_points.size(), 1u);
   EXPECT_EQ(back->added_sizes.size(), 1u);
   plc.Commit(*back);
-  EXPECT_FALSE(plc.HasPoint(7));
+  EXPECT_EQ(plc.store().FindPoint(7), nullptr);
   Apply(plc, {Edit::Remove(7)});
   EXPECT_EQ(plc.size(), 1u);
 }

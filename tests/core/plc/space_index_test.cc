@@ -180,7 +180,7 @@ std::uint64_t CostOfEdits(const Plc3& plc, int n, double hi) {
     const double z = (i / (n * n) + 0.8) * step;
     EditBatch batch;
     for (FeatureId c = first + 4; c < first + 8; ++c) {
-      const auto at = plc.FindPoint(c)->p;
+      const auto at = plc.store().FindPoint(c)->p;
       batch.push_back(Edit::Move(c, at[0], at[1], z));
     }
     const auto delta = plc.Check(batch, &cost);
@@ -234,9 +234,10 @@ TEST(SpaceCost, LargePlatesAreTheirNumberNearby) {
       EXPECT_TRUE(plc.Check({AddPoint3(10000, 0.3, 0.4, z)}, &cost).ok());
     }
     cost /= n - 1;
-    std::cout << n << " plates: " << cost << " per point, " << plc.index_nodes() << " nodes\n";
+    std::cout << n << " plates: " << cost << " per point, " << plc.index().node_count()
+              << " nodes\n";
     EXPECT_LT(cost, 60u);
-    EXPECT_LT(plc.index_nodes(), 10'000u);
+    EXPECT_LT(plc.index().node_count(), 10'000u);
   }
 }
 

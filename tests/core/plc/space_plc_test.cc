@@ -168,7 +168,7 @@ TEST(SpacePlc, PolygonsWantAQualityThatRefinementEndsAt) {
 }
 
 TEST(SpacePlc, PointsAreOffTheInsidesOfPolygons) {
-  const double limit = Plc3(Cube(0, 1)).close_limit();
+  const double limit = CloseLimit(Cube(0, 1));
   ExpectRefused(Plate() + EditBatch{AddPoint3(20, 0.5, 0.4, 0.5)}, reason::kPointOnPolygon,
                 {20, 10});
   ExpectRefused(Plate() + EditBatch{AddPoint3(20, 0.5, 0.4, 0.5 + limit / 2)}, reason::kTooClose,
@@ -354,7 +354,7 @@ TEST(SpacePlc, SegmentsMeetAtSixtyDegreesOrMore) {
 }
 
 TEST(SpacePlc, SegmentsPassEachOtherAtTheCloseLimit) {
-  const double limit = Plc3(Cube(0, 1)).close_limit();
+  const double limit = CloseLimit(Cube(0, 1));
   const auto cross = [](double gap) {
     return EditBatch{AddPoint3(1, 0.1, 0.2, 0.5),           AddPoint3(2, 0.9, 0.7, 0.5),
                      AddPoint3(3, 0.1, 0.8, 0.5 + gap),     AddPoint3(4, 0.9, 0.3, 0.5 + gap),
@@ -402,7 +402,7 @@ TEST(SpacePlc, BadFeaturesAreNamed) {
   ExpectRefused(plc, {Edit::Add(Feature::SizePolygon(20, {{1, 2, 3}}, 0.1))}, reason::kBadSize,
                 {20});
   Apply(plc, {Edit::Add(Feature::Size(20, {0.1, 0.2, 0.3}, {SizeShape::kBox, 0.1, 0, {1, 1, 1}}))});
-  EXPECT_EQ(plc.FindSize(20)->at, (geometry::Point3{{0.1, 0.2, 0.3}}));
+  EXPECT_EQ(plc.store().FindSize(20)->at, (geometry::Point3{{0.1, 0.2, 0.3}}));
 }
 
 TEST(SpacePlc, FacetsComeAndGoWithPolygonsAndFollowTheirCorners) {

@@ -239,14 +239,15 @@ struct Tally {
 
 void RunScript(std::uint64_t seed, int batches, int most, Tally& tally) {
   Plc3 grown(Cube(0, 1));
-  Generator generator(seed, grown.close_limit());
+  const double limit = CloseLimit(Cube(0, 1));
+  Generator generator(seed, limit);
   FeatureMap present;
   for (int i = 0; i < batches; ++i) {
     const EditBatch batch = generator.Batch(present, most);
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", batch " << i << "\n"
                                     << ScriptOf(AddAll(grown.Features())) << "# this one:\n"
                                     << ScriptOf(batch));
-    const std::vector<Offence> offences = FindOffences(generator.draft(), grown.close_limit());
+    const std::vector<Offence> offences = FindOffences(generator.draft(), limit);
     const auto delta = grown.Check(batch);
     ASSERT_EQ(delta.ok(), offences.empty())
         << delta.status() << "; oracle: " << (offences.empty() ? "legal" : offences[0].what);
