@@ -1,5 +1,8 @@
 // One JSON object on one line: the output of --json. Keys are literals, in the order added. Doubles
 // are the shortest that read back exactly, null if not finite.
+//
+// Only texts are nlohmann's. Its writer prints the double 1 as 1.0, some doubles with more digits
+// than needed, and no space in `"key": 1`, which scripts search for.
 #ifndef DYNMESH_CLIENT_CLI_JSON_H_
 #define DYNMESH_CLIENT_CLI_JSON_H_
 

@@ -33,7 +33,7 @@ TEST(Json, HasNoNumberThatIsNotFinite) {
 }
 
 TEST(Json, TextIsEscapedAndAlwaysUtf8) {
-  EXPECT_EQ(JsonQuote("a\"b\\c\n\x01"), "\"a\\\"b\\\\c\\u000a\\u0001\"");
+  EXPECT_EQ(JsonQuote("a\"b\\c\n\x01"), "\"a\\\"b\\\\c\\n\\u0001\"");
   EXPECT_EQ(JsonQuote("\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80"),
             "\"\xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\"");
   EXPECT_EQ(JsonQuote("\xff\xc3"), "\"\xef\xbf\xbd\xef\xbf\xbd\"");
