@@ -689,7 +689,7 @@ template <class Program>
 template <class HashItem, class HashOp, class OnOp>
 std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op, OnOp on_op,
                                      std::vector<std::string>* problems) const {
-  auto mix = [](std::uint64_t h, std::uint64_t x) {
+  auto mix = [](std::uint64_t h, std::uint64_t x) {  // of two words; golden traces depend on it
     h = (h ^ x) * 0x9e3779b97f4a7c15ULL;
     return h ^ (h >> 29);
   };
