@@ -35,8 +35,6 @@ inline double SquaredDistance(const Point<D>& a, const Point<D>& b) {
   return sum;
 }
 
-using dynmesh::Mix;
-
 // The random priority of a position (-0 counts as +0). It orders work within a bucket and breaks
 // the chains of Fig. 4.8 on every input. Two points may collide; then coordinates decide.
 template <int D>

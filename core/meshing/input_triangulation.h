@@ -54,7 +54,7 @@ bool InputTriangulation<D, E>::Fill(absl::FunctionRef<bool()> interrupt) {
       part.clear();
       positions.clear();
       for (std::size_t rank = 0; rank < input_.pending().size(); ++rank) {
-        if (std::min(std::countl_zero(geometry::Mix(rank)), rounds) != round) continue;
+        if (std::min(std::countl_zero(Mix(rank)), rounds) != round) continue;
         const VertexIndex v = input_.pending()[rank];
         part.push_back(v);
         positions.push_back(complex_.vertex(v).p);

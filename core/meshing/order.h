@@ -14,7 +14,7 @@ template <int D, template <class> class E>
 std::uint64_t Priority(const Complex<D, E>& complex, sac::Kind kind, sac::Item item) {
   if (kind <= kComplete) return geometry::HashOf(complex.vertex(item).p);
   if (kind == kCure) return complex.slivers[item].hash;
-  return geometry::Mix(complex.HashOf(complex.subsegment(item)) + kind);
+  return Mix(complex.HashOf(complex.subsegment(item)) + kind);
 }
 
 // Of operations with one priority.

@@ -15,7 +15,7 @@ std::uint64_t Audit(const Refinement<D, E>& refinement, std::vector<std::string>
     return 0;
   } else {
     const auto& engine = refinement.engine();
-    const auto mix = [](std::uint64_t h, std::uint64_t x) { return geometry::Mix(h ^ x); };
+    const auto mix = [](std::uint64_t h, std::uint64_t x) { return Mix(h ^ x); };
     const auto hash_item = [&](sac::Kind kind, sac::Item item) {
       return mix(refinement.Priority(kind, item), kind);
     };
