@@ -23,7 +23,7 @@ absl::StatusOr<Mesh> Build(std::span<const Feature> features, const MeshOptions&
   meshing::Refinement<D, sac::UntracedEngine> refinement(options, &diffs.triangulation());
   refinement.Reserve(delta->added_points.size());
   table.Apply(*delta, refinement);
-  refinement.Propagate([&] { return IsOverLimits(refinement, options.limits); });
+  refinement.Propagate([&] { return IsOverLimits(refinement, options.limits.max_vertices); });
   if (absl::Status status = LimitsStatus(refinement, options.limits); !status.ok()) return status;
   Mesh mesh = diffs.Begin(refinement, table);
   if (absl::Status status = diffs.RegionStatus(); !status.ok()) return status;

@@ -12,8 +12,8 @@
 namespace dynmesh {
 
 template <class Refinement>
-bool IsOverLimits(const Refinement& refinement, const Limits& limits) {
-  return refinement.vertex_count() > limits.max_vertices || refinement.hit_depth_limit() ||
+bool IsOverLimits(const Refinement& refinement, std::uint64_t most_vertices) {
+  return refinement.vertex_count() > most_vertices || refinement.hit_depth_limit() ||
          refinement.is_full();
 }
 

@@ -11,7 +11,7 @@ namespace dynmesh {
 
 template <int D>
 Mesh LiveMesh<D>::Snapshot() const {
-  Mesh mesh = state_->diffs.Snapshot(state_->refinement, state_->features);
+  Mesh mesh = mesh_.state->diffs.Snapshot(mesh_.state->refinement, mesh_.state->features);
   mesh.revision = revision_;
   return mesh;
 }
@@ -20,8 +20,8 @@ template <int D>
 SimplexColumn LiveMesh<D>::Locate(std::span<const double> points) const {
   SimplexColumn result;
   result.reserve(points.size() / D * (D + 1));
-  const auto& triangulation = state_->diffs.triangulation();
-  const auto& rules = state_->refinement.complex().rules;
+  const auto& triangulation = mesh_.state->diffs.triangulation();
+  const auto& rules = mesh_.state->refinement.complex().rules;
   meshing::VertexIndex near = 0;
   for (; points.size() >= D; points = points.subspan(D)) {
     geometry::Point<D> p;
@@ -35,7 +35,7 @@ SimplexColumn LiveMesh<D>::Locate(std::span<const double> points) const {
       const auto t = triangulation.Locate(p, near);
       if (!triangulation.IsInfinite(t)) {
         near = triangulation.vertices(t)[0];
-        ids = state_->diffs.CanonicalIds(t);
+        ids = mesh_.state->diffs.CanonicalIds(t);
       }
     }
     result.insert(result.end(), ids.begin(), ids.end());
@@ -45,35 +45,36 @@ SimplexColumn LiveMesh<D>::Locate(std::span<const double> points) const {
 
 template <int D>
 MeshStats LiveMesh<D>::Stats() const {
-  const State& s = *state_;
+  const MeshState<D>& s = *mesh_.state;
   MeshStats stats;
   stats.revision = revision_;
-  stats.features = plc_.size();
+  stats.features = mesh_.plc.size();
   stats.vertices = s.refinement.vertex_count();
   stats.simplices = s.diffs.triangulation().simplex_count();
   stats.subsegments = s.diffs.subsegment_count();
   stats.subfacets = s.diffs.subfacet_count();
   stats.operations = s.refinement.engine().operation_count();
   stats.trace_bytes = s.refinement.trace_bytes();
-  stats.mesh_bytes = s.refinement.bytes() + s.diffs.bytes() + s.features.bytes() + plc_.bytes();
+  stats.mesh_bytes =
+      s.refinement.bytes() + s.diffs.bytes() + s.features.bytes() + mesh_.plc.bytes();
   return stats;
 }
 
 template <int D>
 AuditReport LiveMesh<D>::Audit() const {
   AuditReport report;
-  const std::uint64_t trace = meshing::Audit(state_->refinement, &report.problems);
-  report.trace = {trace, state_->refinement.engine().operation_count()};
+  const std::uint64_t trace = meshing::Audit(mesh_.state->refinement, &report.problems);
+  report.trace = {trace, mesh_.state->refinement.engine().operation_count()};
   std::string why;
-  if (!state_->diffs.triangulation().Check(&why)) report.problems.push_back("mesh: " + why);
-  if (!state_->diffs.CheckLabels()) {
+  if (!mesh_.state->diffs.triangulation().Check(&why)) report.problems.push_back("mesh: " + why);
+  if (!mesh_.state->diffs.CheckLabels()) {
     report.problems.push_back("regions of neighbours do not agree with the edges between them");
   }
   const Mesh mesh = Snapshot();
   if (!(ComputeHash(mesh) == mesh.hash)) {
     report.problems.push_back("the hash kept is not that of the mesh");
   }
-  if (mesh.vertices.size() != state_->diffs.triangulation().vertex_count()) {
+  if (mesh.vertices.size() != mesh_.state->diffs.triangulation().vertex_count()) {
     report.problems.push_back("the triangulation's vertices are not those present");
   }
   return report;
@@ -83,8 +84,8 @@ template <int D>
 std::string LiveMesh<D>::FirstDifference(const LiveMesh& other) const {
   std::vector<std::string> problems;
   std::vector<meshing::OperationHash> ours, theirs;
-  meshing::Audit(state_->refinement, &problems, &ours);
-  meshing::Audit(other.state_->refinement, &problems, &theirs);
+  meshing::Audit(mesh_.state->refinement, &problems, &ours);
+  meshing::Audit(other.mesh_.state->refinement, &problems, &theirs);
   std::size_t i = 0;
   const std::size_t shared = std::min(ours.size(), theirs.size());
   while (i < shared && ours[i].identity == theirs[i].identity && ours[i].whole == theirs[i].whole) {
@@ -94,8 +95,9 @@ std::string LiveMesh<D>::FirstDifference(const LiveMesh& other) const {
   const auto describe = [i](const auto& refinement, const auto& operations) {
     return i < operations.size() ? meshing::Describe(refinement, operations[i].op) : "no operation";
   };
-  return "operation " + std::to_string(i) + "\n  here:  " + describe(state_->refinement, ours) +
-         "\n  there: " + describe(other.state_->refinement, theirs);
+  return "operation " + std::to_string(i) +
+         "\n  here:  " + describe(mesh_.state->refinement, ours) +
+         "\n  there: " + describe(other.mesh_.state->refinement, theirs);
 }
 
 template Mesh LiveMesh<2>::Snapshot() const;

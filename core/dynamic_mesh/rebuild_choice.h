@@ -41,17 +41,17 @@ namespace dynmesh {
 
 enum class Plan {
   kPropagate,
-  kLook,  // propagate, unless too much is stale once the change is known
+  kProbe,  // propagate, unless too much is stale once the change is known
   kRebuild,
 };
 
 // Thresholds above which a batch is rebuilt, as shares of what is present.
 struct RebuildThresholds {
-  std::size_t at_least = 64;       // changed features; fewer are propagated
-  double look_at_features = 0.01;  // from this share on, count stale operations first
-  double features = 0.5;           // changed, of the present ones or of a fourth of the vertices
-  double stale = 0.1;              // of the operations
-  double carried = 0.3;            // vertices that sizing features need
+  std::size_t at_least = 64;     // changed features; fewer are propagated
+  double probe_features = 0.01;  // from this share on, count stale operations first
+  double features = 0.5;         // changed, of the present ones or of a fourth of the vertices
+  double stale = 0.1;            // of the operations
+  double carried = 0.3;          // vertices that sizing features need
   // A running propagation is stopped when it has executed more operations than allowed, not
   // counting those by which the trace has grown. Allowed are `work` of all operations, or
   // `work_of_stale` times those stale at the beginning but at most `most_work` of all.
@@ -142,9 +142,9 @@ Plan PlanFor(const plc::Delta<D>& delta, std::size_t features, std::size_t verti
   if (changes > thresholds.features * std::max(n, 0.25 * v)) return Plan::kRebuild;
   if (carried > thresholds.carried * v) {
     const bool may_be_a_move = 2 * std::min(added, removed) > carried;
-    return may_be_a_move ? Plan::kLook : Plan::kRebuild;
+    return may_be_a_move ? Plan::kProbe : Plan::kRebuild;
   }
-  return changes > thresholds.look_at_features * n ? Plan::kLook : Plan::kPropagate;
+  return changes > thresholds.probe_features * n ? Plan::kProbe : Plan::kPropagate;
 }
 
 }  // namespace dynmesh

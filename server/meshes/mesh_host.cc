@@ -7,6 +7,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/base/mesh_name.h"
+#include "server/meshes/batch_interrupt.h"
 #include "server/revisions/revision_error.h"
 
 namespace dynmesh::server {
@@ -377,10 +378,9 @@ absl::StatusOr<EditOutcome> MeshHost::Change(HeldEdit& edit, const Fingerprint& 
   const bool grows = removes < job.edits.size();
   if (grows) {
     if (absl::Status s = CheckRoom(count(Edit::Action::kAdd), removes); !s.ok()) return s;
-    if (memory_ != nullptr) apply_options.stopped = memory_->full();
   }
-  apply_options.cancelled = job.cancelled.get();
-  apply_options.shares_core = true;
+  apply_options.interrupted =
+      BatchInterrupt(job.cancelled.get(), grows && memory_ != nullptr ? memory_->full() : nullptr);
   apply_options.max_operations = max_operations_;
   apply_options.progress = [&](const ApplyProgress& progress) {
     SetProgress(job, progress);

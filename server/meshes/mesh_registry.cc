@@ -9,6 +9,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/log.h"
 #include "server/base/printable.h"
+#include "server/meshes/batch_interrupt.h"
 #include "server/meshes/recovery.h"
 #include "server/meshes/recovery_progress.h"
 
@@ -162,13 +163,11 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Create(const std::string& id
 absl::StatusOr<std::unique_ptr<DynamicMesh>> MeshRegistry::Make(
     const MeshOptions& options, const std::atomic<bool>* cancelled) const {
   ApplyOptions apply;
-  apply.cancelled = cancelled;
-  apply.shares_core = true;
   apply.max_operations = config_.max_batch_operations;
   if (memory_ != nullptr) {
     if (absl::Status status = memory_->CheckRoom(); !status.ok()) return status;
-    apply.stopped = memory_->full();
   }
+  apply.interrupted = BatchInterrupt(cancelled, memory_ != nullptr ? memory_->full() : nullptr);
   auto mesh = factory_(options, apply);
   const bool is_wanted = cancelled == nullptr || !cancelled->load(std::memory_order_relaxed);
   if (absl::IsCancelled(mesh.status()) && is_wanted && memory_ != nullptr) {

@@ -22,7 +22,7 @@ int StopAgainAndAgain(LiveMesh<D>& mesh, const EditBatch& batch) {
   // In 3D an operation is expensive: not at each of them.
   for (int stop = 0;; stop += D == 2 ? 1 : 1 + stop / 3) {
     int asked = 0;
-    const auto diff = mesh.Apply(batch, [&] { return asked++ == stop; });
+    const auto diff = mesh.Apply(batch, {.interrupted = [&] { return asked++ == stop; }});
     if (diff.ok()) return tried;
     ++tried;
     const AuditReport audit = mesh.Audit();

@@ -161,10 +161,10 @@ RunReport RunScriptOf(Generator generator, const MeshOptions& options, const Run
     int operations = 0;
     absl::StatusOr<MeshDiff> diff;
     try {
-      diff = mesh.Apply(batch, [&] {
-        if (++operations > plan.most_operations) throw NeverEnds{};
-        return false;
-      });
+      diff = mesh.Apply(batch, {.interrupted = [&] {
+                          if (++operations > plan.most_operations) throw NeverEnds{};
+                          return false;
+                        }});
     } catch (NeverEnds) {
       report.difference = {true, "the propagation does not end"};
       return report;

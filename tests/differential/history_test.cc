@@ -184,10 +184,10 @@ TEST(Rebuild, IsPlannedByWhatABatchIsWorth) {
   // A move keeps what it can.
   plc::Delta<2> moved = one;
   moved.removed_sizes = one.added_sizes;
-  EXPECT_EQ(PlanFor(moved, 100, 200, box, {}), Plan::kLook);
-  EXPECT_EQ(PlanFor(many, 100, 10'000, box, {}), Plan::kLook);
+  EXPECT_EQ(PlanFor(moved, 100, 200, box, {}), Plan::kProbe);
+  EXPECT_EQ(PlanFor(many, 100, 10'000, box, {}), Plan::kProbe);
   EXPECT_EQ(PlanFor(many, 0, 24, box, {}), Plan::kRebuild);
-  EXPECT_EQ(PlanFor(many, 1000, 2000, box, {}), Plan::kLook);
+  EXPECT_EQ(PlanFor(many, 1000, 2000, box, {}), Plan::kProbe);
   EXPECT_EQ(PlanFor(many, 10'000, 20'000, box, {}), Plan::kPropagate);
   EXPECT_EQ(PlanFor(plc::Delta<2>{}, 0, 24, box, {}), Plan::kPropagate);
   // In 3D by volume: a ball of 0.3 has 113 cells of 0.1, 113,000 of 0.01.

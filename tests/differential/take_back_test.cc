@@ -53,7 +53,7 @@ std::vector<EditBatch> ApplyGroup(LiveMesh<D>& mesh, Generator& generator, Rando
     }
     if (random.OneIn(3)) {
       int left = random.Below(40);
-      const auto stopped = mesh.Apply(batch, [&] { return left-- == 0; });
+      const auto stopped = mesh.Apply(batch, {.interrupted = [&] { return left-- == 0; }});
       if (stopped.ok()) {  // by its end, and it settled what was before
         applied.clear();
         moments.clear();

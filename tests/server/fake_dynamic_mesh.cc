@@ -55,8 +55,7 @@ void FakeGate::WaitForArrivals(int count) {
 
 bool FakeGate::Pass(const ApplyOptions& options) {
   const auto is_cancelled = [&options] {
-    return (options.cancelled != nullptr && options.cancelled->load()) ||
-           (options.stopped != nullptr && options.stopped->load());
+    return options.interrupted != nullptr && options.interrupted();
   };
   std::unique_lock lock(mutex_);
   ++arrivals_;

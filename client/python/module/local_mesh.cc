@@ -29,7 +29,9 @@ class LocalMesh {
   std::shared_ptr<Diff> Apply(const Batch& batch, const py::object& progress, bool validate_only) {
     ApplyOptions options;
     ProgressCall call(progress);
-    options.cancelled = call.cancelled();
+    options.interrupted = [cancelled = call.cancelled()] {
+      return cancelled->load(std::memory_order_relaxed);
+    };
     options.progress = [&](const ApplyProgress& p) { call(NameOf(p.stage), p.done, p.total); };
     absl::StatusOr<MeshDiff> diff = absl::UnknownError("");
     {

@@ -16,7 +16,6 @@
 #ifndef DYNMESH_DYNAMIC_MESH_H_
 #define DYNMESH_DYNAMIC_MESH_H_
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -51,13 +50,14 @@ struct ApplyProgress {
 
 // How a batch is applied. No option changes the resulting mesh.
 struct ApplyOptions {
-  // Polled between operations. Once true, the batch is undone: CANCELLED.
-  const std::atomic<bool>* cancelled = nullptr;
-  // A second flag with the same effect, for a caller that passes its client's flag as `cancelled`.
-  const std::atomic<bool>* stopped = nullptr;
-  // If true, Apply yields the core to waiting threads some thousand times a second, between
-  // operations. For a process that serves other requests meanwhile.
-  bool shares_core = false;
+  // Called on the thread of Apply before each operation and at least once in 1,024 shorter steps (a
+  // feature checked, a point inserted, a row compared), so every few microseconds: it must be
+  // cheap. Once it returns true, the batch is undone (CANCELLED). Not called while a batch is being
+  // undone. After `commit` has succeeded it may be called while memory is freed; if it then returns
+  // true, a later batch frees it. It must not use the mesh. Null: never interrupted.
+  //
+  //   options.interrupted = [&stop] { return stop.load(std::memory_order_relaxed); };
+  std::function<bool()> interrupted = nullptr;
   // The most operations to execute for the batch, those of abandoned attempts included; 0: no
   // limit. A batch that needs more is undone: RESOURCE_EXHAUSTED (WORK_LIMIT). Building from
   // scratch takes 2 to 3 operations a vertex. The count of an edit depends on the mesh, not on the
@@ -67,14 +67,14 @@ struct ApplyOptions {
   // revision is visible. For example to write the batch to a journal. If it returns an error the
   // batch is undone, and Apply returns that error. Called for an empty batch, too. It must not use
   // the mesh. May be null.
-  std::function<absl::Status(const MeshDiff&)> commit;
+  std::function<absl::Status(const MeshDiff&)> commit = nullptr;
   // The batch can be undone later (DynamicMesh::TakeBack). For a caller that writes several batches
   // to a journal at once. Applying a batch without it settles all batches before.
   bool revocable = false;
   // Called on the thread of Apply: when a stage begins, when it ends, and between operations at
   // intervals of 50 ms or more. Not called while a batch is being undone. It must not use the mesh.
   // May be null.
-  std::function<void(const ApplyProgress&)> progress;
+  std::function<void(const ApplyProgress&)> progress = nullptr;
 };
 
 // Size and memory of a mesh.
@@ -102,8 +102,8 @@ struct AuditReport {
 // the features involved (error.h, with the status code of each reason).
 class DynamicMesh {
  public:
-  // Makes a mesh of the bare domain box, revision 0. Of `apply_options`, cancelled, stopped,
-  // shares_core and max_operations apply. Errors: INVALID_ARGUMENT (BAD_OPTION) for bad `options`;
+  // Makes a mesh of the bare domain box, revision 0. Of `apply_options`, interrupted and
+  // max_operations apply. Errors: INVALID_ARGUMENT (BAD_OPTION) for bad `options`;
   // RESOURCE_EXHAUSTED if max_edge needs more than `options`.limits (VERTEX_LIMIT), indices
   // (SIZE_LIMIT) or max_operations (WORK_LIMIT) allow; CANCELLED.
   static absl::StatusOr<std::unique_ptr<DynamicMesh>> Create(

@@ -59,7 +59,7 @@ inline constexpr char kPolygonLimit[] = "POLYGON_LIMIT";    // too many at a pos
 inline constexpr char kSizeLimit[] = "SIZE_LIMIT";  // more than indices can distinguish (options.h)
 inline constexpr char kDepthLimit[] = "DEPTH_LIMIT";  // Limits::max_depth
 inline constexpr char kWorkLimit[] = "WORK_LIMIT";    // ApplyOptions::max_operations
-inline constexpr char kCancelled[] = "CANCELLED";     // by ApplyOptions::cancelled or stopped
+inline constexpr char kCancelled[] = "CANCELLED";     // by ApplyOptions::interrupted
 inline constexpr char kBadOption[] = "BAD_OPTION";    // a field of MeshOptions
 }  // namespace reason
 

@@ -163,17 +163,10 @@ TEST(Commit, IsNotAskedForWhatIsRefusedAnyway) {
     return absl::OkStatus();
   };
   EXPECT_FALSE(mesh->Apply({Edit::Remove(1)}, options).ok());
-  const std::atomic<bool> yes{true}, no{false};
   const EditBatch batch = {Edit::Add(Feature::Point(1, 0.5, 0.5))};
-  for (const auto& [cancelled, stopped] :
-       {std::pair{&yes, &no}, std::pair{&no, &yes}, std::pair{&yes, &yes}}) {
-    options.cancelled = cancelled;
-    options.stopped = stopped;
-    EXPECT_TRUE(absl::IsCancelled(mesh->Apply(batch, options).status()));
-  }
-  options.cancelled = nullptr;
+  options.interrupted = [] { return true; };
   EXPECT_TRUE(absl::IsCancelled(mesh->Apply(batch, options).status()));
-  options.stopped = &no;
+  options.interrupted = [] { return false; };
   options.commit = nullptr;
   EXPECT_TRUE(mesh->Apply(batch, options).ok());
 }

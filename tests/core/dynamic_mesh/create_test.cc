@@ -39,16 +39,12 @@ TEST_P(Create, WithMoreIsRefusedBeforeTheyAreMade) {
   EXPECT_NE(std::string(status.message()).find("max_edge"), std::string::npos) << status;
 }
 
-TEST_P(Create, EndsWhenNobodyWantsItAnyMore) {
+TEST_P(Create, EndsWhenInterrupted) {
   const MeshOptions options = OptionsIn(GetParam(), GetParam() == 2 ? 3e-4 : 0.005);
-  const std::atomic<bool> yes{true}, no{false};
-  for (const bool by_client : {true, false}) {
-    ApplyOptions apply;
-    apply.cancelled = by_client ? &yes : &no;
-    apply.stopped = by_client ? &no : &yes;
-    const absl::Status status = DynamicMesh::Create(options, apply).status();
-    EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << status;
-  }
+  ApplyOptions apply;
+  apply.interrupted = [] { return true; };
+  const absl::Status status = DynamicMesh::Create(options, apply).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << status;
 }
 
 INSTANTIATE_TEST_SUITE_P(InBothDimensions, Create, ::testing::Values(2, 3));

@@ -84,7 +84,7 @@ TEST(Fallback, StoppedAnywhereBringsTheFormerTraceBack) {
     const MeshHash hash = mesh.hash(), trace = mesh.Audit().trace;
     for (int stop = 0;; stop += 1 + stop / 8, ++stopped) {
       int asked = 0;
-      const auto diff = mesh.Apply(batch, [&] { return asked++ == stop; });
+      const auto diff = mesh.Apply(batch, {.interrupted = [&] { return asked++ == stop; }});
       if (diff.ok()) break;
       ASSERT_TRUE(absl::IsCancelled(diff.status()));
       ASSERT_EQ(mesh.hash(), hash) << "stop " << stop;

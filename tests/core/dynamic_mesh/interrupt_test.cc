@@ -79,7 +79,7 @@ void ExpectABuildToBeAskedAllAlong(const std::vector<Feature>& before,
   LiveMesh<D> other(DefaultsIn<D>(), AlwaysRebuild());
   ASSERT_TRUE(other.Apply(AddAll(before), ApplyOptions()).ok());
   std::size_t all = 0;
-  const auto diff = other.Apply(batch, [&] { return ++all == 0; });
+  const auto diff = other.Apply(batch, {.interrupted = [&] { return ++all == 0; }});
   ASSERT_TRUE(diff.ok()) << diff.status();
   const MeshStats stats = other.Stats();
   const std::size_t rows = 2 * features.size() + 2 * stats.vertices + 2 * stats.simplices;
@@ -91,7 +91,7 @@ void ExpectABuildToBeAskedAllAlong(const std::vector<Feature>& before,
   for (std::size_t i = 0; i < 60; ++i) stops.push_back(all - i);
   for (const std::size_t stop : stops) {
     std::size_t asked = 0;
-    const auto stopped = mesh.Apply(batch, [&] { return ++asked == stop; });
+    const auto stopped = mesh.Apply(batch, {.interrupted = [&] { return ++asked == stop; }});
     ASSERT_TRUE(absl::IsCancelled(stopped.status())) << stop << " of " << all;
     EXPECT_EQ(mesh.hash(), hash);
     EXPECT_EQ(mesh.revision(), 1u);
@@ -159,7 +159,7 @@ void ExpectAPropagationToBeAskedAllAlong(const std::vector<Feature>& features) {
     // The last time before the first operation.
     for (std::size_t part = 0; part <= parts; ++part) {
       std::size_t left = by_validation + 1 + part;
-      const auto stopped = mesh.Apply(batch, [&] { return --left == 0; });
+      const auto stopped = mesh.Apply(batch, {.interrupted = [&] { return --left == 0; }});
       ASSERT_TRUE(absl::IsCancelled(stopped.status())) << part << " of " << parts;
       EXPECT_EQ(mesh.hash(), hash);
       const AuditReport audit = mesh.Audit();

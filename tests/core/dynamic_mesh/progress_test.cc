@@ -181,7 +181,7 @@ TEST(Progress, AnotherThreadMayCancelAtAnyStage) {
     });
     Told told;
     ApplyOptions options;
-    options.cancelled = &cancelled;
+    options.interrupted = [&] { return cancelled.load(); };
     options.progress = [&](const ApplyProgress& p) {
       told.push_back(p);
       if (p.stage != stage) return;

@@ -4,13 +4,13 @@
 // thread until the next clock tick: up to 4 ms, even if another core becomes idle meanwhile. That
 // is longer than most edits take. So long computations call Step often, which yields to others some
 // thousand times a second. One thread.
-#ifndef DYNMESH_CORE_BASE_TIME_SLICE_H_
-#define DYNMESH_CORE_BASE_TIME_SLICE_H_
+#ifndef DYNMESH_SERVER_BASE_TIME_SLICE_H_
+#define DYNMESH_SERVER_BASE_TIME_SLICE_H_
 
 #include <chrono>
 #include <thread>
 
-namespace dynmesh {
+namespace dynmesh::server {
 
 class TimeSlice {
  public:
@@ -30,6 +30,6 @@ class TimeSlice {
   Clock::time_point end_ = Clock::now() + kLength;
 };
 
-}  // namespace dynmesh
+}  // namespace dynmesh::server
 
-#endif  // DYNMESH_CORE_BASE_TIME_SLICE_H_
+#endif  // DYNMESH_SERVER_BASE_TIME_SLICE_H_
