@@ -2,18 +2,18 @@
 //
 // A tetrahedron is prefetched when it is found and read later, at its turn. To test whether a
 // triangle is known, no tetrahedron is read: it is known if one of its edges is.
-#include "core/mesh/delaunay_tetrahedralization.h"
+#include "core/mesh/tetrahedron_table.h"
 
 namespace dynmesh::mesh {
 
-void DelaunayTetrahedralization::LinkOf(VertexIndex v, VertexLink* link) const {
+void TetrahedronTable::LinkOf(VertexIndex v, VertexLink* link) const {
   link->is_small = WalkAround(v, link->small, link);
   if (!link->is_small) WalkAround(v, link->large, link);
 }
 
 // False if the tables are too small.
 template <class Tables>
-bool DelaunayTetrahedralization::WalkAround(VertexIndex v, Tables& tables, VertexLink* link) const {
+bool TetrahedronTable::WalkAround(VertexIndex v, Tables& tables, VertexLink* link) const {
   static constexpr int kNext[] = {1, 2, 0}, kPrevious[] = {2, 0, 1};
   auto& triangles = link->triangles;
   auto& crossings = link->crossings;
