@@ -9,6 +9,7 @@
 #include "core/data/regions.h"
 #include "core/data/whole_mesh.h"
 #include "core/dynamic_mesh/limits.h"
+#include "core/dynamic_mesh/region_errors.h"
 #include "core/mesh/delaunay_insert_order.h"
 #include "core/meshing/facet_membership.h"
 #include "core/meshing/neighbours.h"
@@ -39,33 +40,6 @@ std::string Shortest(double x) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
 }
 
-// "{1, 2, 5, and 3 more}"
-std::string ListOf(const std::vector<FeatureId>& polygons) {
-  constexpr std::size_t kMost = 4;
-  std::string list;
-  for (std::size_t i = 0; i < std::min(kMost, polygons.size()); ++i) {
-    list += (i == 0 ? "{" : ", ") + std::to_string(polygons[i]);
-  }
-  if (polygons.size() > kMost) list += ", and " + std::to_string(polygons.size() - kMost) + " more";
-  return list + "}";
-}
-
-absl::Status CollisionError(int dimension, const RegionSets::Collision& collision) {
-  const auto& [first, second] = collision;
-  // A polygon that is not in both.
-  std::vector<FeatureId> either;
-  std::ranges::set_symmetric_difference(first, second, std::back_inserter(either));
-  const FeatureId id = either.back();
-  const std::string what = dimension == 2 ? "polygons " : "closed surfaces ";
-  return MakeError(
-      absl::StatusCode::kFailedPrecondition,
-      (second.empty() ? "the region of " + what + ListOf(first) + " would have a reserved id"
-                      : "the regions of " + what + ListOf(first) + " and " + ListOf(second) +
-                            " would have the same id") +
-          ", a hash of polygons' ids; give polygon " + std::to_string(id) + " another id",
-      {reason::kIdCollision, {id}, {}});
-}
-
 template <class Subsegment>
 std::array<VertexIndex, 2> SideOf(const Subsegment& s) {
   return {std::min(s.a, s.b), std::max(s.a, s.b)};
@@ -78,17 +52,6 @@ std::array<VertexIndex, 2> SideOf(const Subsegment& s) {
 template <int D>
 VertexRow<D> DiffBuilder<D>::RowOf(VertexId id, const Vertex& v, const FeatureTable<D>& features) {
   return {id, v.p.c, v.dimension, features.IdOf(v.feature)};
-}
-
-template <int D>
-void DiffBuilder<D>::AppendAll(const std::vector<SimplexRow<D>>& rows, SimplexColumn* simplices,
-                               RegionColumn* regions) {
-  simplices->reserve((D + 1) * rows.size());
-  if (!labels_.empty()) regions->reserve(rows.size());
-  for (const SimplexRow<D>& row : rows) {
-    simplices->insert(simplices->end(), row.ids.begin(), row.ids.end());
-    if (!labels_.empty()) regions->push_back(row.region);
-  }
 }
 
 // Clears columns without a region; lists the sets of polygons that the others name.
@@ -115,20 +78,11 @@ void DiffBuilder<D>::AddWall(const typename Labels::Side& side, meshing::Feature
 template <int D>
 absl::Status DiffBuilder<D>::RegionStatus() const {
   if (triangulation_.is_full()) return SizeLimitError();
-  const auto polygons = labels_.overfull();
-  if (polygons.empty()) {
-    const auto collision = labels_.collision();
-    return collision ? CollisionError(D, *collision) : absl::OkStatus();
+  if (const auto polygons = labels_.overfull(); !polygons.empty()) {
+    return TooManyPolygonsError(D, polygons);
   }
-  const FeatureId last = polygons.back();
-  return MakeError(absl::StatusCode::kResourceExhausted,
-                   (D == 2 ? "polygon " : "the closed surface of polygon ") + std::to_string(last) +
-                       " lies over " + std::to_string(polygons.size() - 1) + " others, " +
-                       std::to_string(polygons[0]) + " and " + std::to_string(polygons[1]) +
-                       " among them, and no place may lie in more than " +
-                       std::to_string(kMostPolygonsAtAPlace) +
-                       " polygons; move or remove some of them",
-                   {reason::kPolygonLimit, {last}, {}});
+  const auto collision = labels_.collision();
+  return collision ? CollisionError(D, *collision) : absl::OkStatus();
 }
 
 template <int D>
@@ -311,21 +265,14 @@ void DiffBuilder<D>::TakeChanges(Refinement& refinement) {
 template <int D>
 template <class Refinement>
 void DiffBuilder<D>::UpdateNames(const Refinement& refinement) {
-  renamed_.clear();
+  renamed_.Clear();
   const auto position = [&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; };
   const auto keep_old = [&](VertexIndex v) {
-    if (triangulation_.Contains(v)) renamed_.push_back({v, names_.at(v)});  // was in the mesh
+    if (triangulation_.Contains(v)) renamed_.Add(v, names_.at(v));  // was in the mesh
   };
   for (const VertexIndex v : vertices_.gone) names_.Remove(v, position, keep_old);
   for (const VertexIndex v : vertices_.come) names_.Add(v, position, keep_old);
-  if (renamed_.empty()) return;
-  // Of a vertex renamed several times, the first entry counts.
-  std::stable_sort(renamed_.begin(), renamed_.end(),
-                   [](const Renamed& a, const Renamed& b) { return a.v < b.v; });
-  const auto again = std::unique(renamed_.begin(), renamed_.end(),
-                                 [](const Renamed& a, const Renamed& b) { return a.v == b.v; });
-  renamed_.erase(again, renamed_.end());
-  std::erase_if(renamed_, [&](const Renamed& r) { return names_.at(r.v) == r.old_id; });
+  renamed_.Close([this](VertexIndex v) { return names_.at(v); });
 }
 
 // Removals first: an added vertex may have the same coordinates.
@@ -447,7 +394,7 @@ void DiffBuilder<D>::UpdateLabels(const Refinement& refinement, const FeatureTab
 template <int D>
 template <class F>
 void DiffBuilder<D>::ForEachRenamed(F f) const {
-  for (const Renamed& r : renamed_) {
+  for (const auto& r : renamed_) {
     if (!triangulation_.Contains(r.v)) continue;
     triangulation_.ForEachSimplexAround(r.v, [&](Simplex t) {
       if (!triangulation_.IsInfinite(t)) f(t);
@@ -468,119 +415,6 @@ void DiffBuilder<D>::AddSimplicesOfRenamed() {
   });
   simplices_.gone.insert(simplices_.gone.end(), stay_.begin(), stay_.end());
   simplices_.come.insert(simplices_.come.end(), stay_.begin(), stay_.end());
-}
-
-template <int D>
-bool DiffBuilder<D>::IsRenamed(VertexIndex v) const {
-  return std::binary_search(renamed_.begin(), renamed_.end(), Renamed{v, 0},
-                            [](const Renamed& a, const Renamed& b) { return a.v < b.v; });
-}
-
-template <int D>
-VertexId DiffBuilder<D>::OldIdOfRenamed(VertexIndex v) const {
-  const auto it = std::lower_bound(renamed_.begin(), renamed_.end(), v,
-                                   [](const Renamed& r, VertexIndex w) { return r.v < w; });
-  return it != renamed_.end() && it->v == v ? it->old_id : names_.at(v);
-}
-
-template <int D>
-template <class Row>
-void DiffBuilder<D>::NetAndHash(Rows<Row>* rows) {
-  rows->Net();
-  for (const Row& row : rows->gone) hash_ -= HashOf(row);
-  for (const Row& row : rows->come) hash_ += HashOf(row);
-}
-
-template <int D>
-template <int N, class Columns>
-void DiffBuilder<D>::Report(Rows<PieceRow<N>>* rows, Columns* removed, Columns* added) {
-  NetAndHash(rows);
-  for (const PieceRow<N>& row : rows->gone) Append(*removed, row);
-  for (const PieceRow<N>& row : rows->come) Append(*added, row);
-}
-
-// Vertices with equal rows before and after are not reported.
-template <int D>
-template <class Refinement>
-void DiffBuilder<D>::ReportVertices(const Refinement& refinement, const FeatureTable<D>& features,
-                                    MeshDiff* diff) {
-  vertex_rows_.Clear();
-  for (const VertexIndex v : vertices_.gone) {
-    vertex_rows_.gone.push_back(RowOf(OldId(v), refinement.vertex(v), features));
-  }
-  for (const VertexIndex v : vertices_.come) {
-    vertex_rows_.come.push_back(RowOf(names_.at(v), refinement.vertex(v), features));
-  }
-  for (const Renamed& r : renamed_) {
-    if (!triangulation_.Contains(r.v)) continue;
-    vertex_rows_.gone.push_back(RowOf(r.old_id, refinement.vertex(r.v), features));
-    vertex_rows_.come.push_back(RowOf(names_.at(r.v), refinement.vertex(r.v), features));
-  }
-  NetAndHash(&vertex_rows_);
-  diff->removed_vertices.reserve(vertex_rows_.gone.size());
-  Reserve(diff->added_vertices, D, vertex_rows_.come.size());
-  for (const VertexRow<D>& row : vertex_rows_.gone) diff->removed_vertices.push_back(row.id);
-  for (const VertexRow<D>& row : vertex_rows_.come) Append(diff->added_vertices, row);
-}
-
-template <int D>
-template <class Refinement>
-void DiffBuilder<D>::ReportSubsegments(const Refinement& refinement,
-                                       const FeatureTable<D>& features, MeshDiff* diff) {
-  subsegment_rows_.Clear();
-  const auto goes = [&](const Subsegment& s) {
-    subsegment_rows_.gone.push_back(
-        PieceRowOf(OldIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
-  };
-  const auto comes = [&](const Subsegment& s) {
-    subsegment_rows_.come.push_back(
-        PieceRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
-  };
-  for (const SubsegmentIndex s : subsegments_.gone) goes(refinement.subsegment(s));
-  for (const SubsegmentIndex s : subsegments_.come) comes(refinement.subsegment(s));
-  if (!renamed_.empty()) {
-    refinement.elements().ForEachSubsegment([&](const Subsegment& s) {
-      if (!IsRenamed(s.a) && !IsRenamed(s.b)) return;
-      for (const SubsegmentIndex i : subsegments_.come) {
-        if (&refinement.subsegment(i) == &s) return;
-      }
-      goes(s);
-      comes(s);
-    });
-  }
-  Report(&subsegment_rows_, &diff->removed_subsegments, &diff->added_subsegments);
-  subsegment_count_ += subsegment_rows_.come.size();
-  subsegment_count_ -= subsegment_rows_.gone.size();
-}
-
-template <int D>
-void DiffBuilder<D>::ReportSubfacets(const FeatureTable<D>& features, MeshDiff* diff) {
-  if constexpr (D == 3) {
-    subfacet_rows_.Clear();
-    for (const auto& [face, slot] : subfacets_.gone()) {
-      subfacet_rows_.gone.push_back(PieceRowOf(OldIds(face), features.IdOf(slot)));
-    }
-    for (const auto& [face, slot] : subfacets_.come()) {
-      subfacet_rows_.come.push_back(PieceRowOf(NewIds(face), features.IdOf(slot)));
-    }
-    Report(&subfacet_rows_, &diff->removed_subfacets, &diff->added_subfacets);
-  }
-}
-
-// Nets again by ids: an added vertex may have the id of a removed one.
-template <int D>
-void DiffBuilder<D>::ReportSimplices(MeshDiff* diff) {
-  simplex_rows_.Clear();
-  for (const auto& [v, region] : simplices_.gone) {
-    simplex_rows_.gone.push_back({InCanonicalOrder(OldIds(v)), region});
-  }
-  for (const auto& [v, region] : simplices_.come) {
-    simplex_rows_.come.push_back({InCanonicalOrder(NewIds(v)), region});
-  }
-  NetAndHash(&simplex_rows_);
-  AppendAll(simplex_rows_.gone, &diff->removed_simplices, &diff->removed_regions);
-  AppendAll(simplex_rows_.come, &diff->added_simplices, &diff->added_regions);
-  NameRegions({&diff->removed_regions, &diff->added_regions}, &diff->region_sets);
 }
 
 template class DiffBuilder<2>;

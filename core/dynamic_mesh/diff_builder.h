@@ -28,6 +28,7 @@
 #include "core/dynamic_mesh/diff_rows.h"
 #include "core/dynamic_mesh/feature_table.h"
 #include "core/dynamic_mesh/region_labels.h"
+#include "core/dynamic_mesh/renamed_vertices.h"
 #include "core/dynamic_mesh/subfacet_table.h"
 #include "core/dynamic_mesh/vertex_names.h"
 #include "core/meshing/refinement.h"
@@ -110,12 +111,8 @@ class DiffBuilder {
     RegionId region;
     friend auto operator<=>(const IndexRow&, const IndexRow&) = default;
   };
-  struct Renamed {
-    meshing::VertexIndex v;
-    VertexId old_id;
-  };
 
-  // The steps of an update, in this order.
+  // The steps of an update, in this order. Those that report are in diff_report.cc.
   template <class Refinement>
   void TakeChanges(Refinement& refinement);
   template <class Refinement>
@@ -150,10 +147,9 @@ class DiffBuilder {
 
   // The id, at the last call, of a vertex that was in the mesh then.
   VertexId OldId(meshing::VertexIndex v) const {
-    return renamed_.empty() ? names_.at(v) : OldIdOfRenamed(v);
+    const auto* const renamed = renamed_.empty() ? nullptr : renamed_.Find(v);
+    return renamed != nullptr ? renamed->old_id : names_.at(v);
   }
-  VertexId OldIdOfRenamed(meshing::VertexIndex v) const;
-  bool IsRenamed(meshing::VertexIndex v) const;
   template <std::size_t N>
   std::array<VertexId, N> OldIds(const std::array<meshing::VertexIndex, N>& v) const {
     std::array<VertexId, N> ids;
@@ -167,12 +163,6 @@ class DiffBuilder {
     return ids;
   }
   static VertexRow<D> RowOf(VertexId id, const Vertex& v, const FeatureTable<D>& features);
-  // Nets the rows and adds their hashes.
-  template <class Row>
-  void NetAndHash(Rows<Row>* rows);
-  // The same, and appends them to the diff.
-  template <int N, class Columns>
-  void Report(Rows<PieceRow<N>>* rows, Columns* removed, Columns* added);
   void AppendAll(const std::vector<SimplexRow<D>>& rows, SimplexColumn* simplices,
                  RegionColumn* regions);
   // If there is a wall in that slot.
@@ -191,9 +181,9 @@ class DiffBuilder {
   // Of the current update.
   Rows<meshing::VertexIndex> vertices_;
   Rows<meshing::SubsegmentIndex> subsegments_;
-  std::vector<Renamed> renamed_;  // were in the mesh; sorted by index
-  std::vector<Simplex> fresh_;    // new finite ones
-  Rows<IndexRow> simplices_;      // finite ones
+  RenamedVertices renamed_;     // were in the mesh
+  std::vector<Simplex> fresh_;  // new finite ones
+  Rows<IndexRow> simplices_;    // finite ones
   std::vector<IndexRow> stay_;
   Rows<VertexRow<D>> vertex_rows_;
   Rows<PieceRow<2>> subsegment_rows_;

@@ -82,6 +82,14 @@ inline MeshHash HashOf(const PieceRow<3>& row) {
   return HashSubfacet(corners, row.owner);
 }
 
+// Nets the rows, and changes the hash by them.
+template <class Row>
+void NetAndHash(Rows<Row>* rows, MeshHash* hash) {
+  rows->Net();
+  for (const Row& row : rows->gone) *hash -= HashOf(row);
+  for (const Row& row : rows->come) *hash += HashOf(row);
+}
+
 inline void Reserve(VertexColumns& columns, int dimension, std::size_t rows) {
   columns.ids.reserve(rows);
   columns.coordinates.reserve(static_cast<std::size_t>(dimension) * rows);
@@ -103,6 +111,13 @@ inline void Append(SubsegmentColumns& to, const PieceRow<2>& row) {
 inline void Append(SubfacetColumns& to, const PieceRow<3>& row) {
   for (const VertexId corner : row.corners) to.corners.push_back(corner);
   to.owners.push_back(row.owner);
+}
+
+// Appends the rows of pieces to the columns of a diff.
+template <int N, class Columns>
+void Report(const Rows<PieceRow<N>>& rows, Columns* removed, Columns* added) {
+  for (const PieceRow<N>& row : rows.gone) Append(*removed, row);
+  for (const PieceRow<N>& row : rows.come) Append(*added, row);
 }
 
 }  // namespace dynmesh

@@ -12,6 +12,7 @@
 #include "core/geometry/segment_distance.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/corner_set.h"
+#include "core/meshing/corner_towards.h"
 #include "core/meshing/cure.h"
 #include "core/meshing/cure_candidates.h"
 #include "core/meshing/encroachment.h"
@@ -203,7 +204,7 @@ std::optional<typename ReadFilter<D, E>::Corner> ReadFilter<D, E>::CornerTowards
       directions[i] = geometry::Difference(PositionInStar(complex_, ids[i], p, reach).c, p.c);
     }
     const auto triangles = words.subspan(ids.size());
-    const int i = Star<D>::CornerTowards(
+    const int i = meshing::CornerTowards(
         std::span(directions).first(ids.size()), static_cast<int>(triangles.size()),
         [&](int k) { return PlacesIn(triangles[k]); }, direction);
     if (i < 0) return std::nullopt;

@@ -46,6 +46,9 @@ class SpaceStar {
     double error;               // bounds the error of each coordinate of w; infinite if nothing is
                                 // known
     bool verified;              // no other vertex conflicts with it
+
+    // The index k of the neighbour in `slot`.
+    int IndexOf(int slot) const { return n[0] == slot ? 0 : n[1] == slot ? 1 : 2; }
   };
 
   void Begin(Id v, const Point3& p, double reach);
@@ -84,16 +87,6 @@ class SpaceStar {
   bool Remove(int slot);
   // Inserts those of the six ghosts that are not in the star.
   void InsertGhosts();
-
-  // The corner of a star with direction x in its cone; -1 if rounding could decide. `directions`:
-  // of the neighbours, from v. corner(i), for i < count: a triple of indices into `directions`.
-  //
-  // The cones are those of the outward normals at the corners of v's Voronoi cell. So the corner
-  // found is extreme in direction x, and is the first one that a new point there cuts off (as in
-  // 2D: PlanarStar::SectorOf).
-  template <class Places>
-  static int CornerTowards(std::span<const std::array<double, 3>> directions, int count,
-                           Places corner, const std::array<double, 3>& x);
 
   // True if q is inside the circumball of corner i.
   bool Conflicts(int i, const Point3& q) const {
@@ -135,7 +128,7 @@ class SpaceStar {
   // index of that neighbour in it.
   std::pair<int, int> NextAround(int i, int k) const {
     const int across = corners_[i].across[(k + 1) % 3];
-    return {across, IndexOf(across, corners_[i].n[k])};
+    return {across, corners_[across].IndexOf(corners_[i].n[k])};
   }
 
   Id vertex() const { return v_; }
@@ -152,10 +145,6 @@ class SpaceStar {
     if (power < -error) return true;
     return geometry::InSphere(p_, neighbours_[c.n[0]].p, neighbours_[c.n[1]].p,
                               neighbours_[c.n[2]].p, q);
-  }
-  int IndexOf(int i, int slot) const {
-    const auto& n = corners_[i].n;
-    return n[0] == slot ? 0 : n[1] == slot ? 1 : 2;
   }
   bool MayConflict(const Point3& q);
   bool InsertNear(Id u, const Point3& q);
@@ -192,49 +181,6 @@ class SpaceStar {
   std::vector<int> corner_at_;
   std::vector<int> starts_;  // by slot: the new corner with a border edge from there
 };
-
-template <class Places>
-int SpaceStar::CornerTowards(std::span<const std::array<double, 3>> directions, int count,
-                             Places corner, const std::array<double, 3>& x) {
-  // Projects along x onto a plane between two axes. There the cone's shadow is a triangle around 0.
-  int axis = 0;
-  for (int k = 1; k < 3; ++k) {
-    if (std::fabs(x[k]) > std::fabs(x[axis])) axis = k;
-  }
-  const int first = (axis + 1) % 3, second = (axis + 2) % 3;
-  constexpr std::size_t kMost = 64;
-  if (directions.size() > kMost) return -1;
-  std::array<std::array<double, 2>, kMost> shadows;
-  const double turn = x[axis] < 0 ? -1 : 1;
-  for (std::size_t i = 0; i < directions.size(); ++i) {
-    const auto& d = directions[i];
-    shadows[i] = {d[first] * x[axis] - d[axis] * x[first],
-                  turn * (d[second] * x[axis] - d[axis] * x[second])};
-  }
-  const auto side = [&](int a, int b) {
-    return shadows[a][0] * shadows[b][1] - shadows[a][1] * shadows[b][0];
-  };
-  for (int i = 0; i < count; ++i) {
-    const auto [a, b, c] = corner(i);
-    const double ab = side(a, b);
-    if (!(ab > 0)) continue;
-    const double bc = side(b, c);
-    if (!(bc > 0)) continue;
-    const double ca = side(c, a);
-    if (!(ca > 0)) continue;
-    // Each coordinate of a shadow errs by four roundings of its terms, the cross product of two by
-    // ten. Products may underflow.
-    const auto size = [&](int j) {
-      const auto& d = directions[j];
-      return std::fabs(d[0]) + std::fabs(d[1]) + std::fabs(d[2]);
-    };
-    const double sa = size(a), sb = size(b), sc = size(c), bound = 1e-14 * x[axis] * x[axis];
-    const bool sure = ab > bound * sa * sb + 1e-290 && bc > bound * sb * sc + 1e-290 &&
-                      ca > bound * sc * sa + 1e-290;
-    return sure ? i : -1;
-  }
-  return -1;
-}
 
 }  // namespace dynmesh::meshing
 
