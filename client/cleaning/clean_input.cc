@@ -11,13 +11,13 @@
 #include "client/cleaning/polygon_rings.h"
 #include "client/cleaning/round.h"
 #include "core/base/rings.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh::cleaning {
 namespace {
 
-using data::Concat;
+using text::Concat;
 
 constexpr double kMaxMagnitude = 0x1p200;
 constexpr double kMinCoordinate = 0x1p-200;       // nearer to 0 is rounded to 0

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cleaning {
 namespace {
@@ -169,7 +169,7 @@ absl::StatusOr<std::vector<Rounds::Crossing>> Rounds::FindCrossings() const {
   });
   drop_doubles();
   if (crossings.size() > max_crossings_) {
-    return absl::ResourceExhaustedError(data::Concat("segments cross in more than ", max_crossings_,
+    return absl::ResourceExhaustedError(text::Concat("segments cross in more than ", max_crossings_,
                                                      " places; clean the map in parts"));
   }
   for (Crossing& c : crossings) {

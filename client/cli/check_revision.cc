@@ -6,25 +6,25 @@
 #include <string_view>
 #include <vector>
 
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
 
 absl::Status SameHash(std::string_view what, const MeshHash& expected, const MeshHash& found) {
   if (expected == found) return absl::OkStatus();
-  return absl::InternalError(data::Concat(what, " has hash ", found.ToHex(), " where ",
+  return absl::InternalError(text::Concat(what, " has hash ", found.ToHex(), " where ",
                                           expected.ToHex(), " was expected"));
 }
 
 absl::Status Clean(std::string_view what, const AuditReport& audit) {
   if (audit.problems.empty()) return absl::OkStatus();
-  return absl::InternalError(data::Concat("the audit of ", what, " finds ", audit.problems.size(),
+  return absl::InternalError(text::Concat("the audit of ", what, " finds ", audit.problems.size(),
                                           " problem(s), first: ", audit.problems.front()));
 }
 
 absl::Status Failed(std::string_view what, const absl::Status& status) {
-  return absl::InternalError(data::Concat(what, " fails: ", data::View(status.message())));
+  return absl::InternalError(text::Concat(what, " fails: ", text::View(status.message())));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "core/data/text.h"
+#include "core/base/text.h"
 #include "dynmesh/version.h"
 
 namespace dynmesh::cli {
@@ -39,14 +39,14 @@ int ExitCodeOf(const absl::Status& status) {
 }
 
 int ReportError(const absl::Status& status) {
-  const std::string_view message = data::View(status.message());
-  const std::string line = data::Concat("dynmesh: ", message, "\n");
+  const std::string_view message = text::View(status.message());
+  const std::string line = text::Concat("dynmesh: ", message, "\n");
   std::fwrite(line.data(), 1, line.size(), stderr);
   return ExitCodeOf(status);
 }
 
 void PrintWarning(std::string_view message) {
-  const std::string line = data::Concat("dynmesh: warning: ", message, "\n");
+  const std::string line = text::Concat("dynmesh: warning: ", message, "\n");
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "core/data/diff_meshes.h"
+#include "core/mesh_data/diff_meshes.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -38,7 +38,7 @@ bool MeshComparison::Same() const {
 }
 
 MeshComparison CompareMeshes(const Mesh& a, const Mesh& b) {
-  MeshDiff diff = data::DiffMeshes(a, b);
+  MeshDiff diff = mesh_data::DiffMeshes(a, b);
   Canonicalize(diff);
   MeshComparison result;
   // A vertex in both lists kept its position. Both are sorted by id.

@@ -6,7 +6,7 @@
 #include "client/cli/compare_meshes.h"
 #include "client/cli/json.h"
 #include "client/cli/words.h"
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 
 namespace dynmesh::cli {
 namespace {

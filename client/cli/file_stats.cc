@@ -5,9 +5,9 @@
 #include "client/cli/mesh_flags.h"
 #include "client/cli/mesh_statistics.h"
 #include "client/cli/words.h"
-#include "core/data/text.h"
-#include "core/io/extension.h"
-#include "core/io/mesh_files.h"
+#include "core/base/text.h"
+#include "core/io/common/extension.h"
+#include "core/io/meshes/mesh_files.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -16,13 +16,13 @@ absl::Status CheckFlags(const std::string& path, const FileStatsFlags& flags) {
   if (auto status = CheckRhoFlag(flags.rho); !status.ok()) return status;
   if (auto status = CheckMinDihedralFlag(flags.min_dihedral); !status.ok()) return status;
   if (!flags.svg.empty() && io::ExtensionOf(flags.svg) != ".svg") {
-    return absl::InvalidArgumentError(data::Concat("--svg ", flags.svg, ": must end in .svg"));
+    return absl::InvalidArgumentError(text::Concat("--svg ", flags.svg, ": must end in .svg"));
   }
   const std::string extension = io::ExtensionOf(path);
   for (const char* other :
        {".poly", ".smesh", ".off", ".stl", ".obj", ".vtu", ".msh", ".mesh", ".svg"}) {
     if (extension == other) {
-      return absl::InvalidArgumentError(data::Concat(
+      return absl::InvalidArgumentError(text::Concat(
           path, ": no mesh that can be read: give the .node file that `dynmesh mesh -o` writes"));
     }
   }

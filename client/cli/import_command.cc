@@ -12,10 +12,10 @@
 #include "client/cli/input.h"
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
-#include "core/data/text.h"
-#include "core/io/extension.h"
-#include "core/io/file_writer.h"
-#include "core/io/planar_output.h"
+#include "core/base/text.h"
+#include "core/io/common/extension.h"
+#include "core/io/common/file_writer.h"
+#include "core/io/plane/planar_output.h"
 #include "core/plc/rules.h"
 #include "dynmesh/dynamic_mesh.h"
 
@@ -25,7 +25,7 @@ namespace {
 using cleaning::Change;
 using cleaning::ChangeKind;
 using cleaning::CleanResult;
-using data::Concat;
+using text::Concat;
 
 // The default tolerance, in units of the distance below which a mesh refuses features as too close.
 // Cleaning keeps half the tolerance from a segment. So 4 leaves a factor of 2 for rounding and a

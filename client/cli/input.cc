@@ -7,21 +7,21 @@
 #include <string_view>
 #include <utility>
 
-#include "core/data/text.h"
-#include "core/io/edit_script.h"
-#include "core/io/extension.h"
-#include "core/io/map_files.h"
-#include "core/io/merge_coplanar.h"
-#include "core/io/planar_input.h"
-#include "core/io/space_input.h"
-#include "core/io/surface_files.h"
+#include "core/base/text.h"
+#include "core/coplanar/merge_coplanar.h"
+#include "core/io/common/extension.h"
+#include "core/io/maps/map_files.h"
+#include "core/io/plane/planar_input.h"
+#include "core/io/script/edit_script.h"
+#include "core/io/space/space_input.h"
+#include "core/io/space/surface_files.h"
 #include "core/plc/facet_rules.h"
 #include "core/plc/rules.h"
 
 namespace dynmesh::cli {
 namespace {
 
-using data::Concat;
+using text::Concat;
 
 // Keeps only the positions of features in the file.
 void SetWhere(io::FileFeatures file, Input& input) {
@@ -66,12 +66,12 @@ Input FromPlanar(io::FileFeatures planar, const std::string& path) {
 // Merges coplanar faces of 3D input, with the tolerance that the mesh requires of polygons.
 absl::Status Merge(const std::string& path, const InputFlags& flags, Input& input) {
   const double limit = plc::CloseLimit(input.options);
-  absl::StatusOr<io::MergedFaces> merged =
-      io::MergeCoplanar(input.features, flags.coplanar_tolerance,
-                        [&](double extent) { return plc::PlanarityTolerance(extent, limit); });
+  absl::StatusOr<coplanar::MergedFaces> merged = coplanar::MergeCoplanar(
+      input.features, flags.coplanar_tolerance,
+      [&](double extent) { return plc::PlanarityTolerance(extent, limit); });
   if (!merged.ok()) {
     return absl::Status(merged.status().code(),
-                        Concat(path, ": ", data::View(merged.status().message())));
+                        Concat(path, ": ", text::View(merged.status().message())));
   }
   if (merged->too_thick != 0) {
     input.warnings.push_back(Concat(path, ": ", merged->too_thick,
@@ -294,7 +294,7 @@ absl::Status LocateFeatures(const absl::Status& status, const std::vector<Featur
     }
   }
   if (!after.empty()) after += ")";
-  return absl::Status(status.code(), Concat(before, data::View(status.message()), after));
+  return absl::Status(status.code(), Concat(before, text::View(status.message()), after));
 }
 
 }  // namespace dynmesh::cli

@@ -10,7 +10,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/io/file_features.h"
+#include "core/io/common/file_features.h"
 #include "dynmesh/error.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"

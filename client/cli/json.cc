@@ -4,12 +4,12 @@
 #include <nlohmann/json.hpp>
 
 #include "absl/strings/str_join.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
 
-std::string Number(double value) { return std::isfinite(value) ? data::Concat(value) : "null"; }
+std::string Number(double value) { return std::isfinite(value) ? text::Concat(value) : "null"; }
 
 template <class Values, class ToText>
 std::string List(const Values& values, ToText to_text) {
@@ -26,7 +26,7 @@ std::string JsonQuote(std::string_view text) {
 
 JsonObject& JsonObject::AddRaw(std::string_view key, std::string_view value) {
   if (!members_.empty()) members_ += ", ";
-  members_ += data::Concat("\"", key, "\": ", value);
+  members_ += text::Concat("\"", key, "\": ", value);
   return *this;
 }
 

@@ -66,7 +66,7 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min
 
 int Run(const MeshCommand& command) {
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
-  absl::StatusOr<data::RegionChoice> choice = ParseRegionFlag(command.region);
+  absl::StatusOr<mesh_data::RegionChoice> choice = ParseRegionFlag(command.region);
   if (!choice.ok()) return ReportError(choice.status());
   absl::StatusOr<Input> input = LoadInput(command.input, command.reading);
   if (!input.ok()) return ReportError(input.status());
@@ -97,7 +97,7 @@ int Run(const MeshCommand& command) {
     return ReportError(Locate(named, input->where));
   }
   WarnOfUnknownRegions(*choice, *mesh);
-  if (!choice->IsEverything()) *mesh = data::OnlyInside(*mesh, *choice);
+  if (!choice->IsEverything()) *mesh = mesh_data::OnlyInside(*mesh, *choice);
   const QualityReport quality = MeasureQuality(*mesh, options);
   if (auto status = WriteOutputs(*mesh, options, command.output); !status.ok()) {
     return ReportError(status);

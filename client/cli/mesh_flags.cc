@@ -7,29 +7,29 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "client/cli/command.h"
-#include "core/data/text.h"
-#include "core/io/edit_script.h"
+#include "core/base/text.h"
+#include "core/io/script/edit_script.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh::cli {
 namespace {
 
 absl::Status Flag(const char* flag, const absl::Status& status) {
-  return absl::InvalidArgumentError(data::Concat(flag, ": ", data::View(status.message())));
+  return absl::InvalidArgumentError(text::Concat(flag, ": ", text::View(status.message())));
 }
 
 // "ID,ID,...". `word` is the alternative that the flag accepts.
 absl::StatusOr<std::vector<FeatureId>> ParseIds(const char* flag, const std::string& text,
                                                 const char* word) {
   std::vector<FeatureId> ids;
-  for (const std::string_view part : data::Split(text, ',')) {
+  for (const std::string_view part : text::Split(text, ',')) {
     FeatureId id = kNoFeature;
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), id);
     if (error != std::errc() || end != part.data() + part.size() || id == kNoFeature ||
         id == kBoxFeature) {
       return Flag(flag, absl::InvalidArgumentError(
-                            data::Concat("expected ids of polygons, separated by commas, or ", word,
-                                         ", found ", data::Quoted(part))));
+                            text::Concat("expected ids of polygons, separated by commas, or ", word,
+                                         ", found ", text::Quoted(part))));
     }
     ids.push_back(id);
   }
@@ -54,7 +54,7 @@ absl::Status CheckMinDihedralFlag(std::optional<double> min_dihedral, const std:
                                   int dimension) {
   if (!min_dihedral || dimension == 3) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      data::Concat("--min-dihedral: ", path, " is 2D, and dihedral angles are of 3D"));
+      text::Concat("--min-dihedral: ", path, " is 2D, and dihedral angles are of 3D"));
 }
 
 void AddBoxFlag(CLI::App& command, std::string& text) {
@@ -78,8 +78,8 @@ void AddRegionFlag(CLI::App& command, std::string& text) {
       ->type_name("ID[,ID...]|any");
 }
 
-absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text) {
-  data::RegionChoice choice;
+absl::StatusOr<mesh_data::RegionChoice> ParseRegionFlag(const std::string& text) {
+  mesh_data::RegionChoice choice;
   if (text.empty()) return choice;
   if (text == "any") {
     choice.in_any = true;
@@ -88,7 +88,7 @@ absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text) {
   absl::StatusOr<std::vector<FeatureId>> ids = ParseIds("--region", text, "any");
   if (!ids.ok()) return ids.status();
   choice.in = *std::move(ids);
-  data::Normalize(choice);
+  mesh_data::Normalize(choice);
   return choice;
 }
 
@@ -102,7 +102,7 @@ void AddOutsideFlag(CLI::App& command, std::string& text) {
 }
 
 absl::Status ApplyOutsideFlag(const std::string& text, const std::vector<FeatureId>* holes,
-                              data::RegionChoice& choice) {
+                              mesh_data::RegionChoice& choice) {
   if (text.empty()) return absl::OkStatus();
   if (text == "holes" && holes != nullptr) {
     choice.out = *holes;
@@ -112,7 +112,7 @@ absl::Status ApplyOutsideFlag(const std::string& text, const std::vector<Feature
     if (!ids.ok()) return ids.status();
     choice.out = *std::move(ids);
   }
-  data::Normalize(choice);
+  mesh_data::Normalize(choice);
   return absl::OkStatus();
 }
 
@@ -144,7 +144,7 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
       ->type_name("N");
 }
 
-void WarnOfUnknownRegions(const data::RegionChoice& choice, const Mesh& mesh) {
+void WarnOfUnknownRegions(const mesh_data::RegionChoice& choice, const Mesh& mesh) {
   if (choice.in.empty() && choice.out.empty()) return;
   const absl::flat_hash_set<RegionId> regions(mesh.regions.begin(), mesh.regions.end());
   absl::flat_hash_set<FeatureId> known;
@@ -156,7 +156,7 @@ void WarnOfUnknownRegions(const data::RegionChoice& choice, const Mesh& mesh) {
     for (const FeatureId id : *ids) {
       if (known.contains(id)) continue;
       PrintWarning(
-          data::Concat(flag, ": nothing of the mesh lies in ", id,
+          text::Concat(flag, ": nothing of the mesh lies in ", id,
                        mesh.dimension == 3
                            ? "; a closed surface goes by one of its polygons, mostly the least id"
                            : ""));
@@ -169,7 +169,7 @@ absl::Status NameOption(const absl::Status& status, const MeshFlags& flags,
   const std::optional<ErrorDetail> detail = GetErrorDetail(status);
   if (!detail || detail->reason != reason::kBadOption) return status;
   // Such a message begins with the option's name.
-  const std::string_view message = data::View(status.message());
+  const std::string_view message = text::View(status.message());
   const std::string_view name = message.substr(0, message.find(':'));
   std::string word;
   for (const auto& [option, flag, is_given] :
@@ -183,7 +183,7 @@ absl::Status NameOption(const absl::Status& status, const MeshFlags& flags,
   }
   if (word.empty()) word = where(name);
   if (word.empty()) return status;
-  return absl::Status(status.code(), data::Concat(word, message.substr(name.size())));
+  return absl::Status(status.code(), text::Concat(word, message.substr(name.size())));
 }
 
 absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options) {
@@ -192,7 +192,7 @@ absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options) {
   }
   if (flags.engine != "dynamic") {
     return absl::InvalidArgumentError(
-        data::Concat("--engine: expected dynamic or svr, found ", data::Quoted(flags.engine)));
+        text::Concat("--engine: expected dynamic or svr, found ", text::Quoted(flags.engine)));
   }
   if (flags.rho) options.quality = *flags.rho;
   if (flags.max_edge) options.max_edge = *flags.max_edge;

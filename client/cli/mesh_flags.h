@@ -12,7 +12,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/data/region_filter.h"
+#include "core/mesh_data/region_filter.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/options.h"
 
@@ -47,16 +47,16 @@ absl::Status ApplyBoxFlag(const std::string& text, MeshOptions& options);
 
 // --region: only the part of the mesh in these polygons. Default: everything.
 void AddRegionFlag(CLI::App& command, std::string& text);
-absl::StatusOr<data::RegionChoice> ParseRegionFlag(const std::string& text);
+absl::StatusOr<mesh_data::RegionChoice> ParseRegionFlag(const std::string& text);
 
 // --outside: only the part of the mesh outside these polygons. `holes` stands for the polygons of a
 // file's holes; null if the input's kind has none.
 void AddOutsideFlag(CLI::App& command, std::string& text);
 absl::Status ApplyOutsideFlag(const std::string& text, const std::vector<FeatureId>* holes,
-                              data::RegionChoice& choice);
+                              mesh_data::RegionChoice& choice);
 
 // Warns of ids in the two that are not a region of `mesh`, the whole mesh.
-void WarnOfUnknownRegions(const data::RegionChoice& choice, const Mesh& mesh);
+void WarnOfUnknownRegions(const mesh_data::RegionChoice& choice, const Mesh& mesh);
 
 // Renames the option in an error of the library to its name for the user: a flag, else the result
 // of `where` (Input::where_option), "file:line: rho". Other errors are unchanged.

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/histogram_svg.h"
-#include "core/io/indexed_mesh.h"
+#include "core/io/meshes/indexed_mesh.h"
+#include "core/io/pictures/histogram_svg.h"
 #include "dynmesh/quality.h"
 
 namespace dynmesh::cli {

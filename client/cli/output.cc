@@ -1,16 +1,16 @@
 #include "client/cli/output.h"
 
-#include "core/data/text.h"
-#include "core/io/edit_script.h"
-#include "core/io/extension.h"
-#include "core/io/indexed_mesh.h"
-#include "core/io/medit_writer.h"
-#include "core/io/mesh_files.h"
-#include "core/io/mesh_picture.h"
-#include "core/io/msh_writer.h"
-#include "core/io/svg_writer.h"
-#include "core/io/text_reader.h"
-#include "core/io/vtu_writer.h"
+#include "core/base/text.h"
+#include "core/io/common/extension.h"
+#include "core/io/common/text_reader.h"
+#include "core/io/meshes/indexed_mesh.h"
+#include "core/io/meshes/medit_writer.h"
+#include "core/io/meshes/mesh_files.h"
+#include "core/io/meshes/msh_writer.h"
+#include "core/io/meshes/vtu_writer.h"
+#include "core/io/pictures/mesh_picture.h"
+#include "core/io/pictures/svg_writer.h"
+#include "core/io/script/edit_script.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -35,8 +35,8 @@ absl::Status ParseCut(std::string_view text, io::SvgOptions& svg) {
   const bool has_place = text.size() > 1;
   if (axis == std::string_view::npos ||
       (has_place && (text[1] != '=' || !io::ParseDouble(text.substr(2), &at)))) {
-    return absl::InvalidArgumentError(data::Concat(
-        "--cut: expected an axis and a place as z=0.5, or an axis, found ", data::Quoted(text)));
+    return absl::InvalidArgumentError(text::Concat(
+        "--cut: expected an axis and a place as z=0.5, or an axis, found ", text::Quoted(text)));
   }
   svg.cut_axis = static_cast<int>(axis);
   if (has_place) svg.cut_at = at;
@@ -111,10 +111,10 @@ absl::Status CheckOutputs(const OutputFlags& flags) {
     const std::string extension = ExtensionOf(path);
     if (IsKnown(extension)) continue;
     if (extension == ".png") {
-      return absl::UnimplementedError(data::Concat(
+      return absl::UnimplementedError(text::Concat(
           path, ": ", extension, " files as output are not supported yet in this version"));
     }
-    return absl::InvalidArgumentError(data::Concat(
+    return absl::InvalidArgumentError(text::Concat(
         path, ": the extension must tell what to write: .node, .vtu, .msh, .mesh or .svg"));
   }
   return MakeSvgOptions(flags, MeshOptions(), false).status();
@@ -126,7 +126,7 @@ absl::Status CheckOutputsOf(int dimension, const OutputFlags& flags) {
   if (!fill.ok()) return fill.status();
   const absl::Status status = io::CheckFill(*fill, dimension);
   if (status.ok()) return status;
-  return absl::InvalidArgumentError(data::Concat("--fill: ", data::View(status.message())));
+  return absl::InvalidArgumentError(text::Concat("--fill: ", text::View(status.message())));
 }
 
 absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const OutputFlags& flags,

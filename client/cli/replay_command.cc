@@ -15,8 +15,8 @@
 #include "client/cli/output.h"
 #include "client/cli/percentile.h"
 #include "client/cli/words.h"
-#include "core/data/text.h"
-#include "core/io/edit_script.h"
+#include "core/base/text.h"
+#include "core/io/script/edit_script.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/error.h"
 #include "dynmesh/slot_mesh.h"
@@ -49,7 +49,7 @@ class Replay {
       : command_(command), script_(script) {}
 
   absl::Status Run() {
-    absl::StatusOr<data::RegionChoice> choice = ParseRegionFlag(command_.region);
+    absl::StatusOr<mesh_data::RegionChoice> choice = ParseRegionFlag(command_.region);
     if (!choice.ok()) return choice.status();
     choice_ = *std::move(choice);
     if (auto s = ApplyOutsideFlag(command_.outside, nullptr, choice_); !s.ok()) return s;
@@ -90,8 +90,8 @@ class Replay {
                                                  b + 1 == script_.batches.size());
     if (auto status = Check(*diff, checked); !status.ok()) {
       return absl::Status(status.code(),
-                          data::Concat(script_.Where(b, std::nullopt), ": revision ",
-                                       diff->to_revision, ": ", data::View(status.message())));
+                          text::Concat(script_.Where(b, std::nullopt), ": revision ",
+                                       diff->to_revision, ": ", text::View(status.message())));
     }
     ShowProgress(b + 1);
     last_added_ = std::move(diff->added_simplices);
@@ -105,7 +105,7 @@ class Replay {
     std::optional<std::size_t> edit;
     if (detail) edit = detail->edit ? detail->edit : LastEditOf(b, *detail);
     return absl::Status(status.code(),
-                        data::Concat(script_.Where(b, edit), ": ", data::View(status.message())));
+                        text::Concat(script_.Where(b, edit), ": ", text::View(status.message())));
   }
 
   // The batch's last edit of the first feature to blame that occurs in it.
@@ -134,7 +134,7 @@ class Replay {
     if (replica_ == nullptr) return absl::OkStatus();
     if (auto status = replica_->Apply(diff); !status.ok()) {
       return absl::InternalError(
-          data::Concat("a replica refuses the diff: ", data::View(status.message())));
+          text::Concat("a replica refuses the diff: ", text::View(status.message())));
     }
     return now ? CheckRevision(*mesh_, *replica_) : absl::OkStatus();
   }
@@ -201,7 +201,7 @@ class Replay {
     if (command_.output.paths.empty()) return absl::OkStatus();
     Mesh mesh = mesh_->Snapshot();
     WarnOfUnknownRegions(choice_, mesh);
-    if (!choice_.IsEverything()) mesh = data::OnlyInside(mesh, choice_);
+    if (!choice_.IsEverything()) mesh = mesh_data::OnlyInside(mesh, choice_);
     return WriteOutputs(mesh, options, command_.output,
                         command_.highlight ? last_added_ : SimplexColumn());
   }
@@ -226,7 +226,7 @@ class Replay {
   std::uint64_t simplices_ = 0;
   std::uint64_t added_simplices_ = 0;
   std::uint64_t edits_ = 0;
-  data::RegionChoice choice_;  // the part of the last mesh to write
+  mesh_data::RegionChoice choice_;  // the part of the last mesh to write
   SimplexColumn last_added_;
   const bool show_progress_ = ErrorIsTerminal() && !OutIsTerminal();
   Clock::time_point progress_shown_;

@@ -6,12 +6,12 @@
 
 #include "client/cleaning/seed_faces.h"
 #include "client/cli/input.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
 
-using data::Concat;
+using text::Concat;
 
 struct Seed {
   const char* kind;

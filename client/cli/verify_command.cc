@@ -9,7 +9,7 @@
 #include "client/cli/mesh_flags.h"
 #include "client/cli/words.h"
 #include "client/verify/verify.h"
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::cli {

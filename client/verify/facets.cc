@@ -13,12 +13,12 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "client/verify/verify_internal.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
 
-using data::Concat;
+using text::Concat;
 using Real = long double;
 using Vector = std::array<Real, 3>;
 using Flat = std::array<Real, 2>;

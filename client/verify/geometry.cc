@@ -2,7 +2,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include "client/verify/verify_internal.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -54,7 +54,7 @@ VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Side>& 
     if (!IsCounterClockwise(mesh, t)) return;  // without a circle; reported elsewhere
     if (CGAL::side_of_oriented_circle(At(mesh, t[0]), At(mesh, t[1]), At(mesh, t[2]),
                                       At(mesh, across)) == CGAL::ON_POSITIVE_SIDE) {
-      findings.Add(data::Concat(VertexName(across), " is inside the circle of ",
+      findings.Add(text::Concat(VertexName(across), " is inside the circle of ",
                                 TriangleName(side[0].triangle), " beyond ",
                                 EdgeName(side->a, side->b)));
     }
@@ -72,7 +72,7 @@ VerifyCheck CheckDelaunay(const io::IndexedMesh& mesh, const std::vector<Face>& 
     if (CGAL::side_of_oriented_sphere(InSpace(mesh, t[0]), InSpace(mesh, t[1]), InSpace(mesh, t[2]),
                                       InSpace(mesh, t[3]),
                                       InSpace(mesh, across)) == CGAL::ON_POSITIVE_SIDE) {
-      findings.Add(data::Concat(VertexName(across), " is inside the sphere of ",
+      findings.Add(text::Concat(VertexName(across), " is inside the sphere of ",
                                 TetrahedronName(face[0].tetrahedron), " beyond ",
                                 FaceName(face->v)));
     }

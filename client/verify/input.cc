@@ -13,12 +13,12 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "client/verify/verify_internal.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
 
-using data::Concat;
+using text::Concat;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Place = std::array<std::uint64_t, 3>;
 

@@ -10,7 +10,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "client/verify/verify_internal.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -211,7 +211,7 @@ VerifyCheck CheckQuality(const io::IndexedMesh& mesh, double rho, VerifyReport& 
       ++report.exempt_by_guard;
       continue;
     }
-    findings.Add(data::Concat(TriangleName(t), " has circumradius / shortest edge ", shape.ratio));
+    findings.Add(text::Concat(TriangleName(t), " has circumradius / shortest edge ", shape.ratio));
   }
   return findings.Take();
 }

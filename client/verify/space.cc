@@ -8,12 +8,12 @@
 #include <tuple>
 
 #include "client/verify/verify_internal.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
 
-using data::Concat;
+using text::Concat;
 using Triple = std::array<std::uint32_t, 3>;
 
 struct Bounds {

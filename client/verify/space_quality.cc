@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "client/verify/verify_internal.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -155,7 +155,7 @@ VerifyCheck CheckSpaceQuality(const io::IndexedMesh& mesh, double rho, VerifyRep
     if (shape.ratio <= rho * (1 + Slack(shape.shortest, ulp))) continue;
     ++report.over_rho;
     findings.Add(
-        data::Concat(TetrahedronName(t), " has circumradius / shortest edge ", shape.ratio));
+        text::Concat(TetrahedronName(t), " has circumradius / shortest edge ", shape.ratio));
   }
   return findings.Take();
 }
@@ -188,7 +188,7 @@ VerifyCheck CheckDihedral(const io::IndexedMesh& mesh, double min_dihedral, Veri
     for (const std::uint32_t v : mesh.tetrahedra[below.tetrahedron]) {
       for (std::size_t k = 0; k < 3; ++k) at[k] += Real{mesh.vertices[v].place()[k]} / 4;
     }
-    findings.Add(data::Concat(TetrahedronName(below.tetrahedron), " has a dihedral angle of ",
+    findings.Add(text::Concat(TetrahedronName(below.tetrahedron), " has a dihedral angle of ",
                               below.angle, " degrees, around ", static_cast<double>(at[0]), " ",
                               static_cast<double>(at[1]), " ", static_cast<double>(at[2])));
   }

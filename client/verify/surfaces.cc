@@ -15,12 +15,12 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "client/verify/verify_internal.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
 
-using data::Concat;
+using text::Concat;
 using Joint = std::pair<FeatureId, FeatureId>;
 using Corners = std::array<std::uint32_t, 3>;
 

@@ -3,12 +3,12 @@
 #include <limits>
 
 #include "client/verify/verify_internal.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
 
-using data::Concat;
+using text::Concat;
 
 // The corner of the side's triangle at vertex v.
 std::size_t CornerAt(const io::IndexedMesh& mesh, const Side& side, std::uint32_t v) {

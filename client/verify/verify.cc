@@ -6,12 +6,12 @@
 #include <tuple>
 
 #include "client/verify/verify_internal.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
 
 namespace dynmesh::cli {
 namespace {
 
-using data::Concat;
+using text::Concat;
 
 VerifyCheck CheckHash(const io::MeshFiles& files, const MeshHash& hash) {
   Findings findings("hash");

@@ -46,7 +46,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/mesh.h"
 

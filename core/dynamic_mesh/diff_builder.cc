@@ -5,12 +5,12 @@
 #include <iterator>
 #include <string>
 
-#include "core/data/canonical_order.h"
-#include "core/data/regions.h"
-#include "core/data/whole_mesh.h"
+#include "core/delaunay/delaunay_insert_order.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/region_errors.h"
-#include "core/mesh/delaunay_insert_order.h"
+#include "core/mesh_data/canonical_order.h"
+#include "core/mesh_data/regions.h"
+#include "core/mesh_data/whole_mesh.h"
 #include "core/meshing/facet_membership.h"
 #include "core/meshing/neighbours.h"
 #include "dynmesh/error.h"
@@ -18,13 +18,13 @@
 namespace dynmesh {
 namespace {
 
-using data::InCanonicalOrder;
+using mesh_data::InCanonicalOrder;
 using meshing::SubsegmentIndex;
 using meshing::VertexIndex;
 
 template <std::size_t N>
 bool IsFinite(const std::array<VertexIndex, N>& v) {
-  return std::find(v.begin(), v.end(), mesh::DelaunayTriangulation::kInfinite) == v.end();
+  return std::find(v.begin(), v.end(), delaunay::DelaunayTriangulation::kInfinite) == v.end();
 }
 
 template <class Refinement>
@@ -60,7 +60,7 @@ void DiffBuilder<D>::NameRegions(std::initializer_list<RegionColumn*> columns,
                                  std::vector<RegionSet>* sets) const {
   std::vector<RegionId> ids;
   for (RegionColumn* column : columns) {
-    data::DropIfIdle(*column);
+    mesh_data::DropIfIdle(*column);
     for (const RegionId id : *column) {
       if (ids.empty() || ids.back() != id) ids.push_back(id);
     }
@@ -150,7 +150,7 @@ Mesh DiffBuilder<D>::Begin(Refinement& refinement, const FeatureTable<D>& featur
   Mesh mesh = Snapshot(refinement, features, steps);
   if (steps.stopped()) return {};
   subsegment_count_ = mesh.subsegments.size();
-  hash_ = mesh.hash = data::ComputeHash(mesh, steps);
+  hash_ = mesh.hash = mesh_data::ComputeHash(mesh, steps);
   return mesh;
 }
 
@@ -175,7 +175,7 @@ void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
     }
     // In chunks of neighbouring points.
     ordered.clear();
-    for (const std::uint32_t i : mesh::InsertOrder(places, steps)) {
+    for (const std::uint32_t i : delaunay::InsertOrder(places, steps)) {
       ordered.push_back(missing[from + i]);
     }
     for (std::size_t at = 0; at < ordered.size(); at += Steps::kBetween) {

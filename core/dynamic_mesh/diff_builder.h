@@ -24,14 +24,14 @@
 
 #include "absl/status/status.h"
 #include "core/base/steps.h"
-#include "core/data/canonical_order.h"
 #include "core/dynamic_mesh/diff_rows.h"
 #include "core/dynamic_mesh/feature_table.h"
-#include "core/dynamic_mesh/region_labels.h"
 #include "core/dynamic_mesh/renamed_vertices.h"
 #include "core/dynamic_mesh/subfacet_table.h"
 #include "core/dynamic_mesh/vertex_names.h"
+#include "core/mesh_data/canonical_order.h"
 #include "core/meshing/refinement.h"
+#include "core/regions/region_labels.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh {
@@ -78,7 +78,7 @@ class DiffBuilder {
 
   VertexId IdOf(meshing::VertexIndex v) const { return names_.at(v); }
   std::array<VertexId, D + 1> CanonicalIds(Simplex t) const {
-    return data::InCanonicalOrder(NewIds(triangulation_.vertices(t)));
+    return mesh_data::InCanonicalOrder(NewIds(triangulation_.vertices(t)));
   }
 
   // RESOURCE_EXHAUSTED if the last Begin or Update filled the triangulation (SIZE_LIMIT) or found a

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <array>
 
-#include "core/data/canonical_order.h"
 #include "core/dynamic_mesh/diff_builder.h"
+#include "core/mesh_data/canonical_order.h"
 
 namespace dynmesh {
 
-using data::InCanonicalOrder;
+using mesh_data::InCanonicalOrder;
 using meshing::SubsegmentIndex;
 using meshing::VertexIndex;
 

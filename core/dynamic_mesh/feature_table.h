@@ -13,14 +13,14 @@
 #include "absl/container/flat_hash_set.h"
 #include "core/base/large_vector.h"
 #include "core/base/steps.h"
-#include "core/dynamic_mesh/surface_table.h"
-#include "core/dynamic_mesh/wall.h"
+#include "core/delaunay/delaunay_insert_order.h"
 #include "core/dynamic_mesh/wedge_table.h"
-#include "core/mesh/delaunay_insert_order.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/facet_field.h"
 #include "core/meshing/sizing_field.h"
 #include "core/plc/delta.h"
+#include "core/regions/surface_table.h"
+#include "core/regions/wall.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh {
@@ -174,7 +174,7 @@ class FeatureTable {
     std::vector<Point> positions;
     positions.reserve(delta.added_points.size());
     for (const plc::PointFeature<D>& p : delta.added_points) positions.push_back(p.p);
-    const std::vector<std::uint32_t> order = mesh::InsertOrder(positions, steps);
+    const std::vector<std::uint32_t> order = delaunay::InsertOrder(positions, steps);
     constexpr std::size_t kAhead = 8;  // prefetched so many steps ahead
     for (std::size_t i = 0; i < order.size(); ++i) {
       if (steps.Stop()) return;

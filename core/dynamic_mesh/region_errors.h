@@ -5,7 +5,7 @@
 #include <span>
 
 #include "absl/status/status.h"
-#include "core/dynamic_mesh/region_sets.h"
+#include "core/regions/region_sets.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh {

@@ -20,15 +20,15 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
-#include "core/dynamic_mesh/sides.h"
-#include "core/mesh/delaunay_tetrahedralization.h"
+#include "core/delaunay/delaunay_tetrahedralization.h"
 #include "core/meshing/elements.h"
+#include "core/regions/sides.h"
 
 namespace dynmesh {
 
 class SubfacetTable {
  public:
-  using Triangulation = mesh::DelaunayTetrahedralization;
+  using Triangulation = delaunay::DelaunayTetrahedralization;
   using Vertex = meshing::VertexIndex;
   using Slot = meshing::FeatureSlot;
   using Face = std::array<Vertex, 3>;  // ascending

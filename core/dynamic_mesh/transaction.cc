@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "core/base/steps.h"
-#include "core/data/diff_meshes.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/stopwatch.h"
+#include "core/mesh_data/diff_meshes.h"
 #include "core/plc/messages.h"
 
 namespace dynmesh {
@@ -117,7 +117,7 @@ typename Transaction<D>::Outcome Transaction<D>::RunFromScratch() {
   }
   if (!built.ok()) return Refuse(built.status());
   const Stopwatch watch;
-  diff_ = data::DiffMeshes(std::move(before), std::move(built->mesh), steps);
+  diff_ = mesh_data::DiffMeshes(std::move(before), std::move(built->mesh), steps);
   if (steps.stopped()) return Refuse(plc::InterruptedError());
   diff_.work.diff_microseconds = built->diff_microseconds + watch.microseconds();
   diff_.work.executed = run_.executed;

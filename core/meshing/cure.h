@@ -91,8 +91,8 @@ class CureWork {
   FacetWork<D, E> facets_;
   // Scratch.
   Star<D> star_;
-  mesh::DelaunayTetrahedralization::Cavity cavity_;
-  mesh::NumberTable<1> rim_;
+  delaunay::DelaunayTetrahedralization::Cavity cavity_;
+  delaunay::NumberTable<1> rim_;
   std::vector<typename SpatialTree<D>::Ball> balls_;
 };
 

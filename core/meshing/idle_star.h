@@ -17,9 +17,9 @@
 
 #include "core/meshing/complex.h"
 #include "core/meshing/link.h"
-#include "core/meshing/star_view.h"
 #include "core/meshing/star_reads.h"
 #include "core/meshing/star_region.h"
+#include "core/meshing/star_view.h"
 
 namespace dynmesh::meshing {
 
@@ -147,7 +147,7 @@ bool IdleStars<D, E>::MayHaveGap(VertexIndex v, const Link& link) const {
     }
     return false;
   } else {
-    constexpr std::size_t kMost = mesh::SmallLinkTables::kMost;
+    constexpr std::size_t kMost = delaunay::SmallLinkTables::kMost;
     const auto& neighbours = link.neighbours;
     if (!link.is_closed || neighbours.size() > kMost) return true;
     std::array<double, kMost> most_near2;  // by neighbour

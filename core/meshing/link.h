@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "core/mesh/delaunay_tetrahedralization.h"
-#include "core/mesh/delaunay_triangulation.h"
+#include "core/delaunay/delaunay_tetrahedralization.h"
+#include "core/delaunay/delaunay_triangulation.h"
 #include "core/meshing/elements.h"
 
 namespace dynmesh::meshing {
@@ -15,15 +15,15 @@ template <int D>
 struct LinkOf;
 template <>
 struct LinkOf<2> {
-  std::vector<mesh::DelaunayTriangulation::Corner> corners;  // counter-clockwise
+  std::vector<delaunay::DelaunayTriangulation::Corner> corners;  // counter-clockwise
 
-  void Read(const mesh::DelaunayTriangulation& triangulation, VertexIndex v) {
+  void Read(const delaunay::DelaunayTriangulation& triangulation, VertexIndex v) {
     triangulation.CornersAround(v, &corners);
   }
 };
 template <>
-struct LinkOf<3> : mesh::DelaunayTetrahedralization::VertexLink {
-  void Read(const mesh::DelaunayTetrahedralization& triangulation, VertexIndex v) {
+struct LinkOf<3> : delaunay::DelaunayTetrahedralization::VertexLink {
+  void Read(const delaunay::DelaunayTetrahedralization& triangulation, VertexIndex v) {
     triangulation.LinkOf(v, this);
   }
 };

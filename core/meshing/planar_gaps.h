@@ -27,7 +27,7 @@ class TriangleGaps {
   // counter-clockwise; d is the apex on the other side, if there is one. For vertices of the
   // triangulation.
   int BucketOf(VertexIndex p, VertexIndex q, VertexIndex c, VertexIndex d) const {
-    constexpr VertexIndex kInfinite = mesh::DelaunayTriangulation::kInfinite;
+    constexpr VertexIndex kInfinite = delaunay::DelaunayTriangulation::kInfinite;
     if (c == kInfinite) return kBuckets;  // beyond the border
     const auto at = [&](VertexIndex v) { return &complex_.triangulation->position(v); };
     const double e2 = geometry::SquaredDistance(*at(p), *at(q));

@@ -15,7 +15,8 @@ struct Corners {
   std::array<geometry::Point3, 4> p;
   bool is_odd = false;
 
-  Corners(const std::array<VertexIndex, 4>& corners, const mesh::DelaunayTetrahedralization& base)
+  Corners(const std::array<VertexIndex, 4>& corners,
+          const delaunay::DelaunayTetrahedralization& base)
       : v(corners) {
     for (std::size_t i = 0; i < 4; ++i) p[i] = base.position(v[i]);
     const auto sort = [this](std::size_t i, std::size_t j) {

@@ -18,10 +18,10 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/functional/function_ref.h"
+#include "core/delaunay/delaunay_tetrahedralization.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/dihedral.h"
 #include "core/geometry/point.h"
-#include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/meshing/elements.h"
 #include "core/sac/engine.h"
 
@@ -52,7 +52,7 @@ struct Sliver {
 
 class SliverTable {
  public:
-  using Base = mesh::DelaunayTetrahedralization;
+  using Base = delaunay::DelaunayTetrahedralization;
   using Point = geometry::Point3;
 
   // `degrees`: the bound. 0: there are no slivers.

@@ -85,7 +85,7 @@ class SpaceGaps {
 template <template <class> class E>
 class TetrahedronGaps {
  public:
-  using SimplexIndex = mesh::DelaunayTetrahedralization::SimplexIndex;
+  using SimplexIndex = delaunay::DelaunayTetrahedralization::SimplexIndex;
 
   explicit TetrahedronGaps(const Complex<3, E>& complex) : complex_(complex) {}
 

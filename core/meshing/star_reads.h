@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/mesh/vertex_link.h"
+#include "core/delaunay/vertex_link.h"
 #include "core/meshing/star.h"
 
 namespace dynmesh::meshing {
@@ -27,7 +27,7 @@ template <class Read>
 void WriteStar(const SpaceStar& star, Read read);
 // The star with this link. REQUIRES: the link is closed, with less than 2^10 neighbours.
 template <class Read>
-void WriteStar(const mesh::VertexLink& link, Read read);
+void WriteStar(const delaunay::VertexLink& link, Read read);
 
 // The neighbours alone, ghosts included.
 template <int D>
@@ -78,7 +78,7 @@ void WriteStar(const SpaceStar& star, Read read) {
   }
 }
 template <class Read>
-void WriteStar(const mesh::VertexLink& link, Read read) {
+void WriteStar(const delaunay::VertexLink& link, Read read) {
   for (const std::uint32_t u : link.neighbours) read(u);
   for (const auto& [a, b, c] : link.triangles) {
     read(internal::TriangleWord(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b),

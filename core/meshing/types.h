@@ -5,8 +5,8 @@
 
 #include <type_traits>
 
-#include "core/mesh/delaunay_tetrahedralization.h"
-#include "core/mesh/delaunay_triangulation.h"
+#include "core/delaunay/delaunay_tetrahedralization.h"
+#include "core/delaunay/delaunay_triangulation.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/planar_rules.h"
 #include "core/meshing/space_rules.h"
@@ -27,8 +27,8 @@ namespace dynmesh::meshing {
 template <int D>
 using RulesOf = std::conditional_t<D == 2, PlanarRules, SpaceRules>;
 template <int D>
-using TriangulationOf =
-    std::conditional_t<D == 2, mesh::DelaunayTriangulation, mesh::DelaunayTetrahedralization>;
+using TriangulationOf = std::conditional_t<D == 2, delaunay::DelaunayTriangulation,
+                                           delaunay::DelaunayTetrahedralization>;
 
 template <int D, template <class> class E>
 using EngineOf = E<Refinement<D, E>>;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/data/face_links.h"
+#include "core/mesh_data/face_links.h"
 #include "core/transfer/clipper.h"
 
 namespace dynmesh::transfer {
@@ -31,7 +31,7 @@ class OldSimplices {
  public:
   explicit OldSimplices(const Overlay<D>& overlay)
       : tree_(overlay.tree), neighbours_(overlay.from.size() * (D + 1), kNoSlot) {
-    data::FaceLinks faces;
+    mesh_data::FaceLinks faces;
     for (std::size_t i = 0; i < overlay.from.size(); ++i) {
       halves_.push_back(HalfSpaces(overlay.from[i].corners));
       for (std::size_t k = 0; k <= D; ++k) {

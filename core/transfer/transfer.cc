@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "core/data/text.h"
+#include "core/base/text.h"
 #include "core/transfer/cell_transfer.h"
 #include "core/transfer/compensated_sum.h"
 #include "core/transfer/exchange.h"
@@ -18,7 +18,7 @@
 namespace dynmesh {
 namespace {
 
-using data::Concat;
+using text::Concat;
 using transfer::At;
 
 constexpr int kMostRings = 16;

@@ -7,8 +7,8 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
-#include "core/data/pieces.h"
-#include "core/data/regions.h"
+#include "core/mesh_data/pieces.h"
+#include "core/mesh_data/regions.h"
 
 namespace dynmesh::codec {
 namespace {
@@ -165,11 +165,11 @@ auto* MutableIds(v1::SubfacetColumns* s) { return s->mutable_corners(); }
 // Subsegments or subfacets.
 template <typename Columns, typename Message, typename Get>
 void CutPieces(Cutter& cutter, const Columns& pieces, Message* out, Get get) {
-  constexpr std::size_t kIds = data::kCorners<Columns>;
+  constexpr std::size_t kIds = mesh_data::kCorners<Columns>;
   cutter.Column(pieces.size(), kIds * kIdBytes + kOwnerBytes,
                 [&](std::size_t begin, std::size_t end) {
                   auto* to = get(out);
-                  AddRange(MutableIds(to), data::IdsOf(pieces), kIds * begin, kIds * end);
+                  AddRange(MutableIds(to), mesh_data::IdsOf(pieces), kIds * begin, kIds * end);
                   AddRange(to->mutable_owners(), pieces.owners, begin, end);
                 });
 }
@@ -225,7 +225,7 @@ bool AppendSets(std::vector<RegionSet>& to, const v1::SimplexColumn& from) {
   for (const v1::RegionSet& set : from.region_sets()) {
     sets.push_back({set.id(), {set.polygons().begin(), set.polygons().end()}});
   }
-  if (!data::AreRegionSets(sets)) return false;
+  if (!mesh_data::AreRegionSets(sets)) return false;
   std::ranges::move(sets, std::back_inserter(to));
   return true;
 }
@@ -251,9 +251,9 @@ const auto& IdsOf(const v1::SubfacetColumns& s) { return s.corners(); }
 
 template <typename Columns, typename Message>
 bool AppendPieces(Columns& to, const Message& from) {
-  constexpr std::int64_t kIds = data::kCorners<Columns>;
+  constexpr std::int64_t kIds = mesh_data::kCorners<Columns>;
   if (IdsOf(from).size() != kIds * from.owners_size()) return false;
-  Append(data::IdsOf(to), IdsOf(from));
+  Append(mesh_data::IdsOf(to), IdsOf(from));
   Append(to.owners, from.owners());
   return true;
 }
@@ -376,7 +376,7 @@ absl::StatusOr<std::optional<MeshDiff>> DiffAssembler::Add(const v1::MeshDiff& f
   absl::StatusOr<MeshHash> hash = MeshHash::FromHex(f.hash());
   if (!hash.ok()) return Broken("a diff's hash is not 32 hex digits");
   diff.hash = *hash;
-  data::KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
+  mesh_data::KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
   diff.work = DecodeWork(f.work());
   return std::optional<MeshDiff>(std::move(diff));
 }
@@ -415,7 +415,7 @@ absl::StatusOr<std::optional<Mesh>> SnapshotAssembler::Add(const v1::SnapshotChu
   absl::StatusOr<MeshHash> hash = MeshHash::FromHex(c.hash());
   if (!hash.ok()) return Broken("a snapshot's hash is not 32 hex digits");
   mesh.hash = *hash;
-  data::KeepNamed(mesh.region_sets, {&mesh.regions});
+  mesh_data::KeepNamed(mesh.region_sets, {&mesh.regions});
   return std::optional<Mesh>(std::move(mesh));
 }
 

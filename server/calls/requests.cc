@@ -123,14 +123,14 @@ absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request) {
   return start;
 }
 
-absl::StatusOr<data::RegionChoice> DecodeRegions(
+absl::StatusOr<mesh_data::RegionChoice> DecodeRegions(
     const google::protobuf::RepeatedField<std::uint64_t>& regions) {
   if (regions.size() > kMaxRegions) {
     return BadRequest("regions", absl::StrCat("at most ", kMaxRegions, " in one request"));
   }
-  data::RegionChoice choice;
+  mesh_data::RegionChoice choice;
   choice.in.assign(regions.begin(), regions.end());
-  data::Normalize(choice);
+  mesh_data::Normalize(choice);
   if (!choice.in.empty() &&
       (choice.in.front() == kNoFeature || choice.in.back() > kLastPolygonId)) {
     return BadRequest("regions", absl::StrCat("must be ids of polygons, 1 to ", kLastPolygonId));

@@ -5,7 +5,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/data/region_filter.h"
+#include "core/mesh_data/region_filter.h"
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "server/calls/admission.h"
 #include "server/meshes/mesh_host.h"
@@ -42,7 +42,7 @@ struct PartialBatch {
 };
 
 absl::StatusOr<WatchHub::Start> DecodeStart(const v1::WatchRequest& request);
-absl::StatusOr<data::RegionChoice> DecodeRegions(
+absl::StatusOr<mesh_data::RegionChoice> DecodeRegions(
     const google::protobuf::RepeatedField<std::uint64_t>& regions);
 
 // The box of a new mesh: INVALID_ARGUMENT if it is a single point, as when its corners were left

@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "core/data/region_filter.h"
+#include "core/mesh_data/region_filter.h"
 #include "proto/codec/mesh_codec.h"
 #include "server/calls/chunks_call.h"
 #include "server/calls/requests.h"
@@ -17,13 +17,13 @@ class SnapshotCall final
   absl::Status Begin(ServiceContext& context, const v1::GetSnapshotRequest& request) {
     absl::StatusOr<MeshRegistry::HostPtr> host = Enter(context, request.mesh());
     if (!host.ok()) return host.status();
-    absl::StatusOr<data::RegionChoice> regions = DecodeRegions(request.regions());
+    absl::StatusOr<mesh_data::RegionChoice> regions = DecodeRegions(request.regions());
     if (!regions.ok()) return regions.status();
     context.readers->Post([call = self(), host = *host, regions = *std::move(regions)] {
       auto mesh = host->store()->Latest();
       if (!mesh.ok()) return call->Fail(mesh.status());
       if (!regions.IsEverything()) {
-        mesh = std::make_shared<const Mesh>(data::OnlyInside(**mesh, regions));
+        mesh = std::make_shared<const Mesh>(mesh_data::OnlyInside(**mesh, regions));
       }
       call->Stream(*std::move(mesh));
     });

@@ -71,7 +71,7 @@ class WatchCall final : public grpc::ServerWriteReactor<v1::WatchEvent> {
     if (!host.ok()) return host.status();
     absl::StatusOr<WatchHub::Start> start = DecodeStart(request);
     if (!start.ok()) return start.status();
-    absl::StatusOr<data::RegionChoice> regions = DecodeRegions(request.regions());
+    absl::StatusOr<mesh_data::RegionChoice> regions = DecodeRegions(request.regions());
     if (!regions.ok()) return regions.status();
     if (!regions->IsEverything()) filter_.emplace(*std::move(regions));
     absl::StatusOr<StreamPlace> place = TakeStream(context, context.watchers, "watches", pass);

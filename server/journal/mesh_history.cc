@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/data/feature_set.h"
+#include "core/mesh_data/feature_set.h"
 #include "proto/codec/journal_codec.h"
 #include "proto/codec/status_codec.h"
 #include "server/base/mesh_name.h"
@@ -48,7 +48,7 @@ class Past {
 
   const int dimension_;
   const std::atomic<bool>* const cancelled_;
-  data::FeatureSet features_;
+  mesh_data::FeatureSet features_;
   std::uint64_t revision_ = 0;
   MeshHash hash_;
   std::uint32_t bits_ = kMeshBits;

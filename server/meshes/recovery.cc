@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/data/feature_set.h"
+#include "core/mesh_data/feature_set.h"
 #include "server/base/log.h"
 
 namespace dynmesh::server {
@@ -59,7 +59,7 @@ class Replay {
   absl::Status Begin() {
     if (has_begun()) return absl::OkStatus();
     if (start_revision_ > 0) {
-      if (gathered_.size() > 0) start_.edits = data::EditsBetween({}, gathered_.Sorted());
+      if (gathered_.size() > 0) start_.edits = mesh_data::EditsBetween({}, gathered_.Sorted());
       if (absl::Status s = out_.mesh->Apply(start_.edits).status(); !s.ok()) {
         return At(start_revision_, s);
       }
@@ -113,7 +113,7 @@ class Replay {
   // Made in one batch: the snapshot and the gathered entries.
   std::uint64_t start_revision_ = 0;
   codec::JournalEntry start_;
-  data::FeatureSet gathered_;
+  mesh_data::FeatureSet gathered_;
   bool has_snapshot_ = false;
   bool has_other_bits_ = false;
   MeshLog::Sizes sizes_;

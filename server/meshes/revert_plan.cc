@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "core/data/feature_set.h"
+#include "core/mesh_data/feature_set.h"
 #include "proto/codec/edit_codec.h"
 #include "server/base/mesh_name.h"
 
@@ -35,14 +35,14 @@ RevertPlan PlanRevert(const MeshHost& host, std::uint64_t revision,
   auto found = std::make_shared<Comparison>();
   found->present = head.revision;
   if (revision < head.revision) {
-    found->edits = data::EditsBetween(span->to.features, span->from.features);
+    found->edits = mesh_data::EditsBetween(span->to.features, span->from.features);
   }
   plan.weight = codec::Weight(found->edits);
   found->old = std::move(span->from.features);
   if (span->from_bits == kMeshBits) plan.job.expected_hash = span->from.hash;
   plan.job.make = [found](const DynamicMesh& mesh) -> absl::StatusOr<EditBatch> {
     if (mesh.revision() == found->present) return std::move(found->edits);
-    return data::EditsBetween(mesh.Features(), found->old);
+    return mesh_data::EditsBetween(mesh.Features(), found->old);
   };
   return plan;
 }

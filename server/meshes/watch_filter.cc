@@ -7,13 +7,13 @@ namespace dynmesh::server {
 
 WatchItem WatchFilter::Apply(const WatchItem& item) {
   if (const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&item)) {
-    auto part = std::make_shared<const Mesh>(data::SimplicesInside(**mesh, choice_));
+    auto part = std::make_shared<const Mesh>(mesh_data::SimplicesInside(**mesh, choice_));
     hidden_ = (*mesh)->hash;
     hidden_ -= part->hash;
     return part;
   }
   if (const auto* diff = std::get_if<std::shared_ptr<const MeshDiff>>(&item)) {
-    return std::make_shared<const MeshDiff>(data::SimplicesInside(**diff, choice_, hidden_));
+    return std::make_shared<const MeshDiff>(mesh_data::SimplicesInside(**diff, choice_, hidden_));
   }
   if (const auto* head = std::get_if<Head>(&item)) {
     Head part = *head;

@@ -8,7 +8,7 @@
 
 #include <utility>
 
-#include "core/data/region_filter.h"
+#include "core/mesh_data/region_filter.h"
 #include "dynmesh/mesh.h"
 #include "server/meshes/watch_hub.h"
 
@@ -16,13 +16,13 @@ namespace dynmesh::server {
 
 class WatchFilter {
  public:
-  explicit WatchFilter(data::RegionChoice choice) : choice_(std::move(choice)) {}
+  explicit WatchFilter(mesh_data::RegionChoice choice) : choice_(std::move(choice)) {}
 
   // To be called with the items in order. O(item): a mesh is copied.
   WatchItem Apply(const WatchItem& item);
 
  private:
-  const data::RegionChoice choice_;
+  const mesh_data::RegionChoice choice_;
   MeshHash hidden_;
 };
 

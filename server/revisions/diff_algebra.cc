@@ -6,8 +6,8 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
-#include "core/data/pieces.h"
-#include "core/data/regions.h"
+#include "core/mesh_data/pieces.h"
+#include "core/mesh_data/regions.h"
 
 namespace dynmesh::server {
 namespace {
@@ -70,16 +70,16 @@ template <class Columns>
 class NetPieces {
  public:
   void Apply(const Columns& removed, const Columns& added) {
-    for (std::size_t i = 0; i < removed.size(); ++i) rows_.Remove(data::KeyOf(removed, i));
-    for (std::size_t i = 0; i < added.size(); ++i) rows_.Add(data::KeyOf(added, i));
+    for (std::size_t i = 0; i < removed.size(); ++i) rows_.Remove(mesh_data::KeyOf(removed, i));
+    for (std::size_t i = 0; i < added.size(); ++i) rows_.Add(mesh_data::KeyOf(added, i));
   }
   void Write(Columns& removed, Columns& added) const {
-    for (const auto& key : rows_.removed()) data::Append(removed, key);
-    for (const auto& key : rows_.added()) data::Append(added, key);
+    for (const auto& key : rows_.removed()) mesh_data::Append(removed, key);
+    for (const auto& key : rows_.added()) mesh_data::Append(added, key);
   }
 
  private:
-  NetRows<data::PieceKey<Columns>> rows_;
+  NetRows<mesh_data::PieceKey<Columns>> rows_;
 };
 
 // Vertices have content, and a removal has the id only. So a removal cancels an earlier addition,
@@ -152,26 +152,26 @@ absl::Status PatchSimplices(const Mesh& mesh, const MeshDiff& diff, Mesh& out) {
   if (!labelled) return absl::OkStatus();
   out.regions.insert(out.regions.end(), diff.added_regions.begin(), diff.added_regions.end());
   out.regions.resize(out.simplex_count(), kNoRegion);
-  data::DropIfIdle(out.regions);
+  mesh_data::DropIfIdle(out.regions);
   out.region_sets = diff.region_sets;  // where ids agree, these take precedence
-  data::AppendSets(out.region_sets, mesh.region_sets);
-  data::KeepNamed(out.region_sets, {&out.regions});
+  mesh_data::AppendSets(out.region_sets, mesh.region_sets);
+  mesh_data::KeepNamed(out.region_sets, {&out.regions});
   return absl::OkStatus();
 }
 
 template <class Columns>
 absl::Status PatchPieces(const Columns& held, const MeshDiff& diff, const Columns& removed,
                          const Columns& added, Columns& out) {
-  absl::flat_hash_set<data::PieceKey<Columns>> gone;
-  for (std::size_t i = 0; i < removed.size(); ++i) gone.insert(data::KeyOf(removed, i));
+  absl::flat_hash_set<mesh_data::PieceKey<Columns>> gone;
+  for (std::size_t i = 0; i < removed.size(); ++i) gone.insert(mesh_data::KeyOf(removed, i));
   for (std::size_t i = 0; i < held.size(); ++i) {
-    const auto key = data::KeyOf(held, i);
-    if (!gone.contains(key)) data::Append(out, key);
+    const auto key = mesh_data::KeyOf(held, i);
+    if (!gone.contains(key)) mesh_data::Append(out, key);
   }
   if (out.size() + gone.size() != held.size()) {
-    return Missing(absl::StrCat("a ", data::kPieceName<Columns>), diff);
+    return Missing(absl::StrCat("a ", mesh_data::kPieceName<Columns>), diff);
   }
-  for (std::size_t i = 0; i < added.size(); ++i) data::Append(out, data::KeyOf(added, i));
+  for (std::size_t i = 0; i < added.size(); ++i) mesh_data::Append(out, mesh_data::KeyOf(added, i));
   return absl::OkStatus();
 }
 
@@ -182,18 +182,18 @@ std::size_t Bytes(const VertexColumns& v) {
 }  // namespace
 
 std::size_t ByteSize(const MeshDiff& d) {
-  return sizeof(MeshDiff) + Bytes(d.added_vertices) + data::ByteSize(d.added_subsegments) +
-         data::ByteSize(d.removed_subsegments) + data::ByteSize(d.added_subfacets) +
-         data::ByteSize(d.removed_subfacets) +
+  return sizeof(MeshDiff) + Bytes(d.added_vertices) + mesh_data::ByteSize(d.added_subsegments) +
+         mesh_data::ByteSize(d.removed_subsegments) + mesh_data::ByteSize(d.added_subfacets) +
+         mesh_data::ByteSize(d.removed_subfacets) +
          8 * (d.removed_vertices.size() + d.removed_simplices.size() + d.removed_regions.size() +
               d.added_simplices.size() + d.added_regions.size()) +
-         data::ByteSize(d.region_sets);
+         mesh_data::ByteSize(d.region_sets);
 }
 
 std::size_t ByteSize(const Mesh& m) {
-  return sizeof(Mesh) + Bytes(m.vertices) + data::ByteSize(m.subsegments) +
-         data::ByteSize(m.subfacets) + 8 * (m.simplices.size() + m.regions.size()) +
-         data::ByteSize(m.region_sets);
+  return sizeof(Mesh) + Bytes(m.vertices) + mesh_data::ByteSize(m.subsegments) +
+         mesh_data::ByteSize(m.subfacets) + 8 * (m.simplices.size() + m.regions.size()) +
+         mesh_data::ByteSize(m.region_sets);
 }
 
 MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
@@ -206,7 +206,7 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
   NetVertices vertices;
   // For each id the last set counts.
   for (auto diff = diffs.rbegin(); diff != diffs.rend(); ++diff) {
-    data::AppendSets(out.region_sets, (*diff)->region_sets);
+    mesh_data::AppendSets(out.region_sets, (*diff)->region_sets);
   }
   const absl::flat_hash_set<RegionId> others = IdsOfSeveral(out.region_sets);
   NetRows<SimplexKey> simplices;

@@ -24,7 +24,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "client/cli/percentile.h"
 #include "core/dynamic_mesh/live_mesh.h"
-#include "core/io/planar_input.h"
+#include "core/io/plane/planar_input.h"
 #include "tests/bench/thread_clock.h"
 #include "tests/support/workload.h"
 

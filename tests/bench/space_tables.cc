@@ -21,7 +21,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/numbers.h"
 #include "client/cli/percentile.h"
-#include "core/io/space_input.h"
+#include "core/io/space/space_input.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/bench/thread_clock.h"
 #include "tests/support/space_workload.h"

@@ -5,10 +5,10 @@
 
 #include <functional>
 
-#include "core/data/diff_meshes.h"
+#include "core/mesh_data/diff_meshes.h"
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "proto/codec/mesh_codec.h"
-#include "tests/core/data/made_up_mesh.h"
+#include "tests/core/mesh_data/made_up_mesh.h"
 #include "tests/server/fake_dynamic_mesh.h"
 #include "tests/server/test_support.h"
 
@@ -100,7 +100,7 @@ TEST_F(MeshReplicaTest, FollowsAMeshOfSpace) {
   const Mesh other = testing::MakeUpLabelledMesh(random, 50, 4, 3);
   ASSERT_TRUE(Feed(SnapshotEvents(mesh)).ok());
   EXPECT_EQ(replica_.subfacet_count(), 20u);
-  ASSERT_TRUE(Feed(DiffEvents(data::DiffMeshes(mesh, other))).ok());
+  ASSERT_TRUE(Feed(DiffEvents(mesh_data::DiffMeshes(mesh, other))).ok());
   EXPECT_EQ(replica_.subfacet_count(), 25u);
   Mesh copy = replica_.ToMesh();
   mesh = other;

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/edit_script.h"
-#include "core/io/planar_input.h"
+#include "core/io/plane/planar_input.h"
+#include "core/io/script/edit_script.h"
 #include "tests/core/transfer/field_lab.h"
 #include "tests/differential/locality_scenes.h"
 #include "tests/support/workload.h"

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/edit_script.h"
-#include "core/io/planar_input.h"
+#include "core/io/plane/planar_input.h"
+#include "core/io/script/edit_script.h"
 #include "dynmesh/quality.h"
 #include "tests/differential/differential.h"
 #include "tests/support/workload.h"

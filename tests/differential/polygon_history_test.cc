@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "client/verify/verify.h"
-#include "core/io/indexed_mesh.h"
+#include "core/io/meshes/indexed_mesh.h"
 #include "tests/differential/differential.h"
 #include "tests/support/asked.h"
 #include "tests/support/polygon_script.h"

@@ -6,7 +6,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "core/data/feature_set.h"
+#include "core/mesh_data/feature_set.h"
 #include "dynmesh/client/mesh_client.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/e2e/daemon.h"
@@ -42,7 +42,7 @@ TEST_P(JournalsOfOtherBits, GoOnAsTheNextRevision) {
   CopyTo(data);
   const auto scratch = [](const client::MeshInfo& info, const std::vector<Feature>& features) {
     auto mesh = *DynamicMesh::Create(info.options);
-    EXPECT_TRUE(mesh->Apply(data::EditsBetween({}, features)).ok());
+    EXPECT_TRUE(mesh->Apply(mesh_data::EditsBetween({}, features)).ok());
     return mesh->hash();
   };
   test::Daemon daemon(folder.path());

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "core/data/region_filter.h"
+#include "core/mesh_data/region_filter.h"
 #include "tests/e2e/e2e_fixture.h"
 #include "tests/support/same_diff.h"
 
@@ -84,15 +84,15 @@ TEST_F(EndToEndTest, AWatchOfPolygonsEndsEqualToAnExportOfThem) {
   const Mesh whole = Sorted(local->Snapshot());
   ASSERT_FALSE(whole.region_sets.empty());
   for (std::size_t i = 0; i < regions.size(); ++i) {
-    data::RegionChoice choice;
+    mesh_data::RegionChoice choice;
     choice.in = regions[i];
     ASSERT_TRUE(watches[i]->WaitForRevision(revision, kLong));
     Mesh replica;
     watches[i]->Read([&](const client::MeshReplica& r) { replica = r.ToMesh(); });
     const auto exported = client_->GetSnapshot("m", regions[i]);
     ASSERT_TRUE(exported.ok()) << exported.status();
-    ExpectSame(Sorted(data::OnlyInside(replica, choice)), Sorted(*exported));
-    ExpectSame(Sorted(*exported), Sorted(data::OnlyInside(whole, choice)));
+    ExpectSame(Sorted(mesh_data::OnlyInside(replica, choice)), Sorted(*exported));
+    ExpectSame(Sorted(*exported), Sorted(mesh_data::OnlyInside(whole, choice)));
     EXPECT_EQ(watches[i]->resyncs(), 0);
   }
   EXPECT_EQ(client_->GetSnapshot("m", std::vector{kNone})->simplex_count(), 0u);

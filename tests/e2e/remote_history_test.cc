@@ -6,7 +6,7 @@
 
 #include "client/cli/command.h"
 #include "client/cli/remote/connection.h"
-#include "core/io/edit_script.h"
+#include "core/io/script/edit_script.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/e2e/daemon.h"
 #include "tests/e2e/run_dynmesh.h"

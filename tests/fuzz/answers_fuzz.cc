@@ -8,16 +8,16 @@
 #include <string>
 #include <vector>
 
-#include "core/data/diff_meshes.h"
-#include "dynmesh/slot_mesh.h"
-#include "core/io/indexed_mesh.h"
+#include "core/io/meshes/indexed_mesh.h"
+#include "core/mesh_data/diff_meshes.h"
 #include "dynmesh/client/mesh_replica.h"
+#include "dynmesh/slot_mesh.h"
 #include "dynmesh/v1/mesh_service.pb.h"
 #include "dynmesh/v1/status_details.pb.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 #include "proto/codec/status_codec.h"
-#include "tests/core/data/made_up_mesh.h"
+#include "tests/core/mesh_data/made_up_mesh.h"
 #include "tests/fuzz/quiet.h"
 #include "tests/fuzz/small_mesh.h"
 #include "tests/fuzz/targets.h"
@@ -47,7 +47,7 @@ Events HonestEvents(int dimension) {
     if (!before.has_value()) {
       AddSnapshot(mesh, events);
     } else {
-      MeshDiff diff = data::DiffMeshes(*before, mesh);
+      MeshDiff diff = mesh_data::DiffMeshes(*before, mesh);
       diff.from_revision = revision - 1;
       diff.to_revision = revision;
       codec::DiffFragmenter fragmenter(std::make_shared<MeshDiff>(diff), false, 600);

@@ -1,7 +1,7 @@
 #include <map>
 #include <utility>
 
-#include "core/io/edit_script.h"
+#include "core/io/script/edit_script.h"
 #include "tests/fuzz/small_mesh.h"
 #include "tests/fuzz/targets.h"
 

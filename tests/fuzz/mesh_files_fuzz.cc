@@ -1,7 +1,7 @@
 #include <optional>
 
 #include "client/verify/verify.h"
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 #include "dynmesh/quality.h"
 #include "tests/fuzz/small_mesh.h"
 #include "tests/fuzz/targets.h"

@@ -1,5 +1,5 @@
-#include "core/io/edit_script.h"
-#include "core/io/planar_input.h"
+#include "core/io/plane/planar_input.h"
+#include "core/io/script/edit_script.h"
 #include "tests/fuzz/small_mesh.h"
 #include "tests/fuzz/targets.h"
 

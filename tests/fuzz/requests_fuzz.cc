@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/data/region_filter.h"
+#include "core/mesh_data/region_filter.h"
 #include "dynmesh/client/mesh_replica.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/v1/mesh_service.pb.h"
@@ -260,7 +260,7 @@ class Service {
     if (!regions.ok()) return CheckRefusal(regions.status());
     const auto mesh = (*host)->store()->Latest();
     if (!mesh.ok()) return mesh.status().ToString();
-    const auto inside = std::make_shared<const Mesh>(data::OnlyInside(**mesh, *regions));
+    const auto inside = std::make_shared<const Mesh>(mesh_data::OnlyInside(**mesh, *regions));
     client::MeshReplica replica;
     const absl::Status sent = Send(regions->IsEverything() ? *mesh : inside, replica);
     return sent.ok() ? "" : "a snapshot: " + sent.ToString();

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <set>
 
-#include "core/io/merge_coplanar.h"
-#include "core/io/space_input.h"
-#include "core/io/surface_files.h"
+#include "core/coplanar/merge_coplanar.h"
+#include "core/io/space/space_input.h"
+#include "core/io/space/surface_files.h"
 #include "tests/fuzz/small_mesh.h"
 #include "tests/fuzz/targets.h"
 
@@ -48,10 +48,10 @@ std::string CheckNames(const std::vector<Feature>& features) {
 }
 
 std::string CheckMerge(const std::vector<Feature>& features, double tolerance) {
-  const auto merged = io::MergeCoplanar(features, tolerance);
+  const auto merged = coplanar::MergeCoplanar(features, tolerance);
   if (!merged.ok()) return merged.status().message().empty() ? "an error without a message" : "";
   if (std::string problem = CheckNames(*merged); !problem.empty()) return problem;
-  auto backwards = io::MergeCoplanar({features.rbegin(), features.rend()}, tolerance);
+  auto backwards = coplanar::MergeCoplanar({features.rbegin(), features.rend()}, tolerance);
   if (!backwards.ok()) return "refused the other way round";
   const auto by_id = [](const Feature& a, const Feature& b) { return a.id < b.id; };
   std::sort(backwards->begin(), backwards->end(), by_id);

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "core/base/mix.h"
-#include "core/io/edit_script.h"
-#include "core/io/planar_input.h"
+#include "core/io/plane/planar_input.h"
+#include "core/io/script/edit_script.h"
 #include "tests/differential/differential.h"
 #include "tests/support/polygon_script.h"
 #include "tests/support/workload.h"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/edit_script.h"
+#include "core/io/script/edit_script.h"
 #include "tests/differential/differential.h"
 
 namespace dynmesh::test {

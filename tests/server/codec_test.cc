@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "core/data/regions.h"
+#include "core/mesh_data/regions.h"
 #include "dynmesh/error.h"
 #include "dynmesh/v1/status_details.pb.h"
 #include "proto/codec/edit_codec.h"
@@ -70,7 +70,7 @@ std::vector<RegionSet> SetsOf(std::initializer_list<const RegionColumn*> columns
   for (const auto& p : kPolygons) {
     if (p.size() > 1) sets.push_back({RegionIdOf(p), p});
   }
-  data::KeepNamed(sets, columns);
+  mesh_data::KeepNamed(sets, columns);
   return sets;
 }
 

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/data/canonical_order.h"
-#include "core/data/diff_meshes.h"
+#include "core/mesh_data/canonical_order.h"
+#include "core/mesh_data/diff_meshes.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh::server {
@@ -148,7 +148,8 @@ Mesh FakeDynamicMesh::Build(const FeatureMap& features) const {
   }
   const std::vector<VertexId>& v = mesh.vertices.ids;
   for (std::size_t i = 0; i + 2 < v.size(); ++i) {
-    const auto corners = data::InCanonicalOrder(std::array<VertexId, 3>{v[i], v[i + 1], v[i + 2]});
+    const auto corners =
+        mesh_data::InCanonicalOrder(std::array<VertexId, 3>{v[i], v[i + 1], v[i + 2]});
     mesh.simplices.insert(mesh.simplices.end(), corners.begin(), corners.end());
     const std::vector<FeatureId> polygons = PolygonsAround(all_polygons, {&points[i], 3});
     mesh.regions.push_back(RegionIdOf(polygons));
@@ -186,7 +187,7 @@ absl::StatusOr<MeshDiff> FakeDynamicMesh::Apply(const EditBatch& batch,
   Mesh next = Build(*draft);
   tell(Stage::kDiff, all);
   next.revision = batch.empty() ? mesh_.revision : mesh_.revision + 1;
-  MeshDiff diff = data::DiffMeshes(mesh_, next);
+  MeshDiff diff = mesh_data::DiffMeshes(mesh_, next);
   diff.work.executed = batch.size();
   if (apply_options.commit != nullptr) {
     if (absl::Status status = apply_options.commit(diff); !status.ok()) return status;

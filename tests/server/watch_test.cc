@@ -4,7 +4,7 @@
 #include <fstream>
 #include <thread>
 
-#include "core/data/region_filter.h"
+#include "core/mesh_data/region_filter.h"
 #include "dynmesh/client/mesh_replica.h"
 #include "proto/codec/grpc_status.h"
 #include "tests/server/server_fixture.h"
@@ -114,9 +114,9 @@ TEST_F(WatchTest, AWatchOfRegionsEndsEqualToAnExportOfThem) {
     ASSERT_TRUE(part.ok()) << Text(part.status());
     EXPECT_LT(part->simplex_count(), 58u);
     watch->Read([&](const client::MeshReplica& r) {
-      data::RegionChoice choice;
+      mesh_data::RegionChoice choice;
       choice.in = regions;
-      const Mesh inside = Sorted(data::OnlyInside(r.ToMesh(), choice)), got = Sorted(*part);
+      const Mesh inside = Sorted(mesh_data::OnlyInside(r.ToMesh(), choice)), got = Sorted(*part);
       EXPECT_EQ(inside.vertices, got.vertices);
       EXPECT_EQ(inside.simplices, got.simplices);
       EXPECT_EQ(inside.regions, got.regions);

@@ -1,12 +1,13 @@
 """The layers that ARCHITECTURE.md draws are those of the includes.
 
 A row `folder -> folders` of the figure below the heading "Layers" lists all folders of which the
-sources of the first include headers. A name without a slash is of the row's own top folder. The
-test fails if a source includes a header of another one, if a listed one is not included, if a
-folder has no row, or if a row lists a folder of the same or a later row: then there would be a
-cycle.
+sources of the first include headers. A name without a slash is of the row's own top folder, or
+else of core. A row `folder/*` is for all folders below. The test fails if a source includes a
+header of another one, if a listed one is not included, if a folder has no row, if a row lists a
+folder of the same or a later row, or if folders include each other in a circle.
 """
 
+import graphlib
 import pathlib
 import re
 import sys
@@ -42,15 +43,19 @@ def folder_of_include(name: str) -> str | None:
 
 
 def documented(text: str) -> dict[str, list[str]]:
-    """The rows of the figure, from the lowest layer up."""
+    """The rows of the figure, from the lowest layer up, by folder or `folder/*`."""
     figure = text.split("## Layers", 1)[1].split("```")[1]
     rows = [match for line in figure.splitlines() if (match := ROW.match(line))]
-    return {row[1]: [whole(name, row[1]) for name in row[2].split()] for row in reversed(rows)}
+    folders = {row[1].removesuffix("/*") for row in rows}
+    return {
+        row[1]: [whole(name, row[1], folders) for name in row[2].split()] for row in reversed(rows)
+    }
 
 
-def whole(name: str, row: str) -> str:
+def whole(name: str, row: str, folders: set[str]) -> str:
     """The folder that the row means by a name."""
-    return name if "/" in name else f"{row.split('/', 1)[0]}/{name}"
+    own = f"{row.split('/', 1)[0]}/{name}"
+    return name if "/" in name else own if own in folders else f"core/{name}"
 
 
 def included(root: pathlib.Path) -> dict[str, set[str]]:
@@ -67,6 +72,28 @@ def included(root: pathlib.Path) -> dict[str, set[str]]:
                 if other is not None and other != folder:
                     mine.add(other)
     return edges
+
+
+def boxed(edges: dict[str, set[str]], rows: dict[str, list[str]]) -> dict[str, set[str]]:
+    """The edges between rows: those of all folders that a row `folder/*` is for are its own."""
+    tops = [row.removesuffix("/*") for row in rows if row.endswith("/*")]
+
+    def box(folder: str) -> str:
+        return next((top for top in tops if folder.startswith(top + "/")), folder)
+
+    merged: dict[str, set[str]] = {}
+    for folder, others in edges.items():
+        merged.setdefault(box(folder), set()).update({box(o) for o in others} - {box(folder)})
+    return merged
+
+
+def circles(edges: dict[str, set[str]]) -> list[str]:
+    """A circle of folders, if there is one."""
+    try:
+        graphlib.TopologicalSorter(edges).prepare()
+    except graphlib.CycleError as error:
+        return ["a circle: " + " ".join(error.args[1])]
+    return []
 
 
 def problems(rows: dict[str, list[str]], edges: dict[str, set[str]]) -> list[str]:
@@ -97,6 +124,10 @@ def check_the_check() -> None:
     assert problems({"a": []}, edges) == ["b has no row"]
     stale = problems({"a": [], "b": ["a"]}, {"a": set(), "b": set()})
     assert stale == ["b does not include a any more"]
+    deep = {"a/x": {"a/y"}, "a/y": {"b"}, "b": set()}
+    assert boxed(deep, {"b": [], "a/*": ["b"]}) == {"a": {"b"}, "b": set()}
+    assert not circles(deep)
+    assert circles(deep | {"b": {"a/x"}})
 
 
 def main() -> int:
@@ -104,7 +135,10 @@ def main() -> int:
     root = pathlib.Path(sys.argv[1])
     check_the_check()
     rows = documented((root / "ARCHITECTURE.md").read_text(encoding="utf-8"))
-    found = problems(rows, included(root))
+    edges = included(root)
+    found = circles(edges)
+    drawn = {row.removesuffix("/*"): others for row, others in rows.items()}
+    found += problems(drawn, boxed(edges, rows))
     print("\n".join(found) or f"{len(rows)} folders are as ARCHITECTURE.md draws them")
     return min(len(found), 1)
 

@@ -1,5 +1,5 @@
 // Input that a client can make with knowledge of the hashes: they are fixed, public and invertible.
-// Ids of vertices and of sets of polygons: core/data/hash.cc; priorities: geometry::HashOf.
+// Ids of vertices and of sets of polygons: core/mesh_data/hash.cc; priorities: geometry::HashOf.
 #ifndef DYNMESH_TESTS_SUPPORT_CRAFTED_H_
 #define DYNMESH_TESTS_SUPPORT_CRAFTED_H_
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/io/edit_script.h"
+#include "core/io/script/edit_script.h"
 #include "tests/support/space_workload.h"
 
 namespace dynmesh::test {

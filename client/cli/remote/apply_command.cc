@@ -16,8 +16,8 @@
 #include "client/cli/progress_bar.h"
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
-#include "core/data/text.h"
-#include "core/io/edit_script.h"
+#include "core/base/text.h"
+#include "core/io/script/edit_script.h"
 #include "proto/codec/status_codec.h"
 
 namespace dynmesh::cli {
@@ -98,7 +98,7 @@ class Application {
                                                         mesh->options.dimension));
     }
     if (script_.has_header && !SameMesh(mesh->options, wanted)) {
-      PrintWarning(data::Concat("the mesh is not the one of the script's first line, but: ",
+      PrintWarning(text::Concat("the mesh is not the one of the script's first line, but: ",
                                 io::FormatMeshLine(mesh->options)));
     }
     return absl::OkStatus();
@@ -173,8 +173,8 @@ class Application {
         absl::SimpleAtoi(error->metadata.at("edit"), &index)) {
       edit = index;
     }
-    return absl::Status(status.code(), data::Concat(script_.Where(batch, edit), ": ",
-                                                    data::View(status.message())));
+    return absl::Status(status.code(), text::Concat(script_.Where(batch, edit), ": ",
+                                                    text::View(status.message())));
   }
 
   absl::Status Summarise(Clock::duration took) {

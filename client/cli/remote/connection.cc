@@ -11,7 +11,7 @@
 #include "client/cli/command.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/words.h"
-#include "core/io/edit_script.h"
+#include "core/io/script/edit_script.h"
 
 namespace dynmesh::cli {
 
@@ -65,8 +65,8 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags) {
   command.add_flag("--json", flags.json, "Print one JSON object a line");
 }
 
-absl::StatusOr<data::RegionChoice> ParseServerRegionFlag(const std::string& text) {
-  absl::StatusOr<data::RegionChoice> choice = ParseRegionFlag(text);
+absl::StatusOr<mesh_data::RegionChoice> ParseServerRegionFlag(const std::string& text) {
+  absl::StatusOr<mesh_data::RegionChoice> choice = ParseRegionFlag(text);
   if (!choice.ok() || !choice->in_any) return choice;
   return absl::InvalidArgumentError(
       "--region: name the polygons by their ids; a server does not take any");

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/cli/json.h"
-#include "core/data/region_filter.h"
+#include "core/mesh_data/region_filter.h"
 #include "dynmesh/client/mesh_client.h"
 
 namespace dynmesh::cli {
@@ -28,7 +28,7 @@ struct ServerFlags {
 void AddServerFlags(CLI::App& command, ServerFlags& flags);
 
 // Parses --region, as ParseRegionFlag. A server needs the polygons' ids: `any` is refused.
-absl::StatusOr<data::RegionChoice> ParseServerRegionFlag(const std::string& text);
+absl::StatusOr<mesh_data::RegionChoice> ParseServerRegionFlag(const std::string& text);
 
 // Connects with the token of --token-file, else of the environment's DYNMESH_TOKEN. Fails if a file
 // is unreadable, but not if the server is unreachable.

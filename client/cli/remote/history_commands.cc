@@ -8,8 +8,8 @@
 #include "client/cli/output.h"
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
-#include "core/io/edit_script.h"
-#include "core/io/file_writer.h"
+#include "core/io/common/file_writer.h"
+#include "core/io/script/edit_script.h"
 
 namespace dynmesh::cli {
 namespace {

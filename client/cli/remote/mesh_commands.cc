@@ -9,7 +9,7 @@
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
 #include "client/cli/words.h"
-#include "core/io/edit_script.h"
+#include "core/io/script/edit_script.h"
 
 namespace dynmesh::cli {
 namespace {

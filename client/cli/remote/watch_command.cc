@@ -12,8 +12,8 @@
 #include "client/cli/remote/connection.h"
 #include "client/cli/remote/remote_commands.h"
 #include "client/cli/words.h"
-#include "core/data/region_filter.h"
-#include "core/data/text.h"
+#include "core/base/text.h"
+#include "core/mesh_data/region_filter.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -31,7 +31,7 @@ struct WatchCommand {
 // watch ends.
 class Printer final : public client::WatchListener {
  public:
-  Printer(const WatchCommand& command, const data::RegionChoice& region)
+  Printer(const WatchCommand& command, const mesh_data::RegionChoice& region)
       : command_(command), region_(region) {}
 
   void OnSnapshot(const client::MeshReplica& replica) override {
@@ -44,7 +44,7 @@ class Printer final : public client::WatchListener {
     if (command_.progress) Write(State("progress", replica), replica);
   }
   void OnTrouble(const absl::Status& status) override {
-    PrintWarning(data::Concat(data::View(status.message()), " (the watch goes on)"));
+    PrintWarning(text::Concat(text::View(status.message()), " (the watch goes on)"));
   }
   void OnEnd(const absl::Status& status) override { Finish(status); }
 
@@ -80,7 +80,7 @@ class Printer final : public client::WatchListener {
     if (!PrintOut(line)) Finish(absl::UnavailableError("cannot write to standard output"));
     if (command_.until.has_value() && replica.revision() >= *command_.until) {
       // The mesh may change further; the output is of the requested revision.
-      if (!command_.output.paths.empty()) mesh_ = data::OnlyInside(replica.ToMesh(), region_);
+      if (!command_.output.paths.empty()) mesh_ = mesh_data::OnlyInside(replica.ToMesh(), region_);
       Finish(absl::OkStatus());
     }
   }
@@ -96,7 +96,7 @@ class Printer final : public client::WatchListener {
   }
 
   const WatchCommand& command_;
-  const data::RegionChoice& region_;
+  const mesh_data::RegionChoice& region_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<absl::Status> result_;

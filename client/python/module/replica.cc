@@ -4,7 +4,7 @@
 #include "client/python/module/arrays.h"
 #include "client/python/module/bind.h"
 #include "client/python/module/status.h"
-#include "core/data/diff_meshes.h"
+#include "core/mesh_data/diff_meshes.h"
 
 namespace dynmesh::python {
 namespace {
@@ -131,7 +131,8 @@ void BindReplica(py::module_& module) {
       .def("diff_to",
            [](const Replica& replica, const Mesh& mesh) {
              py::gil_scoped_release release;
-             return std::make_shared<Diff>(Diff{data::DiffMeshes(replica.ToMesh(), mesh), false});
+             return std::make_shared<Diff>(
+                 Diff{mesh_data::DiffMeshes(replica.ToMesh(), mesh), false});
            })
       .def_property_readonly("dimension", &Replica::dimension)
       .def_property_readonly("revision", &Replica::revision)

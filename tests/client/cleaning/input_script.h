@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/edit_script.h"
+#include "core/io/script/edit_script.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::cleaning {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "tests/core/data/made_up_mesh.h"
-#include "tests/core/io/sample_mesh.h"
+#include "tests/core/io/meshes/sample_mesh.h"
+#include "tests/core/mesh_data/made_up_mesh.h"
 
 namespace dynmesh::cli {
 namespace {

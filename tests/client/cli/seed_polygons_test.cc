@@ -130,7 +130,7 @@ TEST_F(SeedPolygons, MeshAndAreJudged) {
 
 TEST(OutsideFlag, TakesIdsOrHoles) {
   const std::vector<FeatureId> holes = {7, 9};
-  data::RegionChoice choice;
+  mesh_data::RegionChoice choice;
   EXPECT_TRUE(ApplyOutsideFlag("", &holes, choice).ok());
   EXPECT_TRUE(choice.IsEverything());
   EXPECT_TRUE(ApplyOutsideFlag("holes", &holes, choice).ok());

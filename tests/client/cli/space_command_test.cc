@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "client/cli/input.h"
-#include "core/io/file_writer.h"
-#include "core/io/mesh_files.h"
+#include "core/io/common/file_writer.h"
+#include "core/io/meshes/mesh_files.h"
 #include "tests/client/cli/command_line.h"
-#include "tests/core/io/good_space_mesh.h"
+#include "tests/core/io/meshes/good_space_mesh.h"
 
 namespace dynmesh::cli {
 namespace {

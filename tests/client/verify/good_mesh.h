@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/io/mesh_files.h"
+#include "core/io/meshes/mesh_files.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::testing {

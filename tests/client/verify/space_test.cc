@@ -14,7 +14,7 @@
 #include "dynmesh/quality.h"
 #include "gtest/gtest.h"
 #include "tests/client/verify/report_text.h"
-#include "tests/core/io/good_space_mesh.h"
+#include "tests/core/io/meshes/good_space_mesh.h"
 
 namespace dynmesh::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/steps.h"
-#include "core/data/diff_meshes.h"
+#include "core/mesh_data/diff_meshes.h"
 #include "core/plc/plc.h"
 #include "tests/differential/differential.h"
 #include "tests/support/same_diff.h"
@@ -48,12 +48,12 @@ TEST(Interrupt, ADifferenceIsAskedAboutAllAlong) {
   std::size_t asked = 0;
   const auto count = [&] { return ++asked == 0; };
   Steps counting(count);
-  const MeshDiff diff = data::DiffMeshes(from, to, counting);
+  const MeshDiff diff = mesh_data::DiffMeshes(from, to, counting);
   // Vertices are looked up, simplices sorted and merged.
   const std::size_t rows =
       from.vertices.size() + to.vertices.size() + 2 * (from.simplex_count() + to.simplex_count());
   EXPECT_GE(asked, rows / Steps::kBetween);
-  MeshDiff plain = data::DiffMeshes(from, to), same = diff;
+  MeshDiff plain = mesh_data::DiffMeshes(from, to), same = diff;
   Canonicalize(plain);
   Canonicalize(same);
   ExpectSameRows(plain, same);
@@ -61,7 +61,7 @@ TEST(Interrupt, ADifferenceIsAskedAboutAllAlong) {
     std::size_t left = stop;
     const auto at = [&] { return --left == 0; };
     Steps steps(at);
-    data::DiffMeshes(from, to, steps);
+    mesh_data::DiffMeshes(from, to, steps);
     EXPECT_TRUE(steps.stopped());
     EXPECT_EQ(left, 0u);
   }

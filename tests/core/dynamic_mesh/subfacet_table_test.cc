@@ -46,7 +46,7 @@ class Plane {
     }
   }
 
-  mesh::DelaunayTetrahedralization& mesh() { return mesh_; }
+  delaunay::DelaunayTetrahedralization& mesh() { return mesh_; }
   static Vertex Grid(int i, int j) { return static_cast<Vertex>(8 + i * (kSide + 1) + j); }
 
   void ToggleSpot(test::Random& random) {
@@ -96,7 +96,7 @@ class Plane {
   }
 
  private:
-  mesh::DelaunayTetrahedralization mesh_;
+  delaunay::DelaunayTetrahedralization mesh_;
   std::vector<Point3> spots_;
   std::map<std::pair<int, int>, Slot> squares_;
 };

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/edit_script.h"
+#include "core/io/script/edit_script.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "tests/core/fem/matrix_bounds.h"
 #include "tests/support/workload.h"

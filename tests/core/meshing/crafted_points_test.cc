@@ -68,7 +68,7 @@ TEST(CraftedPoints, BetweenLinesDoNotFillATriangulation) {
     points.push_back(p);
     ++taken;
   }
-  mesh::DelaunayTetrahedralization triangulation;
+  delaunay::DelaunayTetrahedralization triangulation;
   Refinement<3, sac::UntracedEngine> refinement(Options<3>(), &triangulation);
   FeatureSlot slot = 1;
   for (const auto& p : points) refinement.AddPoint(p, slot++);

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/delaunay/delaunay_tetrahedralization.h"
 #include "core/geometry/circumball.h"
-#include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/meshing/refinement.h"
 #include "tests/support/dihedral.h"
 #include "tests/support/workload.h"
@@ -37,13 +37,13 @@ struct Meshed {
 
 // Meshes the points; checks each tetrahedron at a vertex of a cure.
 Meshed MeshPoints(const std::vector<Point3>& points, double degrees) {
-  mesh::DelaunayTetrahedralization triangulation;
+  delaunay::DelaunayTetrahedralization triangulation;
   Untraced refinement(Options(degrees), &triangulation);
   FeatureSlot feature = 1;
   for (const Point3& p : points) refinement.AddPoint(p, feature++);
   EXPECT_TRUE(refinement.Propagate([] { return false; }));
   Meshed meshed;
-  mesh::DelaunayTetrahedralization before, after;
+  delaunay::DelaunayTetrahedralization before, after;
   for (auto* each : {&before, &after}) refinement.complex().ResetToDomain(each);
   refinement.elements().ForEachVertex([&](VertexIndex v, const auto& vertex) {
     (IsOfCure(vertex) ? meshed.cures : meshed.refined).push_back(vertex.p);

@@ -15,7 +15,7 @@
 
 #include "core/base/rounding.h"
 #include "dynmesh/dynamic_mesh.h"
-#include "tests/core/mesh/delaunay_oracle.h"
+#include "tests/core/delaunay/delaunay_oracle.h"
 #include "tests/support/asked.h"
 #include "tests/support/workload.h"
 
@@ -105,7 +105,7 @@ void CheckDelaunay(const Judged& j) {
               CGAL::ON_POSITIVE_SIDE)
         << "a vertex in a circumcircle";
   }
-  const mesh::testing::TriangleSet by_cgal = mesh::testing::CgalDelaunay(points);
+  const delaunay::testing::TriangleSet by_cgal = delaunay::testing::CgalDelaunay(points);
   ASSERT_EQ(by_cgal.size(), j.triangles.size());
 }
 

@@ -11,13 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include "tests/core/mesh/delaunay_oracle.h"
+#include "tests/core/delaunay/delaunay_oracle.h"
 
 namespace dynmesh::meshing {
 namespace {
 
+using delaunay::testing::Layout;
 using geometry::Point2;
-using mesh::testing::Layout;
 
 // Begins with the least, so that two rings can be compared.
 std::vector<Point2> Turned(std::vector<Point2> ring) {
@@ -81,7 +81,7 @@ TEST_P(StarTest, IsThatOfTheTriangulationOfPointsAndGhosts) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
     std::vector<Point2> points =
-        mesh::testing::DistinctPoints(GetParam(), seed, 4 + static_cast<int>(random() % 120));
+        delaunay::testing::DistinctPoints(GetParam(), seed, 4 + static_cast<int>(random() % 120));
     PlanarStar star;
     for (int k = 0; k < 12; ++k) {
       std::shuffle(points.begin(), points.end(), random);
@@ -120,7 +120,7 @@ TEST_P(StarTest, CornersWithinReachAreThoseOfTheTriangulationWithoutGhosts) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
-    const std::vector<Point2> points = mesh::testing::DistinctPoints(GetParam(), seed, 80);
+    const std::vector<Point2> points = delaunay::testing::DistinctPoints(GetParam(), seed, 80);
     PlanarStar star;
     for (PlanarStar::Id v = 0; v < points.size(); ++v) {
       const std::vector<Point2> ring = RingByCgal(points, points[v]);
@@ -154,7 +154,7 @@ TEST_P(StarTest, OfARingGivenAtOnceIsTheSame) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
-    const std::vector<Point2> points = mesh::testing::DistinctPoints(GetParam(), seed, 80);
+    const std::vector<Point2> points = delaunay::testing::DistinctPoints(GetParam(), seed, 80);
     std::map<Point2, PlanarStar::Id> id_at;
     for (PlanarStar::Id u = 0; u < points.size(); ++u) id_at[points[u]] = u;
     PlanarStar star;
@@ -235,8 +235,8 @@ TEST(PlanarStar, TheSectorOfAPointIsTheFirstThatCertainlyHoldsIt) {
   EXPECT_GT(unsure, 1000);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, StarTest, testing::ValuesIn(mesh::testing::kAllLayouts),
-                         [](const auto& its) { return mesh::testing::LayoutName(its.param); });
+INSTANTIATE_TEST_SUITE_P(All, StarTest, testing::ValuesIn(delaunay::testing::kAllLayouts),
+                         [](const auto& its) { return delaunay::testing::LayoutName(its.param); });
 
 }  // namespace
 }  // namespace dynmesh::meshing

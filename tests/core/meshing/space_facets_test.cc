@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/delaunay/delaunay_tetrahedralization.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/constructions.h"
-#include "core/mesh/delaunay_tetrahedralization.h"
 #include "core/meshing/facet_membership.h"
 #include "core/meshing/refinement.h"
 #include "core/meshing/trace_audit.h"
@@ -211,7 +211,7 @@ double AreaOf(const std::vector<Point3>& ring) {
 
 // The mesh: no tetrahedron over rho, every facet covered once.
 void ExpectGoodMesh(const Complex<Traced>& complex, const Traced& refinement) {
-  mesh::DelaunayTetrahedralization triangulation;
+  delaunay::DelaunayTetrahedralization triangulation;
   std::vector<VertexIndex> ids;
   std::vector<Point3> places;
   triangulation.Reset(refinement.complex().rules.lo(), refinement.complex().rules.hi(),
@@ -271,7 +271,7 @@ TEST_P(SpaceFacets, AreFromScratchAfterEveryEditAndCovered) {
     Complex fresh(fresh_refinement);
     fresh.AddAllOf(dynamic);
     fresh.Run();
-    mesh::DelaunayTetrahedralization triangulation;
+    delaunay::DelaunayTetrahedralization triangulation;
     Untraced untraced_refinement(options, &triangulation);
     Complex untraced(untraced_refinement);
     untraced.AddAllOf(dynamic);

@@ -308,7 +308,7 @@ TEST_P(SpaceSegments, AreFromScratchAfterEveryEditAndInTheTriangulation) {
     }
     dynamic.Run();
     WithSegments<Traced> fresh(options, grid);
-    mesh::DelaunayTetrahedralization triangulation;
+    delaunay::DelaunayTetrahedralization triangulation;
     WithSegments<Untraced> untraced(options, grid, &triangulation);
     for (const auto& edge : dynamic.Edges()) fresh.Toggle(edge), untraced.Toggle(edge);
     for (const Point3& p : dynamic.Points()) fresh.Toggle(p), untraced.Toggle(p);

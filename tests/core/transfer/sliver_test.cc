@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "core/data/canonical_order.h"
-#include "core/data/diff_meshes.h"
+#include "core/mesh_data/canonical_order.h"
+#include "core/mesh_data/diff_meshes.h"
 #include "core/transfer/simplex.h"
 #include "tests/core/geometry/random_points.h"
 #include "tests/core/transfer/field_lab.h"
@@ -38,7 +38,7 @@ Mesh MakeMesh(const Places<D>& places, std::vector<std::array<std::size_t, D + 1
     for (std::size_t k = 0; k <= D; ++k) {
       ids[k] = VertexIdAt(places[cell[k]].data(), static_cast<int>(D));
     }
-    const auto row = data::InCanonicalOrder(ids);
+    const auto row = mesh_data::InCanonicalOrder(ids);
     mesh.simplices.insert(mesh.simplices.end(), row.begin(), row.end());
   }
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -89,7 +89,7 @@ void Check(const Mesh& a, const Mesh& b, bool has_stencils, const std::string& w
     for (int trip = 0; trip < 20; ++trip) {
       const std::uint64_t revision = slots.revision();
       from.revision = revision, to.revision = revision + 1;
-      ASSERT_TRUE(slots.Apply(data::DiffMeshes(from, to)).ok());
+      ASSERT_TRUE(slots.Apply(mesh_data::DiffMeshes(from, to)).ok());
       std::swap(from, to);
       ones.resize(RowCount(slots, kind)), u.resize(RowCount(slots, kind));
       auto transfer = Transfer::Make(slots);

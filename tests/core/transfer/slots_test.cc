@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "core/data/diff_meshes.h"
+#include "core/mesh_data/diff_meshes.h"
 #include "tests/core/geometry/random_points.h"
 #include "tests/core/transfer/field_lab.h"
 

@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-#include "core/data/diff_meshes.h"
+#include "core/mesh_data/diff_meshes.h"
 #include "tests/core/geometry/random_points.h"
 #include "tests/core/transfer/field_lab.h"
 
@@ -247,7 +247,7 @@ TEST_P(TransferOf, IsAFunctionOfMeshesAndFieldToTheBit) {
     }
     ASSERT_TRUE(follower.Apply(diffs[0]).ok());
     for (std::size_t i = 1; i < diffs.size(); ++i) ASSERT_TRUE(follower.Extend(diffs[i]).ok());
-    const MeshDiff folded = data::DiffMeshes(before, mesh->Snapshot());
+    const MeshDiff folded = mesh_data::DiffMeshes(before, mesh->Snapshot());
     ASSERT_TRUE(fresh.Apply(folded).ok());
     auto transfer_follower = Transfer::Make(follower), transfer_fresh = Transfer::Make(fresh);
     ASSERT_TRUE(transfer_follower.ok() && transfer_fresh.ok());
@@ -463,7 +463,7 @@ TEST_P(TransferOf, RefusesWhatItCannotCarryAndChangesNothing) {
   const Mesh all = lab.mesh().Snapshot();
   Mesh none;
   none.dimension = dimension;
-  ASSERT_TRUE(empty.Apply(data::DiffMeshes(none, all)).ok());
+  ASSERT_TRUE(empty.Apply(mesh_data::DiffMeshes(none, all)).ok());
   EXPECT_EQ(Transfer::Make(empty).status().code(), absl::StatusCode::kFailedPrecondition);
 }
 

@@ -21,7 +21,7 @@ class WatchFilterTest : public ::testing::Test {
  protected:
   // Hub and subscription hold each other until then.
   void TearDown() override { subscription_->Cancel(); }
-  void Begin(const data::RegionChoice& choice, RevisionStore::Limits limits,
+  void Begin(const mesh_data::RegionChoice& choice, RevisionStore::Limits limits,
              WatchHub::Options options) {
     choice_ = choice;
     store_ =
@@ -65,7 +65,7 @@ class WatchFilterTest : public ::testing::Test {
     }
   }
   void ExpectThePart() {
-    const Mesh part = Sorted(data::SimplicesInside(fake_.Snapshot(), choice_));
+    const Mesh part = Sorted(mesh_data::SimplicesInside(fake_.Snapshot(), choice_));
     const Mesh got = Sorted(replica_.ToMesh());
     EXPECT_EQ(got.revision, part.revision);
     EXPECT_EQ(got.vertices, part.vertices);
@@ -103,7 +103,7 @@ class WatchFilterTest : public ::testing::Test {
 
   WorkerPool pool_{1};
   FakeDynamicMesh fake_{MeshOptions(), nullptr};
-  data::RegionChoice choice_;
+  mesh_data::RegionChoice choice_;
   std::shared_ptr<RevisionStore> store_;
   std::shared_ptr<WatchHub> hub_;
   std::shared_ptr<Subscription> subscription_;

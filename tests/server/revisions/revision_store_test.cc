@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <random>
 
-#include "core/data/diff_meshes.h"
+#include "core/mesh_data/diff_meshes.h"
 #include "server/revisions/diff_algebra.h"
-#include "tests/core/data/made_up_mesh.h"
+#include "tests/core/mesh_data/made_up_mesh.h"
 #include "tests/server/test_support.h"
 #include "tests/support/crafted.h"
 #include "tests/support/same_diff.h"
@@ -83,7 +83,8 @@ Walk MakeUpWalk(std::uint64_t seed, int length, int dimension) {
     }
     testing::Label(random, mesh);
     if (i > 0) {
-      walk.diffs.push_back(std::make_shared<MeshDiff>(data::DiffMeshes(*walk.meshes.back(), mesh)));
+      walk.diffs.push_back(
+          std::make_shared<MeshDiff>(mesh_data::DiffMeshes(*walk.meshes.back(), mesh)));
     }
     walk.meshes.push_back(std::make_shared<Mesh>(mesh));
   }
@@ -152,14 +153,14 @@ TEST(DiffAlgebra, AnIdThatComesToStandForAnotherSetStandsForTheLast) {
   }
   std::vector<std::shared_ptr<const MeshDiff>> diffs;
   for (std::size_t i = 1; i < meshes.size(); ++i) {
-    diffs.push_back(std::make_shared<MeshDiff>(data::DiffMeshes(meshes[i - 1], meshes[i])));
+    diffs.push_back(std::make_shared<MeshDiff>(mesh_data::DiffMeshes(meshes[i - 1], meshes[i])));
   }
   for (std::size_t from = 0; from < meshes.size(); ++from) {
     for (std::size_t to = from + 1; to < meshes.size(); ++to) {
       SCOPED_TRACE(::testing::Message() << from << " to " << to);
       const auto at = [&](std::size_t i) { return diffs.begin() + static_cast<std::ptrdiff_t>(i); };
       for (const MeshDiff& diff :
-           {Compose({at(from), at(to)}), data::DiffMeshes(meshes[from], meshes[to])}) {
+           {Compose({at(from), at(to)}), mesh_data::DiffMeshes(meshes[from], meshes[to])}) {
         Mesh followed = meshes[from];
         ASSERT_EQ(ApplyDiff(followed, diff), absl::OkStatus());
         ExpectSameMesh(followed, meshes[to]);
@@ -254,7 +255,7 @@ TEST(DiffAlgebra, PatchingAnotherMeshIsRefused) {
   const Walk space = MakeUpWalk(2, 1, 3);
   stray = *space.diffs[0];
   ASSERT_TRUE(Patched(*space.meshes[0], stray).ok());
-  data::Append(stray.removed_subfacets, {1, 2, 3, 4});
+  mesh_data::Append(stray.removed_subfacets, {1, 2, 3, 4});
   EXPECT_EQ(Patched(*space.meshes[0], stray).status().code(), absl::StatusCode::kDataLoss);
 }
 

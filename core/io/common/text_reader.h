@@ -1,0 +1,71 @@
+// Reads a text file line by line, split at blanks, without comments, and keeps the line of every
+// value: all readers report `file:line: what is wrong`.
+#ifndef DYNMESH_CORE_IO_COMMON_TEXT_READER_H_
+#define DYNMESH_CORE_IO_COMMON_TEXT_READER_H_
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace dynmesh::io {
+
+// The whole file. NOT_FOUND or PERMISSION_DENIED, naming the path, if it cannot be read.
+absl::StatusOr<std::string> ReadWholeFile(const std::string& path);
+
+// Parses exactly one number, the whole of `text`; allows a leading +. False if it is no number, not
+// finite, or outside the range of doubles.
+bool ParseDouble(std::string_view text, double* value);
+bool ParseUint64(std::string_view text, std::uint64_t* value);
+bool ParseInt64(std::string_view text, std::int64_t* value);
+
+// Thread-compatible; move-only.
+class TextReader {
+ public:
+  // `name` is for messages.
+  TextReader(std::string name, std::string text);
+  static absl::StatusOr<TextReader> Open(const std::string& path);
+
+  // Goes to the next line with a value; false at the end of the file. `#` starts a comment,
+  // anywhere.
+  bool Next();
+
+  const std::vector<std::string_view>& tokens() const { return tokens_; }
+  std::size_t size() const { return tokens_.size(); }
+  std::string_view token(std::size_t i) const { return tokens_[i]; }
+  // The current line, from 1; after the end, the last line.
+  int line() const { return line_; }
+  const std::string& name() const { return name_; }
+  const std::string& text() const { return *text_; }  // all of it, unchanged
+  std::size_t text_size() const { return text_->size(); }
+
+  // Comments so far that start with "# dynmesh ", without that start.
+  const std::vector<std::string>& notes() const { return notes_; }
+
+  // "name:line: message", INVALID_ARGUMENT.
+  absl::Status Error(std::string_view message) const;
+  static absl::Status ErrorAt(std::string_view name, int line, std::string_view message);
+
+  // Token i as a value; `what` names it in the message.
+  absl::StatusOr<double> Double(std::size_t i, std::string_view what) const;
+  absl::StatusOr<std::uint64_t> Uint64(std::size_t i, std::string_view what) const;
+
+ private:
+  void Split(std::string_view line);
+
+  std::string name_;
+  std::unique_ptr<const std::string>
+      text_;  // tokens point into it; it does not move with the reader
+  std::size_t next_ = 0;
+  int line_ = 0;
+  std::vector<std::string_view> tokens_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_COMMON_TEXT_READER_H_

@@ -1,0 +1,51 @@
+// Meshes as files, rows numbered from 1, in the canonical order of IndexedMesh. 2D: Triangle's
+// files; 3D: TetGen's. NAME.node, NAME.ele, NAME.edge and, in 3D, NAME.face side by side.
+//   .node  number x y [z] marker     feature id on input points, -1 on the domain
+//                                    box, else 0
+//   .ele   number corner corner corner [corner] [region]    positively oriented; with
+//                                    polygons, the number of the region (region_numbers.h)
+//   .edge  number end end marker     all edges; feature id on subsegments, -1 on the
+//                                    box's sides, else 0
+//   .face  number corner corner corner marker    feature id on subfacets, -1 on the other
+//                                    triangles of the domain's border; no others are listed
+// Coordinates read back bit for bit. Comments after the rows, which other readers skip, hold what
+// markers cannot: the mesh hash; the box's vertices that refinement put on its sides (containing
+// dimension 1, not 0) or, in 3D, its faces (2); and in the .ele the polygons of each region.
+// Without these comments, attributes of simplices are ignored.
+#ifndef DYNMESH_CORE_IO_MESHES_MESH_FILES_H_
+#define DYNMESH_CORE_IO_MESHES_MESH_FILES_H_
+
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/io/common/text_reader.h"
+#include "core/io/meshes/indexed_mesh.h"
+
+namespace dynmesh::io {
+
+// `path` is one of the files or their common stem. Either all are written, or the former ones stay;
+// UNAVAILABLE, naming the file, if one cannot be written.
+absl::Status WriteMeshFiles(const IndexedMesh& mesh, const std::string& path);
+
+struct MeshFiles {
+  IndexedMesh mesh;       // rows and orientation as in the file
+  bool has_edges = true;  // false: there is no .edge file
+  bool has_faces = true;  // 3D; false: there is no .face file
+  std::optional<MeshHash> recorded_hash;
+};
+
+// Reads any content, valid mesh or not (`verify` checks that). Checks only form, counts and vertex
+// numbers: INVALID_ARGUMENT as `file:line: ...`. A missing .edge or .face file is allowed; a
+// missing .node or .ele is NOT_FOUND. The header of the .node has the dimension; in 2D a .face is
+// ignored.
+absl::StatusOr<MeshFiles> ReadMeshFiles(const std::string& path);
+// The same from texts in memory.
+absl::StatusOr<MeshFiles> ParseMeshFiles(TextReader nodes, TextReader triangles,
+                                         std::optional<TextReader> edges,
+                                         std::optional<TextReader> faces = std::nullopt);
+
+}  // namespace dynmesh::io
+
+#endif  // DYNMESH_CORE_IO_MESHES_MESH_FILES_H_

@@ -1,0 +1,350 @@
+#include "core/io/meshes/msh_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "core/base/text.h"
+#include "core/io/common/file_writer.h"
+#include "core/io/meshes/references.h"
+
+namespace dynmesh::io {
+
+using text::Concat;
+
+namespace {
+
+// The format's limit for the names of physical groups: Gmsh misreads longer ones.
+constexpr std::size_t kMostNameLength = 127;
+constexpr int kPointElement = 15;
+constexpr int kElementOf[] = {kPointElement, 1, 2, 4};  // by dimension: line, triangle, tetrahedron
+
+struct PointEntity {
+  int tag = 0;
+  std::uint32_t vertex = 0;
+  int physical = 0;
+};
+
+// An entity of dimension k: of one feature, of the box's border or, if k is the mesh's dimension,
+// of one region or of the domain outside all polygons.
+struct Entity {
+  std::vector<std::uint32_t> elements;
+  std::vector<std::uint32_t> inner;  // vertices of this dimension
+  std::set<int> border;              // entities of dimension k - 1
+};
+using Entities = std::map<int, Entity>;  // by tag
+
+// The vertices of an element.
+class Corners {
+ public:
+  template <std::size_t N>
+  explicit Corners(const std::array<std::uint32_t, N>& corners) : size_(N) {
+    std::copy(corners.begin(), corners.end(), v_.begin());
+  }
+  const std::uint32_t* begin() const { return v_.data(); }
+  const std::uint32_t* end() const { return v_.data() + size_; }
+  std::size_t size() const { return size_; }
+  // A key: its vertices ascending, except corner `without`.
+  std::array<std::uint32_t, 4> Key(std::size_t without = 4) const {
+    std::array<std::uint32_t, 4> key;
+    key.fill(~std::uint32_t{0});
+    for (std::size_t k = 0; k < size_; ++k) {
+      if (k != without) key[k] = v_[k];
+    }
+    std::sort(key.begin(), key.end());
+    return key;
+  }
+
+ private:
+  std::array<std::uint32_t, 4> v_;
+  std::size_t size_;
+};
+
+class BoundingRange {
+ public:
+  void Add(const IndexedMesh::Vertex& v) {
+    const std::array<double, 3> place = v.place();
+    for (std::size_t k = 0; k < 3; ++k) {
+      lo_[k] = std::min(lo_[k], place[k]), hi_[k] = std::max(hi_[k], place[k]);
+    }
+  }
+  void Write(FileWriter& out) const {
+    for (const double c : lo_) out << c << ' ';
+    for (const double c : hi_) out << c << ' ';
+  }
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double lo_[3] = {kInfinity, kInfinity, kInfinity};
+  double hi_[3] = {-kInfinity, -kInfinity, -kInfinity};
+};
+
+class MshFile {
+ public:
+  MshFile(const IndexedMesh& mesh, const References& references, FileWriter& out)
+      : mesh_(mesh), references_(references), out_(out), point_of_(mesh.vertices.size(), 0) {
+    Classify();
+  }
+
+  void Write() {
+    out_ << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+    WritePhysicalNames();
+    WriteEntities();
+    WriteNodes();
+    WriteElements();
+  }
+
+ private:
+  // Assigns every vertex, subsegment and face to the entity of least dimension that contains it.
+  // The box's border has no points: its vertices are a grid's, and its corners are not input.
+  void Classify() {
+    int next = references_.box() + 1;
+    std::set<int> used;
+    const std::vector<std::uint32_t> region_of = RegionsOfVertices();
+    for (std::uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
+      const IndexedMesh::Vertex& v = mesh_.vertices[i];
+      const int reference = references_.Find(v.owner);
+      const bool on_box = reference == references_.box();
+      if (reference == 0 || v.containing_dimension >= top_) {
+        entities_[top_][RegionTag(region_of[i])].inner.push_back(i);
+      } else if (v.containing_dimension != 0 || on_box) {
+        const int dimension = v.containing_dimension == 0 ? top_ - 1 : v.containing_dimension;
+        entities_[dimension][reference].inner.push_back(i);
+      } else {
+        // Only a damaged mesh has two vertices for the same point.
+        const int tag = used.insert(reference).second ? reference : next++;
+        points_.push_back({tag, i, reference});
+        point_of_[i] = tag;
+      }
+    }
+    std::sort(points_.begin(), points_.end(),
+              [](const PointEntity& a, const PointEntity& b) { return a.tag < b.tag; });
+    ClassifyOwned(mesh_.edges, entities_[1]);
+    ClassifyOwned(mesh_.faces, entities_[2]);
+    for (std::uint32_t i = 0; i < mesh_.simplex_count(); ++i) {
+      entities_[top_][RegionTag(mesh_.regions.Of(i))].elements.push_back(i);
+    }
+    for (int dimension = 2; dimension <= top_; ++dimension) FindBorders(dimension);
+  }
+
+  template <class Rows>
+  void ClassifyOwned(const Rows& rows, Entities& entities) {
+    for (std::uint32_t i = 0; i < rows.size(); ++i) {
+      const int reference = references_.Find(rows[i].owner);
+      if (reference != 0) entities[reference].elements.push_back(i);
+    }
+  }
+
+  static int RegionTag(std::uint32_t region) { return static_cast<int>(region) + 1; }
+
+  Corners CornersOf(int dimension, std::uint32_t i) const {
+    if (dimension == 1) return Corners(std::array{mesh_.edges[i].a, mesh_.edges[i].b});
+    if (dimension == 3) return Corners(mesh_.tetrahedra[i]);
+    return Corners(top_ == 2 ? mesh_.triangles[i] : mesh_.faces[i].corners);
+  }
+
+  // The region of a simplex around each vertex. Where these differ, the vertex is on the border of
+  // regions.
+  std::vector<std::uint32_t> RegionsOfVertices() const {
+    std::vector<std::uint32_t> region_of(mesh_.vertices.size(), 0);
+    std::size_t i = 0;
+    ForEachSimplex(mesh_, [&](const auto& corners) {
+      for (const std::uint32_t v : corners) region_of[v] = mesh_.regions.Of(i);
+      ++i;
+    });
+    return region_of;
+  }
+
+  // A curve borders a surface that has one of its edges on one side only; likewise surfaces and
+  // volumes.
+  void FindBorders(int dimension) {
+    using Key = std::array<std::uint32_t, 4>;
+    absl::flat_hash_map<Key, int> tag_of;
+    for (const auto& [tag, entity] : entities_[dimension - 1]) {
+      for (const std::uint32_t i : entity.elements) {
+        tag_of.emplace(CornersOf(dimension - 1, i).Key(), tag);
+      }
+    }
+    for (auto& [tag, entity] : entities_[dimension]) {
+      std::map<Key, int> one_sided;
+      for (const std::uint32_t i : entity.elements) {
+        const Corners corners = CornersOf(dimension, i);
+        for (std::size_t k = 0; k < corners.size(); ++k) {
+          const auto below = tag_of.find(corners.Key(k));
+          if (below == tag_of.end()) continue;
+          if (!one_sided.insert(*below).second) one_sided.erase(below->first);
+        }
+      }
+      for (const auto& [key, below] : one_sided) entity.border.insert(below);
+    }
+  }
+
+  void WritePhysicalNames() {
+    std::set<std::pair<int, int>> groups;  // dimension, tag
+    for (const PointEntity& p : points_) groups.emplace(0, p.physical);
+    for (int dimension = 1; dimension < top_; ++dimension) {
+      for (const auto& [tag, entity] : entities_[dimension]) groups.emplace(dimension, tag);
+    }
+    out_ << "$PhysicalNames\n" << groups.size() + entities_[top_].size() << '\n';
+    for (const auto& [dimension, tag] : groups) {
+      out_ << dimension << ' ' << tag << " \"" << references_.Name(tag) << "\"\n";
+    }
+    std::string long_names;
+    for (const auto& [tag, entity] : entities_[top_]) {
+      const auto region = static_cast<std::uint32_t>(tag - 1);
+      std::string name = mesh_.regions.Name(region);
+      if (name.size() > kMostNameLength) {
+        const std::string short_name = Concat("region ", region);
+        long_names += Concat(short_name, ": ", name, "\n");
+        name = short_name;
+      }
+      out_ << top_ << ' ' << tag << " \"" << name << "\"\n";
+    }
+    out_ << "$EndPhysicalNames\n";
+    if (!long_names.empty()) out_ << "$Comments\n" << long_names << "$EndComments\n";
+  }
+
+  void WriteEntities() {
+    out_ << "$Entities\n" << points_.size();
+    for (int dimension = 1; dimension <= 3; ++dimension) {
+      out_ << ' ' << entities_[dimension].size();
+    }
+    out_ << '\n';
+    for (const PointEntity& p : points_) {
+      const IndexedMesh::Vertex& v = mesh_.vertices[p.vertex];
+      out_ << p.tag << ' ' << v.x << ' ' << v.y << ' ' << v.z << " 1 " << p.physical << '\n';
+    }
+    for (int dimension = 1; dimension <= top_; ++dimension) {
+      for (const auto& [tag, entity] : entities_[dimension]) WriteEntity(dimension, tag, entity);
+    }
+    out_ << "$EndEntities\n";
+  }
+
+  void WriteEntity(int dimension, int tag, const Entity& entity) {
+    BoundingRange range;
+    // Which of 0 and -0 is the least depends on the first value; for curves that is an inner
+    // vertex.
+    const auto add_inner = [&] {
+      for (const std::uint32_t i : entity.inner) range.Add(mesh_.vertices[i]);
+    };
+    if (dimension == 1) add_inner();
+    for (const std::uint32_t i : entity.elements) {
+      for (const std::uint32_t v : CornersOf(dimension, i)) range.Add(mesh_.vertices[v]);
+    }
+    if (dimension != 1) add_inner();
+    out_ << tag << ' ';
+    range.Write(out_);
+    out_ << "1 " << tag << ' ';
+    if (dimension == 1) {
+      WriteEnds(entity);
+    } else {
+      out_ << entity.border.size();
+      for (const int below : entity.border) out_ << ' ' << below;
+    }
+    out_ << '\n';
+  }
+
+  // A chain has a first and a last point; a closed border has none.
+  void WriteEnds(const Entity& curve) {
+    std::map<int, int> uses;  // of the points at its edges' ends
+    for (const std::uint32_t i : curve.elements) {
+      for (const std::uint32_t end : {mesh_.edges[i].a, mesh_.edges[i].b}) {
+        if (point_of_[end] != 0) ++uses[point_of_[end]];
+      }
+    }
+    std::erase_if(uses, [](const auto& use) { return use.second % 2 == 0; });
+    if (uses.size() == 2) {
+      out_ << "2 " << uses.begin()->first << ' ' << -uses.rbegin()->first;
+    } else {
+      out_ << '0';
+    }
+  }
+
+  void WriteNodes() {
+    std::size_t blocks = points_.size();
+    for (const Entities& entities : entities_) {
+      for (const auto& [tag, entity] : entities) blocks += entity.inner.empty() ? 0 : 1;
+    }
+    const std::size_t n = mesh_.vertices.size();
+    out_ << "$Nodes\n" << blocks << ' ' << n << ' ' << (n == 0 ? 0 : 1) << ' ' << n << '\n';
+    for (const PointEntity& p : points_) WriteNodeBlock(0, p.tag, {p.vertex});
+    for (int dimension = 1; dimension <= top_; ++dimension) {
+      for (const auto& [tag, entity] : entities_[dimension]) {
+        WriteNodeBlock(dimension, tag, entity.inner);
+      }
+    }
+    out_ << "$EndNodes\n";
+  }
+
+  void WriteNodeBlock(int dimension, int tag, const std::vector<std::uint32_t>& vertices) {
+    if (vertices.empty()) return;
+    out_ << dimension << ' ' << tag << " 0 " << vertices.size() << '\n';
+    for (const std::uint32_t i : vertices) out_ << std::uint64_t{i} + 1 << '\n';
+    for (const std::uint32_t i : vertices) {
+      const IndexedMesh::Vertex& v = mesh_.vertices[i];
+      out_ << v.x << ' ' << v.y << ' ' << v.z << '\n';
+    }
+  }
+
+  void WriteElements() {
+    std::size_t blocks = points_.size();
+    std::size_t count = points_.size();
+    for (const Entities& entities : entities_) {
+      for (const auto& [tag, entity] : entities) {
+        blocks += entity.elements.empty() ? 0 : 1;
+        count += entity.elements.size();
+      }
+    }
+    out_ << "$Elements\n"
+         << blocks << ' ' << count << ' ' << (count == 0 ? 0 : 1) << ' ' << count << '\n';
+    for (const PointEntity& p : points_) {
+      out_ << "0 " << p.tag << ' ' << kPointElement << " 1\n";
+      WriteElement(Corners(std::array{p.vertex}));
+    }
+    for (int dimension = 1; dimension <= top_; ++dimension) {
+      for (const auto& [tag, entity] : entities_[dimension]) {
+        if (entity.elements.empty()) continue;
+        out_ << dimension << ' ' << tag << ' ' << kElementOf[dimension] << ' '
+             << entity.elements.size() << '\n';
+        for (const std::uint32_t i : entity.elements) WriteElement(CornersOf(dimension, i));
+      }
+    }
+    out_ << "$EndElements\n";
+  }
+
+  void WriteElement(const Corners& corners) {
+    out_ << ++element_;
+    for (const std::uint32_t corner : corners) out_ << ' ' << std::uint64_t{corner} + 1;
+    out_ << '\n';
+  }
+
+  const IndexedMesh& mesh_;
+  const References& references_;
+  FileWriter& out_;
+  const int top_ = mesh_.dimension;
+  std::vector<PointEntity> points_;  // by tag
+  std::vector<int> point_of_;        // the point of each vertex, 0 if none
+  // By dimension from 1. Tags are the owner's reference; of the mesh's dimension 1 + the region's
+  // number.
+  std::array<Entities, 4> entities_;
+  std::uint64_t element_ = 0;  // the last one's tag
+};
+
+}  // namespace
+
+absl::Status WriteMsh(const IndexedMesh& mesh, const std::string& path) {
+  const absl::StatusOr<References> references = References::Of(mesh);
+  if (!references.ok()) return references.status();
+  FileWriter out(path);
+  MshFile(mesh, *references, out).Write();
+  return out.Close();
+}
+
+}  // namespace dynmesh::io

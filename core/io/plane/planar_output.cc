@@ -1,0 +1,70 @@
+#include "core/io/plane/planar_output.h"
+
+#include <array>
+#include <cstddef>
+
+#include "absl/container/flat_hash_map.h"
+#include "core/base/text.h"
+#include "core/io/common/file_writer.h"
+#include "core/io/script/edit_script.h"
+
+namespace dynmesh::io {
+
+namespace {
+
+void WriteSeeds(const std::vector<SeedRow>& seeds, FileWriter& out) {
+  out << seeds.size() << '\n';
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    out << i + 1 << ' ' << seeds[i].position[0] << ' ' << seeds[i].position[1];
+    for (const double value : seeds[i].more) out << ' ' << value;
+    out << '\n';
+  }
+}
+
+}  // namespace
+
+absl::Status WritePolyFile(const std::string& path, const std::vector<Feature>& features,
+                           const std::vector<SeedRow>& holes, const std::vector<SeedRow>& regions) {
+  absl::flat_hash_map<FeatureId, std::size_t> number;
+  for (const Feature& f : features) {
+    if (f.kind == FeatureKind::kPoint) number.emplace(f.id, number.size() + 1);
+  }
+  std::vector<std::array<std::size_t, 2>> segments;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kSegment) continue;
+    std::array<std::size_t, 2> ends{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto it = number.find(f.ends[i]);
+      if (it == number.end()) {
+        return absl::InvalidArgumentError(
+            text::Concat("segment ", f.id, " ends at ", f.ends[i], ", which is no point; add it"));
+      }
+      ends[i] = it->second;
+    }
+    segments.push_back(ends);
+  }
+  FileWriter out(path);
+  out << number.size() << " 2 0 0\n";
+  std::size_t n = 0;
+  for (const Feature& f : features) {
+    if (f.kind != FeatureKind::kPoint) continue;
+    out << ++n << ' ' << f.position[0] << ' ' << f.position[1] << '\n';
+  }
+  out << segments.size() << " 0\n";
+  n = 0;
+  for (const auto& ends : segments) out << ++n << ' ' << ends[0] << ' ' << ends[1] << '\n';
+  WriteSeeds(holes, out);
+  if (!regions.empty()) WriteSeeds(regions, out);
+  return out.Close();
+}
+
+absl::Status WriteFeatureScript(const std::string& path, const MeshOptions& options,
+                                const std::vector<Feature>& features) {
+  FileWriter out(path);
+  out << FormatMeshLine(options) << '\n';
+  for (const Feature& f : features) out << FormatEdit(Edit::Add(f), options.dimension) << '\n';
+  out << "commit\n";
+  return out.Close();
+}
+
+}  // namespace dynmesh::io

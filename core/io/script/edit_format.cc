@@ -1,0 +1,81 @@
+// Formats edits as lines of a script; see edit_script.h.
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/text.h"
+#include "core/io/common/file_writer.h"
+#include "core/io/script/edit_script.h"
+
+namespace dynmesh::io {
+
+using text::Concat;
+
+namespace {
+
+// Rings with a lone / between them.
+std::string FormatRings(const Rings& rings) {
+  std::string text;
+  for (const std::vector<FeatureId>& ring : rings) {
+    if (!text.empty()) text += " /";
+    for (const FeatureId point : ring) text += Concat(text.empty() ? "" : " ", point);
+  }
+  return text;
+}
+
+// Its coordinates with `separator` between them.
+std::string FormatPlace(const std::array<double, 3>& place, int dimension,
+                        std::string_view separator = " ") {
+  std::string text = Concat(FormatDouble(place[0]), separator, FormatDouble(place[1]));
+  if (dimension == 3) text += Concat(separator, FormatDouble(place[2]));
+  return text;
+}
+
+std::string FormatSize(const Feature& f, int dimension) {
+  const Sizing& s = f.sizing;
+  const std::string at = FormatPlace(f.position, dimension);
+  const std::string target = Concat(" ", FormatDouble(s.target));
+  switch (s.shape) {
+    case SizeShape::kPoint:
+      return Concat("point ", at, target);
+    case SizeShape::kDisc:
+      return Concat("disc ", at, " ", FormatDouble(s.radius), target);
+    case SizeShape::kPolygon:
+      return Concat("polygon ", FormatRings(f.rings), target);
+    default:
+      return Concat("box ", at, " ", FormatPlace(s.hi, dimension), target);
+  }
+}
+
+}  // namespace
+
+std::string FormatMeshLine(const MeshOptions& options) {
+  const Box& box = options.box;
+  return Concat(
+      "mesh dim=", options.dimension, " box=", FormatPlace(box.lo, options.dimension, ","), ",",
+      FormatPlace(box.hi, options.dimension, ","), " rho=", FormatDouble(options.quality),
+      " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge",
+      options.max_edge > 0 ? Concat(" hmax=", FormatDouble(options.max_edge)) : "",
+      options.dimension == 3 ? Concat(" min_dihedral=", FormatDouble(options.min_dihedral)) : "");
+}
+
+std::string FormatEdit(const Edit& edit, int dimension) {
+  const Feature& f = edit.feature;
+  if (edit.action == Edit::Action::kRemove) return Concat("remove ", f.id);
+  const auto point = [&] {
+    return Concat("point ", f.id, " ", FormatPlace(f.position, dimension));
+  };
+  if (edit.action == Edit::Action::kMove) return Concat("move ", point());
+  const std::string_view verb = edit.action == Edit::Action::kAdd ? "add" : "set";
+  if (f.kind == FeatureKind::kPoint) return Concat(verb, " ", point());
+  if (f.kind == FeatureKind::kSize) {
+    return Concat(verb, " size ", f.id, " ", FormatSize(f, dimension));
+  }
+  if (f.kind == FeatureKind::kPolygon) {
+    return Concat(verb, " polygon ", f.id, " ", FormatRings(f.rings));
+  }
+  return Concat(verb, " segment ", f.id, " ", f.ends[0], " ", f.ends[1]);
+}
+
+}  // namespace dynmesh::io

@@ -1,0 +1,80 @@
+// The mesh options of a script, and the box of its positions.
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "core/io/script/edit_script.h"
+
+namespace dynmesh::io {
+namespace {
+
+// Grows a box point by point.
+class BoxBuilder {
+ public:
+  explicit BoxBuilder(int dimension) : dimension_(static_cast<std::size_t>(dimension)) {}
+  void Add(const std::array<double, 3>& p) {
+    for (std::size_t i = 0; i < dimension_; ++i) {
+      lo_[i] = std::min(lo_[i], p[i]);
+      hi_[i] = std::max(hi_[i], p[i]);
+    }
+  }
+  Box Get() const {
+    Box box;
+    if (lo_[0] > hi_[0]) return box;
+    for (std::size_t i = 0; i < dimension_; ++i) {
+      box.lo[i] = lo_[i];
+      box.hi[i] = hi_[i];
+    }
+    return box;
+  }
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::size_t dimension_;
+  double lo_[3] = {kInfinity, kInfinity, kInfinity};
+  double hi_[3] = {-kInfinity, -kInfinity, -kInfinity};
+};
+
+// Does it name a position that must lie in the mesh's box?
+bool HasPosition(const Feature& f) {
+  return f.kind == FeatureKind::kPoint ||
+         (f.kind == FeatureKind::kSize &&
+          (f.sizing.shape == SizeShape::kPoint || f.sizing.shape == SizeShape::kDisc));
+}
+bool HasPosition(const Edit& edit) {
+  return edit.action == Edit::Action::kMove ||
+         (edit.action != Edit::Action::kRemove && HasPosition(edit.feature));
+}
+
+}  // namespace
+
+MeshOptions EditScript::Options() const {
+  MeshOptions options;
+  options.dimension = dimension;
+  options.quality = quality.value_or(DefaultQuality(dimension));
+  if (criterion) options.criterion = *criterion;
+  if (max_edge) options.max_edge = *max_edge;
+  options.min_dihedral = min_dihedral.value_or(DefaultMinDihedral(dimension));
+  if (box) {
+    options.box = *box;
+    return options;
+  }
+  BoxBuilder builder(dimension);
+  for (const ScriptBatch& batch : batches) {
+    for (const Edit& edit : batch.edits) {
+      if (HasPosition(edit)) builder.Add(edit.feature.position);
+    }
+  }
+  options.box = builder.Get();
+  return options;
+}
+
+Box BoundingBox(const std::vector<Feature>& features, int dimension) {
+  BoxBuilder builder(dimension);
+  for (const Feature& f : features) {
+    if (HasPosition(f)) builder.Add(f.position);
+  }
+  return builder.Get();
+}
+
+}  // namespace dynmesh::io

@@ -1,0 +1,61 @@
+#include "core/mesh_data/feature_set.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+
+namespace dynmesh::mesh_data {
+
+absl::Status FeatureSet::Apply(const EditBatch& batch) {
+  for (const Edit& edit : batch) {
+    const FeatureId id = edit.feature.id;
+    if (edit.action == Edit::Action::kAdd) {
+      if (!features_.emplace(id, edit.feature).second) {
+        return absl::AlreadyExistsError(absl::StrCat("feature ", id, " is added twice"));
+      }
+      continue;
+    }
+    const auto it = features_.find(id);
+    if (it == features_.end()) {
+      return absl::NotFoundError(absl::StrCat("feature ", id, " is changed, and not there"));
+    }
+    switch (edit.action) {
+      case Edit::Action::kSet:
+        it->second = edit.feature;
+        break;
+      case Edit::Action::kMove:
+        it->second.position = edit.feature.position;
+        break;
+      default:
+        features_.erase(it);
+    }
+  }
+  return absl::OkStatus();
+}
+
+std::vector<Feature> FeatureSet::Sorted() const {
+  std::vector<Feature> sorted;
+  sorted.reserve(features_.size());
+  for (const auto& [id, feature] : features_) sorted.push_back(feature);
+  std::sort(sorted.begin(), sorted.end(),
+            [](const Feature& a, const Feature& b) { return a.id < b.id; });
+  return sorted;
+}
+
+EditBatch EditsBetween(std::span<const Feature> from, std::span<const Feature> to) {
+  EditBatch batch;
+  std::size_t i = 0, j = 0;
+  while (i < from.size() || j < to.size()) {
+    if (j == to.size() || (i < from.size() && from[i].id < to[j].id)) {
+      batch.push_back(Edit::Remove(from[i++].id));
+    } else if (i == from.size() || to[j].id < from[i].id) {
+      batch.push_back(Edit::Add(to[j++]));
+    } else {
+      if (from[i] != to[j]) batch.push_back(Edit::Set(to[j]));
+      ++i, ++j;
+    }
+  }
+  return batch;
+}
+
+}  // namespace dynmesh::mesh_data

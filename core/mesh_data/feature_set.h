@@ -1,0 +1,37 @@
+// Features by id: applies batches to a set, and computes the batch between two sets.
+//
+// Validates only what keeps it a set: for features that a mesh has accepted. Costs: an edit O(1),
+// Sorted O(n log n), EditsBetween O(n). A value; thread-compatible.
+#ifndef DYNMESH_CORE_MESH_DATA_FEATURE_SET_H_
+#define DYNMESH_CORE_MESH_DATA_FEATURE_SET_H_
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/status/status.h"
+#include "dynmesh/feature.h"
+
+namespace dynmesh::mesh_data {
+
+class FeatureSet {
+ public:
+  // As DynamicMesh::Apply. ALREADY_EXISTS or NOT_FOUND at the first invalid edit; those before it
+  // are applied.
+  absl::Status Apply(const EditBatch& batch);
+
+  std::size_t size() const { return features_.size(); }
+  std::vector<Feature> Sorted() const;  // by id
+
+ private:
+  absl::flat_hash_map<FeatureId, Feature> features_;
+};
+
+// The batch that turns `from` into `to`, both by ascending id: removes, sets and adds, at most one
+// per feature, by ascending id. Empty if they are equal.
+EditBatch EditsBetween(std::span<const Feature> from, std::span<const Feature> to);
+
+}  // namespace dynmesh::mesh_data
+
+#endif  // DYNMESH_CORE_MESH_DATA_FEATURE_SET_H_

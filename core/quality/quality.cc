@@ -1,0 +1,303 @@
+#include "dynmesh/quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "absl/container/flat_hash_map.h"
+#include "core/base/rounding.h"
+#include "core/geometry/dihedral.h"
+#include "core/geometry/products.h"
+#include "core/quality/degrees.h"
+#include "core/quality/guarded_gaps.h"
+#include "core/quality/seditious_edges.h"
+#include "core/quality/tetrahedron_quality.h"
+
+namespace dynmesh {
+namespace {
+
+struct Vector {
+  double x, y;
+};
+
+double Cross(const Vector& u, const Vector& v) {
+  return geometry::DifferenceOfProducts(u.x, v.y, u.y, v.x);
+}
+
+double Dot(const Vector& u, const Vector& v) { return u.x * v.x + u.y * v.y; }
+
+using RowOf = absl::flat_hash_map<VertexId, std::size_t>;
+
+RowOf RowsById(const Mesh& mesh) {
+  RowOf row_of;
+  row_of.reserve(mesh.vertices.size());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) row_of.emplace(mesh.vertices.ids[i], i);
+  return row_of;
+}
+
+// The greatest allowed ratio.
+double Bound(double rho, double shortest_edge, double unit) {
+  return rho * (1 + QualitySlack(shortest_edge, unit));
+}
+
+TriangleQuality Flat() {
+  TriangleQuality flat;
+  flat.radius_edge = std::numeric_limits<double>::infinity();
+  flat.max_angle_deg = 180;
+  flat.angles_deg = {0, 0, 180};
+  return flat;
+}
+
+}  // namespace
+
+TriangleQuality MeasureTriangle(const double* a, const double* b, const double* c) {
+  // edge[i] is opposite to corner i, counter-clockwise.
+  Vector edge[3] = {
+      {c[0] - b[0], c[1] - b[1]}, {a[0] - c[0], a[1] - c[1]}, {b[0] - a[0], b[1] - a[1]}};
+  double largest = 0;
+  for (const Vector& e : edge) largest = std::max({largest, std::abs(e.x), std::abs(e.y)});
+  if (!(largest > 0) || !std::isfinite(largest)) return Flat();
+  // Scaled by a power of two, exactly: no product below overflows, and no relevant one underflows.
+  const int scale = std::ilogb(largest);
+  for (Vector& e : edge) e = {std::scalbn(e.x, -scale), std::scalbn(e.y, -scale)};
+  double length[3];
+  for (int i = 0; i < 3; ++i) length[i] = std::sqrt(Dot(edge[i], edge[i]));
+  const int longest = static_cast<int>(std::max_element(length, length + 3) - length);
+  const int shortest = static_cast<int>(std::min_element(length, length + 3) - length);
+  // The two shorter edges have the least relative error.
+  const double cross = Cross(edge[(longest + 1) % 3], edge[(longest + 2) % 3]);
+  if (!(cross > 0)) return Flat();
+  TriangleQuality q;
+  q.shortest_edge = std::scalbn(length[shortest], scale);
+  // R = abc / (2 cross); divided by the shortest edge, two factors remain.
+  q.radius_edge = length[(shortest + 1) % 3] * length[(shortest + 2) % 3] / (2 * cross);
+  for (int i = 0; i < 3; ++i) {
+    const double dot = -Dot(edge[(i + 1) % 3], edge[(i + 2) % 3]);
+    q.angles_deg[static_cast<std::size_t>(i)] = quality::Degrees(std::atan2(cross, dot));
+  }
+  q.min_angle_deg = *std::min_element(q.angles_deg.begin(), q.angles_deg.end());
+  q.max_angle_deg = *std::max_element(q.angles_deg.begin(), q.angles_deg.end());
+  return q;
+}
+
+double CoordinateUnit(std::span<const double> coordinates) {
+  double largest = 0;
+  for (const double c : coordinates) largest = std::max(largest, std::abs(c));
+  if (!(largest > 0) || !std::isfinite(largest)) return 0;
+  return UlpOf(largest);
+}
+
+double QualitySlack(double shortest_edge, double unit) {
+  if (!(shortest_edge > 0)) return 0;
+  // 2^k <= e^2 < 2^(k+1) with e = m 2^j, 1 <= m < 2: k is 2j or 2j + 1. Decided by m, since e^2 may
+  // underflow.
+  const int j = std::ilogb(shortest_edge);
+  const double m = std::scalbn(shortest_edge, -j);
+  return QualitySlackAt(2 * j + (m * m >= 2 ? 1 : 0), unit);
+}
+
+bool IsOverRho(const TriangleQuality& triangle, double rho, double unit) {
+  if (std::isinf(triangle.radius_edge)) return true;
+  return triangle.radius_edge > Bound(rho, triangle.shortest_edge, unit);
+}
+
+namespace {
+
+template <int D>
+using Rows = std::array<std::size_t, D + 1>;  // of a simplex's corners
+
+// The verdict on a simplex, from its corners. Flat() stands for a simplex with an unknown vertex.
+template <int D>
+class Judge;
+
+template <>
+class Judge<2> {
+ public:
+  using Quality = TriangleQuality;
+
+  Judge(const Mesh& mesh, const RowOf& row_of, const MeshOptions& options, double unit)
+      : coordinates_(mesh.vertices.coordinates),
+        rho_(options.quality),
+        unit_(unit),
+        seditious_(mesh, row_of),
+        guarded_(mesh, row_of, rho_) {}
+
+  static Quality Flat() { return dynmesh::Flat(); }
+  Quality Measure(const Rows<2>& rows) const {
+    return MeasureTriangle(At(rows[0]), At(rows[1]), At(rows[2]));
+  }
+  SimplexVerdict operator()(const Rows<2>& rows, const Quality& q) {
+    using enum SimplexVerdict;
+    if (!IsOverRho(q, rho_, unit_)) return kGood;
+    double shortest = std::numeric_limits<double>::infinity();  // of the other edges
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t p = rows[k], r = rows[(k + 1) % 3];
+      if (seditious_.Has(p, r)) continue;
+      const double dx = At(p)[0] - At(r)[0];
+      const double dy = At(p)[1] - At(r)[1];
+      shortest = std::min(shortest, std::sqrt(dx * dx + dy * dy));
+    }
+    const double circumradius = q.radius_edge * q.shortest_edge;
+    const double most = Bound(rho_, shortest, unit_) * shortest;
+    if (shortest > q.shortest_edge && (circumradius <= most || std::isinf(shortest))) {
+      return kSmallInputAngle;
+    }
+    return guarded_.Has(rows) ? kTerminationGuard : kOverRho;
+  }
+
+ private:
+  const double* At(std::size_t row) const { return &coordinates_[2 * row]; }
+
+  const std::vector<double>& coordinates_;
+  const double rho_, unit_;
+  const quality::SeditiousEdges seditious_;
+  quality::GuardedGaps guarded_;
+};
+
+template <>
+class Judge<3> {
+ public:
+  using Quality = TetrahedronQuality;
+
+  Judge(const Mesh& mesh, const RowOf&, const MeshOptions& options, double unit)
+      : coordinates_(mesh.vertices.coordinates),
+        rho_(options.quality),
+        unit_(unit),
+        dihedral_(options.min_dihedral) {}
+
+  static Quality Flat() { return quality::FlatTetrahedron(); }
+  Quality Measure(const Rows<3>& rows) const {
+    return MeasureTetrahedron(At(rows[0]), At(rows[1]), At(rows[2]), At(rows[3]));
+  }
+  SimplexVerdict operator()(const Rows<3>& rows, const Quality& q) const {
+    const double bound = Bound(rho_, q.shortest_edge, unit_);
+    if (quality::IsOverBound(CornersOf(rows), q, bound)) return SimplexVerdict::kOverRho;
+    return IsBelowDihedral(rows, q) ? SimplexVerdict::kBelowDihedral : SimplexVerdict::kGood;
+  }
+  bool HasDihedralBound() const { return dihedral_.degrees() > 0; }
+  // As the mesher decides it; true for inverted tetrahedra, too.
+  bool IsBelowDihedral(const Rows<3>& rows, const Quality& q) const {
+    return HasDihedralBound() && (std::isinf(q.radius_edge) || dihedral_.IsBelow(CornersOf(rows)));
+  }
+  std::array<double, 3> CentroidOf(const Rows<3>& rows) const {
+    std::array<double, 3> mean = {0, 0, 0};
+    for (const std::size_t row : rows) {
+      for (std::size_t k = 0; k < 3; ++k) mean[k] += At(row)[k] / 4;
+    }
+    return mean;
+  }
+
+ private:
+  const double* At(std::size_t row) const { return &coordinates_[3 * row]; }
+  std::array<geometry::Point3, 4> CornersOf(const Rows<3>& rows) const {
+    std::array<geometry::Point3, 4> corners;
+    for (std::size_t k = 0; k < 4; ++k) std::copy_n(At(rows[k]), 3, corners[k].c.begin());
+    return corners;
+  }
+
+  const std::vector<double>& coordinates_;
+  const double rho_, unit_;
+  const geometry::DihedralBound dihedral_;
+};
+
+// Calls f(judge, rows, quality, verdict) for each simplex, in order. `rows` is null if it names an
+// unknown vertex.
+template <int D, class F>
+void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, F f) {
+  const RowOf row_of = RowsById(mesh);
+  Judge<D> judge(mesh, row_of, options, CoordinateUnit(mesh.vertices.coordinates));
+  for (std::size_t s = 0; s < mesh.simplex_count(); ++s) {
+    Rows<D> rows = {};
+    bool known = true;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const auto it = row_of.find(mesh.simplices[rows.size() * s + k]);
+      known = known && it != row_of.end();
+      if (known) rows[k] = it->second;
+    }
+    const Rows<D>* const at = known ? &rows : nullptr;
+    const auto q = known ? judge.Measure(rows) : Judge<D>::Flat();
+    f(judge, at, q, known ? judge(rows, q) : SimplexVerdict::kOverRho);
+  }
+}
+
+template <class F>
+void ForEachSimplex(const Mesh& mesh, const MeshOptions& options, F f) {
+  if (mesh.dimension == 2) return ForEachSimplex<2>(mesh, options, f);
+  if (mesh.dimension == 3) ForEachSimplex<3>(mesh, options, f);
+}
+
+// Buckets of equal width up to 180 degrees.
+template <std::size_t kSteps>
+void Count(double angle_deg, std::array<std::uint64_t, kSteps>& histogram) {
+  const double width = 180.0 / kSteps;
+  ++histogram[std::min<std::size_t>(kSteps - 1, static_cast<std::size_t>(angle_deg / width))];
+}
+
+void CountAngles(const TriangleQuality& q, QualityReport& report) {
+  for (const double angle : q.angles_deg) Count(angle, report.angle_histogram);
+}
+
+// The shares are counts here.
+void CountAngles(const TetrahedronQuality& q, QualityReport& report) {
+  for (const double angle : q.angles_deg) Count(angle, report.dihedral_histogram);
+  report.share_below_5_deg += q.min_angle_deg < 5;
+  report.share_below_10_deg += q.min_angle_deg < 10;
+}
+
+// Keeps `worst` sorted, the least first, at most kWorstDihedral. Later calls have greater indices.
+void NoteWorst(const WorstTetrahedron& t, std::vector<WorstTetrahedron>& worst) {
+  if (worst.size() == kWorstDihedral) {
+    if (t.angle_deg >= worst.back().angle_deg) return;
+    worst.pop_back();
+  }
+  const auto is_less = [](double angle, const WorstTetrahedron& u) { return angle < u.angle_deg; };
+  worst.insert(std::upper_bound(worst.begin(), worst.end(), t.angle_deg, is_less), t);
+}
+
+void CountSlivers(const Judge<2>&, const Rows<2>*, const TriangleQuality&, std::uint64_t,
+                  QualityReport&) {}
+
+void CountSlivers(const Judge<3>& judge, const Rows<3>* rows, const TetrahedronQuality& q,
+                  std::uint64_t index, QualityReport& report) {
+  if (rows == nullptr) {
+    report.below_dihedral += judge.HasDihedralBound();
+    return;
+  }
+  report.below_dihedral += judge.IsBelowDihedral(*rows, q);
+  NoteWorst({q.min_angle_deg, index, judge.CentroidOf(*rows)}, report.worst_dihedral);
+}
+
+}  // namespace
+
+std::vector<SimplexVerdict> JudgeSimplices(const Mesh& mesh, const MeshOptions& options) {
+  std::vector<SimplexVerdict> verdicts;
+  verdicts.reserve(mesh.simplex_count());
+  ForEachSimplex(mesh, options, [&](const auto&, const auto*, const auto&, SimplexVerdict verdict) {
+    verdicts.push_back(verdict);
+  });
+  return verdicts;
+}
+
+QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options) {
+  QualityReport report;
+  report.min_angle_deg = 180;
+  std::uint64_t all = 0;
+  ForEachSimplex(mesh, options,
+                 [&](const auto& judge, const auto* rows, const auto& q, SimplexVerdict verdict) {
+                   CountSlivers(judge, rows, q, all++, report);
+                   report.worst_radius_edge = std::max(report.worst_radius_edge, q.radius_edge);
+                   report.min_angle_deg = std::min(report.min_angle_deg, q.min_angle_deg);
+                   report.max_angle_deg = std::max(report.max_angle_deg, q.max_angle_deg);
+                   if (IsOverRho(verdict)) ++report.over_rho;
+                   if (IsExempt(verdict)) ++report.exempt;
+                   if (verdict == SimplexVerdict::kTerminationGuard) ++report.exempt_by_guard;
+                   CountAngles(q, report);
+                 });
+  if (all == 0) return QualityReport();
+  report.share_below_5_deg /= static_cast<double>(all);
+  report.share_below_10_deg /= static_cast<double>(all);
+  return report;
+}
+
+}  // namespace dynmesh

@@ -1,0 +1,80 @@
+#include "core/quality/seditious_edges.h"
+
+#include <cmath>
+#include <utility>
+
+#include "core/geometry/angles.h"
+#include "core/geometry/point.h"
+#include "dynmesh/quality.h"
+
+namespace dynmesh::quality {
+namespace {
+
+// Vertices on segments are off by a few ulps.
+constexpr double kToleranceUnits = 16;
+
+}  // namespace
+
+// A polygon owns many segments. Which vertices lie on one segment follows from the chains of
+// subsegments.
+SeditiousEdges::SeditiousEdges(const Mesh& mesh,
+                               const absl::flat_hash_map<VertexId, std::size_t>& row_of)
+    : mesh_(mesh), tolerance_(kToleranceUnits * CoordinateUnit(mesh.vertices.coordinates)) {
+  using Row = std::size_t;
+  const auto is_inner = [&](Row row) { return mesh.vertices.containing_dimensions[row] == 1; };
+  // Each vertex inside a segment has a neighbour on either side.
+  absl::flat_hash_map<Row, std::array<Row, 2>> beside;
+  std::vector<std::array<Row, 2>> starts;  // the end of a segment, and the vertex next to it
+  for (std::size_t s = 0; s < mesh.subsegments.size(); ++s) {
+    if (mesh.subsegments.owners[s] == kBoxFeature) continue;
+    const auto a = row_of.find(mesh.subsegments.ends[2 * s]);
+    const auto b = row_of.find(mesh.subsegments.ends[2 * s + 1]);
+    if (a == row_of.end() || b == row_of.end()) continue;
+    for (const auto& [from, to] : {std::pair(a->second, b->second), {b->second, a->second}}) {
+      if (is_inner(from)) {
+        const auto [it, is_first] = beside.try_emplace(from, std::array{to, to});
+        if (!is_first) it->second[1] = to;
+      } else if (is_inner(to)) {
+        starts.push_back({from, to});
+      }
+    }
+  }
+  for (const auto& [end, next] : starts) {
+    if (segment_of_.contains(next)) continue;  // found from the other end
+    const auto segment = static_cast<std::uint32_t>(ends_.size());
+    Row before = end, row = next;
+    while (is_inner(row) && segment_of_.try_emplace(row, segment).second) {
+      const auto& [p, q] = beside.at(row);
+      const Row after = p == before ? q : p;
+      before = row;
+      row = after;
+    }
+    ends_.push_back({end, row});
+  }
+}
+
+bool SeditiousEdges::Has(std::size_t p, std::size_t q) const {
+  const VertexColumns& v = mesh_.vertices;
+  const auto s = segment_of_.find(p), t = segment_of_.find(q);
+  if (s == segment_of_.end() || t == segment_of_.end() || s->second == t->second) return false;
+  const auto at = [&](std::size_t row) {
+    return geometry::Point2{{v.coordinates[2 * row], v.coordinates[2 * row + 1]}};
+  };
+  const auto distance = [&](std::size_t a, std::size_t b) {
+    return std::sqrt(geometry::SquaredDistance(at(a), at(b)));
+  };
+  for (const std::size_t i : {0, 1}) {
+    for (const std::size_t j : {0, 1}) {
+      const auto &of_s = ends_[s->second], &of_t = ends_[t->second];
+      const std::size_t apex = of_s[i], other_s = of_s[1 - i], other_t = of_t[1 - j];
+      if (apex != of_t[j]) continue;
+      if (geometry::IsSmallAngle(at(apex), at(other_s), at(other_t)) &&
+          std::fabs(distance(apex, p) - distance(apex, q)) <= tolerance_) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace dynmesh::quality

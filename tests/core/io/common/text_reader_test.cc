@@ -1,0 +1,121 @@
+#include "core/io/common/text_reader.h"
+
+#include <bit>
+#include <cmath>
+#include <iostream>
+#include <limits>
+#include <random>
+
+#include "core/io/common/file_writer.h"
+#include "gtest/gtest.h"
+#include "tests/support/temp_folder.h"
+
+namespace dynmesh::io {
+namespace {
+
+void ExpectReadsBack(double value) {
+  double back = 42;
+  ASSERT_TRUE(ParseDouble(FormatDouble(value), &back)) << FormatDouble(value);
+  ASSERT_EQ(std::bit_cast<std::uint64_t>(back), std::bit_cast<std::uint64_t>(value));
+}
+
+TEST(Numbers, EveryFiniteDoubleReadsBackBitForBit) {
+  const std::uint64_t seed = std::random_device{}();
+  std::cout << "seed " << seed << "\n";
+  std::mt19937_64 random(seed);
+  int finite = 0;
+  for (int i = 0; i < 300'000; ++i) {
+    const double value = std::bit_cast<double>(random());
+    if (!std::isfinite(value)) continue;
+    ++finite;
+    ExpectReadsBack(value);
+  }
+  EXPECT_GT(finite, 290'000);
+  for (int i = 0; i < 10'000; ++i) {  // subnormal ones
+    ExpectReadsBack(std::bit_cast<double>(random() >> 12));
+    ExpectReadsBack(-std::bit_cast<double>(random() >> 60));
+  }
+  using Limits = std::numeric_limits<double>;
+  for (const double value : {0.0, -0.0, Limits::min(), Limits::max(), Limits::denorm_min(),
+                             -Limits::max(), 0.1, 1.0 / 3, 1e22, 1e23}) {
+    ExpectReadsBack(value);
+  }
+}
+
+TEST(Numbers, MinusZeroKeepsItsSign) { EXPECT_EQ(FormatDouble(-0.0), "-0"); }
+
+TEST(Numbers, OnlyWholeFiniteNumbersAreTaken) {
+  double value = 7;
+  for (const char* bad :
+       {"",         "+",     "-",      "x",    "1x", "1 ",   " 1",  "nan", "inf", "-inf",
+        "infinity", "1e400", "-1e400", "0x10", "1e", "1..2", "+-1", "--1", "1,5", "1d5"}) {
+    EXPECT_FALSE(ParseDouble(bad, &value)) << bad;
+  }
+  EXPECT_EQ(value, 7);
+  EXPECT_TRUE(ParseDouble("+1.5E+2", &value));
+  EXPECT_EQ(value, 150);
+  EXPECT_TRUE(ParseDouble(".5", &value));
+  EXPECT_EQ(value, 0.5);
+  EXPECT_TRUE(ParseDouble("5.", &value));
+  EXPECT_EQ(value, 5);
+}
+
+TEST(Numbers, IdsNeedAll64Bits) {
+  std::uint64_t value = 7;
+  EXPECT_TRUE(ParseUint64("18446744073709551615", &value));
+  EXPECT_EQ(value, ~std::uint64_t{0});
+  for (const char* bad : {"18446744073709551616", "-1", "1.0", "", "1e3", "0x1"}) {
+    EXPECT_FALSE(ParseUint64(bad, &value)) << bad;
+  }
+}
+
+TEST(TextReader, SplitsLinesAndDropsComments) {
+  TextReader reader("f", "\xef\xbb\xbf# head\n\n  a\tb  # tail\r\n#\nc#d\r\n   \nlast");
+  ASSERT_TRUE(reader.Next());
+  EXPECT_EQ(reader.tokens(), (std::vector<std::string_view>{"a", "b"}));
+  EXPECT_EQ(reader.line(), 3);
+  ASSERT_TRUE(reader.Next());
+  EXPECT_EQ(reader.tokens(), (std::vector<std::string_view>{"c"}));
+  EXPECT_EQ(reader.line(), 5);
+  ASSERT_TRUE(reader.Next());
+  EXPECT_EQ(reader.tokens(), (std::vector<std::string_view>{"last"}));
+  EXPECT_EQ(reader.line(), 7);
+  EXPECT_FALSE(reader.Next());
+  EXPECT_FALSE(reader.Next());
+  EXPECT_EQ(reader.line(), 7);
+}
+
+TEST(TextReader, KeepsItsTokensWhenMoved) {
+  TextReader reader("f", "abc");  // short: would live inside a std::string
+  ASSERT_TRUE(reader.Next());
+  const TextReader moved = std::move(reader);
+  EXPECT_EQ(moved.token(0), "abc");
+}
+
+TEST(TextReader, CollectsNotes) {
+  TextReader reader("f", "1 # dynmesh one two \r\n# dynmesh three\n# other\n");
+  while (reader.Next()) {
+  }
+  EXPECT_EQ(reader.notes(), (std::vector<std::string>{"one two", "three"}));
+}
+
+TEST(TextReader, SaysWhereAndWhat) {
+  TextReader reader("dir/f.node", "\n 1 x\n");
+  ASSERT_TRUE(reader.Next());
+  EXPECT_EQ(reader.Double(1, "y").status().message(),
+            "dir/f.node:2: y is not a finite number within a double's range: 'x'");
+  EXPECT_EQ(reader.Double(2, "z").status().message(), "dir/f.node:2: z is missing");
+  EXPECT_EQ(reader.Uint64(1, "id").status().message(),
+            "dir/f.node:2: id is not a whole number from 0 to 2^64 - 1: 'x'");
+}
+
+TEST(TextReader, NamesTheFileItCannotRead) {
+  const test::TempFolder folder;
+  const absl::Status missing = TextReader::Open(folder.Path("none")).status();
+  EXPECT_EQ(missing.code(), absl::StatusCode::kNotFound);
+  EXPECT_NE(missing.ToString().find(folder.Path("none")), std::string::npos);
+  EXPECT_EQ(TextReader::Open(folder.Path("")).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace dynmesh::io

@@ -1,0 +1,187 @@
+// .vtu and .mesh of 3D meshes, read back by code written from the formats only.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/strings/escaping.h"
+#include "core/io/common/text_reader.h"
+#include "core/io/meshes/medit_writer.h"
+#include "core/io/meshes/vtu_writer.h"
+#include "gtest/gtest.h"
+#include "tests/core/io/meshes/good_space_mesh.h"
+#include "tests/core/mesh_data/made_up_mesh.h"
+#include "tests/support/temp_folder.h"
+
+namespace dynmesh::io {
+namespace {
+
+using test::TempFolder;
+using testing::kPlate;
+using testing::MakeGoodSpaceMesh;
+using testing::MakeRandom;
+
+IndexedMesh LabelledMesh() {
+  testing::Random random = MakeRandom();
+  Mesh mesh = MakeGoodSpaceMesh(random(), 40).mesh;
+  testing::Label(random, mesh);
+  return IndexMesh(mesh).value();
+}
+
+template <class T>
+std::vector<T> ReadArray(const std::string& xml, const std::string& name) {
+  const std::size_t at = xml.find("Name=\"" + name + "\"");
+  if (at == std::string::npos) {
+    ADD_FAILURE() << "no array " << name;
+    return {};
+  }
+  const std::size_t text = xml.find('>', at) + 1;
+  std::string base64 = xml.substr(text, xml.find('<', text) - text), raw;
+  std::erase_if(base64, [](char c) { return c == ' ' || c == '\n'; });
+  EXPECT_TRUE(absl::Base64Unescape(base64, &raw));
+  std::vector<T> values((raw.size() - 8) / sizeof(T));
+  std::memcpy(values.data(), raw.data() + 8, raw.size() - 8);
+  return values;
+}
+
+TEST(SpaceVtu, HoldsTetrahedraAndSubfacets) {
+  const TempFolder folder;
+  const IndexedMesh mesh = LabelledMesh();
+  ASSERT_TRUE(WriteVtu(mesh, 2, folder.Path("m.vtu")).ok());
+  const std::string xml = folder.Read("m.vtu");
+  const std::size_t n = mesh.tetrahedra.size(), cells = n + mesh.subfacet_count();
+  EXPECT_NE(xml.find("NumberOfCells=\"" + std::to_string(cells) + "\""), std::string::npos);
+  std::vector<double> points;
+  for (const auto& v : mesh.vertices) points.insert(points.end(), {v.x, v.y, v.z});
+  EXPECT_EQ(ReadArray<double>(xml, "Points"), points);
+  std::vector<std::int64_t> corners, ends, owners(n, 0);
+  std::vector<std::uint8_t> types(n, 10);
+  for (const auto& t : mesh.tetrahedra) {
+    corners.insert(corners.end(), t.begin(), t.end());
+    ends.push_back(static_cast<std::int64_t>(corners.size()));
+  }
+  for (const auto& f : mesh.faces) {
+    if (f.owner == kBoxFeature) continue;
+    corners.insert(corners.end(), f.corners.begin(), f.corners.end());
+    ends.push_back(static_cast<std::int64_t>(corners.size()));
+    owners.push_back(static_cast<std::int64_t>(f.owner));
+    types.push_back(5);
+  }
+  ASSERT_GT(types.size(), n);
+  EXPECT_EQ(ReadArray<std::int64_t>(xml, "connectivity"), corners);
+  EXPECT_EQ(ReadArray<std::int64_t>(xml, "offsets"), ends);
+  EXPECT_EQ(ReadArray<std::uint8_t>(xml, "types"), types);
+  const std::string cell_data = xml.substr(xml.find("<CellData"));
+  EXPECT_EQ(ReadArray<std::int64_t>(cell_data, "owner"), owners);
+  const auto quality = ReadArray<double>(cell_data, "quality");
+  const auto angles = ReadArray<double>(cell_data, "min_angle");
+  const auto regions = ReadArray<std::uint32_t>(cell_data, "region");
+  ASSERT_TRUE(quality.size() == cells && angles.size() == cells && regions.size() == cells);
+  for (std::size_t i = 0; i < cells; ++i) {
+    EXPECT_EQ(regions[i], i < n ? mesh.regions.Of(i) : 0);
+    if (i >= n) {
+      EXPECT_TRUE(std::isnan(quality[i]) && std::isnan(angles[i]));
+      continue;
+    }
+    const TetrahedronQuality q = MeasureTetrahedron(mesh, i);
+    EXPECT_EQ(quality[i], q.radius_edge);
+    EXPECT_EQ(angles[i], q.min_angle_deg);
+  }
+}
+
+TEST(SpaceVtu, TellsWhichTetrahedraAreBelowADihedralAngle) {
+  const TempFolder folder;
+  const IndexedMesh mesh = LabelledMesh();
+  const std::size_t n = mesh.tetrahedra.size(), cells = n + mesh.subfacet_count();
+  constexpr double kRho = 3;
+  const std::vector<SimplexVerdict> verdicts = JudgeSimplices(mesh, kRho, 20);
+  ASSERT_GT(std::count(verdicts.begin(), verdicts.end(), SimplexVerdict::kBelowDihedral), 0);
+  for (const double bound : {0.0, 20.0}) {
+    ASSERT_TRUE(WriteVtu(mesh, kRho, folder.Path("m.vtu"), bound).ok());
+    const std::string xml = folder.Read("m.vtu");
+    const auto angles = ReadArray<double>(xml, "min_dihedral");
+    const auto exempt = ReadArray<std::uint8_t>(xml, "exempt");
+    ASSERT_TRUE(angles.size() == cells && exempt.size() == cells);
+    for (std::size_t i = 0; i < cells; ++i) {
+      if (i >= n) {
+        EXPECT_TRUE(std::isnan(angles[i]) && exempt[i] == 0);
+        continue;
+      }
+      const TetrahedronQuality q = MeasureTetrahedron(mesh, i);
+      EXPECT_EQ(angles[i], q.min_angle_deg);
+      const bool is_below = q.min_angle_deg < bound && q.radius_edge <= kRho;
+      EXPECT_EQ(exempt[i], is_below ? 3 : 0) << q.min_angle_deg << ", " << q.radius_edge;
+    }
+  }
+}
+
+TEST(SpaceMedit, HoldsTheMesh) {
+  const TempFolder folder;
+  const IndexedMesh mesh = LabelledMesh();
+  ASSERT_TRUE(WriteMedit(mesh, folder.Path("m.mesh")).ok());
+  const std::string text = folder.Read("m.mesh");
+  TextReader reader("m.mesh", text);
+  std::map<std::string, std::vector<std::vector<std::string>>> sections;
+  std::string section, count;
+  while (reader.Next()) {
+    std::vector<std::string> row(reader.tokens().begin(), reader.tokens().end());
+    if (std::isalpha(static_cast<unsigned char>(row[0][0]))) {
+      section = row[0];
+      if (row.size() == 2) {
+        EXPECT_EQ(row[1], section == "Dimension" ? "3" : "2");
+      }
+    } else {
+      sections[section].push_back(row);
+    }
+  }
+  // "# reference N: NAME" maps a reference to its feature.
+  const auto name_of = [&](const char* kind, const std::string& reference) {
+    const std::string start = std::string("# ") + kind + " " + reference + ": ";
+    const std::size_t at = text.find(start);
+    if (at == std::string::npos) return std::string("none");
+    const std::size_t begin = at + start.size();
+    return text.substr(begin, text.find('\n', begin) - begin);
+  };
+  const auto owner_name = [](FeatureId owner) {
+    return owner == kNoFeature    ? "none"
+           : owner == kBoxFeature ? "box"
+                                  : "feature " + std::to_string(owner);
+  };
+  const auto expect_rows = [&](const char* name, std::size_t n) {
+    const auto& rows = sections[name];
+    EXPECT_EQ(rows.size(), n + 1) << name;
+    EXPECT_EQ(rows[0], std::vector<std::string>{std::to_string(n)});
+    return std::vector<std::vector<std::string>>(rows.begin() + 1, rows.end());
+  };
+  const auto vertices = expect_rows("Vertices", mesh.vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      double c = 0;
+      EXPECT_TRUE(ParseDouble(vertices[i][k], &c));
+      EXPECT_EQ(c, mesh.vertices[i].place()[k]);
+    }
+    EXPECT_EQ(name_of("reference", vertices[i][3]), owner_name(mesh.vertices[i].owner));
+  }
+  const auto tetrahedra = expect_rows("Tetrahedra", mesh.tetrahedra.size());
+  for (std::size_t i = 0; i < tetrahedra.size(); ++i) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(tetrahedra[i][k], std::to_string(mesh.tetrahedra[i][k] + 1));
+    }
+    EXPECT_EQ(name_of("tetrahedron reference", tetrahedra[i][4]),
+              mesh.regions.Name(mesh.regions.Of(i)));
+  }
+  const auto faces = expect_rows("Triangles", mesh.faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(faces[i][k], std::to_string(mesh.faces[i].corners[k] + 1));
+    }
+    EXPECT_EQ(name_of("reference", faces[i][3]), owner_name(mesh.faces[i].owner));
+  }
+  expect_rows("Edges", mesh.subsegment_count());
+}
+
+}  // namespace
+}  // namespace dynmesh::io
