@@ -46,6 +46,9 @@ class LiveMesh final : public DynamicMesh {
   // The first operation, in the order of time, in which the trace differs from that of `other`:
   // two lines, one for each; empty if the traces are equal. O(trace).
   std::string FirstDifference(const LiveMesh& other) const;
+  // The first operation that, executed again, makes other things than its record says
+  // (trace_audit.h); empty if there is none. O(trace).
+  std::string FirstUnreproduced() const;
 
  private:
   struct Unbegun {};

@@ -100,6 +100,11 @@ std::string LiveMesh<D>::FirstDifference(const LiveMesh& other) const {
          "\n  there: " + describe(other.mesh_.state->refinement, theirs);
 }
 
+template <int D>
+std::string LiveMesh<D>::FirstUnreproduced() const {
+  return meshing::FirstUnreproduced(state_->refinement);
+}
+
 template Mesh LiveMesh<2>::Snapshot() const;
 template Mesh LiveMesh<3>::Snapshot() const;
 template SimplexColumn LiveMesh<2>::Locate(std::span<const double>) const;
@@ -110,5 +115,7 @@ template AuditReport LiveMesh<2>::Audit() const;
 template AuditReport LiveMesh<3>::Audit() const;
 template std::string LiveMesh<2>::FirstDifference(const LiveMesh& other) const;
 template std::string LiveMesh<3>::FirstDifference(const LiveMesh& other) const;
+template std::string LiveMesh<2>::FirstUnreproduced() const;
+template std::string LiveMesh<3>::FirstUnreproduced() const;
 
 }  // namespace dynmesh

@@ -1,12 +1,54 @@
 #include "core/meshing/trace_audit.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdio>
+#include <span>
 
+#include "core/meshing/cure.h"
 #include "core/meshing/star.h"
 #include "core/meshing/star_reads.h"
+#include "core/sac/engine_audit.h"
 
 namespace dynmesh::meshing {
+namespace {
+
+// The corners, each beginning with its least neighbour (3D), sorted. If corners were not kept, the
+// neighbours.
+template <int D>
+std::vector<std::array<std::uint32_t, D>> StarIn(std::span<const std::uint32_t> words) {
+  std::vector<std::array<std::uint32_t, D>> star;
+  const bool has_corners = ForEachCornerIn<D>(words, [&](auto ids) {
+    if (D == 3) std::ranges::rotate(ids, std::ranges::min_element(ids));
+    star.push_back(ids);
+    return true;
+  });
+  if (!has_corners) {
+    for (const std::uint32_t id : NeighboursIn<D>(words)) star.push_back({id});
+  }
+  std::ranges::sort(star);
+  return star;
+}
+
+// The vertices that the operation names as read, or ghosts.
+template <int D>
+std::vector<VertexIndex> VerticesReadBy(const sac::Engine<Refinement<D, sac::Engine>>& engine,
+                                        sac::OpId op) {
+  const auto words = engine.reads(op);
+  if (engine.kind(op) == kComplete) {
+    const auto ring = NeighboursIn<D>(words);
+    return {ring.begin(), ring.end()};
+  }
+  std::vector<VertexIndex> vertices;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const bool is_ordinal = engine.kind(op) == kCure && i % 4 == 0;
+    if (!is_ordinal) vertices.push_back(words[i]);
+  }
+  return vertices;
+}
+
+}  // namespace
 
 template <int D, template <class> class E>
 std::uint64_t Audit(const Refinement<D, E>& refinement, std::vector<std::string>* problems,
@@ -84,6 +126,41 @@ std::uint64_t Audit(const Refinement<D, E>& refinement, std::vector<std::string>
   }
 }
 
+template <int D>
+bool Reproduces(Refinement<D, sac::Engine>& refinement, sac::OpId op, std::string* why) {
+  auto& engine = refinement.engine();
+  const auto is_there = [&](VertexIndex v) {
+    return Star<D>::IsGhost(v) || (refinement.vertex(v).present &&
+                                   engine.Precedes(refinement.vertex(v).birth, engine.stamp(op)));
+  };
+  const auto same = [&](sac::OpId id, const Payload<D>& payload,
+                        std::span<const std::uint32_t> reads) {
+    if (!std::ranges::all_of(VerticesReadBy<D>(engine, id), is_there)) return false;
+    const Payload<D>& kept = engine.payload(id);
+    if (engine.kind(id) == kCure) return true;
+    if (kept.radius2 != payload.radius2 || kept.flag != payload.flag ||
+        kept.region() != payload.region()) {
+      return false;
+    }
+    return engine.kind(id) != kComplete || StarIn<D>(engine.reads(id)) == StarIn<D>(reads);
+  };
+  return engine.Reproduces(op, same, why);
+}
+
+template <int D>
+std::string FirstUnreproduced(Refinement<D, sac::Engine>& refinement) {
+  std::vector<std::string> problems;
+  std::vector<OperationHash> operations;
+  Audit(refinement, &problems, &operations);
+  if (!problems.empty()) return problems.front();
+  std::string why;
+  for (const OperationHash& operation : operations) {
+    if (Reproduces(refinement, operation.op, &why)) continue;
+    return "other " + why + " when run again: " + Describe(refinement, operation.op);
+  }
+  return "";
+}
+
 template <int D, template <class> class E>
 std::string Describe(const Refinement<D, E>& refinement, sac::OpId op) {
   std::string text;
@@ -138,12 +215,16 @@ std::string Describe(const Refinement<D, E>& refinement, sac::OpId op) {
 template std::uint64_t Audit(const Refinement<2, sac::Engine>&, std::vector<std::string>*,
                              std::vector<OperationHash>*);
 template std::string Describe(const Refinement<2, sac::Engine>&, sac::OpId);
+template bool Reproduces(Refinement<2, sac::Engine>&, sac::OpId, std::string*);
+template std::string FirstUnreproduced(Refinement<2, sac::Engine>&);
 template std::uint64_t Audit(const Refinement<2, sac::UntracedEngine>&, std::vector<std::string>*,
                              std::vector<OperationHash>*);
 template std::string Describe(const Refinement<2, sac::UntracedEngine>&, sac::OpId);
 template std::uint64_t Audit(const Refinement<3, sac::Engine>&, std::vector<std::string>*,
                              std::vector<OperationHash>*);
 template std::string Describe(const Refinement<3, sac::Engine>&, sac::OpId);
+template bool Reproduces(Refinement<3, sac::Engine>&, sac::OpId, std::string*);
+template std::string FirstUnreproduced(Refinement<3, sac::Engine>&);
 template std::uint64_t Audit(const Refinement<3, sac::UntracedEngine>&, std::vector<std::string>*,
                              std::vector<OperationHash>*);
 template std::string Describe(const Refinement<3, sac::UntracedEngine>&, sac::OpId);

@@ -23,6 +23,19 @@ template <int D, template <class> class E>
 std::uint64_t Audit(const Refinement<D, E>& refinement, std::vector<std::string>* problems,
                     std::vector<OperationHash>* operations = nullptr);
 
+// True if the operation, executed again as of its time, makes, requests and reads what its record
+// says; else *why, if given, says what differs (engine_audit.h). So no change since it ran last has
+// been missed. Of reads that are not determined (which witness, which reason against a candidate)
+// each must still be there. What the new run makes beyond its record is released.
+// REQUIRES: the last propagation is complete; no triangulation is attached.
+template <int D>
+bool Reproduces(Refinement<D, sac::Engine>& refinement, sac::OpId op, std::string* why = nullptr);
+
+// The first operation, in the order of time, that does not: what differs, and its record. Empty if
+// all do. As a run from scratch without a triangulation, O(trace).
+template <int D>
+std::string FirstUnreproduced(Refinement<D, sac::Engine>& refinement);
+
 // For people: kind, item and time of an operation, what it made and what it read.
 template <int D, template <class> class E>
 std::string Describe(const Refinement<D, E>& refinement, sac::OpId op);

@@ -12,7 +12,7 @@
 // the program's own filter.
 //
 // A run from scratch is change propagation from the empty trace. Invariants, all checked by
-// Audit():
+// Audit() (engine_audit.h):
 //   1. requests and notifications go only to later times;
 //   2. refs(o) = number of requests for o by live operations and the environment;
 //      o exists iff refs(o) > 0, or it is queued to be dropped;
@@ -291,6 +291,8 @@ class Engine {
            subscriptions_.bytes() + queue_.bytes() + free_ops_.capacity() * sizeof(OpId);
   }
 
+  // --- For tests and audits: engine_audit.h ------------------------------------------
+
   // Checks every invariant. `hash_op(op) -> uint64` must hash by value what the operation remembers
   // (payload, outputs, reads), `hash_item(kind, item) -> uint64` what it is. The result is the hash
   // of the trace: the sum over all operations, with epochs, references and requests mixed in.
@@ -298,6 +300,9 @@ class Engine {
   template <class HashItem, class HashOp, class OnOp>
   std::uint64_t Audit(HashItem hash_item, HashOp hash_op, OnOp on_op,
                       std::vector<std::string>* problems) const;
+  // Executes the operation again as of its time and compares with its record; commits nothing.
+  template <class SameReads>
+  bool Reproduces(OpId id, SameReads same_reads, std::string* why);
 
  private:
   enum : std::uint8_t { kQueued = 1, kExecuted = 2, kStale = 4 };
@@ -683,79 +688,6 @@ void Engine<Program>::ReplacePlace(OpId id, Place from, Place to) {
     --op.places;
   }
   std::sort(begin, begin + op.places);
-}
-
-template <class Program>
-template <class HashItem, class HashOp, class OnOp>
-std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op, OnOp on_op,
-                                     std::vector<std::string>* problems) const {
-  auto mix = [](std::uint64_t h, std::uint64_t x) {  // of two words; golden traces depend on it
-    h = (h ^ x) * 0x9e3779b97f4a7c15ULL;
-    return h ^ (h >> 29);
-  };
-  auto complain = [&](OpId id, const char* what) {
-    if (problems->size() < 20) {
-      problems->push_back("operation " + std::to_string(id) + " (kind " +
-                          std::to_string(ops_[id].kind) + ", epoch " +
-                          std::to_string(ops_[id].epoch) + "): " + what);
-    }
-  };
-  std::string why;
-  if (!time_.order().Check(&why)) problems->push_back("order list: " + why);
-  if (!queue_.empty()) problems->push_back("the queue is not empty");
-
-  std::vector<std::uint32_t> refs(ops_.size(), 0);
-  std::vector<std::uint64_t> subscribed(subscriptions_.places(), 0);
-  std::uint64_t sum = 0;
-  std::size_t count = 0;
-  OpId last = kNoOp;
-  time_.ForEach([&](Epoch epoch, OpId id) {
-    ++count;
-    const Operation& op = ops_[id];
-    if (op.epoch != epoch) complain(id, "stands in another epoch's table");
-    if (!(op.flags & kExecuted)) complain(id, "was never executed");
-    if (op.flags & (kQueued | kStale)) complain(id, "is still queued");
-    if (Find(op.kind, op.item, op.epoch) != id) complain(id, "is not found by its identity");
-    if (last != kNoOp && !Precedes(ops_[last].stamp, op.stamp)) complain(id, "stamp out of order");
-    if (last != kNoOp && !IsLater(id, last)) complain(id, "place in time is out of order");
-    last = id;
-    std::uint64_t h = mix(mix(hash_item(op.kind, op.item), op.epoch), hash_op(id));
-    std::uint64_t requests = 0;
-    for (const OpId r : Part(op, op.outputs, op.requests)) {
-      ++refs[r];
-      if (!IsLater(r, id)) complain(r, "is not later than its requester");
-      requests += mix(mix(hash_item(ops_[r].kind, ops_[r].item), ops_[r].epoch), ops_[r].kind);
-    }
-    const std::uint64_t summand = mix(mix(h, requests), mix(op.refs, op.kind));
-    sum += summand;
-    on_op(id, summand);
-    for (const Place p : places(id)) {
-      if (p >= subscribed.size()) {
-        complain(id, "names a place without its subscription");
-      } else {
-        subscribed[p] += mix(1, id);
-      }
-    }
-  });
-  if (count != operation_count()) problems->push_back("an operation is in no epoch's table");
-  time_.ForEach([&](Epoch, OpId id) {
-    if (refs[id] > ops_[id].refs) complain(id, "has fewer references than requesters");
-    if (ops_[id].refs == 0) complain(id, "lives without a request");
-  });
-  for (Place p = 0; p < subscribed.size(); ++p) {
-    std::uint64_t listed = 0;
-    std::size_t left = subscriptions_.attentive_at(p).size();
-    for (const auto& [id, parts] : subscriptions_.at(p)) {
-      listed += mix(1, id);
-      if (IsAttentive(ops_[id]) != (left > 0)) complain(id, "is taken for attentive, or is not");
-      if (left > 0) --left;
-    }
-    if (listed != subscribed[p]) {
-      problems->push_back("place " + std::to_string(p) +
-                          ": subscribers are not those that name it");
-    }
-  }
-  return sum;
 }
 
 }  // namespace dynmesh::sac

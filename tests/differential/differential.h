@@ -127,12 +127,13 @@ struct RunPlan {
   int revisions = 1;
   int every = 1, every_static = 1, every_judged = 50;
   int most_operations = 1'000'000;  // of a batch
+  bool from_scratch = true;         // compare with runs from scratch
   std::function<std::string(const DynamicMesh&)> judge;
 };
 
 // After so many revisions.
 inline Difference CheckByPlan(const DynamicMesh& mesh, int revisions, const RunPlan& plan) {
-  if (revisions % plan.every == 0) {
+  if (plan.from_scratch && revisions % plan.every == 0) {
     const Difference d =
         CompareWithScratch(mesh, revisions % 2 == 0, revisions % plan.every_static == 0);
     if (d.found) return d;
@@ -215,6 +216,7 @@ inline Difference Replay(const std::vector<EditBatch>& script, const MeshOptions
     if (!diff.ok()) continue;
     if (const Difference d = replica.Follow(*diff, *mesh); d.found) return d;
     for (const bool local : {false, true}) {
+      if (!plan.from_scratch) break;
       if (const Difference d = CompareWithScratch(*mesh, local); d.found) return d;
     }
     if (!plan.judge) continue;

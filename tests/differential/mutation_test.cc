@@ -1,5 +1,6 @@
-// Mutation test of the differential test: with any single term of a notification filter switched
-// off it fails. Built from its own copy of the mesher, which has the switches.
+// Mutation test of two oracles: with any single term of a notification filter switched off, each
+// fails. One compares with a run from scratch, the other executes every operation again
+// (core/meshing/trace_audit.h). Built from its own copy of the mesher, which has the switches.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <iostream>
 #include <numbers>
 #include <random>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -23,19 +25,43 @@ namespace {
 constexpr int kEnough = 20'000;
 constexpr int kEnoughInSpace = 100'000;
 
-bool SuiteFails() {
+enum class Oracle { kFromScratch, kReproduction };
+constexpr Oracle kOracles[] = {Oracle::kFromScratch, Oracle::kReproduction};
+
+template <int D>
+RunPlan PlanOf(Oracle oracle, int revisions, int most_operations) {
+  RunPlan plan;
+  plan.revisions = revisions;
+  plan.every_static = ~0 >> 1;
+  plan.most_operations = most_operations;
+  plan.from_scratch = oracle == Oracle::kFromScratch;
+  if (oracle == Oracle::kReproduction) {
+    plan.every_judged = 1;
+    plan.judge = [](const DynamicMesh& mesh) {
+      return dynamic_cast<const LiveMesh<D>&>(mesh).FirstUnreproduced();
+    };
+  }
+  return plan;
+}
+
+bool SuiteFails(Oracle oracle) {
+  const auto fails = [&](Distribution d, int n, double quality, std::uint64_t seed, int revisions) {
+    MeshOptions options;
+    options.quality = quality;
+    return RunScriptOf<2>(ScriptGenerator(d, n, seed), options,
+                          PlanOf<2>(oracle, revisions, kEnough))
+        .difference.found;
+  };
   constexpr double kQualities[] = {2.0, kDefaultQuality2D, 1.2, 1.0};
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     for (const Distribution d : kAllDistributions) {
       if (d == Distribution::kParallel) continue;
-      if (RunScript(d, 12, kQualities[seed % 4], seed, 15, 1, kEnough).difference.found)
-        return true;
+      if (fails(d, 12, kQualities[seed % 4], seed, 15)) return true;
     }
     // Cascades of splits, the only place where this term counts. (With other terms off
     // they may not end.)
     if (meshing::switched_off == meshing::Term::kDeathOfSubsegment &&
-        RunScript(Distribution::kParallel, 14, seed % 2 == 0 ? 1.2 : 1.0, seed, 40, 1, kEnough)
-            .difference.found) {
+        fails(Distribution::kParallel, 14, seed % 2 == 0 ? 1.2 : 1.0, seed, 40)) {
       return true;
     }
   }
@@ -44,7 +70,7 @@ bool SuiteFails() {
 
 // Two segments at 65 degrees, and points that come near one of them on the side away from the
 // other: the vertices at which it is split encroach on the other.
-bool WedgeFails(const MeshOptions& options) {
+bool WedgeFails(const MeshOptions& options, const RunPlan& plan) {
   std::vector<EditBatch> script = {
       {Edit::Add(Feature::Point(1, 0.1, 0.1, 0.5)), Edit::Add(Feature::Point(2, 0.9, 0.1, 0.5)),
        Edit::Add(Feature::Point(3, 0.438, 0.825, 0.5)), Edit::Add(Feature::Segment(4, 1, 2)),
@@ -54,12 +80,12 @@ bool WedgeFails(const MeshOptions& options) {
         {Edit::Add(Feature::Point(6, 0.1 + 0.4226 * at - 0.01, 0.1 + 0.9063 * at + 0.005, 0.5))});
     script.push_back({Edit::Remove(6)});
   }
-  return Replay(script, options).found;
+  return Replay(script, options, plan).found;
 }
 
 // Three segments at one point. Points near the first split it, its vertices encroach on the second,
 // and the midpoints of that encroach on the third, which is added and removed.
-bool FanFails(const MeshOptions& options) {
+bool FanFails(const MeshOptions& options, const RunPlan& plan) {
   for (const double degrees : {62.0, 66.0, 70.0, 75.0}) {
     const double turn = degrees * std::numbers::pi / 180;
     const auto at = [](double angle, double reach) {
@@ -82,7 +108,7 @@ bool FanFails(const MeshOptions& options) {
         script.push_back({Edit::Remove(7)});
         script.push_back({Edit::Remove(8)});
       }
-      if (Replay(script, options).found) return true;
+      if (Replay(script, options, plan).found) return true;
     }
   }
   return false;
@@ -90,7 +116,7 @@ bool FanFails(const MeshOptions& options) {
 
 // Few points, among which segments are added and removed: balls of subsegments contain vertices
 // made before them.
-bool CloudFails(const MeshOptions& options) {
+bool CloudFails(const MeshOptions& options, const RunPlan& plan) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> within(0.1, 0.9);
@@ -104,25 +130,22 @@ bool CloudFails(const MeshOptions& options) {
       script.push_back({Edit::Add(Feature::Segment(100, id, id + 1))});
       script.push_back({Edit::Remove(100)});
     }
-    if (Replay(script, options).found) return true;
+    if (Replay(script, options, plan).found) return true;
   }
   return false;
 }
 
 // In 3D, by scripts with polygons: the kinds with the most findings come first.
-bool SpaceSuiteFails() {
-  RunPlan plan;
-  plan.revisions = 10;
-  plan.every_static = ~0 >> 1;
-  plan.most_operations = kEnoughInSpace;
+bool SpaceSuiteFails(Oracle oracle) {
+  const RunPlan plan = PlanOf<3>(oracle, 10, kEnoughInSpace);
   MeshOptions options = DefaultsIn<3>();
-  if (WedgeFails(options)) return true;
+  if (WedgeFails(options, plan)) return true;
   if (meshing::switched_off == meshing::Term::kNearCure) options.min_dihedral = 10;
   // Segments are split by the features near them: balls that hold Steiner points are rare
   // elsewhere.
-  if (meshing::switched_off == meshing::Term::kOverSteinerPoint) return CloudFails(options);
+  if (meshing::switched_off == meshing::Term::kOverSteinerPoint) return CloudFails(options, plan);
   // A midpoint encroaches on another segment's ball only where segments meet.
-  if (meshing::switched_off == meshing::Term::kOverMidpoint) return FanFails(options);
+  if (meshing::switched_off == meshing::Term::kOverMidpoint) return FanFails(options, plan);
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     for (const auto& [kind, solids] : {std::pair(PolygonKind::kSticks, 1),
                                        {PolygonKind::kHoled, 1},
@@ -138,8 +161,10 @@ bool SpaceSuiteFails() {
   return false;
 }
 
-class Mutation : public testing::TestWithParam<meshing::Term> {
+class Mutation : public testing::TestWithParam<std::tuple<meshing::Term, Oracle>> {
  protected:
+  void SetUp() override { meshing::switched_off = std::get<0>(GetParam()); }
+  Oracle oracle() const { return std::get<1>(GetParam()); }
   void TearDown() override { meshing::switched_off = meshing::Term::kCount; }
 };
 
@@ -152,30 +177,27 @@ std::vector<meshing::Term> TermsBut(std::initializer_list<meshing::Term> none) {
   return terms;
 }
 
-TEST_P(Mutation, OfOneFilterTermIsNoticed) {
-  meshing::switched_off = GetParam();
-  EXPECT_TRUE(SuiteFails());
-}
+TEST_P(Mutation, OfOneFilterTermIsNoticed) { EXPECT_TRUE(SuiteFails(oracle())); }
 
 // There are no facets, and no cures.
 INSTANTIATE_TEST_SUITE_P(EveryTerm, Mutation,
-                         testing::ValuesIn(TermsBut({meshing::Term::kOverFacet,
-                                                     meshing::Term::kNearCure})));
+                         testing::Combine(testing::ValuesIn(TermsBut({meshing::Term::kOverFacet,
+                                                                      meshing::Term::kNearCure})),
+                                          testing::ValuesIn(kOracles)));
 
 using MutationInSpace = Mutation;
 
-TEST_P(MutationInSpace, OfOneFilterTermIsNoticed) {
-  meshing::switched_off = GetParam();
-  EXPECT_TRUE(SpaceSuiteFails());
-}
+TEST_P(MutationInSpace, OfOneFilterTermIsNoticed) { EXPECT_TRUE(SpaceSuiteFails(oracle())); }
 
 // A piece of a segment that two operations split at different times is rare since features split
 // segments first: no script of a few minutes has one. The code of the term is that of 2D.
-INSTANTIATE_TEST_SUITE_P(EveryTerm, MutationInSpace,
-                         testing::ValuesIn(TermsBut({meshing::Term::kDeathOfSubsegment})));
+INSTANTIATE_TEST_SUITE_P(
+    EveryTerm, MutationInSpace,
+    testing::Combine(testing::ValuesIn(TermsBut({meshing::Term::kDeathOfSubsegment})),
+                     testing::ValuesIn(kOracles)));
 
 // A difference names the first operation in which the traces differ, and both versions of it.
-TEST(Mutation, ADifferenceNamesTheFirstOperation) {
+TEST(MutationReport, ADifferenceNamesTheFirstOperation) {
   meshing::switched_off = meshing::Term::kAppearsInCorner;
   Difference difference;
   for (std::uint64_t seed = 1; seed <= 60 && !difference.found; ++seed) {
@@ -189,7 +211,21 @@ TEST(Mutation, ADifferenceNamesTheFirstOperation) {
   EXPECT_NE(difference.what.find(" of ("), std::string::npos) << difference.what;
 }
 
-TEST(Mutation, WithNothingSwitchedOffNothingFails) {
+TEST(MutationReport, AnOperationNotReproducedIsNamed) {
+  meshing::switched_off = meshing::Term::kAppearsNearer;
+  Difference difference;
+  for (std::uint64_t seed = 1; seed <= 60 && !difference.found; ++seed) {
+    difference = RunScriptOf<2>(ScriptGenerator(Distribution::kUniform, 12, seed), DefaultsIn<2>(),
+                                PlanOf<2>(Oracle::kReproduction, 15, kEnough))
+                     .difference;
+  }
+  meshing::switched_off = meshing::Term::kCount;
+  ASSERT_TRUE(difference.found);
+  EXPECT_NE(difference.what.find(" when run again: Nearest of ("), std::string::npos)
+      << difference.what;
+}
+
+TEST(MutationReport, WithNothingSwitchedOffNothingFails) {
   for (const Distribution d : kAllDistributions) {
     const RunReport run = RunScript(d, 12, 1.2, 3, 10);
     EXPECT_FALSE(run.difference.found) << NameOf(d) << ": " << run.difference.what;

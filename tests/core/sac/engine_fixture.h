@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/sac/engine.h"
+#include "core/sac/engine_audit.h"
 #include "tests/core/sac/scripted_program.h"
 
 namespace dynmesh::sac::testing {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/sac/engine_audit.h"
 #include "tests/core/sac/leader_program.h"
 
 namespace dynmesh::sac::testing {
