@@ -42,7 +42,8 @@ void SegmentWork<D, E>::Check(Context& context) {
   const SubsegmentIndex s = context.item;
   if (context.kind == kRecheck && complex_.subsegment(s).death != sac::kNoStamp &&
       context.Sees(complex_.subsegment(s).death)) {
-    return;  // split in the meantime
+    context.payload().flag = false;  // a former execution may have split it
+    return;
   }
   auto witnesses = search_.WitnessesOf(context, s);
   if (witnesses && !CanSplit(complex_, complex_.subsegment(s))) {
