@@ -102,7 +102,7 @@ std::string LiveMesh<D>::FirstDifference(const LiveMesh& other) const {
 
 template <int D>
 std::string LiveMesh<D>::FirstUnreproduced() const {
-  return meshing::FirstUnreproduced(state_->refinement);
+  return meshing::FirstUnreproduced(mesh_.state->refinement);
 }
 
 template Mesh LiveMesh<2>::Snapshot() const;

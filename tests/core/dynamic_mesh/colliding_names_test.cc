@@ -140,7 +140,7 @@ class CollidingNames : public testing::TestWithParam<std::tuple<int, Distributio
     for (int i = 0; i < batches; ++i) {
       int left = random.OneIn(2) ? random.Below(most_operations) : 1'000'000;
       const auto diff = followed.mesh().Apply(generator.Next(followed.mesh().Features()),
-                                              [&] { return --left < 0; });
+                                              {.interrupted = [&] { return --left < 0; }});
       if (diff.ok()) {
         ++applied;
         ASSERT_EQ(followed.Follow(*diff), "") << "seed " << seed << ", batch " << i;
