@@ -1,13 +1,52 @@
 // Queries of a LiveMesh: snapshot, point location, counts, audit.
 #include <algorithm>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <vector>
 
+#include "absl/container/flat_hash_set.h"
 #include "core/dynamic_mesh/live_mesh.h"
+#include "core/geometry/predicates.h"
+#include "core/geometry/space_predicates.h"
 #include "core/meshing/trace_audit.h"
 
 namespace dynmesh {
+namespace {
+
+// Is p on the side of simplex t that is opposite to corner i? Exact. REQUIRES: t contains p.
+template <int D>
+bool IsOnSide(const meshing::TriangulationOf<D>& triangulation, std::uint32_t t, int i,
+              const geometry::Point<D>& p) {
+  std::array<geometry::Point<D>, D + 1> corners;
+  for (std::size_t k = 0; k <= D; ++k)
+    corners[k] = triangulation.position(triangulation.vertices(t)[k]);
+  corners[static_cast<std::size_t>(i)] = p;
+  return std::apply([](const auto&... c) { return geometry::Orientation(c...); }, corners) == 0;
+}
+
+// The simplex whose ids are the least, in lexicographical order, among those that contain p. One of
+// these is t. O(their number).
+template <int D>
+std::array<VertexId, D + 1> FirstOfThoseAt(const DiffBuilder<D>& mesh, std::uint32_t t,
+                                           const geometry::Point<D>& p) {
+  const auto& triangulation = mesh.triangulation();
+  auto first = mesh.CanonicalIds(t);
+  std::vector<std::uint32_t> found = {t};
+  absl::flat_hash_set<std::uint32_t> seen;
+  for (std::size_t next = 0; next < found.size(); ++next) {
+    for (int i = 0; i <= D; ++i) {
+      if (!IsOnSide<D>(triangulation, found[next], i, p)) continue;
+      const std::uint32_t beside = triangulation.Opposite({found[next], i}).simplex;
+      if (triangulation.IsInfinite(beside) || beside == t || !seen.insert(beside).second) continue;
+      first = std::min(first, mesh.CanonicalIds(beside));
+      found.push_back(beside);
+    }
+  }
+  return first;
+}
+
+}  // namespace
 
 template <int D>
 Mesh LiveMesh<D>::Snapshot() const {
@@ -35,7 +74,7 @@ SimplexColumn LiveMesh<D>::Locate(std::span<const double> points) const {
       const auto t = triangulation.Locate(p, near);
       if (!triangulation.IsInfinite(t)) {
         near = triangulation.vertices(t)[0];
-        ids = mesh_.state->diffs.CanonicalIds(t);
+        ids = FirstOfThoseAt<D>(mesh_.state->diffs, t, p);
       }
     }
     result.insert(result.end(), ids.begin(), ids.end());

@@ -147,8 +147,10 @@ class DynamicMesh {
   // The whole mesh, O(size).
   virtual Mesh Snapshot() const = 0;
 
-  // For each of n `points` (n x dimension coordinates), the vertex ids of a simplex that contains
-  // it, in canonical order: n x (dimension + 1) ids. All are 0 for a point outside the domain.
+  // For each of n `points` (n x dimension coordinates), the vertex ids of the simplex that contains
+  // it, in canonical order: n x (dimension + 1) ids. All are 0 for a point outside the domain. Of
+  // several simplices, at a point on a common side, edge or corner, the one whose ids are the least
+  // in lexicographical order: a function of the mesh and the point.
   virtual SimplexColumn Locate(std::span<const double> points) const = 0;
 
   // The features present, by id.

@@ -187,11 +187,11 @@ class MeshClient {
   // The state of the server and of `mesh`; an empty name: of the server only. Errors: those of
   // every call.
   absl::StatusOr<ServerStatus> GetStats(const std::string& mesh = "");
-  // For each of n `points` (n x `dimension` coordinates, any n) the vertex ids of a simplex of
-  // `mesh` that contains it. The server applies the edits before it first. INVALID_ARGUMENT:
-  // `dimension` is not 2 or 3, the number of coordinates is not a multiple of the mesh's, or one is
-  // not finite (NOT_FINITE). RESOURCE_EXHAUSTED (QUEUE_FULL). ABORTED: the mesh changed between two
-  // RPCs of up to 30,000 points each; repeat the call.
+  // For each of n `points` (n x `dimension` coordinates, any n) the vertex ids of the simplex of
+  // `mesh` that contains it, as DynamicMesh::Locate. The server applies the edits before it first.
+  // INVALID_ARGUMENT: `dimension` is not 2 or 3, the number of coordinates is not a multiple of the
+  // mesh's, or one is not finite (NOT_FINITE). RESOURCE_EXHAUSTED (QUEUE_FULL). ABORTED: the mesh
+  // changed between two RPCs of up to 30,000 points each; repeat the call.
   absl::StatusOr<Located> Locate(const std::string& mesh, int dimension,
                                  std::span<const double> points);
 
