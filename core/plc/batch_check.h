@@ -120,7 +120,6 @@ class BatchCheck {
   template <class Visit>
   void ForSegmentsWithin(const geometry::Point<D>& p, double distance, Visit visit);
   std::pair<double, SegmentFeature<D>> CrowdOn(const SegmentFeature<D>& s, double distance);
-  bool IsAtSharpAngle(const SegmentFeature<D>& s);
   Delta<D> TakeDelta();
 
   const MeshOptions& options_;

@@ -24,9 +24,6 @@ using geometry::Point;
 constexpr std::size_t kMostProbed = 4096;
 // The most neighbours per segment: the nearest to its middle.
 constexpr std::size_t kNearest = 4;
-// Most segments at a point without a sharp angle: of more, two meet at less than 60 degrees.
-constexpr std::size_t kMostAround = 6;
-
 // Keeps the greatest `count` of `things`; their order breaks ties.
 template <class Thing>
 void KeepGreatest(std::vector<Thing>& things, std::size_t count) {
@@ -34,24 +31,6 @@ void KeepGreatest(std::vector<Thing>& things, std::size_t count) {
   std::nth_element(things.begin(), things.begin() + static_cast<std::ptrdiff_t>(count),
                    things.end(), [](const Thing& a, const Thing& b) { return b < a; });
   things.resize(count);
-}
-
-// Below 60 degrees, or undecided?
-template <int D>
-bool IsSharp(const Point<D>& apex, const Point<D>& a, const Point<D>& b) {
-  double dot = 0, aa = 0, bb = 0;
-  for (int k = 0; k < D; ++k) {
-    dot += (a[k] - apex[k]) * (b[k] - apex[k]);
-    aa += (a[k] - apex[k]) * (a[k] - apex[k]);
-    bb += (b[k] - apex[k]) * (b[k] - apex[k]);
-  }
-  return dot > 0.499 * std::sqrt(aa) * std::sqrt(bb);
-}
-
-// The other end of a segment that ends at `apex`.
-template <int D>
-std::pair<FeatureId, Point<D>> OtherEnd(const SegmentFeature<D>& s, FeatureId apex) {
-  return s.p_id == apex ? std::pair(s.q_id, s.q) : std::pair(s.p_id, s.p);
 }
 
 }  // namespace
@@ -122,41 +101,10 @@ std::pair<double, SegmentFeature<D>> BatchCheck<D>::CrowdOn(const SegmentFeature
   });
   std::pair<double, SegmentFeature<D>> most{0, {}};
   for (const auto& [d, key, t] : near) {
-    const double vertices = LeastVerticesOn(s, t, options_.quality, limit_);
+    const double vertices = LeastVerticesOn(s, t, options_.limits, limit_);
     if (vertices > most.first) most = {vertices, t};
   }
   return most;
-}
-
-// 2D: the quality bound does not hold at sharp angles. Is s, or a segment that joins its ends, part
-// of one?
-template <int D>
-bool BatchCheck<D>::IsAtSharpAngle(const SegmentFeature<D>& s) {
-  const auto at = [&](FeatureId end, const Point<D>& p) {
-    std::vector<SegmentFeature<D>> found;
-    ForSegmentsWithin(p, limit_, [&](const SegmentFeature<D>& t) {
-      if (t.p_id != end && t.q_id != end) return;
-      const auto is_same = [&](const SegmentFeature<D>& u) { return KeyOf(u) == KeyOf(t); };
-      if (std::none_of(found.begin(), found.end(), is_same)) found.push_back(t);
-    });
-    return found;
-  };
-  const auto is_sharp_at = [&](FeatureId end, const Point<D>& p, const SegmentFeature<D>& t) {
-    const auto others = at(end, p);
-    if (others.size() > kMostAround) return true;
-    return std::any_of(others.begin(), others.end(), [&](const SegmentFeature<D>& u) {
-      return KeyOf(u) != KeyOf(t) && IsSharp(p, OtherEnd(t, end).second, OtherEnd(u, end).second);
-    });
-  };
-  for (const auto& [end, p] : {std::pair(s.p_id, s.p), std::pair(s.q_id, s.q)}) {
-    if (is_sharp_at(end, p, s)) return true;
-    for (const SegmentFeature<D>& t : at(end, p)) {
-      if (KeyOf(t) == KeyOf(s)) continue;
-      const auto [other, q] = OtherEnd(t, end);
-      if (is_sharp_at(other, q, t)) return true;
-    }
-  }
-  return false;
 }
 
 template <int D>
@@ -174,7 +122,7 @@ absl::Status BatchCheck<D>::CheckSegmentGaps() {
   };
   std::vector<Probed> probed;
   for (std::size_t i = 0; i < added.size(); ++i) {
-    const double reach = DistanceFor(added[i], need, options_.quality);
+    const double reach = DistanceFor(added[i], need);
     if (reach > limit_) probed.push_back({reach, i});  // no features are nearer than limit_
   }
   KeepGreatest(probed, kMostProbed);
@@ -193,12 +141,6 @@ absl::Status BatchCheck<D>::CheckSegmentGaps() {
     gaps.push_back({vertices, p.at, std::move(other)});
   }
   if (sum <= most) return absl::OkStatus();
-  if constexpr (D == 2) {
-    std::erase_if(gaps, [&](const Gap& gap) { return IsAtSharpAngle(added[gap.at]); });
-    sum = 0;
-    for (const Gap& gap : gaps) sum += gap.vertices;
-    if (sum <= most) return absl::OkStatus();
-  }
   const Gap& worst = *std::min_element(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) {
     return std::tie(b.vertices, a.at) < std::tie(a.vertices, b.at);
   });

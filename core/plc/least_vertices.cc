@@ -255,11 +255,7 @@ bool Holds(const SizeFeature<D>& size, double r, const Extent<D>& cell) {
 // --- Segments ---------------------------------------------------------------------------
 
 // A subsegment is at most so many times as long as the distance of its neighbour.
-template <int D>
-double MostLength(double quality) {
-  const double rho = quality * kSlack;
-  return D == 2 ? 4 * rho : 17.1 * rho * rho;
-}
+constexpr double kMostLength = 2 * kSlack;
 
 template <int D>
 double LengthOf(const SegmentFeature<D>& s) {
@@ -362,28 +358,30 @@ SizeFeature<D> RegionOfMaxEdge(const MeshOptions& options) {
 }
 
 template <int D>
-double LeastVerticesOn(const SegmentFeature<D>& s, const SegmentFeature<D>& t, double quality,
+double LeastVerticesOn(const SegmentFeature<D>& s, const SegmentFeature<D>& t, const Limits& limits,
                        double limit) {
+  if (s.p_id == t.p_id || s.p_id == t.q_id || s.q_id == t.p_id || s.q_id == t.q_id) return 0;
   const double piece = LengthOf(s) / kPieces;
   const auto distances = DistancesAlong(s, t);
   double vertices = 0;
   for (const double distance : distances) {
     const double g = std::max(distance, limit / 2);
-    const double most = MostLength<D>(quality) * g;
     // The distance from t is convex along s: positions within g form one interval.
     const auto is_near = [g](double d) { return d <= g; };
     const auto first = std::find_if(distances.begin(), distances.end(), is_near);
     const auto last = std::find_if_not(first, distances.end(), is_near);
     const double stretch = static_cast<double>(last - first - 1) * piece;
-    // At its ends the third corner may be beyond, and so may that of a subsegment.
-    vertices = std::max(vertices, stretch / most - 4);
+    // A subsegment at an end of the stretch has its middle beyond, perhaps.
+    vertices = std::max(vertices, stretch / (kMostLength * g) - 4);
   }
-  return std::min(vertices, kMost);
+  // Splits end at max_depth. k splits leave at most 2^-k of the length, or at sharp angles
+  // (shells.h), as far as trials show, 2^(2-k).
+  return std::min(vertices, std::exp2(limits.max_depth - 3));
 }
 
 template <int D>
-double DistanceFor(const SegmentFeature<D>& s, double vertices, double quality) {
-  return LengthOf(s) / (MostLength<D>(quality) * vertices);
+double DistanceFor(const SegmentFeature<D>& s, double vertices) {
+  return LengthOf(s) / (kMostLength * vertices);
 }
 
 template <int D>
@@ -447,10 +445,12 @@ template double TargetFor(const SizeFeature<2>&, const Box&, double);
 template double TargetFor(const SizeFeature<3>&, const Box&, double);
 template SizeFeature<2> RegionOfMaxEdge<2>(const MeshOptions&);
 template SizeFeature<3> RegionOfMaxEdge<3>(const MeshOptions&);
-template double LeastVerticesOn(const SegmentFeature<2>&, const SegmentFeature<2>&, double, double);
-template double LeastVerticesOn(const SegmentFeature<3>&, const SegmentFeature<3>&, double, double);
-template double DistanceFor(const SegmentFeature<2>&, double, double);
-template double DistanceFor(const SegmentFeature<3>&, double, double);
+template double LeastVerticesOn(const SegmentFeature<2>&, const SegmentFeature<2>&, const Limits&,
+                                double);
+template double LeastVerticesOn(const SegmentFeature<3>&, const SegmentFeature<3>&, const Limits&,
+                                double);
+template double DistanceFor(const SegmentFeature<2>&, double);
+template double DistanceFor(const SegmentFeature<3>&, double);
 template double DistanceOf(const SegmentFeature<2>&, const Point2&);
 template double DistanceOf(const SegmentFeature<3>&, const Point3&);
 template double LeastDistance(const SegmentFeature<2>&, const SegmentFeature<2>&);

@@ -1,10 +1,10 @@
 // Lower bounds of the number of vertices that some features cause: known at once, while meshing
 // would take minutes to find that there are too many.
 //
-// The bounds follow from the guarantees of a finished mesh, whatever other features there are: an
-// input that can be meshed is never refused. They are not sharp: a half of the truth for large
-// regions in 2D, a fifth in 3D, a fiftieth for two lines, a few hundredths to a thousandth for
-// close features in 3D.
+// The bounds follow from the guarantees of a finished mesh and from the splits of segments by near
+// features, whatever other features there are: an input that can be meshed is never refused. They
+// are not sharp: a half of the truth for large regions in 2D, a fifth in 3D, a fourteenth for two
+// lines, a few hundredths to a thousandth for close facets.
 //
 // *Regions* with a target length h. Every simplex that meets the region has a circumradius R <= h /
 // sqrt 2.
@@ -14,18 +14,9 @@
 //   the vertices cover the region.
 //   Where regions overlap, the largest demand counts (a sum over disjoint cells).
 //
-// *Two close segments*, 2D. Let e be a subsegment of one, l its length, and let the other segment
-// pass over it at a height <= g. The triangle at e on that side cannot cross the other segment, so
-// its third corner has a height <= g, and its angle at one end of e has a sine <= 2 g / l. So
-// circumradius / shortest edge >= l / 4g, hence l <= 4 rho g. This holds for triangles with the
-// quality bound; at sharp input angles there is none (the caller checks that).
-//
-// *A segment close to another one*, 3D. Let p be an end of its subsegment e of length l. A part of
-// the mesh's input is at y, 3g ahead and at most g beside. The tetrahedron at p towards y ends
-// before y, at y' = sum w_i p_i, with its corners p_i. Let c be its centre, relative to p, and s
-// its shortest edge. |p_i|^2 = 2 p_i c, so |y'| R >= y' c >= s^2 / 2. With R <= rho s and |y'| <=
-// 4g follows R <= 8 rho^2 g. The ball with diameter e is empty: R >= 0.94 l / 2. Hence l <= 17.1
-// rho^2 g.
+// *Two close segments* without a common end. A piece of one is split while the other one meets the
+// open ball about the piece's middle (presplit.h, IsTooNear). So where the other segment is at a
+// distance <= g, pieces are no longer than 2g.
 //
 // *A facet* with another facet over all of it at a height <= g. Let d be the distance of a position
 // x of it from the nearest vertex w, which is on the facet. The ray from w that rises at 45 degrees
@@ -63,13 +54,14 @@ double TargetFor(const SizeFeature<D>& size, const Box& domain, double most);
 template <int D>
 SizeFeature<D> RegionOfMaxEdge(const MeshOptions& options);
 
-// On segment s, because of t near it. REQUIRES: they do not meet; `limit` as in rules.h. O(1).
+// On segment s, because of t near it; 0 if they have a common end. REQUIRES: they do not meet
+// elsewhere; `limits.max_depth` and `limit` as in rules.h. O(1).
 template <int D>
-double LeastVerticesOn(const SegmentFeature<D>& s, const SegmentFeature<D>& t, double quality,
+double LeastVerticesOn(const SegmentFeature<D>& s, const SegmentFeature<D>& t, const Limits& limits,
                        double limit);
 // The distance of a neighbour of s that causes so many vertices.
 template <int D>
-double DistanceFor(const SegmentFeature<D>& s, double vertices, double quality);
+double DistanceFor(const SegmentFeature<D>& s, double vertices);
 
 // On facet f, because g is over all of it; 0 if it is not, or is not convex. O(corners of f times
 // corners of g).

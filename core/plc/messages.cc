@@ -464,7 +464,7 @@ absl::Status GapDemandError(const AnyFeature<D>& offender, const AnyFeature<D>& 
                             absl::StrFormat("%.2g", distance), " apart: what is between them ",
                             DemandText(vertices, all, options),
                             "; move them apart or make them one, or create the mesh with a higher "
-                            "limit or a larger quality"));
+                            "limit"));
 }
 
 absl::Status CheckMaxEdge(const MeshOptions& options) {

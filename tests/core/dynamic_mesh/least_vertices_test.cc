@@ -391,6 +391,29 @@ TEST(LeastVertices, ThinSlabsAreRefusedByName) {
   }
 }
 
+// Only edges are near each other. Before they were counted, the search for anchors of the two
+// facets took 35 seconds until it found the limit.
+TEST(LeastVertices, ALidOverAHoleIsRefusedByName) {
+  MeshOptions options = OptionsIn(3, 2);
+  options.limits.max_vertices = 100'000;
+  const std::vector<Feature> plate = {Feature::Point(1, 0.2, 0.2, 0.5),
+                                      Feature::Point(2, 0.8, 0.2, 0.5),
+                                      Feature::Point(3, 0.8, 0.8, 0.5),
+                                      Feature::Point(4, 0.2, 0.8, 0.5),
+                                      Feature::Point(5, 0.4, 0.4, 0.5),
+                                      Feature::Point(6, 0.6, 0.4, 0.5),
+                                      Feature::Point(7, 0.6, 0.6, 0.5),
+                                      Feature::Point(8, 0.4, 0.6, 0.5),
+                                      Feature::Polygon(10, {{1, 2, 3, 4}, {5, 6, 7, 8}})};
+  const double z = 0.500001;
+  ExpectRefusedByAll(
+      options, plate,
+      {Edit::Add(Feature::Point(30, 0.4, 0.4, z)), Edit::Add(Feature::Point(31, 0.6, 0.4, z)),
+       Edit::Add(Feature::Point(32, 0.6, 0.6, z)), Edit::Add(Feature::Point(33, 0.4, 0.6, z)),
+       Edit::Add(Feature::Polygon(34, {{30, 31, 32, 33}}))},
+      {34, 10});
+}
+
 // The order of edits and the present features change the blamed feature, but not the verdict.
 TEST(LeastVertices, AreAFunctionOfTheFeatures) {
   MeshOptions options = OptionsIn(2, kDefaultQuality2D);
