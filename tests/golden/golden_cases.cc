@@ -13,6 +13,7 @@
 #include "core/io/plane/planar_input.h"
 #include "core/io/script/edit_script.h"
 #include "tests/differential/differential.h"
+#include "tests/golden/digest.h"
 #include "tests/support/polygon_script.h"
 #include "tests/support/workload.h"
 
@@ -20,6 +21,7 @@ namespace dynmesh::test {
 namespace {
 
 constexpr double kSqrt2 = kDefaultQuality2D;
+constexpr std::uint64_t kSeed = 2026, kOtherSeed = 2027;
 
 struct Asking {
   double quality;
@@ -63,28 +65,32 @@ bool IsExact(Distribution d) {
   return d == Distribution::kTwoScale || d == Distribution::kSpaceTwoScale;
 }
 
-GoldenCase WorkloadCase(Distribution d, int n, const Asking& asking) {
+std::string NameOfSeed(std::uint64_t seed) {
+  return seed == kSeed ? "" : "_seed" + std::to_string(seed);
+}
+
+GoldenCase WorkloadCase(Distribution d, int n, const Asking& asking, std::uint64_t seed = kSeed) {
   GoldenCase golden;
-  golden.name = NameOf(d) + NameOf(asking);
+  golden.name = NameOf(d) + NameOf(asking) + NameOfSeed(seed);
   golden.options = OptionsOf(DimensionOf(d), asking);
   golden.batches = 12;
-  golden.script = [d, n] {
-    const auto generator = std::make_shared<ScriptGenerator>(d, n, 2026);
-    return [d, n, generator](int done, const std::vector<Feature>& present) {
-      EditBatch batch = done == 0 ? AddAll(MakeFeatures(d, n, 2026)) : generator->Next(present);
+  golden.script = [d, n, seed] {
+    const auto generator = std::make_shared<ScriptGenerator>(d, n, seed);
+    return [d, n, seed, generator](int done, const std::vector<Feature>& present) {
+      EditBatch batch = done == 0 ? AddAll(MakeFeatures(d, n, seed)) : generator->Next(present);
       return IsExact(d) ? batch : Rounded(std::move(batch), 32);
     };
   };
   return golden;
 }
 
-GoldenCase SolidsCase(PolygonKind kind, const Asking& asking) {
+GoldenCase SolidsCase(PolygonKind kind, const Asking& asking, std::uint64_t seed = kSeed) {
   GoldenCase golden;
-  golden.name = "solids_" + NameOf(kind) + NameOf(asking);
+  golden.name = "solids_" + NameOf(kind) + NameOf(asking) + NameOfSeed(seed);
   golden.options = OptionsOf(3, asking);
   golden.batches = 12;
-  golden.script = [kind] {
-    const auto generator = std::make_shared<PolygonScript>(kind, 3, 2026);
+  golden.script = [kind, seed] {
+    const auto generator = std::make_shared<PolygonScript>(kind, 3, seed);
     return [generator](int, const std::vector<Feature>& present) {
       return Rounded(generator->Next(present), 44);
     };
@@ -105,7 +111,10 @@ T Need(absl::StatusOr<T> value) {
 GoldenCase BatchesCase(std::string name, const MeshOptions& options,
                        std::vector<EditBatch> batches) {
   std::replace(name.begin(), name.end(), '-', '_');
-  GoldenCase golden{std::move(name), options, {}, static_cast<int>(batches.size())};
+  GoldenCase golden;
+  golden.name = std::move(name);
+  golden.options = options;
+  golden.batches = static_cast<int>(batches.size());
   golden.script = [batches = std::move(batches)] {
     return [batches](int done, const std::vector<Feature>&) {
       return batches[static_cast<std::size_t>(done)];
@@ -160,6 +169,34 @@ void AddBoxCase(std::vector<GoldenCase>& cases) {
   cases.push_back(BatchesCase("boxes", boxes.Options(), BatchesOf(boxes)));
 }
 
+// A script of tests/golden/scripts, with other options than its own, as asked.
+GoldenCase ScriptCase(const std::string& name, const Asking& asking) {
+  const io::EditScript script =
+      Need(io::ReadEditScript(kSource + "/tests/golden/scripts/" + name + ".dynmesh"));
+  MeshOptions options = OptionsOf(script.dimension, asking);
+  options.box = script.Options().box;
+  GoldenCase golden = BatchesCase("script_" + name + NameOf(asking), options, BatchesOf(script));
+  golden.is_valid = true;
+  return golden;
+}
+
+void AddCasesWithDiffs(std::vector<GoldenCase>& cases) {
+  using enum Distribution;
+  std::vector<GoldenCase> added;
+  for (const Asking& asking : {Asking{kSqrt2}, Asking{1.0, Criterion::kEdge, 0.0625}}) {
+    added.push_back(ScriptCase("polygons", asking));
+  }
+  added.push_back(ScriptCase("surfaces", {2.0}));
+  for (const Distribution d : {kUniform, kSized, kPolygons, kSpaceSized}) {
+    added.push_back(WorkloadCase(d, 40, {DefaultQuality(DimensionOf(d))}, kOtherSeed));
+  }
+  added.push_back(SolidsCase(PolygonKind::kNestedBoxes, {2.0}, kOtherSeed));
+  for (GoldenCase& golden : added) {
+    golden.has_diffs = true;
+    cases.push_back(std::move(golden));
+  }
+}
+
 std::vector<GoldenCase> MakeCases() {
   using enum Distribution;
   std::vector<GoldenCase> cases;
@@ -199,6 +236,7 @@ std::vector<GoldenCase> MakeCases() {
   AddRegressCases(cases);
   AddCoastCases(cases);
   AddBoxCase(cases);
+  AddCasesWithDiffs(cases);
   return cases;
 }
 
@@ -206,6 +244,35 @@ std::uint64_t HashOf(const std::string& text) {
   std::uint64_t hash = text.size();
   for (const char c : text) hash = Mix(hash ^ static_cast<unsigned char>(c));
   return hash;
+}
+
+// Of all revisions.
+struct Digests {
+  Digest snapshots, diffs;
+  friend bool operator==(const Digests&, const Digests&) = default;
+
+  void Add(const DynamicMesh& mesh, const MeshDiff& diff) {
+    snapshots.Add(mesh.Snapshot());
+    diffs.Add(diff);
+  }
+};
+
+// Of a mesh that is rebuilt by every batch.
+Digests DigestsOfRebuilds(const GoldenCase& golden) {
+  LiveMeshTuning tuning;
+  tuning.rebuild.at_least = 0;
+  tuning.rebuild.features = -1;
+  const auto mesh =
+      InDimension(golden.options.dimension, [&](auto d) -> std::unique_ptr<DynamicMesh> {
+        return std::make_unique<LiveMesh<d()>>(golden.options, tuning);
+      });
+  const GoldenCase::NextBatch next = golden.script();
+  Digests digests;
+  for (int done = 0; done < golden.batches; ++done) {
+    const auto diff = mesh->Apply(next(done, mesh->Features()));
+    if (diff.ok()) digests.Add(*mesh, *diff);
+  }
+  return digests;
 }
 
 }  // namespace
@@ -220,8 +287,15 @@ GoldenResult RunGoldenCase(const GoldenCase& golden) {
   const GoldenCase::NextBatch next = golden.script();
   std::uint64_t all = 0;
   MeshHash trace;
+  Digests digests;
+  GoldenResult result;
   for (int done = 0; done < golden.batches; ++done) {
-    if (!mesh->Apply(next(done, mesh->Features())).ok()) continue;
+    const auto diff = mesh->Apply(next(done, mesh->Features()));
+    if (!diff.ok()) {
+      if (golden.is_valid) result.problem += diff.status().ToString() + "\n";
+      continue;
+    }
+    if (golden.has_diffs) digests.Add(*mesh, *diff);
     trace = mesh->Audit().trace;
     for (const std::uint64_t part : {mesh->hash().hi, mesh->hash().lo, trace.hi, trace.lo}) {
       all = Mix(all ^ part);
@@ -231,7 +305,6 @@ GoldenResult RunGoldenCase(const GoldenCase& golden) {
   for (const Feature& f : mesh->Features()) {
     input += io::FormatEdit(Edit::Add(f), golden.options.dimension) + "\n";
   }
-  GoldenResult result;
   for (const bool local : {false, true}) {
     result.problem += CompareWithScratch(*mesh, local, !local).what;
   }
@@ -241,6 +314,15 @@ GoldenResult RunGoldenCase(const GoldenCase& golden) {
                 mesh->hash().ToHex().c_str(), static_cast<unsigned long long>(trace.hi),
                 static_cast<unsigned long long>(trace.lo), static_cast<unsigned long long>(all));
   result.line = line;
+  if (golden.has_diffs) {
+    if (!(DigestsOfRebuilds(golden) == digests)) {
+      result.problem += "snapshots or diffs of a rebuilt mesh differ\n";
+    }
+    std::snprintf(line, sizeof line, " %016llx %016llx",
+                  static_cast<unsigned long long>(digests.snapshots.value()),
+                  static_cast<unsigned long long>(digests.diffs.value()));
+    result.line += line;
+  }
   return result;
 }
 

@@ -6,6 +6,12 @@
 // mesh's hash at the end; `trace`: the hash of the complete trace and the number of operations in
 // it; `all`: a hash of the meshes and traces of all revisions.
 //
+// The lines of some cases go on with
+//   snapshots  diffs
+// `snapshots`: a hash of all columns of the meshes of all revisions, in canonical order: also
+// region sets, and owners and regions row by row; `diffs`: the same of all diffs, without
+// WorkCounters. So a diff with a row too many is noticed, though it leads to the same mesh.
+//
 // Random inputs use sines and cosines, and these differ in the last bits between processors. So
 // coordinates are rounded to multiples of 2^-32 (solids with faces that must stay flat: 2^-44)
 // where the purpose of the input allows it. If `input` differs from the file's, the machine made
@@ -29,13 +35,16 @@ struct GoldenCase {
   // A fresh script; from the same case always the same.
   std::function<NextBatch()> script;
   int batches = 0;
+  bool has_diffs = false;  // the line has `snapshots` and `diffs`
+  bool is_valid = false;   // a refused batch is a fault
 };
 
 const std::vector<GoldenCase>& GoldenCases();
 
 struct GoldenResult {
   std::string line;
-  // Its faults, independent of any golden hash: dynamic, from scratch and static differ.
+  // Its faults, independent of any golden hash: dynamic, from scratch and static differ; so do
+  // diffs of propagated and rebuilt batches.
   std::string problem;
 };
 GoldenResult RunGoldenCase(const GoldenCase& golden);

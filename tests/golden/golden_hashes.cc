@@ -2,6 +2,7 @@
 // scratch. With --verdicts: a new tests/golden/verdicts.txt.
 #include <cstdio>
 #include <string_view>
+#include <utility>
 
 #include "dynmesh/mesh.h"
 #include "tests/golden/golden_cases.h"
@@ -17,7 +18,11 @@ bool PrintHashes() {
       "# CONTRIBUTING.md.");
   std::printf("# Bits %u\n", kMeshBits);
   bool good = true;
+  bool had_diffs = false;
   for (const GoldenCase& golden : GoldenCases()) {
+    if (golden.has_diffs && !std::exchange(had_diffs, true)) {
+      std::puts("# The same, and: snapshots, diffs.");
+    }
     const GoldenResult result = RunGoldenCase(golden);
     std::puts(result.line.c_str());
     if (!result.problem.empty()) {
