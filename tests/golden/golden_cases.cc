@@ -186,7 +186,19 @@ void AddCasesWithDiffs(std::vector<GoldenCase>& cases) {
   for (const Asking& asking : {Asking{kSqrt2}, Asking{1.0, Criterion::kEdge, 0.0625}}) {
     added.push_back(ScriptCase("polygons", asking));
   }
+  for (const Asking& asking : {Asking{1.0}, Asking{kSqrt2, Criterion::kThesis}}) {
+    added.push_back(ScriptCase("polygon-areas", asking));
+  }
+  for (const double rho : {kSqrt2, 1.0}) added.push_back(ScriptCase("presplits-2d", {rho}));
+  added.push_back(ScriptCase("presplits-3d", {2.0}));
   added.push_back(ScriptCase("surfaces", {2.0}));
+  for (const Asking& asking : {Asking{2.0}, Asking{2.0, Criterion::kEdge, 0.125}}) {
+    added.push_back(ScriptCase("facets", asking));
+  }
+  const Asking cured = {.quality = 2.0, .min_dihedral = 10};
+  for (const Asking& asking : {Asking{kSqrt2}, Asking{2.0, Criterion::kThesis}, cured}) {
+    added.push_back(ScriptCase("facet-areas", asking));
+  }
   for (const Distribution d : {kUniform, kSized, kPolygons, kSpaceSized}) {
     added.push_back(WorkloadCase(d, 40, {DefaultQuality(DimensionOf(d))}, kOtherSeed));
   }
