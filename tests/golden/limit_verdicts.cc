@@ -1,6 +1,5 @@
 // Verdicts on batches that exceed limits, are cancelled, or make ids collide.
 #include <array>
-#include <atomic>
 #include <random>
 #include <utility>
 
@@ -67,8 +66,6 @@ EditBatch Spokes(int count) {
 
 // What a run of `dimension` exceeds, or is ended by.
 void AddRuns(std::vector<std::string>& lines, int dimension) {
-  const std::atomic<bool> yes{true};
-
   const std::string in = " " + std::to_string(dimension) + "D";
   const std::string z = dimension == 3 ? " 0.5" : "";
   const EditBatch segment =
@@ -79,14 +76,12 @@ void AddRuns(std::vector<std::string>& lines, int dimension) {
   options.dimension = dimension;
   options.quality = DefaultQuality(dimension);
   Scene usual(&lines, "limits" + in, options, segment);
-  ApplyOptions few, cancelled, stopped, vetoed;
+  ApplyOptions few, interrupted, vetoed;
   few.max_operations = 3;
-  cancelled.cancelled = &yes;
-  stopped.stopped = &yes;
+  interrupted.interrupted = [] { return true; };
   vetoed.commit = [](const MeshDiff&) { return absl::DataLossError("the journal is full"); };
   usual.Apply("max_operations", beside, few);
-  usual.Apply("cancelled", beside, cancelled);
-  usual.Apply("stopped", beside, stopped);
+  usual.Apply("interrupted", beside, interrupted);
   usual.Apply("refused by commit", beside, vetoed);
   usual.Apply("none", beside);
   options.limits.max_depth = 2;
@@ -106,7 +101,7 @@ void AddRuns(std::vector<std::string>& lines, int dimension) {
     lines.push_back("limits" + in + " create, " + name + ": " +
                     TextOf(DynamicMesh::Create(options, apply).status()));
   };
-  create("cancelled", cancelled);
+  create("interrupted", interrupted);
   create("max_operations", few);
 }
 
