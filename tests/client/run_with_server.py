@@ -33,7 +33,7 @@ def main():
                                   stdout=subprocess.DEVNULL)
         try:
             done = subprocess.run([*program, "--server", address_of(server, port_file)],
-                                  stdout=subprocess.PIPE, text=True, check=False)
+                                  stdout=subprocess.PIPE, text=True, check=False, timeout=600)
             print(done.stdout, end="", flush=True)
         finally:
             server.terminate()

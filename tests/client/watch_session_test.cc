@@ -17,6 +17,7 @@
 #include "proto/codec/status_codec.h"
 #include "tests/server/fake_dynamic_mesh.h"
 #include "tests/server/test_support.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::client {
 namespace {
@@ -91,7 +92,7 @@ class WatchSessionTest : public ::testing::Test {
   }
   // Until the client leaves.
   static grpc::Status Stay(grpc::ServerContext& context) {
-    while (!context.IsCancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    test::WaitUntil("the client's end", [&] { return context.IsCancelled(); });
     return grpc::Status::OK;
   }
   static grpc::Status Down() { return grpc::Status(grpc::StatusCode::UNAVAILABLE, "down"); }

@@ -63,7 +63,8 @@ def _stanzas(text):
 
 def settings():
     """How to reach the archives: proxies, and whether their dates count. Lines of apt.conf."""
-    dump = subprocess.run(["apt-config", "dump"], capture_output=True, text=True, check=True).stdout
+    dump = subprocess.run(["apt-config", "dump"], capture_output=True, text=True, check=True,
+                          timeout=60).stdout
     wanted = r'Acquire::(\w+::Proxy(::\S+)?|Check-Valid-Until|Check-Date) "[^"]+";'
     return [line for line in dump.splitlines() if re.fullmatch(wanted, line)]
 

@@ -136,7 +136,7 @@ def _finish(process, timeout):
         return process.returncode, output
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGKILL)  # nsenter's child, too
-        output, _ = process.communicate()
+        output, _ = process.communicate(timeout=60)
         return TIMED_OUT, output
 
 
@@ -168,7 +168,7 @@ def finally_ended(process):
     finally:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+            process.wait(60)
         process.pid_file.unlink()
 
 

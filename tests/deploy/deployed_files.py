@@ -37,7 +37,8 @@ def load_all(path):
 
 @functools.cache
 def flags_of_daemon():
-    text = subprocess.run([DAEMON, "--help"], capture_output=True, text=True, check=True).stdout
+    text = subprocess.run([DAEMON, "--help"], capture_output=True, text=True, check=True,
+                          timeout=60).stdout
     return set(re.findall(r"(--[a-z][a-z-]*)", text))
 
 

@@ -69,7 +69,8 @@ class Builder:
         command = ["unshare", "--mount", "--propagation", "private"]
         command += ["debootstrap", "--variant=minbase", suite, root, mirror]
         with self.log.open("a") as log:
-            done = subprocess.run(command, stdout=log, stderr=log, env=environment, check=False)
+            done = subprocess.run(command, stdout=log, stderr=log, env=environment, check=False,
+                                  timeout=3600)
         if done.returncode != 0:
             raise BuildError(f"debootstrap from {mirror} failed:\n{self._end_of_log()}")
         shutil.rmtree(root / "var/cache/apt/archives")

@@ -24,7 +24,7 @@ PARTS = ("core/include", "client/include", "client/python/dynmesh", "proto/codec
 
 def make(source, out):
     return subprocess.run([source / "deploy/reference", out], stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, text=True, check=False)
+                          stderr=subprocess.STDOUT, text=True, check=False, timeout=600)
 
 
 class Reference(unittest.TestCase):
@@ -115,7 +115,7 @@ struct A {
 };
 """)
         said = subprocess.run([SOURCE / "deploy/docs/doc_comments.py", file], text=True,
-                              stdout=subprocess.PIPE, check=True).stdout
+                              stdout=subprocess.PIPE, check=True, timeout=60).stdout
         self.assertEqual(said, """\
 /// @file
 /// The file.

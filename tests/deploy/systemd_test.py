@@ -35,7 +35,8 @@ def analyze(text, *arguments):
         unit.write_text(text)
         command = ["systemd-analyze", *arguments, unit]
         said = subprocess.run(
-            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False,
+            timeout=120
         )
     return said.returncode, said.stdout
 

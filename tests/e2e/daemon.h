@@ -13,7 +13,10 @@
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include "tests/support/deadline.h"
 
 namespace dynmesh::test {
 
@@ -77,9 +80,7 @@ class Daemon {
   // The exit code after that signal; -1 if the signal ended it.
   int End(int signal) {
     kill(child_, signal);
-    int status = 0;
-    waitpid(child_, &status, 0);
-    child_ = 0;
+    const int status = WaitForEnd(std::exchange(child_, 0));
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 

@@ -18,6 +18,7 @@
 #include "absl/strings/str_cat.h"
 #include "tests/e2e/daemon.h"
 #include "tests/e2e/run_dynmesh.h"
+#include "tests/support/deadline.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::cli {
@@ -340,9 +341,7 @@ TEST_F(RemoteCommandsTest, TheDaemonRefusesBadFlags) {
       execl(DYNMESHD_BINARY, "dynmeshd", flag, value, static_cast<char*>(nullptr));
       _exit(127);
     }
-    int status = 0;
-    waitpid(pid, &status, 0);
-    return WEXITSTATUS(status);
+    return WEXITSTATUS(test::WaitForEnd(pid));
   };
   EXPECT_EQ(exit_code("--no-such-flag", "1"), 2);
   EXPECT_EQ(exit_code("--max-meshes", "0"), 2);

@@ -25,6 +25,7 @@
 #include "tests/fuzz/quiet.h"
 #include "tests/fuzz/small_mesh.h"
 #include "tests/fuzz/targets.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::fuzz {
 namespace {
@@ -281,7 +282,7 @@ class Service {
     if (!posted.ok()) return CheckRefusal(posted);
     const auto points = static_cast<std::size_t>(request.coordinates_size() / dimension);
     const std::size_t corners = static_cast<std::size_t>(dimension) + 1;
-    return rows.get_future().get() == points * corners ? "" : "a point got no answer";
+    return test::WaitFor("an answer", rows) == points * corners ? "" : "a point got no answer";
   }
 
   std::string Do(const v1::DeleteMeshRequest& request) {
@@ -314,7 +315,7 @@ class Service {
       answer.set_value(std::move(outcome));
     };
     if (const absl::Status s = host.Apply(std::move(job)); !s.ok()) return CheckRefusal(s);
-    const absl::StatusOr<EditOutcome> outcome = answer.get_future().get();
+    const absl::StatusOr<EditOutcome> outcome = test::WaitFor("an outcome", answer);
     const server::Head after = host.head();
     const bool same = after.revision == before.revision && after.hash == before.hash;
     if (!outcome.ok()) return same ? CheckRefusal(outcome.status()) : "a refused batch changed it";

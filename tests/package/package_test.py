@@ -15,6 +15,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 NOT_RUN = 77
@@ -36,7 +37,8 @@ TOOLS = {
 def run(*command, **options):
     said = subprocess.run(
         [str(word) for word in command],
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, **options
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False, timeout=800,
+        **options
     )
     if said.returncode != 0:
         raise AssertionError(f"{shlex.join(map(str, command))}\n{said.stdout}")
@@ -204,14 +206,18 @@ class Server:
             [BUILD / "bin/dynmeshd", "--listen", "127.0.0.1:0", "--port-file", self.port_file],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )
+        until = time.monotonic() + 60
         while not self.port_file.exists():
             if self.process.poll() is not None:
                 raise AssertionError("dynmeshd ended")
+            if time.monotonic() > until:
+                raise AssertionError("no server after 60 s")
+            time.sleep(0.02)
         return f"127.0.0.1:{self.port_file.read_text().strip()}"
 
     def __exit__(self, *_):
         self.process.terminate()
-        self.process.wait()
+        self.process.wait(60)
 
 
 class Subdirectory(Folder):

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "tests/server/server_fixture.h"
+#include "tests/support/deadline.h"
 #include "tests/support/raw_http2.h"
 
 namespace dynmesh::server {
@@ -25,19 +26,20 @@ TEST_F(DrainTest, ADrainEndsWhatRunsAndRefusesWhatIsNew) {
   std::thread editor([&] { running.Put(client_->Apply("m", {AddPoint(1)})); });
   gate_->WaitForArrivals(2);
   ASSERT_TRUE(stream->Send({AddPoint(11)}, Id("s2")).ok());
-  while (Host()->waiting() < 1) std::this_thread::yield();
+  test::WaitUntil("the batch of the stream", [&] { return Host()->waiting() >= 1; });
 
   Mailbox<bool> drained;
   std::thread drainer([&] { drained.Put(server_->Drain(kLong)); });
-  while (Health("") != 2) std::this_thread::yield();
+  test::WaitUntil("the drain", [&] { return Health("") == 2; });
   EXPECT_EQ(Health("dynmesh.v1.MeshService"), 2);
   EXPECT_FALSE(watch->WaitForRevision(99, kLong));
   EXPECT_EQ(ReasonOf(*watch->ended()), codec::reason::kDraining);
   // The gate closes a moment after the health says so.
   absl::Status refused;
-  do {
+  test::WaitUntil("a refusal", [&] {
     refused = client_->CreateMesh("", {}).status();
-  } while (refused.ok());
+    return !refused.ok();
+  });
   EXPECT_EQ(refused.code(), StatusCode::kUnavailable);
   EXPECT_EQ(ReasonOf(refused), codec::reason::kDraining);
   EXPECT_TRUE(codec::GetServiceError(refused)->retry_after.has_value());

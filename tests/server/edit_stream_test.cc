@@ -8,6 +8,7 @@
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
 #include "tests/server/server_fixture.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 namespace {
@@ -153,10 +154,11 @@ TEST_F(EditStreamTest, ABatchLeftUnfinishedIsGivenUp) {
   EXPECT_EQ(ReasonOf(status), codec::reason::kBatchIncomplete);
   // Its reservations are released soon, and a client that is idle between batches continues.
   absl::Status applied;
-  do {
-    ASSERT_TRUE(idle->Send({AddPoint(3), AddPoint(4)}, Id("b")).ok());
+  test::WaitUntil("the release of its reservations", [&] {
+    EXPECT_TRUE(idle->Send({AddPoint(3), AddPoint(4)}, Id("b")).ok());
     applied = idle->Receive()->result.status();
-  } while (ReasonOf(applied) == codec::reason::kPendingLimit);
+    return ReasonOf(applied) != codec::reason::kPendingLimit;
+  });
   EXPECT_TRUE(applied.ok()) << Text(applied);
   EXPECT_EQ(HeadOf().revision, 2u);
 }

@@ -11,6 +11,7 @@
 #include "core/mesh_data/canonical_order.h"
 #include "core/mesh_data/diff_meshes.h"
 #include "dynmesh/error.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 namespace {
@@ -50,7 +51,7 @@ void FakeGate::Release() {
 
 void FakeGate::WaitForArrivals(int count) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return arrivals_ >= count; });
+  test::WaitUntil("arrivals at the gate", changed_, lock, [&] { return arrivals_ >= count; });
 }
 
 bool FakeGate::Pass(const ApplyOptions& options) {

@@ -9,6 +9,7 @@
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
 #include "tests/server/server_fixture.h"
+#include "tests/support/deadline.h"
 #include "tests/support/raw_http2.h"
 
 namespace dynmesh::server {
@@ -305,9 +306,10 @@ TEST_F(LoadTest, IsHeldToTheLimitsOfBatches) {
     RawLoad second(*stub_);
     absl::Status status;
     // The first may not have arrived yet.
-    do {
+    test::WaitUntil("the first load's arrival", [&] {
       status = client_->Load("m", Points(1, 90), AtRevision7()).status();
-    } while (ReasonOf(status) == codec::reason::kRevisionMismatch);
+      return ReasonOf(status) != codec::reason::kRevisionMismatch;
+    });
     // One too many at a time, or too much at a time.
     EXPECT_TRUE(ReasonOf(status) == codec::reason::kStreamLimit ||
                 ReasonOf(status) == codec::reason::kPendingLimit)
@@ -319,9 +321,10 @@ TEST_F(LoadTest, IsHeldToTheLimitsOfBatches) {
     second.Finish().IgnoreError();
   }
   absl::Status loaded;
-  do {
+  test::WaitUntil("the end of the loads", [&] {
     loaded = client_->Load("m", Points(1, 100)).status();
-  } while (loaded.code() == StatusCode::kResourceExhausted);
+    return loaded.code() != StatusCode::kResourceExhausted;
+  });
   EXPECT_TRUE(loaded.ok()) << Text(loaded);
   EXPECT_EQ(ReasonOf(client_->Load("m", Points(1000, 50)).status()), codec::reason::kFeatureLimit);
   EXPECT_EQ(HeadOf().revision, 1u);

@@ -10,6 +10,7 @@
 #include "proto/codec/edit_codec.h"
 #include "proto/codec/grpc_status.h"
 #include "tests/server/server_fixture.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 namespace {
@@ -587,8 +588,7 @@ TEST_F(ServiceTest, AClientHasSoManyStreams) {
   EXPECT_EQ(ReasonOf(client_->GetSnapshot("m").status()), codec::reason::kClientStreamLimit);
   EXPECT_TRUE(client_->Apply("m", {AddPoint(2)}).ok());  // ends by itself
   watch.reset();
-  while (!client_->GetSnapshot("m").ok()) {  // once the server knows
-  }
+  test::WaitUntil("the server's notice", [&] { return client_->GetSnapshot("m").ok(); });
 }
 
 TEST_F(ServiceTest, AMeshsOwnVertexLimitHolds) {

@@ -4,13 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,6 +17,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/meshes/mesh_host.h"
 #include "tests/server/fake_dynamic_mesh.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 
@@ -56,9 +55,7 @@ class Mailbox {
   // Fails the test, by an exception, after a minute without a value.
   T Take() {
     std::unique_lock lock(mutex_);
-    if (!changed_.wait_for(lock, std::chrono::minutes(1), [this] { return !values_.empty(); })) {
-      throw std::runtime_error("no value came for a minute");
-    }
+    test::WaitUntil("a value", changed_, lock, [this] { return !values_.empty(); });
     T value = std::move(values_.front());
     values_.pop_front();
     return value;

@@ -8,6 +8,7 @@
 #include "dynmesh/client/mesh_replica.h"
 #include "proto/codec/grpc_status.h"
 #include "tests/server/server_fixture.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 namespace {
@@ -256,9 +257,7 @@ TEST_F(WatchTest, WatchersThatLeaveAreForgotten) {
     }
   }
   // The server notices it a little later: the places are released first, the calls then.
-  const absl::Time deadline = absl::Now() + kLong;
-  while (client_->GetStats()->watchers > 0 && absl::Now() < deadline) std::this_thread::yield();
-  EXPECT_EQ(client_->GetStats()->watchers, 0u);
+  test::WaitUntil("the end of the watches", [&] { return client_->GetStats()->watchers == 0; });
   EXPECT_EQ(Host()->hub()->size(), 0u);
 }
 

@@ -46,7 +46,7 @@ def test_examples_leave_no_mesh_at_a_server(daemon, server, tmp_path):
     before = [mesh["id"] for mesh in server.meshes()]
     script = pathlib.Path(__file__).parents[3] / "examples" / "heat_crack.py"
     subprocess.run([sys.executable, "-B", script, "--edge", "0.1", "--steps", "2",
-                    "--out", tmp_path, "--server", daemon.address], check=True)
+                    "--out", tmp_path, "--server", daemon.address], check=True, timeout=300)
     assert [mesh["id"] for mesh in server.meshes()] == before
 
 
@@ -88,7 +88,8 @@ def test_follow(server, random):
         assert mesh.revision == diff.to_revision
         if diff.to_revision == 20:
             break
-    thread.join()
+    thread.join(60)
+    assert not thread.is_alive(), "the writer does not end"
     assert revisions == list(range(1, 21)) and mesh.hash == writer.hash
     assert np.abs(u - mesh.points[:, 0])[mesh.live_vertices].max() < 1e-12
     assert list(mesh.follow(timeout=0.2)) == []
@@ -157,7 +158,8 @@ def test_a_server_that_comes_back(tmp_path, random, how):
         later = threading.Thread(target=lambda: (time.sleep(0.5), daemon.start()))
         later.start()
         mesh.apply(add_points={100: (0.5, 0.25)})  # waits for the server
-        later.join()
+        later.join(60)
+        assert not later.is_alive(), "the server does not start"
         next(follow)
         assert mesh.revision == follower.revision == 11
         assert mesh.hash == follower.hash == server.mesh("m").hash
@@ -212,7 +214,7 @@ def start_other_server():
         return f"127.0.0.1:{port}"
     yield start
     for server in servers:
-        server.stop(None).wait()
+        assert server.stop(None).wait(60), "a server does not end"
 
 
 def test_a_server_of_another_version_is_refused_by_name(start_other_server):

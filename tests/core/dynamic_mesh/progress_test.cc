@@ -10,6 +10,7 @@
 
 #include "core/dynamic_mesh/progress_meter.h"
 #include "tests/differential/differential.h"
+#include "tests/support/deadline.h"
 #include "tests/support/polygon_script.h"
 
 namespace dynmesh::test {
@@ -175,7 +176,7 @@ TEST(Progress, AnotherThreadMayCancelAtAnyStage) {
     std::atomic<bool> cancelled{false};
     std::thread canceller([&] {
       std::unique_lock lock(mutex);
-      changed.wait(lock, [&] { return reached; });
+      WaitUntil("the stage", changed, lock, [&] { return reached; });
       cancelled.store(true);
       changed.notify_all();
     });
@@ -188,7 +189,7 @@ TEST(Progress, AnotherThreadMayCancelAtAnyStage) {
       std::unique_lock lock(mutex);
       reached = true;
       changed.notify_all();
-      changed.wait(lock, [&] { return cancelled.load(); });
+      WaitUntil("cancellation", changed, lock, [&] { return cancelled.load(); });
     };
     EXPECT_TRUE(absl::IsCancelled(mesh.Apply(load, options).status()));
     canceller.join();

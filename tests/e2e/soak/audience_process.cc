@@ -17,6 +17,7 @@
 
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::soak {
 namespace {
@@ -80,7 +81,7 @@ AudienceProcess::AudienceProcess(const Audience::Plan& plan, Share share) {
 
 AudienceProcess::~AudienceProcess() {
   close(socket_);  // which ends it
-  if (child_ > 0) waitpid(child_, nullptr, 0);
+  if (child_ > 0) test::WaitForEnd(child_);
 }
 
 void AudienceProcess::Start(const std::string& address, const std::string& authority,

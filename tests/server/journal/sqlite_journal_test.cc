@@ -23,6 +23,7 @@
 #include "tests/server/journal/durable_registry.h"
 #include "tests/server/journal/failing_vfs.h"
 #include "tests/server/journal/told.h"
+#include "tests/support/deadline.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh::server {
@@ -282,7 +283,7 @@ TEST_F(SqliteJournalTest, ABackupMadeUnderLoadIsAMomentOfIt) {
   for (int i = 0; i < 3; ++i) {
     const std::string folder = absl::StrCat(folder_.path(), "/backup", i);
     std::filesystem::create_directory(folder);
-    while (acknowledged < 20u * static_cast<unsigned>(i + 1)) std::this_thread::yield();
+    test::WaitUntil("appends", [&] { return acknowledged >= 20u * static_cast<unsigned>(i + 1); });
     const std::uint64_t before = acknowledged;
     auto other = *sqlite::Connection::Open(File(), nullptr);
     const absl::Status made =

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/journal/journal.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 
@@ -39,7 +40,7 @@ class ScriptedJournal final : public Journal {
   // Until so many appends have come since it was made.
   void WaitForAppends(int count) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return appends_ >= count; });
+    test::WaitUntil("appends", changed_, lock, [&] { return appends_ >= count; });
   }
   int appends() const {
     const std::lock_guard lock(mutex_);
@@ -67,7 +68,7 @@ class ScriptedJournal final : public Journal {
     std::unique_lock lock(mutex_);
     const int n = ++appends_;
     changed_.notify_all();
-    changed_.wait(lock, [&] { return !held_; });
+    test::WaitUntil("the release of an append", changed_, lock, [&] { return !held_; });
     absl::Status status = answer_ == nullptr ? absl::OkStatus() : answer_(n);
     if (status.ok()) groups_.push_back({entries, requests});
     return status;

@@ -10,6 +10,7 @@
 #include "tests/server/metrics/http_get.h"
 #include "tests/server/metrics/metrics_parser.h"
 #include "tests/server/server_fixture.h"
+#include "tests/support/deadline.h"
 
 namespace dynmesh::server {
 namespace {
@@ -72,7 +73,8 @@ TEST_F(ObserveTest, CallsAreCountedByMethodAndCode) {
   }
   // The server counts it a moment after the client has its answer.
   const ParsedMetrics::Labels send = {{"stage", "send"}, {"kind", "edit"}};
-  while (Scrape().Value("dynmesh_edit_seconds_count", send) < 7) std::this_thread::yield();
+  test::WaitUntil("the count of edits",
+                  [&] { return Scrape().Value("dynmesh_edit_seconds_count", send) >= 7; });
   const ParsedMetrics now = Scrape();
   EXPECT_EQ(now.Value("grpc_server_started_total", Of("unary", "CreateMesh")), 1);
   EXPECT_EQ(now.Value("grpc_server_handled_total", Of("unary", "CreateMesh", "OK")), 1);
@@ -141,7 +143,8 @@ TEST_F(ObserveTest, ABatchThatRunsShowsHowFarItIs) {
   EXPECT_EQ(running.Value("dynmesh_mesh_batch_done_ratio", stage), 0.5);
   gate_->Release();
   editor.join();
-  while (Scrape().Value("dynmesh_mesh_batch_edits", m) != 0) std::this_thread::yield();
+  test::WaitUntil("the batch's end",
+                  [&] { return Scrape().Value("dynmesh_mesh_batch_edits", m) == 0; });
   EXPECT_TRUE(std::isnan(Scrape().Value("dynmesh_mesh_batch_work_done", stage)));
 }
 
@@ -153,7 +156,8 @@ TEST_F(ObserveTest, AClientThatGoesAwayIsCountedAsCancelled) {
     EXPECT_EQ(Scrape().Value("dynmesh_mesh_watchers", {{"mesh", "m"}}), 1);
   }
   const auto ended = Of("server_stream", "Watch", "Canceled");
-  while (!(Scrape().Value("grpc_server_handled_total", ended) == 1)) std::this_thread::yield();
+  test::WaitUntil("the call's end",
+                  [&] { return Scrape().Value("grpc_server_handled_total", ended) == 1; });
   EXPECT_EQ(Scrape().Value("grpc_server_started_total", Of("server_stream", "Watch")), 1);
 }
 
@@ -395,7 +399,8 @@ TEST_F(ObserveTest, AServerIsReadyFromTheEndOfRecoveryToTheDrain) {
   std::thread editor([&] { EXPECT_TRUE(client_->Apply("m", {AddPoint(1)}).ok()); });
   gate_->WaitForArrivals(1);
   std::thread drainer([&] { EXPECT_TRUE(server_->Drain(kLong)); });
-  while ((ready = HttpGet(metrics_, "/readyz")).status == 200) std::this_thread::yield();
+  test::WaitUntil("the drain",
+                  [&] { return (ready = HttpGet(metrics_, "/readyz")).status != 200; });
   EXPECT_EQ(ready.status, 503);
   EXPECT_EQ(ready.body, "draining\n");
   EXPECT_EQ(HttpGet(metrics_, "/healthz").status, 200);
