@@ -34,6 +34,13 @@ inline Edit AddPoint(FeatureId id) {
                                   0.5 + 0.25 / (1.0 + static_cast<double>(id))));
 }
 
+// `count` of them.
+inline EditBatch ManyPoints(FeatureId first, std::size_t count) {
+  EditBatch batch;
+  for (FeatureId id = first; id < first + count; ++id) batch.push_back(AddPoint(id));
+  return batch;
+}
+
 // The fake mesh of those points.
 inline MeshHash HashOfFake(const std::vector<FeatureId>& points) {
   const auto mesh = *MakeFake(MeshOptions());
