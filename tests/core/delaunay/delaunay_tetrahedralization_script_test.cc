@@ -2,8 +2,9 @@
 // the one defined by its points, and created() and deleted() must report the changes.
 #include <gtest/gtest.h>
 
-#include <map>
+#include <string>
 
+#include "tests/core/delaunay/random_edits.h"
 #include "tests/core/delaunay/tetrahedra_oracle.h"
 #include "tests/core/geometry/random_points.h"
 
@@ -13,114 +14,12 @@ namespace {
 using namespace testing;
 using geometry::testing::NewSeed;
 
-// Tetrahedra by vertex indices, ascending; infinite ones included.
-using IndexTetrahedron = std::array<VertexIndex, 4>;
-IndexTetrahedron Sorted(IndexTetrahedron t) {
-  std::sort(t.begin(), t.end());
-  return t;
-}
+struct Script : RandomEdits<DelaunayTetrahedralization, 3> {
+  explicit Script(std::uint64_t seed) : RandomEdits(seed, EmptyBox(), Corners()) {}
 
-// A tetrahedralisation, the list of its points, and its tetrahedra according to the reports.
-class Script {
- public:
-  explicit Script(std::uint64_t seed) : random_(seed), dt_(EmptyBox()) {
-    for (SimplexIndex t = 0; t < dt_.simplex_limit(); ++t) {
-      if (!dt_.IsUnused(t)) told_.insert(Sorted(dt_.vertices(t)));
-    }
-    for (const Point3& p : Corners()) present_[p] = static_cast<VertexIndex>(present_.size());
-  }
-
-  void Insert(const Point3& p) {
-    if (present_.contains(p)) return;
-    // Old indices come again, as those of a real caller do.
-    VertexIndex v = next_;
-    if (unused_.empty() || random_() % 2 == 0) {
-      ++next_;
-    } else {
-      v = unused_.back();
-      unused_.pop_back();
-    }
-    const auto near = std::next(present_.begin(), static_cast<long>(random_() % present_.size()));
-    dt_.Insert(v, p, near->second);
-    present_[p] = v;
-    Hear();
-    ASSERT_TRUE(dt_.Contains(v));
-    ASSERT_EQ(dt_.position(v), p);
-    for (const SimplexIndex t : dt_.created()) ASSERT_EQ(dt_.vertices(t)[3], v);
-  }
-
-  void RemoveAny() {
-    if (present_.size() == 8) return;
-    auto victim = std::next(present_.begin(), static_cast<long>(random_() % present_.size()));
-    while (victim->second < 8) {
-      if (++victim == present_.end()) victim = present_.begin();
-    }
-    const VertexIndex v = victim->second;
-    dt_.Remove(v);
-    present_.erase(victim);
-    unused_.push_back(v);
-    Hear();
-    ASSERT_FALSE(dt_.Contains(v));
-  }
-
-  void Step(const Point3& p, double remove_probability) {
-    if (std::uniform_real_distribution<double>(0, 1)(random_) < remove_probability) {
-      RemoveAny();
-    } else {
-      Insert(p);
-    }
-  }
-
-  void ExpectSound() const {
-    ASSERT_NO_FATAL_FAILURE(testing::ExpectSound(dt_));
-    ASSERT_EQ(dt_.vertex_count(), present_.size());
-    std::set<IndexTetrahedron> actual;
-    std::size_t finite = 0;
-    for (SimplexIndex t = 0; t < dt_.simplex_limit(); ++t) {
-      if (!dt_.IsUnused(t)) actual.insert(Sorted(dt_.vertices(t)));
-      finite += !dt_.IsInfinite(t);
-    }
-    ASSERT_EQ(finite, dt_.simplex_count());
-    ASSERT_EQ(actual, told_);
-  }
-
-  // The same points from scratch, in another order.
   void ExpectEqualsScratch() {
-    auto points = this->points();
-    std::shuffle(points.begin(), points.end(), random_);
-    DelaunayTetrahedralization fresh = EmptyBox();
-    const std::vector<Point3> corners = Corners();
-    VertexIndex v = 8;
-    for (const Point3& p : points) {
-      if (std::find(corners.begin(), corners.end(), p) == corners.end()) fresh.Insert(v++, p, 0);
-    }
-    ASSERT_EQ(TetrahedraOf(dt_), TetrahedraOf(fresh));
+    ASSERT_EQ(TetrahedraOf(dt()), TetrahedraOf(FromScratch(EmptyBox())));
   }
-
-  const DelaunayTetrahedralization& dt() const { return dt_; }
-  std::vector<Point3> points() const {
-    std::vector<Point3> result;
-    for (const auto& [p, v] : present_) result.push_back(p);
-    return result;
-  }
-
- private:
-  // Applies the reports to told_.
-  void Hear() {
-    ASSERT_EQ(dt_.deleted().size(), dt_.deleted_tags().size());
-    for (const IndexTetrahedron& t : dt_.deleted()) ASSERT_EQ(told_.erase(Sorted(t)), 1u);
-    for (const SimplexIndex t : dt_.created()) {
-      ASSERT_EQ(dt_.tag(t), 0u);
-      ASSERT_TRUE(told_.insert(Sorted(dt_.vertices(t))).second);
-    }
-  }
-
-  std::mt19937_64 random_;
-  DelaunayTetrahedralization dt_;
-  std::map<Point3, VertexIndex> present_;
-  VertexIndex next_ = 8;
-  std::vector<VertexIndex> unused_;
-  std::set<IndexTetrahedron> told_;
 };
 
 class TetrahedralizationScript : public ::testing::TestWithParam<Layout> {};

@@ -13,7 +13,7 @@ namespace {
 TEST(Constructions, CircumcenterIsEquidistant) {
   const std::uint64_t seed = testing::NewSeed();
   SCOPED_TRACE("seed " + std::to_string(seed));
-  testing::PointSource source(testing::Kind::kUniform, seed);
+  testing::PointSource<2> source(testing::Kind::kUniform, seed);
   for (int i = 0; i < 5000; ++i) {
     const Point2 p = source.Next(), q = source.Next(), c = source.Next();
     if (std::fabs(Cross(p, q, c)) < 1e-3) continue;
@@ -29,7 +29,7 @@ TEST(Constructions, AreSymmetricToTheBit) {
   const std::uint64_t seed = testing::NewSeed();
   SCOPED_TRACE("seed " + std::to_string(seed));
   for (const testing::Kind kind : {testing::Kind::kUniform, testing::Kind::kScales}) {
-    testing::PointSource source(kind, seed);
+    testing::PointSource<2> source(kind, seed);
     for (int i = 0; i < 5000; ++i) {
       const Point2 p = source.Next(), q = source.Next(), c = source.Next();
       ASSERT_EQ(Cross(p, q, c), -Cross(q, p, c));

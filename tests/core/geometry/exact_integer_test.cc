@@ -98,7 +98,7 @@ TEST(ExactInteger, ScaledDoublesAreNear) {
 TEST(ExactInteger, CommonUnitHoldsEveryDoubleExactly) {
   const std::uint64_t seed = testing::NewSeed();
   SCOPED_TRACE("seed " + std::to_string(seed));
-  testing::PointSource source(testing::Kind::kWildExponents, seed);
+  testing::PointSource<2> source(testing::Kind::kWildExponents, seed);
   for (int i = 0; i < 5000; ++i) {
     const Point2 p = source.Next();
     const CommonUnit unit = FindCommonUnit(p.c);

@@ -75,7 +75,7 @@ void ExpectOneTriangulation(const std::vector<Point2>& points) {
 }
 
 std::vector<Point2> DistinctPoints(testing::Kind kind, std::uint64_t seed, int count) {
-  testing::PointSource source(kind, seed);
+  testing::PointSource<2> source(kind, seed);
   std::set<Point2> points;
   for (int i = 0; i < count; ++i) points.insert(source.Next());
   return {points.begin(), points.end()};

@@ -51,7 +51,7 @@ class PredicatesOn : public ::testing::TestWithParam<Kind> {
   std::string Trace() const { return "seed " + std::to_string(seed_); }
 
   std::uint64_t seed_;
-  PointSource source_;
+  PointSource<2> source_;
   static constexpr int kRounds = 20000;
 };
 

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "tests/core/geometry/random_points.h"
-#include "tests/core/geometry/random_space_points.h"
 #include "tests/core/geometry/rational_vectors.h"
 
 namespace dynmesh::geometry {
@@ -23,10 +22,10 @@ namespace {
 using testing::Det;
 using testing::Dot;
 using testing::From;
+using testing::Kind;
 using testing::Q;
 using testing::QVector;
 using testing::SignOf;
-using testing::Trouble;
 
 int SlowOrientation(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
   return SignOf(Det(From(a, b), From(a, c), From(a, d)));
@@ -51,11 +50,11 @@ int SlowInSphere(const Point3& a, const Point3& b, const Point3& c, const Point3
   return SignOf(Dot(x, x) - Dot(to_e, to_e));
 }
 
-class SpacePredicatesOn : public ::testing::TestWithParam<Trouble> {
+class SpacePredicatesOn : public ::testing::TestWithParam<Kind> {
  protected:
   SpacePredicatesOn() : seed_(testing::NewSeed()), source_(GetParam(), seed_) {}
   std::uint64_t seed_;
-  testing::SpacePointSource source_;
+  testing::PointSource<3> source_;
 };
 
 TEST_P(SpacePredicatesOn, AllSignsAgreeWithRationals) {
@@ -103,7 +102,7 @@ TEST_P(SpacePredicatesOn, PermutationsOfThePointsGiveTheSameAnswers) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SpacePredicatesOn, ::testing::ValuesIn(testing::kAllTroubles));
+INSTANTIATE_TEST_SUITE_P(All, SpacePredicatesOn, ::testing::ValuesIn(testing::kAllKinds));
 
 using Face = std::array<Point3, 3>;
 
@@ -152,11 +151,11 @@ void ExpectOneTriangulation(const std::vector<Point3>& points) {
 TEST(SpacePerturbation, MakesDelaunayUniqueOnDegenerateSets) {
   const std::uint64_t seed = testing::NewSeed();
   int sets = 0;
-  for (const Trouble trouble : testing::kAllTroubles) {
+  for (const Kind kind : testing::kAllKinds) {
     for (std::uint64_t round = 0; round < 25; ++round) {
-      SCOPED_TRACE("seed " + std::to_string(seed) + " trouble " +
-                   std::to_string(static_cast<int>(trouble)) + " round " + std::to_string(round));
-      testing::SpacePointSource source(trouble, seed + round);
+      SCOPED_TRACE("seed " + std::to_string(seed) + " kind " +
+                   std::to_string(static_cast<int>(kind)) + " round " + std::to_string(round));
+      testing::PointSource<3> source(kind, seed + round);
       std::set<Point3> distinct;
       for (std::uint64_t i = 0; i < 5 + round % 9; ++i) distinct.insert(source.Next());
       const std::vector<Point3> points(distinct.begin(), distinct.end());

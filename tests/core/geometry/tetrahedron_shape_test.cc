@@ -8,7 +8,6 @@
 #include <string>
 
 #include "tests/core/geometry/random_points.h"
-#include "tests/core/geometry/random_space_points.h"
 #include "tests/core/geometry/rational_vectors.h"
 
 namespace dynmesh::geometry {
@@ -17,10 +16,10 @@ namespace {
 using testing::Det;
 using testing::Dot;
 using testing::From;
+using testing::Kind;
 using testing::Q;
 using testing::QVector;
 using testing::SignOf;
-using testing::Trouble;
 
 // (circumradius / shortest edge)^2, by the centre x relative to a, from its definition:
 // |x| = |x - u| = |x - v| = |x - w|. REQUIRES: not flat.
@@ -46,12 +45,12 @@ bool IsNear(const Q& value, const Q& truth, double tolerance) {
   return error <= magnitude * Q(tolerance);
 }
 
-class TetrahedronShapeOn : public ::testing::TestWithParam<Trouble> {};
+class TetrahedronShapeOn : public ::testing::TestWithParam<Kind> {};
 
 TEST_P(TetrahedronShapeOn, AgreesWithRationals) {
   const std::uint64_t seed = testing::NewSeed();
   SCOPED_TRACE("seed " + std::to_string(seed));
-  testing::SpacePointSource source(GetParam(), seed);
+  testing::PointSource<3> source(GetParam(), seed);
   int flat = 0, full = 0;
   for (int i = 0; i < 1000; ++i) {
     const Point3 a = source.Next(), b = source.Next(), c = source.Next(), d = source.Next();
@@ -82,12 +81,12 @@ TEST_P(TetrahedronShapeOn, AgreesWithRationals) {
     ASSERT_EQ(CompareRadiusEdge(a, b, c, d, 0.5), 1);
   }
   EXPECT_GT(full, 200);
-  if (GetParam() == Trouble::kGrid || GetParam() == Trouble::kBigGrid) {
+  if (GetParam() == Kind::kGrid || GetParam() == Kind::kBigGrid) {
     EXPECT_GT(flat, 20);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, TetrahedronShapeOn, ::testing::ValuesIn(testing::kAllTroubles));
+INSTANTIATE_TEST_SUITE_P(All, TetrahedronShapeOn, ::testing::ValuesIn(testing::kAllKinds));
 
 TEST(TetrahedronShape, RatiosThatAreDoublesAreMetExactly) {
   // A corner of a box: the ball is the box's.

@@ -13,7 +13,7 @@
 #include "core/plc/facet_rules.h"
 #include "core/plc/plc.h"
 #include "core/plc/spatial_index.h"
-#include "tests/core/plc/space_test_util.h"
+#include "tests/core/plc/plc_test_util.h"
 
 namespace dynmesh::plc {
 namespace {

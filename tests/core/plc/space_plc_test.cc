@@ -11,7 +11,7 @@
 
 #include "core/plc/plc.h"
 #include "dynmesh/error.h"
-#include "tests/core/plc/space_test_util.h"
+#include "tests/core/plc/plc_test_util.h"
 
 namespace dynmesh::plc {
 namespace {

@@ -18,7 +18,6 @@
 #include "tests/core/plc/naive_plc.h"
 #include "tests/core/plc/naive_space.h"
 #include "tests/core/plc/plc_test_util.h"
-#include "tests/core/plc/space_test_util.h"
 
 namespace dynmesh::plc {
 namespace {

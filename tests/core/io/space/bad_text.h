@@ -31,6 +31,31 @@ inline void ExpectRefused(const std::vector<BadText>& texts, const std::string& 
   }
 }
 
+// Reads `good` cut off and damaged at every byte. There must be an answer, and mostly an error;
+// returns the number of errors.
+inline int CountRefusalsOfDamage(const std::string& good,
+                                 absl::StatusOr<io::FileFeatures> (*read)(const std::string&)) {
+  int refused = 0;
+  const auto check = [&](const std::string& text) {
+    const absl::StatusOr<io::FileFeatures> input = read(text);
+    if (input.ok()) {
+      EXPECT_EQ(input->features.size(), input->lines.size());
+    } else {
+      EXPECT_FALSE(input.status().message().empty());
+      ++refused;
+    }
+  };
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    check(good.substr(0, i));
+    for (const char c : {'9', '-', 'e', '/', '#', '\n', '\0', '\xff', ' '}) {
+      std::string bad = good;
+      bad[i] = c;
+      check(bad);
+    }
+  }
+  return refused;
+}
+
 }  // namespace dynmesh::testing
 
 #endif  // DYNMESH_TESTS_CORE_IO_SPACE_BAD_TEXT_H_
