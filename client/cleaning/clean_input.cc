@@ -11,6 +11,7 @@
 #include "client/cleaning/polygon_rings.h"
 #include "client/cleaning/round.h"
 #include "core/base/rings.h"
+#include "core/base/size_shapes.h"
 #include "core/base/text.h"
 #include "dynmesh/error.h"
 
@@ -204,7 +205,8 @@ class Cleaner {
     for (const Feature& f : features_) {
       if (f.kind == FeatureKind::kPoint || f.kind == FeatureKind::kSegment) continue;
       const bool is_size = f.kind == FeatureKind::kSize;
-      if (is_size && f.sizing.shape != SizeShape::kPolygon) {
+      const SizeShapeUse* const use = is_size ? FindUse(f.sizing.shape) : nullptr;
+      if (is_size && (use == nullptr || !use->rings)) {
         others.push_back(f);
         continue;
       }

@@ -28,11 +28,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 #include <vector>
 
-#include "core/base/rings.h"
 #include "core/plc/delta.h"
+#include "core/plc/size_rules.h"
 #include "core/sac/engine.h"
 #include "dynmesh/feature.h"
 #include "dynmesh/options.h"
@@ -97,25 +96,6 @@ class PropagationCost {
   std::size_t operations_ = 0, waiting_ = 0;  // at the beginning
 };
 
-// The area or volume of a sizing feature.
-template <int D>
-double MeasureOf(const plc::SizeFeature<D>& f) {
-  double measure = 0;
-  if (f.sizing.shape == SizeShape::kDisc) {
-    const double r = f.sizing.radius;
-    measure = std::numbers::pi * r * r * (D == 2 ? 1 : 4 * r / 3);
-  } else if (f.sizing.shape == SizeShape::kBox) {
-    measure = 1;
-    for (int k = 0; k < D; ++k) measure *= f.sizing.hi[k] - f.at[k];
-  } else if (f.sizing.shape == SizeShape::kPolygon) {  // 2D only
-    const auto& o = f.places.front().front();          // near all others: little rounding
-    ForEachEdgeOf(f.places, [&](const auto& p, const auto& q) {
-      measure += 0.5 * ((p[0] - o[0]) * (q[1] - o[1]) - (q[0] - o[0]) * (p[1] - o[1]));
-    });
-  }
-  return std::abs(measure);
-}
-
 // An upper estimate of the vertices that sizing features may need.
 template <int D>
 double VerticesCarried(const std::vector<plc::SizeFeature<D>>& sizes, const Box& box) {
@@ -125,7 +105,7 @@ double VerticesCarried(const std::vector<plc::SizeFeature<D>>& sizes, const Box&
   for (const plc::SizeFeature<D>& f : sizes) {
     double cell = 1;
     for (int k = 0; k < D; ++k) cell *= f.sizing.target;
-    sum += std::min(MeasureOf(f), whole) / cell;
+    sum += std::min(plc::RulesOf(f).Measure(f), whole) / cell;
   }
   return sum;
 }

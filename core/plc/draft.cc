@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/size_shapes.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh::plc {
@@ -96,15 +97,14 @@ SizeFeature<D> SizeOf(const Feature& feature) {
   const Sizing& given = feature.sizing;
   size.sizing.shape = given.shape;
   size.sizing.target = given.target;
-  if (given.shape == SizeShape::kDisc) size.sizing.radius = given.radius;
-  if (given.shape == SizeShape::kBox) {
+  const SizeShapeUse* const use = FindUse(given.shape);
+  if (use == nullptr || use->position) size.at = PlaceOf<D>(feature);
+  if (use == nullptr) return size;
+  if (use->radius) size.sizing.radius = given.radius;
+  if (use->hi) {
     for (int i = 0; i < D; ++i) size.sizing.hi[i] = given.hi[i] + 0.0;
   }
-  if (given.shape == SizeShape::kPolygon) {
-    size.rings = feature.rings;
-  } else {
-    size.at = PlaceOf<D>(feature);
-  }
+  if (use->rings) size.rings = feature.rings;
   return size;
 }
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/rings.h"
+#include "core/plc/size_rules.h"
 
 namespace dynmesh::plc {
 namespace {
@@ -44,120 +44,10 @@ double Vertices(double measure, double target) {
 }
 
 template <int D>
-struct Extent {
-  Point<D> lo{}, hi{};
-  double Measure() const {
-    double measure = 1;
-    for (int k = 0; k < D; ++k) measure *= std::max(0.0, hi[k] - lo[k]);
-    return measure;
-  }
-};
-
-template <int D>
-Extent<D> Common(const Extent<D>& a, const Extent<D>& b) {
-  Extent<D> common;
-  for (int k = 0; k < D; ++k) {
-    common.lo[k] = std::max(a.lo[k], b.lo[k]);
-    common.hi[k] = std::min(a.hi[k], b.hi[k]);
-  }
-  return common;
-}
-
-template <int D>
-Extent<D> Around(const Point<D>& centre, double r) {
+Extent<D> Nothing() {
   Extent<D> extent;
-  for (int k = 0; k < D; ++k) extent.lo[k] = centre[k] - r, extent.hi[k] = centre[k] + r;
+  for (int k = 0; k < D; ++k) extent.lo[k] = INFINITY, extent.hi[k] = -INFINITY;
   return extent;
-}
-
-template <int D>
-Extent<D> ExtentOf(const Box& box) {
-  Extent<D> extent;
-  for (int k = 0; k < D; ++k) extent.lo[k] = box.lo[k], extent.hi[k] = box.hi[k];
-  return extent;
-}
-
-// The part of a disc that is certainly in the domain.
-template <int D>
-double RadiusIn(const SizeFeature<D>& size, const Box& domain) {
-  double r = size.sizing.radius;
-  for (int k = 0; k < D; ++k) {
-    r = std::min({r, size.at[k] - domain.lo[k], domain.hi[k] - size.at[k]});
-  }
-  return std::max(r, 0.0);
-}
-
-Extent<2> ExtentOf(const std::vector<std::vector<Point2>>& rings) {
-  Extent<2> extent{rings.front().front(), rings.front().front()};
-  for (const auto& ring : rings) {
-    for (const Point2& p : ring) {
-      for (int k = 0; k < 2; ++k) {
-        extent.lo[k] = std::min(extent.lo[k], p[k]);
-        extent.hi[k] = std::max(extent.hi[k], p[k]);
-      }
-    }
-  }
-  return extent;
-}
-
-// The area enclosed by an odd number of rings, of cells that no edge meets: rings may cross.
-double AreaInside(const std::vector<std::vector<Point2>>& rings) {
-  constexpr int kCells = 64;
-  const Extent<2> extent = ExtentOf(rings);
-  const double width = (extent.hi[0] - extent.lo[0]) / kCells,
-               height = (extent.hi[1] - extent.lo[1]) / kCells;
-  if (!(width > 0 && height > 0)) return 0;
-  std::vector<std::uint8_t> met(kCells * kCells), turned(kCells * kCells);
-  const auto cell = [](double x) { return std::clamp(static_cast<int>(x), 0, kCells - 1); };
-  ForEachEdgeOf(rings, [&](const Point2& p, const Point2& q) {
-    // In cells, the lower end first.
-    double x0 = (p[0] - extent.lo[0]) / width, y0 = (p[1] - extent.lo[1]) / height;
-    double x1 = (q[0] - extent.lo[0]) / width, y1 = (q[1] - extent.lo[1]) / height;
-    if (y1 < y0) std::swap(x0, x1), std::swap(y0, y1);
-    const auto at = [&](double y) {
-      return y1 > y0 ? x0 + (x1 - x0) * std::clamp((y - y0) / (y1 - y0), 0.0, 1.0) : x0;
-    };
-    constexpr double kHair = 1e-6;
-    for (int row = cell(y0 - kHair); row <= cell(y1 + kHair); ++row) {
-      const auto [left, right] =
-          y1 > y0 ? std::minmax({at(row - kHair), at(row + 1 + kHair)}) : std::minmax({x0, x1});
-      for (int i = cell(left - kHair); i <= cell(right + kHair); ++i) met[row * kCells + i] = 1;
-      const double middle = row + 0.5;
-      if (!(y0 <= middle && middle < y1)) continue;
-      // Cells with middles to the right.
-      const double first = std::ceil(at(middle) - 0.5);
-      if (first < kCells) turned[row * kCells + std::max(0, static_cast<int>(first))] ^= 1;
-    }
-  });
-  int inside = 0;
-  for (int row = 0; row < kCells; ++row) {
-    int parity = 0;
-    for (int i = row * kCells; i < (row + 1) * kCells; ++i) {
-      parity ^= turned[i];
-      inside += parity != 0 && met[i] == 0;
-    }
-  }
-  return inside * width * height;
-}
-
-template <int D>
-double MeasureIn(const SizeFeature<D>& size, const Box& domain) {
-  switch (size.sizing.shape) {
-    case SizeShape::kDisc: {
-      const double r = RadiusIn(size, domain);
-      return std::numbers::pi * r * r * (D == 2 ? 1 : 4 * r / 3);
-    }
-    case SizeShape::kBox: {
-      Extent<D> box{size.at, {}};
-      for (int k = 0; k < D; ++k) box.hi[k] = size.sizing.hi[k];
-      return Common(box, ExtentOf<D>(domain)).Measure();
-    }
-    case SizeShape::kPolygon:
-      if constexpr (D == 2) return AreaInside(size.places);
-      return 0;
-    default:
-      return 0;
-  }
 }
 
 // Cells over some regions; in each the greatest number of vertices that one region has there.
@@ -218,39 +108,6 @@ class RegionCells {
   std::vector<double> most_;
   int visits_ = 0;
 };
-
-// A box around a region, and a box that is certainly in it.
-template <int D>
-std::pair<Extent<D>, Extent<D>> BoxesOf(const SizeFeature<D>& size, const Box& domain) {
-  if (size.sizing.shape == SizeShape::kDisc) {
-    const double r = RadiusIn(size, domain);
-    return {Around(size.at, r), Around(size.at, r / std::sqrt(D))};
-  }
-  if constexpr (D == 2) {
-    if (size.sizing.shape == SizeShape::kPolygon) {
-      const Extent<2> around = ExtentOf(size.places);
-      return {around, {around.hi, around.lo}};  // empty
-    }
-  }
-  Extent<D> box{size.at, size.at};
-  if (size.sizing.shape == SizeShape::kBox) {
-    for (int k = 0; k < D; ++k) box.hi[k] = size.sizing.hi[k];
-    box = Common(box, ExtentOf<D>(domain));
-  }
-  return {box, box};
-}
-
-// Is the whole cell in that disc?
-template <int D>
-bool Holds(const SizeFeature<D>& size, double r, const Extent<D>& cell) {
-  if (size.sizing.shape != SizeShape::kDisc) return false;
-  double sum = 0;
-  for (int k = 0; k < D; ++k) {
-    const double far = std::max(size.at[k] - cell.lo[k], cell.hi[k] - size.at[k]);
-    sum += far * far;
-  }
-  return sum < r * r;
-}
 
 // --- Segments ---------------------------------------------------------------------------
 
@@ -318,27 +175,27 @@ double Overhang(const std::vector<Point3>& ring, const Vector3& normal, const Po
 
 template <int D>
 double LeastVerticesIn(const SizeFeature<D>& size, const Box& domain) {
-  return Vertices<D>(MeasureIn(size, domain), size.sizing.target);
+  return Vertices<D>(RulesOf(size).LeastMeasure(size, domain), size.sizing.target);
 }
 
 template <int D>
 double LeastVerticesIn(std::span<const SizeFeature<D>> sizes, const Box& domain) {
-  Extent<D> all = Around(Point<D>{}, -INFINITY);
+  std::vector<RegionBounds<D>> bounds;
+  Extent<D> all = Nothing<D>();
   for (const SizeFeature<D>& size : sizes) {
-    const Extent<D> around = BoxesOf(size, domain).first;
+    const Extent<D>& around = bounds.emplace_back(RulesOf(size).Bounds(size, domain)).around;
     for (int k = 0; k < D; ++k) {
       all.lo[k] = std::min(all.lo[k], around.lo[k]);
       all.hi[k] = std::max(all.hi[k], around.hi[k]);
     }
   }
   RegionCells<D> cells(all);
-  for (const SizeFeature<D>& size : sizes) {
-    const auto [around, core] = BoxesOf(size, domain);
-    const double r = RadiusIn(size, domain);
-    // clang 14 cannot capture structured bindings directly.
-    cells.Add(around, LeastVerticesIn(size, domain), [&, core = core](const Extent<D>& cell) {
-      const double measure = Holds(size, r, cell) ? cell.Measure() : Common(core, cell).Measure();
-      return Vertices<D>(measure, size.sizing.target);
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const RegionBounds<D>& region = bounds[i];
+    cells.Add(region.around, LeastVerticesIn(sizes[i], domain), [&](const Extent<D>& cell) {
+      const double measure =
+          region.Holds(cell) ? cell.Measure() : Common(region.box, cell).Measure();
+      return Vertices<D>(measure, sizes[i].sizing.target);
     });
   }
   return cells.Sum();
@@ -346,7 +203,7 @@ double LeastVerticesIn(std::span<const SizeFeature<D>> sizes, const Box& domain)
 
 template <int D>
 double TargetFor(const SizeFeature<D>& size, const Box& domain, double most) {
-  return std::pow(MeasureIn(size, domain) * kDensity<D> / most, 1.0 / D);
+  return std::pow(RulesOf(size).LeastMeasure(size, domain) * kDensity<D> / most, 1.0 / D);
 }
 
 template <int D>

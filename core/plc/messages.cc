@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -15,9 +14,12 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/base/rings.h"
+#include "core/base/size_shapes.h"
 #include "core/geometry/constructions.h"
 #include "core/plc/facet_rules.h"
 #include "core/plc/least_vertices.h"
+#include "core/plc/size_rules.h"
+#include "core/plc/text.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh::plc {
@@ -28,30 +30,12 @@ using geometry::Difference;
 using geometry::Dot;
 using geometry::Point;
 using geometry::Vector3;
+using plc::Text;
 
 // The most features that an error names; enough for a client to act on.
 constexpr std::size_t kMostNamed = 16;
 // Targets of sizing features, in units of the least distance between features.
 constexpr double kLeastTargetLimits = 64;
-
-std::string Shortest(double x) {
-  std::array<char, 32> text;
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
-}
-
-template <int D>
-std::string Text(const Point<D>& p) {
-  std::string text = "(";
-  for (int i = 0; i < D; ++i) absl::StrAppend(&text, i == 0 ? "" : ", ", Shortest(p[i]));
-  return text + ")";
-}
-
-template <int D>
-Point<D> CornerOf(const std::array<double, 3>& c) {
-  Point<D> p;
-  std::copy_n(c.begin(), D, p.c.begin());
-  return p;
-}
 
 template <int D>
 std::string Text(const PointFeature<D>& f) {
@@ -319,11 +303,13 @@ absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit,
     return Error(absl::StatusCode::kInvalidArgument, reason, {size.id}, edit,
                  absl::StrCat("sizing feature ", size.id, " at ", Text(size.at), " ", what));
   };
-  if (D == 3 && s.shape == SizeShape::kPolygon) {
-    return refuse(reason::kBadSize,
-                  "is a sizing polygon, which has no inside in 3D; give a point, a disc or a box");
-  }
-  if (s.shape == SizeShape::kPolygon) {
+  const SizeRules<D>* const rules = FindSizeRules<D>(s.shape);
+  if (const SizeShapeUse* const use = FindUse(s.shape); use != nullptr && use->rings) {
+    if (rules == nullptr) {
+      return refuse(
+          reason::kBadSize,
+          "is a sizing polygon, which has no inside in 3D; give a point, a disc or a box");
+    }
     if (absl::Status status = CheckRings(size.id, size.rings, edit); !status.ok()) return status;
   }
   bool finite = std::isfinite(s.target) && std::isfinite(s.radius);
@@ -331,29 +317,13 @@ absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit,
     finite = finite && std::isfinite(size.at[i]) && std::isfinite(s.hi[i]);
   }
   if (!finite) return refuse(reason::kNotFinite, "is not finite; give finite numbers");
-  if (s.shape < SizeShape::kPoint || s.shape > SizeShape::kPolygon) {
+  if (rules == nullptr) {
     return refuse(reason::kBadSize, absl::StrCat("is of unknown shape ", static_cast<int>(s.shape),
-                                                 "; give a point, a disc, a box or a polygon"));
+                                                 "; give ", NamesOfSizeShapes("a ")));
   }
-  const bool has_place = s.shape == SizeShape::kPoint || s.shape == SizeShape::kDisc;
-  bool outside = false, swapped = false, beside = false;  // beside: a region misses the box
-  for (int i = 0; i < D; ++i) {
-    outside = outside || size.at[i] < box.lo[i] || size.at[i] > box.hi[i];
-    swapped = swapped || s.hi[i] < size.at[i];
-    beside = beside || s.hi[i] < box.lo[i] || size.at[i] > box.hi[i];
+  if (const auto fault = rules->FaultOf(size, box); fault.has_value()) {
+    return refuse(fault->reason, fault->what);
   }
-  if (has_place && outside) {
-    return refuse(reason::kOutsideBox,
-                  absl::StrCat("is outside the mesh's box from ", Text(CornerOf<D>(box.lo)), " to ",
-                               Text(CornerOf<D>(box.hi)), "; move it inside"));
-  }
-  if (s.shape == SizeShape::kBox && swapped) {
-    return refuse(reason::kBadSize, "has its upper corner below the lower; swap them");
-  }
-  if (s.shape == SizeShape::kBox && beside) {
-    return refuse(reason::kOutsideBox, "does not meet the mesh's box; move it there");
-  }
-  if (s.radius < 0) return refuse(reason::kBadSize, "has a negative radius; give 0 or more");
   const double least = kLeastTargetLimits * limit;
   if (!(s.target >= least)) {
     return refuse(reason::kBadSize,

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/size_shapes.h"
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
 #include "core/io/script/edit_script.h"
@@ -32,20 +33,17 @@ std::string FormatPlace(const std::array<double, 3>& place, int dimension,
   return text;
 }
 
+// "disc X Y RADIUS H": the shape's name, what it uses in the order of the table, the target.
 std::string FormatSize(const Feature& f, int dimension) {
   const Sizing& s = f.sizing;
-  const std::string at = FormatPlace(f.position, dimension);
-  const std::string target = Concat(" ", FormatDouble(s.target));
-  switch (s.shape) {
-    case SizeShape::kPoint:
-      return Concat("point ", at, target);
-    case SizeShape::kDisc:
-      return Concat("disc ", at, " ", FormatDouble(s.radius), target);
-    case SizeShape::kPolygon:
-      return Concat("polygon ", FormatRings(f.rings), target);
-    default:
-      return Concat("box ", at, " ", FormatPlace(s.hi, dimension), target);
-  }
+  const SizeShapeUse* const use = FindUse(s.shape);
+  if (use == nullptr) return "?";
+  std::string text(use->name);
+  if (use->position) text += Concat(" ", FormatPlace(f.position, dimension));
+  if (use->hi) text += Concat(" ", FormatPlace(s.hi, dimension));
+  if (use->rings) text += Concat(" ", FormatRings(f.rings));
+  if (use->radius) text += Concat(" ", FormatDouble(s.radius));
+  return Concat(text, " ", FormatDouble(s.target));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/status/status.h"
+#include "core/base/size_shapes.h"
 #include "core/base/text.h"
 
 namespace dynmesh::io {
@@ -188,18 +189,6 @@ class ScriptParser {
     return absl::OkStatus();
   }
 
-  // "add|set size ID polygon P1 P2 P3 ... [/ Q1 Q2 Q3 ...] H".
-  absl::Status ParseSizePolygon(Edit::Action action, FeatureId id) {
-    if (reader_.size() < 5) return Error("a point's id is missing");
-    const std::size_t last = reader_.size() - 1;
-    absl::StatusOr<Rings> rings = ParseRings(4, last);
-    if (!rings.ok()) return rings.status();
-    const absl::StatusOr<double> target = reader_.Double(last, "the target length");
-    if (!target.ok()) return target.status();
-    Add({action, Feature::SizePolygon(id, *std::move(rings), *target)});
-    return absl::OkStatus();
-  }
-
   // Tokens begin, ..., end - 1: ids of points, with a lone / between rings. Validation checks the
   // number of points of a ring; an empty ring cannot be written.
   absl::StatusOr<Rings> ParseRings(std::size_t begin, std::size_t end) const {
@@ -218,39 +207,47 @@ class ScriptParser {
     return Error(rings.size() > 1 ? "no point stands after the last /" : "a point's id is missing");
   }
 
-  // "add|set size ID point X Y H", "... disc X Y RADIUS H", "... box X0 Y0 X1 Y1 H", "... polygon
-  // P1 P2 P3 ... H"; in 3D with a Z after each Y.
+  // "add|set size ID SHAPE ... H", with what the shape uses (edit_script.h).
   absl::Status ParseSize(Edit::Action action) {
     const absl::StatusOr<FeatureId> id = Id(2, "the sizing feature's id");
     if (!id.ok()) return id.status();
-    const std::string_view shape = reader_.size() > 3 ? reader_.token(3) : std::string_view();
-    if (shape == "polygon") return ParseSizePolygon(action, *id);
-    if (shape != "point" && shape != "disc" && shape != "box") {
-      return Error(Concat("what size? Expected point, disc, box or polygon after the id, found ",
-                          Quoted(shape)));
+    const std::string_view name = reader_.size() > 3 ? reader_.token(3) : std::string_view();
+    const SizeShapeUse* const use = FindUse(name);
+    if (use == nullptr) {
+      return Error(Concat("what size? Expected ", NamesOfSizeShapes(), " after the id, found ",
+                          Quoted(name)));
     }
-    Sizing sizing;
+    Feature size = Feature::Size(*id, {0, 0, 0}, {use->shape, 0, 0, {}});
     std::size_t next = 4;
-    const absl::StatusOr<Place> place = ParsePlace(next, shape == "box" ? "0" : "");
-    if (!place.ok()) return place.status();
-    next += Axes();
-    if (shape == "disc") {
-      sizing.shape = SizeShape::kDisc;
-      const absl::StatusOr<double> radius = reader_.Double(next++, "the radius");
-      if (!radius.ok()) return radius.status();
-      sizing.radius = *radius;
-    } else if (shape == "box") {
-      sizing.shape = SizeShape::kBox;
+    if (use->position) {
+      const absl::StatusOr<Place> place = ParsePlace(next, use->hi ? "0" : "");
+      if (!place.ok()) return place.status();
+      size.position = *place;
+      next += Axes();
+    }
+    if (use->hi) {
       const absl::StatusOr<Place> hi = ParsePlace(next, "1");
       if (!hi.ok()) return hi.status();
-      sizing.hi = *hi;
+      size.sizing.hi = *hi;
       next += Axes();
+    }
+    if (use->rings) {  // all but the target
+      if (reader_.size() < 5) return Error("a point's id is missing");
+      absl::StatusOr<Rings> rings = ParseRings(next, reader_.size() - 1);
+      if (!rings.ok()) return rings.status();
+      size.rings = *std::move(rings);
+      next = reader_.size() - 1;
+    }
+    if (use->radius) {
+      const absl::StatusOr<double> radius = reader_.Double(next++, "the radius");
+      if (!radius.ok()) return radius.status();
+      size.sizing.radius = *radius;
     }
     const absl::StatusOr<double> target = reader_.Double(next++, "the target length");
     if (!target.ok()) return target.status();
-    sizing.target = *target;
+    size.sizing.target = *target;
     if (reader_.size() > next) return TooMany(next);
-    Add({action, Feature::Size(*id, *place, sizing)});
+    Add({action, std::move(size)});
     return absl::OkStatus();
   }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 
+#include "core/base/size_shapes.h"
 #include "core/io/script/edit_script.h"
 
 namespace dynmesh::io {
@@ -35,15 +36,12 @@ class BoxBuilder {
   double hi_[3] = {-kInfinity, -kInfinity, -kInfinity};
 };
 
-// Does it name a position that must lie in the mesh's box?
-bool HasPosition(const Feature& f) {
-  return f.kind == FeatureKind::kPoint ||
-         (f.kind == FeatureKind::kSize &&
-          (f.sizing.shape == SizeShape::kPoint || f.sizing.shape == SizeShape::kDisc));
-}
-bool HasPosition(const Edit& edit) {
-  return edit.action == Edit::Action::kMove ||
-         (edit.action != Edit::Action::kRemove && HasPosition(edit.feature));
+// Adds the positions of the feature that must lie in the mesh's box.
+void AddPositions(const Feature& f, BoxBuilder& builder) {
+  if (f.kind == FeatureKind::kPoint) builder.Add(f.position);
+  if (f.kind != FeatureKind::kSize) return;
+  const SizeShapeUse* const use = FindUse(f.sizing.shape);
+  if (use != nullptr && use->in_box && use->position) builder.Add(f.position);
 }
 
 }  // namespace
@@ -62,7 +60,7 @@ MeshOptions EditScript::Options() const {
   BoxBuilder builder(dimension);
   for (const ScriptBatch& batch : batches) {
     for (const Edit& edit : batch.edits) {
-      if (HasPosition(edit)) builder.Add(edit.feature.position);
+      if (edit.action != Edit::Action::kRemove) AddPositions(edit.feature, builder);
     }
   }
   options.box = builder.Get();
@@ -71,9 +69,7 @@ MeshOptions EditScript::Options() const {
 
 Box BoundingBox(const std::vector<Feature>& features, int dimension) {
   BoxBuilder builder(dimension);
-  for (const Feature& f : features) {
-    if (HasPosition(f)) builder.Add(f.position);
-  }
+  for (const Feature& f : features) AddPositions(f, builder);
   return builder.Get();
 }
 

@@ -1,0 +1,252 @@
+#include "core/plc/size_rules.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/rings.h"
+#include "core/plc/text.h"
+#include "dynmesh/error.h"
+
+namespace dynmesh::plc {
+namespace {
+
+using geometry::Point;
+using geometry::Point2;
+
+template <int D>
+Extent<D> ExtentOf(const Box& box) {
+  Extent<D> extent;
+  for (int k = 0; k < D; ++k) extent.lo[k] = box.lo[k], extent.hi[k] = box.hi[k];
+  return extent;
+}
+
+template <int D>
+Extent<D> Around(const Point<D>& centre, double r) {
+  Extent<D> extent;
+  for (int k = 0; k < D; ++k) extent.lo[k] = centre[k] - r, extent.hi[k] = centre[k] + r;
+  return extent;
+}
+
+template <int D>
+Extent<D> Empty(const Extent<D>& around) {
+  return {around.hi, around.lo};
+}
+
+template <int D>
+double MeasureOfBall(double r) {
+  return std::numbers::pi * r * r * (D == 2 ? 1 : 4 * r / 3);
+}
+
+template <int D>
+std::optional<SizeFault> FaultOfPlace(const Point<D>& p, const Box& box) {
+  for (int k = 0; k < D; ++k) {
+    if (!(p[k] < box.lo[k] || p[k] > box.hi[k])) continue;
+    return SizeFault{reason::kOutsideBox,
+                     absl::StrCat("is outside the mesh's box from ", Text(CornerOf<D>(box.lo)),
+                                  " to ", Text(CornerOf<D>(box.hi)), "; move it inside")};
+  }
+  return std::nullopt;
+}
+
+template <int D>
+class PointRules final : public SizeRules<D> {
+ public:
+  std::optional<SizeFault> FaultOf(const SizeFeature<D>& size, const Box& box) const override {
+    return FaultOfPlace(size.at, box);
+  }
+  double Measure(const SizeFeature<D>& /*size*/) const override { return 0; }
+  double LeastMeasure(const SizeFeature<D>& /*size*/, const Box& /*domain*/) const override {
+    return 0;
+  }
+  RegionBounds<D> Bounds(const SizeFeature<D>& size, const Box& /*domain*/) const override {
+    const Extent<D> at{size.at, size.at};
+    return {at, at};
+  }
+};
+
+template <int D>
+class DiscRules final : public SizeRules<D> {
+ public:
+  std::optional<SizeFault> FaultOf(const SizeFeature<D>& size, const Box& box) const override {
+    if (auto fault = FaultOfPlace(size.at, box); fault.has_value()) return fault;
+    if (!(size.sizing.radius < 0)) return std::nullopt;
+    return SizeFault{reason::kBadSize, "has a negative radius; give 0 or more"};
+  }
+  double Measure(const SizeFeature<D>& size) const override {
+    return MeasureOfBall<D>(size.sizing.radius);
+  }
+  double LeastMeasure(const SizeFeature<D>& size, const Box& domain) const override {
+    return MeasureOfBall<D>(RadiusIn(size, domain));
+  }
+  RegionBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const override {
+    const double r = RadiusIn(size, domain);
+    return {Around(size.at, r), Around(size.at, r / std::sqrt(D)), size.at, r};
+  }
+
+ private:
+  // The part that is certainly in the domain.
+  static double RadiusIn(const SizeFeature<D>& size, const Box& domain) {
+    double r = size.sizing.radius;
+    for (int k = 0; k < D; ++k) {
+      r = std::min({r, size.at[k] - domain.lo[k], domain.hi[k] - size.at[k]});
+    }
+    return std::max(r, 0.0);
+  }
+};
+
+template <int D>
+class BoxRules final : public SizeRules<D> {
+ public:
+  std::optional<SizeFault> FaultOf(const SizeFeature<D>& size, const Box& box) const override {
+    bool swapped = false, beside = false;
+    for (int k = 0; k < D; ++k) {
+      const double lo = size.at[k], hi = size.sizing.hi[k];
+      swapped |= hi < lo;
+      beside |= hi < box.lo[k] || lo > box.hi[k];
+    }
+    if (swapped) {
+      return SizeFault{reason::kBadSize, "has its upper corner below the lower; swap them"};
+    }
+    if (!beside) return std::nullopt;
+    return SizeFault{reason::kOutsideBox, "does not meet the mesh's box; move it there"};
+  }
+  double Measure(const SizeFeature<D>& size) const override { return Whole(size).Measure(); }
+  double LeastMeasure(const SizeFeature<D>& size, const Box& domain) const override {
+    return Common(Whole(size), ExtentOf<D>(domain)).Measure();
+  }
+  RegionBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const override {
+    const Extent<D> box = Common(Whole(size), ExtentOf<D>(domain));
+    return {box, box};
+  }
+
+ private:
+  static Extent<D> Whole(const SizeFeature<D>& size) {
+    Extent<D> box{size.at, {}};
+    for (int k = 0; k < D; ++k) box.hi[k] = size.sizing.hi[k];
+    return box;
+  }
+};
+
+// CheckRings judges the rings before.
+class PolygonRules final : public SizeRules<2> {
+ public:
+  std::optional<SizeFault> FaultOf(const SizeFeature<2>& /*size*/,
+                                   const Box& /*box*/) const override {
+    return std::nullopt;
+  }
+  double Measure(const SizeFeature<2>& size) const override {
+    double measure = 0;
+    const Point2& o = size.places.front().front();  // near all others: little rounding
+    ForEachEdgeOf(size.places, [&](const Point2& p, const Point2& q) {
+      measure += 0.5 * ((p[0] - o[0]) * (q[1] - o[1]) - (q[0] - o[0]) * (p[1] - o[1]));
+    });
+    return std::abs(measure);
+  }
+  double LeastMeasure(const SizeFeature<2>& size, const Box& domain) const override;
+  RegionBounds<2> Bounds(const SizeFeature<2>& size, const Box& /*domain*/) const override {
+    const Extent<2> around = ExtentOfRings(size.places);
+    return {around, Empty(around)};
+  }
+
+ private:
+  static Extent<2> ExtentOfRings(const std::vector<std::vector<Point2>>& rings) {
+    Extent<2> extent{rings.front().front(), rings.front().front()};
+    for (const auto& ring : rings) {
+      for (const Point2& p : ring) {
+        for (int k = 0; k < 2; ++k) {
+          extent.lo[k] = std::min(extent.lo[k], p[k]);
+          extent.hi[k] = std::max(extent.hi[k], p[k]);
+        }
+      }
+    }
+    return extent;
+  }
+};
+
+// The area enclosed by an odd number of rings, of cells that no edge meets: rings may cross.
+double PolygonRules::LeastMeasure(const SizeFeature<2>& size, const Box& /*domain*/) const {
+  constexpr int kCells = 64;
+  const auto& rings = size.places;
+  const Extent<2> extent = ExtentOfRings(rings);
+  const double width = (extent.hi[0] - extent.lo[0]) / kCells,
+               height = (extent.hi[1] - extent.lo[1]) / kCells;
+  if (!(width > 0 && height > 0)) return 0;
+  std::vector<std::uint8_t> met(kCells * kCells), turned(kCells * kCells);
+  const auto cell = [](double x) { return std::clamp(static_cast<int>(x), 0, kCells - 1); };
+  ForEachEdgeOf(rings, [&](const Point2& p, const Point2& q) {
+    // In cells, the lower end first.
+    double x0 = (p[0] - extent.lo[0]) / width, y0 = (p[1] - extent.lo[1]) / height;
+    double x1 = (q[0] - extent.lo[0]) / width, y1 = (q[1] - extent.lo[1]) / height;
+    if (y1 < y0) std::swap(x0, x1), std::swap(y0, y1);
+    const auto at = [&](double y) {
+      return y1 > y0 ? x0 + (x1 - x0) * std::clamp((y - y0) / (y1 - y0), 0.0, 1.0) : x0;
+    };
+    constexpr double kHair = 1e-6;
+    for (int row = cell(y0 - kHair); row <= cell(y1 + kHair); ++row) {
+      const auto [left, right] =
+          y1 > y0 ? std::minmax({at(row - kHair), at(row + 1 + kHair)}) : std::minmax({x0, x1});
+      for (int i = cell(left - kHair); i <= cell(right + kHair); ++i) met[row * kCells + i] = 1;
+      const double middle = row + 0.5;
+      if (!(y0 <= middle && middle < y1)) continue;
+      // Cells with middles to the right.
+      const double first = std::ceil(at(middle) - 0.5);
+      if (first < kCells) turned[row * kCells + std::max(0, static_cast<int>(first))] ^= 1;
+    }
+  });
+  int inside = 0;
+  for (int row = 0; row < kCells; ++row) {
+    int parity = 0;
+    for (int i = row * kCells; i < (row + 1) * kCells; ++i) {
+      parity ^= turned[i];
+      inside += parity != 0 && met[i] == 0;
+    }
+  }
+  return inside * width * height;
+}
+
+}  // namespace
+
+template <int D>
+bool RegionBounds<D>::Holds(const Extent<D>& cell) const {
+  double sum = 0;
+  for (int k = 0; k < D; ++k) {
+    const double far = std::max(centre[k] - cell.lo[k], cell.hi[k] - centre[k]);
+    sum += far * far;
+  }
+  return sum < radius * radius;
+}
+
+template <int D>
+const SizeRules<D>* FindSizeRules(SizeShape shape) {
+  static const PointRules<D> point;
+  static const DiscRules<D> disc;
+  static const BoxRules<D> box;
+  switch (shape) {
+    case SizeShape::kPoint:
+      return &point;
+    case SizeShape::kDisc:
+      return &disc;
+    case SizeShape::kBox:
+      return &box;
+    case SizeShape::kPolygon:
+      if constexpr (D == 2) {
+        static const PolygonRules polygon;
+        return &polygon;
+      }
+      return nullptr;
+  }
+  return nullptr;
+}
+
+template struct RegionBounds<2>;
+template struct RegionBounds<3>;
+template const SizeRules<2>* FindSizeRules(SizeShape);
+template const SizeRules<3>* FindSizeRules(SizeShape);
+
+}  // namespace dynmesh::plc
