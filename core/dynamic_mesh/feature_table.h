@@ -17,6 +17,7 @@
 #include "core/dynamic_mesh/wedge_table.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/facet_field.h"
+#include "core/meshing/polygon_area.h"
 #include "core/meshing/sizing_field.h"
 #include "core/plc/delta.h"
 #include "core/regions/surface_table.h"

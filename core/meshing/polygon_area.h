@@ -8,39 +8,30 @@
 #ifndef DYNMESH_CORE_MESHING_POLYGON_AREA_H_
 #define DYNMESH_CORE_MESHING_POLYGON_AREA_H_
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/geometry/point.h"
+#include "core/meshing/edge_tree.h"
+#include "core/meshing/region_shape.h"
 
 namespace dynmesh::meshing {
 
-class PolygonArea {
+class PolygonArea : public RegionShape<2> {
  public:
   // Each ring has at least three points; the last is joined to the first.
   explicit PolygonArea(std::span<const std::vector<geometry::Point2>> rings);
 
-  bool Meets(const geometry::Point2& centre, double radius) const;
-  const geometry::Point2& lo() const { return nodes_.front().lo; }
-  const geometry::Point2& hi() const { return nodes_.front().hi; }
+  bool Meets(const geometry::Point2& centre, double radius) const override;
+  const geometry::Point2& lo() const { return edges_.lo(); }
+  const geometry::Point2& hi() const { return edges_.hi(); }
 
  private:
-  struct Edge {
-    geometry::Point2 a, b;  // the lower first
-  };
-  // A box over edges [first, last). An inner node's first child is the next node.
-  struct Node {
-    geometry::Point2 lo, hi;
-    std::uint32_t first, last;
-    std::uint32_t second_child;  // 0: a leaf
-  };
-
-  std::uint32_t Build(std::uint32_t first, std::uint32_t last);
+  using Edge = EdgeTree<2>::Edge;  // the lower end first
+  static std::vector<Edge> EdgesOf(std::span<const std::vector<geometry::Point2>> rings);
   static double SquaredDistance(const Edge& edge, const geometry::Point2& p);
 
-  std::vector<Edge> edges_;
-  std::vector<Node> nodes_;
+  EdgeTree<2> edges_;
 };
 
 }  // namespace dynmesh::meshing

@@ -19,8 +19,7 @@ template <int D>
 bool SizingRegion<D>::Meets(const geometry::Point<D>& centre, double ball_radius) const {
   const double reach = ball_radius + radius;
   if (SquaredDistanceToBox(centre) > reach * reach) return false;
-  if constexpr (D == 2) return area == nullptr || area->Meets(centre, ball_radius);
-  return true;
+  return shape == nullptr || shape->Meets(centre, reach);
 }
 
 template <int D>

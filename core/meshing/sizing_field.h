@@ -17,19 +17,18 @@
 
 #include "core/geometry/point.h"
 #include "core/meshing/anchor_lattice.h"
-#include "core/meshing/polygon_area.h"
+#include "core/meshing/region_shape.h"
 #include "core/meshing/region_tree.h"
 
 namespace dynmesh::meshing {
 
-// All points within `radius` of a box (a point, a disc, a box), or the inside of rings.
+// All points within `radius` of a box (a point, a disc, a box), or of a shape in it.
 template <int D>
 struct SizingRegion {
   geometry::Point<D> lo = {}, hi = {};
   double radius = 0;
-  double target = 0;                                  // h
-  std::shared_ptr<const PolygonArea> area = nullptr;  // 2D: rings between lo and hi; then radius is
-                                                      // 0
+  double target = 0;                                      // h
+  std::shared_ptr<const RegionShape<D>> shape = nullptr;  // between lo and hi; null: all of the box
   double most_radius() const { return KeyOf(target); }
   bool Meets(const geometry::Point<D>& centre, double ball_radius) const;
   // The finest level of lattice (anchor_lattice.h) that the region has at a point within `margin`
