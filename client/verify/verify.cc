@@ -161,6 +161,10 @@ VerifyReport VerifyMesh(const io::MeshFiles& files, double rho,
   if (features != nullptr) {
     Chains chains;
     report.checks.push_back(CheckInput(mesh, *features, &chains));
+    const auto is_size = [](const Feature& f) { return f.kind == FeatureKind::kSize; };
+    if (std::ranges::any_of(*features, is_size)) {
+      report.checks.push_back(CheckSizes(mesh, *features));
+    }
     if (in_space) {
       report.checks.push_back(CheckFacets(mesh, *features, chains));
       report.checks.push_back(CheckRegions(mesh, faces, *features));

@@ -20,6 +20,8 @@
 //                a straight chain of edges with its id; so is every edge of a polygon, with the
 //                id of the segment with the same ends, else of the first polygon that has it;
 //                no other ids occur
+//   sizes        (if the input is given and has sizing features) no edge of a triangle that meets
+//                a region by more than rounding is longer than sqrt 2 times the target
 //   regions      (if the input is given) every triangle has the polygons around it, tested
 //                exactly at a point inside it
 // In 3D the same for tetrahedra, except

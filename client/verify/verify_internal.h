@@ -118,6 +118,9 @@ VerifyCheck CheckEdges(const io::MeshFiles& files, const std::vector<MeshEdge>& 
 using Chains = std::map<std::pair<FeatureId, FeatureId>, std::vector<std::uint32_t>>;
 VerifyCheck CheckInput(const io::IndexedMesh& mesh, const std::vector<Feature>& features,
                        Chains* chains = nullptr);
+// O(n lg n), plus for each sizing feature O(simplices that are too long for it), mostly a
+// comparison of boxes.
+VerifyCheck CheckSizes(const io::IndexedMesh& mesh, const std::vector<Feature>& features);
 
 // For 2D.
 VerifyCheck CheckManifold(const io::IndexedMesh& mesh, const std::vector<Side>& sides);

@@ -101,7 +101,7 @@ std::vector<Damage> Damages() {
        {"regions"}},
       {"sizing polygons label nothing",
        [](GoodMesh& g) {
-         g.features.push_back(Feature::SizePolygon(77, {{200, 201, 202, 203}}, 0.1));
+         g.features.push_back(Feature::SizePolygon(77, {{200, 201, 202, 203}}, 100));
        },
        {}},
       {"hole that is not in the input",
