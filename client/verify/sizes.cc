@@ -185,6 +185,13 @@ class Region {
           }
         }
         break;
+      case SizeShape::kCapsule:
+        radius_ = size.sizing.radius;
+        for (std::size_t i = 1; i < size.sizing.path.size(); ++i) {
+          Add(VectorOf(size.sizing.path[i - 1], dimension),
+              VectorOf(size.sizing.path[i], dimension));
+        }
+        break;
     }
   }
 

@@ -19,6 +19,7 @@ struct SizeShapeUse {
   bool radius = false;    // Sizing::radius
   bool hi = false;        // Sizing::hi
   bool rings = false;     // Feature::rings
+  bool path = false;      // Sizing::path
 };
 
 inline constexpr SizeShapeUse kSizeShapes[] = {
@@ -26,6 +27,7 @@ inline constexpr SizeShapeUse kSizeShapes[] = {
     {.shape = SizeShape::kDisc, .name = "disc", .position = true, .in_box = true, .radius = true},
     {.shape = SizeShape::kBox, .name = "box", .position = true, .hi = true},
     {.shape = SizeShape::kPolygon, .name = "polygon", .rings = true},
+    {.shape = SizeShape::kCapsule, .name = "capsule", .in_box = true, .radius = true, .path = true},
 };
 
 // Null if there is no such shape. Thread-safe.

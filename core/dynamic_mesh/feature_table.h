@@ -18,6 +18,7 @@
 #include "core/meshing/elements.h"
 #include "core/meshing/facet_field.h"
 #include "core/meshing/polygon_area.h"
+#include "core/meshing/polyline.h"
 #include "core/meshing/sizing_field.h"
 #include "core/plc/delta.h"
 #include "core/regions/surface_table.h"
@@ -259,6 +260,14 @@ class FeatureTable {
         const auto area = std::make_shared<const meshing::PolygonArea>(f.places);
         return {area->lo(), area->hi(), 0, s.target, area};
       }
+    }
+    if (s.shape == SizeShape::kCapsule) {
+      std::vector<Point> vertices;
+      for (const auto& vertex : s.path) {
+        std::copy_n(vertex.begin(), D, vertices.emplace_back().c.begin());
+      }
+      const auto line = std::make_shared<const meshing::Polyline<D>>(vertices);
+      return {line->lo(), line->hi(), s.radius, s.target, line};
     }
     Point hi = f.at;
     if (s.shape == SizeShape::kBox) {

@@ -22,6 +22,8 @@ class Notifier {
   using Point = geometry::Point<D>;
   using Subsegment = meshing::Subsegment<D>;
   static constexpr bool kTraced = kIsTraced<D, E>;
+  // The distance of a cube's corner from its centre, in halves of its side; not less.
+  static constexpr double kCornerOfCube = D == 2 ? 1.4142135623730952 : 1.7320508075688774;
 
   Notifier(const Complex<D, E>& complex, EngineOf<D, E>& engine)
       : complex_(complex), engine_(engine), filter_(complex, engine) {}
@@ -125,7 +127,13 @@ void Notifier<D, E>::OfSizing(const SizingRegion<D>& region) {
   box.AddBall(region.hi, region.radius);
   const double least_half = region.most_radius() * (1 - 1e-6) - complex_.rules.ulp();
   FromBeginning(
-      box, [&](const Point&, double half) { return half >= least_half; },
+      box,
+      [&](const Point& centre, double half) {
+        // A shape may leave most of its box free.
+        return half >= least_half &&
+               (region.shape == nullptr ||
+                region.Meets(centre, half * kCornerOfCube * (1 + 1e-9) + complex_.rules.ulp()));
+      },
       [&](sac::OpId op) { return filter_.SizingMatters(op, region); });
 }
 

@@ -105,6 +105,12 @@ SizeFeature<D> SizeOf(const Feature& feature) {
     for (int i = 0; i < D; ++i) size.sizing.hi[i] = given.hi[i] + 0.0;
   }
   if (use->rings) size.rings = feature.rings;
+  if (use->path) {
+    for (const std::array<double, 3>& vertex : given.path) {
+      std::array<double, 3>& p = size.sizing.path.emplace_back();
+      for (int i = 0; i < D; ++i) p[i] = vertex[i] + 0.0;
+    }
+  }
   return size;
 }
 

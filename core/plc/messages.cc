@@ -300,8 +300,10 @@ template <int D>
 absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit, EditIndex edit) {
   const Sizing& s = size.sizing;
   const auto refuse = [&](const char* reason, const std::string& what) {
-    return Error(absl::StatusCode::kInvalidArgument, reason, {size.id}, edit,
-                 absl::StrCat("sizing feature ", size.id, " at ", Text(size.at), " ", what));
+    return Error(
+        absl::StatusCode::kInvalidArgument, reason, {size.id}, edit,
+        absl::StrCat("sizing feature ", size.id, " at ",
+                     Text(s.path.empty() ? size.at : CornerOf<D>(s.path.front())), " ", what));
   };
   const SizeRules<D>* const rules = FindSizeRules<D>(s.shape);
   if (const SizeShapeUse* const use = FindUse(s.shape); use != nullptr && use->rings) {
@@ -315,6 +317,7 @@ absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit,
   bool finite = std::isfinite(s.target) && std::isfinite(s.radius);
   for (int i = 0; i < D; ++i) {
     finite = finite && std::isfinite(size.at[i]) && std::isfinite(s.hi[i]);
+    for (const auto& vertex : s.path) finite = finite && std::isfinite(vertex[i]);
   }
   if (!finite) return refuse(reason::kNotFinite, "is not finite; give finite numbers");
   if (rules == nullptr) {

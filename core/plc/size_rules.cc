@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/rings.h"
+#include "core/geometry/segment_distance.h"
 #include "core/plc/text.h"
 #include "dynmesh/error.h"
 
@@ -86,7 +87,7 @@ class DiscRules final : public SizeRules<D> {
   }
   RegionBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const override {
     const double r = RadiusIn(size, domain);
-    return {Around(size.at, r), Around(size.at, r / std::sqrt(D)), size.at, r};
+    return {Around(size.at, r), Around(size.at, r / std::sqrt(D)), size.at, size.at, r};
   }
 
  private:
@@ -130,6 +131,108 @@ class BoxRules final : public SizeRules<D> {
     Extent<D> box{size.at, {}};
     for (int k = 0; k < D; ++k) box.hi[k] = size.sizing.hi[k];
     return box;
+  }
+};
+
+template <int D>
+class CapsuleRules final : public SizeRules<D> {
+ public:
+  std::optional<SizeFault> FaultOf(const SizeFeature<D>& size, const Box& box) const override {
+    const Sizing& s = size.sizing;
+    if (s.path.size() < 2) {
+      return SizeFault{reason::kBadSize,
+                       absl::StrCat("is a capsule with ", s.path.size(),
+                                    " vertices; give at least 2, or a disc instead")};
+    }
+    if (s.path.size() > kMostPathVertices) {
+      return SizeFault{reason::kBadSize,
+                       absl::StrCat("is a capsule with ", s.path.size(), " vertices; give at most ",
+                                    kMostPathVertices, ", or several capsules")};
+    }
+    for (std::size_t i = 0; i < s.path.size(); ++i) {
+      const Point<D> p = CornerOf<D>(s.path[i]);
+      if (i > 0 && p == CornerOf<D>(s.path[i - 1])) {
+        return SizeFault{reason::kBadSize, absl::StrCat("has its vertex ", i + 1, " ", Text(p),
+                                                        " where the one before is; leave it out")};
+      }
+      if (auto fault = FaultOfPlace(p, box); fault.has_value()) {
+        fault->what =
+            absl::StrCat("has a vertex, number ", i + 1, " ", Text(p), ", that ", fault->what);
+        return fault;
+      }
+    }
+    if (!(s.radius > 0)) {
+      return SizeFault{reason::kBadSize,
+                       absl::StrCat("has radius ", Shortest(s.radius), "; give more than 0")};
+    }
+    double diagonal2 = 0;
+    for (int k = 0; k < D; ++k) {
+      diagonal2 += (box.hi[k] - box.lo[k]) * (box.hi[k] - box.lo[k]);
+    }
+    const double most = std::sqrt(diagonal2);
+    if (s.radius <= most) return std::nullopt;
+    return SizeFault{reason::kBadSize,
+                     absl::StrCat("has radius ", Shortest(s.radius), ", and ", Shortest(most),
+                                  " covers the whole mesh; give that or less")};
+  }
+
+  // The sum over the pieces: where they overlap, the measure is less.
+  double Measure(const SizeFeature<D>& size) const override {
+    const double r = size.sizing.radius;
+    double length = 0;
+    ForEachPiece(size, [&](const Point<D>& p, const Point<D>& q) {
+      length += std::sqrt(geometry::SquaredDistance(p, q));
+    });
+    return MeasureOfBall<D>(r) + length * CrossSection(r);
+  }
+
+  // The longest piece has its tube and two half balls. And each plane across an axis between two
+  // vertices cuts off at least a ball's middle.
+  double LeastMeasure(const SizeFeature<D>& size, const Box& domain) const override {
+    const RegionBounds<D> bounds = Bounds(size, domain);
+    double length = std::sqrt(geometry::SquaredDistance(bounds.from, bounds.to));
+    const Extent<D> path = ExtentOfPath(size);
+    for (int k = 0; k < D; ++k) length = std::max(length, path.hi[k] - path.lo[k]);
+    return MeasureOfBall<D>(bounds.radius) + length * CrossSection(bounds.radius);
+  }
+
+  RegionBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const override {
+    Extent<D> around = ExtentOfPath(size);
+    RegionBounds<D> bounds;
+    bounds.radius = size.sizing.radius;
+    for (int k = 0; k < D; ++k) {
+      bounds.radius =
+          std::min({bounds.radius, around.lo[k] - domain.lo[k], domain.hi[k] - around.hi[k]});
+    }
+    bounds.radius = std::max(bounds.radius, 0.0);
+    for (int k = 0; k < D; ++k) around.lo[k] -= bounds.radius, around.hi[k] += bounds.radius;
+    bounds.around = around;
+    bounds.box = Empty(around);
+    double longest = -1;
+    ForEachPiece(size, [&](const Point<D>& p, const Point<D>& q) {
+      const double length2 = geometry::SquaredDistance(p, q);
+      if (length2 > longest) longest = length2, bounds.from = p, bounds.to = q;
+    });
+    return bounds;
+  }
+
+ private:
+  static double CrossSection(double r) { return D == 2 ? 2 * r : std::numbers::pi * r * r; }
+  template <class F>
+  static void ForEachPiece(const SizeFeature<D>& size, F f) {
+    const Path& path = size.sizing.path;
+    for (std::size_t i = 1; i < path.size(); ++i) f(CornerOf<D>(path[i - 1]), CornerOf<D>(path[i]));
+  }
+  static Extent<D> ExtentOfPath(const SizeFeature<D>& size) {
+    const Point<D> first = CornerOf<D>(size.sizing.path.front());
+    Extent<D> extent{first, first};
+    for (const auto& vertex : size.sizing.path) {
+      for (int k = 0; k < D; ++k) {
+        extent.lo[k] = std::min(extent.lo[k], vertex[k]);
+        extent.hi[k] = std::max(extent.hi[k], vertex[k]);
+      }
+    }
+    return extent;
   }
 };
 
@@ -214,12 +317,13 @@ double PolygonRules::LeastMeasure(const SizeFeature<2>& size, const Box& /*domai
 
 template <int D>
 bool RegionBounds<D>::Holds(const Extent<D>& cell) const {
-  double sum = 0;
-  for (int k = 0; k < D; ++k) {
-    const double far = std::max(centre[k] - cell.lo[k], cell.hi[k] - centre[k]);
-    sum += far * far;
+  // What is within a distance of a segment is convex.
+  for (int corner = 0; corner < 1 << D; ++corner) {
+    Point<D> p;
+    for (int k = 0; k < D; ++k) p[k] = (corner >> k & 1) != 0 ? cell.hi[k] : cell.lo[k];
+    if (!(geometry::SquaredDistance(p, from, to) < radius * radius)) return false;
   }
-  return sum < radius * radius;
+  return true;
 }
 
 template <int D>
@@ -227,6 +331,7 @@ const SizeRules<D>* FindSizeRules(SizeShape shape) {
   static const PointRules<D> point;
   static const DiscRules<D> disc;
   static const BoxRules<D> box;
+  static const CapsuleRules<D> capsule;
   switch (shape) {
     case SizeShape::kPoint:
       return &point;
@@ -234,6 +339,8 @@ const SizeRules<D>* FindSizeRules(SizeShape shape) {
       return &disc;
     case SizeShape::kBox:
       return &box;
+    case SizeShape::kCapsule:
+      return &capsule;
     case SizeShape::kPolygon:
       if constexpr (D == 2) {
         static const PolygonRules polygon;

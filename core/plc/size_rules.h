@@ -1,5 +1,6 @@
 // What differs between the shapes of sizing features: what is legal, and how large the region is.
-// One class a shape. Stateless, thread-safe; O(1), of a polygon O(corners).
+// One class a shape. Stateless, thread-safe; O(1), of a polygon O(corners), of a capsule
+// O(vertices).
 #ifndef DYNMESH_CORE_PLC_SIZE_RULES_H_
 #define DYNMESH_CORE_PLC_SIZE_RULES_H_
 
@@ -33,12 +34,12 @@ Extent<D> Common(const Extent<D>& a, const Extent<D>& b) {
 }
 
 // A bound from either side of the part of a region in the domain: it is within `around`; all of
-// `box` and all that is nearer than `radius` to `centre` is in it.
+// `box` and all that is nearer than `radius` to the segment `from` `to` is in it.
 template <int D>
 struct RegionBounds {
   Extent<D> around;
   Extent<D> box;
-  geometry::Point<D> centre{};
+  geometry::Point<D> from{}, to{};
   double radius = 0;
 
   // Is the whole cell certainly within `radius`?

@@ -84,11 +84,20 @@ absl::Status DecodeSizing(const v1::Sizing& proto, int dimension, std::size_t in
       out->sizing.shape = SizeShape::kPolygon;
       out->rings = DecodeRings(proto.polygon());
       return absl::OkStatus();
+    case v1::Sizing::kCapsule:
+      out->sizing.shape = SizeShape::kCapsule;
+      out->sizing.radius = proto.capsule().radius();
+      out->sizing.path.reserve(static_cast<std::size_t>(proto.capsule().vertices_size()));
+      for (const v1::Point& vertex : proto.capsule().vertices()) {
+        if (absl::Status s = point(vertex, &out->sizing.path.emplace_back()); !s.ok()) return s;
+      }
+      return absl::OkStatus();
     case v1::Sizing::REGION_NOT_SET:
       break;
   }
   return EditError(index, id, dynmesh::reason::kBadSize,
-                   "it has no region that this server knows: set point, disc, box or polygon");
+                   "it has no region that this server knows: set point, disc, box, polygon or "
+                   "capsule");
 }
 
 absl::Status DecodeFeature(const v1::Feature& proto, int dimension, std::size_t index,
@@ -165,6 +174,12 @@ void EncodeSizing(const Feature& feature, int dimension, v1::Sizing* out) {
       return EncodePoint(sizing.hi, dimension, out->mutable_box()->mutable_hi());
     case SizeShape::kPolygon:
       return EncodeRings(feature.rings, out->mutable_polygon());
+    case SizeShape::kCapsule:
+      out->mutable_capsule()->set_radius(sizing.radius);
+      for (const auto& vertex : sizing.path) {
+        EncodePoint(vertex, dimension, out->mutable_capsule()->add_vertices());
+      }
+      return;
   }
 }
 
@@ -285,6 +300,7 @@ namespace {
 
 // A ring without points takes as much memory as three points.
 constexpr std::size_t kPointsOfRing = sizeof(Rings::value_type) / sizeof(FeatureId);
+constexpr std::size_t kPointsOfVertex = sizeof(Path::value_type) / sizeof(FeatureId);
 
 std::size_t Points(const v1::Polygon& polygon) {
   std::size_t points = 0;
@@ -296,6 +312,9 @@ std::size_t Points(const v1::Polygon& polygon) {
 
 std::size_t Points(const v1::Feature& feature) {
   if (feature.has_polygon()) return Points(feature.polygon());
+  if (feature.size().has_capsule()) {
+    return kPointsOfVertex * static_cast<std::size_t>(feature.size().capsule().vertices_size());
+  }
   return feature.size().has_polygon() ? Points(feature.size().polygon()) : 0;
 }
 
@@ -304,7 +323,7 @@ std::size_t Points(const v1::Edit& edit) {
 }
 
 std::size_t Points(const Edit& edit) {
-  std::size_t points = 0;
+  std::size_t points = kPointsOfVertex * edit.feature.sizing.path.size();
   for (const auto& ring : edit.feature.rings) points += kPointsOfRing + ring.size();
   return points;
 }

@@ -27,6 +27,11 @@ Fingerprint FingerprintOf(const EditBatch& batch) {
          {sizing.target, sizing.radius, sizing.hi[0], sizing.hi[1], sizing.hi[2]}) {
       add(std::bit_cast<std::uint64_t>(x));
     }
+    // Fingerprints of other features are as they were before there was a path.
+    if (!sizing.path.empty()) add(sizing.path.size());
+    for (const auto& vertex : sizing.path) {
+      for (const double x : vertex) add(std::bit_cast<std::uint64_t>(x));
+    }
     add(edit.feature.rings.size());
     for (const std::vector<FeatureId>& ring : edit.feature.rings) {
       add(ring.size());

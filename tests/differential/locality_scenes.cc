@@ -196,6 +196,42 @@ Scene DiscInAPlate(int n) {
   return scene;
 }
 
+// A bent capsule with a finer target moves through the plate; then one of its vertices does.
+Scene CapsuleInAPlate(int n) {
+  Scene scene = Plate(n);
+  const double h = 1.0 / n;
+  const auto capsule = [&](double shift, double lift) {
+    const double x = 0.5 + h * shift;
+    return Feature::SizeCapsule(
+        kFar, {{x - 5 * h, 0.5}, {x, 0.5 + 2 * h + h * lift}, {x + 5 * h, 0.5}}, 0.6 * h, 0.3 * h);
+  };
+  scene.features.push_back(capsule(0, 0));
+  for (int step = 1; step <= 3; ++step) scene.edits.push_back({Edit::Set(capsule(0.4 * step, 0))});
+  for (int step = 1; step <= 3; ++step) {
+    scene.edits.push_back({Edit::Set(capsule(1.2, 0.3 * step))});
+  }
+  return scene;
+}
+
+// A short capsule comes and goes beside a long one, a chain of n pieces across the domain.
+Scene CapsuleBesideAChain(int n) {
+  Scene scene;
+  scene.options.dimension = 3;
+  scene.options.quality = kDefaultQuality3D;
+  Path chain;
+  for (int i = 0; i <= n; ++i) {
+    const double x = static_cast<double>(i) / n;
+    chain.push_back({x, 0.5 + (i % 2 == 0 ? 0 : 0.2 / n), x});
+  }
+  const double h = 1.0 / n;
+  scene.features = {Feature::SizeCapsule(1, chain, 0.5 * h, h)};
+  for (const double at : {0.25, 0.5, 0.7}) {
+    InAndOut(Feature::SizeCapsule(kFar, {{at, 0.5, at}, {at + h, 0.5, at}}, 0.2 * h, 0.5 * h),
+             scene);
+  }
+  return scene;
+}
+
 // Points inside of a box with a target, in 3D.
 Scene PointsInASizedBox(int n) {
   Scene scene;
@@ -410,6 +446,8 @@ const std::vector<LocalityScene>& LocalityScenes() {
       {"Spokes", Spokes, 100, 1600, 180, 15},
       {"RotorInAPlate", RotorInAPlate, 30, 120, 420, 260},
       {"DiscInAPlate", DiscInAPlate, 30, 120, 350, 110},
+      {"CapsuleInAPlate", CapsuleInAPlate, 30, 120, 350, 160},
+      {"CapsuleBesideAChain", CapsuleBesideAChain, 10, 40, 400, 100},
       {"PointsInAPlate", PointsInAPlate, 20, 80, 60, 20},
       {"CrackInAPlate", CrackInAPlate, 30, 120, 90, 30},
       {"PointsInASizedBox", PointsInASizedBox, 6, 14, 90, 20},

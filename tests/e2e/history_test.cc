@@ -116,7 +116,7 @@ class HistoryTest : public ::testing::Test {
 TEST_F(HistoryTest, RandomScriptsOfThePlaneGoBackToWhatTheyWere) {
   Start();
   using D = test::Distribution;
-  for (const D d : {D::kUniform, D::kSized, D::kPolygons, D::kWedges, D::kGrid}) {
+  for (const D d : {D::kUniform, D::kSized, D::kPolygons, D::kCapsules, D::kWedges, D::kGrid}) {
     SCOPED_TRACE(test::NameOf(d));
     GoBackAndForth(test::ScriptGenerator(d, 40, seed_), 2, 40);
     if (HasFatalFailure()) return;

@@ -205,6 +205,7 @@ TEST_F(KillTest, AnOrderlyEndIsRecoveredToo) {
   const auto made = Connect()->Apply(
       "m", {Edit::Add(Feature::Point(1, 0.25, 0.5)),
             Edit::Add(Feature::Size(2, {0.5, 0.5, 0}, {SizeShape::kDisc, 0.1, 0.2, {}})),
+            Edit::Add(Feature::SizeCapsule(5, {{0.1, 0.1}, {0.9, 0.2}, {0.9, 0.9}}, 0.02, 0.05)),
             Edit::Add(Feature::Point(3, 0.75, 0.5)), Edit::Add(Feature::Segment(4, 1, 3))});
   ASSERT_TRUE(made.ok()) << made.status();
   EXPECT_EQ(daemon_.End(SIGTERM), 0);
@@ -213,7 +214,7 @@ TEST_F(KillTest, AnOrderlyEndIsRecoveredToo) {
   ASSERT_TRUE(info.ok()) << info.status();
   EXPECT_EQ(info->revision, 1u);
   EXPECT_EQ(info->hash, made->diff.hash);
-  EXPECT_EQ(Connect()->GetStats("m")->mesh->stats.features, 4u);
+  EXPECT_EQ(Connect()->GetStats("m")->mesh->stats.features, 5u);
 }
 
 }  // namespace

@@ -134,6 +134,11 @@ class Unpacker {
     // Mostly coarse: a run from scratch follows every few batches.
     const double extent = box_.hi[0] - box_.lo[0];
     const double target = shape >= 240 ? AnyDouble() : extent / (1 + Byte() % 8);
+    if (shape >= 224 && shape < 240) {
+      Path path;
+      for (int vertices = shape % 8; vertices > 0; --vertices) path.push_back(Position());
+      return Feature::SizeCapsule(id, path, extent * (Byte() - 16) / 512.0, target);
+    }
     if (shape % 4 == 3) return Feature::SizePolygon(id, SomeRings(), target);
     const Place p = Position();
     if (shape % 4 == 0) return Feature::Size(id, p, {SizeShape::kPoint, target, 0, {}});

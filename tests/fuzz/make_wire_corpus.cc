@@ -133,6 +133,21 @@ void WriteRequests(const std::filesystem::path& folder) {
         Seed().Part(11, "\x01\x07\x01\x05\x40\x40\x80\x80\x20\x20").bytes());
 }
 
+EditBatch Capsules(int dimension) {
+  const double z = dimension == 3 ? 0.5 : 0;
+  const Path path = {{0.25, 0.25, z}, {0.75, 0.25, z}, {0.75, 0.75, z}};
+  return {Edit::Add(Feature::SizeCapsule(7, path, 0.1, 0.3)),
+          Edit::Set(Feature::SizeCapsule(7, {path[0], path[2]}, 0.05, 0.3))};
+}
+
+void WriteCapsules(const std::filesystem::path& folder) {
+  Write(folder / "capsules", Seed()
+                                 .Say(3, Edits<v1::ApplyEditsRequest>("meshes/m", Capsules(2), 2))
+                                 .Say(0, Create("s", 3))
+                                 .Say(3, Edits<v1::ApplyEditsRequest>("meshes/s", Capsules(3), 3))
+                                 .bytes());
+}
+
 // Kinds as in answers_fuzz.cc.
 void WriteAnswers(const std::filesystem::path& folder) {
   Seed honest;
@@ -210,6 +225,7 @@ int main(int argc, char** argv) {
   if (argc != 2) return 2;
   const std::filesystem::path folder = argv[1];
   dynmesh::fuzz::WriteRequests(folder / "requests");
+  dynmesh::fuzz::WriteCapsules(folder / "requests");
   dynmesh::fuzz::WriteAnswers(folder / "answers");
   dynmesh::fuzz::WriteJournal(folder / "journal");
 }

@@ -56,6 +56,9 @@ EditBatch Rounded(EditBatch batch, int bits) {
   for (Edit& edit : batch) {
     for (double& x : edit.feature.position) x = round(x);
     for (double& x : edit.feature.sizing.hi) x = round(x);
+    for (auto& vertex : edit.feature.sizing.path) {
+      for (double& x : vertex) x = round(x);
+    }
   }
   return batch;
 }
@@ -214,7 +217,7 @@ std::vector<GoldenCase> MakeCases() {
   std::vector<GoldenCase> cases;
   for (const Distribution d : kAllDistributions) cases.push_back(WorkloadCase(d, 60, {kSqrt2}));
   for (const Distribution d :
-       {kUniform, kGrid, kSegmentsTurned, kParallel, kWedges, kSized, kPolygons}) {
+       {kUniform, kGrid, kSegmentsTurned, kParallel, kWedges, kSized, kPolygons, kCapsules}) {
     cases.push_back(WorkloadCase(d, 60, {1.0}));
   }
   for (const Distribution d : {kUniform, kCircle, kWedges}) {
@@ -239,7 +242,8 @@ std::vector<GoldenCase> MakeCases() {
   }
   cases.push_back(SolidsCase(PolygonKind::kNestedBoxes, {2.0, Criterion::kThesis}));
   const Asking cured = {.quality = 2.0, .min_dihedral = 10};
-  for (const Distribution d : {kSpaceUniform, kSphere, kTurnedGridEdges, kSpaceSized}) {
+  for (const Distribution d :
+       {kSpaceUniform, kSphere, kTurnedGridEdges, kSpaceSized, kSpaceCapsules}) {
     cases.push_back(WorkloadCase(d, 40, cured));
   }
   for (const PolygonKind kind : {PolygonKind::kNestedBoxes, PolygonKind::kMixture}) {

@@ -125,6 +125,28 @@ std::vector<Feature> Sized(int n, Random& random) {
   return features;
 }
 
+// As Sized, with capsules and a few balls.
+std::vector<Feature> Capsules(int n, Random& random) {
+  std::vector<Feature> features;
+  for (Feature& f : Sized(n, random)) {
+    if (f.kind != FeatureKind::kSize) features.push_back(std::move(f));
+  }
+  FeatureId id = features.back().id;
+  for (int i = 0; i < std::max(2, n / 8); ++i) {
+    const double size = std::ldexp(0.5 + random.Unit(), -2 - random.Below(2));
+    const double target = size * (0.4 + 0.6 * random.Unit());
+    if (random.OneIn(5)) {
+      const double x = random.Unit(), y = random.Unit();
+      features.push_back(
+          Feature::Size(++id, {x, y, random.Unit()}, {SizeShape::kDisc, target, 0.5 * size, {}}));
+      continue;
+    }
+    const double radius = std::ldexp(size, -1 - random.Below(5));
+    features.push_back(Feature::SizeCapsule(++id, RandomPath(random, 3, size, 4), radius, target));
+  }
+  return features;
+}
+
 }  // namespace
 
 std::vector<Feature> MakeSpaceFeatures(Distribution d, int n, std::uint64_t seed) {
@@ -134,6 +156,7 @@ std::vector<Feature> MakeSpaceFeatures(Distribution d, int n, std::uint64_t seed
     return GridEdges(d, n, random);
   }
   if (d == Distribution::kSpaceSized) return Sized(n, random);
+  if (d == Distribution::kSpaceCapsules) return Capsules(n, random);
   std::vector<Feature> features;
   for (int i = 0; i < n; ++i) {
     const Place p = PlaceOf(d, i, n, random);

@@ -1,6 +1,7 @@
 #include "tests/support/workload.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -157,6 +158,38 @@ std::vector<Feature> Sized(int n, Random& random) {
   return features;
 }
 
+// As Sized, with capsules and a few discs. Some capsules are thinner than their target, some lie
+// over each other, some poke out of the box.
+std::vector<Feature> Capsules(int n, Random& random) {
+  std::vector<Feature> features;
+  FeatureId id = 0;
+  for (int i = 0; i < std::max(2, n / 2); ++i) {
+    const double x = random.Unit();
+    features.push_back(Feature::Point(++id, x, random.Unit()));
+  }
+  const int rows = std::max(1, n / 8);
+  for (int i = 0; i < rows; ++i) {
+    const double y = (i + 0.5) / rows;
+    features.push_back(Feature::Point(++id, 0.1 + 0.2 * random.Unit(), y));
+    features.push_back(Feature::Point(++id, 0.6 + 0.3 * random.Unit(), y));
+    features.push_back(Feature::Segment(id + 1, id - 1, id));
+    ++id;
+  }
+  for (int i = 0; i < std::max(3, n / 8); ++i) {
+    const double size = std::ldexp(0.5 + random.Unit(), -2 - random.Below(4));
+    const double target = size * (0.15 + 0.5 * random.Unit());
+    if (random.OneIn(5)) {
+      const double x = random.Unit();
+      features.push_back(Feature::SizeDisc(++id, x, random.Unit(), 0.5 * size, target));
+      continue;
+    }
+    const double radius = std::ldexp(size, -1 - random.Below(6));
+    features.push_back(
+        Feature::SizeCapsule(++id, RandomPath(random, 2, 2 * size, 6), radius, target));
+  }
+  return features;
+}
+
 // Rectangles of cells of a crooked grid, with edges of the grid as their edges: they share some,
 // are nested, touch; some have a hole, some a second part. Segment features on some edges of the
 // grid, and sizing regions with such rings.
@@ -205,6 +238,33 @@ std::vector<Feature> Polygons(int n, Random& random) {
 
 }  // namespace
 
+Path RandomPath(Random& random, int dimension, double length, int most) {
+  const auto axes = static_cast<std::size_t>(dimension);
+  std::array<double, 3> at = {0, 0, 0};
+  for (std::size_t k = 0; k < axes; ++k) at[k] = random.Unit();
+  Path path = {at};
+  const int pieces = 1 + random.Below(most);
+  for (int i = 0; i < pieces; ++i) {
+    const int kind = random.Below(8);
+    const Path::value_type before = path.size() > 1 ? path[path.size() - 2] : at;
+    for (std::size_t k = 0; k < axes; ++k) {
+      double step = length * (2 * random.Unit() - 1);
+      if (kind == 0) step = before[k] - at[k];          // back
+      if (kind == 1) step = 0.5 * (at[k] - before[k]);  // on
+      at[k] = std::clamp(at[k] + step, 0.0, 1.0);
+    }
+    if (at != path.back()) path.push_back(at);
+    at = path.back();
+  }
+  if (path.size() > 2 && path.back() != path.front() && random.OneIn(4))
+    path.push_back(path.front());
+  if (path.size() == 1) {
+    at[0] += at[0] < 0.5 ? 0.25 : -0.25;
+    path.push_back(at);
+  }
+  return path;
+}
+
 std::vector<FeatureId> PointsOf(const Feature& feature) {
   std::vector<FeatureId> points;
   if (feature.kind == FeatureKind::kSegment) points = {feature.ends[0], feature.ends[1]};
@@ -244,6 +304,8 @@ std::string NameOf(Distribution d) {
       return "Sized";
     case Distribution::kPolygons:
       return "Polygons";
+    case Distribution::kCapsules:
+      return "Capsules";
     case Distribution::kSpaceUniform:
       return "SpaceUniform";
     case Distribution::kSpaceClustered:
@@ -264,6 +326,8 @@ std::string NameOf(Distribution d) {
       return "SkewGridEdges";
     case Distribution::kSpaceSized:
       return "SpaceSized";
+    case Distribution::kSpaceCapsules:
+      return "SpaceCapsules";
   }
   return "?";
 }
@@ -272,7 +336,7 @@ bool HasSegments(Distribution d) {
   return d == Distribution::kSegmentsAxis || d == Distribution::kSegmentsTurned ||
          d == Distribution::kDiagonals || d == Distribution::kParallel ||
          d == Distribution::kWedges || d == Distribution::kSized || d == Distribution::kPolygons ||
-         d >= Distribution::kGridEdges;
+         d == Distribution::kCapsules || d >= Distribution::kGridEdges;
 }
 
 std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
@@ -344,6 +408,8 @@ std::vector<Feature> MakeFeatures(Distribution d, int n, std::uint64_t seed) {
       return Sized(n, random);
     case Distribution::kPolygons:
       return Polygons(n, random);
+    case Distribution::kCapsules:
+      return Capsules(n, random);
     default:
       return MakeSpaceFeatures(d, n, seed);
   }
@@ -399,6 +465,12 @@ Edit ScriptGenerator::RandomEdit(const std::vector<Feature>& present, EditBatch&
     Feature other = f;
     other.sizing.target *= random_.OneIn(2) ? 0.7 : 1.6;
     if (random_.OneIn(2)) other.position[0] *= 0.97;
+    if (Path& path = other.sizing.path; !path.empty()) {
+      const auto at = static_cast<std::size_t>(random_.Below(static_cast<int>(path.size())));
+      if (random_.OneIn(3)) std::reverse(path.begin(), path.end());
+      if (random_.OneIn(2)) path[at][1] *= 0.95;
+      if (random_.OneIn(3)) other.sizing.radius *= random_.OneIn(2) ? 0.5 : 1.5;
+    }
     return Edit::Set(other);
   }
   if (dice < 8 && f.kind == FeatureKind::kPolygon) {

@@ -30,6 +30,7 @@ enum class Distribution {
   kWedges,          // fans of segments at angles down to 0.002 degrees, some acute at both ends
   kSized,           // a few points and segments among sizing features of all shapes
   kPolygons,        // polygons that share edges, lie in each other, have holes; some sizing
+  kCapsules,        // a few points and segments among sizing capsules and discs
   // 3D.
   kSpaceUniform,
   kSpaceClustered,
@@ -41,18 +42,19 @@ enum class Distribution {
   kTurnedGridEdges,  // the same, turned
   kSpaceSized,       // a few points and segments among sizing features of all shapes
   kSkewGridEdges,    // segments that meet at 60 to 90 degrees
+  kSpaceCapsules,    // a few points and segments among sizing capsules and balls
 };
 inline constexpr Distribution kAllDistributions[] = {  // 2D
     Distribution::kUniform,   Distribution::kClustered,    Distribution::kCircle,
     Distribution::kGrid,      Distribution::kLine,         Distribution::kDyadicLine,
     Distribution::kTwoScale,  Distribution::kSegmentsAxis, Distribution::kSegmentsTurned,
     Distribution::kDiagonals, Distribution::kParallel,     Distribution::kWedges,
-    Distribution::kSized,     Distribution::kPolygons};
+    Distribution::kSized,     Distribution::kPolygons,     Distribution::kCapsules};
 inline constexpr Distribution kSpaceDistributions[] = {
-    Distribution::kSpaceUniform, Distribution::kSpaceClustered,  Distribution::kSpaceGrid,
-    Distribution::kSphere,       Distribution::kLineAndCircle,   Distribution::kSpaceTwoScale,
-    Distribution::kGridEdges,    Distribution::kTurnedGridEdges, Distribution::kSpaceSized,
-    Distribution::kSkewGridEdges};
+    Distribution::kSpaceUniform,  Distribution::kSpaceClustered,  Distribution::kSpaceGrid,
+    Distribution::kSphere,        Distribution::kLineAndCircle,   Distribution::kSpaceTwoScale,
+    Distribution::kGridEdges,     Distribution::kTurnedGridEdges, Distribution::kSpaceSized,
+    Distribution::kSkewGridEdges, Distribution::kSpaceCapsules};
 inline int DimensionOf(Distribution d) { return d < Distribution::kSpaceUniform ? 2 : 3; }
 std::string NameOf(Distribution d);
 bool HasSegments(Distribution d);
@@ -69,6 +71,10 @@ class Random {
  private:
   std::mt19937_64 bits_;
 };
+
+// A polyline with up to `most` pieces about as long as `length`, in the unit square or cube. Some
+// are in one line, some go there and back, some close.
+Path RandomPath(Random& random, int dimension, double length, int most);
 
 // Features in the unit square or cube, about `n` points of a distribution; ids from 1. Valid
 // input, unless two random points happen to coincide.

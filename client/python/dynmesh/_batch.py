@@ -77,10 +77,10 @@ def _sizes(batch: Any, action: str, value: Any, what: str) -> None:
         raise TypeError(f"{what}: a dict of id to dict(at=, radius=, target=) or the like")
     for id_, size in value.items():
         size = dict(size)
-        unknown = set(size) - {"at", "radius", "low", "high", "rings", "target"}
+        unknown = set(size) - {"at", "radius", "low", "high", "rings", "path", "target"}
         if unknown:
             raise ValueError(f"{what}: there is no {sorted(unknown)[0]} of a size; there are at, "
-                             "radius, low, high, rings, target")
+                             "radius, low, high, rings, path, target")
         if "rings" in size:
             size["rings"] = _rings(size["rings"])
         batch.size(action, id_, size)

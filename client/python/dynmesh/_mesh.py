@@ -278,8 +278,9 @@ class Mesh:
                 to coordinates, or (ids, array of coordinates). `add_segments`, `set_segments`: a
                 dict of id to two ids of points. `add_polygons`, `set_polygons`: a dict of id to a
                 ring of ids of points, or to a list of rings. `add_sizes`, `set_sizes`: a dict of id
-                to dict(target=, at=), dict(target=, at=, radius=), dict(target=, low=, high=) or
-                dict(target=, rings=). `remove`: ids.
+                to dict(target=, at=), dict(target=, at=, radius=), dict(target=, low=, high=),
+                dict(target=, rings=) or, for a capsule, dict(target=, path=, radius=) with the
+                positions of two or more vertices. `remove`: ids.
             validate_only: checks whether the edits are legal, and changes nothing.
             progress: called during long batches in process with the stage, the steps done and the
                 total (0: unknown). An exception from it cancels the batch.

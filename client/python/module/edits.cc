@@ -66,26 +66,32 @@ void Polygon(Batch& batch, const std::string& action, FeatureId id, const Rings&
 
 void Size(Batch& batch, const std::string& action, FeatureId id, const py::dict& size) {
   const auto number = [&](const char* key) { return py::cast<double>(size[key]); };
-  const auto place = [&](const char* key) {
-    const auto values = py::cast<std::vector<double>>(size[key]);
+  const auto place_of = [&](const py::handle& value, const char* key) {
+    const auto values = py::cast<std::vector<double>>(value);
     Require(values.size() == static_cast<std::size_t>(batch.dimension),
             std::string(key) + " must have " + std::to_string(batch.dimension) + " coordinates");
     std::array<double, 3> result = {0, 0, 0};
     std::copy(values.begin(), values.end(), result.begin());
     return result;
   };
+  const auto place = [&](const char* key) { return place_of(size[key], key); };
   Require(size.contains("target"), "a size must have a target");
   Sizing sizing;
   sizing.target = number("target");
   Feature feature;
   if (size.contains("rings")) {
     feature = Feature::SizePolygon(id, py::cast<Rings>(size["rings"]), sizing.target);
+  } else if (size.contains("path")) {
+    Require(size.contains("radius"), "a size with a `path` must have a `radius`");
+    Path path;
+    for (const py::handle vertex : size["path"]) path.push_back(place_of(vertex, "path"));
+    feature = Feature::SizeCapsule(id, std::move(path), number("radius"), sizing.target);
   } else if (size.contains("low")) {
     sizing.shape = SizeShape::kBox;
     sizing.hi = place("high");
     feature = Feature::Size(id, place("low"), sizing);
   } else {
-    Require(size.contains("at"), "a size must have `at`, `low` and `high`, or `rings`");
+    Require(size.contains("at"), "a size must have `at`, `low` and `high`, `rings` or `path`");
     if (size.contains("radius")) {
       sizing.shape = SizeShape::kDisc;
       sizing.radius = number("radius");
@@ -125,6 +131,10 @@ py::list FeatureDicts(const std::vector<Feature>& features, int dimension) {
         d["kind"] = "size", d["target"] = f.sizing.target;
         if (f.sizing.shape == SizeShape::kPolygon) {
           d["rings"] = py::cast(f.rings);
+        } else if (f.sizing.shape == SizeShape::kCapsule) {
+          py::list path;
+          for (const auto& vertex : f.sizing.path) path.append(Place(vertex, dimension));
+          d["path"] = path, d["radius"] = f.sizing.radius;
         } else if (f.sizing.shape == SizeShape::kBox) {
           d["low"] = Place(f.position, dimension), d["high"] = Place(f.sizing.hi, dimension);
         } else {

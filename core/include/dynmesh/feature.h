@@ -10,6 +10,7 @@
 #define DYNMESH_FEATURE_H_
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -37,16 +38,30 @@ enum class FeatureKind : std::uint8_t { kPoint = 1, kSegment = 2, kPolygon = 3, 
 // islands in holes, and several parts side by side.
 using Rings = std::vector<std::vector<FeatureId>>;
 
-// The shape of a region with a target length; in 3D a disc is a ball.
-enum class SizeShape : std::uint8_t { kPoint = 1, kDisc = 2, kBox = 3, kPolygon = 4 };
+// The vertices of a polyline, as positions: they need not be point features. 2 to
+// kMostPathVertices, no two equal ones one after the other. Pieces may cross and overlap, and the
+// last vertex may be the first.
+using Path = std::vector<std::array<double, 3>>;
+inline constexpr std::size_t kMostPathVertices = 65536;  // the most vertices of a Path
+
+// The shape of a region with a target length; in 3D a disc is a ball. A capsule is all that is
+// within a radius of a polyline.
+enum class SizeShape : std::uint8_t {
+  kPoint = 1,
+  kDisc = 2,
+  kBox = 3,
+  kPolygon = 4,
+  kCapsule = 5,
+};
 // Where the mesh must be finer than its geometry needs. No edge of a simplex that meets the region
 // is longer than sqrt(2) times the target, as far as limits allow. Around the region sizes grow as
 // fast as the quality bound lets them.
 struct Sizing {
   SizeShape shape = SizeShape::kPoint;   // of the region
   double target = 0;                     // > 0, in the units of the mesh's box
-  double radius = 0;                     // kDisc, >= 0
+  double radius = 0;                     // kDisc, >= 0; kCapsule, > 0, at most the box's diagonal
   std::array<double, 3> hi = {0, 0, 0};  // kBox: the upper corner
+  Path path = {};                        // kCapsule: its vertices lie in the mesh's box
   friend bool operator==(const Sizing&, const Sizing&) = default;
 };
 
@@ -55,8 +70,9 @@ struct Feature {
   FeatureId id = kNoFeature;               // unique in the mesh
   FeatureKind kind = FeatureKind::kPoint;  // which of the members below are used
   // kPoint: the coordinates, in the units of the mesh's box; those past the dimension are ignored.
-  // kSize: the point, the disc's centre or the box's lower corner; not used by a sizing polygon. A
-  // point or centre must lie in the mesh's box. A disc may extend beyond it; a box must meet it.
+  // kSize: the point, the disc's centre or the box's lower corner; not used by a sizing polygon or
+  // a capsule. A point or centre must lie in the mesh's box. A disc or a capsule may extend beyond
+  // it; a box must meet it.
   std::array<double, 3> position = {0, 0, 0};
   // kSegment: the two point features at its ends.
   std::array<FeatureId, 2> ends = {kNoFeature, kNoFeature};
@@ -96,6 +112,11 @@ struct Feature {
     Feature size = Size(id, {0, 0, 0}, {SizeShape::kPolygon, target, 0, {}});
     size.rings = std::move(rings);
     return size;
+  }
+  // A sizing feature `id` with a `target` for all within `radius` of the polyline through the
+  // vertices of `path`. In 2D and 3D. A mesh takes time O(n log n) in the number of vertices, once.
+  static Feature SizeCapsule(FeatureId id, Path path, double radius, double target) {
+    return Size(id, {0, 0, 0}, {SizeShape::kCapsule, target, radius, {}, std::move(path)});
   }
   // A sizing feature `id` of any shape: `sizing`, at `position` as in Feature::position. For 3D,
   // where positions have a z.

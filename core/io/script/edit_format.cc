@@ -42,6 +42,9 @@ std::string FormatSize(const Feature& f, int dimension) {
   if (use->position) text += Concat(" ", FormatPlace(f.position, dimension));
   if (use->hi) text += Concat(" ", FormatPlace(s.hi, dimension));
   if (use->rings) text += Concat(" ", FormatRings(f.rings));
+  if (use->path) {
+    for (const auto& vertex : s.path) text += Concat(" ", FormatPlace(vertex, dimension));
+  }
   if (use->radius) text += Concat(" ", FormatDouble(s.radius));
   return Concat(text, " ", FormatDouble(s.target));
 }

@@ -238,6 +238,21 @@ class ScriptParser {
       size.rings = *std::move(rings);
       next = reader_.size() - 1;
     }
+    if (use->path) {  // all but the radius and the target
+      const std::size_t tail = 2;
+      while (reader_.size() >= next + Axes() + tail) {
+        const absl::StatusOr<Place> vertex = ParsePlace(next, "");
+        if (!vertex.ok()) return vertex.status();
+        size.sizing.path.push_back(*vertex);
+        next += Axes();
+      }
+      if (size.sizing.path.empty()) return Error("a capsule's first vertex is missing");
+      if (reader_.size() > next + tail) {
+        return Error(Concat("a capsule has ", Axes(),
+                            " coordinates a vertex, a radius and a target ", "length; found ",
+                            reader_.size() - 4, " numbers"));
+      }
+    }
     if (use->radius) {
       const absl::StatusOr<double> radius = reader_.Double(next++, "the radius");
       if (!radius.ok()) return radius.status();

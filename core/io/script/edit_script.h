@@ -6,11 +6,13 @@
 //   add polygon ID P1 P2 P3 ... [/ Q1 Q2 Q3 ...]         its rings, with a lone / between (or set)
 //   add size ID point X Y H       ... disc X Y RADIUS H  ... box X0 Y0 X1 Y1 H   (or set)
 //                                 ... polygon P1 P2 P3 ... [/ Q1 Q2 Q3 ...] H
+//                                 ... capsule X1 Y1 X2 Y2 ... RADIUS H    vertices of a polyline
 //   commit                        ends a batch = one revision
 //
 // With dim=3 every position has a z after its y: box=x0,y0,z0,x1,y1,z1, `add point ID X Y Z`, `...
-// disc X Y Z RADIUS H` (a ball), `... box X0 Y0 Z0 X1 Y1 Z1 H`. Polygons are then planar facets.
-// The default of dim is 2, that of rho sqrt 2 in 2D and 2 in 3D.
+// disc X Y Z RADIUS H` (a ball), `... box X0 Y0 Z0 X1 Y1 Z1 H`, `... capsule X1 Y1 Z1 ... RADIUS
+// H`. Polygons are then planar facets. The default of dim is 2, that of rho sqrt 2 in 2D and 2 in
+// 3D.
 //
 // The edits after the last commit are a batch, too; a batch without an edit is none.
 #ifndef DYNMESH_CORE_IO_SCRIPT_EDIT_SCRIPT_H_

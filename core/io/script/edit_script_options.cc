@@ -41,7 +41,10 @@ void AddPositions(const Feature& f, BoxBuilder& builder) {
   if (f.kind == FeatureKind::kPoint) builder.Add(f.position);
   if (f.kind != FeatureKind::kSize) return;
   const SizeShapeUse* const use = FindUse(f.sizing.shape);
-  if (use != nullptr && use->in_box && use->position) builder.Add(f.position);
+  if (use == nullptr || !use->in_box) return;
+  if (use->position) builder.Add(f.position);
+  if (!use->path) return;
+  for (const auto& vertex : f.sizing.path) builder.Add(vertex);
 }
 
 }  // namespace

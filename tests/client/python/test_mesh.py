@@ -44,6 +44,32 @@ def test_edits_of_all_kinds(make_mesh, dimension):
     assert again.hash == mesh.hash
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_capsules(make_mesh, dimension):
+    mesh = make_mesh(box=[[0] * dimension, [1] * dimension])
+    path = np.full((3, dimension), 0.3)
+    path[1, 0] = path[2] = 0.7
+    mesh.apply(add_sizes={30: dict(path=path, radius=0.05, target=0.1)})
+    (capsule,) = mesh.features()
+    assert capsule == dict(id=30, kind="size", target=0.1, radius=0.05,
+                           path=[tuple(place) for place in path])
+    cells = mesh.points[mesh.cells[mesh.cells[:, 0] >= 0]]
+    edges = np.linalg.norm(cells - np.roll(cells, 1, axis=1), axis=2).max(axis=1)
+    near = (np.abs(cells - path[0]).sum(axis=2) < 0.1).any(axis=1)
+    assert near.any() and edges[near].max() <= 0.1 * 2**0.5 * (1 + 1e-9) < edges.max()
+    mesh.apply(set_sizes={30: dict(path=capsule["path"][:2], radius=0.05, target=0.1)})
+    assert len(mesh.features()[0]["path"]) == 2
+    mesh.apply(remove=[30])
+    for size, error, words in [
+        (dict(path=path[:1], radius=0.1, target=0.1), dynmesh.DynmeshError, "BAD_SIZE"),
+        (dict(path=path + 1, radius=0.1, target=0.1), dynmesh.DynmeshError, "OUTSIDE_BOX"),
+        (dict(path=path, target=0.1), ValueError, "radius"),
+        (dict(path=[(0.5,)], radius=0.1, target=0.1), ValueError, "coordinates"),
+    ]:
+        with pytest.raises(error, match=words):
+            mesh.apply(add_sizes={30: size})
+
+
 def test_polygons_are_regions(make_mesh):
     mesh = make_mesh()
     mesh.apply(add_points={1: (0.2, 0.2), 2: (0.8, 0.2), 3: (0.8, 0.8), 4: (0.2, 0.8)},

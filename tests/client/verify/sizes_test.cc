@@ -31,6 +31,7 @@ TEST(VerifySizes, FindsATriangleThatIsTooLargeForEachShape) {
         Feature::SizeBox(902, 2.2, 2.1, 2.3, 2.9, target),
         Feature::SizeBox(903, 1.5, 1.5, 3.5, 3.5, target),
         Feature::SizePolygon(904, ring, target),
+        Feature::SizeCapsule(905, {{1.5, 1.5}, {3.5, 3.5}, {3.5, 2}}, 0.01, target),
     };
   };
   for (const Feature& size : shapes(1)) {
@@ -65,6 +66,11 @@ TEST(VerifySizes, CountsWhatMeetsARegionOnly) {
   EXPECT_EQ(failures(Feature::SizeBox(1, -1, 0.4, 2, 0.5, 0.1)), 1u);
   EXPECT_EQ(failures(Feature::SizeBox(1, -1, -1, 2, 2, 0.1)), 1u);
   EXPECT_EQ(failures(Feature::SizeBox(1, -1, -1, 2, 2, 1)), 0u);
+  EXPECT_EQ(failures(Feature::SizeCapsule(1, {{2, 0}, {0, 2}}, 0.70, 0.1)), 0u);
+  EXPECT_EQ(failures(Feature::SizeCapsule(1, {{2, 0}, {0, 2}}, 0.71, 0.1)), 1u);
+  EXPECT_EQ(failures(Feature::SizeCapsule(1, {{2, 2}, {2, 0}, {0, 2}}, 0.71, 0.1)), 1u);
+  EXPECT_EQ(failures(Feature::SizeCapsule(1, {{-1, 0.5}, {2, 0.5}}, 1e-6, 0.1)), 1u);
+  EXPECT_EQ(failures(Feature::SizeCapsule(1, {{0.3, 0.3}, {0.3, 0.4}}, 1e-6, 0.1)), 1u);
 }
 
 TEST(VerifySizes, CountsWhatMeetsARegionOnlyIn3D) {
@@ -86,6 +92,14 @@ TEST(VerifySizes, CountsWhatMeetsARegionOnlyIn3D) {
   EXPECT_EQ(failures({0.3, 0.3, 0.3}, {SizeShape::kBox, 0.1, 0, {1, 1, 1}}), 1u);
   EXPECT_EQ(failures({-1, 0.1, 0.1}, {SizeShape::kBox, 0.1, 0, {2, 0.2, 0.2}}), 1u);
   EXPECT_EQ(failures({-1, -1, 0.1}, {SizeShape::kBox, 0.1, 0, {2, 2, 0.2}}), 1u);
+  const auto along = [&](const Path& path, double radius) {
+    return FailuresOf(mesh, {Feature::SizeCapsule(1, path, radius, 0.1)});
+  };
+  EXPECT_EQ(along({{-1, 0.2, 0.2}, {2, 0.2, 0.2}}, 1e-6), 1u);  // through two faces
+  EXPECT_EQ(along({{-1, -1, -1}, {-1, 0.2, 0.2}, {2, 0.2, 0.2}}, 1e-6), 1u);
+  EXPECT_EQ(along({{0.2, 0.2, 0.2}, {0.3, 0.2, 0.2}}, 1e-6), 1u);  // inside
+  EXPECT_EQ(along({{2, 0, 1}, {0, 2, 1}}, 1.15), 0u);              // beside an edge: 2 / sqrt 3
+  EXPECT_EQ(along({{2, 0, 1}, {0, 2, 1}}, 1.16), 1u);
 }
 
 class MeshOfSizes : public ::testing::TestWithParam<Distribution> {};
@@ -114,7 +128,8 @@ TEST_P(MeshOfSizes, ObeysThem) {
 
 INSTANTIATE_TEST_SUITE_P(All, MeshOfSizes,
                          ::testing::Values(Distribution::kSized, Distribution::kPolygons,
-                                           Distribution::kSpaceSized),
+                                           Distribution::kCapsules, Distribution::kSpaceSized,
+                                           Distribution::kSpaceCapsules),
                          [](const auto& row) { return NameOf(row.param); });
 
 }  // namespace

@@ -69,11 +69,19 @@ class Scenes {
   }
 
   // Regions, over each other or not, some out of the box.
-  void Regions(int dimension) {
+  void Regions(int dimension, bool with_capsules = false) {
     const int n = Count(1, 5);
     for (int i = 0; i < n; ++i) {
       const double h = dimension == 2 ? Log(0.008, 0.05) : Log(0.05, 0.2);
       const std::array<double, 3> at = {Uniform(0, 1), Uniform(0, 1), Uniform(0, 1)};
+      if (with_capsules) {
+        Path path;
+        for (int c = Count(2, 6); c > 0; --c) {
+          path.push_back({Uniform(0, 1), Uniform(0, 1), dimension == 3 ? Uniform(0, 1) : 0});
+        }
+        Size({}, {SizeShape::kCapsule, h, Log(0.01, 0.5), {}, std::move(path)});
+        continue;
+      }
       const int kind = Count(0, dimension == 2 ? 3 : 2);
       if (kind == 0) Size(at, {SizeShape::kPoint, h, 0, {}});
       if (kind == 1) Size(at, {SizeShape::kDisc, h, Log(0.01, 0.5), {}});
@@ -253,6 +261,7 @@ TEST(LeastVertices, AreNeverMoreThanThereAreInThePlane) {
     EXPECT_GT(found.told, rounds / 8);
   };
   check("regions", 60, [](Scenes& s) { s.Regions(2); });
+  check("capsules", 60, [](Scenes& s) { s.Regions(2, true); });
   check("lines", 100, [](Scenes& s) { s.Lines(2); });
   check("squares", 60, [](Scenes& s) { s.NestedSquares(); });
 }
@@ -267,6 +276,7 @@ TEST(LeastVertices, AreNeverMoreThanThereAreInSpace) {
     return ExpectNeverTooHigh<3>(name, kSpatial, rounds, make);
   };
   EXPECT_GT(check("regions", 24, [](Scenes& s) { s.Regions(3); }).told, 8);
+  EXPECT_GT(check("capsules", 24, [](Scenes& s) { s.Regions(3, true); }).told, 8);
   EXPECT_GT(check("lines", 24, [](Scenes& s) { s.Lines(3); }).told, 5);
   EXPECT_GT(check("plates", 16, [](Scenes& s) { s.Plates(); }).told, 3);
 }
@@ -305,6 +315,12 @@ TEST(LeastVertices, ATinyTargetIsRefusedByName) {
                                         Feature::Point(3, 0.5, 0.9)};
   ExpectRefusedByAll(OptionsIn(2, kDefaultQuality2D), corners,
                      {Edit::Add(Feature::SizePolygon(9, {{1, 2, 3}}, 1e-5))}, {9});
+  ExpectRefusedByAll(
+      OptionsIn(2, kDefaultQuality2D), present,
+      {Edit::Add(Feature::SizeCapsule(9, {{0.1, 0.1}, {0.9, 0.9}, {0.2, 0.8}}, 0.01, 1e-6))}, {9});
+  ExpectRefusedByAll(
+      OptionsIn(3, 2.0), present,
+      {Edit::Add(Feature::SizeCapsule(9, {{0.1, 0.1, 0.1}, {0.9, 0.9, 0.9}}, 0.02, 1e-5))}, {9});
   ExpectRefusedByAll(
       OptionsIn(3, 2.0), present,
       {Edit::Add(Feature::Size(7, {0.5, 0.5, 0.5}, {SizeShape::kDisc, 1e-5, 0.1, {}}))}, {7});

@@ -354,6 +354,34 @@ bool MeetsPolygon(const std::array<Point2, 3>& t, const std::vector<std::vector<
   return crosses || holds_corner || corner_inside;
 }
 
+// The same for a capsule: its polyline is nearer than the radius to a corner or an edge, or in it.
+bool MeetsCapsule(const std::array<Point2, 3>& t, const Sizing& sizing) {
+  const auto distance = [](const Point2& x, const Point2& a, const Point2& b) {
+    const double ex = b[0] - a[0], ey = b[1] - a[1];
+    const double along = ((x[0] - a[0]) * ex + (x[1] - a[1]) * ey) / (ex * ex + ey * ey);
+    const double s = std::clamp(along, 0.0, 1.0);
+    return std::hypot(a[0] + s * ex - x[0], a[1] + s * ey - x[1]);
+  };
+  const auto turn = [](const Point2& a, const Point2& b, const Point2& c) {
+    const double x = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    return std::fabs(x) < 1e-14 ? 0 : x > 0 ? 1 : -1;
+  };
+  for (std::size_t i = 1; i < sizing.path.size(); ++i) {
+    const Point2 p{{sizing.path[i - 1][0], sizing.path[i - 1][1]}};
+    const Point2 q{{sizing.path[i][0], sizing.path[i][1]}};
+    double nearest = INFINITY;
+    bool inside = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Point2 &a = t[k], &b = t[(k + 1) % 3];
+      nearest = std::min({nearest, distance(a, p, q), distance(p, a, b), distance(q, a, b)});
+      if (turn(a, b, p) * turn(a, b, q) < 0 && turn(p, q, a) * turn(p, q, b) < 0) return true;
+      inside &= turn(a, b, p) > 0;
+    }
+    if (inside || nearest < sizing.radius * (1 - 1e-9)) return true;
+  }
+  return false;
+}
+
 // No edge of a triangle that meets a region is longer than sqrt 2 times its target.
 void CheckSizes(const Judged& j, const std::vector<Feature>& features) {
   std::map<FeatureId, Point2> place;
@@ -370,7 +398,11 @@ void CheckSizes(const Judged& j, const std::vector<Feature>& features) {
     std::size_t met = 0;
     for (const auto& t : j.triangles) {
       const std::array<Point2, 3> corners = {j.at.at(t[0]), j.at.at(t[1]), j.at.at(t[2])};
-      if (rings.empty() ? !Meets(corners, size) : !MeetsPolygon(corners, rings)) continue;
+      const bool meets = size.sizing.shape == SizeShape::kCapsule
+                             ? MeetsCapsule(corners, size.sizing)
+                         : rings.empty() ? Meets(corners, size)
+                                         : MeetsPolygon(corners, rings);
+      if (!meets) continue;
       ++met;
       for (int i = 0; i < 3; ++i) {
         const double length = std::sqrt(CGAL::to_double(Squared(corners[i], corners[(i + 1) % 3])));

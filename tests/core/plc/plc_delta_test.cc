@@ -176,6 +176,26 @@ TEST_F(PlcDelta, AFlatBoxTakesPointsOnALine) {
   EXPECT_TRUE(plc.Check({AddSegment(5, 2, 3)}).ok());
 }
 
+TEST_F(PlcDelta, OfCapsules) {
+  Plc2 plc(Square(0, 1));
+  const Feature capsule = Feature::SizeCapsule(7, {{0.5, 0.0}, {0.25, 0.5}}, 0.25, 0.125);
+  Apply(plc, {Edit::Add(capsule)});
+  // -0 is +0; members unused by a capsule and a third coordinate are dropped.
+  Feature untidy = Feature::SizeCapsule(7, {{0.5, -0.0, 3}, {0.25, 0.5, -1}}, 0.25, 0.125);
+  untidy.sizing.hi = {4, 4, 4};
+  untidy.position = {0.5, 0.5, 0.5};
+  EXPECT_TRUE(plc.Check({Edit::Set(untidy)})->empty());
+  EXPECT_EQ(plc.Features(), std::vector<Feature>{capsule});
+  const auto moved =
+      plc.Check({Edit::Set(Feature::SizeCapsule(7, {{0.5, 0}, {0.25, 0.75}}, 0.25, 0.125))});
+  ASSERT_TRUE(moved.ok());
+  EXPECT_EQ(moved->size(), 2u);
+  plc.Commit(*moved);
+  EXPECT_EQ(plc.Features()[0].sizing.path[1][1], 0.75);
+  plc.Commit(moved->Inverse());
+  EXPECT_EQ(plc.Features(), std::vector<Feature>{capsule});
+}
+
 TEST_F(PlcDelta, OfSizes) {
   Plc2 plc(Square(0, 1));
   const Feature disc = Feature::SizeDisc(7, 0.5, -0.0, 0.25, 0.125);

@@ -403,6 +403,16 @@ TEST(SpacePlc, BadFeaturesAreNamed) {
                 {20});
   Apply(plc, {Edit::Add(Feature::Size(20, {0.1, 0.2, 0.3}, {SizeShape::kBox, 0.1, 0, {1, 1, 1}}))});
   EXPECT_EQ(plc.store().FindSize(20)->at, (geometry::Point3{{0.1, 0.2, 0.3}}));
+  const auto capsule = [](const Path& path, double radius) {
+    return Edit::Add(Feature::SizeCapsule(21, path, radius, 0.1));
+  };
+  const Path line = {{0.1, 0.2, 0.3}, {0.1, 0.2, 0.4}};
+  ExpectRefused(plc, {capsule({line[0], line[0]}, 0.1)}, reason::kBadSize, {21});
+  ExpectRefused(plc, {capsule({line[0], {0.1, 0.2, 1.5}}, 0.1)}, reason::kOutsideBox, {21});
+  ExpectRefused(plc, {capsule({line[0], {0.1, 0.2, nan}}, 0.1)}, reason::kNotFinite, {21});
+  ExpectRefused(plc, {capsule(line, 1.8)}, reason::kBadSize, {21});
+  Apply(plc, {capsule(line, 1.7)});
+  EXPECT_EQ(plc.store().FindSize(21)->sizing.path, line);
 }
 
 TEST(SpacePlc, FacetsComeAndGoWithPolygonsAndFollowTheirCorners) {

@@ -26,6 +26,8 @@ TEST(EditCodec, EveryKindOfEditComesBack) {
       Edit::Set(Feature::Polygon(24, {{1, 3, 5, 7}, {2, 4, 6}, {}})),
       Edit::Add(Feature::Polygon(25, {})),
       Edit::Set(Feature::SizePolygon(26, {{1, 3, 5}, {~FeatureId{0}, 1, 1}}, 0.3)),
+      Edit::Add(Feature::SizeCapsule(27, {{0.1, -0.0}, {1e-300, 5}, {3, 4}}, 0.2, 0.3)),
+      Edit::Set(Feature::SizeCapsule(27, {}, -1, 0.3)),
       Edit::Set(Feature::Point(3, 1e-300, 5)),
       Edit::Remove(4),
       Edit::Move(5, 0.25, 0.75),
@@ -47,14 +49,15 @@ TEST(EditCodec, EveryKindOfEditOfSpaceComesBackWithItsZ) {
       Edit::Add(Feature::Size(20, {1, 2, 3}, {SizeShape::kPoint, 0.3, 0, {}})),
       Edit::Add(Feature::Size(21, {1, 2, 3}, {SizeShape::kDisc, 0.3, 0.4, {}})),
       Edit::Set(Feature::Size(22, {1, 2, 3}, {SizeShape::kBox, 0.3, 0, {4, 5, 6}})),
-      Edit::Set(Feature::SizePolygon(26, {{1, 3, 5}}, 0.3))};
+      Edit::Set(Feature::SizePolygon(26, {{1, 3, 5}}, 0.3)),
+      Edit::Add(Feature::SizeCapsule(27, {{1, 2, 3}, {4, 5, -0.0}}, 0.2, 0.3))};
   google::protobuf::RepeatedPtrField<v1::Edit> wire;
   for (const Edit& edit : batch) EncodeEdit(edit, 3, wire.Add());
   EditBatch back;
   ASSERT_TRUE(DecodeEdits(wire, 3, &back).ok());
   EXPECT_EQ(back, batch);
   // Every position needs its z, both corners of a box too.
-  for (const int i : {0, 1, 2, 5, 6, 7}) {
+  for (const int i : {0, 1, 2, 5, 6, 7, 9}) {
     google::protobuf::RepeatedPtrField<v1::Edit> flat;
     EncodeEdit(batch[static_cast<std::size_t>(i)], 2, flat.Add());
     back.clear();
@@ -85,6 +88,17 @@ TEST(EditCodec, PolygonsWeighByTheirPointsAndRings) {
   // Two bytes on the wire, and more than twenty once it is read.
   for (int i = 0; i < 800; ++i) features.Mutable(1)->mutable_polygon()->add_rings();
   EXPECT_EQ(Weight(features), 4u + 2 * 10 + 300);
+}
+
+TEST(EditCodec, CapsulesWeighByTheirVertices) {
+  const Feature f = Feature::SizeCapsule(1, Path(80, {0.5, 0.5}), 0.1, 0.1);
+  google::protobuf::RepeatedPtrField<v1::Edit> edits;
+  google::protobuf::RepeatedPtrField<v1::Feature> features;
+  EncodeEdit(Edit::Add(f), 2, edits.Add());
+  EncodeFeature(f, 2, features.Add());
+  EXPECT_EQ(Weight(edits), 1u + 30);
+  EXPECT_EQ(Weight(features), 1u + 30);
+  EXPECT_EQ(Weight(EditBatch{Edit::Set(f)}), 1u + 30);
 }
 
 TEST(EditCodec, WhatTheWireFormGetsWrongIsNamed) {

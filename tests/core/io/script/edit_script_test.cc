@@ -83,6 +83,27 @@ TEST(EditScript, HasPolygonsOfAnyNumberOfRings) {
                        Edit::Set(Feature::SizePolygon(10, {{1, 2, 3}, {4, 5, 6}}, 7))}));
 }
 
+TEST(EditScript, HasCapsulesOfAnyNumberOfVertices) {
+  const auto script = Parse(
+      "mesh\n"
+      "add size 4 capsule 1 2 3 4 0.5 0.25\n"
+      "set size 4 capsule 1 2 3 4 5 6 -1 0 0.5 0.25\n"
+      "set size 4 capsule 1 2 0.5 0.25\n");  // validation asks for a second vertex
+  ASSERT_TRUE(script.ok()) << script.status();
+  EXPECT_EQ(
+      script->batches[0].edits,
+      (EditBatch{Edit::Add(Feature::SizeCapsule(4, {{1, 2}, {3, 4}}, 0.5, 0.25)),
+                 Edit::Set(Feature::SizeCapsule(4, {{1, 2}, {3, 4}, {5, 6}, {-1, 0}}, 0.5, 0.25)),
+                 Edit::Set(Feature::SizeCapsule(4, {{1, 2}}, 0.5, 0.25))}));
+  EXPECT_EQ(script->Options().box, (Box{{-1, 0, 0}, {5, 6, 1}}));
+  std::string text = "mesh\n";
+  for (const Edit& edit : script->batches[0].edits) text += FormatEdit(edit, 2) + "\n";
+  EXPECT_EQ(Parse(text)->batches[0].edits, script->batches[0].edits) << text;
+  std::vector<Feature> features;
+  for (const Edit& edit : script->batches[0].edits) features.push_back(edit.feature);
+  EXPECT_EQ(BoundingBox(features), script->Options().box);
+}
+
 TEST(EditScript, PolygonsHaveNoPlaceOfTheirOwn) {
   const auto script =
       Parse("mesh\nadd point 1 3 4\nadd polygon 2 1 1 1\nadd size 3 polygon 1 1 1 0.5\n");
@@ -100,7 +121,8 @@ TEST(EditScript, OfSpaceHasAThirdCoordinate) {
       "add size 10 point 1 2 3 0.5\n"
       "add size 11 disc 1 2 3 0.25 0.5\n"
       "set size 12 box 1 2 3 4 5 6 0.5\n"
-      "add size 13 polygon 1 2 3 0.5\n");
+      "add size 13 polygon 1 2 3 0.5\n"
+      "add size 14 capsule 1 2 3 4 5 6 7 8 9 0.25 0.5\n");
   ASSERT_TRUE(script.ok()) << script.status();
   const MeshOptions options = script->Options();
   EXPECT_EQ(options.dimension, 3);
@@ -109,12 +131,14 @@ TEST(EditScript, OfSpaceHasAThirdCoordinate) {
   ASSERT_EQ(script->batches.size(), 1U);
   EXPECT_EQ(
       script->batches[0].edits,
-      (EditBatch{Edit::Add(Feature::Point(1, 0.5, 1.5, 2.5)), Edit::Move(1, 1, 2, 3),
-                 Edit::Add(Feature::Polygon(9, {{1, 2, 3}, {4, 5, 6}})),
-                 Edit::Add(Feature::Size(10, {1, 2, 3}, {SizeShape::kPoint, 0.5, 0, {}})),
-                 Edit::Add(Feature::Size(11, {1, 2, 3}, {SizeShape::kDisc, 0.5, 0.25, {}})),
-                 Edit::Set(Feature::Size(12, {1, 2, 3}, {SizeShape::kBox, 0.5, 0, {4, 5, 6}})),
-                 Edit::Add(Feature::SizePolygon(13, {{1, 2, 3}}, 0.5))}));
+      (EditBatch{
+          Edit::Add(Feature::Point(1, 0.5, 1.5, 2.5)), Edit::Move(1, 1, 2, 3),
+          Edit::Add(Feature::Polygon(9, {{1, 2, 3}, {4, 5, 6}})),
+          Edit::Add(Feature::Size(10, {1, 2, 3}, {SizeShape::kPoint, 0.5, 0, {}})),
+          Edit::Add(Feature::Size(11, {1, 2, 3}, {SizeShape::kDisc, 0.5, 0.25, {}})),
+          Edit::Set(Feature::Size(12, {1, 2, 3}, {SizeShape::kBox, 0.5, 0, {4, 5, 6}})),
+          Edit::Add(Feature::SizePolygon(13, {{1, 2, 3}}, 0.5)),
+          Edit::Add(Feature::SizeCapsule(14, {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, 0.25, 0.5))}));
   EXPECT_EQ(Parse("mesh dim=3 rho=3\n")->Options().quality, 3);
   EXPECT_EQ(Parse("mesh dim=3\n")->Options().min_dihedral, kDefaultMinDihedral3D);
   EXPECT_EQ(Parse("mesh dim=3 min_dihedral=0\n")->Options().min_dihedral, 0);
@@ -153,6 +177,7 @@ TEST(EditScript, OfSpaceFormattedReadsBack) {
       Edit::Add(Feature::Size(4, {0.1, 0.2, third}, {SizeShape::kPoint, third, 0, {}})),
       Edit::Add(Feature::Size(4, {0.1, 0.2, third}, {SizeShape::kDisc, third, 0.7, {}})),
       Edit::Add(Feature::Size(4, {0, 0.2, third}, {SizeShape::kBox, 1, 0, {0.1, 0.3, third}})),
+      Edit::Add(Feature::SizeCapsule(5, {{0, third, 1}, {-third, 1e-300, -0.0}}, 0.1, third)),
       Edit::Remove(4)};
   options.min_dihedral = 12.5;
   std::string text = FormatMeshLine(options) + "\n";
@@ -247,8 +272,15 @@ const BadScript kBadScripts[] = {
     {"mesh\nadd size 5 disc 0 0 0.1\n", 2, "the target length is missing"},
     {"mesh\nadd size 5 disc 0 0 0.1 0.1 0.1\n", 2, "unexpected '0.1'"},
     {"mesh\nadd size 5 box 0 0 1 0.1\n", 2, "the target length is missing"},
-    {"mesh\nadd size 5 0 0 1\n", 2, "Expected point, disc, box or polygon"},
-    {"mesh\nadd size 5\n", 2, "Expected point, disc, box or polygon"},
+    {"mesh\nadd size 5 capsule\n", 2, "a capsule's first vertex is missing"},
+    {"mesh\nadd size 5 capsule 0 0 1\n", 2, "a capsule's first vertex is missing"},
+    {"mesh\nadd size 5 capsule 0 0 1 1 0.1\n", 2, "has 2 coordinates a vertex"},
+    {"mesh\nadd size 5 capsule 0 0 1 x 0.1 0.1\n", 2, "y is not a finite number"},
+    {"mesh\nadd size 5 capsule 0 0 1 1 far 0.1\n", 2, "the radius is not"},
+    {"mesh\nadd size 5 capsule 0 0 1 1 0.1 nan\n", 2, "the target length is not"},
+    {"mesh dim=3\nadd size 5 capsule 0 0 0 1 1 0.1 0.1\n", 2, "has 3 coordinates a vertex"},
+    {"mesh\nadd size 5 0 0 1\n", 2, "Expected point, disc, box, polygon or capsule"},
+    {"mesh\nadd size 5\n", 2, "Expected point, disc, box, polygon or capsule"},
     {"mesh\nmove size 5 0 0\n", 2, "only points move"},
 };
 

@@ -1,0 +1,65 @@
+#include "core/meshing/polyline.h"
+
+#include <algorithm>
+
+namespace dynmesh::meshing {
+
+using geometry::Point;
+
+template <int D>
+double SquaredDistanceToPiece(const Point<D>& x, const Point<D>& a, const Point<D>& b) {
+  double length2 = 0, along = 0;
+  for (int k = 0; k < D; ++k) {
+    length2 += (b[k] - a[k]) * (b[k] - a[k]);
+    along += (x[k] - a[k]) * (b[k] - a[k]);
+  }
+  if (!(along > 0)) return geometry::SquaredDistance(x, a);
+  if (along >= length2) return geometry::SquaredDistance(x, b);
+  const double t = along / length2;
+  Point<D> foot;
+  for (int k = 0; k < D; ++k) {
+    // Rounding must not take it out of the piece's box.
+    foot[k] = std::clamp(a[k] + t * (b[k] - a[k]), std::min(a[k], b[k]), std::max(a[k], b[k]));
+  }
+  return geometry::SquaredDistance(x, foot);
+}
+
+template <int D>
+Polyline<D>::Polyline(std::span<const Point> vertices) : pieces_(PiecesOf(vertices)) {}
+
+template <int D>
+std::vector<typename Polyline<D>::Piece> Polyline<D>::PiecesOf(std::span<const Point> vertices) {
+  std::vector<Piece> pieces;
+  pieces.reserve(vertices.size() - 1);
+  for (std::size_t i = 0; i + 1 < vertices.size(); ++i) {
+    const Point &p = vertices[i], &q = vertices[i + 1];
+    pieces.push_back(p < q ? Piece{p, q} : Piece{q, p});
+  }
+  return pieces;
+}
+
+template <int D>
+bool Polyline<D>::Meets(const Point& centre, double radius) const {
+  const double radius2 = radius * radius;
+  return pieces_.Visit(
+      [&](const Point& lo, const Point& hi) {
+        double d2 = 0;
+        for (int k = 0; k < D; ++k) {
+          const double d = std::max({lo[k] - centre[k], centre[k] - hi[k], 0.0});
+          d2 += d * d;
+        }
+        return d2 <= radius2;
+      },
+      [&](std::span<const Piece> pieces) {
+        return std::ranges::any_of(pieces, [&](const Piece& piece) {
+          return SquaredDistanceToPiece(centre, piece.a, piece.b) <= radius2;
+        });
+      });
+}
+
+template class Polyline<2>;
+template class Polyline<3>;
+template double SquaredDistanceToPiece(const Point<2>&, const Point<2>&, const Point<2>&);
+template double SquaredDistanceToPiece(const Point<3>&, const Point<3>&, const Point<3>&);
+
+}  // namespace dynmesh::meshing
