@@ -58,6 +58,12 @@ class BlockPool {
   }
 
   void Reserve(std::size_t words) { words_.reserve(words); }
+  // Is less than `part` of the memory in use? False for a small pool.
+  bool IsMostlyRoom(double part) const {
+    constexpr std::size_t kFewBytes = 64 << 10;
+    const std::size_t used = bytes() - free_bytes();
+    return bytes() > kFewBytes && static_cast<double>(used) < part * static_cast<double>(bytes());
+  }
   // The part of bytes() that belongs to no block.
   std::size_t free_bytes() const {
     std::size_t sum = 0;

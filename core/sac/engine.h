@@ -22,20 +22,7 @@
 // earlier operations are final. If o's region changed, o was notified and runs again. Else its
 // stored outputs are what it would compute again.
 //
-// The engine knows no geometry. Thread-compatible. REQUIRES of a program (a small one is in
-// tests/core/sac/):
-//   PayloadOf<Program>::Type                  what it keeps per operation (trivially copyable)
-//   Priority(kind, item) -> uint64            uniform; a function of what the item *is*
-//   Before(kind, item, kind, item) -> bool    strict order among equal priorities
-//   OperationsOf(kind, item) -> OpId&         head of the item's chain, initially kNoOp
-//   Execute(Context&)                         the procedures, the same for every engine
-//   Publish(output, Stamp) Withdraw(output, Stamp)   make an output visible / invisible
-//                                             from that time on, and Notify
-//   Release(output)                           after the propagation, once for each Withdraw:
-//                                             forget it, unless it was published again
-// and may have:
-//   IsAttentive(kind, payload) -> bool        does NotifyAttentive reach it? As executed last
-//   kPrefetchSteps, Prefetch(kind, item, step)   see prefetch.h
+// The engine knows no geometry. Thread-compatible. REQUIRES of a program: program.h.
 //
 // Callback graph, with the names of the mesher in brackets.
 //
@@ -90,49 +77,28 @@
 #include <string>
 #include <vector>
 
-#include "core/base/large_vector.h"
 #include "core/sac/block_pool.h"
 #include "core/sac/epoch_order.h"
+#include "core/sac/execution.h"
+#include "core/sac/operation_table.h"
 #include "core/sac/order_list.h"
 #include "core/sac/prefetch.h"
+#include "core/sac/program.h"
 #include "core/sac/subscriptions.h"
 #include "core/sac/work_queue.h"
 
 namespace dynmesh::sac {
 
-// Specialised for each program before the program's class is complete.
 template <class Program>
-struct PayloadOf;
-
-using Kind = std::uint8_t;
-using Item = std::uint32_t;
-using Output = std::uint32_t;
-
-// Limits of one operation's lists, and of the number of operations. Where one is exceeded the
-// propagation ends, and the excessive operation is not committed (Propagate). Tests set lower ones.
-struct EngineLimits {
-  std::uint32_t outputs = (1u << 16) - 1, places = (1u << 16) - 1;
-  std::uint32_t requests = (1u << 24) - 1, reads = (1u << 24) - 1;
-  // Half of the range of OpId: an undo makes at most as many operations again as were dropped.
-  std::uint32_t operations = 1u << 31;
-};
-
-struct Counters {
-  std::uint64_t executed = 0;   // bodies run
-  std::uint64_t created = 0;    // operations that are new
-  std::uint64_t dropped = 0;    // operations that are gone
-  std::uint64_t unchanged = 0;  // re-executed to the same outputs and requests
-  std::uint64_t notified = 0;   // subscribers looked at by Notify
-};
-
-template <class Program>
-class Engine {
+class Engine : public OperationTable<typename PayloadOf<Program>::Type> {
  public:
+  using Table = OperationTable<typename PayloadOf<Program>::Type>;
   static constexpr bool kTraced = true;
   class Context;
+  using Table::executed, Table::operation_count, Table::outputs, Table::places, Table::requests;
 
   explicit Engine(Program& program)
-      : program_(program), time_(ops_, BeforeInEpoch{this}), queue_(BeforeInQueue{this}) {}
+      : program_(program), time_(Table::ops_, BeforeInEpoch{this}), queue_(BeforeInQueue{this}) {}
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
 
@@ -150,8 +116,8 @@ class Engine {
   // its limits or there are too many operations: see overflowed(). Epochs >= `until` are left for
   // another call, which must follow: nothing is released before it. Between the two calls the
   // environment may request operations of these epochs.
-  template <class Interrupt>
-  bool Propagate(Interrupt interrupt, Epoch until = kForever) {
+  template <class Interrupt = NoInterrupt>
+  bool Propagate(Interrupt interrupt = {}, Epoch until = kForever) {
     queue_.Rewind();
     overflowed_ = kNoOp;
     if (IsFromScratch()) subscriptions_.BeginLoad();  // no subscriber is later than what follows
@@ -177,9 +143,6 @@ class Engine {
     if (until == kForever) ReleaseWithdrawn();
     return true;
   }
-  void Propagate() {
-    Propagate([] { return false; });
-  }
   // The operation at which limits stopped the last propagation; kNoOp if none did.
   OpId overflowed() const { return overflowed_; }
   void set_limits(const EngineLimits& limits) { limits_ = limits; }
@@ -191,14 +154,14 @@ class Engine {
   // parts) == parts.
   template <class Affected>
   void Notify(Place place, Parts parts, Stamp after, Stamp until, Affected affected) {
-    const std::span<const OpId> asked = SubscribersOfAll(place, parts);
+    const std::span<const OpId> asked = subscriptions_.SubscribersOfAll(place, parts);
     counters_.notified += asked.size();
     // After an edit far away no subscriber is in a cache. So they are prefetched in two steps: each
     // step reads the address that the step before has fetched.
     constexpr std::size_t kFar = 24, kNear = 12;
-    for (std::size_t i = 0; i < std::min(kFar, asked.size()); ++i) PrefetchOp(asked[i]);
+    for (std::size_t i = 0; i < std::min(kFar, asked.size()); ++i) PrefetchOperation(asked[i]);
     for (std::size_t i = 0; i < asked.size(); ++i) {
-      if (i + kFar < asked.size()) PrefetchOp(asked[i + kFar]);
+      if (i + kFar < asked.size()) PrefetchOperation(asked[i + kFar]);
       if (i + kNear < asked.size()) PrefetchReads(ops_[asked[i + kNear]]);
       Tell(asked[i], after, until, affected);
     }
@@ -239,38 +202,12 @@ class Engine {
   // removes its subscription at `from`.
   void ReplacePlace(OpId id, Place from, Place to);
 
-  // --- What an operation remembers ------------------------------------------------
+  // --- Memory -----------------------------------------------------------------------
 
-  Kind kind(OpId id) const { return ops_[id].kind; }
-  Item item(OpId id) const { return ops_[id].item; }
-  Epoch epoch(OpId id) const { return ops_[id].epoch; }
-  Stamp stamp(OpId id) const { return ops_[id].stamp; }
-  OpId next_of_item(OpId id) const { return ops_[id].next_of_item; }
-  bool executed(OpId id) const { return ops_[id].flags & kExecuted; }
-  bool stale(OpId id) const { return ops_[id].flags & kStale; }
-  const typename PayloadOf<Program>::Type& payload(OpId id) const { return ops_[id].payload; }
-  std::span<const Output> outputs(OpId id) const { return Part(ops_[id], 0, ops_[id].outputs); }
-  std::span<const std::uint32_t> reads(OpId id) const {
-    const Operation& op = ops_[id];
-    return Part(op, op.outputs + op.requests + op.places, op.reads);
-  }
-  std::span<const Place> places(OpId id) const {
-    const Operation& op = ops_[id];
-    return Part(op, op.outputs + op.requests, op.places);
-  }
-
-  std::size_t operation_count() const { return ops_.size() - free_ops_.size(); }
   // Dropped operations leave free slots and free blocks. True if less than `part` of the slots, of
-  // the records' pool or of the subscriptions' pool is in use; small stores do not count. O(1).
+  // the records' pool or of the subscriptions' pool is in use. O(1).
   bool IsMostlyRoom(double part) const {
-    constexpr std::size_t kFew = 64, kFewBytes = 64 << 10;
-    const auto is_room = [part](std::size_t free, std::size_t all, std::size_t few) {
-      return all > few && static_cast<double>(all - free) < part * static_cast<double>(all);
-    };
-    const BlockPool& told = subscriptions_.pool();
-    return is_room(free_ops_.size(), ops_.size(), kFew) ||
-           is_room(pool_.free_bytes(), pool_.bytes(), kFewBytes) ||
-           is_room(told.free_bytes(), told.bytes(), kFewBytes);
+    return this->IsTableMostlyRoom(part) || subscriptions_.pool().IsMostlyRoom(part);
   }
   // Operations queued: stale, or to be dropped.
   std::size_t waiting() const { return queue_.size(); }
@@ -281,53 +218,28 @@ class Engine {
   std::uint64_t order_steps() const { return time_.steps(); }
   // Reserves room for so many operations with so many words each. Unused room costs no memory.
   void Reserve(std::size_t operations, std::size_t words) {
-    ops_.reserve(operations);
-    pool_.Reserve(words * operations);
+    this->ReserveOperations(operations, words);
     subscriptions_.Reserve(4 * operations);
     time_.Reserve(operations);
   }
   std::size_t bytes() const {
-    return ops_.size() * sizeof(Operation) + time_.bytes() + pool_.bytes() +
-           subscriptions_.bytes() + queue_.bytes() + free_ops_.capacity() * sizeof(OpId);
+    return this->table_bytes() + time_.bytes() + subscriptions_.bytes() + queue_.bytes();
   }
 
-  // --- For tests and audits: engine_audit.h ------------------------------------------
+  // --- For tests and audits: engine_audit.h says what these do ------------------------
 
-  // Checks every invariant. `hash_op(op) -> uint64` must hash by value what the operation remembers
-  // (payload, outputs, reads), `hash_item(kind, item) -> uint64` what it is. The result is the hash
-  // of the trace: the sum over all operations, with epochs, references and requests mixed in.
-  // Calls on_op(op, its summand) in the order of time.
   template <class HashItem, class HashOp, class OnOp>
   std::uint64_t Audit(HashItem hash_item, HashOp hash_op, OnOp on_op,
                       std::vector<std::string>* problems) const;
-  // Executes the operation again as of its time and compares with its record; commits nothing.
   template <class SameReads>
   bool Reproduces(OpId id, SameReads same_reads, std::string* why);
 
  private:
-  enum : std::uint8_t { kQueued = 1, kExecuted = 2, kStale = 4 };
+  using Table::free_ops_, Table::ops_, Table::pool_;
+  using Table::kExecuted, Table::kQueued, Table::kStale;
+  using Table::Part, Table::PrefetchOperation;
+  using typename Table::Operation;
 
-  struct Operation {
-    std::uint64_t priority = 0;
-    Epoch epoch = 0;
-    Stamp stamp = kNoStamp;  // assigned at its first execution
-    Item item = 0;
-    OpId next_of_item = kNoOp;
-    OpId next_in_epoch = kNoOp;
-    BlockPool::Block links;  // outputs, requests, places and reads, in this order
-    // Outputs and places are few, but a point may encroach on very many segments at once.
-    std::uint64_t reads : 24 = 0, requests : 24 = 0, outputs : 16 = 0;
-    std::uint32_t refs = 0;
-    std::uint16_t places = 0;
-    Kind kind = 0;
-    std::uint8_t flags = 0;
-    typename PayloadOf<Program>::Type payload = {};
-  };
-  void PrefetchOp(OpId id) const {
-    const char* const op = reinterpret_cast<const char*>(&ops_[id]);
-    __builtin_prefetch(op);
-    __builtin_prefetch(op + sizeof(Operation) - 1);
-  }
   // Prefetches what Notify reads beside the operation.
   void PrefetchReads(const Operation& op) const {
     time_.order().Prefetch(op.stamp);
@@ -355,24 +267,6 @@ class Engine {
     }
   };
 
-  std::span<const std::uint32_t> Part(const Operation& op, std::uint32_t from,
-                                      std::uint32_t count) const {
-    return {pool_.data(op.links) + from, count};
-  }
-
-  // The subscribers of `place` that subscribe to all of `parts`. Valid until the next call.
-  // Branchless: which subscribers do is unpredictable.
-  std::span<const OpId> SubscribersOfAll(Place place, Parts parts) {
-    const auto subscribers = subscriptions_.at(place);
-    if (asked_.size() <= subscribers.size()) asked_.resize(2 * subscribers.size() + 1);
-    std::size_t count = 0;
-    for (const auto& [op, of] : subscribers) {
-      asked_[count] = op;
-      count += (of & parts) == parts ? 1 : 0;
-    }
-    return std::span(asked_).first(count);
-  }
-
   OpId Find(Kind kind, Item item, Epoch epoch) const {
     OpId id = program_.OperationsOf(kind, item);
     while (id != kNoOp && (ops_[id].kind != kind || ops_[id].epoch != epoch)) {
@@ -384,14 +278,7 @@ class Engine {
   OpId FindOrCreate(Kind kind, Item item, Epoch epoch) {
     OpId id = Find(kind, item, epoch);
     if (id != kNoOp) return id;
-    if (free_ops_.empty()) {
-      id = static_cast<OpId>(ops_.size());
-      ops_.emplace_back();
-    } else {
-      id = free_ops_.back();
-      free_ops_.pop_back();
-      ops_[id] = {};
-    }
+    id = this->NewOperation();
     Operation& op = ops_[id];
     op.priority = program_.Priority(kind, item);
     op.epoch = epoch;
@@ -435,44 +322,23 @@ class Engine {
     return false;
   }
   void Execute(OpId id);
-  bool IsTooMuch() const {
-    const auto over = [](std::size_t size, std::uint32_t most) { return size > most ? 1 : 0; };
-    return (over(new_outputs_.size(), limits_.outputs) | over(new_places_.size(), limits_.places) |
-            over(new_requests_.size(), limits_.requests) | over(new_reads_.size(), limits_.reads) |
-            over(ops_.size(), limits_.operations)) != 0;
-  }
   void Forgo(OpId id);
   void Commit(OpId id);
-  void JoinNewSubscriptions();
   void Drop(OpId id);
   void ReleaseWithdrawn();
   bool IsLater(OpId id, OpId than) const;
 
   Program& program_;
-  LargeVector<Operation> ops_;
-  std::vector<OpId> free_ops_;
   EpochOrder<LargeVector<Operation>, BeforeInEpoch> time_;
   WorkQueue<QueueEntry, BeforeInQueue> queue_;
-  BlockPool pool_;
   Subscriptions subscriptions_;
   EngineLimits limits_;
   OpId overflowed_ = kNoOp;
   Stamp frontier_ = 0;  // no executed operation is later
   Counters counters_;
 
-  // The lists of the operation being executed.
-  struct Requested {
-    Item item;
-    Epoch epoch;
-    Kind kind;
-  };
-  std::vector<Output> new_outputs_;
-  std::vector<Requested> new_requests_;
-  std::vector<std::pair<Place, Parts>> new_subscriptions_;
-  std::vector<Place> new_places_;  // the places of new_subscriptions_
-  std::vector<OpId> asked_;        // scratch of SubscribersOfAll
-  std::vector<std::uint32_t> new_reads_;
-  std::vector<OpId> new_ops_;
+  Execution made_;  // by the operation that runs
+  std::vector<OpId> requested_;
   std::vector<std::uint32_t> scratch_;
 
   // Nothing is freed or reused before the end of a propagation.
@@ -480,58 +346,15 @@ class Engine {
   std::vector<OpId> dropped_;
 };
 
-// An operation's view of the engine while it runs.
-template <class Program>
-class Engine<Program>::Context {
- public:
-  Context(Engine& engine, OpId id)
-      : kind(engine.ops_[id].kind),
-        item(engine.ops_[id].item),
-        epoch(engine.ops_[id].epoch),
-        now(engine.ops_[id].stamp),
-        engine_(engine),
-        id_(id) {}
-
-  const Kind kind;
-  const Item item;
-  const Epoch epoch;
-  const Stamp now;
-
-  // True if an object born at time `birth` exists as of this operation.
-  bool Sees(Stamp birth) const { return engine_.Precedes(birth, now); }
-
-  void Emit(Output output) { engine_.new_outputs_.push_back(output); }
-  void Request(Kind k, Item i, Epoch e) { engine_.new_requests_.push_back({i, e, k}); }
-  void Subscribe(Place place, Parts parts = kAllParts) {
-    engine_.new_subscriptions_.push_back({place, parts});
-  }
-  void Read(std::uint32_t word) { engine_.new_reads_.push_back(word); }
-
-  // The outputs and reads of the previous execution; both are empty the first time. Emitting an old
-  // word keeps that output; else the program makes a new object.
-  std::span<const Output> old_outputs() const { return engine_.outputs(id_); }
-  std::span<const std::uint32_t> old_reads() const { return engine_.reads(id_); }
-  typename PayloadOf<Program>::Type& payload() { return engine_.ops_[id_].payload; }
-  bool first_time() const { return !engine_.executed(id_); }
-  OpId id() const { return id_; }
-
- private:
-  Engine& engine_;
-  OpId id_;
-};
-
 template <class Program>
 void Engine<Program>::Execute(OpId id) {
   ++counters_.executed;
   if (ops_[id].stamp == kNoStamp) time_.Insert(ops_[id].epoch, id);
-  new_outputs_.clear();
-  new_requests_.clear();
-  new_subscriptions_.clear();
-  new_reads_.clear();
+  made_.Clear();
   Context context(*this, id);
   program_.Execute(context);
-  JoinNewSubscriptions();
-  if (IsTooMuch()) return Forgo(id);
+  made_.JoinSubscriptions();
+  if (made_.Exceeds(limits_) || ops_.size() > limits_.operations) return Forgo(id);
   Commit(id);
   if (Precedes(frontier_, ops_[id].stamp)) frontier_ = ops_[id].stamp;
 }
@@ -543,7 +366,7 @@ template <class Program>
 void Engine<Program>::Forgo(OpId id) {
   overflowed_ = id;
   const auto old = outputs(id);
-  for (const Output o : new_outputs_) {
+  for (const Output o : made_.outputs) {
     if (std::ranges::find(old, o) == old.end()) withdrawn_.push_back(o);
   }
   MarkStale(id);
@@ -554,12 +377,12 @@ void Engine<Program>::Forgo(OpId id) {
 // share would be dropped and made again.
 template <class Program>
 void Engine<Program>::Commit(OpId id) {
-  new_ops_.clear();
-  for (const Requested& r : new_requests_) {
+  requested_.clear();
+  for (const Execution::Requested& r : made_.requests) {
     const OpId requested = FindOrCreate(r.kind, r.item, r.epoch);
     assert(IsLater(requested, id));
     ++ops_[requested].refs;
-    new_ops_.push_back(requested);
+    requested_.push_back(requested);
   }
 
   Operation& op = ops_[id];
@@ -569,62 +392,36 @@ void Engine<Program>::Commit(OpId id) {
   const auto old = Part(op, 0, old_outputs + old_requests + old_places);
   scratch_.assign(old.begin(), old.end());
 
-  op.outputs = new_outputs_.size();
-  op.requests = new_ops_.size();
-  op.places = static_cast<std::uint16_t>(new_places_.size());
-  op.reads = new_reads_.size();
-  pool_.Resize(op.links, op.outputs + op.requests + op.places + op.reads);
-  std::uint32_t* to = pool_.data(op.links);
-  to = std::copy(new_outputs_.begin(), new_outputs_.end(), to);
-  to = std::copy(new_ops_.begin(), new_ops_.end(), to);
-  to = std::copy(new_places_.begin(), new_places_.end(), to);
-  std::copy(new_reads_.begin(), new_reads_.end(), to);
+  this->Record(op, made_, requested_);
 
   const auto was_outputs = std::span(scratch_).subspan(0, old_outputs);
   const auto was_requests = std::span(scratch_).subspan(old_outputs, old_requests);
   const auto was_places = std::span(scratch_).subspan(old_outputs + old_requests, old_places);
   const Stamp at = op.stamp;
-  if (again && std::ranges::equal(was_outputs, new_outputs_) &&
-      std::ranges::equal(was_requests, new_ops_)) {
+  if (again && std::ranges::equal(was_outputs, made_.outputs) &&
+      std::ranges::equal(was_requests, requested_)) {
     ++counters_.unchanged;
   }
   for (const Place p : was_places) {
-    if (!std::ranges::binary_search(new_places_, p)) subscriptions_.Remove(p, id);
+    if (!std::ranges::binary_search(made_.places, p)) subscriptions_.Remove(p, id);
   }
   const bool attentive = IsAttentive(op);
-  for (const auto& [place, parts] : new_subscriptions_) {
+  for (const auto& [place, parts] : made_.subscriptions) {
     if (std::ranges::binary_search(was_places, place)) {
       subscriptions_.Set(place, id, parts, attentive);
     } else {
       subscriptions_.Add(place, id, parts, attentive);
     }
   }
-  for (const Output o : new_outputs_) {
+  for (const Output o : made_.outputs) {
     if (std::ranges::find(was_outputs, o) == was_outputs.end()) program_.Publish(o, at);
   }
   for (const Output o : was_outputs) {
-    if (std::ranges::find(new_outputs_, o) != new_outputs_.end()) continue;
+    if (std::ranges::find(made_.outputs, o) != made_.outputs.end()) continue;
     program_.Withdraw(o, at);
     withdrawn_.push_back(o);
   }
   for (const OpId r : was_requests) DropReference(r);
-}
-
-// Sorts the subscriptions and merges those of one place: their parts are united.
-template <class Program>
-void Engine<Program>::JoinNewSubscriptions() {
-  std::sort(new_subscriptions_.begin(), new_subscriptions_.end());
-  new_places_.clear();
-  std::size_t count = 0;
-  for (const auto& subscription : new_subscriptions_) {
-    if (count > 0 && new_subscriptions_[count - 1].first == subscription.first) {
-      new_subscriptions_[count - 1].second |= subscription.second;
-    } else {
-      new_subscriptions_[count++] = subscription;
-      new_places_.push_back(subscription.first);
-    }
-  }
-  new_subscriptions_.resize(count);
 }
 
 template <class Program>
@@ -638,14 +435,13 @@ void Engine<Program>::Drop(OpId id) {
     withdrawn_.push_back(o);
   }
   Operation& op = ops_[id];
-  for (const OpId r : Part(op, op.outputs, op.requests)) DropReference(r);
+  for (const OpId r : requests(id)) DropReference(r);
   for (const Place p : places(id)) subscriptions_.Remove(p, id);
   OpId* link = &program_.OperationsOf(op.kind, op.item);
   while (*link != id) link = &ops_[*link].next_of_item;
   *link = op.next_of_item;
   if (op.stamp != kNoStamp) time_.Remove(op.epoch, id);
-  op.outputs = op.requests = op.places = op.reads = 0;
-  pool_.Free(op.links);
+  this->ForgetRecord(op);
   dropped_.push_back(id);
 }
 
@@ -660,7 +456,7 @@ void Engine<Program>::ReleaseWithdrawn() {
       time_.EraseStamp(ops_[id].stamp);
     }
     ops_[id].stamp = kNoStamp;
-    free_ops_.push_back(id);
+    this->FreeSlot(id);
   }
   dropped_.clear();
 }
@@ -676,20 +472,15 @@ bool Engine<Program>::IsLater(OpId id, OpId than) const {
 template <class Program>
 void Engine<Program>::ReplacePlace(OpId id, Place from, Place to) {
   Operation& op = ops_[id];
-  std::uint32_t* const begin = pool_.data(op.links) + op.outputs + op.requests;
-  std::uint32_t* const end = begin + op.places;
-  std::uint32_t* const at = std::find(begin, end, from);
-  if (std::find(begin, end, to) == end) {
-    *at = to;
+  if (this->RenamePlace(op, from, to)) {
     subscriptions_.Add(to, id, kAllParts, IsAttentive(op));
   } else {
     subscriptions_.Set(to, id, kAllParts, IsAttentive(op));
-    std::copy(at + 1, end + op.reads, at);  // one place less: the reads move up
-    --op.places;
   }
-  std::sort(begin, begin + op.places);
 }
 
 }  // namespace dynmesh::sac
+
+#include "core/sac/context.h"  // IWYU pragma: export
 
 #endif  // DYNMESH_CORE_SAC_ENGINE_H_

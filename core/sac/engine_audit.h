@@ -16,6 +16,10 @@
 
 namespace dynmesh::sac {
 
+// Checks every invariant. `hash_op(op) -> uint64` must hash by value what the operation remembers
+// (payload, outputs, reads), `hash_item(kind, item) -> uint64` what it is. The result is the hash
+// of the trace: the sum over all operations, with epochs, references and requests mixed in. Calls
+// on_op(op, its summand) in the order of time.
 template <class Program>
 template <class HashItem, class HashOp, class OnOp>
 std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op, OnOp on_op,
@@ -51,13 +55,13 @@ std::uint64_t Engine<Program>::Audit(HashItem hash_item, HashOp hash_op, OnOp on
     if (last != kNoOp && !IsLater(id, last)) complain(id, "place in time is out of order");
     last = id;
     std::uint64_t h = mix(mix(hash_item(op.kind, op.item), op.epoch), hash_op(id));
-    std::uint64_t requests = 0;
-    for (const OpId r : Part(op, op.outputs, op.requests)) {
+    std::uint64_t requested = 0;
+    for (const OpId r : requests(id)) {
       ++refs[r];
       if (!IsLater(r, id)) complain(r, "is not later than its requester");
-      requests += mix(mix(hash_item(ops_[r].kind, ops_[r].item), ops_[r].epoch), ops_[r].kind);
+      requested += mix(mix(hash_item(ops_[r].kind, ops_[r].item), ops_[r].epoch), ops_[r].kind);
     }
-    const std::uint64_t summand = mix(mix(h, requests), mix(op.refs, op.kind));
+    const std::uint64_t summand = mix(mix(h, requested), mix(op.refs, op.kind));
     sum += summand;
     on_op(id, summand);
     for (const Place p : places(id)) {
@@ -109,10 +113,7 @@ template <class Program>
 template <class SameReads>
 bool Engine<Program>::Reproduces(OpId id, SameReads same_reads, std::string* why) {
   assert(queue_.empty() && executed(id));
-  new_outputs_.clear();
-  new_requests_.clear();
-  new_subscriptions_.clear();
-  new_reads_.clear();
+  made_.Clear();
   const Operation record = ops_[id];
   ops_[id].flags &= static_cast<std::uint8_t>(~kExecuted);
   ops_[id].reads = 0;
@@ -128,16 +129,17 @@ bool Engine<Program>::Reproduces(OpId id, SameReads same_reads, std::string* why
     std::sort(list.begin(), list.end());
     return list;
   };
-  const std::vector<Output> was = sorted(outputs(id)), is = sorted(std::span(new_outputs_));
-  new_ops_.clear();
-  for (const Requested& r : new_requests_) new_ops_.push_back(Find(r.kind, r.item, r.epoch));
-  const std::vector<OpId> requested = sorted(Part(record, record.outputs, record.requests));
+  const std::vector<Output> was = sorted(outputs(id)), is = sorted(std::span(made_.outputs));
+  requested_.clear();
+  for (const Execution::Requested& r : made_.requests)
+    requested_.push_back(Find(r.kind, r.item, r.epoch));
+  const std::vector<OpId> had = sorted(Part(record, record.outputs, record.requests));
   const char* differs = nullptr;
   if (was != is) {
     differs = "outputs";
-  } else if (requested != sorted(std::span(new_ops_))) {
+  } else if (had != sorted(std::span(requested_))) {
     differs = "requests";
-  } else if (!same_reads(id, payload, std::span<const std::uint32_t>(new_reads_))) {
+  } else if (!same_reads(id, payload, std::span<const std::uint32_t>(made_.reads))) {
     differs = "reads";
   }
   for (const Output o : is) {

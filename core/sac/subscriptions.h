@@ -39,6 +39,18 @@ class Subscriptions {
     if (place >= lists_.size()) return {};
     return {data(lists_[place]), lists_[place].attentive};
   }
+  // The operations that subscribe to all of `parts` at `place`. Valid until the next call.
+  // Branchless: which subscribers do is unpredictable.
+  std::span<const std::uint32_t> SubscribersOfAll(Place place, Parts parts) {
+    const auto subscribers = at(place);
+    if (asked_.size() <= subscribers.size()) asked_.resize(2 * subscribers.size() + 1);
+    std::size_t count = 0;
+    for (const auto& [op, of] : subscribers) {
+      asked_[count] = op;
+      count += (of & parts) == parts ? 1 : 0;
+    }
+    return std::span(asked_).first(count);
+  }
 
   // Bulk load, for a run from scratch: until EndLoad subscriptions are only collected, then sorted
   // by place, so that no list grows step by step. Before EndLoad queries find no entries. Take ends
@@ -139,6 +151,7 @@ class Subscriptions {
   BlockPool pool_;
   bool loading_ = false;
   LargeVector<Loaded> loaded_;
+  std::vector<std::uint32_t> asked_;  // scratch of SubscribersOfAll
 };
 
 inline void Subscriptions::EndLoad() {
