@@ -37,14 +37,14 @@ class Cleaner {
 
   absl::StatusOr<CleanResult> Run() {
     if (auto status = Enter(); !status.ok()) return status;
-    AddPlaces();
+    AddNodes();
     for (const Feature& f : features_) {
       if (f.kind == FeatureKind::kSegment) {
-        const Place a = place_of_[f.ends[0]], b = place_of_[f.ends[1]];
+        const Node a = node_of_[f.ends[0]], b = node_of_[f.ends[1]];
         if (a == b) Report(ChangeKind::kZeroLength, {f.id}, a, a);
         graph_.Connect(a, b, f.id);
       } else if (f.kind == FeatureKind::kPolygon) {
-        for (const PlacePair& edge : EdgesOf(f)) {
+        for (const NodePair& edge : EdgesOf(f)) {
           graph_.Connect(edge.first, edge.second, kNoFeature, {f.id});
         }
       }
@@ -115,7 +115,7 @@ class Cleaner {
     return absl::OkStatus();
   }
 
-  void AddPlaces() {
+  void AddNodes() {
     struct Entry {
       Point at;
       FeatureId id;
@@ -135,13 +135,13 @@ class Cleaner {
       return std::tie(s.at, s.id) < std::tie(t.at, t.id);
     });
     for (const Entry& entry : entries) {
-      const std::optional<Place> near = graph_.places.Near(entry.at);
-      place_of_[entry.id] = near ? *near : graph_.AddPlace(entry.at, entry.id);
+      const std::optional<Node> near = graph_.nodes.Near(entry.at);
+      node_of_[entry.id] = near ? *near : graph_.AddNode(entry.at, entry.id);
       if (!near) continue;
       graph_.changes.push_back({ChangeKind::kPointMerged,
                                 {entry.id, graph_.point_ids[*near]},
                                 entry.at,
-                                graph_.places.at(*near)});
+                                graph_.nodes.at(*near)});
     }
   }
 
@@ -152,24 +152,24 @@ class Cleaner {
                rounds.where()[1], "); choose another tolerance than ", options_.tolerance));
   }
 
-  void Report(ChangeKind kind, std::vector<FeatureId> ids, Place from, Place to) {
-    graph_.changes.push_back({kind, std::move(ids), graph_.places.at(from), graph_.places.at(to)});
+  void Report(ChangeKind kind, std::vector<FeatureId> ids, Node from, Node to) {
+    graph_.changes.push_back({kind, std::move(ids), graph_.nodes.at(from), graph_.nodes.at(to)});
   }
 
-  std::vector<PlaceRing> PlacesOf(const Rings& rings) const {
-    std::vector<PlaceRing> places;
+  std::vector<NodeRing> NodesOf(const Rings& rings) const {
+    std::vector<NodeRing> nodes;
     for (const auto& ring : rings) {
-      PlaceRing& at = places.emplace_back();
-      for (const FeatureId corner : ring) at.push_back(place_of_.at(corner));
+      NodeRing& at = nodes.emplace_back();
+      for (const FeatureId corner : ring) at.push_back(node_of_.at(corner));
     }
-    return places;
+    return nodes;
   }
 
   // The edges of a polygon's rings, sorted; a repeated edge is repeated here. Reports edges of
   // length 0.
-  std::vector<PlacePair> EdgesOf(const Feature& polygon) {
-    std::vector<PlacePair> edges;
-    ForEachEdgeOf(PlacesOf(polygon.rings), [&](Place p, Place q) {
+  std::vector<NodePair> EdgesOf(const Feature& polygon) {
+    std::vector<NodePair> edges;
+    ForEachEdgeOf(NodesOf(polygon.rings), [&](Node p, Node q) {
       if (p != q) {
         edges.push_back(std::minmax(p, q));
       } else {
@@ -197,7 +197,7 @@ class Cleaner {
 
   // Features that are neither points nor segments.
   std::vector<Feature> FinishOthers() {
-    absl::flat_hash_map<FeatureId, std::vector<PlacePair>> edges;
+    absl::flat_hash_map<FeatureId, std::vector<NodePair>> edges;
     for (const Edge& e : graph_.edges) {
       for (const FeatureId polygon : e.polygons) edges[polygon].emplace_back(e.a, e.b);
     }
@@ -218,9 +218,9 @@ class Cleaner {
   }
 
   // The edges with odd count of a sizing polygon. They are not in the graph.
-  std::vector<PlacePair> OddEdgesOf(const Feature& size) {
-    std::vector<PlacePair> odd;
-    for (const PlacePair& edge : EdgesOf(size)) {
+  std::vector<NodePair> OddEdgesOf(const Feature& size) {
+    std::vector<NodePair> odd;
+    for (const NodePair& edge : EdgesOf(size)) {
       if (odd.empty() || odd.back() != edge) {
         odd.push_back(edge);
       } else {
@@ -231,36 +231,36 @@ class Cleaner {
     return odd;
   }
 
-  Rings FinishRings(const Feature& polygon, const std::vector<PlacePair>& edges) {
-    const std::vector<PlaceRing> were = PlacesOf(polygon.rings);
+  Rings FinishRings(const Feature& polygon, const std::vector<NodePair>& edges) {
+    const std::vector<NodeRing> were = NodesOf(polygon.rings);
     const RemadeRings remade = RemakeRings(were, edges);
-    for (const Place v : remade.cuts) {
+    for (const Node v : remade.cuts) {
       Report(ChangeKind::kRingCut, {polygon.id, graph_.point_ids[v]}, v, v);
     }
     if (remade.rings.empty()) {
       const bool has_corner = !were.empty() && !were.front().empty();
-      const Point from = has_corner ? graph_.places.at(were.front().front()) : Point{};
+      const Point from = has_corner ? graph_.nodes.at(were.front().front()) : Point{};
       graph_.changes.push_back({ChangeKind::kPolygonDropped, {polygon.id}, from, from});
     }
     Rings rings;
-    for (const PlaceRing& ring : remade.rings) {
+    for (const NodeRing& ring : remade.rings) {
       std::vector<FeatureId>& ids = rings.emplace_back();
-      for (const Place v : ring) ids.push_back(graph_.point_ids[v]);
+      for (const Node v : ring) ids.push_back(graph_.point_ids[v]);
     }
     return rings;
   }
 
   void FinishPoints(std::vector<Feature>& features) const {
-    const auto add = [&](Place v) {
-      const Point& p = graph_.places.at(v);
+    const auto add = [&](Node v) {
+      const Point& p = graph_.nodes.at(v);
       features.push_back(Feature::Point(graph_.point_ids[v], p[0], p[1]));
     };
     for (const Feature& f : features_) {
       if (f.kind != FeatureKind::kPoint) continue;
-      const Place v = place_of_.at(f.id);
+      const Node v = node_of_.at(f.id);
       if (graph_.point_ids[v] == f.id) add(v);
     }
-    for (Place v = 0; v < graph_.places.size(); ++v) {
+    for (Node v = 0; v < graph_.nodes.size(); ++v) {
       if (graph_.point_ids[v] > max_id_) add(v);
     }
   }
@@ -274,10 +274,10 @@ class Cleaner {
     for (const Feature& f : features_) {
       const auto it = f.kind == FeatureKind::kSegment ? pieces.find(f.id) : pieces.end();
       if (it == pieces.end()) continue;
-      const Point &from = graph_.places.at(place_of_[f.ends[0]]),
-                  &to = graph_.places.at(place_of_[f.ends[1]]);
-      const auto along = [&](Place v) {
-        const Point& p = graph_.places.at(v);
+      const Point &from = graph_.nodes.at(node_of_[f.ends[0]]),
+                  &to = graph_.nodes.at(node_of_[f.ends[1]]);
+      const auto along = [&](Node v) {
+        const Point& p = graph_.nodes.at(v);
         return (p[0] - from[0]) * (to[0] - from[0]) + (p[1] - from[1]) * (to[1] - from[1]);
       };
       const auto middle = [&](const Edge* e) { return along(e->a) / 2 + along(e->b) / 2; };
@@ -297,7 +297,7 @@ class Cleaner {
   const std::vector<Feature>& features_;
   const CleanOptions& options_;
   LineGraph graph_;
-  absl::flat_hash_map<FeatureId, Place> place_of_;
+  absl::flat_hash_map<FeatureId, Node> node_of_;
   FeatureId max_id_ = 0;
   FeatureId next_id_ = 0;
 };

@@ -6,13 +6,13 @@
 
 namespace dynmesh::cleaning {
 
-Place LineGraph::AddPlace(const Point& p, FeatureId id) {
+Node LineGraph::AddNode(const Point& p, FeatureId id) {
   point_ids.push_back(id);
-  place_born.push_back(round);
-  return places.Add(p);
+  node_born.push_back(round);
+  return nodes.Add(p);
 }
 
-void LineGraph::Connect(Place a, Place b, FeatureId owner, const EdgePolygons& polygons) {
+void LineGraph::Connect(Node a, Node b, FeatureId owner, const EdgePolygons& polygons) {
   if (a == b) return;
   edges.push_back({std::min(a, b), std::max(a, b), owner, round, polygons});
 }
@@ -39,7 +39,7 @@ void LineGraph::Settle() {
 // Merges two edges with the same ends. The owner of `on`, which is the least, is kept.
 void LineGraph::Lay(const Edge& e, Edge& on) {
   const auto report = [&](ChangeKind kind, std::vector<FeatureId> ids) {
-    changes.push_back({kind, std::move(ids), places.at(e.a), places.at(e.b)});
+    changes.push_back({kind, std::move(ids), nodes.at(e.a), nodes.at(e.b)});
   };
   on.born = std::max(on.born, e.born);
   if (on.owner == kNoFeature) {
@@ -58,16 +58,15 @@ void LineGraph::Lay(const Edge& e, Edge& on) {
   }
 }
 
-std::pair<Place, Place> LineGraph::Ordered(const Edge& e) const {
-  return places.at(e.b) < places.at(e.a) ? std::pair(e.b, e.a) : std::pair(e.a, e.b);
+std::pair<Node, Node> LineGraph::Ordered(const Edge& e) const {
+  return nodes.at(e.b) < nodes.at(e.a) ? std::pair(e.b, e.a) : std::pair(e.a, e.b);
 }
 
-bool LineGraph::IsShorter(Place a, Place b, const Edge& than) const {
-  const double length2 = SquaredDistance(places.at(a), places.at(b));
-  const double than2 = SquaredDistance(places.at(than.a), places.at(than.b));
+bool LineGraph::IsShorter(Node a, Node b, const Edge& than) const {
+  const double length2 = SquaredDistance(nodes.at(a), nodes.at(b));
+  const double than2 = SquaredDistance(nodes.at(than.a), nodes.at(than.b));
   if (length2 != than2) return length2 < than2;
-  return std::minmax(places.at(a), places.at(b)) <
-         std::minmax(places.at(than.a), places.at(than.b));
+  return std::minmax(nodes.at(a), nodes.at(b)) < std::minmax(nodes.at(than.a), nodes.at(than.b));
 }
 
 }  // namespace dynmesh::cleaning

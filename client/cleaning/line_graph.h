@@ -1,9 +1,8 @@
-// The input during cleaning: points ("places") and edges between them.
+// The input during cleaning: nodes, which are positions of points, and edges between them.
 //
-// All numbering is by coordinates (places in order of insertion, in each round by coordinates;
+// All numbering is by coordinates (nodes in order of insertion, in each round by coordinates;
 // edges by their ends). So results of iterations in this order do not depend on the input's order.
 // Thread-compatible.
-// not depend on the input's order. Thread-compatible.
 #ifndef DYNMESH_CLIENT_CLEANING_LINE_GRAPH_H_
 #define DYNMESH_CLIENT_CLEANING_LINE_GRAPH_H_
 
@@ -13,7 +12,7 @@
 
 #include "absl/container/inlined_vector.h"
 #include "client/cleaning/clean_input.h"
-#include "client/cleaning/point_places.h"
+#include "client/cleaning/node_table.h"
 
 namespace dynmesh::cleaning {
 
@@ -21,8 +20,8 @@ namespace dynmesh::cleaning {
 using EdgePolygons = absl::InlinedVector<FeatureId, 2>;
 
 struct Edge {
-  Place a = 0;  // a < b
-  Place b = 0;
+  Node a = 0;  // a < b
+  Node b = 0;
   FeatureId owner = kNoFeature;  // the input segment that contains it, the least id
   int born = 0;                  // its intersections are unchecked since this round
   EdgePolygons polygons;         // that contain it an odd number of times
@@ -34,13 +33,13 @@ struct Edge {
 
 class LineGraph {
  public:
-  explicit LineGraph(double tolerance) : places(tolerance) {}
+  explicit LineGraph(double tolerance) : nodes(tolerance) {}
 
-  // A place made in this round, for a point with id `id`.
-  Place AddPlace(const Point& p, FeatureId id);
+  // A node made in this round, for a point with id `id`.
+  Node AddNode(const Point& p, FeatureId id);
 
   // Adds an edge, in any order, unless both ends are equal.
-  void Connect(Place a, Place b, FeatureId owner, const EdgePolygons& polygons = {});
+  void Connect(Node a, Node b, FeatureId owner, const EdgePolygons& polygons = {});
   // To be called after edges were added or marked dead: sorts, removes dead and duplicate edges.
   void Settle();
 
@@ -50,13 +49,13 @@ class LineGraph {
   }
 
   // The ends in lexicographic order of their coordinates.
-  std::pair<Place, Place> Ordered(const Edge& e) const;
-  // A strict order of all pairs of places by distance; ties by coordinates.
-  bool IsShorter(Place a, Place b, const Edge& than) const;
+  std::pair<Node, Node> Ordered(const Edge& e) const;
+  // A strict order of all pairs of nodes by distance; ties by coordinates.
+  bool IsShorter(Node a, Node b, const Edge& than) const;
 
-  PointPlaces places;
-  std::vector<FeatureId> point_ids;  // by place
-  std::vector<int> place_born;       // by place: the round
+  NodeTable nodes;
+  std::vector<FeatureId> point_ids;  // by node
+  std::vector<int> node_born;        // by node: the round
   std::vector<Edge> edges;
   std::vector<Change> changes;
   int round = 0;

@@ -39,10 +39,10 @@ class Walk {
   Walk(const LineGraph& graph, double reach, int since)
       : graph_(graph), reach_(reach), since_(since) {}
 
-  void Places(absl::FunctionRef<void(EdgeIndex, Place)> visit) {
-    std::vector<Place> places(graph_.places.size());
-    std::iota(places.begin(), places.end(), Place{0});
-    WalkPlaces(Root(), places, AllEdges(), visit);
+  void Nodes(absl::FunctionRef<void(EdgeIndex, Node)> visit) {
+    std::vector<Node> nodes(graph_.nodes.size());
+    std::iota(nodes.begin(), nodes.end(), Node{0});
+    WalkNodes(Root(), nodes, AllEdges(), visit);
   }
 
   void Edges(absl::FunctionRef<bool(EdgeIndex, EdgeIndex)> visit) {
@@ -51,15 +51,15 @@ class Walk {
 
  private:
   using EdgeList = std::vector<EdgeIndex>;
-  using PlaceList = std::vector<Place>;
+  using NodeList = std::vector<Node>;
 
   Cell Root() const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Point lo = {kInfinity, kInfinity}, hi = {-kInfinity, -kInfinity};
-    for (Place v = 0; v < graph_.places.size(); ++v) {
+    for (Node v = 0; v < graph_.nodes.size(); ++v) {
       for (std::size_t i = 0; i < 2; ++i) {
-        lo[i] = std::min(lo[i], graph_.places.at(v)[i]);
-        hi[i] = std::max(hi[i], graph_.places.at(v)[i]);
+        lo[i] = std::min(lo[i], graph_.nodes.at(v)[i]);
+        hi[i] = std::max(hi[i], graph_.nodes.at(v)[i]);
       }
     }
     if (lo[0] > hi[0]) return {};
@@ -77,51 +77,51 @@ class Walk {
     EdgeList in;
     for (const EdgeIndex e : edges) {
       const Edge& edge = graph_.edges[e];
-      if (Meets(graph_.places.at(edge.a), graph_.places.at(edge.b), cell, reach_)) in.push_back(e);
+      if (Meets(graph_.nodes.at(edge.a), graph_.nodes.at(edge.b), cell, reach_)) in.push_back(e);
     }
     return in;
   }
 
   bool IsFresh(EdgeIndex e) const { return graph_.edges[e].born >= since_; }
-  bool IsFreshPlace(Place v) const { return graph_.place_born[v] >= since_; }
+  bool IsFreshNode(Node v) const { return graph_.node_born[v] >= since_; }
   bool AnyFresh(const EdgeList& edges) const {
     return std::any_of(edges.begin(), edges.end(), [this](EdgeIndex e) { return IsFresh(e); });
   }
-  // Places are at least a tolerance apart, so such a cell has few.
-  bool IsSmall(const Cell& cell) const { return cell.half <= 2 * graph_.places.tolerance(); }
+  // Nodes are at least a tolerance apart, so such a cell has few.
+  bool IsSmall(const Cell& cell) const { return cell.half <= 2 * graph_.nodes.tolerance(); }
 
-  void WalkPlaces(const Cell& cell, const PlaceList& places, const EdgeList& edges,
-                  absl::FunctionRef<void(EdgeIndex, Place)> visit) {
+  void WalkNodes(const Cell& cell, const NodeList& nodes, const EdgeList& edges,
+                 absl::FunctionRef<void(EdgeIndex, Node)> visit) {
     constexpr std::size_t kFewPairs = 64;
-    if (places.empty() || edges.empty()) return;
-    const bool any_fresh_place =
-        std::any_of(places.begin(), places.end(), [this](Place v) { return IsFreshPlace(v); });
-    if (!any_fresh_place && !AnyFresh(edges)) return;
-    if (places.size() == 1 || places.size() * edges.size() <= kFewPairs || IsSmall(cell)) {
+    if (nodes.empty() || edges.empty()) return;
+    const bool any_fresh_node =
+        std::any_of(nodes.begin(), nodes.end(), [this](Node v) { return IsFreshNode(v); });
+    if (!any_fresh_node && !AnyFresh(edges)) return;
+    if (nodes.size() == 1 || nodes.size() * edges.size() <= kFewPairs || IsSmall(cell)) {
       for (const EdgeIndex e : edges) {
-        for (const Place v : places) {
-          if (IsFresh(e) || IsFreshPlace(v)) visit(e, v);
+        for (const Node v : nodes) {
+          if (IsFresh(e) || IsFreshNode(v)) visit(e, v);
         }
       }
       return;
     }
-    std::array<PlaceList, 4> quarters;
-    for (const Place v : places) {
-      const Point& p = graph_.places.at(v);
+    std::array<NodeList, 4> quarters;
+    for (const Node v : nodes) {
+      const Point& p = graph_.nodes.at(v);
       quarters[(p[0] >= cell.x ? 1U : 0U) + (p[1] >= cell.y ? 2U : 0U)].push_back(v);
     }
     for (int q = 0; q < 4; ++q) {
-      const PlaceList& in = quarters[static_cast<std::size_t>(q)];
+      const NodeList& in = quarters[static_cast<std::size_t>(q)];
       if (in.empty()) continue;
       const Cell quarter = cell.Quarter(q);
-      WalkPlaces(quarter, in, EdgesIn(quarter, edges), visit);
+      WalkNodes(quarter, in, EdgesIn(quarter, edges), visit);
     }
   }
 
   // True if all edges share an end: then they intersect nowhere else.
   bool AreAStar(const EdgeList& edges) const {
     const Edge& first = graph_.edges[edges[0]];
-    for (const Place hub : {first.a, first.b}) {
+    for (const Node hub : {first.a, first.b}) {
       if (std::all_of(edges.begin(), edges.end(), [&](EdgeIndex e) {
             return graph_.edges[e].a == hub || graph_.edges[e].b == hub;
           })) {
@@ -179,15 +179,15 @@ class Walk {
 
 }  // namespace
 
-void VisitPlacesNearEdges(const LineGraph& graph, double reach, int since,
-                          absl::FunctionRef<void(EdgeIndex, Place)> visit) {
+void VisitNodesNearEdges(const LineGraph& graph, double reach, int since,
+                         absl::FunctionRef<void(EdgeIndex, Node)> visit) {
   // The tolerance is at least 2^11 ulps of the coordinates, so an eighth of it covers all rounding.
-  Walk(graph, reach + graph.places.tolerance() / 8, since).Places(visit);
+  Walk(graph, reach + graph.nodes.tolerance() / 8, since).Nodes(visit);
 }
 
 void VisitEdgesThatMeet(const LineGraph& graph, int since,
                         absl::FunctionRef<bool(EdgeIndex, EdgeIndex)> visit) {
-  Walk(graph, graph.places.tolerance() / 8, since).Edges(visit);
+  Walk(graph, graph.nodes.tolerance() / 8, since).Edges(visit);
 }
 
 }  // namespace dynmesh::cleaning

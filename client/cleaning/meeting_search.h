@@ -13,10 +13,10 @@ namespace dynmesh::cleaning {
 
 using EdgeIndex = std::uint32_t;
 
-// Visits a superset of all pairs of an edge and a place that are less than `reach` apart and of
+// Visits a superset of all pairs of an edge and a node that are less than `reach` apart and of
 // which one has born >= `since`, each pair once.
-void VisitPlacesNearEdges(const LineGraph& graph, double reach, int since,
-                          absl::FunctionRef<void(EdgeIndex, Place)> visit);
+void VisitNodesNearEdges(const LineGraph& graph, double reach, int since,
+                         absl::FunctionRef<void(EdgeIndex, Node)> visit);
 
 // Visits a superset of all pairs of intersecting edges of which one has born >= `since`; some pairs
 // several times, lower index first. Ends early when `visit` returns false.

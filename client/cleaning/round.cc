@@ -72,7 +72,7 @@ bool ShareAnEnd(const Edge& e, const Edge& f) {
 absl::StatusOr<bool> Rounds::Run() {
   ++graph_.round;
   if (std::vector<Split> touching = FindTouching(); !touching.empty()) {
-    Found(touching.size(), graph_.places.at(touching.front().at));
+    Found(touching.size(), graph_.nodes.at(touching.front().at));
     Apply(std::move(touching));
     return true;
   }
@@ -92,13 +92,13 @@ void Rounds::Found(std::size_t count, const Point& where) {
 
 std::vector<Rounds::Split> Rounds::FindTouching() const {
   std::vector<Split> splits;
-  const double reach = graph_.places.tolerance() / 2;
-  VisitPlacesNearEdges(graph_, reach, graph_.round - 1, [&](EdgeIndex index, Place v) {
+  const double reach = graph_.nodes.tolerance() / 2;
+  VisitNodesNearEdges(graph_, reach, graph_.round - 1, [&](EdgeIndex index, Node v) {
     const Edge& e = graph_.edges[index];
     if (v == e.a || v == e.b) return;
     const auto [lo, hi] = graph_.Ordered(e);
-    const PointPlaces& places = graph_.places;
-    if (IsBeside(places.at(v), places.at(lo), places.at(hi), reach)) splits.push_back({index, v});
+    const NodeTable& nodes = graph_.nodes;
+    if (IsBeside(nodes.at(v), nodes.at(lo), nodes.at(hi), reach)) splits.push_back({index, v});
   });
   FindSmallAngles(splits);
   return splits;
@@ -107,19 +107,19 @@ std::vector<Rounds::Split> Rounds::FindTouching() const {
 // Testing neighbours in angular order suffices.
 void Rounds::FindSmallAngles(std::vector<Split>& splits) const {
   struct Spoke {
-    Place hub;
+    Node hub;
     double angle;
     EdgeIndex edge;
   };
   std::vector<Spoke> spokes;
   spokes.reserve(2 * graph_.edges.size());
-  const PointPlaces& places = graph_.places;
-  const auto far_end = [this](EdgeIndex e, Place hub) {
+  const NodeTable& nodes = graph_.nodes;
+  const auto far_end = [this](EdgeIndex e, Node hub) {
     return graph_.edges[e].a == hub ? graph_.edges[e].b : graph_.edges[e].a;
   };
   for (EdgeIndex e = 0; e < graph_.edges.size(); ++e) {
-    for (const Place hub : {graph_.edges[e].a, graph_.edges[e].b}) {
-      const Point &from = places.at(hub), &to = places.at(far_end(e, hub));
+    for (const Node hub : {graph_.edges[e].a, graph_.edges[e].b}) {
+      const Point &from = nodes.at(hub), &to = nodes.at(far_end(e, hub));
       spokes.push_back({hub, std::atan2(to[1] - from[1], to[0] - from[0]), e});
     }
   }
@@ -128,10 +128,10 @@ void Rounds::FindSmallAngles(std::vector<Split>& splits) const {
   });
   const auto judge = [&](const Spoke& s, const Spoke& t) {
     if (s.edge == t.edge) return;
-    const Point& hub = places.at(s.hub);
-    const Place a = far_end(s.edge, s.hub), b = far_end(t.edge, s.hub);
-    const double ux = places.at(a)[0] - hub[0], uy = places.at(a)[1] - hub[1];
-    const double wx = places.at(b)[0] - hub[0], wy = places.at(b)[1] - hub[1];
+    const Point& hub = nodes.at(s.hub);
+    const Node a = far_end(s.edge, s.hub), b = far_end(t.edge, s.hub);
+    const double ux = nodes.at(a)[0] - hub[0], uy = nodes.at(a)[1] - hub[1];
+    const double wx = nodes.at(b)[0] - hub[0], wy = nodes.at(b)[1] - hub[1];
     if (ux * wx + uy * wy <= 0) return;
     const double cross = ux * wy - uy * wx;
     if (cross * cross >= kAngleBound * ((ux * ux + uy * uy) * (wx * wx + wy * wy))) return;
@@ -159,7 +159,7 @@ absl::StatusOr<std::vector<Rounds::Crossing>> Rounds::FindCrossings() const {
                     [&](const Crossing& c, const Crossing& d) { return key(c) == key(d); }),
         crossings.end());
   };
-  const auto at = [this](Place v) -> const Point& { return graph_.places.at(v); };
+  const auto at = [this](Node v) -> const Point& { return graph_.nodes.at(v); };
   VisitEdgesThatMeet(graph_, crossings_seen_, [&](EdgeIndex e, EdgeIndex f) {
     const Edge &s = graph_.edges[e], &t = graph_.edges[f];
     if (ShareAnEnd(s, t) || !Cross(at(s.a), at(s.b), at(t.a), at(t.b))) return true;
@@ -170,7 +170,7 @@ absl::StatusOr<std::vector<Rounds::Crossing>> Rounds::FindCrossings() const {
   drop_doubles();
   if (crossings.size() > max_crossings_) {
     return absl::ResourceExhaustedError(text::Concat("segments cross in more than ", max_crossings_,
-                                                     " places; clean the map in parts"));
+                                                     " nodes; clean the map in parts"));
   }
   for (Crossing& c : crossings) {
     const Edge &s = graph_.edges[c.e], &t = graph_.edges[c.f];
@@ -180,15 +180,15 @@ absl::StatusOr<std::vector<Rounds::Crossing>> Rounds::FindCrossings() const {
 }
 
 std::vector<Rounds::Split> Rounds::JoinCrossings(const std::vector<Crossing>& crossings) {
-  // Places are made in the order of coordinates.
+  // Nodes are made in the order of coordinates.
   std::vector<Crossing> sorted = crossings;
   std::sort(sorted.begin(), sorted.end(), [](const Crossing& c, const Crossing& d) {
     return std::tie(c.at, c.e, c.f) < std::tie(d.at, d.e, d.f);
   });
   std::vector<Split> splits;
   for (const Crossing& c : sorted) {
-    const std::optional<Place> near = graph_.places.Near(c.at);
-    const Place v = near ? *near : graph_.AddPlace(c.at, next_id_++);
+    const std::optional<Node> near = graph_.nodes.Near(c.at);
+    const Node v = near ? *near : graph_.AddNode(c.at, next_id_++);
     for (const EdgeIndex index : {c.e, c.f}) {
       const Edge& e = graph_.edges[index];
       if (v != e.a && v != e.b) splits.push_back({index, v, ChangeKind::kSegmentsCrossed});
@@ -197,7 +197,7 @@ std::vector<Rounds::Split> Rounds::JoinCrossings(const std::vector<Crossing>& cr
         {ChangeKind::kSegmentsCrossed,
          {graph_.edges[c.e].name(), graph_.edges[c.f].name(), graph_.point_ids[v]},
          c.at,
-         graph_.places.at(v)});
+         graph_.nodes.at(v)});
   }
   return splits;
 }
@@ -218,10 +218,10 @@ void Rounds::Apply(std::vector<Split> splits) {
 
 void Rounds::ApplyToEdge(EdgeIndex edge, std::vector<Split> splits) {
   const Edge e = graph_.edges[edge];
-  const Point &lo = graph_.places.at(graph_.Ordered(e).first),
-              &hi = graph_.places.at(graph_.Ordered(e).second);
+  const Point &lo = graph_.nodes.at(graph_.Ordered(e).first),
+              &hi = graph_.nodes.at(graph_.Ordered(e).second);
   const auto along = [&](const Split& s) {
-    const Point& p = graph_.places.at(s.at);
+    const Point& p = graph_.nodes.at(s.at);
     return (hi[0] - lo[0]) * (p[0] - lo[0]) + (hi[1] - lo[1]) * (p[1] - lo[1]);
   };
   std::sort(splits.begin(), splits.end(), [&](const Split& s, const Split& t) {
@@ -238,7 +238,7 @@ void Rounds::ApplyToEdge(EdgeIndex edge, std::vector<Split> splits) {
 // Replaces the edge by the chain through all of `splits`, if all pieces precede it in the order.
 bool Rounds::TryChain(EdgeIndex edge, const std::vector<Split>& splits) {
   const Edge e = graph_.edges[edge];
-  std::vector<Place> chain = {graph_.Ordered(e).first};
+  std::vector<Node> chain = {graph_.Ordered(e).first};
   for (const Split& s : splits) chain.push_back(s.at);
   chain.push_back(graph_.Ordered(e).second);
   for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
@@ -255,9 +255,9 @@ bool Rounds::TryChain(EdgeIndex edge, const std::vector<Split>& splits) {
 void Rounds::Report(const Edge& e, const Split& split) {
   if (split.kind == ChangeKind::kSegmentsCrossed) return;  // reported when it was found
   const auto [lo, hi] = graph_.Ordered(e);
-  const Point& to = graph_.places.at(split.at);
+  const Point& to = graph_.nodes.at(split.at);
   Change change = {split.kind, {e.name()}, {}, to};
-  change.from = Projection(to, graph_.places.at(lo), graph_.places.at(hi));
+  change.from = Projection(to, graph_.nodes.at(lo), graph_.nodes.at(hi));
   if (split.kind == ChangeKind::kSmallAngle) change.ids.push_back(split.other);
   change.ids.push_back(graph_.point_ids[split.at]);
   graph_.changes.push_back(std::move(change));

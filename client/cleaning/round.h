@@ -4,16 +4,16 @@
 // small angle to a longer one. The segment is split there. If there are no contacts: crossings. The
 // two segments get a common point; an existing one if it is within the tolerance of the crossing.
 //
-// Why rounds end. Places are a tolerance T apart, so only finitely many fit into the input's box,
-// and only finitely many rounds add one. Between these rounds the places are a fixed set. Order all
-// pairs of places strictly by length. Every change replaces an edge pq by edges that precede it in
+// Why rounds end. Nodes are a tolerance T apart, so only finitely many fit into the input's box,
+// and only finitely many rounds add one. Between these rounds the nodes are a fixed set. Order all
+// pairs of nodes strictly by length. Every change replaces an edge pq by edges that precede it in
 // this order. So the list of edges, sorted downwards, decreases lexicographically in a finite set
 // of such lists; where edges cancel, it gets shorter. For a split of pq at v:
 //  * contact: v is at least T from both ends and less than T/2 from the segment, hence the apex of
 //    a triangle with base pq and two shorter sides;
 //  * small angle: v is the far end of a segment pv at a small angle to the longer pq: pv precedes
 //    pq in the order, and vq is shorter still;
-//  * crossing: v is the place nearest to a crossing x, no farther from x than p and q are. With
+//  * crossing: v is the node nearest to a crossing x, no farther from x than p and q are. With
 //    |xv| <= |xq|, |pv|^2 = |px|^2 + |xv|^2 + 2 px.xv <= (|px| + |xq|)^2, with equality only for
 //    v = q. There are no contacts then, so x is T/2 or more from p and q, and the difference is
 //    far above rounding errors.
@@ -54,7 +54,7 @@ class Rounds {
   // Edge `edge` is to be split at `at`.
   struct Split {
     EdgeIndex edge = 0;
-    Place at = 0;
+    Node at = 0;
     ChangeKind kind = ChangeKind::kSegmentSplit;
     FeatureId other = kNoFeature;  // kSmallAngle: owner of the edge that ends at `at`
   };

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "client/cleaning/point_places.h"
+#include "client/cleaning/node_table.h"
 #include "dynmesh/feature.h"
 
 namespace dynmesh::cleaning {

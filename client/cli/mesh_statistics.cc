@@ -28,10 +28,10 @@ double SizeOf(const io::IndexedMesh& mesh, const io::IndexedMesh::Triangle& t) {
 }
 
 double SizeOf(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t) {
-  const auto a = mesh.vertices[t[0]].place();
+  const auto a = mesh.vertices[t[0]].position();
   double to[3][3];
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto p = mesh.vertices[t[i + 1]].place();
+    const auto p = mesh.vertices[t[i + 1]].position();
     for (std::size_t k = 0; k < 3; ++k) to[i][k] = p[k] - a[k];
   }
   double volume = 0;

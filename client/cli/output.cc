@@ -32,14 +32,14 @@ absl::Status ParseCut(std::string_view text, io::SvgOptions& svg) {
   const std::size_t axis =
       text.empty() ? std::string_view::npos : std::string_view("xyz").find(text[0]);
   double at = 0;
-  const bool has_place = text.size() > 1;
+  const bool has_position = text.size() > 1;
   if (axis == std::string_view::npos ||
-      (has_place && (text[1] != '=' || !io::ParseDouble(text.substr(2), &at)))) {
+      (has_position && (text[1] != '=' || !io::ParseDouble(text.substr(2), &at)))) {
     return absl::InvalidArgumentError(text::Concat(
         "--cut: expected an axis and a place as z=0.5, or an axis, found ", text::Quoted(text)));
   }
   svg.cut_axis = static_cast<int>(axis);
-  if (has_place) svg.cut_at = at;
+  if (has_position) svg.cut_at = at;
   return absl::OkStatus();
 }
 

@@ -35,11 +35,11 @@ absl::Status AddSeedPolygons(Input& input) {
                                     ": attributes and largest areas of regions ignored; polygons "
                                     "are told apart by id"));
   }
-  std::vector<cleaning::Point> places;
+  std::vector<cleaning::Point> positions;
   for (const Seed& seed : seeds) {
-    places.push_back({seed.row->position[0], seed.row->position[1]});
+    positions.push_back({seed.row->position[0], seed.row->position[1]});
   }
-  const std::vector<cleaning::SeedFace> faces = cleaning::FindSeedFaces(input.features, places);
+  const std::vector<cleaning::SeedFace> faces = cleaning::FindSeedFaces(input.features, positions);
   FeatureId next_id = 0;
   for (const Feature& f : input.features) next_id = std::max(next_id, f.id);
   auto lines = std::make_shared<std::map<FeatureId, std::string>>();

@@ -247,7 +247,7 @@ class FacetCheck {
     return true;
   }
 
-  Vector At(std::uint32_t v) const { return ToVector(mesh_.vertices[v].place()); }
+  Vector At(std::uint32_t v) const { return ToVector(mesh_.vertices[v].position()); }
 
   const io::IndexedMesh& mesh_;
   const std::vector<Feature>& features_;

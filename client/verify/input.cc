@@ -20,15 +20,15 @@ namespace {
 
 using text::Concat;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Place = std::array<std::uint64_t, 3>;
+using Position = std::array<std::uint64_t, 3>;
 
 // In 2D z is 0, whatever the file has.
-Place PlaceOf(const std::array<double, 3>& p, int dimension) {
-  Place place = {};
+Position PositionOf(const std::array<double, 3>& p, int dimension) {
+  Position position = {};
   for (std::size_t k = 0; k < static_cast<std::size_t>(dimension); ++k) {
-    place[k] = std::bit_cast<std::uint64_t>(p[k] + 0.0);
+    position[k] = std::bit_cast<std::uint64_t>(p[k] + 0.0);
   }
-  return place;
+  return position;
 }
 
 using Ends = std::pair<std::uint32_t, std::uint32_t>;
@@ -48,7 +48,7 @@ class InputCheck {
         chains_(chains),
         tolerance_(kStraightnessUlps * LargestUlp(mesh)) {
     for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
-      vertex_at_.emplace(PlaceOf(mesh.vertices[v].place(), mesh.dimension), v);
+      vertex_at_.emplace(PositionOf(mesh.vertices[v].position(), mesh.dimension), v);
     }
     for (const auto& e : mesh.edges) {
       if (e.owner != kNoFeature && e.owner != kBoxFeature) edges_of_[e.owner].push_back(e);
@@ -70,7 +70,7 @@ class InputCheck {
 
  private:
   std::optional<std::uint32_t> VertexOf(const Feature& point) const {
-    const auto it = vertex_at_.find(PlaceOf(point.position, mesh_.dimension));
+    const auto it = vertex_at_.find(PositionOf(point.position, mesh_.dimension));
     if (it == vertex_at_.end()) return std::nullopt;
     return it->second;
   }
@@ -250,7 +250,7 @@ class InputCheck {
   const std::vector<Feature>& features_;
   Chains* const chains_;
   const double tolerance_;
-  absl::flat_hash_map<Place, std::uint32_t> vertex_at_;
+  absl::flat_hash_map<Position, std::uint32_t> vertex_at_;
   std::map<FeatureId, std::vector<io::IndexedMesh::Edge>> edges_of_;
   std::set<std::pair<FeatureId, FeatureId>> joined_;
   std::map<FeatureId, std::vector<Joint>> wanted_;  // by owner

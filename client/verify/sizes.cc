@@ -272,7 +272,7 @@ std::vector<Vector> CornersOf(const io::IndexedMesh& mesh, std::uint32_t simplex
   std::vector<Vector> corners;
   const auto add = [&](const auto& vertices) {
     for (const std::uint32_t v : vertices) {
-      corners.push_back(VectorOf(mesh.vertices[v].place(), mesh.dimension));
+      corners.push_back(VectorOf(mesh.vertices[v].position(), mesh.dimension));
     }
   };
   mesh.dimension == 3 ? add(mesh.tetrahedra[simplex]) : add(mesh.triangles[simplex]);

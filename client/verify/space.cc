@@ -24,7 +24,7 @@ Bounds BoundsOf(const io::IndexedMesh& mesh) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Bounds b{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
   for (const auto& v : mesh.vertices) {
-    const std::array<double, 3> p = v.place();
+    const std::array<double, 3> p = v.position();
     for (std::size_t k = 0; k < 3; ++k) {
       b.lo[k] = std::min(b.lo[k], p[k]), b.hi[k] = std::max(b.hi[k], p[k]);
     }
@@ -36,7 +36,7 @@ bool IsOnASide(const Bounds& b, const io::IndexedMesh& mesh, const Triple& v) {
   for (std::size_t k = 0; k < 3; ++k) {
     const auto all_at = [&](double c) {
       return std::all_of(v.begin(), v.end(),
-                         [&](std::uint32_t i) { return mesh.vertices[i].place()[k] == c; });
+                         [&](std::uint32_t i) { return mesh.vertices[i].position()[k] == c; });
     };
     if (all_at(b.lo[k]) || all_at(b.hi[k])) return true;
   }
@@ -48,7 +48,7 @@ long double VolumeShare(const io::IndexedMesh& mesh, const Bounds& b) {
   using Real = long double;
   // In units of the box, to avoid overflow.
   const auto scaled = [&](std::uint32_t v) {
-    const std::array<double, 3> p = mesh.vertices[v].place();
+    const std::array<double, 3> p = mesh.vertices[v].position();
     std::array<Real, 3> q;
     for (std::size_t k = 0; k < 3; ++k) q[k] = (Real{p[k]} - b.lo[k]) / (Real{b.hi[k]} - b.lo[k]);
     return q;

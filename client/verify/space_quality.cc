@@ -86,8 +86,8 @@ bool IsBelowExactly(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahed
 Shape Measure(const io::IndexedMesh& mesh, const io::IndexedMesh::Tetrahedron& t) {
   std::array<Vector, 4> p;
   for (std::size_t k = 0; k < 4; ++k) {
-    const auto place = mesh.vertices[t[k]].place();
-    p[k] = {place[0], place[1], place[2]};
+    const auto position = mesh.vertices[t[k]].position();
+    p[k] = {position[0], position[1], position[2]};
   }
   Real shortest = std::numeric_limits<Real>::infinity(), longest = 0;
   for (std::size_t j = 0; j < 4; ++j) {
@@ -186,7 +186,7 @@ VerifyCheck CheckDihedral(const io::IndexedMesh& mesh, double min_dihedral, Veri
   for (const Below& below : all) {
     Vector at = {0, 0, 0};
     for (const std::uint32_t v : mesh.tetrahedra[below.tetrahedron]) {
-      for (std::size_t k = 0; k < 3; ++k) at[k] += Real{mesh.vertices[v].place()[k]} / 4;
+      for (std::size_t k = 0; k < 3; ++k) at[k] += Real{mesh.vertices[v].position()[k]} / 4;
     }
     findings.Add(text::Concat(TetrahedronName(below.tetrahedron), " has a dihedral angle of ",
                               below.angle, " degrees, around ", static_cast<double>(at[0]), " ",

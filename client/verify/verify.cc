@@ -84,12 +84,12 @@ VerifyCheck CheckVertices(const io::IndexedMesh& mesh) {
   }
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0U);
-  const auto place = [&](std::uint32_t i) { return mesh.vertices[i].place(); };
+  const auto position = [&](std::uint32_t i) { return mesh.vertices[i].position(); };
   std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
-    return std::tuple(place(i), i) < std::tuple(place(j), j);
+    return std::tuple(position(i), i) < std::tuple(position(j), j);
   });
   for (std::uint32_t i = 1; i < n; ++i) {
-    if (place(order[i - 1]) == place(order[i])) {
+    if (position(order[i - 1]) == position(order[i])) {
       findings.Add(VertexName(order[i]) + " is in the place of " + VertexName(order[i - 1]));
     }
   }

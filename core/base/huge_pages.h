@@ -52,9 +52,9 @@ inline void* Grow(void* block, std::size_t bytes, std::size_t more) {
   const std::size_t from = RoundedUp(bytes), to = RoundedUp(more);
   if (from == to || mremap(block, from, to, 0) != MAP_FAILED) return block;
   // Elsewhere the address must be aligned too: otherwise the huge pages would be split.
-  void* const place = MapAligned(to, PROT_NONE);
-  if (mremap(block, from, to, MREMAP_MAYMOVE | MREMAP_FIXED, place) == place) return place;
-  munmap(place, to);
+  void* const at = MapAligned(to, PROT_NONE);
+  if (mremap(block, from, to, MREMAP_MAYMOVE | MREMAP_FIXED, at) == at) return at;
+  munmap(at, to);
   return nullptr;
 }
 

@@ -88,15 +88,15 @@ class Rim {
 
 class Finder {
  public:
-  Finder(const std::vector<Point3>& places, const std::vector<FaceRings>& faces, const Kept& kept,
-         double tolerance, const Thickness& most)
-      : places_(places),
+  Finder(const std::vector<Point3>& positions, const std::vector<FaceRings>& faces,
+         const Kept& kept, double tolerance, const Thickness& most)
+      : positions_(positions),
         faces_(faces),
         kept_(kept),
         tolerance_(tolerance),
         most_(most),
         state_(faces.size()),
-        faces_at_(places.size()) {
+        faces_at_(positions.size()) {
     for (std::size_t f = 0; f < faces.size(); ++f) AddUses(f);
     std::sort(uses_.begin(), uses_.end(), [](const Use& a, const Use& b) {
       return std::tie(a.edge, a.face, a.ring) < std::tie(b.edge, b.face, b.ring);
@@ -155,19 +155,19 @@ class Finder {
     }
   }
 
-  PointRing PlacesOf(const CornerRing& ring) const {
-    PointRing places;
-    for (const Corner c : ring) places.push_back(places_[c]);
-    return places;
+  PointRing PositionsOf(const CornerRing& ring) const {
+    PointRing positions;
+    for (const Corner c : ring) positions.push_back(positions_[c]);
+    return positions;
   }
 
   // The outer ring of a face, and twice its area.
   std::pair<PointRing, double> OuterRing(std::size_t f) const {
     std::pair<PointRing, double> outer = {{}, -1};
     for (const CornerRing& ring : faces_[f]) {
-      PointRing places = PlacesOf(ring);
-      const double area = NormOf(AreaVector(places));
-      if (area > outer.second) outer = {std::move(places), area};
+      PointRing positions = PositionsOf(ring);
+      const double area = NormOf(AreaVector(positions));
+      if (area > outer.second) outer = {std::move(positions), area};
     }
     return outer;
   }
@@ -187,7 +187,7 @@ class Finder {
   bool IsIn(const Plane& plane, std::size_t f) const {
     for (const CornerRing& ring : faces_[f]) {
       for (const Corner c : ring) {
-        if (!plane.Contains(places_[c])) return false;
+        if (!plane.Contains(positions_[c])) return false;
       }
     }
     return true;
@@ -196,7 +196,7 @@ class Finder {
   // None if a ring is degenerate in the view, or has all corners on another one.
   std::optional<std::vector<bool>> SidesOf(std::size_t f, AxisView view) const {
     std::vector<PointRing> rings;
-    for (const CornerRing& ring : faces_[f]) rings.push_back(PlacesOf(ring));
+    for (const CornerRing& ring : faces_[f]) rings.push_back(PositionsOf(ring));
     const std::optional<std::vector<int>> depths = DepthsOf(rings, view);
     if (!depths) return std::nullopt;
     std::vector<bool> is_left;
@@ -237,7 +237,7 @@ class Finder {
       const auto at = segments_at_.find(from);
       return at != segments_at_.end() &&
              std::any_of(at->second.begin(), at->second.end(), [&](Corner c) {
-               return plane.IsSharpOver(places_[from], places_[to], places_[c]);
+               return plane.IsSharpOver(positions_[from], positions_[to], positions_[c]);
              });
     };
     return is_below(edge.first, edge.second) || is_below(edge.second, edge.first);
@@ -267,7 +267,7 @@ class Finder {
   bool IsTooThick(const FaceRings& rings) const {
     if (!most_) return false;
     std::vector<PointRing> outline;
-    for (const CornerRing& ring : rings) outline.push_back(PlacesOf(ring));
+    for (const CornerRing& ring : rings) outline.push_back(PositionsOf(ring));
     const geometry::FacetPlane plane = geometry::PlaneOf(outline);
     const geometry::FacetBounds bounds = geometry::BoundsOf(outline, plane);
     double extent = 0;
@@ -350,7 +350,7 @@ class Finder {
     return Canonical(std::move(rings));
   }
 
-  const std::vector<Point3>& places_;
+  const std::vector<Point3>& positions_;
   const std::vector<FaceRings>& faces_;
   const Kept& kept_;
   const double tolerance_;
@@ -373,9 +373,10 @@ FaceRings Canonical(FaceRings rings) {
   return rings;
 }
 
-FlatRegions FindFlatRegions(const std::vector<Point3>& places, const std::vector<FaceRings>& faces,
-                            const Kept& kept, double tolerance, const Thickness& most) {
-  return Finder(places, faces, kept, tolerance, most).Run();
+FlatRegions FindFlatRegions(const std::vector<Point3>& positions,
+                            const std::vector<FaceRings>& faces, const Kept& kept, double tolerance,
+                            const Thickness& most) {
+  return Finder(positions, faces, kept, tolerance, most).Run();
 }
 
 }  // namespace dynmesh::coplanar

@@ -57,9 +57,9 @@ struct FlatRegions {
 
 // The regions of more than one face. A region that the tolerance would make thicker than `most` is
 // joined only where it is exactly flat. Regions with overlapping faces are left out: joining would
-// hide the overlap. REQUIRES: `places` are in lexicographic order; `faces` are canonical, with
+// hide the overlap. REQUIRES: `positions` are in lexicographic order; `faces` are canonical, with
 // rings of at least three corners.
-FlatRegions FindFlatRegions(const std::vector<geometry::Point3>& places,
+FlatRegions FindFlatRegions(const std::vector<geometry::Point3>& positions,
                             const std::vector<FaceRings>& faces, const Kept& kept, double tolerance,
                             const Thickness& most);
 

@@ -19,8 +19,8 @@ namespace {
 constexpr double kMaxMagnitude = 0x1p200;
 constexpr double kMinMagnitude = 0x1p-200;
 
-bool IsCorner(const PointRing& ring, const Point3& place) {
-  return std::find(ring.begin(), ring.end(), place) != ring.end();
+bool IsCorner(const PointRing& ring, const Point3& position) {
+  return std::find(ring.begin(), ring.end(), position) != ring.end();
 }
 
 }  // namespace
@@ -75,8 +75,8 @@ std::optional<AxisView> ViewOf(const PointRing& ring) {
   return std::nullopt;
 }
 
-bool IsInside(const PointRing& ring, const Point3& place, AxisView view) {
-  const Point2 p = view.Of(place);
+bool IsInside(const PointRing& ring, const Point3& position, AxisView view) {
+  const Point2 p = view.Of(position);
   bool inside = false;
   ForEachEdgeOf(std::span(&ring, 1), [&](const Point3& from, const Point3& to) {
     inside ^= geometry::CrossesEdge(p, view.Of(from), view.Of(to)).value_or(false);

@@ -42,7 +42,7 @@ std::array<double, 3> AreaVector(const PointRing& ring);
 std::optional<AxisView> ViewOf(const PointRing& ring);
 
 // Is the position inside the ring, in the view? On the ring the result may be either.
-bool IsInside(const PointRing& ring, const geometry::Point3& place, AxisView view);
+bool IsInside(const PointRing& ring, const geometry::Point3& position, AxisView view);
 
 // For each ring, the number of others around it. Rings may touch in corners, but must not cross.
 // None if all corners of a ring are on another one. O(corners * rings).

@@ -36,8 +36,8 @@ class Merger {
       return p == q ? features[a].id < features[b].id : p < q;
     });
     for (const std::size_t i : points_) {
-      corner_.emplace(features[i].id, static_cast<Corner>(places_.size()));
-      places_.push_back({features[i].position});
+      corner_.emplace(features[i].id, static_cast<Corner>(positions_.size()));
+      positions_.push_back({features[i].position});
     }
   }
 
@@ -58,7 +58,7 @@ class Merger {
     std::vector<FaceRings> canonical;
     for (const FaceRings& face : faces_) canonical.push_back(Canonical(face));
     const Kept kept = KeptElsewhere();
-    FlatRegions found = FindFlatRegions(places_, canonical, kept, tolerance, most);
+    FlatRegions found = FindFlatRegions(positions_, canonical, kept, tolerance, most);
     for (FlatRegion& region : found.regions) {
       const auto by_id = [&](std::size_t f, std::size_t g) {
         return features_[polygons_[f]].id < features_[polygons_[g]].id;
@@ -68,7 +68,7 @@ class Merger {
       faces_[first] = std::move(region.rings);
     }
     named_else_ = kept.corners;
-    DropStraightCorners(places_, named_else_, faces_);
+    DropStraightCorners(positions_, named_else_, faces_);
     return found.too_thick;
   }
 
@@ -101,7 +101,7 @@ class Merger {
         if (it == corner_.end()) {
           return Refuse(polygon.id, Concat("has the corner ", id, ", which is no point; add it"));
         }
-        if (!IsInDomain(places_[it->second].c)) {
+        if (!IsInDomain(positions_[it->second].c)) {
           return Refuse(polygon.id, Concat("has the corner ", id, ", which has a coordinate above ",
                                            "2^200 or nearer to 0 than 2^-200; scale the input"));
         }
@@ -120,14 +120,14 @@ class Merger {
   }
 
   std::vector<bool> NamedByFaces() const {
-    std::vector<bool> named(places_.size(), false);
+    std::vector<bool> named(positions_.size(), false);
     ForEachEdge([&](const CornerPair& edge) { named[edge.first] = named[edge.second] = true; });
     return named;
   }
 
   // Kept by segments and by sizing polygons.
   Kept KeptElsewhere() const {
-    Kept kept = {{}, std::vector<bool>(places_.size(), false)};
+    Kept kept = {{}, std::vector<bool>(positions_.size(), false)};
     const auto name = [&](FeatureId id) {
       const auto it = corner_.find(id);
       if (it != corner_.end()) kept.corners[it->second] = true;
@@ -162,7 +162,7 @@ class Merger {
 
   const std::vector<Feature>& features_;
   std::vector<std::size_t> points_;  // by coordinates; indices into features_
-  std::vector<Point3> places_;       // of points_
+  std::vector<Point3> positions_;    // of points_
   absl::flat_hash_map<FeatureId, Corner> corner_;
   std::vector<std::size_t> polygons_;  // indices into features_
   std::vector<FaceRings> faces_;       // of polygons_; empty if joined to another

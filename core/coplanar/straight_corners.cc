@@ -16,16 +16,16 @@ namespace {
 
 class Dropper {
  public:
-  Dropper(const std::vector<Point3>& places, const std::vector<bool>& kept,
+  Dropper(const std::vector<Point3>& positions, const std::vector<bool>& kept,
           const std::vector<FaceRings>& faces)
-      : places_(places), kept_(kept), at_(places.size()) {
+      : positions_(positions), kept_(kept), at_(positions.size()) {
     for (const FaceRings& face : faces) {
       for (const CornerRing& ring : face) AddRing(ring);
     }
   }
 
   void Run() {
-    std::vector<Corner> open(places_.size());
+    std::vector<Corner> open(positions_.size());
     std::iota(open.begin(), open.end(), Corner{0});
     while (!open.empty()) {
       const Corner c = open.back();
@@ -71,8 +71,8 @@ class Dropper {
 
   bool IsOnLine(Corner p, Corner c, Corner q) const {
     for (const AxisView view : {AxisView{0, 1}, AxisView{1, 2}, AxisView{2, 0}}) {
-      if (geometry::Orientation(view.Of(places_[p]), view.Of(places_[c]), view.Of(places_[q])) !=
-          0) {
+      if (geometry::Orientation(view.Of(positions_[p]), view.Of(positions_[c]),
+                                view.Of(positions_[q])) != 0) {
         return false;
       }
     }
@@ -92,13 +92,13 @@ class Dropper {
     }
     // On a line the lexicographic order is that along it.
     const auto [p, q] = *ends;
-    if (!(places_[p] < places_[c] && places_[c] < places_[q]) || !IsOnLine(p, c, q)) {
+    if (!(positions_[p] < positions_[c] && positions_[c] < positions_[q]) || !IsOnLine(p, c, q)) {
       return std::nullopt;
     }
     return ends;
   }
 
-  const std::vector<Point3>& places_;
+  const std::vector<Point3>& positions_;
   const std::vector<bool>& kept_;
   std::vector<Node> nodes_;                   // ring by ring
   std::vector<std::size_t> sizes_;            // of rings
@@ -107,9 +107,9 @@ class Dropper {
 
 }  // namespace
 
-void DropStraightCorners(const std::vector<Point3>& places, const std::vector<bool>& kept,
+void DropStraightCorners(const std::vector<Point3>& positions, const std::vector<bool>& kept,
                          std::vector<FaceRings>& faces) {
-  Dropper dropper(places, kept, faces);
+  Dropper dropper(positions, kept, faces);
   dropper.Run();
   dropper.Write(faces);
 }

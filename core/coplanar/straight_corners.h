@@ -10,10 +10,10 @@
 namespace dynmesh::coplanar {
 
 // Removes a corner from all its rings if each goes straight through it, between the same two
-// corners, and it is not `kept`. Each ring keeps at least three corners. Exact. REQUIRES: `places`
-// are in lexicographic order. O(corners) expected.
-void DropStraightCorners(const std::vector<geometry::Point3>& places, const std::vector<bool>& kept,
-                         std::vector<FaceRings>& faces);
+// corners, and it is not `kept`. Each ring keeps at least three corners. Exact. REQUIRES:
+// `positions` are in lexicographic order. O(corners) expected.
+void DropStraightCorners(const std::vector<geometry::Point3>& positions,
+                         const std::vector<bool>& kept, std::vector<FaceRings>& faces);
 
 }  // namespace dynmesh::coplanar
 

@@ -39,12 +39,12 @@ using geometry::Point3;
 void DelaunayTetrahedralization::Reset(const Point3& lo, const Point3& hi,
                                        const std::array<VertexIndex, 8>& corners) {
   assert(lo[0] < hi[0] && lo[1] < hi[1] && lo[2] < hi[2]);
-  const auto place = [&](unsigned i) {
+  const auto point_of = [&](unsigned i) {
     return Point3{{(i & 1 ? hi : lo)[0], (i & 2 ? hi : lo)[1], (i & 4 ? hi : lo)[2]}};
   };
   StartFrom({corners[0], corners[1], corners[2], corners[4]},
-            {place(0), place(1), place(2), place(4)});
-  for (const unsigned i : {3, 5, 6, 7}) Insert(corners[i], place(i), corners[0]);
+            {point_of(0), point_of(1), point_of(2), point_of(4)});
+  for (const unsigned i : {3, 5, 6, 7}) Insert(corners[i], point_of(i), corners[0]);
   corners_ = corners;
   created_.clear();
   deleted_.clear();
@@ -56,7 +56,7 @@ void DelaunayTetrahedralization::StartFrom(const std::array<VertexIndex, 4>& v,
   assert(geometry::Orientation(p[0], p[1], p[2], p[3]) > 0);
   tetrahedra_.clear();
   tags_.clear();
-  places_.clear();
+  records_.clear();
   free_.clear();
   vertex_count_ = 0;
   infinite_count_ = 0;
@@ -86,7 +86,7 @@ void DelaunayTetrahedralization::StartFrom(const std::array<VertexIndex, 4>& v,
 }
 
 void DelaunayTetrahedralization::Reserve(std::size_t vertices) {
-  places_.reserve(vertices);
+  records_.reserve(vertices);
   tetrahedra_.reserve(7 * vertices);
   tags_.reserve(7 * vertices);
 }
@@ -139,8 +139,8 @@ DelaunayTetrahedralization::SimplexIndex DelaunayTetrahedralization::LocateFrom(
     for (int i = 0; i < 4 && exit < 0; ++i) {
       if (i == entry) continue;
       const auto& [a, b, c] = kFacet[i];
-      if (geometry::Orientation(places_[t.v[a]].point, places_[t.v[b]].point, places_[t.v[c]].point,
-                                p) < 0) {
+      if (geometry::Orientation(records_[t.v[a]].point, records_[t.v[b]].point,
+                                records_[t.v[c]].point, p) < 0) {
         exit = i;
       }
     }
@@ -217,7 +217,7 @@ void DelaunayTetrahedralization::CavityOf(const Point3& p, SimplexIndex conflict
 void DelaunayTetrahedralization::Copy(const DelaunayTetrahedralization& other) {
   tetrahedra_ = other.tetrahedra_;
   tags_ = other.tags_;
-  places_ = other.places_;
+  records_ = other.records_;
   free_ = other.free_;
   infinite_incident_ = other.infinite_incident_;
   vertex_count_ = other.vertex_count_;
@@ -260,14 +260,14 @@ void DelaunayTetrahedralization::LinkByTable() {
   const std::size_t count = created_.size();
   edge_entries_.resize(count);
   Tetrahedron* const tetrahedra = tetrahedra_.data();
-  Place* const places = places_.data();
+  VertexRecord* const records = records_.data();
   const SimplexIndex* const created = created_.data();
   std::array<std::uint32_t, 3>* const entries = edge_entries_.data();
   Code* const edges = edges_.data();
   std::array<VertexIndex, kMaxTableVertices> numbered;
   std::uint32_t vertices = 0, infinite_number = kNone;
   const auto number = [&](VertexIndex u) {
-    std::uint32_t& n = u == kInfinite ? infinite_number : places[u].number;
+    std::uint32_t& n = u == kInfinite ? infinite_number : records[u].number;
     if (n == kNone) {
       numbered[vertices] = u;
       n = vertices++;
@@ -288,7 +288,7 @@ void DelaunayTetrahedralization::LinkByTable() {
     for (std::size_t k = 0; k < 3; ++k) opposite[k] = edges[entries[i][k]];
   }
   for (std::uint32_t i = 0; i < vertices; ++i) {
-    if (numbered[i] != kInfinite) places[numbered[i]].number = kNone;
+    if (numbered[i] != kInfinite) records[numbered[i]].number = kNone;
   }
 }
 
@@ -320,7 +320,7 @@ void DelaunayTetrahedralization::InsertAll(std::span<const VertexIndex> indices,
   assert(indices.size() == points.size());
   if (!indices.empty()) {
     const std::size_t limit = *std::max_element(indices.begin(), indices.end()) + std::size_t{1};
-    places_.reserve(limit);
+    records_.reserve(limit);
   }
   tetrahedra_.reserve(tetrahedra_.size() + 7 * points.size());
   tags_.reserve(tetrahedra_.size() + 7 * points.size());

@@ -72,7 +72,7 @@ class DelaunayTetrahedralization : public TetrahedronTable {
   // A tetrahedron that contains p (closed; infinite only if p is outside the box), searched from
   // `near`. If p is no vertex, the tetrahedron conflicts with p.
   SimplexIndex Locate(const geometry::Point3& p, VertexIndex near) const {
-    return LocateFrom(p, (Contains(near) ? places_[near].incident : infinite_incident_) >> 2);
+    return LocateFrom(p, (Contains(near) ? records_[near].incident : infinite_incident_) >> 2);
   }
   SimplexIndex LocateFrom(const geometry::Point3& p, SimplexIndex start) const;
 

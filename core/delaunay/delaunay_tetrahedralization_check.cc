@@ -59,14 +59,14 @@ bool DelaunayTetrahedralization::CheckTetrahedron(SimplexIndex t, std::string* w
     // is convex. The cached sphere must agree with the exact test.
     const VertexIndex apex = other[across.index];
     if (apex == kInfinite) continue;
-    const Point3& p = places_[apex].point;
+    const Point3& p = records_[apex].point;
     if (ConflictsExactly(tetrahedron, p) || Conflicts(t, p)) {
       return Fail(why, "tetrahedron ", t, " has vertex ", apex, " inside its sphere");
     }
   }
-  const auto place = [&](int i) -> const Point3& { return places_[tetrahedron.v[i]].point; };
+  const auto point_of = [&](int i) -> const Point3& { return records_[tetrahedron.v[i]].point; };
   if (!tetrahedron.HasInfinite() &&
-      geometry::Orientation(place(0), place(1), place(2), place(3)) <= 0) {
+      geometry::Orientation(point_of(0), point_of(1), point_of(2), point_of(3)) <= 0) {
     return Fail(why, "tetrahedron ", t, " is not positively oriented");
   }
   return true;
@@ -99,7 +99,7 @@ bool DelaunayTetrahedralization::CheckStars(std::string* why) const {
     return true;
   };
   if (!check_star(kInfinite)) return false;
-  for (VertexIndex v = 0; v < places_.size(); ++v) {
+  for (VertexIndex v = 0; v < records_.size(); ++v) {
     if (!Contains(v)) continue;
     ++vertices_seen;
     if (!check_star(v)) return false;

@@ -72,7 +72,7 @@ void DelaunayTetrahedralization::Remove(VertexIndex v) {
   cavity_.clear();
   for (const auto [t] : hole.star.keys()) cavity_.push_back(t);
   Delete(cavity_);
-  places_[v].incident = kNone;
+  records_[v].incident = kNone;
   --vertex_count_;
   FillHole();
 }
@@ -82,7 +82,9 @@ void DelaunayTetrahedralization::TriangulateLink(VertexIndex v) {
   DelaunayTetrahedralization& link = hole_->link;
   const auto vertices = hole_->vertices.keys();
   const auto count = static_cast<std::uint32_t>(vertices.size());
-  const auto place = [&](VertexIndex i) -> const Point3& { return places_[vertices[i][0]].point; };
+  const auto point_of = [&](VertexIndex i) -> const Point3& {
+    return records_[vertices[i][0]].point;
+  };
   // Starts from a finite tetrahedron of v, with v replaced by another vertex off the plane of the
   // opposite facet.
   const auto star = hole_->star.keys();
@@ -98,27 +100,29 @@ void DelaunayTetrahedralization::TriangulateLink(VertexIndex v) {
   for (VertexIndex u = 0; side == 0; ++u) {
     if (u == first[0] || u == first[1] || u == first[2]) continue;
     assert(u < count);
-    side = geometry::Orientation(place(first[0]), place(first[1]), place(first[2]), place(u));
+    side = geometry::Orientation(point_of(first[0]), point_of(first[1]), point_of(first[2]),
+                                 point_of(u));
     first[3] = u;
   }
   if (side < 0) std::swap(first[0], first[1]);
-  link.StartFrom(first, {place(first[0]), place(first[1]), place(first[2]), place(first[3])});
+  link.StartFrom(first,
+                 {point_of(first[0]), point_of(first[1]), point_of(first[2]), point_of(first[3])});
 
   SimplexIndex near = 0;
   const auto insert = [&](VertexIndex u) {
     if (link.is_full_ || link.Contains(u)) return;
-    link.InsertAt(u, place(u), link.LocateFrom(place(u), near));
+    link.InsertAt(u, point_of(u), link.LocateFrom(point_of(u), near));
     if (!link.is_full_) near = link.created_[0];
   };
   if (count <= kSmallLink) {
     for (VertexIndex u = 0; u < count; ++u) insert(u);
   } else {
     std::vector<Point3> points;
-    for (VertexIndex u = 0; u < count; ++u) points.push_back(place(u));
+    for (VertexIndex u = 0; u < count; ++u) points.push_back(point_of(u));
     for (const VertexIndex u : InsertOrder(points)) insert(u);
   }
   if (link.is_full_) return;
-  link.FindCavity(places_[v].point, link.LocateFrom(places_[v].point, near));
+  link.FindCavity(records_[v].point, link.LocateFrom(records_[v].point, near));
 }
 
 void DelaunayTetrahedralization::FillHole() {
@@ -151,12 +155,12 @@ void DelaunayTetrahedralization::FillHole() {
 }
 
 std::size_t DelaunayTetrahedralization::bytes() const {
-  std::size_t sum = tetrahedra_.capacity() * sizeof(Tetrahedron) +
-                    tags_.capacity() * sizeof(std::uint64_t) + places_.capacity() * sizeof(Place) +
-                    free_.capacity() * sizeof(SimplexIndex) +
-                    created_.capacity() * sizeof(SimplexIndex) +
-                    deleted_.capacity() * (sizeof(deleted_[0]) + sizeof(deleted_tags_[0])) +
-                    cavity_.capacity() * sizeof(SimplexIndex) + rim_.capacity() * sizeof(RimFacet);
+  std::size_t sum =
+      tetrahedra_.capacity() * sizeof(Tetrahedron) + tags_.capacity() * sizeof(std::uint64_t) +
+      records_.capacity() * sizeof(VertexRecord) + free_.capacity() * sizeof(SimplexIndex) +
+      created_.capacity() * sizeof(SimplexIndex) +
+      deleted_.capacity() * (sizeof(deleted_[0]) + sizeof(deleted_tags_[0])) +
+      cavity_.capacity() * sizeof(SimplexIndex) + rim_.capacity() * sizeof(RimFacet);
   if (hole_ != nullptr) {
     sum += hole_->star.bytes() + hole_->facets.bytes() + hole_->outside.capacity() * sizeof(Code) +
            hole_->vertices.bytes() + hole_->link.bytes();

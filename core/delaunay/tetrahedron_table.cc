@@ -10,8 +10,8 @@ namespace dynmesh::delaunay {
 using geometry::Point3;
 
 void TetrahedronTable::AddVertex(VertexIndex v, const Point3& p) {
-  if (v >= places_.size()) places_.resize(v + std::size_t{1});
-  places_[v].point = p;
+  if (v >= records_.size()) records_.resize(v + std::size_t{1});
+  records_[v].point = p;
   ++vertex_count_;
 }
 
@@ -23,12 +23,12 @@ void TetrahedronTable::Make(SimplexIndex t, const std::array<VertexIndex, 4>& v)
     SetNoSphere(&tetrahedron);
     ++infinite_count_;
     for (int i = 0; i < 4; ++i) {
-      (v[i] == kInfinite ? infinite_incident_ : places_[v[i]].incident) = ToCode(t, i);
+      (v[i] == kInfinite ? infinite_incident_ : records_[v[i]].incident) = ToCode(t, i);
     }
   } else {
-    SetSphere(&tetrahedron, places_[v[0]].point, places_[v[1]].point, places_[v[2]].point,
-              places_[v[3]].point);
-    for (int i = 0; i < 4; ++i) places_[v[i]].incident = ToCode(t, i);
+    SetSphere(&tetrahedron, records_[v[0]].point, records_[v[1]].point, records_[v[2]].point,
+              records_[v[3]].point);
+    for (int i = 0; i < 4; ++i) records_[v[i]].incident = ToCode(t, i);
   }
 }
 
@@ -86,11 +86,12 @@ void TetrahedronTable::SetSphere(Tetrahedron* t, const Point3& a, const Point3& 
 }
 
 bool TetrahedronTable::ConflictsExactly(const Tetrahedron& t, const Point3& p) const {
-  const auto place = [&](int i) -> const Point3& { return places_[t.v[i]].point; };
-  if (!t.HasInfinite()) return geometry::InSphere(place(0), place(1), place(2), place(3), p);
+  const auto point_of = [&](int i) -> const Point3& { return records_[t.v[i]].point; };
+  if (!t.HasInfinite())
+    return geometry::InSphere(point_of(0), point_of(1), point_of(2), point_of(3), p);
   const int infinite = t.InfiniteCorner();
   const auto& [i, j, k] = kFacet[infinite];
-  const int side = geometry::Orientation(place(i), place(j), place(k), p);
+  const int side = geometry::Orientation(point_of(i), point_of(j), point_of(k), p);
   if (side != 0) return side > 0;
   const Tetrahedron& across = tetrahedra_[t.opposite[infinite] >> 2];
   return across.IsMarked() || Conflicts(t.opposite[infinite] >> 2, p);

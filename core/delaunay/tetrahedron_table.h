@@ -37,8 +37,10 @@ class TetrahedronTable {
   static constexpr std::array<std::array<std::uint8_t, 3>, 4> kFacet = {
       {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
 
-  bool Contains(VertexIndex v) const { return v < places_.size() && places_[v].incident != kNone; }
-  const geometry::Point3& position(VertexIndex v) const { return places_[v].point; }
+  bool Contains(VertexIndex v) const {
+    return v < records_.size() && records_[v].incident != kNone;
+  }
+  const geometry::Point3& position(VertexIndex v) const { return records_[v].point; }
   std::size_t vertex_count() const { return vertex_count_; }  // without kInfinite
   std::size_t simplex_count() const {                         // finite ones only
     return tetrahedra_.size() - free_.size() - infinite_count_;
@@ -46,7 +48,7 @@ class TetrahedronTable {
 
   // Some corner at v (also for kInfinite).
   Corner Around(VertexIndex v) const {
-    return ToCorner(v == kInfinite ? infinite_incident_ : places_[v].incident);
+    return ToCorner(v == kInfinite ? infinite_incident_ : records_[v].incident);
   }
   // All tetrahedra at v (also for kInfinite), as keys of one number each. `star` is the caller's,
   // to be reused from call to call.
@@ -69,10 +71,10 @@ class TetrahedronTable {
   static constexpr int kPrefetchSteps = 4;
   void PrefetchAround(VertexIndex v, int step) const {
     if (step == 0) {
-      __builtin_prefetch(&places_[v]);
+      __builtin_prefetch(&records_[v]);
       return;
     }
-    const Tetrahedron& t = tetrahedra_[places_[v].incident >> 2];
+    const Tetrahedron& t = tetrahedra_[records_[v].incident >> 2];
     if (step == 1) {
       __builtin_prefetch(&t);
       return;
@@ -171,7 +173,7 @@ class TetrahedronTable {
   static constexpr float kNoLow = -1, kMarkedLow = -2;
   static constexpr float kNoHigh = __builtin_inff();
 
-  struct Place {
+  struct VertexRecord {
     geometry::Point3 point;
     Code incident = kNone;         // some corner
     std::uint32_t number = kNone;  // number of the vertex on the rim, while the rim is linked
@@ -194,9 +196,9 @@ class TetrahedronTable {
   bool WalkAround(VertexIndex v, Tables& tables, VertexLink* link) const;
 
   LargeVector<Tetrahedron> tetrahedra_;
-  LargeVector<std::uint64_t> tags_;  // by tetrahedron
-  LargeVector<Place> places_;        // by vertex
-  std::vector<SimplexIndex> free_;   // unused tetrahedra; the last ones are reused first
+  LargeVector<std::uint64_t> tags_;    // by tetrahedron
+  LargeVector<VertexRecord> records_;  // by vertex
+  std::vector<SimplexIndex> free_;     // unused tetrahedra; the last ones are reused first
   Code infinite_incident_ = kNone;
   std::size_t vertex_count_ = 0;
   std::size_t infinite_count_ = 0;  // infinite tetrahedra

@@ -92,20 +92,20 @@ absl::Status DiffBuilder<D>::NameStatus(const Refinement& refinement,
   const auto clash =
       names_.Clash([&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
   if (!clash) return absl::OkStatus();
-  std::string places;
+  std::string names;
   std::vector<FeatureId> owners;
   for (const VertexIndex v : *clash) {
-    places += places.empty() ? "the vertices at (" : " and (";
+    names += names.empty() ? "the vertices at (" : " and (";
     const Point& p = refinement.vertex(v).p;
-    for (int k = 0; k < D; ++k) places += (k == 0 ? "" : ", ") + Shortest(p[k]);
-    places += ")";
+    for (int k = 0; k < D; ++k) names += (k == 0 ? "" : ", ") + Shortest(p[k]);
+    names += ")";
     const FeatureId owner = features.IdOf(refinement.vertex(v).feature);
     if (owner == kNoFeature || owner == kBoxFeature) continue;
-    places += " on feature " + std::to_string(owner);
+    names += " on feature " + std::to_string(owner);
     if (std::ranges::find(owners, owner) == owners.end()) owners.push_back(owner);
   }
   return MakeError(absl::StatusCode::kFailedPrecondition,
-                   places +
+                   names +
                        " would have the same id, a hash of coordinates; move one of the "
                        "features a little",
                    {reason::kIdCollision, owners, {}});
@@ -166,25 +166,25 @@ void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
   triangulation_.Reserve(refinement.vertex_count());
   std::stable_sort(missing.begin(), missing.end(),
                    [&](VertexIndex a, VertexIndex b) { return bucket(a) > bucket(b); });
-  std::vector<Point> places;
+  std::vector<Point> points;
   std::vector<VertexIndex> ordered;
   for (std::size_t from = 0, to = 0; from < missing.size(); from = to) {
-    places.clear();
+    points.clear();
     for (; to < missing.size() && bucket(missing[to]) == bucket(missing[from]); ++to) {
-      places.push_back(refinement.vertex(missing[to]).p);
+      points.push_back(refinement.vertex(missing[to]).p);
     }
     // In chunks of neighbouring points.
     ordered.clear();
-    for (const std::uint32_t i : delaunay::InsertOrder(places, steps)) {
+    for (const std::uint32_t i : delaunay::InsertOrder(points, steps)) {
       ordered.push_back(missing[from + i]);
     }
     for (std::size_t at = 0; at < ordered.size(); at += Steps::kBetween) {
       if (steps.Stop(Steps::kBetween)) return;
       const auto piece =
           std::span(ordered).subspan(at, std::min(Steps::kBetween, ordered.size() - at));
-      places.clear();
-      for (const VertexIndex v : piece) places.push_back(refinement.vertex(v).p);
-      triangulation_.InsertAll(piece, places);
+      points.clear();
+      for (const VertexIndex v : piece) points.push_back(refinement.vertex(v).p);
+      triangulation_.InsertAll(piece, points);
     }
   }
 }

@@ -233,7 +233,8 @@ class FeatureTable {
     if constexpr (D == 3) {
       const auto toggle = [&](const plc::FacetFeature& f) {
         const auto owners = surfaces_.SurfacesOf(f.id);
-        if (!owners.empty()) toggled_walls_.push_back({f.places, {owners.begin(), owners.end()}});
+        if (!owners.empty())
+          toggled_walls_.push_back({f.positions, {owners.begin(), owners.end()}});
       };
       for (const plc::FacetFeature& f : delta.removed_facets) toggle(f);
       const auto& changes =
@@ -257,7 +258,7 @@ class FeatureTable {
     const Sizing& s = f.sizing;
     if constexpr (D == 2) {
       if (s.shape == SizeShape::kPolygon) {
-        const auto area = std::make_shared<const meshing::PolygonArea>(f.places);
+        const auto area = std::make_shared<const meshing::PolygonArea>(f.positions);
         return {area->lo(), area->hi(), 0, s.target, area};
       }
     }

@@ -47,10 +47,10 @@ absl::Status LimitsStatus(const Refinement& refinement, const Limits& limits) {
   if (refinement.vertex_count() > limits.max_vertices) return VertexLimitError(limits);
   if (refinement.is_full()) return SizeLimitError();
   if (const auto at = refinement.OverflowAt()) {
-    std::string place;
-    for (const double c : at->c) place += (place.empty() ? "(" : ", ") + std::to_string(c);
+    std::string position;
+    for (const double c : at->c) position += (position.empty() ? "(" : ", ") + std::to_string(c);
     return MakeError(absl::StatusCode::kResourceExhausted,
-                     "near " + place +
+                     "near " + position +
                          ") a vertex would have more neighbours, or be in the way of more "
                          "segments, than an operation can keep; put points between them",
                      {reason::kSizeLimit, {}, {}});

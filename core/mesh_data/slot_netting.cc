@@ -29,13 +29,14 @@ absl::Status SlotMesh::State::NetVertices(const MeshDiff& diff, Netting& netting
     }
     if (!netting.added_vertices.insert(id).second) return Lost(VertexName(id), "comes twice");
     // The same id with other coordinates (hash collision) is another vertex.
-    const double* place = &added.coordinates[i * d()];
+    const double* position = &added.coordinates[i * d()];
     const auto removed = netting.removed_vertices.find(id);
     const bool stays = removed != netting.removed_vertices.end() &&
-                       std::equal(place, place + d(), &points[At(removed->second) * d()]);
+                       std::equal(position, position + d(), &points[At(removed->second) * d()]);
     netting.kept_vertices.push_back(stays ? removed->second : kNoSlot);
     if (!stays && removed != netting.removed_vertices.end()) netting.replaced.insert(id);
-    netting.hash += HashVertex(place, dimension, added.containing_dimensions[i], added.owners[i]);
+    netting.hash +=
+        HashVertex(position, dimension, added.containing_dimensions[i], added.owners[i]);
   }
   return absl::OkStatus();
 }

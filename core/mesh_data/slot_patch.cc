@@ -81,12 +81,12 @@ void SlotMesh::State::RemoveVertices(const MeshDiff& diff, const Netting& nettin
   }
 }
 
-void SlotMesh::State::PlaceVertex(Slot slot, VertexId id, const double* place, int containing,
+void SlotMesh::State::PlaceVertex(Slot slot, VertexId id, const double* position, int containing,
                                   FeatureId owner) {
   const std::size_t end = At(vertex_pool.end);
   points.resize(end * d(), 0), ids.resize(end, 0);
   containing_dimensions.resize(end, 0), owners.resize(end, kNoFeature);
-  std::copy_n(place, d(), &points[At(slot) * d()]);
+  std::copy_n(position, d(), &points[At(slot) * d()]);
   ids[At(slot)] = id;
   containing_dimensions[At(slot)] = static_cast<std::uint8_t>(containing);
   owners[At(slot)] = owner;
@@ -96,11 +96,11 @@ void SlotMesh::State::PlaceVertex(Slot slot, VertexId id, const double* place, i
 void SlotMesh::State::AddVertices(const MeshDiff& diff, const Netting& netting) {
   const VertexColumns& added = diff.added_vertices;
   for (std::size_t i = 0; i < added.size(); ++i) {
-    const double* place = &added.coordinates[i * d()];
+    const double* position = &added.coordinates[i * d()];
     Slot slot = netting.kept_vertices[i];
     const auto gone = going.gone_vertices.find(added.ids[i]);
     if (slot == kNoSlot && gone != going.gone_vertices.end() &&
-        std::equal(place, place + d(), &points[At(gone->second) * d()])) {
+        std::equal(position, position + d(), &points[At(gone->second) * d()])) {
       slot = gone->second;
       going.gone_vertices.erase(gone);
     } else if (slot == kNoSlot) {
@@ -108,7 +108,7 @@ void SlotMesh::State::AddVertices(const MeshDiff& diff, const Netting& netting) 
       going.come_vertices.insert(slot);
     }
     vertices.insert_or_assign(added.ids[i], slot);
-    PlaceVertex(slot, added.ids[i], place, added.containing_dimensions[i], added.owners[i]);
+    PlaceVertex(slot, added.ids[i], position, added.containing_dimensions[i], added.owners[i]);
   }
 }
 

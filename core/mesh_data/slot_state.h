@@ -151,7 +151,7 @@ struct SlotMesh::State {
   void AddVertices(const MeshDiff& diff, const Netting& netting);
   void AddSimplices(const MeshDiff& diff, const Netting& netting, mesh_data::FaceLinks& faces);
   void RelabelSimplex(Slot slot, RegionId region);
-  void PlaceVertex(Slot slot, VertexId id, const double* place, int containing, FeatureId owner);
+  void PlaceVertex(Slot slot, VertexId id, const double* position, int containing, FeatureId owner);
   // False if the simplex exists already: then the caller must free the slot.
   bool PlaceSimplex(Slot slot, const SlotKey& corners, RegionId region);
   void CommitSets(const MeshDiff& diff);

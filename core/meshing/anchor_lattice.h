@@ -54,17 +54,17 @@ class AnchorLattice {
   }
 
   // A point, identified by the widest level that contains it.
-  struct Place {
+  struct Node {
     int level;
     Index index;
 
-    friend bool operator==(const Place&, const Place&) = default;
+    friend bool operator==(const Node&, const Node&) = default;
     template <class H>
-    friend H AbslHashValue(H h, const Place& place) {
-      return H::combine(std::move(h), place.level, place.index);
+    friend H AbslHashValue(H h, const Node& node) {
+      return H::combine(std::move(h), node.level, node.index);
     }
   };
-  static Place PlaceOf(int level, Index index) {
+  static Node NodeOf(int level, Index index) {
     while (level < kWidest && IsOfWider(index)) {
       for (std::int64_t& i : index) i /= 2;
       level += kOctave;

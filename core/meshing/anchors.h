@@ -69,11 +69,11 @@ class Anchors {
   bool IsAnchor(int level, const Point& x) const;
   // May `level` be the finest somewhere in the ball? Conservative: may return true needlessly.
   bool MayHaveLevel(int level, const Point& centre, double radius) const;
-  void DecideAnchor(const typename Lattice::Place& place, const Point& x);
+  void DecideAnchor(const typename Lattice::Node& node, const Point& x);
 
   Complex<D, E>& complex_;
   InputEditor<D, E>& input_;
-  absl::flat_hash_map<typename Lattice::Place, VertexIndex> anchors_;
+  absl::flat_hash_map<typename Lattice::Node, VertexIndex> anchors_;
   bool had_sizes_ = false;  // at the last Update
 };
 
@@ -163,7 +163,7 @@ bool Anchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
     }
     return lattice.ForEachIn(within, is_near,
                              [&](const typename Lattice::Index& index, const Point& x) {
-                               DecideAnchor(Lattice::PlaceOf(level, index), x);
+                               DecideAnchor(Lattice::NodeOf(level, index), x);
                                return !sometimes();
                              });
   };
@@ -238,12 +238,12 @@ bool Anchors<D, E>::MayHaveLevel(int level, const Point& centre, double radius) 
 }
 
 template <int D, template <class> class E>
-void Anchors<D, E>::DecideAnchor(const typename Lattice::Place& place, const Point& x) {
-  const bool is = IsAnchor(place.level, x);
-  const auto at = anchors_.find(place);
+void Anchors<D, E>::DecideAnchor(const typename Lattice::Node& node, const Point& x) {
+  const bool is = IsAnchor(node.level, x);
+  const auto at = anchors_.find(node);
   if (is == (at != anchors_.end())) return;
   if (is) {
-    anchors_[place] = input_.AddAnchor(x, kNil);
+    anchors_[node] = input_.AddAnchor(x, kNil);
   } else if constexpr (kTraced) {
     input_.RemovePoint(at->second);
     anchors_.erase(at);

@@ -32,11 +32,11 @@ void CellCut::Begin(const SpaceStar& star) {
 
 // Keeps the part with a x + b y <= c.
 void CellCut::Clip(double a, double b, double c) {
-  const auto over = [&](const Place& p) { return a * p[0] + b * p[1] - c; };
+  const auto over = [&](const Position& p) { return a * p[0] + b * p[1] - c; };
   const std::size_t n = polygon_.size();
   clipped_.clear();
   for (std::size_t i = 0; i < n; ++i) {
-    const Place &p = polygon_[i], &q = polygon_[i + 1 == n ? 0 : i + 1];
+    const Position &p = polygon_[i], &q = polygon_[i + 1 == n ? 0 : i + 1];
     const double at_p = over(p), at_q = over(q);
     if (at_p <= 0) clipped_.push_back(p);
     if ((at_p < 0 && at_q > 0) || (at_p > 0 && at_q < 0)) {
@@ -47,29 +47,29 @@ void CellCut::Clip(double a, double b, double c) {
   std::swap(polygon_, clipped_);
 }
 
-CellCut::Place CellCut::NearestToOrigin() const {
+CellCut::Position CellCut::NearestToOrigin() const {
   const std::size_t n = polygon_.size();
   bool inside = true;
   double best2 = INFINITY;
-  Place best = {0, 0};
+  Position best = {0, 0};
   for (std::size_t i = 0; i < n; ++i) {
-    const Place &p = polygon_[i], &q = polygon_[i + 1 == n ? 0 : i + 1];
-    const Place e = {q[0] - p[0], q[1] - p[1]};
+    const Position &p = polygon_[i], &q = polygon_[i + 1 == n ? 0 : i + 1];
+    const Position e = {q[0] - p[0], q[1] - p[1]};
     inside = inside && e[0] * -p[1] - e[1] * -p[0] >= 0;
     const double e2 = e[0] * e[0] + e[1] * e[1];
     const double t = e2 > 0 ? std::clamp(-(p[0] * e[0] + p[1] * e[1]) / e2, 0.0, 1.0) : 0;
-    const Place y = {p[0] + t * e[0], p[1] + t * e[1]};
+    const Position y = {p[0] + t * e[0], p[1] + t * e[1]};
     const double y2 = y[0] * y[0] + y[1] * y[1];
     if (y2 < best2) best2 = y2, best = y;
   }
-  return inside ? Place{0, 0} : best;
+  return inside ? Position{0, 0} : best;
 }
 
 double CellCut::Area2() const {
   double sum = 0;
-  const Place& o = polygon_[0];
+  const Position& o = polygon_[0];
   for (std::size_t i = 1; i + 1 < polygon_.size(); ++i) {
-    const Place &p = polygon_[i], &q = polygon_[i + 1];
+    const Position &p = polygon_[i], &q = polygon_[i + 1];
     sum += (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]);
   }
   return sum;
@@ -86,7 +86,7 @@ std::optional<CellCut::Cut> CellCut::Of(const Facet& facet) {
     Clip(Dot(x, u->d), Dot(y, u->d), 0.5 * u->d2 + height * Dot(normal, u->d) + kSlack * u->d2);
     if (polygon_.size() < 3) return std::nullopt;
   }
-  const Place nearest = NearestToOrigin();
+  const Position nearest = NearestToOrigin();
   Cut cut;
   for (int k = 0; k < 3; ++k) {
     cut.nearest[k] = p[k] - height * normal[k] + nearest[0] * x[k] + nearest[1] * y[k];

@@ -43,14 +43,15 @@ class CellCut {
   static bool GoesThrough(const SpaceStar& star, int slot, const Facet& facet);
 
  private:
-  using Place = std::array<double, 2>;  // coordinates in the facet's plane, from the vertex's foot
+  using Position =
+      std::array<double, 2>;  // coordinates in the facet's plane, from the vertex's foot
   void Clip(double a, double b, double c);
-  Place NearestToOrigin() const;
+  Position NearestToOrigin() const;
   double Area2() const;
 
   const SpaceStar* star_ = nullptr;
   std::vector<const SpaceStar::Neighbour*> neighbours_;  // in an order that depends on them alone
-  std::vector<Place> polygon_, clipped_;
+  std::vector<Position> polygon_, clipped_;
 };
 
 }  // namespace dynmesh::meshing

@@ -10,13 +10,13 @@
 #include <span>
 
 #include "core/meshing/candidate.h"
-#include "core/meshing/order.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/edge_criterion.h"
 #include "core/meshing/encroachment.h"
 #include "core/meshing/facet_work.h"
 #include "core/meshing/idle_star.h"
 #include "core/meshing/link.h"
+#include "core/meshing/order.h"
 #include "core/meshing/splits.h"
 #include "core/meshing/star_finder.h"
 #include "core/meshing/thesis_criterion.h"

@@ -15,8 +15,8 @@ namespace dynmesh::meshing {
 // The cones are those of the outward normals at the corners of v's Voronoi cell. So the corner
 // found is extreme in direction x, and is the first one that a new point there cuts off (as in
 // 2D: PlanarStar::SectorOf).
-template <class Places>
-int CornerTowards(std::span<const std::array<double, 3>> directions, int count, Places corner,
+template <class Indices>
+int CornerTowards(std::span<const std::array<double, 3>> directions, int count, Indices corner,
                   const std::array<double, 3>& x) {
   // Projects along x onto a plane between two axes. There the cone's shadow is a triangle around 0.
   int axis = 0;

@@ -103,7 +103,8 @@ void CureWork<D, E>::Run(Context& context) {
   if constexpr (D == 3) {
     const Sliver& sliver = complex_.slivers[context.item];
     Reads reads(context, sliver.centre);
-    reads.region.AddDistantBall(sliver.centre, sliver.radius * (1 + 1e-9) + 4 * complex_.rules.ulp());
+    reads.region.AddDistantBall(sliver.centre,
+                                sliver.radius * (1 + 1e-9) + 4 * complex_.rules.ulp());
     const std::uint64_t round = RoundOfEpoch(context.epoch);
     if (const VertexIndex other = UnmakerOf(context, sliver); other != kNil) {
       reads.Read(kUnmade, other, other, other);
@@ -153,7 +154,7 @@ VertexIndex CureWork<D, E>::UnmakerOf(Context& context, const Sliver& sliver) co
 
 template <int D, template <class> class E>
 bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& x,
-                             FeatureSlot facet, Reads* reads) {
+                           FeatureSlot facet, Reads* reads) {
   if constexpr (D == 3) {
     for (int k = 0; k < 3; ++k) {
       if (!(complex_.rules.lo()[k] < x[k] && x[k] < complex_.rules.hi()[k])) return false;
@@ -218,10 +219,10 @@ void CureWork<D, E>::MakeStarOf(Context& context, const Sliver& sliver, const Po
       balls_.push_back({CentreOf(star_, i), radius * radius});
       box.AddBall(balls_.back().centre, radius);
     }
-    complex_.cured.VisitBalls(balls_, box, std::numeric_limits<int>::max(),
-                      [&](std::uint32_t v, const Point& p) {
-                        star_.InsertIf(v, p, [&] { return context.Sees(complex_.vertex(v).birth); });
-                      });
+    complex_.cured.VisitBalls(
+        balls_, box, std::numeric_limits<int>::max(), [&](std::uint32_t v, const Point& p) {
+          star_.InsertIf(v, p, [&] { return context.Sees(complex_.vertex(v).birth); });
+        });
   }
 }
 
@@ -242,7 +243,8 @@ bool CureWork<D, E>::IsGoodCorner(int i, const Sliver& sliver) const {
     for (std::size_t k = 0; k < 3; ++k) {
       shortest2 = std::min(shortest2, geometry::SquaredDistance(p[k], p[(k + 1) % 3]));
     }
-    return !complex_.rules.IsTooFar(corner.r2, shortest2) && !complex_.IsTooLarge(CentreOf(star_, i), corner.r2) &&
+    return !complex_.rules.IsTooFar(corner.r2, shortest2) &&
+           !complex_.IsTooLarge(CentreOf(star_, i), corner.r2) &&
            !complex_.slivers.bound().IsBelow(p);
   }
   return false;

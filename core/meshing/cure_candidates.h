@@ -34,7 +34,7 @@ inline constexpr std::array<double, 10> kCircleParts = {0,   0.2, 0.4, 0.6, 0.8,
 inline constexpr std::uint32_t kFirstInShell = 1 + 2 * kCureHeights.size();
 inline constexpr std::uint32_t kFirstInBall =
     kFirstInShell + kCureShells.size() * kGridDirections.size();
-inline constexpr std::uint32_t kOnFacet = kFirstInBall + kBallPlaces.size();
+inline constexpr std::uint32_t kOnFacet = kFirstInBall + kBallPositions.size();
 
 // The candidate of that ordinal, for ordinals below kOnFacet.
 inline geometry::Point3 CandidateAt(const Sliver& sliver, std::uint32_t ordinal) {
@@ -50,7 +50,7 @@ inline geometry::Point3 CandidateAt(const Sliver& sliver, std::uint32_t ordinal)
     direction = &kGridDirections[i % kGridDirections.size()];
     part = kCureShells[i / kGridDirections.size()];
   } else {
-    direction = &kBallPlaces[ordinal - kFirstInBall];
+    direction = &kBallPositions[ordinal - kFirstInBall];
   }
   const double out = part * sliver.radius;
   for (std::size_t k = 0; k < 3; ++k) x.c[k] += out * (*direction)[k];

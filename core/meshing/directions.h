@@ -46,7 +46,7 @@ inline constexpr std::array<geometry::Vector3, 26> kGridDirections = [] {
 }();
 
 // Points spread evenly over the open unit ball: a Halton sequence of bases 2, 3 and 5.
-inline constexpr std::array<geometry::Vector3, 1000> kBallPlaces = [] {
+inline constexpr std::array<geometry::Vector3, 1000> kBallPositions = [] {
   const auto part = [](int i, int base) {
     double sum = 0, unit = 1;
     for (; i > 0; i /= base) {

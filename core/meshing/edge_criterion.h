@@ -74,7 +74,9 @@ bool EdgeCriterion<D, E>::Find(int bucket, Candidate<D>* best) const {
     const auto& u = star_[i];
     if (!IsInView<D>(u) || BucketOf(u.d2) > bucket) continue;
     if (found && u.d2 > best->e2) continue;
-    if (!gaps.MayHave(u.d2) || !complex_.IsOlder(u.id, star_.vertex()) || !gaps.OfNeighbour(i, &gap)) continue;
+    if (!gaps.MayHave(u.d2) || !complex_.IsOlder(u.id, star_.vertex()) ||
+        !gaps.OfNeighbour(i, &gap))
+      continue;
     if (found && gap.e2 == best->e2 && best->neighbour < gap.neighbour) continue;
     *best = gap;
     found = true;
@@ -97,7 +99,8 @@ int EdgeCriterion<D, E>::NextBucket(int bucket) const {
     if (!IsInView<D>(u)) continue;
     const int own = BucketOf(u.d2);
     if (own <= bucket || own > last_known || own >= next) continue;
-    if (gaps.MayHave(u.d2) && complex_.IsOlder(u.id, star_.vertex()) && gaps.OfNeighbour(i, &gap)) next = own;
+    if (gaps.MayHave(u.d2) && complex_.IsOlder(u.id, star_.vertex()) && gaps.OfNeighbour(i, &gap))
+      next = own;
   }
   return next;
 }
@@ -114,7 +117,8 @@ bool EdgeCriterion<D, E>::IsOpen() const {
   }
   return std::ranges::any_of(ends, [this](const Extent<D>& end) {
     for (int k = 0; k < D; ++k) {
-      if (!(end.lo[k] <= complex_.rules.hi()[k] && complex_.rules.lo()[k] <= end.hi[k])) return false;
+      if (!(end.lo[k] <= complex_.rules.hi()[k] && complex_.rules.lo()[k] <= end.hi[k]))
+        return false;
     }
     return true;
   });

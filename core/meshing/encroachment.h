@@ -71,16 +71,17 @@ std::optional<std::span<const VertexIndex>> EncroachmentSearch<D, E>::WitnessesO
   }
   const double radius = complex_.RadiusOf(sub);
   double r2 = radius * radius;
-  complex_.tree.VisitBall(geometry::Midpoint(a, b), r2, [&](std::uint32_t id, const Point& q, double) {
-    if (id == sub.a || id == sub.b || !context.Sees(complex_.vertex(id).birth)) return;
-    const int sign = DiametralBallSign(a, b, q);
-    if (sign < 0) {
-      witnesses_.assign(1, id);
-      r2 = -1;  // one is enough
-    } else if (sign == 0) {
-      on_surface_.push_back(id);
-    }
-  });
+  complex_.tree.VisitBall(
+      geometry::Midpoint(a, b), r2, [&](std::uint32_t id, const Point& q, double) {
+        if (id == sub.a || id == sub.b || !context.Sees(complex_.vertex(id).birth)) return;
+        const int sign = DiametralBallSign(a, b, q);
+        if (sign < 0) {
+          witnesses_.assign(1, id);
+          r2 = -1;  // one is enough
+        } else if (sign == 0) {
+          on_surface_.push_back(id);
+        }
+      });
   if (witnesses_.empty() && !FindHiding(sub)) return std::nullopt;
   return witnesses_;
 }
@@ -122,7 +123,8 @@ bool EncroachmentSearch<D, E>::IsEncroachedInTriangulation(const Subsegment& sub
     auto corner = first;
     bool is_edge = false;
     auto in_ball = [&](VertexIndex c) {
-      return c != TriangulationOf<D>::kInfinite && geometry::InDiametralBall(a, b, complex_.vertex(c).p);
+      return c != TriangulationOf<D>::kInfinite &&
+             geometry::InDiametralBall(a, b, complex_.vertex(c).p);
     };
     do {
       const auto& tri = complex_.triangulation->vertices(corner.simplex);
@@ -146,7 +148,8 @@ EncroachmentSearch<D, E>::EncroachedBy(const Context& context, const Point& x) {
     const double margin = 0.501 * complex_.rules.grid_spacing();
     bool inside = true;
     for (int k = 0; k < D; ++k) {
-      inside = inside && complex_.rules.lo()[k] + margin < x[k] && x[k] < complex_.rules.hi()[k] - margin;
+      inside = inside && complex_.rules.lo()[k] + margin < x[k] &&
+               x[k] < complex_.rules.hi()[k] - margin;
     }
     if (inside) return encroached_;
   }

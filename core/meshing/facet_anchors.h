@@ -212,7 +212,7 @@ bool FacetAnchors<D, E>::MayHaveAnchors(const Facet& facet) const {
     constexpr std::size_t kManyCorners = 32;
     if (facet.corners().size() > kManyCorners) return true;
     const double reach = facet.reach() * (1 + 1e-6);
-    const FacetPlace& where = facet.where();
+    const FacetExtent& where = facet.where();
     Point middle;
     double radius2 = 0;
     for (std::size_t k = 0; k < 3; ++k) {

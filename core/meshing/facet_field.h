@@ -31,7 +31,7 @@ namespace dynmesh::meshing {
 using FacetIndex = std::uint32_t;
 
 // The approximate extent of a facet.
-struct FacetPlace {
+struct FacetExtent {
   // May the ball meet the facet? Conservative: may return true needlessly, never false wrongly.
   bool MayMeet(const geometry::Point3& centre, double radius) const {
     for (int k = 0; k < 3; ++k) {
@@ -65,7 +65,7 @@ class Facet {
   Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot feature, Position position);
 
   FeatureSlot feature() const { return feature_; }
-  const FacetPlace& where() const { return where_; }
+  const FacetExtent& where() const { return where_; }
   const geometry::FacetPlane& plane() const { return where_.plane; }
   const std::vector<geometry::Ring3>& rings() const { return rings_; }
   const std::vector<VertexIndex>& corners() const { return corners_; }
@@ -89,7 +89,7 @@ class Facet {
  private:
   FeatureSlot feature_ = kNil;
   std::vector<geometry::Ring3> rings_;
-  FacetPlace where_;
+  FacetExtent where_;
   geometry::FacetInterior interior_;
   double reach_ = 0;
   std::vector<VertexIndex> corners_;
@@ -101,9 +101,9 @@ Facet::Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot featur
              Position position)
     : feature_(feature) {
   for (const std::vector<VertexIndex>& ring : rings) {
-    auto& places = rings_.emplace_back();
+    auto& positions = rings_.emplace_back();
     for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) {
-      places.push_back(position(ring[i]));
+      positions.push_back(position(ring[i]));
       corners_.push_back(ring[i]);
       edges_.push_back(std::minmax(ring[i], ring[j]));
     }
@@ -147,9 +147,9 @@ class FacetField {
  public:
   using Point = geometry::Point3;
 
-  FacetField(const Point& lo, const Point& hi) : places_(lo, hi), reaches_(lo, hi) {}
+  FacetField(const Point& lo, const Point& hi) : extents_(lo, hi), reaches_(lo, hi) {}
 
-  bool empty() const { return places_.empty(); }
+  bool empty() const { return extents_.empty(); }
   std::size_t size() const { return of_feature_.size(); }
   const Facet& operator[](FacetIndex i) const { return facets_[i]; }
 
@@ -175,16 +175,16 @@ class FacetField {
   // box is hidden.
   template <class IsHidden, class F>
   void ForEachNear(const Point& centre, double radius, IsHidden is_hidden, F f) const {
-    places_.Any(centre, radius, INFINITY, is_hidden, [&](std::uint32_t i) {
-      const Region& place = places_[i];
-      if (!place.where.MayMeet(centre, radius)) return false;
+    extents_.Any(centre, radius, INFINITY, is_hidden, [&](std::uint32_t i) {
+      const Region& extent = extents_[i];
+      if (!extent.where.MayMeet(centre, radius)) return false;
       Point middle;
       geometry::Vector3 half;
       for (int k = 0; k < 3; ++k) {
-        middle[k] = 0.5 * (place.lo[k] + place.hi[k]);
-        half[k] = 0.5 * (place.hi[k] - place.lo[k]);
+        middle[k] = 0.5 * (extent.lo[k] + extent.hi[k]);
+        half[k] = 0.5 * (extent.hi[k] - extent.lo[k]);
       }
-      if (!is_hidden(middle, half)) f(facets_[place.facet]);
+      if (!is_hidden(middle, half)) f(facets_[extent.facet]);
       return false;
     });
   }
@@ -219,7 +219,7 @@ class FacetField {
   }
 
   std::size_t bytes() const {
-    return places_.bytes() + reaches_.bytes() + facets_.capacity() * sizeof(Facet) +
+    return extents_.bytes() + reaches_.bytes() + facets_.capacity() * sizeof(Facet) +
            regions_of_.capacity() * sizeof(RegionsOf) + at_corner_.capacity() * 32 +
            of_feature_.capacity() * 9;
   }
@@ -230,18 +230,18 @@ class FacetField {
     FacetIndex facet = 0;
     Point lo = {}, hi = {};
     double radius = 0;  // margin around the box
-    FacetPlace where = {};
+    FacetExtent where = {};
     static double LeastCell() { return 0; }
     static double Key() { return 0; }
   };
   struct RegionsOf {
-    std::uint32_t place, reach;
+    std::uint32_t extent, reach;
   };
 
   std::vector<Facet> facets_;
   std::vector<FacetIndex> free_;
   std::vector<RegionsOf> regions_of_;  // by facet
-  RegionTree<3, Region> places_;
+  RegionTree<3, Region> extents_;
   RegionTree<3, Region> reaches_;  // enlarged by reach(): the surroundings that may affect the
                                    // facet's anchors
   absl::flat_hash_map<VertexIndex, absl::InlinedVector<FacetIndex, 4>> at_corner_;
@@ -259,9 +259,9 @@ inline FacetIndex FacetField::Add(Facet facet) {
   const Facet& added = facets_[index] = std::move(facet);
   for (const VertexIndex v : added.corners()) at_corner_[v].push_back(index);
   of_feature_[added.feature()] = index;
-  const FacetPlace& where = added.where();
+  const FacetExtent& where = added.where();
   Region region{index, {where.box.lo}, {where.box.hi}, 0, where};
-  regions_of_[index].place = places_.Add(region);
+  regions_of_[index].extent = extents_.Add(region);
   region.radius = added.reach();
   regions_of_[index].reach = reaches_.Add(region);
   return index;
@@ -275,7 +275,7 @@ inline void FacetField::Remove(FacetIndex index) {
     if (it->second.empty()) at_corner_.erase(it);
   }
   of_feature_.erase(facet.feature());
-  places_.Remove(regions_of_[index].place);
+  extents_.Remove(regions_of_[index].extent);
   reaches_.Remove(regions_of_[index].reach);
   facets_[index] = {};
   free_.push_back(index);

@@ -35,8 +35,8 @@ class FacetWork {
   // min(d2, squared distance from v to the nearest facet that it is not on). Counts a facet only if
   // v's foot is inside: else an edge of it, which is a feature of its own, is nearest.
   double Distance2(VertexIndex v, double d2) const;
-  // Finds the nearest point of a facet in the cell of the star's vertex, which is not on that facet.
-  // A point that is not certainly in view waits until views are wider.
+  // Finds the nearest point of a facet in the cell of the star's vertex, which is not on that
+  // facet. A point that is not certainly in view waits until views are wider.
   bool FindPoint(const Star<D>& star, const SkippedGaps<D>& skipped, Candidate<D>* best);
   // Moves a gap's point to the facet next to it, if there is one. No vertex is nearer to the point
   // than its vertices are, at distance r. So no vertex is nearer to the new position than (1 -
@@ -61,7 +61,8 @@ double FacetWork<D, E>::Distance2(VertexIndex v, double d2) const {
     const Point& p = complex_.vertex(v).p;
     complex_.facets.ForEachNear(p, std::sqrt(d2), [&](const Facet& facet) {
       const double h = facet.plane().Height(p);
-      if (h * h < d2 && !complex_.IsOnFacet(v, facet) && facet.IsInside(facet.plane().Foot(p))) d2 = h * h;
+      if (h * h < d2 && !complex_.IsOnFacet(v, facet) && facet.IsInside(facet.plane().Foot(p)))
+        d2 = h * h;
     });
   }
   return d2;
@@ -69,7 +70,7 @@ double FacetWork<D, E>::Distance2(VertexIndex v, double d2) const {
 
 template <int D, template <class> class E>
 bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipped,
-                               Candidate<D>* best) {
+                                Candidate<D>* best) {
   if constexpr (D == 3) {
     double far2 = 0;
     for (const auto& corner : star.corners()) {
@@ -99,7 +100,8 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
           (cut->distance2 > best->e2 || (cut->distance2 == best->e2 && best->x < cut->nearest))) {
         return;
       }
-      if (skipped.Has(cut->nearest, false) || (cut->touches && !IsJoinedThrough(star, facet))) return;
+      if (skipped.Has(cut->nearest, false) || (cut->touches && !IsJoinedThrough(star, facet)))
+        return;
       found = true;
       best->x = best->neighbour = cut->nearest;
       best->e2 = cut->distance2;
@@ -151,11 +153,12 @@ bool FacetWork<D, E>::LeavesWhole(const Star<D>& star, FeatureSlot on) {
     double far2 = 0;
     for (const auto& corner : star.corners()) far2 = std::max(far2, corner.r2);
     cut_.Begin(star);
-    complex_.facets.ForEachNear(star.position(), std::sqrt(far2) * (1 + 1e-6), [&](const Facet& facet) {
-      if (found || facet.feature() == on) return;
-      const auto cut = cut_.Of(facet);
-      found = cut && !(cut->touches && !IsJoinedThrough(star, facet));
-    });
+    complex_.facets.ForEachNear(star.position(), std::sqrt(far2) * (1 + 1e-6),
+                                [&](const Facet& facet) {
+                                  if (found || facet.feature() == on) return;
+                                  const auto cut = cut_.Of(facet);
+                                  found = cut && !(cut->touches && !IsJoinedThrough(star, facet));
+                                });
   }
   return !found;
 }

@@ -112,7 +112,7 @@ bool FormerStar<D, E>::Rejoin(const Context& context, VertexIndex v, double reac
     star.BeginLink(v, p, reach);
     for (const std::uint32_t id : ids)
       star.AddNeighbour(id, PositionInStar(complex_, id, p, reach));
-    for (const std::uint32_t triangle : triangles) star.AddCorner(PlacesIn(triangle));
+    for (const std::uint32_t triangle : triangles) star.AddCorner(IndicesIn(triangle));
     star.JoinCorners();
     star.Close();
     for (int i = 0; i < star.corner_count(); ++i) star.MarkVerified(i);

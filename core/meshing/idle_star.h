@@ -49,7 +49,8 @@ class IdleStars {
 template <int D, template <class> class E>
 bool IdleStars<D, E>::Read(Context& context, VertexIndex v, double reach, const Link& link) const {
   if constexpr (kTraced) {
-    const bool by_edge_alone = complex_.by_edge() && complex_.sizing.empty() && complex_.facets.empty();
+    const bool by_edge_alone =
+        complex_.by_edge() && complex_.sizing.empty() && complex_.facets.empty();
     if (!by_edge_alone || MayHaveGap(v, link)) return false;
     const Point& p = complex_.vertex(v).p;
     StarRegion<D> region(p);
@@ -67,7 +68,8 @@ bool IdleStars<D, E>::Read(Context& context, VertexIndex v, double reach, const 
     if (!context.payload().SetRegion(region, doubt)) return false;
     context.payload().flag = 0;
     if constexpr (D == 2) {
-      for (const auto corner : link.corners) context.Read(complex_.triangulation->NextVertex(corner));
+      for (const auto corner : link.corners)
+        context.Read(complex_.triangulation->NextVertex(corner));
     } else {
       WriteStar(link, [&](std::uint32_t word) { context.Read(word); });
     }
@@ -90,7 +92,7 @@ bool IdleStars<D, E>::Read(Context& context, VertexIndex v, double reach, const 
 //    are floats.
 template <int D, template <class> class E>
 bool IdleStars<D, E>::AddBallsOf(const Link& link, double reach, StarRegion<D>* region,
-                                double* doubt) const {
+                                 double* doubt) const {
   const double margin = MarginOf<D>(complex_.rules, reach, 0);
   const double most_radius = 0.9 * reach;
   if constexpr (D == 2) {
@@ -129,7 +131,8 @@ bool IdleStars<D, E>::MayHaveGap(VertexIndex v, const Link& link) const {
     // exclude a gap are left out: on which side of the edge the centre lies, and the apex beyond
     // the edge.
     const auto most_near2 = [&](VertexIndex u) {
-      return complex_.rules.MostNear2(geometry::SquaredDistance(complex_.triangulation->position(u), p)) *
+      return complex_.rules.MostNear2(
+                 geometry::SquaredDistance(complex_.triangulation->position(u), p)) *
              (1 - 1e-6);
     };
     VertexIndex u = complex_.triangulation->NextVertex(link.corners.front());
@@ -138,7 +141,8 @@ bool IdleStars<D, E>::MayHaveGap(VertexIndex v, const Link& link) const {
     for (const auto corner : link.corners) {
       const VertexIndex left = complex_.triangulation->PreviousVertex(corner);
       const double r2 = complex_.triangulation->squared_circumradius(corner.simplex);
-      if (!(complex_.triangulation->circle_error(corner.simplex) < 1e-8 * r2)) return true;  // or infinite
+      if (!(complex_.triangulation->circle_error(corner.simplex) < 1e-8 * r2))
+        return true;  // or infinite
       const double left_near2 = most_near2(left);
       if (r2 > near2 && complex_.IsOlder(u, v)) return true;
       if (r2 > left_near2 && complex_.IsOlder(left, v)) return true;

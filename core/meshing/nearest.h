@@ -85,8 +85,8 @@ void NearestWork<D, E>::FindAll() {
     for (std::size_t i = 0; i < corners.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         const VertexIndex p = corners[i], q = corners[j];
-        const double d2 =
-            geometry::SquaredDistance(complex_.triangulation->position(p), complex_.triangulation->position(q));
+        const double d2 = geometry::SquaredDistance(complex_.triangulation->position(p),
+                                                    complex_.triangulation->position(q));
         if (d2 < all_[p].d2) all_[p] = {d2, q};
         if (d2 < all_[q].d2) all_[q] = {d2, p};
       }

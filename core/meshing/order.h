@@ -34,7 +34,7 @@ bool Before(const Complex<D, E>& complex, sac::Kind kind_a, sac::Item a, sac::Ki
     };
     return corners(a) < corners(b);
   }
-  const Subsegment<D> &s = complex.subsegment(a), &t = complex.subsegment(b);
+  const Subsegment<D>&s = complex.subsegment(a), &t = complex.subsegment(b);
   if (position(s.a) != position(t.a)) return position(s.a) < position(t.a);
   return position(s.b) < position(t.b);
 }

@@ -98,16 +98,16 @@ class PlanarGaps {
     const Point2& q = left_of_star ? u.p : star_.position();
     const bool no_c = PlanarStar::IsGhost(c.id), no_d = PlanarStar::IsGhost(d.id);
     if (no_c && IsOutside(p, q)) return false;
-    const Gap what =
-        gaps_.Of(star_.vertex(), p, u.id, q, u.d2, c.id, no_c ? nullptr : &c.p, no_d ? nullptr : &d.p);
+    const Gap what = gaps_.Of(star_.vertex(), p, u.id, q, u.d2, c.id, no_c ? nullptr : &c.p,
+                              no_d ? nullptr : &d.p);
     if (what == Gap::kNone) return false;
     gap->e2 = u.d2;
     gap->neighbour = u.p;
     gap->left = p < q;
     gap->corner = left_of_star ? i : star_.Prev(i);
     if (skipped_.Has(gap->neighbour, gap->left)) return false;
-    gap->x =
-        what == Gap::kOffCenter ? complex_.rules.OffCenter(p, q) : geometry::Circumcenter(p, q, c.p);
+    gap->x = what == Gap::kOffCenter ? complex_.rules.OffCenter(p, q)
+                                     : geometry::Circumcenter(p, q, c.p);
     return true;
   }
 

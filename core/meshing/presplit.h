@@ -78,13 +78,14 @@ template <int D, template <class> class E>
 bool PresplitRules<D, E>::IsTooLong(const Subsegment& s) const {
   if (complex_.sizing.empty()) return false;
   const Point &a = complex_.vertex(s.a).p, &b = complex_.vertex(s.b).p;
-  return complex_.sizing.Any(geometry::Midpoint(a, b), 0.5 * std::sqrt(geometry::SquaredDistance(a, b)),
-                     [&](const SizingRegion<D>& region) { return IsTooLong(s, region); });
+  return complex_.sizing.Any(geometry::Midpoint(a, b),
+                             0.5 * std::sqrt(geometry::SquaredDistance(a, b)),
+                             [&](const SizingRegion<D>& region) { return IsTooLong(s, region); });
 }
 
 template <int D, template <class> class E>
 bool PresplitRules<D, E>::IsTooNear(const Subsegment& s, const InputFeature<D>& feature,
-                                 double d2) const {
+                                    double d2) const {
   const Point &a = complex_.vertex(s.a).p, &b = complex_.vertex(s.b).p;
   const double length2 = geometry::SquaredDistance(a, b);
   return 4 * d2 < length2 || 64 * geometry::SquaredDistance(a, b, feature.p, feature.q) < length2;
@@ -92,7 +93,7 @@ bool PresplitRules<D, E>::IsTooNear(const Subsegment& s, const InputFeature<D>& 
 
 template <int D, template <class> class E>
 std::optional<InputFeature<D>> PresplitRules<D, E>::NearestTooNear(const Subsegment& s,
-                                                                double* d2) const {
+                                                                   double* d2) const {
   const Point &a = complex_.vertex(s.a).p, &b = complex_.vertex(s.b).p;
   const Point middle = geometry::Midpoint(a, b);
   const double length = std::sqrt(geometry::SquaredDistance(a, b));

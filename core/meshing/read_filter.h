@@ -206,9 +206,9 @@ std::optional<typename ReadFilter<D, E>::Corner> ReadFilter<D, E>::CornerTowards
     const auto triangles = words.subspan(ids.size());
     const int i = meshing::CornerTowards(
         std::span(directions).first(ids.size()), static_cast<int>(triangles.size()),
-        [&](int k) { return PlacesIn(triangles[k]); }, direction);
+        [&](int k) { return IndicesIn(triangles[k]); }, direction);
     if (i < 0) return std::nullopt;
-    const auto [a, b, c] = PlacesIn(triangles[i]);
+    const auto [a, b, c] = IndicesIn(triangles[i]);
     return Corner{ids[a], ids[b], ids[c]};
   }
   return std::nullopt;
@@ -239,13 +239,13 @@ std::optional<typename SpatialTree<D>::Ball> ReadFilter<D, E>::BallOfCorner(
   if constexpr (kTraced) {
     const Point& p = complex_.vertex(engine_.item(op)).p;
     const double reach = complex_.rules.Reach(BucketOfEpoch(engine_.epoch(op)));
-    std::array<Point, D> places;
+    std::array<Point, D> positions;
     double shortest = INFINITY;
     for (int k = 0; k < D; ++k) {
-      places[k] = PositionInStar(complex_, ids[k], p, reach);
-      shortest = std::min(shortest, geometry::SquaredDistance(places[k], p));
+      positions[k] = PositionInStar(complex_, ids[k], p, reach);
+      shortest = std::min(shortest, geometry::SquaredDistance(positions[k], p));
     }
-    const Point x = geometry::Circumcenter(places, p);
+    const Point x = geometry::Circumcenter(positions, p);
     const double r2 = geometry::SquaredDistance(x, p);
     if (r2 < 1e6 * shortest) return typename SpatialTree<D>::Ball{x, r2};
   }
@@ -414,7 +414,7 @@ bool ReadFilter<D, E>::BoxMatters(sac::OpId op, const Extent<3>& box) const {
 template <int D, template <class> class E>
 bool ReadFilter<D, E>::FacetMatters(sac::OpId op, const Facet& changed) const {
   if constexpr (kTraced && D == 3) {
-    const FacetPlace& facet = changed.where();
+    const FacetExtent& facet = changed.where();
     if (engine_.kind(op) == kPresplit) {
       const Subsegment& s = complex_.subsegment(engine_.item(op));
       return !changed.HasCorner(s.whole_a) && !changed.HasCorner(s.whole_b) &&

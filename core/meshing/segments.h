@@ -67,7 +67,8 @@ template <int D, template <class> class E>
 void SegmentWork<D, E>::Split(Context& context) {
   const SubsegmentIndex s = context.item;
   context.payload().flag = true;
-  if (complex_.subsegment(s).death != sac::kNoStamp && context.Sees(complex_.subsegment(s).death)) return;
+  if (complex_.subsegment(s).death != sac::kNoStamp && context.Sees(complex_.subsegment(s).death))
+    return;
   if (CanSplit(complex_, complex_.subsegment(s))) {
     SplitInto(context, s);
   } else {

@@ -60,9 +60,9 @@ bool SliverBase<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
     complex_.changed_base.clear();
     const sac::Epoch first = CureEpoch(0);
     complex_.slivers.TakeChanges([&](SliverIndex i) { engine_.Request(kCure, i, first); },
-                         [&]([[maybe_unused]] SliverIndex i) {
-                           if constexpr (kTraced) engine_.Unrequest(kCure, i, first);
-                         });
+                                 [&]([[maybe_unused]] SliverIndex i) {
+                                   if constexpr (kTraced) engine_.Unrequest(kCure, i, first);
+                                 });
   }
   return true;
 }

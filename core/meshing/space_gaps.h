@@ -63,8 +63,9 @@ class SpaceGaps {
       if (std::ranges::find(corner.n, i) == corner.n.end() || corner.r2 < most) continue;
       if (!complex_.rules.IsWithinCap(corner.r2, star_[i].d2)) continue;
       const auto ids = star_.IdsOf(c);
-      const bool owned =
-          std::ranges::all_of(ids, [&](auto id) { return !SpaceStar::IsGhost(id) && complex_.IsOlder(id, star_.vertex()); });
+      const bool owned = std::ranges::all_of(ids, [&](auto id) {
+        return !SpaceStar::IsGhost(id) && complex_.IsOlder(id, star_.vertex());
+      });
       if (!owned || !complex_.IsTooLarge(CentreOf(star_, c), corner.r2)) continue;
       const geometry::Point3 x = CentreOf(star_, c);
       if (!complex_.InDomain(x) || (best && corner.r2 == most && *best < x)) continue;
@@ -111,7 +112,8 @@ class TetrahedronGaps {
     if (!complex_.sizing.empty() && r < INFINITY) {
       geometry::Point3 centre = p;
       for (int k = 0; k < 3; ++k) centre[k] += ball.w[k];
-      if (complex_.sizing.IsTooLarge(centre, r + 2 * ball.error + complex_.rules.ulp())) return INFINITY;
+      if (complex_.sizing.IsTooLarge(centre, r + 2 * ball.error + complex_.rules.ulp()))
+        return INFINITY;
     }
     return r * r;
   }

@@ -42,8 +42,9 @@ std::pair<geometry::Point<D>, std::array<Piece, 2>> SplitOf(const Complex<D, E>&
 // which of the operation's vertices; `dimension`: the containing dimension; `feature`: what it lies
 // on.
 template <int D, template <class> class E>
-VertexIndex EmitVertex(Complex<D, E>& complex, ContextOf<D, E>& context, const geometry::Point<D>& p,
-                       int ordinal, int dimension, FeatureSlot feature) {
+VertexIndex EmitVertex(Complex<D, E>& complex, ContextOf<D, E>& context,
+                       const geometry::Point<D>& p, int ordinal, int dimension,
+                       FeatureSlot feature) {
   for (const sac::Output o : context.old_outputs()) {
     if (WhatOf(o) != Made::kVertex) continue;
     const Vertex<D>& old = complex.vertex(IndexOf(o));

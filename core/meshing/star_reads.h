@@ -41,21 +41,21 @@ bool ForEachCornerIn(std::span<const std::uint32_t> words, F f);
 // 3D: the words of the corners; none if they were not kept.
 inline std::span<const std::uint32_t> TrianglesIn(std::span<const std::uint32_t> words);
 // The three neighbours of a triangle, as indices into the list.
-inline std::array<int, 3> PlacesIn(std::uint32_t triangle_word);
+inline std::array<int, 3> IndicesIn(std::uint32_t triangle_word);
 
 // --- Implementation ---------------------------------------------------------------------
 
 namespace internal {
 
-inline constexpr int kPlaceBits = 10;
-inline constexpr std::uint32_t kPlaceMask = (1u << kPlaceBits) - 1;
+inline constexpr int kIndexBits = 10;
+inline constexpr std::uint32_t kIndexMask = (1u << kIndexBits) - 1;
 
 inline bool IsTriangleWord(std::uint32_t word) {
   return !IsVertexWord(word) && !SpaceStar::IsGhost(word);
 }
 // a, b, c: indices of the corners in the list.
 inline std::uint32_t TriangleWord(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-  return 1u << 31 | a | b << kPlaceBits | c << (2 * kPlaceBits);
+  return 1u << 31 | a | b << kIndexBits | c << (2 * kIndexBits);
 }
 
 }  // namespace internal
@@ -63,18 +63,18 @@ inline std::uint32_t TriangleWord(std::uint32_t a, std::uint32_t b, std::uint32_
 template <class Read>
 void WriteStar(const SpaceStar& star, Read read) {
   // Most stars have only a handful of neighbours. Of larger ones the triangles are not kept.
-  std::array<std::uint32_t, 1u << internal::kPlaceBits> place_of_slot;
+  std::array<std::uint32_t, 1u << internal::kIndexBits> index_of_slot;
   std::uint32_t count = 0;
   for (int slot = 0; slot < star.slot_count(); ++slot) {
     if (!SpaceStar::IsUsed(star[slot])) continue;
-    if (static_cast<std::size_t>(slot) < place_of_slot.size()) place_of_slot[slot] = count;
+    if (static_cast<std::size_t>(slot) < index_of_slot.size()) index_of_slot[slot] = count;
     ++count;
     read(star[slot].id);
   }
-  if (static_cast<std::size_t>(star.slot_count()) > place_of_slot.size()) return;
+  if (static_cast<std::size_t>(star.slot_count()) > index_of_slot.size()) return;
   for (const SpaceStar::Corner& c : star.corners()) {
-    read(internal::TriangleWord(place_of_slot[c.n[0]], place_of_slot[c.n[1]],
-                                place_of_slot[c.n[2]]));
+    read(internal::TriangleWord(index_of_slot[c.n[0]], index_of_slot[c.n[1]],
+                                index_of_slot[c.n[2]]));
   }
 }
 template <class Read>
@@ -100,13 +100,13 @@ inline std::span<const std::uint32_t> NeighboursIn<3>(std::span<const std::uint3
 inline std::span<const std::uint32_t> TrianglesIn(std::span<const std::uint32_t> words) {
   return words.subspan(NeighboursIn<3>(words).size());
 }
-inline std::array<int, 3> PlacesIn(std::uint32_t triangle_word) {
-  std::array<int, 3> places;
+inline std::array<int, 3> IndicesIn(std::uint32_t triangle_word) {
+  std::array<int, 3> indices;
   for (int k = 0; k < 3; ++k) {
-    places[k] =
-        static_cast<int>(triangle_word >> (k * internal::kPlaceBits) & internal::kPlaceMask);
+    indices[k] =
+        static_cast<int>(triangle_word >> (k * internal::kIndexBits) & internal::kIndexMask);
   }
-  return places;
+  return indices;
 }
 
 template <int D, class F>
@@ -119,7 +119,7 @@ bool ForEachCornerIn(std::span<const std::uint32_t> words, F f) {
   } else {
     const auto triangles = TrianglesIn(words);
     for (const std::uint32_t triangle : triangles) {
-      const auto [a, b, c] = PlacesIn(triangle);
+      const auto [a, b, c] = IndicesIn(triangle);
       if (!f(std::array{words[a], words[b], words[c]})) return false;
     }
     return !triangles.empty();

@@ -10,8 +10,8 @@
 #include <cmath>
 
 #include "core/meshing/candidate.h"
-#include "core/meshing/order.h"
 #include "core/meshing/complex.h"
+#include "core/meshing/order.h"
 #include "core/meshing/star.h"
 
 namespace dynmesh::meshing {
@@ -59,7 +59,8 @@ template <int D, template <class> class E>
 double ThesisCriterion<D, E>::NearestInStar() const {
   double nn2 = INFINITY;
   star_.ForEachNeighbour([&](const auto& u) {
-    if (!Star<D>::IsGhost(u.id) && u.d2 < nn2 && !complex_.IsSeditious(star_.vertex(), u.id)) nn2 = u.d2;
+    if (!Star<D>::IsGhost(u.id) && u.d2 < nn2 && !complex_.IsSeditious(star_.vertex(), u.id))
+      nn2 = u.d2;
   });
   return nn2;
 }
@@ -76,7 +77,8 @@ bool ThesisCriterion<D, E>::Find(int bucket, Candidate<D>* best) const {
   for (int i = 0; i < star_.corner_count(); ++i) {
     const auto& n = star_.corner(i);
     if (n.r2 < farthest || !(n.error < star_.reach())) continue;
-    const bool too_far = complex_.rules.IsTooFar(n.r2, nn2) || complex_.IsTooLarge(CentreOf(star_, i), n.r2);
+    const bool too_far =
+        complex_.rules.IsTooFar(n.r2, nn2) || complex_.IsTooLarge(CentreOf(star_, i), n.r2);
     if (!too_far) continue;
     if (!complex_.InDomain(CentreOf(star_, i)) && IsBeyondBorder(i)) continue;
     const double out = std::min(1.0, complex_.rules.gamma() * std::sqrt(nn2) / std::sqrt(n.r2));
@@ -113,8 +115,9 @@ void ThesisCriterion<D, E>::RequestNeighbours(Context& context) const {
     if (Star<D>::IsGhost(u.id) || !complex_.IsOlder(u.id, star_.vertex())) return;
     bool nearest = true;
     star_.ForEachNeighbour([&](const auto& w) {
-      nearest = nearest && (w.id == u.id || Star<D>::IsGhost(w.id) ||
-                            geometry::SquaredDistance(u.p, w.p) >= u.d2 || complex_.IsSeditious(u.id, w.id));
+      nearest = nearest &&
+                (w.id == u.id || Star<D>::IsGhost(w.id) ||
+                 geometry::SquaredDistance(u.p, w.p) >= u.d2 || complex_.IsSeditious(u.id, w.id));
     });
     if (nearest) RequestNoEarlierThanNow(complex_, context, u.id, BucketOf(u.d2));
   });

@@ -55,7 +55,7 @@ bool BatchCheck<D>::IsCertainlyGood() const {
     return false;
   }
   const auto is_in_place = [&](const PointFeature<D>& p) {
-    return !steps_.Stop() && CheckPlace(p, options_.box, 0).ok();
+    return !steps_.Stop() && CheckPosition(p, options_.box, 0).ok();
   };
   return std::all_of(delta_.added_points.begin(), delta_.added_points.end(), is_in_place) &&
          AreFarApart<D>(delta_.added_points, options_.box, limit_, steps_);
@@ -126,15 +126,15 @@ using geometry::Point;
 
 // The argument of a query of the index.
 template <int D>
-const Point<D>& Place(const PointFeature<D>& f) {
+const Point<D>& PositionOf(const PointFeature<D>& f) {
   return f.p;
 }
 template <int D>
-const SegmentFeature<D>& Place(const SegmentFeature<D>& f) {
+const SegmentFeature<D>& PositionOf(const SegmentFeature<D>& f) {
   return f;
 }
 
-[[maybe_unused]] const Facet& Place(const Facet& f) { return f; }
+[[maybe_unused]] const Facet& PositionOf(const Facet& f) { return f; }
 
 // The rules with both orders of arguments.
 template <class F, class G>
@@ -156,7 +156,7 @@ Conflict Judge(const SegmentFeature<D>& f, const PointFeature<D>& other, double 
 template <int D>
 absl::Status CheckAlone(const PointFeature<D>& f, const MeshOptions& options, double,
                         EditIndex edit) {
-  return CheckPlace(f, options.box, edit);
+  return CheckPosition(f, options.box, edit);
 }
 template <int D>
 absl::Status CheckAlone(const SegmentFeature<D>&, const MeshOptions&, double, EditIndex) {
@@ -220,9 +220,9 @@ typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
   };
   const auto ask = [&](const FeatureIndex<D>& index, auto point, auto segment, auto facet) {
     if constexpr (D == 3) {
-      index.QueryNear(Place(feature), point, segment, facet, &cost_);
+      index.QueryNear(PositionOf(feature), point, segment, facet, &cost_);
     } else {
-      index.QueryNear(Place(feature), point, segment, &cost_);
+      index.QueryNear(PositionOf(feature), point, segment, &cost_);
     }
   };
   if (present_ != nullptr) {

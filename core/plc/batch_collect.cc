@@ -116,12 +116,12 @@ void BatchCheck<D>::CollectSize(FeatureId id) {
   if (is_size) {
     now = entry == nullptr ? *was : draft_.SizeFeatureOf(*entry);
     whole = CheckPoints(id, PointsOf(now.rings), edit);
-    now.places.clear();
+    now.positions.clear();
     for (const auto& ring : now.rings) {
-      std::vector<Point<D>>& places = now.places.emplace_back();
+      std::vector<Point<D>>& positions = now.positions.emplace_back();
       for (const FeatureId point : ring) {
         if (!whole) break;
-        places.push_back(*draft_.FindPoint(point));
+        positions.push_back(*draft_.FindPoint(point));
         edit = std::max(edit, draft_.BlameOf(point));
       }
     }
@@ -180,12 +180,12 @@ void BatchCheck<D>::CollectFacet(FeatureId id) {
         CheckQuality(id, options_, kUntouched).ok() && CheckRings(id, now.rings, kUntouched).ok();
     EditIndex edit = draft_.BlameOf(id);
     for (const auto& ring : now.rings) {
-      auto& places = now.places.emplace_back();
+      auto& positions = now.positions.emplace_back();
       for (const FeatureId point : ring) {
         const Point<D>* p = draft_.FindPoint(point);
         whole = whole && p != nullptr;
         if (!whole) break;
-        places.push_back(*p);
+        positions.push_back(*p);
         edit = std::max(edit, draft_.BlameOf(point));
       }
     }

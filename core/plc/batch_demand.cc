@@ -94,9 +94,9 @@ std::pair<double, SegmentFeature<D>> BatchCheck<D>::CrowdOn(const SegmentFeature
     const auto before = [&](const auto& entry) {
       return std::tie(std::get<0>(entry), std::get<1>(entry)) <= std::tie(d, key);
     };
-    const auto place = std::find_if_not(near.begin(), near.end(), before);
-    if (place != near.begin() && std::get<1>(*std::prev(place)) == key) return;  // visited before
-    near.insert(place, {d, key, t});
+    const auto slot = std::find_if_not(near.begin(), near.end(), before);
+    if (slot != near.begin() && std::get<1>(*std::prev(slot)) == key) return;  // visited before
+    near.insert(slot, {d, key, t});
     if (near.size() > kNearest) near.pop_back();
   });
   std::pair<double, SegmentFeature<D>> most{0, {}};
@@ -208,7 +208,7 @@ absl::Status BatchCheck<D>::CheckFacetGaps() {
     const Facet &first = is_other ? worst->other : worst->facet,
                 &second = is_other ? worst->facet : worst->other;
     const double distance =
-        std::abs(worst->other.plane().Height(worst->facet.feature().places.front().front()));
+        std::abs(worst->other.plane().Height(worst->facet.feature().positions.front().front()));
     return GapDemandError<D>(first, second, distance, worst->vertices, sum, options_,
                              draft_.BlameOf(first.id()));
   }

@@ -32,18 +32,18 @@ void ChordList::AppendTo(std::vector<Slot>& slots) const {
   for (const Set& set : sets_) slots.insert(slots.end(), set.begin(), set.end());
 }
 
-void ChordList::Visit(int major, const ChordProbe& places, double margin,
+void ChordList::Visit(int major, const ChordProbe& positions, double margin,
                       absl::FunctionRef<void(const GridSegment<2>&)> visit) const {
   const Set& set = sets_[major];
   // MinorAt errs by less than 1/16 unit, so bisection stops at most that far from the true
   // position. The margin covers it.
-  ChordProbe below = places;
+  ChordProbe below = positions;
   below.minor_a -= margin;
   below.minor_b -= margin;
   for (auto it = set.lower_bound(below); it != set.end(); ++it) {
     const GridSegment<2>& chord = (*table_)[*it];
-    if (chord.MinorAt(places.major_a) > places.minor_a + margin &&
-        chord.MinorAt(places.major_b) > places.minor_b + margin) {
+    if (chord.MinorAt(positions.major_a) > positions.minor_a + margin &&
+        chord.MinorAt(positions.major_b) > positions.minor_b + margin) {
       break;
     }
     visit(chord);

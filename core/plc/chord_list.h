@@ -53,7 +53,7 @@ class ChordList {
   // Visits the chords with major axis `major` that pass within `margin` of one of the two
   // positions, or between them: above one, below the other. REQUIRES: the positions' major
   // coordinates are in the cell's closed range.
-  void Visit(int major, const ChordProbe& places, double margin,
+  void Visit(int major, const ChordProbe& positions, double margin,
              absl::FunctionRef<void(const GridSegment<2>&)> visit) const;
 
  private:

@@ -56,7 +56,7 @@ struct PolygonFeature {
 struct FacetFeature {
   FeatureId id = kNoFeature;
   Rings rings;
-  std::vector<std::vector<geometry::Point3>> places;  // of the points of its rings
+  std::vector<std::vector<geometry::Point3>> positions;  // of the points of its rings
   friend bool operator==(const FacetFeature&, const FacetFeature&) = default;
 };
 
@@ -66,8 +66,8 @@ struct SizeFeature {
   FeatureId id = kNoFeature;
   geometry::Point<D> at{};
   Sizing sizing;
-  Rings rings = {};                                          // of a polygon
-  std::vector<std::vector<geometry::Point<D>>> places = {};  // of the points of its rings
+  Rings rings = {};                                             // of a polygon
+  std::vector<std::vector<geometry::Point<D>>> positions = {};  // of the points of its rings
   friend bool operator==(const SizeFeature&, const SizeFeature&) = default;
 };
 

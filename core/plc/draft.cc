@@ -55,7 +55,7 @@ absl::Status CheckPresent(const Entry& entry, const char* verb) {
 }
 
 template <int D>
-geometry::Point<D> PlaceOf(const Feature& feature) {
+geometry::Point<D> PointOf(const Feature& feature) {
   geometry::Point<D> p;
   for (int i = 0; i < D; ++i) p[i] = feature.position[i] + 0.0;  // -0 becomes +0
   return p;
@@ -67,7 +67,7 @@ absl::Status Become(const Feature& feature, typename Draft<D>::Entry& entry) {
   switch (feature.kind) {
     case FeatureKind::kPoint:
       entry.state = State::kPoint;
-      entry.p = PlaceOf<D>(feature);
+      entry.p = PointOf<D>(feature);
       return absl::OkStatus();
     case FeatureKind::kSegment:
       entry.state = State::kSegment;
@@ -98,7 +98,7 @@ SizeFeature<D> SizeOf(const Feature& feature) {
   size.sizing.shape = given.shape;
   size.sizing.target = given.target;
   const SizeShapeUse* const use = FindUse(given.shape);
-  if (use == nullptr || use->position) size.at = PlaceOf<D>(feature);
+  if (use == nullptr || use->position) size.at = PointOf<D>(feature);
   if (use == nullptr) return size;
   if (use->radius) size.sizing.radius = given.radius;
   if (use->hi) {
@@ -261,7 +261,7 @@ absl::Status Draft<D>::Act(Edit::Action action, const Feature& feature, Entry& e
                          : entry.state == State::kPolygon ? "move its points instead"
                                                           : "set it anew where it is to be"));
       }
-      entry.p = PlaceOf<D>(feature);
+      entry.p = PointOf<D>(feature);
       return absl::OkStatus();
   }
   return Refuse(absl::StatusCode::kInvalidArgument, reason::kWrongKind, entry.id, entry.edit,

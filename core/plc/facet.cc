@@ -25,18 +25,18 @@ Vector3 Sum(const Vector3& u, double factor, const Vector3& w) {
 
 Facet::Facet(FacetFeature feature)
     : feature_(std::move(feature)),
-      plane_(geometry::PlaneOf(feature_.places)),
-      interior_(feature_.places, plane_),
-      bounds_(geometry::BoundsOf(feature_.places, plane_)) {
-  for (std::size_t r = 0; r < feature_.places.size(); ++r) {
-    const geometry::Ring3& places = feature_.places[r];
+      plane_(geometry::PlaneOf(feature_.positions)),
+      interior_(feature_.positions, plane_),
+      bounds_(geometry::BoundsOf(feature_.positions, plane_)) {
+  for (std::size_t r = 0; r < feature_.positions.size(); ++r) {
+    const geometry::Ring3& positions = feature_.positions[r];
     Vector3 area = {0, 0, 0};  // twice
-    for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
       corners_.push_back({feature_.rings[r][i], r, i});
       if (i < 2) continue;
       area = Sum(area, 1,
-                 geometry::Cross(Difference(places[i - 1].c, places[0].c),
-                                 Difference(places[i].c, places[0].c)));
+                 geometry::Cross(Difference(positions[i - 1].c, positions[0].c),
+                                 Difference(positions[i].c, positions[0].c)));
     }
     area_ = std::max(area_, std::abs(Dot(area, plane_.normal)) / 2);
   }
@@ -73,7 +73,7 @@ bool Facet::OpensTo(FeatureId point, const Vector3& direction) const {
   const Vector3 to = Sum(direction, -Dot(direction, plane_.normal), plane_.normal);
   for (const Corner& c : visits) {
     for (const bool next : {false, true}) {
-      const Vector3 edge = Difference(PlaceOf(Beside(c, next)).c, PlaceOf(c).c);
+      const Vector3 edge = Difference(PositionOf(Beside(c, next)).c, PositionOf(c).c);
       // Projected along the axis, as the interior is.
       if (geometry::Cross(edge, to)[static_cast<std::size_t>(plane_.axis)] == 0 &&
           Dot(edge, to) > 0) {
@@ -81,16 +81,16 @@ bool Facet::OpensTo(FeatureId point, const Vector3& direction) const {
       }
     }
   }
-  return interior_.OpensTo(PlaceOf(visits.front()), to);
+  return interior_.OpensTo(PositionOf(visits.front()), to);
 }
 
 Vector3 Facet::LeftOf(const Corner& c) const {
-  return geometry::Cross(plane_.normal, Difference(PlaceOf(Beside(c, true)).c, PlaceOf(c).c));
+  return geometry::Cross(plane_.normal, Difference(PositionOf(Beside(c, true)).c, PositionOf(c).c));
 }
 
 bool Facet::IsInsideLeftOf(const Corner& c) const {
-  const Vector3 along = Difference(PlaceOf(Beside(c, true)).c, PlaceOf(c).c);
-  return interior_.OpensTo(PlaceOf(c), Sum(along, kAside, LeftOf(c)));
+  const Vector3 along = Difference(PositionOf(Beside(c, true)).c, PositionOf(c).c);
+  return interior_.OpensTo(PositionOf(c), Sum(along, kAside, LeftOf(c)));
 }
 
 Vector3 Facet::InwardOf(const Corner& c) const {

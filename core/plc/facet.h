@@ -50,7 +50,9 @@ class Facet {
   const std::vector<Corner>& corners() const { return corners_; }
   std::span<const Corner> At(FeatureId point) const;
   bool HasCorner(FeatureId point) const { return !At(point).empty(); }
-  const geometry::Point3& PlaceOf(const Corner& c) const { return feature_.places[c.ring][c.at]; }
+  const geometry::Point3& PositionOf(const Corner& c) const {
+    return feature_.positions[c.ring][c.at];
+  }
   // The corner after it, or before it, on its ring.
   Corner Beside(const Corner& c, bool next) const;
   bool HasEdge(FeatureId p, FeatureId q) const;

@@ -22,7 +22,7 @@ using geometry::Vector3;
 class Border {
  public:
   explicit Border(const Facet& facet) : facet_(facet) {
-    for (const geometry::Ring3& ring : facet.feature().places) {
+    for (const geometry::Ring3& ring : facet.feature().positions) {
       first_.push_back(count_);
       count_ += ring.size();
     }
@@ -48,7 +48,7 @@ class Border {
       geometry::Ring3& loop = loops.emplace_back();
       for (std::size_t e = first; !done[e]; e = next_[e].edge) {
         done[e] = true;
-        loop.push_back(PlaceOf(next_[e].at));
+        loop.push_back(PositionOf(next_[e].at));
       }
     }
     return loops;
@@ -61,14 +61,14 @@ class Border {
     Facet::Corner at;
   };
 
-  const Point3& PlaceOf(const Facet::Corner& c) const { return facet_.PlaceOf(c); }
+  const Point3& PositionOf(const Facet::Corner& c) const { return facet_.PositionOf(c); }
   // The number of the edge from a corner to the next one of its ring.
   std::size_t NumberOf(const Facet::Corner& c) const { return first_[c.ring] + c.at; }
 
   // `edge` leads from `from` to `at`, with the inside on its left. The next edge is the first one
   // clockwise from it.
   void FindNext(std::size_t edge, const Facet::Corner& at, const Facet::Corner& from) {
-    const Vector3 back = Difference(PlaceOf(from).c, PlaceOf(at).c);
+    const Vector3 back = Difference(PositionOf(from).c, PositionOf(at).c);
     const Vector3 aside = Cross(back, facet_.plane().normal);  // clockwise
     double least = std::numeric_limits<double>::infinity();
     for (const Facet::Corner& visit : facet_.At(at.id)) {
@@ -76,7 +76,7 @@ class Border {
         const Facet::Corner to = facet_.Beside(visit, next);
         const std::size_t other = NumberOf(next ? visit : to);
         if (other == edge || forward_[other] != next) continue;
-        const Vector3 way = Difference(PlaceOf(to).c, PlaceOf(at).c);
+        const Vector3 way = Difference(PositionOf(to).c, PositionOf(at).c);
         double turn = std::atan2(Dot(way, aside), Dot(way, back));
         if (turn < 0) turn += 2 * std::numbers::pi;
         if (turn < least) least = turn, next_[edge] = {other, at};

@@ -56,7 +56,7 @@ Common FindCommon(const Facet& f, const Facet& g) {
       const Facet::Corner before = g.Beside(d, false);
       if (g.Beside(d, true).id != next && before.id != next) continue;
       ++common.edges;
-      const Vector3 way = Difference(f.PlaceOf(f.Beside(c, true)).c, f.PlaceOf(c).c);
+      const Vector3 way = Difference(f.PositionOf(f.Beside(c, true)).c, f.PositionOf(c).c);
       common.ways.emplace_back(c.id, way);
       common.ways.emplace_back(next, Vector3{-way[0], -way[1], -way[2]});
       const Facet::Corner& edge = g.Beside(d, true).id == next ? d : before;
@@ -78,7 +78,7 @@ double CosineAtCorners(const Facet& f, const Facet& g, const Common& common) {
                          [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const Facet::Corner& c : g.At(point)) {
       for (const bool next : {false, true}) {
-        const Vector3 d = Difference(g.PlaceOf(g.Beside(c, next)).c, g.PlaceOf(c).c);
+        const Vector3 d = Difference(g.PositionOf(g.Beside(c, next)).c, g.PositionOf(c).c);
         const bool leads_away =
             std::all_of(begin, end, [&](const auto& way) { return Dot(way.second, d) < 0; });
         if (leads_away) cosine = std::max(cosine, CosineOver(f, point, d));
@@ -92,7 +92,7 @@ double CosineAtCorners(const Facet& f, const Facet& g, const Common& common) {
 // corners are on their line of intersection.
 bool MeetBetween(const Facet& f, const Facet& g, const std::vector<FeatureId>& corners) {
   std::vector<std::pair<Point3, FeatureId>> at;
-  for (const FeatureId id : corners) at.emplace_back(f.PlaceOf(f.At(id).front()), id);
+  for (const FeatureId id : corners) at.emplace_back(f.PositionOf(f.At(id).front()), id);
   std::sort(at.begin(), at.end());
   for (std::size_t i = 0; i + 1 < at.size(); ++i) {
     const FeatureId p = at[i].second, q = at[i + 1].second;

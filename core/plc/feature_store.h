@@ -109,8 +109,8 @@ class FeatureStore {
   FacetFeature FacetOf(FeatureId id, const Rings& rings) const {
     FacetFeature facet{id, rings, {}};
     for (const auto& ring : rings) {
-      auto& places = facet.places.emplace_back();
-      for (const FeatureId point : ring) places.push_back(points_.at(point).p);
+      auto& positions = facet.positions.emplace_back();
+      for (const FeatureId point : ring) positions.push_back(points_.at(point).p);
     }
     return facet;
   }

@@ -139,7 +139,7 @@ std::array<double, kPieces + 1> DistancesAlong(const SegmentFeature<D>& s,
 // --- Facets -----------------------------------------------------------------------------
 
 const std::vector<Point3>* OnlyRing(const Facet& f) {
-  return f.feature().places.size() == 1 ? &f.feature().places.front() : nullptr;
+  return f.feature().positions.size() == 1 ? &f.feature().positions.front() : nullptr;
 }
 
 double NormOf(const Vector3& v) { return std::sqrt(Dot(v, v)); }

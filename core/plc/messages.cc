@@ -102,7 +102,8 @@ std::optional<Point<3>> PassageOf(const SegmentFeature<3>& s, const Facet& facet
 
 // The position of a conflict, if the features' own positions do not show it.
 template <int D>
-std::optional<Point<D>> PlaceOf(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& b) {
+std::optional<Point<D>> PositionOf(Conflict conflict, const AnyFeature<D>& a,
+                                   const AnyFeature<D>& b) {
   const auto* s = std::get_if<SegmentFeature<D>>(&a);
   const auto* t = std::get_if<SegmentFeature<D>>(&b);
   if (conflict == Conflict::kSegmentsCross) return CrossingOf(*s, *t);
@@ -166,8 +167,8 @@ struct Verdict {
 template <int D>
 Verdict Explain(Conflict conflict, const AnyFeature<D>& a, const AnyFeature<D>& b, double limit) {
   const FeatureId b_id = IdOf<D>(b);
-  const std::optional<Point<D>> place = PlaceOf<D>(conflict, a, b);
-  const std::string at = place.has_value() ? " at " + Text(*place) : "";
+  const std::optional<Point<D>> position = PositionOf<D>(conflict, a, b);
+  const std::string at = position.has_value() ? " at " + Text(*position) : "";
   const std::string pair = absl::StrCat(Text<D>(a), " and ", Text<D>(b));
   switch (conflict) {
     case Conflict::kDuplicatePoint:
@@ -278,7 +279,7 @@ absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
   // where most corners are.
   std::vector<double> distances;
   for (const Facet::Corner& c : facet.corners()) {
-    distances.push_back(facet.plane().Height(facet.PlaceOf(c)));
+    distances.push_back(facet.plane().Height(facet.PositionOf(c)));
   }
   std::vector<double> sorted = distances;
   std::sort(sorted.begin(), sorted.end());
@@ -288,12 +289,13 @@ absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
     if (std::abs(distances[i] - middle) > std::abs(distances[at] - middle)) at = i;
   }
   const Facet::Corner& worst = facet.corners()[at];
-  return Error(
-      absl::StatusCode::kFailedPrecondition, reason::kNonPlanar, {facet.id(), worst.id}, edit,
-      absl::StrCat("polygon ", facet.id(), " is not flat: point ", worst.id, " ",
-                   Text(facet.PlaceOf(worst)), " is ", Shortest(std::abs(distances[at] - middle)),
-                   " off the plane of the others, where ", Shortest(tolerance),
-                   " are allowed; move it there, or cut the polygon into triangles"));
+  return Error(absl::StatusCode::kFailedPrecondition, reason::kNonPlanar, {facet.id(), worst.id},
+               edit,
+               absl::StrCat("polygon ", facet.id(), " is not flat: point ", worst.id, " ",
+                            Text(facet.PositionOf(worst)), " is ",
+                            Shortest(std::abs(distances[at] - middle)),
+                            " off the plane of the others, where ", Shortest(tolerance),
+                            " are allowed; move it there, or cut the polygon into triangles"));
 }
 
 template <int D>
@@ -337,7 +339,7 @@ absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit,
 }
 
 template <int D>
-absl::Status CheckPlace(const PointFeature<D>& point, const Box& box, EditIndex edit) {
+absl::Status CheckPosition(const PointFeature<D>& point, const Box& box, EditIndex edit) {
   const auto refuse = [&](const char* reason, const std::string& what) {
     return Error(absl::StatusCode::kInvalidArgument, reason, {point.id}, edit,
                  absl::StrCat(Text(point), " ", what));
@@ -475,7 +477,7 @@ template absl::Status GapDemandError<3>(const AnyFeature<3>&, const AnyFeature<3
                                         double, const MeshOptions&, EditIndex);
 template absl::Status CheckSize(const SizeFeature<2>&, const Box&, double, EditIndex);
 template absl::Status CheckSize(const SizeFeature<3>&, const Box&, double, EditIndex);
-template absl::Status CheckPlace(const PointFeature<2>&, const Box&, EditIndex);
-template absl::Status CheckPlace(const PointFeature<3>&, const Box&, EditIndex);
+template absl::Status CheckPosition(const PointFeature<2>&, const Box&, EditIndex);
+template absl::Status CheckPosition(const PointFeature<3>&, const Box&, EditIndex);
 
 }  // namespace dynmesh::plc

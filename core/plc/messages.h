@@ -42,7 +42,7 @@ absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit,
 
 // OK if the point is finite, in the closed box, and no coordinate is too close to 0.
 template <int D>
-absl::Status CheckPlace(const PointFeature<D>& point, const Box& box, EditIndex edit);
+absl::Status CheckPosition(const PointFeature<D>& point, const Box& box, EditIndex edit);
 
 absl::Status DegenerateSegmentError(FeatureId segment, FeatureId end, EditIndex edit);
 

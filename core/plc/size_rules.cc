@@ -45,7 +45,7 @@ double MeasureOfBall(double r) {
 }
 
 template <int D>
-std::optional<SizeFault> FaultOfPlace(const Point<D>& p, const Box& box) {
+std::optional<SizeFault> FaultOfPosition(const Point<D>& p, const Box& box) {
   for (int k = 0; k < D; ++k) {
     if (!(p[k] < box.lo[k] || p[k] > box.hi[k])) continue;
     return SizeFault{reason::kOutsideBox,
@@ -59,7 +59,7 @@ template <int D>
 class PointRules final : public SizeRules<D> {
  public:
   std::optional<SizeFault> FaultOf(const SizeFeature<D>& size, const Box& box) const override {
-    return FaultOfPlace(size.at, box);
+    return FaultOfPosition(size.at, box);
   }
   double Measure(const SizeFeature<D>& /*size*/) const override { return 0; }
   double LeastMeasure(const SizeFeature<D>& /*size*/, const Box& /*domain*/) const override {
@@ -75,7 +75,7 @@ template <int D>
 class DiscRules final : public SizeRules<D> {
  public:
   std::optional<SizeFault> FaultOf(const SizeFeature<D>& size, const Box& box) const override {
-    if (auto fault = FaultOfPlace(size.at, box); fault.has_value()) return fault;
+    if (auto fault = FaultOfPosition(size.at, box); fault.has_value()) return fault;
     if (!(size.sizing.radius < 0)) return std::nullopt;
     return SizeFault{reason::kBadSize, "has a negative radius; give 0 or more"};
   }
@@ -155,7 +155,7 @@ class CapsuleRules final : public SizeRules<D> {
         return SizeFault{reason::kBadSize, absl::StrCat("has its vertex ", i + 1, " ", Text(p),
                                                         " where the one before is; leave it out")};
       }
-      if (auto fault = FaultOfPlace(p, box); fault.has_value()) {
+      if (auto fault = FaultOfPosition(p, box); fault.has_value()) {
         fault->what =
             absl::StrCat("has a vertex, number ", i + 1, " ", Text(p), ", that ", fault->what);
         return fault;
@@ -245,15 +245,15 @@ class PolygonRules final : public SizeRules<2> {
   }
   double Measure(const SizeFeature<2>& size) const override {
     double measure = 0;
-    const Point2& o = size.places.front().front();  // near all others: little rounding
-    ForEachEdgeOf(size.places, [&](const Point2& p, const Point2& q) {
+    const Point2& o = size.positions.front().front();  // near all others: little rounding
+    ForEachEdgeOf(size.positions, [&](const Point2& p, const Point2& q) {
       measure += 0.5 * ((p[0] - o[0]) * (q[1] - o[1]) - (q[0] - o[0]) * (p[1] - o[1]));
     });
     return std::abs(measure);
   }
   double LeastMeasure(const SizeFeature<2>& size, const Box& domain) const override;
   RegionBounds<2> Bounds(const SizeFeature<2>& size, const Box& /*domain*/) const override {
-    const Extent<2> around = ExtentOfRings(size.places);
+    const Extent<2> around = ExtentOfRings(size.positions);
     return {around, Empty(around)};
   }
 
@@ -275,7 +275,7 @@ class PolygonRules final : public SizeRules<2> {
 // The area enclosed by an odd number of rings, of cells that no edge meets: rings may cross.
 double PolygonRules::LeastMeasure(const SizeFeature<2>& size, const Box& /*domain*/) const {
   constexpr int kCells = 64;
-  const auto& rings = size.places;
+  const auto& rings = size.positions;
   const Extent<2> extent = ExtentOfRings(rings);
   const double width = (extent.hi[0] - extent.lo[0]) / kCells,
                height = (extent.hi[1] - extent.lo[1]) / kCells;

@@ -115,9 +115,9 @@ struct SpatialIndex<D>::SegmentQuery {
     if (!Clip(cell, a, b)) return;
     for (int major = 0; major < 2; ++major) {
       const double lo = cell.Lo(major), hi = cell.Hi(major);
-      const ChordProbe places = {std::clamp(a[major], lo, hi), a[1 - major],
-                                 std::clamp(b[major], lo, hi), b[1 - major]};
-      chords.Visit(major, places, 4, [this](const GridSegment<2>& chord) {
+      const ChordProbe positions = {std::clamp(a[major], lo, hi), a[1 - major],
+                                    std::clamp(b[major], lo, hi), b[1 - major]};
+      chords.Visit(major, positions, 4, [this](const GridSegment<2>& chord) {
         ++*cost;
         visit_segment(chord.feature);
       });

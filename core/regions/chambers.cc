@@ -64,8 +64,8 @@ void JoinAroundEdges(std::span<const Facet> piece, Sides& sides) {
   std::vector<AtEdge> around;
   for (const auto& [key, facets] : edges) {
     const auto& [first, corner] = facets.front();
-    const Vector3 edge = Difference(piece[first].PlaceOf(piece[first].Beside(corner, true)).c,
-                                    piece[first].PlaceOf(corner).c);
+    const Vector3 edge = Difference(piece[first].PositionOf(piece[first].Beside(corner, true)).c,
+                                    piece[first].PositionOf(corner).c);
     // The zero of turns.
     const Vector3 x = piece[first].InwardOf(corner), y = Cross(edge, x);
     const double length = std::sqrt(Dot(edge, edge));
@@ -89,8 +89,9 @@ Vector3 AreaOf(const Facet& facet) {
   Vector3 sum = {0, 0, 0};
   const geometry::Point3 origin = facet.plane().origin;
   for (const Facet::Corner& c : facet.corners()) {
-    const Vector3 from = Difference(facet.PlaceOf(c).c, origin.c);
-    const Vector3 along = Difference(facet.PlaceOf(facet.Beside(c, true)).c, facet.PlaceOf(c).c);
+    const Vector3 from = Difference(facet.PositionOf(c).c, origin.c);
+    const Vector3 along =
+        Difference(facet.PositionOf(facet.Beside(c, true)).c, facet.PositionOf(c).c);
     const double half = facet.IsInsideLeftOf(c) ? 0.5 : -0.5;
     const Vector3 twice = Cross(from, along);
     for (std::size_t k = 0; k < 3; ++k) sum[k] += half * twice[k];

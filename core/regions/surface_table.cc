@@ -27,7 +27,7 @@ bool IsApart(const plc::FacetFeature& polygon) {
 
 const std::vector<SurfaceTable::Change>& SurfaceTable::Update(
     std::span<const plc::FacetFeature> removed, std::span<const plc::FacetFeature> added,
-    absl::FunctionRef<geometry::Point3(FeatureId)> place_of) {
+    absl::FunctionRef<geometry::Point3(FeatureId)> position_of) {
   changes_.clear();
   seeds_.clear();
   const auto seed = [this](FeatureId p, FeatureId q) { seeds_.push_back(plc::KeyOf(p, q)); };
@@ -54,7 +54,7 @@ const std::vector<SurfaceTable::Change>& SurfaceTable::Update(
   if (seeds_.empty()) return changes_;
   CollectTouched();
   Peel();
-  FindPieces(place_of);
+  FindPieces(position_of);
   for (auto& [id, touched] : touched_) {
     Polygon& polygon = polygons_.at(id);
     if (polygon.surfaces != touched.surfaces && Find(added, id) == nullptr) {
@@ -141,7 +141,7 @@ void SurfaceTable::Peel() {
   }
 }
 
-void SurfaceTable::FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> place_of) {
+void SurfaceTable::FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> position_of) {
   std::vector<FeatureId> piece;
   for (auto& [first, start] : touched_) {
     if (start.peeled || start.reached) continue;
@@ -170,8 +170,8 @@ void SurfaceTable::FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> pla
       const Rings& rings = polygons_.at(id).rings;
       plc::FacetFeature feature{id, rings, {}};
       for (const auto& ring : rings) {
-        auto& places = feature.places.emplace_back();
-        for (const FeatureId corner : ring) places.push_back(place_of(corner));
+        auto& positions = feature.positions.emplace_back();
+        for (const FeatureId corner : ring) positions.push_back(position_of(corner));
       }
       facets.emplace_back(std::move(feature));
     }

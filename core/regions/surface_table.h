@@ -36,12 +36,12 @@ class SurfaceTable {
     SurfaceIds before, after;
     friend bool operator==(const Change&, const Change&) = default;
   };
-  // REQUIRES: both are sorted by id, as in a Delta. `place_of` returns the present position of a
+  // REQUIRES: both are sorted by id, as in a Delta. `position_of` returns the present position of a
   // corner. Returns the changes of polygons that were present and did not move, by id, valid until
   // the next call.
   const std::vector<Change>& Update(std::span<const plc::FacetFeature> removed,
                                     std::span<const plc::FacetFeature> added,
-                                    absl::FunctionRef<geometry::Point3(FeatureId)> place_of);
+                                    absl::FunctionRef<geometry::Point3(FeatureId)> position_of);
 
   // The surfaces that a polygon is part of, by their ids, ascending: at most two.
   std::span<const FeatureId> SurfacesOf(FeatureId polygon) const {
@@ -63,7 +63,7 @@ class SurfaceTable {
   void Add(const plc::FacetFeature& polygon);
   void CollectTouched();
   void Peel();
-  void FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> place_of);
+  void FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> position_of);
 
   absl::flat_hash_map<FeatureId, Polygon> polygons_;
   absl::flat_hash_map<plc::EdgeKey, Neighbours> edges_;  // the polygons at each edge

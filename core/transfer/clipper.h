@@ -33,12 +33,12 @@ std::array<double, N * N> Moments(const Clipped<D>& clipped, double measure, con
   std::array<double, Clipped<D>::kMost> weights;
   ForEachBit(clipped.in_use(), [&](std::size_t corner) { weights[corner] = 0; });
   clipped.ForEachSimplex([&](const std::array<std::size_t, D + 1>& corners) {
-    Corners<D> places;
+    Corners<D> positions;
     for (std::size_t i = 0; i <= D; ++i) {
       const auto& lambda = clipped.corner(corners[i]).lambda;
-      for (std::size_t k = 0; k < D; ++k) places[i][k] = lambda[k + 1];
+      for (std::size_t k = 0; k < D; ++k) positions[i][k] = lambda[k + 1];
     }
-    const double share = scale * std::max(0.0, ScaledMeasure(places));
+    const double share = scale * std::max(0.0, ScaledMeasure(positions));
     std::array<double, N> sum{};
     for (const std::size_t corner : corners) {
       weights[corner] += share;
@@ -93,7 +93,7 @@ class Clipper {
     }
     open = clipped.Sides();
     return *std::max_element(noise.begin(), noise.end()) > kFine * scaled_measure_
-               ? IntegrateAtPlaces(clipped, old, from.measure, piece.mass, own)
+               ? IntegrateAtPositions(clipped, old, from.measure, piece.mass, own)
                : Integrate(clipped, values, from.measure, piece.mass, own);
   }
 
@@ -105,12 +105,12 @@ class Clipper {
   static constexpr double kFine = 0x1p-43;
 
   // The values of its half-spaces.
-  ClipValues<D> ValuesAt(const Corners<D>& places) const {
+  ClipValues<D> ValuesAt(const Corners<D>& positions) const {
     ClipValues<D> values;
     for (std::size_t c = 0; c <= D; ++c) {
       for (std::size_t k = 0; k <= D; ++k) values[c][k] = -offsets_[k];
       for (std::size_t axis = 0; axis < D; ++axis) {
-        for (std::size_t k = 0; k <= D; ++k) values[c][k] += normals_[axis][k] * places[c][axis];
+        for (std::size_t k = 0; k <= D; ++k) values[c][k] += normals_[axis][k] * positions[c][axis];
       }
     }
     return values;
@@ -133,19 +133,19 @@ class Clipper {
 
   // For slivers: computes the new simplex's coordinates at each corner's position. Elsewhere they
   // may be large and meaningless.
-  bool IntegrateAtPlaces(const Clipped<D>& clipped, const Corners<D>& old, double measure,
-                         Mass& mixed, Mass& own) const {
+  bool IntegrateAtPositions(const Clipped<D>& clipped, const Corners<D>& old, double measure,
+                            Mass& mixed, Mass& own) const {
     constexpr std::size_t kCorners = D + 1, kBoth = 2 * kCorners;
     const Barycentric<D> coordinates(corners_);
     std::array<std::array<double, kBoth>, Clipped<D>::kMost> both;  // coordinates: old, new
     ForEachBit(clipped.in_use(), [&](std::size_t corner) {
       const auto& lambda = clipped.corner(corner).lambda;
-      Vec<D> place{};
+      Vec<D> position{};
       for (std::size_t c = 0; c < kCorners; ++c) {
-        for (std::size_t k = 0; k < D; ++k) place[k] += lambda[c] * old[c][k];
+        for (std::size_t k = 0; k < D; ++k) position[k] += lambda[c] * old[c][k];
       }
       std::copy_n(lambda.begin(), kCorners, both[corner].begin());
-      std::copy_n(coordinates(place).begin(), kCorners, both[corner].begin() + kCorners);
+      std::copy_n(coordinates(position).begin(), kCorners, both[corner].begin() + kCorners);
     });
     const auto at = [&](std::size_t i) -> const auto& { return both[i]; };
     const auto moments = Moments<kBoth>(clipped, measure, at);

@@ -24,17 +24,17 @@ void Prefetch(const Slot* cells, const Slot* neighbours, Slot slot) {
 
 template <std::size_t D>
 NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int rings) {
-  struct Place {
+  struct Origin {
     Slot slot;
     std::uint32_t open;  // bits of faces beyond which no simplex was added yet
   };
   constexpr std::uint32_t kAllFaces = (1U << (D + 1)) - 1;
-  std::vector<Place> places;  // of `cells`
+  std::vector<Origin> origins;  // of `cells`
   // About as many cells and vertices as in a mesh of points.
   const std::size_t expected = overlay.to.size() * (rings == 0 ? 1 : D == 2 ? 4 : 8);
   SlotIndex seen(4 * expected);
   indices = SlotIndex(expected);
-  cells.reserve(4 * expected), places.reserve(4 * expected);
+  cells.reserve(4 * expected), origins.reserve(4 * expected);
   const bool has_regions = mesh.has_regions();
   const Slot* const all_cells = mesh.cells().data();
   const Slot* const all_neighbours = mesh.neighbours().data();
@@ -48,7 +48,7 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
     for (std::size_t k = 0; k <= D; ++k) cell.corners[k] = index_of(simplex.vertices[k]);
     cell.measure = simplex.measure, cell.region = simplex.region;
     seen.Add(simplex.slot);
-    cells.push_back(cell), places.push_back({simplex.slot, kAllFaces});
+    cells.push_back(cell), origins.push_back({simplex.slot, kAllFaces});
   }
   cavity_count = vertices.size();
   // The simplices around a vertex are connected by faces with that vertex.
@@ -56,22 +56,22 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
     free_count = vertices.size();
     for (std::size_t c = 0; c < cells.size(); ++c) {
       if (c + kAhead < cells.size())
-        Prefetch<D>(all_cells, all_neighbours, places[c + kAhead].slot);
+        Prefetch<D>(all_cells, all_neighbours, origins[c + kAhead].slot);
       std::uint32_t free = 0;  // bits of corners
       for (std::size_t k = 0; k <= D; ++k) {
         free |= std::uint32_t{cells[c].corners[k] < free_count} << k;
       }
       // Faces with a free corner: all, except the one opposite to the only free corner.
-      std::uint32_t faces = free == 0 ? 0 : places[c].open;
+      std::uint32_t faces = free == 0 ? 0 : origins[c].open;
       if ((free & (free - 1)) == 0) faces &= ~free;  // std::has_single_bit calls a library
-      places[c].open &= ~faces;
+      origins[c].open &= ~faces;
       for (; faces != 0; faces &= faces - 1) {
         const auto k = static_cast<std::size_t>(std::countr_zero(faces));
-        const Slot other = all_neighbours[At(places[c].slot) * (D + 1) + k];
+        const Slot other = all_neighbours[At(origins[c].slot) * (D + 1) + k];
         if (other == kNoSlot || !seen.Add(other).second) continue;
         // Its corners are those of the face and one more.
         const Slot* row = all_cells + At(other) * (D + 1);
-        const Slot* own = all_cells + At(places[c].slot) * (D + 1);
+        const Slot* own = all_cells + At(origins[c].slot) * (D + 1);
         Cell cell;
         std::uint32_t open = kAllFaces;
         for (std::size_t i = 0; i <= D; ++i) {
@@ -84,7 +84,7 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
         }
         cell.measure = 0;
         cell.region = has_regions ? mesh.regions()[At(other)] : kNoRegion;
-        cells.push_back(cell), places.push_back({other, open});
+        cells.push_back(cell), origins.push_back({other, open});
       }
     }
   }
@@ -100,13 +100,13 @@ NodalPatch<D>::NodalPatch(const SlotMesh& mesh, const Overlay<D>& overlay, int r
 // For cells from `first` on: reads each vertex once.
 template <std::size_t D>
 void NodalPatch<D>::Measure(const SlotMesh& mesh, std::size_t first) {
-  std::vector<Vec<D>> places(vertices.size());
+  std::vector<Vec<D>> positions(vertices.size());
   for (std::size_t v = 0; v < vertices.size(); ++v) {
-    std::copy_n(mesh.points().data() + At(vertices[v]) * D, D, places[v].begin());
+    std::copy_n(mesh.points().data() + At(vertices[v]) * D, D, positions[v].begin());
   }
   for (std::size_t c = first; c < cells.size(); ++c) {
     Corners<D> corners;
-    for (std::size_t k = 0; k <= D; ++k) corners[k] = places[cells[c].corners[k]];
+    for (std::size_t k = 0; k <= D; ++k) corners[k] = positions[cells[c].corners[k]];
     cells[c].measure = transfer::Measure<D>(corners);
   }
 }

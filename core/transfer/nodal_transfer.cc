@@ -31,9 +31,9 @@ NodalTransfer<D>::NodalTransfer(const SlotMesh& mesh, const Overlay<D>& overlay,
     const std::uint32_t vertex = patch_.indices[slot];
     if (vertex == SlotIndex::kNone) continue;  // in no simplex
     is_added_[vertex] = true;
-    Vec<D> place;
-    std::copy_n(mesh.points().data() + At(slot) * D, D, place.begin());
-    const auto at = overlay.Locate(place);
+    Vec<D> position;
+    std::copy_n(mesh.points().data() + At(slot) * D, D, position.begin());
+    const auto at = overlay.Locate(position);
     births_.push_back({vertex, at.from, at.lambda});
   }
   FindParts();

@@ -155,11 +155,11 @@ void Overlay<D>::FindPieces() {
 }
 
 template <std::size_t D>
-typename Overlay<D>::Place Overlay<D>::Locate(const Vec<D>& x) const {
+typename Overlay<D>::Location Overlay<D>::Locate(const Vec<D>& x) const {
   std::vector<std::uint32_t> candidates;
   tree.ForEachMeeting(Box<D>{x, x}, [&](std::uint32_t i) { candidates.push_back(i); });
   std::sort(candidates.begin(), candidates.end());
-  Place best = {0, {1}};
+  Location best = {0, {1}};
   double best_least = -std::numeric_limits<double>::infinity();
   const auto look_at = [&](std::uint32_t i) {
     const Barycentric<D> coordinates(from[i].corners);

@@ -91,11 +91,11 @@ struct Overlay {
 
   // The old simplex that contains `x`, up to rounding: the one where its least barycentric
   // coordinate is greatest. REQUIRES: there is an old simplex.
-  struct Place {
+  struct Location {
     std::uint32_t from;
     std::array<double, D + 1> lambda;
   };
-  Place Locate(const Vec<D>& x) const;
+  Location Locate(const Vec<D>& x) const;
 
  private:
   void FindPieces();

@@ -194,7 +194,7 @@ class Transfer::ImplOf final : public Transfer::Impl {
     std::vector<std::vector<double>> made;
     std::map<std::pair<RegionId, RegionId>, std::vector<double>> flows;
     const std::size_t all = components + (density.empty() ? 0 : 1);
-    const auto carry = [&](std::size_t place, std::size_t c, std::size_t of, auto weight,
+    const auto carry = [&](std::size_t slot, std::size_t c, std::size_t of, auto weight,
                            auto values) -> absl::StatusOr<std::vector<double>> {
       auto old = Gather(sources, c, of, of_vertices, weight, values, skip);
       if (!old.ok()) return old.status();
@@ -202,7 +202,7 @@ class Transfer::ImplOf final : public Transfer::Impl {
       add_flows(*old, [&](RegionId from, RegionId to, double amount) {
         auto& amounts = flows[{from, to}];
         amounts.resize(all, 0);
-        amounts[place] += amount;
+        amounts[slot] += amount;
       });
       return result;
     };

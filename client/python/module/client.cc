@@ -223,9 +223,9 @@ void BindClient(py::module_& module) {
           [](MeshClient& c, const std::string& mesh, int dimension, const InArray<double>& points) {
             client::Located located;
             {
-              const auto places = SpanOf(points);
+              const auto positions = SpanOf(points);
               py::gil_scoped_release release;
-              located = Value(c.Locate(mesh, dimension, places));
+              located = Value(c.Locate(mesh, dimension, positions));
             }
             return py::make_tuple(located.revision, Take(std::move(located.simplices),
                                                          static_cast<std::size_t>(dimension + 1)));

@@ -10,22 +10,22 @@ namespace {
 using Ids = InArray<std::uint64_t>;
 using Doubles = InArray<double>;
 
-std::size_t RowsOf(const Ids& ids, const Doubles& places, int dimension) {
+std::size_t RowsOf(const Ids& ids, const Doubles& positions, int dimension) {
   const auto n = static_cast<std::size_t>(ids.size());
   Require(ids.ndim() == 1, "ids must be a one-dimensional array");
-  Require(places.ndim() == 2 && static_cast<std::size_t>(places.shape(0)) == n &&
-              places.shape(1) == dimension,
+  Require(positions.ndim() == 2 && static_cast<std::size_t>(positions.shape(0)) == n &&
+              positions.shape(1) == dimension,
           "there must be one place of " + std::to_string(dimension) + " coordinates for each id");
   return n;
 }
 
-std::array<double, 3> PlaceOf(const Doubles& places, std::size_t row, int dimension) {
-  std::array<double, 3> place = {0, 0, 0};
+std::array<double, 3> PositionOf(const Doubles& positions, std::size_t row, int dimension) {
+  std::array<double, 3> position = {0, 0, 0};
   for (int k = 0; k < dimension; ++k) {
-    place[static_cast<std::size_t>(k)] =
-        places.data()[row * static_cast<std::size_t>(dimension) + static_cast<std::size_t>(k)];
+    position[static_cast<std::size_t>(k)] =
+        positions.data()[row * static_cast<std::size_t>(dimension) + static_cast<std::size_t>(k)];
   }
-  return place;
+  return position;
 }
 
 Edit EditOf(const std::string& action, const Feature& feature) {
@@ -34,18 +34,18 @@ Edit EditOf(const std::string& action, const Feature& feature) {
   throw py::value_error("an action is add or set");
 }
 
-void Points(Batch& batch, const std::string& action, const Ids& ids, const Doubles& places) {
-  const std::size_t n = RowsOf(ids, places, batch.dimension);
+void Points(Batch& batch, const std::string& action, const Ids& ids, const Doubles& positions) {
+  const std::size_t n = RowsOf(ids, positions, batch.dimension);
   for (std::size_t i = 0; i < n; ++i) {
-    const auto p = PlaceOf(places, i, batch.dimension);
+    const auto p = PositionOf(positions, i, batch.dimension);
     batch.edits.push_back(EditOf(action, Feature::Point(ids.data()[i], p[0], p[1], p[2])));
   }
 }
 
-void Moves(Batch& batch, const Ids& ids, const Doubles& places) {
-  const std::size_t n = RowsOf(ids, places, batch.dimension);
+void Moves(Batch& batch, const Ids& ids, const Doubles& positions) {
+  const std::size_t n = RowsOf(ids, positions, batch.dimension);
   for (std::size_t i = 0; i < n; ++i) {
-    const auto p = PlaceOf(places, i, batch.dimension);
+    const auto p = PositionOf(positions, i, batch.dimension);
     batch.edits.push_back(Edit::Move(ids.data()[i], p[0], p[1], p[2]));
   }
 }
@@ -66,7 +66,7 @@ void Polygon(Batch& batch, const std::string& action, FeatureId id, const Rings&
 
 void Size(Batch& batch, const std::string& action, FeatureId id, const py::dict& size) {
   const auto number = [&](const char* key) { return py::cast<double>(size[key]); };
-  const auto place_of = [&](const py::handle& value, const char* key) {
+  const auto position_of = [&](const py::handle& value, const char* key) {
     const auto values = py::cast<std::vector<double>>(value);
     Require(values.size() == static_cast<std::size_t>(batch.dimension),
             std::string(key) + " must have " + std::to_string(batch.dimension) + " coordinates");
@@ -74,7 +74,7 @@ void Size(Batch& batch, const std::string& action, FeatureId id, const py::dict&
     std::copy(values.begin(), values.end(), result.begin());
     return result;
   };
-  const auto place = [&](const char* key) { return place_of(size[key], key); };
+  const auto position = [&](const char* key) { return position_of(size[key], key); };
   Require(size.contains("target"), "a size must have a target");
   Sizing sizing;
   sizing.target = number("target");
@@ -84,19 +84,19 @@ void Size(Batch& batch, const std::string& action, FeatureId id, const py::dict&
   } else if (size.contains("path")) {
     Require(size.contains("radius"), "a size with a `path` must have a `radius`");
     Path path;
-    for (const py::handle vertex : size["path"]) path.push_back(place_of(vertex, "path"));
+    for (const py::handle vertex : size["path"]) path.push_back(position_of(vertex, "path"));
     feature = Feature::SizeCapsule(id, std::move(path), number("radius"), sizing.target);
   } else if (size.contains("low")) {
     sizing.shape = SizeShape::kBox;
-    sizing.hi = place("high");
-    feature = Feature::Size(id, place("low"), sizing);
+    sizing.hi = position("high");
+    feature = Feature::Size(id, position("low"), sizing);
   } else {
     Require(size.contains("at"), "a size must have `at`, `low` and `high`, `rings` or `path`");
     if (size.contains("radius")) {
       sizing.shape = SizeShape::kDisc;
       sizing.radius = number("radius");
     }
-    feature = Feature::Size(id, place("at"), sizing);
+    feature = Feature::Size(id, position("at"), sizing);
   }
   batch.edits.push_back(EditOf(action, feature));
 }
@@ -105,9 +105,9 @@ void Remove(Batch& batch, const Ids& ids) {
   for (const std::uint64_t id : SpanOf(ids)) batch.edits.push_back(Edit::Remove(id));
 }
 
-py::tuple Place(const std::array<double, 3>& place, int dimension) {
-  if (dimension == 2) return py::make_tuple(place[0], place[1]);
-  return py::make_tuple(place[0], place[1], place[2]);
+py::tuple Tuple(const std::array<double, 3>& position, int dimension) {
+  if (dimension == 2) return py::make_tuple(position[0], position[1]);
+  return py::make_tuple(position[0], position[1], position[2]);
 }
 
 }  // namespace
@@ -119,7 +119,7 @@ py::list FeatureDicts(const std::vector<Feature>& features, int dimension) {
     d["id"] = f.id;
     switch (f.kind) {
       case FeatureKind::kPoint:
-        d["kind"] = "point", d["at"] = Place(f.position, dimension);
+        d["kind"] = "point", d["at"] = Tuple(f.position, dimension);
         break;
       case FeatureKind::kSegment:
         d["kind"] = "segment", d["ends"] = py::make_tuple(f.ends[0], f.ends[1]);
@@ -133,12 +133,12 @@ py::list FeatureDicts(const std::vector<Feature>& features, int dimension) {
           d["rings"] = py::cast(f.rings);
         } else if (f.sizing.shape == SizeShape::kCapsule) {
           py::list path;
-          for (const auto& vertex : f.sizing.path) path.append(Place(vertex, dimension));
+          for (const auto& vertex : f.sizing.path) path.append(Tuple(vertex, dimension));
           d["path"] = path, d["radius"] = f.sizing.radius;
         } else if (f.sizing.shape == SizeShape::kBox) {
-          d["low"] = Place(f.position, dimension), d["high"] = Place(f.sizing.hi, dimension);
+          d["low"] = Tuple(f.position, dimension), d["high"] = Tuple(f.sizing.hi, dimension);
         } else {
-          d["at"] = Place(f.position, dimension);
+          d["at"] = Tuple(f.position, dimension);
           if (f.sizing.shape == SizeShape::kDisc) d["radius"] = f.sizing.radius;
         }
         break;
@@ -151,8 +151,8 @@ py::list FeatureDicts(const std::vector<Feature>& features, int dimension) {
 py::dict OptionsDict(const MeshOptions& options) {
   py::dict d;
   d["dimension"] = options.dimension;
-  d["box"] = py::make_tuple(Place(options.box.lo, options.dimension),
-                            Place(options.box.hi, options.dimension));
+  d["box"] = py::make_tuple(Tuple(options.box.lo, options.dimension),
+                            Tuple(options.box.hi, options.dimension));
   d["rho"] = options.quality;
   d["criterion"] = options.criterion == Criterion::kThesis ? "thesis" : "edge";
   d["max_edge"] = options.max_edge;

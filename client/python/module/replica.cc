@@ -63,8 +63,8 @@ py::dict CompactDict(const SlotMesh& mesh) {
   std::vector<double> points;
   points.reserve(numbering.vertex_slots.size() * d);
   for (const Slot slot : numbering.vertex_slots) {
-    const double* const place = mesh.points().data() + static_cast<std::size_t>(slot) * d;
-    points.insert(points.end(), place, place + d);
+    const double* const position = mesh.points().data() + static_cast<std::size_t>(slot) * d;
+    points.insert(points.end(), position, position + d);
   }
   std::vector<std::int32_t> cells;
   cells.reserve(numbering.simplex_slots.size() * width);

@@ -30,7 +30,7 @@ class GeoJsonReader {
   }
 
  private:
-  using Path = std::vector<LineWork::Place>;
+  using Path = std::vector<LineWork::Node>;
 
   absl::Status ReadObject(Index v) {
     const absl::StatusOr<std::string_view> type = TypeOf(json_, v, "a GeoJSON object");
@@ -102,7 +102,7 @@ class GeoJsonReader {
     return json_.ForEach(v, [&](Index i) { return ReadNested(i, arrays - 1, read); });
   }
 
-  absl::StatusOr<LineWork::Place> AddPosition(Index v) {
+  absl::StatusOr<LineWork::Node> AddPosition(Index v) {
     const absl::StatusOr<Position> position = ReadPosition(json_, v);
     if (!position.ok()) return position.status();
     if (auto status = CheckMagnitude(json_, v, position->at); !status.ok()) return status;
@@ -133,10 +133,10 @@ class GeoJsonReader {
     Path path;
     path.reserve(count);
     const absl::Status status = json_.ForEach(v, [&](Index i) {
-      const absl::StatusOr<LineWork::Place> place = AddPosition(i);
-      if (!place.ok()) return place.status();
-      if (connect && !path.empty()) work_.Connect(path.back(), *place, json_.line(i));
-      path.push_back(*place);
+      const absl::StatusOr<LineWork::Node> node = AddPosition(i);
+      if (!node.ok()) return node.status();
+      if (connect && !path.empty()) work_.Connect(path.back(), *node, json_.line(i));
+      path.push_back(*node);
       return absl::OkStatus();
     });
     if (!status.ok()) return status;

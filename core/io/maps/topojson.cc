@@ -56,7 +56,7 @@ class TopoJsonReader {
   }
 
  private:
-  using Path = std::vector<LineWork::Place>;
+  using Path = std::vector<LineWork::Node>;
   struct Arc {
     bool is_line = false;    // its edges become segments
     bool is_border = false;  // a polygon uses it
@@ -193,7 +193,7 @@ class TopoJsonReader {
       }
       const Pair at = Place(sum);
       if (auto status = CheckMagnitude(json_, i, at); !status.ok()) return status;
-      const LineWork::Place here = work_.Add(at, json_.line(i));
+      const LineWork::Node here = work_.Add(at, json_.line(i));
       if (read.is_line && !read.path.empty()) work_.Connect(read.path.back(), here, json_.line(i));
       read.path.push_back(here);
       return absl::OkStatus();

@@ -227,7 +227,7 @@ std::vector<std::uint32_t> Find(const IndexedMesh& mesh, const SimplexColumn& si
   }
   std::vector<VertexId> ids;
   ids.reserve(mesh.vertices.size());
-  for (const auto& v : mesh.vertices) ids.push_back(VertexIdAt(v.place().data(), D));
+  for (const auto& v : mesh.vertices) ids.push_back(VertexIdAt(v.position().data(), D));
   std::vector<std::uint32_t> found;
   const auto& rows = SimplicesOf<D>(mesh);
   for (std::uint32_t i = 0; i < rows.size(); ++i) {
@@ -281,15 +281,15 @@ Mesh ToMesh(const IndexedMesh& indexed) {
   absl::flat_hash_map<VertexId, std::uint64_t> next_salt;
   next_salt.reserve(indexed.vertices.size());
   for (const auto& v : indexed.vertices) {
-    const std::array<double, 3> place = v.place();
-    const VertexId unsalted = VertexIdAt(place.data(), indexed.dimension);
+    const std::array<double, 3> position = v.position();
+    const VertexId unsalted = VertexIdAt(position.data(), indexed.dimension);
     VertexId id = unsalted;
     while (!next_salt.emplace(id, 1).second) {
-      id = VertexIdAt(place.data(), indexed.dimension, next_salt.find(unsalted)->second++);
+      id = VertexIdAt(position.data(), indexed.dimension, next_salt.find(unsalted)->second++);
     }
     mesh.vertices.ids.push_back(id);
-    mesh.vertices.coordinates.insert(mesh.vertices.coordinates.end(), place.begin(),
-                                     place.begin() + d);
+    mesh.vertices.coordinates.insert(mesh.vertices.coordinates.end(), position.begin(),
+                                     position.begin() + d);
     mesh.vertices.containing_dimensions.push_back(
         static_cast<std::uint8_t>(v.containing_dimension));
     mesh.vertices.owners.push_back(v.owner);
@@ -325,13 +325,13 @@ std::vector<std::uint32_t> FindSimplices(const IndexedMesh& mesh, const SimplexC
 
 TriangleQuality MeasureTriangle(const IndexedMesh& mesh, std::size_t i) {
   std::array<double, 3> corner[3];
-  for (std::size_t k = 0; k < 3; ++k) corner[k] = mesh.vertices[mesh.triangles[i][k]].place();
+  for (std::size_t k = 0; k < 3; ++k) corner[k] = mesh.vertices[mesh.triangles[i][k]].position();
   return dynmesh::MeasureTriangle(corner[0].data(), corner[1].data(), corner[2].data());
 }
 
 TetrahedronQuality MeasureTetrahedron(const IndexedMesh& mesh, std::size_t i) {
   std::array<double, 3> corner[4];
-  for (std::size_t k = 0; k < 4; ++k) corner[k] = mesh.vertices[mesh.tetrahedra[i][k]].place();
+  for (std::size_t k = 0; k < 4; ++k) corner[k] = mesh.vertices[mesh.tetrahedra[i][k]].position();
   return dynmesh::MeasureTetrahedron(corner[0].data(), corner[1].data(), corner[2].data(),
                                      corner[3].data());
 }

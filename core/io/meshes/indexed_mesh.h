@@ -32,7 +32,7 @@ struct IndexedMesh {
     int containing_dimension = 0;
     FeatureId owner = kNoFeature;
     double z = 0;  // 0 in 2D
-    std::array<double, 3> place() const { return {x, y, z}; }
+    std::array<double, 3> position() const { return {x, y, z}; }
     friend bool operator==(const Vertex&, const Vertex&) = default;
   };
   template <int D>

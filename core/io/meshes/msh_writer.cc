@@ -70,9 +70,9 @@ class Corners {
 class BoundingRange {
  public:
   void Add(const IndexedMesh::Vertex& v) {
-    const std::array<double, 3> place = v.place();
+    const std::array<double, 3> position = v.position();
     for (std::size_t k = 0; k < 3; ++k) {
-      lo_[k] = std::min(lo_[k], place[k]), hi_[k] = std::max(hi_[k], place[k]);
+      lo_[k] = std::min(lo_[k], position[k]), hi_[k] = std::max(hi_[k], position[k]);
     }
   }
   void Write(FileWriter& out) const {

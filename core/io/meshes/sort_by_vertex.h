@@ -13,15 +13,15 @@ namespace dynmesh::io {
 // the rows. Rows that are equal by `less` are in any order.
 template <class Row, class First, class Less>
 void SortByVertex(std::vector<Row>& rows, std::size_t vertices, First first, Less less) {
-  std::vector<std::size_t> place(vertices + 1,
-                                 0);  // by vertex: the index of its first row, then past its last
-  for (const Row& row : rows) ++place[first(row) + std::size_t{1}];
-  for (std::size_t v = 1; v <= vertices; ++v) place[v] += place[v - 1];
+  std::vector<std::size_t> next(vertices + 1,
+                                0);  // by vertex: the index of its first row, then past its last
+  for (const Row& row : rows) ++next[first(row) + std::size_t{1}];
+  for (std::size_t v = 1; v <= vertices; ++v) next[v] += next[v - 1];
   std::vector<Row> sorted(rows.size());
-  for (const Row& row : rows) sorted[place[first(row)]++] = row;
+  for (const Row& row : rows) sorted[next[first(row)]++] = row;
   auto begin = sorted.begin();
   for (std::size_t v = 0; v < vertices; ++v) {
-    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(place[v]);
+    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(next[v]);
     std::sort(begin, end, less);
     begin = end;
   }

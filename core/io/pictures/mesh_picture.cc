@@ -63,7 +63,7 @@ class Cut {
     for (std::size_t i = 0; i < lows; ++i) {
       // Back and forth, so that neighbours in the list share a triangle.
       for (std::size_t k = 0; k < highs; ++k) {
-        polygon.Add(PlaceOn(below[i], above[i % 2 == 0 ? k : highs - 1 - k]));
+        polygon.Add(PointOn(below[i], above[i % 2 == 0 ? k : highs - 1 - k]));
       }
     }
     return polygon;
@@ -83,21 +83,21 @@ class Cut {
     picture_.lines.push_back({a, b, owner});
   }
 
-  double Height(std::uint32_t v) const { return mesh_.vertices[v].place()[axis_]; }
+  double Height(std::uint32_t v) const { return mesh_.vertices[v].position()[axis_]; }
 
   // The section's corner on the edge from `below` to `above`; a vertex in the plane is one corner.
-  std::uint32_t PlaceOn(std::uint32_t below, std::uint32_t above) {
+  std::uint32_t PointOn(std::uint32_t below, std::uint32_t above) {
     const double low = Height(below), high = Height(above);
     if (low == position_) above = below;
-    const auto number = static_cast<std::uint32_t>(picture_.places.size());
-    const auto [it, is_new] = place_on_.try_emplace(std::pair(below, above), number);
+    const auto number = static_cast<std::uint32_t>(picture_.positions.size());
+    const auto [it, is_new] = point_on_.try_emplace(std::pair(below, above), number);
     if (is_new) {
-      const std::array<double, 3> p = mesh_.vertices[below].place();
-      const std::array<double, 3> q = mesh_.vertices[above].place();
+      const std::array<double, 3> p = mesh_.vertices[below].position();
+      const std::array<double, 3> q = mesh_.vertices[above].position();
       const double t = above == below ? 0 : (position_ - low) / (high - low);
-      MeshPicture::Place& place = picture_.places.emplace_back();
+      MeshPicture::Position& position = picture_.positions.emplace_back();
       for (std::size_t k = 0; k < 2; ++k) {
-        place[k] = (1 - t) * p[across_[k]] + t * q[across_[k]];
+        position[k] = (1 - t) * p[across_[k]] + t * q[across_[k]];
       }
     }
     return it->second;
@@ -107,7 +107,7 @@ class Cut {
   const std::size_t axis_;
   const std::array<std::size_t, 2> across_;
   const double position_;
-  absl::flat_hash_map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> place_on_;
+  absl::flat_hash_map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> point_on_;
   MeshPicture picture_;
 };
 
@@ -121,10 +121,10 @@ std::array<std::size_t, 2> AxesAcross(int axis) {
 
 MeshPicture PictureOf(const IndexedMesh& planar) {
   MeshPicture picture;
-  picture.places.reserve(planar.vertices.size());
+  picture.positions.reserve(planar.vertices.size());
   for (std::uint32_t i = 0; i < planar.vertices.size(); ++i) {
     const IndexedMesh::Vertex& v = planar.vertices[i];
-    picture.places.push_back({v.x, v.y});
+    picture.positions.push_back({v.x, v.y});
     const bool is_input = v.owner != kBoxFeature && v.owner != kNoFeature;
     if (v.containing_dimension == 0 && is_input) picture.dots.push_back(i);
   }

@@ -16,7 +16,7 @@
 namespace dynmesh::io {
 
 struct MeshPicture {
-  using Place = std::array<double, 2>;
+  using Position = std::array<double, 2>;
   struct Cell {
     std::array<std::uint32_t, 4> corners = {0, 0, 0, 0};  // the first `count`, in order around
     std::uint32_t count = 0;                              // 3 or 4
@@ -25,7 +25,7 @@ struct MeshPicture {
   // Owned by the feature of the subsegment or cut subfacet, by the box, or by none.
   using Line = IndexedMesh::Edge;
 
-  std::vector<Place> places;
+  std::vector<Position> positions;
   std::vector<Cell> cells;
   std::vector<Line> lines;          // no duplicates
   std::vector<std::uint32_t> dots;  // positions of input points

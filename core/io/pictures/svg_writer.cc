@@ -97,8 +97,8 @@ class SvgDrawing {
     if (options_.crop) return options_.crop->lo[k] / 2 + options_.crop->hi[k] / 2;
     double lo = 0, hi = 0;
     for (const auto& v : mesh_.vertices) {
-      if (&v == &mesh_.vertices.front()) lo = hi = v.place()[k];
-      lo = std::min(lo, v.place()[k]), hi = std::max(hi, v.place()[k]);
+      if (&v == &mesh_.vertices.front()) lo = hi = v.position()[k];
+      lo = std::min(lo, v.position()[k]), hi = std::max(hi, v.position()[k]);
     }
     return lo / 2 + hi / 2;
   }
@@ -112,10 +112,10 @@ class SvgDrawing {
       for (std::size_t k = 0; k < 2; ++k) {
         lo[k] = options_.crop->lo[axes[k]], hi[k] = options_.crop->hi[axes[k]];
       }
-    } else if (!picture_.places.empty()) {
+    } else if (!picture_.positions.empty()) {
       lo[0] = lo[1] = std::numeric_limits<double>::infinity();
       hi[0] = hi[1] = -lo[0];
-      for (const auto& [x, y] : picture_.places) {
+      for (const auto& [x, y] : picture_.positions) {
         lo[0] = std::min(lo[0], x), lo[1] = std::min(lo[1], y);
         hi[0] = std::max(hi[0], x), hi[1] = std::max(hi[1], y);
       }
@@ -139,10 +139,10 @@ class SvgDrawing {
   bool IsInView(std::span<const std::uint32_t> corners) const {
     double lo[2], hi[2];
     for (std::size_t k = 0; k < 2; ++k) {
-      lo[k] = hi[k] = picture_.places[corners[0]][k];
+      lo[k] = hi[k] = picture_.positions[corners[0]][k];
       for (const std::uint32_t c : corners) {
-        lo[k] = std::min(lo[k], picture_.places[c][k]),
-        hi[k] = std::max(hi[k], picture_.places[c][k]);
+        lo[k] = std::min(lo[k], picture_.positions[c][k]),
+        hi[k] = std::max(hi[k], picture_.positions[c][k]);
       }
     }
     return Overlaps(lo[0], lo[1], hi[0], hi[1]);
@@ -158,7 +158,7 @@ class SvgDrawing {
       const std::array ends = {picture_.lines[i].a, picture_.lines[i].b};
       if (!IsInView(ends)) continue;
       lines_.push_back(i);
-      const auto &a = picture_.places[ends[0]], &b = picture_.places[ends[1]];
+      const auto &a = picture_.positions[ends[0]], &b = picture_.positions[ends[1]];
       lengths.push_back(std::hypot(a[0] - b[0], a[1] - b[1]) * scale_);
     }
     if (lengths.empty()) return;
@@ -167,11 +167,11 @@ class SvgDrawing {
     typical_ = *middle;
   }
 
-  Pixel At(std::uint32_t place) const {
+  Pixel At(std::uint32_t index) const {
     // Far outside a narrow crop precision is irrelevant, the range is not.
     constexpr double kFar = 1e15;
-    const double x = (picture_.places[place][0] - lo_[0]) * scale_ * 100;
-    const double y = (hi_[1] - picture_.places[place][1]) * scale_ * 100;
+    const double x = (picture_.positions[index][0] - lo_[0]) * scale_ * 100;
+    const double y = (hi_[1] - picture_.positions[index][1]) * scale_ * 100;
     return {std::llround(std::clamp(x, -kFar, kFar)), std::llround(std::clamp(y, -kFar, kFar))};
   }
 

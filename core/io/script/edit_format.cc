@@ -26,10 +26,10 @@ std::string FormatRings(const Rings& rings) {
 }
 
 // Its coordinates with `separator` between them.
-std::string FormatPlace(const std::array<double, 3>& place, int dimension,
-                        std::string_view separator = " ") {
-  std::string text = Concat(FormatDouble(place[0]), separator, FormatDouble(place[1]));
-  if (dimension == 3) text += Concat(separator, FormatDouble(place[2]));
+std::string FormatPosition(const std::array<double, 3>& position, int dimension,
+                           std::string_view separator = " ") {
+  std::string text = Concat(FormatDouble(position[0]), separator, FormatDouble(position[1]));
+  if (dimension == 3) text += Concat(separator, FormatDouble(position[2]));
   return text;
 }
 
@@ -39,11 +39,11 @@ std::string FormatSize(const Feature& f, int dimension) {
   const SizeShapeUse* const use = FindUse(s.shape);
   if (use == nullptr) return "?";
   std::string text(use->name);
-  if (use->position) text += Concat(" ", FormatPlace(f.position, dimension));
-  if (use->hi) text += Concat(" ", FormatPlace(s.hi, dimension));
+  if (use->position) text += Concat(" ", FormatPosition(f.position, dimension));
+  if (use->hi) text += Concat(" ", FormatPosition(s.hi, dimension));
   if (use->rings) text += Concat(" ", FormatRings(f.rings));
   if (use->path) {
-    for (const auto& vertex : s.path) text += Concat(" ", FormatPlace(vertex, dimension));
+    for (const auto& vertex : s.path) text += Concat(" ", FormatPosition(vertex, dimension));
   }
   if (use->radius) text += Concat(" ", FormatDouble(s.radius));
   return Concat(text, " ", FormatDouble(s.target));
@@ -54,8 +54,8 @@ std::string FormatSize(const Feature& f, int dimension) {
 std::string FormatMeshLine(const MeshOptions& options) {
   const Box& box = options.box;
   return Concat(
-      "mesh dim=", options.dimension, " box=", FormatPlace(box.lo, options.dimension, ","), ",",
-      FormatPlace(box.hi, options.dimension, ","), " rho=", FormatDouble(options.quality),
+      "mesh dim=", options.dimension, " box=", FormatPosition(box.lo, options.dimension, ","), ",",
+      FormatPosition(box.hi, options.dimension, ","), " rho=", FormatDouble(options.quality),
       " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge",
       options.max_edge > 0 ? Concat(" hmax=", FormatDouble(options.max_edge)) : "",
       options.dimension == 3 ? Concat(" min_dihedral=", FormatDouble(options.min_dihedral)) : "");
@@ -65,7 +65,7 @@ std::string FormatEdit(const Edit& edit, int dimension) {
   const Feature& f = edit.feature;
   if (edit.action == Edit::Action::kRemove) return Concat("remove ", f.id);
   const auto point = [&] {
-    return Concat("point ", f.id, " ", FormatPlace(f.position, dimension));
+    return Concat("point ", f.id, " ", FormatPosition(f.position, dimension));
   };
   if (edit.action == Edit::Action::kMove) return Concat("move ", point());
   const std::string_view verb = edit.action == Edit::Action::kAdd ? "add" : "set";

@@ -159,10 +159,10 @@ class ScriptParser {
   absl::Status ParsePoint(Edit::Action action) {
     const absl::StatusOr<FeatureId> id = Id(2, "the point's id");
     if (!id.ok()) return id.status();
-    const absl::StatusOr<Place> place = ParsePlace(3, "");
-    if (!place.ok()) return place.status();
+    const absl::StatusOr<Position> position = ParsePosition(3, "");
+    if (!position.ok()) return position.status();
     if (reader_.size() > 3 + Axes()) return TooMany(3 + Axes());
-    const auto& [x, y, z] = *place;
+    const auto& [x, y, z] = *position;
     Add({action, Feature::Point(*id, x, y, z)});
     return absl::OkStatus();
   }
@@ -220,13 +220,13 @@ class ScriptParser {
     Feature size = Feature::Size(*id, {0, 0, 0}, {use->shape, 0, 0, {}});
     std::size_t next = 4;
     if (use->position) {
-      const absl::StatusOr<Place> place = ParsePlace(next, use->hi ? "0" : "");
-      if (!place.ok()) return place.status();
-      size.position = *place;
+      const absl::StatusOr<Position> position = ParsePosition(next, use->hi ? "0" : "");
+      if (!position.ok()) return position.status();
+      size.position = *position;
       next += Axes();
     }
     if (use->hi) {
-      const absl::StatusOr<Place> hi = ParsePlace(next, "1");
+      const absl::StatusOr<Position> hi = ParsePosition(next, "1");
       if (!hi.ok()) return hi.status();
       size.sizing.hi = *hi;
       next += Axes();
@@ -241,7 +241,7 @@ class ScriptParser {
     if (use->path) {  // all but the radius and the target
       const std::size_t tail = 2;
       while (reader_.size() >= next + Axes() + tail) {
-        const absl::StatusOr<Place> vertex = ParsePlace(next, "");
+        const absl::StatusOr<Position> vertex = ParsePosition(next, "");
         if (!vertex.ok()) return vertex.status();
         size.sizing.path.push_back(*vertex);
         next += Axes();
@@ -266,19 +266,19 @@ class ScriptParser {
     return absl::OkStatus();
   }
 
-  using Place = std::array<double, 3>;
+  using Position = std::array<double, 3>;
   std::size_t Axes() const { return static_cast<std::size_t>(script_.dimension); }
 
   // The tokens from `first` on, one per axis; named x, y, z with `suffix` in messages.
-  absl::StatusOr<Place> ParsePlace(std::size_t first, std::string_view suffix) const {
-    Place place = {0, 0, 0};
+  absl::StatusOr<Position> ParsePosition(std::size_t first, std::string_view suffix) const {
+    Position position = {0, 0, 0};
     for (std::size_t i = 0; i < Axes(); ++i) {
       const absl::StatusOr<double> value =
           reader_.Double(first + i, Concat(std::string_view("xyz").substr(i, 1), suffix));
       if (!value.ok()) return value.status();
-      place[i] = *value;
+      position[i] = *value;
     }
-    return place;
+    return position;
   }
 
   absl::StatusOr<FeatureId> Id(std::size_t i, std::string_view what) const {

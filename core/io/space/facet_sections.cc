@@ -105,9 +105,9 @@ absl::StatusOr<std::vector<Facet>> ReadPolyFacets(TextReader& reader, const Node
       if (auto s = NextRow(reader, "polygon", k, *polygons); !s.ok()) return s;
       if (auto s = AddPolygon(reader, nodes, false, facet); !s.ok()) return s;
     }
-    absl::StatusOr<std::vector<SeedRow>> places = ReadSeedRows(reader, "hole", *holes, 3, 0);
-    if (!places.ok()) return places.status();
-    facet.holes = *std::move(places);
+    absl::StatusOr<std::vector<SeedRow>> positions = ReadSeedRows(reader, "hole", *holes, 3, 0);
+    if (!positions.ok()) return positions.status();
+    facet.holes = *std::move(positions);
     return absl::OkStatus();
   });
 }

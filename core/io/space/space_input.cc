@@ -40,7 +40,7 @@ class HoleCheck {
                    "a polygon touches another one of its facet with all of its corners; give each "
                    "piece a facet of its own");
     }
-    std::vector<bool> has_place(rings_.size(), false);
+    std::vector<bool> has_position(rings_.size(), false);
     for (const SeedRow& hole : facet_.holes) {
       const std::vector<std::size_t> around = RingsAround(hole, *view);
       if (around.size() % 2 == 1) {
@@ -49,14 +49,15 @@ class HoleCheck {
                      "around it; move it into the hole");
       }
       for (const std::size_t i : around) {
-        if ((*depths)[i] + 1 == static_cast<int>(around.size())) has_place[i] = true;
+        if ((*depths)[i] + 1 == static_cast<int>(around.size())) has_position[i] = true;
       }
     }
     for (std::size_t i = 0; i < rings_.size(); ++i) {
-      if ((*depths)[i] % 2 == 0 || has_place[i]) continue;
-      return Error(ring_lines_[i],
-                   "a polygon inside its facet without the place of a hole: polygons that only "
-                   "divide a facet are not supported; add the place, or make facets of the parts");
+      if ((*depths)[i] % 2 == 0 || has_position[i]) continue;
+      return Error(
+          ring_lines_[i],
+          "a polygon inside its facet without the place of a hole: polygons that only "
+          "divide a facet are not supported; add the position, or make facets of the parts");
     }
     return absl::OkStatus();
   }
@@ -110,16 +111,16 @@ absl::Status AddFacet(const Facet& facet, const std::string& file, SurfaceWork& 
     }
   }
   if (rings.empty()) return absl::OkStatus();
-  std::vector<PointRing> places;
+  std::vector<PointRing> positions;
   if (rings.size() > 1 || !facet.holes.empty()) {
     for (const SurfaceWork::Ring& ring : rings) {
-      PointRing& corners = places.emplace_back();
+      PointRing& corners = positions.emplace_back();
       for (const SurfaceWork::Vertex v : ring) corners.push_back(Point3{work.position(v)});
     }
   }
   if (auto s = work.AddFace(std::move(rings), facet.line); !s.ok()) return s;
-  if (places.empty()) return absl::OkStatus();
-  return HoleCheck(file, facet, places, lines).Run();
+  if (positions.empty()) return absl::OkStatus();
+  return HoleCheck(file, facet, positions, lines).Run();
 }
 
 template <class ReadFacets>

@@ -17,25 +17,25 @@ LineGraph RandomGraph(std::uint64_t seed) {
   std::uniform_real_distribution<double> unit(0, 1);
   LineGraph graph(kTolerance);
   FeatureId id = 0;
-  const auto place = [&](double x, double y) {
-    const auto near = graph.places.Near({x, y});
-    return near ? *near : graph.AddPlace({x, y}, ++id);
+  const auto node = [&](double x, double y) {
+    const auto near = graph.nodes.Near({x, y});
+    return near ? *near : graph.AddNode({x, y}, ++id);
   };
-  const Place hub = place(0.3, 0.7);
+  const Node hub = node(0.3, 0.7);
   for (int i = 0; i < 300; ++i) {
     const double x = unit(random), y = unit(random), u = unit(random), v = unit(random);
     switch (random() % 4) {
       case 0:
-        graph.Connect(place(x, y), place(u, v), ++id);
+        graph.Connect(node(x, y), node(u, v), ++id);
         break;
       case 1:
-        graph.Connect(place(x, y), place(x + u / 50, y + v / 50), ++id);
+        graph.Connect(node(x, y), node(x + u / 50, y + v / 50), ++id);
         break;
       case 2:
-        graph.Connect(place(x / 100, y / 100), place(u / 100, v / 100), ++id);
+        graph.Connect(node(x / 100, y / 100), node(u / 100, v / 100), ++id);
         break;
       default:
-        graph.Connect(hub, place(u, v), ++id);
+        graph.Connect(hub, node(u, v), ++id);
         break;
     }
     if (i == 200) graph.round = 1;
@@ -63,10 +63,8 @@ TEST(MeetingSearch, NoCrossingIsMissed) {
       for (EdgeIndex e = 0; e < graph.edges.size(); ++e) {
         for (EdgeIndex f = e + 1; f < graph.edges.size(); ++f) {
           if (graph.edges[e].born < since && graph.edges[f].born < since) continue;
-          const Point &a = graph.places.at(graph.edges[e].a),
-                      &b = graph.places.at(graph.edges[e].b);
-          const Point &c = graph.places.at(graph.edges[f].a),
-                      &d = graph.places.at(graph.edges[f].b);
+          const Point &a = graph.nodes.at(graph.edges[e].a), &b = graph.nodes.at(graph.edges[e].b);
+          const Point &c = graph.nodes.at(graph.edges[f].a), &d = graph.nodes.at(graph.edges[f].b);
           if (Side(a, b, c) * Side(a, b, d) >= 0 || Side(c, d, a) * Side(c, d, b) >= 0) continue;
           ++crossings;
           EXPECT_TRUE(visited.contains({e, f})) << "seed " << seed;
@@ -82,13 +80,13 @@ TEST(MeetingSearch, NoPlaceNearAnEdgeIsMissedAndNoneComesTwice) {
   constexpr double kReach = 0.003;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const LineGraph graph = RandomGraph(seed);
-    std::set<std::pair<EdgeIndex, Place>> visited;
-    VisitPlacesNearEdges(graph, kReach, 0,
-                         [&](EdgeIndex e, Place v) { EXPECT_TRUE(visited.emplace(e, v).second); });
+    std::set<std::pair<EdgeIndex, Node>> visited;
+    VisitNodesNearEdges(graph, kReach, 0,
+                        [&](EdgeIndex e, Node v) { EXPECT_TRUE(visited.emplace(e, v).second); });
     for (EdgeIndex e = 0; e < graph.edges.size(); ++e) {
-      const Point &a = graph.places.at(graph.edges[e].a), &b = graph.places.at(graph.edges[e].b);
-      for (Place v = 0; v < graph.places.size(); ++v) {
-        const Point& p = graph.places.at(v);
+      const Point &a = graph.nodes.at(graph.edges[e].a), &b = graph.nodes.at(graph.edges[e].b);
+      for (Node v = 0; v < graph.nodes.size(); ++v) {
+        const Point& p = graph.nodes.at(v);
         const double along = (b[0] - a[0]) * (p[0] - a[0]) + (b[1] - a[1]) * (p[1] - a[1]);
         const double length2 = SquaredDistance(a, b);
         if (along < 0 || along > length2) continue;

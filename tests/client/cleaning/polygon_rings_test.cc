@@ -5,11 +5,11 @@
 namespace dynmesh::cleaning {
 namespace {
 
-using Edges = std::vector<PlacePair>;
-using PlaceRings = std::vector<PlaceRing>;
+using Edges = std::vector<NodePair>;
+using NodeRings = std::vector<NodeRing>;
 
 TEST(PolygonRings, RingsWhoseEdgesAreAllThereStayAsTheyAre) {
-  const PlaceRings were = {{5, 3, 4}, {2, 0, 1}};
+  const NodeRings were = {{5, 3, 4}, {2, 0, 1}};
   const RemadeRings remade = RemakeRings(were, {{0, 1}, {0, 2}, {1, 2}, {3, 4}, {3, 5}, {4, 5}});
   EXPECT_EQ(remade.rings, were);
   EXPECT_TRUE(remade.cuts.empty());
@@ -19,15 +19,15 @@ TEST(PolygonRings, ASplitEdgeIsTheChainOfItsPieces) {
   // 0-1 goes through 7 now; the other ring is unchanged.
   const RemadeRings remade =
       RemakeRings({{0, 1, 2}, {5, 3, 4}}, {{0, 2}, {0, 7}, {1, 2}, {1, 7}, {3, 4}, {3, 5}, {4, 5}});
-  EXPECT_EQ(remade.rings, (PlaceRings{{0, 2, 1, 7}, {5, 3, 4}}));
+  EXPECT_EQ(remade.rings, (NodeRings{{0, 2, 1, 7}, {5, 3, 4}}));
   EXPECT_TRUE(remade.cuts.empty());
 }
 
 TEST(PolygonRings, ARingThatComesToAPlaceTwiceIsCutThere) {
   const RemadeRings remade =
       RemakeRings({{0, 1, 2, 3, 4, 2}}, {{0, 1}, {0, 2}, {1, 2}, {2, 3}, {2, 4}, {3, 4}});
-  EXPECT_EQ(remade.rings, (PlaceRings{{0, 1, 2}, {2, 3, 4}}));
-  EXPECT_EQ(remade.cuts, (PlaceRing{2}));
+  EXPECT_EQ(remade.rings, (NodeRings{{0, 1, 2}, {2, 3, 4}}));
+  EXPECT_EQ(remade.cuts, (NodeRing{2}));
 }
 
 TEST(PolygonRings, WithoutEdgesThereAreNoRings) {
@@ -39,7 +39,7 @@ TEST(PolygonRings, WithoutEdgesThereAreNoRings) {
 TEST(PolygonRings, ARingThatStandsThriceIsThereOnce) {
   const RemadeRings remade =
       RemakeRings({{0, 1, 2}, {1, 2, 0}, {0, 2, 1}}, {{0, 1}, {0, 2}, {1, 2}});
-  EXPECT_EQ(remade.rings, (PlaceRings{{0, 1, 2}}));
+  EXPECT_EQ(remade.rings, (NodeRings{{0, 1, 2}}));
 }
 
 }  // namespace

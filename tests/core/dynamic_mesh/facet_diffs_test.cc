@@ -70,7 +70,7 @@ class Input {
   }
   plc::FacetFeature FacetOf(FeatureId id) const {
     plc::FacetFeature facet = {id, {facets.at(id)}, {{}}};
-    for (const FeatureId corner : facets.at(id)) facet.places[0].push_back(points.at(corner));
+    for (const FeatureId corner : facets.at(id)) facet.positions[0].push_back(points.at(corner));
     return facet;
   }
 };

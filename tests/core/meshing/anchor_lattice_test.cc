@@ -156,7 +156,7 @@ TYPED_TEST(AnchorLatticeTest, HoldsThoseThatAreOctavesWider) {
   const auto all = [](const geometry::Point<D>&, double) { return true; };
   for (int finest = -24; finest < -16; ++finest) {
     std::map<geometry::Point<D>, std::set<int>> places;
-    std::map<geometry::Point<D>, typename Lattice::Place> names;
+    std::map<geometry::Point<D>, typename Lattice::Node> names;
     for (int octave = 0; octave < kOctaves; ++octave) {
       const int level = finest + octave * Lattice::kOctave;
       EXPECT_TRUE(Lattice::AreNested(finest, level));
@@ -164,7 +164,7 @@ TYPED_TEST(AnchorLatticeTest, HoldsThoseThatAreOctavesWider) {
       Lattice(level).ForEachIn(
           box, all, [&](const typename Lattice::Index& index, const geometry::Point<D>& p) {
             places[p].insert(octave);
-            const auto name = Lattice::PlaceOf(level, index);
+            const auto name = Lattice::NodeOf(level, index);
             EXPECT_EQ(Lattice(name.level).At(name.index), p);
             EXPECT_EQ(names.emplace(p, name).first->second, name);
             return true;

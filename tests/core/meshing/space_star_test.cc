@@ -1,5 +1,4 @@
 // The star of a vertex in 3D against all triples of the points and ghosts, by definition.
-#include "core/meshing/corner_towards.h"
 #include "core/meshing/space_star.h"
 
 #include <gtest/gtest.h>
@@ -12,6 +11,8 @@
 #include <set>
 #include <string>
 #include <vector>
+
+#include "core/meshing/corner_towards.h"
 
 namespace dynmesh::meshing {
 namespace {
@@ -298,9 +299,9 @@ TEST_P(SpaceStarTest, TheCornerTowardsAPointDecidesWhetherThePointIsANeighbour) 
         for (int k = 0; k < 3; ++k) q[k] += (source.Unit() - 0.5) * std::exp2(-source.Below(30));
       }
       if (set.contains(q)) continue;
-      const int i = CornerTowards(directions, star.corner_count(),
-                                             [&](int c) { return star.corner(c).n; },
-                                             {q[0] - v[0], q[1] - v[1], q[2] - v[2]});
+      const int i =
+          CornerTowards(directions, star.corner_count(), [&](int c) { return star.corner(c).n; },
+                        {q[0] - v[0], q[1] - v[1], q[2] - v[2]});
       if (i < 0) continue;
       bool any = false;
       for (int c = 0; c < star.corner_count(); ++c) any = any || star.Conflicts(c, q);

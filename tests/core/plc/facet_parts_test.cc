@@ -80,7 +80,7 @@ Facet FacetOf(const Chains& chains) {
   FacetFeature feature{1, {}, {}};
   for (const auto& chain : chains) {
     auto& ring = feature.rings.emplace_back();
-    auto& places = feature.places.emplace_back();
+    auto& places = feature.positions.emplace_back();
     for (const auto& [i, j] : chain) {
       ring.push_back(static_cast<FeatureId>(1 + i + (kSide + 1) * j));
       places.push_back({{0.8 * i + 0.1 * j, 0.6 * j - 0.1 * i, 0.5 * i + 0.3 * j}});

@@ -43,7 +43,7 @@ class Things {
   // On something there, or as far from it as `Size` says.
   Point3 PlaceByThings() {
     if (facets_.empty() || random_() % 4 == 0) return Place();
-    const auto& corners = facets_[random_() % facets_.size()].first.feature().places[0];
+    const auto& corners = facets_[random_() % facets_.size()].first.feature().positions[0];
     const double u = std::uniform_real_distribution<double>(0, 1)(random_), v = (1 - u) / 2;
     Point3 p;
     for (int i = 0; i < 3; ++i) {

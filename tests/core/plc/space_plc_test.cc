@@ -420,12 +420,12 @@ TEST(SpacePlc, FacetsComeAndGoWithPolygonsAndFollowTheirCorners) {
   const Delta<3> first = Apply(plc, Plate());
   ASSERT_EQ(first.added_facets.size(), 1u);
   EXPECT_EQ(first.added_facets[0].rings, (Rings{{1, 2, 3, 4}}));
-  EXPECT_EQ(first.added_facets[0].places[0][2], (geometry::Point3{{0.75, 0.75, 0.5}}));
+  EXPECT_EQ(first.added_facets[0].positions[0][2], (geometry::Point3{{0.75, 0.75, 0.5}}));
   EXPECT_EQ(first.added_segments.size(), 4u);
   const Delta<3> moved = Apply(plc, {Edit::Move(3, 0.8, 0.8, 0.5)});
   EXPECT_EQ(moved.removed_facets, first.added_facets);
   ASSERT_EQ(moved.added_facets.size(), 1u);
-  EXPECT_EQ(moved.added_facets[0].places[0][2], (geometry::Point3{{0.8, 0.8, 0.5}}));
+  EXPECT_EQ(moved.added_facets[0].positions[0][2], (geometry::Point3{{0.8, 0.8, 0.5}}));
   EXPECT_TRUE(moved.added_polygons.empty());
   EXPECT_EQ(plc.FromNothing().added_facets, moved.added_facets);
   // The index follows.

@@ -117,8 +117,8 @@ void ExpectSameRows(const IndexedMesh& a, const IndexedMesh& b) {
   for (std::size_t i = 0; i < a.vertices.size(); ++i) {
     ASSERT_EQ(a.vertices[i], b.vertices[i]) << i;
     for (std::size_t k = 0; k < 3; ++k) {
-      ASSERT_EQ(std::bit_cast<std::uint64_t>(a.vertices[i].place()[k]),
-                std::bit_cast<std::uint64_t>(b.vertices[i].place()[k]));
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(a.vertices[i].position()[k]),
+                std::bit_cast<std::uint64_t>(b.vertices[i].position()[k]));
     }
   }
   EXPECT_EQ(a.tetrahedra, b.tetrahedra);

@@ -360,7 +360,7 @@ TEST(Msh, OfAMeshOfSpaceHasPolygonsAsSurfaces) {
   ASSERT_EQ(content.nodes.size(), mesh.vertices.size());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const auto& v = mesh.vertices[i];
-    EXPECT_EQ(content.nodes.at(i + 1), v.place());
+    EXPECT_EQ(content.nodes.at(i + 1), v.position());
     const Entity entity = content.entity_of_node.at(i + 1);
     EXPECT_EQ(entity.first, v.owner == kBoxFeature ? 2 : v.containing_dimension);
     EXPECT_EQ(NameOf(content, entity), v.owner == kNoFeature ? "domain" : NameOf(v.owner));

@@ -161,7 +161,7 @@ TEST(SpaceMedit, HoldsTheMesh) {
     for (std::size_t k = 0; k < 3; ++k) {
       double c = 0;
       EXPECT_TRUE(ParseDouble(vertices[i][k], &c));
-      EXPECT_EQ(c, mesh.vertices[i].place()[k]);
+      EXPECT_EQ(c, mesh.vertices[i].position()[k]);
     }
     EXPECT_EQ(name_of("reference", vertices[i][3]), owner_name(mesh.vertices[i].owner));
   }

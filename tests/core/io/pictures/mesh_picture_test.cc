@@ -25,8 +25,8 @@ using testing::MakeRandom;
 double AreaOf(const MeshPicture& picture, const MeshPicture::Cell& cell) {
   double twice = 0;
   for (std::uint32_t k = 0; k < cell.count; ++k) {
-    const auto& p = picture.places[cell.corners[k]];
-    const auto& q = picture.places[cell.corners[(k + 1) % cell.count]];
+    const auto& p = picture.positions[cell.corners[k]];
+    const auto& q = picture.positions[cell.corners[(k + 1) % cell.count]];
     twice += p[0] * q[1] - p[1] * q[0];
   }
   return std::abs(twice) / 2;
@@ -67,7 +67,7 @@ TEST(CutThrough, FillsTheBox) {
         continue;
       }
       EXPECT_EQ(side->second, 1);
-      const auto &p = picture.places[line.a], &q = picture.places[line.b];
+      const auto &p = picture.positions[line.a], &q = picture.positions[line.b];
       around += std::hypot(p[0] - q[0], p[1] - q[1]);
     }
     EXPECT_NEAR(around, 32, 1e-9);
@@ -83,7 +83,7 @@ TEST(CutThrough, ShowsWherePolygonsAreCut) {
   const MeshPicture picture = CutThrough(mesh, 1, 4.2);
   for (const auto& line : picture.lines) {
     if (line.owner != kPlate) continue;
-    const auto &p = picture.places[line.a], &q = picture.places[line.b];
+    const auto &p = picture.positions[line.a], &q = picture.positions[line.b];
     length += std::hypot(p[0] - q[0], p[1] - q[1]);
     for (const auto& [x, z] : {p, q}) EXPECT_NEAR((z - 4) / (x - 4), 0.75, 1e-9);
   }

@@ -1,4 +1,4 @@
-#include "client/cleaning/point_places.h"
+#include "client/cleaning/node_table.h"
 
 #include <cmath>
 
@@ -9,19 +9,19 @@ double SquaredDistance(const Point& a, const Point& b) {
   return dx * dx + dy * dy;
 }
 
-PointPlaces::Cell PointPlaces::CellOf(const Point& p) const {
+NodeTable::Cell NodeTable::CellOf(const Point& p) const {
   return {static_cast<std::int64_t>(std::floor(p[0] / tolerance_)),
           static_cast<std::int64_t>(std::floor(p[1] / tolerance_))};
 }
 
-std::optional<Place> PointPlaces::Near(const Point& p) const {
-  std::optional<Place> best;
+std::optional<Node> NodeTable::Near(const Point& p) const {
+  std::optional<Node> best;
   double least = tolerance_ * tolerance_;
   const Cell middle = CellOf(p);
   for (std::int64_t x = middle.first - 1; x <= middle.first + 1; ++x) {
     for (std::int64_t y = middle.second - 1; y <= middle.second + 1; ++y) {
       const auto it = first_.find({x, y});
-      for (Place v = it == first_.end() ? kNone : it->second; v != kNone; v = next_[v]) {
+      for (Node v = it == first_.end() ? kNone : it->second; v != kNone; v = next_[v]) {
         const double distance = SquaredDistance(p, points_[v]);
         if (distance > least || (distance == least && !(best && v < *best))) continue;
         least = distance;
@@ -32,8 +32,8 @@ std::optional<Place> PointPlaces::Near(const Point& p) const {
   return best;
 }
 
-Place PointPlaces::Add(const Point& p) {
-  const auto v = static_cast<Place>(points_.size());
+Node NodeTable::Add(const Point& p) {
+  const auto v = static_cast<Node>(points_.size());
   points_.push_back(p);
   const auto [it, is_new] = first_.try_emplace(CellOf(p), kNone);
   next_.push_back(it->second);
