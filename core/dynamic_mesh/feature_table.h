@@ -21,6 +21,7 @@
 #include "core/meshing/polyline.h"
 #include "core/meshing/sizing_field.h"
 #include "core/plc/delta.h"
+#include "core/regions/region_terms.h"
 #include "core/regions/surface_table.h"
 #include "core/regions/wall.h"
 #include "dynmesh/feature.h"
@@ -243,6 +244,7 @@ class FeatureTable {
       for (const plc::FacetFeature& f : delta.added_facets) toggle(f);
       for (const SurfaceTable::Change& change : changes) {
         const Facet& facet = facets_.at(change.polygon);
+        if (!Counts(RegionTerm::kOthersFollow)) continue;
         resurfaced_facets_.push_back(facet.slot);
         std::vector<FeatureId> owners;
         std::set_symmetric_difference(change.before.begin(), change.before.end(),

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "core/dynamic_mesh/limit_terms.h"
 #include "dynmesh/error.h"
 #include "dynmesh/options.h"
 
@@ -13,8 +14,8 @@ namespace dynmesh {
 
 template <class Refinement>
 bool IsOverLimits(const Refinement& refinement, std::uint64_t most_vertices) {
-  return refinement.vertex_count() > most_vertices || refinement.hit_depth_limit() ||
-         refinement.is_full();
+  return (Counts(LimitTerm::kVerticesEnd) && refinement.vertex_count() > most_vertices) ||
+         (Counts(LimitTerm::kDepthRefuses) && refinement.hit_depth_limit()) || refinement.is_full();
 }
 
 inline absl::Status VertexLimitError(const Limits& limits) {
@@ -37,14 +38,16 @@ inline absl::Status SizeLimitError() {
 // The error of a run that exceeds a limit; else OK.
 template <class Refinement>
 absl::Status LimitsStatus(const Refinement& refinement, const Limits& limits) {
-  if (refinement.hit_depth_limit()) {
+  if (Counts(LimitTerm::kDepthRefuses) && refinement.hit_depth_limit()) {
     return MakeError(absl::StatusCode::kResourceExhausted,
                      "a segment would have to be halved more often than max_depth = " +
                          std::to_string(limits.max_depth) +
                          " allows; move the features that lie so close to it apart",
                      {reason::kDepthLimit, {}, {}});
   }
-  if (refinement.vertex_count() > limits.max_vertices) return VertexLimitError(limits);
+  if (Counts(LimitTerm::kVerticesEnd) && refinement.vertex_count() > limits.max_vertices) {
+    return VertexLimitError(limits);
+  }
   if (refinement.is_full()) return SizeLimitError();
   if (const auto at = refinement.OverflowAt()) {
     std::string position;

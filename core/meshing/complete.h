@@ -17,6 +17,7 @@
 #include "core/meshing/idle_star.h"
 #include "core/meshing/link.h"
 #include "core/meshing/order.h"
+#include "core/meshing/refinement_terms.h"
 #include "core/meshing/splits.h"
 #include "core/meshing/star_finder.h"
 #include "core/meshing/thesis_criterion.h"
@@ -90,7 +91,7 @@ void CompleteWork<D, E>::Fill(Context& context, Star<D>& star, const Link* link)
   // loop even if a wrong view violates this.
   while (!yielded && ordinal < kMostOutputs && FindNext(gaps, star, bucket, &gap)) {
     const auto encroached = search_.EncroachedBy(context, gap.x);
-    if (encroached.empty()) {
+    if (encroached.empty() || !Counts(RefinementTerm::kYields)) {
       Insert(context, star, link, gap, ordinal++);
     } else if (MaySplitAll(encroached, gap, bucket, &kept_out)) {
       Yield(context, encroached);
@@ -109,7 +110,10 @@ template <class Gaps>
 bool CompleteWork<D, E>::FindNext(const Gaps& gaps, const Star<D>& star, int bucket,
                                   Candidate<D>* next) {
   *next = {};
-  if (facets_.is_needed() && facets_.FindPoint(star, skipped_, next)) return true;
+  if (facets_.is_needed() && Counts(RefinementTerm::kFacetsCovered) &&
+      facets_.FindPoint(star, skipped_, next)) {
+    return true;
+  }
   if (!gaps.Find(bucket, next)) return false;
   if (facets_.is_needed()) facets_.MoveToFacet(star, next);
   return true;
@@ -120,9 +124,10 @@ bool CompleteWork<D, E>::FindNext(const Gaps& gaps, const Star<D>& star, int buc
 template <int D, template <class> class E>
 bool CompleteWork<D, E>::MaySplitAll(std::span<const Encroached> encroached,
                                      const Candidate<D>& gap, int bucket, bool* kept_out) {
-  const bool is_guarded = !gap.required && std::ranges::any_of(encroached, [&](const auto& e) {
-    return IsGuarded(complex_, complex_.subsegment(e.s), bucket);
-  });
+  const bool may_be_guarded = Counts(RefinementTerm::kGuardEnds) && !gap.required;
+  const bool is_guarded = may_be_guarded && std::ranges::any_of(encroached, [&](const auto& e) {
+                            return IsGuarded(complex_, complex_.subsegment(e.s), bucket);
+                          });
   if (is_guarded) {
     *kept_out = true;
     return false;
@@ -141,6 +146,7 @@ void CompleteWork<D, E>::Yield(Context& context, std::span<const Encroached> enc
   for (const auto& e : encroached) {
     context.Request(kSplit, e.s, MakeEpoch(bucket, next_round, 0));
   }
+  if (!Counts(RefinementTerm::kRunsAgain)) return;
   context.Request(kComplete, context.item, MakeEpoch(bucket, next_round, kQualityStep));
 }
 

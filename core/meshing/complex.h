@@ -18,6 +18,7 @@
 #include "core/meshing/element_store.h"
 #include "core/meshing/facet_field.h"
 #include "core/meshing/input_features.h"
+#include "core/meshing/refinement_terms.h"
 #include "core/meshing/sizing_field.h"
 #include "core/meshing/sliver_table.h"
 #include "core/meshing/spatial_tree.h"
@@ -100,8 +101,8 @@ struct Complex {
   bool InDomain(const Point& p) const;
   // True if the ball is too large for a sizing region.
   bool IsTooLarge(const Point& centre, double r2) const {
-    return !sizing.empty() && r2 > rules.least_squared_length() &&
-           sizing.IsTooLarge(centre, std::sqrt(r2));
+    return !sizing.empty() && Counts(RefinementTerm::kSizesCount) &&
+           r2 > rules.least_squared_length() && sizing.IsTooLarge(centre, std::sqrt(r2));
   }
 
   // --- How neighbourhoods are found -----------------------------------------------------------
@@ -256,6 +257,7 @@ std::optional<typename Complex<D, E>::Shell> Complex<D, E>::ShellOf(VertexIndex 
 template <int D, template <class> class E>
 bool Complex<D, E>::IsSeditious(VertexIndex v, VertexIndex u) const {
   if (vertex(v).dimension != 1 || vertex(u).dimension != 1) return false;
+  if (!Counts(RefinementTerm::kSeditiousIsExempt)) return false;
   if constexpr (D == 2) {
     const auto of_v = ShellOf(v), of_u = ShellOf(u);
     return of_v && of_u && of_v->apex == of_u->apex && of_v->distance == of_u->distance &&

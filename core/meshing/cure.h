@@ -27,6 +27,7 @@
 #include "core/meshing/cure_candidates.h"
 #include "core/meshing/encroachment.h"
 #include "core/meshing/facet_work.h"
+#include "core/meshing/refinement_terms.h"
 #include "core/meshing/sliver_table.h"
 #include "core/meshing/splits.h"
 #include "core/meshing/star.h"
@@ -165,6 +166,7 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
     for (const auto& [a, b, c] : cavity_.facets) {
       const Point &p = base.position(a), &q = base.position(b), &r = base.position(c);
       if (!complex_.slivers.bound().IsBelow({p, q, r, x})) continue;
+      if (!Counts(RefinementTerm::kCureKeepsAngles)) continue;
       const geometry::Circumball ball = geometry::CircumballOf(x, p, r, q);
       const double radius = std::sqrt(ball.r2) + ball.error + 4 * complex_.rules.ulp();
       Point centre = x;
@@ -184,10 +186,11 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
       return false;
     }
     for (int i = 0; i < star_.corner_count(); ++i) AddCornerTo(reads, i);
-    if (!facets_.LeavesWhole(star_, facet)) return false;
+    const bool keeps_facets = Counts(RefinementTerm::kCureKeepsFacets);
+    if (keeps_facets && !facets_.LeavesWhole(star_, facet)) return false;
     const bool encroaches = !search_.EncroachedBy(context, x).empty();
     reads->is_attentive |= encroaches;
-    return !encroaches;
+    return !encroaches || !Counts(RefinementTerm::kCureKeepsSegments);
   }
   return false;
 }
@@ -243,9 +246,10 @@ bool CureWork<D, E>::IsGoodCorner(int i, const Sliver& sliver) const {
     for (std::size_t k = 0; k < 3; ++k) {
       shortest2 = std::min(shortest2, geometry::SquaredDistance(p[k], p[(k + 1) % 3]));
     }
-    return !complex_.rules.IsTooFar(corner.r2, shortest2) &&
+    using enum RefinementTerm;
+    return !(Counts(kCureKeepsQuality) && complex_.rules.IsTooFar(corner.r2, shortest2)) &&
            !complex_.IsTooLarge(CentreOf(star_, i), corner.r2) &&
-           !complex_.slivers.bound().IsBelow(p);
+           !(Counts(kCureKeepsAngles) && complex_.slivers.bound().IsBelow(p));
   }
   return false;
 }

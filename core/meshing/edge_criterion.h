@@ -14,6 +14,7 @@
 #include "core/meshing/candidate.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/planar_gaps.h"
+#include "core/meshing/refinement_terms.h"
 #include "core/meshing/space_gaps.h"
 #include "core/meshing/star.h"
 
@@ -57,6 +58,12 @@ class EdgeCriterion {
   // The next bucket in which the vertex may have work; kBuckets if there is none.
   int NextBucket(int bucket) const;
   bool IsOpen() const;
+  // True if the star's vertex owns its edge to u.
+  [[gnu::always_inline]] inline bool Owns(VertexIndex u) const {
+    if (!Counts(RefinementTerm::kOlderDoesNot)) return true;
+    if (!Counts(RefinementTerm::kYoungerOwns)) return complex_.IsOlder(star_.vertex(), u);
+    return complex_.IsOlder(u, star_.vertex());
+  }
 
   const Complex<D, E>& complex_;
   const Star<D>& star_;
@@ -72,11 +79,12 @@ bool EdgeCriterion<D, E>::Find(int bucket, Candidate<D>* best) const {
   Candidate<D> gap;
   for (int i = 0; i < star_.slot_count(); ++i) {
     const auto& u = star_[i];
-    if (!IsInView<D>(u) || BucketOf(u.d2) > bucket) continue;
+    if (!IsInView<D>(u)) continue;
+    if (Counts(RefinementTerm::kShorterFirst) && BucketOf(u.d2) > bucket) continue;
+    if (!Counts(RefinementTerm::kShortestFirst) && found) continue;
     if (found && u.d2 > best->e2) continue;
-    if (!gaps.MayHave(u.d2) || !complex_.IsOlder(u.id, star_.vertex()) ||
-        !gaps.OfNeighbour(i, &gap))
-      continue;
+    if (!gaps.MayHave(u.d2) || !Owns(u.id) || !gaps.OfNeighbour(i, &gap)) continue;
+    if (!Counts(RefinementTerm::kTiesByPosition) && found && gap.e2 == best->e2) continue;
     if (found && gap.e2 == best->e2 && best->neighbour < gap.neighbour) continue;
     *best = gap;
     found = true;
@@ -99,8 +107,7 @@ int EdgeCriterion<D, E>::NextBucket(int bucket) const {
     if (!IsInView<D>(u)) continue;
     const int own = BucketOf(u.d2);
     if (own <= bucket || own > last_known || own >= next) continue;
-    if (gaps.MayHave(u.d2) && complex_.IsOlder(u.id, star_.vertex()) && gaps.OfNeighbour(i, &gap))
-      next = own;
+    if (gaps.MayHave(u.d2) && Owns(u.id) && gaps.OfNeighbour(i, &gap)) next = own;
   }
   return next;
 }

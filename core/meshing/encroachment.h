@@ -9,6 +9,7 @@
 
 #include "core/geometry/constructions.h"
 #include "core/meshing/complex.h"
+#include "core/meshing/refinement_terms.h"
 #include "core/meshing/star.h"
 
 namespace dynmesh::meshing {
@@ -76,6 +77,7 @@ std::optional<std::span<const VertexIndex>> EncroachmentSearch<D, E>::WitnessesO
         if (id == sub.a || id == sub.b || !context.Sees(complex_.vertex(id).birth)) return;
         const int sign = DiametralBallSign(a, b, q);
         if (sign < 0) {
+          if (!Counts(RefinementTerm::kInsideSplits)) return;
           witnesses_.assign(1, id);
           r2 = -1;  // one is enough
         } else if (sign == 0) {
@@ -89,7 +91,7 @@ std::optional<std::span<const VertexIndex>> EncroachmentSearch<D, E>::WitnessesO
 // True if vertices on the surface of the subsegment's ball keep it out of the triangulation.
 template <int D, template <class> class E>
 bool EncroachmentSearch<D, E>::FindHiding(const Subsegment& sub) {
-  if (on_surface_.size() < 2) return false;
+  if (on_surface_.size() < 2 || !Counts(RefinementTerm::kHidingSplits)) return false;
   const Point &a = complex_.vertex(sub.a).p, &b = complex_.vertex(sub.b).p;
   if constexpr (D == 2) {
     for (const VertexIndex c : on_surface_) {
@@ -123,7 +125,7 @@ bool EncroachmentSearch<D, E>::IsEncroachedInTriangulation(const Subsegment& sub
     auto corner = first;
     bool is_edge = false;
     auto in_ball = [&](VertexIndex c) {
-      return c != TriangulationOf<D>::kInfinite &&
+      return c != TriangulationOf<D>::kInfinite && Counts(RefinementTerm::kInsideSplits) &&
              geometry::InDiametralBall(a, b, complex_.vertex(c).p);
     };
     do {
@@ -134,7 +136,7 @@ bool EncroachmentSearch<D, E>::IsEncroachedInTriangulation(const Subsegment& sub
       if ((right == sub.b && in_ball(left)) || (left == sub.b && in_ball(right))) return true;
       corner = complex_.triangulation->NextAround(corner);
     } while (corner.simplex != first.simplex);
-    return !is_edge;
+    return !is_edge && Counts(RefinementTerm::kHidingSplits);
   }
   return false;
 }
@@ -159,8 +161,8 @@ EncroachmentSearch<D, E>::EncroachedBy(const Context& context, const Point& x) {
       const Subsegment& sub = complex_.subsegment(s);
       if (!complex_.IsVisible(context, sub)) continue;
       const int sign = DiametralBallSign(complex_.vertex(sub.a).p, complex_.vertex(sub.b).p, x);
-      if (sign > 0) continue;
-      encroached_.push_back({s, sign < 0});
+      if (sign > 0 || (sign == 0 && !Counts(RefinementTerm::kSurfaceCounts))) continue;
+      encroached_.push_back({s, sign < 0 || !Counts(RefinementTerm::kSurfaceRechecks)});
     }
   });
   return encroached_;

@@ -16,6 +16,7 @@
 #include "core/meshing/candidate.h"
 #include "core/meshing/cell_cut.h"
 #include "core/meshing/complex.h"
+#include "core/meshing/refinement_terms.h"
 #include "core/meshing/star.h"
 
 namespace dynmesh::meshing {
@@ -100,8 +101,11 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
           (cut->distance2 > best->e2 || (cut->distance2 == best->e2 && best->x < cut->nearest))) {
         return;
       }
-      if (skipped.Has(cut->nearest, false) || (cut->touches && !IsJoinedThrough(star, facet)))
+      if (skipped.Has(cut->nearest, false) ||
+          (cut->touches && Counts(RefinementTerm::kTouchingIsNoCut) &&
+           !IsJoinedThrough(star, facet))) {
         return;
+      }
       found = true;
       best->x = best->neighbour = cut->nearest;
       best->e2 = cut->distance2;
@@ -157,7 +161,9 @@ bool FacetWork<D, E>::LeavesWhole(const Star<D>& star, FeatureSlot on) {
                                 [&](const Facet& facet) {
                                   if (found || facet.feature() == on) return;
                                   const auto cut = cut_.Of(facet);
-                                  found = cut && !(cut->touches && !IsJoinedThrough(star, facet));
+                                  found = cut && !(cut->touches &&
+                                                   Counts(RefinementTerm::kTouchingIsNoCut) &&
+                                                   !IsJoinedThrough(star, facet));
                                 });
   }
   return !found;

@@ -1,12 +1,13 @@
-// The terms of the notification filters: each is a reason why a change makes an operation stale. A
-// test build (DYNMESH_MUTATE_FILTERS) can switch off any one of them; then the differential tests
-// must fail. In other builds they cost nothing.
+// The terms of the notification filters: each is a reason why a change makes an operation stale.
+// With any of them switched off (base/mutation.h) the differential tests must fail.
 #ifndef DYNMESH_CORE_MESHING_FILTER_TERMS_H_
 #define DYNMESH_CORE_MESHING_FILTER_TERMS_H_
 
+#include "core/base/mutation.h"
+
 namespace dynmesh::meshing {
 
-enum class Term {
+enum class FilterTerm {
   kAppearsInCorner,       // a vertex appears inside a ball that a Complete read
   kVanishesFromRing,      // a neighbour that a Complete read vanishes
   kAppearsNearer,         // a vertex appears nearer than the nearest
@@ -25,13 +26,6 @@ enum class Term {
   kNearCure,              // a vertex appears or vanishes in the balls that a Cure read
   kCount,
 };
-
-#ifdef DYNMESH_MUTATE_FILTERS
-extern Term switched_off;  // kCount: none
-inline bool Counts(Term term) { return term != switched_off; }
-#else
-constexpr bool Counts(Term) { return true; }
-#endif
 
 }  // namespace dynmesh::meshing
 

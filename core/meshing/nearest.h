@@ -8,6 +8,7 @@
 
 #include "core/meshing/complex.h"
 #include "core/meshing/facet_work.h"
+#include "core/meshing/refinement_terms.h"
 
 namespace dynmesh::meshing {
 
@@ -46,7 +47,7 @@ void NearestWork<D, E>::Run(Context& context) {
   const VertexIndex v = context.item;
   const Near nearest = Find(context, v);
   double d2 = nearest.d2;
-  if (facets_.is_needed()) d2 = facets_.Distance2(v, d2);
+  if (facets_.is_needed() && Counts(RefinementTerm::kFacetIsNear)) d2 = facets_.Distance2(v, d2);
   context.payload().radius2 = RoundedUp(d2);
   context.Request(kComplete, v, MakeEpoch(BucketOf(d2), 0, kQualityStep));
   if constexpr (kTraced) {

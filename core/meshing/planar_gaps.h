@@ -11,6 +11,7 @@
 #include "core/geometry/constructions.h"
 #include "core/meshing/candidate.h"
 #include "core/meshing/complex.h"
+#include "core/meshing/refinement_terms.h"
 #include "core/meshing/star.h"
 
 namespace dynmesh::meshing {
@@ -42,7 +43,9 @@ class TriangleGaps {
                                        const Point2* d) const {
     const Gap gap = complex_.rules.GapOfEdge(p, q, e2, c, d);
     if (gap != Gap::kNone) return complex_.IsSeditious(v, u) ? Gap::kNone : gap;
-    return !complex_.sizing.empty() && c != nullptr ? OfSize(v, p, u, q, e2, w, *c) : Gap::kNone;
+    return !complex_.sizing.empty() && Counts(RefinementTerm::kSizesCount) && c != nullptr
+               ? OfSize(v, p, u, q, e2, w, *c)
+               : Gap::kNone;
   }
 
  private:
@@ -84,7 +87,8 @@ class PlanarGaps {
   // True if the i-th edge of the star has a gap with room for a point. The left side is tested
   // first, seen from the edge's lesser end.
   bool OfNeighbour(int i, Candidate<2>* gap) const {
-    const bool left_first = star_.position() < star_[i].p;
+    const bool left_first = (star_.position() < star_[i].p) == Counts(RefinementTerm::kLeftFirst);
+    if (!Counts(RefinementTerm::kBothSides)) return OnSide(i, left_first, gap);
     return OnSide(i, left_first, gap) || OnSide(i, !left_first, gap);
   }
 

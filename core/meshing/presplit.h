@@ -16,6 +16,7 @@
 #include "core/geometry/constructions.h"
 #include "core/geometry/segment_distance.h"
 #include "core/meshing/complex.h"
+#include "core/meshing/refinement_terms.h"
 #include "core/meshing/splits.h"
 
 namespace dynmesh::meshing {
@@ -76,7 +77,7 @@ bool PresplitRules<D, E>::IsTooLong(const Subsegment& s, const SizingRegion<D>& 
 
 template <int D, template <class> class E>
 bool PresplitRules<D, E>::IsTooLong(const Subsegment& s) const {
-  if (complex_.sizing.empty()) return false;
+  if (complex_.sizing.empty() || !Counts(RefinementTerm::kTooLongSplits)) return false;
   const Point &a = complex_.vertex(s.a).p, &b = complex_.vertex(s.b).p;
   return complex_.sizing.Any(geometry::Midpoint(a, b),
                              0.5 * std::sqrt(geometry::SquaredDistance(a, b)),
@@ -88,6 +89,7 @@ bool PresplitRules<D, E>::IsTooNear(const Subsegment& s, const InputFeature<D>& 
                                     double d2) const {
   const Point &a = complex_.vertex(s.a).p, &b = complex_.vertex(s.b).p;
   const double length2 = geometry::SquaredDistance(a, b);
+  if (!Counts(RefinementTerm::kNearSplits)) return false;
   return 4 * d2 < length2 || 64 * geometry::SquaredDistance(a, b, feature.p, feature.q) < length2;
 }
 
@@ -122,7 +124,7 @@ template <int D, template <class> class E>
 bool PresplitRules<D, E>::IsFacetTooNear(const Subsegment& s, bool is_near, double* d2) const {
   bool found = false;
   if constexpr (D == 3) {
-    if (complex_.facets.empty()) return false;
+    if (complex_.facets.empty() || !Counts(RefinementTerm::kNearFacetSplits)) return false;
     const Point middle = geometry::Midpoint(complex_.vertex(s.a).p, complex_.vertex(s.b).p);
     double least2 = FacetReach2(s);
     if (is_near) least2 = std::min(least2, *d2);

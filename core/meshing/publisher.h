@@ -69,7 +69,7 @@ bool Publisher<D, E>::Publish(sac::Output output, sac::Stamp at) {
       notifier_.OfSubsegment(i, at, old);
       if constexpr (!kTraced) HideSubsegment(i);  // no later operation reads it
       if constexpr (kTraced) {
-        if (Counts(Term::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
+        if (Counts(FilterTerm::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
       }
       break;
     }
@@ -102,7 +102,7 @@ void Publisher<D, E>::Withdraw(sac::Output output, sac::Stamp at) {
       complex_.elements.MarkSubsegmentChanged(i);
       notifier_.OfSubsegment(i, at, s.death);
       if constexpr (kTraced) {
-        if (Counts(Term::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
+        if (Counts(FilterTerm::kDeathOfSubsegment)) engine_.NotifyChain(s.operations, at);
       }
       break;
     }

@@ -7,7 +7,6 @@
 #include "core/meshing/complete.h"
 #include "core/meshing/cure.h"
 #include "core/meshing/facet_anchors.h"
-#include "core/meshing/filter_terms.h"
 #include "core/meshing/first_gaps.h"
 #include "core/meshing/input_editor.h"
 #include "core/meshing/input_triangulation.h"
@@ -20,10 +19,6 @@
 #include "core/meshing/sliver_base.h"
 
 namespace dynmesh::meshing {
-
-#ifdef DYNMESH_MUTATE_FILTERS
-Term switched_off = Term::kCount;
-#endif
 
 template <int D, template <class> class E>
 struct Refinement<D, E>::Parts {

@@ -6,6 +6,7 @@
 #include "core/base/rounding.h"
 #include "core/geometry/constructions.h"
 #include "core/meshing/planar_rules.h"
+#include "core/meshing/refinement_terms.h"
 
 namespace dynmesh::meshing {
 
@@ -25,7 +26,8 @@ CommonRules<D>::CommonRules(const MeshOptions& options, double farthest)
   reach_.resize(kBuckets);
   for (int bucket = 0; bucket < kBuckets; ++bucket) {
     const int k = std::ilogb(LeastOfBucket(std::clamp(bucket, kLeast, kGreatest)));
-    const double slack = 1 + QualitySlackAt(k, ulp_);
+    const double slack =
+        1 + (Counts(RefinementTerm::kSlackIsTiny) ? QualitySlackAt(k, ulp_) : 0.01);
     too_far_[bucket] = quality_ * quality_ * slack * slack;
     const int beyond = std::clamp(bucket + kReachBuckets + 1, kLeast, kGreatest);
     reach_[bucket] = 1.001 * farthest * std::sqrt(LeastOfBucket(beyond));

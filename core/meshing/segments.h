@@ -11,6 +11,7 @@
 
 #include "core/meshing/complex.h"
 #include "core/meshing/encroachment.h"
+#include "core/meshing/refinement_terms.h"
 #include "core/meshing/splits.h"
 
 namespace dynmesh::meshing {
@@ -94,7 +95,7 @@ void SegmentWork<D, E>::SplitInto(Context& context, SubsegmentIndex s) {
   // Subsegments that v encroaches on. Those not yet exposed will check for themselves.
   for (const auto& [other, strictly] : search_.EncroachedBy(context, p)) {
     const Subsegment<D>& sub = complex_.subsegment(other);
-    if (other == s || sub.a == v || sub.b == v) continue;
+    if (other == s || sub.a == v || sub.b == v || !Counts(RefinementTerm::kCascades)) continue;
     context.Request(strictly ? kSplit : kRecheck, other, next);
   }
   complex_.Subscribe(context, {p.c, p.c});

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/geometry/angles.h"
+#include "core/meshing/refinement_terms.h"
 
 namespace dynmesh::meshing {
 namespace {
@@ -31,6 +32,7 @@ std::vector<WedgeEnd> FindWedges(const Point2& apex, std::span<const Point2> oth
   });
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t s = order[i], t = order[i + 1 == n ? 0 : i + 1];
+    if (!Counts(RefinementTerm::kSharpOnShells)) continue;
     if (!geometry::IsSmallAngle(apex, others[s], others[t])) continue;
     const Vector u = Minus(others[s], apex), w = Minus(others[t], apex);
     const double dot = Dot(u, w);

@@ -7,6 +7,7 @@
 #include "absl/container/inlined_vector.h"
 #include "core/geometry/circumball.h"
 #include "core/meshing/directions.h"
+#include "core/meshing/refinement_terms.h"
 
 namespace dynmesh::meshing {
 namespace {
@@ -79,6 +80,7 @@ class SpaceRules::Face {
         if (clearance < slack || (best && !(clearance > best_clearance))) continue;
         best = x;
         best_clearance = clearance;
+        if (!Counts(RefinementTerm::kMostClearance)) return best;
         if (clearance == enough) return best;  // no point has more
       }
       if (best) break;

@@ -9,6 +9,7 @@
 #include "core/plc/facet_rules.h"
 #include "core/plc/far_apart.h"
 #include "core/plc/messages.h"
+#include "core/plc/validation_terms.h"
 
 namespace dynmesh::plc {
 
@@ -58,7 +59,8 @@ bool BatchCheck<D>::IsCertainlyGood() const {
     return !steps_.Stop() && CheckPosition(p, options_.box, 0).ok();
   };
   return std::all_of(delta_.added_points.begin(), delta_.added_points.end(), is_in_place) &&
-         AreFarApart<D>(delta_.added_points, options_.box, limit_, steps_);
+         (!Counts(ValidationTerm::kLoadsAreChecked) ||
+          AreFarApart<D>(delta_.added_points, options_.box, limit_, steps_));
 }
 
 // A batch that changes many present features would visit hidden ones again and again. Then a new
@@ -100,6 +102,7 @@ absl::Status BatchCheck<D>::Handle(const Event& event) {
     case Event::Kind::kEdge:
       return Enter(edges_[event.at], event.edit);
     case Event::Kind::kPointGone: {
+      if (!Counts(ValidationTerm::kPointsInUseStay)) break;
       std::vector<FeatureId>& users = users_of_missing_[event.id];
       std::sort(users.begin(), users.end());
       return PointInUseError(event.id, users, event.edit);
@@ -110,6 +113,7 @@ absl::Status BatchCheck<D>::Handle(const Event& event) {
     case Event::Kind::kDegenerate:
       return DegenerateSegmentError(event.id, draft_.Find(event.id)->ends[0], event.edit);
     case Event::Kind::kUnknownEnd:
+      if (!Counts(ValidationTerm::kEndsExist)) break;
       return UnknownEnd(event.id, event.edit);
     case Event::Kind::kFacet:
       if constexpr (D == 3) return Enter(Facet(delta_.added_facets[event.at]), event.edit);
@@ -229,7 +233,9 @@ typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
     ask(
         *present_,
         [&](const PointFeature<D>& other) {
-          if (!hidden_.contains(other.id)) see_point(other);
+          if (!hidden_.contains(other.id) || !Counts(ValidationTerm::kRemovedIsGone)) {
+            see_point(other);
+          }
         },
         [&](const SegmentFeature<D>& other) {
           if (!IsHidden(other)) see_segment(other);

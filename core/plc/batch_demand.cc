@@ -14,6 +14,7 @@
 #include "core/plc/batch_check.h"
 #include "core/plc/least_vertices.h"
 #include "core/plc/messages.h"
+#include "core/plc/validation_terms.h"
 
 namespace dynmesh::plc {
 namespace {
@@ -47,7 +48,7 @@ absl::Status BatchCheck<D>::CheckDemand() {
 template <int D>
 absl::Status BatchCheck<D>::CheckRegions() const {
   const auto& sizes = delta_.added_sizes;
-  if (sizes.empty()) return absl::OkStatus();
+  if (sizes.empty() || !Counts(ValidationTerm::kRegionsAreSmall)) return absl::OkStatus();
   const Box domain = DomainBox(options_);
   const double most = static_cast<double>(options_.limits.max_vertices);
   double sum = 0, largest = 0;
@@ -110,7 +111,7 @@ std::pair<double, SegmentFeature<D>> BatchCheck<D>::CrowdOn(const SegmentFeature
 template <int D>
 absl::Status BatchCheck<D>::CheckSegmentGaps() {
   const auto& added = delta_.added_segments;
-  if (added.empty()) return absl::OkStatus();
+  if (added.empty() || !Counts(ValidationTerm::kSegmentGapsSmall)) return absl::OkStatus();
   const double most = static_cast<double>(options_.limits.max_vertices);
   const double need = most / static_cast<double>(std::min(added.size(), kMostProbed));
   struct Probed {
@@ -155,7 +156,7 @@ template <int D>
 absl::Status BatchCheck<D>::CheckFacetGaps() {
   if constexpr (D == 3) {
     const auto& added = delta_.added_facets;
-    if (added.empty()) return absl::OkStatus();
+    if (added.empty() || !Counts(ValidationTerm::kFacetGapsSmall)) return absl::OkStatus();
     const double most = static_cast<double>(options_.limits.max_vertices);
     const double need = most / static_cast<double>(std::min(added.size(), kMostProbed));
     // Vertices on a facet, and the facet over it.

@@ -8,6 +8,7 @@
 
 #include "core/geometry/circumball.h"
 #include "core/geometry/constructions.h"
+#include "core/plc/validation_terms.h"
 
 namespace dynmesh::plc {
 namespace {
@@ -60,6 +61,7 @@ Common FindCommon(const Facet& f, const Facet& g) {
       common.ways.emplace_back(c.id, way);
       common.ways.emplace_back(next, Vector3{-way[0], -way[1], -way[2]});
       const Facet::Corner& edge = g.Beside(d, true).id == next ? d : before;
+      if (!Counts(ValidationTerm::kAngleOfFacetsAtEdges)) continue;
       common.cosine = std::max(common.cosine, Dot(f.InwardOf(c), g.InwardOf(edge)));
     }
   }
@@ -71,6 +73,7 @@ Common FindCommon(const Facet& f, const Facet& g) {
 // these is decisive. So only edges that lead away from all common edges count, over another part of
 // f.
 double CosineAtCorners(const Facet& f, const Facet& g, const Common& common) {
+  if (!Counts(ValidationTerm::kAngleOfFacetsAtCorners)) return -1;
   double cosine = 0;
   for (const FeatureId point : common.corners) {
     const auto [begin, end] =
@@ -110,6 +113,7 @@ double PlanarityTolerance(double extent, double limit) {
 }
 
 Conflict Between(const PointFeature<3>& p, const Facet& f, double limit) {
+  if (!Counts(ValidationTerm::kPointFarFromFacet)) return Conflict::kNone;
   const double deviation = f.deviation();
   const double distance = std::fabs(f.plane().Height(p.p));
   if (!(distance < deviation + limit) || f.HasCorner(p.id) || !f.Holds(p.p)) return Conflict::kNone;
@@ -120,17 +124,20 @@ Conflict Between(const SegmentFeature<3>& s, const Facet& f, double limit) {
   const bool from_p = f.HasCorner(s.p_id), from_q = f.HasCorner(s.q_id);
   if (from_p && from_q) {
     if (f.HasEdge(s.p_id, s.q_id) || !f.Holds(Midpoint(s.p, s.q))) return Conflict::kNone;
+    if (!Counts(ValidationTerm::kSegmentNotInFacet)) return Conflict::kNone;
     return Conflict::kSegmentMeetsPolygon;
   }
   const double at_p = f.plane().Height(s.p), at_q = f.plane().Height(s.q);
   if (from_p || from_q) {
     if (s.IsOfPolygon()) return Conflict::kNone;  // its facets are checked instead
+    if (!Counts(ValidationTerm::kAngleOfSegmentAndFacet)) return Conflict::kNone;
     const Vector3 d = from_p ? Difference(s.q.c, s.p.c) : Difference(s.p.c, s.q.c);
     if (CosineOver(f, from_p ? s.p_id : s.q_id, d) <= kMostLack) return Conflict::kNone;
     const bool in_plane = std::fabs(from_p ? at_q : at_p) < f.deviation() + limit;
     return in_plane ? Conflict::kSegmentMeetsPolygon : Conflict::kSmallAngle;
   }
   if ((at_p > 0) == (at_q > 0)) return Conflict::kNone;
+  if (!Counts(ValidationTerm::kSegmentNotThroughFacet)) return Conflict::kNone;
   const double t = at_p / (at_p - at_q);
   Point3 x;
   for (int i = 0; i < 3; ++i) x[i] = s.p[i] + t * (s.q[i] - s.p[i]);
@@ -141,10 +148,12 @@ Conflict Between(const Facet& f, const Facet& g, double limit) {
   if (f.corners().size() > g.corners().size()) return Between(g, f, limit);
   const Common common = FindCommon(f, g);
   if (common.corners.empty()) return Conflict::kNone;
-  if (common.edges == f.corners().size() && common.edges == g.corners().size()) {
+  if (Counts(ValidationTerm::kFacetsDiffer) && common.edges == f.corners().size() &&
+      common.edges == g.corners().size()) {
     return Conflict::kDuplicatePolygon;
   }
-  if (common.cosine > kSameSide || MeetBetween(f, g, common.corners)) {
+  if ((Counts(ValidationTerm::kFacetsDoNotOverlap) && common.cosine > kSameSide) ||
+      (Counts(ValidationTerm::kFacetsDoNotMeet) && MeetBetween(f, g, common.corners))) {
     return Conflict::kPolygonsMeet;
   }
   const double lack =

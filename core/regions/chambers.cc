@@ -11,6 +11,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "core/geometry/circumball.h"
 #include "core/plc/delta.h"
+#include "core/regions/region_terms.h"
 
 namespace dynmesh {
 namespace {
@@ -121,7 +122,8 @@ std::vector<Side> ChambersOf(std::span<const Facet> piece) {
   std::vector<Side> chambers(2 * piece.size());
   for (Side side = 0; side < chambers.size(); ++side) {
     const Side chamber = sides.Find(side);
-    chambers[side] = volume[chamber] > 0 ? chamber : kOutside;
+    chambers[side] =
+        volume[chamber] > 0 || !Counts(RegionTerm::kChambersHaveVolume) ? chamber : kOutside;
   }
   return chambers;
 }

@@ -20,6 +20,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/hash/hash.h"
+#include "core/regions/region_terms.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh {
@@ -42,6 +43,7 @@ class RegionSets {
   RegionId Toggle(RegionId a, RegionId b) {
     if (b == kNoRegion) return a;
     if (a == kNoRegion) return Checked(b);
+    if (!Counts(RegionTerm::kHolesAreOutside) && a == b) return a;
     if (a == b) return kNoRegion;
     const std::pair<RegionId, RegionId> key = std::minmax(a, b);
     const auto known = toggles_.find(key);

@@ -6,6 +6,7 @@
 #include "core/base/rings.h"
 #include "core/plc/facet.h"
 #include "core/plc/facet_parts.h"
+#include "core/regions/region_terms.h"
 
 namespace dynmesh {
 
@@ -20,7 +21,8 @@ const plc::FacetFeature* Find(std::span<const plc::FacetFeature> sorted, Feature
 }
 
 bool IsApart(const plc::FacetFeature& polygon) {
-  return polygon.rings.size() > 1 && plc::FallsApart(plc::Facet(polygon));
+  return polygon.rings.size() > 1 && Counts(RegionTerm::kApartIsNone) &&
+         plc::FallsApart(plc::Facet(polygon));
 }
 
 }  // namespace
@@ -125,7 +127,7 @@ void SurfaceTable::Peel() {
   stack_.clear();
   const auto peel = [&](FeatureId id) {
     Touched& touched = touched_.at(id);
-    if (touched.peeled || !has_lone_edge(id)) return;
+    if (touched.peeled || !has_lone_edge(id) || !Counts(RegionTerm::kOpenIsPeeled)) return;
     touched.peeled = true;
     stack_.push_back(id);
   };
@@ -157,7 +159,7 @@ void SurfaceTable::FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> pos
           ++count;
           if (!std::exchange(other.reached, true)) piece.push_back(id);
         }
-        is_crowded = is_crowded || count > 2;
+        is_crowded = is_crowded || (count > 2 && Counts(RegionTerm::kCrowdedIsSearched));
       });
     }
     std::sort(piece.begin(), piece.end());

@@ -298,6 +298,7 @@ void ExpectRefusedByAll(const MeshOptions& options, const std::vector<Feature>& 
   ASSERT_TRUE(mesh->Apply(AddAll(present)).ok());
   const MeshHash hash = mesh->hash();
   ExpectRefused(mesh->Validate(batch), features);
+  if (testing::Test::HasFailure()) return;  // what is not refused may take very long
   ExpectRefused(mesh->Apply(batch).status(), features);
   EXPECT_EQ(mesh->hash(), hash);
   EXPECT_EQ(mesh->Features().size(), present.size());

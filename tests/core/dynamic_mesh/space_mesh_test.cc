@@ -196,9 +196,12 @@ TEST(SpaceMesh, LocatesPoints) {
 
 // No tetrahedron that meets the box has an edge longer than that. It meets the box if a corner is
 // inside.
-TEST(SpaceMesh, MaxEdgeHoldsInTheBox) {
+class MaxEdge : public testing::TestWithParam<double> {};
+
+TEST_P(MaxEdge, HoldsInTheBox) {
   MeshOptions options = Space();
   options.max_edge = 0.2;
+  options.min_dihedral = GetParam();
   const auto mesh = *DynamicMesh::Create(options);
   ASSERT_TRUE(mesh->Apply({Edit::Add(Feature::Point(1, 0.3, 0.4, 0.5))}).ok());
   const Mesh whole = mesh->Snapshot();
@@ -216,6 +219,8 @@ TEST(SpaceMesh, MaxEdgeHoldsInTheBox) {
   EXPECT_GT(inside, 100u);
   EXPECT_EQ(BuildMesh(mesh->Features(), options)->hash, mesh->hash());
 }
+
+INSTANTIATE_TEST_SUITE_P(WithoutCuresAndWithThem, MaxEdge, testing::Values(0.0, 10.0));
 
 TEST(SpaceMesh, IsFinerInSizingFeaturesAndAsBeforeWithoutThem) {
   const auto mesh = *DynamicMesh::Create(Space());

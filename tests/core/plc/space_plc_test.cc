@@ -129,9 +129,10 @@ TEST(SpacePlc, PolygonsAreFlat) {
     return batch;
   };
   ExpectLegal(with(0.5 + 1e-10));
-  const auto delta = Plc3(Cube(0, 1)).Check(with(0.5 + 1e-8));
-  EXPECT_EQ(GetErrorDetail(delta.status())->reason, reason::kNonPlanar);
-  EXPECT_EQ(GetErrorDetail(delta.status())->features.front(), 10u);
+  const auto detail = GetErrorDetail(Plc3(Cube(0, 1)).Check(with(0.5 + 1e-8)).status());
+  ASSERT_TRUE(detail.has_value());
+  EXPECT_EQ(detail->reason, reason::kNonPlanar);
+  EXPECT_EQ(detail->features.front(), 10u);
   // Of many corners the one to blame is named.
   EditBatch round;
   Rings ring(1);
@@ -142,6 +143,18 @@ TEST(SpacePlc, PolygonsAreFlat) {
     ring[0].push_back(i);
   }
   ExpectRefused(round + EditBatch{AddPolygon(20, ring)}, reason::kNonPlanar, {20, 7});
+}
+
+// A triangle whose corners are just far enough apart.
+TEST(SpacePlc, PolygonsHaveAnArea) {
+  const auto triangle = [](double side) {
+    return EditBatch{AddPoint3(1, 0, 0, 0), AddPoint3(2, side, 0, 0),
+                     AddPoint3(3, side / 2, side * std::sqrt(0.75), 0),
+                     AddPolygon(10, {{1, 2, 3}})};
+  };
+  const double limit = CloseLimit(Cube(0, 1));
+  ExpectRefused(triangle(1.5 * limit), reason::kBadPolygon, {10});
+  ExpectLegal(triangle(3 * limit));
 }
 
 TEST(SpacePlc, PolygonsWantAQualityThatRefinementEndsAt) {
@@ -270,6 +283,17 @@ TEST(SpacePlc, PolygonsMeetAtSeventyDegreesOrMore) {
                       "of 65 degrees; at least 70 are needed"),
             std::string::npos)
       << delta.status();
+}
+
+// Parallelograms over one edge that lean to both sides, so that their other edges are at 60
+// degrees.
+TEST(SpacePlc, PolygonsOnOneSideOfAnEdgeOverlapThoughTheyAreNotInOnePlane) {
+  const double out = 0.2 * std::sqrt(0.75), up = 1e-8;
+  ExpectRefused({AddPoint3(1, 0.5, 0.4, 0.5), AddPoint3(2, 0.5, 0.6, 0.5),
+                 AddPoint3(3, 0.5 + out, 0.7, 0.5), AddPoint3(4, 0.5 + out, 0.5, 0.5),
+                 AddPoint3(5, 0.5 + out, 0.5, 0.5 + up), AddPoint3(6, 0.5 + out, 0.3, 0.5 + up),
+                 AddPolygon(10, {{1, 2, 3, 4}}), AddPolygon(11, {{1, 2, 5, 6}})},
+                reason::kPolygonsMeet, {11, 10});
 }
 
 // An L, and a plate on the edge at its inner corner that leads away over the L's other part.

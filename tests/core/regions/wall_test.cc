@@ -72,6 +72,27 @@ TEST(Wall, RaysThatTellSayWhatIsInside) {
   EXPECT_GT(inside, 400);
 }
 
+TEST(Wall, IsNotCrossedInItsHole) {
+  constexpr std::uint64_t kSeed = 6;
+  SCOPED_TRACE("seed " + std::to_string(kSeed));
+  test::Random random(kSeed);
+  const auto square = [](double half) {
+    return geometry::Ring3{Point3{{-half, -half, 0}}, Point3{{half, -half, 0}},
+                           Point3{{half, half, 0}}, Point3{{-half, half, 0}}};
+  };
+  const Wall<3> wall({square(1), square(0.5)}, {7});
+  constexpr int kUp = 2;
+  int crossed = 0;
+  for (int i = 0; i < 500; ++i) {
+    const double x = 3 * random.Unit() - 1.5, y = 3 * random.Unit() - 1.5;
+    const double z = 2 * random.Unit() - 1, off = std::max(std::fabs(x), std::fabs(y));
+    const bool crosses = z < 0 && 0.5 < off && off < 1;
+    ASSERT_EQ(RayCrosses(kUp, Point3{{x, y, z}}, wall), crosses) << x << " " << y << " " << z;
+    crossed += crosses;
+  }
+  EXPECT_GT(crossed, 50);
+}
+
 TEST(Wall, NothingIsToldOnOne) {
   const double turn = 0.4;
   const std::vector<Wall<3>> walls = WallsOfCube(turn);

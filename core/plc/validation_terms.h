@@ -1,0 +1,51 @@
+// The rules of validation that a mutation test can switch off (base/mutation.h). With one switched
+// off, input that breaks it is legal.
+#ifndef DYNMESH_CORE_PLC_VALIDATION_TERMS_H_
+#define DYNMESH_CORE_PLC_VALIDATION_TERMS_H_
+
+#include "core/base/mutation.h"
+
+namespace dynmesh::plc {
+
+enum class ValidationTerm {
+  // A feature by itself.
+  kIsFinite,
+  kIsInBox,
+  kHasArea,
+  kIsPlanar,
+  kRingsAreSimple,
+  kEndsExist,
+  kPointsInUseStay,
+  kQualityAllowsPolygons,
+  kSizesAreSound,   // shape and position
+  kTargetsAreKept,  // a length that can be kept
+  // Two features.
+  kPointsApart,
+  kPointOffSegment,
+  kPointFarFromSegment,
+  kPointFarFromFacet,
+  kSegmentsDoNotCross,
+  kSegmentsDoNotOverlap,
+  kSegmentsPassApart,  // 3D
+  kAngleOfSegments2D,
+  kAngleOfSegments3D,
+  kSegmentNotInFacet,
+  kSegmentNotThroughFacet,
+  kAngleOfSegmentAndFacet,
+  kFacetsDoNotOverlap,
+  kFacetsDoNotMeet,  // along a line between common corners
+  kFacetsDiffer,
+  kAngleOfFacetsAtEdges,
+  kAngleOfFacetsAtCorners,
+  // A batch.
+  kLoadsAreChecked,   // many points at once are tested for their distances
+  kRemovedIsGone,     // what the batch removes is in the way of nothing
+  kRegionsAreSmall,   // no more vertices are needed than there may be: for regions
+  kSegmentGapsSmall,  // ... between segments
+  kFacetGapsSmall,    // ... between facets
+  kCount,
+};
+
+}  // namespace dynmesh::plc
+
+#endif  // DYNMESH_CORE_PLC_VALIDATION_TERMS_H_
