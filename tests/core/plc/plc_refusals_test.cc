@@ -1,66 +1,17 @@
-// Every refusal, with its code, reason, features and edit, and that it changes nothing.
+// Every refusal but those of sizes (size_refusals_test.cc).
+#include "tests/core/plc/plc_refusals.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstddef>
-#include <limits>
-#include <optional>
 #include <string>
 #include <vector>
-
-#include "core/plc/plc.h"
-#include "dynmesh/error.h"
-#include "tests/core/plc/plc_test_util.h"
 
 namespace dynmesh::plc {
 namespace {
 
-using Code = absl::StatusCode;
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kUlp = 0x1p-52;    // a step that every coordinate used here can take
 constexpr double kLimit = 0x1p-41;  // in the unit square
 constexpr FeatureId kReserved = FeatureId{0} - 0x10000;
-
-// Points 1..4 are the corners of a square, 5 its centre, 6 apart; segments 11, 12, 13 are
-// three sides of the square, 14 goes from 6 to a point 7.
-class PlcRefusals : public testing::Test {
- protected:
-  PlcRefusals() : plc_(Square(0, 1)) {
-    Apply(plc_, {AddPoint(1, 0.25, 0.25), AddPoint(2, 0.75, 0.25), AddPoint(3, 0.75, 0.75),
-                 AddPoint(4, 0.25, 0.75), AddPoint(5, 0.5, 0.5), AddPoint(6, 0.875, 0.25),
-                 AddPoint(7, 0.875, 0.75), AddSegment(11, 1, 2), AddSegment(12, 2, 3),
-                 AddSegment(13, 3, 4), AddSegment(14, 6, 7)});
-  }
-
-  void ExpectRefused(const EditBatch& batch, Code code, const char* reason,
-                     const std::vector<FeatureId>& features, std::size_t edit) {
-    SCOPED_TRACE(ScriptOf(batch));
-    const std::vector<Feature> before = plc_.Features();
-    const absl::Status status = plc_.Check(batch).status();
-    EXPECT_EQ(status.code(), code) << status;
-    const std::optional<ErrorDetail> detail = GetErrorDetail(status);
-    ASSERT_TRUE(detail.has_value()) << status;
-    EXPECT_EQ(detail->reason, reason) << status;
-    EXPECT_EQ(detail->features, features) << status;
-    EXPECT_EQ(detail->edit, edit) << status;
-    for (const FeatureId id : features) {
-      EXPECT_NE(status.message().find(std::to_string(id)), std::string::npos) << status;
-    }
-    EXPECT_EQ(plc_.Features(), before);
-    // Nothing sticks to the index either: the same again, and a legal batch is legal.
-    EXPECT_EQ(plc_.Check(batch).status(), status);
-    EXPECT_TRUE(plc_.Check({AddPoint(99, 0.0625, 0.0625)}).ok());
-  }
-
-  void ExpectAccepted(const EditBatch& batch) {
-    const absl::Status status = plc_.Check(batch).status();
-    EXPECT_TRUE(status.ok()) << status << "\n" << ScriptOf(batch);
-  }
-
-  Plc2 plc_;
-};
 
 TEST_F(PlcRefusals, BadIds) {
   const auto expect = [&](const Edit& edit, FeatureId id) {
@@ -342,94 +293,6 @@ TEST_F(PlcRefusals, SmallAngles) {
   ExpectAccepted({AddPoint(30, 0.0625, 0.25), AddSegment(31, 1, 30)});
 }
 
-TEST_F(PlcRefusals, Sizes) {
-  const auto refused = [&](const Feature& size, const char* reason) {
-    ExpectRefused({AddPoint(40, 0.1, 0.1), Edit::Add(size)}, Code::kInvalidArgument, reason, {30},
-                  1);
-  };
-  ExpectAccepted({Edit::Add(Feature::SizeAt(30, 0, 1, 0.1))});
-  ExpectAccepted({Edit::Add(Feature::SizeDisc(30, 0.5, 0.5, 10, 100))});
-  ExpectAccepted({Edit::Add(Feature::SizeDisc(30, 0.5, 0.5, 0, 0x1p-35))});
-  ExpectAccepted({Edit::Add(Feature::SizeBox(30, -5, -5, 0, 0, 0.5))});
-  ExpectAccepted({Edit::Add(Feature::SizeBox(30, 0.5, 0.5, 0.5, 7, 0.5))});
-  for (const double bad : {kInf, -kInf, kNan}) {
-    refused(Feature::SizeAt(30, bad, 0.5, 0.1), reason::kNotFinite);
-    refused(Feature::SizeAt(30, 0.5, bad, 0.1), reason::kNotFinite);
-    refused(Feature::SizeAt(30, 0.5, 0.5, bad), reason::kNotFinite);
-    refused(Feature::SizeDisc(30, 0.5, 0.5, bad, 0.1), reason::kNotFinite);
-    refused(Feature::SizeBox(30, 0.5, 0.5, bad, 1, 0.1), reason::kNotFinite);
-    refused(Feature::SizeBox(30, 0.5, 0.5, 1, bad, 0.1), reason::kNotFinite);
-  }
-  refused(Feature::SizeAt(30, 1 + kUlp, 0.5, 0.1), reason::kOutsideBox);
-  refused(Feature::SizeDisc(30, 0.5, -0.1, 0.5, 0.1), reason::kOutsideBox);
-  refused(Feature::SizeBox(30, 1.5, 0, 2, 1, 0.1), reason::kOutsideBox);
-  refused(Feature::SizeBox(30, 0.5, 0.5, 0.4, 1, 0.1), reason::kBadSize);
-  refused(Feature::SizeDisc(30, 0.5, 0.5, -0.1, 0.1), reason::kBadSize);
-  refused(Feature::SizeAt(30, 0.5, 0.5, 0), reason::kBadSize);
-  refused(Feature::SizeAt(30, 0.5, 0.5, -1), reason::kBadSize);
-  refused(Feature::SizeAt(30, 0.5, 0.5, 0x1p-36), reason::kBadSize);
-  Feature odd = Feature::SizeAt(30, 0.5, 0.5, 0.1);
-  odd.sizing.shape = static_cast<SizeShape>(9);
-  refused(odd, reason::kBadSize);
-  // Only a point can move or be an end.
-  ExpectRefused({Edit::Add(Feature::SizeAt(30, 0.5, 0.5, 0.1)), Edit::Move(30, 0.1, 0.1)},
-                Code::kInvalidArgument, reason::kWrongKind, {30}, 1);
-  ExpectRefused({Edit::Add(Feature::SizeAt(30, 0.5, 0.5, 0.1)), AddSegment(31, 5, 30)},
-                Code::kFailedPrecondition, reason::kUnknownEnd, {31, 30}, 1);
-}
-
-TEST_F(PlcRefusals, Capsules) {
-  const auto refused = [&](const Path& path, double radius, double target, const char* reason,
-                           const std::string& words) {
-    const EditBatch batch = {AddPoint(40, 0.1, 0.1),
-                             Edit::Add(Feature::SizeCapsule(30, path, radius, target))};
-    ExpectRefused(batch, Code::kInvalidArgument, reason, {30}, 1);
-    const std::string message(plc_.Check(batch).status().message());
-    EXPECT_NE(message.find(words), std::string::npos) << message;
-  };
-  const auto accepted = [&](const Path& path, double radius, double target) {
-    ExpectAccepted({Edit::Add(Feature::SizeCapsule(30, path, radius, target))});
-  };
-  const Path line = {{0.1, 0.2}, {0.9, 0.8}};
-  accepted(line, 0.1, 0.1);
-  accepted(line, 1e-300, 0x1p-35);  // as thin as any
-  accepted(line, 1.4, 100);
-  accepted({{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}}, 0.1, 0.1);          // closed, on the box
-  accepted({{0.1, 0.1}, {0.2, 0.2}, {0.1, 0.1}, {0.3, 0.3}}, 0.1, 0.1);  // there and back, in line
-  accepted({{0.1, 0.1}, {0.9, 0.9}, {0.9, 0.1}, {0.1, 0.9}}, 0.1, 0.1);  // crosses itself
-  refused({}, 0.1, 0.1, reason::kBadSize, "0 vertices; give at least 2");
-  refused({{0.5, 0.5}}, 0.1, 0.1, reason::kBadSize, "1 vertices; give at least 2");
-  refused({{0.5, 0.5}, {0.5, 0.5}}, 0.1, 0.1, reason::kBadSize, "its vertex 2 (0.5, 0.5)");
-  refused({{0.5, 0.5}, {0, 0.5}, {-0.0, 0.5}}, 0.1, 0.1, reason::kBadSize, "its vertex 3 (0, 0.5)");
-  for (const double bad : {kInf, -kInf, kNan}) {
-    refused({{0.5, 0.5}, {bad, 0.5}}, 0.1, 0.1, reason::kNotFinite, "finite");
-    refused({{0.5, bad}, {0.5, 0.6}}, 0.1, 0.1, reason::kNotFinite, "finite");
-    refused(line, bad, 0.1, reason::kNotFinite, "finite");
-    refused(line, 0.1, bad, reason::kNotFinite, "finite");
-  }
-  refused({{0.5, 0.5}, {1 + kUlp, 0.5}}, 0.1, 0.1, reason::kOutsideBox, "number 2");
-  refused({{-0.1, 0.5}, {0.5, 0.5}}, 0.5, 0.1, reason::kOutsideBox, "number 1");
-  refused(line, 0, 0.1, reason::kBadSize, "has radius 0; give more than 0");
-  refused(line, -1, 0.1, reason::kBadSize, "has radius -1");
-  refused(line, 1.5, 0.1, reason::kBadSize, "has radius 1.5, and 1.414");
-  refused(line, 0.1, 0, reason::kBadSize, "target");
-  refused(line, 0.1, -1, reason::kBadSize, "target");
-  refused(line, 0.1, 0x1p-36, reason::kBadSize, "target");
-  Path many;
-  for (std::size_t i = 0; i < kMostPathVertices; ++i) {
-    many.push_back({static_cast<double>(i) / kMostPathVertices, i % 2 == 0 ? 0.1 : 0.2});
-  }
-  accepted(many, 0.01, 0.1);
-  many.push_back({0.5, 0.5});
-  refused(many, 0.01, 0.1, reason::kBadSize, "65537 vertices; give at most 65536");
-  // It moves by a set, and leaves as any feature.
-  ExpectRefused({Edit::Add(Feature::SizeCapsule(30, line, 0.1, 0.1)), Edit::Move(30, 0.1, 0.1)},
-                Code::kInvalidArgument, reason::kWrongKind, {30}, 1);
-  ExpectAccepted({Edit::Add(Feature::SizeCapsule(30, line, 0.1, 0.1)),
-                  Edit::Set(Feature::SizeCapsule(30, {{0, 0}, {1, 1}}, 0.2, 0.1)),
-                  Edit::Remove(30)});
-}
-
 TEST_F(PlcRefusals, Polygons) {
   const auto polygon = [](FeatureId id, Rings rings) {
     return Edit::Add(Feature::Polygon(id, std::move(rings)));
@@ -459,20 +322,6 @@ TEST_F(PlcRefusals, Polygons) {
   // On the square, and inside on its centre; a second one beside it; with the side closed.
   ExpectAccepted({polygon(30, {{1, 2, 3, 4}}), polygon(31, {{1, 2, 5}, {4, 5, 3}}),
                   polygon(32, {{2, 6, 3}}), AddSegment(33, 4, 1)});
-}
-
-TEST_F(PlcRefusals, SizingPolygons) {
-  const auto size = [](Rings rings, double target) {
-    return Edit::Add(Feature::SizePolygon(30, std::move(rings), target));
-  };
-  ExpectRefused({size({{1, 2}}, 0.1)}, Code::kInvalidArgument, reason::kBadPolygon, {30}, 0);
-  ExpectRefused({size({{1, 2, 77}}, 0.1)}, Code::kFailedPrecondition, reason::kUnknownEnd, {30, 77},
-                0);
-  ExpectRefused({size({{1, 2, 3}}, 0)}, Code::kInvalidArgument, reason::kBadSize, {30}, 0);
-  ExpectRefused({size({{1, 5, 3}}, 0.1), Edit::Remove(5)}, Code::kFailedPrecondition,
-                reason::kPointInUse, {5, 30}, 1);
-  // It has no edges: it may cross anything, itself too.
-  ExpectAccepted({size({{1, 3, 2, 4}, {6, 5, 1}}, 0.1)});
 }
 
 TEST_F(PlcRefusals, TheEarliestEditToBlameIsReported) {
