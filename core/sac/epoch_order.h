@@ -2,7 +2,8 @@
 // priority. For a new operation it finds the neighbour after which its stamp is placed.
 //
 // O(1) expected where priorities are uniform: an epoch is a table of slots, indexed by the leading
-// bits of the priority, each slot a short sorted chain.
+// bits of the priority, each slot a short sorted chain. An operation that arrives in the order of
+// time, as in a run from scratch, is placed after the latest one.
 //
 // Priorities are a public function of the input, so a client can choose input with clustered
 // priorities. If a chain or a run of empty slots in an epoch is longer than chance explains, the
@@ -50,6 +51,7 @@ class EpochOrder {
     for (; *link != id; ++passed) link = &ops_[*link].next_in_epoch;
     *link = ops_[id].next_in_epoch;
     --table.count;
+    if (table.latest == id) table.latest = kNoOp;
     steps_ += passed;
     if (passed > kMostInChain) return MakeTree(table);
     // Insert walks past empty slots, so they must be few.
@@ -95,6 +97,7 @@ class EpochOrder {
     Stamp head = kNoStamp;  // before all operations of the epoch
     std::vector<OpId> slots;
     std::size_t count = 0;       // in slots
+    OpId latest = kNoOp;         // the operation inserted last into the slots, while it is there
     std::unique_ptr<Tree> tree;  // null, or it holds the whole epoch and there are no slots
   };
 
@@ -119,7 +122,11 @@ class EpochOrder {
   Stamp InsertIntoSlots(Table& table, OpId id) {
     if (table.count >= table.slots.size()) Rehash(table, table.slots.size() * 4);
     std::uint64_t slot = SlotOf(table, ops_[id].priority);
+    const OpId latest = table.latest;
+    const bool follows = latest != kNoOp && before_(latest, id);
+    const std::uint64_t latest_slot = follows ? SlotOf(table, ops_[latest].priority) : 0;
     OpId before = kNoOp, after = table.slots[slot];
+    if (follows && latest_slot == slot) before = latest, after = ops_[latest].next_in_epoch;
     std::size_t passed = 0, empty = 0;
     for (; after != kNoOp && before_(after, id); ++passed) {
       before = after;
@@ -128,9 +135,11 @@ class EpochOrder {
     ops_[id].next_in_epoch = after;
     (before == kNoOp ? table.slots[slot] : ops_[before].next_in_epoch) = id;
     ++table.count;
+    table.latest = id;
     // If it is the first in its slot, its predecessor is the last one of an earlier slot.
     for (; before == kNoOp && slot > 0; ++empty) {
-      for (after = table.slots[--slot]; after != kNoOp; ++passed) {
+      after = --slot == latest_slot && follows ? latest : table.slots[slot];
+      for (; after != kNoOp; ++passed) {
         before = after;
         after = ops_[after].next_in_epoch;
       }
@@ -160,6 +169,7 @@ class EpochOrder {
     }
     table.slots = std::vector<OpId>();
     table.count = 0;
+    table.latest = kNoOp;
   }
   void Rehash(Table& table, std::size_t slots) {
     std::vector<OpId> old(slots, kNoOp);
