@@ -32,6 +32,18 @@ inline double QualitySlackAt(int k, double u) {
   return 2e-9 + 8 * u / std::ldexp(k & 1 ? std::numbers::sqrt2 : 1.0, k >> 1);
 }
 
+// Factors for a distance or its square, so that a test errs to the safe side. Sums, products and
+// roots of a rule change a result relatively by 1e-14 at most. So 1e-9 covers what is computed, and
+// 1e-6 covers a value kept in a float, too (2^-24 = 6e-8).
+inline constexpr double kWider = 1 + 1e-6, kNarrower = 1 - 1e-6;
+inline constexpr double kBarelyWider = 1 + 1e-9, kBarelyNarrower = 1 - 1e-9;
+// For the roundings of one root and a product.
+inline constexpr double kRootWider = 1 + 1e-15;
+
+// The distance of a cube's corner from its centre, in halves of its side; rounded up.
+template <int D>
+inline constexpr double kCornerOfCube = D == 2 ? 1.41422 : 1.7321;
+
 }  // namespace dynmesh
 
 #endif  // DYNMESH_CORE_BASE_ROUNDING_H_

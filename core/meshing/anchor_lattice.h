@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/base/rounding.h"
 #include "core/geometry/point.h"
 #include "core/meshing/spatial_tree.h"
 
@@ -47,10 +48,10 @@ class AnchorLattice {
   // An upper bound for finer levels: no lattice finer than `level` extends as far.
   static double MostReach(int level) { return kWiderReach * Spacing(level); }
   // A region with this target or more has no lattice finer than `level`.
-  static double MostTarget(int level) { return Spacing(level) / kMostSpacing * (1 + 1e-9); }
+  static double MostTarget(int level) { return Spacing(level) / kMostSpacing * kBarelyWider; }
   // No lattice of a finer level extends as far as `distance` > 0.
   static int LeastLevelAt(double distance) {
-    return LevelWithin(distance / kWiderReach * (1 - 1e-9));
+    return LevelWithin(distance / kWiderReach * kBarelyNarrower);
   }
 
   // A point, identified by the widest level that contains it.
@@ -155,7 +156,7 @@ bool AnchorLattice<D>::ForEachBetween(const Index& lo, const Index& hi, MayMatte
     centre[k] = 0.5 * (at_lo[k] + at_hi[k]);
     radius2 += 0.25 * (at_hi[k] - at_lo[k]) * (at_hi[k] - at_lo[k]);
   }
-  if (!may_matter(centre, std::sqrt(radius2) * (1 + 1e-9) + 1e-6 * spacing_)) return true;
+  if (!may_matter(centre, std::sqrt(radius2) * kBarelyWider + 1e-6 * spacing_)) return true;
   if (hi[widest] - lo[widest] >= kFew) {
     const std::int64_t middle = lo[widest] + (hi[widest] - lo[widest]) / 2;
     Index up_to = hi, from = lo;

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/rounding.h"
 #include "core/geometry/angles.h"
 #include "core/geometry/constructions.h"
 #include "core/meshing/element_store.h"
@@ -211,7 +212,7 @@ bool Complex<D, E>::IsOlder(const Vertex& u, const Vertex& v) const {
 
 template <int D, template <class> class E>
 double Complex<D, E>::RadiusOf(const Subsegment& s) const {
-  return std::sqrt(SquaredLength(s)) / 2 * (1 + 1e-6) + 2 * rules.ulp();
+  return std::sqrt(SquaredLength(s)) / 2 * kWider + 2 * rules.ulp();
 }
 
 template <int D, template <class> class E>

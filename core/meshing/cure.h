@@ -21,6 +21,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/base/rounding.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/space_predicates.h"
 #include "core/meshing/complex.h"
@@ -105,7 +106,7 @@ void CureWork<D, E>::Run(Context& context) {
     const Sliver& sliver = complex_.slivers[context.item];
     Reads reads(context, sliver.centre);
     reads.region.AddDistantBall(sliver.centre,
-                                sliver.radius * (1 + 1e-9) + 4 * complex_.rules.ulp());
+                                sliver.radius * kBarelyWider + 4 * complex_.rules.ulp());
     const std::uint64_t round = RoundOfEpoch(context.epoch);
     if (const VertexIndex other = UnmakerOf(context, sliver); other != kNil) {
       reads.Read(kUnmade, other, other, other);
@@ -133,7 +134,7 @@ template <int D, template <class> class E>
 template <class F>
 bool CureWork<D, E>::AnyCureIn(Context& context, const Point& centre, double radius, F f) const {
   bool any = false;
-  double radius2 = radius * radius * (1 + 1e-6) + 16 * complex_.rules.ulp() * complex_.rules.ulp();
+  double radius2 = radius * radius * kWider + 16 * complex_.rules.ulp() * complex_.rules.ulp();
   complex_.cured.VisitBall(centre, radius2, [&](std::uint32_t v, const Point& p, double) {
     any = any || (context.Sees(complex_.vertex(v).birth) && f(v, p));
   });

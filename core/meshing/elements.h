@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "core/base/rounding.h"
 #include "core/geometry/point.h"
 #include "core/meshing/rules.h"
 #include "core/meshing/shells.h"
@@ -131,7 +132,7 @@ class Payload {
     radius2 = RoundedFarUp(r2 + doubt2);
     bool is_certain = RoundedFarUp(r2 - doubt2) == radius2;
     // If the radius overflows, nothing is known of the extents either.
-    const double radius = radius2 < INFINITY ? std::sqrt(radius2) * (1 - 1e-6) : 0;
+    const double radius = radius2 < INFINITY ? std::sqrt(radius2) * kNarrower : 0;
     const auto fraction = [&](double distance, int units) {
       const auto rounded = [&](double d) {
         const double x = std::min<double>(units, d / radius * units);  // a NaN becomes `units`

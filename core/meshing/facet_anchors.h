@@ -24,6 +24,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/functional/function_ref.h"
 #include "core/base/rings.h"
+#include "core/base/rounding.h"
 #include "core/geometry/segment_distance.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/facet_lattice.h"
@@ -133,7 +134,7 @@ typename FacetAnchors<D, E>::Surroundings FacetAnchors<D, E>::Around(const Facet
           }
           // Features at exactly this distance are visited, too.
           const double of_edge = std::sqrt(edge2) + margin;
-          within2 = std::min(all2, std::min(feature2, of_edge * of_edge) * (1 + 1e-9));
+          within2 = std::min(all2, std::min(feature2, of_edge * of_edge) * kBarelyWider);
         });
     near.edge = std::sqrt(edge2);
     near.feature = std::min({radius, std::sqrt(feature2), near.edge + margin});
@@ -153,7 +154,7 @@ bool FacetAnchors<D, E>::IsAnchor(const Facet& facet, const FacetLattice& lattic
   if constexpr (D == 3) {
     const double wider = lattice.Spacing(level - 1), target = complex_.sizing.LeastTarget(x, 0),
                  clear = kClearOfEdges * target;
-    const double radius = std::min(facet.reach(), std::max(wider / Spacing(), clear * (1 + 1e-6)));
+    const double radius = std::min(facet.reach(), std::max(wider / Spacing(), clear * kWider));
     const auto [feature, edge] = Around(facet, x, radius, 0);
     const bool for_feature = feature < std::min(edge, radius) && wider > Spacing() * feature,
                for_target = wider > kSpacingInTargets * target && edge > std::min(feature, clear);
@@ -211,7 +212,7 @@ bool FacetAnchors<D, E>::MayHaveAnchors(const Facet& facet) const {
   if constexpr (D == 3) {
     constexpr std::size_t kManyCorners = 32;
     if (facet.corners().size() > kManyCorners) return true;
-    const double reach = facet.reach() * (1 + 1e-6);
+    const double reach = facet.reach() * kWider;
     const FacetExtent& where = facet.where();
     Point middle;
     double radius2 = 0;
@@ -224,7 +225,7 @@ bool FacetAnchors<D, E>::MayHaveAnchors(const Facet& facet) const {
     complex_.features.VisitNear(
         middle, radius2, {complex_.features.kNone, complex_.features.kNone},
         [&](const Point& centre, double half) {
-          return !may && where.MayMeet(centre, 1.7321 * half + reach);
+          return !may && where.MayMeet(centre, kCornerOfCube<3> * half + reach);
         },
         [&](const InputFeature<D>& f) {
           may = may || (AreDisjoint(facet, f) && IsWithinReach(facet, f));
@@ -271,7 +272,7 @@ bool FacetAnchors<D, E>::VisitLattice(const Facet& facet, const FacetLattice& la
   const double radius = lattice.RadiusOf(cell) + 4 * complex_.rules.ulp(), reach = facet.reach(),
                changed_feature = feature_changed(middle),
                changed_target = size_changed(middle, radius);
-  const auto [feature, edge] = Around(facet, middle, radius + reach, 2 * radius * (1 + 1e-6));
+  const auto [feature, edge] = Around(facet, middle, radius + reach, 2 * radius * kWider);
   // If another feature is nearer everywhere in the cell, the changed one has no effect.
   const bool is_concerned = changed_target < INFINITY || changed_feature <= feature + 2 * radius;
   const bool is_all = changed_feature == INFINITY && changed_target == INFINITY;
@@ -289,7 +290,7 @@ bool FacetAnchors<D, E>::VisitLattice(const Facet& facet, const FacetLattice& la
   if (clear > 0) {
     constexpr double kFew = 4;  // along a side
     const double least_spacing = std::min(Spacing() * least, kSpacingInTargets * target);
-    const int finest = lattice.LevelOf(least_spacing * (1 - 1e-9));
+    const int finest = lattice.LevelOf(least_spacing * kBarelyNarrower);
     if (kFew * lattice.Spacing(finest) >= cell.side()) {
       return lattice.ForEachIn(cell, finest, decide);
     }
@@ -387,7 +388,7 @@ bool FacetAnchors<D, E>::Update(absl::FunctionRef<bool()> interrupt) {
         const double radius =
             region.radius + 0.5 * std::sqrt(geometry::SquaredDistance(region.lo, region.hi));
         std::vector<FacetIndex> met;
-        complex_.facets.ForEachNear(middle, radius * (1 + 1e-9), [&](const Facet& facet) {
+        complex_.facets.ForEachNear(middle, radius * kBarelyWider, [&](const Facet& facet) {
           met.push_back(complex_.facets.OfFeature(facet.feature()));
         });
         for (const FacetIndex i : met) {

@@ -19,6 +19,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/inlined_vector.h"
 #include "core/base/rings.h"
+#include "core/base/rounding.h"
 #include "core/geometry/facet_interior.h"
 #include "core/geometry/facet_plane.h"
 #include "core/geometry/segment_distance.h"
@@ -131,7 +132,7 @@ Facet::Facet(std::span<const std::vector<VertexIndex>> rings, FeatureSlot featur
     const double n = plane.normal[static_cast<std::size_t>(k)];
     widest = std::min(widest, 0.5 * (bounds.hi[k] - bounds.lo[k]) / std::sqrt(1 - n * n));
   }
-  reach_ = (1 + 1e-6) * std::min(std::sqrt(area / std::numbers::pi), widest);
+  reach_ = kWider * std::min(std::sqrt(area / std::numbers::pi), widest);
 }
 
 inline double Facet::Distance(const Point& x) const {

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/base/rounding.h"
 #include "core/geometry/facet_plane.h"
 #include "core/geometry/point.h"
 
@@ -63,7 +64,9 @@ class FacetLattice {
                 (static_cast<double>(cell.j) + 0.5) * side);
   }
   // An upper bound of the distance from the cell's middle to a point of the cell on the facet.
-  double RadiusOf(const Cell& cell) const { return widening_ * 0.70711 * cell.side() * (1 + 1e-9); }
+  double RadiusOf(const Cell& cell) const {
+    return widening_ * 0.70711 * cell.side() * kBarelyWider;
+  }
   static Cell Child(const Cell& cell, int quadrant) {
     return {cell.depth + 1, 2 * cell.i + (quadrant & 1), 2 * cell.j + (quadrant >> 1)};
   }

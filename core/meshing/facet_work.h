@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/rounding.h"
 #include "core/geometry/constructions.h"
 #include "core/meshing/candidate.h"
 #include "core/meshing/cell_cut.h"
@@ -77,14 +78,14 @@ bool FacetWork<D, E>::FindPoint(const Star<D>& star, const SkippedGaps<D>& skipp
     for (const auto& corner : star.corners()) {
       far2 = std::max(far2, corner.error < star.reach() ? corner.r2 : INFINITY);
     }
-    const double far = std::min(std::sqrt(far2), star.reach()) * (1 + 1e-6);
+    const double far = std::min(std::sqrt(far2), star.reach()) * kWider;
     bool found = false, begun = false;
     // A box behind a neighbour's bisector is outside of the cell.
     const auto is_hidden = [&](const Point& centre, const geometry::Vector3& half) {
       const auto d = geometry::Difference(centre.c, star.position().c);
       return std::ranges::any_of(star.neighbours(), [&](const typename Star<D>::Neighbour& u) {
         if (!Star<D>::IsUsed(u)) return false;
-        double least = -0.5 * (1 + 1e-6) * u.d2;  // minimum over the box
+        double least = -0.5 * kWider * u.d2;  // minimum over the box
         for (int k = 0; k < 3; ++k) {
           least += d[k] * u.d[k] - (half[k] + 4 * complex_.rules.ulp()) * std::fabs(u.d[k]);
         }
@@ -157,14 +158,12 @@ bool FacetWork<D, E>::LeavesWhole(const Star<D>& star, FeatureSlot on) {
     double far2 = 0;
     for (const auto& corner : star.corners()) far2 = std::max(far2, corner.r2);
     cut_.Begin(star);
-    complex_.facets.ForEachNear(star.position(), std::sqrt(far2) * (1 + 1e-6),
-                                [&](const Facet& facet) {
-                                  if (found || facet.feature() == on) return;
-                                  const auto cut = cut_.Of(facet);
-                                  found = cut && !(cut->touches &&
-                                                   Counts(RefinementTerm::kTouchingIsNoCut) &&
-                                                   !IsJoinedThrough(star, facet));
-                                });
+    complex_.facets.ForEachNear(star.position(), std::sqrt(far2) * kWider, [&](const Facet& facet) {
+      if (found || facet.feature() == on) return;
+      const auto cut = cut_.Of(facet);
+      found = cut && !(cut->touches && Counts(RefinementTerm::kTouchingIsNoCut) &&
+                       !IsJoinedThrough(star, facet));
+    });
   }
   return !found;
 }

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/base/rounding.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/link.h"
 #include "core/meshing/star_reads.h"
@@ -133,7 +134,7 @@ bool IdleStars<D, E>::MayHaveGap(VertexIndex v, const Link& link) const {
     const auto most_near2 = [&](VertexIndex u) {
       return complex_.rules.MostNear2(
                  geometry::SquaredDistance(complex_.triangulation->position(u), p)) *
-             (1 - 1e-6);
+             kNarrower;
     };
     VertexIndex u = complex_.triangulation->NextVertex(link.corners.front());
     if (u == TriangulationOf<D>::kInfinite) return true;
@@ -158,7 +159,7 @@ bool IdleStars<D, E>::MayHaveGap(VertexIndex v, const Link& link) const {
     for (std::size_t i = 0; i < neighbours.size(); ++i) {
       const double d2 = geometry::SquaredDistance(complex_.triangulation->position(neighbours[i]),
                                                   complex_.triangulation->position(v));
-      most_near2[i] = complex_.rules.MostNear2(d2) * (1 - 1e-6);
+      most_near2[i] = complex_.rules.MostNear2(d2) * kNarrower;
     }
     for (std::size_t i = 0; i < link.triangles.size(); ++i) {
       const auto t = link.simplices[i];

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/rounding.h"
 #include "core/geometry/point.h"
 #include "core/geometry/segment_distance.h"
 
@@ -146,12 +147,12 @@ class InputFeatures {
   }
   // Conservative: may return true needlessly.
   static bool Meets(const Cell& cell, const Feature& f) {
-    return geometry::MayMeetCube(cell.centre, cell.half * (1 + 1e-9), f.p, f.q);
+    return geometry::MayMeetCube(cell.centre, cell.half * kBarelyWider, f.p, f.q);
   }
   static double Distance2(const Cell& cell, const Point& p) {
     double d2 = 0;
     for (int k = 0; k < D; ++k) {
-      const double d = std::max(0.0, std::fabs(p[k] - cell.centre[k]) - cell.half * (1 + 1e-9));
+      const double d = std::max(0.0, std::fabs(p[k] - cell.centre[k]) - cell.half * kBarelyWider);
       d2 += d * d;
     }
     return d2 * (1 - 1e-12);

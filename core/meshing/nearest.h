@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/rounding.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/facet_work.h"
 #include "core/meshing/refinement_terms.h"
@@ -53,7 +54,7 @@ void NearestWork<D, E>::Run(Context& context) {
   if constexpr (kTraced) {
     if (nearest.v != kNil) context.Read(nearest.v);
     Extent<D> box = Extent<D>::Nothing();
-    box.AddBall(complex_.vertex(v).p, std::sqrt(d2) * (1 + 1e-9) + 2 * complex_.rules.ulp());
+    box.AddBall(complex_.vertex(v).p, std::sqrt(d2) * kBarelyWider + 2 * complex_.rules.ulp());
     complex_.Subscribe(context, box);
   }
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 
+#include "core/base/rounding.h"
 #include "core/geometry/segment_distance.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/encroachment.h"
@@ -22,8 +23,6 @@ class Notifier {
   using Point = geometry::Point<D>;
   using Subsegment = meshing::Subsegment<D>;
   static constexpr bool kTraced = kIsTraced<D, E>;
-  // The distance of a cube's corner from its centre, in halves of its side; not less.
-  static constexpr double kCornerOfCube = D == 2 ? 1.4142135623730952 : 1.7320508075688774;
 
   Notifier(const Complex<D, E>& complex, EngineOf<D, E>& engine)
       : complex_(complex), engine_(engine), filter_(complex, engine) {}
@@ -114,7 +113,7 @@ void Notifier<D, E>::OfFeatures(const FeatureChanges<D>& changes) {
     FromBeginning(
         BoxOf(f),
         [&f = f](const Point& centre, double half) {
-          return geometry::MayMeetCube(centre, half * (1 + 1e-9), f.p, f.q);
+          return geometry::MayMeetCube(centre, half * kBarelyWider, f.p, f.q);
         },
         [this, &f = f, came = came](sac::OpId op) { return filter_.FeatureMatters(op, f, came); });
   }
@@ -125,14 +124,14 @@ void Notifier<D, E>::OfSizing(const SizingRegion<D>& region) {
   Extent<D> box = Extent<D>::Nothing();
   box.AddBall(region.lo, region.radius);
   box.AddBall(region.hi, region.radius);
-  const double least_half = region.most_radius() * (1 - 1e-6) - complex_.rules.ulp();
+  const double least_half = region.most_radius() * kNarrower - complex_.rules.ulp();
   FromBeginning(
       box,
       [&](const Point& centre, double half) {
         // A shape may leave most of its box free.
-        return half >= least_half &&
-               (region.shape == nullptr ||
-                region.Meets(centre, half * kCornerOfCube * (1 + 1e-9) + complex_.rules.ulp()));
+        return half >= least_half && (region.shape == nullptr ||
+                                      region.Meets(centre, half * kCornerOfCube<D> * kBarelyWider +
+                                                               complex_.rules.ulp()));
       },
       [&](sac::OpId op) { return filter_.SizingMatters(op, region); });
 }
@@ -166,7 +165,7 @@ void Notifier<D, E>::OfFacetsIn(const Extent<3>& box, std::span<const Facet> fac
         box,
         [&](const Point& centre, double half) {
           return std::ranges::any_of(facets, [&](const Facet& facet) {
-            return facet.where().MayMeet(centre, 1.7321 * half);
+            return facet.where().MayMeet(centre, kCornerOfCube<3> * half);
           });
         },
         [&](sac::OpId op) {

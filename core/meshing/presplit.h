@@ -13,6 +13,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/rounding.h"
 #include "core/geometry/constructions.h"
 #include "core/geometry/segment_distance.h"
 #include "core/meshing/complex.h"
@@ -104,7 +105,7 @@ std::optional<InputFeature<D>> PresplitRules<D, E>::NearestTooNear(const Subsegm
   complex_.features.VisitNear(
       middle, least2, {s.whole_a, s.whole_b},
       [&](const Point& centre, double half) {
-        const double reach = half * std::sqrt(double{D}) * (1 + 1e-6) + complex_.rules.ulp();
+        const double reach = half * std::sqrt(double{D}) * kWider + complex_.rules.ulp();
         const double in_ball = 0.5 * length + reach, near = 0.125 * length + reach;
         return geometry::SquaredDistance(centre, middle) < in_ball * in_ball ||
                geometry::SquaredDistance(centre, a, b) < near * near;
@@ -155,7 +156,7 @@ void PresplitWork<D, E>::Run(ContextOf<D, E>& context) {
     const double reach =
         is_too_near ? std::sqrt(d2) : 0.625 * std::sqrt(geometry::SquaredDistance(a, b));
     Extent<D> box = Extent<D>::Nothing();
-    box.AddBall(geometry::Midpoint(a, b), reach * (1 + 1e-6) + 2 * complex_.rules.ulp());
+    box.AddBall(geometry::Midpoint(a, b), reach * kWider + 2 * complex_.rules.ulp());
     complex_.Subscribe(context, box);
     if (feature && !facet_is_nearer) context.Read(feature->a), context.Read(feature->b);
   }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "core/base/rounding.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/segment_distance.h"
 #include "core/meshing/complex.h"
@@ -339,7 +340,7 @@ bool ReadFilter<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region
         return false;
       }
       const double r =
-          ball.has_value() ? std::sqrt(ball->radius2) * (1 + 1e-6) + complex_.rules.ulp() : view;
+          ball.has_value() ? std::sqrt(ball->radius2) * kWider + complex_.rules.ulp() : view;
       const bool is_met = region.Meets(ball.has_value() ? ball->centre : p, r), is_large = most < r;
       meets = meets || is_met;
       too_large = too_large || is_large;
@@ -361,7 +362,7 @@ double ReadFilter<D, E>::PresplitReach(sac::OpId op) const {
     const Payload& payload = engine_.payload(op);
     const double radius2 =
         payload.flag ? static_cast<double>(payload.radius2) : presplit_.FacetReach2(s);
-    return std::sqrt(radius2) * (1 + 1e-6) + complex_.rules.ulp();
+    return std::sqrt(radius2) * kWider + complex_.rules.ulp();
   }
   return 0;
 }
@@ -383,8 +384,8 @@ bool ReadFilter<D, E>::BoxMatters(sac::OpId op, const Extent<3>& box) const {
     }
     if (engine_.kind(op) > kComplete && engine_.kind(op) != kCure) return false;
     const Point p = CentreOfReads(op);
-    const double radius = std::sqrt(static_cast<double>(engine_.payload(op).radius2)) * (1 + 1e-6) +
-                          complex_.rules.ulp();
+    const double radius =
+        std::sqrt(static_cast<double>(engine_.payload(op).radius2)) * kWider + complex_.rules.ulp();
     double away2 = 0, w2 = 0, s2 = 0;
     geometry::Vector3 w;
     for (int k = 0; k < 3; ++k) {
@@ -398,7 +399,7 @@ bool ReadFilter<D, E>::BoxMatters(sac::OpId op, const Extent<3>& box) const {
     if (!(away2 <= radius * radius)) return false;
     if (engine_.kind(op) == kCure) return true;
     const double s = std::sqrt(s2) + 4 * complex_.rules.ulp();
-    const double beyond = w2 * (1 - 1e-6) - radius * s - s * s;  // radius: twice the largest r
+    const double beyond = w2 * kNarrower - radius * s - s * s;  // radius: twice the largest r
     if (engine_.kind(op) != kComplete || !(beyond > 0)) return true;
     const double reach = complex_.rules.Reach(BucketOfEpoch(engine_.epoch(op)));
     const std::optional<Corner> corner = CornerTowards(engine_.reads(op), p, reach, w);
@@ -424,15 +425,14 @@ bool ReadFilter<D, E>::FacetMatters(sac::OpId op, const Facet& changed) const {
     }
     if (!BoxMatters(op, facet.box)) return false;
     const double radius = std::sqrt(static_cast<double>(engine_.payload(op).radius2));
-    if (!facet.MayMeet(CentreOfReads(op), radius * (1 + 1e-6) + complex_.rules.ulp())) {
+    if (!facet.MayMeet(CentreOfReads(op), radius * kWider + complex_.rules.ulp())) {
       return false;
     }
     if (engine_.kind(op) != kComplete) return true;
     const bool none_meets = ForEachCornerIn<D>(engine_.reads(op), [&](const Corner& corner) {
       const auto ball = BallOfCorner(op, corner);
       return ball.has_value() &&
-             !facet.MayMeet(ball->centre,
-                            std::sqrt(ball->radius2) * (1 + 1e-6) + complex_.rules.ulp());
+             !facet.MayMeet(ball->centre, std::sqrt(ball->radius2) * kWider + complex_.rules.ulp());
     });
     return !none_meets;
   }

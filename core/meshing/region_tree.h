@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/rounding.h"
 #include "core/geometry/point.h"
 
 namespace dynmesh::meshing {
@@ -226,7 +227,7 @@ bool RegionTree<D, Region>::Visit(Enter enter, Accept accept) const {
     const Node& node = nodes_[cell.node];
     // A region extends at most by the side's length from the centre of its cell. The root is an
     // exception: it holds all larger regions.
-    const double half = cell.node == 0 ? INFINITY : 2 * cell.half * (1 + 1e-9);
+    const double half = cell.node == 0 ? INFINITY : 2 * cell.half * kBarelyWider;
     if (!enter(node.least, cell.centre, half)) continue;
     for (std::uint32_t i = node.first; i != kNone; i = items_[i].next) {
       if (accept(i)) return true;

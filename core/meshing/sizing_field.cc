@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/rounding.h"
+
 namespace dynmesh::meshing {
 
 template <int D>
@@ -28,7 +30,7 @@ int SizingRegion<D>::LevelNear(const geometry::Point<D>& x, double margin, int b
   // Nothing finer than `below` reaches farther.
   const double far = Lattice::MostReach(below) + margin + radius;
   const double d2 = SquaredDistanceToBox(x);
-  if (!(far >= 0) || d2 > far * far * (1 + 1e-9)) return below;
+  if (!(far >= 0) || d2 > far * far * kBarelyWider) return below;
   const int own = Lattice::LevelOf(target);
   const double distance = std::sqrt(d2) - radius - margin;
   int level = own;

@@ -15,6 +15,7 @@
 #include <map>
 #include <memory>
 
+#include "core/base/rounding.h"
 #include "core/geometry/point.h"
 #include "core/meshing/anchor_lattice.h"
 #include "core/meshing/region_shape.h"
@@ -127,7 +128,7 @@ int SizingField<D>::LevelNear(const Point& x, double margin, int below, bool any
   const auto set_bounds = [&] {
     const double reach = Lattice::MostReach(finest) + margin;
     key = reach >= 0 ? Region::KeyOf(Lattice::MostTarget(finest)) : 0;
-    far2 = reach * reach * (1 + 1e-9);
+    far2 = reach * reach * kBarelyWider;
   };
   set_bounds();
   regions_.Visit(

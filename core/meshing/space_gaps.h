@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/rounding.h"
 #include "core/geometry/circumball.h"
 #include "core/meshing/candidate.h"
 #include "core/meshing/complex.h"
@@ -108,7 +109,7 @@ class TetrahedronGaps {
     }
     // (0 1 2 3) is positive, so seen from 3 the others turn the other way.
     const geometry::Circumball ball(d[0], d2[0], d[1], d2[1], d[2], d2[2], true);
-    const double r = std::sqrt(ball.r2) * (1 + 1e-9) + 2 * ball.error;
+    const double r = std::sqrt(ball.r2) * kBarelyWider + 2 * ball.error;
     if (!complex_.sizing.empty() && r < INFINITY) {
       geometry::Point3 centre = p;
       for (int k = 0; k < 3; ++k) centre[k] += ball.w[k];

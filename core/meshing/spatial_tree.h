@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "core/base/large_vector.h"
+#include "core/base/rounding.h"
 #include "core/geometry/point.h"
 #include "core/meshing/extent.h"
 #include "core/meshing/leaf_chains.h"
@@ -174,7 +175,7 @@ class SpatialTree {
   template <class Visit>
   void VisitCells(const Ball& ball, Visit visit) const {
     Extent<D> box = Extent<D>::Nothing();
-    box.AddBall(ball.centre, std::sqrt(ball.radius2) * (1 + 1e-15));
+    box.AddBall(ball.centre, std::sqrt(ball.radius2) * kRootWider);
     VisitBoxIf(
         box,
         [&](const Point& centre, double half) {
@@ -268,7 +269,7 @@ class SpatialTree {
   // The smallest cell that contains the part of the ball inside the tree.
   Cell SmallestAround(const Point& centre, double radius2) const {
     if (!(radius2 < half_ * half_)) return Root();
-    const double r = std::sqrt(radius2) * (1 + 1e-15);
+    const double r = std::sqrt(radius2) * kRootWider;
     Extent<D> box{centre.c, centre.c};
     for (int i = 0; i < D; ++i) {
       const double rounding = std::fabs(centre[i]) * 0x1p-52;

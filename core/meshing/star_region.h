@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/rounding.h"
 #include "core/geometry/point.h"
 #include "core/meshing/spatial_tree.h"
 
@@ -45,7 +46,7 @@ class StarRegion {
     box_.AddBall(c, radius);
     double distance2 = 0;
     for (int k = 0; k < D; ++k) distance2 += (c[k] - p_[k]) * (c[k] - p_[k]);
-    const double reach = std::sqrt(distance2) * (1 + 1e-15) + radius;
+    const double reach = std::sqrt(distance2) * kRootWider + radius;
     radius2_ = std::max(radius2_, reach * reach);
     for (double& half2 : half2_) half2 = std::max(half2, 0.25 * reach * reach);
   }

@@ -2,6 +2,7 @@
 #ifndef DYNMESH_CORE_MESHING_STAR_VIEW_H_
 #define DYNMESH_CORE_MESHING_STAR_VIEW_H_
 
+#include "core/base/rounding.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/star.h"
 #include "core/meshing/star_reads.h"
@@ -20,7 +21,7 @@ geometry::Point<D> PositionInStar(const Complex<D, E>& complex, std::uint32_t id
 // The greatest squared distance from v within a ball through v inside the ghosts.
 template <int D>
 double FarthestInView2(double reach) {
-  return 4 * D * reach * reach * (1 + 1e-6);
+  return 4 * D * reach * reach * kWider;
 }
 
 // A bound of the error of a corner's computed centre. `error`: the corner's own bound.

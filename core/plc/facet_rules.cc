@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/base/rounding.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/constructions.h"
 #include "core/plc/validation_terms.h"
@@ -22,7 +23,7 @@ using geometry::Vector3;
 constexpr double kPlanarity = 1e-9;
 constexpr double kOnShare = 1.0 / 64;
 // Compares angles by the sine of their difference to 90 degrees: sin(20 degrees), plus a millionth.
-constexpr double kMostLack = 0.3420201433256687 * (1 + 1e-6);
+constexpr double kMostLack = 0.3420201433256687 * kWider;
 // Facets at an angle below 1e-6 overlap.
 constexpr double kSameSide = 1 - 5e-13;
 

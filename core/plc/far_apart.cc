@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/base/rounding.h"
 #include "core/geometry/point.h"
 
 namespace dynmesh::plc {
@@ -76,7 +77,7 @@ bool AreFarApart(std::span<const PointFeature<D>> points, const Box& box, double
   using Point = geometry::Point<D>;
   constexpr int kLast = D - 1;
   const Columns<D> columns(points, box, limit, steps);
-  const double limit2 = limit * limit * (1 + 1e-9);
+  const double limit2 = limit * limit * kBarelyWider;
   std::size_t looks_left = 16 * points.size();
   // Compares p with the points of `others`, from `from` on, that are not above it by more than
   // limit.

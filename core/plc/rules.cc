@@ -23,7 +23,7 @@ using geometry::SquaredDistance;
 
 constexpr double kCloseLimitUlps = 0x1p10;
 // sin^2 of the least angle between 2D segments, 0.001 degrees, less a millionth.
-constexpr double kAngleBound = 3.046174197557781e-10 * (1 - 1e-6);
+constexpr double kAngleBound = 3.046174197557781e-10 * kNarrower;
 
 template <int D>
 std::array<double, D> Minus(const Point<D>& a, const Point<D>& b) {
