@@ -44,10 +44,12 @@ inline const SizeShapeUse* FindUse(std::string_view name) {
   return nullptr;
 }
 
-// "point, disc, box or polygon", for messages; each with `article` before it.
-inline std::string NamesOfSizeShapes(std::string_view article = "") {
+// "point, disc, box, polygon or capsule", for messages; each with `article` before it. In 3D
+// without those of rings, which have no inside there.
+inline std::string NamesOfSizeShapes(std::string_view article = "", int dimension = 2) {
   std::string names;
   for (const SizeShapeUse& use : kSizeShapes) {
+    if (use.rings && dimension == 3) continue;
     const bool last = &use == std::end(kSizeShapes) - 1;
     if (!names.empty()) names += last ? " or " : ", ";
     names.append(article).append(use.name);

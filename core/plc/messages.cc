@@ -314,9 +314,9 @@ absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit,
   const SizeRules<D>* const rules = FindSizeRules<D>(s.shape);
   if (const SizeShapeUse* const use = FindUse(s.shape); use != nullptr && use->rings) {
     if (rules == nullptr) {
-      return refuse(
-          reason::kBadSize,
-          "is a sizing polygon, which has no inside in 3D; give a point, a disc or a box");
+      return refuse(reason::kBadSize,
+                    absl::StrCat("is a sizing polygon, which has no inside in 3D; give ",
+                                 NamesOfSizeShapes("a ", D)));
     }
     if (absl::Status status = CheckRings(size.id, size.rings, edit); !status.ok()) return status;
   }
@@ -328,7 +328,7 @@ absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit,
   if (!finite) return refuse(reason::kNotFinite, "is not finite; give finite numbers");
   if (rules == nullptr) {
     return refuse(reason::kBadSize, absl::StrCat("is of unknown shape ", static_cast<int>(s.shape),
-                                                 "; give ", NamesOfSizeShapes("a ")));
+                                                 "; give ", NamesOfSizeShapes("a ", D)));
   }
   if (const auto fault = rules->FaultOf(size, box);
       fault.has_value() && Counts(ValidationTerm::kSizesAreSound)) {
