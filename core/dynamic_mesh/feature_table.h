@@ -21,6 +21,7 @@
 #include "core/meshing/polyline.h"
 #include "core/meshing/sizing_field.h"
 #include "core/plc/delta.h"
+#include "core/plc/text.h"
 #include "core/regions/region_terms.h"
 #include "core/regions/surface_table.h"
 #include "core/regions/wall.h"
@@ -266,9 +267,7 @@ class FeatureTable {
     }
     if (s.shape == SizeShape::kCapsule) {
       std::vector<Point> vertices;
-      for (const auto& vertex : s.path) {
-        std::copy_n(vertex.begin(), D, vertices.emplace_back().c.begin());
-      }
+      for (const auto& vertex : s.path) vertices.push_back(plc::CornerOf<D>(vertex));
       const auto line = std::make_shared<const meshing::Polyline<D>>(vertices);
       return {line->lo(), line->hi(), s.radius, s.target, line};
     }

@@ -11,20 +11,26 @@
 
 namespace dynmesh::geometry {
 
-// Squared distance from x to segment pq; p = q is a point.
+// The point of segment pq nearest to x; p = q is a point.
 template <int D>
-inline double SquaredDistance(const Point<D>& x, const Point<D>& p, const Point<D>& q) {
+inline Point<D> NearestOn(const Point<D>& x, const Point<D>& p, const Point<D>& q) {
   double length2 = 0, along = 0;
   for (int k = 0; k < D; ++k) {
     length2 += (q[k] - p[k]) * (q[k] - p[k]);
     along += (x[k] - p[k]) * (q[k] - p[k]);
   }
-  if (!(along > 0)) return SquaredDistance(x, p);
-  if (along >= length2) return SquaredDistance(x, q);
+  if (!(along > 0)) return p;
+  if (along >= length2) return q;
   const double t = along / length2;
   Point<D> foot;
   for (int k = 0; k < D; ++k) foot[k] = p[k] + t * (q[k] - p[k]);
-  return SquaredDistance(x, foot);
+  return foot;
+}
+
+// Squared distance from x to segment pq; p = q is a point.
+template <int D>
+inline double SquaredDistance(const Point<D>& x, const Point<D>& p, const Point<D>& q) {
+  return SquaredDistance(x, NearestOn(x, p, q));
 }
 
 // Squared distance of segments ab and pq that have no point in common; a = b and p = q are points.

@@ -2,24 +2,18 @@
 
 #include <algorithm>
 
+#include "core/geometry/segment_distance.h"
+
 namespace dynmesh::meshing {
 
 using geometry::Point;
 
 template <int D>
 double SquaredDistanceToPiece(const Point<D>& x, const Point<D>& a, const Point<D>& b) {
-  double length2 = 0, along = 0;
-  for (int k = 0; k < D; ++k) {
-    length2 += (b[k] - a[k]) * (b[k] - a[k]);
-    along += (x[k] - a[k]) * (b[k] - a[k]);
-  }
-  if (!(along > 0)) return geometry::SquaredDistance(x, a);
-  if (along >= length2) return geometry::SquaredDistance(x, b);
-  const double t = along / length2;
-  Point<D> foot;
+  Point<D> foot = geometry::NearestOn(x, a, b);
   for (int k = 0; k < D; ++k) {
     // Rounding must not take it out of the piece's box.
-    foot[k] = std::clamp(a[k] + t * (b[k] - a[k]), std::min(a[k], b[k]), std::max(a[k], b[k]));
+    foot[k] = std::clamp(foot[k], std::min(a[k], b[k]), std::max(a[k], b[k]));
   }
   return geometry::SquaredDistance(x, foot);
 }

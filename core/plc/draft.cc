@@ -1,10 +1,12 @@
 #include "core/plc/draft.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/size_shapes.h"
+#include "core/plc/text.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh::plc {
@@ -54,11 +56,17 @@ absl::Status CheckPresent(const Entry& entry, const char* verb) {
                              ": there is none with that id; add it first"));
 }
 
+// -0 becomes +0, and what is past the dimension 0.
+template <int D>
+std::array<double, 3> Tidy(const std::array<double, 3>& given) {
+  std::array<double, 3> p = {0, 0, 0};
+  for (int k = 0; k < D; ++k) p[k] = given[k] + 0.0;
+  return p;
+}
+
 template <int D>
 geometry::Point<D> PointOf(const Feature& feature) {
-  geometry::Point<D> p;
-  for (int i = 0; i < D; ++i) p[i] = feature.position[i] + 0.0;  // -0 becomes +0
-  return p;
+  return CornerOf<D>(Tidy<D>(feature.position));
 }
 
 // Sets `entry` to `feature`, whatever it was.
@@ -101,15 +109,11 @@ SizeFeature<D> SizeOf(const Feature& feature) {
   if (use == nullptr || use->position) size.at = PointOf<D>(feature);
   if (use == nullptr) return size;
   if (use->radius) size.sizing.radius = given.radius;
-  if (use->hi) {
-    for (int i = 0; i < D; ++i) size.sizing.hi[i] = given.hi[i] + 0.0;
-  }
+  if (use->hi) size.sizing.hi = Tidy<D>(given.hi);
   if (use->rings) size.rings = feature.rings;
   if (use->path) {
-    for (const std::array<double, 3>& vertex : given.path) {
-      std::array<double, 3>& p = size.sizing.path.emplace_back();
-      for (int i = 0; i < D; ++i) p[i] = vertex[i] + 0.0;
-    }
+    size.sizing.path.reserve(given.path.size());
+    for (const auto& vertex : given.path) size.sizing.path.push_back(Tidy<D>(vertex));
   }
   return size;
 }

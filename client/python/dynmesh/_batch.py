@@ -72,15 +72,18 @@ def _polygons(batch: Any, action: str, value: Any, what: str) -> None:
         batch.polygon(action, id_, _rings(rings))
 
 
+_OF_A_SIZE = ("at", "radius", "low", "high", "rings", "path", "target")
+
+
 def _sizes(batch: Any, action: str, value: Any, what: str) -> None:
     if not isinstance(value, Mapping):
         raise TypeError(f"{what}: a dict of id to dict(at=, radius=, target=) or the like")
     for id_, size in value.items():
         size = dict(size)
-        unknown = set(size) - {"at", "radius", "low", "high", "rings", "path", "target"}
+        unknown = set(size) - set(_OF_A_SIZE)
         if unknown:
-            raise ValueError(f"{what}: there is no {sorted(unknown)[0]} of a size; there are at, "
-                             "radius, low, high, rings, path, target")
+            raise ValueError(f"{what}: there is no {sorted(unknown)[0]} of a size; there are "
+                             + ", ".join(_OF_A_SIZE))
         if "rings" in size:
             size["rings"] = _rings(size["rings"])
         batch.size(action, id_, size)
