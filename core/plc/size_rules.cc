@@ -55,6 +55,11 @@ std::optional<SizeFault> FaultOfPosition(const Point<D>& p, const Box& box) {
   return std::nullopt;
 }
 
+std::optional<SizeFault> FaultOfRadius(double radius) {
+  if (!(radius < 0)) return std::nullopt;
+  return SizeFault{reason::kBadSize, "has a negative radius; give 0 or more"};
+}
+
 template <int D>
 class PointRules final : public SizeRules<D> {
  public:
@@ -76,8 +81,7 @@ class DiscRules final : public SizeRules<D> {
  public:
   std::optional<SizeFault> FaultOf(const SizeFeature<D>& size, const Box& box) const override {
     if (auto fault = FaultOfPosition(size.at, box); fault.has_value()) return fault;
-    if (!(size.sizing.radius < 0)) return std::nullopt;
-    return SizeFault{reason::kBadSize, "has a negative radius; give 0 or more"};
+    return FaultOfRadius(size.sizing.radius);
   }
   double Measure(const SizeFeature<D>& size) const override {
     return MeasureOfBall<D>(size.sizing.radius);
@@ -161,19 +165,7 @@ class CapsuleRules final : public SizeRules<D> {
         return fault;
       }
     }
-    if (!(s.radius > 0)) {
-      return SizeFault{reason::kBadSize,
-                       absl::StrCat("has radius ", Shortest(s.radius), "; give more than 0")};
-    }
-    double diagonal2 = 0;
-    for (int k = 0; k < D; ++k) {
-      diagonal2 += (box.hi[k] - box.lo[k]) * (box.hi[k] - box.lo[k]);
-    }
-    const double most = std::sqrt(diagonal2);
-    if (s.radius <= most) return std::nullopt;
-    return SizeFault{reason::kBadSize,
-                     absl::StrCat("has radius ", Shortest(s.radius), ", and ", Shortest(most),
-                                  " covers the whole mesh; give that or less")};
+    return FaultOfRadius(s.radius);
   }
 
   // The sum over the pieces: where they overlap, the measure is less.

@@ -59,7 +59,7 @@ enum class SizeShape : std::uint8_t {
 struct Sizing {
   SizeShape shape = SizeShape::kPoint;   // of the region
   double target = 0;                     // > 0, in the units of the mesh's box
-  double radius = 0;                     // kDisc, >= 0; kCapsule, > 0, at most the box's diagonal
+  double radius = 0;                     // kDisc, kCapsule: >= 0
   std::array<double, 3> hi = {0, 0, 0};  // kBox: the upper corner
   Path path = {};                        // kCapsule: its vertices lie in the mesh's box
   friend bool operator==(const Sizing&, const Sizing&) = default;
@@ -114,7 +114,7 @@ struct Feature {
     return size;
   }
   // A sizing feature `id` with a `target` for all within `radius` of the polyline through the
-  // vertices of `path`. In 2D and 3D. A mesh takes time O(n log n) in the number of vertices, once.
+  // vertices of `path`, 0 or more. In 2D and 3D. A mesh takes time O(n log n) in them, once.
   static Feature SizeCapsule(FeatureId id, Path path, double radius, double target) {
     return Size(id, {0, 0, 0}, {SizeShape::kCapsule, target, radius, {}, std::move(path)});
   }

@@ -61,7 +61,9 @@ TEST_F(PlcRefusals, Capsules) {
   const Path line = {{0.1, 0.2}, {0.9, 0.8}};
   accepted(line, 0.1, 0.1);
   accepted(line, 1e-300, 0x1p-35);  // as thin as any
-  accepted(line, 1.4, 100);
+  accepted(line, 0, 0.1);
+  accepted(line, 1.5, 100);  // more than the box's diagonal
+  accepted(line, 1e308, 100);
   accepted({{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}}, 0.1, 0.1);          // closed, on the box
   accepted({{0.1, 0.1}, {0.2, 0.2}, {0.1, 0.1}, {0.3, 0.3}}, 0.1, 0.1);  // there and back, in line
   accepted({{0.1, 0.1}, {0.9, 0.9}, {0.9, 0.1}, {0.1, 0.9}}, 0.1, 0.1);  // crosses itself
@@ -77,9 +79,7 @@ TEST_F(PlcRefusals, Capsules) {
   }
   refused({{0.5, 0.5}, {1 + kUlp, 0.5}}, 0.1, 0.1, reason::kOutsideBox, "number 2");
   refused({{-0.1, 0.5}, {0.5, 0.5}}, 0.5, 0.1, reason::kOutsideBox, "number 1");
-  refused(line, 0, 0.1, reason::kBadSize, "has radius 0; give more than 0");
-  refused(line, -1, 0.1, reason::kBadSize, "has radius -1");
-  refused(line, 1.5, 0.1, reason::kBadSize, "has radius 1.5, and 1.414");
+  refused(line, -1, 0.1, reason::kBadSize, "has a negative radius");
   refused(line, 0.1, 0, reason::kBadSize, "target");
   refused(line, 0.1, -1, reason::kBadSize, "target");
   refused(line, 0.1, 0x1p-36, reason::kBadSize, "target");

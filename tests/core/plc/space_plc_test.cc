@@ -434,8 +434,8 @@ TEST(SpacePlc, BadFeaturesAreNamed) {
   ExpectRefused(plc, {capsule({line[0], line[0]}, 0.1)}, reason::kBadSize, {21});
   ExpectRefused(plc, {capsule({line[0], {0.1, 0.2, 1.5}}, 0.1)}, reason::kOutsideBox, {21});
   ExpectRefused(plc, {capsule({line[0], {0.1, 0.2, nan}}, 0.1)}, reason::kNotFinite, {21});
-  ExpectRefused(plc, {capsule(line, 1.8)}, reason::kBadSize, {21});
-  Apply(plc, {capsule(line, 1.7)});
+  ExpectRefused(plc, {capsule(line, -0.1)}, reason::kBadSize, {21});
+  Apply(plc, {capsule(line, 1.8)});
   EXPECT_EQ(plc.store().FindSize(21)->sizing.path, line);
 }
 
