@@ -23,6 +23,8 @@ class Notifier {
   using Point = geometry::Point<D>;
   using Subsegment = meshing::Subsegment<D>;
   static constexpr bool kTraced = kIsTraced<D, E>;
+  // Distances from a shape are off by a few ulps: for a cell, and for a ball that was read.
+  static constexpr double kUlpsOfShapes = 16;
 
   Notifier(const Complex<D, E>& complex, EngineOf<D, E>& engine)
       : complex_(complex), engine_(engine), filter_(complex, engine) {}
@@ -125,13 +127,14 @@ void Notifier<D, E>::OfSizing(const SizingRegion<D>& region) {
   box.AddBall(region.lo, region.radius);
   box.AddBall(region.hi, region.radius);
   const double least_half = region.most_radius() * kNarrower - complex_.rules.ulp();
+  const double rounding = kUlpsOfShapes * complex_.rules.ulp();
   FromBeginning(
       box,
       [&](const Point& centre, double half) {
         // A shape may leave most of its box free.
-        return half >= least_half && (region.shape == nullptr ||
-                                      region.Meets(centre, half * kCornerOfCube<D> * kBarelyWider +
-                                                               complex_.rules.ulp()));
+        return half >= least_half &&
+               (region.shape == nullptr ||
+                region.Meets(centre, half * kCornerOfCube<D> * kBarelyWider + rounding));
       },
       [&](sac::OpId op) { return filter_.SizingMatters(op, region); });
 }

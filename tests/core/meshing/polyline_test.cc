@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/rounding.h"
 #include "core/meshing/sizing_field.h"
 #include "tests/support/workload.h"
 
@@ -143,6 +144,33 @@ TEST(Polyline, ABoxAroundAPieceIsNeverFartherThanThePiece) {
     }
     ASSERT_LE(d2, SquaredDistanceToPiece<2>(x, a, b)) << i;
   }
+}
+
+// Notifications leave room for 16 ulps of the largest coordinate.
+template <int D>
+double MostErrorInUlps() {
+  test::Random random(kSeed);
+  double most = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    Point<D> a, b, x;
+    double largest = 0;
+    for (int k = 0; k < D; ++k) {
+      a[k] = std::ldexp(random.Unit() - 0.5, 1 - random.Below(4));
+      b[k] = random.OneIn(4) ? a[k] : random.Unit() - 0.5;
+      x[k] = random.OneIn(2) ? a[k] + random.Unit() * (b[k] - a[k]) : 2 * random.Unit() - 1;
+      x[k] += std::ldexp(random.Unit() - 0.5, -random.Below(52));
+      largest = std::max({largest, std::fabs(a[k]), std::fabs(b[k]), std::fabs(x[k])});
+    }
+    if (b < a) std::swap(a, b);
+    const double error = std::sqrt(SquaredDistanceToPiece<D>(x, a, b)) - NaiveDistance<D>(x, a, b);
+    most = std::max(most, std::fabs(error) / UlpOf(largest));
+  }
+  return most;
+}
+
+TEST(Polyline, ItsDistancesAreOffByAFewUlps) {
+  EXPECT_LE(MostErrorInUlps<2>(), 4);
+  EXPECT_LE(MostErrorInUlps<3>(), 4);
 }
 
 TEST(Polyline, WithARadiusIsACapsule) {
