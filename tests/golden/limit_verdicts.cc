@@ -14,6 +14,7 @@ namespace {
 constexpr Item kPlanarDemands[] = {
     {"region", "add size 30 box 0 0 1 1 0.001953125"},
     {"region, disc", "add size 30 disc 0.5 0.5 0.25 0.001953125"},
+    {"region, capsule", "add size 30 capsule 0.25 0.25 0.75 0.5 0.75 0.75 0.125 0.001953125"},
     {"region that fits", "add size 30 box 0 0 1 1 0.0625"},
     {"regions together",
      "add size 30 box 0 0 0.5 0.5 0.015625; add size 31 box 0.5 0.5 1 1 0.0155; add size 32 "
@@ -31,6 +32,7 @@ constexpr Item kPlanarDemands[] = {
 constexpr Item kSpaceDemands[] = {
     {"region", "add size 30 box 0 0 0 1 1 1 0.015625"},
     {"region, ball", "add size 30 disc 0.5 0.5 0.5 0.25 0.001953125"},
+    {"region, capsule", "add size 30 capsule 0.25 0.5 0.5 0.75 0.5 0.5 0.125 0.001953125"},
     {"segments close together",
      "add point 30 0.125 0.125 0.87500001; add point 31 0.875 0.125 0.87500001; add segment 32 "
      "30 31"},

@@ -1,6 +1,7 @@
 // Verdicts on edits that are malformed by themselves.
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tests/golden/verdict_scene.h"
 
@@ -33,6 +34,9 @@ void AddMalformed(Scene& scene) {
   odd.action = static_cast<Edit::Action>(9);
   scene.Validate("action unknown", {odd});
 
+  const auto capsule = [](Path path) {
+    return Edit::Add(Feature::SizeCapsule(30, std::move(path), 0.125, 0.1));
+  };
   for (const double bad : {kNan, kInf, -kInf}) {
     const std::string name = std::isnan(bad) ? "nan " : bad > 0 ? "inf " : "-inf ";
     scene.Validate(name + "point", {Edit::Add(Feature::Point(30, bad, 0.5, 0.5))});
@@ -42,6 +46,7 @@ void AddMalformed(Scene& scene) {
     scene.Validate(name + "size target", {Edit::Add(Feature::SizeAt(30, 0.5, 0.5, bad))});
     scene.Validate(name + "size radius", {Edit::Add(Feature::SizeDisc(30, 0.5, 0.5, bad, 0.1))});
     scene.Validate(name + "size box", {Edit::Add(Feature::SizeBox(30, 0.5, 0.5, 1, bad, 0.1))});
+    scene.Validate(name + "size capsule", {capsule({{0.5, 0.5, 0.5}, {bad, 0.5, 0.5}})});
   }
   scene.Validate("coordinate below 2^-200", {Edit::Add(Feature::Point(30, 0.5, 0x1p-201, 0.5))});
   scene.Validate(
@@ -58,6 +63,14 @@ void AddMalformed(Scene& scene) {
   scene.Validate("polygon without rings", {Edit::Add(Feature::Polygon(30, {}))});
   scene.Validate("polygon of an empty ring", {Edit::Add(Feature::Polygon(30, {{}}))});
   scene.Validate("size polygon without rings", {Edit::Add(Feature::SizePolygon(30, {}, 0.1))});
+  scene.Validate("size capsule without vertices", {capsule({})});
+  Path zigzag;
+  for (std::size_t i = 0; i <= kMostPathVertices; ++i) {
+    zigzag.push_back({i % 2 == 0 ? 0.25 : 0.75, 0.5, 0.5});
+  }
+  scene.Validate("size capsule of too many vertices", {capsule(zigzag)});
+  zigzag.pop_back();
+  scene.Validate("size capsule of the most vertices", {capsule(zigzag)});
   // The first 16 users and missing points are named.
   EditBatch users;
   std::vector<FeatureId> ring;

@@ -24,6 +24,8 @@ constexpr Item kSpaceEdits[] = {
     {"size box", "add size 30 box 0 0 0.5 1 1 1.5 0.1"},
     {"size target 0", "add size 30 point 0.5 0.5 0.5 0"},
     {"size polygon", "add size 30 polygon 1 2 3 0.1"},
+    {"size capsule", "add size 30 capsule 0 0 0 1 1 1 0.5 0.25 0 0.125 0.1"},
+    {"size capsule outside", "add size 30 capsule 0.5 0.5 0.5 0.5 0.5 1.5 0.125 0.1"},
 };
 
 constexpr Item kSpaceConflicts[] = {
