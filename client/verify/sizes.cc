@@ -203,18 +203,26 @@ class Region {
     if (shape_ == SizeShape::kBox && MeetsBox(simplex)) return true;
     if (shape_ == SizeShape::kPolygon && IsInside(simplex.corners()[0])) return true;
     const Real reach = radius_ * (1 - kHair);
-    return std::ranges::any_of(segments_, [&](const auto& segment) {
-      const auto& [p, q] = segment;
-      Extent extent;
-      extent.Add(p), extent.Add(q);
-      return extent.IsWithin(radius_, around) && simplex.DistanceOf(p, q) <= reach;
-    });
+    for (std::size_t first = 0; first < segments_.size(); first += kBlock) {
+      if (!blocks_[first / kBlock].IsWithin(radius_, around)) continue;
+      const std::size_t last = std::min(first + kBlock, segments_.size());
+      for (std::size_t i = first; i < last; ++i) {
+        const auto& [p, q] = segments_[i];
+        Extent extent;
+        extent.Add(p), extent.Add(q);
+        if (extent.IsWithin(radius_, around) && simplex.DistanceOf(p, q) <= reach) return true;
+      }
+    }
+    return false;
   }
 
  private:
+  static constexpr std::size_t kBlock = 64;
+
   void Add(const Vector& p, const Vector& q) {
+    if (segments_.size() % kBlock == 0) blocks_.emplace_back();
     segments_.emplace_back(p, q);
-    extent_.Add(p), extent_.Add(q);
+    for (Extent* extent : {&extent_, &blocks_.back()}) extent->Add(p), extent->Add(q);
   }
 
   // Its edges.
@@ -259,6 +267,8 @@ class Region {
   SizeShape shape_;
   double radius_ = 0;
   std::vector<std::pair<Vector, Vector>> segments_;
+  // Of kBlock segments each. Segments of a polyline or ring that follow each other lie together.
+  std::vector<Extent> blocks_;
   Extent extent_;
 };
 

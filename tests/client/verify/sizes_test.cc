@@ -71,6 +71,16 @@ TEST(VerifySizes, CountsWhatMeetsARegionOnly) {
   EXPECT_EQ(failures(Feature::SizeCapsule(1, {{2, 2}, {2, 0}, {0, 2}}, 0.71, 0.1)), 1u);
   EXPECT_EQ(failures(Feature::SizeCapsule(1, {{-1, 0.5}, {2, 0.5}}, 1e-6, 0.1)), 1u);
   EXPECT_EQ(failures(Feature::SizeCapsule(1, {{0.3, 0.3}, {0.3, 0.4}}, 1e-6, 0.1)), 1u);
+  EXPECT_EQ(failures(Feature::SizeCapsule(1, {{0.3, 0.3}, {0.3, 0.4}}, 0, 0.1)), 1u);
+  // One vertex of many.
+  Path zigzag;
+  for (int i = 0; i < 200; ++i) zigzag.push_back({2, i % 2 == 0 ? 2.0 : 3.0});
+  EXPECT_EQ(failures(Feature::SizeCapsule(1, zigzag, 1e-6, 0.1)), 0u);
+  for (const std::size_t i : {0, 1, 63, 64, 65, 127, 128, 198, 199}) {
+    Path path = zigzag;
+    path[i] = {0.3, 0.3};
+    EXPECT_EQ(failures(Feature::SizeCapsule(1, path, 1e-6, 0.1)), 1u) << i;
+  }
 }
 
 TEST(VerifySizes, CountsWhatMeetsARegionOnlyIn3D) {
