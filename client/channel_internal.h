@@ -82,7 +82,7 @@ inline std::size_t WireBytes(const Edit& edit) { return WireBytes(edit.feature);
 
 // The end of the edits or features from `begin` on that fit into a message; at least one does.
 template <typename Item>
-std::size_t PieceEnd(std::span<const Item> items, std::size_t begin) {
+std::size_t PartEnd(std::span<const Item> items, std::size_t begin) {
   std::size_t bytes = 0;
   std::size_t end = begin;
   while (end < items.size()) {

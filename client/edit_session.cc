@@ -32,7 +32,7 @@ class GrpcEditSession final : public EditSession {
     if (absl::Status s = CheckDimension(params.dimension); !s.ok()) return s;
     std::size_t next = 0;
     do {
-      const std::size_t end = PieceEnd<Edit>(edits, next);
+      const std::size_t end = PartEnd<Edit>(edits, next);
       message_.Clear();
       if (next == 0) BeginMessage(params);
       for (; next < end; ++next) {

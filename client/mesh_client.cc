@@ -111,8 +111,8 @@ struct MeshClient::Impl {
     return codec::FromGrpcStatus((stub->service.get()->*method)(&context, request, response));
   }
 
-  absl::StatusOr<EditResult> ApplyInPieces(const std::string& mesh, const EditBatch& edits,
-                                           const EditParams& params) const {
+  absl::StatusOr<EditResult> ApplyInParts(const std::string& mesh, const EditBatch& edits,
+                                          const EditParams& params) const {
     auto session = StartEditSession(stub, mesh, /*stop_on_error=*/true, timeout);
     absl::Status sent = session->Send(edits, params);
     if (sent.ok()) sent = session->DoneSending();
@@ -195,7 +195,7 @@ absl::Status MeshClient::DeleteMesh(const std::string& mesh) {
 absl::StatusOr<EditResult> MeshClient::Apply(const std::string& mesh, const EditBatch& edits,
                                              const EditParams& params) {
   if (absl::Status s = CheckDimension(params.dimension); !s.ok()) return s;
-  if (PieceEnd<Edit>(edits, 0) < edits.size()) return impl_->ApplyInPieces(mesh, edits, params);
+  if (PartEnd<Edit>(edits, 0) < edits.size()) return impl_->ApplyInParts(mesh, edits, params);
   v1::ApplyEditsRequest request;
   EncodeParams(mesh, params, &request);
   for (const Edit& edit : edits) codec::EncodeEdit(edit, params.dimension, request.add_edits());
@@ -208,10 +208,10 @@ absl::StatusOr<EditResult> MeshClient::AddFeatures(const std::string& mesh,
                                                    std::span<const Feature> features,
                                                    const EditParams& params) {
   if (absl::Status s = CheckDimension(params.dimension); !s.ok()) return s;
-  if (PieceEnd(features, 0) < features.size()) {
+  if (PartEnd(features, 0) < features.size()) {
     EditBatch edits;
     for (const Feature& f : features) edits.push_back(Edit::Add(f));
-    return impl_->ApplyInPieces(mesh, edits, params);
+    return impl_->ApplyInParts(mesh, edits, params);
   }
   v1::AddFeaturesRequest request;
   EncodeParams(mesh, params, &request);
@@ -228,7 +228,7 @@ absl::StatusOr<EditResult> MeshClient::RemoveFeatures(const std::string& mesh,
   if (ids.size() > kIdsPerMessage) {
     EditBatch edits;
     for (const FeatureId id : ids) edits.push_back(Edit::Remove(id));
-    return impl_->ApplyInPieces(mesh, edits, params);
+    return impl_->ApplyInParts(mesh, edits, params);
   }
   v1::RemoveFeaturesRequest request;
   EncodeParams(mesh, params, &request);

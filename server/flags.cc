@@ -143,7 +143,7 @@ void AddClientLimits(CLI::App& app, ServerConfig& c) {
   AddSeconds(app, "idle-timeout", c.idle_timeout, 0.1,
              "seconds without calls after which a connection is closed");
   AddSeconds(app, "batch-timeout", c.batch_timeout, 0.001,
-             "seconds that a batch in pieces, or a load, waits for its next piece");
+             "seconds that a batch in parts, or a load, waits for its next part");
   AddSeconds(app, "send-timeout", c.send_timeout, 0,
              "seconds after which a call ends if its client reads nothing of it; 0: never");
 }

@@ -265,15 +265,15 @@ class Cleaner {
     }
   }
 
-  // The pieces of each segment, from its first end to its last.
+  // The parts of each segment, from its first end to its last.
   void FinishSegments(std::vector<Feature>& features) {
-    absl::flat_hash_map<FeatureId, std::vector<const Edge*>> pieces;
+    absl::flat_hash_map<FeatureId, std::vector<const Edge*>> parts;
     for (const Edge& e : graph_.edges) {
-      if (e.owner != kNoFeature) pieces[e.owner].push_back(&e);
+      if (e.owner != kNoFeature) parts[e.owner].push_back(&e);
     }
     for (const Feature& f : features_) {
-      const auto it = f.kind == FeatureKind::kSegment ? pieces.find(f.id) : pieces.end();
-      if (it == pieces.end()) continue;
+      const auto it = f.kind == FeatureKind::kSegment ? parts.find(f.id) : parts.end();
+      if (it == parts.end()) continue;
       const Point &from = graph_.nodes.at(node_of_[f.ends[0]]),
                   &to = graph_.nodes.at(node_of_[f.ends[1]]);
       const auto along = [&](Node v) {

@@ -3,7 +3,7 @@
 // segments that meet at too small an angle. Repeats this until nothing changes.
 //
 // Edges of polygons are processed like segments, and rings follow: a split edge becomes the chain
-// of its pieces, an edge that a polygon uses an even number of times is dropped, and a ring that
+// of its parts, an edge that a polygon uses an even number of times is dropped, and a ring that
 // passes a point twice is cut there. So the inside of a polygon stays the inside, except as close
 // to its edges as these move. A polygon without any ring left is dropped. Edges of polygons do not
 // become segment features; segments on them stay. Sizing polygons follow their points; their edges
@@ -48,9 +48,9 @@ enum class ChangeKind : std::uint8_t {
   kSegmentsCrossed,  // segments ids[0], ids[1] crossed at `from`; point ids[2], at `to`, joins them
   kSmallAngle,       // segment ids[0] goes through point ids[2], the far end of ids[1]
   kZeroLength,       // the ends of segment ids[0] are one point, at `to`
-  kDoubled,    // the piece `from` - `to` of segment ids[0] is also one of ids[1]; segments only
-  kCancelled,  // polygon ids[0] had the piece `from` - `to` twice, and has neither
-  kRingCut,    // changed rings of polygon ids[0] go through point ids[1] twice: cut there
+  kDoubled,         // the part `from` - `to` of segment ids[0] is also one of ids[1]; segments only
+  kCancelled,       // polygon ids[0] had the part `from` - `to` twice, and has neither
+  kRingCut,         // changed rings of polygon ids[0] go through point ids[1] twice: cut there
   kPolygonDropped,  // polygon ids[0], which began at `from`, has no ring left
 };
 inline constexpr int kChangeKinds = 10;
@@ -68,8 +68,8 @@ struct Change {
 
 struct CleanResult {
   // Points, then segments, then all others, each in the order of the input. New segments follow the
-  // segment of which they are a piece; new points are last. Ids: a point that does not move keeps
-  // its id; the first piece of a segment keeps the segment's id. Unchanged rings of a polygon stay
+  // segment of which they are a part; new points are last. Ids: a point that does not move keeps
+  // its id; the first part of a segment keeps the segment's id. Unchanged rings of a polygon stay
   // as they were. If nothing was changed: the input's features.
   std::vector<Feature> features;
   std::vector<Change> changes;

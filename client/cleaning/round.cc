@@ -228,14 +228,14 @@ void Rounds::ApplyToEdge(EdgeIndex edge, std::vector<Split> splits) {
     return std::pair(along(s), s.at) < std::pair(along(t), t.at);
   });
   if (TryChain(edge, splits)) return;
-  // One split suffices for this round: its pieces are checked again in the next one.
+  // One split suffices for this round: its parts are checked again in the next one.
   for (const Split& split : splits) {
     if (TryChain(edge, {split})) return;
   }
   assert(false);  // impossible by the proof in round.h
 }
 
-// Replaces the edge by the chain through all of `splits`, if all pieces precede it in the order.
+// Replaces the edge by the chain through all of `splits`, if all parts precede it in the order.
 bool Rounds::TryChain(EdgeIndex edge, const std::vector<Split>& splits) {
   const Edge e = graph_.edges[edge];
   std::vector<Node> chain = {graph_.Ordered(e).first};

@@ -17,7 +17,7 @@
 //    |xv| <= |xq|, |pv|^2 = |px|^2 + |xv|^2 + 2 px.xv <= (|px| + |xq|)^2, with equality only for
 //    v = q. There are no contacts then, so x is T/2 or more from p and q, and the difference is
 //    far above rounding errors.
-// If several splits of one edge would leave a piece that is no shorter, one is made, and the next
+// If several splits of one edge would leave a part that is no shorter, one is made, and the next
 // round finds the rest again.
 //
 // All decisions are functions of coordinates: crossings are decided by exact predicates and

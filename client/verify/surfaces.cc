@@ -1,7 +1,7 @@
 // Checks every tetrahedron's set of closed surfaces around it. Polygons cut the mesh into cells,
-// found by flood fill. The chambers of one piece (connected polygons) are the cells joined across
-// all other pieces. CheckFacets checks that subfacets cover the polygons exactly once, and other
-// checks that tetrahedra fill the box.
+// found by flood fill. The chambers of one component (connected polygons) are the cells joined
+// across all other components. CheckFacets checks that subfacets cover the polygons exactly once,
+// and other checks that tetrahedra fill the box.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -46,11 +46,11 @@ std::set<FeatureId> FindApart(const io::IndexedMesh& mesh) {
   return apart;
 }
 
-// The connected pieces of polygons that may be part of a closed surface, as dynmesh/mesh.h defines.
-// `apart`: polygons with a disconnected inside.
-class Pieces {
+// The connected components of polygons that may be part of a closed surface, as dynmesh/mesh.h
+// defines. `apart`: polygons with a disconnected inside.
+class Components {
  public:
-  Pieces(const std::vector<Feature>& features, const std::set<FeatureId>& apart) {
+  Components(const std::vector<Feature>& features, const std::set<FeatureId>& apart) {
     for (const Feature& f : features) {
       if (f.kind != FeatureKind::kPolygon || apart.contains(f.id)) continue;
       for (const auto& ring : f.rings) {
@@ -63,13 +63,13 @@ class Pieces {
     }
     DropWhatDangles();
     for (const auto& [polygon, joints] : joints_) {
-      if (!piece_of_.contains(polygon)) TakePiece(polygon);
+      if (!component_of_.contains(polygon)) TakeComponent(polygon);
     }
   }
 
   std::size_t size() const { return count_; }
-  bool Has(FeatureId polygon) const { return piece_of_.contains(polygon); }
-  std::size_t Of(FeatureId polygon) const { return piece_of_.at(polygon); }
+  bool Has(FeatureId polygon) const { return component_of_.contains(polygon); }
+  std::size_t Of(FeatureId polygon) const { return component_of_.at(polygon); }
 
  private:
   void DropWhatDangles() {
@@ -91,15 +91,15 @@ class Pieces {
   }
 
   // Collects the polygons connected to this one.
-  void TakePiece(FeatureId polygon) {
+  void TakeComponent(FeatureId polygon) {
     std::vector<FeatureId> ahead = {polygon};
-    piece_of_[polygon] = count_;
+    component_of_[polygon] = count_;
     while (!ahead.empty()) {
       const FeatureId next = ahead.back();
       ahead.pop_back();
       for (const Joint& joint : joints_.at(next)) {
         for (const FeatureId other : polygons_.at(joint)) {
-          if (piece_of_.emplace(other, count_).second) ahead.push_back(other);
+          if (component_of_.emplace(other, count_).second) ahead.push_back(other);
         }
       }
     }
@@ -108,7 +108,7 @@ class Pieces {
 
   std::map<FeatureId, std::vector<Joint>> joints_;
   std::map<Joint, std::set<FeatureId>> polygons_;
-  std::map<FeatureId, std::size_t> piece_of_;
+  std::map<FeatureId, std::size_t> component_of_;
   std::size_t count_ = 0;
 };
 
@@ -119,7 +119,7 @@ struct Wall {
   friend auto operator<=>(const Wall&, const Wall&) = default;
 };
 
-// The id of each chamber's surface; kNoFeature for the outside. `walls`: those of the piece, by
+// The id of each chamber's surface; kNoFeature for the outside. `walls`: those of the component, by
 // ascending id; `chamber_of(cell)`. Starts at the outside. Repeatedly, the polygon of least id that
 // leads from a named chamber to an unnamed one gives it its id.
 template <class ChamberOf>
@@ -154,10 +154,10 @@ std::string NameOf(const std::vector<FeatureId>& surfaces) {
 VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& faces,
                          const std::vector<Feature>& features) {
   Findings findings("regions");
-  const Pieces pieces(features, FindApart(mesh));
+  const Components components(features, FindApart(mesh));
   absl::flat_hash_map<Corners, FeatureId> polygon_of;
   for (const auto& face : mesh.faces) {
-    if (pieces.Has(face.owner)) polygon_of.emplace(face.corners, face.owner);
+    if (components.Has(face.owner)) polygon_of.emplace(face.corners, face.owner);
   }
   // Tetrahedra without a polygon in between are one cell; the outside of the box is one, too.
   const std::size_t beyond = mesh.tetrahedra.size();
@@ -177,24 +177,24 @@ VerifyCheck CheckRegions(const io::IndexedMesh& mesh, const std::vector<Face>& f
   for (std::size_t t = 0; t <= beyond; ++t) {
     cell_of[t] = cells.emplace(joined.Find(t), cells.size()).first->second;
   }
-  std::vector<std::vector<Wall>> walls(pieces.size());
+  std::vector<std::vector<Wall>> walls(components.size());
   for_each_pair([&](std::size_t here, std::size_t there, FeatureId polygon) {
     const auto [a, b] = std::minmax({cell_of[here], cell_of[there]});
-    if (a != b) walls[pieces.Of(polygon)].push_back({polygon, {a, b}});
+    if (a != b) walls[components.Of(polygon)].push_back({polygon, {a, b}});
   });
   for (std::vector<Wall>& of_piece : walls) {
     std::sort(of_piece.begin(), of_piece.end());
     of_piece.erase(std::unique(of_piece.begin(), of_piece.end()), of_piece.end());
   }
   std::vector<std::vector<FeatureId>> inside(cells.size());
-  for (std::size_t piece = 0; piece < pieces.size(); ++piece) {
+  for (std::size_t component = 0; component < components.size(); ++component) {
     UnionFind chambers(cells.size());
-    for (std::size_t other = 0; other < pieces.size(); ++other) {
-      if (other == piece) continue;
+    for (std::size_t other = 0; other < components.size(); ++other) {
+      if (other == component) continue;
       for (const Wall& wall : walls[other]) chambers.Unite(wall.cells[0], wall.cells[1]);
     }
     const auto chamber_of = [&](std::size_t cell) { return chambers.Find(cell); };
-    const auto names = NameChambers(walls[piece], cell_of[beyond], chamber_of);
+    const auto names = NameChambers(walls[component], cell_of[beyond], chamber_of);
     for (std::size_t cell = 0; cell < cells.size(); ++cell) {
       const auto name = names.find(chamber_of(cell));
       if (name != names.end() && name->second != kNoFeature) inside[cell].push_back(name->second);

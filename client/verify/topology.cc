@@ -42,12 +42,12 @@ void CheckFans(const io::IndexedMesh& mesh, const std::vector<Side>& sides, Find
 
 void CheckConnected(const io::IndexedMesh& mesh, const std::vector<Side>& sides,
                     Findings& findings) {
-  UnionFind pieces(mesh.triangles.size());
+  UnionFind components(mesh.triangles.size());
   ForEachEdge(sides, [&](const Side* side, std::size_t count) {
-    for (std::size_t i = 1; i < count; ++i) pieces.Unite(side[0].triangle, side[i].triangle);
+    for (std::size_t i = 1; i < count; ++i) components.Unite(side[0].triangle, side[i].triangle);
   });
   std::uint64_t count = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) count += pieces.Find(t) == t ? 1 : 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) count += components.Find(t) == t ? 1 : 0;
   if (count != 1) findings.Add(Concat("the triangles form ", count, " pieces, not one"));
 }
 

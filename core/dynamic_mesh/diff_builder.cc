@@ -180,11 +180,11 @@ void DiffBuilder<D>::FillTriangulation(const Refinement& refinement,
     }
     for (std::size_t at = 0; at < ordered.size(); at += Steps::kBetween) {
       if (steps.Stop(Steps::kBetween)) return;
-      const auto piece =
+      const auto part =
           std::span(ordered).subspan(at, std::min(Steps::kBetween, ordered.size() - at));
       points.clear();
-      for (const VertexIndex v : piece) points.push_back(refinement.vertex(v).p);
-      triangulation_.InsertAll(piece, points);
+      for (const VertexIndex v : part) points.push_back(refinement.vertex(v).p);
+      triangulation_.InsertAll(part, points);
     }
   }
 }
@@ -213,10 +213,11 @@ Mesh DiffBuilder<D>::Snapshot(const Refinement& refinement, const FeatureTable<D
     NameRegions({&mesh.regions}, &mesh.region_sets);
   }
   refinement.elements().ForEachTakenSubsegment([&](const Subsegment& s) {
-    Append(mesh.subsegments, PieceRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
+    Append(mesh.subsegments,
+           ConstraintRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
   });
   subfacets_.ForEach([&](const SubfacetTable::Face& face, meshing::FeatureSlot slot) {
-    Append(mesh.subfacets, PieceRowOf(NewIds(face), features.IdOf(slot)));
+    Append(mesh.subfacets, ConstraintRowOf(NewIds(face), features.IdOf(slot)));
   });
   mesh.hash = hash_;
   return mesh;

@@ -186,8 +186,8 @@ class DiffBuilder {
   Rows<IndexRow> simplices_;    // finite ones
   std::vector<IndexRow> stay_;
   Rows<VertexRow<D>> vertex_rows_;
-  Rows<PieceRow<2>> subsegment_rows_;
-  Rows<PieceRow<3>> subfacet_rows_;
+  Rows<ConstraintRow<2>> subsegment_rows_;
+  Rows<ConstraintRow<3>> subfacet_rows_;
   Rows<SimplexRow<D>> simplex_rows_;
 };
 

@@ -53,11 +53,11 @@ void DiffBuilder<D>::ReportSubsegments(const Refinement& refinement,
   subsegment_rows_.Clear();
   const auto goes = [&](const Subsegment& s) {
     subsegment_rows_.gone.push_back(
-        PieceRowOf(OldIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
+        ConstraintRowOf(OldIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
   };
   const auto comes = [&](const Subsegment& s) {
     subsegment_rows_.come.push_back(
-        PieceRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
+        ConstraintRowOf(NewIds(std::array{s.a, s.b}), features.IdOf(s.feature)));
   };
   for (const SubsegmentIndex s : subsegments_.gone) goes(refinement.subsegment(s));
   for (const SubsegmentIndex s : subsegments_.come) comes(refinement.subsegment(s));
@@ -82,10 +82,10 @@ void DiffBuilder<D>::ReportSubfacets(const FeatureTable<D>& features, MeshDiff* 
   if constexpr (D == 3) {
     subfacet_rows_.Clear();
     for (const auto& [face, slot] : subfacets_.gone()) {
-      subfacet_rows_.gone.push_back(PieceRowOf(OldIds(face), features.IdOf(slot)));
+      subfacet_rows_.gone.push_back(ConstraintRowOf(OldIds(face), features.IdOf(slot)));
     }
     for (const auto& [face, slot] : subfacets_.come()) {
-      subfacet_rows_.come.push_back(PieceRowOf(NewIds(face), features.IdOf(slot)));
+      subfacet_rows_.come.push_back(ConstraintRowOf(NewIds(face), features.IdOf(slot)));
     }
     NetAndHash(&subfacet_rows_, &hash_);
     Report(subfacet_rows_, &diff->removed_subfacets, &diff->added_subfacets);

@@ -24,10 +24,10 @@ struct VertexRow {
 };
 // A subsegment or subfacet.
 template <int N>
-struct PieceRow {
+struct ConstraintRow {
   std::array<VertexId, N> corners;  // ascending
   FeatureId owner;
-  friend auto operator<=>(const PieceRow&, const PieceRow&) = default;
+  friend auto operator<=>(const ConstraintRow&, const ConstraintRow&) = default;
 };
 template <int D>
 struct SimplexRow {
@@ -37,7 +37,8 @@ struct SimplexRow {
 };
 
 template <std::size_t N>
-PieceRow<static_cast<int>(N)> PieceRowOf(std::array<VertexId, N> corners, FeatureId owner) {
+ConstraintRow<static_cast<int>(N)> ConstraintRowOf(std::array<VertexId, N> corners,
+                                                   FeatureId owner) {
   std::sort(corners.begin(), corners.end());
   return {corners, owner};
 }
@@ -74,10 +75,10 @@ template <int D>
 MeshHash HashOf(const SimplexRow<D>& row) {
   return HashSimplex(row.ids.data(), D + 1, row.region);
 }
-inline MeshHash HashOf(const PieceRow<2>& row) {
+inline MeshHash HashOf(const ConstraintRow<2>& row) {
   return HashSubsegment(row.corners[0], row.corners[1], row.owner);
 }
-inline MeshHash HashOf(const PieceRow<3>& row) {
+inline MeshHash HashOf(const ConstraintRow<3>& row) {
   const VertexId corners[3] = {row.corners[0], row.corners[1], row.corners[2]};
   return HashSubfacet(corners, row.owner);
 }
@@ -104,20 +105,20 @@ void Append(VertexColumns& to, const VertexRow<D>& row) {
   to.containing_dimensions.push_back(static_cast<std::uint8_t>(row.dimension));
   to.owners.push_back(row.owner);
 }
-inline void Append(SubsegmentColumns& to, const PieceRow<2>& row) {
+inline void Append(SubsegmentColumns& to, const ConstraintRow<2>& row) {
   for (const VertexId end : row.corners) to.ends.push_back(end);
   to.owners.push_back(row.owner);
 }
-inline void Append(SubfacetColumns& to, const PieceRow<3>& row) {
+inline void Append(SubfacetColumns& to, const ConstraintRow<3>& row) {
   for (const VertexId corner : row.corners) to.corners.push_back(corner);
   to.owners.push_back(row.owner);
 }
 
-// Appends the rows of pieces to the columns of a diff.
+// Appends the rows of constraints to the columns of a diff.
 template <int N, class Columns>
-void Report(const Rows<PieceRow<N>>& rows, Columns* removed, Columns* added) {
-  for (const PieceRow<N>& row : rows.gone) Append(*removed, row);
-  for (const PieceRow<N>& row : rows.come) Append(*added, row);
+void Report(const Rows<ConstraintRow<N>>& rows, Columns* removed, Columns* added) {
+  for (const ConstraintRow<N>& row : rows.gone) Append(*removed, row);
+  for (const ConstraintRow<N>& row : rows.come) Append(*added, row);
 }
 
 }  // namespace dynmesh

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/steps.h"
-#include "core/mesh_data/pieces.h"
+#include "core/mesh_data/constraints.h"
 #include "core/mesh_data/regions.h"
 #include "core/mesh_data/whole_mesh.h"
 #include "dynmesh/mesh.h"
@@ -113,16 +113,16 @@ void SortSimplices(int dimension, Steps& steps, SimplexColumn& simplices, Region
 }
 
 template <class Columns>
-void SortPieces(Steps& steps, Columns& pieces) {
-  using Row = mesh_data::PieceKey<Columns>;
-  std::vector<Row> rows(pieces.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = mesh_data::KeyOf(pieces, i);
+void SortConstraints(Steps& steps, Columns& constraints) {
+  using Row = mesh_data::ConstraintKey<Columns>;
+  std::vector<Row> rows(constraints.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = mesh_data::KeyOf(constraints, i);
   SortByHash(
       std::span(rows), steps, [](const Row& r) { return r[0]; }, std::less<Row>());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::copy(rows[i].begin(), rows[i].end() - 1,
-              &mesh_data::IdsOf(pieces)[i * (rows[i].size() - 1)]);
-    pieces.owners[i] = rows[i].back();
+              &mesh_data::IdsOf(constraints)[i * (rows[i].size() - 1)]);
+    constraints.owners[i] = rows[i].back();
   }
 }
 
@@ -132,8 +132,8 @@ void mesh_data::Canonicalize(Mesh& mesh, Steps& steps) {
   SortVertices(mesh.dimension, steps, mesh.vertices);
   SortSimplices(mesh.dimension, steps, mesh.simplices, mesh.regions);
   KeepNamed(mesh.region_sets, {&mesh.regions});
-  SortPieces(steps, mesh.subsegments);
-  SortPieces(steps, mesh.subfacets);
+  SortConstraints(steps, mesh.subsegments);
+  SortConstraints(steps, mesh.subfacets);
 }
 
 void Canonicalize(Mesh& mesh) {
@@ -145,13 +145,13 @@ void Canonicalize(MeshDiff& diff) {
   AllSteps all;
   std::sort(diff.removed_vertices.begin(), diff.removed_vertices.end());
   SortSimplices(diff.dimension, all, diff.removed_simplices, diff.removed_regions);
-  SortPieces(all, diff.removed_subsegments);
-  SortPieces(all, diff.removed_subfacets);
+  SortConstraints(all, diff.removed_subsegments);
+  SortConstraints(all, diff.removed_subfacets);
   SortVertices(diff.dimension, all, diff.added_vertices);
   SortSimplices(diff.dimension, all, diff.added_simplices, diff.added_regions);
   mesh_data::KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
-  SortPieces(all, diff.added_subsegments);
-  SortPieces(all, diff.added_subfacets);
+  SortConstraints(all, diff.added_subsegments);
+  SortConstraints(all, diff.added_subfacets);
 }
 
 }  // namespace dynmesh

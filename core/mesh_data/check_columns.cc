@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/text.h"
-#include "core/mesh_data/pieces.h"
+#include "core/mesh_data/constraints.h"
 #include "core/mesh_data/regions.h"
 
 namespace dynmesh::mesh_data {

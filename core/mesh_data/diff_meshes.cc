@@ -8,7 +8,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
-#include "core/mesh_data/pieces.h"
+#include "core/mesh_data/constraints.h"
 #include "core/mesh_data/regions.h"
 #include "core/mesh_data/whole_mesh.h"
 
@@ -201,7 +201,8 @@ void DiffSimplices(const Mesh& from, Mesh& to, Simplices from_alone, Simplices t
 }
 
 template <class Columns>
-void DiffPieces(const Columns& from, Columns& to, Steps& steps, Columns& removed, Columns& added) {
+void DiffConstraints(const Columns& from, Columns& to, Steps& steps, Columns& removed,
+                     Columns& added) {
   RowKeeper ids(&IdsOf(to), kCorners<Columns>);
   RowKeeper owners(&to.owners, 1);
   const auto order = [&](std::size_t i, std::size_t j) {
@@ -249,9 +250,10 @@ MeshDiff DiffMeshes(Mesh from, Mesh to, Steps& steps) {
   diff.hash = to.hash;
   DiffSimplices(from, to, std::move(from_alone), std::move(to_alone), steps, diff);
   KeepNamed(diff.region_sets, {&diff.removed_regions, &diff.added_regions});
-  DiffPieces(from.subsegments, to.subsegments, steps, diff.removed_subsegments,
-             diff.added_subsegments);
-  DiffPieces(from.subfacets, to.subfacets, steps, diff.removed_subfacets, diff.added_subfacets);
+  DiffConstraints(from.subsegments, to.subsegments, steps, diff.removed_subsegments,
+                  diff.added_subsegments);
+  DiffConstraints(from.subfacets, to.subfacets, steps, diff.removed_subfacets,
+                  diff.added_subfacets);
   return diff;
 }
 

@@ -18,7 +18,7 @@
 #include "core/base/mix.h"
 #include "core/base/steps.h"
 #include "core/base/text.h"
-#include "core/mesh_data/pieces.h"
+#include "core/mesh_data/constraints.h"
 #include "core/mesh_data/whole_mesh.h"
 #include "dynmesh/mesh.h"
 
@@ -69,7 +69,7 @@ MeshHash HashOfIds(const VertexId* ids, RegionId region) {
 }
 
 template <std::size_t kIds>
-MeshHash HashPiece(Tag tag, std::array<VertexId, kIds> ids, FeatureId owner) {
+MeshHash HashConstraint(Tag tag, std::array<VertexId, kIds> ids, FeatureId owner) {
   std::sort(ids.begin(), ids.end());
   WordHasher hasher(tag);
   for (const VertexId id : ids) hasher.Add(id);
@@ -78,7 +78,7 @@ MeshHash HashPiece(Tag tag, std::array<VertexId, kIds> ids, FeatureId owner) {
 }
 
 template <class Columns>
-MeshHash HashOfPieces(const Columns& columns, Steps& steps) {
+MeshHash HashOfConstraints(const Columns& columns, Steps& steps) {
   MeshHash sum;
   for (std::size_t i = 0; i < columns.size() && !steps.Stop(); ++i) {
     sum += mesh_data::HashOf(mesh_data::KeyOf(columns, i));
@@ -129,11 +129,11 @@ MeshHash HashSimplex(const VertexId* ids, int count, RegionId region) {
 }
 
 MeshHash HashSubsegment(VertexId a, VertexId b, FeatureId owner) {
-  return HashPiece(kSubsegmentTag, std::array{a, b}, owner);
+  return HashConstraint(kSubsegmentTag, std::array{a, b}, owner);
 }
 
 MeshHash HashSubfacet(const VertexId (&corners)[3], FeatureId owner) {
-  return HashPiece(kSubfacetTag, std::to_array(corners), owner);
+  return HashConstraint(kSubfacetTag, std::to_array(corners), owner);
 }
 
 MeshHash mesh_data::ComputeHash(const Mesh& mesh, Steps& steps) {
@@ -147,8 +147,8 @@ MeshHash mesh_data::ComputeHash(const Mesh& mesh, Steps& steps) {
     const VertexId* const ids = &mesh.simplices[i * (d + 1)];
     sum += d == 2 ? HashOfIds<3>(ids, mesh.region(i)) : HashSimplex(ids, d + 1, mesh.region(i));
   }
-  sum += HashOfPieces(mesh.subsegments, steps);
-  sum += HashOfPieces(mesh.subfacets, steps);
+  sum += HashOfConstraints(mesh.subsegments, steps);
+  sum += HashOfConstraints(mesh.subfacets, steps);
   return sum;
 }
 

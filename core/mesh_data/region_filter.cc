@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "absl/container/flat_hash_set.h"
-#include "core/mesh_data/pieces.h"
+#include "core/mesh_data/constraints.h"
 #include "core/mesh_data/regions.h"
 
 namespace dynmesh::mesh_data {
@@ -61,18 +61,18 @@ VertexColumns RowsOf(const absl::flat_hash_set<VertexId>& ids, std::size_t dimen
   return to;
 }
 
-// The pieces that are an edge, or a facet, of a simplex.
+// The constraints that are an edge, or a facet, of a simplex.
 template <class Columns>
-Columns PiecesOf(const SimplexColumn& simplices, std::size_t width, const Columns& from) {
+Columns ConstraintsOf(const SimplexColumn& simplices, std::size_t width, const Columns& from) {
   constexpr std::size_t kIds = kCorners<Columns>;
   using Corners = std::array<VertexId, kIds>;
-  const auto corners_of = [&](std::size_t piece) {
-    const auto key = KeyOf(from, piece);
+  const auto corners_of = [&](std::size_t constraint) {
+    const auto key = KeyOf(from, constraint);
     Corners corners;
     std::copy_n(key.begin(), kIds, corners.begin());
     return corners;
   };
-  // A set of pieces, not of edges and facets, which are many more.
+  // A set of constraints, not of edges and facets, which are many more.
   absl::flat_hash_set<Corners> open;
   for (std::size_t i = 0; i < from.size(); ++i) open.insert(corners_of(i));
   if (open.empty()) return {};
@@ -132,8 +132,8 @@ Mesh OnlyInside(const Mesh& mesh, const RegionChoice& choice) {
   KeepNamed(part.region_sets, {&part.regions});
   const absl::flat_hash_set<VertexId> used(part.simplices.begin(), part.simplices.end());
   part.vertices = RowsOf(used, dimension, mesh.vertices);
-  part.subsegments = PiecesOf(part.simplices, dimension + 1, mesh.subsegments);
-  part.subfacets = PiecesOf(part.simplices, dimension + 1, mesh.subfacets);
+  part.subsegments = ConstraintsOf(part.simplices, dimension + 1, mesh.subsegments);
+  part.subfacets = ConstraintsOf(part.simplices, dimension + 1, mesh.subfacets);
   part.hash = ComputeHash(part);
   return part;
 }

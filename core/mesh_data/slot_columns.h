@@ -11,7 +11,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
 #include "core/base/text.h"
-#include "core/mesh_data/pieces.h"
+#include "core/mesh_data/constraints.h"
 #include "dynmesh/slot_mesh.h"
 
 namespace dynmesh::mesh_data {
@@ -37,9 +37,9 @@ struct SlotPool {
 
 // Subsegments or subfacets by key, in slots.
 template <class Columns>
-struct PieceTable {
+struct ConstraintTable {
   static constexpr std::size_t kCorners = kCorners<Columns>;
-  using Key = PieceKey<Columns>;
+  using Key = ConstraintKey<Columns>;
 
   absl::flat_hash_map<Key, Slot> slots;
   SlotColumn<Slot> corners;
@@ -48,7 +48,7 @@ struct PieceTable {
 
   // Computes the net effect of a diff, and adds it to `hash`.
   absl::Status Net(const Columns& removed, const Columns& added, MeshHash& hash) const {
-    const std::string what = text::Concat("a ", kPieceName<Columns>);
+    const std::string what = text::Concat("a ", kConstraintName<Columns>);
     absl::flat_hash_set<Key> gone, come;
     for (std::size_t i = 0; i < removed.size(); ++i) {
       const auto key = KeyOf(removed, i);

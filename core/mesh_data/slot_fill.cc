@@ -132,7 +132,7 @@ absl::Status SlotMesh::State::Fill(const Mesh& mesh) {
   if (auto status = FillVertices(mesh, sum); !status.ok()) return status;
   if (auto status = FillSimplices(mesh, sum); !status.ok()) return status;
 
-  MeshDiff rest;  // pieces and sets are added as by a diff
+  MeshDiff rest;  // constraints and sets are added as by a diff
   rest.dimension = dimension;
   if (auto s = subsegments.Net({}, mesh.subsegments, sum); !s.ok()) return s;
   if (auto s = subfacets.Net({}, mesh.subfacets, sum); !s.ok()) return s;
@@ -143,7 +143,7 @@ absl::Status SlotMesh::State::Fill(const Mesh& mesh) {
   for (const auto* ends : {&mesh.subsegments.ends, &mesh.subfacets.corners}) {
     for (const VertexId id : *ends) {
       if (!vertices.contains(id))
-        return Lost("a piece of a feature", "has a corner that is absent");
+        return Lost("a subsegment or subfacet", "has a corner that is absent");
     }
   }
   const auto slot_of = [this](VertexId id) { return FindVertex(id); };

@@ -94,7 +94,7 @@ absl::Status SlotMesh::State::Net(const MeshDiff& diff, Netting& netting) const 
   for (const auto* ends : {&diff.added_subsegments.ends, &diff.added_subfacets.corners}) {
     for (const VertexId id : *ends) {
       if (!netting.added_vertices.contains(id) && !vertices.contains(id)) {
-        return Lost("a piece of a feature", "has a corner that is absent");
+        return Lost("a subsegment or subfacet", "has a corner that is absent");
       }
     }
   }

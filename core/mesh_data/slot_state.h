@@ -180,8 +180,8 @@ struct SlotMesh::State {
   CellSet simplices;
   // The polygons of each region in several polygons, and its number of simplices.
   absl::flat_hash_map<RegionId, std::pair<std::vector<FeatureId>, std::size_t>> sets;
-  mesh_data::PieceTable<SubsegmentColumns> subsegments;
-  mesh_data::PieceTable<SubfacetColumns> subfacets;
+  mesh_data::ConstraintTable<SubsegmentColumns> subsegments;
+  mesh_data::ConstraintTable<SubfacetColumns> subfacets;
 
   Patch going;
   MeshPatch patch;

@@ -249,10 +249,10 @@ template <int D, template <class> class E>
 std::optional<typename Complex<D, E>::Shell> Complex<D, E>::ShellOf(VertexIndex v) const {
   if (vertex(v).dimension != 1) return std::nullopt;
   const Subsegment& s = SplitAt(v);
-  if (s.piece.rule != Piece::Rule::kShells) return std::nullopt;
-  const bool from_b = s.piece.from_b;
+  if (s.split_rule.kind != SplitRule::Kind::kShells) return std::nullopt;
+  const bool from_b = s.split_rule.from_b;
   return Shell{from_b ? s.whole_b : s.whole_a, from_b ? s.whole_a : s.whole_b,
-               SplitDistance(s.piece)};
+               SplitDistance(s.split_rule)};
 }
 
 template <int D, template <class> class E>

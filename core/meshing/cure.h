@@ -28,11 +28,11 @@
 #include "core/meshing/cure_candidates.h"
 #include "core/meshing/encroachment.h"
 #include "core/meshing/facet_work.h"
+#include "core/meshing/read_cover.h"
 #include "core/meshing/refinement_terms.h"
 #include "core/meshing/sliver_table.h"
 #include "core/meshing/splits.h"
 #include "core/meshing/star.h"
-#include "core/meshing/star_region.h"
 
 namespace dynmesh::meshing {
 
@@ -60,12 +60,12 @@ class CureWork {
 
  private:
   struct Reads {
-    Reads(Context& of, const Point& centre) : context(of), region(centre) {}
+    Reads(Context& of, const Point& centre) : context(of), cover(centre) {}
     void Read(std::uint32_t ordinal, VertexIndex a, VertexIndex b, VertexIndex c) {
       for (const std::uint32_t word : {ordinal, a, b, c}) context.Read(word);
     }
     Context& context;
-    StarRegion<D> region;
+    ReadCover<D> cover;
     std::uint32_t candidate = 0;  // the one being tested
     bool is_attentive = false;    // a candidate encroached on a subsegment
   };
@@ -105,8 +105,8 @@ void CureWork<D, E>::Run(Context& context) {
   if constexpr (D == 3) {
     const Sliver& sliver = complex_.slivers[context.item];
     Reads reads(context, sliver.centre);
-    reads.region.AddDistantBall(sliver.centre,
-                                sliver.radius * kBarelyWider + 4 * complex_.rules.ulp());
+    reads.cover.AddDistantBall(sliver.centre,
+                               sliver.radius * kBarelyWider + 4 * complex_.rules.ulp());
     const std::uint64_t round = RoundOfEpoch(context.epoch);
     if (const VertexIndex other = UnmakerOf(context, sliver); other != kNil) {
       reads.Read(kUnmade, other, other, other);
@@ -123,9 +123,9 @@ void CureWork<D, E>::Run(Context& context) {
       }
     }
     if constexpr (kTraced) {
-      context.payload().SetRegion(reads.region);
+      context.payload().SetCover(reads.cover);
       context.payload().flag = reads.is_attentive;
-      complex_.Subscribe(context, reads.region.box());
+      complex_.Subscribe(context, reads.cover.box());
     }
   }
 }
@@ -176,7 +176,7 @@ bool CureWork<D, E>::Suits(Context& context, const Sliver& sliver, const Point& 
         return geometry::InSphere(p, q, r, x, y);
       });
       if (is_unmade) continue;
-      reads->region.AddDistantBall(centre, radius);
+      reads->cover.AddDistantBall(centre, radius);
       reads->Read(reads->candidate, a, c, b);
       return false;
     }
@@ -259,8 +259,8 @@ template <int D, template <class> class E>
 void CureWork<D, E>::AddCornerTo(Reads* reads, int i) const {
   if constexpr (D == 3) {
     const auto& corner = star_.corner(i);
-    reads->region.AddDistantBall(CentreOf(star_, i),
-                                 std::sqrt(corner.r2) + corner.error + 4 * complex_.rules.ulp());
+    reads->cover.AddDistantBall(CentreOf(star_, i),
+                                std::sqrt(corner.r2) + corner.error + 4 * complex_.rules.ulp());
     const auto [a, b, c] = star_.IdsOf(i);
     reads->Read(reads->candidate, a, b, c);
   }

@@ -11,9 +11,9 @@
 
 #include "core/base/rounding.h"
 #include "core/geometry/point.h"
+#include "core/meshing/read_cover.h"
 #include "core/meshing/rules.h"
 #include "core/meshing/shells.h"
-#include "core/meshing/star_region.h"
 #include "core/sac/engine.h"
 
 namespace dynmesh::meshing {
@@ -31,7 +31,7 @@ enum Procedure : sac::Kind {
   kCheck,     // a new subsegment: split it if it is encroached, else expose it
   kSplit,     // split it: a vertex encroaches on it
   kRecheck,   // split it if it is encroached as of now
-  kPresplit,  // a piece of a segment: halve it if a disjoint feature is too near, else check it
+  kPresplit,  // a subsegment: halve it if a disjoint feature is too near, else check it
   kCure,      // a sliver: insert a point that unmakes it and makes none
 };
 
@@ -53,7 +53,7 @@ inline std::uint64_t StepOfEpoch(sac::Epoch e) { return e & kQualityStep; }
 inline bool IsQualityEpoch(sac::Epoch e) { return StepOfEpoch(e) == kQualityStep; }
 
 inline constexpr sac::Epoch kBirthOfInput = 0;
-// The epoch of pieces after `depth` splits. Step 0 is the beginning.
+// The epoch of subsegments after `depth` splits. Step 0 is the beginning.
 inline sac::Epoch PresplitEpoch(int depth = 0) {
   return MakeEpoch(0, 0, static_cast<std::uint64_t>(depth) + 1);
 }
@@ -89,7 +89,7 @@ struct Subsegment {
   VertexIndex a = kNil, b = kNil;              // the lesser end of the segment first
   VertexIndex whole_a = kNil, whole_b = kNil;  // ends of the segment
   FeatureSlot feature = kNil;
-  Piece piece;  // determines how it is split
+  SplitRule split_rule;
   // Quality work sees it from its exposure (a Check found it clean) until its death (a split).
   sac::Stamp exposed = sac::kNoStamp;
   sac::Stamp death = sac::kNoStamp;
@@ -124,11 +124,10 @@ class Payload {
   // encroached (then the reads are the witnesses).
   std::uint32_t flag : 1 = 0;
 
-  // kComplete: stores the balls of `region`, coarsely. `doubt`: an error bound of its measures.
+  // kComplete: stores the balls of `cover`, coarsely. `doubt`: an error bound of its measures.
   // False if such an error could change the stored bits.
-  bool SetRegion(const StarRegion<D>& region, double doubt = 0) {
-    const double r2 = region.radius2(),
-                 doubt2 = doubt > 0 ? doubt * (2 * std::sqrt(r2) + doubt) : 0;
+  bool SetCover(const ReadCover<D>& cover, double doubt = 0) {
+    const double r2 = cover.radius2(), doubt2 = doubt > 0 ? doubt * (2 * std::sqrt(r2) + doubt) : 0;
     radius2 = RoundedFarUp(r2 + doubt2);
     bool is_certain = RoundedFarUp(r2 - doubt2) == radius2;
     // If the radius overflows, nothing is known of the extents either.
@@ -143,7 +142,7 @@ class Payload {
       if (doubt > 0 && rounded(distance - doubt) != most) is_certain = false;
       return most;
     };
-    const Point &p = region.centre(), lo = {region.box().lo}, hi = {region.box().hi};
+    const Point &p = cover.centre(), lo = {cover.box().lo}, hi = {cover.box().hi};
     std::uint32_t all = 0;
     for (int k = 0; k < D; ++k) {
       all |= fraction(p[k] - lo[k], kExtentUnits) << (2 * k * kExtentBits) |
@@ -152,15 +151,15 @@ class Payload {
     extents_ = all;
     if constexpr (kByOrthant) {
       outline_ = 0;
-      for (int o = 0; o < StarRegion<D>::kOrthants; ++o) {
-        outline_ |= fraction(region.Reach(o), kReachUnits) << (o * kReachBits);
+      for (int o = 0; o < ReadCover<D>::kOrthants; ++o) {
+        outline_ |= fraction(cover.Reach(o), kReachUnits) << (o * kReachBits);
       }
     }
     return is_certain;
   }
   // May y be in one of the balls, p being their vertex? Conservative: may return true needlessly,
   // never false wrongly.
-  bool RegionMayHold(const Point& p, const Point& y) const {
+  bool CoverMayHold(const Point& p, const Point& y) const {
     constexpr double kPart2 = 1.0 / (kExtentUnits * kExtentUnits);
     double sum = 0;
     int orthant = 0;
@@ -178,8 +177,8 @@ class Payload {
     }
     return sum <= radius2;
   }
-  // What SetRegion stored beside the radius, as one number.
-  std::uint64_t region() const {
+  // What SetCover stored beside the radius, as one number.
+  std::uint64_t cover() const {
     if constexpr (kByOrthant) return std::uint64_t{outline_} << 32 | extents_;
     return extents_;
   }

@@ -34,7 +34,7 @@ namespace dynmesh::meshing {
 
 // The widest spacing that leaves no room for vertices between the facet and a lattice beside it.
 inline constexpr double kSpacingInTargets = 0.8;
-// In targets. Pieces of edges are shorter than twice that (IsTooLong), so their balls hold no
+// In targets. Subsegments of edges are shorter than twice that (IsTooLong), so their balls hold no
 // anchor.
 inline constexpr double kClearOfEdges = 0.66;
 

@@ -23,8 +23,8 @@
 #include "core/geometry/facet_interior.h"
 #include "core/geometry/facet_plane.h"
 #include "core/geometry/segment_distance.h"
+#include "core/meshing/box_tree.h"
 #include "core/meshing/elements.h"
-#include "core/meshing/region_tree.h"
 #include "core/meshing/spatial_tree.h"
 
 namespace dynmesh::meshing {
@@ -242,9 +242,9 @@ class FacetField {
   std::vector<Facet> facets_;
   std::vector<FacetIndex> free_;
   std::vector<RegionsOf> regions_of_;  // by facet
-  RegionTree<3, Region> extents_;
-  RegionTree<3, Region> reaches_;  // enlarged by reach(): the surroundings that may affect the
-                                   // facet's anchors
+  BoxTree<3, Region> extents_;
+  BoxTree<3, Region> reaches_;  // enlarged by reach(): the surroundings that may affect the
+                                // facet's anchors
   absl::flat_hash_map<VertexIndex, absl::InlinedVector<FacetIndex, 4>> at_corner_;
   absl::flat_hash_map<FeatureSlot, FacetIndex> of_feature_;
 };

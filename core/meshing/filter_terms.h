@@ -19,7 +19,7 @@ enum class FilterTerm {
   kOverMidpoint,          // ... or holds the midpoint that a split made
   kDeathOfSubsegment,     // a subsegment dies earlier or later than before
   kOverSize,              // a sizing region comes or goes that a ball read is too large for
-  kFeatureTooNear,        // a point or segment comes too near to a piece of a segment
+  kFeatureTooNear,        // a point or segment comes too near to a subsegment
   kFeatureNearer,         // ... or nearer than the nearest such feature
   kTooNearVanishes,       // the nearest such feature vanishes
   kOverFacet,             // a facet comes or goes that meets the balls read

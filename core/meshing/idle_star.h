@@ -4,7 +4,7 @@
 // by one.
 //
 // The record is the same to the bit:
-// 1. Of everything that depends on rounding the payload stores only a coarse value (SetRegion).
+// 1. Of everything that depends on rounding the payload stores only a coarse value (SetCover).
 // 2. An error bound shows in nearly all cases that both ways give the same stored value.
 // 3. In the other cases the star is made.
 #ifndef DYNMESH_CORE_MESHING_IDLE_STAR_H_
@@ -18,8 +18,8 @@
 #include "core/base/rounding.h"
 #include "core/meshing/complex.h"
 #include "core/meshing/link.h"
+#include "core/meshing/read_cover.h"
 #include "core/meshing/star_reads.h"
-#include "core/meshing/star_region.h"
 #include "core/meshing/star_view.h"
 
 namespace dynmesh::meshing {
@@ -39,7 +39,7 @@ class IdleStars {
   bool Read(Context& context, VertexIndex v, double reach, const Link& link) const;
 
  private:
-  bool AddBallsOf(const Link& link, double reach, StarRegion<D>* region, double* doubt) const;
+  bool AddBallsOf(const Link& link, double reach, ReadCover<D>* cover, double* doubt) const;
   bool MayHaveGap(VertexIndex v, const Link& link) const;
 
   const Complex<D, E>& complex_;
@@ -54,9 +54,9 @@ bool IdleStars<D, E>::Read(Context& context, VertexIndex v, double reach, const 
         complex_.by_edge() && complex_.sizing.empty() && complex_.facets.empty();
     if (!by_edge_alone || MayHaveGap(v, link)) return false;
     const Point& p = complex_.vertex(v).p;
-    StarRegion<D> region(p);
+    ReadCover<D> cover(p);
     double doubt = 0;
-    if (!AddBallsOf(link, reach, &region, &doubt)) return false;
+    if (!AddBallsOf(link, reach, &cover, &doubt)) return false;
     // Let doubt bound the difference between a corner of the star and the ball of its simplex.
     // 1. Centres and radii differ by less than doubt, margins by less than doubt / 10.
     // 2. The stored values are distances from v: centre + radius, twice the radius, or at most
@@ -66,7 +66,7 @@ bool IdleStars<D, E>::Read(Context& context, VertexIndex v, double reach, const 
     // 4. So a stored value changes by less than 2.4 doubt < 8 doubt. 8 ulps more cover the rounding
     //    of coordinates.
     doubt = 8 * doubt + 8 * complex_.rules.ulp();
-    if (!context.payload().SetRegion(region, doubt)) return false;
+    if (!context.payload().SetCover(cover, doubt)) return false;
     context.payload().flag = 0;
     if constexpr (D == 2) {
       for (const auto corner : link.corners)
@@ -74,7 +74,7 @@ bool IdleStars<D, E>::Read(Context& context, VertexIndex v, double reach, const 
     } else {
       WriteStar(link, [&](std::uint32_t word) { context.Read(word); });
     }
-    Extent<D> box = region.box();
+    Extent<D> box = cover.box();
     for (int k = 0; k < D; ++k) box.lo[k] -= doubt, box.hi[k] += doubt;
     complex_.Subscribe(context, box);
     return true;
@@ -92,7 +92,7 @@ bool IdleStars<D, E>::Read(Context& context, VertexIndex v, double reach, const 
 // 4. 3D, the sphere: doubt is its own bound (high - low) / R (Sphere), about 4e-7 R as low and high
 //    are floats.
 template <int D, template <class> class E>
-bool IdleStars<D, E>::AddBallsOf(const Link& link, double reach, StarRegion<D>* region,
+bool IdleStars<D, E>::AddBallsOf(const Link& link, double reach, ReadCover<D>* cover,
                                  double* doubt) const {
   const double margin = MarginOf<D>(complex_.rules, reach, 0);
   const double most_radius = 0.9 * reach;
@@ -107,7 +107,7 @@ bool IdleStars<D, E>::AddBallsOf(const Link& link, double reach, StarRegion<D>* 
       // sin(angle at v) = facing / (2 r) > 1 / 1000. Circles are known (MayHaveGap).
       if (!(facing2 > 4e-6 * r2) || !(radius < most_radius)) return false;
       largest = std::max(largest, radius);
-      region->AddBall(complex_.triangulation->circumcenter(t), radius, margin);
+      cover->AddBall(complex_.triangulation->circumcenter(t), radius, margin);
     }
     *doubt = 4e-7 * largest;
   } else {
@@ -117,7 +117,7 @@ bool IdleStars<D, E>::AddBallsOf(const Link& link, double reach, StarRegion<D>* 
       if (!(radius < most_radius)) return false;
       *doubt = std::max(*doubt, (sphere.high - sphere.low) / radius);  // about 4e-7 R, from the
                                                                        // rounding to floats
-      region->AddBall(sphere.center, radius, margin);
+      cover->AddBall(sphere.center, radius, margin);
     }
   }
   return true;

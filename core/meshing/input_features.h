@@ -1,5 +1,5 @@
 // The input's points and segments by position. The query: which feature is nearest to the middle of
-// a piece of a segment, of those too near to the piece (segments.h, Presplit).
+// a subsegment, of those too near to the subsegment (segments.h, Presplit).
 //
 // A quadtree or octree of cells; a cell lists the features that meet it. A cell is cut if it lists
 // more than kCapacity features, unless all of these have a common vertex: cutting would not
@@ -64,7 +64,7 @@ class InputFeatures {
   // some are visited more than once. `radius2` may shrink meanwhile. Skips
   //   cells for which may_matter(centre of the cell, half of its side) is false, and
   //   cells in which all features have one of the `ends`. So of thousands of segments that meet at
-  //   a point, none is visited for a piece of one of them.
+  //   a point, none is visited for a subsegment of one of them.
   template <class MayMatter, class Visit>
   void VisitNear(const Point& centre, const double& radius2, const Vertices& ends,
                  MayMatter may_matter, Visit visit) const {

@@ -13,11 +13,11 @@
 
 #include "core/geometry/point.h"
 #include "core/meshing/edge_tree.h"
-#include "core/meshing/region_shape.h"
+#include "core/meshing/sizing_shape.h"
 
 namespace dynmesh::meshing {
 
-class PolygonArea : public RegionShape<2> {
+class PolygonArea : public SizingShape<2> {
  public:
   // Each ring has at least three points; the last is joined to the first.
   explicit PolygonArea(std::span<const std::vector<geometry::Point2>> rings);

@@ -1,11 +1,11 @@
-// Presplit: a piece of a segment is split if a feature disjoint from the segment is too near:
-//   a point or segment that meets the open ball about the piece's middle, or is nearer to the piece
-//   than an eighth of its length;
-//   a facet at squared distance < FacetReach2 from the piece's middle.
-// This is Disencroach (Fig. 5.5) by features instead of by the cells of BuildQT: remaining pieces
-// are no longer than 8 times the local feature size. Features far away have no influence on a
-// segment, so an edit changes only the pieces near it. No ball of a piece holds a vertex of a
-// disjoint feature, so splits of one segment do not cause splits of others.
+// Presplit: a subsegment is split if a feature disjoint from the segment is too near:
+//   a point or segment that meets the open ball about the subsegment's middle, or is nearer to the
+//   subsegment than an eighth of its length; a facet at squared distance < FacetReach2 from the
+//   subsegment's middle.
+// This is Disencroach (Fig. 5.5) by features instead of by the cells of BuildQT: remaining
+// subsegments are no longer than 8 times the local feature size. Features far away have no
+// influence on a segment, so an edit changes only the subsegments near it. No ball of a subsegment
+// holds a vertex of a disjoint feature, so splits of one segment do not cause splits of others.
 #ifndef DYNMESH_CORE_MESHING_PRESPLIT_H_
 #define DYNMESH_CORE_MESHING_PRESPLIT_H_
 
@@ -32,14 +32,14 @@ class PresplitRules {
 
   explicit PresplitRules(const Complex<D, E>& complex) : complex_(complex) {}
 
-  // True if s is too long for a sizing region that its ball meets. The balls of shorter pieces hold
-  // no anchor (anchors.h).
+  // True if s is too long for a sizing region that its ball meets. The balls of shorter subsegments
+  // hold no anchor (anchors.h).
   bool IsTooLong(const Subsegment& s) const;
   bool IsTooLong(const Subsegment& s, const SizingRegion<D>& region) const;
   // d2: the feature's squared distance from the middle of s.
   bool IsTooNear(const Subsegment& s, const InputFeature<D>& feature, double d2) const;
   // The feature nearest to the middle of s, of those too near. *d2: its squared distance from the
-  // middle. By packing, one feature is the nearest of only a few pieces of a given length.
+  // middle. By packing, one feature is the nearest of only a few subsegments of a given length.
   std::optional<InputFeature<D>> NearestTooNear(const Subsegment& s, double* d2) const;
   // A facet farther than this from the middle leaves s whole, though it may meet the ball of s: a
   // vertex in the ball is then an anchor of the facet. Using the whole ball, 125 boxes have 4 %

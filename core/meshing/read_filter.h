@@ -114,11 +114,11 @@ bool ReadFilter<D, E>::VertexMatters(sac::OpId op, VertexIndex v, bool appears) 
     };
     switch (engine_.kind(op)) {
       case kComplete:
-        if (item == v || !payload.RegionMayHold(complex_.vertex(item).p, y)) return false;
+        if (item == v || !payload.CoverMayHold(complex_.vertex(item).p, y)) return false;
         return appears ? Counts(FilterTerm::kAppearsInCorner) && ConflictsWithStar(op, y)
                        : Counts(FilterTerm::kVanishesFromRing) && is_read();
       case kCure:
-        return Counts(FilterTerm::kNearCure) && payload.RegionMayHold(CentreOfReads(op), y) &&
+        return Counts(FilterTerm::kNearCure) && payload.CoverMayHold(CentreOfReads(op), y) &&
                CureMatters(op, v, appears);
       case kNearest:
         return item != v &&
@@ -353,8 +353,8 @@ bool ReadFilter<D, E>::SizingMatters(sac::OpId op, const SizingRegion<D>& region
   return false;
 }
 
-// A facet affects a Presplit within this distance from its piece's middle: nearer than what made it
-// split, or near enough to make it split. Conservative.
+// A facet affects a Presplit within this distance from its subsegment's middle: nearer than what
+// made it split, or near enough to make it split. Conservative.
 template <int D, template <class> class E>
 double ReadFilter<D, E>::PresplitReach(sac::OpId op) const {
   if constexpr (kTraced) {

@@ -7,7 +7,7 @@
 //   order.h          the order of operations within an epoch
 //
 // Procedures, one class each, without state between runs:
-//   presplit.h       kPresplit: no piece of a segment has a feature too near
+//   presplit.h       kPresplit: no subsegment has a feature too near
 //   segments.h       kCheck, kSplit, kRecheck: no subsegment is encroached (rule b)
 //   nearest.h        kNearest: when does a vertex begin?
 //   complete.h       kComplete: no edge has a gap (rule a), yielding (c); no vertex has a part of a

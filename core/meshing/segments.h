@@ -1,10 +1,10 @@
 // Rule (b) for segments as a fixed point. A subsegment is *encroached* if its open diametral ball
 // holds a vertex, or if a tie on the ball's surface keeps it out of the Delaunay triangulation.
-// Then it is split: in the middle, or where its piece says (SplitOf).
+// Then it is split: in the middle, or where its split rule says (SplitOf).
 //
 // Once encroached, a subsegment stays so until it is split, whatever else is inserted. So the set
 // of splits is the least fixed point of a monotone rule, and does not depend on the order in which
-// subsegments are checked. It is finite: pieces of segments that meet at a small angle are split on
+// subsegments are checked. It is finite: subsegments that meet at a small angle are split on
 // shells (shells.h).
 #ifndef DYNMESH_CORE_MESHING_SEGMENTS_H_
 #define DYNMESH_CORE_MESHING_SEGMENTS_H_

@@ -80,28 +80,28 @@ double Coarsest(double lo, double hi) {
   return hi;
 }
 
-Piece Piece::Whole(const SegmentShape& shape, double length) {
-  if (shape.acute_at_a && shape.acute_at_b) return {Rule::kHandOver, false, 0, shape.handover};
-  if (shape.acute_at_a) return {Rule::kShells, false, 0, length};
-  if (shape.acute_at_b) return {Rule::kShells, true, length, 0};
+SplitRule SplitRule::Whole(const SegmentShape& shape, double length) {
+  if (shape.acute_at_a && shape.acute_at_b) return {Kind::kHandOver, false, 0, shape.handover};
+  if (shape.acute_at_a) return {Kind::kShells, false, 0, length};
+  if (shape.acute_at_b) return {Kind::kShells, true, length, 0};
   return {};
 }
 
-double SplitDistance(const Piece& piece) {
-  if (piece.rule == Piece::Rule::kHandOver) return piece.at_b;
-  const double near = std::min(piece.at_a, piece.at_b), far = std::max(piece.at_a, piece.at_b);
+double SplitDistance(const SplitRule& rule) {
+  if (rule.kind == SplitRule::Kind::kHandOver) return rule.at_b;
+  const double near = std::min(rule.at_a, rule.at_b), far = std::max(rule.at_a, rule.at_b);
   const double quarter = (far - near) / 4;
   return Coarsest(near + quarter, far - quarter);
 }
 
-std::array<Piece, 2> SplitPiece(const Piece& piece, double length) {
-  using Rule = Piece::Rule;
-  const double at = SplitDistance(piece);
-  if (piece.rule == Rule::kHandOver) {
-    return {Piece{Rule::kShells, false, 0, at}, Piece{Rule::kShells, true, length - at, 0}};
+std::array<SplitRule, 2> RulesOfParts(const SplitRule& rule, double length) {
+  using Kind = SplitRule::Kind;
+  const double at = SplitDistance(rule);
+  if (rule.kind == Kind::kHandOver) {
+    return {SplitRule{Kind::kShells, false, 0, at}, SplitRule{Kind::kShells, true, length - at, 0}};
   }
-  return {Piece{Rule::kShells, piece.from_b, piece.at_a, at},
-          Piece{Rule::kShells, piece.from_b, at, piece.at_b}};
+  return {SplitRule{Kind::kShells, rule.from_b, rule.at_a, at},
+          SplitRule{Kind::kShells, rule.from_b, at, rule.at_b}};
 }
 
 Point2 PointAt(const Point2& a, const Point2& b, double length, double distance) {

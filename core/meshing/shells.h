@@ -4,8 +4,9 @@
 //
 // So a segment with a sharp angle at its end is split on *shells* instead: at distances from the
 // apex that are round dyadic numbers, the same for all segments that meet there.
-// 1. Pieces between the same two shells never encroach on each other.
-// 2. A piece is split at the coarsest dyadic number in its middle half. So the pieces of two
+// 1. Subsegments between the same two shells never encroach on each other.
+// 2. A subsegment is split at the coarsest dyadic number in its middle half. So the subsegments of
+// two
 //    segments agree after finitely many splits, and are never finer than either segment needs.
 //
 // An edge between two segments of a wedge that joins vertices of one shell is *seditious*: it is as
@@ -51,26 +52,26 @@ SegmentShape ShapeOf(double length, const WedgeEnd& a, const WedgeEnd& b);
 // The dyadic number m 2^e of the largest e within [lo, hi], 0 < lo <= hi.
 double Coarsest(double lo, double hi);
 
-// How a piece of a segment is to be split.
-struct Piece {
-  enum class Rule : std::uint8_t {
+// How a subsegment is to be split.
+struct SplitRule {
+  enum class Kind : std::uint8_t {
     kHalve,     // no acute end
     kHandOver,  // a whole segment with two acute ends
     kShells,
   };
-  Rule rule = Rule::kHalve;
+  Kind kind = Kind::kHalve;
   bool from_b = false;  // the apex is the greater end of the whole segment
-  // kShells: distances of the piece's lesser and greater end from the apex. kHandOver: 0, and the
-  // distance from the lesser end at which to split.
+  // kShells: distances of the subsegment's lesser and greater end from the apex. kHandOver: 0, and
+  // the distance from the lesser end at which to split.
   double at_a = 0, at_b = 0;
 
-  static Piece Whole(const SegmentShape& shape, double length);
+  static SplitRule Whole(const SegmentShape& shape, double length);
 };
 
-// SplitDistance: where a piece that is not halved is split, as a distance from the apex (kHandOver:
-// from the lesser end). SplitPiece: its two parts, the lesser one first.
-double SplitDistance(const Piece& piece);
-std::array<Piece, 2> SplitPiece(const Piece& piece, double length);
+// SplitDistance: where a subsegment that is not halved is split, as a distance from the apex
+// (kHandOver: from the lesser end). RulesOfParts: its two parts, the lesser one first.
+double SplitDistance(const SplitRule& rule);
+std::array<SplitRule, 2> RulesOfParts(const SplitRule& rule, double length);
 
 // The point of segment ab at `distance` from a. On axis-parallel segments as exact as the sum.
 geometry::Point2 PointAt(const geometry::Point2& a, const geometry::Point2& b, double length,

@@ -18,8 +18,8 @@
 #include "core/base/rounding.h"
 #include "core/geometry/point.h"
 #include "core/meshing/anchor_lattice.h"
-#include "core/meshing/region_shape.h"
-#include "core/meshing/region_tree.h"
+#include "core/meshing/box_tree.h"
+#include "core/meshing/sizing_shape.h"
 
 namespace dynmesh::meshing {
 
@@ -29,14 +29,14 @@ struct SizingRegion {
   geometry::Point<D> lo = {}, hi = {};
   double radius = 0;
   double target = 0;                                      // h
-  std::shared_ptr<const RegionShape<D>> shape = nullptr;  // between lo and hi; null: all of the box
+  std::shared_ptr<const SizingShape<D>> shape = nullptr;  // between lo and hi; null: all of the box
   double most_radius() const { return KeyOf(target); }
   bool Meets(const geometry::Point<D>& centre, double ball_radius) const;
   // The finest level of lattice (anchor_lattice.h) that the region has at a point within `margin`
   // of x. margin < 0: at all points within -margin. Returns `below` if no level finer than that
   // applies.
   int LevelNear(const geometry::Point<D>& x, double margin, int below) const;
-  // For RegionTree: a ball that is not too large for the target need not find the region.
+  // For BoxTree: a ball that is not too large for the target need not find the region.
   double LeastCell() const { return target; }
   double Key() const { return most_radius(); }
   static double KeyOf(double target) { return target * 0.70710678118654752; }
@@ -51,7 +51,7 @@ class SizingField {
  public:
   using Region = SizingRegion<D>;
   using Point = geometry::Point<D>;
-  using Index = typename RegionTree<D, Region>::Index;
+  using Index = typename BoxTree<D, Region>::Index;
 
   // Covers the box: regions should meet it.
   SizingField(const Point& lo, const Point& hi) : regions_(lo, hi) {}
@@ -113,7 +113,7 @@ class SizingField {
   template <class Accept>
   int LevelNear(const Point& x, double margin, int below, bool any, Accept accept) const;
 
-  RegionTree<D, Region> regions_;
+  BoxTree<D, Region> regions_;
   std::map<int, int> levels_;
 };
 

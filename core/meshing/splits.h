@@ -26,14 +26,14 @@ bool IsGuarded(const Complex<D, E>& complex, const Subsegment<D>& s, int bucket)
 
 // The point at which s is split, and the rules of its parts.
 template <int D, template <class> class E>
-std::pair<geometry::Point<D>, std::array<Piece, 2>> SplitOf(const Complex<D, E>& complex,
-                                                            const Subsegment<D>& s) {
+std::pair<geometry::Point<D>, std::array<SplitRule, 2>> SplitOf(const Complex<D, E>& complex,
+                                                                const Subsegment<D>& s) {
   if constexpr (D == 2) {
-    if (s.piece.rule != Piece::Rule::kHalve) {
+    if (s.split_rule.kind != SplitRule::Kind::kHalve) {
       const auto &a = complex.vertex(s.whole_a).p, &b = complex.vertex(s.whole_b).p;
-      const double length = LengthOf(a, b), at = SplitDistance(s.piece);
-      return {s.piece.from_b ? PointAt(b, a, length, at) : PointAt(a, b, length, at),
-              SplitPiece(s.piece, length)};
+      const double length = LengthOf(a, b), at = SplitDistance(s.split_rule);
+      return {s.split_rule.from_b ? PointAt(b, a, length, at) : PointAt(a, b, length, at),
+              RulesOfParts(s.split_rule, length)};
     }
   }
   return {geometry::Midpoint(complex.vertex(s.a).p, complex.vertex(s.b).p), {}};
@@ -95,7 +95,7 @@ std::pair<VertexIndex, std::array<SubsegmentIndex, 2>> EmitHalves(Complex<D, E>&
                                                                   ContextOf<D, E>& context,
                                                                   SubsegmentIndex s) {
   const Subsegment<D> whole = complex.subsegment(s);
-  const auto [p, pieces] = SplitOf(complex, whole);
+  const auto [p, rules] = SplitOf(complex, whole);
   const VertexIndex v = EmitVertex(complex, context, p, 0, 1, whole.feature);
   std::array<SubsegmentIndex, 2> halves;
   for (int i = 0; i < 2; ++i) {
@@ -105,7 +105,7 @@ std::pair<VertexIndex, std::array<SubsegmentIndex, 2>> EmitHalves(Complex<D, E>&
     half.whole_a = whole.whole_a;
     half.whole_b = whole.whole_b;
     half.feature = whole.feature;
-    half.piece = pieces[i];
+    half.split_rule = rules[i];
     half.depth = whole.depth + 1;
     halves[i] = EmitSubsegment(complex, context, half);
   }

@@ -1,6 +1,6 @@
 // The star of a vertex as of an operation's time. Two ways give one result: *local*, by gap-ball
 // queries in the spatial tree, seeded with any ring at hand and verified; and *global*, read off a
-// triangulation of all vertices present, in a run from scratch. The reads are recorded as a region.
+// triangulation of all vertices present, in a run from scratch. The reads are recorded as a cover.
 #ifndef DYNMESH_CORE_MESHING_STAR_FINDER_H_
 #define DYNMESH_CORE_MESHING_STAR_FINDER_H_
 
@@ -11,9 +11,9 @@
 #include "core/meshing/complex.h"
 #include "core/meshing/former_star.h"
 #include "core/meshing/link.h"
+#include "core/meshing/read_cover.h"
 #include "core/meshing/star.h"
 #include "core/meshing/star_reads.h"
-#include "core/meshing/star_region.h"
 #include "core/meshing/star_seeder.h"
 #include "core/meshing/star_verifier.h"
 #include "core/meshing/star_view.h"
@@ -41,7 +41,7 @@ class StarFinder {
     return &link_;
   }
   // The star of v with this reach, as of now, read off `link` if that is not null (it may be
-  // changed). Traced, records the reads in the context: neighbours, corners and the region of their
+  // changed). Traced, records the reads in the context: neighbours, corners and the cover of their
   // balls, and subscribes.
   Star& Find(Context& context, VertexIndex v, double reach, Link* link);
 
@@ -84,18 +84,18 @@ void StarFinder<D, E>::RecordReads(Context& context) const {
     const double reach = star_.reach();
     const double farthest2 = FarthestInView2<D>(reach);
     WriteStar(star_, [&](std::uint32_t word) { context.Read(word); });
-    StarRegion<D> region(star_.position());
+    ReadCover<D> cover(star_.position());
     for (int i = 0; i < star_.corner_count(); ++i) {
       const auto& n = star_.corner(i);
       const double margin = MarginOf<D>(complex_.rules, star_.reach(), n.error);
       if (margin < reach) {
-        region.AddBall(CentreOf(star_, i), std::sqrt(n.r2), margin);
+        cover.AddBall(CentreOf(star_, i), std::sqrt(n.r2), margin);
       } else {
-        region.AddAll(farthest2);
+        cover.AddAll(farthest2);
       }
     }
-    context.payload().SetRegion(region);
-    complex_.Subscribe(context, region.box());
+    context.payload().SetCover(cover);
+    complex_.Subscribe(context, cover.box());
   }
 }
 

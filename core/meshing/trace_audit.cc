@@ -74,7 +74,7 @@ std::uint64_t Audit(const Refinement<D, E>& refinement, std::vector<std::string>
       std::uint64_t h = 0;
       if (engine.kind(op) != kCure) {
         h = mix(std::bit_cast<std::uint32_t>(payload.radius2), payload.flag);
-        h = mix(h, payload.region());
+        h = mix(h, payload.cover());
       }
       std::uint64_t sum = 0;
       for (const sac::Output o : engine.outputs(op)) {
@@ -139,7 +139,7 @@ bool Reproduces(Refinement<D, sac::Engine>& refinement, sac::OpId op, std::strin
     const Payload<D>& kept = engine.payload(id);
     if (engine.kind(id) == kCure) return true;
     if (kept.radius2 != payload.radius2 || kept.flag != payload.flag ||
-        kept.region() != payload.region()) {
+        kept.cover() != payload.cover()) {
       return false;
     }
     return engine.kind(id) != kComplete || StarIn<D>(engine.reads(id)) == StarIn<D>(reads);

@@ -114,7 +114,7 @@ class BatchCheck {
   template <typename F>
   Obstacle FindObstacle(const F& feature);
   absl::Status CheckDemand();
-  absl::Status CheckRegions() const;
+  absl::Status CheckSizeDemand() const;
   absl::Status CheckSegmentGaps();
   absl::Status CheckFacetGaps();
   template <class Visit>

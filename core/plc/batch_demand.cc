@@ -38,7 +38,7 @@ void KeepGreatest(std::vector<Thing>& things, std::size_t count) {
 
 template <int D>
 absl::Status BatchCheck<D>::CheckDemand() {
-  if (absl::Status status = CheckRegions(); !status.ok()) return status;
+  if (absl::Status status = CheckSizeDemand(); !status.ok()) return status;
   if constexpr (D == 3) {
     if (absl::Status status = CheckFacetGaps(); !status.ok()) return status;
   }
@@ -46,9 +46,9 @@ absl::Status BatchCheck<D>::CheckDemand() {
 }
 
 template <int D>
-absl::Status BatchCheck<D>::CheckRegions() const {
+absl::Status BatchCheck<D>::CheckSizeDemand() const {
   const auto& sizes = delta_.added_sizes;
-  if (sizes.empty() || !Counts(ValidationTerm::kRegionsAreSmall)) return absl::OkStatus();
+  if (sizes.empty() || !Counts(ValidationTerm::kSizesNeedFewVertices)) return absl::OkStatus();
   const Box domain = DomainBox(options_);
   const double most = static_cast<double>(options_.limits.max_vertices);
   double sum = 0, largest = 0;
@@ -61,7 +61,7 @@ absl::Status BatchCheck<D>::CheckRegions() const {
   if (sum <= most) return absl::OkStatus();
   const double all = largest > most ? largest : LeastVerticesIn(std::span(sizes), domain);
   if (all <= most) return absl::OkStatus();
-  return RegionDemandError(sizes[at], largest, all, options_, draft_.BlameOf(sizes[at].id));
+  return SizeDemandError(sizes[at], largest, all, options_, draft_.BlameOf(sizes[at].id));
 }
 
 // Visits present segments except those that the batch changes, which are hidden.

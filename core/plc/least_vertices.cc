@@ -44,6 +44,20 @@ double Vertices(double measure, double target) {
 }
 
 template <int D>
+double VerticesByMeasure(const SizeFeature<D>& size, const Box& domain) {
+  return Vertices<D>(RulesOf(size).LeastMeasure(size, domain), size.sizing.target);
+}
+
+// On a length of 1 at target length 1.
+constexpr double kDensityOnLength = 0.70710678118654752 / kSlack;
+
+template <int D>
+double VerticesByLength(const SizeFeature<D>& size, const Box& domain) {
+  const double length = RulesOf(size).LeastLength(size, domain);
+  return std::min(kDensityOnLength * (length / size.sizing.target), kMost);
+}
+
+template <int D>
 Extent<D> Nothing() {
   Extent<D> extent;
   for (int k = 0; k < D; ++k) extent.lo[k] = INFINITY, extent.hi[k] = -INFINITY;
@@ -52,9 +66,9 @@ Extent<D> Nothing() {
 
 // Cells over some regions; in each the greatest number of vertices that one region has there.
 template <int D>
-class RegionCells {
+class DemandCells {
  public:
-  explicit RegionCells(const Extent<D>& all) : all_(all) {
+  explicit DemandCells(const Extent<D>& all) : all_(all) {
     std::size_t cells = 1;
     for (int k = 0; k < D; ++k) cells *= kCells;
     most_.resize(cells);
@@ -119,18 +133,18 @@ double LengthOf(const SegmentFeature<D>& s) {
   return std::sqrt(geometry::SquaredDistance(s.p, s.q));
 }
 
-constexpr int kPieces = 16;
+constexpr int kSamples = 16;
 
 // The distance of t from positions along s, from the lesser end on.
 template <int D>
-std::array<double, kPieces + 1> DistancesAlong(const SegmentFeature<D>& s,
-                                               const SegmentFeature<D>& t) {
+std::array<double, kSamples + 1> DistancesAlong(const SegmentFeature<D>& s,
+                                                const SegmentFeature<D>& t) {
   const Point<D>& lo = s.q < s.p ? s.q : s.p;
   const Point<D>& hi = s.q < s.p ? s.p : s.q;
-  std::array<double, kPieces + 1> distances;
-  for (int i = 0; i <= kPieces; ++i) {
+  std::array<double, kSamples + 1> distances;
+  for (int i = 0; i <= kSamples; ++i) {
     Point<D> p;
-    for (int k = 0; k < D; ++k) p[k] = lo[k] + (hi[k] - lo[k]) * i / kPieces;
+    for (int k = 0; k < D; ++k) p[k] = lo[k] + (hi[k] - lo[k]) * i / kSamples;
     distances[i] = DistanceOf(t, p);
   }
   return distances;
@@ -175,12 +189,12 @@ double Overhang(const std::vector<Point3>& ring, const Vector3& normal, const Po
 
 template <int D>
 double LeastVerticesIn(const SizeFeature<D>& size, const Box& domain) {
-  return Vertices<D>(RulesOf(size).LeastMeasure(size, domain), size.sizing.target);
+  return std::max(VerticesByMeasure(size, domain), VerticesByLength(size, domain));
 }
 
 template <int D>
 double LeastVerticesIn(std::span<const SizeFeature<D>> sizes, const Box& domain) {
-  std::vector<RegionBounds<D>> bounds;
+  std::vector<SizeBounds<D>> bounds;
   Extent<D> all = Nothing<D>();
   for (const SizeFeature<D>& size : sizes) {
     const Extent<D>& around = bounds.emplace_back(RulesOf(size).Bounds(size, domain)).around;
@@ -189,25 +203,29 @@ double LeastVerticesIn(std::span<const SizeFeature<D>> sizes, const Box& domain)
       all.hi[k] = std::max(all.hi[k], around.hi[k]);
     }
   }
-  RegionCells<D> cells(all);
+  DemandCells<D> cells(all);
+  double longest = 0;  // lengths side by side can have the same vertices, so they have no sum
   for (std::size_t i = 0; i < sizes.size(); ++i) {
-    const RegionBounds<D>& region = bounds[i];
-    cells.Add(region.around, LeastVerticesIn(sizes[i], domain), [&](const Extent<D>& cell) {
+    const SizeBounds<D>& region = bounds[i];
+    longest = std::max(longest, VerticesByLength(sizes[i], domain));
+    cells.Add(region.around, VerticesByMeasure(sizes[i], domain), [&](const Extent<D>& cell) {
       const double measure =
           region.Holds(cell) ? cell.Measure() : Common(region.box, cell).Measure();
       return Vertices<D>(measure, sizes[i].sizing.target);
     });
   }
-  return cells.Sum();
+  return std::max(cells.Sum(), longest);
 }
 
 template <int D>
 double TargetFor(const SizeFeature<D>& size, const Box& domain, double most) {
-  return std::pow(RulesOf(size).LeastMeasure(size, domain) * kDensity<D> / most, 1.0 / D);
+  const SizeRules<D>& rules = RulesOf(size);
+  return std::max(std::pow(rules.LeastMeasure(size, domain) * kDensity<D> / most, 1.0 / D),
+                  rules.LeastLength(size, domain) * kDensityOnLength / most);
 }
 
 template <int D>
-SizeFeature<D> RegionOfMaxEdge(const MeshOptions& options) {
+SizeFeature<D> SizeOfMaxEdge(const MeshOptions& options) {
   SizeFeature<D> size;
   size.sizing = {SizeShape::kBox, options.max_edge, 0, options.box.hi};
   std::copy_n(options.box.lo.begin(), D, size.at.c.begin());
@@ -218,7 +236,7 @@ template <int D>
 double LeastVerticesOn(const SegmentFeature<D>& s, const SegmentFeature<D>& t, const Limits& limits,
                        double limit) {
   if (s.p_id == t.p_id || s.p_id == t.q_id || s.q_id == t.p_id || s.q_id == t.q_id) return 0;
-  const double piece = LengthOf(s) / kPieces;
+  const double step = LengthOf(s) / kSamples;
   const auto distances = DistancesAlong(s, t);
   double vertices = 0;
   for (const double distance : distances) {
@@ -227,7 +245,7 @@ double LeastVerticesOn(const SegmentFeature<D>& s, const SegmentFeature<D>& t, c
     const auto is_near = [g](double d) { return d <= g; };
     const auto first = std::find_if(distances.begin(), distances.end(), is_near);
     const auto last = std::find_if_not(first, distances.end(), is_near);
-    const double stretch = static_cast<double>(last - first - 1) * piece;
+    const double stretch = static_cast<double>(last - first - 1) * step;
     // A subsegment at an end of the stretch has its middle beyond, perhaps.
     vertices = std::max(vertices, stretch / (kMostLength * g) - 4);
   }
@@ -300,8 +318,8 @@ template double LeastVerticesIn(std::span<const SizeFeature<2>>, const Box&);
 template double LeastVerticesIn(std::span<const SizeFeature<3>>, const Box&);
 template double TargetFor(const SizeFeature<2>&, const Box&, double);
 template double TargetFor(const SizeFeature<3>&, const Box&, double);
-template SizeFeature<2> RegionOfMaxEdge<2>(const MeshOptions&);
-template SizeFeature<3> RegionOfMaxEdge<3>(const MeshOptions&);
+template SizeFeature<2> SizeOfMaxEdge<2>(const MeshOptions&);
+template SizeFeature<3> SizeOfMaxEdge<3>(const MeshOptions&);
 template double LeastVerticesOn(const SegmentFeature<2>&, const SegmentFeature<2>&, const Limits&,
                                 double);
 template double LeastVerticesOn(const SegmentFeature<3>&, const SegmentFeature<3>&, const Limits&,

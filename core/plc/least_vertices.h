@@ -13,10 +13,12 @@
 //   3D: every position is nearer than R to a corner of its simplex, so balls of radius R about
 //   the vertices cover the region.
 //   Where regions overlap, the largest demand counts (a sum over disjoint cells).
+//   Thin regions: the balls of radius R about the vertices cover the region, so each covers at most
+//   2R of a length in it.
 //
-// *Two close segments* without a common end. A piece of one is split while the other one meets the
-// open ball about the piece's middle (presplit.h, IsTooNear). So where the other segment is at a
-// distance <= g, pieces are no longer than 2g.
+// *Two close segments* without a common end. A subsegment of one is split while the other one meets
+// the open ball about the subsegment's middle (presplit.h, IsTooNear). So where the other segment
+// is at a distance <= g, subsegments are no longer than 2g.
 //
 // *A facet* with another facet over all of it at a height <= g. Let d be the distance of a position
 // x of it from the nearest vertex w, which is on the facet. The ray from w that rises at 45 degrees
@@ -52,7 +54,7 @@ double TargetFor(const SizeFeature<D>& size, const Box& domain, double most);
 
 // The region of max_edge.
 template <int D>
-SizeFeature<D> RegionOfMaxEdge(const MeshOptions& options);
+SizeFeature<D> SizeOfMaxEdge(const MeshOptions& options);
 
 // On segment s, because of t near it; 0 if they have a common end. REQUIRES: they do not meet
 // elsewhere; `limits.max_depth` and `limit` as in rules.h. O(1).

@@ -424,8 +424,8 @@ std::string BetterTarget(const SizeFeature<D>& size, double vertices, double all
 }  // namespace
 
 template <int D>
-absl::Status RegionDemandError(const SizeFeature<D>& size, double vertices, double all,
-                               const MeshOptions& options, EditIndex edit) {
+absl::Status SizeDemandError(const SizeFeature<D>& size, double vertices, double all,
+                             const MeshOptions& options, EditIndex edit) {
   return Error(
       absl::StatusCode::kResourceExhausted, reason::kVertexLimit, {size.id}, edit,
       absl::StrCat("sizing feature ", size.id, " with target length ", Shortest(size.sizing.target),
@@ -458,8 +458,8 @@ absl::Status CheckMaxEdge(const MeshOptions& options) {
                               BetterTarget(region, vertices, vertices, options),
                               " or more, or the limit higher"));
   };
-  return options.dimension == 2 ? check(RegionOfMaxEdge<2>(options))
-                                : check(RegionOfMaxEdge<3>(options));
+  return options.dimension == 2 ? check(SizeOfMaxEdge<2>(options))
+                                : check(SizeOfMaxEdge<3>(options));
 }
 
 absl::Status InterruptedError() {
@@ -472,10 +472,10 @@ template absl::Status ConflictError<2>(Conflict, const AnyFeature<2>&, const Any
                                        EditIndex);
 template absl::Status ConflictError<3>(Conflict, const AnyFeature<3>&, const AnyFeature<3>&, double,
                                        EditIndex);
-template absl::Status RegionDemandError(const SizeFeature<2>&, double, double, const MeshOptions&,
-                                        EditIndex);
-template absl::Status RegionDemandError(const SizeFeature<3>&, double, double, const MeshOptions&,
-                                        EditIndex);
+template absl::Status SizeDemandError(const SizeFeature<2>&, double, double, const MeshOptions&,
+                                      EditIndex);
+template absl::Status SizeDemandError(const SizeFeature<3>&, double, double, const MeshOptions&,
+                                      EditIndex);
 template absl::Status GapDemandError<2>(const AnyFeature<2>&, const AnyFeature<2>&, double, double,
                                         double, const MeshOptions&, EditIndex);
 template absl::Status GapDemandError<3>(const AnyFeature<3>&, const AnyFeature<3>&, double, double,

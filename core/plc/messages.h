@@ -56,8 +56,8 @@ absl::Status PointInUseError(FeatureId id, std::span<const FeatureId> users, Edi
 // A sizing feature, alone or with others, needs more vertices than a mesh of `options` may have: at
 // least `vertices` by itself, at least `all` together. RESOURCE_EXHAUSTED (VERTEX_LIMIT).
 template <int D>
-absl::Status RegionDemandError(const SizeFeature<D>& size, double vertices, double all,
-                               const MeshOptions& options, EditIndex edit);
+absl::Status SizeDemandError(const SizeFeature<D>& size, double vertices, double all,
+                             const MeshOptions& options, EditIndex edit);
 
 // The same for two features that are `distance` apart.
 template <int D>

@@ -35,6 +35,13 @@ Extent<D> Around(const Point<D>& centre, double r) {
 }
 
 template <int D>
+double WidestSide(const Extent<D>& extent) {
+  double widest = 0;
+  for (int k = 0; k < D; ++k) widest = std::max(widest, extent.hi[k] - extent.lo[k]);
+  return widest;
+}
+
+template <int D>
 Extent<D> Empty(const Extent<D>& around) {
   return {around.hi, around.lo};
 }
@@ -70,7 +77,10 @@ class PointRules final : public SizeRules<D> {
   double LeastMeasure(const SizeFeature<D>& /*size*/, const Box& /*domain*/) const override {
     return 0;
   }
-  RegionBounds<D> Bounds(const SizeFeature<D>& size, const Box& /*domain*/) const override {
+  double LeastLength(const SizeFeature<D>& /*size*/, const Box& /*domain*/) const override {
+    return 0;
+  }
+  SizeBounds<D> Bounds(const SizeFeature<D>& size, const Box& /*domain*/) const override {
     const Extent<D> at{size.at, size.at};
     return {at, at};
   }
@@ -89,7 +99,10 @@ class DiscRules final : public SizeRules<D> {
   double LeastMeasure(const SizeFeature<D>& size, const Box& domain) const override {
     return MeasureOfBall<D>(RadiusIn(size, domain));
   }
-  RegionBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const override {
+  double LeastLength(const SizeFeature<D>& size, const Box& domain) const override {
+    return 2 * RadiusIn(size, domain);
+  }
+  SizeBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const override {
     const double r = RadiusIn(size, domain);
     return {Around(size.at, r), Around(size.at, r / std::sqrt(D)), size.at, size.at, r};
   }
@@ -125,7 +138,10 @@ class BoxRules final : public SizeRules<D> {
   double LeastMeasure(const SizeFeature<D>& size, const Box& domain) const override {
     return Common(Whole(size), ExtentOf<D>(domain)).Measure();
   }
-  RegionBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const override {
+  double LeastLength(const SizeFeature<D>& size, const Box& domain) const override {
+    return WidestSide(Common(Whole(size), ExtentOf<D>(domain)));
+  }
+  SizeBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const override {
     const Extent<D> box = Common(Whole(size), ExtentOf<D>(domain));
     return {box, box};
   }
@@ -168,29 +184,32 @@ class CapsuleRules final : public SizeRules<D> {
     return FaultOfRadius(s.radius);
   }
 
-  // The sum over the pieces: where they overlap, the measure is less.
+  // The sum over the edges: where they overlap, the measure is less.
   double Measure(const SizeFeature<D>& size) const override {
     const double r = size.sizing.radius;
     double length = 0;
-    ForEachPiece(size, [&](const Point<D>& p, const Point<D>& q) {
+    ForEachEdge(size, [&](const Point<D>& p, const Point<D>& q) {
       length += std::sqrt(geometry::SquaredDistance(p, q));
     });
     return MeasureOfBall<D>(r) + length * CrossSection(r);
   }
 
-  // The longest piece has its tube and two half balls. And each plane across an axis between two
+  // The longest edge has its tube and two half balls. And each plane across an axis between two
   // vertices cuts off at least a ball's middle.
   double LeastMeasure(const SizeFeature<D>& size, const Box& domain) const override {
-    const RegionBounds<D> bounds = Bounds(size, domain);
-    double length = std::sqrt(geometry::SquaredDistance(bounds.from, bounds.to));
-    const Extent<D> path = ExtentOfPath(size);
-    for (int k = 0; k < D; ++k) length = std::max(length, path.hi[k] - path.lo[k]);
-    return MeasureOfBall<D>(bounds.radius) + length * CrossSection(bounds.radius);
+    const SizeBounds<D> bounds = Bounds(size, domain);
+    return MeasureOfBall<D>(bounds.radius) +
+           LeastLength(size, domain) * CrossSection(bounds.radius);
+  }
+  double LeastLength(const SizeFeature<D>& size, const Box& domain) const override {
+    const SizeBounds<D> bounds = Bounds(size, domain);
+    return std::max(std::sqrt(geometry::SquaredDistance(bounds.from, bounds.to)),
+                    WidestSide(ExtentOfPath(size)));
   }
 
-  RegionBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const override {
+  SizeBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const override {
     Extent<D> around = ExtentOfPath(size);
-    RegionBounds<D> bounds;
+    SizeBounds<D> bounds;
     bounds.radius = size.sizing.radius;
     for (int k = 0; k < D; ++k) {
       bounds.radius =
@@ -201,7 +220,7 @@ class CapsuleRules final : public SizeRules<D> {
     bounds.around = around;
     bounds.box = Empty(around);
     double longest = -1;
-    ForEachPiece(size, [&](const Point<D>& p, const Point<D>& q) {
+    ForEachEdge(size, [&](const Point<D>& p, const Point<D>& q) {
       const double length2 = geometry::SquaredDistance(p, q);
       if (length2 > longest) longest = length2, bounds.from = p, bounds.to = q;
     });
@@ -211,7 +230,7 @@ class CapsuleRules final : public SizeRules<D> {
  private:
   static double CrossSection(double r) { return D == 2 ? 2 * r : std::numbers::pi * r * r; }
   template <class F>
-  static void ForEachPiece(const SizeFeature<D>& size, F f) {
+  static void ForEachEdge(const SizeFeature<D>& size, F f) {
     const Path& path = size.sizing.path;
     for (std::size_t i = 1; i < path.size(); ++i) f(CornerOf<D>(path[i - 1]), CornerOf<D>(path[i]));
   }
@@ -244,7 +263,15 @@ class PolygonRules final : public SizeRules<2> {
     return std::abs(measure);
   }
   double LeastMeasure(const SizeFeature<2>& size, const Box& domain) const override;
-  RegionBounds<2> Bounds(const SizeFeature<2>& size, const Box& /*domain*/) const override {
+  // Of a ring: rings belong to the region's border.
+  double LeastLength(const SizeFeature<2>& size, const Box& /*domain*/) const override {
+    double length = 0;
+    for (const auto& ring : size.positions) {
+      length = std::max(length, WidestSide(ExtentOfRings({ring})));
+    }
+    return length;
+  }
+  SizeBounds<2> Bounds(const SizeFeature<2>& size, const Box& /*domain*/) const override {
     const Extent<2> around = ExtentOfRings(size.positions);
     return {around, Empty(around)};
   }
@@ -308,7 +335,7 @@ double PolygonRules::LeastMeasure(const SizeFeature<2>& size, const Box& /*domai
 }  // namespace
 
 template <int D>
-bool RegionBounds<D>::Holds(const Extent<D>& cell) const {
+bool SizeBounds<D>::Holds(const Extent<D>& cell) const {
   // What is within a distance of a segment is convex.
   for (int corner = 0; corner < 1 << D; ++corner) {
     Point<D> p;
@@ -343,8 +370,8 @@ const SizeRules<D>* FindSizeRules(SizeShape shape) {
   return nullptr;
 }
 
-template struct RegionBounds<2>;
-template struct RegionBounds<3>;
+template struct SizeBounds<2>;
+template struct SizeBounds<3>;
 template const SizeRules<2>* FindSizeRules(SizeShape);
 template const SizeRules<3>* FindSizeRules(SizeShape);
 

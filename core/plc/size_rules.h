@@ -36,7 +36,7 @@ Extent<D> Common(const Extent<D>& a, const Extent<D>& b) {
 // A bound from either side of the part of a region in the domain: it is within `around`; all of
 // `box` and all that is nearer than `radius` to the segment `from` `to` is in it.
 template <int D>
-struct RegionBounds {
+struct SizeBounds {
   Extent<D> around;
   Extent<D> box;
   geometry::Point<D> from{}, to{};
@@ -62,7 +62,10 @@ class SizeRules {
   virtual double Measure(const SizeFeature<D>& size) const = 0;
   // Of the part in the domain; not more.
   virtual double LeastMeasure(const SizeFeature<D>& size, const Box& domain) const = 0;
-  virtual RegionBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const = 0;
+  // The distance of two positions of that part, or of its border, that are connected there; not
+  // more. Tells how many vertices a thin region has.
+  virtual double LeastLength(const SizeFeature<D>& size, const Box& domain) const = 0;
+  virtual SizeBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const = 0;
 };
 
 // Null if there is no such shape in D dimensions.

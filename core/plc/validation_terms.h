@@ -38,11 +38,11 @@ enum class ValidationTerm {
   kAngleOfFacetsAtEdges,
   kAngleOfFacetsAtCorners,
   // A batch.
-  kLoadsAreChecked,   // many points at once are tested for their distances
-  kRemovedIsGone,     // what the batch removes is in the way of nothing
-  kRegionsAreSmall,   // no more vertices are needed than there may be: for regions
-  kSegmentGapsSmall,  // ... between segments
-  kFacetGapsSmall,    // ... between facets
+  kLoadsAreChecked,       // many points at once are tested for their distances
+  kRemovedIsGone,         // what the batch removes is in the way of nothing
+  kSizesNeedFewVertices,  // no more vertices are needed than there may be: for regions
+  kSegmentGapsSmall,      // ... between segments
+  kFacetGapsSmall,        // ... between facets
   kCount,
 };
 

@@ -55,25 +55,26 @@ double TurnOf(double x, double y) {
 }
 
 // Joins the sides that face each other between neighbouring facets at each edge.
-void JoinAroundEdges(std::span<const Facet> piece, Sides& sides) {
+void JoinAroundEdges(std::span<const Facet> component, Sides& sides) {
   absl::flat_hash_map<plc::EdgeKey, std::vector<std::pair<std::size_t, Facet::Corner>>> edges;
-  for (std::size_t i = 0; i < piece.size(); ++i) {
-    for (const Facet::Corner& c : piece[i].corners()) {
-      edges[plc::KeyOf(c.id, piece[i].Beside(c, true).id)].emplace_back(i, c);
+  for (std::size_t i = 0; i < component.size(); ++i) {
+    for (const Facet::Corner& c : component[i].corners()) {
+      edges[plc::KeyOf(c.id, component[i].Beside(c, true).id)].emplace_back(i, c);
     }
   }
   std::vector<AtEdge> around;
   for (const auto& [key, facets] : edges) {
     const auto& [first, corner] = facets.front();
-    const Vector3 edge = Difference(piece[first].PositionOf(piece[first].Beside(corner, true)).c,
-                                    piece[first].PositionOf(corner).c);
+    const Vector3 edge =
+        Difference(component[first].PositionOf(component[first].Beside(corner, true)).c,
+                   component[first].PositionOf(corner).c);
     // The zero of turns.
-    const Vector3 x = piece[first].InwardOf(corner), y = Cross(edge, x);
+    const Vector3 x = component[first].InwardOf(corner), y = Cross(edge, x);
     const double length = std::sqrt(Dot(edge, edge));
     around.clear();
     for (const auto& [i, c] : facets) {
-      const Vector3 inward = piece[i].InwardOf(c);
-      const bool normal_ahead = Dot(Cross(edge, inward), piece[i].plane().normal) > 0;
+      const Vector3 inward = component[i].InwardOf(c);
+      const bool normal_ahead = Dot(Cross(edge, inward), component[i].plane().normal) > 0;
       around.push_back(
           {TurnOf(Dot(inward, x), Dot(inward, y) / length), 2 * i + (normal_ahead ? 0 : 1)});
     }
@@ -101,25 +102,25 @@ Vector3 AreaOf(const Facet& facet) {
 }
 
 // For each side, a representative of its chamber, or kOutside.
-std::vector<Side> ChambersOf(std::span<const Facet> piece) {
-  Sides sides(piece.size());
-  JoinAroundEdges(piece, sides);
-  std::vector<double> volume(2 * piece.size(), 0);
-  std::vector<Side> first(2 * piece.size(), kOutside);
-  for (std::size_t i = 0; i < piece.size(); ++i) {
-    const Vector3 area = AreaOf(piece[i]);
+std::vector<Side> ChambersOf(std::span<const Facet> component) {
+  Sides sides(component.size());
+  JoinAroundEdges(component, sides);
+  std::vector<double> volume(2 * component.size(), 0);
+  std::vector<Side> first(2 * component.size(), kOutside);
+  for (std::size_t i = 0; i < component.size(); ++i) {
+    const Vector3 area = AreaOf(component[i]);
     for (const Side side : {2 * i, 2 * i + 1}) {
       const Side chamber = sides.Find(side);
       if (first[chamber] == kOutside) first[chamber] = side;
       // Relative to the position of one of the chamber's corners: otherwise small chambers drown in
       // rounding.
       const Vector3 to =
-          Difference(piece[i].plane().origin.c, piece[first[chamber] / 2].plane().origin.c);
+          Difference(component[i].plane().origin.c, component[first[chamber] / 2].plane().origin.c);
       const double cone = Dot(to, area);
       volume[chamber] += side % 2 == 0 ? -cone : cone;
     }
   }
-  std::vector<Side> chambers(2 * piece.size());
+  std::vector<Side> chambers(2 * component.size());
   for (Side side = 0; side < chambers.size(); ++side) {
     const Side chamber = sides.Find(side);
     chambers[side] =
@@ -130,8 +131,8 @@ std::vector<Side> ChambersOf(std::span<const Facet> piece) {
 
 }  // namespace
 
-std::vector<SurfaceIds> FindSurfaces(std::span<const Facet> piece) {
-  const std::vector<Side> chambers = ChambersOf(piece);
+std::vector<SurfaceIds> FindSurfaces(std::span<const Facet> component) {
+  const std::vector<Side> chambers = ChambersOf(component);
   // The walls of each chamber, last those of the outside.
   const auto slot_of = [&](Side chamber) {
     return chamber == kOutside ? chambers.size() : chamber;
@@ -145,7 +146,7 @@ std::vector<SurfaceIds> FindSurfaces(std::span<const Facet> piece) {
   using Wall = std::pair<FeatureId, std::size_t>;
   std::priority_queue<Wall, std::vector<Wall>, std::greater<>> ahead;
   const auto enter = [&](std::size_t slot) {
-    for (const std::size_t i : walls[slot]) ahead.emplace(piece[i].id(), i);
+    for (const std::size_t i : walls[slot]) ahead.emplace(component[i].id(), i);
   };
   for (enter(chambers.size()); !ahead.empty();) {
     const auto [id, i] = ahead.top();
@@ -156,8 +157,8 @@ std::vector<SurfaceIds> FindSurfaces(std::span<const Facet> piece) {
       enter(chambers[side]);
     }
   }
-  std::vector<SurfaceIds> surfaces(piece.size());
-  for (std::size_t i = 0; i < piece.size(); ++i) {
+  std::vector<SurfaceIds> surfaces(component.size());
+  for (std::size_t i = 0; i < component.size(); ++i) {
     if (chambers[2 * i] == chambers[2 * i + 1]) continue;
     for (const Side side : {2 * i, 2 * i + 1}) {
       if (chambers[side] != kOutside) surfaces[i].push_back(names[chambers[side]]);

@@ -23,10 +23,10 @@ namespace dynmesh {
 // either side; none if both sides are in the same chamber.
 using SurfaceIds = absl::InlinedVector<FeatureId, 2>;
 
-// The surfaces of each polygon of `piece`, which is sorted by id. REQUIRES: the piece is connected
-// by edges, each edge has at least two polygons, no polygon falls apart (facet_parts.h). O(k lg k)
-// expected for k corners.
-std::vector<SurfaceIds> FindSurfaces(std::span<const plc::Facet> piece);
+// The surfaces of each polygon of `component`, which is sorted by id. REQUIRES: the component is
+// connected by edges, each edge has at least two polygons, no polygon falls apart (facet_parts.h).
+// O(k lg k) expected for k corners.
+std::vector<SurfaceIds> FindSurfaces(std::span<const plc::Facet> component);
 
 }  // namespace dynmesh
 

@@ -56,7 +56,7 @@ const std::vector<SurfaceTable::Change>& SurfaceTable::Update(
   if (seeds_.empty()) return changes_;
   CollectTouched();
   Peel();
-  FindPieces(position_of);
+  FindComponents(position_of);
   for (auto& [id, touched] : touched_) {
     Polygon& polygon = polygons_.at(id);
     if (polygon.surfaces != touched.surfaces && Find(added, id) == nullptr) {
@@ -143,32 +143,32 @@ void SurfaceTable::Peel() {
   }
 }
 
-void SurfaceTable::FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> position_of) {
-  std::vector<FeatureId> piece;
+void SurfaceTable::FindComponents(absl::FunctionRef<geometry::Point3(FeatureId)> position_of) {
+  std::vector<FeatureId> component;
   for (auto& [first, start] : touched_) {
     if (start.peeled || start.reached) continue;
     start.reached = true;
-    piece.assign(1, first);
+    component.assign(1, first);
     bool is_crowded = false;
-    for (std::size_t i = 0; i < piece.size(); ++i) {
-      ForEachEdgeOf(polygons_.at(piece[i]).rings, [&](FeatureId p, FeatureId q) {
+    for (std::size_t i = 0; i < component.size(); ++i) {
+      ForEachEdgeOf(polygons_.at(component[i]).rings, [&](FeatureId p, FeatureId q) {
         std::size_t count = 0;
         for (const FeatureId id : edges_.at(plc::KeyOf(p, q))) {
           Touched& other = touched_.at(id);
           if (other.peeled) continue;
           ++count;
-          if (!std::exchange(other.reached, true)) piece.push_back(id);
+          if (!std::exchange(other.reached, true)) component.push_back(id);
         }
         is_crowded = is_crowded || (count > 2 && Counts(RegionTerm::kCrowdedIsSearched));
       });
     }
-    std::sort(piece.begin(), piece.end());
+    std::sort(component.begin(), component.end());
     if (!is_crowded) {
-      for (const FeatureId id : piece) touched_.at(id).surfaces = {piece.front()};
+      for (const FeatureId id : component) touched_.at(id).surfaces = {component.front()};
       continue;
     }
     std::vector<plc::Facet> facets;
-    for (const FeatureId id : piece) {
+    for (const FeatureId id : component) {
       const Rings& rings = polygons_.at(id).rings;
       plc::FacetFeature feature{id, rings, {}};
       for (const auto& ring : rings) {
@@ -178,8 +178,8 @@ void SurfaceTable::FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> pos
       facets.emplace_back(std::move(feature));
     }
     std::vector<SurfaceIds> surfaces = FindSurfaces(facets);
-    for (std::size_t i = 0; i < piece.size(); ++i) {
-      Touched& touched = touched_.at(piece[i]);
+    for (std::size_t i = 0; i < component.size(); ++i) {
+      Touched& touched = touched_.at(component[i]);
       touched.surfaces = std::move(surfaces[i]);
       touched.is_crowded = true;
     }

@@ -54,7 +54,7 @@ class SurfaceTable {
   struct Polygon {
     Rings rings;
     SurfaceIds surfaces;
-    bool is_crowded = false;  // some edge of its piece has more than two polygons
+    bool is_crowded = false;  // some edge of its component has more than two polygons
     bool is_apart = false;    // plc::FallsApart
   };
   using Neighbours = absl::InlinedVector<FeatureId, 2>;
@@ -63,7 +63,7 @@ class SurfaceTable {
   void Add(const plc::FacetFeature& polygon);
   void CollectTouched();
   void Peel();
-  void FindPieces(absl::FunctionRef<geometry::Point3(FeatureId)> position_of);
+  void FindComponents(absl::FunctionRef<geometry::Point3(FeatureId)> position_of);
 
   absl::flat_hash_map<FeatureId, Polygon> polygons_;
   absl::flat_hash_map<plc::EdgeKey, Neighbours> edges_;  // the polygons at each edge

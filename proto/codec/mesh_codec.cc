@@ -7,7 +7,7 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
-#include "core/mesh_data/pieces.h"
+#include "core/mesh_data/constraints.h"
 #include "core/mesh_data/regions.h"
 
 namespace dynmesh::codec {
@@ -164,13 +164,13 @@ auto* MutableIds(v1::SubfacetColumns* s) { return s->mutable_corners(); }
 
 // Subsegments or subfacets.
 template <typename Columns, typename Message, typename Get>
-void CutPieces(Cutter& cutter, const Columns& pieces, Message* out, Get get) {
+void CutConstraints(Cutter& cutter, const Columns& constraints, Message* out, Get get) {
   constexpr std::size_t kIds = mesh_data::kCorners<Columns>;
-  cutter.Column(pieces.size(), kIds * kIdBytes + kOwnerBytes,
+  cutter.Column(constraints.size(), kIds * kIdBytes + kOwnerBytes,
                 [&](std::size_t begin, std::size_t end) {
                   auto* to = get(out);
-                  AddRange(MutableIds(to), mesh_data::IdsOf(pieces), kIds * begin, kIds * end);
-                  AddRange(to->mutable_owners(), pieces.owners, begin, end);
+                  AddRange(MutableIds(to), mesh_data::IdsOf(constraints), kIds * begin, kIds * end);
+                  AddRange(to->mutable_owners(), constraints.owners, begin, end);
                 });
 }
 
@@ -179,18 +179,19 @@ void CutDiff(Cutter& cutter, const MeshDiff& diff, v1::MeshDiff* out) {
   using D = v1::MeshDiff;
   CutSimplices(cutter, {diff.removed_simplices, diff.removed_regions, diff.region_sets}, dimension,
                out, [](D* d) { return d->mutable_removed_simplices(); });
-  CutPieces(cutter, diff.removed_subfacets, out,
-            [](D* d) { return d->mutable_removed_subfacets(); });
-  CutPieces(cutter, diff.removed_subsegments, out,
-            [](D* d) { return d->mutable_removed_subsegments(); });
+  CutConstraints(cutter, diff.removed_subfacets, out,
+                 [](D* d) { return d->mutable_removed_subfacets(); });
+  CutConstraints(cutter, diff.removed_subsegments, out,
+                 [](D* d) { return d->mutable_removed_subsegments(); });
   cutter.Column(diff.removed_vertices.size(), kIdBytes, [&](std::size_t begin, std::size_t end) {
     AddRange(out->mutable_removed_vertices(), diff.removed_vertices, begin, end);
   });
   CutVertices(cutter, diff.added_vertices, dimension, out,
               [](D* d) { return d->mutable_added_vertices(); });
-  CutPieces(cutter, diff.added_subsegments, out,
-            [](D* d) { return d->mutable_added_subsegments(); });
-  CutPieces(cutter, diff.added_subfacets, out, [](D* d) { return d->mutable_added_subfacets(); });
+  CutConstraints(cutter, diff.added_subsegments, out,
+                 [](D* d) { return d->mutable_added_subsegments(); });
+  CutConstraints(cutter, diff.added_subfacets, out,
+                 [](D* d) { return d->mutable_added_subfacets(); });
   CutSimplices(cutter, {diff.added_simplices, diff.added_regions, diff.region_sets}, dimension, out,
                [](D* d) { return d->mutable_added_simplices(); });
 }
@@ -250,7 +251,7 @@ const auto& IdsOf(const v1::SubsegmentColumns& s) { return s.ends(); }
 const auto& IdsOf(const v1::SubfacetColumns& s) { return s.corners(); }
 
 template <typename Columns, typename Message>
-bool AppendPieces(Columns& to, const Message& from) {
+bool AppendConstraints(Columns& to, const Message& from) {
   constexpr std::int64_t kIds = mesh_data::kCorners<Columns>;
   if (IdsOf(from).size() != kIds * from.owners_size()) return false;
   Append(mesh_data::IdsOf(to), IdsOf(from));
@@ -329,8 +330,8 @@ bool SnapshotFragmenter::Next(v1::SnapshotChunk* out) {
   }
   Cutter cutter(fragment_bytes_, &section_, &row_);
   CutVertices(cutter, mesh_->vertices, dimension, out, [](C* c) { return c->mutable_vertices(); });
-  CutPieces(cutter, mesh_->subsegments, out, [](C* c) { return c->mutable_subsegments(); });
-  CutPieces(cutter, mesh_->subfacets, out, [](C* c) { return c->mutable_subfacets(); });
+  CutConstraints(cutter, mesh_->subsegments, out, [](C* c) { return c->mutable_subsegments(); });
+  CutConstraints(cutter, mesh_->subfacets, out, [](C* c) { return c->mutable_subfacets(); });
   CutSimplices(cutter, {mesh_->simplices, mesh_->regions, mesh_->region_sets}, dimension, out,
                [](C* c) { return c->mutable_simplices(); });
   ++index_;
@@ -355,11 +356,11 @@ absl::StatusOr<std::optional<MeshDiff>> DiffAssembler::Add(const v1::MeshDiff& f
   }
   if (!AppendSimplices(diff.removed_simplices, diff.removed_regions, f.removed_simplices(),
                        diff.dimension) ||
-      !AppendPieces(diff.removed_subsegments, f.removed_subsegments()) ||
+      !AppendConstraints(diff.removed_subsegments, f.removed_subsegments()) ||
       !AppendVertices(diff.added_vertices, f.added_vertices(), diff.dimension) ||
-      !AppendPieces(diff.added_subsegments, f.added_subsegments()) ||
-      !AppendPieces(diff.removed_subfacets, f.removed_subfacets()) ||
-      !AppendPieces(diff.added_subfacets, f.added_subfacets()) ||
+      !AppendConstraints(diff.added_subsegments, f.added_subsegments()) ||
+      !AppendConstraints(diff.removed_subfacets, f.removed_subfacets()) ||
+      !AppendConstraints(diff.added_subfacets, f.added_subfacets()) ||
       !AppendSimplices(diff.added_simplices, diff.added_regions, f.added_simplices(),
                        diff.dimension)) {
     return Broken("a diff's columns disagree in length");
@@ -399,8 +400,8 @@ absl::StatusOr<std::optional<Mesh>> SnapshotAssembler::Add(const v1::SnapshotChu
     }
   }
   if (!AppendVertices(mesh.vertices, c.vertices(), mesh.dimension) ||
-      !AppendPieces(mesh.subsegments, c.subsegments()) ||
-      !AppendPieces(mesh.subfacets, c.subfacets()) ||
+      !AppendConstraints(mesh.subsegments, c.subsegments()) ||
+      !AppendConstraints(mesh.subfacets, c.subfacets()) ||
       !AppendSimplices(mesh.simplices, mesh.regions, c.simplices(), mesh.dimension)) {
     return Broken("a snapshot's columns disagree in length");
   }

@@ -89,7 +89,7 @@ absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std
 }
 
 absl::Status HeldEdits::Take(ServiceContext& context, std::size_t count) {
-  if (count == 0) return absl::OkStatus();  // no limit on such pieces
+  if (count == 0) return absl::OkStatus();  // no limit on such parts
   absl::StatusOr<Lease> lease = TakeEdits(context, weight_, count);
   if (!lease.ok()) return lease.status();
   weight_ += count;

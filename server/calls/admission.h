@@ -85,7 +85,7 @@ absl::StatusOr<StreamPlace> TakeStream(ServiceContext& context, Quota& quota,
 // (BATCH_TOO_LARGE) or RESOURCE_EXHAUSTED (PENDING_LIMIT).
 absl::StatusOr<Lease> TakeEdits(ServiceContext& context, std::size_t before, std::size_t count);
 
-// The same, piece by piece: the reservation of a batch while it is received and waits.
+// The same, part by part: the reservation of a batch while it is received and waits.
 class HeldEdits {
  public:
   absl::Status Take(ServiceContext& context, std::size_t count);

@@ -13,7 +13,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/call_id.h"
 #include "server/base/log.h"
-#include "server/calls/load_pieces.h"
+#include "server/calls/load_parts.h"
 #include "server/calls/send_timeout.h"
 
 namespace dynmesh::server {
@@ -37,7 +37,7 @@ Response::Stage StageOf(BatchProgress::Stage stage) {
   return Response::STAGE_UNSPECIFIED;
 }
 
-// Three threads of control: the reader, until the last piece; then the mesh's strand; and the
+// Three threads of control: the reader, until the last part; then the mesh's strand; and the
 // writer, one message at a time. mutex_ guards what they share. Operations on the stream are
 // started after it is released. The call ends when the reader or the strand is done and no message
 // is being written.
@@ -90,7 +90,7 @@ class LoadCall final
       error.reason = codec::reason::kBatchIncomplete;
       status = codec::MakeServiceError(
           absl::StatusCode::kInvalidArgument,
-          "the stream ended before the load's last piece: nothing was applied", error);
+          "the stream ended before the load's last part: nothing was applied", error);
     }
     if (!status.ok()) return End(status);
     if (request_.last()) return Submit();
@@ -158,7 +158,7 @@ class LoadCall final
     const std::size_t weight =
         static_cast<std::size_t>(points.ids_size()) + codec::Weight(request_.features());
     if (absl::Status s = held_.Take(context_, weight); !s.ok()) return s;
-    pieces_.Add(request_, job_.edits.size());
+    parts_.Add(request_, job_.edits.size());
     const int dimension = host_->mesh_options().dimension;
     if (absl::Status s = codec::DecodePointColumns(points, dimension, &job_.edits); !s.ok()) {
       return s;
@@ -180,7 +180,7 @@ class LoadCall final
     return absl::OkStatus();
   }
 
-  // After the last piece. From here on a drain waits for the load.
+  // After the last part. From here on a drain waits for the load.
   void Submit() {
     absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
     if (!ticket.ok()) return End(ticket.status());
@@ -260,7 +260,7 @@ class LoadCall final
       sender_.Begin();
       StartWriteAndFinish(&*result_, grpc::WriteOptions(), grpc::Status::OK);
     } else {
-      Finish(codec::ToGrpcStatus(pieces_.Locate(final_status_)));
+      Finish(codec::ToGrpcStatus(parts_.Locate(final_status_)));
     }
   }
 
@@ -278,7 +278,7 @@ class LoadCall final
   Access::Stream allowed_;
   StreamPlace place_;
   HeldEdits held_;
-  LoadPieces pieces_;
+  LoadParts parts_;
   EditJob job_;
 
   Response progress_;  // used by the writer, while writing_

@@ -1,6 +1,6 @@
-// A LoadFeatures call: pieces in, applied as one batch; progress and the result out.
+// A LoadFeatures call: parts in, applied as one batch; progress and the result out.
 //
-// Nothing is applied before the last piece has arrived. A load that ends earlier changes nothing;
+// Nothing is applied before the last part has arrived. A load that ends earlier changes nothing;
 // one that is cancelled later is undone. Its edits count as pending edits.
 #ifndef DYNMESH_SERVER_CALLS_LOAD_CALL_H_
 #define DYNMESH_SERVER_CALLS_LOAD_CALL_H_

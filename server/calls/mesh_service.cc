@@ -267,7 +267,7 @@ void MeshServiceImpl::Tick() {
   streams_.EndWaiting(
       absl::ToChronoNanoseconds(limit),
       codec::MakeServiceError(absl::StatusCode::kDeadlineExceeded,
-                              absl::StrCat("no first message, or no further piece of the batch, "
+                              absl::StrCat("no first message, or no further part of the batch, "
                                            "came for ",
                                            absl::FormatDuration(limit), ": it was not applied"),
                               error));

@@ -92,10 +92,10 @@ PartialBatch::PartialBatch(const v1::EditBatch& first) : omit_columns(first.omit
   if (!job.refused.ok()) job.request_id = job.request_id.substr(0, kMostOfABadRequestId);
 }
 
-void PartialBatch::Add(ServiceContext& context, const v1::EditBatch& piece, int dimension) {
+void PartialBatch::Add(ServiceContext& context, const v1::EditBatch& part, int dimension) {
   if (!job.refused.ok()) return;  // the rest of a refused batch is skipped
-  job.refused = held.Take(context, codec::Weight(piece.edits()));
-  if (job.refused.ok()) job.refused = codec::DecodeEdits(piece.edits(), dimension, &job.edits);
+  job.refused = held.Take(context, codec::Weight(part.edits()));
+  if (job.refused.ok()) job.refused = codec::DecodeEdits(part.edits(), dimension, &job.edits);
   if (!job.refused.ok()) {
     EditBatch().swap(job.edits);
     held.Release();

@@ -34,7 +34,7 @@ absl::StatusOr<EditRequest> TakeEditRequest(ServiceContext& context,
 // the batch's turn; its edits are dropped then.
 struct PartialBatch {
   explicit PartialBatch(const v1::EditBatch& first);
-  void Add(ServiceContext& context, const v1::EditBatch& piece, int dimension);
+  void Add(ServiceContext& context, const v1::EditBatch& part, int dimension);
 
   EditJob job;
   bool omit_columns = false;

@@ -68,7 +68,7 @@ struct ServerConfig {
   absl::Duration keepalive_timeout = absl::Seconds(20);
   // A connection without calls is closed after this time. Clients reconnect by themselves.
   absl::Duration idle_timeout = absl::Minutes(10);
-  // Limit of the pause between the pieces of a batch or load; then it is cancelled. Also the limit
+  // Limit of the pause between the parts of a batch or load; then it is cancelled. Also the limit
   // for the first message of an edit stream.
   absl::Duration batch_timeout = absl::Minutes(5);
   // Limit for one message to wait for the client to take it; then the call ends. 0: no limit.

@@ -87,7 +87,7 @@ class Journal {
   virtual absl::StatusOr<Key> Create(const std::string& id, const std::string& description) = 0;
   // Quick, whatever the size: the mesh becomes invisible, and its rows remain.
   virtual absl::Status Delete(Key mesh) = 0;
-  // Removes a piece of the invisible rows; other calls run in between. True if there is more. What
+  // Removes a part of the invisible rows; other calls run in between. True if there is more. What
   // is left when the journal is closed is removed at the next opening.
   virtual bool Sweep(Key mesh) = 0;
 

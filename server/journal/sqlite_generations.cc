@@ -130,7 +130,7 @@ absl::Status SwitchOver(Connection& connection, std::int64_t mesh, std::int64_t 
   return newest.Bind(revision).Bind(mesh).Finish();
 }
 
-absl::StatusOr<bool> SweepPiece(Connection& connection, std::int64_t mesh, std::uint64_t bytes) {
+absl::StatusOr<bool> SweepPart(Connection& connection, std::int64_t mesh, std::uint64_t bytes) {
   const absl::StatusOr<std::optional<std::int64_t>> up_to = LeftoversUpTo(connection, mesh);
   if (!up_to.ok()) return up_to.status();
   if (!up_to->has_value()) return false;

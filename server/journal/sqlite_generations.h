@@ -32,8 +32,8 @@ absl::Status SwitchOver(sqlite::Connection& connection, std::int64_t mesh, std::
 // Deletes leftovers of a mesh, also of a deleted one: about `bytes`, at least one row. False if
 // there are none. Deletes nothing if the mesh's newest snapshot differs from the one in its row:
 // then rows are damaged, and the rest may be all that is left of the mesh.
-absl::StatusOr<bool> SweepPiece(sqlite::Connection& connection, std::int64_t mesh,
-                                std::uint64_t bytes);
+absl::StatusOr<bool> SweepPart(sqlite::Connection& connection, std::int64_t mesh,
+                               std::uint64_t bytes);
 
 // The meshes with rows, including deleted ones. O(meshes) searches.
 absl::StatusOr<std::vector<std::int64_t>> MeshesWithRows(sqlite::Connection& connection);

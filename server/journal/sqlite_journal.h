@@ -5,7 +5,7 @@
 // since the state on the disk after a failed sync is unknown. Before anything else is written, a
 // probe is written at the same place of the log. Until a probe succeeds, all writes fail.
 //
-// Large data is written and deleted in pieces, each in a transaction of its own, between which
+// Large data is written and deleted in parts, each in a transaction of its own, between which
 // other changes are written. Leftovers of an interrupted sequence are not visible
 // (sqlite_generations.h). They are deleted at the mesh's next snapshot or when the journal is
 // opened.
@@ -39,8 +39,8 @@ class SqliteJournal final : public Journal {
     std::size_t remembered_requests = 10'000;  // of a mesh
     // Limit of a mesh's generations before the newest. The last of them is always kept.
     std::uint64_t history_bytes = 64 << 20;
-    std::uint64_t piece_bytes = 4 << 20;  // of a transaction, or one row
-    const char* vfs = nullptr;            // of SQLite; for tests
+    std::uint64_t part_bytes = 4 << 20;  // of a transaction, or one row
+    const char* vfs = nullptr;           // of SQLite; for tests
     // Losses that the operator accepts, as in losses.h.
     std::vector<std::string> accept_loss;
   };

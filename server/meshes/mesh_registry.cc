@@ -27,7 +27,7 @@ absl::Status DamageOf(absl::string_view id, const absl::Status& status) {
                                 ". Restore the server's data folder, or delete the mesh"));
 }
 
-// One piece per task of the pool. Does not use the registry, which is destroyed before its pools.
+// One part per task of the pool. Does not use the registry, which is destroyed before its pools.
 void SweepOn(WorkerPool* pool, Journal* journal, Journal::Key mesh,
              const std::shared_ptr<std::atomic<bool>>& ended) {
   pool->Post([=] {

@@ -6,7 +6,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
-#include "core/mesh_data/pieces.h"
+#include "core/mesh_data/constraints.h"
 #include "core/mesh_data/regions.h"
 
 namespace dynmesh::server {
@@ -67,7 +67,7 @@ absl::flat_hash_set<RegionId> IdsOfSeveral(const std::vector<RegionSet>& sets) {
 }
 
 template <class Columns>
-class NetPieces {
+class NetConstraints {
  public:
   void Apply(const Columns& removed, const Columns& added) {
     for (std::size_t i = 0; i < removed.size(); ++i) rows_.Remove(mesh_data::KeyOf(removed, i));
@@ -79,7 +79,7 @@ class NetPieces {
   }
 
  private:
-  NetRows<mesh_data::PieceKey<Columns>> rows_;
+  NetRows<mesh_data::ConstraintKey<Columns>> rows_;
 };
 
 // Vertices have content, and a removal has the id only. So a removal cancels an earlier addition,
@@ -160,16 +160,16 @@ absl::Status PatchSimplices(const Mesh& mesh, const MeshDiff& diff, Mesh& out) {
 }
 
 template <class Columns>
-absl::Status PatchPieces(const Columns& held, const MeshDiff& diff, const Columns& removed,
-                         const Columns& added, Columns& out) {
-  absl::flat_hash_set<mesh_data::PieceKey<Columns>> gone;
+absl::Status PatchConstraints(const Columns& held, const MeshDiff& diff, const Columns& removed,
+                              const Columns& added, Columns& out) {
+  absl::flat_hash_set<mesh_data::ConstraintKey<Columns>> gone;
   for (std::size_t i = 0; i < removed.size(); ++i) gone.insert(mesh_data::KeyOf(removed, i));
   for (std::size_t i = 0; i < held.size(); ++i) {
     const auto key = mesh_data::KeyOf(held, i);
     if (!gone.contains(key)) mesh_data::Append(out, key);
   }
   if (out.size() + gone.size() != held.size()) {
-    return Missing(absl::StrCat("a ", mesh_data::kPieceName<Columns>), diff);
+    return Missing(absl::StrCat("a ", mesh_data::kConstraintName<Columns>), diff);
   }
   for (std::size_t i = 0; i < added.size(); ++i) mesh_data::Append(out, mesh_data::KeyOf(added, i));
   return absl::OkStatus();
@@ -210,8 +210,8 @@ MeshDiff Compose(const std::vector<std::shared_ptr<const MeshDiff>>& diffs) {
   }
   const absl::flat_hash_set<RegionId> others = IdsOfSeveral(out.region_sets);
   NetRows<SimplexKey> simplices;
-  NetPieces<SubsegmentColumns> subsegments;
-  NetPieces<SubfacetColumns> subfacets;
+  NetConstraints<SubsegmentColumns> subsegments;
+  NetConstraints<SubfacetColumns> subfacets;
   for (const auto& diff : diffs) {
     const MeshDiff& d = *diff;
     for (const VertexId id : d.removed_vertices) vertices.Remove(id);
@@ -264,7 +264,7 @@ absl::StatusOr<Mesh> Patched(const Mesh& mesh, const MeshDiff& diff) {
   if (absl::Status s = PatchVertices(mesh, diff, out.vertices); !s.ok()) return s;
   if (absl::Status s = PatchSimplices(mesh, diff, out); !s.ok()) return s;
   const auto patch = [&](auto column, auto removed, auto added) {
-    return PatchPieces(mesh.*column, diff, diff.*removed, diff.*added, out.*column);
+    return PatchConstraints(mesh.*column, diff, diff.*removed, diff.*added, out.*column);
   };
   if (absl::Status s =
           patch(&Mesh::subsegments, &MeshDiff::removed_subsegments, &MeshDiff::added_subsegments);

@@ -213,7 +213,7 @@ Scene CapsuleInAPlate(int n) {
   return scene;
 }
 
-// A short capsule comes and goes beside a long one, a chain of n pieces across the domain.
+// A short capsule comes and goes beside a long one, a chain of n edges across the domain.
 Scene CapsuleBesideAChain(int n) {
   Scene scene;
   scene.options.dimension = 3;

@@ -55,7 +55,7 @@ bool SuiteFails(Oracle oracle) {
         .difference.found;
   };
   constexpr double kQualities[] = {2.0, kDefaultQuality2D, 1.2, 1.0};
-  // That two operations split one piece of a segment, at different times, is rare: where segments
+  // That two operations split one subsegment, at different times, is rare: where segments
   // meet. Scripts of kParallel may not end.
   const bool only_wedges = switched_off<FilterTerm> == FilterTerm::kDeathOfSubsegment;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
@@ -188,7 +188,7 @@ using MutationInSpace = Mutation;
 
 TEST_P(MutationInSpace, OfOneFilterTermIsNoticed) { EXPECT_TRUE(SpaceSuiteFails(oracle())); }
 
-// A piece of a segment that two operations split at different times is rare since features split
+// A subsegment that two operations split at different times is rare since features split
 // segments first: no script of a few minutes has one. The code of the term is that of 2D.
 INSTANTIATE_TEST_SUITE_P(
     EveryTerm, MutationInSpace,

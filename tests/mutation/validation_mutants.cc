@@ -38,7 +38,7 @@ std::span<const Mutant> Mutants() {
       V(kAngleOfFacetsAtCorners, "SpacePlc.*"),
       V(kLoadsAreChecked, "PlcProperty.CoarseGrid*"),
       V(kRemovedIsGone, "PlcProperty.CoarseGrid*"),
-      V(kRegionsAreSmall, "LeastVertices.ManyRegions*"),
+      V(kSizesNeedFewVertices, "LeastVertices.ManyRegions*"),
       V(kSegmentGapsSmall, "LeastVertices.LinesTooNear*"),
       V(kFacetGapsSmall, "LeastVertices.ThinSlabs*"),
   };

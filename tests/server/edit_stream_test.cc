@@ -1,4 +1,4 @@
-// EditStream over loopback, with fake meshes: order, refusals, pieces, back-pressure.
+// EditStream over loopback, with fake meshes: order, refusals, parts, back-pressure.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -104,7 +104,7 @@ class RawEditStream {
   v1::EditBatch message_;
 };
 
-TEST_F(EditStreamTest, ABatchInPiecesIsAppliedWhenComplete) {
+TEST_F(EditStreamTest, ABatchInPartsIsAppliedWhenComplete) {
   StartWithMesh();
   RawEditStream stream(*stub_);
   stream.message().set_mesh("meshes/m");
@@ -115,7 +115,7 @@ TEST_F(EditStreamTest, ABatchInPiecesIsAppliedWhenComplete) {
   stream.message().set_more(true);
   stream.Add(AddPoint(2));
   ASSERT_TRUE(stream.Send());
-  ASSERT_TRUE(stream.Send());  // the last piece may be empty
+  ASSERT_TRUE(stream.Send());  // the last part may be empty
   const auto answer = stream.Receive();
   ASSERT_TRUE(answer.has_value());
   EXPECT_EQ(answer->request_id(), "a");
@@ -163,7 +163,7 @@ TEST_F(EditStreamTest, ABatchLeftUnfinishedIsGivenUp) {
   EXPECT_EQ(HeadOf().revision, 2u);
 }
 
-TEST_F(EditStreamTest, PiecesWithoutEditsDoNotKeepABatch) {
+TEST_F(EditStreamTest, PartsWithoutEditsDoNotKeepABatch) {
   ServerConfig config;
   config.batch_timeout = absl::Milliseconds(300);
   StartWithMesh(config);
@@ -250,10 +250,10 @@ TEST_F(EditStreamTest, TheRestOfABadBatchIsSkipped) {
   StartWithMesh(config);
   RawEditStream stream(*stub_);
   stream.message().set_mesh("meshes/m");
-  for (int piece = 0; piece < 5; ++piece) {
+  for (int part = 0; part < 5; ++part) {
     stream.message().set_request_id("large");
-    stream.message().set_more(piece < 4);
-    stream.Add(AddPoint(static_cast<FeatureId>(piece) + 1));
+    stream.message().set_more(part < 4);
+    stream.Add(AddPoint(static_cast<FeatureId>(part) + 1));
     ASSERT_TRUE(stream.Send());
   }
   stream.message().set_request_id("bare");

@@ -1,4 +1,4 @@
-// LoadFeatures over loopback, with fake meshes: one batch out of many pieces, and all the ways in
+// LoadFeatures over loopback, with fake meshes: one batch out of many parts, and all the ways in
 // which a load ends before.
 #include <gtest/gtest.h>
 
@@ -106,7 +106,7 @@ class LoadTest : public ServerFixture {
   }
 };
 
-TEST_F(LoadTest, ManyPiecesAreOneRevisionAndTheSameAsABatch) {
+TEST_F(LoadTest, ManyPartsAreOneRevisionAndTheSameAsABatch) {
   StartWithMesh();
   ASSERT_TRUE(client_->CreateMesh("n", MeshOptions()).ok());
   std::vector<Feature> features = Points(1, 50'000);
@@ -194,7 +194,7 @@ TEST_F(LoadTest, TellsHowFarItIsInOrder) {
   EXPECT_EQ(told[told.size() - 2].total(), 4u);
 }
 
-TEST_F(LoadTest, WithoutTheLastPieceNothingIsApplied) {
+TEST_F(LoadTest, WithoutTheLastPartNothingIsApplied) {
   StartSmall();
   {
     RawLoad load(*stub_);
@@ -389,9 +389,9 @@ TEST_F(LoadTest, AMeshDeletedMeanwhileEndsTheLoad) {
 
 TEST_F(LoadTest, AHalfOpenLoadHoldsNothingForLong) {
   StartSmall();
-  v1::LoadFeaturesRequest piece;
-  piece.set_mesh("meshes/m");
-  for (const Feature& f : Points(1, 90)) codec::EncodePointRow(f, 2, piece.mutable_points());
+  v1::LoadFeaturesRequest part;
+  part.set_mesh("meshes/m");
+  for (const Feature& f : Points(1, 90)) codec::EncodePointRow(f, 2, part.mutable_points());
   // The test's own query reserves edits, too: a load that arrives meanwhile is refused.
   std::optional<test::RawConnection> half_open;
   ASSERT_TRUE(Eventually([&] {
@@ -401,7 +401,7 @@ TEST_F(LoadTest, AHalfOpenLoadHoldsNothingForLong) {
     }
     half_open.emplace(server_->port());
     EXPECT_TRUE(half_open->Greet() && half_open->Call(1, "LoadFeatures") &&
-                half_open->Message(1, piece.SerializeAsString(), /*end=*/false));
+                half_open->Message(1, part.SerializeAsString(), /*end=*/false));
     return false;
   }));
   // It answers no ping from here on.
@@ -424,14 +424,14 @@ TEST_F(LoadTest, ALoadLeftUnfinishedIsGivenUp) {
 
 TEST_F(LoadTest, ABrokenConnectionIsNoEndOfALoad) {
   StartSmall();
-  v1::LoadFeaturesRequest piece;
-  piece.set_mesh("meshes/m");
-  codec::EncodePointRow(AddPoint(1).feature, 2, piece.mutable_points());
+  v1::LoadFeaturesRequest part;
+  part.set_mesh("meshes/m");
+  codec::EncodePointRow(AddPoint(1).feature, 2, part.mutable_points());
   for (int i = 0; i < 50; ++i) {
     test::RawConnection connection(server_->port());
     ASSERT_TRUE(connection.Greet());
     ASSERT_TRUE(connection.Call(1, "LoadFeatures"));
-    ASSERT_TRUE(connection.Message(1, piece.SerializeAsString(), /*end=*/i % 2 == 0));
+    ASSERT_TRUE(connection.Message(1, part.SerializeAsString(), /*end=*/i % 2 == 0));
   }
   ExpectUntouched();
 }

@@ -75,11 +75,11 @@ TEST_F(ServiceLimits, CancelledCallsGiveUpTheirPlacesWhileTheirMeshIsBusy) {
   for (FeatureId id = 5; id <= 7; ++id) codec::EncodeEdit(AddPoint(id), 2, batch.add_edits());
   ASSERT_TRUE(stream->Write(batch));
   const auto load = stub_->LoadFeatures(&load_context);
-  v1::LoadFeaturesRequest piece;
-  piece.set_mesh("meshes/m");
-  piece.set_last(true);
-  codec::EncodeFeature(AddPoint(8).feature, 2, piece.add_features());
-  ASSERT_TRUE(load->Write(piece));
+  v1::LoadFeaturesRequest part;
+  part.set_mesh("meshes/m");
+  part.set_last(true);
+  codec::EncodeFeature(AddPoint(8).feature, 2, part.add_features());
+  ASSERT_TRUE(load->Write(part));
   v1::LocatePointsRequest where;
   where.set_mesh("meshes/m");
   v1::LocatePointsResponse found;

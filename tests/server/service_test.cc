@@ -232,7 +232,7 @@ TEST_F(ServiceTest, ABatchTooLargeForAMessageIsAppliedWhole) {
   EXPECT_EQ(mesh->revision, 1u);
 }
 
-TEST_F(ServiceTest, PolygonsTooLargeForAMessageTogetherGoInPieces) {
+TEST_F(ServiceTest, PolygonsTooLargeForAMessageTogetherGoInParts) {
   StartWithMesh();
   constexpr FeatureId kPoint = FeatureId{1} << 62;
   std::vector<Feature> features = {AddPoint(kPoint).feature};

@@ -242,8 +242,8 @@ Path RandomPath(Random& random, int dimension, double length, int most) {
   std::array<double, 3> at = {0, 0, 0};
   for (std::size_t k = 0; k < axes; ++k) at[k] = random.Unit();
   Path path = {at};
-  const int pieces = 1 + random.Below(most);
-  for (int i = 0; i < pieces; ++i) {
+  const int edges = 1 + random.Below(most);
+  for (int i = 0; i < edges; ++i) {
     const int kind = random.Below(8);
     const Path::value_type before = path.size() > 1 ? path[path.size() - 2] : at;
     for (std::size_t k = 0; k < axes; ++k) {

@@ -72,7 +72,7 @@ class Random {
   std::mt19937_64 bits_;
 };
 
-// A polyline with up to `most` pieces about as long as `length`, in the unit square or cube. Some
+// A polyline with up to `most` edges about as long as `length`, in the unit square or cube. Some
 // are in one line, some go there and back, some close.
 Path RandomPath(Random& random, int dimension, double length, int most);
 

@@ -39,7 +39,7 @@ enum class FeatureKind : std::uint8_t { kPoint = 1, kSegment = 2, kPolygon = 3, 
 using Rings = std::vector<std::vector<FeatureId>>;
 
 // The vertices of a polyline, as positions: they need not be point features. 2 to
-// kMostPathVertices, no two equal ones one after the other. Pieces may cross and overlap, and the
+// kMostPathVertices, no two equal ones one after the other. Edges may cross and overlap, and the
 // last vertex may be the first.
 using Path = std::vector<std::array<double, 3>>;
 inline constexpr std::size_t kMostPathVertices = 65536;  // the most vertices of a Path

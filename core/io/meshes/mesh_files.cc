@@ -117,8 +117,8 @@ void WriteEdges(const IndexedMesh& mesh, FileWriter& out) {
   }
 }
 
-// Assigns `owner` to a corner of its piece, of dimension `containing`, unless the vertex lies on
-// input of lower dimension.
+// Assigns `owner` to a corner of its constraint, of dimension `containing`, unless the vertex lies
+// on input of lower dimension.
 void OwnCorner(IndexedMesh::Vertex& v, int containing, FeatureId owner) {
   if (v.containing_dimension < containing) return;
   // The least id, whatever the order of rows; a valid mesh has no choice.

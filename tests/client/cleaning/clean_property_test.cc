@@ -21,26 +21,26 @@ namespace dynmesh::cleaning {
 namespace {
 
 using Place = std::array<double, 2>;
-using Pieces = std::vector<std::pair<Place, Place>>;
+using Parts = std::vector<std::pair<Place, Place>>;
 
-Pieces PiecesOf(const std::vector<Feature>& features, bool ordered) {
+Parts PartsOf(const std::vector<Feature>& features, bool ordered) {
   std::map<FeatureId, Place> at;
   for (const Feature& f : features) {
     if (f.kind == FeatureKind::kPoint) at[f.id] = {f.position[0] + 0.0, f.position[1] + 0.0};
   }
-  Pieces pieces;
+  Parts parts;
   for (const Feature& f : features) {
-    // A point is a piece of no length.
+    // A point is a part of no length.
     if (f.kind == FeatureKind::kPoint) {
-      pieces.emplace_back(at[f.id], at[f.id]);
+      parts.emplace_back(at[f.id], at[f.id]);
       continue;
     }
     Place p = at[f.ends[0]], q = at[f.ends[1]];
     if (ordered && q < p) std::swap(p, q);
-    pieces.emplace_back(p, q);
+    parts.emplace_back(p, q);
   }
-  if (ordered) std::sort(pieces.begin(), pieces.end());
-  return pieces;
+  if (ordered) std::sort(parts.begin(), parts.end());
+  return parts;
 }
 
 double Distance(const Place& p, const Place& a, const Place& b) {
@@ -52,7 +52,7 @@ double Distance(const Place& p, const Place& a, const Place& b) {
 }
 
 // The largest distance of a point of `of` from all of `from`.
-double Deviation(const Pieces& of, const Pieces& from) {
+double Deviation(const Parts& of, const Parts& from) {
   constexpr int kSteps = 16;
   double largest = 0;
   for (const auto& [p, q] : of) {
@@ -110,7 +110,7 @@ TEST_P(CleanMessyInput, TheCoreAcceptsTheResult) {
 TEST_P(CleanMessyInput, EverythingStaysWhereItWas) {
   double largest = 0;
   ForEachInput([&](const auto& input, const CleanResult& result, std::uint64_t) {
-    const Pieces before = PiecesOf(input, false), after = PiecesOf(result.features, false);
+    const Parts before = PartsOf(input, false), after = PartsOf(result.features, false);
     // Needles may be wider than the tolerance.
     double allowed = 3 * Tolerance();
     for (const Change& change : result.changes) {
@@ -152,7 +152,7 @@ TEST_P(CleanMessyInput, TheOrderOfTheInputDoesNotMatter) {
     options.tolerance = Tolerance();
     const auto other = CleanInput(input, options);
     ASSERT_TRUE(other.ok()) << other.status();
-    EXPECT_EQ(PiecesOf(other->features, true), PiecesOf(result.features, true));
+    EXPECT_EQ(PartsOf(other->features, true), PartsOf(result.features, true));
   });
 }
 

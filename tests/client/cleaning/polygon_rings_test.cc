@@ -15,7 +15,7 @@ TEST(PolygonRings, RingsWhoseEdgesAreAllThereStayAsTheyAre) {
   EXPECT_TRUE(remade.cuts.empty());
 }
 
-TEST(PolygonRings, ASplitEdgeIsTheChainOfItsPieces) {
+TEST(PolygonRings, ASplitEdgeIsTheChainOfItsParts) {
   // 0-1 goes through 7 now; the other ring is unchanged.
   const RemadeRings remade =
       RemakeRings({{0, 1, 2}, {5, 3, 4}}, {{0, 2}, {0, 7}, {1, 2}, {1, 7}, {3, 4}, {3, 5}, {4, 5}});

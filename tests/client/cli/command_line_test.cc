@@ -228,7 +228,7 @@ TEST_F(CommandLine, VerifyFailsOnADamagedFile) {
   WriteInputs();
   ASSERT_EQ(Run("mesh square.poly -o m.node").code, 0);
   std::string edges = folder_.Read("m.edge");
-  const std::size_t at = edges.find(" 6\n");  // a piece of segment 6
+  const std::size_t at = edges.find(" 6\n");  // a subsegment of segment 6
   ASSERT_NE(at, std::string::npos);
   folder_.Write("m.edge", edges.replace(at, 3, " 0\n"));
   const Outcome bad = Run("verify m.node --input square.poly --json");

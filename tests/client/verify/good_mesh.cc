@@ -48,7 +48,7 @@ class Builder {
     std::vector<Handle> handles;
     for (int i = 0; i < 8; ++i) handles.push_back(Add(ring[i][0], ring[i][1], i % 2, kBoxFeature));
     for (std::size_t i = 0; i < 8; ++i) {
-      pieces_.push_back({handles[i], handles[(i + 1) % 8], kBoxFeature});
+      subsegments_.push_back({handles[i], handles[(i + 1) % 8], kBoxFeature});
     }
   }
 
@@ -75,29 +75,30 @@ class Builder {
   void AddSegment(FeatureId p, FeatureId q, Handle a, Handle b) {
     const FeatureId id = features_.size() + 1;
     features_.push_back(Feature::Segment(id, p, q));
-    pieces_.push_back({a, b, id});
+    subsegments_.push_back({a, b, id});
   }
 
-  // Splits pieces in the middle until all are edges.
+  // Splits subsegments in the middle until all are edges.
   // `polygons_at` returns the polygons around a point, ascending.
   template <class PolygonsAt>
   GoodMesh Finish(PolygonsAt polygons_at) {
-    for (std::size_t i = 0; i < pieces_.size();) {
-      const Piece piece = pieces_[i];
-      if (triangulation_.is_edge(piece.a, piece.b)) {
+    for (std::size_t i = 0; i < subsegments_.size();) {
+      const Subsegment subsegment = subsegments_[i];
+      if (triangulation_.is_edge(subsegment.a, subsegment.b)) {
         ++i;
         continue;
       }
-      const Handle middle = Add((piece.a->point().x() + piece.b->point().x()) / 2,
-                                (piece.a->point().y() + piece.b->point().y()) / 2, 1, piece.owner);
-      pieces_[i] = {piece.a, middle, piece.owner};
-      pieces_.push_back({middle, piece.b, piece.owner});
+      const Handle middle =
+          Add((subsegment.a->point().x() + subsegment.b->point().x()) / 2,
+              (subsegment.a->point().y() + subsegment.b->point().y()) / 2, 1, subsegment.owner);
+      subsegments_[i] = {subsegment.a, middle, subsegment.owner};
+      subsegments_.push_back({middle, subsegment.b, subsegment.owner});
       i = 0;  // the new vertex may have broken others
     }
-    for (const Piece& piece : pieces_) {
-      const auto [lesser, greater] = std::minmax(piece.a->info(), piece.b->info());
+    for (const Subsegment& subsegment : subsegments_) {
+      const auto [lesser, greater] = std::minmax(subsegment.a->info(), subsegment.b->info());
       mesh_.subsegments.ends.insert(mesh_.subsegments.ends.end(), {lesser, greater});
-      mesh_.subsegments.owners.push_back(piece.owner);
+      mesh_.subsegments.owners.push_back(subsegment.owner);
     }
     for (auto f = triangulation_.finite_faces_begin(); f != triangulation_.finite_faces_end();
          ++f) {
@@ -121,14 +122,14 @@ class Builder {
   }
 
  private:
-  struct Piece {
+  struct Subsegment {
     Handle a;
     Handle b;
     FeatureId owner;
   };
   void Join(FeatureId owner, FeatureId p, FeatureId q) {
     if (joined_.insert(std::minmax(p, q)).second) {
-      pieces_.push_back({points_.at(p), points_.at(q), owner});
+      subsegments_.push_back({points_.at(p), points_.at(q), owner});
     }
   }
 
@@ -136,7 +137,7 @@ class Builder {
   Mesh mesh_;
   std::map<FeatureId, Handle> points_;
   std::set<std::pair<FeatureId, FeatureId>> joined_;
-  std::vector<Piece> pieces_;
+  std::vector<Subsegment> subsegments_;
   std::vector<Feature> features_;
 };
 

@@ -17,7 +17,7 @@ struct GoodMesh {
 };
 
 // `count` input points in [1, 5]^2 of the box [0, 6]^2, a few free vertices, and two
-// segments of several pieces each. Edge lengths are no smaller than about 1e-3.
+// segments of several subsegments each. Edge lengths are no smaller than about 1e-3.
 GoodMesh MakeGoodMesh(std::uint64_t seed, int count);
 
 // Six polygons among free vertices, by their ids below: a square ring, in its hole a square that

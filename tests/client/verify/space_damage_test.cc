@@ -228,7 +228,7 @@ std::vector<Damage> Damages() {
       {"border face as a subfacet",
        [](GoodFiles& g) { FindOwned(g.files.mesh.faces, kBoxFeature).owner = kPlate; },
        {"facets"}},
-      {"piece of a segment without its marker",
+      {"subsegment of a segment without its marker",
        [](GoodFiles& g) { FindOwned(g.files.mesh.edges, kPole).owner = kNoFeature; },
        {"input"}},
       {"edge of the polygon without its marker",

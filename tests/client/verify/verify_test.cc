@@ -209,7 +209,7 @@ std::vector<Damage> Damages() {
       {"segment broken",
        [](GoodMesh& g) { FindEdge(g.files.mesh, IsSegment).owner = kNoFeature; },
        {"input"}},
-      {"piece of a segment marked as another's",
+      {"subsegment of a segment marked as another's",
        [](GoodMesh& g) {
          auto& e = FindEdge(g.files.mesh, IsSegment);
          e.owner = e.owner == g.features.back().id ? e.owner - 1 : g.features.back().id;
@@ -273,16 +273,16 @@ TEST(Verify, FindsEveryKindOfDamageByTheRightCheck) {
 TEST(Verify, FindsAChainThatIsNotStraight) {
   GoodMesh mesh = MakeGoodMesh(11, 60);
   IndexedMesh& m = mesh.files.mesh;
-  // Takes the segment's first piece the long way round, over the third corner.
-  const IndexedMesh::Edge piece = FindEdge(m, IsSegment);
+  // Takes the segment's first subsegment the long way round, over the third corner.
+  const IndexedMesh::Edge subsegment = FindEdge(m, IsSegment);
   const auto t = std::find_if(m.triangles.begin(), m.triangles.end(), [&](const auto& c) {
     const auto has = [&](std::uint32_t v) { return std::find(c.begin(), c.end(), v) != c.end(); };
-    return has(piece.a) && has(piece.b);
+    return has(subsegment.a) && has(subsegment.b);
   });
   for (IndexedMesh::Edge& e : m.edges) {
     const auto in = [&](std::uint32_t v) { return std::find(t->begin(), t->end(), v) != t->end(); };
     if (!in(e.a) || !in(e.b)) continue;
-    e.owner = e == piece ? kNoFeature : piece.owner;
+    e.owner = e == subsegment ? kNoFeature : subsegment.owner;
   }
   const VerifyReport report = VerifyMesh(mesh.files, kAnyQuality, &mesh.features);
   EXPECT_TRUE(FailedChecks(report).contains("input"));

@@ -49,7 +49,7 @@ Edit AddPointAt(FeatureId id, double radius, double angle) {
 
 // Subscribers visited per executed or removed operation: one per segment, and some subsegments.
 TEST(Hub, AnEditBesideItAsksAboutItsDegreeForEachOperation) {
-  constexpr int kPieces = 60;
+  constexpr int kParts = 60;
   for (const int spokes : {100, 200, 400}) {
     Scene star;
     EditBatch batch = {Edit::Add(Feature::Point(1, 0, 0))};
@@ -65,10 +65,10 @@ TEST(Hub, AnEditBesideItAsksAboutItsDegreeForEachOperation) {
     };
     star.Apply({AddPointAt(999'999, 2e-3, std::numbers::pi / spokes)});
     EXPECT_GT(star.refinement().vertex_count(), before + spokes);
-    EXPECT_LT(asked_per_operation(), spokes + kPieces);
+    EXPECT_LT(asked_per_operation(), spokes + kParts);
     star.Apply({Edit::Remove(999'999)});
     EXPECT_EQ(star.refinement().vertex_count(), before);
-    EXPECT_LT(asked_per_operation(), spokes + kPieces);
+    EXPECT_LT(asked_per_operation(), spokes + kParts);
   }
 }
 

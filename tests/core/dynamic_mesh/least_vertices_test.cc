@@ -103,6 +103,37 @@ class Scenes {
     }
   }
 
+  // Regions thinner than their targets, some of no width.
+  void ThinRegions(int dimension) {
+    const auto any = [&] {
+      return std::array<double, 3>{Uniform(0, 1), Uniform(0, 1),
+                                   dimension == 3 ? Uniform(0, 1) : 0};
+    };
+    const int n = Count(1, 3);
+    for (int i = 0; i < n; ++i) {
+      const double h = dimension == 2 ? Log(0.001, 0.01) : Log(0.01, 0.05);
+      const double width = Count(0, 1) * Log(1e-9, 1e-3);
+      const int kind = Count(0, dimension == 2 ? 2 : 1);
+      if (kind == 0) {
+        Path path;
+        for (int c = Count(2, 6); c > 0; --c) path.push_back(any());
+        Size({}, {SizeShape::kCapsule, h, width, {}, std::move(path)});
+      }
+      if (kind == 1) {
+        const std::array<double, 3> at = any();
+        std::array<double, 3> hi = at;
+        const int along = Count(0, dimension - 1);
+        for (int k = 0; k < dimension; ++k) hi[k] += k == along ? Log(0.1, 1.5) : width;
+        Size(at, {SizeShape::kBox, h, 0, hi});
+      }
+      if (kind == 2) {
+        const std::array<double, 3> p = any(), q = any();
+        Rings ring = {{Point(p[0], p[1]), Point(q[0], q[1]), Point(q[0] + width, q[1] + width)}};
+        Size({}, {SizeShape::kPolygon, h, 0, {}}, std::move(ring));
+      }
+    }
+  }
+
   // Lines that are nearly parallel, each shifted and turned a little.
   void Lines(int dimension) {
     const int n = Count(2, 6);
@@ -262,6 +293,7 @@ TEST(LeastVertices, AreNeverMoreThanThereAreInThePlane) {
   };
   check("regions", 60, [](Scenes& s) { s.Regions(2); });
   check("capsules", 60, [](Scenes& s) { s.Regions(2, true); });
+  check("thin regions", 60, [](Scenes& s) { s.ThinRegions(2); });
   check("lines", 100, [](Scenes& s) { s.Lines(2); });
   check("squares", 60, [](Scenes& s) { s.NestedSquares(); });
 }
@@ -277,6 +309,7 @@ TEST(LeastVertices, AreNeverMoreThanThereAreInSpace) {
   };
   EXPECT_GT(check("regions", 24, [](Scenes& s) { s.Regions(3); }).told, 8);
   EXPECT_GT(check("capsules", 24, [](Scenes& s) { s.Regions(3, true); }).told, 8);
+  EXPECT_GT(check("thin regions", 24, [](Scenes& s) { s.ThinRegions(3); }).told, 8);
   EXPECT_GT(check("lines", 24, [](Scenes& s) { s.Lines(3); }).told, 5);
   EXPECT_GT(check("plates", 16, [](Scenes& s) { s.Plates(); }).told, 3);
 }
@@ -325,6 +358,29 @@ TEST(LeastVertices, ATinyTargetIsRefusedByName) {
   ExpectRefusedByAll(
       OptionsIn(3, 2.0), present,
       {Edit::Add(Feature::Size(7, {0.5, 0.5, 0.5}, {SizeShape::kDisc, 1e-5, 0.1, {}}))}, {7});
+}
+
+// Its area or volume is next to nothing: its length counts.
+TEST(LeastVertices, ATinyTargetInAThinRegionIsRefusedByName) {
+  const std::vector<Feature> corners = {Feature::Point(1, 0.1, 0.1), Feature::Point(2, 0.9, 0.1),
+                                        Feature::Point(3, 0.9, 0.1 + 1e-12)};
+  for (const double width : {0.0, 1e-15, 1e-10}) {
+    ExpectRefusedByAll(OptionsIn(2, kDefaultQuality2D), corners,
+                       {Edit::Add(Feature::SizeCapsule(9, {{0.1, 0.1}, {0.9, 0.9}}, width, 1e-9))},
+                       {9});
+    ExpectRefusedByAll(
+        OptionsIn(3, 2.0), corners,
+        {Edit::Add(Feature::SizeCapsule(9, {{0.1, 0.1, 0.1}, {0.9, 0.9, 0.9}}, width, 1e-9))}, {9});
+    ExpectRefusedByAll(OptionsIn(2, kDefaultQuality2D), corners,
+                       {Edit::Add(Feature::SizeBox(9, 0.1, 0.5, 0.9, 0.5 + width, 1e-9))}, {9});
+    ExpectRefusedByAll(
+        OptionsIn(3, 2.0), corners,
+        {Edit::Add(Feature::Size(9, {0.1, 0.5, 0.5},
+                                 {SizeShape::kBox, 1e-9, 0, {0.9, 0.5 + width, 0.5 + width}}))},
+        {9});
+  }
+  ExpectRefusedByAll(OptionsIn(2, kDefaultQuality2D), corners,
+                     {Edit::Add(Feature::SizePolygon(9, {{1, 2, 3}}, 1e-9))}, {9});
 }
 
 TEST(LeastVertices, ManyRegionsCountTogetherWhereTheyAreApart) {

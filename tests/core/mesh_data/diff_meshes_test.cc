@@ -190,7 +190,7 @@ TEST(DiffMeshes, PutsAVertexThatChangesItsOwnerIntoBothLists) {
   }
 }
 
-TEST(DiffMeshes, APieceThatChangesItsOwnerGoesAndComes) {
+TEST(DiffMeshes, AConstraintThatChangesItsOwnerGoesAndComes) {
   auto random = MakeRandom();
   const Mesh mesh = MakeUpMesh(random, 30, 3, 3);
   Mesh target = mesh;

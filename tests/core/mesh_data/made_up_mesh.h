@@ -12,7 +12,7 @@
 #include <set>
 #include <vector>
 
-#include "core/mesh_data/pieces.h"
+#include "core/mesh_data/constraints.h"
 #include "dynmesh/mesh.h"
 
 namespace dynmesh::testing {
@@ -56,7 +56,7 @@ SimplexColumn AnySimplices(Random& random, const std::vector<VertexId>& ids, std
 }
 
 template <class Columns>
-Columns AnyPieces(Random& random, const std::vector<VertexId>& ids, std::size_t count) {
+Columns AnyConstraints(Random& random, const std::vector<VertexId>& ids, std::size_t count) {
   constexpr std::size_t kIds = mesh_data::kCorners<Columns>;
   Columns columns;
   for (const auto& row : AnyRows<kIds>(random, ids, count)) {
@@ -93,9 +93,9 @@ inline Mesh MakeUpMesh(Random& random, int count, std::uint64_t revision, int di
   const auto n = static_cast<std::size_t>(count);
   mesh.simplices = dimension == 2 ? internal::AnySimplices<3>(random, ids, 2 * n)
                                   : internal::AnySimplices<4>(random, ids, 2 * n);
-  mesh.subsegments = internal::AnyPieces<SubsegmentColumns>(random, ids, n / 2);
+  mesh.subsegments = internal::AnyConstraints<SubsegmentColumns>(random, ids, n / 2);
   if (dimension == 3) {
-    mesh.subfacets = internal::AnyPieces<SubfacetColumns>(random, ids, n / 2);
+    mesh.subfacets = internal::AnyConstraints<SubfacetColumns>(random, ids, n / 2);
   }
   mesh.hash = ComputeHash(mesh);
   return mesh;

@@ -48,7 +48,7 @@ Mesh NaiveSimplicesInside(const Mesh& mesh, const RegionChoice& choice) {
 
 // Rows with only corners of one simplex as ids.
 template <class Columns>
-Columns NaivePiecesOf(const Mesh& mesh, const Columns& from) {
+Columns NaiveConstraintsOf(const Mesh& mesh, const Columns& from) {
   const auto corners = static_cast<std::ptrdiff_t>(mesh.dimension) + 1;
   Columns to;
   for (std::size_t i = 0; i < from.size(); ++i) {
@@ -77,8 +77,8 @@ Mesh NaiveOnlyInside(const Mesh& mesh, const RegionChoice& choice) {
     part.vertices.containing_dimensions.push_back(all.containing_dimensions[i]);
     part.vertices.owners.push_back(all.owners[i]);
   }
-  part.subsegments = NaivePiecesOf(part, mesh.subsegments);
-  part.subfacets = NaivePiecesOf(part, mesh.subfacets);
+  part.subsegments = NaiveConstraintsOf(part, mesh.subsegments);
+  part.subfacets = NaiveConstraintsOf(part, mesh.subfacets);
   part.hash = ComputeHash(part);
   return Sorted(part);
 }

@@ -115,15 +115,15 @@ struct Refusal {
 
 // Even if the sum is right.
 template <class Columns>
-void GoesTwice(MeshDiff& d, Columns& pieces) {
-  const auto key = KeyOf(pieces, 0);
-  Append(pieces, key);
+void GoesTwice(MeshDiff& d, Columns& constraints) {
+  const auto key = KeyOf(constraints, 0);
+  Append(constraints, key);
   d.hash -= HashOf(key);
 }
 template <class Columns>
-void ComesTwice(MeshDiff& d, Columns& pieces) {
-  const auto key = KeyOf(pieces, 0);
-  Append(pieces, key);
+void ComesTwice(MeshDiff& d, Columns& constraints) {
+  const auto key = KeyOf(constraints, 0);
+  Append(constraints, key);
   d.hash += HashOf(key);
 }
 

@@ -146,11 +146,11 @@ void CheckInputIsKept(const Judged& j, const std::vector<Feature>& features) {
   for (std::size_t i = 0; i < j.mesh.vertices.size(); ++i) {
     row_at[j.at.at(j.mesh.vertices.ids[i])] = i;
   }
-  std::map<FeatureId, std::vector<Edge>> pieces;
+  std::map<FeatureId, std::vector<Edge>> subsegments;
   for (std::size_t i = 0; i < j.mesh.subsegments.size(); ++i) {
     const Edge e = {j.mesh.subsegments.ends[2 * i], j.mesh.subsegments.ends[2 * i + 1]};
     ASSERT_TRUE(j.apexes.contains(e)) << "a subsegment is no edge";
-    pieces[j.mesh.subsegments.owners[i]].push_back(e);
+    subsegments[j.mesh.subsegments.owners[i]].push_back(e);
   }
   std::map<FeatureId, Point2> place;
   for (const Feature& f : features) {
@@ -162,11 +162,11 @@ void CheckInputIsKept(const Judged& j, const std::vector<Feature>& features) {
     ASSERT_EQ(j.mesh.vertices.containing_dimensions[row->second], 0);
   }
   const double ulp = UlpOf(j.domain, 2);
-  std::map<FeatureId, std::size_t> pieces_met;
+  std::map<FeatureId, std::size_t> subsegments_met;
   for (const Joint& f : JointsOf(features)) {
     const Point2 &p = place.at(f.ends[0]), &q = place.at(f.ends[1]);
     std::map<VertexId, std::vector<VertexId>> beside;
-    for (const auto& [a, b] : pieces[f.owner]) {
+    for (const auto& [a, b] : subsegments[f.owner]) {
       // A polygon has other edges: only what lies along this one.
       const auto is_along = [&](VertexId v) {
         const Point2& x = j.at.at(v);
@@ -176,7 +176,7 @@ void CheckInputIsKept(const Judged& j, const std::vector<Feature>& features) {
       };
       if (is_along(a) && is_along(b)) beside[a].push_back(b), beside[b].push_back(a);
     }
-    // Walk from p: every piece once, ever nearer to q, which is the end.
+    // Walk from p: every subsegment once, ever nearer to q, which is the end.
     VertexId v = j.mesh.vertices.ids[row_at.at(p)], before = 0;
     const VertexId end = j.mesh.vertices.ids[row_at.at(q)];
     std::size_t steps = 0;
@@ -191,13 +191,15 @@ void CheckInputIsKept(const Judged& j, const std::vector<Feature>& features) {
           CGAL::to_double(Cross(p, q, j.at.at(v))) / std::sqrt(CGAL::to_double(Squared(p, q)));
       ASSERT_LE(std::fabs(off), 8 * ulp) << "segment of " << f.owner << " bends";
     }
-    pieces_met[f.owner] += steps;
+    subsegments_met[f.owner] += steps;
   }
-  for (const auto& [owner, edges] : pieces) {
+  for (const auto& [owner, edges] : subsegments) {
     if (owner == kBoxFeature) continue;
-    ASSERT_EQ(pieces_met[owner], edges.size()) << "feature " << owner << " has other pieces";
+    ASSERT_EQ(subsegments_met[owner], edges.size())
+        << "feature " << owner << " has other subsegments";
   }
-  ASSERT_EQ(pieces.size(), pieces_met.size() + 1) << "those of the features and of the box";
+  ASSERT_EQ(subsegments.size(), subsegments_met.size() + 1)
+      << "those of the features and of the box";
 }
 
 // Edges as short as a small angle of the input makes them: between two segments that leave

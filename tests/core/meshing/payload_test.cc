@@ -1,4 +1,4 @@
-// The read region stored by an operation: never too small, and not needlessly large.
+// The cover stored by an operation: never too small, and not needlessly large.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/meshing/elements.h"
-#include "core/meshing/star_region.h"
+#include "core/meshing/read_cover.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::meshing {
@@ -52,21 +52,21 @@ struct Balls {
   Point<D> p;
   std::vector<Direction<D>> directions;  // of the centres from p
   std::vector<double> radii;
-  StarRegion<D> region{Point<D>()};
+  ReadCover<D> cover{Point<D>()};
 
   Balls(test::Random& random, double scale) {
     for (int k = 0; k < D; ++k) p[k] = scale * (random.Unit() - 0.5);
-    region = StarRegion<D>(p);
+    cover = ReadCover<D>(p);
     const double size = std::ldexp(scale, -random.Below(15));
     for (int n = 1 + random.Below(7); n > 0; --n) {
       directions.push_back(AnyDirection<D>(random));
       radii.push_back(size * std::ldexp(random.Unit(), -random.Below(6)));
-      region.AddBall(Along(p, directions.back(), radii.back()), radii.back(), 0);
+      cover.AddBall(Along(p, directions.back(), radii.back()), radii.back(), 0);
     }
   }
   Payload<D> Kept() const {
     Payload<D> payload;
-    payload.SetRegion(region);
+    payload.SetCover(cover);
     return payload;
   }
   // How far from p the balls reach along u.
@@ -91,10 +91,10 @@ void ExpectNoPointOfABallIsLost() {
       const double r = balls.radii[i];
       const Point<D> centre = Along(balls.p, balls.directions[i], r);
       const Point<D> y = Along(centre, AnyDirection<D>(random), r * (1 - 1e-7));
-      ASSERT_TRUE(payload.RegionMayHold(balls.p, y)) << "seed " << kSeed << ", round " << round;
+      ASSERT_TRUE(payload.CoverMayHold(balls.p, y)) << "seed " << kSeed << ", round " << round;
     }
     const Direction<D> u = AnyDirection<D>(random);
-    ASSERT_TRUE(payload.RegionMayHold(balls.p, Along(balls.p, u, balls.ReachAlong(u) * (1 - 1e-7))))
+    ASSERT_TRUE(payload.CoverMayHold(balls.p, Along(balls.p, u, balls.ReachAlong(u) * (1 - 1e-7))))
         << "seed " << kSeed << ", round " << round;
   }
 }
@@ -111,13 +111,13 @@ void ExpectLittleBeyondTheBox(double unit) {
     const Balls<D> balls(random, 1);
     const Payload<D> payload = balls.Kept();
     const double slack = std::sqrt(payload.radius2) * (unit + 1e-5);
-    const Extent<D>& box = balls.region.box();
+    const Extent<D>& box = balls.cover.box();
     for (int k = 0; k < D; ++k) {
       Point<D> above = balls.p, below = balls.p;
       above[k] = box.hi[k] + slack;
       below[k] = box.lo[k] - slack;
-      ASSERT_FALSE(payload.RegionMayHold(balls.p, above)) << "seed " << kSeed << ": " << round;
-      ASSERT_FALSE(payload.RegionMayHold(balls.p, below)) << "seed " << kSeed << ": " << round;
+      ASSERT_FALSE(payload.CoverMayHold(balls.p, above)) << "seed " << kSeed << ": " << round;
+      ASSERT_FALSE(payload.CoverMayHold(balls.p, below)) << "seed " << kSeed << ": " << round;
     }
   }
 }
@@ -146,14 +146,14 @@ TEST(Payload, InSpaceTheRegionIsHardlyLargerThanWhatBallsReachInEachOctant) {
           reach = std::max(reach, balls.ReachAlong(u));
         }
       }
-      const double told = balls.region.Reach(octant);
+      const double told = balls.cover.Reach(octant);
       constexpr double kRounding = 1e-15;  // of the centres
       ASSERT_GE(told + kRounding, reach) << "seed " << kSeed << ", round " << round;
       ASSERT_LE(told * 0.99, reach + kRounding) << "seed " << kSeed << ", round " << round;
       const double out = ((told + radius / 15) * (1 + 1e-5) + kRounding) / std::sqrt(3);
       Point<3> y = balls.p;
       for (int k = 0; k < 3; ++k) y[k] += octant >> k & 1 ? out : -out;
-      ASSERT_FALSE(payload.RegionMayHold(balls.p, y)) << "seed " << kSeed << ", round " << round;
+      ASSERT_FALSE(payload.CoverMayHold(balls.p, y)) << "seed " << kSeed << ", round " << round;
     }
   }
 }
@@ -162,13 +162,13 @@ TEST(Payload, RadiusIsHardlyLargerThanTheRegions) {
   test::Random random(kSeed);
   for (int round = 0; round < 20000; ++round) {
     const Balls<3> balls(random, 1);
-    const double kept = balls.Kept().radius2, r2 = balls.region.radius2();
+    const double kept = balls.Kept().radius2, r2 = balls.cover.radius2();
     ASSERT_GE(kept, r2) << "seed " << kSeed << ": " << round;
     ASSERT_LE(kept, r2 * (1 + 1.0 / 128 + 1e-6)) << "seed " << kSeed << ": " << round;
   }
 }
 
-// The region that is certain despite doubt is the one stored for any region within it.
+// The cover that is certain despite doubt is the one stored for any cover within it.
 template <int D>
 void ExpectTheSameOfWhatMightBeMeant(double part) {
   test::Random random(kSeed);
@@ -176,12 +176,12 @@ void ExpectTheSameOfWhatMightBeMeant(double part) {
   int certain = 0;
   for (int round = 0; round < kRounds; ++round) {
     const Balls<D> balls(random, 1);
-    const double doubt = part * std::sqrt(balls.region.radius2());
+    const double doubt = part * std::sqrt(balls.cover.radius2());
     Payload<D> payload;
-    if (!payload.SetRegion(balls.region, doubt)) continue;
+    if (!payload.SetCover(balls.cover, doubt)) continue;
     ++certain;
     for (int i = 0; i < 8; ++i) {
-      StarRegion<D> meant(balls.p);
+      ReadCover<D> meant(balls.p);
       for (std::size_t b = 0; b < balls.radii.size(); ++b) {
         const Point<D> centre = Along(balls.p, balls.directions[b], balls.radii[b]);
         const auto change = [&] { return doubt / 8 * (2 * random.Unit() - 1); };
@@ -189,9 +189,9 @@ void ExpectTheSameOfWhatMightBeMeant(double part) {
                       doubt / 16 * random.Unit());
       }
       Payload<D> other;
-      ASSERT_TRUE(other.SetRegion(meant));
+      ASSERT_TRUE(other.SetCover(meant));
       ASSERT_EQ(other.radius2, payload.radius2) << "seed " << kSeed << ", round " << round;
-      ASSERT_EQ(other.region(), payload.region()) << "seed " << kSeed << ", round " << round;
+      ASSERT_EQ(other.cover(), payload.cover()) << "seed " << kSeed << ", round " << round;
     }
   }
   EXPECT_GT(certain, kRounds / 20);  // few balls do not reach into all orthants: doubtful, too
@@ -208,29 +208,29 @@ template <int D>
 void ExpectAllIfNothingIsKnown() {
   Point<D> p = {};
   p[0] = 1;
-  const auto may_hold = [&](const StarRegion<D>& region, double x, double y) {
+  const auto may_hold = [&](const ReadCover<D>& cover, double x, double y) {
     Payload<D> payload;
-    payload.SetRegion(region);
+    payload.SetCover(cover);
     Point<D> q = p;
     q[0] += x;
     q[1] += y;
-    return payload.RegionMayHold(p, q);
+    return payload.CoverMayHold(p, q);
   };
-  StarRegion<D> all(p);
+  ReadCover<D> all(p);
   all.AddAll(4);
   EXPECT_TRUE(may_hold(all, 1.9, 0));
   EXPECT_TRUE(may_hold(all, 0, -1.9));
   EXPECT_TRUE(may_hold(all, -1.3, -1.3));
   EXPECT_FALSE(may_hold(all, 2.1, 0));
   // A squared radius beyond what a float holds.
-  StarRegion<D> huge(p);
+  ReadCover<D> huge(p);
   Point<D> far = p;
   far[0] = 1e20;
   huge.AddBall(far, 1e20, 0);
   EXPECT_TRUE(may_hold(huge, 1e19, 0));
   EXPECT_TRUE(may_hold(huge, -1e19, 1e19));
   EXPECT_TRUE(may_hold(huge, 0, 0));
-  StarRegion<D> unbounded(p);
+  ReadCover<D> unbounded(p);
   unbounded.AddAll(std::numeric_limits<double>::infinity());
   EXPECT_TRUE(may_hold(unbounded, -0.5, -1));
 }

@@ -18,7 +18,7 @@ using geometry::Point;
 
 constexpr std::uint64_t kSeed = 20261125;
 
-// In long double, by ternary search along the piece: no formula in common with the product.
+// In long double, by ternary search along the edge: no formula in common with the product.
 template <int D>
 double NaiveDistance(const Point<D>& x, const Point<D>& a, const Point<D>& b) {
   const auto at = [&](long double t) {
@@ -44,12 +44,12 @@ Point<D> AnyPoint(test::Random& random) {
   return p;
 }
 
-// With pieces of length 0, in one line, there and back, and closed ones among them.
+// With edges of length 0, in one line, there and back, and closed ones among them.
 template <int D>
 std::vector<Point<D>> RandomPath(test::Random& random) {
   std::vector<Point<D>> path = {AnyPoint<D>(random)};
-  const int pieces = 1 + random.Below(random.OneIn(3) ? 200 : 6);
-  for (int i = 0; i < pieces; ++i) {
+  const int edges = 1 + random.Below(random.OneIn(3) ? 200 : 6);
+  for (int i = 0; i < edges; ++i) {
     Point<D> next = path.back();
     const int kind = random.Below(6);
     if (kind == 1 && path.size() > 1) next = path[path.size() - 2];
@@ -67,7 +67,7 @@ std::vector<Point<D>> RandomPath(test::Random& random) {
 }
 
 template <int D>
-void ExpectTheDistanceOfTheNearestPiece() {
+void ExpectTheDistanceOfTheNearestEdge() {
   int met = 0, asked = 0;
   for (std::uint64_t seed = kSeed; seed < kSeed + 60; ++seed) {
     test::Random random(seed);
@@ -79,11 +79,11 @@ void ExpectTheDistanceOfTheNearestPiece() {
         x = path[static_cast<std::size_t>(random.Below(static_cast<int>(path.size())))];
       const double radius = random.OneIn(8) ? 0 : std::ldexp(random.Unit(), -random.Below(8));
       double nearest = INFINITY;
-      bool exact = false;  // the same pieces, one by one, to the bit
+      bool exact = false;  // the same edges, one by one, to the bit
       for (std::size_t k = 0; k + 1 < path.size(); ++k) {
         const Point<D>&a = std::min(path[k], path[k + 1]), &b = std::max(path[k], path[k + 1]);
         nearest = std::min(nearest, NaiveDistance<D>(x, a, b));
-        exact |= SquaredDistanceToPiece<D>(x, a, b) <= radius * radius;
+        exact |= SquaredDistanceToEdge<D>(x, a, b) <= radius * radius;
       }
       const bool meets = polyline.Meets(x, radius);
       ASSERT_EQ(meets, exact) << "seed " << seed << ", query " << i;
@@ -96,8 +96,8 @@ void ExpectTheDistanceOfTheNearestPiece() {
   EXPECT_LT(met, asked * 4 / 5);
 }
 
-TEST(Polyline, MeetsWhatALookAtEveryPieceSays) { ExpectTheDistanceOfTheNearestPiece<2>(); }
-TEST(Polyline, MeetsWhatALookAtEveryPieceSaysIn3D) { ExpectTheDistanceOfTheNearestPiece<3>(); }
+TEST(Polyline, MeetsWhatALookAtEveryEdgeSays) { ExpectTheDistanceOfTheNearestEdge<2>(); }
+TEST(Polyline, MeetsWhatALookAtEveryEdgeSaysIn3D) { ExpectTheDistanceOfTheNearestEdge<3>(); }
 
 template <int D>
 void ExpectNoDependenceOnTheDirection() {
@@ -107,14 +107,14 @@ void ExpectNoDependenceOnTheDirection() {
     const Polyline<D> one(path);
     std::reverse(path.begin(), path.end());
     const Polyline<D> other(path);
-    path.push_back(path[path.size() - 2]);  // a piece twice
+    path.push_back(path[path.size() - 2]);  // a edge twice
     const Polyline<D> doubled(path);
     for (int i = 0; i < 500; ++i) {
-      // At the distance of a piece: there rounding decides.
+      // At the distance of a edge: there rounding decides.
       const Point<D> x = AnyPoint<D>(random);
       const auto k = static_cast<std::size_t>(random.Below(static_cast<int>(path.size()) - 1));
-      const double radius = std::sqrt(SquaredDistanceToPiece<D>(x, std::min(path[k], path[k + 1]),
-                                                                std::max(path[k], path[k + 1])));
+      const double radius = std::sqrt(SquaredDistanceToEdge<D>(x, std::min(path[k], path[k + 1]),
+                                                               std::max(path[k], path[k + 1])));
       ASSERT_EQ(one.Meets(x, radius), other.Meets(x, radius)) << "seed " << seed;
       ASSERT_EQ(one.Meets(x, radius), doubled.Meets(x, radius)) << "seed " << seed;
     }
@@ -127,7 +127,7 @@ TEST(Polyline, DoesNotDependOnItsDirection) {
 }
 
 // Far from the origin the foot of a perpendicular rounds by more than the distance is small.
-TEST(Polyline, ABoxAroundAPieceIsNeverFartherThanThePiece) {
+TEST(Polyline, ABoxAroundAnEdgeIsNeverFartherThanTheEdge) {
   test::Random random(kSeed);
   for (int i = 0; i < 100'000; ++i) {
     Point<2> a, b, x;
@@ -142,7 +142,7 @@ TEST(Polyline, ABoxAroundAPieceIsNeverFartherThanThePiece) {
       const double d = std::max({std::min(a[k], b[k]) - x[k], x[k] - std::max(a[k], b[k]), 0.0});
       d2 += d * d;
     }
-    ASSERT_LE(d2, SquaredDistanceToPiece<2>(x, a, b)) << i;
+    ASSERT_LE(d2, SquaredDistanceToEdge<2>(x, a, b)) << i;
   }
 }
 
@@ -162,7 +162,7 @@ double MostErrorInUlps() {
       largest = std::max({largest, std::fabs(a[k]), std::fabs(b[k]), std::fabs(x[k])});
     }
     if (b < a) std::swap(a, b);
-    const double error = std::sqrt(SquaredDistanceToPiece<D>(x, a, b)) - NaiveDistance<D>(x, a, b);
+    const double error = std::sqrt(SquaredDistanceToEdge<D>(x, a, b)) - NaiveDistance<D>(x, a, b);
     most = std::max(most, std::fabs(error) / UlpOf(largest));
   }
   return most;

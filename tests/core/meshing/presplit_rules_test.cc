@@ -1,4 +1,4 @@
-// When a piece of a segment is too long or has a feature too near, against all features, regions
+// When a subsegment is too long or has a feature too near, against all features, regions
 // and facets.
 #include <gtest/gtest.h>
 
@@ -49,11 +49,11 @@ struct Scene {
     features.push_back(lone.complex.FeatureOf(s.a, s.b));
   }
   // Of a segment, from some part of it to another.
-  Subsegment<D> AnyPiece() {
+  Subsegment<D> AnySubsegment() {
     const Subsegment<D> whole =
         lone.complex.subsegment(segments[random.Below(static_cast<int>(segments.size()))]);
-    Subsegment<D> piece = whole;
-    if (random.OneIn(4)) return piece;
+    Subsegment<D> part = whole;
+    if (random.OneIn(4)) return part;
     const int parts = 1 << random.Below(7), first = random.Below(parts);
     const auto at = [&](int i) {
       const auto &p = lone.complex.vertex(whole.a).p, &q = lone.complex.vertex(whole.b).p;
@@ -61,9 +61,9 @@ struct Scene {
       for (int k = 0; k < D; ++k) x[k] = p[k] + (q[k] - p[k]) * i / parts;
       return lone.Add(x, 1);  // of a split: no feature
     };
-    if (first > 0) piece.a = at(first);
-    if (first + 1 < parts) piece.b = at(first + 1);
-    return piece;
+    if (first > 0) part.a = at(first);
+    if (first + 1 < parts) part.b = at(first + 1);
+    return part;
   }
 
   LoneComplex<D> lone;
@@ -75,7 +75,7 @@ struct Scene {
 };
 
 template <int D, class F>
-void ForPieces(int rounds, int pieces, F f) {
+void ForSubsegments(int rounds, int count, F f) {
   test::Random random(kSeed);
   for (const Layout layout : kLayouts) {
     for (int round = 0; round < rounds; ++round) {
@@ -83,7 +83,7 @@ void ForPieces(int rounds, int pieces, F f) {
                    std::to_string(static_cast<int>(layout)) + ", round " + std::to_string(round));
       Scene<D> scene(layout, 6 + random.Below(120), random);
       if (scene.segments.empty()) continue;
-      for (int i = 0; i < pieces; ++i) f(scene, scene.AnyPiece());
+      for (int i = 0; i < count; ++i) f(scene, scene.AnySubsegment());
       if (testing::Test::HasFailure()) return;
     }
   }
@@ -97,7 +97,7 @@ TYPED_TEST_SUITE(PresplitRulesTest, Dimensions);
 TYPED_TEST(PresplitRulesTest, TheNearestFeatureTooNearIsThatOfAll) {
   constexpr int D = TypeParam();
   int near = 0, far = 0;
-  ForPieces<D>(30, 30, [&](Scene<D>& scene, const Subsegment<D>& s) {
+  ForSubsegments<D>(30, 30, [&](Scene<D>& scene, const Subsegment<D>& s) {
     auto& complex = scene.lone.complex;
     // Features come and go.
     if (scene.random.OneIn(3)) scene.AddSegment();
@@ -133,10 +133,10 @@ TYPED_TEST(PresplitRulesTest, TheNearestFeatureTooNearIsThatOfAll) {
   EXPECT_GT(far, 50);
 }
 
-TYPED_TEST(PresplitRulesTest, APieceIsTooLongIfItIsForAnyRegion) {
+TYPED_TEST(PresplitRulesTest, ASubsegmentIsTooLongIfItIsForAnyRegion) {
   constexpr int D = TypeParam();
   int too_long = 0, fine = 0;
-  ForPieces<D>(20, 30, [&](Scene<D>& scene, const Subsegment<D>& s) {
+  ForSubsegments<D>(20, 30, [&](Scene<D>& scene, const Subsegment<D>& s) {
     auto& complex = scene.lone.complex;
     test::Random& random = scene.random;
     std::vector<SizingRegion<D>> regions;
@@ -169,7 +169,7 @@ TYPED_TEST(PresplitRulesTest, APieceIsTooLongIfItIsForAnyRegion) {
 
 TEST(PresplitRules, TheNearestFacetIsThatOfAll) {
   int near = 0, far = 0, nearer_than_feature = 0;
-  ForPieces<3>(40, 20, [&](Scene<3>& scene, const Subsegment<3>& s) {
+  ForSubsegments<3>(40, 20, [&](Scene<3>& scene, const Subsegment<3>& s) {
     auto& complex = scene.lone.complex;
     std::vector<FacetIndex> facets;
     for (int i = scene.random.Below(5); i > 0; --i) {

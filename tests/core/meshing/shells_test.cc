@@ -114,49 +114,49 @@ TEST(ShapeOf, HandsOverInTheInside) {
   EXPECT_EQ(ShapeOf(1, {true, 0.5, 0.5}, {}), (SegmentShape{true, false, 0}));
 }
 
-// Split at random until pieces are short: the shells of the shorter one are among those of
-// the longer, and none is finer than the pieces ask for.
-TEST(SplitPiece, ShellsAgreeAndStayCoarse) {
+// Split at random until subsegments are short: the shells of the shorter one are among those of
+// the longer, and none is finer than the subsegments ask for.
+TEST(RulesOfParts, ShellsAgreeAndStayCoarse) {
   test::Random random(kSeed);
   for (int round = 0; round < 200; ++round) {
     const double length = 0.2 + random.Unit();
-    std::vector<Piece> pieces = {Piece::Whole({true, false, 0}, length)};
+    std::vector<SplitRule> subsegments = {SplitRule::Whole({true, false, 0}, length)};
     const double least = std::ldexp(length, -random.Below(8) - 1);
     double finest = length;
-    for (std::size_t i = 0; i < pieces.size();) {
-      const Piece piece = pieces[i];
-      const double size = piece.at_b - piece.at_a;
+    for (std::size_t i = 0; i < subsegments.size();) {
+      const SplitRule subsegment = subsegments[i];
+      const double size = subsegment.at_b - subsegment.at_a;
       ASSERT_GT(size, 0);
       if (size <= least) {
         finest = std::min(finest, size);
         ++i;
         continue;
       }
-      const auto [left, right] = SplitPiece(piece, length);
-      EXPECT_EQ(left.at_a, piece.at_a);
+      const auto [left, right] = RulesOfParts(subsegment, length);
+      EXPECT_EQ(left.at_a, subsegment.at_a);
       EXPECT_EQ(left.at_b, right.at_a);
-      EXPECT_EQ(right.at_b, piece.at_b);
-      EXPECT_EQ(left.at_b, SplitDistance(piece));
+      EXPECT_EQ(right.at_b, subsegment.at_b);
+      EXPECT_EQ(left.at_b, SplitDistance(subsegment));
       EXPECT_GE(left.at_b - left.at_a, size / 4);
       EXPECT_GE(right.at_b - right.at_a, size / 4);
-      pieces[i] = left;
-      pieces.push_back(right);
+      subsegments[i] = left;
+      subsegments.push_back(right);
     }
     EXPECT_GE(finest, least / 4);
   }
 }
 
-TEST(Piece, OfASegmentSharpAtBothEndsIsHandedOverFirst) {
-  const Piece whole = Piece::Whole({true, true, 0.375}, 1.0);
+TEST(SplitRule, OfASegmentSharpAtBothEndsIsHandedOverFirst) {
+  const SplitRule whole = SplitRule::Whole({true, true, 0.375}, 1.0);
   EXPECT_EQ(SplitDistance(whole), 0.375);
-  const auto [a, b] = SplitPiece(whole, 1.0);
-  EXPECT_EQ(a.rule, Piece::Rule::kShells);
+  const auto [a, b] = RulesOfParts(whole, 1.0);
+  EXPECT_EQ(a.kind, SplitRule::Kind::kShells);
   EXPECT_FALSE(a.from_b);
   EXPECT_EQ(a.at_b, 0.375);
   EXPECT_TRUE(b.from_b);
   EXPECT_EQ(b.at_a, 0.625);
   EXPECT_EQ(b.at_b, 0);
-  EXPECT_EQ(Piece::Whole({}, 1.0).rule, Piece::Rule::kHalve);
+  EXPECT_EQ(SplitRule::Whole({}, 1.0).kind, SplitRule::Kind::kHalve);
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ TYPED_TEST(StarFinderTest, LocalAndReadOffAreTheStarOfAllVerticesSeen) {
       scene.lone.complex.triangulation = nullptr;
       ASSERT_EQ(CornersIn<D>(read_off.reads), CornersOf<D>(naive)) << "vertex " << v;
       EXPECT_EQ(read_off.kept.radius2, local.kept.radius2);
-      EXPECT_EQ(read_off.kept.region(), local.kept.region());
+      EXPECT_EQ(read_off.kept.cover(), local.kept.cover());
       bool ghosts = false;
       naive.ForEachNeighbour([&](const auto& u) { ghosts |= Star<D>::IsGhost(u.id); });
       ++(ghosts ? with_ghosts : without);
@@ -236,7 +236,7 @@ TYPED_TEST(StarFinderTest, ReadsAreWithinWhatIsSubscribedAndKept) {
         const double r = std::sqrt(star.corner(corner).r2);
         for (int axis = 0; axis < D; ++axis) x[axis] += r * (2 * random.Unit() - 1);
         if (!complex.InDomain(x) || !star.Conflicts(corner, x)) continue;
-        EXPECT_TRUE(found.kept.RegionMayHold(star.position(), x));
+        EXPECT_TRUE(found.kept.CoverMayHold(star.position(), x));
         bool reached = false;
         complex.tree.VisitPath(x, [&](sac::Place place, sac::Parts part) {
           for (const auto& [subscribed, parts] : found.subscriptions) {

@@ -1,4 +1,4 @@
-// Meshes and diffs on the wire: whole in pieces below 1 MB; all else is refused.
+// Meshes and diffs on the wire: whole in fragments below 1 MB; all else is refused.
 #include "proto/codec/mesh_codec.h"
 
 #include <gtest/gtest.h>
@@ -105,20 +105,20 @@ void ExpectEqual(const MeshDiff& a, const MeshDiff& b) {
   EXPECT_EQ(a.hash, b.hash);
 }
 
-struct Pieces {
+struct Fragments {
   std::vector<v1::MeshDiff> fragments;
   std::size_t largest = 0;
 };
 
-Pieces Cut(const MeshDiff& diff, std::size_t bytes) {
-  Pieces pieces;
+Fragments Cut(const MeshDiff& diff, std::size_t bytes) {
+  Fragments cut;
   DiffFragmenter fragmenter(std::make_shared<MeshDiff>(diff), false, bytes);
   v1::MeshDiff fragment;
   while (fragmenter.Next(&fragment)) {
-    pieces.largest = std::max(pieces.largest, fragment.ByteSizeLong());
-    pieces.fragments.push_back(fragment);
+    cut.largest = std::max(cut.largest, fragment.ByteSizeLong());
+    cut.fragments.push_back(fragment);
   }
-  return pieces;
+  return cut;
 }
 
 TEST(DiffCodec, ComesBackWholeWhateverTheFragmentSize) {
@@ -126,13 +126,13 @@ TEST(DiffCodec, ComesBackWholeWhateverTheFragmentSize) {
     for (std::size_t n : {0, 1, 2, 3, 100, 101}) {
       const MeshDiff diff = RandomDiff(n + 1, n, dimension);
       for (std::size_t bytes : {1, 100, 1000, 1 << 20}) {
-        const Pieces pieces = Cut(diff, bytes);
+        const Fragments cut = Cut(diff, bytes);
         DiffAssembler assembler;
-        for (std::size_t i = 0; i < pieces.fragments.size(); ++i) {
-          const auto back = assembler.Add(pieces.fragments[i]);
+        for (std::size_t i = 0; i < cut.fragments.size(); ++i) {
+          const auto back = assembler.Add(cut.fragments[i]);
           ASSERT_TRUE(back.ok());
-          ASSERT_EQ(back->has_value(), i + 1 == pieces.fragments.size());
-          EXPECT_EQ(pieces.fragments[i].more(), !back->has_value());
+          ASSERT_EQ(back->has_value(), i + 1 == cut.fragments.size());
+          EXPECT_EQ(cut.fragments[i].more(), !back->has_value());
           if (back->has_value()) ExpectEqual(**back, diff);
         }
       }
@@ -143,11 +143,11 @@ TEST(DiffCodec, ComesBackWholeWhateverTheFragmentSize) {
 TEST(DiffCodec, LargeDiffsGoInFullMessagesBelowOneMegabyte) {
   for (const std::uint64_t seed : {5, 6}) {
     for (const int dimension : {2, 3}) {
-      const Pieces pieces = Cut(RandomDiff(seed, 60'000, dimension), kFragmentBytes);
-      EXPECT_LT(pieces.largest, std::size_t{1'000'000});
-      ASSERT_GT(pieces.fragments.size(), 4u);
-      for (std::size_t i = 0; i + 1 < pieces.fragments.size(); ++i) {
-        EXPECT_GT(pieces.fragments[i].ByteSizeLong(), std::size_t{256'000});
+      const Fragments cut = Cut(RandomDiff(seed, 60'000, dimension), kFragmentBytes);
+      EXPECT_LT(cut.largest, std::size_t{1'000'000});
+      ASSERT_GT(cut.fragments.size(), 4u);
+      for (std::size_t i = 0; i + 1 < cut.fragments.size(); ++i) {
+        EXPECT_GT(cut.fragments[i].ByteSizeLong(), std::size_t{256'000});
       }
     }
   }
@@ -167,11 +167,11 @@ TEST(DiffCodec, RegionSetsCountWhereMessagesAreCut) {
   }
   std::ranges::sort(diff.region_sets, {}, &RegionSet::id);
   for (const std::size_t budget : {std::size_t{50'000}, kFragmentBytes}) {
-    const Pieces pieces = Cut(diff, budget);
-    EXPECT_LE(pieces.largest, budget + 1000);
-    EXPECT_LE(pieces.fragments.size(), 2 * kRows * 3100 / budget + 1);
+    const Fragments cut = Cut(diff, budget);
+    EXPECT_LE(cut.largest, budget + 1000);
+    EXPECT_LE(cut.fragments.size(), 2 * kRows * 3100 / budget + 1);
     DiffAssembler assembler;
-    for (const v1::MeshDiff& fragment : pieces.fragments) {
+    for (const v1::MeshDiff& fragment : cut.fragments) {
       std::set<RegionId> needed(fragment.added_simplices().regions().begin(),
                                 fragment.added_simplices().regions().end());
       EXPECT_EQ(needed.size(), fragment.added_simplices().region_sets_size());

@@ -119,10 +119,10 @@ TEST_F(HostileTest, ABatchThatNeverEndsHoldsNothingForLong) {
   ServerConfig config = AsksSoon();
   config.max_pending_edits = config.max_batch_edits = 10;
   Start(config);
-  v1::EditBatch piece;
-  piece.set_mesh("meshes/m");
-  piece.set_more(true);
-  for (int i = 0; i < 8; ++i) piece.add_edits()->set_remove(1);
+  v1::EditBatch part;
+  part.set_mesh("meshes/m");
+  part.set_more(true);
+  for (int i = 0; i < 8; ++i) part.add_edits()->set_remove(1);
   const auto can_edit = [&] {
     client::EditParams params;
     params.validate_only = true;
@@ -136,7 +136,7 @@ TEST_F(HostileTest, ABatchThatNeverEndsHoldsNothingForLong) {
     half_open.clear();
     half_open.push_back(Open());
     EXPECT_TRUE(half_open[0].Greet() && half_open[0].Call(1, "EditStream") &&
-                half_open[0].Message(1, piece.SerializeAsString(), /*end=*/false));
+                half_open[0].Message(1, part.SerializeAsString(), /*end=*/false));
     return false;
   }));
   // It answers no ping from here on.

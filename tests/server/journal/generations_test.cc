@@ -92,7 +92,7 @@ TEST_F(GenerationsTest, AreDroppedFromTheOldestOnByTheirBytes) {
   const auto text = [&] { return std::string(1 + random() % 50, 'a' + char(random() % 26)); };
   SqliteJournal::Options options;
   options.history_bytes = 100 + random() % 400;
-  options.piece_bytes = 1 + random() % 100;
+  options.part_bytes = 1 + random() % 100;
   Open(options);
   const auto key = *journal_->Create("a", "");
   struct Generation {
@@ -149,16 +149,16 @@ TEST_F(GenerationsTest, AreDroppedFromTheOldestOnByTheirBytes) {
   }
 }
 
-TEST_F(GenerationsTest, LargeSnapshotsAreWrittenInPieces) {
+TEST_F(GenerationsTest, LargeSnapshotsAreWrittenInParts) {
   SqliteJournal::Options options;
-  options.piece_bytes = 1'000;
+  options.part_bytes = 1'000;
   Open(options);
   const auto key = *journal_->Create("a", "");
   Append(key, 1, "x");
   const std::vector<std::string> parts(20, std::string(400, 'p'));
   const std::uint64_t before = journal_->counts().syncs;
   ASSERT_TRUE(journal_->Compact(key, 1, parts).ok());
-  EXPECT_GE(journal_->counts().syncs - before, 11u);  // two parts a piece, and the switch
+  EXPECT_GE(journal_->counts().syncs - before, 11u);  // two parts a part, and the switch
   EXPECT_EQ(Rows(folder_.path(), "snapshots"), 20);
 }
 
@@ -202,12 +202,12 @@ TEST_F(GenerationsTest, ADamagedRowIsNamed) {
   }
 }
 
-// Snapshots and a deletion in pieces, with each write failing in turn, permanently, as a crash
+// Snapshots and a deletion in parts, with each write failing in turn, permanently, as a crash
 // would. Then the journal has the old or the new state, and the next opening deletes the leftovers.
 TEST_F(GenerationsTest, CutShortAnywhereLeaveAValidStateAndNoRows) {
   SqliteJournal::Options options;
   options.vfs = FailingVfs::Name();
-  options.piece_bytes = 10;
+  options.part_bytes = 10;
   options.history_bytes = 0;
   const std::vector<std::string> parts = {"part-zero", "part-one", "part-two"};
   const std::string before = "@2:s 3:three 4:four ";
@@ -264,9 +264,9 @@ TEST_F(GenerationsTest, CutShortAnywhereLeaveAValidStateAndNoRows) {
 }
 
 // Whatever its size: no call waits for the removal of its rows.
-TEST_F(GenerationsTest, ADeletedMeshGoesAtOnceAndItsRowsPieceByPiece) {
+TEST_F(GenerationsTest, ADeletedMeshGoesAtOnceAndItsRowsPartByPart) {
   SqliteJournal::Options options;
-  options.piece_bytes = 100;
+  options.part_bytes = 100;
   Open(options);
   const auto gone = *journal_->Create("a", ""), stays = *journal_->Create("b", "");
   for (std::uint64_t r = 1; r <= 40; ++r) Append(gone, r, std::string(20, 'x'));
@@ -274,12 +274,12 @@ TEST_F(GenerationsTest, ADeletedMeshGoesAtOnceAndItsRowsPieceByPiece) {
   ASSERT_TRUE(journal_->Delete(gone).ok());
   EXPECT_EQ(journal_->List()->size(), 1u);
   EXPECT_EQ(Rows(folder_.path(), "entries"), 41);
-  int pieces = 1;
+  int parts = 1;
   while (journal_->Sweep(gone)) {
-    ++pieces;
+    ++parts;
     EXPECT_EQ(Told(*journal_, stays), "1:one ");
   }
-  EXPECT_GE(pieces, 4);
+  EXPECT_GE(parts, 4);
   EXPECT_EQ(Rows(folder_.path(), "entries"), 1);
   EXPECT_FALSE(journal_->Sweep(gone));
   EXPECT_FALSE(journal_->Sweep(stays));

@@ -129,7 +129,7 @@ class MeshClient {
   // (JOURNAL_FAILED).
   absl::Status DeleteMesh(const std::string& mesh);
 
-  // Applies `edits` to `mesh` as one atomic batch, as `params` say; in pieces if it is too large
+  // Applies `edits` to `mesh` as one atomic batch, as `params` say; in parts if it is too large
   // for one message. In 3D, params.dimension must be 3. On an error nothing is changed, except that
   // after DEADLINE_EXCEEDED, CANCELLED or UNAVAILABLE without a reason the batch may have been
   // applied: repeat it with its request_id. Errors: those of DynamicMesh::Apply and EditParams, and

@@ -75,19 +75,19 @@ class SpaceBuilder {
     }
   }
 
-  void AddPiece(VertexId a, VertexId b, FeatureId owner) {
-    SubsegmentColumns& pieces = good_.mesh.subsegments;
-    pieces.ends.insert(pieces.ends.end(), {std::min(a, b), std::max(a, b)});
-    pieces.owners.push_back(owner);
+  void AddSubsegment(VertexId a, VertexId b, FeatureId owner) {
+    SubsegmentColumns& subsegments = good_.mesh.subsegments;
+    subsegments.ends.insert(subsegments.ends.end(), {std::min(a, b), std::max(a, b)});
+    subsegments.owners.push_back(owner);
   }
 
   void AddPole() {
     const auto at = [](int i) { return Place{1, 1, 1.25 + kStep * i}; };
-    constexpr int kPieces = 11;
+    constexpr int kSubsegments = 11;
     VertexId before = AddInput(4001, at(0));
-    for (int i = 1; i <= kPieces; ++i) {
-      const VertexId v = i == kPieces ? AddInput(4002, at(i)) : Add(at(i), 1, kPole);
-      AddPiece(before, v, kPole);
+    for (int i = 1; i <= kSubsegments; ++i) {
+      const VertexId v = i == kSubsegments ? AddInput(4002, at(i)) : Add(at(i), 1, kPole);
+      AddSubsegment(before, v, kPole);
       before = v;
     }
     good_.features.push_back(Feature::Segment(kPole, 4001, 4002));
@@ -119,10 +119,10 @@ class SpaceBuilder {
     for (const auto& [place, id] : at) on_plate_.insert(id);
     for (const int half : {kHalf, 1}) {
       for (int i = -half; i < half; ++i) {
-        AddPiece(at[{i, -half}], at[{i + 1, -half}], half == kHalf ? kRim : kPlate);
-        AddPiece(at[{i, half}], at[{i + 1, half}], kPlate);
-        AddPiece(at[{-half, i}], at[{-half, i + 1}], kPlate);
-        AddPiece(at[{half, i}], at[{half, i + 1}], kPlate);
+        AddSubsegment(at[{i, -half}], at[{i + 1, -half}], half == kHalf ? kRim : kPlate);
+        AddSubsegment(at[{i, half}], at[{i + 1, half}], kPlate);
+        AddSubsegment(at[{-half, i}], at[{-half, i + 1}], kPlate);
+        AddSubsegment(at[{half, i}], at[{half, i + 1}], kPlate);
       }
     }
     const auto ring = [&](int h) {
@@ -134,7 +134,7 @@ class SpaceBuilder {
         Feature::Segment(kRim, CornerId(-kHalf, -kHalf), CornerId(kHalf, -kHalf)));
   }
 
-  // Far enough from pole and plate, so that their pieces stay Delaunay.
+  // Far enough from pole and plate, so that their subsegments stay Delaunay.
   void AddRandom(std::mt19937_64& random, int count) {
     std::set<Place> taken;
     for (int i = 0; i < count;) {
@@ -197,9 +197,9 @@ class SpaceBuilder {
     }
     if (std::max(std::abs(middle[0]), std::abs(middle[1])) < kStep) return;  // in the hole
     std::sort(corners.begin(), corners.end());
-    SubfacetColumns& pieces = good_.mesh.subfacets;
-    pieces.corners.insert(pieces.corners.end(), corners.begin(), corners.end());
-    pieces.owners.push_back(kPlate);
+    SubfacetColumns& subfacets = good_.mesh.subfacets;
+    subfacets.corners.insert(subfacets.corners.end(), corners.begin(), corners.end());
+    subfacets.owners.push_back(kPlate);
   }
 
   const Frame frame_;

@@ -1,4 +1,4 @@
-// A small mesh with one of everything: an input segment in two pieces, a free vertex,
+// A small mesh with one of everything: an input segment in two subsegments, a free vertex,
 // box corners and a vertex that refinement put on the box's side. Built by hand; it
 // need not be Delaunay.
 //

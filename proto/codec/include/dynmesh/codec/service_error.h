@@ -28,7 +28,7 @@ inline constexpr char kBadRequestId[] = "BAD_REQUEST_ID";     // INVALID_ARGUMEN
 inline constexpr char kWrongDimension[] = "WRONG_DIMENSION";  // INVALID_ARGUMENT
 // INVALID_ARGUMENT: more edits than the server allows in a batch.
 inline constexpr char kBatchTooLarge[] = "BATCH_TOO_LARGE";
-// INVALID_ARGUMENT, DEADLINE_EXCEEDED: a batch in pieces, or a load, without its end.
+// INVALID_ARGUMENT, DEADLINE_EXCEEDED: a batch in parts, or a load, without its end.
 inline constexpr char kBatchIncomplete[] = "BATCH_INCOMPLETE";
 // DEADLINE_EXCEEDED: the client received nothing of a stream for too long.
 inline constexpr char kSlowReceiver[] = "SLOW_RECEIVER";

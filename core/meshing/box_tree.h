@@ -7,8 +7,8 @@
 // any number.
 //
 // Answers are a function of the regions present. Thread-compatible.
-#ifndef DYNMESH_CORE_MESHING_REGION_TREE_H_
-#define DYNMESH_CORE_MESHING_REGION_TREE_H_
+#ifndef DYNMESH_CORE_MESHING_BOX_TREE_H_
+#define DYNMESH_CORE_MESHING_BOX_TREE_H_
 
 #include <algorithm>
 #include <array>
@@ -28,13 +28,13 @@ inline constexpr auto kNothingHidden = [](const auto& /*centre*/, const auto& /*
 };
 
 template <int D, class Region>
-class RegionTree {
+class BoxTree {
  public:
   using Point = geometry::Point<D>;
   using Index = std::uint32_t;
 
   // Covers the box: regions should meet it.
-  RegionTree(const Point& lo, const Point& hi) : root_{0, {}, 0} {
+  BoxTree(const Point& lo, const Point& hi) : root_{0, {}, 0} {
     for (int k = 0; k < D; ++k) {
       root_.centre[k] = 0.5 * (lo[k] + hi[k]);
       root_.half = std::max(root_.half, hi[k] - lo[k]);
@@ -116,7 +116,7 @@ class RegionTree {
 };
 
 template <int D, class Region>
-typename RegionTree<D, Region>::Index RegionTree<D, Region>::Add(Region region) {
+typename BoxTree<D, Region>::Index BoxTree<D, Region>::Add(Region region) {
   Point centre;
   double widest = 0;
   for (int k = 0; k < D; ++k) {
@@ -151,7 +151,7 @@ typename RegionTree<D, Region>::Index RegionTree<D, Region>::Add(Region region) 
 }
 
 template <int D, class Region>
-void RegionTree<D, Region>::Remove(Index index) {
+void BoxTree<D, Region>::Remove(Index index) {
   const std::uint32_t node = items_[index].node;
   std::uint32_t* link = &nodes_[node].first;
   while (*link != index) link = &items_[*link].next;
@@ -163,7 +163,7 @@ void RegionTree<D, Region>::Remove(Index index) {
 }
 
 template <int D, class Region>
-std::uint32_t RegionTree<D, Region>::NewNode(std::uint32_t parent) {
+std::uint32_t BoxTree<D, Region>::NewNode(std::uint32_t parent) {
   std::uint32_t n;
   if (free_nodes_.empty()) {
     n = static_cast<std::uint32_t>(nodes_.size());
@@ -179,7 +179,7 @@ std::uint32_t RegionTree<D, Region>::NewNode(std::uint32_t parent) {
 
 // Updates `least` from a node with changed items up to the root. Frees empty cells.
 template <int D, class Region>
-void RegionTree<D, Region>::UpdateLeast(std::uint32_t n) {
+void BoxTree<D, Region>::UpdateLeast(std::uint32_t n) {
   while (n != kNone) {
     Node& node = nodes_[n];
     node.least = INFINITY;
@@ -200,8 +200,8 @@ void RegionTree<D, Region>::UpdateLeast(std::uint32_t n) {
 
 template <int D, class Region>
 template <class IsHidden, class Accept>
-bool RegionTree<D, Region>::Any(const Point& centre, double radius, double bound,
-                                IsHidden is_hidden, Accept accept) const {
+bool BoxTree<D, Region>::Any(const Point& centre, double radius, double bound, IsHidden is_hidden,
+                             Accept accept) const {
   return Visit(
       [&](double least, const Point& middle, double half) {
         if (!(least < bound)) return false;
@@ -218,7 +218,7 @@ bool RegionTree<D, Region>::Any(const Point& centre, double radius, double bound
 
 template <int D, class Region>
 template <class Enter, class Accept>
-bool RegionTree<D, Region>::Visit(Enter enter, Accept accept) const {
+bool BoxTree<D, Region>::Visit(Enter enter, Accept accept) const {
   std::array<Cell, (1 << D) * kMostDepth> stack;
   std::size_t top = 0;
   stack[top++] = root_;
@@ -241,4 +241,4 @@ bool RegionTree<D, Region>::Visit(Enter enter, Accept accept) const {
 
 }  // namespace dynmesh::meshing
 
-#endif  // DYNMESH_CORE_MESHING_REGION_TREE_H_
+#endif  // DYNMESH_CORE_MESHING_BOX_TREE_H_

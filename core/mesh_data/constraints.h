@@ -1,9 +1,9 @@
 // Subsegments and subfacets as one kind of column: rows of K ids and an owner. Code for columns
 // treats both alike by this header. Pure functions, thread-safe.
 //
-// A row includes its owner: the same ids under another owner are another piece.
-#ifndef DYNMESH_CORE_MESH_DATA_PIECES_H_
-#define DYNMESH_CORE_MESH_DATA_PIECES_H_
+// A row includes its owner: the same ids under another owner are another constraint.
+#ifndef DYNMESH_CORE_MESH_DATA_CONSTRAINTS_H_
+#define DYNMESH_CORE_MESH_DATA_CONSTRAINTS_H_
 
 #include <algorithm>
 #include <array>
@@ -26,13 +26,13 @@ inline constexpr std::size_t kCorners<SubfacetColumns> = 3;
 
 // A row: its ids, ascending, and its owner.
 template <std::size_t kIds>
-using PieceRow = std::array<std::uint64_t, kIds + 1>;
+using ConstraintRow = std::array<std::uint64_t, kIds + 1>;
 template <class Columns>
-using PieceKey = PieceRow<kCorners<Columns>>;
+using ConstraintKey = ConstraintRow<kCorners<Columns>>;
 
 // The name for messages.
 template <class Columns>
-inline constexpr const char* kPieceName =
+inline constexpr const char* kConstraintName =
     std::is_same_v<Columns, SubsegmentColumns> ? "subsegment" : "subfacet";
 
 inline std::vector<VertexId>& IdsOf(SubsegmentColumns& s) { return s.ends; }
@@ -42,9 +42,9 @@ inline const std::vector<VertexId>& IdsOf(const SubfacetColumns& s) { return s.c
 
 // Row i, whatever the order of its ids.
 template <class Columns>
-PieceKey<Columns> KeyOf(const Columns& columns, std::size_t row) {
+ConstraintKey<Columns> KeyOf(const Columns& columns, std::size_t row) {
   constexpr std::size_t kIds = kCorners<Columns>;
-  PieceKey<Columns> key;
+  ConstraintKey<Columns> key;
   std::copy_n(&IdsOf(columns)[kIds * row], kIds, key.begin());
   key[kIds] = columns.owners[row];
   std::sort(key.begin(), key.end() - 1);
@@ -52,13 +52,15 @@ PieceKey<Columns> KeyOf(const Columns& columns, std::size_t row) {
 }
 
 template <class Columns>
-void Append(Columns& to, const PieceKey<Columns>& key) {
+void Append(Columns& to, const ConstraintKey<Columns>& key) {
   IdsOf(to).insert(IdsOf(to).end(), key.begin(), key.end() - 1);
   to.owners.push_back(key.back());
 }
 
-inline MeshHash HashOf(const PieceRow<2>& key) { return HashSubsegment(key[0], key[1], key[2]); }
-inline MeshHash HashOf(const PieceRow<3>& key) {
+inline MeshHash HashOf(const ConstraintRow<2>& key) {
+  return HashSubsegment(key[0], key[1], key[2]);
+}
+inline MeshHash HashOf(const ConstraintRow<3>& key) {
   return HashSubfacet({key[0], key[1], key[2]}, key[3]);
 }
 
@@ -71,9 +73,9 @@ bool Agree(const Columns& columns) {
 // Memory of the columns.
 template <class Columns>
 std::size_t ByteSize(const Columns& columns) {
-  return columns.size() * sizeof(PieceKey<Columns>);
+  return columns.size() * sizeof(ConstraintKey<Columns>);
 }
 
 }  // namespace dynmesh::mesh_data
 
-#endif  // DYNMESH_CORE_MESH_DATA_PIECES_H_
+#endif  // DYNMESH_CORE_MESH_DATA_CONSTRAINTS_H_

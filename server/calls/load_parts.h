@@ -1,7 +1,7 @@
 // Maps the edits of a load's batch to its messages, so that an error names the path in the request
 // instead of the index in the batch. 24 bytes per message. Not thread-safe.
-#ifndef DYNMESH_SERVER_CALLS_LOAD_PIECES_H_
-#define DYNMESH_SERVER_CALLS_LOAD_PIECES_H_
+#ifndef DYNMESH_SERVER_CALLS_LOAD_PARTS_H_
+#define DYNMESH_SERVER_CALLS_LOAD_PARTS_H_
 
 #include <cstddef>
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace dynmesh::server {
 
-class LoadPieces {
+class LoadParts {
  public:
   // Adds the stream's next message. Its edits begin at index `first` of the batch.
   void Add(const v1::LoadFeaturesRequest& message, std::size_t first);
@@ -21,15 +21,15 @@ class LoadPieces {
   absl::Status Locate(const absl::Status& status) const;
 
  private:
-  struct Piece {
+  struct Part {
     std::size_t message;
     std::size_t first;   // index of its first edit
     std::size_t points;  // edits from columns; features follow
   };
   std::size_t messages_ = 0;
-  std::vector<Piece> pieces_;  // messages with edits, by `first`
+  std::vector<Part> parts_;  // messages with edits, by `first`
 };
 
 }  // namespace dynmesh::server
 
-#endif  // DYNMESH_SERVER_CALLS_LOAD_PIECES_H_
+#endif  // DYNMESH_SERVER_CALLS_LOAD_PARTS_H_

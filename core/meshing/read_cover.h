@@ -1,6 +1,6 @@
-// The region of the balls about a star's corners. A vertex outside of it does not change the star.
-#ifndef DYNMESH_CORE_MESHING_STAR_REGION_H_
-#define DYNMESH_CORE_MESHING_STAR_REGION_H_
+// The cover of the balls about a star's corners. A vertex outside of it does not change the star.
+#ifndef DYNMESH_CORE_MESHING_READ_COVER_H_
+#define DYNMESH_CORE_MESHING_READ_COVER_H_
 
 #include <algorithm>
 #include <array>
@@ -17,12 +17,12 @@ namespace dynmesh::meshing {
 // All balls have p on their boundary. So a ball about p + c extends by 2 c.u in direction u. Within
 // an orthant it extends by at most twice the length of the part of c that points into the orthant.
 template <int D>
-class StarRegion {
+class ReadCover {
  public:
   using Point = geometry::Point<D>;
   static constexpr int kOrthants = 1 << D;
 
-  explicit StarRegion(const Point& p) : p_(p) {}
+  explicit ReadCover(const Point& p) : p_(p) {}
 
   // Adds the ball about c. Each coordinate of c may err by `slack`.
   void AddBall(const Point& c, double radius, double slack) {
@@ -72,4 +72,4 @@ class StarRegion {
 
 }  // namespace dynmesh::meshing
 
-#endif  // DYNMESH_CORE_MESHING_STAR_REGION_H_
+#endif  // DYNMESH_CORE_MESHING_READ_COVER_H_
