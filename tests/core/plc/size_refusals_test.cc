@@ -60,7 +60,7 @@ TEST_F(PlcRefusals, Capsules) {
   };
   const Path line = {{0.1, 0.2}, {0.9, 0.8}};
   accepted(line, 0.1, 0.1);
-  accepted(line, 1e-300, 0x1p-35);  // as thin as any
+  accepted({{0.1, 0.2}, {0.1 + 0x1p-20, 0.2}}, 1e-300, 0x1p-35);  // as thin and fine as any
   accepted(line, 0, 0.1);
   accepted(line, 1.5, 100);  // more than the box's diagonal
   accepted(line, 1e308, 100);
