@@ -1,0 +1,101 @@
+// The input points that all features of a set have in common.
+//
+// Sets are merged by Add: the value of a union is the value of both values, in any order. Of two
+// features or more only common points are kept, hardly ever more than two.
+#ifndef DYNMESH_CORE_QUADTREE_COMMON_POINTS_H_
+#define DYNMESH_CORE_QUADTREE_COMMON_POINTS_H_
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/quadtree/shape.h"
+
+namespace dynmesh::quadtree {
+
+// A feature, as an index into the table of shapes.
+using ShapeIndex = std::uint32_t;
+inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+// A value. `shapes`: the table; shapes[i].points() are sorted. O(points of the shapes) if one of
+// two different shapes is alone, else O(common points).
+class CommonPoints {
+ public:
+  bool has_features() const { return any_; }
+  // There are features, and they have no point in common.
+  bool are_apart() const { return any_ && only_ == kNone && count_ == 0; }
+
+  template <class Shapes>
+  void Add(ShapeIndex shape, const Shapes& shapes) {
+    if (!any_) {
+      any_ = true;
+      only_ = shape;
+    } else if (only_ != shape) {
+      Intersect(Points(shapes), shapes[shape].points());
+    }
+  }
+  template <class Shapes>
+  void Add(const CommonPoints& other, const Shapes& shapes) {
+    if (!other.any_) return;
+    if (other.only_ != kNone) return Add(other.only_, shapes);
+    if (!any_) {
+      *this = other;
+    } else {
+      Intersect(Points(shapes), other.Kept());
+    }
+  }
+  // Would they be apart with those of `other`?
+  template <class Shapes>
+  bool AreApartFrom(const CommonPoints& other, const Shapes& shapes) const {
+    CommonPoints both = *this;
+    both.Add(other, shapes);
+    return both.are_apart();
+  }
+
+  friend bool operator==(const CommonPoints&, const CommonPoints&) = default;
+
+ private:
+  std::span<const PointIndex> Kept() const {
+    return count_ <= few_.size() ? std::span(few_).first(count_) : std::span(many_);
+  }
+  template <class Shapes>
+  std::span<const PointIndex> Points(const Shapes& shapes) const {
+    return only_ != kNone ? shapes[only_].points() : Kept();
+  }
+  // Keeps what both have. They may be what is kept.
+  void Intersect(std::span<const PointIndex> a, std::span<const PointIndex> b) {
+    std::array<PointIndex, 2> few = {};
+    std::vector<PointIndex> many;
+    std::uint32_t count = 0;
+    for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+      if (a[i] != b[j]) {
+        ++(a[i] < b[j] ? i : j);
+        continue;
+      }
+      if (count < few.size()) few[count] = a[i];
+      if (count == few.size()) many.assign(few.begin(), few.end());
+      if (count >= few.size()) many.push_back(a[i]);
+      ++count, ++i, ++j;
+    }
+    if (count > few.size()) few = {};
+    only_ = kNone;
+    count_ = count;
+    few_ = few;
+    many_ = std::move(many);
+  }
+
+  bool any_ = false;
+  ShapeIndex only_ = kNone;  // the one feature, if there is only one
+  // Of two features or more: sorted, in few_ if it has room, else in many_.
+  std::uint32_t count_ = 0;
+  std::array<PointIndex, 2> few_ = {};
+  std::vector<PointIndex> many_;
+};
+
+}  // namespace dynmesh::quadtree
+
+#endif  // DYNMESH_CORE_QUADTREE_COMMON_POINTS_H_

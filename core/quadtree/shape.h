@@ -1,0 +1,84 @@
+// What a feature is to a quadtree: which closed boxes it meets, and which input points it has.
+//
+// Two features have nothing in common iff they have no input point in common: the rules of legal
+// input (plc.h) exclude all else. Immutable, thread-safe.
+#ifndef DYNMESH_CORE_QUADTREE_SHAPE_H_
+#define DYNMESH_CORE_QUADTREE_SHAPE_H_
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/geometry/facet_interior.h"
+#include "core/geometry/facet_plane.h"
+#include "core/geometry/point.h"
+#include "core/quadtree/cell.h"
+
+namespace dynmesh::quadtree {
+
+// An input point, as an index.
+using PointIndex = std::uint32_t;
+
+// Do segment pq and the box have a point in common? Exact: if it meets a box, it meets each box
+// around that one. p = q is a point. O(1).
+bool MeetsSegment(const geometry::Point2& p, const geometry::Point2& q, const Box<2>& box);
+bool MeetsSegment(const geometry::Point3& p, const geometry::Point3& q, const Box<3>& box);
+
+// A planar polygon in 3D, with holes or not.
+class FacetShape {
+ public:
+  explicit FacetShape(std::vector<geometry::Ring3> rings);
+
+  // Where only its inside meets the box, rounding decides at the box's corners. O(corners).
+  bool Meets(const Box<3>& box) const;
+
+ private:
+  std::vector<geometry::Ring3> rings_;
+  geometry::FacetPlane plane_;
+  geometry::FacetInterior interior_;
+  Box<3> around_;
+};
+
+template <int D>
+class Shape {
+ public:
+  using Point = geometry::Point<D>;
+
+  static Shape OfPoint(const Point& p, PointIndex index) { return {p, p, {index}}; }
+  static Shape OfSegment(const Point& p, const Point& q, PointIndex p_index, PointIndex q_index) {
+    return {p, q, {p_index, q_index}};
+  }
+  static Shape OfFacet(std::shared_ptr<const FacetShape> facet,
+                       std::vector<PointIndex> points) requires(D == 3) {
+    Shape shape({}, {}, std::move(points));
+    shape.facet_ = std::move(facet);
+    return shape;
+  }
+
+  // Sorted, each once.
+  std::span<const PointIndex> points() const { return points_; }
+  bool Meets(const Box<D>& box) const {
+    if constexpr (D == 3) {
+      if (facet_ != nullptr) return facet_->Meets(box);
+    }
+    if (points_.size() == 1) return box.Holds(p_);
+    if constexpr (D <= 3) return MeetsSegment(p_, q_, box);
+    return false;  // there are only points
+  }
+
+ private:
+  Shape(const Point& p, const Point& q, std::vector<PointIndex> points);
+
+  Point p_, q_;
+  std::vector<PointIndex> points_;
+  std::shared_ptr<const FacetShape> facet_;
+};
+
+extern template class Shape<2>;
+extern template class Shape<3>;
+extern template class Shape<4>;
+
+}  // namespace dynmesh::quadtree
+
+#endif  // DYNMESH_CORE_QUADTREE_SHAPE_H_
