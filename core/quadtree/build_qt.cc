@@ -12,7 +12,7 @@ using geometry::Point;
 template <int D, template <class> class E>
 BuildQt<D, E>::BuildQt(const Grid<D>& grid)
     : grid_(grid), features_(grid_, cells_, shapes_), engine_(*this) {
-  engine_.Request(kCrowd, features_.root(), CrowdEpoch(0));
+  engine_.Request(kCrowd, kRoot, CrowdEpoch(0));
 }
 
 template <int D, template <class> class E>
@@ -60,16 +60,11 @@ void BuildQt<D, E>::NotifyOfInput() {
   come_.clear();
 }
 
-// What Crowd records. A cell that is not open, but crowded, has other children than any record.
+// What Crowd records. A crowded cell that is not open yet has other children than any record.
 template <int D, template <class> class E>
 std::uint32_t BuildQt<D, E>::ChildrenOf(CellIndex i) const {
   if (!features_.IsCrowded(i)) return 0;
-  std::uint32_t children = 0;
-  if (!cells_[i].is_open) return ~children;
-  for (int which = 0; which < Key::kChildren; ++which) {
-    if (features_.ChildOf(i, which) != kNone) children |= 1u << which;
-  }
-  return children;
+  return cells_[i].is_open ? features_.ChildrenMet(i) : ~std::uint32_t{0};
 }
 
 template <int D, template <class> class E>
@@ -79,37 +74,51 @@ void BuildQt<D, E>::Crowd(Context& context) {
   if (!features_.IsCrowded(i)) return;
   if (!cells_[i].is_open) features_.Open(i);
   context.Emit(OutputOf(i, kIsCrowded));
-  const int level = cells_[i].cell.level;
+  const int level = cells_.LevelOf(i);
+  const std::uint32_t children = features_.ChildrenMet(i);
+  context.payload().children = children;
   for (int which = 0; which < Key::kChildren; ++which) {
-    const CellIndex child = features_.ChildOf(i, which);
-    if (child == kNone) continue;
-    context.payload().children |= 1u << which;
-    context.Request(kCrowd, child, CrowdEpoch(level + 1));
+    if ((children >> which & 1) == 0) continue;
+    context.Request(kCrowd, cells_.ChildOf(i, which), CrowdEpoch(level + 1));
   }
   context.Request(kGrade, i, GradeEpoch(level));
 }
 
+// The cells of twice its side that touch it: its parent, and those beside the parent on its sides.
 template <int D, template <class> class E>
 void BuildQt<D, E>::Grade(Context& context) {
-  context.Emit(OutputOf(context.item, kIsSplit));
-  const Key cell = cells_[context.item].cell;
-  ForEachCoarserTouching(cell, [&](const Key& coarser) {
-    context.Request(kGrade, cells_.FindOrAdd(coarser), GradeEpoch(coarser.level));
-  });
+  const CellIndex i = context.item;
+  context.Emit(OutputOf(i, kIsSplit));
+  if (i == kRoot) return;
+  const CellIndex parent = cells_.ParentOf(i);
+  const sac::Epoch epoch = GradeEpoch(cells_.LevelOf(parent));
+  const int corner = CellTree<D>::WhichOf(i);
+  for (int sides = 0; sides < Key::kChildren; ++sides) {
+    typename CellTree<D>::Offset offset;
+    for (int k = 0; k < D; ++k) {
+      offset[k] = (sides >> k & 1) == 0 ? 0 : (corner >> k & 1) == 0 ? -1 : 1;
+    }
+    const CellIndex coarser = cells_.MakeBeside(parent, offset);
+    if (coarser != kNone) context.Request(kGrade, coarser, epoch);
+  }
 }
 
 template <int D, template <class> class E>
 void BuildQt<D, E>::SetSplit(CellIndex i, bool is_split) {
-  CellRecord<D>& r = cells_[i];
+  CellRecord& r = cells_[i];
   r.is_split = is_split;
-  if (std::exchange(r.is_changed, true)) return;
+  if (r.is_changed) return;
+  r.is_changed = true;
   changed_.push_back(i);
 }
 
 template <int D, template <class> class E>
 void BuildQt<D, E>::Publish(sac::Output output, sac::Stamp) {
   const CellIndex i = output >> 1;
-  if ((output & 1) == kIsSplit) return SetSplit(i, true);
+  if ((output & 1) == kIsSplit) {
+    cells_.MakeChildren(i);
+    return SetSplit(i, true);
+  }
   cells_[i].is_crowded = true;
 }
 template <int D, template <class> class E>
@@ -121,64 +130,70 @@ void BuildQt<D, E>::Withdraw(sac::Output output, sac::Stamp) {
 template <int D, template <class> class E>
 void BuildQt<D, E>::Release(sac::Output output) {
   const CellIndex i = output >> 1;
-  if ((output & 1) == kIsCrowded && !cells_[i].is_crowded && cells_[i].is_listed) {
-    features_.Close(i);
-  }
+  if ((output & 1) == kIsCrowded && !cells_[i].is_crowded) features_.Close(i);
   cells_.MayBeUnused(i);
 }
 
 template <int D, template <class> class E>
 void BuildQt<D, E>::Collect() {
-  features_.ForgetEmpty();
+  features_.CloseEmpty();
   cells_.FreeUnused();
 }
 
 template <int D, template <class> class E>
 Cell<D> BuildQt<D, E>::LeafAt(const Point<D>& x) const {
+  CellIndex i = kRoot;
   Key cell;
-  while (IsSplit(cell)) cell = cell.Child(grid_.ChildAt(cell, x));
+  while (cells_[i].is_split) {
+    const int which = grid_.ChildAt(cell, x);
+    i = cells_.ChildOf(i, which);
+    cell = cell.Child(which);
+  }
   return cell;
 }
 
 template <int D, template <class> class E>
 std::vector<Cell<D>> BuildQt<D, E>::Leaves() const {
-  std::vector<Key> leaves, open = {Key()};
-  while (!open.empty()) {
-    const Key cell = open.back();
-    open.pop_back();
-    if (!IsSplit(cell)) {
-      leaves.push_back(cell);
-      continue;
+  std::vector<Key> leaves;
+  const auto visit = [&](auto& self, CellIndex i, const Key& cell) -> void {
+    if (!cells_[i].is_split) return leaves.push_back(cell);
+    for (int which = 0; which < Key::kChildren; ++which) {
+      self(self, cells_.ChildOf(i, which), cell.Child(which));
     }
-    for (int which = 0; which < Key::kChildren; ++which) open.push_back(cell.Child(which));
-  }
+  };
+  visit(visit, kRoot, Key());
   std::sort(leaves.begin(), leaves.end());
   return leaves;
 }
 
+// A cell that is split now and was not before: it was a leaf if its parent was split. Those of its
+// children that are not split are leaves now. The other way round the same.
 template <int D, template <class> class E>
 LeafDiff<D> BuildQt<D, E>::TakeChanges() {
   LeafDiff<D> diff;
   for (const CellIndex i : changed_) {
-    const CellRecord<D>& r = cells_[i];
+    const CellRecord& r = cells_[i];
     if (r.is_split == r.was_split) continue;
-    const Key cell = r.cell;
-    // It was a leaf, or is one now, unless its parent was or is one.
-    auto& parent_side = r.is_split ? diff.removed : diff.added;
-    const bool is_whole = cell.level == 0;
-    if (is_whole || (r.is_split ? WasSplit(cell.Parent()) : IsSplit(cell.Parent()))) {
-      parent_side.push_back(cell);
-    }
-    auto& child_side = r.is_split ? diff.added : diff.removed;
-    for (int which = 0; which < Key::kChildren; ++which) {
-      const Key child = cell.Child(which);
-      if (!(r.is_split ? IsSplit(child) : WasSplit(child))) child_side.push_back(child);
+    const auto is_split = [&](CellIndex j) { return cells_[j].is_split; };
+    const auto was_split = [&](CellIndex j) { return cells_[j].was_split; };
+    const auto report = [&](auto with_cell, auto without_cell, auto& leaf, auto& children) {
+      const Key cell = cells_.CellOf(i);
+      if (i == kRoot || without_cell(cells_.ParentOf(i))) leaf.push_back(cell);
+      for (int which = 0; which < Key::kChildren; ++which) {
+        if (!with_cell(cells_.ChildOf(i, which))) children.push_back(cell.Child(which));
+      }
+    };
+    if (r.is_split) {
+      report(is_split, was_split, diff.removed, diff.added);
+    } else {
+      report(was_split, is_split, diff.added, diff.removed);
     }
   }
   for (const CellIndex i : changed_) {
     cells_[i].was_split = cells_[i].is_split;
     cells_[i].is_changed = false;
     cells_.MayBeUnused(i);
+    if (i != kRoot) cells_.MayBeUnused(cells_.ParentOf(i));
   }
   changed_.clear();
   cells_.FreeUnused();
@@ -189,7 +204,7 @@ LeafDiff<D> BuildQt<D, E>::TakeChanges() {
 
 template <int D, template <class> class E>
 std::size_t BuildQt<D, E>::bytes() const {
-  std::size_t bytes = cells_.bytes() + shapes_.capacity() * sizeof(Shape<D>);
+  std::size_t bytes = cells_.bytes() + features_.bytes() + shapes_.capacity() * sizeof(Shape<D>);
   if constexpr (kTraced) bytes += engine_.bytes();
   return bytes;
 }
@@ -200,7 +215,7 @@ std::uint64_t BuildQt<D, E>::Audit(std::vector<std::string>* problems) const {
     return 0;
   } else {
     const auto hash_of = [&](CellIndex i, std::uint64_t what) {
-      return Mix(cells_[i].cell.Hash() ^ what);
+      return Mix(cells_.CellOf(i).Hash() ^ what);
     };
     return engine_.Audit([&](sac::Kind kind, sac::Item item) { return hash_of(item, kind); },
                          [&](sac::OpId op) {

@@ -30,7 +30,7 @@
 #include <vector>
 
 #include "core/quadtree/cell.h"
-#include "core/quadtree/cell_table.h"
+#include "core/quadtree/cell_tree.h"
 #include "core/quadtree/feature_tree.h"
 #include "core/quadtree/shape.h"
 #include "core/sac/engine.h"
@@ -93,10 +93,6 @@ class BuildQt {
   // --- Results --------------------------------------------------------------------------------
 
   const Grid<D>& grid() const { return grid_; }
-  bool IsSplit(const Key& cell) const {
-    const CellIndex i = cells_.Find(cell);
-    return i != kNone && cells_[i].is_split;
-  }
   // The leaf that x is in, on borders the upper one. O(depth).
   Key LeafAt(const geometry::Point<D>& x) const;
   // In the order of cells. O(leaves lg leaves).
@@ -106,7 +102,7 @@ class BuildQt {
 
   const Engine& engine() const { return engine_; }
   Engine& engine() { return engine_; }
-  // Cells of which something is known.
+  // Records of cells: leaves, inner cells, and some that wait to be reused.
   std::size_t cell_count() const { return cells_.size(); }
   std::size_t bytes() const;
   // The hash of the trace; see sac::Engine::Audit.
@@ -114,9 +110,9 @@ class BuildQt {
 
   // --- For the engine (program.h) -------------------------------------------------------------
 
-  std::uint64_t Priority(sac::Kind, sac::Item item) const { return cells_[item].cell.Hash(); }
+  std::uint64_t Priority(sac::Kind, sac::Item item) const { return cells_.CellOf(item).Morton(); }
   bool Before(sac::Kind kind_a, sac::Item a, sac::Kind kind_b, sac::Item b) const {
-    return kind_a != kind_b ? kind_a < kind_b : cells_[a].cell < cells_[b].cell;
+    return kind_a != kind_b ? kind_a < kind_b : cells_.CellOf(a) < cells_.CellOf(b);
   }
   sac::OpId& OperationsOf(sac::Kind, sac::Item item) { return cells_[item].operations; }
   const sac::OpId& OperationsOf(sac::Kind, sac::Item item) const { return cells_[item].operations; }
@@ -139,14 +135,10 @@ class BuildQt {
   void NotifyOfInput();
   void Collect();
   void SetSplit(CellIndex i, bool is_split);
-  bool WasSplit(const Key& cell) const {
-    const CellIndex i = cells_.Find(cell);
-    return i != kNone && cells_[i].was_split;
-  }
   std::uint32_t ChildrenOf(CellIndex i) const;
 
   const Grid<D> grid_;
-  CellTable<D> cells_;
+  CellTree<D> cells_;
   std::vector<Shape<D>> shapes_;
   std::vector<ShapeIndex> free_shapes_;
   FeatureTree<D> features_;

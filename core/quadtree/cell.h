@@ -7,10 +7,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <compare>
 #include <cstdint>
-#include <utility>
 
 #include "core/base/mix.h"
 #include "core/geometry/point.h"
@@ -48,63 +48,41 @@ struct Cell {
     for (int k = 0; k < D; ++k) which |= static_cast<int>(at[k] & 1) << k;
     return which;
   }
-  // Is `other`, of the same level or a finer one, in this cell?
-  bool Contains(const Cell& other) const {
-    if (other.level < level) return false;
+  // The first 64 / D bits along each axis, interleaved: its place on a Z-order curve.
+  std::uint64_t Morton() const {
+    constexpr int kBits = 64 / D;
+    std::uint64_t code = 0;
     for (int k = 0; k < D; ++k) {
-      if (other.at[k] >> (other.level - level) != at[k]) return false;
+      code |= Spread(level <= kBits ? at[k] << (kBits - level) : at[k] >> (level - kBits)) << k;
     }
-    return true;
+    return code;
   }
-  // Uniform: the priority of its operations.
   std::uint64_t Hash() const {
     std::uint64_t h = Mix(static_cast<std::uint64_t>(level));
     for (int k = 0; k < D; ++k) h = Mix(h ^ at[k]);
     return h;
   }
-  template <class H>
-  friend H AbslHashValue(H h, const Cell& cell) {
-    return H::combine(std::move(h), cell.Hash());
-  }
-};
 
-// Calls f(cell) for the cells of its level that touch it, itself included, within the root, until f
-// returns false. Returns false if it did.
-template <int D, class F>
-bool ForEachTouching(const Cell<D>& cell, F f) {
-  const std::uint64_t last = (std::uint64_t{1} << cell.level) - 1;
-  Cell<D> other = cell;
-  const auto visit = [&](auto& self, int axis) -> bool {
-    if (axis == D) return f(other);
-    const std::uint64_t x = cell.at[axis];
-    for (std::uint64_t y = x == 0 ? 0 : x - 1; y <= (x == last ? x : x + 1); ++y) {
-      other.at[axis] = y;
-      if (!self(self, axis + 1)) return false;
+ private:
+  // Moves bit i of the lower 64 / D bits to bit D i: halves the groups of bits, again and again.
+  static constexpr std::uint64_t Spread(std::uint64_t x) {
+    for (int group = 32; group >= 1; group /= 2) {
+      x = (x | x << (group * (D - 1))) & kGroups[std::countr_zero(static_cast<unsigned>(group))];
     }
-    return true;
-  };
-  return visit(visit, 0);
-}
-
-// Calls f(cell) for the cells of twice its side that touch it; one of them contains it. At most
-// 2^D.
-template <int D, class F>
-void ForEachCoarserTouching(const Cell<D>& cell, F f) {
-  if (cell.level == 0) return;
-  const std::uint64_t last = (std::uint64_t{1} << (cell.level - 1)) - 1;
-  Cell<D> other = cell.Parent();
-  const auto visit = [&](auto& self, int axis) -> void {
-    if (axis == D) return f(other);
-    const std::uint64_t parent = cell.at[axis] >> 1;
-    const bool is_upper = cell.at[axis] & 1;
-    other.at[axis] = parent;
-    self(self, axis + 1);
-    if (is_upper ? parent == last : parent == 0) return;
-    other.at[axis] = is_upper ? parent + 1 : parent - 1;
-    self(self, axis + 1);
-  };
-  visit(visit, 0);
-}
+    return x;
+  }
+  // [j]: groups of 2^j bits, D 2^j apart.
+  static constexpr std::array<std::uint64_t, 6> kGroups = [] {
+    std::array<std::uint64_t, 6> groups = {};
+    for (int j = 0; j < 6; ++j) {
+      for (int bit = 0; bit < 64 / D * D; ++bit) {
+        const int group = 1 << j, within = bit % (D * group);
+        if (within < group) groups[j] |= std::uint64_t{1} << bit;
+      }
+    }
+    return groups;
+  }();
+};
 
 // A closed box.
 template <int D>

@@ -21,6 +21,18 @@ namespace dynmesh::quadtree {
 using ShapeIndex = std::uint32_t;
 inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
+// The same in 8 bytes, as long as there are at most two points.
+struct PackedPoints {
+  static constexpr std::uint32_t kLone = kNone - 1, kApart = kNone - 2, kMany = kNone - 3;
+
+  std::uint32_t a = kNone;
+  std::uint32_t b = kNone;  // or one of the above: what `a` is
+
+  bool has_features() const { return a != kNone || b != kNone; }
+  bool is_lone() const { return b == kLone; }
+  friend bool operator==(const PackedPoints&, const PackedPoints&) = default;
+};
+
 // A value. `shapes`: the table; shapes[i].points() are sorted. O(points of the shapes) if one of
 // two different shapes is alone, else O(common points).
 class CommonPoints {
@@ -57,6 +69,31 @@ class CommonPoints {
   }
 
   friend bool operator==(const CommonPoints&, const CommonPoints&) = default;
+
+  // kMany, with `a` to be filled in, if there are more than two points. O(1).
+  PackedPoints Packed() const {
+    if (!any_) return {};
+    if (only_ != kNone) return {only_, PackedPoints::kLone};
+    if (count_ == 0) return {kNone, PackedPoints::kApart};
+    if (count_ > few_.size()) return {kNone, PackedPoints::kMany};
+    return {few_[0], count_ == 1 ? kNone : few_[1]};
+  }
+  // `many`: the points, if `packed` says so.
+  static CommonPoints Of(const PackedPoints& packed, std::span<const PointIndex> many) {
+    CommonPoints common;
+    common.any_ = packed.has_features();
+    if (packed.b == PackedPoints::kLone) {
+      common.only_ = packed.a;
+    } else if (packed.b == PackedPoints::kMany) {
+      common.count_ = static_cast<std::uint32_t>(many.size());
+      common.many_.assign(many.begin(), many.end());
+    } else if (common.any_ && packed.b != PackedPoints::kApart) {
+      common.count_ = packed.b == kNone ? 1 : 2;
+      common.few_ = {packed.a, packed.b == kNone ? 0 : packed.b};
+    }
+    return common;
+  }
+  std::span<const PointIndex> many() const { return many_; }
 
  private:
   std::span<const PointIndex> Kept() const {

@@ -65,11 +65,15 @@ bool MeetsSegment(const Point3& p, const Point3& q, const Box<3>& box) {
   return true;
 }
 
-FacetShape::FacetShape(std::vector<Ring3> rings)
+FacetShape::FacetShape(std::vector<Ring3> rings, std::vector<PointIndex> points)
     : rings_(std::move(rings)),
+      points_(std::move(points)),
       plane_(geometry::PlaneOf(rings_)),
       interior_(rings_, plane_),
-      around_(Around(rings_)) {}
+      around_(Around(rings_)) {
+  std::sort(points_.begin(), points_.end());
+  points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
+}
 
 bool FacetShape::Meets(const Box<3>& box) const {
   if (!around_.Meets(box)) return false;
@@ -93,16 +97,5 @@ bool FacetShape::Meets(const Box<3>& box) const {
   for (int k = 0; k < 3; ++k) p[k] = low[k] + part * (high[k] - low[k]);
   return interior_.Holds(p);
 }
-
-template <int D>
-Shape<D>::Shape(const Point& p, const Point& q, std::vector<PointIndex> points)
-    : p_(p), q_(q), points_(std::move(points)) {
-  std::sort(points_.begin(), points_.end());
-  points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
-}
-
-template class Shape<2>;
-template class Shape<3>;
-template class Shape<4>;
 
 }  // namespace dynmesh::quadtree

@@ -5,9 +5,13 @@
 #ifndef DYNMESH_CORE_QUADTREE_SHAPE_H_
 #define DYNMESH_CORE_QUADTREE_SHAPE_H_
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/facet_interior.h"
@@ -28,13 +32,18 @@ bool MeetsSegment(const geometry::Point3& p, const geometry::Point3& q, const Bo
 // A planar polygon in 3D, with holes or not.
 class FacetShape {
  public:
-  explicit FacetShape(std::vector<geometry::Ring3> rings);
+  // `points`: of the rings.
+  FacetShape(std::vector<geometry::Ring3> rings, std::vector<PointIndex> points);
+
+  // Sorted, each once.
+  std::span<const PointIndex> points() const { return points_; }
 
   // Where only its inside meets the box, rounding decides at the box's corners. O(corners).
   bool Meets(const Box<3>& box) const;
 
  private:
   std::vector<geometry::Ring3> rings_;
+  std::vector<PointIndex> points_;
   geometry::FacetPlane plane_;
   geometry::FacetInterior interior_;
   Box<3> around_;
@@ -45,39 +54,42 @@ class Shape {
  public:
   using Point = geometry::Point<D>;
 
-  static Shape OfPoint(const Point& p, PointIndex index) { return {p, p, {index}}; }
+  static Shape OfPoint(const Point& p, PointIndex index) { return {p, p, index, index}; }
   static Shape OfSegment(const Point& p, const Point& q, PointIndex p_index, PointIndex q_index) {
-    return {p, q, {p_index, q_index}};
+    return {p, q, p_index, q_index};
   }
-  static Shape OfFacet(std::shared_ptr<const FacetShape> facet,
-                       std::vector<PointIndex> points) requires(D == 3) {
-    Shape shape({}, {}, std::move(points));
+  static Shape OfFacet(std::shared_ptr<const FacetShape> facet) requires(D == 3) {
+    Shape shape({}, {}, 0, 0);
     shape.facet_ = std::move(facet);
     return shape;
   }
 
   // Sorted, each once.
-  std::span<const PointIndex> points() const { return points_; }
+  std::span<const PointIndex> points() const {
+    if constexpr (D == 3) {
+      if (facet_ != nullptr) return facet_->points();
+    }
+    return {ends_.data(), ends_[0] == ends_[1] ? 1u : 2u};
+  }
   bool Meets(const Box<D>& box) const {
     if constexpr (D == 3) {
       if (facet_ != nullptr) return facet_->Meets(box);
     }
-    if (points_.size() == 1) return box.Holds(p_);
+    if (ends_[0] == ends_[1]) return box.Holds(p_);
     if constexpr (D <= 3) return MeetsSegment(p_, q_, box);
     return false;  // there are only points
   }
 
  private:
-  Shape(const Point& p, const Point& q, std::vector<PointIndex> points);
+  Shape(const Point& p, const Point& q, PointIndex p_index, PointIndex q_index)
+      : p_(p), q_(q), ends_{std::min(p_index, q_index), std::max(p_index, q_index)} {}
 
+  struct Nothing {};
   Point p_, q_;
-  std::vector<PointIndex> points_;
-  std::shared_ptr<const FacetShape> facet_;
+  std::array<PointIndex, 2> ends_;
+  [[no_unique_address]] std::conditional_t<D == 3, std::shared_ptr<const FacetShape>, Nothing>
+      facet_;
 };
-
-extern template class Shape<2>;
-extern template class Shape<3>;
-extern template class Shape<4>;
 
 }  // namespace dynmesh::quadtree
 

@@ -4,13 +4,33 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "core/quadtree/cell.h"
 #include "core/quadtree/shape.h"
 
 namespace dynmesh::quadtree::testing {
+
+// Calls f(cell) for the cells of its level that touch it, itself included, within the root, until f
+// returns false. Returns false if it did.
+template <int D, class F>
+bool ForEachTouching(const Cell<D>& cell, F f) {
+  const std::uint64_t last = (std::uint64_t{1} << cell.level) - 1;
+  Cell<D> other = cell;
+  const auto visit = [&](auto& self, int axis) -> bool {
+    if (axis == D) return f(other);
+    const std::uint64_t x = cell.at[axis];
+    for (std::uint64_t y = x == 0 ? 0 : x - 1; y <= (x == last ? x : x + 1); ++y) {
+      other.at[axis] = y;
+      if (!self(self, axis + 1)) return false;
+    }
+    return true;
+  };
+  return visit(visit, 0);
+}
 
 template <int D>
 class NaiveQuadtree {

@@ -113,9 +113,8 @@ class Scene {
           const PointIndex c = AddPoint(p);
           AddSegment(centre, p, a, c);
           AddSegment(top, p, b, c);
-          shapes_.push_back(Shape<3>::OfFacet(
-              std::make_shared<const FacetShape>(std::vector<geometry::Ring3>{{centre, top, p}}),
-              {a, b, c}));
+          shapes_.push_back(Shape<3>::OfFacet(std::make_shared<const FacetShape>(
+              std::vector<geometry::Ring3>{{centre, top, p}}, std::vector<PointIndex>{a, b, c})));
         }
       }
     }

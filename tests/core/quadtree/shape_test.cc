@@ -71,7 +71,8 @@ TEST(Shape, AFacetMeetsBoxesThatHoldPointsOfIt) {
     return p;
   };
   const FacetShape facet({{at(0, 0), at(1, 0), at(1, 1), at(0, 1)},
-                          {at(0.3, 0.3), at(0.6, 0.3), at(0.6, 0.6), at(0.3, 0.6)}});
+                          {at(0.3, 0.3), at(0.6, 0.3), at(0.6, 0.6), at(0.3, 0.6)}},
+                         {0, 1, 2, 3, 4, 5, 6, 7});
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> any(0, 1);
   int met = 0, held = 0;
