@@ -19,7 +19,8 @@ class Scene {
  public:
   using Point = geometry::Point<D>;
 
-  Scene(std::uint64_t seed, int clusters) : random_(seed) {
+  Scene(std::uint64_t seed, int clusters, bool with_facets = true)
+      : random_(seed), with_facets_(with_facets) {
     std::vector<std::pair<Point, double>> balls;
     for (int tries = 0; tries < 100 * clusters && static_cast<int>(balls.size()) < clusters;
          ++tries) {
@@ -38,6 +39,12 @@ class Scene {
 
   // All features that may come and go.
   const std::vector<Shape<D>>& shapes() const { return shapes_; }
+  // The ends of each; of a point twice the point, of a facet nothing.
+  struct Ends {
+    bool is_facet = false;
+    Point p{}, q{};
+  };
+  const std::vector<Ends>& ends() const { return ends_; }
   int Below(int n) { return std::uniform_int_distribution<int>(0, n - 1)(random_); }
   double Uniform(double lo, double hi) {
     return std::uniform_real_distribution<double>(lo, hi)(random_);
@@ -58,17 +65,20 @@ class Scene {
   }
   PointIndex AddPoint(const Point& p) {
     shapes_.push_back(Shape<D>::OfPoint(p, next_));
+    ends_.push_back({false, p, p});
     return next_++;
   }
   void AddSegment(const Point& p, const Point& q, PointIndex a, PointIndex b) {
     if constexpr (D <= 3) {
-      if (!(p == q)) shapes_.push_back(Shape<D>::OfSegment(p, q, a, b));
+      if (p == q) return;
+      shapes_.push_back(Shape<D>::OfSegment(p, q, a, b));
+      ends_.push_back({false, p, q});
     }
   }
 
   void Fill(const Point& centre, double radius) {
     const PointIndex a = AddPoint(centre);
-    const int kind = Below(D == 2 ? 5 : D == 3 ? 7 : 2);
+    const int kind = Below(D == 2 || (D == 3 && !with_facets_) ? 5 : D == 3 ? 7 : 2);
     if (kind == 1) AddPoint(Near(centre, radius));
     if (kind == 2) {
       const Point p = Near(centre, radius);
@@ -115,13 +125,16 @@ class Scene {
           AddSegment(top, p, b, c);
           shapes_.push_back(Shape<3>::OfFacet(std::make_shared<const FacetShape>(
               std::vector<geometry::Ring3>{{centre, top, p}}, std::vector<PointIndex>{a, b, c})));
+          ends_.push_back({true, {}, {}});
         }
       }
     }
   }
 
   std::mt19937_64 random_;
+  const bool with_facets_;
   std::vector<Shape<D>> shapes_;
+  std::vector<Ends> ends_;
   PointIndex next_ = 0;
 };
 
