@@ -1,0 +1,64 @@
+// What SVR sees of the exact Delaunay kernels, alike in 2D and 3D.
+#ifndef DYNMESH_CORE_SVR_KERNEL_H_
+#define DYNMESH_CORE_SVR_KERNEL_H_
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+#include "core/delaunay/delaunay_tetrahedralization.h"
+#include "core/delaunay/delaunay_triangulation.h"
+#include "core/geometry/circumball.h"
+#include "core/geometry/point.h"
+
+namespace dynmesh::svr {
+
+using VertexIndex = std::uint32_t;
+using SimplexIndex = std::uint32_t;
+inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+template <int D>
+using Kernel = std::conditional_t<D == 2, delaunay::DelaunayTriangulation,
+                                  delaunay::DelaunayTetrahedralization>;
+
+template <int D>
+struct Ball {
+  geometry::Point<D> centre{};
+  double r2 = std::numeric_limits<double>::infinity();  // infinite: nothing is known
+};
+
+// The circumscribed ball of a finite simplex, right to a part in 10^6 or better.
+inline Ball<2> BallOf(const Kernel<2>& mesh, SimplexIndex s) {
+  if (!std::isfinite(mesh.circle_error(s))) return {};
+  return {mesh.circumcenter(s), mesh.squared_circumradius(s)};
+}
+inline Ball<3> BallOf(const Kernel<3>& mesh, SimplexIndex s) {
+  if (mesh.HasSphere(s)) {
+    const auto sphere = mesh.SphereOf(s);
+    return {sphere.center, sphere.high};
+  }
+  const auto& v = mesh.vertices(s);
+  const geometry::Point3& p = mesh.position(v[0]);
+  const auto ball =
+      geometry::CircumballOf(p, mesh.position(v[1]), mesh.position(v[2]), mesh.position(v[3]));
+  return {{{p[0] + ball.w[0], p[1] + ball.w[1], p[2] + ball.w[2]}}, ball.r2};
+}
+
+template <int D>
+double SquaredShortestEdge(const Kernel<D>& mesh, SimplexIndex s) {
+  const auto& v = mesh.vertices(s);
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < D; ++i) {
+    for (int j = i + 1; j <= D; ++j) {
+      least = std::min(least, geometry::SquaredDistance(mesh.position(v[i]), mesh.position(v[j])));
+    }
+  }
+  return least;
+}
+
+}  // namespace dynmesh::svr
+
+#endif  // DYNMESH_CORE_SVR_KERNEL_H_

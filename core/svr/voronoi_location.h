@@ -1,0 +1,269 @@
+// Point location for SVR: which vertex each uninserted point is nearest to (Hudson, sec. 3.1, "by
+// Voronoi"). With concentric shells, a vertex keeps its points by the binary exponent of their
+// squared distance; without, in one list.
+//
+// A new vertex takes points only from its neighbours, and only from shells that it can reach. A
+// query looks only at cells and shells that the ball meets. Thread-compatible. Counts what it looks
+// at.
+#ifndef DYNMESH_CORE_SVR_VORONOI_LOCATION_H_
+#define DYNMESH_CORE_SVR_VORONOI_LOCATION_H_
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/point.h"
+#include "core/svr/kernel.h"
+
+namespace dynmesh::svr {
+
+// An input point, as an index.
+using PointIndex = std::uint32_t;
+
+struct LocationCounts {
+  std::uint64_t queries = 0;     // for a point in a ball
+  std::uint64_t looked_at = 0;   // points, in queries and updates
+  std::uint64_t reassigned = 0;  // points that changed their list
+};
+
+template <int D, bool kShells>
+class VoronoiLocation {
+ public:
+  using Point = geometry::Point<D>;
+
+  // Both must outlive this. `points`: by PointIndex.
+  VoronoiLocation(const Kernel<D>& mesh, const std::vector<Point>& points)
+      : mesh_(mesh), points_(points), next_(points.size(), kNone), owner_(points.size(), kNone) {}
+
+  std::size_t left() const { return left_; }  // uninserted points
+  const LocationCounts& counts() const { return counts_; }
+
+  // Makes p a point of the cell of v, its nearest vertex.
+  void Assign(PointIndex p, VertexIndex v) {
+    ++left_;
+    Put(p, v, geometry::SquaredDistance(points_[p], mesh_.position(v)));
+  }
+  bool IsCrowded(VertexIndex v) const { return v < cells_.size() && cells_[v] != kNone; }
+  // A point of the cell, among those of the outermost shell. REQUIRES: it is crowded.
+  PointIndex AnyOf(VertexIndex v) const { return shells_[cells_[v]].first; }
+
+  // A point in the open ball about `centre`; kNone if there is none. `s`: a simplex with the
+  // circumball of radius r about that centre; radius < r.
+  PointIndex FindIn(SimplexIndex s, const Ball<D>& ball, double radius);
+
+  // After the insertion of v, as the kernel reports it. `p`: the input point that it is, or kNone.
+  void Inserted(VertexIndex v, PointIndex p);
+
+ private:
+  // Points of one cell at squared distances in [2^exponent, 2^(exponent + 1)), in a list.
+  struct Shell {
+    PointIndex first = kNone;
+    std::uint32_t next = kNone;  // the next shell inwards
+    int exponent = 0;
+  };
+
+  static int ExponentOf(double d2) { return kShells ? std::ilogb(d2) : 0; }
+  // The least and the greatest squared distance in a shell.
+  static double Inner2(int exponent) { return kShells ? std::ldexp(1.0, exponent) : 0; }
+  static double Outer2(int exponent) { return kShells ? std::ldexp(1.0, exponent + 1) : INFINITY; }
+
+  void Put(PointIndex p, VertexIndex v, double d2);
+  // Out of its list.
+  void Take(PointIndex p);
+  // May the cell of u have a position in the ball? `corners`: the simplex of the ball's centre.
+  bool MayMeet(VertexIndex u, const Ball<D>& ball, double radius,
+               const std::array<VertexIndex, D + 1>& corners) const;
+  PointIndex FindInCell(VertexIndex u, const Ball<D>& ball, double radius);
+
+  const Kernel<D>& mesh_;
+  const std::vector<Point>& points_;
+  std::vector<PointIndex> next_;      // in the shell's list
+  std::vector<VertexIndex> owner_;    // whose cell it is in
+  std::vector<std::uint32_t> cells_;  // by vertex: the outermost shell
+  std::vector<Shell> shells_;
+  std::vector<std::uint32_t> free_shells_;
+  std::size_t left_ = 0;
+  LocationCounts counts_;
+
+  // Of the current walk over simplices and vertices: the number of the last walk that met each.
+  std::uint32_t walk_ = 0;
+  std::vector<std::uint32_t> simplex_walk_, vertex_walk_;
+  std::vector<std::uint8_t> may_meet_;  // by vertex
+  std::vector<SimplexIndex> stack_;
+};
+
+// --- Implementation -------------------------------------------------------------------------
+
+template <int D, bool kShells>
+void VoronoiLocation<D, kShells>::Put(PointIndex p, VertexIndex v, double d2) {
+  if (v >= cells_.size()) cells_.resize(v + 1 + v / 2, kNone);
+  const int exponent = ExponentOf(d2);
+  std::uint32_t outer = kNone, shell = cells_[v];
+  while (shell != kNone && shells_[shell].exponent > exponent) {
+    outer = shell;
+    shell = shells_[shell].next;
+  }
+  if (shell == kNone || shells_[shell].exponent != exponent) {
+    const Shell fresh = {kNone, shell, exponent};
+    if (free_shells_.empty()) {
+      shell = static_cast<std::uint32_t>(shells_.size());
+      shells_.push_back(fresh);
+    } else {
+      shell = free_shells_.back();
+      free_shells_.pop_back();
+      shells_[shell] = fresh;
+    }
+    (outer == kNone ? cells_[v] : shells_[outer].next) = shell;
+  }
+  next_[p] = shells_[shell].first;
+  shells_[shell].first = p;
+  owner_[p] = v;
+}
+
+template <int D, bool kShells>
+void VoronoiLocation<D, kShells>::Take(PointIndex p) {
+  const VertexIndex v = owner_[p];
+  const int exponent = ExponentOf(geometry::SquaredDistance(points_[p], mesh_.position(v)));
+  std::uint32_t outer = kNone, shell = cells_[v];
+  for (; shells_[shell].exponent != exponent; shell = shells_[shell].next) outer = shell;
+  PointIndex* link = &shells_[shell].first;
+  while (*link != p) link = &next_[*link];
+  *link = next_[p];
+  if (shells_[shell].first == kNone) {
+    (outer == kNone ? cells_[v] : shells_[outer].next) = shells_[shell].next;
+    free_shells_.push_back(shell);
+  }
+  --left_;
+}
+
+// Positions x of the cell are nearer to u than to each corner w: beyond the bisector of u and w. So
+// the ball reaches the bisectors.
+template <int D, bool kShells>
+bool VoronoiLocation<D, kShells>::MayMeet(VertexIndex u, const Ball<D>& ball, double radius,
+                                          const std::array<VertexIndex, D + 1>& corners) const {
+  const Point& p = mesh_.position(u);
+  const double beyond = geometry::SquaredDistance(p, ball.centre) - ball.r2;
+  if (beyond <= 0) return true;
+  for (const VertexIndex w : corners) {
+    if (w == u) return true;
+    const double d2 = geometry::SquaredDistance(p, mesh_.position(w));
+    if (beyond * beyond > 4 * (1 + 1e-6) * d2 * radius * radius) return false;
+  }
+  return true;
+}
+
+template <int D, bool kShells>
+PointIndex VoronoiLocation<D, kShells>::FindInCell(VertexIndex u, const Ball<D>& ball,
+                                                   double radius) {
+  const double away = std::sqrt(geometry::SquaredDistance(mesh_.position(u), ball.centre));
+  const double near = std::max(0.0, away - radius), far = away + radius;
+  for (std::uint32_t shell = cells_[u]; shell != kNone; shell = shells_[shell].next) {
+    const int exponent = shells_[shell].exponent;
+    if (Inner2(exponent) > far * far) continue;
+    if (Outer2(exponent) < near * near) break;
+    for (PointIndex p = shells_[shell].first; p != kNone; p = next_[p]) {
+      ++counts_.looked_at;
+      if (geometry::SquaredDistance(points_[p], ball.centre) < radius * radius) return p;
+    }
+  }
+  return kNone;
+}
+
+// Cells that meet the ball are connected, and those of the corners meet it. So all simplices with
+// a corner whose cell meets it are connected, too.
+template <int D, bool kShells>
+PointIndex VoronoiLocation<D, kShells>::FindIn(SimplexIndex s, const Ball<D>& ball, double radius) {
+  if (left_ == 0) return kNone;
+  ++counts_.queries;
+  ++walk_;
+  const std::array<VertexIndex, D + 1> corners = mesh_.vertices(s);
+  if (simplex_walk_.size() < mesh_.simplex_limit()) {
+    simplex_walk_.resize(mesh_.simplex_limit() * 3 / 2 + 64, 0);
+  }
+  simplex_walk_[s] = walk_;
+  stack_.assign(1, s);
+  while (!stack_.empty()) {
+    const SimplexIndex t = stack_.back();
+    stack_.pop_back();
+    bool may_meet = false;
+    for (const VertexIndex u : mesh_.vertices(t)) {
+      if (u == Kernel<D>::kInfinite) continue;
+      if (u >= vertex_walk_.size()) {
+        vertex_walk_.resize(u + 1 + u / 2, 0);
+        may_meet_.resize(vertex_walk_.size(), 0);
+      }
+      if (vertex_walk_[u] != walk_) {
+        vertex_walk_[u] = walk_;
+        may_meet_[u] = MayMeet(u, ball, radius, corners) ? 1 : 0;
+        if (may_meet_[u] != 0 && IsCrowded(u)) {
+          const PointIndex p = FindInCell(u, ball, radius);
+          if (p != kNone) return p;
+        }
+      }
+      may_meet = may_meet || may_meet_[u] != 0;
+    }
+    if (!may_meet) continue;
+    for (int i = 0; i <= D; ++i) {
+      const SimplexIndex beside = mesh_.Opposite({t, i}).simplex;
+      if (simplex_walk_[beside] == walk_) continue;
+      simplex_walk_[beside] = walk_;
+      stack_.push_back(beside);
+    }
+  }
+  return kNone;
+}
+
+template <int D, bool kShells>
+void VoronoiLocation<D, kShells>::Inserted(VertexIndex v, PointIndex p) {
+  if (p != kNone) Take(p);
+  if (left_ == 0) return;
+  ++walk_;
+  const Point& at = mesh_.position(v);
+  for (const SimplexIndex s : mesh_.created()) {
+    for (const VertexIndex u : mesh_.vertices(s)) {
+      if (u == v || u == Kernel<D>::kInfinite) continue;
+      if (u >= vertex_walk_.size()) {
+        vertex_walk_.resize(u + 1 + u / 2, 0);
+        may_meet_.resize(vertex_walk_.size(), 0);
+      }
+      if (vertex_walk_[u] == walk_) continue;
+      vertex_walk_[u] = walk_;
+      if (!IsCrowded(u)) continue;
+      const Point& from = mesh_.position(u);
+      const double reach2 = geometry::SquaredDistance(at, from) / 4;  // of the bisector
+      std::uint32_t outer = kNone, shell = cells_[u];
+      while (shell != kNone && Outer2(shells_[shell].exponent) > reach2) {
+        PointIndex kept = kNone, q = shells_[shell].first;
+        while (q != kNone) {
+          const PointIndex next = next_[q];
+          ++counts_.looked_at;
+          const double d2 = geometry::SquaredDistance(points_[q], at);
+          if (d2 < geometry::SquaredDistance(points_[q], from)) {
+            ++counts_.reassigned;
+            Put(q, v, d2);
+          } else {
+            next_[q] = kept;
+            kept = q;
+          }
+          q = next;
+        }
+        shells_[shell].first = kept;
+        const std::uint32_t next = shells_[shell].next;
+        if (kept == kNone) {
+          (outer == kNone ? cells_[u] : shells_[outer].next) = next;
+          free_shells_.push_back(shell);
+        } else {
+          outer = shell;
+        }
+        shell = next;
+      }
+    }
+  }
+}
+
+}  // namespace dynmesh::svr
+
+#endif  // DYNMESH_CORE_SVR_VORONOI_LOCATION_H_

@@ -1,0 +1,191 @@
+// Sparse Voronoi Refinement of points: all of them are vertices, every simplex is good, the mesh is
+// Delaunay and a function of the set of points, and no mesh on the way is much worse.
+#include "core/svr/svr.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <numbers>
+#include <random>
+#include <set>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace dynmesh::svr {
+namespace {
+
+enum class Layout { kUniform, kClustered, kCircleAndLine, kGrid, kTwoScales, kPair, kEmpty };
+constexpr Layout kLayouts[] = {Layout::kUniform, Layout::kClustered, Layout::kCircleAndLine,
+                               Layout::kGrid,    Layout::kTwoScales, Layout::kPair,
+                               Layout::kEmpty};
+
+// Distinct points in the unit square or cube.
+template <int D>
+std::vector<geometry::Point<D>> PointsOf(Layout layout, int n, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> any(0, 1);
+  std::set<geometry::Point<D>> points;
+  const int side = static_cast<int>(std::round(std::pow(n, 1.0 / D)));
+  if (layout == Layout::kEmpty) n = 0;
+  if (layout == Layout::kPair) n = 2;
+  for (int i = 0; i < n; ++i) {
+    geometry::Point<D> p;
+    for (int k = 0; k < D; ++k) p[k] = any(random);
+    switch (layout) {
+      case Layout::kUniform:
+      case Layout::kEmpty:
+        break;
+      case Layout::kClustered:
+        for (int k = 0; k < D; ++k) p[k] = 0.5 + (p[k] - 0.5) * std::exp2(-20 * p[0] * p[0]);
+        break;
+      case Layout::kCircleAndLine: {
+        const double angle = 2 * std::numbers::pi * i / n;
+        const bool on_line = i % 2 == 0;
+        p[0] = on_line ? 0.5 : 0.5 + 0.5 * std::cos(angle);
+        p[1] = on_line ? (i + 0.5) / n : 0.5 + 0.5 * std::sin(angle);
+        if (D == 3 && on_line) p[D - 1] = (i + 0.5) / n, p[1] = 0.5;
+        if (D == 3 && !on_line) p[D - 1] = 0.5;
+        break;
+      }
+      case Layout::kGrid: {
+        int rest = i;
+        for (int k = 0; k < D; ++k, rest /= side) p[k] = (rest % side + 0.5) / side;
+        break;
+      }
+      case Layout::kTwoScales:
+        if (i % 2 == 0) {
+          for (int k = 0; k < D; ++k) p[k] = 0.7 + p[k] * 0x1p-14;
+        }
+        break;
+      case Layout::kPair:
+        if (i == 1) {
+          p = *points.begin();
+          p[0] += 0x1p-30;
+        }
+        break;
+    }
+    points.insert(p);
+  }
+  return {points.begin(), points.end()};
+}
+
+template <int D>
+Options<D> OptionsOf(double quality) {
+  Options<D> options;
+  options.border_cells = D == 2 ? 6 : 8;
+  options.lo.c.fill(0.5 - 0.5 * options.border_cells);
+  options.hi.c.fill(0.5 + 0.5 * options.border_cells);
+  options.quality = quality;
+  return options;
+}
+
+template <class Mesher>
+auto PositionsOf(const Mesher& svr) {
+  std::vector<typename Mesher::Point> positions;
+  for (VertexIndex v = 0; v < svr.mesh().vertex_count(); ++v) {
+    positions.push_back(svr.mesh().position(v));
+  }
+  return positions;
+}
+
+template <class T>
+class SvrTest : public ::testing::Test {
+ public:
+  static constexpr int kDimension = T::value;
+};
+using Dimensions = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(SvrTest, Dimensions);
+
+template <int D>
+constexpr double kQuality = D == 2 ? std::numbers::sqrt2 : 2;
+
+// True for exact circumcenters in the domain; BallOf is right to 10^-6.
+constexpr double kRounding = 1 + 1e-5;
+
+TYPED_TEST(SvrTest, MeshesAreGoodDelaunayAndHaveAllPoints) {
+  constexpr int D = TestFixture::kDimension;
+  for (const Layout layout : kLayouts) {
+    for (const double quality : {kQuality<D>, 2 * kQuality<D>}) {
+      SCOPED_TRACE("layout " + std::to_string(static_cast<int>(layout)) + ", quality " +
+                   std::to_string(quality));
+      const auto points = PointsOf<D>(layout, D == 2 ? 2000 : 1000, 3);
+      Svr<D> svr(OptionsOf<D>(quality), points);
+      ASSERT_TRUE(svr.Run([] { return false; }));
+      std::string why;
+      ASSERT_TRUE(svr.mesh().Check(&why)) << why;
+      EXPECT_LE(std::sqrt(svr.WorstSquaredRatio()), quality * kRounding);
+      EXPECT_EQ(svr.counts().outside, 0u);
+      std::set<geometry::Point<D>> inserted;
+      for (VertexIndex v = 0; v < svr.mesh().vertex_count(); ++v) {
+        if (svr.InputOf(v) != kNone) inserted.insert(svr.mesh().position(v));
+      }
+      EXPECT_TRUE(std::ranges::equal(inserted, points));
+    }
+  }
+}
+
+TYPED_TEST(SvrTest, TheOrderOfTheInputDoesNotMatter) {
+  constexpr int D = TestFixture::kDimension;
+  for (const Layout layout : kLayouts) {
+    auto points = PointsOf<D>(layout, 500, 4);
+    Svr<D> first(OptionsOf<D>(kQuality<D>), points);
+    first.Run([] { return false; });
+    std::shuffle(points.begin(), points.end(), std::mt19937_64(5));
+    Svr<D> second(OptionsOf<D>(kQuality<D>), points);
+    second.Run([] { return false; });
+    EXPECT_EQ(PositionsOf(first), PositionsOf(second));
+  }
+}
+
+// Worse than the intermediate bound is only what the last insertions made, until it is split: by a
+// factor of about 1 / (1 - k), as a point may be inserted so near to a vertex.
+TYPED_TEST(SvrTest, NoMeshOnTheWayIsBad) {
+  constexpr int D = TestFixture::kDimension;
+  double worst = 0, kept = 0;
+  int times_kept = 0;
+  for (const Layout layout : kLayouts) {
+    Svr<D> svr(OptionsOf<D>(kQuality<D>), PointsOf<D>(layout, D == 2 ? 300 : 100, 6));
+    svr.Run([&] {
+      const double ratio = std::sqrt(svr.WorstSquaredRatio());
+      worst = std::max(worst, ratio);
+      if (!svr.is_kept()) return false;
+      ++times_kept;
+      kept = std::max(kept, ratio);
+      return false;
+    });
+  }
+  std::printf("%dD: worst ratio on the way %.2f; %.2f where nothing skinny waits\n", D, worst,
+              kept);
+  EXPECT_GT(times_kept, 500);
+  EXPECT_LE(kept, 2 * kQuality<D> * kRounding);
+  EXPECT_LT(worst, 15 * 2 * kQuality<D>);
+}
+
+TYPED_TEST(SvrTest, ShellsSpareLooks) {
+  constexpr int D = TestFixture::kDimension;
+  const auto points = PointsOf<D>(Layout::kTwoScales, D == 2 ? 5000 : 2000, 7);
+  Svr<D> shells(OptionsOf<D>(kQuality<D>), points);
+  Svr<D, VoronoiLocation<D, false>> plain(OptionsOf<D>(kQuality<D>), points);
+  shells.Run([] { return false; });
+  plain.Run([] { return false; });
+  EXPECT_LT(2 * shells.location_counts().looked_at, plain.location_counts().looked_at);
+}
+
+TYPED_TEST(SvrTest, ARunCanBeInterruptedAndGoesOn) {
+  constexpr int D = TestFixture::kDimension;
+  const auto points = PointsOf<D>(Layout::kUniform, 200, 8);
+  Svr<D> whole(OptionsOf<D>(kQuality<D>), points), parts(OptionsOf<D>(kQuality<D>), points);
+  whole.Run([] { return false; });
+  int runs = 0;
+  for (int left = 7; !parts.Run([&] { return left-- == 0; }); left = 7) ++runs;
+  EXPECT_GT(runs, 10);
+  EXPECT_EQ(PositionsOf(whole), PositionsOf(parts));
+}
+
+}  // namespace
+}  // namespace dynmesh::svr
