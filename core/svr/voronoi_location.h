@@ -173,7 +173,7 @@ PointIndex VoronoiLocation<D, kShells>::FindInCell(VertexIndex u, const Ball<D>&
 }
 
 // Cells that meet the ball are connected, and those of the corners meet it. So all simplices with
-// a corner whose cell meets it are connected, too.
+// a corner whose cell meets it are connected, across sides with such a corner.
 template <int D, bool kShells>
 PointIndex VoronoiLocation<D, kShells>::FindIn(SimplexIndex s, const Ball<D>& ball, double radius) {
   if (left_ == 0) return kNone;
@@ -188,8 +188,10 @@ PointIndex VoronoiLocation<D, kShells>::FindIn(SimplexIndex s, const Ball<D>& ba
   while (!stack_.empty()) {
     const SimplexIndex t = stack_.back();
     stack_.pop_back();
-    bool may_meet = false;
-    for (const VertexIndex u : mesh_.vertices(t)) {
+    const std::array<VertexIndex, D + 1>& of_t = mesh_.vertices(t);
+    unsigned meet = 0;  // bit i: corner i
+    for (int i = 0; i <= D; ++i) {
+      const VertexIndex u = of_t[i];
       if (u == Kernel<D>::kInfinite) continue;
       if (u >= vertex_walk_.size()) {
         vertex_walk_.resize(u + 1 + u / 2, 0);
@@ -203,10 +205,10 @@ PointIndex VoronoiLocation<D, kShells>::FindIn(SimplexIndex s, const Ball<D>& ba
           if (p != kNone) return p;
         }
       }
-      may_meet = may_meet || may_meet_[u] != 0;
+      meet |= static_cast<unsigned>(may_meet_[u]) << i;
     }
-    if (!may_meet) continue;
     for (int i = 0; i <= D; ++i) {
+      if ((meet & ~(1u << i)) == 0) continue;  // no corner of this side
       const SimplexIndex beside = mesh_.Opposite({t, i}).simplex;
       if (simplex_walk_[beside] == walk_) continue;
       simplex_walk_[beside] = walk_;
