@@ -2,8 +2,10 @@
 
 #include "absl/strings/str_format.h"
 #include "client/cli/command.h"
+#include "client/cli/input.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/mesh_statistics.h"
+#include "client/cli/size_conformity.h"
 #include "client/cli/words.h"
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
@@ -51,6 +53,11 @@ void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags) {
                   "Of a 3D file: count the tetrahedra with a dihedral angle below this, 0 to "
                   "20 degrees (default: 0, none)")
       ->type_name("DEGREES");
+  command
+      .add_option("--lfs", flags.lfs,
+                  "Of a file, with what it was made of: how the distance of each vertex to its "
+                  "nearest neighbour follows the local feature size")
+      ->type_name("INPUT");
 }
 
 bool IsMeshFile(const std::string& name) { return name.find_first_of("./") != std::string::npos; }
@@ -77,8 +84,22 @@ int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json
         io::WriteHistogramSvg(title, StatisticsHistograms(statistics), options, flags.svg);
     if (!status.ok()) return ReportError(status);
   }
-  return PrintOut(json ? StatisticsJson(statistics) : StatisticsText(statistics)) ? kExitDone
-                                                                                  : kExitFailed;
+  if (flags.lfs.empty()) {
+    return PrintOut(json ? StatisticsJson(statistics) : StatisticsText(statistics)) ? kExitDone
+                                                                                    : kExitFailed;
+  }
+  const absl::StatusOr<Input> input = LoadInput(flags.lfs);
+  if (!input.ok()) return ReportError(input.status());
+  if (input->options.dimension != dimension) {
+    return ReportError(absl::InvalidArgumentError(
+        absl::StrFormat("--lfs: %s is of %d dimensions, the mesh of %d", flags.lfs,
+                        input->options.dimension, dimension)));
+  }
+  const SizeConformity conformity = MeasureConformity(files->mesh, input->features);
+  return PrintOut(json ? StatisticsJson(statistics, &conformity)
+                       : StatisticsText(statistics) + ConformityText(conformity))
+             ? kExitDone
+             : kExitFailed;
 }
 
 }  // namespace dynmesh::cli

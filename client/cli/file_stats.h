@@ -13,11 +13,12 @@ namespace dynmesh::cli {
 struct FileStatsFlags {
   std::optional<double> rho, min_dihedral;
   std::string svg;
+  std::string lfs;  // the mesh's input; empty: not given
   bool log_scale = false;
   double width = 1000;
 };
 
-// --rho, --min-dihedral, --svg, --log, --width
+// --rho, --min-dihedral, --lfs, --svg, --log, --width
 void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags);
 
 // True if `name` is a file name: the id of a mesh has neither dot nor slash.

@@ -182,7 +182,7 @@ std::string StatisticsText(const MeshStatistics& s) {
   return text;
 }
 
-std::string StatisticsJson(const MeshStatistics& s) {
+std::string StatisticsJson(const MeshStatistics& s, const SizeConformity* conformity) {
   std::vector<JsonObject> regions;
   for (const RegionStatistics& region : s.regions) {
     std::vector<std::string> polygons;
@@ -215,6 +215,7 @@ std::string StatisticsJson(const MeshStatistics& s) {
     object.Add("rho_min_angle_deg", LeastAngle(s.rho))
         .Add("rho_max_angle_deg", 180 - 2 * LeastAngle(s.rho));
   }
+  if (conformity != nullptr) object.AddObject("lfs_over_lms", ConformityJson(*conformity));
   return object.Add("histogram_step_deg", 1)
       .AddCounts("least_angle_histogram", s.least_angles)
       .AddCounts("angle_histogram", s.angles)

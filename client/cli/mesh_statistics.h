@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/size_conformity.h"
 #include "core/io/meshes/indexed_mesh.h"
 #include "core/io/pictures/histogram_svg.h"
 #include "dynmesh/quality.h"
@@ -50,9 +51,11 @@ double LeastAngle(double rho);
 // `min_dihedral` in degrees is for 3D; 0: no bound is known. O(size).
 MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho, double min_dihedral = 0);
 
-// Text for people and for programs; both have all figures. JSON: one object on a line.
+// Text for people and for programs; both have all figures. JSON: one object on a line, with
+// `conformity` if it is not null.
 std::string StatisticsText(const MeshStatistics& statistics);
-std::string StatisticsJson(const MeshStatistics& statistics);
+std::string StatisticsJson(const MeshStatistics& statistics,
+                           const SizeConformity* conformity = nullptr);
 
 // Least angles above, all angles below; in 2D with the bounds from rho.
 std::vector<io::Histogram> StatisticsHistograms(const MeshStatistics& statistics);

@@ -1,4 +1,5 @@
-// dynmesh verify MESH [--input INPUT] [--rho R] [--min-dihedral DEGREES]: checks a mesh file.
+// dynmesh verify MESH [--input INPUT [--lfs]] [--rho R] [--min-dihedral DEGREES]: checks a mesh
+// file.
 #include <memory>
 #include <optional>
 
@@ -7,6 +8,7 @@
 #include "client/cli/input.h"
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
+#include "client/cli/size_conformity.h"
 #include "client/cli/words.h"
 #include "client/verify/verify.h"
 #include "core/io/meshes/mesh_files.h"
@@ -20,10 +22,12 @@ struct VerifyCommand {
   std::string input;
   InputFlags reading;
   std::optional<double> rho, min_dihedral;
+  bool lfs = false;
   bool json = false;
 };
 
-std::string FormatJson(const VerifyReport& report, double rho, std::optional<double> min_dihedral) {
+std::string FormatJson(const VerifyReport& report, double rho, std::optional<double> min_dihedral,
+                       const std::optional<SizeConformity>& conformity) {
   JsonObject checks;
   std::vector<std::string> problems;
   for (const VerifyCheck& check : report.checks) {
@@ -47,13 +51,15 @@ std::string FormatJson(const VerifyReport& report, double rho, std::optional<dou
       .Add("exempt_by_guard", report.exempt_by_guard);
   if (report.dimension == 3) object.Add("min_dihedral_deg", report.min_angle_deg);
   if (min_dihedral) object.Add("below_dihedral", report.below_dihedral);
+  if (conformity) object.AddObject("lfs_over_lms", ConformityJson(*conformity));
   return object.AddText("hash", report.hash.ToHex())
       .AddObject("checks", checks)
       .AddTexts("problems", problems)
       .ToLine();
 }
 
-std::string FormatText(const VerifyReport& report, double rho, std::optional<double> min_dihedral) {
+std::string FormatText(const VerifyReport& report, double rho, std::optional<double> min_dihedral,
+                       const std::optional<SizeConformity>& conformity) {
   const std::string subfacets =
       report.dimension == 3 ? absl::StrFormat("%d subfacets, ", report.subfacets) : "";
   std::string text = absl::StrFormat(
@@ -67,6 +73,7 @@ std::string FormatText(const VerifyReport& report, double rho, std::optional<dou
     text += absl::StrFormat("tetrahedra with a dihedral angle below %.6g degrees: %d\n",
                             *min_dihedral, report.below_dihedral);
   }
+  if (conformity) text += ConformityText(*conformity);
   for (const VerifyCheck& check : report.checks) {
     if (check.failures == 0) {
       text += absl::StrFormat("  %-12s ok\n", check.name);
@@ -105,8 +112,10 @@ int Run(const VerifyCommand& command) {
   const double rho = command.rho.value_or(DefaultQuality(files->mesh.dimension));
   const VerifyReport report = VerifyMesh(
       *files, rho, command.input.empty() ? nullptr : &input.features, command.min_dihedral);
-  if (!PrintOut(command.json ? FormatJson(report, rho, command.min_dihedral)
-                             : FormatText(report, rho, command.min_dihedral))) {
+  std::optional<SizeConformity> conformity;
+  if (command.lfs) conformity = MeasureConformity(files->mesh, input.features);
+  if (!PrintOut(command.json ? FormatJson(report, rho, command.min_dihedral, conformity)
+                             : FormatText(report, rho, command.min_dihedral, conformity))) {
     return kExitFailed;
   }
   return report.Passed() ? kExitDone : kExitFailed;
@@ -122,9 +131,14 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
                  [command] { return Run(*command); });
   sub->add_option("MESH", command->mesh, "A mesh as .node, .ele and .edge; in 3D with .face")
       ->required();
-  sub->add_option("--input", command->input,
-                  std::string("What it was made of: ") + kSpaceInputKinds)
-      ->type_name("INPUT");
+  CLI::Option* const input =
+      sub->add_option("--input", command->input,
+                      std::string("What it was made of: ") + kSpaceInputKinds)
+          ->type_name("INPUT");
+  sub->add_flag("--lfs", command->lfs,
+                "Tell how the distance of each vertex to its nearest neighbour follows the local "
+                "feature size, the radius of the least ball that meets two disjoint features")
+      ->needs(input);
   AddInputFlags(*sub, command->reading);
   sub->add_option("--rho", command->rho, "The quality asked for (default: sqrt 2, in 3D 2)")
       ->type_name("R");

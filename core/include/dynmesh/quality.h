@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "dynmesh/feature.h"
 #include "dynmesh/mesh.h"
 #include "dynmesh/options.h"
 
@@ -134,6 +135,14 @@ struct QualityReport {
 // bounds are `options`.quality and `options`.min_dihedral. A simplex that names an unknown vertex
 // counts as flat. O(size).
 QualityReport MeasureQuality(const Mesh& mesh, const MeshOptions& options);
+
+// The local feature size (Def. 1.3.1 of the thesis) at each of n `points` (n x dimension
+// coordinates): the radius of the least ball about the point that meets two disjoint features;
+// infinity if there are no such two. `features`: of a mesh of `dimension`; points, segments, edges
+// of polygons, and in 3D polygons count, those that name absent points do not. Expected
+// O((features + n) lg features), and for each point the features within that distance.
+std::vector<double> LocalFeatureSizes(std::span<const Feature> features, int dimension,
+                                      std::span<const double> points);
 
 }  // namespace dynmesh
 

@@ -224,6 +224,27 @@ TEST_F(CommandLine, StatsOfAFileNeedNoServer) {
   }
 }
 
+TEST_F(CommandLine, TheLocalFeatureSizeIsComparedWithTheMesh) {
+  WriteInputs();
+  ASSERT_EQ(Run("mesh square.poly -o m.node").code, 0);
+  const Outcome verified = Run("verify m.node --input square.poly --lfs --json"),
+                counted = Run("stats m.node --lfs square.poly --json");
+  for (const Outcome* outcome : {&verified, &counted}) {
+    ASSERT_EQ(outcome->code, 0) << outcome->err;
+    const std::size_t at = outcome->out.find("\"lfs_over_lms\": {\"min\": ");
+    ASSERT_NE(at, std::string::npos) << outcome->out;
+    const std::string figures = outcome->out.substr(at);
+    const double median = std::stod(Value(figures, "p50")), most = std::stod(Value(figures, "max"));
+    EXPECT_GE(median, 0.5);
+    EXPECT_GE(most, median);
+    EXPECT_LT(most, 20);
+  }
+  EXPECT_NE(Run("stats m.node --lfs square.poly").out.find("local feature size"),
+            std::string::npos);
+  EXPECT_EQ(Run("verify m.node --lfs").code, 2);  // of what input?
+  EXPECT_EQ(Run("stats m.node --lfs none.poly").code, 2);
+}
+
 TEST_F(CommandLine, VerifyFailsOnADamagedFile) {
   WriteInputs();
   ASSERT_EQ(Run("mesh square.poly -o m.node").code, 0);
