@@ -70,7 +70,7 @@ int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json
   if (auto status = CheckMinDihedralFlag(flags.min_dihedral, path, dimension); !status.ok()) {
     return ReportError(status);
   }
-  const MeshStatistics statistics = ComputeStatistics(
+  MeshStatistics statistics = ComputeStatistics(
       files->mesh, flags.rho.value_or(DefaultQuality(dimension)), flags.min_dihedral.value_or(0));
   if (!flags.svg.empty()) {
     io::HistogramOptions options;
@@ -84,22 +84,13 @@ int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json
         io::WriteHistogramSvg(title, StatisticsHistograms(statistics), options, flags.svg);
     if (!status.ok()) return ReportError(status);
   }
-  if (flags.lfs.empty()) {
-    return PrintOut(json ? StatisticsJson(statistics) : StatisticsText(statistics)) ? kExitDone
-                                                                                    : kExitFailed;
+  if (!flags.lfs.empty()) {
+    const absl::StatusOr<Input> input = LoadInputOfMesh("--lfs", flags.lfs, dimension);
+    if (!input.ok()) return ReportError(input.status());
+    statistics.conformity = MeasureConformity(files->mesh, input->features);
   }
-  const absl::StatusOr<Input> input = LoadInput(flags.lfs);
-  if (!input.ok()) return ReportError(input.status());
-  if (input->options.dimension != dimension) {
-    return ReportError(absl::InvalidArgumentError(
-        absl::StrFormat("--lfs: %s is of %d dimensions, the mesh of %d", flags.lfs,
-                        input->options.dimension, dimension)));
-  }
-  const SizeConformity conformity = MeasureConformity(files->mesh, input->features);
-  return PrintOut(json ? StatisticsJson(statistics, &conformity)
-                       : StatisticsText(statistics) + ConformityText(conformity))
-             ? kExitDone
-             : kExitFailed;
+  return PrintOut(json ? StatisticsJson(statistics) : StatisticsText(statistics)) ? kExitDone
+                                                                                  : kExitFailed;
 }
 
 }  // namespace dynmesh::cli

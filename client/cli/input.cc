@@ -273,6 +273,17 @@ absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags
   return FromScript(*script, path, flags);
 }
 
+absl::StatusOr<Input> LoadInputOfMesh(const char* flag, const std::string& path, int dimension,
+                                      const InputFlags& flags) {
+  absl::StatusOr<Input> input = LoadInput(path, flags);
+  if (input.ok() && input->options.dimension != dimension) {
+    return absl::InvalidArgumentError(absl::StrFormat("%s: %s is of %d dimensions, the mesh of %d",
+                                                      flag, path, input->options.dimension,
+                                                      dimension));
+  }
+  return input;
+}
+
 absl::Status Locate(const absl::Status& status,
                     const std::function<std::string(FeatureId)>& where) {
   const std::optional<ErrorDetail> detail = GetErrorDetail(status);

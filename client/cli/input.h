@@ -52,6 +52,10 @@ inline constexpr char kSpaceInputKinds[] =
     ".node, .poly, .geojson, .topojson or an edit script; in 3D .node, .poly, .smesh, .off, "
     ".stl or .obj";
 absl::StatusOr<Input> LoadInput(const std::string& path, const InputFlags& flags = {});
+// The same for the value of `flag`, the input of a mesh: INVALID_ARGUMENT if it has another
+// dimension than that.
+absl::StatusOr<Input> LoadInputOfMesh(const char* flag, const std::string& path, int dimension,
+                                      const InputFlags& flags = {});
 // UNIMPLEMENTED for 3D features, for commands that support 2D only.
 absl::Status ExpectPlanar(const Input& input, const std::string& path);
 // Reads a map and keeps its polygons (io/map_files.h). INVALID_ARGUMENT for any other file.

@@ -179,10 +179,11 @@ std::string StatisticsText(const MeshStatistics& s) {
     if (s.angles[i] == 0 && least == 0) continue;
     absl::StrAppendFormat(&text, "%3d-%-3d  %12d  %12d\n", i, i + 1, least, s.angles[i]);
   }
+  if (s.conformity) text += ConformityText(*s.conformity);
   return text;
 }
 
-std::string StatisticsJson(const MeshStatistics& s, const SizeConformity* conformity) {
+std::string StatisticsJson(const MeshStatistics& s) {
   std::vector<JsonObject> regions;
   for (const RegionStatistics& region : s.regions) {
     std::vector<std::string> polygons;
@@ -215,7 +216,7 @@ std::string StatisticsJson(const MeshStatistics& s, const SizeConformity* confor
     object.Add("rho_min_angle_deg", LeastAngle(s.rho))
         .Add("rho_max_angle_deg", 180 - 2 * LeastAngle(s.rho));
   }
-  if (conformity != nullptr) object.AddObject("lfs_over_lms", ConformityJson(*conformity));
+  if (s.conformity) object.AddObject("lfs_over_lms", ConformityJson(*s.conformity));
   return object.Add("histogram_step_deg", 1)
       .AddCounts("least_angle_histogram", s.least_angles)
       .AddCounts("angle_histogram", s.angles)

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,9 +41,10 @@ struct MeshStatistics {
   std::vector<WorstDihedral> worst_dihedral;  // in 3D, those of `quality`, the least first
   double median_min_angle_deg = 0;            // of the simplices' least angles; 0 without simplices
   // Histogram by degrees: [i, i + 1), the last one closed. In 3D of dihedral angles.
-  std::vector<std::uint64_t> least_angles;  // one per simplex; 60 entries, in 3D 75
-  std::vector<std::uint64_t> angles;        // three per triangle, six per tetrahedron; 180 entries
-  std::vector<RegionStatistics> regions;    // by number; no polygon first
+  std::vector<std::uint64_t> least_angles;   // one per simplex; 60 entries, in 3D 75
+  std::vector<std::uint64_t> angles;         // three per triangle, six per tetrahedron; 180 entries
+  std::vector<RegionStatistics> regions;     // by number; no polygon first
+  std::optional<SizeConformity> conformity;  // where the input is known
 };
 
 // The least angle, in degrees, that a triangle with radius-edge ratio <= rho can have.
@@ -51,11 +53,9 @@ double LeastAngle(double rho);
 // `min_dihedral` in degrees is for 3D; 0: no bound is known. O(size).
 MeshStatistics ComputeStatistics(const io::IndexedMesh& mesh, double rho, double min_dihedral = 0);
 
-// Text for people and for programs; both have all figures. JSON: one object on a line, with
-// `conformity` if it is not null.
+// Text for people and for programs; both have all figures. JSON: one object on a line.
 std::string StatisticsText(const MeshStatistics& statistics);
-std::string StatisticsJson(const MeshStatistics& statistics,
-                           const SizeConformity* conformity = nullptr);
+std::string StatisticsJson(const MeshStatistics& statistics);
 
 // Least angles above, all angles below; in 2D with the bounds from rho.
 std::vector<io::Histogram> StatisticsHistograms(const MeshStatistics& statistics);

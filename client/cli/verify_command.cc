@@ -99,14 +99,10 @@ int Run(const VerifyCommand& command) {
   }
   Input input;
   if (!command.input.empty()) {
-    absl::StatusOr<Input> loaded = LoadInput(command.input, command.reading);
+    absl::StatusOr<Input> loaded =
+        LoadInputOfMesh("--input", command.input, files->mesh.dimension, command.reading);
     if (!loaded.ok()) return ReportError(loaded.status());
     input = *std::move(loaded);
-    if (input.options.dimension != files->mesh.dimension) {
-      return ReportError(absl::InvalidArgumentError(
-          absl::StrFormat("--input: %s is of %d dimensions, the mesh of %d", command.input,
-                          input.options.dimension, files->mesh.dimension)));
-    }
     if (auto status = AddSeedPolygons(input); !status.ok()) return ReportError(status);
   }
   const double rho = command.rho.value_or(DefaultQuality(files->mesh.dimension));

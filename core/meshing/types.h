@@ -5,8 +5,7 @@
 
 #include <type_traits>
 
-#include "core/delaunay/delaunay_tetrahedralization.h"
-#include "core/delaunay/delaunay_triangulation.h"
+#include "core/delaunay/triangulation_of.h"
 #include "core/meshing/elements.h"
 #include "core/meshing/planar_rules.h"
 #include "core/meshing/space_rules.h"
@@ -26,9 +25,7 @@ namespace dynmesh::meshing {
 
 template <int D>
 using RulesOf = std::conditional_t<D == 2, PlanarRules, SpaceRules>;
-template <int D>
-using TriangulationOf = std::conditional_t<D == 2, delaunay::DelaunayTriangulation,
-                                           delaunay::DelaunayTetrahedralization>;
+using delaunay::TriangulationOf;
 
 template <int D, template <class> class E>
 using EngineOf = E<Refinement<D, E>>;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -197,34 +198,20 @@ class CapsuleRules final : public SizeRules<D> {
   // The longest edge has its tube and two half balls. And each plane across an axis between two
   // vertices cuts off at least a ball's middle.
   double LeastMeasure(const SizeFeature<D>& size, const Box& domain) const override {
-    const SizeBounds<D> bounds = Bounds(size, domain);
-    return MeasureOfBall<D>(bounds.radius) +
-           LeastLength(size, domain) * CrossSection(bounds.radius);
+    const double r = RadiusIn(size, ExtentOfPath(size), domain);
+    return MeasureOfBall<D>(r) + LeastLength(size, domain) * CrossSection(r);
   }
-  double LeastLength(const SizeFeature<D>& size, const Box& domain) const override {
-    const SizeBounds<D> bounds = Bounds(size, domain);
-    return std::max(std::sqrt(geometry::SquaredDistance(bounds.from, bounds.to)),
-                    WidestSide(ExtentOfPath(size)));
+  double LeastLength(const SizeFeature<D>& size, const Box& /*domain*/) const override {
+    const auto [p, q] = LongestEdge(size);
+    return std::max(std::sqrt(geometry::SquaredDistance(p, q)), WidestSide(ExtentOfPath(size)));
   }
 
   SizeBounds<D> Bounds(const SizeFeature<D>& size, const Box& domain) const override {
     Extent<D> around = ExtentOfPath(size);
-    SizeBounds<D> bounds;
-    bounds.radius = size.sizing.radius;
-    for (int k = 0; k < D; ++k) {
-      bounds.radius =
-          std::min({bounds.radius, around.lo[k] - domain.lo[k], domain.hi[k] - around.hi[k]});
-    }
-    bounds.radius = std::max(bounds.radius, 0.0);
-    for (int k = 0; k < D; ++k) around.lo[k] -= bounds.radius, around.hi[k] += bounds.radius;
-    bounds.around = around;
-    bounds.box = Empty(around);
-    double longest = -1;
-    ForEachEdge(size, [&](const Point<D>& p, const Point<D>& q) {
-      const double length2 = geometry::SquaredDistance(p, q);
-      if (length2 > longest) longest = length2, bounds.from = p, bounds.to = q;
-    });
-    return bounds;
+    const double r = RadiusIn(size, around, domain);
+    for (int k = 0; k < D; ++k) around.lo[k] -= r, around.hi[k] += r;
+    const auto [from, to] = LongestEdge(size);
+    return {around, Empty(around), from, to, r};
   }
 
  private:
@@ -233,6 +220,23 @@ class CapsuleRules final : public SizeRules<D> {
   static void ForEachEdge(const SizeFeature<D>& size, F f) {
     const Path& path = size.sizing.path;
     for (std::size_t i = 1; i < path.size(); ++i) f(CornerOf<D>(path[i - 1]), CornerOf<D>(path[i]));
+  }
+  static std::pair<Point<D>, Point<D>> LongestEdge(const SizeFeature<D>& size) {
+    std::pair<Point<D>, Point<D>> edge;
+    double longest2 = -1;
+    ForEachEdge(size, [&](const Point<D>& p, const Point<D>& q) {
+      const double length2 = geometry::SquaredDistance(p, q);
+      if (length2 > longest2) longest2 = length2, edge = {p, q};
+    });
+    return edge;
+  }
+  // The part that is certainly in the domain. `path`: its extent.
+  static double RadiusIn(const SizeFeature<D>& size, const Extent<D>& path, const Box& domain) {
+    double r = size.sizing.radius;
+    for (int k = 0; k < D; ++k) {
+      r = std::min({r, path.lo[k] - domain.lo[k], domain.hi[k] - path.hi[k]});
+    }
+    return std::max(r, 0.0);
   }
   static Extent<D> ExtentOfPath(const SizeFeature<D>& size) {
     const Point<D> first = CornerOf<D>(size.sizing.path.front());
@@ -267,7 +271,7 @@ class PolygonRules final : public SizeRules<2> {
   double LeastLength(const SizeFeature<2>& size, const Box& /*domain*/) const override {
     double length = 0;
     for (const auto& ring : size.positions) {
-      length = std::max(length, WidestSide(ExtentOfRings({ring})));
+      length = std::max(length, WidestSide(ExtentOfRings(std::span(&ring, 1))));
     }
     return length;
   }
@@ -277,7 +281,7 @@ class PolygonRules final : public SizeRules<2> {
   }
 
  private:
-  static Extent<2> ExtentOfRings(const std::vector<std::vector<Point2>>& rings) {
+  static Extent<2> ExtentOfRings(std::span<const std::vector<Point2>> rings) {
     Extent<2> extent{rings.front().front(), rings.front().front()};
     for (const auto& ring : rings) {
       for (const Point2& p : ring) {

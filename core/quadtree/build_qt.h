@@ -75,7 +75,7 @@ class BuildQt {
 
   // --- Input, between propagations -----------------------------------------------------------
 
-  // Shapes of no box in the root are met by no cell. The index is the caller's until Remove.
+  // The index is the caller's until Remove. REQUIRES: the shape is in the root.
   ShapeIndex Add(Shape<D> shape);
   void Remove(ShapeIndex shape);
 
@@ -110,6 +110,9 @@ class BuildQt {
 
   // --- For the engine (program.h) -------------------------------------------------------------
 
+  // In the order of a curve, not at random: a run from scratch takes two thirds of the time, as
+  // neighbours come one after the other. Where cells cluster, an epoch becomes a search tree
+  // (epoch_order.h).
   std::uint64_t Priority(sac::Kind, sac::Item item) const { return cells_.CellOf(item).Morton(); }
   bool Before(sac::Kind kind_a, sac::Item a, sac::Kind kind_b, sac::Item b) const {
     return kind_a != kind_b ? kind_a < kind_b : cells_.CellOf(a) < cells_.CellOf(b);

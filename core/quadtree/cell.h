@@ -17,8 +17,11 @@
 
 namespace dynmesh::quadtree {
 
-// No cell is finer. Far below what validated features can cause: a fuse.
+// No cell is finer. Validated features need far less; this bounds the work of all others.
 inline constexpr int kMostLevel = 48;
+
+// No index.
+inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 // Cell `at` of the 2^level along each axis; level 0 is the root.
 template <int D>
@@ -41,12 +44,6 @@ struct Cell {
     Cell parent{level - 1, at};
     for (int k = 0; k < D; ++k) parent.at[k] >>= 1;
     return parent;
-  }
-  // Which child of its parent it is.
-  int Which() const {
-    int which = 0;
-    for (int k = 0; k < D; ++k) which |= static_cast<int>(at[k] & 1) << k;
-    return which;
   }
   // The first 64 / D bits along each axis, interleaved: its place on a Z-order curve.
   std::uint64_t Morton() const {
@@ -117,8 +114,15 @@ class Grid {
     }
     if (!(extent > 0)) extent = 1;
     std::frexp(extent * (8.0 / 7), &exponent_);  // < 2^exponent
-    const double unit = std::ldexp(1.0, exponent_ - 3);
-    for (int k = 0; k < D; ++k) lo_[k] = std::floor(lo[k] / unit) * unit;
+    PlaceAround(lo);
+    // Rounding may have made the root too small.
+    for (int k = 0; k < D; ++k) {
+      if (lo_[k] + Side(0) < hi[k]) {
+        ++exponent_;
+        PlaceAround(lo);
+        break;
+      }
+    }
     // Borders are multiples of a cell's side, and below 2 (magnitude + side of the root).
     int most = 0;
     std::frexp(magnitude + Side(0), &most);
@@ -127,7 +131,6 @@ class Grid {
 
   // Cells of this level are not split.
   int most_level() const { return most_level_; }
-  const geometry::Point<D>& lo() const { return lo_; }
   double Side(int level) const { return std::ldexp(1.0, exponent_ - level); }
   Box<D> BoxOf(const Cell<D>& cell) const {
     const double side = Side(cell.level);
@@ -157,6 +160,14 @@ class Grid {
   }
 
  private:
+  void PlaceAround(const geometry::Point<D>& lo) {
+    const double unit = std::ldexp(1.0, exponent_ - 3);
+    for (int k = 0; k < D; ++k) {
+      lo_[k] = std::floor(lo[k] / unit) * unit;
+      if (lo_[k] > lo[k]) lo_[k] -= unit;  // the quotient has underflowed
+    }
+  }
+
   geometry::Point<D> lo_{};
   int exponent_ = 0;  // of the root's side
   int most_level_ = 0;

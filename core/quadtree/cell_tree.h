@@ -79,18 +79,6 @@ class CellTree {
     MakeChildren(parent);
     return ChildOf(parent, which);
   }
-  // The record of the cell, or the finest one that contains it.
-  CellIndex Find(const Cell<D>& cell) const {
-    CellIndex i = kRoot;
-    for (int level = 1; level <= cell.level && HasChildren(i); ++level) {
-      int which = 0;
-      for (int k = 0; k < D; ++k) {
-        which |= static_cast<int>(cell.at[k] >> (cell.level - level) & 1) << k;
-      }
-      i = ChildOf(i, which);
-    }
-    return i;
-  }
 
   // The children of i may have become unused.
   void MayBeUnused(CellIndex i) { unused_.push_back(i); }

@@ -19,7 +19,6 @@ namespace dynmesh::quadtree {
 
 // A feature, as an index into the table of shapes.
 using ShapeIndex = std::uint32_t;
-inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 // The same in 8 bytes, as long as there are at most two points.
 struct PackedPoints {

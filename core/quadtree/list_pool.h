@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/quadtree/common_points.h"
+#include "core/quadtree/cell.h"
 
 namespace dynmesh::quadtree {
 

@@ -36,19 +36,6 @@ bool IsBeside(const Point2& p, const Point2& q, const Point2& lo, const Point2& 
 
 Point2 Shadow(const Point3& p, int axis) { return {{p[(axis + 1) % 3], p[(axis + 2) % 3]}}; }
 
-Box<3> Around(const std::vector<Ring3>& rings) {
-  Box<3> box{rings.front().front(), rings.front().front()};
-  for (const Ring3& ring : rings) {
-    for (const Point3& p : ring) {
-      for (int k = 0; k < 3; ++k) {
-        box.lo[k] = std::min(box.lo[k], p[k]);
-        box.hi[k] = std::max(box.hi[k], p[k]);
-      }
-    }
-  }
-  return box;
-}
-
 }  // namespace
 
 // By separating axes: those of the box, and the segment's normals to them.
@@ -69,8 +56,9 @@ FacetShape::FacetShape(std::vector<Ring3> rings, std::vector<PointIndex> points)
     : rings_(std::move(rings)),
       points_(std::move(points)),
       plane_(geometry::PlaneOf(rings_)),
-      interior_(rings_, plane_),
-      around_(Around(rings_)) {
+      interior_(rings_, plane_) {
+  const geometry::FacetBounds bounds = geometry::BoundsOf(rings_, plane_);
+  around_ = {bounds.lo, bounds.hi};
   std::sort(points_.begin(), points_.end());
   points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
 }

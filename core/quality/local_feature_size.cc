@@ -10,6 +10,7 @@
 
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
+#include "core/base/rings.h"
 #include "core/geometry/segment_distance.h"
 #include "dynmesh/quality.h"
 
@@ -35,14 +36,14 @@ LocalFeatureSize::LocalFeatureSize(std::span<const Feature> features, int dimens
     if (f.kind != FeatureKind::kPoint) continue;
     const Point3 p{{f.position[0], f.position[1], dimension == 3 ? f.position[2] : 0}};
     points[f.id] = p;
-    items_.push_back({p, p, kNone, {f.id}});
+    AddSegment(p, p, {f.id});
   }
   absl::flat_hash_set<std::pair<FeatureId, FeatureId>> edges;
   const auto add_segment = [&](FeatureId a, FeatureId b) {
     if (!points.contains(a) || !points.contains(b)) return;
     const auto [lesser, greater] = std::pair(std::min(a, b), std::max(a, b));
     if (!edges.emplace(lesser, greater).second) return;
-    items_.push_back({points.at(a), points.at(b), kNone, {lesser, greater}});
+    AddSegment(points.at(a), points.at(b), {lesser, greater});
   };
   for (const Feature& f : features) {
     if (f.kind == FeatureKind::kSegment) add_segment(f.ends[0], f.ends[1]);
@@ -56,49 +57,38 @@ LocalFeatureSize::LocalFeatureSize(std::span<const Feature> features, int dimens
     std::vector<FeatureId> corners;
     for (const std::vector<FeatureId>& ring : f.rings) {
       geometry::Ring3& positions = rings.emplace_back();
-      for (std::size_t i = 0; i < ring.size(); ++i) {
-        add_segment(ring[i], ring[(i + 1) % ring.size()]);
-        positions.push_back(points.at(ring[i]));
-        corners.push_back(ring[i]);
-      }
+      for (const FeatureId id : ring) positions.push_back(points.at(id));
+      corners.insert(corners.end(), ring.begin(), ring.end());
     }
+    ForEachEdgeOf(f.rings, add_segment);
     if (dimension == 2) continue;
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     const geometry::FacetPlane plane = geometry::PlaneOf(rings);
     geometry::FacetInterior interior(rings, plane);
-    items_.push_back({{}, {}, static_cast<std::uint32_t>(facets_.size()), std::move(corners)});
+    const geometry::FacetBounds bounds = geometry::BoundsOf(rings, plane);
+    items_.push_back({{bounds.lo, bounds.hi},
+                      {},
+                      {},
+                      static_cast<std::uint32_t>(facets_.size()),
+                      std::move(corners)});
     facets_.push_back({std::move(rings), plane, std::move(interior)});
   }
   nodes_.emplace_back();
   Build(0, 0, static_cast<std::uint32_t>(items_.size()));
 }
 
-LocalFeatureSize::Bounds LocalFeatureSize::BoundsOf(const Item& item) const {
-  Bounds box{item.p, item.p};
-  const auto add = [&](const Point3& p) {
-    for (int k = 0; k < 3; ++k) {
-      box.lo[k] = std::min(box.lo[k], p[k]);
-      box.hi[k] = std::max(box.hi[k], p[k]);
-    }
-  };
-  if (item.facet == kNone) {
-    add(item.q);
-    return box;
-  }
-  const auto& rings = facets_[item.facet].rings;
-  box = {rings.front().front(), rings.front().front()};
-  for (const geometry::Ring3& ring : rings) {
-    for (const Point3& p : ring) add(p);
-  }
-  return box;
+void LocalFeatureSize::AddSegment(const Point3& p, const Point3& q, std::vector<FeatureId> ends) {
+  Bounds box;
+  for (int k = 0; k < 3; ++k) box.lo[k] = std::min(p[k], q[k]), box.hi[k] = std::max(p[k], q[k]);
+  items_.push_back({box, p, q, kNone, std::move(ends)});
 }
 
 // Splits at the median of the middles, across the widest side.
 void LocalFeatureSize::Build(std::uint32_t node, std::uint32_t first, std::uint32_t last) {
   Bounds box{{{kInfinite, kInfinite, kInfinite}}, {{-kInfinite, -kInfinite, -kInfinite}}};
   for (std::uint32_t i = first; i < last; ++i) {
-    const Bounds own = BoundsOf(items_[i]);
+    const Bounds& own = items_[i].box;
     for (int k = 0; k < 3; ++k) {
       box.lo[k] = std::min(box.lo[k], own.lo[k]);
       box.hi[k] = std::max(box.hi[k], own.hi[k]);
@@ -111,10 +101,7 @@ void LocalFeatureSize::Build(std::uint32_t node, std::uint32_t first, std::uint3
     if (box.hi[k] - box.lo[k] > box.hi[axis] - box.lo[axis]) axis = k;
   }
   const std::uint32_t middle = first + (last - first) / 2;
-  const auto at = [&](const Item& item) {
-    const Bounds own = BoundsOf(item);
-    return own.lo[axis] + own.hi[axis];
-  };
+  const auto at = [&](const Item& item) { return item.box.lo[axis] + item.box.hi[axis]; };
   std::nth_element(items_.begin() + first, items_.begin() + middle, items_.begin() + last,
                    [&](const Item& a, const Item& b) { return at(a) < at(b); });
   const auto left = static_cast<std::uint32_t>(nodes_.size());
@@ -129,12 +116,9 @@ double LocalFeatureSize::DistanceTo(const Item& item, const Point3& x) const {
   const Facet& facet = facets_[item.facet];
   if (facet.interior.Holds(facet.plane.Foot(x))) return std::fabs(facet.plane.Height(x));
   double least2 = kInfinite;
-  for (const geometry::Ring3& ring : facet.rings) {
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Point3 &p = ring[i], &q = ring[(i + 1) % ring.size()];
-      least2 = std::min(least2, geometry::SquaredDistance(x, p, q));
-    }
-  }
+  ForEachEdgeOf(facet.rings, [&](const Point3& p, const Point3& q) {
+    least2 = std::min(least2, geometry::SquaredDistance(x, p, q));
+  });
   return std::sqrt(least2);
 }
 

@@ -31,18 +31,19 @@ class LocalFeatureSize {
   double At(const geometry::Point3& x) const;
 
  private:
+  struct Bounds {
+    geometry::Point3 lo{}, hi{};
+  };
   struct Facet {
     std::vector<geometry::Ring3> rings;
     geometry::FacetPlane plane;
     geometry::FacetInterior interior;
   };
   struct Item {
+    Bounds box;
     geometry::Point3 p{}, q{};  // ends
     std::uint32_t facet = kNone;
     std::vector<FeatureId> points;  // of the input, sorted
-  };
-  struct Bounds {
-    geometry::Point3 lo{}, hi{};
   };
   // Children are nodes number left and left + 1; a leaf has items first to last - 1.
   struct Node {
@@ -52,7 +53,8 @@ class LocalFeatureSize {
   };
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-  Bounds BoundsOf(const Item& item) const;
+  void AddSegment(const geometry::Point3& p, const geometry::Point3& q,
+                  std::vector<FeatureId> ends);
   void Build(std::uint32_t node, std::uint32_t first, std::uint32_t last);
   double DistanceTo(const Item& item, const geometry::Point3& x) const;
 

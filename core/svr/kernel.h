@@ -7,10 +7,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <type_traits>
 
-#include "core/delaunay/delaunay_tetrahedralization.h"
-#include "core/delaunay/delaunay_triangulation.h"
+#include "core/delaunay/triangulation_of.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/point.h"
 
@@ -21,8 +19,7 @@ using SimplexIndex = std::uint32_t;
 inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 template <int D>
-using Kernel = std::conditional_t<D == 2, delaunay::DelaunayTriangulation,
-                                  delaunay::DelaunayTetrahedralization>;
+using Kernel = delaunay::TriangulationOf<D>;
 
 template <int D>
 struct Ball {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry/border_grid.h"
 #include "core/geometry/hilbert_curve.h"
 
 namespace dynmesh::svr {
@@ -33,37 +34,17 @@ std::vector<Point<D>> Sorted(std::vector<Point<D>> points, const Point<D>& lo, c
   return points;
 }
 
-// The grid on the border of the domain, its corners first, in the order of the kernel.
-std::vector<Point2> BorderOf(const Point2& lo, const Point2& hi, int cells) {
-  const auto at = [&](int axis, int i) {
-    return i == cells ? hi[axis] : lo[axis] + i * ((hi[axis] - lo[axis]) / cells);
-  };
-  std::vector<Point2> border = {lo, {{hi[0], lo[1]}}, hi, {{lo[0], hi[1]}}};
-  for (int i = 1; i < cells; ++i) {
-    border.push_back({{at(0, i), lo[1]}});
-    border.push_back({{hi[0], at(1, i)}});
-    border.push_back({{at(0, i), hi[1]}});
-    border.push_back({{lo[0], at(1, i)}});
-  }
+// The corners first, in the order of the triangulation.
+std::vector<Point2> BorderOf(const Options<2>& options) {
+  const int cells = options.border_cells;
+  std::vector<Point2> border = geometry::SquareBorder(options.lo, options.hi, cells,
+                                                      (options.hi[0] - options.lo[0]) / cells);
+  for (int i = 0; i < 4; ++i) std::swap(border[i], border[i * cells]);
   return border;
 }
-std::vector<Point3> BorderOf(const Point3& lo, const Point3& hi, int cells) {
-  const auto at = [&](int axis, int i) {
-    return i == cells ? hi[axis] : lo[axis] + i * ((hi[axis] - lo[axis]) / cells);
-  };
-  std::vector<Point3> border;
-  for (int m = 0; m < 8; ++m) {
-    border.push_back({{m & 1 ? hi[0] : lo[0], m & 2 ? hi[1] : lo[1], m & 4 ? hi[2] : lo[2]}});
-  }
-  for (int i = 0; i <= cells; ++i) {
-    for (int j = 0; j <= cells; ++j) {
-      for (int k = 0; k <= cells; ++k) {
-        const int sides = (i % cells == 0) + (j % cells == 0) + (k % cells == 0);
-        if (sides == 1 || sides == 2) border.push_back({{at(0, i), at(1, j), at(2, k)}});
-      }
-    }
-  }
-  return border;
+std::vector<Point3> BorderOf(const Options<3>& options) {
+  return geometry::CubeBorder(options.lo, options.hi, options.border_cells,
+                              (options.hi[0] - options.lo[0]) / options.border_cells);
 }
 
 }  // namespace
@@ -91,7 +72,7 @@ Svr<D, Location>::Svr(const Options<D>& options, std::vector<Point> points)
 
 template <int D, class Location>
 void Svr<D, Location>::AddBorder() {
-  const std::vector<Point> border = BorderOf(options_.lo, options_.hi, options_.border_cells);
+  const std::vector<Point> border = BorderOf(options_);
   std::array<VertexIndex, std::size_t{1} << D> corners;
   for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<VertexIndex>(i);
   mesh_.Reset(options_.lo, options_.hi, corners);

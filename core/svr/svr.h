@@ -71,9 +71,7 @@ class Svr {
   // The greatest circumradius / shortest edge, squared, of the present mesh, where the
   // circumcenter is in the domain.
   double WorstSquaredRatio() const;
-  // The intermediate bound, and whether the present mesh certainly meets it: no simplex waits that
-  // is worse.
-  double kept_quality() const { return kKept * options_.quality; }
+  // No simplex waits that is worse than kKept times the asked quality.
   bool is_kept() const { return work_[kSkinny].empty(); }
 
  private:

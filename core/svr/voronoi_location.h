@@ -13,8 +13,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "core/base/rounding.h"
 #include "core/geometry/point.h"
 #include "core/svr/kernel.h"
 
@@ -50,8 +52,8 @@ class VoronoiLocation {
   // A point of the cell, among those of the outermost shell. REQUIRES: it is crowded.
   PointIndex AnyOf(VertexIndex v) const { return shells_[cells_[v]].first; }
 
-  // A point in the open ball about `centre`; kNone if there is none. `s`: a simplex with the
-  // circumball of radius r about that centre; radius < r.
+  // A point at a distance < `radius` from the centre of `ball`; kNone if there is none. `ball`: the
+  // circumscribed ball of simplex s. REQUIRES: radius is less than the ball's.
   PointIndex FindIn(SimplexIndex s, const Ball<D>& ball, double radius);
 
   // After the insertion of v, as the kernel reports it. `p`: the input point that it is, or kNone.
@@ -73,6 +75,14 @@ class VoronoiLocation {
   void Put(PointIndex p, VertexIndex v, double d2);
   // Out of its list.
   void Take(PointIndex p);
+  // True at the first call for u in the current walk.
+  bool IsNewInWalk(VertexIndex u) {
+    if (u >= vertex_walk_.size()) {
+      vertex_walk_.resize(u + 1 + u / 2, 0);
+      may_meet_.resize(vertex_walk_.size(), 0);
+    }
+    return std::exchange(vertex_walk_[u], walk_) != walk_;
+  }
   // May the cell of u have a position in the ball? `corners`: the simplex of the ball's centre.
   bool MayMeet(VertexIndex u, const Ball<D>& ball, double radius,
                const std::array<VertexIndex, D + 1>& corners) const;
@@ -150,7 +160,7 @@ bool VoronoiLocation<D, kShells>::MayMeet(VertexIndex u, const Ball<D>& ball, do
   for (const VertexIndex w : corners) {
     if (w == u) return true;
     const double d2 = geometry::SquaredDistance(p, mesh_.position(w));
-    if (beyond * beyond > 4 * (1 + 1e-6) * d2 * radius * radius) return false;
+    if (beyond * beyond > 4 * kWider * d2 * radius * radius) return false;
   }
   return true;
 }
@@ -193,12 +203,7 @@ PointIndex VoronoiLocation<D, kShells>::FindIn(SimplexIndex s, const Ball<D>& ba
     for (int i = 0; i <= D; ++i) {
       const VertexIndex u = of_t[i];
       if (u == Kernel<D>::kInfinite) continue;
-      if (u >= vertex_walk_.size()) {
-        vertex_walk_.resize(u + 1 + u / 2, 0);
-        may_meet_.resize(vertex_walk_.size(), 0);
-      }
-      if (vertex_walk_[u] != walk_) {
-        vertex_walk_[u] = walk_;
+      if (IsNewInWalk(u)) {
         may_meet_[u] = MayMeet(u, ball, radius, corners) ? 1 : 0;
         if (may_meet_[u] != 0 && IsCrowded(u)) {
           const PointIndex p = FindInCell(u, ball, radius);
@@ -227,13 +232,7 @@ void VoronoiLocation<D, kShells>::Inserted(VertexIndex v, PointIndex p) {
   for (const SimplexIndex s : mesh_.created()) {
     for (const VertexIndex u : mesh_.vertices(s)) {
       if (u == v || u == Kernel<D>::kInfinite) continue;
-      if (u >= vertex_walk_.size()) {
-        vertex_walk_.resize(u + 1 + u / 2, 0);
-        may_meet_.resize(vertex_walk_.size(), 0);
-      }
-      if (vertex_walk_[u] == walk_) continue;
-      vertex_walk_[u] = walk_;
-      if (!IsCrowded(u)) continue;
+      if (!IsNewInWalk(u) || !IsCrowded(u)) continue;
       const Point& from = mesh_.position(u);
       const double reach2 = geometry::SquaredDistance(at, from) / 4;  // of the bisector
       std::uint32_t outer = kNone, shell = cells_[u];

@@ -299,7 +299,7 @@ absl::Status SqliteJournal::Compact(Key mesh, std::uint64_t revision,
   for (std::size_t part = 0; status.ok() && part < parts.size();) {
     status = Write([&]() -> absl::Status {
       if (absl::Status s = CheckLast(mesh, revision); !s.ok()) return s;
-      const auto next = WriteParts(writer_, mesh, at, parts, part, options_.part_bytes);
+      const auto next = WriteParts(writer_, mesh, at, parts, part, options_.transaction_bytes);
       if (next.ok()) part = *next;
       return next.status();
     });
@@ -318,7 +318,7 @@ absl::Status SqliteJournal::Compact(Key mesh, std::uint64_t revision,
 bool SqliteJournal::Sweep(Key mesh) {
   bool more = false;
   const absl::Status status = Write([&]() -> absl::Status {
-    const absl::StatusOr<bool> swept = SweepPart(writer_, mesh, options_.part_bytes);
+    const absl::StatusOr<bool> swept = SweepPart(writer_, mesh, options_.transaction_bytes);
     more = swept.ok() && *swept;
     return swept.status();
   });

@@ -39,8 +39,8 @@ class SqliteJournal final : public Journal {
     std::size_t remembered_requests = 10'000;  // of a mesh
     // Limit of a mesh's generations before the newest. The last of them is always kept.
     std::uint64_t history_bytes = 64 << 20;
-    std::uint64_t part_bytes = 4 << 20;  // of a transaction, or one row
-    const char* vfs = nullptr;           // of SQLite; for tests
+    std::uint64_t transaction_bytes = 4 << 20;  // at most, or one row
+    const char* vfs = nullptr;                  // of SQLite; for tests
     // Losses that the operator accepts, as in losses.h.
     std::vector<std::string> accept_loss;
   };

@@ -18,19 +18,12 @@ namespace {
 
 using testing::NaiveQuadtree;
 using testing::Scene;
+using testing::UnitGrid;
 
 template <int D>
 using Dynamic = BuildQt<D, sac::Engine>;
 template <int D>
 using Static = BuildQt<D, sac::UntracedEngine>;
-
-template <int D>
-Grid<D> UnitGrid() {
-  geometry::Point<D> lo, hi;
-  lo.c.fill(0);
-  hi.c.fill(1);
-  return Grid<D>(lo, hi);
-}
 
 using Dimensions = ::testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>,
                                     std::integral_constant<int, 4>>;

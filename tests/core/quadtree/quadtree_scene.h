@@ -15,6 +15,14 @@
 namespace dynmesh::quadtree::testing {
 
 template <int D>
+Grid<D> UnitGrid() {
+  geometry::Point<D> lo, hi;
+  lo.c.fill(0);
+  hi.c.fill(1);
+  return Grid<D>(lo, hi);
+}
+
+template <int D>
 class Scene {
  public:
   using Point = geometry::Point<D>;

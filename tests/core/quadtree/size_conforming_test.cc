@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <numbers>
 #include <random>
 #include <string>
 #include <type_traits>
@@ -16,19 +15,15 @@
 #include "core/geometry/segment_distance.h"
 #include "core/quadtree/build_qt.h"
 #include "tests/core/quadtree/quadtree_scene.h"
+#include "tests/support/point_layouts.h"
 
 namespace dynmesh::quadtree {
 namespace {
 
+using test::Layout;
+using test::PointsOf;
 using testing::Scene;
-
-template <int D>
-Grid<D> UnitGrid() {
-  geometry::Point<D> lo, hi;
-  lo.c.fill(0);
-  hi.c.fill(1);
-  return Grid<D>(lo, hi);
-}
+using testing::UnitGrid;
 
 // The radius of the least ball about x that meets two features without a common point.
 template <int D>
@@ -108,50 +103,15 @@ TEST(SizeConforming, LeavesThatTouchDifferByAFactor2AtMost) {
 
 // --- Cost of edits ------------------------------------------------------------------------------
 
-enum class Layout { kUniform, kClustered, kCircle, kTwoScales, kLine };
-constexpr const char* kNames[] = {"uniform", "clustered", "circle", "two scales", "line"};
-
-template <int D>
-std::vector<geometry::Point<D>> PointsOf(Layout layout, int n, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> any(0, 1);
-  std::vector<geometry::Point<D>> points;
-  for (int i = 0; i < n; ++i) {
-    geometry::Point<D> p;
-    for (int k = 0; k < D; ++k) p[k] = any(random);
-    const double angle = 2 * std::numbers::pi * i / n;
-    switch (layout) {
-      case Layout::kUniform:
-        break;
-      case Layout::kClustered:
-        for (int k = 0; k < D; ++k) p[k] = 0.5 + (p[k] - 0.5) * std::exp2(-20 * p[0] * p[0]);
-        break;
-      case Layout::kCircle:
-        p[0] = 0.5 + 0.4 * std::cos(angle), p[1] = 0.5 + 0.4 * std::sin(angle);
-        for (int k = 2; k < D; ++k) p[k] = 0.5;
-        break;
-      case Layout::kTwoScales:
-        if (i % 2 == 0) {
-          for (int k = 0; k < D; ++k) p[k] = 0.7 + p[k] * 0x1p-14;
-        }
-        break;
-      case Layout::kLine:
-        for (int k = 0; k < D; ++k) p[k] = (i + 0.5) / n;
-        break;
-    }
-    points.push_back(p);
-  }
-  return points;
-}
-
 template <int D>
 void ExpectCheapEdits(int few, int many) {
   for (const Layout layout :
        {Layout::kUniform, Layout::kClustered, Layout::kCircle, Layout::kTwoScales, Layout::kLine}) {
-    const char* const name = kNames[static_cast<int>(layout)];
+    const char* const name = NameOf(layout);
     SCOPED_TRACE(name);
     for (const int n : {few, many}) {
-      std::mt19937_64 random(11);
-      const auto points = PointsOf<D>(layout, n, random);
+      const auto points = PointsOf<D>(layout, n, 11);
+      std::mt19937_64 random(12);
       BuildQt<D, sac::Engine> tree(UnitGrid<D>());
       std::vector<ShapeIndex> at;
       PointIndex next = 0;

@@ -16,63 +16,14 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/point_layouts.h"
+
 namespace dynmesh::svr {
 namespace {
 
-enum class Layout { kUniform, kClustered, kCircleAndLine, kGrid, kTwoScales, kPair, kEmpty };
-constexpr Layout kLayouts[] = {Layout::kUniform, Layout::kClustered, Layout::kCircleAndLine,
-                               Layout::kGrid,    Layout::kTwoScales, Layout::kPair,
-                               Layout::kEmpty};
-
-// Distinct points in the unit square or cube.
-template <int D>
-std::vector<geometry::Point<D>> PointsOf(Layout layout, int n, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> any(0, 1);
-  std::set<geometry::Point<D>> points;
-  const int side = static_cast<int>(std::round(std::pow(n, 1.0 / D)));
-  if (layout == Layout::kEmpty) n = 0;
-  if (layout == Layout::kPair) n = 2;
-  for (int i = 0; i < n; ++i) {
-    geometry::Point<D> p;
-    for (int k = 0; k < D; ++k) p[k] = any(random);
-    switch (layout) {
-      case Layout::kUniform:
-      case Layout::kEmpty:
-        break;
-      case Layout::kClustered:
-        for (int k = 0; k < D; ++k) p[k] = 0.5 + (p[k] - 0.5) * std::exp2(-20 * p[0] * p[0]);
-        break;
-      case Layout::kCircleAndLine: {
-        const double angle = 2 * std::numbers::pi * i / n;
-        const bool on_line = i % 2 == 0;
-        p[0] = on_line ? 0.5 : 0.5 + 0.5 * std::cos(angle);
-        p[1] = on_line ? (i + 0.5) / n : 0.5 + 0.5 * std::sin(angle);
-        if (D == 3 && on_line) p[D - 1] = (i + 0.5) / n, p[1] = 0.5;
-        if (D == 3 && !on_line) p[D - 1] = 0.5;
-        break;
-      }
-      case Layout::kGrid: {
-        int rest = i;
-        for (int k = 0; k < D; ++k, rest /= side) p[k] = (rest % side + 0.5) / side;
-        break;
-      }
-      case Layout::kTwoScales:
-        if (i % 2 == 0) {
-          for (int k = 0; k < D; ++k) p[k] = 0.7 + p[k] * 0x1p-14;
-        }
-        break;
-      case Layout::kPair:
-        if (i == 1) {
-          p = *points.begin();
-          p[0] += 0x1p-30;
-        }
-        break;
-    }
-    points.insert(p);
-  }
-  return {points.begin(), points.end()};
-}
+using test::kLayouts;
+using test::Layout;
+using test::PointsOf;
 
 template <int D>
 Options<D> OptionsOf(double quality) {
@@ -111,8 +62,7 @@ TYPED_TEST(SvrTest, MeshesAreGoodDelaunayAndHaveAllPoints) {
   constexpr int D = TestFixture::kDimension;
   for (const Layout layout : kLayouts) {
     for (const double quality : {kQuality<D>, 2 * kQuality<D>}) {
-      SCOPED_TRACE("layout " + std::to_string(static_cast<int>(layout)) + ", quality " +
-                   std::to_string(quality));
+      SCOPED_TRACE(std::string(NameOf(layout)) + ", quality " + std::to_string(quality));
       const auto points = PointsOf<D>(layout, D == 2 ? 2000 : 1000, 3);
       Svr<D> svr(OptionsOf<D>(quality), points);
       ASSERT_TRUE(svr.Run([] { return false; }));

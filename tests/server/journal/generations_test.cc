@@ -92,7 +92,7 @@ TEST_F(GenerationsTest, AreDroppedFromTheOldestOnByTheirBytes) {
   const auto text = [&] { return std::string(1 + random() % 50, 'a' + char(random() % 26)); };
   SqliteJournal::Options options;
   options.history_bytes = 100 + random() % 400;
-  options.part_bytes = 1 + random() % 100;
+  options.transaction_bytes = 1 + random() % 100;
   Open(options);
   const auto key = *journal_->Create("a", "");
   struct Generation {
@@ -149,16 +149,16 @@ TEST_F(GenerationsTest, AreDroppedFromTheOldestOnByTheirBytes) {
   }
 }
 
-TEST_F(GenerationsTest, LargeSnapshotsAreWrittenInParts) {
+TEST_F(GenerationsTest, LargeSnapshotsAreWrittenInSeveralTransactions) {
   SqliteJournal::Options options;
-  options.part_bytes = 1'000;
+  options.transaction_bytes = 1'000;
   Open(options);
   const auto key = *journal_->Create("a", "");
   Append(key, 1, "x");
   const std::vector<std::string> parts(20, std::string(400, 'p'));
   const std::uint64_t before = journal_->counts().syncs;
   ASSERT_TRUE(journal_->Compact(key, 1, parts).ok());
-  EXPECT_GE(journal_->counts().syncs - before, 11u);  // two parts a part, and the switch
+  EXPECT_GE(journal_->counts().syncs - before, 11u);  // two parts a transaction, and the switch
   EXPECT_EQ(Rows(folder_.path(), "snapshots"), 20);
 }
 
@@ -207,7 +207,7 @@ TEST_F(GenerationsTest, ADamagedRowIsNamed) {
 TEST_F(GenerationsTest, CutShortAnywhereLeaveAValidStateAndNoRows) {
   SqliteJournal::Options options;
   options.vfs = FailingVfs::Name();
-  options.part_bytes = 10;
+  options.transaction_bytes = 10;
   options.history_bytes = 0;
   const std::vector<std::string> parts = {"part-zero", "part-one", "part-two"};
   const std::string before = "@2:s 3:three 4:four ";
@@ -266,7 +266,7 @@ TEST_F(GenerationsTest, CutShortAnywhereLeaveAValidStateAndNoRows) {
 // Whatever its size: no call waits for the removal of its rows.
 TEST_F(GenerationsTest, ADeletedMeshGoesAtOnceAndItsRowsPartByPart) {
   SqliteJournal::Options options;
-  options.part_bytes = 100;
+  options.transaction_bytes = 100;
   Open(options);
   const auto gone = *journal_->Create("a", ""), stays = *journal_->Create("b", "");
   for (std::uint64_t r = 1; r <= 40; ++r) Append(gone, r, std::string(20, 'x'));

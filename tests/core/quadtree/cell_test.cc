@@ -1,0 +1,45 @@
+// The root cell is around what it was asked for, whatever rounding does.
+#include "core/quadtree/cell.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+
+namespace dynmesh::quadtree {
+namespace {
+
+TEST(Grid, TheRootIsAroundTheBox) {
+  constexpr std::uint64_t kSeed = 3;
+  SCOPED_TRACE(kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (int i = 0; i < 20'000; ++i) {
+    geometry::Point<2> lo, hi;
+    // Near 7/8 of a power of two a root of that side barely fits, or does not.
+    double extent = std::ldexp(0.875, static_cast<int>(random() % 20) - 10);
+    for (int j = static_cast<int>(random() % 5); j > 2; --j) extent = std::nextafter(extent, 1e9);
+    for (int j = static_cast<int>(random() % 3); j > 1; --j) extent = std::nextafter(extent, 0);
+    for (int k = 0; k < 2; ++k) {
+      lo[k] = std::ldexp(any(random), static_cast<int>(random() % 20) - 10);
+      if (i % 3 == 0) lo[k] = std::nextafter(std::ldexp(std::round(16 * lo[k]), -3), -1e9);
+      hi[k] = lo[k] + extent;
+    }
+    const Grid<2> grid(lo, hi);
+    const Box<2> root = grid.BoxOf(Cell<2>());
+    ASSERT_TRUE(root.Holds(lo) && root.Holds(hi)) << lo[0] << " " << lo[1] << " " << extent;
+    ASSERT_LE(grid.Side(0), 3 * extent);
+  }
+}
+
+TEST(Grid, CellsHaveExactBorders) {
+  const Grid<2> grid({{1e5, -3}}, {{1e5 + 1, -2.5}});
+  Cell<2> cell;
+  while (cell.level < grid.most_level()) cell = cell.Child(3 & cell.level);
+  const Box<2> box = grid.BoxOf(cell);
+  for (int k = 0; k < 2; ++k) EXPECT_EQ(box.hi[k] - box.lo[k], grid.Side(cell.level));
+}
+
+}  // namespace
+}  // namespace dynmesh::quadtree
