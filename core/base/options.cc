@@ -15,6 +15,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/root_cube.h"
 #include "core/base/rounding.h"
 #include "dynmesh/error.h"
 
@@ -117,12 +118,43 @@ std::uint64_t LeastVertices(const MeshOptions& options) {
 
 }  // namespace
 
+// Those that only a Delaunay mesh has.
+absl::Status ValidateQuadtree(const MeshOptions& options) {
+  const auto refuse = [](const char* field, double value, double only) {
+    return BadOption(absl::StrCat(field, ": ", Shortest(value),
+                                  " is for meshes of kind delaunay; leave it at ", Shortest(only),
+                                  " for a quadtree"));
+  };
+  if (const double usual = DefaultQuality(options.dimension); options.quality != usual) {
+    return refuse("quality", options.quality, usual);
+  }
+  if (options.criterion != Criterion::kEdge) {
+    return BadOption(
+        "criterion: thesis is for meshes of kind delaunay; leave it at edge for a quadtree");
+  }
+  if (options.max_edge != 0) return refuse("max_edge", options.max_edge, 0);
+  if (options.min_dihedral != 0) return refuse("min_dihedral", options.min_dihedral, 0);
+  return absl::OkStatus();
+}
+
+absl::Status ValidateKind(const MeshOptions& options) {
+  switch (options.kind) {
+    case MeshKind::kDelaunay:
+      return absl::OkStatus();
+    case MeshKind::kQuadtree:
+      return ValidateQuadtree(options);
+  }
+  return BadOption(
+      absl::StrCat("kind: ", static_cast<int>(options.kind), " is neither delaunay nor quadtree"));
+}
+
 absl::Status ValidateOptions(const MeshOptions& options) {
   if (options.dimension != 2 && options.dimension != 3) {
     return BadOption(absl::StrCat("dimension: ", options.dimension, " is neither 2 nor 3"));
   }
   if (absl::Status status = ValidateBox(options.box, options.dimension); !status.ok())
     return status;
+  if (absl::Status status = ValidateKind(options); !status.ok()) return status;
   if (absl::Status status = ValidateQuality(options); !status.ok()) return status;
   if (options.max_edge != 0 && !(options.max_edge > 0 && std::isfinite(options.max_edge))) {
     return BadOption(absl::StrCat("max_edge: ", Shortest(options.max_edge),
@@ -136,7 +168,8 @@ absl::Status ValidateOptions(const MeshOptions& options) {
     return BadOption(absl::StrCat("min_dihedral: ", Shortest(options.min_dihedral),
                                   " is for meshes of dimension 3; leave it 0"));
   }
-  const std::uint64_t least_vertices = LeastVertices(options);
+  const std::uint64_t least_vertices =
+      options.kind == MeshKind::kQuadtree ? 1 : LeastVertices(options);
   if (options.limits.max_vertices < least_vertices) {
     return BadOption(absl::StrCat("limits.max_vertices: ", options.limits.max_vertices,
                                   " is below the ", least_vertices, " of the bare domain box"));
@@ -165,7 +198,28 @@ int BorderVertices(const MeshOptions& options) {
   return static_cast<int>(std::ceil(n)) | 1;
 }
 
+namespace {
+
+template <std::size_t D>
+Box RootBox(const Box& box) {
+  std::array<double, D> lo, hi;
+  std::copy_n(box.lo.begin(), D, lo.begin());
+  std::copy_n(box.hi.begin(), D, hi.begin());
+  const RootCube<D> root = RootAround(lo, hi);
+  Box domain;
+  for (std::size_t k = 0; k < D; ++k) {
+    domain.lo[k] = root.lo[k];
+    domain.hi[k] = root.lo[k] + std::ldexp(1.0, root.exponent);
+  }
+  return domain;
+}
+
+}  // namespace
+
 Box DomainBox(const MeshOptions& options) {
+  if (options.kind == MeshKind::kQuadtree) {
+    return options.dimension == 2 ? RootBox<2>(options.box) : RootBox<3>(options.box);
+  }
   const Box& box = options.box;
   const int dimension = options.dimension;
   const double longest = LongestSide(box, dimension);

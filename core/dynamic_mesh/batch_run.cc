@@ -73,7 +73,7 @@ absl::Status BatchRun<D>::StatusOf(Ended ended, const MeshState<D>& state) const
     case Ended::kOverWork:
       return WorkLimitError(most_operations);
     default:
-      return LimitsStatus(state.refinement, options.limits);
+      return LimitsStatus(state.refinement, options);
   }
 }
 

@@ -18,12 +18,16 @@ bool IsOverLimits(const Refinement& refinement, std::uint64_t most_vertices) {
          (Counts(LimitTerm::kDepthRefuses) && refinement.hit_depth_limit()) || refinement.is_full();
 }
 
-inline absl::Status VertexLimitError(const Limits& limits) {
-  return MakeError(
-      absl::StatusCode::kResourceExhausted,
-      "the mesh would have more than max_vertices = " + std::to_string(limits.max_vertices) +
-          " vertices; add fewer features, or create it with a higher limit or a larger max_edge",
-      {reason::kVertexLimit, {}, {}});
+inline absl::Status VertexLimitError(const MeshOptions& options) {
+  const std::string most = std::to_string(options.limits.max_vertices);
+  return MakeError(absl::StatusCode::kResourceExhausted,
+                   options.kind == MeshKind::kQuadtree
+                       ? "the quadtree would have more than max_vertices = " + most +
+                             " leaves; add fewer features, or create it with a higher limit"
+                       : "the mesh would have more than max_vertices = " + most +
+                             " vertices; add fewer features, or create it with a higher limit or "
+                             "a larger max_edge",
+                   {reason::kVertexLimit, {}, {}});
 }
 
 // More than indices can distinguish (options.h, MostVertices).
@@ -37,7 +41,8 @@ inline absl::Status SizeLimitError() {
 
 // The error of a run that exceeds a limit; else OK.
 template <class Refinement>
-absl::Status LimitsStatus(const Refinement& refinement, const Limits& limits) {
+absl::Status LimitsStatus(const Refinement& refinement, const MeshOptions& options) {
+  const Limits& limits = options.limits;
   if (Counts(LimitTerm::kDepthRefuses) && refinement.hit_depth_limit()) {
     return MakeError(absl::StatusCode::kResourceExhausted,
                      "a segment would have to be halved more often than max_depth = " +
@@ -46,7 +51,7 @@ absl::Status LimitsStatus(const Refinement& refinement, const Limits& limits) {
                      {reason::kDepthLimit, {}, {}});
   }
   if (Counts(LimitTerm::kVerticesEnd) && refinement.vertex_count() > limits.max_vertices) {
-    return VertexLimitError(limits);
+    return VertexLimitError(options);
   }
   if (refinement.is_full()) return SizeLimitError();
   if (const auto at = refinement.OverflowAt()) {

@@ -9,32 +9,11 @@
 #include "core/dynamic_mesh/batch_run.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/rebuild_choice.h"
-#include "core/dynamic_mesh/stopwatch.h"
 #include "core/dynamic_mesh/transaction.h"
 #include "core/plc/messages.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
-
-absl::StatusOr<std::unique_ptr<DynamicMesh>> DynamicMesh::Create(const MeshOptions& options,
-                                                                 const ApplyOptions& apply) {
-  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
-  return options.dimension == 2 ? LiveMesh<2>::Make(options, apply)
-                                : LiveMesh<3>::Make(options, apply);
-}
-
-namespace {
-
-Interrupt InterruptOf(const ApplyOptions& apply) {
-  return apply.interrupted == nullptr ? Interrupt(Never) : Interrupt(apply.interrupted);
-}
-
-std::uint64_t MostOperations(const ApplyOptions& apply) {
-  return apply.max_operations != 0 ? apply.max_operations
-                                   : std::numeric_limits<std::uint64_t>::max();
-}
-
-}  // namespace
 
 template <int D>
 LiveMesh<D>::LiveMesh(const MeshOptions& options, const LiveMeshTuning& tuning)
@@ -55,7 +34,7 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> LiveMesh<D>::Make(const MeshOptions
     return interrupt() || counters.executed > most ||
            IsOverLimits(refinement, options.limits.max_vertices);
   });
-  if (absl::Status status = LimitsStatus(refinement, options.limits); !status.ok()) return status;
+  if (absl::Status status = LimitsStatus(refinement, options); !status.ok()) return status;
   if (counters.executed > most) return WorkLimitError(most);
   if (!begun) {
     return MakeError(absl::StatusCode::kCancelled, "the mesh was given up while it was made",
@@ -65,80 +44,19 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> LiveMesh<D>::Make(const MeshOptions
 }
 
 template <int D>
-absl::Status LiveMesh<D>::Validate(const EditBatch& batch) const {
-  return mesh_.plc.Check(batch).status();
-}
-
-// The change that the batch makes, if it is valid.
-template <int D>
-absl::StatusOr<plc::Delta<D>> LiveMesh<D>::Check(const EditBatch& batch, ProgressMeter& meter,
-                                                 Interrupt interrupt) const {
-  meter.Begin(ApplyProgress::Stage::kValidate);
-  std::size_t looked_at = 0;
-  absl::StatusOr<plc::Delta<D>> delta = mesh_.plc.Check(batch, nullptr, [&](std::size_t waiting) {
-    if (waiting != plc::kNotKnown) {
-      meter.Step([&] { return ProgressMeter::Work{looked_at, looked_at + waiting}; });
-      ++looked_at;
-    }
-    return interrupt();
-  });
-  if (!delta.ok()) return delta;
-  meter.End(std::max(looked_at, delta->size()));
-  if (delta->added_points.size() > mesh_.options.limits.max_vertices) {
-    return VertexLimitError(mesh_.options.limits);
-  }
-  return delta;
-}
-
-template <int D>
-absl::StatusOr<MeshDiff> LiveMesh<D>::Apply(const EditBatch& batch, const ApplyOptions& apply) {
-  const Stopwatch watch;
-  const Interrupt interrupt = InterruptOf(apply);
-  double validated = 0;
-  const auto commit = [&](MeshDiff& diff) {
-    diff.from_revision = revision_;
-    diff.to_revision = batch.empty() ? revision_ : revision_ + 1;
-    diff.work.microseconds = watch.microseconds();
-    diff.work.validate_microseconds = validated;
-    return apply.commit == nullptr ? absl::OkStatus() : apply.commit(diff);
-  };
-  if (batch.empty()) {
-    MeshDiff nothing;
-    nothing.dimension = D;
-    nothing.hash = hash();
-    if (absl::Status status = commit(nothing); !status.ok()) return status;
-    if (!apply.revocable) Settle();
-    return nothing;
-  }
-  ProgressMeter meter(apply.progress);
-  absl::StatusOr<plc::Delta<D>> delta = Check(batch, meter, interrupt);
-  if (!delta.ok()) return delta.status();
-  validated = watch.microseconds();
-  const Plan plan = PlanFor(*delta, mesh_.plc.size(), mesh_.state->refinement.vertex_count(),
+absl::StatusOr<MeshDiff> LiveMesh<D>::Run(const plc::Delta<D>& delta,
+                                          const typename LiveFeatures<D>::Batch& batch,
+                                          Commit commit) {
+  const Plan plan = PlanFor(delta, mesh_.plc.size(), mesh_.state->refinement.vertex_count(),
                             mesh_.options.box, mesh_.tuning.rebuild);
-  BatchRun<D> run{mesh_.options, mesh_.tuning, meter, interrupt, MostOperations(apply)};
-  absl::StatusOr<MeshDiff> diff = Transaction<D>(mesh_, *delta, run, commit).Run(plan);
-  if (!diff.ok()) return diff;
-  revision_ = diff->to_revision;
-  if (apply.revocable) {
-    revocable_.push_back(*std::move(delta));
-  } else {
-    Settle();
-  }
-  GiveMemoryBack(interrupt);
-  return diff;
+  BatchRun<D> run{mesh_.options, mesh_.tuning, batch.meter, batch.interrupt, batch.most_operations};
+  return Transaction<D>(mesh_, delta, run, commit).Run(plan);
 }
 
 template <int D>
-void LiveMesh<D>::TakeBack(std::size_t revisions) {
-  const auto last = std::span(revocable_).last(revisions);
-  for (std::size_t i = revisions; i-- > 0;) {
-    mesh_.plc.Commit(last[i].Inverse());  // first: Undo may rebuild the present features
-    mesh_.Undo(last[i]);
-    if (!mesh_.state->diffs.RegionStatus().ok()) mesh_.BuildPresent();  // perhaps of past sets
-  }
-  revision_ -= revisions;
-  revocable_.resize(revocable_.size() - revisions);
+void LiveMesh<D>::Undo(const plc::Delta<D>& delta) {
+  mesh_.Undo(delta);
+  if (!mesh_.state->diffs.RegionStatus().ok()) mesh_.BuildPresent();  // perhaps of past sets
 }
 
 // Removed items leave free room for later ones. Once most of the memory is free room, rebuilds the

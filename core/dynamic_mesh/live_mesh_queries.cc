@@ -51,7 +51,7 @@ std::array<VertexId, D + 1> FirstOfThoseAt(const DiffBuilder<D>& mesh, std::uint
 template <int D>
 Mesh LiveMesh<D>::Snapshot() const {
   Mesh mesh = mesh_.state->diffs.Snapshot(mesh_.state->refinement, mesh_.state->features);
-  mesh.revision = revision_;
+  mesh.revision = this->revision();
   return mesh;
 }
 
@@ -86,7 +86,7 @@ template <int D>
 MeshStats LiveMesh<D>::Stats() const {
   const MeshState<D>& s = *mesh_.state;
   MeshStats stats;
-  stats.revision = revision_;
+  stats.revision = this->revision();
   stats.features = mesh_.plc.size();
   stats.vertices = s.refinement.vertex_count();
   stats.simplices = s.diffs.triangulation().simplex_count();

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <memory>
 
-#include "absl/functional/function_ref.h"
 #include "core/dynamic_mesh/diff_builder.h"
 #include "core/dynamic_mesh/feature_table.h"
+#include "core/dynamic_mesh/live_features.h"
 #include "core/dynamic_mesh/rebuild_choice.h"
 #include "core/meshing/refinement.h"
 #include "core/plc/plc.h"
@@ -25,10 +25,6 @@ struct LiveMeshTuning {
   sac::EngineLimits engine_limits = {};
   std::size_t most_tetrahedra = 0;  // 0: no limit but the indices
 };
-
-// Polled between steps of some microseconds. True: stop.
-using Interrupt = absl::FunctionRef<bool()>;
-constexpr bool Never() { return false; }
 
 // Everything computed from the features. New: of none, and nothing is computed yet.
 template <int D>

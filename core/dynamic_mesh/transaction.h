@@ -16,7 +16,6 @@
 #include <cstddef>
 #include <memory>
 
-#include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/dynamic_mesh/batch_run.h"
@@ -25,9 +24,6 @@
 #include "dynmesh/mesh.h"
 
 namespace dynmesh {
-
-// Completes the diff of a batch, but for the revisions, and decides whether the batch takes effect.
-using Commit = absl::FunctionRef<absl::Status(MeshDiff&)>;
 
 // For one batch.
 template <int D>

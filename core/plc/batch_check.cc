@@ -44,7 +44,9 @@ absl::StatusOr<Delta<D>> BatchCheck<D>::Run(Interrupted interrupted) {
     if (absl::Status status = Handle(event); !status.ok()) return status;
   }
   if (!draft_.error().ok()) return draft_.error();
-  if (absl::Status status = CheckDemand(); !status.ok()) return status;
+  if (!is_quadtree()) {
+    if (absl::Status status = CheckDemand(); !status.ok()) return status;
+  }
   return TakeDelta();
 }
 
@@ -119,6 +121,7 @@ absl::Status BatchCheck<D>::Handle(const Event& event) {
       if constexpr (D == 3) return Enter(Facet(delta_.added_facets[event.at]), event.edit);
       break;
     case Event::Kind::kSize:
+      if (is_quadtree()) return SizeOfQuadtreeError(event.id, event.edit);
       return CheckSize(delta_.added_sizes[event.at], options_.box, limit_, event.edit);
   }
   return absl::OkStatus();
@@ -195,7 +198,7 @@ typename BatchCheck<D>::Obstacle BatchCheck<D>::FindObstacle(const F& feature) {
   EdgeKey least_ends;
   FeatureId least_id = kNoFeature;
   const auto better = [&](Conflict conflict, FeatureId id, const EdgeKey& ends) {
-    if (conflict == Conflict::kNone ||
+    if (conflict == Conflict::kNone || (conflict == Conflict::kSmallAngle && is_quadtree()) ||
         std::tie(conflict, id, ends) >= std::tie(least.conflict, least_id, least_ends)) {
       return false;
     }

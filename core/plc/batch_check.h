@@ -14,6 +14,8 @@
 // At last it checks whether the result certainly needs more vertices than the mesh may have
 // (batch_demand.cc, least_vertices.h): meshing would fail, too.
 //
+// Of a quadtree features may meet at any angle, and there are no sizing features.
+//
 // Expected time O(b lg b) for a batch that changes b features (including segments of a moved
 // point), plus their queries of the index. One object, one run, one thread. Only reads the complex
 // and its store.
@@ -100,6 +102,7 @@ class BatchCheck {
   EditIndex BlameOfEdge(FeatureId feature, const EdgeKey& key) const;
   std::vector<FeatureId> PolygonsAfter(const EdgeKey& key) const;
   FeatureId SegmentAfter(const EdgeKey& key) const;
+  bool is_quadtree() const { return options_.kind == MeshKind::kQuadtree; }
   bool knows_polygons() const { return !store_.polygons().empty() || draft_.has_polygons(); }
   bool IsHidden(const SegmentFeature<D>& f) const {
     return f.IsOfPolygon() ? hidden_edges_.contains(KeyOf(f)) : hidden_.contains(f.id);

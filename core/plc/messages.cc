@@ -302,6 +302,14 @@ absl::Status CheckFacet(const Facet& facet, double limit, EditIndex edit) {
                             " are allowed; move it there, or cut the polygon into triangles"));
 }
 
+absl::Status SizeOfQuadtreeError(FeatureId id, EditIndex edit) {
+  return Error(absl::StatusCode::kInvalidArgument, reason::kBadSize, {id}, edit,
+               absl::StrCat("feature ", id,
+                            " is a sizing feature, which only a mesh of kind "
+                            "delaunay has; leave it out, or add points where the quadtree must be "
+                            "finer"));
+}
+
 template <int D>
 absl::Status CheckSize(const SizeFeature<D>& size, const Box& box, double limit, EditIndex edit) {
   const Sizing& s = size.sizing;

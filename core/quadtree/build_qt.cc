@@ -106,6 +106,7 @@ void BuildQt<D, E>::Grade(Context& context) {
 template <int D, template <class> class E>
 void BuildQt<D, E>::SetSplit(CellIndex i, bool is_split) {
   CellRecord& r = cells_[i];
+  if (r.is_split != is_split) is_split ? ++split_count_ : --split_count_;
   r.is_split = is_split;
   if (r.is_changed) return;
   r.is_changed = true;

@@ -97,6 +97,7 @@ class BuildQt {
   Key LeafAt(const geometry::Point<D>& x) const;
   // In the order of cells. O(leaves lg leaves).
   std::vector<Key> Leaves() const;
+  std::size_t leaf_count() const { return 1 + split_count_ * (Key::kChildren - 1); }
   // Since the last call, or the construction. O(change).
   LeafDiff<D> TakeChanges();
 
@@ -148,6 +149,7 @@ class BuildQt {
   Engine engine_;
   std::vector<ShapeIndex> come_, gone_;  // since the last propagation
   std::vector<CellIndex> changed_;
+  std::size_t split_count_ = 0;
 };
 
 extern template class BuildQt<2, sac::Engine>;

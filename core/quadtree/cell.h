@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include "core/base/mix.h"
+#include "core/base/root_cube.h"
 #include "core/geometry/point.h"
 
 namespace dynmesh::quadtree {
@@ -104,28 +105,18 @@ struct Box {
 template <int D>
 class Grid {
  public:
-  // The root is a cube around the box; its side is a power of two, about 8/7 to 16/7 of the box's
-  // longest side (1, if that is 0). Its borders are multiples of an eighth of the side.
+  // The root is RootAround(lo, hi).
   Grid(const geometry::Point<D>& lo, const geometry::Point<D>& hi) {
-    double extent = 0, magnitude = 0;
+    const RootCube<D> root = RootAround<D>(lo.c, hi.c);
+    lo_.c = root.lo;
+    exponent_ = root.exponent;
+    // Borders are multiples of a cell's side, and below 2^most in magnitude.
+    double magnitude = 0;
     for (int k = 0; k < D; ++k) {
-      extent = std::max(extent, hi[k] - lo[k]);
-      magnitude = std::max({magnitude, std::fabs(lo[k]), std::fabs(hi[k])});
+      magnitude = std::max({magnitude, std::fabs(lo_[k]), std::fabs(lo_[k] + Side(0))});
     }
-    if (!(extent > 0)) extent = 1;
-    std::frexp(extent * (8.0 / 7), &exponent_);  // < 2^exponent
-    PlaceAround(lo);
-    // Rounding may have made the root too small.
-    for (int k = 0; k < D; ++k) {
-      if (lo_[k] + Side(0) < hi[k]) {
-        ++exponent_;
-        PlaceAround(lo);
-        break;
-      }
-    }
-    // Borders are multiples of a cell's side, and below 2 (magnitude + side of the root).
     int most = 0;
-    std::frexp(magnitude + Side(0), &most);
+    std::frexp(magnitude, &most);
     most_level_ = std::min(kMostLevel, 52 - (most - exponent_));
   }
 
@@ -140,6 +131,15 @@ class Grid {
       box.hi[k] = lo_[k] + static_cast<double>(cell.at[k] + 1) * side;
     }
     return box;
+  }
+  // Exact: of a cell of most_level(), too.
+  geometry::Point<D> CentreOf(const Cell<D>& cell) const {
+    const double half = Side(cell.level + 1);
+    geometry::Point<D> centre;
+    for (int k = 0; k < D; ++k) {
+      centre[k] = lo_[k] + static_cast<double>(2 * cell.at[k] + 1) * half;
+    }
+    return centre;
   }
   // The box of all cells of its size that touch it, in the root or not.
   Box<D> BlockOf(const Cell<D>& cell) const {
@@ -160,14 +160,6 @@ class Grid {
   }
 
  private:
-  void PlaceAround(const geometry::Point<D>& lo) {
-    const double unit = std::ldexp(1.0, exponent_ - 3);
-    for (int k = 0; k < D; ++k) {
-      lo_[k] = std::floor(lo[k] / unit) * unit;
-      if (lo_[k] > lo[k]) lo_[k] -= unit;  // the quotient has underflowed
-    }
-  }
-
   geometry::Point<D> lo_{};
   int exponent_ = 0;  // of the root's side
   int most_level_ = 0;

@@ -17,9 +17,6 @@
 
 namespace dynmesh::quadtree {
 
-// A feature, as an index into the table of shapes.
-using ShapeIndex = std::uint32_t;
-
 // The same in 8 bytes, as long as there are at most two points.
 struct PackedPoints {
   static constexpr std::uint32_t kLone = kNone - 1, kApart = kNone - 2, kMany = kNone - 3;

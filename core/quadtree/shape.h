@@ -23,6 +23,8 @@ namespace dynmesh::quadtree {
 
 // An input point, as an index.
 using PointIndex = std::uint32_t;
+// A feature, as an index into a table of shapes.
+using ShapeIndex = std::uint32_t;
 
 // Do segment pq and the box have a point in common? Exact: if it meets a box, it meets each box
 // around that one. p = q is a point. O(1).

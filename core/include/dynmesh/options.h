@@ -22,6 +22,10 @@ struct Box {
   friend bool operator==(const Box&, const Box&) = default;
 };
 
+// What follows the features. kDelaunay: a quality Delaunay mesh. kQuadtree: a size-conforming
+// quadtree, in 3D an octree (quadtree.h).
+enum class MeshKind : std::uint8_t { kDelaunay = 1, kQuadtree = 2 };
+
 // The bound that `quality` is. kEdge: circumradius / shortest edge <= quality for every simplex.
 // kThesis: every vertex's Voronoi cell lies within quality times the distance to its nearest
 // neighbour. kThesis is stronger: 1.6 to 2.2 times the vertices.
@@ -45,7 +49,7 @@ constexpr std::uint64_t MostVertices(int dimension) {
 // Limits of a mesh's growth.
 struct Limits {
   // The most vertices of the mesh, domain box included; at most MostVertices(dimension). An edit
-  // that needs more is undone: RESOURCE_EXHAUSTED (VERTEX_LIMIT).
+  // that needs more is undone: RESOURCE_EXHAUSTED (VERTEX_LIMIT). Of a quadtree: the most leaves.
   std::uint64_t max_vertices = 50'000'000;
   // The most halvings of an input segment, far more than valid input needs. An edit that needs more
   // is undone: RESOURCE_EXHAUSTED (DEPTH_LIMIT).
@@ -89,14 +93,18 @@ struct MeshOptions {
   // slivers, but hardly a tetrahedron that is flat but for rounding.
   double min_dihedral = 0;
   Limits limits;  // an edit that exceeds one is undone
+  // kQuadtree: `quality`, `criterion`, `max_edge` and `min_dihedral` do not apply. They must be the
+  // default of the dimension, kEdge, 0 and 0.
+  MeshKind kind = MeshKind::kDelaunay;
   friend bool operator==(const MeshOptions&, const MeshOptions&) = default;
 };
 
 // OK if a mesh can be made with `options`, else INVALID_ARGUMENT (BAD_OPTION), naming the field.
 absl::Status ValidateOptions(const MeshOptions& options);
 
-// The square or cube that is meshed for `options`, with the user's box in its middle (Sec. 4.4 of
-// the thesis). kBoxFeature owns the vertices and segments of its border.
+// The square or cube that is meshed for `options`. kDelaunay: the user's box is in its middle (Sec.
+// 4.4 of the thesis), and kBoxFeature owns the vertices and segments of its border. kQuadtree: the
+// root cell, see quadtree.h.
 Box DomainBox(const MeshOptions& options);
 // N of Sec. 4.4: vertices along each side of DomainBox(`options`), corners included.
 int BorderVertices(const MeshOptions& options);

@@ -1,0 +1,33 @@
+// The kinds of dynamic mesh, dynamic and static.
+#include <memory>
+
+#include "core/dynamic_mesh/build_mesh.h"
+#include "core/dynamic_mesh/live_mesh.h"
+#include "core/dynamic_mesh/live_quadtree.h"
+#include "core/plc/messages.h"
+
+namespace dynmesh {
+
+absl::StatusOr<std::unique_ptr<DynamicMesh>> DynamicMesh::Create(const MeshOptions& options,
+                                                                 const ApplyOptions& apply) {
+  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
+  if (options.kind == MeshKind::kQuadtree) {
+    if (options.dimension == 2) return std::make_unique<LiveQuadtree<2>>(options);
+    return std::make_unique<LiveQuadtree<3>>(options);
+  }
+  return options.dimension == 2 ? LiveMesh<2>::Make(options, apply)
+                                : LiveMesh<3>::Make(options, apply);
+}
+
+absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options) {
+  if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
+  if (options.kind == MeshKind::kQuadtree) {
+    return options.dimension == 2 ? BuildQuadtree<2>(features, options)
+                                  : BuildQuadtree<3>(features, options);
+  }
+  if (absl::Status status = plc::CheckMaxEdge(options); !status.ok()) return status;
+  return options.dimension == 2 ? BuildDelaunay<2>(features, options)
+                                : BuildDelaunay<3>(features, options);
+}
+
+}  // namespace dynmesh

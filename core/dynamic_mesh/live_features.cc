@@ -1,0 +1,98 @@
+#include "core/dynamic_mesh/live_features.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "core/dynamic_mesh/limits.h"
+#include "core/dynamic_mesh/stopwatch.h"
+
+namespace dynmesh {
+
+Interrupt InterruptOf(const ApplyOptions& apply) {
+  return apply.interrupted == nullptr ? Interrupt(Never) : Interrupt(apply.interrupted);
+}
+
+std::uint64_t MostOperations(const ApplyOptions& apply) {
+  return apply.max_operations != 0 ? apply.max_operations
+                                   : std::numeric_limits<std::uint64_t>::max();
+}
+
+template <int D>
+absl::Status LiveFeatures<D>::Validate(const EditBatch& batch) const {
+  return plc().Check(batch).status();
+}
+
+// The change that the batch makes, if it is valid.
+template <int D>
+absl::StatusOr<plc::Delta<D>> LiveFeatures<D>::Check(const EditBatch& batch, ProgressMeter& meter,
+                                                     Interrupt interrupt) const {
+  meter.Begin(ApplyProgress::Stage::kValidate);
+  std::size_t looked_at = 0;
+  absl::StatusOr<plc::Delta<D>> delta = plc().Check(batch, nullptr, [&](std::size_t waiting) {
+    if (waiting != plc::kNotKnown) {
+      meter.Step([&] { return ProgressMeter::Work{looked_at, looked_at + waiting}; });
+      ++looked_at;
+    }
+    return interrupt();
+  });
+  if (!delta.ok()) return delta;
+  meter.End(std::max(looked_at, delta->size()));
+  if (delta->added_points.size() > options().limits.max_vertices) {
+    return VertexLimitError(options());
+  }
+  return delta;
+}
+
+template <int D>
+absl::StatusOr<MeshDiff> LiveFeatures<D>::Apply(const EditBatch& batch, const ApplyOptions& apply) {
+  const Stopwatch watch;
+  const Interrupt interrupt = InterruptOf(apply);
+  double validated = 0;
+  const auto commit = [&](MeshDiff& diff) {
+    diff.from_revision = revision_;
+    diff.to_revision = batch.empty() ? revision_ : revision_ + 1;
+    diff.work.microseconds = watch.microseconds();
+    diff.work.validate_microseconds = validated;
+    return apply.commit == nullptr ? absl::OkStatus() : apply.commit(diff);
+  };
+  if (batch.empty()) {
+    MeshDiff nothing;
+    nothing.dimension = D;
+    nothing.hash = hash();
+    if (absl::Status status = commit(nothing); !status.ok()) return status;
+    if (!apply.revocable) Settle();
+    return nothing;
+  }
+  ProgressMeter meter(apply.progress);
+  absl::StatusOr<plc::Delta<D>> delta = Check(batch, meter, interrupt);
+  if (!delta.ok()) return delta.status();
+  validated = watch.microseconds();
+  absl::StatusOr<MeshDiff> diff = Run(*delta, {meter, interrupt, MostOperations(apply)}, commit);
+  if (!diff.ok()) return diff;
+  revision_ = diff->to_revision;
+  if (apply.revocable) {
+    revocable_.push_back(*std::move(delta));
+  } else {
+    Settle();
+  }
+  GiveMemoryBack(interrupt);
+  return diff;
+}
+
+template <int D>
+void LiveFeatures<D>::TakeBack(std::size_t revisions) {
+  const auto last = std::span(revocable_).last(revisions);
+  for (std::size_t i = revisions; i-- > 0;) {
+    plc().Commit(last[i].Inverse());  // first: Undo may rebuild the present features
+    Undo(last[i]);
+  }
+  revision_ -= revisions;
+  revocable_.resize(revocable_.size() - revisions);
+}
+
+template class LiveFeatures<2>;
+template class LiveFeatures<3>;
+
+}  // namespace dynmesh

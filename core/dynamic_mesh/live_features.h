@@ -1,0 +1,72 @@
+// What all kinds of dynamic mesh have in common: Plc validates a batch, a subclass runs the change
+// that it makes, the result is a revision, and the last revisions can be taken back.
+#ifndef DYNMESH_CORE_DYNAMIC_MESH_LIVE_FEATURES_H_
+#define DYNMESH_CORE_DYNAMIC_MESH_LIVE_FEATURES_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/dynamic_mesh/progress_meter.h"
+#include "core/plc/delta.h"
+#include "core/plc/plc.h"
+#include "dynmesh/dynamic_mesh.h"
+
+namespace dynmesh {
+
+// Polled between steps of some microseconds. True: stop.
+using Interrupt = absl::FunctionRef<bool()>;
+constexpr bool Never() { return false; }
+
+// Completes the diff of a batch, but for the revisions, and decides whether the batch takes effect.
+using Commit = absl::FunctionRef<absl::Status(MeshDiff&)>;
+
+Interrupt InterruptOf(const ApplyOptions& apply);
+std::uint64_t MostOperations(const ApplyOptions& apply);
+
+template <int D>
+class LiveFeatures : public DynamicMesh {
+ public:
+  absl::StatusOr<MeshDiff> Apply(const EditBatch& batch, const ApplyOptions& apply) final;
+  void TakeBack(std::size_t revisions) final;
+  void Settle() final { revocable_.clear(); }
+  void ResumeAt(std::uint64_t revision) final {
+    Settle();
+    revision_ = revision;
+  }
+  absl::Status Validate(const EditBatch& batch) const final;
+  std::vector<Feature> Features() const final { return plc().Features(); }
+  std::uint64_t revision() const final { return revision_; }
+
+ protected:
+  struct Batch {
+    ProgressMeter& meter;
+    Interrupt interrupt;
+    std::uint64_t most_operations;
+  };
+
+  virtual plc::Plc<D>& plc() = 0;
+  virtual const plc::Plc<D>& plc() const = 0;
+  // Runs the change, as Plc::Check returned it. The diff, and mesh and Plc have the batch; or an
+  // error, and they are as before.
+  virtual absl::StatusOr<MeshDiff> Run(const plc::Delta<D>& delta, const Batch& batch,
+                                       Commit commit) = 0;
+  // Takes a change back. The Plc has the former features.
+  virtual void Undo(const plc::Delta<D>& delta) = 0;
+  // Frees memory if much is free room. If it is interrupted, nothing changes.
+  virtual void GiveMemoryBack(Interrupt interrupt) = 0;
+
+ private:
+  absl::StatusOr<plc::Delta<D>> Check(const EditBatch& batch, ProgressMeter& meter,
+                                      Interrupt interrupt) const;
+
+  std::uint64_t revision_ = 0;
+  std::vector<plc::Delta<D>> revocable_;  // of the last revisions, in this order
+};
+
+}  // namespace dynmesh
+
+#endif  // DYNMESH_CORE_DYNAMIC_MESH_LIVE_FEATURES_H_
