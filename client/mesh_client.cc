@@ -350,6 +350,8 @@ absl::StatusOr<Located> MeshClient::Locate(const std::string& mesh, int dimensio
     located.revision = response.revision();
     const auto& ids = response.simplices().vertex_ids();
     located.simplices.insert(located.simplices.end(), ids.begin(), ids.end());
+    located.leaf_sides.insert(located.leaf_sides.end(), response.leaf_sides().begin(),
+                              response.leaf_sides().end());
     begin += step;
   } while (begin < points.size());
   return located;

@@ -5,11 +5,14 @@
 #include "client/cli/input.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/mesh_statistics.h"
+#include "client/cli/quadtree_text.h"
 #include "client/cli/size_conformity.h"
 #include "client/cli/words.h"
+#include "client/verify/verify_quadtree.h"
 #include "core/base/text.h"
 #include "core/io/common/extension.h"
 #include "core/io/meshes/mesh_files.h"
+#include "core/io/quadtrees/leaf_list.h"
 
 namespace dynmesh::cli {
 namespace {
@@ -62,7 +65,37 @@ void AddFileStatsFlags(CLI::App& command, FileStatsFlags& flags) {
 
 bool IsMeshFile(const std::string& name) { return name.find_first_of("./") != std::string::npos; }
 
+namespace {
+
+// The leaves of a quadtree.
+int RunLeafStats(const std::string& path, const FileStatsFlags& flags, bool json) {
+  for (const auto& [flag, is_given] : {std::pair("--svg", !flags.svg.empty()),
+                                       {"--rho", flags.rho.has_value()},
+                                       {"--min-dihedral", flags.min_dihedral.has_value()}}) {
+    if (is_given) {
+      return ReportError(absl::InvalidArgumentError(absl::StrFormat(
+          "%s: %s has the leaves of a quadtree, and simplices have that", flag, path)));
+    }
+  }
+  const absl::StatusOr<io::LeafList> list = io::ReadLeafCsv(path);
+  if (!list.ok()) return ReportError(list.status());
+  std::vector<Feature> features;
+  if (!flags.lfs.empty()) {
+    absl::StatusOr<Input> input = LoadInputOfMesh("--lfs", flags.lfs, list->dimension);
+    if (!input.ok()) return ReportError(input.status());
+    features = std::move(input->features);
+  }
+  const QuadtreeReport report = VerifyQuadtree(*list, flags.lfs.empty() ? nullptr : &features);
+  JsonObject object;
+  return PrintOut(json ? QuadtreeJson(report, object).ToLine() : QuadtreeText(report))
+             ? kExitDone
+             : kExitFailed;
+}
+
+}  // namespace
+
 int RunFileStats(const std::string& path, const FileStatsFlags& flags, bool json) {
+  if (io::ExtensionOf(path) == ".csv") return RunLeafStats(path, flags, json);
   if (auto status = CheckFlags(path, flags); !status.ok()) return ReportError(status);
   const absl::StatusOr<io::MeshFiles> files = io::ReadMeshFiles(path);
   if (!files.ok()) return ReportError(files.status());

@@ -1,4 +1,4 @@
-// dynmesh stats MESHFILE: figures of a mesh file, in process.
+// dynmesh stats MESHFILE: figures of a mesh file, or of a quadtree's leaves, in process.
 #ifndef DYNMESH_CLIENT_CLI_FILE_STATS_H_
 #define DYNMESH_CLIENT_CLI_FILE_STATS_H_
 

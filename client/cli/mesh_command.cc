@@ -1,5 +1,7 @@
 // dynmesh mesh INPUT [-o OUT]: makes a mesh from scratch, in process.
+#include <algorithm>
 #include <chrono>
+#include <limits>
 #include <memory>
 
 #include "absl/strings/str_format.h"
@@ -10,6 +12,7 @@
 #include "client/cli/output.h"
 #include "client/cli/words.h"
 #include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/quadtree.h"
 #include "dynmesh/quality.h"
 
 namespace dynmesh::cli {
@@ -64,6 +67,32 @@ std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min
       BelowDihedralText(quality.below_dihedral, min_dihedral), build_seconds, mesh.hash.ToHex());
 }
 
+std::string SummariseQuadtree(const Mesh& mesh, const MeshOptions& options, double build_seconds,
+                              bool json) {
+  int coarsest = std::numeric_limits<int>::max(), finest = 0;
+  const auto width = static_cast<std::size_t>(mesh.dimension);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const auto cell = QuadtreeCellAt(options, &mesh.vertices.coordinates[i * width]);
+    coarsest = std::min(coarsest, cell->level);
+    finest = std::max(finest, cell->level);
+  }
+  if (json) {
+    return JsonObject()
+        .Add("leaves", mesh.vertices.size())
+        .Add("coarsest_level", coarsest)
+        .Add("finest_level", finest)
+        .Add("build_seconds", build_seconds)
+        .AddText("hash", mesh.hash.ToHex())
+        .ToLine();
+  }
+  return absl::StrFormat(
+      "leaves             %d\n"
+      "levels             %d to %d\n"
+      "built in           %.3f s\n"
+      "hash               %s\n",
+      mesh.vertices.size(), coarsest, finest, build_seconds, mesh.hash.ToHex());
+}
+
 int Run(const MeshCommand& command) {
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
   absl::StatusOr<mesh_data::RegionChoice> choice = ParseRegionFlag(command.region);
@@ -83,18 +112,31 @@ int Run(const MeshCommand& command) {
   }
   for (const std::string& warning : input->warnings) PrintWarning(warning);
   MeshOptions options = input->options;
-  if (auto status = ApplyMeshFlags(command.mesh, options); !status.ok()) {
+  if (auto status = ApplyMeshFlags(command.mesh, options, MeshLife::kFromScratch); !status.ok()) {
     return ReportError(status);
   }
-  if (auto status = CheckOutputsOf(options.dimension, command.output); !status.ok()) {
+  if (auto status = CheckOutputsOf(options, command.output); !status.ok()) {
     return ReportError(status);
   }
   const auto start = std::chrono::steady_clock::now();
-  absl::StatusOr<Mesh> mesh = BuildMesh(input->features, options);
-  const std::chrono::duration<double> build = std::chrono::steady_clock::now() - start;
+  BuildOptions build;
+  if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
+  absl::StatusOr<Mesh> mesh = BuildMesh(input->features, options, build);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   if (!mesh.ok()) {
     const absl::Status named = NameOption(mesh.status(), command.mesh, input->where_option);
     return ReportError(Locate(named, input->where));
+  }
+  if (options.kind == MeshKind::kQuadtree) {
+    if (!choice->IsEverything()) {
+      return ReportError(absl::InvalidArgumentError(
+          "--region, --outside: a quadtree has no simplices, which lie in regions"));
+    }
+    if (auto status = WriteOutputs(*mesh, options, command.output); !status.ok()) {
+      return ReportError(status);
+    }
+    return PrintOut(SummariseQuadtree(*mesh, options, took.count(), command.json)) ? kExitDone
+                                                                                   : kExitFailed;
   }
   WarnOfUnknownRegions(*choice, *mesh);
   if (!choice->IsEverything()) *mesh = mesh_data::OnlyInside(*mesh, *choice);
@@ -102,7 +144,7 @@ int Run(const MeshCommand& command) {
   if (auto status = WriteOutputs(*mesh, options, command.output); !status.ok()) {
     return ReportError(status);
   }
-  return PrintOut(Summarise(*mesh, quality, options.min_dihedral, build.count(), command.json))
+  return PrintOut(Summarise(*mesh, quality, options.min_dihedral, took.count(), command.json))
              ? kExitDone
              : kExitFailed;
 }

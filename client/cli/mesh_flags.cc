@@ -118,6 +118,12 @@ absl::Status ApplyOutsideFlag(const std::string& text, const std::vector<Feature
 
 void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
   command
+      .add_option(
+          "--kind", flags.kind,
+          "A Delaunay mesh, or a size-conforming quadtree (in 3D octree), which has none of "
+          "--rho, --criterion, --hmax and --min-dihedral (default: delaunay)")
+      ->type_name("delaunay|quadtree");
+  command
       .add_option("--rho", flags.rho,
                   "Largest circumradius / shortest edge, 1 to 100 (default: sqrt 2, no angle "
                   "below 20.7 degrees); from 1.4142 with criterion thesis. In space 1.2 to 100, "
@@ -125,7 +131,10 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
       ->type_name("R");
   command.add_option("--criterion", flags.criterion, "When refinement is done (default: edge)")
       ->type_name("edge|thesis");
-  command.add_option("--engine", flags.engine, "Which mesher (default: dynamic)")
+  command
+      .add_option("--engine", flags.engine,
+                  "Which mesher (default: dynamic); svr: Sparse Voronoi Refinement, from scratch "
+                  "only, of points")
       ->type_name("dynamic|svr");
   AddBoxFlag(command, flags.box);
   command.get_option("--box")->type_name(kBoxOfEither);
@@ -178,6 +187,7 @@ absl::Status NameOption(const absl::Status& status, const MeshFlags& flags,
         std::tuple{"max_edge", "--hmax", flags.max_edge.has_value()},
         std::tuple{"min_dihedral", "--min-dihedral", flags.min_dihedral.has_value()},
         std::tuple{"criterion", "--criterion", !flags.criterion.empty()},
+        std::tuple{"kind", "--kind", !flags.kind.empty()}, std::tuple{"engine", "--engine", true},
         std::tuple{"limits.max_vertices", "--max-vertices", flags.max_vertices.has_value()}}) {
     if (name == option && is_given) word = flag;
   }
@@ -186,13 +196,30 @@ absl::Status NameOption(const absl::Status& status, const MeshFlags& flags,
   return absl::Status(status.code(), text::Concat(word, message.substr(name.size())));
 }
 
-absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options) {
-  if (flags.engine == "svr") {
-    return absl::UnimplementedError("--engine: svr is not supported yet in this version");
-  }
-  if (flags.engine != "dynamic") {
+absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options, MeshLife life) {
+  if (flags.engine != "dynamic" && flags.engine != "svr") {
     return absl::InvalidArgumentError(
         text::Concat("--engine: expected dynamic or svr, found ", text::Quoted(flags.engine)));
+  }
+  if (flags.engine == "svr" && life == MeshLife::kDynamic) {
+    return absl::InvalidArgumentError(
+        "--engine: svr makes meshes from scratch only: use dynmesh mesh, or engine dynamic");
+  }
+  // SVR has no cures.
+  if (flags.engine == "svr" && !flags.min_dihedral) options.min_dihedral = 0;
+  if (!flags.kind.empty()) {
+    const absl::StatusOr<MeshKind> kind = io::ParseMeshKind(flags.kind);
+    if (!kind.ok()) return Flag("--kind", kind.status());
+    if (*kind != options.kind) {
+      MeshOptions usual;
+      usual.dimension = options.dimension;
+      usual.box = options.box;
+      usual.quality = DefaultQuality(options.dimension);
+      usual.min_dihedral = DefaultMinDihedral(options.dimension, *kind);
+      usual.limits = options.limits;
+      usual.kind = *kind;
+      options = usual;
+    }
   }
   if (flags.rho) options.quality = *flags.rho;
   if (flags.max_edge) options.max_edge = *flags.max_edge;

@@ -19,6 +19,7 @@
 namespace dynmesh::cli {
 
 struct MeshFlags {
+  std::string kind;
   std::optional<double> rho;
   std::string criterion;
   std::string engine = "dynamic";
@@ -30,7 +31,7 @@ struct MeshFlags {
 // The value of a --box in 2D or 3D.
 inline constexpr char kBoxOfEither[] = "X0,Y0[,Z0],X1,Y1[,Z1]";
 
-// --rho --criterion --engine --box --hmax --min-dihedral --max-vertices
+// --kind --rho --criterion --engine --box --hmax --min-dihedral --max-vertices
 void AddMeshFlags(CLI::App& command, MeshFlags& flags);
 
 // Checks the rho for judging a mesh file, if given: 1 to 100.
@@ -63,8 +64,10 @@ void WarnOfUnknownRegions(const mesh_data::RegionChoice& choice, const Mesh& mes
 absl::Status NameOption(const absl::Status& status, const MeshFlags& flags,
                         const std::function<std::string(std::string_view)>& where);
 
-// Given flags override `options`.
-absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options);
+// Given flags override `options`. Another kind than before begins with its defaults.
+enum class MeshLife { kDynamic, kFromScratch };
+absl::Status ApplyMeshFlags(const MeshFlags& flags, MeshOptions& options,
+                            MeshLife life = MeshLife::kDynamic);
 
 }  // namespace dynmesh::cli
 

@@ -8,8 +8,10 @@
 #include "core/io/meshes/mesh_files.h"
 #include "core/io/meshes/msh_writer.h"
 #include "core/io/meshes/vtu_writer.h"
+#include "core/io/pictures/leaf_svg.h"
 #include "core/io/pictures/mesh_picture.h"
 #include "core/io/pictures/svg_writer.h"
+#include "core/io/quadtrees/leaf_list.h"
 #include "core/io/script/edit_script.h"
 
 namespace dynmesh::cli {
@@ -24,7 +26,7 @@ bool IsTriangles(const std::string& extension) {
 
 bool IsKnown(const std::string& extension) {
   return IsTriangles(extension) || extension == ".vtu" || extension == ".msh" ||
-         extension == ".mesh" || extension == ".svg";
+         extension == ".mesh" || extension == ".svg" || extension == ".csv";
 }
 
 // "z=0.5", or "z" for the middle.
@@ -47,7 +49,10 @@ absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Me
                                               bool highlighting) {
   io::SvgOptions svg;
   // Highlights need a plain background.
-  const std::string chosen = flags.fill.empty() ? (highlighting ? "plain" : "angle") : flags.fill;
+  const std::string usual = options.kind == MeshKind::kQuadtree ? "size"
+                            : highlighting                      ? "plain"
+                                                                : "angle";
+  const std::string chosen = flags.fill.empty() ? usual : flags.fill;
   const absl::StatusOr<io::SvgOptions::Fill> fill = io::ParseFill(chosen);
   if (!fill.ok()) return fill.status();
   svg.fill = *fill;
@@ -77,15 +82,18 @@ absl::StatusOr<io::SvgOptions> MakeSvgOptions(const OutputFlags& flags, const Me
 
 void AddOutputFlags(CLI::App& command, OutputFlags& flags) {
   command
-      .add_option("-o,--output", flags.paths,
-                  "Where to write the mesh: .node (with .ele, .edge and, in 3D, .face beside it), "
-                  ".vtu, .msh (Gmsh 4.1), .mesh (Medit) or .svg; may be given several times")
+      .add_option(
+          "-o,--output", flags.paths,
+          "Where to write the mesh: .node (with .ele, .edge and, in 3D, .face beside it), "
+          ".vtu, .msh (Gmsh 4.1), .mesh (Medit) or .svg; of a quadtree .csv, .vtu or .svg; may "
+          "be given several times")
       ->type_name("OUT")
       ->take_all()
       ->allow_extra_args(false);
   command
       .add_option("--fill", flags.fill,
-                  "Colours of a picture (default: angle; plain with --highlight): by least angle, "
+                  "Colours of a picture (default: angle; plain with --highlight; size of a "
+                  "quadtree, which has size, plain and none): by least angle, "
                   "in 3D dihedral (dihedral: with a legend), by circumradius / shortest edge, by "
                   "shortest edge, by whether a small input angle excuses a triangle over rho and, "
                   "with a legend, which tetrahedra are below --min-dihedral, by the polygons it "
@@ -115,23 +123,62 @@ absl::Status CheckOutputs(const OutputFlags& flags) {
           path, ": ", extension, " files as output are not supported yet in this version"));
     }
     return absl::InvalidArgumentError(text::Concat(
-        path, ": the extension must tell what to write: .node, .vtu, .msh, .mesh or .svg"));
+        path,
+        ": the extension must tell what to write: .node, .vtu, .msh, .mesh or .svg, of a "
+        "quadtree .csv, .vtu or .svg"));
   }
   return MakeSvgOptions(flags, MeshOptions(), false).status();
 }
 
-absl::Status CheckOutputsOf(int dimension, const OutputFlags& flags) {
+absl::Status CheckOutputsOf(const MeshOptions& options, const OutputFlags& flags) {
+  const bool is_quadtree = options.kind == MeshKind::kQuadtree;
+  for (const std::string& path : flags.paths) {
+    const std::string extension = ExtensionOf(path);
+    if (is_quadtree && extension != ".csv" && extension != ".vtu" && extension != ".svg") {
+      return absl::InvalidArgumentError(
+          text::Concat(path, ": a quadtree is written as .csv, .vtu or .svg"));
+    }
+    if (!is_quadtree && extension == ".csv") {
+      return absl::InvalidArgumentError(
+          text::Concat(path, ": only the leaves of a quadtree are written as .csv"));
+    }
+  }
   if (flags.fill.empty()) return absl::OkStatus();
   const absl::StatusOr<io::SvgOptions::Fill> fill = io::ParseFill(flags.fill);
   if (!fill.ok()) return fill.status();
-  const absl::Status status = io::CheckFill(*fill, dimension);
+  const absl::Status status = io::CheckFill(*fill, options);
   if (status.ok()) return status;
   return absl::InvalidArgumentError(text::Concat("--fill: ", text::View(status.message())));
 }
 
+namespace {
+
+absl::Status WriteLeaves(const Mesh& mesh, const MeshOptions& options, const OutputFlags& flags) {
+  const absl::StatusOr<io::LeafList> list = io::LeavesOf(mesh, options);
+  if (!list.ok()) return list.status();
+  for (const std::string& path : flags.paths) {
+    const std::string extension = ExtensionOf(path);
+    absl::Status status;
+    if (extension == ".csv") {
+      status = io::WriteLeafCsv(*list, path);
+    } else if (extension == ".vtu") {
+      status = io::WriteLeafVtu(*list, path);
+    } else {
+      absl::StatusOr<io::SvgOptions> svg = MakeSvgOptions(flags, options, false);
+      if (!svg.ok()) return svg.status();
+      status = io::WriteLeafSvg(*list, *svg, path);
+    }
+    if (!status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
 absl::Status WriteOutputs(const Mesh& mesh, const MeshOptions& options, const OutputFlags& flags,
                           const SimplexColumn& highlight) {
   if (flags.paths.empty()) return absl::OkStatus();
+  if (options.kind == MeshKind::kQuadtree) return WriteLeaves(mesh, options, flags);
   const absl::StatusOr<io::IndexedMesh> indexed = io::IndexMesh(mesh);
   if (!indexed.ok()) return absl::InternalError(indexed.status().message());
   for (const std::string& path : flags.paths) {

@@ -27,8 +27,8 @@ void AddOutputFlags(CLI::App& command, OutputFlags& flags);
 // meshing, which may take long.
 absl::Status CheckOutputs(const OutputFlags& flags);
 
-// The same when the dimension of the mesh (2 or 3) is known.
-absl::Status CheckOutputsOf(int dimension, const OutputFlags& flags);
+// The same when the dimension and kind of the mesh are known.
+absl::Status CheckOutputsOf(const MeshOptions& options, const OutputFlags& flags);
 
 // Writes every file. Pictures show the box of `options` unless cropped, and highlight the simplices
 // `highlight`.

@@ -55,7 +55,7 @@ class Replay {
     if (auto s = ApplyOutsideFlag(command_.outside, nullptr, choice_); !s.ok()) return s;
     MeshOptions options = script_.Options();
     if (auto status = ApplyMeshFlags(command_.mesh, options); !status.ok()) return status;
-    if (auto s = CheckOutputsOf(options.dimension, command_.output); !s.ok()) return s;
+    if (auto s = CheckOutputsOf(options, command_.output); !s.ok()) return s;
     absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(options);
     if (!mesh.ok()) {
       return NameOption(mesh.status(), command_.mesh,

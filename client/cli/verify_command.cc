@@ -1,5 +1,5 @@
 // dynmesh verify MESH [--input INPUT [--lfs]] [--rho R] [--min-dihedral DEGREES]: checks a mesh
-// file.
+// file, or the leaves of a quadtree.
 #include <memory>
 #include <optional>
 
@@ -8,10 +8,14 @@
 #include "client/cli/input.h"
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
+#include "client/cli/quadtree_text.h"
 #include "client/cli/size_conformity.h"
 #include "client/cli/words.h"
 #include "client/verify/verify.h"
+#include "client/verify/verify_quadtree.h"
+#include "core/io/common/extension.h"
 #include "core/io/meshes/mesh_files.h"
+#include "core/io/quadtrees/leaf_list.h"
 #include "dynmesh/options.h"
 
 namespace dynmesh::cli {
@@ -26,16 +30,36 @@ struct VerifyCommand {
   bool json = false;
 };
 
-std::string FormatJson(const VerifyReport& report, double rho, std::optional<double> min_dihedral,
-                       const std::optional<SizeConformity>& conformity) {
+void AddChecks(const std::vector<VerifyCheck>& made, JsonObject& object) {
   JsonObject checks;
   std::vector<std::string> problems;
-  for (const VerifyCheck& check : report.checks) {
+  for (const VerifyCheck& check : made) {
     checks.Add(check.name, check.failures == 0);
     for (const std::string& example : check.examples) {
       problems.push_back(check.name + ": " + example);
     }
   }
+  object.AddObject("checks", checks).AddTexts("problems", problems);
+}
+
+std::string ChecksText(const std::vector<VerifyCheck>& made) {
+  std::string text;
+  bool is_good = true;
+  for (const VerifyCheck& check : made) {
+    if (check.failures == 0) {
+      text += absl::StrFormat("  %-12s ok\n", check.name);
+      continue;
+    }
+    is_good = false;
+    text += absl::StrFormat("  %-12s FAILED, %d\n", check.name, check.failures);
+    for (const std::string& example : check.examples) text += "      " + example + "\n";
+    if (check.failures > check.examples.size()) text += "      ...\n";
+  }
+  return text + (is_good ? "good\n" : "not good\n");
+}
+
+std::string FormatJson(const VerifyReport& report, double rho, std::optional<double> min_dihedral,
+                       const std::optional<SizeConformity>& conformity) {
   JsonObject object;
   object.Add("ok", report.Passed())
       .Add("vertices", report.vertices)
@@ -52,10 +76,9 @@ std::string FormatJson(const VerifyReport& report, double rho, std::optional<dou
   if (report.dimension == 3) object.Add("min_dihedral_deg", report.min_angle_deg);
   if (min_dihedral) object.Add("below_dihedral", report.below_dihedral);
   if (conformity) object.AddObject("lfs_over_lms", ConformityJson(*conformity));
-  return object.AddText("hash", report.hash.ToHex())
-      .AddObject("checks", checks)
-      .AddTexts("problems", problems)
-      .ToLine();
+  object.AddText("hash", report.hash.ToHex());
+  AddChecks(report.checks, object);
+  return object.ToLine();
 }
 
 std::string FormatText(const VerifyReport& report, double rho, std::optional<double> min_dihedral,
@@ -74,19 +97,41 @@ std::string FormatText(const VerifyReport& report, double rho, std::optional<dou
                             *min_dihedral, report.below_dihedral);
   }
   if (conformity) text += ConformityText(*conformity);
-  for (const VerifyCheck& check : report.checks) {
-    if (check.failures == 0) {
-      text += absl::StrFormat("  %-12s ok\n", check.name);
-      continue;
+  return text + ChecksText(report.checks);
+}
+
+// The leaves of a quadtree.
+int RunQuadtree(const VerifyCommand& command) {
+  for (const auto& [flag, is_given] : {std::pair("--rho", command.rho.has_value()),
+                                       {"--min-dihedral", command.min_dihedral.has_value()}}) {
+    if (is_given) {
+      return ReportError(absl::InvalidArgumentError(absl::StrFormat(
+          "%s: %s has the leaves of a quadtree, and simplices have that", flag, command.mesh)));
     }
-    text += absl::StrFormat("  %-12s FAILED, %d\n", check.name, check.failures);
-    for (const std::string& example : check.examples) text += "      " + example + "\n";
-    if (check.failures > check.examples.size()) text += "      ...\n";
   }
-  return text + (report.Passed() ? "good\n" : "not good\n");
+  const absl::StatusOr<io::LeafList> list = io::ReadLeafCsv(command.mesh);
+  if (!list.ok()) return ReportError(list.status());
+  Input input;
+  if (!command.input.empty()) {
+    absl::StatusOr<Input> loaded =
+        LoadInputOfMesh("--input", command.input, list->dimension, command.reading);
+    if (!loaded.ok()) return ReportError(loaded.status());
+    input = *std::move(loaded);
+  }
+  const QuadtreeReport report =
+      VerifyQuadtree(*list, command.input.empty() ? nullptr : &input.features);
+  JsonObject object;
+  object.Add("ok", report.Passed());
+  AddChecks(report.checks, QuadtreeJson(report, object));
+  if (!PrintOut(command.json ? object.ToLine()
+                             : QuadtreeText(report) + "\n" + ChecksText(report.checks))) {
+    return kExitFailed;
+  }
+  return report.Passed() ? kExitDone : kExitFailed;
 }
 
 int Run(const VerifyCommand& command) {
+  if (io::ExtensionOf(command.mesh) == ".csv") return RunQuadtree(command);
   if (auto status = CheckRhoFlag(command.rho); !status.ok()) return ReportError(status);
   if (auto status = CheckMinDihedralFlag(command.min_dihedral); !status.ok()) {
     return ReportError(status);
@@ -125,7 +170,9 @@ void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot) {
       AddCommand(app, slot, "verify",
                  "Check a mesh file with exact predicates: exit code 0 if it is good, 1 if not",
                  [command] { return Run(*command); });
-  sub->add_option("MESH", command->mesh, "A mesh as .node, .ele and .edge; in 3D with .face")
+  sub->add_option(
+         "MESH", command->mesh,
+         "A mesh as .node, .ele and .edge, in 3D with .face; or the leaves of a quadtree as .csv")
       ->required();
   CLI::Option* const input =
       sub->add_option("--input", command->input,

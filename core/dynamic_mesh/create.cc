@@ -19,15 +19,22 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> DynamicMesh::Create(const MeshOptio
                                 : LiveMesh<3>::Make(options, apply);
 }
 
-absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options) {
+absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options,
+                               const BuildOptions& build) {
   if (absl::Status status = ValidateOptions(options); !status.ok()) return status;
+  const bool is_planar = options.dimension == 2;
+  if (build.engine == BuildEngine::kSvr) {
+    if (absl::Status status = CheckSvrOptions(options); !status.ok()) return status;
+    return is_planar ? BuildBySvr<2>(features, options, build)
+                     : BuildBySvr<3>(features, options, build);
+  }
   if (options.kind == MeshKind::kQuadtree) {
-    return options.dimension == 2 ? BuildQuadtree<2>(features, options)
-                                  : BuildQuadtree<3>(features, options);
+    return is_planar ? BuildQuadtree<2>(features, options, build)
+                     : BuildQuadtree<3>(features, options, build);
   }
   if (absl::Status status = plc::CheckMaxEdge(options); !status.ok()) return status;
-  return options.dimension == 2 ? BuildDelaunay<2>(features, options)
-                                : BuildDelaunay<3>(features, options);
+  return is_planar ? BuildDelaunay<2>(features, options, build)
+                   : BuildDelaunay<3>(features, options, build);
 }
 
 }  // namespace dynmesh

@@ -8,6 +8,7 @@
 #include "core/delaunay/delaunay_insert_order.h"
 #include "core/dynamic_mesh/limits.h"
 #include "core/dynamic_mesh/region_errors.h"
+#include "core/dynamic_mesh/vertex_id_error.h"
 #include "core/mesh_data/canonical_order.h"
 #include "core/mesh_data/regions.h"
 #include "core/mesh_data/whole_mesh.h"
@@ -33,11 +34,6 @@ auto FacetsOf(const Refinement& refinement) {
     const meshing::FacetIndex facet = meshing::FacetOf(refinement.complex(), a, b, c, d);
     return facet == meshing::kNil ? meshing::kNil : refinement.complex().facets[facet].feature();
   };
-}
-
-std::string Shortest(double x) {
-  std::array<char, 32> text;
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
 }
 
 template <class Subsegment>
@@ -92,23 +88,12 @@ absl::Status DiffBuilder<D>::NameStatus(const Refinement& refinement,
   const auto clash =
       names_.Clash([&](VertexIndex v) -> const Point& { return refinement.vertex(v).p; });
   if (!clash) return absl::OkStatus();
-  std::string names;
-  std::vector<FeatureId> owners;
-  for (const VertexIndex v : *clash) {
-    names += names.empty() ? "the vertices at (" : " and (";
-    const Point& p = refinement.vertex(v).p;
-    for (int k = 0; k < D; ++k) names += (k == 0 ? "" : ", ") + Shortest(p[k]);
-    names += ")";
-    const FeatureId owner = features.IdOf(refinement.vertex(v).feature);
-    if (owner == kNoFeature || owner == kBoxFeature) continue;
-    names += " on feature " + std::to_string(owner);
-    if (std::ranges::find(owners, owner) == owners.end()) owners.push_back(owner);
+  std::array<NamedVertex, 2> named;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Vertex& vertex = refinement.vertex((*clash)[i]);
+    named[i] = {{vertex.p.c.begin(), vertex.p.c.end()}, features.IdOf(vertex.feature)};
   }
-  return MakeError(absl::StatusCode::kFailedPrecondition,
-                   names +
-                       " would have the same id, a hash of coordinates; move one of the "
-                       "features a little",
-                   {reason::kIdCollision, owners, {}});
+  return VertexIdError(named);
 }
 
 // --- The whole mesh -------------------------------------------------------------------

@@ -66,6 +66,12 @@ absl::Status LimitsStatus(const Refinement& refinement, const MeshOptions& optio
   return absl::OkStatus();
 }
 
+// The error of a mesh that is interrupted while it is made.
+inline absl::Status GivenUpError() {
+  return MakeError(absl::StatusCode::kCancelled, "the mesh was given up while it was made",
+                   {reason::kCancelled, {}, {}});
+}
+
 // The error of a batch that needs more than max_operations.
 inline absl::Status WorkLimitError(std::uint64_t max_operations) {
   return MakeError(absl::StatusCode::kResourceExhausted,

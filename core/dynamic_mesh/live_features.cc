@@ -1,7 +1,6 @@
 #include "core/dynamic_mesh/live_features.h"
 
 #include <algorithm>
-#include <limits>
 #include <span>
 #include <utility>
 
@@ -10,13 +9,8 @@
 
 namespace dynmesh {
 
-Interrupt InterruptOf(const ApplyOptions& apply) {
-  return apply.interrupted == nullptr ? Interrupt(Never) : Interrupt(apply.interrupted);
-}
-
-std::uint64_t MostOperations(const ApplyOptions& apply) {
-  return apply.max_operations != 0 ? apply.max_operations
-                                   : std::numeric_limits<std::uint64_t>::max();
+Interrupt InterruptOf(const std::function<bool()>& interrupted) {
+  return interrupted == nullptr ? Interrupt(Never) : Interrupt(interrupted);
 }
 
 template <int D>
@@ -24,13 +18,13 @@ absl::Status LiveFeatures<D>::Validate(const EditBatch& batch) const {
   return plc().Check(batch).status();
 }
 
-// The change that the batch makes, if it is valid.
 template <int D>
-absl::StatusOr<plc::Delta<D>> LiveFeatures<D>::Check(const EditBatch& batch, ProgressMeter& meter,
-                                                     Interrupt interrupt) const {
+absl::StatusOr<plc::Delta<D>> CheckBatch(const plc::Plc<D>& plc, const plc::Edits& batch,
+                                         const MeshOptions& options, ProgressMeter& meter,
+                                         Interrupt interrupt) {
   meter.Begin(ApplyProgress::Stage::kValidate);
   std::size_t looked_at = 0;
-  absl::StatusOr<plc::Delta<D>> delta = plc().Check(batch, nullptr, [&](std::size_t waiting) {
+  absl::StatusOr<plc::Delta<D>> delta = plc.Check(batch, nullptr, [&](std::size_t waiting) {
     if (waiting != plc::kNotKnown) {
       meter.Step([&] { return ProgressMeter::Work{looked_at, looked_at + waiting}; });
       ++looked_at;
@@ -39,16 +33,14 @@ absl::StatusOr<plc::Delta<D>> LiveFeatures<D>::Check(const EditBatch& batch, Pro
   });
   if (!delta.ok()) return delta;
   meter.End(std::max(looked_at, delta->size()));
-  if (delta->added_points.size() > options().limits.max_vertices) {
-    return VertexLimitError(options());
-  }
+  if (delta->added_points.size() > options.limits.max_vertices) return VertexLimitError(options);
   return delta;
 }
 
 template <int D>
 absl::StatusOr<MeshDiff> LiveFeatures<D>::Apply(const EditBatch& batch, const ApplyOptions& apply) {
   const Stopwatch watch;
-  const Interrupt interrupt = InterruptOf(apply);
+  const Interrupt interrupt = InterruptOf(apply.interrupted);
   double validated = 0;
   const auto commit = [&](MeshDiff& diff) {
     diff.from_revision = revision_;
@@ -66,10 +58,12 @@ absl::StatusOr<MeshDiff> LiveFeatures<D>::Apply(const EditBatch& batch, const Ap
     return nothing;
   }
   ProgressMeter meter(apply.progress);
-  absl::StatusOr<plc::Delta<D>> delta = Check(batch, meter, interrupt);
+  absl::StatusOr<plc::Delta<D>> delta =
+      CheckBatch(plc(), plc::Edits(batch), options(), meter, interrupt);
   if (!delta.ok()) return delta.status();
   validated = watch.microseconds();
-  absl::StatusOr<MeshDiff> diff = Run(*delta, {meter, interrupt, MostOperations(apply)}, commit);
+  absl::StatusOr<MeshDiff> diff =
+      Run(*delta, {meter, interrupt, MostOperations(apply.max_operations)}, commit);
   if (!diff.ok()) return diff;
   revision_ = diff->to_revision;
   if (apply.revocable) {
@@ -92,6 +86,10 @@ void LiveFeatures<D>::TakeBack(std::size_t revisions) {
   revocable_.resize(revocable_.size() - revisions);
 }
 
+template absl::StatusOr<plc::Delta<2>> CheckBatch(const plc::Plc<2>&, const plc::Edits&,
+                                                  const MeshOptions&, ProgressMeter&, Interrupt);
+template absl::StatusOr<plc::Delta<3>> CheckBatch(const plc::Plc<3>&, const plc::Edits&,
+                                                  const MeshOptions&, ProgressMeter&, Interrupt);
 template class LiveFeatures<2>;
 template class LiveFeatures<3>;
 

@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <vector>
 
 #include "absl/functional/function_ref.h"
@@ -24,8 +26,18 @@ constexpr bool Never() { return false; }
 // Completes the diff of a batch, but for the revisions, and decides whether the batch takes effect.
 using Commit = absl::FunctionRef<absl::Status(MeshDiff&)>;
 
-Interrupt InterruptOf(const ApplyOptions& apply);
-std::uint64_t MostOperations(const ApplyOptions& apply);
+// `interrupted` must outlive the result; null: Never.
+Interrupt InterruptOf(const std::function<bool()>& interrupted);
+// 0: no limit.
+constexpr std::uint64_t MostOperations(std::uint64_t max_operations) {
+  return max_operations != 0 ? max_operations : std::numeric_limits<std::uint64_t>::max();
+}
+
+// The change that the batch makes, if it is valid and the points alone are within the limits.
+template <int D>
+absl::StatusOr<plc::Delta<D>> CheckBatch(const plc::Plc<D>& plc, const plc::Edits& batch,
+                                         const MeshOptions& options, ProgressMeter& meter,
+                                         Interrupt interrupt);
 
 template <int D>
 class LiveFeatures : public DynamicMesh {
@@ -60,9 +72,6 @@ class LiveFeatures : public DynamicMesh {
   virtual void GiveMemoryBack(Interrupt interrupt) = 0;
 
  private:
-  absl::StatusOr<plc::Delta<D>> Check(const EditBatch& batch, ProgressMeter& meter,
-                                      Interrupt interrupt) const;
-
   std::uint64_t revision_ = 0;
   std::vector<plc::Delta<D>> revocable_;  // of the last revisions, in this order
 };

@@ -11,7 +11,6 @@
 #include "core/dynamic_mesh/rebuild_choice.h"
 #include "core/dynamic_mesh/transaction.h"
 #include "core/plc/messages.h"
-#include "dynmesh/error.h"
 
 namespace dynmesh {
 
@@ -28,18 +27,15 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> LiveMesh<D>::Make(const MeshOptions
   std::unique_ptr<LiveMesh> mesh(new LiveMesh(Unbegun(), options, {}));
   const auto& refinement = mesh->mesh_.state->refinement;
   const sac::Counters& counters = refinement.engine().counters();
-  const std::uint64_t most = MostOperations(apply);
-  const Interrupt interrupt = InterruptOf(apply);
+  const std::uint64_t most = MostOperations(apply.max_operations);
+  const Interrupt interrupt = InterruptOf(apply.interrupted);
   const bool begun = mesh->mesh_.Begin([&] {
     return interrupt() || counters.executed > most ||
            IsOverLimits(refinement, options.limits.max_vertices);
   });
   if (absl::Status status = LimitsStatus(refinement, options); !status.ok()) return status;
   if (counters.executed > most) return WorkLimitError(most);
-  if (!begun) {
-    return MakeError(absl::StatusCode::kCancelled, "the mesh was given up while it was made",
-                     {reason::kCancelled, {}, {}});
-  }
+  if (!begun) return GivenUpError();
   return mesh;
 }
 

@@ -29,6 +29,7 @@ class LiveMesh final : public LiveFeatures<D> {
 
   Mesh Snapshot() const override;
   SimplexColumn Locate(std::span<const double> points) const override;
+  std::vector<double> LeafSides(std::span<const double> /*points*/) const override { return {}; }
   const MeshOptions& options() const override { return mesh_.options; }
   MeshHash hash() const override { return mesh_.state->diffs.hash(); }
   MeshStats Stats() const override;

@@ -161,17 +161,36 @@ Mesh LiveQuadtree<D>::Snapshot() const {
 }
 
 template <int D>
-SimplexColumn LiveQuadtree<D>::Locate(std::span<const double> points) const {
-  SimplexColumn result;
-  result.reserve(points.size() / D * (D + 1));
+template <class F>
+void LiveQuadtree<D>::ForEachLeafAt(std::span<const double> points, F f) const {
   const quadtree::Box<D> root = grid_.BoxOf(quadtree::Cell<D>());
   for (; points.size() >= D; points = points.subspan(D)) {
     geometry::Point<D> p;
     std::copy_n(points.begin(), D, p.c.begin());
-    result.push_back(root.Holds(p) ? leaves_.IdOf(state_->tree.LeafAt(p)) : 0);
-    result.insert(result.end(), D, 0);
+    std::optional<quadtree::Cell<D>> leaf;
+    if (root.Holds(p)) leaf = state_->tree.LeafAt(p);
+    f(leaf);
   }
+}
+
+template <int D>
+SimplexColumn LiveQuadtree<D>::Locate(std::span<const double> points) const {
+  SimplexColumn result;
+  result.reserve(points.size() / D * (D + 1));
+  ForEachLeafAt(points, [&](const std::optional<quadtree::Cell<D>>& leaf) {
+    result.push_back(leaf.has_value() ? leaves_.IdOf(*leaf) : 0);
+    result.insert(result.end(), D, 0);
+  });
   return result;
+}
+
+template <int D>
+std::vector<double> LiveQuadtree<D>::LeafSides(std::span<const double> points) const {
+  std::vector<double> sides;
+  ForEachLeafAt(points, [&](const std::optional<quadtree::Cell<D>>& leaf) {
+    sides.push_back(leaf.has_value() ? grid_.Side(leaf->level) : 0);
+  });
+  return sides;
 }
 
 template <int D>
@@ -204,29 +223,52 @@ AuditReport LiveQuadtree<D>::Audit() const {
 }
 
 template <int D>
-absl::StatusOr<Mesh> BuildQuadtree(std::span<const Feature> features, const MeshOptions& options) {
-  plc::Plc<D> plc(options);
-  const absl::StatusOr<plc::Delta<D>> delta = plc.Check(plc::Edits::Adding(features));
+absl::StatusOr<Mesh> BuildQuadtree(std::span<const Feature> features, const MeshOptions& options,
+                                   const BuildOptions& build) {
+  const Interrupt interrupt = InterruptOf(build.interrupted);
+  const std::uint64_t most = MostOperations(build.max_operations);
+  ProgressMeter meter(build.progress);
+  const plc::Plc<D> plc(options);
+  const absl::StatusOr<plc::Delta<D>> delta =
+      CheckBatch(plc, plc::Edits::Adding(features), options, meter, interrupt);
+  if (absl::IsCancelled(delta.status())) return GivenUpError();
   if (!delta.ok()) return delta.status();
-  if (delta->added_points.size() > options.limits.max_vertices) return VertexLimitError(options);
+  meter.Begin(ApplyProgress::Stage::kRefine);
   const quadtree::Grid<D> grid = GridOf<D>(options);
   quadtree::BuildQt<D, sac::UntracedEngine> tree(grid);
   ShapeTable<D> shapes;
   shapes.Apply(*delta, tree);
-  tree.Propagate([&] { return tree.leaf_count() > options.limits.max_vertices; });
+  const auto& engine = tree.engine();
+  const auto work = [&] {
+    return ProgressMeter::Work{engine.executed(), engine.executed() + engine.waiting()};
+  };
+  bool is_interrupted = false;
+  tree.Propagate([&] {
+    meter.Step(work);
+    is_interrupted = interrupt();
+    return is_interrupted || engine.executed() > most ||
+           tree.leaf_count() > options.limits.max_vertices;
+  });
+  if (is_interrupted) return GivenUpError();
   if (tree.leaf_count() > options.limits.max_vertices) return VertexLimitError(options);
+  if (engine.executed() > most) return WorkLimitError(most);
+  meter.End(engine.executed());
+  meter.Begin(ApplyProgress::Stage::kDiff);
   LeafIds<D> ids(grid, &VertexIdAt);
   const std::vector<quadtree::Cell<D>> leaves = tree.Leaves();
   for (const quadtree::Cell<D>& leaf : leaves) ids.Add(leaf);
   if (const auto clash = ids.Clash(); clash.has_value()) return IdCollisionError(*clash);
   Mesh mesh = MeshOf(leaves, ids);
   mesh.revision = features.empty() ? 0 : 1;
+  meter.End();
   return mesh;
 }
 
 template class LiveQuadtree<2>;
 template class LiveQuadtree<3>;
-template absl::StatusOr<Mesh> BuildQuadtree<2>(std::span<const Feature>, const MeshOptions&);
-template absl::StatusOr<Mesh> BuildQuadtree<3>(std::span<const Feature>, const MeshOptions&);
+template absl::StatusOr<Mesh> BuildQuadtree<2>(std::span<const Feature>, const MeshOptions&,
+                                               const BuildOptions&);
+template absl::StatusOr<Mesh> BuildQuadtree<3>(std::span<const Feature>, const MeshOptions&,
+                                               const BuildOptions&);
 
 }  // namespace dynmesh

@@ -9,7 +9,9 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/dynamic_mesh/leaf_ids.h"
@@ -29,6 +31,7 @@ class LiveQuadtree final : public LiveFeatures<D> {
 
   Mesh Snapshot() const override;
   SimplexColumn Locate(std::span<const double> points) const override;
+  std::vector<double> LeafSides(std::span<const double> points) const override;
   const MeshOptions& options() const override { return options_; }
   MeshHash hash() const override { return leaves_.hash(); }
   MeshStats Stats() const override;
@@ -54,6 +57,9 @@ class LiveQuadtree final : public LiveFeatures<D> {
   absl::Status Propagate(const typename LiveFeatures<D>::Batch& batch);
   quadtree::LeafDiff<D> TakeChanges();
   absl::Status StatusOfIds() const;
+  // Calls f(leaf or nothing) for each point.
+  template <class F>
+  void ForEachLeafAt(std::span<const double> points, F f) const;
 
   const MeshOptions options_;
   plc::Plc<D> plc_;
@@ -62,9 +68,10 @@ class LiveQuadtree final : public LiveFeatures<D> {
   LeafIds<D> leaves_;
 };
 
-// The same from scratch, without a trace. Errors: those of Apply.
+// BuildMesh (dynamic_mesh.h): the same from scratch, without a trace.
 template <int D>
-absl::StatusOr<Mesh> BuildQuadtree(std::span<const Feature> features, const MeshOptions& options);
+absl::StatusOr<Mesh> BuildQuadtree(std::span<const Feature> features, const MeshOptions& options,
+                                   const BuildOptions& build);
 
 }  // namespace dynmesh
 

@@ -64,15 +64,15 @@ struct Cell {
  private:
   // Moves bit i of the lower 64 / D bits to bit D i: halves the groups of bits, again and again.
   static constexpr std::uint64_t Spread(std::uint64_t x) {
-    for (int group = 32; group >= 1; group /= 2) {
+    for (int group = static_cast<int>(std::bit_ceil(64u / D)) / 2; group >= 1; group /= 2) {
       x = (x | x << (group * (D - 1))) & kGroups[std::countr_zero(static_cast<unsigned>(group))];
     }
     return x;
   }
   // [j]: groups of 2^j bits, D 2^j apart.
-  static constexpr std::array<std::uint64_t, 6> kGroups = [] {
-    std::array<std::uint64_t, 6> groups = {};
-    for (int j = 0; j < 6; ++j) {
+  static constexpr std::array<std::uint64_t, 5> kGroups = [] {
+    std::array<std::uint64_t, 5> groups = {};
+    for (int j = 0; j < 5; ++j) {
       for (int bit = 0; bit < 64 / D * D; ++bit) {
         const int group = 1 << j, within = bit % (D * group);
         if (within < group) groups[j] |= std::uint64_t{1} << bit;

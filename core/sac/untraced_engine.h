@@ -3,6 +3,7 @@
 #ifndef DYNMESH_CORE_SAC_UNTRACED_ENGINE_H_
 #define DYNMESH_CORE_SAC_UNTRACED_ENGINE_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -55,6 +56,7 @@ class UntracedEngine {
   }
 
   std::uint64_t executed() const { return executed_; }
+  std::size_t waiting() const { return queue_.size(); }
 
  private:
   struct Entry {

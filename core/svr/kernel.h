@@ -1,4 +1,4 @@
-// What SVR sees of the exact Delaunay kernels, alike in 2D and 3D.
+// What SVR sees of the exact Delaunay kernels, alike in 2D, 3D and 4D.
 #ifndef DYNMESH_CORE_SVR_KERNEL_H_
 #define DYNMESH_CORE_SVR_KERNEL_H_
 
@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/delaunay/bowyer_watson.h"
 #include "core/delaunay/triangulation_of.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/point.h"
@@ -19,7 +20,19 @@ using SimplexIndex = std::uint32_t;
 inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 template <int D>
-using Kernel = delaunay::TriangulationOf<D>;
+struct KernelOf {
+  using Type = delaunay::BowyerWatson<D>;
+};
+template <>
+struct KernelOf<2> {
+  using Type = delaunay::TriangulationOf<2>;
+};
+template <>
+struct KernelOf<3> {
+  using Type = delaunay::TriangulationOf<3>;
+};
+template <int D>
+using Kernel = typename KernelOf<D>::Type;
 
 template <int D>
 struct Ball {
@@ -42,6 +55,12 @@ inline Ball<3> BallOf(const Kernel<3>& mesh, SimplexIndex s) {
   const auto ball =
       geometry::CircumballOf(p, mesh.position(v[1]), mesh.position(v[2]), mesh.position(v[3]));
   return {{{p[0] + ball.w[0], p[1] + ball.w[1], p[2] + ball.w[2]}}, ball.r2};
+}
+
+template <int D>
+Ball<D> BallOf(const delaunay::BowyerWatson<D>& mesh, SimplexIndex s) {
+  const auto ball = mesh.BallOf(s);
+  return {ball.centre, ball.r2};
 }
 
 template <int D>

@@ -42,6 +42,29 @@ std::vector<Point2> BorderOf(const Options<2>& options) {
   for (int i = 0; i < 4; ++i) std::swap(border[i], border[i * cells]);
   return border;
 }
+// In any dimension: the corners by their bits, then all others.
+template <int D>
+std::vector<Point<D>> BorderOf(const Options<D>& options) {
+  const int cells = options.border_cells;
+  std::vector<Point<D>> border, others;
+  std::array<int, D> at = {};
+  // Counts from (0, ..., 0) to (cells, ..., cells), the first axis fastest: corners by their bits.
+  for (int k = 0; k < D;) {
+    int sides = 0;
+    Point<D> p;
+    for (int axis = 0; axis < D; ++axis) {
+      sides += at[axis] % cells == 0 ? 1 : 0;
+      p[axis] = at[axis] == cells
+                    ? options.hi[axis]
+                    : options.lo[axis] + at[axis] * ((options.hi[axis] - options.lo[axis]) / cells);
+    }
+    if (sides == D) border.push_back(p);
+    if (sides > 0 && sides < D) others.push_back(p);
+    for (k = 0; k < D && ++at[k] > cells; ++k) at[k] = 0;
+  }
+  border.insert(border.end(), others.begin(), others.end());
+  return border;
+}
 std::vector<Point3> BorderOf(const Options<3>& options) {
   return geometry::CubeBorder(options.lo, options.hi, options.border_cells,
                               (options.hi[0] - options.lo[0]) / options.border_cells);
@@ -79,8 +102,19 @@ void Svr<D, Location>::AddBorder() {
   for (std::size_t i = corners.size(); i < border.size(); ++i) {
     mesh_.Insert(static_cast<VertexIndex>(i), border[i], static_cast<VertexIndex>(i - 1));
   }
+  border_count_ = border.size();
   input_.assign(border.size(), kNone);
   is_entered_.assign(border.size(), false);
+}
+
+template <int D, class Location>
+std::vector<VertexIndex> Svr<D, Location>::BorderAround() const requires(D == 2) {
+  std::vector<VertexIndex> around(border_count_);
+  for (VertexIndex v = 0; v < around.size(); ++v) around[v] = v;
+  // As in BorderOf.
+  const auto cells = static_cast<std::size_t>(options_.border_cells);
+  for (std::size_t i = 4; i-- > 0;) std::swap(around[i], around[i * cells]);
+  return around;
 }
 
 template <int D, class Location>
@@ -129,7 +163,10 @@ void Svr<D, Location>::Do(const Item& item) {
   ++(item.kind == kSkinny    ? counts_.skinny
      : item.kind == kCrowded ? counts_.crowded
                              : counts_.moderate);
-  if (item.kind != kCrowded) return Split(item.of);
+  if (item.kind != kCrowded) {
+    Split(item.of);
+    return;
+  }
   is_entered_[item.of] = false;
   DoCrowded(item.of);
   EnterCrowded(item.of);
@@ -146,23 +183,24 @@ void Svr<D, Location>::DoCrowded(VertexIndex v) {
     if (r2 > most) most = r2, largest = s;
   });
   // Points are far from a Steiner point, or it would have become one of them.
-  if (input_[v] == kNone) return Insert(points_[p], p, largest);
-  Split(largest);
+  if (input_[v] == kNone || !Split(largest)) Insert(points_[p], p, largest);
 }
 
 template <int D, class Location>
-void Svr<D, Location>::Split(SimplexIndex s) {
+bool Svr<D, Location>::Split(SimplexIndex s) {
   const Ball<D> ball = BallOf(mesh_, s);
   const PointIndex p = location_.FindIn(s, ball, options_.k * std::sqrt(ball.r2));
   if (p != kNone) {
     ++counts_.warped;
-    return Insert(points_[p], p, s);
+    Insert(points_[p], p, s);
+    return true;
   }
   if (!std::isfinite(ball.r2) || !IsInDomain(ball.centre)) {
     ++counts_.outside;
-    return;
+    return false;
   }
   Insert(ball.centre, kNone, s);
+  return true;
 }
 
 template <int D, class Location>
@@ -193,5 +231,6 @@ template class Svr<2, VoronoiLocation<2, true>>;
 template class Svr<2, VoronoiLocation<2, false>>;
 template class Svr<3, VoronoiLocation<3, true>>;
 template class Svr<3, VoronoiLocation<3, false>>;
+template class Svr<4, VoronoiLocation<4, true>>;
 
 }  // namespace dynmesh::svr

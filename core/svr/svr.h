@@ -32,10 +32,12 @@ namespace dynmesh::svr {
 
 template <int D>
 struct Options {
-  geometry::Point<D> lo{}, hi{};  // the domain: a square or cube
-  int border_cells = 0;           // of the grid on each side of the domain
-  double quality = 2;             // rho
-  double k = 0.9;                 // how far input points attract a circumcenter
+  // The domain: a square, cube, ... It should be 4 times as large as the points' extent, or larger:
+  // simplices with a circumcenter outside are not split.
+  geometry::Point<D> lo{}, hi{};
+  int border_cells = 0;  // of the grid on each side of the domain
+  double quality = 2;    // rho
+  double k = 0.9;        // how far input points attract a circumcenter
 };
 
 struct Counts {
@@ -64,6 +66,14 @@ class Svr {
   }
 
   const Kernel<D>& mesh() const { return mesh_; }
+  // The first vertices are those of the border's grid.
+  std::size_t border_count() const { return border_count_; }
+  // 2D: these, counter-clockwise.
+  std::vector<VertexIndex> BorderAround() const requires(D == 2);
+  // Items of work that are known.
+  std::size_t waiting() const {
+    return work_[kSkinny].size() + work_[kCrowded].size() + work_[kModerate].size();
+  }
   // Of an input point its index in the sorted input; kNone of others.
   PointIndex InputOf(VertexIndex v) const { return input_[v]; }
   const Counts& counts() const { return counts_; }
@@ -88,8 +98,8 @@ class Svr {
   bool Next(Item* item);
   void Do(const Item& item);
   void DoCrowded(VertexIndex v);
-  // At the circumcenter of s or an input point near it.
-  void Split(SimplexIndex s);
+  // At the circumcenter of s or an input point near it. False: that is not in the domain.
+  bool Split(SimplexIndex s);
   void Insert(const Point& p, PointIndex input, SimplexIndex conflicting);
   void Enter(SimplexIndex s);
   void EnterCrowded(VertexIndex v);
@@ -98,6 +108,7 @@ class Svr {
   const Options<D> options_;
   const std::vector<Point> points_;  // sorted
   Kernel<D> mesh_;
+  std::size_t border_count_ = 0;
   Location location_;
   std::vector<PointIndex> input_;  // by vertex
   std::vector<bool> is_entered_;   // by vertex: it has an item
@@ -110,6 +121,7 @@ extern template class Svr<2, VoronoiLocation<2, true>>;
 extern template class Svr<2, VoronoiLocation<2, false>>;
 extern template class Svr<3, VoronoiLocation<3, true>>;
 extern template class Svr<3, VoronoiLocation<3, false>>;
+extern template class Svr<4, VoronoiLocation<4, true>>;
 
 }  // namespace dynmesh::svr
 

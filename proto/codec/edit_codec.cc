@@ -217,6 +217,17 @@ absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
     default:
       return OptionError("criterion", "is unknown: EDGE or THESIS");
   }
+  switch (proto.kind()) {
+    case v1::MESH_KIND_UNSPECIFIED:
+    case v1::MESH_KIND_DELAUNAY:
+      options.kind = MeshKind::kDelaunay;
+      break;
+    case v1::MESH_KIND_QUADTREE:
+      options.kind = MeshKind::kQuadtree;
+      break;
+    default:
+      return OptionError("kind", "is unknown: DELAUNAY or QUADTREE");
+  }
   if (proto.max_vertices() > max_vertices) {
     return OptionError("max_vertices", absl::StrCat("is above this server's ", max_vertices));
   }
@@ -230,8 +241,9 @@ absl::StatusOr<MeshOptions> DecodeOptions(const v1::MeshOptions& proto,
   }
   if (proto.max_depth() != 0) options.limits.max_depth = proto.max_depth();
   options.max_edge = proto.max_edge();
-  options.min_dihedral =
-      proto.has_min_dihedral() ? proto.min_dihedral() : DefaultMinDihedral(options.dimension);
+  options.min_dihedral = proto.has_min_dihedral()
+                             ? proto.min_dihedral()
+                             : DefaultMinDihedral(options.dimension, options.kind);
   if (absl::Status status = ValidateOptions(options); !status.ok()) return OnWire(status);
   return options;
 }
@@ -247,6 +259,8 @@ void EncodeOptions(const MeshOptions& options, v1::MeshOptions* out) {
   out->set_max_depth(options.limits.max_depth);
   out->set_max_edge(options.max_edge);
   out->set_min_dihedral(options.min_dihedral);
+  out->set_kind(options.kind == MeshKind::kQuadtree ? v1::MESH_KIND_QUADTREE
+                                                    : v1::MESH_KIND_DELAUNAY);
 }
 
 absl::Status DecodeEdits(const google::protobuf::RepeatedPtrField<v1::Edit>& proto, int dimension,

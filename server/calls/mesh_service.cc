@@ -109,6 +109,7 @@ class LocateCall final : public grpc::ServerUnaryReactor {
       response_->set_revision(answer->revision);
       response_->mutable_simplices()->mutable_vertex_ids()->Add(answer->simplices.begin(),
                                                                 answer->simplices.end());
+      response_->mutable_leaf_sides()->Add(answer->leaf_sides.begin(), answer->leaf_sides.end());
     }
     ticket_.reset();
     Finish(codec::ToGrpcStatus(answer.status()));

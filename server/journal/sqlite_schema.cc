@@ -76,6 +76,9 @@ constexpr const char* kSteps[kJournalSchema] = {
     // (DecodeJournalMesh).
     "",
     // Bits 6.
+    "",
+    // Descriptions name the kind of mesh. An older dynmeshd would recover a quadtree as a Delaunay
+    // mesh.
     ""};
 
 // The SQL function row_sum(...): RowSumOf.

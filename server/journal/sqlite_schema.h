@@ -22,7 +22,7 @@
 namespace dynmesh::server {
 
 // The schema's number in the file.
-inline constexpr int kJournalSchema = 8;
+inline constexpr int kJournalSchema = 9;
 // From this schema on a journal has an id, a record of its heads, and the present tables.
 inline constexpr int kSchemaWithId = 3;
 

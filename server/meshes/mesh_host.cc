@@ -153,7 +153,8 @@ absl::Status MeshHost::Locate(std::vector<double> points,
   const auto task = [self = shared_from_this(), shared, done] {
     self->EndGroup();
     if (absl::Status status = self->closed(); !status.ok()) return done(status);
-    done(LocateAnswer{self->mesh_->revision(), self->mesh_->Locate(*shared)});
+    done(LocateAnswer{self->mesh_->revision(), self->mesh_->Locate(*shared),
+                      self->mesh_->LeafSides(*shared)});
   };
   const TaskOwner owner{cancelled.get(), [done] { done(CancelledInTime()); }};
   return queue_->TryPost(task, max_waiting_, owner) ? absl::OkStatus() : QueueFull(max_waiting_);

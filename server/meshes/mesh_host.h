@@ -73,6 +73,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   struct LocateAnswer {
     std::uint64_t revision = 0;
     SimplexColumn simplices;
+    std::vector<double> leaf_sides;  // of a quadtree
   };
 
   // Takes `mesh`, O(its size). The pools `writers` and `readers` outlive the host.

@@ -219,7 +219,7 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as folder:
             rows += rows_of(Runner(arguments.bin.resolve(), pathlib.Path(folder)), given)
     if not arguments.only:
-        put_section(arguments.out, "\n".join([BEFORE, HEAD, *rows, ""]))
+        put_section(arguments.out, "dihedral_table.py", "\n".join([BEFORE, HEAD, *rows, ""]))
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ from scipy.interpolate import LinearNDInterpolator
 
 import dynmesh
 from other_meshers import Arrays, Mesher, Scene, installed
-from results_page import section_of
+from results_page import sections_of
 
 MOST_SECONDS = 90.0  # of a step, foreseen from that of the size before
 SIZES = {2: [0.0103, 0.00325, 0.00103], 3: [0.067, 0.0246]}  # targets of edges
@@ -211,7 +211,7 @@ def main() -> None:
     others = installed(arguments.triangle)
     titles = {"point": "A point that moves by 0.004",
               "disc": "A disc (3D: a ball) in which the mesh is finer, moving by 0.004"}
-    other = section_of(arguments.out)
+    other = sections_of(arguments.out)
     with open(arguments.out, "w", encoding="utf-8") as file:
         print(BEFORE, file=file)
         for feature, title in titles.items():

@@ -1,26 +1,27 @@
-"""RESULTS.md: remesh_table.py writes the page, dihedral_table.py a section of it, between markers."""
+"""RESULTS.md: remesh_table.py writes the page; others write a section each, between markers."""
 from __future__ import annotations
 
 import pathlib
+import re
 
-_BEGIN, _END = "<!-- dihedral_table.py: begin -->\n", "<!-- dihedral_table.py: end -->\n"
-
-
-def _split(path: pathlib.Path) -> tuple[str, str, str]:
-    """What stands before the section, the section with its markers, and what stands behind."""
-    text = path.read_text(encoding="utf-8") if path.exists() else ""
-    if _BEGIN not in text:
-        return text + "\n" if text else "", "", ""
-    head, rest = text.split(_BEGIN, 1)
-    section, tail = rest.split(_END, 1)
-    return head, _BEGIN + section + _END, tail
+_SECTION = re.compile(r"<!-- (\S+): begin -->\n.*?<!-- \1: end -->\n", re.DOTALL)
 
 
-def section_of(path: pathlib.Path) -> str:
-    """The section with its markers; nothing if there is none."""
-    return _split(path)[1]
+def _read(path: pathlib.Path) -> str:
+    return path.read_text(encoding="utf-8") if path.exists() else ""
 
 
-def put_section(path: pathlib.Path, section: str) -> None:
-    head, _, tail = _split(path)
-    path.write_text(f"{head}{_BEGIN}{section}{_END}{tail}", encoding="utf-8")
+def sections_of(path: pathlib.Path) -> str:
+    """All sections with their markers; nothing if there is none."""
+    return "\n".join(match.group() for match in _SECTION.finditer(_read(path)))
+
+
+def put_section(path: pathlib.Path, name: str, section: str) -> None:
+    """Replaces the section `name`, or appends it."""
+    marked = f"<!-- {name}: begin -->\n{section}<!-- {name}: end -->\n"
+    text = _read(path)
+    for match in _SECTION.finditer(text):
+        if match.group(1) == name:
+            path.write_text(text[:match.start()] + marked + text[match.end():], encoding="utf-8")
+            return
+    path.write_text(text + ("\n" if text else "") + marked, encoding="utf-8")

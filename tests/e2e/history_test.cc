@@ -58,12 +58,14 @@ class HistoryTest : public ::testing::Test {
   };
 
   template <typename Script>
-  void GoBackAndForth(Script script, int dimension, int steps) {
+  void GoBackAndForth(Script script, int dimension, int steps,
+                      MeshKind kind = MeshKind::kDelaunay) {
     SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed_));
     std::mt19937_64 random(seed_);
     MeshOptions options;
     options.dimension = dimension;
     options.quality = DefaultQuality(dimension);
+    options.kind = kind;
     options.limits.max_vertices = 20'000;
     ASSERT_TRUE(client_->CreateMesh("m", options).ok());
     std::unique_ptr<DynamicMesh> mirror = *DynamicMesh::Create(options);
@@ -119,6 +121,17 @@ TEST_F(HistoryTest, RandomScriptsOfThePlaneGoBackToWhatTheyWere) {
   for (const D d : {D::kUniform, D::kSized, D::kPolygons, D::kCapsules, D::kWedges, D::kGrid}) {
     SCOPED_TRACE(test::NameOf(d));
     GoBackAndForth(test::ScriptGenerator(d, 40, seed_), 2, 40);
+    if (HasFatalFailure()) return;
+  }
+}
+
+TEST_F(HistoryTest, QuadtreesGoBackToWhatTheyWere) {
+  Start();
+  using D = test::Distribution;
+  for (const D d : {D::kUniform, D::kSegmentsTurned, D::kWedges, D::kTurnedGridEdges}) {
+    SCOPED_TRACE(test::NameOf(d));
+    GoBackAndForth(test::ScriptGenerator(d, 40, seed_), test::DimensionOf(d), 40,
+                   MeshKind::kQuadtree);
     if (HasFatalFailure()) return;
   }
 }

@@ -52,6 +52,7 @@ class FakeDynamicMesh final : public DynamicMesh {
   Mesh Snapshot() const override { return mesh_; }
   // All points in the box are in the first triangle, if there is one.
   SimplexColumn Locate(std::span<const double> points) const override;
+  std::vector<double> LeafSides(std::span<const double> /*points*/) const override { return {}; }
   std::vector<Feature> Features() const override;
   const MeshOptions& options() const override { return options_; }
   std::uint64_t revision() const override { return mesh_.revision; }

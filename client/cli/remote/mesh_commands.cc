@@ -84,7 +84,7 @@ int RunExport(const NamedCommand& command) {
   if (!client.ok()) return ReportError(client.status());
   const auto info = (*client)->GetMesh(command.id);
   if (!info.ok()) return ReportError(info.status());
-  if (auto status = CheckOutputsOf(info->options.dimension, command.output); !status.ok()) {
+  if (auto status = CheckOutputsOf(info->options, command.output); !status.ok()) {
     return ReportError(status);
   }
   const auto mesh = (*client)->GetSnapshot(command.id, region->in);
@@ -170,6 +170,7 @@ void RegisterRemoteCommands(CLI::App& app, CommandSlot& slot) {
   RegisterLoadCommand(app, slot);
   RegisterWatchCommand(app, slot);
   RegisterExportCommand(app, slot);
+  RegisterLfsCommand(app, slot);
   RegisterFeaturesCommand(app, slot);
   RegisterRevertCommand(app, slot);
   RegisterStatsCommand(app, slot);

@@ -17,6 +17,7 @@ void RegisterLoadCommand(CLI::App& app, CommandSlot& slot);
 void RegisterWatchCommand(CLI::App& app, CommandSlot& slot);
 void RegisterExportCommand(CLI::App& app, CommandSlot& slot);
 void RegisterStatsCommand(CLI::App& app, CommandSlot& slot);
+void RegisterLfsCommand(CLI::App& app, CommandSlot& slot);
 void RegisterFeaturesCommand(CLI::App& app, CommandSlot& slot);
 void RegisterRevertCommand(CLI::App& app, CommandSlot& slot);
 void RegisterTokenCommand(CLI::App& app, CommandSlot& slot);

@@ -116,7 +116,7 @@ int Run(const WatchCommand& command) {
   // Queried first, so that a wrong address or name is an error at once.
   const auto info = client->GetMesh(command.id);
   if (!info.ok()) return ReportError(info.status());
-  if (auto status = CheckOutputsOf(info->options.dimension, command.output); !status.ok()) {
+  if (auto status = CheckOutputsOf(info->options, command.output); !status.ok()) {
     return ReportError(status);
   }
   Printer printer(command, *region);

@@ -149,7 +149,7 @@ class Mesh:
 
     @property
     def options(self) -> dict[str, Any]:
-        """The mesh's options: box, rho, criterion, max_edge, min_dihedral, max_vertices."""
+        """The mesh's options: dimension, box, kind and those of `dynmesh.open`."""
         return dict(self._options)
 
     @property

@@ -49,7 +49,9 @@ def open(box: Any = None, **options: Any) -> Mesh:  # noqa: A001
 
     Args:
         box: the box of the features: ((x, y), (x, y)), in 3D with z. Default: from 0 to 1.
-        options: `dimension`: 2 or 3. `rho`: the largest circumradius / shortest edge. `criterion`:
+        options: `dimension`: 2 or 3. `kind`: "delaunay", or "quadtree" for a size-conforming
+            quadtree (octree), which has one vertex for each leaf, at its centre, and none of the
+            next four options. `rho`: the largest circumradius / shortest edge. `criterion`:
             "edge" or "thesis". `max_edge`: no edge in the box is longer than sqrt 2 times this.
             `min_dihedral`: in 3D, tetrahedra with a dihedral angle below it, in degrees, are
             removed where Steiner points can do so; 0 leaves slivers. Default: 10, in 2D 0.

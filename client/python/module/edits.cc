@@ -153,6 +153,7 @@ py::dict OptionsDict(const MeshOptions& options) {
   d["dimension"] = options.dimension;
   d["box"] = py::make_tuple(Tuple(options.box.lo, options.dimension),
                             Tuple(options.box.hi, options.dimension));
+  d["kind"] = options.kind == MeshKind::kQuadtree ? "quadtree" : "delaunay";
   d["rho"] = options.quality;
   d["criterion"] = options.criterion == Criterion::kThesis ? "thesis" : "edge";
   d["max_edge"] = options.max_edge;
@@ -163,12 +164,13 @@ py::dict OptionsDict(const MeshOptions& options) {
 
 MeshOptions OptionsOf(const py::dict& options) {
   static const std::vector<std::string> known = {
-      "dimension", "box", "rho", "criterion", "max_vertices", "max_edge", "min_dihedral"};
+      "dimension", "box", "kind", "rho", "criterion", "max_vertices", "max_edge", "min_dihedral"};
   for (const auto& [key, value] : options) {
     const auto name = py::cast<std::string>(key);
     Require(std::find(known.begin(), known.end(), name) != known.end(),
             "there is no option " + name +
-                "; there are dimension, box, rho, criterion, max_edge, min_dihedral, max_vertices");
+                "; there are dimension, box, kind, rho, criterion, max_edge, min_dihedral, "
+                "max_vertices");
   }
   MeshOptions result;
   if (options.contains("box")) {
@@ -186,6 +188,11 @@ MeshOptions OptionsOf(const py::dict& options) {
             "dimension is not that of the box");
     result.dimension = dimension;
   }
+  if (options.contains("kind")) {
+    const auto name = py::cast<std::string>(options["kind"]);
+    Require(name == "delaunay" || name == "quadtree", "kind must be delaunay or quadtree");
+    result.kind = name == "delaunay" ? MeshKind::kDelaunay : MeshKind::kQuadtree;
+  }
   result.quality =
       options.contains("rho") ? py::cast<double>(options["rho"]) : DefaultQuality(result.dimension);
   if (options.contains("criterion")) {
@@ -194,8 +201,9 @@ MeshOptions OptionsOf(const py::dict& options) {
     result.criterion = name == "edge" ? Criterion::kEdge : Criterion::kThesis;
   }
   if (options.contains("max_edge")) result.max_edge = py::cast<double>(options["max_edge"]);
-  result.min_dihedral = options.contains("min_dihedral") ? py::cast<double>(options["min_dihedral"])
-                                                         : DefaultMinDihedral(result.dimension);
+  result.min_dihedral = options.contains("min_dihedral")
+                            ? py::cast<double>(options["min_dihedral"])
+                            : DefaultMinDihedral(result.dimension, result.kind);
   if (options.contains("max_vertices")) {
     result.limits.max_vertices = py::cast<std::uint64_t>(options["max_vertices"]);
   }
@@ -216,8 +224,8 @@ void BindEdits(py::module_& module) {
       .def("size", &Size)
       .def("remove", &Remove);
   module.def("known_options", [] {
-    return std::vector<std::string>{"dimension", "box",          "rho",         "criterion",
-                                    "max_edge",  "min_dihedral", "max_vertices"};
+    return std::vector<std::string>{"dimension", "box",      "kind",         "rho",
+                                    "criterion", "max_edge", "min_dihedral", "max_vertices"};
   });
 }
 

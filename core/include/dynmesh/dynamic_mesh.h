@@ -10,7 +10,8 @@
 //   1. the mesh is a function of options and feature set, bit for bit;
 //   2. a batch that fails, is cancelled, vetoed or taken back changes nothing;
 //   3. every simplex is Delaunay, every input point is a vertex, every input segment is a chain of
-//      edges, every simplex meets the quality bound (exceptions: quality.h, SimplexVerdict).
+//      edges, every simplex meets the quality bound (exceptions: quality.h, SimplexVerdict). Of a
+//      quadtree (MeshKind): the guarantees of quadtree.h.
 //
 // Thread-safety: thread-compatible. A call that changes the mesh excludes all other calls.
 #ifndef DYNMESH_DYNAMIC_MESH_H_
@@ -151,7 +152,14 @@ class DynamicMesh {
   // it, in canonical order: n x (dimension + 1) ids. All are 0 for a point outside the domain. Of
   // several simplices, at a point on a common side, edge or corner, the one whose ids are the least
   // in lexicographical order: a function of the mesh and the point.
+  // Of a quadtree: the vertex of the leaf that contains the point, and zeros; of several leaves the
+  // one with the greatest coordinates.
   virtual SimplexColumn Locate(std::span<const double> points) const = 0;
+
+  // Of a quadtree: the side of the leaf that Locate finds for each point, 0 where there is none. It
+  // bounds the local feature size: FeatureSizeIn, quadtree.h. O(depth) a point. Empty for other
+  // kinds.
+  virtual std::vector<double> LeafSides(std::span<const double> points) const = 0;
 
   // The features present, by id.
   virtual std::vector<Feature> Features() const = 0;
@@ -170,10 +178,31 @@ class DynamicMesh {
   virtual AuditReport Audit() const = 0;
 };
 
-// Builds a mesh without a trace, hence faster: the same mesh as that of a DynamicMesh of `options`
-// with `features`. Its revision is 1 (0 if `features` is empty). Errors: those of Create and Apply,
-// without CANCELLED.
-absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options);
+// The mesher of BuildMesh.
+enum class BuildEngine : std::uint8_t {
+  // That of DynamicMesh, without a trace: the same mesh, built faster.
+  kDynamic = 1,
+  // Sparse Voronoi Refinement: another mesh with the same guarantees. It never has a mesh of bad
+  // quality on the way, so its time is O(n lg(L/s) + m) for any input. Only for Delaunay meshes of
+  // points, with criterion kEdge, quality from sqrt(2), in 3D from 2, without max_edge and
+  // min_dihedral; else INVALID_ARGUMENT (BAD_OPTION).
+  kSvr = 2,
+};
+
+// How a mesh is built. Nothing but `engine` changes the resulting mesh.
+struct BuildOptions {
+  BuildEngine engine = BuildEngine::kDynamic;   // the mesher
+  std::function<bool()> interrupted = nullptr;  // as in ApplyOptions: true gives up (CANCELLED)
+  // As in ApplyOptions; of kSvr the most vertices inserted and removed from its queue.
+  std::uint64_t max_operations = 0;
+  std::function<void(const ApplyProgress&)> progress = nullptr;  // as in ApplyOptions
+};
+
+// Builds a mesh without a trace. Its revision is 1 (0 if `features` is empty). A function of
+// `features`, `options` and `build`.engine; the order of features does not matter. Errors: those of
+// Create and Apply.
+absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options,
+                               const BuildOptions& build = {});
 
 }  // namespace dynmesh
 

@@ -1,42 +1,18 @@
 #include "core/io/meshes/vtu_writer.h"
 
-#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "absl/strings/escaping.h"
 #include "core/base/text.h"
 #include "core/io/common/file_writer.h"
+#include "core/io/common/vtu_array.h"
 #include "dynmesh/quality.h"
 
 namespace dynmesh::io {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "the file says LittleEndian");
-
-// One <DataArray>: the byte count, then the values, as one base64 text. The attributes `shape` give
-// the number of values.
-template <class T>
-void WriteShapedArray(std::string_view type, std::string_view name, std::string_view shape,
-                      const std::vector<T>& values, FileWriter& out) {
-  const std::uint64_t bytes = values.size() * sizeof(T);
-  std::string raw(sizeof(bytes) + bytes, '\0');
-  std::memcpy(raw.data(), &bytes, sizeof(bytes));
-  if (bytes != 0) std::memcpy(raw.data() + sizeof(bytes), values.data(), bytes);
-  out << "        <DataArray type=\"" << type << "\" Name=\"" << name << "\" " << shape
-      << " format=\"binary\">\n          " << absl::Base64Escape(raw) << "\n        </DataArray>\n";
-}
-
-template <class T>
-void WriteArray(std::string_view type, std::string_view name, int components,
-                const std::vector<T>& values, FileWriter& out) {
-  const std::string shape = text::Concat("NumberOfComponents=\"", components, "\"");
-  WriteShapedArray(type, name, shape, values, out);
-}
 
 // The polygons of each region's number.
 void WriteRegionTable(const RegionNumbers& regions, FileWriter& out) {
@@ -168,10 +144,7 @@ void WriteCellData(const IndexedMesh& mesh, double rho, double min_dihedral, Fil
 absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& path,
                       double min_dihedral) {
   FileWriter out(path);
-  out << "<?xml version=\"1.0\"?>\n"
-         "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-         "header_type=\"UInt64\">\n"
-         "  <UnstructuredGrid>\n";
+  out << kVtuBegin;
   WriteRegionTable(mesh.regions, out);
   out << "    <Piece NumberOfPoints=\"" << mesh.vertices.size() << "\" NumberOfCells=\""
       << mesh.simplex_count() + mesh.subfacet_count() << "\">\n";
@@ -179,7 +152,7 @@ absl::Status WriteVtu(const IndexedMesh& mesh, double rho, const std::string& pa
   WriteCells(mesh, out);
   WritePointData(mesh, out);
   WriteCellData(mesh, rho, min_dihedral, out);
-  out << "    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
+  out << "    </Piece>\n" << kVtuEnd;
   return out.Close();
 }
 

@@ -14,6 +14,7 @@
 #include "core/io/common/file_writer.h"
 #include "core/io/pictures/colour_ramp.h"
 #include "core/io/pictures/mesh_picture.h"
+#include "core/io/pictures/picture_frame.h"
 #include "core/io/pictures/svg_legend.h"
 #include "dynmesh/quality.h"
 
@@ -76,7 +77,7 @@ class SvgDrawing {
     } else {
       picture_ = PictureOf(mesh);
     }
-    FitView();
+    frame_ = Frame();
     FindVisible();
   }
 
@@ -103,10 +104,9 @@ class SvgDrawing {
     return lo / 2 + hi / 2;
   }
 
-  // Chooses the visible part and its scale; a crop without extent shows a little around it.
-  void FitView() {
-    double lo[2] = {0, 0};
-    double hi[2] = {1, 1};
+  // The crop, or all of the picture.
+  PictureFrame Frame() const {
+    PictureFrame::Position lo = {0, 0}, hi = {1, 1};
     if (options_.crop) {
       const auto axes = AxesAcross(mesh_.dimension == 3 ? options_.cut_axis : 2);
       for (std::size_t k = 0; k < 2; ++k) {
@@ -120,24 +120,11 @@ class SvgDrawing {
         hi[0] = std::max(hi[0], x), hi[1] = std::max(hi[1], y);
       }
     }
-    double extent = std::max(hi[0] - lo[0], hi[1] - lo[1]);
-    if (!(extent > 0)) extent = 1;
-    // A margin, and each side at least a tenth of the other.
-    for (std::size_t i = 0; i < 2; ++i) {
-      const double grow = 0.02 * extent + std::max(0.0, 0.1 * extent - (hi[i] - lo[i])) / 2;
-      lo_[i] = lo[i] - grow;
-      hi_[i] = hi[i] + grow;
-    }
-    scale_ = options_.width / (hi_[0] - lo_[0]);
-    height_ = (hi_[1] - lo_[1]) * scale_;
-  }
-
-  bool Overlaps(double x0, double y0, double x1, double y1) const {
-    return x0 <= hi_[0] && x1 >= lo_[0] && y0 <= hi_[1] && y1 >= lo_[1];
+    return {lo, hi, options_.width};
   }
 
   bool IsInView(std::span<const std::uint32_t> corners) const {
-    double lo[2], hi[2];
+    PictureFrame::Position lo, hi;
     for (std::size_t k = 0; k < 2; ++k) {
       lo[k] = hi[k] = picture_.positions[corners[0]][k];
       for (const std::uint32_t c : corners) {
@@ -145,7 +132,7 @@ class SvgDrawing {
         hi[k] = std::max(hi[k], picture_.positions[c][k]);
       }
     }
-    return Overlaps(lo[0], lo[1], hi[0], hi[1]);
+    return frame_.Shows(lo, hi);
   }
 
   void FindVisible() {
@@ -159,7 +146,7 @@ class SvgDrawing {
       if (!IsInView(ends)) continue;
       lines_.push_back(i);
       const auto &a = picture_.positions[ends[0]], &b = picture_.positions[ends[1]];
-      lengths.push_back(std::hypot(a[0] - b[0], a[1] - b[1]) * scale_);
+      lengths.push_back(std::hypot(a[0] - b[0], a[1] - b[1]) * frame_.scale);
     }
     if (lengths.empty()) return;
     const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
@@ -170,15 +157,15 @@ class SvgDrawing {
   Pixel At(std::uint32_t index) const {
     // Far outside a narrow crop precision is irrelevant, the range is not.
     constexpr double kFar = 1e15;
-    const double x = (picture_.positions[index][0] - lo_[0]) * scale_ * 100;
-    const double y = (hi_[1] - picture_.positions[index][1]) * scale_ * 100;
+    const double x = frame_.XOf(picture_.positions[index][0]) * 100;
+    const double y = frame_.YOf(picture_.positions[index][1]) * 100;
     return {std::llround(std::clamp(x, -kFar, kFar)), std::llround(std::clamp(y, -kFar, kFar))};
   }
 
   void Open() {
     const double width = std::ceil(options_.width);
     const double height =
-        std::ceil(height_) + (HasLegend() ? std::ceil(LegendHeight(options_.width)) : 0);
+        std::ceil(frame_.height) + (HasLegend() ? std::ceil(LegendHeight(options_.width)) : 0);
     out_ << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\""
          << height << "\" viewBox=\"0 0 " << width << ' ' << height << "\">\n<title>Delaunay mesh, "
          << mesh_.vertices.size() << " vertices, " << mesh_.simplex_count();
@@ -326,7 +313,7 @@ class SvgDrawing {
   }
 
   void DrawLegend() {
-    const double top = std::ceil(height_);
+    const double top = std::ceil(frame_.height);
     if (options_.fill == SvgOptions::Fill::kDihedral) {
       std::vector<std::string> colours;
       for (int step = 0; step < kFillSteps; ++step) {
@@ -405,10 +392,7 @@ class SvgDrawing {
   const SvgOptions& options_;
   FileWriter& out_;
   const LineStyle& style_ = options_.fill == SvgOptions::Fill::kSize ? kLightLines : kDarkLines;
-  double lo_[2] = {0, 0};
-  double hi_[2] = {1, 1};
-  double scale_ = 1;    // pixels per unit
-  double height_ = 1;   // pixels
+  PictureFrame frame_{{0, 0}, {1, 1}, 1};
   double typical_ = 1;  // length of a visible edge, pixels
   double cut_at_ = 0;   // 3D
   MeshPicture picture_;
@@ -431,7 +415,9 @@ absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const 
   if (!(options.min_dihedral >= 0) || !(options.min_dihedral <= kMaxMinDihedral)) {
     return absl::InvalidArgumentError("the least dihedral angle of a picture must be 0 to 20");
   }
-  if (auto status = CheckFill(options.fill, mesh.dimension); !status.ok()) return status;
+  MeshOptions of;
+  of.dimension = mesh.dimension;
+  if (auto status = CheckFill(options.fill, of); !status.ok()) return status;
   FileWriter out(path);
   SvgDrawing(mesh, options, out).Draw();
   return out.Close();
@@ -451,8 +437,15 @@ absl::StatusOr<SvgOptions::Fill> ParseFill(std::string_view text) {
              text::Quoted(text)));
 }
 
-absl::Status CheckFill(SvgOptions::Fill fill, int dimension) {
-  if (fill != SvgOptions::Fill::kDihedral || dimension == 3) return absl::OkStatus();
+absl::Status CheckFill(SvgOptions::Fill fill, const MeshOptions& options) {
+  using Fill = SvgOptions::Fill;
+  if (options.kind == MeshKind::kQuadtree) {
+    if (fill == Fill::kSize || fill == Fill::kPlain || fill == Fill::kNone) {
+      return absl::OkStatus();
+    }
+    return absl::InvalidArgumentError("the fill of a quadtree's picture is size, plain or none");
+  }
+  if (fill != Fill::kDihedral || options.dimension == 3) return absl::OkStatus();
   return absl::InvalidArgumentError(
       "a fill by dihedral angle is of 3D, and the mesh is 2D: use angle");
 }

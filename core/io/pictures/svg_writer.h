@@ -48,8 +48,8 @@ absl::Status WriteSvg(const IndexedMesh& mesh, const SvgOptions& options, const 
 // "angle", "dihedral", "quality", "size", "exempt", "region", "plain" or "none".
 absl::StatusOr<SvgOptions::Fill> ParseFill(std::string_view text);
 
-// INVALID_ARGUMENT if this fill is not for meshes of `dimension` (2 or 3).
-absl::Status CheckFill(SvgOptions::Fill fill, int dimension);
+// INVALID_ARGUMENT if this fill is not for meshes of these options' dimension and kind.
+absl::Status CheckFill(SvgOptions::Fill fill, const MeshOptions& options);
 
 }  // namespace dynmesh::io
 

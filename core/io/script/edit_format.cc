@@ -53,9 +53,12 @@ std::string FormatSize(const Feature& f, int dimension) {
 
 std::string FormatMeshLine(const MeshOptions& options) {
   const Box& box = options.box;
+  const std::string begin = Concat("mesh dim=", options.dimension,
+                                   " box=", FormatPosition(box.lo, options.dimension, ","), ",",
+                                   FormatPosition(box.hi, options.dimension, ","));
+  if (options.kind == MeshKind::kQuadtree) return Concat(begin, " kind=quadtree");
   return Concat(
-      "mesh dim=", options.dimension, " box=", FormatPosition(box.lo, options.dimension, ","), ",",
-      FormatPosition(box.hi, options.dimension, ","), " rho=", FormatDouble(options.quality),
+      begin, " rho=", FormatDouble(options.quality),
       " criterion=", options.criterion == Criterion::kThesis ? "thesis" : "edge",
       options.max_edge > 0 ? Concat(" hmax=", FormatDouble(options.max_edge)) : "",
       options.dimension == 3 ? Concat(" min_dihedral=", FormatDouble(options.min_dihedral)) : "");

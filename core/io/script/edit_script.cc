@@ -112,6 +112,12 @@ class ScriptParser {
       script_.criterion = *criterion;
       return absl::OkStatus();
     }
+    if (key == "kind") {
+      absl::StatusOr<MeshKind> kind = ParseMeshKind(value);
+      if (!kind.ok()) return Error(View(kind.status().message()));
+      script_.kind = *kind;
+      return absl::OkStatus();
+    }
     if (key == "hmax") {
       double hmax = 0;
       if (!ParseDouble(value, &hmax) || !(hmax > 0)) {
@@ -121,7 +127,7 @@ class ScriptParser {
       return absl::OkStatus();
     }
     return Error(Concat("unknown key ", Quoted(key),
-                        ": expected dim, box, rho, criterion, hmax or min_dihedral"));
+                        ": expected dim, box, kind, rho, criterion, hmax or min_dihedral"));
   }
 
   absl::Status ParseCommit() {
@@ -328,6 +334,7 @@ std::string EditScript::WhereOption(std::string_view option) const {
         std::tuple{"max_edge", "hmax", max_edge.has_value()},
         std::tuple{"min_dihedral", "min_dihedral", min_dihedral.has_value()},
         std::tuple{"criterion", "criterion", criterion.has_value()},
+        std::tuple{"kind", "kind", kind.has_value()},
         std::tuple{"dimension", "dim", has_dimension}}) {
     if (option == name_of && is_there) return Concat(name, ":", header_line, ": ", word);
   }
@@ -366,6 +373,13 @@ absl::StatusOr<Box> ParseBox(std::string_view text, int dimension) {
                ", found ", Quoted(text)));
   }
   return box;
+}
+
+absl::StatusOr<MeshKind> ParseMeshKind(std::string_view text) {
+  if (text == "delaunay") return MeshKind::kDelaunay;
+  if (text == "quadtree") return MeshKind::kQuadtree;
+  return absl::InvalidArgumentError(
+      Concat("a kind of mesh is delaunay or quadtree, found ", Quoted(text)));
 }
 
 absl::StatusOr<Criterion> ParseCriterion(std::string_view text) {

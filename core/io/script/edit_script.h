@@ -1,6 +1,7 @@
 // Edit scripts: one edit a line, `#` comments.
 //
 //   mesh dim=2 box=x0,y0,x1,y1 rho=1.4142 [criterion=edge|thesis] [hmax=H]    first
+//   mesh dim=2 box=x0,y0,x1,y1 kind=quadtree              or this; in 3D an octree
 //   add point ID X Y              set point ID X Y       move point ID X Y
 //   add segment ID P Q            set segment ID P Q     remove ID
 //   add polygon ID P1 P2 P3 ... [/ Q1 Q2 Q3 ...]         its rings, with a lone / between (or set)
@@ -39,6 +40,7 @@ struct EditScript {
   bool has_header = false;  // the `mesh` line
   int dimension = 2;
   std::optional<Box> box;  // if the header has one
+  std::optional<MeshKind> kind;
   std::optional<double> quality;
   std::optional<Criterion> criterion;
   std::optional<double> max_edge;  // hmax
@@ -73,6 +75,8 @@ std::string FormatEdit(const Edit& edit, int dimension = 2);
 
 // "x0,y0,x1,y1", in 3D "x0,y0,z0,x1,y1,z1": finite numbers, x0 <= x1 and so on.
 absl::StatusOr<Box> ParseBox(std::string_view text, int dimension = 2);
+// "delaunay" or "quadtree".
+absl::StatusOr<MeshKind> ParseMeshKind(std::string_view text);
 // "edge" or "thesis".
 absl::StatusOr<Criterion> ParseCriterion(std::string_view text);
 

@@ -52,10 +52,11 @@ void AddPositions(const Feature& f, BoxBuilder& builder) {
 MeshOptions EditScript::Options() const {
   MeshOptions options;
   options.dimension = dimension;
+  if (kind) options.kind = *kind;
   options.quality = quality.value_or(DefaultQuality(dimension));
   if (criterion) options.criterion = *criterion;
   if (max_edge) options.max_edge = *max_edge;
-  options.min_dihedral = min_dihedral.value_or(DefaultMinDihedral(dimension));
+  options.min_dihedral = min_dihedral.value_or(DefaultMinDihedral(dimension, options.kind));
   if (box) {
     options.box = *box;
     return options;

@@ -64,7 +64,8 @@ TEST_F(CommandLine, BadUsageAndBadInputAreTwo) {
                                 "mesh square.poly --rho 0.5",
                                 "mesh square.poly --rho x",
                                 "mesh square.poly --criterion best",
-                                "mesh square.poly --engine svr",
+                                "mesh square.poly --engine svr",  // it has segments
+                                "replay edits.txt --engine svr",
                                 "mesh square.poly --engine steam",
                                 "mesh square.poly --box 0,0,1",
                                 "mesh square.poly --box 0,0,0.5,0.5",

@@ -1,4 +1,4 @@
-// The root cell is around what it was asked for, whatever rounding does.
+// The root cell is around what it was asked for, whatever rounding does; the order of cells.
 #include "core/quadtree/cell.h"
 
 #include <gtest/gtest.h>
@@ -39,6 +39,36 @@ TEST(Grid, CellsHaveExactBorders) {
   while (cell.level < grid.most_level()) cell = cell.Child(3 & cell.level);
   const Box<2> box = grid.BoxOf(cell);
   for (int k = 0; k < 2; ++k) EXPECT_EQ(box.hi[k] - box.lo[k], grid.Side(cell.level));
+}
+
+// Bit by bit.
+template <int D>
+std::uint64_t SlowMorton(const Cell<D>& cell) {
+  constexpr int kBits = 64 / D;
+  std::uint64_t code = 0;
+  for (int k = 0; k < D; ++k) {
+    for (int bit = 0; bit < kBits; ++bit) {  // from the most significant one
+      if (bit >= cell.level) break;
+      const std::uint64_t value = cell.at[k] >> (cell.level - 1 - bit) & 1;
+      code |= value << (D * (kBits - 1 - bit) + k);
+    }
+  }
+  return code;
+}
+template <int D>
+void ExpectMorton() {
+  std::mt19937_64 random(9);
+  for (int i = 0; i < 2'000; ++i) {
+    Cell<D> cell;
+    cell.level = static_cast<int>(random() % (kMostLevel + 1));
+    for (int k = 0; k < D && cell.level > 0; ++k) cell.at[k] = random() >> (64 - cell.level);
+    ASSERT_EQ(cell.Morton(), SlowMorton<D>(cell)) << D << "D, level " << cell.level;
+  }
+}
+TEST(Cell, MortonInterleavesTheLeadingBits) {
+  ExpectMorton<2>();
+  ExpectMorton<3>();
+  ExpectMorton<4>();
 }
 
 }  // namespace

@@ -42,6 +42,24 @@ TEST(OptionsCodec, ZerosAreDefaultsAndLimitsHold) {
   EXPECT_EQ(DecodeOptions(proto, 100).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
+TEST(OptionsCodec, AKindBringsItsDefaults) {
+  v1::MeshOptions proto;
+  proto.set_dimension(3);
+  proto.mutable_box()->mutable_lo()->set_z(0);
+  proto.mutable_box()->mutable_hi()->set_z(1);
+  EXPECT_EQ(DecodeOptions(proto, 10'000)->kind, MeshKind::kDelaunay);
+  proto.set_kind(v1::MESH_KIND_QUADTREE);
+  const auto options = DecodeOptions(proto, 100);
+  ASSERT_TRUE(options.ok()) << options.status();
+  EXPECT_EQ(options->kind, MeshKind::kQuadtree);
+  EXPECT_EQ(options->min_dihedral, 0);
+  v1::MeshOptions back;
+  EncodeOptions(*options, &back);
+  EXPECT_EQ(*DecodeOptions(back, 100), *options);
+  proto.set_kind(static_cast<v1::MeshKind>(7));
+  EXPECT_EQ(GetServiceError(DecodeOptions(proto, 100).status())->field, "options.kind");
+}
+
 TEST(OptionsCodec, EveryBadOptionIsNamedByItsPathInTheRequest) {
   v1::MeshOptions good;
   good.mutable_box()->mutable_lo();

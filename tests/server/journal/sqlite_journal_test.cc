@@ -313,7 +313,7 @@ TEST_F(SqliteJournalTest, ANewerSchemaIsRefused) {
   }
   const absl::Status refused = SqliteJournal::Open(folder_.path(), {}).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(refused));
-  EXPECT_TRUE(absl::StrContains(refused.message(), "schema 9")) << refused;
+  EXPECT_TRUE(absl::StrContains(refused.message(), "schema 10")) << refused;
 }
 
 TEST_F(SqliteJournalTest, AFileThatIsNoDatabaseIsRefused) {

@@ -32,6 +32,9 @@ class WatchedMesh final : public DynamicMesh {
   SimplexColumn Locate(std::span<const double> points) const override {
     return mesh_->Locate(points);
   }
+  std::vector<double> LeafSides(std::span<const double> points) const override {
+    return mesh_->LeafSides(points);
+  }
   std::vector<Feature> Features() const override { return mesh_->Features(); }
   const MeshOptions& options() const override { return mesh_->options(); }
   std::uint64_t revision() const override { return mesh_->revision(); }

@@ -70,6 +70,7 @@ struct Located {
   std::uint64_t revision = 0;  // of the mesh that was searched
   // dimension + 1 vertex ids for each point, all 0 outside the domain.
   SimplexColumn simplices;
+  std::vector<double> leaf_sides;  // of a quadtree, as DynamicMesh::LeafSides; else empty
 };
 
 // How a client connects.

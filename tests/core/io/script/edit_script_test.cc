@@ -145,6 +145,19 @@ TEST(EditScript, OfSpaceHasAThirdCoordinate) {
   EXPECT_EQ(Parse("mesh dim=2\n")->Options().min_dihedral, 0);
 }
 
+TEST(EditScript, AHeaderNamesTheKind) {
+  for (const int dim : {2, 3}) {
+    const std::string text = "mesh dim=" + std::to_string(dim) + " kind=quadtree\n";
+    const MeshOptions options = Parse(text)->Options();
+    EXPECT_EQ(options.kind, MeshKind::kQuadtree);
+    EXPECT_EQ(options.min_dihedral, 0);
+    EXPECT_TRUE(ValidateOptions(options).ok());
+    EXPECT_EQ(Parse(FormatMeshLine(options) + "\n")->Options(), options);
+  }
+  EXPECT_EQ(Parse("mesh kind=delaunay\n")->Options().kind, MeshKind::kDelaunay);
+  EXPECT_FALSE(Parse("mesh kind=octagon\n").ok());
+}
+
 TEST(EditScript, OfSpaceWithoutABoxTakesThatOfItsPlaces) {
   const auto script = Parse("mesh dim=3\nadd point 1 3 4 5\nadd size 2 point -1 5 9 1\n");
   ASSERT_TRUE(script.ok()) << script.status();

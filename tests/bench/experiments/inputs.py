@@ -1,0 +1,56 @@
+"""Points of the thesis's experiments, as arrays of n x 3."""
+from __future__ import annotations
+
+import pathlib
+
+import numpy as np
+
+
+def line_and_circle(n: int) -> np.ndarray:
+    """n/2 points on the unit circle, jittered, and n/2 on its axis: their Delaunay tetrahedralization
+    has a quadratic number of tetrahedra (Fig. 2.3)."""
+    random = np.random.default_rng(1)
+    half = n // 2
+    angle = (np.arange(half) + 0.5 * random.random(half)) * 2 * np.pi / half
+    circle = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(half)])
+    height = -1 + 2 * (np.arange(n - half) + 0.5 * random.random(n - half)) / (n - half)
+    line = np.column_stack([np.zeros((n - half, 2)), height])
+    return np.vstack([circle, line])
+
+
+def grid(side: int) -> np.ndarray:
+    at = np.arange(side, dtype=float)
+    return np.stack(np.meshgrid(at, at, at, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def uniform(n: int) -> np.ndarray:
+    return np.random.default_rng(2).random((n, 3))
+
+
+def read_node(path: pathlib.Path) -> np.ndarray:
+    """The points of a 3D .node file."""
+    with open(path, encoding="ascii") as file:
+        count = int(file.readline().split()[0])
+        return np.loadtxt(file, max_rows=count, comments="#")[:, 1:4]
+
+
+def write_node(path: pathlib.Path, points: np.ndarray) -> None:
+    rows = [f"{len(points)} 3 0 0"]
+    rows += [f"{i + 1} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(points.tolist())]
+    path.write_text("\n".join(rows) + "\n", encoding="ascii")
+
+
+def write_poly_in_cube(path: pathlib.Path, points: np.ndarray) -> None:
+    """The points in a cube of 8 times their extent, about as dynmesh's domain: for TetGen."""
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    half = 4 * (points.max(axis=0) - points.min(axis=0)).max()
+    corners = np.array([[middle[k] + (half if i >> k & 1 else -half) for k in range(3)]
+                        for i in range(8)])
+    rows = [f"{len(points) + 8} 3 0 0"]
+    rows += [f"{i + 1} {x!r} {y!r} {z!r}"
+             for i, (x, y, z) in enumerate([*corners.tolist(), *points.tolist()])]
+    rows.append("6 0")
+    for a, b, c, d in [(1, 2, 4, 3), (5, 6, 8, 7), (1, 2, 6, 5), (3, 4, 8, 7), (1, 3, 7, 5),
+                       (2, 4, 8, 6)]:
+        rows += ["1 0", f"4 {a} {b} {c} {d}"]
+    path.write_text("\n".join([*rows, "0", ""]), encoding="ascii")

@@ -1,0 +1,83 @@
+"""Programs that mesh points in 3D: dynmesh with both engines, and TetGen if it is installed."""
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import re
+import resource
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from typing import Optional
+
+import numpy as np
+
+import inputs
+
+BOX_VERTICES = {"dynmesh": 386, "TetGen": 8}  # of the domain's border: not counted
+
+
+@dataclass
+class Run:
+    """A mesh made: seconds of processor time and peak memory of the program, vertices without those
+    of the box's border."""
+
+    seconds: float
+    vertices: int
+    tetrahedra: int
+    megabytes: float
+
+
+def _limited(seconds: float) -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (int(seconds) + 1, int(seconds) + 1))
+
+
+def _timed(command: list[str], limit: float) -> Optional[tuple[float, float, str]]:
+    """Processor seconds, peak megabytes and output; None if it took longer than `limit`."""
+    with tempfile.TemporaryFile("w+") as out:
+        process = subprocess.Popen(["/usr/bin/env", "LC_ALL=C", *command], stdout=out,
+                                   stderr=subprocess.DEVNULL,
+                                   preexec_fn=lambda: _limited(limit))
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = status
+        if status != 0:
+            return None
+        out.seek(0)
+        return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, out.read()
+
+
+def dynmesh(program: pathlib.Path, engine: str, points: np.ndarray, limit: float) -> Optional[Run]:
+    """Reads a file, makes the mesh, and writes none."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "points.node"
+        inputs.write_node(path, points)
+        timed = _timed([str(program), "mesh", str(path), "--engine", engine, "--min-dihedral", "0",
+                        "--json"], limit)
+    if timed is None:
+        return None
+    figures = json.loads(timed[2])
+    return Run(figures["build_seconds"], figures["vertices"] - BOX_VERTICES["dynmesh"],
+               figures["simplices"], timed[1])
+
+
+def tetgen(points: np.ndarray, limit: float) -> Optional[Run]:
+    """-pq2, without files of the result; its own count of seconds."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "points.poly"
+        inputs.write_poly_in_cube(path, points)
+        timed = _timed(["tetgen", "-pq2NEF", str(path)], limit)
+    if timed is None:
+        return None
+
+    def number(pattern: str) -> float:
+        return float(re.findall(pattern, timed[2])[-1])
+
+    return Run(number(r"Total running seconds:\s*([\d.e+-]+)"),
+               int(number(r"Mesh points:\s*(\d+)")) - BOX_VERTICES["TetGen"],
+               int(number(r"Mesh tetrahedra:\s*(\d+)")), timed[1])
+
+
+def has_tetgen() -> bool:
+    return shutil.which("tetgen") is not None

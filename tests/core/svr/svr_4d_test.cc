@@ -1,0 +1,115 @@
+// SVR in 4D: all points are vertices, every simplex is good, and Delaunay by exact rationals.
+#include <gmpxx.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/svr/svr.h"
+#include "tests/support/point_layouts.h"
+
+namespace dynmesh::svr {
+namespace {
+
+constexpr double kQuality = 2;
+
+Options<4> OptionsIn4D() {
+  Options<4> options;
+  options.border_cells = 4;
+  options.lo.c.fill(-1.5);
+  options.hi.c.fill(2.5);
+  options.quality = kQuality;
+  return options;
+}
+
+// Twice the coordinates of the centre from p[0], times the determinant; in rationals.
+struct ExactBall {
+  std::array<mpq_class, 4> centre;  // from corner 0
+  mpq_class r2;
+};
+ExactBall BallOf(const std::array<geometry::Point<4>, 5>& p) {
+  std::array<std::array<mpq_class, 5>, 4> m;
+  for (std::size_t i = 0; i < 4; ++i) {
+    m[i][4] = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      m[i][k] = mpq_class(p[i + 1].c[k]) - mpq_class(p[0].c[k]);
+      m[i][4] += m[i][k] * m[i][k] / 2;
+    }
+  }
+  for (std::size_t column = 0; column < 4; ++column) {
+    std::size_t pivot = column;
+    while (m[pivot][column] == 0) ++pivot;
+    std::swap(m[pivot], m[column]);
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (i == column) continue;
+      const mpq_class factor = m[i][column] / m[column][column];
+      for (std::size_t k = column; k < 5; ++k) m[i][k] -= factor * m[column][k];
+    }
+  }
+  ExactBall ball;
+  for (std::size_t k = 0; k < 4; ++k) {
+    ball.centre[k] = m[k][4] / m[k][k];
+    ball.r2 += ball.centre[k] * ball.centre[k];
+  }
+  return ball;
+}
+
+// By Delaunay's lemma the vertices beyond the sides of each simplex suffice.
+void ExpectDelaunayByRationals(const Kernel<4>& mesh, int every) {
+  int checked = 0, number = 0;
+  mesh.ForEachSimplex([&](SimplexIndex s) {
+    if (number++ % every != 0) return;
+    std::array<geometry::Point<4>, 5> p;
+    for (std::size_t i = 0; i < 5; ++i) p[i] = mesh.position(mesh.vertices(s)[i]);
+    const ExactBall ball = BallOf(p);
+    for (int i = 0; i <= 4; ++i) {
+      const auto beyond = mesh.Opposite({s, i});
+      const VertexIndex v = mesh.vertices(beyond.simplex)[static_cast<std::size_t>(beyond.index)];
+      if (v == Kernel<4>::kInfinite) continue;
+      mpq_class d2 = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const mpq_class d =
+            mpq_class(mesh.position(v).c[k]) - mpq_class(p[0].c[k]) - ball.centre[k];
+        d2 += d * d;
+      }
+      ASSERT_GE(d2, ball.r2);
+      ++checked;
+    }
+  });
+  EXPECT_GT(checked, 1000);
+}
+
+void ExpectGoodMesh(test::Layout layout, int n, int every) {
+  SCOPED_TRACE(std::string(NameOf(layout)) + " " + std::to_string(n));
+  const auto points = test::PointsOf<4>(layout, n, 3);
+  Svr<4> svr(OptionsIn4D(), points);
+  ASSERT_TRUE(svr.Run([] { return false; }));
+  EXPECT_LE(std::sqrt(svr.WorstSquaredRatio()), kQuality * (1 + 1e-5));
+  EXPECT_EQ(svr.counts().outside, 0u);
+  std::string why;
+  EXPECT_TRUE(svr.mesh().Check(&why)) << why;
+  std::set<geometry::Point<4>> inserted;
+  for (VertexIndex v = 0; v < svr.mesh().vertex_count(); ++v) {
+    if (svr.InputOf(v) != kNone) inserted.insert(svr.mesh().position(v));
+  }
+  EXPECT_TRUE(std::ranges::equal(inserted, points));
+  ExpectDelaunayByRationals(svr.mesh(), every);
+}
+
+TEST(Svr4D, MeshesOfThousandPointsAreGoodAndDelaunay) {
+  ExpectGoodMesh(test::Layout::kUniform, 1000, 10);
+}
+TEST(Svr4D, OtherLayoutsAreGoodAndDelaunay) {
+  for (const test::Layout layout :
+       {test::Layout::kClustered, test::Layout::kGrid, test::Layout::kLine,
+        test::Layout::kTwoScales, test::Layout::kPair}) {
+    ExpectGoodMesh(layout, 100, 10);
+  }
+}
+
+}  // namespace
+}  // namespace dynmesh::svr
