@@ -156,9 +156,9 @@ class DynamicMesh {
   // one with the greatest coordinates.
   virtual SimplexColumn Locate(std::span<const double> points) const = 0;
 
-  // Of a quadtree: the side of the leaf that Locate finds for each point, 0 where there is none. It
-  // bounds the local feature size: FeatureSizeIn, quadtree.h. O(depth) a point. Empty for other
-  // kinds.
+  // Of a quadtree: the side of the leaf that Locate finds for each of `points`, 0 where there is
+  // none. It bounds the local feature size: FeatureSizeIn, quadtree.h. O(depth) a point. Empty for
+  // other kinds.
   virtual std::vector<double> LeafSides(std::span<const double> points) const = 0;
 
   // The features present, by id.
@@ -193,7 +193,7 @@ enum class BuildEngine : std::uint8_t {
 struct BuildOptions {
   BuildEngine engine = BuildEngine::kDynamic;   // the mesher
   std::function<bool()> interrupted = nullptr;  // as in ApplyOptions: true gives up (CANCELLED)
-  // As in ApplyOptions; of kSvr the most vertices inserted and removed from its queue.
+  // As in ApplyOptions; of kSvr the most items of work, about one for each vertex.
   std::uint64_t max_operations = 0;
   std::function<void(const ApplyProgress&)> progress = nullptr;  // as in ApplyOptions
 };

@@ -71,7 +71,7 @@ inline constexpr double kDefaultMinDihedral3D = 10;  // suits most input
 constexpr double DefaultQuality(int dimension) {
   return dimension == 3 ? kDefaultQuality3D : kDefaultQuality2D;
 }
-// Their default MeshOptions::min_dihedral: 10 for Delaunay meshes of `dimension` 3, else 0.
+// Their default MeshOptions::min_dihedral: 10 if `dimension` is 3 and `kind` is kDelaunay, else 0.
 constexpr double DefaultMinDihedral(int dimension, MeshKind kind = MeshKind::kDelaunay) {
   return dimension == 3 && kind == MeshKind::kDelaunay ? kDefaultMinDihedral3D : 0;
 }

@@ -49,10 +49,12 @@ struct QuadtreeCell {
 // there is none. Exact, O(1). REQUIRES: ValidateOptions(options) is OK, the kind is kQuadtree.
 std::optional<QuadtreeCell> QuadtreeCellAt(const MeshOptions& options, const double* centre);
 
-// Bounds of the local feature size in a leaf, by guarantee 2.
+// Bounds of the local feature size.
 struct FeatureSizeBounds {
-  double least = 0, greatest = 0;
+  double least = 0;     // it is at least this
+  double greatest = 0;  // and at most this
 };
+// Its bounds in `leaf`, of a quadtree of `dimension`, by guarantee 2.
 FeatureSizeBounds FeatureSizeIn(const QuadtreeCell& leaf, int dimension);
 
 }  // namespace dynmesh

@@ -7,13 +7,12 @@ import numpy as np
 
 
 def line_and_circle(n: int) -> np.ndarray:
-    """n/2 points on the unit circle, jittered, and n/2 on its axis: their Delaunay tetrahedralization
+    """n/2 points on the unit circle and n/2 on its axis, evenly: their Delaunay tetrahedralization
     has a quadratic number of tetrahedra (Fig. 2.3)."""
-    random = np.random.default_rng(1)
     half = n // 2
-    angle = (np.arange(half) + 0.5 * random.random(half)) * 2 * np.pi / half
+    angle = np.arange(half) * 2 * np.pi / half
     circle = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(half)])
-    height = -1 + 2 * (np.arange(n - half) + 0.5 * random.random(n - half)) / (n - half)
+    height = -1 + 2 * (np.arange(n - half) + 0.5) / (n - half)
     line = np.column_stack([np.zeros((n - half, 2)), height])
     return np.vstack([circle, line])
 

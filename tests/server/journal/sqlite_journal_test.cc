@@ -309,7 +309,7 @@ TEST_F(SqliteJournalTest, ANewerSchemaIsRefused) {
   journal_.reset();
   {
     auto db = *sqlite::Connection::Open(File(), nullptr);
-    ASSERT_TRUE(db.Run("PRAGMA user_version = 9").ok());
+    ASSERT_TRUE(db.Run("PRAGMA user_version = 10").ok());
   }
   const absl::Status refused = SqliteJournal::Open(folder_.path(), {}).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(refused));
