@@ -94,8 +94,8 @@ TYPED_TEST(SvrTest, TheOrderOfTheInputDoesNotMatter) {
 
 // Worse than the intermediate bound q is only what the last insertion made, until it is split. A
 // point is at (1 - k) R or farther from all vertices, R the radius of the simplex that it splits. A
-// neighbour of that shares an edge <= 2 R, so its radius is at most 2 R q, and so is that of what the
-// point makes of it: 2 q / (1 - k) = 20 q.
+// neighbour of that shares an edge <= 2 R, so its radius is at most 2 R q, and so is that of what
+// the point makes of it: 2 q / (1 - k) = 20 q.
 TYPED_TEST(SvrTest, NoMeshOnTheWayIsBad) {
   constexpr int D = TestFixture::kDimension;
   double worst = 0, kept = 0;
