@@ -5,9 +5,8 @@
 //   cells    root side = side 2^level, the same for all; each leaf is a cell of the root's grid
 //   cover    leaves cover the root once, without gap or overlap
 //   balance  leaves that touch, if only in a corner, differ in side by a factor of 2 at most
-//   lfs      (if the input is given) side / 4 <= lfs <= 4.5 sqrt(dimension) side at every centre
-//   and
-//            input point; the upper bound where lfs is below the root's side
+//   lfs      (if the input is given) side / 4 <= lfs <= 4.5 sqrt(dimension) side at centres and
+//            input points; the upper bound where lfs is below the root's side
 #ifndef DYNMESH_CLIENT_VERIFY_VERIFY_QUADTREE_H_
 #define DYNMESH_CLIENT_VERIFY_VERIFY_QUADTREE_H_
 

@@ -50,6 +50,7 @@ def main() -> None:
     if not flags.quick:
         if picture.exists():
             target = flags.page.parent / "deploy/pictures/scaling.svg"
+            target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(picture.read_bytes())
         table = [[f"{row[0]:,}", row[1], row[2], f"{row[3]:,}", row[4], row[5]] for row in rows]
         section(flags.page, "scaling.py", TEXT + "\n" + markdown(head, table))
