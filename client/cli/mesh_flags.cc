@@ -133,8 +133,7 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
       ->type_name("edge|thesis");
   command
       .add_option("--engine", flags.engine,
-                  "Which mesher (default: dynamic); svr: Sparse Voronoi Refinement, from scratch "
-                  "only, of points")
+                  "Which mesher (default: dynamic); svr: Sparse Voronoi Refinement, from scratch only")
       ->type_name("dynamic|svr");
   AddBoxFlag(command, flags.box);
   command.get_option("--box")->type_name(kBoxOfEither);

@@ -54,6 +54,7 @@ class BowyerWatson {
       SetPosition(corners[i], p);
     }
     StartFrom(corners);
+    vertex_count_ = D + 1;
     for (std::size_t i = 0; i < corners.size(); ++i) {
       if (std::has_single_bit(i) || i == 0) continue;  // corners of the first simplex
       InsertAt(corners[i], position(corners[i]), AnyConflict(position(corners[i])));
@@ -67,6 +68,7 @@ class BowyerWatson {
   // `conflicting` is any simplex with Conflicts(it, p).
   void InsertAt(VertexIndex v, const Point& p, SimplexIndex conflicting) {
     SetPosition(v, p);
+    ++vertex_count_;
     FindCavity(p, conflicting);
     created_.clear();
     for (const Corner& rim : rim_) created_.push_back(AddBeyond(v, rim));
@@ -77,7 +79,8 @@ class BowyerWatson {
   // Simplices that the last insertion made, infinite ones included.
   std::span<const SimplexIndex> created() const { return created_; }
 
-  std::size_t vertex_count() const { return points_.size(); }
+  bool Contains(VertexIndex v) const { return v < incident_.size() && incident_[v] != kNone; }
+  std::size_t vertex_count() const { return vertex_count_; }
   std::size_t simplex_limit() const { return simplices_.size(); }  // indices are below
   std::size_t simplex_count() const { return finite_; }
   const Point& position(VertexIndex v) const { return points_[v]; }
@@ -364,7 +367,7 @@ class BowyerWatson {
   std::vector<SimplexIndex> incident_;  // by vertex
   std::vector<Simplex> simplices_;
   std::vector<SimplexIndex> free_;
-  std::size_t finite_ = 0;
+  std::size_t vertex_count_ = 0, finite_ = 0;
   std::uint32_t walk_ = 0;
   std::vector<SimplexIndex> created_, cavity_;
   std::vector<Corner> rim_;

@@ -9,13 +9,11 @@
 
 namespace dynmesh {
 
-// BuildMesh (dynamic_mesh.h). REQUIRES: `options` are valid and of kind kDelaunay.
+// BuildMesh (dynamic_mesh.h). REQUIRES: `options` are valid and of kind kDelaunay, and the engine
+// supports them.
 template <int D>
 absl::StatusOr<Mesh> BuildDelaunay(std::span<const Feature> features, const MeshOptions& options,
                                    const BuildOptions& build);
-template <int D>
-absl::StatusOr<Mesh> BuildBySvr(std::span<const Feature> features, const MeshOptions& options,
-                                const BuildOptions& build);
 
 // OK if SVR supports these options, else INVALID_ARGUMENT (BAD_OPTION).
 absl::Status CheckSvrOptions(const MeshOptions& options);

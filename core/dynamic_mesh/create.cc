@@ -25,8 +25,6 @@ absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOpti
   const bool is_planar = options.dimension == 2;
   if (build.engine == BuildEngine::kSvr) {
     if (absl::Status status = CheckSvrOptions(options); !status.ok()) return status;
-    return is_planar ? BuildBySvr<2>(features, options, build)
-                     : BuildBySvr<3>(features, options, build);
   }
   if (options.kind == MeshKind::kQuadtree) {
     return is_planar ? BuildQuadtree<2>(features, options, build)

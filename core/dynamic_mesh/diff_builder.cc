@@ -14,6 +14,7 @@
 #include "core/mesh_data/whole_mesh.h"
 #include "core/meshing/facet_membership.h"
 #include "core/meshing/neighbours.h"
+#include "core/svr/plc_input.h"
 #include "dynmesh/error.h"
 
 namespace dynmesh {
@@ -414,12 +415,18 @@ template Mesh DiffBuilder<2>::Begin(Traced<2>&, const FeatureTable<2>&, Steps&);
 template absl::Status DiffBuilder<2>::NameStatus(const Traced<2>&, const FeatureTable<2>&) const;
 template Mesh DiffBuilder<2>::Begin(Untraced<2>&, const FeatureTable<2>&, Steps&);
 template absl::Status DiffBuilder<2>::NameStatus(const Untraced<2>&, const FeatureTable<2>&) const;
+template Mesh DiffBuilder<2>::Begin(svr::PlcInput<2>&, const FeatureTable<2>&, Steps&);
+template absl::Status DiffBuilder<2>::NameStatus(const svr::PlcInput<2>&,
+                                                 const FeatureTable<2>&) const;
 template MeshDiff DiffBuilder<2>::Update(Traced<2>&, const FeatureTable<2>&);
 template Mesh DiffBuilder<2>::Snapshot(const Traced<2>&, const FeatureTable<2>&, Steps&) const;
 template Mesh DiffBuilder<3>::Begin(Traced<3>&, const FeatureTable<3>&, Steps&);
 template absl::Status DiffBuilder<3>::NameStatus(const Traced<3>&, const FeatureTable<3>&) const;
 template Mesh DiffBuilder<3>::Begin(Untraced<3>&, const FeatureTable<3>&, Steps&);
 template absl::Status DiffBuilder<3>::NameStatus(const Untraced<3>&, const FeatureTable<3>&) const;
+template Mesh DiffBuilder<3>::Begin(svr::PlcInput<3>&, const FeatureTable<3>&, Steps&);
+template absl::Status DiffBuilder<3>::NameStatus(const svr::PlcInput<3>&,
+                                                 const FeatureTable<3>&) const;
 template MeshDiff DiffBuilder<3>::Update(Traced<3>&, const FeatureTable<3>&);
 template Mesh DiffBuilder<3>::Snapshot(const Traced<3>&, const FeatureTable<3>&, Steps&) const;
 

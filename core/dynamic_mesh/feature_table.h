@@ -46,7 +46,12 @@ class FeatureTable {
   // added after, those that it depends on. If `steps` stop, table and refinement are unusable.
   template <class Refinement>
   void Apply(const Delta& delta, Refinement& refinement, Steps& steps) {
-    ApplySizes(delta, refinement);
+    for (const plc::SizeFeature<D>& f : delta.removed_sizes) {
+      const auto it = sizes_.find(f.id);
+      refinement.RemoveSizing(it->second);
+      sizes_.erase(it);
+    }
+    AddSizes(delta, refinement);
     RemoveFacets(delta, refinement);
     RemoveSegments(delta, refinement);
     for (const plc::PointFeature<D>& p : delta.removed_points) {
@@ -55,15 +60,19 @@ class FeatureTable {
       refinement.RemovePoint(it->second);
       points_.erase(it);
     }
-    AddPoints(delta, refinement, steps);
-    AddSegments(delta, refinement, steps);
-    AddFacets(delta, refinement, steps);
-    if (!steps.stopped()) UpdateSurfaces(delta, refinement);
+    AddOthers(delta, refinement, steps);
   }
   template <class Refinement>
   void Apply(const Delta& delta, Refinement& refinement) {
     AllSteps all;
     Apply(delta, refinement, all);
+  }
+
+  // The same for a change that only adds, of `refinement` that has no means to remove.
+  template <class Refinement>
+  void Add(const Delta& delta, Refinement& refinement, Steps& steps) {
+    AddSizes(delta, refinement);
+    AddOthers(delta, refinement, steps);
   }
 
   // Walls added or removed since Collect. A wall that only changed owners counts as removed and
@@ -121,15 +130,18 @@ class FeatureTable {
   };
 
   template <class Refinement>
-  void ApplySizes(const Delta& delta, Refinement& refinement) {
-    for (const plc::SizeFeature<D>& f : delta.removed_sizes) {
-      const auto it = sizes_.find(f.id);
-      refinement.RemoveSizing(it->second);
-      sizes_.erase(it);
-    }
+  void AddSizes(const Delta& delta, Refinement& refinement) {
     for (const plc::SizeFeature<D>& f : delta.added_sizes) {
       sizes_[f.id] = refinement.AddSizing(RegionOf(f));
     }
+  }
+  // Points, segments, facets.
+  template <class Refinement>
+  void AddOthers(const Delta& delta, Refinement& refinement, Steps& steps) {
+    AddPoints(delta, refinement, steps);
+    AddSegments(delta, refinement, steps);
+    AddFacets(delta, refinement, steps);
+    if (!steps.stopped()) UpdateSurfaces(delta, refinement);
   }
 
   template <class Refinement>
@@ -207,7 +219,9 @@ class FeatureTable {
     segments_.Update([&](meshing::VertexIndex v) -> const Point& { return refinement.vertex(v).p; },
                      [&](auto* s) {
                        if (steps.Stop()) return;
-                       if (s->root != meshing::kNil) refinement.RemoveSegment(s->root);
+                       if constexpr (requires { refinement.RemoveSegment(s->root); }) {
+                         if (s->root != meshing::kNil) refinement.RemoveSegment(s->root);
+                       }
                        s->root = refinement.AddSegment(s->ends[0], s->ends[1], s->slot, s->shape);
                      });
   }

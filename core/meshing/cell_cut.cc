@@ -21,9 +21,22 @@ constexpr double kNoArea = 1e-9;
 }  // namespace
 
 void CellCut::Begin(const SpaceStar& star) {
-  star_ = &star;
+  p_ = star.position();
+  reach_ = star.reach();
   neighbours_.clear();
-  star.ForEachNeighbour([&](const SpaceStar::Neighbour& u) { neighbours_.push_back(&u); });
+  star.ForEachNeighbour([&](const Neighbour& u) { neighbours_.push_back(&u); });
+  BeginSorted();
+}
+
+void CellCut::Begin(const Point3& position, double reach, std::span<const Neighbour> neighbours) {
+  p_ = position;
+  reach_ = reach;
+  neighbours_.clear();
+  for (const Neighbour& u : neighbours) neighbours_.push_back(&u);
+  BeginSorted();
+}
+
+void CellCut::BeginSorted() {
   // The nearest ones first: they cut off most.
   std::sort(neighbours_.begin(), neighbours_.end(), [](const auto* a, const auto* b) {
     return a->d2 != b->d2 ? a->d2 < b->d2 : a->p < b->p;
@@ -75,36 +88,54 @@ double CellCut::Area2() const {
   return sum;
 }
 
-std::optional<CellCut::Cut> CellCut::Of(const Facet& facet) {
-  const Point3& p = star_->position();
+Point3 CellCut::At(const Position& position, const Facet& facet) const {
   const Vector3& normal = facet.plane().normal;
-  const double height = facet.plane().Height(p);
+  const double height = facet.plane().Height(p_);
   const auto [x, y] = geometry::AxesOf(facet.plane());
-  const double side = 2 * star_->reach();
+  Point3 at;
+  for (int k = 0; k < 3; ++k) {
+    at[k] = p_[k] - height * normal[k] + position[0] * x[k] + position[1] * y[k];
+  }
+  return facet.plane().Foot(at);
+}
+
+std::optional<CellCut::Cut> CellCut::Of(const Facet& facet) {
+  const Vector3& normal = facet.plane().normal;
+  const double height = facet.plane().Height(p_);
+  const auto [x, y] = geometry::AxesOf(facet.plane());
+  const double side = 2 * reach_;
   polygon_ = {{-side, -side}, {side, -side}, {side, side}, {-side, side}};
-  for (const SpaceStar::Neighbour* u : neighbours_) {
+  for (const Neighbour* u : neighbours_) {
     Clip(Dot(x, u->d), Dot(y, u->d), 0.5 * u->d2 + height * Dot(normal, u->d) + kSlack * u->d2);
     if (polygon_.size() < 3) return std::nullopt;
   }
-  const Position nearest = NearestToOrigin();
   Cut cut;
-  for (int k = 0; k < 3; ++k) {
-    cut.nearest[k] = p[k] - height * normal[k] + nearest[0] * x[k] + nearest[1] * y[k];
-  }
-  cut.nearest = facet.plane().Foot(cut.nearest);
-  cut.distance2 = geometry::SquaredDistance(cut.nearest, p);
+  cut.nearest = At(NearestToOrigin(), facet);
+  cut.distance2 = geometry::SquaredDistance(cut.nearest, p_);
   if (!facet.IsInside(cut.nearest)) return std::nullopt;
   cut.touches = Area2() < kNoArea * cut.distance2;
   return cut;
 }
 
-bool CellCut::GoesThrough(const SpaceStar& star, int slot, const Facet& facet) {
-  const Point3& p = star.position();
-  const auto& u = star[slot];
-  const double from = facet.plane().Height(p), to = facet.plane().Height(u.p);
+std::optional<Point3> CellCut::Farthest(const Facet& facet) const {
+  std::optional<Point3> farthest;
+  double most2 = 0;
+  for (const Position& position : polygon_) {
+    const Point3 at = At(position, facet);
+    const double d2 = geometry::SquaredDistance(at, p_);
+    if (d2 < most2 || (d2 == most2 && farthest && *farthest < at) || !facet.IsInside(at)) continue;
+    most2 = d2;
+    farthest = at;
+  }
+  return farthest;
+}
+
+bool CellCut::GoesThrough(const Point3& position, const Neighbour& neighbour, const Facet& facet) {
+  const double from = facet.plane().Height(position), to = facet.plane().Height(neighbour.p);
   if (!(from * to < 0)) return false;
   const double t = from / (from - to);
-  return facet.IsInside({{p[0] + t * u.d[0], p[1] + t * u.d[1], p[2] + t * u.d[2]}});
+  return facet.IsInside({{position[0] + t * neighbour.d[0], position[1] + t * neighbour.d[1],
+                          position[2] + t * neighbour.d[2]}});
 }
 
 }  // namespace dynmesh::meshing

@@ -15,6 +15,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/geometry/point.h"
@@ -25,8 +26,13 @@ namespace dynmesh::meshing {
 
 class CellCut {
  public:
+  using Neighbour = SpaceStar::Neighbour;
+
   // Selects the star. It must not change while it is used.
   void Begin(const SpaceStar& star);
+  // The same by position, neighbours in use, and an upper bound of the distance of the cell's
+  // corners, as far as facets matter.
+  void Begin(const geometry::Point3& position, double reach, std::span<const Neighbour> neighbours);
 
   struct Cut {
     geometry::Point3 nearest = {};  // the intersection's point nearest to the vertex
@@ -38,19 +44,27 @@ class CellCut {
   };
   // Nothing if the cell does not meet the facet. O(neighbours x corners of the cut).
   std::optional<Cut> Of(const Facet& facet);
+  // The corner of the last intersection that is farthest from the vertex, among those in the
+  // facet's inside; nothing if there is none.
+  std::optional<geometry::Point3> Farthest(const Facet& facet) const;
 
-  // Does the edge from the vertex to the neighbour in `slot` go through the facet?
-  static bool GoesThrough(const SpaceStar& star, int slot, const Facet& facet);
+  // Does the edge from the vertex at `position` to the neighbour go through the facet?
+  static bool GoesThrough(const geometry::Point3& position, const Neighbour& neighbour,
+                          const Facet& facet);
 
  private:
   using Position =
       std::array<double, 2>;  // coordinates in the facet's plane, from the vertex's foot
+  void BeginSorted();
   void Clip(double a, double b, double c);
+  // On the facet's plane.
+  geometry::Point3 At(const Position& position, const Facet& facet) const;
   Position NearestToOrigin() const;
   double Area2() const;
 
-  const SpaceStar* star_ = nullptr;
-  std::vector<const SpaceStar::Neighbour*> neighbours_;  // in an order that depends on them alone
+  geometry::Point3 p_ = {};
+  double reach_ = 0;
+  std::vector<const Neighbour*> neighbours_;  // in an order that depends on them alone
   std::vector<Position> polygon_, clipped_;
 };
 

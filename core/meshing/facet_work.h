@@ -123,7 +123,7 @@ bool FacetWork<D, E>::IsJoinedThrough(const Star<D>& star, const Facet& facet) c
   if constexpr (D == 3) {
     for (int i = 0; i < star.slot_count(); ++i) {
       if (!IsInView<D>(star[i]) || complex_.IsOnFacet(star[i].id, facet)) continue;
-      if (CellCut::GoesThrough(star, i, facet)) return true;
+      if (CellCut::GoesThrough(star.position(), star[i], facet)) return true;
     }
   }
   return false;

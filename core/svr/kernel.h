@@ -17,6 +17,8 @@ namespace dynmesh::svr {
 
 using VertexIndex = std::uint32_t;
 using SimplexIndex = std::uint32_t;
+using SubsegmentIndex = std::uint32_t;
+using FacetIndex = std::uint32_t;
 inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 template <int D>
@@ -73,6 +75,32 @@ double SquaredShortestEdge(const Kernel<D>& mesh, SimplexIndex s) {
     }
   }
   return least;
+}
+
+// The vertex nearest to p, by a walk from `near` over ever nearer neighbours.
+template <int D>
+VertexIndex NearestVertex(const Kernel<D>& mesh, const geometry::Point<D>& p, VertexIndex near) {
+  double least = geometry::SquaredDistance(mesh.position(near), p);
+  for (VertexIndex from = kNone; from != near;) {
+    from = near;
+    mesh.ForEachSimplexAround(from, [&](SimplexIndex s) {
+      for (const VertexIndex u : mesh.vertices(s)) {
+        if (u == Kernel<D>::kInfinite) continue;
+        const double d2 = geometry::SquaredDistance(mesh.position(u), p);
+        if (d2 < least) least = d2, near = u;
+      }
+    });
+  }
+  return near;
+}
+
+template <int D>
+bool IsEdge(const Kernel<D>& mesh, VertexIndex a, VertexIndex b) {
+  bool is = false;
+  mesh.ForEachSimplexAround(a, [&](SimplexIndex s) {
+    is = is || std::ranges::find(mesh.vertices(s), b) != mesh.vertices(s).end();
+  });
+  return is;
 }
 
 }  // namespace dynmesh::svr

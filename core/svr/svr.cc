@@ -2,235 +2,270 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-
-#include "core/geometry/border_grid.h"
-#include "core/geometry/hilbert_curve.h"
 
 namespace dynmesh::svr {
-namespace {
 
-using geometry::Point;
-using geometry::Point2;
-using geometry::Point3;
-
-// In the order of a Hilbert curve, so that neighbours in the list are near each other.
-template <int D>
-std::vector<Point<D>> Sorted(std::vector<Point<D>> points, const Point<D>& lo, const Point<D>& hi) {
-  constexpr int kLevels = 32 / D;
-  const double scale = std::ldexp(1.0, kLevels) / (hi[0] - lo[0]);
-  std::vector<std::pair<std::uint32_t, Point<D>>> keyed;
-  keyed.reserve(points.size());
-  for (const Point<D>& p : points) {
-    std::array<std::uint32_t, D> cell;
-    for (int k = 0; k < D; ++k) {
-      const double x = std::clamp((p[k] - lo[k]) * scale, 0.0, std::ldexp(1.0, kLevels) - 1);
-      cell[k] = static_cast<std::uint32_t>(x);
-    }
-    keyed.emplace_back(geometry::HilbertCurve<D>::Key(cell, kLevels), p);
-  }
-  std::sort(keyed.begin(), keyed.end());
-  for (std::size_t i = 0; i < keyed.size(); ++i) points[i] = keyed[i].second;
-  return points;
-}
-
-// The corners first, in the order of the triangulation.
-std::vector<Point2> BorderOf(const Options<2>& options) {
-  const int cells = options.border_cells;
-  std::vector<Point2> border = geometry::SquareBorder(options.lo, options.hi, cells,
-                                                      (options.hi[0] - options.lo[0]) / cells);
-  for (int i = 0; i < 4; ++i) std::swap(border[i], border[i * cells]);
-  return border;
-}
-// In any dimension: the corners by their bits, then all others.
-template <int D>
-std::vector<Point<D>> BorderOf(const Options<D>& options) {
-  const int cells = options.border_cells;
-  std::vector<Point<D>> border, others;
-  std::array<int, D> at = {};
-  // Counts from (0, ..., 0) to (cells, ..., cells), the first axis fastest: corners by their bits.
-  for (int k = 0; k < D;) {
-    int sides = 0;
-    Point<D> p;
-    for (int axis = 0; axis < D; ++axis) {
-      sides += at[axis] % cells == 0 ? 1 : 0;
-      p[axis] = at[axis] == cells
-                    ? options.hi[axis]
-                    : options.lo[axis] + at[axis] * ((options.hi[axis] - options.lo[axis]) / cells);
-    }
-    if (sides == D) border.push_back(p);
-    if (sides > 0 && sides < D) others.push_back(p);
-    for (k = 0; k < D && ++at[k] > cells; ++k) at[k] = 0;
-  }
-  border.insert(border.end(), others.begin(), others.end());
-  return border;
-}
-std::vector<Point3> BorderOf(const Options<3>& options) {
-  return geometry::CubeBorder(options.lo, options.hi, options.border_cells,
-                              (options.hi[0] - options.lo[0]) / options.border_cells);
-}
-
-}  // namespace
-
-template <int D, class Location>
-Svr<D, Location>::Svr(const Options<D>& options, std::vector<Point> points)
+template <int D, class Input, class Location>
+Svr<D, Input, Location>::Svr(const Options<D>& options, Input* input, Kernel<D>* mesh)
     : options_(options),
-      points_(Sorted<D>(std::move(points), options.lo, options.hi)),
-      location_(mesh_, points_) {
+      input_(*input),
+      mesh_(*mesh),
+      positions_(input->positions()),
+      location_(mesh_, positions_) {
   AddBorder();
-  for (PointIndex p = 0; p < points_.size(); ++p) {
-    // Of few vertices.
-    VertexIndex nearest = 0;
-    for (VertexIndex v = 1; v < input_.size(); ++v) {
-      if (geometry::SquaredDistance(points_[p], mesh_.position(v)) <
-          geometry::SquaredDistance(points_[p], mesh_.position(nearest))) {
-        nearest = v;
-      }
-    }
-    location_.Assign(p, nearest);
+  for (const VertexIndex p : input_.Waiting()) {
+    location_.Assign(p, NearestVertex<D>(mesh_, positions_[p], 0));
   }
-  for (VertexIndex v = 0; v < input_.size(); ++v) EnterCrowded(v);
+  for (VertexIndex v = 0; v < input_.border_count(); ++v) EnterCrowded(v);
   mesh_.ForEachSimplex([&](SimplexIndex s) { Enter(s); });
 }
 
-template <int D, class Location>
-void Svr<D, Location>::AddBorder() {
-  const std::vector<Point> border = BorderOf(options_);
+template <int D, class Input, class Location>
+void Svr<D, Input, Location>::AddBorder() {
   std::array<VertexIndex, std::size_t{1} << D> corners;
   for (std::size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<VertexIndex>(i);
   mesh_.Reset(options_.lo, options_.hi, corners);
-  for (std::size_t i = corners.size(); i < border.size(); ++i) {
-    mesh_.Insert(static_cast<VertexIndex>(i), border[i], static_cast<VertexIndex>(i - 1));
+  for (std::size_t i = corners.size(); i < input_.border_count(); ++i) {
+    mesh_.Insert(static_cast<VertexIndex>(i), positions_[i], static_cast<VertexIndex>(i - 1));
   }
-  border_count_ = border.size();
-  input_.assign(border.size(), kNone);
-  is_entered_.assign(border.size(), false);
+  is_entered_.assign(positions_.size(), false);
 }
 
-template <int D, class Location>
-std::vector<VertexIndex> Svr<D, Location>::BorderAround() const requires(D == 2) {
-  std::vector<VertexIndex> around(border_count_);
-  for (VertexIndex v = 0; v < around.size(); ++v) around[v] = v;
-  // As in BorderOf.
-  const auto cells = static_cast<std::size_t>(options_.border_cells);
-  for (std::size_t i = 4; i-- > 0;) std::swap(around[i], around[i * cells]);
-  return around;
-}
-
-template <int D, class Location>
-bool Svr<D, Location>::IsInDomain(const Point& p) const {
+template <int D, class Input, class Location>
+bool Svr<D, Input, Location>::IsInDomain(const Point& p) const {
   for (int k = 0; k < D; ++k) {
-    if (!(p[k] > options_.lo[k] && p[k] < options_.hi[k])) return false;
+    if (!(options_.lo[k] <= p[k] && p[k] <= options_.hi[k])) return false;
   }
   return true;
 }
 
-template <int D, class Location>
-void Svr<D, Location>::Enter(SimplexIndex s) {
-  const double r2 = BallOf(mesh_, s).r2, e2 = SquaredShortestEdge<D>(mesh_, s);
-  const double most2 = options_.quality * options_.quality * e2;
-  if (r2 <= most2) return;
+// --- Work ---------------------------------------------------------------------------------
+
+template <int D, class Input, class Location>
+void Svr<D, Input, Location>::Enter(SimplexIndex s) {
+  const Ball<D> ball = BallOf(mesh_, s);
+  const double most2 = options_.quality * options_.quality * input_.SquaredShortestEdge(mesh_, s);
+  if (ball.r2 <= most2 && !input_.IsTooLarge(ball)) return;
   mesh_.set_tag(s, ++serial_);
-  const Kind kind = r2 > kKept * kKept * most2 ? kSkinny : kModerate;
+  const Kind kind = ball.r2 > kKept * kKept * most2 ? kSkinny : kModerate;
   work_[kind].push_back({kind, s, serial_});
 }
-template <int D, class Location>
-void Svr<D, Location>::EnterCrowded(VertexIndex v) {
+template <int D, class Input, class Location>
+void Svr<D, Input, Location>::EnterCrowded(VertexIndex v) {
   if (!location_.IsCrowded(v) || is_entered_[v]) return;
   is_entered_[v] = true;
   work_[kCrowded].push_back({kCrowded, v, 0});
 }
 
-template <int D, class Location>
-bool Svr<D, Location>::Next(Item* item) {
-  for (const Kind kind : {kSkinny, kCrowded, kModerate}) {
-    std::vector<Item>& work = work_[kind];
-    while (!work.empty()) {
-      *item = work.back();
-      work.pop_back();
-      const bool stands = kind == kCrowded
-                              ? location_.IsCrowded(item->of)
-                              : !mesh_.IsInfinite(item->of) && mesh_.tag(item->of) == item->serial;
-      if (stands) return true;
-      if (kind == kCrowded) is_entered_[item->of] = false;
-    }
+template <int D, class Input, class Location>
+bool Svr<D, Input, Location>::Stands(const Item& item) const {
+  if constexpr (Input::kHasFeatures) {
+    if (item.kind == kEncroached) return input_.IsPresent(item.of);
+    if (item.kind == kFacets) return true;
   }
+  if (item.kind == kCrowded) return location_.IsCrowded(item.of);
+  return !mesh_.IsInfinite(item.of) && mesh_.tag(item.of) == item.serial;
+}
+
+template <int D, class Input, class Location>
+bool Svr<D, Input, Location>::Next(Item* item) {
+  do {
+    for (std::vector<Item>& work : work_) {
+      while (!work.empty()) {
+        *item = work.back();
+        work.pop_back();
+        if (Stands(*item)) return true;
+        if (item->kind == kCrowded) is_entered_[item->of] = false;
+      }
+    }
+  } while (EnterMissing());
   return false;
 }
 
-template <int D, class Location>
-void Svr<D, Location>::Do(const Item& item) {
-  ++(item.kind == kSkinny    ? counts_.skinny
-     : item.kind == kCrowded ? counts_.crowded
-                             : counts_.moderate);
-  if (item.kind != kCrowded) {
-    Split(item.of);
-    return;
+template <int D, class Input, class Location>
+bool Svr<D, Input, Location>::EnterMissing() {
+  if constexpr (Input::kHasFeatures) {
+    input_.ForEachSubsegment([&](SubsegmentIndex s, VertexIndex a, VertexIndex b) {
+      if (!IsEdge<D>(mesh_, a, b) && input_.CanSplit(s)) {
+        work_[kEncroached].push_back({kEncroached, s, 0});
+      }
+    });
   }
-  is_entered_[item.of] = false;
-  DoCrowded(item.of);
-  EnterCrowded(item.of);
+  return !work_[kEncroached].empty();
 }
 
-template <int D, class Location>
-void Svr<D, Location>::DoCrowded(VertexIndex v) {
-  const PointIndex p = location_.AnyOf(v);
+template <int D, class Input, class Location>
+void Svr<D, Input, Location>::Do(const Item& item) {
+  switch (item.kind) {
+    case kEncroached:
+      ++counts_.encroached;
+      DoEncroached(item.of);
+      return;
+    case kCrowded:
+      ++counts_.crowded;
+      is_entered_[item.of] = false;
+      DoCrowded(item.of);
+      EnterCrowded(item.of);
+      return;
+    case kFacets:
+      ++counts_.facets;
+      DoFacets(item);
+      return;
+    default:
+      ++(item.kind == kSkinny ? counts_.skinny : counts_.moderate);
+      if (Split(item.of) == Outcome::kYielded) work_[item.kind].push_back(item);
+  }
+}
+
+// The new vertex waits in the cell that it is in: near the subsegment's ends, or their cells.
+template <int D, class Input, class Location>
+void Svr<D, Input, Location>::DoEncroached(SubsegmentIndex s) {
+  if constexpr (Input::kHasFeatures) {
+    const VertexIndex end = input_.LesserEnd(s);
+    const VertexIndex v = input_.Split(s);
+    positions_.push_back(input_.position(v));
+    is_entered_.push_back(false);
+    const VertexIndex near = mesh_.Contains(end) ? end : location_.OwnerOf(end);
+    const VertexIndex owner = NearestVertex<D>(mesh_, positions_[v], near);
+    location_.Assign(v, owner);
+    EnterCrowded(owner);
+  }
+}
+
+template <int D, class Input, class Location>
+void Svr<D, Input, Location>::DoCrowded(VertexIndex v) {
+  const VertexIndex p = location_.AnyOf(v);
   SimplexIndex largest = kNone;
   double most = 0;
   mesh_.ForEachSimplexAround(v, [&](SimplexIndex s) {
-    if (mesh_.IsInfinite(s) || !mesh_.Conflicts(s, points_[p])) return;
+    if (mesh_.IsInfinite(s) || !mesh_.Conflicts(s, positions_[p])) return;
     const double r2 = BallOf(mesh_, s).r2;
     if (r2 > most) most = r2, largest = s;
   });
+  if (largest == kNone) largest = ConflictNear(v, positions_[p]);
   // Points are far from a Steiner point, or it would have become one of them.
-  if (input_[v] == kNone || !Split(largest)) Insert(points_[p], p, largest);
+  if (input_.IsSteiner(v) || MayBeNear(v, p) || Split(largest) == Outcome::kLeft)
+    InsertWaiting(p, largest);
 }
 
-template <int D, class Location>
-bool Svr<D, Location>::Split(SimplexIndex s) {
+// Vertices on one shell of a wedge are as near to each other as the wedge's angle makes them.
+template <int D, class Input, class Location>
+bool Svr<D, Input, Location>::MayBeNear(VertexIndex v, VertexIndex p) const {
+  if constexpr (Input::kHasFeatures) return input_.complex().IsSeditious(v, p);
+  return false;
+}
+
+template <int D, class Input, class Location>
+void Svr<D, Input, Location>::DoFacets(const Item& item) {
+  if constexpr (Input::kHasFeatures) {
+    const auto found = input_.FindFacetPoint(mesh_, item.of);
+    if (!found) return;
+    work_[kFacets].push_back(item);  // until nothing is found
+    InsertSteiner(found->p, found->facet, ConflictNear(item.of, found->p), 0);
+  }
+}
+
+template <int D, class Input, class Location>
+typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::Split(SimplexIndex s) {
   const Ball<D> ball = BallOf(mesh_, s);
-  const PointIndex p = location_.FindIn(s, ball, options_.k * std::sqrt(ball.r2));
+  const VertexIndex p = location_.FindIn(s, ball, options_.k * std::sqrt(ball.r2));
   if (p != kNone) {
     ++counts_.warped;
-    Insert(points_[p], p, s);
-    return true;
+    return InsertWaiting(p, s);
   }
   if (!std::isfinite(ball.r2) || !IsInDomain(ball.centre)) {
     ++counts_.outside;
-    return false;
+    return Outcome::kLeft;
   }
-  Insert(ball.centre, kNone, s);
-  return true;
+  const double e2 = input_.SquaredShortestEdge(mesh_, s);
+  if constexpr (Input::kHasFeatures) {
+    const auto on = input_.MoveToFacet(ball);
+    return InsertSteiner(on.p, on.facet, s, e2);
+  }
+  return InsertSteiner(ball.centre, kNone, s, e2);
 }
 
-template <int D, class Location>
-void Svr<D, Location>::Insert(const Point& p, PointIndex input, SimplexIndex conflicting) {
-  const auto v = static_cast<VertexIndex>(input_.size());
-  input_.push_back(input);
+template <int D, class Input, class Location>
+typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::InsertWaiting(
+    VertexIndex v, SimplexIndex conflicting) {
+  const Outcome outcome = Protect(positions_[v], 0);
+  if (outcome == Outcome::kInserted) Insert(v, conflicting, true);
+  return outcome;
+}
+
+template <int D, class Input, class Location>
+typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::InsertSteiner(
+    const Point& p, FacetIndex facet, SimplexIndex conflicting, double e2) {
+  const Outcome outcome = Protect(p, e2);
+  if (outcome != Outcome::kInserted) return outcome;
+  positions_.push_back(p);
   is_entered_.push_back(false);
-  mesh_.InsertAt(v, p, conflicting);
-  location_.Inserted(v, input);
+  Insert(input_.AddSteiner(p, facet), conflicting, false);
+  return outcome;
+}
+
+template <int D, class Input, class Location>
+typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::Protect(const Point& p,
+                                                                           double e2) {
+  if constexpr (Input::kHasFeatures) {
+    bool yields = false, guarded = false;
+    input_.ForEachEncroached(p, [&](SubsegmentIndex s) {
+      if (input_.IsGuarded(s, e2)) {
+        guarded = true;
+      } else if (input_.CanSplit(s)) {
+        yields = true;
+        work_[kEncroached].push_back({kEncroached, s, 0});
+      }
+    });
+    if (yields) return Outcome::kYielded;
+    if (guarded) {
+      ++counts_.guarded;
+      return Outcome::kLeft;
+    }
+  }
+  return Outcome::kInserted;
+}
+
+template <int D, class Input, class Location>
+void Svr<D, Input, Location>::Insert(VertexIndex v, SimplexIndex conflicting, bool was_waiting) {
+  mesh_.InsertAt(v, positions_[v], conflicting);
+  input_.SetPresent(v);
+  location_.Inserted(v, was_waiting);
   EnterCrowded(v);
+  if constexpr (Input::kHasFeatures) {
+    if (input_.has_facets()) work_[kFacets].push_back({kFacets, v, 0});
+  }
   for (const SimplexIndex s : mesh_.created()) {
     if (!mesh_.IsInfinite(s)) Enter(s);
   }
 }
 
-template <int D, class Location>
-double Svr<D, Location>::WorstSquaredRatio() const {
+template <int D, class Input, class Location>
+SimplexIndex Svr<D, Input, Location>::ConflictNear(VertexIndex v, const Point& p) const {
+  SimplexIndex conflicting = kNone;
+  mesh_.ForEachSimplexAround(NearestVertex<D>(mesh_, p, v), [&](SimplexIndex s) {
+    if (conflicting == kNone && !mesh_.IsInfinite(s) && mesh_.Conflicts(s, p)) conflicting = s;
+  });
+  return conflicting;
+}
+
+template <int D, class Input, class Location>
+double Svr<D, Input, Location>::WorstSquaredRatio() const {
   double worst = 0;
   mesh_.ForEachSimplex([&](SimplexIndex s) {
     const Ball<D> ball = BallOf(mesh_, s);
     if (!IsInDomain(ball.centre)) return;
-    worst = std::max(worst, ball.r2 / SquaredShortestEdge<D>(mesh_, s));
+    worst = std::max(worst, ball.r2 / input_.SquaredShortestEdge(mesh_, s));
   });
   return worst;
 }
 
-template class Svr<2, VoronoiLocation<2, true>>;
-template class Svr<2, VoronoiLocation<2, false>>;
-template class Svr<3, VoronoiLocation<3, true>>;
-template class Svr<3, VoronoiLocation<3, false>>;
-template class Svr<4, VoronoiLocation<4, true>>;
+template class Svr<2, PointInput<2>>;
+template class Svr<2, PointInput<2>, VoronoiLocation<2, false>>;
+template class Svr<2, PlcInput<2>>;
+template class Svr<3, PointInput<3>>;
+template class Svr<3, PointInput<3>, VoronoiLocation<3, false>>;
+template class Svr<3, PlcInput<3>>;
+template class Svr<4, PointInput<4>>;
 
 }  // namespace dynmesh::svr

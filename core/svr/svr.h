@@ -1,21 +1,30 @@
 // Sparse Voronoi Refinement (Hudson, Dynamic Mesh Refinement, chapters 2 and 3): a static mesher in
-// O(n lg L/s + m), for points.
+// O(n lg L/s + m).
 //
 // It never has a bad mesh: it begins with a coarse mesh of good quality, and inserts the input into
 // it little by little. Work, the most urgent first:
-//   1. skinny simplices, with circumradius / shortest edge > kKept: the mesh stays as good as this;
-//   2. crowded vertices, whose Voronoi cells have input points that are not in the mesh yet;
-//   3. simplices of a quality between the asked and that one.
+//   1. encroached subsegments: a vertex was to be inserted into their diametral balls;
+//   2. skinny simplices, with circumradius / shortest edge > kKept: the mesh stays as good as this;
+//   3. crowded vertices, whose Voronoi cells have points of the input that are not in the mesh yet;
+//   4. 3D: new vertices, whose Voronoi cells may meet a facet that they are not on;
+//   5. simplices of a quality between the asked and that one, or too large for a sizing feature.
 // Within a kind, the latest first: so work stays where it is, and memory in caches.
 //
-// A simplex is split at its circumcenter, or at an input point in the ball of k times its radius
-// about it. Of a crowded vertex one point p is looked at, of those farthest from it. If the vertex
-// is a Steiner point, p is inserted. If it is an input point, p may be too near to it: the largest
-// of its simplices with p in the circumball is split. (The thesis splits the largest of all its
-// simplices. That makes up to a sixth more vertices, where there are no points on one side of it.)
+// A simplex is split at its circumcenter, or at an uninserted point in the ball of k times its
+// radius about it. Of a crowded vertex one point p is looked at, of those farthest from it. If the
+// vertex is a Steiner point, p is inserted. If it is of the input, p may be too near to it: the
+// largest of its simplices with p in the circumball is split. (The thesis splits the largest of all
+// its simplices. That makes up to a sixth more vertices, where there are no points on one side of
+// it.)
 //
-// The result is a function of the set of points: input is sorted first, and nothing else depends on
-// its order.
+// A segment's own mesh is the list of its subsegments (plc_input.h). The diametral balls of these
+// are protected: what was to be inserted into one waits until the subsegment is split. Its midpoint
+// becomes an uninserted point of the mesh. In the end all balls are empty, so all subsegments are
+// edges. A facet has no mesh of its own: no Voronoi cell of a vertex that is not on it may meet it
+// (meshing/cell_cut.h says why that suffices).
+//
+// The result is a function of the set of features: input is sorted first, and nothing else depends
+// on its order.
 #ifndef DYNMESH_CORE_SVR_SVR_H_
 #define DYNMESH_CORE_SVR_SVR_H_
 
@@ -26,33 +35,32 @@
 
 #include "core/geometry/point.h"
 #include "core/svr/kernel.h"
+#include "core/svr/options.h"
+#include "core/svr/plc_input.h"
+#include "core/svr/point_input.h"
 #include "core/svr/voronoi_location.h"
 
 namespace dynmesh::svr {
 
-template <int D>
-struct Options {
-  // The domain: a square, cube, ... It should be 4 times as large as the points' extent, or larger:
-  // simplices with a circumcenter outside are not split.
-  geometry::Point<D> lo{}, hi{};
-  int border_cells = 0;  // of the grid on each side of the domain
-  double quality = 2;    // rho
-  double k = 0.9;        // how far input points attract a circumcenter
-};
-
 struct Counts {
-  std::uint64_t skinny = 0, crowded = 0, moderate = 0;  // items of work done
-  std::uint64_t warped = 0;                             // circumcenters moved to input points
-  std::uint64_t outside = 0;  // circumcenters outside the domain, or unknown
+  std::uint64_t encroached = 0, skinny = 0, crowded = 0, facets = 0,
+                moderate = 0;  // items of work done
+  std::uint64_t warped = 0;    // circumcenters moved to uninserted points
+  std::uint64_t outside = 0;   // circumcenters outside the domain, or unknown
+  std::uint64_t guarded = 0;   // simplices left because a subsegment is too short to be split
 };
 
-template <int D, class Location = VoronoiLocation<D, true>>
+// `Input` says what is to be inserted, and what is respected: PointInput or PlcInput. It names the
+// vertices: first those of the border, then the points of the input, then all others.
+template <int D, class Input = PointInput<D>, class Location = VoronoiLocation<D, true>>
 class Svr {
  public:
   using Point = geometry::Point<D>;
 
-  // `points`: distinct, in the domain.
-  Svr(const Options<D>& options, std::vector<Point> points);
+  // Both must outlive this; the mesh is to be empty.
+  Svr(const Options<D>& options, Input* input, Kernel<D>* mesh);
+  Svr(const Svr&) = delete;
+  Svr& operator=(const Svr&) = delete;
 
   // Runs to the end, or until `interrupt()`, called before each item of work, returns true; then it
   // returns false.
@@ -65,17 +73,12 @@ class Svr {
     return false;
   }
 
-  const Kernel<D>& mesh() const { return mesh_; }
-  // The first vertices are those of the border's grid.
-  std::size_t border_count() const { return border_count_; }
-  // 2D: these, counter-clockwise.
-  std::vector<VertexIndex> BorderAround() const requires(D == 2);
   // Items of work that are known.
   std::size_t waiting() const {
-    return work_[kSkinny].size() + work_[kCrowded].size() + work_[kModerate].size();
+    std::size_t sum = 0;
+    for (const std::vector<Item>& work : work_) sum += work.size();
+    return sum;
   }
-  // Of an input point its index in the sorted input; kNone of others.
-  PointIndex InputOf(VertexIndex v) const { return input_[v]; }
   const Counts& counts() const { return counts_; }
   const LocationCounts& location_counts() const { return location_.counts(); }
   // The greatest circumradius / shortest edge, squared, of the present mesh, where the
@@ -86,42 +89,63 @@ class Svr {
 
  private:
   static constexpr double kKept = 2;  // times the asked quality
-  enum Kind : std::uint8_t { kSkinny, kCrowded, kModerate, kKinds };
+  enum Kind : std::uint8_t { kEncroached, kSkinny, kCrowded, kFacets, kModerate, kKinds };
   struct Item {
     Kind kind = kSkinny;
-    std::uint32_t of = kNone;  // simplex or vertex
+    std::uint32_t of = kNone;  // subsegment, simplex or vertex
     std::uint64_t serial = 0;  // of the simplex: another one may have its index
+  };
+  enum class Outcome : std::uint8_t {
+    kInserted,
+    kYielded,  // to subsegments, which are split first
+    kLeft,     // nothing is to be done
   };
 
   void AddBorder();
   // The most urgent item that still stands. False if there is none.
   bool Next(Item* item);
+  bool Stands(const Item& item) const;
+  // Subsegments that are no edges though their balls are empty: ties. False if there is none.
+  bool EnterMissing();
   void Do(const Item& item);
+  void DoEncroached(SubsegmentIndex s);
   void DoCrowded(VertexIndex v);
-  // At the circumcenter of s or an input point near it. False: that is not in the domain.
-  bool Split(SimplexIndex s);
-  void Insert(const Point& p, PointIndex input, SimplexIndex conflicting);
+  bool MayBeNear(VertexIndex v, VertexIndex p) const;
+  void DoFacets(const Item& item);
+  // At the circumcenter of s or a point near it.
+  Outcome Split(SimplexIndex s);
+  // Inserts v, an uninserted point.
+  Outcome InsertWaiting(VertexIndex v, SimplexIndex conflicting);
+  // Inserts a Steiner point; on that facet, unless it is kNone. `e2`: the squared length of the
+  // edge that asks for it.
+  Outcome InsertSteiner(const Point& p, FacetIndex facet, SimplexIndex conflicting, double e2);
+  void Insert(VertexIndex v, SimplexIndex conflicting, bool was_waiting);
+  // A simplex that has p in its circumscribed ball. `v`: the vertex nearest to p, or one nearby.
+  SimplexIndex ConflictNear(VertexIndex v, const Point& p) const;
+  // What becomes of a vertex at p: kInserted if it may be inserted.
+  Outcome Protect(const Point& p, double e2);
   void Enter(SimplexIndex s);
   void EnterCrowded(VertexIndex v);
   bool IsInDomain(const Point& p) const;
 
   const Options<D> options_;
-  const std::vector<Point> points_;  // sorted
-  Kernel<D> mesh_;
-  std::size_t border_count_ = 0;
+  Input& input_;
+  Kernel<D>& mesh_;
+  std::vector<Point> positions_;  // of all vertices and uninserted points
   Location location_;
-  std::vector<PointIndex> input_;  // by vertex
-  std::vector<bool> is_entered_;   // by vertex: it has an item
+  std::vector<bool> is_entered_;  // by vertex: it has an item as a crowded one
   std::array<std::vector<Item>, kKinds> work_;
   std::uint64_t serial_ = 0;
   Counts counts_;
 };
 
-extern template class Svr<2, VoronoiLocation<2, true>>;
-extern template class Svr<2, VoronoiLocation<2, false>>;
-extern template class Svr<3, VoronoiLocation<3, true>>;
-extern template class Svr<3, VoronoiLocation<3, false>>;
-extern template class Svr<4, VoronoiLocation<4, true>>;
+extern template class Svr<2, PointInput<2>>;
+extern template class Svr<2, PointInput<2>, VoronoiLocation<2, false>>;
+extern template class Svr<2, PlcInput<2>>;
+extern template class Svr<3, PointInput<3>>;
+extern template class Svr<3, PointInput<3>, VoronoiLocation<3, false>>;
+extern template class Svr<3, PlcInput<3>>;
+extern template class Svr<4, PointInput<4>>;
 
 }  // namespace dynmesh::svr
 

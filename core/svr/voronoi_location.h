@@ -23,9 +23,6 @@
 
 namespace dynmesh::svr {
 
-// An input point, as an index.
-using PointIndex = std::uint32_t;
-
 struct LocationCounts {
   std::uint64_t queries = 0;     // for a point in a ball
   std::uint64_t looked_at = 0;   // points, in queries and updates
@@ -37,7 +34,8 @@ class VoronoiLocation {
  public:
   using Point = geometry::Point<D>;
 
-  // Both must outlive this. `points`: by PointIndex.
+  // Both must outlive this. `points`: positions by index, of vertices and of uninserted points. It
+  // may grow.
   VoronoiLocation(const Kernel<D>& mesh, const std::vector<Point>& points)
       : mesh_(mesh), points_(points), next_(points.size(), kNone), owner_(points.size(), kNone) {}
 
@@ -45,26 +43,32 @@ class VoronoiLocation {
   const LocationCounts& counts() const { return counts_; }
 
   // Makes p a point of the cell of v, its nearest vertex.
-  void Assign(PointIndex p, VertexIndex v) {
+  void Assign(VertexIndex p, VertexIndex v) {
     ++left_;
+    if (p >= next_.size()) {
+      next_.resize(points_.size(), kNone);
+      owner_.resize(points_.size(), kNone);
+    }
     Put(p, v, geometry::SquaredDistance(points_[p], mesh_.position(v)));
   }
+  // The vertex in whose cell the uninserted point p is.
+  VertexIndex OwnerOf(VertexIndex p) const { return owner_[p]; }
   bool IsCrowded(VertexIndex v) const { return v < cells_.size() && cells_[v] != kNone; }
   // A point of the cell, among those of the outermost shell. REQUIRES: it is crowded.
-  PointIndex AnyOf(VertexIndex v) const { return shells_[cells_[v]].first; }
+  VertexIndex AnyOf(VertexIndex v) const { return shells_[cells_[v]].first; }
 
   // A point at a distance < `radius` from the centre of `ball`; kNone if there is none. `ball`: the
   // circumscribed ball of simplex s. REQUIRES: radius is less than the ball's.
-  PointIndex FindIn(SimplexIndex s, const Ball<D>& ball, double radius);
+  VertexIndex FindIn(SimplexIndex s, const Ball<D>& ball, double radius);
 
-  // After the insertion of v, as the kernel reports it. `p`: the input point that it is, or kNone.
-  void Inserted(VertexIndex v, PointIndex p);
+  // After the insertion of v, as the kernel reports it. `was_waiting`: v was an uninserted point.
+  void Inserted(VertexIndex v, bool was_waiting);
 
  private:
   // Points of one cell in a list: the fourth powers of their distances are in [2^exponent,
   // 2^(exponent + 1)).
   struct Shell {
-    PointIndex first = kNone;
+    VertexIndex first = kNone;
     std::uint32_t next = kNone;  // the next shell inwards
     int exponent = 0;
   };
@@ -76,9 +80,9 @@ class VoronoiLocation {
     return kShells ? std::sqrt(std::ldexp(1.0, exponent + 1)) : INFINITY;
   }
 
-  void Put(PointIndex p, VertexIndex v, double d2);
+  void Put(VertexIndex p, VertexIndex v, double d2);
   // Out of its list.
-  void Take(PointIndex p);
+  void Take(VertexIndex p);
   // True at the first call for u in the current walk.
   bool IsNewInWalk(VertexIndex u) {
     if (u >= vertex_walk_.size()) {
@@ -90,11 +94,11 @@ class VoronoiLocation {
   // May the cell of u have a position in the ball? `corners`: the simplex of the ball's centre.
   bool MayMeet(VertexIndex u, const Ball<D>& ball, double radius,
                const std::array<VertexIndex, D + 1>& corners) const;
-  PointIndex FindInCell(VertexIndex u, const Ball<D>& ball, double radius);
+  VertexIndex FindInCell(VertexIndex u, const Ball<D>& ball, double radius);
 
   const Kernel<D>& mesh_;
   const std::vector<Point>& points_;
-  std::vector<PointIndex> next_;      // in the shell's list
+  std::vector<VertexIndex> next_;     // in the shell's list
   std::vector<VertexIndex> owner_;    // whose cell it is in
   std::vector<std::uint32_t> cells_;  // by vertex: the outermost shell
   std::vector<Shell> shells_;
@@ -112,7 +116,7 @@ class VoronoiLocation {
 // --- Implementation -------------------------------------------------------------------------
 
 template <int D, bool kShells>
-void VoronoiLocation<D, kShells>::Put(PointIndex p, VertexIndex v, double d2) {
+void VoronoiLocation<D, kShells>::Put(VertexIndex p, VertexIndex v, double d2) {
   if (v >= cells_.size()) cells_.resize(v + 1 + v / 2, kNone);
   const int exponent = ExponentOf(d2);
   std::uint32_t outer = kNone, shell = cells_[v];
@@ -138,12 +142,12 @@ void VoronoiLocation<D, kShells>::Put(PointIndex p, VertexIndex v, double d2) {
 }
 
 template <int D, bool kShells>
-void VoronoiLocation<D, kShells>::Take(PointIndex p) {
+void VoronoiLocation<D, kShells>::Take(VertexIndex p) {
   const VertexIndex v = owner_[p];
   const int exponent = ExponentOf(geometry::SquaredDistance(points_[p], mesh_.position(v)));
   std::uint32_t outer = kNone, shell = cells_[v];
   for (; shells_[shell].exponent != exponent; shell = shells_[shell].next) outer = shell;
-  PointIndex* link = &shells_[shell].first;
+  VertexIndex* link = &shells_[shell].first;
   while (*link != p) link = &next_[*link];
   *link = next_[p];
   if (shells_[shell].first == kNone) {
@@ -170,15 +174,15 @@ bool VoronoiLocation<D, kShells>::MayMeet(VertexIndex u, const Ball<D>& ball, do
 }
 
 template <int D, bool kShells>
-PointIndex VoronoiLocation<D, kShells>::FindInCell(VertexIndex u, const Ball<D>& ball,
-                                                   double radius) {
+VertexIndex VoronoiLocation<D, kShells>::FindInCell(VertexIndex u, const Ball<D>& ball,
+                                                    double radius) {
   const double away = std::sqrt(geometry::SquaredDistance(mesh_.position(u), ball.centre));
   const double near = std::max(0.0, away - radius), far = away + radius;
   for (std::uint32_t shell = cells_[u]; shell != kNone; shell = shells_[shell].next) {
     const int exponent = shells_[shell].exponent;
     if (Inner2(exponent) > far * far) continue;
     if (Outer2(exponent) < near * near) break;
-    for (PointIndex p = shells_[shell].first; p != kNone; p = next_[p]) {
+    for (VertexIndex p = shells_[shell].first; p != kNone; p = next_[p]) {
       ++counts_.looked_at;
       if (geometry::SquaredDistance(points_[p], ball.centre) < radius * radius) return p;
     }
@@ -189,7 +193,8 @@ PointIndex VoronoiLocation<D, kShells>::FindInCell(VertexIndex u, const Ball<D>&
 // Cells that meet the ball are connected, and those of the corners meet it. So all simplices with
 // a corner whose cell meets it are connected, across sides with such a corner.
 template <int D, bool kShells>
-PointIndex VoronoiLocation<D, kShells>::FindIn(SimplexIndex s, const Ball<D>& ball, double radius) {
+VertexIndex VoronoiLocation<D, kShells>::FindIn(SimplexIndex s, const Ball<D>& ball,
+                                                double radius) {
   if (left_ == 0) return kNone;
   ++counts_.queries;
   ++walk_;
@@ -210,7 +215,7 @@ PointIndex VoronoiLocation<D, kShells>::FindIn(SimplexIndex s, const Ball<D>& ba
       if (IsNewInWalk(u)) {
         may_meet_[u] = MayMeet(u, ball, radius, corners) ? 1 : 0;
         if (may_meet_[u] != 0 && IsCrowded(u)) {
-          const PointIndex p = FindInCell(u, ball, radius);
+          const VertexIndex p = FindInCell(u, ball, radius);
           if (p != kNone) return p;
         }
       }
@@ -228,8 +233,8 @@ PointIndex VoronoiLocation<D, kShells>::FindIn(SimplexIndex s, const Ball<D>& ba
 }
 
 template <int D, bool kShells>
-void VoronoiLocation<D, kShells>::Inserted(VertexIndex v, PointIndex p) {
-  if (p != kNone) Take(p);
+void VoronoiLocation<D, kShells>::Inserted(VertexIndex v, bool was_waiting) {
+  if (was_waiting) Take(v);
   if (left_ == 0) return;
   ++walk_;
   const Point& at = mesh_.position(v);
@@ -241,9 +246,9 @@ void VoronoiLocation<D, kShells>::Inserted(VertexIndex v, PointIndex p) {
       const double reach2 = geometry::SquaredDistance(at, from) / 4;  // of the bisector
       std::uint32_t outer = kNone, shell = cells_[u];
       while (shell != kNone && Outer2(shells_[shell].exponent) > reach2) {
-        PointIndex kept = kNone, q = shells_[shell].first;
+        VertexIndex kept = kNone, q = shells_[shell].first;
         while (q != kNone) {
-          const PointIndex next = next_[q];
+          const VertexIndex next = next_[q];
           ++counts_.looked_at;
           const double d2 = geometry::SquaredDistance(points_[q], at);
           if (d2 < geometry::SquaredDistance(points_[q], from)) {

@@ -183,9 +183,9 @@ enum class BuildEngine : std::uint8_t {
   // That of DynamicMesh, without a trace: the same mesh, built faster.
   kDynamic = 1,
   // Sparse Voronoi Refinement: another mesh with the same guarantees. It never has a mesh of bad
-  // quality on the way, so its time is O(n lg(L/s) + m) for any input. Only for Delaunay meshes of
-  // points, with criterion kEdge, quality from sqrt(2), in 3D from 2, without max_edge and
-  // min_dihedral; else INVALID_ARGUMENT (BAD_OPTION).
+  // quality on the way, so its time is O(n lg(L/s) + m) for any input. Only for Delaunay meshes
+  // with criterion kEdge, quality from sqrt(2), in 3D from 2, and min_dihedral 0; else
+  // INVALID_ARGUMENT (BAD_OPTION).
   kSvr = 2,
 };
 

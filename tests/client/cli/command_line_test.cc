@@ -64,7 +64,7 @@ TEST_F(CommandLine, BadUsageAndBadInputAreTwo) {
                                 "mesh square.poly --rho 0.5",
                                 "mesh square.poly --rho x",
                                 "mesh square.poly --criterion best",
-                                "mesh square.poly --engine svr",  // it has segments
+                                "mesh square.poly --engine svr --rho 1.2",
                                 "replay edits.txt --engine svr",
                                 "mesh square.poly --engine steam",
                                 "mesh square.poly --box 0,0,1",

@@ -102,14 +102,8 @@ TEST(BuildMesh, BySvrRefusesWhatItDoesNotSupport) {
     all.push_back(f);
     return BuildMesh(all, options, BySvr());
   };
-  expect(with(Feature::Segment(7, 1, 2)), "feature 7 is a segment");
-  expect(with(Feature::Polygon(8, {{1, 2, 3}})), "feature 8 is a polygon");
-  expect(with(Feature::SizeAt(9, 0.5, 0.5, 0.1)), "feature 9 is a sizing feature");
   options.quality = 1.2;
   expect(BuildMesh(features, options, BySvr()), "quality 1.2");
-  options = OptionsIn(2);
-  options.max_edge = 0.1;
-  expect(BuildMesh(features, options, BySvr()), "max_edge");
   options = OptionsIn(2);
   options.criterion = Criterion::kThesis;
   expect(BuildMesh(features, options, BySvr()), "criterion");

@@ -119,7 +119,7 @@ TEST(CellCut, AnEdgeGoesThroughAFacetOrPastIt) {
     star.Insert(6, {{x, 0.1, 2}});
     for (int i = 0; i < star.slot_count(); ++i) {
       if (!SpaceStar::IsUsed(star[i]) || SpaceStar::IsGhost(star[i].id)) continue;
-      EXPECT_EQ(CellCut::GoesThrough(star, i, facet), star[i].id == 5 && x < 1) << x;
+      EXPECT_EQ(CellCut::GoesThrough(star.position(), star[i], facet), star[i].id == 5 && x < 1) << x;
     }
   }
 }

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/svr/svr.h"
+#include "tests/core/svr/svr_of_points.h"
 #include "tests/support/point_layouts.h"
 
 namespace dynmesh::svr {
@@ -86,18 +86,18 @@ void ExpectDelaunayByRationals(const Kernel<4>& mesh, int every) {
 void ExpectGoodMesh(test::Layout layout, int n, int every) {
   SCOPED_TRACE(std::string(NameOf(layout)) + " " + std::to_string(n));
   const auto points = test::PointsOf<4>(layout, n, 3);
-  Svr<4> svr(OptionsIn4D(), points);
-  ASSERT_TRUE(svr.Run([] { return false; }));
-  EXPECT_LE(std::sqrt(svr.WorstSquaredRatio()), kQuality * (1 + 1e-5));
-  EXPECT_EQ(svr.counts().outside, 0u);
+  SvrOfPoints<4> of(OptionsIn4D(), points);
+  ASSERT_TRUE(of.svr.Run([] { return false; }));
+  EXPECT_LE(std::sqrt(of.svr.WorstSquaredRatio()), kQuality * (1 + 1e-5));
+  EXPECT_EQ(of.svr.counts().outside, 0u);
   std::string why;
-  EXPECT_TRUE(svr.mesh().Check(&why)) << why;
+  EXPECT_TRUE(of.mesh.Check(&why)) << why;
   std::set<geometry::Point<4>> inserted;
-  for (VertexIndex v = 0; v < svr.mesh().vertex_count(); ++v) {
-    if (svr.InputOf(v) != kNone) inserted.insert(svr.mesh().position(v));
+  for (VertexIndex v = 0; v < of.mesh.vertex_count(); ++v) {
+    if (of.input.IsInput(v)) inserted.insert(of.mesh.position(v));
   }
   EXPECT_TRUE(std::ranges::equal(inserted, points));
-  ExpectDelaunayByRationals(svr.mesh(), every);
+  ExpectDelaunayByRationals(of.mesh, every);
 }
 
 TEST(Svr4D, MeshesOfThousandPointsAreGoodAndDelaunay) {

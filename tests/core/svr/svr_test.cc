@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/core/svr/svr_of_points.h"
 #include "tests/support/point_layouts.h"
 
 namespace dynmesh::svr {
@@ -35,12 +36,11 @@ Options<D> OptionsOf(double quality) {
   return options;
 }
 
-template <class Mesher>
-auto PositionsOf(const Mesher& svr) {
-  std::vector<typename Mesher::Point> positions;
-  for (VertexIndex v = 0; v < svr.mesh().vertex_count(); ++v) {
-    positions.push_back(svr.mesh().position(v));
-  }
+// In the order of the vertices' indices.
+template <int D>
+auto PositionsOf(const Kernel<D>& mesh) {
+  std::vector<geometry::Point<D>> positions;
+  for (VertexIndex v = 0; v < mesh.vertex_count(); ++v) positions.push_back(mesh.position(v));
   return positions;
 }
 
@@ -64,15 +64,15 @@ TYPED_TEST(SvrTest, MeshesAreGoodDelaunayAndHaveAllPoints) {
     for (const double quality : {kQuality<D>, 2 * kQuality<D>}) {
       SCOPED_TRACE(std::string(NameOf(layout)) + ", quality " + std::to_string(quality));
       const auto points = PointsOf<D>(layout, D == 2 ? 2000 : 1000, 3);
-      Svr<D> svr(OptionsOf<D>(quality), points);
-      ASSERT_TRUE(svr.Run([] { return false; }));
+      SvrOfPoints<D> of(OptionsOf<D>(quality), points);
+      ASSERT_TRUE(of.svr.Run([] { return false; }));
       std::string why;
-      ASSERT_TRUE(svr.mesh().Check(&why)) << why;
-      EXPECT_LE(std::sqrt(svr.WorstSquaredRatio()), quality * kRounding);
-      EXPECT_EQ(svr.counts().outside, 0u);
+      ASSERT_TRUE(of.mesh.Check(&why)) << why;
+      EXPECT_LE(std::sqrt(of.svr.WorstSquaredRatio()), quality * kRounding);
+      EXPECT_EQ(of.svr.counts().outside, 0u);
       std::set<geometry::Point<D>> inserted;
-      for (VertexIndex v = 0; v < svr.mesh().vertex_count(); ++v) {
-        if (svr.InputOf(v) != kNone) inserted.insert(svr.mesh().position(v));
+      for (VertexIndex v = 0; v < of.mesh.vertex_count(); ++v) {
+        if (of.input.IsInput(v)) inserted.insert(of.mesh.position(v));
       }
       EXPECT_TRUE(std::ranges::equal(inserted, points));
     }
@@ -83,12 +83,12 @@ TYPED_TEST(SvrTest, TheOrderOfTheInputDoesNotMatter) {
   constexpr int D = TestFixture::kDimension;
   for (const Layout layout : kLayouts) {
     auto points = PointsOf<D>(layout, 500, 4);
-    Svr<D> first(OptionsOf<D>(kQuality<D>), points);
-    first.Run([] { return false; });
+    SvrOfPoints<D> first(OptionsOf<D>(kQuality<D>), points);
+    first.svr.Run([] { return false; });
     std::shuffle(points.begin(), points.end(), std::mt19937_64(5));
-    Svr<D> second(OptionsOf<D>(kQuality<D>), points);
-    second.Run([] { return false; });
-    EXPECT_EQ(PositionsOf(first), PositionsOf(second));
+    SvrOfPoints<D> second(OptionsOf<D>(kQuality<D>), points);
+    second.svr.Run([] { return false; });
+    EXPECT_EQ(PositionsOf<D>(first.mesh), PositionsOf<D>(second.mesh));
   }
 }
 
@@ -101,7 +101,8 @@ TYPED_TEST(SvrTest, NoMeshOnTheWayIsBad) {
   double worst = 0, kept = 0;
   int times_kept = 0;
   for (const Layout layout : kLayouts) {
-    Svr<D> svr(OptionsOf<D>(kQuality<D>), PointsOf<D>(layout, D == 2 ? 300 : 100, 6));
+    SvrOfPoints<D> of(OptionsOf<D>(kQuality<D>), PointsOf<D>(layout, D == 2 ? 300 : 100, 6));
+    auto& svr = of.svr;
     svr.Run([&] {
       const double ratio = std::sqrt(svr.WorstSquaredRatio());
       worst = std::max(worst, ratio);
@@ -121,22 +122,23 @@ TYPED_TEST(SvrTest, NoMeshOnTheWayIsBad) {
 TYPED_TEST(SvrTest, ShellsSpareLooks) {
   constexpr int D = TestFixture::kDimension;
   const auto points = PointsOf<D>(Layout::kTwoScales, D == 2 ? 5000 : 2000, 7);
-  Svr<D> shells(OptionsOf<D>(kQuality<D>), points);
-  Svr<D, VoronoiLocation<D, false>> plain(OptionsOf<D>(kQuality<D>), points);
-  shells.Run([] { return false; });
-  plain.Run([] { return false; });
-  EXPECT_LT(2 * shells.location_counts().looked_at, plain.location_counts().looked_at);
+  SvrOfPoints<D> shells(OptionsOf<D>(kQuality<D>), points);
+  SvrOfPoints<D, VoronoiLocation<D, false>> plain(OptionsOf<D>(kQuality<D>), points);
+  shells.svr.Run([] { return false; });
+  plain.svr.Run([] { return false; });
+  EXPECT_LT(2 * shells.svr.location_counts().looked_at, plain.svr.location_counts().looked_at);
 }
 
 TYPED_TEST(SvrTest, ARunCanBeInterruptedAndGoesOn) {
   constexpr int D = TestFixture::kDimension;
   const auto points = PointsOf<D>(Layout::kUniform, 200, 8);
-  Svr<D> whole(OptionsOf<D>(kQuality<D>), points), parts(OptionsOf<D>(kQuality<D>), points);
-  whole.Run([] { return false; });
+  SvrOfPoints<D> whole(OptionsOf<D>(kQuality<D>), points);
+  SvrOfPoints<D> parts(OptionsOf<D>(kQuality<D>), points);
+  whole.svr.Run([] { return false; });
   int runs = 0;
-  for (int left = 7; !parts.Run([&] { return left-- == 0; }); left = 7) ++runs;
+  for (int left = 7; !parts.svr.Run([&] { return left-- == 0; }); left = 7) ++runs;
   EXPECT_GT(runs, 10);
-  EXPECT_EQ(PositionsOf(whole), PositionsOf(parts));
+  EXPECT_EQ(PositionsOf<D>(whole.mesh), PositionsOf<D>(parts.mesh));
 }
 
 }  // namespace

@@ -1,0 +1,24 @@
+// SVR of points with what it works on.
+#ifndef DYNMESH_TESTS_CORE_SVR_SVR_OF_POINTS_H_
+#define DYNMESH_TESTS_CORE_SVR_SVR_OF_POINTS_H_
+
+#include <utility>
+#include <vector>
+
+#include "core/svr/svr.h"
+
+namespace dynmesh::svr {
+
+template <int D, class Location = VoronoiLocation<D, true>>
+struct SvrOfPoints {
+  SvrOfPoints(const Options<D>& options, std::vector<geometry::Point<D>> points)
+      : input(options, std::move(points)), svr(options, &input, &mesh) {}
+
+  PointInput<D> input;
+  Kernel<D> mesh;
+  Svr<D, PointInput<D>, Location> svr;
+};
+
+}  // namespace dynmesh::svr
+
+#endif  // DYNMESH_TESTS_CORE_SVR_SVR_OF_POINTS_H_
