@@ -1,4 +1,4 @@
-"""Points of the thesis's experiments, as arrays of n x 3."""
+"""Points of the thesis's experiments, as arrays of n x 3 or n x 2."""
 from __future__ import annotations
 
 import pathlib
@@ -26,6 +26,21 @@ def uniform(n: int) -> np.ndarray:
     return np.random.default_rng(2).random((n, 3))
 
 
+def shortest_first(n: int) -> np.ndarray:
+    """n points in 2D (Fig. 2.2): on the y axis with gaps that grow a little, one at the off-center of
+    the lowest gap, and two far enough to see all of the axis. A mesher that splits shortest edges
+    first, in a triangulation of all points, changes a linear number of triangles at each step."""
+    on_axis = n - 3
+    gaps = 1 + 1e-3 * np.arange(on_axis - 1) / on_axis
+    y = np.concatenate([[0], np.cumsum(gaps)])
+    axis = np.column_stack([np.zeros(on_axis), y])
+    # At ratio sqrt(2) a triangle with the lowest gap as its shortest edge is still good.
+    ratio = np.sqrt(2)
+    off_center = [ratio + np.sqrt(ratio**2 - 0.25), gaps[0] / 2]
+    far = [[on_axis**2 / 2.0, 0], [on_axis**2 / 2.0, y[-1]]]
+    return np.vstack([axis, [off_center], far])
+
+
 def read_node(path: pathlib.Path) -> np.ndarray:
     """The points of a 3D .node file."""
     with open(path, encoding="ascii") as file:
@@ -34,8 +49,8 @@ def read_node(path: pathlib.Path) -> np.ndarray:
 
 
 def write_node(path: pathlib.Path, points: np.ndarray) -> None:
-    rows = [f"{len(points)} 3 0 0"]
-    rows += [f"{i + 1} {x!r} {y!r} {z!r}" for i, (x, y, z) in enumerate(points.tolist())]
+    rows = [f"{len(points)} {points.shape[1]} 0 0"]
+    rows += [" ".join([str(i + 1), *map(repr, point)]) for i, point in enumerate(points.tolist())]
     path.write_text("\n".join(rows) + "\n", encoding="ascii")
 
 

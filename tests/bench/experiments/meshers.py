@@ -53,21 +53,36 @@ def dynmesh(program: pathlib.Path, engine: str, points: np.ndarray, limit: float
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "points.node"
         inputs.write_node(path, points)
-        timed = _timed([str(program), "mesh", str(path), "--engine", engine, "--min-dihedral", "0",
-                        "--json"], limit)
+        run = dynmesh_of_file(program, path, ["--engine", engine, "--min-dihedral", "0"], limit)
+    if run is not None and points.shape[1] == 3:
+        run.vertices -= BOX_VERTICES["dynmesh"]
+    return run
+
+
+def dynmesh_of_file(program: pathlib.Path, path: pathlib.Path, flags: list[str],
+                    limit: float) -> Optional[Run]:
+    """All vertices count."""
+    timed = _timed([str(program), "mesh", str(path), *flags, "--json"], limit)
     if timed is None:
         return None
     figures = json.loads(timed[2])
-    return Run(figures["build_seconds"], figures["vertices"] - BOX_VERTICES["dynmesh"],
-               figures["simplices"], timed[1])
+    return Run(figures["build_seconds"], figures["vertices"], figures["simplices"], timed[1])
 
 
 def tetgen(points: np.ndarray, limit: float) -> Optional[Run]:
-    """-pq2, without files of the result; its own count of seconds."""
+    """-pq2 in a cube as large as dynmesh's domain."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "points.poly"
         inputs.write_poly_in_cube(path, points)
-        timed = _timed(["tetgen", "-pq2NEF", str(path)], limit)
+        run = tetgen_of_file(path, "-pq2", limit)
+    if run is not None:
+        run.vertices -= BOX_VERTICES["TetGen"]
+    return run
+
+
+def tetgen_of_file(path: pathlib.Path, flags: str, limit: float) -> Optional[Run]:
+    """Without files of the result; its own count of seconds. All vertices count."""
+    timed = _timed(["tetgen", f"{flags}NEF", str(path)], limit)
     if timed is None:
         return None
 
@@ -75,7 +90,7 @@ def tetgen(points: np.ndarray, limit: float) -> Optional[Run]:
         return float(re.findall(pattern, timed[2])[-1])
 
     return Run(number(r"Total running seconds:\s*([\d.e+-]+)"),
-               int(number(r"Mesh points:\s*(\d+)")) - BOX_VERTICES["TetGen"],
+               int(number(r"Mesh points:\s*(\d+)")),
                int(number(r"Mesh tetrahedra:\s*(\d+)")), timed[1])
 
 
