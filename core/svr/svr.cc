@@ -127,14 +127,14 @@ void Svr<D, Input, Location>::DoEncroached(SubsegmentIndex s) {
     is_entered_.push_back(false);
     const VertexIndex near = mesh_.Contains(end) ? end : location_.OwnerOf(end);
     const VertexIndex owner = NearestVertex<D>(mesh_, positions_[v], near);
-    location_.Assign(v, owner);
-    EnterCrowded(owner);
+    EnterCrowded(location_.Assign(v, owner));
   }
 }
 
 template <int D, class Input, class Location>
-void Svr<D, Input, Location>::DoCrowded(VertexIndex v) {
-  const VertexIndex p = location_.AnyOf(v);
+void Svr<D, Input, Location>::DoCrowded(VertexIndex crowded) {
+  const VertexIndex p = location_.AnyOf(crowded);
+  const VertexIndex v = location_.OwnerOf(p);
   SimplexIndex largest = kNone;
   double most = 0;
   mesh_.ForEachSimplexAround(v, [&](SimplexIndex s) {
@@ -228,6 +228,7 @@ typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::Protect(const
 
 template <int D, class Input, class Location>
 void Svr<D, Input, Location>::Insert(VertexIndex v, SimplexIndex conflicting, bool was_waiting) {
+  location_.Inserting(positions_[v], conflicting);
   mesh_.InsertAt(v, positions_[v], conflicting);
   input_.SetPresent(v);
   location_.Inserted(v, was_waiting);
@@ -262,10 +263,16 @@ double Svr<D, Input, Location>::WorstSquaredRatio() const {
 
 template class Svr<2, PointInput<2>>;
 template class Svr<2, PointInput<2>, VoronoiLocation<2, false>>;
-template class Svr<2, PlcInput<2>>;
+template class Svr<2, PointInput<2>, SimplexLocation<2>>;
+template class Svr<2, PointInput<2>, BallLocation<2>>;
 template class Svr<3, PointInput<3>>;
 template class Svr<3, PointInput<3>, VoronoiLocation<3, false>>;
-template class Svr<3, PlcInput<3>>;
+template class Svr<3, PointInput<3>, SimplexLocation<3>>;
+template class Svr<3, PointInput<3>, BallLocation<3>>;
 template class Svr<4, PointInput<4>>;
+template class Svr<4, PointInput<4>, SimplexLocation<4>>;
+template class Svr<4, PointInput<4>, BallLocation<4>>;
+template class Svr<2, PlcInput<2>>;
+template class Svr<3, PlcInput<3>>;
 
 }  // namespace dynmesh::svr

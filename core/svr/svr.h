@@ -5,17 +5,18 @@
 // it little by little. Work, the most urgent first:
 //   1. encroached subsegments: a vertex was to be inserted into their diametral balls;
 //   2. skinny simplices, with circumradius / shortest edge > kKept: the mesh stays as good as this;
-//   3. crowded vertices, whose Voronoi cells have points of the input that are not in the mesh yet;
+//   3. crowded vertices, whose Voronoi cells have points of the input that are not in the mesh yet
+//      (or simplices around them, as the point location says);
 //   4. 3D: new vertices, whose Voronoi cells may meet a facet that they are not on;
 //   5. simplices of a quality between the asked and that one, or too large for a sizing feature.
 // Within a kind, the latest first: so work stays where it is, and memory in caches.
 //
 // A simplex is split at its circumcenter, or at an uninserted point in the ball of k times its
 // radius about it. Of a crowded vertex one point p is looked at, of those farthest from it. If the
-// vertex is a Steiner point, p is inserted. If it is of the input, p may be too near to it: the
-// largest of its simplices with p in the circumball is split. (The thesis splits the largest of all
-// its simplices. That makes up to a sixth more vertices, where there are no points on one side of
-// it.)
+// vertex nearest to p is a Steiner point, p is inserted. If it is of the input, p may be too near
+// to it: the largest of its simplices with p in the circumball is split. (The thesis splits the
+// largest of all its simplices. That makes up to a sixth more vertices, where there are no points
+// on one side of it.)
 //
 // A segment's own mesh is the list of its subsegments (plc_input.h). The diametral balls of these
 // are protected: what was to be inserted into one waits until the subsegment is split. Its midpoint
@@ -34,10 +35,12 @@
 #include <vector>
 
 #include "core/geometry/point.h"
+#include "core/svr/ball_location.h"
 #include "core/svr/kernel.h"
 #include "core/svr/options.h"
 #include "core/svr/plc_input.h"
 #include "core/svr/point_input.h"
+#include "core/svr/simplex_location.h"
 #include "core/svr/voronoi_location.h"
 
 namespace dynmesh::svr {
@@ -52,6 +55,8 @@ struct Counts {
 
 // `Input` says what is to be inserted, and what is respected: PointInput or PlcInput. It names the
 // vertices: first those of the border, then the points of the input, then all others.
+// `Location` keeps the uninserted points: VoronoiLocation, SimplexLocation or BallLocation. It
+// chooses among points, so meshes differ by it.
 template <int D, class Input = PointInput<D>, class Location = VoronoiLocation<D, true>>
 class Svr {
  public:
@@ -80,7 +85,7 @@ class Svr {
     return sum;
   }
   const Counts& counts() const { return counts_; }
-  const LocationCounts& location_counts() const { return location_.counts(); }
+  const Location& location() const { return location_; }
   // The greatest circumradius / shortest edge, squared, of the present mesh, where the
   // circumcenter is in the domain.
   double WorstSquaredRatio() const;
@@ -109,7 +114,7 @@ class Svr {
   bool EnterMissing();
   void Do(const Item& item);
   void DoEncroached(SubsegmentIndex s);
-  void DoCrowded(VertexIndex v);
+  void DoCrowded(VertexIndex crowded);
   bool MayBeNear(VertexIndex v, VertexIndex p) const;
   void DoFacets(const Item& item);
   // At the circumcenter of s or a point near it.
@@ -141,11 +146,17 @@ class Svr {
 
 extern template class Svr<2, PointInput<2>>;
 extern template class Svr<2, PointInput<2>, VoronoiLocation<2, false>>;
-extern template class Svr<2, PlcInput<2>>;
+extern template class Svr<2, PointInput<2>, SimplexLocation<2>>;
+extern template class Svr<2, PointInput<2>, BallLocation<2>>;
 extern template class Svr<3, PointInput<3>>;
 extern template class Svr<3, PointInput<3>, VoronoiLocation<3, false>>;
-extern template class Svr<3, PlcInput<3>>;
+extern template class Svr<3, PointInput<3>, SimplexLocation<3>>;
+extern template class Svr<3, PointInput<3>, BallLocation<3>>;
 extern template class Svr<4, PointInput<4>>;
+extern template class Svr<4, PointInput<4>, SimplexLocation<4>>;
+extern template class Svr<4, PointInput<4>, BallLocation<4>>;
+extern template class Svr<2, PlcInput<2>>;
+extern template class Svr<3, PlcInput<3>>;
 
 }  // namespace dynmesh::svr
 

@@ -20,14 +20,9 @@
 #include "core/base/rounding.h"
 #include "core/geometry/point.h"
 #include "core/svr/kernel.h"
+#include "core/svr/location_counts.h"
 
 namespace dynmesh::svr {
-
-struct LocationCounts {
-  std::uint64_t queries = 0;     // for a point in a ball
-  std::uint64_t looked_at = 0;   // points, in queries and updates
-  std::uint64_t reassigned = 0;  // points that changed their list
-};
 
 template <int D, bool kShells>
 class VoronoiLocation {
@@ -42,16 +37,17 @@ class VoronoiLocation {
   std::size_t left() const { return left_; }  // uninserted points
   const LocationCounts& counts() const { return counts_; }
 
-  // Makes p a point of the cell of v, its nearest vertex.
-  void Assign(VertexIndex p, VertexIndex v) {
+  // Makes p a point of the cell of v, its nearest vertex. Returns a vertex that p crowds.
+  VertexIndex Assign(VertexIndex p, VertexIndex v) {
     ++left_;
     if (p >= next_.size()) {
       next_.resize(points_.size(), kNone);
       owner_.resize(points_.size(), kNone);
     }
     Put(p, v, geometry::SquaredDistance(points_[p], mesh_.position(v)));
+    return v;
   }
-  // The vertex in whose cell the uninserted point p is.
+  // The vertex nearest to the uninserted point p, in whose cell it is.
   VertexIndex OwnerOf(VertexIndex p) const { return owner_[p]; }
   bool IsCrowded(VertexIndex v) const { return v < cells_.size() && cells_[v] != kNone; }
   // A point of the cell, among those of the outermost shell. REQUIRES: it is crowded.
@@ -61,6 +57,8 @@ class VoronoiLocation {
   // circumscribed ball of simplex s. REQUIRES: radius is less than the ball's.
   VertexIndex FindIn(SimplexIndex s, const Ball<D>& ball, double radius);
 
+  // Before the insertion of a vertex at p. REQUIRES: the simplex conflicts with p.
+  void Inserting(const Point& /*p*/, SimplexIndex /*conflicting*/) {}
   // After the insertion of v, as the kernel reports it. `was_waiting`: v was an uninserted point.
   void Inserted(VertexIndex v, bool was_waiting);
 

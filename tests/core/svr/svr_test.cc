@@ -126,7 +126,7 @@ TYPED_TEST(SvrTest, ShellsSpareLooks) {
   SvrOfPoints<D, VoronoiLocation<D, false>> plain(OptionsOf<D>(kQuality<D>), points);
   shells.svr.Run([] { return false; });
   plain.svr.Run([] { return false; });
-  EXPECT_LT(2 * shells.svr.location_counts().looked_at, plain.svr.location_counts().looked_at);
+  EXPECT_LT(2 * shells.svr.location().counts().looked_at, plain.svr.location().counts().looked_at);
 }
 
 TYPED_TEST(SvrTest, ARunCanBeInterruptedAndGoesOn) {
