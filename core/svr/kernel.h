@@ -7,8 +7,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
+#include <vector>
 
 #include "core/delaunay/bowyer_watson.h"
+#include "core/delaunay/number_table.h"
 #include "core/delaunay/triangulation_of.h"
 #include "core/geometry/circumball.h"
 #include "core/geometry/point.h"
@@ -77,21 +80,71 @@ double SquaredShortestEdge(const Kernel<D>& mesh, SimplexIndex s) {
   return least;
 }
 
-// The vertex nearest to p, by a walk from `near` over ever nearer neighbours.
+// The simplices around vertices of a mesh. Keeps its memory from call to call. Thread-compatible.
 template <int D>
-VertexIndex NearestVertex(const Kernel<D>& mesh, const geometry::Point<D>& p, VertexIndex near) {
-  double least = geometry::SquaredDistance(mesh.position(near), p);
-  for (VertexIndex from = kNone; from != near;) {
-    from = near;
-    mesh.ForEachSimplexAround(from, [&](SimplexIndex s) {
-      for (const VertexIndex u : mesh.vertices(s)) {
-        if (u == Kernel<D>::kInfinite) continue;
-        const double d2 = geometry::SquaredDistance(mesh.position(u), p);
-        if (d2 < least) least = d2, near = u;
+class StarWalk {
+ public:
+  // Calls f(s) for each simplex at v, infinite ones included.
+  template <class F>
+  void ForEach(const Kernel<D>& mesh, VertexIndex v, F f) {
+    if constexpr (D == 3) {
+      mesh.SimplicesAround(v, &star_);
+      for (const auto& [s] : star_.keys()) f(s);
+    } else {
+      mesh.ForEachSimplexAround(v, f);
+    }
+  }
+
+ private:
+  struct Nothing {};
+  [[no_unique_address]] std::conditional_t<D == 3, delaunay::NumberTable<1>, Nothing> star_;
+};
+
+// Which vertex of a mesh is nearest to a position, by walks over ever nearer neighbours: fast for
+// one position near another. The mesh must not change meanwhile. Thread-compatible.
+template <int D>
+class NearestSearch {
+ public:
+  using Point = geometry::Point<D>;
+
+  // Begins at vertex `near`.
+  NearestSearch(const Kernel<D>& mesh, VertexIndex near) : mesh_(mesh), near_(near) {
+    FindNeighbours();
+  }
+  VertexIndex Find(const Point& p) {
+    double least = geometry::SquaredDistance(mesh_.position(near_), p);
+    while (true) {
+      VertexIndex best = near_;
+      for (const VertexIndex u : neighbours_) {
+        const double d2 = geometry::SquaredDistance(mesh_.position(u), p);
+        if (d2 < least) least = d2, best = u;
+      }
+      if (best == near_) return near_;
+      near_ = best;
+      FindNeighbours();
+    }
+  }
+
+ private:
+  void FindNeighbours() {
+    neighbours_.clear();
+    star_.ForEach(mesh_, near_, [&](SimplexIndex s) {
+      for (const VertexIndex u : mesh_.vertices(s)) {
+        if (u != Kernel<D>::kInfinite && u != near_) neighbours_.push_back(u);
       }
     });
+    std::sort(neighbours_.begin(), neighbours_.end());
+    neighbours_.erase(std::unique(neighbours_.begin(), neighbours_.end()), neighbours_.end());
   }
-  return near;
+
+  const Kernel<D>& mesh_;
+  VertexIndex near_;
+  std::vector<VertexIndex> neighbours_;
+  StarWalk<D> star_;
+};
+template <int D>
+VertexIndex NearestVertex(const Kernel<D>& mesh, const geometry::Point<D>& p, VertexIndex near) {
+  return NearestSearch<D>(mesh, near).Find(p);
 }
 
 template <int D>

@@ -13,8 +13,9 @@ Svr<D, Input, Location>::Svr(const Options<D>& options, Input* input, Kernel<D>*
       positions_(input->positions()),
       location_(mesh_, positions_) {
   AddBorder();
+  NearestSearch<D> nearest(mesh_, 0);
   for (const VertexIndex p : input_.Waiting()) {
-    location_.Assign(p, NearestVertex<D>(mesh_, positions_[p], 0));
+    location_.Assign(p, nearest.Find(positions_[p]));
   }
   for (VertexIndex v = 0; v < input_.border_count(); ++v) EnterCrowded(v);
   mesh_.ForEachSimplex([&](SimplexIndex s) { Enter(s); });
@@ -137,7 +138,7 @@ void Svr<D, Input, Location>::DoCrowded(VertexIndex crowded) {
   const VertexIndex v = location_.OwnerOf(p);
   SimplexIndex largest = kNone;
   double most = 0;
-  mesh_.ForEachSimplexAround(v, [&](SimplexIndex s) {
+  star_.ForEach(mesh_, v, [&](SimplexIndex s) {
     if (mesh_.IsInfinite(s) || !mesh_.Conflicts(s, positions_[p])) return;
     const double r2 = BallOf(mesh_, s).r2;
     if (r2 > most) most = r2, largest = s;

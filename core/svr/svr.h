@@ -141,6 +141,7 @@ class Svr {
   std::vector<bool> is_entered_;  // by vertex: it has an item as a crowded one
   std::array<std::vector<Item>, kKinds> work_;
   std::uint64_t serial_ = 0;
+  StarWalk<D> star_;
   Counts counts_;
 };
 

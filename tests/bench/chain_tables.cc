@@ -49,16 +49,17 @@ class Positions {
  public:
   void Add(const VertexColumns& vertices) {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-      at_[vertices.ids[i]] = vertices.coordinates[2 * i];
+      at_[vertices.ids[i]] = {{vertices.coordinates[2 * i], vertices.coordinates[2 * i + 1]}};
     }
   }
-  double at(VertexId id) const { return at_.at(id); }
+  const geometry::Point2& at(VertexId id) const { return at_.at(id); }
 
  private:
-  absl::flat_hash_map<VertexId, double> at_;  // x
+  absl::flat_hash_map<VertexId, geometry::Point2> at_;
 };
 
 void Measure(int n, bool ascending) {
+  const double spacing = 0.9 / n;
   const auto mesh = *DynamicMesh::Create(MeshOptions());
   const std::vector<Feature> features = Line(n, ascending);
   if (!mesh->Apply(AddAll(features)).ok()) std::exit(1);
@@ -76,7 +77,9 @@ void Measure(int n, bool ascending) {
       positions.Add(diff->added_vertices);
       for (const auto* ids : {&diff->removed_vertices, &diff->added_vertices.ids}) {
         for (const VertexId id : *ids) {
-          reach = std::max(reach, std::fabs(positions.at(id) - f.position[0]) * n / 0.9);
+          const geometry::Point2& p = positions.at(id);
+          if (std::fabs(p[1] - 0.5) > 3 * spacing) continue;
+          reach = std::max(reach, std::fabs(p[0] - f.position[0]) / spacing);
         }
       }
     }

@@ -155,6 +155,8 @@ std::vector<std::string> EditSceneNames() {
 EditScene MakeEditScene(const std::string& name, int n) {
   const Scene& scene = *std::ranges::find(Scenes(), name, &Scene::name);
   EditScene made = {name, scene.dimension, scene.make(n), {}};
+  // Quadtrees have no sizing features.
+  std::erase_if(made.features, [](const Feature& f) { return f.kind == FeatureKind::kSize; });
   absl::flat_hash_set<FeatureId> used;
   for (const Feature& f : made.features) {
     for (const FeatureId id : test::PointsOf(f)) used.insert(id);

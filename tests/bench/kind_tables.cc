@@ -98,8 +98,8 @@ Figures Measure(const EditScene& scene, MeshKind kind) {
   const MeshStats stats = mesh->Stats();
   figures.trace_bytes =
       static_cast<double>(stats.trace_bytes) / static_cast<double>(built->vertices.size());
-  figures.bytes =
-      static_cast<double>(stats.approximate_bytes) / static_cast<double>(built->vertices.size());
+  figures.bytes = static_cast<double>(stats.trace_bytes + stats.mesh_bytes) /
+                  static_cast<double>(built->vertices.size());
   if (kind == MeshKind::kQuadtree) {
     MeasureEdits(scene, CarriedLeaves(*built, options, scene.features), *mesh, &figures);
   } else {
