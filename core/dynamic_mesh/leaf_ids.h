@@ -25,18 +25,23 @@ class LeafIds {
   // Appends the leaf's row to `vertices`.
   void AppendTo(VertexColumns& vertices, const quadtree::Cell<D>& leaf) const {
     const auto centre = grid_.CentreOf(leaf);
-    vertices.ids.push_back(IdAt(centre));
-    vertices.coordinates.insert(vertices.coordinates.end(), centre.c.begin(), centre.c.end());
-    vertices.containing_dimensions.push_back(D);
-    vertices.owners.push_back(kNoFeature);
+    Append(vertices, centre, IdAt(centre));
   }
   VertexId IdOf(const quadtree::Cell<D>& leaf) const { return IdAt(grid_.CentreOf(leaf)); }
 
   void Add(const quadtree::Cell<D>& leaf) {
     const auto centre = grid_.CentreOf(leaf);
-    const VertexId id = IdAt(centre);
-    if (!ids_.insert(id).second) ++others_[id];
-    hash_ += HashAt(centre);
+    Add(centre, IdAt(centre));
+  }
+  // Adds all leaves, and their rows to `vertices`.
+  void AddAll(const std::vector<quadtree::Cell<D>>& leaves, VertexColumns& vertices) {
+    ids_.reserve(ids_.size() + leaves.size());
+    for (const quadtree::Cell<D>& leaf : leaves) {
+      const auto centre = grid_.CentreOf(leaf);
+      const VertexId id = IdAt(centre);
+      Add(centre, id);
+      Append(vertices, centre, id);
+    }
   }
   void Remove(const quadtree::Cell<D>& leaf) {
     const auto centre = grid_.CentreOf(leaf);
@@ -64,6 +69,16 @@ class LeafIds {
   std::size_t bytes() const { return ids_.capacity() * (sizeof(VertexId) + 1); }
 
  private:
+  void Add(const geometry::Point<D>& centre, VertexId id) {
+    if (!ids_.insert(id).second) ++others_[id];
+    hash_ += HashAt(centre);
+  }
+  static void Append(VertexColumns& vertices, const geometry::Point<D>& centre, VertexId id) {
+    vertices.ids.push_back(id);
+    vertices.coordinates.insert(vertices.coordinates.end(), centre.c.begin(), centre.c.end());
+    vertices.containing_dimensions.push_back(D);
+    vertices.owners.push_back(kNoFeature);
+  }
   VertexId IdAt(const geometry::Point<D>& centre) const { return id_of_(centre.c.data(), D, 0); }
   static MeshHash HashAt(const geometry::Point<D>& centre) {
     return HashVertex(centre.c.data(), D, D, kNoFeature);

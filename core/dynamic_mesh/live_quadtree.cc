@@ -21,15 +21,6 @@ quadtree::Grid<D> GridOf(const MeshOptions& options) {
   return {lo, hi};
 }
 
-template <int D>
-Mesh MeshOf(const std::vector<quadtree::Cell<D>>& leaves, const LeafIds<D>& ids) {
-  Mesh mesh;
-  mesh.dimension = D;
-  for (const quadtree::Cell<D>& leaf : leaves) ids.AppendTo(mesh.vertices, leaf);
-  mesh.hash = ids.hash();
-  return mesh;
-}
-
 absl::Status IdCollisionError(VertexId id) {
   return MakeError(absl::StatusCode::kFailedPrecondition,
                    "two leaves of the quadtree would have the id " + text::Hex(id) +
@@ -155,7 +146,10 @@ void LiveQuadtree<D>::GiveMemoryBack(Interrupt interrupt) {
 
 template <int D>
 Mesh LiveQuadtree<D>::Snapshot() const {
-  Mesh mesh = MeshOf(state_->tree.Leaves(), leaves_);
+  Mesh mesh;
+  mesh.dimension = D;
+  for (const quadtree::Cell<D>& leaf : state_->tree.Leaves()) leaves_.AppendTo(mesh.vertices, leaf);
+  mesh.hash = leaves_.hash();
   mesh.revision = this->revision();
   return mesh;
 }
@@ -255,10 +249,11 @@ absl::StatusOr<Mesh> BuildQuadtree(std::span<const Feature> features, const Mesh
   meter.End(engine.executed());
   meter.Begin(ApplyProgress::Stage::kDiff);
   LeafIds<D> ids(grid, &VertexIdAt);
-  const std::vector<quadtree::Cell<D>> leaves = tree.Leaves();
-  for (const quadtree::Cell<D>& leaf : leaves) ids.Add(leaf);
+  Mesh mesh;
+  mesh.dimension = D;
+  ids.AddAll(tree.Leaves(), mesh.vertices);
   if (const auto clash = ids.Clash(); clash.has_value()) return IdCollisionError(*clash);
-  Mesh mesh = MeshOf(leaves, ids);
+  mesh.hash = ids.hash();
   mesh.revision = features.empty() ? 0 : 1;
   meter.End();
   return mesh;

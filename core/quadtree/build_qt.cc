@@ -156,6 +156,7 @@ Cell<D> BuildQt<D, E>::LeafAt(const Point<D>& x) const {
 template <int D, template <class> class E>
 std::vector<Cell<D>> BuildQt<D, E>::Leaves() const {
   std::vector<Key> leaves;
+  leaves.reserve(leaf_count());
   const auto visit = [&](auto& self, CellIndex i, const Key& cell) -> void {
     if (!cells_[i].is_split) return leaves.push_back(cell);
     for (int which = 0; which < Key::kChildren; ++which) {
@@ -163,7 +164,6 @@ std::vector<Cell<D>> BuildQt<D, E>::Leaves() const {
     }
   };
   visit(visit, kRoot, Key());
-  std::sort(leaves.begin(), leaves.end());
   return leaves;
 }
 

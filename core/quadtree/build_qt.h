@@ -95,7 +95,7 @@ class BuildQt {
   const Grid<D>& grid() const { return grid_; }
   // The leaf that x is in, on borders the upper one. O(depth).
   Key LeafAt(const geometry::Point<D>& x) const;
-  // In the order of cells. O(leaves lg leaves).
+  // In the order of a walk, lower children first. O(leaves).
   std::vector<Key> Leaves() const;
   std::size_t leaf_count() const { return 1 + split_count_ * (Key::kChildren - 1); }
   // Since the last call, or the construction. O(change).

@@ -109,7 +109,9 @@ class Grid {
   Grid(const geometry::Point<D>& lo, const geometry::Point<D>& hi) {
     const RootCube<D> root = RootAround<D>(lo.c, hi.c);
     lo_.c = root.lo;
-    exponent_ = root.exponent;
+    for (std::size_t level = 0; level < sides_.size(); ++level) {
+      sides_[level] = std::ldexp(1.0, root.exponent - static_cast<int>(level));
+    }
     // Borders are multiples of a cell's side, and below 2^most in magnitude.
     double magnitude = 0;
     for (int k = 0; k < D; ++k) {
@@ -117,12 +119,12 @@ class Grid {
     }
     int most = 0;
     std::frexp(magnitude, &most);
-    most_level_ = std::min(kMostLevel, 52 - (most - exponent_));
+    most_level_ = std::min(kMostLevel, 52 - (most - root.exponent));
   }
 
   // Cells of this level are not split.
   int most_level() const { return most_level_; }
-  double Side(int level) const { return std::ldexp(1.0, exponent_ - level); }
+  double Side(int level) const { return sides_[static_cast<std::size_t>(level)]; }
   Box<D> BoxOf(const Cell<D>& cell) const {
     const double side = Side(cell.level);
     Box<D> box;
@@ -161,7 +163,7 @@ class Grid {
 
  private:
   geometry::Point<D> lo_{};
-  int exponent_ = 0;  // of the root's side
+  std::array<double, kMostLevel + 3> sides_{};  // by level; beyond the greatest, for halves
   int most_level_ = 0;
 };
 

@@ -40,7 +40,9 @@ std::vector<Cell<D>> LeavesOf(const std::vector<Shape<D>>& shapes) {
   BuildQt<D, E> tree(UnitGrid<D>());
   for (const Shape<D>& shape : shapes) tree.Add(shape);
   EXPECT_TRUE(tree.Propagate());
-  return tree.Leaves();
+  std::vector<Cell<D>> leaves = tree.Leaves();
+  std::sort(leaves.begin(), leaves.end());
+  return leaves;
 }
 
 TYPED_TEST(BuildQtTest, IsTheTreeOfTheDefinition) {
@@ -99,8 +101,9 @@ class Edits {
       if (index_[i] != kNone) fresh.Add(shapes_[i]);
     }
     ASSERT_TRUE(fresh.Propagate());
-    const std::vector<Cell<D>> leaves = tree_.Leaves();
+    std::vector<Cell<D>> leaves = tree_.Leaves();
     ASSERT_TRUE(leaves == fresh.Leaves());
+    std::sort(leaves.begin(), leaves.end());
     std::vector<std::string> problems;
     const std::uint64_t hash = tree_.Audit(&problems);
     ASSERT_EQ(hash, fresh.Audit(&problems));
