@@ -64,10 +64,8 @@ template <int D>
 VertexIndex BallLocation<D>::Assign(VertexIndex p, VertexIndex v) {
   Base::Add(p, v);
   const SimplexIndex containing = Base::ContainingNear(v, points_[p]);
-  Base::Walk(containing, [&](SimplexIndex s) {
-    if (!mesh_.Conflicts(s, points_[p])) return 0u;
+  Base::WalkCavity(points_[p], containing, [&](SimplexIndex s) {
     if (!mesh_.IsInfinite(s)) Base::Put(p, s);
-    return (2u << D) - 1;
   });
   return mesh_.vertices(containing)[0];
 }
@@ -87,8 +85,7 @@ VertexIndex BallLocation<D>::FindIn(SimplexIndex s, const Ball<D>& ball, double 
 template <int D>
 void BallLocation<D>::Inserting(const Point& p, SimplexIndex conflicting) {
   if (left_ == 0) return;
-  Base::Walk(conflicting, [&](SimplexIndex s) {
-    if (!mesh_.Conflicts(s, p)) return 0u;
+  Base::WalkCavity(p, conflicting, [&](SimplexIndex s) {
     const auto hole = static_cast<std::uint32_t>(holes_.size());
     holes_.push_back(Base::TakeList(s));
     for (int i = 0; i <= D; ++i) {
@@ -96,7 +93,6 @@ void BallLocation<D>::Inserting(const Point& p, SimplexIndex conflicting) {
       if (mesh_.Conflicts(beyond.simplex, p)) continue;
       rim_.push_back({beyond.simplex, beyond.index, hole});
     }
-    return (2u << D) - 1;
   });
 }
 

@@ -89,30 +89,38 @@ class SimplexLists {
     return i;
   }
 
-  // Walks over the simplices that are connected with `first`. Of each, visit(s) returns a mask: bit
-  // i is set if the walk goes on across side i. It ends early if that is kStop.
-  static constexpr unsigned kStop = ~0u;
-  template <class Visit>
-  void Walk(SimplexIndex first, Visit visit) {
+  // Walks over the simplices that are connected with `first`, the nearest to it first. Calls
+  // visit(s) for each; if that is false, ends there. Goes on across the sides for which
+  // crosses(s, corner opposite to it, simplex beyond it).
+  template <class Visit, class Crosses>
+  void Walk(SimplexIndex first, Visit visit, Crosses crosses) {
     ++walk_;
     if (simplex_walk_.size() < mesh_.simplex_limit()) {
       simplex_walk_.resize(mesh_.simplex_limit() * 3 / 2 + 64, 0);
     }
     simplex_walk_[first] = walk_;
-    stack_.assign(1, first);
-    while (!stack_.empty()) {
-      const SimplexIndex s = stack_.back();
-      stack_.pop_back();
-      const unsigned across = visit(s);
-      if (across == kStop) return;
+    queue_.assign(1, first);
+    for (std::size_t next = 0; next < queue_.size(); ++next) {
+      const SimplexIndex s = queue_[next];
+      if (!visit(s)) return;
       for (int i = 0; i <= D; ++i) {
-        if ((across >> i & 1) == 0) continue;
-        const SimplexIndex beside = mesh_.Opposite({s, i}).simplex;
-        if (simplex_walk_[beside] == walk_) continue;
-        simplex_walk_[beside] = walk_;
-        stack_.push_back(beside);
+        const SimplexIndex beyond = mesh_.Opposite({s, i}).simplex;
+        if (simplex_walk_[beyond] == walk_ || !crosses(s, i, beyond)) continue;
+        simplex_walk_[beyond] = walk_;
+        queue_.push_back(beyond);
       }
     }
+  }
+  // Over those that conflict with p. `first` does.
+  template <class Visit>
+  void WalkCavity(const Point& p, SimplexIndex first, Visit visit) {
+    Walk(
+        first,
+        [&](SimplexIndex s) {
+          visit(s);
+          return true;
+        },
+        [&](SimplexIndex, int, SimplexIndex beyond) { return mesh_.Conflicts(beyond, p); });
   }
 
   std::uint32_t FirstOf(SimplexIndex s) const { return s < first_.size() ? first_[s] : kNone; }
@@ -166,7 +174,7 @@ class SimplexLists {
  private:
   std::uint32_t walk_ = 0;
   std::vector<std::uint32_t> simplex_walk_;  // by simplex: the last walk that met it
-  std::vector<SimplexIndex> stack_;
+  std::vector<SimplexIndex> queue_;
 };
 
 }  // namespace dynmesh::svr

@@ -118,35 +118,32 @@ VertexIndex SimplexLocation<D>::FindIn(SimplexIndex s, const Ball<D>& ball, doub
   double reach = radius;
   if (mesh_.IsInfinite(first)) first = s, reach = std::sqrt(ball.r2);
   VertexIndex found = kNone;
-  Base::Walk(first, [&](SimplexIndex t) {
-    for (std::uint32_t e = Base::FirstOf(t); e != kNone; e = entries_[e].next) {
-      ++counts_.looked_at;
-      if (geometry::SquaredDistance(points_[entries_[e].p], ball.centre) < radius * radius) {
-        found = entries_[e].p;
-        return Base::kStop;
-      }
-    }
-    unsigned across = 0;
-    for (int i = 0; i <= D; ++i) {
-      if (MayMeet(t, i, ball.centre, reach)) across |= 1u << i;
-    }
-    return across;
-  });
+  Base::Walk(
+      first,
+      [&](SimplexIndex t) {
+        for (std::uint32_t e = Base::FirstOf(t); e != kNone; e = entries_[e].next) {
+          const VertexIndex p = entries_[e].p;
+          ++counts_.looked_at;
+          if (geometry::SquaredDistance(points_[p], ball.centre) >= radius * radius) continue;
+          found = p;
+          return false;
+        }
+        return true;
+      },
+      [&](SimplexIndex t, int side, SimplexIndex) { return MayMeet(t, side, ball.centre, reach); });
   return found;
 }
 
 template <int D>
 void SimplexLocation<D>::Inserting(const Point& p, SimplexIndex conflicting) {
   if (left_ == 0) return;
-  Base::Walk(conflicting, [&](SimplexIndex s) {
-    if (!mesh_.Conflicts(s, p)) return 0u;
+  Base::WalkCavity(p, conflicting, [&](SimplexIndex s) {
     for (std::uint32_t e = Base::TakeList(s); e != kNone;) {
       const std::uint32_t next = entries_[e].next;
       entries_[e].next = taken_;
       taken_ = e;
       e = next;
     }
-    return (2u << D) - 1;
   });
 }
 

@@ -83,10 +83,11 @@ void ExpectDelaunayByRationals(const Kernel<4>& mesh, int every) {
   EXPECT_GT(checked, 1000);
 }
 
+template <class Location = VoronoiLocation<4, true>>
 void ExpectGoodMesh(test::Layout layout, int n, int every) {
   SCOPED_TRACE(std::string(NameOf(layout)) + " " + std::to_string(n));
   const auto points = test::PointsOf<4>(layout, n, 3);
-  SvrOfPoints<4> of(OptionsIn4D(), points);
+  SvrOfPoints<4, Location> of(OptionsIn4D(), points);
   ASSERT_TRUE(of.svr.Run([] { return false; }));
   EXPECT_LE(std::sqrt(of.svr.WorstSquaredRatio()), kQuality * (1 + 1e-5));
   EXPECT_EQ(of.svr.counts().outside, 0u);
@@ -109,6 +110,10 @@ TEST(Svr4D, OtherLayoutsAreGoodAndDelaunay) {
         test::Layout::kTwoScales, test::Layout::kPair}) {
     ExpectGoodMesh(layout, 100, 10);
   }
+}
+TEST(Svr4D, OtherPointLocationsAreGoodAndDelaunay) {
+  ExpectGoodMesh<SimplexLocation<4>>(test::Layout::kClustered, 60, 10);
+  ExpectGoodMesh<BallLocation<4>>(test::Layout::kUniform, 60, 10);
 }
 
 }  // namespace

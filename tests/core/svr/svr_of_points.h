@@ -19,6 +19,13 @@ struct SvrOfPoints {
   Svr<D, PointInput<D>, Location> svr;
 };
 
+// The parameter of typed tests.
+template <int D, class L>
+struct Case {
+  static constexpr int kDimension = D;
+  using Location = L;
+};
+
 }  // namespace dynmesh::svr
 
 #endif  // DYNMESH_TESTS_CORE_SVR_SVR_OF_POINTS_H_
