@@ -13,11 +13,13 @@
 #include <vector>
 
 #include "absl/time/time.h"
+#include "dynmesh/client/build.h"
 #include "dynmesh/client/diff_stream.h"
 #include "dynmesh/client/edit_session.h"
 #include "dynmesh/client/load.h"
 #include "dynmesh/client/watch_session.h"
 #include "dynmesh/v1/mesh_service.grpc.pb.h"
+#include "proto/codec/edit_codec.h"
 #include "proto/codec/mesh_codec.h"
 
 namespace dynmesh::client {
@@ -48,6 +50,12 @@ inline std::string FullName(const std::string& mesh) {
 inline absl::Status CheckDimension(int dimension) {
   if (dimension == 2 || dimension == 3) return absl::OkStatus();
   return absl::InvalidArgumentError("dimension is not 2 or 3");
+}
+
+// Of a mesh to be made. The server's limit takes the place of the default max_vertices.
+inline void EncodeNewOptions(const MeshOptions& options, v1::MeshOptions* out) {
+  codec::EncodeOptions(options, out);
+  if (options.limits.max_vertices == Limits().max_vertices) out->clear_max_vertices();
 }
 
 // True if a watch that ended with `status` is to be reopened: the server is unavailable, restarts
@@ -105,6 +113,10 @@ std::unique_ptr<DiffStream> StartDiffStream(std::shared_ptr<Stub> stub, const st
 
 absl::StatusOr<LoadResult> RunLoad(Stub& stub, const std::string& mesh, const FeatureSource& source,
                                    const LoadParams& params, absl::Duration timeout);
+
+absl::StatusOr<Mesh> RunBuild(Stub& stub, std::span<const Feature> features,
+                              const MeshOptions& options, const BuildParams& params,
+                              absl::Duration timeout);
 
 // Joins the fragments of a diff; done after a fragment without `more`.
 struct ResultAssembler {

@@ -1,10 +1,11 @@
 #include "dynmesh/client/load.h"
 
+#include <optional>
 #include <thread>
 #include <utility>
 
 #include "client/channel_internal.h"
-#include "proto/codec/edit_codec.h"
+#include "client/feature_sender_internal.h"
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
 
@@ -13,7 +14,66 @@ namespace {
 
 using Response = v1::LoadFeaturesResponse;
 
-constexpr std::size_t kPointBytes = 34;  // upper bound of a row
+v1::LoadFeaturesRequest FirstMessage(const std::string& mesh, const LoadParams& params) {
+  v1::LoadFeaturesRequest message;
+  message.set_mesh(FullName(mesh));
+  message.set_request_id(params.request_id);
+  if (params.expected_revision.has_value()) {
+    message.set_expected_revision(*params.expected_revision);
+  }
+  return message;
+}
+
+// One load. The caller's thread sends, a second one receives.
+class Loader {
+ public:
+  Loader(Stub& stub, const std::string& mesh, const LoadParams& params, absl::Duration timeout)
+      : params_(params),
+        stream_(stub.service->LoadFeatures(Prepare(stub, timeout))),
+        sender_(context_, *stream_, FirstMessage(mesh, params), params.dimension,
+                params.cancelled) {}
+
+  absl::StatusOr<LoadResult> Run(const FeatureSource& source) {
+    std::thread receiver([this] { Receive(); });
+    sender_.SendAll(source);
+    receiver.join();
+    const grpc::Status status = stream_->Finish();
+    if (!status.ok()) return codec::FromGrpcStatus(status);
+    if (!result_.has_value()) return absl::DataLossError("the server sent no result");
+    absl::StatusOr<MeshHash> hash = MeshHash::FromHex(result_->hash());
+    if (!hash.ok()) return absl::DataLossError("the server sent a hash that is none");
+    return LoadResult{result_->from_revision(), result_->to_revision(), *hash,
+                      codec::DecodeWork(result_->work()), result_->replayed()};
+  }
+
+ private:
+  using Stream = grpc::ClientReaderWriter<v1::LoadFeaturesRequest, Response>;
+
+  grpc::ClientContext* Prepare(Stub& stub, absl::Duration timeout) {
+    stub.Prepare(context_, timeout);
+    return &context_;
+  }
+
+  void Receive() {
+    Response response;
+    while (stream_->Read(&response)) {
+      if (response.has_result()) {
+        result_ = std::move(*response.mutable_result());
+      } else if (params_.progress != nullptr) {
+        params_.progress({StageOf(response.stage()), response.done(), response.total()});
+      }
+      sender_.IsCancelled();
+    }
+  }
+
+  const LoadParams& params_;
+  grpc::ClientContext context_;
+  const std::unique_ptr<Stream> stream_;
+  FeatureSender<v1::LoadFeaturesRequest, Stream> sender_;
+  std::optional<v1::LoadResult> result_;
+};
+
+}  // namespace
 
 LoadProgress::Stage StageOf(Response::Stage stage) {
   switch (stage) {
@@ -31,93 +91,6 @@ LoadProgress::Stage StageOf(Response::Stage stage) {
       return LoadProgress::Stage::kSend;
   }
 }
-
-// One load. The caller's thread sends, a second one receives.
-class Loader {
- public:
-  Loader(Stub& stub, const std::string& mesh, const LoadParams& params, absl::Duration timeout)
-      : params_(params) {
-    stub.Prepare(context_, timeout);
-    stream_ = stub.service->LoadFeatures(&context_);
-    message_.set_mesh(FullName(mesh));
-    message_.set_request_id(params.request_id);
-    if (params.expected_revision.has_value()) {
-      message_.set_expected_revision(*params.expected_revision);
-    }
-  }
-
-  absl::StatusOr<LoadResult> Run(const FeatureSource& source) {
-    std::thread receiver([this] { Receive(); });
-    SendAll(source);
-    receiver.join();
-    const grpc::Status status = stream_->Finish();
-    if (!status.ok()) return codec::FromGrpcStatus(status);
-    if (!result_.has_value()) return absl::DataLossError("the server sent no result");
-    absl::StatusOr<MeshHash> hash = MeshHash::FromHex(result_->hash());
-    if (!hash.ok()) return absl::DataLossError("the server sent a hash that is none");
-    return LoadResult{result_->from_revision(), result_->to_revision(), *hash,
-                      codec::DecodeWork(result_->work()), result_->replayed()};
-  }
-
- private:
-  // Ends early if the stream ends; Finish reports why.
-  void SendAll(const FeatureSource& source) {
-    for (auto some = source(); !some.empty(); some = source()) {
-      for (const Feature& feature : some) {
-        if (!Add(feature)) return;
-      }
-    }
-    message_.set_last(true);
-    if (Write()) stream_->WritesDone();
-  }
-
-  // Keeps the order of features: the points of a message precede its other features.
-  bool Add(const Feature& feature) {
-    if (feature.kind == FeatureKind::kPoint && message_.features_size() == 0) {
-      codec::EncodePointRow(feature, params_.dimension, message_.mutable_points());
-      bytes_ += kPointBytes;
-    } else {
-      codec::EncodeFeature(feature, params_.dimension, message_.add_features());
-      bytes_ += WireBytes(feature);
-    }
-    return bytes_ < kMessageBytes || Write();
-  }
-
-  bool Write() {
-    if (IsCancelled()) return false;
-    const bool ok = stream_->Write(message_);
-    message_.Clear();
-    bytes_ = 0;
-    return ok;
-  }
-
-  void Receive() {
-    Response response;
-    while (stream_->Read(&response)) {
-      if (response.has_result()) {
-        result_ = std::move(*response.mutable_result());
-      } else if (params_.progress != nullptr) {
-        params_.progress({StageOf(response.stage()), response.done(), response.total()});
-      }
-      IsCancelled();
-    }
-  }
-
-  bool IsCancelled() {
-    if (params_.cancelled == nullptr || !params_.cancelled->load()) return false;
-    context_.TryCancel();
-    return true;
-  }
-
-  const LoadParams& params_;
-  grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReaderWriter<v1::LoadFeaturesRequest, Response>> stream_;
-  v1::LoadFeaturesRequest message_;  // used by the sender
-  std::size_t bytes_ = 0;            // upper bound of its size
-  std::optional<v1::LoadResult> result_;
-};
-
-}  // namespace
 
 absl::StatusOr<LoadResult> RunLoad(Stub& stub, const std::string& mesh, const FeatureSource& source,
                                    const LoadParams& params, absl::Duration timeout) {

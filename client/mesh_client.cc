@@ -149,10 +149,7 @@ absl::StatusOr<MeshInfo> MeshClient::CreateMesh(const std::string& id, const Mes
   v1::CreateMeshRequest request;
   request.set_mesh_id(id);
   request.set_request_id(request_id);
-  codec::EncodeOptions(options, request.mutable_options());
-  if (options.limits.max_vertices == Limits().max_vertices) {
-    request.mutable_options()->clear_max_vertices();
-  }
+  EncodeNewOptions(options, request.mutable_options());
   v1::Mesh response;
   if (auto s = impl_->Call(&v1::MeshService::Stub::CreateMesh, request, &response); !s.ok())
     return s;
@@ -309,6 +306,11 @@ absl::StatusOr<Mesh> MeshClient::GetSnapshot(const std::string& mesh,
     return absl::DataLossError("the snapshot's rows do not have its hash");
   }
   return found;
+}
+
+absl::StatusOr<Mesh> MeshClient::BuildMesh(std::span<const Feature> features,
+                                           const MeshOptions& options, const BuildParams& params) {
+  return RunBuild(*impl_->stub, features, options, params, impl_->timeout);
 }
 
 absl::StatusOr<ServerStatus> MeshClient::GetStats(const std::string& mesh) {

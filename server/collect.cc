@@ -141,9 +141,11 @@ void WriteLimits(const MemoryGuard& memory, const TlsFiles& tls, MetricsText& ou
 }
 
 void WriteStreams(const ClientQuotas& streams, MetricsText& out) {
-  out.Single("dynmesh_client_streams_most", "gauge",
-             "Watches, edit streams, loads and snapshots open of the client that has most of them.",
-             static_cast<double>(streams.most()));
+  out.Single(
+      "dynmesh_client_streams_most", "gauge",
+      "Watches, edit streams, loads, builds and snapshots open of the client that has most of "
+      "them.",
+      static_cast<double>(streams.most()));
   out.Single("dynmesh_client_streams_limit", "gauge",
              "How many one client may have; 0: any number.", static_cast<double>(streams.limit()));
 }

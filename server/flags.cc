@@ -112,6 +112,12 @@ void AddMeshLimits(CLI::App& app, ServerConfig& c) {
   AddCount<std::uint64_t>(app, "max-edit-streams", c.max_edit_streams, 0, "edit streams open");
   AddCount<std::uint64_t>(app, "max-snapshot-streams", c.max_snapshot_streams, 0,
                           "concurrent snapshots");
+  AddCount<std::uint64_t>(app, "max-builds", c.max_builds, 0,
+                          "builds open, each on a thread of its own; 0: none", kMostThreads);
+  AddCount<std::uint64_t>(app, "max-build-vertices", c.max_build_vertices, 0,
+                          "vertices of the mesh of one build; 0: as max-vertices");
+  AddSeconds(app, "max-build-seconds", c.max_build_time, 0,
+             "seconds that one build may compute; 0: any number");
   AddCount<std::uint64_t>(app, "max-waiting-edits", c.max_waiting_edits, 1,
                           "batches that wait for one mesh");
   AddCount<std::uint64_t>(app, "history-revisions", c.history_revisions, 1, "diffs kept of a mesh");
@@ -127,8 +133,8 @@ void AddClientLimits(CLI::App& app, ServerConfig& c) {
       ->default_str(absl::StrCat(c.max_requests_per_second))
       ->type_name("FLOAT");
   AddCount<std::uint64_t>(app, "max-streams-per-client", c.max_streams_per_client, 0,
-                          "watches, edit streams, loads and snapshots open of one client, a token "
-                          "or an address; 0: any number");
+                          "watches, edit streams, loads, builds and snapshots open of one client, "
+                          "a token or an address; 0: any number");
   AddCount<std::uint64_t>(app, "max-memory-bytes", c.max_memory_bytes, 0,
                           "resident bytes above which nothing grows; 0: nine tenths of "
                           "the available memory");

@@ -105,7 +105,8 @@ int Serve(const Flags& flags, Signals& signals) {
   if (absl::Status s = dynmesh::server::ValidateConfig(flags.config); !s.ok()) return Fail(2, s);
   auto journal = OpenJournal(flags);
   if (!journal.ok()) return Fail(1, journal.status());
-  auto server = Server::Start(flags.config, &dynmesh::DynamicMesh::Create, *std::move(journal));
+  auto server = Server::Start(flags.config, &dynmesh::DynamicMesh::Create, *std::move(journal),
+                              &dynmesh::BuildMesh);
   if (!server.ok()) {
     return Fail(server.status().code() == absl::StatusCode::kInvalidArgument ? 2 : 1,
                 server.status());

@@ -99,7 +99,7 @@ class Ticker {
 
 struct Server::Impl {
   Impl(const ServerConfig& c, MeshFactory factory, std::unique_ptr<Journal> j,
-       std::unique_ptr<Access> a)
+       std::unique_ptr<Access> a, MeshBuilder builder)
       : config(c),
         journal(std::move(j)),
         access(std::move(a)),
@@ -107,9 +107,11 @@ struct Server::Impl {
         writers(WriterThreads(c.writer_threads, journal != nullptr)),
         readers(Threads(c.reader_threads), WorkerPool::Priority::kBackground),
         answers(Threads(c.writer_threads) / 2),
+        builds(c, std::move(builder), &memory, &metrics.builds),
         registry(c, std::move(factory), &writers, &readers, journal.get(), &metrics, &memory),
         calls(metrics.registry),
-        context(c, &registry, &writers, &readers, &answers, &metrics, access.get(), absl::Now()),
+        context(c, &registry, &writers, &readers, &answers, &metrics, access.get(), absl::Now(),
+                &builds),
         service(&context) {}
 
   // A Listen that fails has opened the port already.
@@ -182,7 +184,7 @@ struct Server::Impl {
     service.Tick();
     memory.Measure();
     memory.NoteStreams(context.watchers.used() + context.edit_streams.used() +
-                       context.snapshot_streams.used());
+                       context.snapshot_streams.used() + context.builds.used());
     access->ReloadIfChanged(now);
     if (tls != nullptr) tls->Look(absl::Now());
   }
@@ -242,6 +244,7 @@ struct Server::Impl {
   WorkerPool writers;
   WorkerPool readers;
   WorkerPool answers;  // not shared with readers: their tasks may take O(mesh)
+  BuildPool builds;
   MeshRegistry registry;
   CallMetrics calls;
   ServiceContext context;
@@ -264,7 +267,8 @@ Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config,
                                                       MeshFactory factory,
-                                                      std::unique_ptr<Journal> journal) {
+                                                      std::unique_ptr<Journal> journal,
+                                                      MeshBuilder builder) {
   if (absl::Status status = ValidateConfig(config); !status.ok()) return status;
   std::shared_ptr<grpc::ServerCredentials> credentials = grpc::InsecureServerCredentials();
   std::shared_ptr<TlsCredentials> tls;  // null: none
@@ -276,8 +280,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(const ServerConfig& config
   absl::StatusOr<std::unique_ptr<Access>> access =
       Access::Create(config.tokens_file, config.max_requests_per_second);
   if (!access.ok()) return access.status();
-  auto impl =
-      std::make_unique<Impl>(config, std::move(factory), std::move(journal), *std::move(access));
+  auto impl = std::make_unique<Impl>(config, std::move(factory), std::move(journal),
+                                     *std::move(access), std::move(builder));
   if (absl::Status status = impl->ListenForMetrics(); !status.ok()) return status;
   impl->credentials = std::move(credentials);
   impl->tls = std::move(tls);
@@ -335,6 +339,7 @@ bool Server::Drain(absl::Duration limit) {
   impl_->writers.Stop();
   impl_->readers.Stop();
   impl_->answers.Stop();
+  impl_->builds.Stop();
   Log(LogLevel::kInfo, "drained",
       {{"complete", done}, {"took", absl::FormatDuration(absl::Now() - start)}});
   return done;

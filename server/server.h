@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "server/config/config.h"
 #include "server/journal/journal.h"
+#include "server/meshes/build_pool.h"
 #include "server/meshes/mesh_host.h"
 #include "server/meshes/mesh_registry.h"
 
@@ -19,20 +20,21 @@ class Server {
   // `config`, UNAVAILABLE if the address or the journal is not available. With a `journal`, its
   // meshes are recovered, and edits are answered after the journal has them; without one, nothing
   // outlives the process. During recovery the port is open and calls are answered UNAVAILABLE
-  // (RECOVERING).
+  // (RECOVERING). Builds are made by `builder`; without one, BuildMesh is UNIMPLEMENTED.
   static absl::StatusOr<std::unique_ptr<Server>> Start(const ServerConfig& config,
                                                        MeshFactory factory,
-                                                       std::unique_ptr<Journal> journal = nullptr);
+                                                       std::unique_ptr<Journal> journal = nullptr,
+                                                       MeshBuilder builder = nullptr);
   // Cuts off running calls; call Drain first to let them end.
   ~Server();
 
   int port() const;
   std::string address() const;  // host:port with the chosen port
 
-  // Health becomes NOT_SERVING, new work is refused (UNAVAILABLE), watches end, and running work
-  // has up to `limit` to end. After that it is cancelled and changes nothing. True if all ended in
-  // time. Returns when nothing runs any more. Connections without calls get a GOAWAY and are closed
-  // a moment later; Drain does not wait for them.
+  // Health becomes NOT_SERVING, new work is refused (UNAVAILABLE), watches and running builds end,
+  // and other running work has up to `limit` to end. After that it is cancelled and changes
+  // nothing. True if all ended in time. Returns when nothing runs any more. Connections without
+  // calls get a GOAWAY and are closed a moment later; Drain does not wait for them.
   bool Drain(absl::Duration limit);
 
   // Reads the token file again. A change of the file is also noticed without this.

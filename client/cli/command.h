@@ -8,6 +8,7 @@
 #define DYNMESH_CLIENT_CLI_COMMAND_H_
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -45,7 +46,9 @@ bool PrintOut(std::string_view text);
 bool ErrorIsTerminal();
 bool OutIsTerminal();
 
-void RegisterMeshCommand(CLI::App& app, CommandSlot& slot);
+class RemoteMesher;
+// `remote` is null where remote/ is not built: then there is no --server.
+void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<RemoteMesher> remote);
 void RegisterReplayCommand(CLI::App& app, CommandSlot& slot);
 void RegisterImportCommand(CLI::App& app, CommandSlot& slot);
 void RegisterVerifyCommand(CLI::App& app, CommandSlot& slot);

@@ -7,6 +7,7 @@
 
 #include "CLI/CLI.hpp"
 #include "client/cli/command.h"
+#include "client/cli/remote_mesher.h"
 #include "core/base/process_memory.h"
 
 namespace dynmesh::cli {
@@ -19,7 +20,11 @@ int Main(int argc, char** argv) {
   app.require_subcommand(0, 1);
   app.failure_message(CLI::FailureMessage::simple);
   CommandSlot slot;
-  RegisterMeshCommand(app, slot);
+#ifdef DYNMESH_CLI_REMOTE
+  RegisterMeshCommand(app, slot, MakeRemoteMesher());
+#else
+  RegisterMeshCommand(app, slot, nullptr);
+#endif
   RegisterReplayCommand(app, slot);
   RegisterImportCommand(app, slot);
   RegisterVerifyCommand(app, slot);

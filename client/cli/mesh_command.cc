@@ -1,4 +1,5 @@
-// dynmesh mesh INPUT [-o OUT]: makes a mesh from scratch, in process.
+// dynmesh mesh INPUT [-o OUT] [--server ADDR]: makes a mesh from scratch, in process or on a
+// server.
 #include <algorithm>
 #include <chrono>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "client/cli/json.h"
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
+#include "client/cli/remote_mesher.h"
 #include "client/cli/words.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/quadtree.h"
@@ -26,6 +28,7 @@ struct MeshCommand {
   std::string region;
   std::string outside;
   bool json = false;
+  std::shared_ptr<RemoteMesher> remote;  // may be null
 };
 
 std::string Summarise(const Mesh& mesh, const QualityReport& quality, double min_dihedral,
@@ -121,7 +124,10 @@ int Run(const MeshCommand& command) {
   const auto start = std::chrono::steady_clock::now();
   BuildOptions build;
   if (command.mesh.engine == "svr") build.engine = BuildEngine::kSvr;
-  absl::StatusOr<Mesh> mesh = BuildMesh(input->features, options, build);
+  const bool is_remote = command.remote != nullptr && command.remote->is_chosen();
+  absl::StatusOr<Mesh> mesh = is_remote
+                                  ? command.remote->Build(input->features, options, build.engine)
+                                  : BuildMesh(input->features, options, build);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
   if (!mesh.ok()) {
     const absl::Status named = NameOption(mesh.status(), command.mesh, input->where_option);
@@ -151,8 +157,9 @@ int Run(const MeshCommand& command) {
 
 }  // namespace
 
-void RegisterMeshCommand(CLI::App& app, CommandSlot& slot) {
+void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<RemoteMesher> remote) {
   auto command = std::make_shared<MeshCommand>();
+  command->remote = std::move(remote);
   CLI::App* const sub = AddCommand(app, slot, "mesh", "Make a mesh from scratch",
                                    [command] { return Run(*command); });
   sub->add_option("INPUT", command->input, kSpaceInputKinds)->required();
@@ -162,6 +169,7 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot) {
   AddRegionFlag(*sub, command->region);
   AddOutsideFlag(*sub, command->outside);
   sub->add_flag("--json", command->json, "Print one JSON object");
+  if (command->remote != nullptr) command->remote->AddFlags(*sub);
 }
 
 }  // namespace dynmesh::cli

@@ -37,18 +37,27 @@ bool Pass::Allows(Role role, absl::string_view mesh_id) const {
   return token_ == nullptr || token_->Allows(role, mesh_id);
 }
 
-absl::Status Pass::CheckId(Role role, absl::string_view mesh_id) const {
-  if (Allows(role, mesh_id)) return absl::OkStatus();
+absl::Status Pass::Missing(Role role, const std::string& mesh, absl::string_view where) const {
   codec::ServiceError error;
   error.reason = codec::reason::kRoleMissing;
   error.metadata["client"] = client_;
   error.metadata["role"] = RoleName(role);
-  const std::string mesh = mesh_id.empty() ? "meshes/*" : MeshName(mesh_id);
   error.metadata["mesh"] = mesh;
   return codec::MakeServiceError(absl::StatusCode::kPermissionDenied,
                                  absl::StrCat("the token ", token_->name, " has not the role ",
-                                              RoleName(role), " on ", mesh, ", which this needs"),
+                                              RoleName(role), " on ", where, ", which this needs"),
                                  error);
+}
+
+absl::Status Pass::CheckId(Role role, absl::string_view mesh_id) const {
+  if (Allows(role, mesh_id)) return absl::OkStatus();
+  const std::string mesh = mesh_id.empty() ? "meshes/*" : MeshName(mesh_id);
+  return Missing(role, mesh, mesh);
+}
+
+absl::Status Pass::CheckSome(Role role) const {
+  if (token_ == nullptr || token_->AllowsSome(role)) return absl::OkStatus();
+  return Missing(role, "meshes/*", "any mesh");
 }
 
 absl::Status Pass::Check(Role role, absl::string_view mesh_name) const {

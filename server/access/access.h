@@ -39,6 +39,9 @@ class Pass {
   // PERMISSION_DENIED (ROLE_MISSING); INVALID_ARGUMENT (BAD_NAME) for a malformed name.
   absl::Status Check(Role role, absl::string_view mesh_name) const;
   absl::Status CheckId(Role role, absl::string_view mesh_id) const;
+  // PERMISSION_DENIED (ROLE_MISSING) unless the caller has the role on some mesh, be there one or
+  // not.
+  absl::Status CheckSome(Role role) const;
   bool Allows(Role role, absl::string_view mesh_id) const;
   // Counts one more request: RESOURCE_EXHAUSTED (RATE_LIMIT, with RetryInfo).
   absl::Status TakeRequest() const;
@@ -49,6 +52,8 @@ class Pass {
 
  private:
   friend class Access;
+  absl::Status Missing(Role role, const std::string& mesh, absl::string_view where) const;
+
   std::string client_;
   std::shared_ptr<const Token> token_;  // null: everything is allowed
   std::shared_ptr<RateBucket> bucket_;  // null: no limit

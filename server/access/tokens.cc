@@ -93,6 +93,11 @@ bool Token::Allows(Role role, absl::string_view mesh_id) const {
   });
 }
 
+bool Token::AllowsSome(Role role) const {
+  return std::any_of(grants.begin(), grants.end(),
+                     [role](const Grant& grant) { return grant.role >= role; });
+}
+
 absl::StatusOr<TokenTable> TokenTable::Parse(absl::string_view text) {
   TokenTable table;
   int number = 0;

@@ -37,6 +37,8 @@ struct Token {
 
   // "" stands for an id that the server is yet to choose: it needs the role on all meshes.
   bool Allows(Role role, absl::string_view mesh_id) const;
+  // True if there may be a mesh on which it has the role.
+  bool AllowsSome(Role role) const;
 };
 
 class TokenTable {

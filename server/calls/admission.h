@@ -20,6 +20,7 @@
 #include "server/base/worker_pool.h"
 #include "server/calls/open_sends.h"
 #include "server/config/config.h"
+#include "server/meshes/build_pool.h"
 #include "server/meshes/mesh_registry.h"
 
 namespace dynmesh::server {
@@ -27,7 +28,8 @@ namespace dynmesh::server {
 // Shared by the calls of a service.
 struct ServiceContext {
   ServiceContext(const ServerConfig& c, MeshRegistry* r, WorkerPool* w, WorkerPool* rd,
-                 WorkerPool* a, ServerMetrics* m, Access* ac, absl::Time now)
+                 WorkerPool* a, ServerMetrics* m, Access* ac, absl::Time now,
+                 BuildPool* b = nullptr)
       : config(c),
         registry(r),
         writers(w),
@@ -35,10 +37,12 @@ struct ServiceContext {
         answers(a),
         metrics(m),
         access(ac),
+        build_pool(b),
         start_time(now),
         watchers(c.max_watchers),
         edit_streams(c.max_edit_streams),
         snapshot_streams(c.max_snapshot_streams),
+        builds(c.max_builds),
         client_streams(c.max_streams_per_client),
         pending_edits(c.max_pending_edits) {}
 
@@ -49,12 +53,14 @@ struct ServiceContext {
   WorkerPool* const answers;  // starts writes in place of a mesh's strand; never blocks
   ServerMetrics* const metrics;
   Access* const access;
+  BuildPool* const build_pool;  // null: there are no builds
   const absl::Time start_time;
   WorkGate gate;
   std::atomic<bool> recovering{false};  // meshes are being recovered: no call is answered yet
   Quota watchers;
   Quota edit_streams;
   Quota snapshot_streams;
+  Quota builds;
   ClientQuotas client_streams;
   Quota pending_edits;
   OpenSends sends;

@@ -14,28 +14,13 @@
 #include "server/base/call_id.h"
 #include "server/base/log.h"
 #include "server/calls/load_parts.h"
+#include "server/calls/progress_stage.h"
 #include "server/calls/send_timeout.h"
 
 namespace dynmesh::server {
 namespace {
 
 using Response = v1::LoadFeaturesResponse;
-
-constexpr std::chrono::milliseconds kBetweenMessages{500};
-
-Response::Stage StageOf(BatchProgress::Stage stage) {
-  switch (stage) {
-    case BatchProgress::Stage::kValidate:
-      return Response::VALIDATING;
-    case BatchProgress::Stage::kRefine:
-      return Response::REFINING;
-    case BatchProgress::Stage::kDiff:
-      return Response::DIFFING;
-    case BatchProgress::Stage::kJournal:
-      return Response::JOURNALING;
-  }
-  return Response::STAGE_UNSPECIFIED;
-}
 
 // Three threads of control: the reader, until the last part; then the mesh's strand; and the
 // writer, one message at a time. mutex_ guards what they share. Operations on the stream are
@@ -231,7 +216,7 @@ class LoadCall final
     {
       const std::lock_guard lock(mutex_);
       const auto time = MetricsClock::now();
-      if (writing_ || phase_ == Phase::kEnded || (!now && time - told_ < kBetweenMessages)) return;
+      if (writing_ || phase_ == Phase::kEnded || (!now && time - told_ < kBetweenProgress)) return;
       writing_ = true;
       told_ = time;
       progress_.set_stage(stage);

@@ -9,9 +9,8 @@
 
 namespace dynmesh::server {
 
-void LoadParts::Add(const v1::LoadFeaturesRequest& message, std::size_t first) {
-  const auto points = static_cast<std::size_t>(message.points().ids_size());
-  if (points != 0 || message.features_size() != 0) parts_.push_back({messages_, first, points});
+void LoadParts::Add(std::size_t first, std::size_t points, std::size_t features) {
+  if (points != 0 || features != 0) parts_.push_back({messages_, first, points});
   ++messages_;
 }
 

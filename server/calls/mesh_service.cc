@@ -21,6 +21,7 @@
 #include "proto/codec/status_codec.h"
 #include "server/base/call_id.h"
 #include "server/base/peer.h"
+#include "server/calls/build_call.h"
 #include "server/calls/edit_call.h"
 #include "server/calls/edit_stream_call.h"
 #include "server/calls/features_call.h"
@@ -179,6 +180,7 @@ MeshServiceImpl::MeshServiceImpl(ServiceContext* context) : context_(*context) {
   RegisterServerStream("RevertTo", &MeshServiceImpl::RevertTo);
   RegisterBidiStream("EditStream", &MeshServiceImpl::EditStream);
   RegisterBidiStream("LoadFeatures", &MeshServiceImpl::LoadFeatures);
+  RegisterBidiStream("BuildMesh", &MeshServiceImpl::BuildMesh);
 }
 
 void MeshServiceImpl::Register(const char* name, grpc::internal::MethodHandler* handler) {
@@ -447,6 +449,17 @@ grpc::ServerWriteReactor<v1::MeshDiff>* MeshServiceImpl::RevertTo(
     grpc::CallbackServerContext* call, const v1::RevertToRequest* request) {
   return StartEditCall(context_, *request, Admit(call, Role::kEdit, request->mesh()).status(),
                        call);
+}
+
+grpc::ServerBidiReactor<Received<v1::BuildMeshRequest>, v1::BuildMeshResponse>*
+MeshServiceImpl::BuildMesh(grpc::CallbackServerContext* call) {
+  absl::StatusOr<Pass> pass = Admit(call);
+  // It costs what a batch of edits does, which a reader may not cause. There is no mesh to have the
+  // role on, so any will do: a token for some meshes may cause that work there.
+  if (pass.ok()) {
+    if (absl::Status status = pass->CheckSome(Role::kEdit); !status.ok()) pass = status;
+  }
+  return StartBuildCall(context_, streams_, pass, call);
 }
 
 }  // namespace dynmesh::server

@@ -1,5 +1,5 @@
 // MeshService over gRPC's callback API: decodes, delegates, encodes. The streaming calls are in
-// edit_call, edit_stream_call, load_call and watch_call.
+// build_call, edit_call, edit_stream_call, load_call and watch_call.
 #ifndef DYNMESH_SERVER_CALLS_MESH_SERVICE_H_
 #define DYNMESH_SERVER_CALLS_MESH_SERVICE_H_
 
@@ -79,6 +79,8 @@ class MeshServiceImpl final : public grpc::Service {
                                                            const v1::GetFeaturesRequest* request);
   grpc::ServerWriteReactor<v1::MeshDiff>* RevertTo(grpc::CallbackServerContext* call,
                                                    const v1::RevertToRequest* request);
+  grpc::ServerBidiReactor<Received<v1::BuildMeshRequest>, v1::BuildMeshResponse>* BuildMesh(
+      grpc::CallbackServerContext* call);
 
   // The answer to a call without a parsable message. It has to be admitted first, as any other.
   absl::Status Refuse(const grpc::CallbackServerContext* call,

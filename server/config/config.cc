@@ -86,6 +86,10 @@ absl::Status ValidateConfig(const ServerConfig& c) {
   if (c.send_timeout < absl::ZeroDuration() || c.send_timeout > absl::Hours(24)) {
     return Bad("send-timeout", "not in 0 s to a day");
   }
+  if (c.max_builds > 1024) return Bad("max-builds", "not in 0..1024");
+  if (c.max_build_time < absl::ZeroDuration() || c.max_build_time > absl::Hours(24)) {
+    return Bad("max-build-seconds", "not in 0 s to a day");
+  }
   if (c.drain_timeout < absl::ZeroDuration()) return Bad("drain-timeout", "is negative");
   return absl::OkStatus();
 }

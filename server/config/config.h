@@ -45,8 +45,15 @@ struct ServerConfig {
   std::uint64_t max_watchers = 10'000;
   std::uint64_t max_edit_streams = 1'000;
   std::uint64_t max_snapshot_streams = 64;  // each may hold an old copy of a mesh
-  // Open watches, edit streams, loads, snapshots and reads of features of one client (a token or an
-  // address). 0: no limit.
+  // Builds (BuildMesh) that are open, from the first features to the last chunk. Each has a thread
+  // of low priority and holds a mesh. 0: none are allowed.
+  std::uint64_t max_builds = 8;
+  // Limit of the mesh of a build; 0: as of max_vertices.
+  std::uint64_t max_build_vertices = 0;
+  // Limit of the time of a build, without receiving and sending. 0: no limit.
+  absl::Duration max_build_time = absl::Minutes(10);
+  // Open watches, edit streams, loads, builds, snapshots and reads of features of one client (a
+  // token or an address). 0: no limit.
   std::uint64_t max_streams_per_client = 1'000;
   std::uint64_t max_waiting_edits = 1'000;  // unary batches that wait for one mesh
   // Requests per second of one client (a token or an address), and the burst size after a pause.

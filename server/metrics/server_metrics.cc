@@ -7,6 +7,25 @@ namespace {
 
 constexpr double kLongestStage = 1e4;  // seconds
 
+enum class Result { kOk, kCancelled, kFailed, kRefused };
+
+Result ResultOf(const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kOk:
+      return Result::kOk;
+    case absl::StatusCode::kCancelled:
+    case absl::StatusCode::kDeadlineExceeded:
+      return Result::kCancelled;
+    case absl::StatusCode::kInternal:
+    case absl::StatusCode::kUnknown:
+    case absl::StatusCode::kDataLoss:
+    case absl::StatusCode::kUnavailable:
+      return Result::kFailed;
+    default:
+      return Result::kRefused;  // an error that the client can fix
+  }
+}
+
 }  // namespace
 
 EditMetrics::Stages::Stages(MetricFamily<Histogram>& stages, absl::string_view kind)
@@ -41,21 +60,17 @@ EditMetrics::EditMetrics(MetricFamily<Histogram>& stages, MetricFamily<Counter>&
                       .With()) {}
 
 void EditMetrics::CountAnswer(const absl::Status& status, Kind kind) {
-  switch (status.code()) {
-    case absl::StatusCode::kOk:
+  switch (ResultOf(status)) {
+    case Result::kOk:
       if (kind == Kind::kApplied) return applied_.Add();
       if (kind == Kind::kReplayed) return replayed_.Add();
       return validated_.Add();
-    case absl::StatusCode::kCancelled:
-    case absl::StatusCode::kDeadlineExceeded:
+    case Result::kCancelled:
       return cancelled_.Add();
-    case absl::StatusCode::kInternal:
-    case absl::StatusCode::kUnknown:
-    case absl::StatusCode::kDataLoss:
-    case absl::StatusCode::kUnavailable:
+    case Result::kFailed:
       return failed_.Add();
-    default:
-      return refused_.Add();  // an error that the client can fix
+    case Result::kRefused:
+      return refused_.Add();
   }
 }
 
@@ -67,6 +82,36 @@ void EditMetrics::ObserveWork(const WorkCounters& work, EditSource source) {
   stages.propagate.Observe(std::max(0.0, work.microseconds - known) * kMicrosecond);
   stages.diff.Observe(work.diff_microseconds * kMicrosecond);
   operations_.Add(work.executed);
+}
+
+BuildMetrics::BuildMetrics(MetricRegistry& registry)
+    : BuildMetrics(registry.AddCounters("dynmesh_builds_total",
+                                        "Builds of meshes that are not kept, by result."),
+                   registry) {}
+
+BuildMetrics::BuildMetrics(MetricFamily<Counter>& results, MetricRegistry& registry)
+    : running(registry.AddGauges("dynmesh_builds_running", "Builds that compute.").With()),
+      built_(results.With({{"result", "built"}})),
+      refused_(results.With({{"result", "refused"}})),
+      cancelled_(results.With({{"result", "cancelled"}})),
+      failed_(results.With({{"result", "failed"}})),
+      seconds_(registry
+                   .AddHistograms("dynmesh_build_seconds", "Time of a build that made a mesh.",
+                                  SecondsBounds(kLongestStage))
+                   .With()) {}
+
+void BuildMetrics::Count(const absl::Status& status, double seconds) {
+  switch (ResultOf(status)) {
+    case Result::kOk:
+      seconds_.Observe(seconds);
+      return built_.Add();
+    case Result::kCancelled:
+      return cancelled_.Add();
+    case Result::kFailed:
+      return failed_.Add();
+    case Result::kRefused:
+      return refused_.Add();
+  }
 }
 
 RecoveryMetrics::RecoveryMetrics(MetricRegistry& registry)

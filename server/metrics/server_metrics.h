@@ -59,6 +59,26 @@ class EditMetrics {
   Counter& operations_;
 };
 
+// Builds of meshes that the server does not keep.
+class BuildMetrics {
+ public:
+  explicit BuildMetrics(MetricRegistry& registry);
+
+  // To be called once per build that began, with its result and time.
+  void Count(const absl::Status& status, double seconds);
+
+  Gauge& running;
+
+ private:
+  explicit BuildMetrics(MetricFamily<Counter>& results, MetricRegistry& registry);
+
+  Counter& built_;
+  Counter& refused_;
+  Counter& cancelled_;
+  Counter& failed_;
+  Histogram& seconds_;  // of those that made a mesh
+};
+
 // Meshes recovered from the journal.
 struct RecoveryMetrics {
   explicit RecoveryMetrics(MetricRegistry& registry);
@@ -74,6 +94,7 @@ struct RecoveryMetrics {
 struct ServerMetrics {
   MetricRegistry registry;
   EditMetrics edits{registry};
+  BuildMetrics builds{registry};
   RecoveryMetrics recovery{registry};
 };
 

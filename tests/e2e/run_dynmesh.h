@@ -1,4 +1,4 @@
-// The remote commands of `dynmesh`, run in the test's own process.
+// The remote commands of `dynmesh`, and `mesh`, run in the test's own process.
 #ifndef DYNMESH_TESTS_E2E_RUN_DYNMESH_H_
 #define DYNMESH_TESTS_E2E_RUN_DYNMESH_H_
 
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "client/cli/remote/remote_commands.h"
+#include "client/cli/remote_mesher.h"
 
 namespace dynmesh::cli {
 
@@ -26,6 +27,7 @@ inline Ran RunDynmesh(std::vector<std::string> arguments) {
   CLI::App app("", "dynmesh");
   app.require_subcommand(1);
   CommandSlot slot;
+  RegisterMeshCommand(app, slot, MakeRemoteMesher());
   RegisterRemoteCommands(app, slot);
   std::reverse(arguments.begin(), arguments.end());
   try {

@@ -246,4 +246,17 @@ absl::StatusOr<std::unique_ptr<DynamicMesh>> MakeFake(const MeshOptions& options
   return std::make_unique<FakeDynamicMesh>(options, std::move(gate));
 }
 
+absl::StatusOr<Mesh> BuildFake(std::span<const Feature> features, const MeshOptions& options,
+                               const BuildOptions& build, std::shared_ptr<FakeGate> gate) {
+  FakeDynamicMesh mesh(options, std::move(gate));
+  ApplyOptions apply;
+  apply.interrupted = build.interrupted;
+  apply.max_operations = build.max_operations;
+  apply.progress = build.progress;
+  if (const auto applied = mesh.Apply(AddAll(features), apply); !applied.ok()) {
+    return applied.status();
+  }
+  return mesh.Snapshot();
+}
+
 }  // namespace dynmesh::server

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -75,6 +76,10 @@ class FakeDynamicMesh final : public DynamicMesh {
 // A MeshFactory; without a gate nothing is ever held.
 absl::StatusOr<std::unique_ptr<DynamicMesh>> MakeFake(const MeshOptions& options,
                                                       std::shared_ptr<FakeGate> gate = nullptr);
+
+// A MeshBuilder: that fake's mesh of the features.
+absl::StatusOr<Mesh> BuildFake(std::span<const Feature> features, const MeshOptions& options,
+                               const BuildOptions& build, std::shared_ptr<FakeGate> gate = nullptr);
 
 }  // namespace dynmesh::server
 

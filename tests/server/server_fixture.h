@@ -33,10 +33,12 @@ class ServerFixture : public ::testing::Test {
 
   void StartServer(ServerConfig config = {}) {
     config.listen = "127.0.0.1:0";
-    auto server =
-        Server::Start(config, [gate = gate_](const MeshOptions& options, const ApplyOptions&) {
+    auto server = Server::Start(
+        config,
+        [gate = gate_](const MeshOptions& options, const ApplyOptions&) {
           return MakeFake(options, gate);
-        });
+        },
+        nullptr, builder_);
     ASSERT_TRUE(server.ok()) << Text(server.status());
     server_ = *std::move(server);
     client_ = client::MeshClient::Connect(server_->address());
@@ -100,6 +102,11 @@ class ServerFixture : public ::testing::Test {
   }
 
   std::shared_ptr<FakeGate> gate_ = std::make_shared<FakeGate>();
+  std::shared_ptr<FakeGate> build_gate_ = std::make_shared<FakeGate>();
+  MeshBuilder builder_ = [gate = build_gate_](auto features, const auto& options,
+                                              const auto& build) {
+    return BuildFake(features, options, build, gate);
+  };
   std::unique_ptr<Server> server_;
   std::string address_;  // while there is no server_
   std::unique_ptr<client::MeshClient> client_;

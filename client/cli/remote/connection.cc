@@ -37,9 +37,8 @@ absl::Status CheckToken(const std::string& token) {
 
 }  // namespace
 
-void AddServerFlags(CLI::App& command, ServerFlags& flags) {
-  command.add_option("--server", flags.address, "The server (default: 127.0.0.1:7878)")
-      ->type_name("HOST:PORT");
+void AddConnectionFlags(CLI::App& command, ServerFlags& flags, const std::string& server) {
+  command.add_option("--server", flags.address, server)->type_name("HOST:PORT");
   command
       .add_option("--timeout", flags.timeout_seconds, "Seconds for each request (default: none)")
       ->type_name("S")
@@ -62,6 +61,10 @@ void AddServerFlags(CLI::App& command, ServerFlags& flags) {
       .add_option("--token-file", flags.token_file,
                   "File with the token to show (default: the environment's DYNMESH_TOKEN, if set)")
       ->type_name("FILE");
+}
+
+void AddServerFlags(CLI::App& command, ServerFlags& flags) {
+  AddConnectionFlags(command, flags, "The server (default: 127.0.0.1:7878)");
   command.add_flag("--json", flags.json, "Print one JSON object a line");
 }
 
@@ -88,6 +91,25 @@ absl::StatusOr<std::unique_ptr<client::MeshClient>> Connect(const ServerFlags& f
   if (absl::Status s = CheckToken(options.token); !s.ok()) return s;
   if (flags.timeout_seconds > 0) options.timeout = absl::Seconds(flags.timeout_seconds);
   return client::MeshClient::Connect(flags.address, options);
+}
+
+const char* WordOf(client::LoadProgress::Stage stage) {
+  using Stage = client::LoadProgress::Stage;
+  switch (stage) {
+    case Stage::kSend:
+      return "sending";
+    case Stage::kWait:
+      return "waiting for other edits";
+    case Stage::kValidate:
+      return "validating";
+    case Stage::kRefine:
+      return "refining";
+    case Stage::kDiff:
+      return "making the diff";
+    case Stage::kWrite:
+      return "writing to the server's disk";
+  }
+  return "";
 }
 
 std::string MeshLine(const client::MeshInfo& mesh, bool json) {

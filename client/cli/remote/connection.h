@@ -24,7 +24,9 @@ struct ServerFlags {
   std::string token_file;
 };
 
-// --server --timeout --json --tls-ca --tls-cert --tls-key --token-file
+// --server --timeout --tls-ca --tls-cert --tls-key --token-file; `server` describes the first.
+void AddConnectionFlags(CLI::App& command, ServerFlags& flags, const std::string& server);
+// The same, and --json.
 void AddServerFlags(CLI::App& command, ServerFlags& flags);
 
 // Parses --region, as ParseRegionFlag. A server needs the polygons' ids: `any` is refused.
@@ -33,6 +35,9 @@ absl::StatusOr<mesh_data::RegionChoice> ParseServerRegionFlag(const std::string&
 // Connects with the token of --token-file, else of the environment's DYNMESH_TOKEN. Fails if a file
 // is unreadable, but not if the server is unreachable.
 absl::StatusOr<std::unique_ptr<client::MeshClient>> Connect(const ServerFlags& flags);
+
+// For a progress bar.
+const char* WordOf(client::LoadProgress::Stage stage);
 
 // One line for a mesh, as text or JSON.
 std::string MeshLine(const client::MeshInfo& mesh, bool json);

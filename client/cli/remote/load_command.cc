@@ -24,25 +24,6 @@ struct LoadCommand {
   bool create = false;
 };
 
-const char* WordOf(client::LoadProgress::Stage stage) {
-  using Stage = client::LoadProgress::Stage;
-  switch (stage) {
-    case Stage::kSend:
-      return "sending";
-    case Stage::kWait:
-      return "waiting for other edits";
-    case Stage::kValidate:
-      return "validating";
-    case Stage::kRefine:
-      return "refining";
-    case Stage::kDiff:
-      return "making the diff";
-    case Stage::kWrite:
-      return "writing to the server's disk";
-  }
-  return "";
-}
-
 std::string Summarise(const client::LoadResult& result, std::size_t features, double seconds,
                       bool json) {
   if (json) {

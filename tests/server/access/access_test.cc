@@ -105,6 +105,9 @@ TEST(TokenTable, RolesIncludeThoseBelow) {
   EXPECT_TRUE(lab->Allows(Role::kRead, "plate"));
   EXPECT_FALSE(lab->Allows(Role::kEdit, "plate"));
   EXPECT_FALSE(lab->Allows(Role::kEdit, ""));
+  EXPECT_TRUE(lab->AllowsSome(Role::kRead));
+  EXPECT_TRUE(lab->AllowsSome(Role::kEdit));
+  EXPECT_FALSE(lab->AllowsSome(Role::kAdmin));
 }
 
 TEST(TokenTable, BadLinesAreNamedAndNotRepeated) {

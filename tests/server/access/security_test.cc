@@ -222,6 +222,9 @@ class TokenTest : public ServerFixture {
   test::TempFolder folder_;
 };
 
+// Needs its role on some mesh, whichever.
+constexpr char kOfNoMesh[] = "BuildMesh";
+
 // A call of one method, about the mesh "crack-1" where it is about one.
 struct Row {
   std::string role;  // that it needs; "any": a token
@@ -293,6 +296,15 @@ std::map<std::string, Row> Methods() {
                             stream->Write(request);
                             return ReadOne<v1::LoadFeaturesResponse>(c, std::move(stream));
                           }};
+  rows[kOfNoMesh] = {"edit", [](Stub& stub, Context& c) {
+                       auto stream = stub.BuildMesh(&c);
+                       v1::BuildMeshRequest request;
+                       codec::EncodeOptions(MeshOptions(), request.mutable_options());
+                       request.mutable_options()->clear_max_vertices();
+                       request.set_last(true);
+                       stream->Write(request);
+                       return ReadOne<v1::BuildMeshResponse>(c, std::move(stream));
+                     }};
   rows["Watch"] = {"read", [](Stub& stub, Context& c) {
                      return ReadOne<v1::WatchEvent>(c, stub.Watch(&c, About<v1::WatchRequest>()));
                    }};
@@ -323,9 +335,11 @@ std::map<std::string, Row> Methods() {
 }
 
 // "" if it is allowed.
-std::string ExpectedReason(const std::string& token, const std::string& role) {
+std::string ExpectedReason(const std::string& token, const std::string& method,
+                           const std::string& role) {
   if (token.empty()) return codec::reason::kTokenMissing;
   if (token == "wrong") return codec::reason::kTokenUnknown;
+  if (token == "elsewhere" && method == kOfNoMesh) return "";
   const std::map<std::string, int> order = {{"any", 0}, {"read", 1}, {"edit", 2}, {"admin", 3}};
   const int has = order.contains(token) ? order.at(token) : 0;  // others: of other meshes
   return has >= order.at(role) ? "" : codec::reason::kRoleMissing;
@@ -347,7 +361,7 @@ TEST_F(TokenTest, EveryMethodAsksForItsRole) {
       grpc::ClientContext context;
       if (!token.empty()) context.AddMetadata("authorization", "Bearer " + token);
       const absl::Status status = codec::FromGrpcStatus(row.call(*stub_, context));
-      const std::string refused = ExpectedReason(token, row.role);
+      const std::string refused = ExpectedReason(token, name, row.role);
       const std::string expected = refused.empty() ? row.reason : refused;
       EXPECT_EQ(ReasonOf(status), expected) << name << " as '" << token << "' " << Text(status);
       if (expected.empty()) {
@@ -358,7 +372,8 @@ TEST_F(TokenTest, EveryMethodAsksForItsRole) {
         const auto error = codec::GetServiceError(status);
         EXPECT_EQ(status.code(), StatusCode::kPermissionDenied);
         EXPECT_EQ(error->metadata.at("role"), row.role) << name;
-        EXPECT_EQ(error->metadata.at("mesh").rfind("meshes/crack-", 0), 0u) << name;
+        const char* const mesh = name == kOfNoMesh ? "meshes/*" : "meshes/crack-";
+        EXPECT_EQ(error->metadata.at("mesh").rfind(mesh, 0), 0u) << name;
       } else {
         EXPECT_EQ(status.code(), StatusCode::kUnauthenticated);
       }

@@ -21,6 +21,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "dynmesh/client/build.h"
 #include "dynmesh/client/diff_stream.h"
 #include "dynmesh/client/edit_session.h"
 #include "dynmesh/client/load.h"
@@ -195,6 +196,18 @@ class MeshClient {
   // changed between two RPCs of up to 30,000 points each; repeat the call.
   absl::StatusOr<Located> Locate(const std::string& mesh, int dimension,
                                  std::span<const double> points);
+
+  // Has the server make the mesh of `features` with `options`, as `params` say, and forget it: the
+  // mesh that dynmesh::BuildMesh returns. If limits.max_vertices has its default, the server's
+  // limit applies. Checks the hash: DATA_LOSS. Errors: those of dynmesh::BuildMesh, which name the
+  // feature to blame, and
+  //   * INVALID_ARGUMENT: BATCH_TOO_LARGE (more features than the server allows), BAD_REQUEST
+  //     (`params`.max_time is negative or above the server's limit);
+  //   * RESOURCE_EXHAUSTED: TIME_LIMIT, FEATURE_LIMIT; STREAM_LIMIT, CLIENT_STREAM_LIMIT,
+  //     PENDING_LIMIT, MEMORY_LIMIT: retry later;
+  //   * CANCELLED by `params`; UNIMPLEMENTED: an older server.
+  absl::StatusOr<Mesh> BuildMesh(std::span<const Feature> features, const MeshOptions& options,
+                                 const BuildParams& params = {});
 
  private:
   struct Impl;

@@ -72,6 +72,7 @@ inline constexpr char kRateLimit[] = "RATE_LIMIT";
 // RESOURCE_EXHAUSTED, retry: the server is full; removals and reads are still possible.
 inline constexpr char kMemoryLimit[] = "MEMORY_LIMIT";
 inline constexpr char kFeatureLimit[] = "FEATURE_LIMIT";  // RESOURCE_EXHAUSTED: features of a mesh
+inline constexpr char kTimeLimit[] = "TIME_LIMIT";        // RESOURCE_EXHAUSTED: of a build
 }  // namespace reason
 
 // The machine-readable part of an error, of the service or the library.
