@@ -5,6 +5,7 @@
 #ifndef DYNMESH_TESTS_FUZZ_BATCHES_H_
 #define DYNMESH_TESTS_FUZZ_BATCHES_H_
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -14,6 +15,8 @@
 #include <vector>
 
 #include "core/dynamic_mesh/live_mesh.h"
+#include "dynmesh/dynamic_mesh.h"
+#include "dynmesh/quality.h"
 #include "dynmesh/slot_mesh.h"
 #include "tests/differential/differential.h"
 #include "tests/fuzz/small_mesh.h"
@@ -218,6 +221,23 @@ class Run {
     return test::CompareWithScratch(mesh_, accepted_ % 2 == 0).what;
   }
 
+  // The same features by SVR: a good mesh, or a limit.
+  std::string TrySvr() const {
+    MeshOptions options = mesh_.options();
+    options.criterion = Criterion::kEdge;
+    options.quality = std::max(options.quality, DefaultQuality(D));
+    options.min_dihedral = 0;
+    BuildOptions build;
+    build.engine = BuildEngine::kSvr;
+    const absl::StatusOr<Mesh> mesh = BuildMesh(mesh_.Features(), options, build);
+    if (!mesh.ok()) {
+      return absl::IsResourceExhausted(mesh.status()) ? "" : "SVR: " + mesh.status().ToString();
+    }
+    if (!(ComputeHash(*mesh) == mesh->hash)) return "SVR: another hash";
+    const QualityReport quality = MeasureQuality(*mesh, options);
+    return quality.over_rho == quality.exempt ? "" : "SVR left a simplex that is over rho";
+  }
+
  private:
   LiveMesh<D> mesh_;
   SlotMesh replica_;
@@ -237,6 +257,7 @@ std::string TryBatches(std::string_view bytes, std::size_t most) {
     problem = run.Apply(batches.back());
   }
   if (problem.empty()) problem = run.Compare();
+  if (problem.empty()) problem = run.TrySvr();
   return problem.empty() ? "" : problem + "\n" + test::ToScript(options, batches);
 }
 
