@@ -5,7 +5,7 @@
 //
 // The order of operations of equal length is that of a hash of coordinates. `order` says how the
 // points' hashes run along the line: random, as coordinates have them; or ascending, by last bits
-// of y that were searched for. So an adversary who knows the hash makes the mesher work in the
+// of y that were searched for. So an adversary that knows the hash makes the mesher work in the
 // order of coordinates. A point is removed and added again: `operations` run, and the distance in
 // spacings from it to the farthest vertex that came or went; mean and greatest of 200 edits.
 #include <algorithm>

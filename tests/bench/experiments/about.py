@@ -47,7 +47,7 @@ What does not match the thesis, and why:
 * **Shells** of the point location grow by 2^(1/4), not by √2: a sixth fewer looks on surfaces.
 * **Facets** have no mesh of their own: no Voronoi cell of another vertex may meet them (docs/refinement.md).
 * **The dynamic mesher** has no colours: priorities by a hash cut chains of dependence as well, but not those of
-  an adversary who chooses coordinates by the hash ("Chains of dependence").
+  an adversary that chooses coordinates by the hash ("Chains of dependence").
 * **The criterion of edges** makes meshes with about half of the vertices of the thesis's criterion.
 """
 
