@@ -83,11 +83,6 @@ class SimplexLists {
     });
     return Containing(from, q);
   }
-  int CornerOf(SimplexIndex s, VertexIndex v) const {
-    int i = 0;
-    while (mesh_.vertices(s)[i] != v) ++i;
-    return i;
-  }
 
   // Walks over the simplices that are connected with `first`, the nearest to it first. Calls
   // visit(s) for each; if that is false, ends there. Goes on across the sides for which

@@ -41,6 +41,13 @@ def shortest_first(n: int) -> np.ndarray:
     return np.vstack([axis, [off_center], far])
 
 
+def cluster(n: int) -> np.ndarray:
+    """All but two of the points in a box of side 2^-30 (Fig. 3.1)."""
+    points = 0.7 + np.random.default_rng(2).random((n, 3)) * 2.0**-30
+    points[0], points[1] = 0, 1
+    return points
+
+
 def read_node(path: pathlib.Path) -> np.ndarray:
     """The points of a 3D .node file."""
     with open(path, encoding="ascii") as file:
