@@ -15,8 +15,10 @@ using Clock = MetricsClock;
 // Interruptions that may be missed between two looks at the clock: some hundred microseconds.
 constexpr unsigned kStepsBetweenLooks = 64;
 
+// The clock cannot count to the greatest durations.
 Clock::time_point EndAfter(absl::Duration limit) {
-  if (limit == absl::InfiniteDuration()) return Clock::time_point::max();
+  constexpr absl::Duration kYear = absl::Hours(24 * 365);
+  if (limit > kYear) return Clock::time_point::max();
   return Clock::now() + absl::ToChronoNanoseconds(limit);
 }
 
@@ -42,8 +44,8 @@ void BuildPool::Run(BuildJob& job) const {
   const auto start = Clock::now();
   metrics_->running.Add(1);
   absl::StatusOr<Mesh> mesh = Build(job);
-  metrics_->running.Add(-1);
   metrics_->Count(mesh.status(), SecondsSince(start));
+  metrics_->running.Add(-1);
   std::vector<Feature>().swap(job.features);
   Log(LogLevel::kDebug, "build",
       {{"call", job.call_id},

@@ -68,6 +68,33 @@ TEST_F(ObserveTest, LoadsAndRevertsAreTimedApartFromEdits) {
   EXPECT_EQ(count("revert"), 0);
 }
 
+TEST_F(ObserveTest, BuildsAreCountedByResult) {
+  StartObserved();
+  std::vector<Feature> points = {AddPoint(1).feature, AddPoint(2).feature};
+  ASSERT_TRUE(client_->BuildMesh(points, MeshOptions()).ok());
+  points.push_back(points.front());
+  ASSERT_FALSE(client_->BuildMesh(points, MeshOptions()).ok());
+  const auto running = [this] { return Scrape().Value("dynmesh_builds_running", {}); };
+  build_gate_->Hold();
+  grpc::ClientContext context;
+  const auto build = stub_->BuildMesh(&context);
+  v1::BuildMeshRequest request;
+  request.mutable_options()->mutable_box()->mutable_hi()->set_x(1);
+  request.mutable_options()->mutable_box()->mutable_lo();
+  request.set_last(true);
+  ASSERT_TRUE(build->Write(request));
+  test::WaitUntil("the start of a build", [&] { return running() == 1; });
+  context.TryCancel();
+  test::WaitUntil("the end of a build", [&] { return running() == 0; });
+  const ParsedMetrics now = Scrape();
+  for (const char* result : {"built", "refused", "cancelled"}) {
+    EXPECT_EQ(now.Value("dynmesh_builds_total", {{"result", result}}), 1) << result;
+  }
+  EXPECT_EQ(now.Value("dynmesh_builds_total", {{"result", "failed"}}), 0);
+  EXPECT_EQ(now.Value("dynmesh_build_seconds_count", {}), 1);
+  EXPECT_EQ(now.Value("grpc_server_started_total", Of("bidi_stream", "BuildMesh")), 3);
+}
+
 // By the snapshot's own size: the rest is each message's overhead.
 TEST_F(ObserveTest, BytesSentAreCounted) {
   StartObserved();
