@@ -27,10 +27,10 @@ Circumball CircumballOf(const Point3& p, const Point3& a, const Point3& b, const
 // Computes the numerators and the determinant of the formula as integers, then divides once.
 Circumball ExactCircumball(const Point3& p, const Point3& a, const Point3& b, const Point3& c) {
   Circumball ball;
-  internal::SignOf({&p, &a, &b, &c}, [&](auto n, int exponent) {
+  internal::Evaluate<3>({&p, &a, &b, &c}, [&](auto n, int exponent) {
     const internal::ExactCentre<n()> centre(p, a, b, c, exponent);
     const ScaledDouble det = ToScaledDouble(centre.det);
-    if (det.mantissa == 0) return 0;
+    if (det.mantissa == 0) return;
     for (std::size_t k = 0; k < 3; ++k) {
       const ScaledDouble sum = ToScaledDouble(centre.n[k]);
       ball.w[k] =
@@ -38,7 +38,6 @@ Circumball ExactCircumball(const Point3& p, const Point3& a, const Point3& b, co
     }
     ball.r2 = Dot(ball.w, ball.w);
     ball.error = 0x1p-50 * std::sqrt(ball.r2);
-    return 1;
   });
   return ball;
 }

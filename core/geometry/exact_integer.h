@@ -20,6 +20,7 @@
 namespace dynmesh::geometry {
 
 __extension__ using Uint128 = unsigned __int128;
+__extension__ using Int128 = __int128;
 
 // Two's complement, least limb first: values in [-2^(64N-1), 2^(64N-1)). Sums and differences wrap;
 // the caller's bounds exclude that.
@@ -87,6 +88,18 @@ inline WideInt<N + M> operator*(const WideInt<N>& a, const WideInt<M>& b) {
   return r;
 }
 
+// No limbs: a native integer, for values that are known to fit. Sums and products keep the type.
+template <>
+struct WideInt<0> {
+  Int128 value;
+
+  bool negative() const { return value < 0; }
+  int Sign() const { return value > 0 ? 1 : value < 0 ? -1 : 0; }
+  friend WideInt operator+(const WideInt& a, const WideInt& b) { return {a.value + b.value}; }
+  friend WideInt operator-(const WideInt& a, const WideInt& b) { return {a.value - b.value}; }
+  friend WideInt operator*(const WideInt& a, const WideInt& b) { return {a.value * b.value}; }
+};
+
 // A unit 2^exponent in which some finite doubles are integers of less than `width`
 // bits: |x| < 2^(exponent + width).
 struct CommonUnit {
@@ -130,6 +143,18 @@ inline WideInt<N> ToInteger(double x, int exponent) {
     if (shift % 64 != 0 && at + 1 < N) r.limb[at + 1] = mantissa >> (64 - shift % 64);
   }
   return (bits >> 63) != 0 ? WideInt<N>{} - r : r;
+}
+
+template <>
+inline WideInt<0> ToInteger<0>(double x, int exponent) {
+  const std::uint64_t bits = std::bit_cast<std::uint64_t>(x);
+  const int biased = static_cast<int>(bits >> 52) & 2047;
+  std::uint64_t mantissa = bits & ((std::uint64_t{1} << 52) - 1);
+  if (biased != 0) mantissa |= std::uint64_t{1} << 52;
+  if (mantissa == 0) return {0};
+  const int shift = (biased ? biased : 1) - 1075 - exponent;
+  const Int128 magnitude = shift <= 0 ? Int128{mantissa >> -shift} : Int128{mantissa} << shift;
+  return {(bits >> 63) != 0 ? -magnitude : magnitude};
 }
 
 // mantissa * 2^exponent, 0 or 1 <= |mantissa| < 2.

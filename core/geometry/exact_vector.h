@@ -28,17 +28,23 @@ constexpr int MaxWidth(int limbs) { return 64 * limbs - 3; }
 inline constexpr int kMaxLimbs = 9;
 static_assert(MaxWidth(kMaxLimbs) >= 251 + 302);
 
-// Calls polynomial(integral<N>, exponent) with the least N of 1, 2, kMaxLimbs that suffices for the
-// coordinates. Returns its result.
-template <int D, class Polynomial>
-auto Evaluate(std::initializer_list<const Point<D>*> points, Polynomial polynomial) {
+// Below this width signs of the predicates' polynomials are those of native integers (WideInt<0>):
+// differences are below 2^24, so the in-sphere polynomial is below 4 x 18 x 2^120 < 2^127.
+constexpr int kNativeWidth = 23;
+
+template <int D>
+CommonUnit UnitOf(std::initializer_list<const Point<D>*> points) {
   std::array<double, 5 * D> coordinates;
   assert(points.size() <= 5);
   std::size_t count = 0;
   for (const Point<D>* p : points) {
     for (const double x : p->c) coordinates[count++] = x;
   }
-  const CommonUnit unit = FindCommonUnit(std::span<const double>(coordinates.data(), count));
+  return FindCommonUnit(std::span<const double>(coordinates.data(), count));
+}
+
+template <class Polynomial>
+auto EvaluateIn(const CommonUnit& unit, Polynomial polynomial) {
   if (unit.width <= MaxWidth(1)) {
     return polynomial(std::integral_constant<int, 1>{}, unit.exponent);
   }
@@ -49,9 +55,21 @@ auto Evaluate(std::initializer_list<const Point<D>*> points, Polynomial polynomi
   return polynomial(std::integral_constant<int, kMaxLimbs>{}, unit.exponent);
 }
 
+// Calls polynomial(integral<N>, exponent) with the least N of 1, 2, kMaxLimbs that suffices for the
+// coordinates. Returns its result.
+template <int D, class Polynomial>
+auto Evaluate(std::initializer_list<const Point<D>*> points, Polynomial polynomial) {
+  return EvaluateIn(UnitOf<D>(points), polynomial);
+}
+
+// The same for the sign of a predicate's polynomial, of degree 5 or less; also with N = 0.
 template <int D, class Polynomial>
 int SignOf(std::initializer_list<const Point<D>*> points, Polynomial polynomial) {
-  return Evaluate<D>(points, polynomial);
+  const CommonUnit unit = UnitOf<D>(points);
+  if (unit.width <= kNativeWidth) {
+    return polynomial(std::integral_constant<int, 0>{}, unit.exponent);
+  }
+  return EvaluateIn(unit, polynomial);
 }
 
 template <int N, int D>

@@ -63,7 +63,7 @@ TetrahedronShape ShapeOf(const Point3& a, const Point3& b, const Point3& c, cons
 int CompareRadiusEdge(const Point3& a, const Point3& b, const Point3& c, const Point3& d,
                       double bound) {
   if (!(bound > 0.5)) return 1;  // the regular one has sqrt(3/8), the least
-  return internal::SignOf<3>({&a, &b, &c, &d}, [&](auto n, int exponent) {
+  return internal::Evaluate<3>({&a, &b, &c, &d}, [&](auto n, int exponent) {
     const ExactShape<n()> shape(a, b, c, d, exponent);
     if (shape.det.Sign() == 0) return 1;
     if (bound > 0x1p52) return shape.RadiusEdge() > bound ? 1 : -1;

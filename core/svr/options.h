@@ -14,6 +14,8 @@ struct Options {
   int border_cells = 0;  // of the grid on each side of the domain
   double quality = 2;    // rho
   double k = 0.9;        // how far uninserted points attract a circumcenter
+  // Asks a tree first whether an uninserted point may be near (waiting_tree.h). Changes no result.
+  bool asks_tree_first = true;
 };
 
 }  // namespace dynmesh::svr

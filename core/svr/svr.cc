@@ -11,11 +11,13 @@ Svr<D, Input, Location>::Svr(const Options<D>& options, Input* input, Kernel<D>*
       input_(*input),
       mesh_(*mesh),
       positions_(input->positions()),
-      location_(mesh_, positions_) {
+      location_(mesh_, positions_),
+      waiting_(positions_, options.lo, options.hi) {
   AddBorder();
   NearestSearch<D> nearest(mesh_, 0);
   for (const VertexIndex p : input_.Waiting()) {
     location_.Assign(p, nearest.Find(positions_[p]));
+    waiting_.Add(p);
   }
   for (VertexIndex v = 0; v < input_.border_count(); ++v) EnterCrowded(v);
   mesh_.ForEachSimplex([&](SimplexIndex s) { Enter(s); });
@@ -129,6 +131,7 @@ void Svr<D, Input, Location>::DoEncroached(SubsegmentIndex s) {
     const VertexIndex near = mesh_.Contains(end) ? end : location_.OwnerOf(end);
     const VertexIndex owner = NearestVertex<D>(mesh_, positions_[v], near);
     EnterCrowded(location_.Assign(v, owner));
+    waiting_.Add(v);
   }
 }
 
@@ -139,9 +142,9 @@ void Svr<D, Input, Location>::DoCrowded(VertexIndex crowded) {
   SimplexIndex largest = kNone;
   double most = 0;
   star_.ForEach(mesh_, v, [&](SimplexIndex s) {
-    if (mesh_.IsInfinite(s) || !mesh_.Conflicts(s, positions_[p])) return;
+    if (mesh_.IsInfinite(s)) return;
     const double r2 = BallOf(mesh_, s).r2;
-    if (r2 > most) most = r2, largest = s;
+    if (r2 > most && mesh_.Conflicts(s, positions_[p])) most = r2, largest = s;
   });
   if (largest == kNone) largest = ConflictNear(v, positions_[p]);
   // Points are far from a Steiner point, or it would have become one of them.
@@ -167,9 +170,18 @@ void Svr<D, Input, Location>::DoFacets(const Item& item) {
 }
 
 template <int D, class Input, class Location>
+VertexIndex Svr<D, Input, Location>::FindWaiting(SimplexIndex s, const Ball<D>& ball) {
+  const double radius = options_.k * std::sqrt(ball.r2);
+  if (options_.asks_tree_first && std::isfinite(radius) && !waiting_.MayHavePoint(ball, radius)) {
+    return kNone;
+  }
+  return location_.FindIn(s, ball, radius);
+}
+
+template <int D, class Input, class Location>
 typename Svr<D, Input, Location>::Outcome Svr<D, Input, Location>::Split(SimplexIndex s) {
   const Ball<D> ball = BallOf(mesh_, s);
-  const VertexIndex p = location_.FindIn(s, ball, options_.k * std::sqrt(ball.r2));
+  const VertexIndex p = FindWaiting(s, ball);
   if (p != kNone) {
     ++counts_.warped;
     return InsertWaiting(p, s);
@@ -233,6 +245,7 @@ void Svr<D, Input, Location>::Insert(VertexIndex v, SimplexIndex conflicting, bo
   mesh_.InsertAt(v, positions_[v], conflicting);
   input_.SetPresent(v);
   location_.Inserted(v, was_waiting);
+  if (was_waiting) waiting_.Remove(v);
   EnterCrowded(v);
   if constexpr (Input::kHasFeatures) {
     if (input_.has_facets()) work_[kFacets].push_back({kFacets, v, 0});

@@ -42,6 +42,7 @@
 #include "core/svr/point_input.h"
 #include "core/svr/simplex_location.h"
 #include "core/svr/voronoi_location.h"
+#include "core/svr/waiting_tree.h"
 
 namespace dynmesh::svr {
 
@@ -117,6 +118,9 @@ class Svr {
   void DoCrowded(VertexIndex crowded);
   bool MayBeNear(VertexIndex v, VertexIndex p) const;
   void DoFacets(const Item& item);
+  // An uninserted point in the ball of k times the radius about the circumcenter of s; kNone if
+  // there is none. `ball`: of s.
+  VertexIndex FindWaiting(SimplexIndex s, const Ball<D>& ball);
   // At the circumcenter of s or a point near it.
   Outcome Split(SimplexIndex s);
   // Inserts v, an uninserted point.
@@ -138,6 +142,7 @@ class Svr {
   Kernel<D>& mesh_;
   std::vector<Point> positions_;  // of all vertices and uninserted points
   Location location_;
+  WaitingTree<D> waiting_;
   std::vector<bool> is_entered_;  // by vertex: it has an item as a crowded one
   std::array<std::vector<Item>, kKinds> work_;
   std::uint64_t serial_ = 0;

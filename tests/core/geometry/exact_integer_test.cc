@@ -113,6 +113,27 @@ TEST(ExactInteger, CommonUnitHoldsEveryDoubleExactly) {
   }
 }
 
+TEST(ExactInteger, NativeOnesAreTheSame) {
+  const std::uint64_t seed = testing::NewSeed();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  testing::PointSource<2> source(testing::Kind::kNative, seed);
+  const auto same = [](const WideInt<0>& native, const Q& value) {
+    return Q(static_cast<double>(native.value)) == value;  // below 2^53
+  };
+  for (int i = 0; i < 5000; ++i) {
+    const double shift = std::ldexp(1, static_cast<int>(seed % 40) - 20);
+    const Point2 p = source.Next();
+    const double x = p[0] * shift, y = p[1] * shift;
+    const int exponent = static_cast<int>(seed % 40) - 20;
+    const auto a = ToInteger<0>(x, exponent), b = ToInteger<0>(y, exponent);
+    ASSERT_TRUE(same(a, Q(p[0])) && same(b, Q(p[1])));
+    ASSERT_TRUE(same(a + b, Q(p[0]) + Q(p[1])) && same(a - b, Q(p[0]) - Q(p[1])));
+    ASSERT_TRUE(same(a * b, Q(p[0]) * Q(p[1])));
+    ASSERT_EQ(a.Sign(), p[0] > 0 ? 1 : p[0] < 0 ? -1 : 0);
+    ASSERT_EQ(a.negative(), p[0] < 0);
+  }
+}
+
 TEST(ExactInteger, SmallWidthsFitOneLimb) {
   const CommonUnit unit = FindCommonUnit(std::array{0.75, -3.0, 0.0, 8.0});
   EXPECT_EQ(unit.exponent, -2);

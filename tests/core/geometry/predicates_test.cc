@@ -147,8 +147,8 @@ TEST_P(PredicatesOn, InCircleNeverTiesAndNamesOneDiagonalOfAConvexQuadrangle) {
 }
 
 std::string KindName(const ::testing::TestParamInfo<Kind>& info) {
-  static constexpr const char* kNames[] = {"Uniform", "Grid",   "BigGrid",      "Cocircular",
-                                           "Ulps",    "Scales", "WildExponents"};
+  static constexpr const char* kNames[] = {"Uniform",    "Grid", "BigGrid", "Native",
+                                           "Cocircular", "Ulps", "Scales",  "WildExponents"};
   return kNames[static_cast<int>(info.param)];
 }
 INSTANTIATE_TEST_SUITE_P(Predicates, PredicatesOn, ::testing::ValuesIn(kAllKinds), KindName);

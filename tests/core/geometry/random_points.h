@@ -20,15 +20,16 @@ enum class Kind {
   kUniform,       // generic
   kGrid,          // small integers: collinear and cocircular all the time
   kBigGrid,       // integers beyond 2^26: products beyond doubles
+  kNative,        // integers below 2^23, the widest in native integers, and some wider ones
   kCocircular,    // exactly on one circle or sphere of integer points, shifted by a power of two
   kUlps,          // a line or a lattice disturbed by a few ulps
   kScales,        // clusters of size 2^-40 beside distances of 1
   kWildExponents  // every exponent of the domain, 2^-250 to 2^250
 };
 
-inline constexpr Kind kAllKinds[] = {Kind::kUniform,      Kind::kGrid, Kind::kBigGrid,
-                                     Kind::kCocircular,   Kind::kUlps, Kind::kScales,
-                                     Kind::kWildExponents};
+inline constexpr Kind kAllKinds[] = {Kind::kUniform, Kind::kGrid,         Kind::kBigGrid,
+                                     Kind::kNative,  Kind::kCocircular,   Kind::kUlps,
+                                     Kind::kScales,  Kind::kWildExponents};
 
 template <int D>
 class PointSource {
@@ -55,6 +56,12 @@ class PointSource {
         return Integer(-most, most);
       case Kind::kBigGrid:
         return (0x1p33 + 1) * Integer(-2, 2);
+      case Kind::kNative: {
+        const int beyond = 1 << 23, how = Integer(0, 99);
+        if (how == 0) return beyond;
+        return how < 60 ? (how % 2 == 0 ? 1 - beyond : beyond - 1)
+                        : Integer(1 - beyond, beyond - 1);
+      }
       case Kind::kScales:
         return Integer(0, 2) / 3.0 + (Integer(0, 1) ? 0x1p-40 : 0x1p-20) * Uniform();
       case Kind::kWildExponents: {
