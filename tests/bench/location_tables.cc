@@ -101,11 +101,14 @@ void PrintStructure(const Cloud& cloud, const char* structure) {
 void PrintStructures(const std::vector<std::string>& paths) {
   std::puts("input,points,structure,vertices,queries,looked at,reassigned,predicates,seconds");
   for (const std::string& path : paths) {
-    const Cloud cloud = Read(path);
+    Cloud cloud = Read(path);
+    cloud.options.asks_tree_first = false;
     PrintStructure<svr::BallLocation<3>>(cloud, "balls");
     PrintStructure<svr::SimplexLocation<3>>(cloud, "simplices");
     PrintStructure<svr::VoronoiLocation<3, false>>(cloud, "Voronoi cells");
     PrintStructure<svr::VoronoiLocation<3, true>>(cloud, "shells");
+    cloud.options.asks_tree_first = true;
+    PrintStructure<svr::VoronoiLocation<3, true>>(cloud, "shells after a tree");
   }
 }
 

@@ -26,7 +26,8 @@ updates. In the cluster all but two of the points are in a cube of 2^-30 of the 
 Fig. 3.1). Points are reassigned when they come into another list, once for each list. Predicates are exact
 tests of a point in updates: in a ball, or beside a plane; Voronoi cells need none. Circumradius / shortest
 edge is at most 2. Vertices are without those of the box's border; they differ because the structure chooses
-among points. Seconds are of processor time, the least of three runs on a shared machine: trust ratios, not
+among points. "Shells after a tree" is the product: a tree of the uninserted points says first whether one may
+be near (core/svr/waiting_tree.h). That changes no mesh, and counts no looks. Seconds are of processor time, the least of three runs on a shared machine: trust ratios, not
 digits.
 """
 TEXT_RATIOS = """
