@@ -1,10 +1,9 @@
 #!/usr/bin/python3
-"""Meshes of points, segments and polygons by SVR beside the dynamic mesher and TetGen (Fig. 3.3).
+"""Meshes of a corpus of points, segments and polygons, by SVR and the dynamic mesher (Fig. 3.3).
 
     tests/bench/experiments/plcs.py [--quick] [--corpus FOLDER] [--limit SECONDS]
 
-Files of deploy/data, and of FOLDER/2d (.poly) and FOLDER/plc3 (.off) if given. Each mesh of SVR is
-judged by `dynmesh verify`. TetGen meshes 3D files, if it is installed. Also draws cuts of SVR's meshes.
+Files of deploy/data, and of FOLDER/2d, FOLDER/3d and FOLDER/plc3 if given. Each mesh of SVR is judged by `dynmesh verify`. TetGen meshes 3D files, if it is installed. Also draws cuts of SVR's meshes.
 """
 from __future__ import annotations
 
@@ -50,8 +49,8 @@ def main() -> None:
     program = flags.bin / "dynmesh"
     paths = [ROOT / "deploy/data/coastline-110m.poly", ROOT / "deploy/data/boxes.dynmesh"]
     if flags.corpus and not flags.quick:
-        paths += sorted((flags.corpus / "2d").glob("*.poly"))
-        paths += sorted((flags.corpus / "plc3").glob("*.off"))
+        for pattern in ("2d/*.poly", "plc3/*.off", "2d/*.node", "3d/*.node"):
+            paths += sorted(flags.corpus.glob(pattern))
     rows = []
     for path in paths:
         options = ["--merge-coplanar"] if path.suffix == ".off" else []
@@ -66,7 +65,8 @@ def main() -> None:
         for method in ("svr", "dynamic", "TetGen"):
             run = runs.get(method)
             cells += ["", ""] if run is None else [f"{run.seconds:.3f}", f"{run.vertices:,}"]
-        rows.append([path.stem, *cells, verdict])
+        name = f"{path.stem}, 3D" if path.parent.name == "3d" else path.stem
+        rows.append([name, *cells, verdict])
         print(*rows[-1], sep="  ", flush=True)
     head = ["input", "svr, s", "vertices", "dynamic, s", "vertices", "TetGen, s", "vertices",
             "judge"]
