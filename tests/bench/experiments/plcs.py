@@ -3,7 +3,8 @@
 
     tests/bench/experiments/plcs.py [--quick] [--corpus FOLDER] [--limit SECONDS]
 
-Files of deploy/data, and of FOLDER/2d, FOLDER/3d and FOLDER/plc3 if given. Each mesh of SVR is judged by `dynmesh verify`. TetGen meshes 3D files, if it is installed. Also draws cuts of SVR's meshes.
+Files of deploy/data, and of FOLDER/2d, FOLDER/3d and FOLDER/plc3 if given. Each mesh of SVR is judged
+by `dynmesh verify`. TetGen meshes surfaces, if it is installed. Also draws a cut of a mesh.
 """
 from __future__ import annotations
 
@@ -15,9 +16,9 @@ import meshers
 from output import ROOT, arguments, markdown, section, write_csv
 
 TEXT = """\
-# Points, segments and polygons by SVR
+# A corpus by SVR
 
-`tests/bench/experiments/plcs.py` writes this section. Both engines without a trace, `--min-dihedral 0`, at
+`tests/bench/experiments/plcs.py` writes this section: points, segments and polygons. Both engines without a trace, `--min-dihedral 0`, at
 the default quality (2D: √2, 3D: 2); seconds are of processor time, without reading and writing files;
 vertices are all, those of the domain's border among them. "judge" is `dynmesh verify` of SVR's mesh, with its
 input. Of TetGen (`-pq2`) the mesh ends at the input's hull, so it has fewer vertices; in "refused" input
