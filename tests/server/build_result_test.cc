@@ -159,21 +159,25 @@ TEST_F(BuildResultTest, InputIsRefusedAsInProcess) {
   StartServer();
   std::vector<Feature> crossing = Plate();
   crossing.push_back(Feature::Segment(21, 1, 3));
-  const auto expect_same = [&](const std::vector<Feature>& features, BuildEngine engine) {
+  const auto expect_same = [&](const std::vector<Feature>& features, BuildEngine engine,
+                               double quality = kDefaultQuality2D) {
+    MeshOptions options;
+    options.quality = quality;
     BuildOptions build;
     build.engine = engine;
-    const absl::Status expected = BuildMesh(features, MeshOptions(), build).status();
+    const absl::Status expected = BuildMesh(features, options, build).status();
     ASSERT_FALSE(expected.ok());
     BuildParams params;
     params.engine = engine;
-    const absl::Status status = client_->BuildMesh(features, MeshOptions(), params).status();
+    const absl::Status status = client_->BuildMesh(features, options, params).status();
     EXPECT_EQ(status.code(), expected.code());
     EXPECT_EQ(status.message(), expected.message());
     EXPECT_EQ(ReasonOf(status), GetErrorDetail(expected)->reason);
     EXPECT_EQ(codec::GetServiceError(status)->Features(), GetErrorDetail(expected)->features);
   };
   expect_same(crossing, BuildEngine::kDynamic);
-  expect_same(Plate(), BuildEngine::kSvr);
+  expect_same(crossing, BuildEngine::kSvr);
+  expect_same(Plate(), BuildEngine::kSvr, 1.2);
   std::vector<Feature> twice = RandomPoints(2, 100);
   twice[70].id = 7;
   expect_same(twice, BuildEngine::kDynamic);
