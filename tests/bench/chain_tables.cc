@@ -7,7 +7,8 @@
 // points' hashes run along the line: random, as coordinates have them; or ascending, by last bits
 // of y that were searched for. So an adversary that knows the hash makes the mesher work in the
 // order of coordinates. A point is removed and added again: `operations` run, and the distance in
-// spacings from it to the farthest vertex that came or went; mean and greatest of 200 edits.
+// spacings from it to the farthest vertex that came or went, of those within 3 spacings of the line
+// and between its ends; mean and greatest of 200 edits.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -78,7 +79,7 @@ void Measure(int n, bool ascending) {
       for (const auto* ids : {&diff->removed_vertices, &diff->added_vertices.ids}) {
         for (const VertexId id : *ids) {
           const geometry::Point2& p = positions.at(id);
-          if (std::fabs(p[1] - 0.5) > 3 * spacing) continue;
+          if (std::fabs(p[1] - 0.5) > 3 * spacing || p[0] < 0.05 || p[0] > 0.95) continue;
           reach = std::max(reach, std::fabs(p[0] - f.position[0]) / spacing);
         }
       }

@@ -19,7 +19,8 @@ colours a grid to cut such chains. Here work of equal length runs in the order o
 chain goes on only while hashes ascend. `random`: points as they come. `ascending`: the last bits of the
 coordinates were chosen so that hashes ascend along the line, which is the order of coordinates, or the work
 of an adversary that knows the hash. 200 points are removed and added again; `reach` is the distance in
-spacings from the point to the farthest vertex that comes or goes, of those within 3 spacings of the line.
+spacings from the point to the farthest vertex that comes or goes, of those within 3 spacings of
+the line.
 """
 
 
