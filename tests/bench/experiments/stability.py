@@ -23,7 +23,7 @@ TEXT = """\
 
 `tests/bench/experiments/stability.py` writes this section (the thesis's Fig. 4.1, its reason for a
 second, stable mesher): how much of a mesh from scratch is another one if one of n uniform points is left
-out. Means of five such points. SVR decides by the order of its work, and one decision moves all that
+out. Means of 20 such points. SVR decides by the order of its work, and one decision moves all that
 follow; the dynamic mesher's decisions are local.
 """
 
@@ -60,8 +60,8 @@ def main() -> None:
             with tempfile.TemporaryDirectory() as name:
                 folder = pathlib.Path(name)
                 before = mesh(flags.bin / "dynmesh", engine, points, folder, "0,0,0,1,1,1")
-                for i in range(5):
-                    less = np.delete(points, i * n // 5, axis=0)
+                for i in range(20):
+                    less = np.delete(points, i * n // 20, axis=0)
                     after = mesh(flags.bin / "dynmesh", engine, less, folder, "0,0,0,1,1,1")
                     shares.append(tuple(100 * len(a - b) / len(a)
                                         for a, b in zip(after, before)))
