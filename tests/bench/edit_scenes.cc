@@ -117,6 +117,7 @@ struct Scene {
   int dimension;
   std::function<std::vector<Feature>(int)> make;
   FeatureKind edited;
+  int most = 1'000'000;
 };
 std::function<std::vector<Feature>(int)> Of(Distribution d) {
   return [d](int n) { return test::MakeFeatures(d, n, 1); };
@@ -131,7 +132,7 @@ const std::vector<Scene>& Scenes() {
       {"segments, short", 2, Of(Distribution::kSegmentsTurned), kSegment},
       {"segments, long", 2, LongSegments, kSegment},
       {"points beside long segments", 2, LongSegments, kPoint},
-      {"teeth of a comb", 2, Comb, kSegment},
+      {"teeth of a comb", 2, Comb, kSegment, 10'000},  // n^2 / 100 vertices
       {"polygons", 2, Of(Distribution::kPolygons), kPolygon},
       {"points, uniform, 3D", 3, Of(Distribution::kSpaceUniform), kPoint},
       {"points, clustered, 3D", 3, Of(Distribution::kSpaceClustered), kPoint},
@@ -144,7 +145,13 @@ const std::vector<Scene>& Scenes() {
   return scenes;
 }
 
+const Scene& SceneOf(const std::string& name) {
+  return *std::ranges::find(Scenes(), name, &Scene::name);
+}
+
 }  // namespace
+
+int MostFeatures(const std::string& name) { return SceneOf(name).most; }
 
 std::vector<std::string> EditSceneNames() {
   std::vector<std::string> names;
@@ -153,7 +160,7 @@ std::vector<std::string> EditSceneNames() {
 }
 
 EditScene MakeEditScene(const std::string& name, int n) {
-  const Scene& scene = *std::ranges::find(Scenes(), name, &Scene::name);
+  const Scene& scene = SceneOf(name);
   EditScene made = {name, scene.dimension, scene.make(n), {}};
   // Quadtrees have no sizing features.
   std::erase_if(made.features, [](const Feature& f) { return f.kind == FeatureKind::kSize; });

@@ -21,7 +21,9 @@ struct EditScene {
 
 // The names of all scenes, 2D first.
 std::vector<std::string> EditSceneNames();
-// About `n` features. REQUIRES: `name` is one of EditSceneNames.
+// The greatest `n` of which the mesh is not enormous. REQUIRES: `name` is one of EditSceneNames.
+int MostFeatures(const std::string& name);
+// About `n` features. REQUIRES: the same.
 EditScene MakeEditScene(const std::string& name, int n);
 
 }  // namespace dynmesh
