@@ -132,8 +132,8 @@ const std::vector<Scene>& Scenes() {
       {"segments, short", 2, Of(Distribution::kSegmentsTurned), kSegment},
       {"segments, long", 2, LongSegments, kSegment},
       {"points beside long segments", 2, LongSegments, kPoint},
-      {"teeth of a comb", 2, Comb, kSegment, 10'000},  // n^2 / 100 vertices
-      {"polygons", 2, Of(Distribution::kPolygons), kPolygon},
+      {"teeth of a comb", 2, Comb, kSegment, 10'000},  // n^2 / 80 vertices
+      {"polygons", 2, Of(Distribution::kPolygons), kPolygon, 10'000},
       {"points, uniform, 3D", 3, Of(Distribution::kSpaceUniform), kPoint},
       {"points, clustered, 3D", 3, Of(Distribution::kSpaceClustered), kPoint},
       {"points, line and circle, 3D", 3, Of(Distribution::kLineAndCircle), kPoint},

@@ -2,7 +2,8 @@
 // edits, beside their bound. CSV on standard output.
 //
 //   dynmesh_kind_tables [MOST]    scenes of 1,000, 10,000, ... up to MOST (default: 100,000)
-//                                 features, in 3D a tenth of that; of a comb up to 10,000
+//                                 features, in 3D a tenth of that; of combs and polygons up to
+//                                 10,000
 //
 // build: from scratch, without a trace, validation included. load: the same as one batch. edit: a
 // feature without users is removed, and added again; the median of both. operations: run again, or
