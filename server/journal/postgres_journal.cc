@@ -104,6 +104,7 @@ void PostgresJournal::Measure(Session& session) {
 
 absl::Status PostgresJournal::Counted(absl::Status status) {
   const bool failed = absl::IsUnavailable(status) || absl::IsUnknown(status);
+  if (!status.ok() && !failed) return status;  // the database works
   ++(failed ? failures_ : commits_);
   if (failing_.exchange(failed) == failed) return status;
   if (failed) {

@@ -69,7 +69,7 @@ class Session::Listener final : public pqxx::errorhandler {
 };
 
 Session::Session() = default;
-Session::~Session() { listener_.reset(); }
+Session::~Session() = default;
 
 absl::StatusOr<std::unique_ptr<Session>> Session::Connect(const std::string& conninfo) {
   std::unique_ptr<Session> session(new Session);

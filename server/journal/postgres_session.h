@@ -79,7 +79,7 @@ class Session {
   }
   static std::string Encoded(const std::vector<std::int64_t>& numbers);
 
-  std::unique_ptr<pqxx::connection> connection_;
+  std::unique_ptr<pqxx::connection> connection_;  // outlives its listener
   std::unique_ptr<Listener> listener_;
   std::map<const char*, std::string> prepared_;
   bool usable_ = true;
