@@ -22,7 +22,7 @@ struct PostgresOptions {
   int writing_connections = 16;
   int reading_connections = 8;
   // How long the outcome of an unknown write is looked for. A mesh's calls wait meanwhile.
-  absl::Duration resolve_for = absl::Seconds(30);
+  absl::Duration resolve_for = absl::Seconds(60);
 };
 
 // `url` as of postgres::ParseTarget (postgres_target.h). Makes the tables in an empty database.

@@ -54,9 +54,14 @@ absl::Status WhyRefused(Session& session, std::int64_t mesh, const std::string& 
     return absl::AbortedError(
         absl::StrCat("another server claimed the mesh: its epoch is ", state.Integer(0, 0)));
   }
-  return absl::DataLossError(absl::StrCat("the database is at revision ", state.Integer(0, 1),
-                                          ", not at the acknowledged ", belief.head,
-                                          ": it lost what it had acknowledged"));
+  return SetBack({0, state.Integer(0, 1), state.Integer(0, 2)}, belief);
+}
+
+absl::Status SetBack(const Belief& found, const Belief& belief) {
+  return absl::DataLossError(absl::StrCat("the database is at revision ", found.head,
+                                          " and request ", found.answers,
+                                          ", not at the acknowledged ", belief.head, " and ",
+                                          belief.answers, ": it lost what it had acknowledged"));
 }
 
 }  // namespace dynmesh::server::postgres

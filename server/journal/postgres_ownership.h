@@ -43,6 +43,9 @@ Claimed ClaimAgain(Session& session, std::int64_t mesh, const std::string& owner
 absl::Status WhyRefused(Session& session, std::int64_t mesh, const std::string& owner,
                         const Belief& belief);
 
+// DATA_LOSS: the owner's mesh is as `found`, not as was acknowledged.
+absl::Status SetBack(const Belief& found, const Belief& belief);
+
 }  // namespace dynmesh::server::postgres
 
 #endif  // DYNMESH_SERVER_JOURNAL_POSTGRES_OWNERSHIP_H_

@@ -93,9 +93,7 @@ absl::Status PostgresJournal::Resolve(Key mesh, Owned& owned, const GroupAppend&
         };
         *is_there = is(after);
         if (!*is_there && !is(before)) {
-          return Disown(owned, absl::DataLossError(
-                                   absl::StrCat("the database is at revision ", claimed.belief.head,
-                                                ", not at the acknowledged ", before.head)));
+          return Disown(owned, postgres::SetBack(claimed.belief, before));
         }
         owned.is = claimed.belief;
         Log(LogLevel::kInfo, "append_resolved",

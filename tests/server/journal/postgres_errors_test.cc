@@ -112,16 +112,22 @@ TEST_F(PostgresErrorsTest, AnAbsentServerOrDatabaseIsNamed) {
   EXPECT_TRUE(absl::StrContains(none.message(), "\"none\" does not exist")) << none;
 }
 
-// A database that was set back has the owner's epoch, and an earlier revision.
+// A database that was set back has the owner's epoch, and an earlier revision or request.
 TEST_F(PostgresErrorsTest, ADatabaseThatLostRevisionsIsNoticedByTheOwner) {
   const JournalPtr journal = Open();
-  const Journal::Key key = *journal->Create("m", "");
-  ASSERT_TRUE(journal->Append(key, {{1, "x"}, {2, "y"}}, std::vector<Journal::Request>()).ok());
-  Sql("DELETE FROM dynmesh.entries WHERE revision = 2; UPDATE dynmesh.meshes SET head = 1");
-  const absl::Status status = journal->Append(key, Entry{3, "z"}, std::nullopt);
-  EXPECT_TRUE(absl::IsDataLoss(status)) << status;
-  EXPECT_TRUE(absl::StrContains(status.message(), "revision 1, not at the acknowledged 2"));
-  EXPECT_EQ(Told(*journal, key), "1:x ");
+  for (const char* lost : {"head = 1", "answers = 0"}) {
+    SCOPED_TRACE(lost);
+    const Journal::Key key = *journal->Create(lost[0] == 'h' ? "h" : "a", "");
+    ASSERT_TRUE(
+        journal->Append(key, {{1, "x"}, {2, "y"}}, std::vector<Journal::Request>{{"r", ""}}).ok());
+    Sql(absl::StrCat("UPDATE dynmesh.meshes SET ", lost, " WHERE key = ", key));
+    for (int i = 0; i < 2; ++i) {
+      const absl::Status status = journal->Append(key, Entry{3, "z"}, std::nullopt);
+      EXPECT_TRUE(absl::IsDataLoss(status)) << status;
+      EXPECT_TRUE(absl::StrContains(status.message(), "not at the acknowledged 2 and 1")) << status;
+    }
+    EXPECT_EQ(Sql(absl::StrCat("SELECT count(*) FROM dynmesh.entries WHERE mesh = ", key)), "2");
+  }
 }
 
 }  // namespace

@@ -73,6 +73,13 @@ TEST_F(PostgresFencingTest, AnEarlierOwnerSweepsNothingOfItsSuccessor) {
   const postgres::Belief belief{.epoch = 2, .head = 1};
   ASSERT_TRUE(postgres::WriteParts(*session, key_, belief, {"p", "q"}, 0, 100).ok());
   EXPECT_FALSE(a_->Sweep(key_));
+  const postgres::Belief earlier{.epoch = 1, .head = 1};
+  auto other = *postgres::Session::Connect(
+      absl::StrCat("host=", server_.folder(), " user=postgres dbname=", database_));
+  EXPECT_TRUE(
+      absl::IsAborted(postgres::WriteParts(*other, key_, earlier, {"x", "y"}, 0, 9).status()));
+  EXPECT_TRUE(absl::IsAborted(postgres::SwitchOver(*other, key_, earlier, {"x", "y"}, 0)));
+  other.reset();
   EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.snapshots"), "2");
   ASSERT_TRUE(postgres::SwitchOver(*session, key_, belief, {"p", "q"}, 0).ok());
   EXPECT_EQ(Told(*b_, key_), "@1:p @1:q ");

@@ -128,6 +128,14 @@ TEST_F(PostgresOutcomeTest, WhatAnotherOwnerMayHaveChangedIsUnknown) {
   ExpectAll(3);
 }
 
+TEST_F(PostgresOutcomeTest, AMeshThatWasSetBackMeanwhileIsNotGoneOnWith) {
+  proxy_.CutNext(Cut::kQuestion, [&] { Sql("UPDATE dynmesh.meshes SET head = 0"); });
+  const absl::Status status = Append(2);
+  EXPECT_TRUE(absl::IsDataLoss(status)) << status;
+  EXPECT_TRUE(absl::StrContains(status.message(), "not at the acknowledged 1 and 1")) << status;
+  EXPECT_EQ(Sql("SELECT count(*) FROM dynmesh.entries"), "1");
+}
+
 TEST_F(PostgresOutcomeTest, WithoutAConnectionAnAppendIsRefusedAtOnce) {
   journal_.reset();
   options_.resolve_for = absl::Minutes(1);
