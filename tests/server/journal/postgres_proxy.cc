@@ -66,9 +66,10 @@ PostgresProxy::~PostgresProxy() {
   close(listener_);
 }
 
-void PostgresProxy::CutNext(Cut cut, std::function<void()> then) {
+void PostgresProxy::CutNext(Cut cut, std::function<void()> then, int skipped) {
   const std::lock_guard lock(mutex_);
   cut_ = cut;
+  skipped_ = skipped;
   then_ = std::move(then);
   released_ = false;
 }
@@ -96,7 +97,7 @@ bool PostgresProxy::Take(Cut wanted) {
   std::function<void()> then;
   {
     const std::lock_guard lock(mutex_);
-    if (cut_ != wanted) return false;
+    if (cut_ != wanted || skipped_-- > 0) return false;
     cut_ = Cut::kNone;
     then = std::exchange(then_, nullptr);
   }

@@ -30,8 +30,9 @@ class PostgresProxy {
 
   // The folder with the proxy's socket.
   const std::string& folder() const { return folder_.path(); }
-  // `then` runs before the client's connection is closed.
-  void CutNext(Cut cut, std::function<void()> then = nullptr);
+  // `then` runs before the client's connection is closed. `skipped`: so many answers, or questions,
+  // pass before.
+  void CutNext(Cut cut, std::function<void()> then = nullptr, int skipped = 0);
   // While true, connections are closed as soon as they are made.
   void Refuse(bool yes) { refuses_ = yes; }
   // Sends what came too late, and waits until the server has answered it.
@@ -50,6 +51,7 @@ class PostgresProxy {
   std::atomic<int> cuts_{0}, late_{0};
   std::mutex mutex_;
   Cut cut_ = Cut::kNone;
+  int skipped_ = 0;
   std::function<void()> then_;
   std::vector<std::thread> connections_;
   std::thread acceptor_;
