@@ -223,6 +223,10 @@ void AddFlags(CLI::App& app, Flags& f) {
   AddSecurityFlags(app, c);
   app.add_option("--data-dir", f.data_dir,
                  "folder that keeps the meshes; an edit is answered when it is on the disk");
+  app.add_option("--journal", f.journal,
+                 "postgresql://[USER@]HOST[:PORT][,...]/DATABASE that keeps the meshes, instead of "
+                 "--data-dir; the password belongs into the file of PGPASSFILE")
+      ->type_name("ADDRESS");
   app.add_option(
          "--accept-loss", f.accept_loss,
          "go on with a mesh from what is left of it, or without it: what the log's mesh_loss "

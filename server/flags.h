@@ -15,7 +15,8 @@ namespace dynmesh::server {
 struct Flags {
   ServerConfig config;
   std::string port_file;
-  std::string data_dir;
+  std::string data_dir;     // not with `journal`
+  std::string journal;      // postgresql://...
   std::string accept_loss;  // comma-separated
   std::string log_level = "info";
 };

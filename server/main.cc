@@ -16,6 +16,7 @@
 #include "server/access/acceptor.h"
 #include "server/base/log.h"
 #include "server/flags.h"
+#include "server/journal/open_postgres.h"
 #include "server/journal/sqlite_journal.h"
 #include "server/server.h"
 
@@ -89,8 +90,14 @@ class Signals {
   bool ending_ = false;
 };
 
-// Null without a data folder.
+// Null without a data folder and without a database.
 absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flags& flags) {
+  if (!flags.journal.empty()) {
+    dynmesh::server::PostgresOptions options;
+    options.remembered_requests = flags.config.remembered_requests;
+    options.history_bytes = flags.config.journal_history_bytes;
+    return dynmesh::server::OpenPostgresJournal(flags.journal, options);
+  }
   using dynmesh::server::SqliteJournal;
   if (flags.data_dir.empty()) return nullptr;
   SqliteJournal::Options options;
@@ -100,11 +107,23 @@ absl::StatusOr<std::unique_ptr<dynmesh::server::Journal>> OpenJournal(const Flag
   return SqliteJournal::Open(flags.data_dir, options);
 }
 
+absl::Status CheckOneJournal(const Flags& flags) {
+  if (flags.journal.empty() || (flags.data_dir.empty() && flags.accept_loss.empty())) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      "journal: the meshes are in a database or in a folder: give --journal, or --data-dir and "
+      "--accept-loss");
+}
+
 int Serve(const Flags& flags, Signals& signals) {
   // Before any file is made in the folder.
   if (absl::Status s = dynmesh::server::ValidateConfig(flags.config); !s.ok()) return Fail(2, s);
+  if (absl::Status s = CheckOneJournal(flags); !s.ok()) return Fail(2, s);
   auto journal = OpenJournal(flags);
-  if (!journal.ok()) return Fail(1, journal.status());
+  if (!journal.ok()) {
+    return Fail(absl::IsInvalidArgument(journal.status()) ? 2 : 1, journal.status());
+  }
   auto server = Server::Start(flags.config, &dynmesh::DynamicMesh::Create, *std::move(journal),
                               &dynmesh::BuildMesh);
   if (!server.ok()) {
@@ -128,7 +147,9 @@ int main(int argc, char** argv) {
   dynmesh::server::RaiseDescriptorLimit();
   static Signals signals;
   CLI::App app{
-      "dynmeshd: serves dynamic meshes over gRPC. Without --data-dir they live in memory only."};
+      "dynmeshd: serves dynamic meshes over gRPC. Without --data-dir or --journal they live in "
+      "memory "
+      "only."};
   app.set_version_flag("--version", std::string("dynmeshd ") + dynmesh::kVersion);
   Flags flags;
   dynmesh::server::AddFlags(app, flags);

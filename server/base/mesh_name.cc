@@ -15,6 +15,15 @@ constexpr std::size_t kMaxIdLength = 63;
 // An operator has to free disk space first.
 constexpr absl::Duration kRetryJournal = absl::Seconds(1);
 
+absl::Status RetryError(const char* reason, absl::string_view id, absl::string_view what) {
+  codec::ServiceError error;
+  error.reason = reason;
+  error.metadata["mesh"] = MeshName(id);
+  error.retry_after = kRetryJournal;
+  return codec::MakeServiceError(absl::StatusCode::kUnavailable,
+                                 absl::StrCat(MeshName(id), " ", what), error);
+}
+
 }  // namespace
 
 bool IsMeshId(absl::string_view id) {
@@ -68,8 +77,19 @@ absl::Status NoHistoryError(absl::string_view id) {
                    "has no history, since the server keeps no journal: start it with --data-dir");
 }
 
+absl::Status NotOwnerError(absl::string_view id) {
+  return RetryError(codec::reason::kNotOwner, id,
+                    "is another server's: nothing was changed here. Try again there");
+}
+
 absl::Status JournalError(const absl::Status& status, absl::string_view id) {
   if (absl::IsNotFound(status)) return MeshDeletedError(id);
+  if (absl::IsAborted(status)) return NotOwnerError(id);
+  if (absl::IsUnknown(status)) {
+    return RetryError(codec::reason::kOutcomeUnknown, id,
+                      absl::StrCat("may have been changed, or not: ", status.message(),
+                                   "; repeat the call with the same request_id"));
+  }
   const bool may_pass = absl::IsUnavailable(status);
   codec::ServiceError error;
   error.reason = codec::reason::kJournalFailed;

@@ -29,8 +29,11 @@ absl::Status MeshError(absl::StatusCode code, const char* reason, absl::string_v
 absl::Status MeshDeletedError(absl::string_view id);
 // FAILED_PRECONDITION (NO_HISTORY).
 absl::Status NoHistoryError(absl::string_view id);
+// UNAVAILABLE (NOT_OWNER, with RetryInfo): another server has the mesh.
+absl::Status NotOwnerError(absl::string_view id);
 // Translates an error of the mesh's journal for clients: NOT_FOUND (MESH_DELETED), UNAVAILABLE
-// (JOURNAL_FAILED, with RetryInfo) if it may be temporary, else DATA_LOSS (JOURNAL_FAILED).
+// (JOURNAL_FAILED, with RetryInfo) if it may be temporary, NotOwnerError for ABORTED, UNAVAILABLE
+// (OUTCOME_UNKNOWN, with RetryInfo) for UNKNOWN, else DATA_LOSS (JOURNAL_FAILED).
 absl::Status JournalError(const absl::Status& status, absl::string_view id);
 
 }  // namespace dynmesh::server

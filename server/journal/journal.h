@@ -14,13 +14,23 @@
 //   3. the entries of a mesh follow its oldest snapshot one by one, without a gap;
 //   4. each row has a checksum: a damaged row gives DATA_LOSS with the mesh and the revision;
 //   5. at opening, each mesh that lacks acknowledged data is detected, whatever was done to the
-//      files, and becomes read only.
+//      files, and becomes read only. (A journal in a database leaves that to the database.)
+//   6. a mesh has at most one owner: the journal object that claimed it last, in any process. No
+//      other can write to it.
 // Calls block until the disk is done; concurrent calls may share a sync. After a failed write all
 // writing calls fail until a test write succeeds. Thread-safe.
 //
+// An append has one of three outcomes (OutcomeOf). *Appended*: OK. *Refused*: an error, and by
+// invariant 2 nothing was written and nothing will be; the next append may succeed. *Disowned*:
+// this object cannot write to the mesh any more, and each call for it fails in the same way until
+// it is claimed again. ABORTED says that the mesh was *fenced*, as another object claimed it, and
+// that nothing was written. UNKNOWN says that the connection was lost and that it could not be
+// found out whether the append was written: it is there completely, not at all, or may still arrive
+// until the next claim.
+//
 // Errors: UNAVAILABLE if it may be temporary (a full disk), DATA_LOSS if stored data is damaged,
 // NOT_FOUND for a deleted mesh, FAILED_PRECONDITION for a revision out of sequence, OUT_OF_RANGE
-// for a revision that does not exist or no longer exists.
+// for a revision that does not exist or no longer exists; ABORTED and UNKNOWN as above.
 #ifndef DYNMESH_SERVER_JOURNAL_JOURNAL_H_
 #define DYNMESH_SERVER_JOURNAL_JOURNAL_H_
 
@@ -35,6 +45,16 @@
 #include "absl/status/statusor.h"
 
 namespace dynmesh::server {
+
+// The outcomes of an append.
+enum class AppendOutcome { kAppended, kRefused, kFenced, kUnknown };
+
+// The outcome that the status of an append means.
+inline AppendOutcome OutcomeOf(const absl::Status& status) {
+  if (status.ok()) return AppendOutcome::kAppended;
+  if (absl::IsAborted(status)) return AppendOutcome::kFenced;
+  return absl::IsUnknown(status) ? AppendOutcome::kUnknown : AppendOutcome::kRefused;
+}
 
 class Journal {
  public:
@@ -83,16 +103,19 @@ class Journal {
   virtual std::uint64_t bytes() const { return 0; }
 
   virtual absl::StatusOr<std::vector<Mesh>> List() = 0;  // by id
-  // ALREADY_EXISTS for an existing id.
+  // The new mesh is claimed. ALREADY_EXISTS for an existing id.
   virtual absl::StatusOr<Key> Create(const std::string& id, const std::string& description) = 0;
-  // Quick, whatever the size: the mesh becomes invisible, and its rows remain.
+  // Makes this object the owner of the mesh, before the mesh is read to be written to. What an
+  // earlier owner has in flight is refused from then on. A journal of one process owns all meshes.
+  virtual absl::Status Claim(Key) { return absl::OkStatus(); }
+  // Quick, whatever the size: the mesh becomes invisible, and its rows remain. Needs no claim.
   virtual absl::Status Delete(Key mesh) = 0;
   // Removes a part of the invisible rows; other calls run in between. True if there is more. What
   // is left when the journal is closed is removed at the next opening.
   virtual bool Sweep(Key mesh) = 0;
 
-  // Atomic. The entries follow the last one, and each other. Only the newest requests of a mesh are
-  // kept.
+  // Atomic, with one of the three outcomes. The entries follow the last one, and each other. Only
+  // the newest requests of a mesh are kept.
   virtual absl::Status Append(Key mesh, const std::vector<Entry>& entries,
                               const std::vector<Request>& requests) = 0;
   // The same for one batch; either part may be missing.
@@ -113,7 +136,8 @@ class Journal {
   virtual absl::StatusOr<std::uint64_t> Oldest(Key mesh) = 0;
 
   // Begins a generation with `parts`, a snapshot at `revision`, which must be the last one. Other
-  // calls run in between. At most one call at a time per mesh.
+  // calls run in between. At most one call at a time per mesh. Needs the claim, too. After
+  // UNAVAILABLE the generation may be there: no reader can tell, and the call can be repeated.
   virtual absl::Status Compact(Key mesh, std::uint64_t revision,
                                const std::vector<std::string>& parts) = 0;
 };

@@ -39,6 +39,7 @@ absl::Status MeshLog::Append(std::span<const Batch> batches) {
   }
   if (entries.empty() && requests.empty()) return absl::OkStatus();
   if (absl::Status status = journal_->Append(key_, entries, requests); !status.ok()) {
+    owns_ = OutcomeOf(status) == AppendOutcome::kRefused;
     return JournalError(status, id_);
   }
   sizes_ = sizes;

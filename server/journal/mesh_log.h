@@ -56,9 +56,12 @@ class MeshLog {
     absl::string_view request_id;
     RequestMemory::Entry answer;
   };
-  // Returns when all batches are durable; not OK: none is. In the order of their revisions. Errors
-  // as JournalError.
+  // Returns when all batches are durable; not OK: none is, unless the outcome is unknown. In the
+  // order of their revisions. Errors as JournalError.
   absl::Status Append(std::span<const Batch> batches);
+
+  // False after an append that was fenced or has an unknown outcome: nothing more can be written.
+  bool owns() const { return owns_; }
 
   // Reads what this writes. `empty`: as MeshHistory's.
   MeshHistory History(const MeshHash& empty) const {
@@ -83,6 +86,7 @@ class MeshLog {
   const int dimension_;
   const Limits limits_;
   Sizes sizes_;
+  bool owns_ = true;
   std::uint64_t failed_at_ = 0;  // bytes of entries at the last failed snapshot
 };
 

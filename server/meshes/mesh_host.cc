@@ -417,7 +417,15 @@ absl::Status MeshHost::WriteDown(std::span<const MeshLog::Batch> batches, EditSo
   const auto start = MetricsClock::now();
   absl::Status written = log_->Append(batches);
   if (metrics_ != nullptr) metrics_->of(source).journal.Observe(SecondsSince(start));
+  if (!log_->owns()) StepDown(written);
   return written;
+}
+
+// The journal is no longer this host's: another server may write to it.
+void MeshHost::StepDown(const absl::Status& why) {
+  if (disowned_.exchange(true)) return;
+  Log(LogLevel::kWarning, "mesh_disowned", {{"mesh", id_}, {"error", why.message()}});
+  Close(NotOwnerError(id_));
 }
 
 absl::Status MeshHost::Publish(const HeldEdit& edit, const std::shared_ptr<const MeshDiff>& diff) {

@@ -4,7 +4,8 @@
 // Everything else is answered from immutable snapshots and never waits for them. A batch that is
 // refused, cancelled or stopped changes nothing. With a log, a batch is published and answered
 // after it was written to the journal. If the write fails, the batch is undone and refused, and
-// readers are served on.
+// readers are served on. If the journal's mesh has another owner, or an append's outcome is
+// unknown, the host steps down: it is closed, and all calls get NOT_OWNER.
 //
 // Small waiting batches share a sync: the writer applies them one after the other, writes them
 // together (EditGroup), then publishes and answers them in order. A group ends when no batch waits
@@ -118,6 +119,8 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   const std::shared_ptr<WatchHub>& hub() const { return hub_; }
   const absl::Status& read_only() const { return read_only_; }  // not OK: the reason
   const MeshHistory* history() const { return history_.has_value() ? &*history_ : nullptr; }
+  // True once the host has stepped down.
+  bool disowned() const { return disowned_; }
   MeshStats stats() const;  // of the head or the revision before it
   std::size_t waiting() const { return queue_->waiting(); }
 
@@ -148,6 +151,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   absl::Status Publish(const HeldEdit& edit, const std::shared_ptr<const MeshDiff>& diff);
   void Finish(HeldEdit edit);
   absl::Status Lose(absl::string_view why);
+  void StepDown(const absl::Status& why);
   void RebaseIfDue();
 
   // True if the batch may be written with others in a group.
@@ -188,6 +192,7 @@ class MeshHost : public std::enable_shared_from_this<MeshHost> {
   std::shared_ptr<MeshHost> while_holding_;  // keeps this alive while the group is not empty
 
   std::atomic<bool> rebasing_{false};
+  std::atomic<bool> disowned_{false};
   mutable std::mutex mutex_;
   MeshStats stats_;
   absl::Status closed_;

@@ -238,6 +238,7 @@ absl::StatusOr<MeshRegistry::HostPtr> MeshRegistry::Find(absl::string_view name)
   const auto it = hosts_.find(*id);
   if (it == hosts_.end()) return NotFound(*id);
   if (it->second.host == nullptr) return it->second.damage;
+  if (it->second.host->disowned()) return NotOwnerError(*id);
   return it->second.host;
 }
 

@@ -62,7 +62,8 @@ class MeshRegistry {
   // The largest max_vertices for a mesh of that dimension.
   std::uint64_t MaxVertices(int dimension) const;
 
-  // NOT_FOUND (MESH_NOT_FOUND); INVALID_ARGUMENT for a malformed name; DATA_LOSS (MESH_DAMAGED).
+  // NOT_FOUND (MESH_NOT_FOUND); INVALID_ARGUMENT for a malformed name; DATA_LOSS (MESH_DAMAGED);
+  // UNAVAILABLE (NOT_OWNER) for a mesh that another server has.
   absl::StatusOr<HostPtr> Find(absl::string_view name) const;
   // Waits for the journal. The journal frees the mesh's bytes later.
   absl::Status Delete(absl::string_view name, const Origin& origin = {});

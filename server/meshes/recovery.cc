@@ -126,6 +126,7 @@ absl::StatusOr<RecoveredMesh> RecoverMesh(Journal& journal, const Journal::Mesh&
                                           const MeshHost::Options& options,
                                           const std::function<void()>& applied) {
   if (!found.damage.ok()) return found.damage;
+  if (absl::Status s = journal.Claim(found.key); !s.ok()) return s;
   RecoveredMesh recovered;
   auto made = codec::DecodeJournalMesh(found.description);
   if (!made.ok()) return made.status();

@@ -1,4 +1,4 @@
-// Recovers a mesh from the journal: applies its snapshot's features as one batch, and the batches
+// Recovers a mesh from the journal: claims it, applies its snapshot's features as one batch, and the batches
 // since one by one, so that watchers get their diffs. The mesh is a function of its features, so
 // revision, hash and ids are the same as before; each hash is compared with the one in the journal.
 //

@@ -62,6 +62,7 @@ TEST(Flags, TheExampleHasEveryOptionAtItsDefault) {
   EXPECT_EQ(a.tls.enabled(), b.tls.enabled());
   EXPECT_EQ(a.tokens_file, b.tokens_file);
   EXPECT_EQ(bare.flags->data_dir, example.flags->data_dir);
+  EXPECT_EQ(bare.flags->journal, example.flags->journal);
   EXPECT_EQ(a.history_bytes, b.history_bytes);
   EXPECT_EQ(a.journal_history_bytes, b.journal_history_bytes);
   EXPECT_EQ(a.idle_timeout, b.idle_timeout);

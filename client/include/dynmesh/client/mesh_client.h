@@ -96,7 +96,7 @@ struct ClientOptions {
 
 // A server; see mesh_client.h. Errors of every call:
 //   * UNAVAILABLE: the server cannot be reached; DRAINING: it stops; RECOVERING: it reads its
-//     journal;
+//     journal; NOT_OWNER: another server has the mesh;
 //   * DEADLINE_EXCEEDED: after ClientOptions::timeout;
 //   * UNAUTHENTICATED (TOKEN_MISSING, TOKEN_UNKNOWN), PERMISSION_DENIED (ROLE_MISSING);
 //   * RESOURCE_EXHAUSTED (RATE_LIMIT): too many requests of this client;
@@ -133,8 +133,9 @@ class MeshClient {
 
   // Applies `edits` to `mesh` as one atomic batch, as `params` say; in parts if it is too large
   // for one message. In 3D, params.dimension must be 3. On an error nothing is changed, except that
-  // after DEADLINE_EXCEEDED, CANCELLED or UNAVAILABLE without a reason the batch may have been
-  // applied: repeat it with its request_id. Errors: those of DynamicMesh::Apply and EditParams, and
+  // after DEADLINE_EXCEEDED, CANCELLED, and UNAVAILABLE without a reason or with OUTCOME_UNKNOWN,
+  // the batch may have been applied: repeat it with its request_id. Errors: those of
+  // DynamicMesh::Apply and EditParams, and
   //   * INVALID_ARGUMENT: WRONG_DIMENSION, BATCH_TOO_LARGE (more edits than the server allows);
   //   * RESOURCE_EXHAUSTED: FEATURE_LIMIT; QUEUE_FULL, PENDING_LIMIT, MEMORY_LIMIT: retry later;
   //   * UNAVAILABLE or DATA_LOSS: JOURNAL_FAILED, the batch could not be written.

@@ -58,6 +58,11 @@ inline constexpr char kQueueFull[] = "QUEUE_FULL";
 inline constexpr char kPendingLimit[] = "PENDING_LIMIT";
 // UNAVAILABLE with retry, or DATA_LOSS: the change could not be written and was not made.
 inline constexpr char kJournalFailed[] = "JOURNAL_FAILED";
+// UNAVAILABLE, retry: another server has the mesh.
+inline constexpr char kNotOwner[] = "NOT_OWNER";
+// UNAVAILABLE, retry with the same request_id: the connection to the journal's database was lost,
+// and it is unknown whether the change was made.
+inline constexpr char kOutcomeUnknown[] = "OUTCOME_UNKNOWN";
 // DATA_LOSS: the journal cannot restore the mesh, or lacks revisions.
 inline constexpr char kMeshDamaged[] = "MESH_DAMAGED";
 inline constexpr char kDraining[] = "DRAINING";      // UNAVAILABLE, retry: the server stops

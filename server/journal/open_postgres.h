@@ -1,0 +1,37 @@
+// Opens the journal in PostgreSQL, if this program was built with it. Thread-safe.
+#ifndef DYNMESH_SERVER_JOURNAL_OPEN_POSTGRES_H_
+#define DYNMESH_SERVER_JOURNAL_OPEN_POSTGRES_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "server/journal/journal.h"
+
+namespace dynmesh::server {
+
+struct PostgresOptions {
+  std::size_t remembered_requests = 10'000;  // of a mesh
+  // Limit of a mesh's generations before the newest. The last of them is always kept.
+  std::uint64_t history_bytes = 64 << 20;
+  std::uint64_t transaction_bytes = 4 << 20;  // at most, or one row
+  // Connections at most, for writing and for reading. Further callers wait.
+  int writing_connections = 16;
+  int reading_connections = 8;
+  // How long the outcome of an unknown write is looked for. A mesh's calls wait meanwhile.
+  absl::Duration resolve_for = absl::Seconds(60);
+};
+
+// `url` as of postgres::ParseTarget (postgres_target.h). Makes the tables in an empty database.
+// INVALID_ARGUMENT for a malformed address; UNAVAILABLE if there is no connection;
+// FAILED_PRECONDITION if a newer version wrote the tables, the user may not make them, or this
+// program was built without PostgreSQL.
+absl::StatusOr<std::unique_ptr<Journal>> OpenPostgresJournal(const std::string& url,
+                                                             const PostgresOptions& options);
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_JOURNAL_OPEN_POSTGRES_H_

@@ -1,0 +1,238 @@
+#include "server/journal/postgres_journal.h"
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "server/base/log.h"
+#include "server/journal/postgres_generations.h"
+#include "server/journal/postgres_reading.h"
+#include "server/journal/postgres_schema.h"
+#include "server/journal/row_sum.h"
+
+namespace dynmesh::server {
+namespace {
+
+using postgres::Answer;
+using postgres::Session;
+
+constexpr char kNextKey[] =
+    "SELECT nextval(pg_get_serial_sequence('dynmesh.meshes', 'key')::regclass)";
+constexpr char kCreate[] = R"(
+WITH made AS (
+  INSERT INTO dynmesh.meshes(key, id, description, checksum, owner)
+  VALUES($1::bigint, $2::text, $3::bytea, $4::bigint, $5::text)
+  ON CONFLICT DO NOTHING RETURNING key),
+first AS (
+  INSERT INTO dynmesh.generations(mesh, revision, parts, bytes) SELECT key, 0, 0, 0 FROM made)
+SELECT key FROM made)";
+constexpr char kDelete[] = R"(
+WITH gone AS (DELETE FROM dynmesh.meshes WHERE key = $1::bigint RETURNING key),
+g AS (DELETE FROM dynmesh.generations WHERE mesh IN (SELECT key FROM gone)),
+r AS (DELETE FROM dynmesh.requests WHERE mesh IN (SELECT key FROM gone))
+SELECT key FROM gone)";
+
+std::string FreshOwner() {
+  std::random_device random;
+  const auto word = [&random] { return (std::uint64_t{random()} << 32) | random(); };
+  return absl::StrCat(absl::Hex(word(), absl::kZeroPad16), absl::Hex(word(), absl::kZeroPad16));
+}
+
+// In a database where the settings allow less than this class promises.
+void WarnOfUnsafeSettings(Session& session, const std::string& name) {
+  const Answer unsafe = session.Execute(
+      "SELECT convert_to(string_agg(name || '=' || setting, ' '), 'UTF8') FROM pg_settings WHERE "
+      "name IN ('fsync', 'full_page_writes') AND setting = 'off'");
+  if (!unsafe.status.ok() || unsafe.IsNull(0, 0)) return;
+  Log(LogLevel::kWarning, "journal_unsafe",
+      {{"journal", name},
+       {"settings", unsafe.Bytes(0, 0)},
+       {"message", "the database may lose acknowledged edits when the power fails"}});
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Journal>> OpenPostgresJournal(const std::string& url,
+                                                             const PostgresOptions& options) {
+  return PostgresJournal::Open(url, options);
+}
+
+absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(const std::string& url,
+                                                                       const Options& options) {
+  const absl::StatusOr<postgres::Target> target = postgres::ParseTarget(url);
+  if (!target.ok()) return target.status();
+  std::unique_ptr<PostgresJournal> journal(new PostgresJournal(*target, options));
+  const auto named = [&target](const absl::Status& status) {
+    return absl::Status(status.code(), absl::StrCat(target->name, ": ", status.message()));
+  };
+  absl::StatusOr<std::vector<std::int64_t>> deleted;
+  {
+    absl::StatusOr<postgres::Pool::Lease> session = journal->writers_.Take();
+    if (!session.ok()) return named(session.status());
+    if (absl::Status s = postgres::PrepareSchema(**session); !s.ok()) {
+      (*session)->Spoil();
+      return named(s);
+    }
+    WarnOfUnsafeSettings(**session, target->name);
+    journal->Measure(**session);
+    deleted = postgres::DeletedMeshes(**session);
+  }
+  if (!deleted.ok()) return named(deleted.status());
+  for (const Key mesh : *deleted) journal->SweepWhole(mesh);
+  return journal;
+}
+
+PostgresJournal::PostgresJournal(const postgres::Target& target, const Options& options)
+    : name_(target.name),
+      options_(options),
+      owner_(FreshOwner()),
+      writers_(target.conninfo, options.writing_connections),
+      readers_(target.conninfo, options.reading_connections) {}
+
+void PostgresJournal::Measure(Session& session) {
+  const Answer size = session.Execute(
+      "SELECT sum(pg_total_relation_size(c.oid))::bigint FROM pg_class AS c JOIN pg_namespace AS n "
+      "ON n.oid = c.relnamespace WHERE n.nspname = 'dynmesh' AND c.relkind = 'r'");
+  if (size.status.ok() && !size.IsNull(0, 0)) {
+    bytes_ = static_cast<std::uint64_t>(size.Integer(0, 0));
+  }
+}
+
+absl::Status PostgresJournal::Counted(absl::Status status) {
+  const bool failed = absl::IsUnavailable(status) || absl::IsUnknown(status);
+  if (!status.ok() && !failed) return status;  // the database works
+  ++(failed ? failures_ : commits_);
+  if (failing_.exchange(failed) == failed) return status;
+  if (failed) {
+    Log(LogLevel::kError, "journal_failed", {{"journal", name_}, {"error", status.message()}});
+  } else {
+    Log(LogLevel::kInfo, "journal_works_again", {{"journal", name_}});
+  }
+  return status;
+}
+
+PostgresJournal::OwnedPtr PostgresJournal::Find(Key mesh) {
+  const std::lock_guard lock(owned_mutex_);
+  const auto it = owned_.find(mesh);
+  return it == owned_.end() ? nullptr : it->second;
+}
+
+void PostgresJournal::Keep(Key mesh, const postgres::Belief& belief) {
+  const auto owned = std::make_shared<Owned>();
+  owned->is = belief;
+  const std::lock_guard lock(owned_mutex_);
+  owned_[mesh] = owned;
+}
+
+absl::Status PostgresJournal::Repeatedly(
+    const std::function<absl::Status(Session& session, bool* unknown)>& step) {
+  const absl::Time end = absl::Now() + options_.resolve_for;
+  for (int attempt = 0;; ++attempt) {
+    absl::Status status;
+    bool unknown = false;
+    {
+      absl::StatusOr<postgres::Pool::Lease> session =
+          attempt == 0 ? writers_.Take() : writers_.TakeFresh();
+      status = session.ok() ? step(**session, &unknown) : session.status();
+      // Nothing was sent, unless by an earlier attempt.
+      if (!session.ok()) unknown = attempt > 0;
+    }
+    if (!unknown || absl::Now() > end) return Counted(std::move(status));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20) * (1 << std::min(attempt, 5)));
+  }
+}
+
+// ------------------------------------------------------------------ meshes
+
+absl::StatusOr<std::vector<Journal::Mesh>> PostgresJournal::List() {
+  absl::StatusOr<postgres::Pool::Lease> session = readers_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::ListMeshes(**session);
+}
+
+// The key is drawn first: so a repetition finds what an earlier attempt has made.
+absl::StatusOr<Journal::Key> PostgresJournal::Create(const std::string& id,
+                                                     const std::string& description) {
+  Key key = 0;
+  const std::int64_t sum = RowSumOf(absl::string_view(id), absl::string_view(description));
+  const absl::Status status = Repeatedly([&](Session& session, bool* unknown) -> absl::Status {
+    if (key == 0) {
+      const Answer next = session.Execute(kNextKey);
+      *unknown = next.unknown;
+      if (!next.status.ok()) return next.status;
+      key = next.Integer(0, 0);
+    }
+    const Answer made = session.Run(kCreate, key, id, postgres::Bytes{description}, sum, owner_);
+    *unknown = made.unknown;
+    if (!made.status.ok() || !made.empty()) return made.status;
+    const Answer there = session.Run("SELECT key FROM dynmesh.meshes WHERE id = $1::text", id);
+    if (there.status.ok() && !there.empty() && there.Integer(0, 0) == key) return absl::OkStatus();
+    return absl::AlreadyExistsError(absl::StrCat("the journal has a mesh ", id, " already"));
+  });
+  if (!status.ok()) return status;
+  Keep(key, {.epoch = 1});
+  return key;
+}
+
+absl::Status PostgresJournal::Claim(Key mesh) {
+  // An append of an earlier claim ends first: it may have to claim the mesh again.
+  const OwnedPtr before = Find(mesh);
+  std::unique_lock<std::mutex> lock;
+  if (before != nullptr) lock = std::unique_lock(before->mutex);
+  postgres::Belief belief;
+  const absl::Status status = Repeatedly([&](Session& session, bool* unknown) {
+    const postgres::Claimed claimed = postgres::ClaimMesh(session, mesh, owner_);
+    *unknown = claimed.unknown;
+    belief = claimed.belief;
+    return claimed.status;
+  });
+  if (!status.ok()) return status;
+  if (before != nullptr) before->gone = absl::AbortedError("the mesh was claimed anew");
+  Keep(mesh, belief);
+  return status;
+}
+
+absl::Status PostgresJournal::Delete(Key mesh) {
+  bool repeated = false;
+  const absl::Status status = Repeatedly([&](Session& session, bool* unknown) -> absl::Status {
+    const Answer gone = session.Run(kDelete, mesh);
+    *unknown = gone.unknown;
+    if (!gone.status.ok()) {
+      repeated = true;
+      return gone.status;
+    }
+    if (gone.empty() && !repeated) return absl::NotFoundError("the journal has no such mesh");
+    return absl::OkStatus();
+  });
+  if (!status.ok()) return status;
+  const std::lock_guard lock(owned_mutex_);
+  owned_.erase(mesh);
+  return status;
+}
+
+// ------------------------------------------------------------------ reading
+
+absl::Status PostgresJournal::Read(Key mesh, const Visitor& visitor) {
+  absl::StatusOr<postgres::Pool::Lease> session = readers_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::ReadMesh(**session, mesh, visitor);
+}
+
+absl::Status PostgresJournal::ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
+                                       const Visitor& visitor) {
+  absl::StatusOr<postgres::Pool::Lease> session = readers_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::ReadPastOf(**session, mesh, from, to, visitor);
+}
+
+absl::StatusOr<std::uint64_t> PostgresJournal::Oldest(Key mesh) {
+  absl::StatusOr<postgres::Pool::Lease> session = readers_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::OldestOf(**session, mesh);
+}
+
+}  // namespace dynmesh::server

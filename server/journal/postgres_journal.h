@@ -1,0 +1,115 @@
+// The journal in a PostgreSQL database, which several servers may use: each mesh belongs to the
+// journal object that claimed it last (postgres_ownership.h). The database brings durability, also
+// that of synchronous standbys; this class brings that each append ends with one of the three
+// outcomes and is never made twice.
+//
+// An append is one statement, in a transaction of its own (postgres_append.h). If the connection is
+// lost meanwhile, or the server warns that a standby did not confirm the commit, the outcome is
+// unknown at first. The mesh is then claimed again on another connection, which tells. If the group
+// is not there, it is appended again. If the time for that ends, the outcome stays unknown and the
+// mesh is disowned.
+//
+// Snapshots and deletions go in parts, as in SQLite. Leftovers of an interrupted sequence are
+// deleted at the mesh's next snapshot, or, of a deleted mesh, when the journal is opened.
+//
+// Cost: a round trip and a commit per append; commits of several meshes are shared by the database.
+// Concurrent calls have connections of their own. Thread-safe.
+#ifndef DYNMESH_SERVER_JOURNAL_POSTGRES_JOURNAL_H_
+#define DYNMESH_SERVER_JOURNAL_POSTGRES_JOURNAL_H_
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "absl/time/time.h"
+#include "server/journal/journal.h"
+#include "server/journal/open_postgres.h"
+#include "server/journal/postgres_append.h"
+#include "server/journal/postgres_ownership.h"
+#include "server/journal/postgres_pool.h"
+#include "server/journal/postgres_target.h"
+
+namespace dynmesh::server {
+
+class PostgresJournal final : public Journal {
+ public:
+  using Options = PostgresOptions;
+
+  // As OpenPostgresJournal.
+  static absl::StatusOr<std::unique_ptr<PostgresJournal>> Open(const std::string& url,
+                                                               const Options& options);
+
+  std::string name() const override { return name_; }
+  Counts counts() const override { return {commits_.load(), failures_.load(), failing_.load()}; }
+  // As of the opening, or of the last snapshot of any mesh since.
+  std::uint64_t bytes() const override { return bytes_; }
+  absl::StatusOr<std::vector<Mesh>> List() override;
+  absl::StatusOr<Key> Create(const std::string& id, const std::string& description) override;
+  absl::Status Claim(Key mesh) override;
+  absl::Status Delete(Key mesh) override;
+  bool Sweep(Key mesh) override;
+  using Journal::Append;
+  absl::Status Append(Key mesh, const std::vector<Entry>& entries,
+                      const std::vector<Request>& requests) override;
+  absl::Status Read(Key mesh, const Visitor& visitor) override;
+  absl::Status ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
+                        const Visitor& visitor) override;
+  absl::StatusOr<std::uint64_t> Oldest(Key mesh) override;
+  absl::Status Compact(Key mesh, std::uint64_t revision,
+                       const std::vector<std::string>& parts) override;
+
+ private:
+  // A mesh that this object claimed.
+  struct Owned {
+    std::mutex mutex;     // held during an append or a transaction of a snapshot
+    absl::Status gone;    // not OK: disowned, and why
+    postgres::Belief is;  // while it is owned
+  };
+  using OwnedPtr = std::shared_ptr<Owned>;
+
+  PostgresJournal(const postgres::Target& target, const Options& options);
+
+  OwnedPtr Find(Key mesh);
+  void Keep(Key mesh, const postgres::Belief& belief);
+  // Counts a writing call by its status, and returns it.
+  absl::Status Counted(absl::Status status);
+  // Runs `step` on a connection. If its outcome is unknown, runs it again on another one, for the
+  // time that options allow; so it must have the same effect when it is repeated.
+  absl::Status Repeatedly(
+      const std::function<absl::Status(postgres::Session& session, bool* unknown)>& step);
+
+  // With the mesh's mutex.
+  absl::Status AppendGroup(Key mesh, Owned& owned, const postgres::GroupAppend& group);
+  absl::Status Resolve(Key mesh, Owned& owned, const postgres::GroupAppend& group, absl::Time end,
+                       bool* is_there);
+  // Why nothing can be written to a mesh that this object never claimed.
+  absl::Status NotClaimed(Key mesh);
+  absl::Status Disown(Owned& owned, absl::Status why);
+
+  absl::Status CompactIn(Key mesh, Owned& owned, std::uint64_t revision,
+                         const std::vector<std::string>& parts);
+  absl::Status CheckLast(const Owned& owned, std::uint64_t revision) const;
+  void SweepWhole(Key mesh);
+  void Measure(postgres::Session& session);
+
+  const std::string name_;
+  const Options options_;
+  const std::string owner_;  // no other journal object has it
+  postgres::Pool writers_, readers_;
+
+  std::mutex owned_mutex_;
+  std::map<Key, OwnedPtr> owned_;
+
+  std::atomic<std::uint64_t> commits_{0};
+  std::atomic<std::uint64_t> failures_{0};
+  std::atomic<bool> failing_{false};
+  std::atomic<std::uint64_t> bytes_{0};
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_JOURNAL_POSTGRES_JOURNAL_H_

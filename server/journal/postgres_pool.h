@@ -1,0 +1,62 @@
+// Connections to one database for concurrent callers: each has one to itself while it works, up to
+// a limit; further callers wait. Thread-safe.
+#ifndef DYNMESH_SERVER_JOURNAL_POSTGRES_POOL_H_
+#define DYNMESH_SERVER_JOURNAL_POSTGRES_POOL_H_
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/journal/postgres_session.h"
+
+namespace dynmesh::server::postgres {
+
+class Pool {
+ public:
+  // A connection; destroying it gives the connection back.
+  class Lease {
+   public:
+    Lease(Pool* pool, std::unique_ptr<Session> session)
+        : pool_(pool), session_(std::move(session)) {}
+    Lease(Lease&& other) noexcept
+        : pool_(std::exchange(other.pool_, nullptr)), session_(std::move(other.session_)) {}
+    Lease& operator=(Lease&&) = delete;
+    ~Lease() {
+      if (pool_ != nullptr) pool_->Return(std::move(session_));
+    }
+    Session* operator->() const { return session_.get(); }
+    Session& operator*() const { return *session_; }
+
+   private:
+    Pool* pool_;
+    std::unique_ptr<Session> session_;
+  };
+
+  // At most `limit` connections are in use, each to `conninfo`.
+  Pool(std::string conninfo, int limit) : conninfo_(std::move(conninfo)), limit_(limit) {}
+
+  // An idle connection or a new one. Waits while all are in use. UNAVAILABLE as Session::Connect.
+  absl::StatusOr<Lease> Take();
+  // The same, but a new one; and the idle ones, which may be broken as well, are closed.
+  absl::StatusOr<Lease> TakeFresh();
+
+ private:
+  absl::StatusOr<Lease> Connect();
+  void WaitForRoom(std::unique_lock<std::mutex>& lock);
+  void Return(std::unique_ptr<Session> session);
+
+  const std::string conninfo_;
+  const int limit_;
+  std::mutex mutex_;
+  std::condition_variable returned_;
+  std::vector<std::unique_ptr<Session>> idle_;
+  int in_use_ = 0;
+};
+
+}  // namespace dynmesh::server::postgres
+
+#endif  // DYNMESH_SERVER_JOURNAL_POSTGRES_POOL_H_

@@ -1,0 +1,24 @@
+// The address of a database, as an operator gives it. Pure functions, thread-safe.
+#ifndef DYNMESH_SERVER_JOURNAL_POSTGRES_TARGET_H_
+#define DYNMESH_SERVER_JOURNAL_POSTGRES_TARGET_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+
+namespace dynmesh::server::postgres {
+
+struct Target {
+  std::string conninfo;  // for the library: may have a password
+  std::string name;      // for messages: postgresql://HOSTS/DATABASE
+};
+
+// Reads `url`, postgresql://[USER[:PASSWORD]@][HOST[:PORT],...]/DATABASE[?KEY=VALUE&...] with the
+// keys of libpq. What it leaves out has libpq's defaults, but for these: a connection is given up
+// after 5 s, a silent one is noticed after about 10 s, and of several hosts the one that can write
+// is taken. INVALID_ARGUMENT if it is malformed; the message has no password.
+absl::StatusOr<Target> ParseTarget(const std::string& url);
+
+}  // namespace dynmesh::server::postgres
+
+#endif  // DYNMESH_SERVER_JOURNAL_POSTGRES_TARGET_H_

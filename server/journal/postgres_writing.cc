@@ -1,0 +1,191 @@
+// The writing part of PostgresJournal: appends, the end of unknown ones, snapshots.
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "server/base/log.h"
+#include "server/journal/postgres_generations.h"
+#include "server/journal/postgres_journal.h"
+
+namespace dynmesh::server {
+namespace {
+
+using postgres::Answer;
+using postgres::Belief;
+using postgres::GroupAppend;
+using Lease = postgres::Pool::Lease;
+
+// A group is appended so often at most: it may be what breaks the connection.
+constexpr int kAttempts = 3;
+
+}  // namespace
+
+// ------------------------------------------------------------------ appends
+
+absl::Status PostgresJournal::Append(Key mesh, const std::vector<Entry>& entries,
+                                     const std::vector<Request>& requests) {
+  const OwnedPtr owned = Find(mesh);
+  if (owned == nullptr) return NotClaimed(mesh);
+  const std::lock_guard lock(owned->mutex);
+  if (!owned->gone.ok()) return owned->gone;
+  std::int64_t last = owned->is.head;
+  for (const Entry& entry : entries) {
+    if (static_cast<std::int64_t>(entry.revision) != ++last) {
+      return absl::FailedPreconditionError(
+          absl::StrCat("revision ", entry.revision, " does not follow the journal's ", last - 1));
+    }
+  }
+  const GroupAppend group(mesh, owned->is, entries, requests, options_.remembered_requests);
+  return Counted(AppendGroup(mesh, *owned, group));
+}
+
+absl::Status PostgresJournal::NotClaimed(Key mesh) {
+  absl::StatusOr<Lease> session = writers_.Take();
+  if (!session.ok()) return session.status();
+  return postgres::WhyRefused(**session, mesh, owner_, {});
+}
+
+absl::Status PostgresJournal::AppendGroup(Key mesh, Owned& owned, const GroupAppend& group) {
+  const absl::Time end = absl::Now() + options_.resolve_for;
+  absl::Status failure;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    {
+      absl::StatusOr<Lease> session = writers_.Take();
+      if (!session.ok()) return session.status();
+      const Answer answer = group.Run(**session, owned.is.epoch);
+      if (answer.status.ok() && !answer.empty()) {
+        owned.is = group.After(owned.is.epoch);
+        return absl::OkStatus();
+      }
+      if (answer.status.ok()) {
+        return Disown(owned, postgres::WhyRefused(**session, mesh, owner_, owned.is));
+      }
+      failure = answer.status;
+      if (!answer.unknown) return failure;
+    }
+    Log(LogLevel::kWarning, "append_unknown",
+        {{"journal", name_}, {"mesh", mesh}, {"error", failure.message()}});
+    bool is_there = false;
+    if (absl::Status s = Resolve(mesh, owned, group, end, &is_there); !s.ok()) return s;
+    if (is_there) return absl::OkStatus();
+  }
+  return failure;
+}
+
+// OK: it is known whether the group is there. If not, it never will be by an earlier attempt.
+absl::Status PostgresJournal::Resolve(Key mesh, Owned& owned, const GroupAppend& group,
+                                      absl::Time end, bool* is_there) {
+  absl::Status last;
+  auto pause = std::chrono::milliseconds(20);
+  do {
+    absl::StatusOr<Lease> session = writers_.TakeFresh();
+    last = session.status();
+    if (session.ok()) {
+      const postgres::Claimed claimed = postgres::ClaimAgain(**session, mesh, owner_);
+      last = claimed.status;
+      if (last.ok()) {
+        const Belief after = group.After(claimed.belief.epoch), before = group.before();
+        const auto is = [&claimed](const Belief& other) {
+          return claimed.belief.head == other.head && claimed.belief.answers == other.answers;
+        };
+        *is_there = is(after);
+        if (!*is_there && !is(before)) {
+          return Disown(owned, postgres::SetBack(claimed.belief, before));
+        }
+        owned.is = claimed.belief;
+        Log(LogLevel::kInfo, "append_resolved",
+            {{"journal", name_}, {"mesh", mesh}, {"appended", *is_there}});
+        return absl::OkStatus();
+      }
+      if (absl::IsNotFound(last)) return Disown(owned, last);
+      // The other owner knows; this one cannot be sure.
+      if (absl::IsAborted(last)) break;
+    }
+    std::this_thread::sleep_for(pause);
+    pause = std::min(2 * pause, std::chrono::milliseconds(1'000));
+  } while (absl::Now() < end);
+  return Disown(owned,
+                absl::UnknownError(absl::StrCat(
+                    "it could not be found out whether the change was written: ", last.message())));
+}
+
+absl::Status PostgresJournal::Disown(Owned& owned, absl::Status why) {
+  owned.gone = why;
+  return why;
+}
+
+// ------------------------------------------------------------------ snapshots
+
+absl::Status PostgresJournal::CheckLast(const Owned& owned, std::uint64_t revision) const {
+  if (!owned.gone.ok()) return owned.gone;
+  if (static_cast<std::int64_t>(revision) == owned.is.head) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("revision ", revision, " is not the journal's last, which is ", owned.is.head));
+}
+
+absl::Status PostgresJournal::Compact(Key mesh, std::uint64_t revision,
+                                      const std::vector<std::string>& parts) {
+  const OwnedPtr owned = Find(mesh);
+  if (owned == nullptr) return NotClaimed(mesh);
+  absl::Status status = CompactIn(mesh, *owned, revision, parts);
+  SweepWhole(mesh);
+  if (absl::StatusOr<Lease> session = readers_.Take(); session.ok()) Measure(**session);
+  return status;
+}
+
+absl::Status PostgresJournal::CompactIn(Key mesh, Owned& owned, std::uint64_t revision,
+                                        const std::vector<std::string>& parts) {
+  // Each step is a transaction; the mesh can be written to in between.
+  const auto step = [&](const std::function<absl::Status(postgres::Session&)>& work) {
+    const std::lock_guard lock(owned.mutex);
+    if (absl::Status s = CheckLast(owned, revision); !s.ok()) return s;
+    absl::StatusOr<Lease> session = writers_.Take();
+    return Counted(session.ok() ? work(**session) : session.status());
+  };
+  bool there = false;
+  absl::Status status = step([&](postgres::Session& session) {
+    const auto found = postgres::HasSnapshot(session, mesh, owned.is.head);
+    there = found.ok() && *found;
+    return found.status();
+  });
+  if (!status.ok() || there) return status;
+  SweepWhole(mesh);  // of an unfinished snapshot
+  for (std::size_t part = 0; status.ok() && part < parts.size();) {
+    status = step([&](postgres::Session& session) {
+      const auto next =
+          postgres::WriteParts(session, mesh, owned.is, parts, part, options_.transaction_bytes);
+      if (next.ok()) part = *next;
+      return next.status();
+    });
+  }
+  if (!status.ok()) return status;
+  return step([&](postgres::Session& session) {
+    return postgres::SwitchOver(session, mesh, owned.is, parts, options_.history_bytes);
+  });
+}
+
+// After a failure the rest is left for the next time.
+bool PostgresJournal::Sweep(Key mesh) {
+  std::int64_t epoch = 0;  // no mesh has it
+  if (const OwnedPtr owned = Find(mesh); owned != nullptr) {
+    const std::lock_guard lock(owned->mutex);
+    if (owned->gone.ok()) epoch = owned->is.epoch;
+  }
+  absl::StatusOr<Lease> session = writers_.Take();
+  const absl::StatusOr<bool> more =
+      session.ok() ? postgres::SweepPart(**session, mesh, epoch, options_.transaction_bytes)
+                   : absl::StatusOr<bool>(session.status());
+  if (more.ok()) return *more;
+  Log(LogLevel::kWarning, "sweep_failed", {{"journal", name_}, {"error", more.status().message()}});
+  return false;
+}
+
+void PostgresJournal::SweepWhole(Key mesh) {
+  while (Sweep(mesh)) {
+  }
+}
+
+}  // namespace dynmesh::server
