@@ -147,9 +147,8 @@ int main(int argc, char** argv) {
   dynmesh::server::RaiseDescriptorLimit();
   static Signals signals;
   CLI::App app{
-      "dynmeshd: serves dynamic meshes over gRPC. Without --data-dir or --journal they live in "
-      "memory "
-      "only."};
+      "dynmeshd: serves dynamic meshes over gRPC. They live in memory only, without --data-dir or "
+      "--journal."};
   app.set_version_flag("--version", std::string("dynmeshd ") + dynmesh::kVersion);
   Flags flags;
   dynmesh::server::AddFlags(app, flags);
