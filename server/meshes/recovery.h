@@ -1,6 +1,7 @@
-// Recovers a mesh from the journal: claims it, applies its snapshot's features as one batch, and the batches
-// since one by one, so that watchers get their diffs. The mesh is a function of its features, so
-// revision, hash and ids are the same as before; each hash is compared with the one in the journal.
+// Recovers a mesh from the journal: claims it, applies its snapshot's features as one batch, and
+// the batches since one by one, so that watchers get their diffs. The mesh is a function of its
+// features, so revision, hash and ids are the same as before; each hash is compared with the one in
+// the journal.
 //
 // Hashes of other bits (kMeshBits) cannot be compared. The features written with other bits are
 // gathered and applied in one batch. The mesh is then the next revision, with the same features,
