@@ -100,6 +100,21 @@ struct WideInt<0> {
   friend WideInt operator*(const WideInt& a, const WideInt& b) { return {a.value * b.value}; }
 };
 
+// x = (-1)^negative mantissa 2^exponent, the mantissa with its hidden bit: below 2^53.
+struct PartsOfDouble {
+  std::uint64_t mantissa;
+  int exponent;
+  bool negative;
+};
+inline PartsOfDouble PartsOf(double x) {
+  const std::uint64_t bits = std::bit_cast<std::uint64_t>(x);
+  const int biased = static_cast<int>(bits >> 52) & 2047;
+  const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
+  // Subnormals have no hidden bit and share the exponent of biased = 1.
+  return {biased != 0 ? fraction | (std::uint64_t{1} << 52) : fraction,
+          (biased != 0 ? biased : 1) - 1075, (bits >> 63) != 0};
+}
+
 // A unit 2^exponent in which some finite doubles are integers of less than `width`
 // bits: |x| < 2^(exponent + width).
 struct CommonUnit {
@@ -111,15 +126,10 @@ inline CommonUnit FindCommonUnit(std::span<const double> values) {
   int low = 1 << 20;
   int high = -(1 << 20);
   for (double x : values) {
-    const std::uint64_t bits = std::bit_cast<std::uint64_t>(x) & ~(std::uint64_t{1} << 63);
-    if (bits == 0) continue;
-    const int biased = static_cast<int>(bits >> 52);
-    const std::uint64_t fraction = bits & ((std::uint64_t{1} << 52) - 1);
-    // x = mantissa * 2^(e - 1075) with the hidden bit; subnormals share e = 1.
-    const std::uint64_t mantissa = biased ? fraction | (std::uint64_t{1} << 52) : fraction;
-    const int e = biased ? biased : 1;
-    low = std::min(low, e - 1075 + std::countr_zero(mantissa));
-    high = std::max(high, e - 1075 + 53);
+    const PartsOfDouble parts = PartsOf(x);
+    if (parts.mantissa == 0) continue;
+    low = std::min(low, parts.exponent + std::countr_zero(parts.mantissa));
+    high = std::max(high, parts.exponent + 53);
   }
   if (low > high) return {0, 0};  // all zero
   return {low, high - low};
@@ -129,12 +139,9 @@ inline CommonUnit FindCommonUnit(std::span<const double> values) {
 template <int N>
 inline WideInt<N> ToInteger(double x, int exponent) {
   WideInt<N> r{};
-  const std::uint64_t bits = std::bit_cast<std::uint64_t>(x);
-  const int biased = static_cast<int>(bits >> 52) & 2047;
-  std::uint64_t mantissa = bits & ((std::uint64_t{1} << 52) - 1);
-  if (biased != 0) mantissa |= std::uint64_t{1} << 52;
+  const auto [mantissa, own_exponent, negative] = PartsOf(x);
   if (mantissa == 0) return r;
-  const int shift = (biased ? biased : 1) - 1075 - exponent;
+  const int shift = own_exponent - exponent;
   if (shift <= 0) {
     r.limb[0] = mantissa >> -shift;  // the bits that fall out are zeros
   } else {
@@ -142,19 +149,16 @@ inline WideInt<N> ToInteger(double x, int exponent) {
     r.limb[at] = mantissa << (shift % 64);
     if (shift % 64 != 0 && at + 1 < N) r.limb[at + 1] = mantissa >> (64 - shift % 64);
   }
-  return (bits >> 63) != 0 ? WideInt<N>{} - r : r;
+  return negative ? WideInt<N>{} - r : r;
 }
 
 template <>
 inline WideInt<0> ToInteger<0>(double x, int exponent) {
-  const std::uint64_t bits = std::bit_cast<std::uint64_t>(x);
-  const int biased = static_cast<int>(bits >> 52) & 2047;
-  std::uint64_t mantissa = bits & ((std::uint64_t{1} << 52) - 1);
-  if (biased != 0) mantissa |= std::uint64_t{1} << 52;
+  const auto [mantissa, own_exponent, negative] = PartsOf(x);
   if (mantissa == 0) return {0};
-  const int shift = (biased ? biased : 1) - 1075 - exponent;
+  const int shift = own_exponent - exponent;
   const Int128 magnitude = shift <= 0 ? Int128{mantissa >> -shift} : Int128{mantissa} << shift;
-  return {(bits >> 63) != 0 ? -magnitude : magnitude};
+  return {negative ? -magnitude : magnitude};
 }
 
 // mantissa * 2^exponent, 0 or 1 <= |mantissa| < 2.

@@ -25,6 +25,27 @@ namespace dynmesh::meshing {
 // 0.5 and 0.6 make meshes 3 to 5 % larger.
 inline constexpr double kNearFacet = 0.7;
 
+// A place on a facet; there is none if `facet` is null.
+struct PlaceOnFacet {
+  geometry::Point3 p = {};
+  const Facet* facet = nullptr;
+};
+// The foot of x on the facet nearest to it, if that is no farther than kNearFacet r.
+inline PlaceOnFacet FootNear(const FacetField& facets, const geometry::Point3& x, double r) {
+  PlaceOnFacet nearest;
+  double least = kNearFacet * r;
+  facets.ForEachNear(x, least, [&](const Facet& facet) {
+    const double h = std::fabs(facet.plane().Height(x));
+    if (!(h <= least)) return;
+    const geometry::Point3 foot = facet.plane().Foot(x);
+    if (!facet.IsInside(foot)) return;
+    if (nearest.facet != nullptr && h == least && nearest.p < foot) return;
+    least = h;
+    nearest = {foot, &facet};
+  });
+  return nearest;
+}
+
 // In 2D there are no facets: nothing is found. Thread-compatible.
 template <int D, template <class> class E>
 class FacetWork {
@@ -132,21 +153,13 @@ bool FacetWork<D, E>::IsJoinedThrough(const Star<D>& star, const Facet& facet) c
 template <int D, template <class> class E>
 void FacetWork<D, E>::MoveToFacet(const Star<D>& star, Candidate<D>* gap) const {
   if constexpr (D == 3) {
-    const Point from = gap->x;
-    const double r = std::sqrt(geometry::SquaredDistance(from, star.position()));
-    double least = kNearFacet * r;
-    complex_.facets.ForEachNear(from, least, [&](const Facet& facet) {
-      const double h = std::fabs(facet.plane().Height(from));
-      if (!(h <= least)) return;
-      const Point foot = facet.plane().Foot(from);
-      if (!facet.IsInside(foot)) return;
-      if (gap->facet != kNil && h == least && gap->x < foot) return;
-      least = h;
-      gap->x = foot;
-      gap->facet = facet.feature();
-      const double nearest = (1 - kNearFacet) * r;
-      gap->e2 = nearest * nearest;
-    });
+    const double r = std::sqrt(geometry::SquaredDistance(gap->x, star.position()));
+    const PlaceOnFacet foot = FootNear(complex_.facets, gap->x, r);
+    if (foot.facet == nullptr) return;
+    gap->x = foot.p;
+    gap->facet = foot.facet->feature();
+    const double nearest = (1 - kNearFacet) * r;
+    gap->e2 = nearest * nearest;
   }
 }
 

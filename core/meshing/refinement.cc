@@ -60,12 +60,7 @@ Refinement<D, E>::Refinement(const MeshOptions& options, Triangulation* triangul
       complex_(options, engine_, triangulation),
       parts_(std::make_unique<Parts>(complex_, engine_, triangulation)) {
   AddBorder(complex_, parts_->input);
-  if (options.max_edge > 0) {
-    SizingRegion<D> box;
-    for (int k = 0; k < D; ++k) box.lo[k] = options.box.lo[k], box.hi[k] = options.box.hi[k];
-    box.target = options.max_edge;
-    AddSizing(box);
-  }
+  AddMaxEdge<D>(options, parts_->input);
 }
 
 template <int D, template <class> class E>

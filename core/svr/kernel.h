@@ -100,6 +100,20 @@ class StarWalk {
   [[no_unique_address]] std::conditional_t<D == 3, delaunay::NumberTable<1>, Nothing> star_;
 };
 
+// Sets `found` to the neighbours of v, ascending.
+template <int D>
+void FindNeighbours(const Kernel<D>& mesh, VertexIndex v, StarWalk<D>* star,
+                    std::vector<VertexIndex>* found) {
+  found->clear();
+  star->ForEach(mesh, v, [&](SimplexIndex s) {
+    for (const VertexIndex u : mesh.vertices(s)) {
+      if (u != Kernel<D>::kInfinite && u != v) found->push_back(u);
+    }
+  });
+  std::sort(found->begin(), found->end());
+  found->erase(std::unique(found->begin(), found->end()), found->end());
+}
+
 // Which vertex of a mesh is nearest to a position, by walks over ever nearer neighbours: fast for
 // one position near another. The mesh must not change meanwhile. Thread-compatible.
 template <int D>
@@ -126,16 +140,7 @@ class NearestSearch {
   }
 
  private:
-  void FindNeighbours() {
-    neighbours_.clear();
-    star_.ForEach(mesh_, near_, [&](SimplexIndex s) {
-      for (const VertexIndex u : mesh_.vertices(s)) {
-        if (u != Kernel<D>::kInfinite && u != near_) neighbours_.push_back(u);
-      }
-    });
-    std::sort(neighbours_.begin(), neighbours_.end());
-    neighbours_.erase(std::unique(neighbours_.begin(), neighbours_.end()), neighbours_.end());
-  }
+  void FindNeighbours() { svr::FindNeighbours<D>(mesh_, near_, &star_, &neighbours_); }
 
   const Kernel<D>& mesh_;
   VertexIndex near_;

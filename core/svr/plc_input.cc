@@ -6,58 +6,23 @@
 #include <utility>
 
 #include "core/base/rounding.h"
-#include "core/geometry/border_grid.h"
 #include "core/geometry/constructions.h"
 #include "core/geometry/predicates.h"
+#include "core/meshing/border.h"
 #include "core/meshing/facet_work.h"
 #include "core/meshing/splits.h"
 #include "core/svr/point_input.h"
 
 namespace dynmesh::svr {
 
-using geometry::Point2;
-using geometry::Point3;
-
 template <int D>
 PlcInput<D>::PlcInput(const MeshOptions& options)
     : complex_(options, engine_, nullptr), balls_(complex_.rules.lo(), complex_.rules.hi()) {
-  AddBorder();
-  if (options.max_edge > 0) {
-    meshing::SizingRegion<D> box;
-    for (int k = 0; k < D; ++k) box.lo[k] = options.box.lo[k], box.hi[k] = options.box.hi[k];
-    box.target = options.max_edge;
-    AddSizing(box);
-  }
-}
-
-// The corners first. The sides of the square are subsegments that need no protection: nothing is
-// inserted outside of them.
-template <int D>
-void PlcInput<D>::AddBorder() {
-  const auto& rules = complex_.rules;
-  const int cells = rules.grid_cells();
-  if constexpr (D == 2) {
-    const std::vector<Point2> points =
-        geometry::SquareBorder(rules.lo(), rules.hi(), cells, rules.grid_spacing());
-    std::vector<VertexIndex> border(points.size());
-    for (const bool corners : {true, false}) {
-      for (std::size_t i = 0; i < points.size(); ++i) {
-        if ((i % static_cast<std::size_t>(cells) == 0) == corners) {
-          border[i] = NewVertex(points[i], 0, 0);
-        }
-      }
-    }
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      AddSegment(border[i], border[(i + 1) % points.size()], 0);
-    }
-  } else {
-    for (const Point3& p :
-         geometry::CubeBorder(rules.lo(), rules.hi(), cells, rules.grid_spacing())) {
-      NewVertex(p, 0, 0);
-    }
-  }
+  // The sides of the square need no protection: nothing is inserted outside of them.
+  meshing::AddBorder(complex_, *this);
   border_count_ = complex_.elements.vertex_end();
   for (VertexIndex v = 0; v < border_count_; ++v) SetPresent(v);
+  meshing::AddMaxEdge<D>(options, *this);
 }
 
 template <int D>
@@ -208,15 +173,8 @@ template <int D>
 void PlcInput<D>::FindNeighbours(const Kernel<D>& mesh, VertexIndex v) {
   if constexpr (D == 3) {
     neighbours_.clear();
-    std::vector<VertexIndex> found;
-    mesh.ForEachSimplexAround(v, [&](SimplexIndex s) {
-      for (const VertexIndex u : mesh.vertices(s)) {
-        if (u != v && u != Kernel<D>::kInfinite) found.push_back(u);
-      }
-    });
-    std::sort(found.begin(), found.end());
-    found.erase(std::unique(found.begin(), found.end()), found.end());
-    for (const VertexIndex u : found) {
+    svr::FindNeighbours<D>(mesh, v, &star_, &found_);
+    for (const VertexIndex u : found_) {
       const auto d = geometry::Difference(position(u).c, position(v).c);
       neighbours_.push_back({u, position(u), d, geometry::Dot(d, d), 1});
     }
@@ -230,7 +188,7 @@ std::optional<typename PlcInput<D>::OnFacet> PlcInput<D>::FindFacetPoint(const K
   if constexpr (D == 3) {
     const Point& p = position(v);
     double far2 = 0;
-    mesh.ForEachSimplexAround(v, [&](SimplexIndex s) {
+    star_.ForEach(mesh, v, [&](SimplexIndex s) {
       if (!mesh.IsInfinite(s)) far2 = std::max(far2, BallOf(mesh, s).r2);
     });
     const double far = std::sqrt(far2) * kWider;
@@ -261,21 +219,13 @@ std::optional<typename PlcInput<D>::OnFacet> PlcInput<D>::FindFacetPoint(const K
 
 template <int D>
 typename PlcInput<D>::OnFacet PlcInput<D>::MoveToFacet(const Ball<D>& ball) const {
-  OnFacet to = {ball.centre};
   if constexpr (D == 3) {
-    if (!has_facets()) return to;
-    double least = meshing::kNearFacet * std::sqrt(ball.r2);
-    complex_.facets.ForEachNear(ball.centre, least, [&](const meshing::Facet& facet) {
-      const double h = std::fabs(facet.plane().Height(ball.centre));
-      if (!(h <= least)) return;
-      const Point foot = facet.plane().Foot(ball.centre);
-      if (!facet.IsInside(foot)) return;
-      if (to.facet != kNone && h == least && to.p < foot) return;
-      least = h;
-      to = {foot, complex_.facets.OfFeature(facet.feature())};
-    });
+    if (has_facets()) {
+      const auto foot = meshing::FootNear(complex_.facets, ball.centre, std::sqrt(ball.r2));
+      if (foot.facet != nullptr) return {foot.p, complex_.facets.OfFeature(foot.facet->feature())};
+    }
   }
-  return to;
+  return {ball.centre};
 }
 
 template class PlcInput<2>;

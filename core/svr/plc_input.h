@@ -130,7 +130,6 @@ class PlcInput {
     static double LeastCell() { return 0; }
     static double Key() { return 0; }
   };
-  void AddBorder();
   VertexIndex NewVertex(const Point& p, int dimension, meshing::FeatureSlot feature);
   void AddBall(SubsegmentIndex s);
   template <class F>
@@ -155,6 +154,8 @@ class PlcInput {
   // Of FindFacetPoint.
   meshing::CellCut cut_;
   std::vector<meshing::CellCut::Neighbour> neighbours_;
+  std::vector<VertexIndex> found_;
+  StarWalk<D> star_;
 };
 
 extern template class PlcInput<2>;

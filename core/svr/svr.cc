@@ -256,9 +256,9 @@ void Svr<D, Input, Location>::Insert(VertexIndex v, SimplexIndex conflicting, bo
 }
 
 template <int D, class Input, class Location>
-SimplexIndex Svr<D, Input, Location>::ConflictNear(VertexIndex v, const Point& p) const {
+SimplexIndex Svr<D, Input, Location>::ConflictNear(VertexIndex v, const Point& p) {
   SimplexIndex conflicting = kNone;
-  mesh_.ForEachSimplexAround(NearestVertex<D>(mesh_, p, v), [&](SimplexIndex s) {
+  star_.ForEach(mesh_, NearestVertex<D>(mesh_, p, v), [&](SimplexIndex s) {
     if (conflicting == kNone && !mesh_.IsInfinite(s) && mesh_.Conflicts(s, p)) conflicting = s;
   });
   return conflicting;

@@ -130,7 +130,7 @@ class Svr {
   Outcome InsertSteiner(const Point& p, FacetIndex facet, SimplexIndex conflicting, double e2);
   void Insert(VertexIndex v, SimplexIndex conflicting, bool was_waiting);
   // A simplex that has p in its circumscribed ball. `v`: the vertex nearest to p, or one nearby.
-  SimplexIndex ConflictNear(VertexIndex v, const Point& p) const;
+  SimplexIndex ConflictNear(VertexIndex v, const Point& p);
   // What becomes of a vertex at p: kInserted if it may be inserted.
   Outcome Protect(const Point& p, double e2);
   void Enter(SimplexIndex s);
