@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "server/base/log.h"
+#include "server/journal/journal_errors.h"
 #include "server/journal/postgres_generations.h"
 #include "server/journal/postgres_reading.h"
 #include "server/journal/postgres_schema.h"
@@ -171,7 +172,7 @@ absl::StatusOr<Journal::Key> PostgresJournal::Create(const std::string& id,
     if (!made.status.ok() || !made.empty()) return made.status;
     const Answer there = session.Run("SELECT key FROM dynmesh.meshes WHERE id = $1::text", id);
     if (there.status.ok() && !there.empty() && there.Integer(0, 0) == key) return absl::OkStatus();
-    return absl::AlreadyExistsError(absl::StrCat("the journal has a mesh ", id, " already"));
+    return MeshExists(id);
   });
   if (!status.ok()) return status;
   Keep(key, {.epoch = 1});
@@ -205,7 +206,7 @@ absl::Status PostgresJournal::Delete(Key mesh) {
       repeated = true;
       return gone.status;
     }
-    if (gone.empty() && !repeated) return absl::NotFoundError("the journal has no such mesh");
+    if (gone.empty() && !repeated) return NoSuchMesh();
     return absl::OkStatus();
   });
   if (!status.ok()) return status;

@@ -1,6 +1,7 @@
 #include "server/journal/postgres_ownership.h"
 
 #include "absl/strings/str_cat.h"
+#include "server/journal/journal_errors.h"
 
 namespace dynmesh::server::postgres {
 namespace {
@@ -13,8 +14,6 @@ constexpr char kClaimAgain[] =
     "RETURNING epoch, head, answers";
 constexpr char kState[] =
     "SELECT epoch, head, answers, owner = $2::text FROM dynmesh.meshes WHERE key = $1::bigint";
-
-absl::Status NoSuchMesh() { return absl::NotFoundError("the journal has no such mesh"); }
 
 Claimed Run(Session& session, const char* sql, std::int64_t mesh, const std::string& owner) {
   const Answer answer = session.Run(sql, mesh, owner);

@@ -5,20 +5,14 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "server/base/printable.h"
+#include "server/journal/journal_errors.h"
+#include "server/journal/mesh_reading.h"
 #include "server/journal/row_sum.h"
 
 namespace dynmesh::server::postgres {
 namespace {
 
 constexpr char kBegin[] = "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
-
-absl::Status NoSuchMesh() { return absl::NotFoundError("the journal has no such mesh"); }
-
-absl::Status Damaged(absl::string_view mesh, absl::string_view what) {
-  return absl::DataLossError(absl::StrCat("of mesh ", Printable(mesh), " ", Printable(what),
-                                          " is damaged: its checksum does not fit"));
-}
 
 // Calls `row` for each row of a query, until it returns an error or sets `ended`. In a transaction.
 class Rows {
@@ -72,16 +66,13 @@ class MeshReader {
     const std::string description = found.Bytes(0, 1);
     const bool fits =
         RowSumOf(absl::string_view(id_), absl::string_view(description)) == found.Integer(0, 2);
-    return fits ? absl::OkStatus() : Damaged(id_, "the description");
+    return fits ? absl::OkStatus() : errors().Damaged("the description");
   }
 
   std::int64_t snapshot() const { return snapshot_; }
   std::int64_t head() const { return head_; }
 
-  absl::Status OutOfRange(std::uint64_t revision) const {
-    return absl::OutOfRangeError(
-        absl::StrCat("revision ", revision, " of mesh ", Printable(id_), " is not in the journal"));
-  }
+  ReadingErrors errors() const { return ReadingErrors(id_); }
 
   // The newest snapshot that is not newer than `revision`.
   absl::StatusOr<std::int64_t> SnapshotBefore(std::uint64_t revision) const {
@@ -90,7 +81,7 @@ class MeshReader {
         "revision <= $2::bigint",
         mesh_, static_cast<std::int64_t>(revision));
     if (!base.status.ok()) return base.status;
-    if (base.IsNull(0, 0)) return OutOfRange(revision);
+    if (base.IsNull(0, 0)) return errors().NotInJournal(revision);
     return base.Integer(0, 0);
   }
 
@@ -102,7 +93,7 @@ class MeshReader {
       const Journal::Request request{answer.Bytes(row, 2), answer.Bytes(row, 3)};
       if (RowSumOf(mesh_, answer.Integer(row, 0), absl::string_view(request.id),
                    absl::string_view(request.answer)) != answer.Integer(row, 1)) {
-        return Damaged(id_, absl::StrCat("the answer to request ", request.id));
+        return errors().Damaged(absl::StrCat("the answer to request ", request.id));
       }
       return visitor.request(request);
     });
@@ -123,17 +114,15 @@ class MeshReader {
           if (*ended) return absl::OkStatus();
           const std::string data = answer.Bytes(row, 2);
           if (RowSumOf(mesh_, revision, parts, absl::string_view(data)) != answer.Integer(row, 1)) {
-            return Damaged(id_,
-                           absl::StrCat("part ", parts, " of the snapshot of revision ", revision));
+            return errors().Damaged(
+                absl::StrCat("part ", parts, " of the snapshot of revision ", revision));
           }
           ++parts;
           return visitor.snapshot(static_cast<std::uint64_t>(revision), data);
         });
     if (!status.ok()) return status;
     if (!count.empty() && parts == count.Integer(0, 0)) return absl::OkStatus();
-    return absl::DataLossError(absl::StrCat("of mesh ", Printable(id_),
-                                            " the snapshot of revision ", revision,
-                                            ", or a part of it, is missing"));
+    return errors().SnapshotIncomplete(revision);
   }
 
   // All entries in (from, to], in order. With `is_last`, no later one may exist.
@@ -151,14 +140,13 @@ class MeshReader {
           if (*ended) return absl::OkStatus();
           const Journal::Entry entry{static_cast<std::uint64_t>(++last), answer.Bytes(row, 2)};
           if (RowSumOf(mesh_, last, absl::string_view(entry.data)) != answer.Integer(row, 1)) {
-            return Damaged(id_, absl::StrCat("the entry of revision ", last));
+            return errors().Damaged(absl::StrCat("the entry of revision ", last));
           }
           return visitor.entry(entry);
         });
     if (!status.ok()) return status;
     if (last == to) return absl::OkStatus();
-    return absl::DataLossError(absl::StrCat("of the revisions of mesh ", Printable(id_), " up to ",
-                                            to, " some are missing"));
+    return errors().EntriesMissing(to);
   }
 
  private:
@@ -193,7 +181,7 @@ absl::StatusOr<std::vector<Journal::Mesh>> ListMeshes(Session& session) {
                        absl::OkStatus(),     absl::OkStatus()};
     if (RowSumOf(absl::string_view(mesh.id), absl::string_view(mesh.description)) !=
         rows.Integer(row, 4)) {
-      mesh.damage = Damaged(mesh.id, "the description");
+      mesh.damage = ReadingErrors(mesh.id).Damaged("the description");
       mesh.id = absl::StrCat("@", mesh.key);
     }
     meshes.push_back(std::move(mesh));
@@ -206,11 +194,7 @@ absl::StatusOr<std::vector<Journal::Mesh>> ListMeshes(Session& session) {
 absl::Status ReadMesh(Session& session, Journal::Key mesh, const Journal::Visitor& visitor) {
   return InOneState(session, [&]() -> absl::Status {
     MeshReader reader(session, mesh);
-    absl::Status status = reader.Find();
-    if (status.ok() && visitor.request != nullptr) status = reader.Requests(visitor);
-    if (status.ok()) status = reader.Parts(reader.snapshot(), visitor);
-    if (!status.ok()) return status;
-    return reader.Entries(reader.snapshot(), reader.head(), /*is_last=*/true, visitor);
+    return ReadNewest(reader, visitor);
   });
 }
 
@@ -218,12 +202,7 @@ absl::Status ReadPastOf(Session& session, Journal::Key mesh, std::uint64_t from,
                         const Journal::Visitor& visitor) {
   return InOneState(session, [&]() -> absl::Status {
     MeshReader reader(session, mesh);
-    if (absl::Status s = reader.Find(); !s.ok()) return s;
-    if (from > to || to > static_cast<std::uint64_t>(reader.head())) return reader.OutOfRange(to);
-    const absl::StatusOr<std::int64_t> base = reader.SnapshotBefore(from);
-    if (!base.ok()) return base.status();
-    if (absl::Status s = reader.Parts(*base, visitor); !s.ok()) return s;
-    return reader.Entries(*base, static_cast<std::int64_t>(to), /*is_last=*/false, visitor);
+    return ReadRange(reader, from, to, visitor);
   });
 }
 

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "server/base/log.h"
+#include "server/journal/journal_errors.h"
 #include "server/journal/postgres_generations.h"
 #include "server/journal/postgres_journal.h"
 
@@ -34,8 +35,7 @@ absl::Status PostgresJournal::Append(Key mesh, const std::vector<Entry>& entries
   std::int64_t last = owned->is.head;
   for (const Entry& entry : entries) {
     if (static_cast<std::int64_t>(entry.revision) != ++last) {
-      return absl::FailedPreconditionError(
-          absl::StrCat("revision ", entry.revision, " does not follow the journal's ", last - 1));
+      return NotTheNextRevision(entry.revision, last - 1);
     }
   }
   const GroupAppend group(mesh, owned->is, entries, requests, options_.remembered_requests);
@@ -122,8 +122,7 @@ absl::Status PostgresJournal::Disown(Owned& owned, absl::Status why) {
 absl::Status PostgresJournal::CheckLast(const Owned& owned, std::uint64_t revision) const {
   if (!owned.gone.ok()) return owned.gone;
   if (static_cast<std::int64_t>(revision) == owned.is.head) return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      absl::StrCat("revision ", revision, " is not the journal's last, which is ", owned.is.head));
+  return NotTheLastRevision(revision, owned.is.head);
 }
 
 absl::Status PostgresJournal::Compact(Key mesh, std::uint64_t revision,

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "server/base/log.h"
+#include "server/journal/journal_errors.h"
 #include "server/journal/row_sum.h"
 #include "server/journal/sqlite_generations.h"
 #include "server/journal/wal_walk.h"
@@ -15,8 +16,6 @@ namespace {
 
 using sqlite::Connection;
 using sqlite::Statement;
-
-absl::Status NoSuchMesh() { return absl::NotFoundError("the journal has no such mesh"); }
 
 }  // namespace
 
@@ -150,7 +149,7 @@ absl::StatusOr<Journal::Key> SqliteJournal::Create(const std::string& id,
   const absl::Status status = Write([&]() -> absl::Status {
     Statement find(writer_, "SELECT 1 FROM meshes WHERE id = ?");
     if (find.BindText(id).Step()) {
-      return absl::AlreadyExistsError(absl::StrCat("the journal has a mesh ", id, " already"));
+      return MeshExists(id);
     }
     if (!find.status().ok()) return find.status();
     Statement insert(writer_,
@@ -263,8 +262,7 @@ absl::Status SqliteJournal::Append(Key mesh, const std::vector<Entry>& entries,
     if (!last.ok()) return last.status();
     for (const Entry& entry : entries) {
       if (static_cast<std::int64_t>(entry.revision) != *last + 1) {
-        return absl::FailedPreconditionError(
-            absl::StrCat("revision ", entry.revision, " does not follow the journal's ", *last));
+        return NotTheNextRevision(entry.revision, *last);
       }
       ++*last;
     }
@@ -279,8 +277,7 @@ absl::Status SqliteJournal::CheckLast(Key mesh, std::uint64_t revision) {
   const absl::StatusOr<std::int64_t> last = LastOf(mesh);
   if (!last.ok()) return last.status();
   if (static_cast<std::int64_t>(revision) == *last) return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      absl::StrCat("revision ", revision, " is not the journal's last, which is ", *last));
+  return NotTheLastRevision(revision, *last);
 }
 
 absl::Status SqliteJournal::Compact(Key mesh, std::uint64_t revision,

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "server/base/printable.h"
+#include "server/journal/journal_errors.h"
+#include "server/journal/mesh_reading.h"
 #include "server/journal/row_sum.h"
 #include "server/journal/sqlite_journal.h"
 
@@ -18,11 +19,6 @@ namespace {
 
 using sqlite::Connection;
 using sqlite::Statement;
-
-absl::Status Damaged(absl::string_view mesh, absl::string_view what) {
-  return absl::DataLossError(absl::StrCat("of mesh ", Printable(mesh), " ", Printable(what),
-                                          " is damaged: its checksum does not fit"));
-}
 
 // Reads a mesh in a transaction. Call Find first, which reads its row; then the others.
 class MeshReader {
@@ -33,8 +29,7 @@ class MeshReader {
     Statement found(connection_,
                     "SELECT id, description, checksum, snapshot, head FROM meshes WHERE key = ?");
     if (!found.Bind(mesh_).Step()) {
-      return found.status().ok() ? absl::NotFoundError("the journal has no such mesh")
-                                 : found.status();
+      return found.status().ok() ? NoSuchMesh() : found.status();
     }
     id_ = found.Bytes(0);
     snapshot_ = found.Integer(3);
@@ -42,23 +37,20 @@ class MeshReader {
     if (RowSumOf(absl::string_view(id_), absl::string_view(found.Bytes(1))) == found.Integer(2)) {
       return absl::OkStatus();
     }
-    return Damaged(id_, "the description");
+    return errors().Damaged("the description");
   }
 
   std::int64_t snapshot() const { return snapshot_; }
   std::int64_t head() const { return head_; }
 
-  absl::Status OutOfRange(std::uint64_t revision) const {
-    return absl::OutOfRangeError(
-        absl::StrCat("revision ", revision, " of mesh ", Printable(id_), " is not in the journal"));
-  }
+  ReadingErrors errors() const { return ReadingErrors(id_); }
 
   // The newest snapshot that is not newer than `revision`.
   absl::StatusOr<std::int64_t> SnapshotBefore(std::uint64_t revision) const {
     Statement base(connection_,
                    "SELECT max(revision) FROM generations WHERE mesh = ? AND revision <= ?");
     if (!base.Bind(mesh_).Bind(static_cast<std::int64_t>(revision)).Step()) return base.status();
-    if (base.IsNull(0)) return OutOfRange(revision);
+    if (base.IsNull(0)) return errors().NotInJournal(revision);
     return base.Integer(0);
   }
 
@@ -71,7 +63,7 @@ class MeshReader {
       const Journal::Request request{rows.Bytes(1), rows.Bytes(2)};
       if (RowSumOf(mesh_, rows.Integer(0), absl::string_view(request.id),
                    absl::string_view(request.answer)) != rows.Integer(3)) {
-        return Damaged(id_, absl::StrCat("the answer to request ", request.id));
+        return errors().Damaged(absl::StrCat("the answer to request ", request.id));
       }
       if (absl::Status s = visitor.request(request); !s.ok()) return s;
     }
@@ -90,38 +82,36 @@ class MeshReader {
     for (; rows.Step() && rows.Integer(0) == parts; ++parts) {
       const std::string data = rows.Bytes(1);
       if (RowSumOf(mesh_, revision, parts, absl::string_view(data)) != rows.Integer(2)) {
-        return Damaged(id_,
-                       absl::StrCat("part ", parts, " of the snapshot of revision ", revision));
+        return errors().Damaged(
+            absl::StrCat("part ", parts, " of the snapshot of revision ", revision));
       }
       const auto at = static_cast<std::uint64_t>(revision);
       if (absl::Status s = visitor.snapshot(at, data); !s.ok()) return s;
     }
     if (!rows.status().ok()) return rows.status();
     if (there && parts == count.Integer(0)) return absl::OkStatus();
-    return absl::DataLossError(absl::StrCat("of mesh ", Printable(id_),
-                                            " the snapshot of revision ", revision,
-                                            ", or a part of it, is missing"));
+    return errors().SnapshotIncomplete(revision);
   }
 
-  // All entries in (from, to], in order, and none after `bound` >= to.
-  absl::Status Entries(std::int64_t from, std::int64_t to, std::int64_t bound,
+  // All entries in (from, to], in order. With `is_last`, no later one may exist.
+  absl::Status Entries(std::int64_t from, std::int64_t to, bool is_last,
                        const Journal::Visitor& visitor) const {
+    constexpr std::int64_t kAll = std::numeric_limits<std::int64_t>::max();
     Statement rows(connection_,
                    "SELECT revision, data, checksum FROM entries WHERE mesh = ? AND revision > ? "
                    "AND revision <= ? ORDER BY revision");
-    rows.Bind(mesh_).Bind(from).Bind(bound);
+    rows.Bind(mesh_).Bind(from).Bind(is_last ? kAll : to);
     std::int64_t last = from;
     while (rows.Step() && rows.Integer(0) == last + 1) {
       const Journal::Entry entry{static_cast<std::uint64_t>(++last), rows.Bytes(1)};
       if (RowSumOf(mesh_, last, absl::string_view(entry.data)) != rows.Integer(2)) {
-        return Damaged(id_, absl::StrCat("the entry of revision ", last));
+        return errors().Damaged(absl::StrCat("the entry of revision ", last));
       }
       if (absl::Status s = visitor.entry(entry); !s.ok()) return s;
     }
     if (!rows.status().ok()) return rows.status();
     if (last == to) return absl::OkStatus();
-    return absl::DataLossError(absl::StrCat("of the revisions of mesh ", Printable(id_), " up to ",
-                                            to, " some are missing"));
+    return errors().EntriesMissing(to);
   }
 
  private:
@@ -172,7 +162,7 @@ absl::StatusOr<std::vector<Journal::Mesh>> SqliteJournal::List() {
     ++names[mesh.id];
     if (RowSumOf(absl::string_view(mesh.id), absl::string_view(mesh.description)) !=
         rows.Integer(4)) {
-      mesh.damage = Damaged(mesh.id, "the description");
+      mesh.damage = ReadingErrors(mesh.id).Damaged("the description");
     }
     meshes.push_back(std::move(mesh));
   }
@@ -196,14 +186,7 @@ absl::Status SqliteJournal::Read(Key mesh, const Visitor& visitor) {
   absl::StatusOr<Connection> connection = OpenReader();
   if (!connection.ok()) return connection.status();
   MeshReader reader(*connection, mesh);
-  absl::Status status = reader.Find();
-  if (status.ok() && visitor.request != nullptr) status = reader.Requests(visitor);
-  if (status.ok()) status = reader.Parts(reader.snapshot(), visitor);
-  if (status.ok()) {
-    constexpr std::int64_t kAll = std::numeric_limits<std::int64_t>::max();
-    status = reader.Entries(reader.snapshot(), reader.head(), kAll, visitor);
-  }
-  return status;
+  return ReadNewest(reader, visitor);
 }
 
 absl::Status SqliteJournal::ReadPast(Key mesh, std::uint64_t from, std::uint64_t to,
@@ -211,13 +194,7 @@ absl::Status SqliteJournal::ReadPast(Key mesh, std::uint64_t from, std::uint64_t
   absl::StatusOr<Connection> connection = OpenReader();
   if (!connection.ok()) return connection.status();
   MeshReader reader(*connection, mesh);
-  if (absl::Status s = reader.Find(); !s.ok()) return s;
-  if (from > to || to > static_cast<std::uint64_t>(reader.head())) return reader.OutOfRange(to);
-  const absl::StatusOr<std::int64_t> base = reader.SnapshotBefore(from);
-  if (!base.ok()) return base.status();
-  if (absl::Status s = reader.Parts(*base, visitor); !s.ok()) return s;
-  const auto last = static_cast<std::int64_t>(to);
-  return reader.Entries(*base, last, last, visitor);
+  return ReadRange(reader, from, to, visitor);
 }
 
 absl::StatusOr<std::uint64_t> SqliteJournal::Oldest(Key mesh) {
@@ -225,7 +202,7 @@ absl::StatusOr<std::uint64_t> SqliteJournal::Oldest(Key mesh) {
   if (!reader.ok()) return reader.status();
   Statement oldest(*reader, "SELECT min(revision) FROM generations WHERE mesh = ?");
   if (!oldest.Bind(mesh).Step()) return oldest.status();
-  if (oldest.IsNull(0)) return absl::NotFoundError("the journal has no such mesh");
+  if (oldest.IsNull(0)) return NoSuchMesh();
   return static_cast<std::uint64_t>(oldest.Integer(0));
 }
 

@@ -1,0 +1,38 @@
+// The errors that all journals have in common.
+#ifndef DYNMESH_SERVER_JOURNAL_JOURNAL_ERRORS_H_
+#define DYNMESH_SERVER_JOURNAL_JOURNAL_ERRORS_H_
+
+#include <cstdint>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+
+namespace dynmesh::server {
+
+absl::Status NoSuchMesh();                      // NOT_FOUND
+absl::Status MeshExists(absl::string_view id);  // ALREADY_EXISTS
+// FAILED_PRECONDITION: entries follow the last one; a snapshot is of the last revision.
+absl::Status NotTheNextRevision(std::uint64_t revision, std::int64_t last);
+absl::Status NotTheLastRevision(std::uint64_t revision, std::int64_t last);
+
+// The errors of reading a mesh with that id.
+class ReadingErrors {
+ public:
+  // The id outlives this.
+  explicit ReadingErrors(absl::string_view id) : id_(id) {}
+
+  // DATA_LOSS: the checksum of `what` does not fit.
+  absl::Status Damaged(absl::string_view what) const;
+  // DATA_LOSS: parts of the snapshot at `revision`; entries up to `to`.
+  absl::Status SnapshotIncomplete(std::int64_t revision) const;
+  absl::Status EntriesMissing(std::int64_t to) const;
+  // OUT_OF_RANGE.
+  absl::Status NotInJournal(std::uint64_t revision) const;
+
+ private:
+  absl::string_view id_;
+};
+
+}  // namespace dynmesh::server
+
+#endif  // DYNMESH_SERVER_JOURNAL_JOURNAL_ERRORS_H_
