@@ -9,81 +9,31 @@
 
 #include "proto/codec/grpc_status.h"
 #include "proto/codec/mesh_codec.h"
-#include "proto/codec/status_codec.h"
 #include "server/base/call_id.h"
 #include "server/calls/build_request.h"
-#include "server/calls/progress_stage.h"
-#include "server/calls/send_timeout.h"
+#include "server/calls/parts_call.h"
 
 namespace dynmesh::server {
 namespace {
 
 using Request = v1::BuildMeshRequest;
 using Response = v1::BuildMeshResponse;
-using Stage = v1::LoadFeaturesResponse::Stage;
 
-// Three threads of control: the reader, until the last part; then the build; and the writer, one
-// message at a time. mutex_ guards what they share. Operations on the stream are started after it
-// is released. The call ends when the reader or the build has failed, or the mesh is sent, and no
-// message is being written.
-class BuildCall final : public grpc::ServerBidiReactor<Received<Request>, Response>,
-                        public OpenStream {
+class BuildCall final : public PartsCall<Request, Response> {
  public:
-  explicit BuildCall(ServiceContext& context) : context_(context) {}
+  explicit BuildCall(ServiceContext& context) : PartsCall(context) {}
 
   static BuildCall* Start(ServiceContext& context, OpenStreams& streams,
                           const absl::StatusOr<Pass>& pass, grpc::CallbackServerContext* rpc) {
     auto call = std::make_shared<BuildCall>(context);
-    call->self_ = call;
     call->call_id_ = CallIdOf(*rpc);
-    LimitSends(context, rpc, call->sender_);
-    const absl::Status status = pass.ok() ? call->Enter(streams, *pass) : pass.status();
-    if (status.ok()) {
-      call->Read(/*anew=*/true);
+    const bool can_build = context.build_pool != nullptr && context.build_pool->can_build();
+    if (can_build || !pass.ok()) {
+      call->Begin(call, streams, pass, rpc);
     } else {
-      call->End(status);
+      call->Begin(call, streams, absl::UnimplementedError("this server builds no meshes"), rpc);
     }
     return call.get();
-  }
-
-  // Stops a build. A mesh that is there is sent.
-  void End(const absl::Status& status) override {
-    bool finish = false;
-    {
-      const std::lock_guard lock(mutex_);
-      if (phase_ == Phase::kBuilding && stop_status_.ok()) {
-        stop_status_ = status;
-        stopped_->store(true, std::memory_order_relaxed);
-      }
-      if (phase_ != Phase::kReceiving) return;
-      EndLocked(status);
-      finish = FinishLocked();
-    }
-    if (finish) Close();
-  }
-
-  void OnReadDone(bool ok) override {
-    SetWaitsNot();
-    const bool first = !request_.has_begun();
-    const std::size_t features = request_.features();
-    absl::Status status;
-    if (ok) {
-      status = received_.is_parsed ? Receive() : NotParsed(received_.message);
-    } else {
-      codec::ServiceError error;
-      error.reason = codec::reason::kBatchIncomplete;
-      status = codec::MakeServiceError(absl::StatusCode::kInvalidArgument,
-                                       "the stream ended before the build's last part", error);
-    }
-    if (!status.ok()) return End(status);
-    if (received_.message.last()) return Submit();
-    Tell(v1::LoadFeaturesResponse::RECEIVING, request_.features(), 0);
-    bool read = false;
-    {
-      const std::lock_guard lock(mutex_);
-      read = phase_ == Phase::kReceiving;
-    }
-    if (read) Read(/*anew=*/first || request_.features() > features);
   }
 
   void OnWriteDone(bool ok) override {
@@ -103,57 +53,41 @@ class BuildCall final : public grpc::ServerBidiReactor<Received<Request>, Respon
 
   void OnCancel() override { End(WhyCut(context_, sender_, "the call was cancelled")); }
 
-  void OnDone() override {
-    sender_.Leave();
-    self_.reset();
-  }
-
  private:
-  enum class Phase { kReceiving, kBuilding, kSending, kEnded };
-
-  absl::Status Enter(OpenStreams& streams, const Pass& pass) {
-    if (context_.build_pool == nullptr || !context_.build_pool->can_build()) {
-      return absl::UnimplementedError("this server builds no meshes");
-    }
-    pass_ = pass;
-    streams.Add(self_);
-    // After Add: a drain either is seen here by the closed gate, or finds the stream in the list.
-    return context_.gate.closed() ? DrainingError() : absl::OkStatus();
+  bool has_begun() const override { return request_.has_begun(); }
+  std::size_t features() const override { return request_.features(); }
+  absl::string_view IncompleteMessage() const override {
+    return "the stream ended before the build's last part";
+  }
+  v1::LoadFeaturesResponse* ProgressIn(Response* message) override {
+    return message->mutable_progress();
+  }
+  // A mesh that is there is sent.
+  void StopLocked(const absl::Status& status) override {
+    if (!stop_status_.ok()) return;
+    stop_status_ = status;
+    stopped_->store(true, std::memory_order_relaxed);
   }
 
-  void Read(bool anew) {
-    SetWaits(anew);
-    StartRead(&received_);
-  }
-
-  // Handles the message just read.
-  absl::Status Receive() {
+  absl::Status Receive() override {
     if (!request_.has_begun()) {
       absl::StatusOr<StreamPlace> place =
           TakeStream(context_, context_.builds, "concurrent builds", pass_);
       if (!place.ok()) return place.status();
       place_ = *std::move(place);
     }
-    return request_.Add(context_, received_.message);
+    return request_.Add(context_, request());
   }
 
-  // After the last part.
-  void Submit() {
-    absl::StatusOr<WorkGate::Ticket> ticket = EnterWork(context_);
-    if (!ticket.ok()) return End(ticket.status());
+  void Submit() override {
+    if (!BeginWork()) return;
     BuildJob job = request_.TakeJob();
     job.call_id = call_id_;
     job.stopped = stopped_;
-    job.progress = [call = self_](const BatchProgress& p) {
-      call->Tell(StageOf(p.stage), p.done, p.total);
+    job.progress = [this, held = self_](const BatchProgress& p) {
+      Tell(StageOf(p.stage), p.done, p.total);
     };
-    job.done = [call = self_](absl::StatusOr<Mesh> mesh) { call->Answer(std::move(mesh)); };
-    {
-      const std::lock_guard lock(mutex_);
-      if (phase_ != Phase::kReceiving) return;  // ended meanwhile
-      phase_ = Phase::kBuilding;
-      ticket_ = *std::move(ticket);
-    }
+    job.done = [this, held = self_](absl::StatusOr<Mesh> mesh) { Answer(std::move(mesh)); };
     context_.build_pool->Post(std::move(job));
   }
 
@@ -190,61 +124,13 @@ class BuildCall final : public grpc::ServerBidiReactor<Received<Request>, Respon
     }
   }
 
-  // Sends progress, unless it is too early or the last message is still being written.
-  void Tell(Stage stage, std::uint64_t done, std::uint64_t total) {
-    {
-      const std::lock_guard lock(mutex_);
-      const auto time = MetricsClock::now();
-      if (writing_ || phase_ == Phase::kEnded || time - told_ < kBetweenProgress) return;
-      writing_ = true;
-      told_ = time;
-      v1::LoadFeaturesResponse& progress = *answer_.mutable_progress();
-      progress.set_stage(stage);
-      progress.set_done(done);
-      progress.set_total(total);
-    }
-    StartWrite(&answer_);
-  }
+  void Close() override { Finish(codec::ToGrpcStatus(request_.Locate(final_status_))); }
 
-  // Begins the send timeout: before, a client that does not read progress delays nothing.
-  void EndLocked(const absl::Status& status) {
-    phase_ = Phase::kEnded;
-    final_status_ = status;
-    sender_.Begin();
-  }
-
-  // True once: the caller then has to call Close.
-  bool FinishLocked() {
-    if (phase_ != Phase::kEnded || writing_ || finished_) return false;
-    finished_ = true;
-    return true;
-  }
-
-  void Close() { Finish(codec::ToGrpcStatus(request_.Locate(final_status_))); }
-
-  ServiceContext& context_;
-  std::shared_ptr<BuildCall> self_;  // until OnDone
   const std::shared_ptr<std::atomic<bool>> stopped_ = std::make_shared<std::atomic<bool>>(false);
   std::string call_id_;
-
-  // Used by the reader, then by the build.
-  Pass pass_;
-  Received<Request> received_;
-  StreamPlace place_;
-  BuildRequest request_;
-
-  Response answer_;                                  // used by the writer, while writing_
-  std::optional<codec::SnapshotFragmenter> chunks_;  // the same, in Phase::kSending
-  OpenSends::Sender sender_;
-
-  std::mutex mutex_;
-  Phase phase_ = Phase::kReceiving;
-  bool writing_ = false;
-  bool finished_ = false;
-  MetricsClock::time_point told_ = MetricsClock::now();
-  WorkGate::Ticket ticket_;
-  absl::Status stop_status_;  // why the build is stopped
-  absl::Status final_status_;
+  BuildRequest request_;                             // used by the reader, then by the build
+  std::optional<codec::SnapshotFragmenter> chunks_;  // used by the writer, in Phase::kSending
+  absl::Status stop_status_;                         // why the build is stopped
 };
 
 }  // namespace
