@@ -9,16 +9,12 @@
 
 #include "tests/differential/differential.h"
 #include "tests/support/asked.h"
+#include "tests/support/nightly.h"
 #include "tests/support/polygon_script.h"
 #include "tests/support/same_diff.h"
 
 namespace dynmesh::test {
 namespace {
-
-bool IsNightly() {
-  const char* set = std::getenv("DYNMESH_NIGHTLY");
-  return set != nullptr && *set != '\0' && *set != '0';
-}
 
 // Scripts of `revisions` revisions around that many points.
 struct Setting {

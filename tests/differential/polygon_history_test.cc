@@ -13,33 +13,18 @@
 #include <tuple>
 #include <vector>
 
-#include "client/verify/verify.h"
-#include "core/io/meshes/indexed_mesh.h"
 #include "tests/differential/differential.h"
 #include "tests/support/asked.h"
+#include "tests/support/judged.h"
+#include "tests/support/nightly.h"
 #include "tests/support/polygon_script.h"
 
 namespace dynmesh::test {
 namespace {
 
-bool IsNightly() {
-  const char* set = std::getenv("DYNMESH_NIGHTLY");
-  return set != nullptr && *set != '\0' && *set != '0';
-}
-
 // The verifier's findings; empty if there are none.
 std::string Judge(const DynamicMesh& mesh) {
-  const Mesh snapshot = mesh.Snapshot();
-  const std::vector<Feature> features = mesh.Features();
-  io::MeshFiles files;
-  files.mesh = io::IndexMesh(snapshot).value();
-  files.recorded_hash = snapshot.hash;
-  const cli::VerifyReport report = cli::VerifyMesh(files, mesh.options().quality, &features);
-  std::string wrong;
-  for (const cli::VerifyCheck& check : report.checks) {
-    if (check.failures > 0) wrong += check.name + ": " + check.examples.front() + "\n";
-  }
-  return report.Passed() ? "" : "the judge: " + wrong;
+  return Judged(mesh.Snapshot(), mesh.options().quality, mesh.Features());
 }
 
 MeshOptions OptionsOf(const Asked& asked) {

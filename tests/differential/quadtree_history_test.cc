@@ -13,17 +13,13 @@
 #include "core/dynamic_mesh/live_quadtree.h"
 #include "dynmesh/error.h"
 #include "tests/differential/differential.h"
+#include "tests/support/nightly.h"
 #include "tests/support/polygon_script.h"
 
 namespace dynmesh::test {
 namespace {
 
 constexpr std::uint64_t kSeed = 24;
-
-bool IsNightly() {
-  const char* const set = std::getenv("DYNMESH_NIGHTLY");
-  return set != nullptr && *set == '1';
-}
 
 template <int D>
 MeshOptions QuadtreeIn() {

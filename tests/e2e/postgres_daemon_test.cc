@@ -16,6 +16,7 @@
 #include "tests/e2e/daemon.h"
 #include "tests/e2e/killed_clients.h"
 #include "tests/server/journal/postgres_server.h"
+#include "tests/support/nightly.h"
 #include "tests/support/temp_folder.h"
 
 namespace dynmesh {
@@ -51,7 +52,7 @@ class PostgresDaemonTest : public ::testing::Test {
 TEST_F(PostgresDaemonTest, KilledWithOrWithoutItsDatabaseItLosesNothing) {
   const std::uint64_t seed = test::Seed();
   SCOPED_TRACE(absl::StrCat("DYNMESH_TEST_SEED=", seed));
-  const int kills = std::getenv("DYNMESH_NIGHTLY") != nullptr ? 150 : 9;
+  const int kills = test::IsNightly() ? 150 : 9;
   std::mt19937_64 random(seed);
   Streamer streamers[] = {{"s", seed + 1}, {"t", seed + 2}};
   ASSERT_TRUE(daemon_.Start(Flags(), Listen().c_str())) << daemon_.Log();

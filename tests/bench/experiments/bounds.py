@@ -38,10 +38,11 @@ def main() -> None:
     parser = arguments(__doc__)
     parser.add_argument("--most", type=int, default=100_000)
     flags = parser.parse_args()
-    rows = programs.table(flags.bin / "dynmesh_kind_tables", 1_000 if flags.quick else flags.most)
-    write_csv(flags.out / "bounds.csv", list(rows[0]), [row.values() for row in rows])
+    head, rows = programs.table(flags.bin / "dynmesh_kind_tables",
+                                1_000 if flags.quick else flags.most)
+    write_csv(flags.out / "bounds.csv", head, rows)
     bounds, costs = [], []
-    for row in rows:
+    for row in (dict(zip(head, cells)) for cells in rows):
         label = [row["scene"], number(row["features"]), row["kind"]]
         bounds.append([*label, *(number(row[key]) for key in (
             "operations", "changed", "carried", "spread")), row["operations_bound"],

@@ -28,12 +28,13 @@ def main() -> None:
     parser = arguments(__doc__)
     parser.add_argument("--most", type=int, default=10_000)
     flags = parser.parse_args()
-    rows = programs.table(flags.bin / "dynmesh_chain_tables", 300 if flags.quick else flags.most)
-    write_csv(flags.out / "chains.csv", list(rows[0]), [row.values() for row in rows])
+    head, rows = programs.table(flags.bin / "dynmesh_chain_tables",
+                                300 if flags.quick else flags.most)
+    write_csv(flags.out / "chains.csv", head, rows)
     if not flags.quick:
         section(flags.page, "chains.py", TEXT + "\n" + markdown(
             ["points", "order of hashes", "operations", "most", "reach", "farthest"],
-            [[f"{int(row['points']):,}", *list(row.values())[1:]] for row in rows]))
+            [[f"{int(row[0]):,}", *row[1:]] for row in rows]))
 
 
 if __name__ == "__main__":

@@ -25,15 +25,12 @@ def main() -> None:
     flags = parser.parse_args()
     points, edits = (1_000, 1_000) if flags.quick else (10_000, flags.edits)
     rows = []
-    for dimension in (2, 3):
-        for row in programs.table(flags.bin / "dynmesh_latency_tables", points,
-                                  edits if dimension == 2 else edits // 10, dimension):
-            rows.append({"dimension": dimension, "edits": edits if dimension == 2 else edits // 10,
-                         **row})
-    write_csv(flags.out / "latency.csv", list(rows[0]), [row.values() for row in rows])
+    for dimension, count in ((2, edits), (3, edits // 10)):
+        head, some = programs.table(flags.bin / "dynmesh_latency_tables", points, count, dimension)
+        rows += [[dimension, count, *row] for row in some]
+    write_csv(flags.out / "latency.csv", ["dimension", "edits", *head], rows)
     if not flags.quick:
-        table = [[f"{row['dimension']}D", f"{row['edits']:,}", *list(row.values())[2:]]
-                 for row in rows]
+        table = [[f"{row[0]}D", f"{row[1]:,}", *row[2:]] for row in rows]
         section(flags.page, "latency.py", TEXT + "\n" + markdown(
             ["", "edits", "kind", "clock", "50 %", "90 %", "99 %", "99.9 %", "99.99 %", "greatest"],
             table))

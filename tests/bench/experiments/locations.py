@@ -7,13 +7,12 @@ FOLDER has bunny.node. Without it, generated points alone are meshed.
 """
 from __future__ import annotations
 
-import csv
 import pathlib
-import subprocess
 import tempfile
 
 import inputs
-from output import arguments, markdown, plot, section, write_csv
+import programs
+from output import arguments, markdown, plot, section, show, write_csv
 
 DEFAULT_K = "0.90"
 TEXT = """\
@@ -50,13 +49,6 @@ Uniform points, circumradius / shortest edge at most 2, on the exact kernel for 
 is checked: neighbours, orientations, and that it is Delaunay.
 
 """
-
-
-def table(program: pathlib.Path, *args: str) -> tuple[list[str], list[list[str]]]:
-    print(program.name, args[0], flush=True)
-    done = subprocess.run([str(program), *args], check=True, capture_output=True, text=True)
-    head, *rows = csv.reader(done.stdout.splitlines())
-    return head, rows
 
 
 def for_reading(rows: list[list[str]]) -> list[list[str]]:
@@ -100,9 +92,9 @@ def main() -> None:
         for scene, points in scenes.items():
             paths.append(str(pathlib.Path(name) / f"{scene}.node"))
             inputs.write_node(pathlib.Path(paths[-1]), points)
-        structures = table(program, "structures", *paths)
-        warps = table(program, "warp", *paths[:-1])
-    in_4d = table(program, "4d", *(["100"] if flags.quick else ["1000", "10000"]))
+        structures = programs.table(program, "structures", *paths)
+        warps = programs.table(program, "warp", *paths[:-1])
+    in_4d = programs.table(program, "4d", *(["100"] if flags.quick else ["1000", "10000"]))
     write_csv(flags.out / "locations.csv", *structures)
     write_csv(flags.out / "warp.csv", *warps)
     write_csv(flags.out / "svr_4d.csv", *in_4d)
@@ -110,10 +102,7 @@ def main() -> None:
     plot(picture, by_default(warps[1]), "k", "part of that at k = 0.9", logarithmic=False)
     if flags.quick:
         return
-    if picture.exists():
-        target = flags.page.parent / "deploy/pictures/warp.svg"
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(picture.read_bytes())
+    show(flags.page, picture)
     rows = structures[1]
     by_shells = [[kind, *(ratios(rows, kind, column) for column in (5, 6, 8))]
                  for kind in ("balls", "simplices", "Voronoi cells")]

@@ -70,6 +70,14 @@ def plot(path: pathlib.Path, series: dict[str, tuple[Sequence[float], Sequence[f
     print(path)
 
 
+def show(page: pathlib.Path, picture: pathlib.Path) -> None:
+    """Copies a picture, if it was drawn, to where the page shows it."""
+    if picture.exists():
+        target = page.parent / "deploy/pictures" / picture.name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(picture.read_bytes())
+
+
 def section(page: pathlib.Path, name: str, text: str) -> None:
     put_section(page, f"experiments/{name}", text)
     print(page)

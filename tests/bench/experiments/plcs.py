@@ -13,7 +13,7 @@ import subprocess
 import tempfile
 
 import meshers
-from output import ROOT, arguments, markdown, section, write_csv
+from output import ROOT, arguments, markdown, section, show, write_csv
 
 TEXT = """\
 # A corpus by SVR
@@ -76,7 +76,7 @@ def main() -> None:
     subprocess.run([program, "mesh", paths[1], "--engine", "svr", "-o", picture, "--cut", "z=2"],
                    stdout=subprocess.DEVNULL, check=True)
     if not flags.quick:
-        (flags.page.parent / "deploy/pictures/svr_boxes.svg").write_bytes(picture.read_bytes())
+        show(flags.page, picture)
         section(flags.page, "plcs.py", TEXT + "\n" + markdown(head, rows))
 
 

@@ -6,8 +6,8 @@ import pathlib
 import subprocess
 
 
-def table(program: pathlib.Path, *arguments: object) -> list[dict[str, str]]:
-    """The rows that the program prints, by column; what it prints is shown meanwhile."""
+def table(program: pathlib.Path, *arguments: object) -> tuple[list[str], list[list[str]]]:
+    """The head and the rows that the program prints; they are shown meanwhile."""
     command = [str(program), *map(str, arguments)]
     lines = []
     with subprocess.Popen(command, stdout=subprocess.PIPE, encoding="utf-8") as process:
@@ -16,4 +16,5 @@ def table(program: pathlib.Path, *arguments: object) -> list[dict[str, str]]:
             lines.append(line)
     if process.returncode != 0:
         raise RuntimeError(f"{' '.join(command)}: failed")
-    return list(csv.DictReader(lines))
+    head, *rows = csv.reader(lines)
+    return head, rows

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inputs
 import meshers
-from output import arguments, markdown, plot, section, write_csv
+from output import arguments, markdown, plot, section, show, write_csv
 
 TEXT = """\
 # Scaling to a million points
@@ -48,10 +48,7 @@ def main() -> None:
     picture = flags.out / "scaling.svg"
     plot(picture, series, "points", "seconds", logarithmic=True)
     if not flags.quick:
-        if picture.exists():
-            target = flags.page.parent / "deploy/pictures/scaling.svg"
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_bytes(picture.read_bytes())
+        show(flags.page, picture)
         table = [[f"{row[0]:,}", row[1], row[2], f"{row[3]:,}", row[4], row[5]] for row in rows]
         section(flags.page, "scaling.py", TEXT + "\n" + markdown(head, table))
 

@@ -13,19 +13,14 @@
 #include <unordered_map>
 #include <vector>
 
-#include "client/verify/verify.h"
-#include "core/io/meshes/indexed_mesh.h"
 #include "dynmesh/dynamic_mesh.h"
+#include "tests/support/judged.h"
+#include "tests/support/nightly.h"
 #include "tests/support/polygon_script.h"
 #include "tests/support/workload.h"
 
 namespace dynmesh::test {
 namespace {
-
-bool IsNightly() {
-  const char* set = std::getenv("DYNMESH_NIGHTLY");
-  return set != nullptr && *set != '\0' && *set != '0';
-}
 
 absl::StatusOr<Mesh> BySvr(const std::vector<Feature>& features, const MeshOptions& options) {
   BuildOptions build;
@@ -73,13 +68,7 @@ std::vector<std::array<double, 3>> PositionsOf(const Mesh& mesh) {
 void ExpectGood(const std::vector<Feature>& features, const MeshOptions& options) {
   const auto mesh = BySvr(features, options);
   ASSERT_TRUE(mesh.ok()) << mesh.status() << "\n" << features.size() << " features";
-  io::MeshFiles files;
-  files.mesh = io::IndexMesh(*mesh).value();
-  files.recorded_hash = mesh->hash;
-  const cli::VerifyReport report = cli::VerifyMesh(files, options.quality, &features);
-  for (const cli::VerifyCheck& check : report.checks) {
-    EXPECT_EQ(check.failures, 0u) << check.name << ": " << check.examples.front();
-  }
+  EXPECT_EQ(Judged(*mesh, options.quality, features), "");
   const auto renamed = BySvr(Renamed(features, 7), options);
   ASSERT_TRUE(renamed.ok()) << renamed.status();
   EXPECT_EQ(PositionsOf(*mesh), PositionsOf(*renamed));

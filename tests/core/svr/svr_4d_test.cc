@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "tests/core/svr/svr_of_points.h"
+#include "tests/support/nightly.h"
 #include "tests/support/point_layouts.h"
 
 namespace dynmesh::svr {
@@ -112,8 +112,7 @@ TEST(Svr4D, MeshesOfThousandPointsAreGoodAndDelaunay) {
 }
 // DYNMESH_NIGHTLY=1: 22,000 vertices, 626,000 simplices, every tenth by rationals.
 TEST(Svr4D, AMeshOfTenThousandPointsIsGoodAndDelaunay) {
-  const char* nightly = std::getenv("DYNMESH_NIGHTLY");
-  if (nightly == nullptr || *nightly == '\0' || *nightly == '0') GTEST_SKIP() << "nightly only";
+  if (!test::IsNightly()) GTEST_SKIP() << "nightly only";
   ExpectGoodMesh(test::Layout::kUniform, 10'000, 10, 6);
 }
 TEST(Svr4D, OtherLayoutsAreGoodAndDelaunay) {
