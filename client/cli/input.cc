@@ -103,10 +103,9 @@ absl::StatusOr<Input> FromSpace(io::FileFeatures file, const std::string& path,
     input.warnings.push_back(Concat(path, ": ", file.attributes, " attribute(s) a vertex ignored"));
   }
   WarnOfMarkers(file, path, input);
-  if (const std::size_t places = file.holes.size() + file.regions.size(); places != 0) {
-    input.warnings.push_back(
-        Concat(path, ": ", places, " 3D seed(s) of holes and regions ignored"));
-  }
+  input.holes = std::move(file.holes);
+  input.regions = std::move(file.regions);
+  input.seed_file = path;
   input.features = std::move(file.features);
   SetWhere(std::move(file), input);
   return input;

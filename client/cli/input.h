@@ -21,7 +21,8 @@ struct Input {
   std::vector<Feature> features;
   MeshOptions options;                // the box: the input's own, or its bounding box
   std::vector<std::string> warnings;  // content that was skipped
-  // Seeds of holes and regions in a .poly: AddSeedPolygons converts them to polygons.
+  // Seeds of holes and regions in a .poly or .smesh: in 2D AddSeedPolygons converts them to
+  // polygons, in 3D Selection leaves out the holes.
   std::vector<io::SeedRow> holes;
   std::vector<io::SeedRow> regions;
   std::string seed_file;
@@ -45,8 +46,8 @@ void AddInputFlags(CLI::App& command, InputFlags& flags);
 
 // Reads a file by its extension, in any case: .node, .poly; in 3D also .smesh, .off, .stl and .obj;
 // .geojson, .topojson, .json (either of both). Any extension that is not a known kind of geometry
-// is an edit script; its last revision counts. `options` has the dimension. Seeds of 3D holes and
-// regions are skipped with a warning. Errors as `file:line: ...`.
+// is an edit script; its last revision counts. `options` has the dimension. Errors as `file:line:
+// ...`.
 inline constexpr char kInputKinds[] = ".node, .poly, .geojson, .topojson or an edit script";
 inline constexpr char kSpaceInputKinds[] =
     ".node, .poly, .geojson, .topojson or an edit script; in 3D .node, .poly, .smesh, .off, "
@@ -65,7 +66,7 @@ absl::StatusOr<Input> LoadMapWithPolygons(const std::string& path);
 // seed. Ids follow the greatest one, one per seed. As in Triangle, a seed outside of everything is
 // ignored, and of several seeds in one face the first counts: the others are skipped, with a
 // warning each. INVALID_ARGUMENT as `file:line: ...` for a seed on a segment. Segments must not
-// cross; the mesh refuses them otherwise.
+// cross; the mesh refuses them otherwise. Nothing is done in 3D.
 absl::Status AddSeedPolygons(Input& input);
 
 // `status` with the position of the first feature to blame before its message, and those of the

@@ -12,6 +12,7 @@
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
 #include "client/cli/remote_mesher.h"
+#include "client/cli/selection.h"
 #include "client/cli/words.h"
 #include "dynmesh/dynamic_mesh.h"
 #include "dynmesh/quadtree.h"
@@ -25,8 +26,7 @@ struct MeshCommand {
   InputFlags reading;
   MeshFlags mesh;
   OutputFlags output;
-  std::string region;
-  std::string outside;
+  SelectionFlags selection;
   bool json = false;
   std::shared_ptr<RemoteMesher> remote;  // may be null
 };
@@ -98,21 +98,11 @@ std::string SummariseQuadtree(const Mesh& mesh, const MeshOptions& options, doub
 
 int Run(const MeshCommand& command) {
   if (auto status = CheckOutputs(command.output); !status.ok()) return ReportError(status);
-  absl::StatusOr<mesh_data::RegionChoice> choice = ParseRegionFlag(command.region);
-  if (!choice.ok()) return ReportError(choice.status());
   absl::StatusOr<Input> input = LoadInput(command.input, command.reading);
   if (!input.ok()) return ReportError(input.status());
   if (auto status = AddSeedPolygons(*input); !status.ok()) return ReportError(status);
-  if (command.outside == "holes" && input->options.dimension == 3) {
-    return ReportError(absl::InvalidArgumentError(
-        absl::StrFormat("--outside: holes are marked in a 2D .poly, and %s is 3D; "
-                        "give ids of polygons",
-                        command.input)));
-  }
-  if (auto status = ApplyOutsideFlag(command.outside, &input->hole_polygons, *choice);
-      !status.ok()) {
-    return ReportError(status);
-  }
+  const absl::StatusOr<Selection> selection = Selection::Parse(command.selection, *input, true);
+  if (!selection.ok()) return ReportError(selection.status());
   for (const std::string& warning : input->warnings) PrintWarning(warning);
   MeshOptions options = input->options;
   if (auto status = ApplyMeshFlags(command.mesh, options, MeshLife::kFromScratch); !status.ok()) {
@@ -134,9 +124,9 @@ int Run(const MeshCommand& command) {
     return ReportError(Locate(named, input->where));
   }
   if (options.kind == MeshKind::kQuadtree) {
-    if (!choice->IsEverything()) {
+    if (!selection->IsEverything()) {
       return ReportError(absl::InvalidArgumentError(
-          "--region, --outside: a quadtree has no simplices, which lie in regions"));
+          "--inside, --region, --outside: a quadtree has no simplices, which lie in regions"));
     }
     if (auto status = WriteOutputs(*mesh, options, command.output); !status.ok()) {
       return ReportError(status);
@@ -144,8 +134,10 @@ int Run(const MeshCommand& command) {
     return PrintOut(SummariseQuadtree(*mesh, options, took.count(), command.json)) ? kExitDone
                                                                                    : kExitFailed;
   }
-  WarnOfUnknownRegions(*choice, *mesh);
-  if (!choice->IsEverything()) *mesh = mesh_data::OnlyInside(*mesh, *choice);
+  if (!selection->IsEverything()) {
+    mesh = selection->Of(*mesh);
+    if (!mesh.ok()) return ReportError(mesh.status());
+  }
   const QualityReport quality = MeasureQuality(*mesh, options);
   if (auto status = WriteOutputs(*mesh, options, command.output); !status.ok()) {
     return ReportError(status);
@@ -166,8 +158,7 @@ void RegisterMeshCommand(CLI::App& app, CommandSlot& slot, std::shared_ptr<Remot
   AddInputFlags(*sub, command->reading);
   AddMeshFlags(*sub, command->mesh);
   AddOutputFlags(*sub, command->output);
-  AddRegionFlag(*sub, command->region);
-  AddOutsideFlag(*sub, command->outside);
+  AddSelectionFlags(*sub, command->selection);
   sub->add_flag("--json", command->json, "Print one JSON object");
   if (command->remote != nullptr) command->remote->AddFlags(*sub);
 }

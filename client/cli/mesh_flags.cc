@@ -132,8 +132,9 @@ void AddMeshFlags(CLI::App& command, MeshFlags& flags) {
   command.add_option("--criterion", flags.criterion, "When refinement is done (default: edge)")
       ->type_name("edge|thesis");
   command
-      .add_option("--engine", flags.engine,
-                  "Which mesher (default: dynamic); svr: Sparse Voronoi Refinement, from scratch only")
+      .add_option(
+          "--engine", flags.engine,
+          "Which mesher (default: dynamic); svr: Sparse Voronoi Refinement, from scratch only")
       ->type_name("dynamic|svr");
   AddBoxFlag(command, flags.box);
   command.get_option("--box")->type_name(kBoxOfEither);

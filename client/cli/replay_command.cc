@@ -14,6 +14,7 @@
 #include "client/cli/mesh_flags.h"
 #include "client/cli/output.h"
 #include "client/cli/percentile.h"
+#include "client/cli/selection.h"
 #include "client/cli/words.h"
 #include "core/base/text.h"
 #include "core/io/script/edit_script.h"
@@ -31,8 +32,7 @@ struct ReplayCommand {
   std::uint64_t check = 0;  // interval in revisions; 0: never
   MeshFlags mesh;
   OutputFlags output;
-  std::string region;
-  std::string outside;
+  SelectionFlags selection;
   bool json = false;
   bool highlight = false;
 };
@@ -49,11 +49,12 @@ class Replay {
       : command_(command), script_(script) {}
 
   absl::Status Run() {
-    absl::StatusOr<mesh_data::RegionChoice> choice = ParseRegionFlag(command_.region);
-    if (!choice.ok()) return choice.status();
-    choice_ = *std::move(choice);
-    if (auto s = ApplyOutsideFlag(command_.outside, nullptr, choice_); !s.ok()) return s;
     MeshOptions options = script_.Options();
+    input_.options = options;
+    input_.where = [this](FeatureId id) { return WhereLast(id); };
+    absl::StatusOr<Selection> selection = Selection::Parse(command_.selection, input_, false);
+    if (!selection.ok()) return selection.status();
+    selection_ = *std::move(selection);
     if (auto status = ApplyMeshFlags(command_.mesh, options); !status.ok()) return status;
     if (auto s = CheckOutputsOf(options, command_.output); !s.ok()) return s;
     absl::StatusOr<std::unique_ptr<DynamicMesh>> mesh = DynamicMesh::Create(options);
@@ -117,6 +118,16 @@ class Replay {
       }
     }
     return std::nullopt;
+  }
+
+  // The line of the last edit of a feature.
+  std::string WhereLast(FeatureId id) const {
+    ErrorDetail detail;
+    detail.features = {id};
+    for (std::size_t b = script_.batches.size(); b-- > 0;) {
+      if (const auto edit = LastEditOf(b, detail)) return script_.Where(b, edit);
+    }
+    return "";
   }
 
   void Count(const EditBatch& batch, const MeshDiff& diff) {
@@ -200,8 +211,11 @@ class Replay {
     if (!PrintOut(line)) return absl::UnavailableError("cannot write to standard output");
     if (command_.output.paths.empty()) return absl::OkStatus();
     Mesh mesh = mesh_->Snapshot();
-    WarnOfUnknownRegions(choice_, mesh);
-    if (!choice_.IsEverything()) mesh = mesh_data::OnlyInside(mesh, choice_);
+    if (!selection_.IsEverything()) {
+      absl::StatusOr<Mesh> part = selection_.Of(mesh);
+      if (!part.ok()) return part.status();
+      mesh = *std::move(part);
+    }
     return WriteOutputs(mesh, options, command_.output,
                         command_.highlight ? last_added_ : SimplexColumn());
   }
@@ -226,7 +240,8 @@ class Replay {
   std::uint64_t simplices_ = 0;
   std::uint64_t added_simplices_ = 0;
   std::uint64_t edits_ = 0;
-  mesh_data::RegionChoice choice_;  // the part of the last mesh to write
+  Input input_;          // what is known of the script, for `selection_`
+  Selection selection_;  // the part of the last mesh to write
   SimplexColumn last_added_;
   const bool show_progress_ = ErrorIsTerminal() && !OutIsTerminal();
   Clock::time_point progress_shown_;
@@ -258,8 +273,7 @@ void RegisterReplayCommand(CLI::App& app, CommandSlot& slot) {
       ->check(CLI::PositiveNumber);
   AddMeshFlags(*sub, command->mesh);
   AddOutputFlags(*sub, command->output);
-  AddRegionFlag(*sub, command->region);
-  AddOutsideFlag(*sub, command->outside);
+  AddSelectionFlags(*sub, command->selection);
   sub->add_flag("--highlight", command->highlight,
                 "In pictures: show what the last revision added; without --fill the same as "
                 "--fill change");

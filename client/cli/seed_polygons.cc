@@ -28,7 +28,7 @@ absl::Status AddSeedPolygons(Input& input) {
   std::vector<Seed> seeds;
   for (const io::SeedRow& row : input.holes) seeds.push_back({"hole", &row});
   for (const io::SeedRow& row : input.regions) seeds.push_back({"region", &row});
-  if (seeds.empty()) return absl::OkStatus();
+  if (seeds.empty() || input.options.dimension == 3) return absl::OkStatus();
   const auto says_more = [](const io::SeedRow& row) { return !row.more.empty(); };
   if (std::any_of(input.regions.begin(), input.regions.end(), says_more)) {
     input.warnings.push_back(Concat(input.seed_file,

@@ -28,15 +28,16 @@ void Normalize(std::vector<FeatureId>& ids) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-// Copies the chosen rows. Returns the sum of the hashes of the others.
-MeshHash Choose(int dimension, const SimplexColumn& simplices, const RegionColumn& regions,
-                RegionFilter& filter, SimplexColumn& chosen, RegionColumn& chosen_regions) {
+// Copies the rows that `has(row)` chooses. Returns the sum of the hashes of the others.
+template <class Has>
+MeshHash Choose(int dimension, const SimplexColumn& simplices, const RegionColumn& regions, Has has,
+                SimplexColumn& chosen, RegionColumn& chosen_regions) {
   const auto width = static_cast<std::size_t>(dimension) + 1;
   MeshHash hidden;
   for (std::size_t i = 0; i < simplices.size() / width; ++i) {
     const RegionId region = regions.empty() ? kNoRegion : regions[i];
     const VertexId* const ids = &simplices[i * width];
-    if (filter.Has(region)) {
+    if (has(i)) {
       chosen.insert(chosen.end(), ids, ids + width);
       if (!regions.empty()) chosen_regions.push_back(region);
     } else {
@@ -45,6 +46,15 @@ MeshHash Choose(int dimension, const SimplexColumn& simplices, const RegionColum
   }
   DropIfIdle(chosen_regions);
   return hidden;
+}
+
+// By region.
+MeshHash Choose(int dimension, const SimplexColumn& simplices, const RegionColumn& regions,
+                RegionFilter& filter, SimplexColumn& chosen, RegionColumn& chosen_regions) {
+  const auto has = [&](std::size_t i) {
+    return filter.Has(regions.empty() ? kNoRegion : regions[i]);
+  };
+  return Choose(dimension, simplices, regions, has, chosen, chosen_regions);
 }
 
 VertexColumns RowsOf(const absl::flat_hash_set<VertexId>& ids, std::size_t dimension,
@@ -122,12 +132,20 @@ bool RegionFilter::Has(RegionId region) {
 
 Mesh OnlyInside(const Mesh& mesh, const RegionChoice& choice) {
   if (choice.IsEverything()) return mesh;
+  RegionFilter filter(choice, mesh.region_sets);
+  std::vector<bool> keep(mesh.simplex_count());
+  for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = filter.Has(mesh.region(i));
+  return OnlyRows(mesh, keep);
+}
+
+Mesh OnlyRows(const Mesh& mesh, const std::vector<bool>& keep) {
   const auto dimension = static_cast<std::size_t>(mesh.dimension);
   Mesh part;
   part.dimension = mesh.dimension;
   part.revision = mesh.revision;
-  RegionFilter filter(choice, mesh.region_sets);
-  Choose(mesh.dimension, mesh.simplices, mesh.regions, filter, part.simplices, part.regions);
+  Choose(
+      mesh.dimension, mesh.simplices, mesh.regions, [&](std::size_t i) { return keep[i]; },
+      part.simplices, part.regions);
   part.region_sets = mesh.region_sets;
   KeepNamed(part.region_sets, {&part.regions});
   const absl::flat_hash_set<VertexId> used(part.simplices.begin(), part.simplices.end());

@@ -42,6 +42,8 @@ class RegionFilter {
 // The chosen simplices, their vertices, and the subsegments and subfacets that are their edges and
 // facets. Keeps the order of rows and the revision. The hash is that of the result. O(mesh).
 Mesh OnlyInside(const Mesh& mesh, const RegionChoice& choice);
+// The same for the simplices with `keep`, an entry for each row.
+Mesh OnlyRows(const Mesh& mesh, const std::vector<bool>& keep);
 
 // The chosen simplices with all vertices, subsegments and subfacets: a diff does not show which of
 // these are in use. The hash is that of the result.

@@ -1,0 +1,53 @@
+// The flags that choose a part of a mesh to write: --inside, --region, --outside.
+#ifndef DYNMESH_CLIENT_CLI_SELECTION_H_
+#define DYNMESH_CLIENT_CLI_SELECTION_H_
+
+#include <span>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/cli/input.h"
+#include "core/mesh_data/region_filter.h"
+#include "dynmesh/mesh.h"
+
+namespace dynmesh::cli {
+
+struct SelectionFlags {
+  bool inside = false;
+  std::string region;
+  std::string outside;
+};
+void AddSelectionFlags(CLI::App& command, SelectionFlags& flags);
+
+// What the flags choose. Thread-compatible.
+class Selection {
+ public:
+  // Checks the form of the flags. `input`: what the mesh is made of, after AddSeedPolygons; it must
+  // outlive the result. `has_holes`: may the word holes be given?
+  static absl::StatusOr<Selection> Parse(const SelectionFlags& flags, const Input& input,
+                                         bool has_holes);
+
+  bool IsEverything() const { return !inside_ && !by_holes_ && choice_.IsEverything(); }
+  // The chosen part of `mesh`, which is whole. INVALID_ARGUMENT, with a list of what exists, if it
+  // is empty or a polygon is not in the mesh. Prints a warning for a hole that marks nothing.
+  absl::StatusOr<Mesh> Of(const Mesh& mesh) const;
+
+ private:
+  absl::Status CheckPolygons(const Mesh& mesh) const;
+  absl::Status DropChambers(const Mesh& mesh, std::vector<bool>& keep) const;
+  absl::Status NothingLeft(const Mesh& mesh) const;
+
+  const Input* input_ = nullptr;
+  bool inside_ = false;
+  bool by_holes_ = false;  // leave out the chambers with the seeds of holes; 3D
+  mesh_data::RegionChoice choice_;
+};
+
+// "3, 7, 12", of more than ten "3, 7, ... and 4 more".
+std::string ListOf(std::span<const FeatureId> ids);
+
+}  // namespace dynmesh::cli
+
+#endif  // DYNMESH_CLIENT_CLI_SELECTION_H_

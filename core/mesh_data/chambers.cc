@@ -1,0 +1,191 @@
+#include "core/mesh_data/chambers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "core/geometry/predicates.h"
+#include "core/geometry/space_predicates.h"
+#include "core/mesh_data/constraints.h"
+#include "core/mesh_data/face_links.h"
+
+namespace dynmesh::mesh_data {
+namespace {
+
+using geometry::Point;
+
+// Is there anything but polygons around?
+enum class Wall : std::uint8_t { kOfPolygon, kOfSegment };
+
+template <int D>
+class ChamberSearch {
+ public:
+  explicit ChamberSearch(const Mesh& mesh) : mesh_(mesh), rows_(mesh.simplex_count()) {
+    IndexCorners();
+    if constexpr (D == 2) {
+      FindWalls(mesh.subsegments);
+    } else {
+      FindWalls(mesh.subfacets);
+    }
+    neighbours_.assign(rows_ * kWidth, kNoSlot);
+    LinkAllFaces(cells_, kWidth, mesh.vertices.size(), neighbours_.data());
+  }
+
+  Chambers Run() {
+    Chambers chambers;
+    constexpr std::uint32_t kNone = PlaceInChambers::kNone;
+    chambers.of.assign(rows_, kNone);
+    std::vector<std::size_t> open;
+    for (std::size_t first = 0; first < rows_; ++first) {
+      if (chambers.of[first] != kNone) continue;
+      const auto number = static_cast<std::uint32_t>(chambers.count());
+      bool is_outside = false, has_segment = false;
+      chambers.of[first] = number;
+      open.push_back(first);
+      while (!open.empty()) {
+        const std::size_t row = open.back();
+        open.pop_back();
+        for (std::size_t k = 0; k < kWidth; ++k) {
+          const auto wall = walls_.find(SideOf(row, k));
+          if (wall != walls_.end()) {
+            has_segment |= wall->second == Wall::kOfSegment;
+            continue;
+          }
+          const Slot next = neighbours_[row * kWidth + k];
+          if (next == kNoSlot) {
+            is_outside = true;
+          } else if (auto& of = chambers.of[static_cast<std::size_t>(next)]; of == kNone) {
+            of = number;
+            open.push_back(static_cast<std::size_t>(next));
+          }
+        }
+      }
+      chambers.is_outside.push_back(is_outside);
+      chambers.is_hole.push_back(D == 2 && !is_outside && !has_segment &&
+                                 mesh_.region(first) == kNoRegion);
+    }
+    return chambers;
+  }
+
+ private:
+  static constexpr std::size_t kWidth = D + 1;
+  using Side = std::array<Slot, D>;
+
+  void IndexCorners() {
+    number_of_.reserve(mesh_.vertices.size());
+    for (std::size_t i = 0; i < mesh_.vertices.size(); ++i) {
+      number_of_.emplace(mesh_.vertices.ids[i], static_cast<Slot>(i));
+    }
+    cells_.reserve(mesh_.simplices.size());
+    for (const VertexId id : mesh_.simplices) cells_.push_back(number_of_.at(id));
+  }
+
+  template <class Columns>
+  void FindWalls(const Columns& constraints) {
+    absl::flat_hash_set<FeatureId> polygons;
+    for (const RegionId region : mesh_.regions) {
+      if (region <= kLastPolygonId) polygons.insert(region);
+    }
+    for (const RegionSet& set : mesh_.region_sets) {
+      polygons.insert(set.polygons.begin(), set.polygons.end());
+    }
+    for (std::size_t i = 0; i < constraints.size(); ++i) {
+      const auto key = KeyOf(constraints, i);
+      const FeatureId owner = key.back();
+      if (owner == kBoxFeature) continue;
+      Side side;
+      for (std::size_t k = 0; k < D; ++k) side[k] = number_of_.at(key[k]);
+      std::sort(side.begin(), side.end());
+      walls_.emplace(side, polygons.contains(owner) ? Wall::kOfPolygon : Wall::kOfSegment);
+    }
+  }
+
+  // The side opposite to corner k.
+  Side SideOf(std::size_t row, std::size_t k) const {
+    Side side;
+    std::size_t count = 0;
+    for (std::size_t j = 0; j < kWidth; ++j) {
+      if (j != k) side[count++] = cells_[row * kWidth + j];
+    }
+    std::sort(side.begin(), side.end());
+    return side;
+  }
+
+  const Mesh& mesh_;
+  const std::size_t rows_;
+  absl::flat_hash_map<VertexId, Slot> number_of_;
+  std::vector<Slot> cells_, neighbours_;
+  absl::flat_hash_map<Side, Wall> walls_;
+};
+
+// Predicates need 0 or magnitudes in their domain; what is in the mesh's box is not too large.
+double InDomain(double value) { return std::abs(value) < 0x1p-200 ? 0 : value; }
+
+bool IsIn(const std::array<Point<2>, 3>& s, const Point<2>& p) {
+  return geometry::Orientation(s[0], s[1], p) >= 0 && geometry::Orientation(s[1], s[2], p) >= 0 &&
+         geometry::Orientation(s[2], s[0], p) >= 0;
+}
+
+bool IsIn(const std::array<Point<3>, 4>& s, const Point<3>& p) {
+  return geometry::Orientation(p, s[1], s[2], s[3]) >= 0 &&
+         geometry::Orientation(s[0], p, s[2], s[3]) >= 0 &&
+         geometry::Orientation(s[0], s[1], p, s[3]) >= 0 &&
+         geometry::Orientation(s[0], s[1], s[2], p) >= 0;
+}
+
+template <int D>
+std::vector<PlaceInChambers> Locate(const Mesh& mesh, const Chambers& chambers,
+                                    std::span<const std::array<double, 3>> positions) {
+  std::vector<PlaceInChambers> places(positions.size());
+  std::vector<Point<D>> points(positions.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t k = 0; k < D; ++k) points[i].c[k] = InDomain(positions[i][k]);
+  }
+  std::vector<std::size_t> by_x(points.size());
+  std::iota(by_x.begin(), by_x.end(), std::size_t{0});
+  std::sort(by_x.begin(), by_x.end(),
+            [&](std::size_t i, std::size_t j) { return points[i] < points[j]; });
+  absl::flat_hash_map<VertexId, std::size_t> row_of;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) row_of.emplace(mesh.vertices.ids[i], i);
+  for (std::size_t row = 0; row < mesh.simplex_count(); ++row) {
+    std::array<Point<D>, D + 1> corners;
+    Point<D> lo, hi;
+    lo.c.fill(HUGE_VAL), hi.c.fill(-HUGE_VAL);
+    for (std::size_t j = 0; j <= D; ++j) {
+      const std::size_t v = row_of.at(mesh.simplices[row * (D + 1) + j]);
+      for (std::size_t k = 0; k < D; ++k) {
+        const double c = corners[j].c[k] = mesh.vertices.coordinates[D * v + k];
+        lo.c[k] = std::min(lo.c[k], c), hi.c[k] = std::max(hi.c[k], c);
+      }
+    }
+    auto it = std::lower_bound(by_x.begin(), by_x.end(), lo.c[0],
+                               [&](std::size_t i, double x) { return points[i].c[0] < x; });
+    for (; it != by_x.end() && points[*it].c[0] <= hi.c[0]; ++it) {
+      const Point<D>& p = points[*it];
+      bool is_near = true;
+      for (std::size_t k = 1; k < D; ++k) is_near &= lo.c[k] <= p.c[k] && p.c[k] <= hi.c[k];
+      if (!is_near || !IsIn(corners, p)) continue;
+      PlaceInChambers& place = places[*it];
+      if (place.chamber == PlaceInChambers::kNone) place.chamber = chambers.of[row];
+      place.is_between |= place.chamber != chambers.of[row];
+    }
+  }
+  return places;
+}
+
+}  // namespace
+
+Chambers FindChambers(const Mesh& mesh) {
+  return mesh.dimension == 2 ? ChamberSearch<2>(mesh).Run() : ChamberSearch<3>(mesh).Run();
+}
+
+std::vector<PlaceInChambers> LocateInChambers(const Mesh& mesh, const Chambers& chambers,
+                                              std::span<const std::array<double, 3>> positions) {
+  if (positions.empty()) return {};
+  return mesh.dimension == 2 ? Locate<2>(mesh, chambers, positions)
+                             : Locate<3>(mesh, chambers, positions);
+}
+
+}  // namespace dynmesh::mesh_data
